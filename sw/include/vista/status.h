@@ -1,0 +1,21 @@
+/* Errors are values: every libvista function that can fail returns one of these. */
+#ifndef VISTA_STATUS_H
+#define VISTA_STATUS_H
+
+typedef enum vista_status {
+  VISTA_OK = 0,
+  VISTA_ERROR_ARGUMENT, /* a required pointer is null */
+  VISTA_ERROR_SIZE,     /* an image or array has a size other than the one agreed on */
+  VISTA_ERROR_RANGE,    /* a parameter lies outside its stated range */
+  VISTA_ERROR_MEMORY,   /* the memory that the caller handed over is too small */
+  VISTA_ERROR_NUMBER,   /* a NaN or an infinity where a finite number is required */
+  VISTA_ERROR_CAPACITY, /* more items than the fixed capacity of a table */
+  VISTA_ERROR_OVERFLOW, /* sums of capacities exceed their integer type */
+  VISTA_ERROR_ORDER     /* timestamps that do not increase */
+} vista_status;
+
+/* Short upper-case name ("VISTA_ERROR_SIZE") and one-line text; never null. */
+const char *vista_status_name(vista_status status);
+const char *vista_status_text(vista_status status);
+
+#endif

@@ -1,0 +1,29 @@
+#include "vista/status.h"
+
+typedef struct entry {
+  const char *name;
+  const char *text;
+} entry;
+
+static const entry table[] = {
+    [VISTA_OK] = {"VISTA_OK", "no error"},
+    [VISTA_ERROR_ARGUMENT] = {"VISTA_ERROR_ARGUMENT", "a required pointer is null"},
+    [VISTA_ERROR_SIZE] = {"VISTA_ERROR_SIZE", "a size differs from the one agreed on"},
+    [VISTA_ERROR_RANGE] = {"VISTA_ERROR_RANGE", "a parameter is out of range"},
+    [VISTA_ERROR_MEMORY] = {"VISTA_ERROR_MEMORY", "the memory handed over is too small"},
+    [VISTA_ERROR_NUMBER] = {"VISTA_ERROR_NUMBER", "a number is not finite"},
+    [VISTA_ERROR_CAPACITY] = {"VISTA_ERROR_CAPACITY", "a fixed-size table is full"},
+    [VISTA_ERROR_OVERFLOW] = {"VISTA_ERROR_OVERFLOW", "a sum of capacities overflows"},
+    [VISTA_ERROR_ORDER] = {"VISTA_ERROR_ORDER", "timestamps do not increase"},
+};
+
+static const entry unknown = {"VISTA_ERROR_UNKNOWN", "unknown status"};
+
+static const entry *find(vista_status status) {
+  const unsigned index = (unsigned)status;
+  return index < sizeof table / sizeof table[0] ? &table[index] : &unknown;
+}
+
+const char *vista_status_name(vista_status status) { return find(status)->name; }
+
+const char *vista_status_text(vista_status status) { return find(status)->text; }
