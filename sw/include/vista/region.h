@@ -1,0 +1,45 @@
+/* Regions of the partition with the statistics of their boundary (paper, section II-D).
+ *
+ * Boundary nodes of region k are the nodes of k with an edge of the whole graph that leaves k. The edge consistency
+ * constraint says that a true object boundary has smoothly varying disparity; everything here about disparity is
+ * taken from the valid pixels under boundary nodes, with robust statistics: the far side pollutes boundary cells. */
+#ifndef VISTA_REGION_H
+#define VISTA_REGION_H
+
+#include <stdint.h>
+
+/* Why a region is not an obstacle; the first reason that applies, in this order. */
+typedef enum vista_region_verdict {
+  VISTA_REGION_ACCEPTED = 0,
+  VISTA_REGION_TOO_FEW_PIXELS,  /* too few valid boundary pixels to say anything */
+  VISTA_REGION_TOO_FAR,         /* disparity below the smallest that is reconstructed */
+  VISTA_REGION_TOO_SMALL,       /* metric size below the smallest obstacle */
+  VISTA_REGION_LOW_SUPPORT,     /* valid fraction of the boundary too small */
+  VISTA_REGION_INCONSISTENT,    /* boundary disparity does not vary smoothly (edge consistency) */
+  VISTA_REGION_HORIZONTAL,      /* a surface to fly above, not into: ground, road, water */
+  VISTA_REGION_VERDICT_COUNT
+} vista_region_verdict;
+
+typedef struct vista_region {
+  int32_t label;
+  vista_region_verdict verdict;
+  int32_t node_count;
+  int32_t pixel_count;
+  /* Moments of the region's pixels: centre and covariance. */
+  double mean_u_px, mean_v_px;
+  double cov_uu_px2, cov_uv_px2, cov_vv_px2;
+  int32_t min_u_px, min_v_px, max_u_px, max_v_px; /* bounding box, inclusive */
+  /* Boundary disparity. */
+  int32_t boundary_pixels;         /* pixels under boundary nodes */
+  int32_t boundary_valid;          /* of these, with a valid disparity */
+  int32_t boundary_inliers;        /* of these, within the tolerance of the mode */
+  double disparity_px;             /* mode, refined by the mean of the inliers */
+  double disparity_sigma_px;       /* standard deviation of the inliers */
+  double slope_u, slope_v;         /* gradient of the disparity over the region, px per px */
+  double inclination_deg;          /* of the region's surface against the vertical; 90 = horizontal; NaN unknown */
+} vista_region;
+
+/* Upper-case name of a verdict; never null. */
+const char *vista_region_verdict_name(vista_region_verdict verdict);
+
+#endif
