@@ -1,0 +1,57 @@
+/* Minimum cut between two terminals by augmenting paths, with two search trees (Boykov and Kolmogorov, "An experimental
+ * comparison of min-cut/max-flow algorithms for energy minimization in vision", PAMI 26(9), 2004, section 3).
+ *
+ * The network is the subgraph induced by a subset of the nodes of a vista_graph, plus the terminals S and T:
+ *   arc_capacity[a]     capacity of arc a of the graph (the two arcs of an edge may differ)
+ *   source_capacity[v]  capacity of S -> v
+ *   sink_capacity[v]    capacity of v -> T
+ * Arcs with an end outside the subset do not exist. The labels are those of residual reachability, which are unique:
+ * they do not depend on the solver nor on the order of nodes and arcs. Everything is integer and deterministic. */
+#ifndef VISTA_MAXFLOW_H
+#define VISTA_MAXFLOW_H
+
+#include <stdint.h>
+
+#include "vista/arena.h"
+#include "vista/graph.h"
+#include "vista/status.h"
+
+struct vista_maxflow_node;
+struct vista_maxflow_arc;
+
+/* Solver state for one graph, reused from cut to cut; its memory is private to the solver. Between calls no node is
+ * marked, so that the cost of a call depends on its subset and not on the graph. */
+typedef struct vista_maxflow {
+  int32_t node_count;
+  int32_t arc_count;
+  struct vista_maxflow_node *nodes; /* node_count */
+  struct vista_maxflow_arc *arcs;   /* arc_count */
+  int32_t *orphans;                 /* node_count: ring buffer */
+} vista_maxflow;
+
+typedef struct vista_maxflow_problem {
+  const int32_t *arc_capacity;    /* graph->arc_count, >= 0; the two arcs of an edge sum to at most INT32_MAX */
+  const int32_t *source_capacity; /* graph->node_count, 0 .. INT32_MAX */
+  const int32_t *sink_capacity;   /* graph->node_count, 0 .. INT32_MAX */
+  const int32_t *subset;          /* subset_count distinct nodes; null: all nodes */
+  int32_t subset_count;           /* ignored when subset is null */
+} vista_maxflow_problem;
+
+/* Room for the cuts of a built graph. VISTA_ERROR_ARGUMENT: a null pointer; VISTA_ERROR_MEMORY: arena too small. */
+vista_status vista_maxflow_layout(vista_maxflow *maxflow, const vista_graph *graph, vista_arena *arena);
+
+/* Computes the maximum flow and the labels of the subset's nodes; entries of other nodes are neither read nor written:
+ *   source_side[v] = 1 if v can be reached from S in the residual graph, else 0   (the smallest source side)
+ *   sink_side[v]   = 1 if T can be reached from v in the residual graph, else 0   (null: not wanted)
+ * *value is the flow, equal to the weight of the cut around either side.
+ *
+ * On an error nothing is written:
+ * VISTA_ERROR_ARGUMENT  a required pointer is null
+ * VISTA_ERROR_SIZE      the solver was laid out for a graph of another size
+ * VISTA_ERROR_RANGE     a negative capacity or count; a node that is outside the graph or twice in the subset
+ * VISTA_ERROR_OVERFLOW  the two capacities of an edge inside the subset sum to more than INT32_MAX */
+vista_status vista_maxflow_solve(vista_maxflow *maxflow, const vista_graph *graph,
+                                 const vista_maxflow_problem *problem, uint8_t *source_side, uint8_t *sink_side,
+                                 int64_t *value);
+
+#endif
