@@ -4,8 +4,8 @@
  * Flight direction: the velocity handed over; else the smoothed velocity of the poses; else (no pose, or slower than
  * speed_min_m_s) the optical axis.
  * Obstacle: an elliptical disc facing the camera, semi-axes extent / 2 + inflation_sigma times the standard deviation
- * of its bearing at its depth. Only across the line of sight: the range uncertainty of a far obstacle moves it along its line of
- * sight and would put every far obstacle into the volume. It is reported in the covariance. */
+ * of its bearing at its depth. Only across the line of sight: the range uncertainty of a far obstacle moves it along
+ * its line of sight and would put misses into the volume; it is reported in the covariance instead. */
 #ifndef VISTA_OBSTACLE_MAP_H
 #define VISTA_OBSTACLE_MAP_H
 

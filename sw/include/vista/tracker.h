@@ -1,14 +1,18 @@
-/* Detections to tracks: one extended Kalman filter an obstacle, in the inertial frame with known pose (paper,
- * section II-D).
+/* Detections to tracks: one extended Kalman filter an obstacle, in the inertial frame with known pose (paper, II-D).
  *
  * State      x = (position, velocity) in world, nearly constant velocity with a small prior (obstacles are mostly
  *            static) and white acceleration noise. Width and height: one scalar filter each, on the logarithm.
- * Measurement z = (u, v, d) of the current camera: p = R^T (position - t), u = u0 + f X/Z, v = v0 + f Y/Z, d = f B/Z.
- * Association Mahalanobis gate in (u, v, d), cost = distance^2 + extent term, one global assignment for confirmed
- *            tracks and one for tentative tracks over what is left: a newborn never takes a confirmed track's detection.
- * Life       a detection that nothing claims starts a tentative track, unless it lies within a confirmed one
- *            (a split region). Confirmed at M hits in the last N frames in which it could be seen; a tentative track that can no
- *            longer get there is dropped; a confirmed track is dropped after more than miss_max misses in a row.
+ * Measurement z = (u, v, d) of the current camera: p = R^T (position - t), u = u0 + f X/Z, v = v0 + f Y/Z,
+ *            d = f B/Z. Joseph-form update.
+ * Association in three global assignments over what the one before left over:
+ *            confirmed tracks with the detections in their Mahalanobis gate in (u, v, d);
+ *            confirmed tracks with detections inside their extent at their depth: the region changed its shape, so
+ *            its centre counts as uncertain by half the extent;
+ *            tentative tracks with the detections in their gate. A newborn never takes a confirmed track's detection.
+ * Life       a detection that nothing claims starts a tentative track, unless it lies within a confirmed one (a split
+ *            region). Confirmed at M hits in the last N frames in which it could be seen; a tentative track that can
+ *            no longer get there, or lies within a confirmed one, is dropped; so is a confirmed one after more than
+ *            miss_max misses in a row.
  * Unseen     outside the matched part of the image, or nearer than the engine matches (the blind zone), a track is
  *            not blamed for a miss: it coasts until it is behind the camera or for a set time.
  * Duplicates two confirmed tracks, each centred within the other: the older id stays.
@@ -59,8 +63,9 @@ typedef struct vista_track {
   int32_t label;       /* of the region in this frame; -1 while coasting */
   int32_t age_frames;  /* updates since its birth, that one included */
   int32_t hits;        /* detections in all */
-  int32_t misses;      /* in a row, frames in which it could be seen only */
-  uint32_t window;     /* the last 32 such frames, bit 0 the newest, 1 = hit */
+  int32_t misses;      /* in a row; only frames in which it could be seen count */
+  int32_t seen_frames; /* frames in which it was seen or could have been */
+  uint32_t window;     /* the last 32 of these, bit 0 the newest, 1 = hit */
   int64_t hit_t_ns;    /* last detection */
   int64_t visible_t_ns; /* last frame in which it could be seen */
   double position_m[3];   /* world */
@@ -83,7 +88,8 @@ void vista_tracker_reset(vista_tracker *tracker);
 
 /* One frame. pose == NULL: a still camera, world = camera. On any error nothing is changed.
  * VISTA_ERROR_ORDER: t_ns not after that of the last update; VISTA_ERROR_NUMBER: pose, camera or detection not finite;
- * VISTA_ERROR_RANGE: parameter or camera out of range, rotation not orthonormal, disparity, sigma or extent not positive;
+ * VISTA_ERROR_RANGE: parameter or camera out of range, rotation not orthonormal, a disparity, sigma or extent not
+ * positive;
  * VISTA_ERROR_CAPACITY: more than max_detections; VISTA_ERROR_OVERFLOW: the ids are used up. */
 vista_status vista_tracker_update(vista_tracker *tracker, const vista_tracker_params *params,
                                   const vista_camera *camera, const vista_pose *pose, int64_t t_ns,
