@@ -2,340 +2,324 @@
  *
  *   growth        an active node p takes its free neighbours q as children (S tree: r(p,q) > 0; T tree: r(q,p) > 0);
  *                 a neighbour in the other tree closes a path S -> ... -> T
- *   augmentation  the bottleneck f is pushed along that path; r(p,q) -= f and r(q,p) += f on each arc. Children whose
- *                 arc to their parent is now saturated become orphans
+ *   augmentation  the bottleneck f is pushed along that path: r(p,q) -= f and r(q,p) += f on each arc. Nodes whose
+ *                 link to their parent is now saturated become orphans
  *   adoption      each orphan looks for another parent of its tree that still descends from the terminal; if there is
- *                 none it becomes free, its children become orphans, and neighbours that could reach it become active
+ *                 none it becomes free, its children become orphans, and neighbours that could take it become active
  *
  * When no node is active, no residual arc leaves the S tree and none enters the T tree: the flow is maximal, the S
  * tree is the set reachable from S and the T tree the set that reaches T.
  *
  * Does a candidate parent descend from the terminal? Walking to the root answers, and the nodes on the way are stamped
- * with the number of the augmentation and their distance to the root, so that later walks stop early. Among several
- * parents the one nearest to its root is taken, which keeps paths short.
+ * with the number of the augmentation and their distance to the terminal, so that later walks stop early. Of several
+ * parents the one nearest to the terminal is taken, which keeps paths short.
  *
- * Each arc carries the residuals of both directions, its sister the same two swapped: scanning a node in either tree
- * reads one run of memory, for a grid node one cache line, and only augmentation pays for the copy. */
+ * Nearly all the time goes into walks to the root, so they are given the shortest chain of memory: a node's branch
+ * names its parent node and the residual of the link between them, in the direction of the flow. Residuals come in
+ * pairs, r[l] and r[l ^ 1] being the two directions of an edge, and a node's terminal link is one more pair; so either
+ * tree, and the root itself, is walked, pushed and saturated by the same lines. */
 #include "vista/maxflow.h"
 
 #include <stdbool.h>
 #include <stddef.h>
+#include <string.h>
 
-enum { OUTSIDE, FREE, SOURCE_TREE, SINK_TREE }; /* OUTSIDE is 0: zeroed memory marks no node */
-enum { NO_ARC = -1, TO_TERMINAL = -2 };         /* parents that are not arcs; NO_ARC: free or orphan */
-enum { NO_NODE = -1 };
-
-typedef struct vista_maxflow_node {
-  int32_t parent;      /* arc from this node to its parent, or TO_TERMINAL, or NO_ARC */
-  int32_t tree;        /* OUTSIDE between calls */
-  int32_t first_arc;   /* copied from the graph, to have it beside the rest */
-  int32_t terminal;    /* > 0: residual of S -> node, < 0: minus the residual of node -> T */
-  int32_t next_active; /* NO_NODE: not queued; the last of the queue points to itself */
-  int32_t distance;    /* arcs to the terminal, true at the augmentation number `stamp` */
-  uint32_t stamp;
-  int32_t end_arc;
-} node;
+/* OUTSIDE is 0, so that zeroed memory marks no node; the low bit of the trees is their direction, see tree_link. */
+enum { OUTSIDE = 0, FREE = 1, SOURCE_TREE = 2, SINK_TREE = 3 };
+enum { NONE = -1, TERMINAL = -2 };
+enum { MAX_PAIRS = 1 << 30 }; /* link numbers fit int32_t */
 
 typedef struct vista_maxflow_arc {
   int32_t head;
-  int32_t reverse;
-  int32_t residual;     /* tail -> head */
-  int32_t residual_in;  /* head -> tail */
+  int32_t link; /* residual of tail -> head */
 } arc;
 
+typedef struct vista_maxflow_branch {
+  int32_t parent;   /* node, or TERMINAL, or NONE for orphans */
+  int32_t link;     /* residual of the flow between this node and its parent */
+  uint32_t stamp;   /* augmentation at which the distance was true */
+  int32_t distance; /* links to the terminal */
+} branch;
+
 typedef struct search {
-  node *nodes;
-  arc *arcs;
-  int32_t *orphans;
-  int32_t node_count; /* size of the ring of orphans */
-  int32_t orphan_first, orphan_count;
+  const int32_t *first_arc;
+  const arc *arcs;
+  branch *branches;
+  int32_t *residual;
+  int32_t *next_active; /* NONE: not queued; the last one points to itself */
+  uint8_t *tree;
+  int32_t *orphans; /* ring buffer */
+  int32_t orphan_room, orphan_first, orphan_count;
   int32_t active_first, active_last;
   uint32_t augmentations;
   int64_t flow;
 } search;
 
+/* Residual through which a node of `tree` hands its terminal on to the neighbour at the other end of its arc:
+ * tail -> head for the S tree, head -> tail for the T tree. The sister, tree_link ^ 1, serves the opposite question. */
+static int32_t tree_link(int32_t link, int32_t tree) { return link ^ (tree & 1); }
+
 static void activate(search *s, int32_t v) {
-  if (s->nodes[v].next_active != NO_NODE) return;
-  s->nodes[v].next_active = v;
-  if (s->active_first == NO_NODE) {
+  if (s->next_active[v] != NONE) return;
+  s->next_active[v] = v;
+  if (s->active_first == NONE) {
     s->active_first = v;
   } else {
-    s->nodes[s->active_last].next_active = v;
+    s->next_active[s->active_last] = v;
   }
   s->active_last = v;
 }
 
-static int32_t next_active(search *s) {
+static int32_t pop_active(search *s) {
   const int32_t v = s->active_first;
-  if (v == NO_NODE) return NO_NODE;
-  const int32_t next = s->nodes[v].next_active;
-  s->active_first = next == v ? NO_NODE : next;
-  s->nodes[v].next_active = NO_NODE;
+  if (v == NONE) return NONE;
+  s->active_first = s->next_active[v] == v ? NONE : s->next_active[v];
+  s->next_active[v] = NONE;
   return v;
 }
 
 static void push_orphan(search *s, int32_t v) {
-  s->nodes[v].parent = NO_ARC;
-  int32_t last = s->orphan_first + s->orphan_count++;
-  if (last >= s->node_count) last -= s->node_count;
-  s->orphans[last] = v;
+  s->branches[v].parent = NONE;
+  const int32_t last = s->orphan_first + s->orphan_count++;
+  s->orphans[last < s->orphan_room ? last : last - s->orphan_room] = v;
 }
 
-/* Orphans nearest to the root first: their descendants then find out early whether the branch survives. */
 static void push_orphan_first(search *s, int32_t v) {
-  s->nodes[v].parent = NO_ARC;
-  s->orphan_first = (s->orphan_first == 0 ? s->node_count : s->orphan_first) - 1;
+  s->branches[v].parent = NONE;
+  s->orphan_first = (s->orphan_first == 0 ? s->orphan_room : s->orphan_first) - 1;
   s->orphan_count++;
   s->orphans[s->orphan_first] = v;
 }
 
 static int32_t pop_orphan(search *s) {
   const int32_t v = s->orphans[s->orphan_first];
-  s->orphan_first = s->orphan_first + 1 == s->node_count ? 0 : s->orphan_first + 1;
+  s->orphan_first = s->orphan_first + 1 == s->orphan_room ? 0 : s->orphan_first + 1;
   s->orphan_count--;
   return v;
 }
 
-static void push(arc *arcs, int32_t a, int32_t flow) {
-  arc *forward = &arcs[a], *backward = &arcs[forward->reverse];
-  forward->residual -= flow;
-  forward->residual_in += flow;
-  backward->residual += flow;
-  backward->residual_in -= flow;
+static int32_t bottleneck(const search *s, int32_t v, int32_t flow) {
+  for (; v >= 0; v = s->branches[v].parent) {
+    const int32_t residual = s->residual[s->branches[v].link];
+    flow = residual < flow ? residual : flow;
+  }
+  return flow;
 }
 
-/* Pushes the bottleneck along S -> ... -> tail(bridge) -> head(bridge) -> ... -> T. */
-static void augment(search *s, int32_t bridge) {
-  node *nodes = s->nodes;
-  arc *arcs = s->arcs;
-  const int32_t source_end = arcs[arcs[bridge].reverse].head, sink_end = arcs[bridge].head;
-
-  int32_t flow = arcs[bridge].residual;
-  int32_t v = source_end;
-  for (int32_t a; (a = nodes[v].parent) != TO_TERMINAL; v = arcs[a].head) {
-    if (arcs[a].residual_in < flow) flow = arcs[a].residual_in;
-  }
-  if (nodes[v].terminal < flow) flow = nodes[v].terminal;
-  v = sink_end;
-  for (int32_t a; (a = nodes[v].parent) != TO_TERMINAL; v = arcs[a].head) {
-    if (arcs[a].residual < flow) flow = arcs[a].residual;
-  }
-  if (-nodes[v].terminal < flow) flow = -nodes[v].terminal;
-
-  push(arcs, bridge, flow);
-  v = source_end;
-  for (int32_t a; (a = nodes[v].parent) != TO_TERMINAL;) {
-    const int32_t parent = arcs[a].head;
-    push(arcs, arcs[a].reverse, flow);
-    if (arcs[a].residual_in == 0) push_orphan_first(s, v);
+/* Orphans are queued with those near the root first: what hangs on them then learns early whether it survives. */
+static void push_flow(search *s, int32_t v, int32_t flow) {
+  while (v >= 0) {
+    const int32_t parent = s->branches[v].parent, link = s->branches[v].link;
+    s->residual[link ^ 1] += flow;
+    if ((s->residual[link] -= flow) == 0) push_orphan_first(s, v);
     v = parent;
   }
-  nodes[v].terminal -= flow;
-  if (nodes[v].terminal == 0) push_orphan_first(s, v);
-  v = sink_end;
-  for (int32_t a; (a = nodes[v].parent) != TO_TERMINAL;) {
-    const int32_t parent = arcs[a].head;
-    push(arcs, a, flow);
-    if (arcs[a].residual == 0) push_orphan_first(s, v);
-    v = parent;
-  }
-  nodes[v].terminal += flow;
-  if (nodes[v].terminal == 0) push_orphan_first(s, v);
+}
 
+/* Pushes the bottleneck of S -> ... -> p -> q -> ... -> T, where r[link] is the residual of p -> q. */
+static void augment(search *s, int32_t p, int32_t q, int32_t link) {
+  const int32_t flow = bottleneck(s, q, bottleneck(s, p, s->residual[link]));
+  s->residual[link] -= flow;
+  s->residual[link ^ 1] += flow;
+  push_flow(s, p, flow);
+  push_flow(s, q, flow);
   s->flow += flow;
   s->augmentations++;
 }
 
-/* Arcs from v to its terminal, or 0 if an orphan is met on the way. */
+/* Links from v to its terminal, or 0 if an orphan is met on the way. */
 static int32_t distance_to_terminal(search *s, int32_t v) {
-  node *nodes = s->nodes;
-  const arc *arcs = s->arcs;
+  branch *branches = s->branches;
   const uint32_t now = s->augmentations;
-  int32_t distance = 0, u = v;
-  while (nodes[u].stamp != now) {
-    const int32_t a = nodes[u].parent;
-    if (a == NO_ARC) return 0;
-    if (a == TO_TERMINAL) {
-      nodes[u].stamp = now;
-      nodes[u].distance = 1;
+  int32_t walked = 0, u = v;
+  while (branches[u].stamp != now) {
+    const int32_t parent = branches[u].parent;
+    if (parent == NONE) return 0;
+    if (parent == TERMINAL) {
+      branches[u].stamp = now;
+      branches[u].distance = 1;
       break;
     }
-    distance++;
-    u = arcs[a].head;
+    walked++;
+    u = parent;
   }
-  distance += nodes[u].distance;
-  int32_t remaining = distance;
-  for (u = v; nodes[u].stamp != now; u = arcs[nodes[u].parent].head) {
-    nodes[u].stamp = now;
-    nodes[u].distance = remaining--;
+  const int32_t distance = walked + branches[u].distance;
+  u = v;
+  for (int32_t d = distance; walked > 0; walked--, d--, u = branches[u].parent) {
+    branches[u].stamp = now;
+    branches[u].distance = d;
   }
   return distance;
 }
 
-static void release(search *s, int32_t v, bool source) {
-  node *nodes = s->nodes;
-  const int32_t tree = nodes[v].tree;
-  for (int32_t a = nodes[v].first_arc; a < nodes[v].end_arc; a++) {
-    const arc *out = &s->arcs[a];
-    const int32_t u = out->head;
-    if (nodes[u].tree != tree) continue;
-    if ((source ? out->residual_in : out->residual) > 0) activate(s, u);
-    if (nodes[u].parent == out->reverse) push_orphan(s, u);
+static void release(search *s, int32_t v) {
+  const int32_t tree = s->tree[v];
+  for (int32_t a = s->first_arc[v]; a < s->first_arc[v + 1]; a++) {
+    const int32_t u = s->arcs[a].head;
+    if (s->tree[u] != tree) continue;
+    if (s->residual[tree_link(s->arcs[a].link, tree) ^ 1] > 0) activate(s, u);
+    if (s->branches[u].parent == v) push_orphan(s, u);
   }
-  nodes[v].tree = FREE;
+  s->tree[v] = FREE;
 }
 
 static void adopt(search *s) {
-  node *nodes = s->nodes;
   while (s->orphan_count > 0) {
     const int32_t v = pop_orphan(s);
-    const int32_t tree = nodes[v].tree;
-    const bool source = tree == SOURCE_TREE;
-    int32_t best = NO_ARC, best_distance = INT32_MAX;
-    for (int32_t a = nodes[v].first_arc; a < nodes[v].end_arc; a++) {
-      const arc *out = &s->arcs[a];
-      if ((source ? out->residual_in : out->residual) == 0 || nodes[out->head].tree != tree) continue;
-      const int32_t distance = distance_to_terminal(s, out->head);
-      if (distance > 0 && distance < best_distance) {
-        best = a;
-        best_distance = distance;
+    const int32_t tree = s->tree[v];
+    int32_t parent = NONE, parent_link = NONE, nearest = INT32_MAX;
+    for (int32_t a = s->first_arc[v]; a < s->first_arc[v + 1]; a++) {
+      const int32_t u = s->arcs[a].head, link = tree_link(s->arcs[a].link, tree) ^ 1;
+      if (s->tree[u] != tree || s->residual[link] == 0) continue;
+      const int32_t distance = distance_to_terminal(s, u);
+      if (distance > 0 && distance < nearest) {
+        nearest = distance;
+        parent = u;
+        parent_link = link;
       }
     }
-    if (best == NO_ARC) {
-      release(s, v, source);
+    if (parent == NONE) {
+      release(s, v);
     } else {
-      nodes[v].parent = best;
-      nodes[v].stamp = s->augmentations;
-      nodes[v].distance = best_distance + 1;
+      s->branches[v] = (branch){parent, parent_link, s->augmentations, nearest + 1};
     }
   }
 }
 
-/* Scans the arcs of active node v once. After an augmentation the same arc is looked at again: nodes scanned before it
- * that have become free in the meantime have made v active again. */
+/* Scans the arcs of active node v once. After an augmentation the same arc is looked at again, and nothing before it
+ * is missed: a neighbour that adoption has set free in the meantime has made v active again. */
 static void grow(search *s, int32_t v) {
-  node *nodes = s->nodes, *p = &nodes[v];
-  const int32_t tree = p->tree;
-  const bool source = tree == SOURCE_TREE;
-  for (int32_t a = p->first_arc; a < p->end_arc;) {
-    const arc *out = &s->arcs[a];
-    if ((source ? out->residual : out->residual_in) == 0) {
-      a++;
-      continue;
-    }
-    node *q = &nodes[out->head];
-    if (q->tree == FREE) {
-      q->tree = tree;
-      q->parent = out->reverse;
-      q->stamp = p->stamp;
-      q->distance = p->distance + 1;
-      activate(s, out->head);
-    } else if (q->tree != tree) {
-      augment(s, source ? a : out->reverse);
-      adopt(s);
-      if (p->tree != tree) return;
-      continue;
+  const int32_t tree = s->tree[v];
+  const int32_t end = s->first_arc[v + 1];
+  for (int32_t a = s->first_arc[v]; a < end;) {
+    const int32_t q = s->arcs[a].head, link = tree_link(s->arcs[a].link, tree);
+    if (s->residual[link] > 0 && s->tree[q] != tree) {
+      if (s->tree[q] != FREE) {
+        augment(s, tree == SOURCE_TREE ? v : q, tree == SOURCE_TREE ? q : v, link);
+        adopt(s);
+        if (s->tree[v] != tree) return;
+        continue;
+      }
+      s->tree[q] = (uint8_t)tree;
+      s->branches[q] = (branch){v, link, s->branches[v].stamp, s->branches[v].distance + 1};
+      activate(s, q);
     }
     a++;
   }
 }
 
-static bool mark_subset(node *nodes, const vista_graph *graph, const vista_maxflow_problem *problem, int32_t count,
-                        int32_t *marked) {
-  const int32_t *subset = problem->subset;
-  for (*marked = 0; *marked < count; (*marked)++) {
-    const int32_t v = subset == NULL ? *marked : subset[*marked];
-    if (v < 0 || v >= graph->node_count || nodes[v].tree != OUTSIDE) return false;
-    nodes[v].tree = FREE;
+/* Returns how many nodes were marked, which is less than count if one of them is not a node or comes twice. */
+static int32_t mark_subset(uint8_t *tree, int32_t node_count, const int32_t *subset, int32_t count) {
+  if (subset == NULL) {
+    memset(tree, FREE, (size_t)count);
+    return count;
   }
-  return true;
+  for (int32_t k = 0; k < count; k++) {
+    const int32_t v = subset[k];
+    if (v < 0 || v >= node_count || tree[v] != OUTSIDE) return k;
+    tree[v] = FREE;
+  }
+  return count;
 }
 
-/* Loads node v and its arcs. The part of the flow that runs S -> v -> T is pushed at once. */
-static vista_status load_node(search *s, const vista_graph *graph, const vista_maxflow_problem *problem, int32_t v) {
-  const int32_t from_source = problem->source_capacity[v], to_sink = problem->sink_capacity[v];
-  if (from_source < 0 || to_sink < 0) return VISTA_ERROR_RANGE;
-  node *p = &s->nodes[v];
-  p->first_arc = graph->first_arc[v];
-  p->end_arc = graph->first_arc[v + 1];
-  for (int32_t a = p->first_arc; a < p->end_arc; a++) {
-    const int32_t head = graph->head[a], reverse = graph->reverse[a];
-    arc *out = &s->arcs[a];
-    out->head = head;
-    out->reverse = reverse;
-    if (s->nodes[head].tree == OUTSIDE) {
-      out->residual = out->residual_in = 0;
-      continue;
+/* Loads node v. The part of the flow that runs S -> v -> T is pushed at once. Returns the OR of its arc capacities,
+ * which tells whether any of them is negative or too large. */
+static int32_t load_node(search *s, const vista_maxflow_problem *problem, int32_t terminal_link, int32_t v) {
+  int32_t bits = 0;
+  for (int32_t a = s->first_arc[v]; a < s->first_arc[v + 1]; a++) {
+    const int32_t link = s->arcs[a].link;
+    if (s->tree[s->arcs[a].head] == OUTSIDE) {
+      s->residual[link] = s->residual[link ^ 1] = 0;
+    } else {
+      bits |= s->residual[link] = problem->arc_capacity[a];
     }
-    out->residual = problem->arc_capacity[a];
-    out->residual_in = problem->arc_capacity[reverse];
-    if (out->residual < 0 || out->residual_in < 0) return VISTA_ERROR_RANGE;
-    if (out->residual > INT32_MAX - out->residual_in) return VISTA_ERROR_OVERFLOW;
   }
-  p->terminal = from_source - to_sink;
+  s->next_active[v] = NONE;
+  const int32_t from_source = problem->source_capacity[v], to_sink = problem->sink_capacity[v];
   s->flow += from_source < to_sink ? from_source : to_sink;
-  p->next_active = NO_NODE;
-  p->stamp = 0;
-  if (p->terminal == 0) {
-    p->parent = NO_ARC;
-  } else {
-    p->tree = p->terminal > 0 ? SOURCE_TREE : SINK_TREE;
-    p->parent = TO_TERMINAL;
-    p->distance = 1;
+  if (from_source != to_sink) {
+    s->tree[v] = from_source > to_sink ? SOURCE_TREE : SINK_TREE;
+    s->residual[terminal_link] = from_source > to_sink ? from_source - to_sink : to_sink - from_source;
+    s->residual[terminal_link ^ 1] = 0;
+    s->branches[v] = (branch){TERMINAL, terminal_link, 0, 1};
     activate(s, v);
   }
-  return VISTA_OK;
+  return bits;
+}
+
+static vista_status load(search *s, const vista_maxflow_problem *problem, int32_t first_terminal_link, int32_t count) {
+  int32_t arc_bits = 0;
+  for (int32_t k = 0; k < count; k++) {
+    const int32_t v = problem->subset == NULL ? k : problem->subset[k];
+    if ((problem->source_capacity[v] | problem->sink_capacity[v]) < 0) return VISTA_ERROR_RANGE;
+    arc_bits |= load_node(s, problem, first_terminal_link + 2 * v, v);
+  }
+  if (arc_bits < 0) return VISTA_ERROR_RANGE;
+  return arc_bits > VISTA_MAXFLOW_ARC_CAPACITY_MAX ? VISTA_ERROR_OVERFLOW : VISTA_OK;
 }
 
 vista_status vista_maxflow_layout(vista_maxflow *maxflow, const vista_graph *graph, vista_arena *arena) {
   if (maxflow == NULL || graph == NULL || arena == NULL) return VISTA_ERROR_ARGUMENT;
+  if (graph->node_count > MAX_PAIRS - graph->edge_count) return VISTA_ERROR_RANGE;
+  const size_t nodes = (size_t)graph->node_count, edges = (size_t)graph->edge_count;
+  arc *arcs = vista_arena_take(arena, 2 * edges, sizeof *arcs);
   *maxflow = (vista_maxflow){
-      .node_count = graph->node_count,
-      .arc_count = graph->arc_count,
-      .nodes = vista_arena_take(arena, (size_t)graph->node_count, sizeof(node)),
-      .arcs = vista_arena_take(arena, (size_t)graph->arc_count, sizeof(arc)),
-      .orphans = vista_arena_take(arena, (size_t)graph->node_count, sizeof(int32_t)),
+      .graph = *graph,
+      .arcs = arcs,
+      .branches = vista_arena_take(arena, nodes, sizeof(branch)),
+      .residual = vista_arena_take(arena, 2 * (edges + nodes), sizeof(int32_t)),
+      .next_active = vista_arena_take(arena, nodes, sizeof(int32_t)),
+      .orphans = vista_arena_take(arena, nodes, sizeof(int32_t)),
+      .tree = vista_arena_take(arena, nodes, sizeof(uint8_t)),
   };
-  return arena->base != NULL && arena->used > arena->size ? VISTA_ERROR_MEMORY : VISTA_OK;
+  if (arena->base == NULL) return VISTA_OK;
+  if (arena->used > arena->size) return VISTA_ERROR_MEMORY;
+  if (graph->first_arc == NULL) return VISTA_ERROR_ARGUMENT;
+  for (int32_t e = 0; e < graph->edge_count; e++) {
+    const int32_t a = graph->edge_arc[e], sister = graph->reverse[a];
+    arcs[a] = (arc){graph->head[a], 2 * e};
+    arcs[sister] = (arc){graph->head[sister], 2 * e + 1};
+  }
+  return VISTA_OK;
 }
 
-vista_status vista_maxflow_solve(vista_maxflow *maxflow, const vista_graph *graph,
-                                 const vista_maxflow_problem *problem, uint8_t *source_side, uint8_t *sink_side,
-                                 int64_t *value) {
-  if (maxflow == NULL || graph == NULL || problem == NULL || source_side == NULL || value == NULL)
-    return VISTA_ERROR_ARGUMENT;
+vista_status vista_maxflow_solve(vista_maxflow *maxflow, const vista_maxflow_problem *problem, uint8_t *source_side,
+                                 uint8_t *sink_side, int64_t *value) {
+  if (maxflow == NULL || problem == NULL || source_side == NULL || value == NULL) return VISTA_ERROR_ARGUMENT;
   if (problem->arc_capacity == NULL || problem->source_capacity == NULL || problem->sink_capacity == NULL)
     return VISTA_ERROR_ARGUMENT;
-  if (maxflow->node_count != graph->node_count || maxflow->arc_count != graph->arc_count) return VISTA_ERROR_SIZE;
-  if (maxflow->nodes == NULL || graph->first_arc == NULL) return VISTA_ERROR_ARGUMENT;
-  if (problem->subset != NULL && problem->subset_count < 0) return VISTA_ERROR_RANGE;
-
+  if (maxflow->tree == NULL) return VISTA_ERROR_ARGUMENT;
   const int32_t *subset = problem->subset;
-  const int32_t count = subset == NULL ? graph->node_count : problem->subset_count;
+  const int32_t node_count = maxflow->graph.node_count;
+  const int32_t count = subset == NULL ? node_count : problem->subset_count;
+  if (count < 0) return VISTA_ERROR_RANGE;
+
   search s = {
-      .nodes = maxflow->nodes,
+      .first_arc = maxflow->graph.first_arc,
       .arcs = maxflow->arcs,
+      .branches = maxflow->branches,
+      .residual = maxflow->residual,
+      .next_active = maxflow->next_active,
+      .tree = maxflow->tree,
       .orphans = maxflow->orphans,
-      .node_count = maxflow->node_count,
-      .active_first = NO_NODE,
-      .active_last = NO_NODE,
+      .orphan_room = node_count,
+      .active_first = NONE,
   };
-  int32_t marked;
-  vista_status status = mark_subset(s.nodes, graph, problem, count, &marked) ? VISTA_OK : VISTA_ERROR_RANGE;
-  for (int32_t k = 0; k < marked && status == VISTA_OK; k++)
-    status = load_node(&s, graph, problem, subset == NULL ? k : subset[k]);
+  const int32_t marked = mark_subset(s.tree, node_count, subset, count);
+  const vista_status status =
+      marked < count ? VISTA_ERROR_RANGE : load(&s, problem, maxflow->graph.arc_count, count);
   if (status == VISTA_OK) {
-    for (int32_t v; (v = next_active(&s)) != NO_NODE;)
-      if (s.nodes[v].tree != FREE) grow(&s, v);
+    for (int32_t v; (v = pop_active(&s)) != NONE;)
+      if (s.tree[v] != FREE) grow(&s, v);
     *value = s.flow;
   }
   for (int32_t k = 0; k < marked; k++) {
     const int32_t v = subset == NULL ? k : subset[k];
     if (status == VISTA_OK) {
-      source_side[v] = s.nodes[v].tree == SOURCE_TREE;
-      if (sink_side != NULL) sink_side[v] = s.nodes[v].tree == SINK_TREE;
+      source_side[v] = s.tree[v] == SOURCE_TREE;
+      if (sink_side != NULL) sink_side[v] = s.tree[v] == SINK_TREE;
     }
-    s.nodes[v].tree = OUTSIDE;
+    s.tree[v] = OUTSIDE;
   }
   return status;
 }

@@ -16,28 +16,37 @@
 #include "vista/graph.h"
 #include "vista/status.h"
 
-struct vista_maxflow_node;
-struct vista_maxflow_arc;
+#define VISTA_MAXFLOW_ARC_CAPACITY_MAX 1073741823 /* 2^30 - 1: an arc can then take up all that its sister carries */
 
-/* Solver state for one graph, reused from cut to cut; its memory is private to the solver. Between calls no node is
- * marked, so that the cost of a call depends on its subset and not on the graph. */
+struct vista_maxflow_arc;
+struct vista_maxflow_branch;
+
+/* Solver state for one graph, used again from cut to cut; its arrays are private to the solver. Between calls no node
+ * is marked, so that the cost of a call depends on its subset and not on the graph. */
 typedef struct vista_maxflow {
-  int32_t node_count;
-  int32_t arc_count;
-  struct vista_maxflow_node *nodes; /* node_count */
-  struct vista_maxflow_arc *arcs;   /* arc_count */
-  int32_t *orphans;                 /* node_count: ring buffer */
+  vista_graph graph;
+  struct vista_maxflow_arc *arcs;        /* arc_count */
+  struct vista_maxflow_branch *branches; /* node_count */
+  int32_t *residual;                     /* 2 (edge_count + node_count) */
+  int32_t *next_active;                  /* node_count */
+  int32_t *orphans;                      /* node_count */
+  uint8_t *tree;                         /* node_count */
 } vista_maxflow;
 
 typedef struct vista_maxflow_problem {
-  const int32_t *arc_capacity;    /* graph->arc_count, >= 0; the two arcs of an edge sum to at most INT32_MAX */
-  const int32_t *source_capacity; /* graph->node_count, 0 .. INT32_MAX */
-  const int32_t *sink_capacity;   /* graph->node_count, 0 .. INT32_MAX */
+  const int32_t *arc_capacity;    /* arc_count, 0 .. VISTA_MAXFLOW_ARC_CAPACITY_MAX */
+  const int32_t *source_capacity; /* node_count, 0 .. INT32_MAX */
+  const int32_t *sink_capacity;   /* node_count, 0 .. INT32_MAX */
   const int32_t *subset;          /* subset_count distinct nodes; null: all nodes */
   int32_t subset_count;           /* ignored when subset is null */
 } vista_maxflow_problem;
 
-/* Room for the cuts of a built graph. VISTA_ERROR_ARGUMENT: a null pointer; VISTA_ERROR_MEMORY: arena too small. */
+/* Lays out the solver for a graph, whose arrays must outlive it. When the arena counts, only the graph's counts are
+ * read.
+ *
+ * VISTA_ERROR_ARGUMENT  a null pointer, or a graph that is not built
+ * VISTA_ERROR_RANGE     edges and nodes together exceed 2^30
+ * VISTA_ERROR_MEMORY    the arena is too small */
 vista_status vista_maxflow_layout(vista_maxflow *maxflow, const vista_graph *graph, vista_arena *arena);
 
 /* Computes the maximum flow and the labels of the subset's nodes; entries of other nodes are neither read nor written:
@@ -47,11 +56,9 @@ vista_status vista_maxflow_layout(vista_maxflow *maxflow, const vista_graph *gra
  *
  * On an error nothing is written:
  * VISTA_ERROR_ARGUMENT  a required pointer is null
- * VISTA_ERROR_SIZE      the solver was laid out for a graph of another size
  * VISTA_ERROR_RANGE     a negative capacity or count; a node that is outside the graph or twice in the subset
- * VISTA_ERROR_OVERFLOW  the two capacities of an edge inside the subset sum to more than INT32_MAX */
-vista_status vista_maxflow_solve(vista_maxflow *maxflow, const vista_graph *graph,
-                                 const vista_maxflow_problem *problem, uint8_t *source_side, uint8_t *sink_side,
-                                 int64_t *value);
+ * VISTA_ERROR_OVERFLOW  an arc inside the subset above VISTA_MAXFLOW_ARC_CAPACITY_MAX */
+vista_status vista_maxflow_solve(vista_maxflow *maxflow, const vista_maxflow_problem *problem, uint8_t *source_side,
+                                 uint8_t *sink_side, int64_t *value);
 
 #endif
