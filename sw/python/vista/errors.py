@@ -6,7 +6,7 @@ from pathlib import Path
 
 
 class InputError(Exception):
-    """Bad input, said in one line: the command line prints `vista: <culprit>: <reason>` and exits with status 2.
+    """Bad input in one line: the command line prints `vista: <culprit>: <reason>` and exits with status 2.
 
     culprit: what is wrong - a file, `file:line`, or an option.
     reason: what is wrong with it, without a full stop.

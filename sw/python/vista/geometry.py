@@ -1,8 +1,8 @@
 """Cameras and poses, each with its frames of reference in its name.
 
-    camera  x right, y down, z forward, metres
-    px      u right, v down, origin at the centre of the top-left pixel
-    world   the inertial frame of the pose source, metres
+camera  x right, y down, z forward, metres
+px      u right, v down, origin at the centre of the top-left pixel
+world   the inertial frame of the pose source, metres
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ class Calibration:
 
 @dataclass(frozen=True)
 class CameraModel:
-    """One camera as calibrated: pinhole with radial-tangential distortion (Brown; OpenCV's k1, k2, p1, p2[, k3])."""
+    """One camera as calibrated: pinhole with radial-tangential distortion (OpenCV's k1, k2, p1, p2[, k3])."""
 
     width: int
     height: int
@@ -59,6 +59,7 @@ class RawCalibration:
     left: CameraModel
     right: CameraModel
     right_from_left: Pose
+    source: str  # the file it was read from, for messages
 
 
 def camera_matrix(fx: float, fy: float, cx: float, cy: float) -> Array:
@@ -86,7 +87,9 @@ def slerp(first: Array, second: Array, fraction: float) -> Array:
     if angle < 1e-6:  # sin(angle) / angle is 1 to the last digit
         blended = (1.0 - fraction) * first + fraction * second
     else:
-        blended = (np.sin((1.0 - fraction) * angle) * first + np.sin(fraction * angle) * second) / np.sin(angle)
+        blended = (np.sin((1.0 - fraction) * angle) * first + np.sin(fraction * angle) * second) / np.sin(
+            angle
+        )
     return blended / np.linalg.norm(blended)
 
 

@@ -15,8 +15,8 @@ LAYOUTS = (asl, kitti, pairs)
 
 
 def open_sequence(path: str | Path) -> Sequence:
-    """Opens an EuRoC ASL, KITTI odometry or pairs folder. Calibration, times, poses and the presence of every image
-    are checked here; the images are read one by one later.
+    """Opens an EuRoC ASL, KITTI odometry or pairs folder. Calibration, times, poses and the presence of every
+    image are checked here; the images are read one by one later.
 
     Raises InputError naming the file, and the line where there is one.
     """

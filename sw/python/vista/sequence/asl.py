@@ -1,8 +1,8 @@
 """EuRoC ASL layout: mav0/cam0, mav0/cam1 with sensor.yaml, data.csv and data/; poses in
 mav0/state_groundtruth_estimate0/data.csv (optional).
 
-The camera's pose is the body's pose, interpolated to the image time, times T_BS of cam0. Frames outside the time
-of the poses are left out, and a note says how many.
+The camera's pose is the body's pose, interpolated to the image time, times T_BS of cam0. Frames outside the
+time of the poses are left out, and a note says how many.
 """
 
 from __future__ import annotations
@@ -11,7 +11,6 @@ from pathlib import Path
 
 import cv2
 import numpy as np
-
 from vista.errors import InputError
 from vista.geometry import CameraModel, Pose, RawCalibration, camera_matrix, is_rotation
 from vista.sequence.text import check_increasing, data_lines, finite_row, read_text, timestamp_ns
@@ -47,10 +46,15 @@ def open_folder(folder: Path) -> Sequence:
         raise InputError(root / POSES, f"covers the time of none of the {len(left_images)} frames")
 
     left_out = len(left_images) - len(frames)
-    notes = (f"{left_out} of {len(left_images)} frames lie outside the time of {root / POSES}",) if left_out else ()
+    notes = (
+        (f"{left_out} of {len(left_images)} frames lie outside the time of {root / POSES}",)
+        if left_out
+        else ()
+    )
     right_from_left = body_from_right.inverse() @ body_from_left
+    calibration = RawCalibration(left, right, right_from_left, str(root / "cam1" / "sensor.yaml"))
     name = root.resolve().parent.name
-    return Sequence(name, "EuRoC ASL", RawCalibration(left, right, right_from_left), tuple(frames), notes)
+    return Sequence(name, "EuRoC ASL", calibration, tuple(frames), notes)
 
 
 def read_sensor(path: Path) -> tuple[CameraModel, Pose]:
@@ -74,7 +78,9 @@ def read_sensor(path: Path) -> tuple[CameraModel, Pose]:
     T_BS = np.array(_numbers(path, storage, "T_BS", {16})).reshape(4, 4)
     if not is_rotation(T_BS[:3, :3]):
         raise InputError(path, "T_BS does not hold a rotation")
-    return CameraModel(width, height, camera_matrix(fx, fy, cx, cy), distortion), Pose(T_BS[:3, :3], T_BS[:3, 3])
+    return CameraModel(width, height, camera_matrix(fx, fy, cx, cy), distortion), Pose(
+        T_BS[:3, :3], T_BS[:3, 3]
+    )
 
 
 def _numbers(path: Path, storage: cv2.FileStorage, key: str, counts: set[int]) -> list[float]:
@@ -90,7 +96,9 @@ def _numbers(path: Path, storage: cv2.FileStorage, key: str, counts: set[int]) -
     if not np.all(np.isfinite(values)):
         raise InputError(path, f"{key} holds a number that is not finite")
     if len(values) not in counts:
-        raise InputError(path, f"{key} holds {len(values)} numbers, expected {' or '.join(map(str, sorted(counts)))}")
+        raise InputError(
+            path, f"{key} holds {len(values)} numbers, expected {' or '.join(map(str, sorted(counts)))}"
+        )
     return values
 
 
@@ -114,12 +122,14 @@ def _read_image_list(camera: Path) -> dict[int, Path]:
 
 
 def read_trajectory(path: Path) -> Trajectory:
-    """Body poses: timestamp, position, quaternion (w, x, y, z); further columns (velocity, biases) are not read."""
+    """Body poses: timestamp, position, quaternion (w, x, y, z); further columns are not read."""
     samples: list[Sample] = []
     for culprit, line in data_lines(path):
         fields = line.split(",")
         if len(fields) < 8:
-            raise InputError(culprit, f"{len(fields)} columns, expected timestamp, position (3), quaternion (4)")
+            raise InputError(
+                culprit, f"{len(fields)} columns, expected timestamp, position (3), quaternion (4)"
+            )
         t_ns = timestamp_ns(culprit, fields[0])
         check_increasing(culprit, samples[-1].t_ns if samples else None, t_ns)
         values = np.array(finite_row(culprit, fields[1:8], 7))

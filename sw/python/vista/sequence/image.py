@@ -16,7 +16,6 @@ from pathlib import Path
 import cv2
 import numpy as np
 from numpy.typing import NDArray
-
 from vista.errors import InputError
 
 EXTENSIONS = (".png", ".jpg", ".jpeg", ".pgm", ".ppm")
@@ -33,8 +32,8 @@ class Header:
 def read_grey(path: Path) -> NDArray[np.uint8]:
     """HxW uint8. Colour becomes grey by ITU-R BT.601 (0.299 R + 0.587 G + 0.114 B), transparency is ignored.
 
-    Raises InputError: missing, truncated, damaged, not PNG/JPEG/PGM/PPM, more than 8 bits a channel, or with a side
-    above MAX_SIDE_PX. 16-bit images are not scaled: the file does not say which of its bits hold the picture.
+    Raises InputError: missing, truncated, damaged, not PNG/JPEG/PGM/PPM, more than 8 bits a channel, or with a
+    side above MAX_SIDE_PX. 16-bit images are not scaled: which of the bits hold the picture is not in the file.
     """
     data = _read_bytes(path)
     header = _check_container(path, data)
@@ -79,7 +78,9 @@ def _check_container(path: Path, data: bytes) -> Header:
     else:
         raise InputError(path, "not a PNG, JPEG, PGM or PPM image")
     if header.width < 1 or header.height < 1 or max(header.width, header.height) > MAX_SIDE_PX:
-        raise InputError(path, f"image of {header.width}x{header.height}; sides of 1 to {MAX_SIDE_PX} are read")
+        raise InputError(
+            path, f"image of {header.width}x{header.height}; sides of 1 to {MAX_SIDE_PX} are read"
+        )
     return header
 
 

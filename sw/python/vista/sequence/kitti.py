@@ -6,7 +6,6 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-
 from vista.errors import InputError
 from vista.geometry import Array, CameraModel, Pose, RawCalibration, is_rotation
 from vista.sequence.image import EXTENSIONS, read_size
@@ -61,16 +60,22 @@ def read_calibration(path: Path, size: tuple[int, int]) -> RawCalibration:
         if key not in projections:
             raise InputError(path, f"{key} is missing")
     K0, K1 = projections["P0"][:, :3], projections["P1"][:, :3]
-    translation_m = np.linalg.solve(K1, projections["P1"][:, 3]) - np.linalg.solve(K0, projections["P0"][:, 3])
+    translation_m = np.linalg.solve(K1, projections["P1"][:, 3]) - np.linalg.solve(
+        K0, projections["P0"][:, 3]
+    )
     if translation_m[0] >= 0.0:
         raise InputError(path, f"baseline is {-translation_m[0] + 0.0:g} m, must be positive (P1 against P0)")
-    return RawCalibration(CameraModel(*size, K0), CameraModel(*size, K1), Pose(np.eye(3), translation_m))
+    return RawCalibration(
+        CameraModel(*size, K0), CameraModel(*size, K1), Pose(np.eye(3), translation_m), str(path)
+    )
 
 
 def _check_intrinsics(culprit: str, P: Array) -> None:
     fx, fy = P[0, 0], P[1, 1]
     if fx <= 0.0 or fy <= 0.0 or P[0, 1] != 0.0 or not np.array_equal(P[1:, 0], [0.0, 0.0]) or P[2, 2] != 1.0:
-        raise InputError(culprit, "no projection matrix of a camera with positive focal lengths and without skew")
+        raise InputError(
+            culprit, "no projection matrix of a camera with positive focal lengths and without skew"
+        )
 
 
 def read_times(path: Path) -> list[int]:

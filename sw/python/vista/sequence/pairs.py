@@ -28,7 +28,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-
 from vista.errors import InputError
 from vista.geometry import CameraModel, Pose, RawCalibration, camera_matrix, is_rotation
 from vista.sequence.image import EXTENSIONS, read_size
@@ -46,7 +45,8 @@ def open_folder(folder: Path) -> Sequence:
     pairs = _find_pairs(folder)
     calibration = read_calibration(folder / "calibration.toml", read_size(pairs[0][0]))
     frames = (
-        FrameFiles(index, index * FRAME_PERIOD_NS, left, right, None) for index, (left, right) in enumerate(pairs)
+        FrameFiles(index, index * FRAME_PERIOD_NS, left, right, None)
+        for index, (left, right) in enumerate(pairs)
     )
     return Sequence(folder.resolve().name, "pairs", calibration, tuple(frames))
 
@@ -86,7 +86,7 @@ def _read_rectified(path: Path, table: dict[str, Any], size: tuple[int, int]) ->
     baseline_m = _positive(path, table, "baseline_m")
     matrix = camera_matrix(focal_px, focal_px, _number(path, table, "cx"), _number(path, table, "cy"))
     camera = CameraModel(*size, matrix)
-    return RawCalibration(camera, camera, Pose(np.eye(3), np.array([-baseline_m, 0.0, 0.0])))
+    return RawCalibration(camera, camera, Pose(np.eye(3), np.array([-baseline_m, 0.0, 0.0])), str(path))
 
 
 def _read_raw(path: Path, table: dict[str, Any], size: tuple[int, int]) -> RawCalibration:
@@ -98,9 +98,7 @@ def _read_raw(path: Path, table: dict[str, Any], size: tuple[int, int]) -> RawCa
     if not is_rotation(rotation):
         raise InputError(path, "rotation is not a rotation matrix")
     translation_m = np.array(_numbers(path, motion, "translation_m", {3}))
-    if translation_m[0] >= 0.0:
-        raise InputError(path, "baseline must be positive: the right camera lies at negative translation_m[0]")
-    return RawCalibration(left, right, Pose(rotation, translation_m))
+    return RawCalibration(left, right, Pose(rotation, translation_m), str(path))
 
 
 def _read_camera(path: Path, table: dict[str, Any], size: tuple[int, int]) -> CameraModel:

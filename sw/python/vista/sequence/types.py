@@ -7,7 +7,6 @@ from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
-
 from vista.errors import InputError
 from vista.geometry import CameraModel, Pose, RawCalibration
 from vista.sequence.image import read_grey
@@ -54,5 +53,7 @@ def _read_sized(path: Path, camera: CameraModel) -> NDArray[np.uint8]:
     image = read_grey(path)
     height, width = image.shape
     if (width, height) != (camera.width, camera.height):
-        raise InputError(path, f"image is {width}x{height}, the calibration says {camera.width}x{camera.height}")
+        raise InputError(
+            path, f"image is {width}x{height}, the calibration says {camera.width}x{camera.height}"
+        )
     return image
