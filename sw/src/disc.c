@@ -37,7 +37,7 @@ double vista_disc_point_distance(const vista_disc *disc, const double point_m[3]
   return hypot(height, outside_distance(disc->half_x_m, disc->half_y_m, x, y));
 }
 
-static double distance_at(const vista_disc *disc, const vista_segment *segment, double s) {
+static double distance_at(const vista_disc *disc, const vista_line_segment *segment, double s) {
   const double point_m[3] = {segment->start_m[0] + s * segment->direction[0],
                              segment->start_m[1] + s * segment->direction[1],
                              segment->start_m[2] + s * segment->direction[2]};
@@ -45,7 +45,7 @@ static double distance_at(const vista_disc *disc, const vista_segment *segment, 
 }
 
 /* Where the segment comes closest to a point. */
-static double closest(const vista_segment *segment, const double point_m[3]) {
+static double closest(const vista_line_segment *segment, const double point_m[3]) {
   const double offset[3] = {point_m[0] - segment->start_m[0], point_m[1] - segment->start_m[1],
                             point_m[2] - segment->start_m[2]};
   return fmin(segment->length_m, fmax(0.0, dot(offset, segment->direction)));
@@ -54,7 +54,7 @@ static double closest(const vista_segment *segment, const double point_m[3]) {
 /* The distance from a convex set is convex along a line: golden-section search. The disc's nearest point lies within
  * its larger half axis of the centre, which bounds the search; the distance is 1-Lipschitz in s, so the error is at
  * most the last interval. */
-double vista_disc_segment_distance(const vista_disc *disc, const vista_segment *segment) {
+double vista_disc_segment_distance(const vista_disc *disc, const vista_line_segment *segment) {
   const double golden = 0.61803398874989484820;
   const double reach = fmax(disc->half_x_m, disc->half_y_m);
   const double middle = closest(segment, disc->center_m);
@@ -82,7 +82,7 @@ double vista_disc_segment_distance(const vista_disc *disc, const vista_segment *
   return fmin(d1, d2);
 }
 
-bool vista_disc_near_segment(const vista_disc *disc, const vista_segment *segment, double radius_m) {
+bool vista_disc_near_segment(const vista_disc *disc, const vista_line_segment *segment, double radius_m) {
   const double s = closest(segment, disc->center_m);
   double squared = 0.0;
   for (int i = 0; i < 3; ++i) {

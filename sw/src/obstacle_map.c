@@ -126,7 +126,7 @@ static vista_ellipse ellipse_of(const vista_track *track, const double measureme
 
 /* False: behind the camera. */
 static bool obstacle_of(const vista_obstacle_map_params *params, const vista_camera *camera, const vista_pose *pose,
-                        const vista_segment *axis, const vista_track *track, vista_obstacle *obstacle) {
+                        const vista_line_segment *axis, const vista_track *track, vista_obstacle *obstacle) {
   double camera_m[3], measurement_px[3], jacobian_camera[9], jacobian[9], covariance_px2[9];
   vista_frame_to_camera(pose, track->position_m, camera_m);
   if (!(camera_m[2] > DEPTH_MIN_M)) return false;
@@ -164,7 +164,7 @@ static void insert(vista_obstacle_map *map, const vista_obstacle *obstacle) {
 }
 
 static vista_nearest_collision collision_with(const vista_obstacle *obstacle, const vista_track *track,
-                                              const vista_segment *axis, const flight *way) {
+                                              const vista_line_segment *axis, const flight *way) {
   vista_nearest_collision nearest = {.valid = true, .id = obstacle->id, .distance_m = obstacle->distance_m};
   memcpy(nearest.position_m, obstacle->position_m, sizeof nearest.position_m);
   double along_m = 0.0;
@@ -206,7 +206,7 @@ vista_status vista_obstacle_map_update(vista_obstacle_map *map, const vista_obst
   map->t_ns = t_ns;
   memcpy(map->velocity_m_s, velocity_m_s != NULL ? velocity_m_s : map->pose_velocity_m_s, sizeof map->velocity_m_s);
   const flight way = flight_of(map->velocity_m_s, here, params->speed_min_m_s);
-  vista_segment axis = {.length_m = params->collision_length_m};
+  vista_line_segment axis = {.length_m = params->collision_length_m};
   memcpy(axis.start_m, here->translation_m, sizeof axis.start_m);
   memcpy(axis.direction, way.direction, sizeof axis.direction);
   map->count = 0;

@@ -12,19 +12,19 @@ typedef struct vista_disc {
 } vista_disc;
 
 /* The points start + s * direction with 0 <= s <= length_m. */
-typedef struct vista_segment {
+typedef struct vista_line_segment {
   double start_m[3];
   double direction[3]; /* unit length */
   double length_m;
-} vista_segment;
+} vista_line_segment;
 
 /* Exact up to rounding. */
 double vista_disc_point_distance(const vista_disc *disc, const double point_m[3]);
 
 /* Smallest distance between the two, within 1e-6 of the segment's length or better. */
-double vista_disc_segment_distance(const vista_disc *disc, const vista_segment *segment);
+double vista_disc_segment_distance(const vista_disc *disc, const vista_line_segment *segment);
 
 /* Whether that distance is at most radius_m; most discs are decided by their bounding sphere. */
-bool vista_disc_near_segment(const vista_disc *disc, const vista_segment *segment, double radius_m);
+bool vista_disc_near_segment(const vista_disc *disc, const vista_line_segment *segment, double radius_m);
 
 #endif
