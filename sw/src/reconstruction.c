@@ -10,11 +10,12 @@ static vista_status check_params(const vista_reconstruction_params *params) {
   const bool good = positive(params->center_sigma_px) && isfinite(params->center_sigma_ratio) &&
                     params->center_sigma_ratio >= 0.0 && positive(params->disparity_sigma_px) &&
                     isfinite(params->correlated_pixels) && params->correlated_pixels >= 1.0 &&
-                    positive(params->disparity_min_px);
+                    positive(params->disparity_min_px) && isfinite(params->margin_left_px) &&
+                    params->margin_left_px >= 0.0 && isfinite(params->margin_px) && params->margin_px >= 0.0;
   return good ? VISTA_OK : VISTA_ERROR_RANGE;
 }
 
-/* Standard deviation of the centre along one axis. A region cut by the image border hides an unknown part of
+/* Standard deviation of the centre along one axis. A region cut by the border hides an unknown part of
  * itself: its centre may lie anywhere up to about its own half size further out. */
 static double center_sigma(const vista_reconstruction_params *params, double half_size_px, bool cut) {
   const double sigma = hypot(params->center_sigma_px, params->center_sigma_ratio * half_size_px);
@@ -53,8 +54,10 @@ static vista_status reconstruct(const vista_region *region, const vista_camera *
                             .v_px = region->mean_v_px,
                             .disparity_px = region->disparity_px,
                             .sigma_disparity_px = disparity_sigma(params, region),
-                            .cut_u = region->min_u_px <= 0 || region->max_u_px >= camera->width_px - 1,
-                            .cut_v = region->min_v_px <= 0 || region->max_v_px >= camera->height_px - 1};
+                            .cut_u = region->min_u_px <= params->margin_left_px ||
+                                     region->max_u_px >= camera->width_px - 1 - params->margin_px,
+                            .cut_v = region->min_v_px <= params->margin_px ||
+                                     region->max_v_px >= camera->height_px - 1 - params->margin_px};
   const vista_status status = vista_ellipse_from_region(region, &result.ellipse);
   if (status != VISTA_OK) return status;
   double half_width_px, half_height_px;

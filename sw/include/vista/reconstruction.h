@@ -23,6 +23,9 @@ typedef struct vista_reconstruction_params {
   double disparity_sigma_px;  /* 0.25    > 0      noise of the disparity that no averaging removes */
   double correlated_pixels;   /* 11.0    >= 1     inliers that share one matching block: n/this are independent */
   double disparity_min_px;    /* 1.0     > 0      smaller disparities are not reconstructed */
+  double margin_left_px;      /* 36.0    >= 0     columns at the left without disparity: num_disparities - 1 + r */
+  double margin_px;           /* 5.0     >= 0     rows and columns at the other sides without disparity: r,
+                                                  half the matching block */
 } vista_reconstruction_params;
 
 typedef struct vista_detection {
@@ -32,8 +35,8 @@ typedef struct vista_detection {
   double position_camera_m[3];
   double covariance_camera_m2[9]; /* row-major, symmetric */
   double extent_m[2];             /* width, height of the upright box around the ellipse, at the range of the region */
-  bool cut_u, cut_v;              /* the image border cuts the region: the extent is a lower bound along u, v and
-                                     the centre is uncertain by half of it (already in sigma_u_px, sigma_v_px) */
+  bool cut_u, cut_v;              /* the border of the matched image cuts the region: the extent is a lower bound
+                                     along u, v; the centre is uncertain by half of it (in sigma_u_px, sigma_v_px) */
   vista_ellipse ellipse;
 } vista_detection;
 

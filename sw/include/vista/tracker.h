@@ -17,7 +17,7 @@
  *            not blamed for a miss: it coasts until it is behind the camera or for a set time.
  * Duplicates two confirmed tracks, each centred within the other: the older id stays.
  * Overflow   with the table full, the least certain tentative track (fewest hits, then largest position variance)
- *            makes room for a more certain newborn; else the newborn is dropped and counted. */
+ *            makes room for a more certain newborn; else the newborn is dropped. Either is counted. */
 #ifndef VISTA_TRACKER_H
 #define VISTA_TRACKER_H
 
@@ -49,8 +49,8 @@ typedef struct vista_tracker_params {
   double out_of_view_s;         /* 1.0     >= 0     a track outside the matched image coasts for this long */
   double blind_zone_s;          /* 5.0     >= 0     a track nearer than the engine matches coasts for this long */
   double disparity_max_px;      /* 31.0    > 0      largest disparity that the engine matches: num_disparities - 1 */
-  double margin_left_px;        /* 36.0    >= 0     columns at the left without disparity */
-  double margin_px;             /* 5.0     >= 0     rows and columns at the other sides without disparity */
+  double margin_left_px;        /* 36.0    >= 0     as in vista_reconstruction_params */
+  double margin_px;             /* 5.0     >= 0     as in vista_reconstruction_params */
   double range_max_m;           /* 150.0   > 0      farther detections start no track */
 } vista_tracker_params;
 
@@ -98,7 +98,7 @@ vista_status vista_tracker_update(vista_tracker *tracker, const vista_tracker_pa
 /* All live tracks, ascending id; valid until the next update. */
 const vista_track *vista_tracker_tracks(const vista_tracker *tracker, int32_t *count);
 
-/* Detections that found the table full, since the layout or the last reset. */
+/* Tracks lost because the table was full, newborns included, since the layout or the last reset. */
 int64_t vista_tracker_dropped(const vista_tracker *tracker);
 
 #endif
