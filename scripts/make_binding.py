@@ -2,7 +2,7 @@
 
     make_binding.py MODULE HEADER... --out FILE.py
 
-Headers come in the order of their use. Comments, includes and conditionals go; integer #defines stay as constants.
+Headers are read in the order of their includes. Comments, includes and conditionals go; integer #defines stay as constants.
 """
 
 from __future__ import annotations
@@ -18,6 +18,7 @@ import cffi
 
 _COMMENT_OR_TEXT = re.compile(r"""/\*.*?\*/|//[^\n]*|"(?:\\.|[^"\\])*"|'(?:\\.|[^'\\])*'""", re.DOTALL)
 _DEFINE = re.compile(r"#\s*define\s+([A-Za-z_]\w*)(?!\()\s+(.+)")
+_INCLUDE = re.compile(r'^\s*#\s*include\s+"([^"]+)"', re.MULTILINE)
 _INTEGER = re.compile(r"\(?\s*([+-]?\s*(?:0[xX][0-9a-fA-F]+|\d+))[uUlL]*\s*\)?")
 
 
@@ -48,11 +49,31 @@ def declarations(header: str, known: dict[str, str]) -> str:
     return defines + "\n".join(line for line in body.splitlines() if line.strip()) + "\n"
 
 
+def in_order_of_use(headers: list[Path]) -> list[Path]:
+    """The same headers, each after those that it includes; the order is otherwise kept."""
+    ordered: list[Path] = []
+
+    def visit(header: Path, above: tuple[Path, ...]) -> None:
+        if header in ordered:
+            return
+        if header in above:
+            raise SystemExit(f"make_binding: {header}: includes itself")
+        for included in _INCLUDE.findall(header.read_text()):
+            for other in headers:
+                if other.as_posix().endswith("/" + included):
+                    visit(other, (*above, header))
+        ordered.append(header)
+
+    for header in headers:
+        visit(header, ())
+    return ordered
+
+
 def write_binding(headers: list[Path], module: str, out: Path) -> None:
     builder = cffi.FFI()
     builder.set_source(module, None)
     known: dict[str, str] = {}
-    for header in headers:
+    for header in in_order_of_use(headers):
         try:
             builder.cdef(declarations(header.read_text(), known))
         except (cffi.CDefError, cffi.FFIError) as error:
