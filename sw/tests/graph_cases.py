@@ -28,7 +28,7 @@ class FlowCase:
 
 
 def polar_edges(rings: int, sectors: int) -> np.ndarray:
-    """Ring-major 4-connected polar grid, wrapped in angle; node 0 is the hub, joined to the whole first ring."""
+    """Ring-major 4-connected polar grid, wrapped in angle; node 0 is the hub, joined to all of ring 0."""
     node = 1 + np.arange(rings * sectors).reshape(rings, sectors)
     hub = np.stack([np.zeros(sectors, int), node[0]], 1)
     along = np.stack([node.ravel(), np.roll(node, -1, 1).ravel()], 1)
@@ -153,11 +153,10 @@ def _random_edges(rng: np.random.Generator) -> tuple[str, int, np.ndarray]:
     return kind, node_count, edges[edges[:, 0] != edges[:, 1]].astype(np.int32)
 
 
-def _random_terminals(
-    rng: np.random.Generator, node_count: int, largest: int
-) -> tuple[np.ndarray, np.ndarray]:
+def _random_terminals(rng: np.random.Generator, node_count: int, largest: int) -> np.ndarray:
+    """Source and sink capacities, one row each."""
     kind = rng.choice(["seeds", "soft", "both", "one-sided"])
-    source, sink = np.zeros((2, node_count), np.int32)
+    source, sink = terminals = np.zeros((2, node_count), np.int32)
     if kind == "soft":
         drawn = rng.integers(0, 2, (2, node_count))
         source[:], sink[:] = drawn * rng.integers(0, largest + 1, (2, node_count))
@@ -169,7 +168,7 @@ def _random_terminals(
         picked = rng.permutation(node_count)[: rng.integers(0, 5)]
         source[picked[::2]] = SEED_CAPACITY
         sink[picked[1::2]] = SEED_CAPACITY
-    return source, sink
+    return terminals
 
 
 def random_case(rng: np.random.Generator) -> FlowCase:
