@@ -44,59 +44,83 @@ VISTA_TARGET static void texture_sums_row(const uint16_t *restrict columns, int3
     for (int32_t x = 0; x < count; ++x) out[x] = (uint16_t)(out[x] + columns[x + i] + columns[x + i + 1]);
 }
 
+/* Step 2 for a row that only enters. */
+VISTA_TARGET static void add_row(const vista_match_job *job) {
+  const int32_t D = job->num_disparities, W = job->width;
+  for (int32_t x = D - 1; x < W; ++x) {
+    const uint8_t *restrict right = job->right_in + (W - 1 - x);
+    const int32_t left = job->left_in[x];
+    uint16_t *restrict column = job->columns + (size_t)x * (size_t)job->lanes;
+    for (int32_t d = 0; d < D; ++d)
+      column[d] = (uint16_t)(column[d] + (left > right[d] ? left - right[d] : right[d] - left));
+  }
+}
+
 VISTA_TARGET static uint32_t uniqueness_limit(uint32_t cost, uint32_t ratio) {
   return cost + cost * ratio / 100u;
 }
 
-/* Step 7. With m = max(p, n) - Smin the fraction 256(p-n)/q is 128(p-n)/m. Single precision truncates it exactly:
- * both operands are exact below 2^24, and a quotient below 128 that is no integer misses the next one by at least
- * 1/m > 2^-17, twice the rounding error. m = 0 only with p = n: fraction 0. */
-VISTA_TARGET static int32_t subpixel_word(int32_t best, int32_t cost, int32_t before, int32_t after) {
-  const int32_t m = (before > after ? before : after) - cost;
-  const float fraction = (float)(128 * (before - after)) / (float)(m > 0 ? m : 1);
-  return (256 * best + (int32_t)fraction + 15) >> 4;
+/* Step 7 for every x. With m = max(p, n) - Smin the fraction 256(p-n)/q is 128(p-n)/m. Single precision truncates it
+ * exactly: both operands are exact below 2^24, and a quotient below 128 that is no integer misses the next one by at
+ * least 1/m > 2^-17, twice the rounding error. m = 0 only with p = n: fraction 0. */
+VISTA_TARGET static void subpixel_row(const vista_finish_job *job) {
+  const int32_t last = job->num_disparities - 1;
+  const uint32_t *restrict cost = job->winner.cost;
+  const uint32_t *restrict before = job->winner.before, *restrict after = job->winner.after;
+  const uint8_t *restrict best = job->winner.best;
+  int16_t *restrict disparity = job->disparity;
+  for (int32_t x = job->first; x < job->end; ++x) {
+    const int32_t d = best[x], low = (int32_t)before[x], high = (int32_t)after[x];
+    const int32_t p = d == 0 ? high : low, n = d == last ? low : high;
+    const int32_t m = (p > n ? p : n) - (int32_t)cost[x];
+    const int32_t denominator = m + (m == 0);
+    const int32_t fraction = (int32_t)((float)(128 * (p - n)) / (float)denominator);
+    disparity[x] = (int16_t)((256 * d + fraction + 15) >> 4);
+  }
 }
 
 /* Step 6. */
 VISTA_TARGET static void check_row(const vista_finish_job *job) {
   const uint8_t *best = job->winner.best, *right_best = job->winner.right_best;
+  const int32_t end = job->end, most = job->lr_max_diff;
   uint8_t *restrict valid = job->valid;
-  for (int32_t x = job->first; x < job->end; ++x) {
+  for (int32_t x = job->first; x < end; ++x) {
     const int32_t difference = best[x] - right_best[x - best[x]];
     const int32_t distance = difference < 0 ? -difference : difference;
-    valid[x] = distance <= job->lr_max_diff;
+    valid[x] = distance <= most;
+  }
+}
+
+/* Steps 4 and 5, and the word of what fails any step. */
+VISTA_TARGET static void verdict_row(const vista_finish_job *job) {
+  const int32_t last = job->num_disparities - 1;
+  const uint32_t *restrict cost = job->winner.cost;
+  const uint32_t *restrict before = job->winner.before, *restrict after = job->winner.after;
+  const uint16_t *restrict close = job->winner.close;
+  const uint8_t *restrict best = job->winner.best;
+  const uint16_t *restrict texture = job->texture ? job->texture : close;
+  const uint8_t *restrict valid = job->valid;
+  int16_t *restrict disparity = job->disparity;
+  const int32_t least_texture = job->texture ? job->texture_threshold : 0;
+  const uint32_t ratio = (uint32_t)job->uniqueness_ratio;
+  const int32_t any_number = ratio == 0; /* step 5 is off */
+  for (int32_t x = job->first; x < job->end; ++x) {
+    const uint32_t limit = uniqueness_limit(cost[x], ratio);
+    const int32_t near_low = (best[x] > 0) & (before[x] <= limit);
+    const int32_t near_high = (best[x] < last) & (after[x] <= limit);
+    const int32_t unique = any_number | (close[x] == 1 + near_low + near_high);
+    const int32_t good = valid[x] & unique & (texture[x] >= least_texture);
+    disparity[x] = good ? disparity[x] : VISTA_ENGINE_INVALID;
   }
 }
 
 VISTA_TARGET static void finish_row(const vista_finish_job *job) {
-  const int32_t first = job->first, count = job->end - job->first, last = job->num_disparities - 1;
-  const uint32_t *restrict cost = job->winner.cost + first;
-  const uint32_t *restrict before = job->winner.before + first;
-  const uint32_t *restrict after = job->winner.after + first;
-  const uint16_t *restrict close = job->winner.close + first;
-  const uint8_t *restrict best = job->winner.best + first;
-  const uint16_t *restrict texture = job->texture ? job->texture + first : close;
-  uint8_t *restrict valid = job->valid + first;
-  int16_t *restrict disparity = job->disparity + first;
-
-  const int32_t least_texture = job->texture ? job->texture_threshold : 0;
-  const uint32_t ratio = (uint32_t)job->uniqueness_ratio;
-  const int32_t any_number = ratio == 0; /* step 5 is off */
+  subpixel_row(job);
   if (job->lr_max_diff >= 0)
     check_row(job);
   else
-    memset(valid, 1, (size_t)count);
-  for (int32_t x = 0; x < count; ++x) {
-    const int32_t at_low = best[x] == 0, at_high = best[x] == last;
-    const uint32_t p = at_low ? after[x] : before[x];
-    const uint32_t n = at_high ? before[x] : after[x];
-    const uint32_t limit = uniqueness_limit(cost[x], ratio);
-    const int32_t neighbours = (int32_t)(!at_low & (p <= limit)) + (int32_t)(!at_high & (n <= limit));
-    const int32_t unique = any_number | (close[x] == 1 + neighbours);
-    const int32_t good = valid[x] & unique & (texture[x] >= least_texture);
-    const int32_t word = subpixel_word(best[x], (int32_t)cost[x], (int32_t)p, (int32_t)n);
-    disparity[x] = (int16_t)(good ? word : VISTA_ENGINE_INVALID);
-  }
+    memset(job->valid + job->first, 1, (size_t)(job->end - job->first));
+  verdict_row(job);
 }
 
 #endif
