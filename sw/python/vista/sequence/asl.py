@@ -11,6 +11,7 @@ from pathlib import Path
 
 import cv2
 import numpy as np
+
 from vista.errors import InputError
 from vista.geometry import CameraModel, Pose, RawCalibration, camera_matrix, is_rotation
 from vista.sequence.text import check_increasing, data_lines, finite_row, read_text, timestamp_ns
@@ -18,6 +19,7 @@ from vista.sequence.trajectory import Sample, Trajectory
 from vista.sequence.types import FrameFiles, Sequence
 
 POSES = Path("state_groundtruth_estimate0/data.csv")
+UP_WORLD = np.array([0.0, 0.0, 1.0])  # the data set's reference frame R is aligned with gravity
 UNIT_TOLERANCE = 1e-3  # quaternions are printed with six digits
 
 
@@ -54,7 +56,7 @@ def open_folder(folder: Path) -> Sequence:
     right_from_left = body_from_right.inverse() @ body_from_left
     calibration = RawCalibration(left, right, right_from_left, str(root / "cam1" / "sensor.yaml"))
     name = root.resolve().parent.name
-    return Sequence(name, "EuRoC ASL", calibration, tuple(frames), notes)
+    return Sequence(name, "EuRoC ASL", calibration, tuple(frames), UP_WORLD if trajectory else None, notes)
 
 
 def read_sensor(path: Path) -> tuple[CameraModel, Pose]:

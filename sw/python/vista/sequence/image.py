@@ -16,6 +16,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 from numpy.typing import NDArray
+
 from vista.errors import InputError
 
 EXTENSIONS = (".png", ".jpg", ".jpeg", ".pgm", ".ppm")
@@ -30,13 +31,13 @@ class Header:
 
 
 def read_grey(path: Path) -> NDArray[np.uint8]:
-    """HxW uint8. Colour becomes grey by ITU-R BT.601 (0.299 R + 0.587 G + 0.114 B), transparency is ignored.
+    """HxW uint8. Colour turns grey by ITU-R BT.601 (0.299 R + 0.587 G + 0.114 B); alpha is ignored.
 
-    Raises InputError: missing, truncated, damaged, not PNG/JPEG/PGM/PPM, more than 8 bits a channel, or with a
-    side above MAX_SIDE_PX. 16-bit images are not scaled: which of the bits hold the picture is not in the file.
+    Raises InputError: missing, truncated, damaged, not PNG/JPEG/PGM/PPM, above 8 bits a channel, or with a
+    side above MAX_SIDE_PX. 16-bit images are not scaled: which bits hold the picture is not in the file.
     """
     data = _read_bytes(path)
-    header = _check_container(path, data)
+    header = check_container(path, data)
     if header.bits > 8:
         raise InputError(path, f"{header.bits} bits a channel; convert the image to 8 bits first")
     try:
@@ -53,7 +54,7 @@ def read_grey(path: Path) -> NDArray[np.uint8]:
 
 def read_size(path: Path) -> tuple[int, int]:
     """(width, height) of a whole image, checked like read_grey but not decoded."""
-    header = _check_container(path, _read_bytes(path))
+    header = check_container(path, _read_bytes(path))
     return header.width, header.height
 
 
@@ -66,7 +67,8 @@ def _read_bytes(path: Path) -> bytes:
         raise InputError(path, (error.strerror or "cannot be read").lower()) from None
 
 
-def _check_container(path: Path, data: bytes) -> Header:
+def check_container(path: Path, data: bytes) -> Header:
+    """Header of a whole PNG, JPEG, PGM or PPM; raises InputError for anything else."""
     if not data:
         raise InputError(path, "empty file")
     if data.startswith(PNG_SIGNATURE):

@@ -6,6 +6,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
+
 from vista.errors import InputError
 from vista.geometry import Array, CameraModel, Pose, RawCalibration, is_rotation
 from vista.sequence.image import EXTENSIONS, read_size

@@ -28,6 +28,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+
 from vista.errors import InputError
 from vista.geometry import CameraModel, Pose, RawCalibration, camera_matrix, is_rotation
 from vista.sequence.image import EXTENSIONS, read_size

@@ -6,6 +6,7 @@ from bisect import bisect_left
 from dataclasses import dataclass
 
 import numpy as np
+
 from vista.geometry import Array, Pose, rotation_from_quaternion, slerp
 
 

@@ -7,8 +7,9 @@ from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
+
 from vista.errors import InputError
-from vista.geometry import CameraModel, Pose, RawCalibration
+from vista.geometry import Array, CameraModel, Pose, RawCalibration
 from vista.sequence.image import read_grey
 
 
@@ -40,6 +41,7 @@ class Sequence:
     layout: str  # "EuRoC ASL", "KITTI odometry" or "pairs"
     calibration: RawCalibration
     frames: tuple[FrameFiles, ...]  # times strictly increase; all with a pose or none
+    up_world: Array | None = None  # unit vector against gravity in the world frame, where the layout says it
     notes: tuple[str, ...] = ()  # what the reader left out, for the user to know
 
     def read(self, files: FrameFiles) -> Frame:
