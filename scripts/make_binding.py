@@ -1,8 +1,9 @@
-"""Write a cffi out-of-line ABI module from public C headers: no compiler and no Python.h on the user's machine.
+"""Write a cffi out-of-line ABI module from public C headers: no compiler, no Python.h at the user's.
 
     make_binding.py MODULE HEADER... --out FILE.py
 
-Headers are read in the order of their includes. Comments, includes and conditionals go; integer #defines stay as constants.
+Headers are read in the order of their includes. Comments, includes and conditionals go; integer #defines
+stay as constants.
 """
 
 from __future__ import annotations
@@ -30,7 +31,7 @@ def strip_comments(text: str) -> str:
 
 
 def declarations(header: str, known: dict[str, str]) -> str:
-    """The C declarations of one header in the form that cffi's cdef reads; `known` gains its integer constants."""
+    """The C declarations of one header as cffi's cdef reads them; `known` gains its integer constants."""
     lines: list[str] = []
     constants: dict[str, str] = {}
     for line in strip_comments(header).replace("\\\n", " ").splitlines():

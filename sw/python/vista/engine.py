@@ -1,10 +1,10 @@
-"""Stereo engines: parameters and two rectified images in, one disparity image out (contract: model/README.md).
+"""Stereo engines: parameters and two rectified images in, one disparity image out (see model/README.md).
 
     import vista
     disparity = vista.StereoEngine(num_disparities=32, block_size=11).compute(left, right)
 
-Images are uint8, height x width, rectified, left is the reference. Disparities are int16 in 1/16 px of the left image,
--16 where there is none.
+Images are uint8, height x width, rectified, left is the reference. Disparities are int16 in 1/16 px of the
+left image, -16 where there is none.
 """
 
 from __future__ import annotations
@@ -99,12 +99,19 @@ class StereoEngine:
         isa: str = "auto",
     ) -> None:
         self.parameters = EngineParameters(
-            num_disparities, block_size, prefilter, prefilter_cap, texture_threshold, uniqueness_ratio, lr_max_diff
+            num_disparities,
+            block_size,
+            prefilter,
+            prefilter_cap,
+            texture_threshold,
+            uniqueness_ratio,
+            lr_max_diff,
         )
         _check_parameters(self.parameters)
         self._ffi, self._lib = native.load("vista_engine")
         if not isinstance(threads, int) or not 1 <= threads <= self._lib.VISTA_ENGINE_MAX_THREADS:
-            raise ValueError(f"threads must be from 1 to {self._lib.VISTA_ENGINE_MAX_THREADS}, not {threads!r}")
+            most = self._lib.VISTA_ENGINE_MAX_THREADS
+            raise ValueError(f"threads must be from 1 to {most}, not {threads!r}")
         self._threads = threads
         self._params = self._c_params(isa)
         self._check(self._lib.vista_engine_validate(self._params))
@@ -116,14 +123,18 @@ class StereoEngine:
     def available_isas() -> list[str]:
         """What this build and machine can run, slowest first."""
         _, lib = native.load("vista_engine")
-        return [name for name, value in _isas(lib).items() if name != "auto" and lib.vista_engine_isa_available(value)]
+        return [
+            name
+            for name, value in _isas(lib).items()
+            if name != "auto" and lib.vista_engine_isa_available(value)
+        ]
 
     def compute(self, left: Image, right: Image) -> Disparity:
         """Disparity words of the left image."""
         return self._run(left, right, None)
 
     def compute_with_smin(self, left: Image, right: Image) -> tuple[Disparity, npt.NDArray[np.uint32]]:
-        """Disparity words and the smallest cost of every matched pixel, valid or not (2**32 - 1: not matched)."""
+        """Disparity words and the smallest cost of every matched pixel, valid or not, else 2**32 - 1."""
         smin = np.empty(getattr(left, "shape", (0, 0)), np.uint32)
         return self._run(left, right, smin), smin
 
@@ -148,7 +159,14 @@ class StereoEngine:
         ffi = self._ffi
         images = ffi.new(
             "vista_engine_images *",
-            (ffi.from_buffer("uint8_t[]", left), ffi.from_buffer("uint8_t[]", right), width, height, width, width),
+            (
+                ffi.from_buffer("uint8_t[]", left),
+                ffi.from_buffer("uint8_t[]", right),
+                width,
+                height,
+                width,
+                width,
+            ),
         )
         smin_data = ffi.NULL if smin is None else ffi.from_buffer("uint32_t[]", smin)
         output = ffi.new(
@@ -159,7 +177,9 @@ class StereoEngine:
         def band(index: int) -> int:
             first, end = (height * i // self._threads for i in (index, index + 1))
             data = ffi.from_buffer("uint8_t[]", scratch[index])
-            return self._lib.vista_engine_compute_rows(self._params, images, output, first, end, data, len(data))
+            return self._lib.vista_engine_compute_rows(
+                self._params, images, output, first, end, data, len(data)
+            )
 
         if self._pool is None:
             self._check(band(0))
@@ -182,11 +202,12 @@ class StereoEngine:
 
 
 def _isas(lib: Any) -> dict[str, int]:
-    return {name: getattr(lib, f"VISTA_ENGINE_ISA_{name.upper()}") for name in ("auto", "portable", "avx2", "avx512")}
+    names = ("auto", "portable", "avx2", "avx512")
+    return {name: getattr(lib, f"VISTA_ENGINE_ISA_{name.upper()}") for name in names}
 
 
 class OpenCvEngine:
-    """OpenCV's StereoBM set to the contract, for comparison: it has no left/right check of winners and always filters."""
+    """OpenCV's StereoBM set to the contract, for comparison; prefilter none and the check are not its own."""
 
     def __init__(self, parameters: EngineParameters) -> None:
         import cv2

@@ -1,4 +1,4 @@
-"""The native libraries and their bindings, from the build folder of a checkout or from an installed package."""
+"""The native libraries and their bindings, from the build folder of a checkout or an installed package."""
 
 from __future__ import annotations
 
@@ -12,9 +12,11 @@ _INSTALLED = _PACKAGE / "_lib"
 
 
 def _folders() -> list[tuple[Path, Path]]:
-    """Where (libraries, bindings) may lie, the checkout's build folder first: it is the one being worked on."""
+    """Where (libraries, bindings) may lie, the checkout's build folder first: it is being worked on."""
     checkouts = [parent for parent in _PACKAGE.parents if (parent / "model" / "c").is_dir()]
-    return [(root / "build" / "lib", root / "build" / "python") for root in checkouts] + [(_INSTALLED, _INSTALLED)]
+    return [(root / "build" / "lib", root / "build" / "python") for root in checkouts] + [
+        (_INSTALLED, _INSTALLED)
+    ]
 
 
 @functools.cache
