@@ -2,6 +2,8 @@
 
 #include <math.h>
 
+#include "depth.h"
+
 vista_status vista_affinity_layout(vista_affinity *affinity, vista_arena *arena, const vista_foveation *foveation) {
   if (affinity == NULL || arena == NULL || foveation == NULL) return VISTA_ERROR_ARGUMENT;
   const size_t arcs = (size_t)foveation->graph.arc_count;
@@ -24,8 +26,8 @@ int32_t vista_flow_encode(const vista_affinity_params *params, double affinity) 
 }
 
 vista_status vista_affinity_compute(const vista_foveation *foveation, const vista_affinity_params *params,
-                                    const vista_cells *cells, vista_affinity *affinity) {
-  if (foveation == NULL || params == NULL || cells == NULL || affinity == NULL) return VISTA_ERROR_ARGUMENT;
+                                    const vista_camera *camera, const vista_cells *cells, vista_affinity *affinity) {
+  if (foveation == NULL || params == NULL || camera == NULL || cells == NULL || affinity == NULL) return VISTA_ERROR_ARGUMENT;
   const vista_graph *const graph = &foveation->graph;
   const float mu_i = (float)params->mu_intensity, sigma_i = (float)params->sigma_intensity;
   const float sigma_d = (float)params->sigma_disparity_px;
@@ -39,8 +41,10 @@ vista_status vista_affinity_compute(const vista_foveation *foveation, const vist
       if (cells->disparity_px[i] < 0.0f || cells->disparity_px[j] < 0.0f) {
         weight = expf(-exponent_i);
       } else {
-        const float mu_d = (float)params->mu_disparity_px +
-                           (float)params->mu_disparity_slope * foveation->arc_distance_px[arc];
+        const float relief = vista_depth_step_px(camera, fmaxf(cells->disparity_px[i], cells->disparity_px[j]),
+                                                 (float)params->mu_depth_m);
+        const float mu_d = fmaxf(relief, (float)params->mu_disparity_px +
+                                             (float)params->mu_disparity_slope * foveation->arc_distance_px[arc]);
         const float exponent_d = dissimilarity(cells->disparity_px[i] - cells->disparity_px[j], mu_d, sigma_d);
         weight = params->form == VISTA_AFFINITY_FORM_SUM
                      ? alpha * expf(-exponent_i) + (1.0f - alpha) * expf(-exponent_d)

@@ -4,6 +4,8 @@
 #include <stdbool.h>
 #include <stddef.h>
 
+#include "depth.h"
+#include "disjoint_sets.h"
 #include "vista/types.h"
 
 #define WORD_BINS (256 * VISTA_DISPARITY_SCALE + 1)
@@ -23,20 +25,15 @@ vista_status vista_cores_layout(vista_cores *cores, vista_arena *arena, const vi
   return arena->base != NULL && arena->used > arena->size ? VISTA_ERROR_MEMORY : VISTA_OK;
 }
 
-static int32_t find_root(int32_t *parent, int32_t node) {
-  while (parent[node] != node) {
-    parent[node] = parent[parent[node]];
-    node = parent[node];
-  }
-  return node;
+static void join(vista_cores *cores, int32_t a, int32_t b) {
+  const int32_t gone = vista_sets_join(cores->parent, a, b);
+  if (gone >= 0) cores->area_px2[cores->parent[gone]] += cores->area_px2[gone];
 }
 
-static void join(vista_cores *cores, int32_t a, int32_t b) {
-  const int32_t root_a = find_root(cores->parent, a), root_b = find_root(cores->parent, b);
-  if (root_a == root_b) return;
-  const int32_t low = root_a < root_b ? root_a : root_b, high = root_a < root_b ? root_b : root_a;
-  cores->parent[high] = low; /* the smallest member is the root: no dependence on the order of joins */
-  cores->area_px2[low] += cores->area_px2[high];
+float vista_core_step_px(const vista_segmentation_params *params, const vista_camera *camera, float distance_px,
+                         float disparity_px) {
+  return fmaxf(vista_depth_step_px(camera, disparity_px, (float)params->core_step_m),
+               (float)params->core_step_px + (float)params->core_step_slope * distance_px);
 }
 
 /* Each node in `order` that is the first of a large enough set opens a core; the others follow their root. */
@@ -49,7 +46,7 @@ static void number_cores(vista_cores *cores, int32_t node_count, const int32_t *
   }
   cores->count = 0;
   for (int32_t k = 0; k < order_count; ++k) {
-    const int32_t root = find_root(cores->parent, order[k]);
+    const int32_t root = vista_sets_find(cores->parent, order[k]);
     if (cores->area_px2[root] < (float)min_area_px2) continue;
     if (core_of_root[root] == VISTA_NO_CORE) core_of_root[root] = cores->count++;
     cores->core_of_node[order[k]] = core_of_root[root];
@@ -90,8 +87,8 @@ static int32_t sort_nearest_first(const vista_cells *cells, const vista_surfaces
 }
 
 vista_status vista_cores_of_obstacles(const vista_foveation *foveation, const vista_segmentation_params *params,
-                                      const vista_cells *cells, const vista_surfaces *surfaces, vista_cores *cores) {
-  if (foveation == NULL || params == NULL || cells == NULL || surfaces == NULL || cores == NULL)
+                                      const vista_camera *camera, const vista_cells *cells, const vista_surfaces *surfaces, vista_cores *cores) {
+  if (foveation == NULL || params == NULL || camera == NULL || cells == NULL || surfaces == NULL || cores == NULL)
     return VISTA_ERROR_ARGUMENT;
   const vista_graph *const graph = &foveation->graph;
   for (int32_t i = 0; i < graph->node_count; ++i) {
@@ -103,8 +100,8 @@ vista_status vista_cores_of_obstacles(const vista_foveation *foveation, const vi
     for (int32_t arc = graph->first_arc[i]; arc < graph->first_arc[i + 1]; ++arc) {
       const int32_t j = graph->head[arc];
       if (j < i || !standing(cells, surfaces, j)) continue;
-      const float step =
-          (float)params->core_step_px + (float)params->core_step_slope * foveation->arc_distance_px[arc];
+      const float step = vista_core_step_px(params, camera, foveation->arc_distance_px[arc],
+                                            fmaxf(cells->disparity_px[i], cells->disparity_px[j]));
       if (fabsf(cells->disparity_px[i] - cells->disparity_px[j]) <= step) join(cores, i, j);
     }
   }

@@ -4,6 +4,8 @@
 #include <stdbool.h>
 #include <stddef.h>
 
+#include "depth.h"
+#include "ground.h"
 #include "plane_fit.h"
 #include "vista/surface.h"
 
@@ -59,18 +61,25 @@ typedef struct view {
   const vista_region_params *params;
   const vista_disparity_image *disparity;
   const vista_cells *cells;
+  const vista_surfaces *surfaces;
   const vista_regions *regions;
   const int32_t *members;
   int32_t member_count;
+  double tolerance_px; /* at the region's disparity */
 } view;
 
 static const int16_t *run_words(const view *w, vista_run run) {
   return w->disparity->data + run.v_px * w->disparity->stride + run.u_px;
 }
 
-/* Counts the boundary and finds the half-pixel window of width 2 tolerance with most of its words. Returns the
- * centre of that window, px; negative: no valid word. */
-static double boundary_mode_px(const view *w, vista_region *region) {
+static double tolerance_px(const vista_region_params *params, const vista_camera *camera, double disparity_px) {
+  return fmax(params->tolerance_px,
+              (double)vista_depth_step_px(camera, (float)disparity_px, (float)params->tolerance_m));
+}
+
+/* Counts the boundary and finds the window of width 2 tolerance with most of its words, in steps of half a pixel.
+ * Returns the centre of that window, px; negative: no valid word. */
+static double boundary_mode_px(const view *w, const vista_camera *camera, vista_region *region) {
   uint32_t bins[BINS] = {0};
   for (int32_t m = 0; m < w->member_count; ++m) {
     const int32_t node = w->members[m];
@@ -87,18 +96,17 @@ static double boundary_mode_px(const view *w, vista_region *region) {
     }
   }
   if (region->boundary_valid == 0) return -1.0;
-  const int32_t span = (int32_t)fmax(1.0, ceil(4.0 * w->params->tolerance_px)); /* bins */
   uint32_t sum = 0, best = 0;
-  int32_t best_end = 0;
-  for (int32_t b = 0; b < BINS; ++b) {
-    sum += bins[b];
-    if (b >= span) sum -= bins[b - span];
+  double mode_px = 0.0;
+  for (int32_t end = 0, start = 0; end < BINS; ++end) { /* the window grows with the disparity at its far end */
+    sum += bins[end];
+    while (0.5 * (end + 1 - start) > 2.0 * tolerance_px(w->params, camera, 0.5 * end)) sum -= bins[start++];
     if (sum > best) {
       best = sum;
-      best_end = b;
+      mode_px = 0.25 * (end + 1 + start);
     }
   }
-  return 0.5 * (best_end + 1 - 0.5 * span);
+  return mode_px;
 }
 
 /* Plane through the region's cells, weighted by their area; cells far off the first fit are left out of a second. */
@@ -112,7 +120,7 @@ static bool fit_plane(const view *w, vista_plane *plane) {
       if (d < 0.0) continue;
       const double u = (double)w->foveation->center_u[node], v = (double)w->foveation->center_v[node];
       const double residual = pass == 0 ? 0.0 : d - plane->offset - plane->slope_u * u - plane->slope_v * v;
-      if (fabs(residual) > 2.0 * w->params->tolerance_px) continue;
+      if (fabs(residual) > 2.0 * w->tolerance_px) continue;
       const double size = (double)w->foveation->size_px[node];
       vista_plane_fit_add(&fit, u, v, d, size * size);
       used++;
@@ -129,7 +137,7 @@ typedef struct inliers {
 
 static inliers boundary_inliers(const view *w, const vista_plane *plane) {
   inliers in = {0};
-  const double tolerance = w->params->tolerance_px;
+  const double tolerance = w->tolerance_px;
   for (int32_t m = 0; m < w->member_count; ++m) {
     const int32_t node = w->members[m];
     if (!w->regions->boundary[node]) continue;
@@ -188,7 +196,7 @@ static void own_pixels(const view *w, const vista_plane *plane, vista_region *re
       for (int32_t i = 0; i <= run.length_px; ++i) {
         const bool own = i < run.length_px && words[i] >= 0 &&
                          fabs(words[i] * (1.0 / VISTA_DISPARITY_SCALE) - start - plane->slope_u * i) <=
-                             w->params->tolerance_px;
+                             w->tolerance_px;
         if (own && open < 0) open = i;
         if (!own && open >= 0) {
           add_pixels(&sum, region, run.u_px + open, run.v_px, i - open);
@@ -206,9 +214,10 @@ static void own_pixels(const view *w, const vista_plane *plane, vista_region *re
   region->cov_vv_px2 = fmax(sum.vv / sum.n - region->mean_v_px * region->mean_v_px, 0.0);
 }
 
-static void measure(const view *w, const vista_camera *camera, const double up_camera[3], vista_region *region) {
-  const double mode_px = boundary_mode_px(w, region);
+static void measure(view *w, const vista_camera *camera, const double up_camera[3], vista_region *region) {
+  const double mode_px = boundary_mode_px(w, camera, region);
   if (mode_px < 0.0) return;
+  w->tolerance_px = tolerance_px(w->params, camera, mode_px);
   vista_plane facing = {.offset = mode_px}, plane;
   inliers in = boundary_inliers(w, &facing);
   if (in.count == 0) return;
@@ -228,6 +237,8 @@ static void measure(const view *w, const vista_camera *camera, const double up_c
   }
   if (in.count == 0) return;
   own_pixels(w, &surface, region);
+  region->standing_fraction = vista_standing_fraction(w->foveation, camera, w->cells, w->surfaces, w->members,
+                                                      w->member_count, w->params->min_height_m);
   const double mean = in.sum_px / in.count;
   region->boundary_inliers = in.count;
   region->slope_u = surface.slope_u;
@@ -245,18 +256,20 @@ static vista_region_verdict judge(const vista_region_params *p, const vista_came
   if (larger_px * camera->baseline_m / region->disparity_px < p->min_size_m) return VISTA_REGION_TOO_SMALL;
   if (region->boundary_valid < p->min_valid_fraction * region->boundary_pixels) return VISTA_REGION_LOW_SUPPORT;
   if (region->boundary_inliers < p->min_inlier_fraction * region->boundary_valid ||
-      region->disparity_sigma_px > p->max_sigma_px)
+      region->disparity_sigma_px > p->max_sigma_ratio * tolerance_px(p, camera, region->disparity_px))
     return VISTA_REGION_INCONSISTENT;
-  if (region->inclination_deg > horizontal_deg) return VISTA_REGION_HORIZONTAL;
+  if (region->inclination_deg > horizontal_deg || region->standing_fraction < p->min_standing_fraction)
+    return VISTA_REGION_HORIZONTAL;
   return VISTA_REGION_ACCEPTED;
 }
 
 vista_status vista_regions_compute(const vista_foveation *foveation, const vista_region_params *params,
                                    const vista_camera *camera, const double up_camera[3], double horizontal_deg,
                                    const vista_disparity_image *disparity, const vista_cells *cells,
-                                   const vista_segmentation *segmentation, vista_regions *regions) {
+                                   const vista_surfaces *surfaces, const vista_segmentation *segmentation,
+                                   vista_regions *regions) {
   if (foveation == NULL || params == NULL || camera == NULL || up_camera == NULL || disparity == NULL ||
-      cells == NULL || segmentation == NULL || regions == NULL)
+      cells == NULL || surfaces == NULL || segmentation == NULL || regions == NULL)
     return VISTA_ERROR_ARGUMENT;
   if (disparity->width_px != foveation->width_px || disparity->height_px != foveation->height_px)
     return VISTA_ERROR_SIZE;
@@ -265,7 +278,7 @@ vista_status vista_regions_compute(const vista_foveation *foveation, const vista
   group_members(foveation, segmentation->label, regions);
   for (int32_t k = 0; k < regions->count; ++k) {
     const int32_t first = regions->first_member[k], count = regions->first_member[k + 1] - first;
-    const view w = {foveation, params, disparity, cells, regions, regions->members + first, count};
+    view w = {foveation, params, disparity, cells, surfaces, regions, regions->members + first, count, 0.0};
     regions->items[k] = (vista_region){.label = k, .node_count = count, .inclination_deg = NAN};
     if (count > 0) measure(&w, camera, up_camera, &regions->items[k]);
     regions->items[k].verdict = judge(params, camera, horizontal_deg, &regions->items[k]);

@@ -4,6 +4,8 @@
 #include <stdbool.h>
 #include <stddef.h>
 
+#include "merge.h"
+
 /* Exceeds everything the arcs of a node can carry (flow constraint 2), and sums of two of them still fit the type. */
 #define SEED_LINK (INT32_C(1) << 29)
 #define NOT_REACHED INT32_MAX
@@ -19,6 +21,8 @@ vista_status vista_segmentation_layout(vista_segmentation *segmentation, vista_a
   s->subset = vista_arena_take(arena, nodes, sizeof(int32_t));
   s->steps = vista_arena_take(arena, nodes, sizeof(int32_t));
   s->source_side = vista_arena_take(arena, nodes, sizeof(uint8_t));
+  const vista_status merging = vista_merge_layout(s, arena, foveation);
+  if (merging != VISTA_OK) return merging;
   const vista_status status = vista_cores_layout(&s->cores, arena, foveation);
   if (status != VISTA_OK) return status;
   return vista_maxflow_layout(&s->maxflow, &foveation->graph, arena);
@@ -103,10 +107,10 @@ static vista_status cut_all(const view *w, vista_segmentation *s) {
   return VISTA_OK;
 }
 
-vista_status vista_segment(const vista_foveation *foveation, const vista_parameters *params, const vista_cells *cells,
-                           const vista_surfaces *surfaces, const vista_affinity *affinity,
+vista_status vista_segment(const vista_foveation *foveation, const vista_parameters *params,
+                           const vista_camera *camera, const vista_cells *cells, const vista_surfaces *surfaces, const vista_affinity *affinity,
                            vista_segmentation *segmentation) {
-  if (foveation == NULL || params == NULL || cells == NULL || surfaces == NULL || affinity == NULL ||
+  if (foveation == NULL || params == NULL || camera == NULL || cells == NULL || surfaces == NULL || affinity == NULL ||
       segmentation == NULL)
     return VISTA_ERROR_ARGUMENT;
   vista_segmentation *const s = segmentation;
@@ -117,8 +121,9 @@ vista_status vista_segment(const vista_foveation *foveation, const vista_paramet
   }
   s->region_count = s->cut_count = s->cut_nodes = 0;
 
-  vista_status status = vista_cores_of_obstacles(foveation, w.params, cells, surfaces, &s->cores);
+  vista_status status = vista_cores_of_obstacles(foveation, w.params, camera, cells, surfaces, &s->cores);
   if (status == VISTA_OK) status = cut_all(&w, s);
+  if (status == VISTA_OK) vista_merge_regions(foveation, w.params, camera, cells, s);
   s->obstacle_count = s->region_count;
   if (status == VISTA_OK) status = vista_cores_of_rest(foveation, w.params, affinity, surfaces, s->label, &s->cores);
   if (status == VISTA_OK) status = cut_all(&w, s);

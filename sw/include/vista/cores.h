@@ -10,6 +10,7 @@
 #include "vista/parameters.h"
 #include "vista/status.h"
 #include "vista/surface.h"
+#include "vista/types.h"
 
 #define VISTA_NO_CORE (-1)
 
@@ -28,10 +29,15 @@ typedef struct vista_cores {
 
 vista_status vista_cores_layout(vista_cores *cores, vista_arena *arena, const vista_foveation *foveation);
 
+/* Largest disparity step inside a core between cells distance_px apart, the nearer one at disparity_px. */
+float vista_core_step_px(const vista_segmentation_params *params, const vista_camera *camera, float distance_px,
+                         float disparity_px);
+
 /* Cores of standing things, nearest first: cells with disparity on no horizontal surface, joined where the disparity
  * step between neighbours is small, at least core_area_px2 together. */
 vista_status vista_cores_of_obstacles(const vista_foveation *foveation, const vista_segmentation_params *params,
-                                      const vista_cells *cells, const vista_surfaces *surfaces, vista_cores *cores);
+                                      const vista_camera *camera, const vista_cells *cells,
+                                      const vista_surfaces *surfaces, vista_cores *cores);
 
 /* Cores of the rest, from the centre outwards: cells with label < 0 joined along edges of high affinity. */
 vista_status vista_cores_of_rest(const vista_foveation *foveation, const vista_segmentation_params *params,

@@ -20,6 +20,7 @@
 #include "vista/parameters.h"
 #include "vista/segmentation.h"
 #include "vista/status.h"
+#include "vista/surface.h"
 #include "vista/types.h"
 
 /* Why a region is not an obstacle; the first reason that applies, in this order. */
@@ -30,7 +31,7 @@ typedef enum vista_region_verdict {
   VISTA_REGION_TOO_SMALL,       /* metric size below the smallest obstacle */
   VISTA_REGION_LOW_SUPPORT,     /* valid fraction of the boundary too small */
   VISTA_REGION_INCONSISTENT,    /* boundary disparity does not vary smoothly (edge consistency) */
-  VISTA_REGION_HORIZONTAL,      /* a surface to fly above, not into: ground, road, water */
+  VISTA_REGION_HORIZONTAL,      /* a surface to fly above, or flat on one: ground, road, water */
   VISTA_REGION_VERDICT_COUNT
 } vista_region_verdict;
 
@@ -51,6 +52,7 @@ typedef struct vista_region {
   double disparity_sigma_px;       /* standard deviation of the inliers */
   double slope_u, slope_v;         /* gradient of the disparity over the region, px per px */
   double inclination_deg;          /* of the region's surface against the vertical; 90 = horizontal; NaN unknown */
+  double standing_fraction;        /* of its area, at least min_height_m above the horizontal surface it adjoins */
 } vista_region;
 
 typedef struct vista_regions {
@@ -68,7 +70,8 @@ vista_status vista_regions_layout(vista_regions *regions, vista_arena *arena, co
 vista_status vista_regions_compute(const vista_foveation *foveation, const vista_region_params *params,
                                    const vista_camera *camera, const double up_camera[3], double horizontal_deg,
                                    const vista_disparity_image *disparity, const vista_cells *cells,
-                                   const vista_segmentation *segmentation, vista_regions *regions);
+                                   const vista_surfaces *surfaces, const vista_segmentation *segmentation,
+                                   vista_regions *regions);
 
 /* Upper-case name of a verdict; never null. */
 const char *vista_region_verdict_name(vista_region_verdict verdict);
