@@ -103,6 +103,9 @@ def test_bad_input_is_refused_and_nothing_written() -> None:
         assert (columns == -7).all()
     out = ffi.new("vista_assignment **")
     for size in (0, -1, lib.VISTA_ASSIGNMENT_MAX + 1):
-        assert Arena(lambda arena, n=size: lib.vista_assignment_layout(n, 4, arena, out)).status == lib.VISTA_ERROR_RANGE
+        assert (
+            Arena(lambda arena, n=size: lib.vista_assignment_layout(n, 4, arena, out)).status
+            == lib.VISTA_ERROR_RANGE
+        )
     short = Arena(lambda arena: lib.vista_assignment_layout(4, 4, arena, out), missing_bytes=1)
     assert short.status == lib.VISTA_ERROR_MEMORY

@@ -25,7 +25,9 @@ def random_case(random: np.random.Generator):
         "length_m": float(random.uniform(0.1, 12)),
     }
     if random.random() < 0.2:  # the segment pierces the disc off its centre
-        pierced = np.add(segment["start_m"], random.uniform(0, segment["length_m"]) * np.array(segment["direction"]))
+        pierced = np.add(
+            segment["start_m"], random.uniform(0, segment["length_m"]) * np.array(segment["direction"])
+        )
         inside = random.uniform(-0.7, 0.7, 2) * [disc["half_x_m"], disc["half_y_m"]]
         disc["center_m"] = (pierced - inside @ turn[:2]).tolist()
     return disc, segment
@@ -67,7 +69,9 @@ def test_points_at_a_known_distance() -> None:
         x, y = np.array([a * np.cos(t), b * np.sin(t)]) + out * normal / np.linalg.norm(normal)
         axes = np.array([disc["axis_x"], disc["axis_y"], np.cross(disc["axis_x"], disc["axis_y"])])
         point = disc["center_m"] + np.array([x, y, height]) @ axes
-        found = lib.vista_disc_point_distance(ffi.new("vista_disc *", disc), ffi.new("double[3]", point.tolist()))
+        found = lib.vista_disc_point_distance(
+            ffi.new("vista_disc *", disc), ffi.new("double[3]", point.tolist())
+        )
         assert found == pytest.approx(np.hypot(out, height), rel=1e-9, abs=1e-9)
 
 

@@ -46,11 +46,15 @@ def test_positions_are_those_of_opencv() -> None:
         [[1, 0, 0, -CENTER[0]], [0, 1, 0, -CENTER[1]], [0, 0, 0, FOCAL], [0, 0, 1 / BASELINE, 0]], np.float64
     )
     for _ in range(300):
-        u, v, d = (float(x) for x in (random.integers(60, 600), random.integers(30, 440), random.uniform(1.5, 31)))
+        u, v, d = (
+            float(x) for x in (random.integers(60, 600), random.integers(30, 440), random.uniform(1.5, 31))
+        )
         status, found = reconstruct(region_at(u, v, d))
         assert status == "VISTA_OK"
         homogeneous = cv2.triangulatePoints(left, right, np.array([[u], [v]]), np.array([[u - d], [v]]))[:, 0]
-        assert list(found.position_camera_m) == pytest.approx(homogeneous[:3] / homogeneous[3], rel=1e-6, abs=1e-6)
+        assert list(found.position_camera_m) == pytest.approx(
+            homogeneous[:3] / homogeneous[3], rel=1e-6, abs=1e-6
+        )
         image = np.zeros((480, 640), np.float32)
         image[int(v), int(u)] = d
         point = cv2.reprojectImageTo3D(image, q)[int(v), int(u)]
@@ -76,9 +80,15 @@ def test_noise_is_floor_and_spread_together() -> None:
     settings = params("reconstruction")
     _, found = reconstruct(region_at(300, 200, 10.0))
     independent = 110 / settings.correlated_pixels
-    assert found.sigma_disparity_px == pytest.approx(np.hypot(settings.disparity_sigma_px, 0.4 / np.sqrt(independent)))
-    assert found.sigma_u_px == pytest.approx(np.hypot(settings.center_sigma_px, settings.center_sigma_ratio * 2 * SIZE))
-    assert found.sigma_v_px == pytest.approx(np.hypot(settings.center_sigma_px, settings.center_sigma_ratio * SIZE))
+    assert found.sigma_disparity_px == pytest.approx(
+        np.hypot(settings.disparity_sigma_px, 0.4 / np.sqrt(independent))
+    )
+    assert found.sigma_u_px == pytest.approx(
+        np.hypot(settings.center_sigma_px, settings.center_sigma_ratio * 2 * SIZE)
+    )
+    assert found.sigma_v_px == pytest.approx(
+        np.hypot(settings.center_sigma_px, settings.center_sigma_ratio * SIZE)
+    )
 
 
 def test_extent_is_metric_and_known_from_any_range() -> None:
@@ -103,7 +113,9 @@ def test_extent_is_metric_and_known_from_any_range() -> None:
         ({"max_v_px": 474, "min_u_px": 0}, (True, True)),
     ],
 )
-def test_a_region_cut_by_the_border_has_an_uncertain_centre(box: dict[str, int], cut: tuple[bool, bool]) -> None:
+def test_a_region_cut_by_the_border_has_an_uncertain_centre(
+    box: dict[str, int], cut: tuple[bool, bool]
+) -> None:
     _, free = reconstruct(region_at(300, 200, 10.0))
     _, found = reconstruct(region_at(300, 200, 10.0, **box))
     assert (found.cut_u, found.cut_v) == cut
@@ -143,7 +155,9 @@ def test_bad_input_is_refused_and_nothing_written() -> None:
         (camera(focal=nan), "VISTA_ERROR_NUMBER"),
         (camera(width=0), "VISTA_ERROR_RANGE"),
     ]:
-        found = lib.vista_reconstruct_region(region_at(300, 200, 10.0), broken, params("reconstruction"), result)
+        found = lib.vista_reconstruct_region(
+            region_at(300, 200, 10.0), broken, params("reconstruction"), result
+        )
         assert status_name(found) == status
     found, _ = reconstruct(region_at(300, 200, 10.0), params("reconstruction", disparity_sigma_px=0.0))
     assert found == "VISTA_ERROR_RANGE"

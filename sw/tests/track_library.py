@@ -15,7 +15,7 @@ SECOND = 1_000_000_000
 
 
 def defaults(name: str) -> dict[str, float]:
-    """The documented defaults of a parameter struct: `vista_parameters_default`, else the table in its header."""
+    """Documented defaults of a parameter struct: `vista_parameters_default`, else the table in its header."""
     every = lib.vista_parameters_default() if hasattr(lib, "vista_parameters_default") else None
     if every is not None and hasattr(every, name):
         section = getattr(every, name)
@@ -77,7 +77,11 @@ def detection(measurement, extent=(1.0, 0.8), sigmas=SIGMAS, label: int = 0, cut
         "sigma_u_px": sigmas[0],
         "sigma_v_px": sigmas[1],
         "sigma_disparity_px": sigmas[2],
-        "position_camera_m": [(u - CENTER[0]) * BASELINE / d, (v - CENTER[1]) * BASELINE / d, FOCAL * BASELINE / d],
+        "position_camera_m": [
+            (u - CENTER[0]) * BASELINE / d,
+            (v - CENTER[1]) * BASELINE / d,
+            FOCAL * BASELINE / d,
+        ],
         "covariance_camera_m2": (j @ np.diag(np.square(sigmas)) @ j.T).ravel().tolist(),
         "extent_m": list(extent),
         "cut_u": cut[0],
