@@ -9,18 +9,17 @@
 #include "plane_fit.h"
 #include "vista/surface.h"
 
-#define BIN_WORDS (VISTA_DISPARITY_SCALE / 2) /* histogram of the boundary in steps of half a pixel */
-#define BINS (2 * 257)
-#define PLANE_MIN_CELLS 6 /* fewer do not tell a slope from noise */
+#define BINS (256 * VISTA_DISPARITY_SCALE + 1) /* one an engine word */
+#define PLANE_MIN_CELLS 6                        /* fewer do not tell a slope from noise */
 
 static const char *const verdict_names[VISTA_REGION_VERDICT_COUNT] = {
     [VISTA_REGION_ACCEPTED] = "ACCEPTED",
     [VISTA_REGION_TOO_FEW_PIXELS] = "TOO_FEW_PIXELS",
-    [VISTA_REGION_TOO_FAR] = "TOO_FAR",
-    [VISTA_REGION_TOO_SMALL] = "TOO_SMALL",
     [VISTA_REGION_LOW_SUPPORT] = "LOW_SUPPORT",
     [VISTA_REGION_INCONSISTENT] = "INCONSISTENT",
     [VISTA_REGION_HORIZONTAL] = "HORIZONTAL",
+    [VISTA_REGION_TOO_FAR] = "TOO_FAR",
+    [VISTA_REGION_TOO_SMALL] = "TOO_SMALL",
 };
 
 const char *vista_region_verdict_name(vista_region_verdict verdict) {
@@ -77,10 +76,19 @@ static double tolerance_px(const vista_region_params *params, const vista_camera
               (double)vista_depth_step_px(camera, (float)disparity_px, (float)params->tolerance_m));
 }
 
-/* Counts the boundary and finds the window of width 2 tolerance with most of its words, in steps of half a pixel.
- * Returns the centre of that window, px; negative: no valid word. */
-static double boundary_mode_px(const view *w, const vista_camera *camera, vista_region *region) {
-  uint32_t bins[BINS] = {0};
+typedef struct inliers {
+  int32_t count;
+  double mean_px, sigma_px; /* of their residuals */
+} inliers;
+
+static inliers summarise(int64_t count, double sum, double sum_of_squares) {
+  if (count == 0) return (inliers){0};
+  const double mean = sum / (double)count;
+  return (inliers){(int32_t)count, mean, sqrt(fmax(sum_of_squares / (double)count - mean * mean, 0.0))};
+}
+
+/* Histogram of the words under the boundary. */
+static void count_boundary(const view *w, vista_region *region, uint32_t *bins) {
   for (int32_t m = 0; m < w->member_count; ++m) {
     const int32_t node = w->members[m];
     if (!w->regions->boundary[node]) continue;
@@ -91,22 +99,41 @@ static double boundary_mode_px(const view *w, const vista_camera *camera, vista_
       for (int32_t i = 0; i < run.length_px; ++i) {
         if (words[i] < 0) continue;
         region->boundary_valid++;
-        bins[words[i] / BIN_WORDS]++;
+        bins[words[i]]++;
       }
     }
   }
-  if (region->boundary_valid == 0) return -1.0;
+}
+
+/* Centre of the window of width 2 tolerance that holds most words; the window grows with the disparity. */
+static double mode_px(const view *w, const vista_camera *camera, const uint32_t *bins) {
   uint32_t sum = 0, best = 0;
-  double mode_px = 0.0;
-  for (int32_t end = 0, start = 0; end < BINS; ++end) { /* the window grows with the disparity at its far end */
+  double mode = 0.0;
+  for (int32_t end = 0, start = 0; end < BINS; ++end) {
+    if (bins[end] == 0) continue; /* a best window can end on a word that occurs */
+    const double width = 2.0 * VISTA_DISPARITY_SCALE * tolerance_px(w->params, camera, end / (double)VISTA_DISPARITY_SCALE);
     sum += bins[end];
-    while (0.5 * (end + 1 - start) > 2.0 * tolerance_px(w->params, camera, 0.5 * end)) sum -= bins[start++];
+    while (end - start > width) sum -= bins[start++];
     if (sum > best) {
       best = sum;
-      mode_px = 0.25 * (end + 1 + start);
+      mode = 0.5 * (end + start) / VISTA_DISPARITY_SCALE;
     }
   }
-  return mode_px;
+  return mode;
+}
+
+static inliers inliers_around(const uint32_t *bins, double center_px, double tolerance) {
+  const int32_t first = (int32_t)fmax(ceil((center_px - tolerance) * VISTA_DISPARITY_SCALE), 0.0);
+  const int32_t last = (int32_t)fmin(floor((center_px + tolerance) * VISTA_DISPARITY_SCALE), BINS - 1);
+  int64_t count = 0;
+  double sum = 0.0, squares = 0.0;
+  for (int32_t b = first; b <= last; ++b) {
+    const double residual = b / (double)VISTA_DISPARITY_SCALE - center_px;
+    count += bins[b];
+    sum += bins[b] * residual;
+    squares += bins[b] * residual * residual;
+  }
+  return summarise(count, sum, squares);
 }
 
 /* Plane through the region's cells, weighted by their area; cells far off the first fit are left out of a second. */
@@ -130,14 +157,22 @@ static bool fit_plane(const view *w, vista_plane *plane) {
   return true;
 }
 
-typedef struct inliers {
-  int32_t count;
-  double sum_px, sum_px2; /* of their residuals */
-} inliers;
+/* Area of the cells whose disparity lies on a surface. */
+static double area_on(const view *w, const vista_plane *plane) {
+  double area = 0.0;
+  for (int32_t m = 0; m < w->member_count; ++m) {
+    const int32_t node = w->members[m];
+    const double size = (double)w->foveation->size_px[node], d = (double)w->cells->disparity_px[node];
+    const double expected = plane->offset + plane->slope_u * (double)w->foveation->center_u[node] +
+                            plane->slope_v * (double)w->foveation->center_v[node];
+    if (d >= 0.0 && fabs(d - expected) <= w->tolerance_px) area += size * size;
+  }
+  return area;
+}
 
 static inliers boundary_inliers(const view *w, const vista_plane *plane) {
-  inliers in = {0};
-  const double tolerance = w->tolerance_px;
+  int64_t count = 0;
+  double sum = 0.0, squares = 0.0;
   for (int32_t m = 0; m < w->member_count; ++m) {
     const int32_t node = w->members[m];
     if (!w->regions->boundary[node]) continue;
@@ -147,14 +182,14 @@ static inliers boundary_inliers(const view *w, const vista_plane *plane) {
       const double start = plane->offset + plane->slope_v * run.v_px + plane->slope_u * run.u_px;
       for (int32_t i = 0; i < run.length_px; ++i) {
         const double residual = words[i] * (1.0 / VISTA_DISPARITY_SCALE) - start - plane->slope_u * i;
-        if (words[i] < 0 || fabs(residual) > tolerance) continue;
-        in.count++;
-        in.sum_px += residual;
-        in.sum_px2 += residual * residual;
+        if (words[i] < 0 || fabs(residual) > w->tolerance_px) continue;
+        count++;
+        sum += residual;
+        squares += residual * residual;
       }
     }
   }
-  return in;
+  return summarise(count, sum, squares);
 }
 
 typedef struct moments {
@@ -214,52 +249,67 @@ static void own_pixels(const view *w, const vista_plane *plane, vista_region *re
   region->cov_vv_px2 = fmax(sum.vv / sum.n - region->mean_v_px * region->mean_v_px, 0.0);
 }
 
-static void measure(view *w, const vista_camera *camera, const double up_camera[3], vista_region *region) {
-  const double mode_px = boundary_mode_px(w, camera, region);
-  if (mode_px < 0.0) return;
-  w->tolerance_px = tolerance_px(w->params, camera, mode_px);
-  vista_plane facing = {.offset = mode_px}, plane;
-  inliers in = boundary_inliers(w, &facing);
-  if (in.count == 0) return;
-  facing.offset += in.sum_px / in.count; /* mode, refined by the mean around it */
-  in = boundary_inliers(w, &facing);
-  vista_plane surface = facing;
-  region->inclination_deg = NAN;
-  if (fit_plane(w, &plane)) {
-    const inliers in_plane = boundary_inliers(w, &plane);
-    if (10 * in_plane.count > 11 * in.count) {
-      surface = plane;
-      in = in_plane;
-    }
-    const double u = (double)w->foveation->center_u[w->members[0]], v = (double)w->foveation->center_v[w->members[0]];
-    region->inclination_deg = vista_plane_inclination_deg(
-        camera, up_camera, u, v, plane.offset + plane.slope_u * u + plane.slope_v * v, plane.slope_u, plane.slope_v);
-  }
-  if (in.count == 0) return;
-  own_pixels(w, &surface, region);
-  region->standing_fraction = vista_standing_fraction(w->foveation, camera, w->cells, w->surfaces, w->members,
-                                                      w->member_count, w->params->min_height_m);
-  const double mean = in.sum_px / in.count;
-  region->boundary_inliers = in.count;
-  region->slope_u = surface.slope_u;
-  region->slope_v = surface.slope_v;
-  region->disparity_px =
-      surface.offset + surface.slope_u * region->mean_u_px + surface.slope_v * region->mean_v_px + mean;
-  region->disparity_sigma_px = sqrt(fmax(in.sum_px2 / in.count - mean * mean, 0.0));
+static double plane_at(const vista_plane *plane, double u_px, double v_px) {
+  return plane->offset + plane->slope_u * u_px + plane->slope_v * v_px;
 }
 
-static vista_region_verdict judge(const vista_region_params *p, const vista_camera *camera, double horizontal_deg,
-                                  const vista_region *region) {
+/* The boundary against the surface that explains it best; false: no valid pixel there. */
+static bool measure_boundary(view *w, const vista_camera *camera, const double up_camera[3], vista_region *region,
+                             vista_plane *surface) {
+  uint32_t bins[BINS] = {0};
+  count_boundary(w, region, bins);
+  if (region->boundary_valid == 0) return false;
+  const double mode = mode_px(w, camera, bins);
+  w->tolerance_px = tolerance_px(w->params, camera, mode);
+  const inliers around_mode = inliers_around(bins, mode, w->tolerance_px);
+  *surface = (vista_plane){.offset = mode + around_mode.mean_px}; /* mode, refined by the mean around it */
+  inliers in = inliers_around(bins, surface->offset, w->tolerance_px);
+
+  const double u = (double)w->foveation->center_u[w->members[0]], v = (double)w->foveation->center_v[w->members[0]];
+  vista_plane plane;
+  if (fit_plane(w, &plane)) {
+    region->inclination_deg = vista_plane_inclination_deg(camera, up_camera, u, v, plane_at(&plane, u, v),
+                                                          plane.slope_u, plane.slope_v);
+    if (area_on(w, &plane) > 1.1 * area_on(w, surface)) {
+      *surface = plane;
+      in = boundary_inliers(w, &plane);
+    }
+  }
+  surface->offset += in.mean_px;
+  region->boundary_inliers = in.count;
+  region->disparity_sigma_px = in.sigma_px;
+  region->slope_u = surface->slope_u;
+  region->slope_v = surface->slope_v;
+  region->disparity_px = plane_at(surface, u, v); /* until the centre is known */
+  return in.count > 0;
+}
+
+static vista_region_verdict judge_boundary(const view *w, double horizontal_deg, const vista_region *region) {
+  const vista_region_params *const p = w->params;
   if (region->boundary_inliers < p->min_inliers) return VISTA_REGION_TOO_FEW_PIXELS;
-  if (region->disparity_px < p->min_disparity_px) return VISTA_REGION_TOO_FAR;
-  const double larger_px = 4.0 * sqrt(fmax(region->cov_uu_px2, region->cov_vv_px2));
-  if (larger_px * camera->baseline_m / region->disparity_px < p->min_size_m) return VISTA_REGION_TOO_SMALL;
   if (region->boundary_valid < p->min_valid_fraction * region->boundary_pixels) return VISTA_REGION_LOW_SUPPORT;
   if (region->boundary_inliers < p->min_inlier_fraction * region->boundary_valid ||
-      region->disparity_sigma_px > p->max_sigma_ratio * tolerance_px(p, camera, region->disparity_px))
+      region->disparity_sigma_px > p->max_sigma_ratio * w->tolerance_px)
     return VISTA_REGION_INCONSISTENT;
-  if (region->inclination_deg > horizontal_deg || region->standing_fraction < p->min_standing_fraction)
-    return VISTA_REGION_HORIZONTAL;
+  if (region->inclination_deg > horizontal_deg) return VISTA_REGION_HORIZONTAL;
+  return VISTA_REGION_ACCEPTED;
+}
+
+/* Cheap tests first; only what passes them is measured further. */
+static vista_region_verdict measure(view *w, const vista_camera *camera, const double up_camera[3],
+                                    double horizontal_deg, vista_region *region) {
+  vista_plane surface;
+  if (!measure_boundary(w, camera, up_camera, region, &surface)) return VISTA_REGION_TOO_FEW_PIXELS;
+  const vista_region_verdict verdict = judge_boundary(w, horizontal_deg, region);
+  if (verdict != VISTA_REGION_ACCEPTED) return verdict;
+  region->standing_fraction = vista_standing_fraction(w->foveation, camera, w->cells, w->surfaces, w->members,
+                                                      w->member_count, w->params->min_height_m);
+  if (region->standing_fraction < w->params->min_standing_fraction) return VISTA_REGION_HORIZONTAL;
+  own_pixels(w, &surface, region);
+  region->disparity_px = plane_at(&surface, region->mean_u_px, region->mean_v_px);
+  if (region->disparity_px < w->params->min_disparity_px) return VISTA_REGION_TOO_FAR;
+  const double larger_px = 4.0 * sqrt(fmax(region->cov_uu_px2, region->cov_vv_px2));
+  if (larger_px * camera->baseline_m / region->disparity_px < w->params->min_size_m) return VISTA_REGION_TOO_SMALL;
   return VISTA_REGION_ACCEPTED;
 }
 
@@ -279,9 +329,9 @@ vista_status vista_regions_compute(const vista_foveation *foveation, const vista
   for (int32_t k = 0; k < regions->count; ++k) {
     const int32_t first = regions->first_member[k], count = regions->first_member[k + 1] - first;
     view w = {foveation, params, disparity, cells, surfaces, regions, regions->members + first, count, 0.0};
-    regions->items[k] = (vista_region){.label = k, .node_count = count, .inclination_deg = NAN};
-    if (count > 0) measure(&w, camera, up_camera, &regions->items[k]);
-    regions->items[k].verdict = judge(params, camera, horizontal_deg, &regions->items[k]);
+    vista_region *const region = &regions->items[k];
+    *region = (vista_region){.label = k, .node_count = count, .inclination_deg = NAN, .standing_fraction = NAN};
+    region->verdict = count > 0 ? measure(&w, camera, up_camera, horizontal_deg, region) : VISTA_REGION_TOO_FEW_PIXELS;
     regions->accepted_count += regions->items[k].verdict == VISTA_REGION_ACCEPTED;
   }
   return VISTA_OK;

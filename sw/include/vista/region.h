@@ -5,7 +5,7 @@
  * taken from the valid pixels under boundary nodes, with robust statistics: the far side pollutes boundary cells.
  *
  * Two surfaces compete for each region: facing the camera, d = mode of the boundary pixels, and a plane,
- * d = a + slope_u u + slope_v v, fitted to the region's cells; the plane has to explain a tenth more of the boundary.
+ * d = a + slope_u u + slope_v v, fitted to the region's cells; the plane has to explain a tenth more of their area.
  * Edge consistency is judged on the residuals from the winner: a wall seen at an angle varies smoothly, too.
  *
  * Size and centre are those of the pixels that lie on the surface, and of cells without disparity that the cut gave
@@ -26,12 +26,12 @@
 /* Why a region is not an obstacle; the first reason that applies, in this order. */
 typedef enum vista_region_verdict {
   VISTA_REGION_ACCEPTED = 0,
-  VISTA_REGION_TOO_FEW_PIXELS,  /* too few valid boundary pixels to say anything */
-  VISTA_REGION_TOO_FAR,         /* disparity below the smallest that is reconstructed */
-  VISTA_REGION_TOO_SMALL,       /* metric size below the smallest obstacle */
-  VISTA_REGION_LOW_SUPPORT,     /* valid fraction of the boundary too small */
-  VISTA_REGION_INCONSISTENT,    /* boundary disparity does not vary smoothly (edge consistency) */
-  VISTA_REGION_HORIZONTAL,      /* a surface to fly above, or flat on one: ground, road, water */
+  VISTA_REGION_TOO_FEW_PIXELS, /* too few boundary inliers to say anything */
+  VISTA_REGION_LOW_SUPPORT,    /* valid fraction of the boundary too small */
+  VISTA_REGION_INCONSISTENT,   /* boundary disparity does not vary smoothly (edge consistency) */
+  VISTA_REGION_HORIZONTAL,     /* a surface to fly above, or flat on one: ground, road, water */
+  VISTA_REGION_TOO_FAR,        /* disparity below the smallest that is reconstructed */
+  VISTA_REGION_TOO_SMALL,      /* metric size below the smallest obstacle */
   VISTA_REGION_VERDICT_COUNT
 } vista_region_verdict;
 
@@ -39,8 +39,8 @@ typedef struct vista_region {
   int32_t label;
   vista_region_verdict verdict;
   int32_t node_count;
-  int32_t pixel_count;                            /* own pixels, see above */
-  /* Moments of the region's own pixels: centre and covariance. */
+  int32_t pixel_count; /* own pixels, see above; like their moments measured only if the boundary passed its tests */
+  /* Moments of the own pixels: centre and covariance. */
   double mean_u_px, mean_v_px;
   double cov_uu_px2, cov_uv_px2, cov_vv_px2;
   int32_t min_u_px, min_v_px, max_u_px, max_v_px; /* bounding box, inclusive */
