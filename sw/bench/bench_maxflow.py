@@ -1,9 +1,11 @@
 """Max-flow of libvista beside PyMaxflow (Boykov-Kolmogorov 3.04): same graphs, same run, answers compared.
 
 What is counted:
-  vista         the whole call: checks, loading of capacities, flow, both labels
+  vista S       the whole call as the recursive bipartition makes it: checks, loading of capacities, flow, source side
+  vista S+T     the same with the labels of the sink side
   peer flow     maxflow() on a graph that is ready
   peer whole    construction of the graph in PyMaxflow's bulk calls, maxflow(), labels
+The ratios are those of the peer to "vista S".
 
     bench_maxflow.py [--repetitions 21] [--out build/bench/maxflow.json]
 """
@@ -82,21 +84,27 @@ def summary(samples_ms: list[float]) -> dict[str, float]:
 def measure(name: str, cases: list[FlowCase], repetitions: int) -> dict:
     """Times all cases one after the other as one sample, turn about with the peer."""
     graph = CutGraph(cases[0].node_count, cases[0].edges)
-    solvers = [graph.solver(case) for case in cases]
+    solvers = [graph.solver(case, with_sink_side=False) for case in cases]
+    full_solvers = [graph.solver(case) for case in cases]
     peers = [PeerCut(case) for case in cases] if peer else []
-    vista_ms, flow_ms, whole_ms = [], [], []
+    vista_ms, full_ms, flow_ms, whole_ms = [], [], [], []
     for _ in range(repetitions):
         vista_ms.append(sum(timed_ms(solve)[0] for solve in solvers))
+        full_ms.append(sum(timed_ms(solve)[0] for solve in full_solvers))
         results = [cut.run() for cut in peers]
         flow_ms.append(sum(result[0] for result in results))
         whole_ms.append(sum(result[1] for result in results))
-    answers = [solve() for solve in solvers]
+    answers = [solve() for solve in full_solvers]
+    for answer, solve in zip(answers, solvers, strict=True):
+        if answer.value != solve().value or not np.array_equal(answer.source_side, solve().source_side):
+            raise SystemExit(f"bench_maxflow: {name}: the source side depends on asking for the sink side")
     row = {
         "name": name,
         "cuts": len(cases),
         "nodes": sum(case.node_count if case.subset is None else case.subset.size for case in cases),
         "value": sum(answer.value for answer in answers),
         "vista": summary(vista_ms),
+        "vista_both_sides": summary(full_ms),
     }
     if peer:
         for answer, cut, result in zip(answers, peers, results, strict=True):
@@ -134,6 +142,7 @@ def print_row(row: dict) -> None:
         return f"{times['median_ms']:8.3f} ({times['p10_ms']:.3f}..{times['p90_ms']:.3f})".ljust(28)
 
     text = f"{row['name'][-48:]:48s} {row['cuts']:4d} {row['nodes']:7d} {cell(row['vista'])}"
+    text += cell(row["vista_both_sides"])
     if peer:
         text += f"{cell(row['peer_flow'])}{cell(row['peer_whole'])}"
         text += f"{row['ratio_flow']:6.2f} {row['ratio_whole']:6.2f}"
@@ -153,7 +162,9 @@ def main() -> None:
     if peer is None:
         print("peer absent: PyMaxflow is not installed (scripts/setup.sh bench); libvista alone")
     print("median (p10..p90) in ms; x: peer / vista")
-    print(f"{'graph':48s} cuts   nodes {'vista':28s}{'peer flow':28s}{'peer whole':28s}x flow x whole")
+    print(
+        f"{'graph':48s} cuts   nodes {'vista S':28s}{'vista S+T':28s}{'peer flow':28s}{'peer whole':28s}x flow x whole"
+    )
     rows = []
     for name, image in images:
         for case in polar_cases(name, image, SEED):

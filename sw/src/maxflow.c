@@ -22,7 +22,6 @@
 
 #include <stdbool.h>
 #include <stddef.h>
-#include <string.h>
 
 /* OUTSIDE is 0, so that zeroed memory marks no node; the low bit of the trees is their direction, see tree_link. */
 enum { OUTSIDE = 0, FREE = 1, SOURCE_TREE = 2, SINK_TREE = 3 };
@@ -41,26 +40,55 @@ typedef struct vista_maxflow_branch {
   int32_t distance; /* links to the terminal */
 } branch;
 
+/* Double-ended queue of nodes; each is in it at most once, so node_count places are enough. */
+typedef struct ring {
+  int32_t *nodes;
+  int32_t room, first, count;
+} ring;
+
 typedef struct search {
   const int32_t *first_arc;
   const arc *arcs;
   branch *branches;
   int32_t *residual;
-  int32_t *next_active; /* NONE: not queued; the last one points to itself */
-  uint8_t *tree;
-  int32_t *orphans; /* ring buffer */
-  int32_t orphan_room, orphan_first, orphan_count;
+  uint16_t *tree;       /* not uint8_t: a store through a character type may alias anything and costs reloads */
+  int32_t *next_active; /* queue of active nodes; NONE: not in it, the last one points to itself */
   int32_t active_first, active_last;
+  int32_t active_in_tree[2]; /* by direction; nodes that became free in the queue do not count */
+  ring orphans;
   uint32_t augmentations;
   int64_t flow;
 } search;
 
+static int32_t direction(int32_t tree) { return tree & 1; }
+
 /* Residual through which a node of `tree` hands its terminal on to the neighbour at the other end of its arc:
  * tail -> head for the S tree, head -> tail for the T tree. The sister, tree_link ^ 1, serves the opposite question. */
-static int32_t tree_link(int32_t link, int32_t tree) { return link ^ (tree & 1); }
+static int32_t tree_link(int32_t link, int32_t tree) { return link ^ direction(tree); }
+
+static void push_back(ring *r, int32_t v) {
+  const int32_t last = r->first + r->count++;
+  r->nodes[last < r->room ? last : last - r->room] = v;
+}
+
+static void push_front(ring *r, int32_t v) {
+  r->first = (r->first == 0 ? r->room : r->first) - 1;
+  r->count++;
+  r->nodes[r->first] = v;
+}
+
+static int32_t pop_front(ring *r) {
+  const int32_t v = r->nodes[r->first];
+  r->first = r->first + 1 == r->room ? 0 : r->first + 1;
+  r->count--;
+  return v;
+}
+
+static bool is_queued(const search *s, int32_t v) { return s->next_active[v] != NONE; }
 
 static void activate(search *s, int32_t v) {
-  if (s->next_active[v] != NONE) return;
+  if (is_queued(s, v)) return;
+  s->active_in_tree[direction(s->tree[v])]++;
   s->next_active[v] = v;
   if (s->active_first == NONE) {
     s->active_first = v;
@@ -72,30 +100,23 @@ static void activate(search *s, int32_t v) {
 
 static int32_t pop_active(search *s) {
   const int32_t v = s->active_first;
-  if (v == NONE) return NONE;
   s->active_first = s->next_active[v] == v ? NONE : s->next_active[v];
   s->next_active[v] = NONE;
+  if (s->tree[v] != FREE) s->active_in_tree[direction(s->tree[v])]--;
   return v;
 }
 
-static void push_orphan(search *s, int32_t v) {
-  s->branches[v].parent = NONE;
-  const int32_t last = s->orphan_first + s->orphan_count++;
-  s->orphans[last < s->orphan_room ? last : last - s->orphan_room] = v;
+static void leave_tree(search *s, int32_t v) {
+  if (is_queued(s, v)) s->active_in_tree[direction(s->tree[v])]--;
+  s->tree[v] = FREE;
 }
 
-static void push_orphan_first(search *s, int32_t v) {
-  s->branches[v].parent = NONE;
-  s->orphan_first = (s->orphan_first == 0 ? s->orphan_room : s->orphan_first) - 1;
-  s->orphan_count++;
-  s->orphans[s->orphan_first] = v;
-}
-
-static int32_t pop_orphan(search *s) {
-  const int32_t v = s->orphans[s->orphan_first];
-  s->orphan_first = s->orphan_first + 1 == s->orphan_room ? 0 : s->orphan_first + 1;
-  s->orphan_count--;
-  return v;
+/* Node v becomes an active child of `parent`; it may be in the queue already, from an earlier life in a tree. */
+static void join_tree(search *s, int32_t v, int32_t parent, int32_t link) {
+  s->tree[v] = s->tree[parent];
+  s->branches[v] = (branch){parent, link, s->branches[parent].stamp, s->branches[parent].distance + 1};
+  if (is_queued(s, v)) s->active_in_tree[direction(s->tree[v])]++;
+  activate(s, v);
 }
 
 static int32_t bottleneck(const search *s, int32_t v, int32_t flow) {
@@ -111,7 +132,10 @@ static void push_flow(search *s, int32_t v, int32_t flow) {
   while (v >= 0) {
     const int32_t parent = s->branches[v].parent, link = s->branches[v].link;
     s->residual[link ^ 1] += flow;
-    if ((s->residual[link] -= flow) == 0) push_orphan_first(s, v);
+    if ((s->residual[link] -= flow) == 0) {
+      s->branches[v].parent = NONE;
+      push_front(&s->orphans, v);
+    }
     v = parent;
   }
 }
@@ -158,14 +182,17 @@ static void release(search *s, int32_t v) {
     const int32_t u = s->arcs[a].head;
     if (s->tree[u] != tree) continue;
     if (s->residual[tree_link(s->arcs[a].link, tree) ^ 1] > 0) activate(s, u);
-    if (s->branches[u].parent == v) push_orphan(s, u);
+    if (s->branches[u].parent == v) {
+      s->branches[u].parent = NONE;
+      push_back(&s->orphans, u);
+    }
   }
-  s->tree[v] = FREE;
+  leave_tree(s, v);
 }
 
 static void adopt(search *s) {
-  while (s->orphan_count > 0) {
-    const int32_t v = pop_orphan(s);
+  while (s->orphans.count > 0) {
+    const int32_t v = pop_front(&s->orphans);
     const int32_t tree = s->tree[v];
     int32_t parent = NONE, parent_link = NONE, nearest = INT32_MAX;
     for (int32_t a = s->first_arc[v]; a < s->first_arc[v + 1]; a++) {
@@ -193,25 +220,34 @@ static void grow(search *s, int32_t v) {
   const int32_t end = s->first_arc[v + 1];
   for (int32_t a = s->first_arc[v]; a < end;) {
     const int32_t q = s->arcs[a].head, link = tree_link(s->arcs[a].link, tree);
-    if (s->residual[link] > 0 && s->tree[q] != tree) {
-      if (s->tree[q] != FREE) {
+    const int32_t met = s->tree[q];
+    if (met != tree && s->residual[link] > 0 && met != OUTSIDE) {
+      if (met != FREE) {
         augment(s, tree == SOURCE_TREE ? v : q, tree == SOURCE_TREE ? q : v, link);
         adopt(s);
         if (s->tree[v] != tree) return;
         continue;
       }
-      s->tree[q] = (uint8_t)tree;
-      s->branches[q] = (branch){v, link, s->branches[v].stamp, s->branches[v].distance + 1};
-      activate(s, q);
+      join_tree(s, q, v, link);
     }
     a++;
   }
 }
 
+/* As soon as the S tree has no active node, its side of the cut is final and saturated, however far the T tree has
+ * come; only the labels of the sink side need the T tree to the end. */
+static void grow_trees(search *s, bool finish_sink_tree) {
+  const int32_t *active = s->active_in_tree;
+  while (active[direction(SOURCE_TREE)] > 0 || (finish_sink_tree && active[direction(SINK_TREE)] > 0)) {
+    const int32_t v = pop_active(s);
+    if (s->tree[v] != FREE) grow(s, v);
+  }
+}
+
 /* Returns how many nodes were marked, which is less than count if one of them is not a node or comes twice. */
-static int32_t mark_subset(uint8_t *tree, int32_t node_count, const int32_t *subset, int32_t count) {
+static int32_t mark_subset(uint16_t *tree, int32_t node_count, const int32_t *subset, int32_t count) {
   if (subset == NULL) {
-    memset(tree, FREE, (size_t)count);
+    for (int32_t v = 0; v < count; v++) tree[v] = FREE;
     return count;
   }
   for (int32_t k = 0; k < count; k++) {
@@ -222,18 +258,13 @@ static int32_t mark_subset(uint8_t *tree, int32_t node_count, const int32_t *sub
   return count;
 }
 
-/* Loads node v. The part of the flow that runs S -> v -> T is pushed at once. Returns the OR of its arc capacities,
- * which tells whether any of them is negative or too large. */
+/* Loads node v. The part of the flow that runs S -> v -> T is pushed at once. Arcs that leave the subset are loaded
+ * like the others: no tree ever looks beyond a head that is OUTSIDE. Returns the OR of the arc capacities, which tells
+ * whether any of them is negative or too large. */
 static int32_t load_node(search *s, const vista_maxflow_problem *problem, int32_t terminal_link, int32_t v) {
   int32_t bits = 0;
-  for (int32_t a = s->first_arc[v]; a < s->first_arc[v + 1]; a++) {
-    const int32_t link = s->arcs[a].link;
-    if (s->tree[s->arcs[a].head] == OUTSIDE) {
-      s->residual[link] = s->residual[link ^ 1] = 0;
-    } else {
-      bits |= s->residual[link] = problem->arc_capacity[a];
-    }
-  }
+  for (int32_t a = s->first_arc[v]; a < s->first_arc[v + 1]; a++)
+    bits |= s->residual[s->arcs[a].link] = problem->arc_capacity[a];
   s->next_active[v] = NONE;
   const int32_t from_source = problem->source_capacity[v], to_sink = problem->sink_capacity[v];
   s->flow += from_source < to_sink ? from_source : to_sink;
@@ -270,7 +301,7 @@ vista_status vista_maxflow_layout(vista_maxflow *maxflow, const vista_graph *gra
       .residual = vista_arena_take(arena, 2 * (edges + nodes), sizeof(int32_t)),
       .next_active = vista_arena_take(arena, nodes, sizeof(int32_t)),
       .orphans = vista_arena_take(arena, nodes, sizeof(int32_t)),
-      .tree = vista_arena_take(arena, nodes, sizeof(uint8_t)),
+      .tree = vista_arena_take(arena, nodes, sizeof(uint16_t)),
   };
   if (arena->base == NULL) return VISTA_OK;
   if (arena->used > arena->size) return VISTA_ERROR_MEMORY;
@@ -299,18 +330,16 @@ vista_status vista_maxflow_solve(vista_maxflow *maxflow, const vista_maxflow_pro
       .arcs = maxflow->arcs,
       .branches = maxflow->branches,
       .residual = maxflow->residual,
-      .next_active = maxflow->next_active,
       .tree = maxflow->tree,
-      .orphans = maxflow->orphans,
-      .orphan_room = node_count,
+      .next_active = maxflow->next_active,
       .active_first = NONE,
+      .orphans = {.nodes = maxflow->orphans, .room = node_count},
   };
   const int32_t marked = mark_subset(s.tree, node_count, subset, count);
   const vista_status status =
       marked < count ? VISTA_ERROR_RANGE : load(&s, problem, maxflow->graph.arc_count, count);
   if (status == VISTA_OK) {
-    for (int32_t v; (v = pop_active(&s)) != NONE;)
-      if (s.tree[v] != FREE) grow(&s, v);
+    grow_trees(&s, sink_side != NULL);
     *value = s.flow;
   }
   for (int32_t k = 0; k < marked; k++) {

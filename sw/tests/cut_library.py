@@ -74,7 +74,7 @@ class CutGraph:
         capacity[self.reverse[self.edge_arc]] = case.backward
         return capacity
 
-    def solver(self, case: FlowCase):
+    def solver(self, case: FlowCase, with_sink_side: bool = True):
         """A function without arguments that solves the case, so that a bench times the C call alone."""
         arrays = (self.arc_capacity(case), case.source, case.sink, case.subset)
         source_side, sink_side = np.full((2, case.node_count), 255, np.uint8)
@@ -84,6 +84,8 @@ class CutGraph:
         if case.subset is not None:
             problem.subset, problem.subset_count = pointer(case.subset), len(case.subset)
         sides = [ffi.cast("uint8_t *", side.ctypes.data) for side in (source_side, sink_side)]
+        if not with_sink_side:
+            sides[1] = ffi.NULL
 
         def solve() -> Cut:
             status = lib.vista_maxflow_solve(self.maxflow, problem, *sides, value)
@@ -92,9 +94,9 @@ class CutGraph:
         solve.arrays = arrays  # keeps the memory behind the pointers alive
         return solve
 
-    def solve(self, case: FlowCase) -> Cut:
-        return self.solver(case)()
+    def solve(self, case: FlowCase, with_sink_side: bool = True) -> Cut:
+        return self.solver(case, with_sink_side)()
 
 
-def solve(case: FlowCase) -> Cut:
-    return CutGraph(case.node_count, case.edges).solve(case)
+def solve(case: FlowCase, with_sink_side: bool = True) -> Cut:
+    return CutGraph(case.node_count, case.edges).solve(case, with_sink_side)

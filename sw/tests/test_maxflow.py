@@ -203,15 +203,18 @@ def test_same_problem_same_answer() -> None:
         assert len(runs) == 1
 
 
-def test_sink_side_is_optional() -> None:
-    case = chain(5, 9)
-    graph = CutGraph(case.node_count, case.edges)
-    capacity, side, value = graph.arc_capacity(case), np.zeros(3, np.uint8), ffi.new("int64_t *")
-    arrays = [pointer(capacity), pointer(case.source), pointer(case.sink)]
-    problem = ffi.new("vista_maxflow_problem *", arrays)
-    out = ffi.cast("uint8_t *", side.ctypes.data)
-    assert lib.vista_maxflow_solve(graph.maxflow, problem, out, ffi.NULL, value) == lib.VISTA_OK
-    assert value[0] == 5 and side.tolist() == [1, 0, 0]
+def test_without_sink_side_the_rest_is_the_same() -> None:
+    rng = seeded(10)
+    cases = [random_case(rng) for _ in range(500)]
+    cases += polar_cases("synthetic image", synthetic_image(10), seed=10)
+    for index, case in enumerate(cases):
+        graph = CutGraph(case.node_count, case.edges)
+        expected, got = graph.solve(case), graph.solve(case, with_sink_side=False)
+        again = graph.solve(case)
+        assert got.value == expected.value == again.value, (index, case.name)
+        assert np.array_equal(got.source_side, expected.source_side), (index, case.name)
+        assert np.array_equal(again.sink_side, expected.sink_side), (index, case.name)
+        assert (got.sink_side == 255).all(), (index, case.name)
 
 
 BAD_PROBLEMS = {
@@ -250,7 +253,8 @@ def test_bad_subsets_are_refused_and_leave_the_solver_usable(subset: tuple[int, 
 
 def test_capacities_outside_the_subset_do_not_matter() -> None:
     case = replace(chain(5, 9), subset=np.array([0, 1], np.int32))
-    case.forward[1], case.backward[1], case.source[2], case.sink[2] = -1, INT32_MAX, -1, -1
+    case.backward[1], case.source[2], case.sink[2] = -1, -1, -1
+    case.forward[1] = ARC_CAPACITY_MAX  # leaves the subset, so it carries nothing
     case.sink[1] = 3
     cut = solve(case)
     assert (cut.status, cut.value, cut.source_side.tolist()) == ("VISTA_OK", 3, [1, 1, 255])

@@ -30,7 +30,7 @@ typedef struct vista_maxflow {
   int32_t *residual;                     /* 2 (edge_count + node_count) */
   int32_t *next_active;                  /* node_count */
   int32_t *orphans;                      /* node_count */
-  uint8_t *tree;                         /* node_count */
+  uint16_t *tree;                        /* node_count */
 } vista_maxflow;
 
 typedef struct vista_maxflow_problem {
@@ -54,10 +54,11 @@ vista_status vista_maxflow_layout(vista_maxflow *maxflow, const vista_graph *gra
  *   sink_side[v]   = 1 if T can be reached from v in the residual graph, else 0   (null: not wanted)
  * *value is the flow, equal to the weight of the cut around either side.
  *
- * On an error nothing is written:
+ * Without sink_side the search ends as soon as the source side is known, often long before. Capacities are checked for
+ * the nodes of the subset and all arcs out of them. On an error nothing is written:
  * VISTA_ERROR_ARGUMENT  a required pointer is null
  * VISTA_ERROR_RANGE     a negative capacity or count; a node that is outside the graph or twice in the subset
- * VISTA_ERROR_OVERFLOW  an arc inside the subset above VISTA_MAXFLOW_ARC_CAPACITY_MAX */
+ * VISTA_ERROR_OVERFLOW  an arc capacity above VISTA_MAXFLOW_ARC_CAPACITY_MAX */
 vista_status vista_maxflow_solve(vista_maxflow *maxflow, const vista_maxflow_problem *problem, uint8_t *source_side,
                                  uint8_t *sink_side, int64_t *value);
 
