@@ -152,7 +152,7 @@ def test_extents_average_and_one_wrong_region_does_not_resize_a_track() -> None:
     tracker, point = Tracker(), (0.0, 0.0, 40.0)
     random = seeded(4)
     for frame in range(40):
-        extent = np.array([2.0, 1.0]) * np.exp(random.normal(0, 0.2, 2))
+        extent = np.array([2.0, 1.0]) * np.exp(random.normal(0, 0.1, 2))
         tracker.update(0.1 * frame, [seen_at(point, extent=extent.tolist())])
     before = list(tracker.tracks[1].extent_m)
     assert before == pytest.approx([2.0, 1.0], rel=0.25)

@@ -87,7 +87,7 @@ def test_ids_hold_through_misses_on_a_moving_platform() -> None:
     tracker, owner, missed = Tracker(), {}, dict.fromkeys(points, 0)
     for frame in range(60):
         position = np.array([0.0, 0.0, 0.5 * frame])
-        seen = [i for i in points if frame < 5 or missed[i] == 4 or random.random() < 0.7]
+        seen = [i for i in points if frame < 5 or missed[i] == 3 or random.random() < 0.7]
         missed = {i: 0 if i in seen else missed[i] + 1 for i in points}
         order = random.permutation(seen) if seen else []
         tracker.update(DT * frame, [noisy(random, points[i], position, label=i) for i in order], position)
