@@ -62,6 +62,7 @@ typedef struct vista_regions {
   int32_t *first_member; /* scratch: nodes of region k are members[first_member[k] .. first_member[k + 1]) */
   int32_t *members;
   uint8_t *boundary; /* scratch, node_count */
+  uint32_t *bins;    /* scratch: histogram of engine words */
 } vista_regions;
 
 vista_status vista_regions_layout(vista_regions *regions, vista_arena *arena, const vista_foveation *foveation);
