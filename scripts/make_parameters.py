@@ -71,6 +71,10 @@ def header_text(schema: dict[str, Entry]) -> str:
         "/* VISTA_OK, or VISTA_ERROR_RANGE (NaN included) with `culprit` set to \"section.name\"; culprit may be null. */",
         "vista_status vista_parameters_check(const vista_parameters *parameters, const char **culprit);",
         "",
+        "/* Sets the parameter called \"section.name\"; a choice by its number. VISTA_ERROR_RANGE: no such parameter,",
+        " * or a value that no parameter has; the parameter's own range is vista_parameters_check's to judge. */",
+        "vista_status vista_parameters_set(vista_parameters *parameters, const char *name, double value);",
+        "",
         "#endif",
     ]
     return "\n".join(lines) + "\n"
@@ -89,6 +93,7 @@ def source_text(schema: dict[str, Entry]) -> str:
         "",
         "#include <stdbool.h>",
         "#include <stddef.h>",
+        "#include <string.h>",
         "",
         "vista_parameters vista_parameters_default(void) {",
         "  return (vista_parameters){",
@@ -116,6 +121,20 @@ def source_text(schema: dict[str, Entry]) -> str:
     lines += [
         "  if (culprit != NULL) *culprit = wrong;",
         "  return wrong == NULL ? VISTA_OK : VISTA_ERROR_RANGE;",
+        "}",
+        "",
+        "vista_status vista_parameters_set(vista_parameters *parameters, const char *name, double value) {",
+        "  if (parameters == NULL || name == NULL) return VISTA_ERROR_ARGUMENT;",
+        "  if (!within(value, -1e9, 1e9)) return VISTA_ERROR_RANGE;",
+        "  vista_parameters *const p = parameters;",
+    ]
+    for section, content in schema.items():
+        for name, entry in entries_of(content).items():
+            c_type = enum_type(section, name) if entry["type"] == "choice" else C_TYPE[entry["type"]]
+            cast = "" if c_type == "double" else f"({c_type})"
+            lines.append(f'  if (strcmp(name, "{section}.{name}") == 0) return p->{section}.{name} = {cast}value, VISTA_OK;')
+    lines += [
+        "  return VISTA_ERROR_RANGE;",
         "}",
     ]
     return "\n".join(lines) + "\n"

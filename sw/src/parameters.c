@@ -3,6 +3,7 @@
 
 #include <stdbool.h>
 #include <stddef.h>
+#include <string.h>
 
 vista_parameters vista_parameters_default(void) {
   return (vista_parameters){
@@ -107,4 +108,56 @@ vista_status vista_parameters_check(const vista_parameters *parameters, const ch
   else if (!within(p->region.min_standing_fraction, 0.0, 1.0)) wrong = "region.min_standing_fraction";
   if (culprit != NULL) *culprit = wrong;
   return wrong == NULL ? VISTA_OK : VISTA_ERROR_RANGE;
+}
+
+vista_status vista_parameters_set(vista_parameters *parameters, const char *name, double value) {
+  if (parameters == NULL || name == NULL) return VISTA_ERROR_ARGUMENT;
+  if (!within(value, -1e9, 1e9)) return VISTA_ERROR_RANGE;
+  vista_parameters *const p = parameters;
+  if (strcmp(name, "stereo.num_disparities") == 0) return p->stereo.num_disparities = (int32_t)value, VISTA_OK;
+  if (strcmp(name, "stereo.block_size") == 0) return p->stereo.block_size = (int32_t)value, VISTA_OK;
+  if (strcmp(name, "stereo.prefilter") == 0) return p->stereo.prefilter = (vista_stereo_prefilter)value, VISTA_OK;
+  if (strcmp(name, "stereo.prefilter_cap") == 0) return p->stereo.prefilter_cap = (int32_t)value, VISTA_OK;
+  if (strcmp(name, "stereo.texture_threshold") == 0) return p->stereo.texture_threshold = (int32_t)value, VISTA_OK;
+  if (strcmp(name, "stereo.uniqueness_ratio") == 0) return p->stereo.uniqueness_ratio = (int32_t)value, VISTA_OK;
+  if (strcmp(name, "stereo.lr_max_diff") == 0) return p->stereo.lr_max_diff = (int32_t)value, VISTA_OK;
+  if (strcmp(name, "foveation.sector_count") == 0) return p->foveation.sector_count = (int32_t)value, VISTA_OK;
+  if (strcmp(name, "foveation.rho_0_px") == 0) return p->foveation.rho_0_px = value, VISTA_OK;
+  if (strcmp(name, "foveation.min_valid_fraction") == 0) return p->foveation.min_valid_fraction = value, VISTA_OK;
+  if (strcmp(name, "affinity.form") == 0) return p->affinity.form = (vista_affinity_form)value, VISTA_OK;
+  if (strcmp(name, "affinity.alpha_intensity") == 0) return p->affinity.alpha_intensity = value, VISTA_OK;
+  if (strcmp(name, "affinity.mu_intensity") == 0) return p->affinity.mu_intensity = value, VISTA_OK;
+  if (strcmp(name, "affinity.sigma_intensity") == 0) return p->affinity.sigma_intensity = value, VISTA_OK;
+  if (strcmp(name, "affinity.mu_disparity_px") == 0) return p->affinity.mu_disparity_px = value, VISTA_OK;
+  if (strcmp(name, "affinity.mu_disparity_slope") == 0) return p->affinity.mu_disparity_slope = value, VISTA_OK;
+  if (strcmp(name, "affinity.mu_depth_m") == 0) return p->affinity.mu_depth_m = value, VISTA_OK;
+  if (strcmp(name, "affinity.sigma_disparity_px") == 0) return p->affinity.sigma_disparity_px = value, VISTA_OK;
+  if (strcmp(name, "affinity.flow_encoding") == 0) return p->affinity.flow_encoding = (vista_affinity_flow_encoding)value, VISTA_OK;
+  if (strcmp(name, "affinity.flow_scale") == 0) return p->affinity.flow_scale = value, VISTA_OK;
+  if (strcmp(name, "affinity.flow_constant") == 0) return p->affinity.flow_constant = value, VISTA_OK;
+  if (strcmp(name, "surface.lever_px") == 0) return p->surface.lever_px = value, VISTA_OK;
+  if (strcmp(name, "surface.horizontal_deg") == 0) return p->surface.horizontal_deg = value, VISTA_OK;
+  if (strcmp(name, "segmentation.core_step_px") == 0) return p->segmentation.core_step_px = value, VISTA_OK;
+  if (strcmp(name, "segmentation.core_step_slope") == 0) return p->segmentation.core_step_slope = value, VISTA_OK;
+  if (strcmp(name, "segmentation.core_step_m") == 0) return p->segmentation.core_step_m = value, VISTA_OK;
+  if (strcmp(name, "segmentation.core_area_px2") == 0) return p->segmentation.core_area_px2 = value, VISTA_OK;
+  if (strcmp(name, "segmentation.reach") == 0) return p->segmentation.reach = (int32_t)value, VISTA_OK;
+  if (strcmp(name, "segmentation.unknown_link") == 0) return p->segmentation.unknown_link = value, VISTA_OK;
+  if (strcmp(name, "segmentation.mismatch_link") == 0) return p->segmentation.mismatch_link = value, VISTA_OK;
+  if (strcmp(name, "segmentation.horizontal_link") == 0) return p->segmentation.horizontal_link = value, VISTA_OK;
+  if (strcmp(name, "segmentation.merge_ratio") == 0) return p->segmentation.merge_ratio = value, VISTA_OK;
+  if (strcmp(name, "segmentation.merge_share") == 0) return p->segmentation.merge_share = value, VISTA_OK;
+  if (strcmp(name, "segmentation.rest_affinity") == 0) return p->segmentation.rest_affinity = value, VISTA_OK;
+  if (strcmp(name, "segmentation.rest_area_px2") == 0) return p->segmentation.rest_area_px2 = value, VISTA_OK;
+  if (strcmp(name, "region.tolerance_px") == 0) return p->region.tolerance_px = value, VISTA_OK;
+  if (strcmp(name, "region.tolerance_m") == 0) return p->region.tolerance_m = value, VISTA_OK;
+  if (strcmp(name, "region.min_inliers") == 0) return p->region.min_inliers = (int32_t)value, VISTA_OK;
+  if (strcmp(name, "region.min_disparity_px") == 0) return p->region.min_disparity_px = value, VISTA_OK;
+  if (strcmp(name, "region.min_size_m") == 0) return p->region.min_size_m = value, VISTA_OK;
+  if (strcmp(name, "region.min_valid_fraction") == 0) return p->region.min_valid_fraction = value, VISTA_OK;
+  if (strcmp(name, "region.min_inlier_fraction") == 0) return p->region.min_inlier_fraction = value, VISTA_OK;
+  if (strcmp(name, "region.max_sigma_ratio") == 0) return p->region.max_sigma_ratio = value, VISTA_OK;
+  if (strcmp(name, "region.min_height_m") == 0) return p->region.min_height_m = value, VISTA_OK;
+  if (strcmp(name, "region.min_standing_fraction") == 0) return p->region.min_standing_fraction = value, VISTA_OK;
+  return VISTA_ERROR_RANGE;
 }

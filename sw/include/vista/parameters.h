@@ -95,4 +95,8 @@ vista_parameters vista_parameters_default(void);
 /* VISTA_OK, or VISTA_ERROR_RANGE (NaN included) with `culprit` set to "section.name"; culprit may be null. */
 vista_status vista_parameters_check(const vista_parameters *parameters, const char **culprit);
 
+/* Sets the parameter called "section.name"; a choice by its number. VISTA_ERROR_RANGE: no such parameter,
+ * or a value that no parameter has; the parameter's own range is vista_parameters_check's to judge. */
+vista_status vista_parameters_set(vista_parameters *parameters, const char *name, double value);
+
 #endif
