@@ -55,7 +55,7 @@ class FakePipeline:
         region_of_cell = (np.arange(rows * columns) % columns // max(columns // 5, 1)).astype(np.int32)
         regions = int(region_of_cell.max()) + 1
 
-        z_m = 20.0 - self._frame
+        z_m = max(20.0 - self._frame, 1.0)
         self._frame += 1
         obstacles = [
             fake_obstacle(1, z_m + 12.0, camera, coasting=True),

@@ -9,11 +9,7 @@ import sys
 import cv2
 
 from vista.command import config, disparity, run
-from vista.errors import InputError
-
-EXIT_OK = 0
-EXIT_INPUT = 2
-EXIT_INTERRUPTED = 130  # 128 + SIGINT
+from vista.errors import EXIT_INPUT, EXIT_INTERRUPTED, EXIT_OK, InputError
 
 EPILOG = """\
 exit status:
@@ -27,7 +23,7 @@ class Parser(argparse.ArgumentParser):
     """Usage errors take one line, like every other bad input."""
 
     def error(self, message: str) -> None:  # type: ignore[override]
-        self.exit(EXIT_INPUT, f"{self.prog}: {message} (see {self.prog} --help)\n")
+        self.exit(EXIT_INPUT, f"vista: {message} (see {self.prog} --help)\n")
 
 
 def make_parser() -> argparse.ArgumentParser:
@@ -54,7 +50,8 @@ def make_parser() -> argparse.ArgumentParser:
 
 
 def main(arguments: list[str] | None = None) -> int:
-    cv2.setLogLevel(0)  # OpenCV's own lines about unreadable images would come on top of ours
+    # OpenCV's own lines about unreadable images would come on top of ours.
+    cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_SILENT)
     try:
         parsed = make_parser().parse_args(arguments)
         return parsed.execute(parsed)

@@ -1,4 +1,4 @@
-"""Parameters of a run from one TOML file: the section [engine] for the stereo engine, all others for the host."""
+"""Parameters of a run from one TOML file: section [engine] for the stereo engine, the others for the host."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class RunParameters:
 
 
 def load_config(path: Path | None, engine: str = "golden") -> RunParameters:
-    """The defaults for the engine of that name, with what the file changes. InputError names file and parameter."""
+    """The defaults for that engine, with what the file changes. InputError names file and parameter."""
     table: dict[str, Any] = {}
     if path is not None:
         try:

@@ -1,8 +1,12 @@
-"""The one exception that means "the user's input is at fault"."""
+"""Exit statuses, and the one exception that means "the user's input is at fault"."""
 
 from __future__ import annotations
 
 from pathlib import Path
+
+EXIT_OK = 0
+EXIT_INPUT = 2
+EXIT_INTERRUPTED = 130  # 128 + SIGINT
 
 
 class InputError(Exception):

@@ -1,4 +1,4 @@
-"""Text on pictures: outlined, sized to the picture, and placed where it covers no other label."""
+"""Text on pictures: on a dark ground, sized to the picture, and placed where it covers no other label."""
 
 from __future__ import annotations
 
@@ -9,10 +9,13 @@ from numpy.typing import NDArray
 from vista.palette import INK, Colour
 
 FONT = cv2.FONT_HERSHEY_SIMPLEX
+PADDING_PX = 4
 
 
 def text_scale(picture: NDArray[np.uint8]) -> float:
-    return min(max(picture.shape[0] / 480.0, 0.8), 2.0) * 0.55
+    """Of OpenCV's font: grows with the picture, so that a wide one can be shown small."""
+    rows, columns = picture.shape[:2]
+    return 0.5 * min(max(rows / 480.0, columns / 800.0, 0.8), 2.5)
 
 
 def text_size(text: str, scale: float) -> tuple[int, int]:
@@ -22,8 +25,11 @@ def text_size(text: str, scale: float) -> tuple[int, int]:
 
 
 def put_text(picture: NDArray[np.uint8], text: str, x: int, y: int, scale: float, colour: Colour) -> None:
-    """Baseline starts at (x, y); a dark outline keeps it legible on white."""
-    cv2.putText(picture, text, (x, y), FONT, scale, INK, 4, cv2.LINE_AA)
+    """Baseline starts at (x, y); a dark ground keeps it legible on white."""
+    width, height = text_size(text, scale)
+    top, left = max(y - height - PADDING_PX, 0), max(x - PADDING_PX, 0)
+    ground = picture[top : y + PADDING_PX + 1, left : x + width + PADDING_PX]
+    ground[:] = cv2.addWeighted(ground, 0.3, np.full_like(ground, INK), 0.7, 0.0)
     cv2.putText(picture, text, (x, y), FONT, scale, colour, 1, cv2.LINE_AA)
 
 
@@ -44,18 +50,20 @@ class Labels:
             return
         width, height = text_size(text, self._scale)
         rows, columns = self._picture.shape[:2]
-        step = height + 6
+        line = height + 2 * PADDING_PX + 2
         for shift in (0, -1, 1, -2, 2, 3):
-            left = int(np.clip(u - width / 2, 3, max(columns - width - 3, 3)))
-            bottom = int(np.clip(v - 6 + shift * step, height + 3, rows - 2 * step))
-            box = (left - 2, bottom - height - 2, left + width + 2, bottom + 3)
+            x = int(np.clip(u - width / 2, PADDING_PX, max(columns - width - PADDING_PX, PADDING_PX)))
+            y = int(
+                np.clip(v - 2 * PADDING_PX + shift * line, line, rows - 2 * line)
+            )  # the caption's line stays free
+            box = (x - PADDING_PX, y - height - PADDING_PX, x + width + PADDING_PX, y + PADDING_PX)
             if not any(_overlap(box, other) for _, other, _ in self._placed):
                 self._placed.append((text, box, colour))
                 return
 
     def draw(self) -> None:
-        for text, (left, _, _, bottom), colour in reversed(self._placed):
-            put_text(self._picture, text, left + 2, bottom - 3, self._scale, colour)
+        for text, (left, _, _, bottom), colour in self._placed:
+            put_text(self._picture, text, left + PADDING_PX, bottom - PADDING_PX, self._scale, colour)
 
 
 def _overlap(a: Box, b: Box) -> bool:

@@ -4,8 +4,8 @@
     ----------------------+----------
     foveated image        | regions
 
-Tracked obstacles are yellow ellipses (dashed while they are not seen), tracks that are not confirmed yet thin grey
-ones; the nearest obstacle in the collision volume is green, with its distance and the time left.
+Tracked obstacles are yellow ellipses (dashed while they are not seen), tracks that are not confirmed yet thin
+grey ones; the nearest obstacle in the collision volume is green, with its distance and the time left.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vista.disparity_file import SCALE
-from vista.labels import Labels, put_text, text_scale, text_size
+from vista.labels import PADDING_PX, Labels, put_text, text_scale, text_size
 from vista.palette import GREEN, GREY, INK, WHITE, YELLOW, Colour, RegionColours
 from vista.sequence.types import Frame
 
@@ -28,7 +28,6 @@ if TYPE_CHECKING:
 
 Picture = NDArray[np.uint8]  # HxWx3, BGR
 GAP_PX = 4
-MIN_TILE_HEIGHT_PX = 360
 SUBPIXEL_BITS = 4
 
 
@@ -98,14 +97,14 @@ def draw_regions(
     colours: NDArray[np.uint8],
     verdict_of_region: list[str],
 ) -> Picture:
-    """Accepted regions in full colour, the others pale over the image; labels: region of each pixel, -1 for none."""
+    """Accepted regions in full colour, the others pale; labels: region of each pixel, -1 for none."""
     accepted = np.array([verdict == "ACCEPTED" for verdict in verdict_of_region], bool)
-    grey = cv2.cvtColor(left, cv2.COLOR_GRAY2BGR).astype(np.float32)
-    strength = np.where(accepted, 0.75, 0.22).astype(np.float32)
-    # The last entry serves the label -1: pixels of no region stay grey.
-    strength = np.append(strength, np.float32(0.0))[labels][..., np.newaxis]
-    flat = np.vstack([colours, np.zeros((1, 3), np.uint8)])[labels]
-    picture = (strength * flat + (1.0 - strength) * grey).astype(np.uint8)
+    # The last entry of each table serves the label -1: pixels of no region stay grey.
+    strength = np.append(np.where(accepted, 0.7, 0.2), 0.0)[:, np.newaxis]
+    tint = np.rint(strength * np.vstack([colours, np.zeros((1, 3), np.uint8)])).astype(np.uint8)
+    grey_share = np.rint(255.0 * (1.0 - strength[:, 0])).astype(np.uint8)
+    grey = cv2.multiply(left, grey_share[labels], scale=1.0 / 255.0)
+    picture = cv2.add(cv2.cvtColor(grey, cv2.COLOR_GRAY2BGR), tint[labels])
     picture[_borders(labels)] = INK
     return _caption(picture, f"{len(accepted)} regions, {accepted.sum()} accepted (full colour)")
 
@@ -132,7 +131,8 @@ def _top(obstacle: Obstacle) -> tuple[float, float]:
 
 def _draw_ellipse(picture: Picture, obstacle: Obstacle, colour: Colour, thickness: int) -> None:
     u, v, a, b, angle_deg = astuple(obstacle.ellipse)
-    if not all(map(math.isfinite, (u, v, a, b, angle_deg))) or max(a, b) > 4 * picture.shape[1]:
+    reach_px = 4 * picture.shape[1]  # nothing of use lies beyond, and OpenCV's fixed point overflows
+    if not (math.isfinite(angle_deg) and max(abs(u), abs(v), a, b) < reach_px):
         return
     points = cv2.ellipse2Poly((0, 0), (1000, 1000), 0, 0, 360, 4)[:-1] / 1000.0
     cosine, sine = math.cos(math.radians(angle_deg)), math.sin(math.radians(angle_deg))
@@ -150,19 +150,14 @@ def _draw_ellipse(picture: Picture, obstacle: Obstacle, colour: Colour, thicknes
 
 
 def _caption(picture: Picture, text: str) -> Picture:
-    scale = text_scale(picture) * 0.9
-    width, height = text_size(text, scale)
-    rows = picture.shape[0]
-    box = picture[rows - height - 10 :, : width + 14]
-    box[:] = (0.3 * box + 0.7 * np.array(INK)).astype(np.uint8)
-    put_text(picture, text, 7, rows - 6, scale, WHITE)
+    put_text(picture, text, PADDING_PX, picture.shape[0] - 2 * PADDING_PX, 0.9 * text_scale(picture), WHITE)
     return picture
 
 
 def _stack(headline: tuple[str, str], tiles: list[Picture]) -> Picture:
     height, width = tiles[0].shape[:2]
-    scale = text_scale(tiles[0]) * 1.2
-    bar_height = text_size("Ag", scale)[1] + 20
+    scale = 1.2 * text_scale(tiles[0])
+    bar_height = text_size("Ag", scale)[1] + 6 * PADDING_PX
     picture = np.empty((bar_height + 2 * height + GAP_PX, 2 * width + GAP_PX, 3), np.uint8)
     picture[:] = INK
     for index, tile in enumerate(tiles):
@@ -170,6 +165,6 @@ def _stack(headline: tuple[str, str], tiles: list[Picture]) -> Picture:
         start = (index % 2) * (width + GAP_PX)
         picture[top : top + height, start : start + width] = tile
     facts, warning = headline
-    put_text(picture, facts, 10, bar_height - 11, scale, WHITE)
-    put_text(picture, warning, width + GAP_PX + 10, bar_height - 11, scale, GREEN)
+    put_text(picture, facts, 10, bar_height - 3 * PADDING_PX, scale, WHITE)
+    put_text(picture, warning, width + GAP_PX + 10, bar_height - 3 * PADDING_PX, scale, GREEN)
     return picture

@@ -34,8 +34,8 @@ def distinct_colours() -> NDArray[np.uint8]:
 
 
 class RegionColours:
-    """One colour a region that stays with it from frame to frame: a region inherits the colour of the region before
-    that it shares most cells with, unless one that shares more has taken it."""
+    """One colour a region that stays with it from frame to frame: a region inherits the colour of the earlier
+    region that it shares most cells with, unless one that shares more has taken it."""
 
     def __init__(self) -> None:
         self._colours = distinct_colours()

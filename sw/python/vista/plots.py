@@ -177,7 +177,7 @@ def plot_stages(figure: Figure, records: Records) -> None:
     for line in boxes["medians"]:
         line.set(color="#0f172a")
     axes.set_yticks(range(1, len(names) + 1), names)
-    axes.set(xlabel="ms a frame (box: quartiles, line: median, right end: p99)", xlim=(0, None))
+    axes.set(xlabel="ms a frame", xlim=(0, None))
 
 
 @svg_plot(4.7, 3.8)

@@ -21,7 +21,7 @@ MAX_TRACK_ROWS = 40
 
 
 def render_report(summary: dict[str, Any], records: list[FrameRecord], folder: ResultFolder) -> str:
-    """The page as HTML. Pictures come from the folder, those that are there; with many frames, a selection."""
+    """The page as HTML, with the pictures that the folder holds, or a selection of many."""
     environment = Environment(
         loader=PackageLoader("vista"),
         autoescape=True,

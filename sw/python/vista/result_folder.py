@@ -24,7 +24,7 @@ JPEG_QUALITY = 88
 
 class ResultFolder:
     def __init__(self, path: Path) -> None:
-        """Raises InputError when the path is a file, or a folder that holds anything but the results of a run."""
+        """Raises InputError when the path is a file, or a folder that holds anything but results."""
         self.path = path
         self.frames = path / FRAMES
         self._lines: LineFile | None = None

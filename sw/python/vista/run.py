@@ -15,9 +15,10 @@ from tqdm import tqdm
 from vista.history import FrameRecord, StageClock
 from vista.obstacle_line import obstacle_line
 from vista.overlay import Overlay
+from vista.recording import Recorder
 from vista.rectify import Rectifier
 from vista.result_folder import ResultFolder
-from vista.sequence import Frame, FrameFiles
+from vista.sequence import FrameFiles
 from vista.sequence import Sequence as StereoSequence
 
 if TYPE_CHECKING:
@@ -37,12 +38,6 @@ class HostPipeline(Protocol):
         pose: Pose | None,
         up_world: Array | None,
     ) -> Result: ...
-
-
-class Recorder(Protocol):
-    """Takes what the host is given, frame by frame."""
-
-    def write(self, frame: Frame, words: NDArray[np.int16]) -> None: ...
 
 
 @dataclass(frozen=True)
@@ -80,13 +75,12 @@ def run_frames(
     frames: Sequence[FrameFiles],
     folder: ResultFolder,
     records: list[FrameRecord],
-    *,
     overlay: Overlay | None,
     recorder: Recorder | None,
     interruption: Interruption,
 ) -> None:
-    """Runs the chain over the frames and appends a record of each to `records`, so that the caller has those of
-    the frames before an error too. Stops after the frame in which an interruption is requested.
+    """Runs the chain over the frames and appends a record of each to `records`; those from before an error remain
+    there. Stops after the frame in which an interruption is requested.
 
     Raises InputError for an image that cannot be read; what is in the folder stays valid.
     """

@@ -9,6 +9,7 @@ from __future__ import annotations
 import argparse
 
 from vista.config import default_toml
+from vista.errors import EXIT_OK
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -18,4 +19,4 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def execute(arguments: argparse.Namespace) -> int:
     del arguments
     print(default_toml(), end="", flush=True)
-    return 0
+    return EXIT_OK

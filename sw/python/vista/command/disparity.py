@@ -1,7 +1,9 @@
 """Match one rectified pair and write its disparity image.
 
-FILE ends in .png (KITTI: 16 bits, 256 per px, 0 invalid), .pfm (float px, +inf invalid) or .npy (int16, 16 per
-px, negative invalid).
+FILE ends in
+  .png  KITTI: 16 bits, 256 per px, 0 invalid
+  .pfm  float, px, +inf invalid
+  .npy  int16, 16 per px, negative invalid
 """
 
 from __future__ import annotations
@@ -11,7 +13,7 @@ from pathlib import Path
 
 from vista.disparity_file import check_format, write_disparity
 from vista.engine import EngineParameters, create_engine
-from vista.errors import InputError
+from vista.errors import EXIT_OK, InputError
 from vista.sequence import read_grey
 
 DEFAULTS = EngineParameters()
@@ -63,5 +65,9 @@ def execute(arguments: argparse.Namespace) -> int:
     if left.shape != right.shape:
         sizes = [f"{image.shape[1]}x{image.shape[0]}" for image in (right, left)]
         raise InputError(arguments.right, f"image is {sizes[0]}, the left one {sizes[1]}")
-    write_disparity(arguments.out, engine.compute(left, right))
-    return 0
+    try:
+        words = engine.compute(left, right)
+    except ValueError as error:
+        raise InputError(arguments.left, str(error)) from None
+    write_disparity(arguments.out, words)
+    return EXIT_OK

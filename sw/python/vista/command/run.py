@@ -11,22 +11,22 @@ DIR receives obstacles.jsonl (one line a frame), frames/ (pictures), summary.jso
 from __future__ import annotations
 
 import argparse
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
 from vista.config import RunParameters, load_config
 from vista.engine import create_engine
-from vista.errors import InputError
+from vista.errors import EXIT_INTERRUPTED, EXIT_OK, InputError
 from vista.history import FrameRecord, stage_statistics
 from vista.overlay import Overlay
+from vista.recording import Recorder
 from vista.rectify import Rectifier
 from vista.report import render_report
 from vista.result_folder import ResultFolder
 from vista.run import Chain, Interruption, run_frames
 from vista.sequence import FrameFiles, Sequence, open_sequence
-
-EXIT_INTERRUPTED = 130
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -72,36 +72,35 @@ def execute(arguments: argparse.Namespace) -> int:
     sequence = open_sequence(arguments.sequence)
     frames = select_frames(sequence, arguments.frames)
     chain = make_chain(sequence, arguments.engine, parameters, arguments.threads)
-    overlay = (
-        None if arguments.no_overlay else Overlay(sequence.name, chain.engine.parameters.num_disparities)
-    )
+    candidates = chain.engine.parameters.num_disparities
+    overlay = None if arguments.no_overlay else Overlay(sequence.name, candidates)
 
     records: list[FrameRecord] = []
     interruption = Interruption()
-    error = None
+    outcome: dict[str, Any] = {}
     try:
-        with interruption.watch():
-            recorder = None
-            run_frames(
-                chain, frames, folder, records, overlay=overlay, recorder=recorder, interruption=interruption
-            )
-    except InputError as caught:
-        error = caught
+        with interruption.watch(), open_recorder(arguments.record, chain) as recorder:
+            run_frames(chain, frames, folder, records, overlay, recorder, interruption)
+    except InputError as error:
+        outcome["error"] = str(error)
+        raise
     finally:
         folder.close()
-    if not records:
-        raise error
-    summary = make_summary(chain, arguments.engine, parameters, records)
-    summary["interrupted"] = interruption.requested
-    if error is not None:
-        folder.write_summary(summary | {"error": str(error)})
-        raise error
-    folder.write_summary(summary)
+        if records:
+            outcome["interrupted"] = interruption.requested
+            summary = make_summary(chain, arguments.engine, parameters, records) | outcome
+            folder.write_summary(summary)
     if interruption.requested:
         return EXIT_INTERRUPTED
     report = folder.write_report(render_report(summary, records, folder))
     print(closing_lines(summary, report))
-    return 0
+    return EXIT_OK
+
+
+def open_recorder(path: Path | None, chain: Chain) -> AbstractContextManager[Recorder | None]:
+    if path is None:
+        return nullcontext()
+    return Recorder(path, chain.rectifier.calibration, chain.sequence.up_world)
 
 
 def select_frames(sequence: Sequence, wanted: tuple[int, int | None] | None) -> tuple[FrameFiles, ...]:
@@ -121,9 +120,13 @@ def make_chain(sequence: Sequence, engine_name: str, parameters: RunParameters, 
     rectifier = Rectifier(sequence.calibration)
     try:
         engine = create_engine(engine_name, parameters.engine, threads)
-        pipeline = Pipeline(rectifier.calibration, parameters.host)
     except (TypeError, ValueError) as error:
-        raise InputError("parameters", str(error)) from None
+        raise InputError(f"engine {engine_name}", str(error)) from None
+    try:
+        pipeline = Pipeline(rectifier.calibration, parameters.host)
+    except ValueError as error:
+        camera = rectifier.calibration
+        raise InputError(sequence.name, f"{camera.width}x{camera.height} px: {error}") from None
     return Chain(sequence, rectifier, engine, pipeline)
 
 
@@ -150,8 +153,9 @@ def closing_lines(summary: dict[str, Any], report: Path) -> str:
     host = summary["stages_ms"]["host"]
     lines = [f"{summary['sequence']}: note: {note}" for note in summary["notes"]]
     lines.append(
-        f"{summary['sequence']}: {summary['frames']} frames, {summary['obstacles_confirmed']} obstacles tracked, "
-        f"collision warning in {summary['frames_with_collision']} frames, "
+        f"{summary['sequence']}: {summary['frames']} frames, "
+        f"{summary['obstacles_confirmed']} obstacles tracked, "
+        f"{summary['frames_with_collision']} frames with a collision warning, "
         f"host {host['median']:.1f} ms (p99 {host['p99']:.1f})"
     )
     lines.append(f"report: {report}")

@@ -41,7 +41,8 @@ def open_folder(folder: Path) -> Sequence:
         for index, of_frame in enumerate(zip(times_ns, left_images, right_images, poses, strict=True))
     )
     calibration = read_calibration(folder / "calib.txt", read_size(left_images[0]))
-    return Sequence(number, "KITTI odometry", calibration, tuple(frames))
+    name = f"{folder.resolve().parent.parent.name}/{number}"
+    return Sequence(name, "KITTI odometry", calibration, tuple(frames))
 
 
 def _check_count(path: Path, what: str, count: int, frames: int) -> None:

@@ -1,0 +1,89 @@
+"""Recordings of what the host receives, for the replay program in C (little-endian, no padding).
+
+    header  char[8] "VISTAREC", uint32 version = 1, uint32 width, uint32 height, uint32 0,
+            double focal_px, cx, cy, baseline_m
+    frame   int64 t_ns, uint32 has_pose, uint32 has_up,
+            double rotation[9], translation_m[3] (world_from_camera; zeros without a pose),
+            double up_world[3] (zeros without),
+            uint8 left[height][width], int16 disparity[height][width] (1/16 px, negative = invalid)
+
+Frames follow each other to the end of the file.
+"""
+
+from __future__ import annotations
+
+import struct
+from pathlib import Path
+from types import TracebackType
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vista.errors import InputError
+from vista.geometry import Array, Calibration
+from vista.sequence import Frame
+
+MAGIC = b"VISTAREC"
+VERSION = 1
+HEADER = struct.Struct("<8s4I4d")
+FRAME = struct.Struct("<q2I9d3d3d")
+
+
+class Recorder:
+    """Writes a recording beside its target; leaving the `with` block puts it in place, whole frames only."""
+
+    def __init__(self, path: Path, camera: Calibration, up_world: Array | None) -> None:
+        self._path = path
+        self._part = path.with_name(f".{path.name}.part")
+        self._up_world = up_world
+        try:
+            self._stream = self._part.open("wb")
+        except OSError as error:
+            raise self._failure(error) from None
+        self._write(
+            HEADER.pack(
+                MAGIC,
+                VERSION,
+                camera.width,
+                camera.height,
+                0,
+                camera.focal_px,
+                camera.cx,
+                camera.cy,
+                camera.baseline_m,
+            )
+        )
+        self._frames = 0
+
+    def write(self, frame: Frame, words: NDArray[np.int16]) -> None:
+        """frame: rectified; words: its disparity image. Raises InputError when the file cannot be written."""
+        pose, up = frame.world_from_camera, self._up_world
+        numbers = np.zeros(15)
+        if pose is not None:
+            numbers[:9], numbers[9:12] = pose.rotation.ravel(), pose.translation_m
+        if up is not None:
+            numbers[12:] = up
+        head = FRAME.pack(frame.t_ns, pose is not None, up is not None, *numbers)
+        self._write(head + frame.left.tobytes() + words.astype("<i2", copy=False).tobytes())
+        self._frames += 1
+
+    def __enter__(self) -> Recorder:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, value: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._stream.close()
+        if self._frames > 0 and (kind is None or issubclass(kind, InputError)):
+            self._part.replace(self._path)
+        else:
+            self._part.unlink(missing_ok=True)
+
+    def _write(self, data: bytes) -> None:
+        try:
+            self._stream.write(data)
+        except OSError as error:
+            raise self._failure(error) from None
+
+    def _failure(self, error: OSError) -> InputError:
+        return InputError(self._path, f"cannot be written: {(error.strerror or str(error)).lower()}")

@@ -1,0 +1,416 @@
+"""The command line on small sequences: files that come out, exit statuses, one line on stderr for bad input.
+
+The host's pipeline is a stand-in here: what is tested is what lies around it.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+import tomllib
+from collections.abc import Callable
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+import sequence_cases as cases
+import vista
+import vista.pipeline
+from fake_pipeline import FakePipeline
+from vista.cli import main
+from vista.disparity_file import read_disparity
+from vista.recording import FRAME, HEADER
+
+Vista = Callable[..., tuple[int, str, str]]
+MAKERS = [cases.make_asl, cases.make_kitti, cases.make_pairs]
+RESULTS = {"obstacles.jsonl", "summary.json", "report.html", "frames"}
+TESTS = Path(__file__).resolve().parent
+
+
+@pytest.fixture
+def run_vista(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Vista:
+    monkeypatch.setattr(vista.pipeline, "Pipeline", FakePipeline)
+
+    def run(*arguments: object) -> tuple[int, str, str]:
+        try:
+            status = main([str(argument) for argument in arguments])
+        except SystemExit as stop:
+            status = stop.code
+        out, err = capsys.readouterr()
+        return status, out, err
+
+    return run
+
+
+def read_lines(folder: Path) -> list[dict]:
+    return [json.loads(line) for line in (folder / "obstacles.jsonl").read_text().splitlines()]
+
+
+# ---- vista run ----
+
+
+@pytest.mark.parametrize("make", MAKERS)
+def test_run_writes_what_interfaces_promise(tmp_path: Path, run_vista: Vista, make) -> None:
+    out = tmp_path / "new" / "out"
+    status, stdout, stderr = run_vista("run", make(tmp_path / "flight"), "--out", out)
+    assert (status, stderr) == (0, "")
+    assert str(out / "report.html") in stdout
+    assert {path.name for path in out.iterdir()} == RESULTS
+
+    lines = read_lines(out)
+    assert [line["frame"] for line in lines] == list(range(cases.FRAMES))
+    first = lines[1]
+    keys = ["frame", "t_ns", "processing_ms", "regions", "valid_fraction", "obstacles", "nearest_collision"]
+    assert list(first) == keys
+    obstacle_keys = ["id", "confirmed", "age_frames", "position_m", "covariance_m2", "distance_m", "extent_m"]
+    obstacle_keys += ["ellipse_px", "disparity_px", "in_collision_volume"]
+    assert list(first["obstacles"][0]) == obstacle_keys
+    assert list(first["obstacles"][0]["ellipse_px"]) == ["center", "axes", "angle_deg"]
+    assert list(first["nearest_collision"]) == ["id", "position_m", "distance_m", "time_to_collision_s"]
+    assert lines[0]["nearest_collision"] is None
+
+    summary = json.loads((out / "summary.json").read_text())
+    assert (summary["frames"], summary["engine"], summary["interrupted"]) == (cases.FRAMES, "golden", False)
+    assert summary["parameters"]["engine"]["num_disparities"] == 32
+    stages = summary["stages_ms"]
+    assert set(stages) >= {"read", "rectify", "stereo", "foveation", "segmentation", "host", "total"}
+    assert all(0 <= stage["median"] <= stage["p99"] for stage in stages.values())
+    for index in range(cases.FRAMES):
+        assert cv2.imread(str(out / "frames" / f"{index:06d}.jpg")).shape[1] > 2 * cases.WIDTH
+
+
+def test_frames_keep_their_numbers(tmp_path: Path, run_vista: Vista) -> None:
+    folder = cases.make_pairs(tmp_path / "pairs")
+    for wanted, expected in {"1:3": [1, 2], "2:": [2, 3], ":1": [0], ":": [0, 1, 2, 3]}.items():
+        assert run_vista("run", folder, "--out", tmp_path / "out", "--frames", wanted)[0] == 0
+        assert [line["frame"] for line in read_lines(tmp_path / "out")] == expected
+        pictures = sorted(path.name for path in (tmp_path / "out" / "frames").iterdir())
+        assert pictures == [f"{index:06d}.jpg" for index in expected]
+
+
+def test_no_overlay_draws_nothing(tmp_path: Path, run_vista: Vista) -> None:
+    folder = cases.make_pairs(tmp_path / "pairs")
+    assert run_vista("run", folder, "--out", tmp_path / "out", "--no-overlay")[0] == 0
+    assert not list((tmp_path / "out" / "frames").iterdir())
+    assert "<img" not in (tmp_path / "out" / "report.html").read_text()
+
+
+@pytest.mark.parametrize("engine", ["golden", "opencv"])
+def test_engines_and_config(tmp_path: Path, run_vista: Vista, engine: str) -> None:
+    (tmp_path / "c.toml").write_text(
+        '[engine]\nblock_size = 9\nlr_max_diff = "off"\n[foveation]\nrho_0_px = 5\n'
+    )
+    folder = cases.make_pairs(tmp_path / "pairs")
+    options = ("--engine", engine, "--config", tmp_path / "c.toml", "--threads", 2)
+    assert run_vista("run", folder, "--out", tmp_path / "out", *options)[0] == 0
+    summary = json.loads((tmp_path / "out" / "summary.json").read_text())
+    assert summary["engine"] == engine
+    assert summary["parameters"]["engine"]["block_size"] == 9
+    assert summary["parameters"]["engine"]["lr_max_diff"] is None
+    assert summary["parameters"]["foveation"]["rho_0_px"] == 5.0
+
+
+def test_opencv_runs_on_the_defaults(tmp_path: Path, run_vista: Vista) -> None:
+    folder = cases.make_pairs(tmp_path / "pairs", 1)
+    assert run_vista("run", folder, "--out", tmp_path / "out", "--engine", "opencv")[0] == 0
+
+
+def test_record_holds_what_the_host_received(tmp_path: Path, run_vista: Vista) -> None:
+    folder = cases.make_kitti(tmp_path / "kitti")
+    record = tmp_path / "flight.rec"
+    assert run_vista("run", folder, "--out", tmp_path / "out", "--record", record)[0] == 0
+    data = record.read_bytes()
+    magic, version, width, height, _, *camera = HEADER.unpack_from(data)
+    assert (magic, version, width, height) == (b"VISTAREC", 1, cases.WIDTH, cases.HEIGHT)
+    assert camera == [cases.FOCAL_PX, cases.CX, cases.CY, cases.BASELINE_M]
+    pixels = width * height
+    frame_bytes = FRAME.size + 3 * pixels
+    assert len(data) == HEADER.size + cases.FRAMES * frame_bytes
+    at = HEADER.size + 2 * frame_bytes
+    t_ns, has_pose, has_up, *numbers = FRAME.unpack_from(data, at)
+    assert (t_ns, has_pose, has_up) == (200_000_000, 1, 0)
+    assert numbers == [1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 2, 0, 0, 0]
+    left, right = cases.texture_pair(2)
+    seen = np.frombuffer(data, np.uint8, pixels, at + FRAME.size).reshape(height, width)
+    np.testing.assert_array_equal(seen, left)
+    words = np.frombuffer(data, "<i2", pixels, at + FRAME.size + pixels).reshape(height, width)
+    np.testing.assert_array_equal(words, vista.StereoEngine().compute(left, right))
+
+
+def test_an_earlier_run_is_replaced(tmp_path: Path, run_vista: Vista) -> None:
+    folder = cases.make_pairs(tmp_path / "pairs")
+    out = tmp_path / "out"
+    assert run_vista("run", folder, "--out", out)[0] == 0
+    assert run_vista("run", folder, "--out", out, "--frames", "0:1")[0] == 0
+    assert len(read_lines(out)) == 1
+    assert [path.name for path in (out / "frames").iterdir()] == ["000000.jpg"]
+
+
+def test_a_bad_frame_leaves_whole_lines_and_a_summary(tmp_path: Path, run_vista: Vista) -> None:
+    folder = cases.make_pairs(tmp_path / "pairs")
+    image = folder / "scene02_right.png"
+    image.write_bytes(image.read_bytes()[:500])
+    out, record = tmp_path / "out", tmp_path / "flight.rec"
+    status, _, stderr = run_vista("run", folder, "--out", out, "--record", record)
+    assert (status, stderr) == (2, f"vista: {image}: truncated image\n")
+    assert [line["frame"] for line in read_lines(out)] == [0, 1]
+    summary = json.loads((out / "summary.json").read_text())
+    assert summary["frames"] == 2
+    assert summary["error"] == f"{image}: truncated image"
+    assert {path.name for path in out.iterdir()} == RESULTS - {"report.html"}
+    frame_bytes = FRAME.size + 3 * cases.WIDTH * cases.HEIGHT
+    assert record.stat().st_size == HEADER.size + 2 * frame_bytes
+
+
+# ---- bad input: status 2, one line, nothing written ----
+
+Damage = Callable[[Path], object]
+
+
+def overwrite(name: str, text: str) -> Damage:
+    return lambda folder: (folder / name).write_text(text)
+
+
+def cut_first_image(folder: Path) -> None:
+    path = folder / "scene00_left.png"
+    path.write_bytes(path.read_bytes()[:-30])
+
+
+BAD_SEQUENCES: dict[str, tuple[Damage, str]] = {
+    "missing right image": (
+        lambda folder: (folder / "scene00_right.png").unlink(),
+        "scene00_right.png: no such file",
+    ),
+    "truncated image": (cut_first_image, "scene00_left.png: truncated image"),
+    "no calibration": (
+        lambda folder: (folder / "calibration.toml").unlink(),
+        "calibration.toml: no such file",
+    ),
+    "zero baseline": (
+        overwrite("calibration.toml", "focal_px=1\ncx=1\ncy=1\nbaseline_m=0"),
+        "baseline_m is 0",
+    ),
+    "NaN": (
+        overwrite("calibration.toml", "focal_px=nan\ncx=1\ncy=1\nbaseline_m=1"),
+        "focal_px is no finite number",
+    ),
+    "not an image": (overwrite("scene00_left.png", "hello"), "scene00_left.png: not a PNG"),
+    "other size": (
+        lambda folder: cases.write_image(folder / "scene00_right.png", np.zeros((9, 9), np.uint8)),
+        "scene00_right.png: image is 9x9",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", BAD_SEQUENCES)
+def test_bad_sequences(tmp_path: Path, run_vista: Vista, name: str) -> None:
+    folder = cases.make_pairs(tmp_path / "pairs")
+    damage, message = BAD_SEQUENCES[name]
+    damage(folder)
+    status, stdout, stderr = run_vista(
+        "run", folder, "--out", tmp_path / "out", "--record", tmp_path / "flight.rec"
+    )
+    assert (status, stdout) == (2, "")
+    assert stderr.startswith("vista: ") and stderr.count("\n") == 1
+    assert message in stderr
+    assert [path.name for path in tmp_path.iterdir()] == ["pairs"]
+
+
+BAD_CONFIGS = {
+    "[foveation": "not readable as TOML",
+    "[nonsense]\na = 1": "unknown section [nonsense]",
+    "[foveation]\nrho = 1": "unknown parameter foveation.rho",
+    "[foveation]\nrho_0_px = nan": "foveation.rho_0_px must be",
+    "[foveation]\nsector_count = 'many'": "foveation.sector_count must be",
+    "[engine]\nblock = 1": "unknown parameter engine.block",
+    "[engine]\nblock_size = 4": "engine golden: ",
+    "[engine]\nblock_size = 'big'": "engine golden: block_size must be an integer",
+    "engine = 1": "engine is no section",
+}
+
+
+@pytest.mark.parametrize("text", BAD_CONFIGS)
+def test_bad_configs(tmp_path: Path, run_vista: Vista, text: str) -> None:
+    folder = cases.make_pairs(tmp_path / "pairs")
+    (tmp_path / "c.toml").write_text(text)
+    status, _, stderr = run_vista("run", folder, "--out", tmp_path / "out", "--config", tmp_path / "c.toml")
+    assert status == 2
+    assert BAD_CONFIGS[text] in stderr
+    assert stderr.count("\n") == 1
+    assert not (tmp_path / "out").exists()
+
+
+BAD_OPTIONS = [
+    (["run"], "required"),
+    ([], "required"),
+    (["fly"], "invalid choice"),
+    (["run", "SEQUENCE", "--out", "OUT", "--frames", "3"], "--frames"),
+    (["run", "SEQUENCE", "--out", "OUT", "--frames", "-1:2"], "--frames"),
+    (
+        ["run", "SEQUENCE", "--out", "OUT", "--frames", "9:12"],
+        "--frames: selects none; the sequence has frames 0 to 3",
+    ),
+    (["run", "SEQUENCE", "--out", "OUT", "--frames", "2:2"], "--frames: selects none"),
+    (["run", "SEQUENCE", "--out", "OUT", "--threads", "0"], "--threads"),
+    (["run", "SEQUENCE", "--out", "OUT", "--engine", "none"], "--engine"),
+    (["run", "SEQUENCE", "--out", "OUT", "--config", "missing.toml"], "missing.toml: no such file"),
+    (["run", "missing", "--out", "OUT"], "missing: no such folder"),
+    (["run", "SEQUENCE", "--out", "SEQUENCE"], "holds other files"),
+    (["run", "SEQUENCE", "--out", "SEQUENCE/calibration.toml"], "calibration.toml: not a folder"),
+    (["run", "SEQUENCE", "--out", "SEQUENCE/calibration.toml/out"], "cannot be written"),
+    (["run", "SEQUENCE", "--out", "OUT", "--record", "missing/file"], "missing/file: cannot be written"),
+]
+
+
+@pytest.mark.parametrize(("arguments", "message"), BAD_OPTIONS)
+def test_bad_options(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, run_vista: Vista, arguments: list[str], message: str
+) -> None:
+    cases.make_pairs(tmp_path / "SEQUENCE")
+    monkeypatch.chdir(tmp_path)
+    before = sorted(tmp_path.rglob("*"))
+    status, stdout, stderr = run_vista(*arguments)
+    assert (status, stdout) == (2, "")
+    assert message in stderr
+    assert stderr.startswith("vista: ") and stderr.count("\n") == 1
+    assert sorted(tmp_path.rglob("*")) == before
+
+
+# ---- interruption ----
+
+SLOW_RUN = """
+import sys, time
+import vista.pipeline
+from fake_pipeline import FakePipeline
+from vista.cli import main
+
+class SlowPipeline(FakePipeline):
+    def process(self, *arguments):
+        time.sleep(0.05)
+        return super().process(*arguments)
+
+vista.pipeline.Pipeline = SlowPipeline
+sys.exit(main(sys.argv[1:]))
+"""
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_interruption_leaves_whole_lines_and_a_valid_summary(tmp_path: Path, number: signal.Signals) -> None:
+    folder, out = cases.make_pairs(tmp_path / "pairs", 60), tmp_path / "out"
+    paths = [str(TESTS), str(TESTS.parent / "python"), os.environ.get("PYTHONPATH", "")]
+    process = subprocess.Popen(
+        [sys.executable, "-c", SLOW_RUN, "run", str(folder), "--out", str(out)],
+        env=os.environ | {"PYTHONPATH": os.pathsep.join(paths)},
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+    )
+    lines = out / "obstacles.jsonl"
+    deadline_s = time.monotonic() + 60.0
+    while (
+        not (lines.exists() and lines.stat().st_size)
+        and process.poll() is None
+        and time.monotonic() < deadline_s
+    ):
+        time.sleep(0.01)
+    process.send_signal(number)
+    stdout, stderr = process.communicate(timeout=60)
+    assert (process.returncode, stdout, stderr) == (130, b"", b"")
+    frames = read_lines(out)
+    assert 1 <= len(frames) < 60
+    summary = json.loads((out / "summary.json").read_text())
+    assert (summary["frames"], summary["interrupted"]) == (len(frames), True)
+    assert {path.name for path in out.iterdir()} == RESULTS - {"report.html"}
+
+
+# ---- vista disparity, vista config, help ----
+
+
+@pytest.mark.parametrize("extension", [".png", ".pfm", ".npy"])
+def test_disparity(tmp_path: Path, run_vista: Vista, extension: str) -> None:
+    left, right = cases.texture_pair(0)
+    cases.write_image(tmp_path / "l.png", left)
+    cases.write_image(tmp_path / "r.png", right)
+    out = tmp_path / f"d{extension}"
+    assert run_vista("disparity", tmp_path / "l.png", tmp_path / "r.png", "--out", out) == (0, "", "")
+    words = read_disparity(out)
+    np.testing.assert_array_equal(words, vista.StereoEngine().compute(left, right))
+    assert np.median(words[words >= 0]) == 16 * cases.DISPARITY_PX
+
+
+def test_disparity_passes_every_option(tmp_path: Path, run_vista: Vista) -> None:
+    left, right = cases.texture_pair(1)
+    cases.write_image(tmp_path / "l.png", left)
+    cases.write_image(tmp_path / "r.png", right)
+    options = [
+        "--disparities",
+        "16",
+        "--block",
+        "7",
+        "--prefilter",
+        "none",
+        "--cap",
+        "20",
+        "--texture",
+        "50",
+        "--uniqueness",
+        "5",
+        "--lr",
+        "off",
+    ]
+    out = tmp_path / "d.npy"
+    assert run_vista("disparity", tmp_path / "l.png", tmp_path / "r.png", "--out", out, *options)[0] == 0
+    engine = vista.StereoEngine(16, 7, "none", 20, 50, 5, None)
+    np.testing.assert_array_equal(np.load(out), engine.compute(left, right))
+
+
+BAD_DISPARITY = {
+    "missing.png r.png --out d.png": "missing.png: no such file",
+    "l.png small.png --out d.png": "small.png: image is 8x8, the left one 160x120",
+    "l.png r.png --out d.tif": "d.tif: disparity files end in",
+    "l.png r.png --out nowhere/d.png": "nowhere/d.png: cannot be written",
+    "l.png r.png --out d.png --block 4": "disparity: ",
+    "l.png r.png --out d.png --disparities 20": "disparity: ",
+    "l.png r.png --out d.png --lr maybe": "--lr",
+    "l.png r.png --out d.png --cap x": "--cap",
+    "l.png r.png": "--out",
+}
+
+
+@pytest.mark.parametrize("arguments", BAD_DISPARITY)
+def test_bad_disparity(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, run_vista: Vista, arguments: str
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    left, right = cases.texture_pair(0)
+    for name, image in {"l.png": left, "r.png": right, "small.png": left[:8, :8]}.items():
+        cases.write_image(Path(name), image)
+    status, stdout, stderr = run_vista("disparity", *arguments.split())
+    assert (status, stdout) == (2, "")
+    assert BAD_DISPARITY[arguments] in stderr
+    assert stderr.count("\n") == 1
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["l.png", "r.png", "small.png"]
+
+
+def test_config_prints_what_run_reads(tmp_path: Path, run_vista: Vista) -> None:
+    status, stdout, _ = run_vista("config")
+    assert status == 0
+    printed = tomllib.loads(stdout)
+    assert printed["engine"]["block_size"] == 11
+    (tmp_path / "c.toml").write_text(stdout)
+    folder = cases.make_pairs(tmp_path / "pairs", 1)
+    assert run_vista("run", folder, "--out", tmp_path / "a", "--config", tmp_path / "c.toml")[0] == 0
+    assert run_vista("run", folder, "--out", tmp_path / "b")[0] == 0
+    with_config, without = (json.loads((tmp_path / name / "summary.json").read_text()) for name in "ab")
+    assert with_config["parameters"] == without["parameters"]
+
+
+def test_help_says_the_exit_statuses(run_vista: Vista) -> None:
+    for arguments in (["--help"], ["run", "--help"], ["disparity", "--help"], ["config", "--help"]):
+        status, stdout, _ = run_vista(*arguments)
+        assert status == 0
+        assert "exit status" in stdout and "130" in stdout

@@ -1,0 +1,143 @@
+"""Pictures: colours mean what the legend says, nothing breaks on odd input, regions keep their colour."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+import pytest
+from fake_pipeline import FakePipeline, fake_obstacle
+from numpy.typing import NDArray
+from vista.geometry import Calibration
+from vista.labels import text_size
+from vista.overlay import Overlay, draw_disparity, draw_obstacles, draw_regions
+from vista.palette import GREEN, GREY, INK, YELLOW, RegionColours, distinct_colours
+from vista.pipeline import Ellipse, Nearest, Obstacle
+from vista.sequence import Frame
+
+CAMERA = Calibration(640, 480, 450.0, 320.0, 240.0, 0.2)
+BLACK = np.zeros((480, 640), np.uint8)
+
+
+def count(picture: NDArray[np.uint8], colour: tuple[int, int, int]) -> int:
+    return int(np.all(picture == colour, axis=-1).sum())
+
+
+def at(u: float, v: float, **changes: object) -> Obstacle:
+    values = {"ellipse": Ellipse(u, v, 60.0, 30.0, 0.0), "distance_m": 12.0}
+    return fake_obstacle(3, 12.0, CAMERA, **(values | changes))
+
+
+def nearest(obstacle: Obstacle, time_s: float | None = 2.5) -> Nearest:
+    return Nearest(obstacle.id, obstacle.position_m, obstacle.distance_m, time_s)
+
+
+def test_colours_of_obstacles() -> None:
+    obstacle = at(320, 240)
+    tracked = draw_obstacles(BLACK, [obstacle], None)
+    assert count(tracked, YELLOW) > 200 and count(tracked, GREEN) == 0
+    warning = draw_obstacles(BLACK, [obstacle], nearest(obstacle))
+    assert count(warning, GREEN) > 200 and count(warning, YELLOW) == 0
+    candidate = draw_obstacles(BLACK, [dataclasses.replace(obstacle, confirmed=False)], None)
+    assert np.ptp(candidate, axis=-1).max() == 6  # as grey as INK is, and no text
+    assert np.sum(candidate[..., 0] > GREY.blue // 2) > 50
+
+
+def test_the_ellipse_lies_where_it_should() -> None:
+    """Semi-axes 60 and 30 px, turned by 90 degrees: the long one stands upright."""
+    upright = at(200, 240, ellipse=Ellipse(200.0, 240.0, 60.0, 30.0, 90.0))
+    v, u = np.nonzero(np.all(draw_obstacles(BLACK, [upright], None) == YELLOW, axis=-1))
+    inside = np.abs(v - 240) <= 65  # without the label above
+    assert (u[inside].min(), u[inside].max()) == pytest.approx((170, 230), abs=2)
+    assert v.max() == pytest.approx(300, abs=2)
+
+
+def test_an_ellipse_turns_clockwise() -> None:
+    turned = at(200, 240, ellipse=Ellipse(200.0, 240.0, 80.0, 5.0, 30.0))  # v grows downwards
+    v, u = np.nonzero(np.all(draw_obstacles(BLACK, [turned], None) == YELLOW, axis=-1))
+    assert v[u > 255].mean() > 255
+
+
+def test_a_coasting_track_is_dashed() -> None:
+    solid, dashed = (
+        count(draw_obstacles(BLACK, [at(320, 240, coasting=c)], None), YELLOW) for c in (False, True)
+    )
+    assert dashed < 0.85 * solid
+
+
+@pytest.mark.parametrize(
+    "ellipse", [(np.nan, 1, 2, 3, 4), (0, 0, 1e12, 1, 0), (-5000, 90, 5, 5, 0), (1e9, 1e9, 5, 5, 0)]
+)
+def test_odd_ellipses_do_not_break_the_drawing(ellipse: tuple[float, ...]) -> None:
+    obstacle = at(0, 0, ellipse=Ellipse(*ellipse))
+    draw_obstacles(BLACK, [obstacle], nearest(obstacle, None))
+
+
+def test_labels_do_not_cover_each_other() -> None:
+    """Six obstacles in one place: every label drawn adds its own dark ground, all apart."""
+    white = np.full((480, 640), 255, np.uint8)
+    crowd = [dataclasses.replace(at(320, 240), id=k, distance_m=10.0 + k) for k in range(6)]
+    alone = count(255 - draw_obstacles(white, crowd[:1], None), (0, 0, 0))
+    together = count(255 - draw_obstacles(white, crowd, None), (0, 0, 0))
+    width, height = text_size("#3  12 m", 0.5)
+    assert alone - together > 4 * width * height
+
+
+def test_disparity_colours() -> None:
+    words = np.array([[-16, 0, 31 * 16]] * 400, np.int16).repeat(40, axis=1)
+    picture = draw_disparity(words, 32)
+    invalid, far, near = (picture[0, column].astype(int) for column in (10, 50, 100))
+    assert tuple(invalid) == INK
+    assert far[0] > far[2] or far.sum() < 200  # blue end
+    assert near[2] > near[0]  # red end
+
+
+def test_accepted_regions_are_stronger_than_rejected_ones() -> None:
+    labels = np.zeros((480, 640), np.int32)
+    labels[:, 200:400], labels[:, 400:] = 1, -1
+    colours = np.array([[255, 0, 0], [255, 0, 0]], np.uint8)
+    grey = np.full((480, 640), 100, np.uint8)
+    picture = draw_regions(grey, labels, colours, ["ACCEPTED", "TOO_SMALL"]).astype(int)
+    accepted, rejected, none = (picture[100, u, 0] - picture[100, u, 2] for u in (100, 300, 500))
+    assert accepted > 3 * rejected > 0
+    assert none == 0 and tuple(picture[100, 500]) == (100, 100, 100)
+
+
+@pytest.mark.parametrize("size", [(64, 48), (640, 480), (1226, 370)])
+def test_the_panel_holds_four_tiles(size: tuple[int, int]) -> None:
+    camera = dataclasses.replace(CAMERA, width=size[0], height=size[1], cx=size[0] / 2, cy=size[1] / 2)
+    left = np.random.default_rng(0).integers(0, 256, size[::-1], np.uint8)
+    words = np.full(size[::-1], -16, np.int16)
+    pipeline = FakePipeline(camera)
+    overlay = Overlay("flight", 32)
+    for index in range(2):
+        result = pipeline.process(left, words, index, None, None)
+        picture = overlay.draw(Frame(index, index, left, left, None), words, result)
+        assert picture.dtype == np.uint8
+        assert picture.shape[0] > 2 * size[1] and picture.shape[1] > 2 * size[0]
+
+
+def test_no_regions_at_all() -> None:
+    colours = RegionColours().assign(np.full(5, -1, np.int32))
+    assert colours.shape == (0, 3)
+    draw_regions(BLACK, np.full(BLACK.shape, -1, np.int32), colours, [])
+
+
+def test_regions_keep_their_colour_when_labels_change() -> None:
+    region_colours = RegionColours()
+    before = region_colours.assign(np.array([0, 0, 0, 1, 1, 2, 2, -1]))
+    after = region_colours.assign(np.array([2, 2, 2, 0, 0, 1, 1, 1]))
+    np.testing.assert_array_equal(after[[2, 0, 1]], before)
+
+
+def test_a_region_that_splits_hands_its_colour_to_the_larger_part() -> None:
+    region_colours = RegionColours()
+    before = region_colours.assign(np.array([0, 0, 0, 0, 0, 1]))
+    after = region_colours.assign(np.array([0, 0, 1, 1, 1, 2]))
+    np.testing.assert_array_equal(after[1], before[0])
+    np.testing.assert_array_equal(after[2], before[1])
+    assert len(np.unique(after, axis=0)) == 3
+
+
+def test_palette_has_no_colour_twice() -> None:
+    assert len(np.unique(distinct_colours(), axis=0)) == len(distinct_colours())
