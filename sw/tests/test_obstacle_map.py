@@ -9,7 +9,20 @@ import pytest
 from cut_library import Arena, ffi, lib, status_name
 from random_seed import seeded
 from scipy.spatial.transform import Rotation
-from track_library import BASELINE, CENTER, FOCAL, SECOND, Tracker, camera, measure, params, pose, seen_at
+from track_library import (
+    BASELINE,
+    CENTER,
+    FOCAL,
+    SECOND,
+    SIGMAS,
+    Tracker,
+    camera,
+    detection,
+    measure,
+    params,
+    pose,
+    seen_at,
+)
 
 NAN = float("nan")
 FORWARD = (0.0, 0.0, 9.0)
@@ -241,6 +254,31 @@ def test_fields_of_a_tracked_obstacle() -> None:
     assert found.ellipse.axis_a_px == pytest.approx(0.5 * FOCAL / z, rel=0.01)
     assert found.ellipse.axis_b_px == pytest.approx(0.4 * FOCAL / z, rel=0.01)
     assert CENTER[0] != u
+
+
+@pytest.mark.parametrize("speed", [3.048, 9.144])  # the paper's 10 and 30 ft/s
+def test_a_sign_in_the_flight_path_is_announced_until_it_is_passed(speed: float) -> None:
+    random, sign, aside = seeded(3), np.array([0.3, -0.2, 70.0]), np.array([12.0, 0.0, 60.0])
+    tracker, mapper, announced = Tracker(), Map(), []
+    for frame in range(int(69.5 / speed / 0.1)):
+        position = np.array([0.0, 0.0, speed * 0.1 * frame])
+        items = []
+        for point in (sign, aside):
+            u, v, d = measure(point, position) + random.normal(size=3) * SIGMAS
+            if d < 31 and 36 < u < 634 and point[2] > position[2]:
+                items.append(detection((u, v, d)))
+        here = pose(position)
+        assert tracker.update(0.1 * frame, items, position) == "VISTA_OK"
+        assert mapper.update(0.1 * frame, list(tracker.tracks.values()), None, here) == "VISTA_OK"
+        if frame < 5:
+            continue
+        assert mapper.nearest.valid
+        distance = sign[2] - position[2]
+        error = np.linalg.norm(np.subtract(list(mapper.nearest.position_m), sign))
+        assert error <= 2 * max(distance, 14.7) ** 2 / (FOCAL * BASELINE)  # the paper's bound, 2 dz(r)
+        announced.append(mapper.nearest.time_to_collision_s - distance / speed)
+    assert tracker.tracks[mapper.nearest.id].in_blind_zone
+    assert np.abs(announced[-int(20 / speed) :]).max() < 1.0 / speed + 0.1
 
 
 @pytest.mark.parametrize(

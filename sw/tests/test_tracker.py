@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from cut_library import Arena, ffi, lib, status_name
 from random_seed import seeded
-from track_library import SECOND, SIGMAS, Tracker, camera, detection, measure, pose, seen_at
+from track_library import SECOND, SIGMAS, Tracker, camera, detection, measure, pose, seen_at, state
 
 DT = 0.1
 POINT = np.array([1.0, 0.5, 40.0])
@@ -394,11 +394,11 @@ def test_the_same_input_gives_the_same_bytes() -> None:
             out.append(b"".join(bytes(ffi.buffer(track)) for track in tracker.tracks.values()))
         return out
 
-    state = seeded(3).bit_generator.state
+    start = seeded(3).bit_generator.state
     runs = []
     for _ in range(2):
         random = np.random.default_rng()
-        random.bit_generator.state = state
+        random.bit_generator.state = start
         runs.append(run(random))
     assert runs[0] == runs[1]
 
@@ -409,3 +409,24 @@ def test_reset_forgets_tracks_and_time_but_not_ids() -> None:
     lib.vista_tracker_reset(tracker.handle)
     assert not tracker.tracks
     assert feed(tracker, "xxx")[-1] == [2]
+
+
+def test_extreme_numbers_leave_only_finite_tracks() -> None:
+    random, tracker = seeded(4), Tracker(range_max_m=1e12)
+    for frame in range(400):
+        scale = 10.0 ** random.uniform(-9, 9)
+        items = [
+            detection(
+                np.append(random.normal(0, 300 * scale, 2), 10.0 ** random.uniform(-6, 6)),
+                extent=(10.0 ** random.uniform(-9, 9, 2)).tolist(),
+                sigmas=(10.0 ** random.uniform(-9, 9, 3)).tolist(),
+            )
+            for _ in range(random.integers(0, 20))
+        ]
+        position = random.normal(0, scale, 3)
+        assert tracker.update(0.1 * frame + random.uniform(0, 0.09), items, position) == "VISTA_OK"
+        for track in tracker.tracks.values():
+            mean, covariance = state(track)
+            assert np.isfinite(mean).all()
+            assert np.isfinite(covariance).all()
+            assert np.isfinite([*track.extent_m, *track.extent_variance]).all()
