@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import importlib.util
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -62,30 +63,44 @@ class CEngine:
         self._params = c_params(parameters, isa)
         self._scratch = aligned_bytes(0)
 
-    def compute(
-        self, left: Image, right: Image, rows: tuple[int, int] | None = None
-    ) -> tuple[npt.NDArray[np.int16], npt.NDArray[np.uint32]]:
-        """Words and Smin; with `rows` only of first .. end-1, the others 0. Images may have a row stride."""
+    def prepare(
+        self,
+        left: Image,
+        right: Image,
+        disparity: npt.NDArray[np.int16],
+        smin: npt.NDArray[np.uint32] | None = None,
+        rows: tuple[int, int] | None = None,
+    ) -> Callable[[], None]:
+        """The bare C call on these arrays, which the caller keeps alive. Images may have a row stride."""
         ffi, lib = library()
         height, width = left.shape
-        disparity, smin = np.zeros((height, width), np.int16), np.zeros((height, width), np.uint32)
         needed = lib.vista_engine_scratch_bytes(self._params, width, height, 1)
         if len(self._scratch) < needed:
             self._scratch = aligned_bytes(needed)
 
-        def pointer(kind: str, array: npt.NDArray[Any]) -> Any:
-            return ffi.cast(f"{kind} *", array.ctypes.data)
+        def pointer(kind: str, array: npt.NDArray[Any] | None) -> Any:
+            return ffi.NULL if array is None else ffi.cast(f"{kind} *", array.ctypes.data)
 
         sides = (pointer("uint8_t", left), pointer("uint8_t", right))
         images = ffi.new("vista_engine_images *", (*sides, width, height, left.strides[0], right.strides[0]))
-        results = (pointer("int16_t", disparity), pointer("uint32_t", smin), width, width)
-        output = ffi.new("vista_engine_output *", results)
-        scratch = pointer("uint8_t", self._scratch)
-        size = len(self._scratch)
-        if rows is None:
-            status = lib.vista_engine_compute(self._params, images, output, scratch, size)
-        else:
-            status = lib.vista_engine_compute_rows(self._params, images, output, *rows, scratch, size)
-        if status != lib.VISTA_ENGINE_OK:
-            raise ValueError(ffi.string(lib.vista_engine_status_name(status)).decode())
+        results = (pointer("int16_t", disparity), pointer("uint32_t", smin))
+        output = ffi.new("vista_engine_output *", (*results, width, width))
+        scratch = (pointer("uint8_t", self._scratch), len(self._scratch))
+
+        def call() -> None:
+            if rows is None:
+                status = lib.vista_engine_compute(self._params, images, output, *scratch)
+            else:
+                status = lib.vista_engine_compute_rows(self._params, images, output, *rows, *scratch)
+            if status != lib.VISTA_ENGINE_OK:
+                raise ValueError(ffi.string(lib.vista_engine_status_name(status)).decode())
+
+        return call
+
+    def compute(
+        self, left: Image, right: Image, rows: tuple[int, int] | None = None
+    ) -> tuple[npt.NDArray[np.int16], npt.NDArray[np.uint32]]:
+        """Words and Smin; with `rows` only of first .. end-1, the others 0."""
+        disparity, smin = np.zeros(left.shape, np.int16), np.zeros(left.shape, np.uint32)
+        self.prepare(left, right, disparity, smin, rows)()
         return disparity, smin

@@ -24,10 +24,9 @@ VISTA_INLINE group group_pad(int first) {
   return _mm512_maskz_set1_epi16((__mmask32)(0xFFFFFFFFull << first), -1);
 }
 
-VISTA_INLINE uint32_t group_smallest(group a) {
+VISTA_INLINE __m128i group_narrow(group a) {
   const __m256i half = _mm256_min_epu16(_mm512_castsi512_si256(a), _mm512_extracti64x4_epi64(a, 1));
-  const __m128i quarter = _mm_min_epu16(_mm256_castsi256_si128(half), _mm256_extracti128_si256(half, 1));
-  return (uint32_t)_mm_extract_epi16(_mm_minpos_epu16(quarter), 0);
+  return _mm_min_epu16(_mm256_castsi256_si128(half), _mm256_extracti128_si256(half, 1));
 }
 
 VISTA_INLINE uint32_t group_top(group a) {
