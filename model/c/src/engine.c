@@ -57,8 +57,7 @@ static size_t lay_out(band *b, void *memory, const vista_engine_params *params, 
   b->work = take(&at, 4 * padded(width) * sizeof *b->work);
   b->valid = take_row(&at, width, sizeof *b->valid);
   b->winner.cost = take_row(&at, width, sizeof *b->winner.cost);
-  b->winner.before = take_row(&at, width, sizeof *b->winner.before);
-  b->winner.after = take_row(&at, width, sizeof *b->winner.after);
+  b->winner.around = take_row(&at, width, 2 * sizeof *b->winner.around);
   b->winner.close = take_row(&at, width, sizeof *b->winner.close);
   b->winner.best = take_row(&at, width, sizeof *b->winner.best);
   b->winner.right_best = take_row(&at, width, sizeof *b->winner.right_best);

@@ -66,8 +66,10 @@ VISTA_INLINE void pick_winners(const vista_winner_row *winner, const uint16_t *c
     }
     winner->close[x + i] = (uint16_t)close;
     winner->best[x + i] = (uint8_t)best;
-    winner->before[x + i] = at[(int32_t)best - 1];
-    winner->after[x + i] = at[best + 1];
+    uint64_t around; /* S(dL-1) .. S(dL+2); both neighbours at once, each then 32 bits wide */
+    memcpy(&around, at + (int32_t)best - 1, sizeof around);
+    around &= 0x0000FFFF0000FFFFu;
+    memcpy(winner->around + 2 * (x + i), &around, sizeof around);
   }
 }
 

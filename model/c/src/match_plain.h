@@ -34,8 +34,8 @@ VISTA_TARGET static void VISTA_MATCH_PLAIN(const vista_match_job *job) {
     job->winner.cost[center] = least;
     job->winner.close[center] = (uint16_t)close;
     job->winner.best[center] = (uint8_t)best;
-    job->winner.before[center] = sums[best > 0 ? best - 1 : 0];
-    job->winner.after[center] = sums[best < D - 1 ? best + 1 : best];
+    job->winner.around[2 * center] = sums[best > 0 ? best - 1 : 0];
+    job->winner.around[2 * center + 1] = sums[best < D - 1 ? best + 1 : best];
 
     if (job->check) { /* candidate d of right pixel center - d: its candidates come by rising d */
       VISTA_COST *restrict cost = right_cost + (W - 1 - center);

@@ -66,11 +66,11 @@ VISTA_TARGET static uint32_t uniqueness_limit(uint32_t cost, uint32_t ratio) {
 VISTA_TARGET static void subpixel_row(const vista_finish_job *job) {
   const int32_t last = job->num_disparities - 1;
   const uint32_t *restrict cost = job->winner.cost;
-  const uint32_t *restrict before = job->winner.before, *restrict after = job->winner.after;
+  const uint32_t *restrict around = job->winner.around;
   const uint8_t *restrict best = job->winner.best;
   int16_t *restrict disparity = job->disparity;
   for (int32_t x = job->first; x < job->end; ++x) {
-    const int32_t d = best[x], low = (int32_t)before[x], high = (int32_t)after[x];
+    const int32_t d = best[x], low = (int32_t)around[2 * x], high = (int32_t)around[2 * x + 1];
     const int32_t p = d == 0 ? high : low, n = d == last ? low : high;
     const int32_t m = (p > n ? p : n) - (int32_t)cost[x];
     const int32_t denominator = m + (m == 0);
@@ -95,7 +95,7 @@ VISTA_TARGET static void check_row(const vista_finish_job *job) {
 VISTA_TARGET static void verdict_row(const vista_finish_job *job) {
   const int32_t last = job->num_disparities - 1;
   const uint32_t *restrict cost = job->winner.cost;
-  const uint32_t *restrict before = job->winner.before, *restrict after = job->winner.after;
+  const uint32_t *restrict around = job->winner.around;
   const uint16_t *restrict close = job->winner.close;
   const uint8_t *restrict best = job->winner.best;
   const uint16_t *restrict texture = job->texture ? job->texture : close;
@@ -106,8 +106,8 @@ VISTA_TARGET static void verdict_row(const vista_finish_job *job) {
   const int32_t any_number = ratio == 0; /* step 5 is off */
   for (int32_t x = job->first; x < job->end; ++x) {
     const uint32_t limit = uniqueness_limit(cost[x], ratio);
-    const int32_t near_low = (best[x] > 0) & (before[x] <= limit);
-    const int32_t near_high = (best[x] < last) & (after[x] <= limit);
+    const int32_t near_low = (best[x] > 0) & (around[2 * x] <= limit);
+    const int32_t near_high = (best[x] < last) & (around[2 * x + 1] <= limit);
     const int32_t unique = any_number | (close[x] == 1 + near_low + near_high);
     const int32_t good = valid[x] & unique & (texture[x] >= least_texture);
     disparity[x] = good ? disparity[x] : VISTA_ENGINE_INVALID;

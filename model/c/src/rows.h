@@ -18,7 +18,7 @@
 
 typedef struct vista_winner_row { /* indexed by x, valid for the matched x of the row */
   uint32_t *cost;                 /* Smin */
-  uint32_t *before, *after;       /* S(dL-1), S(dL+1); anything at the ends of the range */
+  uint32_t *around;               /* S(dL-1), S(dL+1) at 2x, 2x+1; anything at the ends of the range */
   uint16_t *close;                /* number of d with S(d) <= Smin + floor(Smin*u/100), the winner included */
   uint8_t *best;                  /* dL */
   uint8_t *right_best;            /* dR by right x; only with `check` */
