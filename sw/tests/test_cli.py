@@ -20,6 +20,7 @@ import numpy as np
 import pytest
 import sequence_cases as cases
 import vista
+import vista.parameters
 import vista.pipeline
 from fake_pipeline import FakePipeline
 from vista.cli import main
@@ -76,7 +77,7 @@ def test_run_writes_what_interfaces_promise(tmp_path: Path, run_vista: Vista, ma
 
     summary = json.loads((out / "summary.json").read_text())
     assert (summary["frames"], summary["engine"], summary["interrupted"]) == (cases.FRAMES, "golden", False)
-    assert summary["parameters"]["engine"]["num_disparities"] == 32
+    assert summary["parameters"] == vista.parameters.defaults()
     stages = summary["stages_ms"]
     assert set(stages) >= {"read", "rectify", "stereo", "foveation", "segmentation", "host", "total"}
     assert all(0 <= stage["median"] <= stage["p99"] for stage in stages.values())
@@ -103,15 +104,15 @@ def test_no_overlay_draws_nothing(tmp_path: Path, run_vista: Vista) -> None:
 @pytest.mark.parametrize("engine", ["golden", "opencv"])
 def test_engines_and_config(tmp_path: Path, run_vista: Vista, engine: str) -> None:
     (tmp_path / "c.toml").write_text(
-        '[engine]\nblock_size = 9\nlr_max_diff = "off"\n[foveation]\nrho_0_px = 5\n'
+        "[stereo]\nblock_size = 9\nlr_max_diff = -1\n[foveation]\nrho_0_px = 5\n"
     )
     folder = cases.make_pairs(tmp_path / "pairs")
     options = ("--engine", engine, "--config", tmp_path / "c.toml", "--threads", 2)
     assert run_vista("run", folder, "--out", tmp_path / "out", *options)[0] == 0
     summary = json.loads((tmp_path / "out" / "summary.json").read_text())
     assert summary["engine"] == engine
-    assert summary["parameters"]["engine"]["block_size"] == 9
-    assert summary["parameters"]["engine"]["lr_max_diff"] is None
+    assert summary["parameters"]["stereo"]["block_size"] == 9
+    assert summary["parameters"]["stereo"]["lr_max_diff"] == -1
     assert summary["parameters"]["foveation"]["rho_0_px"] == 5.0
 
 
@@ -139,7 +140,12 @@ def test_record_holds_what_the_host_received(tmp_path: Path, run_vista: Vista) -
     seen = np.frombuffer(data, np.uint8, pixels, at + FRAME.size).reshape(height, width)
     np.testing.assert_array_equal(seen, left)
     words = np.frombuffer(data, "<i2", pixels, at + FRAME.size + pixels).reshape(height, width)
-    np.testing.assert_array_equal(words, vista.StereoEngine().compute(left, right))
+    np.testing.assert_array_equal(
+        words,
+        vista.StereoEngine(num_disparities=vista.parameters.defaults()["stereo"]["num_disparities"]).compute(
+            left, right
+        ),
+    )
 
 
 def test_an_earlier_run_is_replaced(tmp_path: Path, run_vista: Vista) -> None:
@@ -227,10 +233,9 @@ BAD_CONFIGS = {
     "[foveation]\nrho = 1": "unknown parameter foveation.rho",
     "[foveation]\nrho_0_px = nan": "foveation.rho_0_px must be",
     "[foveation]\nsector_count = 'many'": "foveation.sector_count must be",
-    "[engine]\nblock = 1": "unknown parameter engine.block",
-    "[engine]\nblock_size = 4": "engine golden: ",
-    "[engine]\nblock_size = 'big'": "engine golden: block_size must be an integer",
-    "engine = 1": "engine is no section",
+    "[stereo]\nblock_size = 4": "stereo.block_size must be from 5 to 21",
+    "[stereo]\nblock_size = 8": "engine golden: ",
+    "stereo = 1": "unknown section [stereo]",
 }
 
 
@@ -285,6 +290,7 @@ def test_bad_options(
 
 SLOW_RUN = """
 import sys, time
+import vista.parameters
 import vista.pipeline
 from fake_pipeline import FakePipeline
 from vista.cli import main
@@ -400,7 +406,7 @@ def test_config_prints_what_run_reads(tmp_path: Path, run_vista: Vista) -> None:
     status, stdout, _ = run_vista("config")
     assert status == 0
     printed = tomllib.loads(stdout)
-    assert printed["engine"]["block_size"] == 11
+    assert printed["stereo"]["block_size"] == 11
     (tmp_path / "c.toml").write_text(stdout)
     folder = cases.make_pairs(tmp_path / "pairs", 1)
     assert run_vista("run", folder, "--out", tmp_path / "a", "--config", tmp_path / "c.toml")[0] == 0

@@ -56,7 +56,7 @@ def make_summary(records: list[FrameRecord]) -> dict:
         "camera": {"width": 160, "height": 120, "focal_px": 120.0, "baseline_m": 0.25},
         "rectified": False,
         "obstacles_confirmed": 3,
-        "parameters": {"engine": {"num_disparities": 32, "block_size": 11, "lr_max_diff": None}},
+        "parameters": {"stereo": {"num_disparities": 32, "block_size": 11}},
         "stages_ms": stage_statistics(records),
     }
 

@@ -1,4 +1,4 @@
-"""The host's parameters: schema and defaults from parameters.toml, a user's values from --config FILE.toml."""
+"""Parameters: schema and defaults from parameters.toml, a user's values from --config FILE.toml."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from vista.errors import InputError
+from vista.sequence.text import read_text
 
 Values = dict[str, dict[str, Any]]  # section -> name -> value
 Schema = dict[str, dict[str, Any]]
@@ -51,29 +52,25 @@ def _unit(entry: dict[str, Any]) -> str:
     return f" {entry['unit']}" if entry.get("unit") else ""
 
 
-def load(config: Path | None) -> Values:
-    """Defaults, overridden by the values of a file. InputError names the file and the parameter."""
+def load(config: Path | None, base: Values | None = None) -> Values:
+    """base (the defaults), overridden by the values of a file. InputError names file and parameter."""
+    values = base or defaults()
     if config is None:
-        return defaults()
+        return values
     try:
-        given = tomllib.loads(config.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
-        raise InputError(str(config), str(error)) from error
-    return override(defaults(), given, str(config))
-
-
-def override(values: Values, given: Values, culprit: str) -> Values:
-    """values with those of given in their place, checked; culprit: where they come from, for InputError."""
+        given = tomllib.loads(read_text(config))
+    except tomllib.TOMLDecodeError as error:
+        raise InputError(config, f"not readable as TOML: {error}") from None
     for section, content in given.items():
         if section not in values or not isinstance(content, dict):
-            raise InputError(culprit, f"unknown section [{section}]")
+            raise InputError(config, f"unknown section [{section}]")
         for name, value in content.items():
             if name not in values[section]:
-                raise InputError(culprit, f"unknown parameter {section}.{name}")
+                raise InputError(config, f"unknown parameter {section}.{name}")
             entry = entries(section)[name]
             problem = _problem(entry, value)
             if problem:
-                raise InputError(culprit, f"{section}.{name} {problem}")
+                raise InputError(config, f"{section}.{name} {problem}")
             values[section][name] = float(value) if entry["type"] == "float" else value
     return values
 

@@ -39,10 +39,12 @@ def render_report(summary: dict[str, Any], records: list[FrameRecord], folder: R
             "regions": plots.plot_regions,
         }.items()
     }
+    pictures = embedded_pictures(records, folder)
     return environment.get_template("report.html.j2").render(
         summary=summary,
         cards=make_cards(summary, records),
-        pictures=embedded_pictures(records, folder),
+        pictures=pictures,
+        shown=next((index for index, picture in enumerate(pictures) if picture["collision"]), 0),
         plots=drawings,
         tracks=track_rows(records)[:MAX_TRACK_ROWS],
     )

@@ -79,8 +79,8 @@ def run_frames(
     recorder: Recorder | None,
     interruption: Interruption,
 ) -> None:
-    """Runs the chain over the frames and appends a record of each to `records`; those from before an error remain
-    there. Stops after the frame in which an interruption is requested.
+    """Runs the chain over the frames and appends a record of each to `records`: an error in the middle
+    leaves those of the frames before. Stops after the frame in which an interruption is requested.
 
     Raises InputError for an image that cannot be read; what is in the folder stays valid.
     """

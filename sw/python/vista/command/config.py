@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import argparse
 
-from vista.config import default_toml
 from vista.errors import EXIT_OK
+from vista.parameters import default_toml
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

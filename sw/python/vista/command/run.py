@@ -16,8 +16,8 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from vista.config import RunParameters, load_config
-from vista.engine import create_engine
+from vista import parameters
+from vista.engine import EngineParameters, create_engine
 from vista.errors import EXIT_INTERRUPTED, EXIT_OK, InputError
 from vista.history import FrameRecord, stage_statistics
 from vista.overlay import Overlay
@@ -27,6 +27,8 @@ from vista.report import render_report
 from vista.result_folder import ResultFolder
 from vista.run import Chain, Interruption, run_frames
 from vista.sequence import FrameFiles, Sequence, open_sequence
+
+LR_OFF = -1  # of stereo.lr_max_diff: TOML has no word for None
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -67,11 +69,11 @@ def positive(text: str) -> int:
 
 
 def execute(arguments: argparse.Namespace) -> int:
-    parameters = load_config(arguments.config, arguments.engine)
+    values = load_parameters(arguments.config, arguments.engine)
     folder = ResultFolder(arguments.out)
     sequence = open_sequence(arguments.sequence)
     frames = select_frames(sequence, arguments.frames)
-    chain = make_chain(sequence, arguments.engine, parameters, arguments.threads)
+    chain = make_chain(sequence, arguments.engine, values, arguments.threads)
     candidates = chain.engine.parameters.num_disparities
     overlay = None if arguments.no_overlay else Overlay(sequence.name, candidates)
 
@@ -88,7 +90,7 @@ def execute(arguments: argparse.Namespace) -> int:
         folder.close()
         if records:
             outcome["interrupted"] = interruption.requested
-            summary = make_summary(chain, arguments.engine, parameters, records) | outcome
+            summary = make_summary(chain, arguments.engine, values, records) | outcome
             folder.write_summary(summary)
     if interruption.requested:
         return EXIT_INTERRUPTED
@@ -114,16 +116,30 @@ def select_frames(sequence: Sequence, wanted: tuple[int, int | None] | None) -> 
     return frames
 
 
-def make_chain(sequence: Sequence, engine_name: str, parameters: RunParameters, threads: int) -> Chain:
+def load_parameters(path: Path | None, engine_name: str) -> parameters.Values:
+    base = parameters.defaults()
+    if engine_name == "opencv":
+        base["stereo"]["lr_max_diff"] = LR_OFF  # StereoBM's own check compares other things
+    return parameters.load(path, base)
+
+
+def engine_parameters(values: parameters.Values) -> EngineParameters:
+    stereo = values["stereo"]
+    return EngineParameters(
+        **stereo | {"lr_max_diff": None if stereo["lr_max_diff"] == LR_OFF else stereo["lr_max_diff"]}
+    )
+
+
+def make_chain(sequence: Sequence, engine_name: str, values: parameters.Values, threads: int) -> Chain:
     from vista.pipeline import Pipeline  # loads libvista, which `--help` need not
 
     rectifier = Rectifier(sequence.calibration)
     try:
-        engine = create_engine(engine_name, parameters.engine, threads)
+        engine = create_engine(engine_name, engine_parameters(values), threads)
     except (TypeError, ValueError) as error:
         raise InputError(f"engine {engine_name}", str(error)) from None
     try:
-        pipeline = Pipeline(rectifier.calibration, parameters.host)
+        pipeline = Pipeline(rectifier.calibration, values)
     except ValueError as error:
         camera = rectifier.calibration
         raise InputError(sequence.name, f"{camera.width}x{camera.height} px: {error}") from None
@@ -131,7 +147,7 @@ def make_chain(sequence: Sequence, engine_name: str, parameters: RunParameters, 
 
 
 def make_summary(
-    chain: Chain, engine_name: str, parameters: RunParameters, records: list[FrameRecord]
+    chain: Chain, engine_name: str, values: parameters.Values, records: list[FrameRecord]
 ) -> dict[str, Any]:
     confirmed = {obstacle.id for record in records for obstacle in record.obstacles if obstacle.confirmed}
     return {
@@ -144,7 +160,7 @@ def make_summary(
         "rectified": not chain.rectifier.is_passthrough,
         "obstacles_confirmed": len(confirmed),
         "frames_with_collision": sum(record.nearest_collision is not None for record in records),
-        "parameters": parameters.as_sections(),
+        "parameters": values,
         "stages_ms": stage_statistics(records),
     }
 
