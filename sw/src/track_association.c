@@ -44,12 +44,21 @@ bool vista_track_association_claimed(const vista_track_association *association,
   return association->claimed[detection];
 }
 
+/* By disparity and by its inverse, the depth: near the camera the former has no certainty left, far from it the
+ * latter. */
+static bool same_depth(const vista_tracker_params *params, double d1, double variance1, double d2, double variance2) {
+  const double disparity_sigma = sqrt(variance1 + variance2);
+  const double inverse_sigma = sqrt(variance1 / (d1 * d1 * d1 * d1) + variance2 / (d2 * d2 * d2 * d2));
+  return fabs(d1 - d2) <= params->overlap_sigma * disparity_sigma &&
+         fabs(1.0 / d1 - 1.0 / d2) <= params->overlap_sigma * inverse_sigma;
+}
+
 /* Squared distance from the outer centre in units of its widened half extent: up to 1 is inside. The inner
  * centre's own noise widens it, so that thin objects are not missed by a pixel. Another depth: INFINITY. */
 static double within2(const vista_tracker_params *params, const double inner_px[3], const double inner_variance_px2[3],
                       const vista_track_view *outer) {
-  const double depth_sigma = sqrt(inner_variance_px2[2] + outer->covariance_px2[8]);
-  if (!(fabs(inner_px[2] - outer->measurement_px[2]) <= params->overlap_sigma * depth_sigma)) return INFINITY;
+  if (!same_depth(params, inner_px[2], inner_variance_px2[2], outer->measurement_px[2], outer->covariance_px2[8]))
+    return INFINITY;
   double sum = 0.0;
   for (int i = 0; i < 2; ++i) {
     const double half_px = params->overlap_scale * outer->half_px[i] + sqrt(inner_variance_px2[i]);
@@ -67,7 +76,8 @@ bool vista_track_within(const vista_tracker_params *params, const vista_track_vi
 
 /* Never above miss_cost: a track rather takes a detection in its gate than none. */
 static double pair_cost(pass step, const vista_tracker_params *params, const vista_camera *camera,
-                        const vista_track *track, const vista_track_view *view, const vista_detection *detection) {
+                        const vista_pose *pose, const vista_track *track, const vista_track_view *view,
+                        const vista_detection *detection) {
   double variance_px2[3];
   vista_track_filter_noise(params, camera, detection, view, false, variance_px2);
   if (step == CONFIRMED_RESHAPED) {
@@ -77,13 +87,17 @@ static double pair_cost(pass step, const vista_tracker_params *params, const vis
   }
   const double distance2 = vista_track_filter_distance2(view, detection, variance_px2);
   if (!(distance2 <= params->gate_chi2)) return INFINITY;
+  /* Near the camera a pixel is millimetres, (u, v, d) of the prediction has no certainty left and everything would
+   * be in the gate. In space it keeps it; twice the gate leaves room for the curvature at long range. */
+  const double space2 = vista_track_filter_space_distance2(params, pose, track, view, detection);
+  if (!(space2 <= 2.0 * params->gate_chi2)) return INFINITY;
   return distance2 + fmin(vista_track_filter_extent_distance2(params, track, detection), params->gate_chi2);
 }
 
 void vista_track_associate(vista_track_association *association, const vista_tracker_params *params,
-                           const vista_camera *camera, const vista_track *tracks, const vista_track_view *views,
-                           int32_t track_count, const vista_detection *detections, int32_t detection_count,
-                           int32_t *detection_of_track) {
+                           const vista_camera *camera, const vista_pose *pose, const vista_track *tracks,
+                           const vista_track_view *views, int32_t track_count, const vista_detection *detections,
+                           int32_t detection_count, int32_t *detection_of_track) {
   /* A track may also stay without detection, at the price of the worst one. Without this, one stray detection could
    * push two good pairs aside for three bad ones. */
   const double miss_cost = 2.0 * params->gate_chi2;
@@ -104,7 +118,7 @@ void vista_track_associate(vista_track_association *association, const vista_tra
       double *cost = &association->cost[(size_t)row * (size_t)(columns + rows)];
       const int32_t track = association->row_track[row];
       for (int32_t column = 0; column < columns; ++column)
-        cost[column] = pair_cost(step, params, camera, &tracks[track], &views[track],
+        cost[column] = pair_cost(step, params, camera, pose, &tracks[track], &views[track],
                                  &detections[association->column_detection[column]]);
       for (int32_t other = 0; other < rows; ++other) cost[columns + other] = other == row ? miss_cost : INFINITY;
     }

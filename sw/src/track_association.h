@@ -18,9 +18,9 @@ vista_status vista_track_association_layout(int32_t max_tracks, int32_t max_dete
 
 /* detection_of_track: track_count entries, -1 = none. */
 void vista_track_associate(vista_track_association *association, const vista_tracker_params *params,
-                           const vista_camera *camera, const vista_track *tracks, const vista_track_view *views,
-                           int32_t track_count, const vista_detection *detections, int32_t detection_count,
-                           int32_t *detection_of_track);
+                           const vista_camera *camera, const vista_pose *pose, const vista_track *tracks,
+                           const vista_track_view *views, int32_t track_count, const vista_detection *detections,
+                           int32_t detection_count, int32_t *detection_of_track);
 
 /* Of the last call: whether a track took its detection as one of changed shape; whether a detection was taken. */
 bool vista_track_association_reshaped(const vista_track_association *association, int32_t track);

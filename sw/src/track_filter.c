@@ -83,12 +83,12 @@ void vista_track_filter_noise(const vista_tracker_params *params, const vista_ca
   variance_px2[2] = square(detection->sigma_disparity_px);
 }
 
-/* Inverse of S = H P H^T + R by Cholesky; false when S is not positive definite in double precision. */
-static bool invert_innovation(const vista_track_view *view, const double variance_px2[3], double inverse[9]) {
+/* Inverse of a symmetric matrix by Cholesky; false when it is not positive definite in double precision. */
+static bool invert(const double matrix[9], double inverse[9]) {
   double l[9] = {0};
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j <= i; ++j) {
-      double sum = view->covariance_px2[3 * i + j] + (i == j ? variance_px2[i] : 0.0);
+      double sum = matrix[3 * i + j];
       for (int k = 0; k < j; ++k) sum -= l[3 * i + k] * l[3 * j + k];
       if (i == j && !(sum > 0.0)) return false;
       l[3 * i + j] = i == j ? sqrt(sum) : sum / l[3 * j + j];
@@ -109,6 +109,20 @@ static bool invert_innovation(const vista_track_view *view, const double varianc
   return true;
 }
 
+static double quadratic(const double matrix[9], const double y[3]) {
+  double sum = 0.0;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) sum += y[i] * matrix[3 * i + j] * y[j];
+  return sum;
+}
+
+/* S = H P H^T + R */
+static bool invert_innovation(const vista_track_view *view, const double variance_px2[3], double inverse[9]) {
+  double s[9];
+  for (int i = 0; i < 9; ++i) s[i] = view->covariance_px2[i] + (i % 4 == 0 ? variance_px2[i / 4] : 0.0);
+  return invert(s, inverse);
+}
+
 static void innovation(const vista_track_view *view, const vista_detection *detection, double y[3]) {
   y[0] = detection->u_px - view->measurement_px[0];
   y[1] = detection->v_px - view->measurement_px[1];
@@ -120,10 +134,23 @@ double vista_track_filter_distance2(const vista_track_view *view, const vista_de
   double inverse[9], y[3];
   if (!invert_innovation(view, variance_px2, inverse)) return INFINITY;
   innovation(view, detection, y);
-  double sum = 0.0;
+  return quadratic(inverse, y);
+}
+
+double vista_track_filter_space_distance2(const vista_tracker_params *params, const vista_pose *pose,
+                                          const vista_track *track, const vista_track_view *view,
+                                          const vista_detection *detection) {
+  double camera_from_world[9], position_world[9], s[9], inverse[9], y[3];
   for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j) sum += y[i] * inverse[3 * i + j] * y[j];
-  return sum;
+    for (int j = 0; j < 3; ++j) {
+      camera_from_world[3 * i + j] = pose->rotation[3 * j + i];
+      position_world[3 * i + j] = track->covariance[6 * i + j];
+    }
+  vista_frame_propagate(camera_from_world, position_world, s);
+  const double attitude_m2 = square(detection->position_camera_m[2] * params->attitude_sigma_deg * RADIANS_PER_DEGREE);
+  for (int i = 0; i < 9; ++i) s[i] += detection->covariance_camera_m2[i] + (i == 0 || i == 4 ? attitude_m2 : 0.0);
+  for (int i = 0; i < 3; ++i) y[i] = detection->position_camera_m[i] - view->camera_m[i];
+  return invert(s, inverse) ? quadratic(inverse, y) : INFINITY;
 }
 
 double vista_track_filter_extent_distance2(const vista_tracker_params *params, const vista_track *track,

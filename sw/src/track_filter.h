@@ -36,6 +36,11 @@ void vista_track_filter_noise(const vista_tracker_params *params, const vista_ca
 double vista_track_filter_distance2(const vista_track_view *view, const vista_detection *detection,
                                     const double variance_px2[3]);
 
+/* The same in space, with the detection's own covariance. */
+double vista_track_filter_space_distance2(const vista_tracker_params *params, const vista_pose *pose,
+                                          const vista_track *track, const vista_track_view *view,
+                                          const vista_detection *detection);
+
 /* Squared normalised difference of the logarithms of the extents; cut axes do not count. */
 double vista_track_filter_extent_distance2(const vista_tracker_params *params, const vista_track *track,
                                            const vista_detection *detection);

@@ -138,8 +138,10 @@ static bool look(const frame *f, vista_track *track, vista_track_view *view) {
   const double margin = f->params->margin_px;
   track->in_view = u >= f->params->margin_left_px && u <= f->camera->width_px - 1 - margin && v >= margin &&
                    v <= f->camera->height_px - 1 - margin;
-  /* a sigma of doubt counts as blind: no track is blamed where the engine might not match */
-  track->in_blind_zone = d + sqrt(view->covariance_px2[8]) > f->params->disparity_max_px;
+  /* A sigma of doubt counts as blind: no track is blamed where the engine might not match. What left the image
+   * before it came near is not blind, it is out of view. */
+  const bool near = d + sqrt(view->covariance_px2[8]) > f->params->disparity_max_px;
+  track->in_blind_zone = near && (track->in_view || track->in_blind_zone);
   return true;
 }
 
@@ -308,8 +310,8 @@ vista_status vista_tracker_update(vista_tracker *tracker, const vista_tracker_pa
   if (status != VISTA_OK) return status;
   predict(tracker, &f);
   look_at_all(tracker, &f);
-  vista_track_associate(tracker->association, params, camera, tracker->tracks, tracker->views, tracker->count,
-                        detections, count, tracker->detection_of_track);
+  vista_track_associate(tracker->association, params, camera, f.pose, tracker->tracks, tracker->views,
+                        tracker->count, detections, count, tracker->detection_of_track);
   update(tracker, &f);
   look_at_all(tracker, &f);
   remove_duplicates(tracker, &f);

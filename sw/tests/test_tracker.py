@@ -430,3 +430,27 @@ def test_extreme_numbers_leave_only_finite_tracks() -> None:
             assert np.isfinite(mean).all()
             assert np.isfinite(covariance).all()
             assert np.isfinite([*track.extent_m, *track.extent_variance]).all()
+
+
+def test_an_obstacle_being_passed_takes_no_detection_from_far_ones() -> None:
+    """Close to the camera a pixel is millimetres: in pixels everything would lie in the gate or extent."""
+    tracker, passed, ahead = Tracker(), np.array([0.4, 0.3, 20.0]), np.array([-0.5, 0.0, 60.0])
+    for frame in range(40):
+        position = np.array([0.0, 0.0, 0.5 * frame])
+        items = (
+            [seen_at(passed, position, label=1, extent=(2.0, 2.0))] if passed[2] - position[2] > 14.8 else []
+        )
+        if position[2] >= 18.5:  # the far one appears while the near one is beside the camera
+            items.append(seen_at(ahead, position, label=2))
+        tracker.update(DT * frame, items, position)
+    assert tracker.tracks[1].coasting
+    assert tracker.tracks[1].position_m[2] == pytest.approx(20.0, abs=0.1)
+    assert tracker.tracks[2].label == 2
+
+
+def test_what_leaves_the_view_sideways_is_not_in_the_blind_zone() -> None:
+    tracker, point = Tracker(out_of_view_s=0.5), np.array([6.0, 0.0, 30.0])
+    alive = fly(tracker, point, range(58), 5.0, lambda _, z: 36 < z[0] < 634)
+    left = next(frame for frame in alive if measure(point, (0, 0, 0.5 * frame))[0] >= 634)
+    assert measure(point, (0, 0, 0.5 * left))[2] < 31
+    assert [frame for frame, ids in alive.items() if ids] == list(range(left + 5))

@@ -5,7 +5,8 @@
  * Measurement z = (u, v, d) of the current camera: p = R^T (position - t), u = u0 + f X/Z, v = v0 + f Y/Z,
  *            d = f B/Z. Joseph-form update.
  * Association in three global assignments over what the one before left over:
- *            confirmed tracks with the detections in their Mahalanobis gate in (u, v, d);
+ *            confirmed tracks with the detections in their Mahalanobis gate, both in (u, v, d) linearised at the track
+ *            and in space linearised at the detection: close to the camera the former accepts anything;
  *            confirmed tracks with detections inside their extent at their depth: the region changed its shape, so
  *            its centre counts as uncertain by half the extent;
  *            tentative tracks with the detections in their gate. A newborn never takes a confirmed track's detection.
@@ -59,7 +60,7 @@ typedef struct vista_track {
   bool confirmed;
   bool coasting;       /* no detection in this frame: the state is a prediction */
   bool in_view;        /* predicted inside the matched part of the image */
-  bool in_blind_zone;  /* predicted nearer than the engine matches */
+  bool in_blind_zone;  /* predicted nearer than the engine matches, and in view when it came so near */
   int32_t label;       /* of the region in this frame; -1 while coasting */
   int32_t age_frames;  /* updates since its birth, that one included */
   int32_t hits;        /* detections in all */
