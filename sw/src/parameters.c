@@ -29,7 +29,7 @@ vista_parameters vista_parameters_default(void) {
       .affinity.flow_scale = 10000.0,
       .affinity.flow_constant = 10000.0,
       .surface.lever_px = 8.0,
-      .surface.horizontal_deg = 65.0,
+      .surface.horizontal_deg = 55.0,
       .segmentation.core_step_px = 0.5,
       .segmentation.core_step_slope = 0.03,
       .segmentation.core_step_m = 0.5,
@@ -49,9 +49,8 @@ vista_parameters vista_parameters_default(void) {
       .region.min_size_m = 0.35,
       .region.min_valid_fraction = 0.25,
       .region.min_inlier_fraction = 0.5,
-      .region.max_sigma_ratio = 0.55,
       .region.min_height_m = 0.3,
-      .region.min_standing_fraction = 0.3,
+      .region.min_standing_fraction = 0.22,
   };
 }
 
@@ -103,7 +102,6 @@ vista_status vista_parameters_check(const vista_parameters *parameters, const ch
   else if (!within(p->region.min_size_m, 0.0, 100.0)) wrong = "region.min_size_m";
   else if (!within(p->region.min_valid_fraction, 0.0, 1.0)) wrong = "region.min_valid_fraction";
   else if (!within(p->region.min_inlier_fraction, 0.0, 1.0)) wrong = "region.min_inlier_fraction";
-  else if (!within(p->region.max_sigma_ratio, 0.0, 1.0)) wrong = "region.max_sigma_ratio";
   else if (!within(p->region.min_height_m, 0.0, 10.0)) wrong = "region.min_height_m";
   else if (!within(p->region.min_standing_fraction, 0.0, 1.0)) wrong = "region.min_standing_fraction";
   if (culprit != NULL) *culprit = wrong;
@@ -156,7 +154,6 @@ vista_status vista_parameters_set(vista_parameters *parameters, const char *name
   if (strcmp(name, "region.min_size_m") == 0) return p->region.min_size_m = value, VISTA_OK;
   if (strcmp(name, "region.min_valid_fraction") == 0) return p->region.min_valid_fraction = value, VISTA_OK;
   if (strcmp(name, "region.min_inlier_fraction") == 0) return p->region.min_inlier_fraction = value, VISTA_OK;
-  if (strcmp(name, "region.max_sigma_ratio") == 0) return p->region.max_sigma_ratio = value, VISTA_OK;
   if (strcmp(name, "region.min_height_m") == 0) return p->region.min_height_m = value, VISTA_OK;
   if (strcmp(name, "region.min_standing_fraction") == 0) return p->region.min_standing_fraction = value, VISTA_OK;
   return VISTA_ERROR_RANGE;

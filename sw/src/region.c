@@ -4,6 +4,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
+#include "depth.h"
 #include "ground.h"
 #include "region_boundary.h"
 
@@ -111,9 +112,7 @@ static vista_region_verdict judge_boundary(const vista_region_view *w, double ho
   const vista_region_params *const p = w->params;
   if (region->boundary_inliers < p->min_inliers) return VISTA_REGION_TOO_FEW_PIXELS;
   if (region->boundary_valid < p->min_valid_fraction * region->boundary_pixels) return VISTA_REGION_LOW_SUPPORT;
-  if (region->boundary_inliers < p->min_inlier_fraction * region->boundary_valid ||
-      region->disparity_sigma_px > p->max_sigma_ratio * w->tolerance_px)
-    return VISTA_REGION_INCONSISTENT;
+  if (region->boundary_inliers < p->min_inlier_fraction * region->boundary_valid) return VISTA_REGION_INCONSISTENT;
   if (region->inclination_deg > horizontal_deg) return VISTA_REGION_HORIZONTAL;
   return VISTA_REGION_ACCEPTED;
 }
@@ -125,14 +124,16 @@ static vista_region_verdict measure(vista_region_view *w, const vista_camera *ca
   if (!vista_region_measure_boundary(w, camera, up_camera, region, &surface)) return VISTA_REGION_TOO_FEW_PIXELS;
   const vista_region_verdict verdict = judge_boundary(w, horizontal_deg, region);
   if (verdict != VISTA_REGION_ACCEPTED) return verdict;
-  region->standing_fraction = vista_standing_fraction(w->foveation, camera, w->cells, w->surfaces, w->members,
-                                                      w->member_count, w->params->min_height_m);
+  const float lowest_m = vista_limit_m(camera, (float)region->disparity_px, (float)w->params->min_height_m);
+  region->standing_fraction = vista_standing_fraction(w->foveation, camera, w->cells, w->surfaces, up_camera,
+                                                      horizontal_deg, w->members, w->member_count, (double)lowest_m);
   if (region->standing_fraction < w->params->min_standing_fraction) return VISTA_REGION_HORIZONTAL;
   own_pixels(w, &surface, region);
   region->disparity_px = vista_plane_at(&surface, region->mean_u_px, region->mean_v_px);
   if (region->disparity_px < w->params->min_disparity_px) return VISTA_REGION_TOO_FAR;
   const double larger_px = 4.0 * sqrt(fmax(region->cov_uu_px2, region->cov_vv_px2));
-  if (larger_px * camera->baseline_m / region->disparity_px < w->params->min_size_m) return VISTA_REGION_TOO_SMALL;
+  const float smallest_m = vista_limit_m(camera, (float)region->disparity_px, (float)w->params->min_size_m);
+  if (larger_px * camera->baseline_m / region->disparity_px < (double)smallest_m) return VISTA_REGION_TOO_SMALL;
   return VISTA_REGION_ACCEPTED;
 }
 

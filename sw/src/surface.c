@@ -67,6 +67,40 @@ static bool mostly_horizontal(const vista_surfaces *surfaces, double horizontal_
   return 2 * leaning > known;
 }
 
+#define GROUND_MIN_CELLS 20
+#define GROUND_PASSES 4
+
+/* Least squares over the horizontal cells, leaving out what is far off the last fit; at least half of them must stay. */
+static void find_ground(const vista_foveation *f, const vista_surface_params *params, const vista_camera *camera,
+                        const double up_camera[3], const vista_cells *cells, vista_surfaces *surfaces) {
+  vista_plane plane = {0};
+  int32_t used = 0, all = 0;
+  double tolerance_px = INFINITY;
+  for (int pass = 0; pass < GROUND_PASSES; ++pass) {
+    vista_plane_fit fit = {0};
+    used = all = 0;
+    for (int32_t i = 0; i < f->node_count; ++i) {
+      if (!surfaces->horizontal[i]) continue;
+      const double u = (double)f->center_u[i] - camera->center_u_px, v = (double)f->center_v[i] - camera->center_v_px;
+      const double d = (double)cells->disparity_px[i];
+      all++;
+      if (fabs(d - plane.offset - plane.slope_u * u - plane.slope_v * v) > tolerance_px) continue;
+      vista_plane_fit_add(&fit, u, v, d, 1.0);
+      used++;
+    }
+    surfaces->ground_found = used >= GROUND_MIN_CELLS && 2 * used > all && vista_plane_fit_solve(&fit, &plane);
+    if (!surfaces->ground_found) return;
+    tolerance_px = pass == 0 ? 6.0 : 2.0;
+  }
+  const double inclination_deg =
+      vista_plane_inclination_deg(camera, up_camera, camera->center_u_px, camera->center_v_px, plane.offset,
+                                  plane.slope_u, plane.slope_v);
+  surfaces->ground_found = inclination_deg > params->horizontal_deg;
+  surfaces->ground_px = plane.offset;
+  surfaces->ground_slope_u = plane.slope_u;
+  surfaces->ground_slope_v = plane.slope_v;
+}
+
 vista_status vista_surfaces_compute(const vista_foveation *foveation, const vista_surface_params *params,
                                     const vista_camera *camera, const double up_camera[3], const vista_cells *cells,
                                     vista_surfaces *surfaces) {
@@ -95,5 +129,6 @@ vista_status vista_surfaces_compute(const vista_foveation *foveation, const vist
       }
     }
   }
+  find_ground(f, params, camera, up_camera, cells, surfaces);
   return VISTA_OK;
 }

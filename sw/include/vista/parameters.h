@@ -38,7 +38,7 @@ typedef struct vista_affinity_params {
   double sigma_intensity; /* Scale of the intensity term. Paper: sigma_d. 0.1 .. 255.0 grey levels. */
   double mu_disparity_px; /* Disparity difference that still counts as none between adjoining cells. Paper: mu_d. 0.0 .. 16.0 px. */
   double mu_disparity_slope; /* Added to mu_disparity_px per pixel between the cell centres: cells of the periphery lie farther apart. Paper: mu_d. 0.0 .. 1.0 px per px. */
-  double mu_depth_m; /* A disparity difference that means less depth than this counts as none: near things have relief. Paper: mu_d. 0.0 .. 10.0 m. */
+  double mu_depth_m; /* A disparity difference that means less depth than this counts as none: near things have relief. At most 6 % of the range. Paper: mu_d. 0.0 .. 10.0 m. */
   double sigma_disparity_px; /* Scale of the disparity term. Paper: sigma_d. 0.05 .. 64.0 px. */
   vista_affinity_flow_encoding flow_encoding; /* Capacity = scale * C^((w - 1) / 2), or the paper's print, scale * (w + 1) / 2. */
   double flow_scale; /* Capacity of an edge of affinity 1. 10.0 .. 100000.0. */
@@ -55,7 +55,7 @@ typedef struct vista_surface_params {
 typedef struct vista_segmentation_params {
   double core_step_px; /* Largest disparity step inside a core between adjoining cells. 0.05 .. 8.0 px. */
   double core_step_slope; /* Added to core_step_px per pixel between the cell centres. 0.0 .. 1.0 px per px. */
-  double core_step_m; /* A disparity step that means less depth than this is no step. 0.0 .. 10.0 m. */
+  double core_step_m; /* A disparity step that means less depth than this is no step. At most 6 % of the range. 0.0 .. 10.0 m. */
   double core_area_px2; /* Smallest core that is cut out. 1.0 .. 1000000.0 px2. */
   int32_t reach; /* A cut takes in free cells up to this many steps from its core. 1 .. 1000 cells. */
   double unknown_link; /* Sink link of a cell without disparity: what it costs to take a textureless cell into an obstacle. Paper: D_p. 0.0 .. 10.0 flow_scale. */
@@ -70,14 +70,13 @@ typedef struct vista_segmentation_params {
 /* Statistics of the regions and the tests that make obstacles of them (paper, section II-D). */
 typedef struct vista_region_params {
   double tolerance_px; /* Boundary disparities within this of the region's surface are its inliers. 0.1 .. 16.0 px. */
-  double tolerance_m; /* The same in depth; the larger of the two holds: near things have relief. 0.0 .. 10.0 m. */
+  double tolerance_m; /* The same in depth; the larger of the two holds: near things have relief. At most 6 % of the range. 0.0 .. 10.0 m. */
   int32_t min_inliers; /* Fewest boundary inliers of an obstacle. 1 .. 1000000 pixels. */
   double min_disparity_px; /* Regions with less are too far to say anything. 0.1 .. 255.0 px. */
-  double min_size_m; /* Smallest larger side of an obstacle. 0.0 .. 100.0 m. */
+  double min_size_m; /* Smallest larger side of an obstacle. At most 6 % of the range. 0.0 .. 100.0 m. */
   double min_valid_fraction; /* Smallest valid fraction of the boundary. 0.0 .. 1.0. */
   double min_inlier_fraction; /* Edge consistency: smallest part of the valid boundary pixels that are inliers. 0.0 .. 1.0. */
-  double max_sigma_ratio; /* Edge consistency: largest standard deviation of the boundary inliers; evenly spread ones have 0.58. 0.0 .. 1.0 tolerance. */
-  double min_height_m; /* What is lower than this above the horizontal surface that it adjoins lies on it. 0.0 .. 10.0 m. */
+  double min_height_m; /* What is lower than this above the horizontal surface that it adjoins lies on it. At most 6 % of the range. 0.0 .. 10.0 m. */
   double min_standing_fraction; /* Smallest part of an obstacle's area that stands higher than that. 0.0 .. 1.0. */
 } vista_region_params;
 

@@ -6,9 +6,12 @@
  * around; with the up direction given, the lean from the vertical is asin(|n . up| / |n|).
  *
  * Ground, roads and water are surfaces to fly along: their pixels are matched well and their boundary is consistent,
- * so neither a matching threshold nor edge consistency tells them from obstacles. Their inclination does. */
+ * so neither a matching threshold nor edge consistency tells them from obstacles. Their inclination does.
+ * The plane that most horizontal cells share is the ground; it may be absent. */
 #ifndef VISTA_SURFACE_H
 #define VISTA_SURFACE_H
+
+#include <stdbool.h>
 
 #include "vista/arena.h"
 #include "vista/foveation.h"
@@ -19,6 +22,9 @@
 typedef struct vista_surfaces {
   float *inclination_deg; /* node_count: 0 upright .. 90 horizontal; negative: unknown */
   uint8_t *horizontal;    /* node_count: 1 where most cells around lean more than horizontal_deg */
+  bool ground_found;      /* most horizontal cells share a plane: the ground below, */
+  double ground_px;       /* its disparity at the principal point */
+  double ground_slope_u, ground_slope_v; /* and gradient, px per px */
 } vista_surfaces;
 
 vista_status vista_surfaces_layout(vista_surfaces *surfaces, vista_arena *arena, const vista_foveation *foveation);
