@@ -265,6 +265,7 @@ BAD_OPTIONS = [
     (["run", "SEQUENCE", "--out", "OUT", "--engine", "none"], "--engine"),
     (["run", "SEQUENCE", "--out", "OUT", "--config", "missing.toml"], "missing.toml: no such file"),
     (["run", "missing", "--out", "OUT"], "missing: no such folder"),
+    (["run", "x" * 300, "--out", "OUT"], "file name too long"),
     (["run", "SEQUENCE", "--out", "SEQUENCE"], "holds other files"),
     (["run", "SEQUENCE", "--out", "SEQUENCE/calibration.toml"], "calibration.toml: not a folder"),
     (["run", "SEQUENCE", "--out", "SEQUENCE/calibration.toml/out"], "cannot be written"),

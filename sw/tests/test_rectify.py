@@ -38,7 +38,7 @@ def needs(name: str) -> Path:
 
 
 def row_errors_px(left: NDArray[np.uint8], right: NDArray[np.uint8]) -> NDArray[np.float64]:
-    """Row differences, right minus left, of ORB matches that agree both ways and lie within 20 rows. The patch
+    """Row differences, right minus left, of ORB matches that agree both ways, within 20 rows. The patch
     around the left point is correlated around the right one; a parabola gives the part of a pixel."""
     orb = cv2.ORB_create(3000)
     left_points, left_words = orb.detectAndCompute(left, None)

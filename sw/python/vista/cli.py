@@ -58,11 +58,15 @@ def main(arguments: list[str] | None = None) -> int:
     except InputError as error:
         print(f"vista: {error}", file=sys.stderr)
         return EXIT_INPUT
-    except KeyboardInterrupt:
-        return EXIT_INTERRUPTED
     except BrokenPipeError:  # `vista config | head`: the reader has seen enough
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return EXIT_OK
+    except OSError as error:
+        reason = (error.strerror or str(error)).lower()
+        print(f"vista: {error.filename or 'system'}: {reason}", file=sys.stderr)
+        return EXIT_INPUT
+    except KeyboardInterrupt:
+        return EXIT_INTERRUPTED
 
 
 if __name__ == "__main__":

@@ -74,7 +74,7 @@ def _decode_pfm(path: Path, data: bytes) -> Words:
         kind, size, scale, pixels = data.split(b"\n", 3)
         width, height = (int(number) for number in size.split())
         byte_order = "<" if float(scale) < 0.0 else ">"
-        if kind.strip() != b"Pf" or len(pixels) != 4 * width * height:
+        if kind.strip() != b"Pf" or width < 1 or height < 1 or len(pixels) != 4 * width * height:
             raise ValueError
     except ValueError:
         raise InputError(path, "not a grey PFM, or truncated") from None

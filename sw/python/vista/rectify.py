@@ -7,6 +7,7 @@ import dataclasses
 import cv2
 import numpy as np
 from numpy.typing import NDArray
+
 from vista.errors import InputError
 from vista.geometry import Array, Calibration, CameraModel, Pose, RawCalibration
 from vista.sequence.types import Frame
@@ -25,7 +26,7 @@ class Rectifier:
     """
 
     def __init__(self, raw: RawCalibration) -> None:
-        """Raises InputError when the cameras do not make a left-right pair."""
+        """Raises InputError when the cameras make no left-right pair, or have no common image plane."""
         _check_side_by_side(raw)
         self.is_passthrough = _is_rectified(raw)
         if self.is_passthrough:
@@ -47,6 +48,8 @@ class Rectifier:
             flags=cv2.CALIB_ZERO_DISPARITY,
             alpha=0,
         )
+        if not (np.all(np.isfinite([P_left, P_right])) and P_left[0, 0] > 0.0):
+            raise InputError(raw.source, "these cameras cannot be rectified: no common image plane is left")
         self._left_map = _undistort_map(raw.left, R_left, P_left, size)
         self._right_map = _undistort_map(raw.right, R_right, P_right, size)
         self._left_from_rectified = Pose(R_left.T)
