@@ -155,6 +155,23 @@ def test_cameras_that_make_no_left_right_pair_are_refused(centre_m: tuple[float,
         Rectifier(raw)
 
 
+def test_cameras_that_look_apart_are_refused() -> None:
+    turn = Rotation.from_euler("y", 70, degrees=True).as_matrix()
+    raw = RawCalibration(
+        RAW.left, RAW.left, Pose(turn, turn @ np.array([-0.2, 0.0, 0.0])), "calibration.toml"
+    )
+    with pytest.raises(InputError, match=r"calibration\.toml: the cameras look in different directions"):
+        Rectifier(raw)
+
+
+def test_an_absurd_distortion_is_refused() -> None:
+    wrong = CameraModel(*SIZE, RAW.left.matrix, (1e6, 0.0, 0.0, 0.0))
+    with pytest.raises(
+        InputError, match=r"calibration\.toml: cannot be rectified: the image would be zoomed"
+    ):
+        Rectifier(RawCalibration(wrong, RAW.right, RAW.right_from_left, "calibration.toml"))
+
+
 def test_euroc_rows_align() -> None:
     sequence = open_sequence(needs("euroc_v101"))
     rectifier = Rectifier(sequence.calibration)

@@ -16,6 +16,11 @@ Map = tuple[
     NDArray[np.int16], NDArray[np.uint16]
 ]  # cv2's fixed-point form: faster, and the same on every machine
 
+MAX_ZOOM = (
+    4.0  # what rectification may crop to or shrink by; more comes from a wrong number in the calibration
+)
+MIN_COS_BETWEEN_AXES = 0.5  # optical axes within 60 degrees: else the two views hardly overlap
+
 
 class Rectifier:
     """Rectifies every frame of one calibration.
@@ -26,7 +31,7 @@ class Rectifier:
     """
 
     def __init__(self, raw: RawCalibration) -> None:
-        """Raises InputError when the cameras make no left-right pair, or have no common image plane."""
+        """Raises InputError when the cameras make no left-right pair, or none that can be rectified."""
         _check_side_by_side(raw)
         self.is_passthrough = _is_rectified(raw)
         if self.is_passthrough:
@@ -48,8 +53,9 @@ class Rectifier:
             flags=cv2.CALIB_ZERO_DISPARITY,
             alpha=0,
         )
-        if not (np.all(np.isfinite([P_left, P_right])) and P_left[0, 0] > 0.0):
-            raise InputError(raw.source, "these cameras cannot be rectified: no common image plane is left")
+        zoom = P_left[0, 0] / raw.left.matrix[0, 0]
+        if not (np.all(np.isfinite([P_left, P_right])) and 1.0 / MAX_ZOOM < zoom < MAX_ZOOM):
+            raise InputError(raw.source, f"cannot be rectified: the image would be zoomed {zoom:.3g} times")
         self._left_map = _undistort_map(raw.left, R_left, P_left, size)
         self._right_map = _undistort_map(raw.right, R_right, P_right, size)
         self._left_from_rectified = Pose(R_left.T)
@@ -78,6 +84,8 @@ def _check_side_by_side(raw: RawCalibration) -> None:
         raise InputError(
             raw.source, f"the right camera lies at ({x:g}, {y:g}, {z:g}) m, not right of the left camera"
         )
+    if raw.right_from_left.rotation[2, 2] < MIN_COS_BETWEEN_AXES:
+        raise InputError(raw.source, "the cameras look in different directions")
     if (raw.left.width, raw.left.height) != (raw.right.width, raw.right.height):
         raise InputError(raw.source, "the left and the right image differ in size")
 
