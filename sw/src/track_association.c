@@ -74,6 +74,17 @@ bool vista_track_within(const vista_tracker_params *params, const vista_track_vi
   return within2(params, inner->measurement_px, variance_px2, outer) <= 1.0;
 }
 
+/* y^T S^-1 y >= y_i^2 / S_ii, for each i: most pairs are out of the gate without an inversion. */
+static bool surely_outside(double gate_chi2, const vista_track_view *view, const vista_detection *detection,
+                           const double variance_px2[3]) {
+  const double measured_px[3] = {detection->u_px, detection->v_px, detection->disparity_px};
+  for (int i = 0; i < 3; ++i) {
+    const double y = measured_px[i] - view->measurement_px[i];
+    if (y * y > gate_chi2 * (view->covariance_px2[4 * i] + variance_px2[i])) return true;
+  }
+  return false;
+}
+
 /* Never above miss_cost: a track rather takes a detection in its gate than none. */
 static double pair_cost(pass step, const vista_tracker_params *params, const vista_camera *camera,
                         const vista_pose *pose, const vista_track *track, const vista_track_view *view,
@@ -85,6 +96,7 @@ static double pair_cost(pass step, const vista_tracker_params *params, const vis
     const double distance2 = within2(params, measured_px, variance_px2, view);
     return distance2 <= 1.0 ? distance2 * params->gate_chi2 : INFINITY;
   }
+  if (surely_outside(params->gate_chi2, view, detection, variance_px2)) return INFINITY;
   const double distance2 = vista_track_filter_distance2(view, detection, variance_px2);
   if (!(distance2 <= params->gate_chi2)) return INFINITY;
   /* Near the camera a pixel is millimetres, (u, v, d) of the prediction has no certainty left and everything would
