@@ -104,7 +104,7 @@ def test_subpixel(costs):
 def test_shifted_image_has_its_shift(rng):
     scene = rng.integers(0, 256, (30, 100), dtype=np.uint8)
     words = compute(scene[:, :80], scene[:, 7:87], Parameters(_D, _BLOCK, lr_max_diff=1))
-    # the last column is not filtered, so blocks that hold it differ; the sub-pixel step moves up to half a pixel
+    # the last column is not filtered: blocks that hold it differ; the sub-pixel step moves up to half a pixel
     inner = words[_R:-_R, _D - 1 + _R : -_R - 1]
     np.testing.assert_allclose(inner, 16 * 7, atol=8)
 
