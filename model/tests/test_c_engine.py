@@ -89,7 +89,7 @@ def test_random_as_opencv(rng, random_pair, random_parameters):
     pixels = 0
     while pixels < 10_000_000:
         parameters = random_parameters(prefilter="xsobel", lr_max_diff=None)
-        # at least one matched pixel (without, OpenCV's words mean nothing), and higher than OpenCV's least height
+        # one matched pixel at least (else OpenCV's words mean nothing), and one row above OpenCV's least
         height = parameters.block_size + 1 + int(rng.integers(0, 500))
         width = parameters.num_disparities + parameters.block_size - 1 + int(rng.integers(0, 700))
         pixels += _assert_as_opencv(*random_pair(height, width), parameters)
