@@ -51,6 +51,31 @@ vista_parameters vista_parameters_default(void) {
       .region.min_inlier_fraction = 0.5,
       .region.min_height_m = 0.3,
       .region.min_standing_fraction = 0.22,
+      .reconstruction.center_sigma_px = 1.0,
+      .reconstruction.center_sigma_ratio = 0.1,
+      .reconstruction.disparity_sigma_px = 0.25,
+      .reconstruction.correlated_pixels = 11.0,
+      .reconstruction.disparity_min_px = 1.0,
+      .tracker.velocity_sigma_m_s = 0.5,
+      .tracker.acceleration_psd_m2_s3 = 0.01,
+      .tracker.position_psd_m2_s = 0.01,
+      .tracker.attitude_sigma_deg = 0.05,
+      .tracker.gate_chi2 = 11.34,
+      .tracker.extent_sigma_ratio = 0.3,
+      .tracker.extent_psd_1_s = 0.02,
+      .tracker.overlap_sigma = 3.0,
+      .tracker.overlap_scale = 1.2,
+      .tracker.confirm_hits = 3,
+      .tracker.confirm_window = 5,
+      .tracker.miss_max = 5,
+      .tracker.out_of_view_s = 1.0,
+      .tracker.blind_zone_s = 5.0,
+      .tracker.range_max_m = 150.0,
+      .obstacle_map.collision_radius_m = 2.0,
+      .obstacle_map.collision_length_m = 100.0,
+      .obstacle_map.inflation_sigma = 1.0,
+      .obstacle_map.velocity_smoothing_s = 0.3,
+      .obstacle_map.speed_min_m_s = 0.5,
   };
 }
 
@@ -104,6 +129,31 @@ vista_status vista_parameters_check(const vista_parameters *parameters, const ch
   else if (!within(p->region.min_inlier_fraction, 0.0, 1.0)) wrong = "region.min_inlier_fraction";
   else if (!within(p->region.min_height_m, 0.0, 10.0)) wrong = "region.min_height_m";
   else if (!within(p->region.min_standing_fraction, 0.0, 1.0)) wrong = "region.min_standing_fraction";
+  else if (!within(p->reconstruction.center_sigma_px, 0.01, 100.0)) wrong = "reconstruction.center_sigma_px";
+  else if (!within(p->reconstruction.center_sigma_ratio, 0.0, 2.0)) wrong = "reconstruction.center_sigma_ratio";
+  else if (!within(p->reconstruction.disparity_sigma_px, 0.01, 16.0)) wrong = "reconstruction.disparity_sigma_px";
+  else if (!within(p->reconstruction.correlated_pixels, 1.0, 1000.0)) wrong = "reconstruction.correlated_pixels";
+  else if (!within(p->reconstruction.disparity_min_px, 0.1, 255.0)) wrong = "reconstruction.disparity_min_px";
+  else if (!within(p->tracker.velocity_sigma_m_s, 0.001, 100.0)) wrong = "tracker.velocity_sigma_m_s";
+  else if (!within(p->tracker.acceleration_psd_m2_s3, 0.0, 1000.0)) wrong = "tracker.acceleration_psd_m2_s3";
+  else if (!within(p->tracker.position_psd_m2_s, 0.0, 100.0)) wrong = "tracker.position_psd_m2_s";
+  else if (!within(p->tracker.attitude_sigma_deg, 0.0, 10.0)) wrong = "tracker.attitude_sigma_deg";
+  else if (!within(p->tracker.gate_chi2, 0.1, 1000.0)) wrong = "tracker.gate_chi2";
+  else if (!within(p->tracker.extent_sigma_ratio, 0.01, 10.0)) wrong = "tracker.extent_sigma_ratio";
+  else if (!within(p->tracker.extent_psd_1_s, 0.0, 100.0)) wrong = "tracker.extent_psd_1_s";
+  else if (!within(p->tracker.overlap_sigma, 0.1, 100.0)) wrong = "tracker.overlap_sigma";
+  else if (!within(p->tracker.overlap_scale, 0.1, 10.0)) wrong = "tracker.overlap_scale";
+  else if (!within((double)p->tracker.confirm_hits, 1, 32)) wrong = "tracker.confirm_hits";
+  else if (!within((double)p->tracker.confirm_window, 1, 32)) wrong = "tracker.confirm_window";
+  else if (!within((double)p->tracker.miss_max, 0, 1000)) wrong = "tracker.miss_max";
+  else if (!within(p->tracker.out_of_view_s, 0.0, 3600.0)) wrong = "tracker.out_of_view_s";
+  else if (!within(p->tracker.blind_zone_s, 0.0, 3600.0)) wrong = "tracker.blind_zone_s";
+  else if (!within(p->tracker.range_max_m, 1.0, 100000.0)) wrong = "tracker.range_max_m";
+  else if (!within(p->obstacle_map.collision_radius_m, 0.01, 1000.0)) wrong = "obstacle_map.collision_radius_m";
+  else if (!within(p->obstacle_map.collision_length_m, 0.1, 100000.0)) wrong = "obstacle_map.collision_length_m";
+  else if (!within(p->obstacle_map.inflation_sigma, 0.0, 10.0)) wrong = "obstacle_map.inflation_sigma";
+  else if (!within(p->obstacle_map.velocity_smoothing_s, 0.0, 60.0)) wrong = "obstacle_map.velocity_smoothing_s";
+  else if (!within(p->obstacle_map.speed_min_m_s, 0.0, 100.0)) wrong = "obstacle_map.speed_min_m_s";
   if (culprit != NULL) *culprit = wrong;
   return wrong == NULL ? VISTA_OK : VISTA_ERROR_RANGE;
 }
@@ -156,5 +206,30 @@ vista_status vista_parameters_set(vista_parameters *parameters, const char *name
   if (strcmp(name, "region.min_inlier_fraction") == 0) return p->region.min_inlier_fraction = value, VISTA_OK;
   if (strcmp(name, "region.min_height_m") == 0) return p->region.min_height_m = value, VISTA_OK;
   if (strcmp(name, "region.min_standing_fraction") == 0) return p->region.min_standing_fraction = value, VISTA_OK;
+  if (strcmp(name, "reconstruction.center_sigma_px") == 0) return p->reconstruction.center_sigma_px = value, VISTA_OK;
+  if (strcmp(name, "reconstruction.center_sigma_ratio") == 0) return p->reconstruction.center_sigma_ratio = value, VISTA_OK;
+  if (strcmp(name, "reconstruction.disparity_sigma_px") == 0) return p->reconstruction.disparity_sigma_px = value, VISTA_OK;
+  if (strcmp(name, "reconstruction.correlated_pixels") == 0) return p->reconstruction.correlated_pixels = value, VISTA_OK;
+  if (strcmp(name, "reconstruction.disparity_min_px") == 0) return p->reconstruction.disparity_min_px = value, VISTA_OK;
+  if (strcmp(name, "tracker.velocity_sigma_m_s") == 0) return p->tracker.velocity_sigma_m_s = value, VISTA_OK;
+  if (strcmp(name, "tracker.acceleration_psd_m2_s3") == 0) return p->tracker.acceleration_psd_m2_s3 = value, VISTA_OK;
+  if (strcmp(name, "tracker.position_psd_m2_s") == 0) return p->tracker.position_psd_m2_s = value, VISTA_OK;
+  if (strcmp(name, "tracker.attitude_sigma_deg") == 0) return p->tracker.attitude_sigma_deg = value, VISTA_OK;
+  if (strcmp(name, "tracker.gate_chi2") == 0) return p->tracker.gate_chi2 = value, VISTA_OK;
+  if (strcmp(name, "tracker.extent_sigma_ratio") == 0) return p->tracker.extent_sigma_ratio = value, VISTA_OK;
+  if (strcmp(name, "tracker.extent_psd_1_s") == 0) return p->tracker.extent_psd_1_s = value, VISTA_OK;
+  if (strcmp(name, "tracker.overlap_sigma") == 0) return p->tracker.overlap_sigma = value, VISTA_OK;
+  if (strcmp(name, "tracker.overlap_scale") == 0) return p->tracker.overlap_scale = value, VISTA_OK;
+  if (strcmp(name, "tracker.confirm_hits") == 0) return p->tracker.confirm_hits = (int32_t)value, VISTA_OK;
+  if (strcmp(name, "tracker.confirm_window") == 0) return p->tracker.confirm_window = (int32_t)value, VISTA_OK;
+  if (strcmp(name, "tracker.miss_max") == 0) return p->tracker.miss_max = (int32_t)value, VISTA_OK;
+  if (strcmp(name, "tracker.out_of_view_s") == 0) return p->tracker.out_of_view_s = value, VISTA_OK;
+  if (strcmp(name, "tracker.blind_zone_s") == 0) return p->tracker.blind_zone_s = value, VISTA_OK;
+  if (strcmp(name, "tracker.range_max_m") == 0) return p->tracker.range_max_m = value, VISTA_OK;
+  if (strcmp(name, "obstacle_map.collision_radius_m") == 0) return p->obstacle_map.collision_radius_m = value, VISTA_OK;
+  if (strcmp(name, "obstacle_map.collision_length_m") == 0) return p->obstacle_map.collision_length_m = value, VISTA_OK;
+  if (strcmp(name, "obstacle_map.inflation_sigma") == 0) return p->obstacle_map.inflation_sigma = value, VISTA_OK;
+  if (strcmp(name, "obstacle_map.velocity_smoothing_s") == 0) return p->obstacle_map.velocity_smoothing_s = value, VISTA_OK;
+  if (strcmp(name, "obstacle_map.speed_min_m_s") == 0) return p->obstacle_map.speed_min_m_s = value, VISTA_OK;
   return VISTA_ERROR_RANGE;
 }

@@ -10,8 +10,7 @@ static vista_status check_params(const vista_reconstruction_params *params) {
   const bool good = positive(params->center_sigma_px) && isfinite(params->center_sigma_ratio) &&
                     params->center_sigma_ratio >= 0.0 && positive(params->disparity_sigma_px) &&
                     isfinite(params->correlated_pixels) && params->correlated_pixels >= 1.0 &&
-                    positive(params->disparity_min_px) && isfinite(params->margin_left_px) &&
-                    params->margin_left_px >= 0.0 && isfinite(params->margin_px) && params->margin_px >= 0.0;
+                    positive(params->disparity_min_px);
   return good ? VISTA_OK : VISTA_ERROR_RANGE;
 }
 
@@ -46,7 +45,8 @@ static void triangulate(const vista_camera *camera, vista_detection *detection) 
 }
 
 static vista_status reconstruct(const vista_region *region, const vista_camera *camera,
-                                const vista_reconstruction_params *params, vista_detection *detection) {
+                                const vista_matched_area *matched, const vista_reconstruction_params *params,
+                                vista_detection *detection) {
   if (!isfinite(region->disparity_px) || !isfinite(region->disparity_sigma_px)) return VISTA_ERROR_NUMBER;
   if (region->disparity_px < params->disparity_min_px || region->disparity_sigma_px < 0.0) return VISTA_ERROR_RANGE;
   vista_detection result = {.label = region->label,
@@ -54,10 +54,10 @@ static vista_status reconstruct(const vista_region *region, const vista_camera *
                             .v_px = region->mean_v_px,
                             .disparity_px = region->disparity_px,
                             .sigma_disparity_px = disparity_sigma(params, region),
-                            .cut_u = region->min_u_px <= params->margin_left_px ||
-                                     region->max_u_px >= camera->width_px - 1 - params->margin_px,
-                            .cut_v = region->min_v_px <= params->margin_px ||
-                                     region->max_v_px >= camera->height_px - 1 - params->margin_px};
+                            .cut_u = region->min_u_px <= matched->margin_left_px ||
+                                     region->max_u_px >= camera->width_px - 1 - matched->margin_px,
+                            .cut_v = region->min_v_px <= matched->margin_px ||
+                                     region->max_v_px >= camera->height_px - 1 - matched->margin_px};
   const vista_status status = vista_ellipse_from_region(region, &result.ellipse);
   if (status != VISTA_OK) return status;
   double half_width_px, half_height_px;
@@ -72,17 +72,18 @@ static vista_status reconstruct(const vista_region *region, const vista_camera *
 }
 
 vista_status vista_reconstruct_region(const vista_region *region, const vista_camera *camera,
-                                      const vista_reconstruction_params *params, vista_detection *detection) {
-  if (region == NULL || camera == NULL || params == NULL || detection == NULL) return VISTA_ERROR_ARGUMENT;
+                                      const vista_matched_area *matched, const vista_reconstruction_params *params,
+                                      vista_detection *detection) {
+  if (region == NULL || camera == NULL || matched == NULL || params == NULL || detection == NULL) return VISTA_ERROR_ARGUMENT;
   vista_status status = check_params(params);
   if (status == VISTA_OK) status = vista_frame_check_camera(camera);
-  return status == VISTA_OK ? reconstruct(region, camera, params, detection) : status;
+  return status == VISTA_OK ? reconstruct(region, camera, matched, params, detection) : status;
 }
 
 vista_status vista_reconstruct_regions(const vista_region *regions, int32_t region_count, const vista_camera *camera,
-                                       const vista_reconstruction_params *params, vista_detection *detections,
-                                       int32_t capacity, int32_t *detection_count) {
-  if (camera == NULL || params == NULL || detection_count == NULL || (regions == NULL && region_count != 0) ||
+                                       const vista_matched_area *matched, const vista_reconstruction_params *params,
+                                       vista_detection *detections, int32_t capacity, int32_t *detection_count) {
+  if (camera == NULL || matched == NULL || params == NULL || detection_count == NULL || (regions == NULL && region_count != 0) ||
       (detections == NULL && capacity != 0))
     return VISTA_ERROR_ARGUMENT;
   *detection_count = 0;
@@ -93,7 +94,7 @@ vista_status vista_reconstruct_regions(const vista_region *regions, int32_t regi
   for (int32_t i = 0; i < region_count; ++i) {
     if (regions[i].verdict != VISTA_REGION_ACCEPTED || regions[i].disparity_px < params->disparity_min_px) continue;
     if (*detection_count == capacity) return VISTA_ERROR_CAPACITY;
-    status = reconstruct(&regions[i], camera, params, &detections[*detection_count]);
+    status = reconstruct(&regions[i], camera, matched, params, &detections[*detection_count]);
     if (status != VISTA_OK) return status;
     ++*detection_count;
   }

@@ -25,6 +25,7 @@ struct vista_tracker {
 typedef struct frame {
   const vista_tracker_params *params;
   const vista_camera *camera;
+  const vista_matched_area *matched;
   const vista_pose *pose;
   int64_t t_ns;
   const vista_detection *detections;
@@ -77,8 +78,12 @@ static vista_status check_params(const vista_tracker_params *p) {
                     positive(p->overlap_sigma) && positive(p->overlap_scale) && p->confirm_window >= 1 &&
                     p->confirm_window <= 32 && p->confirm_hits >= 1 && p->confirm_hits <= p->confirm_window &&
                     p->miss_max >= 0 && not_negative(p->out_of_view_s) && not_negative(p->blind_zone_s) &&
-                    positive(p->disparity_max_px) && not_negative(p->margin_left_px) && not_negative(p->margin_px) &&
                     positive(p->range_max_m);
+  return good ? VISTA_OK : VISTA_ERROR_RANGE;
+}
+
+static vista_status check_matched(const vista_matched_area *m) {
+  const bool good = positive(m->disparity_max_px) && not_negative(m->margin_left_px) && not_negative(m->margin_px);
   return good ? VISTA_OK : VISTA_ERROR_RANGE;
 }
 
@@ -101,6 +106,7 @@ static vista_status check(const vista_tracker *tracker, const frame *f) {
   if (f->count < 0) return VISTA_ERROR_SIZE;
   if (f->count > tracker->max_detections) return VISTA_ERROR_CAPACITY;
   vista_status status = check_params(f->params);
+  if (status == VISTA_OK) status = check_matched(f->matched);
   if (status == VISTA_OK) status = vista_frame_check_camera(f->camera);
   if (status == VISTA_OK) status = vista_frame_check_pose(f->pose);
   for (int32_t i = 0; i < f->count && status == VISTA_OK; ++i) status = check_detection(&f->detections[i]);
@@ -135,12 +141,12 @@ static bool look(const frame *f, vista_track *track, vista_track_view *view) {
   const double u = view->measurement_px[0];
   const double v = view->measurement_px[1];
   const double d = view->measurement_px[2];
-  const double margin = f->params->margin_px;
-  track->in_view = u >= f->params->margin_left_px && u <= f->camera->width_px - 1 - margin && v >= margin &&
+  const double margin = f->matched->margin_px;
+  track->in_view = u >= f->matched->margin_left_px && u <= f->camera->width_px - 1 - margin && v >= margin &&
                    v <= f->camera->height_px - 1 - margin;
   /* A sigma of doubt counts as blind: no track is blamed where the engine might not match. What left the image
    * before it came near is not blind, it is out of view. */
-  const bool near = d + sqrt(view->covariance_px2[8]) > f->params->disparity_max_px;
+  const bool near = d + sqrt(view->covariance_px2[8]) > f->matched->disparity_max_px;
   track->in_blind_zone = near && (track->in_view || track->in_blind_zone);
   return true;
 }
@@ -301,11 +307,12 @@ static void start(vista_tracker *tracker, const frame *f, const vista_detection 
 }
 
 vista_status vista_tracker_update(vista_tracker *tracker, const vista_tracker_params *params,
-                                  const vista_camera *camera, const vista_pose *pose, int64_t t_ns,
-                                  const vista_detection *detections, int32_t count) {
-  if (tracker == NULL || params == NULL || camera == NULL || (detections == NULL && count != 0))
+                                  const vista_camera *camera, const vista_matched_area *matched,
+                                  const vista_pose *pose, int64_t t_ns, const vista_detection *detections,
+                                  int32_t count) {
+  if (tracker == NULL || params == NULL || camera == NULL || matched == NULL || (detections == NULL && count != 0))
     return VISTA_ERROR_ARGUMENT;
-  const frame f = {params, camera, pose != NULL ? pose : &vista_frame_still, t_ns, detections, count};
+  const frame f = {params, camera, matched, pose != NULL ? pose : &vista_frame_still, t_ns, detections, count};
   const vista_status status = check(tracker, &f);
   if (status != VISTA_OK) return status;
   predict(tracker, &f);

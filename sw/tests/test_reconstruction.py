@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from cut_library import ffi, lib, status_name
 from random_seed import seeded
-from track_library import BASELINE, CENTER, FOCAL, camera, params
+from track_library import BASELINE, CENTER, FOCAL, camera, matched, params
 
 SIZE = 12.0  # standard deviation of the region's pixels along u; half of that along v
 
@@ -33,7 +33,7 @@ def region_at(u: float, v: float, d: float, **changes: float):
 def reconstruct(region, settings=None):
     result = ffi.new("vista_detection *")
     settings = settings or params("reconstruction")
-    status = lib.vista_reconstruct_region(region, camera(), settings, result)
+    status = lib.vista_reconstruct_region(region, camera(), matched(), settings, result)
     return status_name(status), result
 
 
@@ -132,7 +132,7 @@ def test_only_accepted_regions_become_detections() -> None:
     ]
     regions = ffi.new("vista_region[]", [item[0] for item in items])
     found, count = ffi.new("vista_detection[4]"), ffi.new("int32_t *")
-    arguments = regions, 4, camera(), params("reconstruction"), found
+    arguments = regions, 4, camera(), matched(), params("reconstruction"), found
     assert lib.vista_reconstruct_regions(*arguments, 4, count) == lib.VISTA_OK
     assert [found[i].label for i in range(count[0])] == [1, 4]
     assert status_name(lib.vista_reconstruct_regions(*arguments, 1, count)) == "VISTA_ERROR_CAPACITY"
@@ -156,7 +156,7 @@ def test_bad_input_is_refused_and_nothing_written() -> None:
         (camera(width=0), "VISTA_ERROR_RANGE"),
     ]:
         found = lib.vista_reconstruct_region(
-            region_at(300, 200, 10.0), broken, params("reconstruction"), result
+            region_at(300, 200, 10.0), broken, matched(), params("reconstruction"), result
         )
         assert status_name(found) == status
     found, _ = reconstruct(region_at(300, 200, 10.0), params("reconstruction", disparity_sigma_px=0.0))

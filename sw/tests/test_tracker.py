@@ -345,11 +345,12 @@ def test_on_errors_nothing_changes(arguments, status: str) -> None:
         ("miss_max", -1),
         ("range_max_m", INF),
         ("margin_px", -1.0),
+        ("disparity_max_px", 0.0),
     ],
 )
 def test_parameters_out_of_range_are_refused(name: str, value: float) -> None:
     tracker = Tracker()
-    setattr(tracker.params, name, value)
+    setattr(tracker.matched if hasattr(tracker.matched, name) else tracker.params, name, value)
     before = tracker.memory()
     assert tracker.update(0.0, [seen_at(POINT)]) == "VISTA_ERROR_RANGE"
     assert tracker.memory() == before

@@ -2,27 +2,18 @@
 
 from __future__ import annotations
 
-import re
-from pathlib import Path
-
 import numpy as np
 from cut_library import Arena, ffi, lib, status_name
 
-INCLUDE = Path(__file__).resolve().parents[1] / "include" / "vista"
 FOCAL, BASELINE, CENTER = 1000.0, 0.4572, (319.5, 239.5)  # the paper's rig
 SIGMAS = (1.0, 1.0, 0.25)
 SECOND = 1_000_000_000
 
 
 def defaults(name: str) -> dict[str, float]:
-    """Documented defaults of a parameter struct: `vista_parameters_default`, else the table in its header."""
-    every = lib.vista_parameters_default() if hasattr(lib, "vista_parameters_default") else None
-    if every is not None and hasattr(every, name):
-        section = getattr(every, name)
-        return {field: getattr(section, field) for field, _ in ffi.typeof(section).fields}
-    text = (INCLUDE / f"{name}.h").read_text()
-    body = re.search(r"typedef struct \w+_params \{(.*?)\} ", text, re.DOTALL).group(1)
-    return {field: float(value) for field, value in re.findall(r"(\w+); */\* ([\d.]+) ", body)}
+    """Defaults of a parameter struct."""
+    section = getattr(lib.vista_parameters_default(), name)
+    return {field: getattr(section, field) for field, _ in ffi.typeof(section).fields}
 
 
 def params(name: str, **changes: float):
@@ -37,6 +28,13 @@ def params(name: str, **changes: float):
 
 def camera(width: int = 640, height: int = 480, focal: float = FOCAL, baseline: float = BASELINE):
     return ffi.new("vista_camera *", [width, height, focal, *CENTER, baseline])
+
+
+MATCHED = {"disparity_max_px": 31.0, "margin_left_px": 36.0, "margin_px": 5.0}  # 32 disparities, block 11
+
+
+def matched(**changes: float):
+    return ffi.new("vista_matched_area *", MATCHED | changes)
 
 
 def pose(position=(0.0, 0.0, 0.0), rotation=None):
@@ -101,7 +99,9 @@ class Tracker:
         out = ffi.new("vista_tracker **")
         self._arena = Arena(lambda arena: lib.vista_tracker_layout(max_tracks, max_detections, arena, out))
         assert self._arena.status == lib.VISTA_OK, status_name(self._arena.status)
+        area = {name: changes.pop(name) for name in MATCHED if name in changes}
         self.handle, self.params, self.camera = out[0], params("tracker", **changes), camera()
+        self.matched = matched(**area)
 
     def update(self, t_s: float, detections=(), position=(0.0, 0.0, 0.0), rotation=None) -> str:
         return self.update_raw(round(t_s * SECOND), detections, pose(position, rotation))
@@ -110,7 +110,7 @@ class Tracker:
         items = ffi.new("vista_detection[]", list(detections))
         return status_name(
             lib.vista_tracker_update(
-                self.handle, self.params, self.camera, raw_pose, t_ns, items, len(detections)
+                self.handle, self.params, self.camera, self.matched, raw_pose, t_ns, items, len(detections)
             )
         )
 

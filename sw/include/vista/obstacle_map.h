@@ -14,18 +14,10 @@
 
 #include "vista/arena.h"
 #include "vista/ellipse.h"
+#include "vista/parameters.h"
 #include "vista/status.h"
 #include "vista/tracker.h"
 #include "vista/types.h"
-
-/*   field                        default   range    meaning */
-typedef struct vista_obstacle_map_params {
-  double collision_radius_m;     /* 2.0     > 0 */
-  double collision_length_m;     /* 100.0   > 0 */
-  double inflation_sigma;        /* 1.0     >= 0     standard deviations of the bearing added to the semi-axes */
-  double velocity_smoothing_s;   /* 0.3     >= 0     time constant of the velocity from poses; 0 = last difference */
-  double speed_min_m_s;          /* 0.5     >= 0     slower: the flight direction is the optical axis */
-} vista_obstacle_map_params;
 
 typedef struct vista_obstacle {
   int32_t id;

@@ -80,6 +80,43 @@ typedef struct vista_region_params {
   double min_standing_fraction; /* Smallest part of an obstacle's area that stands higher than that. 0.0 .. 1.0. */
 } vista_region_params;
 
+/* Regions to detections by linear triangulation (paper, section II-D). */
+typedef struct vista_reconstruction_params {
+  double center_sigma_px; /* Noise of a region's centre, along u and v each. 0.01 .. 100.0 px. */
+  double center_sigma_ratio; /* The same as a share of the region's half width or height: the segmentation moves the centre of a large region by more. 0.0 .. 2.0. */
+  double disparity_sigma_px; /* Noise of the boundary disparity that no averaging removes. 0.01 .. 16.0 px. */
+  double correlated_pixels; /* Boundary inliers that share one matching block: n / this of them count as independent. 1.0 .. 1000.0 pixels. */
+  double disparity_min_px; /* Smaller disparities are not reconstructed. 0.1 .. 255.0 px. */
+} vista_reconstruction_params;
+
+/* One extended Kalman filter an obstacle, in the inertial frame (paper, section II-D). */
+typedef struct vista_tracker_params {
+  double velocity_sigma_m_s; /* Prior of an obstacle's velocity, each axis: obstacles are mostly static. 0.001 .. 100.0 m/s. */
+  double acceleration_psd_m2_s3; /* Spectral density of the white acceleration, each axis. Paper: Q. 0.0 .. 1000.0 m2/s3. */
+  double position_psd_m2_s; /* Random walk of the point that stands for the obstacle: regions change from frame to frame. Paper: Q. 0.0 .. 100.0 m2/s. */
+  double attitude_sigma_deg; /* Error of the pose's attitude, each axis; adds to the noise of u and v. 0.0 .. 10.0 deg. */
+  double gate_chi2; /* Mahalanobis gate in (u, v, d): chi-square with 3 degrees of freedom, 11.34 holds 99 percent. 0.1 .. 1000.0. */
+  double extent_sigma_ratio; /* Noise of the natural logarithm of a measured width or height. 0.01 .. 10.0. */
+  double extent_psd_1_s; /* Random walk of the logarithm of width and height. 0.0 .. 100.0 1/s. */
+  double overlap_sigma; /* Depth gate for lying within a track, standard deviations of the disparity difference. 0.1 .. 100.0. */
+  double overlap_scale; /* Half extents around a track's centre that count as within it. 0.1 .. 10.0. */
+  int32_t confirm_hits; /* A track is confirmed at this many hits in confirm_window frames; at most confirm_window. Paper: M. 1 .. 32 frames. */
+  int32_t confirm_window; /* Frames, in which the track could be seen, that count for its confirmation. Paper: N. 1 .. 32 frames. */
+  int32_t miss_max; /* Misses in a row that a confirmed track survives. 0 .. 1000 frames. */
+  double out_of_view_s; /* A track outside the matched part of the image coasts for this long. 0.0 .. 3600.0 s. */
+  double blind_zone_s; /* A track nearer than the engine matches coasts for this long, unless it is passed before. 0.0 .. 3600.0 s. */
+  double range_max_m; /* Farther detections start no track. 1.0 .. 100000.0 m. */
+} vista_tracker_params;
+
+/* Obstacles against the flight path (paper, section II-D; companion). */
+typedef struct vista_obstacle_map_params {
+  double collision_radius_m; /* Radius of the collision volume around the flight path. 0.01 .. 1000.0 m. */
+  double collision_length_m; /* Length of the collision volume, from the camera. 0.1 .. 100000.0 m. */
+  double inflation_sigma; /* Standard deviations of the bearing that are added to an obstacle's semi-axes. 0.0 .. 10.0. */
+  double velocity_smoothing_s; /* Time constant of the velocity from poses; 0: the last difference. 0.0 .. 60.0 s. */
+  double speed_min_m_s; /* Slower, the flight direction is the optical axis. 0.0 .. 100.0 m/s. */
+} vista_obstacle_map_params;
+
 typedef struct vista_parameters {
   vista_stereo_params stereo;
   vista_foveation_params foveation;
@@ -87,6 +124,9 @@ typedef struct vista_parameters {
   vista_surface_params surface;
   vista_segmentation_params segmentation;
   vista_region_params region;
+  vista_reconstruction_params reconstruction;
+  vista_tracker_params tracker;
+  vista_obstacle_map_params obstacle_map;
 } vista_parameters;
 
 vista_parameters vista_parameters_default(void);

@@ -11,22 +11,10 @@
 #include <stdint.h>
 
 #include "vista/ellipse.h"
+#include "vista/parameters.h"
 #include "vista/region.h"
 #include "vista/status.h"
 #include "vista/types.h"
-
-/*   field                     default   range    meaning */
-typedef struct vista_reconstruction_params {
-  double center_sigma_px;     /* 1.0     > 0      noise of a region's centre, along u and v each */
-  double center_sigma_ratio;  /* 0.1     >= 0     the same as a share of the region's half width or height: the
-                                                  segmentation moves the centre of a large region by more */
-  double disparity_sigma_px;  /* 0.25    > 0      noise of the disparity that no averaging removes */
-  double correlated_pixels;   /* 11.0    >= 1     inliers that share one matching block: n/this are independent */
-  double disparity_min_px;    /* 1.0     > 0      smaller disparities are not reconstructed */
-  double margin_left_px;      /* 36.0    >= 0     columns at the left without disparity: num_disparities - 1 + r */
-  double margin_px;           /* 5.0     >= 0     rows and columns at the other sides without disparity: r,
-                                                  half the matching block */
-} vista_reconstruction_params;
 
 typedef struct vista_detection {
   int32_t label; /* of the region */
@@ -44,12 +32,13 @@ typedef struct vista_detection {
  * VISTA_ERROR_NUMBER: not finite; VISTA_ERROR_RANGE: parameter or camera out of range, or a disparity below
  * disparity_min_px. */
 vista_status vista_reconstruct_region(const vista_region *region, const vista_camera *camera,
-                                      const vista_reconstruction_params *params, vista_detection *detection);
+                                      const vista_matched_area *matched, const vista_reconstruction_params *params,
+                                      vista_detection *detection);
 
 /* The accepted regions, in their order; regions below disparity_min_px are left out.
  * VISTA_ERROR_CAPACITY: more than `capacity` of them; the first `capacity` are written then. */
 vista_status vista_reconstruct_regions(const vista_region *regions, int32_t region_count, const vista_camera *camera,
-                                       const vista_reconstruction_params *params, vista_detection *detections,
-                                       int32_t capacity, int32_t *detection_count);
+                                       const vista_matched_area *matched, const vista_reconstruction_params *params,
+                                       vista_detection *detections, int32_t capacity, int32_t *detection_count);
 
 #endif

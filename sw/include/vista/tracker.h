@@ -27,33 +27,12 @@
 
 #include "vista/arena.h"
 #include "vista/ellipse.h"
+#include "vista/parameters.h"
 #include "vista/reconstruction.h"
 #include "vista/status.h"
 #include "vista/types.h"
 
 #define VISTA_TRACKER_MAX 4096 /* tracks, detections */
-
-/*   field                       default   range    meaning */
-typedef struct vista_tracker_params {
-  double velocity_sigma_m_s;    /* 0.5     > 0      prior of an obstacle's velocity, each axis */
-  double acceleration_psd_m2_s3;/* 0.01    >= 0     spectral density of the white acceleration, each axis */
-  double position_psd_m2_s;     /* 0.01    >= 0     random walk of the point that stands for the obstacle */
-  double attitude_sigma_deg;    /* 0.05    >= 0     error of the pose's attitude, each axis: adds to u and v */
-  double gate_chi2;             /* 11.34   > 0      Mahalanobis gate, chi-square with 3 dof (11.34: 0.99) */
-  double extent_sigma_ratio;    /* 0.3     > 0      noise of the natural logarithm of a measured extent */
-  double extent_psd_1_s;        /* 0.02    >= 0     random walk of the logarithm of the extent */
-  double overlap_sigma;         /* 3.0     > 0      depth gate for "within a track", standard deviations of disparity */
-  double overlap_scale;         /* 1.2     > 0      half extents that count as "within a track" */
-  int32_t confirm_hits;         /* 3       1..N     M of M-of-N */
-  int32_t confirm_window;       /* 5       1..32    N of M-of-N, frames in which the track could be seen */
-  int32_t miss_max;             /* 5       >= 0     misses in a row that a confirmed track survives */
-  double out_of_view_s;         /* 1.0     >= 0     a track outside the matched image coasts for this long */
-  double blind_zone_s;          /* 5.0     >= 0     a track nearer than the engine matches coasts for this long */
-  double disparity_max_px;      /* 31.0    > 0      largest disparity that the engine matches: num_disparities - 1 */
-  double margin_left_px;        /* 36.0    >= 0     as in vista_reconstruction_params */
-  double margin_px;             /* 5.0     >= 0     as in vista_reconstruction_params */
-  double range_max_m;           /* 150.0   > 0      farther detections start no track */
-} vista_tracker_params;
 
 typedef struct vista_track {
   int32_t id; /* from 1, never reused */
@@ -93,8 +72,9 @@ void vista_tracker_reset(vista_tracker *tracker);
  * positive;
  * VISTA_ERROR_CAPACITY: more than max_detections; VISTA_ERROR_OVERFLOW: the ids are used up. */
 vista_status vista_tracker_update(vista_tracker *tracker, const vista_tracker_params *params,
-                                  const vista_camera *camera, const vista_pose *pose, int64_t t_ns,
-                                  const vista_detection *detections, int32_t count);
+                                  const vista_camera *camera, const vista_matched_area *matched,
+                                  const vista_pose *pose, int64_t t_ns, const vista_detection *detections,
+                                  int32_t count);
 
 /* All live tracks, ascending id; valid until the next update. */
 const vista_track *vista_tracker_tracks(const vista_tracker *tracker, int32_t *count);

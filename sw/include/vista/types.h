@@ -32,6 +32,13 @@ typedef struct vista_camera {
   double baseline_m;
 } vista_camera;
 
+/* Where the engine can find a disparity, and how large a one (contract, step 2). */
+typedef struct vista_matched_area {
+  double disparity_max_px; /* num_disparities - 1: what is nearer is in the blind zone */
+  double margin_left_px;   /* columns at the left without disparity: num_disparities - 1 + r */
+  double margin_px;        /* rows and columns at the other sides: r = (block_size - 1) / 2 */
+} vista_matched_area;
+
 /* p_world = rotation * p_camera + translation_m; rotation row-major. */
 typedef struct vista_pose {
   double rotation[9];

@@ -1,0 +1,201 @@
+#include "vista/pipeline.h"
+
+#include <math.h>
+#include <stdbool.h>
+#include <time.h>
+
+#include "frame.h"
+#include "vista/affinity.h"
+#include "vista/reconstruction.h"
+#include "vista/surface.h"
+
+#define MAX_TRACKS 256
+#define MAX_DETECTIONS 512
+
+struct vista_pipeline {
+  vista_parameters parameters;
+  vista_camera camera;
+  vista_foveation foveation;
+  vista_cells cells;
+  vista_surfaces surfaces;
+  vista_affinity affinity;
+  vista_segmentation segmentation;
+  vista_regions regions;
+  vista_detection *detections;
+  vista_tracker *tracker;
+  vista_obstacle_map *map;
+};
+
+static const char *const stage_names[VISTA_STAGE_COUNT] = {
+    [VISTA_STAGE_FOVEATION] = "foveation",     [VISTA_STAGE_SURFACE] = "surface",
+    [VISTA_STAGE_AFFINITY] = "affinity",       [VISTA_STAGE_SEGMENTATION] = "segmentation",
+    [VISTA_STAGE_REGIONS] = "regions",         [VISTA_STAGE_RECONSTRUCTION] = "reconstruction",
+    [VISTA_STAGE_TRACKING] = "tracking",       [VISTA_STAGE_MAP] = "map",
+};
+
+const char *vista_stage_name(vista_stage stage) {
+  return (unsigned)stage < VISTA_STAGE_COUNT ? stage_names[stage] : "unknown";
+}
+
+static vista_status first_error(const vista_status *statuses, int count) {
+  for (int i = 0; i < count; ++i)
+    if (statuses[i] != VISTA_OK) return statuses[i];
+  return VISTA_OK;
+}
+
+static vista_status layout(vista_pipeline *p, vista_arena *arena) {
+  const vista_parameters *const q = &p->parameters;
+  const vista_camera *const c = &p->camera;
+  vista_status status = vista_foveation_layout(&p->foveation, arena, &q->foveation, c->width_px, c->height_px,
+                                               0.5 * (c->width_px - 1), 0.5 * (c->height_px - 1));
+  if (status != VISTA_OK) return status;
+  p->detections = vista_arena_take(arena, MAX_DETECTIONS, sizeof(vista_detection));
+  const vista_status statuses[] = {
+      vista_cells_layout(&p->cells, arena, &p->foveation),
+      vista_surfaces_layout(&p->surfaces, arena, &p->foveation),
+      vista_affinity_layout(&p->affinity, arena, &p->foveation),
+      vista_segmentation_layout(&p->segmentation, arena, &p->foveation),
+      vista_regions_layout(&p->regions, arena, &p->foveation),
+      vista_tracker_layout(MAX_TRACKS, MAX_DETECTIONS, arena, &p->tracker),
+      vista_obstacle_map_layout(MAX_TRACKS, arena, &p->map),
+  };
+  status = first_error(statuses, sizeof statuses / sizeof statuses[0]);
+  if (status == VISTA_OK && arena->base != NULL && arena->used > arena->size) status = VISTA_ERROR_MEMORY;
+  return status;
+}
+
+static vista_status check(const vista_parameters *parameters, const vista_camera *camera) {
+  const vista_status status = vista_parameters_check(parameters, NULL);
+  return status != VISTA_OK ? status : vista_frame_check_camera(camera);
+}
+
+vista_status vista_pipeline_bytes(const vista_parameters *parameters, const vista_camera *camera, size_t *bytes) {
+  if (parameters == NULL || camera == NULL || bytes == NULL) return VISTA_ERROR_ARGUMENT;
+  vista_status status = check(parameters, camera);
+  if (status != VISTA_OK) return status;
+  vista_pipeline trial = {.parameters = *parameters, .camera = *camera};
+  vista_arena arena = {0};
+  (void)vista_arena_take(&arena, 1, sizeof trial);
+  status = layout(&trial, &arena);
+  *bytes = arena.used + VISTA_ARENA_ALIGNMENT; /* the caller's memory need not be aligned */
+  return status;
+}
+
+vista_status vista_pipeline_create(void *memory, size_t bytes, const vista_parameters *parameters,
+                                   const vista_camera *camera, vista_pipeline **pipeline) {
+  if (memory == NULL || parameters == NULL || camera == NULL || pipeline == NULL) return VISTA_ERROR_ARGUMENT;
+  const vista_status status = check(parameters, camera);
+  if (status != VISTA_OK) return status;
+  const size_t shift = (VISTA_ARENA_ALIGNMENT - (uintptr_t)memory % VISTA_ARENA_ALIGNMENT) % VISTA_ARENA_ALIGNMENT;
+  if (bytes < shift) return VISTA_ERROR_MEMORY;
+  vista_arena arena = {.base = (unsigned char *)memory + shift, .size = bytes - shift};
+  vista_pipeline *const p = vista_arena_take(&arena, 1, sizeof *p);
+  if (p == NULL) return VISTA_ERROR_MEMORY;
+  p->parameters = *parameters;
+  p->camera = *camera;
+  const vista_status laid = layout(p, &arena);
+  if (laid == VISTA_OK) *pipeline = p;
+  return laid;
+}
+
+/* Up in camera coordinates: R^T up_world. */
+static void up_in_camera(const vista_frame *frame, double up[3]) {
+  const double level[3] = {0.0, -1.0, 0.0};
+  for (int i = 0; i < 3; ++i) {
+    up[i] = level[i];
+    if (frame->pose == NULL || frame->up_world == NULL) continue;
+    up[i] = 0.0;
+    for (int k = 0; k < 3; ++k) up[i] += frame->pose->rotation[3 * k + i] * frame->up_world[k];
+  }
+}
+
+static double clock_ms(void) {
+  struct timespec now;
+  (void)timespec_get(&now, TIME_UTC);
+  return (double)now.tv_sec * 1e3 + (double)now.tv_nsec * 1e-6;
+}
+
+static double valid_fraction(const vista_disparity_image *disparity) {
+  int64_t valid = 0;
+  for (int32_t v = 0; v < disparity->height_px; ++v) {
+    const int16_t *const row = disparity->data + v * disparity->stride;
+    int32_t in_row = 0;
+    for (int32_t u = 0; u < disparity->width_px; ++u) in_row += row[u] >= 0;
+    valid += in_row;
+  }
+  return (double)valid / ((double)disparity->width_px * disparity->height_px);
+}
+
+static vista_matched_area matched_area(const vista_stereo_params *stereo) {
+  const int32_t radius = (stereo->block_size - 1) / 2;
+  return (vista_matched_area){.disparity_max_px = stereo->num_disparities - 1,
+                              .margin_left_px = stereo->num_disparities - 1 + radius,
+                              .margin_px = radius};
+}
+
+static vista_status run_stage(vista_pipeline *p, vista_stage stage, const vista_frame *frame, int32_t *detections) {
+  const vista_parameters *const q = &p->parameters;
+  double up[3];
+  up_in_camera(frame, up);
+  switch (stage) {
+    case VISTA_STAGE_FOVEATION:
+      return vista_foveate(&p->foveation, &q->foveation, &frame->image, &frame->disparity, &p->cells);
+    case VISTA_STAGE_SURFACE:
+      return vista_surfaces_compute(&p->foveation, &q->surface, &p->camera, up, &p->cells, &p->surfaces);
+    case VISTA_STAGE_AFFINITY:
+      return vista_affinity_compute(&p->foveation, &q->affinity, &p->camera, &p->cells, &p->affinity);
+    case VISTA_STAGE_SEGMENTATION:
+      return vista_segment(&p->foveation, q, &p->camera, &p->cells, &p->surfaces, &p->affinity, &p->segmentation);
+    case VISTA_STAGE_REGIONS:
+      return vista_regions_compute(&p->foveation, &q->region, &p->camera, up, q->surface.horizontal_deg,
+                                   &frame->disparity, &p->cells, &p->surfaces, &p->segmentation, &p->regions);
+    case VISTA_STAGE_RECONSTRUCTION: {
+      const vista_matched_area matched = matched_area(&q->stereo);
+      const vista_status status =
+          vista_reconstruct_regions(p->regions.items, p->regions.count, &p->camera, &matched, &q->reconstruction,
+                                    p->detections, MAX_DETECTIONS, detections);
+      return status == VISTA_ERROR_CAPACITY ? VISTA_OK : status; /* the nearest come first: the far ones are dropped */
+    }
+    case VISTA_STAGE_TRACKING: {
+      const vista_matched_area matched = matched_area(&q->stereo);
+      return vista_tracker_update(p->tracker, &q->tracker, &p->camera, &matched, frame->pose, frame->t_ns,
+                                  p->detections, *detections);
+    }
+    case VISTA_STAGE_MAP: {
+      int32_t count;
+      const vista_track *const tracks = vista_tracker_tracks(p->tracker, &count);
+      return vista_obstacle_map_update(p->map, &q->obstacle_map, &p->camera, frame->pose, NULL, frame->t_ns, tracks,
+                                       count);
+    }
+    case VISTA_STAGE_COUNT:
+      break;
+  }
+  return VISTA_ERROR_RANGE;
+}
+
+vista_status vista_pipeline_process(vista_pipeline *pipeline, const vista_frame *frame, vista_result *result) {
+  if (pipeline == NULL || frame == NULL || result == NULL) return VISTA_ERROR_ARGUMENT;
+  vista_pipeline *const p = pipeline;
+  vista_result r = {0};
+  int32_t detections = 0;
+  double last_ms = clock_ms();
+  for (int stage = 0; stage < VISTA_STAGE_COUNT; ++stage) {
+    const vista_status status = run_stage(p, (vista_stage)stage, frame, &detections);
+    if (status != VISTA_OK) return status;
+    const double now_ms = clock_ms();
+    r.stage_ms[stage] = now_ms - last_ms;
+    r.host_ms += r.stage_ms[stage];
+    last_ms = now_ms;
+  }
+  r.valid_fraction = valid_fraction(&frame->disparity);
+  r.foveation = &p->foveation;
+  r.cells = &p->cells;
+  r.segmentation = &p->segmentation;
+  r.regions = p->regions.items;
+  r.region_count = p->regions.count;
+  r.accepted_count = p->regions.accepted_count;
+  r.obstacles = vista_obstacle_map_obstacles(p->map, &r.obstacle_count);
+  r.nearest_collision = vista_obstacle_map_nearest(p->map);
+  *result = r;
+  return VISTA_OK;
+}
