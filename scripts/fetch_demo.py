@@ -76,6 +76,7 @@ def calibration_toml(shipped: dict[str, float]) -> str:
         f"cx = {shipped['cx0']}\n"
         f"cy = {shipped['cy']}\n"
         f"baseline_m = {shipped['baseline_meters']}\n"
+        "stills = true  # unrelated scenes\n"
     )
 
 

@@ -55,7 +55,10 @@ def header_text(schema: dict[str, Entry]) -> str:
         for name, entry in entries.items():
             if entry["type"] == "choice":
                 constants = ", ".join(enum_constant(section, name, c) for c in entry["choices"])
-                lines += [f"typedef enum {enum_type(section, name)} {{ {constants} }} {enum_type(section, name)};", ""]
+                lines += [
+                    f"typedef enum {enum_type(section, name)} {{ {constants} }} {enum_type(section, name)};",
+                    "",
+                ]
         lines.append(f"typedef struct vista_{section}_params {{")
         for name, entry in entries.items():
             c_type = enum_type(section, name) if entry["type"] == "choice" else C_TYPE[entry["type"]]
@@ -68,10 +71,10 @@ def header_text(schema: dict[str, Entry]) -> str:
         "",
         "vista_parameters vista_parameters_default(void);",
         "",
-        "/* VISTA_OK, or VISTA_ERROR_RANGE (NaN included) with `culprit` set to \"section.name\"; culprit may be null. */",
+        '/* VISTA_OK, or VISTA_ERROR_RANGE (NaN included) with `culprit` set to "section.name"; culprit may be null. */',
         "vista_status vista_parameters_check(const vista_parameters *parameters, const char **culprit);",
         "",
-        "/* Sets the parameter called \"section.name\"; a choice by its number. VISTA_ERROR_RANGE: no such parameter,",
+        '/* Sets the parameter called "section.name"; a choice by its number. VISTA_ERROR_RANGE: no such parameter,',
         " * or a value that no parameter has; the parameter's own range is vista_parameters_check's to judge. */",
         "vista_status vista_parameters_set(vista_parameters *parameters, const char *name, double value);",
         "",
@@ -114,7 +117,9 @@ def source_text(schema: dict[str, Entry]) -> str:
     ]
     for section, content in schema.items():
         for name, entry in entries_of(content).items():
-            low, high = (0, len(entry["choices"]) - 1) if entry["type"] == "choice" else (entry["min"], entry["max"])
+            low, high = (
+                (0, len(entry["choices"]) - 1) if entry["type"] == "choice" else (entry["min"], entry["max"])
+            )
             value = f"(double)p->{section}.{name}" if entry["type"] != "float" else f"p->{section}.{name}"
             prefix = "  " if lines[-1].startswith("  const char") else "  else "
             lines.append(f'{prefix}if (!within({value}, {low}, {high})) wrong = "{section}.{name}";')
@@ -132,7 +137,9 @@ def source_text(schema: dict[str, Entry]) -> str:
         for name, entry in entries_of(content).items():
             c_type = enum_type(section, name) if entry["type"] == "choice" else C_TYPE[entry["type"]]
             cast = "" if c_type == "double" else f"({c_type})"
-            lines.append(f'  if (strcmp(name, "{section}.{name}") == 0) return p->{section}.{name} = {cast}value, VISTA_OK;')
+            lines.append(
+                f'  if (strcmp(name, "{section}.{name}") == 0) return p->{section}.{name} = {cast}value, VISTA_OK;'
+            )
     lines += [
         "  return VISTA_ERROR_RANGE;",
         "}",
@@ -141,7 +148,9 @@ def source_text(schema: dict[str, Entry]) -> str:
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("parameters", type=Path)
     parser.add_argument("header", type=Path)
     parser.add_argument("source", type=Path)
@@ -154,7 +163,10 @@ def main() -> int:
             continue
         stale = True
         if arguments.check:
-            print(f"make_parameters: {path}: differs from {arguments.parameters}; run make generate", file=sys.stderr)
+            print(
+                f"make_parameters: {path}: differs from {arguments.parameters}; run make generate",
+                file=sys.stderr,
+            )
         else:
             path.write_text(text)
     return 1 if arguments.check and stale else 0

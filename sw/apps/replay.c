@@ -24,6 +24,7 @@ typedef struct recording {
   FILE *stream;
   vista_camera camera;
   vista_parameters parameters;
+  uint32_t stills; /* the frames are unrelated: no tracking from one to the next */
   long first_frame; /* offset of the first frame */
 } recording;
 
@@ -47,15 +48,18 @@ static int open_recording(recording *r) {
   char magic[8];
   uint32_t numbers[4]; /* version, width, height, parameter count */
   double camera[4];
+  uint32_t flags[2]; /* stills, 0 */
   r->stream = fopen(r->path, "rb");
   if (r->stream == NULL) return fail(r->path, strerror(errno));
   if (!read_exactly(r->stream, magic, sizeof magic) || memcmp(magic, MAGIC, sizeof magic) != 0)
     return fail(r->path, "not a recording");
-  if (!read_exactly(r->stream, numbers, sizeof numbers) || !read_exactly(r->stream, camera, sizeof camera))
+  if (!read_exactly(r->stream, numbers, sizeof numbers) || !read_exactly(r->stream, camera, sizeof camera) ||
+      !read_exactly(r->stream, flags, sizeof flags))
     return fail(r->path, "cut off in the header");
   if (numbers[0] != VERSION) return fail(r->path, "a recording of another version");
   if (numbers[1] > 8192 || numbers[2] > 8192) return fail(r->path, "images larger than 8192x8192");
   r->camera = (vista_camera){(int32_t)numbers[1], (int32_t)numbers[2], camera[0], camera[1], camera[2], camera[3]};
+  r->stills = flags[0];
   r->parameters = vista_parameters_default();
   for (uint32_t i = 0; i < numbers[3]; ++i) {
     char name[NAME_BYTES + 1] = {0};
@@ -155,6 +159,7 @@ static long run(const recording *r, void *memory, size_t bytes, frame_buffer *fr
         .up_world = frame->has_up ? frame->up_world : NULL,
         .t_ns = frame->t_ns,
     };
+    if (r->stills) vista_pipeline_reset(pipeline);
     vista_result result;
     const vista_status status = vista_pipeline_process(pipeline, &input, &result);
     if (status != VISTA_OK) return -fail(r->path, vista_status_text(status));

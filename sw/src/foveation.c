@@ -5,6 +5,9 @@
 
 #include "median.h"
 
+/* A cell whose inscribed circle is narrower than a pixel's diagonal may hold no pixel centre at all. */
+#define POINT_SIZE_PX 1.5
+
 static const double two_pi = 6.283185307179586;
 
 typedef struct grid {
@@ -94,7 +97,7 @@ static void number_nodes(vista_foveation *f, const grid *g, arrays *a) {
     a->center_u[f->node_count] = (float)u;
     a->center_v[f->node_count] = (float)v;
     a->size_px[f->node_count] = (float)(rho * step);
-    if (rho * step < 1.0) f->point_count = f->node_count;
+    if (rho * step < POINT_SIZE_PX) f->point_count = f->node_count;
     f->node_count++;
   }
 }

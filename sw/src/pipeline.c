@@ -98,6 +98,11 @@ vista_status vista_pipeline_create(void *memory, size_t bytes, const vista_param
   return laid;
 }
 
+void vista_pipeline_reset(vista_pipeline *pipeline) {
+  vista_tracker_reset(pipeline->tracker);
+  vista_obstacle_map_reset(pipeline->map);
+}
+
 /* Up in camera coordinates: R^T up_world. */
 static void up_in_camera(const vista_frame *frame, double up[3]) {
   const double level[3] = {0.0, -1.0, 0.0};

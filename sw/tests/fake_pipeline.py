@@ -38,6 +38,9 @@ class FakePipeline:
         self._camera = camera
         self._frame = 0
 
+    def reset(self) -> None:
+        pass
+
     def process(
         self,
         left: NDArray[np.uint8],

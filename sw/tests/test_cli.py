@@ -25,7 +25,7 @@ import vista.pipeline
 from fake_pipeline import FakePipeline
 from vista.cli import main
 from vista.disparity_file import read_disparity
-from vista.recording import FRAME, HEADER
+from vista.recording import FRAME, HEADER, PARAMETER
 
 Vista = Callable[..., tuple[int, str, str]]
 MAKERS = [cases.make_asl, cases.make_kitti, cases.make_pairs]
@@ -126,13 +126,20 @@ def test_record_holds_what_the_host_received(tmp_path: Path, run_vista: Vista) -
     record = tmp_path / "flight.rec"
     assert run_vista("run", folder, "--out", tmp_path / "out", "--record", record)[0] == 0
     data = record.read_bytes()
-    magic, version, width, height, _, *camera = HEADER.unpack_from(data)
-    assert (magic, version, width, height) == (b"VISTAREC", 1, cases.WIDTH, cases.HEIGHT)
+    magic, version, width, height, parameter_count, *camera, stills, _ = HEADER.unpack_from(data)
+    assert (magic, version, width, height) == (b"VISTAREC", 2, cases.WIDTH, cases.HEIGHT)
     assert camera == [cases.FOCAL_PX, cases.CX, cases.CY, cases.BASELINE_M]
     pixels = width * height
+    assert stills == 0
+    recorded = dict(
+        PARAMETER.unpack_from(data, HEADER.size + i * PARAMETER.size) for i in range(parameter_count)
+    )
+    expected = vista.parameters.as_numbers(vista.parameters.defaults())
+    assert {name.rstrip(b"\0").decode(): value for name, value in recorded.items()} == expected
     frame_bytes = FRAME.size + 3 * pixels
-    assert len(data) == HEADER.size + cases.FRAMES * frame_bytes
-    at = HEADER.size + 2 * frame_bytes
+    first_frame = HEADER.size + parameter_count * PARAMETER.size
+    assert len(data) == first_frame + cases.FRAMES * frame_bytes
+    at = first_frame + 2 * frame_bytes
     t_ns, has_pose, has_up, *numbers = FRAME.unpack_from(data, at)
     assert (t_ns, has_pose, has_up) == (200_000_000, 1, 0)
     assert numbers == [1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 2, 0, 0, 0]
@@ -170,7 +177,8 @@ def test_a_bad_frame_leaves_whole_lines_and_a_summary(tmp_path: Path, run_vista:
     assert summary["error"] == f"{image}: truncated image"
     assert {path.name for path in out.iterdir()} == RESULTS - {"report.html"}
     frame_bytes = FRAME.size + 3 * cases.WIDTH * cases.HEIGHT
-    assert record.stat().st_size == HEADER.size + 2 * frame_bytes
+    head_bytes = HEADER.size + PARAMETER.size * HEADER.unpack_from(record.read_bytes())[4]
+    assert record.stat().st_size == head_bytes + 2 * frame_bytes
 
 
 # ---- bad input: status 2, one line, nothing written ----

@@ -28,7 +28,7 @@ typedef struct vista_foveation {
   int32_t node_count;
   int32_t max_nodes;               /* bound of node_count that is known before the cells are numbered */
   int32_t max_footprint_px;        /* bound of the pixels of one cell */
-  int32_t point_count;             /* nodes 1 .. point_count have cells under a pixel: sampled, not averaged */
+  int32_t point_count;             /* nodes 1 .. point_count have cells of about a pixel: sampled, not averaged */
   double center_u_px, center_v_px; /* of the fovea */
   double rho_0_px;
   const int32_t *cell_of_pixel;    /* height * width: node */

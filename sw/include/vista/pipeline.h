@@ -66,6 +66,9 @@ vista_status vista_pipeline_bytes(const vista_parameters *parameters, const vist
 vista_status vista_pipeline_create(void *memory, size_t bytes, const vista_parameters *parameters,
                                    const vista_camera *camera, vista_pipeline **pipeline);
 
+/* Forget tracks, velocity and time, as between sequences; ids go on counting. */
+void vista_pipeline_reset(vista_pipeline *pipeline);
+
 /* One frame. On an error the tracks are as before and *result is not written.
  * VISTA_ERROR_SIZE: images of another size; VISTA_ERROR_ORDER: time; VISTA_ERROR_NUMBER: pose. */
 vista_status vista_pipeline_process(vista_pipeline *pipeline, const vista_frame *frame, vista_result *result);

@@ -75,6 +75,18 @@ def load(config: Path | None, base: Values | None = None) -> Values:
     return values
 
 
+def as_numbers(values: Values) -> dict[str, float]:
+    """ "section.name" -> number, a choice by its place in the schema: the form of vista_parameters_set."""
+    numbers: dict[str, float] = {}
+    for section, content in values.items():
+        for name, value in content.items():
+            entry = entries(section)[name]
+            numbers[f"{section}.{name}"] = float(
+                entry["choices"].index(value) if entry["type"] == "choice" else value
+            )
+    return numbers
+
+
 def default_toml() -> str:
     """A commented configuration file that holds every default."""
     lines: list[str] = []

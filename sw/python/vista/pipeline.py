@@ -88,6 +88,10 @@ class Pipeline:
         self._result = self._ffi.new("vista_result *")
         self._cell_of_pixel: NDArray[np.int32] | None = None
 
+    def reset(self) -> None:
+        """Forget tracks, velocity and time; ids go on counting."""
+        self._lib.vista_pipeline_reset(self._pipeline)
+
     def process(
         self,
         left: NDArray[np.uint8],
@@ -132,14 +136,17 @@ class Pipeline:
         cells = r.foveation.node_count
         shape = (self._camera.height, self._camera.width)
         if self._cell_of_pixel is None:
-            self._cell_of_pixel = self._array(r.foveation.cell_of_pixel, shape[0] * shape[1], np.int32).reshape(shape)
+            self._cell_of_pixel = self._array(
+                r.foveation.cell_of_pixel, shape[0] * shape[1], np.int32
+            ).reshape(shape)
         stage_ms = {
             ffi.string(lib.vista_stage_name(stage)).decode(): r.stage_ms[stage]
             for stage in range(lib.VISTA_STAGE_COUNT)
         }
         nearest = r.nearest_collision
         verdicts = [
-            ffi.string(lib.vista_region_verdict_name(r.regions[k].verdict)).decode() for k in range(r.region_count)
+            ffi.string(lib.vista_region_verdict_name(r.regions[k].verdict)).decode()
+            for k in range(r.region_count)
         ]
         return Result(
             obstacles=[_obstacle(r.obstacles[k]) for k in range(r.obstacle_count)],
@@ -157,11 +164,9 @@ class Pipeline:
 
 def _c_parameters(ffi: Any, lib: Any, values: parameters.Values) -> Any:
     c = ffi.new("vista_parameters *")
-    for section, content in values.items():
-        for name, value in content.items():
-            entry = parameters.entries(section)[name]
-            number = entry["choices"].index(value) if entry["type"] == "choice" else value
-            setattr(getattr(c, section), name, number)
+    for name, number in parameters.as_numbers(values).items():
+        if lib.vista_parameters_set(c, name.encode(), number) != lib.VISTA_OK:
+            raise PipelineError(f"{name} is unknown or out of range")
     culprit = ffi.new("char const **")
     if lib.vista_parameters_check(c, culprit) != lib.VISTA_OK:
         raise PipelineError(f"{ffi.string(culprit[0]).decode()} is out of range")

@@ -1,7 +1,8 @@
 """Recordings of what the host receives, for the replay program in C (little-endian, no padding).
 
-    header  char[8] "VISTAREC", uint32 version = 1, uint32 width, uint32 height, uint32 0,
-            double focal_px, cx, cy, baseline_m
+    header  char[8] "VISTAREC", uint32 version = 2, uint32 width, uint32 height, uint32 parameter count,
+            double focal_px, cx, cy, baseline_m, uint32 stills (1: the frames are unrelated), uint32 0
+    parameter  char[48] "section.name", zero-padded, double value (a choice by its number)
     frame   int64 t_ns, uint32 has_pose, uint32 has_up,
             double rotation[9], translation_m[3] (world_from_camera; zeros without a pose),
             double up_world[3] (zeros without),
@@ -19,23 +20,27 @@ from types import TracebackType
 import numpy as np
 from numpy.typing import NDArray
 
+from vista import parameters
 from vista.errors import InputError
-from vista.geometry import Array, Calibration
-from vista.sequence import Frame
+from vista.geometry import Calibration
+from vista.sequence import Frame, Sequence
 
 MAGIC = b"VISTAREC"
-VERSION = 1
-HEADER = struct.Struct("<8s4I4d")
+VERSION = 2
+HEADER = struct.Struct("<8s4I4d2I")
+PARAMETER = struct.Struct("<48sd")
 FRAME = struct.Struct("<q2I9d3d3d")
 
 
 class Recorder:
     """Writes a recording beside its target; leaving the `with` block puts it in place, whole frames only."""
 
-    def __init__(self, path: Path, camera: Calibration, up_world: Array | None) -> None:
+    def __init__(
+        self, path: Path, sequence: Sequence, camera: Calibration, values: parameters.Values
+    ) -> None:
         self._path = path
         self._part = path.with_name(f".{path.name}.part")
-        self._up_world = up_world
+        self._up_world = sequence.up_world
         try:
             self._stream = self._part.open("wb")
         except OSError as error:
@@ -46,13 +51,17 @@ class Recorder:
                 VERSION,
                 camera.width,
                 camera.height,
-                0,
+                sum(len(content) for content in values.values()),
                 camera.focal_px,
                 camera.cx,
                 camera.cy,
                 camera.baseline_m,
+                sequence.stills,
+                0,
             )
         )
+        for name, number in parameters.as_numbers(values).items():
+            self._write(PARAMETER.pack(name.encode(), number))
         self._frames = 0
 
     def write(self, frame: Frame, words: NDArray[np.int16]) -> None:

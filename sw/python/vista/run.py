@@ -30,6 +30,8 @@ if TYPE_CHECKING:
 class HostPipeline(Protocol):
     """What the loop knows of the host: vista.pipeline.Pipeline, or a stand-in of a test."""
 
+    def reset(self) -> None: ...
+
     def process(
         self,
         left: NDArray[np.uint8],
@@ -101,6 +103,8 @@ def _run_frame(
         frame = chain.rectifier.rectify(raw)
     with clock.stage("stereo"):
         words = chain.engine.compute(frame.left, frame.right)
+    if chain.sequence.stills:
+        chain.pipeline.reset()
     result = chain.pipeline.process(
         frame.left, words, frame.t_ns, frame.world_from_camera, chain.sequence.up_world
     )

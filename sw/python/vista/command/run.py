@@ -72,6 +72,8 @@ def execute(arguments: argparse.Namespace) -> int:
     values = load_parameters(arguments.config, arguments.engine)
     folder = ResultFolder(arguments.out)
     sequence = open_sequence(arguments.sequence)
+    if sequence.stills:  # nothing to confirm a scene with
+        values["tracker"] |= {"confirm_hits": 1, "confirm_window": 1}
     frames = select_frames(sequence, arguments.frames)
     chain = make_chain(sequence, arguments.engine, values, arguments.threads)
     candidates = chain.engine.parameters.num_disparities
@@ -81,7 +83,7 @@ def execute(arguments: argparse.Namespace) -> int:
     interruption = Interruption()
     outcome: dict[str, Any] = {}
     try:
-        with interruption.watch(), open_recorder(arguments.record, chain) as recorder:
+        with interruption.watch(), open_recorder(arguments.record, chain, values) as recorder:
             run_frames(chain, frames, folder, records, overlay, recorder, interruption)
     except InputError as error:
         outcome["error"] = str(error)
@@ -99,10 +101,12 @@ def execute(arguments: argparse.Namespace) -> int:
     return EXIT_OK
 
 
-def open_recorder(path: Path | None, chain: Chain) -> AbstractContextManager[Recorder | None]:
+def open_recorder(
+    path: Path | None, chain: Chain, values: parameters.Values
+) -> AbstractContextManager[Recorder | None]:
     if path is None:
         return nullcontext()
-    return Recorder(path, chain.rectifier.calibration, chain.sequence.up_world)
+    return Recorder(path, chain.sequence, chain.rectifier.calibration, values)
 
 
 def select_frames(sequence: Sequence, wanted: tuple[int, int | None] | None) -> tuple[FrameFiles, ...]:

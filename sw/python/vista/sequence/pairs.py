@@ -7,6 +7,8 @@ calibration.toml for images that are already rectified:
     cy = 255.165
     baseline_m = 0.075
 
+    stills = true         # may be left out: the pairs show unrelated scenes, each is judged by itself
+
 and for cameras as calibrated, which are then rectified (cv2.stereoCalibrate's K, D, R and T):
 
     [left]                # and [right]
@@ -44,12 +46,16 @@ def recognises(folder: Path) -> bool:
 
 def open_folder(folder: Path) -> Sequence:
     pairs = _find_pairs(folder)
-    calibration = read_calibration(folder / "calibration.toml", read_size(pairs[0][0]))
+    path = folder / "calibration.toml"
+    table = _read_table(path)
+    calibration = read_calibration(path, table, read_size(pairs[0][0]))
     frames = (
         FrameFiles(index, index * FRAME_PERIOD_NS, left, right, None)
         for index, (left, right) in enumerate(pairs)
     )
-    return Sequence(folder.resolve().name, "pairs", calibration, tuple(frames))
+    return Sequence(
+        folder.resolve().name, "pairs", calibration, tuple(frames), stills=_flag(path, table, "stills")
+    )
 
 
 def _images(folder: Path, side: str) -> list[Path]:
@@ -72,17 +78,27 @@ def _find_pairs(folder: Path) -> list[tuple[Path, Path]]:
     return pairs
 
 
-def read_calibration(path: Path, size: tuple[int, int]) -> RawCalibration:
-    """Either form of calibration.toml; size: (width, height) of the images."""
+def _read_table(path: Path) -> dict[str, Any]:
     try:
-        table = tomllib.loads(read_text(path))
+        return tomllib.loads(read_text(path))
     except tomllib.TOMLDecodeError as error:
         raise InputError(path, f"not readable as TOML: {error}") from None
+
+
+def _flag(path: Path, table: dict[str, Any], key: str) -> bool:
+    value = table.get(key, False)
+    if not isinstance(value, bool):
+        raise InputError(path, f"{key} must be true or false, not {value!r}")
+    return value
+
+
+def read_calibration(path: Path, table: dict[str, Any], size: tuple[int, int]) -> RawCalibration:
+    """Either form of calibration.toml; size: (width, height) of the images."""
     return _read_raw(path, table, size) if "left" in table else _read_rectified(path, table, size)
 
 
 def _read_rectified(path: Path, table: dict[str, Any], size: tuple[int, int]) -> RawCalibration:
-    _refuse_unknown(path, table, {"focal_px", "cx", "cy", "baseline_m"})
+    _refuse_unknown(path, table, {"focal_px", "cx", "cy", "baseline_m", "stills"})
     focal_px = _positive(path, table, "focal_px")
     baseline_m = _positive(path, table, "baseline_m")
     matrix = camera_matrix(focal_px, focal_px, _number(path, table, "cx"), _number(path, table, "cy"))
@@ -91,7 +107,7 @@ def _read_rectified(path: Path, table: dict[str, Any], size: tuple[int, int]) ->
 
 
 def _read_raw(path: Path, table: dict[str, Any], size: tuple[int, int]) -> RawCalibration:
-    _refuse_unknown(path, table, {"left", "right", "right_from_left"})
+    _refuse_unknown(path, table, {"left", "right", "right_from_left", "stills"})
     left = _read_camera(path, _table(path, table, "left"), size)
     right = _read_camera(path, _table(path, table, "right"), size)
     motion = _table(path, table, "right_from_left")
