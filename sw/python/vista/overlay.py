@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 
 Picture = NDArray[np.uint8]  # HxWx3, BGR
 GAP_PX = 4
+MAX_LABELS = 16  # the nearest; more hide the scene
 SUBPIXEL_BITS = 4
 
 
@@ -65,7 +66,8 @@ def draw_obstacles(left: NDArray[np.uint8], obstacles: list[Obstacle], nearest: 
     labels = Labels(picture)
     by_distance = sorted(obstacles, key=lambda obstacle: obstacle.distance_m)
     for obstacle in reversed(by_distance):
-        if nearest is not None and obstacle.id == nearest.id:
+        unseen_newborn = obstacle.coasting and not obstacle.confirmed
+        if unseen_newborn or (nearest is not None and obstacle.id == nearest.id):
             continue
         _draw_ellipse(
             picture, obstacle, YELLOW if obstacle.confirmed else GREY, 2 if obstacle.confirmed else 1
@@ -74,9 +76,10 @@ def draw_obstacles(left: NDArray[np.uint8], obstacles: list[Obstacle], nearest: 
         if nearest is not None and obstacle.id == nearest.id:
             _draw_ellipse(picture, obstacle, GREEN, 3)
             labels.reserve(f"#{obstacle.id}  {_distance_and_time(nearest)}", *_top(obstacle), GREEN)
-    for obstacle in by_distance:
-        if obstacle.confirmed and (nearest is None or obstacle.id != nearest.id):
-            where = "near" if obstacle.in_blind_zone else f"{obstacle.distance_m:.0f} m"
+    labelled = [o for o in by_distance if o.confirmed and not o.coasting]
+    for obstacle in labelled[:MAX_LABELS]:
+        if nearest is None or obstacle.id != nearest.id:
+            where = "near" if obstacle.in_blind_zone else _distance(obstacle.distance_m)
             labels.reserve(f"#{obstacle.id}  {where}", *_top(obstacle), YELLOW)
     labels.draw()
     return _caption(picture, "left image, obstacles")
@@ -114,6 +117,10 @@ def _borders(labels: NDArray[np.int32]) -> NDArray[np.bool_]:
     border[:, 1:] |= labels[:, 1:] != labels[:, :-1]
     border[1:] |= labels[1:] != labels[:-1]
     return border
+
+
+def _distance(distance_m: float) -> str:
+    return f"{distance_m:.1f} m" if distance_m < 10.0 else f"{distance_m:.0f} m"
 
 
 def _distance_and_time(nearest: Nearest) -> str:
