@@ -6,7 +6,8 @@ import os
 from dataclasses import dataclass
 
 import numpy as np
-from graph_cases import REPOSITORY, FlowCase
+from graph_cases import FlowCase
+from shared_data import REPOSITORY
 from vista_abi import ffi
 
 lib = ffi.dlopen(str(REPOSITORY / os.environ.get("VISTA_BUILD", "build") / "lib" / "libvista.so"))

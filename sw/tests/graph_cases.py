@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import os
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from shared_data import SHARED_DATA
 
 SEED_CAPACITY = 1 << 30  # exceeds everything that a node can carry
-REPOSITORY = Path(__file__).resolve().parents[2]
-SHARED_DATA = Path(os.environ.get("VISTA_SHARED_DATA", REPOSITORY.parent / "shared" / "data"))
 
 
 @dataclass

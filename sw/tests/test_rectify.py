@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
 
 import cv2
@@ -11,14 +10,12 @@ import pytest
 import sequence_cases as cases
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
+from shared_data import SHARED_DATA
 from vista.errors import InputError
 from vista.geometry import CameraModel, Pose, RawCalibration, camera_matrix
 from vista.rectify import Rectifier
 from vista.sequence import Frame, open_sequence, read_grey
 
-SHARED_DATA = Path(
-    os.environ.get("VISTA_SHARED_DATA", Path(__file__).resolve().parents[3] / "shared" / "data")
-)
 SIZE = (320, 240)
 
 RAW = RawCalibration(

@@ -1,0 +1,9 @@
+"""Where real imagery for tests lies: VISTA_SHARED_DATA, else beside the checkout; tests skip by name without."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+REPOSITORY = Path(__file__).resolve().parents[2]
+SHARED_DATA = Path(os.environ.get("VISTA_SHARED_DATA") or REPOSITORY.parent / "shared" / "data")

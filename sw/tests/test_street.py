@@ -1,0 +1,115 @@
+"""The chain on a real street (KITTI odometry 00, 51 frames): what stands there is tracked under one id.
+
+The things were picked by eye in the images; their places are those of the images' own stereo at close range, in
+the world of the poses (the first camera: x right, y down, z forward). The road needs no labels: where the car
+drove in the frames that follow, nothing stood."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+from shared_data import SHARED_DATA
+from vista import StereoEngine, parameters
+from vista.command.run import engine_parameters
+from vista.pipeline import Pipeline, Result
+from vista.rectify import Rectifier
+from vista.sequence import open_sequence
+
+SEQUENCE = SHARED_DATA / "kitti_odometry" / "sequences" / "00"
+pytestmark = pytest.mark.skipif(not SEQUENCE.is_dir(), reason=f"no {SEQUENCE}")
+
+CAR_HALF_WIDTH_M = 1.0
+CAMERA_HEIGHT_M = 1.65
+
+
+@dataclass(frozen=True)
+class Thing:
+    name: str
+    x_m: float
+    z_m: float
+    first: int  # frames in which it is in view and has been for long enough to be confirmed
+    last: int
+
+
+THINGS = (
+    Thing("parked car, left behind", 3.3, 12.9, 3, 6),
+    Thing("parked car ahead", 2.8, 36.2, 4, 24),
+    Thing("billboard", -8.2, 15.4, 3, 6),
+    Thing("first tree", -3.2, 13.2, 3, 8),
+    Thing("second tree", -3.8, 26.8, 4, 17),
+    Thing("third tree", -4.6, 40.8, 6, 28),
+    Thing("fourth tree", -3.9, 54.7, 17, 42),
+    Thing("tree at the scaffolding", 8.2, 45.6, 5, 30),
+    Thing("conifer", -13.2, 41.1, 8, 28),
+    Thing("near lamp post", -3.0, 20.3, 4, 14),
+    Thing("far lamp post", -3.5, 47.7, 7, 34),
+    Thing("warning sign", 3.2, 42.7, 17, 32),
+)
+
+
+@pytest.fixture(scope="module")
+def camera_path_m() -> np.ndarray:
+    frames = open_sequence(SEQUENCE).frames
+    return np.array([frame.world_from_camera.translation_m for frame in frames])
+
+
+@pytest.fixture(scope="module")
+def results() -> list[Result]:
+    sequence = open_sequence(SEQUENCE)
+    values = parameters.defaults()
+    rectifier = Rectifier(sequence.calibration)
+    engine = StereoEngine(**vars(engine_parameters(values)))
+    pipeline = Pipeline(rectifier.calibration, values)
+    out = []
+    for files in sequence.frames:
+        frame = rectifier.rectify(sequence.read(files))
+        words = engine.compute(frame.left, frame.right)
+        out.append(pipeline.process(frame.left, words, frame.t_ns, frame.world_from_camera))
+    return out
+
+
+@pytest.mark.parametrize("thing", THINGS, ids=lambda thing: thing.name)
+def test_a_thing_keeps_one_id_while_it_is_in_view(
+    thing: Thing, results: list[Result], camera_path_m: np.ndarray
+) -> None:
+    ids_by_frame = []
+    for frame in range(thing.first, thing.last + 1):
+        away_m = thing.z_m - camera_path_m[frame, 2]
+        ids_by_frame.append(
+            {
+                o.id
+                for o in results[frame].obstacles
+                if o.confirmed
+                and abs(o.position_m[0] - thing.x_m) < 1.0 + 0.02 * away_m
+                and abs(o.position_m[2] - thing.z_m) < 1.0 + 0.06 * away_m
+            }
+        )
+    everywhere = set.intersection(*ids_by_frame)
+    assert everywhere, [sorted(ids) for ids in ids_by_frame]
+
+
+def test_the_road_and_the_air_above_it_hold_no_obstacle(
+    results: list[Result], camera_path_m: np.ndarray
+) -> None:
+    """Everything that the car's own body swept later was free: no confirmed obstacle may have stood there."""
+    ghosts = []
+    for frame, result in enumerate(results):
+        for o in result.obstacles:
+            x, y, z = o.position_m
+            if not o.confirmed or not camera_path_m[frame, 2] < z < camera_path_m[-1, 2]:
+                continue
+            nearest = camera_path_m[np.argmin(np.abs(camera_path_m[:, 2] - z))]
+            if abs(x - nearest[0]) < CAR_HALF_WIDTH_M and abs(y - nearest[1]) < CAMERA_HEIGHT_M:
+                ghosts.append((frame, o.id, round(x, 1), round(z, 1)))
+    assert not ghosts
+
+
+def test_the_sky_holds_no_obstacle(results: list[Result]) -> None:
+    """The gap between the lamps on the left and the scaffolding, above every roof line of the sequence."""
+    for frame, result in enumerate(results):
+        for o in result.obstacles:
+            e = o.ellipse
+            in_gap = 575.0 < e.center_u < 635.0 and e.center_v < 95.0
+            assert not (o.confirmed and not o.coasting and in_gap), (frame, o.id)
