@@ -1,8 +1,8 @@
 """The chain on a real street (KITTI odometry 00, 51 frames): what stands there is tracked under one id.
 
-The things were picked by eye in the images; their places are those of the images' own stereo at close range, in
-the world of the poses (the first camera: x right, y down, z forward). The road needs no labels: where the car
-drove in the frames that follow, nothing stood."""
+The things were picked by eye in the images; their places are those of the images' own stereo at close range,
+in the world of the poses (the first camera: x right, y down, z forward). The road needs no labels: where the
+car drove in the frames that follow, nothing stood."""
 
 from __future__ import annotations
 
