@@ -42,12 +42,13 @@ vista_parameters vista_parameters_default(void) {
       .segmentation.merge_share = 0.1,
       .segmentation.rest_affinity = 0.5,
       .segmentation.rest_area_px2 = 400.0,
+      .region.boundary_px = 5.0,
       .region.tolerance_px = 1.0,
       .region.tolerance_m = 0.5,
       .region.min_inliers = 60,
       .region.min_disparity_px = 2.5,
       .region.min_size_m = 0.35,
-      .region.min_valid_fraction = 0.25,
+      .region.min_valid_fraction = 0.33,
       .region.min_inlier_fraction = 0.5,
       .region.min_height_m = 0.3,
       .region.min_standing_fraction = 0.22,
@@ -120,6 +121,7 @@ vista_status vista_parameters_check(const vista_parameters *parameters, const ch
   else if (!within(p->segmentation.merge_share, 0.0, 1.0)) wrong = "segmentation.merge_share";
   else if (!within(p->segmentation.rest_affinity, 0.0, 1.0)) wrong = "segmentation.rest_affinity";
   else if (!within(p->segmentation.rest_area_px2, 1.0, 1000000.0)) wrong = "segmentation.rest_area_px2";
+  else if (!within(p->region.boundary_px, 0.0, 64.0)) wrong = "region.boundary_px";
   else if (!within(p->region.tolerance_px, 0.1, 16.0)) wrong = "region.tolerance_px";
   else if (!within(p->region.tolerance_m, 0.0, 10.0)) wrong = "region.tolerance_m";
   else if (!within((double)p->region.min_inliers, 1, 1000000)) wrong = "region.min_inliers";
@@ -197,6 +199,7 @@ vista_status vista_parameters_set(vista_parameters *parameters, const char *name
   if (strcmp(name, "segmentation.merge_share") == 0) return p->segmentation.merge_share = value, VISTA_OK;
   if (strcmp(name, "segmentation.rest_affinity") == 0) return p->segmentation.rest_affinity = value, VISTA_OK;
   if (strcmp(name, "segmentation.rest_area_px2") == 0) return p->segmentation.rest_area_px2 = value, VISTA_OK;
+  if (strcmp(name, "region.boundary_px") == 0) return p->region.boundary_px = value, VISTA_OK;
   if (strcmp(name, "region.tolerance_px") == 0) return p->region.tolerance_px = value, VISTA_OK;
   if (strcmp(name, "region.tolerance_m") == 0) return p->region.tolerance_m = value, VISTA_OK;
   if (strcmp(name, "region.min_inliers") == 0) return p->region.min_inliers = (int32_t)value, VISTA_OK;

@@ -1,5 +1,7 @@
 #include "plane_fit.h"
 
+#include <math.h>
+
 void vista_plane_fit_add(vista_plane_fit *fit, double u, double v, double d, double weight) {
   fit->weight += weight;
   fit->u += weight * u;
@@ -23,4 +25,12 @@ bool vista_plane_fit_solve(const vista_plane_fit *fit, vista_plane *plane) {
   plane->slope_v = (vd * uu - ud * uv) / determinant;
   plane->offset = d - plane->slope_u * u - plane->slope_v * v;
   return true;
+}
+
+double vista_plane_fit_spread(const vista_plane_fit *fit, const vista_plane *plane) {
+  const double u = fit->u / fit->weight, v = fit->v / fit->weight;
+  const double uu = fit->uu / fit->weight - u * u, uv = fit->uv / fit->weight - u * v;
+  const double vv = fit->vv / fit->weight - v * v;
+  const double gu = plane->slope_u, gv = plane->slope_v;
+  return sqrt(fmax(gu * gu * uu + 2.0 * gu * gv * uv + gv * gv * vv, 0.0));
 }

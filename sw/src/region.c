@@ -29,21 +29,44 @@ vista_status vista_regions_layout(vista_regions *regions, vista_arena *arena, co
   regions->first_member = vista_arena_take(arena, nodes + 1, sizeof(int32_t));
   regions->members = vista_arena_take(arena, nodes, sizeof(int32_t));
   regions->boundary = vista_arena_take(arena, nodes, sizeof(uint8_t));
+  regions->depth_px = vista_arena_take(arena, nodes, sizeof(float));
   regions->bins = vista_arena_take(arena, VISTA_WORD_BINS, sizeof(uint32_t));
   return arena->base != NULL && arena->used > arena->size ? VISTA_ERROR_MEMORY : VISTA_OK;
+}
+
+/* Nodes with an edge that leaves their region, and those of the region within reach of one. */
+static void mark_boundary(const vista_foveation *foveation, const int32_t *label, double reach_px,
+                          vista_regions *regions) {
+  const vista_graph *const graph = &foveation->graph;
+  int32_t *const queue = regions->members; /* not yet in use */
+  int32_t count = 0;
+  for (int32_t i = 0; i < graph->node_count; ++i) {
+    bool leaves = false;
+    for (int32_t arc = graph->first_arc[i]; arc < graph->first_arc[i + 1]; ++arc)
+      leaves |= label[graph->head[arc]] != label[i];
+    regions->boundary[i] = leaves && label[i] >= 0;
+    regions->depth_px[i] = 0.0f;
+    if (regions->boundary[i]) queue[count++] = i;
+  }
+  for (int32_t next = 0; next < count; ++next) {
+    const int32_t i = queue[next];
+    for (int32_t arc = graph->first_arc[i]; arc < graph->first_arc[i + 1]; ++arc) {
+      const int32_t j = graph->head[arc];
+      const float depth_px = regions->depth_px[i] + foveation->arc_distance_px[arc];
+      if (regions->boundary[j] || label[j] != label[i] || depth_px > (float)reach_px) continue;
+      regions->boundary[j] = 1;
+      regions->depth_px[j] = depth_px;
+      queue[count++] = j;
+    }
+  }
 }
 
 static void group_members(const vista_foveation *foveation, const int32_t *label, vista_regions *regions) {
   const vista_graph *const graph = &foveation->graph;
   int32_t *const first = regions->first_member;
   for (int32_t k = 0; k <= regions->count; ++k) first[k] = 0;
-  for (int32_t i = 0; i < graph->node_count; ++i) {
-    regions->boundary[i] = 0;
-    if (label[i] < 0) continue;
-    first[label[i] + 1]++;
-    for (int32_t arc = graph->first_arc[i]; arc < graph->first_arc[i + 1]; ++arc)
-      if (label[graph->head[arc]] != label[i]) regions->boundary[i] = 1;
-  }
+  for (int32_t i = 0; i < graph->node_count; ++i)
+    if (label[i] >= 0) first[label[i] + 1]++;
   for (int32_t k = 0; k < regions->count; ++k) first[k + 1] += first[k];
   for (int32_t i = 0; i < graph->node_count; ++i)
     if (label[i] >= 0) regions->members[first[label[i]]++] = i;
@@ -149,6 +172,7 @@ vista_status vista_regions_compute(const vista_foveation *foveation, const vista
     return VISTA_ERROR_SIZE;
   regions->count = segmentation->region_count;
   regions->accepted_count = 0;
+  mark_boundary(foveation, segmentation->label, params->boundary_px, regions);
   group_members(foveation, segmentation->label, regions);
   for (int32_t k = 0; k < regions->count; ++k) {
     const int32_t first = regions->first_member[k], count = regions->first_member[k + 1] - first;

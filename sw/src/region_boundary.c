@@ -77,8 +77,9 @@ static inliers inliers_around(const uint32_t *bins, double center_px, double tol
   return summarise(count, sum, squares);
 }
 
-/* Plane through the region's cells, weighted by their area; cells far off the first fit are left out of a second. */
-static bool fit_plane(const vista_region_view *w, vista_plane *plane) {
+/* Plane through the region's cells, weighted by their area; cells far off the first fit are left out of a second.
+ * *range_px: from the plane's nearest to its farthest disparity, were the cells spread evenly. */
+static bool fit_plane(const vista_region_view *w, vista_plane *plane, double *range_px) {
   for (int pass = 0; pass < 2; ++pass) {
     vista_plane_fit fit = {0};
     int32_t used = 0;
@@ -94,6 +95,7 @@ static bool fit_plane(const vista_region_view *w, vista_plane *plane) {
       used++;
     }
     if (used < PLANE_MIN_CELLS || !vista_plane_fit_solve(&fit, plane)) return false;
+    *range_px = sqrt(12.0) * vista_plane_fit_spread(&fit, plane);
   }
   return true;
 }
@@ -161,9 +163,11 @@ bool vista_region_measure_boundary(vista_region_view *w, const vista_camera *cam
 
   const double u = (double)w->foveation->center_u[w->members[0]], v = (double)w->foveation->center_v[w->members[0]];
   vista_plane plane;
-  if (fit_plane(w, &plane)) {
-    region->inclination_deg = vista_plane_inclination_deg(camera, up_camera, u, v, vista_plane_at(&plane, u, v),
-                                                          plane.slope_u, plane.slope_v);
+  double range_px;
+  if (fit_plane(w, &plane, &range_px)) {
+    if (range_px >= w->tolerance_px) /* a slope that the noise cannot make */
+      region->inclination_deg = vista_plane_inclination_deg(camera, up_camera, u, v, vista_plane_at(&plane, u, v),
+                                                            plane.slope_u, plane.slope_v);
     if (area_on(w, &plane) > 1.1 * area_on(w, surface)) {
       *surface = plane;
       in = boundary_inliers(w, &plane);

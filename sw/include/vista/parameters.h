@@ -69,6 +69,7 @@ typedef struct vista_segmentation_params {
 
 /* Statistics of the regions and the tests that make obstacles of them (paper, section II-D). */
 typedef struct vista_region_params {
+  double boundary_px; /* Cells this near to a cell on the boundary belong to it; half the matching block. 0.0 .. 64.0 px. */
   double tolerance_px; /* Boundary disparities within this of the region's surface are its inliers. 0.1 .. 16.0 px. */
   double tolerance_m; /* The same in depth; the larger of the two holds: near things have relief. At most 6 % of the range. 0.0 .. 10.0 m. */
   int32_t min_inliers; /* Fewest boundary inliers of an obstacle. 1 .. 1000000 pixels. */

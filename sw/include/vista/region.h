@@ -1,6 +1,7 @@
 /* Regions of the partition with the statistics of their boundary (paper, section II-D).
  *
- * Boundary nodes of region k are the nodes of k with an edge of the whole graph that leaves k. The edge consistency
+ * Boundary nodes of region k are the nodes of k with an edge of the whole graph that leaves k, and those within
+ * boundary_px of one: cells of the fovea are far smaller than the block that the engine matches. The edge consistency
  * constraint says that a true object boundary has smoothly varying disparity; everything here about disparity is
  * taken from the valid pixels under boundary nodes, with robust statistics: the far side pollutes boundary cells.
  *
@@ -51,7 +52,8 @@ typedef struct vista_region {
   double disparity_px;             /* of the surface at the centre, refined by the mean residual of the inliers */
   double disparity_sigma_px;       /* standard deviation of the inliers */
   double slope_u, slope_v;         /* gradient of the disparity over the region, px per px */
-  double inclination_deg;          /* of the region's surface against the vertical; 90 = horizontal; NaN unknown */
+  double inclination_deg;          /* of the region's surface against the vertical; 90 = horizontal; NaN: its
+                                      disparities span less than the tolerance, so nothing tells */
   double standing_fraction;        /* of its area, at least min_height_m above the horizontal surface it adjoins */
 } vista_region;
 
@@ -62,6 +64,7 @@ typedef struct vista_regions {
   int32_t *first_member; /* scratch: nodes of region k are members[first_member[k] .. first_member[k + 1]) */
   int32_t *members;
   uint8_t *boundary; /* scratch, node_count */
+  float *depth_px;   /* scratch, node_count: distance from the boundary, where that is within reach */
   uint32_t *bins;    /* scratch: histogram of engine words */
 } vista_regions;
 
