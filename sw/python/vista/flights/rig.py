@@ -1,0 +1,47 @@
+"""The stereo rig: two identical, row-aligned pinhole cameras."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+LEFT, RIGHT = 0, 1
+
+# Columns: the camera's axes (right, down, forward) in body axes (forward, left, up).
+R_BODY_CAMERA = np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
+
+
+@dataclass(frozen=True)
+class Rig:
+    width_px: int
+    height_px: int
+    focal_px: float
+    baseline_m: float
+
+    @property
+    def center_px(self) -> tuple[float, float]:
+        """Principal point (u, v): the middle of the image; pixel (0, 0) has its centre at the origin."""
+        return (self.width_px - 1) / 2, (self.height_px - 1) / 2
+
+    @property
+    def horizontal_fov_deg(self) -> float:
+        return 2 * math.degrees(math.atan2(self.width_px / 2, self.focal_px))
+
+    def body_from_camera(self, camera: int) -> np.ndarray:
+        """T_BS, 4x4: camera coordinates to body coordinates."""
+        transform = np.eye(4)
+        transform[:3, :3] = R_BODY_CAMERA
+        transform[1, 3] = self.baseline_m * (0.5 if camera == LEFT else -0.5)
+        return transform
+
+    def project(self, points_camera_m: np.ndarray) -> np.ndarray:
+        """Camera coordinates (..., 3) to pixels (..., 2)."""
+        u, v = self.center_px
+        x, y, z = np.moveaxis(np.asarray(points_camera_m), -1, 0)
+        return np.stack([u + self.focal_px * x / z, v + self.focal_px * y / z], axis=-1)
+
+
+# 12 mm lens on 12 um pixels; f*B = 457.2 px*m, one disparity at 457.2 m and 32 at 14.3 m as in the paper.
+PAPER_RIG = Rig(width_px=640, height_px=480, focal_px=1000.0, baseline_m=0.4572)

@@ -1,0 +1,78 @@
+"""Procedural albedo maps, float32 in 0..1. Each depends on its arguments alone."""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+
+LATTICE = 256  # values per side; noise repeats after LATTICE wavelengths
+
+
+def noise(x_m: np.ndarray, y_m: np.ndarray, wavelength_m: float, seed: int) -> np.ndarray:
+    """Smooth noise in -0.5..0.5 over world coordinates, features about `wavelength_m` long."""
+    lattice = np.random.default_rng(seed).random((LATTICE, LATTICE), dtype=np.float32) - 0.5
+    lattice = cv2.copyMakeBorder(lattice, 0, 4, 0, 4, cv2.BORDER_WRAP)
+    # A turn per octave keeps the lattices from lining up with the image rows.
+    cos, sin = np.cos(seed), np.sin(seed)
+    column = np.mod((cos * x_m - sin * y_m) / wavelength_m, LATTICE) + 1
+    row = np.mod((sin * x_m + cos * y_m) / wavelength_m, LATTICE) + 1
+    return cv2.remap(lattice, column.astype(np.float32), row.astype(np.float32), cv2.INTER_CUBIC)
+
+
+def smoothstep(low: float, high: float, value: np.ndarray) -> np.ndarray:
+    t = np.clip((value - low) / (high - low), 0, 1)
+    return t * t * (3 - 2 * t)
+
+
+def layered(x_m: np.ndarray, y_m: np.ndarray, amplitudes: dict[float, float], seed: int) -> np.ndarray:
+    """Sum of noises; `amplitudes` maps wavelength in metres to amplitude."""
+    return sum(a * noise(x_m, y_m, w, seed + i) for i, (w, a) in enumerate(amplitudes.items()))
+
+
+def ground(x_m: np.ndarray, y_m: np.ndarray, seed: int) -> np.ndarray:
+    """Albedo of a meadow with bare soil and a worn track, at world points."""
+    grass = 0.22 + layered(
+        x_m, y_m, {23.0: 0.08, 7.1: 0.08, 2.3: 0.09, 0.9: 0.13, 0.37: 0.17, 0.15: 0.15}, seed
+    )
+    soil = 0.33 + layered(x_m, y_m, {5.3: 0.06, 1.1: 0.07, 0.31: 0.10, 0.12: 0.08}, seed + 20)
+    patches = layered(x_m, y_m, {11.0: 0.8, 3.1: 0.35, 0.7: 0.2}, seed + 40)
+    across_m = np.abs(y_m - 7.0 - 0.16 * x_m - 3 * noise(x_m, y_m, 31.0, seed + 50))
+    ragged_m = 0.5 * noise(x_m, y_m, 0.8, seed + 51)
+    track = 1 - smoothstep(0.9, 1.5, across_m + ragged_m)
+    bare = np.maximum(smoothstep(0.10, 0.28, patches), track)
+    return np.clip(grass + bare * (soil - grass), 0.03, 0.9).astype(np.float32)
+
+
+def foliage(seed: int, size: int = 256) -> np.ndarray:
+    """Leaves: dark gaps between lighter tufts; tiles over a sphere."""
+    y, x = np.mgrid[0:size, 0:size].astype(np.float32) / size
+    tufts = layered(x, y, {0.25: 0.10, 0.1: 0.18, 0.045: 0.22, 0.02: 0.16}, seed)
+    return np.clip(0.17 + tufts, 0.015, 0.5).astype(np.float32)
+
+
+def straw(seed: int, size: int = 256) -> np.ndarray:
+    """Hay: fine streaks along the winding."""
+    y, x = np.mgrid[0:size, 0:size].astype(np.float32) / size
+    streaks = layered(x, y * 4, {0.3: 0.10, 0.09: 0.14, 0.03: 0.16}, seed)
+    return np.clip(0.38 + streaks, 0.1, 0.8).astype(np.float32)
+
+
+def paint(albedo: float, seed: int, size: int = 64) -> np.ndarray:
+    """A painted surface with a little dirt."""
+    y, x = np.mgrid[0:size, 0:size].astype(np.float32) / size
+    return np.clip(albedo + layered(x, y, {0.5: 0.06, 0.13: 0.04}, seed), 0.01, 0.95).astype(np.float32)
+
+
+def printed_sign(width_m: float, height_m: float, seed: int, texels_per_m: int = 250) -> np.ndarray:
+    """White foamcore with a black frame and letters, row 0 on top."""
+    width, height = round(width_m * texels_per_m), round(height_m * texels_per_m)
+    board = cv2.resize(paint(0.80, seed), (width, height), interpolation=cv2.INTER_CUBIC)
+    ink = np.zeros((height, width), np.uint8)
+    edge = round(0.04 * height)
+    cv2.rectangle(ink, (edge, edge), (width - 1 - edge, height - 1 - edge), 255, max(2, edge // 2))
+    for line, text in enumerate(("VISTA", "TEST 1")):
+        scale = 0.0122 * height
+        (text_width, text_height), _ = cv2.getTextSize(text, cv2.FONT_HERSHEY_SIMPLEX, scale, 12)
+        origin = ((width - text_width) // 2, round(height * (0.32 + 0.42 * line)) + text_height // 2)
+        cv2.putText(ink, text, origin, cv2.FONT_HERSHEY_SIMPLEX, scale, 255, 12, cv2.LINE_AA)
+    return (board + (0.06 - board) * (ink / 255)).astype(np.float32)

@@ -1,0 +1,79 @@
+"""Where the aircraft is: a straight approach at constant altitude and speed, with a helicopter's sway."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+FOOT_M = 0.3048
+START_NS = 1_600_000_000_000_000_000
+
+# (amplitude, frequency in Hz, phase in rad): incommensurable, so that no two frames see the same sway.
+ROLL_DEG = ((0.6, 0.31, 0.4), (0.2, 1.3, 1.9))
+PITCH_DEG = ((0.35, 0.23, 2.1), (0.15, 1.7, 0.3))
+YAW_DEG = ((0.4, 0.17, 1.0), (0.1, 0.9, 2.6))
+LATERAL_M = ((0.06, 0.21, 0.7),)
+VERTICAL_M = ((0.04, 0.27, 1.6),)
+
+
+@dataclass(frozen=True)
+class Approach:
+    """Straight along +x towards world x = 0."""
+
+    altitude_m: float
+    speed_m_s: float
+    last_range_m: float  # from the body's origin to x = 0 in the last frame
+    frames: int
+    rate_hz: float
+
+
+@dataclass(frozen=True)
+class BodyState:
+    t_ns: int
+    world_from_body: np.ndarray  # 4x4
+    velocity_world_m_s: np.ndarray  # (3,)
+
+
+def sway(terms: tuple[tuple[float, float, float], ...], t_s: float) -> float:
+    return sum(a * math.sin(2 * math.pi * hz * t_s + phase) for a, hz, phase in terms)
+
+
+def sway_rate(terms: tuple[tuple[float, float, float], ...], t_s: float) -> float:
+    return sum(a * 2 * math.pi * hz * math.cos(2 * math.pi * hz * t_s + phase) for a, hz, phase in terms)
+
+
+def rotation_from_angles(roll_deg: float, pitch_deg: float, yaw_deg: float) -> np.ndarray:
+    """R = Rz(yaw) Ry(pitch) Rx(roll), body axes forward, left, up: positive pitch is nose down."""
+    (cr, cp, cy), (sr, sp, sy) = (
+        [f(math.radians(a)) for a in (roll_deg, pitch_deg, yaw_deg)] for f in (math.cos, math.sin)
+    )
+    return np.array(
+        [
+            [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
+            [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
+            [-sp, cp * sr, cp * cr],
+        ]
+    )
+
+
+def state_at(approach: Approach, frame: int) -> BodyState:
+    t_s = frame / approach.rate_hz
+    remaining_s = (approach.frames - 1) / approach.rate_hz - t_s
+    pose = np.eye(4)
+    pose[:3, :3] = rotation_from_angles(sway(ROLL_DEG, t_s), sway(PITCH_DEG, t_s), sway(YAW_DEG, t_s))
+    pose[:3, 3] = (
+        -approach.last_range_m - approach.speed_m_s * remaining_s,
+        sway(LATERAL_M, t_s),
+        approach.altitude_m + sway(VERTICAL_M, t_s),
+    )
+    velocity = np.array([approach.speed_m_s, sway_rate(LATERAL_M, t_s), sway_rate(VERTICAL_M, t_s)])
+    return BodyState(START_NS + round(t_s * 1e9), pose, velocity)
+
+
+def quaternion_wxyz(rotation: np.ndarray) -> np.ndarray:
+    """Unit quaternion of a rotation by less than 180 degrees."""
+    w = math.sqrt(1 + np.trace(rotation)) / 2
+    r = rotation
+    return np.array([w, *(np.array([r[2, 1] - r[1, 2], r[0, 2] - r[2, 0], r[1, 0] - r[0, 1]]) / (4 * w))])
