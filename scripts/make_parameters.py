@@ -36,6 +36,8 @@ def comment(entry: Entry) -> str:
     unit = f" {entry['unit']}" if entry.get("unit") else ""
     if entry["type"] != "choice":
         parts.append(f"{entry['min']} .. {entry['max']}{unit}.")
+    if "at_most" in entry:
+        parts.append(f"At most {entry['at_most']}.")
     return " ".join(parts)
 
 
@@ -71,11 +73,12 @@ def header_text(schema: dict[str, Entry]) -> str:
         "",
         "vista_parameters vista_parameters_default(void);",
         "",
-        '/* VISTA_OK, or VISTA_ERROR_RANGE (NaN included) with `culprit` set to "section.name"; culprit may be null. */',
+        "/* VISTA_OK, or VISTA_ERROR_RANGE (NaN included) with `culprit`, which may be null, set to",
+        ' * "section.name". */',
         "vista_status vista_parameters_check(const vista_parameters *parameters, const char **culprit);",
         "",
-        '/* Sets the parameter called "section.name"; a choice by its number. VISTA_ERROR_RANGE: no such parameter,',
-        " * or a value that no parameter has; the parameter's own range is vista_parameters_check's to judge. */",
+        '/* Sets the parameter called "section.name"; a choice by its number. VISTA_ERROR_RANGE: no such',
+        " * parameter, or a value that none has; its own range is vista_parameters_check's to judge. */",
         "vista_status vista_parameters_set(vista_parameters *parameters, const char *name, double value);",
         "",
         "#endif",
@@ -122,6 +125,8 @@ def source_text(schema: dict[str, Entry]) -> str:
             )
             value = f"(double)p->{section}.{name}" if entry["type"] != "float" else f"p->{section}.{name}"
             prefix = "  " if lines[-1].startswith("  const char") else "  else "
+            if "at_most" in entry:
+                high = f"p->{section}.{entry['at_most']}"  # its own range keeps it below max
             lines.append(f'{prefix}if (!within({value}, {low}, {high})) wrong = "{section}.{name}";')
     lines += [
         "  if (culprit != NULL) *culprit = wrong;",
@@ -137,9 +142,8 @@ def source_text(schema: dict[str, Entry]) -> str:
         for name, entry in entries_of(content).items():
             c_type = enum_type(section, name) if entry["type"] == "choice" else C_TYPE[entry["type"]]
             cast = "" if c_type == "double" else f"({c_type})"
-            lines.append(
-                f'  if (strcmp(name, "{section}.{name}") == 0) return p->{section}.{name} = {cast}value, VISTA_OK;'
-            )
+            assignment = f"p->{section}.{name} = {cast}value"
+            lines.append(f'  if (strcmp(name, "{section}.{name}") == 0) return {assignment}, VISTA_OK;')
     lines += [
         "  return VISTA_ERROR_RANGE;",
         "}",

@@ -145,7 +145,7 @@ vista_status vista_parameters_check(const vista_parameters *parameters, const ch
   else if (!within(p->tracker.extent_psd_1_s, 0.0, 100.0)) wrong = "tracker.extent_psd_1_s";
   else if (!within(p->tracker.overlap_sigma, 0.1, 100.0)) wrong = "tracker.overlap_sigma";
   else if (!within(p->tracker.overlap_scale, 0.1, 10.0)) wrong = "tracker.overlap_scale";
-  else if (!within((double)p->tracker.confirm_hits, 1, 32)) wrong = "tracker.confirm_hits";
+  else if (!within((double)p->tracker.confirm_hits, 1, p->tracker.confirm_window)) wrong = "tracker.confirm_hits";
   else if (!within((double)p->tracker.confirm_window, 1, 32)) wrong = "tracker.confirm_window";
   else if (!within((double)p->tracker.miss_max, 0, 1000)) wrong = "tracker.miss_max";
   else if (!within(p->tracker.out_of_view_s, 0.0, 3600.0)) wrong = "tracker.out_of_view_s";

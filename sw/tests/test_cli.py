@@ -243,6 +243,8 @@ BAD_CONFIGS = {
     "[foveation]\nsector_count = 'many'": "foveation.sector_count must be",
     "[stereo]\nblock_size = 4": "stereo.block_size must be from 5 to 21",
     "[stereo]\nblock_size = 8": "engine golden: ",
+    "[tracker]\nconfirm_hits = 6": "tracker.confirm_hits must be at most tracker.confirm_window (5), not 6",
+    "[tracker]\nconfirm_window = 2": "tracker.confirm_hits must be at most tracker.confirm_window (2), not 3",
     "stereo = 1": "unknown section [stereo]",
 }
 

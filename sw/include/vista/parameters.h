@@ -101,7 +101,7 @@ typedef struct vista_tracker_params {
   double extent_psd_1_s; /* Random walk of the logarithm of width and height. 0.0 .. 100.0 1/s. */
   double overlap_sigma; /* Depth gate for lying within a track, standard deviations of the disparity difference. 0.1 .. 100.0. */
   double overlap_scale; /* Half extents around a track's centre that count as within it. 0.1 .. 10.0. */
-  int32_t confirm_hits; /* A track is confirmed at this many hits in confirm_window frames; at most confirm_window. Paper: M. 1 .. 32 frames. */
+  int32_t confirm_hits; /* A track is confirmed at this many hits in confirm_window frames. Paper: M. 1 .. 32 frames. At most confirm_window. */
   int32_t confirm_window; /* Frames, in which the track could be seen, that count for its confirmation. Paper: N. 1 .. 32 frames. */
   int32_t miss_max; /* Misses in a row that a confirmed track survives. 0 .. 1000 frames. */
   double out_of_view_s; /* A track outside the matched part of the image coasts for this long. 0.0 .. 3600.0 s. */
@@ -132,11 +132,12 @@ typedef struct vista_parameters {
 
 vista_parameters vista_parameters_default(void);
 
-/* VISTA_OK, or VISTA_ERROR_RANGE (NaN included) with `culprit` set to "section.name"; culprit may be null. */
+/* VISTA_OK, or VISTA_ERROR_RANGE (NaN included) with `culprit`, which may be null, set to
+ * "section.name". */
 vista_status vista_parameters_check(const vista_parameters *parameters, const char **culprit);
 
-/* Sets the parameter called "section.name"; a choice by its number. VISTA_ERROR_RANGE: no such parameter,
- * or a value that no parameter has; the parameter's own range is vista_parameters_check's to judge. */
+/* Sets the parameter called "section.name"; a choice by its number. VISTA_ERROR_RANGE: no such
+ * parameter, or a value that no parameter has; its own range is vista_parameters_check's to judge. */
 vista_status vista_parameters_set(vista_parameters *parameters, const char *name, double value);
 
 #endif

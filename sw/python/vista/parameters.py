@@ -72,7 +72,22 @@ def load(config: Path | None, base: Values | None = None) -> Values:
             if problem:
                 raise InputError(config, f"{section}.{name} {problem}")
             values[section][name] = float(value) if entry["type"] == "float" else value
+    for section, name, limit in _limits():
+        value, highest = values[section][name], values[section][limit]
+        if value > highest:
+            problem = f"must be at most {section}.{limit} ({highest}), not {value}"
+            raise InputError(config, f"{section}.{name} {problem}")
     return values
+
+
+def _limits() -> list[tuple[str, str, str]]:
+    """Section, parameter, and the parameter of that section that it must not exceed."""
+    return [
+        (section, name, entry["at_most"])
+        for section in schema()
+        for name, entry in entries(section).items()
+        if "at_most" in entry
+    ]
 
 
 def as_numbers(values: Values) -> dict[str, float]:
