@@ -103,6 +103,20 @@ void vista_pipeline_reset(vista_pipeline *pipeline) {
   vista_obstacle_map_reset(pipeline->map);
 }
 
+static vista_status check_up(const double up_world[3]) {
+  double square = 0.0;
+  for (int i = 0; i < 3; ++i) square += up_world[i] * up_world[i];
+  if (!isfinite(square)) return VISTA_ERROR_NUMBER;
+  return fabs(square - 1.0) < 1e-3 ? VISTA_OK : VISTA_ERROR_RANGE;
+}
+
+/* What the stages before the tracker rely on; sizes and time are judged by the stages that know them. */
+static vista_status check_frame(const vista_frame *frame) {
+  if (frame->image.data == NULL || frame->disparity.data == NULL) return VISTA_ERROR_ARGUMENT;
+  const vista_status status = frame->pose != NULL ? vista_frame_check_pose(frame->pose) : VISTA_OK;
+  return status == VISTA_OK && frame->up_world != NULL ? check_up(frame->up_world) : status;
+}
+
 /* Up in camera coordinates: R^T up_world. */
 static void up_in_camera(const vista_frame *frame, double up[3]) {
   const double level[3] = {0.0, -1.0, 0.0};
@@ -180,6 +194,8 @@ static vista_status run_stage(vista_pipeline *p, vista_stage stage, const vista_
 
 vista_status vista_pipeline_process(vista_pipeline *pipeline, const vista_frame *frame, vista_result *result) {
   if (pipeline == NULL || frame == NULL || result == NULL) return VISTA_ERROR_ARGUMENT;
+  const vista_status checked = check_frame(frame);
+  if (checked != VISTA_OK) return checked;
   vista_pipeline *const p = pipeline;
   vista_result r = {0};
   int32_t detections = 0;

@@ -70,7 +70,8 @@ vista_status vista_pipeline_create(void *memory, size_t bytes, const vista_param
 void vista_pipeline_reset(vista_pipeline *pipeline);
 
 /* One frame. On an error the tracks are as before and *result is not written.
- * VISTA_ERROR_SIZE: images of another size; VISTA_ERROR_ORDER: time; VISTA_ERROR_NUMBER: pose. */
+ * VISTA_ERROR_SIZE: images of another size; VISTA_ERROR_ORDER: time; VISTA_ERROR_NUMBER: pose or up not finite;
+ * VISTA_ERROR_RANGE: pose without a rotation, up not of unit length; VISTA_ERROR_ARGUMENT: a null pointer. */
 vista_status vista_pipeline_process(vista_pipeline *pipeline, const vista_frame *frame, vista_result *result);
 
 #endif

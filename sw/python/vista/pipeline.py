@@ -1,4 +1,4 @@
-"""libvista's chain from Python: left image, engine words, time and pose in; obstacles and what led to them out."""
+"""libvista's chain: left image, engine words, time and pose in; obstacles and what led to them out."""
 
 from __future__ import annotations
 
@@ -102,8 +102,11 @@ class Pipeline:
     ) -> Result:
         """One frame: rectified left image and engine words (height, width); pose: world_from_camera.
 
-        Raises PipelineError on images of another size, times that do not increase, a pose that is not finite."""
+        Raises PipelineError on arrays of another type or size, times that do not increase, a pose that is not
+        finite."""
         ffi = self._ffi
+        if (left.dtype, left.ndim, disparity.dtype, disparity.ndim) != (np.uint8, 2, np.int16, 2):
+            raise PipelineError("the image has to be uint8 and int16 its disparities, both (height, width)")
         left, disparity = np.ascontiguousarray(left), np.ascontiguousarray(disparity)
         frame = ffi.new("vista_frame *")
         for target, array, c_type in (
