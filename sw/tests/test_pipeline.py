@@ -1,0 +1,224 @@
+"""The chain as a whole: a board that comes nearer becomes one obstacle, ground and sky none; the pipeline
+lives in the memory it was given and gives the same numbers every time."""
+
+from __future__ import annotations
+
+import board_flight as scene
+import numpy as np
+import pytest
+from board_flight import board_flight
+from cut_library import ffi, lib
+from pipeline_library import (
+    CALIBRATION,
+    Frame,
+    Pipeline,
+    bytes_needed,
+    default_camera,
+    default_parameters,
+    plain,
+    snapshot,
+)
+from vista.geometry import Pose
+from vista.parameters import defaults
+from vista.pipeline import Pipeline as PythonPipeline
+
+CONFIRMED_FROM = 2  # the third frame: tracker.confirm_hits
+
+
+@pytest.fixture(scope="module")
+def flight() -> list[dict]:
+    """Snapshots of an undisturbed flight, for others to be compared with."""
+    return Pipeline().fly(board_flight())
+
+
+# ---- what comes out ----
+
+
+def test_the_board_is_one_obstacle_throughout(flight: list[dict]) -> None:
+    assert [len(frame["obstacles"]) for frame in flight] == [1] * scene.FRAMES
+    obstacles = [frame["obstacles"][0] for frame in flight]
+    assert {o["id"] for o in obstacles} == {1}
+    assert [o["confirmed"] for o in obstacles] == [k >= CONFIRMED_FROM for k in range(scene.FRAMES)]
+    assert [o["age_frames"] for o in obstacles] == list(range(1, scene.FRAMES + 1))
+    assert not any(o["coasting"] or o["in_blind_zone"] for o in obstacles)
+
+
+def test_the_board_is_where_it_stands(flight: list[dict]) -> None:
+    for frame, source in zip(flight, board_flight(), strict=True):
+        obstacle = frame["obstacles"][0]
+        error_m = np.array(obstacle["position_m"]) - scene.board_center_m()
+        # A word is good for 1/32 px; the foot of the board is a cell's guess between board and ground.
+        depth_m = source.board_distance_m
+        range_m = depth_m**2 / (scene.FOCAL_PX * scene.BASELINE_M) / 32
+        assert abs(error_m[0]) < max(range_m, 0.1)
+        assert abs(error_m[1]) < 0.05
+        assert abs(error_m[2]) < 0.3
+        from_camera_m = np.array(obstacle["position_m"]) - source.position_m
+        assert obstacle["distance_m"] == pytest.approx(np.linalg.norm(from_camera_m), rel=1e-12)
+        true_px = scene.FOCAL_PX * scene.BASELINE_M / depth_m
+        assert obstacle["disparity_px"] == pytest.approx(true_px, abs=1 / 16)
+        size_m = [np.ptp(scene.BOARD_Y_M), np.ptp(scene.BOARD_Z_M)]
+        assert obstacle["extent_m"] == pytest.approx(size_m, rel=0.2)
+
+
+def test_the_warning_gives_distance_and_time(flight: list[dict]) -> None:
+    for index, (frame, source) in enumerate(zip(flight, board_flight(), strict=True)):
+        nearest = frame["nearest_collision"]
+        assert nearest["valid"] == (index >= CONFIRMED_FROM)
+        if not nearest["valid"]:
+            continue
+        obstacle = frame["obstacles"][0]
+        assert obstacle["in_collision_volume"]
+        for field in ("id", "position_m", "distance_m"):
+            assert nearest[field] == obstacle[field]
+        assert nearest["time_to_collision_s"] == pytest.approx(
+            source.board_distance_m / scene.SPEED_M_S, rel=0.02
+        )
+
+
+@pytest.mark.parametrize("with_ground", [True, False], ids=["ground", "sky"])
+def test_ground_and_empty_sky_are_no_obstacles(with_ground: bool) -> None:
+    sources = [scene.render(index, with_board=False, with_ground=with_ground) for index in range(6)]
+    for frame in Pipeline().fly(sources):
+        assert frame["obstacles"] == []
+        assert not frame["nearest_collision"]["valid"]
+
+
+def test_a_board_beside_the_path_gives_no_warning(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(scene, "BOARD_Y_M", (-9.0, -6.6))
+    for frame in Pipeline().fly([scene.render(index) for index in range(6)]):
+        assert len(frame["obstacles"]) == 1
+        assert not frame["obstacles"][0]["in_collision_volume"]
+        assert not frame["nearest_collision"]["valid"]
+
+
+def test_fields_of_the_result(flight: list[dict]) -> None:
+    pipeline, source = Pipeline(), board_flight()[0]
+    pipeline.fly([source])
+    r = pipeline.result
+    assert r.valid_fraction == np.mean(source.words >= 0)
+    assert list(r.stage_ms) == pytest.approx([t for t in r.stage_ms if t >= 0.0])
+    assert r.host_ms == pytest.approx(sum(r.stage_ms))
+    accepted = sum(region["verdict"] == lib.VISTA_REGION_ACCEPTED for region in flight[0]["regions"])
+    assert r.accepted_count == accepted == 1
+    names = [ffi.string(lib.vista_stage_name(stage)).decode() for stage in range(lib.VISTA_STAGE_COUNT)]
+    assert names == [
+        "foveation", "surface", "affinity", "segmentation", "regions", "reconstruction", "tracking", "map",
+    ]  # fmt: skip
+    assert ffi.string(lib.vista_stage_name(lib.VISTA_STAGE_COUNT)) == b"unknown"
+
+
+def test_python_gives_the_same_numbers(flight: list[dict]) -> None:
+    pipeline = PythonPipeline(CALIBRATION, defaults())
+    for source, expected in zip(board_flight(), flight, strict=True):
+        pose = Pose(scene.WORLD_FROM_CAMERA, source.position_m)
+        result = pipeline.process(source.left, source.words, source.t_ns, pose, scene.UP_WORLD)
+        (obstacle,), (reference,) = result.obstacles, expected["obstacles"]
+        for field in ("id", "confirmed", "coasting", "in_blind_zone", "age_frames", "distance_m"):
+            assert getattr(obstacle, field) == reference[field]
+        for field in ("disparity_px", "in_collision_volume"):
+            assert getattr(obstacle, field) == reference[field]
+        assert obstacle.position_m.tolist() == reference["position_m"]
+        assert obstacle.covariance_m2.ravel().tolist() == reference["covariance_m2"]
+        assert list(obstacle.extent_m) == reference["extent_m"]
+        assert result.regions == len(expected["regions"])
+        assert result.cell_intensity.tobytes() == expected["intensity"]
+        assert result.cell_disparity_px.tobytes() == expected["disparity_px"]
+        assert result.region_of_cell.tobytes() == expected["label"]
+        nearest = expected["nearest_collision"]
+        assert (result.nearest_collision is not None) == nearest["valid"]
+        if nearest["valid"]:
+            assert result.nearest_collision.time_to_collision_s == nearest["time_to_collision_s"]
+
+
+def test_without_poses_the_world_is_the_camera() -> None:
+    pipeline = Pipeline()
+    for index in range(3):  # the same view three times: the camera hovers before the board
+        frame = Frame(scene.render(10))
+        frame.c.pose, frame.c.up_world, frame.c.t_ns = ffi.NULL, ffi.NULL, index * scene.PERIOD_NS
+        assert pipeline.process(frame) == "VISTA_OK"
+    (obstacle,) = snapshot(pipeline.result)["obstacles"]
+    source = scene.render(10)
+    expected = scene.WORLD_FROM_CAMERA.T @ (scene.board_center_m() - source.position_m)
+    assert obstacle["position_m"] == pytest.approx(expected, abs=0.3)
+    nearest = plain(pipeline.result.nearest_collision)
+    assert nearest["valid"] and nearest["time_to_collision_s"] == "nan"  # closing speed unknown
+
+
+# ---- determinism and memory ----
+
+
+def test_a_second_pipeline_gives_the_same(flight: list[dict]) -> None:
+    assert Pipeline().fly(board_flight()) == flight
+
+
+def without_ids(snapshots: list[dict]) -> list[dict]:
+    """Ids numbered in the order of their appearance."""
+    order: dict[int, int] = {0: 0}
+
+    def renumbered(item: dict) -> dict:
+        return item | {"id": order.setdefault(item["id"], len(order))}
+
+    return [
+        frame
+        | {
+            "obstacles": [renumbered(o) for o in frame["obstacles"]],
+            "nearest_collision": renumbered(frame["nearest_collision"]),
+        }
+        for frame in snapshots
+    ]
+
+
+def test_after_a_reset_only_the_ids_differ(flight: list[dict]) -> None:
+    pipeline = Pipeline()
+    first = pipeline.fly(board_flight())
+    pipeline.reset()
+    second = pipeline.fly(board_flight())  # at the same times again: those are forgotten, too
+    assert {o["id"] for frame in second for o in frame["obstacles"]} == {2}
+    assert without_ids(second) == without_ids(first) == without_ids(flight)
+
+
+@pytest.mark.parametrize("shift", [0, 1, 8, 33, 63])
+def test_memory_of_any_alignment_and_nothing_outside(shift: int, flight: list[dict]) -> None:
+    pipeline = Pipeline(shift=shift)
+    assert pipeline.status == "VISTA_OK"
+    assert pipeline.fly(board_flight()[:4]) == flight[:4]
+    assert pipeline.guards_hold
+
+
+@pytest.mark.parametrize("strides", [(scene.WIDTH + 1, 0), (0, scene.WIDTH + 13), (512, 777)])
+def test_strides_larger_than_the_width(strides: tuple[int, int], flight: list[dict]) -> None:
+    pipeline = Pipeline()
+    for source, expected in zip(board_flight()[:4], flight, strict=False):
+        assert pipeline.process(Frame(source, *strides)) == "VISTA_OK"
+        assert snapshot(pipeline.result) == expected
+
+
+def test_nothing_of_the_frame_is_kept(flight: list[dict]) -> None:
+    pipeline = Pipeline()
+    for source, expected in zip(board_flight(), flight, strict=True):
+        frame = Frame(source)
+        assert pipeline.process(frame) == "VISTA_OK"
+        frame.poison()
+        assert snapshot(pipeline.result) == expected
+
+
+def test_too_little_memory(flight: list[dict]) -> None:
+    needed = bytes_needed(default_parameters(), default_camera())[1]
+
+    def with_bytes(size: int) -> Pipeline:
+        pipeline = Pipeline(missing_bytes=needed - size)
+        assert pipeline.guards_hold, size
+        assert (pipeline.status == "VISTA_OK") == (pipeline.handle != ffi.NULL)
+        assert pipeline.status in ("VISTA_OK", "VISTA_ERROR_MEMORY"), size
+        return pipeline
+
+    low, high = 0, needed  # what is asked for is a bound: bisect for what is used
+    while high - low > 1:
+        middle = (low + high) // 2
+        low, high = (low, middle) if with_bytes(middle).status == "VISTA_OK" else (middle, high)
+    for size in (0, 1, 63, 64, 5000, needed // 8, low):
+        assert with_bytes(size).status == "VISTA_ERROR_MEMORY", size
+    tightest = with_bytes(high)
+    assert tightest.fly(board_flight()) == flight
+    assert tightest.guards_hold
