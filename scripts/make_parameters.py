@@ -125,9 +125,12 @@ def source_text(schema: dict[str, Entry]) -> str:
             )
             value = f"(double)p->{section}.{name}" if entry["type"] != "float" else f"p->{section}.{name}"
             prefix = "  " if lines[-1].startswith("  const char") else "  else "
-            if "at_most" in entry:
-                high = f"p->{section}.{entry['at_most']}"  # its own range keeps it below max
             lines.append(f'{prefix}if (!within({value}, {low}, {high})) wrong = "{section}.{name}";')
+    for section, content in schema.items():
+        for name, entry in entries_of(content).items():
+            if "at_most" in entry:
+                condition = f"p->{section}.{name} > p->{section}.{entry['at_most']}"
+                lines.append(f'  else if ({condition}) wrong = "{section}.{name}";')
     lines += [
         "  if (culprit != NULL) *culprit = wrong;",
         "  return wrong == NULL ? VISTA_OK : VISTA_ERROR_RANGE;",
@@ -140,8 +143,12 @@ def source_text(schema: dict[str, Entry]) -> str:
     ]
     for section, content in schema.items():
         for name, entry in entries_of(content).items():
-            c_type = enum_type(section, name) if entry["type"] == "choice" else C_TYPE[entry["type"]]
-            cast = "" if c_type == "double" else f"({c_type})"
+            # An enum may be unsigned, and a negative double has no conversion to that.
+            cast = {
+                "float": "",
+                "int": "(int32_t)",
+                "choice": f"({enum_type(section, name)})(int32_t)",
+            }[entry["type"]]
             assignment = f"p->{section}.{name} = {cast}value"
             lines.append(f'  if (strcmp(name, "{section}.{name}") == 0) return {assignment}, VISTA_OK;')
     lines += [

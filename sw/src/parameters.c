@@ -145,7 +145,7 @@ vista_status vista_parameters_check(const vista_parameters *parameters, const ch
   else if (!within(p->tracker.extent_psd_1_s, 0.0, 100.0)) wrong = "tracker.extent_psd_1_s";
   else if (!within(p->tracker.overlap_sigma, 0.1, 100.0)) wrong = "tracker.overlap_sigma";
   else if (!within(p->tracker.overlap_scale, 0.1, 10.0)) wrong = "tracker.overlap_scale";
-  else if (!within((double)p->tracker.confirm_hits, 1, p->tracker.confirm_window)) wrong = "tracker.confirm_hits";
+  else if (!within((double)p->tracker.confirm_hits, 1, 32)) wrong = "tracker.confirm_hits";
   else if (!within((double)p->tracker.confirm_window, 1, 32)) wrong = "tracker.confirm_window";
   else if (!within((double)p->tracker.miss_max, 0, 1000)) wrong = "tracker.miss_max";
   else if (!within(p->tracker.out_of_view_s, 0.0, 3600.0)) wrong = "tracker.out_of_view_s";
@@ -156,6 +156,7 @@ vista_status vista_parameters_check(const vista_parameters *parameters, const ch
   else if (!within(p->obstacle_map.inflation_sigma, 0.0, 10.0)) wrong = "obstacle_map.inflation_sigma";
   else if (!within(p->obstacle_map.velocity_smoothing_s, 0.0, 60.0)) wrong = "obstacle_map.velocity_smoothing_s";
   else if (!within(p->obstacle_map.speed_min_m_s, 0.0, 100.0)) wrong = "obstacle_map.speed_min_m_s";
+  else if (p->tracker.confirm_hits > p->tracker.confirm_window) wrong = "tracker.confirm_hits";
   if (culprit != NULL) *culprit = wrong;
   return wrong == NULL ? VISTA_OK : VISTA_ERROR_RANGE;
 }
@@ -166,7 +167,7 @@ vista_status vista_parameters_set(vista_parameters *parameters, const char *name
   vista_parameters *const p = parameters;
   if (strcmp(name, "stereo.num_disparities") == 0) return p->stereo.num_disparities = (int32_t)value, VISTA_OK;
   if (strcmp(name, "stereo.block_size") == 0) return p->stereo.block_size = (int32_t)value, VISTA_OK;
-  if (strcmp(name, "stereo.prefilter") == 0) return p->stereo.prefilter = (vista_stereo_prefilter)value, VISTA_OK;
+  if (strcmp(name, "stereo.prefilter") == 0) return p->stereo.prefilter = (vista_stereo_prefilter)(int32_t)value, VISTA_OK;
   if (strcmp(name, "stereo.prefilter_cap") == 0) return p->stereo.prefilter_cap = (int32_t)value, VISTA_OK;
   if (strcmp(name, "stereo.texture_threshold") == 0) return p->stereo.texture_threshold = (int32_t)value, VISTA_OK;
   if (strcmp(name, "stereo.uniqueness_ratio") == 0) return p->stereo.uniqueness_ratio = (int32_t)value, VISTA_OK;
@@ -174,7 +175,7 @@ vista_status vista_parameters_set(vista_parameters *parameters, const char *name
   if (strcmp(name, "foveation.sector_count") == 0) return p->foveation.sector_count = (int32_t)value, VISTA_OK;
   if (strcmp(name, "foveation.rho_0_px") == 0) return p->foveation.rho_0_px = value, VISTA_OK;
   if (strcmp(name, "foveation.min_valid_fraction") == 0) return p->foveation.min_valid_fraction = value, VISTA_OK;
-  if (strcmp(name, "affinity.form") == 0) return p->affinity.form = (vista_affinity_form)value, VISTA_OK;
+  if (strcmp(name, "affinity.form") == 0) return p->affinity.form = (vista_affinity_form)(int32_t)value, VISTA_OK;
   if (strcmp(name, "affinity.alpha_intensity") == 0) return p->affinity.alpha_intensity = value, VISTA_OK;
   if (strcmp(name, "affinity.mu_intensity") == 0) return p->affinity.mu_intensity = value, VISTA_OK;
   if (strcmp(name, "affinity.sigma_intensity") == 0) return p->affinity.sigma_intensity = value, VISTA_OK;
@@ -182,7 +183,7 @@ vista_status vista_parameters_set(vista_parameters *parameters, const char *name
   if (strcmp(name, "affinity.mu_disparity_slope") == 0) return p->affinity.mu_disparity_slope = value, VISTA_OK;
   if (strcmp(name, "affinity.mu_depth_m") == 0) return p->affinity.mu_depth_m = value, VISTA_OK;
   if (strcmp(name, "affinity.sigma_disparity_px") == 0) return p->affinity.sigma_disparity_px = value, VISTA_OK;
-  if (strcmp(name, "affinity.flow_encoding") == 0) return p->affinity.flow_encoding = (vista_affinity_flow_encoding)value, VISTA_OK;
+  if (strcmp(name, "affinity.flow_encoding") == 0) return p->affinity.flow_encoding = (vista_affinity_flow_encoding)(int32_t)value, VISTA_OK;
   if (strcmp(name, "affinity.flow_scale") == 0) return p->affinity.flow_scale = value, VISTA_OK;
   if (strcmp(name, "affinity.flow_constant") == 0) return p->affinity.flow_constant = value, VISTA_OK;
   if (strcmp(name, "surface.lever_px") == 0) return p->surface.lever_px = value, VISTA_OK;

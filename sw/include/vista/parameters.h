@@ -137,7 +137,7 @@ vista_parameters vista_parameters_default(void);
 vista_status vista_parameters_check(const vista_parameters *parameters, const char **culprit);
 
 /* Sets the parameter called "section.name"; a choice by its number. VISTA_ERROR_RANGE: no such
- * parameter, or a value that no parameter has; its own range is vista_parameters_check's to judge. */
+ * parameter, or a value that none has; its own range is vista_parameters_check's to judge. */
 vista_status vista_parameters_set(vista_parameters *parameters, const char *name, double value);
 
 #endif
