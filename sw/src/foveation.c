@@ -223,13 +223,16 @@ vista_status vista_cells_layout(vista_cells *cells, vista_arena *arena, const vi
   return arena->base != NULL && arena->used > arena->size ? VISTA_ERROR_MEMORY : VISTA_OK;
 }
 
-/* Cells under a pixel: intensity by bilinear interpolation, disparity from the 2x2 pixels around the centre. */
+/* Cells under a pixel: intensity by bilinear interpolation, disparity from the 2x2 pixels around the centre. At the
+ * image's edge a cell that holds a pixel may have its centre beyond it: there the edge is sampled. */
 static int32_t sample_point(const vista_foveation *f, const vista_image *image, const vista_disparity_image *disparity,
                             int32_t node, vista_cells *cells) {
-  int32_t u = (int32_t)f->center_u[node], v = (int32_t)f->center_v[node];
+  const float center_u = fminf(fmaxf(f->center_u[node], 0.0f), (float)(f->width_px - 1));
+  const float center_v = fminf(fmaxf(f->center_v[node], 0.0f), (float)(f->height_px - 1));
+  int32_t u = (int32_t)center_u, v = (int32_t)center_v;
   if (u > f->width_px - 2) u = f->width_px - 2;
   if (v > f->height_px - 2) v = f->height_px - 2;
-  const float s = f->center_u[node] - (float)u, t = f->center_v[node] - (float)v;
+  const float s = center_u - (float)u, t = center_v - (float)v;
   const uint8_t *const p = image->data + v * image->stride + u;
   const uint8_t *const q = p + image->stride;
   cells->intensity[node] = (1 - t) * ((1 - s) * p[0] + s * p[1]) + t * ((1 - s) * q[0] + s * q[1]);
