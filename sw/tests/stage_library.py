@@ -1,0 +1,299 @@
+"""libvista's first half over numpy arrays, for its tests: the stages, and frames to put through them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from cut_library import Arena, ffi, lib, status_name
+
+INVALID = -16
+LEVEL_UP = (0.0, -1.0, 0.0)
+RUN = np.dtype([("u", np.int32), ("v", np.int32), ("length", np.int32)])
+
+# What the tests rely on, so that tuning the defaults leaves them alone.
+PARAMETERS: dict[str, float] = {
+    "foveation.sector_count": 96,
+    "foveation.rho_0_px": 4.0,
+    "foveation.min_valid_fraction": 0.3,
+    "affinity.form": lib.VISTA_AFFINITY_FORM_PRODUCT,
+    "affinity.mu_intensity": 2.0,
+    "affinity.sigma_intensity": 10.0,
+    "affinity.mu_disparity_px": 0.5,
+    "affinity.mu_disparity_slope": 0.1,
+    "affinity.mu_depth_m": 0.5,
+    "affinity.sigma_disparity_px": 1.0,
+    "affinity.flow_encoding": lib.VISTA_AFFINITY_FLOW_ENCODING_EXPONENTIAL,
+    "affinity.flow_scale": 10000.0,
+    "affinity.flow_constant": 10000.0,
+    "surface.lever_px": 8.0,
+    "surface.horizontal_deg": 55.0,
+    "segmentation.core_step_px": 0.5,
+    "segmentation.core_step_slope": 0.03,
+    "segmentation.core_step_m": 0.5,
+    "segmentation.core_area_px2": 60.0,
+    "segmentation.reach": 12,
+    "segmentation.unknown_link": 0.03,
+    "segmentation.mismatch_link": 0.5,
+    "segmentation.horizontal_link": 2.0,
+    "segmentation.merge_ratio": 2.0,
+    "segmentation.merge_share": 0.1,
+    "segmentation.rest_affinity": 0.5,
+    "segmentation.rest_area_px2": 400.0,
+    "region.tolerance_px": 1.0,
+    "region.tolerance_m": 0.5,
+    "region.min_inliers": 60,
+    "region.min_disparity_px": 2.5,
+    "region.min_size_m": 0.35,
+    "region.min_valid_fraction": 0.25,
+    "region.min_inlier_fraction": 0.5,
+    "region.min_height_m": 0.3,
+    "region.min_standing_fraction": 0.22,
+}
+
+
+def parameters(changes: dict[str, float] | None = None):
+    values = ffi.new("vista_parameters *", lib.vista_parameters_default())
+    for name, value in (PARAMETERS | (changes or {})).items():
+        assert lib.vista_parameters_set(values, name.encode(), value) == lib.VISTA_OK, name
+    culprit = ffi.new("const char **")
+    assert lib.vista_parameters_check(values, culprit) == lib.VISTA_OK, ffi.string(culprit[0])
+    return values
+
+
+def camera(width: int = 320, height: int = 240, focal: float = 400.0, baseline: float = 0.5):
+    """The principal point in the middle of the image."""
+    return ffi.new("vista_camera *", [width, height, focal, (width - 1) / 2, (height - 1) / 2, baseline])
+
+
+def view(pointer, count: int, dtype) -> np.ndarray:
+    """The library's own array, not a copy."""
+    return np.frombuffer(ffi.buffer(pointer, count * np.dtype(dtype).itemsize), dtype)
+
+
+def image_struct(kind: str, array: np.ndarray):
+    """An array with its stride as vista_image or vista_disparity_image, which it has to outlive."""
+    dtype, item = {"image": (np.uint8, "uint8_t *"), "disparity_image": (np.int16, "int16_t *")}[kind]
+    assert array.dtype == dtype and array.strides[1] == array.itemsize
+    height, width = array.shape
+    return ffi.new(
+        f"vista_{kind} *",
+        [ffi.cast(item, array.ctypes.data), width, height, array.strides[0] // array.itemsize],
+    )
+
+
+class Foveation:
+    def __init__(self, width: int, height: int, center=None, changes=None, missing_bytes: int = 0) -> None:
+        self._parameters = parameters(changes)
+        self.params = ffi.addressof(self._parameters, "foveation")
+        self.center = center or ((width - 1) / 2, (height - 1) / 2)
+        self.handle = f = ffi.new("vista_foveation *")
+        self.arena = Arena(
+            lambda arena: lib.vista_foveation_layout(f, arena, self.params, width, height, *self.center),
+            missing_bytes,
+        )
+        self.status = status_name(self.arena.status)
+        if self.arena.status != lib.VISTA_OK:
+            return
+        self.node_count, self.arc_count = f.node_count, f.graph.arc_count
+        self.cell_of_pixel = view(f.cell_of_pixel, width * height, np.int32).reshape(height, width)
+        self.node_of_grid = view(f.node_of_grid, f.ring_count * f.sector_count, np.int32).reshape(
+            f.ring_count, f.sector_count
+        )
+        self.first_run = view(f.first_run, self.node_count + 1, np.int32)
+        self.runs = view(f.runs, int(self.first_run[-1]), RUN)
+        self.pixel_count = view(f.pixel_count, self.node_count, np.int32)
+        self.center_u = view(f.center_u, self.node_count, np.float32)
+        self.center_v = view(f.center_v, self.node_count, np.float32)
+        self.size_px = view(f.size_px, self.node_count, np.float32)
+        self.arc_distance_px = view(f.arc_distance_px, self.arc_count, np.float32)
+        first_arc = view(f.graph.first_arc, self.node_count + 1, np.int32)
+        self.tail = np.repeat(np.arange(self.node_count, dtype=np.int32), np.diff(first_arc))
+        self.head = view(f.graph.head, self.arc_count, np.int32)
+        self.reverse = view(f.graph.reverse, self.arc_count, np.int32)
+
+
+class Stages:
+    """Foveation to regions for one camera, each stage with its memory. Tests may write to the arrays."""
+
+    def __init__(self, camera, changes: dict[str, float] | None = None) -> None:
+        self.camera, self.parameters = camera, parameters(changes)
+        self.foveation = f = Foveation(camera.width_px, camera.height_px, changes=changes)
+        self._arenas: list[Arena] = []
+        self.cells = self._lay_out("vista_cells", lib.vista_cells_layout)
+        self.surfaces = self._lay_out("vista_surfaces", lib.vista_surfaces_layout)
+        self.affinity = self._lay_out("vista_affinity", lib.vista_affinity_layout)
+        self.segmentation = self._lay_out("vista_segmentation", lib.vista_segmentation_layout)
+        self.cores = self._lay_out("vista_cores", lib.vista_cores_layout)
+        self.regions = self._lay_out("vista_regions", lib.vista_regions_layout)
+        self.intensity = view(self.cells.intensity, f.node_count, np.float32)
+        self.disparity_px = view(self.cells.disparity_px, f.node_count, np.float32)
+        self.valid_fraction = view(self.cells.valid_fraction, f.node_count, np.float32)
+        self.inclination_deg = view(self.surfaces.inclination_deg, f.node_count, np.float32)
+        self.horizontal = view(self.surfaces.horizontal, f.node_count, np.uint8)
+        self.weight = view(self.affinity.weight, f.arc_count, np.float32)
+        self.capacity = view(self.affinity.capacity, f.arc_count, np.int32)
+        self.label = view(self.segmentation.label, f.node_count, np.int32)
+        self.core_of_node = view(self.cores.core_of_node, f.node_count, np.int32)
+
+    def _lay_out(self, name: str, layout):
+        handle = ffi.new(f"{name} *")
+        arena = Arena(lambda arena: layout(handle, arena, self.foveation.handle))
+        assert arena.status == lib.VISTA_OK, status_name(arena.status)
+        self._arenas.append(arena)
+        return handle
+
+    def section(self, name: str):
+        return ffi.addressof(self.parameters, name)
+
+    def foveate(self, image: np.ndarray, words: np.ndarray) -> str:
+        images = image_struct("image", image), image_struct("disparity_image", words)
+        return status_name(
+            lib.vista_foveate(self.foveation.handle, self.section("foveation"), *images, self.cells)
+        )
+
+    def find_surfaces(self, up=LEVEL_UP) -> None:
+        up_camera = ffi.new("double[3]", [float(x) for x in up])
+        status = lib.vista_surfaces_compute(
+            self.foveation.handle, self.section("surface"), self.camera, up_camera, self.cells, self.surfaces
+        )
+        assert status == lib.VISTA_OK, status_name(status)
+
+    def compare(self) -> None:
+        status = lib.vista_affinity_compute(
+            self.foveation.handle, self.section("affinity"), self.camera, self.cells, self.affinity
+        )
+        assert status == lib.VISTA_OK, status_name(status)
+
+    def find_obstacle_cores(self) -> list[np.ndarray]:
+        status = lib.vista_cores_of_obstacles(
+            self.foveation.handle,
+            self.section("segmentation"),
+            self.camera,
+            self.cells,
+            self.surfaces,
+            self.cores,
+        )
+        assert status == lib.VISTA_OK, status_name(status)
+        return self._core_members()
+
+    def find_rest_cores(self, label: np.ndarray) -> list[np.ndarray]:
+        label = np.ascontiguousarray(label, np.int32)
+        status = lib.vista_cores_of_rest(
+            self.foveation.handle,
+            self.section("segmentation"),
+            self.affinity,
+            self.surfaces,
+            ffi.cast("int32_t *", label.ctypes.data),
+            self.cores,
+        )
+        assert status == lib.VISTA_OK, status_name(status)
+        return self._core_members()
+
+    def _core_members(self) -> list[np.ndarray]:
+        first = view(self.cores.first_member, self.cores.count + 1, np.int32)
+        members = view(self.cores.members, self.foveation.node_count, np.int32)
+        return [members[a:b].copy() for a, b in pairwise(first)]
+
+    def segment(self) -> None:
+        status = lib.vista_segment(
+            self.foveation.handle,
+            self.parameters,
+            self.camera,
+            self.cells,
+            self.surfaces,
+            self.affinity,
+            self.segmentation,
+        )
+        assert status == lib.VISTA_OK, status_name(status)
+
+    def measure_regions(self, words: np.ndarray, up=LEVEL_UP) -> list:
+        up_camera = ffi.new("double[3]", [float(x) for x in up])
+        status = lib.vista_regions_compute(
+            self.foveation.handle,
+            self.section("region"),
+            self.camera,
+            up_camera,
+            self.parameters.surface.horizontal_deg,
+            image_struct("disparity_image", words),
+            self.cells,
+            self.surfaces,
+            self.segmentation,
+            self.regions,
+        )
+        assert status == lib.VISTA_OK, status_name(status)
+        return [self.regions.items[k] for k in range(self.regions.count)]
+
+    def partition(self, image: np.ndarray, words: np.ndarray, up=LEVEL_UP) -> np.ndarray:
+        """Everything up to the cuts; the label of every pixel."""
+        assert self.foveate(image, words) == "VISTA_OK"
+        self.find_surfaces(up)
+        self.compare()
+        self.segment()
+        return self.label[self.foveation.cell_of_pixel]
+
+    def run(self, image: np.ndarray, words: np.ndarray, up=LEVEL_UP) -> list:
+        self.partition(image, words, up)
+        return self.measure_regions(words, up)
+
+
+def rays(camera) -> np.ndarray:
+    """(height, width, 3): the point at depth 1 behind every pixel."""
+    v, u = np.mgrid[: camera.height_px, : camera.width_px]
+    x, y = (u - camera.center_u_px) / camera.focal_px, (v - camera.center_v_px) / camera.focal_px
+    return np.stack([x, y, np.ones_like(x)], axis=-1)
+
+
+def plane_disparity(camera, normal, point) -> np.ndarray:
+    """Disparity of the plane through `point` with this normal, from its depth on every ray; <= 0: unseen."""
+    normal, point = np.asarray(normal, float), np.asarray(point, float)
+    with np.errstate(divide="ignore"):
+        depth_m = normal @ point / (rays(camera) @ normal)
+    return camera.focal_px * camera.baseline_m / depth_m
+
+
+def words_of(disparity_px: np.ndarray, random: np.random.Generator | None = None, sigma_px=0.0) -> np.ndarray:
+    noise = random.normal(0.0, sigma_px, disparity_px.shape) if random is not None else 0.0
+    words = np.rint(16 * (disparity_px + noise))
+    return np.where(disparity_px > 0, words, INVALID).astype(np.int16)
+
+
+GROUND, BACKGROUND, SKY, FIRST_THING = 0, 1, 2, 3
+
+
+@dataclass
+class Board:
+    """An upright rectangle facing a level camera, metres; only a rim of it has texture."""
+
+    x_m: float
+    y_m: float
+    z_m: float
+    width_m: float
+    height_m: float
+    grey: int = 60
+    rim_px: float | None = None  # None: textured all over
+
+
+def street(
+    camera, boards: list[Board], random: np.random.Generator, ground_m: float = 3.0, far_m: float = 80.0
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Grey image, words and owner (GROUND .. FIRST_THING + k) of level ground, far houses to a little above
+    the horizon, empty sky, and the boards."""
+    ray = rays(camera)
+    scale = camera.focal_px * camera.baseline_m
+    ground = plane_disparity(camera, (0, 1, 0), (0, ground_m, 0))
+    disparity = np.maximum(ground, scale / far_m)
+    owner = np.where(ground > scale / far_m, GROUND, BACKGROUND)
+    sky = ray[..., 1] * far_m < -6.0
+    owner[sky], disparity[sky] = SKY, -1.0
+    grey = np.choose(owner, [110, 160, 230]).astype(float)
+    for k, board in sorted(enumerate(boards), key=lambda item: -item[1].z_m):
+        x, y = ray[..., 0] * board.z_m - board.x_m, ray[..., 1] * board.z_m - board.y_m
+        from_edge_m = np.minimum(board.width_m / 2 - np.abs(x), board.height_m / 2 - np.abs(y))
+        on = from_edge_m >= 0
+        owner[on], grey[on], disparity[on] = FIRST_THING + k, board.grey, scale / board.z_m
+        if board.rim_px is not None:
+            disparity[from_edge_m * camera.focal_px / board.z_m >= board.rim_px] = -1.0
+    image = np.clip(grey + random.normal(0, 2, grey.shape), 0, 255).astype(np.uint8)
+    return image, words_of(disparity, random, 0.1), owner
