@@ -1,0 +1,170 @@
+"""Affinity and flow against equations 3 to 5 written in numpy."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from cut_library import Arena, ffi, lib, status_name
+from random_seed import seeded
+from stage_library import Stages, camera, parameters
+
+FORMS = {"product": lib.VISTA_AFFINITY_FORM_PRODUCT, "sum": lib.VISTA_AFFINITY_FORM_SUM}
+ENCODINGS = {
+    "exponential": lib.VISTA_AFFINITY_FLOW_ENCODING_EXPONENTIAL,
+    "linear": lib.VISTA_AFFINITY_FLOW_ENCODING_LINEAR,
+}
+
+
+def random_changes(random: np.random.Generator, form: str, encoding: str) -> dict[str, float]:
+    return {
+        "affinity.form": FORMS[form],
+        "affinity.flow_encoding": ENCODINGS[encoding],
+        "affinity.alpha_intensity": random.uniform(0, 1),
+        "affinity.mu_intensity": random.uniform(0, 20),
+        "affinity.sigma_intensity": random.uniform(1, 60),
+        "affinity.mu_disparity_px": random.uniform(0, 2),
+        "affinity.mu_disparity_slope": random.uniform(0, 0.3),
+        "affinity.mu_depth_m": random.uniform(0, 3),
+        "affinity.sigma_disparity_px": random.uniform(0.2, 10),
+        "affinity.flow_scale": random.uniform(10, 100000),
+        "affinity.flow_constant": 10 ** random.uniform(0, 8),
+    }
+
+
+def random_cells(random: np.random.Generator, stages: Stages) -> None:
+    """Grey and disparity that differ by little or much, a third of the cells without disparity."""
+    count = stages.foveation.node_count
+    stages.intensity[:] = random.choice([100.0, 200.0], count) + random.normal(0, 10, count)
+    stages.disparity_px[:] = random.choice([3.0, 5.0, 40.0], count) + random.uniform(-2, 2, count)
+    stages.disparity_px[random.random(count) < 0.3] = -1.0
+
+
+def depth_step_px(stages: Stages, nearer_px: np.ndarray, step_m: float) -> np.ndarray:
+    """By how much the disparity falls over step_m of depth, at most 6 % of the range."""
+    scale = stages.camera.focal_px * stages.camera.baseline_m
+    depth_m = scale / nearer_px
+    return nearer_px - scale / (depth_m + np.minimum(step_m, 0.06 * depth_m))
+
+
+def expected_weight(stages: Stages) -> np.ndarray:
+    p, f = stages.parameters.affinity, stages.foveation
+    i, j = f.tail, f.head
+
+    def term(difference, mu, sigma):
+        return np.exp(-((np.maximum(np.abs(difference), mu) - mu) ** 2) / (2 * sigma**2))
+
+    grey = stages.intensity.astype(float)
+    d = stages.disparity_px.astype(float)
+    d_intensity = term(grey[i] - grey[j], p.mu_intensity, p.sigma_intensity)
+    known = (d[i] >= 0) & (d[j] >= 0)
+    relief = depth_step_px(stages, np.where(known, np.maximum(d[i], d[j]), 1.0), p.mu_depth_m)
+    mu = np.maximum(relief, p.mu_disparity_px + p.mu_disparity_slope * f.arc_distance_px)
+    d_disparity = term(d[i] - d[j], mu, p.sigma_disparity_px)
+    if p.form == FORMS["sum"]:
+        both = p.alpha_intensity * d_intensity + (1 - p.alpha_intensity) * d_disparity
+    else:
+        both = d_intensity * d_disparity
+    return np.where(known, both, d_intensity)
+
+
+def expected_flow(stages: Stages, weight: np.ndarray) -> np.ndarray:
+    p = stages.parameters.affinity
+    if p.flow_encoding == ENCODINGS["linear"]:
+        return p.flow_scale * (weight + 1) / 2
+    return p.flow_scale * p.flow_constant ** ((weight - 1) / 2)
+
+
+@pytest.mark.parametrize("encoding", ENCODINGS)
+@pytest.mark.parametrize("form", FORMS)
+def test_weights_and_capacities_are_those_of_the_equations(form: str, encoding: str) -> None:
+    random = seeded(1)
+    for _ in range(20):
+        stages = Stages(camera(64, 48), random_changes(random, form, encoding))
+        random_cells(random, stages)
+        stages.compare()
+        assert np.allclose(stages.weight, expected_weight(stages), rtol=2e-4, atol=1e-5)
+        reverse = stages.foveation.reverse
+        assert np.array_equal(stages.weight, stages.weight[reverse])
+        assert np.array_equal(stages.capacity, stages.capacity[reverse])
+        flow = expected_flow(stages, stages.weight.astype(float))
+        assert np.abs(stages.capacity - np.maximum(flow, 1)).max() <= 0.5 + 1e-6
+        assert stages.weight.min() >= 0 and stages.weight.max() <= 1
+        assert stages.capacity.min() >= 1
+
+
+def one_edge(stages: Stages, grey, disparity) -> float:
+    """The weight between two neighbours with these values."""
+    a, b = stages.foveation.tail[-1], stages.foveation.head[-1]
+    stages.intensity[:], stages.disparity_px[:] = 0, -1
+    stages.intensity[[a, b]], stages.disparity_px[[a, b]] = grey, disparity
+    stages.compare()
+    return float(stages.weight[-1])
+
+
+def test_affinities_worked_by_hand() -> None:
+    """One sigma beyond mu makes exp(-1/2); what lies within mu makes 1."""
+    plain = {
+        "affinity.mu_intensity": 2.0,
+        "affinity.sigma_intensity": 10.0,
+        "affinity.mu_disparity_px": 0.5,
+        "affinity.mu_disparity_slope": 0.0,
+        "affinity.mu_depth_m": 0.0,
+        "affinity.sigma_disparity_px": 1.0,
+        "affinity.alpha_intensity": 0.25,
+    }
+    product = Stages(camera(64, 48), plain | {"affinity.form": FORMS["product"]})
+    added = Stages(camera(64, 48), plain | {"affinity.form": FORMS["sum"]})
+    one_sigma = np.exp(-0.5)
+    for stages in (product, added):
+        assert one_edge(stages, (50, 52), (10, 10.5)) == pytest.approx(1.0)
+        assert one_edge(stages, (50, 62), (10, -1)) == pytest.approx(one_sigma)
+        assert one_edge(stages, (62, 50), (-1, -1)) == pytest.approx(one_sigma)
+        assert one_edge(stages, (50, 50), (0, -1)) == pytest.approx(1.0)
+    assert one_edge(product, (50, 62), (10, 11.5)) == pytest.approx(one_sigma**2)
+    assert one_edge(added, (50, 62), (10, 10)) == pytest.approx(0.25 * one_sigma + 0.75)
+    assert one_edge(added, (50, 50), (10, 11.5)) == pytest.approx(0.25 + 0.75 * one_sigma)
+
+
+def test_relief_of_near_things_is_no_difference() -> None:
+    """f B = 200 px m: 20 px is 10 m away, 19.05 px half a metre more; at 2 m the limit is 6 % of it, 12 cm."""
+    stages = Stages(
+        camera(64, 48),
+        {"affinity.mu_disparity_px": 0.1, "affinity.mu_disparity_slope": 0.0, "affinity.mu_depth_m": 0.5},
+    )
+    assert one_edge(stages, (9, 9), (20, 200 / 10.5 + 0.01)) == pytest.approx(1.0)
+    assert one_edge(stages, (9, 9), (20, 200 / 10.5 - 0.2)) < 0.999
+    assert one_edge(stages, (9, 9), (100, 200 / 2.12 + 0.01)) == pytest.approx(1.0)
+    assert one_edge(stages, (9, 9), (100, 200 / 2.12 - 0.2)) < 0.999
+
+
+@pytest.mark.parametrize("encoding", ENCODINGS)
+def test_flow_spans_what_the_encoding_says(encoding: str) -> None:
+    values = parameters(
+        {
+            "affinity.flow_encoding": ENCODINGS[encoding],
+            "affinity.flow_scale": 10000.0,
+            "affinity.flow_constant": 10000.0,
+        }
+    )
+    section = ffi.addressof(values, "affinity")
+    flow = [lib.vista_flow_encode(section, w) for w in np.linspace(0, 1, 101)]
+    assert flow[-1] == 10000
+    assert flow[0] == {"linear": 5000, "exponential": 100}[encoding]
+    assert np.all(np.diff(flow) > 0)
+
+
+def test_no_edge_vanishes() -> None:
+    values = parameters({"affinity.flow_scale": 10.0, "affinity.flow_constant": 1e8})
+    assert lib.vista_flow_encode(ffi.addressof(values, "affinity"), 0.0) == 1
+
+
+def test_null_pointers_and_little_memory_are_refused() -> None:
+    stages = Stages(camera(64, 48))
+    handle = stages.foveation.handle
+    arguments = [handle, stages.section("affinity"), stages.camera, stages.cells, stages.affinity]
+    for i in range(len(arguments)):
+        with_null = [*arguments[:i], ffi.NULL, *arguments[i + 1 :]]
+        assert status_name(lib.vista_affinity_compute(*with_null)) == "VISTA_ERROR_ARGUMENT"
+    affinity = ffi.new("vista_affinity *")
+    short = Arena(lambda arena: lib.vista_affinity_layout(affinity, arena, handle), missing_bytes=1)
+    assert status_name(short.status) == "VISTA_ERROR_MEMORY"

@@ -1,0 +1,184 @@
+"""Inclinations and the ground against planes set up in space, for cameras held at any angle."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from cut_library import Arena, ffi, lib, status_name
+from random_seed import seeded
+from stage_library import INVALID, LEVEL_UP, Stages, camera, plane_disparity, rays, words_of
+
+
+def unit(vector) -> np.ndarray:
+    return np.asarray(vector, float) / np.linalg.norm(vector)
+
+
+def lean_deg(normal, up) -> float:
+    """From the vertical: a wall's normal is level, the ground's points up."""
+    return np.degrees(np.pi / 2 - np.arccos(np.clip(abs(unit(normal) @ unit(up)), 0, 1)))
+
+
+def roll(degrees: float) -> np.ndarray:
+    c, s = np.cos(np.radians(degrees)), np.sin(np.radians(degrees))
+    return np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
+
+
+def random_plane(random: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
+    """Normal and a point before the camera, 4 to 40 m away."""
+    return unit(random.normal(size=3)), np.array([*random.uniform(-3, 3, 2), random.uniform(4, 40)])
+
+
+def test_the_inclination_of_a_plane_is_that_of_its_normal() -> None:
+    random = seeded(1)
+    view = camera(320, 240, focal=random.uniform(100, 1000), baseline=random.uniform(0.05, 1.0))
+    compared = 0
+    while compared < 300:
+        normal, point = random_plane(random)
+        up = unit(random.normal(size=3))
+        disparity = plane_disparity(view, normal, point)
+        v, u = (int(x) for x in random.integers(0, (239, 319)))
+        patch = disparity[v : v + 2, u : u + 2]
+        if patch.min() <= 0.1 or patch.max() > 200:
+            continue
+        slope_u, slope_v = patch[0, 1] - patch[0, 0], patch[1, 0] - patch[0, 0]
+        up_camera = ffi.new("double[3]", up.tolist())
+        found = lib.vista_plane_inclination_deg(view, up_camera, u, v, patch[0, 0], slope_u, slope_v)
+        assert found == pytest.approx(lean_deg(normal, up), abs=0.01)
+        compared += 1
+
+
+def test_a_degenerate_plane_has_no_inclination() -> None:
+    up = ffi.new("double[3]", LEVEL_UP)
+    assert np.isnan(lib.vista_plane_inclination_deg(camera(), up, 10, 20, 0.0, 0.0, 0.0))
+
+
+def set_plane(stages: Stages, normal, point) -> None:
+    """The plane's exact disparity at every cell's centre; none where it is not seen."""
+    f, c = stages.foveation, stages.camera
+    ray = np.stack(
+        [
+            (f.center_u - c.center_u_px) / c.focal_px,
+            (f.center_v - c.center_v_px) / c.focal_px,
+            np.ones_like(f.center_u),
+        ],
+        axis=-1,
+    ).astype(float)
+    disparity = c.focal_px * c.baseline_m * (ray @ normal) / (normal @ point)
+    stages.disparity_px[:] = np.where(disparity > 0, disparity, -1)
+
+
+@pytest.mark.parametrize("lever_px", [1.0, 8.0, 40.0])
+def test_cells_on_an_exact_plane_lean_as_it_does(lever_px: float) -> None:
+    random = seeded(2)
+    stages = Stages(camera(160, 120), {"surface.lever_px": lever_px})
+    for _ in range(50):
+        (normal, point), up = random_plane(random), unit(random.normal(size=3))
+        set_plane(stages, normal, point)
+        stages.find_surfaces(up)
+        known = stages.inclination_deg >= 0
+        assert np.all(stages.disparity_px[known] >= 0)
+        # disparities are floats: cells a pixel apart at a slope of 1/1000 keep three digits of it
+        clear = known & (stages.disparity_px < 100) & (stages.foveation.size_px > 2)
+        if abs(normal @ point) > 1.0:
+            assert np.allclose(stages.inclination_deg[clear], lean_deg(normal, up), atol=0.2)
+
+
+PLANES = {
+    "ground": ((0, 1, 0), (0, 3, 10)),
+    "wall ahead": ((0, 0, 1), (0, 0, 5)),
+    "wall at an angle": ((np.sin(0.7), 0, np.cos(0.7)), (0, 0, 6)),
+    "wall along the way": ((1, 0, 0.1), (-2, 0, 5)),
+    "ramp of 45 deg": ((0, 1, 1), (0, 0, 6)),
+    "ceiling": ((0, 1, 0), (0, -3, 10)),
+}
+
+
+@pytest.mark.parametrize("roll_deg", [0, 20, -90, 180])
+@pytest.mark.parametrize("name", PLANES)
+def test_cells_of_a_rendered_plane_lean_as_it_does(name: str, roll_deg: float) -> None:
+    """Words are rounded to 1/16 px, and the camera may be rolled with the up vector known."""
+    stages = Stages(camera(), {"surface.lever_px": 16.0, "surface.horizontal_deg": 60.0})
+    turned = roll(roll_deg)
+    up = turned @ LEVEL_UP
+    normal, point = (turned @ np.asarray(x, float) for x in PLANES[name])
+    disparity = plane_disparity(stages.camera, normal, point)
+    words = np.where(disparity < 60, words_of(disparity), INVALID).astype(np.int16)
+    assert stages.foveate(np.full(words.shape, 90, np.uint8), words) == "VISTA_OK"
+    stages.find_surfaces(up)
+
+    f = stages.foveation
+    inside = (f.size_px > 4) & (stages.disparity_px > 8) & (stages.disparity_px < 50)
+    inside &= (np.abs(f.center_u - 159.5) < 100) & (np.abs(f.center_v - 119.5) < 70)
+    inside &= stages.inclination_deg >= 0
+    assert np.count_nonzero(inside) > 30
+    true_deg = lean_deg(normal, up)
+    error = np.abs(stages.inclination_deg[inside] - true_deg)
+    assert np.median(error) < 1.0 and np.quantile(error, 0.9) < 3.0
+    assert np.mean(stages.horizontal[inside] == (true_deg > 60)) > 0.98
+
+
+def test_cells_without_disparity_have_no_inclination() -> None:
+    stages = Stages(camera(160, 120))
+    set_plane(stages, *(np.asarray(x, float) for x in PLANES["ground"]))
+    gone = np.arange(stages.foveation.node_count) % 5 == 0
+    stages.disparity_px[gone] = -1
+    stages.find_surfaces()
+    assert np.all(stages.inclination_deg[gone] < 0)
+    assert not stages.horizontal[gone].any()
+    stages.disparity_px[:] = -1
+    stages.find_surfaces()
+    assert np.all(stages.inclination_deg < 0)
+    assert not stages.horizontal.any()
+    assert not stages.surfaces.ground_found
+
+
+def test_the_ground_is_found_below_what_stands_on_it() -> None:
+    """A box before it, and a tenth of the disparities wrong."""
+    random = seeded(3)
+    for height_m, roll_deg in ((1.5, 0), (3.0, 15), (6.0, -30)):
+        stages = Stages(camera())
+        turned = roll(roll_deg)
+        normal = turned @ np.array([0.0, 1.0, 0.0])
+        ground = plane_disparity(stages.camera, normal, normal * height_m)
+        disparity = np.where(ground > 60, -1, ground)
+        disparity[100:200, 120:180] = 18.0
+        wrong = random.random(disparity.shape) < 0.1
+        disparity[wrong] = random.uniform(0.1, 60, np.count_nonzero(wrong))
+        stages.foveate(np.full(disparity.shape, 90, np.uint8), words_of(disparity))
+        stages.find_surfaces(turned @ LEVEL_UP)
+        s = stages.surfaces
+        assert s.ground_found
+        gradient = stages.camera.baseline_m / height_m * normal  # d = f B (n . ray) / h
+        assert (s.ground_slope_u, s.ground_slope_v) == pytest.approx(tuple(gradient[:2]), abs=0.01)
+        assert s.ground_px == pytest.approx(0.0, abs=0.5)
+
+
+def test_walls_are_no_ground() -> None:
+    stages = Stages(camera())
+    for name in ("wall ahead", "wall at an angle"):
+        set_plane(stages, *(np.asarray(x, float) for x in PLANES[name]))
+        stages.find_surfaces()
+        assert not stages.surfaces.ground_found
+
+
+def test_null_pointers_and_little_memory_are_refused() -> None:
+    stages = Stages(camera(64, 48))
+    handle = stages.foveation.handle
+    up = ffi.new("double[3]", LEVEL_UP)
+    arguments = [handle, stages.section("surface"), stages.camera, up, stages.cells, stages.surfaces]
+    for i in range(len(arguments)):
+        with_null = [*arguments[:i], ffi.NULL, *arguments[i + 1 :]]
+        assert status_name(lib.vista_surfaces_compute(*with_null)) == "VISTA_ERROR_ARGUMENT"
+    surfaces = ffi.new("vista_surfaces *")
+    short = Arena(lambda arena: lib.vista_surfaces_layout(surfaces, arena, handle), missing_bytes=1)
+    assert status_name(short.status) == "VISTA_ERROR_MEMORY"
+
+
+def test_rays_meet_the_pixels_that_they_came_from() -> None:
+    """The reference itself: a point on a plane projects to the pixel whose ray met it, with its disparity."""
+    c = camera()
+    normal, point = unit((0.3, -0.5, 0.8)), np.array([0.4, 0.2, 7.0])
+    disparity = plane_disparity(c, normal, point)
+    spot = rays(c)[30, 200] * c.focal_px * c.baseline_m / disparity[30, 200]
+    assert normal @ (spot - point) == pytest.approx(0, abs=1e-9)
+    assert c.focal_px * spot[:2] / spot[2] + (159.5, 119.5) == pytest.approx((200, 30))
