@@ -1,23 +1,30 @@
-/* vista-replay: runs libvista over a recording (vista run --record FILE) without Python: for targets, memory
- * checkers and profilers.
+/* replay: runs libvista over a recording (vista run --record FILE) without Python: for targets, memory checkers and
+ * profilers.
  *
- *   replay RECORDING [--frames N] [--repeat N]
+ *   replay RECORDING [--frames N] [--repeat N] [--times FILE.csv]
  *
- * stdout: one JSON line a frame with the obstacles, numbers to the last digit. stderr: times of the stages.
+ * stdout: one JSON line a frame with the obstacles, numbers to the last digit. stderr: times of the stages, of N
+ * further runs over the recording. FILE.csv: the same frame by frame, and the processor time of each.
  * Exit status: 0, or 2 with one line on stderr that names what is wrong.
  * Format of a recording: sw/python/vista/recording.py. */
+#include <ctype.h>
 #include <errno.h>
 #include <math.h>
 #include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 #include "vista/pipeline.h"
 
 #define MAGIC "VISTAREC"
 #define VERSION 2
 #define NAME_BYTES 48
+#define FRAME_HEAD_BYTES 136 /* t_ns, has_pose, has_up, pose, up_world */
+#define COLUMN_HOST VISTA_STAGE_COUNT /* of the times: the stages, their sum, processor time */
+#define COLUMN_CPU (VISTA_STAGE_COUNT + 1)
+#define COLUMN_COUNT (VISTA_STAGE_COUNT + 2)
 
 typedef struct recording {
   const char *path;
@@ -26,6 +33,7 @@ typedef struct recording {
   vista_parameters parameters;
   uint32_t stills; /* the frames are unrelated: no tracking from one to the next */
   long first_frame; /* offset of the first frame */
+  long frame_count;
 } recording;
 
 typedef struct frame_buffer {
@@ -44,6 +52,37 @@ static int fail(const char *culprit, const char *reason) {
 
 static bool read_exactly(FILE *stream, void *target, size_t bytes) { return fread(target, 1, bytes, stream) == bytes; }
 
+static int read_parameters(recording *r, uint32_t count) {
+  char message[NAME_BYTES + 32];
+  r->parameters = vista_parameters_default();
+  for (uint32_t i = 0; i < count; ++i) {
+    char name[NAME_BYTES + 1] = {0};
+    double value;
+    if (!read_exactly(r->stream, name, NAME_BYTES) || !read_exactly(r->stream, &value, sizeof value))
+      return fail(r->path, "cut off in the parameters");
+    if (vista_parameters_set(&r->parameters, name, value) == VISTA_OK) continue;
+    for (char *c = name; *c != '\0'; ++c)
+      if (!isprint((unsigned char)*c)) *c = '?';
+    (void)snprintf(message, sizeof message, "unknown parameter or value: %s", name);
+    return fail(r->path, message);
+  }
+  const char *culprit = NULL;
+  if (vista_parameters_check(&r->parameters, &culprit) == VISTA_OK) return 0;
+  (void)snprintf(message, sizeof message, "%s is out of range", culprit);
+  return fail(r->path, message);
+}
+
+/* Before any memory is asked for: the header may promise images that the file does not hold. */
+static int count_frames(recording *r) {
+  const long frame_bytes = FRAME_HEAD_BYTES + 3L * r->camera.width_px * r->camera.height_px;
+  r->first_frame = ftell(r->stream);
+  if (r->first_frame < 0 || fseek(r->stream, 0, SEEK_END) != 0) return fail(r->path, strerror(errno));
+  const long bytes = ftell(r->stream) - r->first_frame;
+  r->frame_count = bytes / frame_bytes;
+  if (bytes == 0) return fail(r->path, "no frames");
+  return bytes % frame_bytes == 0 ? 0 : fail(r->path, "cut off in a frame");
+}
+
 static int open_recording(recording *r) {
   char magic[8];
   uint32_t numbers[4]; /* version, width, height, parameter count */
@@ -60,46 +99,51 @@ static int open_recording(recording *r) {
   if (numbers[1] > 8192 || numbers[2] > 8192) return fail(r->path, "images larger than 8192x8192");
   r->camera = (vista_camera){(int32_t)numbers[1], (int32_t)numbers[2], camera[0], camera[1], camera[2], camera[3]};
   r->stills = flags[0];
-  r->parameters = vista_parameters_default();
-  for (uint32_t i = 0; i < numbers[3]; ++i) {
-    char name[NAME_BYTES + 1] = {0};
-    double value;
-    if (!read_exactly(r->stream, name, NAME_BYTES) || !read_exactly(r->stream, &value, sizeof value))
-      return fail(r->path, "cut off in the parameters");
-    if (vista_parameters_set(&r->parameters, name, value) != VISTA_OK) return fail(name, "unknown parameter");
-  }
-  r->first_frame = ftell(r->stream);
-  return 0;
+  const int exit_status = read_parameters(r, numbers[3]);
+  return exit_status != 0 ? exit_status : count_frames(r);
 }
 
-/* 1: a frame; 0: the end; -1: cut off. */
-static int read_frame(const recording *r, frame_buffer *frame) {
+static bool read_frame(const recording *r, frame_buffer *frame) {
   const size_t pixels = (size_t)r->camera.width_px * (size_t)r->camera.height_px;
-  const size_t first = fread(&frame->t_ns, 1, sizeof frame->t_ns, r->stream);
-  if (first == 0) return 0;
-  const bool complete = first == sizeof frame->t_ns && read_exactly(r->stream, &frame->has_pose, 4) &&
-                        read_exactly(r->stream, &frame->has_up, 4) &&
-                        read_exactly(r->stream, frame->pose.rotation, sizeof frame->pose.rotation) &&
-                        read_exactly(r->stream, frame->pose.translation_m, sizeof frame->pose.translation_m) &&
-                        read_exactly(r->stream, frame->up_world, sizeof frame->up_world) &&
-                        read_exactly(r->stream, frame->left, pixels) &&
-                        read_exactly(r->stream, frame->disparity, 2 * pixels);
-  return complete ? 1 : -1;
+  return read_exactly(r->stream, &frame->t_ns, sizeof frame->t_ns) &&
+         read_exactly(r->stream, &frame->has_pose, sizeof frame->has_pose) &&
+         read_exactly(r->stream, &frame->has_up, sizeof frame->has_up) &&
+         read_exactly(r->stream, frame->pose.rotation, sizeof frame->pose.rotation) &&
+         read_exactly(r->stream, frame->pose.translation_m, sizeof frame->pose.translation_m) &&
+         read_exactly(r->stream, frame->up_world, sizeof frame->up_world) &&
+         read_exactly(r->stream, frame->left, pixels) && read_exactly(r->stream, frame->disparity, 2 * pixels);
 }
 
-static void print_result(int index, const vista_result *result) {
-  printf("{\"frame\": %d, \"regions\": %d, \"valid_fraction\": %.17g, \"obstacles\": [", index, result->region_count,
-         result->valid_fraction);
-  for (int32_t i = 0; i < result->obstacle_count; ++i) {
-    const vista_obstacle *const o = &result->obstacles[i];
-    printf("%s{\"id\": %d, \"confirmed\": %s, \"position_m\": [%.17g, %.17g, %.17g], \"distance_m\": %.17g}",
-           i == 0 ? "" : ", ", o->id, o->confirmed ? "true" : "false", o->position_m[0], o->position_m[1],
-           o->position_m[2], o->distance_m);
+static void print_obstacle(const vista_obstacle *o) {
+  printf("{\"id\": %d, \"confirmed\": %s, \"age_frames\": %d, \"position_m\": [%.17g, %.17g, %.17g], "
+         "\"distance_m\": %.17g, \"extent_m\": [%.17g, %.17g], \"disparity_px\": %.17g, "
+         "\"in_collision_volume\": %s}",
+         o->id, o->confirmed ? "true" : "false", o->age_frames, o->position_m[0], o->position_m[1], o->position_m[2],
+         o->distance_m, o->extent_m[0], o->extent_m[1], o->disparity_px, o->in_collision_volume ? "true" : "false");
+}
+
+static void print_nearest(const vista_nearest_collision *nearest) {
+  if (!nearest->valid) {
+    printf("null");
+    return;
   }
-  if (result->nearest_collision.valid)
-    printf("], \"nearest_collision\": %d}\n", result->nearest_collision.id);
+  printf("{\"id\": %d, \"distance_m\": %.17g, \"time_to_collision_s\": ", nearest->id, nearest->distance_m);
+  if (isfinite(nearest->time_to_collision_s))
+    printf("%.17g}", nearest->time_to_collision_s);
   else
-    printf("], \"nearest_collision\": null}\n");
+    printf("null}");
+}
+
+static void print_result(long index, const vista_result *result) {
+  printf("{\"frame\": %ld, \"cells\": %d, \"regions\": %d, \"valid_fraction\": %.17g, \"obstacles\": [", index,
+         result->foveation->node_count, result->region_count, result->valid_fraction);
+  for (int32_t i = 0; i < result->obstacle_count; ++i) {
+    if (i > 0) printf(", ");
+    print_obstacle(&result->obstacles[i]);
+  }
+  printf("], \"nearest_collision\": ");
+  print_nearest(&result->nearest_collision);
+  printf("}\n");
 }
 
 static int compare_doubles(const void *a, const void *b) {
@@ -107,104 +151,143 @@ static int compare_doubles(const void *a, const void *b) {
   return (x > y) - (x < y);
 }
 
-static void print_times(double *stage_ms, int frames) {
-  fprintf(stderr, "%-16s %10s %10s   of %d frames\n", "stage", "median ms", "p99 ms", frames);
-  for (int stage = 0; stage <= VISTA_STAGE_COUNT; ++stage) {
-    double *const column = stage_ms + (size_t)stage * (size_t)frames;
-    qsort(column, (size_t)frames, sizeof *column, compare_doubles);
-    fprintf(stderr, "%-16s %10.3f %10.3f\n",
-            stage < VISTA_STAGE_COUNT ? vista_stage_name((vista_stage)stage) : "host", column[frames / 2],
-            column[(int)ceil(0.99 * frames) - 1]);
+static const char *column_name(int column) {
+  return column < COLUMN_HOST ? vista_stage_name((vista_stage)column) : column == COLUMN_HOST ? "host" : "cpu";
+}
+
+/* times_ms: a row of COLUMN_COUNT a frame. */
+static int write_times(const char *path, const double *times_ms, long rows) {
+  FILE *const stream = fopen(path, "w");
+  if (stream == NULL) return fail(path, strerror(errno));
+  for (int column = 0; column < COLUMN_COUNT; ++column)
+    fprintf(stream, "%s%s", column_name(column), column + 1 < COLUMN_COUNT ? "," : "\n");
+  for (long row = 0; row < rows; ++row)
+    for (int column = 0; column < COLUMN_COUNT; ++column)
+      fprintf(stream, "%.6f%s", times_ms[row * COLUMN_COUNT + column], column + 1 < COLUMN_COUNT ? "," : "\n");
+  const bool written = !ferror(stream);
+  return fclose(stream) == 0 && written ? 0 : fail(path, "cannot be written");
+}
+
+/* scratch: room for `rows` numbers. */
+static void print_times(const double *times_ms, long rows, double *scratch) {
+  fprintf(stderr, "%-16s %10s %10s   of %ld frames\n", "stage", "median ms", "p99 ms", rows);
+  for (int column = 0; column < COLUMN_COUNT; ++column) {
+    for (long row = 0; row < rows; ++row) scratch[row] = times_ms[row * COLUMN_COUNT + column];
+    qsort(scratch, (size_t)rows, sizeof *scratch, compare_doubles);
+    fprintf(stderr, "%-16s %10.3f %10.3f\n", column_name(column), scratch[rows / 2],
+            scratch[(long)ceil(0.99 * (double)rows) - 1]);
   }
 }
 
 typedef struct options {
-  const char *path;
+  const char *path, *times;
   long frames, repeat;
 } options;
 
 static bool parse(int argc, char **argv, options *o) {
-  *o = (options){.frames = -1, .repeat = 1};
+  *o = (options){.frames = 0, .repeat = 1};
   for (int i = 1; i < argc; ++i) {
-    long *const number = strcmp(argv[i], "--frames") == 0 ? &o->frames : strcmp(argv[i], "--repeat") == 0 ? &o->repeat : NULL;
-    if (number == NULL) {
+    const bool times = strcmp(argv[i], "--times") == 0, frames = strcmp(argv[i], "--frames") == 0;
+    if (!times && !frames && strcmp(argv[i], "--repeat") != 0) {
       if (o->path != NULL || argv[i][0] == '-') return false;
       o->path = argv[i];
       continue;
     }
-    char *end = NULL;
     if (++i == argc) return false;
-    *number = strtol(argv[i], &end, 10);
-    if (*end != '\0' || *number < 1 || *number > 1000000) return false;
+    if (times) {
+      o->times = argv[i];
+      continue;
+    }
+    char *end = NULL;
+    const long number = strtol(argv[i], &end, 10);
+    if (*end != '\0' || number < 1 || number > 1000000) return false;
+    *(frames ? &o->frames : &o->repeat) = number;
   }
   return o->path != NULL;
 }
 
-/* All frames once, with fresh tracks. Prints when asked; returns the number of frames or minus the exit status. */
-static long run(const recording *r, void *memory, size_t bytes, frame_buffer *frame, long limit, bool print,
-                double *stage_ms, long column) {
-  vista_pipeline *pipeline;
-  const vista_status created = vista_pipeline_create(memory, bytes, &r->parameters, &r->camera, &pipeline);
-  if (created != VISTA_OK) return -fail(r->path, vista_status_text(created));
-  if (fseek(r->stream, r->first_frame, SEEK_SET) != 0) return -fail(r->path, strerror(errno));
-  long count = 0;
-  for (; limit < 0 || count < limit; ++count) {
-    const int got = read_frame(r, frame);
-    if (got < 0) return -fail(r->path, "cut off in a frame");
-    if (got == 0) break;
-    const vista_frame input = {
-        .image = {frame->left, r->camera.width_px, r->camera.height_px, r->camera.width_px},
-        .disparity = {frame->disparity, r->camera.width_px, r->camera.height_px, r->camera.width_px},
-        .pose = frame->has_pose ? &frame->pose : NULL,
-        .up_world = frame->has_up ? frame->up_world : NULL,
-        .t_ns = frame->t_ns,
-    };
-    if (r->stills) vista_pipeline_reset(pipeline);
-    vista_result result;
-    const vista_status status = vista_pipeline_process(pipeline, &input, &result);
-    if (status != VISTA_OK) return -fail(r->path, vista_status_text(status));
-    if (print) print_result((int)count, &result);
-    if (stage_ms == NULL) continue;
-    for (int stage = 0; stage < VISTA_STAGE_COUNT; ++stage) stage_ms[stage * column + count] = result.stage_ms[stage];
-    stage_ms[VISTA_STAGE_COUNT * column + count] = result.host_ms;
-  }
-  return count;
+typedef struct player {
+  const recording *recording;
+  void *memory;
+  size_t bytes;
+  frame_buffer frame;
+  long frame_count;
+} player;
+
+static vista_status step(const player *p, vista_pipeline *pipeline, vista_result *result) {
+  const vista_camera *const camera = &p->recording->camera;
+  const vista_frame input = {
+      .image = {p->frame.left, camera->width_px, camera->height_px, camera->width_px},
+      .disparity = {p->frame.disparity, camera->width_px, camera->height_px, camera->width_px},
+      .pose = p->frame.has_pose ? &p->frame.pose : NULL,
+      .up_world = p->frame.has_up ? p->frame.up_world : NULL,
+      .t_ns = p->frame.t_ns,
+  };
+  if (p->recording->stills) vista_pipeline_reset(pipeline);
+  return vista_pipeline_process(pipeline, &input, result);
 }
 
-static int replay(recording *r, const options *o) {
-  size_t bytes;
-  const vista_status status = vista_pipeline_bytes(&r->parameters, &r->camera, &bytes);
-  if (status != VISTA_OK) return fail(r->path, vista_status_text(status));
-  const size_t pixels = (size_t)r->camera.width_px * (size_t)r->camera.height_px;
-  void *const memory = malloc(bytes);
-  frame_buffer frame = {.left = malloc(pixels), .disparity = malloc(2 * pixels)};
-  double *stage_ms = NULL;
-  int exit_status = 0;
-  if (memory == NULL || frame.left == NULL || frame.disparity == NULL) {
-    exit_status = fail(r->path, "out of memory");
-  } else {
-    const long count = run(r, memory, bytes, &frame, o->frames, true, NULL, 0);
-    if (count == 0) exit_status = fail(r->path, "no frames");
-    if (count < 0) exit_status = (int)-count;
-    if (exit_status == 0) {
-      stage_ms = malloc((VISTA_STAGE_COUNT + 1) * (size_t)(count * o->repeat) * sizeof *stage_ms);
-      if (stage_ms == NULL) exit_status = fail(r->path, "out of memory");
-      for (long i = 0; i < o->repeat && exit_status == 0; ++i)
-        if (run(r, memory, bytes, &frame, count, false, stage_ms + i * count, count * o->repeat) != count)
-          exit_status = 2;
-      if (exit_status == 0) print_times(stage_ms, (int)(count * o->repeat));
+/* All frames once, with fresh tracks; prints the results or, when there is room for them, notes the times. */
+static int play(player *p, double *times_ms) {
+  const recording *const r = p->recording;
+  vista_pipeline *pipeline;
+  const vista_status created = vista_pipeline_create(p->memory, p->bytes, &r->parameters, &r->camera, &pipeline);
+  if (created != VISTA_OK) return fail(r->path, vista_status_text(created));
+  if (fseek(r->stream, r->first_frame, SEEK_SET) != 0) return fail(r->path, strerror(errno));
+  for (long i = 0; i < p->frame_count; ++i) {
+    if (!read_frame(r, &p->frame)) return fail(r->path, "cannot be read to its end");
+    vista_result result;
+    const clock_t start = clock();
+    const vista_status status = step(p, pipeline, &result);
+    const clock_t end = clock();
+    if (status != VISTA_OK) return fail(r->path, vista_status_text(status));
+    if (times_ms == NULL) {
+      print_result(i, &result);
+      continue;
     }
+    double *const row = times_ms + i * COLUMN_COUNT;
+    memcpy(row, result.stage_ms, sizeof result.stage_ms);
+    row[COLUMN_HOST] = result.host_ms;
+    row[COLUMN_CPU] = 1e3 * (double)(end - start) / CLOCKS_PER_SEC;
   }
-  free(stage_ms);
-  free(frame.disparity);
-  free(frame.left);
-  free(memory);
+  if (times_ms != NULL) return 0;
+  return fflush(stdout) == 0 && !ferror(stdout) ? 0 : fail("stdout", "cannot be written");
+}
+
+static int measure(player *p, const options *o) {
+  const long rows = p->frame_count * o->repeat;
+  double *const times_ms = malloc((size_t)rows * (COLUMN_COUNT + 1) * sizeof *times_ms);
+  if (times_ms == NULL) return fail(o->path, "out of memory");
+  int exit_status = 0;
+  for (long i = 0; i < o->repeat && exit_status == 0; ++i)
+    exit_status = play(p, times_ms + i * p->frame_count * COLUMN_COUNT);
+  if (exit_status == 0) print_times(times_ms, rows, times_ms + rows * COLUMN_COUNT);
+  if (exit_status == 0 && o->times != NULL) exit_status = write_times(o->times, times_ms, rows);
+  free(times_ms);
+  return exit_status;
+}
+
+static int replay(const recording *r, const options *o) {
+  const size_t pixels = (size_t)r->camera.width_px * (size_t)r->camera.height_px;
+  player p = {.recording = r,
+              .frame_count = o->frames > 0 && o->frames < r->frame_count ? o->frames : r->frame_count};
+  const vista_status status = vista_pipeline_bytes(&r->parameters, &r->camera, &p.bytes);
+  if (status != VISTA_OK) return fail(r->path, vista_status_text(status));
+  p.memory = malloc(p.bytes);
+  p.frame.left = malloc(pixels);
+  p.frame.disparity = malloc(2 * pixels);
+  const bool enough = p.memory != NULL && p.frame.left != NULL && p.frame.disparity != NULL;
+  int exit_status = enough ? play(&p, NULL) : fail(r->path, "out of memory");
+  if (exit_status == 0) exit_status = measure(&p, o);
+  free(p.frame.disparity);
+  free(p.frame.left);
+  free(p.memory);
   return exit_status;
 }
 
 int main(int argc, char **argv) {
   options o;
-  if (!parse(argc, argv, &o)) return fail("usage", "replay RECORDING [--frames N] [--repeat N]");
+  if (!parse(argc, argv, &o)) return fail("usage", "replay RECORDING [--frames N] [--repeat N] [--times FILE.csv]");
   recording r = {.path = o.path};
   int exit_status = open_recording(&r);
   if (exit_status == 0) exit_status = replay(&r, &o);
