@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import importlib.util
+import os
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -13,14 +14,16 @@ import numpy.typing as npt
 
 from vista_model.engine import Image, Parameters
 
-_BUILD = Path(__file__).resolve().parents[2] / "build"
+_ROOT = Path(__file__).resolve().parents[2]
 _ISAS = ("portable", "avx2", "avx512")
 
 
 @functools.cache
 def library() -> tuple[Any, Any]:
     """The cffi pair (ffi, lib) of libvista_engine."""
-    binding, shared = _BUILD / "python" / "vista_engine_abi.py", _BUILD / "lib" / "libvista_engine.so"
+    build = os.environ.get("VISTA_BUILD", "build")  # of libraries built otherwise, as for the sanitizers
+    binding = _ROOT / "build" / "python" / "vista_engine_abi.py"
+    shared = _ROOT / build / "lib" / "libvista_engine.so"
     if not (binding.is_file() and shared.is_file()):
         raise ImportError("libvista_engine.so is not built: run `make build`")
     spec = importlib.util.spec_from_file_location("vista_engine_abi", binding)

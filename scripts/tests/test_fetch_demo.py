@@ -69,6 +69,7 @@ def test_lays_out_the_pairs_without_the_portrait(tmp_path, pin, downloads):
         "cx": pytest.approx(299.038, abs=1e-3),
         "cy": pytest.approx(255.165, abs=1e-3),
         "baseline_m": 0.075,
+        "stills": True,
     }
 
 

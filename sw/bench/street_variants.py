@@ -1,9 +1,9 @@
-"""What each choice of the host is worth on the street of sw/tests/test_street.py (KITTI odometry 00, 51 frames).
+"""What each choice of the host is worth on the street of sw/tests/test_street.py (KITTI odometry 00).
 
 usage: street_variants.py [VARIANT ...]
 
-Per variant: things (of 12 picked by eye) that keep one id while in view; frames with an obstacle where the car
-drove later; obstacles confirmed in all; median number of frames in which one was seen; host time, median."""
+Per variant: things (of 12 picked by eye) that keep one id while in view; frames with an obstacle where the
+car drove later; obstacles confirmed in all; median number of frames in which one was seen; host time, median."""
 
 from __future__ import annotations
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import importlib.util
+import os
 from pathlib import Path
 from typing import Any
 
@@ -13,8 +14,9 @@ _INSTALLED = _PACKAGE / "_lib"
 
 def _folders() -> list[tuple[Path, Path]]:
     """Where (libraries, bindings) may lie, the checkout's build folder first: it is being worked on."""
+    build = os.environ.get("VISTA_BUILD", "build")  # of libraries built otherwise, as for the sanitizers
     checkouts = [parent for parent in _PACKAGE.parents if (parent / "model" / "c").is_dir()]
-    return [(root / "build" / "lib", root / "build" / "python") for root in checkouts] + [
+    return [(root / build / "lib", root / "build" / "python") for root in checkouts] + [
         (_INSTALLED, _INSTALLED)
     ]
 

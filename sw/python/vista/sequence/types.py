@@ -42,8 +42,8 @@ class Sequence:
     calibration: RawCalibration
     frames: tuple[FrameFiles, ...]  # times strictly increase; all with a pose or none
     up_world: Array | None = None  # unit vector against gravity in the world frame, where the layout says it
-    stills: bool = False  # the frames show unrelated scenes: each is judged by itself, nothing is tracked
     notes: tuple[str, ...] = ()  # what the reader left out, for the user to know
+    stills: bool = False  # the frames show unrelated scenes: each is judged by itself, nothing is tracked
 
     def read(self, files: FrameFiles) -> Frame:
         """Reads both images. Raises InputError naming the image that is unreadable or of another size."""

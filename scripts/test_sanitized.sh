@@ -1,0 +1,18 @@
+#!/bin/bash
+# The tests that reach C code, over libraries built with AddressSanitizer and UndefinedBehaviorSanitizer.
+# usage: scripts/test_sanitized.sh [PYTEST ARGUMENT ...]
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+export VISTA_BUILD=build/sanitized
+make --no-print-directory native BUILD="$VISTA_BUILD" CFLAGS="-O1 -g -std=c17 -Wall -Wextra -Werror -fPIC" \
+  SANITIZE="-fsanitize=address,undefined -fno-sanitize-recover=all"
+
+# Left out: tests whose millions of pixels or readers in Python add time and no other C code.
+tests=("$@")
+[ $# -gt 0 ] || tests=(model/tests sw/tests -k "not as_opencv and not cut_anywhere")
+
+# Python itself is not instrumented: the run-time comes first by preload, and its leaks are not ours.
+LD_PRELOAD="$(gcc -print-file-name=libasan.so) $(gcc -print-file-name=libstdc++.so)" \
+ASAN_OPTIONS=detect_leaks=0 UBSAN_OPTIONS=print_stacktrace=1 \
+  .venv/bin/python -m pytest -q -p no:cacheprovider "${tests[@]}"
