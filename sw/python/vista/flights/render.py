@@ -1,7 +1,7 @@
 """Scene and camera pose -> radiance, and the exact depth and object of every pixel, by Mitsuba 3.
 
 Light comes from two directions, the sun and a weaker fill for the sky, rendered one after the other: nothing
-is left to chance but where in the pixel a ray falls, so a few rays a pixel leave no speckle that the two cameras
+is left to chance but where in the pixel a ray falls, so a few rays a pixel leave no speckle that the cameras
 would not share. (Mitsuba picks one light at random per ray, and its `aov` integrator takes time in proportion
 to the number of shapes: hence one scene a light, and labels as emitted radiance.)
 """

@@ -82,7 +82,7 @@ class Scene:
 def ground_strip(
     name: str, x_m: tuple[float, float], half_width_m: float, texel_m: float, along: int, seed: int
 ):
-    """A strip whose texels match a pixel's footprint: `texel_m` across, `along` times as long along the flight.
+    """A strip whose texels match a pixel's footprint: `texel_m` across, `along` times as long along x.
 
     The footprint on the ground is stretched by range / height; averaging the albedo over it beforehand is
     what lets a few rays a pixel do without aliasing.
@@ -170,7 +170,7 @@ SIGN_POLE_DIAMETER_M = 0.75 * 0.0254
 
 
 def sign(altitude_m: float, seed: int) -> tuple[list[Solid], Obstacle]:
-    """The paper's obstacle: white foamcore 40 in x 30 in on a 0.75 in pole, centred above the world's origin."""
+    """The paper's obstacle: white foamcore 40 in x 30 in on a 0.75 in pole, above the world's origin."""
     center = (0.0, 0.0, altitude_m)
     print_ = textures.printed_sign(SIGN_WIDTH_M, SIGN_HEIGHT_M, seed)
     radius = SIGN_POLE_DIAMETER_M / 2
