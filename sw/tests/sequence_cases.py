@@ -40,6 +40,25 @@ def make_pairs(folder: Path, frames: int = FRAMES) -> Path:
     return folder
 
 
+BOARD_DISPARITY_PX = 12
+
+
+def make_board_scenes(folder: Path, frames: int, stills: bool) -> Path:
+    """The same board, 2.5 m wide and 12.5 m away before a wall at 25 m, in every pair."""
+    left, right = texture_pair(0, 320, 240)  # the wall
+    near, _ = texture_pair(1, 60, 120)
+    for image, shift in ((left, 0), (right, BOARD_DISPARITY_PX)):
+        image[60:180, 150 - shift : 210 - shift] = near
+    for index in range(frames):
+        write_image(folder / f"scene{index:02d}_left.png", left)
+        write_image(folder / f"scene{index:02d}_right.png", right)
+    calibration = (
+        f"focal_px = 300.0\ncx = 160.0\ncy = 120.0\nbaseline_m = 0.5\nstills = {str(stills).lower()}\n"
+    )
+    (folder / "calibration.toml").write_text(calibration)
+    return folder
+
+
 def make_kitti(root: Path, frames: int = FRAMES) -> Path:
     """Returns sequences/00; the camera flies 1 m a frame along its axis."""
     folder = root / "sequences" / "00"

@@ -155,6 +155,31 @@ def test_record_holds_what_the_host_received(tmp_path: Path, run_vista: Vista) -
     )
 
 
+@pytest.mark.parametrize("stills", [True, False])
+def test_stills_are_judged_one_by_one(tmp_path: Path, stills: bool) -> None:
+    """With the real pipeline: the ids of the board and whether it is confirmed, frame by frame."""
+    folder = cases.make_board_scenes(tmp_path / "pairs", 3, stills)
+    record = tmp_path / "stills.rec"
+    options = ["--out", str(tmp_path / "out"), "--no-overlay", "--record", str(record)]
+    assert main(["run", str(folder), *options]) == 0
+    frames = [line["obstacles"] for line in read_lines(tmp_path / "out")]
+    boards = [min(obstacles, key=lambda o: abs(o["distance_m"] - 12.5)) for obstacles in frames]
+    assert all(board["distance_m"] == pytest.approx(12.5, abs=0.5) for board in boards)
+    ids = [{obstacle["id"] for obstacle in obstacles} for obstacles in frames]
+    if stills:
+        assert all(o["confirmed"] and o["age_frames"] == 1 for obstacles in frames for o in obstacles)
+        assert len(set.union(*ids)) == sum(map(len, ids))
+        assert [line["nearest_collision"]["id"] for line in read_lines(tmp_path / "out")] == [
+            board["id"] for board in boards
+        ]
+    else:
+        assert [board["confirmed"] for board in boards] == [False, False, True]
+        assert len({board["id"] for board in boards}) == 1
+    assert HEADER.unpack_from(record.read_bytes())[9] == stills
+    summary = json.loads((tmp_path / "out" / "summary.json").read_text())
+    assert summary["parameters"]["tracker"]["confirm_hits"] == (1 if stills else 3)
+
+
 def test_an_earlier_run_is_replaced(tmp_path: Path, run_vista: Vista) -> None:
     folder = cases.make_pairs(tmp_path / "pairs")
     out = tmp_path / "out"
