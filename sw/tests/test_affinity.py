@@ -126,7 +126,7 @@ def test_affinities_worked_by_hand() -> None:
 
 
 def test_relief_of_near_things_is_no_difference() -> None:
-    """f B = 200 px m: 20 px is 10 m away, 19.05 px half a metre more; at 2 m the limit is 6 % of it, 12 cm."""
+    """f B = 200 px m: 20 px is 10 m away, 19.05 px half a metre more; at 2 m the limit is 12 cm, 6 %."""
     stages = Stages(
         camera(64, 48),
         {"affinity.mu_disparity_px": 0.1, "affinity.mu_disparity_slope": 0.0, "affinity.mu_depth_m": 0.5},

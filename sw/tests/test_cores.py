@@ -1,0 +1,159 @@
+"""Cores against connected components: which cells surely belong together, by networkx."""
+
+from __future__ import annotations
+
+import networkx
+import numpy as np
+import pytest
+from cut_library import Arena, ffi, lib, status_name
+from random_seed import seeded
+from stage_library import Stages, camera
+
+FRAMES = 30
+
+
+def random_stages(random: np.random.Generator) -> Stages:
+    """Patches of one disparity with steps around the limit, cells without disparity, and horizontal ones."""
+    changes = {
+        "foveation.sector_count": 32,
+        "segmentation.core_step_px": random.uniform(0.1, 1.0),
+        "segmentation.core_step_slope": random.uniform(0.0, 0.1),
+        "segmentation.core_step_m": random.uniform(0.0, 1.0),
+        "segmentation.core_area_px2": 10 ** random.uniform(0, 3),
+        "segmentation.rest_area_px2": 10 ** random.uniform(0, 3),
+        "segmentation.rest_affinity": random.uniform(0.2, 0.9),
+    }
+    stages = Stages(camera(120, 90), changes)
+    f = stages.foveation
+    patch = (f.center_u // 20 + 6 * (f.center_v // 20)).astype(int)
+    base = random.uniform(2, 30, 100)[patch]
+    words = np.rint(16 * (base + random.normal(0, random.uniform(0, 0.5), f.node_count)))
+    stages.disparity_px[:] = np.maximum(words, 0) / 16
+    stages.disparity_px[random.random(f.node_count) < 0.15] = -1
+    stages.intensity[:] = random.uniform(0, 255, 100)[patch] + random.normal(0, 5, f.node_count)
+    stages.horizontal[:] = (random.random(100) < 0.2)[patch]
+    stages.compare()
+    return stages
+
+
+def components(stages: Stages, nodes: np.ndarray, arcs: np.ndarray, smallest_px2: float) -> list[set[int]]:
+    """Sets of nodes joined along the arcs, with at least this area; unordered."""
+    f = stages.foveation
+    graph = networkx.Graph()
+    graph.add_nodes_from(nodes.tolist())
+    graph.add_edges_from(zip(f.tail[arcs].tolist(), f.head[arcs].tolist(), strict=True))
+    area = f.size_px.astype(float) ** 2
+    return [set(c) for c in networkx.connected_components(graph) if area[list(c)].sum() >= smallest_px2]
+
+
+def assert_numbered(stages: Stages, cores: list[np.ndarray]) -> None:
+    core_of_node = np.full(stages.foveation.node_count, -1)
+    for k, core in enumerate(cores):
+        core_of_node[core] = k
+    assert np.array_equal(stages.core_of_node, core_of_node)
+
+
+def test_obstacle_cores_are_the_components_without_a_step() -> None:
+    random = seeded(1)
+    found = 0
+    for _ in range(FRAMES):
+        stages = random_stages(random)
+        f, p, d = stages.foveation, stages.parameters.segmentation, stages.disparity_px.astype(float)
+        standing = (d > 0) & (stages.horizontal == 0)
+        i, j = f.tail, f.head
+        nearer = np.maximum(d[i], d[j])
+        scale = stages.camera.focal_px * stages.camera.baseline_m
+        depth_m = scale / np.maximum(nearer, 1e-3)
+        relief = nearer - scale / (depth_m + np.minimum(p.core_step_m, 0.06 * depth_m))
+        limit = np.maximum(relief, p.core_step_px + p.core_step_slope * f.arc_distance_px)
+        joined = standing[i] & standing[j] & (np.abs(d[i] - d[j]) <= limit)
+        expected = components(stages, np.flatnonzero(standing), joined, p.core_area_px2)
+        cores = stages.find_obstacle_cores()
+        assert sorted(map(sorted, expected)) == sorted(sorted(core.tolist()) for core in cores)
+        assert_numbered(stages, cores)
+        found += len(cores)
+    assert found > FRAMES
+
+
+def test_obstacle_cores_come_nearest_first_and_know_their_range() -> None:
+    random = seeded(2)
+    for _ in range(FRAMES):
+        stages = random_stages(random)
+        cores = stages.find_obstacle_cores()
+        nearest = [stages.disparity_px[core].max() for core in cores]
+        assert nearest == sorted(nearest, reverse=True)
+        for k, core in enumerate(cores):
+            d = stages.disparity_px[core]
+            assert np.all(np.diff(d) <= 0)  # members run from near to far
+            assert stages.cores.max_disparity_px[k] == np.percentile(d, 95, method="higher")
+            assert stages.cores.min_disparity_px[k] == np.percentile(d, 5, method="lower")
+
+
+def test_cores_of_the_rest_are_the_components_of_high_affinity() -> None:
+    random = seeded(3)
+    found = 0
+    for _ in range(FRAMES):
+        stages = random_stages(random)
+        f, p = stages.foveation, stages.parameters.segmentation
+        label = np.where(random.random(f.node_count) < 0.2, random.integers(0, 5, f.node_count), -1)
+        i, j = f.tail, f.head
+        joined = (label[i] < 0) & (label[j] < 0) & (stages.horizontal[i] == stages.horizontal[j])
+        joined &= stages.weight >= np.float32(p.rest_affinity)
+        expected = components(stages, np.flatnonzero(label < 0), joined, p.rest_area_px2)
+        cores = stages.find_rest_cores(label)
+        assert sorted(map(sorted, expected)) == sorted(sorted(core.tolist()) for core in cores)
+        assert_numbered(stages, cores)
+        first = [core.min() for core in cores]
+        assert first == sorted(first)  # from the centre outwards
+        assert all(stages.cores.max_disparity_px[k] < 0 for k in range(len(cores)))
+        found += len(cores)
+    assert found > FRAMES
+
+
+def test_a_step_is_metres_nearby_and_pixels_far_away() -> None:
+    """f B = 200 px m. Half a metre behind 8 m (25 px) is 1.47 px; behind 50 m (4 px) 0.04 px."""
+    stages = Stages(
+        camera(64, 48),
+        {
+            "segmentation.core_step_px": 0.3,
+            "segmentation.core_step_slope": 0.02,
+            "segmentation.core_step_m": 0.48,
+        },
+    )
+
+    def step(distance_px: float, disparity_px: float) -> float:
+        section = stages.section("segmentation")
+        return lib.vista_core_step_px(section, stages.camera, distance_px, disparity_px)
+
+    assert step(0, 25) == pytest.approx(25 - 200 / 8.48, rel=1e-4)
+    assert step(0, 100) == pytest.approx(100 - 200 / 2.12, rel=1e-4)  # at most 6 % of 2 m
+    assert step(0, 4) == pytest.approx(0.3)
+    assert step(10, 4) == pytest.approx(0.5)
+    assert step(10, 0) == pytest.approx(0.5)
+
+
+def test_without_disparity_there_is_no_obstacle_core() -> None:
+    stages = random_stages(seeded(4))
+    for nothing in (-1.0, 0.0):
+        stages.disparity_px[:] = nothing
+        assert stages.find_obstacle_cores() == []
+    stages.disparity_px[:] = 9.0
+    stages.horizontal[:] = 1
+    assert stages.find_obstacle_cores() == []
+
+
+def test_null_pointers_and_little_memory_are_refused() -> None:
+    stages = Stages(camera(64, 48))
+    f, params = stages.foveation.handle, stages.section("segmentation")
+    of_obstacles = [f, params, stages.camera, stages.cells, stages.surfaces, stages.cores]
+    of_rest = [f, params, stages.affinity, stages.surfaces, stages.segmentation.label, stages.cores]
+    for function, arguments in (
+        (lib.vista_cores_of_obstacles, of_obstacles),
+        (lib.vista_cores_of_rest, of_rest),
+    ):
+        for i in range(len(arguments)):
+            with_null = [*arguments[:i], ffi.NULL, *arguments[i + 1 :]]
+            assert status_name(function(*with_null)) == "VISTA_ERROR_ARGUMENT"
+    cores = ffi.new("vista_cores *")
+    short = Arena(lambda arena: lib.vista_cores_layout(cores, arena, f), missing_bytes=1)
+    assert status_name(short.status) == "VISTA_ERROR_MEMORY"

@@ -1,0 +1,294 @@
+"""The cuts: each equals scipy's minimum cut of the network that the data term describes; on drawn scenes the
+regions are the things in them."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from cut_library import Arena, ffi, lib, status_name
+from random_seed import seeded
+from scipy.sparse import csr_matrix
+from scipy.sparse.csgraph import breadth_first_order, maximum_flow
+from stage_library import FIRST_THING, GROUND, INVALID, SKY, Board, Stages, camera, street
+
+TIED = 1 << 29
+NEVER_MERGE = {"segmentation.merge_share": 1.0, "segmentation.merge_ratio": 0.0}
+
+
+# ---- the recursion against scipy ----
+
+
+def steps_from(stages: Stages, core: np.ndarray, passable: np.ndarray) -> np.ndarray:
+    """Steps from the core to every node over passable ones."""
+    f = stages.foveation
+    steps = np.full(f.node_count, f.node_count)
+    steps[core] = 0
+    front = core
+    while front.size:
+        arcs = np.isin(f.tail, front)
+        front = np.unique(f.head[arcs])
+        front = front[steps[front] == f.node_count]
+        steps[front] = steps[np.unique(f.tail[arcs])[0]] + 1
+        front = front[passable[front]]
+    return steps
+
+
+def data_term(stages: Stages, cores, core: int) -> np.ndarray:
+    """Capacity of every free cell's link to T."""
+    p, d = stages.parameters.segmentation, stages.disparity_px.astype(float)
+    low, high = cores.min_disparity_px[core], cores.max_disparity_px[core]
+    if high < 0:
+        return np.zeros(d.size)
+    beyond = np.clip(np.maximum(d - high, low - d), 0, 4)
+    link = np.where(d < 0, p.unknown_link, p.mismatch_link * beyond)
+    link = np.where(stages.horizontal != 0, p.horizontal_link, link)
+    return np.floor(link * stages.parameters.affinity.flow_scale + 1e-6)
+
+
+def source_side(stages: Stages, nodes: np.ndarray, source: np.ndarray, sink: np.ndarray) -> np.ndarray:
+    """Nodes that S reaches in the residual graph of scipy's maximum flow over these nodes."""
+    f, count = stages.foveation, stages.foveation.node_count
+    arcs = np.isin(f.tail, nodes) & np.isin(f.head, nodes)
+    tail = np.concatenate([f.tail[arcs], np.full(nodes.size, count), nodes])
+    head = np.concatenate([f.head[arcs], nodes, np.full(nodes.size, count + 1)])
+    capacity = np.concatenate([stages.capacity[arcs], source[nodes], sink[nodes]]).astype(np.int32)
+    network = csr_matrix((capacity, (tail, head)), shape=(count + 2,) * 2)
+    residual = (network - maximum_flow(network, count, count + 1).flow).tocsr()
+    residual.data = (residual.data > 0).astype(np.int32)
+    residual.eliminate_zeros()
+    reached = breadth_first_order(residual, count, return_predecessors=False)
+    return reached[reached < count]
+
+
+def cut_out_all(stages: Stages, cores: list[np.ndarray], label: np.ndarray, first_label: int) -> int:
+    """Cuts every core out of the unlabelled nodes, in order; the next free label."""
+    count = stages.foveation.node_count
+    core_of_node = np.full(count, -1)
+    for k, core in enumerate(cores):
+        core_of_node[core] = k
+    for k, core in enumerate(cores):
+        free = (label < 0) & (core_of_node == -1)
+        steps = steps_from(stages, core, free)
+        others = (core_of_node >= 0) & (core_of_node != k)
+        far = steps >= stages.parameters.segmentation.reach
+        source = np.where(core_of_node == k, TIED, 0)
+        sink = np.where(others | far, TIED, data_term(stages, stages.cores, k))
+        sink[core] = 0
+        label[source_side(stages, np.flatnonzero(label < 0), source, sink)] = first_label + k
+    return first_label + len(cores)
+
+
+def random_scene(random: np.random.Generator, changes: dict[str, float]) -> Stages:
+    stages = Stages(camera(64, 48), {"foveation.sector_count": 24} | changes)
+    f = stages.foveation
+    patch = (f.center_u // 12 + 8 * (f.center_v // 12)).astype(int)
+    base = random.choice([3.0, 4.0, 6.0, 20.0], 100)[patch]
+    words = np.rint(16 * (base + random.normal(0, random.choice([0.0, 0.1, 0.6]), f.node_count)))
+    stages.disparity_px[:] = np.maximum(words, 0) / 16
+    stages.disparity_px[random.random(f.node_count) < random.choice([0.1, 0.5, 0.8])] = -1
+    stages.intensity[:] = random.uniform(0, 255, 100)[patch] + random.normal(0, 6, f.node_count)
+    stages.horizontal[:] = (random.random(100) < 0.15)[patch]
+    stages.compare()
+    return stages
+
+
+@pytest.mark.parametrize("reach", [1, 3, 1000])
+def test_the_labels_are_those_of_minimum_cuts_by_scipy(reach: int) -> None:
+    random = seeded(reach)
+    regions = taken = 0
+    for _ in range(20):
+        stages = random_scene(
+            random,
+            NEVER_MERGE
+            | {
+                "segmentation.reach": reach,
+                "segmentation.core_area_px2": random.choice([2.0, 30.0]),
+                "segmentation.rest_area_px2": random.choice([2.0, 100.0]),
+                "segmentation.unknown_link": random.choice([0.003, 0.03, 0.3]),
+                "segmentation.mismatch_link": random.uniform(0, 1),
+                "segmentation.horizontal_link": random.uniform(0, 3),
+            },
+        )
+        expected = np.full(stages.foveation.node_count, -1)
+        cores = stages.find_obstacle_cores()
+        obstacles = cut_out_all(stages, cores, expected, 0)
+        in_cores = sum(core.size for core in cores)
+        taken += np.count_nonzero(expected >= 0) - in_cores
+        count = cut_out_all(stages, stages.find_rest_cores(expected), expected, obstacles)
+        stages.segment()
+        s = stages.segmentation
+        assert np.array_equal(stages.label, expected)
+        assert (s.obstacle_count, s.region_count, s.cut_count) == (obstacles, count, count)
+        regions += obstacles
+    assert regions > 20
+    assert taken > 50 or reach == 1  # the cuts gave free cells to cores
+
+
+# ---- merging ----
+
+
+def halves(stages: Stages, left_px: float, right_px: float) -> None:
+    """A wall in two parts with a step in disparity between them."""
+    f = stages.foveation
+    stages.disparity_px[:] = np.where(f.center_u < 30, left_px, right_px)
+    stages.intensity[:] = 90
+    stages.horizontal[:] = 0
+    stages.compare()
+
+
+FINE = {
+    "foveation.sector_count": 48,
+    "segmentation.core_step_px": 0.125,
+    "segmentation.core_step_slope": 0.0,
+    "segmentation.core_step_m": 0.0,
+    "segmentation.core_area_px2": 20.0,
+    "segmentation.merge_share": 0.1,
+}
+
+
+def test_regions_without_a_jump_between_them_are_joined() -> None:
+    """Steps of 0.25 px: two cores, but the merging allows four times a core's step."""
+    merging = Stages(camera(64, 48), FINE | {"segmentation.merge_ratio": 4.0})
+    strict = Stages(camera(64, 48), FINE | {"segmentation.merge_ratio": 1.0})
+    for stages, regions in ((merging, 1), (strict, 2)):
+        halves(stages, 20.0, 20.25)
+        assert len(stages.find_obstacle_cores()) == 2
+        stages.segment()
+        assert stages.segmentation.obstacle_count == regions
+        assert stages.segmentation.region_count == regions
+        assert np.array_equal(np.unique(stages.label), np.arange(regions))
+
+
+def test_regions_with_a_jump_between_them_stay_apart() -> None:
+    stages = Stages(camera(64, 48), FINE | {"segmentation.merge_ratio": 4.0})
+    halves(stages, 20.0, 26.0)
+    stages.segment()
+    assert stages.segmentation.obstacle_count == 2
+    left = stages.foveation.center_u < 30
+    assert np.all(stages.label[left] == 1) and np.all(stages.label[~left] == 0)  # the nearer one first
+
+
+def test_a_short_contact_does_not_join() -> None:
+    """A jump along most of the border, no step along a third of it."""
+    f = Stages(camera(64, 48), FINE).foveation
+    upper = f.center_v < 16
+    for share, regions in ((0.02, 1), (0.9, 2)):
+        stages = Stages(
+            camera(64, 48), FINE | {"segmentation.merge_ratio": 4.0, "segmentation.merge_share": share}
+        )
+        halves(stages, 20.0, 20.25)
+        stages.disparity_px[~upper & (f.center_u >= 27) & (f.center_u < 33)] = -1  # nothing known there
+        stages.compare()
+        stages.segment()
+        assert stages.segmentation.obstacle_count == regions
+
+
+# ---- drawn scenes ----
+
+
+def overlap(labels: np.ndarray, thing: np.ndarray) -> tuple[int, float]:
+    """The label that covers most of the thing, with its intersection over union."""
+    inside = labels[thing]
+    label = np.bincount(inside[inside >= 0]).argmax()
+    both = np.count_nonzero(thing & (labels == label))
+    return int(label), both / np.count_nonzero(thing | (labels == label))
+
+
+def assert_dense(stages: Stages) -> None:
+    s = stages.segmentation
+    assert 0 <= s.obstacle_count <= s.region_count
+    labels = np.unique(stages.label)
+    assert np.array_equal(labels[labels >= 0], np.arange(s.region_count))
+    assert labels[0] >= -1
+
+
+BOARDS = [
+    Board(-2.2, -1.0, 10.0, 2.5, 3.0, grey=40, rim_px=14.0),
+    Board(1.0, -0.5, 14.0, 2.0, 3.5, grey=200, rim_px=14.0),
+    Board(6.0, -1.0, 22.0, 3.0, 5.0, grey=60),
+]
+
+
+def test_boards_before_far_houses_become_regions() -> None:
+    """Near and middle one without disparity inside: the cut closes over what the engine cannot match."""
+    random = seeded(10)
+    stages = Stages(camera())
+    image, words, owner = street(stages.camera, BOARDS, random)
+    labels = stages.partition(image, words)
+    assert_dense(stages)
+    found = []
+    for k in range(len(BOARDS)):
+        label, iou = overlap(labels, owner == FIRST_THING + k)
+        assert iou > 0.8, k
+        found.append(label)
+    assert found == sorted(set(found))  # one each, nearest first
+    assert found[-1] < stages.segmentation.obstacle_count
+
+
+def test_sky_and_ground_belong_to_no_obstacle() -> None:
+    random = seeded(11)
+    stages = Stages(camera())
+    image, words, owner = street(stages.camera, BOARDS, random)
+    labels = stages.partition(image, words)
+    obstacle = (labels >= 0) & (labels < stages.segmentation.obstacle_count)
+    assert np.mean(obstacle[owner == SKY]) < 0.1
+    # far ground is flat in disparity and touches the houses: what is clearly below the horizon counts
+    near_ground = (owner == GROUND) & (words > 16 * 5)
+    assert np.mean(obstacle[near_ground]) < 0.1
+    assert np.mean(labels[owner == SKY] >= 0) > 0.9  # a region of the rest
+
+
+def test_a_frame_gives_the_same_labels_whatever_came_before() -> None:
+    random = seeded(12)
+    first, second = Stages(camera()), Stages(camera())
+    image, words, _ = street(first.camera, BOARDS, random)
+    first.partition(image, words)
+    before = first.label.copy()
+    noise = random.integers(-200, 1000, words.shape).astype(np.int16)
+    for stages in (first, second):
+        stages.partition(image[::-1].copy(), noise)
+        assert not np.array_equal(stages.label, before)
+        stages.partition(image, words)
+        assert np.array_equal(stages.label, before)
+
+
+def test_noise_is_partitioned_too() -> None:
+    random = seeded(13)
+    for width, height in ((16, 16), (64, 48), (101, 77)):
+        stages = Stages(camera(width, height), {"segmentation.core_area_px2": 1.0})
+        for _ in range(5):
+            image = random.integers(0, 256, (height, width), np.uint8)
+            words = random.integers(-500, 4096, (height, width)).astype(np.int16)
+            stages.partition(image, words)
+            assert_dense(stages)
+
+
+def test_without_any_disparity_there_is_no_obstacle() -> None:
+    stages = Stages(camera())
+    image = np.full((240, 320), 128, np.uint8)
+    for word in (INVALID, 0):  # 0: matched, but infinitely far
+        stages.partition(image, np.full(image.shape, word, np.int16))
+        assert stages.segmentation.obstacle_count == 0
+        assert_dense(stages)
+
+
+def test_one_disparity_everywhere_is_one_obstacle() -> None:
+    stages = Stages(camera())
+    image = seeded(14).integers(0, 256, (240, 320), np.uint8)
+    stages.partition(image, np.full(image.shape, 16 * 12, np.int16))
+    assert stages.segmentation.obstacle_count == 1
+    assert np.all(stages.label == 0)
+
+
+def test_null_pointers_and_little_memory_are_refused() -> None:
+    stages = Stages(camera(64, 48))
+    f = stages.foveation.handle
+    arguments = [f, stages.parameters, stages.camera, stages.cells, stages.surfaces, stages.affinity]
+    arguments.append(stages.segmentation)
+    for i in range(len(arguments)):
+        with_null = [*arguments[:i], ffi.NULL, *arguments[i + 1 :]]
+        assert status_name(lib.vista_segment(*with_null)) == "VISTA_ERROR_ARGUMENT"
+    segmentation = ffi.new("vista_segmentation *")
+    for missing in (1, 1000, 10000):
+        short = Arena(lambda arena: lib.vista_segmentation_layout(segmentation, arena, f), missing)
+        assert status_name(short.status) == "VISTA_ERROR_MEMORY"
