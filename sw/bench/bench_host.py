@@ -1,0 +1,217 @@
+"""The host's stages on real images: libvista in the replay program, one thread, foveation to map.
+
+What is measured:
+  street          KITTI odometry 00, 51 frames of 1226x370 as they are
+  street 640x480  the middle 493x370 of the same, both images enlarged to 640x480: the size of the targets
+  oak-d           11 indoor pairs of 640x480 (make demo fetches them), each judged by itself
+What is not there is left out; without any of them a synthetic flight stands in, and the table says so.
+
+The recording is played in blocks; a block is the whole sequence REPEATS times over. Processor time counts
+only this program's work; wall time, in which the stages are clocked, also counts what else the machine does.
+Medians and 99th percentiles over all frames; the spread is that of the blocks' own figures, smallest to
+largest.
+
+    bench_host.py [--blocks 5] [--repeats 4] [--out build/bench/host.json]
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+REPOSITORY = Path(__file__).resolve().parents[2]
+sys.path[:0] = [str(REPOSITORY / "sw" / "tests"), str(REPOSITORY / "build" / "python")]
+
+import recording_cases  # noqa: E402
+from board_flight import board_flight  # noqa: E402
+from shared_data import SHARED_DATA  # noqa: E402
+from vista import parameters  # noqa: E402
+from vista.command.run import engine_parameters  # noqa: E402
+from vista.engine import create_engine  # noqa: E402
+from vista.geometry import Calibration  # noqa: E402
+from vista.recording import Recorder  # noqa: E402
+from vista.rectify import Rectifier  # noqa: E402
+from vista.sequence import Frame, Sequence, open_sequence  # noqa: E402
+
+REPLAY = REPOSITORY / "build" / "bin" / "replay"
+STREET = SHARED_DATA / "kitti_odometry" / "sequences" / "00"
+PAIRS = REPOSITORY / "build" / "demo" / "oak-d"
+RATE_MIN_HZ, NODES_MIN, P99_RATIO_MAX = 60.0, 5000, 2.0  # targets, of 640x480 on the street
+
+Image = NDArray[np.uint8]
+
+
+# ---- recordings ----
+
+
+def middle(camera: Calibration, width: int, height: int) -> tuple[Calibration, slice, float]:
+    """The camera of the widest middle cut of that shape, scaled to it; the columns; the scale."""
+    columns = round(camera.height * width / height)
+    first = (camera.width - columns) // 2
+    scale = height / camera.height
+    # Pixel centres: the left edge of pixel 0 lies at -0.5.
+    center = ((camera.cx - first + 0.5) * scale - 0.5, (camera.cy + 0.5) * scale - 0.5)
+    cut = Calibration(width, height, camera.focal_px * scale, *center, camera.baseline_m)
+    return cut, slice(first, first + columns), scale
+
+
+def frames_of(sequence: Sequence, rectifier: Rectifier) -> Iterator[Frame]:
+    return (rectifier.rectify(sequence.read(files)) for files in sequence.frames)
+
+
+def enlarged(frame: Frame, columns: slice, size: tuple[int, int]) -> Frame:
+    def one(image: Image) -> Image:
+        return cv2.resize(np.ascontiguousarray(image[:, columns]), size, interpolation=cv2.INTER_LINEAR)
+
+    return replace(frame, left=one(frame.left), right=one(frame.right))
+
+
+def record(path: Path, folder: Path, size: tuple[int, int] | None = None) -> Path:
+    """size: (width, height) to which the middle of the images is brought; None: as they are."""
+    sequence = open_sequence(folder)
+    rectifier, values = Rectifier(sequence.calibration), parameters.defaults()
+    if sequence.stills:
+        values["tracker"] |= {"confirm_hits": 1, "confirm_window": 1}
+    engine = create_engine("golden", engine_parameters(values))
+    camera, columns = rectifier.calibration, slice(None)
+    if size is not None:
+        camera, columns, _ = middle(camera, *size)
+    with Recorder(path, sequence, camera, values) as recorder:
+        for frame in frames_of(sequence, rectifier):
+            seen = frame if size is None else enlarged(frame, columns, size)
+            recorder.write(seen, engine.compute(seen.left, seen.right))
+    return path
+
+
+def recordings(folder: Path) -> Iterator[tuple[str, Path]]:
+    found = False
+    if STREET.is_dir():
+        found = True
+        yield "street", record(folder / "street.rec", STREET)
+        yield "street 640x480", record(folder / "street_vga.rec", STREET, (640, 480))
+    if (PAIRS / "calibration.toml").is_file():
+        found = True
+        yield "oak-d", record(folder / "oak-d.rec", PAIRS)
+    if not found:
+        yield "synthetic 320x240", recording_cases.record(folder / "board.rec", board_flight())
+
+
+# ---- measurement ----
+
+
+def play(path: Path, repeats: int, times: Path) -> tuple[dict[str, NDArray[np.float64]], list[dict]]:
+    """Milliseconds of every frame by stage, and the frames of one run."""
+    command = [str(REPLAY), str(path), "--repeat", str(repeats), "--times", str(times)]
+    run = subprocess.run(command, capture_output=True, text=True, check=True)
+    names = times.read_text().partition("\n")[0].split(",")
+    table = np.loadtxt(times, delimiter=",", skiprows=1, ndmin=2)
+    return dict(zip(names, table.T, strict=True)), [json.loads(line) for line in run.stdout.splitlines()]
+
+
+def figures(samples_ms: NDArray[np.float64]) -> dict[str, float]:
+    median, p99 = np.percentile(samples_ms, [50, 99])
+    return {
+        "median_ms": float(median),
+        "p99_ms": float(p99),
+        "p99_over_median": float(p99 / median) if median > 0.0 else 0.0,
+        "median_hz": float(1e3 / median) if median > 0.0 else 0.0,
+    }
+
+
+def measure(path: Path, blocks: int, repeats: int, folder: Path) -> dict:
+    played = [play(path, repeats, folder / "times.csv") for _ in range(blocks)]
+    samples = [block for block, _ in played]
+    frames = played[0][1]
+    stages = {}
+    for stage in samples[0]:
+        of_blocks = [figures(block[stage]) for block in samples]
+        spread = {
+            key: [min(block[key] for block in of_blocks), max(block[key] for block in of_blocks)]
+            for key in of_blocks[0]
+        }
+        stages[stage] = figures(np.concatenate([block[stage] for block in samples])) | {"spread": spread}
+    return {
+        "frames": len(frames),
+        "blocks": blocks,
+        "repeats": repeats,
+        "nodes": frames[0]["cells"],
+        "regions_median": float(np.median([frame["regions"] for frame in frames])),
+        "stages": stages,
+    }
+
+
+# ---- the table ----
+
+
+def with_spread(stage: dict, key: str) -> str:
+    low, high = stage["spread"][key]
+    return f"{stage[key]:8.3f} ({low:.3f} .. {high:.3f})"
+
+
+def row(name: str, stage: dict) -> str:
+    medians, p99s = with_spread(stage, "median_ms"), with_spread(stage, "p99_ms")
+    return f"  {name:16s}{medians:28s}{p99s:30s}{stage['p99_over_median']:6.2f}"
+
+
+def rate(name: str, stage: dict) -> str:
+    low, high = stage["spread"]["median_hz"]
+    return (
+        f"  {name:16s}{stage['median_hz']:6.1f} Hz ({low:.1f} .. {high:.1f}), target >= {RATE_MIN_HZ:.0f} Hz; "
+        f"p99/median {stage['p99_over_median']:.2f}, target < {P99_RATIO_MAX:.0f}"
+    )
+
+
+def table(name: str, result: dict) -> str:
+    stages = result["stages"]
+    lines = [
+        f"{name}: {result['frames']} frames, {result['regions_median']:.0f} regions, "
+        f"{result['blocks']} blocks of {result['repeats']} runs",
+        f"  {'stage, wall':18s}{'median ms (of blocks)':28s}{'p99 ms (of blocks)':28s}p99/median",
+        *(row(stage, stages[stage]) for stage in stages if stage != "cpu"),
+        row("processor time", stages["cpu"]),
+        rate("rate, wall", stages["host"]),
+        rate("rate, processor", stages["cpu"]),
+        f"  {'nodes':16s}{result['nodes']:6d}, target >= {NODES_MIN}",
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--blocks", type=int, default=5)
+    parser.add_argument("--repeats", type=int, default=4)
+    parser.add_argument("--out", type=Path)
+    arguments = parser.parse_args()
+    results = {}
+    print(f"load of the machine before: {os.getloadavg()[0]:.1f} on {os.cpu_count()} processors\n")
+    with tempfile.TemporaryDirectory() as scratch:
+        for name, path in recordings(Path(scratch)):
+            results[name] = measure(path, arguments.blocks, arguments.repeats, Path(scratch))
+            print(table(name, results[name]), flush=True)
+            path.unlink()
+    targets = {
+        "rate_min_hz": RATE_MIN_HZ,
+        "nodes_min": NODES_MIN,
+        "p99_over_median_max": P99_RATIO_MAX,
+    }
+    if arguments.out is not None:
+        arguments.out.parent.mkdir(parents=True, exist_ok=True)
+        arguments.out.write_text(json.dumps({"targets": targets, "sequences": results}, indent=1) + "\n")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
