@@ -165,9 +165,9 @@ def row(name: str, stage: dict) -> str:
 
 
 def rate(name: str, stage: dict) -> str:
-    low, high = stage["spread"]["median_hz"]
+    hz, (low, high) = stage["median_hz"], stage["spread"]["median_hz"]
     return (
-        f"  {name:16s}{stage['median_hz']:6.1f} Hz ({low:.1f} .. {high:.1f}), target >= {RATE_MIN_HZ:.0f} Hz; "
+        f"  {name:16s}{hz:6.1f} Hz ({low:.1f} .. {high:.1f}), target >= {RATE_MIN_HZ:.0f} Hz; "
         f"p99/median {stage['p99_over_median']:.2f}, target < {P99_RATIO_MAX:.0f}"
     )
 
