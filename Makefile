@@ -29,7 +29,7 @@ BINDINGS := $(if $(ENGINE_SOURCES),build/python/vista_engine_abi.py) build/pytho
 DEMO_PAIRS := build/demo/oak-d
 DEMO_FLIGHT := build/demo/flight
 
-.PHONY: help setup native build test test-python test-asan drift bench lint demo lock clean distclean
+.PHONY: help setup native build generate test test-python test-asan drift bench lint demo lock clean distclean
 
 help: ## list the targets
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -88,6 +88,9 @@ build/python/%_abi.py: scripts/make_binding.py | .venv/run.stamp
 .SECONDARY: # keep the objects of the programs
 .PHONY: FORCE
 -include $(shell find $(BUILD)/obj -name '*.d' 2>/dev/null)
+
+generate: .venv/run.stamp ## generated sources anew, after a change of sw/parameters.toml
+	@$(PYTHON) scripts/make_parameters.py sw/parameters.toml sw/include/vista/parameters.h sw/src/parameters.c
 
 # ---- checks ----
 
