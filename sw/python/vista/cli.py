@@ -58,6 +58,9 @@ def main(arguments: list[str] | None = None) -> int:
     except InputError as error:
         print(f"vista: {error}", file=sys.stderr)
         return EXIT_INPUT
+    except ImportError as error:  # the native libraries are not built
+        print(f"vista: {error}", file=sys.stderr)
+        return EXIT_INPUT
     except BrokenPipeError:  # `vista config | head`: the reader has seen enough
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return EXIT_OK
