@@ -41,6 +41,7 @@ PARAMETERS: dict[str, float] = {
     "segmentation.merge_share": 0.1,
     "segmentation.rest_affinity": 0.5,
     "segmentation.rest_area_px2": 400.0,
+    "region.boundary_px": 0.0,
     "region.tolerance_px": 1.0,
     "region.tolerance_m": 0.5,
     "region.min_inliers": 60,
@@ -223,7 +224,7 @@ class Stages:
             self.regions,
         )
         assert status == lib.VISTA_OK, status_name(status)
-        return [self.regions.items[k] for k in range(self.regions.count)]
+        return [ffi.new("vista_region *", self.regions.items[k]) for k in range(self.regions.count)]
 
     def partition(self, image: np.ndarray, words: np.ndarray, up=LEVEL_UP) -> np.ndarray:
         """Everything up to the cuts; the label of every pixel."""

@@ -1,0 +1,371 @@
+"""Statistics and verdicts of the regions: numpy over the same pixels, and a drawn case for every verdict."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from cut_library import Arena, ffi, lib, status_name
+from random_seed import seeded
+from scipy.sparse import csr_matrix
+from scipy.sparse.csgraph import dijkstra
+from stage_library import INVALID, LEVEL_UP, Stages, camera, image_struct, plane_disparity, words_of
+
+GREY = np.full((240, 320), 90, np.uint8)
+TOLERANCES = {"region.tolerance_px": 1.0, "region.tolerance_m": 0.0}
+
+
+def verdict(region) -> str:
+    return ffi.string(lib.vista_region_verdict_name(region.verdict)).decode()
+
+
+def box(center, half_width: float, half_height: float) -> np.ndarray:
+    v, u = np.mgrid[:240, :320]
+    return (np.abs(u - center[0]) <= half_width) & (np.abs(v - center[1]) <= half_height)
+
+
+def label_cells(stages: Stages, masks: list[np.ndarray]) -> np.ndarray:
+    """Region k are the cells that lie in mask k for the most part; the label of every pixel."""
+    f = stages.foveation
+    stages.label[:] = -1
+    for k, mask in enumerate(masks):
+        inside = np.bincount(f.cell_of_pixel.ravel(), mask.ravel(), f.node_count)
+        center = np.rint([f.center_v, f.center_u]).astype(int).clip(0, [[239], [319]])
+        small = mask[tuple(center)] & (f.pixel_count == 0)
+        stages.label[(2 * inside > f.pixel_count) | small] = k
+    stages.segmentation.region_count = stages.segmentation.obstacle_count = len(masks)
+    return stages.label[f.cell_of_pixel]
+
+
+def measure(stages: Stages, words: np.ndarray, masks: list[np.ndarray], up=LEVEL_UP) -> list:
+    assert stages.foveate(GREY, words) == "VISTA_OK"
+    stages.find_surfaces(up)
+    label_cells(stages, masks)
+    return stages.measure_regions(words, up)
+
+
+def boundary_pixels(stages: Stages, k: int) -> np.ndarray:
+    """Pixels under cells of region k that have a neighbour outside."""
+    f = stages.foveation
+    leaving = (stages.label[f.tail] == k) & (stages.label[f.head] != k)
+    on_boundary = np.zeros(f.node_count, bool)
+    on_boundary[f.tail[leaving]] = True
+    return on_boundary[f.cell_of_pixel]
+
+
+def assert_moments(region, own: np.ndarray) -> None:
+    v, u = np.nonzero(own)
+    assert region.pixel_count == u.size
+    assert (region.mean_u_px, region.mean_v_px) == pytest.approx((u.mean(), v.mean()))
+    covariance = np.cov(u, v, ddof=0)
+    assert region.cov_uu_px2 == pytest.approx(covariance[0, 0], abs=1e-6)
+    assert region.cov_uv_px2 == pytest.approx(covariance[0, 1], abs=1e-6)
+    assert region.cov_vv_px2 == pytest.approx(covariance[1, 1], abs=1e-6)
+    bounds = (region.min_u_px, region.max_u_px, region.min_v_px, region.max_v_px)
+    assert bounds == (u.min(), u.max(), v.min(), v.max())
+
+
+# ---- statistics ----
+
+
+def test_a_region_facing_the_camera_is_measured_like_numpy_does() -> None:
+    """Noise, holes, a cell-sized hole and a far background in a tenth of the pixels."""
+    random = seeded(1)
+    for _ in range(20):
+        stages = Stages(camera(), TOLERANCES)
+        center, half = random.uniform((60, 50), (260, 190)), random.uniform(15, 50, 2)
+        mask = box(center, *half)
+        true_px = random.uniform(5, 40)
+        words = words_of(np.where(mask, true_px, 1.0), random, 0.2)
+        words[random.random(words.shape) < 0.1] = 16
+        words[random.random(words.shape) < 0.2] = INVALID
+        words[box(center, 6, 6)] = INVALID
+        (region,) = measure(stages, words, [mask])
+        assert verdict(region) == "ACCEPTED"
+        assert (region.label, region.node_count) == (0, np.count_nonzero(stages.label == 0))
+
+        boundary = boundary_pixels(stages, 0)
+        valid = boundary & (words >= 0)
+        inliers = words[valid & (np.abs(words / 16 - true_px) < 2)] / 16  # 0.2 px of noise, the rest far off
+        assert region.boundary_pixels == np.count_nonzero(boundary)
+        assert region.boundary_valid == np.count_nonzero(valid)
+        assert region.boundary_inliers == pytest.approx(inliers.size, rel=0.002)
+        assert (region.slope_u, region.slope_v) == (0, 0)
+        assert region.disparity_px == pytest.approx(inliers.mean(), abs=0.01)
+        assert region.disparity_sigma_px == pytest.approx(inliers.std(), abs=0.01)
+
+        in_region = (stages.label == 0)[stages.foveation.cell_of_pixel]
+        whole = (stages.disparity_px < 0)[stages.foveation.cell_of_pixel]
+        near_surface = (words >= 0) & (np.abs(words / 16 - region.disparity_px) <= 1.0)
+        if not np.any(np.abs(np.abs(words / 16 - region.disparity_px) - 1.0) < 1e-3):
+            assert_moments(region, in_region & (whole | near_surface))
+
+
+def test_a_wall_at_an_angle_is_measured_along_its_plane() -> None:
+    """Its disparity spans many pixels, all of them inliers of the plane."""
+    random = seeded(2)
+    for turn in (0.8, -1.0, 1.2):
+        stages = Stages(camera(), TOLERANCES)
+        normal, point = (np.sin(turn), 0, np.cos(turn)), (0.1 * np.sign(turn), 0, 8)
+        disparity = plane_disparity(stages.camera, normal, point)
+        mask = box((160 + 50 * np.sign(turn), 120), 60, 50)
+        slope_u = float(np.diff(disparity, axis=1).mean())
+        words = words_of(np.where(mask, disparity, 1.0), random, 0.1)
+        (region,) = measure(stages, words, [mask])
+        assert np.ptp(words[mask]) > 16 * 3
+        assert verdict(region) == "ACCEPTED"
+        assert (region.slope_u, region.slope_v) == pytest.approx((slope_u, 0.0), abs=0.01)
+        assert region.inclination_deg == pytest.approx(0.0, abs=3.0)
+        middle = disparity[round(region.mean_v_px), round(region.mean_u_px)]
+        assert region.disparity_px == pytest.approx(middle, abs=0.2)
+        assert region.disparity_sigma_px == pytest.approx(np.hypot(0.1, 1 / 16 / np.sqrt(12)), abs=0.08)
+        valid = boundary_pixels(stages, 0) & (words >= 0)
+        on_wall = valid & (np.abs(words / 16 - disparity) <= 1.0)
+        assert region.boundary_valid == np.count_nonzero(valid)
+        assert region.boundary_inliers == pytest.approx(np.count_nonzero(on_wall), rel=0.02)
+
+
+def test_the_mode_wins_over_a_polluted_mean() -> None:
+    """A third of the boundary shows the background."""
+    random = seeded(3)
+    stages = Stages(camera(), TOLERANCES)
+    mask = box((160, 120), 40, 40)
+    words = words_of(np.where(mask, 20.0, 3.0), random, 0.1)
+    words[(random.random(words.shape) < 0.33) & mask] = 48
+    (region,) = measure(stages, words, [mask])
+    assert region.disparity_px == pytest.approx(20.0, abs=0.05)
+
+
+def test_metric_tolerance_takes_relief_in() -> None:
+    """f B = 200 px m; at 5 m a relief of 0.25 m is 2 px to either side."""
+    random = seeded(4)
+    mask = box((160, 120), 40, 40)
+    disparity = np.where(mask, random.choice([39.0, 40.0, 41.0], mask.shape), -1.0)
+    words = words_of(disparity)
+    found = []
+    for tolerance_m in (0.0, 0.25):
+        changes = {"region.tolerance_px": 0.5, "region.tolerance_m": tolerance_m}
+        (region,) = measure(Stages(camera(), changes), words, [mask])
+        found.append(region.boundary_inliers / region.boundary_valid)
+    assert found[0] < 0.75 and found[1] > 0.95
+
+
+@pytest.mark.parametrize("depth_px", [0.0, 5.0, 20.0])
+def test_the_boundary_is_as_deep_as_asked(depth_px: float) -> None:
+    """Distances along the graph to the nearest cell on the boundary itself, by scipy."""
+    stages = Stages(camera(), TOLERANCES | {"region.boundary_px": depth_px})
+    words, mask = board(half=(45, 45))
+    (region,) = measure(stages, words, [mask])
+    f, inside = stages.foveation, stages.label == 0
+    within = inside[f.tail] & inside[f.head]
+    arcs = (f.arc_distance_px[within].astype(float), (f.tail[within], f.head[within]))
+    leaving = np.unique(f.tail[inside[f.tail] & ~inside[f.head]])
+    distance = dijkstra(csr_matrix(arcs, shape=(f.node_count,) * 2), indices=leaving, min_only=True)
+    asked = f.pixel_count[distance <= depth_px].sum()
+    assert 0.97 * asked <= region.boundary_pixels <= asked
+    assert depth_px == 0 or asked > 1.2 * f.pixel_count[leaving].sum()
+
+
+def test_every_region_counts_alone() -> None:
+    """Three regions at once give the same numbers as each of them alone."""
+    random = seeded(5)
+    masks = [box((60, 120), 30, 60), box((160, 100), 20, 20), box((260, 140), 25, 50)]
+    disparity = np.ones(GREY.shape)
+    for mask, d in zip(masks, (30.0, 12.0, 20.0), strict=True):
+        disparity[mask] = d
+    words = words_of(disparity, random, 0.1)
+    together = Stages(camera(), TOLERANCES)
+    regions = measure(together, words, masks)
+    assert together.regions.accepted_count == 3
+    assert [region.label for region in regions] == [0, 1, 2]
+    for region, mask in zip(regions, masks, strict=True):
+        alone = Stages(camera(), TOLERANCES)
+        (single,) = measure(alone, words, [mask])
+        for field in ("pixel_count", "mean_u_px", "boundary_inliers", "disparity_px", "verdict"):
+            assert getattr(region, field) == getattr(single, field)
+
+
+# ---- verdicts ----
+
+
+def board(d: float = 20.0, half: tuple[float, float] = (30, 30), sigma: float = 0.1):
+    """Words of a board before a far background, and where it is."""
+    mask = box((200, 110), *half)
+    return words_of(np.where(mask, d, 1.0), seeded(6), sigma), mask
+
+
+def verdict_of(words: np.ndarray, mask: np.ndarray, **changes: float) -> str:
+    stages = Stages(camera(), TOLERANCES | {f"region.{name}": value for name, value in changes.items()})
+    (region,) = measure(stages, words, [mask])
+    assert stages.regions.accepted_count == (verdict(region) == "ACCEPTED")
+    return verdict(region)
+
+
+def test_a_board_is_accepted() -> None:
+    assert verdict_of(*board()) == "ACCEPTED"
+
+
+def test_few_inliers_are_too_few() -> None:
+    words, mask = board()
+    assert verdict_of(words, mask, min_inliers=10**6) == "TOO_FEW_PIXELS"
+    assert verdict_of(np.full_like(words, INVALID), mask) == "TOO_FEW_PIXELS"
+
+
+def test_a_boundary_with_few_matches_has_low_support() -> None:
+    words, mask = board()
+    words[seeded(7).random(words.shape) < 0.85] = INVALID
+    changes = {"min_inliers": 20, "min_valid_fraction": 0.25}
+    assert verdict_of(words, mask, **changes) == "LOW_SUPPORT"
+    assert verdict_of(words, mask, **changes | {"min_valid_fraction": 0.1}) == "ACCEPTED"
+
+
+def test_random_disparity_is_inconsistent() -> None:
+    words, mask = board()
+    words[mask] = seeded(8).integers(16 * 2, 16 * 60, np.count_nonzero(mask))
+    assert verdict_of(words, mask, min_inlier_fraction=0.5, min_inliers=10) == "INCONSISTENT"
+
+
+def ground(height_m: float = 3.0) -> np.ndarray:
+    return plane_disparity(camera(), (0, 1, 0), (0, height_m, 0))
+
+
+@pytest.mark.parametrize("roll_deg", [0, 30])
+def test_the_ground_is_horizontal(roll_deg: float) -> None:
+    angle = np.radians(roll_deg)
+    up = np.array([np.sin(angle), -np.cos(angle), 0.0])
+    disparity = plane_disparity(camera(), up, -3 * up)
+    words = words_of(disparity, seeded(9), 0.05)
+    (region,) = measure(Stages(camera(), TOLERANCES), words, [box((160, 180), 60, 40)], up)
+    assert verdict(region) == "HORIZONTAL"
+    assert region.inclination_deg == pytest.approx(90, abs=3)
+
+
+def test_a_patch_flat_on_the_ground_is_horizontal_however_it_seems_to_lean() -> None:
+    """A strip of one disparity, 11 px high, as matching makes of a stain: within 0.3 m of the ground."""
+    disparity = np.maximum(ground(), 1.0)
+    strip = box((160, 180), 40, 5)
+    disparity[strip] = ground()[180, 0]
+    words = words_of(disparity)
+    stages = Stages(camera(), TOLERANCES | {"region.min_height_m": 0.4})
+    (region,) = measure(stages, words, [strip])
+    assert not region.inclination_deg > stages.parameters.surface.horizontal_deg
+    assert region.standing_fraction < 0.05
+    assert verdict(region) == "HORIZONTAL"
+
+
+def test_what_stands_on_the_ground_is_accepted() -> None:
+    disparity = np.maximum(ground(), 1.0)
+    standing = box((160, 150), 20, 30)  # its foot on the ground at row 180
+    disparity[standing] = ground()[180, 0]
+    words = words_of(disparity)
+    stages = Stages(camera(), TOLERANCES | {"region.min_height_m": 0.3})
+    (region,) = measure(stages, words, [standing])
+    assert verdict(region) == "ACCEPTED"
+    on_ground = (stages.foveation.center_v > 130) & (stages.label < 0)
+    stages.horizontal[:] = on_ground  # as it is, and not as found around the foot
+    (region,) = stages.measure_regions(words)
+    # of its 60 rows, all but those less than 0.3 m (6 px) above the foot
+    assert region.standing_fraction == pytest.approx(0.9, abs=0.05)
+
+
+def test_what_is_far_is_too_far() -> None:
+    words, mask = board(d=4.0)
+    words[~mask] = 0
+    assert verdict_of(words, mask, min_disparity_px=4.5) == "TOO_FAR"
+    assert verdict_of(words, mask, min_disparity_px=3.5) == "ACCEPTED"
+
+
+def test_what_is_small_is_too_small() -> None:
+    """41 px at 20 m (f = 400) are 2 m."""
+    words, mask = board(d=10.0, half=(20, 20), sigma=0.0)
+    limit_m = 0.06 * 20  # the limit in metres is at most 6 % of the range
+    assert verdict_of(words, mask, min_size_m=limit_m) == "ACCEPTED"
+    words, mask = board(d=10.0, half=(6, 7), sigma=0.0)
+    assert verdict_of(words, mask, min_size_m=limit_m, min_inliers=10) == "TOO_SMALL"
+    assert verdict_of(words, mask, min_size_m=0.3, min_inliers=10) == "ACCEPTED"
+
+
+def test_the_first_reason_counts() -> None:
+    words, mask = board(half=(9, 9))
+    words[seeded(12).random(words.shape) < 0.1] = INVALID
+    words[seeded(13).random(words.shape) < 0.1] = 0
+    remedies = {
+        "TOO_FEW_PIXELS": ("min_inliers", 10**6, 1),
+        "LOW_SUPPORT": ("min_valid_fraction", 1.0, 0.1),
+        "INCONSISTENT": ("min_inlier_fraction", 1.0, 0.1),
+        "TOO_FAR": ("min_disparity_px", 200.0, 1.0),
+        "TOO_SMALL": ("min_size_m", 10.0, 0.1),
+    }
+    changes = {name: strict for name, strict, _ in remedies.values()}
+    for reason, (name, _, mild) in remedies.items():
+        assert verdict_of(words, mask, **changes) == reason
+        changes[name] = mild
+    assert verdict_of(words, mask, **changes) == "ACCEPTED"
+
+
+def test_an_empty_region_and_one_without_boundary_are_no_obstacles() -> None:
+    stages = Stages(camera(), TOLERANCES)
+    words = np.full(GREY.shape, 160, np.int16)
+    everywhere, nowhere = np.ones(GREY.shape, bool), np.zeros(GREY.shape, bool)
+    regions = measure(stages, words, [nowhere, everywhere])
+    assert [verdict(region) for region in regions] == ["TOO_FEW_PIXELS"] * 2
+    assert regions[0].node_count == 0 and regions[1].boundary_pixels == 0
+    assert stages.regions.accepted_count == 0
+    assert measure(stages, words, []) == []
+
+
+# ---- the chain so far, and errors ----
+
+
+def test_the_same_frame_gives_the_same_regions() -> None:
+    random = seeded(10)
+    words, _ = board()
+    image = random.integers(0, 256, GREY.shape, np.uint8)
+    noise = random.integers(-200, 1000, GREY.shape).astype(np.int16)
+    first, second = Stages(camera()), Stages(camera())
+    second.run(image, noise)  # must leave nothing behind
+    found = [[bytes(ffi.buffer(r)) for r in s.run(image, words)] for s in (first, second)]
+    assert found[0] == found[1] and len(found[0]) > 0
+
+
+def test_noise_is_measured_without_harm() -> None:
+    random = seeded(11)
+    for width, height in ((16, 16), (100, 75)):
+        stages = Stages(camera(width, height), {"segmentation.core_area_px2": 1.0, "region.min_inliers": 1})
+        for _ in range(5):
+            image = random.integers(0, 256, (height, width), np.uint8)
+            words = random.integers(-500, 4096, (height, width)).astype(np.int16)
+            for region in stages.run(image, words):
+                assert 0 <= region.boundary_inliers <= region.boundary_valid <= region.boundary_pixels
+                if verdict(region) == "ACCEPTED":
+                    assert 0 <= region.min_u_px <= region.mean_u_px <= region.max_u_px < width
+                    assert 0 <= region.min_v_px <= region.mean_v_px <= region.max_v_px < height
+                    assert region.cov_uu_px2 * region.cov_vv_px2 >= region.cov_uv_px2**2 - 1e-3
+
+
+def test_verdicts_have_names() -> None:
+    names = [ffi.string(lib.vista_region_verdict_name(k)).decode() for k in range(20)]
+    known = names[: lib.VISTA_REGION_VERDICT_COUNT]
+    assert known[0] == "ACCEPTED" and len(set(known)) == len(known) and "UNKNOWN" not in known
+    assert {*names} - {*known} == {"UNKNOWN"}
+
+
+def test_wrong_arguments_are_refused() -> None:
+    stages = Stages(camera(64, 48))
+    f = stages.foveation.handle
+    up = ffi.new("double[3]", LEVEL_UP)
+    words, larger = np.zeros((48, 64), np.int16), np.zeros((48, 65), np.int16)
+
+    def compute(disparity, null: int | None = None) -> str:
+        pointers = [f, stages.section("region"), stages.camera, up]
+        pointers += [image_struct("disparity_image", disparity), stages.cells, stages.surfaces]
+        pointers += [stages.segmentation, stages.regions]
+        if null is not None:
+            pointers[null] = ffi.NULL
+        return status_name(lib.vista_regions_compute(*pointers[:4], 55.0, *pointers[4:]))
+
+    for i in range(9):
+        assert compute(words, null=i) == "VISTA_ERROR_ARGUMENT"
+    assert compute(larger) == "VISTA_ERROR_SIZE"
+    regions = ffi.new("vista_regions *")
+    short = Arena(lambda arena: lib.vista_regions_layout(regions, arena, f), missing_bytes=1)
+    assert status_name(short.status) == "VISTA_ERROR_MEMORY"
