@@ -203,11 +203,12 @@ def test_nothing_of_the_frame_is_kept(flight: list[dict]) -> None:
         assert snapshot(pipeline.result) == expected
 
 
-def test_too_little_memory(flight: list[dict]) -> None:
+@pytest.mark.parametrize("shift", [0, 1])
+def test_too_little_memory(flight: list[dict], shift: int) -> None:
     needed = bytes_needed(default_parameters(), default_camera())[1]
 
     def with_bytes(size: int) -> Pipeline:
-        pipeline = Pipeline(missing_bytes=needed - size)
+        pipeline = Pipeline(shift=shift, missing_bytes=needed - size)
         assert pipeline.guards_hold, size
         assert (pipeline.status == "VISTA_OK") == (pipeline.handle != ffi.NULL)
         assert pipeline.status in ("VISTA_OK", "VISTA_ERROR_MEMORY"), size
