@@ -27,7 +27,8 @@ int32_t vista_flow_encode(const vista_affinity_params *params, double affinity) 
 
 vista_status vista_affinity_compute(const vista_foveation *foveation, const vista_affinity_params *params,
                                     const vista_camera *camera, const vista_cells *cells, vista_affinity *affinity) {
-  if (foveation == NULL || params == NULL || camera == NULL || cells == NULL || affinity == NULL) return VISTA_ERROR_ARGUMENT;
+  if (foveation == NULL || params == NULL || camera == NULL || cells == NULL || affinity == NULL)
+    return VISTA_ERROR_ARGUMENT;
   const vista_graph *const graph = &foveation->graph;
   const float mu_i = (float)params->mu_intensity, sigma_i = (float)params->sigma_intensity;
   const float sigma_d = (float)params->sigma_disparity_px;

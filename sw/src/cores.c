@@ -87,7 +87,8 @@ static int32_t sort_nearest_first(const vista_cells *cells, const vista_surfaces
 }
 
 vista_status vista_cores_of_obstacles(const vista_foveation *foveation, const vista_segmentation_params *params,
-                                      const vista_camera *camera, const vista_cells *cells, const vista_surfaces *surfaces, vista_cores *cores) {
+                                      const vista_camera *camera, const vista_cells *cells,
+                                      const vista_surfaces *surfaces, vista_cores *cores) {
   if (foveation == NULL || params == NULL || camera == NULL || cells == NULL || surfaces == NULL || cores == NULL)
     return VISTA_ERROR_ARGUMENT;
   const vista_graph *const graph = &foveation->graph;

@@ -71,10 +71,13 @@ void vista_merge_regions(const vista_foveation *foveation, const vista_segmentat
     if (2 * border->smooth > border->known && border->smooth >= params->merge_share * shorter)
       (void)vista_sets_join(s->merged, a, b);
   }
+  int32_t *const new_label = s->perimeter; /* the perimeters have served */
   int32_t count = 0;
-  for (int32_t k = 0; k < s->region_count; ++k) /* a set's first label is its root, so it is numbered before the rest */
-    s->perimeter[k] = vista_sets_find(s->merged, k) == k ? count++ : s->perimeter[s->merged[k]];
+  for (int32_t k = 0; k < s->region_count; ++k) { /* a set's root is its first label, so it is numbered before the rest */
+    const int32_t root = vista_sets_find(s->merged, k);
+    new_label[k] = root == k ? count++ : new_label[root];
+  }
   for (int32_t i = 0; i < foveation->node_count; ++i)
-    if (s->label[i] >= 0) s->label[i] = s->perimeter[s->label[i]];
+    if (s->label[i] >= 0) s->label[i] = new_label[s->label[i]];
   s->region_count = count;
 }

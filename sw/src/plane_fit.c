@@ -17,7 +17,8 @@ void vista_plane_fit_add(vista_plane_fit *fit, double u, double v, double d, dou
 bool vista_plane_fit_solve(const vista_plane_fit *fit, vista_plane *plane) {
   if (!(fit->weight > 0.0)) return false;
   const double u = fit->u / fit->weight, v = fit->v / fit->weight, d = fit->d / fit->weight;
-  const double uu = fit->uu / fit->weight - u * u, uv = fit->uv / fit->weight - u * v, vv = fit->vv / fit->weight - v * v;
+  const double uu = fit->uu / fit->weight - u * u, uv = fit->uv / fit->weight - u * v;
+  const double vv = fit->vv / fit->weight - v * v;
   const double ud = fit->ud / fit->weight - u * d, vd = fit->vd / fit->weight - v * d;
   const double determinant = uu * vv - uv * uv;
   if (!(determinant > 1e-6 * (uu * vv + 1e-12))) return false; /* collinear */

@@ -74,7 +74,8 @@ static vista_status reconstruct(const vista_region *region, const vista_camera *
 vista_status vista_reconstruct_region(const vista_region *region, const vista_camera *camera,
                                       const vista_matched_area *matched, const vista_reconstruction_params *params,
                                       vista_detection *detection) {
-  if (region == NULL || camera == NULL || matched == NULL || params == NULL || detection == NULL) return VISTA_ERROR_ARGUMENT;
+  if (region == NULL || camera == NULL || matched == NULL || params == NULL || detection == NULL)
+    return VISTA_ERROR_ARGUMENT;
   vista_status status = check_params(params);
   if (status == VISTA_OK) status = vista_frame_check_camera(camera);
   return status == VISTA_OK ? reconstruct(region, camera, matched, params, detection) : status;
@@ -83,7 +84,8 @@ vista_status vista_reconstruct_region(const vista_region *region, const vista_ca
 vista_status vista_reconstruct_regions(const vista_region *regions, int32_t region_count, const vista_camera *camera,
                                        const vista_matched_area *matched, const vista_reconstruction_params *params,
                                        vista_detection *detections, int32_t capacity, int32_t *detection_count) {
-  if (camera == NULL || matched == NULL || params == NULL || detection_count == NULL || (regions == NULL && region_count != 0) ||
+  if (camera == NULL || matched == NULL || params == NULL || detection_count == NULL ||
+      (regions == NULL && region_count != 0) ||
       (detections == NULL && capacity != 0))
     return VISTA_ERROR_ARGUMENT;
   *detection_count = 0;

@@ -131,7 +131,8 @@ static void own_pixels(const vista_region_view *w, const vista_plane *plane, vis
   region->cov_vv_px2 = fmax(sum.vv / sum.n - region->mean_v_px * region->mean_v_px, 0.0);
 }
 
-static vista_region_verdict judge_boundary(const vista_region_view *w, double horizontal_deg, const vista_region *region) {
+static vista_region_verdict judge_boundary(const vista_region_view *w, double horizontal_deg,
+                                           const vista_region *region) {
   const vista_region_params *const p = w->params;
   if (region->boundary_inliers < p->min_inliers) return VISTA_REGION_TOO_FEW_PIXELS;
   if (region->boundary_valid < p->min_valid_fraction * region->boundary_pixels) return VISTA_REGION_LOW_SUPPORT;

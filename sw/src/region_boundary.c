@@ -52,7 +52,8 @@ static double mode_px(const vista_region_view *w, const vista_camera *camera, in
   double mode = 0.0;
   for (int32_t end = 0, start = 0; end <= top; ++end) {
     if (bins[end] == 0) continue; /* a best window can end on a word that occurs */
-    const double width = 2.0 * VISTA_DISPARITY_SCALE * tolerance_px(w->params, camera, end / (double)VISTA_DISPARITY_SCALE);
+    const double end_px = end / (double)VISTA_DISPARITY_SCALE;
+    const double width = 2.0 * VISTA_DISPARITY_SCALE * tolerance_px(w->params, camera, end_px);
     sum += bins[end];
     while (end - start > width) sum -= bins[start++];
     if (sum > best) {

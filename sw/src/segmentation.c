@@ -108,7 +108,8 @@ static vista_status cut_all(const view *w, vista_segmentation *s) {
 }
 
 vista_status vista_segment(const vista_foveation *foveation, const vista_parameters *params,
-                           const vista_camera *camera, const vista_cells *cells, const vista_surfaces *surfaces, const vista_affinity *affinity,
+                           const vista_camera *camera, const vista_cells *cells,
+                           const vista_surfaces *surfaces, const vista_affinity *affinity,
                            vista_segmentation *segmentation) {
   if (foveation == NULL || params == NULL || camera == NULL || cells == NULL || surfaces == NULL || affinity == NULL ||
       segmentation == NULL)

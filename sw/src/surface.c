@@ -46,8 +46,9 @@ static float cell_inclination_deg(const vista_foveation *f, const vista_camera *
   for (int32_t k = 0; k < count; ++k) {
     const int32_t j = around[k];
     if (cells->disparity_px[j] < 0.0f) continue;
-    vista_plane_fit_add(&fit, (double)(f->center_u[j] - f->center_u[node]), (double)(f->center_v[j] - f->center_v[node]),
-                        (double)(cells->disparity_px[j] - cells->disparity_px[node]), 1.0);
+    const float du = f->center_u[j] - f->center_u[node], dv = f->center_v[j] - f->center_v[node];
+    const float dd = cells->disparity_px[j] - cells->disparity_px[node];
+    vista_plane_fit_add(&fit, (double)du, (double)dv, (double)dd, 1.0);
   }
   vista_plane plane;
   if (fit.weight < 5.0 || !vista_plane_fit_solve(&fit, &plane)) return -1.0f;
@@ -70,7 +71,7 @@ static bool mostly_horizontal(const vista_surfaces *surfaces, double horizontal_
 #define GROUND_MIN_CELLS 20
 #define GROUND_PASSES 4
 
-/* Least squares over the horizontal cells, leaving out what is far off the last fit; at least half of them must stay. */
+/* Least squares over the horizontal cells, leaving out what is far off the last fit; at least half must stay. */
 static void find_ground(const vista_foveation *f, const vista_surface_params *params, const vista_camera *camera,
                         const double up_camera[3], const vista_cells *cells, vista_surfaces *surfaces) {
   vista_plane plane = {0};

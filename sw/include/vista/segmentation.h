@@ -43,7 +43,8 @@ vista_status vista_segmentation_layout(vista_segmentation *segmentation, vista_a
                                        const vista_foveation *foveation);
 
 vista_status vista_segment(const vista_foveation *foveation, const vista_parameters *params,
-                           const vista_camera *camera, const vista_cells *cells, const vista_surfaces *surfaces, const vista_affinity *affinity,
+                           const vista_camera *camera, const vista_cells *cells,
+                           const vista_surfaces *surfaces, const vista_affinity *affinity,
                            vista_segmentation *segmentation);
 
 #endif
