@@ -10,7 +10,7 @@ make --no-print-directory native BUILD="$VISTA_BUILD" CFLAGS="-O1 -g -std=c17 -W
 
 # Left out: tests whose millions of pixels or readers in Python add time and no other C code.
 tests=("$@")
-[ $# -gt 0 ] || tests=(model/tests sw/tests -k "not as_opencv and not cut_anywhere")
+[ $# -gt 0 ] || tests=(model/tests sw/tests --ignore=sw/tests/test_flight.py -k "not as_opencv and not cut_anywhere")
 
 # Python itself is not instrumented: the run-time comes first by preload, and its leaks are not ours.
 LD_PRELOAD="$(gcc -print-file-name=libasan.so) $(gcc -print-file-name=libstdc++.so)" \

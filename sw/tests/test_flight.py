@@ -1,0 +1,167 @@
+"""The rendered flight: what the images show is what the truth says, and what was rendered once is kept."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+from vista.flights.flight import SIGN_AT_30_FT_S, Flight, is_complete, prepare, render_missing
+from vista.flights.rig import LEFT, RIGHT, Rig
+from vista.flights.scene import SIGN_HEIGHT_M, SIGN_WIDTH_M, sign_in_meadow
+from vista.flights.trajectory import quaternion_wxyz, rotation_from_angles, state_at
+from vista.flights.writer import image_path
+from vista.geometry import rotation_from_quaternion
+from vista.sequence import open_sequence
+
+SMALL_RIG = Rig(width_px=160, height_px=120, focal_px=250.0, baseline_m=0.4572)
+SHORT = replace(SIGN_AT_30_FT_S, rig=SMALL_RIG, rays=1, approach=replace(SIGN_AT_30_FT_S.approach, frames=2))
+
+
+def render(flight: Flight, out: Path) -> list[int]:
+    prepare(flight, out)
+    return list(render_missing(flight, out))
+
+
+@pytest.fixture(scope="module")
+def rendered(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    out = tmp_path_factory.mktemp("flight") / "short"
+    assert render(SHORT, out) == [0, 1]
+    return out
+
+
+def camera_poses(flight: Flight, frame: int) -> list[np.ndarray]:
+    body = state_at(flight.approach, frame).world_from_body
+    return [body @ flight.rig.body_from_camera(camera) for camera in (LEFT, RIGHT)]
+
+
+def test_the_sign_is_where_the_truth_projects_it() -> None:
+    """Centre of the sign's pixels in both images against its projection, and their disparity against f B / Z.
+    Edges fall on whole pixels, which moves a centre by up to half of one; over frames that averages out."""
+    from vista.flights.render import Renderer
+
+    rig = replace(SMALL_RIG, width_px=320, height_px=240, focal_px=1000.0)
+    flight = replace(SIGN_AT_30_FT_S, rig=rig)
+    scene = sign_in_meadow(flight.approach.altitude_m, flight.seed)
+    renderer = Renderer(scene, rig, rays=1)
+    center_world = np.array([*scene.obstacles[0].center_m, 1.0])
+    errors_px = []
+    for frame in range(20, 40, 2):
+        seen = []
+        for pose in camera_poses(flight, frame):
+            truth = renderer.truth(pose)
+            v, u = np.nonzero(truth.mask(("sign_board",)))
+            seen.append((u.mean(), v.mean()))
+            center_camera = (np.linalg.inv(pose) @ center_world)[:3]
+            z_m = center_camera[2]
+            errors_px.append(seen[-1] - rig.project(center_camera))
+            assert np.median(truth.depth_m[v, u]) == pytest.approx(z_m, rel=2e-3)
+            area_px = SIGN_WIDTH_M * SIGN_HEIGHT_M * (rig.focal_px / z_m) ** 2
+            assert len(u) == pytest.approx(area_px, rel=0.1)
+        disparity = seen[LEFT][0] - seen[RIGHT][0]
+        assert disparity == pytest.approx(rig.focal_px * rig.baseline_m / z_m, abs=0.71)
+    assert np.abs(errors_px).max() < 0.5
+    assert np.abs(np.mean(errors_px, axis=0)).max() < 0.2
+
+
+def test_the_ground_lies_at_its_depth() -> None:
+    from vista.flights.render import Renderer
+
+    scene = sign_in_meadow(SHORT.approach.altitude_m, SHORT.seed)
+    renderer = Renderer(scene, SMALL_RIG, rays=1)
+    pose = camera_poses(SHORT, 0)[LEFT]
+    truth = renderer.truth(pose)
+    ground = truth.mask(tuple(s.name for s in scene.solids if s.name.startswith("ground")))
+    v, u = np.nonzero(ground)
+    cu, cv = SMALL_RIG.center_px
+    rays = np.stack([(u - cu) / SMALL_RIG.focal_px, (v - cv) / SMALL_RIG.focal_px, np.ones(len(u))])
+    points = pose[:3, :3] @ (rays * truth.depth_m[v, u]) + pose[:3, 3:]
+    assert len(u) > 2000
+    assert np.abs(points[2]).max() < 0.05
+
+
+def test_the_reader_gets_the_poses_that_were_flown(rendered: Path) -> None:
+    sequence = open_sequence(rendered)
+    assert len(sequence.frames) == 2
+    for frame, files in enumerate(sequence.frames):
+        expected = camera_poses(SHORT, frame)[LEFT]
+        np.testing.assert_allclose(files.world_from_camera.rotation, expected[:3, :3], atol=1e-8)
+        np.testing.assert_allclose(files.world_from_camera.translation_m, expected[:3, 3], atol=1e-8)
+    truth = json.loads((rendered / "truth.json").read_text())
+    assert truth["obstacles"][0]["position_m"] == pytest.approx([0.0, 0.0, 6.4008])
+    assert truth["rig"]["baseline_m"] == SMALL_RIG.baseline_m
+
+
+def test_quaternions_are_those_of_the_rotations() -> None:
+    for angles in ((0.0, 0.0, 0.0), (2.0, -3.0, 40.0), (-10.0, 5.0, -120.0)):
+        rotation = rotation_from_angles(*angles)
+        np.testing.assert_allclose(rotation_from_quaternion(quaternion_wxyz(rotation)), rotation, atol=1e-12)
+
+
+def test_a_seed_gives_the_same_bytes_and_another_one_others(rendered: Path, tmp_path: Path) -> None:
+    one = replace(SHORT, approach=replace(SHORT.approach, frames=1, last_range_m=30.0))
+    bytes_of = []
+    for name, flight in (("a", one), ("b", one), ("c", replace(one, seed=2))):
+        render(flight, tmp_path / name)
+        path = image_path(tmp_path / name, LEFT, state_at(flight.approach, 0).t_ns)
+        bytes_of.append(path.read_bytes())
+    assert bytes_of[0] == bytes_of[1] != bytes_of[2]
+
+
+def test_only_what_is_missing_is_rendered(rendered: Path) -> None:
+    paths = [
+        image_path(rendered, camera, state_at(SHORT.approach, frame).t_ns)
+        for frame in (0, 1)
+        for camera in (LEFT, RIGHT)
+    ]
+    assert is_complete(SHORT, rendered)
+    before = {path: (path.stat().st_mtime_ns, path.read_bytes()) for path in paths}
+    paths[3].unlink()
+    (rendered / "truth.json").unlink()
+    assert not is_complete(SHORT, rendered)
+    assert render(SHORT, rendered) == [0, 1]
+    assert is_complete(SHORT, rendered)
+    for path in paths[:3]:
+        assert (path.stat().st_mtime_ns, path.read_bytes()) == before[path]
+    assert paths[3].read_bytes() == before[paths[3]][1]
+
+
+def test_an_interruption_leaves_whole_images_only(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    from vista.flights import writer
+
+    out = tmp_path / "flight"
+    written = []
+
+    def interrupted_encode(extension: str, image: np.ndarray) -> tuple[bool, np.ndarray]:
+        if len(written) == 2:
+            raise KeyboardInterrupt
+        written.append(extension)
+        return cv2_imencode(extension, image)
+
+    cv2_imencode = cv2.imencode
+    monkeypatch.setattr(writer.cv2, "imencode", interrupted_encode)
+    with pytest.raises(KeyboardInterrupt):
+        render(SHORT, out)
+    assert not is_complete(SHORT, out)
+    images = sorted(out.rglob("*.png"))
+    assert len(images) == 2
+    assert all(cv2.imread(str(path), cv2.IMREAD_GRAYSCALE).shape == (120, 160) for path in images)
+    assert not list(out.rglob("*.partial"))
+
+
+def test_a_folder_with_other_things_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "notes.txt").write_text("mine")
+    with pytest.raises(OSError, match="not a rendered flight"):
+        prepare(SHORT, tmp_path)
+    assert (tmp_path / "notes.txt").read_text() == "mine"
+
+
+def test_another_flight_replaces_an_earlier_one(rendered: Path, tmp_path: Path) -> None:
+    out = tmp_path / "flight"
+    one = replace(SHORT, approach=replace(SHORT.approach, frames=1))
+    render(one, out)
+    prepare(SHORT, out)
+    assert not list(out.rglob("*.png"))
