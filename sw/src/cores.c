@@ -69,12 +69,18 @@ static bool standing(const vista_cells *cells, const vista_surfaces *surfaces, i
   return cells->disparity_px[node] > 0.0f && !surfaces->horizontal[node];
 }
 
+/* Files may hold words that no engine writes: those count as the largest. */
+static int32_t word_bin(const vista_cells *cells, int32_t node) {
+  const int32_t word = (int32_t)(cells->disparity_px[node] * VISTA_DISPARITY_SCALE);
+  return word < WORD_BINS ? word : WORD_BINS - 1;
+}
+
 /* Standing cells by falling disparity: a counting sort, stable in the node number. */
 static int32_t sort_nearest_first(const vista_cells *cells, const vista_surfaces *surfaces, int32_t node_count,
                                   int32_t *bins, int32_t *order) {
   for (int32_t b = 0; b < WORD_BINS; ++b) bins[b] = 0;
   for (int32_t i = 0; i < node_count; ++i)
-    if (standing(cells, surfaces, i)) bins[(int32_t)(cells->disparity_px[i] * VISTA_DISPARITY_SCALE)]++;
+    if (standing(cells, surfaces, i)) bins[word_bin(cells, i)]++;
   int32_t count = 0;
   for (int32_t b = WORD_BINS - 1; b >= 0; --b) {
     const int32_t in_bin = bins[b];
@@ -82,7 +88,7 @@ static int32_t sort_nearest_first(const vista_cells *cells, const vista_surfaces
     count += in_bin;
   }
   for (int32_t i = 0; i < node_count; ++i)
-    if (standing(cells, surfaces, i)) order[bins[(int32_t)(cells->disparity_px[i] * VISTA_DISPARITY_SCALE)]++] = i;
+    if (standing(cells, surfaces, i)) order[bins[word_bin(cells, i)]++] = i;
   return count;
 }
 

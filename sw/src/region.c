@@ -111,7 +111,7 @@ static void own_pixels(const vista_region_view *w, const vista_plane *plane, vis
       const double start = plane->offset + plane->slope_v * run.v_px + plane->slope_u * run.u_px;
       int32_t open = -1; /* first pixel of the current stretch of own pixels */
       for (int32_t i = 0; i <= run.length_px; ++i) {
-        const bool own = i < run.length_px && words[i] >= 0 &&
+        const bool own = i < run.length_px && vista_word_valid(words[i]) &&
                          fabs(words[i] * (1.0 / VISTA_DISPARITY_SCALE) - start - plane->slope_u * i) <=
                              w->tolerance_px;
         if (own && open < 0) open = i;

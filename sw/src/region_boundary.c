@@ -35,7 +35,7 @@ static int32_t count_boundary(const vista_region_view *w, vista_region *region) 
       const int16_t *const words = vista_region_words(w, run);
       region->boundary_pixels += run.length_px;
       for (int32_t i = 0; i < run.length_px; ++i) {
-        if (words[i] < 0) continue;
+        if (!vista_word_valid(words[i])) continue;
         region->boundary_valid++;
         w->bins[words[i]]++;
         if (words[i] > top) top = words[i];
@@ -136,7 +136,7 @@ static inliers boundary_inliers(const vista_region_view *w, const vista_plane *p
       int32_t run_count = 0, run_sum = 0, run_squares = 0;
       for (int32_t i = 0; i < run.length_px; ++i) {
         const int32_t residual = words[i] - ((start + i * slope) >> FIXED_BITS);
-        const int32_t in = (words[i] >= 0) & (residual <= tolerance) & (residual >= -tolerance);
+        const int32_t in = vista_word_valid(words[i]) & (residual <= tolerance) & (residual >= -tolerance);
         run_count += in;
         run_sum += in * residual;
         run_squares += in * residual * residual;

@@ -32,6 +32,9 @@ static inline const int16_t *vista_region_words(const vista_region_view *view, v
   return view->disparity->data + run.v_px * view->disparity->stride + run.u_px;
 }
 
+/* Negative words are invalid; larger ones than any engine writes may come from files. */
+static inline bool vista_word_valid(int16_t word) { return (uint16_t)word < VISTA_WORD_BINS; }
+
 static inline double vista_plane_at(const vista_plane *plane, double u_px, double v_px) {
   return plane->offset + plane->slope_u * u_px + plane->slope_v * v_px;
 }
