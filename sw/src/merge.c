@@ -9,7 +9,7 @@
 
 /* Edges across the boundary of one pair of regions. */
 struct vista_border {
-  int32_t pair; /* low label * region_count + high label */
+  int64_t pair;  /* low label * region_count + high label */
   int32_t known; /* edges with a disparity at both ends */
   int32_t smooth;
 };
@@ -26,7 +26,7 @@ vista_status vista_merge_layout(vista_segmentation *segmentation, vista_arena *a
   return arena->base != NULL && arena->used > arena->size ? VISTA_ERROR_MEMORY : VISTA_OK;
 }
 
-static vista_border *find_border(vista_segmentation *s, int32_t pair) {
+static vista_border *find_border(vista_segmentation *s, int64_t pair) {
   int32_t slot = (int32_t)(((uint32_t)pair * UINT32_C(2654435761)) & (uint32_t)(s->border_slots - 1));
   while (s->borders[slot].pair != NO_PAIR && s->borders[slot].pair != pair) slot = (slot + 1) & (s->border_slots - 1);
   s->borders[slot].pair = pair;
@@ -44,7 +44,7 @@ static void measure_borders(const vista_foveation *foveation, const vista_segmen
       if (b == a) continue;
       s->perimeter[a]++;
       if (b < a || cells->disparity_px[i] < 0.0f || cells->disparity_px[j] < 0.0f) continue;
-      vista_border *const border = find_border(s, a * s->region_count + b);
+      vista_border *const border = find_border(s, (int64_t)a * s->region_count + b);
       border->known++;
       const float step = vista_core_step_px(params, camera, foveation->arc_distance_px[arc],
                                             fmaxf(cells->disparity_px[i], cells->disparity_px[j]));
@@ -66,7 +66,7 @@ void vista_merge_regions(const vista_foveation *foveation, const vista_segmentat
   for (int32_t k = 0; k < s->border_slots; ++k) {
     const vista_border *const border = &s->borders[k];
     if (border->pair == NO_PAIR) continue;
-    const int32_t a = border->pair / s->region_count, b = border->pair % s->region_count;
+    const int32_t a = (int32_t)(border->pair / s->region_count), b = (int32_t)(border->pair % s->region_count);
     const int32_t shorter = s->perimeter[a] < s->perimeter[b] ? s->perimeter[a] : s->perimeter[b];
     if (2 * border->smooth > border->known && border->smooth >= params->merge_share * shorter)
       (void)vista_sets_join(s->merged, a, b);
