@@ -183,6 +183,21 @@ def test_a_short_contact_does_not_join() -> None:
         assert stages.segmentation.obstacle_count == regions
 
 
+@pytest.mark.parametrize(("first_row", "regions"), [(0, 2), (36, 1)])
+def test_most_of_the_border_decides(first_row: int, regions: int) -> None:
+    """The right part comes nearer from that row on, until the step is a jump (more than 0.5 px)."""
+    merging = {"segmentation.merge_ratio": 4.0, "segmentation.merge_share": 0.02}
+    stages = Stages(camera(64, 48), FINE | merging)
+    f = stages.foveation
+    halves(stages, 20.0, 20.25)
+    right = f.center_u >= 30
+    stages.disparity_px[right] += 0.03 * np.maximum(f.center_v[right] - first_row, 0)
+    stages.compare()
+    assert len(stages.find_obstacle_cores()) == 2
+    stages.segment()
+    assert stages.segmentation.obstacle_count == regions
+
+
 # ---- drawn scenes ----
 
 
@@ -258,7 +273,8 @@ def test_noise_is_partitioned_too() -> None:
         stages = Stages(camera(width, height), {"segmentation.core_area_px2": 1.0})
         for _ in range(5):
             image = random.integers(0, 256, (height, width), np.uint8)
-            words = random.integers(-500, 4096, (height, width)).astype(np.int16)
+            limit = random.choice([100, 4096, 2**15])  # the last: no engine's words, from a bad file
+            words = random.integers(-(2**15), limit, (height, width)).astype(np.int16)
             stages.partition(image, words)
             assert_dense(stages)
 

@@ -83,6 +83,37 @@ def test_cells_on_an_exact_plane_lean_as_it_does(lever_px: float) -> None:
             assert np.allclose(stages.inclination_deg[clear], lean_deg(normal, up), atol=0.2)
 
 
+def test_any_cell_takes_the_least_squares_plane_of_its_neighbours() -> None:
+    """numpy's, over the cell and those in the eight directions; less than five make no plane."""
+    random = seeded(4)
+    stages = Stages(camera(160, 120), {"surface.lever_px": 1.0})
+    f, c, up = stages.foveation, stages.camera, unit((0.2, -1, 0.1))
+    stages.disparity_px[:] = random.uniform(5, 20, f.node_count)
+    stages.disparity_px[random.random(f.node_count) < 0.3] = -1
+    stages.find_surfaces(up)
+    grid = f.node_of_grid
+    compared = 0
+    for ring in range(1, grid.shape[0] - 1):
+        for sector in range(grid.shape[1]):
+            node = grid[ring, sector]
+            if node < 0 or f.size_px[node] < 1.5 or stages.disparity_px[node] < 0:
+                continue
+            sectors = range(sector - 1, sector + 2)
+            around = grid[ring - 1 : ring + 2].take(sectors, axis=1, mode="wrap").ravel()
+            around = around[around >= 0]
+            around = around[stages.disparity_px[around] >= 0]
+            if around.size < 5:
+                assert stages.inclination_deg[node] < 0
+                continue
+            offsets = np.stack([f.center_u[around], f.center_v[around]]) - [[c.center_u_px], [c.center_v_px]]
+            system = np.column_stack([*offsets, np.ones(around.size)])
+            slope_u, slope_v, at_center = np.linalg.lstsq(system, stages.disparity_px[around])[0]
+            found = lean_deg((slope_u, slope_v, at_center / c.focal_px), up)
+            assert stages.inclination_deg[node] == pytest.approx(found, abs=0.05)
+            compared += 1
+    assert compared > 500
+
+
 PLANES = {
     "ground": ((0, 1, 0), (0, 3, 10)),
     "wall ahead": ((0, 0, 1), (0, 0, 5)),
