@@ -28,6 +28,7 @@ REPOSITORY = Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(REPOSITORY / "sw" / "tests"), str(REPOSITORY / "build" / "python")]
 
 from cut_library import CutGraph  # noqa: E402
+from frame_cases import isolating_cuts  # noqa: E402
 from graph_cases import (  # noqa: E402
     SEED_CAPACITY,
     FlowCase,
@@ -36,6 +37,9 @@ from graph_cases import (  # noqa: E402
     real_images,
     synthetic_image,
 )
+from shared_data import SHARED_DATA  # noqa: E402
+
+STREET = SHARED_DATA / "kitti_odometry" / "sequences" / "00"
 
 try:
     import maxflow as peer
@@ -173,6 +177,10 @@ def main() -> None:
             rows.append(measure(case.name, [case], options.repetitions))
             print_row(rows[-1])
         rows.append(measure(f"{name}, recursive", recursive_cuts(image), options.repetitions))
+        print_row(rows[-1])
+    if STREET.is_dir():
+        cuts = isolating_cuts(STREET / "image_0/000020.png", STREET / "image_1/000020.png", 707.0912, 0.53715)
+        rows.append(measure("the host's own cuts, street frame 20", cuts, options.repetitions))
         print_row(rows[-1])
     if peer:
         for key in ("ratio_flow", "ratio_whole"):

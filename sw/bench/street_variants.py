@@ -3,7 +3,7 @@
 usage: street_variants.py [VARIANT ...]
 
 Per variant: things (of 12 picked by eye) that keep one id while in view; frames with an obstacle where the
-car drove later; obstacles confirmed in all; median number of frames in which one was seen; host time, median."""
+car drove later; obstacles confirmed in all; median number of frames in which one was seen; host time."""
 
 from __future__ import annotations
 

@@ -13,6 +13,7 @@ from graph_cases import FlowCase, polar_cases, random_case, real_images, synthet
 from random_seed import seeded
 from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import breadth_first_order, maximum_flow
+from shared_data import SHARED_DATA
 
 RANDOM_GRAPHS = 1000
 ARC_CAPACITY_MAX = (1 << 30) - 1
@@ -100,6 +101,18 @@ def test_polar_graphs_of_real_images_equal_scipy() -> None:
     for name, path in images:
         for case in polar_cases(name, cv2.imread(str(path), cv2.IMREAD_GRAYSCALE).astype(float), seed=5):
             assert_equals_scipy(case, solve(case), case.name)
+
+
+def test_cuts_of_a_real_frame_equal_scipy() -> None:
+    street = SHARED_DATA / "kitti_odometry" / "sequences" / "00"
+    if not street.is_dir():
+        pytest.skip(f"no {street}")
+    from frame_cases import isolating_cuts
+
+    cases = isolating_cuts(street / "image_0/000020.png", street / "image_1/000020.png", 707.0912, 0.53715)
+    assert len(cases) > 50
+    for case in cases[::4]:
+        assert_equals_scipy(case, solve(case), case.name)
 
 
 def test_one_solver_for_many_subsets_keeps_nothing_from_the_last_cut() -> None:

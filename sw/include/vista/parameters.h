@@ -57,7 +57,7 @@ typedef struct vista_segmentation_params {
   double core_step_slope; /* Added to core_step_px per pixel between the cell centres. 0.0 .. 1.0 px per px. */
   double core_step_m; /* A disparity step that means less depth than this is no step. At most 6 % of the range. 0.0 .. 10.0 m. */
   double core_area_px2; /* Smallest core that is cut out. 1.0 .. 1000000.0 px2. */
-  int32_t reach; /* A cut takes in free cells up to this many steps from its core. 1 .. 1000 cells. */
+  int32_t reach; /* A cut can take free cells less than this many steps from its core. 1 .. 1000 cells. */
   double unknown_link; /* Sink link of a cell without disparity: what it costs to take a textureless cell into an obstacle. Paper: D_p. 0.0 .. 10.0 flow_scale. */
   double mismatch_link; /* Sink link of a free cell per pixel of disparity beyond the core's own range, at most four times this. Paper: D_p. 0.0 .. 10.0 flow_scale. */
   double horizontal_link; /* Sink link of a cell on a horizontal surface. Paper: D_p. 0.0 .. 100.0 flow_scale. */
