@@ -40,6 +40,7 @@ static void *take_row(layout *at, int32_t width, size_t item_bytes) {
 }
 
 static int32_t lanes_of(const vista_engine_params *params) {
+  if (params->num_disparities <= VISTA_ROWS_LANES / 2) return VISTA_ROWS_LANES / 2;
   return (params->num_disparities + VISTA_ROWS_LANES - 1) / VISTA_ROWS_LANES * VISTA_ROWS_LANES;
 }
 
@@ -58,7 +59,7 @@ static size_t lay_out(band *b, void *memory, const vista_engine_params *params, 
   b->valid = take_row(&at, width, sizeof *b->valid);
   b->winner.cost = take_row(&at, width, sizeof *b->winner.cost);
   b->winner.around = take_row(&at, width, 2 * sizeof *b->winner.around);
-  b->winner.close = take_row(&at, width, sizeof *b->winner.close);
+  b->winner.unique = take_row(&at, width, sizeof *b->winner.unique);
   b->winner.best = take_row(&at, width, sizeof *b->winner.best);
   b->winner.right_best = take_row(&at, width, sizeof *b->winner.right_best);
   return at.used;
@@ -127,6 +128,7 @@ static void run_band(band *b, const vista_engine_params *params, const vista_eng
   }
 
   const int32_t full_range = params->prefilter == VISTA_ENGINE_PREFILTER_NONE;
+  const int32_t textured = params->texture_threshold > 0;
   vista_match_job match = {
       .width = width,
       .num_disparities = params->num_disparities,
@@ -144,11 +146,10 @@ static void run_band(band *b, const vista_engine_params *params, const vista_eng
       .first = first_x,
       .end = end_x,
       .num_disparities = params->num_disparities,
-      .uniqueness_ratio = params->uniqueness_ratio,
       .texture_threshold = params->texture_threshold,
       .lr_max_diff = params->lr_max_diff,
       .winner = b->winner,
-      .texture = params->texture_threshold > 0 ? b->texture : NULL,
+      .texture = b->texture,
       .valid = b->valid,
   };
   memset(b->blank, params->prefilter_cap, padded(width));
@@ -164,7 +165,7 @@ static void run_band(band *b, const vista_engine_params *params, const vista_eng
     match.right_in = ring_row(b->right, params, width, in);
     match.left_out = leaves ? ring_row(b->left, params, width, out) : b->blank;
     match.right_out = leaves ? ring_row(b->right, params, width, out) : b->blank;
-    if (finish.texture)
+    if (textured)
       code->texture_columns(ring_row(b->sobel, params, width, in),
                             leaves ? ring_row(b->sobel, params, width, out) : b->blank, width, params->prefilter_cap,
                             b->texture_columns);
@@ -172,7 +173,7 @@ static void run_band(band *b, const vista_engine_params *params, const vista_eng
       code->add_row(&match);
       continue;
     }
-    if (finish.texture) code->texture_sums(b->texture_columns, width, params->block_size, b->texture);
+    if (textured) code->texture_sums(b->texture_columns, width, params->block_size, b->texture);
     code->match(&match);
     finish.disparity = output->disparity + y * output->disparity_stride;
     code->finish(&finish);

@@ -91,25 +91,14 @@ VISTA_TARGET static void check_row(const vista_finish_job *job) {
   }
 }
 
-/* Steps 4 and 5, and the word of what fails any step. */
+/* Step 4, and the word of what fails any step. */
 VISTA_TARGET static void verdict_row(const vista_finish_job *job) {
-  const int32_t last = job->num_disparities - 1;
-  const uint32_t *restrict cost = job->winner.cost;
-  const uint32_t *restrict around = job->winner.around;
-  const uint16_t *restrict close = job->winner.close;
-  const uint8_t *restrict best = job->winner.best;
-  const uint16_t *restrict texture = job->texture ? job->texture : close;
-  const uint8_t *restrict valid = job->valid;
+  const uint8_t *restrict unique = job->winner.unique, *restrict valid = job->valid;
+  const uint16_t *restrict texture = job->texture;
   int16_t *restrict disparity = job->disparity;
-  const int32_t least_texture = job->texture ? job->texture_threshold : 0;
-  const uint32_t ratio = (uint32_t)job->uniqueness_ratio;
-  const int32_t any_number = ratio == 0; /* step 5 is off */
+  const int32_t least_texture = job->texture_threshold;
   for (int32_t x = job->first; x < job->end; ++x) {
-    const uint32_t limit = uniqueness_limit(cost[x], ratio);
-    const int32_t near_low = (best[x] > 0) & (around[2 * x] <= limit);
-    const int32_t near_high = (best[x] < last) & (around[2 * x + 1] <= limit);
-    const int32_t unique = any_number | (close[x] == 1 + near_low + near_high);
-    const int32_t good = valid[x] & unique & (texture[x] >= least_texture);
+    const int32_t good = valid[x] & unique[x] & (texture[x] >= least_texture);
     disparity[x] = good ? disparity[x] : VISTA_ENGINE_INVALID;
   }
 }

@@ -9,7 +9,7 @@
 
 #include <stdint.h>
 
-/* Costs of a pixel are padded to whole vectors of every instruction set. */
+/* Costs of a pixel are padded to multiples of it, whole vectors of every instruction set; only D 16 takes half. */
 #define VISTA_ROWS_LANES 32
 #define VISTA_ROWS_PAD 256 /* items that may be read or written past either end of a row buffer */
 
@@ -19,13 +19,13 @@
 typedef struct vista_winner_row { /* indexed by x, valid for the matched x of the row */
   uint32_t *cost;                 /* Smin */
   uint32_t *around;               /* S(dL-1), S(dL+1) at 2x, 2x+1; anything at the ends of the range */
-  uint16_t *close;                /* number of d with S(d) <= Smin + floor(Smin*u/100), the winner included */
+  uint8_t *unique;                /* 1 when the pixel passes step 5, else 0 */
   uint8_t *best;                  /* dL */
   uint8_t *right_best;            /* dR by right x; only with `check` */
 } vista_winner_row;
 
 typedef struct vista_match_job {
-  int32_t width, num_disparities, lanes, block_size; /* lanes: num_disparities rounded up to VISTA_ROWS_LANES */
+  int32_t width, num_disparities, lanes, block_size; /* lanes: costs of a pixel with their padding */
   int32_t uniqueness_ratio;
   int32_t check;      /* right_best wanted */
   int32_t full_range; /* pixels use 0..255 (no prefilter), not 0..126 */
@@ -39,10 +39,10 @@ typedef struct vista_match_job {
 
 typedef struct vista_finish_job {
   int32_t first, end; /* the matched x */
-  int32_t num_disparities, uniqueness_ratio, texture_threshold;
+  int32_t num_disparities, texture_threshold;
   int32_t lr_max_diff; /* < 0: off */
   vista_winner_row winner;
-  const uint16_t *texture; /* by x; NULL: every texture will do */
+  const uint16_t *texture; /* by x; anything when the threshold is 0 */
   uint8_t *valid;          /* work, by x */
   int16_t *disparity;
 } vista_finish_job;
@@ -58,15 +58,16 @@ typedef struct vista_row_code {
   void (*texture_sums)(const uint16_t *columns, int32_t width, int32_t block_size, uint16_t *sums);
   /* Step 2 for a row that enters while the block is not complete yet. */
   void (*add_row)(const vista_match_job *job);
-  /* Steps 2, 3, 6: the row enters, another leaves, and every matched x gets its winner. */
+  /* Steps 2, 3, 5, 6: the row enters, another leaves, and every matched x gets its winner. */
   void (*match)(const vista_match_job *job);
-  /* Steps 4 to 7: verdicts and words of the matched x. */
+  /* Steps 4, 6, 7: verdicts and words of the matched x. */
   void (*finish)(const vista_finish_job *job);
 } vista_row_code;
 
 extern const vista_row_code vista_rows_portable;
 #if defined(__x86_64__) && defined(__GNUC__)
 #define VISTA_ROWS_X86 1
+void vista_match_16(const vista_match_job *job); /* `match` of AVX2 and AVX-512 for 16 lanes, costs of 16 bits */
 extern const vista_row_code vista_rows_avx2;
 extern const vista_row_code vista_rows_avx512;
 #endif

@@ -4,9 +4,11 @@
 #ifdef VISTA_ROWS_X86
 #include <immintrin.h>
 
-#define VISTA_TARGET __attribute__((target("avx2,bmi,bmi2,lzcnt,popcnt")))
+#define VISTA_TARGET __attribute__((target("avx2,bmi,bmi2")))
 #define VISTA_INLINE VISTA_TARGET static inline __attribute__((always_inline))
 #include "row_steps.h"
+
+enum { LANES = 32 };
 
 typedef struct group {
   __m256i low, high; /* lanes 0..15, 16..31 */
@@ -14,6 +16,11 @@ typedef struct group {
 
 VISTA_INLINE group group_fill(uint32_t value) {
   const __m256i all = _mm256_set1_epi16((short)value);
+  return (group){all, all};
+}
+
+VISTA_INLINE group group_fill_pair(uint32_t pair) {
+  const __m256i all = _mm256_set1_epi32((int)pair);
   return (group){all, all};
 }
 
@@ -67,11 +74,6 @@ VISTA_INLINE group group_pad(int first) {
   return group_load(lanes);
 }
 
-VISTA_INLINE __m128i group_narrow(group a) {
-  const __m256i half = _mm256_min_epu16(a.low, a.high);
-  return _mm_min_epu16(_mm256_castsi256_si128(half), _mm256_extracti128_si256(half, 1));
-}
-
 VISTA_INLINE uint32_t group_top(group a) { return (uint32_t)_mm256_extract_epi16(a.high, 15); }
 
 VISTA_INLINE __m256i vector_up(__m256i a, __m256i below) {
@@ -109,7 +111,7 @@ VISTA_INLINE group group_cost_change(uint8_t left_in, uint8_t left_out, const ui
                  _mm256_cvtepi8_epi16(_mm256_extracti128_si256(change, 1))};
 }
 
-#include "match_group.h"
+#include "match_sizes.h"
 
 #define VISTA_ROW_CODE vista_rows_avx2
 #include "row_code.h"

@@ -4,13 +4,16 @@
 #ifdef VISTA_ROWS_X86
 #include <immintrin.h>
 
-#define VISTA_TARGET __attribute__((target("avx2,bmi,bmi2,lzcnt,popcnt,avx512f,avx512bw,avx512vl")))
+#define VISTA_TARGET __attribute__((target("avx2,bmi,bmi2,avx512f,avx512bw,avx512vl")))
 #define VISTA_INLINE VISTA_TARGET static inline __attribute__((always_inline))
 #include "row_steps.h"
+
+enum { LANES = 32 };
 
 typedef __m512i group;
 
 VISTA_INLINE group group_fill(uint32_t value) { return _mm512_set1_epi16((short)value); }
+VISTA_INLINE group group_fill_pair(uint32_t pair) { return _mm512_set1_epi32((int)pair); }
 VISTA_INLINE group group_load(const uint16_t *at) { return _mm512_loadu_si512(at); }
 VISTA_INLINE void group_store(uint16_t *at, group a) { _mm512_storeu_si512(at, a); }
 VISTA_INLINE group group_add(group a, group b) { return _mm512_add_epi16(a, b); }
@@ -22,11 +25,6 @@ VISTA_INLINE uint32_t group_at_most(group a, group b) { return _mm512_cmple_epu1
 
 VISTA_INLINE group group_pad(int first) {
   return _mm512_maskz_set1_epi16((__mmask32)(0xFFFFFFFFull << first), -1);
-}
-
-VISTA_INLINE __m128i group_narrow(group a) {
-  const __m256i half = _mm256_min_epu16(_mm512_castsi512_si256(a), _mm512_extracti64x4_epi64(a, 1));
-  return _mm_min_epu16(_mm256_castsi256_si128(half), _mm256_extracti128_si256(half, 1));
 }
 
 VISTA_INLINE uint32_t group_top(group a) {
@@ -59,7 +57,7 @@ VISTA_INLINE group group_cost_change(uint8_t left_in, uint8_t left_out, const ui
   return _mm512_cvtepi8_epi16(_mm256_sub_epi8(enters, leaves));
 }
 
-#include "match_group.h"
+#include "match_sizes.h"
 
 #define VISTA_ROW_CODE vista_rows_avx512
 #include "row_code.h"
