@@ -29,10 +29,12 @@ VISTA_TARGET static void VISTA_MATCH_PLAIN(const vista_match_job *job) {
     int32_t best = D - 1;
     while (sums[best] != least) --best;
     const uint32_t limit = uniqueness_limit(least, (uint32_t)job->uniqueness_ratio);
-    uint32_t rivals = 0;
-    for (int32_t d = 0; d < D; ++d) rivals += (sums[d] <= limit) & ((d < best - 1) | (d > best + 1));
+    uint32_t close = 0, near = 1; /* within the limit: any d; dL and its neighbours */
+    for (int32_t d = 0; d < D; ++d) close += sums[d] <= limit;
+    if (best > 0) near += sums[best - 1] <= limit;
+    if (best < D - 1) near += sums[best + 1] <= limit;
     job->winner.cost[center] = least;
-    job->winner.unique[center] = rivals == 0 || job->uniqueness_ratio == 0;
+    job->winner.unique[center] = close == near || job->uniqueness_ratio == 0;
     job->winner.best[center] = (uint8_t)best;
     job->winner.around[2 * center] = sums[best > 0 ? best - 1 : 0];
     job->winner.around[2 * center + 1] = sums[best < D - 1 ? best + 1 : best];
