@@ -49,7 +49,10 @@ fetch_pip_package() {
 create_venv() {
   python=$(find_python)
   echo "setup: creating .venv with $("$python" --version)"
-  rm -rf .venv
+  # Moved away in one step: a removal that is interrupted half-way would look like a .venv to go on with.
+  rm -rf build/discarded-venv
+  [ ! -e .venv ] || mv .venv build/discarded-venv
+  rm -rf build/discarded-venv
   mkdir .venv
   touch .venv/installing
   if "$python" -c 'import ensurepip' 2>/dev/null; then
