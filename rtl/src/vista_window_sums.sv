@@ -1,0 +1,67 @@
+// Sums over the block from the column sums of each channel: running sums of the last B slots.
+//
+//   S(x, m) = S(x-1, m) + C(x, m) - C(x-B, m)
+//
+// The sums run on across the ends of rows, which no matched block spans. They start anew in every frame: they are held
+// at zero in row 0, and the first B columns of row 1 see nothing leave.
+//
+// Latency: 3 clocks. S needs clog2(B * B * 255 + 1) bits. S keeps its value between slots.
+
+module vista_window_sums #(
+  parameter int unsigned NumChannels = 33,
+  parameter int unsigned BlockSize = 11,
+  localparam int unsigned ColumnW = vista_stereo_pkg::column_width(BlockSize),
+  localparam int unsigned CostW = vista_stereo_pkg::cost_width(BlockSize)
+) (
+  input  logic clk_i,
+  input  logic rst_ni,
+
+  input  vista_stereo_pkg::slot_t              slot_i,
+  input  logic [NumChannels-1:0][ColumnW-1:0]  column_i,
+
+  output vista_stereo_pkg::slot_t              slot_o,
+  output logic [NumChannels-1:0][CostW-1:0]    sum_o
+);
+
+  import vista_stereo_pkg::*;
+
+  localparam int unsigned PtrW = $clog2(BlockSize);
+
+  slot_t           slot1_q, slot2_q;
+  logic [PtrW-1:0] ptr_q;
+
+  always_ff @(posedge clk_i) begin
+    slot1_q <= slot_i;
+    slot2_q <= slot1_q;
+    slot_o  <= slot2_q;
+    if (slot_i.valid) ptr_q <= (32'(ptr_q) == BlockSize - 1) ? '0 : ptr_q + 1'b1;
+    if (!rst_ni) begin
+      slot1_q.valid <= 1'b0;
+      slot2_q.valid <= 1'b0;
+      slot_o.valid  <= 1'b0;
+      ptr_q         <= '0;
+    end
+  end
+
+  for (genvar c = 0; c < NumChannels; c++) begin : gen_channel
+    logic [ColumnW-1:0] mem [2**PtrW];
+    logic [ColumnW-1:0] in_q, out_q;
+    logic [ColumnW:0]   delta_q;
+
+    always_ff @(posedge clk_i) begin
+      if (slot_i.valid) mem[ptr_q] <= column_i[c];
+    end
+
+    always_ff @(posedge clk_i) begin
+      in_q  <= column_i[c];
+      out_q <= mem[ptr_q];
+      if (slot_i.second_row & slot_i.early_col) out_q <= '0;
+      delta_q <= {1'b0, in_q} - {1'b0, out_q};
+      if (slot2_q.valid) begin
+        sum_o[c] <= sum_o[c] + CostW'($signed(delta_q));
+        if (slot2_q.first_row) sum_o[c] <= '0;
+      end
+    end
+  end
+
+endmodule
