@@ -1,0 +1,128 @@
+# VISTA: one entry point for set-up, build, tests, benches and the demo. `make help` lists the targets.
+# Whatever is generated lands in build/ and .venv/; deleting both (make distclean) is always safe.
+
+SHELL := /bin/bash
+.SHELLFLAGS := -euo pipefail -c
+.DELETE_ON_ERROR:
+.DEFAULT_GOAL := help
+MAKEFLAGS += --no-builtin-rules
+
+BUILD ?= build
+CC := gcc
+CFLAGS := -O3 -std=c17 -Wall -Wextra -Werror -fPIC
+SANITIZE :=
+PYTHON := .venv/bin/python
+SETUP := scripts/setup.sh
+REQUIREMENTS := scripts/requirements
+
+# One library a folder: public headers in include/, everything in src/ is compiled and linked.
+ENGINE_SOURCES := $(wildcard model/c/src/*.c)
+VISTA_SOURCES := $(wildcard sw/src/*.c)
+APPS := $(patsubst sw/apps/%.c,$(BUILD)/bin/%,$(wildcard sw/apps/*.c))
+ENGINE_OBJECTS := $(ENGINE_SOURCES:%.c=$(BUILD)/obj/%.o)
+VISTA_OBJECTS := $(VISTA_SOURCES:%.c=$(BUILD)/obj/%.o)
+ENGINE_HEADERS := $(wildcard model/c/include/*.h model/c/include/*/*.h)
+VISTA_HEADERS := $(wildcard sw/include/vista/*.h)
+LIBRARIES := $(if $(ENGINE_SOURCES),$(BUILD)/lib/libvista_engine.so) $(BUILD)/lib/libvista.so
+BINDINGS := $(if $(ENGINE_SOURCES),build/python/vista_engine_abi.py) build/python/vista_abi.py
+
+DEMO_PAIRS := build/demo/oak-d
+DEMO_FLIGHT := build/demo/flight
+
+.PHONY: help setup native build test test-python test-asan drift bench lint demo lock clean distclean
+
+help: ## list the targets
+	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
+
+# ---- set-up ----
+
+setup: .venv/run.stamp ## pinned Python packages into .venv, `vista` on .venv/bin
+
+.venv/run.stamp: $(REQUIREMENTS)/run.txt pyproject.toml $(SETUP)
+	@$(SETUP) run
+
+.venv/test.stamp: $(REQUIREMENTS)/test.txt .venv/run.stamp
+	@$(SETUP) test
+
+.venv/bench.stamp: $(REQUIREMENTS)/bench.txt .venv/test.stamp
+	@$(SETUP) bench
+
+lock: ## pin the packages of scripts/requirements/*.in anew, with hashes
+	@scripts/lock.sh
+
+# ---- build ----
+
+build: native $(BINDINGS) ## native libraries, C programs and their Python bindings
+
+native: $(LIBRARIES) $(APPS) ## native libraries and C programs only
+
+$(BUILD)/obj/model/%.o: model/%.c
+	@echo "cc $<"; mkdir -p $(@D)
+	@$(CC) $(CFLAGS) $(SANITIZE) -pthread -Imodel/c/include -MMD -MP -c $< -o $@
+
+$(BUILD)/obj/sw/%.o: sw/%.c
+	@echo "cc $<"; mkdir -p $(@D)
+	@$(CC) $(CFLAGS) $(SANITIZE) -pthread -Isw/include -Imodel/c/include -MMD -MP -c $< -o $@
+
+# A library does not outlive a source that was removed: the list of its objects is a prerequisite too.
+$(BUILD)/obj/%.list: FORCE
+	@mkdir -p $(@D); echo '$($*_OBJECTS)' | cmp -s - $@ || echo '$($*_OBJECTS)' > $@
+
+$(BUILD)/lib/libvista_engine.so: $(ENGINE_OBJECTS) $(BUILD)/obj/ENGINE.list
+	@echo "ld $@"; mkdir -p $(@D)
+	@$(CC) $(SANITIZE) -shared -pthread -Wl,-z,defs $(ENGINE_OBJECTS) -o $@
+
+$(BUILD)/lib/libvista.so: $(VISTA_OBJECTS) $(BUILD)/obj/VISTA.list
+	@echo "ld $@"; mkdir -p $(@D)
+	@$(CC) $(SANITIZE) -shared -Wl,-z,defs $(VISTA_OBJECTS) -lm -o $@
+
+$(BUILD)/bin/%: $(BUILD)/obj/sw/apps/%.o $(LIBRARIES)
+	@echo "ld $@"; mkdir -p $(@D)
+	@$(CC) $(SANITIZE) -pthread $< $(LIBRARIES) -lm -Wl,-rpath,'$$ORIGIN/../lib' -o $@
+
+build/python/vista_engine_abi.py: $(ENGINE_HEADERS)
+build/python/vista_abi.py: $(VISTA_HEADERS)
+build/python/%_abi.py: scripts/make_binding.py | .venv/run.stamp
+	@mkdir -p $(@D); $(PYTHON) scripts/make_binding.py $(@:build/python/%.py=%) $(filter %.h,$^) --out $@
+
+.SECONDARY: # keep the objects of the programs
+.PHONY: FORCE
+-include $(shell find $(BUILD)/obj -name '*.d' 2>/dev/null)
+
+# ---- checks ----
+
+test: lint drift test-python test-asan ## everything that has to pass: lint, tests, sanitizers
+
+test-python: build .venv/test.stamp
+	@$(PYTHON) -m pytest
+
+drift: .venv/run.stamp ## generated sources equal what their generators write
+	@$(PYTHON) scripts/make_parameters.py sw/parameters.toml sw/include/vista/parameters.h sw/src/parameters.c --check
+
+lint: .venv/test.stamp ## ruff over the Python code
+	@.venv/bin/ruff check --quiet .
+
+test-asan: build .venv/test.stamp ## the tests of the C code again, under ASan and UBSan
+	@scripts/test_sanitized.sh
+
+bench: build .venv/bench.stamp ## timings on this machine: tables, and build/bench.json
+	@$(PYTHON) scripts/run_benches.py model/bench sw/bench --out build/bench.json
+
+# ---- demo ----
+
+demo: build ## the whole chain on real pairs and on a rendered flight, with reports
+	@$(PYTHON) scripts/fetch_demo.py $(DEMO_PAIRS)
+	@.venv/bin/vista run $(DEMO_PAIRS) --out build/demo/oak-d-out
+	@$(PYTHON) -m vista.flights.demo $(DEMO_FLIGHT)
+	@.venv/bin/vista run $(DEMO_FLIGHT) --out build/demo/flight-out
+	@printf '%s\n' 'Reports, to be opened in a browser:' \
+	  "  real pairs       $(CURDIR)/build/demo/oak-d-out/report.html" \
+	  "  rendered flight  $(CURDIR)/build/demo/flight-out/report.html"
+
+# ---- tidy ----
+
+clean: ## remove what was built, keep .venv
+	rm -rf build
+
+distclean: clean ## remove everything generated
+	rm -rf .venv sw/python/*.egg-info

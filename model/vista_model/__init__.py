@@ -1,0 +1,5 @@
+"""The stereo engine's contract in numpy: model/README.md is the text, `engine` its executable form."""
+
+from vista_model.engine import INVALID, NO_COST, Parameters, compute, compute_with_smin
+
+__all__ = ["INVALID", "NO_COST", "Parameters", "compute", "compute_with_smin"]

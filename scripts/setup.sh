@@ -1,0 +1,81 @@
+#!/bin/bash
+# Installs one set of pinned packages (run | test | bench) into .venv: setup.sh SET
+# A set is complete when .venv/SET.stamp exists. A set-up that was interrupted leaves .venv/installing behind,
+# and the next one starts from nothing: pip would take a half-copied package for an installed one.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+readonly set_name=$1 requirements=scripts/requirements/$1.txt
+
+fail() { echo "setup: $*" >&2; exit 1; }
+
+find_python() {
+  local candidate
+  for candidate in python3.11 python3 python3.12 python3.13; do
+    if "$candidate" -c 'import sys, venv; sys.exit(sys.version_info < (3, 11))' 2>/dev/null; then
+      echo "$candidate"
+      return
+    fi
+  done
+  fail "no Python 3.11 or newer on PATH (Debian: apt install python3)"
+}
+
+# Debian ships ensurepip in a package of its own, python3-venv. Without it, pip comes from the system's pip
+# if there is one, else out of Debian's python3-pip-whl package, which apt fetches and checks without root.
+bootstrap_pip() {
+  if "$python" -m pip --version >/dev/null 2>&1; then
+    "$python" -m pip --python .venv/bin/python install --quiet --disable-pip-version-check --require-hashes \
+      --requirement scripts/requirements/pip.txt || fail "cannot install pip into .venv"
+    return
+  fi
+  command -v apt-get >/dev/null || fail "Python has neither ensurepip nor pip (Debian: apt install python3-venv)"
+  echo "  no ensurepip: taking pip out of Debian's python3-pip-whl"
+  local scratch=.venv/bootstrap wheel
+  mkdir -p "$scratch"
+  (cd "$scratch" && fetch_pip_package && dpkg -x python3-pip-whl_*.deb .) ||
+    fail "cannot fetch pip (Debian: apt install python3-venv)"
+  wheel=$(find "$PWD/$scratch" -name 'pip-*.whl')
+  .venv/bin/python "$wheel/pip" install --quiet --no-deps --no-index "$wheel"
+  rm -rf "$scratch"
+}
+
+# Falls back on package lists of our own: a container image often ships none.
+fetch_pip_package() {
+  apt-get download -qq python3-pip-whl 2>/dev/null && return
+  mkdir -p lists/partial cache/archives/partial
+  local options=(-qq -o Dir::State::lists="$PWD/lists" -o Dir::Cache="$PWD/cache")
+  apt-get update "${options[@]}" && apt-get download "${options[@]}" python3-pip-whl
+}
+
+create_venv() {
+  python=$(find_python)
+  echo "setup: creating .venv with $("$python" --version)"
+  rm -rf .venv
+  mkdir .venv
+  touch .venv/installing
+  if "$python" -c 'import ensurepip' 2>/dev/null; then
+    "$python" -m venv .venv
+  else
+    "$python" -m venv --without-pip .venv
+    bootstrap_pip
+  fi
+}
+
+# Shows what pip is at, a line a package.
+progress() {
+  sed -un -e 's/^Collecting \([^ ]*\).*/  \1/p' -e 's/^Installing collected packages.*/  unpacking/p'
+}
+
+mkdir -p build
+exec 9>build/setup.lock
+flock 9
+
+if [ ! -x .venv/bin/python ] || [ -e .venv/installing ]; then create_venv; fi
+touch .venv/installing
+echo "setup: installing the $(grep -c '^[a-z].*==' "$requirements") pinned packages of $requirements into .venv"
+.venv/bin/python -m pip install --disable-pip-version-check --no-input --require-hashes \
+  --requirement "$requirements" | progress || fail "pip could not install $requirements (see above)"
+if [ "$set_name" = run ]; then
+  .venv/bin/python -m pip install --disable-pip-version-check --quiet --no-deps --no-build-isolation --editable .
+fi
+rm .venv/installing
+touch ".venv/$set_name.stamp"

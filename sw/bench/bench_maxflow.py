@@ -1,0 +1,184 @@
+"""Max-flow of libvista beside PyMaxflow (Boykov-Kolmogorov 3.04): same graphs, same run, answers compared.
+
+What is counted:
+  vista S       the whole call as the recursive bipartition makes it: checks, loading of capacities, flow, source side
+  vista S+T     the same with the labels of the sink side
+  peer flow     maxflow() on a graph that is ready
+  peer whole    construction of the graph in PyMaxflow's bulk calls, maxflow(), labels
+The ratios are those of the peer to "vista S".
+
+    bench_maxflow.py [--repetitions 21] [--out build/bench/maxflow.json]
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import cv2
+import numpy as np
+
+REPOSITORY = Path(__file__).resolve().parents[2]
+sys.path[:0] = [str(REPOSITORY / "sw" / "tests"), str(REPOSITORY / "build" / "python")]
+
+from cut_library import CutGraph  # noqa: E402
+from graph_cases import (  # noqa: E402
+    SEED_CAPACITY,
+    FlowCase,
+    core_seed_case,
+    polar_cases,
+    real_images,
+    synthetic_image,
+)
+
+try:
+    import maxflow as peer
+except ImportError:
+    peer = None
+
+SEED = 11
+RECURSIVE_CORES = 40
+
+
+def timed_ms(call: Callable[[], object]) -> tuple[float, object]:
+    start = time.perf_counter_ns()
+    result = call()
+    return (time.perf_counter_ns() - start) / 1e6, result
+
+
+class PeerCut:
+    """One cut by PyMaxflow, its nodes numbered anew within the subset; the renumbering is not timed."""
+
+    def __init__(self, case: FlowCase) -> None:
+        self.nodes = np.arange(case.node_count) if case.subset is None else case.subset
+        number = np.full(case.node_count, -1)
+        number[self.nodes] = np.arange(self.nodes.size)
+        ends = number[case.edges]
+        kept = (ends >= 0).all(axis=1)
+        self.tails, self.heads = np.ascontiguousarray(ends[kept].T)
+        self.forward, self.backward = case.forward[kept], case.backward[kept]
+        self.source, self.sink = case.source[self.nodes], case.sink[self.nodes]
+
+    def run(self) -> tuple[float, float, int, np.ndarray]:
+        """Milliseconds of maxflow() and of the whole, flow, and the nodes that reach T."""
+        start = time.perf_counter_ns()
+        graph = peer.GraphInt(self.nodes.size, self.tails.size)
+        ids = graph.add_nodes(self.nodes.size)
+        graph.add_edges(self.tails, self.heads, self.forward, self.backward)
+        graph.add_grid_tedges(ids, self.source, self.sink)
+        flow_ms, value = timed_ms(graph.maxflow)
+        sink_side = graph.get_grid_segments(ids)
+        return flow_ms, (time.perf_counter_ns() - start) / 1e6, int(value), sink_side
+
+
+def summary(samples_ms: list[float]) -> dict[str, float]:
+    low, median, high = np.percentile(samples_ms, [10, 50, 90])
+    return {"median_ms": float(median), "p10_ms": float(low), "p90_ms": float(high)}
+
+
+def measure(name: str, cases: list[FlowCase], repetitions: int) -> dict:
+    """Times all cases one after the other as one sample, turn about with the peer."""
+    graph = CutGraph(cases[0].node_count, cases[0].edges)
+    solvers = [graph.solver(case, with_sink_side=False) for case in cases]
+    full_solvers = [graph.solver(case) for case in cases]
+    peers = [PeerCut(case) for case in cases] if peer else []
+    vista_ms, full_ms, flow_ms, whole_ms = [], [], [], []
+    for _ in range(repetitions):
+        vista_ms.append(sum(timed_ms(solve)[0] for solve in solvers))
+        full_ms.append(sum(timed_ms(solve)[0] for solve in full_solvers))
+        results = [cut.run() for cut in peers]
+        flow_ms.append(sum(result[0] for result in results))
+        whole_ms.append(sum(result[1] for result in results))
+    answers = [solve() for solve in full_solvers]
+    for answer, solve in zip(answers, solvers, strict=True):
+        if answer.value != solve().value or not np.array_equal(answer.source_side, solve().source_side):
+            raise SystemExit(f"bench_maxflow: {name}: the source side depends on asking for the sink side")
+    row = {
+        "name": name,
+        "cuts": len(cases),
+        "nodes": sum(case.node_count if case.subset is None else case.subset.size for case in cases),
+        "value": sum(answer.value for answer in answers),
+        "vista": summary(vista_ms),
+        "vista_both_sides": summary(full_ms),
+    }
+    if peer:
+        for answer, cut, result in zip(answers, peers, results, strict=True):
+            if answer.value != result[2] or not np.array_equal(answer.sink_side[cut.nodes], result[3]):
+                raise SystemExit(f"bench_maxflow: {name}: the answers differ")
+        row |= {"peer_flow": summary(flow_ms), "peer_whole": summary(whole_ms)}
+        row["ratio_flow"] = row["peer_flow"]["median_ms"] / row["vista"]["median_ms"]
+        row["ratio_whole"] = row["peer_whole"]["median_ms"] / row["vista"]["median_ms"]
+    return row
+
+
+def recursive_cuts(image: np.ndarray) -> list[FlowCase]:
+    """Core after core is cut out of what is left of one graph, as the recursive bipartition does."""
+    case = core_seed_case("recursive", image, SEED)
+    case.source[:] = case.sink[:] = 0
+    rng = np.random.default_rng(SEED)
+    cores = rng.choice(case.node_count, RECURSIVE_CORES, replace=False)
+    graph = CutGraph(case.node_count, case.edges)
+    left = np.ones(case.node_count, bool)
+    cuts = []
+    for core in cores:
+        others = cores[left[cores] & (cores != core)]
+        if not left[core] or others.size == 0:
+            continue
+        source, sink = np.zeros((2, case.node_count), np.int32)
+        source[core], sink[others] = SEED_CAPACITY, SEED_CAPACITY
+        cut = replace(case, source=source, sink=sink, subset=np.flatnonzero(left).astype(np.int32))
+        left[graph.solve(cut).source_side == 1] = False
+        cuts.append(cut)
+    return cuts
+
+
+def print_row(row: dict) -> None:
+    def cell(times: dict[str, float]) -> str:
+        return f"{times['median_ms']:8.3f} ({times['p10_ms']:.3f}..{times['p90_ms']:.3f})".ljust(28)
+
+    text = f"{row['name'][-48:]:48s} {row['cuts']:4d} {row['nodes']:7d} {cell(row['vista'])}"
+    text += cell(row["vista_both_sides"])
+    if peer:
+        text += f"{cell(row['peer_flow'])}{cell(row['peer_whole'])}"
+        text += f"{row['ratio_flow']:6.2f} {row['ratio_whole']:6.2f}"
+    print(text, flush=True)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description="Time the max-flow of libvista beside PyMaxflow.")
+    parser.add_argument("--repetitions", type=int, default=21)
+    parser.add_argument("--out", type=Path, default=REPOSITORY / "build" / "bench" / "maxflow.json")
+    options = parser.parse_args()
+
+    images = [("synthetic image", synthetic_image(SEED))]
+    images += [
+        (name, cv2.imread(str(path), cv2.IMREAD_GRAYSCALE).astype(float)) for name, path in real_images()
+    ]
+    if peer is None:
+        print("peer absent: PyMaxflow is not installed (scripts/setup.sh bench); libvista alone")
+    print("median (p10..p90) in ms; x: peer / vista")
+    print(
+        f"{'graph':48s} cuts   nodes {'vista S':28s}{'vista S+T':28s}{'peer flow':28s}{'peer whole':28s}x flow x whole"
+    )
+    rows = []
+    for name, image in images:
+        for case in polar_cases(name, image, SEED):
+            rows.append(measure(case.name, [case], options.repetitions))
+            print_row(rows[-1])
+        rows.append(measure(f"{name}, recursive", recursive_cuts(image), options.repetitions))
+        print_row(rows[-1])
+    if peer:
+        for key in ("ratio_flow", "ratio_whole"):
+            ratios = [row[key] for row in rows]
+            print(f"{key}: geometric mean {np.exp(np.mean(np.log(ratios))):.2f}, least {min(ratios):.2f}")
+    options.out.parent.mkdir(parents=True, exist_ok=True)
+    options.out.write_text(json.dumps({"bench": "maxflow", "rows": rows}, indent=1) + "\n")
+
+
+if __name__ == "__main__":
+    main()

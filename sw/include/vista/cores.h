@@ -1,0 +1,47 @@
+/* Seeds of the recursion: cores, connected sets of cells that surely belong together. */
+#ifndef VISTA_CORES_H
+#define VISTA_CORES_H
+
+#include <stdint.h>
+
+#include "vista/affinity.h"
+#include "vista/arena.h"
+#include "vista/foveation.h"
+#include "vista/parameters.h"
+#include "vista/status.h"
+#include "vista/surface.h"
+#include "vista/types.h"
+
+#define VISTA_NO_CORE (-1)
+
+typedef struct vista_cores {
+  int32_t count;
+  int32_t *core_of_node;   /* node_count: core or VISTA_NO_CORE */
+  int32_t *first_member;   /* count + 1: members of core k are members[first_member[k] .. first_member[k+1]) */
+  int32_t *members;        /* node_count */
+  float *min_disparity_px; /* per core; 5th and 95th percentile of its cells, negative: cells without disparity */
+  float *max_disparity_px;
+  int32_t *parent;  /* scratch, node_count: disjoint sets */
+  int32_t *order;   /* scratch, node_count */
+  int32_t *bins;    /* scratch: counting sort of engine words */
+  float *area_px2;  /* scratch, node_count */
+} vista_cores;
+
+vista_status vista_cores_layout(vista_cores *cores, vista_arena *arena, const vista_foveation *foveation);
+
+/* Largest disparity step inside a core between cells distance_px apart, the nearer one at disparity_px. */
+float vista_core_step_px(const vista_segmentation_params *params, const vista_camera *camera, float distance_px,
+                         float disparity_px);
+
+/* Cores of standing things, nearest first: cells with disparity on no horizontal surface, joined where the disparity
+ * step between neighbours is small, at least core_area_px2 together. */
+vista_status vista_cores_of_obstacles(const vista_foveation *foveation, const vista_segmentation_params *params,
+                                      const vista_camera *camera, const vista_cells *cells,
+                                      const vista_surfaces *surfaces, vista_cores *cores);
+
+/* Cores of the rest, from the centre outwards: cells with label < 0 joined along edges of high affinity. */
+vista_status vista_cores_of_rest(const vista_foveation *foveation, const vista_segmentation_params *params,
+                                 const vista_affinity *affinity, const vista_surfaces *surfaces, const int32_t *label,
+                                 vista_cores *cores);
+
+#endif

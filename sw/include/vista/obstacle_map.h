@@ -1,0 +1,74 @@
+/* Tracks to the obstacle map: what the control system gets (paper, section II-D; obstacles.jsonl).
+ *
+ * Collision volume: the points within radius_m of a segment of length_m from the camera along the flight direction.
+ * Flight direction: the velocity handed over; else the smoothed velocity of the poses; else (no pose, or slower than
+ * speed_min_m_s) the optical axis.
+ * Obstacle: an elliptical disc facing the camera, semi-axes extent / 2 + inflation_sigma times the standard deviation
+ * of its bearing at its depth. Only across the line of sight: the range uncertainty of a far obstacle moves it along
+ * its line of sight and would put misses into the volume; it is reported in the covariance instead. */
+#ifndef VISTA_OBSTACLE_MAP_H
+#define VISTA_OBSTACLE_MAP_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "vista/arena.h"
+#include "vista/ellipse.h"
+#include "vista/status.h"
+#include "vista/tracker.h"
+#include "vista/types.h"
+
+/*   field                        default   range    meaning */
+typedef struct vista_obstacle_map_params {
+  double collision_radius_m;     /* 2.0     > 0 */
+  double collision_length_m;     /* 100.0   > 0 */
+  double inflation_sigma;        /* 1.0     >= 0     standard deviations of the bearing added to the semi-axes */
+  double velocity_smoothing_s;   /* 0.3     >= 0     time constant of the velocity from poses; 0 = last difference */
+  double speed_min_m_s;          /* 0.5     >= 0     slower: the flight direction is the optical axis */
+} vista_obstacle_map_params;
+
+typedef struct vista_obstacle {
+  int32_t id;
+  bool confirmed;
+  bool coasting;
+  bool in_blind_zone;
+  int32_t age_frames;
+  double position_m[3];     /* world */
+  double covariance_m2[9];  /* of position_m, row-major */
+  double distance_m;        /* from the camera */
+  double extent_m[2];       /* width, height */
+  vista_ellipse ellipse;    /* of this frame's detection, or the last one carried on to the predicted place and range */
+  double disparity_px;      /* of the state in this frame */
+  bool in_collision_volume;
+} vista_obstacle;
+
+typedef struct vista_nearest_collision {
+  bool valid; /* false: nothing confirmed meets the collision volume, the rest is zero */
+  int32_t id;
+  double position_m[3];
+  double distance_m;
+  double time_to_collision_s; /* distance along the flight direction / closing speed; NaN: closing speed <= 0 */
+} vista_nearest_collision;
+
+typedef struct vista_obstacle_map vista_obstacle_map;
+
+/* *map is NULL while the arena counts. VISTA_ERROR_RANGE: max_tracks outside 1..VISTA_TRACKER_MAX. */
+vista_status vista_obstacle_map_layout(int32_t max_tracks, vista_arena *arena, vista_obstacle_map **map);
+
+/* Forget obstacles, velocity and time. */
+void vista_obstacle_map_reset(vista_obstacle_map *map);
+
+/* One frame, after the tracker's update with the same camera, pose and time. velocity_m_s: world, NULL = from poses.
+ * pose == NULL: a still camera, world = camera. On any error nothing is changed; errors as vista_tracker_update. */
+vista_status vista_obstacle_map_update(vista_obstacle_map *map, const vista_obstacle_map_params *params,
+                                       const vista_camera *camera, const vista_pose *pose, const double *velocity_m_s,
+                                       int64_t t_ns, const vista_track *tracks, int32_t track_count);
+
+/* In front of the camera only, nearest first (then by id); valid until the next update. */
+const vista_obstacle *vista_obstacle_map_obstacles(const vista_obstacle_map *map, int32_t *count);
+vista_nearest_collision vista_obstacle_map_nearest(const vista_obstacle_map *map);
+
+/* Velocity of the camera in world that the last update worked with; zero while unknown. */
+void vista_obstacle_map_velocity(const vista_obstacle_map *map, double velocity_m_s[3]);
+
+#endif

@@ -1,0 +1,55 @@
+/* Regions to detections: linear triangulation at the boundary disparity (paper, section II-D).
+ *
+ *   Z = f B / d,   X = (u - u0) B / d,   Y = (v - v0) B / d
+ *
+ * The covariance is J diag(sigma_u^2, sigma_v^2, sigma_d^2) J^T with J = d(X, Y, Z) / d(u, v, d), so that a far
+ * region is honestly uncertain in range: sigma_Z = Z^2 / (f B) sigma_d. */
+#ifndef VISTA_RECONSTRUCTION_H
+#define VISTA_RECONSTRUCTION_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "vista/ellipse.h"
+#include "vista/region.h"
+#include "vista/status.h"
+#include "vista/types.h"
+
+/*   field                     default   range    meaning */
+typedef struct vista_reconstruction_params {
+  double center_sigma_px;     /* 1.0     > 0      noise of a region's centre, along u and v each */
+  double center_sigma_ratio;  /* 0.1     >= 0     the same as a share of the region's half width or height: the
+                                                  segmentation moves the centre of a large region by more */
+  double disparity_sigma_px;  /* 0.25    > 0      noise of the disparity that no averaging removes */
+  double correlated_pixels;   /* 11.0    >= 1     inliers that share one matching block: n/this are independent */
+  double disparity_min_px;    /* 1.0     > 0      smaller disparities are not reconstructed */
+  double margin_left_px;      /* 36.0    >= 0     columns at the left without disparity: num_disparities - 1 + r */
+  double margin_px;           /* 5.0     >= 0     rows and columns at the other sides without disparity: r,
+                                                  half the matching block */
+} vista_reconstruction_params;
+
+typedef struct vista_detection {
+  int32_t label; /* of the region */
+  double u_px, v_px, disparity_px;
+  double sigma_u_px, sigma_v_px, sigma_disparity_px; /* standard deviations, independent of one another */
+  double position_camera_m[3];
+  double covariance_camera_m2[9]; /* row-major, symmetric */
+  double extent_m[2];             /* width, height of the upright box around the ellipse, at the range of the region */
+  bool cut_u, cut_v;              /* the border of the matched image cuts the region: the extent is a lower bound
+                                     along u, v; the centre is uncertain by half of it (in sigma_u_px, sigma_v_px) */
+  vista_ellipse ellipse;
+} vista_detection;
+
+/* One region, whatever its verdict.
+ * VISTA_ERROR_NUMBER: not finite; VISTA_ERROR_RANGE: parameter or camera out of range, or a disparity below
+ * disparity_min_px. */
+vista_status vista_reconstruct_region(const vista_region *region, const vista_camera *camera,
+                                      const vista_reconstruction_params *params, vista_detection *detection);
+
+/* The accepted regions, in their order; regions below disparity_min_px are left out.
+ * VISTA_ERROR_CAPACITY: more than `capacity` of them; the first `capacity` are written then. */
+vista_status vista_reconstruct_regions(const vista_region *regions, int32_t region_count, const vista_camera *camera,
+                                       const vista_reconstruction_params *params, vista_detection *detections,
+                                       int32_t capacity, int32_t *detection_count);
+
+#endif

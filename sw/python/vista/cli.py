@@ -1,0 +1,72 @@
+"""The command line: `vista COMMAND ...`. One module of vista.command for each command."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+
+import cv2
+
+from vista.command import config, disparity, run
+from vista.errors import InputError
+
+EXIT_OK = 0
+EXIT_INPUT = 2
+EXIT_INTERRUPTED = 130  # 128 + SIGINT
+
+EPILOG = """\
+exit status:
+  0    done
+  2    bad input or usage; one line on stderr names the culprit, nothing is half written
+  130  interrupted (Ctrl-C or SIGTERM); what was written is valid
+"""
+
+
+class Parser(argparse.ArgumentParser):
+    """Usage errors take one line, like every other bad input."""
+
+    def error(self, message: str) -> None:  # type: ignore[override]
+        self.exit(EXIT_INPUT, f"{self.prog}: {message} (see {self.prog} --help)\n")
+
+
+def make_parser() -> argparse.ArgumentParser:
+    parser = Parser(
+        prog="vista",
+        description="Stereo obstacle detection for aircraft.",
+        epilog=EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
+    for module in (run, disparity, config):
+        name = module.__name__.rpartition(".")[2]
+        summary, _, _ = module.__doc__.partition("\n")
+        subparser = commands.add_parser(
+            name,
+            help=summary.rstrip("."),
+            description=module.__doc__,
+            epilog=EPILOG,
+            formatter_class=argparse.RawDescriptionHelpFormatter,
+        )
+        module.add_arguments(subparser)
+        subparser.set_defaults(execute=module.execute)
+    return parser
+
+
+def main(arguments: list[str] | None = None) -> int:
+    cv2.setLogLevel(0)  # OpenCV's own lines about unreadable images would come on top of ours
+    try:
+        parsed = make_parser().parse_args(arguments)
+        return parsed.execute(parsed)
+    except InputError as error:
+        print(f"vista: {error}", file=sys.stderr)
+        return EXIT_INPUT
+    except KeyboardInterrupt:
+        return EXIT_INTERRUPTED
+    except BrokenPipeError:  # `vista config | head`: the reader has seen enough
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return EXIT_OK
+
+
+if __name__ == "__main__":
+    sys.exit(main())

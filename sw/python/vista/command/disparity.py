@@ -1,0 +1,67 @@
+"""Match one rectified pair and write its disparity image.
+
+FILE ends in .png (KITTI: 16 bits, 256 per px, 0 invalid), .pfm (float px, +inf invalid) or .npy (int16, 16 per
+px, negative invalid).
+"""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from vista.disparity_file import check_format, write_disparity
+from vista.engine import EngineParameters, create_engine
+from vista.errors import InputError
+from vista.sequence import read_grey
+
+DEFAULTS = EngineParameters()
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("left", type=Path, metavar="LEFT", help="left image: PNG, JPEG, PGM or PPM")
+    parser.add_argument("right", type=Path, metavar="RIGHT", help="right image of the same size")
+    parser.add_argument("--out", type=Path, required=True, metavar="FILE", help="disparity file to write")
+    add_number(parser, "--disparities", DEFAULTS.num_disparities, "candidates, a multiple of 16 up to 256")
+    add_number(parser, "--block", DEFAULTS.block_size, "side of the matched block, odd, 5 to 21")
+    parser.add_argument("--prefilter", choices=("xsobel", "none"), default=DEFAULTS.prefilter)
+    add_number(parser, "--cap", DEFAULTS.prefilter_cap, "prefilter's cap, 1 to 63")
+    add_number(parser, "--texture", DEFAULTS.texture_threshold, "texture threshold, from 0")
+    add_number(parser, "--uniqueness", DEFAULTS.uniqueness_ratio, "uniqueness ratio, 0 to 100 percent")
+    parser.add_argument(
+        "--lr",
+        type=lr_max_diff,
+        default=DEFAULTS.lr_max_diff,
+        metavar="PX|off",
+        help=f"largest difference in the left/right check, or off (default {DEFAULTS.lr_max_diff})",
+    )
+
+
+def add_number(parser: argparse.ArgumentParser, option: str, default: int, meaning: str) -> None:
+    parser.add_argument(option, type=int, default=default, metavar="N", help=f"{meaning} (default {default})")
+
+
+def lr_max_diff(text: str) -> int | None:
+    return None if text == "off" else int(text)
+
+
+def execute(arguments: argparse.Namespace) -> int:
+    check_format(arguments.out)
+    parameters = EngineParameters(
+        num_disparities=arguments.disparities,
+        block_size=arguments.block,
+        prefilter=arguments.prefilter,
+        prefilter_cap=arguments.cap,
+        texture_threshold=arguments.texture,
+        uniqueness_ratio=arguments.uniqueness,
+        lr_max_diff=arguments.lr,
+    )
+    try:
+        engine = create_engine("golden", parameters)
+    except ValueError as error:
+        raise InputError("disparity", str(error)) from None
+    left, right = read_grey(arguments.left), read_grey(arguments.right)
+    if left.shape != right.shape:
+        sizes = [f"{image.shape[1]}x{image.shape[0]}" for image in (right, left)]
+        raise InputError(arguments.right, f"image is {sizes[0]}, the left one {sizes[1]}")
+    write_disparity(arguments.out, engine.compute(left, right))
+    return 0

@@ -1,0 +1,158 @@
+"""Run the whole chain on a recorded stereo sequence.
+
+SEQUENCE is a folder in one of three layouts:
+  EuRoC ASL       mav0/cam0, cam1 and optionally state_groundtruth_estimate0
+  KITTI odometry  sequences/NN with image_0, image_1, calib.txt, times.txt, optionally ../../poses/NN.txt
+  pairs           NAME_left.EXT, NAME_right.EXT and calibration.toml
+
+DIR receives obstacles.jsonl (one line a frame), frames/ (pictures), summary.json and report.html.
+"""
+
+from __future__ import annotations
+
+import argparse
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+from vista.config import RunParameters, load_config
+from vista.engine import create_engine
+from vista.errors import InputError
+from vista.history import FrameRecord, stage_statistics
+from vista.overlay import Overlay
+from vista.rectify import Rectifier
+from vista.report import render_report
+from vista.result_folder import ResultFolder
+from vista.run import Chain, Interruption, run_frames
+from vista.sequence import FrameFiles, Sequence, open_sequence
+
+EXIT_INTERRUPTED = 130
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("sequence", type=Path, metavar="SEQUENCE", help="folder of the sequence")
+    parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder for the results")
+    parser.add_argument(
+        "--engine",
+        choices=("golden", "opencv"),
+        default="golden",
+        help="golden: the engine's C model; opencv: StereoBM, for comparison (default golden)",
+    )
+    parser.add_argument(
+        "--config", type=Path, metavar="FILE.toml", help="parameters; `vista config` prints them"
+    )
+    parser.add_argument(
+        "--frames", type=frame_range, metavar="A:B", help="frames A to B - 1; either may be left out"
+    )
+    parser.add_argument(
+        "--threads", type=positive, default=1, metavar="N", help="threads of the engine (default 1)"
+    )
+    parser.add_argument(
+        "--record", type=Path, metavar="FILE", help="record what the host receives, for replay in C"
+    )
+    parser.add_argument("--no-overlay", action="store_true", help="draw no pictures: faster")
+
+
+def frame_range(text: str) -> tuple[int, int | None]:
+    first, colon, last = text.partition(":")
+    if not colon or not all(part == "" or part.isdecimal() for part in (first, last)):
+        raise argparse.ArgumentTypeError(f"{text!r} is not A:B")
+    return int(first or 0), int(last) if last else None
+
+
+def positive(text: str) -> int:
+    if not text.isdecimal() or int(text) < 1:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a positive number")
+    return int(text)
+
+
+def execute(arguments: argparse.Namespace) -> int:
+    parameters = load_config(arguments.config, arguments.engine)
+    folder = ResultFolder(arguments.out)
+    sequence = open_sequence(arguments.sequence)
+    frames = select_frames(sequence, arguments.frames)
+    chain = make_chain(sequence, arguments.engine, parameters, arguments.threads)
+    overlay = (
+        None if arguments.no_overlay else Overlay(sequence.name, chain.engine.parameters.num_disparities)
+    )
+
+    records: list[FrameRecord] = []
+    interruption = Interruption()
+    error = None
+    try:
+        with interruption.watch():
+            recorder = None
+            run_frames(
+                chain, frames, folder, records, overlay=overlay, recorder=recorder, interruption=interruption
+            )
+    except InputError as caught:
+        error = caught
+    finally:
+        folder.close()
+    if not records:
+        raise error
+    summary = make_summary(chain, arguments.engine, parameters, records)
+    summary["interrupted"] = interruption.requested
+    if error is not None:
+        folder.write_summary(summary | {"error": str(error)})
+        raise error
+    folder.write_summary(summary)
+    if interruption.requested:
+        return EXIT_INTERRUPTED
+    report = folder.write_report(render_report(summary, records, folder))
+    print(closing_lines(summary, report))
+    return 0
+
+
+def select_frames(sequence: Sequence, wanted: tuple[int, int | None] | None) -> tuple[FrameFiles, ...]:
+    first, end = wanted or (0, None)
+    frames = tuple(f for f in sequence.frames if f.index >= first and (end is None or f.index < end))
+    if not frames:
+        last = sequence.frames[-1].index
+        raise InputError(
+            "--frames", f"selects none; the sequence has frames {sequence.frames[0].index} to {last}"
+        )
+    return frames
+
+
+def make_chain(sequence: Sequence, engine_name: str, parameters: RunParameters, threads: int) -> Chain:
+    from vista.pipeline import Pipeline  # loads libvista, which `--help` need not
+
+    rectifier = Rectifier(sequence.calibration)
+    try:
+        engine = create_engine(engine_name, parameters.engine, threads)
+        pipeline = Pipeline(rectifier.calibration, parameters.host)
+    except (TypeError, ValueError) as error:
+        raise InputError("parameters", str(error)) from None
+    return Chain(sequence, rectifier, engine, pipeline)
+
+
+def make_summary(
+    chain: Chain, engine_name: str, parameters: RunParameters, records: list[FrameRecord]
+) -> dict[str, Any]:
+    confirmed = {obstacle.id for record in records for obstacle in record.obstacles if obstacle.confirmed}
+    return {
+        "sequence": chain.sequence.name,
+        "layout": chain.sequence.layout,
+        "notes": list(chain.sequence.notes),
+        "frames": len(records),
+        "engine": engine_name,
+        "camera": asdict(chain.rectifier.calibration),
+        "rectified": not chain.rectifier.is_passthrough,
+        "obstacles_confirmed": len(confirmed),
+        "frames_with_collision": sum(record.nearest_collision is not None for record in records),
+        "parameters": parameters.as_sections(),
+        "stages_ms": stage_statistics(records),
+    }
+
+
+def closing_lines(summary: dict[str, Any], report: Path) -> str:
+    host = summary["stages_ms"]["host"]
+    lines = [f"{summary['sequence']}: note: {note}" for note in summary["notes"]]
+    lines.append(
+        f"{summary['sequence']}: {summary['frames']} frames, {summary['obstacles_confirmed']} obstacles tracked, "
+        f"collision warning in {summary['frames_with_collision']} frames, "
+        f"host {host['median']:.1f} ms (p99 {host['p99']:.1f})"
+    )
+    lines.append(f"report: {report}")
+    return "\n".join(lines)

@@ -1,0 +1,98 @@
+"""Cameras and poses, each with its frames of reference in its name.
+
+camera  x right, y down, z forward, metres
+px      u right, v down, origin at the centre of the top-left pixel
+world   the inertial frame of the pose source, metres
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Pose:
+    """Rigid motion p_a = rotation @ p_b + translation_m; variables are named `a_from_b`."""
+
+    rotation: Array = field(default_factory=lambda: np.eye(3))  # 3x3
+    translation_m: Array = field(default_factory=lambda: np.zeros(3))
+
+    def __matmul__(self, other: Pose) -> Pose:
+        """a_from_b @ b_from_c = a_from_c."""
+        return Pose(self.rotation @ other.rotation, self.rotation @ other.translation_m + self.translation_m)
+
+    def inverse(self) -> Pose:
+        return Pose(self.rotation.T, -self.rotation.T @ self.translation_m)
+
+
+@dataclass(frozen=True)
+class Calibration:
+    """Rectified pinhole pair: equal cameras, the right one baseline_m along +x of the left one."""
+
+    width: int
+    height: int
+    focal_px: float
+    cx: float
+    cy: float
+    baseline_m: float
+
+
+@dataclass(frozen=True)
+class CameraModel:
+    """One camera as calibrated: pinhole with radial-tangential distortion (OpenCV's k1, k2, p1, p2[, k3])."""
+
+    width: int
+    height: int
+    matrix: Array  # 3x3, px
+    distortion: tuple[float, ...] = (0.0, 0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True)
+class RawCalibration:
+    """A pair before rectification."""
+
+    left: CameraModel
+    right: CameraModel
+    right_from_left: Pose
+    source: str  # the file it was read from, for messages
+
+
+def camera_matrix(fx: float, fy: float, cx: float, cy: float) -> Array:
+    return np.array([[fx, 0.0, cx], [0.0, fy, cy], [0.0, 0.0, 1.0]])
+
+
+def rotation_from_quaternion(quaternion: Array) -> Array:
+    """3x3 rotation of the unit quaternion (w, x, y, z)."""
+    w, x, y, z = quaternion
+    return np.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+        ]
+    )
+
+
+def slerp(first: Array, second: Array, fraction: float) -> Array:
+    """Unit quaternion at `fraction` of the shorter way from first to second (Shoemake 1985)."""
+    cosine = float(first @ second)
+    if cosine < 0.0:  # q and -q are the same rotation
+        second, cosine = -second, -cosine
+    angle = np.arccos(min(cosine, 1.0))
+    if angle < 1e-6:  # sin(angle) / angle is 1 to the last digit
+        blended = (1.0 - fraction) * first + fraction * second
+    else:
+        blended = (np.sin((1.0 - fraction) * angle) * first + np.sin(fraction * angle) * second) / np.sin(
+            angle
+        )
+    return blended / np.linalg.norm(blended)
+
+
+def is_rotation(matrix: Array, tolerance: float = 1e-3) -> bool:
+    """Orthonormal and right-handed; the tolerance admits files that print four digits."""
+    return bool(np.allclose(matrix @ matrix.T, np.eye(3), atol=tolerance) and np.linalg.det(matrix) > 0.0)

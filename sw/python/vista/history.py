@@ -1,0 +1,52 @@
+"""What a run keeps of each frame for its summary and its report; the images are not among it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from time import perf_counter
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from vista.geometry import Pose
+
+if TYPE_CHECKING:
+    from vista.pipeline import Nearest, Obstacle
+
+
+@dataclass(frozen=True)
+class FrameRecord:
+    index: int
+    t_ns: int
+    world_from_camera: Pose | None
+    obstacles: tuple[Obstacle, ...]
+    nearest_collision: Nearest | None
+    regions: int
+    valid_fraction: float
+    stage_ms: dict[str, float]  # in the order in which the stages ran
+
+
+@dataclass
+class StageClock:
+    """Wall time of the stages of one frame."""
+
+    stage_ms: dict[str, float] = field(default_factory=dict)
+
+    @contextmanager
+    def stage(self, name: str) -> Iterator[None]:
+        start_s = perf_counter()
+        yield
+        self.stage_ms[name] = 1e3 * (perf_counter() - start_s)
+
+
+def stage_statistics(records: list[FrameRecord]) -> dict[str, dict[str, float]]:
+    """Median and p99 of each stage over the frames."""
+    names = list(dict.fromkeys(name for record in records for name in record.stage_ms))
+    statistics = {}
+    for name in names:
+        values = [record.stage_ms[name] for record in records if name in record.stage_ms]
+        median, p99 = np.percentile(values, [50, 99])
+        statistics[name] = {"median": round(float(median), 3), "p99": round(float(p99), 3)}
+    return statistics

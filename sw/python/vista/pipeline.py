@@ -1,0 +1,196 @@
+"""libvista's chain from Python: left image, engine words, time and pose in; obstacles and what led to them out."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vista import native, parameters
+from vista.geometry import Array, Calibration, Pose
+
+
+@dataclass(frozen=True)
+class Ellipse:
+    """Pixels of the rectified left image; semi-axes, axis_a >= axis_b; angle clockwise from +u."""
+
+    center_u: float
+    center_v: float
+    axis_a: float
+    axis_b: float
+    angle_deg: float
+
+
+@dataclass(frozen=True)
+class Obstacle:
+    id: int
+    confirmed: bool
+    coasting: bool  # not seen in this frame
+    in_blind_zone: bool  # nearer than the engine matches
+    age_frames: int
+    position_m: Array  # (3,) world
+    covariance_m2: Array  # (3, 3)
+    distance_m: float  # from the camera
+    extent_m: tuple[float, float]  # width, height
+    ellipse: Ellipse
+    disparity_px: float
+    in_collision_volume: bool
+
+
+@dataclass(frozen=True)
+class Nearest:
+    id: int
+    position_m: Array
+    distance_m: float
+    time_to_collision_s: float | None  # None: not closing
+
+
+@dataclass(frozen=True)
+class Result:
+    obstacles: list[Obstacle]  # nearest first
+    nearest_collision: Nearest | None
+    regions: int
+    valid_fraction: float
+    stage_ms: dict[str, float]  # in the order of the chain, and their sum "host"
+    cell_of_pixel: NDArray[np.int32]  # (height, width): cell under each pixel
+    cell_intensity: NDArray[np.float32]  # (cells,)
+    cell_disparity_px: NDArray[np.float32]  # (cells,), negative: none
+    region_of_cell: NDArray[np.int32]  # (cells,), -1: none
+    verdict_of_region: list[str]
+
+
+class PipelineError(ValueError):
+    """A status of libvista that is not VISTA_OK; the text is the library's."""
+
+
+class Pipeline:
+    """One pipeline for one camera; holds the tracks from frame to frame."""
+
+    def __init__(self, camera: Calibration, values: parameters.Values | None = None) -> None:
+        self._ffi, self._lib = native.load("vista")
+        self._camera = camera
+        self._parameters = _c_parameters(self._ffi, self._lib, values or parameters.defaults())
+        self._c_camera = self._ffi.new(
+            "vista_camera *",
+            (camera.width, camera.height, camera.focal_px, camera.cx, camera.cy, camera.baseline_m),
+        )
+        size = self._ffi.new("size_t *")
+        self._check(self._lib.vista_pipeline_bytes(self._parameters, self._c_camera, size))
+        self._memory = self._ffi.new("unsigned char[]", size[0])
+        handle = self._ffi.new("vista_pipeline **")
+        self._check(
+            self._lib.vista_pipeline_create(self._memory, size[0], self._parameters, self._c_camera, handle)
+        )
+        self._pipeline = handle[0]
+        self._result = self._ffi.new("vista_result *")
+        self._cell_of_pixel: NDArray[np.int32] | None = None
+
+    def process(
+        self,
+        left: NDArray[np.uint8],
+        disparity: NDArray[np.int16],
+        t_ns: int,
+        pose: Pose | None = None,
+        up_world: Array | None = None,
+    ) -> Result:
+        """One frame: rectified left image and engine words (height, width); pose: world_from_camera.
+
+        Raises PipelineError on images of another size, times that do not increase, a pose that is not finite."""
+        ffi = self._ffi
+        left, disparity = np.ascontiguousarray(left), np.ascontiguousarray(disparity)
+        frame = ffi.new("vista_frame *")
+        for target, array, c_type in (
+            (frame.image, left, "uint8_t *"),
+            (frame.disparity, disparity, "int16_t *"),
+        ):
+            target.data = ffi.cast(c_type, array.ctypes.data)
+            target.height_px, target.width_px = array.shape
+            target.stride = array.shape[1]
+        frame.t_ns = t_ns
+        if pose is not None:
+            c_pose = ffi.new("vista_pose *", (pose.rotation.ravel().tolist(), pose.translation_m.tolist()))
+            frame.pose = c_pose
+        if up_world is not None:
+            c_up = ffi.new("double[3]", np.asarray(up_world, dtype=float).tolist())
+            frame.up_world = c_up
+        self._check(self._lib.vista_pipeline_process(self._pipeline, frame, self._result))
+        return self._read_result()
+
+    def _check(self, status: int) -> None:
+        if status != self._lib.VISTA_OK:
+            raise PipelineError(self._ffi.string(self._lib.vista_status_text(status)).decode())
+
+    def _array(self, pointer: Any, count: int, dtype: Any) -> NDArray[Any]:
+        size = count * np.dtype(dtype).itemsize
+        return np.frombuffer(self._ffi.buffer(pointer, size), dtype=dtype).copy()
+
+    def _read_result(self) -> Result:
+        r, lib, ffi = self._result, self._lib, self._ffi
+        cells = r.foveation.node_count
+        shape = (self._camera.height, self._camera.width)
+        if self._cell_of_pixel is None:
+            self._cell_of_pixel = self._array(r.foveation.cell_of_pixel, shape[0] * shape[1], np.int32).reshape(shape)
+        stage_ms = {
+            ffi.string(lib.vista_stage_name(stage)).decode(): r.stage_ms[stage]
+            for stage in range(lib.VISTA_STAGE_COUNT)
+        }
+        nearest = r.nearest_collision
+        verdicts = [
+            ffi.string(lib.vista_region_verdict_name(r.regions[k].verdict)).decode() for k in range(r.region_count)
+        ]
+        return Result(
+            obstacles=[_obstacle(r.obstacles[k]) for k in range(r.obstacle_count)],
+            nearest_collision=_nearest(nearest) if nearest.valid else None,
+            regions=r.region_count,
+            valid_fraction=r.valid_fraction,
+            stage_ms=stage_ms | {"host": r.host_ms},
+            cell_of_pixel=self._cell_of_pixel,
+            cell_intensity=self._array(r.cells.intensity, cells, np.float32),
+            cell_disparity_px=self._array(r.cells.disparity_px, cells, np.float32),
+            region_of_cell=self._array(r.segmentation.label, cells, np.int32),
+            verdict_of_region=verdicts,
+        )
+
+
+def _c_parameters(ffi: Any, lib: Any, values: parameters.Values) -> Any:
+    c = ffi.new("vista_parameters *")
+    for section, content in values.items():
+        for name, value in content.items():
+            entry = parameters.entries(section)[name]
+            number = entry["choices"].index(value) if entry["type"] == "choice" else value
+            setattr(getattr(c, section), name, number)
+    culprit = ffi.new("char const **")
+    if lib.vista_parameters_check(c, culprit) != lib.VISTA_OK:
+        raise PipelineError(f"{ffi.string(culprit[0]).decode()} is out of range")
+    return c
+
+
+def _obstacle(o: Any) -> Obstacle:
+    e = o.ellipse
+    return Obstacle(
+        id=o.id,
+        confirmed=bool(o.confirmed),
+        coasting=bool(o.coasting),
+        in_blind_zone=bool(o.in_blind_zone),
+        age_frames=o.age_frames,
+        position_m=np.array(list(o.position_m)),
+        covariance_m2=np.array(list(o.covariance_m2)).reshape(3, 3),
+        distance_m=o.distance_m,
+        extent_m=(o.extent_m[0], o.extent_m[1]),
+        ellipse=Ellipse(e.center_u_px, e.center_v_px, e.axis_a_px, e.axis_b_px, e.angle_deg),
+        disparity_px=o.disparity_px,
+        in_collision_volume=bool(o.in_collision_volume),
+    )
+
+
+def _nearest(n: Any) -> Nearest:
+    seconds = n.time_to_collision_s
+    return Nearest(
+        id=n.id,
+        position_m=np.array(list(n.position_m)),
+        distance_m=n.distance_m,
+        time_to_collision_s=seconds if math.isfinite(seconds) else None,
+    )

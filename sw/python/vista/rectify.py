@@ -1,0 +1,110 @@
+"""Raw pairs to rectified pairs (OpenCV): matching pixels come to lie on one row."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+from vista.errors import InputError
+from vista.geometry import Array, Calibration, CameraModel, Pose, RawCalibration
+from vista.sequence.types import Frame
+
+Map = tuple[
+    NDArray[np.int16], NDArray[np.uint16]
+]  # cv2's fixed-point form: faster, and the same on every machine
+
+
+class Rectifier:
+    """Rectifies every frame of one calibration.
+
+    calibration: of the rectified pair, same size as the input.
+    is_passthrough: the input is rectified already (no distortion, equal cameras, aligned rows); frames then
+    come back as they are, not resampled.
+    """
+
+    def __init__(self, raw: RawCalibration) -> None:
+        """Raises InputError when the cameras do not make a left-right pair."""
+        _check_side_by_side(raw)
+        self.is_passthrough = _is_rectified(raw)
+        if self.is_passthrough:
+            self._left_from_rectified = Pose()
+            self.calibration = _calibration(
+                raw.left, raw.left.matrix, -float(raw.right_from_left.translation_m[0])
+            )
+            return
+        size = (raw.left.width, raw.left.height)
+        # alpha = 0: zoomed until no pixel lies outside the raw images, where it would be matched as texture.
+        R_left, R_right, P_left, P_right, *_ = cv2.stereoRectify(
+            raw.left.matrix,
+            np.array(raw.left.distortion),
+            raw.right.matrix,
+            np.array(raw.right.distortion),
+            size,
+            raw.right_from_left.rotation,
+            raw.right_from_left.translation_m.reshape(3, 1),
+            flags=cv2.CALIB_ZERO_DISPARITY,
+            alpha=0,
+        )
+        self._left_map = _undistort_map(raw.left, R_left, P_left, size)
+        self._right_map = _undistort_map(raw.right, R_right, P_right, size)
+        self._left_from_rectified = Pose(R_left.T)
+        self.calibration = _calibration(raw.left, P_left, float(-P_right[0, 3] / P_right[0, 0]))
+
+    def rectify(self, frame: Frame) -> Frame:
+        """The rectified pair, with the pose of the rectified left camera."""
+        if self.is_passthrough:
+            return frame
+        pose = frame.world_from_camera
+        return dataclasses.replace(
+            frame,
+            left=_resample(frame.left, self._left_map),
+            right=_resample(frame.right, self._right_map),
+            world_from_camera=None if pose is None else pose @ self._left_from_rectified,
+        )
+
+
+def _check_side_by_side(raw: RawCalibration) -> None:
+    # The right camera's centre in the left camera's frame: c = -R^T t.
+    centre_m = raw.right_from_left.inverse().translation_m
+    if not np.any(centre_m):
+        raise InputError(raw.source, "baseline is 0 m, must be positive")
+    if centre_m[0] <= max(abs(centre_m[1]), abs(centre_m[2])):
+        x, y, z = centre_m
+        raise InputError(
+            raw.source, f"the right camera lies at ({x:g}, {y:g}, {z:g}) m, not right of the left camera"
+        )
+    if (raw.left.width, raw.left.height) != (raw.right.width, raw.right.height):
+        raise InputError(raw.source, "the left and the right image differ in size")
+
+
+def _is_rectified(raw: RawCalibration) -> bool:
+    """Deviations that move no pixel by more than a hundredth count as none: calibrations carry rounding."""
+    left, right, motion = raw.left, raw.right, raw.right_from_left
+    tolerance_px = 0.01
+    tolerance_rad = tolerance_px / float(left.matrix[0, 0])
+    off_axis = np.abs(motion.translation_m[1:]) / abs(motion.translation_m[0])
+    return bool(
+        not any(left.distortion)
+        and not any(right.distortion)
+        and np.allclose(left.matrix, right.matrix, rtol=0.0, atol=tolerance_px)
+        and abs(left.matrix[0, 0] - left.matrix[1, 1]) <= tolerance_px
+        and np.allclose(motion.rotation, np.eye(3), atol=tolerance_rad)
+        and np.all(off_axis <= tolerance_rad)
+    )
+
+
+def _calibration(camera: CameraModel, K: Array, baseline_m: float) -> Calibration:
+    return Calibration(
+        camera.width, camera.height, float(K[0, 0]), float(K[0, 2]), float(K[1, 2]), baseline_m
+    )
+
+
+def _undistort_map(camera: CameraModel, R: Array, P: Array, size: tuple[int, int]) -> Map:
+    return cv2.initUndistortRectifyMap(camera.matrix, np.array(camera.distortion), R, P, size, cv2.CV_16SC2)
+
+
+def _resample(image: NDArray[np.uint8], source: Map) -> NDArray[np.uint8]:
+    # The crop is good to a fraction of a pixel: replicating keeps black from bleeding into the outermost row.
+    return cv2.remap(image, *source, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)

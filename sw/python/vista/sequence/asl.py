@@ -1,0 +1,144 @@
+"""EuRoC ASL layout: mav0/cam0, mav0/cam1 with sensor.yaml, data.csv and data/; poses in
+mav0/state_groundtruth_estimate0/data.csv (optional).
+
+The camera's pose is the body's pose, interpolated to the image time, times T_BS of cam0. Frames outside the
+time of the poses are left out, and a note says how many.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import cv2
+import numpy as np
+
+from vista.errors import InputError
+from vista.geometry import CameraModel, Pose, RawCalibration, camera_matrix, is_rotation
+from vista.sequence.text import check_increasing, data_lines, finite_row, read_text, timestamp_ns
+from vista.sequence.trajectory import Sample, Trajectory
+from vista.sequence.types import FrameFiles, Sequence
+
+POSES = Path("state_groundtruth_estimate0/data.csv")
+UP_WORLD = np.array([0.0, 0.0, 1.0])  # the data set's reference frame R is aligned with gravity
+UNIT_TOLERANCE = 1e-3  # quaternions are printed with six digits
+
+
+def recognises(folder: Path) -> bool:
+    return (folder / "mav0").is_dir() or (folder.name == "mav0" and (folder / "cam0").is_dir())
+
+
+def open_folder(folder: Path) -> Sequence:
+    root = folder / "mav0" if (folder / "mav0").is_dir() else folder
+    left, body_from_left = read_sensor(root / "cam0" / "sensor.yaml")
+    right, body_from_right = read_sensor(root / "cam1" / "sensor.yaml")
+    left_images = _read_image_list(root / "cam0")
+    right_images = _read_image_list(root / "cam1")
+    trajectory = read_trajectory(root / POSES) if (root / POSES).exists() else None
+
+    frames = []
+    for index, (t_ns, left_path) in enumerate(left_images.items()):
+        if t_ns not in right_images:
+            raise InputError(root / "cam1" / "data.csv", f"no right image at {t_ns}, the time of {left_path}")
+        world_from_body = trajectory.at(t_ns) if trajectory else None
+        if trajectory and world_from_body is None:
+            continue
+        world_from_camera = world_from_body @ body_from_left if world_from_body else None
+        frames.append(FrameFiles(index, t_ns, left_path, right_images[t_ns], world_from_camera))
+    if not frames:
+        raise InputError(root / POSES, f"covers the time of none of the {len(left_images)} frames")
+
+    left_out = len(left_images) - len(frames)
+    notes = (
+        (f"{left_out} of {len(left_images)} frames lie outside the time of {root / POSES}",)
+        if left_out
+        else ()
+    )
+    right_from_left = body_from_right.inverse() @ body_from_left
+    calibration = RawCalibration(left, right, right_from_left, str(root / "cam1" / "sensor.yaml"))
+    name = root.resolve().parent.name
+    return Sequence(name, "EuRoC ASL", calibration, tuple(frames), UP_WORLD if trajectory else None, notes)
+
+
+def read_sensor(path: Path) -> tuple[CameraModel, Pose]:
+    """Camera and body_from_camera (T_BS) of a sensor.yaml."""
+    text = read_text(path)
+    if not text.startswith("%YAML"):
+        text = "%YAML:1.0\n" + text  # OpenCV knows the format by this line
+    try:
+        storage = cv2.FileStorage(text, cv2.FILE_STORAGE_READ | cv2.FILE_STORAGE_MEMORY)
+    except (cv2.error, SystemError):
+        raise InputError(path, "not readable as YAML") from None
+
+    width, height = (int(value) for value in _numbers(path, storage, "resolution", {2}))
+    fx, fy, cx, cy = _numbers(path, storage, "intrinsics", {4})
+    distortion = tuple(_numbers(path, storage, "distortion_coefficients", {4, 5}))
+    model = storage.getNode("distortion_model")
+    if not model.isString() or model.string() not in ("radial-tangential", "radtan"):
+        raise InputError(path, "distortion_model is not radial-tangential")
+    if width < 1 or height < 1 or fx <= 0.0 or fy <= 0.0:
+        raise InputError(path, "resolution and focal lengths must be positive")
+    T_BS = np.array(_numbers(path, storage, "T_BS", {16})).reshape(4, 4)
+    if not is_rotation(T_BS[:3, :3]):
+        raise InputError(path, "T_BS does not hold a rotation")
+    return CameraModel(width, height, camera_matrix(fx, fy, cx, cy), distortion), Pose(
+        T_BS[:3, :3], T_BS[:3, 3]
+    )
+
+
+def _numbers(path: Path, storage: cv2.FileStorage, key: str, counts: set[int]) -> list[float]:
+    node = storage.getNode(key)
+    if node.isMap():  # T_BS: {cols, rows, data}
+        node = node.getNode("data")
+    if not node.isSeq():
+        raise InputError(path, f"{key} is missing or no list of numbers")
+    items = [node.at(i) for i in range(node.size())]
+    if not all(item.isInt() or item.isReal() for item in items):
+        raise InputError(path, f"{key} holds a bad number")
+    values = [item.real() for item in items]
+    if not np.all(np.isfinite(values)):
+        raise InputError(path, f"{key} holds a number that is not finite")
+    if len(values) not in counts:
+        raise InputError(
+            path, f"{key} holds {len(values)} numbers, expected {' or '.join(map(str, sorted(counts)))}"
+        )
+    return values
+
+
+def _read_image_list(camera: Path) -> dict[int, Path]:
+    """Image of each time in data.csv; every file is there."""
+    images: dict[int, Path] = {}
+    previous_ns = None
+    for culprit, line in data_lines(camera / "data.csv"):
+        time, comma, name = line.partition(",")
+        if not comma or not name.strip():
+            raise InputError(culprit, "expected: timestamp,filename")
+        t_ns = timestamp_ns(culprit, time)
+        check_increasing(culprit, previous_ns, t_ns)
+        previous_ns = t_ns
+        images[t_ns] = camera / "data" / name.strip()
+        if not images[t_ns].is_file():
+            raise InputError(images[t_ns], f"no such file, listed in {culprit}")
+    if not images:
+        raise InputError(camera / "data.csv", "lists no images")
+    return images
+
+
+def read_trajectory(path: Path) -> Trajectory:
+    """Body poses: timestamp, position, quaternion (w, x, y, z); further columns are not read."""
+    samples: list[Sample] = []
+    for culprit, line in data_lines(path):
+        fields = line.split(",")
+        if len(fields) < 8:
+            raise InputError(
+                culprit, f"{len(fields)} columns, expected timestamp, position (3), quaternion (4)"
+            )
+        t_ns = timestamp_ns(culprit, fields[0])
+        check_increasing(culprit, samples[-1].t_ns if samples else None, t_ns)
+        values = np.array(finite_row(culprit, fields[1:8], 7))
+        norm = float(np.linalg.norm(values[3:]))
+        if abs(norm - 1.0) > UNIT_TOLERANCE:
+            raise InputError(culprit, f"quaternion of length {norm:.4g}, expected 1")
+        samples.append(Sample(t_ns, values[:3], values[3:] / norm))
+    if not samples:
+        raise InputError(path, "holds no poses")
+    return Trajectory(samples)

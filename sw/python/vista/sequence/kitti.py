@@ -1,0 +1,101 @@
+"""KITTI odometry layout: the folder sequences/NN with image_0, image_1, calib.txt and times.txt; poses in
+../../poses/NN.txt (optional): left-camera poses, 3x4 row-major."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from vista.errors import InputError
+from vista.geometry import Array, CameraModel, Pose, RawCalibration, is_rotation
+from vista.sequence.image import EXTENSIONS, read_size
+from vista.sequence.text import check_increasing, data_lines, finite, finite_row
+from vista.sequence.types import FrameFiles, Sequence
+
+
+def recognises(folder: Path) -> bool:
+    return (folder / "image_0").is_dir()
+
+
+def open_folder(folder: Path) -> Sequence:
+    left_images = sorted(p for p in (folder / "image_0").iterdir() if p.suffix.lower() in EXTENSIONS)
+    if not left_images:
+        raise InputError(folder / "image_0", "holds no images")
+    right_images = [folder / "image_1" / path.name for path in left_images]
+    for path in right_images:
+        if not path.is_file():
+            raise InputError(path, "no such file: the right image is missing")
+
+    times_ns = read_times(folder / "times.txt")
+    _check_count(folder / "times.txt", "times", len(times_ns), len(left_images))
+    number = folder.resolve().name
+    poses_path = folder / ".." / ".." / "poses" / f"{number}.txt"
+    poses: list[Pose] | list[None] = [None] * len(left_images)
+    if poses_path.exists():
+        poses = read_poses(poses_path)
+        _check_count(poses_path, "poses", len(poses), len(left_images))
+
+    frames = (
+        FrameFiles(index, *of_frame)
+        for index, of_frame in enumerate(zip(times_ns, left_images, right_images, poses, strict=True))
+    )
+    calibration = read_calibration(folder / "calib.txt", read_size(left_images[0]))
+    return Sequence(number, "KITTI odometry", calibration, tuple(frames))
+
+
+def _check_count(path: Path, what: str, count: int, frames: int) -> None:
+    if count != frames:
+        raise InputError(path, f"{count} {what} for {frames} frames")
+
+
+def read_calibration(path: Path, size: tuple[int, int]) -> RawCalibration:
+    """P0 and P1 map the left camera's frame to pixels: P1 = K1 [I | t], t = (-baseline_m, 0, 0)."""
+    projections: dict[str, Array] = {}
+    for culprit, line in data_lines(path):
+        key, _, numbers = line.partition(":")
+        if key in ("P0", "P1"):
+            projections[key] = np.array(finite_row(culprit, numbers.split(), 12)).reshape(3, 4)
+            _check_intrinsics(culprit, projections[key])
+    for key in ("P0", "P1"):
+        if key not in projections:
+            raise InputError(path, f"{key} is missing")
+    K0, K1 = projections["P0"][:, :3], projections["P1"][:, :3]
+    translation_m = np.linalg.solve(K1, projections["P1"][:, 3]) - np.linalg.solve(
+        K0, projections["P0"][:, 3]
+    )
+    if translation_m[0] >= 0.0:
+        raise InputError(path, f"baseline is {-translation_m[0] + 0.0:g} m, must be positive (P1 against P0)")
+    return RawCalibration(
+        CameraModel(*size, K0), CameraModel(*size, K1), Pose(np.eye(3), translation_m), str(path)
+    )
+
+
+def _check_intrinsics(culprit: str, P: Array) -> None:
+    fx, fy = P[0, 0], P[1, 1]
+    if fx <= 0.0 or fy <= 0.0 or P[0, 1] != 0.0 or not np.array_equal(P[1:, 0], [0.0, 0.0]) or P[2, 2] != 1.0:
+        raise InputError(
+            culprit, "no projection matrix of a camera with positive focal lengths and without skew"
+        )
+
+
+def read_times(path: Path) -> list[int]:
+    times_ns: list[int] = []
+    for culprit, line in data_lines(path):
+        seconds = finite(culprit, line)
+        if seconds < 0.0 or seconds > 9e9:
+            raise InputError(culprit, f"time out of range: {line} s")
+        t_ns = round(seconds * 1e9)
+        check_increasing(culprit, times_ns[-1] if times_ns else None, t_ns)
+        times_ns.append(t_ns)
+    return times_ns
+
+
+def read_poses(path: Path) -> list[Pose]:
+    poses = []
+    for culprit, line in data_lines(path):
+        matrix = np.array(finite_row(culprit, line.split(), 12)).reshape(3, 4)
+        if not is_rotation(matrix[:, :3]):
+            raise InputError(culprit, "does not hold a rotation")
+        poses.append(Pose(matrix[:, :3], matrix[:, 3]))
+    return poses

@@ -1,0 +1,59 @@
+"""Numbers out of text files; whatever is wrong is named with its file and line."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from pathlib import Path
+
+from vista.errors import InputError
+
+
+def read_text(path: Path) -> str:
+    try:
+        return path.read_text(encoding="utf-8-sig")
+    except FileNotFoundError:
+        raise InputError(path, "no such file") from None
+    except UnicodeDecodeError:
+        raise InputError(path, "not a text file") from None
+    except OSError as error:
+        raise InputError(path, (error.strerror or "cannot be read").lower()) from None
+
+
+def data_lines(path: Path) -> Iterator[tuple[str, str]]:
+    """(`file:line`, stripped text) of each line that is neither empty nor a # comment."""
+    for number, line in enumerate(read_text(path).splitlines(), start=1):
+        text = line.strip()
+        if text and not text.startswith("#"):
+            yield f"{path}:{number}", text
+
+
+def finite(culprit: str | Path, text: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        raise InputError(culprit, f"bad number {text.strip()!r}") from None
+    if not math.isfinite(value):
+        raise InputError(culprit, f"number is not finite: {text.strip()}")
+    return value
+
+
+def finite_row(culprit: str | Path, fields: list[str], count: int) -> list[float]:
+    if len(fields) != count:
+        raise InputError(culprit, f"{len(fields)} numbers, expected {count}")
+    return [finite(culprit, field) for field in fields]
+
+
+def timestamp_ns(culprit: str | Path, text: str) -> int:
+    try:
+        value = int(text)
+    except ValueError:
+        raise InputError(culprit, f"bad timestamp {text.strip()!r}") from None
+    if not 0 <= value < 2**63:
+        raise InputError(culprit, f"timestamp out of range: {value}")
+    return value
+
+
+def check_increasing(culprit: str | Path, previous_ns: int | None, t_ns: int) -> None:
+    if previous_ns is not None and t_ns <= previous_ns:
+        raise InputError(culprit, f"time does not increase: {t_ns} ns after {previous_ns} ns")

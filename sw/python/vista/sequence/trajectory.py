@@ -1,0 +1,39 @@
+"""Poses at given times out of a sampled trajectory."""
+
+from __future__ import annotations
+
+from bisect import bisect_left
+from dataclasses import dataclass
+
+import numpy as np
+
+from vista.geometry import Array, Pose, rotation_from_quaternion, slerp
+
+
+@dataclass(frozen=True)
+class Sample:
+    t_ns: int
+    position_m: Array  # 3
+    quaternion: Array  # w, x, y, z; unit
+
+
+class Trajectory:
+    """world_from_body between samples: positions linearly, rotations by slerp. Times strictly increase."""
+
+    def __init__(self, samples: list[Sample]) -> None:
+        self._samples = samples
+        self._times_ns = [sample.t_ns for sample in samples]
+
+    def at(self, t_ns: int) -> Pose | None:
+        """None outside the samples: nothing is extrapolated."""
+        if not self._times_ns or not self._times_ns[0] <= t_ns <= self._times_ns[-1]:
+            return None
+        after = bisect_left(self._times_ns, t_ns)
+        second = self._samples[after]
+        if second.t_ns == t_ns:
+            return Pose(rotation_from_quaternion(second.quaternion), second.position_m)
+        first = self._samples[after - 1]
+        fraction = (t_ns - first.t_ns) / (second.t_ns - first.t_ns)
+        quaternion = slerp(first.quaternion, second.quaternion, fraction)
+        position_m = np.asarray((1.0 - fraction) * first.position_m + fraction * second.position_m)
+        return Pose(rotation_from_quaternion(quaternion), position_m)

@@ -1,0 +1,61 @@
+"""What a reader gives: a sequence of frames, each read when asked for."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vista.errors import InputError
+from vista.geometry import Array, CameraModel, Pose, RawCalibration
+from vista.sequence.image import read_grey
+
+
+@dataclass(frozen=True)
+class FrameFiles:
+    """Where one frame is; nothing has been read yet."""
+
+    index: int  # in the sequence, from 0
+    t_ns: int
+    left: Path
+    right: Path
+    world_from_camera: Pose | None  # of the left camera; None: the sequence has no poses
+
+
+@dataclass(frozen=True)
+class Frame:
+    """One stereo pair, raw or rectified; uint8 grey, both of the calibrated size."""
+
+    index: int
+    t_ns: int
+    left: NDArray[np.uint8]
+    right: NDArray[np.uint8]
+    world_from_camera: Pose | None
+
+
+@dataclass(frozen=True)
+class Sequence:
+    name: str
+    layout: str  # "EuRoC ASL", "KITTI odometry" or "pairs"
+    calibration: RawCalibration
+    frames: tuple[FrameFiles, ...]  # times strictly increase; all with a pose or none
+    up_world: Array | None = None  # unit vector against gravity in the world frame, where the layout says it
+    notes: tuple[str, ...] = ()  # what the reader left out, for the user to know
+
+    def read(self, files: FrameFiles) -> Frame:
+        """Reads both images. Raises InputError naming the image that is unreadable or of another size."""
+        left = _read_sized(files.left, self.calibration.left)
+        right = _read_sized(files.right, self.calibration.right)
+        return Frame(files.index, files.t_ns, left, right, files.world_from_camera)
+
+
+def _read_sized(path: Path, camera: CameraModel) -> NDArray[np.uint8]:
+    image = read_grey(path)
+    height, width = image.shape
+    if (width, height) != (camera.width, camera.height):
+        raise InputError(
+            path, f"image is {width}x{height}, the calibration says {camera.width}x{camera.height}"
+        )
+    return image

@@ -1,0 +1,33 @@
+/* Changes of frame and the stereo measurement, shared by reconstruction, tracker and obstacle map. */
+#ifndef VISTA_FRAME_H
+#define VISTA_FRAME_H
+
+#include "vista/status.h"
+#include "vista/types.h"
+
+extern const vista_pose vista_frame_still; /* world = camera */
+
+/* VISTA_ERROR_NUMBER: not finite; VISTA_ERROR_RANGE: a size, focal length or baseline not positive. */
+vista_status vista_frame_check_camera(const vista_camera *camera);
+
+/* VISTA_ERROR_NUMBER: not finite; VISTA_ERROR_RANGE: R R^T differs from I by more than 1e-3, or det R < 0. */
+vista_status vista_frame_check_pose(const vista_pose *pose);
+
+void vista_frame_to_camera(const vista_pose *pose, const double world_m[3], double camera_m[3]);
+void vista_frame_to_world(const vista_pose *pose, const double camera_m[3], double world_m[3]);
+
+/* R C R^T, 3x3 row-major, exactly symmetric. */
+void vista_frame_covariance_to_world(const vista_pose *pose, const double covariance_camera[9],
+                                     double covariance_world[9]);
+
+/* (u, v, d) of a point with z > 0 and, unless null, its 3x3 Jacobian by (X, Y, Z). */
+void vista_frame_measure(const vista_camera *camera, const double camera_m[3], double measurement_px[3],
+                         double jacobian[9]);
+
+/* The same Jacobian by the world position: J R^T. */
+void vista_frame_jacobian_to_world(const vista_pose *pose, const double jacobian_camera[9], double jacobian_world[9]);
+
+/* J C J^T for 3x3 J and symmetric C, exactly symmetric. */
+void vista_frame_propagate(const double jacobian[9], const double covariance[9], double propagated[9]);
+
+#endif

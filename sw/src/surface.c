@@ -1,0 +1,99 @@
+#include "vista/surface.h"
+
+#include <math.h>
+#include <stdbool.h>
+
+#include "plane_fit.h"
+
+static const double degrees_per_radian = 57.29577951308232;
+
+vista_status vista_surfaces_layout(vista_surfaces *surfaces, vista_arena *arena, const vista_foveation *foveation) {
+  if (surfaces == NULL || arena == NULL || foveation == NULL) return VISTA_ERROR_ARGUMENT;
+  surfaces->inclination_deg = vista_arena_take(arena, (size_t)foveation->max_nodes, sizeof(float));
+  surfaces->horizontal = vista_arena_take(arena, (size_t)foveation->max_nodes, sizeof(uint8_t));
+  return arena->base != NULL && arena->used > arena->size ? VISTA_ERROR_MEMORY : VISTA_OK;
+}
+
+double vista_plane_inclination_deg(const vista_camera *camera, const double up_camera[3], double u_px, double v_px,
+                                   double disparity_px, double slope_u, double slope_v) {
+  const double at_center =
+      disparity_px - slope_u * (u_px - camera->center_u_px) - slope_v * (v_px - camera->center_v_px);
+  const double n[3] = {slope_u, slope_v, at_center / camera->focal_px};
+  const double norm = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+  if (!(norm > 0.0)) return NAN;
+  const double along = fabs(n[0] * up_camera[0] + n[1] * up_camera[1] + n[2] * up_camera[2]) / norm;
+  return asin(fmin(along, 1.0)) * degrees_per_radian;
+}
+
+/* Grid neighbours `steps` cells apart in eight directions, and the cell itself. */
+static int32_t neighbourhood(const vista_foveation *f, int32_t ring, int32_t sector, int32_t steps, int32_t out[9]) {
+  int32_t count = 0;
+  for (int32_t dr = -steps; dr <= steps; dr += steps) {
+    const int32_t r = ring + dr;
+    if (r < 0 || r >= f->ring_count) continue;
+    for (int32_t ds = -steps; ds <= steps; ds += steps) {
+      const int32_t s = (sector + ds + f->sector_count) % f->sector_count;
+      const int32_t node = f->node_of_grid[r * f->sector_count + s];
+      if (node >= 0) out[count++] = node;
+    }
+  }
+  return count;
+}
+
+static float cell_inclination_deg(const vista_foveation *f, const vista_camera *camera, const double up_camera[3],
+                                  const vista_cells *cells, int32_t node, const int32_t *around, int32_t count) {
+  vista_plane_fit fit = {0};
+  for (int32_t k = 0; k < count; ++k) {
+    const int32_t j = around[k];
+    if (cells->disparity_px[j] < 0.0f) continue;
+    vista_plane_fit_add(&fit, (double)(f->center_u[j] - f->center_u[node]), (double)(f->center_v[j] - f->center_v[node]),
+                        (double)(cells->disparity_px[j] - cells->disparity_px[node]), 1.0);
+  }
+  vista_plane plane;
+  if (fit.weight < 5.0 || !vista_plane_fit_solve(&fit, &plane)) return -1.0f;
+  const double degrees =
+      vista_plane_inclination_deg(camera, up_camera, f->center_u[node], f->center_v[node],
+                                  plane.offset + cells->disparity_px[node], plane.slope_u, plane.slope_v);
+  return isnan(degrees) ? -1.0f : (float)degrees;
+}
+
+static bool mostly_horizontal(const vista_surfaces *surfaces, double horizontal_deg, const int32_t *around,
+                              int32_t count) {
+  int32_t known = 0, leaning = 0;
+  for (int32_t k = 0; k < count; ++k) {
+    known += surfaces->inclination_deg[around[k]] >= 0.0f;
+    leaning += surfaces->inclination_deg[around[k]] >= (float)horizontal_deg;
+  }
+  return 2 * leaning > known;
+}
+
+vista_status vista_surfaces_compute(const vista_foveation *foveation, const vista_surface_params *params,
+                                    const vista_camera *camera, const double up_camera[3], const vista_cells *cells,
+                                    vista_surfaces *surfaces) {
+  if (foveation == NULL || params == NULL || camera == NULL || up_camera == NULL || cells == NULL || surfaces == NULL)
+    return VISTA_ERROR_ARGUMENT;
+  const vista_foveation *const f = foveation;
+  surfaces->inclination_deg[0] = -1.0f;
+  surfaces->horizontal[0] = 0;
+  for (int pass = 0; pass < 2; ++pass) {
+    for (int32_t ring = 0; ring < f->ring_count; ++ring) {
+      for (int32_t sector = 0; sector < f->sector_count; ++sector) {
+        const int32_t node = f->node_of_grid[ring * f->sector_count + sector];
+        if (node < 0) continue;
+        const int32_t lever = (int32_t)ceil(params->lever_px / (double)f->size_px[node]);
+        const int32_t steps = lever > f->sector_count / 8 ? f->sector_count / 8 : lever;
+        int32_t around[9];
+        const int32_t count = neighbourhood(f, ring, sector, pass == 0 ? steps : 1, around);
+        if (pass == 0)
+          surfaces->inclination_deg[node] =
+              cells->disparity_px[node] < 0.0f
+                  ? -1.0f
+                  : cell_inclination_deg(f, camera, up_camera, cells, node, around, count);
+        else
+          surfaces->horizontal[node] = surfaces->inclination_deg[node] >= 0.0f &&
+                                       mostly_horizontal(surfaces, params->horizontal_deg, around, count);
+      }
+    }
+  }
+  return VISTA_OK;
+}

@@ -1,0 +1,46 @@
+/* The filters of one track: position and velocity (EKF), width and height (scalar filters on the logarithm). */
+#ifndef VISTA_TRACK_FILTER_H
+#define VISTA_TRACK_FILTER_H
+
+#include <stdbool.h>
+
+#include "vista/reconstruction.h"
+#include "vista/tracker.h"
+#include "vista/types.h"
+
+/* What a track looks like in the current camera. */
+typedef struct vista_track_view {
+  double camera_m[3];
+  double measurement_px[3];  /* predicted (u, v, d) */
+  double jacobian[9];        /* d(u, v, d) / d position in world */
+  double covariance_px2[9];  /* of measurement_px, by the track's position covariance alone */
+  double half_px[2];         /* projected half width, half height */
+} vista_track_view;
+
+/* A new track at the detection, unconfirmed, without id and times. */
+void vista_track_filter_start(const vista_tracker_params *params, const vista_camera *camera, const vista_pose *pose,
+                              const vista_detection *detection, vista_track *track);
+
+void vista_track_filter_predict(const vista_tracker_params *params, double dt_s, vista_track *track);
+
+/* The track's camera z must be positive. */
+void vista_track_filter_view(const vista_camera *camera, const vista_pose *pose, const vista_track *track,
+                             vista_track_view *view);
+
+/* Variances of a detection's (u, v, d). `reshaped`: its centre is uncertain by the track's projected half extent. */
+void vista_track_filter_noise(const vista_tracker_params *params, const vista_camera *camera,
+                              const vista_detection *detection, const vista_track_view *view, bool reshaped,
+                              double variance_px2[3]);
+
+/* Squared Mahalanobis distance in (u, v, d); INFINITY when the innovation covariance is singular. */
+double vista_track_filter_distance2(const vista_track_view *view, const vista_detection *detection,
+                                    const double variance_px2[3]);
+
+/* Squared normalised difference of the logarithms of the extents; cut axes do not count. */
+double vista_track_filter_extent_distance2(const vista_tracker_params *params, const vista_track *track,
+                                           const vista_detection *detection);
+
+void vista_track_filter_update(const vista_tracker_params *params, const vista_track_view *view,
+                               const vista_detection *detection, const double variance_px2[3], vista_track *track);
+
+#endif

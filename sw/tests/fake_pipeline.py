@@ -1,0 +1,84 @@
+"""A stand-in for the host's pipeline: made-up regions and obstacles on a grid of square cells."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from vista.geometry import Array, Calibration, Pose
+from vista.pipeline import Ellipse, Nearest, Obstacle, Result
+
+CELL_PX = 10
+
+
+def fake_obstacle(track_id: int, z_m: float, camera: Calibration, **changes: object) -> Obstacle:
+    """Stands 0.8 m to the right for each id, z_m ahead."""
+    x_m = 0.8 * (track_id - 2)
+    size_px = camera.focal_px / z_m
+    values = {
+        "id": track_id,
+        "confirmed": True,
+        "age_frames": 5,
+        "coasting": False,
+        "position_m": np.array([x_m, 0.0, z_m]),
+        "covariance_m2": np.diag([0.01, 0.01, 0.5]),
+        "distance_m": float(np.hypot(x_m, z_m)),
+        "in_blind_zone": False,
+        "extent_m": (1.0, 2.0),
+        "ellipse": Ellipse(camera.cx + x_m * size_px, camera.cy, 0.9 * size_px, 0.4 * size_px, 80.0),
+        "disparity_px": camera.baseline_m * size_px,
+        "in_collision_volume": False,
+    }
+    return Obstacle(**(values | changes))
+
+
+class FakePipeline:
+    """Four tracks: one coasts, one warns, one is confirmed, one is not. They come 1 m nearer each frame."""
+
+    def __init__(self, camera: Calibration, parameters: object = None) -> None:
+        self._camera = camera
+        self._frame = 0
+
+    def process(
+        self,
+        left: NDArray[np.uint8],
+        disparity: NDArray[np.int16],
+        t_ns: int,
+        pose: Pose | None,
+        up_world: Array | None,
+    ) -> Result:
+        camera = self._camera
+        rows, columns = (side // CELL_PX for side in left.shape)
+        v, u = np.mgrid[: left.shape[0], : left.shape[1]] // CELL_PX
+        cell_of_pixel = (np.minimum(v, rows - 1) * columns + np.minimum(u, columns - 1)).astype(np.int32)
+        pixels = np.bincount(cell_of_pixel.ravel())
+        intensity = np.bincount(cell_of_pixel.ravel(), left.ravel()) / pixels
+        region_of_cell = (np.arange(rows * columns) % columns // max(columns // 5, 1)).astype(np.int32)
+        regions = int(region_of_cell.max()) + 1
+
+        z_m = 20.0 - self._frame
+        self._frame += 1
+        obstacles = [
+            fake_obstacle(1, z_m + 12.0, camera, coasting=True),
+            fake_obstacle(2, z_m, camera, in_collision_volume=True),
+            fake_obstacle(3, z_m + 5.0, camera),
+            fake_obstacle(4, z_m + 8.0, camera, confirmed=False),
+        ]
+        nearest = Nearest(2, obstacles[1].position_m, z_m, z_m / 10.0) if self._frame > 1 else None
+        stage_ms = {
+            "foveation": 1.0,
+            "segmentation": 4.0 + 0.1 * self._frame,
+            "host": 5.0 + 0.1 * self._frame,
+        }
+        verdicts = [("ACCEPTED", "TOO_SMALL", "HORIZONTAL")[region % 3] for region in range(regions)]
+        return Result(
+            obstacles=obstacles,
+            nearest_collision=nearest,
+            regions=regions,
+            valid_fraction=float(np.mean(disparity >= 0)),
+            stage_ms=stage_ms,
+            cell_of_pixel=cell_of_pixel,
+            cell_intensity=intensity.astype(np.float32),
+            cell_disparity_px=np.full(rows * columns, -1.0, np.float32),
+            region_of_cell=region_of_cell,
+            verdict_of_region=verdicts,
+        )

@@ -1,0 +1,275 @@
+"""The obstacle map: distances, ellipses, the collision volume and the time to collision."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from cut_library import Arena, ffi, lib, status_name
+from random_seed import seeded
+from scipy.spatial.transform import Rotation
+from track_library import BASELINE, CENTER, FOCAL, SECOND, Tracker, camera, measure, params, pose, seen_at
+
+NAN = float("nan")
+FORWARD = (0.0, 0.0, 9.0)
+
+
+class Map:
+    def __init__(self, max_tracks: int = 32, **changes: float) -> None:
+        out = ffi.new("vista_obstacle_map **")
+        self._arena = Arena(lambda arena: lib.vista_obstacle_map_layout(max_tracks, arena, out))
+        assert self._arena.status == lib.VISTA_OK
+        self.handle, self.params, self.camera = out[0], params("obstacle_map", **changes), camera()
+
+    def update(self, t_s: float, tracks=(), velocity=FORWARD, raw_pose=None) -> str:
+        items = ffi.new("vista_track[]", [track[0] for track in tracks])
+        speed = ffi.NULL if velocity is None else ffi.new("double[3]", list(velocity))
+        return status_name(
+            lib.vista_obstacle_map_update(
+                self.handle,
+                self.params,
+                self.camera,
+                pose() if raw_pose is None else raw_pose,
+                speed,
+                round(t_s * SECOND),
+                items,
+                len(tracks),
+            )
+        )
+
+    @property
+    def obstacles(self) -> list:
+        count = ffi.new("int32_t *")
+        items = lib.vista_obstacle_map_obstacles(self.handle, count)
+        return [ffi.new("vista_obstacle *", items[i]) for i in range(count[0])]
+
+    @property
+    def nearest(self):
+        return lib.vista_obstacle_map_nearest(self.handle)
+
+    @property
+    def velocity(self) -> list[float]:
+        out = ffi.new("double[3]")
+        lib.vista_obstacle_map_velocity(self.handle, out)
+        return list(out)
+
+    def memory(self) -> bytes:
+        return bytes(ffi.buffer(self._arena.arena.base, self._arena.size))
+
+
+def track(position, id_: int = 1, sigma_m: float = 0.1, extent=(1.0, 0.8), **changes):
+    values = {
+        "id": id_,
+        "confirmed": True,
+        "age_frames": 7,
+        "position_m": [float(x) for x in position],
+        "covariance": (np.eye(6) * sigma_m**2).ravel().tolist(),
+        "extent_m": list(extent),
+        "ellipse": [100.0, 120.0, 20.0, 10.0, 30.0],
+        "ellipse_depth_m": 40.0,
+    }
+    return ffi.new("vista_track *", values | changes)
+
+
+def in_volume(position, velocity=FORWARD, raw_pose=None, changes=None, **keywords) -> bool:
+    mapper = Map(**(changes or {}))
+    assert mapper.update(0.0, [track(position, **keywords)], velocity, raw_pose) == "VISTA_OK"
+    return mapper.obstacles[0].in_collision_volume
+
+
+def test_nearest_first_and_only_the_confirmed_collide() -> None:
+    mapper = Map()
+    tracks = [
+        track((0, 0, 60.0), 1),
+        track((0, 0, 20.0), 2, confirmed=False),
+        track((0, 0, 35.0), 3),
+        track((9, 0, 10.0), 4),
+        track((0, 0, -1.0), 5),
+    ]
+    assert mapper.update(0.0, tracks) == "VISTA_OK"
+    assert [o.id for o in mapper.obstacles] == [4, 2, 3, 1]
+    assert [o.in_collision_volume for o in mapper.obstacles] == [False, True, True, True]
+    assert mapper.nearest.valid
+    assert mapper.nearest.id == 3
+    assert mapper.nearest.distance_m == 35.0
+    assert mapper.nearest.time_to_collision_s == pytest.approx(35.0 / 9.0)
+    assert mapper.update(1.0, tracks[3:4]) == "VISTA_OK"
+    assert (mapper.nearest.valid, mapper.nearest.id) == (False, 0)
+
+
+def test_the_volume_is_2_m_by_100_m_and_discs_count_with_their_edge() -> None:
+    none = {"inflation_sigma": 0.0}
+    for x, inside in ((2.49, True), (2.51, False), (-2.49, True), (-2.51, False)):
+        assert in_volume((x, 0, 50.0), changes=none) == inside
+    for y, inside in ((2.39, True), (2.41, False)):
+        assert in_volume((0, y, 50.0), changes=none) == inside
+    assert in_volume((0, 0, 101.9), changes=none)
+    assert not in_volume((0, 0, 102.1), changes=none)
+
+
+def test_a_wide_wall_beside_its_centre_is_in_the_way() -> None:
+    assert in_volume((30.0, 0, 60.0), extent=(60.0, 4.0))
+    assert not in_volume((34.0, 0, 60.0), extent=(60.0, 4.0))
+
+
+def test_range_uncertainty_alone_puts_nothing_into_the_volume() -> None:
+    """10 m beside the path at 80 m, the range uncertain by 20 m along the line of sight."""
+    ray = np.array([10.0, 0.0, 80.0])
+    unit = ray / np.linalg.norm(ray)
+    covariance = np.zeros((6, 6))
+    covariance[:3, :3] = 20.0**2 * np.outer(unit, unit) + 0.01 * np.eye(3)
+    for inflation in (1.0, 3.0):
+        changes = {"inflation_sigma": inflation}
+        assert not in_volume(ray, changes=changes, covariance=covariance.ravel().tolist())
+    bearing = 0.01 * np.eye(6)
+    bearing[0, 0] = 4.0**2  # across the line of sight it does count
+    assert in_volume(ray, changes={"inflation_sigma": 2.0}, covariance=bearing.ravel().tolist())
+
+
+def test_inflation_is_the_stated_number_of_bearing_sigmas() -> None:
+    sigma, z = 0.4, 50.0
+    for k in (0.0, 1.0, 2.5):
+        edge = 2.0 + 0.5 + k * sigma
+        assert in_volume((edge - 0.01, 0, z), sigma_m=sigma * (1 - 0.002), changes={"inflation_sigma": k})
+        assert not in_volume((edge + 0.02, 0, z), sigma_m=sigma, changes={"inflation_sigma": k})
+
+
+def test_the_volume_lies_along_the_flight_not_the_optical_axis() -> None:
+    slip = np.array([3.0, 0.0, 9.0])
+    along = 50 * slip / np.linalg.norm(slip)
+    assert in_volume(along, velocity=slip)
+    assert not in_volume((0, 0, 50.0), velocity=slip)
+    assert in_volume((0, 0, 50.0), velocity=(0, 0, 0))  # standing still: the optical axis
+    assert in_volume((0, 0, 50.0), velocity=(0.3, 0, 0))  # slower than speed_min_m_s
+
+
+def test_against_dense_sampling_of_disc_and_cylinder() -> None:
+    random = seeded(1)
+    t, r = np.meshgrid(np.linspace(0, 2 * np.pi, 180), np.linspace(0, 1, 40))
+    answers = []
+    for _ in range(300):
+        turn = Rotation.from_euler("xyz", random.normal(0, 15, 3), degrees=True).as_matrix()
+        position = random.uniform(-20, 20, 3)
+        velocity = turn @ (random.normal(size=3) * [1.5, 1.5, 1] + [0, 0, 9])
+        center = position + turn @ (random.uniform(-1, 1, 3) * [8, 8, 25] + [0, 0, 30])
+        extent = random.uniform(0.2, 12, 2)
+        found = in_volume(
+            center, velocity, pose(position, turn), {"inflation_sigma": 0.0}, extent=extent.tolist()
+        )
+        points = (
+            center
+            + (0.5 * extent[0] * r * np.cos(t))[..., None] * turn[:, 0]
+            + (0.5 * extent[1] * r * np.sin(t))[..., None] * turn[:, 1]
+        )
+        offset, direction = points - position, velocity / np.linalg.norm(velocity)
+        along = np.clip(offset @ direction, 0, 100)[..., None]
+        nearest = np.linalg.norm(offset - along * direction, axis=-1).min()
+        if abs(nearest - 2.0) > 0.1:  # twice the sampling distance
+            assert found == (nearest < 2.0)
+            answers.append(found)
+    assert 30 < sum(answers) < len(answers) - 30
+
+
+def test_time_to_collision_counts_along_the_flight_and_with_the_obstacle() -> None:
+    mapper = Map()
+    mapper.update(0.0, [track((1.0, 0, 30.0))])
+    assert mapper.nearest.distance_m == pytest.approx(math.hypot(1, 30))
+    assert mapper.nearest.time_to_collision_s == pytest.approx(30 / 9)
+    mapper.update(1.0, [track((0, 0, 30.0), velocity_m_s=[0, 0, -6.0])])
+    assert mapper.nearest.time_to_collision_s == pytest.approx(2.0)
+    for away in (9.0, 12.0):
+        mapper.update(away, [track((0, 0, 30.0), velocity_m_s=[0, 0, away])])
+        assert mapper.nearest.valid
+        assert math.isnan(mapper.nearest.time_to_collision_s)
+    mapper.update(20.0, [track((0, 0, 30.0))], (0, 0, 0))
+    assert math.isnan(mapper.nearest.time_to_collision_s)
+
+
+def test_velocity_from_poses_is_smoothed_and_finds_the_direction() -> None:
+    random, mapper = seeded(2), Map(velocity_smoothing_s=0.5)
+    velocity = np.array([2.0, -1.0, 8.0])
+    for frame in range(40):
+        noise = random.normal(0, 0.01, 3)
+        mapper.update(0.1 * frame, [], None, pose(velocity * 0.1 * frame + noise))
+    assert mapper.velocity == pytest.approx(velocity, abs=0.25)
+    raw = Map(velocity_smoothing_s=0.0)
+    raw.update(0.0, [], None, pose((1, 2, 3)))
+    assert raw.velocity == [0, 0, 0]  # unknown yet: optical axis
+    raw.update(0.5, [], None, pose((2, 2, 7)))
+    assert raw.velocity == pytest.approx([2, 0, 8])
+    raw.update(1.0, [track((3.0, 2, 11.0))], None, pose((3, 2, 11.0 - 8)))
+    assert raw.velocity == pytest.approx([2, 0, -8])
+
+
+def test_without_pose_and_velocity_the_optical_axis_counts() -> None:
+    mapper = Map()
+    items = ffi.new("vista_track[]", [track((0, 0, 30.0))[0]])
+    status = lib.vista_obstacle_map_update(
+        mapper.handle, mapper.params, mapper.camera, ffi.NULL, ffi.NULL, 0, items, 1
+    )
+    assert status == lib.VISTA_OK
+    assert mapper.nearest.valid
+    assert math.isnan(mapper.nearest.time_to_collision_s)
+
+
+def test_fields_of_a_tracked_obstacle() -> None:
+    """Through the tracker, camera turned: what was seen keeps its ellipse, what coasts is predicted."""
+    turn = Rotation.from_euler("xyz", [4, -7, 3], degrees=True).as_matrix()
+    point, tracker, mapper = np.array([2.0, -1.0, 40.0]), Tracker(), Map()
+    for frame in range(5):
+        position = np.array([0, 0, 0.8 * frame])
+        seen = seen_at(point, position, turn)
+        tracker.update(0.1 * frame, [seen], position, turn)
+        mapper.update(0.1 * frame, list(tracker.tracks.values()), None, pose(position, turn))
+    (found,) = mapper.obstacles
+    assert (found.id, found.confirmed, found.coasting, found.age_frames) == (1, True, False, 5)
+    assert found.distance_m == pytest.approx(np.linalg.norm(point - position), abs=0.01)
+    assert list(found.position_m) == pytest.approx(point, abs=0.01)
+    assert list(found.extent_m) == pytest.approx([1.0, 0.8])
+    assert found.disparity_px == pytest.approx(seen["disparity_px"], abs=0.01)
+    assert [found.ellipse.center_u_px, found.ellipse.center_v_px] == pytest.approx(seen["ellipse"][:2])
+    position = np.array([0, 0, 12.0])
+    tracker.update(0.5, [], position, turn)
+    mapper.update(0.5, list(tracker.tracks.values()), None, pose(position, turn))
+    (found,) = mapper.obstacles
+    u, v, d = measure(point, position, turn)
+    assert found.coasting
+    assert [found.ellipse.center_u_px, found.ellipse.center_v_px] == pytest.approx([u, v], abs=0.5)
+    assert found.disparity_px == pytest.approx(d, abs=0.05)
+    z = FOCAL * BASELINE / d
+    assert found.ellipse.axis_a_px == pytest.approx(0.5 * FOCAL / z, rel=0.01)
+    assert found.ellipse.axis_b_px == pytest.approx(0.4 * FOCAL / z, rel=0.01)
+    assert CENTER[0] != u
+
+
+@pytest.mark.parametrize(
+    ("arguments", "status"),
+    [
+        ((1.0, [], FORWARD), "VISTA_ERROR_ORDER"),
+        ((2.0, [], (0, NAN, 0)), "VISTA_ERROR_NUMBER"),
+        ((2.0, [], FORWARD, pose((NAN, 0, 0))), "VISTA_ERROR_NUMBER"),
+        ((2.0, [], FORWARD, pose((0, 0, 0), np.eye(3) * 2)), "VISTA_ERROR_RANGE"),
+        ((2.0, [track((0, 0, NAN))], FORWARD), "VISTA_ERROR_NUMBER"),
+        ((2.0, [track((0, 0, 9))] * 33, FORWARD), "VISTA_ERROR_CAPACITY"),
+    ],
+)
+def test_on_errors_nothing_changes(arguments, status: str) -> None:
+    mapper = Map()
+    mapper.update(0.5, [], None)
+    mapper.update(1.0, [track((0, 0, 30.0))], None, pose((0, 0, 3.0)))
+    before = mapper.memory()
+    assert mapper.update(*arguments) == status
+    assert mapper.memory() == before
+
+
+@pytest.mark.parametrize(
+    ("name", "value"), [("collision_radius_m", 0.0), ("collision_length_m", NAN), ("inflation_sigma", -1.0)]
+)
+def test_parameters_out_of_range_are_refused(name: str, value: float) -> None:
+    mapper = Map()
+    setattr(mapper.params, name, value)
+    assert mapper.update(0.0) == "VISTA_ERROR_RANGE"
+    out = ffi.new("vista_obstacle_map **")
+    short = Arena(lambda arena: lib.vista_obstacle_map_layout(8, arena, out), missing_bytes=1)
+    assert status_name(short.status) == "VISTA_ERROR_MEMORY"

@@ -1,0 +1,198 @@
+"""Rectification: matching pixels on one row, geometry kept, and no resampling where none is needed."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+import sequence_cases as cases
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+from vista.errors import InputError
+from vista.geometry import CameraModel, Pose, RawCalibration, camera_matrix
+from vista.rectify import Rectifier
+from vista.sequence import Frame, open_sequence, read_grey
+
+SHARED_DATA = Path(
+    os.environ.get("VISTA_SHARED_DATA", Path(__file__).resolve().parents[3] / "shared" / "data")
+)
+SIZE = (320, 240)
+
+RAW = RawCalibration(
+    CameraModel(*SIZE, camera_matrix(262.0, 263.0, 156.0, 123.0), (-0.36, 0.17, 0.001, -0.0005)),
+    CameraModel(*SIZE, camera_matrix(264.0, 265.0, 160.0, 122.0), (-0.35, 0.16, 0.0, 0.0)),
+    Pose(
+        Rotation.from_euler("xyz", [0.6, -0.9, 0.4], degrees=True).as_matrix(), np.array([-0.2, 0.002, 0.003])
+    ),
+    "synthetic",
+)
+
+
+def needs(name: str) -> Path:
+    if not (SHARED_DATA / name).is_dir():
+        pytest.skip(f"{name} is not present")
+    return SHARED_DATA / name
+
+
+def row_errors_px(left: NDArray[np.uint8], right: NDArray[np.uint8]) -> NDArray[np.float64]:
+    """Row differences of ORB matches that agree both ways and lie within 20 rows of each other."""
+    orb = cv2.ORB_create(3000)
+    left_points, left_words = orb.detectAndCompute(left, None)
+    right_points, right_words = orb.detectAndCompute(right, None)
+    matches = cv2.BFMatcher(cv2.NORM_HAMMING, crossCheck=True).match(left_words, right_words)
+    errors = np.array([left_points[m.queryIdx].pt[1] - right_points[m.trainIdx].pt[1] for m in matches])
+    errors = np.abs(errors[np.abs(errors) < 20.0])
+    assert len(errors) > 100
+    return errors
+
+
+def draw_spheres(
+    camera: CameraModel, camera_from_left: Pose, centres_m: NDArray[np.float64]
+) -> NDArray[np.uint8]:
+    """Small bright blobs where the camera, distortion included, sees the points."""
+    rotation = cv2.Rodrigues(camera_from_left.rotation)[0]
+    points, _ = cv2.projectPoints(
+        centres_m, rotation, camera_from_left.translation_m, camera.matrix, np.array(camera.distortion)
+    )
+    v, u = np.mgrid[: camera.height, : camera.width]
+    image = np.zeros((camera.height, camera.width))
+    for x, y in points[:, 0]:
+        image += 250.0 * np.exp(-((u - x) ** 2 + (v - y) ** 2) / (2.0 * 2.0**2))
+    return np.clip(image, 0, 255).astype(np.uint8)
+
+
+def blob_centre(image: NDArray[np.uint8], u: float, v: float) -> tuple[float, float]:
+    """Centroid within 7 px of (u, v)."""
+    u0, v0 = round(u), round(v)
+    patch = image[v0 - 7 : v0 + 8, u0 - 7 : u0 + 8].astype(float)
+    offset = np.arange(-7, 8)
+    return u0 + (patch.sum(0) @ offset) / patch.sum(), v0 + (patch.sum(1) @ offset) / patch.sum()
+
+
+def test_points_come_to_lie_where_the_rectified_camera_sees_them() -> None:
+    grid = [(x, y) for x in (-0.38, -0.1, 0.12, 0.36) for y in (-0.28, 0.02, 0.3)]
+    depths_m = np.linspace(2.0, 9.0, len(grid))
+    points_m = np.array([(x * z, y * z, z) for (x, y), z in zip(grid, depths_m, strict=True)])
+    world_from_left = Pose(
+        Rotation.from_euler("xyz", [10, 20, 30], degrees=True).as_matrix(), np.array([1.0, 2, 3])
+    )
+    raw = Frame(
+        0,
+        0,
+        draw_spheres(RAW.left, Pose(), points_m),
+        draw_spheres(RAW.right, RAW.right_from_left, points_m),
+        world_from_left,
+    )
+    rectifier = Rectifier(RAW)
+    frame, camera = rectifier.rectify(raw), rectifier.calibration
+    assert camera.baseline_m == pytest.approx(np.linalg.norm(RAW.right_from_left.translation_m))
+
+    rectified_from_left = frame.world_from_camera.inverse() @ world_from_left
+    for x, y, z in points_m @ rectified_from_left.rotation.T + rectified_from_left.translation_m:
+        u, v = camera.cx + camera.focal_px * x / z, camera.cy + camera.focal_px * y / z
+        disparity_px = camera.focal_px * camera.baseline_m / z
+        assert blob_centre(frame.left, u, v) == pytest.approx((u, v), abs=0.15)
+        assert blob_centre(frame.right, u - disparity_px, v) == pytest.approx((u - disparity_px, v), abs=0.15)
+
+
+def test_the_pose_turns_with_the_axes_and_does_not_move() -> None:
+    image = np.zeros(SIZE[::-1], np.uint8)
+    pose = Pose(np.eye(3), np.array([4.0, 5.0, 6.0]))
+    turned = Rectifier(RAW).rectify(Frame(0, 0, image, image, pose)).world_from_camera
+    np.testing.assert_array_equal(turned.translation_m, pose.translation_m)
+    centre_m = RAW.right_from_left.inverse().translation_m
+    np.testing.assert_allclose(turned.rotation[:, 0], centre_m / np.linalg.norm(centre_m), atol=1e-9)
+
+
+def test_no_pixel_comes_from_outside_the_raw_image() -> None:
+    rectifier = Rectifier(RAW)
+    for source, _ in (rectifier._left_map, rectifier._right_map):
+        u, v = source[..., 0], source[..., 1]  # whole parts of the raw coordinates
+        assert u.min() >= -1 and u.max() < SIZE[0]
+        assert v.min() >= -1 and v.max() < SIZE[1]
+
+
+def test_a_rectified_pair_passes_untouched(tmp_path: Path) -> None:
+    sequence = open_sequence(cases.make_kitti(tmp_path))
+    frame = sequence.read(sequence.frames[1])
+    assert Rectifier(sequence.calibration).rectify(frame) is frame
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"right": CameraModel(*SIZE, RAW.left.matrix, (1e-3, 0, 0, 0))},
+        {"right": CameraModel(*SIZE, RAW.left.matrix + np.diag([0, 0.1, 0]))},
+        {"right_from_left": Pose(cv2.Rodrigues(np.array([0, 1e-3, 0]))[0], np.array([-0.2, 0, 0]))},
+        {"right_from_left": Pose(np.eye(3), np.array([-0.2, 0.001, 0]))},
+    ],
+)
+def test_any_deviation_is_rectified(change: dict) -> None:
+    camera = CameraModel(*SIZE, camera_matrix(262.0, 262.0, 156.0, 123.0))
+    aligned = {"left": camera, "right": camera, "right_from_left": Pose(np.eye(3), np.array([-0.2, 0, 0]))}
+    assert Rectifier(RawCalibration(**aligned, source="")).is_passthrough
+    assert not Rectifier(RawCalibration(**(aligned | change), source="")).is_passthrough
+
+
+@pytest.mark.parametrize("centre_m", [(0.0, 0.2, 0.0), (-0.2, 0.0, 0.0), (0.1, 0.0, 0.3)])
+def test_cameras_that_make_no_left_right_pair_are_refused(centre_m: tuple[float, float, float]) -> None:
+    raw = RawCalibration(RAW.left, RAW.left, Pose(np.eye(3), -np.array(centre_m)), "calibration.toml")
+    with pytest.raises(InputError, match=r"calibration\.toml: the right camera lies at"):
+        Rectifier(raw)
+
+
+def test_euroc_rows_align() -> None:
+    sequence = open_sequence(needs("euroc_v101"))
+    rectifier = Rectifier(sequence.calibration)
+    raw = sequence.read(sequence.frames[0])
+    frame = rectifier.rectify(raw)
+    assert np.median(row_errors_px(raw.left, raw.right)) > 2.0
+    assert np.median(row_errors_px(frame.left, frame.right)) < 0.5
+    assert rectifier.calibration.baseline_m == pytest.approx(0.11, abs=0.001)
+
+
+@pytest.mark.parametrize("scene", ["garden01", "lantern01", "wall01"])
+def test_bumblebee2_rows_align(tmp_path: Path, scene: str) -> None:
+    """The calibration is written out here: p_left = R p_right + t, of the folder's stereo.yaml."""
+    folder = needs("bumblebee2")
+    R = np.array(
+        [
+            [0.9999694757041413, -0.002167658916924345, 0.007506591423858594],
+            [0.002144760822245101, 0.9999930270271246, 0.0030571061711613945],
+            [-0.007513165844052039, -0.003040913011953583, 0.999967152054033],
+        ]
+    )
+    right_from_left = Pose(
+        R, np.array([0.12004374261980637, 0.0008974418603859871, -0.0009149583203134171])
+    ).inverse()
+    (tmp_path / "calibration.toml").write_text(
+        f"""
+        [left]
+        fx_px = 524.6141554796689
+        fy_px = 526.9202267407102
+        cx = 312.4508572809385
+        cy = 247.40163214599613
+        distortion = [-0.3625365821238732, 0.17532754393079863, 0.0, 0.0]
+        [right]
+        fx_px = 526.437309515818
+        fy_px = 528.6524795626539
+        cx = 318.40405668073225
+        cy = 245.93504188705572
+        distortion = [-0.35299970494414057, 0.16297446727663975, 0.0, 0.0]
+        [right_from_left]
+        rotation = {right_from_left.rotation.ravel().tolist()}
+        translation_m = {right_from_left.translation_m.tolist()}
+        """
+    )
+    for side in ("left", "right"):
+        image = read_grey(folder / f"{scene}_{side}.jpg")
+        cases.write_image(tmp_path / f"{scene}_{side}.png", image)
+    sequence = open_sequence(tmp_path)
+    rectifier = Rectifier(sequence.calibration)
+    frame = rectifier.rectify(sequence.read(sequence.frames[0]))
+    assert np.median(row_errors_px(frame.left, frame.right)) < 0.5
+    assert rectifier.calibration.focal_px == pytest.approx(494.1, abs=0.1)
+    assert rectifier.calibration.baseline_m == pytest.approx(0.120, abs=0.001)

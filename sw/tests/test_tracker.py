@@ -1,0 +1,411 @@
+"""The life of tracks: confirmation, ids, association, what is out of sight, and what is refused."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from cut_library import Arena, ffi, lib, status_name
+from random_seed import seeded
+from track_library import SECOND, SIGMAS, Tracker, camera, detection, measure, pose, seen_at
+
+DT = 0.1
+POINT = np.array([1.0, 0.5, 40.0])
+
+
+def noisy(random: np.random.Generator, point, position=(0.0, 0.0, 0.0), **keywords) -> dict:
+    return detection(measure(point, position) + random.normal(size=3) * SIGMAS, **keywords)
+
+
+def beside(measurement: np.ndarray, du_px: float) -> np.ndarray:
+    return measurement + np.array([du_px, 0, 0])
+
+
+def feed(tracker: Tracker, pattern: str, start: int = 0) -> list[list[int]]:
+    """One frame a letter, a detection of POINT where it is `x`; the confirmed ids after each."""
+    confirmed = []
+    for frame, letter in enumerate(pattern, start):
+        assert tracker.update(DT * frame, [seen_at(POINT)] if letter == "x" else []) == "VISTA_OK"
+        confirmed.append(tracker.confirmed)
+    return confirmed
+
+
+# ---- M of N ----
+
+
+@pytest.mark.parametrize(
+    ("pattern", "confirmed_at"), [("xxx", 2), ("x.xx", 3), ("x..xx", 4), ("x.x.x", 4), ("xx..x", 4)]
+)
+def test_confirmed_with_the_third_hit_in_five_frames(pattern: str, confirmed_at: int) -> None:
+    tracker = Tracker()
+    for frame, confirmed in enumerate(feed(tracker, pattern)):
+        assert confirmed == ([1] if frame >= confirmed_at else [])
+    assert tracker.tracks[1].age_frames == len(pattern)
+    assert tracker.tracks[1].hits == pattern.count("x")
+
+
+def test_a_tentative_track_dies_as_soon_as_it_cannot_be_confirmed() -> None:
+    tracker = Tracker()
+    feed(tracker, "x..")
+    assert list(tracker.tracks) == [1]
+    feed(tracker, ".", start=3)
+    assert not tracker.tracks
+    feed(tracker, "x", start=4)
+    assert list(tracker.tracks) == [2]  # an id is never used again
+
+
+@pytest.mark.parametrize(("hits", "window"), [(1, 1), (2, 2), (4, 6), (32, 32)])
+def test_other_m_of_n(hits: int, window: int) -> None:
+    tracker = Tracker(confirm_hits=hits, confirm_window=window)
+    for frame, confirmed in enumerate(feed(tracker, "x" * hits)):
+        assert bool(confirmed) == (frame == hits - 1)
+
+
+def test_a_confirmed_track_survives_miss_max_frames_and_no_more() -> None:
+    tracker = Tracker(miss_max=5)
+    feed(tracker, "xxx.....")
+    track = tracker.tracks[1]
+    assert (track.misses, track.coasting, track.label) == (5, True, -1)
+    assert feed(tracker, "x", start=8) == [[1]]
+    assert tracker.tracks[1].misses == 0
+    feed(tracker, "......", start=9)
+    assert not tracker.tracks
+
+
+def test_window_shows_the_last_frames() -> None:
+    tracker = Tracker()
+    feed(tracker, "xxx.x..x")
+    assert tracker.tracks[1].window == 0b11101001
+    assert tracker.tracks[1].seen_frames == 8
+
+
+# ---- ids ----
+
+
+def test_ids_hold_through_misses_on_a_moving_platform() -> None:
+    random = seeded(1)
+    points = {i: np.array([4.0 * i - 8, (i % 2) * 3.0 - 1.5, 70.0 + 5 * i]) for i in range(5)}
+    tracker, owner, missed = Tracker(), {}, dict.fromkeys(points, 0)
+    for frame in range(60):
+        position = np.array([0.0, 0.0, 0.5 * frame])
+        seen = [i for i in points if frame < 5 or missed[i] == 3 or random.random() < 0.7]
+        missed = {i: 0 if i in seen else missed[i] + 1 for i in points}
+        order = random.permutation(seen) if seen else []
+        tracker.update(DT * frame, [noisy(random, points[i], position, label=i) for i in order], position)
+        for id_, track in tracker.tracks.items():
+            if track.confirmed and not track.coasting:
+                assert owner.setdefault(id_, track.label) == track.label
+    assert sorted(owner.values()) == sorted(points)
+
+
+def test_crossing_obstacles_keep_their_ids() -> None:
+    """Two obstacles pass each other; neither takes the other's detections."""
+    tracker = Tracker(velocity_sigma_m_s=5.0)
+    random = seeded(2)
+    owner: dict[int, int] = {}
+    for frame in range(60):
+        x = -3 + 0.1 * frame
+        left = noisy(random, (x, -0.35, 30.0), label=1)
+        right = noisy(random, (-x, 0.35, 30.0), label=2)
+        tracker.update(DT * frame, [left, right] if frame % 2 else [right, left])
+        for id_ in tracker.confirmed:
+            track = tracker.tracks[id_]
+            assert track.coasting or owner.setdefault(id_, track.label) == track.label
+    assert sorted(owner.values()) == [1, 2]
+
+
+def test_association_is_global() -> None:
+    """A suits both tracks, B only the first: the nearest pair taken first would strand the second."""
+    tracker, thin = Tracker(attitude_sigma_deg=0.0), {"extent": (0.1, 0.1)}
+    base = measure(POINT)
+    for frame in range(6):
+        pair = [detection(base, label=1, **thin), detection(beside(base, 5.0), label=2, **thin)]
+        tracker.update(DT * frame, pair)
+    assert tracker.confirmed == [1, 2]
+    moved = [detection(beside(base, 2.4), label=1, **thin), detection(beside(base, -2.0), label=3, **thin)]
+    tracker.update(DT * 6, moved)
+    labels = {id_: track.label for id_, track in tracker.tracks.items()}
+    assert labels == {1: 3, 2: 1}
+
+
+@pytest.mark.parametrize("order", [1, -1])
+def test_extent_decides_between_equals(order: int) -> None:
+    tracker, base = Tracker(), measure(POINT)
+    low, high = {"extent": (0.05, 0.5), "label": 1}, {"extent": (0.05, 4.0), "label": 2}
+    for frame in range(5):
+        tracker.update(DT * frame, [detection(base, **low), detection(beside(base, 9.0), **high)])
+    assert tracker.confirmed == [1, 2]
+    tracker.update(
+        DT * 5, [detection(beside(base, 4.7), **low), detection(beside(base, 4.3), **high)][::order]
+    )
+    assert {id_: track.label for id_, track in tracker.tracks.items()} == {1: 1, 2: 2}
+
+
+def test_a_split_region_neither_moves_the_id_nor_starts_a_second_obstacle() -> None:
+    tracker = Tracker()
+    base, extent = measure((0.0, 0.0, 30.0)), (4.0, 2.0)
+    half_px = 0.25 * extent[0] * 1000.0 / 30.0  # centre of either half
+    for frame in range(60):
+        whole = [detection(base, extent=extent)]
+        halves = [detection(beside(base, side * half_px), extent=(2.0, 2.0)) for side in (-1, 1)]
+        tracker.update(DT * frame, halves if frame > 5 and frame % 3 == 0 else whole)
+        assert len(tracker.tracks) == 1
+    track = tracker.tracks[1]
+    assert track.confirmed
+    assert track.hits == 60
+    assert abs(track.position_m[0]) < 0.3
+    assert track.extent_m[0] == pytest.approx(4.0, rel=0.25)
+
+
+def test_a_region_that_changes_for_good_keeps_its_id() -> None:
+    tracker = Tracker()
+    base = measure((0.0, 0.0, 30.0))
+    for frame in range(10):
+        tracker.update(DT * frame, [detection(base, extent=(4.0, 2.0))])
+    for frame in range(10, 60):
+        tracker.update(DT * frame, [detection(beside(base, -33.0), extent=(2.0, 2.0))])
+        assert list(tracker.tracks) == [1]
+    assert tracker.tracks[1].position_m[0] == pytest.approx(-1.0, abs=0.15)
+    assert tracker.tracks[1].extent_m[0] == pytest.approx(2.0, rel=0.1)
+
+
+def test_neighbours_and_what_stands_behind_are_obstacles_of_their_own() -> None:
+    tracker = Tracker()
+    wide = {"extent": (2.0, 2.0)}
+    for frame in range(6):
+        tracker.update(DT * frame, [seen_at((0, 0, 25.0), **wide)])
+    for frame in range(6, 12):
+        items = [
+            seen_at((0, 0, 25.0), **wide),
+            seen_at((2.5, 0, 25.0), **wide),
+            seen_at((0.3, 0, 45.0), **wide),
+        ]
+        tracker.update(DT * frame, items)
+    assert tracker.confirmed == [1, 2, 3]
+
+
+def test_tracks_that_converge_become_the_older_one() -> None:
+    tracker = Tracker()
+    for frame in range(6):
+        tracker.update(DT * frame, [seen_at((x, 0, 20.0), extent=(2.0, 2.0)) for x in (-1.4, 1.4)])
+    assert tracker.confirmed == [1, 2]
+    for frame in range(6, 40):
+        x = max(0.0, 1.4 - 0.1 * (frame - 5))
+        tracker.update(DT * frame, [seen_at((s * x, 0, 20.0), extent=(2.0, 2.0)) for s in (-1, 1)])
+    assert list(tracker.tracks) == [1]
+    assert tracker.tracks[1].age_frames == 40
+
+
+# ---- out of sight ----
+
+
+def fly(tracker: Tracker, point, frames: range, speed: float, seen) -> dict[int, list[int]]:
+    """Straight along z; `seen(frame, measurement)` says whether there is a detection. Ids alive by frame."""
+    alive = {}
+    for frame in frames:
+        position = np.array([0.0, 0.0, speed * DT * frame])
+        visible = point[2] > position[2] + 0.1 and seen(frame, measure(point, position))
+        items = [seen_at(point, position)] if visible else []
+        assert tracker.update(DT * frame, items, position) == "VISTA_OK"
+        alive[frame] = list(tracker.tracks)
+    return alive
+
+
+def test_the_blind_zone_keeps_an_obstacle_until_it_is_passed() -> None:
+    tracker, speed, point = Tracker(), 9.144, np.array([0.3, 0.2, 40.0])
+    alive = fly(tracker, point, range(60), speed, lambda _, z: z[2] < 31)
+    for frame, ids in alive.items():
+        assert ids == ([1] if speed * DT * frame < 40.0 - 0.05 else []), frame
+
+
+def test_the_blind_zone_ends_after_a_set_time() -> None:
+    tracker, hover = Tracker(blind_zone_s=2.0), (0.0, 0.0, 2.2)
+    fly(tracker, np.array([0.0, 0.0, 15.5]), range(12), 2.0, lambda _, z: z[2] < 31)
+    track = tracker.tracks[1]
+    assert (track.in_blind_zone, track.coasting, track.confirmed, track.misses) == (True, True, True, 0)
+    alive = 0
+    for frame in range(12, 60):
+        tracker.update(DT * frame, [], hover)
+        assert bool(tracker.tracks) == (round(DT * frame * SECOND) - track.visible_t_ns <= 2 * SECOND)
+        alive += bool(tracker.tracks)
+    assert 10 < alive < 20
+
+
+def test_out_of_view_is_not_blamed_but_ends() -> None:
+    tracker, still = Tracker(out_of_view_s=1.0), (0.0, 0.0, 0.0)
+    for frame in range(5):
+        tracker.update(DT * frame, [seen_at(POINT)], still)
+    turned = np.array([[np.cos(0.6), 0, np.sin(0.6)], [0, 1, 0], [-np.sin(0.6), 0, np.cos(0.6)]])
+    for frame in range(5, 15):
+        tracker.update(DT * frame, [], still, turned)
+        track = tracker.tracks[1]
+        assert (track.in_view, track.misses, track.coasting) == (False, 0, True)
+    tracker.update(1.5, [], still, turned)
+    assert not tracker.tracks
+
+
+def test_back_in_view_it_is_the_same_obstacle() -> None:
+    tracker, still = Tracker(), (0.0, 0.0, 0.0)
+    turned = np.array([[np.cos(0.6), 0, np.sin(0.6)], [0, 1, 0], [-np.sin(0.6), 0, np.cos(0.6)]])
+    for frame in range(20):
+        away = 6 <= frame < 14
+        tracker.update(DT * frame, [] if away else [seen_at(POINT)], still, turned if away else None)
+    assert tracker.confirmed == [1]
+    assert tracker.tracks[1].hits == 12
+
+
+def test_columns_without_disparity_are_out_of_view() -> None:
+    tracker = Tracker()
+    z = measure(POINT)
+    for frame in range(4):
+        tracker.update(DT * frame, [detection([38.0, z[1], z[2]])])
+    assert tracker.tracks[1].in_view
+    sideways = (0.2, 0.0, 0.0)  # 5 px to the left
+    for frame in range(4, 12):
+        tracker.update(DT * frame, [], sideways)
+    assert (tracker.tracks[1].in_view, tracker.tracks[1].misses) == (False, 0)
+
+
+def test_far_detections_start_nothing() -> None:
+    tracker = Tracker(range_max_m=60.0)
+    for frame in range(5):
+        tracker.update(DT * frame, [seen_at((0, 0, 59.0)), seen_at((9, 0, 61.0))])
+    assert list(tracker.tracks) == [1]
+
+
+# ---- capacity ----
+
+
+def test_a_full_table_gives_up_its_least_certain_tentative_track() -> None:
+    tracker = Tracker(max_tracks=3)
+    far, middle, near, nearest = (
+        seen_at((x, 0, z)) for x, z in ((-9, 90.0), (0, 60.0), (6, 40.0), (-2, 20.0))
+    )
+    for frame in range(3):
+        tracker.update(DT * frame, [far])
+    tracker.update(DT * 3, [far, middle, near])
+    assert list(tracker.tracks) == [1, 2, 3]
+    tracker.update(DT * 4, [far, near, nearest])  # `middle` missed, as certain by hits, less by variance
+    assert list(tracker.tracks) == [1, 3, 4]
+    assert lib.vista_tracker_dropped(tracker.handle) == 1
+    for frame in range(5, 8):
+        tracker.update(DT * frame, [far, near, nearest, middle])
+    assert tracker.confirmed == [1, 3, 4]
+    assert lib.vista_tracker_dropped(tracker.handle) == 4  # confirmed tracks are never given up
+
+
+# ---- what is refused ----
+
+
+def broken_pose(index: int, value: float):
+    bad = pose()
+    if index < 9:
+        bad.rotation[index] = value
+    else:
+        bad.translation_m[index - 9] = value
+    return bad
+
+
+NAN, INF = float("nan"), float("inf")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "status"),
+    [
+        ((SECOND, [], pose()), "VISTA_ERROR_ORDER"),
+        ((SECOND - 1, [], pose()), "VISTA_ERROR_ORDER"),
+        ((2 * SECOND, [], broken_pose(4, NAN)), "VISTA_ERROR_NUMBER"),
+        ((2 * SECOND, [], broken_pose(10, INF)), "VISTA_ERROR_NUMBER"),
+        ((2 * SECOND, [], broken_pose(0, -1.0)), "VISTA_ERROR_RANGE"),
+        ((2 * SECOND, [], broken_pose(0, 1.1)), "VISTA_ERROR_RANGE"),
+        ((2 * SECOND, [seen_at(POINT) | {"u_px": NAN}], pose()), "VISTA_ERROR_NUMBER"),
+        ((2 * SECOND, [seen_at(POINT), seen_at(POINT) | {"sigma_u_px": 0.0}], pose()), "VISTA_ERROR_RANGE"),
+        ((2 * SECOND, [seen_at(POINT) | {"disparity_px": -1.0}], pose()), "VISTA_ERROR_RANGE"),
+        ((2 * SECOND, [seen_at(POINT) | {"extent_m": [INF, 1.0]}], pose()), "VISTA_ERROR_NUMBER"),
+        ((2 * SECOND, [seen_at(POINT)] * 33, pose()), "VISTA_ERROR_CAPACITY"),
+    ],
+)
+def test_on_errors_nothing_changes(arguments, status: str) -> None:
+    tracker = Tracker()
+    for frame in range(11):
+        tracker.update(DT * frame, [seen_at(POINT), seen_at((-3, 0, 25.0))])
+    before = tracker.memory()
+    assert tracker.update_raw(*arguments) == status
+    assert tracker.memory() == before
+    assert tracker.update_raw(2 * SECOND, [seen_at(POINT)], pose()) == "VISTA_OK"
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("velocity_sigma_m_s", 0.0),
+        ("gate_chi2", NAN),
+        ("confirm_hits", 6),
+        ("confirm_hits", 0),
+        ("confirm_window", 33),
+        ("miss_max", -1),
+        ("range_max_m", INF),
+        ("margin_px", -1.0),
+    ],
+)
+def test_parameters_out_of_range_are_refused(name: str, value: float) -> None:
+    tracker = Tracker()
+    setattr(tracker.params, name, value)
+    before = tracker.memory()
+    assert tracker.update(0.0, [seen_at(POINT)]) == "VISTA_ERROR_RANGE"
+    assert tracker.memory() == before
+
+
+def test_cameras_and_pointers_are_checked() -> None:
+    tracker = Tracker()
+    tracker.camera = camera(baseline=0.0)
+    assert tracker.update(0.0) == "VISTA_ERROR_RANGE"
+    tracker.camera = ffi.NULL
+    assert tracker.update(0.0) == "VISTA_ERROR_ARGUMENT"
+    out = ffi.new("vista_tracker **")
+    for sizes in ((0, 5), (5, 0), (lib.VISTA_TRACKER_MAX + 1, 5)):
+        arena = Arena(lambda arena, s=sizes: lib.vista_tracker_layout(*s, arena, out))
+        assert status_name(arena.status) == "VISTA_ERROR_RANGE"
+    short = Arena(lambda arena: lib.vista_tracker_layout(8, 8, arena, out), missing_bytes=1)
+    assert status_name(short.status) == "VISTA_ERROR_MEMORY"
+
+
+# ---- the rest of the contract ----
+
+
+def test_without_poses_the_camera_stands_still() -> None:
+    with_pose, without = Tracker(), Tracker()
+    for frame in range(5):
+        with_pose.update(DT * frame, [seen_at(POINT)])
+        without.update_raw(round(DT * frame * SECOND), [seen_at(POINT)], ffi.NULL)
+    assert bytes(ffi.buffer(with_pose.tracks[1])) == bytes(ffi.buffer(without.tracks[1]))
+    assert list(without.tracks[1].position_m) == pytest.approx(POINT, abs=1e-6)
+
+
+def test_the_same_input_gives_the_same_bytes() -> None:
+    def run(seed: np.random.Generator) -> list[bytes]:
+        tracker, out = Tracker(), []
+        points = seed.uniform((-8, -4, 15), (8, 4, 90), (12, 3))
+        for frame in range(40):
+            position = np.array([0.0, 0.0, 0.4 * frame])
+            items = [
+                noisy(seed, p, position) for p in points if p[2] > position[2] + 5 and seed.random() < 0.8
+            ]
+            assert tracker.update(DT * frame, items, position) == "VISTA_OK"
+            out.append(b"".join(bytes(ffi.buffer(track)) for track in tracker.tracks.values()))
+        return out
+
+    state = seeded(3).bit_generator.state
+    runs = []
+    for _ in range(2):
+        random = np.random.default_rng()
+        random.bit_generator.state = state
+        runs.append(run(random))
+    assert runs[0] == runs[1]
+
+
+def test_reset_forgets_tracks_and_time_but_not_ids() -> None:
+    tracker = Tracker()
+    feed(tracker, "xxx")
+    lib.vista_tracker_reset(tracker.handle)
+    assert not tracker.tracks
+    assert feed(tracker, "xxx")[-1] == [2]

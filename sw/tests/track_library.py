@@ -1,0 +1,138 @@
+"""libvista's second half over numpy arrays, for its tests: cameras, poses, detections, trackers and maps."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import numpy as np
+from cut_library import Arena, ffi, lib, status_name
+
+INCLUDE = Path(__file__).resolve().parents[1] / "include" / "vista"
+FOCAL, BASELINE, CENTER = 1000.0, 0.4572, (319.5, 239.5)  # the paper's rig
+SIGMAS = (1.0, 1.0, 0.25)
+SECOND = 1_000_000_000
+
+
+def defaults(name: str) -> dict[str, float]:
+    """Documented defaults of a parameter struct: `vista_parameters_default`, else the table in its header."""
+    every = lib.vista_parameters_default() if hasattr(lib, "vista_parameters_default") else None
+    if every is not None and hasattr(every, name):
+        section = getattr(every, name)
+        return {field: getattr(section, field) for field, _ in ffi.typeof(section).fields}
+    text = (INCLUDE / f"{name}.h").read_text()
+    body = re.search(r"typedef struct \w+_params \{(.*?)\} ", text, re.DOTALL).group(1)
+    return {field: float(value) for field, value in re.findall(r"(\w+); */\* ([\d.]+) ", body)}
+
+
+def params(name: str, **changes: float):
+    values = defaults(name) | changes
+    types = dict(ffi.typeof(f"vista_{name}_params").fields)
+    assert values.keys() == types.keys()
+    return ffi.new(
+        f"vista_{name}_params *",
+        {key: int(v) if types[key].type.cname == "int32_t" else v for key, v in values.items()},
+    )
+
+
+def camera(width: int = 640, height: int = 480, focal: float = FOCAL, baseline: float = BASELINE):
+    return ffi.new("vista_camera *", [width, height, focal, *CENTER, baseline])
+
+
+def pose(position=(0.0, 0.0, 0.0), rotation=None):
+    matrix = np.eye(3) if rotation is None else np.asarray(rotation)
+    return ffi.new("vista_pose *", [[float(x) for x in matrix.ravel()], [float(x) for x in position]])
+
+
+def measure(point, position=(0.0, 0.0, 0.0), rotation=None) -> np.ndarray:
+    """(u, v, d) of a world point, written independently of the library."""
+    matrix = np.eye(3) if rotation is None else np.asarray(rotation)
+    x, y, z = matrix.T @ (np.asarray(point, float) - np.asarray(position, float))
+    return np.array([CENTER[0] + FOCAL * x / z, CENTER[1] + FOCAL * y / z, FOCAL * BASELINE / z])
+
+
+def jacobian(u: float, v: float, d: float) -> np.ndarray:
+    """d(X, Y, Z) / d(u, v, d) of the triangulation."""
+    du, dv = u - CENTER[0], v - CENTER[1]
+    return np.array(
+        [
+            [BASELINE / d, 0.0, -du * BASELINE / d**2],
+            [0.0, BASELINE / d, -dv * BASELINE / d**2],
+            [0.0, 0.0, -FOCAL * BASELINE / d**2],
+        ]
+    )
+
+
+def detection(measurement, extent=(1.0, 0.8), sigmas=SIGMAS, label: int = 0, cut=(False, False)) -> dict:
+    """A detection as a struct initialiser, triangulated here."""
+    u, v, d = (float(x) for x in measurement)
+    j = jacobian(u, v, d)
+    scale = d / BASELINE / 2
+    half = sorted((extent[0] * scale, extent[1] * scale), reverse=True)
+    return {
+        "label": label,
+        "u_px": u,
+        "v_px": v,
+        "disparity_px": d,
+        "sigma_u_px": sigmas[0],
+        "sigma_v_px": sigmas[1],
+        "sigma_disparity_px": sigmas[2],
+        "position_camera_m": [
+            (u - CENTER[0]) * BASELINE / d,
+            (v - CENTER[1]) * BASELINE / d,
+            FOCAL * BASELINE / d,
+        ],
+        "covariance_camera_m2": (j @ np.diag(np.square(sigmas)) @ j.T).ravel().tolist(),
+        "extent_m": list(extent),
+        "cut_u": cut[0],
+        "cut_v": cut[1],
+        "ellipse": [u, v, *half, 0.0 if extent[0] >= extent[1] else 90.0],
+    }
+
+
+def seen_at(point, position=(0.0, 0.0, 0.0), rotation=None, **keywords) -> dict:
+    return detection(measure(point, position, rotation), **keywords)
+
+
+class Tracker:
+    """One tracker with its memory; `update` answers the status, `tracks` the tracks by id."""
+
+    def __init__(self, max_tracks: int = 32, max_detections: int = 32, **changes: float) -> None:
+        out = ffi.new("vista_tracker **")
+        self._arena = Arena(lambda arena: lib.vista_tracker_layout(max_tracks, max_detections, arena, out))
+        assert self._arena.status == lib.VISTA_OK, status_name(self._arena.status)
+        self.handle, self.params, self.camera = out[0], params("tracker", **changes), camera()
+
+    def update(self, t_s: float, detections=(), position=(0.0, 0.0, 0.0), rotation=None) -> str:
+        return self.update_raw(round(t_s * SECOND), detections, pose(position, rotation))
+
+    def update_raw(self, t_ns: int, detections, raw_pose) -> str:
+        items = ffi.new("vista_detection[]", list(detections))
+        return status_name(
+            lib.vista_tracker_update(
+                self.handle, self.params, self.camera, raw_pose, t_ns, items, len(detections)
+            )
+        )
+
+    def raw(self):
+        count = ffi.new("int32_t *")
+        return lib.vista_tracker_tracks(self.handle, count), count[0]
+
+    @property
+    def tracks(self) -> dict[int, object]:
+        """Copies, so that they outlive the next update."""
+        items, count = self.raw()
+        return {items[i].id: ffi.new("vista_track *", items[i]) for i in range(count)}
+
+    @property
+    def confirmed(self) -> list[int]:
+        return [id_ for id_, track in self.tracks.items() if track.confirmed]
+
+    def memory(self) -> bytes:
+        """Everything that the tracker keeps, to the byte."""
+        return bytes(ffi.buffer(self._arena.arena.base, self._arena.size))
+
+
+def state(track) -> tuple[np.ndarray, np.ndarray]:
+    mean = np.array([*track.position_m, *track.velocity_m_s])
+    return mean, np.array(list(track.covariance)).reshape(6, 6)
