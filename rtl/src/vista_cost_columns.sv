@@ -104,19 +104,21 @@ module vista_cost_columns #(
     carry_q[NumDisparities] <= 1'b0;
   end
 
-  // 4: the new sums, written back one clock later.
-  logic [NumDisparities:0][ColumnW-1:0] stored, stored_q;
-  logic [NumDisparities:0][ColumnW-1:0] mem [MaxWidth];
+  // 4: the new sums, written back one clock later. Clearing at the output of the memory costs no logic.
+  logic [NumDisparities:0][ColumnW-1:0] stored_q;
 
-  always_ff @(posedge clk_i) begin
-    if (slot_o.valid) mem[col4_q] <= column_o;
-  end
-
-  always_ff @(posedge clk_i) begin
-    stored   <= mem[col1_q];
-    stored_q <= stored;
-    if (slot2_q.first_row) stored_q <= '0;
-  end
+  vista_line_store #(
+    .Width     ((NumDisparities + 1) * ColumnW),
+    .Depth     (MaxWidth)
+  ) u_sums (
+    .clk_i,
+    .clear_i      (slot2_q.first_row),
+    .write_i      (slot_o.valid),
+    .write_col_i  (col4_q),
+    .write_data_i (column_o),
+    .read_col_i   (col1_q),
+    .read_data_o  (stored_q)
+  );
 
   for (genvar c = 0; c <= NumDisparities; c++) begin : gen_column
     logic [ColumnW:0] sum;

@@ -1,6 +1,7 @@
 // Fixed delay of a word by `Latency` clocks, without valid or enable.
 //
-// Short delays are registers; longer ones are a ring in distributed memory, whose word leaves through a register.
+// Up to 12 clocks it is made of registers, of which every logic cell has one to spare, beyond of distributed memory: a
+// ring whose word leaves through a register.
 
 module vista_delay #(
   parameter int unsigned Width = 8,
@@ -12,7 +13,7 @@ module vista_delay #(
   output logic [Width-1:0] data_o
 );
 
-  if (Latency < 4) begin : gen_registers
+  if (Latency <= 12) begin : gen_registers
     logic [Latency-1:0][Width-1:0] data_q;
 
     always_ff @(posedge clk_i) begin

@@ -70,21 +70,16 @@ module vista_frame_writer #(
   logic            busy_q;
   logic [ColW-1:0] x_q, last_x_q;
   logic [RowW-1:0] y_q, last_y_q;
-  logic [ColW:0]   beyond_x_q;  // W - r, beyond the last matched column
-  logic [RowW:0]   beyond_y_q;
-  logic            step, matched, row_matched_q, row_end;
-  logic [ColW:0]   end_x;
-  logic [RowW:0]   end_y;
+  logic [ColW-1:0] match_last_x_q;    // W - 1 - r
+  logic [RowW-1:0] match_last_y_q;
+  logic            matchable_q;       // there are matched pixels
+  logic            row_q, matched_q;  // the row has some, the pixel is one
+  logic            step, row_end;
 
   assign open = (pending_q != '0) & (~busy_q | frame_end);
 
-  assign end_x = (ColW + 1)'(pending_last_col_q[pending_read_q]) + 1'b1 - (ColW + 1)'(Radius);
-  assign end_y = (RowW + 1)'(pending_last_row_q[pending_read_q]) + 1'b1 - (RowW + 1)'(Radius);
-
-  assign matched = row_matched_q & (32'(x_q) >= FirstX) & ((ColW + 1)'(x_q) < beyond_x_q);
-
-  assign step           = busy_q & (~valid_o | ready_i) & (~matched | result_valid_i);
-  assign result_ready_o = busy_q & (~valid_o | ready_i) & matched;
+  assign step           = busy_q & (~valid_o | ready_i) & (~matched_q | result_valid_i);
+  assign result_ready_o = busy_q & (~valid_o | ready_i) & matched_q;
   assign row_end        = (x_q == last_x_q);
   assign frame_end      = step & row_end & (y_q == last_y_q);
 
@@ -92,29 +87,34 @@ module vista_frame_writer #(
     if (step) begin
       x_q <= row_end ? '0 : x_q + 1'b1;
       if (row_end) begin
-        y_q           <= y_q + 1'b1;
-        row_matched_q <= (32'(y_q) >= Radius - 1) & ((RowW + 1)'(y_q) + 1'b1 < beyond_y_q);
+        y_q <= y_q + 1'b1;
+        if (32'(y_q) == Radius - 1) row_q <= matchable_q;
+        else if (y_q == match_last_y_q) row_q <= 1'b0;
       end
+      if (32'(x_q) == FirstX - 1) matched_q <= row_q;
+      else if (x_q == match_last_x_q) matched_q <= 1'b0;
     end
     if (frame_end) busy_q <= 1'b0;
     if (open) begin
-      busy_q        <= 1'b1;
-      x_q           <= '0;
-      y_q           <= '0;
-      row_matched_q <= 1'b0;
-      last_x_q      <= pending_last_col_q[pending_read_q];
-      last_y_q      <= pending_last_row_q[pending_read_q];
-      // None are matched in a frame narrower or lower than r.
-      beyond_x_q    <= end_x[ColW] ? '0 : end_x;
-      beyond_y_q    <= end_y[RowW] ? '0 : end_y;
+      busy_q         <= 1'b1;
+      x_q            <= '0;
+      y_q            <= '0;
+      row_q          <= 1'b0;
+      matched_q      <= 1'b0;
+      last_x_q       <= pending_last_col_q[pending_read_q];
+      last_y_q       <= pending_last_row_q[pending_read_q];
+      match_last_x_q <= pending_last_col_q[pending_read_q] - ColW'(Radius);
+      match_last_y_q <= pending_last_row_q[pending_read_q] - RowW'(Radius);
+      matchable_q    <= (32'(pending_last_col_q[pending_read_q]) >= FirstX + Radius) &
+          (32'(pending_last_row_q[pending_read_q]) >= 2 * Radius);
     end
 
     if (~valid_o | ready_i) begin
       valid_o     <= step;
       sof_o       <= (x_q == '0) & (y_q == '0);
       eol_o       <= row_end;
-      disparity_o <= matched ? result_disparity_i : DisparityW'(Invalid);
-      smin_o      <= matched ? result_smin_i : '1;
+      disparity_o <= matched_q ? result_disparity_i : DisparityW'(Invalid);
+      smin_o      <= matched_q ? result_smin_i : '1;
     end
     frame_end_o <= frame_end;
 

@@ -1,7 +1,8 @@
-// One line of words, written and read at any column.
+// A line of words in block memory, written and read at any column.
 //
 // Latency: 2 clocks from `read_col_i` to `read_data_o`. The second register keeps the slow output of a block RAM off
-// the logic behind it. A word written and read in the same clock gives the old one.
+// the logic behind it. A word that is read while it is written is undefined: no user needs it, and the logic that would
+// define it is saved (`no_rw_check`). In simulation it comes out inverted, so that a use would show.
 
 module vista_line_store #(
   parameter int unsigned Width = 16,
@@ -9,6 +10,7 @@ module vista_line_store #(
   localparam int unsigned ColW = $clog2(Depth)
 ) (
   input  logic             clk_i,
+  input  logic             clear_i,  // the word that comes out next reads as zero
   input  logic             write_i,
   input  logic [ColW-1:0]  write_col_i,
   input  logic [Width-1:0] write_data_i,
@@ -16,7 +18,7 @@ module vista_line_store #(
   output logic [Width-1:0] read_data_o
 );
 
-  logic [Width-1:0] mem [Depth];
+  (* no_rw_check, ram_style = "block" *) logic [Width-1:0] mem [Depth];
   logic [Width-1:0] read_q;
 
   always_ff @(posedge clk_i) begin
@@ -25,7 +27,10 @@ module vista_line_store #(
 
   always_ff @(posedge clk_i) begin
     read_q      <= mem[read_col_i];
-    read_data_o <= read_q;
+`ifndef SYNTHESIS
+    if (write_i && write_col_i == read_col_i) read_q <= ~mem[read_col_i];
+`endif
+    read_data_o <= clear_i ? '0 : read_q;
   end
 
 endmodule

@@ -76,6 +76,7 @@ module vista_lr_check #(
     .Depth (2 ** RingW)
   ) u_candidates (
     .clk_i,
+    .clear_i      (1'b0),
     .write_i      (candidate_valid_i),
     .write_col_i  (candidate_index_i),
     .write_data_i ({candidate_ok_i, candidate_winner_i, candidate_smin_i, candidate_disparity_i}),
@@ -89,6 +90,7 @@ module vista_lr_check #(
     .Depth (2 ** RingW)
   ) u_right_winners (
     .clk_i,
+    .clear_i      (1'b0),
     .write_i      (slot_valid_i),
     .write_col_i  (slot_index_i),
     .write_data_i (right_winner_i),

@@ -48,6 +48,7 @@ module vista_prefilter #(
     .Depth (MaxWidth)
   ) u_lines (
     .clk_i,
+    .clear_i      (1'b0),
     .write_i      (store2_q),
     .write_col_i  (store_col2_q),
     .write_data_i ({middle2, below2_q}),

@@ -32,6 +32,7 @@ module vista_result_fifo #(
     .Depth (Depth)
   ) u_words (
     .clk_i,
+    .clear_i      (1'b0),
     .write_i,
     .write_col_i  (write_ptr_q),
     .write_data_i (data_i),

@@ -80,7 +80,7 @@ module vista_right_winner #(
       end
     end else begin : gen_next
       logic better;
-      assign better = match_i & (cost_i[d] <= best_q[d-1]);
+      assign better = match_i & ~(best_q[d-1] < cost_i[d]);
       always_ff @(posedge clk_i) begin
         if (slot_valid) begin
           best_q[d]       <= better ? cost_i[d] : best_q[d-1];

@@ -1,7 +1,7 @@
 // Delays the prefiltered pixels by B rows: gives the word that leaves the block beside the one that enters it.
 //
-// A chain of B line stores, the word of column x handed on from each to the next: no wide bank multiplexer stands
-// behind the memories, which would limit the clock.
+// One memory holds the last B words of each column side by side, and every slot shifts in one more: no bank multiplexer
+// stands behind it, which would limit the clock, and a word of B * Width bits fills block RAMs well.
 //
 // Latency: 2 clocks. `leaving_o` is meaningful from row B of a frame on (`slot_o.leave`).
 
@@ -25,24 +25,22 @@ module vista_row_delay #(
   vista_stereo_pkg::slot_t         slot_q;
   logic [ColW-1:0]                 col_q;
   logic [Width-1:0]                entering_q;
-  logic [BlockSize:0][Width-1:0]   rows;
+  logic [BlockSize-1:0][Width-1:0] column;
 
-  assign rows[0]   = entering_o;
-  assign leaving_o = rows[BlockSize];
+  vista_line_store #(
+    .Width (BlockSize * Width),
+    .Depth (MaxWidth)
+  ) u_columns (
+    .clk_i,
+    .clear_i      (1'b0),
+    .write_i      (slot_o.valid),
+    .write_col_i  (slot_col_o),
+    .write_data_i ({column[BlockSize-2:0], entering_o}),
+    .read_col_i   (slot_col_i),
+    .read_data_o  (column)
+  );
 
-  for (genvar i = 0; i < BlockSize; i++) begin : gen_rows
-    vista_line_store #(
-      .Width (Width),
-      .Depth (MaxWidth)
-    ) u_row (
-      .clk_i,
-      .write_i      (slot_o.valid),
-      .write_col_i  (slot_col_o),
-      .write_data_i (rows[i]),
-      .read_col_i   (slot_col_i),
-      .read_data_o  (rows[i+1])
-    );
-  end
+  assign leaving_o = column[BlockSize-1];
 
   always_ff @(posedge clk_i) begin
     slot_q     <= slot_i;

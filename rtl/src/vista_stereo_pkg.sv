@@ -66,7 +66,7 @@ package vista_stereo_pkg;
   parameter int unsigned PrefilterLatency = 7;   // from a slot at the framer to its prefiltered pixels
   parameter int unsigned DelayLatency = 2;       // of the row delay
   parameter int unsigned ColumnLatency = 4;      // from those to the column sums
-  parameter int unsigned WindowLatency = 3;      // from those to the costs
+  parameter int unsigned WindowLatency = 4;      // from those to the costs
   parameter int unsigned CheckLatency = 6;       // from a candidate and its right winner to the result
 
   // A pixel meets its right winner D-1 slots after its own; few disparities leave it to wait for its candidate.

@@ -21,7 +21,7 @@ module vista_uniqueness #(
     always_ff @(posedge clk_i) begin
       near_q[d] <= (disparity_i == IndexW'(d)) | ((d > 0) & (disparity_i == IndexW'(d - 1))) |
           ((d < NumDisparities - 1) & (disparity_i == IndexW'(d + 1)));
-      hit_q[d] <= ~near_q[d] & (cost_i[d] <= bound_i);
+      hit_q[d] <= ~near_q[d] & ~(bound_i < cost_i[d]);
     end
   end
 

@@ -34,7 +34,7 @@ module vista_winner #(
     end else begin : gen_nodes
       for (genvar i = 0; i < NumNodes; i++) begin : gen_node
         logic upper;
-        assign upper = gen_level[level-1].cost[2*i+1] <= gen_level[level-1].cost[2*i];
+        assign upper = ~(gen_level[level-1].cost[2*i] < gen_level[level-1].cost[2*i+1]);
         always_ff @(posedge clk_i) begin
           cost[i]  <= upper ? gen_level[level-1].cost[2*i+1] : gen_level[level-1].cost[2*i];
           index[i] <= upper ? gen_level[level-1].index[2*i+1] : gen_level[level-1].index[2*i];
