@@ -65,47 +65,54 @@ module vista_framer #(
 
   // Frame being stored.
   logic            active_q, fill_q, lost_q;
-  logic [ColW-1:0] col_q, last_col_q;
+  logic            last_col_q;  // col_q is W - 1
+  logic [ColW-1:0] col_q, width_less_1_q;
   logic [RowW-1:0] row_q, last_row_q;
+  logic            size_ok_q;
+  logic [ColW-1:0] next_width_less_1_q;
   // Frame being matched: one row behind.
-  logic            drain_q, drain_cut_q, begun_q;
-  logic [ColW-1:0] drain_col_q, match_last_col_q;
+  logic            drain_q, drain_last_col_q, drain_cut_q, begun_q;
+  logic [ColW-1:0] drain_col_q, match_width_less_1_q;
   logic [RowW-1:0] match_last_row_q;
   logic [RowsW-1:0] rows_q;  // rows matched so far, saturating at B
 
-  logic size_ok, head_sof, blocked, start, take, fill, step, last_col, last_row, frame_end, drop;
+  logic head_sof, blocked, start, take, fill, step, last_row, frame_end, drop;
   logic bad_eol;
 
-  assign size_ok = (32'(width_i) >= MinWidth) & (32'(width_i) <= MaxWidth) & (32'(height_i) >= MinHeight);
+  always_ff @(posedge clk_i) begin
+    size_ok_q <= (32'(width_i) >= MinWidth) & (32'(width_i) <= MaxWidth) & (32'(height_i) >= MinHeight);
+    next_width_less_1_q <= ColW'(width_i - 1'b1);
+  end
+
   assign head_sof = valid_i & sof_i;
 
   // The slots of the drain and those of a row below the first cannot run at once. Only a frame narrower than the one
   // before it ever waits here.
   assign blocked = drain_q & (row_q != '0);
 
-  assign start = ~active_q & head_sof & enable_i & size_ok & go_i;
+  assign start = ~active_q & head_sof & enable_i & size_ok_q & go_i;
   assign take  = active_q & ~fill_q & valid_i & ~sof_i & go_i & ~blocked;
   assign fill  = active_q & fill_q & go_i & ~blocked;
   assign step  = start | take | fill;
-  assign drop  = valid_i & (active_q ? fill_q & ~sof_i : ~sof_i | ~enable_i | ~size_ok);
+  assign drop  = valid_i & (active_q ? fill_q & ~sof_i : ~sof_i | ~enable_i | ~size_ok_q);
 
   assign ready_o = start | take | drop;
 
-  assign last_col  = active_q & (col_q == last_col_q);
   assign last_row  = (row_q == last_row_q);
-  assign frame_end = step & last_col & last_row;
-  assign bad_eol   = (start | take) & (eol_i != last_col);
+  assign frame_end = step & last_col_q & last_row;
+  assign bad_eol   = (start | take) & (eol_i != last_col_q);
 
   always_ff @(posedge clk_i) begin
     if (start) begin
-      active_q   <= 1'b1;
-      last_col_q <= ColW'(width_i - 1'b1);
-      last_row_q <= height_i - 1'b1;
-      params_o   <= params_i;
+      active_q       <= 1'b1;
+      width_less_1_q <= next_width_less_1_q;
+      last_row_q     <= height_i - 1'b1;
+      params_o       <= params_i;
     end
     if (step) begin
-      col_q <= last_col ? '0 : col_q + 1'b1;
-      if (last_col) row_q <= last_row ? '0 : row_q + 1'b1;
+      col_q      <= last_col_q ? '0 : col_q + 1'b1;
+      last_col_q <= ~start & (col_q + 1'b1 == width_less_1_q);
+      if (last_col_q) row_q <= last_row ? '0 : row_q + 1'b1;
     end
     if (bad_eol | (active_q & ~fill_q & head_sof)) fill_q <= 1'b1;
     if (frame_end) begin
@@ -118,11 +125,12 @@ module vista_framer #(
     if (bad_eol | (drop & ~active_q)) lost_q <= 1'b1;
 
     if (!rst_ni) begin
-      active_q <= 1'b0;
-      fill_q   <= 1'b0;
-      lost_q   <= 1'b1;
-      col_q    <= '0;
-      row_q    <= '0;
+      active_q   <= 1'b0;
+      fill_q     <= 1'b0;
+      lost_q     <= 1'b1;
+      last_col_q <= 1'b0;
+      col_q      <= '0;
+      row_q      <= '0;
     end
   end
 
@@ -135,7 +143,7 @@ module vista_framer #(
   assign slot_valid     = drain_q ? go_i : step & (row_q != '0);
   assign slot_col       = drain_q ? drain_col_q : col_q;
   assign slot_first_row = ~drain_q & (32'(row_q) == 1);
-  assign slot_last_col  = (slot_col == (drain_q ? match_last_col_q : last_col_q));
+  assign slot_last_col  = drain_q ? drain_last_col_q : last_col_q;
   assign rows           = slot_first_row ? '0 : rows_q;
 
   always_comb begin
@@ -157,18 +165,20 @@ module vista_framer #(
   always_ff @(posedge clk_i) begin
     if (slot_valid & slot_last_col & (32'(rows) != BlockSize)) rows_q <= rows + 1'b1;
     if (slot_valid & slot_first_row & slot_d.first_col) begin
-      match_last_col_q <= last_col_q;
-      match_last_row_q <= last_row_q;
+      match_width_less_1_q <= width_less_1_q;
+      match_last_row_q     <= last_row_q;
     end
 
     if (drain_q & go_i) begin
-      drain_col_q <= drain_col_q + 1'b1;
-      if (slot_last_col) drain_q <= 1'b0;
+      drain_col_q      <= drain_col_q + 1'b1;
+      drain_last_col_q <= (drain_col_q + 1'b1 == match_width_less_1_q);
+      if (drain_last_col_q) drain_q <= 1'b0;
     end
     if (frame_end) begin
-      drain_q     <= 1'b1;
-      drain_col_q <= '0;
-      drain_cut_q <= fill_q | bad_eol;
+      drain_q          <= 1'b1;
+      drain_col_q      <= '0;
+      drain_last_col_q <= 1'b0;
+      drain_cut_q      <= fill_q | bad_eol;
     end
 
     slot_o     <= slot_d;
@@ -192,7 +202,7 @@ module vista_framer #(
 
   always_ff @(posedge clk_i) begin
     begin_valid_o    <= begin_now;
-    begin_last_col_o <= drain_q ? match_last_col_q : last_col_q;
+    begin_last_col_o <= drain_q ? match_width_less_1_q : width_less_1_q;
     begin_last_row_o <= drain_q ? match_last_row_q : last_row_q;
     if (slot_valid & slot_first_row) begun_q <= 1'b0;
     if (begin_now) begun_q <= 1'b1;
@@ -208,7 +218,7 @@ module vista_framer #(
     error_late_eol_o  <= bad_eol & ~eol_i;
     error_early_sof_o <= active_q & ~fill_q & head_sof;
     error_late_sof_o  <= ~active_q & valid_i & ~sof_i & enable_i & ~lost_q;
-    error_size_o      <= ~active_q & head_sof & enable_i & ~size_ok;
+    error_size_o      <= ~active_q & head_sof & enable_i & ~size_ok_q;
     if (!rst_ni) begin
       frame_start_o     <= 1'b0;
       error_early_eol_o <= 1'b0;

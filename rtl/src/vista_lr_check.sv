@@ -3,7 +3,7 @@
 // Candidates wait in a ring until the D-1 slots after them have passed, right winners in another; both are addressed by
 // slot index (see vista_right_winner). The right winner of x - dL left the chain at slot i + D-1 - dL, i the index of x.
 //
-// A pixel that is decided by a cut slot is invalid: its right candidates were not all there.
+// A pixel that is decided by a cut slot is invalid, and as if unmatched: its right candidates were not all there.
 //
 // Latency: 6 clocks from the slot that decides a pixel, after `check_delay` of the package.
 
@@ -64,7 +64,7 @@ module vista_lr_check #(
 
   // 1, 2: the candidate comes out of its ring.
   logic                         decided1_q, decided2_q, decided3_q, decided4_q, decided5_q;
-  logic                         cut1_q, cut2_q;
+  logic                         cut1_q, cut2_q, cut3_q, cut4_q, cut5_q;
   logic [RingW-1:0]             index1_q, index2_q;
   logic                         ok2, ok3_q, ok4_q, ok5_q;
   logic [IndexW-1:0]            winner2, winner3_q, winner4_q, right_winner4, difference5_q;
@@ -108,6 +108,9 @@ module vista_lr_check #(
     cut2_q       <= cut1_q;
     index1_q     <= index0;
     index2_q     <= index1_q;
+    cut3_q       <= cut2_q;
+    cut4_q       <= cut3_q;
+    cut5_q       <= cut4_q;
     ok3_q        <= ok2 & ~cut2_q;
     ok4_q        <= ok3_q;
     ok5_q        <= ok4_q;
@@ -124,7 +127,7 @@ module vista_lr_check #(
     valid_o       <= decided5_q;
     disparity_o   <= (ok5_q & ~(lr_enable_i & (8'(difference5_q) > lr_max_diff_i))) ? disparity5_q
                                                                                    : DisparityW'(Invalid);
-    smin_o        <= (32'(smin5_q) > 32'(SminW'('1))) ? '1 : SminW'(smin5_q);
+    smin_o        <= (cut5_q | (32'(smin5_q) > 32'(SminW'('1)))) ? '1 : SminW'(smin5_q);
     if (!rst_ni) begin
       decided1_q <= 1'b0;
       decided2_q <= 1'b0;

@@ -114,13 +114,15 @@ module vista_prefilter #(
   logic [ColW-1:0]                col4_q;
   logic [PairW-1:0]               grey4_q;
   logic signed [1:0][VerticalW:0] gradient4_q;
-  logic                           zero;
+  logic                           zero, follower;
 
+  assign follower = slot3_q.valid & ~slot3_q.first_col;
   assign zero = center_q.first_col | center_q.last_col | center_q.flat;
 
   always_ff @(posedge clk_i) begin
     slot4_q       <= center_q;
-    slot4_q.valid <= (slot3_q.valid & ~slot3_q.first_col) | last_pending_q;
+    slot4_q.valid <= follower | last_pending_q;
+    slot4_q.cut   <= center_q.cut | (follower & slot3_q.cut);
     col4_q        <= center_col_q;
     grey4_q       <= grey_q;
     for (int unsigned i = 0; i < 2; i++) begin

@@ -1,0 +1,106 @@
+"""The engine sends the words of the C model: all of them, in order, well framed, whatever stalls."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+from frames import Frame, beats, expected_flags, expected_words, random_frame, random_parameters, set_up
+from registers import CONTROL, ERRORS
+from verilated import Config, Pace, Rtl
+from vista_model.engine import Parameters
+
+CONFIGS = [
+    Config(16, 5), Config(16, 15), Config(16, 21, 256), Config(32, 9), Config(32, 11), Config(48, 7, 256),
+    Config(64, 5), Config(64, 11),
+]  # fmt: skip
+MAIN = Config(32, 11)
+PACES = [Pace(), Pace(300, 300), Pace(50, 20), Pace(700, 100), Pace(5, 5)]
+FRAMES = 200
+EUROC = Path(os.environ.get("VISTA_SHARED_DATA", Path(__file__).resolve().parents[3] / "shared" / "data")) / "euroc_v101"
+
+
+def name(config: Config) -> str:
+    return config.name
+
+
+def check(rtl: Rtl, frame: Frame, pace_in: Pace, pace_out: Pace, seed: int) -> None:
+    height, width = frame.shape
+    set_up(rtl, frame)
+    got = rtl.stream(beats(frame.left, frame.right), height * width, pace_in, pace_out, seed)
+    expected = expected_words(frame)
+    rerun = f"VISTA_SEED={seed} pytest tb/top/test_words.py -k '{rtl.config.name}'"
+    assert len(got.words) == len(expected), f"{len(got.words)} of {len(expected)} words, {frame.parameters}; {rerun}"
+    wrong = np.flatnonzero(got.words != expected)
+    if len(wrong):
+        y, x = divmod(int(wrong[0]), width)
+        pytest.fail(f"{len(wrong)} words differ, the first at x {x}, y {y} of {width}x{height}: "
+                    f"{got.words[wrong[0]]:08x} for {expected[wrong[0]]:08x}, {frame.parameters}; {rerun}")  # fmt: skip
+    assert (got.flags == expected_flags(height, width)).all(), rerun
+
+
+def run_seed(rtl: Rtl, seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    c = rtl.config
+    frame = random_frame(rng, c.num_disparities, c.block_size, c.max_width)
+    check(rtl, frame, PACES[rng.integers(len(PACES))], PACES[rng.integers(len(PACES))], seed)
+
+
+@pytest.mark.parametrize("config", CONFIGS, ids=name)
+def test_random_frames(config: Config) -> None:
+    seeds = [int(os.environ["VISTA_SEED"])] if "VISTA_SEED" in os.environ else range(FRAMES)
+    with Rtl(config) as rtl:
+        rtl.write(CONTROL, 1)
+        for seed in seeds:
+            run_seed(rtl, seed)
+        assert rtl.read(ERRORS) == 0
+
+
+@pytest.mark.parametrize("config", [Config(32, 11), Config(64, 11), Config(16, 15)], ids=name)
+@pytest.mark.parametrize("prefilter", ["xsobel", "none"])
+def test_whole_real_frame(config: Config, prefilter: str) -> None:
+    sides = [sorted((EUROC / f"mav0/cam{i}/data").glob("*.png")) for i in (0, 1)]
+    if not all(sides):
+        pytest.skip(f"no EuRoC frames under {EUROC}")
+    left, right = (np.ascontiguousarray(cv2.imread(str(s[0]), cv2.IMREAD_GRAYSCALE)[:480, :640]) for s in sides)
+    parameters = Parameters(config.num_disparities, config.block_size, prefilter=prefilter)
+    with Rtl(config) as rtl:
+        rtl.write(CONTROL, 1)
+        check(rtl, Frame(left, right, parameters), Pace(), Pace(), 1)
+
+
+@pytest.mark.parametrize("max_width", [64, 100])
+def test_frame_as_wide_as_the_memories(max_width: int) -> None:
+    config = Config(16, 5, max_width)
+    rng = np.random.default_rng(7)
+    with Rtl(config) as rtl:
+        rtl.write(CONTROL, 1)
+        for seed in range(4):
+            images = rng.integers(0, 256, (2, 9, max_width), np.uint8)
+            check(rtl, Frame(*images, random_parameters(rng, 16, 5)), Pace(), PACES[seed], seed)
+
+
+@pytest.mark.parametrize("config", [Config(16, 5), Config(32, 11)], ids=name)
+def test_frames_back_to_back_keep_their_own_parameters(config: Config) -> None:
+    """Frames of one size without a gap; the registers change while a frame is under way."""
+    rng = np.random.default_rng(3)
+    width, height = config.num_disparities + 60, config.block_size + 9
+    frames = [
+        Frame(*rng.integers(0, 256, (2, height, width), np.uint8), random_parameters(rng, config.num_disparities, config.block_size))
+        for _ in range(12)
+    ]
+    with Rtl(config) as rtl:
+        rtl.write(CONTROL, 1)
+        set_up(rtl, frames[0])
+        words = []
+        for frame, following in zip(frames, [*frames[1:], frames[0]], strict=True):
+            stream = beats(frame.left, frame.right)
+            middle = int(rng.integers(1, len(stream)))
+            words += [rtl.stream(stream[:middle], len(stream), quiet=40).words]
+            set_up(rtl, following)
+            words += [rtl.stream(stream[middle:], len(stream), quiet=40).words]
+        words += [rtl.stream(beats(frame.left, frame.right)[:0], height * width).words]
+        assert (np.concatenate(words) == np.concatenate([expected_words(f) for f in frames])).all()
