@@ -54,7 +54,7 @@ module vista_candidate #(
   );
 
   vista_uniqueness_bound #(
-    .CostW (CostW)
+    .CostW(CostW)
   ) u_bound (
     .clk_i,
     .ratio_i (uniqueness_ratio_i),
@@ -63,7 +63,7 @@ module vista_candidate #(
   );
 
   logic [IndexW-1:0] winner1_q, winner2_q, previous_index_q, next_index_q;
-  logic              rival;
+  logic rival;
 
   always_ff @(posedge clk_i) begin
     winner1_q        <= winner;

@@ -40,7 +40,7 @@ module vista_cost_columns #(
 
   localparam int unsigned DeltaW = PixelW + 2;
 
-  slot_t           slot1_q, slot2_q, slot3_q;
+  slot_t slot1_q, slot2_q, slot3_q;
   logic [ColW-1:0] col1_q, col2_q, col3_q, col4_q;
 
   always_ff @(posedge clk_i) begin
@@ -61,8 +61,8 @@ module vista_cost_columns #(
   end
 
   // 1: the right pixels x .. x-D+1, entering and leaving.
-  logic [PixelW-1:0]                     left_in_q, left_out_q;
-  logic [TextureW-1:0]                   texture_in_q, texture_out_q;
+  logic [PixelW-1:0] left_in_q, left_out_q;
+  logic [TextureW-1:0] texture_in_q, texture_out_q;
   logic [NumDisparities-1:0][PixelW-1:0] right_in_q, right_out_q;
 
   always_ff @(posedge clk_i) begin

@@ -45,9 +45,9 @@ module vista_frame_writer #(
   // Frames that may leave. The framer is stopped one short of full; the one that is on its way still fits.
   logic [NumPending-1:0][ColW-1:0] pending_last_col_q;
   logic [NumPending-1:0][RowW-1:0] pending_last_row_q;
-  logic [1:0]                      pending_write_q, pending_read_q;
-  logic [2:0]                      pending_q;
-  logic                            open, frame_end;
+  logic [1:0] pending_write_q, pending_read_q;
+  logic [2:0] pending_q;
+  logic open, frame_end;
 
   always_ff @(posedge clk_i) begin
     if (begin_valid_i) begin
@@ -67,14 +67,14 @@ module vista_frame_writer #(
   end
 
   // The frame that is leaving.
-  logic            busy_q;
+  logic busy_q;
   logic [ColW-1:0] x_q, last_x_q;
   logic [RowW-1:0] y_q, last_y_q;
   logic [ColW-1:0] match_last_x_q;    // W - 1 - r
   logic [RowW-1:0] match_last_y_q;
   logic            matchable_q;       // there are matched pixels
-  logic            row_q, matched_q;  // the row has some, the pixel is one
-  logic            step, row_end;
+  logic row_q, matched_q;  // the row has some, the pixel is one
+  logic step, row_end;
 
   assign open = (pending_q != '0) & (~busy_q | frame_end);
 

@@ -64,14 +64,14 @@ module vista_framer #(
   localparam int unsigned FirstMatchCol = NumDisparities - 1 + 2 * Radius;
 
   // Frame being stored.
-  logic            active_q, fill_q, lost_q;
-  logic            last_col_q;  // col_q is W - 1
+  logic active_q, fill_q, lost_q;
+  logic last_col_q;  // col_q is W - 1
   logic [ColW-1:0] col_q, width_less_1_q;
   logic [RowW-1:0] row_q, last_row_q;
   logic            size_ok_q;
   logic [ColW-1:0] next_width_less_1_q;
   // Frame being matched: one row behind.
-  logic            drain_q, drain_last_col_q, drain_cut_q, begun_q;
+  logic drain_q, drain_last_col_q, drain_cut_q, begun_q;
   logic [ColW-1:0] drain_col_q, match_width_less_1_q;
   logic [RowW-1:0] match_last_row_q;
   logic [RowsW-1:0] rows_q;  // rows matched so far, saturating at B
@@ -135,7 +135,7 @@ module vista_framer #(
   end
 
   // Slots of the frame being matched.
-  logic            slot_valid, slot_first_row, slot_last_col;
+  logic slot_valid, slot_first_row, slot_last_col;
   logic [ColW-1:0] slot_col;
   logic [RowsW-1:0] rows;
   slot_t           slot_d;

@@ -26,7 +26,7 @@ module vista_line_store #(
   end
 
   always_ff @(posedge clk_i) begin
-    read_q      <= mem[read_col_i];
+    read_q <= mem[read_col_i];
 `ifndef SYNTHESIS
     if (write_i && write_col_i == read_col_i) read_q <= ~mem[read_col_i];
 `endif

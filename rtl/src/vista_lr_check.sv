@@ -43,13 +43,13 @@ module vista_lr_check #(
 
   localparam int unsigned CheckDelay = check_delay(NumDisparities);
 
-  logic             decided0, cut0;
+  logic decided0, cut0;
   logic [RingW-1:0] index0;
 
   if (CheckDelay == 0) begin : gen_at_once
     assign {decided0, cut0, index0} = {decided_i, cut_i, slot_index_i};
   end else begin : gen_wait
-    logic [CheckDelay-1:0]            decided_q, cut_q;
+    logic [CheckDelay-1:0] decided_q, cut_q;
     logic [CheckDelay-1:0][RingW-1:0] index_q;
 
     always_ff @(posedge clk_i) begin
@@ -63,12 +63,12 @@ module vista_lr_check #(
   end
 
   // 1, 2: the candidate comes out of its ring.
-  logic                         decided1_q, decided2_q, decided3_q, decided4_q, decided5_q;
-  logic                         cut1_q, cut2_q, cut3_q, cut4_q, cut5_q;
-  logic [RingW-1:0]             index1_q, index2_q;
-  logic                         ok2, ok3_q, ok4_q, ok5_q;
-  logic [IndexW-1:0]            winner2, winner3_q, winner4_q, right_winner4, difference5_q;
-  logic [CostW-1:0]             smin2, smin3_q, smin4_q, smin5_q;
+  logic decided1_q, decided2_q, decided3_q, decided4_q, decided5_q;
+  logic cut1_q, cut2_q, cut3_q, cut4_q, cut5_q;
+  logic [RingW-1:0] index1_q, index2_q;
+  logic ok2, ok3_q, ok4_q, ok5_q;
+  logic [IndexW-1:0] winner2, winner3_q, winner4_q, right_winner4, difference5_q;
+  logic [CostW-1:0] smin2, smin3_q, smin4_q, smin5_q;
   logic signed [DisparityW-1:0] disparity2, disparity3_q, disparity4_q, disparity5_q;
 
   vista_line_store #(

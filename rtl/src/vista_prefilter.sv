@@ -38,9 +38,9 @@ module vista_prefilter #(
   localparam int unsigned VerticalW = PixelW + 2;
 
   // 1, 2: the two rows above come out of the store; the arriving pixel waits for them.
-  slot_t            slot1_q, slot2_q;
-  logic [ColW-1:0]  col1_q, col2_q, store_col1_q, store_col2_q;
-  logic             store1_q, store2_q;
+  slot_t slot1_q, slot2_q;
+  logic [ColW-1:0] col1_q, col2_q, store_col1_q, store_col2_q;
+  logic store1_q, store2_q;
   logic [PairW-1:0] below1_q, below2_q, above2, middle2;
 
   vista_line_store #(
@@ -77,11 +77,11 @@ module vista_prefilter #(
   end
 
   // 3: the vertical sums of column x+1; x and x-1 are kept.
-  slot_t                     slot3_q, center_q;
-  logic [ColW-1:0]           col3_q, center_col_q;
-  logic [PairW-1:0]          above, below, grey3_q, grey_q;
+  slot_t slot3_q, center_q;
+  logic [ColW-1:0] col3_q, center_col_q;
+  logic [PairW-1:0] above, below, grey3_q, grey_q;
   logic [1:0][VerticalW-1:0] vertical3_q, vertical_x_q, vertical_left_q;
-  logic                      last_pending_q;
+  logic last_pending_q;
 
   assign above = slot2_q.first_row ? below2_q : above2;
   assign below = slot2_q.last_row ? above2 : below2_q;
@@ -114,7 +114,7 @@ module vista_prefilter #(
   logic [ColW-1:0]                col4_q;
   logic [PairW-1:0]               grey4_q;
   logic signed [1:0][VerticalW:0] gradient4_q;
-  logic                           zero, follower;
+  logic zero, follower;
 
   assign follower = slot3_q.valid & ~slot3_q.first_col;
   assign zero = center_q.first_col | center_q.last_col | center_q.flat;

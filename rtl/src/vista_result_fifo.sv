@@ -23,8 +23,8 @@ module vista_result_fifo #(
   localparam int unsigned Depth = 2 ** PtrW;
   localparam int unsigned Ahead = 4;
 
-  logic [PtrW-1:0]  write_ptr_q, read_ptr_q, level_q;
-  logic             read, read1_q, read2_q, take;
+  logic [PtrW-1:0] write_ptr_q, read_ptr_q, level_q;
+  logic read, read1_q, read2_q, take;
   logic [Width-1:0] read_data;
 
   vista_line_store #(
@@ -41,8 +41,8 @@ module vista_result_fifo #(
   );
 
   logic [Ahead-1:0][Width-1:0] ahead_q;
-  logic [1:0]                  ahead_write_q, ahead_read_q;
-  logic [2:0]                  ahead_level_q, ahead_claimed_q;
+  logic [1:0] ahead_write_q, ahead_read_q;
+  logic [2:0] ahead_level_q, ahead_claimed_q;
 
   // Read as soon as a place ahead is free; places are claimed when the read begins.
   assign read    = (write_ptr_q != read_ptr_q) & (32'(ahead_claimed_q) != Ahead);

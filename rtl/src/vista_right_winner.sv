@@ -34,10 +34,10 @@ module vista_right_winner #(
   output logic              cut_o
 );
 
-  logic [RingW-1:0]  index_q;
+  logic [RingW-1:0] index_q;
   logic [IndexW-1:0] flush_q, age_q;
-  logic              cut_q;
-  logic              slot_valid, cut, old_enough;
+  logic cut_q;
+  logic slot_valid, cut, old_enough;
 
   assign slot_valid    = match_i | (flush_q != '0);
   assign cut           = match_i ? match_cut_i : cut_q;

@@ -15,7 +15,7 @@ module vista_skid #(
   output logic [Width-1:0] data_o
 );
 
-  logic             valid_q, spill_valid_q;
+  logic valid_q, spill_valid_q;
   logic [Width-1:0] data_q, spill_q;
 
   assign ready_o = ~spill_valid_q;

@@ -51,18 +51,18 @@ module vista_stereo_core #(
   localparam int unsigned RingW = ring_width(NumDisparities);
 
   // Framing.
-  logic                head_valid, head_ready, head_sof, head_eol;
+  logic head_valid, head_ready, head_sof, head_eol;
   logic [2*PixelW-1:0] head;
-  logic                results_go, writer_go, go_q;
-  slot_t               raw_slot;
-  logic [ColW-1:0]     raw_col, store_col, begin_last_col;
+  logic results_go, writer_go, go_q;
+  slot_t raw_slot;
+  logic [ColW-1:0] raw_col, store_col, begin_last_col;
   logic [RowW-1:0]     begin_last_row;
   params_t             raw_params;
-  logic                store_valid, begin_valid;
+  logic store_valid, begin_valid;
   logic [2*PixelW-1:0] store_data;
 
   vista_skid #(
-    .Width (2 * PixelW + 2)
+    .Width(2 * PixelW + 2)
   ) u_pixel_skid (
     .clk_i,
     .rst_ni,
@@ -114,16 +114,16 @@ module vista_stereo_core #(
   );
 
   // Costs.
-  slot_t               filtered_slot, delayed_slot, column_slot, cost_slot;
-  logic [ColW-1:0]     filtered_col, delayed_col;
-  params_t             frame_params;
-  logic [PixelW-1:0]   left, right, left_in, right_in, left_out, right_out;
+  slot_t filtered_slot, delayed_slot, column_slot, cost_slot;
+  logic [ColW-1:0] filtered_col, delayed_col;
+  params_t frame_params;
+  logic [PixelW-1:0] left, right, left_in, right_in, left_out, right_out;
   logic [TextureW-1:0] texture, texture_in, texture_out;
   logic [NumDisparities:0][ColumnW-1:0] column;
   logic [NumDisparities:0][CostW-1:0]   sum;
 
   vista_prefilter #(
-    .MaxWidth (MaxWidth)
+    .MaxWidth(MaxWidth)
   ) u_prefilter (
     .clk_i,
     .rst_ni,
@@ -200,13 +200,13 @@ module vista_stereo_core #(
   end
 
   // Decisions.
-  logic                         textured;
-  logic [IndexW-1:0]            winner, right_winner;
-  logic [CostW-1:0]             smin;
-  logic                         rival, candidate_valid, candidate_textured;
+  logic textured;
+  logic [IndexW-1:0] winner, right_winner;
+  logic [CostW-1:0] smin;
+  logic rival, candidate_valid, candidate_textured;
   logic signed [DisparityW-1:0] disparity;
-  logic [RingW-1:0]             match_index, candidate_index, slot_index;
-  logic                         slot_valid, decided, cut;
+  logic [RingW-1:0] match_index, candidate_index, slot_index;
+  logic slot_valid, decided, cut;
 
   assign textured = (32'(sum[NumDisparities]) >= 32'(params_q.texture_threshold));
 
@@ -283,9 +283,9 @@ module vista_stereo_core #(
   );
 
   // Words.
-  logic                         queued_valid, queued_ready, word_valid, word_ready, word_sof, word_eol;
+  logic queued_valid, queued_ready, word_valid, word_ready, word_sof, word_eol;
   logic signed [DisparityW-1:0] queued_disparity, word_disparity;
-  logic [SminW-1:0]             queued_smin, word_smin;
+  logic [SminW-1:0] queued_smin, word_smin;
 
   vista_result_fifo #(
     .Width    (DisparityW + SminW),
@@ -326,7 +326,7 @@ module vista_stereo_core #(
   );
 
   vista_skid #(
-    .Width (2 + 32)
+    .Width(2 + 32)
   ) u_word_skid (
     .clk_i,
     .rst_ni,

@@ -6,14 +6,14 @@
 
 package vista_stereo_pkg;
 
-  parameter int unsigned PixelW = 8;       // grey values 0 .. 255
-  parameter int unsigned TextureW = 6;     // |p - c|, at most the largest prefilter cap, 63
-  parameter int unsigned HeightW = 12;     // frames of at most 4095 rows
-  parameter int unsigned MinWidth = 4;     // the longest memory read-to-write distance in slots, plus one
-  parameter int unsigned MinHeight = 2;    // the mirror of the x-Sobel needs two rows
+  parameter int unsigned PixelW = 8;  // grey values 0 .. 255
+  parameter int unsigned TextureW = 6;  // |p - c|, at most the largest prefilter cap, 63
+  parameter int unsigned HeightW = 12;  // frames of at most 4095 rows
+  parameter int unsigned MinWidth = 4;  // the longest memory read-to-write distance in slots, plus one
+  parameter int unsigned MinHeight = 2;  // the mirror of the x-Sobel needs two rows
   parameter int unsigned DisparityW = 13;  // -8 .. 256*16 in 1/16 px, signed
-  parameter int unsigned SminW = 16;       // as sent: saturated, all ones for a pixel that is not matched
-  parameter int signed Invalid = -16;      // the word of a pixel without a disparity
+  parameter int unsigned SminW = 16;  // as sent: saturated, all ones for a pixel that is not matched
+  parameter int signed Invalid = -16;  // the word of a pixel without a disparity
 
   // Run-time parameters. A frame keeps those that were set when its first pixel was taken.
   typedef struct packed {
@@ -55,19 +55,19 @@ package vista_stereo_pkg;
     return $clog2(num_disparities);  // ... the smallest of them, one level of comparisons a clock
   endfunction
 
-  parameter int unsigned ThresholdLatency = 3;   // from the winner to the bound of step 5
+  parameter int unsigned ThresholdLatency = 3;  // from the winner to the bound of step 5
   parameter int unsigned UniquenessLatency = 2;  // from the bound to the verdict, and to the neighbours' costs
-  parameter int unsigned SubpixelLatency = 11;   // from the neighbours' costs to the disparity
+  parameter int unsigned SubpixelLatency = 11;  // from the neighbours' costs to the disparity
 
   function automatic int unsigned candidate_latency(int unsigned num_disparities);
     return winner_latency(num_disparities) + ThresholdLatency + UniquenessLatency + SubpixelLatency;
   endfunction
 
-  parameter int unsigned PrefilterLatency = 7;   // from a slot at the framer to its prefiltered pixels
-  parameter int unsigned DelayLatency = 2;       // of the row delay
-  parameter int unsigned ColumnLatency = 4;      // from those to the column sums
-  parameter int unsigned WindowLatency = 4;      // from those to the costs
-  parameter int unsigned CheckLatency = 6;       // from a candidate and its right winner to the result
+  parameter int unsigned PrefilterLatency = 7;  // from a slot at the framer to its prefiltered pixels
+  parameter int unsigned DelayLatency = 2;  // of the row delay
+  parameter int unsigned ColumnLatency = 4;  // from those to the column sums
+  parameter int unsigned WindowLatency = 4;  // from those to the costs
+  parameter int unsigned CheckLatency = 6;  // from a candidate and its right winner to the result
 
   // A pixel meets its right winner D-1 slots after its own; few disparities leave it to wait for its candidate.
   function automatic int unsigned check_delay(int unsigned num_disparities);
@@ -84,8 +84,8 @@ package vista_stereo_pkg;
   // Results that may still come after the framer has been told to stop: one a clock of latency, and the D-1 pixels
   // that wait for their right winner. The margin of 8 covers the registers of the stop signal itself.
   function automatic int unsigned results_in_flight(int unsigned num_disparities);
-    return PrefilterLatency + DelayLatency + ColumnLatency + WindowLatency +
-        candidate_latency(num_disparities) + CheckLatency + (num_disparities - 1) + 8;
+    return PrefilterLatency + DelayLatency + ColumnLatency + WindowLatency + candidate_latency(num_disparities) +
+        CheckLatency + (num_disparities - 1) + 8;
   endfunction
 
 endpackage

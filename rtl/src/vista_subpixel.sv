@@ -25,8 +25,8 @@ module vista_subpixel #(
 
   // 1: differences; 2: dividend and divisor.
   logic signed [CostW:0] difference1_q;
-  logic [CostW-1:0]      previous1_q, next1_q;
-  logic [CostW-1:0]      num2_q, den2_q;
+  logic [CostW-1:0] previous1_q, next1_q;
+  logic [CostW-1:0] num2_q, den2_q;
   logic                  negative2_q;
   logic [CostW-1:0]      den;
 

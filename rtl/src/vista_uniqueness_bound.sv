@@ -28,8 +28,8 @@ module vista_uniqueness_bound #(
     gain_q  <= GainW'(ratio_q) * GainW'(Reciprocal);
   end
 
-  logic [CostW-1:0]            smin1_q, smin2_q;
-  logic [CostW+Half-1:0]       low1_q;
+  logic [CostW-1:0] smin1_q, smin2_q;
+  logic [CostW+Half-1:0] low1_q;
   logic [CostW+GainW-Half-1:0] high1_q, sum;
   logic [CostW-1:0]            margin2_q;
   logic [CostW:0]              bound;

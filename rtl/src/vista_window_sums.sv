@@ -29,7 +29,7 @@ module vista_window_sums #(
 
   localparam int unsigned PtrW = $clog2(BlockSize);
 
-  slot_t           slot1_q, slot2_q, slot3_q;
+  slot_t slot1_q, slot2_q, slot3_q;
   logic [PtrW-1:0] ptr_q, ptr1_q;
 
   logic [NumChannels-1:0][ColumnW-1:0] in1_q, in2_q, out2;

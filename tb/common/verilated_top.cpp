@@ -126,8 +126,8 @@ uint32_t rtl_read(void* handle, uint32_t address) {
   return data;
 }
 
-// Offers num_in beats {last, user, data[15:0]} and takes words {last, user} and data until max_out have come, or
-// nothing was transferred for `quiet` clocks, or `max_clocks` have passed. Returns the number of words;
+// Offers num_in beats {last, user, data[15:0]} and takes max_out words, data and flags {last, user}. Ends when both are
+// done, nothing was transferred for `quiet` clocks, or `max_clocks` have passed. Returns the number of words;
 // in_clock[i] and out_clock[i] are the clocks of the transfers (may be null), *num_taken the beats taken.
 int64_t rtl_stream(void* handle, const uint32_t* beats, int64_t num_in, const uint32_t in_pace[2],
                    const uint32_t out_pace[2], uint64_t seed, int64_t max_out, int64_t quiet, int64_t max_clocks,
@@ -138,7 +138,7 @@ int64_t rtl_stream(void* handle, const uint32_t* beats, int64_t num_in, const ui
   Pace in{in_pace[0], in_pace[1]}, out{out_pace[0], out_pace[1]};
   int64_t taken = 0, words = 0, idle = 0;
   bool offered = false;
-  for (int64_t n = 0; n < max_clocks && words < max_out && idle < quiet; ++n) {
+  for (int64_t n = 0; n < max_clocks && (words < max_out || taken < num_in) && idle < quiet; ++n) {
     if (!offered && taken < num_in && in.step(random)) {
       offered = true;
       t.s_axis_tdata = beats[taken] & 0xFFFF;
@@ -146,7 +146,7 @@ int64_t rtl_stream(void* handle, const uint32_t* beats, int64_t num_in, const ui
       t.s_axis_tlast = beats[taken] >> 17 & 1;
     }
     t.s_axis_tvalid = offered;
-    t.m_axis_tready = out.step(random);
+    t.m_axis_tready = out.step(random) && words < max_out;
     t.eval();
     ++idle;
     if (offered && t.s_axis_tready) {
