@@ -3,4 +3,6 @@
 import sys
 from pathlib import Path
 
-sys.path[:0] = [str(Path(__file__).parent / "common"), str(Path(__file__).parents[1] / "model")]
+HERE = Path(__file__).parent
+# cocotb hands sys.path on to the simulation.
+sys.path[:0] = [str(p) for p in (HERE / "common", HERE / "units", HERE.parent / "model", HERE.parent / "build/python")]
