@@ -26,10 +26,11 @@ class Config:
     block_size: int
     max_width: int = 1024
     coverage: bool = False
+    mutants: bool = False  # of scripts/mutate_rtl.py, in place of the core
 
     @property
     def name(self) -> str:
-        return f"d{self.num_disparities}_b{self.block_size}_w{self.max_width}{'_cov' if self.coverage else ''}"
+        return f"d{self.num_disparities}_b{self.block_size}_w{self.max_width}{'_cov' * self.coverage}{'_mutants' * self.mutants}"
 
 
 @dataclass(frozen=True)
@@ -43,13 +44,16 @@ class Pace:
 def build(config: Config) -> Path:
     """The shared library of a configuration, built anew when a source has changed."""
     files = sources("vista_stereo.f")
+    if config.mutants:
+        files = [f for f in files if f.name != "vista_stereo_core.sv"]
+        files += [BUILD / "mutate" / "mutants.v", Path(__file__).with_name("mutants_core.sv")]
     digest = hashlib.sha256(b"".join(f.read_bytes() for f in [*files, SHIM, Path(__file__)])).hexdigest()
     folder = BUILD / "top" / config.name
     library, stamp = folder / "engine.so", folder / "digest"
     if library.is_file() and stamp.is_file() and stamp.read_text() == digest:
         return library
     folder.mkdir(parents=True, exist_ok=True)
-    flags = "-fPIC -O2" + (" -DVISTA_COVERAGE" if config.coverage else "")
+    flags = "-fPIC -O2" + " -DVISTA_COVERAGE" * config.coverage + " -DVISTA_MUTANTS" * config.mutants
     command = [
         "verilator", "--cc", "--build", "-j", "1", "-O3", "--x-assign", "fast", "--x-initial", "unique",
         "--assert", "--top-module", "vista_stereo", "--Mdir", str(folder), "-CFLAGS", flags, "-Wno-fatal", "-Wno-lint",
@@ -113,6 +117,10 @@ class Rtl:
 
     def close(self) -> None:
         self._lib.rtl_destroy(self._handle)
+
+    def select_mutant(self, number: int) -> None:
+        self._lib.rtl_select_mutant(self._handle, ctypes.c_uint32(number))
+        self.reset()
 
     def reset(self, clocks: int = 4) -> None:
         self._lib.rtl_reset(self._handle, clocks)

@@ -9,6 +9,9 @@
 #ifdef VISTA_COVERAGE
 #include "verilated_cov.h"
 #endif
+#ifdef VISTA_MUTANTS
+#include "Vvista_stereo___024root.h"
+#endif
 
 namespace {
 
@@ -168,6 +171,15 @@ int64_t rtl_stream(void* handle, const uint32_t* beats, int64_t num_in, const ui
   t.eval();
   *num_taken = taken;
   return words;
+}
+
+void rtl_select_mutant(void* handle, uint32_t number) {
+#ifdef VISTA_MUTANTS
+  static_cast<Engine*>(handle)->top->rootp->vista_stereo__DOT__u_core__DOT__mutsel = number;
+#else
+  (void)handle;
+  (void)number;
+#endif
 }
 
 void rtl_write_coverage(void* handle, const char* path) {
