@@ -10,7 +10,7 @@ PEAKRDL := .venv/bin/peakrdl
 SOAK_FRAMES ?= 10000
 MUTANTS ?= 50
 
-.PHONY: setup-rtl csr csr-check lint-rtl test-rtl formal synth soak mutate coverage-rtl waves
+.PHONY: setup-rtl csr csr-check lint-rtl test-rtl formal synth soak mutate coverage-rtl
 
 setup-rtl: $(RTL_TOOLS) ## tools of rtl/ and tb/: cocotb, Verilator, Yosys, nextpnr, PeakRDL, Verible
 
@@ -52,6 +52,9 @@ formal: $(RTL_TOOLS) ## proofs of the handshakes and the buffers by k-induction
 
 soak: $(RTL_TOOLS) build ## SOAK_FRAMES random frames against the C model; goes on where it stopped
 	@$(RTL_PYTHON) scripts/soak_rtl.py --frames $(SOAK_FRAMES)
+
+coverage-rtl: $(RTL_TOOLS) build ## line, toggle and functional coverage of the engine
+	@$(RTL_PYTHON) scripts/coverage_rtl.py
 
 mutate: $(RTL_TOOLS) build ## MUTANTS random mutants of the datapath: the share that the benches catch
 	@$(RTL_PYTHON) scripts/mutate_rtl.py --mutants $(MUTANTS)

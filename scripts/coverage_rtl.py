@@ -1,7 +1,7 @@
 """Coverage of the engine: line, toggle and the functional plan of tb/README.md: make coverage-rtl.
 
-Runs random frames, with random stalls and faults, until every bin of the plan was hit (or a limit is reached), then reads
-Verilator's counts. Points waived in tb/coverage_waivers.txt are left out and counted.
+Runs random frames, with random stalls and faults, until every bin of the plan was hit (or a limit is
+reached), then reads Verilator's counts. Points waived in tb/coverage_waivers.txt are left out and counted.
 """
 
 from __future__ import annotations
@@ -34,7 +34,11 @@ def lr_bin(lr_max_diff: int | None) -> str:
 def plan() -> set[tuple[str, ...]]:
     """The bins of the functional plan."""
     paces = list(itertools.product(PACES, PACES))
-    parameters = set(itertools.product(["parameters"], ["xsobel", "none"], ["unique", "any"], ["off", "strict", "tolerant"]))
+    parameters = set(
+        itertools.product(
+            ["parameters"], ["xsobel", "none"], ["unique", "any"], ["off", "strict", "tolerant"]
+        )
+    )
     sizes = set(itertools.product(["size"], ["even", "odd"], ["matched", "narrow", "low"]))
     stalls = {("stalls", a, b, e) for a, b in paces for e in ["good", "faulty"]}
     faults = {("fault", f.__name__) for f in FAULTS}
@@ -52,7 +56,9 @@ def run_frame(rtl: Rtl, seed: int, hit: set[tuple[str, ...]]) -> None:
         height, width = HEIGHT, WIDTH
     stream = beats(frame.left, frame.right)
     if fault:
-        stream = np.concatenate([fault(stream, int(rng.integers(1, WIDTH * HEIGHT - 1)), rng), beats(frame.left, frame.right)])
+        stream = np.concatenate(
+            [fault(stream, int(rng.integers(1, WIDTH * HEIGHT - 1)), rng), beats(frame.left, frame.right)]
+        )
         hit.add(("fault", fault.__name__))
     set_up(rtl, frame)
     reaction = react(stream, width, height)
@@ -64,12 +70,22 @@ def run_frame(rtl: Rtl, seed: int, hit: set[tuple[str, ...]]) -> None:
     hit.add(("stalls", *names, "faulty" if reaction.errors else "good"))
     hit.add(("parameters", p.prefilter, "unique" if p.uniqueness_ratio else "any", lr_bin(p.lr_max_diff)))
     narrow = width < CONFIG.num_disparities + CONFIG.block_size - 1
-    hit.add(("size", "odd" if height % 2 else "even", "narrow" if narrow else "low" if height < CONFIG.block_size else "matched"))
+    hit.add(
+        (
+            "size",
+            "odd" if height % 2 else "even",
+            "narrow" if narrow else "low" if height < CONFIG.block_size else "matched",
+        )
+    )
 
 
 def percentages(data: Path) -> dict[str, tuple[float, int, list[str]]]:
     """Per kind: covered percent, points waived, points left uncovered."""
-    waivers = [re.compile(line.split(" :: ")[0]) for line in (ROOT / "tb/coverage_waivers.txt").read_text().splitlines() if " :: " in line]
+    waivers = [
+        re.compile(line.split(" :: ")[0])
+        for line in (ROOT / "tb/coverage_waivers.txt").read_text().splitlines()
+        if " :: " in line
+    ]
     points: dict[tuple[str, str], int] = {}
     for line in data.read_text(errors="replace").splitlines():
         if not line.startswith("C '"):

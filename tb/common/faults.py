@@ -1,7 +1,7 @@
 """What the engine has to do with badly framed video: rtl/README.md, Framing errors, as a program.
 
-A frame is cut at its first framing error. Of a cut frame only those disparities stand whose inputs, left and right
-candidates included, had all come: (x, y) stands if the pixel (min(x + r + D, W-1), y + r + 1) came before the cut.
+A frame is cut at its first framing error. Of a cut frame only those disparities stand whose inputs, left and
+right candidates included, had all come: (x, y) stands if (min(x + r + D, W-1), y + r + 1) came before it.
 """
 
 from __future__ import annotations
@@ -59,7 +59,9 @@ def react(beats: npt.NDArray[np.uint32], width: int, height: int) -> Reaction:
     return Reaction(frames, errors)
 
 
-def expected_after(received: Received, width: int, height: int, parameters: Parameters) -> npt.NDArray[np.uint32]:
+def expected_after(
+    received: Received, width: int, height: int, parameters: Parameters
+) -> npt.NDArray[np.uint32]:
     """The words of a frame that may have been cut."""
     pixels = np.zeros(width * height, np.uint32)
     pixels[: len(received.pixels)] = received.pixels

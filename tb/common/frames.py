@@ -1,4 +1,4 @@
-"""Frames for the benches: images, parameters, sizes; their beats, and the words the C model gives for them."""
+"""Frames for the benches: images, parameters, sizes; their beats, and the words of the C model."""
 
 from __future__ import annotations
 
@@ -37,7 +37,9 @@ def random_pair(rng: np.random.Generator, kind: str, height: int, width: int) ->
         shift = rng.integers(0, 24) + np.arange(height)[:, None] * rng.integers(0, 3) // 4
         source = np.clip(columns[None, :] + shift, 0, width - 1)
         right = np.take_along_axis(noise[0], source, 1)
-        return noise[0], np.clip(right.astype(int) + rng.integers(-2, 3, right.shape), 0, 255).astype(np.uint8)
+        return noise[0], np.clip(right.astype(int) + rng.integers(-2, 3, right.shape), 0, 255).astype(
+            np.uint8
+        )
     if kind == "gradient":
         ramp = (columns * rng.integers(1, 9) + np.arange(height)[:, None] * rng.integers(0, 5)) & 255
         return ramp.astype(np.uint8), np.roll(ramp, -int(rng.integers(0, 12)), 1).astype(np.uint8)
@@ -49,7 +51,9 @@ def random_pair(rng: np.random.Generator, kind: str, height: int, width: int) ->
     if kind == "saturated":  # the largest costs there are
         return np.full((height, width), 255, np.uint8), np.zeros((height, width), np.uint8)
     if kind == "checker":
-        board = ((columns[None, :] // rng.integers(1, 6) + np.arange(height)[:, None] // rng.integers(1, 6)) & 1) * 255
+        board = (
+            (columns[None, :] // rng.integers(1, 6) + np.arange(height)[:, None] // rng.integers(1, 6)) & 1
+        ) * 255
         return board.astype(np.uint8), np.roll(board, int(rng.integers(-3, 4)), 1).astype(np.uint8)
     patches = np.repeat(np.repeat(noise[0][::8, ::8], 8, 0), 8, 1)[:height, :width]
     return patches, np.roll(patches, -int(rng.integers(0, 10)), 1)
@@ -62,20 +66,39 @@ def random_parameters(rng: np.random.Generator, num_disparities: int, block_size
         block_size=block_size,
         prefilter=("xsobel", "none")[rng.integers(2)],
         prefilter_cap=int(rng.choice([1, 31, 63, rng.integers(1, 64)])),
-        texture_threshold=int(rng.choice([0, 10, rng.integers(0, area * 8), rng.integers(0, 65536)], p=[0.4, 0.2, 0.3, 0.1])),
+        texture_threshold=int(
+            rng.choice([0, 10, rng.integers(0, area * 8), rng.integers(0, 65536)], p=[0.4, 0.2, 0.3, 0.1])
+        ),
         uniqueness_ratio=int(rng.choice([0, 15, 100, rng.integers(0, 101)])),
         lr_max_diff=(None, 0, 1, int(rng.integers(0, 256)))[rng.integers(4)],
     )
 
 
 def random_frame(
-    rng: np.random.Generator, num_disparities: int, block_size: int, max_width: int, parameters: Parameters | None = None
+    rng: np.random.Generator,
+    num_disparities: int,
+    block_size: int,
+    max_width: int,
+    parameters: Parameters | None = None,
 ) -> Frame:
     """Mostly wide enough to be matched; sizes at the edges of that, and the smallest, come often too."""
     narrowest = num_disparities + 2 * (block_size // 2)
-    width = int(rng.choice([rng.integers(4, narrowest), narrowest, narrowest + rng.integers(0, 90)], p=[0.1, 0.1, 0.8]))
-    height = int(rng.choice([rng.integers(2, block_size), block_size, block_size + rng.integers(0, 16)], p=[0.1, 0.1, 0.8]))
-    left, right = random_pair(rng, str(rng.choice(IMAGE_KINDS, p=[0.25, 0.3, 0.1, 0.1, 0.05, 0.05, 0.1, 0.05])), height, min(width, max_width))
+    width = int(
+        rng.choice(
+            [rng.integers(4, narrowest), narrowest, narrowest + rng.integers(0, 90)], p=[0.1, 0.1, 0.8]
+        )
+    )
+    height = int(
+        rng.choice(
+            [rng.integers(2, block_size), block_size, block_size + rng.integers(0, 16)], p=[0.1, 0.1, 0.8]
+        )
+    )
+    left, right = random_pair(
+        rng,
+        str(rng.choice(IMAGE_KINDS, p=[0.25, 0.3, 0.1, 0.1, 0.05, 0.05, 0.1, 0.05])),
+        height,
+        min(width, max_width),
+    )
     return Frame(left, right, parameters or random_parameters(rng, num_disparities, block_size))
 
 

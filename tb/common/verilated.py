@@ -1,4 +1,4 @@
-"""The Verilated engine as a Python object: build a configuration once, then stream frames through it at C++ speed."""
+"""The Verilated engine as a Python object: build a configuration once, then stream frames at C++ speed."""
 
 from __future__ import annotations
 
@@ -30,7 +30,8 @@ class Config:
 
     @property
     def name(self) -> str:
-        return f"d{self.num_disparities}_b{self.block_size}_w{self.max_width}{'_cov' * self.coverage}{'_mutants' * self.mutants}"
+        kind = "_cov" * self.coverage + "_mutants" * self.mutants
+        return f"d{self.num_disparities}_b{self.block_size}_w{self.max_width}{kind}"
 
 
 @dataclass(frozen=True)
@@ -47,26 +48,32 @@ def build(config: Config) -> Path:
     if config.mutants:
         files = [f for f in files if f.name != "vista_stereo_core.sv"]
         files += [BUILD / "mutate" / "mutants.v", Path(__file__).with_name("mutants_core.sv")]
-    digest = hashlib.sha256(b"".join(f.read_bytes() for f in [*files, SHIM, Path(__file__)])).hexdigest()
     folder = BUILD / "top" / config.name
     library, stamp = folder / "engine.so", folder / "digest"
-    if library.is_file() and stamp.is_file() and stamp.read_text() == digest:
-        return library
-    folder.mkdir(parents=True, exist_ok=True)
     flags = "-fPIC -O2" + " -DVISTA_COVERAGE" * config.coverage + " -DVISTA_MUTANTS" * config.mutants
     command = [
         "verilator", "--cc", "--build", "-j", "1", "-O3", "--x-assign", "fast", "--x-initial", "unique",
-        "--assert", "--top-module", "vista_stereo", "--Mdir", str(folder), "-CFLAGS", flags, "-Wno-fatal", "-Wno-lint",
+        "--assert", "--top-module", "vista_stereo", "--Mdir", str(folder), "-CFLAGS", flags,
+        "-Wno-fatal", "-Wno-lint",
         f"-GNumDisparities={config.num_disparities}", f"-GBlockSize={config.block_size}",
-        f"-GMaxWidth={config.max_width}", *(["--coverage-line", "--coverage-toggle"] if config.coverage else []),
+        f"-GMaxWidth={config.max_width}",
+        *(["--coverage-line", "--coverage-toggle"] if config.coverage else []),
         *map(str, files),
     ]  # fmt: skip
+    digest = hashlib.sha256(
+        b"".join(f.read_bytes() for f in [*files, SHIM]) + repr(command).encode()
+    ).hexdigest()
+    if library.is_file() and stamp.is_file() and stamp.read_text() == digest:
+        return library
+    folder.mkdir(parents=True, exist_ok=True)
     environment = verilator_environment()
     _run(command, environment, folder)
     root = _run(["verilator", "--getenv", "VERILATOR_ROOT"], environment, folder).strip()
     link = [
-        "g++", "-std=c++17", "-shared", *flags.split(), f"-I{folder}", f"-I{root}/include", f"-I{root}/include/vltstd",
-        str(SHIM), str(folder / "libVvista_stereo.a"), str(folder / "libverilated.a"), "-lpthread", "-o", str(library),
+        "g++", "-std=c++17", "-shared", *flags.split(), f"-I{folder}", f"-I{root}/include",
+        f"-I{root}/include/vltstd",
+        str(SHIM), str(folder / "libVvista_stereo.a"), str(folder / "libverilated.a"),
+        "-lpthread", "-o", str(library),
     ]  # fmt: skip
     _run(link, environment, folder)
     stamp.write_text(digest)
@@ -158,7 +165,8 @@ class Rtl:
 
         count = self._lib.rtl_stream(
             self._handle, pointer(beats), ctypes.c_int64(len(beats)), pace(pace_in), pace(pace_out),
-            ctypes.c_uint64(seed), ctypes.c_int64(max_words), ctypes.c_int64(quiet), ctypes.c_int64(max_clocks),
+            ctypes.c_uint64(seed), ctypes.c_int64(max_words), ctypes.c_int64(quiet),
+            ctypes.c_int64(max_clocks),
             pointer(words), pointer(flags), pointer(in_clock), pointer(out_clock), ctypes.byref(taken),
         )  # fmt: skip
         return Streamed(words[:count], flags[:count], in_clock[: taken.value], out_clock[:count], taken.value)

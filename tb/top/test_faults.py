@@ -1,4 +1,4 @@
-"""Broken framing: the stated frames are cut as stated, the bits are set, and the next start of frame is clean."""
+"""Broken framing: the stated frames are cut as stated, the bits are set, the next frame is clean."""
 
 from __future__ import annotations
 
@@ -68,7 +68,8 @@ def untouched(stream: Beats, at: int, rng: np.random.Generator) -> Beats:
 
 
 FAULTS: list[Callable[[Beats, int, np.random.Generator], Beats]] = [
-    early_end_of_line, missing_end_of_line, early_start_of_frame, missing_start_of_frame, short_line, long_line,
+    early_end_of_line, missing_end_of_line, early_start_of_frame, missing_start_of_frame,
+    short_line, long_line,
     truncated_frame, frame_short_of_rows, frame_with_more_rows, lost_pixel, untouched,
 ]  # fmt: skip
 PACES = [Pace(), Pace(300, 300), Pace(60, 30)]

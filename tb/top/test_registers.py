@@ -1,4 +1,4 @@
-"""Registers against their description: reset values, access, fields that are not there, and the build read back."""
+"""Registers against their description: reset values, access, absent fields, and the build read back."""
 
 from __future__ import annotations
 

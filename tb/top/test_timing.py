@@ -22,7 +22,10 @@ def test_frames_back_to_back_take_one_clock_a_pixel(config: Config, odd: int) ->
     width, height = config.num_disparities + 2 * config.block_size + 17, 2 * config.block_size + odd
     rng = np.random.default_rng(odd)
     frames = [
-        Frame(*rng.integers(0, 256, (2, height, width), np.uint8), random_parameters(rng, config.num_disparities, config.block_size))
+        Frame(
+            *rng.integers(0, 256, (2, height, width), np.uint8),
+            random_parameters(rng, config.num_disparities, config.block_size),
+        )
         for _ in range(FRAMES)
     ]
     frames = [Frame(f.left, f.right, frames[0].parameters) for f in frames]
@@ -35,8 +38,8 @@ def test_frames_back_to_back_take_one_clock_a_pixel(config: Config, odd: int) ->
     assert (got.words == np.concatenate([expected_words(f) for f in frames])).all()
     assert counters == [FRAMES, FRAMES, 0, 0]
 
-    # Not one pixel had to wait, the last frame came out without a further one, and behind the first matched pixel the
-    # words come one a clock to the very end.
+    # Not one pixel had to wait, the last frame came out without a further one, and behind the first matched
+    # pixel the words come one a clock to the very end.
     assert (np.diff(got.in_clock) == 1).all()
     radius = config.block_size // 2
     first_matched = radius * width + config.num_disparities - 1 + radius

@@ -20,7 +20,10 @@ CONFIGS = [
 MAIN = Config(32, 11)
 PACES = [Pace(), Pace(300, 300), Pace(50, 20), Pace(700, 100), Pace(5, 5)]
 FRAMES = 200
-EUROC = Path(os.environ.get("VISTA_SHARED_DATA", Path(__file__).resolve().parents[3] / "shared" / "data")) / "euroc_v101"
+EUROC = (
+    Path(os.environ.get("VISTA_SHARED_DATA", Path(__file__).resolve().parents[3] / "shared" / "data"))
+    / "euroc_v101"
+)
 
 
 def name(config: Config) -> str:
@@ -33,12 +36,15 @@ def check(rtl: Rtl, frame: Frame, pace_in: Pace, pace_out: Pace, seed: int) -> N
     got = rtl.stream(beats(frame.left, frame.right), height * width, pace_in, pace_out, seed)
     expected = expected_words(frame)
     rerun = f"VISTA_SEED={seed} pytest tb/top/test_words.py -k '{rtl.config.name}'"
-    assert len(got.words) == len(expected), f"{len(got.words)} of {len(expected)} words, {frame.parameters}; {rerun}"
+    assert len(got.words) == len(expected), (
+        f"{len(got.words)} of {len(expected)} words, {frame.parameters}; {rerun}"
+    )
     wrong = np.flatnonzero(got.words != expected)
     if len(wrong):
         y, x = divmod(int(wrong[0]), width)
         pytest.fail(f"{len(wrong)} words differ, the first at x {x}, y {y} of {width}x{height}: "
-                    f"{got.words[wrong[0]]:08x} for {expected[wrong[0]]:08x}, {frame.parameters}; {rerun}")  # fmt: skip
+                    f"{got.words[wrong[0]]:08x} for {expected[wrong[0]]:08x}, {frame.parameters}; "
+                    f"{rerun}")  # fmt: skip
     assert (got.flags == expected_flags(height, width)).all(), rerun
 
 
@@ -65,7 +71,9 @@ def test_whole_real_frame(config: Config, prefilter: str) -> None:
     sides = [sorted((EUROC / f"mav0/cam{i}/data").glob("*.png")) for i in (0, 1)]
     if not all(sides):
         pytest.skip(f"no EuRoC frames under {EUROC}")
-    left, right = (np.ascontiguousarray(cv2.imread(str(s[0]), cv2.IMREAD_GRAYSCALE)[:480, :640]) for s in sides)
+    left, right = (
+        np.ascontiguousarray(cv2.imread(str(s[0]), cv2.IMREAD_GRAYSCALE)[:480, :640]) for s in sides
+    )
     parameters = Parameters(config.num_disparities, config.block_size, prefilter=prefilter)
     with Rtl(config) as rtl:
         rtl.write(CONTROL, 1)
@@ -89,7 +97,10 @@ def test_frames_back_to_back_keep_their_own_parameters(config: Config) -> None:
     rng = np.random.default_rng(3)
     width, height = config.num_disparities + 60, config.block_size + 9
     frames = [
-        Frame(*rng.integers(0, 256, (2, height, width), np.uint8), random_parameters(rng, config.num_disparities, config.block_size))
+        Frame(
+            *rng.integers(0, 256, (2, height, width), np.uint8),
+            random_parameters(rng, config.num_disparities, config.block_size),
+        )
         for _ in range(12)
     ]
     with Rtl(config) as rtl:

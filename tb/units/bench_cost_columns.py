@@ -1,14 +1,12 @@
 """Column sums of every disparity and of the texture, over two frames."""
 
-import os
-
 import cocotb
 import numpy as np
 from cocotb.triggers import FallingEdge
-from cocotb_helpers import seeded, start, unpack
+from cocotb_helpers import parameter, seeded, start, unpack
 from slots import frame_slots
 
-D, B = int(os.environ["VISTA_NumDisparities"]), int(os.environ["VISTA_BlockSize"])
+D, B = parameter("NumDisparities"), parameter("BlockSize")
 COLUMN_W = (B * 255).bit_length()
 
 
@@ -17,7 +15,9 @@ async def columns_hold_the_sums_of_the_last_rows(dut):
     random = seeded(dut)
     rng = np.random.default_rng(random.randrange(1 << 30))
     sides = ("left", "right", "texture")
-    await start(dut, slot_i=0, slot_col_i=0, **{f"{s}_{e}_i": 0 for s in sides for e in ("entering", "leaving")})
+    await start(
+        dut, slot_i=0, slot_col_i=0, **{f"{s}_{e}_i": 0 for s in sides for e in ("entering", "leaving")}
+    )
     for width, height in ((20, 9), (32, 13)):
         left, right = rng.choice([0, 255, 7, 200], (2, height, width))
         texture = rng.integers(0, 64, (height, width))

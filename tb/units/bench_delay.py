@@ -1,12 +1,10 @@
 """A word comes out the stated number of clocks later."""
 
-import os
-
 import cocotb
 from cocotb.triggers import FallingEdge
-from cocotb_helpers import seeded, start
+from cocotb_helpers import parameter, seeded, start
 
-LATENCY = int(os.environ["VISTA_Latency"])
+LATENCY = parameter("Latency")
 
 
 @cocotb.test()

@@ -1,12 +1,10 @@
 """W * H words a frame, results where they belong, frames in order, at any pace."""
 
-import os
-
 import cocotb
 from cocotb.triggers import FallingEdge, ReadOnly
-from cocotb_helpers import seeded, start
+from cocotb_helpers import parameter, seeded, start
 
-D, B = int(os.environ["VISTA_NumDisparities"]), int(os.environ["VISTA_BlockSize"])
+D, B = parameter("NumDisparities"), parameter("BlockSize")
 R = B // 2
 
 

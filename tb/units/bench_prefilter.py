@@ -22,7 +22,14 @@ async def rows_and_columns_of_every_border(dut):
     async def clock():
         await FallingEdge(dut.clk_i)
         if dut.slot_o.value[11]:
-            got.append((int(dut.left_o.value), int(dut.right_o.value), int(dut.texture_o.value), int(dut.slot_col_o.value)))
+            got.append(
+                (
+                    int(dut.left_o.value),
+                    int(dut.right_o.value),
+                    int(dut.texture_o.value),
+                    int(dut.slot_col_o.value),
+                )
+            )
 
     for width, height in ((4, 2), (9, 3), (32, 4), (17, 5), (12, 2)):
         sobel, cap = rng.integers(2), int(rng.choice([1, 31, 63]))

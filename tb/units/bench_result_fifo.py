@@ -1,12 +1,10 @@
 """A writer that only looks at `go` from as far away as it may loses nothing."""
 
-import os
-
 import cocotb
 from cocotb.triggers import FallingEdge, ReadOnly
-from cocotb_helpers import seeded, start
+from cocotb_helpers import parameter, seeded, start
 
-IN_FLIGHT = int(os.environ["VISTA_InFlight"])
+IN_FLIGHT = parameter("InFlight")
 
 
 @cocotb.test()

@@ -1,12 +1,10 @@
 """dR along the diagonals, row after row, with pauses between pixels and the shortest gap between rows."""
 
-import os
-
 import cocotb
 from cocotb.triggers import FallingEdge
-from cocotb_helpers import pack, seeded, start
+from cocotb_helpers import pack, parameter, seeded, start
 
-D, COST_W, RING_W = (int(os.environ[f"VISTA_{k}"]) for k in ("NumDisparities", "CostW", "RingW"))
+D, COST_W, RING_W = (parameter(name) for name in ("NumDisparities", "CostW", "RingW"))
 
 
 @cocotb.test()
@@ -18,7 +16,11 @@ async def right_winners_are_those_of_the_diagonals(dut):
     async def clock():
         await FallingEdge(dut.clk_i)
         if dut.slot_valid_o.value:
-            emitted[len(emitted)] = (int(dut.winner_o.value), bool(dut.decided_o.value), int(dut.slot_index_o.value))
+            emitted[len(emitted)] = (
+                int(dut.winner_o.value),
+                bool(dut.decided_o.value),
+                int(dut.slot_index_o.value),
+            )
 
     for width in (1, 2, D - 1, D, 3 * D, 50):
         emitted.clear()

@@ -1,14 +1,12 @@
 """The word that leaves is the one that entered B rows before."""
 
-import os
-
 import cocotb
 import numpy as np
 from cocotb.triggers import FallingEdge
-from cocotb_helpers import seeded, start
+from cocotb_helpers import parameter, seeded, start
 from slots import frame_slots
 
-B, WIDTH = int(os.environ["VISTA_BlockSize"]), int(os.environ["VISTA_Width"])
+B, WIDTH = parameter("BlockSize"), parameter("Width")
 
 
 @cocotb.test()

@@ -1,12 +1,10 @@
 """Every word can be picked, two clocks later."""
 
-import os
-
 import cocotb
 from cocotb.triggers import FallingEdge
-from cocotb_helpers import pack, seeded, start
+from cocotb_helpers import pack, parameter, seeded, start
 
-NUM_WORDS, WIDTH = int(os.environ["VISTA_NumWords"]), int(os.environ["VISTA_Width"])
+NUM_WORDS, WIDTH = parameter("NumWords"), parameter("Width")
 
 
 @cocotb.test()

@@ -1,18 +1,24 @@
-"""The top by bus models of others: AXI4-Stream frames and AXI4-Lite registers of cocotbext-axi, against the C model."""
+"""The top by bus models of others (cocotbext-axi): frames and registers, against the C model."""
 
 import logging
-import os
 
 import cocotb
 import numpy as np
 from cocotb.clock import Clock
 from cocotb.triggers import ClockCycles, RisingEdge
-from cocotb_helpers import seeded
-from cocotbext.axi import AxiLiteBus, AxiLiteMaster, AxiStreamBus, AxiStreamFrame, AxiStreamSink, AxiStreamSource
+from cocotb_helpers import parameter, seeded
+from cocotbext.axi import (
+    AxiLiteBus,
+    AxiLiteMaster,
+    AxiStreamBus,
+    AxiStreamFrame,
+    AxiStreamSink,
+    AxiStreamSource,
+)
 from frames import expected_words, random_frame
 from registers import CONTROL, ERRORS, FRAMES_OUT, ID, LR_CHECK, PREFILTER, SIZE, TEXTURE, UNIQUENESS
 
-D, B, MAX_WIDTH = (int(os.environ[f"VISTA_{k}"]) for k in ("NumDisparities", "BlockSize", "MaxWidth"))
+D, B, MAX_WIDTH = (parameter(name) for name in ("NumDisparities", "BlockSize", "MaxWidth"))
 
 
 @cocotb.test()
@@ -22,9 +28,15 @@ async def frames_through_the_buses(dut, pauses):
     rng = np.random.default_rng(random.randrange(1 << 30))
     logging.getLogger("cocotb.vista_stereo").setLevel(logging.ERROR)
     cocotb.start_soon(Clock(dut.clk_i, 10, "ns").start())
-    source = AxiStreamSource(AxiStreamBus.from_prefix(dut, "s_axis"), dut.clk_i, dut.rst_ni, reset_active_level=False, byte_lanes=1)
-    sink = AxiStreamSink(AxiStreamBus.from_prefix(dut, "m_axis"), dut.clk_i, dut.rst_ni, reset_active_level=False, byte_lanes=1)
-    registers = AxiLiteMaster(AxiLiteBus.from_prefix(dut, "s_axil"), dut.clk_i, dut.rst_ni, reset_active_level=False)
+    source = AxiStreamSource(
+        AxiStreamBus.from_prefix(dut, "s_axis"), dut.clk_i, dut.rst_ni, reset_active_level=False, byte_lanes=1
+    )
+    sink = AxiStreamSink(
+        AxiStreamBus.from_prefix(dut, "m_axis"), dut.clk_i, dut.rst_ni, reset_active_level=False, byte_lanes=1
+    )
+    registers = AxiLiteMaster(
+        AxiLiteBus.from_prefix(dut, "s_axil"), dut.clk_i, dut.rst_ni, reset_active_level=False
+    )
     dut.rst_ni.value = 0
     await ClockCycles(dut.clk_i, 5)
     dut.rst_ni.value = 1
@@ -45,7 +57,9 @@ async def frames_through_the_buses(dut, pauses):
         await registers.write_dword(LR_CHECK, (p.lr_max_diff is not None) | (p.lr_max_diff or 0) << 8)
         pair = frame.left.astype(int) | frame.right.astype(int) << 8
         for y in range(height):
-            await source.send(AxiStreamFrame(pair[y].tolist(), tuser=[int(x == y == 0) for x in range(width)]))
+            await source.send(
+                AxiStreamFrame(pair[y].tolist(), tuser=[int(x == y == 0) for x in range(width)])
+            )
         await source.wait()
         words = []
         for y in range(height):

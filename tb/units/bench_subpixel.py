@@ -1,12 +1,10 @@
 """The formula of the contract's step 7, as it is written there."""
 
-import os
-
 import cocotb
 from cocotb.triggers import FallingEdge
-from cocotb_helpers import seeded, start
+from cocotb_helpers import parameter, seeded, start
 
-COST_W, INDEX_W = int(os.environ["VISTA_CostW"]), int(os.environ["VISTA_IndexW"])
+COST_W, INDEX_W = parameter("CostW"), parameter("IndexW")
 LATENCY = 11
 
 

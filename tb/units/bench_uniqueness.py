@@ -1,12 +1,10 @@
 """A rival is a cost at or below the bound, more than one candidate away from the winner."""
 
-import os
-
 import cocotb
 from cocotb.triggers import FallingEdge
-from cocotb_helpers import pack, seeded, start
+from cocotb_helpers import pack, parameter, seeded, start
 
-D, COST_W = int(os.environ["VISTA_NumDisparities"]), int(os.environ["VISTA_CostW"])
+D, COST_W = parameter("NumDisparities"), parameter("CostW")
 
 
 @cocotb.test()
@@ -22,7 +20,9 @@ async def rivals_are_found(dut):
         bound = random.randrange(1, (1 << COST_W) - 2)
         costs = [bound + 1 + random.randrange(3) for _ in range(D)]
         for _ in range(random.randrange(3)):
-            costs[(winner + random.choice([-2, -1, 0, 1, 2, random.randrange(D)])) % D] = bound - random.randrange(2)
+            costs[(winner + random.choice([-2, -1, 0, 1, 2, random.randrange(D)])) % D] = (
+                bound - random.randrange(2)
+            )
         dut.disparity_i.value = winners[clock + 1]
         dut.cost_i.value, dut.bound_i.value = pack(costs, COST_W), bound
         expected.append(clock > 0 and any(abs(d - winner) > 1 and costs[d] <= bound for d in range(D)))

@@ -1,12 +1,10 @@
 """T = Smin + floor(Smin * u / 100), saturated."""
 
-import os
-
 import cocotb
 from cocotb.triggers import FallingEdge
-from cocotb_helpers import seeded, start
+from cocotb_helpers import parameter, seeded, start
 
-COST_W = int(os.environ["VISTA_CostW"])
+COST_W = parameter("CostW")
 TOP = (1 << COST_W) - 1
 
 
@@ -22,7 +20,15 @@ async def bound_is_exact(dut):
         for clock in range(60):
             if clock >= 3:
                 assert int(dut.bound_o.value) == expected[clock - 3], f"u {ratio}"
-            smin = random.choice([0, TOP - 1, 100 * random.randrange(1300), random.randrange(TOP), max(0, 100 * random.randrange(1300) - 1)])
+            smin = random.choice(
+                [
+                    0,
+                    TOP - 1,
+                    100 * random.randrange(1300),
+                    random.randrange(TOP),
+                    max(0, 100 * random.randrange(1300) - 1),
+                ]
+            )
             dut.smin_i.value = smin
             expected.append(min(smin + smin * ratio // 100, TOP))
             await FallingEdge(dut.clk_i)

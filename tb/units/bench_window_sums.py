@@ -1,14 +1,12 @@
 """Running sums of the last B columns, new in every frame."""
 
-import os
-
 import cocotb
 import numpy as np
 from cocotb.triggers import FallingEdge
-from cocotb_helpers import pack, seeded, start, unpack
+from cocotb_helpers import pack, parameter, seeded, start, unpack
 from slots import frame_slots
 
-N, B = int(os.environ["VISTA_NumChannels"]), int(os.environ["VISTA_BlockSize"])
+N, B = parameter("NumChannels"), parameter("BlockSize")
 COLUMN_W, COST_W = (B * 255).bit_length(), (B * B * 255).bit_length()
 
 

@@ -1,12 +1,10 @@
 """Smallest cost, ties to the larger disparity."""
 
-import os
-
 import cocotb
 from cocotb.triggers import FallingEdge
-from cocotb_helpers import pack, seeded, start
+from cocotb_helpers import pack, parameter, seeded, start
 
-D, COST_W = int(os.environ["VISTA_NumDisparities"]), int(os.environ["VISTA_CostW"])
+D, COST_W = parameter("NumDisparities"), parameter("CostW")
 
 
 @cocotb.test()
