@@ -30,12 +30,13 @@ class Received:
 class Reaction:
     frames: list[Received]
     errors: int
+    lost: bool  # a start of frame is being searched for
 
 
-def react(beats: npt.NDArray[np.uint32], width: int, height: int) -> Reaction:
-    """The frames begun by a stream of beats, and the error bits it sets. Reset comes first."""
+def react(beats: npt.NDArray[np.uint32], width: int, height: int, lost: bool = True) -> Reaction:
+    """The frames begun by a stream of beats, and the error bits it sets; reset leaves the engine lost."""
     frames: list[Received] = []
-    errors, current, lost = 0, None, True
+    errors, current = 0, None
     for beat in map(int, beats):
         sof, eol = bool(beat & USER), bool(beat & LAST)
         if current is not None and sof:
@@ -56,7 +57,7 @@ def react(beats: npt.NDArray[np.uint32], width: int, height: int) -> Reaction:
         elif len(current.pixels) == width * height:
             current.whole = True
             current = None
-    return Reaction(frames, errors)
+    return Reaction(frames, errors, lost)
 
 
 def expected_after(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ctypes
 import functools
 import hashlib
+import os
 import subprocess
 from dataclasses import dataclass
 from pathlib import Path
@@ -27,10 +28,11 @@ class Config:
     max_width: int = 1024
     coverage: bool = False
     mutants: bool = False  # of scripts/mutate_rtl.py, in place of the core
+    waves: bool = "VISTA_WAVES" in os.environ  # written to build/rtl/top/NAME/waves.vcd
 
     @property
     def name(self) -> str:
-        kind = "_cov" * self.coverage + "_mutants" * self.mutants
+        kind = "_cov" * self.coverage + "_mutants" * self.mutants + "_waves" * self.waves
         return f"d{self.num_disparities}_b{self.block_size}_w{self.max_width}{kind}"
 
 
@@ -57,6 +59,7 @@ def build(config: Config) -> Path:
         "-Wno-fatal", "-Wno-lint",
         f"-GNumDisparities={config.num_disparities}", f"-GBlockSize={config.block_size}",
         f"-GMaxWidth={config.max_width}",
+        *(["--trace-vcd"] if config.waves else []),
         *(["--coverage-line", "--coverage-toggle"] if config.coverage else []),
         *map(str, files),
     ]  # fmt: skip
@@ -73,7 +76,7 @@ def build(config: Config) -> Path:
         "g++", "-std=c++17", "-shared", *flags.split(), f"-I{folder}", f"-I{root}/include",
         f"-I{root}/include/vltstd",
         str(SHIM), str(folder / "libVvista_stereo.a"), str(folder / "libverilated.a"),
-        "-lpthread", "-o", str(library),
+        "-lpthread", "-o", str(library), *([f'-DVISTA_WAVES="{folder}/waves.vcd"'] if config.waves else []),
     ]  # fmt: skip
     _run(link, environment, folder)
     stamp.write_text(digest)

@@ -13,6 +13,10 @@
 #include "Vvista_stereo___024root.h"
 #endif
 
+#ifdef VISTA_WAVES
+#include "verilated_vcd_c.h"
+#endif
+
 namespace {
 
 // xorshift64*: small, seedable, the same everywhere.
@@ -43,6 +47,9 @@ struct Pace {
 
 struct Engine {
   VerilatedContext context;
+#ifdef VISTA_WAVES
+  VerilatedVcdC waves;  // closes its file when it goes
+#endif
   std::unique_ptr<Vvista_stereo> top;
   int64_t clock = 0;
 
@@ -50,7 +57,14 @@ struct Engine {
   explicit Engine(uint32_t seed) {
     context.randReset(2);
     context.randSeed(static_cast<int>(seed ? seed : 1));
+#ifdef VISTA_WAVES
+    context.traceEverOn(true);
+#endif
     top = std::make_unique<Vvista_stereo>(&context);
+#ifdef VISTA_WAVES
+    top->trace(&waves, 99);
+    waves.open(VISTA_WAVES);
+#endif
     top->clk_i = 0;
     top->rst_ni = 0;
     top->s_axis_tvalid = top->m_axis_tready = 0;
@@ -64,8 +78,14 @@ struct Engine {
   void edge() {
     top->clk_i = 1;
     top->eval();
+#ifdef VISTA_WAVES
+    waves.dump(static_cast<uint64_t>(10 * clock));
+#endif
     top->clk_i = 0;
     top->eval();
+#ifdef VISTA_WAVES
+    waves.dump(static_cast<uint64_t>(10 * clock + 5));
+#endif
     ++clock;
   }
 

@@ -35,7 +35,7 @@ def check(rtl: Rtl, frame: Frame, pace_in: Pace, pace_out: Pace, seed: int) -> N
     set_up(rtl, frame)
     got = rtl.stream(beats(frame.left, frame.right), height * width, pace_in, pace_out, seed)
     expected = expected_words(frame)
-    rerun = f"VISTA_SEED={seed} pytest tb/top/test_words.py -k '{rtl.config.name}'"
+    rerun = f"VISTA_WAVES=1 VISTA_SEED={seed} pytest tb/top/test_words.py -k 'random and {rtl.config.name}'"
     assert len(got.words) == len(expected), (
         f"{len(got.words)} of {len(expected)} words, {frame.parameters}; {rerun}"
     )
