@@ -67,7 +67,6 @@ module vista_prefilter #(
     store_col2_q <= store_col1_q;
     below1_q     <= store_data_i;
     below2_q     <= below1_q;
-    if (slot_i.valid & slot_i.first_row & slot_i.first_col) params_o <= params_i;
     if (!rst_ni) begin
       slot1_q.valid <= 1'b0;
       slot2_q.valid <= 1'b0;
@@ -109,11 +108,13 @@ module vista_prefilter #(
   end
 
   // 4: the gradient of column x. The last column has no successor and leaves one clock after it came, when at most a
-  // first column arrives, which sends nothing off.
+  // first column arrives, which sends nothing off. The parameters of a frame come with its first pixel, close behind the
+  // last one of the frame before.
   slot_t                          slot4_q;
   logic [ColW-1:0]                col4_q;
   logic [PairW-1:0]               grey4_q;
   logic signed [1:0][VerticalW:0] gradient4_q;
+  params_t params4_q;
   logic zero, follower;
 
   assign follower = slot3_q.valid & ~slot3_q.first_col;
@@ -123,6 +124,7 @@ module vista_prefilter #(
     slot4_q       <= center_q;
     slot4_q.valid <= follower | last_pending_q;
     slot4_q.cut   <= center_q.cut | (follower & slot3_q.cut);
+    if (follower & center_q.first_row & center_q.first_col) params4_q <= params_i;
     col4_q        <= center_col_q;
     grey4_q       <= grey_q;
     for (int unsigned i = 0; i < 2; i++) begin
@@ -150,11 +152,12 @@ module vista_prefilter #(
 
   always_ff @(posedge clk_i) begin
     slot5_q <= slot4_q;
+    params_o   <= params4_q;
     col5_q  <= col4_q;
     grey5_q <= grey4_q;
     for (int unsigned i = 0; i < 2; i++) begin
       negative5_q[i]  <= gradient4_q[i][VerticalW];
-      magnitude5_q[i] <= (magnitude4[i] > (VerticalW + 1)'(params_o.cap)) ? params_o.cap
+      magnitude5_q[i] <= (magnitude4[i] > (VerticalW + 1)'(params4_q.cap)) ? params4_q.cap
                                                                          : TextureW'(magnitude4[i]);
     end
 

@@ -8,7 +8,16 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
-from frames import Frame, beats, expected_flags, expected_words, random_frame, random_parameters, set_up
+from frames import (
+    Frame,
+    beats,
+    expected_flags,
+    expected_words,
+    random_frame,
+    random_pair,
+    random_parameters,
+    set_up,
+)
 from registers import CONTROL, ERRORS
 from verilated import Config, Pace, Rtl
 from vista_model.engine import Parameters
@@ -92,26 +101,29 @@ def test_frame_as_wide_as_the_memories(max_width: int) -> None:
 
 
 @pytest.mark.parametrize("config", [Config(16, 5), Config(32, 11)], ids=name)
-def test_frames_back_to_back_keep_their_own_parameters(config: Config) -> None:
-    """Frames of one size without a gap; the registers change while a frame is under way."""
-    rng = np.random.default_rng(3)
-    width, height = config.num_disparities + 60, config.block_size + 9
-    frames = [
-        Frame(
-            *rng.integers(0, 256, (2, height, width), np.uint8),
-            random_parameters(rng, config.num_disparities, config.block_size),
-        )
-        for _ in range(12)
-    ]
-    with Rtl(config) as rtl:
+@pytest.mark.parametrize("seed", range(6))
+def test_frames_back_to_back_keep_their_own_size_and_parameters(config: Config, seed: int) -> None:
+    """Not a clock between frames; the registers of a frame are written in the middle of the one before."""
+    rng = np.random.default_rng(seed)
+    frames = []
+    for _ in range(10):
+        height = int(rng.integers(config.block_size - 1, 2 * config.block_size + 4))
+        width = int(rng.integers(config.num_disparities, 2 * config.num_disparities + 60))
+        parameters = random_parameters(rng, config.num_disparities, config.block_size)
+        frames.append(Frame(*random_pair(rng, "shifted", height, width), parameters))
+    streams = [beats(frame.left, frame.right) for frame in frames]
+    halves = [half for stream in streams for half in np.split(stream, [len(stream) // 2])]
+    # From the middle of a frame to the middle of the next.
+    chunks = [halves[0], *map(np.concatenate, zip(halves[1:-1:2], halves[2:-1:2], strict=True)), halves[-1]]
+    total = sum(map(len, streams))
+    words = []
+    with Rtl(config, seed + 1) as rtl:
         rtl.write(CONTROL, 1)
-        set_up(rtl, frames[0])
-        words = []
-        for frame, following in zip(frames, [*frames[1:], frames[0]], strict=True):
-            stream = beats(frame.left, frame.right)
-            middle = int(rng.integers(1, len(stream)))
-            words += [rtl.stream(stream[:middle], len(stream), quiet=40).words]
-            set_up(rtl, following)
-            words += [rtl.stream(stream[middle:], len(stream), quiet=40).words]
-        words += [rtl.stream(beats(frame.left, frame.right)[:0], height * width).words]
-        assert (np.concatenate(words) == np.concatenate([expected_words(f) for f in frames])).all()
+        for chunk, coming in zip(chunks, [*frames, frames[-1]], strict=True):
+            set_up(rtl, coming)
+            got = rtl.stream(chunk, total, max_clocks=len(chunk) + 200)
+            assert got.taken == len(chunk)
+            words.append(got.words)
+        words.append(rtl.stream(chunk[:0], total - sum(map(len, words))).words)
+        assert rtl.read(ERRORS) == 0
+    assert (np.concatenate(words) == np.concatenate([expected_words(f) for f in frames])).all()
