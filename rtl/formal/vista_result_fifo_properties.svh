@@ -1,0 +1,36 @@
+// Properties of vista_result_fifo, inside it: it never overflows, and as many words leave as came.
+//
+// Assumed of the writer, as vista_stereo_core arranges it: a word comes only if `go_o` was up InFlight - 3 clocks before.
+
+logic                f_started = 1'b0;
+logic [InFlight-4:0] f_go;
+logic [PtrW:0]       f_stored;   // in memory
+logic [PtrW+1:0]     f_balance;  // words that came, less those that left
+logic [2:0]          f_claimed;
+
+assign f_claimed = ahead_level_q + {2'b0, read1_q} + {2'b0, read2_q};
+
+always_ff @(posedge clk_i) begin
+  f_started <= 1'b1;
+  f_go      <= (InFlight - 3)'({f_go, go_o});
+  f_stored  <= f_stored + (PtrW + 1)'(write_i) - (PtrW + 1)'(read);
+  f_balance <= f_balance + (PtrW + 2)'(write_i) - (PtrW + 2)'(take);
+  if (!rst_ni) begin
+    f_go      <= '0;
+    f_stored  <= '0;
+    f_balance <= '0;
+  end
+end
+
+always_comb begin
+  if (!f_started) assume (!rst_ni);
+  assume (!write_i || f_go[InFlight-4]);
+  if (f_started) begin
+    assert (32'(f_stored) < Depth);
+    assert (f_stored[PtrW-1:0] == write_ptr_q - read_ptr_q);
+    assert (32'(ahead_claimed_q) <= Ahead && 32'(ahead_level_q) <= Ahead);
+    assert (ahead_claimed_q == f_claimed);
+    assert (ahead_level_q[1:0] == ahead_write_q - ahead_read_q);
+    assert (32'(f_balance) == 32'(f_stored) + 32'(f_claimed));
+  end
+end

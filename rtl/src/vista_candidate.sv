@@ -1,0 +1,145 @@
+// From the costs of a pixel to its candidate disparity: winner, uniqueness and sub-pixel (steps 3, 5, 7).
+//
+// The costs go two ways: through the tree of the winner, and through a delay of the time that the winner and the bound
+// of the uniqueness take, after which they are looked at a second time.
+//
+// Latency: candidate_latency(D) of the package, clocks; one pixel a clock.
+
+module vista_candidate #(
+  parameter int unsigned NumDisparities = 32,
+  parameter int unsigned BlockSize = 11,
+  localparam int unsigned CostW = vista_stereo_pkg::cost_width(BlockSize),
+  localparam int unsigned IndexW = $clog2(NumDisparities),
+  localparam int unsigned DisparityW = vista_stereo_pkg::DisparityW
+) (
+  input  logic                                  clk_i,
+  input  logic                                  rst_ni,
+  input  logic [6:0]                            uniqueness_ratio_i,
+  input  logic [NumDisparities-1:0][CostW-1:0]  cost_i,
+  output logic [IndexW-1:0]                     winner_o,
+  output logic [CostW-1:0]                      smin_o,
+  output logic                                  rival_o,  // not unique
+  output logic signed [DisparityW-1:0]          disparity_o
+);
+
+  import vista_stereo_pkg::*;
+
+  localparam int unsigned WinnerLatency = winner_latency(NumDisparities);
+
+  logic [IndexW-1:0] winner;
+  logic [CostW-1:0]  smin;
+
+  vista_winner #(
+    .NumDisparities (NumDisparities),
+    .CostW (CostW)
+  ) u_winner (
+    .clk_i,
+    .cost_i,
+    .smin_o      (smin),
+    .disparity_o (winner)
+  );
+
+  // Aligned with the bound.
+  logic [NumDisparities-1:0][CostW-1:0] cost;
+  logic [CostW-1:0]                     bound;
+
+  vista_delay #(
+    .Width   (NumDisparities * CostW),
+    .Latency (WinnerLatency + ThresholdLatency)
+  ) u_costs (
+    .clk_i,
+    .rst_ni,
+    .data_i (cost_i),
+    .data_o (cost)
+  );
+
+  vista_uniqueness_bound #(
+    .CostW(CostW)
+  ) u_bound (
+    .clk_i,
+    .ratio_i (uniqueness_ratio_i),
+    .smin_i  (smin),
+    .bound_o (bound)
+  );
+
+  logic [IndexW-1:0] winner1_q, winner2_q, previous_index_q, next_index_q;
+  logic rival;
+
+  always_ff @(posedge clk_i) begin
+    winner1_q        <= winner;
+    winner2_q        <= winner1_q;
+    // At the ends of the range the neighbour of the other side stands in.
+    previous_index_q <= (winner2_q == '0) ? IndexW'(1) : winner2_q - 1'b1;
+    next_index_q     <= (32'(winner2_q) == NumDisparities - 1) ? IndexW'(NumDisparities - 2) : winner2_q + 1'b1;
+  end
+
+  vista_uniqueness #(
+    .NumDisparities (NumDisparities),
+    .CostW (CostW)
+  ) u_uniqueness (
+    .clk_i,
+    .disparity_i (winner2_q),
+    .cost_i      (cost),
+    .bound_i     (bound),
+    .rival_o     (rival)
+  );
+
+  logic [CostW-1:0] cost_previous, cost_next;
+
+  vista_select #(
+    .NumWords (NumDisparities),
+    .Width    (CostW)
+  ) u_previous (
+    .clk_i,
+    .index_i (previous_index_q),
+    .word_i  (cost),
+    .word_o  (cost_previous)
+  );
+
+  vista_select #(
+    .NumWords (NumDisparities),
+    .Width    (CostW)
+  ) u_next (
+    .clk_i,
+    .index_i (next_index_q),
+    .word_i  (cost),
+    .word_o  (cost_next)
+  );
+
+  logic [IndexW-1:0] winner_subpixel;
+  logic [CostW-1:0]  smin_subpixel;
+
+  vista_delay #(
+    .Width   (IndexW + CostW),
+    .Latency (ThresholdLatency + UniquenessLatency)
+  ) u_to_subpixel (
+    .clk_i,
+    .rst_ni,
+    .data_i ({winner, smin}),
+    .data_o ({winner_subpixel, smin_subpixel})
+  );
+
+  vista_subpixel #(
+    .CostW (CostW),
+    .IndexW (IndexW)
+  ) u_subpixel (
+    .clk_i,
+    .rst_ni,
+    .winner_i    (winner_subpixel),
+    .smin_i      (smin_subpixel),
+    .previous_i  (cost_previous),
+    .next_i      (cost_next),
+    .disparity_o
+  );
+
+  vista_delay #(
+    .Width   (IndexW + CostW + 1),
+    .Latency (SubpixelLatency)
+  ) u_past_subpixel (
+    .clk_i,
+    .rst_ni,
+    .data_i ({winner_subpixel, smin_subpixel, rival}),
+    .data_o ({winner_o, smin_o, rival_o})
+  );
+
+endmodule

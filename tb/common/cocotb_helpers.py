@@ -1,0 +1,44 @@
+"""What every cocotb bench needs: a clock, a reset, a seed that is printed, and words packed into a port."""
+
+from __future__ import annotations
+
+import os
+import random
+from collections.abc import Iterable
+
+import cocotb
+from cocotb.clock import Clock
+from cocotb.handle import SimHandleBase
+from cocotb.triggers import FallingEdge
+
+
+def seeded(dut: SimHandleBase) -> random.Random:
+    seed = int(os.environ.get("VISTA_SEED", "1"))
+    cocotb.log.info("seed %d; rerun: VISTA_SEED=%d pytest tb/test_units.py -k %s", seed, seed, dut._name)
+    return random.Random(seed)
+
+
+def parameter(name: str) -> int:
+    """A parameter of the module under test."""
+    return int(os.environ[f"VISTA_{name.upper()}"])
+
+
+async def start(dut: SimHandleBase, **idle: int) -> None:
+    """Sets the inputs given, runs the clock and resets. Benches drive and look at the falling edge."""
+    for name, value in idle.items():
+        getattr(dut, name).value = value
+    cocotb.start_soon(Clock(dut.clk_i, 10, "ns").start())
+    if hasattr(dut, "rst_ni"):
+        dut.rst_ni.value = 0
+        for _ in range(4):
+            await FallingEdge(dut.clk_i)
+        dut.rst_ni.value = 1
+    await FallingEdge(dut.clk_i)
+
+
+def pack(words: Iterable[int], width: int) -> int:
+    return sum((int(word) & (1 << width) - 1) << i * width for i, word in enumerate(words))
+
+
+def unpack(value: int, width: int, count: int) -> list[int]:
+    return [int(value) >> i * width & (1 << width) - 1 for i in range(count)]

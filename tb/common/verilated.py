@@ -1,0 +1,175 @@
+"""The Verilated engine as a Python object: build a configuration once, then stream frames at C++ speed."""
+
+from __future__ import annotations
+
+import ctypes
+import functools
+import hashlib
+import os
+import subprocess
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+from tools import BUILD, ROOT, sources, verilator_environment
+
+SHIM = Path(__file__).with_name("verilated_top.cpp")
+USER, LAST = 1 << 16, 1 << 17  # of a beat
+WORD_USER, WORD_LAST = 1, 2  # of the flags of a word
+
+
+@dataclass(frozen=True)
+class Config:
+    """Build parameters."""
+
+    num_disparities: int
+    block_size: int
+    max_width: int = 1024
+    coverage: bool = False
+    mutants: bool = False  # of scripts/mutate_rtl.py, in place of the core
+    waves: bool = "VISTA_WAVES" in os.environ  # written to build/rtl/top/NAME/waves.vcd
+
+    @property
+    def name(self) -> str:
+        kind = "_cov" * self.coverage + "_mutants" * self.mutants + "_waves" * self.waves
+        return f"d{self.num_disparities}_b{self.block_size}_w{self.max_width}{kind}"
+
+
+@dataclass(frozen=True)
+class Pace:
+    """A side that runs and pauses in bursts: chances per clock, in 1/1000, to stop and to go on."""
+
+    stop: int = 0
+    go: int = 1000
+
+
+def build(config: Config) -> Path:
+    """The shared library of a configuration, built anew when a source has changed."""
+    files = sources("vista_stereo.f")
+    if config.mutants:
+        files = [f for f in files if f.name != "vista_stereo_core.sv"]
+        files += [BUILD / "mutate" / "mutants.v", Path(__file__).with_name("mutants_core.sv")]
+    folder = BUILD / "top" / config.name
+    library, stamp = folder / "engine.so", folder / "digest"
+    flags = "-fPIC -O2" + " -DVISTA_COVERAGE" * config.coverage + " -DVISTA_MUTANTS" * config.mutants
+    command = [
+        "verilator", "--cc", "--build", "-j", "1", "-O3", "--x-assign", "fast", "--x-initial", "unique",
+        "--assert", "--top-module", "vista_stereo", "--Mdir", str(folder), "-CFLAGS", flags,
+        "-Wno-fatal", "-Wno-lint",
+        f"-GNumDisparities={config.num_disparities}", f"-GBlockSize={config.block_size}",
+        f"-GMaxWidth={config.max_width}",
+        *(["--trace-vcd"] if config.waves else []),
+        *(["--coverage-line", "--coverage-toggle"] if config.coverage else []),
+        *map(str, files),
+    ]  # fmt: skip
+    digest = hashlib.sha256(
+        b"".join(f.read_bytes() for f in [*files, SHIM]) + repr(command).encode()
+    ).hexdigest()
+    if library.is_file() and stamp.is_file() and stamp.read_text() == digest:
+        return library
+    folder.mkdir(parents=True, exist_ok=True)
+    environment = verilator_environment()
+    _run(command, environment, folder)
+    root = _run(["verilator", "--getenv", "VERILATOR_ROOT"], environment, folder).strip()
+    link = [
+        "g++", "-std=c++17", "-shared", *flags.split(), f"-I{folder}", f"-I{root}/include",
+        f"-I{root}/include/vltstd",
+        str(SHIM), str(folder / "libVvista_stereo.a"), str(folder / "libverilated.a"),
+        "-lpthread", "-o", str(library), *([f'-DVISTA_WAVES="{folder}/waves.vcd"'] if config.waves else []),
+    ]  # fmt: skip
+    _run(link, environment, folder)
+    stamp.write_text(digest)
+    return library
+
+
+def _run(command: list[str], environment: dict[str, str], folder: Path) -> str:
+    done = subprocess.run(command, env=environment, cwd=ROOT, capture_output=True, text=True)
+    (folder / "build.log").write_text(" ".join(command) + "\n" + done.stdout + done.stderr)
+    if done.returncode:
+        raise RuntimeError(f"{command[0]} failed, see {folder}/build.log:\n{done.stderr[-2000:]}")
+    return done.stdout
+
+
+@functools.cache
+def _load(config: Config) -> ctypes.CDLL:
+    library = ctypes.CDLL(str(build(config)))
+    library.rtl_create.restype = ctypes.c_void_p
+    library.rtl_read.restype = ctypes.c_uint32
+    library.rtl_stream.restype = ctypes.c_int64
+    return library
+
+
+@dataclass
+class Streamed:
+    """What came out of one call of Rtl.stream: words, their framing, and the clocks of all transfers."""
+
+    words: npt.NDArray[np.uint32]
+    flags: npt.NDArray[np.uint8]
+    in_clock: npt.NDArray[np.int64]
+    out_clock: npt.NDArray[np.int64]
+    taken: int
+
+
+class Rtl:
+    """One engine out of reset. Close it, or use it as a context."""
+
+    def __init__(self, config: Config, seed: int = 1) -> None:
+        self.config = config
+        self._lib = _load(config)
+        self._handle = ctypes.c_void_p(self._lib.rtl_create(ctypes.c_uint32(seed)))
+
+    def __enter__(self) -> Rtl:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def close(self) -> None:
+        self._lib.rtl_destroy(self._handle)
+
+    def select_mutant(self, number: int) -> None:
+        self._lib.rtl_select_mutant(self._handle, ctypes.c_uint32(number))
+        self.reset()
+
+    def reset(self, clocks: int = 4) -> None:
+        self._lib.rtl_reset(self._handle, clocks)
+
+    def write(self, address: int, data: int) -> None:
+        self._lib.rtl_write(self._handle, ctypes.c_uint32(address), ctypes.c_uint32(data))
+
+    def read(self, address: int) -> int:
+        return int(self._lib.rtl_read(self._handle, ctypes.c_uint32(address)))
+
+    def write_coverage(self, path: Path) -> None:
+        self._lib.rtl_write_coverage(self._handle, str(path).encode())
+
+    def stream(
+        self,
+        beats: npt.NDArray[np.uint32],
+        max_words: int,
+        pace_in: Pace = Pace(),
+        pace_out: Pace = Pace(),
+        seed: int = 1,
+        quiet: int = 20000,
+        max_clocks: int = 1 << 40,
+    ) -> Streamed:
+        """Offers all beats and takes at most max_words; gives up after `quiet` clocks without a transfer."""
+        beats = np.ascontiguousarray(beats, np.uint32)
+        words, flags = np.zeros(max_words, np.uint32), np.zeros(max_words, np.uint8)
+        in_clock, out_clock = np.zeros(len(beats), np.int64), np.zeros(max_words, np.int64)
+        taken = ctypes.c_int64()
+
+        def pointer(array: npt.NDArray[np.generic]) -> ctypes.c_void_p:
+            return ctypes.c_void_p(array.ctypes.data)
+
+        def pace(side: Pace) -> ctypes.Array[ctypes.c_uint32]:
+            return (ctypes.c_uint32 * 2)(side.stop, side.go)
+
+        count = self._lib.rtl_stream(
+            self._handle, pointer(beats), ctypes.c_int64(len(beats)), pace(pace_in), pace(pace_out),
+            ctypes.c_uint64(seed), ctypes.c_int64(max_words), ctypes.c_int64(quiet),
+            ctypes.c_int64(max_clocks),
+            pointer(words), pointer(flags), pointer(in_clock), pointer(out_clock), ctypes.byref(taken),
+        )  # fmt: skip
+        return Streamed(words[:count], flags[:count], in_clock[: taken.value], out_clock[:count], taken.value)

@@ -1,0 +1,214 @@
+// Drives the Verilated engine at speed behind a plain C interface: registers, and streams with stalls on both sides.
+// Built into one shared library per configuration by tb/common/verilated.py.
+
+#include <cstdint>
+#include <memory>
+
+#include "Vvista_stereo.h"
+#include "verilated.h"
+#ifdef VISTA_COVERAGE
+#include "verilated_cov.h"
+#endif
+#ifdef VISTA_MUTANTS
+#include "Vvista_stereo___024root.h"
+#endif
+
+#ifdef VISTA_WAVES
+#include "verilated_vcd_c.h"
+#endif
+
+namespace {
+
+// xorshift64*: small, seedable, the same everywhere.
+class Random {
+ public:
+  explicit Random(uint64_t seed) : state_(seed * 2654435769u + 88172645463325252u) {}
+  // True in `permille` of 1000 calls.
+  bool chance(uint32_t permille) {
+    state_ ^= state_ >> 12;
+    state_ ^= state_ << 25;
+    state_ ^= state_ >> 27;
+    return (state_ * 2685821657736338717u >> 33) % 1000 < permille;
+  }
+
+ private:
+  uint64_t state_;
+};
+
+// A side of a stream that runs and pauses in bursts: per clock, the chances to stop and to go on.
+struct Pace {
+  uint32_t stop_permille, go_permille;
+  bool running = true;
+  bool step(Random& random) {
+    running = running ? !random.chance(stop_permille) : random.chance(go_permille);
+    return running;
+  }
+};
+
+struct Engine {
+  VerilatedContext context;
+#ifdef VISTA_WAVES
+  VerilatedVcdC waves;  // closes its file when it goes
+#endif
+  std::unique_ptr<Vvista_stereo> top;
+  int64_t clock = 0;
+
+  // Every bit that reset leaves alone, memories included, starts at random.
+  explicit Engine(uint32_t seed) {
+    context.randReset(2);
+    context.randSeed(static_cast<int>(seed ? seed : 1));
+#ifdef VISTA_WAVES
+    context.traceEverOn(true);
+#endif
+    top = std::make_unique<Vvista_stereo>(&context);
+#ifdef VISTA_WAVES
+    top->trace(&waves, 99);
+    waves.open(VISTA_WAVES);
+#endif
+    top->clk_i = 0;
+    top->rst_ni = 0;
+    top->s_axis_tvalid = top->m_axis_tready = 0;
+    top->s_axil_awvalid = top->s_axil_wvalid = top->s_axil_arvalid = 0;
+    top->s_axil_bready = top->s_axil_rready = 1;
+    top->s_axil_wstrb = 15;
+    top->eval();
+  }
+
+  // Inputs were set: settle, then one rising edge.
+  void edge() {
+    top->clk_i = 1;
+    top->eval();
+#ifdef VISTA_WAVES
+    waves.dump(static_cast<uint64_t>(10 * clock));
+#endif
+    top->clk_i = 0;
+    top->eval();
+#ifdef VISTA_WAVES
+    waves.dump(static_cast<uint64_t>(10 * clock + 5));
+#endif
+    ++clock;
+  }
+
+  void reset(int clocks) {
+    top->rst_ni = 0;
+    for (int i = 0; i < clocks; ++i) edge();
+    top->rst_ni = 1;
+    edge();
+  }
+};
+
+}  // namespace
+
+extern "C" {
+
+void* rtl_create(uint32_t seed) {
+  auto* engine = new Engine(seed);
+  engine->reset(8);
+  return engine;
+}
+
+void rtl_destroy(void* handle) {
+  auto* engine = static_cast<Engine*>(handle);
+  engine->top->final();
+  delete engine;
+}
+
+void rtl_reset(void* handle, int clocks) { static_cast<Engine*>(handle)->reset(clocks); }
+
+void rtl_write(void* handle, uint32_t address, uint32_t data) {
+  auto& e = *static_cast<Engine*>(handle);
+  auto& t = *e.top;
+  t.s_axil_awaddr = address;
+  t.s_axil_wdata = data;
+  t.s_axil_awvalid = t.s_axil_wvalid = 1;
+  while (t.s_axil_awvalid || t.s_axil_wvalid) {
+    t.eval();
+    const bool address_taken = t.s_axil_awready, data_taken = t.s_axil_wready;
+    e.edge();
+    if (address_taken) t.s_axil_awvalid = 0;
+    if (data_taken) t.s_axil_wvalid = 0;
+  }
+  for (t.eval(); !t.s_axil_bvalid;) e.edge();
+  e.edge();
+}
+
+uint32_t rtl_read(void* handle, uint32_t address) {
+  auto& e = *static_cast<Engine*>(handle);
+  auto& t = *e.top;
+  t.s_axil_araddr = address;
+  t.s_axil_arvalid = 1;
+  for (bool taken = false; !taken;) {
+    t.eval();
+    taken = t.s_axil_arready;
+    e.edge();
+  }
+  t.s_axil_arvalid = 0;
+  for (t.eval(); !t.s_axil_rvalid;) e.edge();
+  const uint32_t data = t.s_axil_rdata;
+  e.edge();
+  return data;
+}
+
+// Offers num_in beats {last, user, data[15:0]} and takes max_out words, data and flags {last, user}. Ends when both are
+// done, nothing was transferred for `quiet` clocks, or `max_clocks` have passed. Returns the number of words;
+// in_clock[i] and out_clock[i] are the clocks of the transfers (may be null), *num_taken the beats taken.
+int64_t rtl_stream(void* handle, const uint32_t* beats, int64_t num_in, const uint32_t in_pace[2],
+                   const uint32_t out_pace[2], uint64_t seed, int64_t max_out, int64_t quiet, int64_t max_clocks,
+                   uint32_t* out_data, uint8_t* out_flags, int64_t* in_clock, int64_t* out_clock, int64_t* num_taken) {
+  auto& e = *static_cast<Engine*>(handle);
+  auto& t = *e.top;
+  Random random(seed);
+  Pace in{in_pace[0], in_pace[1]}, out{out_pace[0], out_pace[1]};
+  int64_t taken = 0, words = 0, idle = 0;
+  bool offered = false;
+  for (int64_t n = 0; n < max_clocks && (words < max_out || taken < num_in) && idle < quiet; ++n) {
+    if (!offered && taken < num_in && in.step(random)) {
+      offered = true;
+      t.s_axis_tdata = beats[taken] & 0xFFFF;
+      t.s_axis_tuser = beats[taken] >> 16 & 1;
+      t.s_axis_tlast = beats[taken] >> 17 & 1;
+    }
+    t.s_axis_tvalid = offered;
+    t.m_axis_tready = out.step(random) && words < max_out;
+    t.eval();
+    ++idle;
+    if (offered && t.s_axis_tready) {
+      if (in_clock) in_clock[taken] = e.clock;
+      ++taken;
+      offered = false;
+      idle = 0;
+    }
+    if (t.m_axis_tvalid && t.m_axis_tready) {
+      out_data[words] = t.m_axis_tdata;
+      out_flags[words] = static_cast<uint8_t>(t.m_axis_tuser | t.m_axis_tlast << 1);
+      if (out_clock) out_clock[words] = e.clock;
+      ++words;
+      idle = 0;
+    }
+    e.edge();
+  }
+  t.s_axis_tvalid = t.m_axis_tready = 0;
+  t.eval();
+  *num_taken = taken;
+  return words;
+}
+
+void rtl_select_mutant(void* handle, uint32_t number) {
+#ifdef VISTA_MUTANTS
+  static_cast<Engine*>(handle)->top->rootp->vista_stereo__DOT__u_core__DOT__mutsel = number;
+#else
+  (void)handle;
+  (void)number;
+#endif
+}
+
+void rtl_write_coverage(void* handle, const char* path) {
+#ifdef VISTA_COVERAGE
+  static_cast<Engine*>(handle)->context.coveragep()->write(path);
+#else
+  (void)handle;
+  (void)path;
+#endif
+}
+
+}

@@ -1,0 +1,184 @@
+"""Broken framing: the stated frames are cut as stated, the bits are set, the next frame is clean."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+from faults import EARLY_EOL, EARLY_SOF, LATE_EOL, LATE_SOF, SIZE, expected_after, react
+from frames import Frame, beats, expected_flags, expected_words, random_pair, random_parameters, set_up
+from registers import CONTROL, ERRORS, FRAMES_IN, FRAMES_OUT
+from registers import SIZE as SIZE_REGISTER
+from verilated import LAST, USER, Config, Pace, Rtl
+
+CONFIG = Config(16, 5)
+WIDTH, HEIGHT = 60, 14
+Beats = npt.NDArray[np.uint32]
+
+
+def early_end_of_line(stream: Beats, at: int, rng: np.random.Generator) -> Beats:
+    stream[at] |= LAST
+    return stream
+
+
+def missing_end_of_line(stream: Beats, at: int, rng: np.random.Generator) -> Beats:
+    stream[at - at % WIDTH + WIDTH - 1] &= ~np.uint32(LAST)
+    return stream
+
+
+def early_start_of_frame(stream: Beats, at: int, rng: np.random.Generator) -> Beats:
+    stream[at] |= USER
+    return stream
+
+
+def missing_start_of_frame(stream: Beats, at: int, rng: np.random.Generator) -> Beats:
+    stream[0] &= ~np.uint32(USER)
+    return stream
+
+
+def short_line(stream: Beats, at: int, rng: np.random.Generator) -> Beats:
+    end = at - at % WIDTH + WIDTH - 1
+    return np.delete(stream, slice(end - int(rng.integers(1, WIDTH - 1)), end))
+
+
+def long_line(stream: Beats, at: int, rng: np.random.Generator) -> Beats:
+    return np.insert(stream, at - at % WIDTH + 1, rng.integers(0, 65536, int(rng.integers(1, 40)), np.uint32))
+
+
+def truncated_frame(stream: Beats, at: int, rng: np.random.Generator) -> Beats:
+    return stream[:at]
+
+
+def frame_short_of_rows(stream: Beats, at: int, rng: np.random.Generator) -> Beats:
+    return stream[: max(at - at % WIDTH, WIDTH)]
+
+
+def frame_with_more_rows(stream: Beats, at: int, rng: np.random.Generator) -> Beats:
+    return np.concatenate([stream, stream[WIDTH : WIDTH * int(rng.integers(2, 5))]])
+
+
+def lost_pixel(stream: Beats, at: int, rng: np.random.Generator) -> Beats:
+    return np.delete(stream, at)
+
+
+def untouched(stream: Beats, at: int, rng: np.random.Generator) -> Beats:
+    return stream
+
+
+FAULTS: list[Callable[[Beats, int, np.random.Generator], Beats]] = [
+    early_end_of_line, missing_end_of_line, early_start_of_frame, missing_start_of_frame,
+    short_line, long_line,
+    truncated_frame, frame_short_of_rows, frame_with_more_rows, lost_pixel, untouched,
+]  # fmt: skip
+PACES = [Pace(), Pace(300, 300), Pace(60, 30)]
+
+
+def stream_and_check(rtl: Rtl, stream: Beats, parameters, seed: int, paces: tuple[Pace, Pace]) -> int:
+    reaction = react(stream, WIDTH, HEIGHT)
+    count = len(reaction.frames) * WIDTH * HEIGHT
+    got = rtl.stream(stream, count + 100, *paces, seed)
+    assert got.taken == len(stream), "the input hung"
+    assert len(got.words) == count
+    expected = [expected_after(frame, WIDTH, HEIGHT, parameters) for frame in reaction.frames]
+    assert (got.words == np.concatenate(expected)).all()
+    assert (got.flags == np.tile(expected_flags(HEIGHT, WIDTH), len(reaction.frames))).all()
+    assert rtl.read(ERRORS) == reaction.errors
+    return reaction.errors
+
+
+@pytest.mark.parametrize("fault", FAULTS, ids=lambda f: f.__name__)
+def test_fault_between_good_frames(fault: Callable[[Beats, int, np.random.Generator], Beats]) -> None:
+    errors = 0
+    for seed in range(12):
+        rng = np.random.default_rng(seed)
+        pairs = [random_pair(rng, kind, HEIGHT, WIDTH) for kind in ("shifted", "noise", "shifted")]
+        parameters = random_parameters(rng, CONFIG.num_disparities, CONFIG.block_size)
+        streams = [beats(*pair) for pair in pairs]
+        streams[1] = fault(streams[1], int(rng.integers(1, WIDTH * HEIGHT - 1)), rng)
+        with Rtl(CONFIG, seed + 1) as rtl:
+            rtl.write(CONTROL, 1)
+            set_up(rtl, Frame(*pairs[0], parameters))
+            paces = PACES[rng.integers(3)], PACES[rng.integers(3)]
+            errors |= stream_and_check(rtl, np.concatenate(streams), parameters, seed, paces)
+            rtl.write(ERRORS, 0xFFFFFFFF)
+            assert rtl.read(ERRORS) == 0
+    assert bool(errors) == (fault is not untouched)
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_random_faults(seed: int) -> None:
+    """Many faults in a row, whole frames among them."""
+    rng = np.random.default_rng(1000 + seed)
+    parameters = random_parameters(rng, CONFIG.num_disparities, CONFIG.block_size)
+    streams = []
+    for _ in range(8):
+        stream = beats(*random_pair(rng, "shifted", HEIGHT, WIDTH))
+        fault = FAULTS[rng.integers(len(FAULTS))]
+        streams.append(fault(stream, int(rng.integers(1, WIDTH * HEIGHT - 1)), rng))
+    streams.append(beats(*random_pair(rng, "shifted", HEIGHT, WIDTH)))
+    with Rtl(CONFIG, seed + 1) as rtl:
+        rtl.write(CONTROL, 1)
+        set_up(rtl, Frame(*random_pair(rng, "noise", HEIGHT, WIDTH), parameters))
+        paces = PACES[rng.integers(3)], PACES[rng.integers(3)]
+        stream_and_check(rtl, np.concatenate(streams), parameters, seed, paces)
+
+
+def test_every_error_bit_is_reached() -> None:
+    reached = 0
+    for fault in FAULTS:
+        for seed in range(4):
+            rng = np.random.default_rng(seed)
+            streams = [beats(*random_pair(rng, "noise", HEIGHT, WIDTH)) for _ in range(3)]
+            streams[1] = fault(streams[1], int(rng.integers(1, WIDTH * HEIGHT - 1)), rng)
+            reached |= react(np.concatenate(streams), WIDTH, HEIGHT).errors
+    assert reached == EARLY_EOL | LATE_EOL | EARLY_SOF | LATE_SOF
+
+
+@pytest.mark.parametrize("size", [(3, 14), (1025, 14), (2000, 14), (65535, 14), (60, 1), (60, 4096), (0, 0)])
+def test_frame_of_illegal_size_is_dropped(size: tuple[int, int]) -> None:
+    rng = np.random.default_rng(1)
+    pair = random_pair(rng, "shifted", HEIGHT, WIDTH)
+    frame = Frame(*pair, random_parameters(rng, 16, 5))
+    with Rtl(CONFIG) as rtl:
+        rtl.write(CONTROL, 1)
+        set_up(rtl, frame)
+        rtl.write(SIZE_REGISTER, size[0] | size[1] << 16)
+        assert rtl.stream(beats(*pair), 10, quiet=2000).taken == WIDTH * HEIGHT
+        assert (rtl.read(ERRORS), rtl.read(FRAMES_IN)) == (SIZE, 0)
+        set_up(rtl, frame)
+        assert (rtl.stream(beats(*pair), WIDTH * HEIGHT).words == expected_words(frame)).all()
+
+
+def test_disabled_engine_drops_frames_but_finishes_the_one_under_way() -> None:
+    rng = np.random.default_rng(2)
+    pair = random_pair(rng, "shifted", HEIGHT, WIDTH)
+    frame = Frame(*pair, random_parameters(rng, 16, 5))
+    stream = beats(*pair)
+    with Rtl(CONFIG) as rtl:
+        set_up(rtl, frame)
+        assert len(rtl.stream(stream, 10, quiet=2000).words) == 0
+        rtl.write(CONTROL, 1)
+        first = rtl.stream(stream[:400], WIDTH * HEIGHT, quiet=200)
+        rtl.write(CONTROL, 0)
+        rest = rtl.stream(np.concatenate([stream[400:], stream]), 2 * WIDTH * HEIGHT, quiet=2000)
+        assert (np.concatenate([first.words, rest.words]) == expected_words(frame)).all()
+        assert [rtl.read(a) for a in (ERRORS, FRAMES_IN, FRAMES_OUT)] == [0, 1, 1]
+
+
+@pytest.mark.parametrize("at", [1, 59, 60, 300, 799])
+def test_reset_inside_a_frame_leaves_nothing_behind(at: int) -> None:
+    rng = np.random.default_rng(at)
+    pair = random_pair(rng, "noise", HEIGHT, WIDTH)
+    frame = Frame(*random_pair(rng, "shifted", HEIGHT, WIDTH), random_parameters(rng, 16, 5))
+    with Rtl(CONFIG) as rtl:
+        rtl.write(CONTROL, 1)
+        set_up(rtl, frame)
+        rtl.stream(beats(*pair)[:at], WIDTH * HEIGHT, quiet=100)
+        rtl.reset(1)
+        assert rtl.read(CONTROL) == 0
+        rtl.write(CONTROL, 1)
+        set_up(rtl, frame)
+        got = rtl.stream(beats(frame.left, frame.right), WIDTH * HEIGHT + 50, quiet=2000)
+        assert (got.words == expected_words(frame)).all()

@@ -1,0 +1,43 @@
+"""Registers against their description: reset values, access, absent fields, and the build read back."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from registers import BUILD, BUILD_SIZE, ID, VERSION, registers
+from verilated import Config, Rtl
+
+CONFIGS = [Config(16, 5), Config(32, 11)]
+BUILD_FIELDS = {BUILD, BUILD_SIZE}
+
+
+@pytest.mark.parametrize("config", CONFIGS, ids=lambda c: c.name)
+def test_reset_values_and_build(config: Config) -> None:
+    with Rtl(config) as rtl:
+        for name, (address, fields) in registers().items():
+            if address not in BUILD_FIELDS:
+                assert rtl.read(address) == sum((f.reset or 0) << f.low for f in fields), name
+        assert rtl.read(ID).to_bytes(4, "big") == b"VSTE"
+        assert rtl.read(VERSION) >> 16 == 1
+        assert rtl.read(BUILD) == config.num_disparities | config.block_size << 16
+        assert rtl.read(BUILD_SIZE) == config.max_width | 4095 << 16
+
+
+def test_every_field_keeps_what_is_written_and_nothing_else_changes() -> None:
+    rng = np.random.default_rng(1)
+    with Rtl(Config(16, 5)) as rtl:
+        values = {address: rtl.read(address) for address, _ in registers().values()}
+        for name, (address, fields) in registers().items():
+            writable = sum(f.mask for f in fields if f.writable and not f.clears)
+            for data in (0xFFFFFFFF, 0, 0xA5A5A5A5, *map(int, rng.integers(0, 1 << 32, 8))):
+                rtl.write(address, data)
+                values[address] = values[address] & ~writable | data & writable
+                assert rtl.read(address) == values[address], f"{name} after {data:08x}"
+            assert {a: rtl.read(a) for a in values} == values, f"writing {name} changed another register"
+
+
+def test_addresses_do_not_overlap() -> None:
+    addresses = [address for address, _ in registers().values()]
+    assert len(set(addresses)) == len(addresses)
+    for _, fields in registers().values():
+        assert sum(f.mask for f in fields) == int(np.bitwise_or.reduce([f.mask for f in fields]))

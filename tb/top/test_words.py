@@ -1,0 +1,129 @@
+"""The engine sends the words of the C model: all of them, in order, well framed, whatever stalls."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+from frames import (
+    Frame,
+    beats,
+    expected_flags,
+    expected_words,
+    random_frame,
+    random_pair,
+    random_parameters,
+    set_up,
+)
+from registers import CONTROL, ERRORS
+from verilated import Config, Pace, Rtl
+from vista_model.engine import Parameters
+
+CONFIGS = [
+    Config(16, 5), Config(16, 15), Config(16, 21, 256), Config(32, 9), Config(32, 11), Config(48, 7, 256),
+    Config(64, 5), Config(64, 11),
+]  # fmt: skip
+MAIN = Config(32, 11)
+PACES = [Pace(), Pace(300, 300), Pace(50, 20), Pace(700, 100), Pace(5, 5)]
+FRAMES = 200
+EUROC = (
+    Path(os.environ.get("VISTA_SHARED_DATA", Path(__file__).resolve().parents[3] / "shared" / "data"))
+    / "euroc_v101"
+)
+
+
+def name(config: Config) -> str:
+    return config.name
+
+
+def check(rtl: Rtl, frame: Frame, pace_in: Pace, pace_out: Pace, seed: int) -> None:
+    height, width = frame.shape
+    set_up(rtl, frame)
+    got = rtl.stream(beats(frame.left, frame.right), height * width, pace_in, pace_out, seed)
+    expected = expected_words(frame)
+    rerun = f"VISTA_WAVES=1 VISTA_SEED={seed} pytest tb/top/test_words.py -k 'random and {rtl.config.name}'"
+    assert len(got.words) == len(expected), (
+        f"{len(got.words)} of {len(expected)} words, {frame.parameters}; {rerun}"
+    )
+    wrong = np.flatnonzero(got.words != expected)
+    if len(wrong):
+        y, x = divmod(int(wrong[0]), width)
+        pytest.fail(f"{len(wrong)} words differ, the first at x {x}, y {y} of {width}x{height}: "
+                    f"{got.words[wrong[0]]:08x} for {expected[wrong[0]]:08x}, {frame.parameters}; "
+                    f"{rerun}")  # fmt: skip
+    assert (got.flags == expected_flags(height, width)).all(), rerun
+
+
+def run_seed(rtl: Rtl, seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    c = rtl.config
+    frame = random_frame(rng, c.num_disparities, c.block_size, c.max_width)
+    check(rtl, frame, PACES[rng.integers(len(PACES))], PACES[rng.integers(len(PACES))], seed)
+
+
+@pytest.mark.parametrize("config", CONFIGS, ids=name)
+def test_random_frames(config: Config) -> None:
+    seeds = [int(os.environ["VISTA_SEED"])] if "VISTA_SEED" in os.environ else range(FRAMES)
+    with Rtl(config) as rtl:
+        rtl.write(CONTROL, 1)
+        for seed in seeds:
+            run_seed(rtl, seed)
+        assert rtl.read(ERRORS) == 0
+
+
+@pytest.mark.parametrize("config", [Config(32, 11), Config(64, 11), Config(16, 15)], ids=name)
+@pytest.mark.parametrize("prefilter", ["xsobel", "none"])
+def test_whole_real_frame(config: Config, prefilter: str) -> None:
+    sides = [sorted((EUROC / f"mav0/cam{i}/data").glob("*.png")) for i in (0, 1)]
+    if not all(sides):
+        pytest.skip(f"no EuRoC frames under {EUROC}")
+    left, right = (
+        np.ascontiguousarray(cv2.imread(str(s[0]), cv2.IMREAD_GRAYSCALE)[:480, :640]) for s in sides
+    )
+    parameters = Parameters(config.num_disparities, config.block_size, prefilter=prefilter)
+    with Rtl(config) as rtl:
+        rtl.write(CONTROL, 1)
+        check(rtl, Frame(left, right, parameters), Pace(), Pace(), 1)
+
+
+@pytest.mark.parametrize("max_width", [64, 100])
+def test_frame_as_wide_as_the_memories(max_width: int) -> None:
+    config = Config(16, 5, max_width)
+    rng = np.random.default_rng(7)
+    with Rtl(config) as rtl:
+        rtl.write(CONTROL, 1)
+        for seed in range(4):
+            images = rng.integers(0, 256, (2, 9, max_width), np.uint8)
+            check(rtl, Frame(*images, random_parameters(rng, 16, 5)), Pace(), PACES[seed], seed)
+
+
+@pytest.mark.parametrize("config", [Config(16, 5), Config(32, 11)], ids=name)
+@pytest.mark.parametrize("seed", range(6))
+def test_frames_back_to_back_keep_their_own_size_and_parameters(config: Config, seed: int) -> None:
+    """Not a clock between frames; the registers of a frame are written in the middle of the one before."""
+    rng = np.random.default_rng(seed)
+    frames = []
+    for _ in range(10):
+        height = int(rng.integers(config.block_size - 1, 2 * config.block_size + 4))
+        width = int(rng.integers(config.num_disparities, 2 * config.num_disparities + 60))
+        parameters = random_parameters(rng, config.num_disparities, config.block_size)
+        frames.append(Frame(*random_pair(rng, "shifted", height, width), parameters))
+    streams = [beats(frame.left, frame.right) for frame in frames]
+    halves = [half for stream in streams for half in np.split(stream, [len(stream) // 2])]
+    # From the middle of a frame to the middle of the next.
+    chunks = [halves[0], *map(np.concatenate, zip(halves[1:-1:2], halves[2:-1:2], strict=True)), halves[-1]]
+    total = sum(map(len, streams))
+    words = []
+    with Rtl(config, seed + 1) as rtl:
+        rtl.write(CONTROL, 1)
+        for chunk, coming in zip(chunks, [*frames, frames[-1]], strict=True):
+            set_up(rtl, coming)
+            got = rtl.stream(chunk, total, max_clocks=len(chunk) + 200)
+            assert got.taken == len(chunk)
+            words.append(got.words)
+        words.append(rtl.stream(chunk[:0], total - sum(map(len, words))).words)
+        assert rtl.read(ERRORS) == 0
+    assert (np.concatenate(words) == np.concatenate([expected_words(f) for f in frames])).all()

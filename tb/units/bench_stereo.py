@@ -1,0 +1,73 @@
+"""The top by bus models of others (cocotbext-axi): frames and registers, against the C model."""
+
+import logging
+
+import cocotb
+import numpy as np
+from cocotb.clock import Clock
+from cocotb.triggers import ClockCycles, RisingEdge
+from cocotb_helpers import parameter, seeded
+from cocotbext.axi import (
+    AxiLiteBus,
+    AxiLiteMaster,
+    AxiStreamBus,
+    AxiStreamFrame,
+    AxiStreamSink,
+    AxiStreamSource,
+)
+from frames import expected_words, random_frame
+from registers import CONTROL, ERRORS, FRAMES_OUT, ID, LR_CHECK, PREFILTER, SIZE, TEXTURE, UNIQUENESS
+
+D, B, MAX_WIDTH = (parameter(name) for name in ("NumDisparities", "BlockSize", "MaxWidth"))
+
+
+@cocotb.test()
+@cocotb.parametrize(pauses=[0.0, 0.4])
+async def frames_through_the_buses(dut, pauses):
+    random = seeded(dut)
+    rng = np.random.default_rng(random.randrange(1 << 30))
+    logging.getLogger("cocotb.vista_stereo").setLevel(logging.ERROR)
+    cocotb.start_soon(Clock(dut.clk_i, 10, "ns").start())
+    source = AxiStreamSource(
+        AxiStreamBus.from_prefix(dut, "s_axis"), dut.clk_i, dut.rst_ni, reset_active_level=False, byte_lanes=1
+    )
+    sink = AxiStreamSink(
+        AxiStreamBus.from_prefix(dut, "m_axis"), dut.clk_i, dut.rst_ni, reset_active_level=False, byte_lanes=1
+    )
+    registers = AxiLiteMaster(
+        AxiLiteBus.from_prefix(dut, "s_axil"), dut.clk_i, dut.rst_ni, reset_active_level=False
+    )
+    dut.rst_ni.value = 0
+    await ClockCycles(dut.clk_i, 5)
+    dut.rst_ni.value = 1
+    await RisingEdge(dut.clk_i)
+    if pauses:
+        source.set_pause_generator(iter(lambda: rng.random() < pauses, None))
+        sink.set_pause_generator(iter(lambda: rng.random() < pauses, None))
+    assert await registers.read_dword(ID) == int.from_bytes(b"VSTE", "big")
+    await registers.write_dword(CONTROL, 1)
+    frames = [random_frame(rng, D, B, MAX_WIDTH) for _ in range(6)]
+    for frame in frames:
+        height, width = frame.shape
+        p = frame.parameters
+        await registers.write_dword(SIZE, width | height << 16)
+        await registers.write_dword(PREFILTER, (p.prefilter == "xsobel") | p.prefilter_cap << 8)
+        await registers.write_dword(TEXTURE, p.texture_threshold)
+        await registers.write_dword(UNIQUENESS, p.uniqueness_ratio)
+        await registers.write_dword(LR_CHECK, (p.lr_max_diff is not None) | (p.lr_max_diff or 0) << 8)
+        pair = frame.left.astype(int) | frame.right.astype(int) << 8
+        for y in range(height):
+            await source.send(
+                AxiStreamFrame(pair[y].tolist(), tuser=[int(x == y == 0) for x in range(width)])
+            )
+        await source.wait()
+        words = []
+        for y in range(height):
+            line = await sink.recv()
+            assert len(line.tdata) == width
+            tuser = line.tuser if isinstance(line.tuser, list) else [line.tuser] * width
+            assert [int(u) for u in tuser] == [int(x == y == 0) for x in range(width)]
+            words += line.tdata
+        assert words == expected_words(frame).tolist()
+    assert await registers.read_dword(ERRORS) == 0
+    assert await registers.read_dword(FRAMES_OUT) == len(frames)
