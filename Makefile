@@ -34,6 +34,8 @@ DEMO_FLIGHT := build/demo/flight
 help: ## list the targets
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
 
+include rtl/rtl.mk
+
 # ---- set-up ----
 
 setup: .venv/run.stamp ## pinned Python packages into .venv, `vista` on .venv/bin
@@ -94,9 +96,9 @@ generate: .venv/run.stamp ## generated sources anew, after a change of sw/parame
 
 # ---- checks ----
 
-test: lint drift test-python test-asan ## everything that has to pass: lint, tests, sanitizers
+test: lint lint-rtl drift test-python test-asan ## everything that has to pass: lint, tests, sanitizers
 
-test-python: build .venv/test.stamp
+test-python: build .venv/test.stamp $(RTL_TOOLS)
 	@$(PYTHON) -m pytest
 
 drift: .venv/run.stamp ## generated sources equal what their generators write

