@@ -27,7 +27,8 @@ def main() -> None:
         print(f"{r:6.1f} m   |P - P^| {e:5.2f} m   2 dz {2 * dz:5.2f} m")
     rms_m = np.sqrt(np.mean(error_m**2))
     print(
-        f"{len(warnings)} of {len(lines)} frames warned, first at {range_m[0]:.1f} m, ids {sorted({w['id'] for w in warnings})}; "
+        f"{len(warnings)} of {len(lines)} frames warned, first at {range_m[0]:.1f} m, "
+        f"ids {sorted({w['id'] for w in warnings})}; "
         f"RMS {rms_m:.2f} m ({rms_m / FOOT_M:.2f} ft), largest {error_m.max():.2f} m, "
         f"{100 * np.mean(error_m <= 2 * dz_m):.0f} % within 2 dz, median {np.median(error_m / dz_m):.2f} dz"
     )
