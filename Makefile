@@ -29,7 +29,7 @@ BINDINGS := $(if $(ENGINE_SOURCES),build/python/vista_engine_abi.py) build/pytho
 DEMO_PAIRS := build/demo/oak-d
 DEMO_FLIGHT := build/demo/flight
 
-.PHONY: help setup native build generate test test-python test-asan drift bench lint demo lock clean distclean
+.PHONY: help setup native build generate test test-python test-asan drift bench lint lint-python demo lock clean distclean
 
 help: ## list the targets
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -96,7 +96,7 @@ generate: .venv/run.stamp ## generated sources anew, after a change of sw/parame
 
 # ---- checks ----
 
-test: lint lint-rtl drift test-python test-asan ## everything that has to pass: lint, tests, sanitizers
+test: lint drift test-python test-asan ## everything that has to pass: lint, tests, sanitizers
 
 test-python: build .venv/test.stamp $(RTL_TOOLS)
 	@$(PYTHON) -m pytest
@@ -104,7 +104,9 @@ test-python: build .venv/test.stamp $(RTL_TOOLS)
 drift: .venv/run.stamp ## generated sources equal what their generators write
 	@$(PYTHON) scripts/make_parameters.py sw/parameters.toml sw/include/vista/parameters.h sw/src/parameters.c --check
 
-lint: .venv/test.stamp ## ruff over the Python code
+lint: lint-python lint-rtl ## ruff, Verilator -Wall, Verible
+
+lint-python: .venv/test.stamp
 	@.venv/bin/ruff check --quiet .
 
 test-asan: build .venv/test.stamp ## the tests of the C code again, under ASan and UBSan
