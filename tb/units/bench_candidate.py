@@ -1,0 +1,56 @@
+"""Winner, uniqueness and sub-pixel of one pixel after the other: steps 3, 5 and 7 of the numpy model."""
+
+import cocotb
+import numpy as np
+from cocotb.triggers import FallingEdge
+from cocotb_helpers import pack, parameter, seeded, start
+from vista_model.engine import subpixel, unique, winner
+
+D, B = parameter("NumDisparities"), parameter("BlockSize")
+HIGHEST = B * B * 255
+COST_W = HIGHEST.bit_length()
+LATENCY = (D - 1).bit_length() + 16
+PIXELS = 60
+
+
+def random_costs(rng):
+    """Costs by (pixel, d): wide, in a narrow band, or a valley, which may lie at an end of the range."""
+    S = np.empty((PIXELS, D), np.int32)
+    for pixel in S:
+        floor = int(rng.choice([0, rng.integers(HIGHEST - 100), HIGHEST - 100]))
+        pixel[:] = rng.integers(floor, floor + int(rng.choice([1, 4, 100, HIGHEST - floor])) + 1, D)
+        if rng.random() < 0.7:
+            at = int(rng.choice([0, 1, D - 2, D - 1, rng.integers(D)]))
+            valley = pixel[max(0, at - 1) : at + 2]
+            valley[:] = rng.integers(floor // 2, floor + 1, len(valley))
+    return S
+
+
+@cocotb.test()
+async def candidates_are_the_models(dut):
+    random = seeded(dut)
+    rng = np.random.default_rng(random.randrange(1 << 30))
+    await start(dut, uniqueness_ratio_i=0, cost_i=0)
+    winners, verdicts = set(), set()
+    for ratio in (1, 15, 99, 100, *rng.integers(1, 101, 12).tolist()):
+        S = random_costs(rng)
+        planes = S.T[:, None, :]  # d, row, pixel
+        dL, smin = winner(planes)
+        rival = ~unique(planes, dL, smin, ratio)
+        expected = list(
+            zip(*(plane[0].tolist() for plane in (dL, smin, rival, subpixel(planes, dL, smin))), strict=True)
+        )
+        dut.uniqueness_ratio_i.value = ratio
+        for clock in range(PIXELS + LATENCY):
+            if clock >= LATENCY:
+                got = (
+                    int(dut.winner_o.value), int(dut.smin_o.value), bool(dut.rival_o.value),
+                    dut.disparity_o.value.to_signed(),
+                )  # fmt: skip
+                assert got == expected[clock - LATENCY], f"u {ratio}, pixel {clock - LATENCY}"
+            if clock < PIXELS:
+                dut.cost_i.value = pack(S[clock], COST_W)
+            await FallingEdge(dut.clk_i)
+        winners |= {e[0] for e in expected}
+        verdicts |= {e[2] for e in expected}
+    assert winners >= {0, 1, D - 2, D - 1} and verdicts == {True, False}
