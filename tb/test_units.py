@@ -26,6 +26,7 @@ UNITS: list[tuple[str, dict[str, int]]] = [
     ("vista_right_winner", {"NumDisparities": 16, "CostW": 13, "RingW": 5}),
     ("vista_lr_check", {"NumDisparities": 16, "CostW": 17, "RingW": 5}),
     ("vista_lr_check", {"NumDisparities": 32, "CostW": 13, "RingW": 6}),
+    ("vista_framer", {"NumDisparities": 16, "BlockSize": 5, "MaxWidth": 32}),
     ("vista_prefilter", {"MaxWidth": 32}),
     ("vista_line_store", {"Width": 9, "Depth": 40}),
     ("vista_row_delay", {"Width": 22, "BlockSize": 5, "MaxWidth": 32}),
