@@ -152,10 +152,9 @@ static vista_matched_area matched_area(const vista_stereo_params *stereo) {
                               .margin_px = radius};
 }
 
-static vista_status run_stage(vista_pipeline *p, vista_stage stage, const vista_frame *frame, int32_t *detections) {
+static vista_status run_stage(vista_pipeline *p, vista_stage stage, const vista_frame *frame, const double up[3],
+                              int32_t *detections) {
   const vista_parameters *const q = &p->parameters;
-  double up[3];
-  up_in_camera(frame, up);
   switch (stage) {
     case VISTA_STAGE_FOVEATION:
       return vista_foveate(&p->foveation, &q->foveation, &frame->image, &frame->disparity, &p->cells);
@@ -199,9 +198,11 @@ vista_status vista_pipeline_process(vista_pipeline *pipeline, const vista_frame 
   vista_pipeline *const p = pipeline;
   vista_result r = {0};
   int32_t detections = 0;
+  double up[3];
+  up_in_camera(frame, up);
   double last_ms = clock_ms();
   for (int stage = 0; stage < VISTA_STAGE_COUNT; ++stage) {
-    const vista_status status = run_stage(p, (vista_stage)stage, frame, &detections);
+    const vista_status status = run_stage(p, (vista_stage)stage, frame, up, &detections);
     if (status != VISTA_OK) return status;
     const double now_ms = clock_ms();
     r.stage_ms[stage] = now_ms - last_ms;
