@@ -10,6 +10,7 @@
 
 static const char *const verdict_names[VISTA_REGION_VERDICT_COUNT] = {
     [VISTA_REGION_ACCEPTED] = "ACCEPTED",
+    [VISTA_REGION_BACKGROUND] = "BACKGROUND",
     [VISTA_REGION_TOO_FEW_PIXELS] = "TOO_FEW_PIXELS",
     [VISTA_REGION_LOW_SUPPORT] = "LOW_SUPPORT",
     [VISTA_REGION_INCONSISTENT] = "INCONSISTENT",
@@ -181,8 +182,13 @@ vista_status vista_regions_compute(const vista_foveation *foveation, const vista
                            regions->members + first, count, 0.0};
     vista_region *const region = &regions->items[k];
     *region = (vista_region){.label = k, .node_count = count, .inclination_deg = NAN, .standing_fraction = NAN};
-    region->verdict = count > 0 ? measure(&w, camera, up_camera, horizontal_deg, region) : VISTA_REGION_TOO_FEW_PIXELS;
-    regions->accepted_count += regions->items[k].verdict == VISTA_REGION_ACCEPTED;
+    if (k >= segmentation->obstacle_count)
+      region->verdict = VISTA_REGION_BACKGROUND;
+    else if (count == 0)
+      region->verdict = VISTA_REGION_TOO_FEW_PIXELS;
+    else
+      region->verdict = measure(&w, camera, up_camera, horizontal_deg, region);
+    regions->accepted_count += region->verdict == VISTA_REGION_ACCEPTED;
   }
   return VISTA_OK;
 }

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import cv2
 import numpy as np
 import pytest
 from cut_library import Arena, ffi, lib, status_name
@@ -215,6 +216,22 @@ def verdict_of(words: np.ndarray, mask: np.ndarray, **changes: float) -> str:
 
 def test_a_board_is_accepted() -> None:
     assert verdict_of(*board()) == "ACCEPTED"
+
+
+def test_the_background_does_not_own_the_edge_of_what_stands_before_it() -> None:
+    """Empty sky around a board that matching has widened: all disparities along the sky are the board's."""
+    stages = Stages(camera(), TOLERANCES | {"region.min_valid_fraction": 0.1})
+    words, mask = board(half=(60, 60))
+    words[~mask] = INVALID
+    widened = cv2.dilate(words, np.ones((17, 17)))
+    sky = ~mask & box((200, 110), 80, 80)
+    measured = measure(stages, widened, [mask, sky])
+    assert [verdict(region) for region in measured] == ["ACCEPTED"] * 2  # both, by their boundaries alone
+    stages.segmentation.obstacle_count = 1
+    judged = stages.measure_regions(widened)
+    assert [verdict(region) for region in judged] == ["ACCEPTED", "BACKGROUND"]
+    assert (judged[1].label, judged[1].node_count) == (1, measured[1].node_count)
+    assert bytes(ffi.buffer(judged[0])) == bytes(ffi.buffer(measured[0]))
 
 
 def test_few_inliers_are_too_few() -> None:

@@ -5,6 +5,10 @@
  * constraint says that a true object boundary has smoothly varying disparity; everything here about disparity is
  * taken from the valid pixels under boundary nodes, with robust statistics: the far side pollutes boundary cells.
  *
+ * Figure and ground: a depth edge belongs to the nearer of its sides, and block matching widens that side by half a
+ * block. A region that grew from no disparity of its own (segmentation->obstacle_count) is the background of what
+ * stands before it: the disparities along its boundary are its neighbours', so it is not measured.
+ *
  * Two surfaces compete for each region: facing the camera, d = mode of the boundary pixels, and a plane,
  * d = a + slope_u u + slope_v v, fitted to the region's cells; the plane has to explain a tenth more of their area.
  * Edge consistency is judged on the residuals from the winner: a wall seen at an angle varies smoothly, too.
@@ -27,6 +31,7 @@
 /* Why a region is not an obstacle; the first reason that applies, in this order. */
 typedef enum vista_region_verdict {
   VISTA_REGION_ACCEPTED = 0,
+  VISTA_REGION_BACKGROUND,     /* grown from no disparity of its own: sky, bare ground */
   VISTA_REGION_TOO_FEW_PIXELS, /* too few boundary inliers to say anything */
   VISTA_REGION_LOW_SUPPORT,    /* valid fraction of the boundary too small */
   VISTA_REGION_INCONSISTENT,   /* boundary disparity does not vary smoothly (edge consistency) */
