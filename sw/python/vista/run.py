@@ -18,7 +18,7 @@ from vista.overlay import Overlay
 from vista.recording import Recorder
 from vista.rectify import Rectifier
 from vista.result_folder import ResultFolder
-from vista.sequence import FrameFiles
+from vista.sequence import Frame, FrameFiles
 from vista.sequence import Sequence as StereoSequence
 
 if TYPE_CHECKING:
@@ -97,6 +97,29 @@ def _run_frame(
     chain: Chain, files: FrameFiles, folder: ResultFolder, overlay: Overlay | None, recorder: Recorder | None
 ) -> FrameRecord:
     clock = StageClock()
+    step = run_frame(chain, files)
+    with clock.stage("output"):  # not part of the total: pictures are for people
+        if recorder is not None:
+            recorder.write(step.frame, step.words)
+        picture = None if overlay is None else overlay.draw(step.frame, step.words, step.result)
+        folder.write_frame(files.index, obstacle_line(step.record), picture)
+    step.record.stage_ms["output"] = clock.stage_ms["output"]
+    return step.record
+
+
+@dataclass(frozen=True)
+class Step:
+    """One frame on its way through the chain."""
+
+    frame: Frame  # rectified
+    words: NDArray[np.int16]
+    result: Result
+    record: FrameRecord
+
+
+def run_frame(chain: Chain, files: FrameFiles) -> Step:
+    """Raises InputError for an image that cannot be read."""
+    clock = StageClock()
     with clock.stage("read"):
         raw = chain.sequence.read(files)
     with clock.stage("rectify"):
@@ -121,10 +144,4 @@ def _run_frame(
         result.valid_fraction,
         stage_ms,
     )
-    with clock.stage("output"):  # not part of the total: pictures are for people
-        if recorder is not None:
-            recorder.write(frame, words)
-        picture = None if overlay is None else overlay.draw(frame, words, result)
-        folder.write_frame(frame.index, obstacle_line(record), picture)
-    stage_ms["output"] = clock.stage_ms["output"]
-    return record
+    return Step(frame, words, result, record)
