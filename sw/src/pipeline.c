@@ -212,6 +212,8 @@ vista_status vista_pipeline_process(vista_pipeline *pipeline, const vista_frame 
   r.valid_fraction = valid_fraction(&frame->disparity);
   r.foveation = &p->foveation;
   r.cells = &p->cells;
+  r.surfaces = &p->surfaces;
+  r.affinity = &p->affinity;
   r.segmentation = &p->segmentation;
   r.regions = p->regions.items;
   r.region_count = p->regions.count;

@@ -8,12 +8,14 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "vista/affinity.h"
 #include "vista/foveation.h"
 #include "vista/obstacle_map.h"
 #include "vista/parameters.h"
 #include "vista/region.h"
 #include "vista/segmentation.h"
 #include "vista/status.h"
+#include "vista/surface.h"
 #include "vista/tracker.h"
 #include "vista/types.h"
 
@@ -47,6 +49,8 @@ typedef struct vista_result {
   double valid_fraction; /* of the image's pixels that have a disparity */
   const vista_foveation *foveation;
   const vista_cells *cells;
+  const vista_surfaces *surfaces;
+  const vista_affinity *affinity;
   const vista_segmentation *segmentation;
   const vista_region *regions;
   int32_t region_count;

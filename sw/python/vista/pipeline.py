@@ -62,6 +62,16 @@ class Result:
     verdict_of_region: list[str]
 
 
+@dataclass(frozen=True)
+class CellGraph:
+    """What the cuts of the last frame saw."""
+
+    edges: NDArray[np.int32]  # (edges, 2) cells
+    affinity: NDArray[np.float32]  # (edges,) w_ij, 0 .. 1
+    horizontal: NDArray[np.bool_]  # (cells,) on a surface to fly along
+    cell_size_px: NDArray[np.float32]  # (cells,) width
+
+
 class PipelineError(ValueError):
     """A status of libvista that is not VISTA_OK; the text is the library's."""
 
@@ -125,6 +135,21 @@ class Pipeline:
             frame.up_world = c_up
         self._check(self._lib.vista_pipeline_process(self._pipeline, frame, self._result))
         return self._read_result()
+
+    def cell_graph(self) -> CellGraph:
+        """Of the last frame that was processed."""
+        f, r = self._result.foveation, self._result
+        arcs, cells = f.graph.arc_count, f.node_count
+        first_arc = self._array(f.graph.first_arc, cells + 1, np.int32)
+        tail = np.repeat(np.arange(cells, dtype=np.int32), np.diff(first_arc))
+        head = self._array(f.graph.head, arcs, np.int32)
+        once = tail < head  # of the two arcs of an edge
+        return CellGraph(
+            np.stack([tail[once], head[once]], axis=1),
+            self._array(r.affinity.weight, arcs, np.float32)[once],
+            self._array(r.surfaces.horizontal, cells, np.uint8) != 0,
+            self._array(f.size_px, cells, np.float32),
+        )
 
     def _check(self, status: int) -> None:
         if status != self._lib.VISTA_OK:
