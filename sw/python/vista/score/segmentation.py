@@ -1,0 +1,202 @@
+"""Partitions against exact labels: how well regions are the things that stand there.
+
+Everything is counted in pixels of the left image within the area that the engine can match. A thing is scored
+if it stands, shows at least MIN_PIXELS there and is NEAR_M to FAR_M away (median over its pixels).
+
+iou               largest |R n T| / |R u T| over the regions R
+boundary_recall   share of the thing's boundary pixels within BOUNDARY_PX of a boundary between regions
+boundary_recall_cell   the same, within BOUNDARY_PX or one cell, whichever is larger: finer no cell can say
+undersegmentation sum over things T (ground and sky too) and regions R of min(|R n T|, |R without T|), as a
+                  share of the area (Neubert and Protzel 2012): 0 where no region leaks
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+MIN_PIXELS = 100
+NEAR_M, FAR_M = 12.0, 90.0
+BOUNDARY_PX = 3.0
+
+Labels = NDArray[np.int32]
+Mask = NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class Thing:
+    """An entry of truth.json's objects as one frame shows it."""
+
+    label: int
+    name: str
+    kind: str
+    range_m: float
+    pixels: int
+
+
+@dataclass(frozen=True)
+class ThingScore:
+    thing: Thing
+    iou: float
+    boundary_recall: float
+    boundary_recall_cell: float
+
+
+@dataclass(frozen=True)
+class PartitionScore:
+    things: tuple[ThingScore, ...]
+    undersegmentation: float
+    regions: int
+
+
+@dataclass(frozen=True)
+class LabelledView:
+    """The truth of one frame, cropped to the matched area; the boundaries found once for many partitions."""
+
+    area: tuple[slice, slice]  # rows and columns of the image
+    label: Labels  # (rows, columns) of the area, 0: sky
+    things: tuple[Thing, ...]
+    boundaries: tuple[Mask, ...]  # of each thing
+
+
+def matched_area(height: int, width: int, num_disparities: int, block_size: int) -> tuple[slice, slice]:
+    """Rows and columns in which the engine looks for a disparity (contract, step 2)."""
+    margin = (block_size - 1) // 2
+    return slice(margin, height - margin), slice(num_disparities - 1 + margin, width - margin)
+
+
+def labelled_view(
+    label: Labels,
+    disparity_px: NDArray[np.float64],
+    standing: dict[int, tuple[str, str]],
+    focal_baseline: float,
+    area: tuple[slice, slice],
+) -> LabelledView:
+    """label, disparity_px: exact, (height, width); standing: label -> name, kind; focal_baseline in px m."""
+    label, disparity_px = label[area], disparity_px[area]
+    things, boundaries = [], []
+    for number, (name, kind) in standing.items():
+        mask = label == number
+        pixels = int(mask.sum())
+        if pixels < MIN_PIXELS:
+            continue
+        range_m = focal_baseline / float(np.median(disparity_px[mask]))
+        if NEAR_M <= range_m <= FAR_M:
+            things.append(Thing(number, name, kind, range_m, pixels))
+            boundaries.append(inner_boundary(mask))
+    return LabelledView(area, label, tuple(things), tuple(boundaries))
+
+
+def inner_boundary(mask: Mask) -> Mask:
+    """Pixels of the mask with one of their four neighbours outside; the image's edge is no boundary."""
+    cross = cv2.getStructuringElement(cv2.MORPH_CROSS, (3, 3))
+    eroded = cv2.erode(mask.astype(np.uint8), cross, borderType=cv2.BORDER_CONSTANT, borderValue=1)
+    return mask & (eroded == 0)
+
+
+def distance_to_boundary_px(region: Labels) -> NDArray[np.float32]:
+    """From every pixel to the next that borders on another region; large where there is but one region."""
+    inside = np.ones(region.shape, np.uint8)
+    across = region[:, 1:] != region[:, :-1]
+    along = region[1:] != region[:-1]
+    inside[:, 1:][across] = inside[:, :-1][across] = 0
+    inside[1:][along] = inside[:-1][along] = 0
+    if inside.all():
+        return np.full(region.shape, np.hypot(*region.shape), np.float32)
+    return cv2.distanceTransform(inside, cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
+
+
+def score_partition(
+    view: LabelledView, cell_of_pixel: Labels, region_of_cell: Labels, cell_size_px: NDArray[np.float32]
+) -> PartitionScore:
+    """region_of_cell: -1 for a cell of no region; it counts as a region of its own, but bounds nothing."""
+    cells = cell_of_pixel[view.area]
+    regions = int(region_of_cell.max(initial=-1)) + 1
+    alone = region_of_cell < 0
+    numbered = np.where(alone, regions + np.cumsum(alone) - 1, region_of_cell)
+    shared = shared_pixels(view.label, numbered[cells], regions + int(alone.sum()))
+    distance = distance_to_boundary_px(region_of_cell[cells])
+    size = cell_size_px[cells]
+    scores = tuple(
+        ThingScore(
+            thing,
+            best_iou(shared, thing.label),
+            float(np.mean(distance[boundary] <= BOUNDARY_PX)),
+            float(np.mean(distance[boundary] <= np.maximum(BOUNDARY_PX, size[boundary]))),
+        )
+        for thing, boundary in zip(view.things, view.boundaries, strict=True)
+    )
+    return PartitionScore(scores, undersegmentation(shared), regions)
+
+
+def shared_pixels(label: Labels, region: Labels, regions: int) -> NDArray[np.int64]:
+    """(labels, regions): pixels that each label shares with each region."""
+    labels = int(label.max()) + 1
+    keys = label.astype(np.int64) * regions + region
+    return np.bincount(keys.ravel(), minlength=labels * regions).reshape(labels, regions)
+
+
+def best_iou(shared: NDArray[np.int64], label: int) -> float:
+    union = shared[label].sum() + shared.sum(axis=0) - shared[label]
+    return float(np.max(shared[label] / np.maximum(union, 1)))
+
+
+def undersegmentation(shared: NDArray[np.int64]) -> float:
+    return float(np.minimum(shared, shared.sum(axis=0) - shared).sum() / shared.sum())
+
+
+def grid_limit(view: LabelledView, cell_of_pixel: Labels) -> Labels:
+    """Region of cell by each cell's most frequent label: the best that a partition of these cells can do."""
+    cells = int(cell_of_pixel.max()) + 1
+    shared = shared_pixels(view.label, cell_of_pixel[view.area], cells)
+    return shared.argmax(axis=0).astype(np.int32)
+
+
+# ---- over many scenes ----
+
+Statistic = Callable[[list[PartitionScore]], float]
+RESAMPLES = 2000
+
+
+def over_things(name: str, average: Callable[[NDArray[np.float64]], float]) -> Statistic:
+    """Average of one field of ThingScore over the things of all scenes."""
+
+    def statistic(scores: list[PartitionScore]) -> float:
+        values = [getattr(thing, name) for score in scores for thing in score.things]
+        return float(average(np.array(values))) if values else float("nan")
+
+    return statistic
+
+
+def share_found(scores: list[PartitionScore]) -> float:
+    """Share of the things of which a region covers more than half: iou > 0.5."""
+    return float(np.mean([thing.iou > 0.5 for score in scores for thing in score.things]))
+
+
+STATISTICS: dict[str, Statistic] = {
+    "iou_median": over_things("iou", np.median),
+    "iou_mean": over_things("iou", np.mean),
+    "found": share_found,
+    "boundary_recall": over_things("boundary_recall", np.mean),
+    "boundary_recall_cell": over_things("boundary_recall_cell", np.mean),
+    "undersegmentation": lambda scores: float(np.mean([score.undersegmentation for score in scores])),
+    "regions": lambda scores: float(np.median([score.regions for score in scores])),
+}
+
+
+def difference_interval(
+    first: list[PartitionScore], second: list[PartitionScore], statistic: Statistic, seed: int = 0
+) -> tuple[float, float]:
+    """95 % interval of statistic(first) - statistic(second) over the same scenes: bootstrap that draws whole
+    scenes, the things of one are not independent."""
+    random = np.random.default_rng(seed)
+    differences = []
+    for _ in range(RESAMPLES):
+        drawn = random.integers(0, len(first), len(first))
+        differences.append(statistic([first[i] for i in drawn]) - statistic([second[i] for i in drawn]))
+    low, high = np.nanpercentile(differences, [2.5, 97.5])
+    return float(low), float(high)
