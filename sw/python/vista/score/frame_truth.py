@@ -1,0 +1,166 @@
+"""What is true in each frame of a flight: surfaces around its path, the target, the standing obstacles."""
+
+from __future__ import annotations
+
+import functools
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vista.errors import InputError
+from vista.geometry import Array, Pose
+from vista.score.truth import SKY, FlightTruth, TrueObject, read_truth
+from vista.sequence import open_sequence
+
+CYLINDER_RADIUS_M, CYLINDER_LENGTH_M = 2.0, 100.0
+INFLATION_M = 1.0
+COMPACT_M = 3.0  # largest side of a target whose centre is a point to aim at
+DANGER_PIXELS = 20  # of the target in the cylinder; the sign has 40 at 150 m
+STANDING_PIXELS = 50  # fewer: no obstacle of this frame to GOSPA
+THIN_ABOVE_PIXELS, THIN_STRIDE_PX = 4000, 3  # a wall needs no point a pixel; within BEARING_MARGIN_PX
+SURFACE_POINTS = 256  # of a standing object, for its distance from a track
+
+
+@dataclass(frozen=True)
+class Points:
+    """World points of pixels of the exact disparity map."""
+
+    u_px: NDArray[np.int32]
+    v_px: NDArray[np.int32]
+    label: NDArray[np.uint16]
+    position_m: Array  # (n, 3)
+    range_m: Array  # (n,) from the left camera
+    aside_m: Array  # (n,) from the flight path
+    along_m: Array  # (n,) on it
+
+    def __len__(self) -> int:
+        return len(self.u_px)
+
+    def where(self, chosen: NDArray) -> Points:
+        return Points(*(getattr(self, name)[chosen] for name in self.__dataclass_fields__))
+
+
+@dataclass(frozen=True)
+class Target:
+    """The target that is a true danger in a frame."""
+
+    object: TrueObject
+    reference_m: Array  # (3,) P
+    range_m: float  # of P
+    nearest_depth_m: float  # along the optical axis, of its points in the cylinder
+    surface_m: Array | None  # (n, 3) what is seen of it; None: it is compact, P is its own centre
+
+
+@dataclass(frozen=True)
+class FrameTruth:
+    t_ns: int
+    world_from_camera: Pose
+    around_path: Points  # in the inflated cylinder
+    in_cylinder: NDArray[np.bool_]  # of around_path
+    target: Target | None  # None: no target is a true danger
+    surfaces: dict[int, Array]  # (k, 3) seen points of each standing object, by label
+
+
+@functools.lru_cache(maxsize=64)
+def flight_frames(folder: Path) -> tuple[FlightTruth, tuple[FrameTruth, ...]]:
+    """The truth of a flight on disk. Raises InputError."""
+    truth = read_truth(folder)
+    poses = {f.t_ns: f.world_from_camera for f in open_sequence(folder).frames}
+    missing = [t_ns for t_ns in truth.times_ns if poses.get(t_ns) is None]
+    if missing:
+        raise InputError(folder, f"no pose at {missing[0]}, a frame of truth.json")
+    direction = flight_direction([poses[t_ns] for t_ns in truth.times_ns])
+    return truth, tuple(frame_truth(truth, k, poses[t], direction) for k, t in enumerate(truth.times_ns))
+
+
+def flight_direction(poses: list[Pose]) -> Array:
+    """Unit vector of the whole flight's travel, world; of a still camera its optical axis."""
+    travel_m = poses[-1].translation_m - poses[0].translation_m
+    length_m = float(np.linalg.norm(travel_m))
+    return travel_m / length_m if length_m > 1e-6 else poses[0].rotation[:, 2]
+
+
+def frame_truth(truth: FlightTruth, index: int, world_from_camera: Pose, direction: Array) -> FrameTruth:
+    t_ns = truth.times_ns[index]
+    points = true_points(truth, t_ns, world_from_camera, direction)
+    reach_m = CYLINDER_RADIUS_M + INFLATION_M
+    near = (points.aside_m <= reach_m) & (points.along_m > 0.0)
+    near &= points.along_m <= CYLINDER_LENGTH_M + INFLATION_M
+    around = points.where(near)
+    inside = (around.aside_m <= CYLINDER_RADIUS_M) & (around.along_m <= CYLINDER_LENGTH_M)
+    target = find_target(truth, world_from_camera, around.where(inside), points)
+    kept = thinned(around)
+    surfaces = standing_surfaces(truth, points)
+    return FrameTruth(t_ns, world_from_camera, around.where(kept), inside[kept], target, surfaces)
+
+
+def true_points(truth: FlightTruth, t_ns: int, world_from_camera: Pose, direction: Array) -> Points:
+    """One a pixel that shows a surface; direction: unit vector of the flight path."""
+    disparity_px = truth.disparity_px(t_ns)
+    v, u = np.nonzero(disparity_px)
+    depth_m = truth.focal_baseline_px_m / disparity_px[v, u].astype(np.float64)
+    cu, cv = truth.center_px
+    rays = np.stack([(u - cu) / truth.focal_px, (v - cv) / truth.focal_px, np.ones(len(u))], axis=-1)
+    relative_m = (rays * depth_m[:, np.newaxis]) @ world_from_camera.rotation.T
+    along_m = relative_m @ direction
+    square_m2 = np.einsum("ij,ij->i", relative_m, relative_m)
+    return Points(
+        u.astype(np.int32),
+        v.astype(np.int32),
+        truth.labels(t_ns)[v, u],
+        world_from_camera.translation_m + relative_m,
+        np.sqrt(square_m2),
+        np.sqrt(np.maximum(square_m2 - along_m**2, 0.0)),
+        along_m,
+    )
+
+
+def find_target(
+    truth: FlightTruth, world_from_camera: Pose, inside: Points, everything: Points
+) -> Target | None:
+    """The nearest target with enough pixels among the points in the cylinder."""
+    camera_m = world_from_camera.translation_m
+    found: list[Target] = []
+    for thing in truth.targets:
+        shown = inside.where(inside.label == thing.label)
+        if len(shown) < DANGER_PIXELS:
+            continue
+        compact = max(thing.extent_m) <= COMPACT_M and not moves(truth, thing.label)
+        surface_m = None if compact else surface_of(everything, thing.label)
+        reference_m = thing.position_m if compact else shown.position_m.mean(axis=0)
+        depth_m = (shown.position_m - camera_m) @ world_from_camera.rotation[:, 2]
+        range_m = float(np.linalg.norm(reference_m - camera_m))
+        found.append(Target(thing, reference_m, range_m, float(depth_m.min()), surface_m))
+    return min(found, key=lambda target: target.range_m, default=None)
+
+
+def surface_of(points: Points, label: int) -> Array:
+    shown = points.where(points.label == label)
+    return shown.position_m[thinned(shown)]
+
+
+def moves(truth: FlightTruth, label: int) -> bool:
+    """Its mean of seen points wanders by more than what the changing view of a compact thing explains."""
+    seen = [frame[label]["position_m"] for frame in truth.seen if label in frame]
+    return len(seen) > 1 and float(np.ptp(np.array(seen), axis=0).max()) > COMPACT_M / 2
+
+
+def thinned(points: Points) -> NDArray[np.bool_]:
+    """Which points to keep: all of small things, every ninth of large ones."""
+    counts = np.bincount(points.label, minlength=1)
+    on_grid = (points.u_px % THIN_STRIDE_PX == 0) & (points.v_px % THIN_STRIDE_PX == 0)
+    return on_grid | (counts[points.label] <= THIN_ABOVE_PIXELS)
+
+
+def standing_surfaces(truth: FlightTruth, points: Points) -> dict[int, Array]:
+    order = np.argsort(points.label, kind="stable")
+    labels, first = np.unique(points.label[order], return_index=True)
+    surfaces = {}
+    for label, members in zip(labels, np.split(order, first[1:]), strict=True):
+        thing = truth.objects.get(int(label))
+        if label != SKY and thing is not None and thing.standing and len(members) >= STANDING_PIXELS:
+            chosen = np.linspace(0, len(members) - 1, min(len(members), SURFACE_POINTS)).astype(int)
+            surfaces[int(label)] = points.position_m[members[chosen]]
+    return surfaces

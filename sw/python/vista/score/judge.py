@@ -1,0 +1,182 @@
+"""Warnings of one frame against its truth (definitions in vista.score)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vista.geometry import Array, Pose
+from vista.score.frame_truth import FrameTruth, Points, true_points
+from vista.score.truth import FlightTruth
+
+if TYPE_CHECKING:
+    from vista.pipeline import Obstacle
+
+MIN_TOLERANCE_M = 2.0
+BEARING_MARGIN_PX = 3.0
+HIT_RANGE_M = (14.5, 45.0)
+
+
+@dataclass(frozen=True)
+class Warned:
+    """Where something reports a danger: a box in px of the left image, and its range from the camera."""
+
+    id: int
+    u_px: float
+    v_px: float
+    half_u_px: float
+    half_v_px: float
+    range_m: float
+
+
+@dataclass(frozen=True)
+class FalseAlarm:
+    id: int
+    range_m: float
+    ghost: bool  # nothing real is there, beside the path either
+
+
+@dataclass(frozen=True)
+class FrameScore:
+    t_ns: int
+    target: str | None  # name; None: no target is a true danger in this frame
+    range_m: float | None  # of the target
+    warnings: int
+    matched_id: int | None  # the nearest warning that agrees with the target
+    error_m: float | None
+    nees: float | None  # of three dimensions; None without a match, or without a reference point
+    false_alarms: tuple[FalseAlarm, ...]
+    blind: bool  # the target is nearer than the engine matches
+
+    @property
+    def in_band(self) -> bool:
+        return self.range_m is not None and HIT_RANGE_M[0] <= self.range_m <= HIT_RANGE_M[1]
+
+    @property
+    def hit(self) -> bool:
+        return self.in_band and self.matched_id is not None
+
+    @property
+    def missed(self) -> bool:
+        return self.range_m is not None and self.range_m < HIT_RANGE_M[1] and self.matched_id is None
+
+
+class Judge:
+    """Of one flight, frame after frame: what has left the image is judged by what was seen before."""
+
+    def __init__(self, truth: FlightTruth, direction: Array, blind_depth_m: float) -> None:
+        """direction: of the flight path; blind_depth_m: nearer along the optical axis nothing is matched."""
+        self._truth = truth
+        self._direction = direction
+        self._blind_depth_m = blind_depth_m
+        self._earlier_m = np.zeros((0, 3))
+
+    def frame(
+        self, frame: FrameTruth, obstacles: tuple[Obstacle, ...], world_from_estimate: Pose
+    ) -> FrameScore:
+        """obstacles: of the chain, in the world of its poses; world_from_estimate leads into the true one."""
+        warnings = {o.id: o for o in obstacles if o.confirmed and o.in_collision_volume}
+        positions_m = {k: carried(world_from_estimate, o.position_m) for k, o in warnings.items()}
+        places = [place_of(self._truth, frame, o, positions_m[k]) for k, o in warnings.items()]
+        alarms = [
+            alarm
+            for alarm in false_alarms(self._truth, frame, self._direction, places)
+            if not self._was_there(frame, warnings[alarm.id], positions_m[alarm.id], alarm.range_m)
+        ]
+        self._earlier_m = np.concatenate([self._earlier_m, frame.around_path.position_m[::16]])
+        matched = match_target(self._truth, frame, places)
+        error_m, nees = None, None
+        if matched is not None:
+            covariance_m2 = warnings[matched].covariance_m2
+            error_m, nees = errors(frame, positions_m[matched], covariance_m2, world_from_estimate)
+        target = frame.target
+        return FrameScore(
+            frame.t_ns,
+            None if target is None else target.object.name,
+            None if target is None else target.range_m,
+            len(warnings),
+            matched,
+            error_m,
+            nees,
+            tuple(alarms),
+            target is not None and target.nearest_depth_m < self._blind_depth_m,
+        )
+
+    def _was_there(self, frame: FrameTruth, obstacle: Obstacle, position_m: Array, range_m: float) -> bool:
+        """It lies outside the image, where the exact disparity map of an earlier frame had a surface."""
+        x_px, y_px, _ = project(self._truth, frame.world_from_camera, position_m)
+        cu, cv = self._truth.center_px
+        if abs(x_px) <= cu + 0.5 and abs(y_px) <= cv + 0.5:
+            return False
+        reach_m = tolerance_m(self._truth, range_m) + 0.5 * max(obstacle.extent_m)
+        return bool(np.any(np.linalg.norm(self._earlier_m - position_m, axis=1) <= reach_m))
+
+
+def match_target(truth: FlightTruth, frame: FrameTruth, places: list[Warned]) -> int | None:
+    """Id of the nearest warning that agrees with the target's points in the cylinder."""
+    if frame.target is None:
+        return None
+    points = frame.around_path.where(
+        frame.in_cylinder & (frame.around_path.label == frame.target.object.label)
+    )
+    matches = [place for place in places if agrees(truth, place, points)]
+    best = min(matches, key=lambda place: place.range_m, default=None)
+    return None if best is None else best.id
+
+
+def false_alarms(
+    truth: FlightTruth, frame: FrameTruth, direction: Array, places: list[Warned]
+) -> list[FalseAlarm]:
+    suspects = [place for place in places if not agrees(truth, place, frame.around_path)]
+    if not suspects:
+        return []
+    everything = true_points(truth, frame.t_ns, frame.world_from_camera, direction)
+    return [FalseAlarm(s.id, s.range_m, ghost=not agrees(truth, s, everything)) for s in suspects]
+
+
+def agrees(truth: FlightTruth, place: Warned, points: Points) -> bool:
+    """Whether one of the points lies at the place's bearing and range."""
+    found: NDArray[np.bool_] = (
+        (np.abs(points.u_px - place.u_px) <= max(place.half_u_px, BEARING_MARGIN_PX))
+        & (np.abs(points.v_px - place.v_px) <= max(place.half_v_px, BEARING_MARGIN_PX))
+        & (np.abs(points.range_m - place.range_m) <= tolerance_m(truth, place.range_m))
+    )
+    return bool(found.any())
+
+
+def tolerance_m(truth: FlightTruth, range_m: float) -> float:
+    return max(2.0 * float(truth.depth_of_one_disparity_m(range_m)), MIN_TOLERANCE_M)
+
+
+def carried(world_from_estimate: Pose, position_m: Array) -> Array:
+    return world_from_estimate.rotation @ position_m + world_from_estimate.translation_m
+
+
+def project(truth: FlightTruth, world_from_camera: Pose, position_m: Array) -> tuple[float, float, float]:
+    """Pixels right of and below the principal point, and depth."""
+    x, y, z = world_from_camera.rotation.T @ (position_m - world_from_camera.translation_m)
+    return truth.focal_px * x / z, truth.focal_px * y / z, z
+
+
+def place_of(truth: FlightTruth, frame: FrameTruth, obstacle: Obstacle, position_m: Array) -> Warned:
+    x_px, y_px, depth_m = project(truth, frame.world_from_camera, position_m)
+    half_u_px, half_v_px = 0.5 * truth.focal_px / depth_m * np.array(obstacle.extent_m)
+    range_m = float(np.linalg.norm(position_m - frame.world_from_camera.translation_m))
+    cu, cv = truth.center_px
+    return Warned(obstacle.id, cu + x_px, cv + y_px, float(half_u_px), float(half_v_px), range_m)
+
+
+def errors(
+    frame: FrameTruth, position_m: Array, covariance_m2: Array, world_from_estimate: Pose
+) -> tuple[float, float | None]:
+    """|P - P^| in metres, and the NEES e^T P^-1 e; covariance_m2: in the world of the estimate."""
+    target = frame.target
+    if target.surface_m is not None:
+        return float(np.linalg.norm(target.surface_m - position_m, axis=1).min()), None
+    error_m = position_m - target.reference_m
+    rotation = world_from_estimate.rotation
+    nees = float(error_m @ np.linalg.solve(rotation @ covariance_m2 @ rotation.T, error_m))
+    return float(np.linalg.norm(error_m)), nees
