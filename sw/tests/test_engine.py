@@ -107,7 +107,6 @@ def test_bad_images(left, right, error, text):
 @pytest.mark.parametrize(
     ("name", "values", "text"),
     [
-        ("rtl", {}, "engine rtl is not available yet"),
         ("sgm", {}, "engine must be one of golden, rtl, opencv, not 'sgm'"),
         ("opencv", {}, "engine opencv: lr_max_diff must be off"),
         ("opencv", {"prefilter": "none", "lr_max_diff": None}, "engine opencv: prefilter must be xsobel"),

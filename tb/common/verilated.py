@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 from tools import BUILD, ROOT, sources, verilator_environment
 
-SHIM = Path(__file__).with_name("verilated_top.cpp")
+HARNESS = ROOT / "rtl" / "sim" / "vista_rtl.cpp"
 USER, LAST = 1 << 16, 1 << 17  # of a beat
 WORD_USER, WORD_LAST = 1, 2  # of the flags of a word
 
@@ -63,9 +63,8 @@ def build(config: Config) -> Path:
         *(["--coverage-line", "--coverage-toggle"] if config.coverage else []),
         *map(str, files),
     ]  # fmt: skip
-    digest = hashlib.sha256(
-        b"".join(f.read_bytes() for f in [*files, SHIM]) + repr(command).encode()
-    ).hexdigest()
+    inputs = [*files, HARNESS, HARNESS.with_suffix(".h")]
+    digest = hashlib.sha256(b"".join(f.read_bytes() for f in inputs) + repr(command).encode()).hexdigest()
     if library.is_file() and stamp.is_file() and stamp.read_text() == digest:
         return library
     folder.mkdir(parents=True, exist_ok=True)
@@ -75,7 +74,7 @@ def build(config: Config) -> Path:
     link = [
         "g++", "-std=c++17", "-shared", *flags.split(), f"-I{folder}", f"-I{root}/include",
         f"-I{root}/include/vltstd",
-        str(SHIM), str(folder / "libVvista_stereo.a"), str(folder / "libverilated.a"),
+        str(HARNESS), str(folder / "libVvista_stereo.a"), str(folder / "libverilated.a"),
         "-lpthread", "-o", str(library), *([f'-DVISTA_WAVES="{folder}/waves.vcd"'] if config.waves else []),
     ]  # fmt: skip
     _run(link, environment, folder)
@@ -94,9 +93,9 @@ def _run(command: list[str], environment: dict[str, str], folder: Path) -> str:
 @functools.cache
 def _load(config: Config) -> ctypes.CDLL:
     library = ctypes.CDLL(str(build(config)))
-    library.rtl_create.restype = ctypes.c_void_p
-    library.rtl_read.restype = ctypes.c_uint32
-    library.rtl_stream.restype = ctypes.c_int64
+    library.vista_rtl_create.restype = ctypes.c_void_p
+    library.vista_rtl_read.restype = ctypes.c_uint32
+    library.vista_rtl_stream.restype = ctypes.c_int64
     return library
 
 
@@ -117,7 +116,7 @@ class Rtl:
     def __init__(self, config: Config, seed: int = 1) -> None:
         self.config = config
         self._lib = _load(config)
-        self._handle = ctypes.c_void_p(self._lib.rtl_create(ctypes.c_uint32(seed)))
+        self._handle = ctypes.c_void_p(self._lib.vista_rtl_create(ctypes.c_uint32(seed)))
 
     def __enter__(self) -> Rtl:
         return self
@@ -126,23 +125,23 @@ class Rtl:
         self.close()
 
     def close(self) -> None:
-        self._lib.rtl_destroy(self._handle)
+        self._lib.vista_rtl_destroy(self._handle)
 
     def select_mutant(self, number: int) -> None:
-        self._lib.rtl_select_mutant(self._handle, ctypes.c_uint32(number))
+        self._lib.vista_rtl_select_mutant(self._handle, ctypes.c_uint32(number))
         self.reset()
 
     def reset(self, clocks: int = 4) -> None:
-        self._lib.rtl_reset(self._handle, clocks)
+        self._lib.vista_rtl_reset(self._handle, clocks)
 
     def write(self, address: int, data: int) -> None:
-        self._lib.rtl_write(self._handle, ctypes.c_uint32(address), ctypes.c_uint32(data))
+        self._lib.vista_rtl_write(self._handle, ctypes.c_uint32(address), ctypes.c_uint32(data))
 
     def read(self, address: int) -> int:
-        return int(self._lib.rtl_read(self._handle, ctypes.c_uint32(address)))
+        return int(self._lib.vista_rtl_read(self._handle, ctypes.c_uint32(address)))
 
     def write_coverage(self, path: Path) -> None:
-        self._lib.rtl_write_coverage(self._handle, str(path).encode())
+        self._lib.vista_rtl_write_coverage(self._handle, str(path).encode())
 
     def stream(
         self,
@@ -166,7 +165,7 @@ class Rtl:
         def pace(side: Pace) -> ctypes.Array[ctypes.c_uint32]:
             return (ctypes.c_uint32 * 2)(side.stop, side.go)
 
-        count = self._lib.rtl_stream(
+        count = self._lib.vista_rtl_stream(
             self._handle, pointer(beats), ctypes.c_int64(len(beats)), pace(pace_in), pace(pace_out),
             ctypes.c_uint64(seed), ctypes.c_int64(max_words), ctypes.c_int64(quiet),
             ctypes.c_int64(max_clocks),

@@ -45,10 +45,14 @@ class Engine(Protocol):
 
     parameters: EngineParameters
 
+    def check_size(self, width_px: int, height_px: int) -> None:
+        """ValueError for images that it does not take."""
+
     def compute(self, left: Image, right: Image) -> Disparity: ...
 
 
-def _check_images(left: Image, right: Image) -> None:
+def check_images(left: Image, right: Image) -> None:
+    """What every engine asks of a pair, whatever its size: TypeError or ValueError otherwise."""
     for side, image in (("left", left), ("right", right)):
         if not isinstance(image, np.ndarray):
             raise TypeError(f"{side} image must be a numpy array, not {type(image).__name__}")
@@ -129,6 +133,9 @@ class StereoEngine:
             if name != "auto" and lib.vista_engine_isa_available(value)
         ]
 
+    def check_size(self, width_px: int, height_px: int) -> None:
+        self._scratch_for(width_px, height_px)
+
     def compute(self, left: Image, right: Image) -> Disparity:
         """Disparity words of the left image."""
         return self._run(left, right, None)
@@ -152,7 +159,7 @@ class StereoEngine:
             raise ValueError(self._ffi.string(self._lib.vista_engine_status_text(status)).decode())
 
     def _run(self, left: Image, right: Image, smin: npt.NDArray[np.uint32] | None) -> Disparity:
-        _check_images(left, right)
+        check_images(left, right)
         left, right = np.ascontiguousarray(left), np.ascontiguousarray(right)
         height, width = left.shape
         disparity = np.empty((height, width), np.int16)
@@ -227,18 +234,28 @@ class OpenCvEngine:
         self._matcher.setDisp12MaxDiff(-1)
         self._matcher.setSpeckleWindowSize(0)
 
+    def check_size(self, width_px: int, height_px: int) -> None:
+        """OpenCV takes any."""
+
     def compute(self, left: Image, right: Image) -> Disparity:
         """Disparity words of the left image."""
-        _check_images(left, right)
+        check_images(left, right)
         return self._matcher.compute(left, right)
 
 
-def create_engine(name: str, parameters: EngineParameters, threads: int = 1) -> Engine:
-    """The engine called golden (C model), opencv or rtl; ValueError for what it cannot do."""
+def create_engine(
+    name: str, parameters: EngineParameters, threads: int = 1, rtl_width_px: int | None = None
+) -> Engine:
+    """The engine called golden (C model), opencv or rtl; ValueError for what it cannot do.
+
+    rtl_width_px: widest image of the RTL build to use, None for that of the reference build.
+    """
     if name == "golden":
         return StereoEngine(**asdict(parameters), threads=threads)
     if name == "opencv":
         return OpenCvEngine(parameters)
     if name == "rtl":
-        raise ValueError("engine rtl is not available yet: use golden, whose words are the same")
+        from vista.engine_rtl import DEFAULT_WIDTH_PX, RtlEngine  # which imports this module
+
+        return RtlEngine(parameters, rtl_width_px or DEFAULT_WIDTH_PX)
     raise ValueError(f"engine must be one of {', '.join(ENGINES)}, not {name!r}")

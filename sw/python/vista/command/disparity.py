@@ -11,8 +11,9 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from vista.command.run import positive
 from vista.disparity_file import check_format, write_disparity
-from vista.engine import EngineParameters, create_engine
+from vista.engine import ENGINES, EngineParameters, create_engine
 from vista.errors import EXIT_OK, InputError
 from vista.sequence import read_grey
 
@@ -23,6 +24,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("left", type=Path, metavar="LEFT", help="left image: PNG, JPEG, PGM or PPM")
     parser.add_argument("right", type=Path, metavar="RIGHT", help="right image of the same size")
     parser.add_argument("--out", type=Path, required=True, metavar="FILE", help="disparity file to write")
+    parser.add_argument(
+        "--engine",
+        choices=ENGINES,
+        default="golden",
+        help="as of vista run; opencv needs --lr off (default golden)",
+    )
+    parser.add_argument("--rtl-width", type=positive, metavar="PX", help="as of vista run")
     add_number(parser, "--disparities", DEFAULTS.num_disparities, "candidates, a multiple of 16 up to 256")
     add_number(parser, "--block", DEFAULTS.block_size, "side of the matched block, odd, 5 to 21")
     parser.add_argument("--prefilter", choices=("xsobel", "none"), default=DEFAULTS.prefilter)
@@ -58,7 +66,7 @@ def execute(arguments: argparse.Namespace) -> int:
         lr_max_diff=arguments.lr,
     )
     try:
-        engine = create_engine("golden", parameters)
+        engine = create_engine(arguments.engine, parameters, rtl_width_px=arguments.rtl_width)
     except ValueError as error:
         raise InputError("disparity", str(error)) from None
     left, right = read_grey(arguments.left), read_grey(arguments.right)

@@ -17,7 +17,8 @@ from pathlib import Path
 from typing import Any
 
 from vista import parameters
-from vista.engine import EngineParameters, create_engine
+from vista.engine import ENGINES, EngineParameters, create_engine
+from vista.engine_rtl import DEFAULT_WIDTH_PX
 from vista.errors import EXIT_INTERRUPTED, EXIT_OK, InputError
 from vista.history import FrameRecord, stage_statistics
 from vista.overlay import Overlay
@@ -36,9 +37,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder for the results")
     parser.add_argument(
         "--engine",
-        choices=("golden", "opencv"),
+        choices=ENGINES,
         default="golden",
-        help="golden: the engine's C model; opencv: StereoBM, for comparison (default golden)",
+        help="golden: the engine's C model; rtl: the SystemVerilog core, simulated, with the same words at "
+        "half a second a frame; opencv: StereoBM, for comparison (default golden)",
+    )
+    parser.add_argument(
+        "--rtl-width",
+        type=positive,
+        metavar="PX",
+        help=f"widest image of the RTL build to run (default {DEFAULT_WIDTH_PX})",
     )
     parser.add_argument(
         "--config", type=Path, metavar="FILE.toml", help="parameters; `vista config` prints them"
@@ -75,7 +83,7 @@ def execute(arguments: argparse.Namespace) -> int:
     if sequence.stills:  # nothing to confirm a scene with
         values["tracker"] |= {"confirm_hits": 1, "confirm_window": 1}
     frames = select_frames(sequence, arguments.frames)
-    chain = make_chain(sequence, arguments.engine, values, arguments.threads)
+    chain = make_chain(sequence, arguments.engine, values, arguments.threads, arguments.rtl_width)
     candidates = chain.engine.parameters.num_disparities
     overlay = None if arguments.no_overlay else Overlay(sequence.name, candidates)
 
@@ -134,12 +142,19 @@ def engine_parameters(values: parameters.Values) -> EngineParameters:
     )
 
 
-def make_chain(sequence: Sequence, engine_name: str, values: parameters.Values, threads: int) -> Chain:
+def make_chain(
+    sequence: Sequence,
+    engine_name: str,
+    values: parameters.Values,
+    threads: int,
+    rtl_width_px: int | None = None,
+) -> Chain:
     from vista.pipeline import Pipeline  # loads libvista, which `--help` need not
 
     rectifier = Rectifier(sequence.calibration)
     try:
-        engine = create_engine(engine_name, engine_parameters(values), threads)
+        engine = create_engine(engine_name, engine_parameters(values), threads, rtl_width_px)
+        engine.check_size(rectifier.calibration.width, rectifier.calibration.height)
     except (TypeError, ValueError) as error:
         raise InputError(f"engine {engine_name}", str(error)) from None
     try:

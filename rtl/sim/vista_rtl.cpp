@@ -1,7 +1,10 @@
-// Drives the Verilated engine at speed behind a plain C interface: registers, and streams with stalls on both sides.
-// Built into one shared library per configuration by tb/common/verilated.py.
+// Drives the Verilated engine at C++ speed: vista_rtl.h. Built by `make rtl-engine`, and by the benches with waves,
+// coverage or mutants (tb/common/verilated.py).
 
-#include <cstdint>
+extern "C" {
+#include "vista_rtl.h"
+}
+
 #include <memory>
 
 #include "Vvista_stereo.h"
@@ -45,7 +48,9 @@ struct Pace {
   }
 };
 
-struct Engine {
+}  // namespace
+
+struct vista_rtl {
   VerilatedContext context;
 #ifdef VISTA_WAVES
   VerilatedVcdC waves;  // closes its file when it goes
@@ -53,8 +58,7 @@ struct Engine {
   std::unique_ptr<Vvista_stereo> top;
   int64_t clock = 0;
 
-  // Every bit that reset leaves alone, memories included, starts at random.
-  explicit Engine(uint32_t seed) {
+  explicit vista_rtl(uint32_t seed) {
     context.randReset(2);
     context.randSeed(static_cast<int>(seed ? seed : 1));
 #ifdef VISTA_WAVES
@@ -97,26 +101,23 @@ struct Engine {
   }
 };
 
-}  // namespace
-
 extern "C" {
 
-void* rtl_create(uint32_t seed) {
-  auto* engine = new Engine(seed);
+vista_rtl* vista_rtl_create(uint32_t seed) {
+  auto* engine = new vista_rtl(seed);
   engine->reset(8);
   return engine;
 }
 
-void rtl_destroy(void* handle) {
-  auto* engine = static_cast<Engine*>(handle);
+void vista_rtl_destroy(vista_rtl* engine) {
   engine->top->final();
   delete engine;
 }
 
-void rtl_reset(void* handle, int clocks) { static_cast<Engine*>(handle)->reset(clocks); }
+void vista_rtl_reset(vista_rtl* engine, int32_t clocks) { engine->reset(clocks); }
 
-void rtl_write(void* handle, uint32_t address, uint32_t data) {
-  auto& e = *static_cast<Engine*>(handle);
+void vista_rtl_write(vista_rtl* engine, uint32_t address, uint32_t data) {
+  auto& e = *engine;
   auto& t = *e.top;
   t.s_axil_awaddr = address;
   t.s_axil_wdata = data;
@@ -132,8 +133,8 @@ void rtl_write(void* handle, uint32_t address, uint32_t data) {
   e.edge();
 }
 
-uint32_t rtl_read(void* handle, uint32_t address) {
-  auto& e = *static_cast<Engine*>(handle);
+uint32_t vista_rtl_read(vista_rtl* engine, uint32_t address) {
+  auto& e = *engine;
   auto& t = *e.top;
   t.s_axil_araddr = address;
   t.s_axil_arvalid = 1;
@@ -149,13 +150,11 @@ uint32_t rtl_read(void* handle, uint32_t address) {
   return data;
 }
 
-// Offers num_in beats {last, user, data[15:0]} and takes max_out words, data and flags {last, user}. Ends when both are
-// done, nothing was transferred for `quiet` clocks, or `max_clocks` have passed. Returns the number of words;
-// in_clock[i] and out_clock[i] are the clocks of the transfers (may be null), *num_taken the beats taken.
-int64_t rtl_stream(void* handle, const uint32_t* beats, int64_t num_in, const uint32_t in_pace[2],
-                   const uint32_t out_pace[2], uint64_t seed, int64_t max_out, int64_t quiet, int64_t max_clocks,
-                   uint32_t* out_data, uint8_t* out_flags, int64_t* in_clock, int64_t* out_clock, int64_t* num_taken) {
-  auto& e = *static_cast<Engine*>(handle);
+int64_t vista_rtl_stream(vista_rtl* engine, const uint32_t* beats, int64_t num_in, const uint32_t* in_pace,
+                         const uint32_t* out_pace, uint64_t seed, int64_t max_out, int64_t quiet, int64_t max_clocks,
+                         uint32_t* out_data, uint8_t* out_flags, int64_t* in_clock, int64_t* out_clock,
+                         int64_t* num_taken) {
+  auto& e = *engine;
   auto& t = *e.top;
   Random random(seed);
   Pace in{in_pace[0], in_pace[1]}, out{out_pace[0], out_pace[1]};
@@ -193,20 +192,20 @@ int64_t rtl_stream(void* handle, const uint32_t* beats, int64_t num_in, const ui
   return words;
 }
 
-void rtl_select_mutant(void* handle, uint32_t number) {
+void vista_rtl_select_mutant(vista_rtl* engine, uint32_t number) {
 #ifdef VISTA_MUTANTS
-  static_cast<Engine*>(handle)->top->rootp->vista_stereo__DOT__u_core__DOT__mutsel = number;
+  engine->top->rootp->vista_stereo__DOT__u_core__DOT__mutsel = number;
 #else
-  (void)handle;
+  (void)engine;
   (void)number;
 #endif
 }
 
-void rtl_write_coverage(void* handle, const char* path) {
+void vista_rtl_write_coverage(vista_rtl* engine, const char* path) {
 #ifdef VISTA_COVERAGE
-  static_cast<Engine*>(handle)->context.coveragep()->write(path);
+  engine->context.coveragep()->write(path);
 #else
-  (void)handle;
+  (void)engine;
   (void)path;
 #endif
 }

@@ -1,0 +1,79 @@
+// Whole frames through the Verilated engine, the way a product's driver runs them: registers by the generated header,
+// then one pair in and its words out. Uses nothing but the rest of vista_rtl.h.
+
+#include <algorithm>
+#include <cstddef>
+#include <vector>
+
+#include "../csr/vista_stereo_csr.h"
+extern "C" {
+#include "vista_rtl.h"
+}
+
+namespace {
+
+#define ADDRESS(name) static_cast<uint32_t>(offsetof(vista_stereo_csr_t, name))
+#define FIELD(name, value) ((static_cast<uint32_t>(value) << VISTA_STEREO_CSR__##name##_bp) & VISTA_STEREO_CSR__##name##_bm)
+#define READ_FIELD(data, name) (((data) & VISTA_STEREO_CSR__##name##_bm) >> VISTA_STEREO_CSR__##name##_bp)
+
+constexpr uint32_t kUser = 1u << 16, kLast = 1u << 17;  // of a beat
+constexpr uint32_t kEveryClock[2] = {0, 1000};
+constexpr int64_t kQuietClocks = 20000;  // more than the engine is ever silent with a frame inside: two rows of 4095
+
+void configure(vista_rtl* engine, const vista_rtl_settings& settings, int32_t width, int32_t height) {
+  // No texture sum (at most 441 * 63) and no difference of disparities reaches these.
+  const uint32_t texture = std::min(settings.texture_threshold, 0xFFFFu);
+  const uint32_t max_diff = static_cast<uint32_t>(std::clamp(settings.lr_max_diff, 0, 255));
+  vista_rtl_write(engine, ADDRESS(SIZE), FIELD(SIZE__WIDTH, width) | FIELD(SIZE__HEIGHT, height));
+  vista_rtl_write(engine, ADDRESS(PREFILTER),
+                  FIELD(PREFILTER__XSOBEL, settings.xsobel) | FIELD(PREFILTER__CAP, settings.prefilter_cap));
+  vista_rtl_write(engine, ADDRESS(TEXTURE), FIELD(TEXTURE__THRESHOLD, texture));
+  vista_rtl_write(engine, ADDRESS(UNIQUENESS), FIELD(UNIQUENESS__RATIO, settings.uniqueness_ratio));
+  vista_rtl_write(engine, ADDRESS(LR_CHECK),
+                  FIELD(LR_CHECK__ENABLE, settings.lr_max_diff >= 0) | FIELD(LR_CHECK__MAX_DIFF, max_diff));
+  vista_rtl_write(engine, ADDRESS(CONTROL), FIELD(CONTROL__ENABLE, 1));
+}
+
+std::vector<uint32_t> video(const uint8_t* left, const uint8_t* right, int64_t width, int64_t height) {
+  std::vector<uint32_t> beats(static_cast<size_t>(width * height));
+  for (int64_t i = 0; i < width * height; ++i)
+    beats[i] = left[i] | static_cast<uint32_t>(right[i]) << 8 | (i % width == width - 1 ? kLast : 0);
+  beats[0] |= kUser;
+  return beats;
+}
+
+}  // namespace
+
+extern "C" {
+
+int32_t vista_rtl_identify(vista_rtl* engine, vista_rtl_build* build) {
+  if (vista_rtl_read(engine, ADDRESS(ID)) != VISTA_STEREO_CSR__ID__MAGIC_reset) return 0;
+  if (READ_FIELD(vista_rtl_read(engine, ADDRESS(VERSION)), VERSION__MAJOR) != 1) return 0;
+  const uint32_t parameters = vista_rtl_read(engine, ADDRESS(BUILD));
+  const uint32_t size = vista_rtl_read(engine, ADDRESS(BUILD_SIZE));
+  build->num_disparities = READ_FIELD(parameters, BUILD__NUM_DISPARITIES);
+  build->block_size = READ_FIELD(parameters, BUILD__BLOCK_SIZE);
+  build->max_width_px = READ_FIELD(size, BUILD_SIZE__MAX_WIDTH);
+  build->max_height_px = READ_FIELD(size, BUILD_SIZE__MAX_HEIGHT);
+  return 1;
+}
+
+int64_t vista_rtl_compute(vista_rtl* engine, const vista_rtl_settings* settings, const uint8_t* left,
+                          const uint8_t* right, int32_t width, int32_t height, int16_t* disparity) {
+  configure(engine, *settings, width, height);
+  const std::vector<uint32_t> beats = video(left, right, width, height);
+  const int64_t pixels = static_cast<int64_t>(beats.size());
+  std::vector<uint32_t> words(beats.size());
+  std::vector<uint8_t> flags(beats.size());
+  std::vector<int64_t> in_clock(beats.size()), out_clock(beats.size());
+  int64_t taken = 0;
+  const int64_t count =
+      vista_rtl_stream(engine, beats.data(), pixels, kEveryClock, kEveryClock, 1, pixels, kQuietClocks, INT64_MAX,
+                       words.data(), flags.data(), in_clock.data(), out_clock.data(), &taken);
+  if (count != pixels || taken != pixels || vista_rtl_read(engine, ADDRESS(ERRORS)) != 0) return -1;
+  // {Smin[15:0], disparity[15:0]}
+  std::transform(words.begin(), words.end(), disparity, [](uint32_t word) { return static_cast<int16_t>(word); });
+  return out_clock.back() - in_clock.front() + 1;
+}
+
+}

@@ -1,0 +1,161 @@
+"""`--engine rtl`: the Verilated core gives the C model's words, and so the same obstacles, byte for byte."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from dataclasses import asdict, replace
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+import sequence_cases as cases
+from random_seed import seeded
+from shared_data import REPOSITORY
+from vista import engine_rtl
+from vista.cli import main
+from vista.engine import EngineParameters, StereoEngine
+from vista.engine_rtl import RtlEngine
+
+BUILD = EngineParameters(num_disparities=16, block_size=5)
+WIDTH_PX = 320  # small: it is Verilated within the test
+
+pytestmark = pytest.mark.skipif(
+    not (REPOSITORY / engine_rtl.VERILATOR).is_file() or shutil.which("make") is None,
+    reason="Verilator is not set up: make setup-rtl",
+)
+
+
+def random_parameters(rng: np.random.Generator) -> EngineParameters:
+    return replace(
+        BUILD,
+        prefilter=str(rng.choice(["xsobel", "none"])),
+        prefilter_cap=int(rng.integers(1, 64)),
+        texture_threshold=int(rng.choice([0, 10, rng.integers(0, 1000), 65535, 65536 + 10])),
+        uniqueness_ratio=int(rng.integers(0, 101)),
+        lr_max_diff=(None, 0, 1, 255, 256)[rng.integers(5)],
+    )
+
+
+@pytest.mark.parametrize("index", range(12))
+def test_words_are_the_golden_ones(index: int) -> None:
+    """Sizes and parameters change from frame to frame of one engine of hardware; some registers saturate."""
+    rng = seeded(100 + index)
+    for _ in range(3):
+        parameters = random_parameters(rng)
+        rtl, golden = RtlEngine(parameters, WIDTH_PX), StereoEngine(**asdict(parameters))
+        for _ in range(2):
+            height, width = int(rng.integers(2, 60)), int(rng.integers(4, 140))
+            noise = rng.integers(0, 256, (height, width + 6), np.uint8)
+            scene = cv2.GaussianBlur(noise, (0, 0), 1.0)
+            left, right = scene[:, :width], scene[:, 6:]
+            np.testing.assert_array_equal(rtl.compute(left, right), golden.compute(left, right))
+            # A pixel a clock: a frame takes its pixels plus the latency, r + 1 rows and some clocks.
+            rows = height + 3
+            assert rows * width <= rtl.last_clocks + width < rows * width + 200
+
+
+@pytest.fixture
+def config(tmp_path: Path) -> Path:
+    path = tmp_path / "c.toml"
+    path.write_text("[stereo]\nnum_disparities = 16\nblock_size = 5\n")
+    return path
+
+
+def run_vista(*arguments: object) -> int:
+    try:
+        return main([str(argument) for argument in arguments])
+    except SystemExit as stop:
+        return int(stop.code or 0)
+
+
+def lines_without_times(folder: Path) -> list[str]:
+    """The bytes of obstacles.jsonl with nothing but the value of processing_ms taken out."""
+    lines = []
+    for line in (folder / "obstacles.jsonl").read_text().splitlines():
+        time = f'"processing_ms": {json.dumps(json.loads(line)["processing_ms"])}'
+        assert line.count(time) == 1
+        lines.append(line.replace(time, '"processing_ms": 0'))
+    return lines
+
+
+def test_run_gives_the_same_obstacles(tmp_path: Path, config: Path) -> None:
+    folder = cases.make_board_scenes(tmp_path / "pairs", 4, stills=False)
+    for engine in ("golden", "rtl"):
+        options = ["--engine", engine, "--rtl-width", WIDTH_PX, "--config", config, "--no-overlay"]
+        assert run_vista("run", folder, "--out", tmp_path / engine, *options) == 0
+    lines = lines_without_times(tmp_path / "rtl")
+    assert lines == lines_without_times(tmp_path / "golden")
+    assert any(obstacle["confirmed"] for obstacle in json.loads(lines[-1])["obstacles"])
+    assert json.loads((tmp_path / "rtl" / "summary.json").read_text())["engine"] == "rtl"
+
+
+def write_pair(folder: Path, width: int) -> tuple[Path, Path]:
+    paths = folder / "a_left.png", folder / "a_right.png"
+    for path, image in zip(paths, cases.texture_pair(3, width), strict=True):
+        cases.write_image(path, image)
+    return paths
+
+
+def test_disparity(tmp_path: Path) -> None:
+    pair = write_pair(tmp_path, 160)
+    options = ["--disparities", 16, "--block", 5, "--prefilter", "none", "--lr", "off"]
+    for engine in ("golden", "rtl"):
+        out = tmp_path / f"{engine}.npy"
+        chosen = ["--engine", engine, "--rtl-width", WIDTH_PX]
+        assert run_vista("disparity", *pair, "--out", out, *options, *chosen) == 0
+    np.testing.assert_array_equal(np.load(tmp_path / "rtl.npy"), np.load(tmp_path / "golden.npy"))
+
+
+def expect_one_line(capsys: pytest.CaptureFixture[str], text: str) -> None:
+    out, err = capsys.readouterr()
+    assert out == "" and err.startswith("vista: ") and err.count("\n") == 1
+    assert text in err
+
+
+def test_images_wider_than_the_build(
+    tmp_path: Path, config: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    pair = write_pair(tmp_path / "pairs", WIDTH_PX + 1)
+    (tmp_path / "pairs" / "calibration.toml").write_text(cases.PAIR_CALIBRATION)
+    options = ["--engine", "rtl", "--rtl-width", WIDTH_PX]
+    text = "images are 321 px wide, this build of the RTL holds 320: name a wider one with --rtl-width"
+    RtlEngine(BUILD, WIDTH_PX)  # says on stderr when it has to be built
+    capsys.readouterr()
+    assert run_vista("run", tmp_path / "pairs", "--out", tmp_path / "out", "--config", config, *options) == 2
+    expect_one_line(capsys, text)
+    out = tmp_path / "d.npy"
+    assert run_vista("disparity", *pair, "--out", out, "--disparities", 16, "--block", 5, *options) == 2
+    expect_one_line(capsys, text)
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["c.toml", "pairs"]
+
+
+def test_a_machine_without_verilator(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(engine_rtl, "VERILATOR", Path("build/no/such/verilator"))
+    pair = write_pair(tmp_path, 160)
+    options = ["--engine", "rtl", "--disparities", 48, "--rtl-width", 333]
+    assert run_vista("disparity", *pair, "--out", tmp_path / "d.npy", *options) == 2
+    expect_one_line(
+        capsys, "libvista_rtl_d48_b11_w333.so is not built: run `make rtl-engine D=48 B=11 W=333`"
+    )
+
+
+@pytest.mark.parametrize(
+    ("options", "text"),
+    [
+        (["--disparities", 20], "num_disparities must be a multiple of 16"),
+        (["--cap", 64], "prefilter_cap must be from 1 to 63"),
+        (["--rtl-width", 42], "--rtl-width must be from 43 to 4096, not 42"),
+        (["--rtl-width", "wide"], "'wide' is not a positive number"),
+    ],
+)
+def test_bad_parameters(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], options: list[object], text: str
+) -> None:
+    """Each is found before anything is built."""
+    pair = write_pair(tmp_path, 160)
+    assert run_vista("disparity", *pair, "--out", tmp_path / "d.npy", "--engine", "rtl", *options) == 2
+    expect_one_line(capsys, text)
