@@ -40,7 +40,8 @@ class FlightScore:
     false_alarm_frames: tuple[int, ...]
     false_alarm_obstacles: int
     ghost_frames: int  # of the false alarm frames, with nothing real there at all
-    matched_frames: int
+    errors_dz: tuple[float, ...]  # of the matched frames, in units of dz(r)
+    nees: tuple[float, ...]
     within_2dz: float | None  # share of matched frames with an error of at most 2 dz(r)
     median_dz: float | None  # median error in units of dz(r)
     rms_ft: float | None
@@ -54,6 +55,10 @@ class FlightScore:
     blind_frames: int
     blind_reported: int  # of these, with a warning that agrees
     host_ms: float  # median
+
+    @property
+    def matched_frames(self) -> int:
+        return len(self.errors_dz)
 
     @property
     def hit_rate(self) -> float | None:
@@ -120,6 +125,7 @@ def flight_score(
     ranges_m = np.array([frame.range_m for frame in matched], float)
     errors_m = np.array([frame.error_m for frame in matched], float)
     in_dz = errors_m / truth.depth_of_one_disparity_m(ranges_m)
+    nees = tuple(frame.nees for frame in matched if frame.nees is not None)
     ids = [frame.matched_id for frame in matched]
     alarms = [k for k, frame in enumerate(frames) if frame.false_alarms]
     blind = [frame for frame in frames if frame.blind]
@@ -135,7 +141,8 @@ def flight_score(
         false_alarm_frames=tuple(alarms),
         false_alarm_obstacles=len({alarm.id for frame in frames for alarm in frame.false_alarms}),
         ghost_frames=sum(any(alarm.ghost for alarm in frame.false_alarms) for frame in frames),
-        matched_frames=len(matched),
+        errors_dz=tuple(in_dz.tolist()),
+        nees=nees,
         within_2dz=float(np.mean(in_dz <= 2.0)) if matched else None,
         median_dz=float(np.median(in_dz)) if matched else None,
         rms_ft=float(np.sqrt(np.mean(errors_m**2))) / FOOT_M if matched else None,
@@ -145,7 +152,7 @@ def flight_score(
         gospa_m=float(np.sqrt(np.mean([one.distance**2 for one in sets]))),
         gospa_missed=float(np.mean([one.missed for one in sets])),
         gospa_false=float(np.mean([one.false for one in sets])),
-        consistency=consistency([np.array([f.nees for f in matched if f.nees is not None])]),
+        consistency=consistency([np.array(nees)]),
         blind_frames=len(blind),
         blind_reported=sum(frame.matched_id is not None for frame in blind),
         host_ms=host_ms,

@@ -62,6 +62,12 @@ class FrameTruth:
     target: Target | None  # None: no target is a true danger
     surfaces: dict[int, Array]  # (k, 3) seen points of each standing object, by label
 
+    @functools.cached_property
+    def of_target(self) -> Points:
+        """The target's points in the cylinder; none without a target."""
+        label = -1 if self.target is None else self.target.object.label
+        return self.around_path.where(self.in_cylinder & (self.around_path.label == label))
+
 
 @functools.lru_cache(maxsize=64)
 def flight_frames(folder: Path) -> tuple[FlightTruth, tuple[FrameTruth, ...]]:

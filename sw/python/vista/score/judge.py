@@ -117,12 +117,7 @@ class Judge:
 
 def match_target(truth: FlightTruth, frame: FrameTruth, places: list[Warned]) -> int | None:
     """Id of the nearest warning that agrees with the target's points in the cylinder."""
-    if frame.target is None:
-        return None
-    points = frame.around_path.where(
-        frame.in_cylinder & (frame.around_path.label == frame.target.object.label)
-    )
-    matches = [place for place in places if agrees(truth, place, points)]
+    matches = [place for place in places if agrees(truth, place, frame.of_target)]
     best = min(matches, key=lambda place: place.range_m, default=None)
     return None if best is None else best.id
 

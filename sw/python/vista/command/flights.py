@@ -1,0 +1,147 @@
+"""Render the flights, fly them, score them, show the scores.
+
+DIR holds a folder a flight. What it lacks is rendered; each flight goes through engine and host; what comes out is
+scored against the exact truth, beside disparities that are only thresholded and clustered (stereo alone).
+
+DIR receives flights.json (every figure) and report.html.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import asdict
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from tqdm import tqdm
+
+from vista import parameters
+from vista.command.run import load_parameters, positive
+from vista.errors import EXIT_OK, InputError
+from vista.output import write_atomically
+from vista.score.flight import FlightScore, score_records, summary
+from vista.score.fly import fly_cached
+from vista.score.group import SPLITS, group_score, table
+from vista.score.stereo_alone import Outcome, outcomes_cached
+from vista.score.truth import TRUTH
+
+SCORES, REPORT = "flights.json", "report.html"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("folder", type=Path, metavar="DIR", help="folder of the flights")
+    parser.add_argument(
+        "--quality", choices=("quick", "full"), default="quick", help="of what is rendered (default quick)"
+    )
+    parser.add_argument("--only", nargs="+", default=[], metavar="NAME", help="these flights alone")
+    parser.add_argument("--list", action="store_true", help="say which flights there are, and end")
+    parser.add_argument("--render-only", action="store_true", help="render what is missing, and end")
+    parser.add_argument("--pose-noise", action="store_true", help="also with poses as of a navigation filter")
+    parser.add_argument("--seed", type=int, default=1, metavar="N", help="of the pose noise (default 1)")
+    parser.add_argument("--jobs", type=positive, default=1, metavar="N", help="flights at a time (default 1)")
+    parser.add_argument(
+        "--config", type=Path, metavar="FILE.toml", help="parameters; `vista config` prints them"
+    )
+
+
+def execute(arguments: argparse.Namespace) -> int:
+    values = load_parameters(arguments.config, "golden")
+    if arguments.list:
+        list_flights()
+        return EXIT_OK
+    names = chosen_names(arguments.folder, arguments.only)
+    with_jobs(partial(render, arguments.folder, arguments.quality), names, arguments.jobs, "render")
+    if arguments.render_only:
+        return EXIT_OK
+    folders = [arguments.folder / name for name in names]
+    scores = with_jobs(partial(fly_and_score, values, None), folders, arguments.jobs, "fly")
+    noisy = (
+        with_jobs(partial(fly_and_score, values, arguments.seed), folders, arguments.jobs, "pose noise")
+        if arguments.pose_noise
+        else []
+    )
+    alone = with_jobs(partial(stereo_alone, values), folders, arguments.jobs, "stereo alone")
+    print(table(scores))
+    if noisy:
+        print("\nwith pose noise:\n" + table(noisy))
+    write_scores(arguments.folder / SCORES, scores, noisy, values)
+    return EXIT_OK
+
+
+def with_jobs(work: Any, items: list[Any], jobs: int, title: str) -> list[Any]:
+    """work of each item, in their order."""
+    if jobs == 1 or len(items) < 2:
+        return [work(item) for item in tqdm(items, desc=title, unit="flight", disable=None)]
+    with ProcessPoolExecutor(jobs) as pool:
+        return list(tqdm(pool.map(work, items), total=len(items), desc=title, unit="flight", disable=None))
+
+
+def fly_and_score(values: parameters.Values, noise_seed: int | None, folder: Path) -> FlightScore:
+    cache = folder / ("records.json" if noise_seed is None else "records_noisy.json")
+    records, _ = fly_cached(folder, values, cache, noise_seed)
+    return score_records(folder, records, values)
+
+
+def stereo_alone(values: parameters.Values, folder: Path) -> list[Outcome]:
+    return outcomes_cached(folder, values, folder / "stereo_alone.json")
+
+
+def write_scores(
+    path: Path, scores: list[FlightScore], noisy: list[FlightScore], values: parameters.Values
+) -> None:
+    content = {
+        "parameters": values,
+        "flights": [summary(score) for score in scores],
+        "groups": groups(scores),
+        "pose_noise": {"flights": [summary(score) for score in noisy], "groups": groups(noisy)},
+    }
+    write_atomically(path, json.dumps(content, indent=1, allow_nan=False) + "\n")
+
+
+def groups(scores: list[FlightScore]) -> list[dict[str, Any]]:
+    members = {split: [score for score in scores if score.split == split] for split in SPLITS}
+    found = [group_score(split, flights) for split, flights in members.items() if flights]
+    return [asdict(group) | {"hit_rate": group.hit_rate} for group in found]
+
+
+def catalogue() -> dict[str, Any]:
+    try:
+        from vista.flights.catalog import FLIGHTS  # loads the renderer, which `--help` need not
+    except ModuleNotFoundError:
+        return {}
+    return FLIGHTS
+
+
+def list_flights() -> None:
+    for name, flight in catalogue().items():
+        print(f"{name:24s} {flight.split:7s} {flight.title}")
+
+
+def chosen_names(folder: Path, only: list[str]) -> list[str]:
+    """Of the catalogue, and of what the folder holds beside it."""
+    held = [path.parent.name for path in sorted(folder.glob(f"*/{TRUTH}"))]
+    known = list(dict.fromkeys([*catalogue(), *held]))
+    unknown = [name for name in only if name not in known]
+    if unknown:
+        raise InputError("--only", f"no flight {unknown[0]}; `vista flights DIR --list` names them")
+    if not known:
+        raise InputError(folder, "holds no flights")
+    return [name for name in known if not only or name in only]
+
+
+def render(folder: Path, quality: str, name: str) -> None:
+    """What the folder lacks of a flight of the catalogue."""
+    flight = catalogue().get(name)
+    if flight is None:
+        return
+    from vista.flights.flight import is_complete, prepare, render_missing
+
+    out = folder / name
+    if is_complete(flight, out):
+        return
+    prepare(flight, out)
+    for _ in render_missing(flight, out):
+        pass
