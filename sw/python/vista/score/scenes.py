@@ -1,0 +1,128 @@
+"""Labelled single scenes: on disk -> in memory -> what the cut and the control make of them, scored."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vista import parameters
+from vista.command.run import engine_parameters
+from vista.engine import Engine, StereoEngine
+from vista.errors import InputError
+from vista.geometry import Array, Calibration, Pose
+from vista.pipeline import CellGraph, Pipeline, Result
+from vista.rectify import Rectifier
+from vista.score.control import ControlParameters, merge_cells
+from vista.score.segmentation import (
+    LabelledView,
+    PartitionScore,
+    labelled_view,
+    matched_area,
+    score_partition,
+)
+from vista.score.truth import TRUTH, read_truth
+from vista.sequence import open_sequence
+
+
+@dataclass(frozen=True)
+class LabelledScene:
+    """One stereo pair with its exact truth."""
+
+    name: str
+    split: str  # tune or report
+    camera: Calibration
+    t_ns: int
+    left: NDArray[np.uint8]
+    right: NDArray[np.uint8]
+    world_from_camera: Pose | None
+    up_world: Array | None
+    view: LabelledView
+
+
+@dataclass(frozen=True)
+class Partition:
+    """What the host made of one scene."""
+
+    words: NDArray[np.int16]
+    result: Result
+    graph: CellGraph
+
+
+def read_scenes(folder: Path, split: str | None = None) -> list[LabelledScene]:
+    """Every scene_* of a folder, of one split if that is given, in the order of their names."""
+    scenes = [read_scene(truth.parent) for truth in sorted(folder.glob(f"scene_*/{TRUTH}"))]
+    chosen = [scene for scene in scenes if split in (None, scene.split)]
+    if not chosen:
+        raise InputError(folder, f"holds no labelled scenes{f' of the {split} half' if split else ''}")
+    return chosen
+
+
+def read_scene(folder: Path) -> LabelledScene:
+    """The first frame of a labelled flight. Raises InputError for what is missing or not rectified."""
+    truth, sequence = read_truth(folder), open_sequence(folder)
+    rectifier = Rectifier(sequence.calibration)
+    if not rectifier.is_passthrough:
+        raise InputError(folder, "the labels belong to a pair that is not rectified")
+    frame = sequence.read(sequence.frames[0])
+    stereo = engine_parameters(parameters.defaults())  # of every variant the same area is scored
+    view = labelled_view(
+        truth.labels(frame.t_ns).astype(np.int32),
+        truth.disparity_px(frame.t_ns).astype(np.float64),
+        {label: (o.name, o.kind) for label, o in truth.objects.items() if o.standing},
+        truth.focal_baseline_px_m,
+        matched_area(*frame.left.shape, stereo.num_disparities, stereo.block_size),
+    )
+    return LabelledScene(
+        folder.name,
+        truth.split,
+        rectifier.calibration,
+        frame.t_ns,
+        frame.left,
+        frame.right,
+        frame.world_from_camera,
+        sequence.up_world,
+        view,
+    )
+
+
+def make_host(values: parameters.Values, camera: Calibration) -> tuple[Engine, Pipeline]:
+    return StereoEngine(**vars(engine_parameters(values))), Pipeline(camera, values)
+
+
+def partition_scenes(
+    scenes: list[LabelledScene], values: parameters.Values
+) -> Iterator[tuple[LabelledScene, Partition]]:
+    """Each scene through engine and host, by itself."""
+    if not scenes:
+        return
+    camera = scenes[0].camera
+    engine, pipeline = make_host(values, camera)
+    for scene in scenes:
+        if scene.camera != camera:
+            raise InputError(scene.name, "has another camera than the scenes before")
+        words = engine.compute(scene.left, scene.right)
+        pipeline.reset()
+        result = pipeline.process(scene.left, words, scene.t_ns, scene.world_from_camera, scene.up_world)
+        yield scene, Partition(words, result, pipeline.cell_graph())
+
+
+def control_regions(partition: Partition, control: ControlParameters) -> NDArray[np.int32]:
+    """Region of each cell by the control, on the graph of the cut."""
+    graph = partition.graph
+    return merge_cells(graph.edges, graph.affinity, graph.horizontal, control)
+
+
+def score_regions(
+    scene: LabelledScene, partition: Partition, region_of_cell: NDArray[np.int32]
+) -> PartitionScore:
+    return score_partition(
+        scene.view, partition.result.cell_of_pixel, region_of_cell, partition.graph.cell_size_px
+    )
+
+
+def score_cut(scene: LabelledScene, partition: Partition) -> PartitionScore:
+    return score_regions(scene, partition, partition.result.region_of_cell)
