@@ -1,7 +1,7 @@
 """Render the flights, fly them, score them, show the scores.
 
-DIR holds a folder a flight. What it lacks is rendered; each flight goes through engine and host; what comes out is
-scored against the exact truth, beside disparities that are only thresholded and clustered (stereo alone).
+DIR holds a folder a flight. What it lacks is rendered; each flight goes through engine and host; what comes
+out is scored against the exact truth, beside disparities only thresholded and clustered (stereo alone).
 
 DIR receives flights.json (every figure) and report.html.
 """
@@ -22,6 +22,7 @@ from vista import parameters
 from vista.command.run import load_parameters, positive
 from vista.errors import EXIT_OK, InputError
 from vista.output import write_atomically
+from vista.score.comparison import Comparison, compare, comparison_line
 from vista.score.flight import FlightScore, score_records, summary
 from vista.score.fly import fly_cached
 from vista.score.group import SPLITS, group_score, table
@@ -64,10 +65,12 @@ def execute(arguments: argparse.Namespace) -> int:
         else []
     )
     alone = with_jobs(partial(stereo_alone, values), folders, arguments.jobs, "stereo alone")
+    comparison = compare(scores, alone)
     print(table(scores))
+    print("\n" + comparison_line(comparison))
     if noisy:
         print("\nwith pose noise:\n" + table(noisy))
-    write_scores(arguments.folder / SCORES, scores, noisy, values)
+    write_scores(arguments.folder / SCORES, scores, noisy, comparison, values)
     return EXIT_OK
 
 
@@ -90,12 +93,17 @@ def stereo_alone(values: parameters.Values, folder: Path) -> list[Outcome]:
 
 
 def write_scores(
-    path: Path, scores: list[FlightScore], noisy: list[FlightScore], values: parameters.Values
+    path: Path,
+    scores: list[FlightScore],
+    noisy: list[FlightScore],
+    comparison: Comparison,
+    values: parameters.Values,
 ) -> None:
     content = {
         "parameters": values,
         "flights": [summary(score) for score in scores],
         "groups": groups(scores),
+        "stereo_alone": asdict(comparison),
         "pose_noise": {"flights": [summary(score) for score in noisy], "groups": groups(noisy)},
     }
     write_atomically(path, json.dumps(content, indent=1, allow_nan=False) + "\n")

@@ -69,10 +69,7 @@ COLUMNS = (
     ("false", lambda s: counts(len(s.false_alarm_frames), s.false_alarm_obstacles)),
     ("2dz %", lambda s: percent(s.within_2dz)),
     ("med dz", lambda s: number(s.median_dz, 2)),
-    (
-        "RMS ft",
-        lambda s: number(s.rms_ft, 1) + ("" if s.companion_rms_ft is None else f"/{s.companion_rms_ft}"),
-    ),
+    ("RMS ft", lambda s: beside(s.rms_ft, s.companion_rms_ft)),
     ("50ft ft", lambda s: number(s.error_at_50_ft, 1)),
     ("ids", lambda s: str(s.id_switches) if s.matched_frames else ""),
     ("GOSPA m", lambda s: number(s.gospa_m, 1)),
@@ -81,8 +78,8 @@ COLUMNS = (
     ("host ms", lambda s: number(s.host_ms, 1)),
 )
 LEGEND = (
-    "hits: frames at 14.5 to 45 m with a warning for the target; missed: frames nearer than 45 m without one; "
-    "false: frames with a false alarm (obstacles); RMS beside the companion paper's; "
+    "hits: frames at 14.5 to 45 m with a warning for the target; missed: frames nearer than 45 m without "
+    "one; false: frames with a false alarm (obstacles); RMS beside the companion paper's; "
     "NEES: average, its 95 % band; blind: frames nearer than the engine matches that are still warned of"
 )
 
@@ -113,12 +110,17 @@ def group_line(group: GroupScore) -> str:
         f"{group.false_alarm_frames} frames of {group.false_alarm_obstacles} obstacles "
         f"({group.ghost_frames} with nothing there), within 2 dz {percent(group.within_2dz) or '-'} %, "
         f"median {number(group.median_dz, 2) or '-'} dz, id switches {group.id_switches}, "
-        f"NEES {nees(group.consistency) or '-'}, blind {share(group.blind_reported, group.blind_frames) or '-'}"
+        f"NEES {nees(group.consistency) or '-'}, "
+        f"blind {share(group.blind_reported, group.blind_frames) or '-'}"
     )
 
 
 def number(value: float | None, digits: int) -> str:
     return "" if value is None else f"{value:.{digits}f}"
+
+
+def beside(value: float | None, other: float | None) -> str:
+    return number(value, 1) + ("" if other is None else f"/{other}")
 
 
 def percent(value: float | None) -> str:

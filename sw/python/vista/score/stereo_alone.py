@@ -1,8 +1,9 @@
 """The baseline without segmentation or tracks: disparities thresholded, triangulated, clustered.
 
-A frame warns if at least `pixels` adjoining pixels, whose disparities step by at most one px from neighbour to
-neighbour, lie in the collision cylinder. Matches are thresholded as stereo engines do it (the paper's figure 2): by
-texture, by uniqueness, and by the mean absolute difference of the block (SAD). Warnings are judged as ours are.
+A frame warns if at least `pixels` adjoining pixels, whose disparities step by at most one px from neighbour
+to neighbour, lie in the collision cylinder. Matches are thresholded as stereo engines do it (the paper's
+figure 2): by texture, by uniqueness, and by the mean absolute difference of the block (SAD). Its warnings are
+judged as ours are.
 """
 
 from __future__ import annotations
@@ -149,8 +150,8 @@ def thresholded(engine: EngineParameters, texture: int, uniqueness: int) -> Engi
 def least_word(
     truth: FlightTruth, world_from_camera: Pose, direction: Array, shape: tuple[int, int]
 ) -> NDArray[np.int16]:
-    """The smallest disparity word of each pixel whose point lies in the cylinder: with a ray r of depth 1 and the
-    direction d, Z |r - (r.d) d| <= radius and Z (r.d) <= length; d = f B / Z."""
+    """The smallest disparity word of each pixel whose point lies in the cylinder: with a ray r of depth 1 and
+    the direction e, Z |r - (r.e) e| <= radius and Z (r.e) <= length; the disparity is f B / Z."""
     v, u = np.mgrid[: shape[0], : shape[1]]
     cu, cv = truth.center_px
     rays = np.stack([(u - cu) / truth.focal_px, (v - cv) / truth.focal_px, np.ones(shape)], axis=-1)
@@ -164,8 +165,8 @@ def least_word(
 def clusters(truth: FlightTruth, words: NDArray[np.int16], least_pixels: int) -> list[Cluster]:
     """Largest first; words: of the pixels in the cylinder, negative elsewhere.
 
-    Pixels and the links between them are the pixels of an image of twice the size: its connected components are
-    the clusters."""
+    Pixels and the links between them are the pixels of an image of twice the size: its connected components
+    are the clusters."""
     inside = words >= 0
     rows, columns = np.flatnonzero(inside.any(axis=1)), np.flatnonzero(inside.any(axis=0))
     if not len(rows):
@@ -207,7 +208,7 @@ def _cluster(
 def judge_clusters(
     truth: FlightTruth, frame: FrameTruth, direction: Array, found: list[Cluster]
 ) -> tuple[int, int]:
-    """Sizes of the largest cluster that agrees with the target, and of the largest one that is a false alarm."""
+    """Sizes of the largest cluster that agrees with the target, and of the largest that is a false alarm."""
     agreeing = next((c.pixels for c in found if match_target(truth, frame, [c.place]) is not None), 0)
     suspects = (c for c in found if not agrees(truth, c.place, frame.around_path))
     return agreeing, next((c.pixels for c in suspects), 0)
