@@ -131,9 +131,10 @@ static bool obstacle_of(const vista_obstacle_map_params *params, const vista_cam
   vista_frame_to_camera(pose, track->position_m, camera_m);
   if (!(camera_m[2] > DEPTH_MIN_M)) return false;
   *obstacle = (vista_obstacle){.id = track->id,
-                               .confirmed = track->confirmed,
+                               .confirmed = track->confirmed && track->world.verdict != VISTA_WORLD_REFUTED,
                                .coasting = track->coasting,
                                .in_blind_zone = track->in_blind_zone,
+                               .world = track->world.verdict,
                                .age_frames = track->age_frames,
                                .distance_m = sqrt(dot(camera_m, camera_m)),
                                .extent_m = {track->extent_m[0], track->extent_m[1]}};
@@ -146,7 +147,7 @@ static bool obstacle_of(const vista_obstacle_map_params *params, const vista_cam
   obstacle->disparity_px = measurement_px[2];
   obstacle->ellipse = ellipse_of(track, measurement_px, camera_m[2]);
   const vista_disc disc = disc_of(params, camera, pose, track, covariance_px2, camera_m[2]);
-  obstacle->in_collision_volume = vista_disc_near_segment(&disc, axis, params->collision_radius_m);
+  obstacle->in_collision_volume = track->credible && vista_disc_near_segment(&disc, axis, params->collision_radius_m);
   return true;
 }
 

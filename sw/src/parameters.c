@@ -68,6 +68,11 @@ vista_parameters vista_parameters_default(void) {
       .tracker.overlap_scale = 1.2,
       .tracker.confirm_hits = 3,
       .tracker.confirm_window = 5,
+      .tracker.static_odds = 8.0,
+      .tracker.static_tolerance = 0.05,
+      .tracker.static_noise_hits = 2.0,
+      .tracker.static_fade_m = 20.0,
+      .tracker.static_speed_min_m_s = 0.5,
       .tracker.miss_max = 5,
       .tracker.out_of_view_s = 1.0,
       .tracker.blind_zone_s = 5.0,
@@ -147,6 +152,11 @@ vista_status vista_parameters_check(const vista_parameters *parameters, const ch
   else if (!within(p->tracker.overlap_scale, 0.1, 10.0)) wrong = "tracker.overlap_scale";
   else if (!within((double)p->tracker.confirm_hits, 1, 32)) wrong = "tracker.confirm_hits";
   else if (!within((double)p->tracker.confirm_window, 1, 32)) wrong = "tracker.confirm_window";
+  else if (!within(p->tracker.static_odds, 1.0, 1000000.0)) wrong = "tracker.static_odds";
+  else if (!within(p->tracker.static_tolerance, 0.0, 1.0)) wrong = "tracker.static_tolerance";
+  else if (!within(p->tracker.static_noise_hits, 1.0, 100.0)) wrong = "tracker.static_noise_hits";
+  else if (!within(p->tracker.static_fade_m, 0.1, 100000.0)) wrong = "tracker.static_fade_m";
+  else if (!within(p->tracker.static_speed_min_m_s, 0.0, 100.0)) wrong = "tracker.static_speed_min_m_s";
   else if (!within((double)p->tracker.miss_max, 0, 1000)) wrong = "tracker.miss_max";
   else if (!within(p->tracker.out_of_view_s, 0.0, 3600.0)) wrong = "tracker.out_of_view_s";
   else if (!within(p->tracker.blind_zone_s, 0.0, 3600.0)) wrong = "tracker.blind_zone_s";
@@ -226,6 +236,11 @@ vista_status vista_parameters_set(vista_parameters *parameters, const char *name
   if (strcmp(name, "tracker.overlap_scale") == 0) return p->tracker.overlap_scale = value, VISTA_OK;
   if (strcmp(name, "tracker.confirm_hits") == 0) return p->tracker.confirm_hits = (int32_t)value, VISTA_OK;
   if (strcmp(name, "tracker.confirm_window") == 0) return p->tracker.confirm_window = (int32_t)value, VISTA_OK;
+  if (strcmp(name, "tracker.static_odds") == 0) return p->tracker.static_odds = value, VISTA_OK;
+  if (strcmp(name, "tracker.static_tolerance") == 0) return p->tracker.static_tolerance = value, VISTA_OK;
+  if (strcmp(name, "tracker.static_noise_hits") == 0) return p->tracker.static_noise_hits = value, VISTA_OK;
+  if (strcmp(name, "tracker.static_fade_m") == 0) return p->tracker.static_fade_m = value, VISTA_OK;
+  if (strcmp(name, "tracker.static_speed_min_m_s") == 0) return p->tracker.static_speed_min_m_s = value, VISTA_OK;
   if (strcmp(name, "tracker.miss_max") == 0) return p->tracker.miss_max = (int32_t)value, VISTA_OK;
   if (strcmp(name, "tracker.out_of_view_s") == 0) return p->tracker.out_of_view_s = value, VISTA_OK;
   if (strcmp(name, "tracker.blind_zone_s") == 0) return p->tracker.blind_zone_s = value, VISTA_OK;

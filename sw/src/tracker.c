@@ -2,6 +2,7 @@
 
 #include <math.h>
 #include <stddef.h>
+#include <string.h>
 
 #include "frame.h"
 #include "track_association.h"
@@ -77,7 +78,9 @@ static vista_status check_params(const vista_tracker_params *p) {
                     positive(p->gate_chi2) && positive(p->extent_sigma_ratio) && not_negative(p->extent_psd_1_s) &&
                     positive(p->overlap_sigma) && positive(p->overlap_scale) && p->confirm_window >= 1 &&
                     p->confirm_window <= 32 && p->confirm_hits >= 1 && p->confirm_hits <= p->confirm_window &&
-                    p->miss_max >= 0 && not_negative(p->out_of_view_s) && not_negative(p->blind_zone_s) &&
+                    p->static_odds >= 1.0 && isfinite(p->static_odds) && not_negative(p->static_tolerance) &&
+                    p->static_noise_hits >= 1.0 && isfinite(p->static_noise_hits) && positive(p->static_fade_m) &&
+                    not_negative(p->static_speed_min_m_s) && p->miss_max >= 0 && not_negative(p->out_of_view_s) && not_negative(p->blind_zone_s) &&
                     positive(p->range_max_m);
   return good ? VISTA_OK : VISTA_ERROR_RANGE;
 }
@@ -151,6 +154,28 @@ static bool look(const frame *f, vista_track *track, vista_track_view *view) {
   return true;
 }
 
+/* Where the detection is, with its noise at `depth_m`: that of the track is steadier than its own. */
+static vista_world_hit world_hit(const frame *f, const vista_detection *detection, double depth_m,
+                                 const double variance_px2[3]) {
+  const double *const p = detection->position_camera_m;
+  const double slant = sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2]) / p[2];
+  const double per_px_m = depth_m / f->camera->focal_px;
+  vista_world_hit hit = {.along_sigma_m = slant * per_px_m * depth_m / f->camera->baseline_m * sqrt(variance_px2[2]),
+                         .across_sigma_m = per_px_m * sqrt(fmax(variance_px2[0], variance_px2[1])),
+                         .t_ns = f->t_ns};
+  vista_frame_to_world(f->pose, p, hit.position_m);
+  memcpy(hit.camera_m, f->pose->translation_m, sizeof hit.camera_m);
+  return hit;
+}
+
+static void judge(const frame *f, vista_track *track) {
+  const vista_static_world *const w = &track->world;
+  const bool silent = fabs(w->travel_m) <= f->params->static_speed_min_m_s * seconds_between(w->start_t_ns, f->t_ns);
+  const bool supported = w->verdict == VISTA_WORLD_OPEN ? silent : w->verdict != VISTA_WORLD_REFUTED;
+  track->confirmed = track->confirmed || hits_in_window(f->params, track) >= f->params->confirm_hits;
+  track->credible = track->confirmed && w->verdict != VISTA_WORLD_REFUTED && (track->credible || supported);
+}
+
 static void hit(const frame *f, const vista_detection *detection, vista_track *track) {
   track->coasting = false;
   track->label = detection->label;
@@ -216,10 +241,13 @@ static void update(vista_tracker *tracker, const frame *f) {
       const bool reshaped = vista_track_association_reshaped(tracker->association, i);
       vista_track_filter_noise(f->params, f->camera, &f->detections[detection], &tracker->views[i], reshaped,
                                variance_px2);
+      const vista_world_hit seen =
+          world_hit(f, &f->detections[detection], tracker->views[i].camera_m[2], variance_px2);
+      vista_static_world_add(f->params, &seen, &track->world);
       vista_track_filter_update(f->params, &tracker->views[i], &f->detections[detection], variance_px2, track);
       hit(f, &f->detections[detection], track);
     }
-    track->confirmed = track->confirmed || hits_in_window(f->params, track) >= f->params->confirm_hits;
+    judge(f, track);
     if (!outlived(f, track)) tracker->tracks[kept++] = *track;
   }
   tracker->count = kept;
@@ -296,11 +324,15 @@ static void start(vista_tracker *tracker, const frame *f, const vista_detection 
   vista_track_filter_start(f->params, f->camera, f->pose, detection, &newborn);
   if (!look(f, &newborn, &view) || within_confirmed(tracker, f, &view)) return;
   if (tracker->count == tracker->max_tracks && !make_room(tracker, &newborn)) return;
+  double variance_px2[3];
+  vista_track_filter_noise(f->params, f->camera, detection, &view, false, variance_px2);
+  const vista_world_hit seen = world_hit(f, detection, p[2], variance_px2);
+  vista_static_world_start(f->params, &seen, &newborn.world);
   newborn.id = tracker->next_id++;
   newborn.age_frames = 1;
   newborn.hit_t_ns = f->t_ns;
   newborn.visible_t_ns = f->t_ns;
-  newborn.confirmed = f->params->confirm_hits == 1;
+  judge(f, &newborn);
   tracker->tracks[tracker->count] = newborn;
   tracker->views[tracker->count] = view;
   ++tracker->count;

@@ -23,6 +23,7 @@ def fake_obstacle(track_id: int, z_m: float, camera: Calibration, **changes: obj
         "covariance_m2": np.diag([0.01, 0.01, 0.5]),
         "distance_m": float(np.hypot(x_m, z_m)),
         "in_blind_zone": False,
+        "world": "STANDS",
         "extent_m": (1.0, 2.0),
         "ellipse": Ellipse(camera.cx + x_m * size_px, camera.cy, 0.9 * size_px, 0.4 * size_px, 80.0),
         "disparity_px": camera.baseline_m * size_px,

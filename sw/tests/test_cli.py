@@ -69,7 +69,7 @@ def test_run_writes_what_interfaces_promise(tmp_path: Path, run_vista: Vista, ma
     keys = ["frame", "t_ns", "processing_ms", "regions", "valid_fraction", "obstacles", "nearest_collision"]
     assert list(first) == keys
     obstacle_keys = ["id", "confirmed", "age_frames", "position_m", "covariance_m2", "distance_m", "extent_m"]
-    obstacle_keys += ["ellipse_px", "disparity_px", "in_collision_volume"]
+    obstacle_keys += ["ellipse_px", "disparity_px", "in_collision_volume", "coasting", "world"]
     assert list(first["obstacles"][0]) == obstacle_keys
     assert list(first["obstacles"][0]["ellipse_px"]) == ["center", "axes", "angle_deg"]
     assert list(first["nearest_collision"]) == ["id", "position_m", "distance_m", "time_to_collision_s"]

@@ -75,6 +75,7 @@ def track(position, id_: int = 1, sigma_m: float = 0.1, extent=(1.0, 0.8), **cha
     values = {
         "id": id_,
         "confirmed": True,
+        "credible": True,
         "age_frames": 7,
         "position_m": [float(x) for x in position],
         "covariance": (np.eye(6) * sigma_m**2).ravel().tolist(),
@@ -91,24 +92,34 @@ def in_volume(position, velocity=FORWARD, raw_pose=None, changes=None, **keyword
     return mapper.obstacles[0].in_collision_volume
 
 
-def test_nearest_first_and_only_the_confirmed_collide() -> None:
+def test_nearest_first_and_only_the_credible_collide() -> None:
     mapper = Map()
     tracks = [
         track((0, 0, 60.0), 1),
-        track((0, 0, 20.0), 2, confirmed=False),
+        track((0, 0, 20.0), 2, credible=False),
         track((0, 0, 35.0), 3),
         track((9, 0, 10.0), 4),
         track((0, 0, -1.0), 5),
     ]
     assert mapper.update(0.0, tracks) == "VISTA_OK"
     assert [o.id for o in mapper.obstacles] == [4, 2, 3, 1]
-    assert [o.in_collision_volume for o in mapper.obstacles] == [False, True, True, True]
+    assert [o.in_collision_volume for o in mapper.obstacles] == [False, False, True, True]
     assert mapper.nearest.valid
     assert mapper.nearest.id == 3
     assert mapper.nearest.distance_m == 35.0
     assert mapper.nearest.time_to_collision_s == pytest.approx(35.0 / 9.0)
     assert mapper.update(1.0, tracks[3:4]) == "VISTA_OK"
     assert (mapper.nearest.valid, mapper.nearest.id) == (False, 0)
+
+
+def test_what_moves_with_the_aircraft_is_not_confirmed() -> None:
+    mapper = Map()
+    verdicts = [lib.VISTA_WORLD_OPEN, lib.VISTA_WORLD_STANDS, lib.VISTA_WORLD_MOVES, lib.VISTA_WORLD_REFUTED]
+    tracks = [track((9, 0, 10.0 + k), k, world={"verdict": verdict}) for k, verdict in enumerate(verdicts)]
+    assert mapper.update(0.0, tracks) == "VISTA_OK"
+    assert [(o.world, o.confirmed) for o in mapper.obstacles] == list(
+        zip(verdicts, [True, True, True, False], strict=True)
+    )
 
 
 def test_the_volume_is_2_m_by_100_m_and_discs_count_with_their_edge() -> None:
@@ -270,8 +281,8 @@ def test_a_sign_in_the_flight_path_is_announced_until_it_is_passed(speed: float)
         here = pose(position)
         assert tracker.update(0.1 * frame, items, position) == "VISTA_OK"
         assert mapper.update(0.1 * frame, list(tracker.tracks.values()), None, here) == "VISTA_OK"
-        if frame < 5:
-            continue
+        if position[2] < 20.0:
+            continue  # until its own travel tells that the sign does not move along
         assert mapper.nearest.valid
         distance = sign[2] - position[2]
         error = np.linalg.norm(np.subtract(list(mapper.nearest.position_m), sign))

@@ -35,7 +35,7 @@ def replay(*arguments: object, **environment: str) -> subprocess.CompletedProces
 
 @pytest.fixture(scope="module")
 def recording(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return cases.record(tmp_path_factory.mktemp("replay") / "board.rec", board_flight()[:6])
+    return cases.record(tmp_path_factory.mktemp("replay") / "board.rec", board_flight()[:9])
 
 
 # ---- the same numbers ----
@@ -77,7 +77,7 @@ def test_replay_prints_the_numbers_of_python(recording: Path) -> None:
     assert run.returncode == 0, run.stderr
     pipeline = Pipeline(CALIBRATION)
     expected = []
-    for index, source in enumerate(board_flight()[:6]):
+    for index, source in enumerate(board_flight()[:9]):
         pose = Pose(scene.WORLD_FROM_CAMERA, source.position_m)
         result = pipeline.process(source.left, source.words, source.t_ns, pose, scene.UP_WORLD)
         expected.append(as_line(index, result))

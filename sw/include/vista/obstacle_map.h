@@ -21,9 +21,10 @@
 
 typedef struct vista_obstacle {
   int32_t id;
-  bool confirmed;
+  bool confirmed; /* M of N, and not refuted by the static-world test */
   bool coasting;
   bool in_blind_zone;
+  vista_world_verdict world; /* of the static-world test */
   int32_t age_frames;
   double position_m[3];     /* world */
   double covariance_m2[9];  /* of position_m, row-major */
@@ -31,7 +32,7 @@ typedef struct vista_obstacle {
   double extent_m[2];       /* width, height */
   vista_ellipse ellipse;    /* of this frame's detection, or the last one carried on to the predicted place and range */
   double disparity_px;      /* of the state in this frame */
-  bool in_collision_volume;
+  bool in_collision_volume; /* credible (vista/tracker.h), and its disc meets the volume */
 } vista_obstacle;
 
 typedef struct vista_nearest_collision {

@@ -103,6 +103,11 @@ typedef struct vista_tracker_params {
   double overlap_scale; /* Half extents around a track's centre that count as within it. 0.1 .. 10.0. */
   int32_t confirm_hits; /* A track is confirmed at this many hits in confirm_window frames. Paper: M. 1 .. 32 frames. At most confirm_window. */
   int32_t confirm_window; /* Frames, in which the track could be seen, that count for its confirmation. Paper: N. 1 .. 32 frames. */
+  double static_odds; /* Likelihood ratio at which a track is held to stand still, or, inverted, to move with the aircraft as a mismatched texture does. 1.0 .. 1000000.0. */
+  double static_tolerance; /* Motion along the line of sight, as a share of own travel, that what stands may seem to make: regions change on approach. 0.0 .. 1.0. */
+  double static_noise_hits; /* Hits in a row whose range errors are about the same: they count as one. 1.0 .. 100.0 hits. */
+  double static_fade_m; /* Own travel over which earlier hits lose their say about that. 0.1 .. 100000.0 m. */
+  double static_speed_min_m_s; /* Slower than this along its line of sight, own travel tells nothing of a track: single frames have to do. 0.0 .. 100.0 m/s. */
   int32_t miss_max; /* Misses in a row that a confirmed track survives. 0 .. 1000 frames. */
   double out_of_view_s; /* A track outside the matched part of the image coasts for this long. 0.0 .. 3600.0 s. */
   double blind_zone_s; /* A track nearer than the engine matches coasts for this long, unless it is passed before. 0.0 .. 3600.0 s. */

@@ -14,6 +14,8 @@
  *            region). Confirmed at M hits in the last N frames in which it could be seen; a tentative track that can
  *            no longer get there, or lies within a confirmed one, is dropped; so is a confirmed one after more than
  *            miss_max misses in a row.
+ * Credible   once the static-world test holds it to stand still or to move by itself, until it refutes that; where own
+ *            travel tells nothing (a still camera, hovering) once confirmed.
  * Unseen     outside the matched part of the image, or nearer than the engine matches (the blind zone), a track is
  *            not blamed for a miss: it coasts until it is behind the camera or for a set time.
  * Duplicates two confirmed tracks, each centred within the other: the older id stays.
@@ -29,6 +31,7 @@
 #include "vista/ellipse.h"
 #include "vista/parameters.h"
 #include "vista/reconstruction.h"
+#include "vista/static_world.h"
 #include "vista/status.h"
 #include "vista/types.h"
 
@@ -36,7 +39,8 @@
 
 typedef struct vista_track {
   int32_t id; /* from 1, never reused */
-  bool confirmed;
+  bool confirmed;      /* M of N: it is tracked */
+  bool credible;       /* and it does not move with the aircraft (vista/static_world.h): it may be warned of */
   bool coasting;       /* no detection in this frame: the state is a prediction */
   bool in_view;        /* predicted inside the matched part of the image */
   bool in_blind_zone;  /* predicted nearer than the engine matches, and in view when it came so near */
@@ -53,6 +57,7 @@ typedef struct vista_track {
   double covariance[36];  /* of (position, velocity), row-major, symmetric; m^2, m^2/s, m^2/s^2 */
   double extent_m[2];     /* width, height */
   double extent_variance[2]; /* of the natural logarithm of extent_m */
+  vista_static_world world;
   vista_ellipse ellipse;     /* of the last detection */
   double ellipse_depth_m;    /* camera z at that detection */
 } vista_track;

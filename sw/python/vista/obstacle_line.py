@@ -54,6 +54,8 @@ def _obstacle(obstacle: Obstacle) -> dict[str, Any]:
         },
         "disparity_px": _rounded(obstacle.disparity_px, DISPARITY_PX),
         "in_collision_volume": bool(obstacle.in_collision_volume),
+        "coasting": bool(obstacle.coasting),
+        "world": obstacle.world.lower(),
     }
 
 

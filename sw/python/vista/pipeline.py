@@ -30,6 +30,7 @@ class Obstacle:
     confirmed: bool
     coasting: bool  # not seen in this frame
     in_blind_zone: bool  # nearer than the engine matches
+    world: str  # of the static-world test: OPEN, STANDS, MOVES, REFUTED
     age_frames: int
     position_m: Array  # (3,) world
     covariance_m2: Array  # (3, 3)
@@ -177,7 +178,7 @@ class Pipeline:
             for k in range(r.region_count)
         ]
         return Result(
-            obstacles=[_obstacle(r.obstacles[k]) for k in range(r.obstacle_count)],
+            obstacles=[_obstacle(ffi, lib, r.obstacles[k]) for k in range(r.obstacle_count)],
             nearest_collision=_nearest(nearest) if nearest.valid else None,
             regions=r.region_count,
             valid_fraction=r.valid_fraction,
@@ -201,13 +202,14 @@ def _c_parameters(ffi: Any, lib: Any, values: parameters.Values) -> Any:
     return c
 
 
-def _obstacle(o: Any) -> Obstacle:
+def _obstacle(ffi: Any, lib: Any, o: Any) -> Obstacle:
     e = o.ellipse
     return Obstacle(
         id=o.id,
         confirmed=bool(o.confirmed),
         coasting=bool(o.coasting),
         in_blind_zone=bool(o.in_blind_zone),
+        world=ffi.string(lib.vista_world_verdict_name(o.world)).decode(),
         age_frames=o.age_frames,
         position_m=np.array(list(o.position_m)),
         covariance_m2=np.array(list(o.covariance_m2)).reshape(3, 3),
