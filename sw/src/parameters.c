@@ -17,6 +17,7 @@ vista_parameters vista_parameters_default(void) {
       .foveation.sector_count = 128,
       .foveation.rho_0_px = 4.0,
       .foveation.min_valid_fraction = 0.3,
+      .foveation.erosion_px = 3,
       .affinity.form = VISTA_AFFINITY_FORM_PRODUCT,
       .affinity.alpha_intensity = 0.5,
       .affinity.mu_intensity = 2.0,
@@ -30,6 +31,8 @@ vista_parameters vista_parameters_default(void) {
       .affinity.flow_constant = 10000.0,
       .surface.lever_px = 8.0,
       .surface.horizontal_deg = 55.0,
+      .surface.ground_step_px = 0.6,
+      .surface.ground_step_m = 0.3,
       .segmentation.core_step_px = 0.5,
       .segmentation.core_step_slope = 0.03,
       .segmentation.core_step_m = 0.5,
@@ -37,7 +40,7 @@ vista_parameters vista_parameters_default(void) {
       .segmentation.reach = 12,
       .segmentation.unknown_link = 0.03,
       .segmentation.mismatch_link = 0.5,
-      .segmentation.horizontal_link = 2.0,
+      .segmentation.horizontal_link = 0.3,
       .segmentation.merge_ratio = 2.0,
       .segmentation.merge_share = 0.1,
       .segmentation.rest_affinity = 0.5,
@@ -77,6 +80,11 @@ vista_parameters vista_parameters_default(void) {
       .tracker.out_of_view_s = 1.0,
       .tracker.blind_zone_s = 5.0,
       .tracker.range_max_m = 150.0,
+      .saturation.contrast = 16,
+      .saturation.textured_fraction = 0.05,
+      .saturation.unmatched_fraction = 0.6,
+      .saturation.confirm_hits = 3,
+      .saturation.confirm_window = 5,
       .obstacle_map.collision_radius_m = 2.0,
       .obstacle_map.collision_length_m = 100.0,
       .obstacle_map.inflation_sigma = 1.0,
@@ -101,6 +109,7 @@ vista_status vista_parameters_check(const vista_parameters *parameters, const ch
   else if (!within((double)p->foveation.sector_count, 16, 256)) wrong = "foveation.sector_count";
   else if (!within(p->foveation.rho_0_px, 1.0, 64.0)) wrong = "foveation.rho_0_px";
   else if (!within(p->foveation.min_valid_fraction, 0.0, 1.0)) wrong = "foveation.min_valid_fraction";
+  else if (!within((double)p->foveation.erosion_px, 0, 10)) wrong = "foveation.erosion_px";
   else if (!within((double)p->affinity.form, 0, 1)) wrong = "affinity.form";
   else if (!within(p->affinity.alpha_intensity, 0.0, 1.0)) wrong = "affinity.alpha_intensity";
   else if (!within(p->affinity.mu_intensity, 0.0, 255.0)) wrong = "affinity.mu_intensity";
@@ -114,6 +123,8 @@ vista_status vista_parameters_check(const vista_parameters *parameters, const ch
   else if (!within(p->affinity.flow_constant, 1.0, 100000000.0)) wrong = "affinity.flow_constant";
   else if (!within(p->surface.lever_px, 1.0, 64.0)) wrong = "surface.lever_px";
   else if (!within(p->surface.horizontal_deg, 10.0, 90.0)) wrong = "surface.horizontal_deg";
+  else if (!within(p->surface.ground_step_px, 0.0, 64.0)) wrong = "surface.ground_step_px";
+  else if (!within(p->surface.ground_step_m, 0.0, 10.0)) wrong = "surface.ground_step_m";
   else if (!within(p->segmentation.core_step_px, 0.05, 8.0)) wrong = "segmentation.core_step_px";
   else if (!within(p->segmentation.core_step_slope, 0.0, 1.0)) wrong = "segmentation.core_step_slope";
   else if (!within(p->segmentation.core_step_m, 0.0, 10.0)) wrong = "segmentation.core_step_m";
@@ -161,12 +172,18 @@ vista_status vista_parameters_check(const vista_parameters *parameters, const ch
   else if (!within(p->tracker.out_of_view_s, 0.0, 3600.0)) wrong = "tracker.out_of_view_s";
   else if (!within(p->tracker.blind_zone_s, 0.0, 3600.0)) wrong = "tracker.blind_zone_s";
   else if (!within(p->tracker.range_max_m, 1.0, 100000.0)) wrong = "tracker.range_max_m";
+  else if (!within((double)p->saturation.contrast, 1, 255)) wrong = "saturation.contrast";
+  else if (!within(p->saturation.textured_fraction, 0.001, 1.0)) wrong = "saturation.textured_fraction";
+  else if (!within(p->saturation.unmatched_fraction, 0.0, 1.0)) wrong = "saturation.unmatched_fraction";
+  else if (!within((double)p->saturation.confirm_hits, 1, 32)) wrong = "saturation.confirm_hits";
+  else if (!within((double)p->saturation.confirm_window, 1, 32)) wrong = "saturation.confirm_window";
   else if (!within(p->obstacle_map.collision_radius_m, 0.01, 1000.0)) wrong = "obstacle_map.collision_radius_m";
   else if (!within(p->obstacle_map.collision_length_m, 0.1, 100000.0)) wrong = "obstacle_map.collision_length_m";
   else if (!within(p->obstacle_map.inflation_sigma, 0.0, 10.0)) wrong = "obstacle_map.inflation_sigma";
   else if (!within(p->obstacle_map.velocity_smoothing_s, 0.0, 60.0)) wrong = "obstacle_map.velocity_smoothing_s";
   else if (!within(p->obstacle_map.speed_min_m_s, 0.0, 100.0)) wrong = "obstacle_map.speed_min_m_s";
   else if (p->tracker.confirm_hits > p->tracker.confirm_window) wrong = "tracker.confirm_hits";
+  else if (p->saturation.confirm_hits > p->saturation.confirm_window) wrong = "saturation.confirm_hits";
   if (culprit != NULL) *culprit = wrong;
   return wrong == NULL ? VISTA_OK : VISTA_ERROR_RANGE;
 }
@@ -185,6 +202,7 @@ vista_status vista_parameters_set(vista_parameters *parameters, const char *name
   if (strcmp(name, "foveation.sector_count") == 0) return p->foveation.sector_count = (int32_t)value, VISTA_OK;
   if (strcmp(name, "foveation.rho_0_px") == 0) return p->foveation.rho_0_px = value, VISTA_OK;
   if (strcmp(name, "foveation.min_valid_fraction") == 0) return p->foveation.min_valid_fraction = value, VISTA_OK;
+  if (strcmp(name, "foveation.erosion_px") == 0) return p->foveation.erosion_px = (int32_t)value, VISTA_OK;
   if (strcmp(name, "affinity.form") == 0) return p->affinity.form = (vista_affinity_form)(int32_t)value, VISTA_OK;
   if (strcmp(name, "affinity.alpha_intensity") == 0) return p->affinity.alpha_intensity = value, VISTA_OK;
   if (strcmp(name, "affinity.mu_intensity") == 0) return p->affinity.mu_intensity = value, VISTA_OK;
@@ -198,6 +216,8 @@ vista_status vista_parameters_set(vista_parameters *parameters, const char *name
   if (strcmp(name, "affinity.flow_constant") == 0) return p->affinity.flow_constant = value, VISTA_OK;
   if (strcmp(name, "surface.lever_px") == 0) return p->surface.lever_px = value, VISTA_OK;
   if (strcmp(name, "surface.horizontal_deg") == 0) return p->surface.horizontal_deg = value, VISTA_OK;
+  if (strcmp(name, "surface.ground_step_px") == 0) return p->surface.ground_step_px = value, VISTA_OK;
+  if (strcmp(name, "surface.ground_step_m") == 0) return p->surface.ground_step_m = value, VISTA_OK;
   if (strcmp(name, "segmentation.core_step_px") == 0) return p->segmentation.core_step_px = value, VISTA_OK;
   if (strcmp(name, "segmentation.core_step_slope") == 0) return p->segmentation.core_step_slope = value, VISTA_OK;
   if (strcmp(name, "segmentation.core_step_m") == 0) return p->segmentation.core_step_m = value, VISTA_OK;
@@ -245,6 +265,11 @@ vista_status vista_parameters_set(vista_parameters *parameters, const char *name
   if (strcmp(name, "tracker.out_of_view_s") == 0) return p->tracker.out_of_view_s = value, VISTA_OK;
   if (strcmp(name, "tracker.blind_zone_s") == 0) return p->tracker.blind_zone_s = value, VISTA_OK;
   if (strcmp(name, "tracker.range_max_m") == 0) return p->tracker.range_max_m = value, VISTA_OK;
+  if (strcmp(name, "saturation.contrast") == 0) return p->saturation.contrast = (int32_t)value, VISTA_OK;
+  if (strcmp(name, "saturation.textured_fraction") == 0) return p->saturation.textured_fraction = value, VISTA_OK;
+  if (strcmp(name, "saturation.unmatched_fraction") == 0) return p->saturation.unmatched_fraction = value, VISTA_OK;
+  if (strcmp(name, "saturation.confirm_hits") == 0) return p->saturation.confirm_hits = (int32_t)value, VISTA_OK;
+  if (strcmp(name, "saturation.confirm_window") == 0) return p->saturation.confirm_window = (int32_t)value, VISTA_OK;
   if (strcmp(name, "obstacle_map.collision_radius_m") == 0) return p->obstacle_map.collision_radius_m = value, VISTA_OK;
   if (strcmp(name, "obstacle_map.collision_length_m") == 0) return p->obstacle_map.collision_length_m = value, VISTA_OK;
   if (strcmp(name, "obstacle_map.inflation_sigma") == 0) return p->obstacle_map.inflation_sigma = value, VISTA_OK;

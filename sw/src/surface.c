@@ -69,37 +69,63 @@ static bool mostly_horizontal(const vista_surfaces *surfaces, double horizontal_
 }
 
 #define GROUND_MIN_CELLS 20
-#define GROUND_PASSES 4
+#define GROUND_MIN_PX 1.0 /* nearer to the horizon all sorts of things are near the plane */
 
-/* Least squares over the horizontal cells, leaving out what is far off the last fit; at least half must stay. */
-static void find_ground(const vista_foveation *f, const vista_surface_params *params, const vista_camera *camera,
-                        const double up_camera[3], const vista_cells *cells, vista_surfaces *surfaces) {
-  vista_plane plane = {0};
-  int32_t used = 0, all = 0;
-  double tolerance_px = INFINITY;
-  for (int pass = 0; pass < GROUND_PASSES; ++pass) {
+static double plane_at_cell(const vista_plane *plane, const vista_foveation *f, const vista_camera *camera,
+                            int32_t node) {
+  return plane->offset + plane->slope_u * ((double)f->center_u[node] - camera->center_u_px) +
+         plane->slope_v * ((double)f->center_v[node] - camera->center_v_px);
+}
+
+/* Least squares by area: cells of the fovea are many, but they cover little and lie far away. The first fits use
+ * horizontal cells only, at least half of which must stay; the last ones every cell near the plane, so that the
+ * outcome does not hang on which cells were taken for horizontal. */
+static bool find_ground(const vista_foveation *f, const vista_camera *camera, const vista_cells *cells,
+                        const uint8_t *horizontal, vista_plane *plane) {
+  static const struct {
+    double tolerance_px;
+    bool horizontal_only;
+  } passes[] = {{INFINITY, true}, {6.0, true}, {2.0, true}, {1.0, false}, {1.0, false}};
+  for (size_t pass = 0; pass < sizeof passes / sizeof *passes; ++pass) {
     vista_plane_fit fit = {0};
-    used = all = 0;
+    double all_px2 = 0.0;
+    int32_t used = 0;
     for (int32_t i = 0; i < f->node_count; ++i) {
-      if (!surfaces->horizontal[i]) continue;
-      const double u = (double)f->center_u[i] - camera->center_u_px, v = (double)f->center_v[i] - camera->center_v_px;
-      const double d = (double)cells->disparity_px[i];
-      all++;
-      if (fabs(d - plane.offset - plane.slope_u * u - plane.slope_v * v) > tolerance_px) continue;
-      vista_plane_fit_add(&fit, u, v, d, 1.0);
+      const double d = (double)cells->disparity_px[i], area_px2 = (double)(f->size_px[i] * f->size_px[i]);
+      if (d <= 0.0 || (passes[pass].horizontal_only && !horizontal[i])) continue;
+      all_px2 += area_px2;
+      if (pass > 0) {
+        const double ground = plane_at_cell(plane, f, camera, i);
+        if (ground < GROUND_MIN_PX || fabs(d - ground) > passes[pass].tolerance_px) continue;
+      }
+      vista_plane_fit_add(&fit, (double)f->center_u[i] - camera->center_u_px,
+                          (double)f->center_v[i] - camera->center_v_px, d, area_px2);
       used++;
     }
-    surfaces->ground_found = used >= GROUND_MIN_CELLS && 2 * used > all && vista_plane_fit_solve(&fit, &plane);
-    if (!surfaces->ground_found) return;
-    tolerance_px = pass == 0 ? 6.0 : 2.0;
+    const bool most = !passes[pass].horizontal_only || 2.0 * fit.weight > all_px2;
+    if (used < GROUND_MIN_CELLS || !most || !vista_plane_fit_solve(&fit, plane)) return false;
   }
-  const double inclination_deg =
-      vista_plane_inclination_deg(camera, up_camera, camera->center_u_px, camera->center_v_px, plane.offset,
-                                  plane.slope_u, plane.slope_v);
-  surfaces->ground_found = inclination_deg > params->horizontal_deg;
-  surfaces->ground_px = plane.offset;
-  surfaces->ground_slope_u = plane.slope_u;
-  surfaces->ground_slope_v = plane.slope_v;
+  return true;
+}
+
+/* Cells on the ground's plane are ground whatever their own inclination, which noise and the edges of things upset;
+ * what is well above it stands: the top of a thing may lean, but it is no surface to fly along. */
+static void compare_with_ground(const vista_foveation *f, const vista_surface_params *params,
+                                const vista_camera *camera, const vista_cells *cells, const vista_plane *plane,
+                                vista_surfaces *surfaces) {
+  /* Height above the plane of the point that is seen: (1 - ground / d) / norm; see vista_standing_fraction. */
+  const double norm = sqrt(plane->slope_u * plane->slope_u + plane->slope_v * plane->slope_v +
+                           plane->offset * plane->offset / (camera->focal_px * camera->focal_px)) /
+                      camera->baseline_m;
+  for (int32_t i = 0; i < f->node_count; ++i) {
+    const double d = (double)cells->disparity_px[i];
+    if (d <= 0.0) continue;
+    const double ground = plane_at_cell(plane, f, camera, i);
+    if (ground > 0.0 && fabs(d - ground) < params->ground_step_px)
+      surfaces->horizontal[i] = 1;
+    else if (d - ground >= params->ground_step_px && d - ground >= params->ground_step_m * norm * d)
+      surfaces->horizontal[i] = 0;
+  }
 }
 
 vista_status vista_surfaces_compute(const vista_foveation *foveation, const vista_surface_params *params,
@@ -130,6 +156,15 @@ vista_status vista_surfaces_compute(const vista_foveation *foveation, const vist
       }
     }
   }
-  find_ground(f, params, camera, up_camera, cells, surfaces);
+  vista_plane ground = {0};
+  surfaces->ground_found = find_ground(f, camera, cells, surfaces->horizontal, &ground) &&
+                           vista_plane_inclination_deg(camera, up_camera, camera->center_u_px, camera->center_v_px,
+                                                       ground.offset, ground.slope_u, ground.slope_v) >
+                               params->horizontal_deg;
+  if (!surfaces->ground_found) return VISTA_OK;
+  surfaces->ground_px = ground.offset;
+  surfaces->ground_slope_u = ground.slope_u;
+  surfaces->ground_slope_v = ground.slope_v;
+  compare_with_ground(f, params, camera, cells, &ground, surfaces);
   return VISTA_OK;
 }

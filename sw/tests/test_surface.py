@@ -184,6 +184,27 @@ def test_the_ground_is_found_below_what_stands_on_it() -> None:
         assert s.ground_px == pytest.approx(0.0, abs=0.5)
 
 
+def test_what_rises_from_the_ground_stands_and_the_noisy_ground_does_not() -> None:
+    """A bale of 1.5 m, seen from 6.4 m above a meadow; its upper half lies in front of the ground by 1 to 2 px."""
+    random = seeded(5)
+    stages = Stages(camera(640, 480, focal=1000.0, baseline=0.4572))
+    ground = plane_disparity(stages.camera, np.array([0.0, 1.0, 0.0]), np.array([0.0, 6.4, 0.0]))
+    bale_px, foot_v = 10.0, 239.5 + 1000 * 6.4 / 45.72
+    rows, columns = slice(round(foot_v - 1.5 / 45.72 * 1000), round(foot_v)), slice(300, 340)
+    disparity = ground.copy()
+    disparity[rows, columns] = bale_px
+    stages.foveate(np.full(disparity.shape, 90, np.uint8), words_of(disparity, random, sigma_px=0.2))
+    stages.find_surfaces()
+    horizontal = stages.horizontal[stages.foveation.cell_of_pixel] != 0
+    upper = slice(rows.start + 8, (rows.start + rows.stop) // 2)  # a cell is 6 px wide
+    assert not horizontal[upper, 308:332].any()
+    meadow = np.ones(disparity.shape, bool)
+    meadow[:280] = False
+    meadow[rows.start - 12 : rows.stop + 12, 288:352] = False
+    assert horizontal[meadow].mean() > 0.999
+    assert stages.disparity_px.max() > bale_px  # the meadow before the bale is nearer than the bale
+
+
 def test_walls_are_no_ground() -> None:
     stages = Stages(camera())
     for name in ("wall ahead", "wall at an angle"):

@@ -24,6 +24,7 @@ typedef struct vista_foveation_params {
   int32_t sector_count; /* Sectors of the log-polar grid; rings grow by exp(2*pi/sector_count), which keeps cells square. 16 .. 256. */
   double rho_0_px; /* Radius of the hub, the one cell at the centre. Paper: rho_0. 1.0 .. 64.0 px. */
   double min_valid_fraction; /* A cell has a disparity when at least this fraction of its pixels has one. 0.0 .. 1.0. */
+  int32_t erosion_px; /* Radius of the square over which the smallest disparity is taken before cells average: undoes fattening. 0 .. 10 px. */
 } vista_foveation_params;
 
 /* Similarity of neighbouring cells (paper, equations 3 and 4) and its encoding as flow (equation 5). */
@@ -49,6 +50,8 @@ typedef struct vista_affinity_params {
 typedef struct vista_surface_params {
   double lever_px; /* Cells at least this far apart are compared, so that the noise of a disparity does not tilt the surface. 1.0 .. 64.0 px. */
   double horizontal_deg; /* A surface that leans more than this from the vertical is one to fly along, not into. 10.0 .. 90.0 deg. */
+  double ground_step_px; /* Cells within this of the ground's plane are ground. 0.0 .. 64.0 px. */
+  double ground_step_m; /* Cells above the ground's plane by this, and by ground_step_px, stand. 0.0 .. 10.0 m. */
 } vista_surface_params;
 
 /* Recursive minimum cuts (paper, section II-C). */
@@ -114,6 +117,15 @@ typedef struct vista_tracker_params {
   double range_max_m; /* Farther detections start no track. 1.0 .. 100000.0 m. */
 } vista_tracker_params;
 
+/* Something in the way that is too near to match: texture without disparity. */
+typedef struct vista_saturation_params {
+  int32_t contrast; /* A pixel whose two neighbours along the row differ by this has texture. 1 .. 255 grey levels. */
+  double textured_fraction; /* With less of the disc textured, nothing can be said. 0.001 .. 1.0. */
+  double unmatched_fraction; /* Something is too near when this share of the texture has no disparity; chance matches a tenth to a third. 0.0 .. 1.0. */
+  int32_t confirm_hits; /* It is reported when it was so in this many of confirm_window frames. Paper: M. 1 .. 32 frames. At most confirm_window. */
+  int32_t confirm_window; /* Frames that count for that. Paper: N. 1 .. 32 frames. */
+} vista_saturation_params;
+
 /* Obstacles against the flight path (paper, section II-D; companion). */
 typedef struct vista_obstacle_map_params {
   double collision_radius_m; /* Radius of the collision volume around the flight path. 0.01 .. 1000.0 m. */
@@ -132,6 +144,7 @@ typedef struct vista_parameters {
   vista_region_params region;
   vista_reconstruction_params reconstruction;
   vista_tracker_params tracker;
+  vista_saturation_params saturation;
   vista_obstacle_map_params obstacle_map;
 } vista_parameters;
 

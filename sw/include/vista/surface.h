@@ -7,7 +7,8 @@
  *
  * Ground, roads and water are surfaces to fly along: their pixels are matched well and their boundary is consistent,
  * so neither a matching threshold nor edge consistency tells them from obstacles. Their inclination does.
- * The plane that most horizontal cells share is the ground; it may be absent. */
+ * The plane that most horizontal cells share is the ground; it may be absent. Where it is known, height above it
+ * overrides a cell's own inclination: on the plane is ground, well above it stands. */
 #ifndef VISTA_SURFACE_H
 #define VISTA_SURFACE_H
 
@@ -21,7 +22,7 @@
 
 typedef struct vista_surfaces {
   float *inclination_deg; /* node_count: 0 upright .. 90 horizontal; negative: unknown */
-  uint8_t *horizontal;    /* node_count: 1 where most cells around lean more than horizontal_deg */
+  uint8_t *horizontal;    /* node_count: 1 on the ground, or where most cells around lean more than horizontal_deg */
   bool ground_found;      /* most horizontal cells share a plane: the ground below, */
   double ground_px;       /* its disparity at the principal point */
   double ground_slope_u, ground_slope_v; /* and gradient, px per px */
