@@ -185,7 +185,7 @@ def test_the_ground_is_found_below_what_stands_on_it() -> None:
 
 
 def test_what_rises_from_the_ground_stands_and_the_noisy_ground_does_not() -> None:
-    """A bale of 1.5 m, seen from 6.4 m above a meadow; its upper half lies in front of the ground by 1 to 2 px."""
+    """A bale of 1.5 m, seen from 6.4 m above a meadow: its upper half is 1 to 2 px in front of the ground."""
     random = seeded(5)
     stages = Stages(camera(640, 480, focal=1000.0, baseline=0.4572))
     ground = plane_disparity(stages.camera, np.array([0.0, 1.0, 0.0]), np.array([0.0, 6.4, 0.0]))
