@@ -23,13 +23,17 @@ from vista.command.run import load_parameters, positive
 from vista.errors import EXIT_OK, InputError
 from vista.output import write_atomically
 from vista.score.comparison import Comparison, compare, comparison_line
+from vista.score.filmstrip import filmstrip
 from vista.score.flight import FlightScore, score_records, summary
 from vista.score.fly import fly_cached
+from vista.score.goals import Goal, goal_line, goals
 from vista.score.group import SPLITS, group_score, table
+from vista.score.report import FlightPage, render_flights
 from vista.score.stereo_alone import Outcome, outcomes_cached
-from vista.score.truth import TRUTH
+from vista.score.truth import TRUTH, read_truth
 
 SCORES, REPORT = "flights.json", "report.html"
+RECORDS = "records.json"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -66,12 +70,37 @@ def execute(arguments: argparse.Namespace) -> int:
     )
     alone = with_jobs(partial(stereo_alone, values), folders, arguments.jobs, "stereo alone")
     comparison = compare(scores, alone)
+    reached = goals(*(untuned(part) for part in (scores, noisy)), comparison_untuned(scores, alone))
     print(table(scores))
-    print("\n" + comparison_line(comparison))
     if noisy:
         print("\nwith pose noise:\n" + table(noisy))
-    write_scores(arguments.folder / SCORES, scores, noisy, comparison, values)
+    print("\n" + comparison_line(comparison) + "\n")
+    print("\n".join(goal_line(goal) for goal in reached))
+    write_scores(arguments.folder / SCORES, scores, noisy, comparison, reached, values)
+    pages = with_jobs(partial(flight_page, values), list(zip(folders, scores, strict=True)), 1, "pictures")
+    page = render_flights(pages, noisy, comparison, reached, values)
+    write_atomically(arguments.folder / REPORT, page)
+    print(f"\nreport: {arguments.folder / REPORT}")
     return EXIT_OK
+
+
+def untuned(scores: list[FlightScore]) -> list[FlightScore]:
+    """Of the flights that parameters were not chosen on."""
+    return [score for score in scores if score.split == "report"]
+
+
+def comparison_untuned(scores: list[FlightScore], alone: list[list[Outcome]]) -> Comparison:
+    return compare(
+        untuned(scores),
+        [one for score, one in zip(scores, alone, strict=True) if score.split == "report"],
+    )
+
+
+def flight_page(values: parameters.Values, flight: tuple[Path, FlightScore]) -> FlightPage:
+    folder, score = flight
+    records, _ = fly_cached(folder, values, folder / RECORDS)
+    truth = read_truth(folder)
+    return FlightPage(score, truth.focal_baseline_px_m, filmstrip(truth, score, records))
 
 
 def with_jobs(work: Any, items: list[Any], jobs: int, title: str) -> list[Any]:
@@ -83,7 +112,7 @@ def with_jobs(work: Any, items: list[Any], jobs: int, title: str) -> list[Any]:
 
 
 def fly_and_score(values: parameters.Values, noise_seed: int | None, folder: Path) -> FlightScore:
-    cache = folder / ("records.json" if noise_seed is None else "records_noisy.json")
+    cache = folder / (RECORDS if noise_seed is None else "records_noisy.json")
     records, _ = fly_cached(folder, values, cache, noise_seed)
     return score_records(folder, records, values)
 
@@ -97,12 +126,14 @@ def write_scores(
     scores: list[FlightScore],
     noisy: list[FlightScore],
     comparison: Comparison,
+    reached: list[Goal],
     values: parameters.Values,
 ) -> None:
     content = {
         "parameters": values,
         "flights": [summary(score) for score in scores],
         "groups": groups(scores),
+        "goals": [asdict(goal) for goal in reached],
         "stereo_alone": asdict(comparison),
         "pose_noise": {"flights": [summary(score) for score in noisy], "groups": groups(noisy)},
     }
@@ -141,15 +172,15 @@ def chosen_names(folder: Path, only: list[str]) -> list[str]:
 
 
 def render(folder: Path, quality: str, name: str) -> None:
-    """What the folder lacks of a flight of the catalogue."""
+    """What the folder lacks of a flight of the catalogue; what is there in full quality does for quick."""
     flight = catalogue().get(name)
     if flight is None:
         return
     from vista.flights.flight import is_complete, prepare, render_missing
 
     out = folder / name
-    if is_complete(flight, out):
+    if is_complete(flight, out, "full") or is_complete(flight, out, quality):
         return
-    prepare(flight, out)
-    for _ in render_missing(flight, out):
+    prepare(flight, out, quality)
+    for _ in render_missing(flight, out, quality):
         pass

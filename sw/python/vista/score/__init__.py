@@ -11,7 +11,7 @@ true danger     world points of the exact disparity map within the cylinder
 range           distance from the left camera
 target          the object flown at; of several, the nearest with at least DANGER_PIXELS in the cylinder
 P               of a compact target (no side above COMPACT_M): its own centre, the board's for sign and pole;
-                of a large or moving one: the mean of its points in the cylinder that are seen in this frame
+                of a large one: the mean of its points in the cylinder that are seen in this frame
 warning         a confirmed obstacle that the map puts into the collision volume; coasting ones included
 agrees          with a set of true points, if one of them lies at the warning's bearing +- half its extent (at
                 least BEARING_MARGIN_PX) and within max(2 dz(r), 2 m) of its range r
@@ -20,7 +20,7 @@ missed frame    the target is a true danger nearer than 45 m, the blind zone inc
 false alarm     a warning that agrees with nothing: no point of any surface in the cylinder inflated by 1 m.
                 A ghost, if it agrees with no surface outside of that either; else something beside the path
 first detection range in the first frame that agrees and whose next STAYS_FRAMES frames agree in all but one
-error           |P - P^| of the nearest warning that agrees with the target; for a large or moving target the
+error           |P - P^| of the nearest warning that agrees with the target; for a large target the
                 distance to the nearest seen point of it (P^ may be anywhere on a wall), without NEES
 blind frame     the target's nearest point in the cylinder is nearer than the engine matches,
                 f B / (candidates - 1)

@@ -32,6 +32,7 @@ class FlightScore:
     name: str
     title: str
     split: str
+    target_kind: str | None  # of the first target; None: the flight has none
     frames: tuple[FrameScore, ...]
     first_detection_m: float | None
     band_frames: int  # with a target at 14.5 to 45 m
@@ -133,6 +134,7 @@ def flight_score(
         name=truth.name,
         title=truth.title,
         split=truth.split,
+        target_kind=truth.targets[0].kind if truth.targets else None,
         frames=tuple(frames),
         first_detection_m=first_detection_m(frames),
         band_frames=sum(frame.in_band for frame in frames),

@@ -96,7 +96,8 @@ def frame_truth(truth: FlightTruth, index: int, world_from_camera: Pose, directi
     near &= points.along_m <= CYLINDER_LENGTH_M + INFLATION_M
     around = points.where(near)
     inside = (around.aside_m <= CYLINDER_RADIUS_M) & (around.along_m <= CYLINDER_LENGTH_M)
-    target = find_target(truth, world_from_camera, around.where(inside), points)
+    age_s = (t_ns - truth.times_ns[0]) / 1e9
+    target = find_target(truth, age_s, world_from_camera, around.where(inside), points)
     kept = thinned(around)
     surfaces = standing_surfaces(truth, points)
     return FrameTruth(t_ns, world_from_camera, around.where(kept), inside[kept], target, surfaces)
@@ -124,18 +125,19 @@ def true_points(truth: FlightTruth, t_ns: int, world_from_camera: Pose, directio
 
 
 def find_target(
-    truth: FlightTruth, world_from_camera: Pose, inside: Points, everything: Points
+    truth: FlightTruth, age_s: float, world_from_camera: Pose, inside: Points, everything: Points
 ) -> Target | None:
-    """The nearest target with enough pixels among the points in the cylinder."""
+    """The nearest target with enough pixels among the points in the cylinder; age_s: of the flight."""
     camera_m = world_from_camera.translation_m
     found: list[Target] = []
     for thing in truth.targets:
         shown = inside.where(inside.label == thing.label)
         if len(shown) < DANGER_PIXELS:
             continue
-        compact = max(thing.extent_m) <= COMPACT_M and not moves(truth, thing.label)
+        compact = max(thing.extent_m) <= COMPACT_M
+        center_m = thing.position_m + thing.velocity_m_s * age_s
+        reference_m = center_m if compact else shown.position_m.mean(axis=0)
         surface_m = None if compact else surface_of(everything, thing.label)
-        reference_m = thing.position_m if compact else shown.position_m.mean(axis=0)
         depth_m = (shown.position_m - camera_m) @ world_from_camera.rotation[:, 2]
         range_m = float(np.linalg.norm(reference_m - camera_m))
         found.append(Target(thing, reference_m, range_m, float(depth_m.min()), surface_m))
@@ -145,12 +147,6 @@ def find_target(
 def surface_of(points: Points, label: int) -> Array:
     shown = points.where(points.label == label)
     return shown.position_m[thinned(shown)]
-
-
-def moves(truth: FlightTruth, label: int) -> bool:
-    """Its mean of seen points wanders by more than what the changing view of a compact thing explains."""
-    seen = [frame[label]["position_m"] for frame in truth.seen if label in frame]
-    return len(seen) > 1 and float(np.ptp(np.array(seen), axis=0).max()) > COMPACT_M / 2
 
 
 def thinned(points: Points) -> NDArray[np.bool_]:

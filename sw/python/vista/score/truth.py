@@ -28,7 +28,8 @@ class TrueObject:
     kind: str
     standing: bool  # in life an obstacle, as against ground, road, tarpaulin
     target: bool  # what the aircraft flies at
-    position_m: Array  # (3,) its own centre, world; of a moving one in the first frame
+    position_m: Array  # (3,) its own centre in the first frame, world
+    velocity_m_s: Array  # (3,)
     extent_m: tuple[float, float]  # width, height
 
 
@@ -101,6 +102,7 @@ def _flight_truth(folder: Path, content: dict[str, Any]) -> FlightTruth:
             o["standing"],
             o["target"],
             np.array(o["position_m"], float),
+            np.array(o.get("velocity_m_s", (0.0, 0.0, 0.0)), float),
             (float(o["extent_m"][0]), float(o["extent_m"][1])),
         )
         for o in content["objects"]

@@ -1,0 +1,94 @@
+"""The flights' report: one page with everything in it, readable without network and other files."""
+
+from __future__ import annotations
+
+import base64
+from dataclasses import dataclass
+from typing import Any
+
+from jinja2 import Environment, PackageLoader, StrictUndefined
+from markupsafe import Markup
+
+import vista.score
+from vista import parameters
+from vista.score.comparison import Comparison, comparison_line
+from vista.score.filmstrip import Still
+from vista.score.flight import FlightScore
+from vista.score.flight_plots import plot_comparison, plot_detection, plot_error
+from vista.score.goals import Goal
+from vista.score.group import COLUMNS, LEGEND, SPLITS, group_line, group_score
+
+
+@dataclass(frozen=True)
+class FlightPage:
+    score: FlightScore
+    focal_baseline_px_m: float
+    stills: list[Still]
+
+
+def render_flights(
+    pages: list[FlightPage],
+    noisy: list[FlightScore],
+    comparison: Comparison,
+    reached: list[Goal],
+    values: parameters.Values,
+) -> str:
+    """The page as HTML; noisy: the same flights under pose noise, or none."""
+    environment = Environment(
+        loader=PackageLoader("vista"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    scores = [page.score for page in pages]
+    return environment.get_template("flights.html.j2").render(
+        goals=reached,
+        heads=[head for head, _ in COLUMNS],
+        legend=LEGEND,
+        tables=[table_rows(scores)] + ([table_rows(noisy)] if noisy else []),
+        comparison=comparison_line(comparison),
+        plots={
+            "comparison": Markup(plot_comparison(comparison)),
+            "detection": Markup(plot_detection(scores)),
+        },
+        flights=[flight_view(page) for page in pages],
+        definitions=vista.score.__doc__,
+        parameters=values,
+    )
+
+
+def table_rows(scores: list[FlightScore]) -> list[dict[str, Any]]:
+    """A group each: its rows, and the line of its totals."""
+    groups = []
+    for split in SPLITS:
+        members = [score for score in scores if score.split == split]
+        if members:
+            rows = [
+                {
+                    "name": score.name,
+                    "failing": bool(score.missed or score.false_alarm_frames),
+                    "cells": [cell(score) for _, cell in COLUMNS],
+                }
+                for score in members
+            ]
+            groups.append({"rows": rows, "total": group_line(group_score(split, members))})
+    return groups
+
+
+def flight_view(page: FlightPage) -> dict[str, Any]:
+    return {
+        "name": page.score.name,
+        "title": page.score.title,
+        "split": page.score.split,
+        "plot": Markup(plot_error((page.score, page.focal_baseline_px_m))),
+        "stills": [
+            {
+                "frame": still.frame,
+                "caption": still.caption,
+                "failing": still.failing,
+                "uri": "data:image/jpeg;base64," + base64.b64encode(still.jpeg).decode(),
+            }
+            for still in page.stills
+        ],
+    }
