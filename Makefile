@@ -35,6 +35,7 @@ help: ## list the targets
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
 
 include rtl/rtl.mk
+include model/systemc/systemc.mk
 
 # ---- set-up ----
 

@@ -1,0 +1,65 @@
+// The engine of rtl/, clock by clock and without its data: handshakes, pauses and the order of events. What the words
+// are is another matter (engine_words.h). Equal to the RTL in every clock: model/systemc/tests/test_against_rtl.py.
+#ifndef VISTA_CLOCKS_ENGINE_CLOCKS_H
+#define VISTA_CLOCKS_ENGINE_CLOCKS_H
+
+#include "frame_writer.h"
+#include "framer.h"
+#include "latency.h"
+#include "matching.h"
+#include "result_fifo.h"
+#include "skid.h"
+
+namespace vista::clocks {
+
+class EngineClocks {
+ public:
+  explicit EngineClocks(const Build& build) : framer_(build), matching_(build), results_(build), writer_(build) {}
+
+  // Of the frames that start from now on.
+  void set_size(const Size& size) { framer_.set_size(size); }
+
+  // The engine's side of both handshakes. Registers drive them, so they hold for the clock whatever the other side does.
+  bool pixel_ready() const { return pixels_.ready(); }
+  bool word_valid() const { return words_.valid(); }
+
+  // One rising edge. A pixel passes if it was valid and pixel_ready(), a word if word_valid() and it was ready.
+  void edge(bool pixel_valid, bool word_ready) {
+    const Framer::Clock framer = framer_.evaluate(pixels_.valid(), go_);
+    const bool writer_ready = words_.ready();
+    const bool result = results_.valid();
+
+    go_ = results_.go() && writer_.go();
+    words_.edge(writer_.valid(), word_ready);
+    results_.edge(matching_.result(), writer_.takes_result(writer_ready));
+    writer_.edge(begin_, begin_size_, result, writer_ready);
+    matching_.edge(slot_);
+    pixels_.edge(pixel_valid, framer.step);
+    framer_.edge(framer);
+    slot_ = framer.slot;
+    begin_ = framer.begin;
+    begin_size_ = framer.begin_size;
+  }
+
+  // Without a pixel, no clock changes anything: clocks may be left out.
+  bool quiet() const {
+    return go_ && !pixels_.valid() && !framer_.draining() && !slot_.valid && !begin_ && matching_.empty() &&
+           results_.empty() && writer_.waits() && !words_.valid();
+  }
+
+ private:
+  Skid pixels_, words_;
+  Framer framer_;
+  Matching matching_;
+  ResultFifo results_;
+  FrameWriter writer_;
+  bool go_ = false;
+  // Registered outputs of the framer.
+  Slot slot_;
+  bool begin_ = false;
+  Size begin_size_;
+};
+
+}  // namespace vista::clocks
+
+#endif

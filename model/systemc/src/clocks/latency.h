@@ -1,0 +1,57 @@
+// Clocks and depths of the engine, derived from its build parameters as rtl/src/vista_stereo_pkg.sv derives them; the
+// table is in rtl/README.md, "Latency". The only place of the model that holds them.
+#ifndef VISTA_CLOCKS_LATENCY_H
+#define VISTA_CLOCKS_LATENCY_H
+
+namespace vista::clocks {
+
+// Fixed when the RTL is built.
+struct Build {
+  int num_disparities = 32;  // 16, 32 .. 256
+  int block_size = 11;       // odd, 5 .. 21
+  int max_width = 1024;      // px
+
+  int radius() const { return block_size / 2; }
+};
+
+constexpr int ceil_log2(int n) {
+  int bits = 0;
+  while ((1 << bits) < n) ++bits;
+  return bits;
+}
+
+constexpr int kPrefilterLatency = 7;      // = kVerticalLatency + 1 for the next column + kGradientLatency
+constexpr int kVerticalLatency = 3;       // to the vertical sums of a column
+constexpr int kGradientLatency = 3;       // from those of the next column to the prefiltered pixels
+constexpr int kDelayLatency = 2;
+constexpr int kColumnLatency = 4;
+constexpr int kWindowLatency = 4;
+constexpr int kThresholdLatency = 3;
+constexpr int kUniquenessLatency = 2;
+constexpr int kSubpixelLatency = 11;
+constexpr int kCheckLatency = 6;
+constexpr int kInFlightMargin = 8;
+constexpr int kFifoAhead = 4;     // words in registers behind the memory of the result FIFO
+constexpr int kPendingFrames = 4;  // that the frame writer remembers
+
+// From prefiltered pixels to their costs.
+constexpr int kCostLatency = kDelayLatency + kColumnLatency + kWindowLatency;
+
+constexpr int candidate_latency(int num_disparities) {
+  return ceil_log2(num_disparities) + kThresholdLatency + kUniquenessLatency + kSubpixelLatency;
+}
+
+constexpr int check_delay(int num_disparities) {
+  const int ready = candidate_latency(num_disparities) + 2;
+  return ready > num_disparities - 1 ? ready - (num_disparities - 1) : 0;
+}
+
+constexpr int results_in_flight(int num_disparities) {
+  return kPrefilterLatency + kCostLatency + candidate_latency(num_disparities) + kCheckLatency + (num_disparities - 1) + kInFlightMargin;
+}
+
+constexpr int result_fifo_depth(int num_disparities) { return 1 << ceil_log2(2 * results_in_flight(num_disparities)); }
+
+}  // namespace vista::clocks
+
+#endif

@@ -1,0 +1,94 @@
+#include "fetch_dma.h"
+
+#include <algorithm>
+#include <cstring>
+
+namespace vista {
+
+FetchDma::FetchDma(const sc_core::sc_module_name& name, const Configuration& c, int lane, Memory& memory,
+                   BufferPool& pairs, BufferPool& results, ResultDma& result_dma, FrameLog& log)
+    : sc_module(name),
+      lane_(lane),
+      master_("fetch" + std::to_string(lane), memory, kFetchRank),
+      pairs_(pairs),
+      results_(results),
+      result_dma_(result_dma),
+      log_(log),
+      edges_(c.engine_clock_hz),
+      word_engine_(c.engine_parameters(), static_cast<int>(c.width_px), static_cast<int>(c.height_px)),
+      compute_words_(c.compute_words),
+      pixels_(c.pixels()),
+      burst_px_(c.burst_bytes),
+      fifo_px_(c.dma_fifo_bytes / 2),
+      left_(static_cast<size_t>(c.pixels())),
+      right_(left_.size()) {
+  SC_HAS_PROCESS(FetchDma);
+  SC_THREAD(run);
+}
+
+void FetchDma::run() {
+  for (;;) {
+    while (!pairs_.any_waiting()) sc_core::wait(pairs_.changed());
+    Buffer* result = results_.begin_writing(-1);
+    if (!result) {
+      sc_core::wait(results_.changed());
+      continue;
+    }
+    Buffer& pair = *pairs_.begin_reading();
+    result->frame = pair.frame;
+    FrameEntry& entry = log_[pair.frame];
+    entry.lane = lane_;
+    entry.fetch_start = now_ps();
+    result_dma_.expect(job(pair, *result));
+    fetch(pair);
+    pairs_.release(pair);
+  }
+}
+
+// The words are computed when the frame begins, from the memory that is about to be read: the engine's first words leave
+// long before its last pixel comes. `fetch` then makes sure that what is read is what was seen.
+ResultDma::Job FetchDma::job(const Buffer& pair, Buffer& result) {
+  master_.peek(pair.address, left_.data(), pixels_);
+  master_.peek(pair.address + pixels_, right_.data(), pixels_);
+  return {&result, compute_words_ ? word_engine_.compute(left_.data(), right_.data())
+                                  : std::vector<uint32_t>(static_cast<size_t>(pixels_))};
+}
+
+void FetchDma::fetch(const Buffer& pair) {
+  std::vector<uint8_t> left(static_cast<size_t>(burst_px_)), right(left.size());
+  for (int64_t first = 0; first < pixels_; first += burst_px_) {
+    const int64_t count = std::min(burst_px_, pixels_ - first);
+    taken_.drain(now_ps(), [&](int64_t px) { claimed_px_ -= px; });
+    while (claimed_px_ + count > fifo_px_) claimed_px_ -= taken_.pop();
+    claimed_px_ += count;
+    high_water_px_ = std::max(high_water_px_, claimed_px_);
+    master_.read(pair.address + first, left.data(), count);
+    const int64_t done = master_.read(pair.address + pixels_ + first, right.data(), count);
+    const size_t bytes = static_cast<size_t>(count);
+    if (std::memcmp(left.data(), left_.data() + first, bytes) != 0 ||
+        std::memcmp(right.data(), right_.data() + first, bytes) != 0)
+      SC_REPORT_FATAL(name(), "a buffer changed while it was read");
+    arriving_.push_back({edges_.at_or_after(done), count});
+    arrival_.notify(sc_core::SC_ZERO_TIME);
+  }
+}
+
+bool FetchDma::pixel_valid(int64_t clock) {
+  if (offered_ > 0) return true;
+  if (arriving_.empty()) wait_until(edges_.ps(clock));
+  if (arriving_.empty() || arriving_.front().clock > clock) return false;
+  offered_ = offered_burst_ = arriving_.front().pixels;
+  arriving_.pop_front();
+  return true;
+}
+
+void FetchDma::pixel_taken(int64_t clock) {
+  if (--offered_ == 0) taken_.push(edges_.ps(clock), offered_burst_);
+}
+
+int64_t FetchDma::next_pixel(int64_t clock) {
+  while (arriving_.empty()) sc_core::wait(arrival_);
+  return std::max(clock, arriving_.front().clock);
+}
+
+}  // namespace vista

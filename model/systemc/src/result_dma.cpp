@@ -1,0 +1,77 @@
+#include "result_dma.h"
+
+#include <algorithm>
+#include <cstring>
+#include <utility>
+
+namespace vista {
+
+ResultDma::ResultDma(const sc_core::sc_module_name& name, const Configuration& c, int lane, const Engine& engine,
+                     Memory& memory, BufferPool& results, FrameLog& log)
+    : sc_module(name),
+      engine_(engine),
+      master_("result" + std::to_string(lane), memory, kResultRank),
+      results_(results),
+      log_(log),
+      edges_(c.engine_clock_hz),
+      pixels_(c.pixels()),
+      bytes_per_word_(c.result_bytes_px),
+      burst_words_(c.burst_bytes / c.result_bytes_px),
+      fifo_words_(c.dma_fifo_bytes / c.result_bytes_px) {
+  SC_HAS_PROCESS(ResultDma);
+  SC_THREAD(run);
+}
+
+void ResultDma::expect(Job job) {
+  jobs_.push_back(std::move(job));
+  expected_.notify(sc_core::SC_ZERO_TIME);
+}
+
+bool ResultDma::word_ready(int64_t clock) {
+  const auto leaves = [&](int64_t words) { held_words_ -= words; };
+  if (held_words_ < fifo_words_) return true;
+  wait_until(edges_.ps(clock));
+  written_.drain(edges_.ps(clock), leaves);
+  return held_words_ < fifo_words_;
+}
+
+void ResultDma::word_taken(int64_t clock) {
+  ++held_words_;
+  ++burst_fill_;
+  if (++frame_fill_ == pixels_) frame_fill_ = 0;
+  if (burst_fill_ < burst_words_ && frame_fill_ != 0) return;
+  filled_.push(edges_.ps(clock), burst_fill_);
+  burst_fill_ = 0;
+  written_.drain(edges_.ps(clock), [&](int64_t words) { held_words_ -= words; });
+  high_water_words_ = std::max(high_water_words_, held_words_);
+}
+
+void ResultDma::run() {
+  for (;;) {
+    while (jobs_.empty()) sc_core::wait(expected_);
+    const Job job = std::move(jobs_.front());
+    jobs_.pop_front();
+    write(job);
+    FrameEntry& entry = log_[job.buffer->frame];
+    entry.result_end = now_ps();
+    entry.engine = engine_.frame(frames_++);
+    results_.publish(*job.buffer);
+  }
+}
+
+void ResultDma::write(const Job& job) {
+  std::vector<uint8_t> bytes(static_cast<size_t>(burst_words_ * bytes_per_word_));
+  int64_t done = 0;
+  for (int64_t first = 0; first < pixels_;) {
+    const int64_t count = filled_.pop();
+    for (int64_t i = 0; i < count; ++i)  // little endian: the disparity comes first
+      std::memcpy(bytes.data() + i * bytes_per_word_, &job.words[static_cast<size_t>(first + i)],
+                  static_cast<size_t>(bytes_per_word_));
+    done = master_.write(job.buffer->address + first * bytes_per_word_, bytes.data(), count * bytes_per_word_);
+    written_.push(done, count);
+    first += count;
+  }
+  wait_until(done);
+}
+
+}  // namespace vista

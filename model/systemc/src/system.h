@@ -1,0 +1,60 @@
+// The whole chain, wired: README.md has the picture.
+#ifndef VISTA_SYSTEM_SYSTEM_H
+#define VISTA_SYSTEM_SYSTEM_H
+
+#include <memory>
+#include <ostream>
+#include <systemc>
+#include <vector>
+
+#include "background.h"
+#include "buffer_pool.h"
+#include "camera.h"
+#include "capture_dma.h"
+#include "configuration.h"
+#include "engine.h"
+#include "fetch_dma.h"
+#include "frame_log.h"
+#include "host.h"
+#include "host_core.h"
+#include "images.h"
+#include "memory.h"
+#include "rectifier.h"
+#include "result_dma.h"
+
+namespace vista {
+
+struct Lane {
+  std::unique_ptr<Engine> engine;
+  std::unique_ptr<ResultDma> result_dma;
+  std::unique_ptr<FetchDma> fetch_dma;
+};
+
+class System : public sc_core::sc_module {
+ public:
+  // `words_out` may be null. Throws ConfigurationError for image files that do not fit.
+  System(const sc_core::sc_module_name& name, const Configuration& configuration, std::ostream* words_out);
+
+  // Read by the report, after the simulation.
+  const Configuration configuration;
+  FrameLog log;
+  const Images images;
+  Memory memory;
+  BufferPool captured;
+  std::unique_ptr<BufferPool> rectified;  // null: pairs come rectified
+  BufferPool results;
+  HostCore host_core, rectify_core;  // the second only with two cores
+  Camera camera;
+  CaptureDma capture_dma;
+  std::unique_ptr<Rectifier> rectifier;
+  std::vector<Lane> lanes;
+  Host host;
+  std::unique_ptr<Background> background;
+
+ private:
+  std::vector<Lane> make_lanes();
+};
+
+}  // namespace vista
+
+#endif
