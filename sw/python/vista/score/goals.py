@@ -32,7 +32,7 @@ def goals(scores: list[FlightScore], noisy: list[FlightScore], comparison: Compa
             "no false collision alarm in any frame",
             f"{group.false_alarm_frames} of {group.frames} frames, {group.false_alarm_obstacles} obstacles, "
             f"{group.ghost_frames} frames with nothing there at all",
-            group.false_alarm_frames == 0,
+            group.false_alarm_frames == 0 if scores else None,
         ),
         _each(
             f"hit rate at 14.5 to 45 m at least {percent(HIT_RATE)} % in each flight",
@@ -50,12 +50,12 @@ def goals(scores: list[FlightScore], noisy: list[FlightScore], comparison: Compa
         ),
         Goal(
             f"|P - P^| within 2 dz(r) in at least {percent(WITHIN_2DZ)} % of the tracked frames",
-            f"{percent(group.within_2dz)} % of {group.matched_frames}",
+            f"{percent(group.within_2dz) or '-'} % of {group.matched_frames}",
             None if group.within_2dz is None else group.within_2dz >= WITHIN_2DZ,
         ),
         Goal(
             f"median |P - P^| below {MEDIAN_DZ} dz(r)",
-            number(group.median_dz, 2),
+            number(group.median_dz, 2) or "no samples",
             None if group.median_dz is None else group.median_dz < MEDIAN_DZ,
         ),
         _each(
@@ -79,7 +79,7 @@ def goals(scores: list[FlightScore], noisy: list[FlightScore], comparison: Compa
         Goal(
             "better than stereo alone: no threshold with fewer misses and fewer false alarms",
             f"{len(comparison.beating) or 'none'} of {len(comparison.alone)}",
-            not comparison.beating,
+            not comparison.beating if comparison.flights else None,
         ),
         Goal(
             "average NEES within its 95 % band",
