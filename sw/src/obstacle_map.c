@@ -33,7 +33,7 @@ vista_status vista_obstacle_map_layout(int32_t max_tracks, vista_arena *arena, v
   *map = NULL;
   if (max_tracks < 1 || max_tracks > VISTA_TRACKER_MAX) return VISTA_ERROR_RANGE;
   vista_obstacle_map *made = vista_arena_take(arena, 1, sizeof *made);
-  vista_obstacle *obstacles = vista_arena_take(arena, (size_t)max_tracks, sizeof *obstacles);
+  vista_obstacle *obstacles = vista_arena_take(arena, (size_t)max_tracks + 1, sizeof *obstacles);
   if (arena->base == NULL) return VISTA_OK;
   if (arena->used > arena->size) return VISTA_ERROR_MEMORY;
   made->max_tracks = max_tracks;
@@ -164,6 +164,31 @@ static void insert(vista_obstacle_map *map, const vista_obstacle *obstacle) {
   map->obstacles[i] = *obstacle;
 }
 
+/* Across: the volume; along: anywhere up to range_m, given at its end with that as standard deviation. */
+static vista_obstacle too_near(const vista_obstacle_map_params *params, const vista_camera *camera,
+                               const vista_line_segment *axis, double range_m) {
+  const double disparity_px = camera->focal_px * camera->baseline_m / range_m;
+  const double radius_px = params->collision_radius_m * camera->focal_px / range_m;
+  vista_obstacle obstacle = {.confirmed = true,
+                             .in_blind_zone = true,
+                             .age_frames = 1,
+                             .distance_m = range_m,
+                             .extent_m = {2.0 * params->collision_radius_m, 2.0 * params->collision_radius_m},
+                             .ellipse = {camera->center_u_px, camera->center_v_px, radius_px, radius_px, 0.0},
+                             .disparity_px = disparity_px,
+                             .in_collision_volume = true};
+  for (int i = 0; i < 3; ++i) {
+    obstacle.position_m[i] = axis->start_m[i] + range_m * axis->direction[i];
+    for (int j = 0; j < 3; ++j) {
+      const double along2 = axis->direction[i] * axis->direction[j];
+      obstacle.covariance_m2[3 * i + j] = range_m * range_m * along2 +
+                                          params->collision_radius_m * params->collision_radius_m * ((i == j) - along2);
+    }
+  }
+  return obstacle;
+}
+
+/* track: NULL for what has none and stands. */
 static vista_nearest_collision collision_with(const vista_obstacle *obstacle, const vista_track *track,
                                               const vista_line_segment *axis, const flight *way) {
   vista_nearest_collision nearest = {.valid = true, .id = obstacle->id, .distance_m = obstacle->distance_m};
@@ -172,7 +197,7 @@ static vista_nearest_collision collision_with(const vista_obstacle *obstacle, co
   double closing_m_s = 0.0;
   for (int i = 0; i < 3; ++i) {
     along_m += (obstacle->position_m[i] - axis->start_m[i]) * way->direction[i];
-    closing_m_s += (way->velocity_m_s[i] - track->velocity_m_s[i]) * way->direction[i];
+    closing_m_s += (way->velocity_m_s[i] - (track != NULL ? track->velocity_m_s[i] : 0.0)) * way->direction[i];
   }
   nearest.time_to_collision_s = closing_m_s > 0.0 ? fmax(0.0, along_m) / closing_m_s : NAN;
   return nearest;
@@ -196,7 +221,8 @@ static vista_status check(const vista_obstacle_map *map, const vista_obstacle_ma
 
 vista_status vista_obstacle_map_update(vista_obstacle_map *map, const vista_obstacle_map_params *params,
                                        const vista_camera *camera, const vista_pose *pose, const double *velocity_m_s,
-                                       int64_t t_ns, const vista_track *tracks, int32_t track_count) {
+                                       int64_t t_ns, const vista_saturation *saturation, const vista_track *tracks,
+                                       int32_t track_count) {
   if (map == NULL || params == NULL || camera == NULL || (tracks == NULL && track_count != 0))
     return VISTA_ERROR_ARGUMENT;
   const vista_pose *here = pose != NULL ? pose : &vista_frame_still;
@@ -212,6 +238,11 @@ vista_status vista_obstacle_map_update(vista_obstacle_map *map, const vista_obst
   memcpy(axis.direction, way.direction, sizeof axis.direction);
   map->count = 0;
   map->nearest = (vista_nearest_collision){.valid = false};
+  if (saturation != NULL && saturation->saturated) {
+    const vista_obstacle obstacle = too_near(params, camera, &axis, saturation->range_m);
+    insert(map, &obstacle);
+    map->nearest = collision_with(&obstacle, NULL, &axis, &way);
+  }
   for (int32_t i = 0; i < track_count; ++i) {
     vista_obstacle obstacle;
     if (!obstacle_of(params, camera, here, &axis, &tracks[i], &obstacle)) continue;

@@ -23,6 +23,7 @@ struct vista_pipeline {
   vista_regions regions;
   vista_detection *detections;
   vista_tracker *tracker;
+  vista_saturation saturation;
   vista_obstacle_map *map;
 };
 
@@ -30,7 +31,8 @@ static const char *const stage_names[VISTA_STAGE_COUNT] = {
     [VISTA_STAGE_FOVEATION] = "foveation",     [VISTA_STAGE_SURFACE] = "surface",
     [VISTA_STAGE_AFFINITY] = "affinity",       [VISTA_STAGE_SEGMENTATION] = "segmentation",
     [VISTA_STAGE_REGIONS] = "regions",         [VISTA_STAGE_RECONSTRUCTION] = "reconstruction",
-    [VISTA_STAGE_TRACKING] = "tracking",       [VISTA_STAGE_MAP] = "map",
+    [VISTA_STAGE_TRACKING] = "tracking",       [VISTA_STAGE_SATURATION] = "saturation",
+    [VISTA_STAGE_MAP] = "map",
 };
 
 const char *vista_stage_name(vista_stage stage) {
@@ -101,6 +103,7 @@ vista_status vista_pipeline_create(void *memory, size_t bytes, const vista_param
 void vista_pipeline_reset(vista_pipeline *pipeline) {
   vista_tracker_reset(pipeline->tracker);
   vista_obstacle_map_reset(pipeline->map);
+  pipeline->saturation = (vista_saturation){0};
 }
 
 static vista_status check_up(const double up_world[3]) {
@@ -179,11 +182,16 @@ static vista_status run_stage(vista_pipeline *p, vista_stage stage, const vista_
       return vista_tracker_update(p->tracker, &q->tracker, &p->camera, &matched, frame->pose, frame->t_ns,
                                   p->detections, *detections);
     }
+    case VISTA_STAGE_SATURATION: {
+      const vista_matched_area matched = matched_area(&q->stereo);
+      return vista_saturation_update(&q->saturation, &p->camera, &matched, q->obstacle_map.collision_radius_m,
+                                     &frame->image, &frame->disparity, &p->saturation);
+    }
     case VISTA_STAGE_MAP: {
       int32_t count;
       const vista_track *const tracks = vista_tracker_tracks(p->tracker, &count);
-      return vista_obstacle_map_update(p->map, &q->obstacle_map, &p->camera, frame->pose, NULL, frame->t_ns, tracks,
-                                       count);
+      return vista_obstacle_map_update(p->map, &q->obstacle_map, &p->camera, frame->pose, NULL, frame->t_ns,
+                                       &p->saturation, tracks, count);
     }
     case VISTA_STAGE_COUNT:
       break;
@@ -218,6 +226,7 @@ vista_status vista_pipeline_process(vista_pipeline *pipeline, const vista_frame 
   r.regions = p->regions.items;
   r.region_count = p->regions.count;
   r.accepted_count = p->regions.accepted_count;
+  r.saturation = p->saturation;
   r.obstacles = vista_obstacle_map_obstacles(p->map, &r.obstacle_count);
   r.nearest_collision = vista_obstacle_map_nearest(p->map);
   *result = r;

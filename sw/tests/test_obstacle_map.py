@@ -35,7 +35,7 @@ class Map:
         assert self._arena.status == lib.VISTA_OK
         self.handle, self.params, self.camera = out[0], params("obstacle_map", **changes), camera()
 
-    def update(self, t_s: float, tracks=(), velocity=FORWARD, raw_pose=None) -> str:
+    def update(self, t_s: float, tracks=(), velocity=FORWARD, raw_pose=None, saturation=ffi.NULL) -> str:
         items = ffi.new("vista_track[]", [track[0] for track in tracks])
         speed = ffi.NULL if velocity is None else ffi.new("double[3]", list(velocity))
         return status_name(
@@ -46,6 +46,7 @@ class Map:
                 pose() if raw_pose is None else raw_pose,
                 speed,
                 round(t_s * SECOND),
+                saturation,
                 items,
                 len(tracks),
             )
@@ -120,6 +121,26 @@ def test_what_moves_with_the_aircraft_is_not_confirmed() -> None:
     assert [(o.world, o.confirmed) for o in mapper.obstacles] == list(
         zip(verdicts, [True, True, True, False], strict=True)
     )
+
+
+def test_what_is_too_near_to_match_is_a_danger() -> None:
+    """Before any track, on the flight path, at the end of the blind zone."""
+    mapper, aside = Map(), (3.0, 0.0, 4.0)
+    too_near = ffi.new("vista_saturation *", {"saturated": True, "range_m": 14.5})
+    assert mapper.update(0.0, [track((0, 0, 30.0))], aside, None, too_near) == "VISTA_OK"
+    assert [o.id for o in mapper.obstacles] == [0, 1]
+    found, along = mapper.obstacles[0], np.array(aside) / 5.0
+    assert found.confirmed and found.in_collision_volume and found.in_blind_zone
+    assert list(found.position_m) == pytest.approx(14.5 * along)
+    variance = np.linalg.eigvalsh(np.array(list(found.covariance_m2)).reshape(3, 3))
+    assert np.sqrt(variance) == pytest.approx([2.0, 2.0, 14.5])
+    assert (mapper.nearest.id, mapper.nearest.distance_m) == (0, 14.5)
+    assert mapper.nearest.time_to_collision_s == pytest.approx(14.5 / 5.0)
+    assert mapper.update(0.5, [track((0, 0, 4.0))], FORWARD, None, too_near) == "VISTA_OK"
+    assert mapper.nearest.id == 1  # nearer still, and tracked
+    too_near.saturated = False
+    assert mapper.update(1.0, [], FORWARD, None, too_near) == "VISTA_OK"
+    assert not mapper.nearest.valid and mapper.obstacles == []
 
 
 def test_the_volume_is_2_m_by_100_m_and_discs_count_with_their_edge() -> None:
@@ -230,7 +251,7 @@ def test_without_pose_and_velocity_the_optical_axis_counts() -> None:
     mapper = Map()
     items = ffi.new("vista_track[]", [track((0, 0, 30.0))[0]])
     status = lib.vista_obstacle_map_update(
-        mapper.handle, mapper.params, mapper.camera, ffi.NULL, ffi.NULL, 0, items, 1
+        mapper.handle, mapper.params, mapper.camera, ffi.NULL, ffi.NULL, 0, ffi.NULL, items, 1
     )
     assert status == lib.VISTA_OK
     assert mapper.nearest.valid
@@ -281,7 +302,7 @@ def test_a_sign_in_the_flight_path_is_announced_until_it_is_passed(speed: float)
         here = pose(position)
         assert tracker.update(0.1 * frame, items, position) == "VISTA_OK"
         assert mapper.update(0.1 * frame, list(tracker.tracks.values()), None, here) == "VISTA_OK"
-        if position[2] < 20.0:
+        if position[2] < 30.0:
             continue  # until its own travel tells that the sign does not move along
         assert mapper.nearest.valid
         distance = sign[2] - position[2]

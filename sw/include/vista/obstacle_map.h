@@ -3,6 +3,8 @@
  * Collision volume: the points within radius_m of a segment of length_m from the camera along the flight direction.
  * Flight direction: the velocity handed over; else the smoothed velocity of the poses; else (no pose, or slower than
  * speed_min_m_s) the optical axis.
+ * Too near to match (vista/saturation.h): an obstacle without a track, id 0, on the flight path somewhere within the blind
+ * zone, as wide as the volume. It is given at the far end of the zone, with the zone's length as its uncertainty.
  * Obstacle: an elliptical disc facing the camera, semi-axes extent / 2 + inflation_sigma times the standard deviation
  * of its bearing at its depth. Only across the line of sight: the range uncertainty of a far obstacle moves it along
  * its line of sight and would put misses into the volume; it is reported in the covariance instead. */
@@ -15,12 +17,13 @@
 #include "vista/arena.h"
 #include "vista/ellipse.h"
 #include "vista/parameters.h"
+#include "vista/saturation.h"
 #include "vista/status.h"
 #include "vista/tracker.h"
 #include "vista/types.h"
 
 typedef struct vista_obstacle {
-  int32_t id;
+  int32_t id;     /* of the track; 0: too near to match, no track */
   bool confirmed; /* M of N, and not refuted by the static-world test */
   bool coasting;
   bool in_blind_zone;
@@ -52,10 +55,11 @@ vista_status vista_obstacle_map_layout(int32_t max_tracks, vista_arena *arena, v
 void vista_obstacle_map_reset(vista_obstacle_map *map);
 
 /* One frame, after the tracker's update with the same camera, pose and time. velocity_m_s: world, NULL = from poses.
- * pose == NULL: a still camera, world = camera. On any error nothing is changed; errors as vista_tracker_update. */
+ * saturation: NULL = unknown. pose == NULL: a still camera, world = camera. On any error nothing is changed; errors as vista_tracker_update. */
 vista_status vista_obstacle_map_update(vista_obstacle_map *map, const vista_obstacle_map_params *params,
                                        const vista_camera *camera, const vista_pose *pose, const double *velocity_m_s,
-                                       int64_t t_ns, const vista_track *tracks, int32_t track_count);
+                                       int64_t t_ns, const vista_saturation *saturation, const vista_track *tracks,
+                                       int32_t track_count);
 
 /* In front of the camera only, nearest first (then by id); valid until the next update. */
 const vista_obstacle *vista_obstacle_map_obstacles(const vista_obstacle_map *map, int32_t *count);

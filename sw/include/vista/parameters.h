@@ -121,7 +121,7 @@ typedef struct vista_tracker_params {
 typedef struct vista_saturation_params {
   int32_t contrast; /* A pixel whose two neighbours along the row differ by this has texture. 1 .. 255 grey levels. */
   double textured_fraction; /* With less of the disc textured, nothing can be said. 0.001 .. 1.0. */
-  double unmatched_fraction; /* Something is too near when this share of the texture has no disparity; chance matches a tenth to a third. 0.0 .. 1.0. */
+  double unmatched_fraction; /* Something is too near when this share of the texture is not matched; in ordinary views it is 0.03 to 0.6. 0.0 .. 1.0. */
   int32_t confirm_hits; /* It is reported when it was so in this many of confirm_window frames. Paper: M. 1 .. 32 frames. At most confirm_window. */
   int32_t confirm_window; /* Frames that count for that. Paper: N. 1 .. 32 frames. */
 } vista_saturation_params;

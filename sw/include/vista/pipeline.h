@@ -1,4 +1,5 @@
-/* The chain in order: foveate, surface, affinity, segment, regions, reconstruct, track, map; nothing else happens here.
+/* The chain in order: foveate, surface, affinity, segment, regions, reconstruct, track, saturation, map; nothing else
+ * happens here.
  *
  * All memory is the caller's: ask vista_pipeline_bytes, hand that much to vista_pipeline_create. Processing a frame
  * allocates nothing, keeps no pointer into the frame, and gives the same result for the same frames every time. */
@@ -13,6 +14,7 @@
 #include "vista/obstacle_map.h"
 #include "vista/parameters.h"
 #include "vista/region.h"
+#include "vista/saturation.h"
 #include "vista/segmentation.h"
 #include "vista/status.h"
 #include "vista/surface.h"
@@ -27,6 +29,7 @@ typedef enum vista_stage {
   VISTA_STAGE_REGIONS,
   VISTA_STAGE_RECONSTRUCTION,
   VISTA_STAGE_TRACKING,
+  VISTA_STAGE_SATURATION,
   VISTA_STAGE_MAP,
   VISTA_STAGE_COUNT
 } vista_stage;
@@ -55,6 +58,7 @@ typedef struct vista_result {
   const vista_region *regions;
   int32_t region_count;
   int32_t accepted_count;
+  vista_saturation saturation;
   const vista_obstacle *obstacles; /* nearest first */
   int32_t obstacle_count;
   vista_nearest_collision nearest_collision;
