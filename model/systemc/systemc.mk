@@ -5,19 +5,35 @@ SYSTEMC_STAMP := $(SYSTEMC)/ldflags
 SYSTEMC_CXXFLAGS := -O3 -std=c++17 -Wall -Wextra -Werror
 SYSTEMC_SOURCES := $(wildcard model/systemc/src/*.cpp)
 SYSTEMC_OBJECTS := $(SYSTEMC_SOURCES:%.cpp=build/obj/%.o)
-SYSTEMC_APPS := $(patsubst model/systemc/apps/%.cpp,build/bin/%,$(wildcard model/systemc/apps/*.cpp))
+SYSTEMC_TRACE := build/bin/vista_engine_trace# its engine alone, for tb/top/test_system_model.py
 
-.PHONY: systemc
+.PHONY: systemc systemc-tests
 
-systemc: $(SYSTEMC_APPS) ## the model of the whole system in time: build/bin/vista_system
+systemc: build/bin/vista_system ## the model of the whole system in time: build/bin/vista_system
+
+systemc-tests: systemc $(SYSTEMC_TRACE)
 
 $(SYSTEMC_STAMP): scripts/setup_systemc.sh scripts/requirements/systemc.txt
 	@scripts/setup_systemc.sh
 
-build/obj/model/systemc/%.o: model/systemc/%.cpp $(SYSTEMC_STAMP)
-	@echo "c++ $<"; mkdir -p $(@D)
-	@g++ $(SYSTEMC_CXXFLAGS) $$(cat $(SYSTEMC)/cflags) -Imodel/systemc/src -Imodel/c/include -MMD -MP -c $< -o $@
+define SYSTEMC_COMPILE
+@echo "c++ $<"; mkdir -p $(@D)
+@g++ $(SYSTEMC_CXXFLAGS) $$(cat $(SYSTEMC)/cflags) -Imodel/systemc/src -Imodel/c/include -Irtl/sim -MMD -MP -c $< -o $@
+endef
 
-build/bin/vista_%: build/obj/model/systemc/apps/vista_%.o $(SYSTEMC_OBJECTS) build/lib/libvista_engine.so
-	@echo "ld $@"; mkdir -p $(@D)
-	@g++ $^ $$(cat $(SYSTEMC)/ldflags) -lsystemc -pthread -Wl,-rpath,'$$ORIGIN/../lib' -o $@
+define SYSTEMC_LINK
+@echo "ld $@"; mkdir -p $(@D)
+@g++ $^ $$(cat $(SYSTEMC)/ldflags) -lsystemc -pthread -Wl,-rpath,'$$ORIGIN/../lib' -o $@
+endef
+
+build/obj/model/systemc/%.o: model/systemc/%.cpp $(SYSTEMC_STAMP)
+	$(SYSTEMC_COMPILE)
+
+build/obj/tb/systemc/%.o: tb/systemc/%.cpp $(SYSTEMC_STAMP)
+	$(SYSTEMC_COMPILE)
+
+build/bin/vista_system: build/obj/model/systemc/apps/vista_system.o $(SYSTEMC_OBJECTS) build/lib/libvista_engine.so
+	$(SYSTEMC_LINK)
+
+$(SYSTEMC_TRACE): build/obj/tb/systemc/vista_engine_trace.o $(SYSTEMC_OBJECTS) build/lib/libvista_engine.so
+	$(SYSTEMC_LINK)

@@ -8,6 +8,7 @@ extern "C" {
 #include <memory>
 
 #include "Vvista_stereo.h"
+#include "stall_pattern.h"
 #include "verilated.h"
 #ifdef VISTA_COVERAGE
 #include "verilated_cov.h"
@@ -19,36 +20,6 @@ extern "C" {
 #ifdef VISTA_WAVES
 #include "verilated_vcd_c.h"
 #endif
-
-namespace {
-
-// xorshift64*: small, seedable, the same everywhere.
-class Random {
- public:
-  explicit Random(uint64_t seed) : state_(seed * 2654435769u + 88172645463325252u) {}
-  // True in `permille` of 1000 calls.
-  bool chance(uint32_t permille) {
-    state_ ^= state_ >> 12;
-    state_ ^= state_ << 25;
-    state_ ^= state_ >> 27;
-    return (state_ * 2685821657736338717u >> 33) % 1000 < permille;
-  }
-
- private:
-  uint64_t state_;
-};
-
-// A side of a stream that runs and pauses in bursts: per clock, the chances to stop and to go on.
-struct Pace {
-  uint32_t stop_permille, go_permille;
-  bool running = true;
-  bool step(Random& random) {
-    running = running ? !random.chance(stop_permille) : random.chance(go_permille);
-    return running;
-  }
-};
-
-}  // namespace
 
 struct vista_rtl {
   VerilatedContext context;
@@ -156,8 +127,8 @@ int64_t vista_rtl_stream(vista_rtl* engine, const uint32_t* beats, int64_t num_i
                          int64_t* num_taken) {
   auto& e = *engine;
   auto& t = *e.top;
-  Random random(seed);
-  Pace in{in_pace[0], in_pace[1]}, out{out_pace[0], out_pace[1]};
+  vista::Random random(seed);
+  vista::Pace in{in_pace[0], in_pace[1]}, out{out_pace[0], out_pace[1]};
   int64_t taken = 0, words = 0, idle = 0;
   bool offered = false;
   for (int64_t n = 0; n < max_clocks && (words < max_out || taken < num_in) && idle < quiet; ++n) {

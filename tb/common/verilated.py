@@ -44,6 +44,14 @@ class Pace:
     go: int = 1000
 
 
+# What random tests draw from.
+CONFIGS = [
+    Config(16, 5), Config(16, 15), Config(16, 21, 256), Config(32, 9), Config(32, 11), Config(48, 7, 256),
+    Config(64, 5), Config(64, 11),
+]  # fmt: skip
+PACES = [Pace(), Pace(300, 300), Pace(50, 20), Pace(700, 100), Pace(5, 5)]
+
+
 def build(config: Config) -> Path:
     """The shared library of a configuration, built anew when a source has changed."""
     files = sources("vista_stereo.f")
@@ -63,7 +71,7 @@ def build(config: Config) -> Path:
         *(["--coverage-line", "--coverage-toggle"] if config.coverage else []),
         *map(str, files),
     ]  # fmt: skip
-    inputs = [*files, HARNESS, HARNESS.with_suffix(".h")]
+    inputs = [*files, HARNESS, HARNESS.with_suffix(".h"), HARNESS.with_name("stall_pattern.h")]
     digest = hashlib.sha256(b"".join(f.read_bytes() for f in inputs) + repr(command).encode()).hexdigest()
     if library.is_file() and stamp.is_file() and stamp.read_text() == digest:
         return library

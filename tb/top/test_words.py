@@ -19,15 +19,10 @@ from frames import (
     set_up,
 )
 from registers import CONTROL, ERRORS
-from verilated import Config, Pace, Rtl
+from verilated import CONFIGS, PACES, Config, Pace, Rtl
 from vista_model.engine import Parameters
 
-CONFIGS = [
-    Config(16, 5), Config(16, 15), Config(16, 21, 256), Config(32, 9), Config(32, 11), Config(48, 7, 256),
-    Config(64, 5), Config(64, 11),
-]  # fmt: skip
 MAIN = Config(32, 11)
-PACES = [Pace(), Pace(300, 300), Pace(50, 20), Pace(700, 100), Pace(5, 5)]
 FRAMES = 200
 EUROC = (
     Path(os.environ.get("VISTA_SHARED_DATA", Path(__file__).resolve().parents[3] / "shared" / "data"))
