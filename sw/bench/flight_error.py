@@ -16,7 +16,7 @@ FOOT_M = 0.3048
 def main() -> None:
     flight, result = map(Path, sys.argv[1:])
     truth = json.loads((flight / "truth.json").read_text())
-    target = np.array(truth["obstacles"][0]["position_m"])
+    target = np.array(next(o["position_m"] for o in truth["objects"] if o["target"]))
     fb = truth["rig"]["focal_px"] * truth["rig"]["baseline_m"]
     lines = [json.loads(line) for line in (result / "obstacles.jsonl").read_text().splitlines()]
     warnings = [line["nearest_collision"] for line in lines if line["nearest_collision"]]

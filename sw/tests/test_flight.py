@@ -9,21 +9,21 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
-from vista.flights.flight import SIGN_AT_30_FT_S, Flight, is_complete, prepare, render_missing
+from vista.flights.flight import SIGN_AT_30_FT_S, Flight, is_complete, prepare, render_flight
 from vista.flights.rig import LEFT, RIGHT, Rig
 from vista.flights.scene import SIGN_HEIGHT_M, SIGN_WIDTH_M, sign_in_meadow
 from vista.flights.trajectory import quaternion_wxyz, rotation_from_angles, state_at
+from vista.flights.view import View
 from vista.flights.writer import image_path
 from vista.geometry import rotation_from_quaternion
 from vista.sequence import open_sequence
 
 SMALL_RIG = Rig(width_px=160, height_px=120, focal_px=250.0, baseline_m=0.4572)
-SHORT = replace(SIGN_AT_30_FT_S, rig=SMALL_RIG, rays=1, approach=replace(SIGN_AT_30_FT_S.approach, frames=2))
+SHORT = replace(SIGN_AT_30_FT_S, rig=SMALL_RIG, approach=replace(SIGN_AT_30_FT_S.approach, frames=2))
 
 
 def render(flight: Flight, out: Path) -> list[int]:
-    prepare(flight, out)
-    return list(render_missing(flight, out))
+    return list(render_flight(flight, out, "quick"))
 
 
 @pytest.fixture(scope="module")
@@ -38,6 +38,12 @@ def camera_poses(flight: Flight, frame: int) -> list[np.ndarray]:
     return [body @ flight.rig.body_from_camera(camera) for camera in (LEFT, RIGHT)]
 
 
+def above_the_pole(view: View, rig: Rig, pose: np.ndarray) -> np.ndarray:
+    """Pixels no lower than the sign's board."""
+    height_m = view.world_points_m(rig, pose)[..., 2]
+    return height_m > SIGN_AT_30_FT_S.approach.altitude_m - SIGN_HEIGHT_M / 2
+
+
 def test_the_sign_is_where_the_truth_projects_it() -> None:
     """Centre of the sign's pixels in both images against its projection, and their disparity against f B / Z.
     Edges fall on whole pixels, which moves a centre by up to half of one; over frames that averages out."""
@@ -47,13 +53,13 @@ def test_the_sign_is_where_the_truth_projects_it() -> None:
     flight = replace(SIGN_AT_30_FT_S, rig=rig)
     scene = sign_in_meadow(flight.approach.altitude_m, flight.seed)
     renderer = Renderer(scene, rig, rays=1)
-    center_world = np.array([*scene.obstacles[0].center_m, 1.0])
+    center_world = np.array([*scene.things[0].center_m, 1.0])
     errors_px = []
     for frame in range(20, 40, 2):
         seen = []
         for pose in camera_poses(flight, frame):
-            truth = renderer.truth(pose)
-            v, u = np.nonzero(truth.mask(("sign_board",)))
+            truth = renderer.view(pose)
+            v, u = np.nonzero((truth.label == 1) & above_the_pole(truth, rig, pose))
             seen.append((u.mean(), v.mean()))
             center_camera = (np.linalg.inv(pose) @ center_world)[:3]
             z_m = center_camera[2]
@@ -73,9 +79,8 @@ def test_the_ground_lies_at_its_depth() -> None:
     scene = sign_in_meadow(SHORT.approach.altitude_m, SHORT.seed)
     renderer = Renderer(scene, SMALL_RIG, rays=1)
     pose = camera_poses(SHORT, 0)[LEFT]
-    truth = renderer.truth(pose)
-    ground = truth.mask(tuple(s.name for s in scene.solids if s.name.startswith("ground")))
-    v, u = np.nonzero(ground)
+    truth = renderer.view(pose)
+    v, u = np.nonzero(truth.label == 2)
     cu, cv = SMALL_RIG.center_px
     rays = np.stack([(u - cu) / SMALL_RIG.focal_px, (v - cv) / SMALL_RIG.focal_px, np.ones(len(u))])
     points = pose[:3, :3] @ (rays * truth.depth_m[v, u]) + pose[:3, 3:]
@@ -91,7 +96,7 @@ def test_the_reader_gets_the_poses_that_were_flown(rendered: Path) -> None:
         np.testing.assert_allclose(files.world_from_camera.rotation, expected[:3, :3], atol=1e-8)
         np.testing.assert_allclose(files.world_from_camera.translation_m, expected[:3, 3], atol=1e-8)
     truth = json.loads((rendered / "truth.json").read_text())
-    assert truth["obstacles"][0]["position_m"] == pytest.approx([0.0, 0.0, 6.4008])
+    assert truth["objects"][0]["position_m"] == pytest.approx([0.0, 0.0, 6.4008])
     assert truth["rig"]["baseline_m"] == SMALL_RIG.baseline_m
 
 
@@ -117,13 +122,13 @@ def test_only_what_is_missing_is_rendered(rendered: Path) -> None:
         for frame in (0, 1)
         for camera in (LEFT, RIGHT)
     ]
-    assert is_complete(SHORT, rendered)
+    assert is_complete(SHORT, rendered, "quick")
     before = {path: (path.stat().st_mtime_ns, path.read_bytes()) for path in paths}
     paths[3].unlink()
     (rendered / "truth.json").unlink()
-    assert not is_complete(SHORT, rendered)
+    assert not is_complete(SHORT, rendered, "quick")
     assert render(SHORT, rendered) == [0, 1]
-    assert is_complete(SHORT, rendered)
+    assert is_complete(SHORT, rendered, "quick")
     for path in paths[:3]:
         assert (path.stat().st_mtime_ns, path.read_bytes()) == before[path]
     assert paths[3].read_bytes() == before[paths[3]][1]
@@ -145,7 +150,7 @@ def test_an_interruption_leaves_whole_images_only(tmp_path: Path, monkeypatch: p
     monkeypatch.setattr(writer.cv2, "imencode", interrupted_encode)
     with pytest.raises(KeyboardInterrupt):
         render(SHORT, out)
-    assert not is_complete(SHORT, out)
+    assert not is_complete(SHORT, out, "quick")
     images = sorted(out.rglob("*.png"))
     assert len(images) == 2
     assert all(cv2.imread(str(path), cv2.IMREAD_GRAYSCALE).shape == (120, 160) for path in images)
@@ -155,7 +160,7 @@ def test_an_interruption_leaves_whole_images_only(tmp_path: Path, monkeypatch: p
 def test_a_folder_with_other_things_is_refused(tmp_path: Path) -> None:
     (tmp_path / "notes.txt").write_text("mine")
     with pytest.raises(OSError, match="not a rendered flight"):
-        prepare(SHORT, tmp_path)
+        prepare(SHORT, tmp_path, "quick")
     assert (tmp_path / "notes.txt").read_text() == "mine"
 
 
@@ -163,5 +168,5 @@ def test_another_flight_replaces_an_earlier_one(rendered: Path, tmp_path: Path) 
     out = tmp_path / "flight"
     one = replace(SHORT, approach=replace(SHORT.approach, frames=1))
     render(one, out)
-    prepare(SHORT, out)
+    prepare(SHORT, out, "quick")
     assert not list(out.rglob("*.png"))

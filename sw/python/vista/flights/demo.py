@@ -8,7 +8,7 @@ from pathlib import Path
 
 from tqdm import tqdm
 
-from .flight import SIGN_AT_30_FT_S, is_complete, prepare, render_missing
+from .flight import SIGN_AT_30_FT_S, is_complete, render_flight
 
 
 def main() -> int:
@@ -18,8 +18,7 @@ def main() -> int:
     flight = SIGN_AT_30_FT_S
     try:
         if not is_complete(flight, out):
-            prepare(flight, out)
-            frames = render_missing(flight, out)
+            frames = render_flight(flight, out)
             for _ in tqdm(frames, total=flight.approach.frames, desc="rendering the flight", unit="frame"):
                 pass
     except OSError as error:

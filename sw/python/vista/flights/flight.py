@@ -2,84 +2,158 @@
 
 from __future__ import annotations
 
-import hashlib
+import json
 import shutil
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
-from importlib.metadata import version
+from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import Literal
 
-from .rig import LEFT, PAPER_RIG, RIGHT, Rig
+from .digest import content_sha256, sources_sha256
+from .rig import PAPER_RIG, Rig
 from .scene import Scene, sign_in_meadow
-from .sensor import Sensor, expose
-from .trajectory import FOOT_M, Approach, state_at
-from .writer import image_path, write_image, write_sequence, write_text, write_truth
+from .sensor import Sensor
+from .trajectory import FOOT_M, Approach, BodyState, state_at
+from .writer import write_sequence, write_text
 
-MARKER = "content.sha256"
+MARKER = "content.json"
+Quality = Literal["full", "quick"]
+
+QUICK_FIRST_RANGE_M = 66.0
+QUICK_FRAMES = 60
+RAYS: dict[Quality, int] = {"full": 4, "quick": 1}
 
 
 @dataclass(frozen=True)
 class Flight:
+    name: str
+    title: str
+    split: Literal["tune", "report"]
     approach: Approach
-    scene: Callable[[float, int], Scene] = sign_in_meadow  # of altitude in metres and seed
+    scene: Callable[[float, int], Scene]  # of altitude in metres and seed
     rig: Rig = PAPER_RIG
     sensor: Sensor = field(default_factory=Sensor)
-    rays: int = 4
     seed: int = 1
 
 
-# 30 ft/s at 21 ft straight at the sign, from 58 m to 22 m.
-SIGN_AT_30_FT_S = Flight(Approach(21 * FOOT_M, 30 * FOOT_M, last_range_m=22.0, frames=40, rate_hz=10.0))
+# 30 ft/s at 21 ft straight at the sign, from 58 m to 22 m: the demo's.
+SIGN_AT_30_FT_S = Flight(
+    "demo",
+    "sign at 30 ft/s",
+    "tune",
+    Approach(21 * FOOT_M, 30 * FOOT_M, last_range_m=22.0, frames=40, rate_hz=10.0),
+    sign_in_meadow,
+)
 
 
-def content_sha256(flight: Flight) -> str:
-    """Stands for every byte of the rendered flight: its parameters, this code, the libraries."""
-    parameters = (flight.scene.__name__, flight.approach, flight.rig, flight.sensor, flight.rays, flight.seed)
-    digest = hashlib.sha256(repr(parameters).encode())
-    for source in sorted(Path(__file__).parent.glob("*.py")):
-        digest.update(source.read_bytes())
-    for library in ("mitsuba", "numpy", "opencv-python-headless"):
-        digest.update(version(library).encode())
-    return digest.hexdigest()
+def approach_of(flight: Flight, quality: Quality) -> Approach:
+    """Quick: only the end of the flight."""
+    whole = flight.approach
+    if quality == "full":
+        return whole
+    step_m = whole.speed_m_s / whole.rate_hz
+    near_enough = int((QUICK_FIRST_RANGE_M - whole.last_range_m) / step_m) + 1
+    return replace(whole, frames=min(whole.frames, QUICK_FRAMES, near_enough))
 
 
-def is_complete(flight: Flight, out: Path) -> bool:
-    return (out / "truth.json").exists() and holds(flight, out)
+def frames_of(flight: Flight, quality: Quality = "full") -> int:
+    return approach_of(flight, quality).frames
 
 
-def holds(flight: Flight, out: Path) -> bool:
-    marker = out / MARKER
-    return marker.exists() and marker.read_text().strip() == content_sha256(flight)
+def states_of(flight: Flight, quality: Quality = "full") -> list[BodyState]:
+    approach = approach_of(flight, quality)
+    return [state_at(approach, frame) for frame in range(approach.frames)]
 
 
-def prepare(flight: Flight, out: Path) -> None:
-    """Empties a folder that another flight was rendered to. Raises OSError if it holds anything else."""
-    if holds(flight, out):
+def about(flight: Flight) -> dict:
+    approach = flight.approach
+    return {
+        "name": flight.name,
+        "title": flight.title,
+        "split": flight.split,
+        "speed_m_s": approach.speed_m_s,
+        "rate_hz": approach.rate_hz,
+    }
+
+
+def parameters(flight: Flight, quality: Quality) -> tuple:
+    return approach_of(flight, quality), flight.rig, flight.sensor, RAYS[quality], flight.seed
+
+
+def read_marker(out: Path) -> dict:
+    try:
+        return json.loads((out / MARKER).read_text())
+    except FileNotFoundError:
+        return {}
+
+
+def holds(flight: Flight, out: Path, quality: Quality) -> bool:
+    """Whether what is in `out` is of this flight. Where any source has changed, the scene itself decides."""
+    marker, sources = read_marker(out), sources_sha256((flight.name, *parameters(flight, quality)))
+    if marker.get("sources") == sources:
+        return True
+    if not marker or marker["quality"] != quality:
+        return False
+    scene = flight.scene(flight.approach.altitude_m, flight.seed)
+    if marker["content"] != content_sha256(scene, parameters(flight, quality)):
+        return False
+    write_text(out / MARKER, [json.dumps(marker | {"sources": sources})])
+    return True
+
+
+def is_complete(flight: Flight, out: Path, quality: Quality = "full") -> bool:
+    if not (out / "truth.json").exists() or not holds(flight, out, quality):
+        return False
+    truth = json.loads((out / "truth.json").read_text())
+    return all(truth[key] == value for key, value in about(flight).items())
+
+
+def prepare(flight: Flight, out: Path, quality: Quality = "full") -> None:
+    """Empties a folder that another flight was rendered to.
+
+    Raises OSError if it holds anything else, or frames of another quality, which may have taken a night.
+    """
+    if holds(flight, out, quality):
         return
-    if (out / MARKER).exists():
+    marker = read_marker(out)
+    if marker and marker["quality"] != quality:
+        raise OSError(f"{out}: holds a flight of {marker['quality']} quality; choose another folder")
+    if marker:
         shutil.rmtree(out)
     elif out.exists() and any(out.iterdir()):
         raise OSError(f"{out}: not empty and not a rendered flight")
-    write_text(out / MARKER, [content_sha256(flight)])
+    scene = flight.scene(flight.approach.altitude_m, flight.seed)
+    digests = {
+        "sources": sources_sha256((flight.name, *parameters(flight, quality))),
+        "content": content_sha256(scene, parameters(flight, quality)),
+    }
+    write_text(out / MARKER, [json.dumps({"quality": quality, **digests})])
 
 
-def render_missing(flight: Flight, out: Path) -> Iterator[int]:
-    """Renders what `out` lacks, yielding each frame's index when both its images are there."""
-    from .render import Renderer  # Mitsuba takes a second to load: not for a flight that is complete
+def render_flight(flight: Flight, out: Path, quality: Quality = "full") -> Iterator[int]:
+    """Renders what `out` lacks, yielding each frame's index when all of it is there.
 
-    approach, rig = flight.approach, flight.rig
-    states = [state_at(approach, frame) for frame in range(approach.frames)]
+    Raises OSError where `prepare` does.
+    """
+    if is_complete(flight, out, quality):
+        yield from range(frames_of(flight, quality))
+        return
+    prepare(flight, out, quality)
+    # Mitsuba takes a second to load: not for a flight that is complete.
+    from .frame import frame_paths, render_frame
+    from .render import Renderer
+    from .truth import flight_truth
+
+    approach, rig, states = approach_of(flight, quality), flight.rig, states_of(flight, quality)
     scene = flight.scene(approach.altitude_m, flight.seed)
     renderer = None
     for frame, state in enumerate(states):
-        for camera in (LEFT, RIGHT):
-            path = image_path(out, camera, state.t_ns)
-            if path.exists():
-                continue
-            renderer = renderer or Renderer(scene, rig, flight.rays)
-            pose = state.world_from_body @ rig.body_from_camera(camera)
-            radiance = renderer.radiance(pose, seed=2 * frame + camera)
-            write_image(path, expose(flight.sensor, radiance, camera, (flight.seed, frame, camera)))
+        if not all(path.exists() for path in frame_paths(out, state.t_ns)):
+            renderer = renderer or Renderer(scene, rig, RAYS[quality])
+            renderer.move_to(approach.before_last_s(frame))
+            render_frame(renderer, rig, flight.sensor, state, (flight.seed, frame), out)
         yield frame
     write_sequence(out, rig, states, approach.rate_hz)
-    write_truth(out, rig, scene.obstacles)
+    times_ns = [state.t_ns for state in states]
+    truth = flight_truth(out, about(flight), scene, rig, times_ns, approach.before_last_s(0))
+    write_text(out / "truth.json", [json.dumps(truth)])

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+import cv2
 import numpy as np
 
 LEFT, RIGHT = 0, 1
@@ -19,6 +20,10 @@ class Rig:
     height_px: int
     focal_px: float
     baseline_m: float
+    # What calibration leaves: how the right camera stands against what it is taken for. Its rows are off by
+    # f * pitch in the middle, and by roll more for every pixel to the right; no yaw, which would be range.
+    right_pitch_deg: float = 0.006
+    right_roll_deg: float = 0.010
 
     @property
     def center_px(self) -> tuple[float, float]:
@@ -35,6 +40,16 @@ class Rig:
         transform[:3, :3] = R_BODY_CAMERA
         transform[1, 3] = self.baseline_m * (0.5 if camera == LEFT else -0.5)
         return transform
+
+    def body_from_mounted_camera(self, camera: int) -> np.ndarray:
+        """T_BS as it really is, residual misalignment included."""
+        pitch, roll = (
+            math.radians(angle if camera == RIGHT else 0.0)
+            for angle in (self.right_pitch_deg, self.right_roll_deg)
+        )
+        turn = np.eye(4)
+        turn[:3, :3] = cv2.Rodrigues(np.array([pitch, 0.0, roll]))[0]
+        return self.body_from_camera(camera) @ turn
 
     def project(self, points_camera_m: np.ndarray) -> np.ndarray:
         """Camera coordinates (..., 3) to pixels (..., 2)."""

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
+from typing import Literal
 
 import numpy as np
 
@@ -58,25 +60,115 @@ class GroundStrip:
     albedo: np.ndarray = field(repr=False, compare=False)
 
 
-Solid = Box | Board | Cylinder | Sphere | GroundStrip
-
-
 @dataclass(frozen=True)
-class Obstacle:
-    """Truth of one obstacle: the solids `parts` within its bounding box."""
+class Panel:
+    """A flat rectangle anyhow in space, seen from both sides; row 0 is the edge at `center - half_down`."""
 
     name: str
     center_m: Point
+    half_right_m: Point  # along the columns of the albedo
+    half_down_m: Point  # along its rows
+    albedo: np.ndarray = field(repr=False, compare=False)
+
+
+@dataclass(frozen=True)
+class Mesh:
+    """Triangles, each vertex with its albedo; seen from both sides."""
+
+    name: str
+    vertices_m: np.ndarray = field(repr=False, compare=False)  # (N, 3)
+    faces: np.ndarray = field(repr=False, compare=False)  # (M, 3), indices into the vertices
+    albedo: np.ndarray = field(repr=False, compare=False)  # (N,)
+
+
+Solid = Box | Board | Cylinder | Sphere | GroundStrip | Panel | Mesh
+
+
+@dataclass(frozen=True)
+class Thing:
+    """What one label of the truth stands for: a whole tree, a car, a facade, the ground."""
+
+    name: str  # unique in its scene
+    kind: str  # "sign", "pole", "tree", "car", "bale", "facade", "fence", "ground", "tarpaulin", ...
+    solids: tuple[Solid, ...]
+    standing: bool  # an obstacle in life, as against ground, road, tarpaulin, track
+    center_m: Point
     width_m: float
     height_m: float
-    parts: tuple[str, ...]
+    target: bool = False  # what the aircraft flies at
+    velocity_m_s: Point = (0.0, 0.0, 0.0)  # world; the solids stand where they are at the last frame
+    sway: Sway | None = None  # in the wind
+
+
+@dataclass(frozen=True)
+class Sway:
+    """Every solid but upright cylinders (trunks) moves to and fro across the wind, each in its own phase."""
+
+    amplitude_m: float
+    frequency_hz: float
+
+
+@dataclass(frozen=True)
+class Haze:
+    """Over d metres of air radiance L becomes L exp(-e d) + airlight (1 - exp(-e d)), e the extinction."""
+
+    extinction_per_m: float  # 3.9 / meteorological visibility
+    airlight: float  # radiance
 
 
 @dataclass(frozen=True)
 class Scene:
-    solids: tuple[Solid, ...]
-    obstacles: tuple[Obstacle, ...]
+    """Radiance 1 fills the sensor at exposure 1."""
+
+    things: tuple[Thing, ...]
     to_sun: Point  # direction, world
+    sun_irradiance: float = 4.2  # perpendicular to the light
+    fill_irradiance: float = 1.1  # stands for the sky's light, from behind the aircraft
+    sky: Literal["blue", "overcast"] = "blue"  # overcast: uniform, without any texture
+    overcast_radiance: float = 0.9
+    haze: Haze | None = None
+    exposure: float = 1.0  # times the sensor's own; above 1 clips what is bright
+
+    @property
+    def solids(self) -> tuple[Solid, ...]:
+        return tuple(solid for thing in self.things for solid in thing.solids)
+
+
+def bounds_m(solid: Solid) -> tuple[np.ndarray, np.ndarray]:
+    """Lowest and highest corner of the solid's bounding box along the world's axes."""
+    match solid:
+        case Box():
+            cos, sin = abs(np.cos(np.radians(solid.yaw_deg))), abs(np.sin(np.radians(solid.yaw_deg)))
+            x, y, z = (side / 2 for side in solid.size_m)
+            center, half = np.array(solid.center_m), np.array([cos * x + sin * y, sin * x + cos * y, z])
+        case Board():
+            center, half = np.array(solid.center_m), np.array([0.0, solid.width_m / 2, solid.height_m / 2])
+        case Cylinder():
+            ends = np.array([solid.start_m, solid.end_m])
+            axis = (ends[1] - ends[0]) / np.linalg.norm(ends[1] - ends[0])
+            half = np.abs(ends[1] - ends[0]) / 2 + solid.radius_m * np.sqrt(np.clip(1 - axis**2, 0, 1))
+            center = ends.mean(axis=0)
+        case Sphere():
+            center, half = np.array(solid.center_m), np.full(3, solid.radius_m)
+        case Panel():
+            center = np.array(solid.center_m)
+            half = np.abs(solid.half_right_m) + np.abs(solid.half_down_m)
+        case Mesh():
+            return solid.vertices_m.min(axis=0), solid.vertices_m.max(axis=0)
+        case GroundStrip():
+            low, high = np.array([*zip(solid.x_m, solid.y_m, strict=True)])
+            return np.array([*low, 0.0]), np.array([*high, 0.0])
+    return center - half, center + half
+
+
+def thing(name: str, kind: str, solids: Iterable[Solid], standing: bool = True, **more) -> Thing:
+    """A thing as large as the bounding box of its solids; width along y, height along z."""
+    solids = tuple(solids)
+    lows, highs = zip(*(bounds_m(solid) for solid in solids), strict=True)
+    low, high = np.min(lows, axis=0), np.max(highs, axis=0)
+    center = tuple(float(c) for c in (low + high) / 2)
+    _, width_m, height_m = (float(side) for side in high - low)
+    return Thing(name, kind, solids, standing, center, width_m, height_m, **more)
 
 
 def ground_strip(
@@ -95,27 +187,28 @@ def ground_strip(
     return GroundStrip(name, x_m, (-half_width_m, half_width_m), albedo)
 
 
-def meadow(seed: int) -> list[Solid]:
+def meadow(seed: int) -> Thing:
     """Ground out to the horizon, for a flight that ends some 20 m before x = 0."""
-    return [
+    strips = [
         ground_strip("ground_near", (-36.0, 0.0), 24.0, 0.04, 3, seed),
         ground_strip("ground_middle", (0.0, 60.0), 45.0, 0.06, 5, seed),
         ground_strip("ground_far", (60.0, 180.0), 90.0, 0.15, 8, seed),
         ground_strip("ground_horizon", (180.0, 900.0), 360.0, 0.6, 8, seed),
     ]
+    return thing("ground", "ground", strips, standing=False)
 
 
-def tree_line(seed: int, x_m: tuple[float, float] = (95.0, 135.0), half_width_m: float = 64.0) -> list[Solid]:
+def tree_line(seed: int, x_m: tuple[float, float] = (95.0, 135.0), half_width_m: float = 64.0) -> list[Thing]:
     """Single trees: clumps of leaves within an ellipsoid crown on a trunk."""
     rng = np.random.default_rng(seed)
     leaves = [textures.foliage(seed + k) for k in range(4)]
     bark = textures.paint(0.12, seed)
-    solids: list[Solid] = []
+    trees: list[Thing] = []
     for tree, y in enumerate(np.arange(-half_width_m, half_width_m, 3.2)):
         foot = np.array([rng.uniform(*x_m), y + rng.uniform(-1.5, 1.5), 0.0])
         height, spread = rng.uniform(6.0, 11.5), rng.uniform(1.8, 2.8)
         top = foot + np.array([0.0, 0.0, 0.6 * height])
-        solids.append(Cylinder(f"tree{tree}_trunk", tuple(foot), tuple(top), 0.22, bark))
+        solids: list[Solid] = [Cylinder(f"tree{tree}_trunk", tuple(foot), tuple(top), 0.22, bark)]
         for clump in range(18):
             up = rng.uniform(0.12, 0.95)
             reach = spread * np.sqrt(1 - ((up - 0.5) / 0.52) ** 2) * rng.uniform(0.0, 1.0)
@@ -123,10 +216,11 @@ def tree_line(seed: int, x_m: tuple[float, float] = (95.0, 135.0), half_width_m:
             center = foot + np.array([reach * np.cos(angle), reach * np.sin(angle), up * height])
             radius = spread * rng.uniform(0.35, 0.55)
             solids.append(Sphere(f"tree{tree}_clump{clump}", tuple(center), radius, leaves[rng.integers(4)]))
-    return solids
+        trees.append(thing(f"tree{tree}", "tree", solids))
+    return trees
 
 
-def far_forest(seed: int) -> list[Solid]:
+def far_forest(seed: int) -> Thing:
     """A closed canopy behind the trees, which hides the edge of the ground."""
     rng = np.random.default_rng(seed)
     leaves = textures.foliage(seed + 7)
@@ -134,17 +228,18 @@ def far_forest(seed: int) -> list[Solid]:
     for k, y in enumerate(np.arange(-90.0, 90.0, 2.5)):
         center = (rng.uniform(180.0, 200.0), float(y), rng.uniform(1.0, 3.5))
         solids.append(Sphere(f"forest{k}", center, rng.uniform(4.0, 6.0), leaves))
-    return solids
+    return thing("forest", "forest", solids)
 
 
-def hay_bale(name: str, x_m: float, y_m: float, yaw_deg: float, seed: int) -> Cylinder:
+def hay_bale(name: str, x_m: float, y_m: float, yaw_deg: float, seed: int) -> Thing:
     """A round bale, 1.5 m across and 1.2 m wide, lying on its side."""
     axis = 0.6 * np.array([np.cos(np.radians(yaw_deg)), np.sin(np.radians(yaw_deg)), 0.0])
     center = np.array([x_m, y_m, 0.75])
-    return Cylinder(name, tuple(center - axis), tuple(center + axis), 0.75, textures.straw(seed))
+    bale = Cylinder(name, tuple(center - axis), tuple(center + axis), 0.75, textures.straw(seed))
+    return thing(name, "bale", [bale])
 
 
-def car(name: str, x_m: float, y_m: float, yaw_deg: float, seed: int) -> list[Solid]:
+def car(name: str, x_m: float, y_m: float, yaw_deg: float, seed: int) -> Thing:
     """Body, glass cabin, roof and four wheels."""
     forward = np.array([np.cos(np.radians(yaw_deg)), np.sin(np.radians(yaw_deg)), 0.0])
     left = np.array([-forward[1], forward[0], 0.0])
@@ -162,29 +257,28 @@ def car(name: str, x_m: float, y_m: float, yaw_deg: float, seed: int) -> list[So
     for wheel, (ahead, aside) in enumerate(((1.35, 0.8), (1.35, -0.8), (-1.35, 0.8), (-1.35, -0.8))):
         inner, outer = at(ahead, aside - 0.1, 0.32), at(ahead, aside + 0.1, 0.32)
         solids.append(Cylinder(f"{name}_wheel{wheel}", inner, outer, 0.32, tyre))
-    return solids
+    return thing(name, "car", solids)
 
 
 SIGN_WIDTH_M, SIGN_HEIGHT_M = 40 * 0.0254, 30 * 0.0254
 SIGN_POLE_DIAMETER_M = 0.75 * 0.0254
 
 
-def sign(altitude_m: float, seed: int) -> tuple[list[Solid], Obstacle]:
-    """The paper's obstacle: white foamcore 40 in x 30 in on a 0.75 in pole, above the world's origin."""
-    center = (0.0, 0.0, altitude_m)
+def sign(altitude_m: float, seed: int, x_m: float = 0.0, y_m: float = 0.0) -> Thing:
+    """The paper's obstacle: white foamcore 40 in x 30 in on a 0.75 in pole."""
+    center = (x_m, y_m, altitude_m)
     print_ = textures.printed_sign(SIGN_WIDTH_M, SIGN_HEIGHT_M, seed)
     radius = SIGN_POLE_DIAMETER_M / 2
-    behind = 2 * radius
+    behind = x_m + 2 * radius
     top_m = altitude_m + SIGN_HEIGHT_M / 2
-    solids: list[Solid] = [
+    solids = (
         Board("sign_board", center, SIGN_WIDTH_M, SIGN_HEIGHT_M, print_),
-        Cylinder("sign_pole", (behind, 0.0, 0.0), (behind, 0.0, top_m), radius, textures.paint(0.35, seed)),
-    ]
-    return solids, Obstacle("sign", center, SIGN_WIDTH_M, SIGN_HEIGHT_M, ("sign_board", "sign_pole"))
+        Cylinder("sign_pole", (behind, y_m, 0.0), (behind, y_m, top_m), radius, textures.paint(0.35, seed)),
+    )
+    return Thing("sign", "sign", solids, True, center, SIGN_WIDTH_M, SIGN_HEIGHT_M, target=True)
 
 
 def sign_in_meadow(altitude_m: float, seed: int) -> Scene:
-    sign_solids, sign_obstacle = sign(altitude_m, seed)
     bales = [
         (3.0, -5.5, 70),
         (9.0, 9.5, 20),
@@ -193,12 +287,12 @@ def sign_in_meadow(altitude_m: float, seed: int) -> Scene:
         (52.0, 17.0, 10),
         (47.0, -6.0, 80),
     ]
-    solids = [
-        *meadow(seed),
+    things = (
+        sign(altitude_m, seed),
+        meadow(seed),
         *tree_line(seed),
-        *far_forest(seed),
+        far_forest(seed),
         *(hay_bale(f"bale{k}", x, y, yaw, seed + k) for k, (x, y, yaw) in enumerate(bales)),
-        *car("car", 17.0, -8.0, 62.0, seed),
-        *sign_solids,
-    ]
-    return Scene(tuple(solids), (sign_obstacle,), to_sun=(-0.62, 0.48, 0.62))
+        car("car", 17.0, -8.0, 62.0, seed),
+    )
+    return Scene(things, to_sun=(-0.62, 0.48, 0.62))

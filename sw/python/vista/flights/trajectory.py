@@ -27,6 +27,12 @@ class Approach:
     last_range_m: float  # from the body's origin to x = 0 in the last frame
     frames: int
     rate_hz: float
+    sway_phase_s: float = 0.0  # lets flights differ
+    sway_scale: float = 1.0
+
+    def before_last_s(self, frame: int) -> float:
+        """Time from the last frame, at most 0."""
+        return (frame - self.frames + 1) / self.rate_hz
 
 
 @dataclass(frozen=True)
@@ -60,16 +66,19 @@ def rotation_from_angles(roll_deg: float, pitch_deg: float, yaw_deg: float) -> n
 
 def state_at(approach: Approach, frame: int) -> BodyState:
     t_s = frame / approach.rate_hz
-    remaining_s = (approach.frames - 1) / approach.rate_hz - t_s
+    # Counted from the end, so that a shorter approach is the end of a longer one.
+    sway_s = approach.before_last_s(frame) + approach.sway_phase_s
+    scale = approach.sway_scale
+    angles_deg = (scale * sway(terms, sway_s) for terms in (ROLL_DEG, PITCH_DEG, YAW_DEG))
     pose = np.eye(4)
-    pose[:3, :3] = rotation_from_angles(sway(ROLL_DEG, t_s), sway(PITCH_DEG, t_s), sway(YAW_DEG, t_s))
+    pose[:3, :3] = rotation_from_angles(*angles_deg)
     pose[:3, 3] = (
-        -approach.last_range_m - approach.speed_m_s * remaining_s,
-        sway(LATERAL_M, t_s),
-        approach.altitude_m + sway(VERTICAL_M, t_s),
+        -approach.last_range_m + approach.speed_m_s * approach.before_last_s(frame),
+        scale * sway(LATERAL_M, sway_s),
+        approach.altitude_m + scale * sway(VERTICAL_M, sway_s),
     )
-    velocity = np.array([approach.speed_m_s, sway_rate(LATERAL_M, t_s), sway_rate(VERTICAL_M, t_s)])
-    return BodyState(START_NS + round(t_s * 1e9), pose, velocity)
+    drift_m_s = (scale * sway_rate(terms, sway_s) for terms in (LATERAL_M, VERTICAL_M))
+    return BodyState(START_NS + round(t_s * 1e9), pose, np.array([approach.speed_m_s, *drift_m_s]))
 
 
 def quaternion_wxyz(rotation: np.ndarray) -> np.ndarray:

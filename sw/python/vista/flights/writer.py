@@ -1,8 +1,7 @@
-"""A flight on disk: EuRoC ASL layout, plus truth.json. Every file appears whole or not at all."""
+"""A flight on disk: EuRoC ASL layout. Every file appears whole or not at all."""
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterable
 from pathlib import Path
 
@@ -10,7 +9,6 @@ import cv2
 import numpy as np
 
 from .rig import LEFT, RIGHT, Rig
-from .scene import Obstacle
 from .trajectory import BodyState, quaternion_wxyz
 
 POSE_COLUMNS = (
@@ -76,14 +74,3 @@ def write_sequence(flight: Path, rig: Rig, states: list[BodyState], rate_hz: flo
         write_text(folder / "data.csv", ["#timestamp [ns],filename", *images])
     poses = [pose_line(state) for state in states]
     write_text(flight / "mav0" / "state_groundtruth_estimate0" / "data.csv", [POSE_COLUMNS, *poses])
-
-
-def write_truth(flight: Path, rig: Rig, obstacles: tuple[Obstacle, ...]) -> None:
-    truth = {
-        "frame": "world: metres, z up, flight along +x",
-        "rig": {"focal_px": rig.focal_px, "baseline_m": rig.baseline_m, "center_px": rig.center_px},
-        "obstacles": [
-            {"name": o.name, "position_m": o.center_m, "extent_m": [o.width_m, o.height_m]} for o in obstacles
-        ],
-    }
-    write_text(flight / "truth.json", [json.dumps(truth, indent=1)])
