@@ -12,6 +12,7 @@ D ?= 32
 B ?= 11
 W ?= 1024
 SOAK_FRAMES ?= 10000
+SOAK_CASES ?= 200
 MUTANTS ?= 50
 
 .PHONY: setup-rtl rtl-engine csr csr-check lint-rtl test-rtl formal synth soak mutate coverage-rtl
@@ -70,7 +71,8 @@ synth: $(RTL_TOOLS) ## Yosys and nextpnr for ECP5: resources and clock, written 
 formal: $(RTL_TOOLS) ## proofs of the handshakes and the buffers by k-induction
 	@$(RTL_PYTHON) scripts/formal_rtl.py
 
-soak: $(RTL_TOOLS) build ## SOAK_FRAMES random frames against the C model; goes on where it stopped
+soak: $(RTL_TOOLS) build systemc-tests ## SOAK_CASES of the SystemC engine, SOAK_FRAMES of the C model against the RTL; goes on where it stopped
+	@$(RTL_PYTHON) scripts/soak_system_model.py --cases $(SOAK_CASES)
 	@$(RTL_PYTHON) scripts/soak_rtl.py --frames $(SOAK_FRAMES)
 
 coverage-rtl: $(RTL_TOOLS) build ## line, toggle and functional coverage of the engine
