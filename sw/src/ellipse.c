@@ -39,17 +39,3 @@ void vista_ellipse_half_box(const vista_ellipse *ellipse, double *half_width_px,
   *half_width_px = hypot(ellipse->axis_a_px * c, ellipse->axis_b_px * s);
   *half_height_px = hypot(ellipse->axis_a_px * s, ellipse->axis_b_px * c);
 }
-
-bool vista_ellipse_contains(const vista_ellipse *ellipse, double scale, double u_px, double v_px) {
-  const double c = cos(ellipse->angle_deg / DEGREES_PER_RADIAN);
-  const double s = sin(ellipse->angle_deg / DEGREES_PER_RADIAN);
-  const double du = u_px - ellipse->center_u_px;
-  const double dv = v_px - ellipse->center_v_px;
-  const double along = c * du + s * dv;
-  const double across = c * dv - s * du;
-  const double a = scale * ellipse->axis_a_px;
-  const double b = scale * ellipse->axis_b_px;
-  /* (along/a)^2 + (across/b)^2 <= 1 without the division: b may be 0 */
-  return fabs(along) <= a && fabs(across) <= b &&
-         along * along * b * b + across * across * a * a <= a * a * b * b;
-}

@@ -189,7 +189,8 @@ static vista_obstacle too_near(const vista_obstacle_map_params *params, const vi
 }
 
 /* track: NULL for what has none and stands. */
-static vista_nearest_collision collision_with(const vista_obstacle *obstacle, const vista_track *track,
+static vista_nearest_collision collision_with(const vista_obstacle_map_params *params,
+                                              const vista_obstacle *obstacle, const vista_track *track,
                                               const vista_line_segment *axis, const flight *way) {
   vista_nearest_collision nearest = {.valid = true, .id = obstacle->id, .distance_m = obstacle->distance_m};
   memcpy(nearest.position_m, obstacle->position_m, sizeof nearest.position_m);
@@ -199,7 +200,7 @@ static vista_nearest_collision collision_with(const vista_obstacle *obstacle, co
     along_m += (obstacle->position_m[i] - axis->start_m[i]) * way->direction[i];
     closing_m_s += (way->velocity_m_s[i] - (track != NULL ? track->velocity_m_s[i] : 0.0)) * way->direction[i];
   }
-  nearest.time_to_collision_s = closing_m_s > 0.0 ? fmax(0.0, along_m) / closing_m_s : NAN;
+  nearest.time_to_collision_s = closing_m_s > params->speed_min_m_s ? fmax(0.0, along_m) / closing_m_s : NAN;
   return nearest;
 }
 
@@ -241,7 +242,7 @@ vista_status vista_obstacle_map_update(vista_obstacle_map *map, const vista_obst
   if (saturation != NULL && saturation->saturated) {
     const vista_obstacle obstacle = too_near(params, camera, &axis, saturation->range_m);
     insert(map, &obstacle);
-    map->nearest = collision_with(&obstacle, NULL, &axis, &way);
+    map->nearest = collision_with(params, &obstacle, NULL, &axis, &way);
   }
   for (int32_t i = 0; i < track_count; ++i) {
     vista_obstacle obstacle;
@@ -249,7 +250,7 @@ vista_status vista_obstacle_map_update(vista_obstacle_map *map, const vista_obst
     insert(map, &obstacle);
     const bool nearer = !map->nearest.valid || obstacle.distance_m < map->nearest.distance_m;
     if (obstacle.confirmed && obstacle.in_collision_volume && nearer)
-      map->nearest = collision_with(&obstacle, &tracks[i], &axis, &way);
+      map->nearest = collision_with(params, &obstacle, &tracks[i], &axis, &way);
   }
   return VISTA_OK;
 }

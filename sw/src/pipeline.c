@@ -208,6 +208,7 @@ vista_status vista_pipeline_process(vista_pipeline *pipeline, const vista_frame 
   int32_t detections = 0;
   double up[3];
   up_in_camera(frame, up);
+  const int64_t dropped_before = vista_tracker_dropped(p->tracker);
   double last_ms = clock_ms();
   for (int stage = 0; stage < VISTA_STAGE_COUNT; ++stage) {
     const vista_status status = run_stage(p, (vista_stage)stage, frame, up, &detections);
@@ -229,6 +230,8 @@ vista_status vista_pipeline_process(vista_pipeline *pipeline, const vista_frame 
   r.saturation = p->saturation;
   r.obstacles = vista_obstacle_map_obstacles(p->map, &r.obstacle_count);
   r.nearest_collision = vista_obstacle_map_nearest(p->map);
+  vista_obstacle_map_velocity(p->map, r.velocity_m_s);
+  r.dropped_tracks = vista_tracker_dropped(p->tracker) - dropped_before;
   *result = r;
   return VISTA_OK;
 }

@@ -79,6 +79,7 @@ class FakePipeline:
             nearest_collision=nearest,
             regions=regions,
             valid_fraction=float(np.mean(disparity >= 0)),
+            dropped_tracks=2,
             stage_ms=stage_ms,
             cell_of_pixel=cell_of_pixel,
             cell_intensity=intensity.astype(np.float32),

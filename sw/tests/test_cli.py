@@ -78,6 +78,7 @@ def test_run_writes_what_interfaces_promise(tmp_path: Path, run_vista: Vista, ma
     summary = json.loads((out / "summary.json").read_text())
     assert (summary["frames"], summary["engine"], summary["interrupted"]) == (cases.FRAMES, "golden", False)
     assert summary["parameters"] == vista.parameters.defaults()
+    assert summary["tracks_dropped"] == 2 * cases.FRAMES  # as the stand-in says
     stages = summary["stages_ms"]
     assert set(stages) >= {"read", "rectify", "stereo", "foveation", "segmentation", "host", "total"}
     assert all(0 <= stage["median"] <= stage["p99"] for stage in stages.values())

@@ -75,11 +75,6 @@ def test_box_and_inside_agree_with_points_on_the_ellipse() -> None:
         dv = a * np.cos(t) * s + b * np.sin(t) * c
         lib.vista_ellipse_half_box(ellipse, half, half + 1)
         assert list(half) == pytest.approx([du.max(), dv.max()], rel=1e-6)
-        for scale in (0.5, 1.0, 2.0):
-            for i in random.integers(0, t.size, 10):
-                for grow in (0.999, 1.001):
-                    point = 100 + grow * scale * du[i], 80 + grow * scale * dv[i]
-                    assert lib.vista_ellipse_contains(ellipse, scale, *point) == (grow < 1)
 
 
 @pytest.mark.parametrize(

@@ -223,7 +223,7 @@ def test_time_to_collision_counts_along_the_flight_and_with_the_obstacle() -> No
     assert mapper.nearest.time_to_collision_s == pytest.approx(30 / 9)
     mapper.update(1.0, [track((0, 0, 30.0), velocity_m_s=[0, 0, -6.0])])
     assert mapper.nearest.time_to_collision_s == pytest.approx(2.0)
-    for away in (9.0, 12.0):
+    for away in (8.6, 9.0, 12.0):  # closing by less than speed_min_m_s: anything from minutes to never
         mapper.update(away, [track((0, 0, 30.0), velocity_m_s=[0, 0, away])])
         assert mapper.nearest.valid
         assert math.isnan(mapper.nearest.time_to_collision_s)

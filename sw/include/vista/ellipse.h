@@ -25,7 +25,4 @@ vista_status vista_ellipse_from_region(const vista_region *region, vista_ellipse
 /* Half width and half height of the upright box around the ellipse. */
 void vista_ellipse_half_box(const vista_ellipse *ellipse, double *half_width_px, double *half_height_px);
 
-/* Whether a point lies inside the ellipse or on it, the axes multiplied by `scale`. */
-bool vista_ellipse_contains(const vista_ellipse *ellipse, double scale, double u_px, double v_px);
-
 #endif

@@ -43,7 +43,8 @@ typedef struct vista_nearest_collision {
   int32_t id;
   double position_m[3];
   double distance_m;
-  double time_to_collision_s; /* distance along the flight direction / closing speed; NaN: closing speed <= 0 */
+  double time_to_collision_s; /* distance along the flight direction / closing speed; NaN: that is below
+                                 speed_min_m_s, or unknown */
 } vista_nearest_collision;
 
 typedef struct vista_obstacle_map vista_obstacle_map;

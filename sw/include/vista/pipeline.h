@@ -62,6 +62,8 @@ typedef struct vista_result {
   const vista_obstacle *obstacles; /* nearest first */
   int32_t obstacle_count;
   vista_nearest_collision nearest_collision;
+  double velocity_m_s[3]; /* of the camera in world, from the poses; zero while unknown */
+  int64_t dropped_tracks; /* in this frame, newborns included: the table was full */
 } vista_result;
 
 typedef struct vista_pipeline vista_pipeline;

@@ -26,6 +26,7 @@ class FrameRecord:
     regions: int
     valid_fraction: float
     stage_ms: dict[str, float]  # in the order in which the stages ran
+    dropped_tracks: int = 0  # for want of room
 
 
 @dataclass

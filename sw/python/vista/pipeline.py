@@ -46,7 +46,7 @@ class Nearest:
     id: int
     position_m: Array
     distance_m: float
-    time_to_collision_s: float | None  # None: not closing
+    time_to_collision_s: float | None  # None: hardly closing, or not known
 
 
 @dataclass(frozen=True)
@@ -55,6 +55,7 @@ class Result:
     nearest_collision: Nearest | None
     regions: int
     valid_fraction: float
+    dropped_tracks: int  # for want of room, in this frame
     stage_ms: dict[str, float]  # in the order of the chain, and their sum "host"
     cell_of_pixel: NDArray[np.int32]  # (height, width): cell under each pixel
     cell_intensity: NDArray[np.float32]  # (cells,)
@@ -71,6 +72,7 @@ class CellGraph:
     affinity: NDArray[np.float32]  # (edges,) w_ij, 0 .. 1
     horizontal: NDArray[np.bool_]  # (cells,) on a surface to fly along
     cell_size_px: NDArray[np.float32]  # (cells,) width
+    cell_center_px: NDArray[np.float32]  # (cells, 2) u, v
 
 
 class PipelineError(ValueError):
@@ -150,6 +152,7 @@ class Pipeline:
             self._array(r.affinity.weight, arcs, np.float32)[once],
             self._array(r.surfaces.horizontal, cells, np.uint8) != 0,
             self._array(f.size_px, cells, np.float32),
+            np.stack([self._array(center, cells, np.float32) for center in (f.center_u, f.center_v)], axis=1),
         )
 
     def _check(self, status: int) -> None:
@@ -182,6 +185,7 @@ class Pipeline:
             nearest_collision=_nearest(nearest) if nearest.valid else None,
             regions=r.region_count,
             valid_fraction=r.valid_fraction,
+            dropped_tracks=r.dropped_tracks,
             stage_ms=stage_ms | {"host": r.host_ms},
             cell_of_pixel=self._cell_of_pixel,
             cell_intensity=self._array(r.cells.intensity, cells, np.float32),

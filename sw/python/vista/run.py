@@ -143,5 +143,6 @@ def run_frame(chain: Chain, files: FrameFiles) -> Step:
         result.regions,
         result.valid_fraction,
         stage_ms,
+        result.dropped_tracks,
     )
     return Step(frame, words, result, record)

@@ -178,6 +178,7 @@ def make_summary(
         "camera": asdict(chain.rectifier.calibration),
         "rectified": not chain.rectifier.is_passthrough,
         "obstacles_confirmed": len(confirmed),
+        "tracks_dropped": sum(record.dropped_tracks for record in records),
         "frames_with_collision": sum(record.nearest_collision is not None for record in records),
         "parameters": values,
         "stages_ms": stage_statistics(records),
