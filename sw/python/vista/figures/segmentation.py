@@ -1,0 +1,53 @@
+"""Figure 4: segmentations, the image and beside it one colour a region."""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from vista import parameters
+from vista.figures.canvas import show
+from vista.figures.moments import Moment, fly_to, shown_frame
+from vista.palette import GREY, INK, RegionColours
+from vista.score.truth import FlightTruth
+
+ROWS, PAIRS = 2, 3
+
+
+def draw(truths: list[FlightTruth], values: parameters.Values) -> Figure:
+    figure = Figure(figsize=(10.5, 2.9), layout="constrained")
+    axes = figure.subplots(ROWS, 2 * PAIRS).reshape(-1, 2)
+    for pair in axes.ravel():
+        pair.set_axis_off()
+    for (image_axes, region_axes), truth in zip(axes, various(truths), strict=False):
+        moment = fly_to(truth, shown_frame(truth), values)
+        for one in (image_axes, region_axes):
+            one.set_axis_on()
+        show(image_axes, moment.step.frame.left, truth.title)
+        show(region_axes, colour_regions(moment), f"{moment.step.result.regions} regions")
+    return figure
+
+
+def various(truths: list[FlightTruth]) -> list[FlightTruth]:
+    """As many as there is room for, of as many kinds of target as there are."""
+    by_kind: dict[str, list[FlightTruth]] = {}
+    for truth in truths:
+        kind = truth.targets[0].kind if truth.targets else "none"
+        by_kind.setdefault(kind, []).append(truth)
+    turns = max(len(same) for same in by_kind.values())
+    ordered = [same[turn] for turn in range(turns) for same in by_kind.values() if turn < len(same)]
+    return ordered[: ROWS * PAIRS]
+
+
+def colour_regions(moment: Moment) -> NDArray[np.uint8]:
+    result = moment.step.result
+    colours = np.vstack([RegionColours().assign(result.region_of_cell), [GREY]]).astype(np.uint8)
+    labels = result.region_of_cell[result.cell_of_pixel]
+    picture = colours[labels]  # the last colour serves -1, no region
+    border = np.zeros(labels.shape, np.uint8)
+    border[:, 1:] |= labels[:, 1:] != labels[:, :-1]
+    border[1:] |= labels[1:] != labels[:-1]
+    picture[border != 0] = INK
+    return cv2.GaussianBlur(picture, (0, 0), 0.5)

@@ -1,0 +1,87 @@
+"""The paper's figures from small flights: pictures and not blanks, and what their captions say."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import cv2
+import flight_on_disk as disk
+import numpy as np
+import pytest
+from vista.cli import main
+from vista.engine import INVALID
+from vista.figures.flights import the_four
+from vista.figures.segmentation import various
+from vista.figures.stereo_threshold import correctness, shade
+from vista.score.flight import FOOT_M
+from vista.score.truth import FlightTruth, TrueObject
+
+WALL_TARGET = replace(disk.WALL, target=True, center_m=(0.0, 0.0, 5.0))
+
+
+@pytest.fixture(scope="module")
+def pictures(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    flights = tmp_path_factory.mktemp("flights")
+    disk.write_flight(flights / "sign", frames=12, last_range_m=25.0)
+    disk.write_flight(flights / "wall", (WALL_TARGET,), frames=8, last_range_m=25.0)
+    out = flights / "figures"
+    assert main(["figures", str(out), "--flights", str(flights)]) == 0
+    return out
+
+
+@pytest.mark.parametrize("number", [2, 3, 4, 5])
+def test_every_figure_shows_something(pictures: Path, number: int) -> None:
+    figure = cv2.imread(str(pictures / f"figure{number}.png"))
+    assert figure.shape[1] >= 900
+    assert np.mean(figure < 250) > 0.1
+
+
+def test_regions_have_colours(pictures: Path) -> None:
+    for number, coloured in ((3, False), (4, True), (5, True)):
+        figure = cv2.imread(str(pictures / f"figure{number}.png")).astype(int)
+        saturated = np.ptp(figure, axis=2) > 100
+        assert (saturated.mean() > 0.05) == coloured
+
+
+def test_without_flights_nothing_is_written(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    out = tmp_path / "figures"
+    assert main(["figures", str(out), "--flights", str(tmp_path)]) == 2
+    assert "holds no flights" in capsys.readouterr().err
+    assert not out.exists()
+
+
+def test_correctness_by_hand() -> None:
+    """Of 4 sky pixels 1 is matched; of 6 others 4 are, one of them by 2 px off."""
+    exact_px = np.array([[0, 0, 0, 0, 8, 8, 8, 8, 8, 8]], np.float32)
+    words = np.array([[INVALID, 40, INVALID, INVALID, 128, 130, 126, 160, INVALID, INVALID]], np.int16)
+    assert correctness(words, exact_px) == "25 % of the sky matched,\n67 % of the rest, 25 % of that wrong"
+
+
+def test_shades_are_the_papers() -> None:
+    """Dark is far, light is near, white is undefined."""
+    far, near, undefined = shade(np.array([[16, 160, INVALID]], np.int16), 31)[0]
+    assert far < near < undefined == 255
+
+
+def flight(name: str, kind: str | None, speed_ft_s: float) -> FlightTruth:
+    target = kind and TrueObject(1, kind, kind, True, True, np.zeros(3), np.zeros(3), (1.0, 1.0))
+    objects = {1: target} if target else {}
+    speed_m_s = speed_ft_s * FOOT_M
+    return FlightTruth(Path(), name, name, "tune", 1000.0, 0.5, (0, 0), speed_m_s, 10.0, objects, (), ())
+
+
+def names(truths: list[FlightTruth]) -> list[str]:
+    return [truth.name for truth in truths]
+
+
+def test_the_four_flights_are_the_papers() -> None:
+    held = [flight("a", "pole", 10), flight("b", None, 30), flight("c", "sign", 30), flight("d", "pole", 30)]
+    assert names(the_four([*held, flight("e", "sign", 10)])) == ["e", "c", "d", "a"]
+    assert names(the_four([*held, flight("e", "tree", 10)])) == ["c", "d", "a", "e"]
+
+
+def test_segmentations_are_of_many_kinds() -> None:
+    kinds = ("sign", "sign", "sign", "pole", "tree", None, "wall", "wall")
+    held = [flight(f"{k}", kind, 10) for k, kind in enumerate(kinds)]
+    assert names(various(held)) == ["0", "3", "4", "5", "6", "1"]
