@@ -43,6 +43,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--only", nargs="+", default=[], metavar="NAME", help="these flights alone")
     parser.add_argument("--list", action="store_true", help="say which flights there are, and end")
+    parser.add_argument(
+        "--no-render", action="store_true", help="fly what DIR holds, whether that is the newest or not"
+    )
     parser.add_argument("--render-only", action="store_true", help="render what is missing, and end")
     parser.add_argument("--pose-noise", action="store_true", help="also with poses as of a navigation filter")
     parser.add_argument("--seed", type=int, default=1, metavar="N", help="of the pose noise (default 1)")
@@ -57,8 +60,9 @@ def execute(arguments: argparse.Namespace) -> int:
     if arguments.list:
         list_flights()
         return EXIT_OK
-    names = chosen_names(arguments.folder, arguments.only)
-    with_jobs(partial(render, arguments.folder, arguments.quality), names, arguments.jobs, "render")
+    names = chosen_names(arguments.folder, arguments.only, arguments.no_render)
+    if not arguments.no_render:
+        with_jobs(partial(render, arguments.folder, arguments.quality), names, arguments.jobs, "render")
     if arguments.render_only:
         return EXIT_OK
     folders = [arguments.folder / name for name in names]
@@ -159,10 +163,11 @@ def list_flights() -> None:
         print(f"{name:24s} {flight.split:7s} {flight.title}")
 
 
-def chosen_names(folder: Path, only: list[str]) -> list[str]:
-    """Of the catalogue, and of what the folder holds beside it."""
+def chosen_names(folder: Path, only: list[str], held_only: bool) -> list[str]:
+    """Of the catalogue, in its order, and of what the folder holds beside it."""
     held = [path.parent.name for path in sorted(folder.glob(f"*/{TRUTH}"))]
-    known = list(dict.fromkeys([*catalogue(), *held]))
+    listed = [name for name in catalogue() if not held_only or name in held]
+    known = list(dict.fromkeys([*listed, *held]))
     unknown = [name for name in only if name not in known]
     if unknown:
         raise InputError("--only", f"no flight {unknown[0]}; `vista flights DIR --list` names them")
@@ -176,11 +181,14 @@ def render(folder: Path, quality: str, name: str) -> None:
     flight = catalogue().get(name)
     if flight is None:
         return
-    from vista.flights.flight import is_complete, prepare, render_missing
+    from vista.flights.flight import frames_of, is_complete, render_flight
 
     out = folder / name
     if is_complete(flight, out, "full") or is_complete(flight, out, quality):
         return
-    prepare(flight, out, quality)
-    for _ in render_missing(flight, out, quality):
-        pass
+    try:
+        frames = render_flight(flight, out, quality)
+        for _ in tqdm(frames, name, frames_of(flight, quality), unit="frame", leave=False, disable=None):
+            pass
+    except OSError as error:
+        raise InputError(error.filename or name, error.strerror or str(error)) from None

@@ -1,0 +1,110 @@
+"""`vista flights` from end to end on small flights: table, flights.json, report.html, what is kept."""
+
+from __future__ import annotations
+
+import json
+import re
+from html.parser import HTMLParser
+from pathlib import Path
+
+import flight_on_disk as disk
+import pytest
+from vista import parameters
+from vista.cli import main
+from vista.command import flights as command
+from vista.score import fly
+from vista.score.flight import score_flight
+
+FREE = "free"
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("flights")
+    disk.write_flight(folder / "sign", frames=20, last_range_m=16.0)
+    disk.write_flight(folder / FREE, (disk.WALL,), frames=5, split="tune")
+    return folder
+
+
+@pytest.fixture(scope="module")
+def printed(folder: Path) -> str:
+    """What the first run says; the flights of the catalogue stay out of it."""
+    with pytest.MonkeyPatch.context() as patch:
+        lines: list[str] = []
+        patch.setattr("builtins.print", lambda text="", **_: lines.append(str(text)))
+        assert main(["flights", str(folder), "--no-render", "--pose-noise"]) == 0
+    return "\n".join(lines)
+
+
+def test_the_table_has_both_groups_and_the_noise(printed: str) -> None:
+    assert re.search(r"^sign +\d", printed, re.M)
+    assert re.search(rf"^{FREE} ", printed, re.M)
+    assert printed.count("= tune: 1 flights") == printed.count("= report: 1 flights") == 2
+    assert "with pose noise:" in printed
+    assert "stereo alone, 540 thresholds over 2 flights" in printed
+
+
+def test_the_figures_are_those_of_the_python_function(folder: Path, printed: str) -> None:
+    content = json.loads((folder / "flights.json").read_text())
+    by_name = {flight["name"]: flight for flight in content["flights"]}
+    direct = score_flight(folder / "sign", parameters.defaults())
+    for key, value in by_name["sign"].items():
+        if key != "host_ms":
+            assert json.loads(json.dumps(direct[key])) == value, key
+    assert [group["split"] for group in content["groups"]] == ["tune", "report"]
+    assert content["groups"][1]["hits"] == direct["hits"]
+    assert len(content["pose_noise"]["flights"]) == 2
+    assert len(content["goals"]) == 12
+
+
+class Fetched(HTMLParser):
+    def __init__(self) -> None:
+        super().__init__()
+        self.urls: list[str] = []
+
+    def handle_starttag(self, tag: str, attributes: list[tuple[str, str | None]]) -> None:
+        self.urls += [value or "" for name, value in attributes if name in ("src", "href", "xlink:href")]
+
+    handle_startendtag = handle_starttag
+
+
+def test_the_page_stands_alone(folder: Path, printed: str) -> None:
+    page = (folder / "report.html").read_text()
+    parser = Fetched()
+    parser.feed(page)
+    assert all(url.startswith(("data:", "#")) for url in parser.urls)
+    assert sum(url.startswith("data:image/jpeg") for url in parser.urls) >= 10
+    assert page.count("<svg") == 4  # two for all, one a flight
+    for name in ("sign", FREE):
+        assert f'id="{name}"' in page
+
+
+def test_flown_once(folder: Path, printed: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Until parameters or images change."""
+    flown: list[str] = []
+    original = fly.fly
+
+    def spy(sequence: object, values: object) -> object:
+        flown.append(sequence.name)
+        return original(sequence, values)
+
+    monkeypatch.setattr(fly, "fly", spy)
+    values = parameters.defaults()
+    command.fly_and_score(values, None, folder / FREE)
+    assert flown == []
+    values["tracker"]["confirm_hits"] = 2
+    changed = command.fly_and_score(values, None, folder / FREE)
+    assert flown == [FREE]
+    assert command.fly_and_score(values, None, folder / FREE) == changed
+    image = next((folder / FREE / "mav0" / "cam0" / "data").iterdir())
+    image.touch()
+    command.fly_and_score(values, None, folder / FREE)
+    assert flown == [FREE, FREE]
+
+
+def test_bad_input_is_named(tmp_path: Path, folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["flights", str(tmp_path), "--no-render"]) == 2
+    assert "holds no flights" in capsys.readouterr().err
+    assert main(["flights", str(folder), "--no-render", "--only", "nowhere"]) == 2
+    assert "no flight nowhere" in capsys.readouterr().err
+    assert list(tmp_path.iterdir()) == []
