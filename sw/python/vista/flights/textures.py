@@ -9,14 +9,20 @@ LATTICE = 256  # values per side; noise repeats after LATTICE wavelengths
 
 
 def noise(x_m: np.ndarray, y_m: np.ndarray, wavelength_m: float, seed: int) -> np.ndarray:
-    """Smooth noise in -0.5..0.5 over world coordinates, features about `wavelength_m` long."""
+    """Smooth noise in -0.5..0.5 over world coordinates, features about `wavelength_m` long.
+
+    Fast for a grid given as a column `x_m` (N, 1) and a row `y_m` (1, M), or the other way round.
+    """
     lattice = np.random.default_rng(seed).random((LATTICE, LATTICE), dtype=np.float32) - 0.5
     lattice = cv2.copyMakeBorder(lattice, 0, 4, 0, 4, cv2.BORDER_WRAP)
     # A turn per octave keeps the lattices from lining up with the image rows.
-    cos, sin = np.cos(seed), np.sin(seed)
-    column = np.mod((cos * x_m - sin * y_m) / wavelength_m, LATTICE) + 1
-    row = np.mod((sin * x_m + cos * y_m) / wavelength_m, LATTICE) + 1
-    return cv2.remap(lattice, column.astype(np.float32), row.astype(np.float32), cv2.INTER_CUBIC)
+    cos, sin = float(np.cos(seed)) / wavelength_m, float(np.sin(seed)) / wavelength_m
+    column = np.mod(cos * x_m, LATTICE) - np.mod(sin * y_m, LATTICE)
+    row = np.mod(sin * x_m, LATTICE) + np.mod(cos * y_m, LATTICE)
+    column[column < 0] += LATTICE
+    row[row >= LATTICE] -= LATTICE
+    column, row = (index.astype(np.float32, copy=False) + 1 for index in (column, row))
+    return cv2.remap(lattice, column, row, cv2.INTER_CUBIC)
 
 
 def smoothstep(low: float, high: float, value: np.ndarray) -> np.ndarray:
@@ -32,9 +38,9 @@ def layered(x_m: np.ndarray, y_m: np.ndarray, amplitudes: dict[float, float], se
 def ground(x_m: np.ndarray, y_m: np.ndarray, seed: int) -> np.ndarray:
     """Albedo of a meadow with bare soil and a worn track, at world points."""
     grass = 0.22 + layered(
-        x_m, y_m, {23.0: 0.08, 7.1: 0.08, 2.3: 0.09, 0.9: 0.13, 0.37: 0.17, 0.15: 0.15}, seed
+        x_m, y_m, {23.0: 0.08, 7.1: 0.08, 2.3: 0.09, 0.9: 0.13, 0.37: 0.17, 0.15: 0.15, 0.06: 0.12}, seed
     )
-    soil = 0.33 + layered(x_m, y_m, {5.3: 0.06, 1.1: 0.07, 0.31: 0.10, 0.12: 0.08}, seed + 20)
+    soil = 0.33 + layered(x_m, y_m, {5.3: 0.06, 1.1: 0.07, 0.31: 0.10, 0.12: 0.08, 0.05: 0.08}, seed + 20)
     patches = layered(x_m, y_m, {11.0: 0.8, 3.1: 0.35, 0.7: 0.2}, seed + 40)
     across_m = np.abs(y_m - 7.0 - 0.16 * x_m - 3 * noise(x_m, y_m, 31.0, seed + 50))
     ragged_m = 0.5 * noise(x_m, y_m, 0.8, seed + 51)
@@ -48,6 +54,13 @@ def foliage(seed: int, size: int = 256) -> np.ndarray:
     y, x = np.mgrid[0:size, 0:size].astype(np.float32) / size
     tufts = layered(x, y, {0.25: 0.10, 0.1: 0.18, 0.045: 0.22, 0.02: 0.16}, seed)
     return np.clip(0.17 + tufts, 0.015, 0.5).astype(np.float32)
+
+
+def bark(seed: int, size: int = 256) -> np.ndarray:
+    """Furrows along the trunk."""
+    y, x = np.mgrid[0:size, 0:size].astype(np.float32) / size
+    furrows = layered(x * 3, y, {0.3: 0.10, 0.1: 0.16, 0.04: 0.12}, seed)
+    return np.clip(0.16 + furrows, 0.03, 0.5).astype(np.float32)
 
 
 def straw(seed: int, size: int = 256) -> np.ndarray:
@@ -76,3 +89,16 @@ def printed_sign(width_m: float, height_m: float, seed: int, texels_per_m: int =
         origin = ((width - text_width) // 2, round(height * (0.32 + 0.42 * line)) + text_height // 2)
         cv2.putText(ink, text, origin, cv2.FONT_HERSHEY_SIMPLEX, scale, 255, 12, cv2.LINE_AA)
     return (board + (0.06 - board) * (ink / 255)).astype(np.float32)
+
+
+def foamcore(albedo: float, seed: int, texels: tuple[int, int] = (230, 51)) -> np.ndarray:
+    """Painted foamcore: brush marks, scuffs, a pale cut edge all round, strips of tape; row 0 on top."""
+    rows, columns = texels
+    y, x = np.mgrid[0:rows, 0:columns].astype(np.float32) / columns
+    brushed = layered(x * 6, y, {0.5: 0.4, 0.17: 0.5, 0.06: 0.3}, seed)
+    scuffs = smoothstep(0.30, 0.40, layered(x, y, {0.9: 0.5, 0.2: 0.5, 0.07: 0.3}, seed + 3))
+    board = albedo * (1 + brushed) + 0.10 * scuffs
+    tape = (np.mod(y, 1.5) < 0.09).astype(np.float32)
+    board += 0.05 * tape
+    edge = np.minimum.reduce([x * columns, y * columns, columns - 1 - x * columns, rows - 1 - y * columns])
+    return np.clip(np.where(edge < 1, 0.35, board), 0.01, 0.9).astype(np.float32)

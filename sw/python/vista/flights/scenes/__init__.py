@@ -1,0 +1,1 @@
+"""What the flights and the labelled scenes show: shapes -> things -> scenes."""

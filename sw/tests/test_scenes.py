@@ -1,0 +1,155 @@
+"""What the scenes promise: targets stand in the way, clear scenes leave it free, seeds fix random scenes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from vista.flights.scene import Mesh, Scene, Solid, Thing, bounds_m
+from vista.flights.scenes import ground, meadow_flights, street, street_flights
+from vista.flights.scenes.meadow_flights import FIRST_X_M, LAST_X_M
+from vista.flights.scenes.random_scene import FARTHEST_M, random_scene
+
+CYLINDER_RADIUS_M, CYLINDER_LENGTH_M = 2.0, 100.0
+SWAY_M = 0.5  # of the aircraft about its path, and more
+ALTITUDE_M = 21 * 0.3048
+LOW_ALTITUDE_M = 2.6
+
+CLEAR = (
+    meadow_flights.clear_meadow,
+    meadow_flights.clear_fences,
+    street_flights.clear_street,
+    street_flights.clear_facades,
+    street_flights.clear_lane,
+)
+WITH_TARGET = (
+    meadow_flights.sign_site,
+    meadow_flights.pole_site,
+    meadow_flights.sign_site_at_noon,
+    meadow_flights.pole_site_in_shade,
+    meadow_flights.overcast_sign,
+    meadow_flights.low_sun_pole,
+    meadow_flights.hazy_sign,
+    meadow_flights.windy_pole,
+    meadow_flights.fenced_sign,
+    meadow_flights.thin_pole,
+    meadow_flights.lone_tree,
+    meadow_flights.plain_wall,
+    meadow_flights.approaching_drone,
+    meadow_flights.crossing_drone,
+    street_flights.urban,
+    street_flights.sign_before_facade,
+    street_flights.lamp_post_before_facade,
+    street_flights.van_in_the_way,
+)
+
+
+@pytest.fixture
+def plain_surfaces(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Paints ground and walls grey: their textures take most of a scene's time and none of its shape."""
+    monkeypatch.setattr(ground, "KINDS", dict.fromkeys(ground.KINDS, lambda x, y, seed: 0.0 * (x + y) + 0.2))
+
+    def grey_wall(width_m: float, height_m: float, *_: object, texel_m: float = street.TEXEL_M) -> np.ndarray:
+        return np.full((round(height_m / texel_m), round(width_m / texel_m)), 0.4, np.float32)
+
+    monkeypatch.setattr(street, "wall_texture", grey_wall)
+
+
+Build = Callable[[float, int], Scene]
+
+
+def altitude_m(build: Build) -> float:
+    return LOW_ALTITUDE_M if build is street_flights.van_in_the_way else ALTITUDE_M
+
+
+def boxes_m(solid: Solid) -> tuple[np.ndarray, np.ndarray]:
+    """(N, 3) lowest and highest corners: of each triangle of a mesh, of the solid otherwise."""
+    if isinstance(solid, Mesh):
+        corners = solid.vertices_m[solid.faces]
+        return corners.min(axis=1), corners.max(axis=1)
+    low, high = bounds_m(solid)
+    return low[None], high[None]
+
+
+def from_path_m(thing: Thing, height_m: float) -> float:
+    """Least distance of the thing's boxes from the path, which goes on along x to the cylinder's last end."""
+    nearest = np.inf
+    for solid in thing.solids:
+        low, high = boxes_m(solid)
+        along = (high[:, 0] > FIRST_X_M) & (low[:, 0] < LAST_X_M + CYLINDER_LENGTH_M)
+        axis = np.array([0.0, height_m])
+        outside = np.maximum(low[along, 1:] - axis, axis - high[along, 1:]).clip(min=0)
+        nearest = min(nearest, np.linalg.norm(outside, axis=1).min(initial=np.inf))
+    return nearest
+
+
+def check_things(scene: Scene) -> None:
+    names = [thing.name for thing in scene.things]
+    assert len(set(names)) == len(names) <= 254  # labels are bytes
+    solids = [solid.name for solid in scene.solids]
+    assert len(set(solids)) == len(solids) < 1500
+    for thing in scene.things:
+        assert thing.solids, thing.name
+        for solid in thing.solids:
+            albedo = np.asarray(solid.albedo)
+            assert np.isfinite(albedo).all(), solid.name
+            assert 0 <= albedo.min() <= albedo.max() <= 1, solid.name
+            if isinstance(solid, Mesh):
+                assert solid.faces.max() < len(solid.vertices_m) == len(solid.albedo), solid.name
+
+
+@pytest.mark.usefixtures("plain_surfaces")
+@pytest.mark.parametrize("build", WITH_TARGET, ids=lambda build: build.__name__)
+def test_targets_stand_in_the_way_and_nothing_else_does(build: Build) -> None:
+    scene = build(altitude_m(build), 3)
+    check_things(scene)
+    targets = [thing for thing in scene.things if thing.target]
+    assert targets and scene.things[: len(targets)] == tuple(targets)
+    for thing in scene.things:
+        distance = from_path_m(thing, altitude_m(build))
+        if thing.target:
+            assert thing.standing
+            assert distance < CYLINDER_RADIUS_M, thing.name
+        else:
+            assert distance > CYLINDER_RADIUS_M, thing.name
+
+
+@pytest.mark.usefixtures("plain_surfaces")
+@pytest.mark.parametrize("build", CLEAR, ids=lambda build: build.__name__)
+def test_clear_scenes_leave_the_collision_cylinder_free(build: Build) -> None:
+    for seed in (3, 4):
+        scene = build(ALTITUDE_M, seed)
+        check_things(scene)
+        assert not any(thing.target for thing in scene.things)
+        assert any(thing.standing for thing in scene.things)
+        for thing in scene.things:
+            assert from_path_m(thing, ALTITUDE_M) > CYLINDER_RADIUS_M + SWAY_M, thing.name
+
+
+def same(a: Scene, b: Scene) -> bool:
+    if len(a.solids) != len(b.solids) or a != b:  # arrays do not take part in ==
+        return False
+    pairs = zip(a.solids, b.solids, strict=True)
+    return all(s.albedo.shape == t.albedo.shape and (s.albedo == t.albedo).all() for s, t in pairs)
+
+
+def test_a_seed_fixes_a_random_scene() -> None:
+    scene, view = random_scene(11)
+    again, view_again = random_scene(11)
+    assert view == view_again and same(scene, again)
+    other, view_of_other = random_scene(12)
+    assert view != view_of_other and not same(scene, other)
+
+
+@pytest.mark.usefixtures("plain_surfaces")
+def test_random_scenes_hold_standing_things_within_range() -> None:
+    kinds: set[str] = set()
+    for seed in range(12):
+        scene, view = random_scene(seed)
+        check_things(scene)
+        near = [thing for thing in scene.things if thing.standing and thing.center_m[0] < FARTHEST_M + 10]
+        kinds |= {thing.kind for thing in near}
+        assert 2 <= len([thing for thing in near if bounds_m(thing.solids[0])[0][0] < FARTHEST_M]) <= 7, seed
+        assert 2.5 <= view.altitude_m <= 9
+    assert len(kinds) >= 10
