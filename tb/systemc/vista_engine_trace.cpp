@@ -29,7 +29,7 @@ class Streams : public sc_core::sc_module, public vista::PixelSource, public vis
       : sc_module(name), beats_(beats), in_(in), out_(out), random_(seed) {}
 
   bool pixel_valid(int64_t) override {
-    if (out_clock.size() == beats_) {
+    if (in_clock.size() == beats_ && out_clock.size() == beats_) {
       sc_core::sc_stop();
       sc_core::wait(never_);
     }

@@ -25,7 +25,7 @@ struct FrameEntry {
   int64_t capture_start = -1, capture_end = -1;
   int64_t rectify_start = -1, rectify_end = -1;
   int64_t fetch_start = -1, result_end = -1;
-  FrameClocks engine;
+  const FrameClocks* engine = nullptr;  // kept by the engine; null: no word came out
   int64_t host_start = -1, host_read_end = -1, host_end = -1;
   std::vector<double> stage_ms;
   bool summed = false;

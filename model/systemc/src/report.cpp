@@ -48,7 +48,7 @@ std::string frame(const Configuration& c, int64_t number, const FrameEntry& f) {
     stages.emplace_back(c.host_stages[i].name, json_number(f.stage_ms[i]));
   char crc[16];
   std::snprintf(crc, sizeof crc, "%08x", f.crc32);
-  const FrameClocks& e = f.engine;
+  const FrameClocks e = f.engine ? *f.engine : FrameClocks{};
   return json_object({{"frame", count(number)},
                       {"dropped", f.drop == Drop::kNone ? "null" : json_text(drop_name(f.drop))},
                       {"lane", json_count_or_null(f.lane)},
@@ -82,11 +82,11 @@ struct EngineTotals {
 EngineTotals totals_of(const System& s, int lane) {
   EngineTotals t;
   for (const FrameEntry& f : s.log.entries()) {
-    if (f.lane != lane || f.result_end < 0) continue;
+    if (f.lane != lane || !f.engine) continue;
     ++t.frames;
-    t.stalls_in += f.engine.stalls_in;
-    t.stalls_out += f.engine.stalls_out;
-    t.starved += f.engine.starved;
+    t.stalls_in += f.engine->stalls_in;
+    t.stalls_out += f.engine->stalls_out;
+    t.starved += f.engine->starved;
   }
   t.clocks_busy = s.lanes[static_cast<size_t>(lane)].engine->clocks_busy();
   return t;

@@ -54,7 +54,7 @@ void ResultDma::run() {
     write(job);
     FrameEntry& entry = log_[job.buffer->frame];
     entry.result_end = now_ps();
-    entry.engine = engine_.frame(frames_++);
+    entry.engine = &engine_.frame(frames_++);
     results_.publish(*job.buffer);
   }
 }
