@@ -108,3 +108,11 @@ def test_bad_input_is_named(tmp_path: Path, folder: Path, capsys: pytest.Capture
     assert main(["flights", str(folder), "--no-render", "--only", "nowhere"]) == 2
     assert "no flight nowhere" in capsys.readouterr().err
     assert list(tmp_path.iterdir()) == []
+
+
+def test_bad_input_is_named_from_another_process(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    for name in ("one", "two"):
+        disk.write_flight(tmp_path / name, frames=2)
+    next((tmp_path / "two" / "mav0" / "cam1" / "data").iterdir()).write_bytes(b"")
+    assert main(["flights", str(tmp_path), "--no-render", "--jobs", "2"]) == 2
+    assert capsys.readouterr().err.startswith(f"vista: {tmp_path}/two/mav0/cam1/data/")

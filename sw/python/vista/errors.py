@@ -20,3 +20,7 @@ class InputError(Exception):
         self.culprit = str(culprit)
         self.reason = " ".join(reason.split())
         super().__init__(f"{self.culprit}: {self.reason}")
+
+    def __reduce__(self) -> tuple[type[InputError], tuple[str, str]]:
+        """Exceptions are rebuilt from their arguments when they come back from another process."""
+        return InputError, (self.culprit, self.reason)

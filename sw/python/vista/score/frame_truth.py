@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from vista.errors import InputError
 from vista.geometry import Array, Pose
-from vista.score.truth import SKY, FlightTruth, TrueObject, read_truth
+from vista.score.truth import FlightTruth, TrueObject, read_truth
 from vista.sequence import open_sequence
 
 CYLINDER_RADIUS_M, CYLINDER_LENGTH_M = 2.0, 100.0
@@ -25,21 +25,45 @@ SURFACE_POINTS = 256  # of a standing object, for its distance from a track
 
 @dataclass(frozen=True)
 class Points:
-    """World points of pixels of the exact disparity map."""
+    """Points of pixels of the exact disparity map, one an entry."""
 
+    view: View
     u_px: NDArray[np.int32]
     v_px: NDArray[np.int32]
     label: NDArray[np.uint16]
-    position_m: Array  # (n, 3)
-    range_m: Array  # (n,) from the left camera
-    aside_m: Array  # (n,) from the flight path
-    along_m: Array  # (n,) on it
+    depth_m: NDArray[np.float32]  # along the optical axis
+    range_m: NDArray[np.float32]  # from the left camera
+    aside_m: NDArray[np.float32]  # from the flight path
+    along_m: NDArray[np.float32]  # on it
 
     def __len__(self) -> int:
         return len(self.u_px)
 
     def where(self, chosen: NDArray) -> Points:
-        return Points(*(getattr(self, name)[chosen] for name in self.__dataclass_fields__))
+        names = [name for name in self.__dataclass_fields__ if name != "view"]
+        return Points(self.view, *(getattr(self, name)[chosen] for name in names))
+
+    @functools.cached_property
+    def position_m(self) -> Array:
+        """(n, 3) world."""
+        x, y = self.view.rays(self.u_px, self.v_px)
+        camera_m = np.stack([x, y, np.ones(len(x))], axis=-1) * self.depth_m[:, np.newaxis]
+        pose = self.view.world_from_camera
+        return camera_m @ pose.rotation.T + pose.translation_m
+
+
+@dataclass(frozen=True)
+class View:
+    """The left camera of one frame."""
+
+    world_from_camera: Pose
+    focal_px: float
+    center_px: tuple[float, float]
+
+    def rays(self, u_px: NDArray, v_px: NDArray) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+        """x and y of each pixel's ray at depth 1, camera."""
+        cu, cv = self.center_px
+        return np.float32((u_px - cu) / self.focal_px), np.float32((v_px - cv) / self.focal_px)
 
 
 @dataclass(frozen=True)
@@ -105,21 +129,22 @@ def frame_truth(truth: FlightTruth, index: int, world_from_camera: Pose, directi
 
 def true_points(truth: FlightTruth, t_ns: int, world_from_camera: Pose, direction: Array) -> Points:
     """One a pixel that shows a surface; direction: unit vector of the flight path."""
+    view = View(world_from_camera, truth.focal_px, truth.center_px)
     disparity_px = truth.disparity_px(t_ns)
     v, u = np.nonzero(disparity_px)
-    depth_m = truth.focal_baseline_px_m / disparity_px[v, u].astype(np.float64)
-    cu, cv = truth.center_px
-    rays = np.stack([(u - cu) / truth.focal_px, (v - cv) / truth.focal_px, np.ones(len(u))], axis=-1)
-    relative_m = (rays * depth_m[:, np.newaxis]) @ world_from_camera.rotation.T
-    along_m = relative_m @ direction
-    square_m2 = np.einsum("ij,ij->i", relative_m, relative_m)
+    depth_m = truth.focal_baseline_px_m / disparity_px[v, u]
+    x, y = view.rays(u, v)
+    d = np.float32(world_from_camera.rotation.T @ direction)
+    along_m = depth_m * (x * d[0] + y * d[1] + d[2])
+    square_m2 = depth_m**2 * (x * x + y * y + 1)
     return Points(
+        view,
         u.astype(np.int32),
         v.astype(np.int32),
         truth.labels(t_ns)[v, u],
-        world_from_camera.translation_m + relative_m,
+        depth_m,
         np.sqrt(square_m2),
-        np.sqrt(np.maximum(square_m2 - along_m**2, 0.0)),
+        np.sqrt(np.maximum(square_m2 - along_m**2, 0)),
         along_m,
     )
 
@@ -138,9 +163,8 @@ def find_target(
         center_m = thing.position_m + thing.velocity_m_s * age_s
         reference_m = center_m if compact else shown.position_m.mean(axis=0)
         surface_m = None if compact else surface_of(everything, thing.label)
-        depth_m = (shown.position_m - camera_m) @ world_from_camera.rotation[:, 2]
         range_m = float(np.linalg.norm(reference_m - camera_m))
-        found.append(Target(thing, reference_m, range_m, float(depth_m.min()), surface_m))
+        found.append(Target(thing, reference_m, range_m, float(shown.depth_m.min()), surface_m))
     return min(found, key=lambda target: target.range_m, default=None)
 
 
@@ -162,7 +186,7 @@ def standing_surfaces(truth: FlightTruth, points: Points) -> dict[int, Array]:
     surfaces = {}
     for label, members in zip(labels, np.split(order, first[1:]), strict=True):
         thing = truth.objects.get(int(label))
-        if label != SKY and thing is not None and thing.standing and len(members) >= STANDING_PIXELS:
+        if thing is not None and thing.standing and len(members) >= STANDING_PIXELS:
             chosen = np.linspace(0, len(members) - 1, min(len(members), SURFACE_POINTS)).astype(int)
-            surfaces[int(label)] = points.position_m[members[chosen]]
+            surfaces[int(label)] = points.where(members[chosen]).position_m
     return surfaces

@@ -18,7 +18,6 @@ from vista.geometry import Array
 TRUTH = "truth.json"
 VERSION = 1
 DISPARITY_SCALE = 256.0  # KITTI's 16-bit PNG: levels a px
-SKY = 0
 
 
 @dataclass(frozen=True)
