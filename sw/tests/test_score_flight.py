@@ -179,6 +179,20 @@ def test_the_blind_zone(tmp_path: Path) -> None:
     assert result.missed == (9,)
 
 
+def test_too_near_to_match_is_a_warning_without_an_estimate(tmp_path: Path) -> None:
+    """Id 0 says "up to 3.6 m": right at 3 and 2 m, a false alarm at 12 m; no error, no switch of ids."""
+    folder = disk.write_flight(tmp_path / "near", frames=11, last_range_m=2.0)
+    _, frames = flight_frames(folder)
+    seen = {k: [obstacle(SIGN_M)] for k in range(1, 9)}
+    for k in (0, 9, 10):
+        place_m = frames[k].world_from_camera.translation_m + np.array([3.6, 0.0, 0.0])
+        seen[k] = [obstacle(place_m, id=0, extent_m=(4.0, 4.0))]
+    result = score(folder, seen)
+    assert (result.blind_frames, result.blind_reported) == (2, 2)
+    assert result.false_alarm_frames == (0,)
+    assert (result.matched_frames, result.id_switches, result.missed) == (8, 0, (0,))
+
+
 def test_a_large_target_counts_by_its_surface(tmp_path: Path) -> None:
     """A wall 16 m wide: 3 m aside of the path on it is no error, 0.5 m before it is one of 0.5 m; no NEES."""
     wall = disk.Board("wall", "facade", (0.0, 0.0, 6.0), (16.0, 10.0), target=True)

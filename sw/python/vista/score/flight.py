@@ -122,7 +122,7 @@ def _range_m(position_m: Array, camera_m: Array) -> float:
 def flight_score(
     truth: FlightTruth, frames: list[FrameScore], sets: list[Gospa], host_ms: float
 ) -> FlightScore:
-    matched = [frame for frame in frames if frame.matched_id is not None]
+    matched = [frame for frame in frames if frame.error_m is not None]
     ranges_m = np.array([frame.range_m for frame in matched], float)
     errors_m = np.array([frame.error_m for frame in matched], float)
     in_dz = errors_m / truth.depth_of_one_disparity_m(ranges_m)

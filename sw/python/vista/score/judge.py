@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 MIN_TOLERANCE_M = 2.0
 BEARING_MARGIN_PX = 3.0
 HIT_RANGE_M = (14.5, 45.0)
+TOO_NEAR_ID = 0  # no track: something is too near to match, somewhere up to the range that is given
 
 
 @dataclass(frozen=True)
@@ -30,6 +31,7 @@ class Warned:
     half_u_px: float
     half_v_px: float
     range_m: float
+    up_to: bool = False  # the range is the largest that it may have
 
 
 @dataclass(frozen=True)
@@ -89,7 +91,7 @@ class Judge:
         self._earlier_m = np.concatenate([self._earlier_m, frame.around_path.position_m[::16]])
         matched = match_target(self._truth, frame, places)
         error_m, nees = None, None
-        if matched is not None:
+        if matched not in (None, TOO_NEAR_ID):
             covariance_m2 = warnings[matched].covariance_m2
             error_m, nees = errors(frame, positions_m[matched], covariance_m2, world_from_estimate)
         target = frame.target
@@ -116,9 +118,9 @@ class Judge:
 
 
 def match_target(truth: FlightTruth, frame: FrameTruth, places: list[Warned]) -> int | None:
-    """Id of the nearest warning that agrees with the target's points in the cylinder."""
+    """Id of the nearest warning that agrees with the target's points in the cylinder, a track's if one does."""
     matches = [place for place in places if agrees(truth, place, frame.of_target)]
-    best = min(matches, key=lambda place: place.range_m, default=None)
+    best = min(matches, key=lambda place: (place.up_to, place.range_m), default=None)
     return None if best is None else best.id
 
 
@@ -134,10 +136,13 @@ def false_alarms(
 
 def agrees(truth: FlightTruth, place: Warned, points: Points) -> bool:
     """Whether one of the points lies at the place's bearing and range."""
+    beyond_m = points.range_m - place.range_m
+    tolerated_m = tolerance_m(truth, place.range_m)
     found: NDArray[np.bool_] = (
         (np.abs(points.u_px - place.u_px) <= max(place.half_u_px, BEARING_MARGIN_PX))
         & (np.abs(points.v_px - place.v_px) <= max(place.half_v_px, BEARING_MARGIN_PX))
-        & (np.abs(points.range_m - place.range_m) <= tolerance_m(truth, place.range_m))
+        & (beyond_m <= tolerated_m)
+        & ((beyond_m >= -tolerated_m) | place.up_to)
     )
     return bool(found.any())
 
@@ -161,7 +166,8 @@ def place_of(truth: FlightTruth, frame: FrameTruth, obstacle: Obstacle, position
     half_u_px, half_v_px = 0.5 * truth.focal_px / depth_m * np.array(obstacle.extent_m)
     range_m = float(np.linalg.norm(position_m - frame.world_from_camera.translation_m))
     cu, cv = truth.center_px
-    return Warned(obstacle.id, cu + x_px, cv + y_px, float(half_u_px), float(half_v_px), range_m)
+    box = (cu + x_px, cv + y_px, float(half_u_px), float(half_v_px))
+    return Warned(obstacle.id, *box, range_m, up_to=obstacle.id == TOO_NEAR_ID)
 
 
 def errors(
