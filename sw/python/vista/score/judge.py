@@ -118,7 +118,7 @@ class Judge:
 
 
 def match_target(truth: FlightTruth, frame: FrameTruth, places: list[Warned]) -> int | None:
-    """Id of the nearest warning that agrees with the target's points in the cylinder, a track's if one does."""
+    """Id of the nearest warning that agrees with the target's points in the cylinder, tracks first."""
     matches = [place for place in places if agrees(truth, place, frame.of_target)]
     best = min(matches, key=lambda place: (place.up_to, place.range_m), default=None)
     return None if best is None else best.id
