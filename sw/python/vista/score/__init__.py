@@ -14,8 +14,8 @@ P               of a compact target (no side above COMPACT_M): its own centre, t
                 of a large one: the mean of its points in the cylinder that are seen in this frame
 warning         a confirmed obstacle that the map puts into the collision volume; coasting ones included
 agrees          with true points, if one of them lies at the warning's bearing +- half its extent (at least
-                BEARING_MARGIN_PX) and within max(2 dz(r), 2 m) of its range r; a warning of something too near
-                to match gives the largest range that it may have: any nearer point agrees
+                BEARING_MARGIN_PX) and within max(2 dz(r), 2 m) of its range r; of something too near to match
+                a warning gives the largest range that it may have, and any nearer point agrees
 hit             a warning that agrees with the target, in a frame where that is a true danger at 14.5 to 45 m
 missed frame    the target is a true danger nearer than 45 m, the blind zone included, and no warning agrees
 false alarm     a warning that agrees with nothing: no point of any surface in the cylinder inflated by 1 m.
