@@ -64,7 +64,8 @@ static bool not_negative(double value) { return isfinite(value) && value >= 0.0;
 
 static vista_status check_params(const vista_obstacle_map_params *p) {
   const bool good = positive(p->collision_radius_m) && positive(p->collision_length_m) &&
-                    not_negative(p->inflation_sigma) && not_negative(p->velocity_smoothing_s) &&
+                    not_negative(p->inflation_sigma) && not_negative(p->lasting_disparity_px) &&
+                    not_negative(p->lasting_range_m) && not_negative(p->lasting_center_ratio) && not_negative(p->velocity_smoothing_s) &&
                     not_negative(p->speed_min_m_s);
   return good ? VISTA_OK : VISTA_ERROR_RANGE;
 }
@@ -96,6 +97,22 @@ static flight flight_of(const double velocity_m_s[3], const vista_pose *pose, do
     result.direction[i] = moving ? velocity_m_s[i] / speed : pose->rotation[3 * i + 2]; /* optical axis: z */
   }
   return result;
+}
+
+/* Of the errors that last: along the ray by disparity and depth, across it by a share of the half extent. */
+static void lasting_covariance(const vista_obstacle_map_params *params, const vista_camera *camera,
+                               const vista_pose *pose, const vista_track *track, const double camera_m[3],
+                               double covariance_m2[9]) {
+  const double fb = camera->focal_px * camera->baseline_m, z = camera_m[2];
+  const double range_m = hypot(z * z / fb * params->lasting_disparity_px, params->lasting_range_m);
+  const double ray[3] = {camera_m[0] / z, camera_m[1] / z, 1.0};
+  double in_camera[9];
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) in_camera[3 * i + j] = range_m * range_m * ray[i] * ray[j];
+    const double across_m = i < 2 ? 0.5 * params->lasting_center_ratio * track->extent_m[i] : 0.0;
+    in_camera[4 * i] += across_m * across_m;
+  }
+  vista_frame_covariance_to_world(pose, in_camera, covariance_m2);
 }
 
 /* Facing the camera, half the extent inflated by the standard deviation of the bearing: sigma_u Z / f across. */
@@ -144,6 +161,9 @@ static bool obstacle_of(const vista_obstacle_map_params *params, const vista_cam
   vista_frame_measure(camera, camera_m, measurement_px, jacobian_camera);
   vista_frame_jacobian_to_world(pose, jacobian_camera, jacobian);
   vista_frame_propagate(jacobian, obstacle->covariance_m2, covariance_px2);
+  double lasting_m2[9];
+  lasting_covariance(params, camera, pose, track, camera_m, lasting_m2);
+  for (int i = 0; i < 9; ++i) obstacle->covariance_m2[i] += lasting_m2[i];
   obstacle->disparity_px = measurement_px[2];
   obstacle->ellipse = ellipse_of(track, measurement_px, camera_m[2]);
   const vista_disc disc = disc_of(params, camera, pose, track, covariance_px2, camera_m[2]);

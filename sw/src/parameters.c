@@ -57,7 +57,7 @@ vista_parameters vista_parameters_default(void) {
       .region.min_standing_fraction = 0.22,
       .reconstruction.center_sigma_px = 1.0,
       .reconstruction.center_sigma_ratio = 0.1,
-      .reconstruction.disparity_sigma_px = 0.25,
+      .reconstruction.disparity_sigma_px = 0.12,
       .reconstruction.correlated_pixels = 11.0,
       .reconstruction.disparity_min_px = 1.0,
       .tracker.velocity_sigma_m_s = 0.5,
@@ -88,6 +88,9 @@ vista_parameters vista_parameters_default(void) {
       .obstacle_map.collision_radius_m = 2.0,
       .obstacle_map.collision_length_m = 100.0,
       .obstacle_map.inflation_sigma = 1.0,
+      .obstacle_map.lasting_disparity_px = 0.05,
+      .obstacle_map.lasting_range_m = 0.05,
+      .obstacle_map.lasting_center_ratio = 0.08,
       .obstacle_map.velocity_smoothing_s = 0.3,
       .obstacle_map.speed_min_m_s = 0.5,
   };
@@ -180,6 +183,9 @@ vista_status vista_parameters_check(const vista_parameters *parameters, const ch
   else if (!within(p->obstacle_map.collision_radius_m, 0.01, 1000.0)) wrong = "obstacle_map.collision_radius_m";
   else if (!within(p->obstacle_map.collision_length_m, 0.1, 100000.0)) wrong = "obstacle_map.collision_length_m";
   else if (!within(p->obstacle_map.inflation_sigma, 0.0, 10.0)) wrong = "obstacle_map.inflation_sigma";
+  else if (!within(p->obstacle_map.lasting_disparity_px, 0.0, 16.0)) wrong = "obstacle_map.lasting_disparity_px";
+  else if (!within(p->obstacle_map.lasting_range_m, 0.0, 10.0)) wrong = "obstacle_map.lasting_range_m";
+  else if (!within(p->obstacle_map.lasting_center_ratio, 0.0, 2.0)) wrong = "obstacle_map.lasting_center_ratio";
   else if (!within(p->obstacle_map.velocity_smoothing_s, 0.0, 60.0)) wrong = "obstacle_map.velocity_smoothing_s";
   else if (!within(p->obstacle_map.speed_min_m_s, 0.0, 100.0)) wrong = "obstacle_map.speed_min_m_s";
   else if (p->tracker.confirm_hits > p->tracker.confirm_window) wrong = "tracker.confirm_hits";
@@ -273,6 +279,9 @@ vista_status vista_parameters_set(vista_parameters *parameters, const char *name
   if (strcmp(name, "obstacle_map.collision_radius_m") == 0) return p->obstacle_map.collision_radius_m = value, VISTA_OK;
   if (strcmp(name, "obstacle_map.collision_length_m") == 0) return p->obstacle_map.collision_length_m = value, VISTA_OK;
   if (strcmp(name, "obstacle_map.inflation_sigma") == 0) return p->obstacle_map.inflation_sigma = value, VISTA_OK;
+  if (strcmp(name, "obstacle_map.lasting_disparity_px") == 0) return p->obstacle_map.lasting_disparity_px = value, VISTA_OK;
+  if (strcmp(name, "obstacle_map.lasting_range_m") == 0) return p->obstacle_map.lasting_range_m = value, VISTA_OK;
+  if (strcmp(name, "obstacle_map.lasting_center_ratio") == 0) return p->obstacle_map.lasting_center_ratio = value, VISTA_OK;
   if (strcmp(name, "obstacle_map.velocity_smoothing_s") == 0) return p->obstacle_map.velocity_smoothing_s = value, VISTA_OK;
   if (strcmp(name, "obstacle_map.speed_min_m_s") == 0) return p->obstacle_map.speed_min_m_s = value, VISTA_OK;
   return VISTA_ERROR_RANGE;

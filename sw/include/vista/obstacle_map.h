@@ -3,8 +3,11 @@
  * Collision volume: the points within radius_m of a segment of length_m from the camera along the flight direction.
  * Flight direction: the velocity handed over; else the smoothed velocity of the poses; else (no pose, or slower than
  * speed_min_m_s) the optical axis.
- * Too near to match (vista/saturation.h): an obstacle without a track, id 0, on the flight path somewhere within the blind
- * zone, as wide as the volume. It is given at the far end of the zone, with the zone's length as its uncertainty.
+ * Covariance: the filter takes the errors of a region for white, and averages them out. Part of them lasts as long as
+ * the thing is in view (the matcher's bias at its texture, the part of it that the region lacks): that part is added to
+ * the filter's covariance, J diag(lasting^2) J^T as in reconstruction, not fed into it.
+ * Too near to match (vista/saturation.h): an obstacle without a track, id 0, on the flight path somewhere within the
+ * blind zone, as wide as the volume. It is given at the far end of the zone, with the zone's length as uncertainty.
  * Obstacle: an elliptical disc facing the camera, semi-axes extent / 2 + inflation_sigma times the standard deviation
  * of its bearing at its depth. Only across the line of sight: the range uncertainty of a far obstacle moves it along
  * its line of sight and would put misses into the volume; it is reported in the covariance instead. */
@@ -30,7 +33,7 @@ typedef struct vista_obstacle {
   vista_world_verdict world; /* of the static-world test */
   int32_t age_frames;
   double position_m[3];     /* world */
-  double covariance_m2[9];  /* of position_m, row-major */
+  double covariance_m2[9];  /* of position_m, row-major: the track's, and errors that last (see above) */
   double distance_m;        /* from the camera */
   double extent_m[2];       /* width, height */
   vista_ellipse ellipse;    /* of this frame's detection, or the last one carried on to the predicted place and range */
@@ -56,7 +59,8 @@ vista_status vista_obstacle_map_layout(int32_t max_tracks, vista_arena *arena, v
 void vista_obstacle_map_reset(vista_obstacle_map *map);
 
 /* One frame, after the tracker's update with the same camera, pose and time. velocity_m_s: world, NULL = from poses.
- * saturation: NULL = unknown. pose == NULL: a still camera, world = camera. On any error nothing is changed; errors as vista_tracker_update. */
+ * saturation: NULL = unknown. pose == NULL: a still camera, world = camera. On any error nothing is changed; errors as
+ * vista_tracker_update. */
 vista_status vista_obstacle_map_update(vista_obstacle_map *map, const vista_obstacle_map_params *params,
                                        const vista_camera *camera, const vista_pose *pose, const double *velocity_m_s,
                                        int64_t t_ns, const vista_saturation *saturation, const vista_track *tracks,
