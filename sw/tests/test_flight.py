@@ -9,10 +9,12 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
-from vista.flights.flight import SIGN_AT_30_FT_S, Flight, is_complete, prepare, render_flight
+from vista.flights.demo import SIGN_AT_30_FT_S
+from vista.flights.flight import Flight, is_complete, prepare, render_flight
 from vista.flights.rig import LEFT, RIGHT, Rig
-from vista.flights.scene import SIGN_HEIGHT_M, SIGN_WIDTH_M, sign_in_meadow
-from vista.flights.trajectory import quaternion_wxyz, rotation_from_angles, state_at
+from vista.flights.scene import SIGN_HEIGHT_M, SIGN_WIDTH_M
+from vista.flights.scenes.meadow_flights import sign_site
+from vista.flights.trajectory import quaternion_wxyz, rotation_from_angles
 from vista.flights.view import View
 from vista.flights.writer import image_path
 from vista.geometry import rotation_from_quaternion
@@ -34,7 +36,7 @@ def rendered(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def camera_poses(flight: Flight, frame: int) -> list[np.ndarray]:
-    body = state_at(flight.approach, frame).world_from_body
+    body = flight.approach.state_at(frame).world_from_body
     return [body @ flight.rig.body_from_camera(camera) for camera in (LEFT, RIGHT)]
 
 
@@ -51,7 +53,7 @@ def test_the_sign_is_where_the_truth_projects_it() -> None:
 
     rig = replace(SMALL_RIG, width_px=320, height_px=240, focal_px=1000.0)
     flight = replace(SIGN_AT_30_FT_S, rig=rig)
-    scene = sign_in_meadow(flight.approach.altitude_m, flight.seed)
+    scene = sign_site(flight.approach.altitude_m, flight.seed)
     renderer = Renderer(scene, rig, rays=1)
     center_world = np.array([*scene.things[0].center_m, 1.0])
     errors_px = []
@@ -76,7 +78,7 @@ def test_the_sign_is_where_the_truth_projects_it() -> None:
 def test_the_ground_lies_at_its_depth() -> None:
     from vista.flights.render import Renderer
 
-    scene = sign_in_meadow(SHORT.approach.altitude_m, SHORT.seed)
+    scene = sign_site(SHORT.approach.altitude_m, SHORT.seed)
     renderer = Renderer(scene, SMALL_RIG, rays=1)
     pose = camera_poses(SHORT, 0)[LEFT]
     truth = renderer.view(pose)
@@ -111,14 +113,14 @@ def test_a_seed_gives_the_same_bytes_and_another_one_others(rendered: Path, tmp_
     bytes_of = []
     for name, flight in (("a", one), ("b", one), ("c", replace(one, seed=2))):
         render(flight, tmp_path / name)
-        path = image_path(tmp_path / name, LEFT, state_at(flight.approach, 0).t_ns)
+        path = image_path(tmp_path / name, LEFT, flight.approach.state_at(0).t_ns)
         bytes_of.append(path.read_bytes())
     assert bytes_of[0] == bytes_of[1] != bytes_of[2]
 
 
 def test_only_what_is_missing_is_rendered(rendered: Path) -> None:
     paths = [
-        image_path(rendered, camera, state_at(SHORT.approach, frame).t_ns)
+        image_path(rendered, camera, SHORT.approach.state_at(frame).t_ns)
         for frame in (0, 1)
         for camera in (LEFT, RIGHT)
     ]

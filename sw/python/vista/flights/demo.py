@@ -8,7 +8,18 @@ from pathlib import Path
 
 from tqdm import tqdm
 
-from .flight import SIGN_AT_30_FT_S, is_complete, render_flight
+from .flight import Flight, is_complete, render_flight
+from .scenes.meadow_flights import sign_site
+from .trajectory import FOOT_M, Approach
+
+# 30 ft/s at 21 ft straight at the sign, from 58 m to 22 m.
+SIGN_AT_30_FT_S = Flight(
+    "demo",
+    "sign at 30 ft/s",
+    "tune",
+    Approach(21 * FOOT_M, 30 * FOOT_M, last_range_m=22.0, frames=40, rate_hz=10.0),
+    sign_site,
+)
 
 
 def main() -> int:

@@ -30,6 +30,8 @@ def feed(digest: hashlib._Hash, value: object) -> None:
         digest.update(f"{len(value)} of".encode())
         for each in value:
             feed(digest, each)
+    elif callable(value):  # a scene's maker: its sources are in the digest
+        digest.update(value.__qualname__.encode())
     else:
         digest.update(repr(value).encode())
 

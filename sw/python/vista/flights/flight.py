@@ -6,14 +6,15 @@ import json
 import shutil
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
+from functools import lru_cache
 from pathlib import Path
 from typing import Literal
 
 from .digest import content_sha256, sources_sha256
 from .rig import PAPER_RIG, Rig
-from .scene import Scene, sign_in_meadow
+from .scene import Scene
 from .sensor import Sensor
-from .trajectory import FOOT_M, Approach, BodyState, state_at
+from .trajectory import Approach, BodyState
 from .writer import write_sequence, write_text
 
 MARKER = "content.json"
@@ -36,20 +37,10 @@ class Flight:
     seed: int = 1
 
 
-# 30 ft/s at 21 ft straight at the sign, from 58 m to 22 m: the demo's.
-SIGN_AT_30_FT_S = Flight(
-    "demo",
-    "sign at 30 ft/s",
-    "tune",
-    Approach(21 * FOOT_M, 30 * FOOT_M, last_range_m=22.0, frames=40, rate_hz=10.0),
-    sign_in_meadow,
-)
-
-
 def approach_of(flight: Flight, quality: Quality) -> Approach:
     """Quick: only the end of the flight."""
     whole = flight.approach
-    if quality == "full":
+    if quality == "full" or whole.frames == 1:
         return whole
     step_m = whole.speed_m_s / whole.rate_hz
     near_enough = int((QUICK_FIRST_RANGE_M - whole.last_range_m) / step_m) + 1
@@ -62,7 +53,7 @@ def frames_of(flight: Flight, quality: Quality = "full") -> int:
 
 def states_of(flight: Flight, quality: Quality = "full") -> list[BodyState]:
     approach = approach_of(flight, quality)
-    return [state_at(approach, frame) for frame in range(approach.frames)]
+    return [approach.state_at(frame) for frame in range(approach.frames)]
 
 
 def about(flight: Flight) -> dict:
@@ -76,8 +67,21 @@ def about(flight: Flight) -> dict:
     }
 
 
-def parameters(flight: Flight, quality: Quality) -> tuple:
-    return approach_of(flight, quality), flight.rig, flight.sensor, RAYS[quality], flight.seed
+def sources_of(flight: Flight, quality: Quality) -> str:
+    """A digest that is quickly made: equal means that the flight's content is."""
+    return sources_sha256((flight, approach_of(flight, quality), RAYS[quality]))
+
+
+@lru_cache(maxsize=1)
+def scene_of(flight: Flight) -> Scene:
+    return flight.scene(flight.approach.altitude_m, flight.seed)
+
+
+def content_of(flight: Flight, quality: Quality) -> str:
+    return content_sha256(
+        scene_of(flight),
+        (states_of(flight, quality), flight.rig, flight.sensor, RAYS[quality], flight.seed),
+    )
 
 
 def read_marker(out: Path) -> dict:
@@ -89,13 +93,12 @@ def read_marker(out: Path) -> dict:
 
 def holds(flight: Flight, out: Path, quality: Quality) -> bool:
     """Whether what is in `out` is of this flight. Where any source has changed, the scene itself decides."""
-    marker, sources = read_marker(out), sources_sha256((flight.name, *parameters(flight, quality)))
+    marker, sources = read_marker(out), sources_of(flight, quality)
     if marker.get("sources") == sources:
         return True
     if not marker or marker["quality"] != quality:
         return False
-    scene = flight.scene(flight.approach.altitude_m, flight.seed)
-    if marker["content"] != content_sha256(scene, parameters(flight, quality)):
+    if marker["content"] != content_of(flight, quality):
         return False
     write_text(out / MARKER, [json.dumps(marker | {"sources": sources})])
     return True
@@ -122,11 +125,7 @@ def prepare(flight: Flight, out: Path, quality: Quality = "full") -> None:
         shutil.rmtree(out)
     elif out.exists() and any(out.iterdir()):
         raise OSError(f"{out}: not empty and not a rendered flight")
-    scene = flight.scene(flight.approach.altitude_m, flight.seed)
-    digests = {
-        "sources": sources_sha256((flight.name, *parameters(flight, quality))),
-        "content": content_sha256(scene, parameters(flight, quality)),
-    }
+    digests = {"sources": sources_of(flight, quality), "content": content_of(flight, quality)}
     write_text(out / MARKER, [json.dumps({"quality": quality, **digests})])
 
 
@@ -145,7 +144,7 @@ def render_flight(flight: Flight, out: Path, quality: Quality = "full") -> Itera
     from .truth import flight_truth
 
     approach, rig, states = approach_of(flight, quality), flight.rig, states_of(flight, quality)
-    scene = flight.scene(approach.altitude_m, flight.seed)
+    scene = scene_of(flight)
     renderer = None
     for frame, state in enumerate(states):
         if not all(path.exists() for path in frame_paths(out, state.t_ns)):

@@ -19,23 +19,6 @@ VERTICAL_M = ((0.04, 0.27, 1.6),)
 
 
 @dataclass(frozen=True)
-class Approach:
-    """Straight along +x towards world x = 0."""
-
-    altitude_m: float
-    speed_m_s: float
-    last_range_m: float  # from the body's origin to x = 0 in the last frame
-    frames: int
-    rate_hz: float
-    sway_phase_s: float = 0.0  # lets flights differ
-    sway_scale: float = 1.0
-
-    def before_last_s(self, frame: int) -> float:
-        """Time from the last frame, at most 0."""
-        return (frame - self.frames + 1) / self.rate_hz
-
-
-@dataclass(frozen=True)
 class BodyState:
     t_ns: int
     world_from_body: np.ndarray  # 4x4
@@ -64,21 +47,36 @@ def rotation_from_angles(roll_deg: float, pitch_deg: float, yaw_deg: float) -> n
     )
 
 
-def state_at(approach: Approach, frame: int) -> BodyState:
-    t_s = frame / approach.rate_hz
-    # Counted from the end, so that a shorter approach is the end of a longer one.
-    sway_s = approach.before_last_s(frame) + approach.sway_phase_s
-    scale = approach.sway_scale
-    angles_deg = (scale * sway(terms, sway_s) for terms in (ROLL_DEG, PITCH_DEG, YAW_DEG))
-    pose = np.eye(4)
-    pose[:3, :3] = rotation_from_angles(*angles_deg)
-    pose[:3, 3] = (
-        -approach.last_range_m + approach.speed_m_s * approach.before_last_s(frame),
-        scale * sway(LATERAL_M, sway_s),
-        approach.altitude_m + scale * sway(VERTICAL_M, sway_s),
-    )
-    drift_m_s = (scale * sway_rate(terms, sway_s) for terms in (LATERAL_M, VERTICAL_M))
-    return BodyState(START_NS + round(t_s * 1e9), pose, np.array([approach.speed_m_s, *drift_m_s]))
+@dataclass(frozen=True)
+class Approach:
+    """Straight along +x towards world x = 0."""
+
+    altitude_m: float
+    speed_m_s: float
+    last_range_m: float  # from the body's origin to x = 0 in the last frame
+    frames: int
+    rate_hz: float
+    sway_phase_s: float = 0.0  # lets flights differ
+    sway_scale: float = 1.0
+
+    def before_last_s(self, frame: int) -> float:
+        """Time from the last frame, at most 0."""
+        return (frame - self.frames + 1) / self.rate_hz
+
+    def state_at(self, frame: int) -> BodyState:
+        # Sway is counted from the end, so that a shorter approach is the end of a longer one.
+        sway_s = self.before_last_s(frame) + self.sway_phase_s
+        angles_deg = (self.sway_scale * sway(terms, sway_s) for terms in (ROLL_DEG, PITCH_DEG, YAW_DEG))
+        pose = np.eye(4)
+        pose[:3, :3] = rotation_from_angles(*angles_deg)
+        pose[:3, 3] = (
+            -self.last_range_m + self.speed_m_s * self.before_last_s(frame),
+            self.sway_scale * sway(LATERAL_M, sway_s),
+            self.altitude_m + self.sway_scale * sway(VERTICAL_M, sway_s),
+        )
+        drift_m_s = (self.sway_scale * sway_rate(terms, sway_s) for terms in (LATERAL_M, VERTICAL_M))
+        velocity_m_s = np.array([self.speed_m_s, *drift_m_s])
+        return BodyState(START_NS + round(frame / self.rate_hz * 1e9), pose, velocity_m_s)
 
 
 def quaternion_wxyz(rotation: np.ndarray) -> np.ndarray:

@@ -1,0 +1,90 @@
+"""The flights of the evidence, by name: those of the companion's table, and fifteen more.
+
+Half of them, `tune`, is what parameters may be chosen on; `report` is what results are told of. Every kind of
+scene is in both as far as it goes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Literal
+
+from .flight import Flight
+from .scene import Scene
+from .scenes import meadow_flights as meadow
+from .scenes import street_flights as street
+from .trajectory import FOOT_M, Approach
+
+ALTITUDE_M = 21 * FOOT_M
+FAST_M_S, SLOW_M_S = 30 * FOOT_M, 10 * FOOT_M
+RATE_HZ = 10.0
+TABLE_FIRST_RANGE_M = 88.0  # where the paper's tracks begin
+FIRST_RANGE_M = 75.0
+SLOW_FIRST_RANGE_M = 66.0  # at 10 ft/s, so that the flight does not take 250 frames
+LAST_RANGE_M = 14.0
+
+
+def approach(first_m: float, last_m: float, speed_m_s: float, seed: int, altitude_m: float) -> Approach:
+    frames = round((first_m - last_m) * RATE_HZ / speed_m_s) + 1
+    return Approach(altitude_m, speed_m_s, last_m, frames, RATE_HZ, sway_phase_s=7.3 * seed)
+
+
+def flight(
+    name: str,
+    title: str,
+    split: Literal["tune", "report"],
+    scene: Callable[[float, int], Scene],
+    seed: int,
+    first_m: float = FIRST_RANGE_M,
+    last_m: float = LAST_RANGE_M,
+    speed_m_s: float = FAST_M_S,
+    altitude_m: float = ALTITUDE_M,
+) -> Flight:
+    return Flight(
+        name, title, split, approach(first_m, last_m, speed_m_s, seed, altitude_m), scene, seed=seed
+    )
+
+
+def by_name(*flights: Flight) -> dict[str, Flight]:
+    return {each.name: each for each in flights}
+
+
+COMPANION_TABLE = (
+    flight(
+        "sign_10", "1 sign, 10 ft/s", "report", meadow.sign_site, 1, SLOW_FIRST_RANGE_M, speed_m_s=SLOW_M_S
+    ),
+    flight("sign_30", "2 sign, 30 ft/s", "tune", meadow.sign_site_at_noon, 2, TABLE_FIRST_RANGE_M),
+    flight("pole_30", "3 pole, 30 ft/s", "report", meadow.pole_site, 3, TABLE_FIRST_RANGE_M),
+    flight(
+        "pole_10",
+        "4 pole, 10 ft/s",
+        "tune",
+        meadow.pole_site_in_shade,
+        4,
+        SLOW_FIRST_RANGE_M,
+        speed_m_s=SLOW_M_S,
+    ),
+)
+
+FLIGHTS = by_name(
+    *COMPANION_TABLE,
+    flight("overcast", "sign under an overcast sky", "tune", meadow.overcast_sign, 5),
+    flight("low_sun", "pole against a low sun", "report", meadow.low_sun_pole, 6),
+    flight("haze", "sign in haze", "report", meadow.hazy_sign, 7),
+    flight("wind", "pole between trees in the wind", "tune", meadow.windy_pole, 8),
+    flight("fences", "sign between picket fences", "report", meadow.fenced_sign, 9),
+    flight("thin_pole", "thin pole", "tune", meadow.thin_pole, 10),
+    flight("tree", "tree, down to 8 m", "report", meadow.lone_tree, 11, last_m=8.0),
+    flight("wall", "wall without texture", "tune", meadow.plain_wall, 12),
+    flight("drone_ahead", "drone coming the other way", "report", meadow.approaching_drone, 13),
+    flight("drone_across", "drone crossing", "tune", meadow.crossing_drone, 14, TABLE_FIRST_RANGE_M),
+    flight("clear_meadow", "meadow, no obstacle", "tune", meadow.clear_meadow, 15),
+    flight("clear_fences", "over fences and hedges, no obstacle", "report", meadow.clear_fences, 16),
+    flight("clear_street", "street, no obstacle", "tune", street.clear_street, 17),
+    flight("clear_facades", "facades on three sides, no obstacle", "report", street.clear_facades, 18),
+    flight("clear_lane", "forest lane, no obstacle", "tune", street.clear_lane, 19),
+    flight("urban", "tree, lamp post and board in a street", "report", street.urban, 20),
+    flight("sign_facade", "sign before a facade", "tune", street.sign_before_facade, 21),
+    flight("lamp_facade", "lamp post before a facade", "report", street.lamp_post_before_facade, 22),
+    flight("van", "van crossing, low flight", "report", street.van_in_the_way, 23, altitude_m=2.6),
+)
