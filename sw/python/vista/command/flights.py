@@ -47,6 +47,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--no-render", action="store_true", help="fly what DIR holds, whether that is the newest or not"
     )
     parser.add_argument("--render-only", action="store_true", help="render what is missing, and end")
+    parser.add_argument(
+        "--no-baseline", action="store_true", help="without stereo alone, which takes longest"
+    )
     parser.add_argument("--pose-noise", action="store_true", help="also with poses as of a navigation filter")
     parser.add_argument("--seed", type=int, default=1, metavar="N", help="of the pose noise (default 1)")
     parser.add_argument("--jobs", type=positive, default=1, metavar="N", help="flights at a time (default 1)")
@@ -72,13 +75,21 @@ def execute(arguments: argparse.Namespace) -> int:
         if arguments.pose_noise
         else []
     )
-    alone = with_jobs(partial(stereo_alone, values), folders, arguments.jobs, "stereo alone")
-    comparison = compare(scores, alone)
-    reached = goals(*(untuned(part) for part in (scores, noisy)), comparison_untuned(scores, alone))
+    alone = (
+        []
+        if arguments.no_baseline
+        else with_jobs(partial(stereo_alone, values), folders, arguments.jobs, "stereo alone")
+    )
+    comparison = compare(scores, alone) if alone else None
+    reached = goals(
+        *(untuned(part) for part in (scores, noisy)), comparison_untuned(scores, alone) if alone else None
+    )
     print(table(scores))
     if noisy:
         print("\nwith pose noise:\n" + table(noisy))
-    print("\n" + comparison_line(comparison) + "\n")
+    if comparison is not None:
+        print("\n" + comparison_line(comparison))
+    print()
     print("\n".join(goal_line(goal) for goal in reached))
     write_scores(arguments.folder / SCORES, scores, noisy, comparison, reached, values)
     pages = with_jobs(partial(flight_page, values), list(zip(folders, scores, strict=True)), 1, "pictures")
@@ -93,11 +104,9 @@ def untuned(scores: list[FlightScore]) -> list[FlightScore]:
     return [score for score in scores if score.split == "report"]
 
 
-def comparison_untuned(scores: list[FlightScore], alone: list[list[Outcome]]) -> Comparison:
-    return compare(
-        untuned(scores),
-        [one for score, one in zip(scores, alone, strict=True) if score.split == "report"],
-    )
+def comparison_untuned(scores: list[FlightScore], alone: list[list[Outcome]]) -> Comparison | None:
+    theirs = [one for score, one in zip(scores, alone, strict=True) if score.split == "report"]
+    return compare(untuned(scores), theirs) if theirs else None
 
 
 def flight_page(values: parameters.Values, flight: tuple[Path, FlightScore]) -> FlightPage:
@@ -129,7 +138,7 @@ def write_scores(
     path: Path,
     scores: list[FlightScore],
     noisy: list[FlightScore],
-    comparison: Comparison,
+    comparison: Comparison | None,
     reached: list[Goal],
     values: parameters.Values,
 ) -> None:
@@ -138,7 +147,7 @@ def write_scores(
         "flights": [summary(score) for score in scores],
         "groups": groups(scores),
         "goals": [asdict(goal) for goal in reached],
-        "stereo_alone": asdict(comparison),
+        "stereo_alone": comparison and asdict(comparison),
         "pose_noise": {"flights": [summary(score) for score in noisy], "groups": groups(noisy)},
     }
     write_atomically(path, json.dumps(content, indent=1, allow_nan=False) + "\n")

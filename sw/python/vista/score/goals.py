@@ -23,7 +23,7 @@ class Goal:
     met: bool | None  # None: nothing to judge it by
 
 
-def goals(scores: list[FlightScore], noisy: list[FlightScore], comparison: Comparison) -> list[Goal]:
+def goals(scores: list[FlightScore], noisy: list[FlightScore], comparison: Comparison | None) -> list[Goal]:
     """scores: of the flights not tuned on, noisy: the same flights under pose noise or none."""
     group = group_score("report", scores)
     targeted = [s for s in scores if s.hit_rate is not None]
@@ -76,11 +76,7 @@ def goals(scores: list[FlightScore], noisy: list[FlightScore], comparison: Compa
             ],
             lambda excess_ft: excess_ft < 0.0,
         ),
-        Goal(
-            "better than stereo alone: no threshold with fewer misses and fewer false alarms",
-            f"{len(comparison.beating) or 'none'} of {len(comparison.alone)}",
-            not comparison.beating if comparison.flights else None,
-        ),
+        _stereo_goal(comparison),
         Goal(
             "average NEES within its 95 % band",
             nees(group.consistency) or "no samples",
@@ -107,6 +103,14 @@ def _each(demand: str, values: list[tuple[str, float, str]], good: Callable[[flo
     short = [f"{name} {text}" for name, value, text in values if not good(value)]
     reached = f"{len(values) - len(short)} of {len(values)} flights"
     return Goal(demand, reached + (f"; not {', '.join(short)}" if short else ""), not short)
+
+
+def _stereo_goal(comparison: Comparison | None) -> Goal:
+    demand = "better than stereo alone: no threshold with fewer misses and fewer false alarms"
+    if comparison is None:
+        return Goal(demand, "not compared", None)
+    beating = len(comparison.beating)
+    return Goal(demand, f"{beating or 'none'} of {len(comparison.alone)}", not beating)
 
 
 def _noise_goal(scores: list[FlightScore], noisy: list[FlightScore]) -> Goal:

@@ -29,7 +29,7 @@ class FlightPage:
 def render_flights(
     pages: list[FlightPage],
     noisy: list[FlightScore],
-    comparison: Comparison,
+    comparison: Comparison | None,
     reached: list[Goal],
     values: parameters.Values,
 ) -> str:
@@ -47,9 +47,9 @@ def render_flights(
         heads=[head for head, _ in COLUMNS],
         legend=LEGEND,
         tables=[table_rows(scores)] + ([table_rows(noisy)] if noisy else []),
-        comparison=comparison_line(comparison),
+        comparison=comparison and comparison_line(comparison),
         plots={
-            "comparison": Markup(plot_comparison(comparison)),
+            "comparison": comparison and Markup(plot_comparison(comparison)),
             "detection": Markup(plot_detection(scores)),
         },
         flights=[flight_view(page) for page in pages],
