@@ -8,7 +8,7 @@ import sys
 
 import cv2
 
-from vista.command import config, disparity, figures, flights, run, scenes
+from vista.command import config, disparity, figures, flights, run, scenes, throughput
 from vista.errors import EXIT_INPUT, EXIT_INTERRUPTED, EXIT_OK, InputError
 
 EPILOG = """\
@@ -34,7 +34,7 @@ def make_parser() -> argparse.ArgumentParser:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
-    for module in (run, disparity, flights, figures, scenes, config):
+    for module in (run, disparity, flights, figures, scenes, throughput, config):
         name = module.__name__.rpartition(".")[2]
         summary, _, _ = module.__doc__.partition("\n")
         subparser = commands.add_parser(

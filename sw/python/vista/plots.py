@@ -54,14 +54,14 @@ def svg_plot(width_in: float, height_in: float) -> Callable[[Draw], Callable[[Re
                 draw(figure, records)
                 stream = io.StringIO()
                 figure.savefig(stream, format="svg", metadata={"Date": None})
-            return _element(stream.getvalue())
+            return svg_element(stream.getvalue())
 
         return render
 
     return decorate
 
 
-def _element(document: str) -> str:
+def svg_element(document: str) -> str:
     """The <svg> element alone, as wide as the page allows."""
     element = document[document.index("<svg") :]
     return re.sub(
