@@ -105,7 +105,7 @@ def strip(
 
 
 def ground(
-    kind: str, altitude_m: float, first_x_m: float, last_x_m: float, seed: int, contrast: float = 0.6
+    kind: str, altitude_m: float, first_x_m: float, last_x_m: float, seed: int, contrast: float = 0.5
 ) -> Thing:
     """From what the camera sees first to the horizon; it flies from `first_x_m` to `last_x_m`.
 

@@ -229,7 +229,7 @@ def random_scene(seed: int) -> tuple[Scene, Viewpoint]:
     altitude = float(rng.uniform(2.5, 9.0))
     view = Viewpoint(altitude, float(rng.normal(0, 1.2)), float(rng.uniform(-1.5, 3.0)))
     kind = list(KINDS)[rng.choice(len(KINDS), p=[0.35, 0.25, 0.12, 0.14, 0.14])]
-    contrast = float(rng.uniform(0.65 if kind == "asphalt" else 0.25, 1.0))
+    contrast = float(rng.uniform(0.6 if kind == "asphalt" else 0.15, 0.85))
     scenery: list[Thing] = [ground(kind, altitude, 0.0, 0.0, seed, contrast)]
     background = rng.choice(["trees", "forest", "houses", "open", "both"], p=[0.3, 0.2, 0.2, 0.15, 0.15])
     far_m = float(rng.uniform(95, 170))

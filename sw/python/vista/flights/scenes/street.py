@@ -21,33 +21,45 @@ class FacadeStyle(NamedTuple):
     wall: float  # albedo
     frame: float
     bricks: bool
+    grain: float  # 0: smooth plaster; 1: rough, stained
     variety: float  # 0: every window alike; 1: curtains, blinds and open ones at random
 
 
 def any_style(rng: np.random.Generator) -> FacadeStyle:
     pitch = rng.uniform(2.2, 3.8)
-    window = (pitch * rng.uniform(0.35, 0.6), rng.uniform(1.2, 1.9))
     return FacadeStyle(
-        pitch, window, rng.uniform(0.2, 0.65), rng.uniform(0.05, 0.8), rng.random() < 0.4, rng.uniform(0, 1)
+        window_pitch_m=pitch,
+        window_m=(pitch * rng.uniform(0.35, 0.6), rng.uniform(1.2, 1.9)),
+        wall=rng.uniform(0.2, 0.65),
+        frame=rng.uniform(0.05, 0.8),
+        bricks=rng.random() < 0.4,
+        grain=rng.uniform(0.15, 1.0),
+        variety=rng.uniform(0, 1),
     )
 
 
 def wall_texture(
-    width_m: float, height_m: float, albedo: float, bricks: bool, seed: int, texel_m: float = TEXEL_M
+    width_m: float,
+    height_m: float,
+    albedo: float,
+    bricks: bool,
+    grain: float,
+    seed: int,
+    texel_m: float = TEXEL_M,
 ) -> np.ndarray:
     """Plaster with grain, streaks and damp at the foot, or courses of brick; row 0 on top."""
     rows, columns = round(height_m / texel_m), round(width_m / texel_m)
     z = (rows - np.arange(rows, dtype=np.float32))[:, None] * texel_m
     y = np.arange(columns, dtype=np.float32)[None, :] * texel_m
-    grain = layered(y, z, {3.7: 0.10, 1.1: 0.07, 0.35: 0.07, 0.12: 0.09, 0.05: 0.09}, seed)
+    rough = layered(y, z, {3.7: 0.10, 1.1: 0.07, 0.35: 0.07, 0.12: 0.09, 0.05: 0.09}, seed)
     streaks = 0.25 * layered(y, z / 14, {0.5: 0.5, 0.17: 0.3}, seed + 9) * smoothstep(0, 6, z)
     damp = -0.35 * (1 - smoothstep(0.2, 0.9, z + layered(y, z, {1.3: 0.8, 0.3: 0.4}, seed + 5)))
-    wall = albedo * (1 + grain * 1.6 + streaks + damp)
+    wall = albedo * (1 + grain * (1.6 * rough + streaks) + damp)
     if bricks and texel_m <= BRICK_TEXEL_M:
         course = np.floor(z / 0.0833).astype(int)
         joint = (np.mod(z, 0.0833) < 0.013) | (np.mod(y + 0.125 * (course % 2), 0.25) < 0.013)
         brick = np.floor((y + 0.125 * (course % 2)) / 0.25).astype(int)
-        shades = np.random.default_rng(seed).normal(1.0, 0.16, 4096)
+        shades = np.random.default_rng(seed).normal(1.0, 0.04 + 0.12 * grain, 4096)
         wall = np.where(joint, 1.25 * albedo, wall * shades[(course * 191 + brick * 7) % 4096])
     return np.clip(wall, 0.03, 0.85).astype(np.float32)
 
@@ -76,7 +88,7 @@ def facade_texture(
 ) -> np.ndarray:
     """Windows `window_pitch_m` apart on every floor, doors on the lowest; row 0 on top, `texel_m` a texel."""
     rng = np.random.default_rng(seed)
-    wall = wall_texture(width_m, height_m, style.wall, style.bricks, seed, texel_m=texel_m)
+    wall = wall_texture(width_m, height_m, style.wall, style.bricks, style.grain, seed, texel_m=texel_m)
     rows, columns = wall.shape
     wide, high = (round(side / texel_m) for side in style.window_m)
     t = np.add.outer(np.linspace(0, 1, high), np.linspace(0, 0.7, wide))

@@ -11,7 +11,7 @@ from .landscape import forest, tree_row
 from .meadow_flights import FIRST_X_M, LAST_X_M, country, parked
 
 # A window pitch of 3 m shifts the disparity of a facade 120 m away to that of a thing 15 to 40 m away.
-ALIASING = street.FacadeStyle(3.0, (1.5, 1.6), 0.42, 0.7, bricks=False, variety=0.15)
+ALIASING = street.FacadeStyle(3.0, (1.5, 1.6), 0.42, 0.7, bricks=False, grain=0.4, variety=0.15)
 BEYOND_CYLINDER_X_M = (
     97.0  # the collision cylinder ends 100 m before the aircraft, which stops short of x = -8
 )

@@ -107,7 +107,7 @@ def house(
         textures.paint(0.2, seed),
     )
     solids.append(roof)
-    if with_balconies:
+    if with_balconies and height_m > 2 * street.FLOOR_M:
         rng = np.random.default_rng(seed)
         shape = street.balconies(width, height_m, style.window_pitch_m, rng)
         # The balconies' wall runs along +y with its outside at -x; here along `right - left`.
@@ -135,7 +135,7 @@ def wall(
     if plain:
         front = np.full((8, 8), albedo, np.float32)
     else:
-        front = street.wall_texture(float(np.linalg.norm(right - left)), height_m, albedo, bricks, seed)
+        front = street.wall_texture(float(np.linalg.norm(right - left)), height_m, albedo, bricks, 0.8, seed)
     side = textures.paint(albedo, seed)
     top = Panel(
         f"{name}_top",
