@@ -34,7 +34,7 @@ def draw(truths: list[FlightTruth], values: parameters.Values) -> Figure:
     high = match(frame, values, HIGH)
     figure = Figure(figsize=(10.5, 3.0), layout="constrained")
     image_axes, low_axes, high_axes = figure.subplots(1, 3)
-    show(image_axes, frame.left, truth.title)
+    show(image_axes, frame.left, f"{truth.title}\n")  # as many lines as beside it: the same size
     largest_px = values["stereo"]["num_disparities"] - 1
     for axes, words, name in ((low_axes, low, "low threshold"), (high_axes, high, "high threshold")):
         exact_px = truth.disparity_px(frame.t_ns)
