@@ -61,6 +61,7 @@ vista_parameters vista_parameters_default(void) {
       .reconstruction.correlated_pixels = 11.0,
       .reconstruction.disparity_min_px = 1.0,
       .tracker.velocity_sigma_m_s = 0.5,
+      .tracker.moving_sigma_m_s = 6.0,
       .tracker.acceleration_psd_m2_s3 = 0.01,
       .tracker.position_psd_m2_s = 0.01,
       .tracker.attitude_sigma_deg = 0.05,
@@ -71,6 +72,7 @@ vista_parameters vista_parameters_default(void) {
       .tracker.overlap_scale = 1.2,
       .tracker.confirm_hits = 3,
       .tracker.confirm_window = 5,
+      .tracker.moved_hits = 2,
       .tracker.static_odds = 8.0,
       .tracker.static_tolerance = 0.05,
       .tracker.static_noise_hits = 2.0,
@@ -156,6 +158,7 @@ vista_status vista_parameters_check(const vista_parameters *parameters, const ch
   else if (!within(p->reconstruction.correlated_pixels, 1.0, 1000.0)) wrong = "reconstruction.correlated_pixels";
   else if (!within(p->reconstruction.disparity_min_px, 0.1, 255.0)) wrong = "reconstruction.disparity_min_px";
   else if (!within(p->tracker.velocity_sigma_m_s, 0.001, 100.0)) wrong = "tracker.velocity_sigma_m_s";
+  else if (!within(p->tracker.moving_sigma_m_s, 0.0, 1000.0)) wrong = "tracker.moving_sigma_m_s";
   else if (!within(p->tracker.acceleration_psd_m2_s3, 0.0, 1000.0)) wrong = "tracker.acceleration_psd_m2_s3";
   else if (!within(p->tracker.position_psd_m2_s, 0.0, 100.0)) wrong = "tracker.position_psd_m2_s";
   else if (!within(p->tracker.attitude_sigma_deg, 0.0, 10.0)) wrong = "tracker.attitude_sigma_deg";
@@ -166,6 +169,7 @@ vista_status vista_parameters_check(const vista_parameters *parameters, const ch
   else if (!within(p->tracker.overlap_scale, 0.1, 10.0)) wrong = "tracker.overlap_scale";
   else if (!within((double)p->tracker.confirm_hits, 1, 32)) wrong = "tracker.confirm_hits";
   else if (!within((double)p->tracker.confirm_window, 1, 32)) wrong = "tracker.confirm_window";
+  else if (!within((double)p->tracker.moved_hits, 0, 16)) wrong = "tracker.moved_hits";
   else if (!within(p->tracker.static_odds, 1.0, 1000000.0)) wrong = "tracker.static_odds";
   else if (!within(p->tracker.static_tolerance, 0.0, 1.0)) wrong = "tracker.static_tolerance";
   else if (!within(p->tracker.static_noise_hits, 1.0, 100.0)) wrong = "tracker.static_noise_hits";
@@ -252,6 +256,7 @@ vista_status vista_parameters_set(vista_parameters *parameters, const char *name
   if (strcmp(name, "reconstruction.correlated_pixels") == 0) return p->reconstruction.correlated_pixels = value, VISTA_OK;
   if (strcmp(name, "reconstruction.disparity_min_px") == 0) return p->reconstruction.disparity_min_px = value, VISTA_OK;
   if (strcmp(name, "tracker.velocity_sigma_m_s") == 0) return p->tracker.velocity_sigma_m_s = value, VISTA_OK;
+  if (strcmp(name, "tracker.moving_sigma_m_s") == 0) return p->tracker.moving_sigma_m_s = value, VISTA_OK;
   if (strcmp(name, "tracker.acceleration_psd_m2_s3") == 0) return p->tracker.acceleration_psd_m2_s3 = value, VISTA_OK;
   if (strcmp(name, "tracker.position_psd_m2_s") == 0) return p->tracker.position_psd_m2_s = value, VISTA_OK;
   if (strcmp(name, "tracker.attitude_sigma_deg") == 0) return p->tracker.attitude_sigma_deg = value, VISTA_OK;
@@ -262,6 +267,7 @@ vista_status vista_parameters_set(vista_parameters *parameters, const char *name
   if (strcmp(name, "tracker.overlap_scale") == 0) return p->tracker.overlap_scale = value, VISTA_OK;
   if (strcmp(name, "tracker.confirm_hits") == 0) return p->tracker.confirm_hits = (int32_t)value, VISTA_OK;
   if (strcmp(name, "tracker.confirm_window") == 0) return p->tracker.confirm_window = (int32_t)value, VISTA_OK;
+  if (strcmp(name, "tracker.moved_hits") == 0) return p->tracker.moved_hits = (int32_t)value, VISTA_OK;
   if (strcmp(name, "tracker.static_odds") == 0) return p->tracker.static_odds = value, VISTA_OK;
   if (strcmp(name, "tracker.static_tolerance") == 0) return p->tracker.static_tolerance = value, VISTA_OK;
   if (strcmp(name, "tracker.static_noise_hits") == 0) return p->tracker.static_noise_hits = value, VISTA_OK;

@@ -5,11 +5,21 @@
 
 #include "vista/assignment.h"
 
-typedef enum pass { CONFIRMED_IN_GATE, CONFIRMED_RESHAPED, TENTATIVE_IN_GATE, PASS_COUNT } pass;
+#define MOVED_EXTENT_CHI2 5.99 /* 95 percent of 2 degrees: what is linked by place so loosely has to be of one size */
+
+typedef enum pass {
+  CONFIRMED_IN_GATE,
+  CONFIRMED_RESHAPED,
+  TENTATIVE_IN_GATE,
+  MOVING_IN_GATE,
+  NEWBORN_MOVED,
+  PASS_COUNT
+} pass;
 
 struct vista_track_association {
   bool *claimed;  /* per detection */
-  bool *reshaped; /* per track */
+  bool *reshaped;    /* per track */
+  int32_t *moved_to; /* per track: detection or -1 */
   int32_t *row_track, *column_detection; /* what stands in the cost matrix */
   int32_t *column_of_row;
   double *cost;
@@ -24,6 +34,7 @@ vista_status vista_track_association_layout(int32_t max_tracks, int32_t max_dete
   vista_track_association *made = vista_arena_take(arena, 1, sizeof *made);
   vista_track_association parts = {.claimed = vista_arena_take(arena, detections, sizeof(bool)),
                                    .reshaped = vista_arena_take(arena, tracks, sizeof(bool)),
+                                   .moved_to = vista_arena_take(arena, tracks, sizeof(int32_t)),
                                    .row_track = vista_arena_take(arena, tracks, sizeof(int32_t)),
                                    .column_detection = vista_arena_take(arena, detections, sizeof(int32_t)),
                                    .column_of_row = vista_arena_take(arena, tracks, sizeof(int32_t)),
@@ -38,6 +49,10 @@ vista_status vista_track_association_layout(int32_t max_tracks, int32_t max_dete
 
 bool vista_track_association_reshaped(const vista_track_association *association, int32_t track) {
   return association->reshaped[track];
+}
+
+int32_t vista_track_association_moved_to(const vista_track_association *association, int32_t track) {
+  return association->moved_to[track];
 }
 
 bool vista_track_association_claimed(const vista_track_association *association, int32_t detection) {
@@ -75,12 +90,30 @@ bool vista_track_within(const vista_tracker_params *params, const vista_track_vi
 }
 
 /* y^T S^-1 y >= y_i^2 / S_ii, for each i: most pairs are out of the gate without an inversion. */
-static bool surely_outside(double gate_chi2, const vista_track_view *view, const vista_detection *detection,
-                           const double variance_px2[3]) {
+static bool surely_outside(double gate_chi2, const vista_track_view *view, const double covariance_px2[9],
+                           const vista_detection *detection, const double variance_px2[3]) {
   const double measured_px[3] = {detection->u_px, detection->v_px, detection->disparity_px};
   for (int i = 0; i < 3; ++i) {
     const double y = measured_px[i] - view->measurement_px[i];
-    if (y * y > gate_chi2 * (view->covariance_px2[4 * i] + variance_px2[i])) return true;
+    if (y * y > gate_chi2 * (covariance_px2[4 * i] + variance_px2[i])) return true;
+  }
+  return false;
+}
+
+/* Who takes part in a step. What moves comes last, so that it takes nothing from what stands. */
+static bool takes_part(pass step, const vista_track *track) {
+  switch (step) {
+    case CONFIRMED_IN_GATE:
+    case CONFIRMED_RESHAPED:
+      return track->confirmed;
+    case TENTATIVE_IN_GATE:
+      return !track->confirmed && !track->moved;
+    case MOVING_IN_GATE:
+      return !track->confirmed && track->moved;
+    case NEWBORN_MOVED:
+      return !track->confirmed && track->hits == 1;
+    case PASS_COUNT:
+      break;
   }
   return false;
 }
@@ -96,14 +129,17 @@ static double pair_cost(pass step, const vista_tracker_params *params, const vis
     const double distance2 = within2(params, measured_px, variance_px2, view);
     return distance2 <= 1.0 ? distance2 * params->gate_chi2 : INFINITY;
   }
-  if (surely_outside(params->gate_chi2, view, detection, variance_px2)) return INFINITY;
-  const double distance2 = vista_track_filter_distance2(view, detection, variance_px2);
+  const double *const covariance_px2 = step == NEWBORN_MOVED ? view->moved_covariance_px2 : view->covariance_px2;
+  if (surely_outside(params->gate_chi2, view, covariance_px2, detection, variance_px2)) return INFINITY;
+  const double distance2 = vista_track_filter_distance2(view, covariance_px2, detection, variance_px2);
   if (!(distance2 <= params->gate_chi2)) return INFINITY;
+  const double extent2 = vista_track_filter_extent_distance2(params, track, detection);
+  if (step == NEWBORN_MOVED) return extent2 <= MOVED_EXTENT_CHI2 ? distance2 + extent2 : INFINITY;
   /* Near the camera a pixel is millimetres, (u, v, d) of the prediction has no certainty left and everything would
    * be in the gate. In space it keeps it; twice the gate leaves room for the curvature at long range. */
   const double space2 = vista_track_filter_space_distance2(params, pose, track, view, detection);
   if (!(space2 <= 2.0 * params->gate_chi2)) return INFINITY;
-  return distance2 + fmin(vista_track_filter_extent_distance2(params, track, detection), params->gate_chi2);
+  return distance2 + fmin(extent2, params->gate_chi2);
 }
 
 void vista_track_associate(vista_track_association *association, const vista_tracker_params *params,
@@ -117,12 +153,13 @@ void vista_track_associate(vista_track_association *association, const vista_tra
   for (int32_t i = 0; i < track_count; ++i) {
     detection_of_track[i] = -1;
     association->reshaped[i] = false;
+    association->moved_to[i] = -1;
   }
   for (pass step = CONFIRMED_IN_GATE; step < PASS_COUNT; ++step) {
     int32_t rows = 0;
     int32_t columns = 0;
     for (int32_t i = 0; i < track_count; ++i)
-      if (tracks[i].confirmed == (step != TENTATIVE_IN_GATE) && detection_of_track[i] < 0)
+      if (takes_part(step, &tracks[i]) && detection_of_track[i] < 0)
         association->row_track[rows++] = i;
     for (int32_t j = 0; j < detection_count; ++j)
       if (!association->claimed[j]) association->column_detection[columns++] = j;
@@ -141,6 +178,10 @@ void vista_track_associate(vista_track_association *association, const vista_tra
       const int32_t column = association->column_of_row[row];
       if (column < 0 || column >= columns) continue;
       const int32_t track = association->row_track[row];
+      if (step == NEWBORN_MOVED) {
+        association->moved_to[track] = association->column_detection[column];
+        continue;
+      }
       detection_of_track[track] = association->column_detection[column];
       association->claimed[association->column_detection[column]] = true;
       association->reshaped[track] = step == CONFIRMED_RESHAPED;

@@ -61,8 +61,19 @@ void vista_track_filter_predict(const vista_tracker_params *params, double dt_s,
   for (int i = 0; i < 2; ++i) track->extent_variance[i] += params->extent_psd_1_s * dt_s;
 }
 
-void vista_track_filter_view(const vista_camera *camera, const vista_pose *pose, const vista_track *track,
-                             vista_track_view *view) {
+/* P += sigma^2 [t^2, t; t, 1] (x) I */
+void vista_track_filter_set_moving(const vista_tracker_params *params, double since_s, vista_track *track) {
+  const double variance = square(params->moving_sigma_m_s);
+  for (int i = 0; i < 3; ++i) {
+    track->covariance[6 * i + i] += variance * since_s * since_s;
+    track->covariance[6 * i + i + 3] += variance * since_s;
+    track->covariance[6 * (i + 3) + i] += variance * since_s;
+    track->covariance[6 * (i + 3) + i + 3] += variance;
+  }
+}
+
+void vista_track_filter_view(const vista_tracker_params *params, const vista_camera *camera, const vista_pose *pose,
+                             double since_s, const vista_track *track, vista_track_view *view) {
   double jacobian_camera[9];
   vista_frame_to_camera(pose, track->position_m, view->camera_m);
   vista_frame_measure(camera, view->camera_m, view->measurement_px, jacobian_camera);
@@ -71,6 +82,8 @@ void vista_track_filter_view(const vista_camera *camera, const vista_pose *pose,
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) position_covariance[3 * i + j] = track->covariance[6 * i + j];
   vista_frame_propagate(view->jacobian, position_covariance, view->covariance_px2);
+  for (int i = 0; i < 3; ++i) position_covariance[4 * i] += square(params->moving_sigma_m_s * since_s);
+  vista_frame_propagate(view->jacobian, position_covariance, view->moved_covariance_px2);
   for (int i = 0; i < 2; ++i) view->half_px[i] = 0.5 * track->extent_m[i] * camera->focal_px / view->camera_m[2];
 }
 
@@ -117,9 +130,9 @@ static double quadratic(const double matrix[9], const double y[3]) {
 }
 
 /* S = H P H^T + R */
-static bool invert_innovation(const vista_track_view *view, const double variance_px2[3], double inverse[9]) {
+static bool invert_innovation(const double covariance_px2[9], const double variance_px2[3], double inverse[9]) {
   double s[9];
-  for (int i = 0; i < 9; ++i) s[i] = view->covariance_px2[i] + (i % 4 == 0 ? variance_px2[i / 4] : 0.0);
+  for (int i = 0; i < 9; ++i) s[i] = covariance_px2[i] + (i % 4 == 0 ? variance_px2[i / 4] : 0.0);
   return invert(s, inverse);
 }
 
@@ -129,10 +142,10 @@ static void innovation(const vista_track_view *view, const vista_detection *dete
   y[2] = detection->disparity_px - view->measurement_px[2];
 }
 
-double vista_track_filter_distance2(const vista_track_view *view, const vista_detection *detection,
-                                    const double variance_px2[3]) {
+double vista_track_filter_distance2(const vista_track_view *view, const double covariance_px2[9],
+                                    const vista_detection *detection, const double variance_px2[3]) {
   double inverse[9], y[3];
-  if (!invert_innovation(view, variance_px2, inverse)) return INFINITY;
+  if (!invert_innovation(covariance_px2, variance_px2, inverse)) return INFINITY;
   innovation(view, detection, y);
   return quadratic(inverse, y);
 }
@@ -183,7 +196,7 @@ void vista_track_filter_update(const vista_tracker_params *params, const vista_t
                                const vista_detection *detection, const double variance_px2[3], vista_track *track) {
   double inverse[9], y[3];
   update_extent(params, detection, track);
-  if (!invert_innovation(view, variance_px2, inverse)) return;
+  if (!invert_innovation(view->covariance_px2, variance_px2, inverse)) return;
   innovation(view, detection, y);
   double pht[18], gain[18], kept[36], half[36];
   double *p = track->covariance;

@@ -8,6 +8,7 @@
 #include "track_association.h"
 #include "track_filter.h"
 
+#define WINDOW_BITS 32
 #define DEPTH_PASSED_M 0.05 /* a track nearer than this along z is behind the camera */
 
 struct vista_tracker {
@@ -73,11 +74,11 @@ static bool positive(double value) { return isfinite(value) && value > 0.0; }
 static bool not_negative(double value) { return isfinite(value) && value >= 0.0; }
 
 static vista_status check_params(const vista_tracker_params *p) {
-  const bool good = positive(p->velocity_sigma_m_s) && not_negative(p->acceleration_psd_m2_s3) &&
+  const bool good = positive(p->velocity_sigma_m_s) && not_negative(p->moving_sigma_m_s) && not_negative(p->acceleration_psd_m2_s3) &&
                     not_negative(p->position_psd_m2_s) && not_negative(p->attitude_sigma_deg) &&
                     positive(p->gate_chi2) && positive(p->extent_sigma_ratio) && not_negative(p->extent_psd_1_s) &&
                     positive(p->overlap_sigma) && positive(p->overlap_scale) && p->confirm_window >= 1 &&
-                    p->confirm_window <= 32 && p->confirm_hits >= 1 && p->confirm_hits <= p->confirm_window &&
+                    p->confirm_window <= WINDOW_BITS && p->moved_hits >= 0 && p->moved_hits <= 16 && p->confirm_hits >= 1 && p->confirm_hits <= p->confirm_window &&
                     p->static_odds >= 1.0 && isfinite(p->static_odds) && not_negative(p->static_tolerance) &&
                     p->static_noise_hits >= 1.0 && isfinite(p->static_noise_hits) && positive(p->static_fade_m) &&
                     not_negative(p->static_speed_min_m_s) && p->miss_max >= 0 && not_negative(p->out_of_view_s) && not_negative(p->blind_zone_s) &&
@@ -115,7 +116,7 @@ static vista_status check(const vista_tracker *tracker, const frame *f) {
   for (int32_t i = 0; i < f->count && status == VISTA_OK; ++i) status = check_detection(&f->detections[i]);
   if (status != VISTA_OK) return status;
   if (tracker->started && f->t_ns <= tracker->t_ns) return VISTA_ERROR_ORDER;
-  return tracker->next_id > INT32_MAX - f->count ? VISTA_ERROR_OVERFLOW : VISTA_OK;
+  return tracker->next_id > INT32_MAX - 2 * f->count ? VISTA_ERROR_OVERFLOW : VISTA_OK;
 }
 
 /* ---- one track in this frame ---- */
@@ -131,8 +132,18 @@ static int32_t bit_count(uint32_t bits) {
   return count;
 }
 
+/* N and M of this track: what is linked over a larger distance has to show it more often. */
+static int32_t window_length(const vista_tracker_params *params, const vista_track *track) {
+  const int32_t length = params->confirm_window + (track->moved ? params->moved_hits : 0);
+  return length < WINDOW_BITS ? length : WINDOW_BITS;
+}
+
+static int32_t hits_needed(const vista_tracker_params *params, const vista_track *track) {
+  return window_length(params, track) - (params->confirm_window - params->confirm_hits);
+}
+
 static int32_t hits_in_window(const vista_tracker_params *params, const vista_track *track) {
-  return bit_count(track->window & (UINT32_MAX >> (32 - params->confirm_window)));
+  return bit_count(track->window & (UINT32_MAX >> (WINDOW_BITS - window_length(params, track))));
 }
 
 /* What the track looks like now; false when it has been passed (or is lost to infinity). */
@@ -140,7 +151,7 @@ static bool look(const frame *f, vista_track *track, vista_track_view *view) {
   double camera_m[3];
   vista_frame_to_camera(f->pose, track->position_m, camera_m);
   if (!isfinite(camera_m[0] + camera_m[1] + camera_m[2]) || camera_m[2] <= DEPTH_PASSED_M) return false;
-  vista_track_filter_view(f->camera, f->pose, track, view);
+  vista_track_filter_view(f->params, f->camera, f->pose, seconds_between(track->hit_t_ns, f->t_ns), track, view);
   const double u = view->measurement_px[0];
   const double v = view->measurement_px[1];
   const double d = view->measurement_px[2];
@@ -172,7 +183,7 @@ static void judge(const frame *f, vista_track *track) {
   const vista_static_world *const w = &track->world;
   const bool silent = fabs(w->travel_m) <= f->params->static_speed_min_m_s * seconds_between(w->start_t_ns, f->t_ns);
   const bool supported = w->verdict == VISTA_WORLD_OPEN ? silent : w->verdict != VISTA_WORLD_REFUTED;
-  track->confirmed = track->confirmed || hits_in_window(f->params, track) >= f->params->confirm_hits;
+  track->confirmed = track->confirmed || hits_in_window(f->params, track) >= hits_needed(f->params, track);
   track->credible = track->confirmed && w->verdict != VISTA_WORLD_REFUTED && (track->credible || supported);
 }
 
@@ -204,8 +215,9 @@ static bool outlived(const frame *f, const vista_track *track) {
   const double hidden_s = seconds_between(track->visible_t_ns, f->t_ns);
   if (hidden_s > (track->in_blind_zone ? params->blind_zone_s : params->out_of_view_s)) return true;
   if (track->confirmed) return track->misses > params->miss_max;
-  const int32_t window = track->seen_frames < params->confirm_window ? track->seen_frames : params->confirm_window;
-  return window - hits_in_window(params, track) > params->confirm_window - params->confirm_hits;
+  const int32_t window = window_length(params, track);
+  const int32_t seen = track->seen_frames < window ? track->seen_frames : window;
+  return seen - hits_in_window(params, track) > params->confirm_window - params->confirm_hits;
 }
 
 /* ---- the table of tracks ---- */
@@ -229,27 +241,51 @@ static void look_at_all(vista_tracker *tracker, const frame *f) {
   tracker->count = kept;
 }
 
+static void take(const frame *f, const vista_detection *detection, const vista_track_view *view, bool reshaped,
+                 vista_track *track) {
+  double variance_px2[3];
+  vista_track_filter_noise(f->params, f->camera, detection, view, reshaped, variance_px2);
+  const vista_world_hit seen = world_hit(f, detection, view->camera_m[2], variance_px2);
+  vista_static_world_add(f->params, &seen, &track->world);
+  vista_track_filter_update(f->params, view, detection, variance_px2, track);
+  hit(f, detection, track);
+}
+
+/* A track seen once, and a detection that no track explains: perhaps the same, moved. That is one more track, behind the
+ * others in the table; both go on as what stands, too. Returns how many there are. */
+static int32_t spawn_moving(vista_tracker *tracker, const frame *f) {
+  int32_t spawned = 0;
+  for (int32_t i = 0; i < tracker->count && tracker->count + spawned < tracker->max_tracks; ++i) {
+    const int32_t detection = vista_track_association_moved_to(tracker->association, i);
+    if (detection < 0) continue;
+    vista_track *const track = &tracker->tracks[tracker->count + spawned++];
+    *track = tracker->tracks[i];
+    track->id = tracker->next_id++;
+    track->moved = true;
+    const double since_s = seconds_between(track->hit_t_ns, f->t_ns);
+    vista_track_view view;
+    vista_track_filter_set_moving(f->params, since_s, track);
+    vista_track_filter_view(f->params, f->camera, f->pose, since_s, track, &view);
+    take(f, &f->detections[detection], &view, false, track);
+  }
+  return spawned;
+}
+
 static void update(vista_tracker *tracker, const frame *f) {
+  const int32_t spawned = spawn_moving(tracker, f);
   int32_t kept = 0;
   for (int32_t i = 0; i < tracker->count; ++i) {
-    vista_track *track = &tracker->tracks[i];
+    vista_track *const track = &tracker->tracks[i];
     const int32_t detection = tracker->detection_of_track[i];
-    if (detection < 0) {
+    if (detection < 0)
       miss(f, track);
-    } else {
-      double variance_px2[3];
-      const bool reshaped = vista_track_association_reshaped(tracker->association, i);
-      vista_track_filter_noise(f->params, f->camera, &f->detections[detection], &tracker->views[i], reshaped,
-                               variance_px2);
-      const vista_world_hit seen =
-          world_hit(f, &f->detections[detection], tracker->views[i].camera_m[2], variance_px2);
-      vista_static_world_add(f->params, &seen, &track->world);
-      vista_track_filter_update(f->params, &tracker->views[i], &f->detections[detection], variance_px2, track);
-      hit(f, &f->detections[detection], track);
-    }
+    else
+      take(f, &f->detections[detection], &tracker->views[i],
+           vista_track_association_reshaped(tracker->association, i), track);
     judge(f, track);
     if (!outlived(f, track)) tracker->tracks[kept++] = *track;
   }
+  for (int32_t i = 0; i < spawned; ++i) tracker->tracks[kept++] = tracker->tracks[tracker->count + i];
   tracker->count = kept;
 }
 
@@ -322,6 +358,7 @@ static void start(vista_tracker *tracker, const frame *f, const vista_detection 
   vista_track newborn;
   vista_track_view view;
   vista_track_filter_start(f->params, f->camera, f->pose, detection, &newborn);
+  newborn.hit_t_ns = f->t_ns;
   if (!look(f, &newborn, &view) || within_confirmed(tracker, f, &view)) return;
   if (tracker->count == tracker->max_tracks && !make_room(tracker, &newborn)) return;
   double variance_px2[3];
@@ -330,7 +367,6 @@ static void start(vista_tracker *tracker, const frame *f, const vista_detection 
   vista_static_world_start(f->params, &seen, &newborn.world);
   newborn.id = tracker->next_id++;
   newborn.age_frames = 1;
-  newborn.hit_t_ns = f->t_ns;
   newborn.visible_t_ns = f->t_ns;
   judge(f, &newborn);
   tracker->tracks[tracker->count] = newborn;

@@ -113,6 +113,36 @@ def test_crossing_obstacles_keep_their_ids() -> None:
     assert sorted(owner.values()) == [1, 2]
 
 
+def test_what_moves_fast_is_one_track_of_its_velocity() -> None:
+    """Across at 9 m/s, far out of the gate of what stands; by two hits more than that needs."""
+    random, tracker, velocity = seeded(7), Tracker(), np.array([9.0, 0.0, -3.0])
+    start = np.array([-9.0, 0.5, 60.0])
+    for frame in range(20):
+        tracker.update(DT * frame, [noisy(random, start + velocity * DT * frame)])
+        assert len(tracker.confirmed) == (frame >= 4)
+    (id_,) = tracker.confirmed
+    track = tracker.tracks[id_]
+    assert track.moved and track.hits == 20
+    assert list(track.velocity_m_s) == pytest.approx(velocity, abs=1.5)
+    assert tracker.raw()[1] == 1
+
+
+def test_what_may_have_moved_takes_nothing_from_what_stands() -> None:
+    """Things of one size in a row, each seen now and then: those are followed that were if nothing moved."""
+    random, trackers = seeded(8), [Tracker(), Tracker(moving_sigma_m_s=0.0)]
+    points = [np.array([1.5 * i - 6, 0.0, 30.0]) for i in range(9)]
+    for frame in range(40):
+        items = [noisy(random, p, label=i) for i, p in enumerate(points) if random.random() < 0.6]
+        followed = []
+        for tracker in trackers:
+            tracker.update(DT * frame, items)
+            seen = [t for t in tracker.tracks.values() if t.confirmed and not t.coasting]
+            assert all(abs(t.position_m[0] - points[t.label][0]) < 0.75 for t in seen)
+            followed.append({t.label for t in seen})
+        assert followed[0] >= followed[1]
+    assert len(followed[1]) > 3
+
+
 def test_association_is_global() -> None:
     """A suits both tracks, B only the first: the nearest pair taken first would strand the second."""
     tracker, thin = Tracker(attitude_sigma_deg=0.0), {"extent": (0.1, 0.1)}

@@ -96,6 +96,7 @@ typedef struct vista_reconstruction_params {
 /* One extended Kalman filter an obstacle, in the inertial frame (paper, section II-D). */
 typedef struct vista_tracker_params {
   double velocity_sigma_m_s; /* Prior of an obstacle's velocity, each axis: obstacles are mostly static. 0.001 .. 100.0 m/s. */
+  double moving_sigma_m_s; /* Prior of the velocity of what moves, each axis: of a track seen once whose next detection no track explains as standing. 0.0 .. 1000.0 m/s. */
   double acceleration_psd_m2_s3; /* Spectral density of the white acceleration, each axis. Paper: Q. 0.0 .. 1000.0 m2/s3. */
   double position_psd_m2_s; /* Random walk of the point that stands for the obstacle: regions change from frame to frame. Paper: Q. 0.0 .. 100.0 m2/s. */
   double attitude_sigma_deg; /* Error of the pose's attitude, each axis; adds to the noise of u and v. 0.0 .. 10.0 deg. */
@@ -106,6 +107,7 @@ typedef struct vista_tracker_params {
   double overlap_scale; /* Half extents around a track's centre that count as within it. 0.1 .. 10.0. */
   int32_t confirm_hits; /* A track is confirmed at this many hits in confirm_window frames. Paper: M. 1 .. 32 frames. At most confirm_window. */
   int32_t confirm_window; /* Frames, in which the track could be seen, that count for its confirmation. Paper: N. 1 .. 32 frames. */
+  int32_t moved_hits; /* A track that moves needs this many hits, and has this many frames, more to be confirmed. 0 .. 16 frames. */
   double static_odds; /* Likelihood ratio at which a track is held to stand still, or, inverted, to move with the aircraft as a mismatched texture does. 1.0 .. 1000000.0. */
   double static_tolerance; /* Motion along the line of sight, as a share of own travel, that what stands may seem to make: regions change on approach. 0.0 .. 1.0. */
   double static_noise_hits; /* Hits in a row whose range errors are about the same: they count as one. 1.0 .. 100.0 hits. */

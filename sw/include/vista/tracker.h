@@ -4,14 +4,17 @@
  *            static) and white acceleration noise. Width and height: one scalar filter each, on the logarithm.
  * Measurement z = (u, v, d) of the current camera: p = R^T (position - t), u = u0 + f X/Z, v = v0 + f Y/Z,
  *            d = f B/Z. Joseph-form update.
- * Association in three global assignments over what the one before left over:
+ * Association in global assignments over what the one before left over:
  *            confirmed tracks with the detections in their Mahalanobis gate, both in (u, v, d) linearised at the track
  *            and in space linearised at the detection: close to the camera the former accepts anything;
  *            confirmed tracks with detections inside their extent at their depth: the region changed its shape, so
  *            its centre counts as uncertain by half the extent;
- *            tentative tracks with the detections in their gate. A newborn never takes a confirmed track's detection.
+ *            tentative tracks with the detections in their gate. A newborn never takes a confirmed track's detection;
+ *            last, tracks seen once with detections of the same size where they may have moved to by now. Such a pair
+ *            starts one more track, whose velocity is that of the two; it takes nothing from what stands.
  * Life       a detection that nothing claims starts a tentative track, unless it lies within a confirmed one (a split
- *            region). Confirmed at M hits in the last N frames in which it could be seen; a tentative track that can
+ *            region). Confirmed at M hits in the last N frames in which it could be seen, both
+ *            moved_hits more if it moves; a tentative track that can
  *            no longer get there, or lies within a confirmed one, is dropped; so is a confirmed one after more than
  *            miss_max misses in a row.
  * Credible   once the static-world test holds it to stand still or to move by itself, until it refutes that; where own
@@ -41,6 +44,7 @@ typedef struct vista_track {
   int32_t id; /* from 1, never reused */
   bool confirmed;      /* M of N: it is tracked */
   bool credible;       /* and it does not move with the aircraft (vista/static_world.h): it may be warned of */
+  bool moved;          /* started from two detections as something that moves: confirmed by more hits */
   bool coasting;       /* no detection in this frame: the state is a prediction */
   bool in_view;        /* predicted inside the matched part of the image */
   bool in_blind_zone;  /* predicted nearer than the engine matches, and in view when it came so near */
