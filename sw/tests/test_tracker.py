@@ -128,19 +128,17 @@ def test_what_moves_fast_is_one_track_of_its_velocity() -> None:
 
 
 def test_what_may_have_moved_takes_nothing_from_what_stands() -> None:
-    """Things of one size in a row, each seen now and then: those are followed that were if nothing moved."""
-    random, trackers = seeded(8), [Tracker(), Tracker(moving_sigma_m_s=0.0)]
+    """Things of one size in a row, each seen now and then: as many are followed as if nothing could move."""
+    random, trackers, followed = seeded(8), [Tracker(), Tracker(moving_sigma_m_s=0.0)], [0, 0]
     points = [np.array([1.5 * i - 6, 0.0, 30.0]) for i in range(9)]
-    for frame in range(40):
+    for frame in range(200):
         items = [noisy(random, p, label=i) for i, p in enumerate(points) if random.random() < 0.6]
-        followed = []
-        for tracker in trackers:
+        for k, tracker in enumerate(trackers):
             tracker.update(DT * frame, items)
             seen = [t for t in tracker.tracks.values() if t.confirmed and not t.coasting]
             assert all(abs(t.position_m[0] - points[t.label][0]) < 0.75 for t in seen)
-            followed.append({t.label for t in seen})
-        assert followed[0] >= followed[1]
-    assert len(followed[1]) > 3
+            followed[k] += len({t.label for t in seen})
+    assert followed[0] > 0.97 * followed[1] > 200
 
 
 def test_association_is_global() -> None:
