@@ -144,6 +144,19 @@ def test_id_switches_are_those_of_the_target(flight: Path) -> None:
     assert score(flight, seen).id_switches == 2
 
 
+def test_the_match_stays_while_it_agrees(flight: Path) -> None:
+    """Of two warnings for the sign the one nearer to its centre counts, until it is gone; then the other one,
+    also when the first comes back."""
+    first, second = (
+        obstacle(SIGN_M + np.array([0.1, 0, 0]), id=1),
+        obstacle(SIGN_M - np.array([0.5, 0, 0]), id=2),
+    )
+    seen = {30: [second, first], 31: [second, first], 32: [second], 33: [second, first]}
+    result = score(flight, seen)
+    assert [result.frames[k].matched_id for k in range(30, 34)] == [1, 1, 2, 2]
+    assert result.id_switches == 1
+
+
 def test_errors_by_hand(flight: Path) -> None:
     """0.6 m behind the sign at every range: RMS, error at 50 ft, and NEES with sigmas 0.3, 1, 1 m."""
     covariance_m2 = np.diag([0.09, 1.0, 1.0])

@@ -21,8 +21,10 @@ missed frame    the target is a true danger nearer than 45 m, the blind zone inc
 false alarm     a warning that agrees with nothing: no point of any surface in the cylinder inflated by 1 m.
                 A ghost, if it agrees with no surface outside of that either; else something beside the path
 first detection range in the first frame that agrees and whose next STAYS_FRAMES frames agree in all but one
-error           |P - P^| of the nearest warning that agrees with the target; for a large target the
-                distance to the nearest seen point of it (P^ may be anywhere on a wall), without NEES
+match           the warning that agrees with the target and did so in the frame before; else the one nearest
+                to P of those that agree (of a sign and of its pole both may be warned)
+error           |P - P^| of the match; for a large target the distance of P^ to the nearest seen point of it,
+                because it may be anywhere on a wall, and no NEES
 blind frame     the target's nearest point in the cylinder is nearer than the engine matches,
                 f B / (candidates - 1)
 

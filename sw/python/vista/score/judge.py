@@ -47,7 +47,7 @@ class FrameScore:
     target: str | None  # name; None: no target is a true danger in this frame
     range_m: float | None  # of the target
     warnings: int
-    matched_id: int | None  # the nearest warning that agrees with the target
+    matched_id: int | None  # a warning that agrees with the target
     error_m: float | None
     nees: float | None  # of three dimensions; None without a match, or without a reference point
     false_alarms: tuple[FalseAlarm, ...]
@@ -75,6 +75,7 @@ class Judge:
         self._direction = direction
         self._blind_depth_m = blind_depth_m
         self._earlier_m = np.zeros((0, 3))
+        self._matched: int | None = None
 
     def frame(
         self, frame: FrameTruth, obstacles: tuple[Obstacle, ...], world_from_estimate: Pose
@@ -89,7 +90,7 @@ class Judge:
             if not self._was_there(frame, warnings[alarm.id], positions_m[alarm.id], alarm.range_m)
         ]
         self._earlier_m = np.concatenate([self._earlier_m, frame.around_path.position_m[::16]])
-        matched = match_target(self._truth, frame, places)
+        matched = self._match(frame, places, positions_m)
         error_m, nees = None, None
         if matched not in (None, TOO_NEAR_ID):
             covariance_m2 = warnings[matched].covariance_m2
@@ -107,6 +108,19 @@ class Judge:
             target is not None and target.nearest_depth_m < self._blind_depth_m,
         )
 
+    def _match(self, frame: FrameTruth, places: list[Warned], positions_m: dict[int, Array]) -> int | None:
+        """Id of a warning that agrees with the target: that of the frame before if it still does, else the
+        one nearest to P; one without a track only if there is no other."""
+        agreeing = [place.id for place in places if agrees(self._truth, place, frame.of_target)]
+        tracks = [k for k in agreeing if k != TOO_NEAR_ID]
+        if not agreeing or self._matched in tracks:
+            return self._matched if agreeing else None
+        if not tracks:
+            return TOO_NEAR_ID
+        reference_m = frame.target.reference_m
+        self._matched = min(tracks, key=lambda k: float(np.linalg.norm(positions_m[k] - reference_m)))
+        return self._matched
+
     def _was_there(self, frame: FrameTruth, obstacle: Obstacle, position_m: Array, range_m: float) -> bool:
         """It lies outside the image, where the exact disparity map of an earlier frame had a surface."""
         x_px, y_px, _ = project(self._truth, frame.world_from_camera, position_m)
@@ -115,13 +129,6 @@ class Judge:
             return False
         reach_m = tolerance_m(self._truth, range_m) + 0.5 * max(obstacle.extent_m)
         return bool(np.any(np.linalg.norm(self._earlier_m - position_m, axis=1) <= reach_m))
-
-
-def match_target(truth: FlightTruth, frame: FrameTruth, places: list[Warned]) -> int | None:
-    """Id of the nearest warning that agrees with the target's points in the cylinder, tracks first."""
-    matches = [place for place in places if agrees(truth, place, frame.of_target)]
-    best = min(matches, key=lambda place: (place.up_to, place.range_m), default=None)
-    return None if best is None else best.id
 
 
 def false_alarms(

@@ -32,7 +32,7 @@ from vista.score.frame_truth import (
     flight_direction,
     flight_frames,
 )
-from vista.score.judge import HIT_RANGE_M, Warned, agrees, match_target
+from vista.score.judge import HIT_RANGE_M, Warned, agrees
 from vista.score.truth import FlightTruth
 from vista.sequence import open_sequence
 
@@ -209,6 +209,6 @@ def judge_clusters(
     truth: FlightTruth, frame: FrameTruth, direction: Array, found: list[Cluster]
 ) -> tuple[int, int]:
     """Sizes of the largest cluster that agrees with the target, and of the largest that is a false alarm."""
-    agreeing = next((c.pixels for c in found if match_target(truth, frame, [c.place]) is not None), 0)
+    agreeing = next((c.pixels for c in found if agrees(truth, c.place, frame.of_target)), 0)
     suspects = (c for c in found if not agrees(truth, c.place, frame.around_path))
     return agreeing, next((c.pixels for c in suspects), 0)
