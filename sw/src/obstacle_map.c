@@ -65,7 +65,7 @@ static bool not_negative(double value) { return isfinite(value) && value >= 0.0;
 static vista_status check_params(const vista_obstacle_map_params *p) {
   const bool good = positive(p->collision_radius_m) && positive(p->collision_length_m) &&
                     not_negative(p->inflation_sigma) && not_negative(p->lasting_disparity_px) &&
-                    not_negative(p->lasting_range_m) && not_negative(p->lasting_center_ratio) && not_negative(p->velocity_smoothing_s) &&
+                    not_negative(p->lasting_range_m) && not_negative(p->lasting_center_px) && not_negative(p->lasting_center_ratio) && not_negative(p->velocity_smoothing_s) &&
                     not_negative(p->speed_min_m_s);
   return good ? VISTA_OK : VISTA_ERROR_RANGE;
 }
@@ -99,7 +99,7 @@ static flight flight_of(const double velocity_m_s[3], const vista_pose *pose, do
   return result;
 }
 
-/* Of the errors that last: along the ray by disparity and depth, across it by a share of the half extent. */
+/* Of the errors that last: along the ray by disparity and depth, across it by pixels and a share of the half extent. */
 static void lasting_covariance(const vista_obstacle_map_params *params, const vista_camera *camera,
                                const vista_pose *pose, const vista_track *track, const double camera_m[3],
                                double covariance_m2[9]) {
@@ -107,10 +107,12 @@ static void lasting_covariance(const vista_obstacle_map_params *params, const vi
   const double range_m = hypot(z * z / fb * params->lasting_disparity_px, params->lasting_range_m);
   const double ray[3] = {camera_m[0] / z, camera_m[1] / z, 1.0};
   double in_camera[9];
-  for (int i = 0; i < 3; ++i) {
+  for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) in_camera[3 * i + j] = range_m * range_m * ray[i] * ray[j];
-    const double across_m = i < 2 ? 0.5 * params->lasting_center_ratio * track->extent_m[i] : 0.0;
-    in_camera[4 * i] += across_m * across_m;
+  const double pixels_m = params->lasting_center_px * z / camera->focal_px;
+  for (int i = 0; i < 2; ++i) {
+    const double share_m = 0.5 * params->lasting_center_ratio * track->extent_m[i];
+    in_camera[4 * i] += pixels_m * pixels_m + share_m * share_m;
   }
   vista_frame_covariance_to_world(pose, in_camera, covariance_m2);
 }

@@ -92,6 +92,7 @@ vista_parameters vista_parameters_default(void) {
       .obstacle_map.inflation_sigma = 1.0,
       .obstacle_map.lasting_disparity_px = 0.05,
       .obstacle_map.lasting_range_m = 0.05,
+      .obstacle_map.lasting_center_px = 2.5,
       .obstacle_map.lasting_center_ratio = 0.08,
       .obstacle_map.velocity_smoothing_s = 0.3,
       .obstacle_map.speed_min_m_s = 0.5,
@@ -189,6 +190,7 @@ vista_status vista_parameters_check(const vista_parameters *parameters, const ch
   else if (!within(p->obstacle_map.inflation_sigma, 0.0, 10.0)) wrong = "obstacle_map.inflation_sigma";
   else if (!within(p->obstacle_map.lasting_disparity_px, 0.0, 16.0)) wrong = "obstacle_map.lasting_disparity_px";
   else if (!within(p->obstacle_map.lasting_range_m, 0.0, 10.0)) wrong = "obstacle_map.lasting_range_m";
+  else if (!within(p->obstacle_map.lasting_center_px, 0.0, 100.0)) wrong = "obstacle_map.lasting_center_px";
   else if (!within(p->obstacle_map.lasting_center_ratio, 0.0, 2.0)) wrong = "obstacle_map.lasting_center_ratio";
   else if (!within(p->obstacle_map.velocity_smoothing_s, 0.0, 60.0)) wrong = "obstacle_map.velocity_smoothing_s";
   else if (!within(p->obstacle_map.speed_min_m_s, 0.0, 100.0)) wrong = "obstacle_map.speed_min_m_s";
@@ -287,6 +289,7 @@ vista_status vista_parameters_set(vista_parameters *parameters, const char *name
   if (strcmp(name, "obstacle_map.inflation_sigma") == 0) return p->obstacle_map.inflation_sigma = value, VISTA_OK;
   if (strcmp(name, "obstacle_map.lasting_disparity_px") == 0) return p->obstacle_map.lasting_disparity_px = value, VISTA_OK;
   if (strcmp(name, "obstacle_map.lasting_range_m") == 0) return p->obstacle_map.lasting_range_m = value, VISTA_OK;
+  if (strcmp(name, "obstacle_map.lasting_center_px") == 0) return p->obstacle_map.lasting_center_px = value, VISTA_OK;
   if (strcmp(name, "obstacle_map.lasting_center_ratio") == 0) return p->obstacle_map.lasting_center_ratio = value, VISTA_OK;
   if (strcmp(name, "obstacle_map.velocity_smoothing_s") == 0) return p->obstacle_map.velocity_smoothing_s = value, VISTA_OK;
   if (strcmp(name, "obstacle_map.speed_min_m_s") == 0) return p->obstacle_map.speed_min_m_s = value, VISTA_OK;

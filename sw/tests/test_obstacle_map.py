@@ -114,15 +114,15 @@ def test_nearest_first_and_only_the_credible_collide() -> None:
 
 
 def test_errors_that_last_add_to_the_covariance() -> None:
-    """Along the ray by disparity and depth, across it by a share of the half extent; camera turned."""
+    """Along the ray by disparity and depth, across it by pixels and a share of the half extent; camera turned."""
     turn = Rotation.from_euler("xyz", [4, -7, 3], degrees=True).as_matrix()
-    lasting = {"lasting_disparity_px": 0.2, "lasting_range_m": 0.3, "lasting_center_ratio": 0.4}
+    lasting = {"lasting_disparity_px": 0.2, "lasting_range_m": 0.3, "lasting_center_px": 5.0, "lasting_center_ratio": 0.4}
     mapper, point = Map(**lasting), np.array([3.0, -2.0, 40.0])
     seen = track(turn @ point, sigma_m=0.1, extent=(2.0, 1.0))
     assert mapper.update(0.0, [seen], FORWARD, pose((0, 0, 0), turn)) == "VISTA_OK"
     ray = point / point[2]
     along2 = (40.0**2 / (FOCAL * BASELINE) * 0.2) ** 2 + 0.3**2
-    expected = 0.01 * np.eye(3) + along2 * np.outer(ray, ray) + np.diag([0.4**2, 0.2**2, 0.0])
+    expected = 0.01 * np.eye(3) + along2 * np.outer(ray, ray) + np.diag([0.2, 0.08, 0.0])  # 0.2 m, 0.4 m; 0.2 m, 0.2 m
     covariance = np.array(list(mapper.obstacles[0].covariance_m2)).reshape(3, 3)
     assert covariance == pytest.approx(turn @ expected @ turn.T)
 

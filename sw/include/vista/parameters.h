@@ -135,7 +135,8 @@ typedef struct vista_obstacle_map_params {
   double inflation_sigma; /* Standard deviations of the bearing that are added to an obstacle's semi-axes. 0.0 .. 10.0. */
   double lasting_disparity_px; /* Error of an obstacle's disparity that lasts from frame to frame: no filter averages it out; adds to the covariance. 0.0 .. 16.0 px. */
   double lasting_range_m; /* The same in depth, of the surface that the region's boundary shows; the larger part near the camera. 0.0 .. 10.0 m. */
-  double lasting_center_ratio; /* The same of its centre, as a share of its half width and height: a region may lack a part of the thing all along. 0.0 .. 2.0. */
+  double lasting_center_px; /* The same of its centre: matching widens a thing by up to half a block, more to one side than to the other. 0.0 .. 100.0 px. */
+  double lasting_center_ratio; /* The same, as a share of its half width and height: a region may lack a part of the thing all along. 0.0 .. 2.0. */
   double velocity_smoothing_s; /* Time constant of the velocity from poses; 0: the last difference. 0.0 .. 60.0 s. */
   double speed_min_m_s; /* Slower, the flight direction is the optical axis. 0.0 .. 100.0 m/s. */
 } vista_obstacle_map_params;
