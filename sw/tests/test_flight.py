@@ -12,8 +12,8 @@ import pytest
 from vista.flights.demo import SIGN_AT_30_FT_S
 from vista.flights.flight import Flight, is_complete, prepare, render_flight
 from vista.flights.rig import LEFT, RIGHT, Rig
-from vista.flights.scene import SIGN_HEIGHT_M, SIGN_WIDTH_M
 from vista.flights.scenes.meadow_flights import sign_site
+from vista.flights.scenes.things import SIGN_HEIGHT_M, SIGN_WIDTH_M
 from vista.flights.trajectory import quaternion_wxyz, rotation_from_angles
 from vista.flights.view import View
 from vista.flights.writer import image_path

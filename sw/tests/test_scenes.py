@@ -2,47 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 import pytest
+from vista.flights.catalog import FLIGHTS
 from vista.flights.scene import Mesh, Scene, Solid, Thing, bounds_m
-from vista.flights.scenes import ground, meadow_flights, street, street_flights
+from vista.flights.scenes import ground, street
 from vista.flights.scenes.meadow_flights import FIRST_X_M, LAST_X_M
 from vista.flights.scenes.random_scene import FARTHEST_M, random_scene
 
 CYLINDER_RADIUS_M, CYLINDER_LENGTH_M = 2.0, 100.0
 SWAY_M = 0.5  # of the aircraft about its path, and more
-ALTITUDE_M = 21 * 0.3048
-LOW_ALTITUDE_M = 2.6
-
-CLEAR = (
-    meadow_flights.clear_meadow,
-    meadow_flights.clear_fences,
-    street_flights.clear_street,
-    street_flights.clear_facades,
-    street_flights.clear_lane,
-)
-WITH_TARGET = (
-    meadow_flights.sign_site,
-    meadow_flights.pole_site,
-    meadow_flights.sign_site_at_noon,
-    meadow_flights.pole_site_in_shade,
-    meadow_flights.overcast_sign,
-    meadow_flights.low_sun_pole,
-    meadow_flights.hazy_sign,
-    meadow_flights.windy_pole,
-    meadow_flights.fenced_sign,
-    meadow_flights.thin_pole,
-    meadow_flights.lone_tree,
-    meadow_flights.plain_wall,
-    meadow_flights.approaching_drone,
-    meadow_flights.crossing_drone,
-    street_flights.urban,
-    street_flights.sign_before_facade,
-    street_flights.lamp_post_before_facade,
-    street_flights.van_in_the_way,
-)
 
 
 @pytest.fixture
@@ -54,13 +23,6 @@ def plain_surfaces(monkeypatch: pytest.MonkeyPatch) -> None:
         return np.full((round(height_m / texel_m), round(width_m / texel_m)), 0.4, np.float32)
 
     monkeypatch.setattr(street, "wall_texture", grey_wall)
-
-
-Build = Callable[[float, int], Scene]
-
-
-def altitude_m(build: Build) -> float:
-    return LOW_ALTITUDE_M if build is street_flights.van_in_the_way else ALTITUDE_M
 
 
 def boxes_m(solid: Solid) -> tuple[np.ndarray, np.ndarray]:
@@ -100,31 +62,22 @@ def check_things(scene: Scene) -> None:
 
 
 @pytest.mark.usefixtures("plain_surfaces")
-@pytest.mark.parametrize("build", WITH_TARGET, ids=lambda build: build.__name__)
-def test_targets_stand_in_the_way_and_nothing_else_does(build: Build) -> None:
-    scene = build(altitude_m(build), 3)
+@pytest.mark.parametrize("name", FLIGHTS)
+def test_only_targets_stand_in_the_way(name: str) -> None:
+    flight = FLIGHTS[name]
+    altitude_m = flight.approach.altitude_m
+    scene = flight.scene(altitude_m, flight.seed)
     check_things(scene)
     targets = [thing for thing in scene.things if thing.target]
-    assert targets and scene.things[: len(targets)] == tuple(targets)
+    assert scene.things[: len(targets)] == tuple(targets)
+    assert bool(targets) != name.startswith("clear_")
     for thing in scene.things:
-        distance = from_path_m(thing, altitude_m(build))
+        distance = from_path_m(thing, altitude_m)
         if thing.target:
             assert thing.standing
             assert distance < CYLINDER_RADIUS_M, thing.name
         else:
-            assert distance > CYLINDER_RADIUS_M, thing.name
-
-
-@pytest.mark.usefixtures("plain_surfaces")
-@pytest.mark.parametrize("build", CLEAR, ids=lambda build: build.__name__)
-def test_clear_scenes_leave_the_collision_cylinder_free(build: Build) -> None:
-    for seed in (3, 4):
-        scene = build(ALTITUDE_M, seed)
-        check_things(scene)
-        assert not any(thing.target for thing in scene.things)
-        assert any(thing.standing for thing in scene.things)
-        for thing in scene.things:
-            assert from_path_m(thing, ALTITUDE_M) > CYLINDER_RADIUS_M + SWAY_M, thing.name
+            assert distance > CYLINDER_RADIUS_M + (0 if targets else SWAY_M), thing.name
 
 
 def same(a: Scene, b: Scene) -> bool:

@@ -49,13 +49,6 @@ def ground(x_m: np.ndarray, y_m: np.ndarray, seed: int) -> np.ndarray:
     return np.clip(grass + bare * (soil - grass), 0.03, 0.9).astype(np.float32)
 
 
-def foliage(seed: int, size: int = 256) -> np.ndarray:
-    """Leaves: dark gaps between lighter tufts; tiles over a sphere."""
-    y, x = np.mgrid[0:size, 0:size].astype(np.float32) / size
-    tufts = layered(x, y, {0.25: 0.10, 0.1: 0.18, 0.045: 0.22, 0.02: 0.16}, seed)
-    return np.clip(0.17 + tufts, 0.015, 0.5).astype(np.float32)
-
-
 def bark(seed: int, size: int = 256) -> np.ndarray:
     """Furrows along the trunk."""
     y, x = np.mgrid[0:size, 0:size].astype(np.float32) / size
