@@ -9,7 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..scene import Haze, Scene, Sway, Thing, sign
+from ..scene import Haze, Scene, Sway, Thing
 from . import street, things, vegetation, vehicle, yard
 from .ground import ground
 from .landscape import forest, tree_row
@@ -80,7 +80,7 @@ def paper_site(target: Thing, altitude_m: float, seed: int) -> Scene:
 
 
 def sign_site(altitude_m: float, seed: int) -> Scene:
-    return paper_site(sign(altitude_m, seed), altitude_m, seed)
+    return paper_site(things.sign(altitude_m, seed), altitude_m, seed)
 
 
 def pole_site(altitude_m: float, seed: int) -> Scene:
@@ -99,7 +99,8 @@ def pole_site_in_shade(altitude_m: float, seed: int) -> Scene:
 def overcast_sign(altitude_m: float, seed: int) -> Scene:
     """White sign before a white sky without any texture; the mown field reaches to the horizon."""
     field = ground("stubble", altitude_m, FIRST_X_M, LAST_X_M, seed)
-    scene = Scene((sign(altitude_m, seed), field, *bales(seed)), to_sun=(0.0, 0.0, 1.0), sky="overcast")
+    everything = (things.sign(altitude_m, seed), field, *bales(seed))
+    scene = Scene(everything, to_sun=(0.0, 0.0, 1.0), sky="overcast")
     return replace(scene, sun_irradiance=0.5, fill_irradiance=2.2, overcast_radiance=0.62, exposure=1.4)
 
 
@@ -155,7 +156,7 @@ def fenced_sign(altitude_m: float, seed: int) -> Scene:
             )
         )
     ]
-    return Scene((sign(altitude_m, seed), *country(altitude_m, seed), *fences), to_sun=NOON_SUN)
+    return Scene((things.sign(altitude_m, seed), *country(altitude_m, seed), *fences), to_sun=NOON_SUN)
 
 
 def thin_pole(altitude_m: float, seed: int) -> Scene:

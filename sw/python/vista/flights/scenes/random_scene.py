@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..scene import Haze, Scene, Thing, bounds_m, sign
+from ..scene import Haze, Scene, Thing, bounds_m
 from . import street, things, vegetation, vehicle, yard
 from .ground import KINDS, MEAN_ALBEDO, ground
 from .landscape import far_houses, forest, tree_row
@@ -68,7 +68,7 @@ def parked(build: Callable, kind: str) -> Callable[[Site, np.random.Generator], 
 
 def board_sign(site: Site, rng: np.random.Generator) -> Thing:
     z = max(1.5, site.altitude_m + rng.uniform(-1.5, 1.0))
-    return sign(z, site.seed, *site.foot_m[:2])
+    return things.sign(z, site.seed, *site.foot_m[:2])
 
 
 def foamcore_pole(site: Site, rng: np.random.Generator) -> Thing:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..scene import Scene, Thing, sign
+from ..scene import Scene, Thing
 from . import street, things, vehicle
 from .ground import ground
 from .landscape import forest, tree_row
@@ -116,7 +116,7 @@ def yard_before_block(altitude_m: float, seed: int) -> list[Thing]:
 
 
 def sign_before_facade(altitude_m: float, seed: int) -> Scene:
-    return Scene((sign(altitude_m, seed), *yard_before_block(altitude_m, seed)), to_sun=STREET_SUN)
+    return Scene((things.sign(altitude_m, seed), *yard_before_block(altitude_m, seed)), to_sun=STREET_SUN)
 
 
 def lamp_post_before_facade(altitude_m: float, seed: int) -> Scene:

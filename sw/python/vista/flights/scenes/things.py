@@ -12,6 +12,8 @@ from .ground import tarpaulin_texture
 from .triangles import Triangles, placed
 from .vegetation import TREES, crown, crown_clumps
 
+SIGN_WIDTH_M, SIGN_HEIGHT_M = 40 * 0.0254, 30 * 0.0254
+SIGN_POLE_DIAMETER_M = 0.75 * 0.0254
 POLE_WIDTH_M, POLE_HEIGHT_M = 20 * 0.0254, 90 * 0.0254
 STAND_RADIUS_M = 0.03
 
@@ -191,6 +193,20 @@ def bale(name: str, foot_m: ArrayLike, yaw_deg: float, seed: int, radius_m: floa
     center = np.asarray(foot_m, float) + np.array([0, 0, radius_m])
     solid = Cylinder(name, tuple(center - axis), tuple(center + axis), radius_m, textures.straw(seed))
     return thing(name, "bale", [solid])
+
+
+def sign(altitude_m: float, seed: int, x_m: float = 0.0, y_m: float = 0.0) -> Thing:
+    """The paper's "sign": white foamcore 40 in x 30 in on a 0.75 in pole."""
+    center = (x_m, y_m, altitude_m)
+    print_ = textures.printed_sign(SIGN_WIDTH_M, SIGN_HEIGHT_M, seed)
+    radius = SIGN_POLE_DIAMETER_M / 2
+    behind = x_m + 2 * radius
+    top_m = altitude_m + SIGN_HEIGHT_M / 2
+    solids = (
+        Board("sign_board", center, SIGN_WIDTH_M, SIGN_HEIGHT_M, print_),
+        Cylinder("sign_pole", (behind, y_m, 0.0), (behind, y_m, top_m), radius, textures.paint(0.35, seed)),
+    )
+    return Thing("sign", "sign", solids, True, center, SIGN_WIDTH_M, SIGN_HEIGHT_M, target=True)
 
 
 def foamcore_pole(altitude_m: float, seed: int, x_m: float = 0.0, y_m: float = 0.0) -> Thing:
