@@ -189,8 +189,9 @@ class Renderer:
         depth_m = self.distance_m(world_from_camera) * self.forward()
         outwards, inwards = self.glowing
         glow = pixels(outwards, sensor, seen, seed=0)[..., 0]
-        if np.any((glow == 0) & np.isfinite(depth_m)):
-            glow += pixels(inwards, sensor, seen, seed=0)[..., 0]
+        dark = (glow == 0) & np.isfinite(depth_m)
+        if np.any(dark):
+            glow[dark] = pixels(inwards, sensor, seen, seed=0)[dark, 0]
         return View(depth_m.astype(np.float32), np.rint(glow).astype(np.int32))
 
     def forward(self) -> np.ndarray:
