@@ -12,6 +12,7 @@ from vista.throughput.system import SystemConfig
 PROBE_FRAMES = 16  # of a simulation that is asked for one rate
 KEEPS_UP = 0.99  # of the camera's rate
 AHEAD = 1.1  # of a camera that outruns the rest without filling memory with frames that are dropped
+FULL = 0.9995  # of a pixel a clock: the fastest camera behind which no frame waits
 GAIN = 1.05  # in rate, for a faster stage to count as the one that limits
 MAX_CAMERA_HZ = 10_000.0  # that model/systemc takes
 CLOCK_TOLERANCE = 0.002
@@ -79,20 +80,25 @@ def limit(simulator: Simulator, config: SystemConfig) -> Limit:
 def fastest_run(simulator: Simulator, config: SystemConfig, end: str = "host_end_ns") -> Run:
     """The run with the highest rate at `end`, whatever camera it takes.
 
-    A camera far ahead of the rest costs memory for frames that are lost: from the most that the engines can
-    do, a pixel a clock, the camera comes down to just above what was reached."""
+    Looked for among cameras up to what the engines can do, a pixel a clock. A camera far ahead of the rest
+    costs memory for frames that are lost: it is brought down to just above what is reached."""
+
+    def behind(camera_hz: float) -> Run:
+        return simulator.run(probe(config.faster_camera(camera_hz / config.camera_rate_hz)))
+
     most_hz = config.lanes * config.engine_clock_hz / (config.width_px * config.height_px)
-    camera_hz = min(AHEAD * most_hz, MAX_CAMERA_HZ)
-    best = simulator.run(probe(config.faster_camera(camera_hz / config.camera_rate_hz)))
+    # The fastest camera that the system is known to keep up with, the slowest that it is known not to.
+    low, high = 0.0, min(FULL * most_hz, MAX_CAMERA_HZ)
+    best, camera_hz = behind(high), high
     for _ in range(MAX_STEPS):
-        reached_hz = max(rate_hz(best, end), camera_hz / 4)  # nothing may have come through
-        if AHEAD * reached_hz > 0.99 * camera_hz:
+        reached = rate_hz(best, end)
+        if high <= 1.02 * AHEAD * reached or high - low < 0.03 * high:
             break
-        camera_hz = AHEAD * reached_hz
-        run = simulator.run(probe(config.faster_camera(camera_hz / config.camera_rate_hz)))
-        if 0 < rate_hz(run, end) <= rate_hz(best, end):
-            break
-        best = run
+        closer = AHEAD * reached
+        camera_hz = closer if camera_hz == high and low < closer < high else (low + high) / 2
+        run = behind(camera_hz)
+        low, high = (camera_hz, high) if rate_hz(run, end) >= KEEPS_UP * camera_hz else (low, camera_hz)
+        best = max(best, run, key=lambda one: rate_hz(one, end))
     return best
 
 
@@ -110,8 +116,9 @@ def clock_needed(simulator: Simulator, config: SystemConfig) -> ClockNeeded | No
 
     wanted = config.camera_rate_hz
     low, high = 0.0, wanted * config.width_px * config.height_px / config.lanes  # no clock below can do it
+    growth = 1.02  # little: it is mostly the pixels alone that take the time
     while rate(high) < wanted:
-        low, high = high, 1.1 * high
+        low, high, growth = high, growth * high, 1.3 * growth
         if high > config.width_px * config.height_px * MAX_CLOCK_RATIO * wanted:
             return None
     while high - low > CLOCK_TOLERANCE * high and low > 0:

@@ -56,10 +56,11 @@ class SystemConfig:
         return "\n".join(lines) + "\n"
 
     def faster_camera(self, factor: float) -> SystemConfig:
+        """Rate and pixel clock; this one a hair more, as the exact quotient may round to below the rate."""
         return replace(
             self,
             camera_rate_hz=self.camera_rate_hz * factor,
-            camera_pixel_clock_hz=self.camera_pixel_clock_hz * factor,
+            camera_pixel_clock_hz=self.camera_pixel_clock_hz * factor * (1 + 1e-9),
         )
 
     def faster_memory(self, factor: float) -> SystemConfig:
