@@ -99,6 +99,16 @@ static flight flight_of(const double velocity_m_s[3], const vista_pose *pose, do
   return result;
 }
 
+void vista_obstacle_map_direction(const vista_obstacle_map *map, const vista_obstacle_map_params *params,
+                                  const vista_pose *pose, double direction_camera[3]) {
+  const vista_pose *const here = pose != NULL ? pose : &vista_frame_still;
+  const flight way = flight_of(map->velocity_m_s, here, params->speed_min_m_s);
+  for (int i = 0; i < 3; ++i) {
+    direction_camera[i] = 0.0;
+    for (int k = 0; k < 3; ++k) direction_camera[i] += here->rotation[3 * k + i] * way.direction[k];
+  }
+}
+
 /* Of the errors that last: along the ray by disparity and depth, across it by pixels and a share of the half extent. */
 static void lasting_covariance(const vista_obstacle_map_params *params, const vista_camera *camera,
                                const vista_pose *pose, const vista_track *track, const double camera_m[3],
@@ -143,6 +153,9 @@ static vista_ellipse ellipse_of(const vista_track *track, const double measureme
   return ellipse;
 }
 
+/* One region gone astray is no collision. */
+static bool two_of_three(uint32_t hits) { return (hits & 1u) + (hits >> 1 & 1u) + (hits >> 2 & 1u) >= 2; }
+
 /* False: behind the camera. */
 static bool obstacle_of(const vista_obstacle_map_params *params, const vista_camera *camera, const vista_pose *pose,
                         const vista_line_segment *axis, const vista_track *track, vista_obstacle *obstacle) {
@@ -168,8 +181,11 @@ static bool obstacle_of(const vista_obstacle_map_params *params, const vista_cam
   for (int i = 0; i < 9; ++i) obstacle->covariance_m2[i] += lasting_m2[i];
   obstacle->disparity_px = measurement_px[2];
   obstacle->ellipse = ellipse_of(track, measurement_px, camera_m[2]);
-  const vista_disc disc = disc_of(params, camera, pose, track, covariance_px2, camera_m[2]);
-  obstacle->in_collision_volume = track->credible && vista_disc_near_segment(&disc, axis, params->collision_radius_m);
+  obstacle->in_collision_volume = track->credible && two_of_three(track->volume_window);
+  if (obstacle->in_collision_volume && track->coasting) {
+    const vista_disc disc = disc_of(params, camera, pose, track, covariance_px2, camera_m[2]);
+    obstacle->in_collision_volume = vista_disc_near_segment(&disc, axis, params->collision_radius_m);
+  }
   return true;
 }
 

@@ -73,6 +73,7 @@ vista_parameters vista_parameters_default(void) {
       .tracker.confirm_hits = 3,
       .tracker.confirm_window = 5,
       .tracker.moved_hits = 2,
+      .tracker.volume_pixels = 8,
       .tracker.static_odds = 8.0,
       .tracker.static_tolerance = 0.05,
       .tracker.static_noise_hits = 2.0,
@@ -171,6 +172,7 @@ vista_status vista_parameters_check(const vista_parameters *parameters, const ch
   else if (!within((double)p->tracker.confirm_hits, 1, 32)) wrong = "tracker.confirm_hits";
   else if (!within((double)p->tracker.confirm_window, 1, 32)) wrong = "tracker.confirm_window";
   else if (!within((double)p->tracker.moved_hits, 0, 16)) wrong = "tracker.moved_hits";
+  else if (!within((double)p->tracker.volume_pixels, 0, 1000000)) wrong = "tracker.volume_pixels";
   else if (!within(p->tracker.static_odds, 1.0, 1000000.0)) wrong = "tracker.static_odds";
   else if (!within(p->tracker.static_tolerance, 0.0, 1.0)) wrong = "tracker.static_tolerance";
   else if (!within(p->tracker.static_noise_hits, 1.0, 100.0)) wrong = "tracker.static_noise_hits";
@@ -270,6 +272,7 @@ vista_status vista_parameters_set(vista_parameters *parameters, const char *name
   if (strcmp(name, "tracker.confirm_hits") == 0) return p->tracker.confirm_hits = (int32_t)value, VISTA_OK;
   if (strcmp(name, "tracker.confirm_window") == 0) return p->tracker.confirm_window = (int32_t)value, VISTA_OK;
   if (strcmp(name, "tracker.moved_hits") == 0) return p->tracker.moved_hits = (int32_t)value, VISTA_OK;
+  if (strcmp(name, "tracker.volume_pixels") == 0) return p->tracker.volume_pixels = (int32_t)value, VISTA_OK;
   if (strcmp(name, "tracker.static_odds") == 0) return p->tracker.static_odds = value, VISTA_OK;
   if (strcmp(name, "tracker.static_tolerance") == 0) return p->tracker.static_tolerance = value, VISTA_OK;
   if (strcmp(name, "tracker.static_noise_hits") == 0) return p->tracker.static_noise_hits = value, VISTA_OK;

@@ -6,6 +6,7 @@
 
 #include "frame.h"
 #include "vista/affinity.h"
+#include "vista/collision_volume.h"
 #include "vista/reconstruction.h"
 #include "vista/surface.h"
 
@@ -167,9 +168,17 @@ static vista_status run_stage(vista_pipeline *p, vista_stage stage, const vista_
       return vista_affinity_compute(&p->foveation, &q->affinity, &p->camera, &p->cells, &p->affinity);
     case VISTA_STAGE_SEGMENTATION:
       return vista_segment(&p->foveation, q, &p->camera, &p->cells, &p->surfaces, &p->affinity, &p->segmentation);
-    case VISTA_STAGE_REGIONS:
-      return vista_regions_compute(&p->foveation, &q->region, &p->camera, up, q->surface.horizontal_deg,
-                                   &frame->disparity, &p->cells, &p->surfaces, &p->segmentation, &p->regions);
+    case VISTA_STAGE_REGIONS: {
+      const vista_status status =
+          vista_regions_compute(&p->foveation, &q->region, &p->camera, up, q->surface.horizontal_deg,
+                                &frame->disparity, &p->cells, &p->surfaces, &p->segmentation, &p->regions);
+      if (status != VISTA_OK) return status;
+      vista_collision_volume volume = {.radius_m = q->obstacle_map.collision_radius_m,
+                                       .length_m = q->obstacle_map.collision_length_m};
+      vista_obstacle_map_direction(p->map, &q->obstacle_map, frame->pose, volume.direction_camera);
+      return vista_collision_volume_count(&p->foveation, &q->region, &p->camera, &volume, &frame->disparity,
+                                          &p->regions);
+    }
     case VISTA_STAGE_RECONSTRUCTION: {
       const vista_matched_area matched = matched_area(&q->stereo);
       const vista_status status =

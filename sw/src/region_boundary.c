@@ -8,7 +8,7 @@
 #define PLANE_MIN_CELLS 6     /* fewer do not tell a slope from noise */
 #define MAX_TOLERANCE_PX 32.0 /* keeps the sums of squares of one run inside 32 bits */
 
-static double tolerance_px(const vista_region_params *params, const vista_camera *camera, double disparity_px) {
+double vista_region_tolerance_px(const vista_region_params *params, const vista_camera *camera, double disparity_px) {
   const double relief = (double)vista_depth_step_px(camera, (float)disparity_px, (float)params->tolerance_m);
   return fmin(fmax(params->tolerance_px, relief), MAX_TOLERANCE_PX);
 }
@@ -53,7 +53,7 @@ static double mode_px(const vista_region_view *w, const vista_camera *camera, in
   for (int32_t end = 0, start = 0; end <= top; ++end) {
     if (bins[end] == 0) continue; /* a best window can end on a word that occurs */
     const double end_px = end / (double)VISTA_DISPARITY_SCALE;
-    const double width = 2.0 * VISTA_DISPARITY_SCALE * tolerance_px(w->params, camera, end_px);
+    const double width = 2.0 * VISTA_DISPARITY_SCALE * vista_region_tolerance_px(w->params, camera, end_px);
     sum += bins[end];
     while (end - start > width) sum -= bins[start++];
     if (sum > best) {
@@ -156,7 +156,7 @@ bool vista_region_measure_boundary(vista_region_view *w, const vista_camera *cam
   const int32_t top = count_boundary(w, region);
   if (region->boundary_valid == 0) return false;
   const double mode = mode_px(w, camera, top);
-  w->tolerance_px = tolerance_px(w->params, camera, mode);
+  w->tolerance_px = vista_region_tolerance_px(w->params, camera, mode);
   const inliers around_mode = inliers_around(w->bins, mode, w->tolerance_px);
   *surface = (vista_plane){.offset = mode + around_mode.mean_px}; /* mode, refined by the mean around it */
   inliers in = inliers_around(w->bins, surface->offset, w->tolerance_px);

@@ -39,6 +39,9 @@ static inline double vista_plane_at(const vista_plane *plane, double u_px, doubl
   return plane->offset + plane->slope_u * u_px + plane->slope_v * v_px;
 }
 
+/* How far a disparity may be off the surface of a region at disparity_px: by noise or by relief. */
+double vista_region_tolerance_px(const vista_region_params *params, const vista_camera *camera, double disparity_px);
+
 /* Fills the boundary's statistics in, the disparity as that at the region's first cell, and the surface; sets the
  * view's tolerance. False: no valid pixel there. */
 bool vista_region_measure_boundary(vista_region_view *view, const vista_camera *camera, const double up_camera[3],

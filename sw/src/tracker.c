@@ -78,7 +78,7 @@ static vista_status check_params(const vista_tracker_params *p) {
                     not_negative(p->position_psd_m2_s) && not_negative(p->attitude_sigma_deg) &&
                     positive(p->gate_chi2) && positive(p->extent_sigma_ratio) && not_negative(p->extent_psd_1_s) &&
                     positive(p->overlap_sigma) && positive(p->overlap_scale) && p->confirm_window >= 1 &&
-                    p->confirm_window <= WINDOW_BITS && p->moved_hits >= 0 && p->moved_hits <= 16 && p->confirm_hits >= 1 && p->confirm_hits <= p->confirm_window &&
+                    p->volume_pixels >= 0 && p->confirm_window <= WINDOW_BITS && p->moved_hits >= 0 && p->moved_hits <= 16 && p->confirm_hits >= 1 && p->confirm_hits <= p->confirm_window &&
                     p->static_odds >= 1.0 && isfinite(p->static_odds) && not_negative(p->static_tolerance) &&
                     p->static_noise_hits >= 1.0 && isfinite(p->static_noise_hits) && positive(p->static_fade_m) &&
                     not_negative(p->static_speed_min_m_s) && p->miss_max >= 0 && not_negative(p->out_of_view_s) && not_negative(p->blind_zone_s) &&
@@ -190,6 +190,7 @@ static void judge(const frame *f, vista_track *track) {
 static void hit(const frame *f, const vista_detection *detection, vista_track *track) {
   track->coasting = false;
   track->label = detection->label;
+  track->volume_window = track->volume_window << 1 | (detection->volume_pixels >= f->params->volume_pixels);
   track->window = track->window << 1 | 1u;
   track->hits += 1;
   track->seen_frames += 1;

@@ -77,6 +77,8 @@ def track(position, id_: int = 1, sigma_m: float = 0.1, extent=(1.0, 0.8), **cha
         "id": id_,
         "confirmed": True,
         "credible": True,
+        "coasting": True,  # so that its disc counts
+        "volume_window": 0b111,
         "age_frames": 7,
         "position_m": [float(x) for x in position],
         "covariance": (np.eye(6) * sigma_m**2).ravel().tolist(),
@@ -113,16 +115,46 @@ def test_nearest_first_and_only_the_credible_collide() -> None:
     assert (mapper.nearest.valid, mapper.nearest.id) == (False, 0)
 
 
-def test_errors_that_last_add_to_the_covariance() -> None:
-    """Along the ray by disparity and depth, across it by pixels and a share of the half extent; camera turned."""
+@pytest.mark.parametrize(
+    ("hits", "member"),
+    [(0b111, True), (0b011, True), (0b101, True), (0b110, True), (0b001, False), (0b1000, False)],
+)
+def test_what_is_seen_is_a_member_by_two_of_three_hits(hits: int, member: bool) -> None:
+    """Wherever its centre is; while it coasts, if its disc is in the way, too."""
+    for point, in_the_way in (((0, 0, 30.0), True), ((9, 0, 30.0), False)):
+        assert in_volume(point, coasting=False, volume_window=hits) == member
+        assert in_volume(point, coasting=True, volume_window=hits) == (member and in_the_way)
+
+
+def test_the_flight_direction_is_seen_from_the_camera() -> None:
+    mapper, out = Map(), ffi.new("double[3]")
     turn = Rotation.from_euler("xyz", [4, -7, 3], degrees=True).as_matrix()
-    lasting = {"lasting_disparity_px": 0.2, "lasting_range_m": 0.3, "lasting_center_px": 5.0, "lasting_center_ratio": 0.4}
+    lib.vista_obstacle_map_direction(mapper.handle, mapper.params, pose((1, 2, 3), turn), out)
+    assert list(out) == pytest.approx([0, 0, 1])  # unknown yet: the optical axis
+    mapper.update(0.0, [], (3.0, 0.0, 4.0))
+    lib.vista_obstacle_map_direction(mapper.handle, mapper.params, pose((1, 2, 3), turn), out)
+    assert list(out) == pytest.approx(turn.T @ [0.6, 0.0, 0.8])
+    lib.vista_obstacle_map_direction(mapper.handle, mapper.params, ffi.NULL, out)
+    assert list(out) == pytest.approx([0.6, 0.0, 0.8])
+
+
+def test_errors_that_last_add_to_the_covariance() -> None:
+    """Along the ray by disparity and depth, across it by pixels and a share of the extent; camera turned."""
+    turn = Rotation.from_euler("xyz", [4, -7, 3], degrees=True).as_matrix()
+    lasting = {
+        "lasting_disparity_px": 0.2,
+        "lasting_range_m": 0.3,
+        "lasting_center_px": 5.0,
+        "lasting_center_ratio": 0.4,
+    }
     mapper, point = Map(**lasting), np.array([3.0, -2.0, 40.0])
     seen = track(turn @ point, sigma_m=0.1, extent=(2.0, 1.0))
     assert mapper.update(0.0, [seen], FORWARD, pose((0, 0, 0), turn)) == "VISTA_OK"
     ray = point / point[2]
     along2 = (40.0**2 / (FOCAL * BASELINE) * 0.2) ** 2 + 0.3**2
-    expected = 0.01 * np.eye(3) + along2 * np.outer(ray, ray) + np.diag([0.2, 0.08, 0.0])  # 0.2 m, 0.4 m; 0.2 m, 0.2 m
+    expected = (
+        0.01 * np.eye(3) + along2 * np.outer(ray, ray) + np.diag([0.2, 0.08, 0.0])
+    )  # 0.2 m, 0.4 m; 0.2 m, 0.2 m
     covariance = np.array(list(mapper.obstacles[0].covariance_m2)).reshape(3, 3)
     assert covariance == pytest.approx(turn @ expected @ turn.T)
 

@@ -82,6 +82,7 @@ def detection(measurement, extent=(1.0, 0.8), sigmas=SIGMAS, label: int = 0, cut
         ],
         "covariance_camera_m2": (j @ np.diag(np.square(sigmas)) @ j.T).ravel().tolist(),
         "extent_m": list(extent),
+        "volume_pixels": 100 * (np.hypot(u - CENTER[0], v - CENTER[1]) * BASELINE / d < 2.0),
         "cut_u": cut[0],
         "cut_v": cut[1],
         "ellipse": [u, v, *half, 0.0 if extent[0] >= extent[1] else 90.0],

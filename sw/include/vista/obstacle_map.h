@@ -8,7 +8,9 @@
  * the filter's covariance, J diag(lasting^2) J^T as in reconstruction, not fed into it.
  * Too near to match (vista/saturation.h): an obstacle without a track, id 0, on the flight path somewhere within the
  * blind zone, as wide as the volume. It is given at the far end of the zone, with the zone's length as uncertainty.
- * Obstacle: an elliptical disc facing the camera, semi-axes extent / 2 + inflation_sigma times the standard deviation
+ * Membership: an obstacle that is seen, by its region's own pixels (vista/collision_volume.h) in two of its last three
+ * hits. While it coasts it stays a member as far as its disc does.
+ * Disc: an elliptical one facing the camera, semi-axes extent / 2 + inflation_sigma times the standard deviation
  * of its bearing at its depth. Only across the line of sight: the range uncertainty of a far obstacle moves it along
  * its line of sight and would put misses into the volume; it is reported in the covariance instead. */
 #ifndef VISTA_OBSTACLE_MAP_H
@@ -38,7 +40,7 @@ typedef struct vista_obstacle {
   double extent_m[2];       /* width, height */
   vista_ellipse ellipse;    /* of this frame's detection, or the last one carried on to the predicted place and range */
   double disparity_px;      /* of the state in this frame */
-  bool in_collision_volume; /* credible (vista/tracker.h), and its disc meets the volume */
+  bool in_collision_volume; /* credible (vista/tracker.h) and a member */
 } vista_obstacle;
 
 typedef struct vista_nearest_collision {
@@ -72,5 +74,9 @@ vista_nearest_collision vista_obstacle_map_nearest(const vista_obstacle_map *map
 
 /* Velocity of the camera in world that the last update worked with; zero while unknown. */
 void vista_obstacle_map_velocity(const vista_obstacle_map *map, double velocity_m_s[3]);
+
+/* The flight direction by that velocity, unit length, in the camera of this pose (NULL: world = camera). */
+void vista_obstacle_map_direction(const vista_obstacle_map *map, const vista_obstacle_map_params *params,
+                                  const vista_pose *pose, double direction_camera[3]);
 
 #endif

@@ -25,6 +25,7 @@ typedef struct vista_detection {
   double extent_m[2];             /* width, height of the upright box around the ellipse, at the range of the region */
   bool cut_u, cut_v;              /* the border of the matched image cuts the region: the extent is a lower bound
                                      along u, v; the centre is uncertain by half of it (in sigma_u_px, sigma_v_px) */
+  int32_t volume_pixels;          /* of the region, in the collision volume */
   vista_ellipse ellipse;
 } vista_detection;
 

@@ -46,6 +46,7 @@ typedef struct vista_region {
   vista_region_verdict verdict;
   int32_t node_count;
   int32_t pixel_count; /* own pixels, see above; like their moments measured only if the boundary passed its tests */
+  int32_t volume_pixels; /* of these, in the collision volume (vista/collision_volume.h) */
   /* Moments of the own pixels: centre and covariance. */
   double mean_u_px, mean_v_px;
   double cov_uu_px2, cov_uv_px2, cov_vv_px2;

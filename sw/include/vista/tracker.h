@@ -54,6 +54,7 @@ typedef struct vista_track {
   int32_t misses;      /* in a row; only frames in which it could be seen count */
   int32_t seen_frames; /* frames in which it was seen or could have been */
   uint32_t window;     /* the last 32 of these, bit 0 the newest, 1 = hit */
+  uint32_t volume_window; /* the last 32 hits, bit 0 the newest, 1 = in the collision volume by volume_pixels */
   int64_t hit_t_ns;    /* last detection */
   int64_t visible_t_ns; /* last frame in which it could be seen */
   double position_m[3];   /* world */

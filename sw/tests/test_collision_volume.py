@@ -1,0 +1,94 @@
+"""Pixels of a region in the collision volume, by triangulating every one of them in numpy."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from cut_library import ffi, lib, status_name
+from random_seed import seeded
+from stage_library import Stages, camera, image_struct, plane_disparity, rays, words_of
+from test_region import TOLERANCES, box, measure
+
+RADIUS_M, LENGTH_M = 2.0, 30.0
+
+
+def count(stages: Stages, words: np.ndarray, direction=(0.0, 0.0, 1.0)) -> list[int]:
+    volume = ffi.new("vista_collision_volume *", [list(direction), RADIUS_M, LENGTH_M])
+    status = lib.vista_collision_volume_count(
+        stages.foveation.handle,
+        stages.section("region"),
+        stages.camera,
+        volume,
+        image_struct("disparity_image", words),
+        stages.regions,
+    )
+    assert status_name(status) == "VISTA_OK"
+    return [stages.regions.items[k].volume_pixels for k in range(stages.regions.count)]
+
+
+def expected(stages: Stages, words: np.ndarray, region, direction, slack_m: float) -> int:
+    """Own pixels: near the region's surface. slack_m widens the volume, or narrows it."""
+    v, u = np.mgrid[: words.shape[0], : words.shape[1]]
+    surface = (
+        region.disparity_px
+        + region.slope_u * (u - region.mean_u_px)
+        + region.slope_v * (v - region.mean_v_px)
+    )
+    own = (words > 0) & (np.abs(words / 16 - surface) <= 1.0)
+    own &= (stages.label == region.label)[stages.foveation.cell_of_pixel]
+    scale = stages.camera.focal_px * stages.camera.baseline_m
+    points = rays(stages.camera) * (scale * 16 / np.maximum(words, 1))[..., None]
+    along = points @ np.asarray(direction)
+    across = np.linalg.norm(points - along[..., None] * np.asarray(direction), axis=-1)
+    inside = (across <= RADIUS_M + slack_m) & (along > 0) & (along <= LENGTH_M + slack_m)
+    return int(np.count_nonzero(own & inside))
+
+
+@pytest.mark.parametrize("direction", [(0.0, 0.0, 1.0), (0.1, -0.05, 1.0), (-0.3, 0.0, 1.0)])
+def test_pixels_are_counted_where_they_are(direction: tuple[float, float, float]) -> None:
+    """Boards at several ranges and a wall along the way, on both sides of the volume's surface."""
+    random, unit = seeded(1), np.array(direction) / np.linalg.norm(direction)
+    stages = Stages(camera(), TOLERANCES)
+    masks = [box((60, 120), 40, 60), box((160, 100), 30, 40), box((260, 140), 45, 90)]
+    disparity = np.full((240, 320), -1.0)
+    disparity[masks[0]], disparity[masks[1]] = 12.0, 8.0  # f B = 200 px m: 17 and 25 m
+    disparity[masks[2]] = plane_disparity(stages.camera, (1, 0, 0.2), (2.5, 0, 2))[masks[2]]
+    words = words_of(disparity, random, 0.1)
+    regions = measure(stages, words, masks)
+    assert stages.regions.accepted_count == 3
+    for region, found in zip(regions, count(stages, words, unit), strict=True):
+        low, high = (expected(stages, words, region, unit, slack) for slack in (-0.01, 0.01))
+        assert low <= found <= high
+
+
+def test_a_wall_beside_the_way_is_out_though_its_middle_would_reach_in() -> None:
+    """3 m to the right, from 6 m to 30 m ahead: as a disc of its size it would be in the way."""
+    stages = Stages(camera(), TOLERANCES)
+    disparity = plane_disparity(stages.camera, (1, 0, 0), (3, 0, 0))
+    wall = (disparity > 200 / 30) & (disparity < 200 / 6)
+    words = words_of(np.where(wall, disparity, -1.0))
+    (region,) = measure(stages, words, [wall])
+    assert region.verdict == lib.VISTA_REGION_ACCEPTED
+    assert count(stages, words) == [0]
+    assert count(stages, words, (0.2, 0.0, np.sqrt(0.96)))[0] > 1000
+
+
+def test_what_is_no_obstacle_is_not_counted() -> None:
+    stages = Stages(camera(), TOLERANCES | {"region.min_inliers": 10**6})
+    mask = box((160, 120), 30, 30)
+    words = words_of(np.where(mask, 20.0, -1.0))
+    measure(stages, words, [mask])
+    assert count(stages, words) == [0]
+
+
+def test_wrong_arguments_are_refused() -> None:
+    stages, words = Stages(camera()), np.zeros((240, 320), np.int16)
+    volume = ffi.new("vista_collision_volume *", [[0, 0, 1], RADIUS_M, LENGTH_M])
+    pointers = [stages.foveation.handle, stages.section("region"), stages.camera, volume]
+    pointers += [image_struct("disparity_image", words), stages.regions]
+    for i in range(len(pointers)):
+        arguments = pointers.copy()
+        arguments[i] = ffi.NULL
+        assert status_name(lib.vista_collision_volume_count(*arguments)) == "VISTA_ERROR_ARGUMENT"
+    pointers[4] = image_struct("disparity_image", words[1:])
+    assert status_name(lib.vista_collision_volume_count(*pointers)) == "VISTA_ERROR_SIZE"
