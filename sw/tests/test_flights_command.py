@@ -42,6 +42,7 @@ def test_the_table_has_both_groups_and_the_noise(printed: str) -> None:
     assert printed.count("= tune: 1 flights") == printed.count("= report: 1 flights") == 2
     assert "with pose noise:" in printed
     assert "stereo alone, 540 thresholds over 2 flights" in printed
+    assert re.search(r"^segmentation +things +IoU median, cut", printed, re.M)
 
 
 def test_the_figures_are_those_of_the_python_function(folder: Path, printed: str) -> None:
@@ -55,6 +56,7 @@ def test_the_figures_are_those_of_the_python_function(folder: Path, printed: str
     assert content["groups"][1]["hits"] == direct["hits"]
     assert len(content["pose_noise"]["flights"]) == 2
     assert len(content["goals"]) == 12
+    assert {row["name"] for row in content["segmentation"]} >= {"sign", "= report"}
 
 
 class Fetched(HTMLParser):

@@ -14,7 +14,7 @@ from concurrent.futures import ProcessPoolExecutor
 from dataclasses import asdict
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from tqdm import tqdm
 
@@ -25,12 +25,17 @@ from vista.output import write_atomically
 from vista.score.comparison import Comparison, compare, comparison_line
 from vista.score.filmstrip import filmstrip
 from vista.score.flight import FlightScore, score_records, summary
+from vista.score.flight_segmentation import FlightSegmentation, rows, segment_cached
+from vista.score.flight_segmentation import table as segmentation_table
 from vista.score.fly import fly_cached
 from vista.score.goals import Goal, goal_line, goals
 from vista.score.group import SPLITS, group_score, table
 from vista.score.report import FlightPage, render_flights
 from vista.score.stereo_alone import Outcome, outcomes_cached
 from vista.score.truth import TRUTH, read_truth
+
+if TYPE_CHECKING:
+    from vista.flights.flight import Flight
 
 SCORES, REPORT = "flights.json", "report.html"
 RECORDS = "records.json"
@@ -80,6 +85,7 @@ def execute(arguments: argparse.Namespace) -> int:
         if arguments.no_baseline
         else with_jobs(partial(stereo_alone, values), folders, arguments.jobs, "stereo alone")
     )
+    segmented = with_jobs(partial(segment, values), folders, arguments.jobs, "segmentation")
     comparison = compare(scores, alone) if alone else None
     reached = goals(
         *(untuned(part) for part in (scores, noisy)), comparison_untuned(scores, alone) if alone else None
@@ -89,11 +95,11 @@ def execute(arguments: argparse.Namespace) -> int:
         print("\nwith pose noise:\n" + table(noisy))
     if comparison is not None:
         print("\n" + comparison_line(comparison))
-    print()
+    print("\n" + segmentation_table(segmented) + "\n")
     print("\n".join(goal_line(goal) for goal in reached))
-    write_scores(arguments.folder / SCORES, scores, noisy, comparison, reached, values)
+    write_scores(arguments.folder / SCORES, scores, noisy, segmented, comparison, reached, values)
     pages = with_jobs(partial(flight_page, values), list(zip(folders, scores, strict=True)), 1, "pictures")
-    page = render_flights(pages, noisy, comparison, reached, values)
+    page = render_flights(pages, noisy, segmented, comparison, reached, values)
     write_atomically(arguments.folder / REPORT, page)
     print(f"\nreport: {arguments.folder / REPORT}")
     return EXIT_OK
@@ -130,6 +136,10 @@ def fly_and_score(values: parameters.Values, noise_seed: int | None, folder: Pat
     return score_records(folder, records, values)
 
 
+def segment(values: parameters.Values, folder: Path) -> FlightSegmentation:
+    return segment_cached(folder, values, folder / "segmentation.json")
+
+
 def stereo_alone(values: parameters.Values, folder: Path) -> list[Outcome]:
     return outcomes_cached(folder, values, folder / "stereo_alone.json")
 
@@ -138,6 +148,7 @@ def write_scores(
     path: Path,
     scores: list[FlightScore],
     noisy: list[FlightScore],
+    segmented: list[FlightSegmentation],
     comparison: Comparison | None,
     reached: list[Goal],
     values: parameters.Values,
@@ -147,6 +158,7 @@ def write_scores(
         "flights": [summary(score) for score in scores],
         "groups": groups(scores),
         "goals": [asdict(goal) for goal in reached],
+        "segmentation": [asdict(row) for row in rows(segmented) if row.things],
         "stereo_alone": comparison and asdict(comparison),
         "pose_noise": {"flights": [summary(score) for score in noisy], "groups": groups(noisy)},
     }
@@ -159,11 +171,9 @@ def groups(scores: list[FlightScore]) -> list[dict[str, Any]]:
     return [asdict(group) | {"hit_rate": group.hit_rate} for group in found]
 
 
-def catalogue() -> dict[str, Any]:
-    try:
-        from vista.flights.catalog import FLIGHTS  # loads the renderer, which `--help` need not
-    except ModuleNotFoundError:
-        return {}
+def catalogue() -> dict[str, Flight]:
+    from vista.flights.catalog import FLIGHTS  # takes a moment, for which `--help` need not wait
+
     return FLIGHTS
 
 
@@ -175,8 +185,7 @@ def list_flights() -> None:
 def chosen_names(folder: Path, only: list[str], held_only: bool) -> list[str]:
     """Of the catalogue, in its order, and of what the folder holds beside it."""
     held = [path.parent.name for path in sorted(folder.glob(f"*/{TRUTH}"))]
-    listed = [name for name in catalogue() if not held_only or name in held]
-    known = list(dict.fromkeys([*listed, *held]))
+    known = held if held_only else list(dict.fromkeys([*catalogue(), *held]))
     unknown = [name for name in only if name not in known]
     if unknown:
         raise InputError("--only", f"no flight {unknown[0]}; `vista flights DIR --list` names them")

@@ -15,6 +15,7 @@ from vista.score.comparison import Comparison, comparison_line
 from vista.score.filmstrip import Still
 from vista.score.flight import FlightScore
 from vista.score.flight_plots import plot_comparison, plot_detection, plot_error
+from vista.score.flight_segmentation import FlightSegmentation, cells, heads, interval_text, rows
 from vista.score.goals import Goal
 from vista.score.group import COLUMNS, LEGEND, SPLITS, group_line, group_score
 
@@ -29,6 +30,7 @@ class FlightPage:
 def render_flights(
     pages: list[FlightPage],
     noisy: list[FlightScore],
+    segmented: list[FlightSegmentation],
     comparison: Comparison | None,
     reached: list[Goal],
     values: parameters.Values,
@@ -47,6 +49,12 @@ def render_flights(
         heads=[head for head, _ in COLUMNS],
         legend=LEGEND,
         tables=[table_rows(scores)] + ([table_rows(noisy)] if noisy else []),
+        segmentation={
+            "heads": heads(),
+            "rows": [
+                (row.name, cells(row), interval_text(row) if row.intervals else "") for row in rows(segmented)
+            ],
+        },
         comparison=comparison and comparison_line(comparison),
         plots={
             "comparison": comparison and Markup(plot_comparison(comparison)),

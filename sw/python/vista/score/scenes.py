@@ -61,13 +61,13 @@ def read_scenes(folder: Path, split: str | None = None) -> list[LabelledScene]:
     return chosen
 
 
-def read_scene(folder: Path) -> LabelledScene:
-    """The first frame of a labelled flight. Raises InputError for what is missing or not rectified."""
+def read_scene(folder: Path, index: int = 0) -> LabelledScene:
+    """One frame of a labelled flight. Raises InputError for what is missing or not rectified."""
     truth, sequence = read_truth(folder), open_sequence(folder)
     rectifier = Rectifier(sequence.calibration)
     if not rectifier.is_passthrough:
         raise InputError(folder, "the labels belong to a pair that is not rectified")
-    frame = sequence.read(sequence.frames[0])
+    frame = sequence.read(sequence.frames[index])
     stereo = engine_parameters(parameters.defaults())  # of every variant the same area is scored
     view = labelled_view(
         truth.labels(frame.t_ns).astype(np.int32),

@@ -1,0 +1,153 @@
+"""The segmentation of a flight's frames against its labels: the cut beside the control, which does not cut.
+
+Scores of one frame are those of vista.score.segmentation; frames of a flight are not independent, so
+intervals are over flights.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from vista import parameters
+from vista.output import write_atomically
+from vista.score.fly import flight_digest
+from vista.score.scenes import partition_scenes, read_scene
+from vista.score.scenes_report import CONTROLS, CUT, SPLITS, score_scene
+from vista.score.segmentation import STATISTICS, PartitionScore, Thing, ThingScore, difference_interval
+from vista.score.truth import read_truth
+
+STRIDE = 8  # frames
+MIN_FLIGHTS = 3  # of an interval
+SHOWN = {"iou_median": "IoU median", "boundary_recall_cell": "boundary recall"}
+SOURCES = ("flight_segmentation.py", "segmentation.py", "scenes.py", "scenes_report.py", "control.py")
+
+
+@dataclass(frozen=True)
+class FlightSegmentation:
+    name: str
+    split: str
+    frames: int
+    scores: dict[str, PartitionScore]  # by partition: the things of all frames together
+
+
+def segment_cached(folder: Path, values: parameters.Values, cache: Path) -> FlightSegmentation:
+    digest = hashlib.sha256(flight_digest(folder, values, None).encode())
+    for source in SOURCES:
+        digest.update((Path(__file__).parent / source).read_bytes())
+    try:
+        content = json.loads(cache.read_text())
+        if content["digest"] == digest.hexdigest():
+            return _segmentation(content["segmentation"])
+    except (OSError, ValueError, KeyError, TypeError):  # absent, or of an earlier layout
+        pass
+    found = segment_flight(folder, values)
+    write_atomically(cache, json.dumps({"digest": digest.hexdigest(), "segmentation": asdict(found)}))
+    return found
+
+
+def segment_flight(folder: Path, values: parameters.Values) -> FlightSegmentation:
+    """Every STRIDE-th frame, each by itself."""
+    truth = read_truth(folder)
+    scenes = [read_scene(folder, k) for k in range(0, len(truth.times_ns), STRIDE)]
+    scored = [score_scene(scene, partition) for scene, partition in partition_scenes(scenes, values)]
+    pooled = {name: pool([one.scores[name] for one in scored]) for name in (CUT, *CONTROLS)}
+    return FlightSegmentation(truth.name, truth.split, len(scenes), pooled)
+
+
+def pool(scores: list[PartitionScore]) -> PartitionScore:
+    return PartitionScore(
+        tuple(thing for score in scores for thing in score.things),
+        float(np.mean([score.undersegmentation for score in scores])),
+        int(np.median([score.regions for score in scores])),
+    )
+
+
+def _segmentation(content: dict[str, Any]) -> FlightSegmentation:
+    scores = {
+        name: PartitionScore(
+            tuple(ThingScore(**thing | {"thing": Thing(**thing["thing"])}) for thing in score["things"]),
+            score["undersegmentation"],
+            score["regions"],
+        )
+        for name, score in content["scores"].items()
+    }
+    return FlightSegmentation(**content | {"scores": scores})
+
+
+@dataclass(frozen=True)
+class SegmentationRow:
+    name: str
+    things: int
+    values: tuple[tuple[float, ...], ...]  # of each statistic of SHOWN: cut, controls
+    intervals: tuple[tuple[tuple[float, float], ...], ...] = ()  # of a group: 95 % of cut - control
+
+
+def rows(flights: list[FlightSegmentation]) -> list[SegmentationRow]:
+    """A flight each, and after those of a group the group."""
+    found = []
+    for split in SPLITS:
+        members = [flight for flight in flights if flight.split == split]
+        found += [_row(flight.name, [flight]) for flight in members]
+        if members:
+            found.append(_row(f"= {split}", members, group=True))
+    return found
+
+
+def _row(name: str, flights: list[FlightSegmentation], group: bool = False) -> SegmentationRow:
+    by_partition = {
+        partition: [flight.scores[partition] for flight in flights] for partition in (CUT, *CONTROLS)
+    }
+    things = sum(len(score.things) for score in by_partition[CUT])
+    values = tuple(tuple(STATISTICS[key](scores) for scores in by_partition.values()) for key in SHOWN)
+    if not group or len(flights) < MIN_FLIGHTS:
+        return SegmentationRow(name, things, values)
+    intervals = tuple(
+        tuple(
+            difference_interval(by_partition[CUT], by_partition[control], STATISTICS[key])
+            for control in CONTROLS
+        )
+        for key in SHOWN
+    )
+    return SegmentationRow(name, things, values, intervals)
+
+
+def heads() -> list[str]:
+    return [
+        "things",
+        *(f"{statistic}, {partition}" for statistic in SHOWN.values() for partition in (CUT, *CONTROLS)),
+    ]
+
+
+def cells(row: SegmentationRow) -> list[str]:
+    if not row.things:
+        return ["0", *[""] * (len(heads()) - 1)]
+    return [str(row.things), *(f"{value:.2f}" for values in row.values for value in values)]
+
+
+def interval_text(row: SegmentationRow) -> str:
+    return "; ".join(
+        f"{statistic}, cut - {control}: {low:+.2f} to {high:+.2f}"
+        for statistic, pairs in zip(SHOWN.values(), row.intervals, strict=True)
+        for control, (low, high) in zip(CONTROLS, pairs, strict=True)
+    )
+
+
+def table(flights: list[FlightSegmentation]) -> str:
+    lines = [("segmentation", *heads())]
+    notes: dict[int, str] = {}
+    for row in rows(flights):
+        lines.append((row.name, *cells(row)))
+        if row.intervals:
+            notes[len(lines) - 1] = f"  95 % over flights: {interval_text(row)}"
+    widths = [max(len(line[k]) for line in lines) for k in range(len(lines[0]))]
+    text = []
+    for k, line in enumerate(lines):
+        text.append("  ".join([line[0].ljust(widths[0]), *map(str.rjust, line[1:], widths[1:])]).rstrip())
+        text += [notes[k]] if k in notes else []
+    return "\n".join(text)
