@@ -29,7 +29,7 @@ BINDINGS := $(if $(ENGINE_SOURCES),build/python/vista_engine_abi.py) build/pytho
 DEMO_PAIRS := build/demo/oak-d
 DEMO_FLIGHT := build/demo/flight
 
-.PHONY: help setup native build generate test test-python test-asan drift bench lint lint-python demo lock clean distclean
+.PHONY: help setup native build generate test test-python test-asan drift bench lint lint-python demo flights lock clean distclean
 
 help: ## list the targets
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -126,6 +126,12 @@ demo: build ## the whole chain on real pairs and on a rendered flight, with repo
 	@printf '%s\n' 'Reports, to be opened in a browser:' \
 	  "  real pairs       $(CURDIR)/build/demo/oak-d-out/report.html" \
 	  "  rendered flight  $(CURDIR)/build/demo/flight-out/report.html"
+
+QUALITY ?= quick
+
+flights: build ## render, fly and score the flights, draw the paper's figures (QUALITY=full: overnight)
+	@.venv/bin/vista flights build/flights --quality $(QUALITY) --pose-noise
+	@.venv/bin/vista figures build/figures --flights build/flights
 
 # ---- tidy ----
 
