@@ -61,9 +61,9 @@ vista_status vista_collision_volume_count(const vista_foveation *foveation, cons
     vista_region *const region = &regions->items[k];
     if (region->verdict != VISTA_REGION_ACCEPTED) continue;
     const int32_t first = regions->first_member[k];
-    region->volume_pixels =
-        count_region(foveation, camera, &limit, disparity, vista_region_tolerance_px(params, camera, region->disparity_px),
-                     regions->members + first, regions->first_member[k + 1] - first, region);
+    const double tolerance_px = vista_region_tolerance_px(params, camera, region->disparity_px);
+    region->volume_pixels = count_region(foveation, camera, &limit, disparity, tolerance_px, regions->members + first,
+                                         regions->first_member[k + 1] - first, region);
   }
   return VISTA_OK;
 }

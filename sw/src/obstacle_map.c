@@ -4,6 +4,7 @@
 #include <stddef.h>
 #include <string.h>
 
+#include "bits.h"
 #include "frame.h"
 #include "vista/disc.h"
 
@@ -63,10 +64,12 @@ static bool positive(double value) { return isfinite(value) && value > 0.0; }
 static bool not_negative(double value) { return isfinite(value) && value >= 0.0; }
 
 static vista_status check_params(const vista_obstacle_map_params *p) {
-  const bool good = positive(p->collision_radius_m) && positive(p->collision_length_m) &&
-                    not_negative(p->inflation_sigma) && not_negative(p->lasting_disparity_px) &&
-                    not_negative(p->lasting_range_m) && not_negative(p->lasting_center_px) && not_negative(p->lasting_center_ratio) && not_negative(p->velocity_smoothing_s) &&
-                    not_negative(p->speed_min_m_s);
+  const bool volume = positive(p->collision_radius_m) && positive(p->collision_length_m) &&
+                      not_negative(p->inflation_sigma) && not_negative(p->velocity_smoothing_s) &&
+                      not_negative(p->speed_min_m_s);
+  const bool lasting = not_negative(p->lasting_disparity_px) && not_negative(p->lasting_range_m) &&
+                       not_negative(p->lasting_center_px) && not_negative(p->lasting_center_ratio);
+  const bool good = volume && lasting;
   return good ? VISTA_OK : VISTA_ERROR_RANGE;
 }
 
@@ -153,9 +156,6 @@ static vista_ellipse ellipse_of(const vista_track *track, const double measureme
   return ellipse;
 }
 
-/* One region gone astray is no collision. */
-static bool two_of_three(uint32_t hits) { return (hits & 1u) + (hits >> 1 & 1u) + (hits >> 2 & 1u) >= 2; }
-
 /* False: behind the camera. */
 static bool obstacle_of(const vista_obstacle_map_params *params, const vista_camera *camera, const vista_pose *pose,
                         const vista_line_segment *axis, const vista_track *track, vista_obstacle *obstacle) {
@@ -181,7 +181,7 @@ static bool obstacle_of(const vista_obstacle_map_params *params, const vista_cam
   for (int i = 0; i < 9; ++i) obstacle->covariance_m2[i] += lasting_m2[i];
   obstacle->disparity_px = measurement_px[2];
   obstacle->ellipse = ellipse_of(track, measurement_px, camera_m[2]);
-  obstacle->in_collision_volume = track->credible && two_of_three(track->volume_window);
+  obstacle->in_collision_volume = track->credible && vista_window_count(track->volume_window, 3) >= 2;
   if (obstacle->in_collision_volume && track->coasting) {
     const vista_disc disc = disc_of(params, camera, pose, track, covariance_px2, camera_m[2]);
     obstacle->in_collision_volume = vista_disc_near_segment(&disc, axis, params->collision_radius_m);

@@ -4,6 +4,8 @@
 #include <stddef.h>
 #include <stdlib.h>
 
+#include "bits.h"
+
 #define ROW_STEP 2 /* neighbouring rows say the same */
 
 typedef struct counts {
@@ -49,12 +51,6 @@ static counts count_disc(const vista_saturation_params *params, const vista_came
   return sum;
 }
 
-static int32_t bit_count(uint32_t bits) {
-  int32_t count = 0;
-  for (; bits != 0; bits &= bits - 1) ++count;
-  return count;
-}
-
 vista_status vista_saturation_update(const vista_saturation_params *params, const vista_camera *camera,
                                      const vista_matched_area *matched, double radius_m, const vista_image *image,
                                      const vista_disparity_image *disparity, vista_saturation *saturation) {
@@ -72,6 +68,6 @@ vista_status vista_saturation_update(const vista_saturation_params *params, cons
   const bool now = s->textured_fraction >= params->textured_fraction &&
                    s->unmatched_fraction >= params->unmatched_fraction;
   s->window = s->window << 1 | (uint32_t)now;
-  s->saturated = bit_count(s->window & (UINT32_MAX >> (32 - params->confirm_window))) >= params->confirm_hits;
+  s->saturated = vista_window_count(s->window, params->confirm_window) >= params->confirm_hits;
   return VISTA_OK;
 }

@@ -68,8 +68,8 @@ static void accumulate(const vista_world_hit *hit, vista_static_world *w) {
   }
 }
 
-/* Weighted least squares. The variances of the hits are taken for as much too large, or too small, as the scatter around
- * the fit says: what hops between periods scatters, what stands hardly does. */
+/* Weighted least squares. The variances of the hits are taken for as much too large, or too small, as the scatter
+ * around the fit says: what hops between periods scatters, what stands hardly does. */
 static void fit(const vista_tracker_params *params, vista_static_world *w) {
   const double ss = w->ss - w->s * w->s / w->weight;
   const double sy = w->sy - w->s * w->y / w->weight;

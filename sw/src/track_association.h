@@ -22,8 +22,8 @@ void vista_track_associate(vista_track_association *association, const vista_tra
                            const vista_track_view *views, int32_t track_count, const vista_detection *detections,
                            int32_t detection_count, int32_t *detection_of_track);
 
-/* Of the last call: whether a track took its detection as one of changed shape; the detection, not taken by any, where a
- * track seen once may have moved to, or -1; whether a detection was taken. */
+/* Of the last call: whether a track took its detection as one of changed shape; the detection, not taken by any, where
+ * a track seen once may have moved to, or -1; whether a detection was taken. */
 bool vista_track_association_reshaped(const vista_track_association *association, int32_t track);
 int32_t vista_track_association_moved_to(const vista_track_association *association, int32_t track);
 bool vista_track_association_claimed(const vista_track_association *association, int32_t detection);

@@ -1,16 +1,16 @@
 /* Does a track stand still in the world, or does it move with the aircraft?
  *
- * A texture of pitch p, matched k periods off, is seen at disparity f (B + k p) / Z instead of f B / Z: at c = B / (B + k p)
- * times its range, wherever the camera C is. In the world that image is C + c (P - C): while the camera travels by
- * dC, it travels by beta dC with beta = 1 - c, along the same direction. What stands still has beta = 0, what nears the
- * aircraft by its own motion beta < 0. No single frame tells the three apart; own travel does.
+ * A texture of pitch p, matched k periods off, is seen at disparity f (B + k p) / Z instead of f B / Z: at
+ * c = B / (B + k p) times its range, wherever the camera C is. In the world that image is C + c (P - C): while the
+ * camera travels by dC, it travels by beta dC with beta = 1 - c, along the same direction. What stands still has
+ * beta = 0, what nears the aircraft by its own motion beta < 0. No single frame tells the three apart; own travel does.
  *
  * beta is fitted along the line of sight of the first hit, each hit weighted by its range noise:
  *   along . (p_i - C_0) = a + beta along . (C_i - C_0)
  * and judged by the likelihood ratio of "stands" (beta = 0, within a tolerance) against "moves with the aircraft" (beta
  * uniform over the pitches that occur). What moves across the line of sight by more than beta dC explains, moves by
- * itself: a crossing vehicle is no image of a texture. One that drives ahead of the aircraft, slower and on its line, is
- * not told from one, and stays refuted.
+ * itself: a crossing vehicle is no image of a texture. One that drives ahead of the aircraft, slower and on its line,
+ * is not told from one, and stays refuted.
  *
  * All sums are running ones and fade with own travel: no history, any number of frames. */
 #ifndef VISTA_STATIC_WORLD_H
