@@ -9,6 +9,7 @@ vista_status vista_affinity_layout(vista_affinity *affinity, vista_arena *arena,
   const size_t arcs = (size_t)foveation->graph.arc_count;
   affinity->weight = vista_arena_take(arena, arcs, sizeof(float));
   affinity->capacity = vista_arena_take(arena, arcs, sizeof(int32_t));
+  affinity->intensity_capacity = vista_arena_take(arena, arcs, sizeof(int32_t));
   return arena->base != NULL && arena->used > arena->size ? VISTA_ERROR_MEMORY : VISTA_OK;
 }
 
@@ -38,22 +39,23 @@ vista_status vista_affinity_compute(const vista_foveation *foveation, const vist
       const int32_t j = graph->head[arc];
       if (j < i) continue;
       const float exponent_i = dissimilarity(cells->intensity[i] - cells->intensity[j], mu_i, sigma_i);
-      float weight;
-      if (cells->disparity_px[i] < 0.0f || cells->disparity_px[j] < 0.0f) {
-        weight = expf(-exponent_i);
-      } else {
+      const float intensity_weight = expf(-exponent_i);
+      float weight = intensity_weight;
+      if (cells->disparity_px[i] >= 0.0f && cells->disparity_px[j] >= 0.0f) {
         const float relief = vista_depth_step_px(camera, fmaxf(cells->disparity_px[i], cells->disparity_px[j]),
                                                  (float)params->mu_depth_m);
         const float mu_d = fmaxf(relief, (float)params->mu_disparity_px +
                                              (float)params->mu_disparity_slope * foveation->arc_distance_px[arc]);
         const float exponent_d = dissimilarity(cells->disparity_px[i] - cells->disparity_px[j], mu_d, sigma_d);
         weight = params->form == VISTA_AFFINITY_FORM_SUM
-                     ? alpha * expf(-exponent_i) + (1.0f - alpha) * expf(-exponent_d)
+                     ? alpha * intensity_weight + (1.0f - alpha) * expf(-exponent_d)
                      : expf(-exponent_i - exponent_d);
       }
       const int32_t sister = graph->reverse[arc];
       affinity->weight[arc] = affinity->weight[sister] = weight;
       affinity->capacity[arc] = affinity->capacity[sister] = vista_flow_encode(params, weight);
+      affinity->intensity_capacity[arc] = affinity->intensity_capacity[sister] =
+          weight == intensity_weight ? affinity->capacity[arc] : vista_flow_encode(params, intensity_weight);
     }
   }
   return VISTA_OK;

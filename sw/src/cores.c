@@ -4,6 +4,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
+#include "core_extent.h"
 #include "depth.h"
 #include "disjoint_sets.h"
 #include "vista/types.h"
@@ -22,10 +23,12 @@ vista_status vista_cores_layout(vista_cores *cores, vista_arena *arena, const vi
   cores->order = vista_arena_take(arena, nodes, sizeof(int32_t));
   cores->bins = vista_arena_take(arena, nodes > WORD_BINS ? nodes : WORD_BINS, sizeof(int32_t));
   cores->area_px2 = vista_arena_take(arena, nodes, sizeof(float));
+  cores->shell = vista_arena_take(arena, nodes, sizeof(uint8_t));
+  cores->length_px = vista_arena_take(arena, nodes, sizeof(float));
   return arena->base != NULL && arena->used > arena->size ? VISTA_ERROR_MEMORY : VISTA_OK;
 }
 
-static void join(vista_cores *cores, int32_t a, int32_t b) {
+void vista_cores_join(vista_cores *cores, int32_t a, int32_t b) {
   const int32_t gone = vista_sets_join(cores->parent, a, b);
   if (gone >= 0) cores->area_px2[cores->parent[gone]] += cores->area_px2[gone];
 }
@@ -65,10 +68,6 @@ static void number_cores(vista_cores *cores, int32_t node_count, const int32_t *
   cores->first_member[0] = 0;
 }
 
-static bool standing(const vista_cells *cells, const vista_surfaces *surfaces, int32_t node) {
-  return cells->disparity_px[node] > 0.0f && !surfaces->horizontal[node];
-}
-
 /* Files may hold words that no engine writes: those count as the largest. */
 static int32_t word_bin(const vista_cells *cells, int32_t node) {
   const int32_t word = (int32_t)(cells->disparity_px[node] * VISTA_DISPARITY_SCALE);
@@ -80,7 +79,7 @@ static int32_t sort_nearest_first(const vista_cells *cells, const vista_surfaces
                                   int32_t *bins, int32_t *order) {
   for (int32_t b = 0; b < WORD_BINS; ++b) bins[b] = 0;
   for (int32_t i = 0; i < node_count; ++i)
-    if (standing(cells, surfaces, i)) bins[word_bin(cells, i)]++;
+    if (vista_standing(cells, surfaces, i)) bins[word_bin(cells, i)]++;
   int32_t count = 0;
   for (int32_t b = WORD_BINS - 1; b >= 0; --b) {
     const int32_t in_bin = bins[b];
@@ -88,7 +87,7 @@ static int32_t sort_nearest_first(const vista_cells *cells, const vista_surfaces
     count += in_bin;
   }
   for (int32_t i = 0; i < node_count; ++i)
-    if (standing(cells, surfaces, i)) order[bins[word_bin(cells, i)]++] = i;
+    if (vista_standing(cells, surfaces, i)) order[bins[word_bin(cells, i)]++] = i;
   return count;
 }
 
@@ -103,15 +102,16 @@ vista_status vista_cores_of_obstacles(const vista_foveation *foveation, const vi
     cores->area_px2[i] = foveation->size_px[i] * foveation->size_px[i];
   }
   for (int32_t i = 0; i < graph->node_count; ++i) {
-    if (!standing(cells, surfaces, i)) continue;
+    if (!vista_standing(cells, surfaces, i)) continue;
     for (int32_t arc = graph->first_arc[i]; arc < graph->first_arc[i + 1]; ++arc) {
       const int32_t j = graph->head[arc];
-      if (j < i || !standing(cells, surfaces, j)) continue;
+      if (j < i || !vista_standing(cells, surfaces, j)) continue;
       const float step = vista_core_step_px(params, camera, foveation->arc_distance_px[arc],
                                             fmaxf(cells->disparity_px[i], cells->disparity_px[j]));
-      if (fabsf(cells->disparity_px[i] - cells->disparity_px[j]) <= step) join(cores, i, j);
+      if (fabsf(cells->disparity_px[i] - cells->disparity_px[j]) <= step) vista_cores_join(cores, i, j);
     }
   }
+  vista_cores_bridge(foveation, params, camera, cells, surfaces, cores);
   const int32_t count = sort_nearest_first(cells, surfaces, graph->node_count, cores->bins, cores->order);
   number_cores(cores, graph->node_count, cores->order, count, params->core_area_px2);
   for (int32_t k = 0; k < cores->count; ++k) {
@@ -120,6 +120,7 @@ vista_status vista_cores_of_obstacles(const vista_foveation *foveation, const vi
     cores->max_disparity_px[k] = cells->disparity_px[cores->members[first + trim]];
     cores->min_disparity_px[k] = cells->disparity_px[cores->members[last - trim]];
   }
+  vista_cores_find_shell(foveation, params, camera, cells, cores);
   return VISTA_OK;
 }
 
@@ -132,6 +133,7 @@ vista_status vista_cores_of_rest(const vista_foveation *foveation, const vista_s
   int32_t count = 0;
   for (int32_t i = 0; i < graph->node_count; ++i) {
     cores->parent[i] = i;
+    cores->shell[i] = 0;
     cores->area_px2[i] = foveation->size_px[i] * foveation->size_px[i];
     if (label[i] < 0) cores->order[count++] = i;
   }
@@ -140,7 +142,7 @@ vista_status vista_cores_of_rest(const vista_foveation *foveation, const vista_s
     for (int32_t arc = graph->first_arc[i]; arc < graph->first_arc[i + 1]; ++arc) {
       const int32_t j = graph->head[arc];
       if (j < i || label[j] >= 0 || surfaces->horizontal[i] != surfaces->horizontal[j]) continue;
-      if (affinity->weight[arc] >= (float)params->rest_affinity) join(cores, i, j);
+      if (affinity->weight[arc] >= (float)params->rest_affinity) vista_cores_join(cores, i, j);
     }
   }
   number_cores(cores, graph->node_count, cores->order, count, params->rest_area_px2);

@@ -3,7 +3,6 @@
 #include <math.h>
 #include <stdbool.h>
 
-#include "erosion.h"
 #include "median.h"
 
 /* A cell whose inscribed circle is narrower than a pixel's diagonal may hold no pixel centre at all. */
@@ -221,9 +220,6 @@ vista_status vista_cells_layout(vista_cells *cells, vista_arena *arena, const vi
   cells->disparity_px = vista_arena_take(arena, node_count, sizeof(float));
   cells->valid_fraction = vista_arena_take(arena, node_count, sizeof(float));
   cells->words = vista_arena_take(arena, (size_t)foveation->max_footprint_px, sizeof(int16_t));
-  const size_t pixels = (size_t)foveation->width_px * (size_t)foveation->height_px;
-  cells->eroded = vista_arena_take(arena, pixels, sizeof(uint16_t));
-  cells->eroded_rows = vista_arena_take(arena, pixels, sizeof(uint16_t));
   return arena->base != NULL && arena->used > arena->size ? VISTA_ERROR_MEMORY : VISTA_OK;
 }
 
@@ -273,13 +269,10 @@ vista_status vista_foveate(const vista_foveation *foveation, const vista_foveati
   if (image->width_px != foveation->width_px || image->height_px != foveation->height_px ||
       disparity->width_px != foveation->width_px || disparity->height_px != foveation->height_px)
     return VISTA_ERROR_SIZE;
-  vista_erode(disparity, params->erosion_px, cells->eroded_rows, cells->eroded);
-  const vista_disparity_image eroded = {(const int16_t *)cells->eroded, disparity->width_px, disparity->height_px,
-                                        disparity->width_px};
   for (int32_t node = 0; node < foveation->node_count; ++node) {
     const bool point = node >= 1 && node <= foveation->point_count;
-    const int32_t count = point ? sample_point(foveation, image, &eroded, node, cells)
-                                : average_cell(foveation, image, &eroded, node, cells);
+    const int32_t count = point ? sample_point(foveation, image, disparity, node, cells)
+                                : average_cell(foveation, image, disparity, node, cells);
     const int32_t valid = vista_count_valid(cells->words, count);
     cells->valid_fraction[node] = (float)valid / (float)count;
     const bool enough = valid > 0 && cells->valid_fraction[node] >= (float)params->min_valid_fraction;

@@ -17,7 +17,6 @@ vista_parameters vista_parameters_default(void) {
       .foveation.sector_count = 128,
       .foveation.rho_0_px = 4.0,
       .foveation.min_valid_fraction = 0.3,
-      .foveation.erosion_px = 3,
       .affinity.form = VISTA_AFFINITY_FORM_PRODUCT,
       .affinity.alpha_intensity = 0.5,
       .affinity.mu_intensity = 2.0,
@@ -31,12 +30,14 @@ vista_parameters vista_parameters_default(void) {
       .affinity.flow_constant = 10000.0,
       .surface.lever_px = 8.0,
       .surface.horizontal_deg = 55.0,
-      .surface.ground_step_px = 0.6,
+      .surface.ground_step_px = 0.5,
       .surface.ground_step_m = 0.3,
       .segmentation.core_step_px = 0.5,
-      .segmentation.core_step_slope = 0.03,
+      .segmentation.core_step_slope = 0.02,
       .segmentation.core_step_m = 0.5,
       .segmentation.core_area_px2 = 60.0,
+      .segmentation.bridge_m = 2.0,
+      .segmentation.shell_px = 6.0,
       .segmentation.reach = 12,
       .segmentation.unknown_link = 0.03,
       .segmentation.mismatch_link = 0.5,
@@ -116,7 +117,6 @@ vista_status vista_parameters_check(const vista_parameters *parameters, const ch
   else if (!within((double)p->foveation.sector_count, 16, 256)) wrong = "foveation.sector_count";
   else if (!within(p->foveation.rho_0_px, 1.0, 64.0)) wrong = "foveation.rho_0_px";
   else if (!within(p->foveation.min_valid_fraction, 0.0, 1.0)) wrong = "foveation.min_valid_fraction";
-  else if (!within((double)p->foveation.erosion_px, 0, 10)) wrong = "foveation.erosion_px";
   else if (!within((double)p->affinity.form, 0, 1)) wrong = "affinity.form";
   else if (!within(p->affinity.alpha_intensity, 0.0, 1.0)) wrong = "affinity.alpha_intensity";
   else if (!within(p->affinity.mu_intensity, 0.0, 255.0)) wrong = "affinity.mu_intensity";
@@ -136,6 +136,8 @@ vista_status vista_parameters_check(const vista_parameters *parameters, const ch
   else if (!within(p->segmentation.core_step_slope, 0.0, 1.0)) wrong = "segmentation.core_step_slope";
   else if (!within(p->segmentation.core_step_m, 0.0, 10.0)) wrong = "segmentation.core_step_m";
   else if (!within(p->segmentation.core_area_px2, 1.0, 1000000.0)) wrong = "segmentation.core_area_px2";
+  else if (!within(p->segmentation.bridge_m, 0.0, 100.0)) wrong = "segmentation.bridge_m";
+  else if (!within(p->segmentation.shell_px, 0.0, 64.0)) wrong = "segmentation.shell_px";
   else if (!within((double)p->segmentation.reach, 1, 1000)) wrong = "segmentation.reach";
   else if (!within(p->segmentation.unknown_link, 0.0, 10.0)) wrong = "segmentation.unknown_link";
   else if (!within(p->segmentation.mismatch_link, 0.0, 10.0)) wrong = "segmentation.mismatch_link";
@@ -216,7 +218,6 @@ vista_status vista_parameters_set(vista_parameters *parameters, const char *name
   if (strcmp(name, "foveation.sector_count") == 0) return p->foveation.sector_count = (int32_t)value, VISTA_OK;
   if (strcmp(name, "foveation.rho_0_px") == 0) return p->foveation.rho_0_px = value, VISTA_OK;
   if (strcmp(name, "foveation.min_valid_fraction") == 0) return p->foveation.min_valid_fraction = value, VISTA_OK;
-  if (strcmp(name, "foveation.erosion_px") == 0) return p->foveation.erosion_px = (int32_t)value, VISTA_OK;
   if (strcmp(name, "affinity.form") == 0) return p->affinity.form = (vista_affinity_form)(int32_t)value, VISTA_OK;
   if (strcmp(name, "affinity.alpha_intensity") == 0) return p->affinity.alpha_intensity = value, VISTA_OK;
   if (strcmp(name, "affinity.mu_intensity") == 0) return p->affinity.mu_intensity = value, VISTA_OK;
@@ -236,6 +237,8 @@ vista_status vista_parameters_set(vista_parameters *parameters, const char *name
   if (strcmp(name, "segmentation.core_step_slope") == 0) return p->segmentation.core_step_slope = value, VISTA_OK;
   if (strcmp(name, "segmentation.core_step_m") == 0) return p->segmentation.core_step_m = value, VISTA_OK;
   if (strcmp(name, "segmentation.core_area_px2") == 0) return p->segmentation.core_area_px2 = value, VISTA_OK;
+  if (strcmp(name, "segmentation.bridge_m") == 0) return p->segmentation.bridge_m = value, VISTA_OK;
+  if (strcmp(name, "segmentation.shell_px") == 0) return p->segmentation.shell_px = value, VISTA_OK;
   if (strcmp(name, "segmentation.reach") == 0) return p->segmentation.reach = (int32_t)value, VISTA_OK;
   if (strcmp(name, "segmentation.unknown_link") == 0) return p->segmentation.unknown_link = value, VISTA_OK;
   if (strcmp(name, "segmentation.mismatch_link") == 0) return p->segmentation.mismatch_link = value, VISTA_OK;

@@ -21,6 +21,7 @@ vista_status vista_segmentation_layout(vista_segmentation *segmentation, vista_a
   s->subset = vista_arena_take(arena, nodes, sizeof(int32_t));
   s->steps = vista_arena_take(arena, nodes, sizeof(int32_t));
   s->source_side = vista_arena_take(arena, nodes, sizeof(uint8_t));
+  s->capacity = vista_arena_take(arena, (size_t)foveation->graph.arc_count, sizeof(int32_t));
   const vista_status merging = vista_merge_layout(s, arena, foveation);
   if (merging != VISTA_OK) return merging;
   const vista_status status = vista_cores_layout(&s->cores, arena, foveation);
@@ -57,7 +58,7 @@ static int32_t gather(const view *w, vista_segmentation *s, int32_t core) {
   for (int32_t m = cores->first_member[core]; m < cores->first_member[core + 1]; ++m) {
     const int32_t node = cores->members[m];
     if (s->label[node] >= 0) continue;
-    s->source_capacity[node] = SEED_LINK;
+    s->source_capacity[node] = cores->shell[node] ? 0 : SEED_LINK;
     s->sink_capacity[node] = 0;
     s->steps[node] = 0;
     s->subset[count++] = node;
@@ -83,7 +84,7 @@ static int32_t gather(const view *w, vista_segmentation *s, int32_t core) {
 /* One isolating cut; the source side becomes region `label`. */
 static vista_status cut_out(const view *w, vista_segmentation *s, int32_t core, int32_t label) {
   const int32_t count = gather(w, s, core);
-  const vista_maxflow_problem problem = {w->affinity->capacity, s->source_capacity, s->sink_capacity, s->subset, count};
+  const vista_maxflow_problem problem = {s->capacity, s->source_capacity, s->sink_capacity, s->subset, count};
   int64_t value;
   const vista_status status =
       vista_maxflow_solve(&s->maxflow, &problem, s->source_side, NULL, &value);
@@ -98,7 +99,18 @@ static vista_status cut_out(const view *w, vista_segmentation *s, int32_t core, 
   return VISTA_OK;
 }
 
+static void choose_capacities(const view *w, vista_segmentation *s) {
+  const vista_graph *const graph = &w->foveation->graph;
+  for (int32_t i = 0; i < graph->node_count; ++i) {
+    for (int32_t arc = graph->first_arc[i]; arc < graph->first_arc[i + 1]; ++arc) {
+      const bool uncertain = s->cores.shell[i] || s->cores.shell[graph->head[arc]];
+      s->capacity[arc] = uncertain ? w->affinity->intensity_capacity[arc] : w->affinity->capacity[arc];
+    }
+  }
+}
+
 static vista_status cut_all(const view *w, vista_segmentation *s) {
+  choose_capacities(w, s);
   for (int32_t core = 0; core < s->cores.count; ++core) {
     const vista_status status = cut_out(w, s, core, s->region_count);
     if (status != VISTA_OK) return status;

@@ -17,7 +17,6 @@ PARAMETERS: dict[str, float] = {
     "foveation.sector_count": 96,
     "foveation.rho_0_px": 4.0,
     "foveation.min_valid_fraction": 0.3,
-    "foveation.erosion_px": 0,
     "affinity.form": lib.VISTA_AFFINITY_FORM_PRODUCT,
     "affinity.mu_intensity": 2.0,
     "affinity.sigma_intensity": 10.0,
@@ -36,6 +35,8 @@ PARAMETERS: dict[str, float] = {
     "segmentation.core_step_slope": 0.03,
     "segmentation.core_step_m": 0.5,
     "segmentation.core_area_px2": 60.0,
+    "segmentation.bridge_m": 0.0,
+    "segmentation.shell_px": 0.0,
     "segmentation.reach": 12,
     "segmentation.unknown_link": 0.03,
     "segmentation.mismatch_link": 0.5,
@@ -138,8 +139,10 @@ class Stages:
         self.horizontal = view(self.surfaces.horizontal, f.node_count, np.uint8)
         self.weight = view(self.affinity.weight, f.arc_count, np.float32)
         self.capacity = view(self.affinity.capacity, f.arc_count, np.int32)
+        self.intensity_capacity = view(self.affinity.intensity_capacity, f.arc_count, np.int32)
         self.label = view(self.segmentation.label, f.node_count, np.int32)
         self.core_of_node = view(self.cores.core_of_node, f.node_count, np.int32)
+        self.shell = view(self.cores.shell, f.node_count, np.uint8)
 
     def _lay_out(self, name: str, layout):
         handle = ffi.new(f"{name} *")

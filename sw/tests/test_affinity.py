@@ -46,16 +46,20 @@ def depth_step_px(stages: Stages, nearer_px: np.ndarray, step_m: float) -> np.nd
     return nearer_px - scale / (depth_m + np.minimum(step_m, 0.06 * depth_m))
 
 
+def term(difference: np.ndarray, mu: float | np.ndarray, sigma: float) -> np.ndarray:
+    return np.exp(-((np.maximum(np.abs(difference), mu) - mu) ** 2) / (2 * sigma**2))
+
+
+def intensity_term(stages: Stages) -> np.ndarray:
+    p, grey = stages.parameters.affinity, stages.intensity.astype(float)
+    return term(grey[stages.foveation.tail] - grey[stages.foveation.head], p.mu_intensity, p.sigma_intensity)
+
+
 def expected_weight(stages: Stages) -> np.ndarray:
     p, f = stages.parameters.affinity, stages.foveation
     i, j = f.tail, f.head
-
-    def term(difference, mu, sigma):
-        return np.exp(-((np.maximum(np.abs(difference), mu) - mu) ** 2) / (2 * sigma**2))
-
-    grey = stages.intensity.astype(float)
     d = stages.disparity_px.astype(float)
-    d_intensity = term(grey[i] - grey[j], p.mu_intensity, p.sigma_intensity)
+    d_intensity = intensity_term(stages)
     known = (d[i] >= 0) & (d[j] >= 0)
     relief = depth_step_px(stages, np.where(known, np.maximum(d[i], d[j]), 1.0), p.mu_depth_m)
     mu = np.maximum(relief, p.mu_disparity_px + p.mu_disparity_slope * f.arc_distance_px)
@@ -88,6 +92,8 @@ def test_weights_and_capacities_are_those_of_the_equations(form: str, encoding: 
         assert np.array_equal(stages.capacity, stages.capacity[reverse])
         flow = expected_flow(stages, stages.weight.astype(float))
         assert np.abs(stages.capacity - np.maximum(flow, 1)).max() <= 0.5 + 1e-6
+        without_disparity = np.maximum(expected_flow(stages, intensity_term(stages)), 1)
+        assert np.allclose(stages.intensity_capacity, without_disparity, rtol=1e-3, atol=0.6)
         assert stages.weight.min() >= 0 and stages.weight.max() <= 1
         assert stages.capacity.min() >= 1
 

@@ -89,6 +89,73 @@ def test_obstacle_cores_come_nearest_first_and_know_their_range() -> None:
             assert stages.cores.min_disparity_px[k] == np.percentile(d, 5, method="lower")
 
 
+FAR, NEAR, UNKNOWN = 3.0, 30.0, -1.0
+AT_10_M = 20.0  # f B = 200 px m: a metre is 40 px wide there
+
+
+def two_posts(gap_px: float, second_px: float, between_px: float, bridge_m: float) -> list[np.ndarray]:
+    """Cores of two posts, each 20 px wide, the first at 10 m, with this between them and around."""
+    stages = Stages(camera(), {"segmentation.bridge_m": bridge_m, "segmentation.core_step_slope": 0.0})
+    u = stages.foveation.center_u
+    stages.disparity_px[:] = between_px
+    stages.disparity_px[(u > 100) & (u < 120)] = AT_10_M
+    stages.disparity_px[(u > 120 + gap_px) & (u < 140 + gap_px)] = second_px
+    stages.horizontal[:] = 0
+    stages.horizontal[stages.disparity_px == FAR] = 1  # what lies behind is ground, and no core
+    return stages.find_obstacle_cores()
+
+
+@pytest.mark.parametrize(
+    ("gap_px", "second_px", "between_px", "bridge_m", "cores"),
+    [
+        (20, AT_10_M, UNKNOWN, 1.0, 1),
+        (20, AT_10_M, UNKNOWN, 0.0, 2),
+        (20, AT_10_M, UNKNOWN, 0.4, 2),  # 16 px
+        (80, AT_10_M, UNKNOWN, 1.0, 2),
+        (20, AT_10_M + 4, UNKNOWN, 1.0, 2),  # 1.7 m nearer
+        (20, AT_10_M, FAR, 1.0, 2),  # one sees between them
+    ],
+)
+def test_parts_of_one_thing_are_one_core(
+    gap_px: float, second_px: float, between_px: float, bridge_m: float, cores: int
+) -> None:
+    assert len(two_posts(gap_px, second_px, between_px, bridge_m)) == cores
+
+
+def board_before(around_px: float, half_width_px: float) -> tuple[Stages, np.ndarray]:
+    """Every member's distance from the edges of a board at 10 m; inside positive."""
+    stages = Stages(camera(), {"segmentation.shell_px": 12.0, "segmentation.core_step_slope": 0.0})
+    f = stages.foveation
+    inside_px = half_width_px - np.maximum(np.abs(f.center_u - 159.5), np.abs(f.center_v - 119.5))
+    stages.disparity_px[:] = np.where(inside_px > 0, AT_10_M, around_px)
+    stages.horizontal[:] = 0
+    stages.find_obstacle_cores()
+    return stages, inside_px
+
+
+@pytest.mark.parametrize("around_px", [UNKNOWN, FAR])
+def test_members_near_an_edge_of_depth_are_the_shell(around_px: float) -> None:
+    stages, inside_px = board_before(around_px, 60.0)
+    size = stages.foveation.size_px
+    member = inside_px > 0
+    assert stages.shell[member & (inside_px < 12 - 1.5 * size)].all()
+    assert not stages.shell[inside_px > 12 + 1.5 * size].any()
+    if around_px == UNKNOWN:
+        assert not stages.shell[~member].any()
+
+
+def test_what_is_in_front_takes_no_shell_from_what_it_hides() -> None:
+    stages, inside_px = board_before(NEAR, 60.0)
+    assert not stages.shell[inside_px > 0].any()
+    assert stages.shell[inside_px < 0].any()  # the front has an edge of depth
+
+
+def test_thin_things_have_no_shell() -> None:
+    stages, inside_px = board_before(UNKNOWN, 8.0)
+    assert np.count_nonzero(inside_px > 0) > 20
+    assert not stages.shell.any()
+
+
 def test_cores_of_the_rest_are_the_components_of_high_affinity() -> None:
     random = seeded(3)
     found = 0
@@ -106,6 +173,7 @@ def test_cores_of_the_rest_are_the_components_of_high_affinity() -> None:
         first = [core.min() for core in cores]
         assert first == sorted(first)  # from the centre outwards
         assert all(stages.cores.max_disparity_px[k] < 0 for k in range(len(cores)))
+        assert not stages.shell.any()
         found += len(cores)
     assert found > FRAMES
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from cut_library import Arena, ffi, lib, status_name
 from random_seed import seeded
-from scipy.ndimage import map_coordinates, minimum_filter
+from scipy.ndimage import map_coordinates
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 from stage_library import INVALID, Foveation, Stages, camera, image_struct, parameters, view
@@ -185,22 +185,6 @@ def test_cells_average_their_pixels(sectors: int) -> None:
                 assert stages.disparity_px[node] == valid[(valid.size - 1) // 2] / 16
             else:
                 assert stages.disparity_px[node] < 0
-
-
-@pytest.mark.parametrize("radius_px", [1, 3, 10])
-def test_disparities_are_those_of_the_eroded_image(radius_px: int) -> None:
-    """scipy's minimum over the valid words of a square; invalid pixels stay invalid."""
-    random = seeded(9 + radius_px)
-    for width, height in ((16, 23), (64, 48), (97, 31)):
-        eroding = Stages(camera(width, height), {"foveation.erosion_px": radius_px})
-        plain = Stages(camera(width, height))
-        image, words = frame(random, width, height)
-        side = 2 * radius_px + 1
-        smallest = minimum_filter(np.where(words < 0, 32767, words), side, mode="constant", cval=32767)
-        eroding.foveate(image, words)
-        plain.foveate(image, np.where(words < 0, words, smallest).astype(np.int16))
-        assert np.array_equal(eroding.disparity_px, plain.disparity_px)
-        assert np.array_equal(eroding.valid_fraction, plain.valid_fraction)
 
 
 @pytest.mark.parametrize(("width", "height"), [(16, 16), (17, 40), (200, 150)])

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from cut_library import Arena, ffi, lib, status_name
 from random_seed import seeded
+from scipy.ndimage import binary_dilation
 from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import breadth_first_order, maximum_flow
 from stage_library import FIRST_THING, GROUND, INVALID, SKY, Board, Stages, camera, street
@@ -46,12 +47,15 @@ def data_term(stages: Stages, cores, core: int) -> np.ndarray:
 
 
 def source_side(stages: Stages, nodes: np.ndarray, source: np.ndarray, sink: np.ndarray) -> np.ndarray:
-    """Nodes that S reaches in the residual graph of scipy's maximum flow over these nodes."""
+    """Nodes that S reaches in the residual graph of scipy's maximum flow over these nodes; at a shell only
+    intensities count."""
     f, count = stages.foveation, stages.foveation.node_count
+    uncertain = (stages.shell[f.tail] | stages.shell[f.head]) != 0
+    arc_capacity = np.where(uncertain, stages.intensity_capacity, stages.capacity)
     arcs = np.isin(f.tail, nodes) & np.isin(f.head, nodes)
     tail = np.concatenate([f.tail[arcs], np.full(nodes.size, count), nodes])
     head = np.concatenate([f.head[arcs], nodes, np.full(nodes.size, count + 1)])
-    capacity = np.concatenate([stages.capacity[arcs], source[nodes], sink[nodes]]).astype(np.int32)
+    capacity = np.concatenate([arc_capacity[arcs], source[nodes], sink[nodes]]).astype(np.int32)
     network = csr_matrix((capacity, (tail, head)), shape=(count + 2,) * 2)
     residual = (network - maximum_flow(network, count, count + 1).flow).tocsr()
     residual.data = (residual.data > 0).astype(np.int32)
@@ -71,7 +75,7 @@ def cut_out_all(stages: Stages, cores: list[np.ndarray], label: np.ndarray, firs
         steps = steps_from(stages, core, free)
         others = (core_of_node >= 0) & (core_of_node != k)
         far = steps >= stages.parameters.segmentation.reach
-        source = np.where(core_of_node == k, TIED, 0)
+        source = np.where((core_of_node == k) & (stages.shell == 0), TIED, 0)
         sink = np.where(others | far, TIED, data_term(stages, stages.cores, k))
         sink[core] = 0
         label[source_side(stages, np.flatnonzero(label < 0), source, sink)] = first_label + k
@@ -85,7 +89,7 @@ def random_scene(random: np.random.Generator, changes: dict[str, float]) -> Stag
     base = random.choice([3.0, 4.0, 6.0, 20.0], 100)[patch]
     words = np.rint(16 * (base + random.normal(0, random.choice([0.0, 0.1, 0.6]), f.node_count)))
     stages.disparity_px[:] = np.maximum(words, 0) / 16
-    stages.disparity_px[random.random(f.node_count) < random.choice([0.1, 0.5, 0.8])] = -1
+    stages.disparity_px[random.random(f.node_count) < random.choice([0.01, 0.01, 0.1, 0.5, 0.8])] = -1
     stages.intensity[:] = random.uniform(0, 255, 100)[patch] + random.normal(0, 6, f.node_count)
     stages.horizontal[:] = (random.random(100) < 0.15)[patch]
     stages.compare()
@@ -95,7 +99,7 @@ def random_scene(random: np.random.Generator, changes: dict[str, float]) -> Stag
 @pytest.mark.parametrize("reach", [1, 3, 1000])
 def test_the_labels_are_those_of_minimum_cuts_by_scipy(reach: int) -> None:
     random = seeded(reach)
-    regions = taken = 0
+    regions = taken = shells = 0
     for _ in range(20):
         stages = random_scene(
             random,
@@ -103,6 +107,8 @@ def test_the_labels_are_those_of_minimum_cuts_by_scipy(reach: int) -> None:
             | {
                 "segmentation.reach": reach,
                 "segmentation.core_area_px2": random.choice([2.0, 30.0]),
+                "segmentation.bridge_m": random.choice([0.0, 1.0]),
+                "segmentation.shell_px": random.choice([0.0, 2.0, 4.0]),
                 "segmentation.rest_area_px2": random.choice([2.0, 100.0]),
                 "segmentation.unknown_link": random.choice([0.003, 0.03, 0.3]),
                 "segmentation.mismatch_link": random.uniform(0, 1),
@@ -113,6 +119,7 @@ def test_the_labels_are_those_of_minimum_cuts_by_scipy(reach: int) -> None:
         cores = stages.find_obstacle_cores()
         obstacles = cut_out_all(stages, cores, expected, 0)
         in_cores = sum(core.size for core in cores)
+        shells += np.count_nonzero(stages.shell)
         taken += np.count_nonzero(expected >= 0) - in_cores
         count = cut_out_all(stages, stages.find_rest_cores(expected), expected, obstacles)
         stages.segment()
@@ -121,6 +128,7 @@ def test_the_labels_are_those_of_minimum_cuts_by_scipy(reach: int) -> None:
         assert (s.obstacle_count, s.region_count, s.cut_count) == (obstacles, count, count)
         regions += obstacles
     assert regions > 20
+    assert shells > 20
     assert taken > 50 or reach == 1  # the cuts gave free cells to cores
 
 
@@ -238,6 +246,21 @@ def test_boards_before_far_houses_become_regions() -> None:
         found.append(label)
     assert found == sorted(set(found))  # one each, nearest first
     assert found[-1] < stages.segmentation.obstacle_count
+
+
+def test_a_thing_fattened_by_matching_is_cut_at_its_contrast() -> None:
+    """Block matching gives the sky around a dark board the board's disparity, 5 px wide."""
+    random = seeded(15)
+    dark = Board(0.3, -2.5, 10.0, 3.0, 3.0, grey=40)
+    ious = []
+    for shell_px in (0.0, 6.0):
+        stages = Stages(camera(), {"segmentation.shell_px": shell_px, "foveation.sector_count": 128})
+        image, words, owner = street(stages.camera, [dark], random)
+        board = owner == FIRST_THING
+        fattened = binary_dilation(board, np.ones((11, 11)))
+        words = np.where(fattened, np.median(words[board]), words).astype(np.int16)
+        ious.append(overlap(stages.partition(image, words), board)[1])
+    assert ious[1] > 0.88 > ious[0]
 
 
 def test_sky_and_ground_belong_to_no_obstacle() -> None:

@@ -20,6 +20,7 @@
 typedef struct vista_affinity {
   float *weight;     /* graph.arc_count: w_ij, 0 .. 1; both arcs of an edge are equal */
   int32_t *capacity; /* graph.arc_count: F(w_ij) */
+  int32_t *intensity_capacity; /* graph.arc_count: F(d_I), as if no disparity were known */
 } vista_affinity;
 
 vista_status vista_affinity_layout(vista_affinity *affinity, vista_arena *arena, const vista_foveation *foveation);

@@ -1,4 +1,8 @@
-/* Seeds of the recursion: cores, connected sets of cells that surely belong together. */
+/* Seeds of the recursion: cores, connected sets of cells that surely belong together.
+ *
+ * Block matching places an edge of depth no better than half a block. Members of a core that near to one - to a cell
+ * that is farther, or without disparity - are its shell: they seed nothing, so that the cut can follow the contrast of
+ * the image. A core too thin to have an inside has no shell there. */
 #ifndef VISTA_CORES_H
 #define VISTA_CORES_H
 
@@ -19,12 +23,14 @@ typedef struct vista_cores {
   int32_t *core_of_node;   /* node_count: core or VISTA_NO_CORE */
   int32_t *first_member;   /* count + 1: members of core k are members[first_member[k] .. first_member[k+1]) */
   int32_t *members;        /* node_count */
+  uint8_t *shell;          /* node_count: 1 for members that are no seeds */
   float *min_disparity_px; /* per core; 5th and 95th percentile of its cells, negative: cells without disparity */
   float *max_disparity_px;
   int32_t *parent;  /* scratch, node_count: disjoint sets */
   int32_t *order;   /* scratch, node_count */
   int32_t *bins;    /* scratch: counting sort of engine words */
   float *area_px2;  /* scratch, node_count */
+  float *length_px; /* scratch, node_count */
 } vista_cores;
 
 vista_status vista_cores_layout(vista_cores *cores, vista_arena *arena, const vista_foveation *foveation);
@@ -34,7 +40,8 @@ float vista_core_step_px(const vista_segmentation_params *params, const vista_ca
                          float disparity_px);
 
 /* Cores of standing things, nearest first: cells with disparity on no horizontal surface, joined where the disparity
- * step between neighbours is small, at least core_area_px2 together. */
+ * step between neighbours is small, or between cells up to bridge_m apart with only cells without disparity between
+ * them; at least core_area_px2 together. */
 vista_status vista_cores_of_obstacles(const vista_foveation *foveation, const vista_segmentation_params *params,
                                       const vista_camera *camera, const vista_cells *cells,
                                       const vista_surfaces *surfaces, vista_cores *cores);

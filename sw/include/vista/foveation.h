@@ -45,10 +45,9 @@ typedef struct vista_foveation {
 /* One value a node. */
 typedef struct vista_cells {
   float *intensity;      /* grey level 0 .. 255, mean over the cell (bilinear sample for point cells) */
-  float *disparity_px;   /* median of the valid pixels after erosion; negative: too few of them */
+  float *disparity_px;   /* median of the valid pixels; negative: too few of them */
   float *valid_fraction; /* of the cell's pixels that have a disparity, 0 .. 1 */
   int16_t *words;        /* scratch: the engine words under one cell */
-  uint16_t *eroded, *eroded_rows; /* scratch, width * height: the image that disparities are taken from */
 } vista_cells;
 
 /* Lays the geometry out for images of this size, the fovea at (center_u_px, center_v_px), which must lie inside the
@@ -59,8 +58,7 @@ vista_status vista_foveation_layout(vista_foveation *foveation, vista_arena *are
 
 vista_status vista_cells_layout(vista_cells *cells, vista_arena *arena, const vista_foveation *foveation);
 
-/* Averages the receptive field of every cell; disparities after an erosion by erosion_px, because block matching
- * fattens what is near by up to half a block. VISTA_ERROR_SIZE if an image differs from the geometry. */
+/* Averages the receptive field of every cell. VISTA_ERROR_SIZE if an image differs from the geometry. */
 vista_status vista_foveate(const vista_foveation *foveation, const vista_foveation_params *params,
                            const vista_image *image, const vista_disparity_image *disparity, vista_cells *cells);
 

@@ -24,7 +24,6 @@ typedef struct vista_foveation_params {
   int32_t sector_count; /* Sectors of the log-polar grid; rings grow by exp(2*pi/sector_count), which keeps cells square. 16 .. 256. */
   double rho_0_px; /* Radius of the hub, the one cell at the centre. Paper: rho_0. 1.0 .. 64.0 px. */
   double min_valid_fraction; /* A cell has a disparity when at least this fraction of its pixels has one. 0.0 .. 1.0. */
-  int32_t erosion_px; /* Radius of the square over which the smallest disparity is taken before cells average: undoes fattening. 0 .. 10 px. */
 } vista_foveation_params;
 
 /* Similarity of neighbouring cells (paper, equations 3 and 4) and its encoding as flow (equation 5). */
@@ -60,6 +59,8 @@ typedef struct vista_segmentation_params {
   double core_step_slope; /* Added to core_step_px per pixel between the cell centres. 0.0 .. 1.0 px per px. */
   double core_step_m; /* A disparity step that means less depth than this is no step. At most 6 % of the range. 0.0 .. 10.0 m. */
   double core_area_px2; /* Smallest core that is cut out. 1.0 .. 1000000.0 px2. */
+  double bridge_m; /* Parts up to this far apart, with only cells without disparity between them, are one core; 0: never. 0.0 .. 100.0 m. */
+  double shell_px; /* Members of a core this near to an edge of depth seed nothing: half the matching block. 0.0 .. 64.0 px. */
   int32_t reach; /* A cut can take free cells less than this many steps from its core. 1 .. 1000 cells. */
   double unknown_link; /* Sink link of a cell without disparity: what it costs to take a textureless cell into an obstacle. Paper: D_p. 0.0 .. 10.0 flow_scale. */
   double mismatch_link; /* Sink link of a free cell per pixel of disparity beyond the core's own range, at most four times this. Paper: D_p. 0.0 .. 10.0 flow_scale. */

@@ -2,9 +2,10 @@
  *
  * Every core (vista/cores.h) is cut out of what is left of the graph, nearest first: S is tied to the core, T to the
  * other cores; free cells carry the data term D_p of equation 1 as terminal links (no disparity, another disparity,
- * a horizontal surface all pull towards T). The source side becomes a region and leaves the graph. When no obstacle
- * core is left, regions are joined where their common boundary has no jump in disparity; then the same is done with
- * cores of the rest. The recursion stops when S would be empty. */
+ * a horizontal surface all pull towards T). A core's shell is free and pulled nowhere, and its edges do without
+ * disparities: there the contrast of the image decides. The source side becomes a region and leaves the graph. When
+ * no obstacle core is left, regions are joined where their common boundary has no jump in disparity; then the same is
+ * done with cores of the rest. The recursion stops when S would be empty. */
 #ifndef VISTA_SEGMENTATION_H
 #define VISTA_SEGMENTATION_H
 
@@ -34,6 +35,7 @@ typedef struct vista_segmentation {
   int32_t *source_capacity, *sink_capacity; /* scratch, node_count each */
   int32_t *subset, *steps;
   uint8_t *source_side;
+  int32_t *capacity;           /* scratch, graph.arc_count: what the cuts use */
   int32_t *perimeter, *merged; /* scratch of the merging, node_count each */
   vista_border *borders;       /* scratch: hash table over pairs of regions */
   int32_t border_slots;        /* a power of two */
