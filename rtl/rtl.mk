@@ -12,7 +12,7 @@ D ?= 32
 B ?= 11
 W ?= 1024
 SOAK_FRAMES ?= 10000
-SOAK_CASES ?= 200
+SOAK_CASES ?= 400
 MUTANTS ?= 50
 
 .PHONY: setup-rtl rtl-engine csr csr-check lint-rtl test-rtl formal synth soak mutate coverage-rtl

@@ -4,12 +4,12 @@ SYSTEMC := build/tools/systemc
 SYSTEMC_STAMP := $(SYSTEMC)/ldflags
 SYSTEMC_CXXFLAGS := -O3 -std=c++17 -Wall -Wextra -Werror
 SYSTEMC_SOURCES := $(wildcard model/systemc/src/*.cpp)
-SYSTEMC_OBJECTS := $(SYSTEMC_SOURCES:%.cpp=build/obj/%.o)
-SYSTEMC_TRACE := build/bin/vista_engine_trace# its engine alone, for tb/top/test_system_model.py
+SYSTEMC_OBJECTS := $(SYSTEMC_SOURCES:%.cpp=$(BUILD)/obj/%.o)
+SYSTEMC_TRACE := $(BUILD)/bin/vista_engine_trace# its engine alone, for tb/top/test_system_model.py
 
 .PHONY: systemc systemc-tests
 
-systemc: build/bin/vista_system ## the model of the whole system in time: build/bin/vista_system
+systemc: $(BUILD)/bin/vista_system ## the model of the whole system in time: $(BUILD)/bin/vista_system
 
 systemc-tests: systemc $(SYSTEMC_TRACE)
 
@@ -18,22 +18,22 @@ $(SYSTEMC_STAMP): scripts/setup_systemc.sh scripts/requirements/systemc.txt
 
 define SYSTEMC_COMPILE
 @echo "c++ $<"; mkdir -p $(@D)
-@g++ $(SYSTEMC_CXXFLAGS) $$(cat $(SYSTEMC)/cflags) -Imodel/systemc/src -Imodel/c/include -Irtl/sim -MMD -MP -c $< -o $@
+@g++ $(SYSTEMC_CXXFLAGS) $(SANITIZE) $$(cat $(SYSTEMC)/cflags) -Imodel/systemc/src -Imodel/c/include -Irtl/sim -MMD -MP -c $< -o $@
 endef
 
 define SYSTEMC_LINK
 @echo "ld $@"; mkdir -p $(@D)
-@g++ $^ $$(cat $(SYSTEMC)/ldflags) -lsystemc -pthread -Wl,-rpath,'$$ORIGIN/../lib' -o $@
+@g++ $(SANITIZE) $^ $$(cat $(SYSTEMC)/ldflags) -lsystemc -pthread -Wl,-rpath,'$$ORIGIN/../lib' -o $@
 endef
 
-build/obj/model/systemc/%.o: model/systemc/%.cpp $(SYSTEMC_STAMP)
+$(BUILD)/obj/model/systemc/%.o: model/systemc/%.cpp $(SYSTEMC_STAMP)
 	$(SYSTEMC_COMPILE)
 
-build/obj/tb/systemc/%.o: tb/systemc/%.cpp $(SYSTEMC_STAMP)
+$(BUILD)/obj/tb/systemc/%.o: tb/systemc/%.cpp $(SYSTEMC_STAMP)
 	$(SYSTEMC_COMPILE)
 
-build/bin/vista_system: build/obj/model/systemc/apps/vista_system.o $(SYSTEMC_OBJECTS) build/lib/libvista_engine.so
+$(BUILD)/bin/vista_system: $(BUILD)/obj/model/systemc/apps/vista_system.o $(SYSTEMC_OBJECTS) $(BUILD)/lib/libvista_engine.so
 	$(SYSTEMC_LINK)
 
-$(SYSTEMC_TRACE): build/obj/tb/systemc/vista_engine_trace.o $(SYSTEMC_OBJECTS) build/lib/libvista_engine.so
+$(SYSTEMC_TRACE): $(BUILD)/obj/tb/systemc/vista_engine_trace.o $(SYSTEMC_OBJECTS) $(BUILD)/lib/libvista_engine.so
 	$(SYSTEMC_LINK)
