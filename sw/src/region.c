@@ -132,10 +132,16 @@ static void own_pixels(const vista_region_view *w, const vista_plane *plane, vis
   region->cov_vv_px2 = fmax(sum.vv / sum.n - region->mean_v_px * region->mean_v_px, 0.0);
 }
 
-static vista_region_verdict judge_boundary(const vista_region_view *w, double horizontal_deg,
-                                           const vista_region *region) {
+/* No more than the smallest obstacle has at that range: far things are small, and soon seen better or refuted. */
+static double fewest_inliers(const vista_region_params *params, const vista_camera *camera, double disparity_px) {
+  const double smallest_px = params->min_size_m * disparity_px / camera->baseline_m;
+  return fmin(params->min_inliers, smallest_px * smallest_px);
+}
+
+static vista_region_verdict judge_boundary(const vista_region_view *w, const vista_camera *camera,
+                                           double horizontal_deg, const vista_region *region) {
   const vista_region_params *const p = w->params;
-  if (region->boundary_inliers < p->min_inliers) return VISTA_REGION_TOO_FEW_PIXELS;
+  if (region->boundary_inliers < fewest_inliers(p, camera, region->disparity_px)) return VISTA_REGION_TOO_FEW_PIXELS;
   if (region->boundary_valid < p->min_valid_fraction * region->boundary_pixels) return VISTA_REGION_LOW_SUPPORT;
   if (region->boundary_inliers < p->min_inlier_fraction * region->boundary_valid) return VISTA_REGION_INCONSISTENT;
   if (region->inclination_deg > horizontal_deg) return VISTA_REGION_HORIZONTAL;
@@ -147,7 +153,7 @@ static vista_region_verdict measure(vista_region_view *w, const vista_camera *ca
                                     double horizontal_deg, vista_region *region) {
   vista_plane surface;
   if (!vista_region_measure_boundary(w, camera, up_camera, region, &surface)) return VISTA_REGION_TOO_FEW_PIXELS;
-  const vista_region_verdict verdict = judge_boundary(w, horizontal_deg, region);
+  const vista_region_verdict verdict = judge_boundary(w, camera, horizontal_deg, region);
   if (verdict != VISTA_REGION_ACCEPTED) return verdict;
   const float lowest_m = vista_limit_m(camera, (float)region->disparity_px, (float)w->params->min_height_m);
   region->standing_fraction = vista_standing_fraction(w->foveation, camera, w->cells, w->surfaces, up_camera,

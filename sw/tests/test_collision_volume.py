@@ -74,7 +74,7 @@ def test_a_wall_beside_the_way_is_out_though_its_middle_would_reach_in() -> None
 
 
 def test_what_is_no_obstacle_is_not_counted() -> None:
-    stages = Stages(camera(), TOLERANCES | {"region.min_inliers": 10**6})
+    stages = Stages(camera(), TOLERANCES | {"region.min_inliers": 10**6, "region.min_size_m": 100.0})
     mask = box((160, 120), 30, 30)
     words = words_of(np.where(mask, 20.0, -1.0))
     measure(stages, words, [mask])

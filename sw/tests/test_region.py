@@ -236,8 +236,17 @@ def test_the_background_does_not_own_the_edge_of_what_stands_before_it() -> None
 
 def test_few_inliers_are_too_few() -> None:
     words, mask = board()
-    assert verdict_of(words, mask, min_inliers=10**6) == "TOO_FEW_PIXELS"
+    assert verdict_of(words, mask, min_inliers=10**6, min_size_m=100.0) == "TOO_FEW_PIXELS"
     assert verdict_of(np.full_like(words, INVALID), mask) == "TOO_FEW_PIXELS"
+
+
+def test_a_far_thing_needs_no_more_inliers_than_the_smallest_one_has_pixels() -> None:
+    """A thing of s metres is s d / B pixels wide."""
+    words, mask = board(d=20.0)
+    (region,) = measure(Stages(camera(), TOLERANCES), words, [mask])
+    side_m = np.sqrt(region.boundary_inliers) * 0.5 / 20.0
+    for share, expected in ((1.05, "TOO_FEW_PIXELS"), (0.95, "ACCEPTED")):
+        assert verdict_of(words, mask, min_inliers=10**6, min_size_m=share * side_m) == expected
 
 
 def test_a_boundary_with_few_matches_has_low_support() -> None:

@@ -76,7 +76,7 @@ typedef struct vista_region_params {
   double boundary_px; /* Cells this near to a cell on the boundary belong to it; half the matching block. 0.0 .. 64.0 px. */
   double tolerance_px; /* Boundary disparities within this of the region's surface are its inliers. 0.1 .. 16.0 px. */
   double tolerance_m; /* The same in depth; the larger of the two holds: near things have relief. At most 6 % of the range. 0.0 .. 10.0 m. */
-  int32_t min_inliers; /* Fewest boundary inliers of an obstacle. 1 .. 1000000 pixels. */
+  int32_t min_inliers; /* Fewest boundary inliers of an obstacle, but no more than one of min_size_m has pixels at its range. 1 .. 1000000 pixels. */
   double min_disparity_px; /* Regions with less are too far to say anything. 0.1 .. 255.0 px. */
   double min_size_m; /* Smallest larger side of an obstacle. At most 6 % of the range. 0.0 .. 100.0 m. */
   double min_valid_fraction; /* Smallest valid fraction of the boundary. 0.0 .. 1.0. */
