@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -89,18 +89,17 @@ def read_scene(folder: Path, index: int = 0) -> LabelledScene:
     )
 
 
-def make_host(values: parameters.Values, camera: Calibration) -> tuple[Engine, Pipeline]:
-    return StereoEngine(**vars(engine_parameters(values))), Pipeline(camera, values)
-
-
 def partition_scenes(
-    scenes: list[LabelledScene], values: parameters.Values
+    scenes: list[LabelledScene],
+    values: parameters.Values,
+    around_engine: Callable[[Engine], Engine] = lambda engine: engine,
 ) -> Iterator[tuple[LabelledScene, Partition]]:
-    """Each scene through engine and host, by itself."""
+    """Each scene through engine and host, by itself. around_engine: a step before or after matching, to try it."""
     if not scenes:
         return
     camera = scenes[0].camera
-    engine, pipeline = make_host(values, camera)
+    engine = around_engine(StereoEngine(**vars(engine_parameters(values))))
+    pipeline = Pipeline(camera, values)
     for scene in scenes:
         if scene.camera != camera:
             raise InputError(scene.name, "has another camera than the scenes before")
