@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 
 @dataclass(frozen=True)
 class ControlParameters:
-    k: float = 10.0  # cells: larger gives larger regions
-    min_cells: int = 20
+    k: float = 5.0  # cells: larger gives larger regions
+    min_cells: int = 3
     respect_surfaces: bool = False  # no edge between horizontal and standing cells, as the cut's own seeds
 
 
