@@ -181,7 +181,8 @@ static bool obstacle_of(const vista_obstacle_map_params *params, const vista_cam
   for (int i = 0; i < 9; ++i) obstacle->covariance_m2[i] += lasting_m2[i];
   obstacle->disparity_px = measurement_px[2];
   obstacle->ellipse = ellipse_of(track, measurement_px, camera_m[2]);
-  obstacle->in_collision_volume = track->credible && vista_window_count(track->volume_window, 3) >= 2;
+  const int32_t members = vista_window_count(track->volume_window, 3);
+  obstacle->in_collision_volume = track->credible && members >= (track->hits > 1 ? 2 : 1);
   if (obstacle->in_collision_volume && track->coasting) {
     const vista_disc disc = disc_of(params, camera, pose, track, covariance_px2, camera_m[2]);
     obstacle->in_collision_volume = vista_disc_near_segment(&disc, axis, params->collision_radius_m);

@@ -63,7 +63,9 @@ void vista_track_judge(const vista_track_frame *f, vista_track *track) {
   const double time_s = vista_seconds_between(w->start_t_ns, f->t_ns);
   const bool silent = fabs(w->travel_m) <= f->params->static_speed_min_m_s * time_s;
   const bool supported = w->verdict == VISTA_WORLD_OPEN ? silent : w->verdict != VISTA_WORLD_REFUTED;
-  track->confirmed = track->confirmed || hits_in_window(f->params, track) >= hits_needed(f->params, track);
+  const bool open = w->verdict == VISTA_WORLD_OPEN && !silent;
+  const int32_t needed = hits_needed(f->params, track) + (open ? 1 : 0);
+  track->confirmed = track->confirmed || hits_in_window(f->params, track) >= needed;
   track->credible = track->confirmed && w->verdict != VISTA_WORLD_REFUTED && (track->credible || supported);
 }
 

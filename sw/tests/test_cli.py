@@ -159,7 +159,7 @@ def test_record_holds_what_the_host_received(tmp_path: Path, run_vista: Vista) -
 @pytest.mark.parametrize("stills", [True, False])
 def test_stills_are_judged_one_by_one(tmp_path: Path, stills: bool) -> None:
     """With the real pipeline: the ids of the board and whether it is confirmed, frame by frame."""
-    folder = cases.make_board_scenes(tmp_path / "pairs", 3, stills)
+    folder = cases.make_board_scenes(tmp_path / "pairs", 4, stills)
     record = tmp_path / "stills.rec"
     options = ["--out", str(tmp_path / "out"), "--no-overlay", "--record", str(record)]
     assert main(["run", str(folder), *options]) == 0
@@ -174,11 +174,11 @@ def test_stills_are_judged_one_by_one(tmp_path: Path, stills: bool) -> None:
             board["id"] for board in boards
         ]
     else:
-        assert [board["confirmed"] for board in boards] == [False, False, True]
+        assert [board["confirmed"] for board in boards] == [False, False, False, True]
         assert len({board["id"] for board in boards}) == 1
     assert HEADER.unpack_from(record.read_bytes())[9] == stills
     summary = json.loads((tmp_path / "out" / "summary.json").read_text())
-    assert summary["parameters"]["tracker"]["confirm_hits"] == (1 if stills else 3)
+    assert summary["parameters"]["tracker"]["confirm_hits"] == (1 if stills else 4)
 
 
 def test_an_earlier_run_is_replaced(tmp_path: Path, run_vista: Vista) -> None:
@@ -269,8 +269,8 @@ BAD_CONFIGS = {
     "[foveation]\nsector_count = 'many'": "foveation.sector_count must be",
     "[stereo]\nblock_size = 4": "stereo.block_size must be from 5 to 21",
     "[stereo]\nblock_size = 8": "engine golden: ",
-    "[tracker]\nconfirm_hits = 6": "tracker.confirm_hits must be at most tracker.confirm_window (5), not 6",
-    "[tracker]\nconfirm_window = 2": "tracker.confirm_hits must be at most tracker.confirm_window (2), not 3",
+    "[tracker]\nconfirm_hits = 7": "tracker.confirm_hits must be at most tracker.confirm_window (6), not 7",
+    "[tracker]\nconfirm_window = 2": "tracker.confirm_hits must be at most tracker.confirm_window (2), not 4",
     "stereo = 1": "unknown section [stereo]",
 }
 

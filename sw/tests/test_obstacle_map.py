@@ -78,6 +78,7 @@ def track(position, id_: int = 1, sigma_m: float = 0.1, extent=(1.0, 0.8), **cha
         "confirmed": True,
         "credible": True,
         "coasting": True,  # so that its disc counts
+        "hits": 7,
         "volume_window": 0b111,
         "age_frames": 7,
         "position_m": [float(x) for x in position],
@@ -124,6 +125,7 @@ def test_what_is_seen_is_a_member_by_two_of_three_hits(hits: int, member: bool) 
     for point, in_the_way in (((0, 0, 30.0), True), ((9, 0, 30.0), False)):
         assert in_volume(point, coasting=False, volume_window=hits) == member
         assert in_volume(point, coasting=True, volume_window=hits) == (member and in_the_way)
+        assert in_volume(point, coasting=False, volume_window=hits & 1, hits=1) == hits & 1
 
 
 def test_the_flight_direction_is_seen_from_the_camera() -> None:

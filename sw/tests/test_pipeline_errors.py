@@ -128,7 +128,7 @@ BAD_PARAMETERS = {
     "foveation.sector_count": 15,
     "region.min_size_m": -1.0,
     "tracker.gate_chi2": 0.0,
-    "tracker.confirm_hits": 6,  # more than confirm_window
+    "tracker.confirm_hits": 7,  # more than confirm_window
 }
 
 

@@ -93,6 +93,9 @@ def seen_at(point, position=(0.0, 0.0, 0.0), rotation=None, **keywords) -> dict:
     return detection(measure(point, position, rotation), **keywords)
 
 
+CONFIRMATION = {"confirm_hits": 3, "confirm_window": 5}  # whatever the defaults are
+
+
 class Tracker:
     """One tracker with its memory; `update` answers the status, `tracks` the tracks by id."""
 
@@ -101,7 +104,7 @@ class Tracker:
         self._arena = Arena(lambda arena: lib.vista_tracker_layout(max_tracks, max_detections, arena, out))
         assert self._arena.status == lib.VISTA_OK, status_name(self._arena.status)
         area = {name: changes.pop(name) for name in MATCHED if name in changes}
-        self.handle, self.params, self.camera = out[0], params("tracker", **changes), camera()
+        self.handle, self.params, self.camera = out[0], params("tracker", **CONFIRMATION | changes), camera()
         self.matched = matched(**area)
 
     def update(self, t_s: float, detections=(), position=(0.0, 0.0, 0.0), rotation=None) -> str:

@@ -9,7 +9,7 @@
  * Too near to match (vista/saturation.h): an obstacle without a track, id 0, on the flight path somewhere within the
  * blind zone, as wide as the volume. It is given at the far end of the zone, with the zone's length as uncertainty.
  * Membership: an obstacle that is seen, by its region's own pixels (vista/collision_volume.h) in two of its last three
- * hits. While it coasts it stays a member as far as its disc does.
+ * hits, or in its only one. While it coasts it stays a member as far as its disc does.
  * Disc: an elliptical one facing the camera, semi-axes extent / 2 + inflation_sigma times the standard deviation
  * of its bearing at its depth. Only across the line of sight: the range uncertainty of a far obstacle moves it along
  * its line of sight and would put misses into the volume; it is reported in the covariance instead. */

@@ -106,7 +106,7 @@ typedef struct vista_tracker_params {
   double extent_psd_1_s; /* Random walk of the logarithm of width and height. 0.0 .. 100.0 1/s. */
   double overlap_sigma; /* Depth gate for lying within a track, standard deviations of the disparity difference. 0.1 .. 100.0. */
   double overlap_scale; /* Half extents around a track's centre that count as within it. 0.1 .. 10.0. */
-  int32_t confirm_hits; /* A track is confirmed at this many hits in confirm_window frames. Paper: M. 1 .. 32 frames. At most confirm_window. */
+  int32_t confirm_hits; /* A track is confirmed at this many hits in confirm_window frames; at one more while own travel could tell, but does not yet, that it stands. Paper: M. 1 .. 32 frames. At most confirm_window. */
   int32_t confirm_window; /* Frames, in which the track could be seen, that count for its confirmation. Paper: N. 1 .. 32 frames. */
   int32_t moved_hits; /* A track that moves needs this many hits, and has this many frames, more to be confirmed. 0 .. 16 frames. */
   int32_t volume_pixels; /* A region is in the collision volume when at least this many of its own pixels are. 0 .. 1000000 pixels. */

@@ -13,8 +13,8 @@
  *            last, tracks seen once with detections of the same size where they may have moved to by now. Such a pair
  *            starts one more track, whose velocity is that of the two; it takes nothing from what stands.
  * Life       a detection that nothing claims starts a tentative track, unless it lies within a confirmed one (a split
- *            region). Confirmed at M hits in the last N frames in which it could be seen, both
- *            moved_hits more if it moves; a tentative track that can
+ *            region). Confirmed at M hits in the last N frames in which it could be seen, one
+ *            hit more while the static-world test is open, both moved_hits more if it moves; a tentative track that can
  *            no longer get there, or lies within a confirmed one, is dropped; so is a confirmed one after more than
  *            miss_max misses in a row.
  * Credible   once the static-world test holds it to stand still or to move by itself, until it refutes that; where own
