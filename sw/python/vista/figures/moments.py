@@ -5,13 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
+
 from vista import parameters
 from vista.command.run import make_chain
 from vista.errors import InputError
 from vista.run import Step, run_frame
 from vista.score.flight import FlightScore, score_records
 from vista.score.fly import open_flight
-from vista.score.frame_truth import flight_frames
 from vista.score.truth import TRUTH, FlightTruth, read_truth
 
 SHOWN_RANGE_M = 30.0  # of the target
@@ -36,13 +37,13 @@ def read_flights(folder: Path) -> list[FlightTruth]:
 
 def shown_frame(truth: FlightTruth) -> int:
     """The one whose target is nearest to SHOWN_RANGE_M; without a target the middle one."""
-    _, frames = flight_frames(truth.folder)
+    poses = {files.t_ns: files.world_from_camera for files in open_flight(truth.folder).frames}
     off_m = [
-        (abs(frame.target.range_m - SHOWN_RANGE_M), k)
-        for k, frame in enumerate(frames)
-        if frame.target is not None
+        (abs(float(np.linalg.norm(seen[label]["position_m"] - poses[t_ns].translation_m)) - SHOWN_RANGE_M), k)
+        for k, (t_ns, seen) in enumerate(zip(truth.times_ns, truth.seen, strict=True))
+        for label in seen.keys() & {target.label for target in truth.targets}
     ]
-    return min(off_m)[1] if off_m else len(frames) // 2
+    return min(off_m)[1] if off_m else len(truth.times_ns) // 2
 
 
 def fly_to(truth: FlightTruth, index: int, values: parameters.Values) -> Moment:
