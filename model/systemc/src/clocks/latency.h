@@ -1,7 +1,10 @@
 // Clocks and depths of the engine, derived from its build parameters as rtl/src/vista_stereo_pkg.sv derives them; the
-// table is in rtl/README.md, "Latency". The only place of the model that holds them.
+// table is in rtl/README.md, "Latency". The only place of the model that holds them. The latencies of single stages are
+// read out of that package when this is built (systemc.mk): kPrefilterLatency .. kCheckLatency, kInFlightMargin.
 #ifndef VISTA_CLOCKS_LATENCY_H
 #define VISTA_CLOCKS_LATENCY_H
+
+#include "vista_stereo_latency.h"
 
 namespace vista::clocks {
 
@@ -20,17 +23,11 @@ constexpr int ceil_log2(int n) {
   return bits;
 }
 
-constexpr int kPrefilterLatency = 7;      // = kVerticalLatency + 1 for the next column + kGradientLatency
-constexpr int kVerticalLatency = 3;       // to the vertical sums of a column
-constexpr int kGradientLatency = 3;       // from those of the next column to the prefiltered pixels
-constexpr int kDelayLatency = 2;
-constexpr int kColumnLatency = 4;
-constexpr int kWindowLatency = 4;
-constexpr int kThresholdLatency = 3;
-constexpr int kUniquenessLatency = 2;
-constexpr int kSubpixelLatency = 11;
-constexpr int kCheckLatency = 6;
-constexpr int kInFlightMargin = 8;
+// From a slot to the vertical sums of its column, and from those of the next column to the prefiltered pixels.
+constexpr int kVerticalLatency = 3;
+constexpr int kGradientLatency = 3;
+static_assert(kVerticalLatency + 1 + kGradientLatency == kPrefilterLatency);
+
 constexpr int kFifoAhead = 4;     // words in registers behind the memory of the result FIFO
 constexpr int kPendingFrames = 4;  // that the frame writer remembers
 
