@@ -231,4 +231,8 @@ module vista_framer #(
     end
   end
 
+`ifdef FORMAL
+  `include "vista_framer_properties.svh"
+`endif
+
 endmodule
