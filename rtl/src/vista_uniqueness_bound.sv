@@ -2,9 +2,9 @@
 //
 // The division by 100 is a multiplication by R = ceil(2^30 / 100). With R * 100 = 2^30 + 76 it is exact as long as
 // Smin * u * 76 < 2^30; Smin < 2^17 and u <= 100 stay below (tb/test_arithmetic.py tries them all). u * R is formed once
-// a frame. All ones, the saturated word, lies above every cost.
+// a frame, from two parts of R that fit a multiplier each. All ones, the saturated word, lies above every cost.
 //
-// Latency: 3 clocks from `smin_i`, 2 from `ratio_i` to the product.
+// Latency: 3 clocks from `smin_i`; `ratio_i` stands from 3 clocks before it on.
 
 module vista_uniqueness_bound #(
   parameter int unsigned CostW = 15
@@ -20,12 +20,18 @@ module vista_uniqueness_bound #(
   localparam int unsigned GainW = Shift + 1;
   localparam logic [23:0] Reciprocal = 24'd10737419;
 
+  localparam int unsigned PartW = 17;  // of R, unsigned in an 18-bit multiplier
+
   logic [6:0]       ratio_q;
+  logic [PartW+7-1:0] gain_low_q;
+  logic [GainW-PartW-1:0] gain_high_q;
   logic [GainW-1:0] gain_q;
 
   always_ff @(posedge clk_i) begin
-    ratio_q <= ratio_i;
-    gain_q  <= GainW'(ratio_q) * GainW'(Reciprocal);
+    ratio_q     <= ratio_i;
+    gain_low_q  <= (PartW + 7)'(ratio_q) * (PartW + 7)'(Reciprocal[PartW-1:0]);
+    gain_high_q <= (GainW - PartW)'(ratio_q) * (GainW - PartW)'(Reciprocal[23:PartW]);
+    gain_q      <= {gain_high_q, PartW'(0)} + GainW'(gain_low_q);
   end
 
   logic [CostW-1:0] smin1_q, smin2_q;

@@ -14,7 +14,7 @@ async def bound_is_exact(dut):
     await start(dut, ratio_i=0, smin_i=0)
     for ratio in range(101):
         dut.ratio_i.value = ratio
-        for _ in range(3):
+        for _ in range(4):
             await FallingEdge(dut.clk_i)
         expected = []
         for clock in range(60):
