@@ -62,21 +62,26 @@ module vista_candidate #(
     .bound_o (bound)
   );
 
-  logic [IndexW-1:0] winner1_q, winner2_q;
+  logic [IndexW-1:0] winner_ahead;  // of its costs by one clock
   logic [CostW-1:0] cost_previous, cost_next;
   logic rival;
 
-  always_ff @(posedge clk_i) begin
-    winner1_q <= winner;
-    winner2_q <= winner1_q;
-  end
+  vista_delay #(
+    .Width   (IndexW),
+    .Latency (ThresholdLatency - 1)
+  ) u_winner_ahead (
+    .clk_i,
+    .rst_ni,
+    .data_i (winner),
+    .data_o (winner_ahead)
+  );
 
   vista_uniqueness #(
     .NumDisparities (NumDisparities),
     .CostW (CostW)
   ) u_uniqueness (
     .clk_i,
-    .disparity_i (winner2_q),
+    .disparity_i (winner_ahead),
     .cost_i      (cost),
     .bound_i     (bound),
     .rival_o     (rival)
@@ -87,7 +92,7 @@ module vista_candidate #(
     .CostW (CostW)
   ) u_neighbours (
     .clk_i,
-    .disparity_i (winner2_q),
+    .disparity_i (winner_ahead),
     .cost_i      (cost),
     .previous_o  (cost_previous),
     .next_o      (cost_next)
