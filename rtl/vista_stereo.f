@@ -1,4 +1,5 @@
 rtl/csr/vista_stereo_csr_pkg.sv
 rtl/csr/vista_stereo_csr.sv
 -f rtl/vista_stereo_core.f
+rtl/src/vista_axil.sv
 rtl/src/vista_stereo.sv

@@ -2,7 +2,6 @@ rtl/src/vista_stereo_pkg.sv
 rtl/src/vista_skid.sv
 rtl/src/vista_line_store.sv
 rtl/src/vista_delay.sv
-rtl/src/vista_select.sv
 rtl/src/vista_framer.sv
 rtl/src/vista_prefilter.sv
 rtl/src/vista_row_delay.sv
@@ -11,6 +10,7 @@ rtl/src/vista_window_sums.sv
 rtl/src/vista_winner.sv
 rtl/src/vista_uniqueness_bound.sv
 rtl/src/vista_uniqueness.sv
+rtl/src/vista_neighbours.sv
 rtl/src/vista_subpixel.sv
 rtl/src/vista_candidate.sv
 rtl/src/vista_right_winner.sv

@@ -1,10 +1,12 @@
 // Properties of vista_result_fifo, inside it: it never overflows, and as many words leave as came.
 //
-// Assumed of the writer, as vista_stereo_core arranges it: a word comes only if `go_o` was up InFlight - 3 clocks before.
+// Assumed of the writer, as vista_stereo_core arranges it: no word comes later than InFlight - 3 clocks after `go_o` was
+// last up.
 
 logic                f_started = 1'b0;
-logic [InFlight-4:0] f_go;
+logic [PtrW:0]       f_age;      // clocks since `go_o` was up, saturating
 logic [PtrW:0]       f_stored;   // in memory
+logic [PtrW:0]       f_stored1;  // the clock before
 logic [PtrW+1:0]     f_balance;  // words that came, less those that left
 logic [2:0]          f_claimed;
 
@@ -12,11 +14,14 @@ assign f_claimed = ahead_level_q + {2'b0, read1_q} + {2'b0, read2_q};
 
 always_ff @(posedge clk_i) begin
   f_started <= 1'b1;
-  f_go      <= (InFlight - 3)'({f_go, go_o});
+  if (go_o) f_age <= (PtrW + 1)'(1);
+  else if (32'(f_age) <= InFlight - 3) f_age <= f_age + 1'b1;
   f_stored  <= f_stored + (PtrW + 1)'(write_i) - (PtrW + 1)'(read);
+  f_stored1 <= f_stored;
   f_balance <= f_balance + (PtrW + 2)'(write_i) - (PtrW + 2)'(take);
   if (!rst_ni) begin
-    f_go      <= '0;
+    f_age     <= (PtrW + 1)'(InFlight - 2);
+    f_stored1 <= '0;
     f_stored  <= '0;
     f_balance <= '0;
   end
@@ -24,9 +29,12 @@ end
 
 always_comb begin
   if (!f_started) assume (!rst_ni);
-  assume (!write_i || f_go[InFlight-4]);
+  assume (!write_i || go_o || 32'(f_age) <= InFlight - 3);
   if (f_started) begin
     assert (32'(f_stored) < Depth);
+    assert (level_q == f_stored1[PtrW-1:0] && 32'(f_stored1) < Depth);
+    assert (f_stored <= f_stored1 + 1'b1 && f_age != '0 && 32'(f_age) <= InFlight - 2);
+    assert (32'(f_stored) <= Depth - InFlight + 1 + (go_o ? 0 : 32'(f_age)));
     assert (f_stored[PtrW-1:0] == write_ptr_q - read_ptr_q);
     assert (32'(ahead_claimed_q) <= Ahead && 32'(ahead_level_q) <= Ahead);
     assert (ahead_claimed_q == f_claimed);

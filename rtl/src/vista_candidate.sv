@@ -62,48 +62,40 @@ module vista_candidate #(
     .bound_o (bound)
   );
 
-  logic [IndexW-1:0] winner1_q, winner2_q, previous_index_q, next_index_q;
+  logic [IndexW-1:0] winner_ahead;  // of its costs by one clock
+  logic [CostW-1:0] cost_previous, cost_next;
   logic rival;
 
-  always_ff @(posedge clk_i) begin
-    winner1_q        <= winner;
-    winner2_q        <= winner1_q;
-    // At the ends of the range the neighbour of the other side stands in.
-    previous_index_q <= (winner2_q == '0) ? IndexW'(1) : winner2_q - 1'b1;
-    next_index_q     <= (32'(winner2_q) == NumDisparities - 1) ? IndexW'(NumDisparities - 2) : winner2_q + 1'b1;
-  end
+  vista_delay #(
+    .Width   (IndexW),
+    .Latency (ThresholdLatency - 1)
+  ) u_winner_ahead (
+    .clk_i,
+    .rst_ni,
+    .data_i (winner),
+    .data_o (winner_ahead)
+  );
 
   vista_uniqueness #(
     .NumDisparities (NumDisparities),
     .CostW (CostW)
   ) u_uniqueness (
     .clk_i,
-    .disparity_i (winner2_q),
+    .disparity_i (winner_ahead),
     .cost_i      (cost),
     .bound_i     (bound),
     .rival_o     (rival)
   );
 
-  logic [CostW-1:0] cost_previous, cost_next;
-
-  vista_select #(
-    .NumWords (NumDisparities),
-    .Width    (CostW)
-  ) u_previous (
+  vista_neighbours #(
+    .NumDisparities (NumDisparities),
+    .CostW (CostW)
+  ) u_neighbours (
     .clk_i,
-    .index_i (previous_index_q),
-    .word_i  (cost),
-    .word_o  (cost_previous)
-  );
-
-  vista_select #(
-    .NumWords (NumDisparities),
-    .Width    (CostW)
-  ) u_next (
-    .clk_i,
-    .index_i (next_index_q),
-    .word_i  (cost),
-    .word_o  (cost_next)
+    .disparity_i (winner_ahead),
+    .cost_i      (cost),
+    .previous_o  (cost_previous),
+    .next_o      (cost_next)
   );
 
   logic [IndexW-1:0] winner_subpixel;

@@ -63,9 +63,11 @@ module vista_cost_columns #(
   // 1: the right pixels x .. x-D+1, entering and leaving.
   logic [PixelW-1:0] left_in_q, left_out_q;
   logic [TextureW-1:0] texture_in_q, texture_out_q;
+  logic stay1_q;  // nothing leaves; goes to every disparity, hence straight from a register
   logic [NumDisparities-1:0][PixelW-1:0] right_in_q, right_out_q;
 
   always_ff @(posedge clk_i) begin
+    stay1_q       <= ~slot_i.leave;
     left_in_q     <= left_entering_i;
     left_out_q    <= left_leaving_i;
     texture_in_q  <= texture_entering_i;
@@ -90,7 +92,7 @@ module vista_cost_columns #(
     always_ff @(posedge clk_i) begin
       in_q  <= {1'b0, left_in_q} - {1'b0, right_in_q[d]};
       out_q <= {1'b0, left_out_q} - {1'b0, right_out_q[d]};
-      if (!slot1_q.leave) out_q <= '0;
+      if (stay1_q) out_q <= '0;
       delta_q[d] <= delta[DeltaW:1];
       carry_q[d] <= ~out_q[PixelW];
     end
@@ -99,7 +101,7 @@ module vista_cost_columns #(
   logic [TextureW:0] texture_delta_q;
 
   always_ff @(posedge clk_i) begin
-    texture_delta_q <= {1'b0, texture_in_q} - (slot1_q.leave ? {1'b0, texture_out_q} : '0);
+    texture_delta_q <= {1'b0, texture_in_q} - (stay1_q ? '0 : {1'b0, texture_out_q});
     delta_q[NumDisparities] <= DeltaW'($signed(texture_delta_q));
     carry_q[NumDisparities] <= 1'b0;
   end

@@ -125,4 +125,8 @@ module vista_frame_writer #(
     end
   end
 
+`ifdef FORMAL
+  `include "vista_frame_writer_properties.svh"
+`endif
+
 endmodule

@@ -69,7 +69,8 @@ module vista_framer #(
   logic [ColW-1:0] col_q, width_less_1_q;
   logic [RowW-1:0] row_q, last_row_q;
   logic            size_ok_q;
-  logic [ColW-1:0] next_width_less_1_q;
+  logic [ColW-1:0] next_width_less_1_q;  // of the size that `size_ok_q` speaks of
+  logic [RowW-1:0] next_last_row_q;
   // Frame being matched: one row behind.
   logic drain_q, drain_last_col_q, drain_cut_q, begun_q;
   logic [ColW-1:0] drain_col_q, match_width_less_1_q;
@@ -82,6 +83,7 @@ module vista_framer #(
   always_ff @(posedge clk_i) begin
     size_ok_q <= (32'(width_i) >= MinWidth) & (32'(width_i) <= MaxWidth) & (32'(height_i) >= MinHeight);
     next_width_less_1_q <= ColW'(width_i - 1'b1);
+    next_last_row_q     <= height_i - 1'b1;
   end
 
   assign head_sof = valid_i & sof_i;
@@ -106,7 +108,7 @@ module vista_framer #(
     if (start) begin
       active_q       <= 1'b1;
       width_less_1_q <= next_width_less_1_q;
-      last_row_q     <= height_i - 1'b1;
+      last_row_q     <= next_last_row_q;
       params_o       <= params_i;
     end
     if (step) begin
@@ -228,5 +230,9 @@ module vista_framer #(
       error_size_o      <= 1'b0;
     end
   end
+
+`ifdef FORMAL
+  `include "vista_framer_properties.svh"
+`endif
 
 endmodule

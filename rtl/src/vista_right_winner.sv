@@ -10,7 +10,8 @@
 // Each slot has an index, modulo the depth of the rings in vista_lr_check. The pixel of index i is decided, all its
 // right candidates known, at slot i + D-1.
 //
-// Latency: 1 clock.
+// Latency: 1 clock from `cost_i`; `match_*_i` come one clock before the costs, since the enable of the chain goes to all of
+// its registers and has to come straight from one itself.
 
 module vista_right_winner #(
   parameter int unsigned NumDisparities = 32,
@@ -25,7 +26,7 @@ module vista_right_winner #(
   input  logic                                  match_last_i,  // of the row
   input  logic                                  match_cut_i,
   input  logic [NumDisparities-1:0][CostW-1:0]  cost_i,
-  output logic [RingW-1:0]                      match_index_o,  // of the pixel of `match_i`, at once
+  output logic [RingW-1:0]                      match_index_o,  // of the pixel of `cost_i`, at once
 
   output logic              slot_valid_o,
   output logic [RingW-1:0]  slot_index_o,
@@ -36,30 +37,34 @@ module vista_right_winner #(
 
   logic [RingW-1:0] index_q;
   logic [IndexW-1:0] flush_q, age_q;
-  logic cut_q;
-  logic slot_valid, cut, old_enough;
+  logic match_q, match_last_q, cut_q, slot_valid_q, old_enough;
 
-  assign slot_valid    = match_i | (flush_q != '0);
-  assign cut           = match_i ? match_cut_i : cut_q;
   assign old_enough    = (32'(age_q) == NumDisparities - 1);
   assign match_index_o = index_q;
 
   always_ff @(posedge clk_i) begin
-    if (match_i & match_last_i) flush_q <= IndexW'(NumDisparities - 1);
+    match_q      <= match_i;
+    match_last_q <= match_i & match_last_i;
+    slot_valid_q <= match_i | match_last_q | (32'(flush_q) > 1);
+    if (match_i) cut_q <= match_cut_i;
+
+    if (match_last_q) flush_q <= IndexW'(NumDisparities - 1);
     else if (flush_q != '0) flush_q <= flush_q - 1'b1;
 
-    if (slot_valid) begin
+    if (slot_valid_q) begin
       index_q <= index_q + 1'b1;
       if (32'(flush_q) == 1) age_q <= '0;
       else if (!old_enough) age_q <= age_q + 1'b1;
     end
-    cut_q <= cut;
 
-    slot_valid_o <= slot_valid;
+    slot_valid_o <= slot_valid_q;
     slot_index_o <= index_q;
-    decided_o    <= slot_valid & old_enough;
-    cut_o        <= cut;
+    decided_o    <= slot_valid_q & old_enough;
+    cut_o        <= cut_q;
     if (!rst_ni) begin
+      match_q      <= 1'b0;
+      match_last_q <= 1'b0;
+      slot_valid_q <= 1'b0;
       flush_q      <= '0;
       age_q        <= '0;
       index_q      <= '0;
@@ -75,14 +80,14 @@ module vista_right_winner #(
     if (d == 0) begin : gen_first
       assign best_index_q[d] = '0;
       always_ff @(posedge clk_i) begin
-        if (slot_valid) best_q[d] <= match_i ? cost_i[d] : '1;
+        if (slot_valid_q) best_q[d] <= match_q ? cost_i[d] : '1;
         if (!rst_ni) best_q[d] <= '1;
       end
     end else begin : gen_next
       logic better;
-      assign better = match_i & ~(best_q[d-1] < cost_i[d]);
+      assign better = match_q & ~(best_q[d-1] < cost_i[d]);
       always_ff @(posedge clk_i) begin
-        if (slot_valid) begin
+        if (slot_valid_q) begin
           best_q[d]       <= better ? cost_i[d] : best_q[d-1];
           best_index_q[d] <= better ? IndexW'(d) : best_index_q[d-1];
         end
@@ -92,5 +97,9 @@ module vista_right_winner #(
   end
 
   assign winner_o = best_index_q[NumDisparities-1];
+
+`ifdef FORMAL
+  `include "vista_right_winner_properties.svh"
+`endif
 
 endmodule

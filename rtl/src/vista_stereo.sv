@@ -55,30 +55,60 @@ module vista_stereo #(
   vista_stereo_csr_pkg::vista_stereo_csr__in_t  to_csr;
   vista_stereo_csr_pkg::vista_stereo_csr__out_t from_csr;
 
+  logic request, request_write;
+  logic [3:0] request_address;
+  logic [31:0] write_data, write_mask, read_data;
+
+  vista_axil u_axil (
+    .clk_i,
+    .rst_ni,
+    .awvalid_i    (s_axil_awvalid),
+    .awready_o    (s_axil_awready),
+    .awaddr_i     (s_axil_awaddr[5:2]),
+    .wvalid_i     (s_axil_wvalid),
+    .wready_o     (s_axil_wready),
+    .wdata_i      (s_axil_wdata),
+    .wstrb_i      (s_axil_wstrb),
+    .bvalid_o     (s_axil_bvalid),
+    .bready_i     (s_axil_bready),
+    .arvalid_i    (s_axil_arvalid),
+    .arready_o    (s_axil_arready),
+    .araddr_i     (s_axil_araddr[5:2]),
+    .rvalid_o     (s_axil_rvalid),
+    .rready_i     (s_axil_rready),
+    .rdata_o      (s_axil_rdata),
+    .request_o    (request),
+    .write_o      (request_write),
+    .address_o    (request_address),
+    .write_data_o (write_data),
+    .write_mask_o (write_mask),
+    .read_data_i  (read_data)
+  );
+
+  assign s_axil_bresp = '0;
+  assign s_axil_rresp = '0;
+
+  // Registers are words; protection is not told apart.
+  logic unused_axil;
+  assign unused_axil = ^{s_axil_awprot, s_axil_arprot, s_axil_awaddr[1:0], s_axil_araddr[1:0]};
+
   vista_stereo_csr u_csr (
-    .clk      (clk_i),
-    .rst_n    (rst_ni),
-    .s_axil_awready,
-    .s_axil_awvalid,
-    .s_axil_awaddr,
-    .s_axil_awprot,
-    .s_axil_wready,
-    .s_axil_wvalid,
-    .s_axil_wdata,
-    .s_axil_wstrb,
-    .s_axil_bready,
-    .s_axil_bvalid,
-    .s_axil_bresp,
-    .s_axil_arready,
-    .s_axil_arvalid,
-    .s_axil_araddr,
-    .s_axil_arprot,
-    .s_axil_rready,
-    .s_axil_rvalid,
-    .s_axil_rdata,
-    .s_axil_rresp,
-    .hwif_in  (to_csr),
-    .hwif_out (from_csr)
+    .clk                  (clk_i),
+    .rst_n                (rst_ni),
+    .s_cpuif_req          (request),
+    .s_cpuif_req_is_wr    (request_write),
+    .s_cpuif_addr         ({request_address, 2'b00}),
+    .s_cpuif_wr_data      (write_data),
+    .s_cpuif_wr_biten     (write_mask),
+    .s_cpuif_req_stall_wr (),
+    .s_cpuif_req_stall_rd (),
+    .s_cpuif_rd_ack       (),
+    .s_cpuif_rd_err       (),
+    .s_cpuif_rd_data      (read_data),
+    .s_cpuif_wr_ack       (),
+    .s_cpuif_wr_err       (),
+    .hwif_in              (to_csr),
+    .hwif_out             (from_csr)
   );
 
   // A size beyond the counters is kept out of range rather than wrapped into it.

@@ -114,7 +114,7 @@ module vista_stereo_core #(
   );
 
   // Costs.
-  slot_t filtered_slot, delayed_slot, column_slot, cost_slot;
+  slot_t filtered_slot, delayed_slot, column_slot, cost_slot, next_cost_slot;
   logic [ColW-1:0] filtered_col, delayed_col;
   params_t frame_params;
   logic [PixelW-1:0] left, right, left_in, right_in, left_out, right_out;
@@ -184,8 +184,9 @@ module vista_stereo_core #(
     .rst_ni,
     .slot_i   (column_slot),
     .column_i (column),
-    .slot_o   (cost_slot),
-    .sum_o    (sum)
+    .slot_o      (cost_slot),
+    .slot_next_o (next_cost_slot),
+    .sum_o       (sum)
   );
 
   // The parameters of the stages behind the costs change with the first column of a row that has matches: 2r rows after
@@ -241,9 +242,9 @@ module vista_stereo_core #(
   ) u_right_winner (
     .clk_i,
     .rst_ni,
-    .match_i       (match),
-    .match_last_i  (cost_slot.last_col),
-    .match_cut_i   (cost_slot.cut),
+    .match_i       (next_cost_slot.valid & next_cost_slot.match),
+    .match_last_i  (next_cost_slot.last_col),
+    .match_cut_i   (next_cost_slot.cut),
     .cost_i        (sum[NumDisparities-1:0]),
     .match_index_o (match_index),
     .slot_valid_o  (slot_valid),

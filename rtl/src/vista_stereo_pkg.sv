@@ -55,7 +55,7 @@ package vista_stereo_pkg;
     return $clog2(num_disparities);  // ... the smallest of them, one level of comparisons a clock
   endfunction
 
-  parameter int unsigned ThresholdLatency = 3;  // from the winner to the bound of step 5
+  parameter int unsigned ThresholdLatency = 4;  // from the winner to the bound of step 5
   parameter int unsigned UniquenessLatency = 2;  // from the bound to the verdict, and to the neighbours' costs
   parameter int unsigned SubpixelLatency = 11;  // from the neighbours' costs to the disparity
 
@@ -82,10 +82,10 @@ package vista_stereo_pkg;
   endfunction
 
   // Results that may still come after the framer has been told to stop: one a clock of latency, and the D-1 pixels
-  // that wait for their right winner. The margin of 8 covers the registers of the stop signal itself.
+  // that wait for their right winner. The margin of 7 covers the registers of the stop signal itself.
   function automatic int unsigned results_in_flight(int unsigned num_disparities);
     return PrefilterLatency + DelayLatency + ColumnLatency + WindowLatency + candidate_latency(num_disparities) +
-        CheckLatency + (num_disparities - 1) + 8;
+        CheckLatency + (num_disparities - 1) + 7;
   endfunction
 
 endpackage

@@ -22,6 +22,7 @@ module vista_window_sums #(
   input  logic [NumChannels-1:0][ColumnW-1:0]  column_i,
 
   output vista_stereo_pkg::slot_t              slot_o,
+  output vista_stereo_pkg::slot_t              slot_next_o,  // of the sums of the next clock
   output logic [NumChannels-1:0][CostW-1:0]    sum_o
 );
 
@@ -31,6 +32,7 @@ module vista_window_sums #(
 
   slot_t slot1_q, slot2_q, slot3_q;
   logic [PtrW-1:0] ptr_q, ptr1_q;
+  logic clear1_q, start3_q;  // go to every channel, hence straight from registers
 
   logic [NumChannels-1:0][ColumnW-1:0] in1_q, in2_q, out2;
 
@@ -42,6 +44,8 @@ module vista_window_sums #(
     in1_q   <= column_i;
     in2_q   <= in1_q;
     ptr1_q  <= ptr_q;
+    clear1_q <= slot_i.second_row & slot_i.early_col;
+    start3_q <= slot2_q.valid & slot2_q.first_row;
     if (slot_i.valid) ptr_q <= (32'(ptr_q) == BlockSize - 1) ? '0 : ptr_q + 1'b1;
     if (!rst_ni) begin
       slot1_q.valid <= 1'b0;
@@ -57,7 +61,7 @@ module vista_window_sums #(
     .Depth (2 ** PtrW)
   ) u_ring (
     .clk_i,
-    .clear_i      (slot1_q.second_row & slot1_q.early_col),
+    .clear_i      (clear1_q),
     .write_i      (slot1_q.valid),
     .write_col_i  (ptr1_q),
     .write_data_i (in1_q),
@@ -65,15 +69,15 @@ module vista_window_sums #(
     .read_data_o  (out2)
   );
 
+  assign slot_next_o = slot3_q;
+
   for (genvar c = 0; c < NumChannels; c++) begin : gen_channel
     logic [ColumnW:0] delta_q;
 
     always_ff @(posedge clk_i) begin
       delta_q <= {1'b0, in2_q[c]} - {1'b0, out2[c]};
-      if (slot3_q.valid) begin
-        sum_o[c] <= sum_o[c] + CostW'($signed(delta_q));
-        if (slot3_q.first_row) sum_o[c] <= '0;
-      end
+      if (slot3_q.valid) sum_o[c] <= sum_o[c] + CostW'($signed(delta_q));
+      if (start3_q) sum_o[c] <= '0;
     end
   end
 

@@ -2,14 +2,15 @@
 
 import cocotb
 import numpy as np
-from cocotb.triggers import FallingEdge
+from cocotb.triggers import ClockCycles, FallingEdge
 from cocotb_helpers import pack, parameter, seeded, start
 from vista_model.engine import subpixel, unique, winner
 
 D, B = parameter("NumDisparities"), parameter("BlockSize")
 HIGHEST = B * B * 255
 COST_W = HIGHEST.bit_length()
-LATENCY = (D - 1).bit_length() + 16
+LATENCY = (D - 1).bit_length() + 17
+RATIO_LEAD = 16  # clocks that a new ratio stands before the first cost
 PIXELS = 60
 
 
@@ -41,6 +42,7 @@ async def candidates_are_the_models(dut):
             zip(*(plane[0].tolist() for plane in (dL, smin, rival, subpixel(planes, dL, smin))), strict=True)
         )
         dut.uniqueness_ratio_i.value = ratio
+        await ClockCycles(dut.clk_i, RATIO_LEAD, FallingEdge)
         for clock in range(PIXELS + LATENCY):
             if clock >= LATENCY:
                 got = (

@@ -31,8 +31,8 @@ async def right_winners_are_those_of_the_diagonals(dut):
                 dut.match_i.value = 0
                 await clock()
             dut.match_i.value, dut.match_last_i.value = 1, x == width - 1
-            dut.cost_i.value = pack(costs[x], COST_W)
             await clock()
+            dut.cost_i.value = pack(costs[x], COST_W)
         dut.match_i.value = 0
         for _ in range(D + 3):
             await clock()

@@ -6,6 +6,7 @@ from cocotb_helpers import parameter, seeded, start
 
 COST_W = parameter("CostW")
 TOP = (1 << COST_W) - 1
+LATENCY, RATIO_LEAD = 4, 16
 
 
 @cocotb.test()
@@ -14,12 +15,12 @@ async def bound_is_exact(dut):
     await start(dut, ratio_i=0, smin_i=0)
     for ratio in range(101):
         dut.ratio_i.value = ratio
-        for _ in range(3):
+        for _ in range(RATIO_LEAD):
             await FallingEdge(dut.clk_i)
         expected = []
         for clock in range(60):
-            if clock >= 3:
-                assert int(dut.bound_o.value) == expected[clock - 3], f"u {ratio}"
+            if clock >= LATENCY:
+                assert int(dut.bound_o.value) == expected[clock - LATENCY], f"u {ratio}"
             smin = random.choice(
                 [
                     0,

@@ -1,0 +1,51 @@
+// Properties of vista_axil, inside it: each address that is accepted makes one request, of its own address and data, and
+// gets one response, which holds still until it is taken.
+//
+// Assumed of the bus, as AXI has it: what is offered stays until it is accepted.
+
+logic f_started = 1'b0;
+logic f_aw_waited, f_w_waited, f_ar_waited, f_b_due, f_r_due;
+logic [AddrW-1:0] f_awaddr, f_araddr;
+logic [StrobeW+DataW-1:0] f_wdata;
+logic [DataW-1:0] f_read;
+
+always_ff @(posedge clk_i) begin
+  f_started   <= 1'b1;
+  f_aw_waited <= awvalid_i & ~awready_o & rst_ni;
+  f_w_waited  <= wvalid_i & ~wready_o & rst_ni;
+  f_ar_waited <= arvalid_i & ~arready_o & rst_ni;
+  f_awaddr    <= awaddr_i;
+  f_araddr    <= araddr_i;
+  f_wdata     <= {wstrb_i, wdata_i};
+  if (bvalid_o & bready_i) f_b_due <= 1'b0;
+  if (rvalid_o & rready_i) f_r_due <= 1'b0;
+  if (request_o & write_o) f_b_due <= 1'b1;
+  if (request_o & ~write_o) f_r_due <= 1'b1;
+  if (request_o) f_read <= read_data_i;
+  if (!rst_ni) begin
+    f_b_due <= 1'b0;
+    f_r_due <= 1'b0;
+  end
+end
+
+always_comb begin
+  if (!f_started) assume (!rst_ni);
+  if (f_started) begin
+    if (f_aw_waited) assume (awvalid_i && awaddr_i == f_awaddr);
+    if (f_w_waited) assume (wvalid_i && {wstrb_i, wdata_i} == f_wdata);
+    if (f_ar_waited) assume (arvalid_i && araddr_i == f_araddr);
+
+    assert (awready_o == (request_o & write_o) && wready_o == awready_o && arready_o == (request_o & ~write_o));
+    if (awready_o) assert (awvalid_i && wvalid_i && address_o == awaddr_i && write_data_o == wdata_i);
+    if (arready_o) assert (arvalid_i && address_o == araddr_i);
+    for (int i = 0; i < StrobeW; i++) if (awready_o) assert (write_mask_o[i*8+:8] == {8{wstrb_i[i]}});
+    assert (bvalid_o == f_b_due && rvalid_o == f_r_due && !(request_o & (bvalid_o | rvalid_o)));
+    if (rvalid_o) assert (rdata_o == f_read);
+
+    // What makes these inductive.
+    assert (state_q == Idle || state_q == Request || state_q == Respond);
+    if (state_q == Request) assert (write_q ? f_aw_waited && f_w_waited : f_ar_waited);
+    if (state_q == Request && write_q) assert (address_q == f_awaddr && {strobe_q, write_data_q} == f_wdata);
+    if (state_q == Request && !write_q) assert (address_q == f_araddr);
+  end
+end
