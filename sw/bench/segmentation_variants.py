@@ -4,7 +4,7 @@ usage: segmentation_variants.py DIR [--only NAME ...] [--readme]
 
 DIR: scenes of `vista scenes`. Per variant, on the half that was tuned on and on the unseen half: IoU of the
 things (median, mean), share of them with an IoU above 0.5, recall of their boundaries within 3 px, leak
-(under-segmentation), regions; host time, median (vista.score.segmentation defines them).
+(under-segmentation), regions; processor time of the host, median (vista.score.segmentation defines them).
 --readme: the table replaces the one in sw/README.md."""
 
 from __future__ import annotations
@@ -140,7 +140,7 @@ def measure(variant: Variant, scenes: list[LabelledScene]) -> tuple[list[Partiti
     scores, host_ms = [], []
     for scene, partition in partition_scenes(scenes, values, variant.around_engine):
         scores.append(score_cut(scene, partition))
-        host_ms.append(partition.result.stage_ms["host"])
+        host_ms.append(partition.host_ms)
     return scores, float(np.median(host_ms))
 
 

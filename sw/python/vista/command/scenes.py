@@ -50,7 +50,7 @@ def execute(arguments: argparse.Namespace) -> int:
     )
     scored = [report.score_scene(scene, partition) for scene, partition in pairs]
     lines = report.table(scored)
-    host_ms = float(np.median([s.partition.result.stage_ms["host"] for s in scored]))
+    host_ms = float(np.median([s.partition.host_ms for s in scored]))
     content = json.dumps(report.as_json(scored, values, host_ms), indent=1)
     write_atomically(arguments.folder / SCORES, content + "\n")
     write_atomically(arguments.folder / REPORT, report.render_page(scored, lines))

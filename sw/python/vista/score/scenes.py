@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from time import thread_time
 
 import numpy as np
 from numpy.typing import NDArray
@@ -50,6 +51,7 @@ class Partition:
     words: NDArray[np.int16]
     result: Result
     graph: CellGraph
+    host_ms: float  # processor time from words to regions and map
 
 
 def read_scenes(folder: Path, split: str | None = None) -> list[LabelledScene]:
@@ -94,7 +96,7 @@ def partition_scenes(
     values: parameters.Values,
     around_engine: Callable[[Engine], Engine] = lambda engine: engine,
 ) -> Iterator[tuple[LabelledScene, Partition]]:
-    """Each scene through engine and host, by itself. around_engine: a step before or after matching, to try it."""
+    """Each scene through engine and host, by itself. around_engine: adds a step before or after matching."""
     if not scenes:
         return
     camera = scenes[0].camera
@@ -105,8 +107,10 @@ def partition_scenes(
             raise InputError(scene.name, "has another camera than the scenes before")
         words = engine.compute(scene.left, scene.right)
         pipeline.reset()
+        start_s = thread_time()
         result = pipeline.process(scene.left, words, scene.t_ns, scene.world_from_camera, scene.up_world)
-        yield scene, Partition(words, result, pipeline.cell_graph())
+        host_ms = 1e3 * (thread_time() - start_s)
+        yield scene, Partition(words, result, pipeline.cell_graph(), host_ms)
 
 
 def control_regions(partition: Partition, control: ControlParameters) -> NDArray[np.int32]:
