@@ -75,6 +75,11 @@ static void group_members(const vista_foveation *foveation, const int32_t *label
   first[0] = 0;
 }
 
+/* Matching widens every thing by boundary_px at each side: a mast below a panel weighs several times what it has. Of
+ * long regions only those pixels count whose like is found that far to both sides, unless few are left. */
+#define LONG_BLOCKS 20.0
+#define MIN_INNER_SHARE 0.2
+
 typedef struct moments {
   double n, u, v, uu, uv, vv;
 } moments;
@@ -94,8 +99,13 @@ static void add_pixels(moments *sum, vista_region *region, int32_t u, int32_t v,
   if (v > region->max_v_px) region->max_v_px = v;
 }
 
+static bool on_surface(const vista_region_view *w, int16_t word, double disparity_px) {
+  return vista_word_valid(word) && fabs(word * (1.0 / VISTA_DISPARITY_SCALE) - disparity_px) <= w->tolerance_px;
+}
+
 /* Moments of the pixels on the surface; cells without a disparity count whole. */
-static void own_pixels(const vista_region_view *w, const vista_plane *plane, vista_region *region) {
+static void own_pixels(const vista_region_view *w, const vista_plane *plane, bool inner, vista_region *region) {
+  const int32_t reach = (int32_t)w->params->boundary_px;
   moments sum = {0};
   region->min_u_px = region->min_v_px = INT32_MAX;
   region->max_u_px = region->max_v_px = INT32_MIN;
@@ -112,9 +122,10 @@ static void own_pixels(const vista_region_view *w, const vista_plane *plane, vis
       const double start = plane->offset + plane->slope_v * run.v_px + plane->slope_u * run.u_px;
       int32_t open = -1; /* first pixel of the current stretch of own pixels */
       for (int32_t i = 0; i <= run.length_px; ++i) {
-        const bool own = i < run.length_px && vista_word_valid(words[i]) &&
-                         fabs(words[i] * (1.0 / VISTA_DISPARITY_SCALE) - start - plane->slope_u * i) <=
-                             w->tolerance_px;
+        const bool own = i < run.length_px && on_surface(w, words[i], start + plane->slope_u * i) &&
+                         (!inner || (run.u_px + i >= reach && run.u_px + i + reach < w->disparity->width_px &&
+                                     on_surface(w, words[i - reach], start + plane->slope_u * (i - reach)) &&
+                                     on_surface(w, words[i + reach], start + plane->slope_u * (i + reach))));
         if (own && open < 0) open = i;
         if (!own && open >= 0) {
           add_pixels(&sum, region, run.u_px + open, run.v_px, i - open);
@@ -159,7 +170,13 @@ static vista_region_verdict measure(vista_region_view *w, const vista_camera *ca
   region->standing_fraction = vista_standing_fraction(w->foveation, camera, w->cells, w->surfaces, up_camera,
                                                       horizontal_deg, w->members, w->member_count, (double)lowest_m);
   if (region->standing_fraction < w->params->min_standing_fraction) return VISTA_REGION_HORIZONTAL;
-  own_pixels(w, &surface, region);
+  own_pixels(w, &surface, false, region);
+  const double longer_px = 4.0 * sqrt(fmax(region->cov_uu_px2, region->cov_vv_px2));
+  if (longer_px > LONG_BLOCKS * w->params->boundary_px) {
+    const vista_region all = *region;
+    own_pixels(w, &surface, true, region);
+    if (region->pixel_count < MIN_INNER_SHARE * all.pixel_count) *region = all;
+  }
   region->disparity_px = vista_plane_at(&surface, region->mean_u_px, region->mean_v_px);
   if (region->disparity_px < w->params->min_disparity_px) return VISTA_REGION_TOO_FAR;
   const double larger_px = 4.0 * sqrt(fmax(region->cov_uu_px2, region->cov_vv_px2));

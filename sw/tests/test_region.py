@@ -179,6 +179,16 @@ def test_the_boundary_is_as_deep_as_asked(depth_px: float) -> None:
     assert depth_px == 0 or asked > 1.2 * f.pixel_count[leaving].sum()
 
 
+def test_a_mast_that_matching_has_widened_hardly_moves_the_centre() -> None:
+    """A panel of 51 x 61 px on a mast of one pixel, both 5 px wider at each side: the mast has 1300 px."""
+    mask = box((200, 60), 30, 30) | box((200, 150), 5, 60)
+    words = words_of(np.where(mask, 20.0, 1.0), seeded(15), 0.1)
+    (region,) = measure(Stages(camera(), TOLERANCES | {"region.boundary_px": 5.0}), words, [mask])
+    assert np.nonzero(mask)[0].mean() > 80
+    assert region.mean_v_px == pytest.approx(60 + 0.04 * 90, abs=3)
+    assert region.mean_u_px == pytest.approx(200, abs=1)
+
+
 def test_every_region_counts_alone() -> None:
     """Three regions at once give the same numbers as each of them alone."""
     random = seeded(5)

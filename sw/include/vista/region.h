@@ -14,7 +14,8 @@
  * Edge consistency is judged on the residuals from the winner: a wall seen at an angle varies smoothly, too.
  *
  * Size and centre are those of the pixels that lie on the surface, and of cells without disparity that the cut gave
- * to the region: at a thin post most of a cell's pixels belong to the background. */
+ * to the region: at a thin post most of a cell's pixels belong to the background. Of long regions only those pixels on
+ * the surface whose like is found boundary_px to the left and to the right: matching widens a mast to a multiple. */
 #ifndef VISTA_REGION_H
 #define VISTA_REGION_H
 
