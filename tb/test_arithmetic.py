@@ -9,7 +9,7 @@ from tools import ROOT
 def test_division_by_hundred_is_exact() -> None:
     """vista_uniqueness_bound: floor(Smin * u / 100) by a multiplication, Smin below 2^17, all u."""
     source = (ROOT / "rtl/src/vista_uniqueness_bound.sv").read_text()
-    reciprocal = int(re.search(r"Reciprocal = 24'd(\d+)", source)[1])
+    reciprocal = int(re.search(r"Reciprocal = GainW'\((\d+)\)", source)[1])
     shift = int(re.search(r"Shift = (\d+)", source)[1])
     assert reciprocal == -(-(1 << shift) // 100)
     smin = np.arange(1 << 17, dtype=np.int64)
