@@ -2,10 +2,12 @@
 
 import cocotb
 from cocotb.triggers import FallingEdge
-from cocotb_helpers import parameter, seeded, start
+from cocotb_helpers import package_constant, parameter, seeded, start
 
 D, COST_W, RING_W = (parameter(name) for name in ("NumDisparities", "CostW", "RingW"))
-CANDIDATE_LATENCY = (D - 1).bit_length() + 16
+CANDIDATE_LATENCY = (D - 1).bit_length() + sum(
+    package_constant(f"{stage}Latency") for stage in ("Threshold", "Uniqueness", "Subpixel")
+)
 CHECK_DELAY = max(0, CANDIDATE_LATENCY + 2 - (D - 1))
 LATENCY = 6
 ROW_GAP = D - 1 + 4  # of the smallest block
