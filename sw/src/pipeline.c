@@ -189,7 +189,7 @@ static vista_status run_stage(vista_pipeline *p, vista_stage stage, const vista_
     case VISTA_STAGE_TRACKING: {
       const vista_matched_area matched = matched_area(&q->stereo);
       return vista_tracker_update(p->tracker, &q->tracker, &p->camera, &matched, frame->pose, frame->t_ns,
-                                  p->detections, *detections);
+                                  &frame->disparity, p->detections, *detections);
     }
     case VISTA_STAGE_SATURATION: {
       const vista_matched_area matched = matched_area(&q->stereo);

@@ -5,6 +5,7 @@
 
 #include "bits.h"
 #include "frame.h"
+#include "track_evidence.h"
 
 #define DEPTH_PASSED_M 0.05 /* a track nearer than this along z is behind the camera */
 
@@ -70,7 +71,7 @@ void vista_track_judge(const vista_track_frame *f, vista_track *track) {
 }
 
 static void hit(const vista_track_frame *f, const vista_detection *detection, vista_track *track) {
-  track->coasting = false;
+  track->coasting = track->held = false;
   track->label = detection->label;
   track->volume_window = track->volume_window << 1 | (detection->volume_pixels >= f->params->volume_pixels);
   track->window = track->window << 1 | 1u;
@@ -93,9 +94,12 @@ void vista_track_take(const vista_track_frame *f, const vista_detection *detecti
   hit(f, detection, track);
 }
 
-void vista_track_miss(const vista_track_frame *f, vista_track *track) {
+void vista_track_miss(const vista_track_frame *f, const vista_track_view *view, vista_track *track) {
   track->coasting = true;
   track->label = -1;
+  track->held = track->credible && track->in_view && !track->in_blind_zone &&
+                !vista_track_seen_through(f->camera, f->matched, f->disparity, view);
+  if (track->held) return;
   if (!track->in_view || track->in_blind_zone) return;
   track->window <<= 1;
   track->seen_frames += 1;
@@ -106,7 +110,8 @@ void vista_track_miss(const vista_track_frame *f, vista_track *track) {
 bool vista_track_outlived(const vista_track_frame *f, const vista_track *track) {
   const vista_tracker_params *params = f->params;
   const double hidden_s = vista_seconds_between(track->visible_t_ns, f->t_ns);
-  if (hidden_s > (track->in_blind_zone ? params->blind_zone_s : params->out_of_view_s)) return true;
+  const bool near = track->in_blind_zone || track->held;
+  if (hidden_s > (near ? params->blind_zone_s : params->out_of_view_s)) return true;
   if (track->confirmed) return track->misses > params->miss_max;
   const int32_t window = window_length(params, track);
   const int32_t seen = track->seen_frames < window ? track->seen_frames : window;

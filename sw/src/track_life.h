@@ -16,6 +16,7 @@ typedef struct vista_track_frame {
   const vista_camera *camera;
   const vista_matched_area *matched;
   const vista_pose *pose;
+  const vista_disparity_image *disparity; /* NULL: not known */
   int64_t t_ns;
   const vista_detection *detections;
   int32_t count;
@@ -36,7 +37,7 @@ void vista_track_set_moving(const vista_track_frame *frame, vista_track *track, 
 /* The detection is the track's; `reshaped`: by its place within the track only. */
 void vista_track_take(const vista_track_frame *frame, const vista_detection *detection, const vista_track_view *view,
                       bool reshaped, vista_track *track);
-void vista_track_miss(const vista_track_frame *frame, vista_track *track);
+void vista_track_miss(const vista_track_frame *frame, const vista_track_view *view, vista_track *track);
 
 /* Whether it is confirmed and credible by now. */
 void vista_track_judge(const vista_track_frame *frame, vista_track *track);

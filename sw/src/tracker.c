@@ -105,6 +105,10 @@ static vista_status check(const vista_tracker *tracker, const vista_track_frame 
   if (status == VISTA_OK) status = check_matched(f->matched);
   if (status == VISTA_OK) status = vista_frame_check_camera(f->camera);
   if (status == VISTA_OK) status = vista_frame_check_pose(f->pose);
+  const vista_disparity_image *const words = f->disparity;
+  if (status == VISTA_OK && words != NULL &&
+      (words->width_px != f->camera->width_px || words->height_px != f->camera->height_px))
+    return VISTA_ERROR_SIZE;
   for (int32_t i = 0; i < f->count && status == VISTA_OK; ++i) status = check_detection(&f->detections[i]);
   if (status != VISTA_OK) return status;
   if (tracker->started && f->t_ns <= tracker->t_ns) return VISTA_ERROR_ORDER;
@@ -156,7 +160,7 @@ static void update(vista_tracker *tracker, const vista_track_frame *f) {
     vista_track *const track = &tracker->tracks[i];
     const int32_t detection = tracker->detection_of_track[i];
     if (detection < 0)
-      vista_track_miss(f, track);
+      vista_track_miss(f, &tracker->views[i], track);
     else
       vista_track_take(f, &f->detections[detection], &tracker->views[i],
            vista_track_association_reshaped(tracker->association, i), track);
@@ -246,12 +250,12 @@ static void start(vista_tracker *tracker, const vista_track_frame *f, const vist
 
 vista_status vista_tracker_update(vista_tracker *tracker, const vista_tracker_params *params,
                                   const vista_camera *camera, const vista_matched_area *matched,
-                                  const vista_pose *pose, int64_t t_ns, const vista_detection *detections,
-                                  int32_t count) {
+                                  const vista_pose *pose, int64_t t_ns, const vista_disparity_image *disparity,
+                                  const vista_detection *detections, int32_t count) {
   if (tracker == NULL || params == NULL || camera == NULL || matched == NULL || (detections == NULL && count != 0))
     return VISTA_ERROR_ARGUMENT;
   if (pose == NULL) pose = &vista_frame_still;
-  const vista_track_frame f = {params, camera, matched, pose, t_ns, detections, count};
+  const vista_track_frame f = {params, camera, matched, pose, disparity, t_ns, detections, count};
   const vista_status status = check(tracker, &f);
   if (status != VISTA_OK) return status;
   predict(tracker, &f);

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 from cut_library import Arena, ffi, lib, status_name
+from stage_library import image_struct
 
 FOCAL, BASELINE, CENTER = 1000.0, 0.4572, (319.5, 239.5)  # the paper's rig
 SIGMAS = (1.0, 1.0, 0.25)
@@ -107,16 +108,15 @@ class Tracker:
         self.handle, self.params, self.camera = out[0], params("tracker", **CONFIRMATION | changes), camera()
         self.matched = matched(**area)
 
-    def update(self, t_s: float, detections=(), position=(0.0, 0.0, 0.0), rotation=None) -> str:
-        return self.update_raw(round(t_s * SECOND), detections, pose(position, rotation))
+    def update(self, t_s: float, detections=(), position=(0.0, 0.0, 0.0), rotation=None, words=None) -> str:
+        return self.update_raw(round(t_s * SECOND), detections, pose(position, rotation), words)
 
-    def update_raw(self, t_ns: int, detections, raw_pose) -> str:
+    def update_raw(self, t_ns: int, detections, raw_pose, words=None) -> str:
+        """words: (height, width) int16 of the engine, or None."""
+        image = ffi.NULL if words is None else image_struct("disparity_image", words)
         items = ffi.new("vista_detection[]", list(detections))
-        return status_name(
-            lib.vista_tracker_update(
-                self.handle, self.params, self.camera, self.matched, raw_pose, t_ns, items, len(detections)
-            )
-        )
+        frame = (self.params, self.camera, self.matched, raw_pose, t_ns, image)
+        return status_name(lib.vista_tracker_update(self.handle, *frame, items, len(detections)))
 
     def raw(self):
         count = ffi.new("int32_t *")

@@ -19,6 +19,9 @@
  *            miss_max misses in a row.
  * Credible   once the static-world test holds it to stand still or to move by itself, until it refutes that; where own
  *            travel tells nothing (a still camera, hovering) once confirmed.
+ * Held       a credible track without a detection is not blamed for the miss unless most words of its face lie behind
+ *            it: what is near falls into several regions or is too plain to be matched, and has not gone. It coasts as in
+ *            the blind zone.
  * Unseen     outside the matched part of the image, or nearer than the engine matches (the blind zone), a track is
  *            not blamed for a miss: it coasts until it is behind the camera or for a set time.
  * Duplicates two confirmed tracks, each centred within the other: the older id stays.
@@ -46,6 +49,7 @@ typedef struct vista_track {
   bool credible;       /* and it does not move with the aircraft (vista/static_world.h): it may be warned of */
   bool moved;          /* started from two detections as something that moves: confirmed by more hits */
   bool coasting;       /* no detection in this frame: the state is a prediction */
+  bool held;           /* coasting, and the engine's words do not show what lies behind it: it may still be there */
   bool in_view;        /* predicted inside the matched part of the image */
   bool in_blind_zone;  /* predicted nearer than the engine matches, and in view when it came so near */
   int32_t label;       /* of the region in this frame; -1 while coasting */
@@ -76,15 +80,17 @@ vista_status vista_tracker_layout(int32_t max_tracks, int32_t max_detections, vi
 /* Forget all tracks and the time; ids go on counting. */
 void vista_tracker_reset(vista_tracker *tracker);
 
-/* One frame. pose == NULL: a still camera, world = camera. On any error nothing is changed.
+/* One frame. pose == NULL: a still camera, world = camera. disparity: the frame's words, of the camera's size; NULL: no
+ * track is held. On any error nothing is changed.
  * VISTA_ERROR_ORDER: t_ns not after that of the last update; VISTA_ERROR_NUMBER: pose, camera or detection not finite;
+ * VISTA_ERROR_SIZE: words of another size than the camera's;
  * VISTA_ERROR_RANGE: parameter or camera out of range, rotation not orthonormal, a disparity, sigma or extent not
  * positive;
  * VISTA_ERROR_CAPACITY: more than max_detections; VISTA_ERROR_OVERFLOW: the ids are used up. */
 vista_status vista_tracker_update(vista_tracker *tracker, const vista_tracker_params *params,
                                   const vista_camera *camera, const vista_matched_area *matched,
-                                  const vista_pose *pose, int64_t t_ns, const vista_detection *detections,
-                                  int32_t count);
+                                  const vista_pose *pose, int64_t t_ns, const vista_disparity_image *disparity,
+                                  const vista_detection *detections, int32_t count);
 
 /* All live tracks, ascending id; valid until the next update. */
 const vista_track *vista_tracker_tracks(const vista_tracker *tracker, int32_t *count);
