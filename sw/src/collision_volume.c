@@ -13,15 +13,26 @@ typedef struct limits {
   float focal_px;
 } limits;
 
+static inline int32_t inside(const limits *limit, float u, float v, float word) {
+  const float along = u * limit->a[0] + v * limit->a[1] + limit->focal_px * limit->a[2];
+  const float across2 = u * u + v * v + limit->focal_px * limit->focal_px - along * along;
+  return (along > 0.0f) & (word >= limit->along * along) & (word * word >= limit->across2 * across2);
+}
+
+/* The pixels of a plain region lie on its surface, whatever chance matched there. */
+static int32_t count_plain_run(const limits *limit, float x, float y, int32_t length, float word) {
+  int32_t count = 0;
+  for (int32_t i = 0; i < length; ++i) count += inside(limit, x + (float)i, y, word);
+  return count;
+}
+
 static int32_t count_run(const limits *limit, const int16_t *words, float x, float y, int32_t length,
                          float surface_word, float slope_words, float tolerance_words) {
   int32_t count = 0;
   for (int32_t i = 0; i < length; ++i) {
-    const float u = x + (float)i, w = (float)words[i];
-    const float along = u * limit->a[0] + y * limit->a[1] + limit->focal_px * limit->a[2];
-    const float across2 = u * u + y * y + limit->focal_px * limit->focal_px - along * along;
+    const float w = (float)words[i];
     const int32_t own = (w > 0.0f) & (fabsf(w - surface_word - slope_words * (float)i) <= tolerance_words);
-    count += own & (along > 0.0f) & (w >= limit->along * along) & (w * w >= limit->across2 * across2);
+    count += own & inside(limit, x + (float)i, y, w);
   }
   return count;
 }
@@ -33,11 +44,15 @@ static int32_t count_region(const vista_foveation *foveation, const vista_camera
   for (int32_t m = 0; m < member_count; ++m)
     for (int32_t r = foveation->first_run[members[m]]; r < foveation->first_run[members[m] + 1]; ++r) {
       const vista_run run = foveation->runs[r];
+      const float x = (float)(run.u_px - camera->center_u_px), y = (float)(run.v_px - camera->center_v_px);
+      if (region->plain) {
+        count += count_plain_run(limit, x, y, run.length_px, (float)(region->disparity_px * VISTA_DISPARITY_SCALE));
+        continue;
+      }
       const double surface_px = region->disparity_px + region->slope_u * (run.u_px - region->mean_u_px) +
                                 region->slope_v * (run.v_px - region->mean_v_px);
       count += count_run(limit, disparity->data + run.v_px * disparity->stride + run.u_px,
-                         (float)(run.u_px - camera->center_u_px), (float)(run.v_px - camera->center_v_px),
-                         run.length_px, (float)(surface_px * VISTA_DISPARITY_SCALE),
+                         x, y, run.length_px, (float)(surface_px * VISTA_DISPARITY_SCALE),
                          (float)(region->slope_u * VISTA_DISPARITY_SCALE),
                          (float)(tolerance_px * VISTA_DISPARITY_SCALE));
     }

@@ -54,6 +54,8 @@ vista_parameters vista_parameters_default(void) {
       .region.min_size_m = 0.35,
       .region.min_valid_fraction = 0.33,
       .region.min_inlier_fraction = 0.5,
+      .region.outline_fraction = 0.5,
+      .region.foot_m = 0.75,
       .region.min_height_m = 0.3,
       .region.min_standing_fraction = 0.22,
       .reconstruction.center_sigma_px = 1.0,
@@ -154,6 +156,8 @@ vista_status vista_parameters_check(const vista_parameters *parameters, const ch
   else if (!within(p->region.min_size_m, 0.0, 100.0)) wrong = "region.min_size_m";
   else if (!within(p->region.min_valid_fraction, 0.0, 1.0)) wrong = "region.min_valid_fraction";
   else if (!within(p->region.min_inlier_fraction, 0.0, 1.0)) wrong = "region.min_inlier_fraction";
+  else if (!within(p->region.outline_fraction, 0.0, 1.0)) wrong = "region.outline_fraction";
+  else if (!within(p->region.foot_m, 0.0, 10.0)) wrong = "region.foot_m";
   else if (!within(p->region.min_height_m, 0.0, 10.0)) wrong = "region.min_height_m";
   else if (!within(p->region.min_standing_fraction, 0.0, 1.0)) wrong = "region.min_standing_fraction";
   else if (!within(p->reconstruction.center_sigma_px, 0.01, 100.0)) wrong = "reconstruction.center_sigma_px";
@@ -255,6 +259,8 @@ vista_status vista_parameters_set(vista_parameters *parameters, const char *name
   if (strcmp(name, "region.min_size_m") == 0) return p->region.min_size_m = value, VISTA_OK;
   if (strcmp(name, "region.min_valid_fraction") == 0) return p->region.min_valid_fraction = value, VISTA_OK;
   if (strcmp(name, "region.min_inlier_fraction") == 0) return p->region.min_inlier_fraction = value, VISTA_OK;
+  if (strcmp(name, "region.outline_fraction") == 0) return p->region.outline_fraction = value, VISTA_OK;
+  if (strcmp(name, "region.foot_m") == 0) return p->region.foot_m = value, VISTA_OK;
   if (strcmp(name, "region.min_height_m") == 0) return p->region.min_height_m = value, VISTA_OK;
   if (strcmp(name, "region.min_standing_fraction") == 0) return p->region.min_standing_fraction = value, VISTA_OK;
   if (strcmp(name, "reconstruction.center_sigma_px") == 0) return p->reconstruction.center_sigma_px = value, VISTA_OK;

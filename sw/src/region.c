@@ -7,6 +7,7 @@
 #include "depth.h"
 #include "ground.h"
 #include "region_boundary.h"
+#include "region_outline.h"
 
 static const char *const verdict_names[VISTA_REGION_VERDICT_COUNT] = {
     [VISTA_REGION_ACCEPTED] = "ACCEPTED",
@@ -159,7 +160,24 @@ static vista_region_verdict judge_boundary(const vista_region_view *w, const vis
   return VISTA_REGION_ACCEPTED;
 }
 
-/* Cheap tests first; only what passes them is measured further. */
+/* What only the own pixels tell. Cheap tests come first: this is measured of what passed them. */
+static vista_region_verdict measure_own_pixels(const vista_region_view *w, const vista_camera *camera,
+                                               const vista_plane *surface, vista_region *region) {
+  own_pixels(w, surface, false, region);
+  const double longer_px = 4.0 * sqrt(fmax(region->cov_uu_px2, region->cov_vv_px2));
+  if (longer_px > LONG_BLOCKS * w->params->boundary_px) {
+    const vista_region all = *region;
+    own_pixels(w, surface, true, region);
+    if (region->pixel_count < MIN_INNER_SHARE * all.pixel_count) *region = all;
+  }
+  region->disparity_px = vista_plane_at(surface, region->mean_u_px, region->mean_v_px);
+  if (region->disparity_px < w->params->min_disparity_px) return VISTA_REGION_TOO_FAR;
+  const double larger_px = 4.0 * sqrt(fmax(region->cov_uu_px2, region->cov_vv_px2));
+  const float smallest_m = vista_limit_m(camera, (float)region->disparity_px, (float)w->params->min_size_m);
+  if (larger_px * camera->baseline_m / region->disparity_px < (double)smallest_m) return VISTA_REGION_TOO_SMALL;
+  return VISTA_REGION_ACCEPTED;
+}
+
 static vista_region_verdict measure(vista_region_view *w, const vista_camera *camera, const double up_camera[3],
                                     double horizontal_deg, vista_region *region) {
   vista_plane surface;
@@ -170,19 +188,16 @@ static vista_region_verdict measure(vista_region_view *w, const vista_camera *ca
   region->standing_fraction = vista_standing_fraction(w->foveation, camera, w->cells, w->surfaces, up_camera,
                                                       horizontal_deg, w->members, w->member_count, (double)lowest_m);
   if (region->standing_fraction < w->params->min_standing_fraction) return VISTA_REGION_HORIZONTAL;
-  own_pixels(w, &surface, false, region);
-  const double longer_px = 4.0 * sqrt(fmax(region->cov_uu_px2, region->cov_vv_px2));
-  if (longer_px > LONG_BLOCKS * w->params->boundary_px) {
-    const vista_region all = *region;
-    own_pixels(w, &surface, true, region);
-    if (region->pixel_count < MIN_INNER_SHARE * all.pixel_count) *region = all;
-  }
-  region->disparity_px = vista_plane_at(&surface, region->mean_u_px, region->mean_v_px);
-  if (region->disparity_px < w->params->min_disparity_px) return VISTA_REGION_TOO_FAR;
-  const double larger_px = 4.0 * sqrt(fmax(region->cov_uu_px2, region->cov_vv_px2));
-  const float smallest_m = vista_limit_m(camera, (float)region->disparity_px, (float)w->params->min_size_m);
-  if (larger_px * camera->baseline_m / region->disparity_px < (double)smallest_m) return VISTA_REGION_TOO_SMALL;
-  return VISTA_REGION_ACCEPTED;
+  return measure_own_pixels(w, camera, &surface, region);
+}
+
+/* A region that grew from no disparity of its own: background, unless its outline says otherwise. */
+static vista_region_verdict measure_outline(vista_region_view *w, const vista_camera *camera, double horizontal_deg,
+                                            const int32_t *label, vista_region *region) {
+  if (!vista_region_owns_outline(w, camera, label, region)) return VISTA_REGION_BACKGROUND;
+  const vista_region_verdict verdict = judge_boundary(w, camera, horizontal_deg, region);
+  const vista_plane facing = {.offset = region->disparity_px};
+  return verdict == VISTA_REGION_ACCEPTED ? measure_own_pixels(w, camera, &facing, region) : verdict;
 }
 
 vista_status vista_regions_compute(const vista_foveation *foveation, const vista_region_params *params,
@@ -205,10 +220,10 @@ vista_status vista_regions_compute(const vista_foveation *foveation, const vista
                            regions->members + first, count, 0.0};
     vista_region *const region = &regions->items[k];
     *region = (vista_region){.label = k, .node_count = count, .inclination_deg = NAN, .standing_fraction = NAN};
-    if (k >= segmentation->obstacle_count)
-      region->verdict = VISTA_REGION_BACKGROUND;
-    else if (count == 0)
+    if (count == 0)
       region->verdict = VISTA_REGION_TOO_FEW_PIXELS;
+    else if (k >= segmentation->obstacle_count)
+      region->verdict = measure_outline(&w, camera, horizontal_deg, segmentation->label, region);
     else
       region->verdict = measure(&w, camera, up_camera, horizontal_deg, region);
     regions->accepted_count += region->verdict == VISTA_REGION_ACCEPTED;

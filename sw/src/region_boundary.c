@@ -45,8 +45,7 @@ static int32_t count_boundary(const vista_region_view *w, vista_region *region) 
   return top;
 }
 
-/* Centre of the window of width 2 tolerance that holds most words; the window grows with the disparity. */
-static double mode_px(const vista_region_view *w, const vista_camera *camera, int32_t top) {
+double vista_region_mode_px(const vista_region_view *w, const vista_camera *camera, int32_t top) {
   const uint32_t *const bins = w->bins;
   uint32_t sum = 0, best = 0;
   double mode = 0.0;
@@ -155,7 +154,7 @@ bool vista_region_measure_boundary(vista_region_view *w, const vista_camera *cam
                                    vista_region *region, vista_plane *surface) {
   const int32_t top = count_boundary(w, region);
   if (region->boundary_valid == 0) return false;
-  const double mode = mode_px(w, camera, top);
+  const double mode = vista_region_mode_px(w, camera, top);
   w->tolerance_px = vista_region_tolerance_px(w->params, camera, mode);
   const inliers around_mode = inliers_around(w->bins, mode, w->tolerance_px);
   *surface = (vista_plane){.offset = mode + around_mode.mean_px}; /* mode, refined by the mean around it */

@@ -42,6 +42,10 @@ static inline double vista_plane_at(const vista_plane *plane, double u_px, doubl
 /* How far a disparity may be off the surface of a region at disparity_px: by noise or by relief. */
 double vista_region_tolerance_px(const vista_region_params *params, const vista_camera *camera, double disparity_px);
 
+/* Centre of the window of width 2 tolerance that holds most words of view->bins, `top` being the largest; the window
+ * grows with the disparity. 0: none. */
+double vista_region_mode_px(const vista_region_view *view, const vista_camera *camera, int32_t top);
+
 /* Fills the boundary's statistics in, the disparity as that at the region's first cell, and the surface; sets the
  * view's tolerance. False: no valid pixel there. */
 bool vista_region_measure_boundary(vista_region_view *view, const vista_camera *camera, const double up_camera[3],

@@ -53,6 +53,8 @@ PARAMETERS: dict[str, float] = {
     "region.min_size_m": 0.35,
     "region.min_valid_fraction": 0.25,
     "region.min_inlier_fraction": 0.5,
+    "region.outline_fraction": 0.5,
+    "region.foot_m": 0.75,
     "region.min_height_m": 0.3,
     "region.min_standing_fraction": 0.22,
 }

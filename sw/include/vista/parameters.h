@@ -81,6 +81,8 @@ typedef struct vista_region_params {
   double min_size_m; /* Smallest larger side of an obstacle. At most 6 % of the range. 0.0 .. 100.0 m. */
   double min_valid_fraction; /* Smallest valid fraction of the boundary. 0.0 .. 1.0. */
   double min_inlier_fraction; /* Edge consistency: smallest part of the valid boundary pixels that are inliers. 0.0 .. 1.0. */
+  double outline_fraction; /* Smallest part of its left edge, right edge and foot that has to agree on the depth of a region without disparities. 0.0 .. 1.0. */
+  double foot_m; /* The foot of such a region is within this of the ground's plane. At most 6 % of the range. 0.0 .. 10.0 m. */
   double min_height_m; /* What is lower than this above the horizontal surface that it adjoins lies on it. At most 6 % of the range. 0.0 .. 10.0 m. */
   double min_standing_fraction; /* Smallest part of an obstacle's area that stands higher than that. 0.0 .. 1.0. */
 } vista_region_params;

@@ -7,7 +7,8 @@
  *
  * Figure and ground: a depth edge belongs to the nearer of its sides, and block matching widens that side by half a
  * block. A region that grew from no disparity of its own (segmentation->obstacle_count) is the background of what
- * stands before it: the disparities along its boundary are its neighbours', so it is not measured.
+ * stands before it: the disparities along its boundary are its neighbours', so it is not measured; unless it is plain:
+ * its left edge, its right edge and the ground it stands on agree on one depth (src/region_outline.h).
  *
  * Two surfaces compete for each region: facing the camera, d = mode of the boundary pixels, and a plane,
  * d = a + slope_u u + slope_v v, fitted to the region's cells; the plane has to explain a tenth more of their area.
@@ -19,6 +20,7 @@
 #ifndef VISTA_REGION_H
 #define VISTA_REGION_H
 
+#include <stdbool.h>
 #include <stdint.h>
 
 #include "vista/arena.h"
@@ -32,7 +34,7 @@
 /* Why a region is not an obstacle; the first reason that applies, in this order. */
 typedef enum vista_region_verdict {
   VISTA_REGION_ACCEPTED = 0,
-  VISTA_REGION_BACKGROUND,     /* grown from no disparity of its own: sky, bare ground */
+  VISTA_REGION_BACKGROUND,     /* grown from no disparity of its own and not plain: sky, bare ground */
   VISTA_REGION_TOO_FEW_PIXELS, /* too few boundary inliers to say anything */
   VISTA_REGION_LOW_SUPPORT,    /* valid fraction of the boundary too small */
   VISTA_REGION_INCONSISTENT,   /* boundary disparity does not vary smoothly (edge consistency) */
@@ -45,6 +47,7 @@ typedef enum vista_region_verdict {
 typedef struct vista_region {
   int32_t label;
   vista_region_verdict verdict;
+  bool plain; /* no disparity inside: a surface that faces the camera at the disparity of its outline */
   int32_t node_count;
   int32_t pixel_count; /* own pixels, see above; like their moments measured only if the boundary passed its tests */
   int32_t volume_pixels; /* of these, in the collision volume (vista/collision_volume.h) */

@@ -1,0 +1,155 @@
+"""Regions that only their outline tells: a plain wall stands, what shows between things does not."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from cut_library import ffi, lib
+from random_seed import seeded
+from stage_library import GROUND, INVALID, SKY, Stages, camera, plane_disparity, rays, words_of
+
+CAMERA = camera()
+SCALE = CAMERA.focal_px * CAMERA.baseline_m
+GROUND_M, RANGE_M, BLOCK_PX = 3.0, 15.0, 5
+WALL, PILLAR, TREES = 3, 4, 5
+GREYS = {GROUND: 110, SKY: 230, WALL: 120, PILLAR: 60, TREES: 30}
+
+
+def box(width_m: tuple[float, float], height_m: tuple[float, float], range_m: float = RANGE_M) -> np.ndarray:
+    """Pixels of an upright rectangle: from .. to across, from .. to above the ground."""
+    ray = rays(CAMERA)
+    x, height = ray[..., 0] * range_m, GROUND_M - ray[..., 1] * range_m
+    return (x >= width_m[0]) & (x <= width_m[1]) & (height >= height_m[0]) & (height <= height_m[1])
+
+
+def landscape() -> tuple[np.ndarray, np.ndarray]:
+    """Owner and disparity (-1: none) of textured ground up to 80 m and of empty sky."""
+    ground = plane_disparity(CAMERA, (0, 1, 0), (0, GROUND_M, 0))
+    seen = ground > SCALE / 80
+    return np.where(seen, GROUND, SKY), np.where(seen, ground, -1.0)
+
+
+def put(
+    owner: np.ndarray, disparity: np.ndarray, kind: int, where: np.ndarray, range_m: float = RANGE_M
+) -> None:
+    owner[where], disparity[where] = kind, SCALE / range_m
+
+
+def put_plain(owner: np.ndarray, disparity: np.ndarray, where: np.ndarray, range_m: float = RANGE_M) -> None:
+    """Its left and right edges are matched, half a block to both sides; no other pixel is."""
+    owner[where], disparity[where] = WALL, -1.0
+    edges = np.zeros_like(where)
+    edges[:, 1:] = where[:, 1:] != where[:, :-1]
+    for shift in range(-BLOCK_PX, BLOCK_PX + 1):
+        disparity[np.roll(edges, shift, axis=1)] = SCALE / range_m
+
+
+def regions_of(
+    owner: np.ndarray, disparity: np.ndarray, seed: int, **changes: float
+) -> tuple[Stages, list, np.ndarray]:
+    random = seeded(seed)
+    grey = np.vectorize(GREYS.get)(owner) + random.normal(0, 1.5, owner.shape)
+    words = words_of(disparity, random, 0.1)
+    words[(disparity < 0) & (random.random(owner.shape) < 0.02)] = 16 * 30  # chance matches
+    assert words.min() == INVALID
+    stages = Stages(CAMERA, changes)
+    regions = stages.run(np.clip(grey, 0, 255).astype(np.uint8), words)
+    return stages, regions, stages.label[stages.foveation.cell_of_pixel]
+
+
+def region_at(regions: list, labels: np.ndarray, where: np.ndarray):
+    """The region that has most of these pixels."""
+    inside = labels[where & (labels >= 0)]
+    region = regions[np.bincount(inside).argmax()]
+    assert np.mean(labels[where] == region.label) > 0.6
+    return region
+
+
+def verdict(region) -> str:
+    return ffi.string(lib.vista_region_verdict_name(region.verdict)).decode()
+
+
+def wall(foot_m: float = 0.0) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    owner, disparity = landscape()
+    where = box((-2.5, 2.5), (foot_m, foot_m + 4.0))
+    put_plain(owner, disparity, where)
+    return owner, disparity, where
+
+
+def test_a_plain_wall_before_a_plain_sky_is_an_obstacle() -> None:
+    owner, disparity, where = wall()
+    _, regions, labels = regions_of(owner, disparity, 1)
+    region = region_at(regions, labels, where)
+    assert verdict(region) == "ACCEPTED" and region.plain
+    assert region.disparity_px == pytest.approx(SCALE / RANGE_M, abs=0.2)
+    v, u = np.nonzero(where)
+    assert (region.mean_u_px, region.mean_v_px) == pytest.approx((u.mean(), v.mean()), abs=5)
+    assert region.pixel_count == pytest.approx(u.size, rel=0.15)
+    assert verdict(region_at(regions, labels, owner == SKY)) == "BACKGROUND"
+
+
+def test_a_plain_face_that_hangs_in_the_air_may_be_a_hole() -> None:
+    owner, disparity, where = wall(foot_m=1.5)
+    _, regions, labels = regions_of(owner, disparity, 2)
+    assert verdict(region_at(regions, labels, where)) == "BACKGROUND"
+
+
+@pytest.mark.parametrize("side", [-1, 1])
+def test_one_edge_is_not_enough(side: int) -> None:
+    owner, disparity, where = wall()
+    u = np.arange(owner.shape[1])[None, :] + np.zeros(owner.shape)
+    disparity[(side * (u - 159.5) > 0) & (owner != GROUND) & (disparity > 0)] = -1.0
+    _, regions, labels = regions_of(owner, disparity, 3)
+    assert verdict(region_at(regions, labels, where)) == "BACKGROUND"
+
+
+def test_sky_above_trees_and_between_pillars_is_no_obstacle() -> None:
+    """Between two pillars of one range, above a row of trees: two edges agree, but it has no foot."""
+    owner, disparity = landscape()
+    put(owner, disparity, TREES, box((-40, 40), (0, 6), 60.0), 60.0)
+    for x_m in (-3.0, 3.0):
+        put(owner, disparity, PILLAR, box((x_m - 0.6, x_m + 0.6), (0, 6)))
+    _, regions, labels = regions_of(owner, disparity, 4)
+    assert verdict(region_at(regions, labels, owner == SKY)) == "BACKGROUND"
+    assert not any(region.plain for region in regions)
+
+
+def test_sky_in_a_frame_of_things_at_one_range_is_no_obstacle() -> None:
+    """A window in a hedge: all its edges agree on the range, and yet it does not stand on the ground."""
+    owner, disparity = landscape()
+    put(owner, disparity, TREES, box((-5, 5), (0, 5.0)))
+    window = box((-2, 2), (1.2, 4.2))
+    owner[window], disparity[window] = SKY, -1.0
+    _, regions, labels = regions_of(owner, disparity, 5)
+    assert verdict(region_at(regions, labels, window)) == "BACKGROUND"
+
+
+def test_a_plain_patch_of_the_ground_between_cars_is_no_obstacle() -> None:
+    """Its foot is nearer than the cars beside it."""
+    owner, disparity = landscape()
+    patch = (owner == GROUND) & (np.abs(rays(CAMERA)[..., 0]) < 0.12) & (rays(CAMERA)[..., 1] < 0.27)
+    owner[patch], disparity[patch] = WALL, -1.0
+    for x_m in (-3.0, 3.0):
+        put(owner, disparity, PILLAR, box((x_m - 1.2, x_m + 1.2), (0, 1.5)))
+    _, regions, labels = regions_of(owner, disparity, 6)
+    assert verdict(region_at(regions, labels, patch & (owner == WALL))) == "BACKGROUND"
+
+
+def test_all_of_the_plain_region_is_in_the_collision_volume() -> None:
+    owner, disparity, where = wall()
+    stages, regions, labels = regions_of(owner, disparity, 7)
+    region = region_at(regions, labels, where)
+    volume = ffi.new(
+        "vista_collision_volume *", {"radius_m": 1.0, "length_m": 100.0, "direction_camera": (0, 0, 1)}
+    )
+    words = np.full(owner.shape, INVALID, np.int16)  # nothing is asked of the words inside
+    image = ffi.new("vista_disparity_image *", [ffi.cast("int16_t *", words.ctypes.data), 320, 240, 320])
+    status = lib.vista_collision_volume_count(
+        stages.foveation.handle, stages.section("region"), CAMERA, volume, image, stages.regions
+    )
+    assert status == lib.VISTA_OK
+    ray = rays(CAMERA)
+    in_volume = np.hypot(ray[..., 0], ray[..., 1]) * SCALE / region.disparity_px <= 1.0
+    expected = np.count_nonzero(in_volume & (labels == region.label))
+    assert stages.regions.items[region.label].volume_pixels == pytest.approx(expected, rel=0.01)
+    assert expected > 1000
