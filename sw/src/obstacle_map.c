@@ -183,7 +183,7 @@ static bool obstacle_of(const vista_obstacle_map_params *params, const vista_cam
   obstacle->ellipse = ellipse_of(track, measurement_px, camera_m[2]);
   const int32_t members = vista_window_count(track->volume_window, 3);
   obstacle->in_collision_volume = track->credible && members >= (track->hits > 1 ? 2 : 1);
-  if (obstacle->in_collision_volume && track->coasting) {
+  if (obstacle->in_collision_volume && (track->coasting || track->edges_only)) {
     const vista_disc disc = disc_of(params, camera, pose, track, covariance_px2, camera_m[2]);
     obstacle->in_collision_volume = vista_disc_near_segment(&disc, axis, params->collision_radius_m);
   }

@@ -50,6 +50,7 @@ static vista_status reconstruct(const vista_region *region, const vista_camera *
   if (!isfinite(region->disparity_px) || !isfinite(region->disparity_sigma_px)) return VISTA_ERROR_NUMBER;
   if (region->disparity_px < params->disparity_min_px || region->disparity_sigma_px < 0.0) return VISTA_ERROR_RANGE;
   vista_detection result = {.label = region->label,
+                            .plain = region->plain,
                             .volume_pixels = region->volume_pixels,
                             .u_px = region->mean_u_px,
                             .v_px = region->mean_v_px,

@@ -19,6 +19,7 @@ void vista_track_filter_start(const vista_tracker_params *params, const vista_ca
                          .hits = 1,
                          .seen_frames = 1,
                          .window = 1,
+                         .plain = detection->plain,
                          .volume_window = detection->volume_pixels >= params->volume_pixels,
                          .ellipse = detection->ellipse,
                          .ellipse_depth_m = camera->focal_px * camera->baseline_m / detection->disparity_px};

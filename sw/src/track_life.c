@@ -73,7 +73,10 @@ void vista_track_judge(const vista_track_frame *f, vista_track *track) {
 static void hit(const vista_track_frame *f, const vista_detection *detection, vista_track *track) {
   track->coasting = track->held = false;
   track->label = detection->label;
-  track->volume_window = track->volume_window << 1 | (detection->volume_pixels >= f->params->volume_pixels);
+  track->edges_only = track->plain && !detection->plain;
+  track->plain = track->plain || detection->plain;
+  if (!track->edges_only)
+    track->volume_window = track->volume_window << 1 | (detection->volume_pixels >= f->params->volume_pixels);
   track->window = track->window << 1 | 1u;
   track->hits += 1;
   track->seen_frames += 1;

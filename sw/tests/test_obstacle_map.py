@@ -121,10 +121,12 @@ def test_nearest_first_and_only_the_credible_collide() -> None:
     [(0b111, True), (0b011, True), (0b101, True), (0b110, True), (0b001, False), (0b1000, False)],
 )
 def test_what_is_seen_is_a_member_by_two_of_three_hits(hits: int, member: bool) -> None:
-    """Wherever its centre is; while it coasts, if its disc is in the way, too."""
+    """Wherever its centre is; while it coasts, or only edges are seen, if its disc is in the way, too."""
     for point, in_the_way in (((0, 0, 30.0), True), ((9, 0, 30.0), False)):
         assert in_volume(point, coasting=False, volume_window=hits) == member
-        assert in_volume(point, coasting=True, volume_window=hits) == (member and in_the_way)
+        by_disc = member and in_the_way
+        assert in_volume(point, coasting=True, volume_window=hits) == by_disc
+        assert in_volume(point, coasting=False, edges_only=True, volume_window=hits) == by_disc
         assert in_volume(point, coasting=False, volume_window=hits & 1, hits=1) == hits & 1
 
 

@@ -52,13 +52,16 @@ typedef struct vista_track {
   bool held;           /* coasting, and the engine's words do not show what lies behind it: it may still be there */
   bool in_view;        /* predicted inside the matched part of the image */
   bool in_blind_zone;  /* predicted nearer than the engine matches, and in view when it came so near */
+  bool plain;          /* once told by its outline alone (vista/region.h) */
+  bool edges_only;     /* plain, and this frame's detection is not: parts of its outline, as it leaves the image */
   int32_t label;       /* of the region in this frame; -1 while coasting */
   int32_t age_frames;  /* updates since its birth, that one included */
   int32_t hits;        /* detections in all */
   int32_t misses;      /* in a row; only frames in which it could be seen count */
   int32_t seen_frames; /* frames in which it was seen or could have been */
   uint32_t window;     /* the last 32 of these, bit 0 the newest, 1 = hit */
-  uint32_t volume_window; /* the last 32 hits, bit 0 the newest, 1 = in the collision volume by volume_pixels */
+  uint32_t volume_window; /* the last 32 hits, bit 0 the newest, 1 = in the collision volume by volume_pixels;
+                             those of edges only, which do not tell what is between them, are left out */
   int64_t hit_t_ns;    /* last detection */
   int64_t visible_t_ns; /* last frame in which it could be seen */
   double position_m[3];   /* world */

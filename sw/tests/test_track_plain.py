@@ -1,0 +1,35 @@
+"""A track told by its outline alone: what is seen of its edges later does not clear what is between them."""
+
+from __future__ import annotations
+
+import numpy as np
+from track_library import Tracker, seen_at
+
+DT, POINT, EXTENT = 0.1, np.array([0.0, 0.0, 30.0]), (16.0, 9.0)
+EDGE = np.array([5.0, 0.0, 30.0])  # out of the collision volume, within the extent and at its depth
+
+
+def updated(tracker: Tracker, first: int, count: int, point: np.ndarray, **changes: object) -> object:
+    for frame in range(first, first + count):
+        extent = EXTENT if point is POINT else (1.0, 8.0)
+        detection = seen_at(point, extent=extent) | changes
+        assert tracker.update(DT * frame, [detection]) == "VISTA_OK"
+    return tracker.tracks[1]
+
+
+def test_edges_do_not_say_whether_a_plain_track_is_in_the_volume() -> None:
+    tracker = Tracker()
+    whole = updated(tracker, 0, 6, POINT, plain=True)
+    assert whole.plain and not whole.edges_only and whole.volume_window == 0b111111
+    edge = updated(tracker, 6, 4, EDGE)
+    assert edge.hits == 10 and edge.plain and edge.edges_only and edge.volume_window == 0b111111
+    again = updated(tracker, 10, 1, POINT, plain=True, volume_pixels=0)
+    assert not again.edges_only and again.volume_window == 0b1111110
+
+
+def test_other_tracks_are_judged_by_every_hit() -> None:
+    tracker = Tracker()
+    updated(tracker, 0, 6, POINT)
+    track = updated(tracker, 6, 4, EDGE)
+    assert track.hits == 10 and not track.plain and not track.edges_only
+    assert track.volume_window == 0b1111110000
