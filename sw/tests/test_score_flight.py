@@ -16,7 +16,7 @@ from vista.geometry import Calibration, Pose
 from vista.history import FrameRecord
 from vista.pipeline import Obstacle
 from vista.score.flight import FOOT_M, FlightScore, score_records
-from vista.score.frame_truth import flight_frames
+from vista.score.frame_truth import Points, flight_frames, thinned
 from vista.score.pose_noise import ATTITUDE_SIGMA_DEG, POSITION_SIGMA_M, noisy_poses
 from vista.score.truth import read_truth
 
@@ -245,3 +245,16 @@ def test_a_bad_truth_is_named(tmp_path: Path, content: str, problem: str) -> Non
     (tmp_path / "truth.json").write_text(content)
     with pytest.raises(InputError, match=problem):
         read_truth(tmp_path)
+
+
+def test_thin_parts_of_large_things_are_kept() -> None:
+    """A board of 72 x 60 pixels on a pole one pixel wide, in all places against the grid of points."""
+    for shift in range(3):
+        label = np.zeros((480, 640), np.uint16)
+        label[200:260, 300 + shift : 372 + shift] = 1
+        label[260:480, 337 + shift] = 1
+        v, u = np.nonzero(label)
+        blank = np.zeros(len(u), np.float32)
+        kept = thinned(Points(None, u, v, label[v, u], blank, blank, blank, blank))
+        assert np.array_equal(np.unique(v[kept & (v >= 260)]), np.arange(260, 480))
+        assert kept.sum() < len(u) / 4

@@ -174,10 +174,25 @@ def surface_of(points: Points, label: int) -> Array:
 
 
 def thinned(points: Points) -> NDArray[np.bool_]:
-    """Which points to keep: all of small things, every ninth of large ones."""
+    """Which points to keep: all of small things; of large ones every ninth and where rows and columns begin,
+    since a large thing may have thin parts (the pole below a sign)."""
     counts = np.bincount(points.label, minlength=1)
     on_grid = (points.u_px % THIN_STRIDE_PX == 0) & (points.v_px % THIN_STRIDE_PX == 0)
-    return on_grid | (counts[points.label] <= THIN_ABOVE_PIXELS)
+    begins = run_starts(points.label, points.v_px, points.u_px) | run_starts(
+        points.label, points.u_px, points.v_px
+    )
+    return on_grid | begins | (counts[points.label] <= THIN_ABOVE_PIXELS)
+
+
+def run_starts(label: NDArray, line_px: NDArray, along_px: NDArray) -> NDArray[np.bool_]:
+    """Points whose predecessor on their line is of another label or not there."""
+    order = np.lexsort((along_px, line_px))
+    kept = np.ones(len(order), bool)
+    same = np.diff(label[order].astype(int)) == 0
+    kept[1:] = ~(same & (np.diff(line_px[order]) == 0) & (np.diff(along_px[order]) == 1))
+    found = np.empty(len(order), bool)
+    found[order] = kept
+    return found
 
 
 def standing_surfaces(truth: FlightTruth, points: Points) -> dict[int, Array]:
