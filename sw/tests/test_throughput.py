@@ -61,7 +61,7 @@ def test_clocks_are_those_of_the_synthesis_table() -> None:
     builds = synthesis.builds()
     assert len(builds) == len(rows)
     for build, row in zip(builds, rows, strict=True):
-        assert row.endswith(f"| {build.clock_mhz} |") and f"| {build.device} | {build.speed_grade} |" in row
+        assert f"| {build.clock_mhz} (" in row and f"| {build.device} | {build.speed_grade} |" in row
     reference = synthesis.find(32, 11, 1024)
     assert reference is not None
     assert reference.speed_grade == min(b.speed_grade for b in builds if b.disparities == 32)
@@ -69,11 +69,12 @@ def test_clocks_are_those_of_the_synthesis_table() -> None:
 
 
 @pytest.mark.parametrize(
-    ("old", "new"), [("<!-- synth", "<!-- none"), ("| MHz |", "| Hz |"), ("102.2 |", "fast |")]
+    ("old", "new"), [("<!-- synth", "<!-- none"), ("| MHz:", "| Hz:"), ("102.2 (", "fast (")]
 )
 def test_a_damaged_synthesis_table(old: str, new: str) -> None:
-    head = "| disparities | block | width | device | speed | LUT4 | MHz |\n|---|---|---|---|---|---|---|\n"
-    row = "| 32 | 11 | 1024 | LFE5U-25F | 6 | 8304 | 102.2 |\n"
+    head = "| disparities | block | width | device | speed | LUT4 | MHz: median (range) |\n"
+    head += "|---" * 7 + "|\n"
+    row = "| 32 | 11 | 1024 | LFE5U-25F | 6 | 8304 | 102.2 (1 seed) |\n"
     table = f"{synthesis.MARKS[0]}\n{head}{row}{synthesis.MARKS[1]}"
     assert synthesis.parse(table)[0].clock_mhz == 102.2
     assert old in table
