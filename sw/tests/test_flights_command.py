@@ -55,7 +55,7 @@ def test_the_figures_are_those_of_the_python_function(folder: Path, printed: str
     assert [group["split"] for group in content["groups"]] == ["tune", "report"]
     assert content["groups"][1]["hits"] == direct["hits"]
     assert len(content["pose_noise"]["flights"]) == 2
-    assert len(content["goals"]) == 12
+    assert len(content["goals"]) == 13
     assert {row["name"] for row in content["segmentation"]} >= {"sign", "= report"}
 
 

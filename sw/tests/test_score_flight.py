@@ -102,6 +102,32 @@ def test_a_first_detection_has_to_stay(flight: Path) -> None:
     assert score(flight, seen).first_detection_m == pytest.approx(54.0 - 12)
 
 
+def test_tracked_before_it_is_warned_of(flight: Path) -> None:
+    """At the sign from frame 4 on, confirmed from frame 6 and in the collision volume from frame 11 on; an
+    obstacle 4 m beside it agrees with nothing."""
+    beside = obstacle(SIGN_M + np.array([0.0, 4.0, 0.0]), id=7, in_collision_volume=False)
+    seen = everywhere(beside)
+    for k in range(4, FRAMES):
+        seen[k].append(obstacle(SIGN_M, confirmed=k >= 6, in_collision_volume=k >= 11))
+    result = score(flight, seen)
+    assert result.begins_m == pytest.approx(54.0)
+    assert result.tracked_from_m == pytest.approx(54.0 - 6)
+    assert result.first_detection_m == pytest.approx(54.0 - 11)
+    assert [frame.tracked for frame in result.frames] == [k >= 6 for k in range(FRAMES)]
+    assert result.hits == len(BAND) - 2  # frames 9 and 10: tracked, not warned of
+    assert result.false_alarm_frames == ()
+
+
+def test_tracking_has_to_stay_too(flight: Path) -> None:
+    """One gap in the next five frames is granted, two are not."""
+    aside = obstacle(SIGN_M, in_collision_volume=False)
+    for gaps, expected in (({5}, 2), ({5, 6}, 6 + 1), ({4, 7}, 5)):
+        seen = {k: [aside] for k in range(2, FRAMES) if k not in gaps}
+        result = score(flight, seen)
+        assert result.tracked_from_m == pytest.approx(54.0 - expected)
+        assert result.first_detection_m is None
+
+
 @pytest.mark.parametrize("changes", [{"confirmed": False}, {"in_collision_volume": False}])
 def test_what_is_not_warned_of_is_no_hit_and_no_alarm(flight: Path, changes: dict[str, object]) -> None:
     result = score(flight, everywhere(obstacle(SIGN_M, **changes)))

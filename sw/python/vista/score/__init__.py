@@ -13,14 +13,18 @@ target          the object flown at; of several, the nearest with at least DANGE
 P               of a compact target (no side above COMPACT_M): its own centre, the board's for sign and pole;
                 of a large one: the mean of its points in the cylinder that are seen in this frame
 warning         a confirmed obstacle that the map puts into the collision volume; coasting ones included
-agrees          with true points, if one of them lies at the warning's bearing +- half its extent (at least
+agrees          an obstacle with true points, if one of them lies at its bearing +- half its extent (at least
                 BEARING_MARGIN_PX) and within max(2 dz(r), 2 m) of its range r; of something too near to match
                 a warning gives the largest range that it may have, and any nearer point agrees
 hit             a warning that agrees with the target, in a frame where that is a true danger at 14.5 to 45 m
 missed frame    the target is a true danger nearer than 45 m, the blind zone included, and no warning agrees
 false alarm     a warning that agrees with nothing: no point of any surface in the cylinder inflated by 1 m.
                 A ghost, if it agrees with no surface outside of that either; else something beside the path
-first detection range in the first frame that agrees and whose next STAYS_FRAMES frames agree in all but one
+begins          range in the first frame in which a target is a true danger
+warned from     range in the first frame with a warning that agrees with the target, if all but one of the
+                next STAYS_FRAMES frames have one too: the first detection. FIRST_DETECTION_M is asked of
+                sign and pole in flights that begin that far away; the others have nothing to say about it
+tracked from    the same of any confirmed obstacle, in or out of the collision volume
 match           the warning that agrees with the target and did so in the frame before; else the one nearest
                 to P of those that agree (of a sign and of its pole both may be warned)
 error           |P - P^| of the match; for a large target the distance of P^ to the nearest seen point of it,

@@ -20,6 +20,7 @@ from vista.score.judge import FrameScore, Judge, carried
 from vista.score.truth import FlightTruth
 
 FOOT_M = 0.3048
+FIRST_DETECTION_M = 60.0  # demanded; what a flight shows that begins nearer says nothing about it
 STAYS_FRAMES = 5  # after a first detection; all but one of them agree
 ERROR_AT_FT = 50.0
 GOSPA_RANGE_M = 45.0
@@ -34,7 +35,9 @@ class FlightScore:
     split: str
     target_kind: str | None  # of the first target; None: the flight has none
     frames: tuple[FrameScore, ...]
-    first_detection_m: float | None
+    begins_m: float | None  # range of the target in the first frame that has one
+    tracked_from_m: float | None
+    first_detection_m: float | None  # as a warning
     band_frames: int  # with a target at 14.5 to 45 m
     hits: int
     missed: tuple[int, ...]  # frames
@@ -128,6 +131,7 @@ def flight_score(
     in_dz = errors_m / truth.depth_of_one_disparity_m(ranges_m)
     nees = tuple(frame.nees for frame in matched if frame.nees is not None)
     ids = [frame.matched_id for frame in matched]
+    begins_m = next((frame.range_m for frame in frames if frame.range_m is not None), None)
     alarms = [k for k, frame in enumerate(frames) if frame.false_alarms]
     blind = [frame for frame in frames if frame.blind]
     return FlightScore(
@@ -136,7 +140,9 @@ def flight_score(
         split=truth.split,
         target_kind=truth.targets[0].kind if truth.targets else None,
         frames=tuple(frames),
-        first_detection_m=first_detection_m(frames),
+        begins_m=begins_m,
+        tracked_from_m=first_that_stays_m(frames, [frame.tracked for frame in frames]),
+        first_detection_m=first_that_stays_m(frames, [frame.matched_id is not None for frame in frames]),
         band_frames=sum(frame.in_band for frame in frames),
         hits=sum(frame.hit for frame in frames),
         missed=tuple(k for k, frame in enumerate(frames) if frame.missed),
@@ -148,7 +154,7 @@ def flight_score(
         within_2dz=float(np.mean(in_dz <= 2.0)) if matched else None,
         median_dz=float(np.median(in_dz)) if matched else None,
         rms_ft=float(np.sqrt(np.mean(errors_m**2))) / FOOT_M if matched else None,
-        companion_rms_ft=companion_rms_ft(truth),
+        companion_rms_ft=companion_rms_ft(truth, begins_m),
         error_at_50_ft=error_at_ft(ranges_m, errors_m, ERROR_AT_FT),
         id_switches=sum(a != b for a, b in pairwise(ids)),
         gospa_m=float(np.sqrt(np.mean([one.distance**2 for one in sets]))),
@@ -161,10 +167,10 @@ def flight_score(
     )
 
 
-def first_detection_m(frames: list[FrameScore]) -> float | None:
+def first_that_stays_m(frames: list[FrameScore], agreeing: list[bool]) -> float | None:
+    """Range in the first frame that agrees and stays; agreeing: of each frame."""
     for k, frame in enumerate(frames):
-        following = frames[k + 1 : k + 1 + STAYS_FRAMES]
-        if frame.matched_id is not None and sum(f.matched_id is None for f in following) <= 1:
+        if agreeing[k] and agreeing[k + 1 : k + 1 + STAYS_FRAMES].count(False) <= 1:
             return frame.range_m
     return None
 
@@ -178,7 +184,10 @@ def error_at_ft(ranges_m: Array, errors_m: Array, range_ft: float) -> float | No
     return float(np.interp(wanted_m, ranges_m[order], errors_m[order])) / FOOT_M
 
 
-def companion_rms_ft(truth: FlightTruth) -> float | None:
+def companion_rms_ft(truth: FlightTruth, begins_m: float | None) -> float | None:
+    """None for a flight from nearby too: an RMS of near frames alone would flatter."""
+    if begins_m is None or begins_m < FIRST_DETECTION_M:
+        return None
     kinds = {target.kind for target in truth.targets}
     return next(
         (

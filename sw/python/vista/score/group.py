@@ -63,7 +63,8 @@ def group_score(split: str, flights: list[FlightScore]) -> GroupScore:
 
 # Column head and what stands in it, of a flight.
 COLUMNS = (
-    ("first m", lambda s: number(s.first_detection_m, 1)),
+    ("tracked from, m", lambda s: number(s.tracked_from_m, 1)),
+    ("warned from, m", lambda s: number(s.first_detection_m, 1)),
     ("hits", lambda s: share(s.hits, s.band_frames)),
     ("missed", lambda s: str(len(s.missed)) if any(f.range_m is not None for f in s.frames) else ""),
     ("false", lambda s: counts(len(s.false_alarm_frames), s.false_alarm_obstacles)),
@@ -78,8 +79,9 @@ COLUMNS = (
     ("host ms", lambda s: number(s.host_ms, 1)),
 )
 LEGEND = (
-    "hits: frames at 14.5 to 45 m with a warning for the target; missed: frames nearer than 45 m without "
-    "one; false: frames with a false alarm (obstacles); RMS beside the companion paper's; "
+    "tracked, warned from: range of the target in the first frame that has it as an obstacle, as a warning, "
+    "and stays; hits: frames at 14.5 to 45 m with a warning for the target; missed: frames nearer than 45 m "
+    "without one; false: frames with a false alarm (obstacles); RMS beside the companion paper's; "
     "NEES: average, its 95 % band; blind: frames nearer than the engine matches that are still warned of"
 )
 

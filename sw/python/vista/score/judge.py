@@ -48,6 +48,7 @@ class FrameScore:
     range_m: float | None  # of the target
     warnings: int
     matched_id: int | None  # a warning that agrees with the target
+    tracked: bool  # a confirmed obstacle agrees with the target, in or out of the collision volume
     error_m: float | None
     nees: float | None  # of three dimensions; None without a match, or without a reference point
     false_alarms: tuple[FalseAlarm, ...]
@@ -81,16 +82,19 @@ class Judge:
         self, frame: FrameTruth, obstacles: tuple[Obstacle, ...], world_from_estimate: Pose
     ) -> FrameScore:
         """obstacles: of the chain, in the world of its poses; world_from_estimate leads into the true one."""
-        warnings = {o.id: o for o in obstacles if o.confirmed and o.in_collision_volume}
-        positions_m = {k: carried(world_from_estimate, o.position_m) for k, o in warnings.items()}
-        places = [place_of(self._truth, frame, o, positions_m[k]) for k, o in warnings.items()]
+        confirmed = {o.id: o for o in obstacles if o.confirmed}
+        positions_m = {k: carried(world_from_estimate, o.position_m) for k, o in confirmed.items()}
+        places = [place_of(self._truth, frame, o, positions_m[k]) for k, o in confirmed.items()]
+        agreeing = [place.id for place in places if agrees(self._truth, place, frame.of_target)]
+        warnings = {k: o for k, o in confirmed.items() if o.in_collision_volume}
+        warned = [place for place in places if place.id in warnings]
         alarms = [
             alarm
-            for alarm in false_alarms(self._truth, frame, self._direction, places)
+            for alarm in false_alarms(self._truth, frame, self._direction, warned)
             if not self._was_there(frame, warnings[alarm.id], positions_m[alarm.id], alarm.range_m)
         ]
         self._earlier_m = np.concatenate([self._earlier_m, frame.around_path.position_m[::16]])
-        matched = self._match(frame, places, positions_m)
+        matched = self._match(frame, [k for k in agreeing if k in warnings], positions_m)
         error_m, nees = None, None
         if matched not in (None, TOO_NEAR_ID):
             covariance_m2 = warnings[matched].covariance_m2
@@ -102,16 +106,16 @@ class Judge:
             None if target is None else target.range_m,
             len(warnings),
             matched,
+            bool(agreeing),
             error_m,
             nees,
             tuple(alarms),
             target is not None and target.nearest_depth_m < self._blind_depth_m,
         )
 
-    def _match(self, frame: FrameTruth, places: list[Warned], positions_m: dict[int, Array]) -> int | None:
-        """Id of a warning that agrees with the target: that of the frame before if it still does, else the
+    def _match(self, frame: FrameTruth, agreeing: list[int], positions_m: dict[int, Array]) -> int | None:
+        """Of the warnings that agree with the target, one: that of the frame before if it still does, else the
         one nearest to P; one without a track only if there is no other."""
-        agreeing = [place.id for place in places if agrees(self._truth, place, frame.of_target)]
         tracks = [k for k in agreeing if k != TOO_NEAR_ID]
         if not agreeing or self._matched in tracks:
             return self._matched if agreeing else None

@@ -1,0 +1,87 @@
+"""Goals of flights whose scores are made up: who is asked for a first detection, and for an RMS error."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import flight_on_disk as disk
+import numpy as np
+import pytest
+from vista.score.flight import FIRST_DETECTION_M, FOOT_M, FlightScore, companion_rms_ft, flight_score
+from vista.score.goals import Goal, goals
+from vista.score.gospa import gospa
+from vista.score.group import table
+from vista.score.judge import FrameScore
+from vista.score.truth import FlightTruth, TrueObject
+
+TARGETS = {kind: TrueObject(2, kind, kind, True, True, np.zeros(3), np.zeros(3), (1.0, 1.0))
+           for kind in ("sign", "pole", "tree")}  # fmt: skip
+AGREEING = {"matched_id": 1, "tracked": True, "error_m": 0.5}
+
+
+def truth(kind: str, speed_ft_s: float) -> FlightTruth:
+    rig = (disk.FOCAL_PX, disk.BASELINE_M, (disk.CU, disk.CV))
+    objects = {2: TARGETS[kind]}
+    return FlightTruth(Path(), "", "", "report", *rig, speed_ft_s * FOOT_M, 10.0, objects, (), ())
+
+
+def score(
+    name: str, begins_m: int, tracked_from_m: float, warned_from_m: float, kind: str = "sign"
+) -> FlightScore:
+    """Frames a metre apart, down to 10 m; 10 ft/s."""
+    silent = FrameScore(0, kind, None, 0, None, False, None, None, (), False)
+    frames = [
+        replace(silent, range_m=float(range_m), tracked=range_m <= tracked_from_m)
+        for range_m in range(begins_m, 9, -1)
+    ]
+    frames = [replace(f, **AGREEING) if f.range_m <= warned_from_m else f for f in frames]
+    scored = flight_score(truth(kind, 10.0), frames, [gospa(np.zeros((0, 0)))], 5.0)
+    return replace(scored, name=name)
+
+
+def goal(scores: list[FlightScore], start: str) -> Goal:
+    (found,) = (one for one in goals(scores, [], None) if one.demand.startswith(start))
+    return found
+
+
+def first_goals(scores: list[FlightScore]) -> list[Goal]:
+    return [one for one in goals(scores, [], None) if one.demand.startswith("first detection")]
+
+
+def test_tracks_and_warnings_are_judged_against_the_same_range() -> None:
+    scores = [score("early", 75, 70, 62), score("late", 75, 60, 59), score("later", 75, 55, 50)]
+    tracked, warned = first_goals(scores)
+    common = "first detection of sign and pole at 60 m or farther: "
+    assert [tracked.demand, warned.demand] == [common + "as a tracked obstacle", common + "as a warning"]
+    assert (tracked.reached, tracked.met) == ("2 of 3 flights; not later 55.0 m", False)
+    assert (warned.reached, warned.met) == ("1 of 3 flights; not late 59.0 m, later 50.0 m", False)
+    assert [one.met for one in first_goals(scores[:1])] == [True, True]
+
+
+def test_a_flight_from_nearby_is_named_but_not_asked_for_a_first_detection() -> None:
+    far, close = score("far", 75, 70, 62, "pole"), score("close", 45, 41, 41, "pole")
+    for one in first_goals([far, close]):
+        assert (one.reached, one.met) == ("1 of 1 flights; begins nearer: close at 45.0 m", True)
+    for one in first_goals([close]):
+        assert (one.reached, one.met) == ("no such flight; begins nearer: close at 45.0 m", None)
+    for one in first_goals([score("never", 60, 0, 0), score("tree", 75, 20, 20, "tree")]):
+        assert (one.reached, one.met) == ("0 of 1 flights; not never never", False)
+
+
+def test_a_flight_from_nearby_is_held_to_everything_else() -> None:
+    """45 to 42 m without a warning: four of its frames are missed, the hit rate falls to 27 of 31."""
+    close = score("close", 45, 41, 41)
+    assert (close.hits, close.band_frames, close.missed) == (27, 31, (1, 2, 3))
+    assert goal([close], "hit rate").reached == "0 of 1 flights; not close 27/31"
+    assert goal([close], "error at 50 ft").met
+    assert goal([close], "|P - P^|").met
+    assert "close" in table([close])
+
+
+@pytest.mark.parametrize(("begins_m", "rms_ft"), [(FIRST_DETECTION_M, 10.0), (45.0, None), (None, None)])
+def test_near_frames_alone_are_not_set_beside_the_companion_paper(
+    begins_m: float | None, rms_ft: float | None
+) -> None:
+    assert companion_rms_ft(truth("sign", 10.0), begins_m) == rms_ft
+    assert companion_rms_ft(truth("tree", 10.0), begins_m) is None
