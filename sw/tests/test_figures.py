@@ -64,11 +64,14 @@ def test_shades_are_the_papers() -> None:
     assert far < near < undefined == 255
 
 
-def flight(name: str, kind: str | None, speed_ft_s: float) -> FlightTruth:
+def flight(name: str, kind: str | None, speed_ft_s: float, frames: int = 0) -> FlightTruth:
     target = kind and TrueObject(1, kind, kind, True, True, np.zeros(3), np.zeros(3), (1.0, 1.0))
     objects = {1: target} if target else {}
     speed_m_s = speed_ft_s * FOOT_M
-    return FlightTruth(Path(), name, name, "tune", 1000.0, 0.5, (0, 0), speed_m_s, 10.0, objects, (), ())
+    times_ns = tuple(range(frames))
+    return FlightTruth(
+        Path(), name, name, "tune", 1000.0, 0.5, (0, 0), speed_m_s, 10.0, objects, times_ns, ()
+    )
 
 
 def names(truths: list[FlightTruth]) -> list[str]:
@@ -79,6 +82,18 @@ def test_the_four_flights_are_the_papers() -> None:
     held = [flight("a", "pole", 10), flight("b", None, 30), flight("c", "sign", 30), flight("d", "pole", 30)]
     assert names(the_four([*held, flight("e", "sign", 10)])) == ["e", "c", "d", "a"]
     assert names(the_four([*held, flight("e", "tree", 10)])) == ["c", "d", "a", "e"]
+
+
+def test_of_flights_alike_the_longest_is_shown() -> None:
+    """A sign in haze and one from nearby come before it by name."""
+    held = [
+        flight("close", "sign", 10, 60),
+        flight("haze", "sign", 30, 68),
+        flight("pole_10", "pole", 10, 172),
+    ]
+    held += [flight("pole_30", "pole", 30, 82), flight("sign_10", "sign", 10, 172)]
+    held += [flight("sign_30", "sign", 30, 82), flight("wind", "pole", 30, 68)]
+    assert names(the_four(held)) == ["sign_10", "sign_30", "pole_30", "pole_10"]
 
 
 def test_segmentations_are_of_many_kinds() -> None:

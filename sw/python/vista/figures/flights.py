@@ -35,12 +35,15 @@ def draw(truths: list[FlightTruth], values: parameters.Values) -> Figure:
 
 
 def the_four(truths: list[FlightTruth]) -> list[FlightTruth]:
-    """In the companion's order, sign at 10 and 30 ft/s, pole at 30 and 10; else the first with a target."""
-    found = [
-        truth
-        for kind, speed_ft_s in COMPANION_RMS_FT
-        for truth in truths
-        if [t.kind for t in truth.targets] == [kind] and round(truth.speed_m_s / FOOT_M) == speed_ft_s
-    ]
+    """In the companion's order, sign at 10 and 30 ft/s, pole at 30 and 10, of each the longest flight; where
+    one is not there, the first with a target."""
+    found = []
+    for kind, speed_ft_s in COMPANION_RMS_FT:
+        alike = [
+            truth
+            for truth in truths
+            if [t.kind for t in truth.targets] == [kind] and round(truth.speed_m_s / FOOT_M) == speed_ft_s
+        ]
+        found += [max(alike, key=lambda truth: len(truth.times_ns))] if alike else []
     others = [truth for truth in truths if truth.targets]
     return list({truth.name: truth for truth in (*found, *others)}.values())[:4]

@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import islice
 from pathlib import Path
 
 import numpy as np
 
 from vista import parameters
-from vista.command.run import make_chain
 from vista.errors import InputError
-from vista.run import Step, run_frame
+from vista.run import Step
 from vista.score.flight import FlightScore, score_records
-from vista.score.fly import open_flight
+from vista.score.fly import fly, open_flight
 from vista.score.truth import TRUTH, FlightTruth, read_truth
 
 SHOWN_RANGE_M = 30.0  # of the target
@@ -23,7 +23,6 @@ class Moment:
     """One frame of a flight, after all frames before it."""
 
     truth: FlightTruth
-    index: int
     step: Step
 
 
@@ -47,21 +46,15 @@ def shown_frame(truth: FlightTruth) -> int:
 
 
 def fly_to(truth: FlightTruth, index: int, values: parameters.Values) -> Moment:
-    sequence = open_flight(truth.folder)
-    chain = make_chain(sequence, "golden", values, threads=1)
-    steps = (run_frame(chain, files) for files in sequence.frames[: index + 1])
-    *_, last = steps
-    return Moment(truth, index, last)
+    (step,) = islice(fly(open_flight(truth.folder), values), index, index + 1)
+    return Moment(truth, step)
 
 
 def fly_through(truth: FlightTruth, index: int, values: parameters.Values) -> tuple[Moment, FlightScore]:
     """The frame of that index, and the score of the whole flight."""
-    sequence = open_flight(truth.folder)
-    chain = make_chain(sequence, "golden", values, threads=1)
     records, shown = [], None
-    for k, files in enumerate(sequence.frames):
-        step = run_frame(chain, files)
+    for k, step in enumerate(fly(open_flight(truth.folder), values)):
         records.append(step.record)
         if k == index:
             shown = step
-    return Moment(truth, index, shown), score_records(truth.folder, records, values)
+    return Moment(truth, shown), score_records(truth.folder, records, values)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import textwrap
+
 import cv2
 import numpy as np
 from matplotlib.figure import Figure
@@ -14,10 +16,11 @@ from vista.palette import GREY, INK, RegionColours
 from vista.score.truth import FlightTruth
 
 ROWS, PAIRS = 2, 3
+CAPTION_LETTERS = 26  # a line: what a panel is wide
 
 
 def draw(truths: list[FlightTruth], values: parameters.Values) -> Figure:
-    figure = Figure(figsize=(10.5, 2.9), layout="constrained")
+    figure = Figure(figsize=(10.5, 3.2), layout="constrained")
     axes = figure.subplots(ROWS, 2 * PAIRS).reshape(-1, 2)
     for pair in axes.ravel():
         pair.set_axis_off()
@@ -25,8 +28,10 @@ def draw(truths: list[FlightTruth], values: parameters.Values) -> Figure:
         moment = fly_to(truth, shown_frame(truth), values)
         for one in (image_axes, region_axes):
             one.set_axis_on()
-        show(image_axes, moment.step.frame.left, truth.title)
-        show(region_axes, colour_regions(moment), f"{moment.step.result.regions} regions")
+        title = textwrap.fill(truth.title, CAPTION_LETTERS)
+        regions = f"{moment.step.result.regions} regions"
+        show(image_axes, moment.step.frame.left, title)
+        show(region_axes, colour_regions(moment), regions + "\n" * title.count("\n"))  # the same size
     return figure
 
 

@@ -114,8 +114,8 @@ class Judge:
         )
 
     def _match(self, frame: FrameTruth, agreeing: list[int], positions_m: dict[int, Array]) -> int | None:
-        """Of the warnings that agree with the target, one: that of the frame before if it still does, else the
-        one nearest to P; one without a track only if there is no other."""
+        """One of the warnings that agree with the target: that of the frame before if it still does, else the
+        nearest to P; one without a track only if there is no other."""
         tracks = [k for k in agreeing if k != TOO_NEAR_ID]
         if not agreeing or self._matched in tracks:
             return self._matched if agreeing else None
