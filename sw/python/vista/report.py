@@ -7,11 +7,11 @@ from typing import Any
 
 import cv2
 import numpy as np
-from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
 from vista import plots
 from vista.history import FrameRecord
+from vista.page import fill_template
 from vista.result_folder import ResultFolder
 
 MAX_PICTURES = 80
@@ -22,13 +22,6 @@ MAX_TRACK_ROWS = 40
 
 def render_report(summary: dict[str, Any], records: list[FrameRecord], folder: ResultFolder) -> str:
     """The page as HTML, with the pictures that the folder holds, or a selection of many."""
-    environment = Environment(
-        loader=PackageLoader("vista"),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
     drawings = {
         name: Markup(plot(records))
         for name, plot in {
@@ -40,7 +33,8 @@ def render_report(summary: dict[str, Any], records: list[FrameRecord], folder: R
         }.items()
     }
     pictures = embedded_pictures(records, folder)
-    return environment.get_template("report.html.j2").render(
+    return fill_template(
+        "report.html.j2",
         summary=summary,
         cards=make_cards(summary, records),
         pictures=pictures,

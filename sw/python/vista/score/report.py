@@ -6,11 +6,11 @@ import base64
 from dataclasses import dataclass
 from typing import Any
 
-from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
 import vista.score
 from vista import parameters
+from vista.page import fill_template
 from vista.score.comparison import Comparison, comparison_line
 from vista.score.filmstrip import Still
 from vista.score.flight import FlightScore
@@ -36,15 +36,9 @@ def render_flights(
     values: parameters.Values,
 ) -> str:
     """The page as HTML; noisy: the same flights under pose noise, or none."""
-    environment = Environment(
-        loader=PackageLoader("vista"),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
     scores = [page.score for page in pages]
-    return environment.get_template("flights.html.j2").render(
+    return fill_template(
+        "flights.html.j2",
         goals=reached,
         heads=[head for head, _ in COLUMNS],
         legend=LEGEND,

@@ -8,10 +8,10 @@ from typing import Any
 
 import cv2
 import numpy as np
-from jinja2 import Environment, PackageLoader, StrictUndefined
 from numpy.typing import NDArray
 
 from vista.overlay import draw_disparity
+from vista.page import fill_template
 from vista.palette import WHITE, distinct_colours
 from vista.score.control import ControlParameters
 from vista.score.scenes import LabelledScene, Partition, control_regions, score_regions
@@ -182,9 +182,6 @@ def render_page(scored: list[ScoredScene], lines: list[str]) -> str:
             }
         )
     rows = [[cell.strip() for cell in line.strip("|").split("|")] for line in lines]
-    environment = Environment(
-        loader=PackageLoader("vista"), autoescape=True, undefined=StrictUndefined, trim_blocks=True
-    )
-    return environment.get_template("scenes.html.j2").render(
-        heading=rows[0], rows=rows[2:], pictures=pictures, scenes=len(scored)
+    return fill_template(
+        "scenes.html.j2", heading=rows[0], rows=rows[2:], pictures=pictures, scenes=len(scored)
     )

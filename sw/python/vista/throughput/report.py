@@ -6,11 +6,11 @@ import json
 from pathlib import Path
 from typing import Any
 
-from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
 from vista.errors import InputError
 from vista.output import write_atomically
+from vista.page import fill_template
 from vista.throughput import plots
 from vista.throughput.assess import Answer, Sweeps, as_json
 from vista.throughput.explore import PROBE_FRAMES
@@ -49,15 +49,9 @@ def write_results(folder: Path, answer: Answer, swept: Sweeps, simulations: int)
 
 
 def _render(answer: Answer, timeline: str, sweep: str, simulations: int) -> str:
-    environment = Environment(
-        loader=PackageLoader("vista"),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
     config = answer.config
-    return environment.get_template("throughput.html.j2").render(
+    return fill_template(
+        "throughput.html.j2",
         title=answer.preset or f"{config.width_px}x{config.height_px} at {config.camera_rate_hz:g} Hz",
         cards=_cards(answer),
         table=table(answer),
