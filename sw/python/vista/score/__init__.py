@@ -20,10 +20,10 @@ hit             a warning that agrees with the target, in a frame where that is 
 missed frame    the target is a true danger nearer than 45 m, the blind zone included, and no warning agrees
 false alarm     a warning that agrees with nothing: no point of any surface in the cylinder inflated by 1 m.
                 A ghost, if it agrees with no surface outside of that either; else something beside the path
-begins          range in the first frame in which a target is a true danger
+begins          range in the flight's first frame, if a target is a true danger there. What is to be shown at
+                a range is asked of flights that begin there or farther; the others are named beside it
 warned from     range in the first frame with a warning that agrees with the target, if all but one of the
-                next STAYS_FRAMES frames have one too: the first detection. FIRST_DETECTION_M is asked of
-                sign and pole in flights that begin that far away; the others have nothing to say about it
+                next STAYS_FRAMES frames have one too: the first detection
 tracked from    the same of any confirmed obstacle, in or out of the collision volume
 match           the warning that agrees with the target and did so in the frame before; else the one nearest
                 to P of those that agree (of a sign and of its pole both may be warned)

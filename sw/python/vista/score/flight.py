@@ -20,7 +20,7 @@ from vista.score.judge import FrameScore, Judge, carried
 from vista.score.truth import FlightTruth
 
 FOOT_M = 0.3048
-FIRST_DETECTION_M = 60.0  # demanded; what a flight shows that begins nearer says nothing about it
+FIRST_DETECTION_M = 60.0  # demanded of flights that begin that far away
 STAYS_FRAMES = 5  # after a first detection; all but one of them agree
 ERROR_AT_FT = 50.0
 GOSPA_RANGE_M = 45.0
@@ -35,7 +35,7 @@ class FlightScore:
     split: str
     target_kind: str | None  # of the first target; None: the flight has none
     frames: tuple[FrameScore, ...]
-    begins_m: float | None  # range of the target in the first frame that has one
+    begins_m: float | None  # range of the target in the first frame, if it is a danger there
     tracked_from_m: float | None
     first_detection_m: float | None  # as a warning
     band_frames: int  # with a target at 14.5 to 45 m
@@ -67,6 +67,10 @@ class FlightScore:
     @property
     def hit_rate(self) -> float | None:
         return self.hits / self.band_frames if self.band_frames else None
+
+    def begins_within(self, range_m: float) -> bool:
+        """The target is a danger from the first frame on, and nearer: no time to see it before."""
+        return self.begins_m is not None and self.begins_m < range_m
 
 
 def score_flight(folder: Path, values: parameters.Values, noise_seed: int | None = None) -> dict[str, Any]:
@@ -131,7 +135,6 @@ def flight_score(
     in_dz = errors_m / truth.depth_of_one_disparity_m(ranges_m)
     nees = tuple(frame.nees for frame in matched if frame.nees is not None)
     ids = [frame.matched_id for frame in matched]
-    begins_m = next((frame.range_m for frame in frames if frame.range_m is not None), None)
     alarms = [k for k, frame in enumerate(frames) if frame.false_alarms]
     blind = [frame for frame in frames if frame.blind]
     return FlightScore(
@@ -140,7 +143,7 @@ def flight_score(
         split=truth.split,
         target_kind=truth.targets[0].kind if truth.targets else None,
         frames=tuple(frames),
-        begins_m=begins_m,
+        begins_m=frames[0].range_m,
         tracked_from_m=first_that_stays_m(frames, [frame.tracked for frame in frames]),
         first_detection_m=first_that_stays_m(frames, [frame.matched_id is not None for frame in frames]),
         band_frames=sum(frame.in_band for frame in frames),
@@ -154,7 +157,7 @@ def flight_score(
         within_2dz=float(np.mean(in_dz <= 2.0)) if matched else None,
         median_dz=float(np.median(in_dz)) if matched else None,
         rms_ft=float(np.sqrt(np.mean(errors_m**2))) / FOOT_M if matched else None,
-        companion_rms_ft=companion_rms_ft(truth, begins_m),
+        companion_rms_ft=companion_rms_ft(truth, frames[0].range_m),
         error_at_50_ft=error_at_ft(ranges_m, errors_m, ERROR_AT_FT),
         id_switches=sum(a != b for a, b in pairwise(ids)),
         gospa_m=float(np.sqrt(np.mean([one.distance**2 for one in sets]))),
@@ -186,7 +189,7 @@ def error_at_ft(ranges_m: Array, errors_m: Array, range_ft: float) -> float | No
 
 def companion_rms_ft(truth: FlightTruth, begins_m: float | None) -> float | None:
     """None for a flight from nearby too: an RMS of near frames alone would flatter."""
-    if begins_m is None or begins_m < FIRST_DETECTION_M:
+    if begins_m is not None and begins_m < FIRST_DETECTION_M:
         return None
     kinds = {target.kind for target in truth.targets}
     return next(

@@ -9,8 +9,9 @@ from matplotlib.figure import Figure
 from vista.plots import ACCENT, MUTED, WARNING, svg_plot
 from vista.score.comparison import Comparison
 from vista.score.flight import FlightScore
+from vista.score.judge import HIT_RANGE, HIT_RANGE_M
 
-BOUND, BAD = "#dc2626", "#dc2626"
+RED = "#dc2626"
 
 
 @svg_plot(12.0, 2.9)
@@ -24,7 +25,7 @@ def plot_error(figure: Figure, flight: tuple[FlightScore, float]) -> None:
     t_s = frame_times_s(score)
     rows = (
         ("warned of", WARNING, [frame.matched_id is not None for frame in score.frames]),
-        ("missed", BAD, [frame.missed for frame in score.frames]),
+        ("missed", RED, [frame.missed for frame in score.frames]),
         ("false alarm", "#f59e0b", [bool(frame.false_alarms) for frame in score.frames]),
     )
     for row, (_, colour, marks) in enumerate(rows):
@@ -45,7 +46,7 @@ def draw_error(axes: Axes, score: FlightScore, focal_baseline_px_m: float) -> No
         axes.set_yticks([])
         return
     bound_m = [2.0 * range_m**2 / focal_baseline_px_m for _, range_m in aimed]
-    axes.plot([t for t, _ in aimed], bound_m, color=BOUND, label="2 dz(r)")
+    axes.plot([t for t, _ in aimed], bound_m, color=RED, label="2 dz(r)")
     axes.plot([t for t, _ in errors], [e for _, e in errors], ".-", color=ACCENT, label="|P - P^|")
     axes.set(ylabel="m", ylim=(0.0, None))
     axes.legend(loc="upper right", frameon=False)
@@ -83,7 +84,7 @@ def plot_detection(figure: Figure, scores: list[FlightScore]) -> None:
         warned_m = [frame.range_m for frame in score.frames if frame.matched_id is not None]
         axes.plot([min(ranges_m), max(ranges_m)], [row, row], color="#e2e8f0", linewidth=7)
         axes.plot(warned_m, np.full(len(warned_m), row), "|", color=WARNING, markersize=7)
-    axes.axvspan(14.5, 45.0, color="#dbeafe", zorder=0)
+    axes.axvspan(*HIT_RANGE_M, color="#dbeafe", zorder=0)
     axes.set_yticks(range(len(aimed)), [score.name for score in aimed], fontsize=8)
-    axes.set(xlabel="range of the target (m); shaded: 14.5 to 45 m", ylim=(len(aimed) - 0.5, -0.5))
+    axes.set(xlabel=f"range of the target (m); shaded: {HIT_RANGE}", ylim=(len(aimed) - 0.5, -0.5))
     axes.set_xlim(left=0.0)

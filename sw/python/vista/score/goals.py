@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from vista.score.comparison import Comparison
 from vista.score.flight import FIRST_DETECTION_M, FlightScore
 from vista.score.group import group_score, nees, number, percent, share
+from vista.score.judge import HIT_RANGE, HIT_RANGE_M
 
 AIMED_KINDS = ("sign", "pole")  # the paper's obstacles
 HIT_RATE, WITHIN_2DZ, MEDIAN_DZ = 0.95, 0.95, 0.5
@@ -34,9 +35,10 @@ def goals(scores: list[FlightScore], noisy: list[FlightScore], comparison: Compa
             f"{group.ghost_frames} frames with nothing there at all",
             group.false_alarm_frames == 0 if scores else None,
         ),
-        _each(
-            f"hit rate at 14.5 to 45 m at least {percent(HIT_RATE)} % in each flight",
-            [(s.name, s.hit_rate, f"{share(s.hits, s.band_frames)}") for s in targeted],
+        _each_from(
+            HIT_RANGE_M[1],
+            f"hit rate at {HIT_RANGE} at least {percent(HIT_RATE)} % in each flight",
+            [(s, s.hit_rate, share(s.hits, s.band_frames)) for s in targeted],
             lambda rate: rate >= HIT_RATE,
         ),
         _first_goal("as a tracked obstacle", targeted, lambda s: s.tracked_from_m),
@@ -98,18 +100,29 @@ def _each(demand: str, values: list[tuple[str, float, str]], good: Callable[[flo
     return Goal(demand, reached + (f"; not {', '.join(short)}" if short else ""), not short)
 
 
+def _each_from(
+    begin_m: float,
+    demand: str,
+    values: list[tuple[FlightScore, float, str]],
+    good: Callable[[float], bool],
+) -> Goal:
+    """_each of the flights that begin at begin_m or farther; the others are named with what they show."""
+    near = [f"{s.name} from {s.begins_m:.1f} m {text}" for s, _, text in values if s.begins_within(begin_m)]
+    far = [(s.name, value, text) for s, value, text in values if not s.begins_within(begin_m)]
+    goal = _each(demand, far, good)
+    return replace(goal, reached=goal.reached + (f"; begins nearer: {', '.join(near)}" if near else ""))
+
+
 def _first_goal(
     what: str, targeted: list[FlightScore], first_m: Callable[[FlightScore], float | None]
 ) -> Goal:
-    aimed = [s for s in targeted if s.target_kind in AIMED_KINDS]
-    far = [s for s in aimed if s.begins_m >= FIRST_DETECTION_M]
-    goal = _each(
+    aimed = [(s, first_m(s)) for s in targeted if s.target_kind in AIMED_KINDS]
+    return _each_from(
+        FIRST_DETECTION_M,
         f"first detection of sign and pole at {FIRST_DETECTION_M:.0f} m or farther: {what}",
-        [(s.name, first_m(s) or 0.0, "never" if first_m(s) is None else f"{first_m(s):.1f} m") for s in far],
+        [(s, range_m or 0.0, "never" if range_m is None else f"{range_m:.1f} m") for s, range_m in aimed],
         lambda range_m: range_m >= FIRST_DETECTION_M,
     )
-    near = [f"{s.name} at {s.begins_m:.1f} m" for s in aimed if s.begins_m < FIRST_DETECTION_M]
-    return replace(goal, reached=goal.reached + (f"; begins nearer: {', '.join(near)}" if near else ""))
 
 
 def _stereo_goal(comparison: Comparison | None) -> Goal:
