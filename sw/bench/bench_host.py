@@ -37,7 +37,7 @@ import recording_cases  # noqa: E402
 from board_flight import board_flight  # noqa: E402
 from shared_data import SHARED_DATA  # noqa: E402
 from vista import parameters  # noqa: E402
-from vista.command.run import engine_parameters  # noqa: E402
+from vista.chain import engine_parameters  # noqa: E402
 from vista.engine import create_engine  # noqa: E402
 from vista.geometry import Calibration  # noqa: E402
 from vista.recording import Recorder  # noqa: E402

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from shared_data import SHARED_DATA
 from vista import StereoEngine, parameters
-from vista.command.run import engine_parameters
+from vista.chain import engine_parameters
 from vista.pipeline import Pipeline, Result
 from vista.rectify import Rectifier
 from vista.sequence import open_sequence

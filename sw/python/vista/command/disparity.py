@@ -11,7 +11,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from vista.command.run import positive
+from vista.command.arguments import positive
 from vista.disparity_file import check_format, write_disparity
 from vista.engine import ENGINES, EngineParameters, create_engine
 from vista.errors import EXIT_OK, InputError

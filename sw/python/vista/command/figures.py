@@ -9,7 +9,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from vista.command.run import load_parameters
+from vista.command.arguments import add_config, load_parameters
 from vista.errors import EXIT_OK, InputError
 
 FLIGHTS = Path("build/flights")
@@ -24,9 +24,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="DIR",
         help=f"folder that `vista flights` has filled (default {FLIGHTS})",
     )
-    parser.add_argument(
-        "--config", type=Path, metavar="FILE.toml", help="parameters; `vista config` prints them"
-    )
+    add_config(parser)
 
 
 def execute(arguments: argparse.Namespace) -> int:

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any
 from tqdm import tqdm
 
 from vista import parameters
-from vista.command.run import load_parameters, positive
+from vista.command.arguments import add_config, load_parameters, positive
 from vista.errors import EXIT_OK, InputError
 from vista.output import write_atomically
 from vista.score.comparison import Comparison, compare, comparison_line
@@ -58,9 +58,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--pose-noise", action="store_true", help="also with poses as of a navigation filter")
     parser.add_argument("--seed", type=int, default=1, metavar="N", help="of the pose noise (default 1)")
     parser.add_argument("--jobs", type=positive, default=1, metavar="N", help="flights at a time (default 1)")
-    parser.add_argument(
-        "--config", type=Path, metavar="FILE.toml", help="parameters; `vista config` prints them"
-    )
+    add_config(parser)
 
 
 def execute(arguments: argparse.Namespace) -> int:

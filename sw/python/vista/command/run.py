@@ -17,19 +17,18 @@ from pathlib import Path
 from typing import Any
 
 from vista import parameters
-from vista.engine import ENGINES, EngineParameters, create_engine
+from vista.chain import Chain, make_chain
+from vista.command.arguments import add_config, load_parameters, positive
+from vista.engine import ENGINES
 from vista.engine_rtl import DEFAULT_WIDTH_PX
 from vista.errors import EXIT_INTERRUPTED, EXIT_OK, InputError
 from vista.history import FrameRecord, stage_statistics
 from vista.overlay import Overlay
 from vista.recording import Recorder
-from vista.rectify import Rectifier
 from vista.report import render_report
 from vista.result_folder import ResultFolder
-from vista.run import Chain, Interruption, run_frames
+from vista.run import Interruption, run_frames
 from vista.sequence import FrameFiles, Sequence, open_sequence
-
-LR_OFF = -1  # of stereo.lr_max_diff: TOML has no word for None
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -48,9 +47,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="PX",
         help=f"widest image of the RTL build to run (default {DEFAULT_WIDTH_PX})",
     )
-    parser.add_argument(
-        "--config", type=Path, metavar="FILE.toml", help="parameters; `vista config` prints them"
-    )
+    add_config(parser)
     parser.add_argument(
         "--frames", type=frame_range, metavar="A:B", help="frames A to B - 1; either may be left out"
     )
@@ -68,12 +65,6 @@ def frame_range(text: str) -> tuple[int, int | None]:
     if not colon or not all(part == "" or part.isdecimal() for part in (first, last)):
         raise argparse.ArgumentTypeError(f"{text!r} is not A:B")
     return int(first or 0), int(last) if last else None
-
-
-def positive(text: str) -> int:
-    if not text.isdecimal() or int(text) < 1:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a positive number")
-    return int(text)
 
 
 def execute(arguments: argparse.Namespace) -> int:
@@ -126,43 +117,6 @@ def select_frames(sequence: Sequence, wanted: tuple[int, int | None] | None) -> 
             "--frames", f"selects none; the sequence has frames {sequence.frames[0].index} to {last}"
         )
     return frames
-
-
-def load_parameters(path: Path | None, engine_name: str) -> parameters.Values:
-    base = parameters.defaults()
-    if engine_name == "opencv":
-        base["stereo"]["lr_max_diff"] = LR_OFF  # StereoBM's own check compares other things
-    return parameters.load(path, base)
-
-
-def engine_parameters(values: parameters.Values) -> EngineParameters:
-    stereo = values["stereo"]
-    return EngineParameters(
-        **stereo | {"lr_max_diff": None if stereo["lr_max_diff"] == LR_OFF else stereo["lr_max_diff"]}
-    )
-
-
-def make_chain(
-    sequence: Sequence,
-    engine_name: str,
-    values: parameters.Values,
-    threads: int,
-    rtl_width_px: int | None = None,
-) -> Chain:
-    from vista.pipeline import Pipeline  # loads libvista, which `--help` need not
-
-    rectifier = Rectifier(sequence.calibration)
-    try:
-        engine = create_engine(engine_name, engine_parameters(values), threads, rtl_width_px)
-        engine.check_size(rectifier.calibration.width, rectifier.calibration.height)
-    except (TypeError, ValueError) as error:
-        raise InputError(f"engine {engine_name}", str(error)) from None
-    try:
-        pipeline = Pipeline(rectifier.calibration, values)
-    except ValueError as error:
-        camera = rectifier.calibration
-        raise InputError(sequence.name, f"{camera.width}x{camera.height} px: {error}") from None
-    return Chain(sequence, rectifier, engine, pipeline)
 
 
 def make_summary(

@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 from tqdm import tqdm
 
-from vista.command.run import load_parameters, positive
+from vista.command.arguments import add_config, load_parameters, positive
 from vista.errors import EXIT_OK
 from vista.output import write_atomically
 
@@ -32,9 +32,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--quality", choices=("quick", "full"), default="full", help="of what is rendered (default full)"
     )
     parser.add_argument("--no-render", action="store_true", help="score what DIR holds")
-    parser.add_argument(
-        "--config", type=Path, metavar="FILE.toml", help="parameters; `vista config` prints them"
-    )
+    add_config(parser)
 
 
 def execute(arguments: argparse.Namespace) -> int:

@@ -7,10 +7,9 @@ from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 
 from vista import parameters
-from vista.command.run import make_chain
+from vista.chain import make_chain, run_frame
 from vista.figures.canvas import bare, show
 from vista.figures.moments import shown_frame
-from vista.run import run_frame
 from vista.score.fly import open_flight
 from vista.score.truth import FlightTruth
 

@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 
 from vista import parameters
+from vista.chain import Step
 from vista.errors import InputError
-from vista.run import Step
 from vista.score.flight import FlightScore, score_records
 from vista.score.fly import fly, open_flight
 from vista.score.truth import TRUTH, FlightTruth, read_truth

@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from vista import parameters
-from vista.command.run import engine_parameters
+from vista.chain import engine_parameters
 from vista.disparity_file import SCALE
 from vista.engine import StereoEngine
 from vista.figures.canvas import show

@@ -13,17 +13,16 @@ import numpy as np
 
 import vista
 from vista import native, parameters
-from vista.command.run import make_chain
+from vista.chain import Step, make_chain, run_frame
 from vista.geometry import Pose
 from vista.history import FrameRecord
 from vista.output import write_atomically
 from vista.pipeline import Ellipse, Nearest, Obstacle
-from vista.run import Step, run_frame
 from vista.score.pose_noise import noisy_poses
 from vista.sequence import Sequence, open_sequence
 
 # What decides a record, beside parameters and images.
-SOURCES = ("run.py", "pipeline.py", "rectify.py", "engine.py", "command/run.py", "score/pose_noise.py")
+SOURCES = ("chain.py", "pipeline.py", "rectify.py", "engine.py", "score/pose_noise.py")
 LIBRARIES = ("vista", "vista_engine")
 
 

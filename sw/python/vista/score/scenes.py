@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vista import parameters
-from vista.command.run import engine_parameters
+from vista.chain import engine_parameters
 from vista.engine import Engine, StereoEngine
 from vista.errors import InputError
 from vista.geometry import Array, Calibration, Pose

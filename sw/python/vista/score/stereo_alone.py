@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vista import native, parameters
-from vista.command.run import engine_parameters
+from vista.chain import engine_parameters
 from vista.disparity_file import SCALE
 from vista.engine import EngineParameters, StereoEngine
 from vista.geometry import Array, Pose

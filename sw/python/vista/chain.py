@@ -1,0 +1,118 @@
+"""The chain: a frame is read, rectified, matched by the engine, and goes through the host's pipeline."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vista import parameters
+from vista.engine import Engine, EngineParameters, create_engine
+from vista.errors import InputError
+from vista.history import FrameRecord, StageClock
+from vista.rectify import Rectifier
+from vista.sequence import Frame, FrameFiles, Sequence
+
+if TYPE_CHECKING:
+    from vista.geometry import Array, Pose
+    from vista.pipeline import Result
+
+LR_OFF = -1  # of stereo.lr_max_diff: TOML has no word for None
+
+
+class HostPipeline(Protocol):
+    """What the chain knows of the host: vista.pipeline.Pipeline, or a stand-in of a test."""
+
+    def reset(self) -> None: ...
+
+    def process(
+        self,
+        left: NDArray[np.uint8],
+        disparity: NDArray[np.int16],
+        t_ns: int,
+        pose: Pose | None,
+        up_world: Array | None,
+    ) -> Result: ...
+
+
+@dataclass(frozen=True)
+class Chain:
+    """The stages of a run, in the order in which the data passes them."""
+
+    sequence: Sequence
+    rectifier: Rectifier
+    engine: Engine
+    pipeline: HostPipeline
+
+
+def engine_parameters(values: parameters.Values) -> EngineParameters:
+    stereo = values["stereo"]
+    return EngineParameters(
+        **stereo | {"lr_max_diff": None if stereo["lr_max_diff"] == LR_OFF else stereo["lr_max_diff"]}
+    )
+
+
+def make_chain(
+    sequence: Sequence,
+    engine_name: str,
+    values: parameters.Values,
+    threads: int,
+    rtl_width_px: int | None = None,
+) -> Chain:
+    from vista.pipeline import Pipeline  # loads libvista, which `--help` need not
+
+    rectifier = Rectifier(sequence.calibration)
+    try:
+        engine = create_engine(engine_name, engine_parameters(values), threads, rtl_width_px)
+        engine.check_size(rectifier.calibration.width, rectifier.calibration.height)
+    except (TypeError, ValueError) as error:
+        raise InputError(f"engine {engine_name}", str(error)) from None
+    try:
+        pipeline = Pipeline(rectifier.calibration, values)
+    except ValueError as error:
+        camera = rectifier.calibration
+        raise InputError(sequence.name, f"{camera.width}x{camera.height} px: {error}") from None
+    return Chain(sequence, rectifier, engine, pipeline)
+
+
+@dataclass(frozen=True)
+class Step:
+    """One frame on its way through the chain."""
+
+    frame: Frame  # rectified
+    words: NDArray[np.int16]
+    result: Result
+    record: FrameRecord
+
+
+def run_frame(chain: Chain, files: FrameFiles) -> Step:
+    """Raises InputError for an image that cannot be read."""
+    clock = StageClock()
+    with clock.stage("read"):
+        raw = chain.sequence.read(files)
+    with clock.stage("rectify"):
+        frame = chain.rectifier.rectify(raw)
+    with clock.stage("stereo"):
+        words = chain.engine.compute(frame.left, frame.right)
+    if chain.sequence.stills:
+        chain.pipeline.reset()
+    result = chain.pipeline.process(
+        frame.left, words, frame.t_ns, frame.world_from_camera, chain.sequence.up_world
+    )
+
+    stage_ms = clock.stage_ms | result.stage_ms
+    stage_ms["total"] = sum(stage_ms[name] for name in ("read", "rectify", "stereo", "host"))
+    record = FrameRecord(
+        frame.index,
+        frame.t_ns,
+        frame.world_from_camera,
+        tuple(result.obstacles),
+        result.nearest_collision,
+        result.regions,
+        result.valid_fraction,
+        stage_ms,
+        result.dropped_tracks,
+    )
+    return Step(frame, words, result, record)
