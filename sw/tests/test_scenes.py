@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import cv2
 import numpy as np
 import pytest
 from vista.flights.catalog import FLIGHTS
+from vista.flights.render import Renderer
+from vista.flights.rig import LEFT, PAPER_RIG
 from vista.flights.scene import Mesh, Scene, Solid, Thing, bounds_m
-from vista.flights.scenes import ground, street
+from vista.flights.scenes import ground, landscape, street
 from vista.flights.scenes.meadow_flights import FIRST_X_M, LAST_X_M
 from vista.flights.scenes.random_scene import FARTHEST_M, random_scene
+from vista.flights.trajectory import rotation_from_angles
 
 CYLINDER_RADIUS_M, CYLINDER_LENGTH_M = 2.0, 100.0
 SWAY_M = 0.5  # of the aircraft about its path, and more
@@ -105,4 +109,29 @@ def test_random_scenes_hold_standing_things_within_range() -> None:
         kinds |= {thing.kind for thing in near}
         assert 2 <= len([thing for thing in near if bounds_m(thing.solids[0])[0][0] < FARTHEST_M]) <= 7, seed
         assert 2.5 <= view.altitude_m <= 9
+        assert any(thing.kind == "hills" for thing in scene.things), seed
     assert len(kinds) >= 10
+
+
+def darkest_sky(scene: Scene, altitude_m: float, roll_deg: float, pitch_deg: float) -> float:
+    """Least radiance where a pixel and its neighbours show nothing but sky, as a share of the median."""
+    pose = np.eye(4)
+    pose[:3, :3] = rotation_from_angles(roll_deg, pitch_deg, 0.0)
+    pose[2, 3] = altitude_m
+    renderer, camera = Renderer(scene, PAPER_RIG, rays=1), pose @ PAPER_RIG.body_from_camera(LEFT)
+    sky = renderer.view(camera).label == 0
+    inner = cv2.erode(sky.astype(np.uint8), np.ones((3, 3), np.uint8)) > 0
+    radiance = renderer.radiance(camera, seed=0)[inner]
+    return float(radiance.min() / np.median(radiance))
+
+
+@pytest.mark.usefixtures("plain_surfaces")
+@pytest.mark.parametrize(
+    "altitude_m, roll_deg, pitch_deg", [(2.5, 3.0, -1.5), (9.0, -3.0, 2.0), (6.0, 0.0, 0.4)]
+)
+def test_hills_hide_the_sky_below_the_horizon(altitude_m: float, roll_deg: float, pitch_deg: float) -> None:
+    """It is black there; without hills it does show."""
+    open_country = (ground.ground("soil", altitude_m, 0.0, 0.0, 1),)
+    for things, hidden in ((open_country, False), ((*open_country, landscape.hills(1)), True)):
+        darkest = darkest_sky(Scene(things, to_sun=(-0.6, 0.4, 0.7)), altitude_m, roll_deg, pitch_deg)
+        assert darkest > 0.3 if hidden else darkest < 0.1, (hidden, darkest)

@@ -1,4 +1,4 @@
-"""What closes the view: rows of trees, forest, houses far away."""
+"""What closes the view: rows of trees, forest, houses far away, hills."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import numpy as np
 
 from ..scene import Sway, Thing, thing
 from . import street, things
-from .triangles import placed
+from .triangles import Triangles, placed
 from .vegetation import TREES, crown
 
 
@@ -61,3 +61,30 @@ def far_houses(x_m: float, seed: int) -> list[Thing]:
         houses.append(things.house(name, *ends, height, 9.0, style, house_seed, texel_m=texel_m))
         y -= width + rng.choice([0.0, rng.uniform(2, 12)])
     return houses
+
+
+HILLS_FOOT_X_M, HILLS_CREST_X_M = 1360.0, 1450.0  # short of HORIZON_M, where the ground ends
+HILLS_HALF_WIDTH_M = 640.0  # the view's at the crest, and what roll and yaw add
+HILLS_TREE_M = 5.0
+HILLS_ROWS = 9
+
+
+def hills(seed: int) -> Thing:
+    """A wooded ridge across the view, 25 to 47 m high.
+
+    Mitsuba's sky is black below the horizon, and `render` takes it from one ray in eight pixels: without a
+    ridge of at least 8 pixels above the horizon, black shows where the ground ends and up to there.
+    """
+    rng = np.random.default_rng((seed, 12))
+    y = np.arange(-HILLS_HALF_WIDTH_M, HILLS_HALF_WIDTH_M, HILLS_TREE_M)
+    waves = [np.sin(2 * np.pi * (y / length + rng.uniform())) for length in (910.0, 370.0, 140.0)]
+    crest_m = 36.0 + np.dot([5.0, 3.0, 1.5], waves) + rng.uniform(-1.5, 1.5, len(y))
+    up = np.linspace(0.0, 1.0, HILLS_ROWS)[:, None]
+    x = HILLS_FOOT_X_M + (HILLS_CREST_X_M - HILLS_FOOT_X_M) * up
+    vertices_m = np.stack(np.broadcast_arrays(x, y, up * crest_m), axis=-1).reshape(-1, 3)
+    row, column = (each.ravel() for each in np.mgrid[: HILLS_ROWS - 1, : len(y) - 1])
+    a = row * len(y) + column
+    b = a + len(y)
+    faces = np.concatenate([np.stack([a, a + 1, b], 1), np.stack([a + 1, b + 1, b], 1)])
+    albedo = np.clip(0.09 * rng.lognormal(0.0, 0.4, len(vertices_m)), 0.03, 0.3)
+    return thing("hills", "hills", [things.mesh("hills", Triangles(vertices_m, faces, albedo))])

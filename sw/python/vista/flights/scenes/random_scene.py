@@ -10,7 +10,7 @@ import numpy as np
 from ..scene import Haze, Scene, Thing, bounds_m
 from . import street, things, vegetation, vehicle, yard
 from .ground import KINDS, MEAN_ALBEDO, ground
-from .landscape import far_houses, forest, tree_row
+from .landscape import far_houses, forest, hills, tree_row
 
 NEAREST_M, FARTHEST_M = 12.0, 90.0
 MOST_TRIES = 30
@@ -239,6 +239,7 @@ def random_scene(seed: int) -> tuple[Scene, Viewpoint]:
         scenery += far_houses(far_m - 5 if background == "houses" else far_m + 40, seed)
     if background in ("forest", "trees"):
         scenery.append(forest(far_m + 60, seed))
+    scenery.append(hills(seed))
     if rng.random() < 0.25:
         x = rng.uniform(15, 45)
         place = (x, x * rng.uniform(-0.2, 0.2))
