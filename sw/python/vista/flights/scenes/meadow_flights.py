@@ -1,7 +1,8 @@
 """Flights over open country, as the paper's: towards x = 0 at constant altitude, sign or pole on a stand.
 
 Every function: altitude in metres and seed -> the scene. The aircraft flies along y = 0 from FIRST_X_M at
-the earliest to LAST_X_M at the latest; what moves is where it is in the last frame."""
+the earliest to LAST_X_M at the latest (at the brick pier on to x = -4, which it hides the ground from); what
+moves is where it is in the last frame."""
 
 from __future__ import annotations
 
@@ -12,11 +13,12 @@ import numpy as np
 from ..scene import Haze, Scene, Sway, Thing
 from . import street, things, vegetation, vehicle, yard
 from .ground import ground
-from .landscape import forest, tree_row
+from .landscape import forest, hills, tree_row
 
 FIRST_X_M, LAST_X_M = -92.0, -8.0
 AFTERNOON_SUN = (-0.62, 0.48, 0.62)  # over the aircraft's left shoulder
 NOON_SUN = (-0.25, -0.35, 0.9)
+PIER_TEXEL_M = 0.01  # seen from 4 m, where a pixel is 4 mm
 GANTRY_X_M = 140 * 0.3048
 BREEZE = Sway(amplitude_m=0.12, frequency_hz=0.55)
 
@@ -112,6 +114,7 @@ def low_sun_pole(altitude_m: float, seed: int) -> Scene:
             *country(altitude_m, seed, "soil"),
             *bales(seed),
             parked("car0", "car", 12.0, 7.0, 35.0, 0.3, seed),
+            hills(seed),
         ),
         to_sun=(0.55, -0.82, 0.122),
     )
@@ -137,8 +140,8 @@ def windy_pole(altitude_m: float, seed: int) -> Scene:
         things.swaying_tree(f"tree{k}", (x, y, 0.0), 8.0 + k, seed + k, BREEZE)
         for k, (x, y) in enumerate(((12.0, -13.0), (26.0, 14.0), (45.0, -15.0)))
     ]
-    country_ = country(altitude_m, seed, sway=BREEZE)
-    return Scene((things.foamcore_pole(altitude_m, seed), *country_, *bushes, *trees), to_sun=AFTERNOON_SUN)
+    scenery = (*country(altitude_m, seed, sway=BREEZE), *bushes, *trees, hills(seed))
+    return Scene((things.foamcore_pole(altitude_m, seed), *scenery), to_sun=AFTERNOON_SUN)
 
 
 def fenced_sign(altitude_m: float, seed: int) -> Scene:
@@ -156,14 +159,16 @@ def fenced_sign(altitude_m: float, seed: int) -> Scene:
             )
         )
     ]
-    return Scene((things.sign(altitude_m, seed), *country(altitude_m, seed), *fences), to_sun=NOON_SUN)
+    scenery = (*country(altitude_m, seed), *fences, hills(seed))
+    return Scene((things.sign(altitude_m, seed), *scenery), to_sun=NOON_SUN)
 
 
 def thin_pole(altitude_m: float, seed: int) -> Scene:
     """A banded post, 7 cm across and 3 m taller than the path is high."""
     post = street.banded_post(altitude_m + 3.0, 0.035, 0.08, 0.7, 0.5)
     target = things.one("thin_pole", "post", post, target=True)
-    return Scene((target, *country(altitude_m, seed), *bales(seed)), to_sun=AFTERNOON_SUN)
+    scenery = (*country(altitude_m, seed), *bales(seed), hills(seed))
+    return Scene((target, *scenery), to_sun=AFTERNOON_SUN)
 
 
 def lone_tree(altitude_m: float, seed: int) -> Scene:
@@ -180,6 +185,16 @@ def lone_tree(altitude_m: float, seed: int) -> Scene:
         parked("car0", "car", 8.0, -9.0, 20.0, 0.4, seed),
     )
     return Scene((tree, *scenery), to_sun=NOON_SUN)
+
+
+def brick_pier(altitude_m: float, seed: int) -> Scene:
+    """The pier of a bridge that is gone, inspected: it fills the view before the flight ends at its face."""
+    ends = (0.0, 1.6, 0.0), (0.0, -1.6, 0.0)
+    pier = things.wall(
+        "pier", *ends, altitude_m + 1.2, 0.3, seed, bricks=True, texel_m=PIER_TEXEL_M, target=True
+    )
+    scenery = (*country(altitude_m, seed), *bales(seed), hills(seed))
+    return Scene((pier, *scenery), to_sun=AFTERNOON_SUN, exposure=1.3)
 
 
 def plain_wall(altitude_m: float, seed: int) -> Scene:

@@ -128,6 +128,7 @@ def wall(
     seed: int,
     bricks: bool = False,
     plain: bool = False,
+    texel_m: float = street.TEXEL_M,
     **more,
 ) -> Thing:
     """A free-standing wall, 0.25 m thick, under a coping; `plain`: smooth paint without any texture."""
@@ -137,7 +138,8 @@ def wall(
     if plain:
         front = np.full((8, 8), albedo, np.float32)
     else:
-        front = street.wall_texture(float(np.linalg.norm(right - left)), height_m, albedo, bricks, 0.8, seed)
+        width_m = float(np.linalg.norm(right - left))
+        front = street.wall_texture(width_m, height_m, albedo, bricks, 0.8, seed, texel_m)
     side = textures.paint(albedo, seed)
     top = Panel(
         f"{name}_top",
