@@ -4,10 +4,24 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from vista.flights.catalog import COMPANION_TABLE, FLIGHTS, LAST_RANGE_M
+from vista.flights.catalog import COMPANION_TABLE, FLIGHTS, LAST_RANGE_M, TABLE_FIRST_RANGE_M
 from vista.flights.flight import frames_of, states_of
 from vista.flights.labelled import labelled
+from vista.flights.rig import PAPER_RIG
 from vista.flights.trajectory import FOOT_M
+
+BESIDE_THE_TABLE = (
+    "overcast",
+    "low_sun",
+    "haze",
+    "wind",
+    "fences",
+    "thin_pole",
+    "sign_facade",
+    "lamp_facade",
+)
+AT_SIGN_OR_POLE = (*(flight.name for flight in COMPANION_TABLE), *BESIDE_THE_TABLE)
+NEAREST_MATCHED_M = PAPER_RIG.focal_px * PAPER_RIG.baseline_m / 63  # of 64 disparities
 
 
 def test_there_are_nineteen_or_more_and_half_are_not_tuned_on() -> None:
@@ -29,11 +43,23 @@ def test_a_flight_ends_where_it_shall_and_the_quick_one_is_its_end(name: str) ->
     full, quick = states_of(flight), states_of(flight, "quick")
     x_m = [state.world_from_body[0, 3] for state in full]
     assert x_m[-1] == pytest.approx(-flight.approach.last_range_m) and -x_m[-1] <= LAST_RANGE_M
-    assert -x_m[0] >= 63.5
+    assert -x_m[0] >= (29.5 if name == "close" else 63.5)
     assert len(quick) == frames_of(flight, "quick") <= 60
     np.testing.assert_allclose(
         [state.world_from_body for state in quick], [state.world_from_body for state in full[-len(quick) :]]
     )
+
+
+@pytest.mark.parametrize("name", AT_SIGN_OR_POLE)
+def test_a_flight_at_a_sign_or_pole_begins_where_the_papers_tracks_do(name: str) -> None:
+    first_m = -states_of(FLIGHTS[name])[0].world_from_body[0, 3]
+    assert first_m == pytest.approx(TABLE_FIRST_RANGE_M, abs=0.5)
+
+
+def test_one_flight_goes_on_nearer_than_anything_is_matched() -> None:
+    ranges_m = np.array([-state.world_from_body[0, 3] for state in states_of(FLIGHTS["close"])])
+    assert FLIGHTS["close"].split == "report"
+    assert np.sum(ranges_m < NEAREST_MATCHED_M) >= 10 and ranges_m[0] > 2 * NEAREST_MATCHED_M
 
 
 def test_a_labelled_scene_is_a_flight_of_one_frame() -> None:
