@@ -104,6 +104,22 @@ def test_flown_once(folder: Path, printed: str, monkeypatch: pytest.MonkeyPatch)
     assert flown == [FREE, FREE]
 
 
+def test_flown_again_when_asked_to(folder: Path, printed: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """As for host times on a quiet machine; what is flown again is kept like the rest."""
+    flown: list[str] = []
+    original = fly.fly
+
+    def spy(sequence: object, values: object) -> object:
+        flown.append(sequence.name)
+        return original(sequence, values)
+
+    monkeypatch.setattr(fly, "fly", spy)
+    command_line = ["flights", str(folder), "--no-render", "--no-baseline", "--only", FREE]
+    for options, flights in ((["--fly-again"], 1), ([], 1), (["--fly-again", "--pose-noise"], 3)):
+        assert main(command_line + options) == 0
+        assert flown == [FREE] * flights
+
+
 def test_bad_input_is_named(tmp_path: Path, folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["flights", str(tmp_path), "--no-render"]) == 2
     assert "holds no flights" in capsys.readouterr().err

@@ -51,6 +51,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--no-render", action="store_true", help="fly what DIR holds, whether that is the newest or not"
     )
+    parser.add_argument(
+        "--fly-again",
+        action="store_true",
+        help="fly what is kept from before as well, for its host times: on a busy machine they are longer",
+    )
     parser.add_argument("--render-only", action="store_true", help="render what is missing, and end")
     parser.add_argument(
         "--no-baseline", action="store_true", help="without stereo alone, which takes longest"
@@ -72,9 +77,10 @@ def execute(arguments: argparse.Namespace) -> int:
     if arguments.render_only:
         return EXIT_OK
     folders = [arguments.folder / name for name in names]
-    scores = with_jobs(partial(fly_and_score, values, None), folders, arguments.jobs, "fly")
+    flown = partial(fly_and_score, values, anew=arguments.fly_again)
+    scores = with_jobs(partial(flown, None), folders, arguments.jobs, "fly")
     noisy = (
-        with_jobs(partial(fly_and_score, values, arguments.seed), folders, arguments.jobs, "pose noise")
+        with_jobs(partial(flown, arguments.seed), folders, arguments.jobs, "pose noise")
         if arguments.pose_noise
         else []
     )
@@ -115,7 +121,7 @@ def comparison_untuned(scores: list[FlightScore], alone: list[list[Outcome]]) ->
 
 def flight_page(values: parameters.Values, flight: tuple[Path, FlightScore]) -> FlightPage:
     folder, score = flight
-    records, _ = fly_cached(folder, values, folder / RECORDS)
+    records = fly_cached(folder, values, folder / RECORDS)
     truth = read_truth(folder)
     return FlightPage(score, truth.focal_baseline_px_m, filmstrip(truth, score, records))
 
@@ -128,9 +134,11 @@ def with_jobs(work: Any, items: list[Any], jobs: int, title: str) -> list[Any]:
         return list(tqdm(pool.map(work, items), total=len(items), desc=title, unit="flight", disable=None))
 
 
-def fly_and_score(values: parameters.Values, noise_seed: int | None, folder: Path) -> FlightScore:
+def fly_and_score(
+    values: parameters.Values, noise_seed: int | None, folder: Path, anew: bool = False
+) -> FlightScore:
     cache = folder / (RECORDS if noise_seed is None else "records_noisy.json")
-    records, _ = fly_cached(folder, values, cache, noise_seed)
+    records = fly_cached(folder, values, cache, noise_seed, anew)
     return score_records(folder, records, values)
 
 

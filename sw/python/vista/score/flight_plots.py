@@ -86,5 +86,5 @@ def plot_detection(figure: Figure, scores: list[FlightScore]) -> None:
         axes.plot(warned_m, np.full(len(warned_m), row), "|", color=WARNING, markersize=7)
     axes.axvspan(*HIT_RANGE_M, color="#dbeafe", zorder=0)
     axes.set_yticks(range(len(aimed)), [score.name for score in aimed], fontsize=8)
-    axes.set(xlabel=f"range of the target (m); shaded: {HIT_RANGE}", ylim=(len(aimed) - 0.5, -0.5))
+    axes.set(xlabel=f"range of the target (m); shaded: {HIT_RANGE}", ylim=(max(len(aimed), 1) - 0.5, -0.5))
     axes.set_xlim(left=0.0)

@@ -6,21 +6,19 @@ intervals are over flights.
 
 from __future__ import annotations
 
-import hashlib
-import json
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from vista import parameters
-from vista.output import write_atomically
 from vista.score.fly import flight_digest
+from vista.score.kept import digest_of, kept
 from vista.score.scenes import partition_scenes, read_scene
 from vista.score.scenes_report import CONTROLS, CUT, SPLITS, score_scene
 from vista.score.segmentation import STATISTICS, PartitionScore, Thing, ThingScore, difference_interval
-from vista.score.truth import read_truth
+from vista.score.truth import TRUTH, read_truth
 
 STRIDE = 8  # frames
 MIN_FLIGHTS = 3  # of an interval
@@ -37,18 +35,12 @@ class FlightSegmentation:
 
 
 def segment_cached(folder: Path, values: parameters.Values, cache: Path) -> FlightSegmentation:
-    digest = hashlib.sha256(flight_digest(folder, values, None).encode())
-    for source in SOURCES:
-        digest.update((Path(__file__).parent / source).read_bytes())
-    try:
-        content = json.loads(cache.read_text())
-        if content["digest"] == digest.hexdigest():
-            return _segmentation(content["segmentation"])
-    except (OSError, ValueError, KeyError, TypeError):  # absent, or of an earlier layout
-        pass
-    found = segment_flight(folder, values)
-    write_atomically(cache, json.dumps({"digest": digest.hexdigest(), "segmentation": asdict(found)}))
-    return found
+    digest = digest_of(
+        flight_digest(folder, values, None),
+        *(Path(__file__).parent / source for source in SOURCES),
+        folder / TRUTH,
+    )
+    return kept(cache, digest, lambda: segment_flight(folder, values), _segmentation)
 
 
 def segment_flight(folder: Path, values: parameters.Values) -> FlightSegmentation:

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
 from collections.abc import Iterator
-from dataclasses import asdict, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -16,13 +15,21 @@ from vista import native, parameters
 from vista.chain import Step, make_chain, run_frame
 from vista.geometry import Pose
 from vista.history import FrameRecord
-from vista.output import write_atomically
 from vista.pipeline import Ellipse, Nearest, Obstacle
+from vista.score.kept import digest_of, flight_files, kept
 from vista.score.pose_noise import noisy_poses
 from vista.sequence import Sequence, open_sequence
 
 # What decides a record, beside parameters and images.
-SOURCES = ("chain.py", "pipeline.py", "rectify.py", "engine.py", "score/pose_noise.py")
+SOURCES = (
+    "chain.py",
+    "engine.py",
+    "geometry.py",
+    "pipeline.py",
+    "rectify.py",
+    "score/pose_noise.py",
+    "sequence/*.py",
+)
 LIBRARIES = ("vista", "vista_engine")
 
 
@@ -46,52 +53,26 @@ def fly(sequence: Sequence, values: parameters.Values) -> Iterator[Step]:
 
 
 def fly_cached(
-    folder: Path, values: parameters.Values, cache: Path, noise_seed: int | None = None
-) -> tuple[list[FrameRecord], bool]:
-    """Records from `cache`, if that is of this flight, chain and parameters; else flown and written there.
-    The second value says which: True, they were flown now."""
-    digest = flight_digest(folder, values, noise_seed)
-    records = read_records(cache, digest)
-    if records is not None:
-        return records, False
-    records = [step.record for step in fly(open_flight(folder, noise_seed), values)]
-    content = {"digest": digest, "records": [to_json(asdict(record)) for record in records]}
-    write_atomically(cache, json.dumps(content))
-    return records, True
+    folder: Path, values: parameters.Values, cache: Path, noise_seed: int | None = None, anew: bool = False
+) -> list[FrameRecord]:
+    """Records from `cache`, if of this flight, chain and parameters; else, or if asked for anew, flown."""
+    return kept(
+        cache,
+        flight_digest(folder, values, noise_seed),
+        lambda: [step.record for step in fly(open_flight(folder, noise_seed), values)],
+        lambda records: [_record(record) for record in records],
+        anew,
+    )
 
 
 def flight_digest(folder: Path, values: parameters.Values, noise_seed: int | None) -> str:
-    digest = hashlib.sha256(json.dumps([values, noise_seed], sort_keys=True).encode())
     root = Path(vista.__file__).parent
-    for source in SOURCES:
-        digest.update((root / source).read_bytes())
-    for name in LIBRARIES:
-        digest.update(native.library_path(name).read_bytes())
-    for camera in ("cam0", "cam1"):
-        for image in sorted((folder / "mav0" / camera / "data").iterdir()):
-            digest.update(f"{image.name} {image.stat().st_size} {image.stat().st_mtime_ns}".encode())
-    for text in sorted((folder / "mav0").rglob("*.[cy]*")):
-        digest.update(text.read_bytes())
-    return digest.hexdigest()
-
-
-def to_json(value: Any) -> Any:
-    match value:
-        case dict():
-            return {name: to_json(item) for name, item in value.items()}
-        case list() | tuple():
-            return [to_json(item) for item in value]
-        case np.ndarray() | np.generic():
-            return value.tolist()
-    return value
-
-
-def read_records(cache: Path, digest: str) -> list[FrameRecord] | None:
-    try:
-        content = json.loads(cache.read_text())
-        return [_record(one) for one in content["records"]] if content["digest"] == digest else None
-    except (OSError, ValueError, KeyError, TypeError):  # absent, or of an earlier layout
-        return None
+    return digest_of(
+        json.dumps([values, noise_seed], sort_keys=True),
+        *(path for source in SOURCES for path in sorted(root.glob(source))),
+        *map(native.library_path, LIBRARIES),
+        *flight_files(folder),
+    )
 
 
 def _record(content: dict[str, Any]) -> FrameRecord:

@@ -8,7 +8,6 @@ judged as ours are.
 
 from __future__ import annotations
 
-import hashlib
 import json
 from dataclasses import asdict, dataclass, replace
 from itertools import product
@@ -24,7 +23,6 @@ from vista.chain import engine_parameters
 from vista.disparity_file import SCALE
 from vista.engine import EngineParameters, StereoEngine
 from vista.geometry import Array, Pose
-from vista.output import write_atomically
 from vista.score.frame_truth import (
     CYLINDER_LENGTH_M,
     CYLINDER_RADIUS_M,
@@ -33,7 +31,8 @@ from vista.score.frame_truth import (
     flight_frames,
 )
 from vista.score.judge import HIT_RANGE_M, Warned, agrees
-from vista.score.truth import FlightTruth
+from vista.score.kept import digest_of, flight_files, kept
+from vista.score.truth import TRUTH, FlightTruth
 from vista.sequence import open_sequence
 
 TEXTURES = (0, 10, 100, 300, 1000, 2000)
@@ -41,6 +40,7 @@ UNIQUENESSES = (0, 5, 15, 30, 50)  # percent
 SADS = (62.0, 6.0, 3.0)  # mean grey levels a pixel of the block; 62 is the most there can be
 PIXELS = (10, 20, 40, 80, 160, 320)
 STEP_PX = 1.0  # of disparity within a cluster
+SOURCES = ("stereo_alone.py", "judge.py", "frame_truth.py", "truth.py")
 
 
 @dataclass(frozen=True)
@@ -64,10 +64,9 @@ class Outcome:
     texture: int
     uniqueness: int
     sad: float
-    seen_px: tuple[
-        int, ...
-    ]  # a frame with its target nearer than 45 m: size of the largest cluster that agrees
-    false_px: tuple[int, ...]  # a frame: size of the largest cluster that is a false alarm
+    # Size of the largest cluster that agrees with the target, of each frame with that nearer than 45 m.
+    seen_px: tuple[int, ...]
+    false_px: tuple[int, ...]  # of each frame: size of the largest cluster that is a false alarm
 
 
 def misses_and_alarms(outcomes: list[Outcome], pixels: int) -> tuple[int, int]:
@@ -90,21 +89,19 @@ def sweep(flights: list[list[Outcome]]) -> dict[Threshold, tuple[int, int]]:
 
 def outcomes_cached(folder: Path, values: parameters.Values, cache: Path) -> list[Outcome]:
     """One for each texture, uniqueness and SAD, in the same order for every flight."""
-    digest = hashlib.sha256(json.dumps(values["stereo"], sort_keys=True).encode())
-    for path in (*sorted(Path(__file__).parent.glob("*.py")), native.library_path("vista_engine")):
-        if path.name in ("stereo_alone.py", "judge.py", "frame_truth.py", "libvista_engine.so"):
-            digest.update(path.read_bytes())
-    digest.update((folder / "truth.json").read_bytes())
-    try:
-        content = json.loads(cache.read_text())
-        if content["digest"] == digest.hexdigest():
-            return [_outcome(one) for one in content["outcomes"]]
-    except (OSError, ValueError, KeyError, TypeError):  # absent, or of an earlier layout
-        pass
-    outcomes = flight_outcomes(folder, values)
-    content = {"digest": digest.hexdigest(), "outcomes": [asdict(one) for one in outcomes]}
-    write_atomically(cache, json.dumps(content))
-    return outcomes
+    digest = digest_of(
+        json.dumps(values["stereo"], sort_keys=True),
+        *(Path(__file__).parent / source for source in SOURCES),
+        native.library_path("vista_engine"),
+        *flight_files(folder),
+        folder / TRUTH,
+    )
+    return kept(
+        cache,
+        digest,
+        lambda: flight_outcomes(folder, values),
+        lambda outcomes: [_outcome(one) for one in outcomes],
+    )
 
 
 def _outcome(content: dict[str, Any]) -> Outcome:
@@ -115,8 +112,8 @@ def _outcome(content: dict[str, Any]) -> Outcome:
 def flight_outcomes(folder: Path, values: parameters.Values) -> list[Outcome]:
     truth, frames = flight_frames(folder)
     direction = flight_direction([frame.world_from_camera for frame in frames])
-    files = {f.t_ns: f for f in open_sequence(folder).frames}
     sequence = open_sequence(folder)
+    files = {f.t_ns: f for f in sequence.frames}
     engines = [
         StereoEngine(**asdict(thresholded(engine_parameters(values), texture, uniqueness)))
         for texture, uniqueness in product(TEXTURES, UNIQUENESSES)
