@@ -13,6 +13,7 @@ import sys
 import time
 import tomllib
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import cv2
@@ -22,12 +23,12 @@ import sequence_cases as cases
 import vista
 import vista.parameters
 import vista.pipeline
+from command_line import Vista, assert_refused, call
 from fake_pipeline import FakePipeline
 from vista.cli import main
 from vista.disparity_file import read_disparity
 from vista.recording import FRAME, HEADER, PARAMETER
 
-Vista = Callable[..., tuple[int, str, str]]
 MAKERS = [cases.make_asl, cases.make_kitti, cases.make_pairs]
 RESULTS = {"obstacles.jsonl", "summary.json", "report.html", "frames"}
 TESTS = Path(__file__).resolve().parent
@@ -36,16 +37,7 @@ TESTS = Path(__file__).resolve().parent
 @pytest.fixture
 def run_vista(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Vista:
     monkeypatch.setattr(vista.pipeline, "Pipeline", FakePipeline)
-
-    def run(*arguments: object) -> tuple[int, str, str]:
-        try:
-            status = main([str(argument) for argument in arguments])
-        except SystemExit as stop:
-            status = stop.code
-        out, err = capsys.readouterr()
-        return status, out, err
-
-    return run
+    return partial(call, capsys)
 
 
 def read_lines(folder: Path) -> list[dict]:
@@ -252,12 +244,8 @@ def test_bad_sequences(tmp_path: Path, run_vista: Vista, name: str) -> None:
     folder = cases.make_pairs(tmp_path / "pairs")
     damage, message = BAD_SEQUENCES[name]
     damage(folder)
-    status, stdout, stderr = run_vista(
-        "run", folder, "--out", tmp_path / "out", "--record", tmp_path / "flight.rec"
-    )
-    assert (status, stdout) == (2, "")
-    assert stderr.startswith("vista: ") and stderr.count("\n") == 1
-    assert message in stderr
+    options = ["--out", tmp_path / "out", "--record", tmp_path / "flight.rec"]
+    assert_refused(run_vista("run", folder, *options), message)
     assert [path.name for path in tmp_path.iterdir()] == ["pairs"]
 
 
@@ -279,10 +267,8 @@ BAD_CONFIGS = {
 def test_bad_configs(tmp_path: Path, run_vista: Vista, text: str) -> None:
     folder = cases.make_pairs(tmp_path / "pairs")
     (tmp_path / "c.toml").write_text(text)
-    status, _, stderr = run_vista("run", folder, "--out", tmp_path / "out", "--config", tmp_path / "c.toml")
-    assert status == 2
-    assert BAD_CONFIGS[text] in stderr
-    assert stderr.count("\n") == 1
+    options = ["--out", tmp_path / "out", "--config", tmp_path / "c.toml"]
+    assert_refused(run_vista("run", folder, *options), BAD_CONFIGS[text])
     assert not (tmp_path / "out").exists()
 
 
@@ -316,10 +302,7 @@ def test_bad_options(
     cases.make_pairs(tmp_path / "SEQUENCE")
     monkeypatch.chdir(tmp_path)
     before = sorted(tmp_path.rglob("*"))
-    status, stdout, stderr = run_vista(*arguments)
-    assert (status, stdout) == (2, "")
-    assert message in stderr
-    assert stderr.startswith("vista: ") and stderr.count("\n") == 1
+    assert_refused(run_vista(*arguments), message)
     assert sorted(tmp_path.rglob("*")) == before
 
 
@@ -432,10 +415,7 @@ def test_bad_disparity(
     left, right = cases.texture_pair(0)
     for name, image in {"l.png": left, "r.png": right, "small.png": left[:8, :8]}.items():
         cases.write_image(Path(name), image)
-    status, stdout, stderr = run_vista("disparity", *arguments.split())
-    assert (status, stdout) == (2, "")
-    assert BAD_DISPARITY[arguments] in stderr
-    assert stderr.count("\n") == 1
+    assert_refused(run_vista("disparity", *arguments.split()), BAD_DISPARITY[arguments])
     assert sorted(path.name for path in tmp_path.iterdir()) == ["l.png", "r.png", "small.png"]
 
 

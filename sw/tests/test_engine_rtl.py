@@ -5,16 +5,17 @@ from __future__ import annotations
 import json
 import shutil
 from dataclasses import asdict, replace
+from functools import partial
 from pathlib import Path
 
 import cv2
 import numpy as np
 import pytest
 import sequence_cases as cases
+from command_line import Vista, assert_refused, call
 from random_seed import seeded
 from shared_data import REPOSITORY
 from vista import engine_rtl
-from vista.cli import main
 from vista.engine import EngineParameters, StereoEngine
 from vista.engine_rtl import RtlEngine
 
@@ -63,11 +64,9 @@ def config(tmp_path: Path) -> Path:
     return path
 
 
-def run_vista(*arguments: object) -> int:
-    try:
-        return main([str(argument) for argument in arguments])
-    except SystemExit as stop:
-        return int(stop.code or 0)
+@pytest.fixture
+def run_vista(capsys: pytest.CaptureFixture[str]) -> Vista:
+    return partial(call, capsys)
 
 
 def lines_without_times(folder: Path) -> list[str]:
@@ -80,11 +79,11 @@ def lines_without_times(folder: Path) -> list[str]:
     return lines
 
 
-def test_run_gives_the_same_obstacles(tmp_path: Path, config: Path) -> None:
+def test_run_gives_the_same_obstacles(tmp_path: Path, config: Path, run_vista: Vista) -> None:
     folder = cases.make_board_scenes(tmp_path / "pairs", 4, stills=False)
     for engine in ("golden", "rtl"):
         options = ["--engine", engine, "--rtl-width", WIDTH_PX, "--config", config, "--no-overlay"]
-        assert run_vista("run", folder, "--out", tmp_path / engine, *options) == 0
+        assert run_vista("run", folder, "--out", tmp_path / engine, *options)[0] == 0
     lines = lines_without_times(tmp_path / "rtl")
     assert lines == lines_without_times(tmp_path / "golden")
     assert any(obstacle["confirmed"] for obstacle in json.loads(lines[-1])["obstacles"])
@@ -98,24 +97,18 @@ def write_pair(folder: Path, width: int) -> tuple[Path, Path]:
     return paths
 
 
-def test_disparity(tmp_path: Path) -> None:
+def test_disparity(tmp_path: Path, run_vista: Vista) -> None:
     pair = write_pair(tmp_path, 160)
     options = ["--disparities", 16, "--block", 5, "--prefilter", "none", "--lr", "off"]
     for engine in ("golden", "rtl"):
         out = tmp_path / f"{engine}.npy"
         chosen = ["--engine", engine, "--rtl-width", WIDTH_PX]
-        assert run_vista("disparity", *pair, "--out", out, *options, *chosen) == 0
+        assert run_vista("disparity", *pair, "--out", out, *options, *chosen)[0] == 0
     np.testing.assert_array_equal(np.load(tmp_path / "rtl.npy"), np.load(tmp_path / "golden.npy"))
 
 
-def expect_one_line(capsys: pytest.CaptureFixture[str], text: str) -> None:
-    out, err = capsys.readouterr()
-    assert out == "" and err.startswith("vista: ") and err.count("\n") == 1
-    assert text in err
-
-
 def test_images_wider_than_the_build(
-    tmp_path: Path, config: Path, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, config: Path, run_vista: Vista, capsys: pytest.CaptureFixture[str]
 ) -> None:
     pair = write_pair(tmp_path / "pairs", WIDTH_PX + 1)
     (tmp_path / "pairs" / "calibration.toml").write_text(cases.PAIR_CALIBRATION)
@@ -123,23 +116,22 @@ def test_images_wider_than_the_build(
     text = "images are 321 px wide, this build of the RTL holds 320: name a wider one with --rtl-width"
     RtlEngine(BUILD, WIDTH_PX)  # says on stderr when it has to be built
     capsys.readouterr()
-    assert run_vista("run", tmp_path / "pairs", "--out", tmp_path / "out", "--config", config, *options) == 2
-    expect_one_line(capsys, text)
-    out = tmp_path / "d.npy"
-    assert run_vista("disparity", *pair, "--out", out, "--disparities", 16, "--block", 5, *options) == 2
-    expect_one_line(capsys, text)
+    run_options = ["--out", tmp_path / "out", "--config", config, *options]
+    assert_refused(run_vista("run", tmp_path / "pairs", *run_options), text)
+    disparity_options = ["--out", tmp_path / "d.npy", "--disparities", 16, "--block", 5, *options]
+    assert_refused(run_vista("disparity", *pair, *disparity_options), text)
     assert sorted(path.name for path in tmp_path.iterdir()) == ["c.toml", "pairs"]
 
 
 def test_a_machine_without_verilator(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, run_vista: Vista
 ) -> None:
     monkeypatch.setattr(engine_rtl, "VERILATOR", Path("build/no/such/verilator"))
     pair = write_pair(tmp_path, 160)
     options = ["--engine", "rtl", "--disparities", 48, "--rtl-width", 333]
-    assert run_vista("disparity", *pair, "--out", tmp_path / "d.npy", *options) == 2
-    expect_one_line(
-        capsys, "libvista_rtl_d48_b11_w333.so is not built: run `make rtl-engine D=48 B=11 W=333`"
+    assert_refused(
+        run_vista("disparity", *pair, "--out", tmp_path / "d.npy", *options),
+        "libvista_rtl_d48_b11_w333.so is not built: run `make rtl-engine D=48 B=11 W=333`",
     )
 
 
@@ -152,10 +144,8 @@ def test_a_machine_without_verilator(
         (["--rtl-width", "wide"], "'wide' is not a positive number"),
     ],
 )
-def test_bad_parameters(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], options: list[object], text: str
-) -> None:
+def test_bad_parameters(tmp_path: Path, run_vista: Vista, options: list[object], text: str) -> None:
     """Each is found before anything is built."""
     pair = write_pair(tmp_path, 160)
-    assert run_vista("disparity", *pair, "--out", tmp_path / "d.npy", "--engine", "rtl", *options) == 2
-    expect_one_line(capsys, text)
+    outcome = run_vista("disparity", *pair, "--out", tmp_path / "d.npy", "--engine", "rtl", *options)
+    assert_refused(outcome, text)
