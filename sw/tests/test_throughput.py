@@ -23,6 +23,7 @@ from vista.throughput.assess import assess
 from vista.throughput.explore import clock_needed, engine_rate_hz, limit
 from vista.throughput.figures import figures
 from vista.throughput.host_times import HostTimes, sequence_host_times, synthetic_host_times
+from vista.throughput.options import OPTIONS
 from vista.throughput.presets import PRESETS, Clock
 from vista.throughput.system import SystemConfig
 
@@ -297,7 +298,7 @@ SMALL = SystemConfig(width_px=96, height_px=40, disparities=16, block_px=5, fram
 
 def real_simulator() -> simulate.Simulator:
     assert PROGRAM is not None
-    return simulate.Simulator(PROGRAM, {"engine_clock_hz": "--clock"})
+    return simulate.Simulator(PROGRAM, {option.key: option.name for option in OPTIONS})
 
 
 @built
@@ -327,7 +328,17 @@ def test_an_overloaded_host_is_named() -> None:
 
 
 @built
-def test_what_the_simulation_refuses_is_said_in_the_options_names() -> None:
-    with pytest.raises(InputError, match="--clock") as raised:
-        real_simulator().run(replace(SMALL, engine_clock_hz=1.0))
-    assert "\n" not in str(raised.value) and "engine_clock_hz" not in str(raised.value)
+@pytest.mark.parametrize(
+    ("changes", "text"),
+    [
+        ({"engine_clock_hz": 1.0}, "throughput: --clock: 1.0 is outside 1000 .. 1e+10"),
+        (
+            {"width_px": 20, "max_width_px": 20},
+            "throughput: --build-width: below --disparities + --block, 21",
+        ),
+    ],
+)
+def test_what_the_simulation_refuses_is_said_in_the_options_names(changes: dict, text: str) -> None:
+    with pytest.raises(InputError) as raised:
+        real_simulator().run(replace(SMALL, **changes))
+    assert str(raised.value) == text

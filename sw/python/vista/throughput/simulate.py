@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import subprocess
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -54,9 +55,7 @@ class Simulator:
         return self.runs[text]
 
     def _in_options(self, line: str) -> str:
-        for key, option in self.option_of_key.items():
-            line = line.replace(key, option)
-        return line
+        return re.sub(r"\w+", lambda word: self.option_of_key.get(word[0], word[0]), line)
 
 
 def _last_line(text: str) -> str:
