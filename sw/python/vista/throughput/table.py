@@ -62,10 +62,9 @@ def _verdict(answer: Answer) -> list[str]:
 
 
 def _clock(answer: Answer) -> str:
-    wanted, needed = answer.config.camera_rate_hz, answer.needed
-    if needed is None:
+    wanted, needed, margin = answer.config.camera_rate_hz, answer.needed, answer.clock_margin
+    if needed is None or margin is None:
         return f"engine clock for {wanted:g} Hz: none, memory does not keep up"
-    margin = answer.config.engine_clock_hz / needed.clock_hz
     side = f"1/{margin:.1f} of" if margin >= 1 else f"{1 / margin:.2f} times"
     return (
         f"engine clock for {wanted:g} Hz: {needed.clock_hz / 1e6:.2f} MHz, {side} the engine's "
