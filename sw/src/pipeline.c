@@ -16,6 +16,7 @@
 struct vista_pipeline {
   vista_parameters parameters;
   vista_camera camera;
+  vista_matched_area matched; /* by the engine */
   vista_foveation foveation;
   vista_cells cells;
   vista_surfaces surfaces;
@@ -84,6 +85,13 @@ vista_status vista_pipeline_bytes(const vista_parameters *parameters, const vist
   return status;
 }
 
+static vista_matched_area matched_area(const vista_stereo_params *stereo) {
+  const int32_t radius = (stereo->block_size - 1) / 2;
+  return (vista_matched_area){.disparity_max_px = stereo->num_disparities - 1,
+                              .margin_left_px = stereo->num_disparities - 1 + radius,
+                              .margin_px = radius};
+}
+
 vista_status vista_pipeline_create(void *memory, size_t bytes, const vista_parameters *parameters,
                                    const vista_camera *camera, vista_pipeline **pipeline) {
   if (memory == NULL || parameters == NULL || camera == NULL || pipeline == NULL) return VISTA_ERROR_ARGUMENT;
@@ -96,6 +104,7 @@ vista_status vista_pipeline_create(void *memory, size_t bytes, const vista_param
   if (p == NULL) return VISTA_ERROR_MEMORY;
   p->parameters = *parameters;
   p->camera = *camera;
+  p->matched = matched_area(&parameters->stereo);
   const vista_status laid = layout(p, &arena);
   if (laid == VISTA_OK) *pipeline = p;
   return laid;
@@ -149,13 +158,6 @@ static double valid_fraction(const vista_disparity_image *disparity) {
   return (double)valid / ((double)disparity->width_px * disparity->height_px);
 }
 
-static vista_matched_area matched_area(const vista_stereo_params *stereo) {
-  const int32_t radius = (stereo->block_size - 1) / 2;
-  return (vista_matched_area){.disparity_max_px = stereo->num_disparities - 1,
-                              .margin_left_px = stereo->num_disparities - 1 + radius,
-                              .margin_px = radius};
-}
-
 static vista_status run_stage(vista_pipeline *p, vista_stage stage, const vista_frame *frame, const double up[3],
                               int32_t *detections) {
   const vista_parameters *const q = &p->parameters;
@@ -180,22 +182,17 @@ static vista_status run_stage(vista_pipeline *p, vista_stage stage, const vista_
                                           &p->regions);
     }
     case VISTA_STAGE_RECONSTRUCTION: {
-      const vista_matched_area matched = matched_area(&q->stereo);
       const vista_status status =
-          vista_reconstruct_regions(p->regions.items, p->regions.count, &p->camera, &matched, &q->reconstruction,
+          vista_reconstruct_regions(p->regions.items, p->regions.count, &p->camera, &p->matched, &q->reconstruction,
                                     p->detections, MAX_DETECTIONS, detections);
       return status == VISTA_ERROR_CAPACITY ? VISTA_OK : status; /* the nearest come first: the far ones are dropped */
     }
-    case VISTA_STAGE_TRACKING: {
-      const vista_matched_area matched = matched_area(&q->stereo);
-      return vista_tracker_update(p->tracker, &q->tracker, &p->camera, &matched, frame->pose, frame->t_ns,
+    case VISTA_STAGE_TRACKING:
+      return vista_tracker_update(p->tracker, &q->tracker, &p->camera, &p->matched, frame->pose, frame->t_ns,
                                   &frame->disparity, p->detections, *detections);
-    }
-    case VISTA_STAGE_SATURATION: {
-      const vista_matched_area matched = matched_area(&q->stereo);
-      return vista_saturation_update(&q->saturation, &p->camera, &matched, q->obstacle_map.collision_radius_m,
+    case VISTA_STAGE_SATURATION:
+      return vista_saturation_update(&q->saturation, &p->camera, &p->matched, q->obstacle_map.collision_radius_m,
                                      &frame->image, &frame->disparity, &p->saturation);
-    }
     case VISTA_STAGE_MAP: {
       int32_t count;
       const vista_track *const tracks = vista_tracker_tracks(p->tracker, &count);
