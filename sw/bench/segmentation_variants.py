@@ -19,9 +19,9 @@ import cv2
 import numpy as np
 from vista import parameters
 from vista.engine import Disparity, Engine, EngineParameters, Image
-from vista.score.scenes import LabelledScene, partition_scenes, read_scenes, score_cut
-from vista.score.scenes_report import SPLITS, score_scene
+from vista.score.scenes import LabelledScene, partition_scenes, read_scenes, score_cut, score_scene
 from vista.score.segmentation import STATISTICS, PartitionScore
+from vista.score.truth import SPLITS
 
 README = Path(__file__).resolve().parents[1] / "README.md"
 BEGIN = "<!-- written by sw/bench/segmentation_variants.py -->"

@@ -11,7 +11,7 @@ import pytest
 from vista import parameters
 from vista.score import flight_segmentation
 from vista.score.flight_segmentation import FlightSegmentation, pool, rows, segment_cached
-from vista.score.scenes_report import CONTROLS, CUT
+from vista.score.scenes import CONTROLS, CUT
 from vista.score.segmentation import PartitionScore, Thing, ThingScore
 
 

@@ -29,10 +29,10 @@ from vista.score.flight_segmentation import FlightSegmentation, rows, segment_ca
 from vista.score.flight_segmentation import table as segmentation_table
 from vista.score.fly import fly_cached
 from vista.score.goals import Goal, goal_line, goals
-from vista.score.group import SPLITS, group_score, table
+from vista.score.group import group_score, table
 from vista.score.report import FlightPage, render_flights
 from vista.score.stereo_alone import Outcome, outcomes_cached
-from vista.score.truth import TRUTH, read_truth
+from vista.score.truth import SPLITS, TRUTH, read_truth
 
 if TYPE_CHECKING:
     from vista.flights.flight import Flight

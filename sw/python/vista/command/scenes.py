@@ -37,7 +37,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(arguments: argparse.Namespace) -> int:
     from vista.score import scenes_report as report  # loads libvista, which `--help` need not
-    from vista.score.scenes import partition_scenes, read_scenes
+    from vista.score.scenes import partition_scenes, read_scenes, score_scene
 
     values = load_parameters(arguments.config, "golden")
     if not arguments.no_render:
@@ -46,7 +46,7 @@ def execute(arguments: argparse.Namespace) -> int:
     pairs = tqdm(
         partition_scenes(scenes, values), desc="score", total=len(scenes), unit="scene", disable=None
     )
-    scored = [report.score_scene(scene, partition) for scene, partition in pairs]
+    scored = [score_scene(scene, partition) for scene, partition in pairs]
     lines = report.table(scored)
     host_ms = float(np.median([s.partition.host_ms for s in scored]))
     content = json.dumps(report.as_json(scored, values, host_ms), indent=1)

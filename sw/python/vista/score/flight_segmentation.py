@@ -15,15 +15,14 @@ import numpy as np
 from vista import parameters
 from vista.score.fly import flight_digest
 from vista.score.kept import digest_of, kept
-from vista.score.scenes import partition_scenes, read_scene
-from vista.score.scenes_report import CONTROLS, CUT, SPLITS, score_scene
+from vista.score.scenes import CONTROLS, CUT, partition_scenes, read_scene, score_scene
 from vista.score.segmentation import STATISTICS, PartitionScore, Thing, ThingScore, difference_interval
-from vista.score.truth import TRUTH, read_truth
+from vista.score.truth import SPLITS, TRUTH, read_truth
 
 STRIDE = 8  # frames
 MIN_FLIGHTS = 3  # of an interval
 SHOWN = {"iou_median": "IoU median", "boundary_recall_cell": "boundary recall"}
-SOURCES = ("flight_segmentation.py", "segmentation.py", "scenes.py", "scenes_report.py", "control.py")
+SOURCES = ("flight_segmentation.py", "segmentation.py", "scenes.py", "control.py", "truth.py")
 
 
 @dataclass(frozen=True)

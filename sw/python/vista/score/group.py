@@ -9,8 +9,7 @@ import numpy as np
 from vista.score.consistency import Consistency, consistency
 from vista.score.flight import FlightScore
 from vista.score.judge import HIT_RANGE
-
-SPLITS = ("tune", "report")  # parameters are chosen on the first, figures are those of the second
+from vista.score.truth import SPLITS
 
 
 @dataclass(frozen=True)

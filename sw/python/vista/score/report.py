@@ -17,7 +17,8 @@ from vista.score.flight import FlightScore
 from vista.score.flight_plots import plot_comparison, plot_detection, plot_error
 from vista.score.flight_segmentation import FlightSegmentation, cells, heads, interval_text, rows
 from vista.score.goals import Goal
-from vista.score.group import COLUMNS, LEGEND, SPLITS, group_line, group_score
+from vista.score.group import COLUMNS, LEGEND, group_line, group_score
+from vista.score.truth import SPLITS
 
 
 @dataclass(frozen=True)

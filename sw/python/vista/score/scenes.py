@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from vista import parameters
 from vista.chain import engine_parameters
-from vista.engine import Engine, StereoEngine
+from vista.engine import Engine, create_engine
 from vista.errors import InputError
 from vista.geometry import Array, Calibration, Pose
 from vista.pipeline import CellGraph, Pipeline, Result
@@ -21,12 +21,19 @@ from vista.score.control import ControlParameters, merge_cells
 from vista.score.segmentation import (
     LabelledView,
     PartitionScore,
+    grid_limit,
     labelled_view,
     matched_area,
     score_partition,
 )
 from vista.score.truth import TRUTH, read_truth
 from vista.sequence import open_sequence
+
+CUT, GRID = "cut", "grid limit"
+CONTROLS = {  # the same graph, the same weights; k and min_cells of the best mean IoU on the tune half
+    "control": ControlParameters(),
+    "control, surfaces": ControlParameters(min_cells=10, respect_surfaces=True),
+}
 
 
 @dataclass(frozen=True)
@@ -100,7 +107,7 @@ def partition_scenes(
     if not scenes:
         return
     camera = scenes[0].camera
-    engine = around_engine(StereoEngine(**vars(engine_parameters(values))))
+    engine = around_engine(create_engine("golden", engine_parameters(values)))
     pipeline = Pipeline(camera, values)
     for scene in scenes:
         if scene.camera != camera:
@@ -129,3 +136,23 @@ def score_regions(
 
 def score_cut(scene: LabelledScene, partition: Partition) -> PartitionScore:
     return score_regions(scene, partition, partition.result.region_of_cell)
+
+
+@dataclass(frozen=True)
+class ScoredScene:
+    scene: LabelledScene
+    partition: Partition
+    scores: dict[str, PartitionScore]  # by partition: cut, controls, grid limit
+
+    def mean_iou(self) -> float:
+        """Of the cut; a scene without a thing to find comes last."""
+        ious = [thing.iou for thing in self.scores[CUT].things]
+        return float(np.mean(ious)) if ious else float("inf")
+
+
+def score_scene(scene: LabelledScene, partition: Partition) -> ScoredScene:
+    regions = {CUT: partition.result.region_of_cell}
+    regions |= {name: control_regions(partition, control) for name, control in CONTROLS.items()}
+    regions[GRID] = grid_limit(scene.view, partition.result.cell_of_pixel)
+    scores = {name: score_regions(scene, partition, region) for name, region in regions.items()}
+    return ScoredScene(scene, partition, scores)

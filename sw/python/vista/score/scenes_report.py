@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import base64
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from typing import Any
 
 import cv2
@@ -13,22 +13,10 @@ from numpy.typing import NDArray
 from vista.overlay import draw_disparity
 from vista.page import fill_template
 from vista.palette import WHITE, distinct_colours
-from vista.score.control import ControlParameters
-from vista.score.scenes import LabelledScene, Partition, control_regions, score_regions
-from vista.score.segmentation import (
-    STATISTICS,
-    LabelledView,
-    PartitionScore,
-    difference_interval,
-    grid_limit,
-)
+from vista.score.scenes import CONTROLS, CUT, ScoredScene, control_regions
+from vista.score.segmentation import STATISTICS, LabelledView, difference_interval
+from vista.score.truth import SPLITS
 
-CUT, GRID = "cut", "grid limit"
-CONTROLS = {  # the same graph, the same weights; k and min_cells of the best mean IoU on the tune half
-    "control": ControlParameters(),
-    "control, surfaces": ControlParameters(min_cells=10, respect_surfaces=True),
-}
-SPLITS = ("tune", "report")
 SHOWN = 6  # scenes at either end
 HEADINGS = {
     "iou_median": "IoU median",
@@ -39,26 +27,6 @@ HEADINGS = {
     "undersegmentation": "leak",
     "regions": "regions",
 }
-
-
-@dataclass(frozen=True)
-class ScoredScene:
-    scene: LabelledScene
-    partition: Partition
-    scores: dict[str, PartitionScore]  # by partition: cut, controls, grid limit
-
-    def mean_iou(self) -> float:
-        """Of the cut; a scene without a thing to find comes last."""
-        ious = [thing.iou for thing in self.scores[CUT].things]
-        return float(np.mean(ious)) if ious else float("inf")
-
-
-def score_scene(scene: LabelledScene, partition: Partition) -> ScoredScene:
-    regions = {CUT: partition.result.region_of_cell}
-    regions |= {name: control_regions(partition, control) for name, control in CONTROLS.items()}
-    regions[GRID] = grid_limit(scene.view, partition.result.cell_of_pixel)
-    scores = {name: score_regions(scene, partition, region) for name, region in regions.items()}
-    return ScoredScene(scene, partition, scores)
 
 
 Row = dict[str, float]

@@ -17,6 +17,7 @@ from vista.geometry import Array
 
 TRUTH = "truth.json"
 VERSION = 1
+SPLITS = ("tune", "report")  # parameters are chosen on the first, figures are those of the second
 DISPARITY_SCALE = 256.0  # KITTI's 16-bit PNG: levels a px
 
 
@@ -37,7 +38,7 @@ class FlightTruth:
     folder: Path
     name: str
     title: str
-    split: str  # tune or report
+    split: str  # of SPLITS
     focal_px: float
     baseline_m: float
     center_px: tuple[float, float]
