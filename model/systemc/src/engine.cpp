@@ -1,18 +1,10 @@
 #include "engine.h"
 
-#include <algorithm>
-
 namespace vista {
-namespace {
-
-constexpr int kResetClocks = 16;  // until the pauses of reset have passed
-
-}  // namespace
 
 Engine::Engine(const sc_core::sc_module_name& name, const clocks::Build& build, const clocks::Size& size)
     : sc_module(name), clocks_(build), pixels_per_frame_(static_cast<int64_t>(size.width) * size.height) {
   clocks_.set_size(size);
-  for (int i = 0; i < kResetClocks; ++i) clocks_.edge(false, false);
   SC_HAS_PROCESS(Engine);
   SC_THREAD(run);
 }

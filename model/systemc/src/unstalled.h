@@ -18,7 +18,6 @@ inline Unstalled run_unstalled(const clocks::Build& build, const clocks::Size& s
   constexpr int kFrames = 3;
   clocks::EngineClocks engine(build);
   engine.set_size(size);
-  for (int i = 0; i < 16; ++i) engine.edge(false, true);
   const int64_t pixels = static_cast<int64_t>(size.width) * size.height, r = build.radius();
   const int64_t x = build.num_disparities - 1 + r, matched = r * size.width + x;
   const bool any = x + r < size.width && 2 * r < size.height;

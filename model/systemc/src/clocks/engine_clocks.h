@@ -1,5 +1,5 @@
 // The engine of rtl/, clock by clock and without its data: handshakes, pauses and the order of events. What the words
-// are is another matter (engine_words.h). Equal to the RTL in every clock: model/systemc/tests/test_against_rtl.py.
+// are is another matter (words.h). Equal to the RTL in every clock: tb/top/test_system_model.py.
 #ifndef VISTA_CLOCKS_ENGINE_CLOCKS_H
 #define VISTA_CLOCKS_ENGINE_CLOCKS_H
 
@@ -14,7 +14,11 @@ namespace vista::clocks {
 
 class EngineClocks {
  public:
-  explicit EngineClocks(const Build& build) : framer_(build), matching_(build), results_(build), writer_(build) {}
+  // Out of reset, ready for the first pixel.
+  explicit EngineClocks(const Build& build) : framer_(build), matching_(build), results_(build), writer_(build) {
+    constexpr int kResetClocks = 16;  // until the pauses of reset have passed
+    for (int i = 0; i < kResetClocks; ++i) edge(false, false);
+  }
 
   // Of the frames that start from now on.
   void set_size(const Size& size) { framer_.set_size(size); }
