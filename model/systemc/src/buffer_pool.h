@@ -38,7 +38,10 @@ class BufferPool {
   }
   void publish(Buffer& buffer) { move(buffer, Buffer::State::kWaiting); }
 
-  bool any_waiting() const { return const_cast<BufferPool*>(this)->first(Buffer::State::kWaiting) != nullptr; }
+  bool any_waiting() const {
+    return std::any_of(buffers_.begin(), buffers_.end(),
+                       [](const Buffer& b) { return b.state == Buffer::State::kWaiting; });
+  }
   // The oldest frame that waits; null when none does.
   Buffer* begin_reading() {
     Buffer* buffer = first(Buffer::State::kWaiting);

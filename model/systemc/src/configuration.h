@@ -56,7 +56,6 @@ struct Configuration {
   std::string left_images, right_images, words_out;  // paths, empty: none
   bool compute_words = true;
 
-
   int64_t pixels() const { return width_px * height_px; }
   clocks::Build build() const;
   vista_engine_params engine_parameters() const;

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "images.h"
-#include "timing.h"
 
 namespace vista {
 
@@ -16,17 +15,14 @@ class HostCore {
   void acquire() {
     const int64_t ticket = next_ticket_++;
     while (serving_ != ticket) sc_core::wait(released_);
-    since_ps_ = now_ps();
   }
   void release() {
-    busy_ps_ += now_ps() - since_ps_;
     ++serving_;
     released_.notify(sc_core::SC_ZERO_TIME);
   }
-  int64_t busy_ps() const { return busy_ps_; }
 
  private:
-  int64_t next_ticket_ = 0, serving_ = 0, since_ps_ = 0, busy_ps_ = 0;
+  int64_t next_ticket_ = 0, serving_ = 0;
   sc_core::sc_event released_;
 };
 
