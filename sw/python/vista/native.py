@@ -30,10 +30,7 @@ def _of_build(root: Path, build: str) -> tuple[Path, Path]:
 @functools.cache
 def load(name: str) -> tuple[Any, Any]:
     """The cffi pair (ffi, lib) of lib<name>.so and <name>_abi.py; ImportError when it has not been built."""
-    found = _find(name, name, _folders())
-    if found is None:
-        raise ImportError(f"lib{name}.so is not built: run `make build`")
-    return found
+    return _open(*_find(name, name, _folders()))
 
 
 @functools.cache
@@ -44,25 +41,26 @@ def load_as(name: str, binding: str, make: Callable[[Path, str], None]) -> tuple
     for root in _checkouts():
         make(root, name)
     # Simulated hardware is not a library to sanitize: VISTA_BUILD does not concern it.
-    found = _find(name, binding, [_of_build(root, "build") for root in _checkouts()])
-    if found is None:
-        raise ImportError(f"lib{name}.so is not built")
-    return found
+    return _open(*_find(name, binding, [_of_build(root, "build") for root in _checkouts()]))
 
 
 def library_path(name: str) -> Path:
     """Of lib<name>.so as load() finds it; ImportError when it has not been built."""
-    load(name)
-    return next(path for libraries, _ in _folders() if (path := libraries / f"lib{name}.so").is_file())
+    return _find(name, name, _folders())[0]
 
 
-def _find(name: str, binding: str, folders: list[tuple[Path, Path]]) -> tuple[Any, Any] | None:
+def _find(name: str, binding: str, folders: list[tuple[Path, Path]]) -> tuple[Path, Path]:
+    """Library and binding, of the first folder that has both."""
     for libraries, bindings in folders:
-        library, module_path = libraries / f"lib{name}.so", bindings / f"{binding}_abi.py"
-        if library.is_file() and module_path.is_file():
-            spec = importlib.util.spec_from_file_location(f"{binding}_abi", module_path)
-            assert spec is not None and spec.loader is not None
-            module = importlib.util.module_from_spec(spec)
-            spec.loader.exec_module(module)
-            return module.ffi, module.ffi.dlopen(str(library))
-    return None
+        library, module = libraries / f"lib{name}.so", bindings / f"{binding}_abi.py"
+        if library.is_file() and module.is_file():
+            return library, module
+    raise ImportError(f"lib{name}.so is not built: run `make build`")
+
+
+def _open(library: Path, binding: Path) -> tuple[Any, Any]:
+    spec = importlib.util.spec_from_file_location(binding.stem, binding)
+    assert spec is not None and spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module.ffi, module.ffi.dlopen(str(library))
