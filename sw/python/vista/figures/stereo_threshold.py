@@ -6,8 +6,6 @@ far, light is near, white is undefined.
 
 from __future__ import annotations
 
-from dataclasses import asdict, replace
-
 import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
@@ -15,9 +13,10 @@ from numpy.typing import NDArray
 from vista import parameters
 from vista.chain import engine_parameters
 from vista.disparity_file import SCALE
-from vista.engine import StereoEngine
+from vista.engine import create_engine
 from vista.figures.canvas import show
 from vista.figures.moments import shown_frame
+from vista.score.stereo_alone import thresholded
 from vista.score.truth import FlightTruth
 from vista.sequence import Frame, open_sequence
 
@@ -51,9 +50,8 @@ def low_threshold(
 
 
 def match(frame: Frame, values: parameters.Values, threshold: tuple[int, int]) -> NDArray[np.int16]:
-    texture, uniqueness = threshold
-    engine = replace(engine_parameters(values), texture_threshold=texture, uniqueness_ratio=uniqueness)
-    return StereoEngine(**asdict(engine)).compute(frame.left, frame.right)
+    engine = create_engine("golden", thresholded(engine_parameters(values), *threshold))
+    return engine.compute(frame.left, frame.right)
 
 
 def sky_matched(truth: FlightTruth, frame: Frame, words: NDArray[np.int16]) -> int:
