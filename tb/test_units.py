@@ -10,6 +10,8 @@ from cocotb_tools.runner import get_runner
 from tools import BUILD, sources, verilator_environment
 
 RUNTIME = BUILD / "units" / "runtime"  # Verilator's own objects, compiled once for all units
+# Registers and memories that reset leaves alone start at random, not at zero.
+RANDOM_START = ["+verilator+rand+reset+2", f"+verilator+seed+{os.environ.get('VISTA_SEED', 1)}"]
 UNITS: list[tuple[str, dict[str, int]]] = [
     ("vista_skid", {"Width": 8}),
     ("vista_result_fifo", {"Width": 16, "InFlight": 20}),
@@ -63,7 +65,7 @@ def test_unit(module: str, parameters: dict[str, int], monkeypatch: pytest.Monke
             shutil.copy2(folder / item, RUNTIME)
     results = runner.test(
         hdl_toplevel=module, test_module=f"bench_{module.removeprefix('vista_')}", build_dir=folder,
-        test_dir=folder, waves=waves,
+        test_dir=folder, waves=waves, plusargs=RANDOM_START,
         extra_env={f"VISTA_{k.upper()}": str(v) for k, v in parameters.items()}, log_file=folder / "run.log",
     )  # fmt: skip
     text = results.read_text()
