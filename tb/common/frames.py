@@ -123,12 +123,19 @@ def expected_flags(height: int, width: int) -> npt.NDArray[np.uint8]:
     return flags.ravel()
 
 
-def set_up(rtl: Rtl, frame: Frame) -> None:
-    """Writes the registers of a frame; they hold from its first pixel on."""
+def register_values(frame: Frame) -> dict[int, int]:
+    """By address, what a frame has in the registers from its first pixel on."""
     height, width = frame.shape
     p = frame.parameters
-    rtl.write(SIZE, width | height << 16)
-    rtl.write(PREFILTER, (p.prefilter == "xsobel") | p.prefilter_cap << 8)
-    rtl.write(TEXTURE, p.texture_threshold)
-    rtl.write(UNIQUENESS, p.uniqueness_ratio)
-    rtl.write(LR_CHECK, (p.lr_max_diff is not None) | (p.lr_max_diff or 0) << 8)
+    return {
+        SIZE: width | height << 16,
+        PREFILTER: (p.prefilter == "xsobel") | p.prefilter_cap << 8,
+        TEXTURE: p.texture_threshold,
+        UNIQUENESS: p.uniqueness_ratio,
+        LR_CHECK: (p.lr_max_diff is not None) | (p.lr_max_diff or 0) << 8,
+    }
+
+
+def set_up(rtl: Rtl, frame: Frame) -> None:
+    for address, data in register_values(frame).items():
+        rtl.write(address, data)

@@ -15,8 +15,8 @@ from cocotbext.axi import (
     AxiStreamSink,
     AxiStreamSource,
 )
-from frames import expected_words, random_frame
-from registers import CONTROL, ERRORS, FRAMES_OUT, ID, LR_CHECK, PREFILTER, SIZE, TEXTURE, UNIQUENESS
+from frames import expected_words, random_frame, register_values
+from registers import CONTROL, ERRORS, FRAMES_OUT, ID
 
 D, B, MAX_WIDTH = (parameter(name) for name in ("NumDisparities", "BlockSize", "MaxWidth"))
 
@@ -49,12 +49,8 @@ async def frames_through_the_buses(dut, pauses):
     frames = [random_frame(rng, D, B, MAX_WIDTH) for _ in range(6)]
     for frame in frames:
         height, width = frame.shape
-        p = frame.parameters
-        await registers.write_dword(SIZE, width | height << 16)
-        await registers.write_dword(PREFILTER, (p.prefilter == "xsobel") | p.prefilter_cap << 8)
-        await registers.write_dword(TEXTURE, p.texture_threshold)
-        await registers.write_dword(UNIQUENESS, p.uniqueness_ratio)
-        await registers.write_dword(LR_CHECK, (p.lr_max_diff is not None) | (p.lr_max_diff or 0) << 8)
+        for address, data in register_values(frame).items():
+            await registers.write_dword(address, data)
         pair = frame.left.astype(int) | frame.right.astype(int) << 8
         for y in range(height):
             await source.send(
