@@ -90,4 +90,6 @@ def prove(proof: Proof) -> bool:
 
 if __name__ == "__main__":
     names = sys.argv[1:]
+    if unknown := set(names) - {proof.module for proof in PROOFS}:
+        sys.exit(f"formal: nothing to prove of {', '.join(sorted(unknown))}")
     sys.exit(not all([prove(proof) for proof in PROOFS if not names or proof.module in names]))

@@ -20,13 +20,12 @@ from faults import expected_after, react  # noqa: E402
 from frames import Frame, beats, expected_flags, random_frame, random_pair, set_up  # noqa: E402
 from registers import CONTROL, ERRORS, FRAMES_IN, FRAMES_OUT  # noqa: E402
 from test_faults import FAULTS, HEIGHT, WIDTH  # noqa: E402
-from test_words import PACES  # noqa: E402
 from tools import BUILD, sources  # noqa: E402
-from verilated import Config, Pace, Rtl  # noqa: E402
+from verilated import PACES, Config, Pace, Rtl  # noqa: E402
 
 CONFIG = Config(16, 5, 64, mutants=True)
 LIMIT = 0.9
-SELECT_BITS = 10
+SELECT_BITS = 10  # of mutsel, in tb/common/mutants_core.sv too
 FRAMES = 150  # for a mutant to survive
 
 
@@ -106,6 +105,8 @@ def main() -> None:
     parser.add_argument("--mutants", type=int, default=50)
     parser.add_argument("--seed", type=int, default=1)
     args = parser.parse_args()
+    if not 0 < args.mutants < 1 << SELECT_BITS:
+        parser.error(f"--mutants: {args.mutants} is outside 1 .. {(1 << SELECT_BITS) - 1}")
     folder = BUILD / "mutate"
     folder.mkdir(parents=True, exist_ok=True)
     mutations = make_mutants(folder, args.mutants, args.seed)
