@@ -15,9 +15,9 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 sys.path[:0] = [str(ROOT / p) for p in ("tb/common", "tb/top", "model", "build/python")]
 from registers import CONTROL, ERRORS  # noqa: E402
-from test_words import CONFIGS, run_seed  # noqa: E402
+from test_words import run_seed  # noqa: E402
 from tools import BUILD, sources  # noqa: E402
-from verilated import Rtl  # noqa: E402
+from verilated import CONFIGS, Rtl  # noqa: E402
 
 
 def main() -> None:
