@@ -14,6 +14,7 @@ import re
 import statistics
 import subprocess
 import sys
+from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
@@ -147,6 +148,12 @@ def _call(command: list[str], folder: Path, log: str) -> None:
         sys.exit(f"synth: {command[0]} failed, see {folder / log}")
 
 
+def steps(results: dict[Build, Result]) -> Iterator[tuple[tuple[int, Result], tuple[int, Result]]]:
+    """From each number of disparities to the next larger one, each with its result."""
+    sizes = {b.disparities: r for b, r in results.items() if b.speed == REFERENCE.speed}
+    return pairwise(sorted(sizes.items()))
+
+
 def table(results: dict[Build, Result]) -> str:
     lines = [
         "| disparities | block | width | device | speed | LUT4 | sites | FF | block RAM | multipliers | "
@@ -158,8 +165,7 @@ def table(results: dict[Build, Result]) -> str:
             f"| {b.disparities} | {b.block} | {b.width} | LFE5U-{b.device[:-1]}F | {b.speed} | "
             f"{r.lut4} | {r.sites} | {r.ff} | {r.ebr} | {r.mult} | {r.clock} |"
         )
-    sizes = sorted({b.disparities: r for b, r in results.items() if b.speed == REFERENCE.speed}.items())
-    for (d0, r0), (d1, r1) in pairwise(sizes):
+    for (d0, r0), (d1, r1) in steps(results):
         lut4, sites = (r1.lut4 - r0.lut4) / (d1 - d0), (r1.sites - r0.sites) / (d1 - d0)
         lines += ["", f"From {d0} to {d1} disparities each takes {lut4:.0f} LUT4, {sites:.0f} sites."]
     return "\n".join(lines)
@@ -170,9 +176,8 @@ def misses(results: dict[Build, Result]) -> list[str]:
     found = []
     if (r := results.get(REFERENCE)) and (r.lut4 > LIMITS["lut4"] or r.median < LIMITS["mhz"]):
         found.append(f"the reference build has {r.lut4} LUT4, {r.clock} MHz; limits {LIMITS}")
-    sizes = sorted({b.disparities: r.lut4 for b, r in results.items()}.items())
-    for (d0, before), (d1, after) in pairwise(sizes):
-        if after - before > LUT4_PER_DISPARITY * (d1 - d0):
+    for (d0, r0), (d1, r1) in steps(results):
+        if r1.lut4 - r0.lut4 > LUT4_PER_DISPARITY * (d1 - d0):
             found.append(f"from {d0} to {d1} a further disparity takes more than {LUT4_PER_DISPARITY} LUT4")
     return found
 
