@@ -17,6 +17,7 @@ from vista.score.fly import flight_digest
 from vista.score.kept import digest_of, kept
 from vista.score.scenes import CONTROLS, CUT, partition_scenes, read_scene, score_scene
 from vista.score.segmentation import STATISTICS, PartitionScore, Thing, ThingScore, difference_interval
+from vista.score.text_table import aligned
 from vista.score.truth import SPLITS, TRUTH, read_truth
 
 STRIDE = 8  # frames
@@ -131,14 +132,9 @@ def interval_text(row: SegmentationRow) -> str:
 
 def table(flights: list[FlightSegmentation]) -> str:
     lines = [("segmentation", *heads())]
-    notes: dict[int, str] = {}
+    below: dict[int, list[str]] = {}
     for row in rows(flights):
         lines.append((row.name, *cells(row)))
         if row.intervals:
-            notes[len(lines) - 1] = f"  95 % over flights: {interval_text(row)}"
-    widths = [max(len(line[k]) for line in lines) for k in range(len(lines[0]))]
-    text = []
-    for k, line in enumerate(lines):
-        text.append("  ".join([line[0].ljust(widths[0]), *map(str.rjust, line[1:], widths[1:])]).rstrip())
-        text += [notes[k]] if k in notes else []
-    return "\n".join(text)
+            below[len(lines) - 1] = [f"  95 % over flights: {interval_text(row)}"]
+    return aligned(lines, below)

@@ -9,6 +9,7 @@ import numpy as np
 from vista.score.consistency import Consistency, consistency
 from vista.score.flight import FlightScore
 from vista.score.judge import HIT_RANGE
+from vista.score.text_table import aligned
 from vista.score.truth import SPLITS
 
 
@@ -89,19 +90,13 @@ LEGEND = (
 def table(flights: list[FlightScore]) -> str:
     """Text, one line a flight, by group."""
     rows = [("flight", *(head for head, _ in COLUMNS))]
-    lines_before: dict[int, str] = {}
+    below: dict[int, list[str]] = {}
     for split in SPLITS:
         members = [flight for flight in flights if flight.split == split]
         rows += [(flight.name, *(cell(flight) for _, cell in COLUMNS)) for flight in members]
         if members:
-            lines_before[len(rows)] = group_line(group_score(split, members))
-    widths = [max(len(row[k]) for row in rows) for k in range(len(rows[0]))]
-    lines = []
-    for k, row in enumerate(rows):
-        lines.append("  ".join([row[0].ljust(widths[0]), *map(str.rjust, row[1:], widths[1:])]).rstrip())
-        if k + 1 in lines_before:
-            lines += [lines_before[k + 1], ""]
-    return "\n".join([*lines, LEGEND])
+            below[len(rows) - 1] = [group_line(group_score(split, members)), ""]
+    return f"{aligned(rows, below)}\n{LEGEND}"
 
 
 def group_line(group: GroupScore) -> str:
