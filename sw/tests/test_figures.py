@@ -7,13 +7,18 @@ from pathlib import Path
 
 import cv2
 import flight_on_disk as disk
+import matplotlib as mpl
 import numpy as np
 import pytest
+from vista import parameters
 from vista.cli import main
 from vista.engine import INVALID
+from vista.figures import segmentation
 from vista.figures.flights import the_four
+from vista.figures.moments import read_flights
 from vista.figures.segmentation import various
 from vista.figures.stereo_threshold import correctness, shade
+from vista.plots import STYLE
 from vista.score.flight import FOOT_M
 from vista.score.truth import FlightTruth, TrueObject
 
@@ -42,6 +47,18 @@ def test_regions_have_colours(pictures: Path) -> None:
         figure = cv2.imread(str(pictures / f"figure{number}.png")).astype(int)
         saturated = np.ptp(figure, axis=2) > 100
         assert (saturated.mean() > 0.05) == coloured
+
+
+def test_captions_are_no_wider_than_their_panels(pictures: Path) -> None:
+    title = "facades on three sides, no obstacle"
+    truths = [replace(truth, title=title) for truth in read_flights(pictures.parent)]
+    with mpl.rc_context(STYLE):
+        figure = segmentation.draw(truths, parameters.defaults())
+        figure.draw_without_rendering()
+    captions = {axes.get_xlabel(): axes for axes in figure.axes if axes.get_xlabel()}
+    assert title in {caption.replace("\n", " ") for caption in captions}
+    for axes in captions.values():
+        assert axes.xaxis.label.get_window_extent().width <= axes.get_window_extent().width
 
 
 def test_without_flights_nothing_is_written(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
