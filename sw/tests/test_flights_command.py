@@ -77,6 +77,8 @@ def test_the_page_stands_alone(folder: Path, printed: str) -> None:
     assert all(url.startswith(("data:", "#")) for url in parser.urls)
     assert sum(url.startswith("data:image/jpeg") for url in parser.urls) >= 10
     assert page.count("<svg") == 4  # two for all, one a flight
+    for text in ("tracked from, m", "warned from, m", "Scores<", "0.1 m, 0.3 degrees, drifting<"):
+        assert text in page
     for name in ("sign", FREE):
         assert f'id="{name}"' in page
 

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from vista.plots import ACCENT, MUTED, WARNING, svg_plot
 from vista.score.comparison import Comparison
 from vista.score.flight import FlightScore
-from vista.score.judge import HIT_RANGE, HIT_RANGE_M
+from vista.score.judge import HIT_RANGE, HIT_RANGE_M, NEAR
 
 RED = "#dc2626"
 
@@ -67,7 +67,7 @@ def plot_comparison(figure: Figure, comparison: Comparison) -> None:
     axes.plot(*ours[:, np.newaxis], "o", color=WARNING, markersize=10, label="segmentation and tracks")
     axes.set(
         xlabel="frames with a false alarm (%)",
-        ylabel="frames with the target nearer than 45 m missed (%)",
+        ylabel=f"frames with the target {NEAR} missed (%)",
         xlim=(-2, 102),
         ylim=(-2, 102),
     )

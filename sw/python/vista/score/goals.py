@@ -134,7 +134,8 @@ def _stereo_goal(comparison: Comparison | None) -> Goal:
 
 
 def _noise_goal(scores: list[FlightScore], noisy: list[FlightScore]) -> Goal:
-    demand = "with pose noise the hit rate falls by at most 3 points, and no false alarm appears"
+    points = f"{100 * NOISE_POINTS:.0f} points"
+    demand = f"with pose noise the hit rate falls by at most {points}, and no false alarm appears"
     if not noisy:
         return Goal(demand, "not flown (--pose-noise)", None)
     exact, disturbed = group_score("report", scores), group_score("report", noisy)

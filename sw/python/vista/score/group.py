@@ -8,7 +8,7 @@ import numpy as np
 
 from vista.score.consistency import Consistency, consistency
 from vista.score.flight import FlightScore
-from vista.score.judge import HIT_RANGE
+from vista.score.judge import HIT_RANGE, NEAR
 from vista.score.text_table import aligned
 from vista.score.truth import SPLITS
 
@@ -81,7 +81,7 @@ COLUMNS = (
 )
 LEGEND = (
     "tracked, warned from: range of the target in the first frame that has it as an obstacle, as a warning, "
-    f"and stays; hits: frames at {HIT_RANGE} with a warning for the target; missed: frames nearer than 45 m "
+    f"and stays; hits: frames at {HIT_RANGE} with a warning for the target; missed: frames {NEAR} "
     "without one; false: frames with a false alarm (obstacles); RMS beside the companion paper's; "
     "NEES: average, its 95 % band; blind: frames nearer than the engine matches that are still warned of"
 )

@@ -19,6 +19,7 @@ MIN_TOLERANCE_M = 2.0
 BEARING_MARGIN_PX = 3.0
 HIT_RANGE_M = (14.5, 45.0)
 HIT_RANGE = f"{HIT_RANGE_M[0]:g} to {HIT_RANGE_M[1]:g} m"
+NEAR = f"nearer than {HIT_RANGE_M[1]:g} m"  # where a frame may be missed
 TOO_NEAR_ID = 0  # no track: something is too near to match, somewhere up to the range that is given
 
 

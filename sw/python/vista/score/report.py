@@ -15,9 +15,11 @@ from vista.score.comparison import Comparison, comparison_line
 from vista.score.filmstrip import Still
 from vista.score.flight import FlightScore
 from vista.score.flight_plots import plot_comparison, plot_detection, plot_error
-from vista.score.flight_segmentation import FlightSegmentation, cells, heads, interval_text, rows
+from vista.score.flight_segmentation import STRIDE, FlightSegmentation, cells, heads, interval_text, rows
 from vista.score.goals import Goal
 from vista.score.group import COLUMNS, LEGEND, group_line, group_score
+from vista.score.pose_noise import ATTITUDE_SIGMA_DEG, POSITION_SIGMA_M
+from vista.score.segmentation import BOUNDARY_PX, FAR_M, NEAR_M
 from vista.score.truth import SPLITS
 
 
@@ -44,7 +46,10 @@ def render_flights(
         heads=[head for head, _ in COLUMNS],
         legend=LEGEND,
         tables=[table_rows(scores)] + ([table_rows(noisy)] if noisy else []),
+        pose_noise=f"{POSITION_SIGMA_M:g} m, {ATTITUDE_SIGMA_DEG:g} degrees",
         segmentation={
+            "hint": f"Frames {STRIDE} apart, each by itself; standing things at {NEAR_M:g} to {FAR_M:g} m. "
+            f"Boundary recall within {BOUNDARY_PX:g} px or one cell.",
             "heads": heads(),
             "rows": [
                 (row.name, cells(row), interval_text(row) if row.intervals else "") for row in rows(segmented)
