@@ -20,6 +20,7 @@ import numpy as np
 from vista import parameters
 from vista.engine import Disparity, Engine, EngineParameters, Image
 from vista.score.scenes import LabelledScene, partition_scenes, read_scenes, score_cut, score_scene
+from vista.score.scenes_report import number
 from vista.score.segmentation import STATISTICS, PartitionScore
 from vista.score.truth import SPLITS
 
@@ -127,10 +128,7 @@ VARIANTS = {
 
 
 def cells(scores: list[PartitionScore]) -> str:
-    values = (STATISTICS[key](scores) for key in COLUMNS.values())
-    return " | ".join(
-        f"{v:.0f}" if name == "regions" else f"{v:.3f}" for name, v in zip(COLUMNS, values, strict=True)
-    )
+    return " | ".join(number(key, STATISTICS[key](scores)) for key in COLUMNS.values())
 
 
 def measure(variant: Variant, scenes: list[LabelledScene]) -> tuple[list[PartitionScore], float]:
