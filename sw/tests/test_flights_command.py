@@ -83,16 +83,22 @@ def test_the_page_stands_alone(folder: Path, printed: str) -> None:
         assert f'id="{name}"' in page
 
 
-def test_flown_once(folder: Path, printed: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Until parameters or images change."""
-    flown: list[str] = []
+@pytest.fixture
+def flown(monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """Names of the flights that are flown, in time."""
+    names: list[str] = []
     original = fly.fly
 
     def spy(sequence: object, values: object) -> object:
-        flown.append(sequence.name)
+        names.append(sequence.name)
         return original(sequence, values)
 
     monkeypatch.setattr(fly, "fly", spy)
+    return names
+
+
+def test_flown_once(folder: Path, printed: str, flown: list[str]) -> None:
+    """Until parameters or images change."""
     values = parameters.defaults()
     command.fly_and_score(values, None, folder / FREE)
     assert flown == []
@@ -106,16 +112,8 @@ def test_flown_once(folder: Path, printed: str, monkeypatch: pytest.MonkeyPatch)
     assert flown == [FREE, FREE]
 
 
-def test_flown_again_when_asked_to(folder: Path, printed: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_flown_again_when_asked_to(folder: Path, printed: str, flown: list[str]) -> None:
     """As for host times on a quiet machine; what is flown again is kept like the rest."""
-    flown: list[str] = []
-    original = fly.fly
-
-    def spy(sequence: object, values: object) -> object:
-        flown.append(sequence.name)
-        return original(sequence, values)
-
-    monkeypatch.setattr(fly, "fly", spy)
     command_line = ["flights", str(folder), "--no-render", "--no-baseline", "--only", FREE]
     for options, flights in ((["--fly-again"], 1), ([], 1), (["--fly-again", "--pose-noise"], 3)):
         assert main(command_line + options) == 0
