@@ -46,6 +46,10 @@ vista_parameters vista_parameters_default(void) {
       .segmentation.merge_share = 0.1,
       .segmentation.rest_affinity = 0.7,
       .segmentation.rest_area_px2 = 60.0,
+      .delineation.sigma_intensity = 10.0,
+      .delineation.contrast_limit = 3.0,
+      .delineation.mixed_penalty = 0.75,
+      .delineation.compactness = 1.0,
       .region.boundary_px = 5.0,
       .region.tolerance_px = 1.0,
       .region.tolerance_m = 0.5,
@@ -148,6 +152,10 @@ vista_status vista_parameters_check(const vista_parameters *parameters, const ch
   else if (!within(p->segmentation.merge_share, 0.0, 1.0)) wrong = "segmentation.merge_share";
   else if (!within(p->segmentation.rest_affinity, 0.0, 1.0)) wrong = "segmentation.rest_affinity";
   else if (!within(p->segmentation.rest_area_px2, 1.0, 1000000.0)) wrong = "segmentation.rest_area_px2";
+  else if (!within(p->delineation.sigma_intensity, 0.1, 255.0)) wrong = "delineation.sigma_intensity";
+  else if (!within(p->delineation.contrast_limit, 0.0, 100.0)) wrong = "delineation.contrast_limit";
+  else if (!within(p->delineation.mixed_penalty, 0.0, 100.0)) wrong = "delineation.mixed_penalty";
+  else if (!within(p->delineation.compactness, 0.0, 100.0)) wrong = "delineation.compactness";
   else if (!within(p->region.boundary_px, 0.0, 64.0)) wrong = "region.boundary_px";
   else if (!within(p->region.tolerance_px, 0.1, 16.0)) wrong = "region.tolerance_px";
   else if (!within(p->region.tolerance_m, 0.0, 10.0)) wrong = "region.tolerance_m";
@@ -251,6 +259,10 @@ vista_status vista_parameters_set(vista_parameters *parameters, const char *name
   if (strcmp(name, "segmentation.merge_share") == 0) return p->segmentation.merge_share = value, VISTA_OK;
   if (strcmp(name, "segmentation.rest_affinity") == 0) return p->segmentation.rest_affinity = value, VISTA_OK;
   if (strcmp(name, "segmentation.rest_area_px2") == 0) return p->segmentation.rest_area_px2 = value, VISTA_OK;
+  if (strcmp(name, "delineation.sigma_intensity") == 0) return p->delineation.sigma_intensity = value, VISTA_OK;
+  if (strcmp(name, "delineation.contrast_limit") == 0) return p->delineation.contrast_limit = value, VISTA_OK;
+  if (strcmp(name, "delineation.mixed_penalty") == 0) return p->delineation.mixed_penalty = value, VISTA_OK;
+  if (strcmp(name, "delineation.compactness") == 0) return p->delineation.compactness = value, VISTA_OK;
   if (strcmp(name, "region.boundary_px") == 0) return p->region.boundary_px = value, VISTA_OK;
   if (strcmp(name, "region.tolerance_px") == 0) return p->region.tolerance_px = value, VISTA_OK;
   if (strcmp(name, "region.tolerance_m") == 0) return p->region.tolerance_m = value, VISTA_OK;

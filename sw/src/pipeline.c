@@ -7,6 +7,7 @@
 #include "frame.h"
 #include "vista/affinity.h"
 #include "vista/collision_volume.h"
+#include "vista/delineation.h"
 #include "vista/reconstruction.h"
 #include "vista/surface.h"
 
@@ -22,6 +23,7 @@ struct vista_pipeline {
   vista_surfaces surfaces;
   vista_affinity affinity;
   vista_segmentation segmentation;
+  vista_delineation delineation;
   vista_regions regions;
   vista_detection *detections;
   vista_tracker *tracker;
@@ -32,9 +34,9 @@ struct vista_pipeline {
 static const char *const stage_names[VISTA_STAGE_COUNT] = {
     [VISTA_STAGE_FOVEATION] = "foveation",     [VISTA_STAGE_SURFACE] = "surface",
     [VISTA_STAGE_AFFINITY] = "affinity",       [VISTA_STAGE_SEGMENTATION] = "segmentation",
-    [VISTA_STAGE_REGIONS] = "regions",         [VISTA_STAGE_RECONSTRUCTION] = "reconstruction",
-    [VISTA_STAGE_TRACKING] = "tracking",       [VISTA_STAGE_SATURATION] = "saturation",
-    [VISTA_STAGE_MAP] = "map",
+    [VISTA_STAGE_DELINEATION] = "delineation", [VISTA_STAGE_REGIONS] = "regions",
+    [VISTA_STAGE_RECONSTRUCTION] = "reconstruction", [VISTA_STAGE_TRACKING] = "tracking",
+    [VISTA_STAGE_SATURATION] = "saturation",   [VISTA_STAGE_MAP] = "map",
 };
 
 const char *vista_stage_name(vista_stage stage) {
@@ -59,6 +61,7 @@ static vista_status layout(vista_pipeline *p, vista_arena *arena) {
       vista_surfaces_layout(&p->surfaces, arena, &p->foveation),
       vista_affinity_layout(&p->affinity, arena, &p->foveation),
       vista_segmentation_layout(&p->segmentation, arena, &p->foveation),
+      vista_delineation_layout(&p->delineation, arena, &p->foveation),
       vista_regions_layout(&p->regions, arena, &p->foveation),
       vista_tracker_layout(MAX_TRACKS, MAX_DETECTIONS, arena, &p->tracker),
       vista_obstacle_map_layout(MAX_TRACKS, arena, &p->map),
@@ -170,10 +173,14 @@ static vista_status run_stage(vista_pipeline *p, vista_stage stage, const vista_
       return vista_affinity_compute(&p->foveation, &q->affinity, &p->camera, &p->cells, &p->affinity);
     case VISTA_STAGE_SEGMENTATION:
       return vista_segment(&p->foveation, q, &p->camera, &p->cells, &p->surfaces, &p->affinity, &p->segmentation);
+    case VISTA_STAGE_DELINEATION:
+      return vista_delineate(&p->foveation, &q->delineation, &frame->image, &p->cells, p->segmentation.label,
+                             &p->delineation);
     case VISTA_STAGE_REGIONS: {
       const vista_status status =
           vista_regions_compute(&p->foveation, &q->region, &p->camera, up, q->surface.horizontal_deg,
-                                &frame->disparity, &p->cells, &p->surfaces, &p->segmentation, &p->regions);
+                                &frame->disparity, &p->cells, &p->surfaces, &p->segmentation, &p->delineation,
+                                &p->regions);
       if (status != VISTA_OK) return status;
       vista_collision_volume volume = {.radius_m = q->obstacle_map.collision_radius_m,
                                        .length_m = q->obstacle_map.collision_length_m};
@@ -230,6 +237,7 @@ vista_status vista_pipeline_process(vista_pipeline *pipeline, const vista_frame 
   r.surfaces = &p->surfaces;
   r.affinity = &p->affinity;
   r.segmentation = &p->segmentation;
+  r.delineation = &p->delineation;
   r.regions = p->regions.items;
   r.region_count = p->regions.count;
   r.accepted_count = p->regions.accepted_count;

@@ -104,7 +104,8 @@ static bool on_surface(const vista_region_view *w, int16_t word, double disparit
   return vista_word_valid(word) && fabs(word * (1.0 / VISTA_DISPARITY_SCALE) - disparity_px) <= w->tolerance_px;
 }
 
-/* Moments of the pixels on the surface; cells without a disparity count whole. */
+/* Moments of the pixels that the image gives to the region and that are on its surface; of cells without a disparity
+ * all that the image gives. */
 static void own_pixels(const vista_region_view *w, const vista_plane *plane, bool inner, vista_region *region) {
   const int32_t reach = (int32_t)w->params->boundary_px;
   moments sum = {0};
@@ -115,18 +116,17 @@ static void own_pixels(const vista_region_view *w, const vista_plane *plane, boo
     const bool whole = w->cells->disparity_px[node] < 0.0f;
     for (int32_t r = w->foveation->first_run[node]; r < w->foveation->first_run[node + 1]; ++r) {
       const vista_run run = w->foveation->runs[r];
-      if (whole) {
-        add_pixels(&sum, region, run.u_px, run.v_px, run.length_px);
-        continue;
-      }
+      const int32_t *const drawn = w->region_of_pixel + (ptrdiff_t)run.v_px * w->foveation->width_px + run.u_px;
       const int16_t *const words = vista_region_words(w, run);
       const double start = plane->offset + plane->slope_v * run.v_px + plane->slope_u * run.u_px;
       int32_t open = -1; /* first pixel of the current stretch of own pixels */
       for (int32_t i = 0; i <= run.length_px; ++i) {
-        const bool own = i < run.length_px && on_surface(w, words[i], start + plane->slope_u * i) &&
-                         (!inner || (run.u_px + i >= reach && run.u_px + i + reach < w->disparity->width_px &&
-                                     on_surface(w, words[i - reach], start + plane->slope_u * (i - reach)) &&
-                                     on_surface(w, words[i + reach], start + plane->slope_u * (i + reach))));
+        const bool own =
+            i < run.length_px && drawn[i] == region->label &&
+            (whole || (on_surface(w, words[i], start + plane->slope_u * i) &&
+                       (!inner || (run.u_px + i >= reach && run.u_px + i + reach < w->disparity->width_px &&
+                                   on_surface(w, words[i - reach], start + plane->slope_u * (i - reach)) &&
+                                   on_surface(w, words[i + reach], start + plane->slope_u * (i + reach))))));
         if (own && open < 0) open = i;
         if (!own && open >= 0) {
           add_pixels(&sum, region, run.u_px + open, run.v_px, i - open);
@@ -204,9 +204,9 @@ vista_status vista_regions_compute(const vista_foveation *foveation, const vista
                                    const vista_camera *camera, const double up_camera[3], double horizontal_deg,
                                    const vista_disparity_image *disparity, const vista_cells *cells,
                                    const vista_surfaces *surfaces, const vista_segmentation *segmentation,
-                                   vista_regions *regions) {
+                                   const vista_delineation *delineation, vista_regions *regions) {
   if (foveation == NULL || params == NULL || camera == NULL || up_camera == NULL || disparity == NULL ||
-      cells == NULL || surfaces == NULL || segmentation == NULL || regions == NULL)
+      cells == NULL || surfaces == NULL || segmentation == NULL || delineation == NULL || regions == NULL)
     return VISTA_ERROR_ARGUMENT;
   if (disparity->width_px != foveation->width_px || disparity->height_px != foveation->height_px)
     return VISTA_ERROR_SIZE;
@@ -216,8 +216,9 @@ vista_status vista_regions_compute(const vista_foveation *foveation, const vista
   group_members(foveation, segmentation->label, regions);
   for (int32_t k = 0; k < regions->count; ++k) {
     const int32_t first = regions->first_member[k], count = regions->first_member[k + 1] - first;
-    vista_region_view w = {foveation, params, disparity, cells, surfaces, regions->boundary, regions->bins,
-                           regions->members + first, count, 0.0};
+    vista_region_view w = {foveation,         params,           disparity,     cells,
+                           surfaces,          delineation->label, regions->boundary, regions->bins,
+                           regions->members + first, count,    0.0};
     vista_region *const region = &regions->items[k];
     *region = (vista_region){.label = k, .node_count = count, .inclination_deg = NAN, .standing_fraction = NAN};
     if (count == 0)

@@ -21,6 +21,7 @@ typedef struct vista_region_view {
   const vista_disparity_image *disparity;
   const vista_cells *cells;
   const vista_surfaces *surfaces;
+  const int32_t *region_of_pixel;
   const uint8_t *boundary; /* a node */
   uint32_t *bins;          /* VISTA_WORD_BINS, zero between calls */
   const int32_t *members;

@@ -45,6 +45,10 @@ PARAMETERS: dict[str, float] = {
     "segmentation.merge_share": 0.1,
     "segmentation.rest_affinity": 0.5,
     "segmentation.rest_area_px2": 400.0,
+    "delineation.sigma_intensity": 10.0,
+    "delineation.contrast_limit": 3.0,
+    "delineation.mixed_penalty": 0.75,
+    "delineation.compactness": 1.0,
     "region.boundary_px": 0.0,
     "region.tolerance_px": 1.0,
     "region.tolerance_m": 0.5,
@@ -133,6 +137,7 @@ class Stages:
         self.affinity = self._lay_out("vista_affinity", lib.vista_affinity_layout)
         self.segmentation = self._lay_out("vista_segmentation", lib.vista_segmentation_layout)
         self.cores = self._lay_out("vista_cores", lib.vista_cores_layout)
+        self.delineation = self._lay_out("vista_delineation", lib.vista_delineation_layout)
         self.regions = self._lay_out("vista_regions", lib.vista_regions_layout)
         self.intensity = view(self.cells.intensity, f.node_count, np.float32)
         self.disparity_px = view(self.cells.disparity_px, f.node_count, np.float32)
@@ -143,6 +148,9 @@ class Stages:
         self.capacity = view(self.affinity.capacity, f.arc_count, np.int32)
         self.intensity_capacity = view(self.affinity.intensity_capacity, f.arc_count, np.int32)
         self.label = view(self.segmentation.label, f.node_count, np.int32)
+        self.region_of_pixel = view(self.delineation.label, f.cell_of_pixel.size, np.int32).reshape(
+            f.cell_of_pixel.shape
+        )
         self.core_of_node = view(self.cores.core_of_node, f.node_count, np.int32)
         self.shell = view(self.cores.shell, f.node_count, np.uint8)
 
@@ -217,7 +225,25 @@ class Stages:
         )
         assert status == lib.VISTA_OK, status_name(status)
 
+    def delineate(self, image: np.ndarray) -> str:
+        return status_name(
+            lib.vista_delineate(
+                self.foveation.handle,
+                self.section("delineation"),
+                image_struct("image", image),
+                self.cells,
+                self.segmentation.label,
+                self.delineation,
+            )
+        )
+
     def measure_regions(self, words: np.ndarray, up=LEVEL_UP) -> list:
+        """Of the regions as the cells draw them."""
+        self.region_of_pixel[:] = self.label[self.foveation.cell_of_pixel]
+        return self.compute_regions(words, up)
+
+    def compute_regions(self, words: np.ndarray, up=LEVEL_UP) -> list:
+        """Of the regions as region_of_pixel draws them."""
         up_camera = ffi.new("double[3]", [float(x) for x in up])
         status = lib.vista_regions_compute(
             self.foveation.handle,
@@ -229,6 +255,7 @@ class Stages:
             self.cells,
             self.surfaces,
             self.segmentation,
+            self.delineation,
             self.regions,
         )
         assert status == lib.VISTA_OK, status_name(status)

@@ -106,8 +106,8 @@ def test_fields_of_the_result(flight: list[dict]) -> None:
     assert r.accepted_count == accepted == 1
     names = [ffi.string(lib.vista_stage_name(stage)).decode() for stage in range(lib.VISTA_STAGE_COUNT)]
     assert names == [
-        "foveation", "surface", "affinity", "segmentation", "regions", "reconstruction", "tracking",
-        "saturation", "map",
+        "foveation", "surface", "affinity", "segmentation", "delineation", "regions", "reconstruction",
+        "tracking", "saturation", "map",
     ]  # fmt: skip
     assert ffi.string(lib.vista_stage_name(lib.VISTA_STAGE_COUNT)) == b"unknown"
 

@@ -400,6 +400,22 @@ def test_verdicts_have_names() -> None:
     assert {*names} - {*known} == {"UNKNOWN"}
 
 
+def test_own_pixels_are_those_that_the_image_gives_to_the_region() -> None:
+    """A board at 10 m before nothing; of its pixels the image leaves a narrower board."""
+    stages = Stages(camera())
+    u, v = np.meshgrid(np.arange(320), np.arange(240))
+    board = (np.abs(u - 160) <= 40) & (np.abs(v - 120) <= 30)
+    words = np.where(board, 20 * 16, INVALID).astype(np.int16)
+    image = np.where(board, 60, 200).astype(np.uint8)
+    stages.partition(image, words)
+    whole = stages.measure_regions(words)[0]
+    assert abs(whole.min_u_px - 120) <= 1 and abs(whole.max_u_px - 200) <= 1
+    stages.region_of_pixel[:, 180:] = -1
+    narrower = stages.compute_regions(words)[0]
+    assert narrower.max_u_px == 179 and narrower.min_u_px == whole.min_u_px
+    assert narrower.pixel_count < whole.pixel_count and narrower.mean_u_px < whole.mean_u_px - 5
+
+
 def test_wrong_arguments_are_refused() -> None:
     stages = Stages(camera(64, 48))
     f = stages.foveation.handle
@@ -409,12 +425,12 @@ def test_wrong_arguments_are_refused() -> None:
     def compute(disparity, null: int | None = None) -> str:
         pointers = [f, stages.section("region"), stages.camera, up]
         pointers += [image_struct("disparity_image", disparity), stages.cells, stages.surfaces]
-        pointers += [stages.segmentation, stages.regions]
+        pointers += [stages.segmentation, stages.delineation, stages.regions]
         if null is not None:
             pointers[null] = ffi.NULL
         return status_name(lib.vista_regions_compute(*pointers[:4], 55.0, *pointers[4:]))
 
-    for i in range(9):
+    for i in range(10):
         assert compute(words, null=i) == "VISTA_ERROR_ARGUMENT"
     assert compute(larger) == "VISTA_ERROR_SIZE"
     regions = ffi.new("vista_regions *")

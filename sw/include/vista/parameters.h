@@ -71,6 +71,14 @@ typedef struct vista_segmentation_params {
   double rest_area_px2; /* Smallest core of the rest that is cut out. 1.0 .. 1000000.0 px2. */
 } vista_segmentation_params;
 
+/* Regions at the resolution of the image: pixels of cells at a border join the cell that they resemble. */
+typedef struct vista_delineation_params {
+  double sigma_intensity; /* Difference of a pixel from a cell that weighs as much as one cell of distance at compactness 1. 0.1 .. 255.0 grey levels. */
+  double contrast_limit; /* A larger difference weighs no more than this. 0.0 .. 100.0 sigma_intensity. */
+  double mixed_penalty; /* Cost of a cell at a border: it may show parts of both regions. 0.0 .. 100.0. */
+  double compactness; /* Cost of a pixel one cell's size away from the centre of a cell; 0: by intensity alone. 0.0 .. 100.0. */
+} vista_delineation_params;
+
 /* Statistics of the regions and the tests that make obstacles of them (paper, section II-D). */
 typedef struct vista_region_params {
   double boundary_px; /* Cells this near to a cell on the boundary belong to it; half the matching block. 0.0 .. 64.0 px. */
@@ -151,6 +159,7 @@ typedef struct vista_parameters {
   vista_affinity_params affinity;
   vista_surface_params surface;
   vista_segmentation_params segmentation;
+  vista_delineation_params delineation;
   vista_region_params region;
   vista_reconstruction_params reconstruction;
   vista_tracker_params tracker;

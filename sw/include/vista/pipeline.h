@@ -1,5 +1,5 @@
-/* The chain in order: foveate, surface, affinity, segment, regions, reconstruct, track, saturation, map; nothing else
- * happens here.
+/* The chain in order: foveate, surface, affinity, segment, delineate, regions, reconstruct, track, saturation, map;
+ * nothing else happens here.
  *
  * All memory is the caller's: ask vista_pipeline_bytes, hand that much to vista_pipeline_create. Processing a frame
  * allocates nothing, keeps no pointer into the frame, and gives the same result for the same frames every time. */
@@ -10,6 +10,7 @@
 #include <stdint.h>
 
 #include "vista/affinity.h"
+#include "vista/delineation.h"
 #include "vista/foveation.h"
 #include "vista/obstacle_map.h"
 #include "vista/parameters.h"
@@ -26,6 +27,7 @@ typedef enum vista_stage {
   VISTA_STAGE_SURFACE,
   VISTA_STAGE_AFFINITY,
   VISTA_STAGE_SEGMENTATION,
+  VISTA_STAGE_DELINEATION,
   VISTA_STAGE_REGIONS,
   VISTA_STAGE_RECONSTRUCTION,
   VISTA_STAGE_TRACKING,
@@ -55,6 +57,7 @@ typedef struct vista_result {
   const vista_surfaces *surfaces;
   const vista_affinity *affinity;
   const vista_segmentation *segmentation;
+  const vista_delineation *delineation;
   const vista_region *regions;
   int32_t region_count;
   int32_t accepted_count;

@@ -24,6 +24,7 @@
 #include <stdint.h>
 
 #include "vista/arena.h"
+#include "vista/delineation.h"
 #include "vista/foveation.h"
 #include "vista/parameters.h"
 #include "vista/segmentation.h"
@@ -85,7 +86,7 @@ vista_status vista_regions_compute(const vista_foveation *foveation, const vista
                                    const vista_camera *camera, const double up_camera[3], double horizontal_deg,
                                    const vista_disparity_image *disparity, const vista_cells *cells,
                                    const vista_surfaces *surfaces, const vista_segmentation *segmentation,
-                                   vista_regions *regions);
+                                   const vista_delineation *delineation, vista_regions *regions);
 
 /* Upper-case name of a verdict; never null. */
 const char *vista_region_verdict_name(vista_region_verdict verdict);

@@ -61,6 +61,7 @@ class Result:
     cell_intensity: NDArray[np.float32]  # (cells,)
     cell_disparity_px: NDArray[np.float32]  # (cells,), negative: none
     region_of_cell: NDArray[np.int32]  # (cells,), -1: none
+    region_of_pixel: NDArray[np.int32]  # (height, width), -1: none; boundaries follow the image
     verdict_of_region: list[str]
 
 
@@ -191,6 +192,7 @@ class Pipeline:
             cell_intensity=self._array(r.cells.intensity, cells, np.float32),
             cell_disparity_px=self._array(r.cells.disparity_px, cells, np.float32),
             region_of_cell=self._array(r.segmentation.label, cells, np.int32),
+            region_of_pixel=self._array(r.delineation.label, shape[0] * shape[1], np.int32).reshape(shape),
             verdict_of_region=verdicts,
         )
 
