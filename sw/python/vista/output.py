@@ -9,6 +9,11 @@ from pathlib import Path
 from vista.errors import InputError
 
 
+def unwritable(path: Path, error: OSError) -> InputError:
+    """What to raise for a file or folder that the system does not let us write."""
+    return InputError(path, f"cannot be written: {(error.strerror or str(error)).lower()}")
+
+
 def write_atomically(path: Path, data: bytes | str) -> None:
     """Writes beside the target, then renames. Raises InputError when the target cannot be written."""
     content = data.encode() if isinstance(data, str) else data
@@ -21,7 +26,7 @@ def write_atomically(path: Path, data: bytes | str) -> None:
         Path(temporary).replace(path)
         temporary = None
     except OSError as error:
-        raise InputError(path, f"cannot be written: {(error.strerror or str(error)).lower()}") from None
+        raise unwritable(path, error) from None
     finally:
         if temporary is not None:
             Path(temporary).unlink(missing_ok=True)
@@ -35,7 +40,7 @@ class LineFile:
         try:
             self._stream = path.open("wb", buffering=0)
         except OSError as error:
-            raise InputError(path, f"cannot be written: {(error.strerror or str(error)).lower()}") from None
+            raise unwritable(path, error) from None
         self._whole_bytes = 0
 
     def write_line(self, line: str) -> None:
@@ -46,9 +51,7 @@ class LineFile:
                 raise OSError(None, "disk full")
         except OSError as error:
             self._stream.truncate(self._whole_bytes)
-            raise InputError(
-                self._path, f"cannot be written: {(error.strerror or str(error)).lower()}"
-            ) from None
+            raise unwritable(self._path, error) from None
         self._whole_bytes += len(data)
 
     def close(self) -> None:

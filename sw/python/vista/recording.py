@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 from vista import parameters
 from vista.errors import InputError
 from vista.geometry import Calibration
+from vista.output import unwritable
 from vista.sequence import Frame, Sequence
 
 MAGIC = b"VISTAREC"
@@ -44,7 +45,7 @@ class Recorder:
         try:
             self._stream = self._part.open("wb")
         except OSError as error:
-            raise self._failure(error) from None
+            raise unwritable(self._path, error) from None
         self._write(
             HEADER.pack(
                 MAGIC,
@@ -92,7 +93,4 @@ class Recorder:
         try:
             self._stream.write(data)
         except OSError as error:
-            raise self._failure(error) from None
-
-    def _failure(self, error: OSError) -> InputError:
-        return InputError(self._path, f"cannot be written: {(error.strerror or str(error)).lower()}")
+            raise unwritable(self._path, error) from None

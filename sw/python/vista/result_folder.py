@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vista.errors import InputError
-from vista.output import LineFile, write_atomically
+from vista.output import LineFile, unwritable, write_atomically
 
 OBSTACLES, SUMMARY, REPORT, FRAMES = "obstacles.jsonl", "summary.json", "report.html", "frames"
 FRAME_PICTURE = re.compile(r"\d{6,}\.jpg")
@@ -76,7 +76,5 @@ class ResultFolder:
             for stale in (self.path / SUMMARY, self.path / REPORT, *self.frames.iterdir()):
                 stale.unlink(missing_ok=True)
         except OSError as error:
-            raise InputError(
-                self.path, f"cannot be written: {(error.strerror or str(error)).lower()}"
-            ) from None
+            raise unwritable(self.path, error) from None
         self._lines = LineFile(self.path / OBSTACLES)

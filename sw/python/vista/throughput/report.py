@@ -9,7 +9,7 @@ from typing import Any
 from markupsafe import Markup
 
 from vista.errors import InputError
-from vista.output import write_atomically
+from vista.output import unwritable, write_atomically
 from vista.page import fill_template
 from vista.throughput import plots
 from vista.throughput.assess import Answer, Sweeps, as_json
@@ -39,8 +39,7 @@ def write_results(folder: Path, answer: Answer, swept: Sweeps, simulations: int)
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        reason = (error.strerror or str(error)).lower()
-        raise InputError(folder, f"cannot be written: {reason}") from None
+        raise unwritable(folder, error) from None
     write_atomically(folder / JSON, content)
     write_atomically(folder / TIMELINE, timeline.png)
     write_atomically(folder / SWEEP, sweep.png)
