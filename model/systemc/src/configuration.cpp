@@ -1,11 +1,13 @@
 #include "configuration.h"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <functional>
 #include <set>
+#include <system_error>
 
 #include "json.h"
 
@@ -48,10 +50,12 @@ Key real(const char* name, double Configuration::*field, double low, double high
 Key integer(const char* name, int64_t Configuration::*field, int64_t low, int64_t high) {
   return {name,
           [=](Configuration& c, const std::string& text) {
-            char* end = nullptr;
-            const long long value = std::strtoll(text.c_str(), &end, 10);
-            if (text.empty() || *end != '\0') throw ConfigurationError(name, "'" + text + "' is not a whole number");
-            if (value < low || value > high)
+            int64_t value = 0;
+            const char* const end = text.data() + text.size();
+            const auto [stop, error] = std::from_chars(text.data(), end, value);
+            if (error == std::errc::invalid_argument || stop != end)
+              throw ConfigurationError(name, "'" + text + "' is not a whole number");
+            if (error == std::errc::result_out_of_range || value < low || value > high)
               throw ConfigurationError(name,
                                        text + " is outside " + std::to_string(low) + " .. " + std::to_string(high));
             c.*field = value;

@@ -35,6 +35,8 @@ BAD = [
     ("host_stage.cut_ms", "host_stage.cut_ms ="),
     ("result_bytes_px", "result_bytes_px = 3"),
     ("frames", "frames = 0"),
+    ("seed", "seed = 9223372036854775808"),
+    ("seed", "seed = 12 monkeys"),
     ("frames", "frames = 3\nframes = 4"),
     ("clock", "clock = 3"),
     ("line 2", "frames = 2\nengine_clock_hz 3"),
