@@ -85,5 +85,6 @@ class FakePipeline:
             cell_intensity=intensity.astype(np.float32),
             cell_disparity_px=np.full(rows * columns, -1.0, np.float32),
             region_of_cell=region_of_cell,
+            region_of_pixel=region_of_cell[cell_of_pixel],
             verdict_of_region=verdicts,
         )

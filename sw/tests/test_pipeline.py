@@ -130,6 +130,8 @@ def test_python_gives_the_same_numbers(flight: list[dict]) -> None:
         assert result.cell_intensity.tobytes() == expected["intensity"]
         assert result.cell_disparity_px.tobytes() == expected["disparity_px"]
         assert result.region_of_cell.tobytes() == expected["label"]
+        drawn = pipeline.delineate(source.left, result.cell_intensity, result.region_of_cell)
+        assert np.array_equal(result.region_of_pixel, drawn)
         nearest = expected["nearest_collision"]
         assert (result.nearest_collision is not None) == nearest["valid"]
         if nearest["valid"]:

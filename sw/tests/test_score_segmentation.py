@@ -26,7 +26,7 @@ def score(view: LabelledView, region: np.ndarray, size_px: float = 1.0) -> Parti
     """A partition given pixel by pixel: every pixel is a cell."""
     cells = np.arange(region.size).reshape(region.shape)
     return segmentation.score_partition(
-        view, cells, region.ravel().astype(np.int32), np.full(region.size, size_px, np.float32)
+        view, region.astype(np.int32), cells, np.full(region.size, size_px, np.float32)
     )
 
 

@@ -42,14 +42,13 @@ class Overlay:
 
     def draw(self, frame: Frame, words: NDArray[np.int16], result: Result) -> Picture:
         """frame: rectified; words: its disparity image, 1/16 px; result: what the host made of the two."""
-        labels = result.region_of_cell[result.cell_of_pixel]
         foveated = np.clip(np.rint(result.cell_intensity), 0, 255).astype(np.uint8)[result.cell_of_pixel]
         colours = self._region_colours.assign(result.region_of_cell)
         tiles = [
             draw_obstacles(frame.left, result.obstacles, result.nearest_collision),
             draw_disparity(words, self._num_disparities),
             _caption(cv2.cvtColor(foveated, cv2.COLOR_GRAY2BGR), "foveated"),
-            draw_regions(frame.left, labels, colours, result.verdict_of_region),
+            draw_regions(frame.left, result.region_of_pixel, colours, result.verdict_of_region),
         ]
         return _stack(self._headline(frame, result), tiles)
 

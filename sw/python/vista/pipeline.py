@@ -156,6 +156,29 @@ class Pipeline:
             np.stack([self._array(center, cells, np.float32) for center in (f.center_u, f.center_v)], axis=1),
         )
 
+    def delineate(
+        self, left: NDArray[np.uint8], cell_intensity: NDArray[np.float32], region_of_cell: NDArray[np.int32]
+    ) -> NDArray[np.int32]:
+        """Region of each pixel (height, width) of any partition of a frame's cells, drawn as the chain draws
+        its own; after the first frame. Raises PipelineError for an image of another size."""
+        ffi, f = self._ffi, self._result.foveation
+        left = np.ascontiguousarray(left)
+        image = ffi.new(
+            "vista_image *",
+            (ffi.cast("uint8_t *", left.ctypes.data), left.shape[1], left.shape[0], left.shape[1]),
+        )
+        intensity, label = np.ascontiguousarray(cell_intensity), np.ascontiguousarray(region_of_cell)
+        cells = ffi.new("vista_cells *", {"intensity": ffi.cast("float *", intensity.ctypes.data)})
+        drawn, border = np.empty(left.shape, np.int32), np.empty(f.node_count, np.uint8)
+        out = ffi.new(
+            "vista_delineation *",
+            (ffi.cast("int32_t *", drawn.ctypes.data), ffi.cast("uint8_t *", border.ctypes.data)),
+        )
+        params = ffi.addressof(self._parameters[0], "delineation")
+        c_label = ffi.cast("int32_t *", label.ctypes.data)
+        self._check(self._lib.vista_delineate(f, params, image, cells, c_label, out))
+        return drawn
+
     def _check(self, status: int) -> None:
         if status != self._lib.VISTA_OK:
             raise PipelineError(self._ffi.string(self._lib.vista_status_text(status)).decode())

@@ -49,7 +49,7 @@ def various(truths: list[FlightTruth]) -> list[FlightTruth]:
 def colour_regions(moment: Moment) -> NDArray[np.uint8]:
     result = moment.step.result
     colours = np.vstack([RegionColours().assign(result.region_of_cell), [GREY]]).astype(np.uint8)
-    labels = result.region_of_cell[result.cell_of_pixel]
+    labels = result.region_of_pixel
     picture = colours[labels]  # the last colour serves -1, no region
     border = np.zeros(labels.shape, np.uint8)
     border[:, 1:] |= labels[:, 1:] != labels[:, :-1]

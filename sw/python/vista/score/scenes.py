@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from time import thread_time
 
@@ -20,6 +21,7 @@ from vista.rectify import Rectifier
 from vista.score.control import ControlParameters, merge_cells
 from vista.score.segmentation import (
     LabelledView,
+    Labels,
     PartitionScore,
     grid_limit,
     labelled_view,
@@ -58,6 +60,7 @@ class Partition:
     words: NDArray[np.int16]
     result: Result
     graph: CellGraph
+    delineate: Callable[[Labels], Labels]  # region of each cell -> of each pixel
     host_ms: float  # processor time from words to regions and map
 
 
@@ -117,25 +120,35 @@ def partition_scenes(
         start_s = thread_time()
         result = pipeline.process(scene.left, words, scene.t_ns, scene.world_from_camera, scene.up_world)
         host_ms = 1e3 * (thread_time() - start_s)
-        yield scene, Partition(words, result, pipeline.cell_graph(), host_ms)
+        delineate = partial(pipeline.delineate, scene.left, result.cell_intensity)
+        yield scene, Partition(words, result, pipeline.cell_graph(), delineate, host_ms)
 
 
-def control_regions(partition: Partition, control: ControlParameters) -> NDArray[np.int32]:
-    """Region of each cell by the control, on the graph of the cut."""
+def control_regions(partition: Partition, control: ControlParameters) -> Labels:
+    """Region of each pixel by the control, on the graph of the cut; drawn as those of the cut."""
     graph = partition.graph
-    return merge_cells(graph.edges, graph.affinity, graph.horizontal, control)
+    return partition.delineate(merge_cells(graph.edges, graph.affinity, graph.horizontal, control))
 
 
-def score_regions(
-    scene: LabelledScene, partition: Partition, region_of_cell: NDArray[np.int32]
-) -> PartitionScore:
+def grid_regions(scene: LabelledScene, partition: Partition) -> Labels:
+    cells = partition.result.cell_of_pixel
+    return grid_limit(scene.view, cells)[cells]
+
+
+def score_regions(scene: LabelledScene, partition: Partition, region_of_pixel: Labels) -> PartitionScore:
     return score_partition(
-        scene.view, partition.result.cell_of_pixel, region_of_cell, partition.graph.cell_size_px
+        scene.view, region_of_pixel, partition.result.cell_of_pixel, partition.graph.cell_size_px
     )
 
 
 def score_cut(scene: LabelledScene, partition: Partition) -> PartitionScore:
-    return score_regions(scene, partition, partition.result.region_of_cell)
+    return score_regions(scene, partition, partition.result.region_of_pixel)
+
+
+def score_cells(scene: LabelledScene, partition: Partition) -> PartitionScore:
+    """Of the cut's regions as cells draw them."""
+    result = partition.result
+    return score_regions(scene, partition, result.region_of_cell[result.cell_of_pixel])
 
 
 @dataclass(frozen=True)
@@ -151,8 +164,8 @@ class ScoredScene:
 
 
 def score_scene(scene: LabelledScene, partition: Partition) -> ScoredScene:
-    regions = {CUT: partition.result.region_of_cell}
+    regions = {CUT: partition.result.region_of_pixel}
     regions |= {name: control_regions(partition, control) for name, control in CONTROLS.items()}
-    regions[GRID] = grid_limit(scene.view, partition.result.cell_of_pixel)
+    regions[GRID] = grid_regions(scene, partition)
     scores = {name: score_regions(scene, partition, region) for name, region in regions.items()}
     return ScoredScene(scene, partition, scores)

@@ -117,8 +117,8 @@ def draw_scene(scored: ScoredScene) -> Picture:
     tiles = [
         draw_labels(scene.left, truth - 1, scene.view),
         draw_disparity(scored.partition.words, 64),
-        draw_labels(scene.left, result.region_of_cell[result.cell_of_pixel], scene.view),
-        draw_labels(scene.left, control[result.cell_of_pixel], scene.view),
+        draw_labels(scene.left, result.region_of_pixel, scene.view),
+        draw_labels(scene.left, control, scene.view),
     ]
     return np.vstack([np.hstack(tiles[:2]), np.hstack(tiles[2:])])
 

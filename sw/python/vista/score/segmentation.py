@@ -111,15 +111,15 @@ def distance_to_boundary_px(region: Labels) -> NDArray[np.float32]:
 
 
 def score_partition(
-    view: LabelledView, cell_of_pixel: Labels, region_of_cell: Labels, cell_size_px: NDArray[np.float32]
+    view: LabelledView, region_of_pixel: Labels, cell_of_pixel: Labels, cell_size_px: NDArray[np.float32]
 ) -> PartitionScore:
-    """region_of_cell: -1 for a cell of no region; it counts as a region of its own, but bounds nothing."""
-    cells = cell_of_pixel[view.area]
-    regions = int(region_of_cell.max(initial=-1)) + 1
-    alone = region_of_cell < 0
-    numbered = np.where(alone, regions + np.cumsum(alone) - 1, region_of_cell)
-    shared = shared_pixels(view.label, numbered[cells], regions + int(alone.sum()))
-    distance = distance_to_boundary_px(region_of_cell[cells])
+    """region_of_pixel, cell_of_pixel: (height, width) of the image. Pixels of no region, -1, count as one
+    region a cell, but bound nothing."""
+    region, cells = region_of_pixel[view.area], cell_of_pixel[view.area]
+    regions = int(region_of_pixel.max(initial=-1)) + 1
+    numbered = np.where(region < 0, regions + cells, region)
+    shared = shared_pixels(view.label, numbered, regions + len(cell_size_px))
+    distance = distance_to_boundary_px(region)
     size = cell_size_px[cells]
     scores = tuple(
         ThingScore(
