@@ -15,11 +15,11 @@ from pathlib import Path
 import numpy as np
 
 ROOT = Path(__file__).resolve().parents[1]
-sys.path[:0] = [str(ROOT / p) for p in ("tb/common", "tb/top", "model", "build/python")]
+sys.path[:0] = [str(ROOT / p) for p in ("tb/common", "model", "build/python")]
+from broken_video import FAULTS, HEIGHT, WIDTH  # noqa: E402
 from faults import expected_after, react  # noqa: E402
 from frames import Frame, beats, expected_flags, random_frame, random_pair, set_up  # noqa: E402
 from registers import CONTROL, ERRORS, FRAMES_IN, FRAMES_OUT  # noqa: E402
-from test_faults import FAULTS, HEIGHT, WIDTH  # noqa: E402
 from tools import BUILD, sources  # noqa: E402
 from verilated import PACES, Config, Pace, Rtl  # noqa: E402
 

@@ -2,76 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
-import numpy.typing as npt
 import pytest
+from broken_video import FAULTS, HEIGHT, WIDTH, Beats, Fault, untouched
 from faults import EARLY_EOL, EARLY_SOF, LATE_EOL, LATE_SOF, SIZE, expected_after, react
 from frames import Frame, beats, expected_flags, expected_words, random_pair, random_parameters, set_up
 from registers import CONTROL, ERRORS, FRAMES_IN, FRAMES_OUT
 from registers import SIZE as SIZE_REGISTER
-from verilated import LAST, USER, Config, Pace, Rtl
+from verilated import Config, Pace, Rtl
 
 CONFIG = Config(16, 5)
-WIDTH, HEIGHT = 60, 14
-Beats = npt.NDArray[np.uint32]
-
-
-def early_end_of_line(stream: Beats, at: int, rng: np.random.Generator) -> Beats:
-    stream[at] |= LAST
-    return stream
-
-
-def missing_end_of_line(stream: Beats, at: int, rng: np.random.Generator) -> Beats:
-    stream[at - at % WIDTH + WIDTH - 1] &= ~np.uint32(LAST)
-    return stream
-
-
-def early_start_of_frame(stream: Beats, at: int, rng: np.random.Generator) -> Beats:
-    stream[at] |= USER
-    return stream
-
-
-def missing_start_of_frame(stream: Beats, at: int, rng: np.random.Generator) -> Beats:
-    stream[0] &= ~np.uint32(USER)
-    return stream
-
-
-def short_line(stream: Beats, at: int, rng: np.random.Generator) -> Beats:
-    end = at - at % WIDTH + WIDTH - 1
-    return np.delete(stream, slice(end - int(rng.integers(1, WIDTH - 1)), end))
-
-
-def long_line(stream: Beats, at: int, rng: np.random.Generator) -> Beats:
-    return np.insert(stream, at - at % WIDTH + 1, rng.integers(0, 65536, int(rng.integers(1, 40)), np.uint32))
-
-
-def truncated_frame(stream: Beats, at: int, rng: np.random.Generator) -> Beats:
-    return stream[:at]
-
-
-def frame_short_of_rows(stream: Beats, at: int, rng: np.random.Generator) -> Beats:
-    return stream[: max(at - at % WIDTH, WIDTH)]
-
-
-def frame_with_more_rows(stream: Beats, at: int, rng: np.random.Generator) -> Beats:
-    return np.concatenate([stream, stream[WIDTH : WIDTH * int(rng.integers(2, 5))]])
-
-
-def lost_pixel(stream: Beats, at: int, rng: np.random.Generator) -> Beats:
-    return np.delete(stream, at)
-
-
-def untouched(stream: Beats, at: int, rng: np.random.Generator) -> Beats:
-    return stream
-
-
-FAULTS: list[Callable[[Beats, int, np.random.Generator], Beats]] = [
-    early_end_of_line, missing_end_of_line, early_start_of_frame, missing_start_of_frame,
-    short_line, long_line,
-    truncated_frame, frame_short_of_rows, frame_with_more_rows, lost_pixel, untouched,
-]  # fmt: skip
 PACES = [Pace(), Pace(300, 300), Pace(60, 30)]
 
 
@@ -89,7 +29,7 @@ def stream_and_check(rtl: Rtl, stream: Beats, parameters, seed: int, paces: tupl
 
 
 @pytest.mark.parametrize("fault", FAULTS, ids=lambda f: f.__name__)
-def test_fault_between_good_frames(fault: Callable[[Beats, int, np.random.Generator], Beats]) -> None:
+def test_fault_between_good_frames(fault: Fault) -> None:
     errors = 0
     for seed in range(12):
         rng = np.random.default_rng(seed)
