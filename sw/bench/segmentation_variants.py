@@ -19,7 +19,15 @@ import cv2
 import numpy as np
 from vista import parameters
 from vista.engine import Disparity, Engine, EngineParameters, Image
-from vista.score.scenes import LabelledScene, partition_scenes, read_scenes, score_cut, score_scene
+from vista.score.scenes import (
+    LabelledScene,
+    Partition,
+    partition_scenes,
+    read_scenes,
+    score_cells,
+    score_cut,
+    score_scene,
+)
 from vista.score.scenes_report import number
 from vista.score.segmentation import STATISTICS, PartitionScore
 from vista.score.truth import SPLITS
@@ -80,6 +88,7 @@ def without_speckles(engine: Engine) -> Engine:
 class Variant:
     changes: dict[str, dict[str, object]] = field(default_factory=dict)
     around_engine: Callable[[Engine], Engine] = lambda engine: engine
+    score: Callable[[LabelledScene, Partition], PartitionScore] = score_cut
 
 
 def segmentation(**changes: object) -> Variant:
@@ -96,6 +105,7 @@ def sectors(count: int) -> Variant:
 
 VARIANTS = {
     "as shipped": Variant(),
+    "regions as cells draw them: no delineation": Variant(score=score_cells),
     "cores alone: no cut, no shell": segmentation(reach=1, shell_px=0.0),
     "no shell": segmentation(shell_px=0.0),
     "no bridges": segmentation(bridge_m=0.0),
@@ -116,6 +126,8 @@ VARIANTS = {
     "companion's sigma 30, mu 2": affinity(form="sum", sigma_intensity=30.0, sigma_disparity_px=30.0),
     "sigma_I 7": affinity(sigma_intensity=7.0),
     "sigma_I 15": affinity(sigma_intensity=15.0),
+    "delineation, sigma 6": Variant({"delineation": {"sigma_intensity": 6.0}}),
+    "delineation, compactness 2": Variant({"delineation": {"compactness": 2.0}}),
     "96 sectors": sectors(96),
     "160 sectors": sectors(160),
     "192 sectors": sectors(192),
@@ -137,7 +149,7 @@ def measure(variant: Variant, scenes: list[LabelledScene]) -> tuple[list[Partiti
         values[section] |= content
     scores, host_ms = [], []
     for scene, partition in partition_scenes(scenes, values, variant.around_engine):
-        scores.append(score_cut(scene, partition))
+        scores.append(variant.score(scene, partition))
         host_ms.append(partition.host_ms)
     return scores, float(np.median(host_ms))
 
