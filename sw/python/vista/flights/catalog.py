@@ -54,7 +54,7 @@ def by_name(*flights: Flight) -> dict[str, Flight]:
 
 
 COMPANION_TABLE = (
-    flight("sign_10", "1 sign, 10 ft/s", "report", meadow.sign_site, 1, speed_m_s=SLOW_M_S),
+    flight("sign_10", "1 sign, 10 ft/s", "report", meadow.sign_site_before_hills, 1, speed_m_s=SLOW_M_S),
     flight("sign_30", "2 sign, 30 ft/s", "tune", meadow.sign_site_at_noon, 2),
     flight("pole_30", "3 pole, 30 ft/s", "report", meadow.pole_site, 3),
     flight("pole_10", "4 pole, 10 ft/s", "tune", meadow.pole_site_in_shade, 4, speed_m_s=SLOW_M_S),

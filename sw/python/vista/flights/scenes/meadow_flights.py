@@ -93,9 +93,19 @@ def sign_site_at_noon(altitude_m: float, seed: int) -> Scene:
     return replace(sign_site(altitude_m, seed), to_sun=NOON_SUN, exposure=1.1)
 
 
+def before_hills(scene: Scene, seed: int) -> Scene:
+    """For sites whose tree line leaves some of the horizon in view."""
+    return replace(scene, things=(*scene.things, hills(seed)))
+
+
+def sign_site_before_hills(altitude_m: float, seed: int) -> Scene:
+    return before_hills(sign_site(altitude_m, seed), seed)
+
+
 def pole_site_in_shade(altitude_m: float, seed: int) -> Scene:
     """A thin cloud before the sun."""
-    return replace(pole_site(altitude_m, seed), sun_irradiance=1.4, fill_irradiance=1.7, exposure=1.9)
+    scene = before_hills(pole_site(altitude_m, seed), seed)
+    return replace(scene, sun_irradiance=1.4, fill_irradiance=1.7, exposure=1.9)
 
 
 def overcast_sign(altitude_m: float, seed: int) -> Scene:
