@@ -132,6 +132,6 @@ def darkest_sky(scene: Scene, altitude_m: float, roll_deg: float, pitch_deg: flo
 def test_hills_hide_the_sky_below_the_horizon(altitude_m: float, roll_deg: float, pitch_deg: float) -> None:
     """It is black there; without hills it does show."""
     open_country = (ground.ground("soil", altitude_m, 0.0, 0.0, 1),)
-    for things, hidden in ((open_country, False), ((*open_country, landscape.hills(1)), True)):
+    for things, hidden in ((open_country, False), ((*open_country, landscape.hills(altitude_m, 1)), True)):
         darkest = darkest_sky(Scene(things, to_sun=(-0.6, 0.4, 0.7)), altitude_m, roll_deg, pitch_deg)
         assert darkest > 0.3 if hidden else darkest < 0.1, (hidden, darkest)

@@ -65,20 +65,23 @@ def far_houses(x_m: float, seed: int) -> list[Thing]:
 
 HILLS_FOOT_X_M, HILLS_CREST_X_M = 1360.0, 1450.0  # short of HORIZON_M, where the ground ends
 HILLS_HALF_WIDTH_M = 640.0  # the view's at the crest, and what roll and yaw add
+HILLS_OVER_EYE_M = 18.0
 HILLS_TREE_M = 5.0
 HILLS_ROWS = 9
 
 
-def hills(seed: int) -> Thing:
-    """A wooded ridge across the view, 25 to 47 m high.
+def hills(altitude_m: float, seed: int) -> Thing:
+    """A wooded ridge across the view, 14 to 22 m higher than the camera: 9 to 15 pixels above the horizon.
 
     Mitsuba's sky is black below the horizon, and `render` takes it from one ray in eight pixels: without a
-    ridge of at least 8 pixels above the horizon, black shows where the ground ends and up to there.
+    ridge, black shows where the ground ends and up to 8 pixels above. It is no higher, so that what stands
+    against the sky still does.
     """
     rng = np.random.default_rng((seed, 12))
     y = np.arange(-HILLS_HALF_WIDTH_M, HILLS_HALF_WIDTH_M, HILLS_TREE_M)
     waves = [np.sin(2 * np.pi * (y / length + rng.uniform())) for length in (910.0, 370.0, 140.0)]
-    crest_m = 36.0 + np.dot([5.0, 3.0, 1.5], waves) + rng.uniform(-1.5, 1.5, len(y))
+    relief_m = np.dot([1.8, 1.1, 0.5], waves) + rng.uniform(-0.6, 0.6, len(y))
+    crest_m = altitude_m + HILLS_OVER_EYE_M + relief_m
     up = np.linspace(0.0, 1.0, HILLS_ROWS)[:, None]
     x = HILLS_FOOT_X_M + (HILLS_CREST_X_M - HILLS_FOOT_X_M) * up
     vertices_m = np.stack(np.broadcast_arrays(x, y, up * crest_m), axis=-1).reshape(-1, 3)

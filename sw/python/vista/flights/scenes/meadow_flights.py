@@ -93,18 +93,18 @@ def sign_site_at_noon(altitude_m: float, seed: int) -> Scene:
     return replace(sign_site(altitude_m, seed), to_sun=NOON_SUN, exposure=1.1)
 
 
-def before_hills(scene: Scene, seed: int) -> Scene:
+def before_hills(scene: Scene, altitude_m: float, seed: int) -> Scene:
     """For sites whose tree line leaves some of the horizon in view."""
-    return replace(scene, things=(*scene.things, hills(seed)))
+    return replace(scene, things=(*scene.things, hills(altitude_m, seed)))
 
 
 def sign_site_before_hills(altitude_m: float, seed: int) -> Scene:
-    return before_hills(sign_site(altitude_m, seed), seed)
+    return before_hills(sign_site(altitude_m, seed), altitude_m, seed)
 
 
 def pole_site_in_shade(altitude_m: float, seed: int) -> Scene:
     """A thin cloud before the sun."""
-    scene = before_hills(pole_site(altitude_m, seed), seed)
+    scene = before_hills(pole_site(altitude_m, seed), altitude_m, seed)
     return replace(scene, sun_irradiance=1.4, fill_irradiance=1.7, exposure=1.9)
 
 
@@ -124,7 +124,7 @@ def low_sun_pole(altitude_m: float, seed: int) -> Scene:
             *country(altitude_m, seed, "soil"),
             *bales(seed),
             parked("car0", "car", 12.0, 7.0, 35.0, 0.3, seed),
-            hills(seed),
+            hills(altitude_m, seed),
         ),
         to_sun=(0.55, -0.82, 0.122),
     )
@@ -150,7 +150,7 @@ def windy_pole(altitude_m: float, seed: int) -> Scene:
         things.swaying_tree(f"tree{k}", (x, y, 0.0), 8.0 + k, seed + k, BREEZE)
         for k, (x, y) in enumerate(((12.0, -13.0), (26.0, 14.0), (45.0, -15.0)))
     ]
-    scenery = (*country(altitude_m, seed, sway=BREEZE), *bushes, *trees, hills(seed))
+    scenery = (*country(altitude_m, seed, sway=BREEZE), *bushes, *trees, hills(altitude_m, seed))
     return Scene((things.foamcore_pole(altitude_m, seed), *scenery), to_sun=AFTERNOON_SUN)
 
 
@@ -169,7 +169,7 @@ def fenced_sign(altitude_m: float, seed: int) -> Scene:
             )
         )
     ]
-    scenery = (*country(altitude_m, seed), *fences, hills(seed))
+    scenery = (*country(altitude_m, seed), *fences, hills(altitude_m, seed))
     return Scene((things.sign(altitude_m, seed), *scenery), to_sun=NOON_SUN)
 
 
@@ -177,7 +177,7 @@ def thin_pole(altitude_m: float, seed: int) -> Scene:
     """A banded post, 7 cm across and 3 m taller than the path is high."""
     post = street.banded_post(altitude_m + 3.0, 0.035, 0.08, 0.7, 0.5)
     target = things.one("thin_pole", "post", post, target=True)
-    scenery = (*country(altitude_m, seed), *bales(seed), hills(seed))
+    scenery = (*country(altitude_m, seed), *bales(seed), hills(altitude_m, seed))
     return Scene((target, *scenery), to_sun=AFTERNOON_SUN)
 
 
@@ -203,7 +203,7 @@ def brick_pier(altitude_m: float, seed: int) -> Scene:
     pier = things.wall(
         "pier", *ends, altitude_m + 1.2, 0.3, seed, bricks=True, texel_m=PIER_TEXEL_M, target=True
     )
-    scenery = (*country(altitude_m, seed), *bales(seed), hills(seed))
+    scenery = (*country(altitude_m, seed), *bales(seed), hills(altitude_m, seed))
     return Scene((pier, *scenery), to_sun=AFTERNOON_SUN, exposure=1.3)
 
 

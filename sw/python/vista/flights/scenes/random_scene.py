@@ -239,7 +239,7 @@ def random_scene(seed: int) -> tuple[Scene, Viewpoint]:
         scenery += far_houses(far_m - 5 if background == "houses" else far_m + 40, seed)
     if background in ("forest", "trees"):
         scenery.append(forest(far_m + 60, seed))
-    scenery.append(hills(seed))
+    scenery.append(hills(altitude, seed))
     if rng.random() < 0.25:
         x = rng.uniform(15, 45)
         place = (x, x * rng.uniform(-0.2, 0.2))
