@@ -24,8 +24,8 @@ TABLE_FIRST_RANGE_M = 88.0
 CROSSING_FIRST_RANGE_M = 75.0  # so that most of the flight shows the drone before it is in the way
 LARGE_FIRST_RANGE_M = 64.0  # whatever else stands in the way, and nothing at all
 LAST_RANGE_M = 14.0
-# From where everything is matched well into where nothing is: 64 disparities end at 457.2 / 63 = 7.3 m.
-CLOSE_FIRST_RANGE_M, CLOSE_LAST_RANGE_M = 30.0, 4.0
+# From beyond the band of hits to where nothing is matched: 64 disparities end at 457.2 / 63 = 7.3 m.
+CLOSE_FIRST_RANGE_M, CLOSE_LAST_RANGE_M = 55.0, 4.0
 
 
 def approach(first_m: float, last_m: float, speed_m_s: float, seed: int, altitude_m: float) -> Approach:
