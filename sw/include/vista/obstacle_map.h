@@ -8,7 +8,7 @@
  * the filter's covariance, J diag(lasting^2) J^T as in reconstruction, not fed into it.
  * Too near to match (vista/saturation.h): an obstacle without a track, id 0, on the flight path somewhere within the
  * blind zone, as wide as the volume. It is given at the far end of the zone, with the zone's length as uncertainty.
- * Membership: an obstacle that is seen, by its region's own pixels (vista/collision_volume.h) in two of its last three
+ * Membership: an obstacle that is seen, by the pixels of its region (vista/collision_volume.h) in two of its last three
  * hits, or in its only one. While it coasts it stays a member as far as its disc does.
  * Disc: an elliptical one facing the camera, semi-axes extent / 2 + inflation_sigma times the standard deviation
  * of its bearing at its depth. Only across the line of sight: the range uncertainty of a far obstacle moves it along

@@ -119,7 +119,7 @@ typedef struct vista_tracker_params {
   int32_t confirm_hits; /* A track is confirmed at this many hits in confirm_window frames; at one more while own travel could tell, but does not yet, that it stands. Paper: M. 1 .. 32 frames. At most confirm_window. */
   int32_t confirm_window; /* Frames, in which the track could be seen, that count for its confirmation. Paper: N. 1 .. 32 frames. */
   int32_t moved_hits; /* A track that moves needs this many hits, and has this many frames, more to be confirmed. 0 .. 16 frames. */
-  int32_t volume_pixels; /* A region is in the collision volume when at least this many of its own pixels are. 0 .. 1000000 pixels. */
+  int32_t volume_pixels; /* A region is in the collision volume when at least this many of its pixels are. 0 .. 1000000 pixels. */
   double static_odds; /* Likelihood ratio at which a track is held to stand still, or, inverted, to move with the aircraft as a mismatched texture does. 1.0 .. 1000000.0. */
   double static_tolerance; /* Motion along the line of sight, as a share of own travel, that what stands may seem to make: regions change on approach. 0.0 .. 1.0. */
   double static_noise_hits; /* Hits in a row whose range errors are about the same: they count as one. 1.0 .. 100.0 hits. */

@@ -14,9 +14,10 @@
  * d = a + slope_u u + slope_v v, fitted to the region's cells; the plane has to explain a tenth more of their area.
  * Edge consistency is judged on the residuals from the winner: a wall seen at an angle varies smoothly, too.
  *
- * Size and centre are those of the pixels that lie on the surface, and of cells without disparity that the cut gave
- * to the region: at a thin post most of a cell's pixels belong to the background. Of long regions only those pixels on
- * the surface whose like is found boundary_px to the left and to the right: matching widens a mast to a multiple. */
+ * Size and centre are those of the region's own pixels: of its cells those that the image gives to it, too
+ * (vista/delineation.h), and that lie on the surface or in cells without disparity; at a thin post most of a cell's
+ * pixels belong to the background. Of long regions only those pixels on the surface whose like is found boundary_px to
+ * the left and to the right: matching widens a mast to a multiple. */
 #ifndef VISTA_REGION_H
 #define VISTA_REGION_H
 
@@ -51,7 +52,7 @@ typedef struct vista_region {
   bool plain; /* no disparity inside: a surface that faces the camera at the disparity of its outline */
   int32_t node_count;
   int32_t pixel_count; /* own pixels, see above; like their moments measured only if the boundary passed its tests */
-  int32_t volume_pixels; /* of these, in the collision volume (vista/collision_volume.h) */
+  int32_t volume_pixels; /* on the surface and in the collision volume (vista/collision_volume.h) */
   /* Moments of the own pixels: centre and covariance. */
   double mean_u_px, mean_v_px;
   double cov_uu_px2, cov_uv_px2, cov_vv_px2;
