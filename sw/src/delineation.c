@@ -35,8 +35,9 @@ static int32_t list_candidates(const vista_foveation *f, const vista_delineation
                                const vista_cells *cells, const int32_t *label, const uint8_t *border, int32_t node,
                                candidate out[MAX_CANDIDATES]) {
   int32_t count = 0;
-  for (int32_t arc = f->graph.first_arc[node] - 1; arc < f->graph.first_arc[node + 1] && count < MAX_CANDIDATES; ++arc) {
-    const int32_t i = arc < f->graph.first_arc[node] ? node : f->graph.head[arc];
+  const int32_t first = f->graph.first_arc[node], end = f->graph.first_arc[node + 1];
+  for (int32_t arc = first - 1; arc < end && count < MAX_CANDIDATES; ++arc) {
+    const int32_t i = arc < first ? node : f->graph.head[arc];
     if (i == 0) continue; /* the hub's size says nothing of how far it reaches */
     out[count++] = (candidate){.intensity = cells->intensity[i],
                                .center_u = f->center_u[i],

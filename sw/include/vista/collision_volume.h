@@ -2,9 +2,9 @@
  * camera along the flight direction a (companion).
  *
  * A pixel (x, y) from the principal point with disparity d is the point q B / d, q = (x, y, f). It lies in the volume
- * when |q x a| B / d <= radius and 0 < q . a B / d <= length. Every pixel of a region's cells that lies on its surface is
- * asked, at its own disparity, whichever side of its border the image puts it on: a street's wall, seen at an angle, passes the aircraft wherever its middle is; a pole that leaves the
- * volume at both ends is in the way in between. */
+ * when |q x a| B / d <= radius and 0 < q . a B / d <= length. Every pixel of a region's cells that lies on its surface
+ * is asked, at its own disparity, whichever side of its border the image puts it on: a street's wall, seen at an angle,
+ * passes the aircraft wherever its middle is; a pole that leaves the volume at both ends is in the way in between. */
 #ifndef VISTA_COLLISION_VOLUME_H
 #define VISTA_COLLISION_VOLUME_H
 
