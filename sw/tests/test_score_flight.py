@@ -6,6 +6,7 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
+import cv2
 import flight_on_disk as disk
 import numpy as np
 import pytest
@@ -126,6 +127,23 @@ def test_tracking_has_to_stay_too(flight: Path) -> None:
         result = score(flight, seen)
         assert result.tracked_from_m == pytest.approx(54.0 - expected)
         assert result.first_detection_m is None
+
+
+def test_what_is_too_thin_for_a_pixel_is_no_false_alarm(tmp_path: Path) -> None:
+    """In the first frames no pixel's centre shows the sign; later ones do."""
+    folder = disk.write_flight(tmp_path / "sign", frames=FRAMES, last_range_m=LAST_RANGE_M)
+    truth = read_truth(folder)
+    (sign,) = (thing.label for thing in truth.targets)
+    for t_ns in truth.times_ns[:6]:
+        hidden = truth.labels(t_ns) == sign
+        for kind in ("disparity", "label"):
+            path = folder / "truth" / kind / f"{t_ns}.png"
+            image = cv2.imread(str(path), cv2.IMREAD_UNCHANGED)
+            cv2.imwrite(str(path), np.where(hidden, 0, image).astype(image.dtype))
+    nowhere = obstacle(SIGN_M + np.array([0.0, 0.0, 2.2]), id=9)
+    result = score(folder, {2: [obstacle(SIGN_M)], 4: [nowhere]})
+    assert result.false_alarm_frames == (4,)
+    assert result.hits == 0 and result.frames[2].target is None
 
 
 @pytest.mark.parametrize("changes", [{"confirmed": False}, {"in_collision_volume": False}])

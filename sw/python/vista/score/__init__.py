@@ -18,7 +18,9 @@ agrees          an obstacle with true points, if one of them lies at its bearing
                 a warning gives the largest range that it may have, and any nearer point agrees
 hit             a warning that agrees with the target, in a frame where that is a true danger at 14.5 to 45 m
 missed frame    the target is a true danger nearer than 45 m, the blind zone included, and no warning agrees
-false alarm     a warning that agrees with nothing: no point of any surface in the cylinder inflated by 1 m.
+false alarm     a warning that agrees with nothing: no point of any surface in the cylinder inflated by 1 m,
+                as the frame's exact map shows it or, of what stands still, any other frame's: things narrower
+                than a pixel miss the pixels' centres from afar.
                 A ghost, if it agrees with no surface outside of that either; else something beside the path
 begins          range in the flight's first frame, if a target is a true danger there. What is to be shown at
                 a range is asked of flights that begin there or farther; the others are named beside it

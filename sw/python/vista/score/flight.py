@@ -14,7 +14,7 @@ from vista.geometry import Array, Pose
 from vista.history import FrameRecord
 from vista.score.consistency import Consistency, consistency
 from vista.score.fly import fly, open_flight
-from vista.score.frame_truth import FrameTruth, flight_direction, flight_frames
+from vista.score.frame_truth import FrameTruth, flight_direction, flight_frames, still_surfaces
 from vista.score.gospa import CUTOFF_M, ORDER, Gospa, gospa
 from vista.score.judge import FrameScore, Judge, carried
 from vista.score.truth import FlightTruth
@@ -87,7 +87,8 @@ def score_records(folder: Path, records: list[FrameRecord], values: parameters.V
     """records: of every frame of the flight, in its order."""
     truth, frames = flight_frames(folder)
     direction = flight_direction([frame.world_from_camera for frame in frames])
-    judge = Judge(truth, direction, blind_depth_m(truth, values))
+    still_m = still_surfaces(truth, frames)
+    judge = Judge(truth, direction, blind_depth_m(truth, values), still_m)
     by_time = {record.t_ns: record for record in records}
     judged: list[FrameScore] = []
     sets: list[Gospa] = []

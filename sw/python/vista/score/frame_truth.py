@@ -20,6 +20,7 @@ COMPACT_M = 3.0  # largest side of a target whose centre is a point to aim at
 DANGER_PIXELS = 20  # of the target in the cylinder; the sign has 40 at 150 m
 STANDING_PIXELS = 50  # fewer: no obstacle of this frame to GOSPA
 THIN_ABOVE_PIXELS, THIN_STRIDE_PX = 4000, 3  # a wall needs no point a pixel; within BEARING_MARGIN_PX
+STILL_M = 0.1
 SURFACE_POINTS = 256  # of a standing object, for its distance from a track
 
 
@@ -171,6 +172,17 @@ def find_target(
 def surface_of(points: Points, label: int) -> Array:
     shown = points.where(points.label == label)
     return shown.position_m[thinned(shown)]
+
+
+def still_surfaces(truth: FlightTruth, frames: tuple[FrameTruth, ...]) -> Array:
+    """(n, 3) points around the flight path of what does not move, as any of the frames shows it: what is
+    narrower than a pixel from afar has pixels of its own in the nearer ones. One point a STILL_M cube."""
+    still = [label for label, thing in truth.objects.items() if not np.any(thing.velocity_m_s)]
+    cubes = [np.zeros((0, 3), np.int64)]
+    for frame in frames:
+        shown = frame.around_path.where(np.isin(frame.around_path.label, still))
+        cubes.append(np.unique(np.rint(shown.position_m / STILL_M).astype(np.int64), axis=0))
+    return np.unique(np.concatenate(cubes), axis=0) * STILL_M
 
 
 def thinned(points: Points) -> NDArray[np.bool_]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -72,10 +72,14 @@ class FrameScore:
 class Judge:
     """Of one flight, frame after frame: what has left the image is judged by what was seen before."""
 
-    def __init__(self, truth: FlightTruth, direction: Array, blind_depth_m: float) -> None:
-        """direction: of the flight path; blind_depth_m: nearer along the optical axis nothing is matched."""
+    def __init__(
+        self, truth: FlightTruth, direction: Array, blind_depth_m: float, still_m: Array | None = None
+    ) -> None:
+        """direction: of the flight path; blind_depth_m: nearer along the optical axis nothing is matched;
+        still_m: (n, 3) surfaces around the path that any frame of the flight shows."""
         self._truth = truth
         self._direction = direction
+        self._still_m = np.zeros((0, 3)) if still_m is None else still_m
         self._blind_depth_m = blind_depth_m
         self._earlier_m = np.zeros((0, 3))
         self._matched: int | None = None
@@ -92,7 +96,7 @@ class Judge:
         warned = [place for place in places if place.id in warnings]
         alarms = [
             alarm
-            for alarm in false_alarms(self._truth, frame, self._direction, warned)
+            for alarm in false_alarms(self._truth, frame, self._direction, self._still_m, warned)
             if not self._was_there(frame, warnings[alarm.id], positions_m[alarm.id], alarm.range_m)
         ]
         self._earlier_m = np.concatenate([self._earlier_m, frame.around_path.position_m[::16]])
@@ -138,16 +142,37 @@ class Judge:
 
 
 def false_alarms(
-    truth: FlightTruth, frame: FrameTruth, direction: Array, places: list[Warned]
+    truth: FlightTruth, frame: FrameTruth, direction: Array, still_m: Array, places: list[Warned]
 ) -> list[FalseAlarm]:
     suspects = [place for place in places if not agrees(truth, place, frame.around_path)]
+    if suspects:
+        still = seen_from(truth, frame.world_from_camera, still_m)
+        suspects = [place for place in suspects if not agrees(truth, place, still)]
     if not suspects:
         return []
     everything = true_points(truth, frame.t_ns, frame.world_from_camera, direction)
     return [FalseAlarm(s.id, s.range_m, ghost=not agrees(truth, s, everything)) for s in suspects]
 
 
-def agrees(truth: FlightTruth, place: Warned, points: Points) -> bool:
+@dataclass(frozen=True)
+class Seen:
+    """World points as one camera sees them, one an entry."""
+
+    u_px: Array
+    v_px: Array
+    range_m: Array
+
+
+def seen_from(truth: FlightTruth, world_from_camera: Pose, position_m: Array) -> Seen:
+    """Those of the points, (n, 3) world, that lie before the camera."""
+    x_px, y_px, depth_m = project(truth, world_from_camera, position_m)
+    range_m = np.linalg.norm(position_m - world_from_camera.translation_m, axis=-1)
+    ahead = depth_m > 0.0
+    cu, cv = truth.center_px
+    return Seen(cu + x_px[ahead], cv + y_px[ahead], range_m[ahead])
+
+
+def agrees(truth: FlightTruth, place: Warned, points: Points | Seen) -> bool:
     """Whether one of the points lies at the place's bearing and range."""
     beyond_m = points.range_m - place.range_m
     tolerated_m = tolerance_m(truth, place.range_m)
@@ -168,10 +193,11 @@ def carried(world_from_estimate: Pose, position_m: Array) -> Array:
     return world_from_estimate.rotation @ position_m + world_from_estimate.translation_m
 
 
-def project(truth: FlightTruth, world_from_camera: Pose, position_m: Array) -> tuple[float, float, float]:
-    """Pixels right of and below the principal point, and depth."""
-    x, y, z = world_from_camera.rotation.T @ (position_m - world_from_camera.translation_m)
-    return truth.focal_px * x / z, truth.focal_px * y / z, z
+def project(truth: FlightTruth, world_from_camera: Pose, position_m: Array) -> tuple[Any, Any, Any]:
+    """Pixels right of and below the principal point, and depth, of one position or of (n, 3)."""
+    x, y, z = np.moveaxis((position_m - world_from_camera.translation_m) @ world_from_camera.rotation, -1, 0)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return truth.focal_px * x / z, truth.focal_px * y / z, z
 
 
 def place_of(truth: FlightTruth, frame: FrameTruth, obstacle: Obstacle, position_m: Array) -> Warned:

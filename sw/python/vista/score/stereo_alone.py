@@ -29,8 +29,9 @@ from vista.score.frame_truth import (
     FrameTruth,
     flight_direction,
     flight_frames,
+    still_surfaces,
 )
-from vista.score.judge import HIT_RANGE_M, Warned, agrees
+from vista.score.judge import HIT_RANGE_M, Seen, Warned, agrees, seen_from
 from vista.score.kept import digest_of, flight_files, kept
 from vista.score.truth import TRUTH, FlightTruth
 from vista.sequence import open_sequence
@@ -121,7 +122,9 @@ def flight_outcomes(folder: Path, values: parameters.Values) -> list[Outcome]:
     area = values["stereo"]["block_size"] ** 2
     seen: list[list[int]] = [[] for _ in product(engines, SADS)]
     false: list[list[int]] = [[] for _ in product(engines, SADS)]
+    still_m = still_surfaces(truth, frames)
     for frame in frames:
+        still = seen_from(truth, frame.world_from_camera, still_m)
         pair = sequence.read(files[frame.t_ns])
         least = least_word(truth, frame.world_from_camera, direction, pair.left.shape)
         near = frame.target is not None and frame.target.range_m < HIT_RANGE_M[1]
@@ -130,7 +133,7 @@ def flight_outcomes(folder: Path, values: parameters.Values) -> list[Outcome]:
             for j, sad in enumerate(SADS):
                 inside = (words >= least) & (smin <= sad * area)
                 found = clusters(truth, np.where(inside, words, np.int16(-1)), min(PIXELS))
-                agreeing, alarming = judge_clusters(truth, frame, direction, found)
+                agreeing, alarming = judge_clusters(truth, frame, still, found)
                 if near:
                     seen[k * len(SADS) + j].append(agreeing)
                 false[k * len(SADS) + j].append(alarming)
@@ -203,9 +206,11 @@ def _cluster(
 
 
 def judge_clusters(
-    truth: FlightTruth, frame: FrameTruth, direction: Array, found: list[Cluster]
+    truth: FlightTruth, frame: FrameTruth, still: Seen, found: list[Cluster]
 ) -> tuple[int, int]:
-    """Sizes of the largest cluster that agrees with the target, and of the largest that is a false alarm."""
+    """Sizes of the largest cluster that agrees with the target, and of the largest that is a false alarm.
+    still: what stands still around the path, whatever frame shows it."""
     agreeing = next((c.pixels for c in found if agrees(truth, c.place, frame.of_target)), 0)
-    suspects = (c for c in found if not agrees(truth, c.place, frame.around_path))
+    real = (frame.around_path, still)
+    suspects = (c for c in found if not any(agrees(truth, c.place, points) for points in real))
     return agreeing, next((c.pixels for c in suspects), 0)
