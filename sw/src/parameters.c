@@ -83,7 +83,7 @@ vista_parameters vista_parameters_default(void) {
       .tracker.volume_pixels = 8,
       .tracker.static_odds = 6.0,
       .tracker.static_tolerance = 0.05,
-      .tracker.static_noise_hits = 2.0,
+      .tracker.static_noise_hits = 1.4,
       .tracker.static_fade_m = 20.0,
       .tracker.static_speed_min_m_s = 0.5,
       .tracker.miss_max = 5,

@@ -13,7 +13,8 @@ SECOND = 1_000_000_000
 
 def defaults(name: str) -> dict[str, float]:
     """Defaults of a parameter struct."""
-    section = getattr(lib.vista_parameters_default(), name)
+    everything = lib.vista_parameters_default()  # a section does not keep the whole alive
+    section = getattr(everything, name)
     return {field: getattr(section, field) for field, _ in ffi.typeof(section).fields}
 
 
