@@ -5,7 +5,9 @@
 #include <stddef.h>
 
 #define MAX_CANDIDATES 8 /* a cell and its neighbours; the hub has more of these, and stays as it is */
-#define STRETCH_PX 64    /* of a run, treated at once */
+#define BATCH 256        /* pixels treated at once */
+#define LANES 8          /* counts are rounded up to a multiple, so that loops need no remainder */
+#define COST_ONE 65536.0f /* of the costs as whole numbers; parameters and neighbours keep a cost below 4096 */
 
 vista_status vista_delineation_layout(vista_delineation *delineation, vista_arena *arena,
                                       const vista_foveation *foveation) {
@@ -25,8 +27,10 @@ static void mark_borders(const vista_graph *graph, const int32_t *label, uint8_t
   }
 }
 
+/* Cost of a pixel at (u, v) from the cell's own centre, but for contrast: at_center + per_u u + per_v v + per_px2 (u^2 +
+ * v^2), the square of the distance from the candidate's centre multiplied out. */
 typedef struct candidate {
-  float intensity, center_u, center_v, per_px2, penalty;
+  float intensity, at_center, per_u, per_v, per_px2;
   int32_t label;
 } candidate;
 
@@ -34,38 +38,78 @@ typedef struct candidate {
 static int32_t list_candidates(const vista_foveation *f, const vista_delineation_params *params,
                                const vista_cells *cells, const int32_t *label, const uint8_t *border, int32_t node,
                                candidate out[MAX_CANDIDATES]) {
-  int32_t count = 0;
   const int32_t first = f->graph.first_arc[node], end = f->graph.first_arc[node + 1];
+  int32_t count = 0;
   for (int32_t arc = first - 1; arc < end && count < MAX_CANDIDATES; ++arc) {
     const int32_t i = arc < first ? node : f->graph.head[arc];
     if (i == 0) continue; /* the hub's size says nothing of how far it reaches */
+    const float u = f->center_u[i] - f->center_u[node], v = f->center_v[i] - f->center_v[node];
+    const float per_px2 = (float)params->compactness / (f->size_px[i] * f->size_px[i]);
+    const float penalty = border[i] ? (float)params->mixed_penalty : 0.0f;
     out[count++] = (candidate){.intensity = cells->intensity[i],
-                               .center_u = f->center_u[i],
-                               .center_v = f->center_v[i],
-                               .per_px2 = (float)params->compactness / (f->size_px[i] * f->size_px[i]),
-                               .penalty = border[i] ? (float)params->mixed_penalty : 0.0f,
+                               .at_center = penalty + per_px2 * (u * u + v * v),
+                               .per_u = -2.0f * per_px2 * u,
+                               .per_v = -2.0f * per_px2 * v,
+                               .per_px2 = per_px2,
                                .label = label[i]};
   }
   return count;
 }
 
-static void delineate_stretch(const vista_delineation_params *params, const candidate *candidates, int32_t count,
-                              const uint8_t *pixels, int32_t u_px, int32_t v_px, int32_t length, int32_t *out) {
+/* Some pixels of one cell, side by side: its runs are too short for vectors. */
+typedef struct batch {
+  float u[BATCH], v[BATCH], square[BATCH], grey[BATCH];
+  int32_t best[BATCH]; /* cost and, in the lowest bits, candidate: of equal costs the first one's is smaller */
+  int32_t place[BATCH];
+  int32_t count;
+} batch;
+
+/* Without a comparison of floats, which compilers do not turn into vectors: 2 min(a, b) = a + b - |a - b|. */
+static void solve(const vista_delineation_params *params, const candidate *candidates, int32_t count, batch *b,
+                  int32_t *out) {
   const float per_level = (float)(1.0 / params->sigma_intensity), limit = (float)params->contrast_limit;
-  float best[STRETCH_PX];
-  for (int32_t k = 0; k < length; ++k) best[k] = INFINITY;
+  const int32_t padded = (b->count + LANES - 1) / LANES * LANES;
+  for (int32_t k = 0; k < padded; ++k) b->best[k] = INT32_MAX;
   for (int32_t c = 0; c < count; ++c) {
     const candidate one = candidates[c];
-    const float dv = (float)v_px - one.center_v;
-    const float fixed = one.penalty + one.per_px2 * dv * dv;
-    for (int32_t k = 0; k < length; ++k) {
-      const float du = (float)(u_px + k) - one.center_u;
-      const float contrast = fabsf((float)pixels[k] - one.intensity) * per_level;
-      const float cost = (contrast < limit ? contrast : limit) + fixed + one.per_px2 * du * du;
-      const bool better = cost < best[k];
-      best[k] = better ? cost : best[k];
-      out[k] = better ? one.label : out[k];
+    for (int32_t k = 0; k < padded; ++k) {
+      const float levels = fabsf(b->grey[k] - one.intensity) * per_level;
+      const float contrast = 0.5f * (levels + limit - fabsf(levels - limit));
+      const float distance = one.at_center + one.per_u * b->u[k] + one.per_v * b->v[k] + one.per_px2 * b->square[k];
+      const int32_t key = (int32_t)((contrast + distance) * COST_ONE) * MAX_CANDIDATES + c;
+      b->best[k] = key < b->best[k] ? key : b->best[k];
     }
+  }
+  for (int32_t k = 0; k < b->count; ++k) out[b->place[k]] = candidates[b->best[k] & (MAX_CANDIDATES - 1)].label;
+}
+
+static void delineate_cell(const vista_foveation *f, const vista_delineation_params *params, const vista_image *image,
+                           const candidate *candidates, int32_t count, int32_t node, batch *b, int32_t *out) {
+  b->count = 0;
+  for (int32_t r = f->first_run[node]; r < f->first_run[node + 1]; ++r) {
+    const vista_run run = f->runs[r];
+    const uint8_t *const grey = image->data + run.v_px * image->stride + run.u_px;
+    const float v = (float)run.v_px - f->center_v[node];
+    for (int32_t i = 0; i < run.length_px; ++i) {
+      const float u = (float)(run.u_px + i) - f->center_u[node];
+      const int32_t k = b->count++;
+      b->u[k] = u;
+      b->v[k] = v;
+      b->square[k] = u * u + v * v;
+      b->grey[k] = (float)grey[i];
+      b->place[k] = run.v_px * f->width_px + run.u_px + i;
+      if (b->count < BATCH) continue;
+      solve(params, candidates, count, b, out);
+      b->count = 0;
+    }
+  }
+  solve(params, candidates, count, b, out);
+}
+
+static void keep_cell(const vista_foveation *f, int32_t node, int32_t label, int32_t *out) {
+  for (int32_t r = f->first_run[node]; r < f->first_run[node + 1]; ++r) {
+    int32_t *const pixels = out + (ptrdiff_t)f->runs[r].v_px * f->width_px + f->runs[r].u_px;
+    for (int32_t k = 0; k < f->runs[r].length_px; ++k) pixels[k] = label;
   }
 }
 
@@ -77,22 +121,15 @@ vista_status vista_delineate(const vista_foveation *foveation, const vista_delin
   const vista_foveation *const f = foveation;
   if (image->width_px != f->width_px || image->height_px != f->height_px) return VISTA_ERROR_SIZE;
   mark_borders(&f->graph, label, delineation->border);
+  batch b = {0};
   for (int32_t node = 0; node < f->node_count; ++node) {
-    candidate candidates[MAX_CANDIDATES];
-    const bool follows = delineation->border[node] && node > f->point_count;
-    const int32_t count =
-        follows ? list_candidates(f, params, cells, label, delineation->border, node, candidates) : 0;
-    for (int32_t r = f->first_run[node]; r < f->first_run[node + 1]; ++r) {
-      const vista_run run = f->runs[r];
-      int32_t *const out = delineation->label + (ptrdiff_t)run.v_px * f->width_px + run.u_px;
-      for (int32_t k = 0; k < run.length_px; ++k) out[k] = label[node];
-      if (!follows) continue;
-      const uint8_t *const pixels = image->data + run.v_px * image->stride + run.u_px;
-      for (int32_t start = 0; start < run.length_px; start += STRETCH_PX) {
-        const int32_t rest = run.length_px - start, length = rest < STRETCH_PX ? rest : STRETCH_PX;
-        delineate_stretch(params, candidates, count, pixels + start, run.u_px + start, run.v_px, length, out + start);
-      }
+    if (!delineation->border[node] || node <= f->point_count) {
+      keep_cell(f, node, label[node], delineation->label);
+      continue;
     }
+    candidate candidates[MAX_CANDIDATES];
+    const int32_t count = list_candidates(f, params, cells, label, delineation->border, node, candidates);
+    delineate_cell(f, params, image, candidates, count, node, &b, delineation->label);
   }
   return VISTA_OK;
 }
