@@ -27,8 +27,8 @@ static void mark_borders(const vista_graph *graph, const int32_t *label, uint8_t
   }
 }
 
-/* Cost of a pixel at (u, v) from the cell's own centre, but for contrast: at_center + per_u u + per_v v + per_px2 (u^2 +
- * v^2), the square of the distance from the candidate's centre multiplied out. */
+/* Cost of a pixel at (u, v) from the cell's own centre, but for contrast: at_center + per_u u + per_v v +
+ * per_px2 (u^2 + v^2), the square of the distance from the candidate's centre multiplied out. */
 typedef struct candidate {
   float intensity, at_center, per_u, per_v, per_px2;
   int32_t label;
@@ -69,6 +69,7 @@ static void solve(const vista_delineation_params *params, const candidate *candi
                   int32_t *out) {
   const float per_level = (float)(1.0 / params->sigma_intensity), limit = (float)params->contrast_limit;
   const int32_t padded = (b->count + LANES - 1) / LANES * LANES;
+  for (int32_t k = b->count; k < padded; ++k) b->u[k] = b->v[k] = b->square[k] = b->grey[k] = 0.0f;
   for (int32_t k = 0; k < padded; ++k) b->best[k] = INT32_MAX;
   for (int32_t c = 0; c < count; ++c) {
     const candidate one = candidates[c];
