@@ -101,16 +101,19 @@ def test_the_four_flights_are_the_papers() -> None:
     assert names(the_four([*held, flight("e", "tree", 10)])) == ["c", "d", "a", "e"]
 
 
-def test_of_flights_alike_the_longest_is_shown() -> None:
-    """A sign in haze and one from nearby come before it by name."""
+def test_of_flights_alike_the_one_so_named_is_shown_or_the_longest() -> None:
+    """A sign in haze and one from nearby come before it by name, one in fog is longer."""
     held = [
         flight("close", "sign", 10, 60),
-        flight("haze", "sign", 30, 68),
+        flight("fog", "sign", 30, 100),
+        flight("haze", "sign", 30, 82),
         flight("pole_10", "pole", 10, 172),
     ]
     held += [flight("pole_30", "pole", 30, 82), flight("sign_10", "sign", 10, 172)]
     held += [flight("sign_30", "sign", 30, 82), flight("wind", "pole", 30, 68)]
     assert names(the_four(held)) == ["sign_10", "sign_30", "pole_30", "pole_10"]
+    held = [one for one in held if one.name != "sign_30"]
+    assert names(the_four(held)) == ["sign_10", "fog", "pole_30", "pole_10"]
 
 
 def test_segmentations_are_of_many_kinds() -> None:

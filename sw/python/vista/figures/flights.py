@@ -35,8 +35,8 @@ def draw(truths: list[FlightTruth], values: parameters.Values) -> Figure:
 
 
 def the_four(truths: list[FlightTruth]) -> list[FlightTruth]:
-    """In the companion's order, sign at 10 and 30 ft/s, pole at 30 and 10, of each the longest flight; where
-    one is not there, the first with a target."""
+    """In the companion's order, sign at 10 and 30 ft/s, pole at 30 and 10: the flight of that name (sign_10),
+    else the longest like it, else the first with a target."""
     found = []
     for kind, speed_ft_s in COMPANION_RMS_FT:
         alike = [
@@ -44,6 +44,7 @@ def the_four(truths: list[FlightTruth]) -> list[FlightTruth]:
             for truth in truths
             if [t.kind for t in truth.targets] == [kind] and round(truth.speed_m_s / FOOT_M) == speed_ft_s
         ]
-        found += [max(alike, key=lambda truth: len(truth.times_ns))] if alike else []
+        name = f"{kind}_{speed_ft_s}"
+        found += [max(alike, key=lambda truth: (truth.name == name, len(truth.times_ns)))] if alike else []
     others = [truth for truth in truths if truth.targets]
     return list({truth.name: truth for truth in (*found, *others)}.values())[:4]
