@@ -123,7 +123,7 @@ def plot_distances(figure: Figure, records: Records) -> None:
             markersize=4,
             label="nearest in the collision volume",
         )
-        axes.legend(loc="upper right", frameon=False)
+        axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), frameon=False)  # no line runs there
     _say_if_empty(axes, bool(tracks), "no obstacle was confirmed")
     axes.set(xlabel="time (s)", ylabel="distance (m)", ylim=(0, None))
 
