@@ -97,7 +97,13 @@ generate: .venv/run.stamp ## generated sources anew, after a change of sw/parame
 
 # ---- checks ----
 
-test: lint drift test-python test-asan ## everything that has to pass: lint, tests, sanitizers
+# The two runs of the tests share nothing but sources and take a core each.
+test: lint drift build systemc-tests .venv/test.stamp $(RTL_TOOLS) ## everything that has to pass: lint, tests, sanitizers
+	@echo "beside the tests: the same under sanitizers, $(BUILD)/test-asan.log"; \
+	scripts/test_sanitized.sh >$(BUILD)/test-asan.log 2>&1 & sanitized=$$!; \
+	status=0; $(PYTHON) -m pytest || status=$$?; \
+	wait $$sanitized || { status=$$?; cat $(BUILD)/test-asan.log; }; \
+	tail -n 1 $(BUILD)/test-asan.log; exit $$status
 
 test-python: build systemc-tests .venv/test.stamp $(RTL_TOOLS)
 	@$(PYTHON) -m pytest
