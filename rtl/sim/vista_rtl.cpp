@@ -180,5 +180,4 @@ void vista_rtl_write_coverage(vista_rtl* engine, const char* path) {
   (void)path;
 #endif
 }
-
 }

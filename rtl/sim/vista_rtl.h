@@ -28,34 +28,34 @@ typedef struct vista_rtl_settings {
 } vista_rtl_settings;
 
 /* Out of reset, disabled. Every bit that reset leaves alone, memories included, starts at random by `seed`. */
-vista_rtl *vista_rtl_create(uint32_t seed);
-void vista_rtl_destroy(vista_rtl *engine);
-void vista_rtl_reset(vista_rtl *engine, int32_t clocks);
+vista_rtl* vista_rtl_create(uint32_t seed);
+void vista_rtl_destroy(vista_rtl* engine);
+void vista_rtl_reset(vista_rtl* engine, int32_t clocks);
 
 /* One AXI4-Lite access; addresses as in rtl/csr/registers.md. */
-void vista_rtl_write(vista_rtl *engine, uint32_t address, uint32_t data);
-uint32_t vista_rtl_read(vista_rtl *engine, uint32_t address);
+void vista_rtl_write(vista_rtl* engine, uint32_t address, uint32_t data);
+uint32_t vista_rtl_read(vista_rtl* engine, uint32_t address);
 
 /* Offers num_in beats {last, user, data[15:0]} and takes max_out words, data and flags {last, user}. in_pace, out_pace:
  * chances in 1/1000 per clock {to stop, to go on} of a side that runs and pauses in bursts. Ends when both are done,
  * nothing was transferred for `quiet` clocks, or `max_clocks` have passed. Returns the number of words; in_clock[i] and
  * out_clock[i] are the clocks of the transfers (may be null), *num_taken the beats taken. */
-int64_t vista_rtl_stream(vista_rtl *engine, const uint32_t *beats, int64_t num_in, const uint32_t *in_pace,
-                         const uint32_t *out_pace, uint64_t seed, int64_t max_out, int64_t quiet, int64_t max_clocks,
-                         uint32_t *out_data, uint8_t *out_flags, int64_t *in_clock, int64_t *out_clock,
-                         int64_t *num_taken);
+int64_t vista_rtl_stream(vista_rtl* engine, const uint32_t* beats, int64_t num_in, const uint32_t* in_pace,
+                         const uint32_t* out_pace, uint64_t seed, int64_t max_out, int64_t quiet, int64_t max_clocks,
+                         uint32_t* out_data, uint8_t* out_flags, int64_t* in_clock, int64_t* out_clock,
+                         int64_t* num_taken);
 
 /* Build parameters; 0 if the registers do not answer as a VISTA engine of major version 1, else 1. */
-int32_t vista_rtl_identify(vista_rtl *engine, vista_rtl_build *build);
+int32_t vista_rtl_identify(vista_rtl* engine, vista_rtl_build* build);
 
 /* One frame: writes the registers, streams the pair in and the words out at a pixel a clock. Images are `height` rows of
  * `width` pixels without gaps; disparity[height * width] in 1/16 px, -16: none. Returns the clocks from the first pixel
  * to the last word, or -1 when words are missing or the engine reports a framing error. */
-int64_t vista_rtl_compute(vista_rtl *engine, const vista_rtl_settings *settings, const uint8_t *left,
-                          const uint8_t *right, int32_t width, int32_t height, int16_t *disparity);
+int64_t vista_rtl_compute(vista_rtl* engine, const vista_rtl_settings* settings, const uint8_t* left,
+                          const uint8_t* right, int32_t width, int32_t height, int16_t* disparity);
 
 /* Of the builds that the benches make (tb/common/verilated.py); nothing happens in others. */
-void vista_rtl_select_mutant(vista_rtl *engine, uint32_t number);
-void vista_rtl_write_coverage(vista_rtl *engine, const char *path);
+void vista_rtl_select_mutant(vista_rtl* engine, uint32_t number);
+void vista_rtl_write_coverage(vista_rtl* engine, const char* path);
 
 #endif

@@ -13,7 +13,8 @@ extern "C" {
 namespace {
 
 #define ADDRESS(name) static_cast<uint32_t>(offsetof(vista_stereo_csr_t, name))
-#define FIELD(name, value) ((static_cast<uint32_t>(value) << VISTA_STEREO_CSR__##name##_bp) & VISTA_STEREO_CSR__##name##_bm)
+#define FIELD(name, value) \
+  ((static_cast<uint32_t>(value) << VISTA_STEREO_CSR__##name##_bp) & VISTA_STEREO_CSR__##name##_bm)
 #define READ_FIELD(data, name) (((data) & VISTA_STEREO_CSR__##name##_bm) >> VISTA_STEREO_CSR__##name##_bp)
 
 constexpr uint32_t kUser = 1u << 16, kLast = 1u << 17;  // of a beat
@@ -75,5 +76,4 @@ int64_t vista_rtl_compute(vista_rtl* engine, const vista_rtl_settings* settings,
   std::transform(words.begin(), words.end(), disparity, [](uint32_t word) { return static_cast<int16_t>(word); });
   return out_clock.back() - in_clock.front() + 1;
 }
-
 }

@@ -115,11 +115,12 @@ static bool read_frame(const recording *r, frame_buffer *frame) {
 }
 
 static void print_obstacle(const vista_obstacle *o) {
-  printf("{\"id\": %d, \"confirmed\": %s, \"age_frames\": %d, \"position_m\": [%.17g, %.17g, %.17g], "
-         "\"distance_m\": %.17g, \"extent_m\": [%.17g, %.17g], \"disparity_px\": %.17g, "
-         "\"in_collision_volume\": %s}",
-         o->id, o->confirmed ? "true" : "false", o->age_frames, o->position_m[0], o->position_m[1], o->position_m[2],
-         o->distance_m, o->extent_m[0], o->extent_m[1], o->disparity_px, o->in_collision_volume ? "true" : "false");
+  printf(
+      "{\"id\": %d, \"confirmed\": %s, \"age_frames\": %d, \"position_m\": [%.17g, %.17g, %.17g], "
+      "\"distance_m\": %.17g, \"extent_m\": [%.17g, %.17g], \"disparity_px\": %.17g, "
+      "\"in_collision_volume\": %s}",
+      o->id, o->confirmed ? "true" : "false", o->age_frames, o->position_m[0], o->position_m[1], o->position_m[2],
+      o->distance_m, o->extent_m[0], o->extent_m[1], o->disparity_px, o->in_collision_volume ? "true" : "false");
 }
 
 static void print_nearest(const vista_nearest_collision *nearest) {
@@ -269,8 +270,7 @@ static int measure(player *p, const options *o) {
 
 static int replay(const recording *r, const options *o) {
   const size_t pixels = (size_t)r->camera.width_px * (size_t)r->camera.height_px;
-  player p = {.recording = r,
-              .frame_count = o->frames > 0 && o->frames < r->frame_count ? o->frames : r->frame_count};
+  player p = {.recording = r, .frame_count = o->frames > 0 && o->frames < r->frame_count ? o->frames : r->frame_count};
   const vista_status status = vista_pipeline_bytes(&r->parameters, &r->camera, &p.bytes);
   if (status != VISTA_OK) return fail(r->path, vista_status_text(status));
   p.memory = malloc(p.bytes);

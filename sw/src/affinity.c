@@ -47,9 +47,8 @@ vista_status vista_affinity_compute(const vista_foveation *foveation, const vist
         const float mu_d = fmaxf(relief, (float)params->mu_disparity_px +
                                              (float)params->mu_disparity_slope * foveation->arc_distance_px[arc]);
         const float exponent_d = dissimilarity(cells->disparity_px[i] - cells->disparity_px[j], mu_d, sigma_d);
-        weight = params->form == VISTA_AFFINITY_FORM_SUM
-                     ? alpha * intensity_weight + (1.0f - alpha) * expf(-exponent_d)
-                     : expf(-exponent_i - exponent_d);
+        weight = params->form == VISTA_AFFINITY_FORM_SUM ? alpha * intensity_weight + (1.0f - alpha) * expf(-exponent_d)
+                                                         : expf(-exponent_i - exponent_d);
       }
       const int32_t sister = graph->reverse[arc];
       affinity->weight[arc] = affinity->weight[sister] = weight;

@@ -78,8 +78,7 @@ static void augment(vista_assignment *a, const problem *p, int32_t s) {
     weight step = infinite;
     for (int32_t l = 1; l <= p->longer; ++l) {
       if (a->visited[l]) continue;
-      const weight reduced =
-          minus(minus(pair_weight(p, from, l), a->short_potential[from]), a->long_potential[l]);
+      const weight reduced = minus(minus(pair_weight(p, from, l), a->short_potential[from]), a->long_potential[l]);
       if (less(reduced, a->slack[l])) {
         a->slack[l] = reduced;
         a->previous[l] = here;

@@ -51,9 +51,8 @@ static int32_t count_region(const vista_foveation *foveation, const vista_camera
       }
       const double surface_px = region->disparity_px + region->slope_u * (run.u_px - region->mean_u_px) +
                                 region->slope_v * (run.v_px - region->mean_v_px);
-      count += count_run(limit, disparity->data + run.v_px * disparity->stride + run.u_px,
-                         x, y, run.length_px, (float)(surface_px * VISTA_DISPARITY_SCALE),
-                         (float)(region->slope_u * VISTA_DISPARITY_SCALE),
+      count += count_run(limit, disparity->data + run.v_px * disparity->stride + run.u_px, x, y, run.length_px,
+                         (float)(surface_px * VISTA_DISPARITY_SCALE), (float)(region->slope_u * VISTA_DISPARITY_SCALE),
                          (float)(tolerance_px * VISTA_DISPARITY_SCALE));
     }
   return count;

@@ -39,9 +39,7 @@ static grid make_grid(const vista_foveation_params *params, int32_t width_px, in
   return (grid){width_px, height_px, (int32_t)rings, params->sector_count, center_u_px, center_v_px, params->rho_0_px};
 }
 
-static double ring_radius_px(const grid *g, double ring) {
-  return g->rho_0_px * exp(ring * two_pi / g->sector_count);
-}
+static double ring_radius_px(const grid *g, double ring) { return g->rho_0_px * exp(ring * two_pi / g->sector_count); }
 
 static bool inside(const grid *g, double u_px, double v_px) {
   return u_px >= 0.0 && v_px >= 0.0 && u_px <= g->width_px - 1 && v_px <= g->height_px - 1;

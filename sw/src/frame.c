@@ -25,8 +25,8 @@ vista_status vista_frame_check_pose(const vista_pose *pose) {
       const double dot = r[3 * i] * r[3 * j] + r[3 * i + 1] * r[3 * j + 1] + r[3 * i + 2] * r[3 * j + 2];
       if (fabs(dot - (i == j)) > 1e-3) return VISTA_ERROR_RANGE; /* pose files carry about six digits */
     }
-  const double determinant = r[0] * (r[4] * r[8] - r[5] * r[7]) - r[1] * (r[3] * r[8] - r[5] * r[6]) +
-                             r[2] * (r[3] * r[7] - r[4] * r[6]);
+  const double determinant =
+      r[0] * (r[4] * r[8] - r[5] * r[7]) - r[1] * (r[3] * r[8] - r[5] * r[6]) + r[2] * (r[3] * r[7] - r[4] * r[6]);
   return determinant > 0.0 ? VISTA_OK : VISTA_ERROR_RANGE;
 }
 
@@ -43,8 +43,7 @@ void vista_frame_to_world(const vista_pose *pose, const double camera_m[3], doub
   const double x = camera_m[0];
   const double y = camera_m[1];
   const double z = camera_m[2];
-  for (int i = 0; i < 3; ++i)
-    world_m[i] = r[3 * i] * x + r[3 * i + 1] * y + r[3 * i + 2] * z + pose->translation_m[i];
+  for (int i = 0; i < 3; ++i) world_m[i] = r[3 * i] * x + r[3 * i + 1] * y + r[3 * i + 2] * z + pose->translation_m[i];
 }
 
 void vista_frame_propagate(const double jacobian[9], const double covariance[9], double propagated[9]) {
@@ -77,9 +76,8 @@ void vista_frame_measure(const vista_camera *camera, const double camera_m[3], d
   measurement_px[2] = scale * camera->baseline_m;
   if (jacobian == NULL) return;
   const double per_depth = scale / camera_m[2];
-  const double rows[9] = {scale, 0.0,   -per_depth * camera_m[0],
-                          0.0,   scale, -per_depth * camera_m[1],
-                          0.0,   0.0,   -per_depth * camera->baseline_m};
+  const double rows[9] = {scale, 0.0, -per_depth * camera_m[0],       0.0, scale, -per_depth * camera_m[1],
+                          0.0,   0.0, -per_depth * camera->baseline_m};
   for (int i = 0; i < 9; ++i) jacobian[i] = rows[i];
 }
 

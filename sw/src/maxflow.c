@@ -336,8 +336,7 @@ vista_status vista_maxflow_solve(vista_maxflow *maxflow, const vista_maxflow_pro
       .orphans = {.nodes = maxflow->orphans, .room = node_count},
   };
   const int32_t marked = mark_subset(s.tree, node_count, subset, count);
-  const vista_status status =
-      marked < count ? VISTA_ERROR_RANGE : load(&s, problem, maxflow->graph.arc_count, count);
+  const vista_status status = marked < count ? VISTA_ERROR_RANGE : load(&s, problem, maxflow->graph.arc_count, count);
   if (status == VISTA_OK) {
     grow_trees(&s, sink_side != NULL);
     *value = s.flow;

@@ -48,8 +48,7 @@ static void measure_borders(const vista_foveation *foveation, const vista_segmen
       border->known++;
       const float step = vista_core_step_px(params, camera, foveation->arc_distance_px[arc],
                                             fmaxf(cells->disparity_px[i], cells->disparity_px[j]));
-      border->smooth +=
-          fabsf(cells->disparity_px[i] - cells->disparity_px[j]) <= (float)params->merge_ratio * step;
+      border->smooth += fabsf(cells->disparity_px[i] - cells->disparity_px[j]) <= (float)params->merge_ratio * step;
     }
   }
 }
@@ -73,7 +72,8 @@ void vista_merge_regions(const vista_foveation *foveation, const vista_segmentat
   }
   int32_t *const new_label = s->perimeter; /* the perimeters have served */
   int32_t count = 0;
-  for (int32_t k = 0; k < s->region_count; ++k) { /* a set's root is its first label, so it is numbered before the rest */
+  for (int32_t k = 0; k < s->region_count;
+       ++k) { /* a set's root is its first label, so it is numbered before the rest */
     const int32_t root = vista_sets_find(s->merged, k);
     new_label[k] = root == k ? count++ : new_label[root];
   }

@@ -12,8 +12,7 @@
 #include "vista/types.h"
 
 /* Room for the merging's own tables, within vista_segmentation_layout. */
-vista_status vista_merge_layout(vista_segmentation *segmentation, vista_arena *arena,
-                                const vista_foveation *foveation);
+vista_status vista_merge_layout(vista_segmentation *segmentation, vista_arena *arena, const vista_foveation *foveation);
 
 /* Joins regions among 0 .. region_count - 1 whose common boundary is smooth: most of the edges across it, and a share
  * of the shorter perimeter, step by less than merge_ratio times a core's step. Labels stay dense and in order. */

@@ -220,17 +220,17 @@ static vista_obstacle too_near(const vista_obstacle_map_params *params, const vi
     obstacle.position_m[i] = axis->start_m[i] + range_m * axis->direction[i];
     for (int j = 0; j < 3; ++j) {
       const double along2 = axis->direction[i] * axis->direction[j];
-      obstacle.covariance_m2[3 * i + j] = range_m * range_m * along2 +
-                                          params->collision_radius_m * params->collision_radius_m * ((i == j) - along2);
+      obstacle.covariance_m2[3 * i + j] =
+          range_m * range_m * along2 + params->collision_radius_m * params->collision_radius_m * ((i == j) - along2);
     }
   }
   return obstacle;
 }
 
 /* track: NULL for what has none and stands. */
-static vista_nearest_collision collision_with(const vista_obstacle_map_params *params,
-                                              const vista_obstacle *obstacle, const vista_track *track,
-                                              const vista_line_segment *axis, const flight *way) {
+static vista_nearest_collision collision_with(const vista_obstacle_map_params *params, const vista_obstacle *obstacle,
+                                              const vista_track *track, const vista_line_segment *axis,
+                                              const flight *way) {
   vista_nearest_collision nearest = {.valid = true, .id = obstacle->id, .distance_m = obstacle->distance_m};
   memcpy(nearest.position_m, obstacle->position_m, sizeof nearest.position_m);
   double along_m = 0.0;
@@ -244,8 +244,8 @@ static vista_nearest_collision collision_with(const vista_obstacle_map_params *p
 }
 
 static vista_status check(const vista_obstacle_map *map, const vista_obstacle_map_params *params,
-                          const vista_camera *camera, const vista_pose *pose, const double *velocity_m_s,
-                          int64_t t_ns, const vista_track *tracks, int32_t track_count) {
+                          const vista_camera *camera, const vista_pose *pose, const double *velocity_m_s, int64_t t_ns,
+                          const vista_track *tracks, int32_t track_count) {
   if (track_count < 0) return VISTA_ERROR_SIZE;
   if (track_count > map->max_tracks) return VISTA_ERROR_CAPACITY;
   vista_status status = check_params(params);

@@ -32,11 +32,16 @@ struct vista_pipeline {
 };
 
 static const char *const stage_names[VISTA_STAGE_COUNT] = {
-    [VISTA_STAGE_FOVEATION] = "foveation",     [VISTA_STAGE_SURFACE] = "surface",
-    [VISTA_STAGE_AFFINITY] = "affinity",       [VISTA_STAGE_SEGMENTATION] = "segmentation",
-    [VISTA_STAGE_DELINEATION] = "delineation", [VISTA_STAGE_REGIONS] = "regions",
-    [VISTA_STAGE_RECONSTRUCTION] = "reconstruction", [VISTA_STAGE_TRACKING] = "tracking",
-    [VISTA_STAGE_SATURATION] = "saturation",   [VISTA_STAGE_MAP] = "map",
+    [VISTA_STAGE_FOVEATION] = "foveation",
+    [VISTA_STAGE_SURFACE] = "surface",
+    [VISTA_STAGE_AFFINITY] = "affinity",
+    [VISTA_STAGE_SEGMENTATION] = "segmentation",
+    [VISTA_STAGE_DELINEATION] = "delineation",
+    [VISTA_STAGE_REGIONS] = "regions",
+    [VISTA_STAGE_RECONSTRUCTION] = "reconstruction",
+    [VISTA_STAGE_TRACKING] = "tracking",
+    [VISTA_STAGE_SATURATION] = "saturation",
+    [VISTA_STAGE_MAP] = "map",
 };
 
 const char *vista_stage_name(vista_stage stage) {
@@ -178,9 +183,8 @@ static vista_status run_stage(vista_pipeline *p, vista_stage stage, const vista_
                              &p->delineation);
     case VISTA_STAGE_REGIONS: {
       const vista_status status =
-          vista_regions_compute(&p->foveation, &q->region, &p->camera, up, q->surface.horizontal_deg,
-                                &frame->disparity, &p->cells, &p->surfaces, &p->segmentation, &p->delineation,
-                                &p->regions);
+          vista_regions_compute(&p->foveation, &q->region, &p->camera, up, q->surface.horizontal_deg, &frame->disparity,
+                                &p->cells, &p->surfaces, &p->segmentation, &p->delineation, &p->regions);
       if (status != VISTA_OK) return status;
       vista_collision_volume volume = {.radius_m = q->obstacle_map.collision_radius_m,
                                        .length_m = q->obstacle_map.collision_length_m};

@@ -87,8 +87,7 @@ vista_status vista_reconstruct_regions(const vista_region *regions, int32_t regi
                                        const vista_matched_area *matched, const vista_reconstruction_params *params,
                                        vista_detection *detections, int32_t capacity, int32_t *detection_count) {
   if (camera == NULL || matched == NULL || params == NULL || detection_count == NULL ||
-      (regions == NULL && region_count != 0) ||
-      (detections == NULL && capacity != 0))
+      (regions == NULL && region_count != 0) || (detections == NULL && capacity != 0))
     return VISTA_ERROR_ARGUMENT;
   *detection_count = 0;
   if (region_count < 0 || capacity < 0) return VISTA_ERROR_SIZE;

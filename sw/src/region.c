@@ -216,9 +216,17 @@ vista_status vista_regions_compute(const vista_foveation *foveation, const vista
   group_members(foveation, segmentation->label, regions);
   for (int32_t k = 0; k < regions->count; ++k) {
     const int32_t first = regions->first_member[k], count = regions->first_member[k + 1] - first;
-    vista_region_view w = {foveation,         params,           disparity,     cells,
-                           surfaces,          delineation->label, regions->boundary, regions->bins,
-                           regions->members + first, count,    0.0};
+    vista_region_view w = {foveation,
+                           params,
+                           disparity,
+                           cells,
+                           surfaces,
+                           delineation->label,
+                           regions->boundary,
+                           regions->bins,
+                           regions->members + first,
+                           count,
+                           0.0};
     vista_region *const region = &regions->items[k];
     *region = (vista_region){.label = k, .node_count = count, .inclination_deg = NAN, .standing_fraction = NAN};
     if (count == 0)

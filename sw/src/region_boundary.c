@@ -181,4 +181,3 @@ bool vista_region_measure_boundary(vista_region_view *w, const vista_camera *cam
   region->disparity_px = vista_plane_at(surface, u, v); /* until the centre is known */
   return in.count > 0;
 }
-

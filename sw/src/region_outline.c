@@ -28,7 +28,9 @@ static crossing cross(const vista_region_view *w, int32_t inner, int32_t outer) 
   const double dv = (double)(f->center_v[outer] - f->center_v[inner]);
   const bool across = fabs(du) > fabs(dv);
   return (crossing){.side = across ? (du < 0.0 ? SIDE_LEFT : SIDE_RIGHT) : (dv < 0.0 ? SIDE_TOP : SIDE_FOOT),
-                    .node = d[outer] > 0.0f ? outer : d[inner] > 0.0f ? inner : -1,
+                    .node = d[outer] > 0.0f   ? outer
+                            : d[inner] > 0.0f ? inner
+                                              : -1,
                     .u_px = (double)f->center_u[inner] + 0.5 * du,
                     .v_px = (double)f->center_v[inner] + 0.5 * dv,
                     .length_px = (double)f->size_px[inner]};

@@ -45,8 +45,8 @@ static counts count_disc(const vista_saturation_params *params, const vista_came
     const int32_t first = (int32_t)ceil(fmax(camera->center_u_px - half, matched->margin_left_px + block));
     const int32_t last = (int32_t)floor(fmin(camera->center_u_px + half, right - block));
     if (first > last) continue;
-    count_row(image->data + v * image->stride, disparity->data + v * disparity->stride, first, last,
-              block, params->contrast, &sum);
+    count_row(image->data + v * image->stride, disparity->data + v * disparity->stride, first, last, block,
+              params->contrast, &sum);
   }
   return sum;
 }
@@ -65,8 +65,8 @@ vista_status vista_saturation_update(const vista_saturation_params *params, cons
   s->range_m = camera->focal_px * camera->baseline_m / matched->disparity_max_px;
   s->textured_fraction = sum.pixels > 0 ? (double)sum.textured / (double)sum.pixels : 0.0;
   s->unmatched_fraction = sum.textured > 0 ? (double)sum.unmatched / (double)sum.textured : 0.0;
-  const bool now = s->textured_fraction >= params->textured_fraction &&
-                   s->unmatched_fraction >= params->unmatched_fraction;
+  const bool now =
+      s->textured_fraction >= params->textured_fraction && s->unmatched_fraction >= params->unmatched_fraction;
   s->window = s->window << 1 | (uint32_t)now;
   s->saturated = vista_window_count(s->window, params->confirm_window) >= params->confirm_hits;
   return VISTA_OK;

@@ -86,8 +86,7 @@ static vista_status cut_out(const view *w, vista_segmentation *s, int32_t core, 
   const int32_t count = gather(w, s, core);
   const vista_maxflow_problem problem = {s->capacity, s->source_capacity, s->sink_capacity, s->subset, count};
   int64_t value;
-  const vista_status status =
-      vista_maxflow_solve(&s->maxflow, &problem, s->source_side, NULL, &value);
+  const vista_status status = vista_maxflow_solve(&s->maxflow, &problem, s->source_side, NULL, &value);
   if (status != VISTA_OK) return status;
   for (int32_t k = 0; k < count; ++k) {
     const int32_t node = s->subset[k];
@@ -119,9 +118,8 @@ static vista_status cut_all(const view *w, vista_segmentation *s) {
   return VISTA_OK;
 }
 
-vista_status vista_segment(const vista_foveation *foveation, const vista_parameters *params,
-                           const vista_camera *camera, const vista_cells *cells,
-                           const vista_surfaces *surfaces, const vista_affinity *affinity,
+vista_status vista_segment(const vista_foveation *foveation, const vista_parameters *params, const vista_camera *camera,
+                           const vista_cells *cells, const vista_surfaces *surfaces, const vista_affinity *affinity,
                            vista_segmentation *segmentation) {
   if (foveation == NULL || params == NULL || camera == NULL || cells == NULL || surfaces == NULL || affinity == NULL ||
       segmentation == NULL)

@@ -28,8 +28,8 @@ static double dot(const double a[3], const double b[3]) { return a[0] * b[0] + a
 
 static void fade(const vista_tracker_params *params, double travelled_m, vista_static_world *w) {
   const double keep = exp(-fabs(travelled_m) / params->static_fade_m - 1.0 / FADE_HITS);
-  double *const sums[] = {&w->count, &w->weight, &w->s, &w->y, &w->ss, &w->sy, &w->yy, &w->across_weight, &w->across_s,
-                          &w->across_ss};
+  double *const sums[] = {&w->count, &w->weight,        &w->s,        &w->y,        &w->ss, &w->sy,
+                          &w->yy,    &w->across_weight, &w->across_s, &w->across_ss};
   for (unsigned i = 0; i < sizeof sums / sizeof sums[0]; ++i) *sums[i] *= keep;
   for (int i = 0; i < 3; ++i) {
     w->across_p[i] *= keep;
@@ -128,8 +128,7 @@ void vista_static_world_start(const vista_tracker_params *params, const vista_wo
   vista_static_world_add(params, hit, world);
 }
 
-void vista_static_world_add(const vista_tracker_params *params, const vista_world_hit *hit,
-                            vista_static_world *world) {
+void vista_static_world_add(const vista_tracker_params *params, const vista_world_hit *hit, vista_static_world *world) {
   double travel_m = 0.0;
   for (int i = 0; i < 3; ++i) travel_m += world->along[i] * (hit->camera_m[i] - world->start_m[i]);
   fade(params, travel_m - world->travel_m, world);

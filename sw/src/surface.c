@@ -147,9 +147,8 @@ vista_status vista_surfaces_compute(const vista_foveation *foveation, const vist
         const int32_t count = neighbourhood(f, ring, sector, pass == 0 ? steps : 1, around);
         if (pass == 0)
           surfaces->inclination_deg[node] =
-              cells->disparity_px[node] < 0.0f
-                  ? -1.0f
-                  : cell_inclination_deg(f, camera, up_camera, cells, node, around, count);
+              cells->disparity_px[node] < 0.0f ? -1.0f
+                                               : cell_inclination_deg(f, camera, up_camera, cells, node, around, count);
         else
           surfaces->horizontal[node] = surfaces->inclination_deg[node] >= 0.0f &&
                                        mostly_horizontal(surfaces, params->horizontal_deg, around, count);
@@ -157,10 +156,10 @@ vista_status vista_surfaces_compute(const vista_foveation *foveation, const vist
     }
   }
   vista_plane ground = {0};
-  surfaces->ground_found = find_ground(f, camera, cells, surfaces->horizontal, &ground) &&
-                           vista_plane_inclination_deg(camera, up_camera, camera->center_u_px, camera->center_v_px,
-                                                       ground.offset, ground.slope_u, ground.slope_v) >
-                               params->horizontal_deg;
+  surfaces->ground_found =
+      find_ground(f, camera, cells, surfaces->horizontal, &ground) &&
+      vista_plane_inclination_deg(camera, up_camera, camera->center_u_px, camera->center_v_px, ground.offset,
+                                  ground.slope_u, ground.slope_v) > params->horizontal_deg;
   if (!surfaces->ground_found) return VISTA_OK;
   surfaces->ground_px = ground.offset;
   surfaces->ground_slope_u = ground.slope_u;

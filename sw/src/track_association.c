@@ -159,8 +159,7 @@ void vista_track_associate(vista_track_association *association, const vista_tra
     int32_t rows = 0;
     int32_t columns = 0;
     for (int32_t i = 0; i < track_count; ++i)
-      if (takes_part(step, &tracks[i]) && detection_of_track[i] < 0)
-        association->row_track[rows++] = i;
+      if (takes_part(step, &tracks[i]) && detection_of_track[i] < 0) association->row_track[rows++] = i;
     for (int32_t j = 0; j < detection_count; ++j)
       if (!association->claimed[j]) association->column_detection[columns++] = j;
     for (int32_t row = 0; row < rows; ++row) {

@@ -25,8 +25,7 @@ void vista_track_filter_start(const vista_tracker_params *params, const vista_ca
                          .ellipse_depth_m = camera->focal_px * camera->baseline_m / detection->disparity_px};
   double covariance_camera[9];
   for (int i = 0; i < 9; ++i) covariance_camera[i] = detection->covariance_camera_m2[i];
-  const double attitude_m2 =
-      square(detection->position_camera_m[2] * params->attitude_sigma_deg * RADIANS_PER_DEGREE);
+  const double attitude_m2 = square(detection->position_camera_m[2] * params->attitude_sigma_deg * RADIANS_PER_DEGREE);
   covariance_camera[0] += attitude_m2;
   covariance_camera[4] += attitude_m2;
   double covariance_world[9];

@@ -163,7 +163,7 @@ static void update(vista_tracker *tracker, const vista_track_frame *f) {
       vista_track_miss(f, &tracker->views[i], track);
     else
       vista_track_take(f, &f->detections[detection], &tracker->views[i],
-           vista_track_association_reshaped(tracker->association, i), track);
+                       vista_track_association_reshaped(tracker->association, i), track);
     vista_track_judge(f, track);
     if (!vista_track_outlived(f, track)) tracker->tracks[kept++] = *track;
   }
@@ -191,8 +191,7 @@ static void remove_duplicates(vista_tracker *tracker, const vista_track_frame *f
     for (int32_t j = 0; j < tracker->count; ++j) {
       const bool confirmed = tracker->tracks[j].confirmed;
       bool same = j != i && vista_track_within(f->params, &tracker->views[j], &tracker->views[self]);
-      if (same && confirmed)
-        same = j > i && vista_track_within(f->params, &tracker->views[self], &tracker->views[j]);
+      if (same && confirmed) same = j > i && vista_track_within(f->params, &tracker->views[self], &tracker->views[j]);
       if (same && confirmed) merge(tracker, self, j);
       if (same) continue;
       if (j == i) self = kept;
@@ -249,8 +248,8 @@ static void start(vista_tracker *tracker, const vista_track_frame *f, const vist
 }
 
 vista_status vista_tracker_update(vista_tracker *tracker, const vista_tracker_params *params,
-                                  const vista_camera *camera, const vista_matched_area *matched,
-                                  const vista_pose *pose, int64_t t_ns, const vista_disparity_image *disparity,
+                                  const vista_camera *camera, const vista_matched_area *matched, const vista_pose *pose,
+                                  int64_t t_ns, const vista_disparity_image *disparity,
                                   const vista_detection *detections, int32_t count) {
   if (tracker == NULL || params == NULL || camera == NULL || matched == NULL || (detections == NULL && count != 0))
     return VISTA_ERROR_ARGUMENT;
@@ -260,8 +259,8 @@ vista_status vista_tracker_update(vista_tracker *tracker, const vista_tracker_pa
   if (status != VISTA_OK) return status;
   predict(tracker, &f);
   look_at_all(tracker, &f);
-  vista_track_associate(tracker->association, params, camera, f.pose, tracker->tracks, tracker->views,
-                        tracker->count, detections, count, tracker->detection_of_track);
+  vista_track_associate(tracker->association, params, camera, f.pose, tracker->tracks, tracker->views, tracker->count,
+                        detections, count, tracker->detection_of_track);
   update(tracker, &f);
   look_at_all(tracker, &f);
   remove_duplicates(tracker, &f);

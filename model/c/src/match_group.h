@@ -26,8 +26,7 @@ VISTA_INLINE __m128i smallest_of_8(const uint16_t *costs, int lanes) {
   __m256i partial[8];
   for (int i = 0; i < 8; ++i) {
     partial[i] = load_vector(costs + i * lanes);
-    for (int d = 16; d < lanes; d += 16)
-      partial[i] = _mm256_min_epu16(partial[i], load_vector(costs + i * lanes + d));
+    for (int d = 16; d < lanes; d += 16) partial[i] = _mm256_min_epu16(partial[i], load_vector(costs + i * lanes + d));
   }
   const __m256i even = merge_smallest(merge_smallest(partial[0], partial[4]), merge_smallest(partial[2], partial[6]));
   const __m256i odd = merge_smallest(merge_smallest(partial[1], partial[5]), merge_smallest(partial[3], partial[7]));
@@ -40,8 +39,8 @@ VISTA_INLINE __m128i smallest_of_8(const uint16_t *costs, int lanes) {
 VISTA_INLINE __m128i limits_of_8(__m128i least, uint32_t ratio) {
   const __m128i fraction = _mm_set1_epi16((short)(ratio == 100 ? 65535 : ratio * 65536 / 100));
   const __m128i share = _mm_mulhi_epu16(least, fraction);
-  const __m128i rest = _mm_sub_epi16(_mm_mullo_epi16(least, _mm_set1_epi16((short)ratio)),
-                                     _mm_mullo_epi16(share, _mm_set1_epi16(100)));
+  const __m128i rest =
+      _mm_sub_epi16(_mm_mullo_epi16(least, _mm_set1_epi16((short)ratio)), _mm_mullo_epi16(share, _mm_set1_epi16(100)));
   const __m128i missed = _mm_cmpgt_epi16(rest, _mm_set1_epi16(99));
   const __m128i limit = _mm_adds_epu16(least, _mm_sub_epi16(share, missed));
   return _mm_min_epu16(limit, _mm_set1_epi16(-2));
@@ -142,7 +141,7 @@ VISTA_INLINE void pick_winners(const vista_winner_row *winner, const uint16_t *c
  * right pixel leaves at the top when all its candidates have come by, d rising. */
 VISTA_INLINE void update_right(const group *sums, int groups, group *cost, group *best) {
   static const uint16_t numbers[32] = {0,  1,  2,  3,  4,  5,  6,  7,  8,  9,  10, 11, 12, 13, 14, 15,
-                                          16, 17, 18, 19, 20, 21, 22, 23, 24, 25, 26, 27, 28, 29, 30, 31};
+                                       16, 17, 18, 19, 20, 21, 22, 23, 24, 25, 26, 27, 28, 29, 30, 31};
   const group lanes = group_load(numbers), none = group_fill(0xFFFF);
   for (int g = groups - 1; g >= 0; --g) {
     const group old_cost = group_up(cost[g], g > 0 ? cost[g - 1] : none);
@@ -177,8 +176,8 @@ VISTA_INLINE void match_groups(const vista_match_job *job, int groups, int full_
       const uint8_t *right_in = right_row_in - x, *right_out = right_row_out - x;
       uint16_t *column = columns + (ptrdiff_t)x * lanes;
       for (int g = 0; g < groups; ++g) {
-        const group change = group_cost_change(left_row_in[x], left_row_out[x], right_in + LANES * g,
-                                               right_out + LANES * g, full_range);
+        const group change =
+            group_cost_change(left_row_in[x], left_row_out[x], right_in + LANES * g, right_out + LANES * g, full_range);
         const group entering = group_add(group_load(column + LANES * g), change);
         group_store(column + LANES * g, entering);
         sums[g] = group_add(sums[g], entering);

@@ -9,8 +9,7 @@
 #include "vista/engine.h"
 
 VISTA_TARGET static void xsobel_row(const uint8_t *restrict above, const uint8_t *restrict row,
-                                    const uint8_t *restrict below, int32_t width, int32_t cap,
-                                    uint8_t *restrict out) {
+                                    const uint8_t *restrict below, int32_t width, int32_t cap, uint8_t *restrict out) {
   const int16_t low = (int16_t)-cap, high = (int16_t)cap;
   for (int32_t x = 1; x < width - 1; ++x) {
     int16_t g = (int16_t)(above[x + 1] - above[x - 1] + 2 * (row[x + 1] - row[x - 1]) + below[x + 1] - below[x - 1]);
@@ -56,9 +55,7 @@ VISTA_TARGET static void add_row(const vista_match_job *job) {
   }
 }
 
-VISTA_TARGET static uint32_t uniqueness_limit(uint32_t cost, uint32_t ratio) {
-  return cost + cost * ratio / 100u;
-}
+VISTA_TARGET static uint32_t uniqueness_limit(uint32_t cost, uint32_t ratio) { return cost + cost * ratio / 100u; }
 
 /* Step 7 for every x. With m = max(p, n) - Smin the fraction 256(p-n)/q is 128(p-n)/m. Single precision truncates it
  * exactly: both operands are exact below 2^24, and a quotient below 128 that is no integer misses the next one by at

@@ -23,13 +23,9 @@ VISTA_INLINE group group_or(group a, group b) { return _mm512_or_si512(a, b); }
 VISTA_INLINE uint32_t group_equal(group a, group b) { return _mm512_cmpeq_epi16_mask(a, b); }
 VISTA_INLINE uint32_t group_at_most(group a, group b) { return _mm512_cmple_epu16_mask(a, b); }
 
-VISTA_INLINE group group_pad(int first) {
-  return _mm512_maskz_set1_epi16((__mmask32)(0xFFFFFFFFull << first), -1);
-}
+VISTA_INLINE group group_pad(int first) { return _mm512_maskz_set1_epi16((__mmask32)(0xFFFFFFFFull << first), -1); }
 
-VISTA_INLINE uint32_t group_top(group a) {
-  return (uint32_t)_mm_extract_epi16(_mm512_extracti32x4_epi32(a, 3), 7);
-}
+VISTA_INLINE uint32_t group_top(group a) { return (uint32_t)_mm_extract_epi16(_mm512_extracti32x4_epi32(a, 3), 7); }
 
 VISTA_INLINE group group_up(group a, group below) {
   static const uint16_t source[32] = {63, 0,  1,  2,  3,  4,  5,  6,  7,  8,  9,  10, 11, 12, 13, 14,

@@ -20,9 +20,7 @@ static const struct {
     [VISTA_ENGINE_ERROR_SCRATCH] = {"VISTA_ENGINE_ERROR_SCRATCH", "scratch is too small or not aligned to 64 bytes"},
 };
 
-static int known(vista_engine_status status) {
-  return (unsigned)status < sizeof statuses / sizeof statuses[0];
-}
+static int known(vista_engine_status status) { return (unsigned)status < sizeof statuses / sizeof statuses[0]; }
 
 const char *vista_engine_status_name(vista_engine_status status) {
   return known(status) ? statuses[status].name : "VISTA_ENGINE_UNKNOWN";

@@ -19,7 +19,8 @@ class Background : public sc_core::sc_module {
       : sc_module(name),
         master_("background", memory, kBackgroundRank),
         burst_(static_cast<size_t>(c.burst_bytes)),
-        every_ps_(std::max<int64_t>(1, std::llround(static_cast<double>(c.burst_bytes) * 1e12 / c.background_bytes_s))) {
+        every_ps_(
+            std::max<int64_t>(1, std::llround(static_cast<double>(c.burst_bytes) * 1e12 / c.background_bytes_s))) {
     SC_HAS_PROCESS(Background);
     SC_THREAD(run);
   }

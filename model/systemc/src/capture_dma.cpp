@@ -54,7 +54,8 @@ void CaptureDma::run() {
       pair_frame_ = buffer.frame;
     }
     master_.write(buffer.address + chunk.first, pair_.left.data() + chunk.first, chunk.count);
-    const int64_t done = master_.write(buffer.address + pixels_ + chunk.first, pair_.right.data() + chunk.first, chunk.count);
+    const int64_t done =
+        master_.write(buffer.address + pixels_ + chunk.first, pair_.right.data() + chunk.first, chunk.count);
     wait_until(done);
     held_ -= 2 * chunk.count;
     if (chunk.first + chunk.count == pixels_) {

@@ -35,7 +35,7 @@ struct Key {
   std::function<std::string(const Configuration&)> show;
 };
 
-Key real(const char* name, double Configuration::*field, double low, double high, bool or_zero = false) {
+Key real(const char* name, double Configuration::* field, double low, double high, bool or_zero = false) {
   return {name,
           [=](Configuration& c, const std::string& text) {
             const double value = number(name, text);
@@ -47,7 +47,7 @@ Key real(const char* name, double Configuration::*field, double low, double high
           [=](const Configuration& c) { return json_number(c.*field); }};
 }
 
-Key integer(const char* name, int64_t Configuration::*field, int64_t low, int64_t high) {
+Key integer(const char* name, int64_t Configuration::* field, int64_t low, int64_t high) {
   return {name,
           [=](Configuration& c, const std::string& text) {
             int64_t value = 0;
@@ -63,7 +63,7 @@ Key integer(const char* name, int64_t Configuration::*field, int64_t low, int64_
           [=](const Configuration& c) { return std::to_string(c.*field); }};
 }
 
-Key choice(const char* name, bool Configuration::*field, const char* on, const char* off) {
+Key choice(const char* name, bool Configuration::* field, const char* on, const char* off) {
   return {name,
           [=](Configuration& c, const std::string& text) {
             if (text != on && text != off)
@@ -73,7 +73,7 @@ Key choice(const char* name, bool Configuration::*field, const char* on, const c
           [=](const Configuration& c) { return json_text(c.*field ? on : off); }};
 }
 
-Key path(const char* name, std::string Configuration::*field) {
+Key path(const char* name, std::string Configuration::* field) {
   return {name, [=](Configuration& c, const std::string& text) { c.*field = text; },
           [=](const Configuration& c) { return (c.*field).empty() ? "null" : json_text(c.*field); }};
 }
@@ -163,13 +163,13 @@ void check(const Configuration& c) {
   if (c.result_bytes_px == 3) throw ConfigurationError("result_bytes_px", "neither 2 nor 4");
   if ((c.burst_bytes & (c.burst_bytes - 1)) != 0) throw ConfigurationError("burst_bytes", "not a power of two");
   if (c.max_width_px < c.disparities + c.block_px)
-    throw ConfigurationError("max_width_px", "below disparities + block_px, " +
-                                                 std::to_string(c.disparities + c.block_px));
+    throw ConfigurationError("max_width_px",
+                             "below disparities + block_px, " + std::to_string(c.disparities + c.block_px));
   if (c.width_px > c.max_width_px)
     throw ConfigurationError("width_px", std::to_string(c.width_px) + " is above max_width_px, " +
                                              std::to_string(c.max_width_px) + ", for which the engine is built");
-  for (const auto& [key, bytes] : {std::pair("dma_fifo_bytes", c.dma_fifo_bytes),
-                                   std::pair("capture_fifo_bytes", c.capture_fifo_bytes)})
+  for (const auto& [key, bytes] :
+       {std::pair("dma_fifo_bytes", c.dma_fifo_bytes), std::pair("capture_fifo_bytes", c.capture_fifo_bytes)})
     if (bytes < 2 * c.burst_bytes) throw ConfigurationError(key, "below two bursts");
   const double fastest = 1e9 / (c.line_ns() * static_cast<double>(c.height_px + c.camera_vertical_blanking_lines));
   if (c.camera_rate_hz > fastest)

@@ -48,7 +48,7 @@ class FetchDma : public sc_core::sc_module, public PixelSource {
   std::vector<uint8_t> left_, right_;  // of the frame being fetched, by looking ahead
   std::deque<Burst> arriving_;
   sc_core::sc_event arrival_;
-  TimedQueue<int64_t> taken_;                // pixels of bursts that the engine has used up
+  TimedQueue<int64_t> taken_;  // pixels of bursts that the engine has used up
   int64_t offered_ = 0, offered_burst_ = 0;  // px left of the burst being taken, and in it at first
   int64_t claimed_px_ = 0, high_water_px_ = 0;
 };

@@ -13,8 +13,7 @@ namespace vista {
 enum class Drop { kNone, kNoBuffer, kOverflow, kReplaced, kRectifiedReplaced, kResultReplaced, kCount };
 
 inline const char* drop_name(Drop drop) {
-  static const char* const names[] = {"",         "no_buffer",          "overflow",
-                                      "replaced", "rectified_replaced", "result_replaced"};
+  static const char* const names[] = {"", "no_buffer", "overflow", "replaced", "rectified_replaced", "result_replaced"};
   return names[static_cast<int>(drop)];
 }
 

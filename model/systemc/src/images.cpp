@@ -12,8 +12,8 @@ std::vector<uint8_t> whole_images(const std::string& key, const std::string& pat
   if (!file) throw ConfigurationError(key, path + " cannot be read");
   std::vector<uint8_t> bytes{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
   if (bytes.empty() || static_cast<int64_t>(bytes.size()) % pixels != 0)
-    throw ConfigurationError(key, path + " holds " + std::to_string(bytes.size()) + " bytes, not whole images of " +
-                                      std::to_string(pixels));
+    throw ConfigurationError(
+        key, path + " holds " + std::to_string(bytes.size()) + " bytes, not whole images of " + std::to_string(pixels));
   return bytes;
 }
 

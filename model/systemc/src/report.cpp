@@ -32,8 +32,7 @@ std::string camera(const Configuration& c) {
 }
 
 std::string engine(const Configuration& c) {
-  const Unstalled u =
-      run_unstalled(c.build(), {static_cast<int>(c.width_px), static_cast<int>(c.height_px)});
+  const Unstalled u = run_unstalled(c.build(), {static_cast<int>(c.width_px), static_cast<int>(c.height_px)});
   return json_object({{"clocks_per_frame", count(u.clocks_per_frame)},
                       {"first_word_clocks", count(u.first_word_clocks)},
                       {"pipeline_clocks", json_count_or_null(u.pipeline_clocks)}});
@@ -44,8 +43,7 @@ std::string edge_ns(const ClockEdges& edges, int64_t clock) { return clock < 0 ?
 std::string frame(const Configuration& c, int64_t number, const FrameEntry& f) {
   const ClockEdges edges(c.engine_clock_hz);
   JsonItems stages;
-  for (size_t i = 0; i < f.stage_ms.size(); ++i)
-    stages.emplace_back(c.host_stages[i].name, json_number(f.stage_ms[i]));
+  for (size_t i = 0; i < f.stage_ms.size(); ++i) stages.emplace_back(c.host_stages[i].name, json_number(f.stage_ms[i]));
   char crc[16];
   std::snprintf(crc, sizeof crc, "%08x", f.crc32);
   const FrameClocks e = f.engine ? *f.engine : FrameClocks{};

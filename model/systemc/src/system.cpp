@@ -19,8 +19,8 @@ int64_t memory_bytes(const Configuration& c) {
 
 std::unique_ptr<BufferPool> rectified_pool(const Configuration& c, FrameLog& log) {
   if (c.rectify_ms.empty()) return nullptr;
-  return std::make_unique<BufferPool>(count(c), pair_bytes(c), rectified_address(c), c.latest,
-                                      Drop::kRectifiedReplaced, log);
+  return std::make_unique<BufferPool>(count(c), pair_bytes(c), rectified_address(c), c.latest, Drop::kRectifiedReplaced,
+                                      log);
 }
 
 }  // namespace
@@ -54,10 +54,9 @@ std::vector<Lane> System::make_lanes() {
     Lane& lane = made[static_cast<size_t>(i)];
     const std::string n = std::to_string(i);
     lane.engine = std::make_unique<Engine>(("engine" + n).c_str(), c.build(), size);
-    lane.result_dma =
-        std::make_unique<ResultDma>(("result_dma" + n).c_str(), c, i, *lane.engine, memory, results, log);
-    lane.fetch_dma = std::make_unique<FetchDma>(("fetch_dma" + n).c_str(), c, i, memory, pairs, results,
-                                                *lane.result_dma, log);
+    lane.result_dma = std::make_unique<ResultDma>(("result_dma" + n).c_str(), c, i, *lane.engine, memory, results, log);
+    lane.fetch_dma =
+        std::make_unique<FetchDma>(("fetch_dma" + n).c_str(), c, i, memory, pairs, results, *lane.result_dma, log);
     lane.engine->pixels(*lane.fetch_dma);
     lane.engine->words(*lane.result_dma);
   }

@@ -25,20 +25,20 @@ struct vista_maxflow_branch;
  * is marked, so that the cost of a call depends on its subset and not on the graph. */
 typedef struct vista_maxflow {
   vista_graph graph;
-  struct vista_maxflow_arc *arcs;        /* arc_count */
+  struct vista_maxflow_arc *arcs; /* arc_count */
   struct vista_maxflow_branch *branches; /* node_count */
-  int32_t *residual;                     /* 2 (edge_count + node_count) */
-  int32_t *next_active;                  /* node_count */
-  int32_t *orphans;                      /* node_count */
-  uint16_t *tree;                        /* node_count */
+  int32_t *residual; /* 2 (edge_count + node_count) */
+  int32_t *next_active; /* node_count */
+  int32_t *orphans; /* node_count */
+  uint16_t *tree; /* node_count */
 } vista_maxflow;
 
 typedef struct vista_maxflow_problem {
-  const int32_t *arc_capacity;    /* arc_count, 0 .. VISTA_MAXFLOW_ARC_CAPACITY_MAX */
+  const int32_t *arc_capacity; /* arc_count, 0 .. VISTA_MAXFLOW_ARC_CAPACITY_MAX */
   const int32_t *source_capacity; /* node_count, 0 .. INT32_MAX */
-  const int32_t *sink_capacity;   /* node_count, 0 .. INT32_MAX */
-  const int32_t *subset;          /* subset_count distinct nodes; null: all nodes */
-  int32_t subset_count;           /* ignored when subset is null */
+  const int32_t *sink_capacity; /* node_count, 0 .. INT32_MAX */
+  const int32_t *subset; /* subset_count distinct nodes; null: all nodes */
+  int32_t subset_count; /* ignored when subset is null */
 } vista_maxflow_problem;
 
 /* Lays out the solver for a graph, whose arrays must outlive it. When the arena counts, only the graph's counts are

@@ -38,8 +38,8 @@ typedef struct vista_obstacle {
   double covariance_m2[9];  /* of position_m, row-major: the track's, and errors that last (see above) */
   double distance_m;        /* from the camera */
   double extent_m[2];       /* width, height */
-  vista_ellipse ellipse;    /* of this frame's detection, or the last one carried on to the predicted place and range */
-  double disparity_px;      /* of the state in this frame */
+  vista_ellipse ellipse; /* of this frame's detection, or the last one carried on to the predicted place and range */
+  double disparity_px; /* of the state in this frame */
   bool in_collision_volume; /* credible (vista/tracker.h) and a member */
 } vista_obstacle;
 

@@ -23,10 +23,10 @@ typedef struct vista_detection {
   double sigma_u_px, sigma_v_px, sigma_disparity_px; /* standard deviations, independent of one another */
   double position_camera_m[3];
   double covariance_camera_m2[9]; /* row-major, symmetric */
-  double extent_m[2];             /* width, height of the upright box around the ellipse, at the range of the region */
-  bool cut_u, cut_v;              /* the border of the matched image cuts the region: the extent is a lower bound
+  double extent_m[2]; /* width, height of the upright box around the ellipse, at the range of the region */
+  bool cut_u, cut_v; /* the border of the matched image cuts the region: the extent is a lower bound
                                      along u, v; the centre is uncertain by half of it (in sigma_u_px, sigma_v_px) */
-  int32_t volume_pixels;          /* of the region, in the collision volume */
+  int32_t volume_pixels; /* of the region, in the collision volume */
   vista_ellipse ellipse;
 } vista_detection;
 

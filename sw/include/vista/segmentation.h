@@ -44,9 +44,8 @@ typedef struct vista_segmentation {
 vista_status vista_segmentation_layout(vista_segmentation *segmentation, vista_arena *arena,
                                        const vista_foveation *foveation);
 
-vista_status vista_segment(const vista_foveation *foveation, const vista_parameters *params,
-                           const vista_camera *camera, const vista_cells *cells,
-                           const vista_surfaces *surfaces, const vista_affinity *affinity,
+vista_status vista_segment(const vista_foveation *foveation, const vista_parameters *params, const vista_camera *camera,
+                           const vista_cells *cells, const vista_surfaces *surfaces, const vista_affinity *affinity,
                            vista_segmentation *segmentation);
 
 #endif

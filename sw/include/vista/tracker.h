@@ -91,8 +91,8 @@ void vista_tracker_reset(vista_tracker *tracker);
  * positive;
  * VISTA_ERROR_CAPACITY: more than max_detections; VISTA_ERROR_OVERFLOW: the ids are used up. */
 vista_status vista_tracker_update(vista_tracker *tracker, const vista_tracker_params *params,
-                                  const vista_camera *camera, const vista_matched_area *matched,
-                                  const vista_pose *pose, int64_t t_ns, const vista_disparity_image *disparity,
+                                  const vista_camera *camera, const vista_matched_area *matched, const vista_pose *pose,
+                                  int64_t t_ns, const vista_disparity_image *disparity,
                                   const vista_detection *detections, int32_t count);
 
 /* All live tracks, ascending id; valid until the next update. */

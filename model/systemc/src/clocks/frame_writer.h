@@ -66,7 +66,7 @@ class FrameWriter {
   bool go_ = false;
   // The frame that is leaving.
   bool busy_ = false, valid_ = false;
-  bool matchable_ = false;              // there are matched pixels
+  bool matchable_ = false;  // there are matched pixels
   bool row_ = false, matched_ = false;  // the row has some, the pixel is one
   int x_ = 0, y_ = 0;
   Size size_;

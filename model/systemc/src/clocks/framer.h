@@ -30,7 +30,7 @@ class Framer {
   // What this clock does, given its inputs; `edge` then does it.
   struct Clock {
     bool step = false, start = false;  // a pixel is taken, the first of a frame
-    bool begin = false;                // the words of a frame may leave, `begin_size` its size
+    bool begin = false;  // the words of a frame may leave, `begin_size` its size
     Size begin_size;
     Slot slot;
   };

@@ -11,8 +11,8 @@ namespace vista::clocks {
 // Fixed when the RTL is built.
 struct Build {
   int num_disparities = 32;  // 16, 32 .. 256
-  int block_size = 11;       // odd, 5 .. 21
-  int max_width = 1024;      // px
+  int block_size = 11;  // odd, 5 .. 21
+  int max_width = 1024;  // px
 
   int radius() const { return block_size / 2; }
 };
@@ -28,7 +28,7 @@ constexpr int kVerticalLatency = 3;
 constexpr int kGradientLatency = 3;
 static_assert(kVerticalLatency + 1 + kGradientLatency == kPrefilterLatency);
 
-constexpr int kFifoAhead = 4;     // words in registers behind the memory of the result FIFO
+constexpr int kFifoAhead = 4;  // words in registers behind the memory of the result FIFO
 constexpr int kPendingFrames = 4;  // that the frame writer remembers
 
 // From prefiltered pixels to their costs.
@@ -44,7 +44,8 @@ constexpr int check_delay(int num_disparities) {
 }
 
 constexpr int results_in_flight(int num_disparities) {
-  return kPrefilterLatency + kCostLatency + candidate_latency(num_disparities) + kCheckLatency + (num_disparities - 1) + kInFlightMargin;
+  return kPrefilterLatency + kCostLatency + candidate_latency(num_disparities) + kCheckLatency + (num_disparities - 1) +
+         kInFlightMargin;
 }
 
 constexpr int result_fifo_depth(int num_disparities) { return 1 << ceil_log2(2 * results_in_flight(num_disparities)); }
