@@ -20,7 +20,7 @@ from vista import parameters
 from vista.chain import Chain, make_chain
 from vista.command.arguments import add_config, load_parameters, positive
 from vista.engine import ENGINES
-from vista.engine_rtl import DEFAULT_WIDTH_PX
+from vista.engine.rtl import DEFAULT_WIDTH_PX
 from vista.errors import EXIT_INTERRUPTED, EXIT_OK, InputError
 from vista.history import FrameRecord, stage_statistics
 from vista.overlay import Overlay

@@ -1,85 +1,19 @@
-"""Stereo engines: parameters and two rectified images in, one disparity image out (see model/README.md).
-
-    import vista
-    disparity = vista.StereoEngine(num_disparities=32, block_size=11).compute(left, right)
-
-Images are uint8, height x width, rectified, left is the reference. Disparities are int16 in 1/16 px of the
-left image, -16 where there is none.
-"""
+"""The C model of the contract, the reference of all engines (model/c)."""
 
 from __future__ import annotations
 
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import asdict, dataclass
-from typing import Any, Protocol
+from dataclasses import asdict
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from vista import native
+from vista.engine.contract import Disparity, EngineParameters, Image, check_images, check_parameters
 
-INVALID = -16  # the word of a pixel without a disparity
-ENGINES = ("golden", "rtl", "opencv")
 _LR_OFF = -1
 _SCRATCH_ALIGNMENT = 64
-
-Image = npt.NDArray[np.uint8]
-Disparity = npt.NDArray[np.int16]
-
-
-@dataclass(frozen=True)
-class EngineParameters:
-    """The contract's parameters; every engine takes these."""
-
-    num_disparities: int = 32
-    block_size: int = 11
-    prefilter: str = "xsobel"
-    prefilter_cap: int = 31
-    texture_threshold: int = 10
-    uniqueness_ratio: int = 15
-    lr_max_diff: int | None = 1
-
-
-class Engine(Protocol):
-    """What the rest of the chain knows of an engine."""
-
-    parameters: EngineParameters
-
-    def check_size(self, width_px: int, height_px: int) -> None:
-        """ValueError for images that it does not take."""
-
-    def compute(self, left: Image, right: Image) -> Disparity: ...
-
-
-def check_images(left: Image, right: Image) -> None:
-    """What every engine asks of a pair, whatever its size: TypeError or ValueError otherwise."""
-    for side, image in (("left", left), ("right", right)):
-        if not isinstance(image, np.ndarray):
-            raise TypeError(f"{side} image must be a numpy array, not {type(image).__name__}")
-        if image.dtype != np.uint8:
-            raise TypeError(f"{side} image must be uint8, not {image.dtype}")
-        if image.ndim != 2:
-            raise ValueError(f"{side} image must have 2 dimensions (height, width), not {image.ndim}")
-        if image.size == 0:
-            raise ValueError(f"{side} image is empty")
-    if left.shape != right.shape:
-        raise ValueError(f"left image is {_size(left)} but right image is {_size(right)}")
-
-
-def _size(image: Image) -> str:
-    return f"{image.shape[1]}x{image.shape[0]}"
-
-
-def _check_parameters(parameters: EngineParameters) -> None:
-    for name, value in asdict(parameters).items():
-        off = name == "lr_max_diff" and value is None
-        wanted = str if name == "prefilter" else (int, np.integer)
-        if not off and (not isinstance(value, wanted) or isinstance(value, bool)):
-            raise TypeError(f"{name} must be {'a string' if wanted is str else 'an integer'}, not {value!r}")
-        if isinstance(value, int | np.integer) and not (0 <= value < 2**31):
-            raise ValueError(f"{name} must be from 0 to {2**31 - 1}, not {value}")
-    if parameters.prefilter not in ("none", "xsobel"):
-        raise ValueError(f"prefilter must be none or xsobel, not {parameters.prefilter!r}")
 
 
 class StereoEngine:
@@ -111,7 +45,7 @@ class StereoEngine:
             uniqueness_ratio,
             lr_max_diff,
         )
-        _check_parameters(self.parameters)
+        check_parameters(self.parameters)
         self._ffi, self._lib = native.load("vista_engine")
         if not isinstance(threads, int) or not 1 <= threads <= self._lib.VISTA_ENGINE_MAX_THREADS:
             most = self._lib.VISTA_ENGINE_MAX_THREADS
@@ -211,51 +145,3 @@ class StereoEngine:
 def _isas(lib: Any) -> dict[str, int]:
     names = ("auto", "portable", "avx2", "avx512")
     return {name: getattr(lib, f"VISTA_ENGINE_ISA_{name.upper()}") for name in names}
-
-
-class OpenCvEngine:
-    """OpenCV's StereoBM set to the contract, for comparison; prefilter none and the check are not its own."""
-
-    def __init__(self, parameters: EngineParameters) -> None:
-        import cv2
-
-        _check_parameters(parameters)
-        if parameters.prefilter != "xsobel":
-            raise ValueError("engine opencv: prefilter must be xsobel")
-        if parameters.lr_max_diff is not None:
-            raise ValueError("engine opencv: lr_max_diff must be off")
-        self.parameters = parameters
-        self._matcher = cv2.StereoBM.create(parameters.num_disparities, parameters.block_size)
-        self._matcher.setMinDisparity(0)
-        self._matcher.setPreFilterType(cv2.STEREO_BM_PREFILTER_XSOBEL)
-        self._matcher.setPreFilterCap(parameters.prefilter_cap)
-        self._matcher.setTextureThreshold(parameters.texture_threshold)
-        self._matcher.setUniquenessRatio(parameters.uniqueness_ratio)
-        self._matcher.setDisp12MaxDiff(-1)
-        self._matcher.setSpeckleWindowSize(0)
-
-    def check_size(self, width_px: int, height_px: int) -> None:
-        """OpenCV takes any."""
-
-    def compute(self, left: Image, right: Image) -> Disparity:
-        """Disparity words of the left image."""
-        check_images(left, right)
-        return self._matcher.compute(left, right)
-
-
-def create_engine(
-    name: str, parameters: EngineParameters, threads: int = 1, rtl_width_px: int | None = None
-) -> Engine:
-    """The engine called golden (C model), opencv or rtl; ValueError for what it cannot do.
-
-    rtl_width_px: widest image of the RTL build to use, None for that of the reference build.
-    """
-    if name == "golden":
-        return StereoEngine(**asdict(parameters), threads=threads)
-    if name == "opencv":
-        return OpenCvEngine(parameters)
-    if name == "rtl":
-        from vista.engine_rtl import DEFAULT_WIDTH_PX, RtlEngine  # which imports this module
-
-        return RtlEngine(parameters, rtl_width_px or DEFAULT_WIDTH_PX)
-    raise ValueError(f"engine must be one of {', '.join(ENGINES)}, not {name!r}")

@@ -16,7 +16,8 @@ from pathlib import Path
 import numpy as np
 
 from vista import native
-from vista.engine import Disparity, EngineParameters, Image, StereoEngine, check_images
+from vista.engine.contract import Disparity, EngineParameters, Image, check_images
+from vista.engine.golden import StereoEngine
 
 DEFAULT_WIDTH_PX = 1024  # of the reference build (rtl/README.md)
 MIN_WIDTH_PX, MIN_HEIGHT_PX = 4, 2  # rtl/README.md, Use it
