@@ -18,7 +18,7 @@ from vista.figures.flights import the_four
 from vista.figures.moments import read_flights
 from vista.figures.segmentation import various
 from vista.figures.stereo_threshold import correctness, shade
-from vista.plots import STYLE
+from vista.report.plots import STYLE
 from vista.score.flight import FOOT_M
 from vista.score.truth import FlightTruth, TrueObject
 

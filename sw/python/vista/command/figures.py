@@ -33,7 +33,7 @@ def execute(arguments: argparse.Namespace) -> int:
     from vista.figures import flights, foveation, segmentation, stereo_threshold
     from vista.figures.canvas import save
     from vista.figures.moments import read_flights
-    from vista.plots import STYLE
+    from vista.report.plots import STYLE
 
     values = load_parameters(arguments.config, "golden")
     truths = read_flights(arguments.flights)

@@ -23,9 +23,9 @@ from vista.engine import ENGINES
 from vista.engine.rtl import DEFAULT_WIDTH_PX
 from vista.errors import EXIT_INTERRUPTED, EXIT_OK, InputError
 from vista.history import FrameRecord, stage_statistics
-from vista.overlay import Overlay
 from vista.recording import Recorder
-from vista.report import render_report
+from vista.report.overlay import Overlay
+from vista.report.run_report import render_report
 from vista.result_folder import ResultFolder
 from vista.run import Interruption, run_frames
 from vista.sequence import FrameFiles, Sequence, open_sequence

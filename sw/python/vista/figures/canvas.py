@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from vista.output import write_atomically
-from vista.plots import STYLE
+from vista.report.plots import STYLE
 
 DPI = 150
 

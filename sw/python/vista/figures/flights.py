@@ -12,7 +12,7 @@ from vista import parameters
 from vista.figures.canvas import show
 from vista.figures.moments import fly_through, shown_frame
 from vista.figures.segmentation import colour_regions
-from vista.overlay import draw_obstacles
+from vista.report.overlay import draw_obstacles
 from vista.score.flight import COMPANION_RMS_FT, FOOT_M
 from vista.score.flight_plots import draw_error
 from vista.score.truth import FlightTruth

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from vista import parameters
 from vista.figures.canvas import show
 from vista.figures.moments import Moment, fly_to, shown_frame
-from vista.palette import GREY, INK, RegionColours
+from vista.report.palette import GREY, INK, RegionColours
 from vista.score.truth import FlightTruth
 
 ROWS, PAIRS = 2, 3

@@ -8,8 +8,8 @@ import cv2
 import numpy as np
 
 from vista.history import FrameRecord
-from vista.overlay import Picture, draw_obstacles
-from vista.palette import WHITE
+from vista.report.overlay import Picture, draw_obstacles
+from vista.report.palette import WHITE
 from vista.score.flight import FlightScore
 from vista.score.judge import FrameScore
 from vista.score.truth import FlightTruth

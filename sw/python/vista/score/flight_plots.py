@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from vista.plots import ACCENT, MUTED, WARNING, svg_plot
+from vista.report.plots import ACCENT, MUTED, WARNING, svg_plot
 from vista.score.comparison import Comparison
 from vista.score.flight import FlightScore
 from vista.score.judge import HIT_RANGE, HIT_RANGE_M, NEAR

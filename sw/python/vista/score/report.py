@@ -10,7 +10,7 @@ from markupsafe import Markup
 
 import vista.score
 from vista import parameters
-from vista.page import fill_template
+from vista.report.page import fill_template
 from vista.score.comparison import Comparison, comparison_line
 from vista.score.filmstrip import Still
 from vista.score.flight import FlightScore

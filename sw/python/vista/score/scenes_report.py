@@ -10,9 +10,9 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from vista.overlay import draw_disparity
-from vista.page import fill_template
-from vista.palette import WHITE, distinct_colours
+from vista.report.overlay import draw_disparity
+from vista.report.page import fill_template
+from vista.report.palette import WHITE, distinct_colours
 from vista.score.scenes import CONTROLS, CUT, ScoredScene, control_regions
 from vista.score.segmentation import STATISTICS, LabelledView, difference_interval
 from vista.score.truth import SPLITS

@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
-from vista.plots import ACCENT, MUTED, STYLE, svg_element
+from vista.report.plots import ACCENT, MUTED, STYLE, svg_element
 from vista.throughput.assess import Answer, Sweeps
 from vista.throughput.explore import Point
 

@@ -10,7 +10,7 @@ from markupsafe import Markup
 
 from vista.errors import InputError
 from vista.output import unwritable, write_atomically
-from vista.page import fill_template
+from vista.report.page import fill_template
 from vista.throughput import plots
 from vista.throughput.assess import Answer, Sweeps, as_json
 from vista.throughput.explore import PROBE_FRAMES

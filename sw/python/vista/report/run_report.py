@@ -9,9 +9,9 @@ import cv2
 import numpy as np
 from markupsafe import Markup
 
-from vista import plots
 from vista.history import FrameRecord
-from vista.page import fill_template
+from vista.report import plots
+from vista.report.page import fill_template
 from vista.result_folder import ResultFolder
 
 MAX_PICTURES = 80
@@ -34,7 +34,7 @@ def render_report(summary: dict[str, Any], records: list[FrameRecord], folder: R
     }
     pictures = embedded_pictures(records, folder)
     return fill_template(
-        "report.html.j2",
+        "run_report.html.j2",
         summary=summary,
         cards=make_cards(summary, records),
         pictures=pictures,

@@ -17,7 +17,7 @@ from matplotlib.patches import Ellipse
 
 from vista.geometry import Array, Pose
 from vista.history import FrameRecord
-from vista.palette import distinct_colours
+from vista.report.palette import distinct_colours
 
 if TYPE_CHECKING:
     from vista.pipeline import Obstacle

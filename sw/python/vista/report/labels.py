@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from vista.palette import INK, Colour
+from vista.report.palette import INK, Colour
 
 FONT = cv2.FONT_HERSHEY_SIMPLEX
 PADDING_PX = 4
