@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import os
 from dataclasses import dataclass
 
 import numpy as np
 from graph_cases import FlowCase
-from shared_data import REPOSITORY
+from vista import native
 from vista_abi import ffi
 
-lib = ffi.dlopen(str(REPOSITORY / os.environ.get("VISTA_BUILD", "build") / "lib" / "libvista.so"))
+lib = ffi.dlopen(str(native.build_folder() / "lib" / "libvista.so"))
 
 
 def pointer(array: np.ndarray):
