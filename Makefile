@@ -22,9 +22,13 @@ APPS := $(patsubst sw/apps/%.c,$(BUILD)/bin/%,$(wildcard sw/apps/*.c))
 ENGINE_OBJECTS := $(ENGINE_SOURCES:%.c=$(BUILD)/obj/%.o)
 VISTA_OBJECTS := $(VISTA_SOURCES:%.c=$(BUILD)/obj/%.o)
 ENGINE_HEADERS := $(wildcard model/c/include/*.h model/c/include/*/*.h)
-VISTA_HEADERS := $(wildcard sw/include/vista/*.h sw/src/stages/*.h) $(patsubst %,sw/src/common/%.h,arena graph assignment disc ellipse)
-LIBRARIES := $(if $(ENGINE_SOURCES),$(BUILD)/lib/libvista_engine.so) $(BUILD)/lib/libvista.so
-BINDINGS := $(if $(ENGINE_SOURCES),build/python/vista_engine_abi.py) build/python/vista_abi.py
+VISTA_HEADERS := $(wildcard sw/include/vista/*.h) $(patsubst %,model/c/include/vista/%.h,api word)
+STAGES_HEADERS := $(VISTA_HEADERS) $(wildcard sw/src/stages/*.h) sw/src/pipeline_stages.h $(patsubst %,sw/src/common/%.h,arena graph assignment disc ellipse matched_area)
+STAGES_OBJECTS := $(VISTA_SOURCES:%.c=$(BUILD)/obj/stages/%.o)
+# The third is the tests' and the evaluation's: libvista with its stages in reach.
+LIBRARIES := $(BUILD)/lib/libvista_engine.so $(BUILD)/lib/libvista.so
+TEST_LIBRARIES := $(BUILD)/lib/libvista_stages.so
+BINDINGS := $(patsubst %,build/python/%_abi.py,vista_engine vista vista_stages)
 
 DEMO_PAIRS := build/demo/oak-d
 DEMO_FLIGHT := build/demo/flight
@@ -57,15 +61,19 @@ lock: ## pin the packages of scripts/requirements/*.in anew, with hashes
 
 build: native $(BINDINGS) ## native libraries, C programs and their Python bindings
 
-native: $(LIBRARIES) $(APPS) ## native libraries and C programs only
+native: $(LIBRARIES) $(TEST_LIBRARIES) $(APPS) ## native libraries and C programs only
 
 $(BUILD)/obj/model/%.o: model/%.c
 	@echo "cc $<"; mkdir -p $(@D)
-	@$(CC) $(CFLAGS) $(SANITIZE) -pthread -Imodel/c/include -MMD -MP -c $< -o $@
+	@$(CC) $(CFLAGS) $(SANITIZE) -fvisibility=hidden -pthread -Imodel/c/include -MMD -MP -c $< -o $@
 
 $(BUILD)/obj/sw/%.o: sw/%.c
 	@echo "cc $<"; mkdir -p $(@D)
-	@$(CC) $(CFLAGS) $(SANITIZE) -pthread -Isw/include -Isw/src -Imodel/c/include -MMD -MP -c $< -o $@
+	@$(CC) $(CFLAGS) $(SANITIZE) -fvisibility=hidden -pthread -Isw/include -Isw/src -Imodel/c/include -MMD -MP -c $< -o $@
+
+$(BUILD)/obj/stages/%.o: %.c
+	@echo "cc $< (stages)"; mkdir -p $(@D)
+	@$(CC) $(CFLAGS) $(SANITIZE) -Isw/include -Isw/src -Imodel/c/include -MMD -MP -c $< -o $@
 
 # A library does not outlive a source that was removed: the list of its objects is a prerequisite too.
 $(BUILD)/obj/%.list: FORCE
@@ -73,11 +81,15 @@ $(BUILD)/obj/%.list: FORCE
 
 $(BUILD)/lib/libvista_engine.so: $(ENGINE_OBJECTS) $(BUILD)/obj/ENGINE.list
 	@echo "ld $@"; mkdir -p $(@D)
-	@$(CC) $(SANITIZE) -shared -pthread -Wl,-z,defs $(ENGINE_OBJECTS) -o $@
+	@$(CC) $(SANITIZE) -shared -pthread -Wl,-z,defs -Wl,-soname,$(@F) $(ENGINE_OBJECTS) -o $@
 
 $(BUILD)/lib/libvista.so: $(VISTA_OBJECTS) $(BUILD)/obj/VISTA.list
 	@echo "ld $@"; mkdir -p $(@D)
-	@$(CC) $(SANITIZE) -shared -Wl,-z,defs $(VISTA_OBJECTS) -lm -o $@
+	@$(CC) $(SANITIZE) -shared -Wl,-z,defs -Wl,-soname,$(@F) $(VISTA_OBJECTS) -lm -o $@
+
+$(BUILD)/lib/libvista_stages.so: $(STAGES_OBJECTS) $(BUILD)/obj/STAGES.list
+	@echo "ld $@"; mkdir -p $(@D)
+	@$(CC) $(SANITIZE) -shared -Wl,-z,defs -Wl,-soname,$(@F) $(STAGES_OBJECTS) -lm -o $@
 
 $(BUILD)/bin/%: $(BUILD)/obj/sw/apps/%.o $(LIBRARIES)
 	@echo "ld $@"; mkdir -p $(@D)
@@ -85,6 +97,7 @@ $(BUILD)/bin/%: $(BUILD)/obj/sw/apps/%.o $(LIBRARIES)
 
 build/python/vista_engine_abi.py: $(ENGINE_HEADERS)
 build/python/vista_abi.py: $(VISTA_HEADERS)
+build/python/vista_stages_abi.py: $(STAGES_HEADERS)
 build/python/%_abi.py: scripts/make_binding.py | .venv/run.stamp
 	@mkdir -p $(@D); $(PYTHON) scripts/make_binding.py $(@:build/python/%.py=%) $(filter %.h,$^) --out $@
 
@@ -93,7 +106,7 @@ build/python/%_abi.py: scripts/make_binding.py | .venv/run.stamp
 -include $(shell find $(BUILD)/obj -name '*.d' 2>/dev/null)
 
 generate: .venv/run.stamp ## generated sources anew, after a change of sw/parameters.toml
-	@$(PYTHON) scripts/make_parameters.py sw/parameters.toml sw/include/vista/parameters.h sw/src/parameters.c
+	@$(PYTHON) scripts/make_parameters.py sw/parameters.toml sw/include/vista/parameters.h sw/src/parameters_table.h
 
 # ---- checks ----
 
@@ -109,7 +122,7 @@ test-python: build systemc-tests .venv/test.stamp $(RTL_TOOLS)
 	@$(PYTHON) -m pytest
 
 drift: .venv/run.stamp ## generated sources equal what their generators write
-	@$(PYTHON) scripts/make_parameters.py sw/parameters.toml sw/include/vista/parameters.h sw/src/parameters.c --check
+	@$(PYTHON) scripts/make_parameters.py sw/parameters.toml sw/include/vista/parameters.h sw/src/parameters_table.h --check
 
 lint: lint-python lint-rtl ## ruff, Verilator -Wall, Verible
 
