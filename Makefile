@@ -13,7 +13,7 @@ DESTDIR ?=
 CC := gcc
 CFLAGS := -O3
 SANITIZE :=
-# Compiler warnings are errors, and what only the tests need is built too, unless a goal is one of those who use VISTA.
+# Compiler warnings are errors, unless a goal is one of those who use VISTA.
 DEVELOPER ?= $(if $(filter demo install native,$(MAKECMDGOALS)),,ON)
 PYTHON := .venv/bin/python
 CMAKE := .venv/bin/cmake
@@ -66,7 +66,7 @@ build: .venv/run.stamp native ## native libraries, C programs and their Python b
 native: .venv/build.stamp ## native libraries and C programs only
 	@$(call need,$(CC))$(CMAKE) -S . -B $(BUILD) -G Ninja -DCMAKE_MAKE_PROGRAM=$(CURDIR)/.venv/bin/ninja \
 	  -DCMAKE_C_COMPILER=$(CC) -DCMAKE_C_FLAGS_RELEASE="$(CFLAGS) $(SANITIZE)" -DPython_EXECUTABLE=$(CURDIR)/$(PYTHON) \
-	  -DVISTA_BINDINGS=ON $(DEVELOPER:%=-DVISTA_DEVELOPER=%) >/dev/null
+	  -DVISTA_PYTHON=ON $(DEVELOPER:%=-DVISTA_DEVELOPER=%) >/dev/null
 	@$(CMAKE) --build $(BUILD)
 
 # For what make itself links to the engine.
@@ -76,7 +76,7 @@ install: native ## libraries, headers and programs into PREFIX (default /usr/loc
 	@DESTDIR=$(DESTDIR) $(CMAKE) --install $(BUILD) --prefix $(PREFIX)
 
 generate: .venv/run.stamp ## generated sources anew, after a change of sw/parameters.toml
-	@$(PYTHON) scripts/make_parameters.py sw/parameters.toml sw/include/vista/parameters.h sw/src/parameters.c
+	@$(PYTHON) scripts/make_parameters.py sw/parameters.toml sw/include/vista/parameters.h sw/src/parameters_table.h
 
 # ---- checks ----
 
@@ -92,7 +92,7 @@ test-python: build systemc-tests .venv/test.stamp $(RTL_TOOLS)
 	@$(PYTHON) -m pytest
 
 drift: .venv/run.stamp ## generated sources equal what their generators write
-	@$(PYTHON) scripts/make_parameters.py sw/parameters.toml sw/include/vista/parameters.h sw/src/parameters.c --check
+	@$(PYTHON) scripts/make_parameters.py sw/parameters.toml sw/include/vista/parameters.h sw/src/parameters_table.h --check
 
 lint: lint-python lint-rtl ## ruff, Verilator -Wall, Verible
 

@@ -91,16 +91,9 @@ def _limits() -> list[tuple[str, str, str]]:
     ]
 
 
-def as_numbers(values: Values) -> dict[str, float]:
-    """ "section.name" -> number, a choice by its place in the schema: the form of vista_parameters_set."""
-    numbers: dict[str, float] = {}
-    for section, content in values.items():
-        for name, value in content.items():
-            entry = entries(section)[name]
-            numbers[f"{section}.{name}"] = float(
-                entry["choices"].index(value) if entry["type"] == "choice" else value
-            )
-    return numbers
+def flat(values: Values) -> dict[str, Any]:
+    """ "section.name" -> value, a choice by its name."""
+    return {f"{section}.{name}": value for section in values for name, value in values[section].items()}
 
 
 def default_toml() -> str:
