@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from vista import parameters
 
-from vista_eval.cache import digest_of, kept
+from vista_eval.cache import code_digest, digest_of, kept
 from vista_eval.dataset.scenes import read_scene
 from vista_eval.dataset.truth import SPLITS, TRUTH, read_truth
 from vista_eval.fly import flight_digest
@@ -24,13 +24,6 @@ from vista_eval.report.text_table import aligned
 STRIDE = 8  # frames
 MIN_FLIGHTS = 3  # of an interval
 SHOWN = {"iou_median": "IoU median", "boundary_recall_cell": "boundary recall"}
-SOURCES = (
-    "metrics/flight_segmentation.py",
-    "metrics/segmentation.py",
-    "metrics/scenes.py",
-    "baselines/reference_method.py",
-    "dataset/truth.py",
-)
 
 
 @dataclass(frozen=True)
@@ -44,7 +37,7 @@ class FlightSegmentation:
 def segment_cached(folder: Path, values: parameters.Values, cache: Path) -> FlightSegmentation:
     digest = digest_of(
         flight_digest(folder, values, None),
-        *(Path(__file__).parents[1] / source for source in SOURCES),
+        code_digest(__name__),
         folder / TRUTH,
     )
     return kept(cache, digest, lambda: segment_flight(folder, values), _segmentation)

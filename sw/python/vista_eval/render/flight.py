@@ -10,13 +10,14 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Literal
 
+from vista_eval.cache import code_digest, content_sha256
 from vista_eval.dataset.files import write_text
 from vista_eval.dataset.layout import write_sequence
-from vista_eval.render.digest import content_sha256, sources_sha256
 from vista_eval.render.rig import PAPER_RIG, Rig
 from vista_eval.render.scene import Scene
 from vista_eval.render.sensor import Sensor
 from vista_eval.render.trajectory import Approach, BodyState
+from vista_eval.render.version import RENDER_VERSION
 
 MARKER = "content.json"
 Quality = Literal["full", "quick"]
@@ -69,8 +70,9 @@ def about(flight: Flight) -> dict:
 
 
 def sources_of(flight: Flight, quality: Quality) -> str:
-    """A digest that is quickly made: equal means that the flight's content is."""
-    return sources_sha256((flight, approach_of(flight, quality), RAYS[quality]))
+    """A digest that is quickly made, without the scene: equal means that the flight's content is."""
+    maker = code_digest(flight.scene.__module__)
+    return content_sha256(RENDER_VERSION, maker, flight, approach_of(flight, quality), RAYS[quality])
 
 
 @lru_cache(maxsize=1)
@@ -79,7 +81,10 @@ def scene_of(flight: Flight) -> Scene:
 
 
 def content_of(flight: Flight, quality: Quality) -> str:
+    """What stands for every byte of a rendered flight: geometry and albedo of its scene, its parameters, and
+    the version of the renderer. A change elsewhere, in another flight's scene say, leaves it as it is."""
     return content_sha256(
+        RENDER_VERSION,
         scene_of(flight),
         (states_of(flight, quality), flight.rig, flight.sensor, RAYS[quality], flight.seed),
     )
@@ -93,7 +98,7 @@ def read_marker(out: Path) -> dict:
 
 
 def holds(flight: Flight, out: Path, quality: Quality) -> bool:
-    """Whether what is in `out` is of this flight. Where any source has changed, the scene itself decides."""
+    """Whether what is in `out` is of this flight. If its scene's maker has changed, the scene decides."""
     marker, sources = read_marker(out), sources_of(flight, quality)
     if marker.get("sources") == sources:
         return True
