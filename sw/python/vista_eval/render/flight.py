@@ -13,6 +13,7 @@ from typing import Literal
 from vista_eval.cache import code_digest, content_sha256
 from vista_eval.dataset.files import write_text
 from vista_eval.dataset.layout import write_sequence
+from vista_eval.dataset.truth import TRUTH, VERSION, flight_truth
 from vista_eval.render.rig import PAPER_RIG, Rig
 from vista_eval.render.scene import Scene
 from vista_eval.render.sensor import Sensor
@@ -31,7 +32,7 @@ RAYS: dict[Quality, int] = {"full": 4, "quick": 1}
 class Flight:
     name: str
     title: str
-    split: Literal["tune", "report"]
+    split: Literal["dev", "test"]
     approach: Approach
     scene: Callable[[float, int], Scene]  # of altitude in metres and seed
     rig: Rig = PAPER_RIG
@@ -111,10 +112,11 @@ def holds(flight: Flight, out: Path, quality: Quality) -> bool:
 
 
 def is_complete(flight: Flight, out: Path, quality: Quality = "full") -> bool:
-    if not (out / "truth.json").exists() or not holds(flight, out, quality):
+    if not (out / TRUTH).exists() or not holds(flight, out, quality):
         return False
-    truth = json.loads((out / "truth.json").read_text())
-    return all(truth[key] == value for key, value in about(flight).items())
+    truth = json.loads((out / TRUTH).read_text())
+    told = {"version": VERSION, **about(flight)}
+    return all(truth.get(key) == value for key, value in told.items())
 
 
 def prepare(flight: Flight, out: Path, quality: Quality = "full") -> None:
@@ -145,7 +147,6 @@ def render_flight(flight: Flight, out: Path, quality: Quality = "full") -> Itera
         return
     prepare(flight, out, quality)
     # Mitsuba takes a second to load: not for a flight that is complete.
-    from vista_eval.dataset.truth import flight_truth
     from vista_eval.render.frame import frame_paths, render_frame
     from vista_eval.render.renderer import Renderer
 
@@ -161,4 +162,4 @@ def render_flight(flight: Flight, out: Path, quality: Quality = "full") -> Itera
     write_sequence(out, rig, states, approach.rate_hz)
     times_ns = [state.t_ns for state in states]
     truth = flight_truth(out, about(flight), scene, rig, times_ns, approach.before_last_s(0))
-    write_text(out / "truth.json", [json.dumps(truth)])
+    write_text(out / TRUTH, [json.dumps(truth)])
