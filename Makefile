@@ -17,12 +17,12 @@ REQUIREMENTS := scripts/requirements
 
 # One library a folder: public headers in include/, everything in src/ is compiled and linked.
 ENGINE_SOURCES := $(wildcard model/c/src/*.c)
-VISTA_SOURCES := $(wildcard sw/src/*.c)
+VISTA_SOURCES := $(wildcard sw/src/*.c sw/src/*/*.c sw/src/stages/parts/*.c)
 APPS := $(patsubst sw/apps/%.c,$(BUILD)/bin/%,$(wildcard sw/apps/*.c))
 ENGINE_OBJECTS := $(ENGINE_SOURCES:%.c=$(BUILD)/obj/%.o)
 VISTA_OBJECTS := $(VISTA_SOURCES:%.c=$(BUILD)/obj/%.o)
 ENGINE_HEADERS := $(wildcard model/c/include/*.h model/c/include/*/*.h)
-VISTA_HEADERS := $(wildcard sw/include/vista/*.h)
+VISTA_HEADERS := $(wildcard sw/include/vista/*.h sw/src/stages/*.h) $(patsubst %,sw/src/common/%.h,arena graph assignment disc ellipse)
 LIBRARIES := $(if $(ENGINE_SOURCES),$(BUILD)/lib/libvista_engine.so) $(BUILD)/lib/libvista.so
 BINDINGS := $(if $(ENGINE_SOURCES),build/python/vista_engine_abi.py) build/python/vista_abi.py
 
@@ -65,7 +65,7 @@ $(BUILD)/obj/model/%.o: model/%.c
 
 $(BUILD)/obj/sw/%.o: sw/%.c
 	@echo "cc $<"; mkdir -p $(@D)
-	@$(CC) $(CFLAGS) $(SANITIZE) -pthread -Isw/include -Imodel/c/include -MMD -MP -c $< -o $@
+	@$(CC) $(CFLAGS) $(SANITIZE) -pthread -Isw/include -Isw/src -Imodel/c/include -MMD -MP -c $< -o $@
 
 # A library does not outlive a source that was removed: the list of its objects is a prerequisite too.
 $(BUILD)/obj/%.list: FORCE

@@ -32,9 +32,9 @@ from frame_cases import isolating_cuts  # noqa: E402
 from graph_cases import (  # noqa: E402
     SEED_CAPACITY,
     FlowCase,
-    core_seed_case,
     polar_cases,
     real_images,
+    seed_case,
     synthetic_image,
 )
 from shared_data import SHARED_DATA  # noqa: E402
@@ -122,20 +122,20 @@ def measure(name: str, cases: list[FlowCase], repetitions: int) -> dict:
 
 
 def recursive_cuts(image: np.ndarray) -> list[FlowCase]:
-    """Core after core is cut out of what is left of one graph, as the recursive bipartition does."""
-    case = core_seed_case("recursive", image, SEED)
+    """Seed after seed is cut out of what is left of one graph, as the recursive bipartition does."""
+    case = seed_case("recursive", image, SEED)
     case.source[:] = case.sink[:] = 0
     rng = np.random.default_rng(SEED)
-    cores = rng.choice(case.node_count, RECURSIVE_CORES, replace=False)
+    seeds = rng.choice(case.node_count, RECURSIVE_CORES, replace=False)
     graph = CutGraph(case.node_count, case.edges)
     left = np.ones(case.node_count, bool)
     cuts = []
-    for core in cores:
-        others = cores[left[cores] & (cores != core)]
-        if not left[core] or others.size == 0:
+    for seed in seeds:
+        others = seeds[left[seeds] & (seeds != seed)]
+        if not left[seed] or others.size == 0:
             continue
         source, sink = np.zeros((2, case.node_count), np.int32)
-        source[core], sink[others] = SEED_CAPACITY, SEED_CAPACITY
+        source[seed], sink[others] = SEED_CAPACITY, SEED_CAPACITY
         cut = replace(case, source=source, sink=sink, subset=np.flatnonzero(left).astype(np.int32))
         left[graph.solve(cut).source_side == 1] = False
         cuts.append(cut)

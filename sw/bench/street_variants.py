@@ -30,7 +30,7 @@ VARIANTS: dict[str, dict[str, dict[str, object]]] = {
     "32 disparities": {"stereo": {"num_disparities": 32}},
     "no relief": {
         "affinity": {"mu_depth_m": 0.0},
-        "segmentation": {"core_step_m": 0.0},
+        "segmentation": {"seed_step_m": 0.0},
         "region": {"tolerance_m": 0.0},
     },
     "no merging": {"segmentation": {"merge_share": 1.0, "merge_ratio": 0.0}},

@@ -4,12 +4,12 @@
 #include <stdbool.h>
 #include <time.h>
 
-#include "frame.h"
-#include "vista/affinity.h"
-#include "vista/collision_volume.h"
-#include "vista/delineation.h"
-#include "vista/reconstruction.h"
-#include "vista/surface.h"
+#include "common/frame.h"
+#include "stages/affinity.h"
+#include "stages/collision_volume.h"
+#include "stages/reconstruction.h"
+#include "stages/refinement.h"
+#include "stages/surface.h"
 
 #define MAX_TRACKS 256
 #define MAX_DETECTIONS 512
@@ -23,11 +23,11 @@ struct vista_pipeline {
   vista_surfaces surfaces;
   vista_affinity affinity;
   vista_segmentation segmentation;
-  vista_delineation delineation;
+  vista_refinement refinement;
   vista_regions regions;
   vista_detection *detections;
   vista_tracker *tracker;
-  vista_saturation saturation;
+  vista_blind_zone blind_zone;
   vista_obstacle_map *map;
 };
 
@@ -36,11 +36,11 @@ static const char *const stage_names[VISTA_STAGE_COUNT] = {
     [VISTA_STAGE_SURFACE] = "surface",
     [VISTA_STAGE_AFFINITY] = "affinity",
     [VISTA_STAGE_SEGMENTATION] = "segmentation",
-    [VISTA_STAGE_DELINEATION] = "delineation",
+    [VISTA_STAGE_REFINEMENT] = "refinement",
     [VISTA_STAGE_REGIONS] = "regions",
     [VISTA_STAGE_RECONSTRUCTION] = "reconstruction",
     [VISTA_STAGE_TRACKING] = "tracking",
-    [VISTA_STAGE_SATURATION] = "saturation",
+    [VISTA_STAGE_BLIND_ZONE] = "blind_zone",
     [VISTA_STAGE_MAP] = "map",
 };
 
@@ -66,7 +66,7 @@ static vista_status layout(vista_pipeline *p, vista_arena *arena) {
       vista_surfaces_layout(&p->surfaces, arena, &p->foveation),
       vista_affinity_layout(&p->affinity, arena, &p->foveation),
       vista_segmentation_layout(&p->segmentation, arena, &p->foveation),
-      vista_delineation_layout(&p->delineation, arena, &p->foveation),
+      vista_refinement_layout(&p->refinement, arena, &p->foveation),
       vista_regions_layout(&p->regions, arena, &p->foveation),
       vista_tracker_layout(MAX_TRACKS, MAX_DETECTIONS, arena, &p->tracker),
       vista_obstacle_map_layout(MAX_TRACKS, arena, &p->map),
@@ -121,7 +121,7 @@ vista_status vista_pipeline_create(void *memory, size_t bytes, const vista_param
 void vista_pipeline_reset(vista_pipeline *pipeline) {
   vista_tracker_reset(pipeline->tracker);
   vista_obstacle_map_reset(pipeline->map);
-  pipeline->saturation = (vista_saturation){0};
+  pipeline->blind_zone = (vista_blind_zone){0};
 }
 
 static vista_status check_up(const double up_world[3]) {
@@ -178,13 +178,13 @@ static vista_status run_stage(vista_pipeline *p, vista_stage stage, const vista_
       return vista_affinity_compute(&p->foveation, &q->affinity, &p->camera, &p->cells, &p->affinity);
     case VISTA_STAGE_SEGMENTATION:
       return vista_segment(&p->foveation, q, &p->camera, &p->cells, &p->surfaces, &p->affinity, &p->segmentation);
-    case VISTA_STAGE_DELINEATION:
-      return vista_delineate(&p->foveation, &q->delineation, &frame->image, &p->cells, p->segmentation.label,
-                             &p->delineation);
+    case VISTA_STAGE_REFINEMENT:
+      return vista_refine(&p->foveation, &q->refinement, &frame->image, &p->cells, p->segmentation.label,
+                          &p->refinement);
     case VISTA_STAGE_REGIONS: {
       const vista_status status =
           vista_regions_compute(&p->foveation, &q->region, &p->camera, up, q->surface.horizontal_deg, &frame->disparity,
-                                &p->cells, &p->surfaces, &p->segmentation, &p->delineation, &p->regions);
+                                &p->cells, &p->surfaces, &p->segmentation, &p->refinement, &p->regions);
       if (status != VISTA_OK) return status;
       vista_collision_volume volume = {.radius_m = q->obstacle_map.collision_radius_m,
                                        .length_m = q->obstacle_map.collision_length_m};
@@ -201,14 +201,14 @@ static vista_status run_stage(vista_pipeline *p, vista_stage stage, const vista_
     case VISTA_STAGE_TRACKING:
       return vista_tracker_update(p->tracker, &q->tracker, &p->camera, &p->matched, frame->pose, frame->t_ns,
                                   &frame->disparity, p->detections, *detections);
-    case VISTA_STAGE_SATURATION:
-      return vista_saturation_update(&q->saturation, &p->camera, &p->matched, q->obstacle_map.collision_radius_m,
-                                     &frame->image, &frame->disparity, &p->saturation);
+    case VISTA_STAGE_BLIND_ZONE:
+      return vista_blind_zone_update(&q->blind_zone, &p->camera, &p->matched, q->obstacle_map.collision_radius_m,
+                                     &frame->image, &frame->disparity, &p->blind_zone);
     case VISTA_STAGE_MAP: {
       int32_t count;
       const vista_track *const tracks = vista_tracker_tracks(p->tracker, &count);
       return vista_obstacle_map_update(p->map, &q->obstacle_map, &p->camera, frame->pose, NULL, frame->t_ns,
-                                       &p->saturation, tracks, count);
+                                       &p->blind_zone, tracks, count);
     }
     case VISTA_STAGE_COUNT:
       break;
@@ -241,11 +241,11 @@ vista_status vista_pipeline_process(vista_pipeline *pipeline, const vista_frame 
   r.surfaces = &p->surfaces;
   r.affinity = &p->affinity;
   r.segmentation = &p->segmentation;
-  r.delineation = &p->delineation;
+  r.refinement = &p->refinement;
   r.regions = p->regions.items;
   r.region_count = p->regions.count;
   r.accepted_count = p->regions.accepted_count;
-  r.saturation = p->saturation;
+  r.blind_zone = p->blind_zone;
   r.obstacles = vista_obstacle_map_obstacles(p->map, &r.obstacle_count);
   r.nearest_collision = vista_obstacle_map_nearest(p->map);
   vista_obstacle_map_velocity(p->map, r.velocity_m_s);

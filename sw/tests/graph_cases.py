@@ -92,9 +92,9 @@ def ring_seed_case(name: str, image: np.ndarray, rings: int = 67, sectors: int =
     return case
 
 
-def core_seed_case(name: str, image: np.ndarray, seed: int, rings: int = 67, sectors: int = 96) -> FlowCase:
-    """Isolating cut: S holds one 3x3 core, T eleven others."""
-    case, _ = _polar_case(f"{name}, core seeds", image, rings, sectors)
+def seed_case(name: str, image: np.ndarray, seed: int, rings: int = 67, sectors: int = 96) -> FlowCase:
+    """Isolating cut: S holds one 3x3 seed, T eleven others."""
+    case, _ = _polar_case(f"{name}, seeds", image, rings, sectors)
     rng = np.random.default_rng(seed)
     for k in range(12):
         ring, sector = rng.integers(1, rings - 1), rng.integers(sectors)
@@ -116,7 +116,7 @@ def soft_terminal_case(name: str, image: np.ndarray, rings: int = 67, sectors: i
 
 
 def polar_cases(name: str, image: np.ndarray, seed: int) -> list[FlowCase]:
-    return [ring_seed_case(name, image), core_seed_case(name, image, seed), soft_terminal_case(name, image)]
+    return [ring_seed_case(name, image), seed_case(name, image, seed), soft_terminal_case(name, image)]
 
 
 def real_images() -> list[tuple[str, Path]]:

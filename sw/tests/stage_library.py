@@ -31,10 +31,10 @@ PARAMETERS: dict[str, float] = {
     "surface.horizontal_deg": 55.0,
     "surface.ground_step_px": 0.6,
     "surface.ground_step_m": 0.3,
-    "segmentation.core_step_px": 0.5,
-    "segmentation.core_step_slope": 0.03,
-    "segmentation.core_step_m": 0.5,
-    "segmentation.core_area_px2": 60.0,
+    "segmentation.seed_step_px": 0.5,
+    "segmentation.seed_step_slope": 0.03,
+    "segmentation.seed_step_m": 0.5,
+    "segmentation.seed_area_px2": 60.0,
     "segmentation.bridge_m": 0.0,
     "segmentation.shell_px": 0.0,
     "segmentation.reach": 12,
@@ -45,10 +45,10 @@ PARAMETERS: dict[str, float] = {
     "segmentation.merge_share": 0.1,
     "segmentation.rest_affinity": 0.5,
     "segmentation.rest_area_px2": 400.0,
-    "delineation.sigma_intensity": 10.0,
-    "delineation.contrast_limit": 3.0,
-    "delineation.mixed_penalty": 0.75,
-    "delineation.compactness": 1.0,
+    "refinement.sigma_intensity": 10.0,
+    "refinement.contrast_limit": 3.0,
+    "refinement.mixed_penalty": 0.75,
+    "refinement.compactness": 1.0,
     "region.boundary_px": 0.0,
     "region.tolerance_px": 1.0,
     "region.tolerance_m": 0.5,
@@ -136,8 +136,8 @@ class Stages:
         self.surfaces = self._lay_out("vista_surfaces", lib.vista_surfaces_layout)
         self.affinity = self._lay_out("vista_affinity", lib.vista_affinity_layout)
         self.segmentation = self._lay_out("vista_segmentation", lib.vista_segmentation_layout)
-        self.cores = self._lay_out("vista_cores", lib.vista_cores_layout)
-        self.delineation = self._lay_out("vista_delineation", lib.vista_delineation_layout)
+        self.seeds = self._lay_out("vista_seeds", lib.vista_seeds_layout)
+        self.refinement = self._lay_out("vista_refinement", lib.vista_refinement_layout)
         self.regions = self._lay_out("vista_regions", lib.vista_regions_layout)
         self.intensity = view(self.cells.intensity, f.node_count, np.float32)
         self.disparity_px = view(self.cells.disparity_px, f.node_count, np.float32)
@@ -148,11 +148,11 @@ class Stages:
         self.capacity = view(self.affinity.capacity, f.arc_count, np.int32)
         self.intensity_capacity = view(self.affinity.intensity_capacity, f.arc_count, np.int32)
         self.label = view(self.segmentation.label, f.node_count, np.int32)
-        self.region_of_pixel = view(self.delineation.label, f.cell_of_pixel.size, np.int32).reshape(
+        self.region_of_pixel = view(self.refinement.label, f.cell_of_pixel.size, np.int32).reshape(
             f.cell_of_pixel.shape
         )
-        self.core_of_node = view(self.cores.core_of_node, f.node_count, np.int32)
-        self.shell = view(self.cores.shell, f.node_count, np.uint8)
+        self.seed_of_node = view(self.seeds.seed_of_node, f.node_count, np.int32)
+        self.shell = view(self.seeds.shell, f.node_count, np.uint8)
 
     def _lay_out(self, name: str, layout):
         handle = ffi.new(f"{name} *")
@@ -183,34 +183,34 @@ class Stages:
         )
         assert status == lib.VISTA_OK, status_name(status)
 
-    def find_obstacle_cores(self) -> list[np.ndarray]:
-        status = lib.vista_cores_of_obstacles(
+    def find_obstacle_seeds(self) -> list[np.ndarray]:
+        status = lib.vista_seeds_of_obstacles(
             self.foveation.handle,
             self.section("segmentation"),
             self.camera,
             self.cells,
             self.surfaces,
-            self.cores,
+            self.seeds,
         )
         assert status == lib.VISTA_OK, status_name(status)
-        return self._core_members()
+        return self._seed_members()
 
-    def find_rest_cores(self, label: np.ndarray) -> list[np.ndarray]:
+    def find_rest_seeds(self, label: np.ndarray) -> list[np.ndarray]:
         label = np.ascontiguousarray(label, np.int32)
-        status = lib.vista_cores_of_rest(
+        status = lib.vista_seeds_of_rest(
             self.foveation.handle,
             self.section("segmentation"),
             self.affinity,
             self.surfaces,
             ffi.cast("int32_t *", label.ctypes.data),
-            self.cores,
+            self.seeds,
         )
         assert status == lib.VISTA_OK, status_name(status)
-        return self._core_members()
+        return self._seed_members()
 
-    def _core_members(self) -> list[np.ndarray]:
-        first = view(self.cores.first_member, self.cores.count + 1, np.int32)
-        members = view(self.cores.members, self.foveation.node_count, np.int32)
+    def _seed_members(self) -> list[np.ndarray]:
+        first = view(self.seeds.first_member, self.seeds.count + 1, np.int32)
+        members = view(self.seeds.members, self.foveation.node_count, np.int32)
         return [members[a:b].copy() for a, b in pairwise(first)]
 
     def segment(self) -> None:
@@ -225,15 +225,15 @@ class Stages:
         )
         assert status == lib.VISTA_OK, status_name(status)
 
-    def delineate(self, image: np.ndarray) -> str:
+    def refine(self, image: np.ndarray) -> str:
         return status_name(
-            lib.vista_delineate(
+            lib.vista_refine(
                 self.foveation.handle,
-                self.section("delineation"),
+                self.section("refinement"),
                 image_struct("image", image),
                 self.cells,
                 self.segmentation.label,
-                self.delineation,
+                self.refinement,
             )
         )
 
@@ -255,7 +255,7 @@ class Stages:
             self.cells,
             self.surfaces,
             self.segmentation,
-            self.delineation,
+            self.refinement,
             self.regions,
         )
         assert status == lib.VISTA_OK, status_name(status)

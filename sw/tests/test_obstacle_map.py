@@ -35,7 +35,7 @@ class Map:
         assert self._arena.status == lib.VISTA_OK
         self.handle, self.params, self.camera = out[0], params("obstacle_map", **changes), camera()
 
-    def update(self, t_s: float, tracks=(), velocity=FORWARD, raw_pose=None, saturation=ffi.NULL) -> str:
+    def update(self, t_s: float, tracks=(), velocity=FORWARD, raw_pose=None, blind_zone=ffi.NULL) -> str:
         items = ffi.new("vista_track[]", [track[0] for track in tracks])
         speed = ffi.NULL if velocity is None else ffi.new("double[3]", list(velocity))
         return status_name(
@@ -46,7 +46,7 @@ class Map:
                 pose() if raw_pose is None else raw_pose,
                 speed,
                 round(t_s * SECOND),
-                saturation,
+                blind_zone,
                 items,
                 len(tracks),
             )
@@ -176,7 +176,7 @@ def test_what_moves_with_the_aircraft_is_not_confirmed() -> None:
 def test_what_is_too_near_to_match_is_a_danger() -> None:
     """Before any track, on the flight path, at the end of the blind zone."""
     mapper, aside = Map(), (3.0, 0.0, 4.0)
-    too_near = ffi.new("vista_saturation *", {"saturated": True, "range_m": 14.5})
+    too_near = ffi.new("vista_blind_zone *", {"occupied": True, "range_m": 14.5})
     assert mapper.update(0.0, [track((0, 0, 30.0))], aside, None, too_near) == "VISTA_OK"
     assert [o.id for o in mapper.obstacles] == [0, 1]
     found, along = mapper.obstacles[0], np.array(aside) / 5.0
@@ -188,7 +188,7 @@ def test_what_is_too_near_to_match_is_a_danger() -> None:
     assert mapper.nearest.time_to_collision_s == pytest.approx(14.5 / 5.0)
     assert mapper.update(0.5, [track((0, 0, 4.0))], FORWARD, None, too_near) == "VISTA_OK"
     assert mapper.nearest.id == 1  # nearer still, and tracked
-    too_near.saturated = False
+    too_near.occupied = False
     assert mapper.update(1.0, [], FORWARD, None, too_near) == "VISTA_OK"
     assert not mapper.nearest.valid and mapper.obstacles == []
 

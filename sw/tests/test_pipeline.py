@@ -106,8 +106,8 @@ def test_fields_of_the_result(flight: list[dict]) -> None:
     assert r.accepted_count == accepted == 1
     names = [ffi.string(lib.vista_stage_name(stage)).decode() for stage in range(lib.VISTA_STAGE_COUNT)]
     assert names == [
-        "foveation", "surface", "affinity", "segmentation", "delineation", "regions", "reconstruction",
-        "tracking", "saturation", "map",
+        "foveation", "surface", "affinity", "segmentation", "refinement", "regions", "reconstruction",
+        "tracking", "blind_zone", "map",
     ]  # fmt: skip
     assert ffi.string(lib.vista_stage_name(lib.VISTA_STAGE_COUNT)) == b"unknown"
 
@@ -130,7 +130,7 @@ def test_python_gives_the_same_numbers(flight: list[dict]) -> None:
         assert result.cell_intensity.tobytes() == expected["intensity"]
         assert result.cell_disparity_px.tobytes() == expected["disparity_px"]
         assert result.region_of_cell.tobytes() == expected["label"]
-        drawn = pipeline.delineate(source.left, result.cell_intensity, result.region_of_cell)
+        drawn = pipeline.refine_boundaries(source.left, result.cell_intensity, result.region_of_cell)
         assert np.array_equal(result.region_of_pixel, drawn)
         nearest = expected["nearest_collision"]
         assert (result.nearest_collision is not None) == nearest["valid"]

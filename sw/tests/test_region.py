@@ -380,7 +380,7 @@ def test_the_same_frame_gives_the_same_regions() -> None:
 def test_noise_is_measured_without_harm() -> None:
     random = seeded(11)
     for width, height in ((16, 16), (100, 75)):
-        stages = Stages(camera(width, height), {"segmentation.core_area_px2": 1.0, "region.min_inliers": 1})
+        stages = Stages(camera(width, height), {"segmentation.seed_area_px2": 1.0, "region.min_inliers": 1})
         for _ in range(5):
             image = random.integers(0, 256, (height, width), np.uint8)
             limit = random.choice([100, 4096, 2**15])  # the last: no engine's words, from a bad file
@@ -425,7 +425,7 @@ def test_wrong_arguments_are_refused() -> None:
     def compute(disparity, null: int | None = None) -> str:
         pointers = [f, stages.section("region"), stages.camera, up]
         pointers += [image_struct("disparity_image", disparity), stages.cells, stages.surfaces]
-        pointers += [stages.segmentation, stages.delineation, stages.regions]
+        pointers += [stages.segmentation, stages.refinement, stages.regions]
         if null is not None:
             pointers[null] = ffi.NULL
         return status_name(lib.vista_regions_compute(*pointers[:4], 55.0, *pointers[4:]))

@@ -19,12 +19,12 @@ NEVER_MERGE = {"segmentation.merge_share": 1.0, "segmentation.merge_ratio": 0.0}
 # ---- the recursion against scipy ----
 
 
-def steps_from(stages: Stages, core: np.ndarray, passable: np.ndarray) -> np.ndarray:
-    """Steps from the core to every node over passable ones."""
+def steps_from(stages: Stages, seed: np.ndarray, passable: np.ndarray) -> np.ndarray:
+    """Steps from the seed to every node over passable ones."""
     f = stages.foveation
     steps = np.full(f.node_count, f.node_count)
-    steps[core] = 0
-    front = core
+    steps[seed] = 0
+    front = seed
     while front.size:
         arcs = np.isin(f.tail, front)
         front = np.unique(f.head[arcs])
@@ -34,10 +34,10 @@ def steps_from(stages: Stages, core: np.ndarray, passable: np.ndarray) -> np.nda
     return steps
 
 
-def data_term(stages: Stages, cores, core: int) -> np.ndarray:
+def data_term(stages: Stages, seeds, seed: int) -> np.ndarray:
     """Capacity of every free cell's link to T."""
     p, d = stages.parameters.segmentation, stages.disparity_px.astype(float)
-    low, high = cores.min_disparity_px[core], cores.max_disparity_px[core]
+    low, high = seeds.min_disparity_px[seed], seeds.max_disparity_px[seed]
     if high < 0:
         return np.zeros(d.size)
     beyond = np.clip(np.maximum(d - high, low - d), 0, 4)
@@ -64,22 +64,22 @@ def source_side(stages: Stages, nodes: np.ndarray, source: np.ndarray, sink: np.
     return reached[reached < count]
 
 
-def cut_out_all(stages: Stages, cores: list[np.ndarray], label: np.ndarray, first_label: int) -> int:
-    """Cuts every core out of the unlabelled nodes, in order; the next free label."""
+def cut_out_all(stages: Stages, seeds: list[np.ndarray], label: np.ndarray, first_label: int) -> int:
+    """Cuts every seed out of the unlabelled nodes, in order; the next free label."""
     count = stages.foveation.node_count
-    core_of_node = np.full(count, -1)
-    for k, core in enumerate(cores):
-        core_of_node[core] = k
-    for k, core in enumerate(cores):
-        free = (label < 0) & (core_of_node == -1)
-        steps = steps_from(stages, core, free)
-        others = (core_of_node >= 0) & (core_of_node != k)
+    seed_of_node = np.full(count, -1)
+    for k, seed in enumerate(seeds):
+        seed_of_node[seed] = k
+    for k, seed in enumerate(seeds):
+        free = (label < 0) & (seed_of_node == -1)
+        steps = steps_from(stages, seed, free)
+        others = (seed_of_node >= 0) & (seed_of_node != k)
         far = steps >= stages.parameters.segmentation.reach
-        source = np.where((core_of_node == k) & (stages.shell == 0), TIED, 0)
-        sink = np.where(others | far, TIED, data_term(stages, stages.cores, k))
-        sink[core] = 0
+        source = np.where((seed_of_node == k) & (stages.shell == 0), TIED, 0)
+        sink = np.where(others | far, TIED, data_term(stages, stages.seeds, k))
+        sink[seed] = 0
         label[source_side(stages, np.flatnonzero(label < 0), source, sink)] = first_label + k
-    return first_label + len(cores)
+    return first_label + len(seeds)
 
 
 def random_scene(random: np.random.Generator, changes: dict[str, float]) -> Stages:
@@ -106,7 +106,7 @@ def test_the_labels_are_those_of_minimum_cuts_by_scipy(reach: int) -> None:
             NEVER_MERGE
             | {
                 "segmentation.reach": reach,
-                "segmentation.core_area_px2": random.choice([2.0, 30.0]),
+                "segmentation.seed_area_px2": random.choice([2.0, 30.0]),
                 "segmentation.bridge_m": random.choice([0.0, 1.0]),
                 "segmentation.shell_px": random.choice([0.0, 2.0, 4.0]),
                 "segmentation.rest_area_px2": random.choice([2.0, 100.0]),
@@ -116,12 +116,12 @@ def test_the_labels_are_those_of_minimum_cuts_by_scipy(reach: int) -> None:
             },
         )
         expected = np.full(stages.foveation.node_count, -1)
-        cores = stages.find_obstacle_cores()
-        obstacles = cut_out_all(stages, cores, expected, 0)
-        in_cores = sum(core.size for core in cores)
+        seeds = stages.find_obstacle_seeds()
+        obstacles = cut_out_all(stages, seeds, expected, 0)
+        in_seeds = sum(seed.size for seed in seeds)
         shells += np.count_nonzero(stages.shell)
-        taken += np.count_nonzero(expected >= 0) - in_cores
-        count = cut_out_all(stages, stages.find_rest_cores(expected), expected, obstacles)
+        taken += np.count_nonzero(expected >= 0) - in_seeds
+        count = cut_out_all(stages, stages.find_rest_seeds(expected), expected, obstacles)
         stages.segment()
         s = stages.segmentation
         assert np.array_equal(stages.label, expected)
@@ -129,7 +129,7 @@ def test_the_labels_are_those_of_minimum_cuts_by_scipy(reach: int) -> None:
         regions += obstacles
     assert regions > 20
     assert shells > 20
-    assert taken > 50 or reach == 1  # the cuts gave free cells to cores
+    assert taken > 50 or reach == 1  # the cuts gave free cells to seeds
 
 
 # ---- merging ----
@@ -146,21 +146,21 @@ def halves(stages: Stages, left_px: float, right_px: float) -> None:
 
 FINE = {
     "foveation.sector_count": 48,
-    "segmentation.core_step_px": 0.125,
-    "segmentation.core_step_slope": 0.0,
-    "segmentation.core_step_m": 0.0,
-    "segmentation.core_area_px2": 20.0,
+    "segmentation.seed_step_px": 0.125,
+    "segmentation.seed_step_slope": 0.0,
+    "segmentation.seed_step_m": 0.0,
+    "segmentation.seed_area_px2": 20.0,
     "segmentation.merge_share": 0.1,
 }
 
 
 def test_regions_without_a_jump_between_them_are_joined() -> None:
-    """Steps of 0.25 px: two cores, but the merging allows four times a core's step."""
+    """Steps of 0.25 px: two seeds, but the merging allows four times a seed's step."""
     merging = Stages(camera(64, 48), FINE | {"segmentation.merge_ratio": 4.0})
     strict = Stages(camera(64, 48), FINE | {"segmentation.merge_ratio": 1.0})
     for stages, regions in ((merging, 1), (strict, 2)):
         halves(stages, 20.0, 20.25)
-        assert len(stages.find_obstacle_cores()) == 2
+        assert len(stages.find_obstacle_seeds()) == 2
         stages.segment()
         assert stages.segmentation.obstacle_count == regions
         assert stages.segmentation.region_count == regions
@@ -201,7 +201,7 @@ def test_most_of_the_border_decides(first_row: int, regions: int) -> None:
     right = f.center_u >= 30
     stages.disparity_px[right] += 0.03 * np.maximum(f.center_v[right] - first_row, 0)
     stages.compare()
-    assert len(stages.find_obstacle_cores()) == 2
+    assert len(stages.find_obstacle_seeds()) == 2
     stages.segment()
     assert stages.segmentation.obstacle_count == regions
 
@@ -293,7 +293,7 @@ def test_a_frame_gives_the_same_labels_whatever_came_before() -> None:
 def test_noise_is_partitioned_too() -> None:
     random = seeded(13)
     for width, height in ((16, 16), (64, 48), (101, 77)):
-        stages = Stages(camera(width, height), {"segmentation.core_area_px2": 1.0})
+        stages = Stages(camera(width, height), {"segmentation.seed_area_px2": 1.0})
         for _ in range(5):
             image = random.integers(0, 256, (height, width), np.uint8)
             limit = random.choice([100, 4096, 2**15])  # the last: no engine's words, from a bad file

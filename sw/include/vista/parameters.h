@@ -7,17 +7,12 @@
 #include "vista/status.h"
 
 /* The stereo engine (its contract: model/README.md). */
-typedef enum vista_stereo_prefilter {
-  VISTA_STEREO_PREFILTER_XSOBEL,
-  VISTA_STEREO_PREFILTER_NONE
-} vista_stereo_prefilter;
+typedef enum vista_stereo_prefilter { VISTA_STEREO_PREFILTER_XSOBEL, VISTA_STEREO_PREFILTER_NONE } vista_stereo_prefilter;
 
 typedef struct vista_stereo_params {
-  int32_t
-      num_disparities; /* Candidates 0 .. num_disparities - 1, a multiple of 16. The paper's Acadia had 32; 64 halve the blind zone. 16 .. 256 px. */
+  int32_t num_disparities; /* Candidates 0 .. num_disparities - 1, a multiple of 16. The paper's Acadia had 32; 64 halve the blind zone. 16 .. 256 px. */
   int32_t block_size; /* Side of the matching block, odd. 5 .. 21 px. */
-  vista_stereo_prefilter
-      prefilter; /* What is matched: the horizontal Sobel response, or the grey levels themselves (the Acadia's plain SAD). */
+  vista_stereo_prefilter prefilter; /* What is matched: the horizontal Sobel response, or the grey levels themselves (the Acadia's plain SAD). */
   int32_t prefilter_cap; /* Clamp of the Sobel response. 1 .. 63. */
   int32_t texture_threshold; /* Blocks with less texture are invalid. 0 .. 65535. */
   int32_t uniqueness_ratio; /* Margin of the best match over all that do not adjoin it. 0 .. 100 percent. */
@@ -26,8 +21,7 @@ typedef struct vista_stereo_params {
 
 /* Log-polar grid (paper, section II-B). */
 typedef struct vista_foveation_params {
-  int32_t
-      sector_count; /* Sectors of the log-polar grid; rings grow by exp(2*pi/sector_count), which keeps cells square. 16 .. 256. */
+  int32_t sector_count; /* Sectors of the log-polar grid; rings grow by exp(2*pi/sector_count), which keeps cells square. 16 .. 256. */
   double rho_0_px; /* Radius of the hub, the one cell at the centre. Paper: rho_0. 1.0 .. 64.0 px. */
   double min_valid_fraction; /* A cell has a disparity when at least this fraction of its pixels has one. 0.0 .. 1.0. */
 } vista_foveation_params;
@@ -35,180 +29,126 @@ typedef struct vista_foveation_params {
 /* Similarity of neighbouring cells (paper, equations 3 and 4) and its encoding as flow (equation 5). */
 typedef enum vista_affinity_form { VISTA_AFFINITY_FORM_PRODUCT, VISTA_AFFINITY_FORM_SUM } vista_affinity_form;
 
-typedef enum vista_affinity_flow_encoding {
-  VISTA_AFFINITY_FLOW_ENCODING_EXPONENTIAL,
-  VISTA_AFFINITY_FLOW_ENCODING_LINEAR
-} vista_affinity_flow_encoding;
+typedef enum vista_affinity_flow_encoding { VISTA_AFFINITY_FLOW_ENCODING_EXPONENTIAL, VISTA_AFFINITY_FLOW_ENCODING_LINEAR } vista_affinity_flow_encoding;
 
 typedef struct vista_affinity_params {
-  vista_affinity_form
-      form; /* How the feature terms combine: their weighted sum is the paper's equation 3, their product measures better. */
-  double
-      alpha_intensity; /* Weight of the intensity term in the sum form; the disparity term has the rest. Paper: alpha_d. 0.0 .. 1.0. */
+  vista_affinity_form form; /* How the feature terms combine: their weighted sum is the paper's equation 3, their product measures better. */
+  double alpha_intensity; /* Weight of the intensity term in the sum form; the disparity term has the rest. Paper: alpha_d. 0.0 .. 1.0. */
   double mu_intensity; /* Intensity difference that still counts as none. Paper: mu_d. 0.0 .. 255.0 grey levels. */
   double sigma_intensity; /* Scale of the intensity term. Paper: sigma_d. 0.1 .. 255.0 grey levels. */
-  double
-      mu_disparity_px; /* Disparity difference that still counts as none between adjoining cells. Paper: mu_d. 0.0 .. 16.0 px. */
-  double
-      mu_disparity_slope; /* Added to mu_disparity_px per pixel between the cell centres: cells of the periphery lie farther apart. Paper: mu_d. 0.0 .. 1.0 px per px. */
-  double
-      mu_depth_m; /* A disparity difference that means less depth than this counts as none: near things have relief. At most 6 % of the range. Paper: mu_d. 0.0 .. 10.0 m. */
+  double mu_disparity_px; /* Disparity difference that still counts as none between adjoining cells. Paper: mu_d. 0.0 .. 16.0 px. */
+  double mu_disparity_slope; /* Added to mu_disparity_px per pixel between the cell centres: cells of the periphery lie farther apart. Paper: mu_d. 0.0 .. 1.0 px per px. */
+  double mu_depth_m; /* A disparity difference that means less depth than this counts as none: near things have relief. At most 6 % of the range. Paper: mu_d. 0.0 .. 10.0 m. */
   double sigma_disparity_px; /* Scale of the disparity term. Paper: sigma_d. 0.05 .. 64.0 px. */
-  vista_affinity_flow_encoding
-      flow_encoding; /* Capacity = scale * C^((w - 1) / 2), or the paper's print, scale * (w + 1) / 2. */
+  vista_affinity_flow_encoding flow_encoding; /* Capacity = scale * C^((w - 1) / 2), or the paper's print, scale * (w + 1) / 2. */
   double flow_scale; /* Capacity of an edge of affinity 1. 10.0 .. 100000.0. */
-  double
-      flow_constant; /* Base of the exponential encoding: the square root of it is the ratio of strongest to weakest edge. Paper: C. 1.0 .. 100000000.0. */
+  double flow_constant; /* Base of the exponential encoding: the square root of it is the ratio of strongest to weakest edge. Paper: C. 1.0 .. 100000000.0. */
 } vista_affinity_params;
 
 /* Inclination of the surface under each cell, from the disparities of the cells around it. */
 typedef struct vista_surface_params {
-  double
-      lever_px; /* Cells at least this far apart are compared, so that the noise of a disparity does not tilt the surface. 1.0 .. 64.0 px. */
-  double
-      horizontal_deg; /* A surface that leans more than this from the vertical is one to fly along, not into. 10.0 .. 90.0 deg. */
+  double lever_px; /* Cells at least this far apart are compared, so that the noise of a disparity does not tilt the surface. 1.0 .. 64.0 px. */
+  double horizontal_deg; /* A surface that leans more than this from the vertical is one to fly along, not into. 10.0 .. 90.0 deg. */
   double ground_step_px; /* Cells within this of the ground's plane are ground. 0.0 .. 64.0 px. */
   double ground_step_m; /* Cells above the ground's plane by this, and by ground_step_px, stand. 0.0 .. 10.0 m. */
 } vista_surface_params;
 
 /* Recursive minimum cuts (paper, section II-C). */
 typedef struct vista_segmentation_params {
-  double core_step_px; /* Largest disparity step inside a core between adjoining cells. 0.05 .. 8.0 px. */
-  double core_step_slope; /* Added to core_step_px per pixel between the cell centres. 0.0 .. 1.0 px per px. */
-  double
-      core_step_m; /* A disparity step that means less depth than this is no step. At most 6 % of the range. 0.0 .. 10.0 m. */
-  double core_area_px2; /* Smallest core that is cut out. 1.0 .. 1000000.0 px2. */
-  double
-      bridge_m; /* Parts up to this far apart, with only cells without disparity between them, are one core; 0: never. 0.0 .. 100.0 m. */
-  double
-      shell_px; /* Members of a core this near to an edge of depth seed nothing: half the matching block. 0.0 .. 64.0 px. */
-  int32_t reach; /* A cut can take free cells less than this many steps from its core. 1 .. 1000 cells. */
-  double
-      unknown_link; /* Sink link of a cell without disparity: what it costs to take a textureless cell into an obstacle. Paper: D_p. 0.0 .. 10.0 flow_scale. */
-  double
-      mismatch_link; /* Sink link of a free cell per pixel of disparity beyond the core's own range, at most four times this. Paper: D_p. 0.0 .. 10.0 flow_scale. */
+  double seed_step_px; /* Largest disparity step inside a seed between adjoining cells. 0.05 .. 8.0 px. */
+  double seed_step_slope; /* Added to seed_step_px per pixel between the cell centres. 0.0 .. 1.0 px per px. */
+  double seed_step_m; /* A disparity step that means less depth than this is no step. At most 6 % of the range. 0.0 .. 10.0 m. */
+  double seed_area_px2; /* Smallest seed that is cut out. 1.0 .. 1000000.0 px2. */
+  double bridge_m; /* Parts up to this far apart, with only cells without disparity between them, are one seed; 0: never. 0.0 .. 100.0 m. */
+  double shell_px; /* Cells of a seed this near to an edge of depth stay free in the cut; half the matching block. 0.0 .. 64.0 px. */
+  int32_t reach; /* A cut can take free cells less than this many steps from its seed. 1 .. 1000 cells. */
+  double unknown_link; /* Sink link of a cell without disparity: what it costs to take a textureless cell into an obstacle. Paper: D_p. 0.0 .. 10.0 flow_scale. */
+  double mismatch_link; /* Sink link of a free cell per pixel of disparity beyond the seed's own range, at most four times this. Paper: D_p. 0.0 .. 10.0 flow_scale. */
   double horizontal_link; /* Sink link of a cell on a horizontal surface. Paper: D_p. 0.0 .. 100.0 flow_scale. */
-  double
-      merge_ratio; /* Edges across the boundary of two regions that step by less than this are smooth. 0.0 .. 100.0 core steps. */
-  double
-      merge_share; /* Two regions are one if more than half of the edges between them, and this share of the shorter perimeter, are smooth. 0.0 .. 1.0. */
-  double
-      rest_affinity; /* Cells that no obstacle claims form cores of the rest along edges of at least this affinity. Paper: w_ij. 0.0 .. 1.0. */
-  double rest_area_px2; /* Smallest core of the rest that is cut out. 1.0 .. 1000000.0 px2. */
+  double merge_ratio; /* Edges across the boundary of two regions that step by less than this are smooth. 0.0 .. 100.0 seed steps. */
+  double merge_share; /* Two regions are one if more than half of the edges between them, and this share of the shorter perimeter, are smooth. 0.0 .. 1.0. */
+  double rest_affinity; /* Cells that no obstacle claims form seeds of the rest along edges of at least this affinity. Paper: w_ij. 0.0 .. 1.0. */
+  double rest_area_px2; /* Smallest seed of the rest that is cut out. 1.0 .. 1000000.0 px2. */
 } vista_segmentation_params;
 
 /* Regions at the resolution of the image: pixels of cells at a border join the cell that they resemble. */
-typedef struct vista_delineation_params {
-  double
-      sigma_intensity; /* Difference of a pixel from a cell that weighs as much as one cell of distance at compactness 1. 0.1 .. 255.0 grey levels. */
+typedef struct vista_refinement_params {
+  double sigma_intensity; /* Difference of a pixel from a cell that weighs as much as one cell of distance at compactness 1. 0.1 .. 255.0 grey levels. */
   double contrast_limit; /* A larger difference weighs no more than this. 0.0 .. 100.0 sigma_intensity. */
   double mixed_penalty; /* Cost of a cell at a border: it may show parts of both regions. 0.0 .. 100.0. */
-  double
-      compactness; /* Cost of a pixel one cell's size away from the centre of a cell; 0: by intensity alone. 0.0 .. 100.0. */
-} vista_delineation_params;
+  double compactness; /* Cost of a pixel one cell's size away from the centre of a cell; 0: by intensity alone. 0.0 .. 100.0. */
+} vista_refinement_params;
 
 /* Statistics of the regions and the tests that make obstacles of them (paper, section II-D). */
 typedef struct vista_region_params {
-  double
-      boundary_px; /* Cells this near to a cell on the boundary belong to it; half the matching block. 0.0 .. 64.0 px. */
+  double boundary_px; /* Cells this near to a cell on the boundary belong to it; half the matching block. 0.0 .. 64.0 px. */
   double tolerance_px; /* Boundary disparities within this of the region's surface are its inliers. 0.1 .. 16.0 px. */
-  double
-      tolerance_m; /* The same in depth; the larger of the two holds: near things have relief. At most 6 % of the range. 0.0 .. 10.0 m. */
-  int32_t
-      min_inliers; /* Fewest boundary inliers of an obstacle, but no more than one of min_size_m has pixels at its range. 1 .. 1000000 pixels. */
+  double tolerance_m; /* The same in depth; the larger of the two holds: near things have relief. At most 6 % of the range. 0.0 .. 10.0 m. */
+  int32_t min_inliers; /* Fewest boundary inliers of an obstacle, but no more than one of min_size_m has pixels at its range. 1 .. 1000000 pixels. */
   double min_disparity_px; /* Regions with less are too far to say anything. 0.1 .. 255.0 px. */
   double min_size_m; /* Smallest larger side of an obstacle. At most 6 % of the range. 0.0 .. 100.0 m. */
   double min_valid_fraction; /* Smallest valid fraction of the boundary. 0.0 .. 1.0. */
-  double
-      min_inlier_fraction; /* Edge consistency: smallest part of the valid boundary pixels that are inliers. 0.0 .. 1.0. */
-  double
-      outline_fraction; /* Smallest part of its left edge, right edge and foot that has to agree on the depth of a region without disparities. 0.0 .. 1.0. */
-  double
-      foot_m; /* The foot of such a region is within this of the ground's plane. At most 6 % of the range. 0.0 .. 10.0 m. */
-  double
-      min_height_m; /* What is lower than this above the horizontal surface that it adjoins lies on it. At most 6 % of the range. 0.0 .. 10.0 m. */
+  double min_inlier_fraction; /* Edge consistency: smallest part of the valid boundary pixels that are inliers. 0.0 .. 1.0. */
+  double outline_fraction; /* Smallest part of its left edge, right edge and foot that has to agree on the depth of a region without disparities. 0.0 .. 1.0. */
+  double foot_m; /* The foot of such a region is within this of the ground's plane. At most 6 % of the range. 0.0 .. 10.0 m. */
+  double min_height_m; /* What is lower than this above the horizontal surface that it adjoins lies on it. At most 6 % of the range. 0.0 .. 10.0 m. */
   double min_standing_fraction; /* Smallest part of an obstacle's area that stands higher than that. 0.0 .. 1.0. */
 } vista_region_params;
 
 /* Regions to detections by linear triangulation (paper, section II-D). */
 typedef struct vista_reconstruction_params {
   double center_sigma_px; /* Noise of a region's centre, along u and v each. 0.01 .. 100.0 px. */
-  double
-      center_sigma_ratio; /* The same as a share of the region's half width or height: the segmentation moves the centre of a large region by more. 0.0 .. 2.0. */
+  double center_sigma_ratio; /* The same as a share of the region's half width or height: the segmentation moves the centre of a large region by more. 0.0 .. 2.0. */
   double disparity_sigma_px; /* Noise of the boundary disparity that no averaging removes. 0.01 .. 16.0 px. */
-  double
-      correlated_pixels; /* Boundary inliers that share one matching block: n / this of them count as independent. 1.0 .. 1000.0 pixels. */
+  double correlated_pixels; /* Boundary inliers that share one matching block: n / this of them count as independent. 1.0 .. 1000.0 pixels. */
   double disparity_min_px; /* Smaller disparities are not reconstructed. 0.1 .. 255.0 px. */
 } vista_reconstruction_params;
 
 /* One extended Kalman filter an obstacle, in the inertial frame (paper, section II-D). */
 typedef struct vista_tracker_params {
-  double
-      velocity_sigma_m_s; /* Prior of an obstacle's velocity, each axis: obstacles are mostly static. 0.001 .. 100.0 m/s. */
-  double
-      moving_sigma_m_s; /* Prior of the velocity of what moves, each axis: of a track seen once whose next detection no track explains as standing. 0.0 .. 1000.0 m/s. */
-  double
-      acceleration_psd_m2_s3; /* Spectral density of the white acceleration, each axis. Paper: Q. 0.0 .. 1000.0 m2/s3. */
-  double
-      position_psd_m2_s; /* Random walk of the point that stands for the obstacle: regions change from frame to frame. Paper: Q. 0.0 .. 100.0 m2/s. */
-  double
-      attitude_sigma_deg; /* Error of the pose's attitude, each axis; adds to the noise of u and v. 0.0 .. 10.0 deg. */
-  double
-      gate_chi2; /* Mahalanobis gate in (u, v, d): chi-square with 3 degrees of freedom, 11.34 holds 99 percent. 0.1 .. 1000.0. */
+  double velocity_sigma_m_s; /* Prior of an obstacle's velocity, each axis: obstacles are mostly static. 0.001 .. 100.0 m/s. */
+  double moving_sigma_m_s; /* Prior of the velocity of what moves, each axis: of a track seen once whose next detection no track explains as standing. 0.0 .. 1000.0 m/s. */
+  double acceleration_psd_m2_s3; /* Spectral density of the white acceleration, each axis. Paper: Q. 0.0 .. 1000.0 m2/s3. */
+  double position_psd_m2_s; /* Random walk of the point that stands for the obstacle: regions change from frame to frame. Paper: Q. 0.0 .. 100.0 m2/s. */
+  double attitude_sigma_deg; /* Error of the pose's attitude, each axis; adds to the noise of u and v. 0.0 .. 10.0 deg. */
+  double gate_chi2; /* Mahalanobis gate in (u, v, d): chi-square with 3 degrees of freedom, 11.34 holds 99 percent. 0.1 .. 1000.0. */
   double extent_sigma_ratio; /* Noise of the natural logarithm of a measured width or height. 0.01 .. 10.0. */
   double extent_psd_1_s; /* Random walk of the logarithm of width and height. 0.0 .. 100.0 1/s. */
-  double
-      overlap_sigma; /* Depth gate for lying within a track, standard deviations of the disparity difference. 0.1 .. 100.0. */
+  double overlap_sigma; /* Depth gate for lying within a track, standard deviations of the disparity difference. 0.1 .. 100.0. */
   double overlap_scale; /* Half extents around a track's centre that count as within it. 0.1 .. 10.0. */
-  int32_t
-      confirm_hits; /* A track is confirmed at this many hits in confirm_window frames; at one more while own travel could tell, but does not yet, that it stands. Paper: M. 1 .. 32 frames. At most confirm_window. */
-  int32_t
-      confirm_window; /* Frames, in which the track could be seen, that count for its confirmation. Paper: N. 1 .. 32 frames. */
-  int32_t
-      moved_hits; /* A track that moves needs this many hits, and has this many frames, more to be confirmed. 0 .. 16 frames. */
-  int32_t
-      volume_pixels; /* A region is in the collision volume when at least this many of its pixels are. 0 .. 1000000 pixels. */
-  double
-      static_odds; /* Likelihood ratio at which a track is held to stand still, or, inverted, to move with the aircraft as a mismatched texture does. 1.0 .. 1000000.0. */
-  double
-      static_tolerance; /* Motion along the line of sight, as a share of own travel, that what stands may seem to make: regions change on approach. 0.0 .. 1.0. */
-  double
-      static_noise_hits; /* Hits in a row whose range errors are about the same: they count as one. 1.0 .. 100.0 hits. */
+  int32_t confirm_hits; /* A track is confirmed at this many hits in confirm_window frames; at one more while own travel could tell, but does not yet, that it stands. Paper: M. 1 .. 32 frames. At most confirm_window. */
+  int32_t confirm_window; /* Frames, in which the track could be seen, that count for its confirmation. Paper: N. 1 .. 32 frames. */
+  int32_t moved_hits; /* A track that moves needs this many hits, and has this many frames, more to be confirmed. 0 .. 16 frames. */
+  int32_t volume_pixels; /* A region is in the collision volume when at least this many of its pixels are. 0 .. 1000000 pixels. */
+  double static_odds; /* Likelihood ratio at which a track is held to stand still, or, inverted, to move with the aircraft as a mismatched texture does. 1.0 .. 1000000.0. */
+  double static_tolerance; /* Motion along the line of sight, as a share of own travel, that what stands may seem to make: regions change on approach. 0.0 .. 1.0. */
+  double static_noise_hits; /* Hits in a row whose range errors are about the same: they count as one. 1.0 .. 100.0 hits. */
   double static_fade_m; /* Own travel over which earlier hits lose their say about that. 0.1 .. 100000.0 m. */
-  double
-      static_speed_min_m_s; /* Slower than this along its line of sight, own travel tells nothing of a track: single frames have to do. 0.0 .. 100.0 m/s. */
+  double static_speed_min_m_s; /* Slower than this along its line of sight, own travel tells nothing of a track: single frames have to do. 0.0 .. 100.0 m/s. */
   int32_t miss_max; /* Misses in a row that a confirmed track survives. 0 .. 1000 frames. */
   double out_of_view_s; /* A track outside the matched part of the image coasts for this long. 0.0 .. 3600.0 s. */
-  double
-      blind_zone_s; /* A track nearer than the engine matches coasts for this long, unless it is passed before. 0.0 .. 3600.0 s. */
+  double blind_zone_s; /* A track nearer than the engine matches coasts for this long, unless it is passed before. 0.0 .. 3600.0 s. */
   double range_max_m; /* Farther detections start no track. 1.0 .. 100000.0 m. */
 } vista_tracker_params;
 
 /* Something in the way that is too near to match: texture without disparity. */
-typedef struct vista_saturation_params {
+typedef struct vista_blind_zone_params {
   int32_t contrast; /* A pixel whose two neighbours along the row differ by this has texture. 1 .. 255 grey levels. */
   double textured_fraction; /* With less of the disc textured, nothing can be said. 0.001 .. 1.0. */
-  double
-      unmatched_fraction; /* Something is too near when this share of the texture is not matched; in ordinary views it is 0.03 to 0.6. 0.0 .. 1.0. */
-  int32_t
-      confirm_hits; /* It is reported when it was so in this many of confirm_window frames. Paper: M. 1 .. 32 frames. At most confirm_window. */
+  double unmatched_fraction; /* Something is too near when this share of the texture is not matched; in ordinary views it is 0.03 to 0.6. 0.0 .. 1.0. */
+  int32_t confirm_hits; /* It is reported when it was so in this many of confirm_window frames. Paper: M. 1 .. 32 frames. At most confirm_window. */
   int32_t confirm_window; /* Frames that count for that. Paper: N. 1 .. 32 frames. */
-} vista_saturation_params;
+} vista_blind_zone_params;
 
 /* Obstacles against the flight path (paper, section II-D; companion). */
 typedef struct vista_obstacle_map_params {
   double collision_radius_m; /* Radius of the collision volume around the flight path. 0.01 .. 1000.0 m. */
   double collision_length_m; /* Length of the collision volume, from the camera. 0.1 .. 100000.0 m. */
-  double
-      inflation_sigma; /* Standard deviations of the bearing that are added to an obstacle's semi-axes. 0.0 .. 10.0. */
-  double
-      lasting_disparity_px; /* Error of an obstacle's disparity that lasts from frame to frame: no filter averages it out; adds to the covariance. 0.0 .. 16.0 px. */
-  double
-      lasting_range_m; /* The same in depth, of the surface that the region's boundary shows; the larger part near the camera. 0.0 .. 10.0 m. */
-  double
-      lasting_center_px; /* The same of its centre: matching widens a thing by up to half a block, more to one side than to the other. 0.0 .. 100.0 px. */
-  double
-      lasting_center_ratio; /* The same, as a share of its half width and height: a region may lack a part of the thing all along. 0.0 .. 2.0. */
+  double inflation_sigma; /* Standard deviations of the bearing that are added to an obstacle's semi-axes. 0.0 .. 10.0. */
+  double lasting_disparity_px; /* Error of an obstacle's disparity that lasts from frame to frame: no filter averages it out; adds to the covariance. 0.0 .. 16.0 px. */
+  double lasting_range_m; /* The same in depth, of the surface that the region's boundary shows; the larger part near the camera. 0.0 .. 10.0 m. */
+  double lasting_center_px; /* The same of its centre: matching widens a thing by up to half a block, more to one side than to the other. 0.0 .. 100.0 px. */
+  double lasting_center_ratio; /* The same, as a share of its half width and height: a region may lack a part of the thing all along. 0.0 .. 2.0. */
   double velocity_smoothing_s; /* Time constant of the velocity from poses; 0: the last difference. 0.0 .. 60.0 s. */
   double speed_min_m_s; /* Slower, the flight direction is the optical axis. 0.0 .. 100.0 m/s. */
 } vista_obstacle_map_params;
@@ -219,11 +159,11 @@ typedef struct vista_parameters {
   vista_affinity_params affinity;
   vista_surface_params surface;
   vista_segmentation_params segmentation;
-  vista_delineation_params delineation;
+  vista_refinement_params refinement;
   vista_region_params region;
   vista_reconstruction_params reconstruction;
   vista_tracker_params tracker;
-  vista_saturation_params saturation;
+  vista_blind_zone_params blind_zone;
   vista_obstacle_map_params obstacle_map;
 } vista_parameters;
 

@@ -1,4 +1,4 @@
-/* The chain in order: foveate, surface, affinity, segment, delineate, regions, reconstruct, track, saturation, map;
+/* The chain in order: foveate, surface, affinity, segment, refine, regions, reconstruct, track, blind_zone, map;
  * nothing else happens here.
  *
  * All memory is the caller's: ask vista_pipeline_bytes, hand that much to vista_pipeline_create. Processing a frame
@@ -9,17 +9,17 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "vista/affinity.h"
-#include "vista/delineation.h"
-#include "vista/foveation.h"
-#include "vista/obstacle_map.h"
+#include "stages/affinity.h"
+#include "stages/blind_zone.h"
+#include "stages/foveation.h"
+#include "stages/obstacle_map.h"
+#include "stages/refinement.h"
+#include "stages/region.h"
+#include "stages/segmentation.h"
+#include "stages/surface.h"
+#include "stages/tracker.h"
 #include "vista/parameters.h"
-#include "vista/region.h"
-#include "vista/saturation.h"
-#include "vista/segmentation.h"
 #include "vista/status.h"
-#include "vista/surface.h"
-#include "vista/tracker.h"
 #include "vista/types.h"
 
 typedef enum vista_stage {
@@ -27,11 +27,11 @@ typedef enum vista_stage {
   VISTA_STAGE_SURFACE,
   VISTA_STAGE_AFFINITY,
   VISTA_STAGE_SEGMENTATION,
-  VISTA_STAGE_DELINEATION,
+  VISTA_STAGE_REFINEMENT,
   VISTA_STAGE_REGIONS,
   VISTA_STAGE_RECONSTRUCTION,
   VISTA_STAGE_TRACKING,
-  VISTA_STAGE_SATURATION,
+  VISTA_STAGE_BLIND_ZONE,
   VISTA_STAGE_MAP,
   VISTA_STAGE_COUNT
 } vista_stage;
@@ -57,11 +57,11 @@ typedef struct vista_result {
   const vista_surfaces *surfaces;
   const vista_affinity *affinity;
   const vista_segmentation *segmentation;
-  const vista_delineation *delineation;
+  const vista_refinement *refinement;
   const vista_region *regions;
   int32_t region_count;
   int32_t accepted_count;
-  vista_saturation saturation;
+  vista_blind_zone blind_zone;
   const vista_obstacle *obstacles; /* nearest first */
   int32_t obstacle_count;
   vista_nearest_collision nearest_collision;

@@ -156,7 +156,7 @@ class Pipeline:
             np.stack([self._array(center, cells, np.float32) for center in (f.center_u, f.center_v)], axis=1),
         )
 
-    def delineate(
+    def refine_boundaries(
         self, left: NDArray[np.uint8], cell_intensity: NDArray[np.float32], region_of_cell: NDArray[np.int32]
     ) -> NDArray[np.int32]:
         """Region of each pixel (height, width) of any partition of a frame's cells, drawn as the chain draws
@@ -171,12 +171,12 @@ class Pipeline:
         cells = ffi.new("vista_cells *", {"intensity": ffi.cast("float *", intensity.ctypes.data)})
         drawn, border = np.empty(left.shape, np.int32), np.empty(f.node_count, np.uint8)
         out = ffi.new(
-            "vista_delineation *",
+            "vista_refinement *",
             (ffi.cast("int32_t *", drawn.ctypes.data), ffi.cast("uint8_t *", border.ctypes.data)),
         )
-        params = ffi.addressof(self._parameters[0], "delineation")
+        params = ffi.addressof(self._parameters[0], "refinement")
         c_label = ffi.cast("int32_t *", label.ctypes.data)
-        self._check(self._lib.vista_delineate(f, params, image, cells, c_label, out))
+        self._check(self._lib.vista_refine(f, params, image, cells, c_label, out))
         return drawn
 
     def _check(self, status: int) -> None:
@@ -215,7 +215,7 @@ class Pipeline:
             cell_intensity=self._array(r.cells.intensity, cells, np.float32),
             cell_disparity_px=self._array(r.cells.disparity_px, cells, np.float32),
             region_of_cell=self._array(r.segmentation.label, cells, np.int32),
-            region_of_pixel=self._array(r.delineation.label, shape[0] * shape[1], np.int32).reshape(shape),
+            region_of_pixel=self._array(r.refinement.label, shape[0] * shape[1], np.int32).reshape(shape),
             verdict_of_region=verdicts,
         )
 

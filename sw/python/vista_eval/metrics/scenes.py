@@ -38,7 +38,7 @@ class Partition:
     words: NDArray[np.int16]
     result: Result
     graph: CellGraph
-    delineate: Callable[[Labels], Labels]  # region of each cell -> of each pixel
+    refine: Callable[[Labels], Labels]  # region of each cell -> of each pixel
     host_ms: float  # processor time from words to regions and map
 
 
@@ -61,14 +61,14 @@ def partition_scenes(
         start_s = thread_time()
         result = pipeline.process(scene.left, words, scene.t_ns, scene.world_from_camera, scene.up_world)
         host_ms = 1e3 * (thread_time() - start_s)
-        delineate = partial(pipeline.delineate, scene.left, result.cell_intensity)
-        yield scene, Partition(words, result, pipeline.cell_graph(), delineate, host_ms)
+        refine = partial(pipeline.refine_boundaries, scene.left, result.cell_intensity)
+        yield scene, Partition(words, result, pipeline.cell_graph(), refine, host_ms)
 
 
 def reference_regions(partition: Partition, reference: ReferenceParameters) -> Labels:
     """Region of each pixel by the reference method, on the graph of the cut; drawn as those of the cut."""
     graph = partition.graph
-    return partition.delineate(merge_cells(graph.edges, graph.affinity, graph.horizontal, reference))
+    return partition.refine(merge_cells(graph.edges, graph.affinity, graph.horizontal, reference))
 
 
 def grid_regions(scene: LabelledScene, partition: Partition) -> Labels:

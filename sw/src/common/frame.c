@@ -1,0 +1,92 @@
+#include "common/frame.h"
+
+#include <math.h>
+#include <stdbool.h>
+
+const vista_pose vista_frame_still = {.rotation = {1, 0, 0, 0, 1, 0, 0, 0, 1}};
+
+vista_status vista_frame_check_camera(const vista_camera *camera) {
+  if (!isfinite(camera->focal_px) || !isfinite(camera->center_u_px) || !isfinite(camera->center_v_px) ||
+      !isfinite(camera->baseline_m))
+    return VISTA_ERROR_NUMBER;
+  const bool positive =
+      camera->width_px > 0 && camera->height_px > 0 && camera->focal_px > 0.0 && camera->baseline_m > 0.0;
+  return positive ? VISTA_OK : VISTA_ERROR_RANGE;
+}
+
+vista_status vista_frame_check_pose(const vista_pose *pose) {
+  const double *r = pose->rotation;
+  for (int i = 0; i < 9; ++i)
+    if (!isfinite(r[i])) return VISTA_ERROR_NUMBER;
+  for (int i = 0; i < 3; ++i)
+    if (!isfinite(pose->translation_m[i])) return VISTA_ERROR_NUMBER;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j <= i; ++j) {
+      const double dot = r[3 * i] * r[3 * j] + r[3 * i + 1] * r[3 * j + 1] + r[3 * i + 2] * r[3 * j + 2];
+      if (fabs(dot - (i == j)) > 1e-3) return VISTA_ERROR_RANGE; /* pose files carry about six digits */
+    }
+  const double determinant =
+      r[0] * (r[4] * r[8] - r[5] * r[7]) - r[1] * (r[3] * r[8] - r[5] * r[6]) + r[2] * (r[3] * r[7] - r[4] * r[6]);
+  return determinant > 0.0 ? VISTA_OK : VISTA_ERROR_RANGE;
+}
+
+void vista_frame_to_camera(const vista_pose *pose, const double world_m[3], double camera_m[3]) {
+  const double *r = pose->rotation;
+  const double x = world_m[0] - pose->translation_m[0];
+  const double y = world_m[1] - pose->translation_m[1];
+  const double z = world_m[2] - pose->translation_m[2];
+  for (int i = 0; i < 3; ++i) camera_m[i] = r[i] * x + r[3 + i] * y + r[6 + i] * z;
+}
+
+void vista_frame_to_world(const vista_pose *pose, const double camera_m[3], double world_m[3]) {
+  const double *r = pose->rotation;
+  const double x = camera_m[0];
+  const double y = camera_m[1];
+  const double z = camera_m[2];
+  for (int i = 0; i < 3; ++i) world_m[i] = r[3 * i] * x + r[3 * i + 1] * y + r[3 * i + 2] * z + pose->translation_m[i];
+}
+
+void vista_frame_propagate(const double jacobian[9], const double covariance[9], double propagated[9]) {
+  double half[9];
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) {
+      double sum = 0.0;
+      for (int k = 0; k < 3; ++k) sum += jacobian[3 * i + k] * covariance[3 * k + j];
+      half[3 * i + j] = sum;
+    }
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j <= i; ++j) {
+      double sum = 0.0;
+      for (int k = 0; k < 3; ++k) sum += half[3 * i + k] * jacobian[3 * j + k];
+      propagated[3 * i + j] = sum;
+      propagated[3 * j + i] = sum;
+    }
+}
+
+void vista_frame_covariance_to_world(const vista_pose *pose, const double covariance_camera[9],
+                                     double covariance_world[9]) {
+  vista_frame_propagate(pose->rotation, covariance_camera, covariance_world);
+}
+
+void vista_frame_measure(const vista_camera *camera, const double camera_m[3], double measurement_px[3],
+                         double jacobian[9]) {
+  const double scale = camera->focal_px / camera_m[2];
+  measurement_px[0] = camera->center_u_px + scale * camera_m[0];
+  measurement_px[1] = camera->center_v_px + scale * camera_m[1];
+  measurement_px[2] = scale * camera->baseline_m;
+  if (jacobian == NULL) return;
+  const double per_depth = scale / camera_m[2];
+  const double rows[9] = {scale, 0.0, -per_depth * camera_m[0],       0.0, scale, -per_depth * camera_m[1],
+                          0.0,   0.0, -per_depth * camera->baseline_m};
+  for (int i = 0; i < 9; ++i) jacobian[i] = rows[i];
+}
+
+void vista_frame_jacobian_to_world(const vista_pose *pose, const double jacobian_camera[9], double jacobian_world[9]) {
+  const double *r = pose->rotation;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) {
+      double sum = 0.0;
+      for (int k = 0; k < 3; ++k) sum += jacobian_camera[3 * i + k] * r[3 * j + k];
+      jacobian_world[3 * i + j] = sum;
+    }
+}

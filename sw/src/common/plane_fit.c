@@ -1,0 +1,37 @@
+#include "common/plane_fit.h"
+
+#include <math.h>
+
+void vista_plane_fit_add(vista_plane_fit *fit, double u, double v, double d, double weight) {
+  fit->weight += weight;
+  fit->u += weight * u;
+  fit->v += weight * v;
+  fit->d += weight * d;
+  fit->uu += weight * u * u;
+  fit->uv += weight * u * v;
+  fit->vv += weight * v * v;
+  fit->ud += weight * u * d;
+  fit->vd += weight * v * d;
+}
+
+bool vista_plane_fit_solve(const vista_plane_fit *fit, vista_plane *plane) {
+  if (!(fit->weight > 0.0)) return false;
+  const double u = fit->u / fit->weight, v = fit->v / fit->weight, d = fit->d / fit->weight;
+  const double uu = fit->uu / fit->weight - u * u, uv = fit->uv / fit->weight - u * v;
+  const double vv = fit->vv / fit->weight - v * v;
+  const double ud = fit->ud / fit->weight - u * d, vd = fit->vd / fit->weight - v * d;
+  const double determinant = uu * vv - uv * uv;
+  if (!(determinant > 1e-6 * (uu * vv + 1e-12))) return false; /* collinear */
+  plane->slope_u = (ud * vv - vd * uv) / determinant;
+  plane->slope_v = (vd * uu - ud * uv) / determinant;
+  plane->offset = d - plane->slope_u * u - plane->slope_v * v;
+  return true;
+}
+
+double vista_plane_fit_spread(const vista_plane_fit *fit, const vista_plane *plane) {
+  const double u = fit->u / fit->weight, v = fit->v / fit->weight;
+  const double uu = fit->uu / fit->weight - u * u, uv = fit->uv / fit->weight - u * v;
+  const double vv = fit->vv / fit->weight - v * v;
+  const double gu = plane->slope_u, gv = plane->slope_v;
+  return sqrt(fmax(gu * gu * uu + 2.0 * gu * gv * uv + gv * gv * vv, 0.0));
+}

@@ -1,0 +1,61 @@
+#include "stages/affinity.h"
+
+#include <math.h>
+
+#include "common/depth.h"
+
+vista_status vista_affinity_layout(vista_affinity *affinity, vista_arena *arena, const vista_foveation *foveation) {
+  if (affinity == NULL || arena == NULL || foveation == NULL) return VISTA_ERROR_ARGUMENT;
+  const size_t arcs = (size_t)foveation->graph.arc_count;
+  affinity->weight = vista_arena_take(arena, arcs, sizeof(float));
+  affinity->capacity = vista_arena_take(arena, arcs, sizeof(int32_t));
+  affinity->intensity_capacity = vista_arena_take(arena, arcs, sizeof(int32_t));
+  return arena->base != NULL && arena->used > arena->size ? VISTA_ERROR_MEMORY : VISTA_OK;
+}
+
+/* Exponent of equation 4. */
+static float dissimilarity(float difference, float mu, float sigma) {
+  const float excess = fmaxf(fabsf(difference), mu) - mu;
+  return excess * excess / (2.0f * sigma * sigma);
+}
+
+int32_t vista_flow_encode(const vista_affinity_params *params, double affinity) {
+  const double flow = params->flow_encoding == VISTA_AFFINITY_FLOW_ENCODING_LINEAR
+                          ? params->flow_scale * (affinity + 1.0) / 2.0
+                          : params->flow_scale * pow(params->flow_constant, (affinity - 1.0) / 2.0);
+  return flow < 1.0 ? 1 : (int32_t)lround(flow);
+}
+
+vista_status vista_affinity_compute(const vista_foveation *foveation, const vista_affinity_params *params,
+                                    const vista_camera *camera, const vista_cells *cells, vista_affinity *affinity) {
+  if (foveation == NULL || params == NULL || camera == NULL || cells == NULL || affinity == NULL)
+    return VISTA_ERROR_ARGUMENT;
+  const vista_graph *const graph = &foveation->graph;
+  const float mu_i = (float)params->mu_intensity, sigma_i = (float)params->sigma_intensity;
+  const float sigma_d = (float)params->sigma_disparity_px;
+  const float alpha = (float)params->alpha_intensity;
+  for (int32_t i = 0; i < graph->node_count; ++i) {
+    for (int32_t arc = graph->first_arc[i]; arc < graph->first_arc[i + 1]; ++arc) {
+      const int32_t j = graph->head[arc];
+      if (j < i) continue;
+      const float exponent_i = dissimilarity(cells->intensity[i] - cells->intensity[j], mu_i, sigma_i);
+      const float intensity_weight = expf(-exponent_i);
+      float weight = intensity_weight;
+      if (cells->disparity_px[i] >= 0.0f && cells->disparity_px[j] >= 0.0f) {
+        const float relief = vista_depth_step_px(camera, fmaxf(cells->disparity_px[i], cells->disparity_px[j]),
+                                                 (float)params->mu_depth_m);
+        const float mu_d = fmaxf(relief, (float)params->mu_disparity_px +
+                                             (float)params->mu_disparity_slope * foveation->arc_distance_px[arc]);
+        const float exponent_d = dissimilarity(cells->disparity_px[i] - cells->disparity_px[j], mu_d, sigma_d);
+        weight = params->form == VISTA_AFFINITY_FORM_SUM ? alpha * intensity_weight + (1.0f - alpha) * expf(-exponent_d)
+                                                         : expf(-exponent_i - exponent_d);
+      }
+      const int32_t sister = graph->reverse[arc];
+      affinity->weight[arc] = affinity->weight[sister] = weight;
+      affinity->capacity[arc] = affinity->capacity[sister] = vista_flow_encode(params, weight);
+      affinity->intensity_capacity[arc] = affinity->intensity_capacity[sister] =
+          weight == intensity_weight ? affinity->capacity[arc] : vista_flow_encode(params, intensity_weight);
+    }
+  }
+  return VISTA_OK;
+}

@@ -1,0 +1,281 @@
+#include "stages/foveation.h"
+
+#include <math.h>
+#include <stdbool.h>
+
+#include "common/median.h"
+
+/* A cell whose inscribed circle is narrower than a pixel's diagonal may hold no pixel centre at all. */
+#define POINT_SIZE_PX 1.5
+
+static const double two_pi = 6.283185307179586;
+
+typedef struct grid {
+  int32_t width_px, height_px, ring_count, sector_count;
+  double center_u_px, center_v_px, rho_0_px;
+} grid;
+
+/* Ring and sector of a point; ring -1 is the hub. */
+static int32_t grid_cell(const grid *g, double u_px, double v_px) {
+  const double du = u_px - g->center_u_px, dv = v_px - g->center_v_px;
+  const double rho = hypot(du, dv);
+  if (rho < g->rho_0_px) return -1;
+  const double step = two_pi / g->sector_count;
+  double theta = atan2(dv, du);
+  if (theta < 0.0) theta += two_pi;
+  int32_t ring = (int32_t)floor(log(rho / g->rho_0_px) / step);
+  int32_t sector = (int32_t)floor(theta / step);
+  if (ring >= g->ring_count) ring = g->ring_count - 1;
+  if (sector >= g->sector_count) sector = 0; /* theta rounded up to 2 pi */
+  return ring * g->sector_count + sector;
+}
+
+static grid make_grid(const vista_foveation_params *params, int32_t width_px, int32_t height_px, double center_u_px,
+                      double center_v_px) {
+  const double far_u = fmax(center_u_px, width_px - 1 - center_u_px);
+  const double far_v = fmax(center_v_px, height_px - 1 - center_v_px);
+  const double step = two_pi / params->sector_count;
+  const double rings = floor(log(fmax(hypot(far_u, far_v) / params->rho_0_px, 1.0)) / step) + 1.0;
+  return (grid){width_px, height_px, (int32_t)rings, params->sector_count, center_u_px, center_v_px, params->rho_0_px};
+}
+
+static double ring_radius_px(const grid *g, double ring) { return g->rho_0_px * exp(ring * two_pi / g->sector_count); }
+
+static bool inside(const grid *g, double u_px, double v_px) {
+  return u_px >= 0.0 && v_px >= 0.0 && u_px <= g->width_px - 1 && v_px <= g->height_px - 1;
+}
+
+/* Bound on the pixels of one cell: the hub or an outermost cell, a pixel of margin all round. */
+static int32_t max_footprint_px(const grid *g) {
+  const double outer = ring_radius_px(g, g->ring_count) * two_pi / g->sector_count + 2.0;
+  const double hub = 2.0 * g->rho_0_px + 2.0;
+  return (int32_t)fmin(fmax(outer * outer, hub * hub) + 4.0, (double)g->width_px * g->height_px + 4.0);
+}
+
+static int32_t count_runs(const grid *g) {
+  int32_t runs = 0;
+  for (int32_t v = 0; v < g->height_px; ++v) {
+    int32_t last = -2;
+    for (int32_t u = 0; u < g->width_px; ++u) {
+      const int32_t cell = grid_cell(g, u, v);
+      runs += cell != last;
+      last = cell;
+    }
+  }
+  return runs;
+}
+
+typedef struct arrays {
+  int32_t *cell_of_pixel, *node_of_grid, *first_run, *pixel_count, *edges;
+  vista_run *runs;
+  float *center_u, *center_v, *size_px;
+} arrays;
+
+/* Numbers the cells that hold a pixel or have their centre inside the image. */
+static void number_nodes(vista_foveation *f, const grid *g, arrays *a) {
+  const int32_t grid_count = g->ring_count * g->sector_count;
+  for (int32_t i = 0; i < g->width_px * g->height_px; ++i) {
+    const int32_t cell = grid_cell(g, i % g->width_px, i / g->width_px);
+    a->cell_of_pixel[i] = cell;
+    if (cell >= 0) a->node_of_grid[cell] = 1;
+  }
+  a->center_u[0] = (float)g->center_u_px;
+  a->center_v[0] = (float)g->center_v_px;
+  a->size_px[0] = (float)(2.0 * g->rho_0_px);
+  f->node_count = 1;
+  f->point_count = 0;
+  const double step = two_pi / g->sector_count;
+  for (int32_t cell = 0; cell < grid_count; ++cell) {
+    const double rho = ring_radius_px(g, cell / g->sector_count + 0.5);
+    const double theta = (cell % g->sector_count + 0.5) * step;
+    const double u = g->center_u_px + rho * cos(theta), v = g->center_v_px + rho * sin(theta);
+    const bool exists = a->node_of_grid[cell] == 1 || inside(g, u, v);
+    a->node_of_grid[cell] = exists ? f->node_count : -1;
+    if (!exists) continue;
+    a->center_u[f->node_count] = (float)u;
+    a->center_v[f->node_count] = (float)v;
+    a->size_px[f->node_count] = (float)(rho * step);
+    if (rho * step < POINT_SIZE_PX) f->point_count = f->node_count;
+    f->node_count++;
+  }
+}
+
+static void sort_runs(vista_foveation *f, const grid *g, arrays *a) {
+  for (int pass = 0; pass < 2; ++pass) { /* counting sort by node: count, then place */
+    for (int32_t v = 0; v < g->height_px; ++v) {
+      for (int32_t u = 0; u < g->width_px;) {
+        int32_t *const row = a->cell_of_pixel + (size_t)v * (size_t)g->width_px;
+        const int32_t node = pass == 0 ? (row[u] < 0 ? 0 : a->node_of_grid[row[u]]) : row[u];
+        int32_t end = u;
+        const int32_t same = row[u];
+        while (end < g->width_px && row[end] == same) {
+          if (pass == 0) row[end] = node;
+          end++;
+        }
+        if (pass == 0) {
+          a->first_run[node + 1]++;
+          a->pixel_count[node] += end - u;
+        } else {
+          a->runs[a->first_run[node]++] = (vista_run){u, v, end - u};
+        }
+        u = end;
+      }
+    }
+    if (pass == 0)
+      for (int32_t i = 0; i < f->node_count; ++i) a->first_run[i + 1] += a->first_run[i];
+  }
+  for (int32_t i = f->node_count; i > 0; --i) a->first_run[i] = a->first_run[i - 1];
+  a->first_run[0] = 0;
+}
+
+static int32_t list_edges(const grid *g, const int32_t *node_of_grid, int32_t *edges) {
+  int32_t count = 0;
+  const int32_t sectors = g->sector_count;
+  for (int32_t ring = 0; ring < g->ring_count; ++ring) {
+    for (int32_t sector = 0; sector < sectors; ++sector) {
+      const int32_t node = node_of_grid[ring * sectors + sector];
+      if (node < 0) continue;
+      const int32_t neighbours[2] = {
+          ring == 0 ? 0 : node_of_grid[(ring - 1) * sectors + sector],
+          node_of_grid[ring * sectors + (sector + 1) % sectors],
+      };
+      for (int k = 0; k < 2; ++k) {
+        if (neighbours[k] < 0) continue;
+        edges[2 * count] = neighbours[k];
+        edges[2 * count + 1] = node;
+        count++;
+      }
+    }
+  }
+  return count;
+}
+
+vista_status vista_foveation_layout(vista_foveation *foveation, vista_arena *arena,
+                                    const vista_foveation_params *params, int32_t width_px, int32_t height_px,
+                                    double center_u_px, double center_v_px) {
+  if (foveation == NULL || arena == NULL || params == NULL) return VISTA_ERROR_ARGUMENT;
+  if (width_px < 16 || height_px < 16 || width_px > 8192 || height_px > 8192) return VISTA_ERROR_SIZE;
+  const grid g = make_grid(params, width_px, height_px, center_u_px, center_v_px);
+  if (!inside(&g, center_u_px, center_v_px)) return VISTA_ERROR_RANGE;
+
+  const size_t pixels = (size_t)width_px * (size_t)height_px;
+  const int32_t max_nodes = g.ring_count * g.sector_count + 1;
+  const int32_t max_edges = 2 * max_nodes;
+  arrays a = {
+      .cell_of_pixel = vista_arena_take(arena, pixels, sizeof(int32_t)),
+      .node_of_grid = vista_arena_take(arena, (size_t)max_nodes, sizeof(int32_t)),
+      .first_run = vista_arena_take(arena, (size_t)max_nodes + 1, sizeof(int32_t)),
+      .pixel_count = vista_arena_take(arena, (size_t)max_nodes, sizeof(int32_t)),
+      .edges = vista_arena_take(arena, 2 * (size_t)max_edges, sizeof(int32_t)),
+      .runs = vista_arena_take(arena, (size_t)count_runs(&g), sizeof(vista_run)),
+      .center_u = vista_arena_take(arena, (size_t)max_nodes, sizeof(float)),
+      .center_v = vista_arena_take(arena, (size_t)max_nodes, sizeof(float)),
+      .size_px = vista_arena_take(arena, (size_t)max_nodes, sizeof(float)),
+  };
+  float *const distance = vista_arena_take(arena, 2 * (size_t)max_edges, sizeof(float));
+  *foveation = (vista_foveation){
+      .width_px = width_px,
+      .height_px = height_px,
+      .ring_count = g.ring_count,
+      .sector_count = g.sector_count,
+      .max_nodes = max_nodes,
+      .max_footprint_px = max_footprint_px(&g),
+      .center_u_px = center_u_px,
+      .center_v_px = center_v_px,
+      .rho_0_px = g.rho_0_px,
+  };
+  if (arena->base == NULL) return vista_graph_build(&foveation->graph, arena, max_nodes, NULL, max_edges);
+  if (arena->used > arena->size) return VISTA_ERROR_MEMORY;
+
+  number_nodes(foveation, &g, &a);
+  sort_runs(foveation, &g, &a);
+  const int32_t edge_count = list_edges(&g, a.node_of_grid, a.edges);
+  foveation->cell_of_pixel = a.cell_of_pixel;
+  foveation->node_of_grid = a.node_of_grid;
+  foveation->first_run = a.first_run;
+  foveation->runs = a.runs;
+  foveation->pixel_count = a.pixel_count;
+  foveation->center_u = a.center_u;
+  foveation->center_v = a.center_v;
+  foveation->size_px = a.size_px;
+  foveation->arc_distance_px = distance;
+  const vista_status status = vista_graph_build(&foveation->graph, arena, foveation->node_count, a.edges, edge_count);
+  if (status != VISTA_OK) return status;
+  const vista_graph *const graph = &foveation->graph;
+  for (int32_t i = 0; i < graph->node_count; ++i) {
+    for (int32_t arc = graph->first_arc[i]; arc < graph->first_arc[i + 1]; ++arc) {
+      const int32_t j = graph->head[arc];
+      distance[arc] = hypotf(a.center_u[i] - a.center_u[j], a.center_v[i] - a.center_v[j]);
+    }
+  }
+  return VISTA_OK;
+}
+
+vista_status vista_cells_layout(vista_cells *cells, vista_arena *arena, const vista_foveation *foveation) {
+  if (cells == NULL || arena == NULL || foveation == NULL) return VISTA_ERROR_ARGUMENT;
+  const size_t node_count = (size_t)foveation->max_nodes;
+  cells->intensity = vista_arena_take(arena, node_count, sizeof(float));
+  cells->disparity_px = vista_arena_take(arena, node_count, sizeof(float));
+  cells->valid_fraction = vista_arena_take(arena, node_count, sizeof(float));
+  cells->words = vista_arena_take(arena, (size_t)foveation->max_footprint_px, sizeof(int16_t));
+  return arena->base != NULL && arena->used > arena->size ? VISTA_ERROR_MEMORY : VISTA_OK;
+}
+
+/* Cells under a pixel: intensity by bilinear interpolation, disparity from the 2x2 pixels around the centre. At the
+ * image's edge a cell that holds a pixel may have its centre beyond it: there the edge is sampled. */
+static int32_t sample_point(const vista_foveation *f, const vista_image *image, const vista_disparity_image *disparity,
+                            int32_t node, vista_cells *cells) {
+  const float center_u = fminf(fmaxf(f->center_u[node], 0.0f), (float)(f->width_px - 1));
+  const float center_v = fminf(fmaxf(f->center_v[node], 0.0f), (float)(f->height_px - 1));
+  int32_t u = (int32_t)center_u, v = (int32_t)center_v;
+  if (u > f->width_px - 2) u = f->width_px - 2;
+  if (v > f->height_px - 2) v = f->height_px - 2;
+  const float s = center_u - (float)u, t = center_v - (float)v;
+  const uint8_t *const p = image->data + v * image->stride + u;
+  const uint8_t *const q = p + image->stride;
+  cells->intensity[node] = (1 - t) * ((1 - s) * p[0] + s * p[1]) + t * ((1 - s) * q[0] + s * q[1]);
+  const int16_t *const d = disparity->data + v * disparity->stride + u;
+  cells->words[0] = d[0];
+  cells->words[1] = d[1];
+  cells->words[2] = d[disparity->stride];
+  cells->words[3] = d[disparity->stride + 1];
+  return 4;
+}
+
+static int32_t average_cell(const vista_foveation *f, const vista_image *image, const vista_disparity_image *disparity,
+                            int32_t node, vista_cells *cells) {
+  uint32_t sum = 0;
+  int32_t count = 0;
+  for (int32_t r = f->first_run[node]; r < f->first_run[node + 1]; ++r) {
+    const vista_run run = f->runs[r];
+    const uint8_t *const p = image->data + run.v_px * image->stride + run.u_px;
+    const int16_t *const d = disparity->data + run.v_px * disparity->stride + run.u_px;
+    for (int32_t i = 0; i < run.length_px; ++i) {
+      sum += p[i];
+      cells->words[count + i] = d[i];
+    }
+    count += run.length_px;
+  }
+  cells->intensity[node] = (float)sum / (float)count;
+  return count;
+}
+
+vista_status vista_foveate(const vista_foveation *foveation, const vista_foveation_params *params,
+                           const vista_image *image, const vista_disparity_image *disparity, vista_cells *cells) {
+  if (foveation == NULL || params == NULL || image == NULL || disparity == NULL || cells == NULL)
+    return VISTA_ERROR_ARGUMENT;
+  if (image->width_px != foveation->width_px || image->height_px != foveation->height_px ||
+      disparity->width_px != foveation->width_px || disparity->height_px != foveation->height_px)
+    return VISTA_ERROR_SIZE;
+  for (int32_t node = 0; node < foveation->node_count; ++node) {
+    const bool point = node >= 1 && node <= foveation->point_count;
+    const int32_t count = point ? sample_point(foveation, image, disparity, node, cells)
+                                : average_cell(foveation, image, disparity, node, cells);
+    const int32_t valid = vista_count_valid(cells->words, count);
+    cells->valid_fraction[node] = (float)valid / (float)count;
+    const bool enough = valid > 0 && cells->valid_fraction[node] >= (float)params->min_valid_fraction;
+    cells->disparity_px[node] =
+        enough ? (float)vista_median_word(cells->words, count, valid) / VISTA_DISPARITY_SCALE : -1.0f;
+  }
+  return VISTA_OK;
+}

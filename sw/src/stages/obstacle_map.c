@@ -1,0 +1,295 @@
+#include "stages/obstacle_map.h"
+
+#include <math.h>
+#include <stddef.h>
+#include <string.h>
+
+#include "common/bits.h"
+#include "common/disc.h"
+#include "common/frame.h"
+
+#define DEPTH_MIN_M 0.05 /* nearer along z: behind the camera */
+
+struct vista_obstacle_map {
+  int32_t max_tracks;
+  int32_t count;
+  bool started;        /* t_ns is that of an update */
+  bool posed;          /* position_m is that of the last pose */
+  bool velocity_known; /* from poses */
+  int64_t t_ns;
+  double position_m[3];
+  double pose_velocity_m_s[3]; /* smoothed */
+  double velocity_m_s[3];      /* what the last update worked with */
+  vista_nearest_collision nearest;
+  vista_obstacle *obstacles;
+};
+
+typedef struct flight {
+  double direction[3]; /* unit length, world */
+  double velocity_m_s[3];
+} flight;
+
+vista_status vista_obstacle_map_layout(int32_t max_tracks, vista_arena *arena, vista_obstacle_map **map) {
+  if (arena == NULL || map == NULL) return VISTA_ERROR_ARGUMENT;
+  *map = NULL;
+  if (max_tracks < 1 || max_tracks > VISTA_TRACKER_MAX) return VISTA_ERROR_RANGE;
+  vista_obstacle_map *made = vista_arena_take(arena, 1, sizeof *made);
+  vista_obstacle *obstacles = vista_arena_take(arena, (size_t)max_tracks + 1, sizeof *obstacles);
+  if (arena->base == NULL) return VISTA_OK;
+  if (arena->used > arena->size) return VISTA_ERROR_MEMORY;
+  made->max_tracks = max_tracks;
+  made->obstacles = obstacles;
+  *map = made;
+  return VISTA_OK;
+}
+
+void vista_obstacle_map_reset(vista_obstacle_map *map) {
+  *map = (vista_obstacle_map){.max_tracks = map->max_tracks, .obstacles = map->obstacles};
+}
+
+const vista_obstacle *vista_obstacle_map_obstacles(const vista_obstacle_map *map, int32_t *count) {
+  *count = map->count;
+  return map->obstacles;
+}
+
+vista_nearest_collision vista_obstacle_map_nearest(const vista_obstacle_map *map) { return map->nearest; }
+
+void vista_obstacle_map_velocity(const vista_obstacle_map *map, double velocity_m_s[3]) {
+  memcpy(velocity_m_s, map->velocity_m_s, sizeof map->velocity_m_s);
+}
+
+static double dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+static bool positive(double value) { return isfinite(value) && value > 0.0; }
+static bool not_negative(double value) { return isfinite(value) && value >= 0.0; }
+
+static vista_status check_params(const vista_obstacle_map_params *p) {
+  const bool volume = positive(p->collision_radius_m) && positive(p->collision_length_m) &&
+                      not_negative(p->inflation_sigma) && not_negative(p->velocity_smoothing_s) &&
+                      not_negative(p->speed_min_m_s);
+  const bool lasting = not_negative(p->lasting_disparity_px) && not_negative(p->lasting_range_m) &&
+                       not_negative(p->lasting_center_px) && not_negative(p->lasting_center_ratio);
+  const bool good = volume && lasting;
+  return good ? VISTA_OK : VISTA_ERROR_RANGE;
+}
+
+/* Finite differences of the position, low-passed: v += (1 - exp(-dt / tau)) (dp / dt - v). */
+static void follow_pose(vista_obstacle_map *map, const vista_obstacle_map_params *params, const vista_pose *pose,
+                        int64_t t_ns) {
+  if (map->posed) {
+    const double dt_s = 1e-9 * (double)((uint64_t)t_ns - (uint64_t)map->t_ns);
+    const double tau_s = params->velocity_smoothing_s;
+    const double weight = map->velocity_known && tau_s > 0.0 ? 1.0 - exp(-dt_s / tau_s) : 1.0;
+    for (int i = 0; i < 3; ++i) {
+      const double difference = (pose->translation_m[i] - map->position_m[i]) / dt_s;
+      map->pose_velocity_m_s[i] += weight * (difference - map->pose_velocity_m_s[i]);
+    }
+    map->velocity_known = true;
+  }
+  memcpy(map->position_m, pose->translation_m, sizeof map->position_m);
+  map->posed = true;
+}
+
+/* Below the smallest speed the velocity is mostly noise and its direction says nothing. */
+static flight flight_of(const double velocity_m_s[3], const vista_pose *pose, double speed_min_m_s) {
+  const double speed = sqrt(dot(velocity_m_s, velocity_m_s));
+  const bool moving = speed > 0.0 && speed >= speed_min_m_s;
+  flight result;
+  for (int i = 0; i < 3; ++i) {
+    result.velocity_m_s[i] = velocity_m_s[i];
+    result.direction[i] = moving ? velocity_m_s[i] / speed : pose->rotation[3 * i + 2]; /* optical axis: z */
+  }
+  return result;
+}
+
+void vista_obstacle_map_direction(const vista_obstacle_map *map, const vista_obstacle_map_params *params,
+                                  const vista_pose *pose, double direction_camera[3]) {
+  const vista_pose *const here = pose != NULL ? pose : &vista_frame_still;
+  const flight way = flight_of(map->velocity_m_s, here, params->speed_min_m_s);
+  for (int i = 0; i < 3; ++i) {
+    direction_camera[i] = 0.0;
+    for (int k = 0; k < 3; ++k) direction_camera[i] += here->rotation[3 * k + i] * way.direction[k];
+  }
+}
+
+/* Of the errors that last: along the ray by disparity and depth, across it by pixels and a share of the half extent. */
+static void lasting_covariance(const vista_obstacle_map_params *params, const vista_camera *camera,
+                               const vista_pose *pose, const vista_track *track, const double camera_m[3],
+                               double covariance_m2[9]) {
+  const double fb = camera->focal_px * camera->baseline_m, z = camera_m[2];
+  const double range_m = hypot(z * z / fb * params->lasting_disparity_px, params->lasting_range_m);
+  const double ray[3] = {camera_m[0] / z, camera_m[1] / z, 1.0};
+  double in_camera[9];
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) in_camera[3 * i + j] = range_m * range_m * ray[i] * ray[j];
+  const double pixels_m = params->lasting_center_px * z / camera->focal_px;
+  for (int i = 0; i < 2; ++i) {
+    const double share_m = 0.5 * params->lasting_center_ratio * track->extent_m[i];
+    in_camera[4 * i] += pixels_m * pixels_m + share_m * share_m;
+  }
+  vista_frame_covariance_to_world(pose, in_camera, covariance_m2);
+}
+
+/* Facing the camera, half the extent inflated by the standard deviation of the bearing: sigma_u Z / f across. */
+static vista_disc disc_of(const vista_obstacle_map_params *params, const vista_camera *camera, const vista_pose *pose,
+                          const vista_track *track, const double covariance_px2[9], double depth_m) {
+  const double inflation = params->inflation_sigma * depth_m / camera->focal_px;
+  vista_disc disc = {.half_x_m = 0.5 * track->extent_m[0] + inflation * sqrt(covariance_px2[0]),
+                     .half_y_m = 0.5 * track->extent_m[1] + inflation * sqrt(covariance_px2[4])};
+  for (int i = 0; i < 3; ++i) {
+    disc.center_m[i] = track->position_m[i];
+    disc.axis_x[i] = pose->rotation[3 * i];
+    disc.axis_y[i] = pose->rotation[3 * i + 1];
+  }
+  return disc;
+}
+
+/* While coasting: the last ellipse, moved to the predicted centre and scaled with the range. */
+static vista_ellipse ellipse_of(const vista_track *track, const double measurement_px[3], double depth_m) {
+  vista_ellipse ellipse = track->ellipse;
+  if (!track->coasting) return ellipse;
+  const double scale = track->ellipse_depth_m / depth_m;
+  ellipse.center_u_px = measurement_px[0];
+  ellipse.center_v_px = measurement_px[1];
+  ellipse.axis_a_px *= scale;
+  ellipse.axis_b_px *= scale;
+  return ellipse;
+}
+
+/* False: behind the camera. */
+static bool obstacle_of(const vista_obstacle_map_params *params, const vista_camera *camera, const vista_pose *pose,
+                        const vista_line_segment *axis, const vista_track *track, vista_obstacle *obstacle) {
+  double camera_m[3], measurement_px[3], jacobian_camera[9], jacobian[9], covariance_px2[9];
+  vista_frame_to_camera(pose, track->position_m, camera_m);
+  if (!(camera_m[2] > DEPTH_MIN_M)) return false;
+  *obstacle = (vista_obstacle){.id = track->id,
+                               .confirmed = track->confirmed && track->world.verdict != VISTA_WORLD_REFUTED,
+                               .coasting = track->coasting,
+                               .in_blind_zone = track->in_blind_zone,
+                               .world = track->world.verdict,
+                               .age_frames = track->age_frames,
+                               .distance_m = sqrt(dot(camera_m, camera_m)),
+                               .extent_m = {track->extent_m[0], track->extent_m[1]}};
+  memcpy(obstacle->position_m, track->position_m, sizeof obstacle->position_m);
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) obstacle->covariance_m2[3 * i + j] = track->covariance[6 * i + j];
+  vista_frame_measure(camera, camera_m, measurement_px, jacobian_camera);
+  vista_frame_jacobian_to_world(pose, jacobian_camera, jacobian);
+  vista_frame_propagate(jacobian, obstacle->covariance_m2, covariance_px2);
+  double lasting_m2[9];
+  lasting_covariance(params, camera, pose, track, camera_m, lasting_m2);
+  for (int i = 0; i < 9; ++i) obstacle->covariance_m2[i] += lasting_m2[i];
+  obstacle->disparity_px = measurement_px[2];
+  obstacle->ellipse = ellipse_of(track, measurement_px, camera_m[2]);
+  const int32_t members = vista_window_count(track->volume_window, 3);
+  obstacle->in_collision_volume = track->credible && members >= (track->hits > 1 ? 2 : 1);
+  if (obstacle->in_collision_volume && (track->coasting || track->edges_only)) {
+    const vista_disc disc = disc_of(params, camera, pose, track, covariance_px2, camera_m[2]);
+    obstacle->in_collision_volume = vista_disc_near_segment(&disc, axis, params->collision_radius_m);
+  }
+  return true;
+}
+
+/* Keeps the list sorted by distance, then id; lists are short. */
+static void insert(vista_obstacle_map *map, const vista_obstacle *obstacle) {
+  int32_t i = map->count++;
+  for (; i > 0; --i) {
+    const vista_obstacle *before = &map->obstacles[i - 1];
+    if (before->distance_m < obstacle->distance_m ||
+        (before->distance_m == obstacle->distance_m && before->id < obstacle->id))
+      break;
+    map->obstacles[i] = *before;
+  }
+  map->obstacles[i] = *obstacle;
+}
+
+/* Across: the volume; along: anywhere up to range_m, given at its end with that as standard deviation. */
+static vista_obstacle too_near(const vista_obstacle_map_params *params, const vista_camera *camera,
+                               const vista_line_segment *axis, double range_m) {
+  const double disparity_px = camera->focal_px * camera->baseline_m / range_m;
+  const double radius_px = params->collision_radius_m * camera->focal_px / range_m;
+  vista_obstacle obstacle = {.confirmed = true,
+                             .in_blind_zone = true,
+                             .age_frames = 1,
+                             .distance_m = range_m,
+                             .extent_m = {2.0 * params->collision_radius_m, 2.0 * params->collision_radius_m},
+                             .ellipse = {camera->center_u_px, camera->center_v_px, radius_px, radius_px, 0.0},
+                             .disparity_px = disparity_px,
+                             .in_collision_volume = true};
+  for (int i = 0; i < 3; ++i) {
+    obstacle.position_m[i] = axis->start_m[i] + range_m * axis->direction[i];
+    for (int j = 0; j < 3; ++j) {
+      const double along2 = axis->direction[i] * axis->direction[j];
+      obstacle.covariance_m2[3 * i + j] =
+          range_m * range_m * along2 + params->collision_radius_m * params->collision_radius_m * ((i == j) - along2);
+    }
+  }
+  return obstacle;
+}
+
+/* track: NULL for what has none and stands. */
+static vista_nearest_collision collision_with(const vista_obstacle_map_params *params, const vista_obstacle *obstacle,
+                                              const vista_track *track, const vista_line_segment *axis,
+                                              const flight *way) {
+  vista_nearest_collision nearest = {.valid = true, .id = obstacle->id, .distance_m = obstacle->distance_m};
+  memcpy(nearest.position_m, obstacle->position_m, sizeof nearest.position_m);
+  double along_m = 0.0;
+  double closing_m_s = 0.0;
+  for (int i = 0; i < 3; ++i) {
+    along_m += (obstacle->position_m[i] - axis->start_m[i]) * way->direction[i];
+    closing_m_s += (way->velocity_m_s[i] - (track != NULL ? track->velocity_m_s[i] : 0.0)) * way->direction[i];
+  }
+  nearest.time_to_collision_s = closing_m_s > params->speed_min_m_s ? fmax(0.0, along_m) / closing_m_s : NAN;
+  return nearest;
+}
+
+static vista_status check(const vista_obstacle_map *map, const vista_obstacle_map_params *params,
+                          const vista_camera *camera, const vista_pose *pose, const double *velocity_m_s, int64_t t_ns,
+                          const vista_track *tracks, int32_t track_count) {
+  if (track_count < 0) return VISTA_ERROR_SIZE;
+  if (track_count > map->max_tracks) return VISTA_ERROR_CAPACITY;
+  vista_status status = check_params(params);
+  if (status == VISTA_OK) status = vista_frame_check_camera(camera);
+  if (status == VISTA_OK) status = vista_frame_check_pose(pose);
+  if (status != VISTA_OK) return status;
+  for (int i = 0; velocity_m_s != NULL && i < 3; ++i)
+    if (!isfinite(velocity_m_s[i])) return VISTA_ERROR_NUMBER;
+  for (int32_t i = 0; i < track_count; ++i)
+    if (!isfinite(dot(tracks[i].position_m, tracks[i].position_m))) return VISTA_ERROR_NUMBER;
+  return map->started && t_ns <= map->t_ns ? VISTA_ERROR_ORDER : VISTA_OK;
+}
+
+vista_status vista_obstacle_map_update(vista_obstacle_map *map, const vista_obstacle_map_params *params,
+                                       const vista_camera *camera, const vista_pose *pose, const double *velocity_m_s,
+                                       int64_t t_ns, const vista_blind_zone *blind_zone, const vista_track *tracks,
+                                       int32_t track_count) {
+  if (map == NULL || params == NULL || camera == NULL || (tracks == NULL && track_count != 0))
+    return VISTA_ERROR_ARGUMENT;
+  const vista_pose *here = pose != NULL ? pose : &vista_frame_still;
+  const vista_status status = check(map, params, camera, here, velocity_m_s, t_ns, tracks, track_count);
+  if (status != VISTA_OK) return status;
+  if (pose != NULL) follow_pose(map, params, pose, t_ns);
+  map->started = true;
+  map->t_ns = t_ns;
+  memcpy(map->velocity_m_s, velocity_m_s != NULL ? velocity_m_s : map->pose_velocity_m_s, sizeof map->velocity_m_s);
+  const flight way = flight_of(map->velocity_m_s, here, params->speed_min_m_s);
+  vista_line_segment axis = {.length_m = params->collision_length_m};
+  memcpy(axis.start_m, here->translation_m, sizeof axis.start_m);
+  memcpy(axis.direction, way.direction, sizeof axis.direction);
+  map->count = 0;
+  map->nearest = (vista_nearest_collision){.valid = false};
+  if (blind_zone != NULL && blind_zone->occupied) {
+    const vista_obstacle obstacle = too_near(params, camera, &axis, blind_zone->range_m);
+    insert(map, &obstacle);
+    map->nearest = collision_with(params, &obstacle, NULL, &axis, &way);
+  }
+  for (int32_t i = 0; i < track_count; ++i) {
+    vista_obstacle obstacle;
+    if (!obstacle_of(params, camera, here, &axis, &tracks[i], &obstacle)) continue;
+    insert(map, &obstacle);
+    const bool nearer = !map->nearest.valid || obstacle.distance_m < map->nearest.distance_m;
+    if (obstacle.confirmed && obstacle.in_collision_volume && nearer)
+      map->nearest = collision_with(params, &obstacle, &tracks[i], &axis, &way);
+  }
+  return VISTA_OK;
+}

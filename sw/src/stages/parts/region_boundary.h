@@ -1,0 +1,55 @@
+/* The boundary of a region against the surface that explains it best, internal to libvista. */
+#ifndef VISTA_SRC_REGION_BOUNDARY_H
+#define VISTA_SRC_REGION_BOUNDARY_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "common/plane_fit.h"
+#include "stages/foveation.h"
+#include "stages/region.h"
+#include "stages/surface.h"
+#include "vista/parameters.h"
+#include "vista/types.h"
+
+#define VISTA_WORD_BINS (256 * VISTA_DISPARITY_SCALE + 1) /* one an engine word */
+
+/* What the statistics of one region read. */
+typedef struct vista_region_view {
+  const vista_foveation *foveation;
+  const vista_region_params *params;
+  const vista_disparity_image *disparity;
+  const vista_cells *cells;
+  const vista_surfaces *surfaces;
+  const int32_t *region_of_pixel;
+  const uint8_t *boundary; /* a node */
+  uint32_t *bins;          /* VISTA_WORD_BINS, zero between calls */
+  const int32_t *members;
+  int32_t member_count;
+  double tolerance_px; /* at the region's disparity */
+} vista_region_view;
+
+static inline const int16_t *vista_region_words(const vista_region_view *view, vista_run run) {
+  return view->disparity->data + run.v_px * view->disparity->stride + run.u_px;
+}
+
+/* Negative words are invalid; larger ones than any engine writes may come from files. */
+static inline bool vista_word_valid(int16_t word) { return (uint16_t)word < VISTA_WORD_BINS; }
+
+static inline double vista_plane_at(const vista_plane *plane, double u_px, double v_px) {
+  return plane->offset + plane->slope_u * u_px + plane->slope_v * v_px;
+}
+
+/* How far a disparity may be off the surface of a region at disparity_px: by noise or by relief. */
+double vista_region_tolerance_px(const vista_region_params *params, const vista_camera *camera, double disparity_px);
+
+/* Centre of the window of width 2 tolerance that holds most words of view->bins, `top` being the largest; the window
+ * grows with the disparity. 0: none. */
+double vista_region_mode_px(const vista_region_view *view, const vista_camera *camera, int32_t top);
+
+/* Fills the boundary's statistics in, the disparity as that at the region's first cell, and the surface; sets the
+ * view's tolerance. False: no valid pixel there. */
+bool vista_region_measure_boundary(vista_region_view *view, const vista_camera *camera, const double up_camera[3],
+                                   vista_region *region, vista_plane *surface);
+
+#endif

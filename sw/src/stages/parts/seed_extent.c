@@ -1,0 +1,108 @@
+#include "stages/parts/seed_extent.h"
+
+#include <math.h>
+
+#define FARTHEST_STEP_PX 30.0f /* no slope is believed beyond this */
+
+/* A length as seen at a disparity: f length / Z. */
+static float seen_px(const vista_camera *camera, double length_m, float disparity_px) {
+  return (float)(length_m / camera->baseline_m) * disparity_px;
+}
+
+void vista_seeds_bridge(const vista_foveation *foveation, const vista_segmentation_params *params,
+                        const vista_camera *camera, const vista_cells *cells, const vista_surfaces *surfaces,
+                        vista_seeds *seeds) {
+  const vista_graph *const graph = &foveation->graph;
+  const float *const d = cells->disparity_px;
+  int32_t *const owner = seeds->seed_of_node; /* the standing cell that a node is reached from; not yet in use */
+  int32_t *const queue = seeds->order;
+  float *const length_px = seeds->length_px;
+  int32_t count = 0;
+  for (int32_t i = 0; i < graph->node_count; ++i) {
+    const bool stands = vista_standing(cells, surfaces, i);
+    owner[i] = stands ? i : VISTA_NO_SEED;
+    length_px[i] = 0.0f;
+    if (stands) queue[count++] = i;
+  }
+  for (int32_t next = 0; next < count; ++next) {
+    const int32_t i = queue[next];
+    for (int32_t arc = graph->first_arc[i]; arc < graph->first_arc[i + 1]; ++arc) {
+      const int32_t j = graph->head[arc];
+      const float length = length_px[i] + foveation->arc_distance_px[arc];
+      if (owner[j] >= 0 || d[j] >= 0.0f || length > seen_px(camera, params->bridge_m, d[owner[i]])) continue;
+      owner[j] = owner[i];
+      length_px[j] = length;
+      queue[count++] = j;
+    }
+  }
+  for (int32_t i = 0; i < graph->node_count; ++i) {
+    for (int32_t arc = graph->first_arc[i]; arc < graph->first_arc[i + 1]; ++arc) {
+      const int32_t j = graph->head[arc], a = owner[i], b = owner[j];
+      if (j < i || a < 0 || b < 0 || a == b || (d[i] >= 0.0f && d[j] >= 0.0f)) continue;
+      const float gap_px = length_px[i] + length_px[j] + foveation->arc_distance_px[arc];
+      if (gap_px > seen_px(camera, params->bridge_m, fminf(d[a], d[b]))) continue;
+      const float step = vista_seed_step_px(params, camera, fminf(gap_px, FARTHEST_STEP_PX), fmaxf(d[a], d[b]));
+      if (fabsf(d[a] - d[b]) <= step) vista_seeds_join(seeds, a, b);
+    }
+  }
+}
+
+/* Breadth first from the first `count` nodes of the queue, whose length_px is known, over nodes at INFINITY up to
+ * reach_px, but never out of a seed. Half of its arcs belongs to a node at 0. */
+static void spread(const vista_foveation *foveation, float reach_px, vista_seeds *seeds, int32_t count) {
+  const vista_graph *const graph = &foveation->graph;
+  int32_t *const queue = seeds->order;
+  float *const length_px = seeds->length_px;
+  for (int32_t next = 0; next < count; ++next) {
+    const int32_t i = queue[next];
+    for (int32_t arc = graph->first_arc[i]; arc < graph->first_arc[i + 1]; ++arc) {
+      const int32_t j = graph->head[arc];
+      const float length = length_px[i] + foveation->arc_distance_px[arc] * (length_px[i] == 0.0f ? 0.5f : 1.0f);
+      if (length_px[j] != INFINITY || length > reach_px) continue;
+      if (seeds->seed_of_node[i] != VISTA_NO_SEED && seeds->seed_of_node[j] != seeds->seed_of_node[i]) continue;
+      length_px[j] = length;
+      queue[count++] = j;
+    }
+  }
+}
+
+/* From a member to the nearest edge across which it gets clearly farther; INFINITY: it has none. */
+static float to_farther_side_px(const vista_foveation *foveation, const vista_segmentation_params *params,
+                                const vista_camera *camera, const vista_cells *cells, int32_t node) {
+  const float d = cells->disparity_px[node];
+  float nearest_px = INFINITY;
+  for (int32_t arc = foveation->graph.first_arc[node]; arc < foveation->graph.first_arc[node + 1]; ++arc) {
+    const float other = cells->disparity_px[foveation->graph.head[arc]], distance = foveation->arc_distance_px[arc];
+    if (other >= 0.0f && d - other > vista_seed_step_px(params, camera, distance, d))
+      nearest_px = fminf(nearest_px, 0.5f * distance);
+  }
+  return nearest_px;
+}
+
+void vista_seeds_find_shell(const vista_foveation *foveation, const vista_segmentation_params *params,
+                            const vista_camera *camera, const vista_cells *cells, vista_seeds *seeds) {
+  const float reach_px = (float)params->shell_px;
+  float *const length_px = seeds->length_px;
+  int32_t count = 0;
+  for (int32_t i = 0; i < foveation->node_count; ++i) {
+    length_px[i] = INFINITY;
+    if (cells->disparity_px[i] < 0.0f)
+      length_px[i] = 0.0f;
+    else if (seeds->seed_of_node[i] != VISTA_NO_SEED)
+      length_px[i] = to_farther_side_px(foveation, params, camera, cells, i);
+    if (length_px[i] > reach_px)
+      length_px[i] = INFINITY;
+    else
+      seeds->order[count++] = i;
+  }
+  spread(foveation, reach_px, seeds, count);
+  count = 0;
+  for (int32_t i = 0; i < foveation->node_count; ++i) {
+    const bool member = seeds->seed_of_node[i] != VISTA_NO_SEED, near_edge = length_px[i] != INFINITY;
+    seeds->shell[i] = member && near_edge;
+    length_px[i] = member && !near_edge ? 0.0f : INFINITY;
+    if (member && !near_edge) seeds->order[count++] = i;
+  }
+  spread(foveation, reach_px, seeds, count);
+  for (int32_t i = 0; i < foveation->node_count; ++i) seeds->shell[i] = seeds->shell[i] && length_px[i] != INFINITY;
+}

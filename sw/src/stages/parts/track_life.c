@@ -1,0 +1,143 @@
+#include "stages/parts/track_life.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "common/bits.h"
+#include "common/frame.h"
+#include "stages/parts/track_evidence.h"
+
+#define DEPTH_PASSED_M 0.05 /* a track nearer than this along z is behind the camera */
+
+double vista_seconds_between(int64_t earlier_ns, int64_t later_ns) {
+  return 1e-9 * (double)((uint64_t)later_ns - (uint64_t)earlier_ns);
+}
+
+/* N and M of this track: what is linked over a larger distance has to show it more often. */
+static int32_t window_length(const vista_tracker_params *params, const vista_track *track) {
+  const int32_t length = params->confirm_window + (track->moved ? params->moved_hits : 0);
+  return length < VISTA_WINDOW_BITS ? length : VISTA_WINDOW_BITS;
+}
+
+static int32_t hits_needed(const vista_tracker_params *params, const vista_track *track) {
+  return window_length(params, track) - (params->confirm_window - params->confirm_hits);
+}
+
+static int32_t hits_in_window(const vista_tracker_params *params, const vista_track *track) {
+  return vista_window_count(track->window, window_length(params, track));
+}
+
+bool vista_track_look(const vista_track_frame *f, vista_track *track, vista_track_view *view) {
+  double camera_m[3];
+  vista_frame_to_camera(f->pose, track->position_m, camera_m);
+  if (!isfinite(camera_m[0] + camera_m[1] + camera_m[2]) || camera_m[2] <= DEPTH_PASSED_M) return false;
+  vista_track_filter_view(f->params, f->camera, f->pose, vista_seconds_between(track->hit_t_ns, f->t_ns), track, view);
+  const double u = view->measurement_px[0];
+  const double v = view->measurement_px[1];
+  const double d = view->measurement_px[2];
+  const double margin = f->matched->margin_px;
+  track->in_view = u >= f->matched->margin_left_px && u <= f->camera->width_px - 1 - margin && v >= margin &&
+                   v <= f->camera->height_px - 1 - margin;
+  /* A sigma of doubt counts as blind: no track is blamed where the engine might not match. What left the image
+   * before it came near is not blind, it is out of view. */
+  const bool near = d + sqrt(view->covariance_px2[8]) > f->matched->disparity_max_px;
+  track->in_blind_zone = near && (track->in_view || track->in_blind_zone);
+  return true;
+}
+
+/* Where the detection is, with its noise at `depth_m`: that of the track is steadier than its own. */
+static vista_world_hit world_hit(const vista_track_frame *f, const vista_detection *detection, double depth_m,
+                                 const double variance_px2[3]) {
+  const double *const p = detection->position_camera_m;
+  const double slant = sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2]) / p[2];
+  const double per_px_m = depth_m / f->camera->focal_px;
+  vista_world_hit hit = {.along_sigma_m = slant * per_px_m * depth_m / f->camera->baseline_m * sqrt(variance_px2[2]),
+                         .across_sigma_m = per_px_m * sqrt(fmax(variance_px2[0], variance_px2[1])),
+                         .t_ns = f->t_ns};
+  vista_frame_to_world(f->pose, p, hit.position_m);
+  memcpy(hit.camera_m, f->pose->translation_m, sizeof hit.camera_m);
+  return hit;
+}
+
+void vista_track_judge(const vista_track_frame *f, vista_track *track) {
+  const vista_static_world *const w = &track->world;
+  const double time_s = vista_seconds_between(w->start_t_ns, f->t_ns);
+  const bool silent = fabs(w->travel_m) <= f->params->static_speed_min_m_s * time_s;
+  const bool supported = w->verdict == VISTA_WORLD_OPEN ? silent : w->verdict != VISTA_WORLD_REFUTED;
+  const bool open = w->verdict == VISTA_WORLD_OPEN && !silent;
+  const int32_t needed = hits_needed(f->params, track) + (open ? 1 : 0);
+  track->confirmed = track->confirmed || hits_in_window(f->params, track) >= needed;
+  track->credible = track->confirmed && w->verdict != VISTA_WORLD_REFUTED && (track->credible || supported);
+}
+
+static void hit(const vista_track_frame *f, const vista_detection *detection, vista_track *track) {
+  track->coasting = track->held = false;
+  track->label = detection->label;
+  track->edges_only = track->plain && !detection->plain;
+  track->plain = track->plain || detection->plain;
+  if (!track->edges_only)
+    track->volume_window = track->volume_window << 1 | (detection->volume_pixels >= f->params->volume_pixels);
+  track->window = track->window << 1 | 1u;
+  track->hits += 1;
+  track->seen_frames += 1;
+  track->misses = 0;
+  track->hit_t_ns = f->t_ns;
+  track->visible_t_ns = f->t_ns;
+  track->ellipse = detection->ellipse;
+  track->ellipse_depth_m = f->camera->focal_px * f->camera->baseline_m / detection->disparity_px;
+}
+
+void vista_track_take(const vista_track_frame *f, const vista_detection *detection, const vista_track_view *view,
+                      bool reshaped, vista_track *track) {
+  double variance_px2[3];
+  vista_track_filter_noise(f->params, f->camera, detection, view, reshaped, variance_px2);
+  const vista_world_hit seen = world_hit(f, detection, view->camera_m[2], variance_px2);
+  vista_static_world_add(f->params, &seen, &track->world);
+  vista_track_filter_update(f->params, view, detection, variance_px2, track);
+  hit(f, detection, track);
+}
+
+void vista_track_miss(const vista_track_frame *f, const vista_track_view *view, vista_track *track) {
+  track->coasting = true;
+  track->label = -1;
+  track->held = track->credible && track->in_view && !track->in_blind_zone &&
+                !vista_track_seen_through(f->camera, f->matched, f->disparity, view);
+  if (track->held) return;
+  if (!track->in_view || track->in_blind_zone) return;
+  track->window <<= 1;
+  track->seen_frames += 1;
+  track->misses += 1;
+  track->visible_t_ns = f->t_ns;
+}
+
+bool vista_track_outlived(const vista_track_frame *f, const vista_track *track) {
+  const vista_tracker_params *params = f->params;
+  const double hidden_s = vista_seconds_between(track->visible_t_ns, f->t_ns);
+  const bool near = track->in_blind_zone || track->held;
+  if (hidden_s > (near ? params->blind_zone_s : params->out_of_view_s)) return true;
+  if (track->confirmed) return track->misses > params->miss_max;
+  const int32_t window = window_length(params, track);
+  const int32_t seen = track->seen_frames < window ? track->seen_frames : window;
+  return seen - hits_in_window(params, track) > params->confirm_window - params->confirm_hits;
+}
+
+void vista_track_start(const vista_track_frame *f, const vista_detection *detection, vista_track *track) {
+  vista_track_view view;
+  double variance_px2[3];
+  vista_track_filter_start(f->params, f->camera, f->pose, detection, track);
+  vista_track_filter_view(f->params, f->camera, f->pose, 0.0, track, &view);
+  vista_track_filter_noise(f->params, f->camera, detection, &view, false, variance_px2);
+  const vista_world_hit seen = world_hit(f, detection, detection->position_camera_m[2], variance_px2);
+  vista_static_world_start(f->params, &seen, &track->world);
+  track->age_frames = 1;
+  track->hit_t_ns = f->t_ns;
+  track->visible_t_ns = f->t_ns;
+  vista_track_judge(f, track);
+}
+
+void vista_track_set_moving(const vista_track_frame *f, vista_track *track, vista_track_view *view) {
+  const double since_s = vista_seconds_between(track->hit_t_ns, f->t_ns);
+  track->moved = true;
+  vista_track_filter_set_moving(f->params, since_s, track);
+  vista_track_filter_view(f->params, f->camera, f->pose, since_s, track, view);
+}

@@ -1,0 +1,31 @@
+/* Regions at the resolution of the image: cells are up to tens of pixels wide, what stands there is not made of them.
+ *
+ * A pixel of a cell at the border of its region joins that cell, of its own and those next to it, which minimises
+ *     min(|I(p) - I(cell)| / sigma_I, limit) + mixed * [cell is at a border] + compactness * |p - centre|^2 / size^2
+ * and takes its region: cells become superpixels where it matters (one assignment of Achanta's SLIC, with the grid
+ * for its seeds). All other pixels, and those of cells of a pixel's size, have the region of their cell. */
+#ifndef VISTA_REFINEMENT_H
+#define VISTA_REFINEMENT_H
+
+#include <stdint.h>
+
+#include "common/arena.h"
+#include "stages/foveation.h"
+#include "vista/parameters.h"
+#include "vista/status.h"
+#include "vista/types.h"
+
+typedef struct vista_refinement {
+  int32_t *label;  /* height * width: region of each pixel, VISTA_NO_LABEL where its cell has none */
+  uint8_t *border; /* node_count, scratch: next to a cell of another region */
+} vista_refinement;
+
+vista_status vista_refinement_layout(vista_refinement *refinement, vista_arena *arena,
+                                     const vista_foveation *foveation);
+
+/* label: node_count, region of each cell. VISTA_ERROR_SIZE if the image differs from the geometry. */
+vista_status vista_refine(const vista_foveation *foveation, const vista_refinement_params *params,
+                          const vista_image *image, const vista_cells *cells, const int32_t *label,
+                          vista_refinement *refinement);
+
+#endif

@@ -1,0 +1,241 @@
+#include "stages/region.h"
+
+#include <math.h>
+#include <stdbool.h>
+#include <stddef.h>
+
+#include "common/depth.h"
+#include "stages/parts/ground.h"
+#include "stages/parts/region_boundary.h"
+#include "stages/parts/region_outline.h"
+
+static const char *const verdict_names[VISTA_REGION_VERDICT_COUNT] = {
+    [VISTA_REGION_ACCEPTED] = "ACCEPTED",
+    [VISTA_REGION_BACKGROUND] = "BACKGROUND",
+    [VISTA_REGION_TOO_FEW_PIXELS] = "TOO_FEW_PIXELS",
+    [VISTA_REGION_LOW_SUPPORT] = "LOW_SUPPORT",
+    [VISTA_REGION_INCONSISTENT] = "INCONSISTENT",
+    [VISTA_REGION_HORIZONTAL] = "HORIZONTAL",
+    [VISTA_REGION_TOO_FAR] = "TOO_FAR",
+    [VISTA_REGION_TOO_SMALL] = "TOO_SMALL",
+};
+
+const char *vista_region_verdict_name(vista_region_verdict verdict) {
+  return (unsigned)verdict < VISTA_REGION_VERDICT_COUNT ? verdict_names[verdict] : "UNKNOWN";
+}
+
+vista_status vista_regions_layout(vista_regions *regions, vista_arena *arena, const vista_foveation *foveation) {
+  if (regions == NULL || arena == NULL || foveation == NULL) return VISTA_ERROR_ARGUMENT;
+  const size_t nodes = (size_t)foveation->max_nodes;
+  regions->items = vista_arena_take(arena, nodes, sizeof(vista_region));
+  regions->first_member = vista_arena_take(arena, nodes + 1, sizeof(int32_t));
+  regions->members = vista_arena_take(arena, nodes, sizeof(int32_t));
+  regions->boundary = vista_arena_take(arena, nodes, sizeof(uint8_t));
+  regions->depth_px = vista_arena_take(arena, nodes, sizeof(float));
+  regions->bins = vista_arena_take(arena, VISTA_WORD_BINS, sizeof(uint32_t));
+  return arena->base != NULL && arena->used > arena->size ? VISTA_ERROR_MEMORY : VISTA_OK;
+}
+
+/* Nodes with an edge that leaves their region, and those of the region within reach of one. */
+static void mark_boundary(const vista_foveation *foveation, const int32_t *label, double reach_px,
+                          vista_regions *regions) {
+  const vista_graph *const graph = &foveation->graph;
+  int32_t *const queue = regions->members; /* not yet in use */
+  int32_t count = 0;
+  for (int32_t i = 0; i < graph->node_count; ++i) {
+    bool leaves = false;
+    for (int32_t arc = graph->first_arc[i]; arc < graph->first_arc[i + 1]; ++arc)
+      leaves |= label[graph->head[arc]] != label[i];
+    regions->boundary[i] = leaves && label[i] >= 0;
+    regions->depth_px[i] = 0.0f;
+    if (regions->boundary[i]) queue[count++] = i;
+  }
+  for (int32_t next = 0; next < count; ++next) {
+    const int32_t i = queue[next];
+    for (int32_t arc = graph->first_arc[i]; arc < graph->first_arc[i + 1]; ++arc) {
+      const int32_t j = graph->head[arc];
+      const float depth_px = regions->depth_px[i] + foveation->arc_distance_px[arc];
+      if (regions->boundary[j] || label[j] != label[i] || depth_px > (float)reach_px) continue;
+      regions->boundary[j] = 1;
+      regions->depth_px[j] = depth_px;
+      queue[count++] = j;
+    }
+  }
+}
+
+static void group_members(const vista_foveation *foveation, const int32_t *label, vista_regions *regions) {
+  const vista_graph *const graph = &foveation->graph;
+  int32_t *const first = regions->first_member;
+  for (int32_t k = 0; k <= regions->count; ++k) first[k] = 0;
+  for (int32_t i = 0; i < graph->node_count; ++i)
+    if (label[i] >= 0) first[label[i] + 1]++;
+  for (int32_t k = 0; k < regions->count; ++k) first[k + 1] += first[k];
+  for (int32_t i = 0; i < graph->node_count; ++i)
+    if (label[i] >= 0) regions->members[first[label[i]]++] = i;
+  for (int32_t k = regions->count; k > 0; --k) first[k] = first[k - 1];
+  first[0] = 0;
+}
+
+/* Matching widens every thing by boundary_px at each side: a mast below a panel weighs several times what it has. Of
+ * long regions only those pixels count whose like is found that far to both sides, unless few are left. */
+#define LONG_BLOCKS 20.0
+#define MIN_INNER_SHARE 0.2
+
+typedef struct moments {
+  double n, u, v, uu, uv, vv;
+} moments;
+
+static void add_pixels(moments *sum, vista_region *region, int32_t u, int32_t v, int32_t length) {
+  /* closed sums over u .. u + length - 1 */
+  const double n = length, middle = u + 0.5 * (n - 1.0);
+  sum->n += n;
+  sum->u += n * middle;
+  sum->v += n * v;
+  sum->uu += n * middle * middle + n * (n * n - 1.0) / 12.0;
+  sum->uv += n * middle * v;
+  sum->vv += n * v * v;
+  if (u < region->min_u_px) region->min_u_px = u;
+  if (u + length - 1 > region->max_u_px) region->max_u_px = u + length - 1;
+  if (v < region->min_v_px) region->min_v_px = v;
+  if (v > region->max_v_px) region->max_v_px = v;
+}
+
+static bool on_surface(const vista_region_view *w, int16_t word, double disparity_px) {
+  return vista_word_valid(word) && fabs(word * (1.0 / VISTA_DISPARITY_SCALE) - disparity_px) <= w->tolerance_px;
+}
+
+/* Moments of the pixels that the image gives to the region and that are on its surface; of cells without a disparity
+ * all that the image gives. */
+static void own_pixels(const vista_region_view *w, const vista_plane *plane, bool inner, vista_region *region) {
+  const int32_t reach = (int32_t)w->params->boundary_px;
+  moments sum = {0};
+  region->min_u_px = region->min_v_px = INT32_MAX;
+  region->max_u_px = region->max_v_px = INT32_MIN;
+  for (int32_t m = 0; m < w->member_count; ++m) {
+    const int32_t node = w->members[m];
+    const bool whole = w->cells->disparity_px[node] < 0.0f;
+    for (int32_t r = w->foveation->first_run[node]; r < w->foveation->first_run[node + 1]; ++r) {
+      const vista_run run = w->foveation->runs[r];
+      const int32_t *const drawn = w->region_of_pixel + (ptrdiff_t)run.v_px * w->foveation->width_px + run.u_px;
+      const int16_t *const words = vista_region_words(w, run);
+      const double start = plane->offset + plane->slope_v * run.v_px + plane->slope_u * run.u_px;
+      int32_t open = -1; /* first pixel of the current stretch of own pixels */
+      for (int32_t i = 0; i <= run.length_px; ++i) {
+        const bool own =
+            i < run.length_px && drawn[i] == region->label &&
+            (whole || (on_surface(w, words[i], start + plane->slope_u * i) &&
+                       (!inner || (run.u_px + i >= reach && run.u_px + i + reach < w->disparity->width_px &&
+                                   on_surface(w, words[i - reach], start + plane->slope_u * (i - reach)) &&
+                                   on_surface(w, words[i + reach], start + plane->slope_u * (i + reach))))));
+        if (own && open < 0) open = i;
+        if (!own && open >= 0) {
+          add_pixels(&sum, region, run.u_px + open, run.v_px, i - open);
+          open = -1;
+        }
+      }
+    }
+  }
+  region->pixel_count = (int32_t)sum.n;
+  if (region->pixel_count == 0) return;
+  region->mean_u_px = sum.u / sum.n;
+  region->mean_v_px = sum.v / sum.n;
+  region->cov_uu_px2 = fmax(sum.uu / sum.n - region->mean_u_px * region->mean_u_px, 0.0);
+  region->cov_uv_px2 = sum.uv / sum.n - region->mean_u_px * region->mean_v_px;
+  region->cov_vv_px2 = fmax(sum.vv / sum.n - region->mean_v_px * region->mean_v_px, 0.0);
+}
+
+/* No more than the smallest obstacle has at that range: far things are small, and soon seen better or refuted. */
+static double fewest_inliers(const vista_region_params *params, const vista_camera *camera, double disparity_px) {
+  const double smallest_px = params->min_size_m * disparity_px / camera->baseline_m;
+  return fmin(params->min_inliers, smallest_px * smallest_px);
+}
+
+static vista_region_verdict judge_boundary(const vista_region_view *w, const vista_camera *camera,
+                                           double horizontal_deg, const vista_region *region) {
+  const vista_region_params *const p = w->params;
+  if (region->boundary_inliers < fewest_inliers(p, camera, region->disparity_px)) return VISTA_REGION_TOO_FEW_PIXELS;
+  if (region->boundary_valid < p->min_valid_fraction * region->boundary_pixels) return VISTA_REGION_LOW_SUPPORT;
+  if (region->boundary_inliers < p->min_inlier_fraction * region->boundary_valid) return VISTA_REGION_INCONSISTENT;
+  if (region->inclination_deg > horizontal_deg) return VISTA_REGION_HORIZONTAL;
+  return VISTA_REGION_ACCEPTED;
+}
+
+/* What only the own pixels tell. Cheap tests come first: this is measured of what passed them. */
+static vista_region_verdict measure_own_pixels(const vista_region_view *w, const vista_camera *camera,
+                                               const vista_plane *surface, vista_region *region) {
+  own_pixels(w, surface, false, region);
+  const double longer_px = 4.0 * sqrt(fmax(region->cov_uu_px2, region->cov_vv_px2));
+  if (longer_px > LONG_BLOCKS * w->params->boundary_px) {
+    const vista_region all = *region;
+    own_pixels(w, surface, true, region);
+    if (region->pixel_count < MIN_INNER_SHARE * all.pixel_count) *region = all;
+  }
+  region->disparity_px = vista_plane_at(surface, region->mean_u_px, region->mean_v_px);
+  if (region->disparity_px < w->params->min_disparity_px) return VISTA_REGION_TOO_FAR;
+  const double larger_px = 4.0 * sqrt(fmax(region->cov_uu_px2, region->cov_vv_px2));
+  const float smallest_m = vista_limit_m(camera, (float)region->disparity_px, (float)w->params->min_size_m);
+  if (larger_px * camera->baseline_m / region->disparity_px < (double)smallest_m) return VISTA_REGION_TOO_SMALL;
+  return VISTA_REGION_ACCEPTED;
+}
+
+static vista_region_verdict measure(vista_region_view *w, const vista_camera *camera, const double up_camera[3],
+                                    double horizontal_deg, vista_region *region) {
+  vista_plane surface;
+  if (!vista_region_measure_boundary(w, camera, up_camera, region, &surface)) return VISTA_REGION_TOO_FEW_PIXELS;
+  const vista_region_verdict verdict = judge_boundary(w, camera, horizontal_deg, region);
+  if (verdict != VISTA_REGION_ACCEPTED) return verdict;
+  const float lowest_m = vista_limit_m(camera, (float)region->disparity_px, (float)w->params->min_height_m);
+  region->standing_fraction = vista_standing_fraction(w->foveation, camera, w->cells, w->surfaces, up_camera,
+                                                      horizontal_deg, w->members, w->member_count, (double)lowest_m);
+  if (region->standing_fraction < w->params->min_standing_fraction) return VISTA_REGION_HORIZONTAL;
+  return measure_own_pixels(w, camera, &surface, region);
+}
+
+/* A region that grew from no disparity of its own: background, unless its outline says otherwise. */
+static vista_region_verdict measure_outline(vista_region_view *w, const vista_camera *camera, double horizontal_deg,
+                                            const int32_t *label, vista_region *region) {
+  if (!vista_region_owns_outline(w, camera, label, region)) return VISTA_REGION_BACKGROUND;
+  const vista_region_verdict verdict = judge_boundary(w, camera, horizontal_deg, region);
+  const vista_plane facing = {.offset = region->disparity_px};
+  return verdict == VISTA_REGION_ACCEPTED ? measure_own_pixels(w, camera, &facing, region) : verdict;
+}
+
+vista_status vista_regions_compute(const vista_foveation *foveation, const vista_region_params *params,
+                                   const vista_camera *camera, const double up_camera[3], double horizontal_deg,
+                                   const vista_disparity_image *disparity, const vista_cells *cells,
+                                   const vista_surfaces *surfaces, const vista_segmentation *segmentation,
+                                   const vista_refinement *refinement, vista_regions *regions) {
+  if (foveation == NULL || params == NULL || camera == NULL || up_camera == NULL || disparity == NULL ||
+      cells == NULL || surfaces == NULL || segmentation == NULL || refinement == NULL || regions == NULL)
+    return VISTA_ERROR_ARGUMENT;
+  if (disparity->width_px != foveation->width_px || disparity->height_px != foveation->height_px)
+    return VISTA_ERROR_SIZE;
+  regions->count = segmentation->region_count;
+  regions->accepted_count = 0;
+  mark_boundary(foveation, segmentation->label, params->boundary_px, regions);
+  group_members(foveation, segmentation->label, regions);
+  for (int32_t k = 0; k < regions->count; ++k) {
+    const int32_t first = regions->first_member[k], count = regions->first_member[k + 1] - first;
+    vista_region_view w = {foveation,
+                           params,
+                           disparity,
+                           cells,
+                           surfaces,
+                           refinement->label,
+                           regions->boundary,
+                           regions->bins,
+                           regions->members + first,
+                           count,
+                           0.0};
+    vista_region *const region = &regions->items[k];
+    *region = (vista_region){.label = k, .node_count = count, .inclination_deg = NAN, .standing_fraction = NAN};
+    if (count == 0)
+      region->verdict = VISTA_REGION_TOO_FEW_PIXELS;
+    else if (k >= segmentation->obstacle_count)
+      region->verdict = measure_outline(&w, camera, horizontal_deg, segmentation->label, region);
+    else
+      region->verdict = measure(&w, camera, up_camera, horizontal_deg, region);
+    regions->accepted_count += region->verdict == VISTA_REGION_ACCEPTED;
+  }
+  return VISTA_OK;
+}

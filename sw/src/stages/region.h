@@ -1,0 +1,95 @@
+/* Regions of the partition with the statistics of their boundary (paper, section II-D).
+ *
+ * Boundary nodes of region k are the nodes of k with an edge of the whole graph that leaves k, and those within
+ * boundary_px of one: cells of the fovea are far smaller than the block that the engine matches. The edge consistency
+ * constraint says that a true object boundary has smoothly varying disparity; everything here about disparity is
+ * taken from the valid pixels under boundary nodes, with robust statistics: the far side pollutes boundary cells.
+ *
+ * Figure and ground: a depth edge belongs to the nearer of its sides, and block matching widens that side by half a
+ * block. A region that grew from no disparity of its own (segmentation->obstacle_count) is the background of what
+ * stands before it: the disparities along its boundary are its neighbours', so it is not measured; unless it is plain:
+ * its left edge, its right edge and the ground it stands on agree on one depth (src/region_outline.h).
+ *
+ * Two surfaces compete for each region: facing the camera, d = mode of the boundary pixels, and a plane,
+ * d = a + slope_u u + slope_v v, fitted to the region's cells; the plane has to explain a tenth more of their area.
+ * Edge consistency is judged on the residuals from the winner: a wall seen at an angle varies smoothly, too.
+ *
+ * Size and centre are those of the region's own pixels: of its cells those that the image gives to it, too
+ * (refinement.h), and that lie on the surface or in cells without disparity; at a thin post most of a cell's
+ * pixels belong to the background. Of long regions only those pixels on the surface whose like is found boundary_px to
+ * the left and to the right: matching widens a mast to a multiple. */
+#ifndef VISTA_REGION_H
+#define VISTA_REGION_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "common/arena.h"
+#include "stages/foveation.h"
+#include "stages/refinement.h"
+#include "stages/segmentation.h"
+#include "stages/surface.h"
+#include "vista/parameters.h"
+#include "vista/status.h"
+#include "vista/types.h"
+
+/* Why a region is not an obstacle; the first reason that applies, in this order. */
+typedef enum vista_region_verdict {
+  VISTA_REGION_ACCEPTED = 0,
+  VISTA_REGION_BACKGROUND,     /* grown from no disparity of its own and not plain: sky, bare ground */
+  VISTA_REGION_TOO_FEW_PIXELS, /* too few boundary inliers to say anything */
+  VISTA_REGION_LOW_SUPPORT,    /* valid fraction of the boundary too small */
+  VISTA_REGION_INCONSISTENT,   /* boundary disparity does not vary smoothly (edge consistency) */
+  VISTA_REGION_HORIZONTAL,     /* a surface to fly above, or flat on one: ground, road, water */
+  VISTA_REGION_TOO_FAR,        /* disparity below the smallest that is reconstructed */
+  VISTA_REGION_TOO_SMALL,      /* metric size below the smallest obstacle */
+  VISTA_REGION_VERDICT_COUNT
+} vista_region_verdict;
+
+typedef struct vista_region {
+  int32_t label;
+  vista_region_verdict verdict;
+  bool plain; /* no disparity inside: a surface that faces the camera at the disparity of its outline */
+  int32_t node_count;
+  int32_t pixel_count; /* own pixels, see above; like their moments measured only if the boundary passed its tests */
+  int32_t volume_pixels; /* on the surface and in the collision volume (collision_volume.h) */
+  /* Moments of the own pixels: centre and covariance. */
+  double mean_u_px, mean_v_px;
+  double cov_uu_px2, cov_uv_px2, cov_vv_px2;
+  int32_t min_u_px, min_v_px, max_u_px, max_v_px; /* bounding box, inclusive */
+  /* Boundary disparity. */
+  int32_t boundary_pixels;         /* pixels under boundary nodes */
+  int32_t boundary_valid;          /* of these, with a valid disparity */
+  int32_t boundary_inliers;        /* of these, within the tolerance of the mode */
+  double disparity_px;             /* of the surface at the centre, refined by the mean residual of the inliers */
+  double disparity_sigma_px;       /* standard deviation of the inliers */
+  double slope_u, slope_v;         /* gradient of the disparity over the region, px per px */
+  double inclination_deg;          /* of the region's surface against the vertical; 90 = horizontal; NaN: its
+                                      disparities span less than the tolerance, so nothing tells */
+  double standing_fraction;        /* of its area, at least min_height_m above the horizontal surface it adjoins */
+} vista_region;
+
+typedef struct vista_regions {
+  vista_region *items;
+  int32_t count;
+  int32_t accepted_count;
+  int32_t *first_member; /* scratch: nodes of region k are members[first_member[k] .. first_member[k + 1]) */
+  int32_t *members;
+  uint8_t *boundary; /* scratch, node_count */
+  float *depth_px;   /* scratch, node_count: distance from the boundary, where that is within reach */
+  uint32_t *bins;    /* scratch: histogram of engine words */
+} vista_regions;
+
+vista_status vista_regions_layout(vista_regions *regions, vista_arena *arena, const vista_foveation *foveation);
+
+/* up_camera: unit vector against gravity in camera coordinates. */
+vista_status vista_regions_compute(const vista_foveation *foveation, const vista_region_params *params,
+                                   const vista_camera *camera, const double up_camera[3], double horizontal_deg,
+                                   const vista_disparity_image *disparity, const vista_cells *cells,
+                                   const vista_surfaces *surfaces, const vista_segmentation *segmentation,
+                                   const vista_refinement *refinement, vista_regions *regions);
+
+/* Upper-case name of a verdict; never null. */
+const char *vista_region_verdict_name(vista_region_verdict verdict);
+
+#endif

@@ -1,0 +1,51 @@
+/* Recursive bipartition by minimum cuts (paper, section II-C).
+ *
+ * Every seed (seeds.h) is cut out of what is left of the graph, nearest first: S is tied to the seed, T to the
+ * other seeds; free cells carry the data term D_p of equation 1 as terminal links (no disparity, another disparity,
+ * a horizontal surface all pull towards T). A seed's shell is free and pulled nowhere, and its edges do without
+ * disparities: there the contrast of the image decides. The source side becomes a region and leaves the graph. When
+ * no obstacle seed is left, regions are joined where their common boundary has no jump in disparity; then the same is
+ * done with seeds of the rest. The recursion stops when S would be empty. */
+#ifndef VISTA_SEGMENTATION_H
+#define VISTA_SEGMENTATION_H
+
+#include <stdint.h>
+
+#include "common/arena.h"
+#include "stages/affinity.h"
+#include "stages/foveation.h"
+#include "stages/maxflow.h"
+#include "stages/seeds.h"
+#include "stages/surface.h"
+#include "vista/parameters.h"
+#include "vista/status.h"
+
+#define VISTA_NO_LABEL (-1)
+
+typedef struct vista_border vista_border;
+
+typedef struct vista_segmentation {
+  int32_t *label;          /* node_count: region 0 .. region_count - 1 or VISTA_NO_LABEL */
+  int32_t region_count;
+  int32_t obstacle_count;  /* regions 0 .. obstacle_count - 1 grew from obstacle seeds */
+  int32_t cut_count;       /* minimum cuts computed */
+  int32_t cut_nodes;       /* nodes in all of them */
+  vista_seeds seeds;
+  vista_maxflow maxflow;
+  int32_t *source_capacity, *sink_capacity; /* scratch, node_count each */
+  int32_t *subset, *steps;
+  uint8_t *source_side;
+  int32_t *capacity;           /* scratch, graph.arc_count: what the cuts use */
+  int32_t *perimeter, *merged; /* scratch of the merging, node_count each */
+  vista_border *borders;       /* scratch: hash table over pairs of regions */
+  int32_t border_slots;        /* a power of two */
+} vista_segmentation;
+
+vista_status vista_segmentation_layout(vista_segmentation *segmentation, vista_arena *arena,
+                                       const vista_foveation *foveation);
+
+vista_status vista_segment(const vista_foveation *foveation, const vista_parameters *params, const vista_camera *camera,
+                           const vista_cells *cells, const vista_surfaces *surfaces, const vista_affinity *affinity,
+                           vista_segmentation *segmentation);
+
+#endif

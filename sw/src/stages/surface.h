@@ -1,0 +1,43 @@
+/* Inclination of the surface under each cell.
+ *
+ * On a plane the disparity is affine in the pixel, d = d_0 + g_u (u - c_u) + g_v (v - c_v), because
+ * 1 / Z = n . (x, y, 1) for a plane n . P = 1; hence the normal in camera coordinates is n ~ (g_u, g_v, d_0 / f),
+ * d_0 being the plane's disparity at the principal point. The gradient is fitted by least squares to the cells
+ * around; with the up direction given, the lean from the vertical is asin(|n . up| / |n|).
+ *
+ * Ground, roads and water are surfaces to fly along: their pixels are matched well and their boundary is consistent,
+ * so neither a matching threshold nor edge consistency tells them from obstacles. Their inclination does.
+ * The plane that most horizontal cells share is the ground; it may be absent. Where it is known, height above it
+ * overrides a cell's own inclination: on the plane is ground, well above it stands. */
+#ifndef VISTA_SURFACE_H
+#define VISTA_SURFACE_H
+
+#include <stdbool.h>
+
+#include "common/arena.h"
+#include "stages/foveation.h"
+#include "vista/parameters.h"
+#include "vista/status.h"
+#include "vista/types.h"
+
+typedef struct vista_surfaces {
+  float *inclination_deg; /* node_count: 0 upright .. 90 horizontal; negative: unknown */
+  uint8_t *horizontal;    /* node_count: 1 on the ground, or where most cells around lean more than horizontal_deg */
+  bool ground_found;      /* most horizontal cells share a plane: the ground below, */
+  double ground_px;       /* its disparity at the principal point */
+  double ground_slope_u, ground_slope_v; /* and gradient, px per px */
+} vista_surfaces;
+
+vista_status vista_surfaces_layout(vista_surfaces *surfaces, vista_arena *arena, const vista_foveation *foveation);
+
+/* up_camera: unit vector against gravity in camera coordinates; level camera: (0, -1, 0). */
+vista_status vista_surfaces_compute(const vista_foveation *foveation, const vista_surface_params *params,
+                                    const vista_camera *camera, const double up_camera[3], const vista_cells *cells,
+                                    vista_surfaces *surfaces);
+
+/* Lean from the vertical, degrees, of the plane with disparity disparity_px and gradient (slope_u, slope_v) at a
+ * pixel; NaN if the plane is degenerate. */
+double vista_plane_inclination_deg(const vista_camera *camera, const double up_camera[3], double u_px, double v_px,
+                                   double disparity_px, double slope_u, double slope_v);
+
+#endif

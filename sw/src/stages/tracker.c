@@ -1,0 +1,272 @@
+#include "stages/tracker.h"
+
+#include <math.h>
+#include <stddef.h>
+
+#include "common/bits.h"
+#include "common/frame.h"
+#include "stages/parts/track_association.h"
+#include "stages/parts/track_filter.h"
+#include "stages/parts/track_life.h"
+
+struct vista_tracker {
+  int32_t max_tracks, max_detections;
+  int32_t count;
+  int32_t next_id;
+  bool started;
+  int64_t t_ns; /* of the last update */
+  int64_t dropped;
+  vista_track *tracks; /* ascending id */
+  vista_track_view *views;
+  int32_t *detection_of_track; /* -1: none */
+  vista_track_association *association;
+};
+
+vista_status vista_tracker_layout(int32_t max_tracks, int32_t max_detections, vista_arena *arena,
+                                  vista_tracker **tracker) {
+  if (arena == NULL || tracker == NULL) return VISTA_ERROR_ARGUMENT;
+  *tracker = NULL;
+  if (max_tracks < 1 || max_tracks > VISTA_TRACKER_MAX || max_detections < 1 || max_detections > VISTA_TRACKER_MAX)
+    return VISTA_ERROR_RANGE;
+  const size_t tracks = (size_t)max_tracks;
+  vista_tracker *made = vista_arena_take(arena, 1, sizeof *made);
+  vista_tracker parts = {.max_tracks = max_tracks,
+                         .max_detections = max_detections,
+                         .next_id = 1,
+                         .tracks = vista_arena_take(arena, tracks, sizeof(vista_track)),
+                         .views = vista_arena_take(arena, tracks, sizeof(vista_track_view)),
+                         .detection_of_track = vista_arena_take(arena, tracks, sizeof(int32_t))};
+  const vista_status status = vista_track_association_layout(max_tracks, max_detections, arena, &parts.association);
+  if (status != VISTA_OK || arena->base == NULL) return status;
+  *made = parts;
+  *tracker = made;
+  return VISTA_OK;
+}
+
+void vista_tracker_reset(vista_tracker *tracker) {
+  tracker->count = 0;
+  tracker->started = false;
+  tracker->dropped = 0;
+}
+
+const vista_track *vista_tracker_tracks(const vista_tracker *tracker, int32_t *count) {
+  *count = tracker->count;
+  return tracker->tracks;
+}
+
+int64_t vista_tracker_dropped(const vista_tracker *tracker) { return tracker->dropped; }
+
+/* ---- checks, before anything changes ---- */
+
+static bool positive(double value) { return isfinite(value) && value > 0.0; }
+static bool not_negative(double value) { return isfinite(value) && value >= 0.0; }
+
+static vista_status check_params(const vista_tracker_params *p) {
+  const bool filter = positive(p->velocity_sigma_m_s) && not_negative(p->moving_sigma_m_s) &&
+                      not_negative(p->acceleration_psd_m2_s3) && not_negative(p->position_psd_m2_s) &&
+                      not_negative(p->attitude_sigma_deg) && positive(p->extent_sigma_ratio) &&
+                      not_negative(p->extent_psd_1_s);
+  const bool association = positive(p->gate_chi2) && positive(p->overlap_sigma) && positive(p->overlap_scale);
+  const bool world = p->static_odds >= 1.0 && isfinite(p->static_odds) && not_negative(p->static_tolerance) &&
+                     p->static_noise_hits >= 1.0 && isfinite(p->static_noise_hits) && positive(p->static_fade_m) &&
+                     not_negative(p->static_speed_min_m_s);
+  const bool life = p->confirm_window >= 1 && p->confirm_window <= VISTA_WINDOW_BITS && p->confirm_hits >= 1 &&
+                    p->confirm_hits <= p->confirm_window && p->moved_hits >= 0 && p->moved_hits <= 16 &&
+                    p->volume_pixels >= 0 && p->miss_max >= 0 && not_negative(p->out_of_view_s) &&
+                    not_negative(p->blind_zone_s) && positive(p->range_max_m);
+  const bool good = filter && association && world && life;
+  return good ? VISTA_OK : VISTA_ERROR_RANGE;
+}
+
+static vista_status check_matched(const vista_matched_area *m) {
+  const bool good = positive(m->disparity_max_px) && not_negative(m->margin_left_px) && not_negative(m->margin_px);
+  return good ? VISTA_OK : VISTA_ERROR_RANGE;
+}
+
+static vista_status check_detection(const vista_detection *d) {
+  if (!isfinite(d->u_px) || !isfinite(d->v_px)) return VISTA_ERROR_NUMBER;
+  for (int i = 0; i < 9; ++i)
+    if (!isfinite(d->covariance_camera_m2[i])) return VISTA_ERROR_NUMBER;
+  for (int i = 0; i < 3; ++i)
+    if (!isfinite(d->position_camera_m[i])) return VISTA_ERROR_NUMBER;
+  const double sizes[] = {d->disparity_px,       d->sigma_u_px,  d->sigma_v_px,
+                          d->sigma_disparity_px, d->extent_m[0], d->extent_m[1]};
+  for (size_t i = 0; i < sizeof sizes / sizeof sizes[0]; ++i) {
+    if (!isfinite(sizes[i])) return VISTA_ERROR_NUMBER;
+    if (sizes[i] <= 0.0) return VISTA_ERROR_RANGE;
+  }
+  return VISTA_OK;
+}
+
+static vista_status check(const vista_tracker *tracker, const vista_track_frame *f) {
+  if (f->count < 0) return VISTA_ERROR_SIZE;
+  if (f->count > tracker->max_detections) return VISTA_ERROR_CAPACITY;
+  vista_status status = check_params(f->params);
+  if (status == VISTA_OK) status = check_matched(f->matched);
+  if (status == VISTA_OK) status = vista_frame_check_camera(f->camera);
+  if (status == VISTA_OK) status = vista_frame_check_pose(f->pose);
+  const vista_disparity_image *const words = f->disparity;
+  if (status == VISTA_OK && words != NULL &&
+      (words->width_px != f->camera->width_px || words->height_px != f->camera->height_px))
+    return VISTA_ERROR_SIZE;
+  for (int32_t i = 0; i < f->count && status == VISTA_OK; ++i) status = check_detection(&f->detections[i]);
+  if (status != VISTA_OK) return status;
+  if (tracker->started && f->t_ns <= tracker->t_ns) return VISTA_ERROR_ORDER;
+  return tracker->next_id > INT32_MAX - 2 * f->count ? VISTA_ERROR_OVERFLOW : VISTA_OK;
+}
+
+/* ---- the table of tracks ---- */
+
+static void predict(vista_tracker *tracker, const vista_track_frame *f) {
+  const double dt_s = tracker->started ? vista_seconds_between(tracker->t_ns, f->t_ns) : 0.0;
+  for (int32_t i = 0; i < tracker->count; ++i) {
+    vista_track_filter_predict(f->params, dt_s, &tracker->tracks[i]);
+    tracker->tracks[i].age_frames += 1;
+  }
+}
+
+/* Views of all tracks; those that were passed leave the table. */
+static void look_at_all(vista_tracker *tracker, const vista_track_frame *f) {
+  int32_t kept = 0;
+  for (int32_t i = 0; i < tracker->count; ++i) {
+    if (!vista_track_look(f, &tracker->tracks[i], &tracker->views[kept])) continue;
+    tracker->tracks[kept] = tracker->tracks[i];
+    ++kept;
+  }
+  tracker->count = kept;
+}
+
+/* A track seen once, and a detection that no track explains: perhaps the same, moved. That is one more track, behind
+ * the others in the table; both go on as what stands, too. Returns how many there are. */
+static int32_t spawn_moving(vista_tracker *tracker, const vista_track_frame *f) {
+  int32_t spawned = 0;
+  for (int32_t i = 0; i < tracker->count && tracker->count + spawned < tracker->max_tracks; ++i) {
+    const int32_t detection = vista_track_association_moved_to(tracker->association, i);
+    if (detection < 0) continue;
+    vista_track *const track = &tracker->tracks[tracker->count + spawned++];
+    *track = tracker->tracks[i];
+    track->id = tracker->next_id++;
+    vista_track_view view;
+    vista_track_set_moving(f, track, &view);
+    vista_track_take(f, &f->detections[detection], &view, false, track);
+  }
+  return spawned;
+}
+
+static void update(vista_tracker *tracker, const vista_track_frame *f) {
+  const int32_t spawned = spawn_moving(tracker, f);
+  int32_t kept = 0;
+  for (int32_t i = 0; i < tracker->count; ++i) {
+    vista_track *const track = &tracker->tracks[i];
+    const int32_t detection = tracker->detection_of_track[i];
+    if (detection < 0)
+      vista_track_miss(f, &tracker->views[i], track);
+    else
+      vista_track_take(f, &f->detections[detection], &tracker->views[i],
+                       vista_track_association_reshaped(tracker->association, i), track);
+    vista_track_judge(f, track);
+    if (!vista_track_outlived(f, track)) tracker->tracks[kept++] = *track;
+  }
+  for (int32_t i = 0; i < spawned; ++i) tracker->tracks[kept++] = tracker->tracks[tracker->count + i];
+  tracker->count = kept;
+}
+
+/* The older id goes on with the state of whichever of the two was seen in this frame. */
+static void merge(vista_tracker *tracker, int32_t older, int32_t younger) {
+  const vista_track kept = tracker->tracks[older];
+  if (!kept.coasting || tracker->tracks[younger].coasting) return;
+  tracker->tracks[older] = tracker->tracks[younger];
+  tracker->views[older] = tracker->views[younger];
+  tracker->tracks[older].id = kept.id;
+  tracker->tracks[older].age_frames = kept.age_frames;
+  tracker->tracks[older].hits = kept.hits + 1;
+}
+
+/* Tentative tracks within a confirmed one, and the younger of two confirmed ones that are within each other. */
+static void remove_duplicates(vista_tracker *tracker, const vista_track_frame *f) {
+  for (int32_t i = 0; i < tracker->count; ++i) {
+    if (!tracker->tracks[i].confirmed) continue;
+    int32_t kept = 0;
+    int32_t self = i; /* where track i is while the table closes up */
+    for (int32_t j = 0; j < tracker->count; ++j) {
+      const bool confirmed = tracker->tracks[j].confirmed;
+      bool same = j != i && vista_track_within(f->params, &tracker->views[j], &tracker->views[self]);
+      if (same && confirmed) same = j > i && vista_track_within(f->params, &tracker->views[self], &tracker->views[j]);
+      if (same && confirmed) merge(tracker, self, j);
+      if (same) continue;
+      if (j == i) self = kept;
+      tracker->tracks[kept] = tracker->tracks[j];
+      tracker->views[kept] = tracker->views[j];
+      ++kept;
+    }
+    tracker->count = kept;
+    i = self;
+  }
+}
+
+static double position_variance(const vista_track *track) {
+  return track->covariance[0] + track->covariance[7] + track->covariance[14];
+}
+
+static bool less_certain(const vista_track *a, const vista_track *b) {
+  return a->hits != b->hits ? a->hits < b->hits : position_variance(a) > position_variance(b);
+}
+
+/* Make room for a newborn in a full table; false when nobody there is less certain. */
+static bool make_room(vista_tracker *tracker, const vista_track *newborn) {
+  const vista_track *victim = newborn;
+  for (int32_t i = 0; i < tracker->count; ++i)
+    if (!tracker->tracks[i].confirmed && less_certain(&tracker->tracks[i], victim)) victim = &tracker->tracks[i];
+  ++tracker->dropped;
+  if (victim == newborn) return false;
+  --tracker->count;
+  for (int32_t i = (int32_t)(victim - tracker->tracks); i < tracker->count; ++i) {
+    tracker->tracks[i] = tracker->tracks[i + 1];
+    tracker->views[i] = tracker->views[i + 1];
+  }
+  return true;
+}
+
+static bool within_confirmed(const vista_tracker *tracker, const vista_track_frame *f, const vista_track_view *view) {
+  for (int32_t i = 0; i < tracker->count; ++i)
+    if (tracker->tracks[i].confirmed && vista_track_within(f->params, view, &tracker->views[i])) return true;
+  return false;
+}
+
+static void start(vista_tracker *tracker, const vista_track_frame *f, const vista_detection *detection) {
+  const double *p = detection->position_camera_m;
+  if (sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2]) > f->params->range_max_m) return;
+  vista_track newborn;
+  vista_track_view view;
+  vista_track_start(f, detection, &newborn);
+  if (!vista_track_look(f, &newborn, &view) || within_confirmed(tracker, f, &view)) return;
+  if (tracker->count == tracker->max_tracks && !make_room(tracker, &newborn)) return;
+  newborn.id = tracker->next_id++;
+  tracker->tracks[tracker->count] = newborn;
+  tracker->views[tracker->count] = view;
+  ++tracker->count;
+}
+
+vista_status vista_tracker_update(vista_tracker *tracker, const vista_tracker_params *params,
+                                  const vista_camera *camera, const vista_matched_area *matched, const vista_pose *pose,
+                                  int64_t t_ns, const vista_disparity_image *disparity,
+                                  const vista_detection *detections, int32_t count) {
+  if (tracker == NULL || params == NULL || camera == NULL || matched == NULL || (detections == NULL && count != 0))
+    return VISTA_ERROR_ARGUMENT;
+  if (pose == NULL) pose = &vista_frame_still;
+  const vista_track_frame f = {params, camera, matched, pose, disparity, t_ns, detections, count};
+  const vista_status status = check(tracker, &f);
+  if (status != VISTA_OK) return status;
+  predict(tracker, &f);
+  look_at_all(tracker, &f);
+  vista_track_associate(tracker->association, params, camera, f.pose, tracker->tracks, tracker->views, tracker->count,
+                        detections, count, tracker->detection_of_track);
+  update(tracker, &f);
+  look_at_all(tracker, &f);
+  remove_duplicates(tracker, &f);
+  for (int32_t i = 0; i < count; ++i)
+    if (!vista_track_association_claimed(tracker->association, i)) start(tracker, &f, &detections[i]);
+  tracker->started = true;
+  tracker->t_ns = t_ns;
+  return VISTA_OK;
+}

@@ -1,0 +1,124 @@
+"""Regions of pixels: against numpy, pixel by pixel, and on edges that run through cells."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from cut_library import Arena, ffi, lib, status_name
+from random_seed import seeded
+from stage_library import INVALID, Stages, camera, image_struct
+
+NONE = -1
+TIE = -99  # of the pixel's two best regions rounding decides
+POINT_SIZE_PX = 1.5
+
+
+def prepared(stages: Stages, image: np.ndarray, label: np.ndarray) -> np.ndarray:
+    """region_of_pixel of cells that are labelled so."""
+    words = np.full(image.shape, INVALID, np.int16)
+    assert stages.foveate(image, words) == "VISTA_OK"
+    stages.label[:] = label
+    assert stages.refine(image) == "VISTA_OK"
+    return stages.region_of_pixel
+
+
+def neighbours(stages: Stages, node: int) -> list[int]:
+    f = stages.foveation
+    return [int(i) for i in f.head[f.tail == node]]
+
+
+def expected(stages: Stages, image: np.ndarray) -> np.ndarray:
+    """The definition in vista/refinement.h, a pixel at a time."""
+    f, p = stages.foveation, stages.parameters.refinement
+    label = stages.label
+    border = np.zeros(f.node_count, bool)
+    border[f.tail[label[f.tail] != label[f.head]]] = True
+    found = label[f.cell_of_pixel].copy()
+    for node in np.flatnonzero(border):
+        if node == 0 or f.size_px[node] < POINT_SIZE_PX:
+            continue
+        candidates = [int(node), *(i for i in neighbours(stages, node) if i != 0)]
+        for v, u in zip(*np.nonzero(f.cell_of_pixel == node), strict=True):
+            costs = [
+                min(abs(float(image[v, u]) - stages.intensity[i]) / p.sigma_intensity, p.contrast_limit)
+                + p.mixed_penalty * border[i]
+                + p.compactness
+                * ((u - f.center_u[i]) ** 2 + (v - f.center_v[i]) ** 2)
+                / float(f.size_px[i]) ** 2
+                for i in candidates
+            ]
+            order = np.argsort(costs, kind="stable")
+            nearest = {int(label[candidates[k]]) for k in order if costs[k] - costs[order[0]] < 1e-4}
+            found[v, u] = nearest.pop() if len(nearest) == 1 else TIE
+    return found
+
+
+@pytest.mark.parametrize("size", [(96, 72), (64, 90)])
+def test_pixels_join_the_cell_that_numpy_finds(size: tuple[int, int]) -> None:
+    random = seeded(1)
+    changes = {
+        "foveation.sector_count": int(random.choice([24, 48, 96])),
+        "refinement.sigma_intensity": float(random.uniform(1, 40)),
+        "refinement.contrast_limit": float(random.uniform(0, 6)),
+        "refinement.mixed_penalty": float(random.uniform(0, 2)),
+        "refinement.compactness": float(random.uniform(0, 4)),
+    }
+    stages = Stages(camera(*size), changes)
+    image = random.integers(0, 256, (size[1], size[0]), dtype=np.uint8)
+    label = random.integers(NONE, 4, stages.foveation.node_count).astype(np.int32)
+    label[random.random(label.size) < 0.6] = 1  # cells away from any border, too
+    found = prepared(stages, image, label)
+    wanted = expected(stages, image)
+    sure = wanted != TIE
+    assert np.array_equal(found[sure], wanted[sure])
+    assert sure.mean() > 0.9 and np.any(found != stages.label[stages.foveation.cell_of_pixel])
+
+
+def test_a_region_ends_where_the_image_does_not_where_the_cells_do() -> None:
+    """A dark disc on bright ground, the cells labelled by their centres: they draw steps, pixels a disc."""
+    stages = Stages(camera())
+    u, v = np.meshgrid(np.arange(320), np.arange(240))
+    disc = np.hypot(u - 250, v - 90) <= 30
+    image = np.where(disc, 50, 200).astype(np.uint8)
+    f = stages.foveation
+    label = (np.hypot(f.center_u - 250, f.center_v - 90) <= 30).astype(np.int32)
+    found = prepared(stages, image, label)
+    by_cells = label[f.cell_of_pixel]
+    assert np.mean(by_cells != disc) > 0.003
+    assert np.mean(found != disc) < 0.25 * np.mean(by_cells != disc)
+
+
+def test_without_borders_the_cells_decide() -> None:
+    stages = Stages(camera(120, 90))
+    image = seeded(2).integers(0, 256, (90, 120), dtype=np.uint8)
+    for label in (NONE, 0, 3):
+        assert np.all(prepared(stages, image, np.full(stages.foveation.node_count, label, np.int32)) == label)
+
+
+def test_flat_images_leave_the_boundaries_near_those_of_the_cells() -> None:
+    """Nothing to follow: no pixel goes farther than to the cell beside its own."""
+    stages = Stages(camera(160, 120))
+    f = stages.foveation
+    label = (f.center_u > 80).astype(np.int32)
+    found = prepared(stages, np.full((120, 160), 90, np.uint8), label)
+    by_cells = label[f.cell_of_pixel]
+    moved = found != by_cells
+    assert np.all(f.size_px[f.cell_of_pixel[moved]] >= POINT_SIZE_PX)
+    assert moved.mean() < 0.05
+
+
+def test_wrong_arguments_are_refused() -> None:
+    stages = Stages(camera(64, 48))
+    image = np.zeros((48, 65), np.uint8)
+    assert stages.refine(image) == "VISTA_ERROR_SIZE"
+    f, params = stages.foveation.handle, stages.section("refinement")
+    image = np.zeros((48, 64), np.uint8)
+    pointers = [f, params, image_struct("image", image), stages.cells, stages.segmentation.label]
+    pointers.append(stages.refinement)
+    for k in range(len(pointers)):
+        null = [ffi.NULL if i == k else pointer for i, pointer in enumerate(pointers)]
+        assert status_name(lib.vista_refine(*null)) == "VISTA_ERROR_ARGUMENT"
+    handle = ffi.new("vista_refinement *")
+    assert Arena(lambda arena: lib.vista_refinement_layout(handle, arena, ffi.NULL)).status != lib.VISTA_OK
+    short = Arena(lambda arena: lib.vista_refinement_layout(handle, arena, f), 1)
+    assert status_name(short.status) == "VISTA_ERROR_MEMORY"
