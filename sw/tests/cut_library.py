@@ -9,7 +9,8 @@ from graph_cases import FlowCase
 from vista import native
 from vista_stages_abi import ffi
 
-lib = ffi.dlopen(str(native.build_folder() / "lib" / "libvista_stages.so"))  # libvista with its stages in reach
+# libvista with its stages in reach.
+lib = ffi.dlopen(str(native.build_folder() / "lib" / "libvista_stages.so"))
 
 
 def pointer(array: np.ndarray):
