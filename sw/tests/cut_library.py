@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import os
 from dataclasses import dataclass
 
 import numpy as np
 from graph_cases import FlowCase
-from shared_data import REPOSITORY
+from vista import native
 from vista_stages_abi import ffi
 
-_LIBRARIES = REPOSITORY / os.environ.get("VISTA_BUILD", "build") / "lib"
-lib = ffi.dlopen(str(_LIBRARIES / "libvista_stages.so"))  # libvista with its stages in reach
+lib = ffi.dlopen(str(native.build_folder() / "lib" / "libvista_stages.so"))
 
 
 def pointer(array: np.ndarray):

@@ -15,13 +15,12 @@ import pytest
 import recording_cases as cases
 from board_flight import board_flight
 from pipeline_library import CALIBRATION
-from shared_data import REPOSITORY
-from vista import parameters
+from vista import native, parameters
 from vista.geometry import Pose
 from vista.pipeline import Pipeline, Result
 from vista.recording import FRAME, HEADER, PARAMETER
 
-REPLAY = REPOSITORY / os.environ.get("VISTA_BUILD", "build") / "bin" / "replay"
+REPLAY = native.build_folder() / "bin" / "replay"
 STAGES = (
     "motion,foveation,surface,affinity,segmentation,refinement,regions,reconstruction,tracking,blind_zone,map,"
     "host,cpu"

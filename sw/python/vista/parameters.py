@@ -14,7 +14,8 @@ from vista.sequence.text import read_text
 Values = dict[str, dict[str, Any]]  # section -> name -> value
 Schema = dict[str, dict[str, Any]]
 
-_PLACES = (Path(__file__).resolve().parents[2] / "parameters.toml", Path(__file__).parent / "parameters.toml")
+_PACKAGE = Path(__file__).resolve().parent
+_PLACES = (_PACKAGE / "parameters.toml", _PACKAGE.parents[1] / "parameters.toml")  # installed; in a checkout
 
 
 @functools.cache
