@@ -50,6 +50,9 @@ setup: .venv/run.stamp ## pinned Python packages into .venv, `vista` on .venv/bi
 .venv/bench.stamp: $(REQUIREMENTS)/bench.txt .venv/test.stamp
 	@$(SETUP) bench
 
+.venv/docs.stamp: $(REQUIREMENTS)/docs.txt .venv/run.stamp
+	@$(SETUP) docs
+
 lock: ## pin the packages of scripts/requirements/*.in anew, with hashes
 	@scripts/lock.sh
 

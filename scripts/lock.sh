@@ -5,7 +5,7 @@ cd "$(dirname "$0")/requirements"
 readonly tools=../../build/lock-tools
 [ -x $tools/bin/pip-compile ] || { python3 -m venv $tools && $tools/bin/pip install --quiet pip-tools==7.6.2; }
 export CUSTOM_COMPILE_COMMAND="make lock"
-for set_name in pip run test bench rtl; do # test, bench and rtl are constrained by those before them
+for set_name in pip run test bench rtl docs; do # those after run are constrained by those before them
   echo "locking $set_name"
   $tools/bin/pip-compile --quiet --generate-hashes --allow-unsafe --strip-extras --no-emit-index-url \
     --no-emit-trusted-host --no-emit-find-links --pip-args='--only-binary :all:' \

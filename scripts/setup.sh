@@ -1,5 +1,5 @@
 #!/bin/bash
-# Installs one set of pinned packages (run | test | bench) into .venv: setup.sh SET
+# Installs one set of pinned packages (run | test | bench | docs) into .venv: setup.sh SET
 # A set is complete when .venv/SET.stamp exists. A set-up that was interrupted leaves .venv/installing behind,
 # and the next one starts from nothing: pip would take a half-copied package for an installed one.
 set -euo pipefail
