@@ -130,7 +130,7 @@ bench: build .venv/bench.stamp ## timings on this machine: tables, and build/ben
 demo: build ## the whole chain on real pairs and on a rendered flight, with reports
 	@$(PYTHON) scripts/fetch_demo.py $(DEMO_PAIRS)
 	@.venv/bin/vista run $(DEMO_PAIRS) --out build/demo/oak-d-out
-	@$(PYTHON) -m vista.flights.demo $(DEMO_FLIGHT)
+	@$(PYTHON) -m vista_eval.worlds.demo $(DEMO_FLIGHT)
 	@.venv/bin/vista run $(DEMO_FLIGHT) --out build/demo/flight-out
 	@printf '%s\n' 'Reports, to be opened in a browser:' \
 	  "  real pairs       $(CURDIR)/build/demo/oak-d-out/report.html" \
@@ -148,4 +148,4 @@ clean: ## remove what was built, keep .venv
 	rm -rf build
 
 distclean: clean ## remove everything generated
-	rm -rf .venv sw/python/*.egg-info
+	rm -rf .venv *.egg-info

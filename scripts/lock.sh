@@ -7,7 +7,9 @@ readonly tools=../../build/lock-tools
 export CUSTOM_COMPILE_COMMAND="make lock"
 for set_name in pip run test bench rtl docs; do # those after run are constrained by those before them
   echo "locking $set_name"
+  sources=("$set_name.in")
+  [ "$set_name" != run ] || sources+=(flights.in) # a checkout has the extra
   $tools/bin/pip-compile --quiet --generate-hashes --allow-unsafe --strip-extras --no-emit-index-url \
     --no-emit-trusted-host --no-emit-find-links --pip-args='--only-binary :all:' \
-    --output-file $set_name.txt $set_name.in
+    --output-file "$set_name.txt" "${sources[@]}"
 done

@@ -4,7 +4,8 @@ usage: segmentation_variants.py DIR [--only NAME ...] [--readme]
 
 DIR: scenes of `vista scenes`. Per variant, on the half that was tuned on and on the unseen half: IoU of the
 things (median, mean), share of them with an IoU above 0.5, recall of their boundaries within 3 px, leak
-(under-segmentation), regions; processor time of the host, median (vista.score.segmentation defines them).
+(under-segmentation), regions; processor time of the host, median. vista_eval.metrics.segmentation defines
+them.
 --readme: the table replaces the one in sw/README.md."""
 
 from __future__ import annotations
@@ -19,18 +20,11 @@ import cv2
 import numpy as np
 from vista import parameters
 from vista.engine import Disparity, Engine, EngineParameters, Image
-from vista.score.scenes import (
-    LabelledScene,
-    Partition,
-    partition_scenes,
-    read_scenes,
-    score_cells,
-    score_cut,
-    score_scene,
-)
-from vista.score.scenes_report import number
-from vista.score.segmentation import STATISTICS, PartitionScore
-from vista.score.truth import SPLITS
+from vista_eval.dataset.scenes import LabelledScene, read_scenes
+from vista_eval.dataset.truth import SPLITS
+from vista_eval.metrics.scenes import Partition, partition_scenes, score_cells, score_cut, score_scene
+from vista_eval.metrics.segmentation import STATISTICS, PartitionScore
+from vista_eval.report.scenes_page import number
 
 README = Path(__file__).resolve().parents[1] / "README.md"
 BEGIN = "<!-- written by sw/bench/segmentation_variants.py -->"

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any
 
-from vista.throughput.simulate import Run
-from vista.throughput.system import SystemConfig
+from vista_throughput.simulate import Run
+from vista_throughput.system import SystemConfig
 
 LATENCY_CLOCKS = 3845
 BYTES_PX = 8  # captured, fetched, and the result
@@ -14,7 +14,7 @@ BYTES_PX = 8  # captured, fetched, and the result
 
 @dataclass
 class FakeSimulator:
-    """In place of vista.throughput.simulate.Simulator."""
+    """In place of vista_throughput.simulate.Simulator."""
 
     program: object = None
     option_of_key: dict[str, str] = field(default_factory=dict)

@@ -15,9 +15,9 @@ import sequence_cases as cases
 from command_line import Vista, assert_refused, call
 from random_seed import seeded
 from shared_data import REPOSITORY
-from vista import engine_rtl
 from vista.engine import EngineParameters, StereoEngine
-from vista.engine_rtl import RtlEngine
+from vista.engine import rtl as engine_rtl
+from vista.engine.rtl import RtlEngine
 
 BUILD = EngineParameters(num_disparities=16, block_size=5)
 WIDTH_PX = 320  # small: it is Verilated within the test

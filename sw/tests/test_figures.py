@@ -13,14 +13,14 @@ import pytest
 from vista import parameters
 from vista.cli import main
 from vista.engine import INVALID
-from vista.figures import segmentation
-from vista.figures.flights import the_four
-from vista.figures.moments import read_flights
-from vista.figures.segmentation import various
-from vista.figures.stereo_threshold import correctness, shade
-from vista.plots import STYLE
-from vista.score.flight import FOOT_M
-from vista.score.truth import FlightTruth, TrueObject
+from vista.report.plots import STYLE
+from vista_eval.dataset.truth import FlightTruth, TrueObject
+from vista_eval.figures import segmentation
+from vista_eval.figures.flights import the_four
+from vista_eval.figures.moments import read_flights
+from vista_eval.figures.segmentation import various
+from vista_eval.figures.stereo_threshold import correctness, shade
+from vista_eval.metrics.flight_score import FOOT_M
 
 WALL_TARGET = replace(disk.WALL, target=True, center_m=(0.0, 0.0, 5.0))
 

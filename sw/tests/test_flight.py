@@ -9,16 +9,16 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
-from vista.flights.demo import SIGN_AT_30_FT_S
-from vista.flights.flight import Flight, is_complete, prepare, render_flight
-from vista.flights.rig import LEFT, RIGHT, Rig
-from vista.flights.scenes.meadow_flights import sign_site
-from vista.flights.scenes.things import SIGN_HEIGHT_M, SIGN_WIDTH_M
-from vista.flights.trajectory import quaternion_wxyz, rotation_from_angles
-from vista.flights.view import View
-from vista.flights.writer import image_path
 from vista.geometry import rotation_from_quaternion
 from vista.sequence import open_sequence
+from vista_eval.dataset.layout import image_path
+from vista_eval.render.flight import Flight, is_complete, prepare, render_flight
+from vista_eval.render.rig import LEFT, RIGHT, Rig
+from vista_eval.render.trajectory import quaternion_wxyz, rotation_from_angles
+from vista_eval.render.view import View
+from vista_eval.worlds.demo import SIGN_AT_30_FT_S
+from vista_eval.worlds.meadow_flights import sign_site
+from vista_eval.worlds.things import SIGN_HEIGHT_M, SIGN_WIDTH_M
 
 SMALL_RIG = Rig(width_px=160, height_px=120, focal_px=250.0, baseline_m=0.4572)
 SHORT = replace(SIGN_AT_30_FT_S, rig=SMALL_RIG, approach=replace(SIGN_AT_30_FT_S.approach, frames=2))
@@ -49,7 +49,7 @@ def above_the_pole(view: View, rig: Rig, pose: np.ndarray) -> np.ndarray:
 def test_the_sign_is_where_the_truth_projects_it() -> None:
     """Centre of the sign's pixels in both images against its projection, and their disparity against f B / Z.
     Edges fall on whole pixels, which moves a centre by up to half of one; over frames that averages out."""
-    from vista.flights.render import Renderer
+    from vista_eval.render.renderer import Renderer
 
     rig = replace(SMALL_RIG, width_px=320, height_px=240, focal_px=1000.0)
     flight = replace(SIGN_AT_30_FT_S, rig=rig)
@@ -76,7 +76,7 @@ def test_the_sign_is_where_the_truth_projects_it() -> None:
 
 
 def test_the_ground_lies_at_its_depth() -> None:
-    from vista.flights.render import Renderer
+    from vista_eval.render.renderer import Renderer
 
     scene = sign_site(SHORT.approach.altitude_m, SHORT.seed)
     renderer = Renderer(scene, SMALL_RIG, rays=1)
@@ -137,7 +137,7 @@ def test_only_what_is_missing_is_rendered(rendered: Path) -> None:
 
 
 def test_an_interruption_leaves_whole_images_only(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    from vista.flights import writer
+    from vista_eval.dataset import layout as writer
 
     out = tmp_path / "flight"
     written = []

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from vista.flights.catalog import COMPANION_TABLE, FLIGHTS, LAST_RANGE_M, TABLE_FIRST_RANGE_M
-from vista.flights.flight import frames_of, states_of
-from vista.flights.labelled import labelled
-from vista.flights.rig import PAPER_RIG
-from vista.flights.trajectory import FOOT_M
+from vista_eval.render.flight import frames_of, states_of
+from vista_eval.render.rig import PAPER_RIG
+from vista_eval.render.trajectory import FOOT_M
+from vista_eval.worlds.catalog import COMPANION_TABLE, FLIGHTS, LAST_RANGE_M, TABLE_FIRST_RANGE_M
+from vista_eval.worlds.labelled import labelled
 
 BESIDE_THE_TABLE = (
     "overcast",

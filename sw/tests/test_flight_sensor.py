@@ -6,11 +6,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from vista.flights.digest import content_sha256
-from vista.flights.motion import solids_at
-from vista.flights.rig import LEFT, RIGHT
-from vista.flights.scene import Scene, Sphere, Sway, thing
-from vista.flights.sensor import Sensor, expose
+from vista_eval.render.digest import content_sha256
+from vista_eval.render.motion import solids_at
+from vista_eval.render.rig import LEFT, RIGHT
+from vista_eval.render.scene import Scene, Sphere, Sway, thing
+from vista_eval.render.sensor import Sensor, expose
 
 SENSOR = Sensor()
 

@@ -8,10 +8,10 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
-from vista.flights.flight import Flight, prepare, render_flight
-from vista.flights.rig import LEFT, PAPER_RIG, RIGHT, Rig
-from vista.flights.scene import Board, Box, GroundStrip, Haze, Mesh, Panel, Scene, Sphere, thing
-from vista.flights.trajectory import Approach
+from vista_eval.render.flight import Flight, prepare, render_flight
+from vista_eval.render.rig import LEFT, PAPER_RIG, RIGHT, Rig
+from vista_eval.render.scene import Board, Box, GroundStrip, Haze, Mesh, Panel, Scene, Sphere, thing
+from vista_eval.render.trajectory import Approach
 
 SMALL_RIG = Rig(width_px=160, height_px=120, focal_px=250.0, baseline_m=0.4572)
 GREY = np.full((4, 4), 0.5, np.float32)
@@ -115,7 +115,7 @@ def test_objects_are_where_they_are_in_the_world(rendered: Path) -> None:
 
 def test_the_other_camera_sees_the_same_points() -> None:
     """A point of the left view, moved by its disparity, has the same depth in the right view or is hidden."""
-    from vista.flights.render import Renderer
+    from vista_eval.render.renderer import Renderer
 
     renderer = Renderer(scene_with_everything(ALTITUDE_M, 1), SMALL_RIG, rays=1)
     body = FLIGHT.approach.state_at(0).world_from_body
@@ -133,7 +133,7 @@ def test_the_other_camera_sees_the_same_points() -> None:
 
 
 def test_haze_takes_contrast_with_distance() -> None:
-    from vista.flights.render import Renderer
+    from vista_eval.render.renderer import Renderer
 
     clear = scene_with_everything(ALTITUDE_M, 1)
     haze = Haze(extinction_per_m=0.01, airlight=0.7)
@@ -171,7 +171,7 @@ def test_a_flight_of_another_quality_is_not_thrown_away(rendered: Path) -> None:
 
 def test_a_box_hides_what_is_behind_it_from_the_light() -> None:
     """Shade at the foot of a box, away from the sun."""
-    from vista.flights.render import Renderer
+    from vista_eval.render.renderer import Renderer
 
     box = Box("box", (0.0, 0.0, 2.0), (4.0, 4.0, 4.0), GREY)
     ground = GroundStrip("ground", (-60.0, 300.0), (-200.0, 200.0), GREY)

@@ -11,9 +11,9 @@ import flight_on_disk as disk
 import pytest
 from vista import parameters
 from vista.cli import main
-from vista.command import flights as command
-from vista.score import fly
-from vista.score.flight import score_flight
+from vista_eval import fly
+from vista_eval.command import flights as command
+from vista_eval.metrics.flight_score import score_flight
 
 FREE = "free"
 

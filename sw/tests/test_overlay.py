@@ -9,10 +9,10 @@ import pytest
 from fake_pipeline import FakePipeline, fake_obstacle
 from numpy.typing import NDArray
 from vista.geometry import Calibration
-from vista.labels import text_size
-from vista.overlay import Overlay, draw_disparity, draw_obstacles, draw_regions
-from vista.palette import GREEN, GREY, INK, YELLOW, RegionColours, distinct_colours
 from vista.pipeline import Ellipse, Nearest, Obstacle
+from vista.report.labels import text_size
+from vista.report.overlay import Overlay, draw_disparity, draw_obstacles, draw_regions
+from vista.report.palette import GREEN, GREY, INK, YELLOW, RegionColours, distinct_colours
 from vista.sequence import Frame
 
 CAMERA = Calibration(640, 480, 450.0, 320.0, 240.0, 0.2)

@@ -22,7 +22,10 @@ from vista.pipeline import Pipeline, Result
 from vista.recording import FRAME, HEADER, PARAMETER
 
 REPLAY = REPOSITORY / os.environ.get("VISTA_BUILD", "build") / "bin" / "replay"
-STAGES = "foveation,surface,affinity,segmentation,refinement,regions,reconstruction,tracking,blind_zone,map,host,cpu"
+STAGES = (
+    "foveation,surface,affinity,segmentation,refinement,regions,reconstruction,tracking,blind_zone,map,"
+    "host,cpu"
+)
 SANITIZED = "asan" in os.environ.get("LD_PRELOAD", "")
 
 

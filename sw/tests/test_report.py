@@ -12,11 +12,12 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 from fake_pipeline import FakePipeline
-from vista import plots, report
 from vista.geometry import Calibration, Pose
 from vista.history import FrameRecord, stage_statistics
 from vista.obstacle_line import obstacle_line
-from vista.report import render_report, track_rows
+from vista.report import plots
+from vista.report import run_report as report
+from vista.report.run_report import render_report, track_rows
 from vista.result_folder import ResultFolder
 
 CAMERA = Calibration(160, 120, 120.0, 80.0, 60.0, 0.25)

@@ -5,14 +5,14 @@ from __future__ import annotations
 import cv2
 import numpy as np
 import pytest
-from vista.flights.catalog import FLIGHTS
-from vista.flights.render import Renderer
-from vista.flights.rig import LEFT, PAPER_RIG
-from vista.flights.scene import Mesh, Scene, Solid, Thing, bounds_m
-from vista.flights.scenes import ground, landscape, street
-from vista.flights.scenes.meadow_flights import FIRST_X_M, LAST_X_M
-from vista.flights.scenes.random_scene import FARTHEST_M, random_scene
-from vista.flights.trajectory import rotation_from_angles
+from vista_eval.render.renderer import Renderer
+from vista_eval.render.rig import LEFT, PAPER_RIG
+from vista_eval.render.scene import Mesh, Scene, Solid, Thing, bounds_m
+from vista_eval.render.trajectory import rotation_from_angles
+from vista_eval.worlds import ground, landscape, street
+from vista_eval.worlds.catalog import FLIGHTS
+from vista_eval.worlds.meadow_flights import FIRST_X_M, LAST_X_M
+from vista_eval.worlds.random_scene import FARTHEST_M, random_scene
 
 CYLINDER_RADIUS_M, CYLINDER_LENGTH_M = 2.0, 100.0
 SWAY_M = 0.5  # of the aircraft about its path, and more

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from random_seed import seeded
 from scipy.stats import chi2
-from vista.score.consistency import DIMENSIONS, chi_square_quantile, consistency, effective_samples
+from vista_eval.metrics.consistency import DIMENSIONS, chi_square_quantile, consistency, effective_samples
 
 
 @pytest.mark.parametrize(("degrees", "accuracy"), [(3.0, 0.17), (7.5, 0.03), (30.0, 0.004), (500.0, 1e-4)])

@@ -9,10 +9,10 @@ from pathlib import Path
 import flight_on_disk as disk
 import pytest
 from vista import parameters
-from vista.score import flight_segmentation
-from vista.score.flight_segmentation import FlightSegmentation, pool, rows, segment_cached
-from vista.score.scenes import CONTROLS, CUT
-from vista.score.segmentation import PartitionScore, Thing, ThingScore
+from vista_eval.metrics import flight_segmentation
+from vista_eval.metrics.flight_segmentation import FlightSegmentation, pool, rows, segment_cached
+from vista_eval.metrics.scenes import CONTROLS, CUT
+from vista_eval.metrics.segmentation import PartitionScore, Thing, ThingScore
 
 
 def partition(*ious: float) -> PartitionScore:

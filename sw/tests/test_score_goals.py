@@ -9,12 +9,18 @@ from pathlib import Path
 import flight_on_disk as disk
 import numpy as np
 import pytest
-from vista.score.flight import FIRST_DETECTION_M, FOOT_M, FlightScore, companion_rms_ft, flight_score
-from vista.score.goals import Goal, goals
-from vista.score.gospa import gospa
-from vista.score.group import table
-from vista.score.judge import FrameScore
-from vista.score.truth import FlightTruth, TrueObject
+from vista_eval.dataset.truth import FlightTruth, TrueObject
+from vista_eval.metrics.flight_score import (
+    FIRST_DETECTION_M,
+    FOOT_M,
+    FlightScore,
+    companion_rms_ft,
+    flight_score,
+)
+from vista_eval.metrics.goals import Goal, goals
+from vista_eval.metrics.gospa import gospa
+from vista_eval.metrics.group import table
+from vista_eval.metrics.judge import FrameScore
 
 TARGETS = {kind: TrueObject(2, kind, kind, True, True, np.zeros(3), np.zeros(3), (1.0, 1.0))
            for kind in ("sign", "pole", "tree")}  # fmt: skip

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from random_seed import seeded
 from scipy.optimize import linear_sum_assignment
-from vista.score.gospa import assign, gospa
+from vista_eval.metrics.gospa import assign, gospa
 
 
 def brute_force(distances: np.ndarray, cutoff: float, order: float) -> float:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from vista.score import segmentation
-from vista.score.segmentation import LabelledView, PartitionScore, Thing, ThingScore
+from vista_eval.metrics import segmentation
+from vista_eval.metrics.segmentation import LabelledView, PartitionScore, Thing, ThingScore
 
 FOCAL_BASELINE = 457.2  # px m
 WHOLE = (slice(None), slice(None))

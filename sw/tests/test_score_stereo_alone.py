@@ -10,9 +10,7 @@ import pytest
 from random_seed import seeded
 from scipy import sparse
 from vista.geometry import Pose
-from vista.score.comparison import Comparison, Point
-from vista.score.frame_truth import CYLINDER_LENGTH_M, CYLINDER_RADIUS_M
-from vista.score.stereo_alone import (
+from vista_eval.baselines.stereo_alone import (
     PIXELS,
     Outcome,
     Threshold,
@@ -22,7 +20,9 @@ from vista.score.stereo_alone import (
     misses_and_alarms,
     sweep,
 )
-from vista.score.truth import FlightTruth
+from vista_eval.dataset.truth import FlightTruth
+from vista_eval.metrics.comparison import Comparison, Point
+from vista_eval.metrics.frame_truth import CYLINDER_LENGTH_M, CYLINDER_RADIUS_M
 
 
 def truth_of_the_rig() -> FlightTruth:

@@ -18,14 +18,14 @@ from fake_system import LATENCY_CLOCKS, FakeSimulator
 from shared_data import REPOSITORY
 from vista.engine import EngineParameters, StereoEngine
 from vista.errors import InputError
-from vista.throughput import scene, simulate, synthesis
-from vista.throughput.assess import assess
-from vista.throughput.explore import clock_needed, engine_rate_hz, limit
-from vista.throughput.figures import figures
-from vista.throughput.host_times import HostTimes, sequence_host_times, synthetic_host_times
-from vista.throughput.options import OPTIONS
-from vista.throughput.presets import PRESETS, Clock
-from vista.throughput.system import SystemConfig
+from vista_throughput import scene, simulate, synthesis
+from vista_throughput.assess import assess
+from vista_throughput.explore import clock_needed, engine_rate_hz, limit
+from vista_throughput.figures import figures
+from vista_throughput.host_times import HostTimes, sequence_host_times, synthetic_host_times
+from vista_throughput.options import OPTIONS
+from vista_throughput.presets import PRESETS, Clock
+from vista_throughput.system import SystemConfig
 
 PIXELS = 640 * 480
 HOST = {"host_stage_ms": {"cut": (4.0,), "track": (2.0,)}}  # 167 frames/s

@@ -1,16 +1,35 @@
-"""The command line: `vista COMMAND ...`. One module of vista.command for each command."""
+"""The command line: `vista COMMAND ...`. A module each, found by the entry points `vista.commands`.
+
+Only the module of the command that was named is loaded; of the others the first line is read, for the help.
+"""
 
 from __future__ import annotations
 
 import argparse
+import ast
 import os
 import sys
+from importlib.machinery import PathFinder
+from importlib.metadata import EntryPoint, entry_points
+from importlib.util import find_spec
+from pathlib import Path
 
 import cv2
 
-from vista.command import config, disparity, figures, flights, run, scenes, throughput
 from vista.errors import EXIT_INPUT, EXIT_INTERRUPTED, EXIT_OK, InputError
 
+GROUP = "vista.commands"
+# In the order of the help.
+COMMANDS = (
+    "run",
+    "disparity",
+    "flights",
+    "figures",
+    "scenes",
+    "throughput",
+    "config",
+)  # as the help has them
+EXTRA_OF = {"flights": "flights", "figures": "flights", "scenes": "flights", "throughput": "throughput"}
 EPILOG = """\
 exit status:
   0    done
@@ -26,7 +45,8 @@ class Parser(argparse.ArgumentParser):
         self.exit(EXIT_INPUT, f"vista: {message} (see {self.prog} --help)\n")
 
 
-def make_parser() -> argparse.ArgumentParser:
+def make_parser(named: str | None) -> argparse.ArgumentParser:
+    """named: the command on the command line, the only one whose arguments are known."""
     parser = Parser(
         prog="vista",
         description="Stereo obstacle detection for aircraft.",
@@ -34,29 +54,75 @@ def make_parser() -> argparse.ArgumentParser:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
-    for module in (run, disparity, flights, figures, scenes, throughput, config):
-        name = module.__name__.rpartition(".")[2]
-        summary, _, _ = module.__doc__.partition("\n")
-        subparser = commands.add_parser(
-            name,
-            help=summary.rstrip("."),
-            description=module.__doc__,
-            epilog=EPILOG,
-            formatter_class=argparse.RawDescriptionHelpFormatter,
-        )
-        module.add_arguments(subparser)
-        subparser.set_defaults(execute=module.execute)
+    installed = {point.name: point for point in entry_points(group=GROUP)}
+    for name in COMMANDS:
+        point = installed.get(name)
+        summary = point and summary_of(point)
+        if point is None or summary is None:
+            if name == named:
+                raise missing(name)
+            commands.add_parser(name, help=str(missing(name)))
+        elif name == named:
+            add_command(commands, point, summary)
+        else:
+            commands.add_parser(name, help=summary)
     return parser
+
+
+def add_command(commands: argparse._SubParsersAction, point: EntryPoint, summary: str) -> None:
+    module = point.load()
+    parser = commands.add_parser(
+        point.name,
+        help=summary,
+        description=module.__doc__,
+        epilog=EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    module.add_arguments(parser)
+    parser.set_defaults(execute=module.execute)
+
+
+def summary_of(point: EntryPoint) -> str | None:
+    """The first line of the module's docstring, without loading it; None if its package is not there."""
+    package, _, below = point.value.partition(".")
+    spec = find_spec(package)
+    if spec is None or spec.submodule_search_locations is None:
+        return None
+    places = [str(Path(place, *below.split(".")[:-1])) for place in spec.submodule_search_locations]
+    module = PathFinder.find_spec(point.value.rpartition(".")[2], places)
+    if module is None or module.origin is None:
+        return None
+    text = ast.get_docstring(ast.parse(Path(module.origin).read_text(encoding="utf-8"))) or ""
+    return text.partition("\n")[0].rstrip(".")
+
+
+def missing(name: str, reason: str = "") -> InputError:
+    """Of a command, or of what it imports; reason: what Python says of that."""
+    extra = EXTRA_OF.get(name)
+    if extra is None:
+        return InputError(f"{name} is not installed whole", reason or "install vista anew")
+    because = f" ({reason})" if reason else ""
+    return InputError(f"{name} needs the extra [{extra}]", f"pip install 'vista[{extra}]'{because}")
+
+
+def named_command(arguments: list[str]) -> str | None:
+    """The first word that is not an option: no option before the command takes a value."""
+    return next((word for word in arguments if not word.startswith("-")), None)
 
 
 def main(arguments: list[str] | None = None) -> int:
     # OpenCV's own lines about unreadable images would come on top of ours.
     cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_SILENT)
+    arguments = sys.argv[1:] if arguments is None else arguments
+    named = named_command(arguments)
     try:
-        parsed = make_parser().parse_args(arguments)
+        parsed = make_parser(named).parse_args(arguments)
         return parsed.execute(parsed)
     except InputError as error:
         print(f"vista: {error}", file=sys.stderr)
+        return EXIT_INPUT
+    except ModuleNotFoundError as error:
+        print(f"vista: {missing(named or 'vista', str(error))}", file=sys.stderr)
         return EXIT_INPUT
     except ImportError as error:  # the native libraries are not built
         print(f"vista: {error}", file=sys.stderr)

@@ -12,8 +12,8 @@ from tqdm import tqdm
 from vista.chain import Chain, run_frame
 from vista.history import FrameRecord, StageClock
 from vista.obstacle_line import obstacle_line
-from vista.overlay import Overlay
 from vista.recording import Recorder
+from vista.report.overlay import Overlay
 from vista.result_folder import ResultFolder
 from vista.sequence import FrameFiles
 

@@ -20,12 +20,12 @@ from vista import parameters
 from vista.chain import Chain, make_chain
 from vista.command.arguments import add_config, load_parameters, positive
 from vista.engine import ENGINES
-from vista.engine_rtl import DEFAULT_WIDTH_PX
+from vista.engine.rtl import DEFAULT_WIDTH_PX
 from vista.errors import EXIT_INTERRUPTED, EXIT_OK, InputError
 from vista.history import FrameRecord, stage_statistics
-from vista.overlay import Overlay
 from vista.recording import Recorder
-from vista.report import render_report
+from vista.report.overlay import Overlay
+from vista.report.run_report import render_report
 from vista.result_folder import ResultFolder
 from vista.run import Interruption, run_frames
 from vista.sequence import FrameFiles, Sequence, open_sequence

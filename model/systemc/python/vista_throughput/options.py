@@ -1,0 +1,129 @@
+"""Options of the command line, preset and defaults to one SystemConfig."""
+
+from __future__ import annotations
+
+import argparse
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any
+
+from vista.errors import InputError
+
+from vista_throughput.presets import PRESETS, Clock, routed_clock
+from vista_throughput.system import DEFAULT_PIXEL_CLOCK_HZ, SystemConfig
+
+
+def count(text: str) -> int:
+    if not text.isdecimal() or int(text) < 1:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a positive whole number")
+    return int(text)
+
+
+def blanking(text: str) -> int:
+    if not text.isdecimal():
+        raise argparse.ArgumentTypeError(f"{text!r} is not a whole number from 0")
+    return int(text)
+
+
+def quantity(text: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value) or value <= 0:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a number above 0")
+    return value
+
+
+def samples(text: str) -> tuple[float, ...]:
+    return tuple(quantity(part) for part in text.split(","))
+
+
+@dataclass(frozen=True)
+class Option:
+    name: str
+    key: str  # of SystemConfig
+    read: Callable[[str], Any]
+    metavar: str
+    meaning: str
+    by_default: str | None = None  # None: what SystemConfig says
+
+
+OPTIONS = (
+    Option("--width", "width_px", count, "PX", "of an image"),
+    Option("--height", "height_px", count, "PX", "of an image"),
+    Option("--disparities", "disparities", count, "N", "candidates, a multiple of 16 up to 256"),
+    Option("--block", "block_px", count, "PX", "side of the matched block, odd, 5 to 21"),
+    Option("--build-width", "max_width_px", count, "PX", "widest image that the engine is built for"),
+    Option("--clock", "engine_clock_hz", quantity, "HZ", "of the engine", "as placed and routed"),
+    Option("--lanes", "lanes", count, "N", "engines side by side; each takes whole frames"),
+    Option("--camera-rate", "camera_rate_hz", quantity, "HZ", "frames a second of the camera"),
+    Option(
+        "--pixel-clock",
+        "camera_pixel_clock_hz",
+        quantity,
+        "HZ",
+        "of each camera",
+        f"{DEFAULT_PIXEL_CLOCK_HZ:g}, or what the rate takes",
+    ),
+    Option(
+        "--horizontal-blanking",
+        "camera_horizontal_blanking_px",
+        blanking,
+        "PX",
+        "pixel clocks after a line",
+    ),
+    Option("--vertical-blanking", "camera_vertical_blanking_lines", blanking, "LINES", "after a frame"),
+    Option(
+        "--memory-bandwidth", "memory_bandwidth_bytes_s", quantity, "BYTES/S", "of the one port, both ways"
+    ),
+    Option("--memory-latency", "memory_latency_ns", quantity, "NS", "from a burst to its data"),
+    Option("--result-bytes", "result_bytes_px", count, "N", "a pixel: 2, or 4 with Smin"),
+    Option("--buffers", "buffers", count, "N", "of each kind: 2 or 3"),
+    Option("--host-cores", "host_cores", count, "N", "2: rectification has one of its own"),
+    Option("--frames", "frames", count, "N", "of the camera to simulate"),
+    Option("--seed", "seed", blanking, "N", "of images and of draws from the host's times"),
+)
+
+
+def add_options(parser: argparse.ArgumentParser) -> None:
+    defaults = SystemConfig()
+    for option in OPTIONS:
+        default = option.by_default or f"{getattr(defaults, option.key):g}"
+        parser.add_argument(
+            option.name,
+            type=option.read,
+            metavar=option.metavar,
+            dest=option.key,
+            help=f"{option.meaning} (default {default})",
+        )
+
+
+def configure(arguments: argparse.Namespace) -> tuple[SystemConfig, Clock]:
+    """Defaults, then the preset, then what was given; without the host's times.
+
+    Raises InputError for what does not go together, before anything is simulated."""
+    values = dict(PRESETS[arguments.preset].values) if arguments.preset else {}
+    given = {option.key: getattr(arguments, option.key) for option in OPTIONS}
+    values |= {key: value for key, value in given.items() if value is not None}
+    config = SystemConfig(**values)
+    if config.width_px > config.max_width_px:
+        reason = f"{config.width_px} px, the engine is built for {config.max_width_px}: name --build-width"
+        raise InputError("--width", reason)
+    if "engine_clock_hz" in values:
+        clock = Clock(config.engine_clock_hz, "as given", None)
+    else:
+        clock = routed_clock(config.disparities, config.block_px, config.max_width_px)
+    # A little more than the rate takes: the exact quotient may round to just below the rate.
+    least_hz = config.readout_pixel_clocks * config.camera_rate_hz * (1 + 1e-9)
+    if "camera_pixel_clock_hz" not in values:
+        config = replace(config, camera_pixel_clock_hz=max(DEFAULT_PIXEL_CLOCK_HZ, least_hz))
+    elif config.camera_pixel_clock_hz < least_hz * (1 - 1e-6):
+        most_hz = config.camera_pixel_clock_hz / config.readout_pixel_clocks
+        raise InputError(
+            "--camera-rate", f"{config.camera_rate_hz:g} Hz; --pixel-clock and blanking allow {most_hz:.4g}"
+        )
+    else:
+        config = replace(config, camera_pixel_clock_hz=max(config.camera_pixel_clock_hz, least_hz))
+    return replace(config, engine_clock_hz=clock.hz), clock

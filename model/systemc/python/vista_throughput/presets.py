@@ -1,0 +1,64 @@
+"""Named systems. Clocks are those that `make synth` placed and routed (rtl/README.md), never written here."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from vista.errors import InputError
+
+from vista_throughput import synthesis
+
+
+@dataclass(frozen=True)
+class Preset:
+    meaning: str
+    values: dict[str, Any]  # of SystemConfig
+
+
+PRESETS = {
+    "acadia": Preset(
+        "the system of the paper: 640x480, 32 disparities, 23 Hz",
+        {"width_px": 640, "height_px": 480, "disparities": 32, "camera_rate_hz": 23.0},
+    ),
+    "ecp5": Preset(
+        "the reference build on an LFE5U-25F behind a 60 Hz camera",
+        {"width_px": 640, "height_px": 480, "disparities": 32, "camera_rate_hz": 60.0},
+    ),
+    "hd": Preset(
+        "1920x1080 at 30 Hz, 64 disparities",
+        {
+            "width_px": 1920,
+            "height_px": 1080,
+            "disparities": 64,
+            "max_width_px": 2048,
+            "camera_rate_hz": 30.0,
+            "camera_horizontal_blanking_px": 280,  # 2200 x 1125 pixel clocks: 1080p timing
+            "camera_vertical_blanking_lines": 45,
+        },
+    ),
+}
+
+
+@dataclass(frozen=True)
+class Clock:
+    """An engine clock and what speaks for it, in words."""
+
+    hz: float
+    origin: str
+    build: synthesis.Build | None  # placed and routed
+
+
+def routed_clock(disparities: int, block_px: int, max_width_px: int) -> Clock:
+    """Of that build; of one for other widths, said so, if that one was not placed and routed."""
+    exact = synthesis.find(disparities, block_px, max_width_px)
+    if exact is not None:
+        return Clock(exact.clock_mhz * 1e6, f"placed and routed: {exact}", exact)
+    near = synthesis.find(disparities, block_px)
+    if near is not None:
+        origin = f"not routed for {max_width_px} px; the clock is that of {near}"
+        return Clock(near.clock_mhz * 1e6, origin, None)
+    routed = ", ".join(sorted({f"{b.disparities} (block {b.block_px})" for b in synthesis.builds()}))
+    raise InputError(
+        "--clock", f"name one: of {disparities} disparities, block {block_px}, none was routed; {routed} were"
+    )

@@ -1,0 +1,27 @@
+"""Stereo engines: parameters and two rectified images in, one disparity image out (see model/README.md).
+
+    import vista
+    disparity = vista.StereoEngine(num_disparities=32, block_size=11).compute(left, right)
+
+Images are uint8, height x width, rectified, left is the reference. Disparities are int16 in 1/16 px of the
+left image, -16 where there is none.
+"""
+
+from vista.engine.contract import INVALID, Disparity, Engine, EngineParameters, Image
+from vista.engine.create import ENGINES, create_engine
+from vista.engine.golden import StereoEngine
+from vista.engine.opencv import OpenCvEngine
+from vista.engine.rtl import RtlEngine
+
+__all__ = [
+    "ENGINES",
+    "INVALID",
+    "Disparity",
+    "Engine",
+    "EngineParameters",
+    "Image",
+    "OpenCvEngine",
+    "RtlEngine",
+    "StereoEngine",
+    "create_engine",
+]

@@ -1,0 +1,69 @@
+"""What all engines agree on: parameters, images, words, and what is refused (model/README.md)."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from typing import Protocol
+
+import numpy as np
+import numpy.typing as npt
+
+INVALID = -16  # the word of a pixel without a disparity
+
+Image = npt.NDArray[np.uint8]
+Disparity = npt.NDArray[np.int16]
+
+
+@dataclass(frozen=True)
+class EngineParameters:
+    """The contract's parameters; every engine takes these."""
+
+    num_disparities: int = 32
+    block_size: int = 11
+    prefilter: str = "xsobel"
+    prefilter_cap: int = 31
+    texture_threshold: int = 10
+    uniqueness_ratio: int = 15
+    lr_max_diff: int | None = 1
+
+
+class Engine(Protocol):
+    """What the rest of the chain knows of an engine."""
+
+    parameters: EngineParameters
+
+    def check_size(self, width_px: int, height_px: int) -> None:
+        """ValueError for images that it does not take."""
+
+    def compute(self, left: Image, right: Image) -> Disparity: ...
+
+
+def check_images(left: Image, right: Image) -> None:
+    """What every engine asks of a pair, whatever its size: TypeError or ValueError otherwise."""
+    for side, image in (("left", left), ("right", right)):
+        if not isinstance(image, np.ndarray):
+            raise TypeError(f"{side} image must be a numpy array, not {type(image).__name__}")
+        if image.dtype != np.uint8:
+            raise TypeError(f"{side} image must be uint8, not {image.dtype}")
+        if image.ndim != 2:
+            raise ValueError(f"{side} image must have 2 dimensions (height, width), not {image.ndim}")
+        if image.size == 0:
+            raise ValueError(f"{side} image is empty")
+    if left.shape != right.shape:
+        raise ValueError(f"left image is {_size(left)} but right image is {_size(right)}")
+
+
+def _size(image: Image) -> str:
+    return f"{image.shape[1]}x{image.shape[0]}"
+
+
+def check_parameters(parameters: EngineParameters) -> None:
+    for name, value in asdict(parameters).items():
+        off = name == "lr_max_diff" and value is None
+        wanted = str if name == "prefilter" else (int, np.integer)
+        if not off and (not isinstance(value, wanted) or isinstance(value, bool)):
+            raise TypeError(f"{name} must be {'a string' if wanted is str else 'an integer'}, not {value!r}")
+        if isinstance(value, int | np.integer) and not (0 <= value < 2**31):
+            raise ValueError(f"{name} must be from 0 to {2**31 - 1}, not {value}")
+    if parameters.prefilter not in ("none", "xsobel"):
+        raise ValueError(f"prefilter must be none or xsobel, not {parameters.prefilter!r}")

@@ -1,0 +1,147 @@
+"""The C model of the contract, the reference of all engines (model/c)."""
+
+from __future__ import annotations
+
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import asdict
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from vista import native
+from vista.engine.contract import Disparity, EngineParameters, Image, check_images, check_parameters
+
+_LR_OFF = -1
+_SCRATCH_ALIGNMENT = 64
+
+
+class StereoEngine:
+    """The C implementation of the contract. Holds its working memory: use one object a thread.
+
+    threads: rows are shared out among so many threads; the words are the same for any number.
+    isa: auto, portable, avx2 or avx512; the words are the same for each.
+    """
+
+    def __init__(
+        self,
+        num_disparities: int = 32,
+        block_size: int = 11,
+        prefilter: str = "xsobel",
+        prefilter_cap: int = 31,
+        texture_threshold: int = 10,
+        uniqueness_ratio: int = 15,
+        lr_max_diff: int | None = 1,
+        threads: int = 1,
+        *,
+        isa: str = "auto",
+    ) -> None:
+        self.parameters = EngineParameters(
+            num_disparities,
+            block_size,
+            prefilter,
+            prefilter_cap,
+            texture_threshold,
+            uniqueness_ratio,
+            lr_max_diff,
+        )
+        check_parameters(self.parameters)
+        self._ffi, self._lib = native.load("vista_engine")
+        if not isinstance(threads, int) or not 1 <= threads <= self._lib.VISTA_ENGINE_MAX_THREADS:
+            most = self._lib.VISTA_ENGINE_MAX_THREADS
+            raise ValueError(f"threads must be from 1 to {most}, not {threads!r}")
+        self._threads = threads
+        self._params = self._c_params(isa)
+        self._check(self._lib.vista_engine_validate(self._params))
+        self._pool = ThreadPoolExecutor(threads) if threads > 1 else None
+        self._scratch: npt.NDArray[np.uint8] | None = None
+        self._scratch_shape = (0, 0)
+
+    @staticmethod
+    def available_isas() -> list[str]:
+        """What this build and machine can run, slowest first."""
+        _, lib = native.load("vista_engine")
+        return [
+            name
+            for name, value in _isas(lib).items()
+            if name != "auto" and lib.vista_engine_isa_available(value)
+        ]
+
+    def check_size(self, width_px: int, height_px: int) -> None:
+        self._scratch_for(width_px, height_px)
+
+    def compute(self, left: Image, right: Image) -> Disparity:
+        """Disparity words of the left image."""
+        return self._run(left, right, None)
+
+    def compute_with_smin(self, left: Image, right: Image) -> tuple[Disparity, npt.NDArray[np.uint32]]:
+        """Disparity words and the smallest cost of every matched pixel, valid or not, else 2**32 - 1."""
+        smin = np.empty(getattr(left, "shape", (0, 0)), np.uint32)
+        return self._run(left, right, smin), smin
+
+    def _c_params(self, isa: str) -> Any:
+        isas = _isas(self._lib)
+        if isa not in isas:
+            raise ValueError(f"isa must be one of {', '.join(isas)}, not {isa!r}")
+        values: dict[str, Any] = asdict(self.parameters)
+        values["prefilter"] = getattr(self._lib, f"VISTA_ENGINE_PREFILTER_{values['prefilter'].upper()}")
+        values["lr_max_diff"] = _LR_OFF if values["lr_max_diff"] is None else values["lr_max_diff"]
+        return self._ffi.new("vista_engine_params *", {**values, "isa": isas[isa]})
+
+    def _check(self, status: int) -> None:
+        if status != self._lib.VISTA_ENGINE_OK:
+            raise ValueError(self._ffi.string(self._lib.vista_engine_status_text(status)).decode())
+
+    def _run(self, left: Image, right: Image, smin: npt.NDArray[np.uint32] | None) -> Disparity:
+        check_images(left, right)
+        left, right = np.ascontiguousarray(left), np.ascontiguousarray(right)
+        height, width = left.shape
+        disparity = np.empty((height, width), np.int16)
+        ffi = self._ffi
+        images = ffi.new(
+            "vista_engine_images *",
+            (
+                ffi.from_buffer("uint8_t[]", left),
+                ffi.from_buffer("uint8_t[]", right),
+                width,
+                height,
+                width,
+                width,
+            ),
+        )
+        smin_data = ffi.NULL if smin is None else ffi.from_buffer("uint32_t[]", smin)
+        output = ffi.new(
+            "vista_engine_output *", (ffi.from_buffer("int16_t[]", disparity), smin_data, width, width)
+        )
+        scratch = self._scratch_for(width, height)
+
+        def band(index: int) -> int:
+            first, end = (height * i // self._threads for i in (index, index + 1))
+            data = ffi.from_buffer("uint8_t[]", scratch[index])
+            return self._lib.vista_engine_compute_rows(
+                self._params, images, output, first, end, data, len(data)
+            )
+
+        if self._pool is None:
+            self._check(band(0))
+        else:
+            for status in self._pool.map(band, range(self._threads)):
+                self._check(status)
+        return disparity
+
+    def _scratch_for(self, width: int, height: int) -> npt.NDArray[np.uint8]:
+        """Aligned working memory, one row a thread, kept until the size of the images changes."""
+        if self._scratch is None or self._scratch_shape != (width, height):
+            one = self._lib.vista_engine_scratch_bytes(self._params, width, height, 1)
+            if one == 0:
+                raise ValueError(f"images must be at most {self._lib.VISTA_ENGINE_MAX_SIDE_PX} px a side")
+            memory = np.empty(one * self._threads + _SCRATCH_ALIGNMENT, np.uint8)
+            start = -memory.ctypes.data % _SCRATCH_ALIGNMENT
+            self._scratch = memory[start : start + one * self._threads].reshape(self._threads, one)
+            self._scratch_shape = (width, height)
+        return self._scratch
+
+
+def _isas(lib: Any) -> dict[str, int]:
+    names = ("auto", "portable", "avx2", "avx512")
+    return {name: getattr(lib, f"VISTA_ENGINE_ISA_{name.upper()}") for name in names}

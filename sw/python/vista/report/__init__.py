@@ -1,0 +1,1 @@
+"""What a run is shown as: pictures of its frames, plots, and the page of the report."""

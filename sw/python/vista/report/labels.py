@@ -1,0 +1,70 @@
+"""Text on pictures: on a dark ground, sized to the picture, and placed where it covers no other label."""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from vista.report.palette import INK, Colour
+
+FONT = cv2.FONT_HERSHEY_SIMPLEX
+PADDING_PX = 4
+
+
+def text_scale(picture: NDArray[np.uint8]) -> float:
+    """Of OpenCV's font: grows with the picture, so that a wide one can be shown small."""
+    rows, columns = picture.shape[:2]
+    return 0.5 * min(max(rows / 480.0, columns / 800.0, 0.8), 2.5)
+
+
+def text_size(text: str, scale: float) -> tuple[int, int]:
+    """(width, height) in px, without the descenders."""
+    (width, height), _ = cv2.getTextSize(text, FONT, scale, 1)
+    return width, height
+
+
+def put_text(picture: NDArray[np.uint8], text: str, x: int, y: int, scale: float, colour: Colour) -> None:
+    """Baseline starts at (x, y); a dark ground keeps it legible on white."""
+    width, height = text_size(text, scale)
+    top, left = max(y - height - PADDING_PX, 0), max(x - PADDING_PX, 0)
+    ground = picture[top : y + PADDING_PX + 1, left : x + width + PADDING_PX]
+    ground[:] = cv2.addWeighted(ground, 0.3, np.full_like(ground, INK), 0.7, 0.0)
+    cv2.putText(picture, text, (x, y), FONT, scale, colour, 1, cv2.LINE_AA)
+
+
+Box = tuple[int, int, int, int]  # left, top, right, bottom
+
+
+class Labels:
+    """Labels of one picture: first come, first placed; one that finds no free place is left out."""
+
+    def __init__(self, picture: NDArray[np.uint8]) -> None:
+        self._picture = picture
+        self._scale = text_scale(picture)
+        self._placed: list[tuple[str, Box, Colour]] = []
+
+    def reserve(self, text: str, u: float, v: float, colour: Colour) -> None:
+        """Wants the text centred above (u, v); tries a few places nearby."""
+        if not np.isfinite([u, v]).all():
+            return
+        width, height = text_size(text, self._scale)
+        rows, columns = self._picture.shape[:2]
+        line = height + 2 * PADDING_PX + 2
+        for shift in (0, -1, 1, -2, 2, 3):
+            x = int(np.clip(u - width / 2, PADDING_PX, max(columns - width - PADDING_PX, PADDING_PX)))
+            y = int(
+                np.clip(v - 2 * PADDING_PX + shift * line, line, rows - 2 * line)
+            )  # the caption's line stays free
+            box = (x - PADDING_PX, y - height - PADDING_PX, x + width + PADDING_PX, y + PADDING_PX)
+            if not any(_overlap(box, other) for _, other, _ in self._placed):
+                self._placed.append((text, box, colour))
+                return
+
+    def draw(self) -> None:
+        for text, (left, _, _, bottom), colour in self._placed:
+            put_text(self._picture, text, left + PADDING_PX, bottom - PADDING_PX, self._scale, colour)
+
+
+def _overlap(a: Box, b: Box) -> bool:
+    return a[0] < b[2] and b[0] < a[2] and a[1] < b[3] and b[1] < a[3]

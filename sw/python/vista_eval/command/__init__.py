@@ -1,0 +1,1 @@
+"""The commands of the extra [flights], one module each."""

@@ -1,0 +1,218 @@
+"""Render the flights, fly them, score them, show the scores.
+
+DIR holds a folder a flight. What it lacks is rendered; each flight goes through engine and host; what comes
+out is scored against the exact truth, beside disparities only thresholded and clustered (stereo alone).
+
+DIR receives flights.json (every figure) and report.html.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import asdict
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from tqdm import tqdm
+from vista import parameters
+from vista.command.arguments import add_config, load_parameters, positive
+from vista.errors import EXIT_OK, InputError
+from vista.output import write_atomically
+
+from vista_eval.baselines.stereo_alone import Outcome, outcomes_cached
+from vista_eval.dataset.truth import SPLITS, TRUTH, read_truth
+from vista_eval.fly import fly_cached
+from vista_eval.metrics.comparison import Comparison, compare, comparison_line
+from vista_eval.metrics.flight_score import FlightScore, score_records, summary
+from vista_eval.metrics.flight_segmentation import FlightSegmentation, rows, segment_cached
+from vista_eval.metrics.flight_segmentation import table as segmentation_table
+from vista_eval.metrics.goals import Goal, goal_line, goals
+from vista_eval.metrics.group import group_score, table
+from vista_eval.report.filmstrip import filmstrip
+from vista_eval.report.flights_page import FlightPage, render_flights
+
+if TYPE_CHECKING:
+    from vista_eval.render.flight import Flight
+
+SCORES, REPORT = "flights.json", "report.html"
+RECORDS = "records.json"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("folder", type=Path, metavar="DIR", help="folder of the flights")
+    parser.add_argument(
+        "--quality", choices=("quick", "full"), default="quick", help="of what is rendered (default quick)"
+    )
+    parser.add_argument("--only", nargs="+", default=[], metavar="NAME", help="these flights alone")
+    parser.add_argument("--list", action="store_true", help="say which flights there are, and end")
+    parser.add_argument(
+        "--no-render", action="store_true", help="fly what DIR holds, whether that is the newest or not"
+    )
+    parser.add_argument(
+        "--fly-again",
+        action="store_true",
+        help="fly what is kept from before as well, for its host times: on a busy machine they are longer",
+    )
+    parser.add_argument("--render-only", action="store_true", help="render what is missing, and end")
+    parser.add_argument(
+        "--no-baseline", action="store_true", help="without stereo alone, which takes longest"
+    )
+    parser.add_argument("--pose-noise", action="store_true", help="also with poses as of a navigation filter")
+    parser.add_argument("--seed", type=int, default=1, metavar="N", help="of the pose noise (default 1)")
+    parser.add_argument("--jobs", type=positive, default=1, metavar="N", help="flights at a time (default 1)")
+    add_config(parser)
+
+
+def execute(arguments: argparse.Namespace) -> int:
+    values = load_parameters(arguments.config, "golden")
+    if arguments.list:
+        list_flights()
+        return EXIT_OK
+    names = chosen_names(arguments.folder, arguments.only, arguments.no_render)
+    if not arguments.no_render:
+        with_jobs(partial(render, arguments.folder, arguments.quality), names, arguments.jobs, "render")
+    if arguments.render_only:
+        return EXIT_OK
+    folders = [arguments.folder / name for name in names]
+    flown = partial(fly_and_score, values, anew=arguments.fly_again)
+    scores = with_jobs(partial(flown, None), folders, arguments.jobs, "fly")
+    noisy = (
+        with_jobs(partial(flown, arguments.seed), folders, arguments.jobs, "pose noise")
+        if arguments.pose_noise
+        else []
+    )
+    alone = (
+        []
+        if arguments.no_baseline
+        else with_jobs(partial(stereo_alone, values), folders, arguments.jobs, "stereo alone")
+    )
+    segmented = with_jobs(partial(segment, values), folders, arguments.jobs, "segmentation")
+    comparison = compare(scores, alone) if alone else None
+    reached = goals(
+        *(untuned(part) for part in (scores, noisy)), comparison_untuned(scores, alone) if alone else None
+    )
+    print(table(scores))
+    if noisy:
+        print("\nwith pose noise:\n" + table(noisy))
+    if comparison is not None:
+        print("\n" + comparison_line(comparison))
+    print("\n" + segmentation_table(segmented) + "\n")
+    print("\n".join(goal_line(goal) for goal in reached))
+    write_scores(arguments.folder / SCORES, scores, noisy, segmented, comparison, reached, values)
+    pages = with_jobs(partial(flight_page, values), list(zip(folders, scores, strict=True)), 1, "pictures")
+    page = render_flights(pages, noisy, segmented, comparison, reached, values)
+    write_atomically(arguments.folder / REPORT, page)
+    print(f"\nreport: {arguments.folder / REPORT}")
+    return EXIT_OK
+
+
+def untuned(scores: list[FlightScore]) -> list[FlightScore]:
+    """Of the flights that parameters were not chosen on."""
+    return [score for score in scores if score.split == "report"]
+
+
+def comparison_untuned(scores: list[FlightScore], alone: list[list[Outcome]]) -> Comparison | None:
+    theirs = [one for score, one in zip(scores, alone, strict=True) if score.split == "report"]
+    return compare(untuned(scores), theirs) if theirs else None
+
+
+def flight_page(values: parameters.Values, flight: tuple[Path, FlightScore]) -> FlightPage:
+    folder, score = flight
+    records = fly_cached(folder, values, folder / RECORDS)
+    truth = read_truth(folder)
+    return FlightPage(score, truth.focal_baseline_px_m, filmstrip(truth, score, records))
+
+
+def with_jobs(work: Any, items: list[Any], jobs: int, title: str) -> list[Any]:
+    """work of each item, in their order."""
+    if jobs == 1 or len(items) < 2:
+        return [work(item) for item in tqdm(items, desc=title, unit="flight", disable=None)]
+    with ProcessPoolExecutor(jobs) as pool:
+        return list(tqdm(pool.map(work, items), total=len(items), desc=title, unit="flight", disable=None))
+
+
+def fly_and_score(
+    values: parameters.Values, noise_seed: int | None, folder: Path, anew: bool = False
+) -> FlightScore:
+    cache = folder / (RECORDS if noise_seed is None else "records_noisy.json")
+    records = fly_cached(folder, values, cache, noise_seed, anew)
+    return score_records(folder, records, values)
+
+
+def segment(values: parameters.Values, folder: Path) -> FlightSegmentation:
+    return segment_cached(folder, values, folder / "segmentation.json")
+
+
+def stereo_alone(values: parameters.Values, folder: Path) -> list[Outcome]:
+    return outcomes_cached(folder, values, folder / "stereo_alone.json")
+
+
+def write_scores(
+    path: Path,
+    scores: list[FlightScore],
+    noisy: list[FlightScore],
+    segmented: list[FlightSegmentation],
+    comparison: Comparison | None,
+    reached: list[Goal],
+    values: parameters.Values,
+) -> None:
+    content = {
+        "parameters": values,
+        "flights": [summary(score) for score in scores],
+        "groups": groups(scores),
+        "goals": [asdict(goal) for goal in reached],
+        "segmentation": [asdict(row) for row in rows(segmented) if row.things],
+        "stereo_alone": comparison and asdict(comparison),
+        "pose_noise": {"flights": [summary(score) for score in noisy], "groups": groups(noisy)},
+    }
+    write_atomically(path, json.dumps(content, indent=1, allow_nan=False) + "\n")
+
+
+def groups(scores: list[FlightScore]) -> list[dict[str, Any]]:
+    members = {split: [score for score in scores if score.split == split] for split in SPLITS}
+    found = [group_score(split, flights) for split, flights in members.items() if flights]
+    return [asdict(group) | {"hit_rate": group.hit_rate} for group in found]
+
+
+def catalogue() -> dict[str, Flight]:
+    from vista_eval.worlds.catalog import FLIGHTS  # takes a moment, for which `--help` need not wait
+
+    return FLIGHTS
+
+
+def list_flights() -> None:
+    for name, flight in catalogue().items():
+        print(f"{name:24s} {flight.split:7s} {flight.title}")
+
+
+def chosen_names(folder: Path, only: list[str], held_only: bool) -> list[str]:
+    """Of the catalogue, in its order, and of what the folder holds beside it."""
+    held = [path.parent.name for path in sorted(folder.glob(f"*/{TRUTH}"))]
+    known = held if held_only else list(dict.fromkeys([*catalogue(), *held]))
+    unknown = [name for name in only if name not in known]
+    if unknown:
+        raise InputError("--only", f"no flight {unknown[0]}; `vista flights DIR --list` names them")
+    if not known:
+        raise InputError(folder, "holds no flights")
+    return [name for name in known if not only or name in only]
+
+
+def render(folder: Path, quality: str, name: str) -> None:
+    """What the folder lacks of a flight of the catalogue; what is there in full quality does for quick."""
+    flight = catalogue().get(name)
+    if flight is None:
+        return
+    from vista_eval.render.flight import frames_of, is_complete, render_flight
+
+    out = folder / name
+    if is_complete(flight, out, "full") or is_complete(flight, out, quality):
+        return
+    try:
+        frames = render_flight(flight, out, quality)
+        for _ in tqdm(frames, name, frames_of(flight, quality), unit="frame", leave=False, disable=None):
+            pass
+    except OSError as error:
+        raise InputError(error.filename or name, error.strerror or str(error)) from None

@@ -1,0 +1,64 @@
+"""Score the segmentation on labelled single scenes, against a control without a cut.
+
+DIR holds a folder a scene: scene_NNNN of seed NNNN, drawn at random. What it lacks is rendered. Even seeds
+are there to tune on, odd seeds to report on. The table is printed; DIR receives scenes.json (every score)
+and scenes.html, which shows the worst and the best scenes.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+from pathlib import Path
+
+import numpy as np
+from tqdm import tqdm
+from vista.command.arguments import add_config, load_parameters, positive
+from vista.errors import EXIT_OK
+from vista.output import write_atomically
+
+SCORES, REPORT = "scenes.json", "scenes.html"
+COUNT = 160
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("folder", type=Path, metavar="DIR", help="folder of the scenes")
+    parser.add_argument(
+        "--count", type=positive, default=COUNT, metavar="N", help=f"scenes to render (default {COUNT})"
+    )
+    parser.add_argument("--seed", type=int, default=0, metavar="S", help="of the first of them (default 0)")
+    parser.add_argument(
+        "--quality", choices=("quick", "full"), default="full", help="of what is rendered (default full)"
+    )
+    parser.add_argument("--no-render", action="store_true", help="score what DIR holds")
+    add_config(parser)
+
+
+def execute(arguments: argparse.Namespace) -> int:
+    from vista_eval.dataset.scenes import read_scenes
+    from vista_eval.metrics.scenes import partition_scenes, score_scene
+    from vista_eval.report import scenes_page as report  # loads libvista, which `--help` need not
+
+    values = load_parameters(arguments.config, "golden")
+    if not arguments.no_render:
+        render(arguments.folder, range(arguments.seed, arguments.seed + arguments.count), arguments.quality)
+    scenes = read_scenes(arguments.folder)
+    pairs = tqdm(
+        partition_scenes(scenes, values), desc="score", total=len(scenes), unit="scene", disable=None
+    )
+    scored = [score_scene(scene, partition) for scene, partition in pairs]
+    lines = report.table(scored)
+    host_ms = float(np.median([s.partition.host_ms for s in scored]))
+    content = json.dumps(report.as_json(scored, values, host_ms), indent=1)
+    write_atomically(arguments.folder / SCORES, content + "\n")
+    write_atomically(arguments.folder / REPORT, report.render_page(scored, lines))
+    print("\n".join(lines))
+    print(f"host {host_ms:.1f} ms; report: {arguments.folder / REPORT}")
+    return EXIT_OK
+
+
+def render(folder: Path, seeds: range, quality: str) -> None:
+    from vista_eval.worlds.labelled import render_labelled
+
+    for seed in tqdm(seeds, desc="render", unit="scene", disable=None):
+        render_labelled(seed, folder, quality)

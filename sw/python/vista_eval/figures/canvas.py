@@ -1,0 +1,40 @@
+"""Panels side by side, as the paper prints them: pictures without axes, a caption under each."""
+
+from __future__ import annotations
+
+import io
+from pathlib import Path
+
+import cv2
+import matplotlib as mpl
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+from vista.output import write_atomically
+from vista.report.plots import STYLE
+
+DPI = 150
+
+
+def show(axes: Axes, picture: NDArray[np.uint8], caption: str = "") -> None:
+    """picture: grey, or BGR as OpenCV has it."""
+    rgb = picture if picture.ndim == 2 else cv2.cvtColor(picture, cv2.COLOR_BGR2RGB)
+    axes.imshow(rgb, cmap="gray", vmin=0, vmax=255, interpolation="antialiased")
+    bare(axes, caption)
+
+
+def bare(axes: Axes, caption: str) -> None:
+    axes.set(xticks=[], yticks=[], xlabel=caption)
+    axes.xaxis.label.set_size(8)
+    axes.grid(False)
+    for spine in axes.spines.values():
+        spine.set_visible(False)
+
+
+def save(figure: Figure, path: Path) -> Path:
+    with mpl.rc_context(STYLE):
+        stream = io.BytesIO()
+        figure.savefig(stream, format="png", dpi=DPI, metadata={"Software": None})
+    write_atomically(path, stream.getvalue())
+    return path

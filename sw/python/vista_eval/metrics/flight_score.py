@@ -1,0 +1,203 @@
+"""One flight: the figures of its frames (definitions in vista_eval.metrics)."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from vista import parameters
+from vista.geometry import Array, Pose
+from vista.history import FrameRecord
+
+from vista_eval.dataset.truth import FlightTruth
+from vista_eval.fly import fly, open_flight
+from vista_eval.metrics.consistency import Consistency, consistency
+from vista_eval.metrics.frame_truth import FrameTruth, flight_direction, flight_frames, still_surfaces
+from vista_eval.metrics.gospa import CUTOFF_M, ORDER, Gospa, gospa
+from vista_eval.metrics.judge import FrameScore, Judge, carried
+
+FOOT_M = 0.3048
+FIRST_DETECTION_M = 60.0  # demanded of flights that begin that far away
+STAYS_FRAMES = 5  # after a first detection; all but one of them agree
+ERROR_AT_FT = 50.0
+GOSPA_RANGE_M = 45.0
+# RMS tracking error of the companion paper's four flights, feet, by kind of obstacle and speed in ft/s.
+COMPANION_RMS_FT = {("sign", 10): 10.0, ("sign", 30): 25.9, ("pole", 30): 22.1, ("pole", 10): 22.4}
+
+
+@dataclass(frozen=True)
+class FlightScore:
+    name: str
+    title: str
+    split: str
+    target_kind: str | None  # of the first target; None: the flight has none
+    frames: tuple[FrameScore, ...]
+    begins_m: float | None  # range of the target in the first frame, if it is a danger there
+    tracked_from_m: float | None
+    first_detection_m: float | None  # as a warning
+    band_frames: int  # with a target at 14.5 to 45 m
+    hits: int
+    missed: tuple[int, ...]  # frames
+    false_alarm_frames: tuple[int, ...]
+    false_alarm_obstacles: int
+    ghost_frames: int  # of the false alarm frames, with nothing real there at all
+    errors_dz: tuple[float, ...]  # of the matched frames, in units of dz(r)
+    nees: tuple[float, ...]
+    within_2dz: float | None  # share of matched frames with an error of at most 2 dz(r)
+    median_dz: float | None  # median error in units of dz(r)
+    rms_ft: float | None
+    companion_rms_ft: float | None
+    error_at_50_ft: float | None  # feet
+    id_switches: int
+    gospa_m: float  # root mean square over the frames
+    gospa_missed: float  # a frame, mean
+    gospa_false: float
+    consistency: Consistency | None
+    blind_frames: int
+    blind_reported: int  # of these, with a warning that agrees
+    host_ms: float  # median
+
+    @property
+    def matched_frames(self) -> int:
+        return len(self.errors_dz)
+
+    @property
+    def hit_rate(self) -> float | None:
+        return self.hits / self.band_frames if self.band_frames else None
+
+    def begins_within(self, range_m: float) -> bool:
+        """The target is a danger from the first frame on, and nearer: no time to see it before."""
+        return self.begins_m is not None and self.begins_m < range_m
+
+
+def score_flight(folder: Path, values: parameters.Values, noise_seed: int | None = None) -> dict[str, Any]:
+    """Flies and scores the flight on disk; the figures as plain numbers, `frames` a list. For tuning."""
+    records = [step.record for step in fly(open_flight(folder, noise_seed), values)]
+    return summary(score_records(folder, records, values))
+
+
+def summary(score: FlightScore) -> dict[str, Any]:
+    return asdict(score) | {"hit_rate": score.hit_rate}
+
+
+def score_records(folder: Path, records: list[FrameRecord], values: parameters.Values) -> FlightScore:
+    """records: of every frame of the flight, in its order."""
+    truth, frames = flight_frames(folder)
+    direction = flight_direction([frame.world_from_camera for frame in frames])
+    still_m = still_surfaces(truth, frames)
+    judge = Judge(truth, direction, blind_depth_m(truth, values), still_m)
+    by_time = {record.t_ns: record for record in records}
+    judged: list[FrameScore] = []
+    sets: list[Gospa] = []
+    for frame in frames:
+        record = by_time[frame.t_ns]
+        believed = record.world_from_camera or Pose()
+        world_from_estimate = frame.world_from_camera @ believed.inverse()
+        judged.append(judge.frame(frame, record.obstacles, world_from_estimate))
+        sets.append(compare_sets(frame, record, world_from_estimate))
+    host_ms = float(np.median([record.stage_ms["host"] for record in records]))
+    return flight_score(truth, judged, sets, host_ms)
+
+
+def blind_depth_m(truth: FlightTruth, values: parameters.Values) -> float:
+    """Nearer, along the optical axis, nothing is matched."""
+    return truth.focal_baseline_px_m / (values["stereo"]["num_disparities"] - 1)
+
+
+def compare_sets(frame: FrameTruth, record: FrameRecord, world_from_estimate: Pose) -> Gospa:
+    """Confirmed tracks against standing obstacles, both within GOSPA_RANGE_M; a track's distance from an
+    obstacle is that from the nearest of its points that are seen."""
+    camera_m = frame.world_from_camera.translation_m
+    things = [s for s in frame.surfaces.values() if _range_m(s.mean(axis=0), camera_m) <= GOSPA_RANGE_M]
+    tracks = [
+        carried(world_from_estimate, o.position_m)
+        for o in record.obstacles
+        if o.confirmed and o.distance_m <= GOSPA_RANGE_M
+    ]
+    distances_m = np.array(
+        [[np.linalg.norm(thing - track, axis=1).min() for track in tracks] for thing in things], float
+    )
+    return gospa(distances_m.reshape(len(things), len(tracks)), CUTOFF_M, ORDER)
+
+
+def _range_m(position_m: Array, camera_m: Array) -> float:
+    return float(np.linalg.norm(position_m - camera_m))
+
+
+def flight_score(
+    truth: FlightTruth, frames: list[FrameScore], sets: list[Gospa], host_ms: float
+) -> FlightScore:
+    matched = [frame for frame in frames if frame.error_m is not None]
+    ranges_m = np.array([frame.range_m for frame in matched], float)
+    errors_m = np.array([frame.error_m for frame in matched], float)
+    in_dz = errors_m / truth.depth_of_one_disparity_m(ranges_m)
+    nees = tuple(frame.nees for frame in matched if frame.nees is not None)
+    ids = [frame.matched_id for frame in matched]
+    alarms = [k for k, frame in enumerate(frames) if frame.false_alarms]
+    blind = [frame for frame in frames if frame.blind]
+    return FlightScore(
+        name=truth.name,
+        title=truth.title,
+        split=truth.split,
+        target_kind=truth.targets[0].kind if truth.targets else None,
+        frames=tuple(frames),
+        begins_m=frames[0].range_m,
+        tracked_from_m=first_that_stays_m(frames, [frame.tracked for frame in frames]),
+        first_detection_m=first_that_stays_m(frames, [frame.matched_id is not None for frame in frames]),
+        band_frames=sum(frame.in_band for frame in frames),
+        hits=sum(frame.hit for frame in frames),
+        missed=tuple(k for k, frame in enumerate(frames) if frame.missed),
+        false_alarm_frames=tuple(alarms),
+        false_alarm_obstacles=len({alarm.id for frame in frames for alarm in frame.false_alarms}),
+        ghost_frames=sum(any(alarm.ghost for alarm in frame.false_alarms) for frame in frames),
+        errors_dz=tuple(in_dz.tolist()),
+        nees=nees,
+        within_2dz=float(np.mean(in_dz <= 2.0)) if matched else None,
+        median_dz=float(np.median(in_dz)) if matched else None,
+        rms_ft=float(np.sqrt(np.mean(errors_m**2))) / FOOT_M if matched else None,
+        companion_rms_ft=companion_rms_ft(truth, frames[0].range_m),
+        error_at_50_ft=error_at_ft(ranges_m, errors_m, ERROR_AT_FT),
+        id_switches=sum(a != b for a, b in pairwise(ids)),
+        gospa_m=float(np.sqrt(np.mean([one.distance**2 for one in sets]))),
+        gospa_missed=float(np.mean([one.missed for one in sets])),
+        gospa_false=float(np.mean([one.false for one in sets])),
+        consistency=consistency([np.array(nees)]),
+        blind_frames=len(blind),
+        blind_reported=sum(frame.matched_id is not None for frame in blind),
+        host_ms=host_ms,
+    )
+
+
+def first_that_stays_m(frames: list[FrameScore], agreeing: list[bool]) -> float | None:
+    """Range in the first frame that agrees and stays; agreeing: of each frame."""
+    for k, frame in enumerate(frames):
+        if agreeing[k] and agreeing[k + 1 : k + 1 + STAYS_FRAMES].count(False) <= 1:
+            return frame.range_m
+    return None
+
+
+def error_at_ft(ranges_m: Array, errors_m: Array, range_ft: float) -> float | None:
+    """Feet, between the matched frames on both sides of the range; None if the flight has no such."""
+    wanted_m = range_ft * FOOT_M
+    order = np.argsort(ranges_m)
+    if not len(ranges_m) or not ranges_m.min() <= wanted_m <= ranges_m.max():
+        return None
+    return float(np.interp(wanted_m, ranges_m[order], errors_m[order])) / FOOT_M
+
+
+def companion_rms_ft(truth: FlightTruth, begins_m: float | None) -> float | None:
+    """None for a flight from nearby too: an RMS of near frames alone would flatter."""
+    if begins_m is not None and begins_m < FIRST_DETECTION_M:
+        return None
+    kinds = {target.kind for target in truth.targets}
+    return next(
+        (
+            rms_ft
+            for (kind, speed), rms_ft in COMPANION_RMS_FT.items()
+            if kinds == {kind} and round(truth.speed_m_s / FOOT_M) == speed
+        ),
+        None,
+    )

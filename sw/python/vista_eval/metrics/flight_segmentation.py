@@ -1,0 +1,147 @@
+"""The segmentation of a flight's frames against its labels: the cut beside the control, which does not cut.
+
+Scores of one frame are those of vista_eval.metrics.segmentation; frames of a flight are not independent, so
+intervals are over flights.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from vista import parameters
+
+from vista_eval.cache import digest_of, kept
+from vista_eval.dataset.scenes import read_scene
+from vista_eval.dataset.truth import SPLITS, TRUTH, read_truth
+from vista_eval.fly import flight_digest
+from vista_eval.metrics.scenes import CONTROLS, CUT, partition_scenes, score_scene
+from vista_eval.metrics.segmentation import STATISTICS, PartitionScore, Thing, ThingScore, difference_interval
+from vista_eval.report.text_table import aligned
+
+STRIDE = 8  # frames
+MIN_FLIGHTS = 3  # of an interval
+SHOWN = {"iou_median": "IoU median", "boundary_recall_cell": "boundary recall"}
+SOURCES = (
+    "metrics/flight_segmentation.py",
+    "metrics/segmentation.py",
+    "metrics/scenes.py",
+    "baselines/reference_method.py",
+    "dataset/truth.py",
+)
+
+
+@dataclass(frozen=True)
+class FlightSegmentation:
+    name: str
+    split: str
+    frames: int
+    scores: dict[str, PartitionScore]  # by partition: the things of all frames together
+
+
+def segment_cached(folder: Path, values: parameters.Values, cache: Path) -> FlightSegmentation:
+    digest = digest_of(
+        flight_digest(folder, values, None),
+        *(Path(__file__).parents[1] / source for source in SOURCES),
+        folder / TRUTH,
+    )
+    return kept(cache, digest, lambda: segment_flight(folder, values), _segmentation)
+
+
+def segment_flight(folder: Path, values: parameters.Values) -> FlightSegmentation:
+    """Every STRIDE-th frame, each by itself."""
+    truth = read_truth(folder)
+    scenes = [read_scene(folder, k) for k in range(0, len(truth.times_ns), STRIDE)]
+    scored = [score_scene(scene, partition) for scene, partition in partition_scenes(scenes, values)]
+    pooled = {name: pool([one.scores[name] for one in scored]) for name in (CUT, *CONTROLS)}
+    return FlightSegmentation(truth.name, truth.split, len(scenes), pooled)
+
+
+def pool(scores: list[PartitionScore]) -> PartitionScore:
+    return PartitionScore(
+        tuple(thing for score in scores for thing in score.things),
+        float(np.mean([score.undersegmentation for score in scores])),
+        int(np.median([score.regions for score in scores])),
+    )
+
+
+def _segmentation(content: dict[str, Any]) -> FlightSegmentation:
+    scores = {
+        name: PartitionScore(
+            tuple(ThingScore(**thing | {"thing": Thing(**thing["thing"])}) for thing in score["things"]),
+            score["undersegmentation"],
+            score["regions"],
+        )
+        for name, score in content["scores"].items()
+    }
+    return FlightSegmentation(**content | {"scores": scores})
+
+
+@dataclass(frozen=True)
+class SegmentationRow:
+    name: str
+    things: int
+    values: tuple[tuple[float, ...], ...]  # of each statistic of SHOWN: cut, controls
+    intervals: tuple[tuple[tuple[float, float], ...], ...] = ()  # of a group: 95 % of cut - control
+
+
+def rows(flights: list[FlightSegmentation]) -> list[SegmentationRow]:
+    """A flight each, and after those of a group the group."""
+    found = []
+    for split in SPLITS:
+        members = [flight for flight in flights if flight.split == split]
+        found += [_row(flight.name, [flight]) for flight in members]
+        if members:
+            found.append(_row(f"= {split}", members, group=True))
+    return found
+
+
+def _row(name: str, flights: list[FlightSegmentation], group: bool = False) -> SegmentationRow:
+    by_partition = {
+        partition: [flight.scores[partition] for flight in flights] for partition in (CUT, *CONTROLS)
+    }
+    things = sum(len(score.things) for score in by_partition[CUT])
+    values = tuple(tuple(STATISTICS[key](scores) for scores in by_partition.values()) for key in SHOWN)
+    if not group or len(flights) < MIN_FLIGHTS:
+        return SegmentationRow(name, things, values)
+    intervals = tuple(
+        tuple(
+            difference_interval(by_partition[CUT], by_partition[control], STATISTICS[key])
+            for control in CONTROLS
+        )
+        for key in SHOWN
+    )
+    return SegmentationRow(name, things, values, intervals)
+
+
+def heads() -> list[str]:
+    return [
+        "things",
+        *(f"{statistic}, {partition}" for statistic in SHOWN.values() for partition in (CUT, *CONTROLS)),
+    ]
+
+
+def cells(row: SegmentationRow) -> list[str]:
+    if not row.things:
+        return ["0", *[""] * (len(heads()) - 1)]
+    return [str(row.things), *(f"{value:.2f}" for values in row.values for value in values)]
+
+
+def interval_text(row: SegmentationRow) -> str:
+    return "; ".join(
+        f"{statistic}, cut - {control}: {low:+.2f} to {high:+.2f}"
+        for statistic, pairs in zip(SHOWN.values(), row.intervals, strict=True)
+        for control, (low, high) in zip(CONTROLS, pairs, strict=True)
+    )
+
+
+def table(flights: list[FlightSegmentation]) -> str:
+    lines = [("segmentation", *heads())]
+    below: dict[int, list[str]] = {}
+    for row in rows(flights):
+        lines.append((row.name, *cells(row)))
+        if row.intervals:
+            below[len(lines) - 1] = [f"  95 % over flights: {interval_text(row)}"]
+    return aligned(lines, below)

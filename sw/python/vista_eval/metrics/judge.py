@@ -1,0 +1,222 @@
+"""Warnings of one frame against its truth (definitions in vista_eval.metrics)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+from vista.geometry import Array, Pose
+
+from vista_eval.dataset.truth import FlightTruth
+from vista_eval.metrics.frame_truth import FrameTruth, Points, true_points
+
+if TYPE_CHECKING:
+    from vista.pipeline import Obstacle
+
+MIN_TOLERANCE_M = 2.0
+BEARING_MARGIN_PX = 3.0
+HIT_RANGE_M = (14.5, 45.0)
+HIT_RANGE = f"{HIT_RANGE_M[0]:g} to {HIT_RANGE_M[1]:g} m"
+NEAR = f"nearer than {HIT_RANGE_M[1]:g} m"  # where a frame may be missed
+TOO_NEAR_ID = 0  # no track: something is too near to match, somewhere up to the range that is given
+
+
+@dataclass(frozen=True)
+class Warned:
+    """Where something reports a danger: a box in px of the left image, and its range from the camera."""
+
+    id: int
+    u_px: float
+    v_px: float
+    half_u_px: float
+    half_v_px: float
+    range_m: float
+    up_to: bool = False  # the range is the largest that it may have
+
+
+@dataclass(frozen=True)
+class FalseAlarm:
+    id: int
+    range_m: float
+    ghost: bool  # nothing real is there, beside the path either
+
+
+@dataclass(frozen=True)
+class FrameScore:
+    t_ns: int
+    target: str | None  # name; None: no target is a true danger in this frame
+    range_m: float | None  # of the target
+    warnings: int
+    matched_id: int | None  # a warning that agrees with the target
+    tracked: bool  # a confirmed obstacle agrees with the target, in or out of the collision volume
+    error_m: float | None
+    nees: float | None  # of three dimensions; None without a match, or without a reference point
+    false_alarms: tuple[FalseAlarm, ...]
+    blind: bool  # the target is nearer than the engine matches
+
+    @property
+    def in_band(self) -> bool:
+        return self.range_m is not None and HIT_RANGE_M[0] <= self.range_m <= HIT_RANGE_M[1]
+
+    @property
+    def hit(self) -> bool:
+        return self.in_band and self.matched_id is not None
+
+    @property
+    def missed(self) -> bool:
+        return self.range_m is not None and self.range_m < HIT_RANGE_M[1] and self.matched_id is None
+
+
+class Judge:
+    """Of one flight, frame after frame: what has left the image is judged by what was seen before."""
+
+    def __init__(
+        self, truth: FlightTruth, direction: Array, blind_depth_m: float, still_m: Array | None = None
+    ) -> None:
+        """direction: of the flight path; blind_depth_m: nearer along the optical axis nothing is matched;
+        still_m: (n, 3) surfaces around the path that any frame of the flight shows."""
+        self._truth = truth
+        self._direction = direction
+        self._still_m = np.zeros((0, 3)) if still_m is None else still_m
+        self._blind_depth_m = blind_depth_m
+        self._earlier_m = np.zeros((0, 3))
+        self._matched: int | None = None
+
+    def frame(
+        self, frame: FrameTruth, obstacles: tuple[Obstacle, ...], world_from_estimate: Pose
+    ) -> FrameScore:
+        """obstacles: of the chain, in the world of its poses; world_from_estimate leads into the true one."""
+        confirmed = {o.id: o for o in obstacles if o.confirmed}
+        positions_m = {k: carried(world_from_estimate, o.position_m) for k, o in confirmed.items()}
+        places = [place_of(self._truth, frame, o, positions_m[k]) for k, o in confirmed.items()]
+        agreeing = [place.id for place in places if agrees(self._truth, place, frame.of_target)]
+        warnings = {k: o for k, o in confirmed.items() if o.in_collision_volume}
+        warned = [place for place in places if place.id in warnings]
+        alarms = [
+            alarm
+            for alarm in false_alarms(self._truth, frame, self._direction, self._still_m, warned)
+            if not self._was_there(frame, warnings[alarm.id], positions_m[alarm.id], alarm.range_m)
+        ]
+        self._earlier_m = np.concatenate([self._earlier_m, frame.around_path.position_m[::16]])
+        matched = self._match(frame, [k for k in agreeing if k in warnings], positions_m)
+        error_m, nees = None, None
+        if matched not in (None, TOO_NEAR_ID):
+            covariance_m2 = warnings[matched].covariance_m2
+            error_m, nees = errors(frame, positions_m[matched], covariance_m2, world_from_estimate)
+        target = frame.target
+        return FrameScore(
+            frame.t_ns,
+            None if target is None else target.object.name,
+            None if target is None else target.range_m,
+            len(warnings),
+            matched,
+            bool(agreeing),
+            error_m,
+            nees,
+            tuple(alarms),
+            target is not None and target.nearest_depth_m < self._blind_depth_m,
+        )
+
+    def _match(self, frame: FrameTruth, agreeing: list[int], positions_m: dict[int, Array]) -> int | None:
+        """One of the warnings that agree with the target: that of the frame before if it still does, else the
+        nearest to P; one without a track only if there is no other."""
+        tracks = [k for k in agreeing if k != TOO_NEAR_ID]
+        if not agreeing or self._matched in tracks:
+            return self._matched if agreeing else None
+        if not tracks:
+            return TOO_NEAR_ID
+        reference_m = frame.target.reference_m
+        self._matched = min(tracks, key=lambda k: float(np.linalg.norm(positions_m[k] - reference_m)))
+        return self._matched
+
+    def _was_there(self, frame: FrameTruth, obstacle: Obstacle, position_m: Array, range_m: float) -> bool:
+        """It lies outside the image, where the exact disparity map of an earlier frame had a surface."""
+        x_px, y_px, _ = project(self._truth, frame.world_from_camera, position_m)
+        cu, cv = self._truth.center_px
+        if abs(x_px) <= cu + 0.5 and abs(y_px) <= cv + 0.5:
+            return False
+        reach_m = tolerance_m(self._truth, range_m) + 0.5 * max(obstacle.extent_m)
+        return bool(np.any(np.linalg.norm(self._earlier_m - position_m, axis=1) <= reach_m))
+
+
+def false_alarms(
+    truth: FlightTruth, frame: FrameTruth, direction: Array, still_m: Array, places: list[Warned]
+) -> list[FalseAlarm]:
+    suspects = [place for place in places if not agrees(truth, place, frame.around_path)]
+    if suspects:
+        still = seen_from(truth, frame.world_from_camera, still_m)
+        suspects = [place for place in suspects if not agrees(truth, place, still)]
+    if not suspects:
+        return []
+    everything = true_points(truth, frame.t_ns, frame.world_from_camera, direction)
+    return [FalseAlarm(s.id, s.range_m, ghost=not agrees(truth, s, everything)) for s in suspects]
+
+
+@dataclass(frozen=True)
+class Seen:
+    """World points as one camera sees them, one an entry."""
+
+    u_px: Array
+    v_px: Array
+    range_m: Array
+
+
+def seen_from(truth: FlightTruth, world_from_camera: Pose, position_m: Array) -> Seen:
+    """Those of the points, (n, 3) world, that lie before the camera."""
+    x_px, y_px, depth_m = project(truth, world_from_camera, position_m)
+    range_m = np.linalg.norm(position_m - world_from_camera.translation_m, axis=-1)
+    ahead = depth_m > 0.0
+    cu, cv = truth.center_px
+    return Seen(cu + x_px[ahead], cv + y_px[ahead], range_m[ahead])
+
+
+def agrees(truth: FlightTruth, place: Warned, points: Points | Seen) -> bool:
+    """Whether one of the points lies at the place's bearing and range."""
+    beyond_m = points.range_m - place.range_m
+    tolerated_m = tolerance_m(truth, place.range_m)
+    found: NDArray[np.bool_] = (
+        (np.abs(points.u_px - place.u_px) <= max(place.half_u_px, BEARING_MARGIN_PX))
+        & (np.abs(points.v_px - place.v_px) <= max(place.half_v_px, BEARING_MARGIN_PX))
+        & (beyond_m <= tolerated_m)
+        & ((beyond_m >= -tolerated_m) | place.up_to)
+    )
+    return bool(found.any())
+
+
+def tolerance_m(truth: FlightTruth, range_m: float) -> float:
+    return max(2.0 * float(truth.depth_of_one_disparity_m(range_m)), MIN_TOLERANCE_M)
+
+
+def carried(world_from_estimate: Pose, position_m: Array) -> Array:
+    return world_from_estimate.rotation @ position_m + world_from_estimate.translation_m
+
+
+def project(truth: FlightTruth, world_from_camera: Pose, position_m: Array) -> tuple[Any, Any, Any]:
+    """Pixels right of and below the principal point, and depth, of one position or of (n, 3)."""
+    x, y, z = np.moveaxis((position_m - world_from_camera.translation_m) @ world_from_camera.rotation, -1, 0)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return truth.focal_px * x / z, truth.focal_px * y / z, z
+
+
+def place_of(truth: FlightTruth, frame: FrameTruth, obstacle: Obstacle, position_m: Array) -> Warned:
+    x_px, y_px, depth_m = project(truth, frame.world_from_camera, position_m)
+    half_u_px, half_v_px = 0.5 * truth.focal_px / depth_m * np.array(obstacle.extent_m)
+    range_m = float(np.linalg.norm(position_m - frame.world_from_camera.translation_m))
+    cu, cv = truth.center_px
+    box = (cu + x_px, cv + y_px, float(half_u_px), float(half_v_px))
+    return Warned(obstacle.id, *box, range_m, up_to=obstacle.id == TOO_NEAR_ID)
+
+
+def errors(
+    frame: FrameTruth, position_m: Array, covariance_m2: Array, world_from_estimate: Pose
+) -> tuple[float, float | None]:
+    """|P - P^| in metres, and the NEES e^T P^-1 e; covariance_m2: in the world of the estimate."""
+    target = frame.target
+    if target.surface_m is not None:
+        return float(np.linalg.norm(target.surface_m - position_m, axis=1).min()), None
+    error_m = position_m - target.reference_m
+    rotation = world_from_estimate.rotation
+    nees = float(error_m @ np.linalg.solve(rotation @ covariance_m2 @ rotation.T, error_m))
+    return float(np.linalg.norm(error_m)), nees

@@ -1,0 +1,112 @@
+"""Labelled single scenes: what the cut and the control make of them, scored."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from functools import partial
+from time import thread_time
+
+import numpy as np
+from numpy.typing import NDArray
+from vista import parameters
+from vista.chain import engine_parameters
+from vista.engine import Engine, create_engine
+from vista.errors import InputError
+from vista.pipeline import CellGraph, Pipeline, Result
+
+from vista_eval.baselines.reference_method import ControlParameters, merge_cells
+from vista_eval.dataset.scenes import LabelledScene
+from vista_eval.metrics.segmentation import (
+    Labels,
+    PartitionScore,
+    grid_limit,
+    score_partition,
+)
+
+CUT, GRID = "cut", "grid limit"
+CONTROLS = {  # the same graph, the same weights; k and min_cells of the best mean IoU on the tune half
+    "control": ControlParameters(),
+    "control, surfaces": ControlParameters(min_cells=10, respect_surfaces=True),
+}
+
+
+@dataclass(frozen=True)
+class Partition:
+    """What the host made of one scene."""
+
+    words: NDArray[np.int16]
+    result: Result
+    graph: CellGraph
+    refine: Callable[[Labels], Labels]  # region of each cell -> of each pixel
+    host_ms: float  # processor time from words to regions and map
+
+
+def partition_scenes(
+    scenes: list[LabelledScene],
+    values: parameters.Values,
+    around_engine: Callable[[Engine], Engine] = lambda engine: engine,
+) -> Iterator[tuple[LabelledScene, Partition]]:
+    """Each scene through engine and host, by itself. around_engine: adds a step before or after matching."""
+    if not scenes:
+        return
+    camera = scenes[0].camera
+    engine = around_engine(create_engine("golden", engine_parameters(values)))
+    pipeline = Pipeline(camera, values)
+    for scene in scenes:
+        if scene.camera != camera:
+            raise InputError(scene.name, "has another camera than the scenes before")
+        words = engine.compute(scene.left, scene.right)
+        pipeline.reset()
+        start_s = thread_time()
+        result = pipeline.process(scene.left, words, scene.t_ns, scene.world_from_camera, scene.up_world)
+        host_ms = 1e3 * (thread_time() - start_s)
+        refine = partial(pipeline.refine_boundaries, scene.left, result.cell_intensity)
+        yield scene, Partition(words, result, pipeline.cell_graph(), refine, host_ms)
+
+
+def control_regions(partition: Partition, control: ControlParameters) -> Labels:
+    """Region of each pixel by the control, on the graph of the cut; drawn as those of the cut."""
+    graph = partition.graph
+    return partition.refine(merge_cells(graph.edges, graph.affinity, graph.horizontal, control))
+
+
+def grid_regions(scene: LabelledScene, partition: Partition) -> Labels:
+    cells = partition.result.cell_of_pixel
+    return grid_limit(scene.view, cells)[cells]
+
+
+def score_regions(scene: LabelledScene, partition: Partition, region_of_pixel: Labels) -> PartitionScore:
+    return score_partition(
+        scene.view, region_of_pixel, partition.result.cell_of_pixel, partition.graph.cell_size_px
+    )
+
+
+def score_cut(scene: LabelledScene, partition: Partition) -> PartitionScore:
+    return score_regions(scene, partition, partition.result.region_of_pixel)
+
+
+def score_cells(scene: LabelledScene, partition: Partition) -> PartitionScore:
+    """Of the cut's regions as cells draw them."""
+    result = partition.result
+    return score_regions(scene, partition, result.region_of_cell[result.cell_of_pixel])
+
+
+@dataclass(frozen=True)
+class ScoredScene:
+    scene: LabelledScene
+    partition: Partition
+    scores: dict[str, PartitionScore]  # by partition: cut, controls, grid limit
+
+    def mean_iou(self) -> float:
+        """Of the cut; a scene without a thing to find comes last."""
+        ious = [thing.iou for thing in self.scores[CUT].things]
+        return float(np.mean(ious)) if ious else float("inf")
+
+
+def score_scene(scene: LabelledScene, partition: Partition) -> ScoredScene:
+    regions = {CUT: partition.result.region_of_pixel}
+    regions |= {name: control_regions(partition, control) for name, control in CONTROLS.items()}
+    regions[GRID] = grid_regions(scene, partition)
+    scores = {name: score_regions(scene, partition, region) for name, region in regions.items()}
+    return ScoredScene(scene, partition, scores)

@@ -1,0 +1,159 @@
+"""A flight: what is seen, from where, with what; rendered frame by frame, taken up again where it stopped."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field, replace
+from functools import lru_cache
+from pathlib import Path
+from typing import Literal
+
+from vista_eval.dataset.files import write_text
+from vista_eval.dataset.layout import write_sequence
+from vista_eval.render.digest import content_sha256, sources_sha256
+from vista_eval.render.rig import PAPER_RIG, Rig
+from vista_eval.render.scene import Scene
+from vista_eval.render.sensor import Sensor
+from vista_eval.render.trajectory import Approach, BodyState
+
+MARKER = "content.json"
+Quality = Literal["full", "quick"]
+
+QUICK_FIRST_RANGE_M = 66.0
+QUICK_FRAMES = 60
+RAYS: dict[Quality, int] = {"full": 4, "quick": 1}
+
+
+@dataclass(frozen=True)
+class Flight:
+    name: str
+    title: str
+    split: Literal["tune", "report"]
+    approach: Approach
+    scene: Callable[[float, int], Scene]  # of altitude in metres and seed
+    rig: Rig = PAPER_RIG
+    sensor: Sensor = field(default_factory=Sensor)
+    seed: int = 1
+
+
+def approach_of(flight: Flight, quality: Quality) -> Approach:
+    """Quick: only the end of the flight."""
+    whole = flight.approach
+    if quality == "full" or whole.frames == 1:
+        return whole
+    step_m = whole.speed_m_s / whole.rate_hz
+    near_enough = int((QUICK_FIRST_RANGE_M - whole.last_range_m) / step_m) + 1
+    return replace(whole, frames=min(whole.frames, QUICK_FRAMES, near_enough))
+
+
+def frames_of(flight: Flight, quality: Quality = "full") -> int:
+    return approach_of(flight, quality).frames
+
+
+def states_of(flight: Flight, quality: Quality = "full") -> list[BodyState]:
+    approach = approach_of(flight, quality)
+    return [approach.state_at(frame) for frame in range(approach.frames)]
+
+
+def about(flight: Flight) -> dict:
+    approach = flight.approach
+    return {
+        "name": flight.name,
+        "title": flight.title,
+        "split": flight.split,
+        "speed_m_s": approach.speed_m_s,
+        "rate_hz": approach.rate_hz,
+    }
+
+
+def sources_of(flight: Flight, quality: Quality) -> str:
+    """A digest that is quickly made: equal means that the flight's content is."""
+    return sources_sha256((flight, approach_of(flight, quality), RAYS[quality]))
+
+
+@lru_cache(maxsize=1)
+def scene_of(flight: Flight) -> Scene:
+    return flight.scene(flight.approach.altitude_m, flight.seed)
+
+
+def content_of(flight: Flight, quality: Quality) -> str:
+    return content_sha256(
+        scene_of(flight),
+        (states_of(flight, quality), flight.rig, flight.sensor, RAYS[quality], flight.seed),
+    )
+
+
+def read_marker(out: Path) -> dict:
+    try:
+        return json.loads((out / MARKER).read_text())
+    except FileNotFoundError:
+        return {}
+
+
+def holds(flight: Flight, out: Path, quality: Quality) -> bool:
+    """Whether what is in `out` is of this flight. Where any source has changed, the scene itself decides."""
+    marker, sources = read_marker(out), sources_of(flight, quality)
+    if marker.get("sources") == sources:
+        return True
+    if not marker or marker["quality"] != quality:
+        return False
+    if marker["content"] != content_of(flight, quality):
+        return False
+    write_text(out / MARKER, [json.dumps(marker | {"sources": sources})])
+    return True
+
+
+def is_complete(flight: Flight, out: Path, quality: Quality = "full") -> bool:
+    if not (out / "truth.json").exists() or not holds(flight, out, quality):
+        return False
+    truth = json.loads((out / "truth.json").read_text())
+    return all(truth[key] == value for key, value in about(flight).items())
+
+
+def prepare(flight: Flight, out: Path, quality: Quality = "full") -> None:
+    """Empties a folder that another flight was rendered to.
+
+    Raises OSError if it holds anything else, or frames of another quality, which may have taken a night.
+    """
+    if holds(flight, out, quality):
+        return
+    marker = read_marker(out)
+    if marker and marker["quality"] != quality:
+        raise OSError(f"{out}: holds a flight of {marker['quality']} quality; choose another folder")
+    if marker:
+        shutil.rmtree(out)
+    elif out.exists() and any(out.iterdir()):
+        raise OSError(f"{out}: not empty and not a rendered flight")
+    digests = {"sources": sources_of(flight, quality), "content": content_of(flight, quality)}
+    write_text(out / MARKER, [json.dumps({"quality": quality, **digests})])
+
+
+def render_flight(flight: Flight, out: Path, quality: Quality = "full") -> Iterator[int]:
+    """Renders what `out` lacks, yielding each frame's index when all of it is there.
+
+    Raises OSError where `prepare` does.
+    """
+    if is_complete(flight, out, quality):
+        yield from range(frames_of(flight, quality))
+        return
+    prepare(flight, out, quality)
+    # Mitsuba takes a second to load: not for a flight that is complete.
+    from vista_eval.dataset.truth import flight_truth
+    from vista_eval.render.frame import frame_paths, render_frame
+    from vista_eval.render.renderer import Renderer
+
+    approach, rig, states = approach_of(flight, quality), flight.rig, states_of(flight, quality)
+    scene = scene_of(flight)
+    renderer = None
+    for frame, state in enumerate(states):
+        if not all(path.exists() for path in frame_paths(out, state.t_ns)):
+            renderer = renderer or Renderer(scene, rig, RAYS[quality])
+            renderer.move_to(approach.before_last_s(frame))
+            render_frame(renderer, rig, flight.sensor, state, (flight.seed, frame), out)
+        yield frame
+    write_sequence(out, rig, states, approach.rate_hz)
+    times_ns = [state.t_ns for state in states]
+    truth = flight_truth(out, about(flight), scene, rig, times_ns, approach.before_last_s(0))
+    write_text(out / "truth.json", [json.dumps(truth)])

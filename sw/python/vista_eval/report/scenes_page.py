@@ -1,0 +1,160 @@
+"""Scores of labelled scenes -> a table, scenes.json, and one page that shows the worst and the best."""
+
+from __future__ import annotations
+
+import base64
+from dataclasses import asdict
+from typing import Any
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+from vista.report.overlay import draw_disparity
+from vista.report.page import fill_template
+from vista.report.palette import WHITE, distinct_colours
+
+from vista_eval.dataset.truth import SPLITS
+from vista_eval.metrics.scenes import CONTROLS, CUT, ScoredScene, control_regions
+from vista_eval.metrics.segmentation import STATISTICS, LabelledView, difference_interval
+
+SHOWN = 6  # scenes at either end
+HEADINGS = {
+    "iou_median": "IoU median",
+    "iou_mean": "IoU mean",
+    "found": "IoU > 0.5",
+    "boundary_recall": "boundary 3 px",
+    "boundary_recall_cell": "boundary 1 cell",
+    "undersegmentation": "leak",
+    "regions": "regions",
+}
+
+
+Row = dict[str, float]
+
+
+def statistics(scored: list[ScoredScene]) -> dict[str, Row]:
+    """Partition -> statistic -> value."""
+    return {
+        name: {key: value([s.scores[name] for s in scored]) for key, value in STATISTICS.items()}
+        for name in scored[0].scores
+    }
+
+
+def intervals(scored: list[ScoredScene]) -> dict[str, dict[str, tuple[float, float]]]:
+    """Control -> statistic -> 95 % interval of cut - control."""
+    cut = [s.scores[CUT] for s in scored]
+    return {
+        name: {
+            key: difference_interval(cut, [s.scores[name] for s in scored], value)
+            for key, value in STATISTICS.items()
+        }
+        for name in CONTROLS
+    }
+
+
+def by_split(scored: list[ScoredScene]) -> dict[str, list[ScoredScene]]:
+    halves = {split: [s for s in scored if s.scene.split == split] for split in SPLITS}
+    return {split: half for split, half in halves.items() if half}
+
+
+def table(scored: list[ScoredScene]) -> list[str]:
+    """Markdown."""
+    lines = ["| | " + " | ".join(HEADINGS.values()) + " |", "|---|" + "---|" * len(HEADINGS)]
+    for split, half in by_split(scored).items():
+        things = sum(len(s.scores[CUT].things) for s in half)
+        lines.append(f"| *{split}*: {len(half)} scenes, {things} things |" + " |" * len(HEADINGS))
+        for name, row in statistics(half).items():
+            lines.append(f"| {name} | " + " | ".join(number(key, row[key]) for key in HEADINGS) + " |")
+        for name, row in intervals(half).items():
+            cells = (f"{number(key, row[key][0])} .. {number(key, row[key][1])}" for key in HEADINGS)
+            lines.append(f"| cut - {name}, 95 % | " + " | ".join(cells) + " |")
+    return lines
+
+
+def number(key: str, value: float) -> str:
+    return f"{value:.0f}" if key == "regions" else f"{value:.3f}"
+
+
+def as_json(scored: list[ScoredScene], values: dict[str, Any], host_ms: float) -> dict[str, Any]:
+    return {
+        "version": 1,
+        "host_ms_median": round(host_ms, 2),
+        "halves": {
+            split: {"statistics": statistics(half), "cut_minus_control_95": intervals(half)}
+            for split, half in by_split(scored).items()
+        },
+        "scenes": [
+            {
+                "name": s.scene.name,
+                "split": s.scene.split,
+                "partitions": {
+                    name: {
+                        "regions": score.regions,
+                        "undersegmentation": score.undersegmentation,
+                        "things": [asdict(thing) for thing in score.things],
+                    }
+                    for name, score in s.scores.items()
+                },
+            }
+            for s in scored
+        ],
+        "controls": {name: asdict(control) for name, control in CONTROLS.items()},
+        "parameters": values,
+    }
+
+
+# ---- pictures ----
+
+Picture = NDArray[np.uint8]
+
+
+def draw_scene(scored: ScoredScene) -> Picture:
+    """Truth, disparity, cut and control; the outlines of the things that are scored in white."""
+    scene, result = scored.scene, scored.partition.result
+    truth = np.zeros(scene.left.shape, np.int32)
+    truth[scene.view.area] = scene.view.label
+    control = control_regions(scored.partition, CONTROLS["control"])
+    tiles = [
+        draw_labels(scene.left, truth - 1, scene.view),
+        draw_disparity(scored.partition.words, 64),
+        draw_labels(scene.left, result.region_of_pixel, scene.view),
+        draw_labels(scene.left, control, scene.view),
+    ]
+    return np.vstack([np.hstack(tiles[:2]), np.hstack(tiles[2:])])
+
+
+def draw_labels(left: NDArray[np.uint8], label: NDArray[np.int32], view: LabelledView) -> Picture:
+    colours = distinct_colours()
+    tint = np.where(label[..., np.newaxis] >= 0, colours[label % len(colours)], 0)
+    picture = (cv2.cvtColor(left, cv2.COLOR_GRAY2BGR) // 2 + tint // 2).astype(np.uint8)
+    for boundary in view.boundaries:
+        picture[view.area][boundary] = WHITE
+    return picture
+
+
+def render_page(scored: list[ScoredScene], lines: list[str]) -> str:
+    ordered = sorted((s for s in scored if np.isfinite(s.mean_iou())), key=ScoredScene.mean_iou)
+    chosen = ordered[:SHOWN] + ordered[max(len(ordered) - SHOWN, SHOWN) :]
+    pictures = []
+    for s in chosen:
+        ok, jpeg = cv2.imencode(".jpg", draw_scene(s), [cv2.IMWRITE_JPEG_QUALITY, 75])
+        assert ok
+        things = ", ".join(
+            f"{t.thing.name} at {t.thing.range_m:.0f} m {t.iou:.2f}" for t in s.scores[CUT].things
+        )
+        pictures.append(
+            {
+                "title": f"{s.scene.name} ({s.scene.split}): mean IoU {s.mean_iou():.2f}",
+                "things": things,
+                "uri": "data:image/jpeg;base64," + base64.b64encode(jpeg.tobytes()).decode(),
+            }
+        )
+    rows = [[cell.strip() for cell in line.strip("|").split("|")] for line in lines]
+    return fill_template(
+        "scenes.html.j2",
+        package="vista_eval.report",
+        heading=rows[0],
+        rows=rows[2:],
+        pictures=pictures,
+        scenes=len(scored),
+    )
