@@ -1,8 +1,8 @@
-"""Score the segmentation on labelled single scenes, against a control without a cut.
+"""Score the segmentation on labelled single scenes, against a reference method without a cut.
 
 DIR holds a folder a scene: scene_NNNN of seed NNNN, drawn at random. What it lacks is rendered. Even seeds
-are there to tune on, odd seeds to report on. The table is printed; DIR receives scenes.json (every score)
-and scenes.html, which shows the worst and the best scenes.
+are the group dev, on which parameters may be chosen, odd seeds the group test. The table is printed; DIR
+receives scenes.json (every score) and scenes.html, which shows the worst and the best scenes.
 """
 
 from __future__ import annotations
