@@ -1,4 +1,4 @@
-"""Named systems. Clocks are those that `make synth` placed and routed (rtl/README.md), never written here."""
+"""Named systems. Clocks are those that `make synth` placed and routed (rtl/synth/results.json), never written here."""
 
 from __future__ import annotations
 
