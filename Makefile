@@ -29,7 +29,7 @@ BINDINGS := $(if $(ENGINE_SOURCES),build/python/vista_engine_abi.py) build/pytho
 DEMO_PAIRS := build/demo/oak-d
 DEMO_FLIGHT := build/demo/flight
 
-.PHONY: help setup native build generate test test-python test-asan drift bench lint lint-python demo flights lock clean distclean
+.PHONY: help setup native build generate test test-python test-asan drift docs bench lint lint-python demo flights lock clean distclean
 
 help: ## list the targets
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -121,6 +121,10 @@ lint-python: .venv/test.stamp
 
 test-asan: build .venv/test.stamp ## the tests of the C code again, under ASan and UBSan
 	@scripts/test_sanitized.sh
+
+docs: build .venv/docs.stamp ## build the documentation site into build/doc/html; warnings are errors
+	@.venv/bin/sphinx-build --quiet --fail-on-warning --keep-going -b html -d build/doc/cache doc build/doc/html
+	@echo "documentation: $(CURDIR)/build/doc/html/index.html"
 
 bench: build .venv/bench.stamp ## timings on this machine: tables, and build/bench.json
 	@$(PYTHON) scripts/run_benches.py model/bench sw/bench --out build/bench.json

@@ -351,8 +351,8 @@ def headline_table() -> str:
         [
             [
                 "stereo engine in C, 640x480, 32 disparities, one thread",
-                f"{headline['ms'][isa]['median']:.1f} ms, {headline['ratio'][isa]['median']:.1f} times as fast as "
-                "OpenCV's StereoBM with the same words",
+                f"{headline['ms'][isa]['median']:.1f} ms, {headline['ratio'][isa]['median']:.1f} times as "
+                "fast as OpenCV's StereoBM with the same words",
             ],
             [
                 "stereo engine in an LFE5U-25F, 32 disparities",

@@ -1,10 +1,10 @@
-"""Synthesises, places and routes the engine for ECP5 and tabulates resources and clock: make synth.
+"""Synthesises, places and routes the engine for ECP5: resources and clock (make synth).
 
 Each build is one run of Yosys and one of nextpnr for every seed: the clock is the median of the seeds, with
 its range. The figures go to stdout, and with --save into rtl/synth/results.json, from which the table in the
-documentation is generated and of which `vista throughput` takes the clock. Results are kept under
-build/synth/ by digest of sources and settings, so that the builds can be made in several runs; --save replaces the builds
-that were made.
+documentation is generated and of which `vista throughput` takes the clock; --save replaces the builds that
+were made. Intermediate results are kept under build/synth/ by digest of sources and settings, so that the
+builds can be made in several runs.
 """
 
 from __future__ import annotations

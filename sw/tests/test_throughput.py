@@ -36,7 +36,7 @@ RESULTS = {"throughput.json", "report.html", "timeline.png", "sweep.png"}
 
 
 def documented_keys() -> set[str]:
-    text = (REPOSITORY / "model" / "systemc" / "README.md").read_text()
+    text = (REPOSITORY / "doc" / "design" / "system-model.md").read_text()
     table = text.partition("## Configuration")[2].partition("## Output")[0]
     return {key for line in table.splitlines() if line.startswith("| `") for key in re.findall(
         r"`([a-z_]+)`", line.split("|")[1])}  # fmt: skip

@@ -1,4 +1,4 @@
-"""Stereo engines: parameters and two rectified images in, one disparity image out (see model/README.md).
+"""Stereo engines: parameters and two rectified images in, one disparity image out (see doc/design/engine-contract.md).
 
     import vista
     disparity = vista.StereoEngine(num_disparities=32, block_size=11).compute(left, right)

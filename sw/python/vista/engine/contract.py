@@ -1,4 +1,4 @@
-"""What all engines agree on: parameters, images, words, and what is refused (model/README.md)."""
+"""What all engines agree on: parameters, images, words, and what is refused (doc/design/engine-contract.md)."""
 
 from __future__ import annotations
 
