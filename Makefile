@@ -95,8 +95,9 @@ build/python/%_abi.py: scripts/make_binding.py | .venv/run.stamp
 .PHONY: FORCE
 -include $(shell find $(BUILD)/obj -name '*.d' 2>/dev/null)
 
-generate: .venv/run.stamp ## generated sources anew, after a change of sw/parameters.toml
+generate: .venv/run.stamp ## write generated sources and tables anew, after a change of sw/parameters.toml or of measured figures
 	@$(PYTHON) scripts/make_parameters.py sw/parameters.toml sw/include/vista/parameters.h sw/src/parameters.c
+	@$(PYTHON) scripts/make_tables.py
 
 # ---- checks ----
 
@@ -111,8 +112,9 @@ test: lint drift build systemc-tests .venv/test.stamp $(RTL_TOOLS) ## everything
 test-python: build systemc-tests .venv/test.stamp $(RTL_TOOLS)
 	@$(PYTHON) -m pytest
 
-drift: .venv/run.stamp ## generated sources equal what their generators write
+drift: .venv/run.stamp ## check that generated sources and tables equal what their generators write
 	@$(PYTHON) scripts/make_parameters.py sw/parameters.toml sw/include/vista/parameters.h sw/src/parameters.c --check
+	@$(PYTHON) scripts/make_tables.py --check
 
 lint: lint-python lint-rtl ## ruff, Verilator -Wall, Verible
 

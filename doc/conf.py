@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import subprocess
 import sys
 from pathlib import Path
 
+import clang
 from clang.cindex import Config
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -12,10 +14,9 @@ sys.path[:0] = [str(ROOT / "scripts"), str(ROOT / "build" / "python")]
 
 from make_pages import write_pages  # noqa: E402
 
-write_pages(ROOT / "doc" / "generated")
+HEADERS = ROOT / "build" / "doc" / "headers"
+write_pages(ROOT / "doc" / "generated", HEADERS)
 if not Config.loaded:  # the library of the pinned wheel, whatever the system has
-    import clang
-
     Config.set_library_path(str(Path(clang.__file__).parent / "native"))
 
 project = "VISTA"
@@ -35,5 +36,7 @@ suppress_warnings = ["myst.header"]
 autodoc_member_order = "bysource"
 autodoc_typehints = "signature"
 
-hawkmoth_root = str(ROOT)
-hawkmoth_clang = ["-std=c17", f"-I{ROOT}/sw/include", f"-I{ROOT}/sw/src", f"-I{ROOT}/model/c/include"]
+hawkmoth_root = str(HEADERS)
+hawkmoth_compiler, hawkmoth_autoconf = None, []  # the headers of the compiler are gcc's; clang is not needed
+GCC_HEADERS = subprocess.run(["gcc", "-print-file-name=include"], capture_output=True, text=True, check=True)
+hawkmoth_clang = ["-std=c17", f"-I{HEADERS}", f"-I{ROOT}/sw/src", "-isystem", GCC_HEADERS.stdout.strip()]

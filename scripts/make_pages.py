@@ -1,16 +1,14 @@
 """Make the parts of the documentation that state what other files define.
 
-usage: make_pages.py FOLDER
-
-FOLDER receives parameters.md from sw/parameters.toml and obstacles.md from the JSON Schema of obstacles.jsonl.
-The documentation's conf.py calls this before each build.
+The documentation's conf.py calls this before each build: parameters.md comes from sw/parameters.toml,
+obstacles.md from the JSON Schema of obstacles.jsonl, and the C headers are copied with their comments in the
+form that hawkmoth reads.
 """
 
 from __future__ import annotations
 
-import argparse
 import json
-import sys
+import re
 import tomllib
 from collections.abc import Iterator
 from pathlib import Path
@@ -19,6 +17,7 @@ from typing import Any
 ROOT = Path(__file__).resolve().parents[1]
 PARAMETERS = ROOT / "sw" / "parameters.toml"
 SCHEMA = ROOT / "doc" / "obstacles.schema.json"
+INCLUDE_FOLDERS = (ROOT / "sw" / "include", ROOT / "model" / "c" / "include")
 
 Entry = dict[str, Any]
 
@@ -85,25 +84,70 @@ def obstacles_page(schema: Entry) -> str:
     return "\n".join([schema["description"], "", *table("key | type | meaning", list(schema_rows(schema)))])
 
 
-def write_pages(folder: Path) -> None:
-    """Leaves pages alone that are already as they should be, so that nothing is built without need."""
-    pages = {
-        "parameters.md": parameters_page(tomllib.loads(PARAMETERS.read_text())),
-        "obstacles.md": obstacles_page(json.loads(SCHEMA.read_text())),
+# ---- C headers ----
+
+COMMENT = re.compile(
+    r"^(?P<indent>[ \t]*)(?P<code>[^\n]*?)[ \t]*/\*(?P<text>.*?)\*/", re.DOTALL | re.MULTILINE
+)
+RST_MARKUP = re.compile(r"([*|`\\]|_\b)")
+
+
+def escape(found: re.Match[str]) -> str:
+    return f"\\{found[0]}"
+
+
+def text_of(comment: str, markup: re.Pattern[str] | None = None) -> list[str]:
+    """The lines of a comment without its frame, with what is markup escaped."""
+    lines = [re.sub(r"^[ \t]*\*? ?", "", line).rstrip() for line in comment.lstrip("*").split("\n")]
+    return [markup.sub(escape, line) if markup else line for line in lines]
+
+
+def documented(header: str) -> str:
+    """The header with every comment as a documentation comment in front of what it describes.
+
+    The comment at the head of the file and those behind preprocessor lines stay as they are.
+    """
+
+    def moved(found: re.Match[str]) -> str:
+        indent, code = found["indent"], found["code"]
+        if code.startswith("#") or found.start() == 0:
+            return found[0]
+        text = [f"{indent} * {line}".rstrip() for line in text_of(found["text"], RST_MARKUP)]
+        comment = "\n".join([f"{indent}/**", *text, f"{indent} */"])
+        return f"{comment}\n{indent}{code}" if code else comment
+
+    return COMMENT.sub(moved, header)
+
+
+def headers() -> dict[str, str]:
+    """Name, as an #include has it, and text of each public header."""
+    return {
+        str(path.relative_to(folder)): path.read_text()
+        for folder in INCLUDE_FOLDERS
+        for path in sorted(folder.rglob("*.h"))
     }
-    folder.mkdir(parents=True, exist_ok=True)
-    for name, text in pages.items():
-        path = folder / name
-        if not path.is_file() or path.read_text() != text:
-            path.write_text(text)
 
 
-def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("folder", type=Path, metavar="FOLDER")
-    write_pages(parser.parse_args().folder)
-    return 0
+def c_page(texts: dict[str, str]) -> str:
+    """A section for each header: the comment at its head, and what it declares."""
+    lines = []
+    for name, text in texts.items():
+        head = COMMENT.match(text)
+        about = text_of(head["text"]) if head else []
+        lines += [f"## {name}", "", *about, "", "```{eval-rst}", f".. c:autodoc:: {name}", "```", ""]
+    return "\n".join(lines)
 
 
-if __name__ == "__main__":
-    sys.exit(main())
+def write_if_other(path: Path, text: str) -> None:
+    """Leaves a file alone that is already as it should be, so that nothing is built without need."""
+    if not path.is_file() or path.read_text() != text:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text)
+
+
+def write_pages(folder: Path, header_folder: Path) -> None:
+    write_if_other(folder / "parameters.md", parameters_page(tomllib.loads(PARAMETERS.read_text())))
+    write_if_other(folder / "obstacles.md", obstacles_page(json.loads(SCHEMA.read_text())))
+    write_if_other(folder / "c.md", c_page(headers()))
+    for name, text in headers().items():
+        write_if_other(header_folder / name, documented(text))
