@@ -512,14 +512,28 @@ def reduce_flights(raw: Record) -> Record:
         return {key: rounded(found[key]) for key in keys} | {"nees": consistency(found["consistency"])}
 
     host = [score["host_ms"] for score in raw["flights"]]
+    alone = raw["stereo_alone"]
+    noisy = {found["split"]: {key: found[key] for key in ("hits", "band_frames", "false_alarm_frames")}
+             for found in raw["pose_noise"]["groups"]}  # fmt: skip
     return {
         "groups": [group(found) for found in raw["groups"] if found["split"] == "test"],
         "flights": [flight(score) for score in raw["flights"]],
+        "stereo_alone": alone
+        and {
+            "thresholds": len(alone["alone"]),
+            "frames_near": alone["near_frames"],
+            "frames": alone["frames"],
+            "missed": alone["ours"]["missed"],
+            "false_alarm_frames": alone["ours"]["alarms"],
+        },
+        "pose_noise": noisy,
         "host_ms": {"least": round(min(host), 1), "largest": round(max(host), 1)},
     }
 
 
 def rounded(value: Any) -> Any:
+    if isinstance(value, list):
+        return [rounded(one) for one in value]
     return round(value, 2) if isinstance(value, float) else value
 
 
@@ -527,7 +541,7 @@ def reduce_scenes(raw: Record) -> Record:
     intervals = raw["halves"]["test"]["cut_minus_reference_95"]
     return {
         "cut_minus_reference_95": [
-            {"reference": name} | {key: values[key] for key in STATISTICS}
+            {"reference": name} | {key: rounded(values[key]) for key in STATISTICS}
             for name, values in intervals.items()
         ]
     }

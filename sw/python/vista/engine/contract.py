@@ -1,4 +1,4 @@
-"""What all engines agree on: parameters, images, words, and what is refused (doc/design/engine-contract.md)."""
+"""What all engines share: parameters, images, words, and what is refused."""
 
 from __future__ import annotations
 
