@@ -47,9 +47,10 @@ def execute(arguments: argparse.Namespace) -> int:
         partition_scenes(scenes, values), desc="score", total=len(scenes), unit="scene", disable=None
     )
     scored = [score_scene(scene, partition) for scene, partition in pairs]
-    lines = report.table(scored)
+    summary = report.halves(scored)
+    lines = report.table(summary)
     host_ms = float(np.median([s.partition.host_ms for s in scored]))
-    content = json.dumps(report.as_json(scored, values, host_ms), indent=1)
+    content = json.dumps(report.as_json(scored, summary, values, host_ms), indent=1)
     write_atomically(arguments.folder / SCORES, content + "\n")
     write_atomically(arguments.folder / REPORT, report.render_page(scored, lines))
     print("\n".join(lines))
