@@ -134,7 +134,9 @@ def c_page(texts: dict[str, str]) -> str:
     for name, text in texts.items():
         head = COMMENT.match(text)
         about = text_of(head["text"]) if head else []
-        lines += [f"## {name}", "", *about, "", "```{eval-rst}", f".. c:autodoc:: {name}", "```", ""]
+        lines += [f"## {name}", "", *about, ""]
+        if "/**" in documented(text):
+            lines += ["```{eval-rst}", f".. c:autodoc:: {name}", "```", ""]
     return "\n".join(lines)
 
 

@@ -9,63 +9,66 @@
 
 VISTA_BEGIN
 
+/* An ellipse in the rectified left image. */
 typedef struct vista_ellipse {
   double center_u_px, center_v_px;
   double axis_a_px, axis_b_px; /* semi-axes, a >= b >= 0 */
-  double angle_deg;            /* of axis a, clockwise from +u as seen on the screen (v down), in (-90, 90] */
+  double angle_deg; /* direction of axis a, clockwise from +u as seen on the screen (v down), in (-90, 90] */
 } vista_ellipse;
 
-/* Of the static-world test: does the track stand still in the world, or does it move with the aircraft, as the image of
- * a texture that was matched one period off does? */
+/* The verdict of the static-world test: does the track stand still in the world, or does it move with the aircraft, as
+ * the image of a texture does that is matched one texture period off? */
 typedef enum vista_world_verdict {
   VISTA_WORLD_OPEN = 0, /* the aircraft has travelled too little to tell */
-  VISTA_WORLD_STANDS,   /* or comes nearer: whatever it is, it is there */
-  VISTA_WORLD_MOVES,    /* across the line of sight, by itself */
-  VISTA_WORLD_REFUTED,  /* moves with the aircraft: the image of a periodic texture */
+  VISTA_WORLD_STANDS, /* or comes nearer: whatever it is, it is there */
+  VISTA_WORLD_MOVES, /* across the line of sight, by itself */
+  VISTA_WORLD_REFUTED, /* moves with the aircraft: the image of a periodic texture */
   VISTA_WORLD_VERDICT_COUNT
 } vista_world_verdict;
 
-/* Upper-case name of a verdict; never null. */
+/* The name of a verdict, in upper case; never null. */
 VISTA_API const char *vista_world_verdict_name(vista_world_verdict verdict);
 
-/* Why a region of the image is not an obstacle; the first reason that applies, in this order. */
+/* Why a region of the image is not an obstacle: the first reason that applies, in this order. */
 typedef enum vista_region_verdict {
   VISTA_REGION_ACCEPTED = 0,
-  VISTA_REGION_BACKGROUND,     /* grown from no disparity of its own and not plain: sky, bare ground */
+  VISTA_REGION_BACKGROUND, /* grown from no disparity of its own and not plain: sky, bare ground */
   VISTA_REGION_TOO_FEW_PIXELS, /* too few boundary inliers to say anything */
-  VISTA_REGION_LOW_SUPPORT,    /* valid fraction of the boundary too small */
-  VISTA_REGION_INCONSISTENT,   /* boundary disparity does not vary smoothly (edge consistency) */
-  VISTA_REGION_HORIZONTAL,     /* a surface to fly above, or flat on one: ground, road, water */
-  VISTA_REGION_TOO_FAR,        /* disparity below the smallest that is reconstructed */
-  VISTA_REGION_TOO_SMALL,      /* metric size below the smallest obstacle */
+  VISTA_REGION_LOW_SUPPORT, /* valid fraction of the boundary too small */
+  VISTA_REGION_INCONSISTENT, /* boundary disparity does not vary smoothly (edge consistency) */
+  VISTA_REGION_HORIZONTAL, /* a surface to fly above, or flat on one: ground, road, water */
+  VISTA_REGION_TOO_FAR, /* disparity below the smallest that is reconstructed */
+  VISTA_REGION_TOO_SMALL, /* metric size below the smallest obstacle */
   VISTA_REGION_VERDICT_COUNT
 } vista_region_verdict;
 
-/* Upper-case name of a verdict; never null. */
+/* The name of a verdict, in upper case; never null. */
 VISTA_API const char *vista_region_verdict_name(vista_region_verdict verdict);
 
+/* One obstacle, as the track that it belongs to estimates it in this frame. */
 typedef struct vista_obstacle {
-  int32_t id;                /* of the track; 0: too near to match, no track */
-  bool confirmed;            /* seen in M of N frames, and not refuted by the static-world test */
-  bool coasting;             /* not seen in this frame: the position is a prediction */
-  bool in_blind_zone;        /* nearer than the engine matches */
-  vista_world_verdict world; /* of the static-world test */
+  int32_t id; /* number of the track; 0: something too near to match, which has no track */
+  bool confirmed; /* seen in M of N frames, and not refuted by the static-world test */
+  bool coasting; /* not seen in this frame: the position is a prediction */
+  bool in_blind_zone; /* nearer than the engine matches */
+  vista_world_verdict world; /* verdict of the static-world test */
   int32_t age_frames;
-  double position_m[3];     /* world */
-  double covariance_m2[9];  /* of position_m, row-major: the filter's, and that of errors which last */
-  double distance_m;        /* from the camera */
-  double extent_m[2];       /* width, height */
-  vista_ellipse ellipse; /* of this frame's detection, or the last one carried on to the predicted place and range */
-  double disparity_px; /* of the state in this frame */
-  bool in_collision_volume; /* it may be warned of, and is in the volume around the flight path */
+  double position_m[3]; /* in the world */
+  double covariance_m2[9]; /* of position_m, row-major; includes errors that last while the obstacle is in view */
+  double distance_m; /* from the camera */
+  double extent_m[2]; /* width, height */
+  vista_ellipse ellipse; /* of this frame's detection; while coasting, the last one moved to the predicted place */
+  double disparity_px; /* at the estimated position */
+  bool in_collision_volume; /* it can cause a warning and is in the volume around the flight path */
 } vista_obstacle;
 
+/* The nearest confirmed obstacle that meets the collision volume. */
 typedef struct vista_nearest_collision {
-  bool valid; /* false: nothing confirmed meets the collision volume, the rest is zero */
+  bool valid; /* false: there is none, and all other members are zero */
   int32_t id;
   double position_m[3];
   double distance_m;
-  double time_to_collision_s; /* distance along the flight direction / closing speed; NaN: that is below
+  double time_to_collision_s; /* distance along the flight direction over closing speed; NaN if that speed is below
                                  motion.speed_min_m_s, or unknown */
 } vista_nearest_collision;
 
