@@ -174,6 +174,7 @@ typedef struct point {
   double u_px; /* to the right,
                 * not to the left */
   double v_px; /* down */
+  int a, *b;
 } point;
 #endif
 """
@@ -185,6 +186,7 @@ def test_comments_of_headers_come_before_what_they_describe() -> None:
     place = lines.index("  double u_px;")
     assert lines[place - 4 : place] == ["  /**", "   * to the right,", "   * not to the left", "   */"]
     assert lines[lines.index("typedef struct point {") - 3 :][:2] == [" * A point.", " * In px."]
+    assert "  /** */\n  int a;\n  /** */\n  int *b;" in "\n".join(lines)
     assert "The head * of the file." in make_pages.c_page({"a.h": HEADER})
 
 
