@@ -1,4 +1,4 @@
-/* What libvista reports: obstacles, and the nearest that the aircraft would collide with. */
+/* What libvista reports: obstacles, the nearest that the aircraft would collide with, and its own motion. */
 #ifndef VISTA_OBSTACLE_H
 #define VISTA_OBSTACLE_H
 
@@ -6,6 +6,7 @@
 #include <stdint.h>
 
 #include "vista/api.h"
+#include "vista/types.h"
 
 VISTA_BEGIN
 
@@ -69,8 +70,36 @@ typedef struct vista_nearest_collision {
   double position_m[3];
   double distance_m;
   double time_to_collision_s; /* distance along the flight direction over closing speed; NaN if that speed is below
-                                 motion.speed_min_m_s, or unknown */
+                                 obstacle_map.closing_min_m_s, or unknown */
 } vista_nearest_collision;
+
+/* Where the camera's pose in this frame comes from. */
+typedef enum vista_motion_source {
+  VISTA_MOTION_UNTOLD = 0, /* no pose so far: the world is the camera of the first frame */
+  VISTA_MOTION_POSE,       /* the frame has a pose */
+  VISTA_MOTION_STANDS,     /* no pose; the caller says that the camera has not moved since the last frame */
+  VISTA_MOTION_CARRIED_ON, /* no pose, but earlier frames had one: the last motion goes on */
+  VISTA_MOTION_REFUSED,    /* the pose of the frame is impossible: the last motion goes on */
+  VISTA_MOTION_SOURCE_COUNT
+} vista_motion_source;
+
+/* The name of a source, in upper case; never null. */
+VISTA_API const char *vista_motion_source_name(vista_motion_source source);
+
+/* The vehicle's own motion as the detector worked with it. */
+typedef struct vista_motion {
+  bool known; /* true for POSE and STANDS; otherwise positions in the world rest on a guess of the camera's pose */
+  bool restarted;                  /* the poses continued at another place, so all tracks were dropped */
+  bool velocity_known;             /* otherwise the velocity is zero, or the last one that was known */
+  vista_motion_source source;
+  vista_pose pose;                 /* of the camera in the world */
+  double velocity_m_s[3];          /* in the world */
+  double turn_rate_rad_s[3];       /* axis times rate, in the world */
+  double speed_m_s;
+  double
+      direction[3]; /* of flight, unit length, in the world: along the velocity if it is known, else the optical axis */
+  double drift_m; /* standard deviation that this frame adds to the position while the last motion goes on */
+} vista_motion;
 
 VISTA_END
 

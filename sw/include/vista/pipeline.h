@@ -10,6 +10,7 @@
 #ifndef VISTA_PIPELINE_H
 #define VISTA_PIPELINE_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -25,9 +26,11 @@ VISTA_BEGIN
 typedef struct vista_frame {
   vista_image image;               /* the rectified left image */
   vista_disparity_image disparity; /* words of the engine, of the same size */
-  const vista_pose *pose;          /* of the rectified left camera in the world; null: not known */
+  const vista_pose *pose;          /* of the rectified left camera in the world; null: not known (motion.source) */
   const double *up_world; /* 3 numbers: the unit vector against gravity in the world; null: -y of the camera */
-  int64_t t_ns; /* increasing from frame to frame */
+  int64_t t_ns;           /* increasing from frame to frame */
+  const double *velocity_m_s; /* 3 numbers: of the camera in the world; null: from the poses */
+  bool stationary;            /* without a pose: the camera has not moved since the last frame */
 } vista_frame;
 
 /* What the detector saw, as pictures for displays and logs. Each pixel belongs to a cell of the log-polar grid, each
@@ -48,7 +51,7 @@ typedef struct vista_result {
   int32_t obstacle_count;
   int32_t obstacle_bytes; /* bytes from one obstacle to the next */
   vista_nearest_collision nearest_collision;
-  double velocity_m_s[3]; /* of the camera in the world, from the poses; zero while unknown */
+  vista_motion motion;
   double valid_fraction; /* share of the pixels of the image that have a disparity */
   int32_t region_count;
   int32_t accepted_count; /* regions that are taken for obstacles */
@@ -100,8 +103,9 @@ VISTA_API vista_status vista_pipeline_process_sized(vista_pipeline *pipeline, co
  * - VISTA_ERROR_ARGUMENT: a pointer is null.
  * - VISTA_ERROR_SIZE: the images have another size than the camera.
  * - VISTA_ERROR_ORDER: the time is not after that of the frame before.
- * - VISTA_ERROR_NUMBER: the pose or the vector against gravity is not finite.
- * - VISTA_ERROR_RANGE: the pose has no rotation, or the vector against gravity is not of unit length. */
+ * - VISTA_ERROR_NUMBER: the pose, the velocity or the vector against gravity is not finite.
+ * - VISTA_ERROR_RANGE: the pose has no rotation, the vector against gravity is not of unit length, or the velocity is
+ *   above motion.speed_max_m_s. */
 static inline vista_status vista_pipeline_process(vista_pipeline *pipeline, const vista_frame *frame,
                                                   vista_result *result) {
   return vista_pipeline_process_sized(pipeline, frame, sizeof *frame, result, sizeof *result);
