@@ -92,7 +92,7 @@ COMMENT = re.compile(
 # A member whose name says all still has to be listed.
 BARE_MEMBER = re.compile(r"(?<=[;,{]\n)(  )(\w[^\n/*]*(?:\*\w+)?[;,]?)(?=\n)")
 # hawkmoth lists the first of several members that are declared together.
-TOGETHER = re.compile(r"(  /\*\*(?:(?!\*/).)*\*/\n  )((?:const )?\w+ )([^;(){}]*,[^;(){}]*);", re.DOTALL)
+TOGETHER = re.compile(r"(  /\*\*(?:(?!\*/).)*\*/\n  )((?:const )?\w+ )([^;(){}\n]*,[^;(){}\n]*);", re.DOTALL)
 RST_MARKUP = re.compile(r"([*|`\\]|_\b)")
 
 
