@@ -1,7 +1,7 @@
 """Score the segmentation on labelled single scenes, against a reference method without a cut.
 
-DIR holds one folder for each scene: scene_NNNN is drawn at random with seed NNNN. Scenes that it lacks
-are rendered. Scenes with even seeds form the group dev, on which parameters may be chosen, those with odd seeds
+DIR holds one folder for each scene: scene_NNNN is drawn at random with seed NNNN. Scenes that it lacks are
+rendered. Scenes with even seeds form the group dev, on which parameters may be chosen, those with odd seeds
 the group test. The table is printed; DIR receives scenes.json, which has every score, and scenes.html, which
 shows the worst and the best scenes.
 """
