@@ -105,7 +105,7 @@ def execute(arguments: argparse.Namespace) -> int:
             summary = make_summary(chain, arguments.engine, values, records) | outcome
             folder.write_summary(summary)
     if interruption.requested:
-        print(f"vista: interrupted after {len(records)} frames", file=sys.stderr)
+        print(f"vista: interrupted after {len(records)} frame{'s' * (len(records) != 1)}", file=sys.stderr)
         return EXIT_INTERRUPTED
     report = folder.write_report(render_report(summary, records, folder))
     print(closing_lines(summary, report))
