@@ -1,5 +1,7 @@
 """Print the default parameters as a TOML file, or the format of obstacles.jsonl.
 
+Change the file and use it for a run; a file may also hold only the parameters that it changes:
+
 vista config > my.toml
 vista run SEQUENCE --out DIR --config my.toml
 """
