@@ -52,6 +52,7 @@ typedef struct vista_result {
   int32_t obstacle_bytes; /* from one to the next */
   vista_nearest_collision nearest_collision;
   vista_motion motion;
+  vista_health health;
   double valid_fraction;  /* of the image's pixels that have a disparity */
   int32_t region_count;
   int32_t accepted_count; /* of the regions, taken for obstacles */
