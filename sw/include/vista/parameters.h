@@ -180,6 +180,14 @@ typedef struct vista_obstacle_map_params {
   unsigned char reserved[192];
 } vista_obstacle_map_params;
 
+/* When a view tells too little. */
+typedef struct vista_health_params {
+  double degraded_fraction; /* A frame is degraded when less than this of the pixels that can be matched has a disparity. 0.0 .. 1.0. */
+  double blind_fraction; /* With less than this it is blind. 0.0 .. 1.0. At most degraded_fraction. */
+  double contrast_min; /* It is blind, too, when the standard deviation of the cells' grey levels is smaller. 0.0 .. 255.0 grey levels. */
+  unsigned char reserved[232];
+} vista_health_params;
+
 /* All parameters. vista_parameters_default makes the struct; change its members afterwards. A newer library
  * keeps its new parameters behind those of this header and in the reserved parts, and fills them in there. */
 typedef struct vista_parameters {
@@ -196,6 +204,7 @@ typedef struct vista_parameters {
   vista_tracker_params tracker;
   vista_blind_zone_params blind_zone;
   vista_obstacle_map_params obstacle_map;
+  vista_health_params health;
 } vista_parameters;
 
 /* Writes the defaults into a struct of this size. VISTA_ERROR_SIZE: it is no size of this struct. */
