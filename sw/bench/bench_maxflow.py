@@ -32,9 +32,9 @@ from frame_cases import isolating_cuts  # noqa: E402
 from graph_cases import (  # noqa: E402
     SEED_CAPACITY,
     FlowCase,
-    seed_case,
     polar_cases,
     real_images,
+    seed_case,
     synthetic_image,
 )
 from shared_data import SHARED_DATA  # noqa: E402

@@ -58,10 +58,19 @@ def test_run_writes_what_interfaces_promise(tmp_path: Path, run_vista: Vista, ma
     lines = read_lines(out)
     assert [line["frame"] for line in lines] == list(range(cases.FRAMES))
     first = lines[1]
-    keys = ["frame", "t_ns", "processing_ms", "regions", "valid_fraction", "obstacles", "nearest_collision"]
-    assert list(first) == keys
-    obstacle_keys = ["id", "confirmed", "age_frames", "position_m", "covariance_m2", "distance_m", "extent_m"]
-    obstacle_keys += ["ellipse_px", "disparity_px", "in_collision_volume", "coasting", "world"]
+    keys = ["version", "frame", "t_ns", "processing_ms", "regions", "valid_fraction", "motion", "health"]
+    assert list(first) == [*keys, "obstacles", "nearest_collision"]
+    assert first["version"] == 2
+    obstacle_keys = ["id", "confirmed", "age_frames", "position_m", "position_camera_m", "covariance_m2"]
+    obstacle_keys += [
+        "distance_m",
+        "extent_m",
+        "ellipse_px",
+        "disparity_px",
+        "in_collision_volume",
+        "coasting",
+        "world",
+    ]
     assert list(first["obstacles"][0]) == obstacle_keys
     assert list(first["obstacles"][0]["ellipse_px"]) == ["center", "axes", "angle_deg"]
     assert list(first["nearest_collision"]) == ["id", "position_m", "distance_m", "time_to_collision_s"]
@@ -120,15 +129,15 @@ def test_record_holds_what_the_host_received(tmp_path: Path, run_vista: Vista) -
     assert run_vista("run", folder, "--out", tmp_path / "out", "--record", record)[0] == 0
     data = record.read_bytes()
     magic, version, width, height, parameter_count, *camera, stills, _ = HEADER.unpack_from(data)
-    assert (magic, version, width, height) == (b"VISTAREC", 2, cases.WIDTH, cases.HEIGHT)
+    assert (magic, version, width, height) == (b"VISTAREC", 3, cases.WIDTH, cases.HEIGHT)
     assert camera == [cases.FOCAL_PX, cases.CX, cases.CY, cases.BASELINE_M]
     pixels = width * height
     assert stills == 0
-    recorded = dict(
-        PARAMETER.unpack_from(data, HEADER.size + i * PARAMETER.size) for i in range(parameter_count)
-    )
-    expected = vista.parameters.as_numbers(vista.parameters.defaults())
-    assert {name.rstrip(b"\0").decode(): value for name, value in recorded.items()} == expected
+    recorded = [PARAMETER.unpack_from(data, HEADER.size + i * PARAMETER.size) for i in range(parameter_count)]
+    texts = [[text.rstrip(b"\0").decode() for text in row[:2]] for row in recorded]
+    found = {name: choice or number for (name, choice), (_, _, number) in zip(texts, recorded, strict=True)}
+    assert found == vista.parameters.flat(vista.parameters.defaults())
+    assert found["stereo.prefilter"] == "xsobel"  # by its name, wherever it stands in parameters.toml
     frame_bytes = FRAME.size + 3 * pixels
     first_frame = HEADER.size + parameter_count * PARAMETER.size
     assert len(data) == first_frame + cases.FRAMES * frame_bytes
@@ -153,7 +162,7 @@ def test_stills_are_judged_one_by_one(tmp_path: Path, stills: bool) -> None:
     """With the real pipeline: the ids of the board and whether it is confirmed, frame by frame."""
     folder = cases.make_board_scenes(tmp_path / "pairs", 4, stills)
     record = tmp_path / "stills.rec"
-    options = ["--out", str(tmp_path / "out"), "--no-overlay", "--record", str(record)]
+    options = ["--out", str(tmp_path / "out"), "--no-overlay", "--all-tracks", "--record", str(record)]
     assert main(["run", str(folder), *options]) == 0
     frames = [line["obstacles"] for line in read_lines(tmp_path / "out")]
     boards = [min(obstacles, key=lambda o: abs(o["distance_m"] - 12.5)) for obstacles in frames]
@@ -345,8 +354,9 @@ def test_interruption_leaves_whole_lines_and_a_valid_summary(tmp_path: Path, num
         time.sleep(0.01)
     process.send_signal(number)
     stdout, stderr = process.communicate(timeout=60)
-    assert (process.returncode, stdout, stderr) == (130, b"", b"")
     frames = read_lines(out)
+    line = f"vista: interrupted after {len(frames)} frames\n".encode()
+    assert (process.returncode, stdout, stderr) == (130, b"", line)
     assert 1 <= len(frames) < 60
     summary = json.loads((out / "summary.json").read_text())
     assert (summary["frames"], summary["interrupted"]) == (len(frames), True)

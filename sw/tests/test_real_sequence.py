@@ -9,11 +9,12 @@ import subprocess
 from pathlib import Path
 
 import pytest
-from shared_data import REPOSITORY, SHARED_DATA
+from shared_data import SHARED_DATA
+from vista import native
 from vista.cli import main
 
 STREET = SHARED_DATA / "kitti_odometry" / "sequences" / "00"
-REPLAY = REPOSITORY / os.environ.get("VISTA_BUILD", "build") / "bin" / "replay"
+REPLAY = native.build_folder() / "bin" / "replay"
 FRAMES = 12
 NODES_MIN = 5000  # what the host has to segment at 60 Hz
 
@@ -23,7 +24,7 @@ pytestmark = pytest.mark.skipif(not STREET.is_dir(), reason="KITTI odometry 00 i
 def run_street(folder: Path) -> tuple[str, Path]:
     """obstacles.jsonl without its times, and the recording."""
     recording = folder / "street.rec"
-    options = ["--no-overlay", "--frames", f"0:{FRAMES}", "--record", str(recording)]
+    options = ["--no-overlay", "--all-tracks", "--frames", f"0:{FRAMES}", "--record", str(recording)]
     assert main(["run", str(STREET), "--out", str(folder / "out"), *options]) == 0
     text = (folder / "out" / "obstacles.jsonl").read_text()
     timeless, count = re.subn(r'"processing_ms": [0-9.]+, ', "", text)

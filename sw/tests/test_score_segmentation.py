@@ -128,13 +128,13 @@ def test_statistics_pool_the_things_of_all_scenes() -> None:
 def test_the_interval_holds_a_constant_difference_and_a_doubtful_one_spans_zero() -> None:
     random = np.random.default_rng(5)
     ious = random.uniform(0.2, 0.7, 40)
-    control = [scores_of(iou) for iou in ious]
+    reference = [scores_of(iou) for iou in ious]
     mean = segmentation.STATISTICS["iou_mean"]
-    better = segmentation.difference_interval([scores_of(iou + 0.1) for iou in ious], control, mean)
+    better = segmentation.difference_interval([scores_of(iou + 0.1) for iou in ious], reference, mean)
     assert better == pytest.approx((0.1, 0.1))
     noise = random.permutation(np.repeat([-0.1, 0.1], 20))
     low, high = segmentation.difference_interval(
-        [scores_of(iou + step) for iou, step in zip(ious, noise, strict=True)], control, mean
+        [scores_of(iou + step) for iou, step in zip(ious, noise, strict=True)], reference, mean
     )
     # Mean of 40 draws of +-0.1: standard error 0.1 / sqrt(40) = 0.0158.
     assert (low, high) == pytest.approx((-0.031, 0.031), abs=0.004)

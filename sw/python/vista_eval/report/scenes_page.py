@@ -14,7 +14,7 @@ from vista.report.page import fill_template
 from vista.report.palette import WHITE, distinct_colours
 
 from vista_eval.dataset.truth import SPLITS
-from vista_eval.metrics.scenes import CONTROLS, CUT, ScoredScene, control_regions
+from vista_eval.metrics.scenes import CUT, REFERENCES, ScoredScene, reference_regions
 from vista_eval.metrics.segmentation import STATISTICS, LabelledView, difference_interval
 
 SHOWN = 6  # scenes at either end
@@ -41,14 +41,14 @@ def statistics(scored: list[ScoredScene]) -> dict[str, Row]:
 
 
 def intervals(scored: list[ScoredScene]) -> dict[str, dict[str, tuple[float, float]]]:
-    """Control -> statistic -> 95 % interval of cut - control."""
+    """Reference method -> statistic -> 95 % interval of cut - reference."""
     cut = [s.scores[CUT] for s in scored]
     return {
         name: {
             key: difference_interval(cut, [s.scores[name] for s in scored], value)
             for key, value in STATISTICS.items()
         }
-        for name in CONTROLS
+        for name in REFERENCES
     }
 
 
@@ -96,7 +96,7 @@ def as_json(
         "version": 1,
         "host_ms_median": round(host_ms, 2),
         "halves": {
-            split: {"statistics": half.statistics, "cut_minus_control_95": half.intervals}
+            split: {"statistics": half.statistics, "cut_minus_reference_95": half.intervals}
             for split, half in summary.items()
         },
         "scenes": [
@@ -114,7 +114,7 @@ def as_json(
             }
             for s in scored
         ],
-        "controls": {name: asdict(control) for name, control in CONTROLS.items()},
+        "references": {name: asdict(reference) for name, reference in REFERENCES.items()},
         "parameters": values,
     }
 
@@ -125,16 +125,16 @@ Picture = NDArray[np.uint8]
 
 
 def draw_scene(scored: ScoredScene) -> Picture:
-    """Truth, disparity, cut and control; the outlines of the things that are scored in white."""
+    """Truth, disparity, cut and reference method; the outlines of the things that are scored in white."""
     scene, result = scored.scene, scored.partition.result
     truth = np.zeros(scene.left.shape, np.int32)
     truth[scene.view.area] = scene.view.label
-    control = control_regions(scored.partition, CONTROLS["control"])
+    reference = reference_regions(scored.partition, REFERENCES["reference method"])
     tiles = [
         draw_labels(scene.left, truth - 1, scene.view),
         draw_disparity(scored.partition.words, 64),
         draw_labels(scene.left, result.region_of_pixel, scene.view),
-        draw_labels(scene.left, control, scene.view),
+        draw_labels(scene.left, reference, scene.view),
     ]
     return np.vstack([np.hstack(tiles[:2]), np.hstack(tiles[2:])])
 
