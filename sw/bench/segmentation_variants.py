@@ -1,4 +1,4 @@
-"""What each choice of the segmentation is worth on labelled scenes, with the control that does not cut.
+"""What each choice of the segmentation is worth on labelled scenes, with the reference method.
 
 usage: segmentation_variants.py DIR [--only NAME ...] [--readme]
 
@@ -149,7 +149,7 @@ def measure(variant: Variant, scenes: list[LabelledScene]) -> tuple[list[Partiti
 
 
 def baselines(halves: dict[str, list[LabelledScene]]) -> list[str]:
-    """Rows of the controls and of the grid's own limit."""
+    """Rows of the reference methods and of the grid's own limit."""
     rows: dict[str, list[str]] = {}
     for scenes in halves.values():
         scored = [score_scene(*pair).scores for pair in partition_scenes(scenes, parameters.defaults())]

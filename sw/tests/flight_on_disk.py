@@ -72,7 +72,7 @@ def write_flight(
     boards: tuple[Board, ...] = (SIGN, WALL),
     frames: int = 30,
     last_range_m: float = 16.0,
-    split: str = "report",
+    split: str = "test",
 ) -> Path:
     left_from_body = WORLD_FROM_CAMERA  # the body's axes are the world's, its origin the left camera
     seen, poses, lists = [], [], []
@@ -138,7 +138,7 @@ def truth(name: str, boards: tuple[Board, ...], seen: list[dict], split: str) ->
             }
         )
     return {
-        "version": 1,
+        "version": 2,
         "name": name,
         "title": f"{name}, a test",
         "split": split,

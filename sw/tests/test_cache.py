@@ -1,8 +1,11 @@
-"""What is kept: found once for a digest, again for another one, from a damaged file, or when asked to."""
+"""What is kept: found once for a digest, again for another one, from a damaged file, or when asked to.
+
+What a digest of code changes with: all code that a module imports, and no comment."""
 
 from __future__ import annotations
 
 import os
+import shutil
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,7 +13,16 @@ from pathlib import Path
 import flight_on_disk as disk
 import numpy as np
 import pytest
-from vista_eval.cache import digest_of, flight_files, kept, to_json
+from vista_eval.cache import (
+    Roots,
+    code_digest,
+    code_of,
+    digest_of,
+    flight_files,
+    kept,
+    our_packages,
+    to_json,
+)
 
 
 @pytest.fixture
@@ -70,3 +82,120 @@ def test_arrays_and_dataclasses_become_json() -> None:
 
     found = {"a": (Inner(np.array([[1.5, 2.0]]), None), np.float64(0.25)), "b": [np.int32(3), True]}
     assert to_json(found) == {"a": [{"row": [[1.5, 2.0]], "text": None}, 0.25], "b": [3, True]}
+
+
+# ---- code ----
+
+KEPT = ("vista_eval.baselines.stereo_alone", "vista_eval.fly", "vista_eval.metrics.flight_segmentation")
+
+
+@pytest.fixture
+def copied(tmp_path: Path) -> Roots:
+    """Our packages where a test may change them."""
+    for name, folder in our_packages():
+        shutil.copytree(folder, tmp_path / name, ignore=shutil.ignore_patterns("__pycache__"))
+    return tuple((name, tmp_path / name) for name, _ in our_packages())
+
+
+def file_of(module: str, roots: Roots) -> Path:
+    top, *below = module.split(".")
+    path = dict(roots)[top].joinpath(*below)
+    return path / "__init__.py" if path.is_dir() else path.with_suffix(".py")
+
+
+def digest_anew(entry: str, roots: Roots) -> str:
+    code_of.cache_clear()
+    return code_digest(entry, roots)
+
+
+@pytest.mark.parametrize("entry", KEPT)
+def test_code_that_is_imported_counts_wherever_it_lies(copied: Roots, entry: str) -> None:
+    before = digest_anew(entry, copied)
+    assert before == digest_anew(entry, our_packages())
+    modules = code_of(entry, copied)
+    assert {"vista.engine.golden", "vista.geometry", "vista.sequence.asl", "vista.sequence.image"} <= set(
+        modules
+    )
+    for module in modules:
+        file = file_of(module, copied)
+        text = file.read_text()
+        file.write_text(text + "\nADDED = 1\n")
+        assert digest_anew(entry, copied) != before, module
+        file.write_text(text)
+    assert digest_anew(entry, copied) == before
+
+
+def test_modules_that_are_not_imported_do_not_count(copied: Roots) -> None:
+    before = digest_anew(KEPT[0], copied)
+    for module in ("vista.report.plots", "vista.cli", "vista_eval.worlds.street", "vista_eval.metrics.gospa"):
+        with file_of(module, copied).open("a") as file:
+            file.write("\nADDED = 1\n")
+    assert digest_anew(KEPT[0], copied) == before
+
+
+def package(folder: Path, **modules: str) -> Roots:
+    (folder / "ours").mkdir(parents=True)
+    for name, text in ({"__init__": ""} | modules).items():
+        (folder / "ours" / f"{name}.py").write_text(text)
+    return (("ours", folder / "ours"),)
+
+
+PLAIN = """
+from __future__ import annotations
+from ours.below import value
+
+def twice(x: int) -> int:
+    return 2 * value(x)
+"""
+REWORDED = '''"""A docstring."""
+
+from __future__ import annotations
+from ours.below import (
+    value,  # with a comment
+)
+
+
+# A comment.
+def twice(x: int) -> int:
+    """Another docstring."""
+    return 2 * value(x)
+'''
+BELOW = "def value(x):\n    return x\n"
+
+
+def test_words_do_not_count(tmp_path: Path) -> None:
+    plain = package(tmp_path / "a", above=PLAIN, below=BELOW)
+    reworded = package(tmp_path / "b", above=REWORDED, below=BELOW)
+    other = package(tmp_path / "c", above=PLAIN.replace("2 *", "3 *"), below=BELOW)
+    assert code_digest("ours.above", plain) == code_digest("ours.above", reworded)
+    assert code_digest("ours.above", plain) != code_digest("ours.above", other)
+
+
+def test_a_module_that_moves_stays_the_same(tmp_path: Path) -> None:
+    plain = package(tmp_path / "a", above=PLAIN, below=BELOW)
+    moved = package(tmp_path / "b", top=PLAIN.replace("ours.below", "ours.deep"), deep=BELOW)
+    assert code_digest("ours.above", plain) == code_digest("ours.top", moved)
+
+
+@pytest.mark.parametrize(
+    "statement",
+    [
+        "import ours.below",
+        "from ours import below",
+        "from . import below",
+        "from .below import value as v",
+        "def f():\n    from ours.below import value",
+        "from ours import other",  # which imports it
+    ],
+)
+def test_imports_of_all_kinds_are_followed(tmp_path: Path, statement: str) -> None:
+    modules = {"above": statement + "\n", "other": "from ours import below\n"}
+    digests = {
+        code_digest("ours.above", package(tmp_path / str(k), **modules, below=f"K = {k}\n")) for k in (1, 2)
+    }
+    assert len(digests) == 2
+
+
+def test_imports_for_types_are_not_followed(tmp_path: Path) -> None:
+    text = "from typing import TYPE_CHECKING\nif TYPE_CHECKING:\n    from ours.below import Value\n"
+    assert list(code_of("ours.above", package(tmp_path, above=text, below=BELOW))) == ["ours.above"]

@@ -86,9 +86,7 @@ def flight(name: str, kind: str | None, speed_ft_s: float, frames: int = 0) -> F
     objects = {1: target} if target else {}
     speed_m_s = speed_ft_s * FOOT_M
     times_ns = tuple(range(frames))
-    return FlightTruth(
-        Path(), name, name, "tune", 1000.0, 0.5, (0, 0), speed_m_s, 10.0, objects, times_ns, ()
-    )
+    return FlightTruth(Path(), name, name, "dev", 1000.0, 0.5, (0, 0), speed_m_s, 10.0, objects, times_ns, ())
 
 
 def names(truths: list[FlightTruth]) -> list[str]:

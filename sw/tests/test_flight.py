@@ -137,7 +137,7 @@ def test_only_what_is_missing_is_rendered(rendered: Path) -> None:
 
 
 def test_an_interruption_leaves_whole_images_only(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    from vista_eval.dataset import layout as writer
+    from vista_eval.dataset import files
 
     out = tmp_path / "flight"
     written = []
@@ -149,7 +149,7 @@ def test_an_interruption_leaves_whole_images_only(tmp_path: Path, monkeypatch: p
         return cv2_imencode(extension, image)
 
     cv2_imencode = cv2.imencode
-    monkeypatch.setattr(writer.cv2, "imencode", interrupted_encode)
+    monkeypatch.setattr(files.cv2, "imencode", interrupted_encode)
     with pytest.raises(KeyboardInterrupt):
         render(SHORT, out)
     assert not is_complete(SHORT, out, "quick")

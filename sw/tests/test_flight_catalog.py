@@ -28,11 +28,11 @@ def test_there_are_nineteen_or_more_and_half_are_not_tuned_on() -> None:
     assert len(FLIGHTS) >= 19
     assert all(name == flight.name for name, flight in FLIGHTS.items())
     assert len({flight.seed for flight in FLIGHTS.values()}) == len(FLIGHTS)
-    report = [flight for flight in FLIGHTS.values() if flight.split == "report"]
-    assert 0.4 <= len(report) / len(FLIGHTS) <= 0.6
+    test = [flight for flight in FLIGHTS.values() if flight.split == "test"]
+    assert 0.4 <= len(test) / len(FLIGHTS) <= 0.6
     for kind in ("clear", "drone"):
         splits = {flight.split for name, flight in FLIGHTS.items() if name.startswith(kind)}
-        assert splits == {"tune", "report"}
+        assert splits == {"dev", "test"}
     speeds_ft_s = [flight.approach.speed_m_s / FOOT_M for flight in COMPANION_TABLE]
     assert speeds_ft_s == pytest.approx([10, 30, 30, 10])
 
@@ -58,7 +58,7 @@ def test_a_flight_at_a_sign_or_pole_begins_where_the_papers_tracks_do(name: str)
 
 def test_one_flight_goes_on_nearer_than_anything_is_matched() -> None:
     ranges_m = np.array([-state.world_from_body[0, 3] for state in states_of(FLIGHTS["close"])])
-    assert FLIGHTS["close"].split == "report"
+    assert FLIGHTS["close"].split == "test"
     assert np.sum(ranges_m < NEAREST_MATCHED_M) >= 10 and ranges_m[0] > 2 * NEAREST_MATCHED_M
 
 
@@ -66,10 +66,10 @@ def test_a_labelled_scene_is_a_flight_of_one_frame() -> None:
     flight = labelled(7)
     assert (flight.name, flight.split, frames_of(flight), frames_of(flight, "quick")) == (
         "scene_0007",
-        "report",
+        "test",
         1,
         1,
     )
     pose = states_of(flight)[0].world_from_body
     assert pose[2, 3] == flight.approach.altitude_m
-    assert labelled(8).split == "tune"
+    assert labelled(8).split == "dev"

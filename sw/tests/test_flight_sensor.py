@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from vista_eval.render.digest import content_sha256
+from vista_eval.cache import content_sha256
 from vista_eval.render.motion import solids_at
 from vista_eval.render.rig import LEFT, RIGHT
 from vista_eval.render.scene import Scene, Sphere, Sway, thing

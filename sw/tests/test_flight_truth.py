@@ -41,7 +41,7 @@ def scene_with_everything(altitude_m: float, _: int) -> Scene:
 FLIGHT = Flight(
     "everything",
     "a bit of everything",
-    "tune",
+    "dev",
     Approach(ALTITUDE_M, 9.0, last_range_m=25.0, frames=3, rate_hz=10.0),
     scene_with_everything,
     rig=SMALL_RIG,

@@ -22,7 +22,7 @@ FREE = "free"
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("flights")
     disk.write_flight(folder / "sign", frames=20, last_range_m=16.0)
-    disk.write_flight(folder / FREE, (disk.WALL,), frames=5, split="tune")
+    disk.write_flight(folder / FREE, (disk.WALL,), frames=5, split="dev")
     return folder
 
 
@@ -39,7 +39,7 @@ def printed(folder: Path) -> str:
 def test_the_table_has_both_groups_and_the_noise(printed: str) -> None:
     assert re.search(r"^sign +\d", printed, re.M)
     assert re.search(rf"^{FREE} ", printed, re.M)
-    assert printed.count("= tune: 1 flights") == printed.count("= report: 1 flights") == 2
+    assert printed.count("= dev: 1 flights") == printed.count("= test: 1 flights") == 2
     assert "with pose noise:" in printed
     assert "stereo alone, 540 thresholds over 2 flights" in printed
     assert re.search(r"^segmentation +things +IoU median, cut", printed, re.M)
@@ -52,11 +52,11 @@ def test_the_figures_are_those_of_the_python_function(folder: Path, printed: str
     for key, value in by_name["sign"].items():
         if key != "host_ms":
             assert json.loads(json.dumps(direct[key])) == value, key
-    assert [group["split"] for group in content["groups"]] == ["tune", "report"]
+    assert [group["split"] for group in content["groups"]] == ["dev", "test"]
     assert content["groups"][1]["hits"] == direct["hits"]
     assert len(content["pose_noise"]["flights"]) == 2
     assert len(content["goals"]) == 13
-    assert {row["name"] for row in content["segmentation"]} >= {"sign", "= report"}
+    assert {row["name"] for row in content["segmentation"]} >= {"sign", "= test"}
 
 
 class Fetched(HTMLParser):

@@ -1,4 +1,4 @@
-"""The control segmentation against its definition, worked out anew at every step on tiny graphs."""
+"""The reference method against its definition, worked out anew at every step on tiny graphs."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import numpy as np
 from random_seed import seeded
 from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import minimum_spanning_tree
-from vista_eval.baselines.reference_method import ControlParameters, merge_cells
+from vista_eval.baselines.reference_method import ReferenceParameters, merge_cells
 
 
 def internal_difference(component: set[int], edges: list[tuple[int, int, float]]) -> float:
@@ -60,7 +60,7 @@ def test_merging_follows_the_definition() -> None:
     for _ in range(60):
         edges, affinity = random_graph(random)
         k, min_cells = random.uniform(0.05, 2.0), int(random.integers(1, 5))
-        region = merge_cells(edges, affinity, np.zeros(12, bool), ControlParameters(k, min_cells))
+        region = merge_cells(edges, affinity, np.zeros(12, bool), ReferenceParameters(k, min_cells))
         weighted = [(int(i), int(j), 1.0 - float(w)) for (i, j), w in zip(edges, affinity, strict=True)]
         assert as_sets(region) == merge_by_definition(weighted, 12, k, min_cells)
         counts.add(region.max() + 1)
@@ -71,7 +71,7 @@ def test_surfaces_part_what_affinity_joins() -> None:
     edges = np.array([[0, 1], [1, 2], [2, 3]], np.int32)
     affinity = np.ones(3, np.float32)
     horizontal = np.array([True, True, False, False])
-    merged = merge_cells(edges, affinity, horizontal, ControlParameters())
-    parted = merge_cells(edges, affinity, horizontal, ControlParameters(respect_surfaces=True))
+    merged = merge_cells(edges, affinity, horizontal, ReferenceParameters())
+    parted = merge_cells(edges, affinity, horizontal, ReferenceParameters(respect_surfaces=True))
     assert merged.tolist() == [0, 0, 0, 0]
     assert parted.tolist() == [0, 0, 1, 1]

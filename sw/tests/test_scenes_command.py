@@ -13,15 +13,15 @@ from vista.errors import EXIT_INPUT, EXIT_OK
 
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
-    disk.write_flight(tmp_path / "scene_0000", frames=1, last_range_m=20.0, split="tune")
-    disk.write_flight(tmp_path / "scene_0001", frames=1, last_range_m=24.0, split="report")
+    disk.write_flight(tmp_path / "scene_0000", frames=1, last_range_m=20.0, split="dev")
+    disk.write_flight(tmp_path / "scene_0001", frames=1, last_range_m=24.0, split="test")
     return tmp_path
 
 
 def test_scenes_are_scored_by_half(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["scenes", str(folder), "--no-render"]) == EXIT_OK
     scores = json.loads((folder / "scenes.json").read_text())
-    assert list(scores["halves"]) == ["tune", "report"]
+    assert list(scores["halves"]) == ["dev", "test"]
     assert [scene["name"] for scene in scores["scenes"]] == ["scene_0000", "scene_0001"]
     for scene in scores["scenes"]:
         cut = scene["partitions"]["cut"]["things"]
@@ -31,7 +31,13 @@ def test_scenes_are_scored_by_half(folder: Path, capsys: pytest.CaptureFixture[s
             assert 0.0 <= one["iou"] <= 1.0
             assert best["iou"] > 0.5
     printed = capsys.readouterr().out
-    for name in ("cut", "control", "control, surfaces", "grid limit", "cut - control, 95 %"):
+    for name in (
+        "cut",
+        "reference method",
+        "reference method, surfaces",
+        "grid limit",
+        "cut - reference method, 95 %",
+    ):
         assert f"| {name} |" in printed
     page = (folder / "scenes.html").read_text()
     assert page.count("data:image/jpeg;base64,") == 2
@@ -58,3 +64,20 @@ def test_damaged_truth_is_named(folder: Path, capsys: pytest.CaptureFixture[str]
     assert main(["scenes", str(folder), "--no-render"]) == EXIT_INPUT
     assert str(label) in capsys.readouterr().err
     assert not (folder / "scenes.json").exists()
+
+
+def test_every_interval_is_drawn_once(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Bootstraps are the slowest part of scoring: the table and scenes.json share them."""
+    from vista_eval.metrics.scenes import CONTROLS
+    from vista_eval.metrics.segmentation import STATISTICS
+    from vista_eval.report import scenes_page
+
+    drawn = []
+
+    def difference_interval(*arguments: object) -> tuple[float, float]:
+        drawn.append(arguments)
+        return 0.0, 0.0
+
+    monkeypatch.setattr(scenes_page, "difference_interval", difference_interval)
+    assert main(["scenes", str(folder), "--no-render"]) == EXIT_OK
+    assert len(drawn) == 2 * len(CONTROLS) * len(STATISTICS)

@@ -283,7 +283,7 @@ def test_noisy_poses_have_the_sigmas_and_drift_slowly() -> None:
 
 @pytest.mark.parametrize(
     ("content", "problem"),
-    [("{", "not readable as JSON"), ('{"version": 7}', "version 7"), ('{"version": 1}', "not the truth")],
+    [("{", "not readable as JSON"), ('{"version": 7}', "version 7"), ('{"version": 2}', "not the truth")],
 )
 def test_a_bad_truth_is_named(tmp_path: Path, content: str, problem: str) -> None:
     (tmp_path / "truth.json").write_text(content)

@@ -11,7 +11,7 @@ import pytest
 from vista import parameters
 from vista_eval.metrics import flight_segmentation
 from vista_eval.metrics.flight_segmentation import FlightSegmentation, pool, rows, segment_cached
-from vista_eval.metrics.scenes import CONTROLS, CUT
+from vista_eval.metrics.scenes import CUT, REFERENCES
 from vista_eval.metrics.segmentation import PartitionScore, Thing, ThingScore
 
 
@@ -20,26 +20,26 @@ def partition(*ious: float) -> PartitionScore:
     return PartitionScore(tuple(ThingScore(thing, iou, iou, iou) for iou in ious), 0.1, 7)
 
 
-def flight(name: str, split: str, cut: tuple[float, ...], control: tuple[float, ...]) -> FlightSegmentation:
-    scores = {CUT: partition(*cut)} | {name: partition(*control) for name in CONTROLS}
+def flight(name: str, split: str, cut: tuple[float, ...], reference: tuple[float, ...]) -> FlightSegmentation:
+    scores = {CUT: partition(*cut)} | {name: partition(*reference) for name in REFERENCES}
     return FlightSegmentation(name, split, 1, scores)
 
 
 def test_rows_by_hand() -> None:
     flights = [
-        flight("a", "report", (0.6, 0.8, 1.0), (0.2, 0.4, 0.3)),
-        flight("b", "tune", (0.5,), (0.5,)),
-        flight("c", "report", (0.9,), (0.1,)),
-        flight("d", "report", (), ()),
-        flight("e", "report", (0.7,), (0.2,)),
+        flight("a", "test", (0.6, 0.8, 1.0), (0.2, 0.4, 0.3)),
+        flight("b", "dev", (0.5,), (0.5,)),
+        flight("c", "test", (0.9,), (0.1,)),
+        flight("d", "test", (), ()),
+        flight("e", "test", (0.7,), (0.2,)),
     ]
     found = {row.name: row for row in rows(flights)}
-    assert list(found) == ["b", "= tune", "a", "c", "d", "e", "= report"]
+    assert list(found) == ["b", "= dev", "a", "c", "d", "e", "= test"]
     assert [row.things for row in found.values()] == [1, 1, 3, 1, 0, 1, 5]
     assert found["a"].values[0][:2] == pytest.approx((0.8, 0.3))
-    assert found["= report"].values[0][:2] == pytest.approx((0.8, 0.2))
-    assert found["= tune"].intervals == ()  # of one flight there is none
-    low, high = found["= report"].intervals[0][0]
+    assert found["= test"].values[0][:2] == pytest.approx((0.8, 0.2))
+    assert found["= dev"].intervals == ()  # of one flight there is none
+    low, high = found["= test"].intervals[0][0]
     assert 0.4 <= low <= 0.6 <= high <= 0.8
 
 

@@ -30,7 +30,7 @@ AGREEING = {"matched_id": 1, "tracked": True, "error_m": 0.5}
 def truth(kind: str, speed_ft_s: float) -> FlightTruth:
     rig = (disk.FOCAL_PX, disk.BASELINE_M, (disk.CU, disk.CV))
     objects = {2: TARGETS[kind]}
-    return FlightTruth(Path(), "", "", "report", *rig, speed_ft_s * FOOT_M, 10.0, objects, (), ())
+    return FlightTruth(Path(), "", "", "test", *rig, speed_ft_s * FOOT_M, 10.0, objects, (), ())
 
 
 def score(

@@ -27,7 +27,7 @@ from vista_eval.metrics.frame_truth import CYLINDER_LENGTH_M, CYLINDER_RADIUS_M
 
 def truth_of_the_rig() -> FlightTruth:
     rig = (disk.FOCAL_PX, disk.BASELINE_M, (disk.CU, disk.CV))
-    return FlightTruth(Path(), "", "", "report", *rig, 10.0, 10.0, {}, (), ())
+    return FlightTruth(Path(), "", "", "test", *rig, 10.0, 10.0, {}, (), ())
 
 
 def test_the_cylinder_pixel_by_pixel() -> None:

@@ -1,11 +1,21 @@
-"""What takes long to find is kept in a file, with a digest of what decides it, until that changes."""
+"""What takes long to find is kept in a file, with a digest of what decides it, until that changes.
+
+A digest is made of explicit inputs, of the native libraries and of code: of an entry module and of whatever
+it imports of our packages, directly or not. Of each module the syntax tree counts, without docstrings,
+comments and imports of our own: rewording or moving a module keeps what is kept. Imports for types alone do
+not count.
+"""
 
 from __future__ import annotations
 
+import ast
 import hashlib
 import json
+import sys
 from collections.abc import Callable, Iterator
-from dataclasses import asdict, is_dataclass
+from dataclasses import asdict, fields, is_dataclass
+from functools import cache
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -50,9 +60,136 @@ def digest_of(*parts: str | Path) -> str:
     return digest.hexdigest()
 
 
+def content_sha256(*values: object) -> str:
+    """Of everything that the values are made of: arrays, dataclasses, sequences, names of functions."""
+    digest = hashlib.sha256()
+    _feed(digest, values)
+    return digest.hexdigest()
+
+
+def _feed(digest: hashlib._Hash, value: object) -> None:
+    if isinstance(value, np.ndarray):
+        digest.update(f"{value.dtype} {value.shape}".encode())
+        digest.update(np.ascontiguousarray(value).tobytes())
+    elif is_dataclass(value):
+        digest.update(type(value).__name__.encode())
+        for each in fields(value):
+            _feed(digest, getattr(value, each.name))
+    elif isinstance(value, (tuple, list)):
+        digest.update(f"{len(value)} of".encode())
+        for each in value:
+            _feed(digest, each)
+    elif callable(value):
+        digest.update(value.__qualname__.encode())
+    else:
+        digest.update(repr(value).encode())
+
+
 def flight_files(folder: Path) -> Iterator[str | Path]:
     """For a digest: the images of a flight by name, size and time, its calibration and poses by content."""
     for camera in ("cam0", "cam1"):
         for image in sorted((folder / "mav0" / camera / "data").iterdir()):
             yield f"{image.name} {image.stat().st_size} {image.stat().st_mtime_ns}"
     yield from sorted((folder / "mav0").rglob("*.[cy]*"))
+
+
+# ---- code ----
+
+PACKAGES = ("vista", "vista_eval", "vista_throughput")
+Roots = tuple[tuple[str, Path], ...]  # of packages: name, folder
+
+
+def code_digest(entry: str, roots: Roots | None = None) -> str:
+    """Of the code that a module runs: its own and what it imports of our packages, wherever that lies."""
+    return digest_of(*sorted(code_of(entry, roots).values()))
+
+
+@cache
+def code_of(entry: str, roots: Roots | None = None) -> dict[str, str]:
+    """The digest of each module that counts, by its name."""
+    folders = dict(our_packages() if roots is None else roots)
+    found: dict[str, str] = {}
+    waiting = [entry]
+    while waiting:
+        name = waiting.pop()
+        if name in found:
+            continue
+        path = _module_file(name, folders) or Path(sys.modules[name].__file__ or "")  # a test's own module
+        tree = ast.parse(path.read_text(encoding="utf-8"))
+        package = name if path.name == "__init__.py" else name.rpartition(".")[0]
+        waiting += _imported(tree, package, folders)
+        found[name] = digest_of(_bare(tree, folders))
+    return found
+
+
+@cache
+def our_packages() -> Roots:
+    specs = {name: find_spec(name) for name in PACKAGES}
+    places = {name: spec.submodule_search_locations for name, spec in specs.items() if spec is not None}
+    return tuple((name, Path(place[0])) for name, place in places.items() if place)
+
+
+def _module_file(name: str, folders: dict[str, Path]) -> Path | None:
+    """None for what is none of our modules."""
+    top, *below = name.split(".")
+    if top not in folders:
+        return None
+    path = folders[top].joinpath(*below)
+    return next((file for file in (path / "__init__.py", path.with_suffix(".py")) if file.is_file()), None)
+
+
+def _imported(tree: ast.Module, package: str, folders: dict[str, Path]) -> list[str]:
+    """Our modules that the statements of a module import, in functions too, but not for types alone.
+
+    A package counts where something is taken from it that is not a module of its own."""
+    names: list[str] = []
+    for node in _outside_type_checking(tree):
+        if isinstance(node, ast.Import):
+            names += [alias.name for alias in node.names]
+        elif isinstance(node, ast.ImportFrom):
+            source = _source(node, package)
+            below = [f"{source}.{alias.name}" for alias in node.names]
+            names += [name if _module_file(name, folders) else source for name in below]
+    return [name for name in names if _module_file(name, folders)]
+
+
+def _source(node: ast.ImportFrom, package: str) -> str:
+    """The module that names come from; `package`: of the module that imports."""
+    if not node.level:
+        return node.module or ""
+    parts = package.split(".")
+    return ".".join(parts[: len(parts) - node.level + 1] + ([node.module] if node.module else []))
+
+
+def _outside_type_checking(node: ast.AST) -> Iterator[ast.AST]:
+    if isinstance(node, ast.If) and isinstance(node.test, ast.Name) and node.test.id == "TYPE_CHECKING":
+        children = iter(node.orelse)
+    else:
+        yield node
+        children = ast.iter_child_nodes(node)
+    for child in children:
+        yield from _outside_type_checking(child)
+
+
+class _Bare(ast.NodeTransformer):
+    """Leaves out what does not decide what code does."""
+
+    def __init__(self, folders: dict[str, Path]) -> None:
+        self.folders = folders
+
+    def visit_Import(self, node: ast.Import) -> ast.Import | None:
+        node.names = [alias for alias in node.names if alias.name.split(".")[0] not in self.folders]
+        return node if node.names else None
+
+    def visit_ImportFrom(self, node: ast.ImportFrom) -> ast.ImportFrom | None:
+        ours = node.level or (node.module or "").split(".")[0] in self.folders
+        return None if ours else node
+
+    def visit_Expr(self, node: ast.Expr) -> ast.Expr | None:
+        """Docstrings, of fields too: a text that stands by itself does nothing."""
+        text = isinstance(node.value, ast.Constant) and isinstance(node.value.value, str)
+        return None if text else node
+
+
+def _bare(tree: ast.Module, folders: dict[str, Path]) -> str:
+    return ast.dump(_Bare(folders).visit(tree), annotate_fields=False)

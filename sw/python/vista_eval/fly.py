@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import vista
 from vista import native, parameters
 from vista.chain import Step, make_chain, run_frame
 from vista.geometry import Pose
@@ -17,18 +16,9 @@ from vista.history import FrameRecord
 from vista.pipeline import Ellipse, Nearest, Obstacle
 from vista.sequence import Sequence, open_sequence
 
-from vista_eval.cache import digest_of, flight_files, kept
+from vista_eval.cache import code_digest, digest_of, flight_files, kept
 from vista_eval.pose_noise import noisy_poses
 
-# What decides a record, beside parameters and images.
-SOURCES = (
-    "chain.py",
-    "engine/*.py",
-    "geometry.py",
-    "pipeline.py",
-    "rectify.py",
-    "sequence/*.py",
-)
 LIBRARIES = ("vista", "vista_engine")
 
 
@@ -65,11 +55,9 @@ def fly_cached(
 
 
 def flight_digest(folder: Path, values: parameters.Values, noise_seed: int | None) -> str:
-    root = Path(vista.__file__).parent
     return digest_of(
         json.dumps([values, noise_seed], sort_keys=True),
-        *(path for source in SOURCES for path in sorted(root.glob(source))),
-        Path(__file__).with_name("pose_noise.py"),
+        code_digest(__name__),
         *map(native.library_path, LIBRARIES),
         *flight_files(folder),
     )

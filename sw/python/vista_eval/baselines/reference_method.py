@@ -1,4 +1,6 @@
-"""The control: merging after Felzenszwalb and Huttenlocher (IJCV 2004) on the host's own graph, no cut.
+"""The reference method: merging after Felzenszwalb and Huttenlocher (IJCV 2004), no cut.
+
+It works on the host's own graph.
 
 Edges in the order of falling affinity; two components become one if the edge's dissimilarity 1 - w is at most
 Int(C) + k / |C| of each, where Int(C) is the largest dissimilarity that joined it and |C| its cells.
@@ -14,7 +16,7 @@ from numpy.typing import NDArray
 
 
 @dataclass(frozen=True)
-class ControlParameters:
+class ReferenceParameters:
     k: float = 5.0  # cells: larger gives larger regions
     min_cells: int = 3
     respect_surfaces: bool = False  # no edge between horizontal and standing cells, as the cut's own seeds
@@ -24,7 +26,7 @@ def merge_cells(
     edges: NDArray[np.int32],
     affinity: NDArray[np.float32],
     horizontal: NDArray[np.bool_],
-    parameters: ControlParameters,
+    parameters: ReferenceParameters,
 ) -> NDArray[np.int32]:
     """Region of each cell, 0 .. regions - 1. edges: (edges, 2) cells; affinity: w of each edge."""
     cells = len(horizontal)

@@ -24,7 +24,7 @@ from vista.engine import EngineParameters, StereoEngine
 from vista.geometry import Array, Pose
 from vista.sequence import open_sequence
 
-from vista_eval.cache import digest_of, flight_files, kept
+from vista_eval.cache import code_digest, digest_of, flight_files, kept
 from vista_eval.dataset.truth import TRUTH, FlightTruth
 from vista_eval.metrics.frame_truth import (
     CYLINDER_LENGTH_M,
@@ -41,7 +41,6 @@ UNIQUENESSES = (0, 5, 15, 30, 50)  # percent
 SADS = (62.0, 6.0, 3.0)  # mean grey levels a pixel of the block; 62 is the most there can be
 PIXELS = (10, 20, 40, 80, 160, 320)
 STEP_PX = 1.0  # of disparity within a cluster
-SOURCES = ("baselines/stereo_alone.py", "metrics/judge.py", "metrics/frame_truth.py", "dataset/truth.py")
 
 
 @dataclass(frozen=True)
@@ -92,7 +91,7 @@ def outcomes_cached(folder: Path, values: parameters.Values, cache: Path) -> lis
     """One for each texture, uniqueness and SAD, in the same order for every flight."""
     digest = digest_of(
         json.dumps(values["stereo"], sort_keys=True),
-        *(Path(__file__).parents[1] / source for source in SOURCES),
+        code_digest(__name__),
         native.library_path("vista_engine"),
         *flight_files(folder),
         folder / TRUTH,

@@ -111,11 +111,11 @@ def execute(arguments: argparse.Namespace) -> int:
 
 def untuned(scores: list[FlightScore]) -> list[FlightScore]:
     """Of the flights that parameters were not chosen on."""
-    return [score for score in scores if score.split == "report"]
+    return [score for score in scores if score.split == "test"]
 
 
 def comparison_untuned(scores: list[FlightScore], alone: list[list[Outcome]]) -> Comparison | None:
-    theirs = [one for score, one in zip(scores, alone, strict=True) if score.split == "report"]
+    theirs = [one for score, one in zip(scores, alone, strict=True) if score.split == "test"]
     return compare(untuned(scores), theirs) if theirs else None
 
 

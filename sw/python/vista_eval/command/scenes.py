@@ -1,8 +1,8 @@
-"""Score the segmentation on labelled single scenes, against a control without a cut.
+"""Score the segmentation on labelled single scenes, against a reference method without a cut.
 
 DIR holds a folder a scene: scene_NNNN of seed NNNN, drawn at random. What it lacks is rendered. Even seeds
-are there to tune on, odd seeds to report on. The table is printed; DIR receives scenes.json (every score)
-and scenes.html, which shows the worst and the best scenes.
+are the group dev, on which parameters may be chosen, odd seeds the group test. The table is printed; DIR
+receives scenes.json (every score) and scenes.html, which shows the worst and the best scenes.
 """
 
 from __future__ import annotations
@@ -47,9 +47,10 @@ def execute(arguments: argparse.Namespace) -> int:
         partition_scenes(scenes, values), desc="score", total=len(scenes), unit="scene", disable=None
     )
     scored = [score_scene(scene, partition) for scene, partition in pairs]
-    lines = report.table(scored)
+    summary = report.halves(scored)
+    lines = report.table(summary)
     host_ms = float(np.median([s.partition.host_ms for s in scored]))
-    content = json.dumps(report.as_json(scored, values, host_ms), indent=1)
+    content = json.dumps(report.as_json(scored, summary, values, host_ms), indent=1)
     write_atomically(arguments.folder / SCORES, content + "\n")
     write_atomically(arguments.folder / REPORT, report.render_page(scored, lines))
     print("\n".join(lines))

@@ -23,7 +23,7 @@ class LabelledScene:
     """One stereo pair with its exact truth."""
 
     name: str
-    split: str  # tune or report
+    split: str  # of SPLITS
     camera: Calibration
     t_ns: int
     left: NDArray[np.uint8]

@@ -28,8 +28,8 @@ from vista_eval.render.view import View
 # ---- format ----
 
 TRUTH = "truth.json"
-VERSION = 1
-SPLITS = ("tune", "report")  # parameters are chosen on the first, figures are those of the second
+VERSION = 2
+SPLITS = ("dev", "test")  # parameters are chosen on the first, figures are those of the second
 DISPARITY_SCALE = 256.0  # KITTI's 16-bit PNG: levels a px
 MAX_8_BIT_THINGS = 254
 

@@ -1,4 +1,4 @@
-"""The segmentation of a flight's frames against its labels: the cut beside the control, which does not cut.
+"""The segmentation of a flight's frames against its labels: the cut beside the reference method without one.
 
 Scores of one frame are those of vista_eval.metrics.segmentation; frames of a flight are not independent, so
 intervals are over flights.
@@ -13,24 +13,17 @@ from typing import Any
 import numpy as np
 from vista import parameters
 
-from vista_eval.cache import digest_of, kept
+from vista_eval.cache import code_digest, digest_of, kept
 from vista_eval.dataset.scenes import read_scene
 from vista_eval.dataset.truth import SPLITS, TRUTH, read_truth
 from vista_eval.fly import flight_digest
-from vista_eval.metrics.scenes import CONTROLS, CUT, partition_scenes, score_scene
+from vista_eval.metrics.scenes import CUT, REFERENCES, partition_scenes, score_scene
 from vista_eval.metrics.segmentation import STATISTICS, PartitionScore, Thing, ThingScore, difference_interval
 from vista_eval.report.text_table import aligned
 
 STRIDE = 8  # frames
 MIN_FLIGHTS = 3  # of an interval
 SHOWN = {"iou_median": "IoU median", "boundary_recall_cell": "boundary recall"}
-SOURCES = (
-    "metrics/flight_segmentation.py",
-    "metrics/segmentation.py",
-    "metrics/scenes.py",
-    "baselines/reference_method.py",
-    "dataset/truth.py",
-)
 
 
 @dataclass(frozen=True)
@@ -44,7 +37,7 @@ class FlightSegmentation:
 def segment_cached(folder: Path, values: parameters.Values, cache: Path) -> FlightSegmentation:
     digest = digest_of(
         flight_digest(folder, values, None),
-        *(Path(__file__).parents[1] / source for source in SOURCES),
+        code_digest(__name__),
         folder / TRUTH,
     )
     return kept(cache, digest, lambda: segment_flight(folder, values), _segmentation)
@@ -55,7 +48,7 @@ def segment_flight(folder: Path, values: parameters.Values) -> FlightSegmentatio
     truth = read_truth(folder)
     scenes = [read_scene(folder, k) for k in range(0, len(truth.times_ns), STRIDE)]
     scored = [score_scene(scene, partition) for scene, partition in partition_scenes(scenes, values)]
-    pooled = {name: pool([one.scores[name] for one in scored]) for name in (CUT, *CONTROLS)}
+    pooled = {name: pool([one.scores[name] for one in scored]) for name in (CUT, *REFERENCES)}
     return FlightSegmentation(truth.name, truth.split, len(scenes), pooled)
 
 
@@ -83,8 +76,8 @@ def _segmentation(content: dict[str, Any]) -> FlightSegmentation:
 class SegmentationRow:
     name: str
     things: int
-    values: tuple[tuple[float, ...], ...]  # of each statistic of SHOWN: cut, controls
-    intervals: tuple[tuple[tuple[float, float], ...], ...] = ()  # of a group: 95 % of cut - control
+    values: tuple[tuple[float, ...], ...]  # of each statistic of SHOWN: cut, reference methods
+    intervals: tuple[tuple[tuple[float, float], ...], ...] = ()  # of a group: 95 % of cut - reference
 
 
 def rows(flights: list[FlightSegmentation]) -> list[SegmentationRow]:
@@ -100,7 +93,7 @@ def rows(flights: list[FlightSegmentation]) -> list[SegmentationRow]:
 
 def _row(name: str, flights: list[FlightSegmentation], group: bool = False) -> SegmentationRow:
     by_partition = {
-        partition: [flight.scores[partition] for flight in flights] for partition in (CUT, *CONTROLS)
+        partition: [flight.scores[partition] for flight in flights] for partition in (CUT, *REFERENCES)
     }
     things = sum(len(score.things) for score in by_partition[CUT])
     values = tuple(tuple(STATISTICS[key](scores) for scores in by_partition.values()) for key in SHOWN)
@@ -108,8 +101,8 @@ def _row(name: str, flights: list[FlightSegmentation], group: bool = False) -> S
         return SegmentationRow(name, things, values)
     intervals = tuple(
         tuple(
-            difference_interval(by_partition[CUT], by_partition[control], STATISTICS[key])
-            for control in CONTROLS
+            difference_interval(by_partition[CUT], by_partition[reference], STATISTICS[key])
+            for reference in REFERENCES
         )
         for key in SHOWN
     )
@@ -119,7 +112,7 @@ def _row(name: str, flights: list[FlightSegmentation], group: bool = False) -> S
 def heads() -> list[str]:
     return [
         "things",
-        *(f"{statistic}, {partition}" for statistic in SHOWN.values() for partition in (CUT, *CONTROLS)),
+        *(f"{statistic}, {partition}" for statistic in SHOWN.values() for partition in (CUT, *REFERENCES)),
     ]
 
 
@@ -131,9 +124,9 @@ def cells(row: SegmentationRow) -> list[str]:
 
 def interval_text(row: SegmentationRow) -> str:
     return "; ".join(
-        f"{statistic}, cut - {control}: {low:+.2f} to {high:+.2f}"
+        f"{statistic}, cut - {reference}: {low:+.2f} to {high:+.2f}"
         for statistic, pairs in zip(SHOWN.values(), row.intervals, strict=True)
-        for control, (low, high) in zip(CONTROLS, pairs, strict=True)
+        for reference, (low, high) in zip(REFERENCES, pairs, strict=True)
     )
 
 

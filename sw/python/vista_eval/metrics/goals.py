@@ -26,7 +26,7 @@ class Goal:
 
 def goals(scores: list[FlightScore], noisy: list[FlightScore], comparison: Comparison | None) -> list[Goal]:
     """scores: of the flights not tuned on, noisy: the same flights under pose noise or none."""
-    group = group_score("report", scores)
+    group = group_score("test", scores)
     targeted = [s for s in scores if s.hit_rate is not None]
     return [
         Goal(
@@ -138,7 +138,7 @@ def _noise_goal(scores: list[FlightScore], noisy: list[FlightScore]) -> Goal:
     demand = f"with pose noise the hit rate falls by at most {points}, and no false alarm appears"
     if not noisy:
         return Goal(demand, "not flown (--pose-noise)", None)
-    exact, disturbed = group_score("report", scores), group_score("report", noisy)
+    exact, disturbed = group_score("test", scores), group_score("test", noisy)
     if exact.hit_rate is None:
         return Goal(demand, "no such flight", None)
     return Goal(

@@ -1,4 +1,4 @@
-"""Labelled single scenes: what the cut and the control make of them, scored."""
+"""Labelled single scenes: what the cut and the reference method make of them, scored."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from vista.engine import Engine, create_engine
 from vista.errors import InputError
 from vista.pipeline import CellGraph, Pipeline, Result
 
-from vista_eval.baselines.reference_method import ControlParameters, merge_cells
+from vista_eval.baselines.reference_method import ReferenceParameters, merge_cells
 from vista_eval.dataset.scenes import LabelledScene
 from vista_eval.metrics.segmentation import (
     Labels,
@@ -25,9 +25,9 @@ from vista_eval.metrics.segmentation import (
 )
 
 CUT, GRID = "cut", "grid limit"
-CONTROLS = {  # the same graph, the same weights; k and min_cells of the best mean IoU on the tune half
-    "control": ControlParameters(),
-    "control, surfaces": ControlParameters(min_cells=10, respect_surfaces=True),
+REFERENCES = {  # the same graph, the same weights; k and min_cells of the best mean IoU on the dev half
+    "reference method": ReferenceParameters(),
+    "reference method, surfaces": ReferenceParameters(min_cells=10, respect_surfaces=True),
 }
 
 
@@ -65,10 +65,10 @@ def partition_scenes(
         yield scene, Partition(words, result, pipeline.cell_graph(), refine, host_ms)
 
 
-def control_regions(partition: Partition, control: ControlParameters) -> Labels:
-    """Region of each pixel by the control, on the graph of the cut; drawn as those of the cut."""
+def reference_regions(partition: Partition, reference: ReferenceParameters) -> Labels:
+    """Region of each pixel by the reference method, on the graph of the cut; drawn as those of the cut."""
     graph = partition.graph
-    return partition.refine(merge_cells(graph.edges, graph.affinity, graph.horizontal, control))
+    return partition.refine(merge_cells(graph.edges, graph.affinity, graph.horizontal, reference))
 
 
 def grid_regions(scene: LabelledScene, partition: Partition) -> Labels:
@@ -96,7 +96,7 @@ def score_cells(scene: LabelledScene, partition: Partition) -> PartitionScore:
 class ScoredScene:
     scene: LabelledScene
     partition: Partition
-    scores: dict[str, PartitionScore]  # by partition: cut, controls, grid limit
+    scores: dict[str, PartitionScore]  # by partition: cut, reference methods, grid limit
 
     def mean_iou(self) -> float:
         """Of the cut; a scene without a thing to find comes last."""
@@ -106,7 +106,7 @@ class ScoredScene:
 
 def score_scene(scene: LabelledScene, partition: Partition) -> ScoredScene:
     regions = {CUT: partition.result.region_of_pixel}
-    regions |= {name: control_regions(partition, control) for name, control in CONTROLS.items()}
+    regions |= {name: reference_regions(partition, reference) for name, reference in REFERENCES.items()}
     regions[GRID] = grid_regions(scene, partition)
     scores = {name: score_regions(scene, partition, region) for name, region in regions.items()}
     return ScoredScene(scene, partition, scores)

@@ -10,13 +10,15 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Literal
 
+from vista_eval.cache import code_digest, content_sha256
 from vista_eval.dataset.files import write_text
 from vista_eval.dataset.layout import write_sequence
-from vista_eval.render.digest import content_sha256, sources_sha256
+from vista_eval.dataset.truth import TRUTH, VERSION, flight_truth
 from vista_eval.render.rig import PAPER_RIG, Rig
 from vista_eval.render.scene import Scene
 from vista_eval.render.sensor import Sensor
 from vista_eval.render.trajectory import Approach, BodyState
+from vista_eval.render.version import RENDER_VERSION
 
 MARKER = "content.json"
 Quality = Literal["full", "quick"]
@@ -30,7 +32,7 @@ RAYS: dict[Quality, int] = {"full": 4, "quick": 1}
 class Flight:
     name: str
     title: str
-    split: Literal["tune", "report"]
+    split: Literal["dev", "test"]
     approach: Approach
     scene: Callable[[float, int], Scene]  # of altitude in metres and seed
     rig: Rig = PAPER_RIG
@@ -69,8 +71,9 @@ def about(flight: Flight) -> dict:
 
 
 def sources_of(flight: Flight, quality: Quality) -> str:
-    """A digest that is quickly made: equal means that the flight's content is."""
-    return sources_sha256((flight, approach_of(flight, quality), RAYS[quality]))
+    """A digest that is quickly made, without the scene: equal means that the flight's content is."""
+    maker = code_digest(flight.scene.__module__)
+    return content_sha256(RENDER_VERSION, maker, flight, approach_of(flight, quality), RAYS[quality])
 
 
 @lru_cache(maxsize=1)
@@ -79,7 +82,10 @@ def scene_of(flight: Flight) -> Scene:
 
 
 def content_of(flight: Flight, quality: Quality) -> str:
+    """What stands for every byte of a rendered flight: geometry and albedo of its scene, its parameters, and
+    the version of the renderer. A change elsewhere, in another flight's scene say, leaves it as it is."""
     return content_sha256(
+        RENDER_VERSION,
         scene_of(flight),
         (states_of(flight, quality), flight.rig, flight.sensor, RAYS[quality], flight.seed),
     )
@@ -93,7 +99,7 @@ def read_marker(out: Path) -> dict:
 
 
 def holds(flight: Flight, out: Path, quality: Quality) -> bool:
-    """Whether what is in `out` is of this flight. Where any source has changed, the scene itself decides."""
+    """Whether what is in `out` is of this flight. If its scene's maker has changed, the scene decides."""
     marker, sources = read_marker(out), sources_of(flight, quality)
     if marker.get("sources") == sources:
         return True
@@ -106,10 +112,11 @@ def holds(flight: Flight, out: Path, quality: Quality) -> bool:
 
 
 def is_complete(flight: Flight, out: Path, quality: Quality = "full") -> bool:
-    if not (out / "truth.json").exists() or not holds(flight, out, quality):
+    if not (out / TRUTH).exists() or not holds(flight, out, quality):
         return False
-    truth = json.loads((out / "truth.json").read_text())
-    return all(truth[key] == value for key, value in about(flight).items())
+    truth = json.loads((out / TRUTH).read_text())
+    told = {"version": VERSION, **about(flight)}
+    return all(truth.get(key) == value for key, value in told.items())
 
 
 def prepare(flight: Flight, out: Path, quality: Quality = "full") -> None:
@@ -140,7 +147,6 @@ def render_flight(flight: Flight, out: Path, quality: Quality = "full") -> Itera
         return
     prepare(flight, out, quality)
     # Mitsuba takes a second to load: not for a flight that is complete.
-    from vista_eval.dataset.truth import flight_truth
     from vista_eval.render.frame import frame_paths, render_frame
     from vista_eval.render.renderer import Renderer
 
@@ -156,4 +162,4 @@ def render_flight(flight: Flight, out: Path, quality: Quality = "full") -> Itera
     write_sequence(out, rig, states, approach.rate_hz)
     times_ns = [state.t_ns for state in states]
     truth = flight_truth(out, about(flight), scene, rig, times_ns, approach.before_last_s(0))
-    write_text(out / "truth.json", [json.dumps(truth)])
+    write_text(out / TRUTH, [json.dumps(truth)])

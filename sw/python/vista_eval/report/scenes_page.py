@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import base64
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
 from typing import Any
 
 import cv2
@@ -14,7 +14,7 @@ from vista.report.page import fill_template
 from vista.report.palette import WHITE, distinct_colours
 
 from vista_eval.dataset.truth import SPLITS
-from vista_eval.metrics.scenes import CONTROLS, CUT, ScoredScene, control_regions
+from vista_eval.metrics.scenes import CUT, REFERENCES, ScoredScene, reference_regions
 from vista_eval.metrics.segmentation import STATISTICS, LabelledView, difference_interval
 
 SHOWN = 6  # scenes at either end
@@ -41,32 +41,46 @@ def statistics(scored: list[ScoredScene]) -> dict[str, Row]:
 
 
 def intervals(scored: list[ScoredScene]) -> dict[str, dict[str, tuple[float, float]]]:
-    """Control -> statistic -> 95 % interval of cut - control."""
+    """Reference method -> statistic -> 95 % interval of cut - reference."""
     cut = [s.scores[CUT] for s in scored]
     return {
         name: {
             key: difference_interval(cut, [s.scores[name] for s in scored], value)
             for key, value in STATISTICS.items()
         }
-        for name in CONTROLS
+        for name in REFERENCES
     }
 
 
-def by_split(scored: list[ScoredScene]) -> dict[str, list[ScoredScene]]:
-    halves = {split: [s for s in scored if s.scene.split == split] for split in SPLITS}
-    return {split: half for split, half in halves.items() if half}
+@dataclass(frozen=True)
+class Half:
+    """What one split's scenes say together."""
+
+    scenes: int
+    things: int
+    statistics: dict[str, Row]
+    intervals: dict[str, dict[str, tuple[float, float]]]
 
 
-def table(scored: list[ScoredScene]) -> list[str]:
+def halves(scored: list[ScoredScene]) -> dict[str, Half]:
+    """Split -> its scenes together, of each split that has any."""
+    found = {}
+    for split in SPLITS:
+        if half := [s for s in scored if s.scene.split == split]:
+            things = sum(len(s.scores[CUT].things) for s in half)
+            found[split] = Half(len(half), things, statistics(half), intervals(half))
+    return found
+
+
+def table(summary: dict[str, Half]) -> list[str]:
     """Markdown."""
     lines = ["| | " + " | ".join(HEADINGS.values()) + " |", "|---|" + "---|" * len(HEADINGS)]
-    for split, half in by_split(scored).items():
-        things = sum(len(s.scores[CUT].things) for s in half)
-        lines.append(f"| *{split}*: {len(half)} scenes, {things} things |" + " |" * len(HEADINGS))
-        for name, row in statistics(half).items():
+    for split, half in summary.items():
+        lines.append(f"| *{split}*: {half.scenes} scenes, {half.things} things |" + " |" * len(HEADINGS))
+        for name, row in half.statistics.items():
             lines.append(f"| {name} | " + " | ".join(number(key, row[key]) for key in HEADINGS) + " |")
-        for name, row in intervals(half).items():
-            cells = (f"{number(key, row[key][0])} .. {number(key, row[key][1])}" for key in HEADINGS)
+        for name, ends in half.intervals.items():
+            cells = (f"{number(key, ends[key][0])} .. {number(key, ends[key][1])}" for key in HEADINGS)
             lines.append(f"| cut - {name}, 95 % | " + " | ".join(cells) + " |")
     return lines
 
@@ -75,13 +89,15 @@ def number(key: str, value: float) -> str:
     return f"{value:.0f}" if key == "regions" else f"{value:.3f}"
 
 
-def as_json(scored: list[ScoredScene], values: dict[str, Any], host_ms: float) -> dict[str, Any]:
+def as_json(
+    scored: list[ScoredScene], summary: dict[str, Half], values: dict[str, Any], host_ms: float
+) -> dict[str, Any]:
     return {
         "version": 1,
         "host_ms_median": round(host_ms, 2),
         "halves": {
-            split: {"statistics": statistics(half), "cut_minus_control_95": intervals(half)}
-            for split, half in by_split(scored).items()
+            split: {"statistics": half.statistics, "cut_minus_reference_95": half.intervals}
+            for split, half in summary.items()
         },
         "scenes": [
             {
@@ -98,7 +114,7 @@ def as_json(scored: list[ScoredScene], values: dict[str, Any], host_ms: float) -
             }
             for s in scored
         ],
-        "controls": {name: asdict(control) for name, control in CONTROLS.items()},
+        "references": {name: asdict(reference) for name, reference in REFERENCES.items()},
         "parameters": values,
     }
 
@@ -109,16 +125,16 @@ Picture = NDArray[np.uint8]
 
 
 def draw_scene(scored: ScoredScene) -> Picture:
-    """Truth, disparity, cut and control; the outlines of the things that are scored in white."""
+    """Truth, disparity, cut and reference method; the outlines of the things that are scored in white."""
     scene, result = scored.scene, scored.partition.result
     truth = np.zeros(scene.left.shape, np.int32)
     truth[scene.view.area] = scene.view.label
-    control = control_regions(scored.partition, CONTROLS["control"])
+    reference = reference_regions(scored.partition, REFERENCES["reference method"])
     tiles = [
         draw_labels(scene.left, truth - 1, scene.view),
         draw_disparity(scored.partition.words, 64),
         draw_labels(scene.left, result.region_of_pixel, scene.view),
-        draw_labels(scene.left, control, scene.view),
+        draw_labels(scene.left, reference, scene.view),
     ]
     return np.vstack([np.hstack(tiles[:2]), np.hstack(tiles[2:])])
 

@@ -1,6 +1,6 @@
 """The flights of the evidence, by name: those of the companion's table, and twenty more.
 
-Half of them, `tune`, is what parameters may be chosen on; `report` is what results are told of. Every kind of
+Half of them, `dev`, is what parameters may be chosen on; `test` is what results are told of. Every kind of
 scene is in both as far as it goes.
 """
 
@@ -36,7 +36,7 @@ def approach(first_m: float, last_m: float, speed_m_s: float, seed: int, altitud
 def flight(
     name: str,
     title: str,
-    split: Literal["tune", "report"],
+    split: Literal["dev", "test"],
     scene: Callable[[float, int], Scene],
     seed: int,
     first_m: float = TABLE_FIRST_RANGE_M,
@@ -54,57 +54,57 @@ def by_name(*flights: Flight) -> dict[str, Flight]:
 
 
 COMPANION_TABLE = (
-    flight("sign_10", "1 sign, 10 ft/s", "report", meadow.sign_site_before_hills, 1, speed_m_s=SLOW_M_S),
-    flight("sign_30", "2 sign, 30 ft/s", "tune", meadow.sign_site_at_noon, 2),
-    flight("pole_30", "3 pole, 30 ft/s", "report", meadow.pole_site, 3),
-    flight("pole_10", "4 pole, 10 ft/s", "tune", meadow.pole_site_in_shade, 4, speed_m_s=SLOW_M_S),
+    flight("sign_10", "1 sign, 10 ft/s", "test", meadow.sign_site_before_hills, 1, speed_m_s=SLOW_M_S),
+    flight("sign_30", "2 sign, 30 ft/s", "dev", meadow.sign_site_at_noon, 2),
+    flight("pole_30", "3 pole, 30 ft/s", "test", meadow.pole_site, 3),
+    flight("pole_10", "4 pole, 10 ft/s", "dev", meadow.pole_site_in_shade, 4, speed_m_s=SLOW_M_S),
 )
 
 FLIGHTS = by_name(
     *COMPANION_TABLE,
-    flight("overcast", "sign under an overcast sky", "tune", meadow.overcast_sign, 5),
-    flight("low_sun", "pole against a low sun", "report", meadow.low_sun_pole, 6),
-    flight("haze", "sign in haze", "report", meadow.hazy_sign, 7),
-    flight("wind", "pole between trees in the wind", "tune", meadow.windy_pole, 8),
-    flight("fences", "sign between picket fences", "report", meadow.fenced_sign, 9),
-    flight("thin_pole", "thin pole", "tune", meadow.thin_pole, 10),
-    flight("tree", "tree, down to 8 m", "report", meadow.lone_tree, 11, LARGE_FIRST_RANGE_M, last_m=8.0),
-    flight("wall", "wall without texture", "tune", meadow.plain_wall, 12, LARGE_FIRST_RANGE_M),
+    flight("overcast", "sign under an overcast sky", "dev", meadow.overcast_sign, 5),
+    flight("low_sun", "pole against a low sun", "test", meadow.low_sun_pole, 6),
+    flight("haze", "sign in haze", "test", meadow.hazy_sign, 7),
+    flight("wind", "pole between trees in the wind", "dev", meadow.windy_pole, 8),
+    flight("fences", "sign between picket fences", "test", meadow.fenced_sign, 9),
+    flight("thin_pole", "thin pole", "dev", meadow.thin_pole, 10),
+    flight("tree", "tree, down to 8 m", "test", meadow.lone_tree, 11, LARGE_FIRST_RANGE_M, last_m=8.0),
+    flight("wall", "wall without texture", "dev", meadow.plain_wall, 12, LARGE_FIRST_RANGE_M),
     flight(
         "drone_ahead",
         "drone coming the other way",
-        "report",
+        "test",
         meadow.approaching_drone,
         13,
         LARGE_FIRST_RANGE_M,
     ),
-    flight("drone_across", "drone crossing", "tune", meadow.crossing_drone, 14, CROSSING_FIRST_RANGE_M),
-    flight("clear_meadow", "meadow, no obstacle", "tune", meadow.clear_meadow, 15, LARGE_FIRST_RANGE_M),
+    flight("drone_across", "drone crossing", "dev", meadow.crossing_drone, 14, CROSSING_FIRST_RANGE_M),
+    flight("clear_meadow", "meadow, no obstacle", "dev", meadow.clear_meadow, 15, LARGE_FIRST_RANGE_M),
     flight(
         "clear_fences",
         "over fences and hedges, no obstacle",
-        "report",
+        "test",
         meadow.clear_fences,
         16,
         LARGE_FIRST_RANGE_M,
     ),
-    flight("clear_street", "street, no obstacle", "tune", street.clear_street, 17, LARGE_FIRST_RANGE_M),
+    flight("clear_street", "street, no obstacle", "dev", street.clear_street, 17, LARGE_FIRST_RANGE_M),
     flight(
         "clear_facades",
         "facades on three sides, no obstacle",
-        "report",
+        "test",
         street.clear_facades,
         18,
         LARGE_FIRST_RANGE_M,
     ),
-    flight("clear_lane", "forest lane, no obstacle", "tune", street.clear_lane, 19, LARGE_FIRST_RANGE_M),
-    flight("urban", "tree, lamp post and board in a street", "report", street.urban, 20, LARGE_FIRST_RANGE_M),
-    flight("sign_facade", "sign before a facade", "tune", street.sign_before_facade, 21),
-    flight("lamp_facade", "lamp post before a facade", "report", street.lamp_post_before_facade, 22),
+    flight("clear_lane", "forest lane, no obstacle", "dev", street.clear_lane, 19, LARGE_FIRST_RANGE_M),
+    flight("urban", "tree, lamp post and board in a street", "test", street.urban, 20, LARGE_FIRST_RANGE_M),
+    flight("sign_facade", "sign before a facade", "dev", street.sign_before_facade, 21),
+    flight("lamp_facade", "lamp post before a facade", "test", street.lamp_post_before_facade, 22),
     flight(
         "van",
         "van crossing, low flight",
-        "report",
+        "test",
         street.van_in_the_way,
         23,
         LARGE_FIRST_RANGE_M,
@@ -113,7 +113,7 @@ FLIGHTS = by_name(
     flight(
         "close",
         "brick pier, down to 4 m, 10 ft/s",
-        "report",
+        "test",
         meadow.brick_pier,
         24,
         CLOSE_FIRST_RANGE_M,

@@ -16,7 +16,7 @@ from vista_eval.worlds.meadow_flights import sign_site
 SIGN_AT_30_FT_S = Flight(
     "demo",
     "sign at 30 ft/s",
-    "tune",
+    "dev",
     Approach(21 * FOOT_M, 30 * FOOT_M, last_range_m=22.0, frames=40, rate_hz=10.0),
     sign_site,
 )

@@ -1,7 +1,7 @@
 """Render labelled single scenes: python -m vista_eval.worlds.labelled OUT_DIR
 
 The segmentation is tuned and scored on them. Each is a flight of one frame, scene_NNNN of seed NNNN; even
-seeds are to tune on.
+seeds are the group dev.
 """
 
 from __future__ import annotations
@@ -62,7 +62,7 @@ def labelled(seed: int) -> Flight:
     return Flight(
         name,
         f"random scene {seed}",
-        "report" if seed % 2 else "tune",
+        "test" if seed % 2 else "dev",
         Still(seed),
         scene_of_seed,
         seed=seed,

@@ -1,0 +1,7 @@
+"""Which pictures the renderer makes. To be raised when they change: frames of another version are made anew.
+
+A change of the renderer's code alone deletes no frames. The test sw/tests/test_render_version.py notices it
+and asks which of the two it is.
+"""
+
+RENDER_VERSION = 1
