@@ -9,7 +9,15 @@ import numpy as np
 import pytest
 from board_flight import board_flight
 from cut_library import ffi, lib, status_name
-from pipeline_library import CALIBRATION, Frame, Pipeline, bytes_needed, default_camera, default_parameters
+from pipeline_library import (
+    CALIBRATION,
+    Frame,
+    Pipeline,
+    bytes_needed,
+    default_camera,
+    default_parameters,
+    process,
+)
 from vista.parameters import defaults
 from vista.pipeline import Pipeline as PythonPipeline
 from vista.pipeline import PipelineError
@@ -88,7 +96,7 @@ def test_null_pointers() -> None:
     arguments = [pipeline.handle, frame.c, pipeline.result]
     for missing in range(3):
         holed = [ffi.NULL if k == missing else value for k, value in enumerate(arguments)]
-        assert lib.vista_pipeline_process(*holed) == lib.VISTA_ERROR_ARGUMENT
+        assert process(*holed) == lib.VISTA_ERROR_ARGUMENT
 
 
 BAD_CAMERAS = {

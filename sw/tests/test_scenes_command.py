@@ -68,7 +68,7 @@ def test_damaged_truth_is_named(folder: Path, capsys: pytest.CaptureFixture[str]
 
 def test_every_interval_is_drawn_once(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Bootstraps are the slowest part of scoring: the table and scenes.json share them."""
-    from vista_eval.metrics.scenes import CONTROLS
+    from vista_eval.metrics.scenes import REFERENCES
     from vista_eval.metrics.segmentation import STATISTICS
     from vista_eval.report import scenes_page
 
@@ -80,4 +80,4 @@ def test_every_interval_is_drawn_once(folder: Path, monkeypatch: pytest.MonkeyPa
 
     monkeypatch.setattr(scenes_page, "difference_interval", difference_interval)
     assert main(["scenes", str(folder), "--no-render"]) == EXIT_OK
-    assert len(drawn) == 2 * len(CONTROLS) * len(STATISTICS)
+    assert len(drawn) == 2 * len(REFERENCES) * len(STATISTICS)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from cut_library import Arena, ffi, lib, status_name
+from cut_library import Arena, default_parameters, ffi, lib, status_name
 from stage_library import image_struct
 
 FOCAL, BASELINE, CENTER = 1000.0, 0.4572, (319.5, 239.5)  # the paper's rig
@@ -13,7 +13,7 @@ SECOND = 1_000_000_000
 
 def defaults(name: str) -> dict[str, float]:
     """Defaults of a parameter struct."""
-    everything = lib.vista_parameters_default()  # a section does not keep the whole alive
+    everything = default_parameters()  # a section does not keep the whole alive
     section = getattr(everything, name)
     return {field: getattr(section, field) for field, _ in ffi.typeof(section).fields}
 

@@ -65,17 +65,6 @@ class Result:
     verdict_of_region: list[str]
 
 
-@dataclass(frozen=True)
-class CellGraph:
-    """What the cuts of the last frame saw."""
-
-    edges: NDArray[np.int32]  # (edges, 2) cells
-    affinity: NDArray[np.float32]  # (edges,) w_ij, 0 .. 1
-    horizontal: NDArray[np.bool_]  # (cells,) on a surface to fly along
-    cell_size_px: NDArray[np.float32]  # (cells,) width
-    cell_center_px: NDArray[np.float32]  # (cells, 2) u, v
-
-
 class PipelineError(ValueError):
     """A status of libvista that is not VISTA_OK; the text is the library's."""
 
@@ -83,8 +72,10 @@ class PipelineError(ValueError):
 class Pipeline:
     """One pipeline for one camera; holds the tracks from frame to frame."""
 
+    library = "vista"
+
     def __init__(self, camera: Calibration, values: parameters.Values | None = None) -> None:
-        self._ffi, self._lib = native.load("vista")
+        self._ffi, self._lib = native.load(self.library)
         self._camera = camera
         self._parameters = _c_parameters(self._ffi, self._lib, values or parameters.defaults())
         self._c_camera = self._ffi.new(
@@ -137,47 +128,12 @@ class Pipeline:
         if up_world is not None:
             c_up = ffi.new("double[3]", np.asarray(up_world, dtype=float).tolist())
             frame.up_world = c_up
-        self._check(self._lib.vista_pipeline_process(self._pipeline, frame, self._result))
+        self._check(
+            self._lib.vista_pipeline_process_sized(
+                self._pipeline, frame, ffi.sizeof(frame[0]), self._result, ffi.sizeof(self._result[0])
+            )
+        )
         return self._read_result()
-
-    def cell_graph(self) -> CellGraph:
-        """Of the last frame that was processed."""
-        f, r = self._result.foveation, self._result
-        arcs, cells = f.graph.arc_count, f.node_count
-        first_arc = self._array(f.graph.first_arc, cells + 1, np.int32)
-        tail = np.repeat(np.arange(cells, dtype=np.int32), np.diff(first_arc))
-        head = self._array(f.graph.head, arcs, np.int32)
-        once = tail < head  # of the two arcs of an edge
-        return CellGraph(
-            np.stack([tail[once], head[once]], axis=1),
-            self._array(r.affinity.weight, arcs, np.float32)[once],
-            self._array(r.surfaces.horizontal, cells, np.uint8) != 0,
-            self._array(f.size_px, cells, np.float32),
-            np.stack([self._array(center, cells, np.float32) for center in (f.center_u, f.center_v)], axis=1),
-        )
-
-    def refine_boundaries(
-        self, left: NDArray[np.uint8], cell_intensity: NDArray[np.float32], region_of_cell: NDArray[np.int32]
-    ) -> NDArray[np.int32]:
-        """Region of each pixel (height, width) of any partition of a frame's cells, drawn as the chain draws
-        its own; after the first frame. Raises PipelineError for an image of another size."""
-        ffi, f = self._ffi, self._result.foveation
-        left = np.ascontiguousarray(left)
-        image = ffi.new(
-            "vista_image *",
-            (ffi.cast("uint8_t *", left.ctypes.data), left.shape[1], left.shape[0], left.shape[1]),
-        )
-        intensity, label = np.ascontiguousarray(cell_intensity), np.ascontiguousarray(region_of_cell)
-        cells = ffi.new("vista_cells *", {"intensity": ffi.cast("float *", intensity.ctypes.data)})
-        drawn, border = np.empty(left.shape, np.int32), np.empty(f.node_count, np.uint8)
-        out = ffi.new(
-            "vista_refinement *",
-            (ffi.cast("int32_t *", drawn.ctypes.data), ffi.cast("uint8_t *", border.ctypes.data)),
-        )
-        params = ffi.addressof(self._parameters[0], "refinement")
-        c_label = ffi.cast("int32_t *", label.ctypes.data)
-        self._check(self._lib.vista_refine(f, params, image, cells, c_label, out))
-        return drawn
 
     def _check(self, status: int) -> None:
         if status != self._lib.VISTA_OK:
@@ -189,20 +145,18 @@ class Pipeline:
 
     def _read_result(self) -> Result:
         r, lib, ffi = self._result, self._lib, self._ffi
-        cells = r.foveation.node_count
-        shape = (self._camera.height, self._camera.width)
+        views, shape = r.views, (self._camera.height, self._camera.width)
+        cells, pixels = views.cell_count, shape[0] * shape[1]
         if self._cell_of_pixel is None:
-            self._cell_of_pixel = self._array(
-                r.foveation.cell_of_pixel, shape[0] * shape[1], np.int32
-            ).reshape(shape)
+            self._cell_of_pixel = self._array(views.cell_of_pixel, pixels, np.int32).reshape(shape)
         stage_ms = {
             ffi.string(lib.vista_stage_name(stage)).decode(): r.stage_ms[stage]
-            for stage in range(lib.VISTA_STAGE_COUNT)
+            for stage in range(r.stage_count)
         }
         nearest = r.nearest_collision
         verdicts = [
-            ffi.string(lib.vista_region_verdict_name(r.regions[k].verdict)).decode()
-            for k in range(r.region_count)
+            ffi.string(lib.vista_region_verdict_name(views.verdict_of_region[k])).decode()
+            for k in range(views.region_count)
         ]
         return Result(
             obstacles=[_obstacle(ffi, lib, r.obstacles[k]) for k in range(r.obstacle_count)],
@@ -212,18 +166,20 @@ class Pipeline:
             dropped_tracks=r.dropped_tracks,
             stage_ms=stage_ms | {"host": r.host_ms},
             cell_of_pixel=self._cell_of_pixel,
-            cell_intensity=self._array(r.cells.intensity, cells, np.float32),
-            cell_disparity_px=self._array(r.cells.disparity_px, cells, np.float32),
-            region_of_cell=self._array(r.segmentation.label, cells, np.int32),
-            region_of_pixel=self._array(r.refinement.label, shape[0] * shape[1], np.int32).reshape(shape),
+            cell_intensity=self._array(views.cell_intensity, cells, np.float32),
+            cell_disparity_px=self._array(views.cell_disparity_px, cells, np.float32),
+            region_of_cell=self._array(views.region_of_cell, cells, np.int32),
+            region_of_pixel=self._array(views.region_of_pixel, pixels, np.int32).reshape(shape),
             verdict_of_region=verdicts,
         )
 
 
 def _c_parameters(ffi: Any, lib: Any, values: parameters.Values) -> Any:
     c = ffi.new("vista_parameters *")
-    for name, number in parameters.as_numbers(values).items():
-        if lib.vista_parameters_set(c, name.encode(), number) != lib.VISTA_OK:
+    lib.vista_parameters_init(c, ffi.sizeof(c[0]))
+    for name, value in parameters.flat(values).items():
+        setter = lib.vista_parameters_set_choice if isinstance(value, str) else lib.vista_parameters_set
+        if setter(c, name.encode(), value.encode() if isinstance(value, str) else value) != lib.VISTA_OK:
             raise PipelineError(f"{name} is unknown or out of range")
     culprit = ffi.new("char const **")
     if lib.vista_parameters_check(c, culprit) != lib.VISTA_OK:

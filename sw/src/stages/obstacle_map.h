@@ -23,34 +23,10 @@
 #include "common/ellipse.h"
 #include "stages/blind_zone.h"
 #include "stages/tracker.h"
+#include "vista/obstacle.h"
 #include "vista/parameters.h"
 #include "vista/status.h"
 #include "vista/types.h"
-
-typedef struct vista_obstacle {
-  int32_t id;     /* of the track; 0: too near to match, no track */
-  bool confirmed; /* M of N, and not refuted by the static-world test */
-  bool coasting;
-  bool in_blind_zone;
-  vista_world_verdict world; /* of the static-world test */
-  int32_t age_frames;
-  double position_m[3];     /* world */
-  double covariance_m2[9];  /* of position_m, row-major: the track's, and errors that last (see above) */
-  double distance_m;        /* from the camera */
-  double extent_m[2];       /* width, height */
-  vista_ellipse ellipse; /* of this frame's detection, or the last one carried on to the predicted place and range */
-  double disparity_px; /* of the state in this frame */
-  bool in_collision_volume; /* credible (tracker.h) and a member */
-} vista_obstacle;
-
-typedef struct vista_nearest_collision {
-  bool valid; /* false: nothing confirmed meets the collision volume, the rest is zero */
-  int32_t id;
-  double position_m[3];
-  double distance_m;
-  double time_to_collision_s; /* distance along the flight direction / closing speed; NaN: that is below
-                                 speed_min_m_s, or unknown */
-} vista_nearest_collision;
 
 typedef struct vista_obstacle_map vista_obstacle_map;
 

@@ -35,6 +35,7 @@
 
 #include "common/arena.h"
 #include "common/ellipse.h"
+#include "common/matched_area.h"
 #include "stages/reconstruction.h"
 #include "stages/static_world.h"
 #include "vista/parameters.h"
