@@ -7,6 +7,7 @@
 #include "vista/parameters.h"
 
 static const char *const stereo_prefilter_choices[] = {"xsobel", "none"};
+static const char *const stereo_smooth_choices[] = {"off", "binomial3"};
 static const char *const affinity_form_choices[] = {"product", "sum"};
 static const char *const affinity_flow_encoding_choices[] = {"exponential", "linear"};
 
@@ -21,6 +22,8 @@ static const struct {
     {{"stereo.texture_threshold", "", "Blocks with less texture are invalid.", VISTA_PARAMETER_INT, 10, 0, 65535, "", 0, NULL}, offsetof(vista_parameters, stereo.texture_threshold)},
     {{"stereo.uniqueness_ratio", "percent", "Margin of the best match over all that do not adjoin it.", VISTA_PARAMETER_INT, 15, 0, 100, "", 0, NULL}, offsetof(vista_parameters, stereo.uniqueness_ratio)},
     {{"stereo.lr_max_diff", "px", "Largest difference of the left and the right winner; -1: no left/right check.", VISTA_PARAMETER_INT, 1, -1, 255, "", 0, NULL}, offsetof(vista_parameters, stereo.lr_max_diff)},
+    {{"stereo.smooth", "", "Smoothing of both images before they are matched: none, or 1 2 1 in both directions.", VISTA_PARAMETER_CHOICE, 0, 0, 1, "", 2, stereo_smooth_choices}, offsetof(vista_parameters, stereo.smooth)},
+    {{"stereo.levels", "", "Levels of the image pyramid that are matched, each half the size of the one before.", VISTA_PARAMETER_INT, 1, 1, 4, "", 0, NULL}, offsetof(vista_parameters, stereo.levels)},
     {{"foveation.sector_count", "", "Sectors of the log-polar grid; rings grow by exp(2*pi/sector_count), which keeps cells square.", VISTA_PARAMETER_INT, 128, 16, 256, "", 0, NULL}, offsetof(vista_parameters, foveation.sector_count)},
     {{"foveation.rho_0_px", "px", "Radius of the hub, the one cell at the centre.", VISTA_PARAMETER_FLOAT, 4.0, 1.0, 64.0, "", 0, NULL}, offsetof(vista_parameters, foveation.rho_0_px)},
     {{"foveation.min_valid_fraction", "", "A cell has a disparity when at least this fraction of its pixels has one.", VISTA_PARAMETER_FLOAT, 0.3, 0.0, 1.0, "", 0, NULL}, offsetof(vista_parameters, foveation.min_valid_fraction)},

@@ -13,6 +13,8 @@ VISTA_BEGIN
 /* The stereo engine (its contract: model/README.md). */
 typedef enum vista_stereo_prefilter { VISTA_STEREO_PREFILTER_XSOBEL, VISTA_STEREO_PREFILTER_NONE } vista_stereo_prefilter;
 
+typedef enum vista_stereo_smooth { VISTA_STEREO_SMOOTH_OFF, VISTA_STEREO_SMOOTH_BINOMIAL3 } vista_stereo_smooth;
+
 typedef struct vista_stereo_params {
   int32_t num_disparities; /* Candidates 0 .. num_disparities - 1, a multiple of 16. The paper's Acadia had 32; 64 halve the blind zone. 16 .. 256 px. */
   int32_t block_size; /* Side of the matching block, odd. 5 .. 21 px. */
@@ -21,7 +23,9 @@ typedef struct vista_stereo_params {
   int32_t texture_threshold; /* Blocks with less texture are invalid. 0 .. 65535. */
   int32_t uniqueness_ratio; /* Margin of the best match over all that do not adjoin it. 0 .. 100 percent. */
   int32_t lr_max_diff; /* Largest difference of the left and the right winner; -1: no left/right check. -1 .. 255 px. */
-  unsigned char reserved[228];
+  vista_stereo_smooth smooth; /* Smoothing of both images before they are matched: none, or 1 2 1 in both directions. */
+  int32_t levels; /* Levels of the image pyramid that are matched, each half the size of the one before. 1 .. 4. */
+  unsigned char reserved[220];
 } vista_stereo_params;
 
 /* Log-polar grid (paper, section II-B). */

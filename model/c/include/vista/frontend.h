@@ -10,6 +10,8 @@
 
 #define VISTA_FRONTEND_MAX_LEVELS 4
 
+VISTA_BEGIN
+
 typedef struct vista_frontend_image {
   const uint8_t *pixels;
   int32_t width, height; /* px */
@@ -17,15 +19,17 @@ typedef struct vista_frontend_image {
 } vista_frontend_image;
 
 /* Side of the next level: (side_px + 1) / 2. */
-int32_t vista_frontend_reduced_px(int32_t side_px);
+VISTA_API int32_t vista_frontend_reduced_px(int32_t side_px);
 
 /* Writes width x height pixels, [1 2 1] in both directions. The output must not overlap the image. */
-vista_engine_status vista_frontend_smooth(const vista_frontend_image *image, uint8_t *out, ptrdiff_t out_stride,
-                                          vista_engine_isa isa);
+VISTA_API vista_engine_status vista_frontend_smooth(const vista_frontend_image *image, uint8_t *out,
+                                                    ptrdiff_t out_stride, vista_engine_isa isa);
 
 /* Writes (width + 1) / 2 x (height + 1) / 2 pixels, [1 4 6 4 1] in both directions at every second row and column.
  * The output must not overlap the image. */
-vista_engine_status vista_frontend_reduce(const vista_frontend_image *image, uint8_t *out, ptrdiff_t out_stride,
-                                          vista_engine_isa isa);
+VISTA_API vista_engine_status vista_frontend_reduce(const vista_frontend_image *image, uint8_t *out,
+                                                    ptrdiff_t out_stride, vista_engine_isa isa);
+
+VISTA_END
 
 #endif
