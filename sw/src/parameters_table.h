@@ -24,6 +24,11 @@ static const struct {
     {{"stereo.lr_max_diff", "px", "Largest difference of the left and the right winner; -1: no left/right check.", VISTA_PARAMETER_INT, 1, -1, 255, "", 0, NULL}, offsetof(vista_parameters, stereo.lr_max_diff)},
     {{"stereo.smooth", "", "Smoothing of both images before they are matched: none, or 1 2 1 in both directions.", VISTA_PARAMETER_CHOICE, 0, 0, 1, "", 2, stereo_smooth_choices}, offsetof(vista_parameters, stereo.smooth)},
     {{"stereo.levels", "", "Levels of the image pyramid that are matched, each half the size of the one before.", VISTA_PARAMETER_INT, 1, 1, 4, "", 0, NULL}, offsetof(vista_parameters, stereo.levels)},
+    {{"motion.velocity_smoothing_s", "s", "Time constant of velocity and turn rate from poses; 0: the last difference.", VISTA_PARAMETER_FLOAT, 0.3, 0.0, 60.0, "", 0, NULL}, offsetof(vista_parameters, motion.velocity_smoothing_s)},
+    {{"motion.speed_min_m_s", "m/s", "Slower, the flight direction is the optical axis.", VISTA_PARAMETER_FLOAT, 0.5, 0.0, 100.0, "", 0, NULL}, offsetof(vista_parameters, motion.speed_min_m_s)},
+    {{"motion.speed_max_m_s", "m/s", "A pose that only a faster vehicle could have reached is refused.", VISTA_PARAMETER_FLOAT, 150.0, 1.0, 10000.0, "", 0, NULL}, offsetof(vista_parameters, motion.speed_max_m_s)},
+    {{"motion.restart_poses", "poses", "As many refused poses in a row that agree with each other are believed: the world goes on there, without tracks.", VISTA_PARAMETER_INT, 3, 1, 100, "", 0, NULL}, offsetof(vista_parameters, motion.restart_poses)},
+    {{"motion.drift_m_s", "m/s", "Error of the velocity over which a frame without a pose is carried on; adds to the uncertainty of all tracks.", VISTA_PARAMETER_FLOAT, 0.5, 0.0, 100.0, "", 0, NULL}, offsetof(vista_parameters, motion.drift_m_s)},
     {{"foveation.sector_count", "", "Sectors of the log-polar grid; rings grow by exp(2*pi/sector_count), which keeps cells square.", VISTA_PARAMETER_INT, 128, 16, 256, "", 0, NULL}, offsetof(vista_parameters, foveation.sector_count)},
     {{"foveation.rho_0_px", "px", "Radius of the hub, the one cell at the centre.", VISTA_PARAMETER_FLOAT, 4.0, 1.0, 64.0, "", 0, NULL}, offsetof(vista_parameters, foveation.rho_0_px)},
     {{"foveation.min_valid_fraction", "", "A cell has a disparity when at least this fraction of its pixels has one.", VISTA_PARAMETER_FLOAT, 0.3, 0.0, 1.0, "", 0, NULL}, offsetof(vista_parameters, foveation.min_valid_fraction)},
@@ -112,11 +117,11 @@ static const struct {
     {{"obstacle_map.lasting_range_m", "m", "The same in depth, of the surface that the region's boundary shows; the larger part near the camera.", VISTA_PARAMETER_FLOAT, 0.05, 0.0, 10.0, "", 0, NULL}, offsetof(vista_parameters, obstacle_map.lasting_range_m)},
     {{"obstacle_map.lasting_center_px", "px", "The same of its centre: matching widens a thing by up to half a block, more to one side than to the other.", VISTA_PARAMETER_FLOAT, 2.5, 0.0, 100.0, "", 0, NULL}, offsetof(vista_parameters, obstacle_map.lasting_center_px)},
     {{"obstacle_map.lasting_center_ratio", "", "The same, as a share of its half width and height: a region may lack a part of the thing all along.", VISTA_PARAMETER_FLOAT, 0.08, 0.0, 2.0, "", 0, NULL}, offsetof(vista_parameters, obstacle_map.lasting_center_ratio)},
-    {{"obstacle_map.velocity_smoothing_s", "s", "Time constant of the velocity from poses; 0: the last difference.", VISTA_PARAMETER_FLOAT, 0.3, 0.0, 60.0, "", 0, NULL}, offsetof(vista_parameters, obstacle_map.velocity_smoothing_s)},
-    {{"obstacle_map.speed_min_m_s", "m/s", "Slower, the flight direction is the optical axis.", VISTA_PARAMETER_FLOAT, 0.5, 0.0, 100.0, "", 0, NULL}, offsetof(vista_parameters, obstacle_map.speed_min_m_s)},
+    {{"obstacle_map.closing_min_m_s", "m/s", "No time to collision is given for what closes slower than this.", VISTA_PARAMETER_FLOAT, 0.5, 0.0, 100.0, "", 0, NULL}, offsetof(vista_parameters, obstacle_map.closing_min_m_s)},
 };
 
 _Static_assert(sizeof(vista_stereo_params) == 256, "stereo may not grow");
+_Static_assert(sizeof(vista_motion_params) == 256, "motion may not grow");
 _Static_assert(sizeof(vista_foveation_params) == 256, "foveation may not grow");
 _Static_assert(sizeof(vista_affinity_params) == 256, "affinity may not grow");
 _Static_assert(sizeof(vista_surface_params) == 256, "surface may not grow");

@@ -3,13 +3,14 @@
 #include <math.h>
 #include <stdbool.h>
 #include <string.h>
-#include <time.h>
 
+#include "common/clock.h"
 #include "common/frame.h"
 #include "pipeline_stages.h"
 #include "stages/affinity.h"
 #include "stages/blind_zone.h"
 #include "stages/collision_volume.h"
+#include "stages/motion.h"
 #include "stages/obstacle_map.h"
 #include "stages/reconstruction.h"
 #include "stages/refinement.h"
@@ -22,9 +23,10 @@
 
 /* No header ever had fewer: what an older caller knows of. */
 #define FRAME_FEWEST_BYTES (offsetof(vista_frame, t_ns) + sizeof(int64_t))
-#define RESULT_FEWEST_BYTES offsetof(vista_result, velocity_m_s)
+#define RESULT_FEWEST_BYTES offsetof(vista_result, motion)
 
 typedef enum stage {
+  STAGE_MOTION,
   STAGE_FOVEATION,
   STAGE_SURFACE,
   STAGE_AFFINITY,
@@ -42,6 +44,7 @@ struct vista_pipeline {
   vista_parameters parameters;
   vista_camera camera;
   vista_matched_area matched; /* by the engine */
+  vista_motion_state motion_state;
   vista_foveation foveation;
   vista_cells cells;
   vista_surfaces surfaces;
@@ -59,6 +62,7 @@ struct vista_pipeline {
 };
 
 static const char *const stage_names[STAGE_COUNT] = {
+    [STAGE_MOTION] = "motion",
     [STAGE_FOVEATION] = "foveation",
     [STAGE_SURFACE] = "surface",
     [STAGE_AFFINITY] = "affinity",
@@ -170,6 +174,7 @@ vista_status vista_pipeline_create(void *memory, size_t bytes, const vista_param
 void vista_pipeline_reset(vista_pipeline *pipeline) {
   vista_tracker_reset(pipeline->tracker);
   vista_obstacle_map_reset(pipeline->map);
+  pipeline->motion_state = (vista_motion_state){0};
   pipeline->blind_zone = (vista_blind_zone){0};
 }
 
@@ -180,28 +185,22 @@ static vista_status check_up(const double up_world[3]) {
   return fabs(square - 1.0) < 1e-3 ? VISTA_OK : VISTA_ERROR_RANGE;
 }
 
-/* What the stages before the tracker rely on; sizes and time are judged by the stages that know them. */
-static vista_status check_frame(const vista_frame *frame) {
-  if (frame->image.data == NULL || frame->disparity.data == NULL) return VISTA_ERROR_ARGUMENT;
-  const vista_status status = frame->pose != NULL ? vista_frame_check_pose(frame->pose) : VISTA_OK;
+/* Before anything changes. Time, pose and velocity are the first stage's to judge, which comes next. */
+static vista_status check_frame(const vista_pipeline *p, const vista_frame *frame) {
+  vista_status status = vista_frame_check_image(&frame->image, p->camera.width_px, p->camera.height_px);
+  if (status == VISTA_OK)
+    status = vista_frame_check_disparity(&frame->disparity, p->camera.width_px, p->camera.height_px);
   return status == VISTA_OK && frame->up_world != NULL ? check_up(frame->up_world) : status;
 }
 
-/* Up in camera coordinates: R^T up_world. */
-static void up_in_camera(const vista_frame *frame, double up[3]) {
-  const double level[3] = {0.0, -1.0, 0.0};
+/* Up in camera coordinates: R^T up_world. Without any pose nothing tells how the camera hangs: level. */
+static void up_in_camera(const vista_motion *motion, const double *up_world, double up[3]) {
+  static const double level[3] = {0.0, -1.0, 0.0};
+  const bool unknown = up_world == NULL || (motion->source == VISTA_MOTION_UNTOLD);
   for (int i = 0; i < 3; ++i) {
-    up[i] = level[i];
-    if (frame->pose == NULL || frame->up_world == NULL) continue;
-    up[i] = 0.0;
-    for (int k = 0; k < 3; ++k) up[i] += frame->pose->rotation[3 * k + i] * frame->up_world[k];
+    up[i] = unknown ? level[i] : 0.0;
+    for (int k = 0; k < 3 && !unknown; ++k) up[i] += motion->pose.rotation[3 * k + i] * up_world[k];
   }
-}
-
-static double clock_ms(void) {
-  struct timespec now;
-  (void)timespec_get(&now, TIME_UTC);
-  return (double)now.tv_sec * 1e3 + (double)now.tv_nsec * 1e-6;
 }
 
 static double valid_fraction(const vista_disparity_image *disparity) {
@@ -215,10 +214,27 @@ static double valid_fraction(const vista_disparity_image *disparity) {
   return (double)valid / ((double)disparity->width_px * disparity->height_px);
 }
 
-static vista_status run_stage(vista_pipeline *p, stage stage, const vista_frame *frame, const double up[3],
-                              int32_t *detections) {
+/* What one frame leads to on its way through the stages. */
+typedef struct passage {
+  const vista_frame *frame;
+  vista_motion_state motion_state; /* the pipeline's, once the frame has passed */
+  vista_motion motion;
+  double up_camera[3];
+  int32_t detection_count;
+  int64_t dropped_before; /* tracks, in earlier frames */
+} passage;
+
+static vista_status run_stage(vista_pipeline *p, stage stage, passage *way) {
   const vista_parameters *const q = &p->parameters;
+  const vista_frame *const frame = way->frame;
+  const double *const up = way->up_camera;
   switch (stage) {
+    case STAGE_MOTION: {
+      const vista_motion_input input = {frame->pose, frame->velocity_m_s, frame->stationary, frame->t_ns};
+      const vista_status status = vista_motion_update(&q->motion, &input, &way->motion_state, &way->motion);
+      if (status == VISTA_OK) up_in_camera(&way->motion, frame->up_world, way->up_camera);
+      return status;
+    }
     case STAGE_FOVEATION:
       return vista_foveate(&p->foveation, &q->foveation, &frame->image, &frame->disparity, &p->cells);
     case STAGE_SURFACE:
@@ -237,27 +253,29 @@ static vista_status run_stage(vista_pipeline *p, stage stage, const vista_frame 
       if (status != VISTA_OK) return status;
       vista_collision_volume volume = {.radius_m = q->obstacle_map.collision_radius_m,
                                        .length_m = q->obstacle_map.collision_length_m};
-      vista_obstacle_map_direction(p->map, &q->obstacle_map, frame->pose, volume.direction_camera);
+      vista_motion_direction_camera(&way->motion, volume.direction_camera);
       return vista_collision_volume_count(&p->foveation, &q->region, &p->camera, &volume, &frame->disparity,
                                           &p->regions);
     }
     case STAGE_RECONSTRUCTION: {
       const vista_status status =
           vista_reconstruct_regions(p->regions.items, p->regions.count, &p->camera, &p->matched, &q->reconstruction,
-                                    p->detections, MAX_DETECTIONS, detections);
+                                    p->detections, MAX_DETECTIONS, &way->detection_count);
       return status == VISTA_ERROR_CAPACITY ? VISTA_OK : status; /* the nearest come first: the far ones are dropped */
     }
     case STAGE_TRACKING:
-      return vista_tracker_update(p->tracker, &q->tracker, &p->camera, &p->matched, frame->pose, frame->t_ns,
-                                  &frame->disparity, p->detections, *detections);
+      if (way->motion.restarted) vista_tracker_reset(p->tracker);
+      way->dropped_before = vista_tracker_dropped(p->tracker);
+      return vista_tracker_update(p->tracker, &q->tracker, &p->camera, &p->matched, &way->motion, frame->t_ns,
+                                  &frame->disparity, p->detections, way->detection_count);
     case STAGE_BLIND_ZONE:
       return vista_blind_zone_update(&q->blind_zone, &p->camera, &p->matched, q->obstacle_map.collision_radius_m,
                                      &frame->image, &frame->disparity, &p->blind_zone);
     case STAGE_MAP: {
       int32_t count;
       const vista_track *const tracks = vista_tracker_tracks(p->tracker, &count);
-      return vista_obstacle_map_update(p->map, &q->obstacle_map, &p->camera, frame->pose, NULL, frame->t_ns,
-                                       &p->blind_zone, tracks, count);
+      return vista_obstacle_map_update(p->map, &q->obstacle_map, &p->camera, &way->motion, &p->blind_zone, tracks,
+                                       count);
     }
     case STAGE_COUNT:
       break;
@@ -265,19 +283,18 @@ static vista_status run_stage(vista_pipeline *p, stage stage, const vista_frame 
   return VISTA_ERROR_RANGE;
 }
 
-static vista_status run_stages(vista_pipeline *p, const vista_frame *frame) {
-  double stage_ms[STAGE_COUNT], up[3];
-  int32_t detections = 0;
-  up_in_camera(frame, up);
-  double last_ms = clock_ms();
+static vista_status run_stages(vista_pipeline *p, passage *way) {
+  double stage_ms[STAGE_COUNT];
+  double last_ms = vista_clock_ms();
   for (int k = 0; k < STAGE_COUNT; ++k) {
-    const vista_status status = run_stage(p, (stage)k, frame, up, &detections);
+    const vista_status status = run_stage(p, (stage)k, way);
     if (status != VISTA_OK) return status;
-    const double now_ms = clock_ms();
+    const double now_ms = vista_clock_ms();
     stage_ms[k] = now_ms - last_ms;
     last_ms = now_ms;
   }
   memcpy(p->stage_ms, stage_ms, sizeof stage_ms);
+  p->motion_state = way->motion_state;
   p->views.region_count = p->regions.count;
   for (int32_t k = 0; k < p->regions.count; ++k) p->verdicts[k] = p->regions.items[k].verdict;
   return VISTA_OK;
@@ -290,21 +307,21 @@ vista_status vista_pipeline_process_sized(vista_pipeline *pipeline, const vista_
   vista_pipeline *const p = pipeline;
   vista_frame f = {0};
   memcpy(&f, frame, frame_bytes < sizeof f ? frame_bytes : sizeof f);
-  vista_status status = check_frame(&f);
-  const int64_t dropped_before = vista_tracker_dropped(p->tracker);
-  if (status == VISTA_OK) status = run_stages(p, &f);
+  vista_status status = check_frame(p, &f);
+  passage way = {.frame = &f, .motion_state = p->motion_state};
+  if (status == VISTA_OK) status = run_stages(p, &way);
   if (status != VISTA_OK) return status;
   vista_result r = {.obstacle_bytes = sizeof(vista_obstacle),
                     .nearest_collision = vista_obstacle_map_nearest(p->map),
+                    .motion = way.motion,
                     .valid_fraction = valid_fraction(&f.disparity),
                     .region_count = p->regions.count,
                     .accepted_count = p->regions.accepted_count,
-                    .dropped_tracks = vista_tracker_dropped(p->tracker) - dropped_before,
+                    .dropped_tracks = vista_tracker_dropped(p->tracker) - way.dropped_before,
                     .stage_count = STAGE_COUNT,
                     .stage_ms = p->stage_ms,
                     .views = &p->views};
   r.obstacles = vista_obstacle_map_obstacles(p->map, &r.obstacle_count);
-  vista_obstacle_map_velocity(p->map, r.velocity_m_s);
   for (int k = 0; k < STAGE_COUNT; ++k) r.host_ms += p->stage_ms[k];
   memset(result, 0, result_bytes);
   memcpy(result, &r, result_bytes < sizeof r ? result_bytes : sizeof r);

@@ -1,4 +1,4 @@
-/* What libvista reports: obstacles, and the nearest that the aircraft would collide with. */
+/* What libvista reports: obstacles, the nearest that the aircraft would collide with, and its own motion. */
 #ifndef VISTA_OBSTACLE_H
 #define VISTA_OBSTACLE_H
 
@@ -6,6 +6,7 @@
 #include <stdint.h>
 
 #include "vista/api.h"
+#include "vista/types.h"
 
 VISTA_BEGIN
 
@@ -66,8 +67,35 @@ typedef struct vista_nearest_collision {
   double position_m[3];
   double distance_m;
   double time_to_collision_s; /* distance along the flight direction / closing speed; NaN: that is below
-                                 motion.speed_min_m_s, or unknown */
+                                 obstacle_map.closing_min_m_s, or unknown */
 } vista_nearest_collision;
+
+/* Where the camera's pose in this frame comes from. */
+typedef enum vista_motion_source {
+  VISTA_MOTION_UNTOLD = 0, /* no pose up to now: the world is the first camera */
+  VISTA_MOTION_POSE,       /* the frame's own */
+  VISTA_MOTION_STANDS,     /* no pose; the caller says that the camera has not moved since the last frame */
+  VISTA_MOTION_CARRIED_ON, /* no pose, after others: the last motion goes on */
+  VISTA_MOTION_REFUSED,    /* the frame's pose is out of reach: the last motion goes on */
+  VISTA_MOTION_SOURCE_COUNT
+} vista_motion_source;
+
+/* Upper-case name of a source; never null. */
+VISTA_API const char *vista_motion_source_name(vista_motion_source source);
+
+/* The vehicle's own motion as the detector worked with it. */
+typedef struct vista_motion {
+  bool known; /* POSE or STANDS: positions in world are good; else they rest on a guess of where the camera is */
+  bool restarted;                  /* the poses went on elsewhere: all tracks were given up */
+  bool velocity_known;             /* else it is zero, or the last one that was known */
+  vista_motion_source source;
+  vista_pose pose;                 /* of the camera in world */
+  double velocity_m_s[3];          /* world */
+  double turn_rate_rad_s[3];       /* axis times rate, world */
+  double speed_m_s;
+  double direction[3]; /* of flight, unit length, world: along the velocity, else the optical axis */
+  double drift_m;      /* standard deviation that this frame adds to the position, in a frame carried on */
+} vista_motion;
 
 VISTA_END
 

@@ -10,7 +10,7 @@
 
 VISTA_BEGIN
 
-/* The stereo engine (its contract: model/README.md). */
+/* The stereo engine (its contract: doc/design/engine-contract.md). */
 typedef enum vista_stereo_prefilter { VISTA_STEREO_PREFILTER_XSOBEL, VISTA_STEREO_PREFILTER_NONE } vista_stereo_prefilter;
 
 typedef enum vista_stereo_smooth { VISTA_STEREO_SMOOTH_OFF, VISTA_STEREO_SMOOTH_BINOMIAL3 } vista_stereo_smooth;
@@ -27,6 +27,16 @@ typedef struct vista_stereo_params {
   int32_t levels; /* Levels of the image pyramid that are matched, each half the size of the one before. 1 .. 4. */
   unsigned char reserved[220];
 } vista_stereo_params;
+
+/* The vehicle's own motion, from poses. */
+typedef struct vista_motion_params {
+  double velocity_smoothing_s; /* Time constant of velocity and turn rate from poses; 0: the last difference. 0.0 .. 60.0 s. */
+  double speed_min_m_s; /* Slower, the flight direction is the optical axis. 0.0 .. 100.0 m/s. */
+  double speed_max_m_s; /* A pose that only a faster vehicle could have reached is refused. 1.0 .. 10000.0 m/s. */
+  int32_t restart_poses; /* As many refused poses in a row that agree with each other are believed: the world goes on there, without tracks. 1 .. 100 poses. */
+  double drift_m_s; /* Error of the velocity over which a frame without a pose is carried on; adds to the uncertainty of all tracks. 0.0 .. 100.0 m/s. */
+  unsigned char reserved[216];
+} vista_motion_params;
 
 /* Log-polar grid (paper, section II-B). */
 typedef struct vista_foveation_params {
@@ -167,9 +177,8 @@ typedef struct vista_obstacle_map_params {
   double lasting_range_m; /* The same in depth, of the surface that the region's boundary shows; the larger part near the camera. 0.0 .. 10.0 m. */
   double lasting_center_px; /* The same of its centre: matching widens a thing by up to half a block, more to one side than to the other. 0.0 .. 100.0 px. */
   double lasting_center_ratio; /* The same, as a share of its half width and height: a region may lack a part of the thing all along. 0.0 .. 2.0. */
-  double velocity_smoothing_s; /* Time constant of the velocity from poses; 0: the last difference. 0.0 .. 60.0 s. */
-  double speed_min_m_s; /* Slower, the flight direction is the optical axis. 0.0 .. 100.0 m/s. */
-  unsigned char reserved[184];
+  double closing_min_m_s; /* No time to collision is given for what closes slower than this. 0.0 .. 100.0 m/s. */
+  unsigned char reserved[192];
 } vista_obstacle_map_params;
 
 /* Made by vista_parameters_default, and changed afterwards. A newer library finds its new parameters behind
@@ -177,6 +186,7 @@ typedef struct vista_obstacle_map_params {
 typedef struct vista_parameters {
   size_t struct_bytes; /* of this struct in the caller's header */
   vista_stereo_params stereo;
+  vista_motion_params motion;
   vista_foveation_params foveation;
   vista_affinity_params affinity;
   vista_surface_params surface;

@@ -10,6 +10,7 @@
 #ifndef VISTA_PIPELINE_H
 #define VISTA_PIPELINE_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -25,9 +26,11 @@ VISTA_BEGIN
 typedef struct vista_frame {
   vista_image image;               /* left, rectified */
   vista_disparity_image disparity; /* engine words of the same size */
-  const vista_pose *pose;          /* of the left rectified camera in world; null: not known */
+  const vista_pose *pose;          /* of the left rectified camera in world; null: not known (motion.source) */
   const double *up_world;          /* 3: unit vector against gravity in world; null: camera -y */
   int64_t t_ns;                    /* increasing from frame to frame */
+  const double *velocity_m_s;      /* 3: of the camera in world; null: from the poses */
+  bool stationary;                 /* without a pose: the camera has not moved since the last frame */
 } vista_frame;
 
 /* Pictures of what the detector saw, for displays and logs. Each pixel belongs to a cell of the log-polar grid, each
@@ -48,7 +51,7 @@ typedef struct vista_result {
   int32_t obstacle_count;
   int32_t obstacle_bytes; /* from one to the next */
   vista_nearest_collision nearest_collision;
-  double velocity_m_s[3]; /* of the camera in world, from the poses; zero while unknown */
+  vista_motion motion;
   double valid_fraction;  /* of the image's pixels that have a disparity */
   int32_t region_count;
   int32_t accepted_count; /* of the regions, taken for obstacles */
@@ -89,8 +92,8 @@ VISTA_API vista_status vista_pipeline_process_sized(vista_pipeline *pipeline, co
                                                     size_t frame_bytes, vista_result *result, size_t result_bytes);
 
 /* One frame. On an error the tracks are as before and *result is not written.
- * VISTA_ERROR_SIZE: images of another size; VISTA_ERROR_ORDER: time; VISTA_ERROR_NUMBER: pose or up not finite;
- * VISTA_ERROR_RANGE: pose without a rotation, up not of unit length; VISTA_ERROR_ARGUMENT: a null pointer. */
+ * VISTA_ERROR_SIZE: images of another size; VISTA_ERROR_ORDER: time; VISTA_ERROR_NUMBER: pose, velocity or up not
+ * finite; VISTA_ERROR_RANGE: pose without a rotation, up not of unit length, a velocity above motion.speed_max_m_s; VISTA_ERROR_ARGUMENT: a null pointer. */
 static inline vista_status vista_pipeline_process(vista_pipeline *pipeline, const vista_frame *frame,
                                                   vista_result *result) {
   return vista_pipeline_process_sized(pipeline, frame, sizeof *frame, result, sizeof *result);

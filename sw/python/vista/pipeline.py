@@ -50,9 +50,22 @@ class Nearest:
 
 
 @dataclass(frozen=True)
+class Motion:
+    """The vehicle's own motion as the detector worked with it."""
+
+    known: bool  # else positions in world rest on a guess of where the camera is
+    source: str  # of the camera's pose: POSE, STANDS, CARRIED_ON, REFUSED, UNTOLD
+    restarted: bool  # the poses went on elsewhere: all tracks were given up
+    velocity_m_s: Array | None  # (3,) world; None: not known
+    turn_rate_rad_s: Array  # (3,) axis times rate, world
+    pose: Pose  # world_from_camera
+
+
+@dataclass(frozen=True)
 class Result:
     obstacles: list[Obstacle]  # nearest first
     nearest_collision: Nearest | None
+    motion: Motion
     regions: int
     valid_fraction: float
     dropped_tracks: int  # for want of room, in this frame
@@ -104,11 +117,14 @@ class Pipeline:
         t_ns: int,
         pose: Pose | None = None,
         up_world: Array | None = None,
+        velocity_m_s: Array | None = None,
+        stationary: bool = False,
     ) -> Result:
         """One frame: rectified left image and engine words (height, width); pose: world_from_camera.
 
-        Raises PipelineError on arrays of another type or size, times that do not increase, a pose that is not
-        finite."""
+        velocity_m_s: of the camera in world, None: from the poses. stationary: without a pose, the camera has
+        not moved since the last frame. Raises PipelineError on arrays of another type or size, times that do
+        not increase, a pose that is not finite."""
         ffi = self._ffi
         if (left.dtype, left.ndim, disparity.dtype, disparity.ndim) != (np.uint8, 2, np.int16, 2):
             raise PipelineError("the image has to be uint8 and int16 its disparities, both (height, width)")
@@ -128,6 +144,10 @@ class Pipeline:
         if up_world is not None:
             c_up = ffi.new("double[3]", np.asarray(up_world, dtype=float).tolist())
             frame.up_world = c_up
+        if velocity_m_s is not None:
+            c_velocity = ffi.new("double[3]", np.asarray(velocity_m_s, dtype=float).tolist())
+            frame.velocity_m_s = c_velocity
+        frame.stationary = stationary
         self._check(
             self._lib.vista_pipeline_process_sized(
                 self._pipeline, frame, ffi.sizeof(frame[0]), self._result, ffi.sizeof(self._result[0])
@@ -161,6 +181,7 @@ class Pipeline:
         return Result(
             obstacles=[_obstacle(ffi, lib, r.obstacles[k]) for k in range(r.obstacle_count)],
             nearest_collision=_nearest(nearest) if nearest.valid else None,
+            motion=_motion(ffi, lib, r.motion),
             regions=r.region_count,
             valid_fraction=r.valid_fraction,
             dropped_tracks=r.dropped_tracks,
@@ -203,6 +224,17 @@ def _obstacle(ffi: Any, lib: Any, o: Any) -> Obstacle:
         ellipse=Ellipse(e.center_u_px, e.center_v_px, e.axis_a_px, e.axis_b_px, e.angle_deg),
         disparity_px=o.disparity_px,
         in_collision_volume=bool(o.in_collision_volume),
+    )
+
+
+def _motion(ffi: Any, lib: Any, m: Any) -> Motion:
+    return Motion(
+        known=m.known,
+        source=ffi.string(lib.vista_motion_source_name(m.source)).decode(),
+        restarted=m.restarted,
+        velocity_m_s=np.array(list(m.velocity_m_s)) if m.velocity_known else None,
+        turn_rate_rad_s=np.array(list(m.turn_rate_rad_s)),
+        pose=Pose(np.array(list(m.pose.rotation)).reshape(3, 3), np.array(list(m.pose.translation_m))),
     )
 
 
