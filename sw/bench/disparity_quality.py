@@ -141,9 +141,8 @@ def main() -> None:
     print(f"{pairs} pairs, {DISPARITIES} candidates; in range: up to {DISPARITIES - 1} px, near: more")
     print(table(results))
     options.out.parent.mkdir(parents=True, exist_ok=True)
-    methods = {
-        method: {part: asdict(one) for part, one in parts.items()} for method, parts in results.items()
-    }
+    exact = {method: {part: asdict(one) for part, one in parts.items()} for method, parts in results.items()}
+    methods = json.loads(json.dumps(exact), parse_float=lambda digits: round(float(digits), 4))
     document = {"disparities": DISPARITIES, "levels": LEVELS, "opencv": cv2.__version__, "methods": methods}
     options.out.write_text(json.dumps(document, indent=1) + "\n")
 
