@@ -13,6 +13,9 @@ VISTA_BEGIN
 /* What is matched: the horizontal Sobel response, or the grey levels themselves (the Acadia's plain SAD). */
 typedef enum vista_stereo_prefilter { VISTA_STEREO_PREFILTER_XSOBEL, VISTA_STEREO_PREFILTER_NONE } vista_stereo_prefilter;
 
+/* Smoothing of both images before they are matched: none, or 1 2 1 in both directions. */
+typedef enum vista_stereo_smooth { VISTA_STEREO_SMOOTH_OFF, VISTA_STEREO_SMOOTH_BINOMIAL3 } vista_stereo_smooth;
+
 /* The stereo engine (its contract: doc/design/engine-contract.md). */
 typedef struct vista_stereo_params {
   int32_t num_disparities; /* Candidates 0 .. num_disparities - 1, a multiple of 16. The paper's Acadia had 32; 64 halve the blind zone. 16 .. 256 px. */
@@ -22,7 +25,9 @@ typedef struct vista_stereo_params {
   int32_t texture_threshold; /* Blocks with less texture are invalid. 0 .. 65535. */
   int32_t uniqueness_ratio; /* Margin of the best match over all that do not adjoin it. 0 .. 100 percent. */
   int32_t lr_max_diff; /* Largest difference of the left and the right winner; -1: no left/right check. -1 .. 255 px. */
-  unsigned char reserved[228];
+  vista_stereo_smooth smooth; /* Smoothing of both images before they are matched: none, or 1 2 1 in both directions. */
+  int32_t levels; /* Levels of the image pyramid that are matched, each half the size of the one before. 1 .. 4. */
+  unsigned char reserved[220];
 } vista_stereo_params;
 
 /* The vehicle's own motion, from poses. */
