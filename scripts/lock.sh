@@ -5,10 +5,12 @@ cd "$(dirname "$0")/requirements"
 readonly tools=../../build/lock-tools
 [ -x $tools/bin/pip-compile ] || { python3 -m venv $tools && $tools/bin/pip install --quiet pip-tools==7.6.2; }
 export CUSTOM_COMPILE_COMMAND="make lock"
-for set_name in pip run test bench rtl; do # test, bench and rtl are constrained by those before them
+for set_name in pip build run test bench rtl docs; do # each after those that constrain it
   echo "locking $set_name"
-  sources=("$set_name.in")
-  [ "$set_name" != run ] || sources+=(flights.in) # a checkout has the extra
+  case $set_name in
+    run) sources=(../../pyproject.toml --extra flights --constraint build.txt) ;; # a checkout has the extra
+    *) sources=("$set_name.in") ;;
+  esac
   $tools/bin/pip-compile --quiet --generate-hashes --allow-unsafe --strip-extras --no-emit-index-url \
     --no-emit-trusted-host --no-emit-find-links --pip-args='--only-binary :all:' \
     --output-file "$set_name.txt" "${sources[@]}"

@@ -2,8 +2,8 @@
 
     make_binding.py MODULE HEADER... --out FILE.py
 
-Headers are read in the order of their includes. Comments, includes and conditionals go; integer #defines
-stay as constants.
+Headers are read in the order of their includes. Comments, includes, conditionals, inline functions and the
+macros of vista/api.h go; integer #defines stay as constants.
 """
 
 from __future__ import annotations
@@ -20,6 +20,8 @@ import cffi
 _COMMENT_OR_TEXT = re.compile(r"""/\*.*?\*/|//[^\n]*|"(?:\\.|[^"\\])*"|'(?:\\.|[^'\\])*'""", re.DOTALL)
 _DEFINE = re.compile(r"#\s*define\s+([A-Za-z_]\w*)(?!\()\s+(.+)")
 _INCLUDE = re.compile(r'^\s*#\s*include\s+"([^"]+)"', re.MULTILINE)
+_API_MACRO = re.compile(r"\bVISTA_(?:API|BEGIN|END)\b")
+_INLINE = re.compile(r"^static inline .*?^\}$", re.DOTALL | re.MULTILINE)
 _INTEGER = re.compile(r"\(?\s*([+-]?\s*(?:0[xX][0-9a-fA-F]+|\d+))[uUlL]*\s*\)?")
 
 
@@ -43,7 +45,7 @@ def declarations(header: str, known: dict[str, str]) -> str:
         if define and integer:
             constants[define.group(1)] = integer.group(1).replace(" ", "")
     known.update(constants)
-    body = "\n".join(lines)
+    body = _INLINE.sub("", _API_MACRO.sub("", "\n".join(lines)))
     for name, value in known.items():  # array sizes must be plain numbers
         body = re.sub(rf"\[\s*{name}\s*\]", f"[{value}]", body)
     defines = "".join(f"#define {name} {value}\n" for name, value in constants.items())

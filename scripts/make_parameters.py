@@ -1,6 +1,6 @@
-"""Make the C structs of the host's parameters from sw/parameters.toml (the one place where they are written).
+"""Make the C structs of the host's parameters, and the table of them, from sw/parameters.toml.
 
-usage: make_parameters.py PARAMETERS.toml HEADER.h SOURCE.c [--check]
+usage: make_parameters.py PARAMETERS.toml HEADER.h TABLE.h [--check]
 
 --check writes nothing and exits 1 when a file differs from what would be written.
 """
@@ -8,6 +8,7 @@ usage: make_parameters.py PARAMETERS.toml HEADER.h SOURCE.c [--check]
 from __future__ import annotations
 
 import argparse
+import json
 import sys
 import tomllib
 from pathlib import Path
@@ -15,18 +16,101 @@ from typing import Any
 
 Entry = dict[str, Any]
 C_TYPE = {"int": "int32_t", "float": "double"}
+C_BYTES = {"int": 4, "choice": 4, "float": 8}
+SECTION_BYTES = 256  # of each section's struct: room for parameters that are still to come
+GENERATED = "/* Generated from sw/parameters.toml by scripts/make_parameters.py; do not edit. */"
+
+HEADER = """{generated}
+#ifndef VISTA_PARAMETERS_H
+#define VISTA_PARAMETERS_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "vista/api.h"
+#include "vista/status.h"
+
+VISTA_BEGIN
+{structs}
+/* Made by vista_parameters_default, and changed afterwards. A newer library finds its new parameters behind
+ * those of this header and in the reserved parts, filled in by that function. */
+typedef struct vista_parameters {{
+  size_t struct_bytes; /* of this struct in the caller's header */
+{sections}
+}} vista_parameters;
+
+/* The defaults, in a struct of this size. VISTA_ERROR_SIZE: it is no size of this struct. */
+VISTA_API vista_status vista_parameters_init(vista_parameters *parameters, size_t bytes);
+
+static inline vista_parameters vista_parameters_default(void) {{
+  vista_parameters parameters;
+  (void)vista_parameters_init(&parameters, sizeof parameters);
+  return parameters;
+}}
+
+/* VISTA_OK; VISTA_ERROR_SIZE: not made by vista_parameters_default; VISTA_ERROR_RANGE (NaN included) with
+ * `culprit`, which may be null, set to "section.name". */
+VISTA_API vista_status vista_parameters_check(const vista_parameters *parameters, const char **culprit);
+
+/* The parameter called "section.name"; a choice by its number or by its name. VISTA_ERROR_RANGE: no such
+ * parameter, or a value that none has; its own range is vista_parameters_check's to judge. */
+VISTA_API vista_status vista_parameters_set(vista_parameters *parameters, const char *name, double value);
+VISTA_API vista_status vista_parameters_set_choice(vista_parameters *parameters, const char *name,
+                                                   const char *choice);
+VISTA_API vista_status vista_parameters_get(const vista_parameters *parameters, const char *name,
+                                            double *value);
+
+typedef enum vista_parameter_type {{
+  VISTA_PARAMETER_INT,
+  VISTA_PARAMETER_FLOAT,
+  VISTA_PARAMETER_CHOICE
+}} vista_parameter_type;
+
+/* What there is to know of one parameter. Texts are never null. */
+typedef struct vista_parameter {{
+  const char *name; /* "section.name" */
+  const char *unit, *doc;
+  vista_parameter_type type;
+  double default_value, min, max; /* of a choice: its number, the first and the last one */
+  const char *at_most;            /* a parameter that it must not exceed, too; "": none */
+  int32_t choice_count;
+  const char *const *choices; /* choice_count names */
+}} vista_parameter;
+
+/* All of them, in the order of the struct; null outside 0 .. count - 1. */
+VISTA_API int32_t vista_parameter_count(void);
+VISTA_API const vista_parameter *vista_parameter_info(int32_t index);
+
+VISTA_END
+
+#endif
+"""
+
+TABLE = """{generated}
+#ifndef VISTA_SRC_PARAMETERS_TABLE_H
+#define VISTA_SRC_PARAMETERS_TABLE_H
+
+#include <stddef.h>
+
+#include "vista/parameters.h"
+
+{choices}
+
+static const struct {{
+  vista_parameter info;
+  size_t offset; /* in vista_parameters */
+}} parameter_table[] = {{
+{rows}
+}};
+
+{sizes}
+
+#endif
+"""
 
 
 def entries_of(section: Entry) -> dict[str, Entry]:
     return {name: entry for name, entry in section.items() if isinstance(entry, dict)}
-
-
-def enum_type(section: str, name: str) -> str:
-    return f"vista_{section}_{name}"
-
-
-def enum_constant(section: str, name: str, choice: str) -> str:
-    return f"VISTA_{section}_{name}_{choice}".upper()
 
 
 def comment(entry: Entry) -> str:
@@ -41,121 +125,57 @@ def comment(entry: Entry) -> str:
     return " ".join(parts)
 
 
+def section_struct(section: str, content: Entry) -> str:
+    lines = ["", f"/* {content['doc']} */"]
+    used = 0
+    fields = []
+    for name, entry in entries_of(content).items():
+        c_type = C_TYPE.get(entry["type"], f"vista_{section}_{name}")
+        if entry["type"] == "choice":
+            constants = ", ".join(f"VISTA_{section}_{name}_{choice}".upper() for choice in entry["choices"])
+            lines += [f"typedef enum {c_type} {{ {constants} }} {c_type};", ""]
+        fields.append(f"  {c_type} {name}; /* {comment(entry)} */")
+        size = C_BYTES[entry["type"]]
+        used = -(-used // size) * size + size
+    reserved = f"  unsigned char reserved[{SECTION_BYTES - used}];"
+    lines += [f"typedef struct vista_{section}_params {{", *fields, reserved, f"}} vista_{section}_params;"]
+    return "\n".join(lines) + "\n"
+
+
 def header_text(schema: dict[str, Entry]) -> str:
-    lines = [
-        "/* Generated from sw/parameters.toml by scripts/make_parameters.py; do not edit. */",
-        "#ifndef VISTA_PARAMETERS_H",
-        "#define VISTA_PARAMETERS_H",
-        "",
-        "#include <stdint.h>",
-        "",
-        '#include "vista/status.h"',
-    ]
-    for section, content in schema.items():
-        lines += ["", f"/* {content['doc']} */"]
-        entries = entries_of(content)
-        for name, entry in entries.items():
-            if entry["type"] == "choice":
-                constants = ", ".join(enum_constant(section, name, c) for c in entry["choices"])
-                lines += [
-                    f"typedef enum {enum_type(section, name)} {{ {constants} }} {enum_type(section, name)};",
-                    "",
-                ]
-        lines.append(f"typedef struct vista_{section}_params {{")
-        for name, entry in entries.items():
-            c_type = enum_type(section, name) if entry["type"] == "choice" else C_TYPE[entry["type"]]
-            lines.append(f"  {c_type} {name}; /* {comment(entry)} */")
-        lines.append(f"}} vista_{section}_params;")
-    lines += ["", "typedef struct vista_parameters {"]
-    lines += [f"  vista_{section}_params {section};" for section in schema]
-    lines += [
-        "} vista_parameters;",
-        "",
-        "vista_parameters vista_parameters_default(void);",
-        "",
-        "/* VISTA_OK, or VISTA_ERROR_RANGE (NaN included) with `culprit`, which may be null, set to",
-        ' * "section.name". */',
-        "vista_status vista_parameters_check(const vista_parameters *parameters, const char **culprit);",
-        "",
-        '/* Sets the parameter called "section.name"; a choice by its number. VISTA_ERROR_RANGE: no such',
-        " * parameter, or a value that none has; its own range is vista_parameters_check's to judge. */",
-        "vista_status vista_parameters_set(vista_parameters *parameters, const char *name, double value);",
-        "",
-        "#endif",
-    ]
-    return "\n".join(lines) + "\n"
+    structs = "".join(section_struct(section, content) for section, content in schema.items())
+    sections = "\n".join(f"  vista_{section}_params {section};" for section in schema)
+    return HEADER.format(generated=GENERATED, structs=structs, sections=sections)
 
 
-def default_literal(section: str, name: str, entry: Entry) -> str:
-    if entry["type"] == "choice":
-        return enum_constant(section, name, entry["default"])
-    return repr(int(entry["default"]) if entry["type"] == "int" else float(entry["default"]))
+def table_row(section: str, name: str, entry: Entry) -> str:
+    choices = entry.get("choices", [])
+    default = choices.index(entry["default"]) if choices else entry["default"]
+    low, high = (0, len(choices) - 1) if choices else (entry["min"], entry["max"])
+    at_most = f"{section}.{entry['at_most']}" if "at_most" in entry else ""
+    texts = ", ".join(json.dumps(text) for text in (f"{section}.{name}", entry.get("unit", ""), entry["doc"]))
+    names = f"{section}_{name}_choices" if choices else "NULL"
+    info = (
+        f"{texts}, VISTA_PARAMETER_{entry['type'].upper()}, {default}, {low}, {high}, "
+        f'"{at_most}", {len(choices)}, {names}'
+    )
+    return f"    {{{{{info}}}, offsetof(vista_parameters, {section}.{name})}},"
 
 
-def source_text(schema: dict[str, Entry]) -> str:
-    lines = [
-        "/* Generated from sw/parameters.toml by scripts/make_parameters.py; do not edit. */",
-        '#include "vista/parameters.h"',
-        "",
-        "#include <stdbool.h>",
-        "#include <stddef.h>",
-        "#include <string.h>",
-        "",
-        "vista_parameters vista_parameters_default(void) {",
-        "  return (vista_parameters){",
-    ]
-    for section, content in schema.items():
-        for name, entry in entries_of(content).items():
-            lines.append(f"      .{section}.{name} = {default_literal(section, name, entry)},")
-    lines += [
-        "  };",
-        "}",
-        "",
-        "static bool within(double value, double low, double high) { return value >= low && value <= high; }",
-        "",
-        "vista_status vista_parameters_check(const vista_parameters *parameters, const char **culprit) {",
-        "  if (parameters == NULL) return VISTA_ERROR_ARGUMENT;",
-        "  const vista_parameters *const p = parameters;",
-        "  const char *wrong = NULL;",
-    ]
-    for section, content in schema.items():
-        for name, entry in entries_of(content).items():
-            low, high = (
-                (0, len(entry["choices"]) - 1) if entry["type"] == "choice" else (entry["min"], entry["max"])
-            )
-            value = f"(double)p->{section}.{name}" if entry["type"] != "float" else f"p->{section}.{name}"
-            prefix = "  " if lines[-1].startswith("  const char") else "  else "
-            lines.append(f'{prefix}if (!within({value}, {low}, {high})) wrong = "{section}.{name}";')
-    for section, content in schema.items():
-        for name, entry in entries_of(content).items():
-            if "at_most" in entry:
-                condition = f"p->{section}.{name} > p->{section}.{entry['at_most']}"
-                lines.append(f'  else if ({condition}) wrong = "{section}.{name}";')
-    lines += [
-        "  if (culprit != NULL) *culprit = wrong;",
-        "  return wrong == NULL ? VISTA_OK : VISTA_ERROR_RANGE;",
-        "}",
-        "",
-        "vista_status vista_parameters_set(vista_parameters *parameters, const char *name, double value) {",
-        "  if (parameters == NULL || name == NULL) return VISTA_ERROR_ARGUMENT;",
-        "  if (!within(value, -1e9, 1e9)) return VISTA_ERROR_RANGE;",
-        "  vista_parameters *const p = parameters;",
-    ]
-    for section, content in schema.items():
-        for name, entry in entries_of(content).items():
-            # An enum may be unsigned, and a negative double has no conversion to that.
-            cast = {
-                "float": "",
-                "int": "(int32_t)",
-                "choice": f"({enum_type(section, name)})(int32_t)",
-            }[entry["type"]]
-            assignment = f"p->{section}.{name} = {cast}value"
-            lines.append(f'  if (strcmp(name, "{section}.{name}") == 0) return {assignment}, VISTA_OK;')
-    lines += [
-        "  return VISTA_ERROR_RANGE;",
-        "}",
-    ]
-    return "\n".join(lines) + "\n"
+def table_text(schema: dict[str, Entry]) -> str:
+    all_entries = [(s, name, entry) for s in schema for name, entry in entries_of(schema[s]).items()]
+    choices = "\n".join(
+        f"static const char *const {section}_{name}_choices[] = "
+        f"{{{', '.join(json.dumps(choice) for choice in entry['choices'])}}};"
+        for section, name, entry in all_entries
+        if entry["type"] == "choice"
+    )
+    rows = "\n".join(table_row(*entry) for entry in all_entries)
+    sizes = "\n".join(
+        f'_Static_assert(sizeof(vista_{section}_params) == {SECTION_BYTES}, "{section} may not grow");'
+        for section in schema
+    )
+    return TABLE.format(generated=GENERATED, choices=choices, rows=rows, sizes=sizes)
 
 
 def main() -> int:
@@ -164,12 +184,12 @@ def main() -> int:
     )
     parser.add_argument("parameters", type=Path)
     parser.add_argument("header", type=Path)
-    parser.add_argument("source", type=Path)
+    parser.add_argument("table", type=Path)
     parser.add_argument("--check", action="store_true")
     arguments = parser.parse_args()
     schema = tomllib.loads(arguments.parameters.read_text())
     stale = False
-    for path, text in ((arguments.header, header_text(schema)), (arguments.source, source_text(schema))):
+    for path, text in ((arguments.header, header_text(schema)), (arguments.table, table_text(schema))):
         if path.exists() and path.read_text() == text:
             continue
         stale = True

@@ -1,9 +1,10 @@
 #!/bin/bash
-# Installs one set of pinned packages (run | test | bench) into .venv: setup.sh SET
+# Installs one set of pinned packages (build | run | test | bench | rtl | docs) into .venv: setup.sh SET
 # A set is complete when .venv/SET.stamp exists. A set-up that was interrupted leaves .venv/installing behind,
 # and the next one starts from nothing: pip would take a half-copied package for an installed one.
+# setup.sh moved: only puts right what holds the path of a checkout that was moved since.
 set -euo pipefail
-cd "$(dirname "$0")/.."
+cd -P "$(dirname "$0")/.."
 readonly set_name=$1 requirements=scripts/requirements/$1.txt
 
 fail() { echo "setup: $*" >&2; exit 1; }
@@ -63,6 +64,22 @@ create_venv() {
   fi
 }
 
+# Scripts of .venv name their interpreter by its full path; what was built holds such paths in more places and is built
+# anew, but results are kept.
+repair_moved_checkout() {
+  local old
+  old=$(<.venv/place)
+  [ "$old" != "$PWD" ] || return 0
+  echo "setup: this checkout was moved here from $old; its paths are put right"
+  (grep -rlIF --exclude-dir=__pycache__ "$old" .venv || true) | xargs -r -d '\n' sed -i "s|$old|$PWD|g"
+  rm -rf build/{CMakeCache.txt,CMakeFiles,obj,rtl,sanitized,tools}
+  echo "$PWD" >.venv/place
+  if ! .venv/bin/pip --version >/dev/null 2>&1; then
+    touch .venv/installing # this path cannot be named in a script: start from nothing
+    rm -f .venv/*.stamp
+  fi
+}
+
 # Shows what pip is at, a line a package.
 progress() {
   sed -un -e 's/^Collecting \([^ ]*\).*/  \1/p' -e 's/^Installing collected packages.*/  unpacking/p'
@@ -72,13 +89,17 @@ mkdir -p build
 exec 9>build/setup.lock
 flock 9
 
+if [ -f .venv/place ]; then repair_moved_checkout; fi
+if [ "$set_name" = moved ]; then exit; fi
 if [ ! -x .venv/bin/python ] || [ -e .venv/installing ]; then create_venv; fi
 touch .venv/installing
 echo "setup: installing the $(grep -c '^[a-z].*==' "$requirements") pinned packages of $requirements into .venv"
 .venv/bin/python -m pip install --disable-pip-version-check --no-input --require-hashes \
   --requirement "$requirements" | progress || fail "pip could not install $requirements (see above)"
 if [ "$set_name" = run ]; then
-  .venv/bin/python -m pip install --disable-pip-version-check --quiet --no-deps --no-build-isolation --editable .
+  .venv/bin/python -m pip install --disable-pip-version-check --quiet --no-deps --no-build-isolation --editable . ||
+    fail "pip could not install vista itself into .venv (see above)"
 fi
+echo "$PWD" >.venv/place
 rm .venv/installing
 touch ".venv/$set_name.stamp"

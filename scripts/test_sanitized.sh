@@ -5,9 +5,7 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 
 export VISTA_BUILD=build/sanitized
-readonly warnings="-Wall -Wextra -Werror"
-make --no-print-directory native systemc BUILD="$VISTA_BUILD" \
-  CFLAGS="-O1 -g -std=c17 $warnings -fPIC" SYSTEMC_CXXFLAGS="-O1 -g -std=c++17 $warnings" \
+make --no-print-directory native systemc BUILD="$VISTA_BUILD" DEVELOPER=ON CFLAGS="-O1 -g" SYSTEMC_CXXFLAGS="-O1 -g -std=c++17 -Wall -Wextra -Werror" \
   SANITIZE="-fsanitize=address,undefined -fno-sanitize-recover=all"
 
 # Left out: tests whose millions of pixels or readers in Python add time and no other C code, and the Verilated engine,

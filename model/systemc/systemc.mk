@@ -15,7 +15,7 @@ systemc: $(BUILD)/bin/vista_system ## the model of the whole system in time: $(B
 systemc-tests: systemc $(SYSTEMC_TRACE)
 
 $(SYSTEMC_STAMP): scripts/setup_systemc.sh scripts/requirements/systemc.txt
-	@scripts/setup_systemc.sh
+	@$(call need,g++)scripts/setup_systemc.sh
 
 # The latencies of the RTL are written in one place, its package.
 $(SYSTEMC_LATENCY): rtl/src/vista_stereo_pkg.sv
@@ -44,3 +44,6 @@ $(BUILD)/bin/vista_system: $(BUILD)/obj/model/systemc/apps/vista_system.o $(SYST
 
 $(SYSTEMC_TRACE): $(BUILD)/obj/tb/systemc/vista_engine_trace.o $(SYSTEMC_OBJECTS) $(BUILD)/lib/libvista_engine.so
 	$(SYSTEMC_LINK)
+
+.SECONDARY: # keep the objects of the programs
+-include $(shell find $(BUILD)/obj -name '*.d' 2>/dev/null)

@@ -16,15 +16,13 @@
 #include <string.h>
 #include <time.h>
 
-#include "vista/pipeline.h"
+#include "vista/vista.h"
 
 #define MAGIC "VISTAREC"
-#define VERSION 2
+#define VERSION 3
 #define NAME_BYTES 48
+#define CHOICE_BYTES 32
 #define FRAME_HEAD_BYTES 136 /* t_ns, has_pose, has_up, pose, up_world */
-#define COLUMN_HOST VISTA_STAGE_COUNT /* of the times: the stages, their sum, processor time */
-#define COLUMN_CPU (VISTA_STAGE_COUNT + 1)
-#define COLUMN_COUNT (VISTA_STAGE_COUNT + 2)
 
 typedef struct recording {
   const char *path;
@@ -45,6 +43,14 @@ typedef struct frame_buffer {
   int16_t *disparity;
 } frame_buffer;
 
+/* Columns of the times: the stages, their sum, processor time. */
+static int column_host(void) { return vista_stage_count(); }
+static int column_count(void) { return vista_stage_count() + 2; }
+
+static const char *column_name(int column) {
+  return column < column_host() ? vista_stage_name(column) : column == column_host() ? "host" : "cpu";
+}
+
 static int fail(const char *culprit, const char *reason) {
   fprintf(stderr, "replay: %s: %s\n", culprit, reason);
   return 2;
@@ -56,11 +62,14 @@ static int read_parameters(recording *r, uint32_t count) {
   char message[NAME_BYTES + 32];
   r->parameters = vista_parameters_default();
   for (uint32_t i = 0; i < count; ++i) {
-    char name[NAME_BYTES + 1] = {0};
+    char name[NAME_BYTES + 1] = {0}, choice[CHOICE_BYTES + 1] = {0};
     double value;
-    if (!read_exactly(r->stream, name, NAME_BYTES) || !read_exactly(r->stream, &value, sizeof value))
+    if (!read_exactly(r->stream, name, NAME_BYTES) || !read_exactly(r->stream, choice, CHOICE_BYTES) ||
+        !read_exactly(r->stream, &value, sizeof value))
       return fail(r->path, "cut off in the parameters");
-    if (vista_parameters_set(&r->parameters, name, value) == VISTA_OK) continue;
+    const vista_status status = choice[0] != '\0' ? vista_parameters_set_choice(&r->parameters, name, choice)
+                                                  : vista_parameters_set(&r->parameters, name, value);
+    if (status == VISTA_OK) continue;
     for (char *c = name; *c != '\0'; ++c)
       if (!isprint((unsigned char)*c)) *c = '?';
     (void)snprintf(message, sizeof message, "unknown parameter or value: %s", name);
@@ -95,7 +104,7 @@ static int open_recording(recording *r) {
   if (!read_exactly(r->stream, numbers, sizeof numbers) || !read_exactly(r->stream, camera, sizeof camera) ||
       !read_exactly(r->stream, flags, sizeof flags))
     return fail(r->path, "cut off in the header");
-  if (numbers[0] != VERSION) return fail(r->path, "a recording of another version");
+  if (numbers[0] != VERSION) return fail(r->path, "recorded by another version of vista: record it again");
   if (numbers[1] > 8192 || numbers[2] > 8192) return fail(r->path, "images larger than 8192x8192");
   r->camera = (vista_camera){(int32_t)numbers[1], (int32_t)numbers[2], camera[0], camera[1], camera[2], camera[3]};
   r->stills = flags[0];
@@ -137,10 +146,10 @@ static void print_nearest(const vista_nearest_collision *nearest) {
 
 static void print_result(long index, const vista_result *result) {
   printf("{\"frame\": %ld, \"cells\": %d, \"regions\": %d, \"valid_fraction\": %.17g, \"obstacles\": [", index,
-         result->foveation->node_count, result->region_count, result->valid_fraction);
+         result->views->cell_count, result->region_count, result->valid_fraction);
   for (int32_t i = 0; i < result->obstacle_count; ++i) {
     if (i > 0) printf(", ");
-    print_obstacle(&result->obstacles[i]);
+    print_obstacle(vista_result_obstacle(result, i));
   }
   printf("], \"nearest_collision\": ");
   print_nearest(&result->nearest_collision);
@@ -152,19 +161,15 @@ static int compare_doubles(const void *a, const void *b) {
   return (x > y) - (x < y);
 }
 
-static const char *column_name(int column) {
-  return column < COLUMN_HOST ? vista_stage_name((vista_stage)column) : column == COLUMN_HOST ? "host" : "cpu";
-}
-
-/* times_ms: a row of COLUMN_COUNT a frame. */
+/* times_ms: a row of column_count() a frame. */
 static int write_times(const char *path, const double *times_ms, long rows) {
   FILE *const stream = fopen(path, "w");
   if (stream == NULL) return fail(path, strerror(errno));
-  for (int column = 0; column < COLUMN_COUNT; ++column)
-    fprintf(stream, "%s%s", column_name(column), column + 1 < COLUMN_COUNT ? "," : "\n");
+  for (int column = 0; column < column_count(); ++column)
+    fprintf(stream, "%s%s", column_name(column), column + 1 < column_count() ? "," : "\n");
   for (long row = 0; row < rows; ++row)
-    for (int column = 0; column < COLUMN_COUNT; ++column)
-      fprintf(stream, "%.6f%s", times_ms[row * COLUMN_COUNT + column], column + 1 < COLUMN_COUNT ? "," : "\n");
+    for (int column = 0; column < column_count(); ++column)
+      fprintf(stream, "%.6f%s", times_ms[row * column_count() + column], column + 1 < column_count() ? "," : "\n");
   const bool written = !ferror(stream);
   return fclose(stream) == 0 && written ? 0 : fail(path, "cannot be written");
 }
@@ -172,8 +177,8 @@ static int write_times(const char *path, const double *times_ms, long rows) {
 /* scratch: room for `rows` numbers. */
 static void print_times(const double *times_ms, long rows, double *scratch) {
   fprintf(stderr, "%-16s %10s %10s   of %ld frames\n", "stage", "median ms", "p99 ms", rows);
-  for (int column = 0; column < COLUMN_COUNT; ++column) {
-    for (long row = 0; row < rows; ++row) scratch[row] = times_ms[row * COLUMN_COUNT + column];
+  for (int column = 0; column < column_count(); ++column) {
+    for (long row = 0; row < rows; ++row) scratch[row] = times_ms[row * column_count() + column];
     qsort(scratch, (size_t)rows, sizeof *scratch, compare_doubles);
     fprintf(stderr, "%-16s %10.3f %10.3f\n", column_name(column), scratch[rows / 2],
             scratch[(long)ceil(0.99 * (double)rows) - 1]);
@@ -246,10 +251,10 @@ static int play(player *p, double *times_ms) {
       print_result(i, &result);
       continue;
     }
-    double *const row = times_ms + i * COLUMN_COUNT;
-    memcpy(row, result.stage_ms, sizeof result.stage_ms);
-    row[COLUMN_HOST] = result.host_ms;
-    row[COLUMN_CPU] = 1e3 * (double)(end - start) / CLOCKS_PER_SEC;
+    double *const row = times_ms + i * column_count();
+    memcpy(row, result.stage_ms, (size_t)result.stage_count * sizeof *row);
+    row[column_host()] = result.host_ms;
+    row[column_host() + 1] = 1e3 * (double)(end - start) / CLOCKS_PER_SEC;
   }
   if (times_ms != NULL) return 0;
   return fflush(stdout) == 0 && !ferror(stdout) ? 0 : fail("stdout", "cannot be written");
@@ -257,12 +262,12 @@ static int play(player *p, double *times_ms) {
 
 static int measure(player *p, const options *o) {
   const long rows = p->frame_count * o->repeat;
-  double *const times_ms = malloc((size_t)rows * (COLUMN_COUNT + 1) * sizeof *times_ms);
+  double *const times_ms = malloc((size_t)rows * ((size_t)column_count() + 1) * sizeof *times_ms);
   if (times_ms == NULL) return fail(o->path, "out of memory");
   int exit_status = 0;
   for (long i = 0; i < o->repeat && exit_status == 0; ++i)
-    exit_status = play(p, times_ms + i * p->frame_count * COLUMN_COUNT);
-  if (exit_status == 0) print_times(times_ms, rows, times_ms + rows * COLUMN_COUNT);
+    exit_status = play(p, times_ms + i * p->frame_count * column_count());
+  if (exit_status == 0) print_times(times_ms, rows, times_ms + rows * column_count());
   if (exit_status == 0 && o->times != NULL) exit_status = write_times(o->times, times_ms, rows);
   free(times_ms);
   return exit_status;

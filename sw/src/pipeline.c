@@ -2,22 +2,49 @@
 
 #include <math.h>
 #include <stdbool.h>
-#include <time.h>
+#include <string.h>
 
+#include "common/clock.h"
 #include "common/frame.h"
+#include "pipeline_stages.h"
 #include "stages/affinity.h"
+#include "stages/blind_zone.h"
 #include "stages/collision_volume.h"
+#include "stages/motion.h"
+#include "stages/obstacle_map.h"
 #include "stages/reconstruction.h"
 #include "stages/refinement.h"
+#include "stages/segmentation.h"
 #include "stages/surface.h"
+#include "stages/tracker.h"
 
 #define MAX_TRACKS 256
 #define MAX_DETECTIONS 512
+
+/* No header ever had fewer: what an older caller knows of. */
+#define FRAME_FEWEST_BYTES (offsetof(vista_frame, t_ns) + sizeof(int64_t))
+#define RESULT_FEWEST_BYTES offsetof(vista_result, motion)
+
+typedef enum stage {
+  STAGE_MOTION,
+  STAGE_FOVEATION,
+  STAGE_SURFACE,
+  STAGE_AFFINITY,
+  STAGE_SEGMENTATION,
+  STAGE_REFINEMENT,
+  STAGE_REGIONS,
+  STAGE_RECONSTRUCTION,
+  STAGE_TRACKING,
+  STAGE_BLIND_ZONE,
+  STAGE_MAP,
+  STAGE_COUNT
+} stage;
 
 struct vista_pipeline {
   vista_parameters parameters;
   vista_camera camera;
   vista_matched_area matched; /* by the engine */
+  vista_motion_state motion_state;
   vista_foveation foveation;
   vista_cells cells;
   vista_surfaces surfaces;
@@ -29,23 +56,29 @@ struct vista_pipeline {
   vista_tracker *tracker;
   vista_blind_zone blind_zone;
   vista_obstacle_map *map;
+  vista_region_verdict *verdicts; /* a region */
+  vista_views views;
+  double stage_ms[STAGE_COUNT];
 };
 
-static const char *const stage_names[VISTA_STAGE_COUNT] = {
-    [VISTA_STAGE_FOVEATION] = "foveation",
-    [VISTA_STAGE_SURFACE] = "surface",
-    [VISTA_STAGE_AFFINITY] = "affinity",
-    [VISTA_STAGE_SEGMENTATION] = "segmentation",
-    [VISTA_STAGE_REFINEMENT] = "refinement",
-    [VISTA_STAGE_REGIONS] = "regions",
-    [VISTA_STAGE_RECONSTRUCTION] = "reconstruction",
-    [VISTA_STAGE_TRACKING] = "tracking",
-    [VISTA_STAGE_BLIND_ZONE] = "blind_zone",
-    [VISTA_STAGE_MAP] = "map",
+static const char *const stage_names[STAGE_COUNT] = {
+    [STAGE_MOTION] = "motion",
+    [STAGE_FOVEATION] = "foveation",
+    [STAGE_SURFACE] = "surface",
+    [STAGE_AFFINITY] = "affinity",
+    [STAGE_SEGMENTATION] = "segmentation",
+    [STAGE_REFINEMENT] = "refinement",
+    [STAGE_REGIONS] = "regions",
+    [STAGE_RECONSTRUCTION] = "reconstruction",
+    [STAGE_TRACKING] = "tracking",
+    [STAGE_BLIND_ZONE] = "blind_zone",
+    [STAGE_MAP] = "map",
 };
 
-const char *vista_stage_name(vista_stage stage) {
-  return (unsigned)stage < VISTA_STAGE_COUNT ? stage_names[stage] : "unknown";
+int32_t vista_stage_count(void) { return STAGE_COUNT; }
+
+const char *vista_stage_name(int32_t stage) {
+  return stage >= 0 && stage < STAGE_COUNT ? stage_names[stage] : "unknown";
 }
 
 static vista_status first_error(const vista_status *statuses, int count) {
@@ -61,6 +94,7 @@ static vista_status layout(vista_pipeline *p, vista_arena *arena) {
                                                0.5 * (c->width_px - 1), 0.5 * (c->height_px - 1));
   if (status != VISTA_OK) return status;
   p->detections = vista_arena_take(arena, MAX_DETECTIONS, sizeof(vista_detection));
+  p->verdicts = vista_arena_take(arena, (size_t)p->foveation.max_nodes, sizeof(vista_region_verdict));
   const vista_status statuses[] = {
       vista_cells_layout(&p->cells, arena, &p->foveation),
       vista_surfaces_layout(&p->surfaces, arena, &p->foveation),
@@ -81,11 +115,20 @@ static vista_status check(const vista_parameters *parameters, const vista_camera
   return status != VISTA_OK ? status : vista_frame_check_camera(camera);
 }
 
+/* Of a caller with another header: what it has, and the defaults of the rest. */
+static vista_parameters own_parameters(const vista_parameters *parameters) {
+  vista_parameters own = vista_parameters_default();
+  const size_t common = parameters->struct_bytes < sizeof own ? parameters->struct_bytes : sizeof own;
+  memcpy(&own, parameters, common);
+  own.struct_bytes = sizeof own;
+  return own;
+}
+
 vista_status vista_pipeline_bytes(const vista_parameters *parameters, const vista_camera *camera, size_t *bytes) {
   if (parameters == NULL || camera == NULL || bytes == NULL) return VISTA_ERROR_ARGUMENT;
   vista_status status = check(parameters, camera);
   if (status != VISTA_OK) return status;
-  vista_pipeline trial = {.parameters = *parameters, .camera = *camera};
+  vista_pipeline trial = {.parameters = own_parameters(parameters), .camera = *camera};
   vista_arena arena = {0};
   (void)vista_arena_take(&arena, 1, sizeof trial);
   status = layout(&trial, &arena);
@@ -110,17 +153,28 @@ vista_status vista_pipeline_create(void *memory, size_t bytes, const vista_param
   vista_arena arena = {.base = (unsigned char *)memory + shift, .size = bytes - shift};
   vista_pipeline *const p = vista_arena_take(&arena, 1, sizeof *p);
   if (p == NULL) return VISTA_ERROR_MEMORY;
-  p->parameters = *parameters;
+  p->parameters = own_parameters(parameters);
   p->camera = *camera;
-  p->matched = matched_area(&parameters->stereo);
+  p->matched = matched_area(&p->parameters.stereo);
   const vista_status laid = layout(p, &arena);
-  if (laid == VISTA_OK) *pipeline = p;
-  return laid;
+  if (laid != VISTA_OK) return laid;
+  p->views = (vista_views){.width_px = camera->width_px,
+                           .height_px = camera->height_px,
+                           .cell_count = p->foveation.node_count,
+                           .cell_of_pixel = p->foveation.cell_of_pixel,
+                           .cell_intensity = p->cells.intensity,
+                           .cell_disparity_px = p->cells.disparity_px,
+                           .region_of_cell = p->segmentation.label,
+                           .region_of_pixel = p->refinement.label,
+                           .verdict_of_region = p->verdicts};
+  *pipeline = p;
+  return VISTA_OK;
 }
 
 void vista_pipeline_reset(vista_pipeline *pipeline) {
   vista_tracker_reset(pipeline->tracker);
   vista_obstacle_map_reset(pipeline->map);
+  pipeline->motion_state = (vista_motion_state){0};
   pipeline->blind_zone = (vista_blind_zone){0};
 }
 
@@ -131,28 +185,22 @@ static vista_status check_up(const double up_world[3]) {
   return fabs(square - 1.0) < 1e-3 ? VISTA_OK : VISTA_ERROR_RANGE;
 }
 
-/* What the stages before the tracker rely on; sizes and time are judged by the stages that know them. */
-static vista_status check_frame(const vista_frame *frame) {
-  if (frame->image.data == NULL || frame->disparity.data == NULL) return VISTA_ERROR_ARGUMENT;
-  const vista_status status = frame->pose != NULL ? vista_frame_check_pose(frame->pose) : VISTA_OK;
+/* Before anything changes. Time, pose and velocity are the first stage's to judge, which comes next. */
+static vista_status check_frame(const vista_pipeline *p, const vista_frame *frame) {
+  vista_status status = vista_frame_check_image(&frame->image, p->camera.width_px, p->camera.height_px);
+  if (status == VISTA_OK)
+    status = vista_frame_check_disparity(&frame->disparity, p->camera.width_px, p->camera.height_px);
   return status == VISTA_OK && frame->up_world != NULL ? check_up(frame->up_world) : status;
 }
 
-/* Up in camera coordinates: R^T up_world. */
-static void up_in_camera(const vista_frame *frame, double up[3]) {
-  const double level[3] = {0.0, -1.0, 0.0};
+/* Up in camera coordinates: R^T up_world. Without any pose nothing tells how the camera hangs: level. */
+static void up_in_camera(const vista_motion *motion, const double *up_world, double up[3]) {
+  static const double level[3] = {0.0, -1.0, 0.0};
+  const bool unknown = up_world == NULL || (motion->source == VISTA_MOTION_UNTOLD);
   for (int i = 0; i < 3; ++i) {
-    up[i] = level[i];
-    if (frame->pose == NULL || frame->up_world == NULL) continue;
-    up[i] = 0.0;
-    for (int k = 0; k < 3; ++k) up[i] += frame->pose->rotation[3 * k + i] * frame->up_world[k];
+    up[i] = unknown ? level[i] : 0.0;
+    for (int k = 0; k < 3 && !unknown; ++k) up[i] += motion->pose.rotation[3 * k + i] * up_world[k];
   }
-}
-
-static double clock_ms(void) {
-  struct timespec now;
-  (void)timespec_get(&now, TIME_UTC);
-  return (double)now.tv_sec * 1e3 + (double)now.tv_nsec * 1e-6;
 }
 
 static double valid_fraction(const vista_disparity_image *disparity) {
@@ -166,90 +214,121 @@ static double valid_fraction(const vista_disparity_image *disparity) {
   return (double)valid / ((double)disparity->width_px * disparity->height_px);
 }
 
-static vista_status run_stage(vista_pipeline *p, vista_stage stage, const vista_frame *frame, const double up[3],
-                              int32_t *detections) {
+/* What one frame leads to on its way through the stages. */
+typedef struct passage {
+  const vista_frame *frame;
+  vista_motion_state motion_state; /* the pipeline's, once the frame has passed */
+  vista_motion motion;
+  double up_camera[3];
+  int32_t detection_count;
+  int64_t dropped_before; /* tracks, in earlier frames */
+} passage;
+
+static vista_status run_stage(vista_pipeline *p, stage stage, passage *way) {
   const vista_parameters *const q = &p->parameters;
+  const vista_frame *const frame = way->frame;
+  const double *const up = way->up_camera;
   switch (stage) {
-    case VISTA_STAGE_FOVEATION:
+    case STAGE_MOTION: {
+      const vista_motion_input input = {frame->pose, frame->velocity_m_s, frame->stationary, frame->t_ns};
+      const vista_status status = vista_motion_update(&q->motion, &input, &way->motion_state, &way->motion);
+      if (status == VISTA_OK) up_in_camera(&way->motion, frame->up_world, way->up_camera);
+      return status;
+    }
+    case STAGE_FOVEATION:
       return vista_foveate(&p->foveation, &q->foveation, &frame->image, &frame->disparity, &p->cells);
-    case VISTA_STAGE_SURFACE:
+    case STAGE_SURFACE:
       return vista_surfaces_compute(&p->foveation, &q->surface, &p->camera, up, &p->cells, &p->surfaces);
-    case VISTA_STAGE_AFFINITY:
+    case STAGE_AFFINITY:
       return vista_affinity_compute(&p->foveation, &q->affinity, &p->camera, &p->cells, &p->affinity);
-    case VISTA_STAGE_SEGMENTATION:
+    case STAGE_SEGMENTATION:
       return vista_segment(&p->foveation, q, &p->camera, &p->cells, &p->surfaces, &p->affinity, &p->segmentation);
-    case VISTA_STAGE_REFINEMENT:
+    case STAGE_REFINEMENT:
       return vista_refine(&p->foveation, &q->refinement, &frame->image, &p->cells, p->segmentation.label,
                           &p->refinement);
-    case VISTA_STAGE_REGIONS: {
+    case STAGE_REGIONS: {
       const vista_status status =
           vista_regions_compute(&p->foveation, &q->region, &p->camera, up, q->surface.horizontal_deg, &frame->disparity,
                                 &p->cells, &p->surfaces, &p->segmentation, &p->refinement, &p->regions);
       if (status != VISTA_OK) return status;
       vista_collision_volume volume = {.radius_m = q->obstacle_map.collision_radius_m,
                                        .length_m = q->obstacle_map.collision_length_m};
-      vista_obstacle_map_direction(p->map, &q->obstacle_map, frame->pose, volume.direction_camera);
+      vista_motion_direction_camera(&way->motion, volume.direction_camera);
       return vista_collision_volume_count(&p->foveation, &q->region, &p->camera, &volume, &frame->disparity,
                                           &p->regions);
     }
-    case VISTA_STAGE_RECONSTRUCTION: {
+    case STAGE_RECONSTRUCTION: {
       const vista_status status =
           vista_reconstruct_regions(p->regions.items, p->regions.count, &p->camera, &p->matched, &q->reconstruction,
-                                    p->detections, MAX_DETECTIONS, detections);
+                                    p->detections, MAX_DETECTIONS, &way->detection_count);
       return status == VISTA_ERROR_CAPACITY ? VISTA_OK : status; /* the nearest come first: the far ones are dropped */
     }
-    case VISTA_STAGE_TRACKING:
-      return vista_tracker_update(p->tracker, &q->tracker, &p->camera, &p->matched, frame->pose, frame->t_ns,
-                                  &frame->disparity, p->detections, *detections);
-    case VISTA_STAGE_BLIND_ZONE:
+    case STAGE_TRACKING:
+      if (way->motion.restarted) vista_tracker_reset(p->tracker);
+      way->dropped_before = vista_tracker_dropped(p->tracker);
+      return vista_tracker_update(p->tracker, &q->tracker, &p->camera, &p->matched, &way->motion, frame->t_ns,
+                                  &frame->disparity, p->detections, way->detection_count);
+    case STAGE_BLIND_ZONE:
       return vista_blind_zone_update(&q->blind_zone, &p->camera, &p->matched, q->obstacle_map.collision_radius_m,
                                      &frame->image, &frame->disparity, &p->blind_zone);
-    case VISTA_STAGE_MAP: {
+    case STAGE_MAP: {
       int32_t count;
       const vista_track *const tracks = vista_tracker_tracks(p->tracker, &count);
-      return vista_obstacle_map_update(p->map, &q->obstacle_map, &p->camera, frame->pose, NULL, frame->t_ns,
-                                       &p->blind_zone, tracks, count);
+      return vista_obstacle_map_update(p->map, &q->obstacle_map, &p->camera, &way->motion, &p->blind_zone, tracks,
+                                       count);
     }
-    case VISTA_STAGE_COUNT:
+    case STAGE_COUNT:
       break;
   }
   return VISTA_ERROR_RANGE;
 }
 
-vista_status vista_pipeline_process(vista_pipeline *pipeline, const vista_frame *frame, vista_result *result) {
-  if (pipeline == NULL || frame == NULL || result == NULL) return VISTA_ERROR_ARGUMENT;
-  const vista_status checked = check_frame(frame);
-  if (checked != VISTA_OK) return checked;
-  vista_pipeline *const p = pipeline;
-  vista_result r = {0};
-  int32_t detections = 0;
-  double up[3];
-  up_in_camera(frame, up);
-  const int64_t dropped_before = vista_tracker_dropped(p->tracker);
-  double last_ms = clock_ms();
-  for (int stage = 0; stage < VISTA_STAGE_COUNT; ++stage) {
-    const vista_status status = run_stage(p, (vista_stage)stage, frame, up, &detections);
+static vista_status run_stages(vista_pipeline *p, passage *way) {
+  double stage_ms[STAGE_COUNT];
+  double last_ms = vista_clock_ms();
+  for (int k = 0; k < STAGE_COUNT; ++k) {
+    const vista_status status = run_stage(p, (stage)k, way);
     if (status != VISTA_OK) return status;
-    const double now_ms = clock_ms();
-    r.stage_ms[stage] = now_ms - last_ms;
-    r.host_ms += r.stage_ms[stage];
+    const double now_ms = vista_clock_ms();
+    stage_ms[k] = now_ms - last_ms;
     last_ms = now_ms;
   }
-  r.valid_fraction = valid_fraction(&frame->disparity);
-  r.foveation = &p->foveation;
-  r.cells = &p->cells;
-  r.surfaces = &p->surfaces;
-  r.affinity = &p->affinity;
-  r.segmentation = &p->segmentation;
-  r.refinement = &p->refinement;
-  r.regions = p->regions.items;
-  r.region_count = p->regions.count;
-  r.accepted_count = p->regions.accepted_count;
-  r.blind_zone = p->blind_zone;
-  r.obstacles = vista_obstacle_map_obstacles(p->map, &r.obstacle_count);
-  r.nearest_collision = vista_obstacle_map_nearest(p->map);
-  vista_obstacle_map_velocity(p->map, r.velocity_m_s);
-  r.dropped_tracks = vista_tracker_dropped(p->tracker) - dropped_before;
-  *result = r;
+  memcpy(p->stage_ms, stage_ms, sizeof stage_ms);
+  p->motion_state = way->motion_state;
+  p->views.region_count = p->regions.count;
+  for (int32_t k = 0; k < p->regions.count; ++k) p->verdicts[k] = p->regions.items[k].verdict;
   return VISTA_OK;
+}
+
+vista_status vista_pipeline_process_sized(vista_pipeline *pipeline, const vista_frame *frame, size_t frame_bytes,
+                                          vista_result *result, size_t result_bytes) {
+  if (pipeline == NULL || frame == NULL || result == NULL) return VISTA_ERROR_ARGUMENT;
+  if (frame_bytes < FRAME_FEWEST_BYTES || result_bytes < RESULT_FEWEST_BYTES) return VISTA_ERROR_SIZE;
+  vista_pipeline *const p = pipeline;
+  vista_frame f = {0};
+  memcpy(&f, frame, frame_bytes < sizeof f ? frame_bytes : sizeof f);
+  vista_status status = check_frame(p, &f);
+  passage way = {.frame = &f, .motion_state = p->motion_state};
+  if (status == VISTA_OK) status = run_stages(p, &way);
+  if (status != VISTA_OK) return status;
+  vista_result r = {.obstacle_bytes = sizeof(vista_obstacle),
+                    .nearest_collision = vista_obstacle_map_nearest(p->map),
+                    .motion = way.motion,
+                    .valid_fraction = valid_fraction(&f.disparity),
+                    .region_count = p->regions.count,
+                    .accepted_count = p->regions.accepted_count,
+                    .dropped_tracks = vista_tracker_dropped(p->tracker) - way.dropped_before,
+                    .stage_count = STAGE_COUNT,
+                    .stage_ms = p->stage_ms,
+                    .views = &p->views};
+  r.obstacles = vista_obstacle_map_obstacles(p->map, &r.obstacle_count);
+  for (int k = 0; k < STAGE_COUNT; ++k) r.host_ms += p->stage_ms[k];
+  memset(result, 0, result_bytes);
+  memcpy(result, &r, result_bytes < sizeof r ? result_bytes : sizeof r);
+  return VISTA_OK;
+}
+
+vista_pipeline_stages vista_pipeline_look(const vista_pipeline *pipeline) {
+  return (vista_pipeline_stages){&pipeline->foveation, &pipeline->cells, &pipeline->surfaces, &pipeline->affinity,
+                                 &pipeline->regions};
 }

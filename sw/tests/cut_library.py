@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-import os
 from dataclasses import dataclass
 
 import numpy as np
 from graph_cases import FlowCase
-from shared_data import REPOSITORY
-from vista_abi import ffi
+from vista import native
+from vista_stages_abi import ffi
 
-lib = ffi.dlopen(str(REPOSITORY / os.environ.get("VISTA_BUILD", "build") / "lib" / "libvista.so"))
+# libvista with its stages in reach.
+lib = ffi.dlopen(str(native.build_folder() / "lib" / "libvista_stages.so"))
 
 
 def pointer(array: np.ndarray):
@@ -21,6 +21,13 @@ def pointer(array: np.ndarray):
 
 def status_name(status: int) -> str:
     return ffi.string(lib.vista_status_name(status)).decode()
+
+
+def default_parameters():
+    """A new vista_parameters; what it points to lives as long as it does."""
+    values = ffi.new("vista_parameters *")
+    assert lib.vista_parameters_init(values, ffi.sizeof("vista_parameters")) == lib.VISTA_OK
+    return values
 
 
 class Arena:

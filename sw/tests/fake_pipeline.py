@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 from vista.geometry import Array, Calibration, Pose
-from vista.pipeline import Ellipse, Nearest, Obstacle, Result
+from vista.pipeline import Ellipse, Motion, Nearest, Obstacle, Result
 
 CELL_PX = 10
+STILL = Pose(np.eye(3), np.zeros(3))
 
 
 def fake_obstacle(track_id: int, z_m: float, camera: Calibration, **changes: object) -> Obstacle:
@@ -77,6 +78,7 @@ class FakePipeline:
         return Result(
             obstacles=obstacles,
             nearest_collision=nearest,
+            motion=Motion(True, "POSE", False, np.array([0.0, 0.0, 10.0]), np.zeros(3), STILL),
             regions=regions,
             valid_fraction=float(np.mean(disparity >= 0)),
             dropped_tracks=2,

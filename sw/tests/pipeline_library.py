@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import board_flight as scene
 import numpy as np
+from cut_library import default_parameters as fresh_parameters
 from cut_library import ffi, lib, status_name
 from vista.geometry import Calibration
 
@@ -26,7 +27,7 @@ def default_camera(**changes: float):
 
 def default_parameters(**changes: float):
     """changes: section__name=number."""
-    parameters = ffi.new("vista_parameters *", lib.vista_parameters_default())
+    parameters = fresh_parameters()
     for name, value in changes.items():
         assert lib.vista_parameters_set(parameters, name.replace("__", ".").encode(), value) == lib.VISTA_OK
     return parameters
@@ -35,6 +36,12 @@ def default_parameters(**changes: float):
 def bytes_needed(parameters, camera) -> tuple[str, int]:
     size = ffi.new("size_t *")
     return status_name(lib.vista_pipeline_bytes(parameters, camera, size)), size[0]
+
+
+def process(handle, frame, result) -> int:
+    """vista_pipeline_process, an inline function of the header."""
+    sizes = ffi.sizeof("vista_frame"), ffi.sizeof("vista_result")
+    return lib.vista_pipeline_process_sized(handle, frame, sizes[0], result, sizes[1])
 
 
 class Frame:
@@ -88,14 +95,15 @@ def plain(value):
 
 def snapshot(result) -> dict:
     """Everything in a result but the times, copied."""
-    nodes = result.foveation.node_count
+    views = result.views
+    nodes, regions = views.cell_count, views.region_count
     return {
         "nodes": nodes,
         "valid_fraction": result.valid_fraction,
-        "intensity": bytes(ffi.buffer(result.cells.intensity, 4 * nodes)),
-        "disparity_px": bytes(ffi.buffer(result.cells.disparity_px, 4 * nodes)),
-        "label": bytes(ffi.buffer(result.segmentation.label, 4 * nodes)),
-        "regions": [plain(result.regions[k]) for k in range(result.region_count)],
+        "intensity": bytes(ffi.buffer(views.cell_intensity, 4 * nodes)),
+        "disparity_px": bytes(ffi.buffer(views.cell_disparity_px, 4 * nodes)),
+        "label": bytes(ffi.buffer(views.region_of_cell, 4 * nodes)),
+        "regions": [views.verdict_of_region[k] for k in range(regions)],
         "accepted_count": result.accepted_count,
         "obstacles": [plain(result.obstacles[k]) for k in range(result.obstacle_count)],
         "nearest_collision": plain(result.nearest_collision),
@@ -123,7 +131,7 @@ class Pipeline:
         self.result = ffi.new("vista_result *")
 
     def process(self, frame: Frame) -> str:
-        return status_name(lib.vista_pipeline_process(self.handle, frame.c, self.result))
+        return status_name(process(self.handle, frame.c, self.result))
 
     def fly(self, sources) -> list[dict]:
         """Snapshots of all frames, each of which has to succeed."""

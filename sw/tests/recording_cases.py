@@ -13,7 +13,7 @@ from vista.geometry import CameraModel, Pose, RawCalibration, camera_matrix
 from vista.recording import FRAME, HEADER, PARAMETER, Recorder
 from vista.sequence import Frame, Sequence
 
-PARAMETER_COUNT = len(parameters.as_numbers(parameters.defaults()))
+PARAMETER_COUNT = len(parameters.flat(parameters.defaults()))
 PARAMETERS_AT = HEADER.size
 FRAMES_AT = PARAMETERS_AT + PARAMETER_COUNT * PARAMETER.size
 FRAME_BYTES = FRAME.size + 3 * CALIBRATION.width * CALIBRATION.height

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from cut_library import Arena, ffi, lib, status_name
+from cut_library import Arena, default_parameters, ffi, lib, status_name
 
 INVALID = -16
 LEVEL_UP = (0.0, -1.0, 0.0)
@@ -65,7 +65,7 @@ PARAMETERS: dict[str, float] = {
 
 
 def parameters(changes: dict[str, float] | None = None):
-    values = ffi.new("vista_parameters *", lib.vista_parameters_default())
+    values = default_parameters()
     for name, value in (PARAMETERS | (changes or {})).items():
         assert lib.vista_parameters_set(values, name.encode(), value) == lib.VISTA_OK, name
     culprit = ffi.new("const char **")

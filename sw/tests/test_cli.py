@@ -120,15 +120,15 @@ def test_record_holds_what_the_host_received(tmp_path: Path, run_vista: Vista) -
     assert run_vista("run", folder, "--out", tmp_path / "out", "--record", record)[0] == 0
     data = record.read_bytes()
     magic, version, width, height, parameter_count, *camera, stills, _ = HEADER.unpack_from(data)
-    assert (magic, version, width, height) == (b"VISTAREC", 2, cases.WIDTH, cases.HEIGHT)
+    assert (magic, version, width, height) == (b"VISTAREC", 3, cases.WIDTH, cases.HEIGHT)
     assert camera == [cases.FOCAL_PX, cases.CX, cases.CY, cases.BASELINE_M]
     pixels = width * height
     assert stills == 0
-    recorded = dict(
-        PARAMETER.unpack_from(data, HEADER.size + i * PARAMETER.size) for i in range(parameter_count)
-    )
-    expected = vista.parameters.as_numbers(vista.parameters.defaults())
-    assert {name.rstrip(b"\0").decode(): value for name, value in recorded.items()} == expected
+    recorded = [PARAMETER.unpack_from(data, HEADER.size + i * PARAMETER.size) for i in range(parameter_count)]
+    texts = [[text.rstrip(b"\0").decode() for text in row[:2]] for row in recorded]
+    found = {name: choice or number for (name, choice), (_, _, number) in zip(texts, recorded, strict=True)}
+    assert found == vista.parameters.flat(vista.parameters.defaults())
+    assert found["stereo.prefilter"] == "xsobel"  # by its name, wherever it stands in parameters.toml
     frame_bytes = FRAME.size + 3 * pixels
     first_frame = HEADER.size + parameter_count * PARAMETER.size
     assert len(data) == first_frame + cases.FRAMES * frame_bytes

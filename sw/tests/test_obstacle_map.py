@@ -13,12 +13,12 @@ from track_library import (
     BASELINE,
     CENTER,
     FOCAL,
-    SECOND,
     SIGMAS,
     Tracker,
     camera,
     detection,
     measure,
+    motion,
     params,
     pose,
     seen_at,
@@ -35,17 +35,14 @@ class Map:
         assert self._arena.status == lib.VISTA_OK
         self.handle, self.params, self.camera = out[0], params("obstacle_map", **changes), camera()
 
-    def update(self, t_s: float, tracks=(), velocity=FORWARD, raw_pose=None, blind_zone=ffi.NULL) -> str:
+    def update(self, tracks=(), velocity=FORWARD, raw_pose=None, blind_zone=ffi.NULL) -> str:
         items = ffi.new("vista_track[]", [track[0] for track in tracks])
-        speed = ffi.NULL if velocity is None else ffi.new("double[3]", list(velocity))
         return status_name(
             lib.vista_obstacle_map_update(
                 self.handle,
                 self.params,
                 self.camera,
-                pose() if raw_pose is None else raw_pose,
-                speed,
-                round(t_s * SECOND),
+                motion(raw_pose, velocity),
                 blind_zone,
                 items,
                 len(tracks),
@@ -61,12 +58,6 @@ class Map:
     @property
     def nearest(self):
         return lib.vista_obstacle_map_nearest(self.handle)
-
-    @property
-    def velocity(self) -> list[float]:
-        out = ffi.new("double[3]")
-        lib.vista_obstacle_map_velocity(self.handle, out)
-        return list(out)
 
     def memory(self) -> bytes:
         return bytes(ffi.buffer(self._arena.arena.base, self._arena.size))
@@ -92,7 +83,7 @@ def track(position, id_: int = 1, sigma_m: float = 0.1, extent=(1.0, 0.8), **cha
 
 def in_volume(position, velocity=FORWARD, raw_pose=None, changes=None, **keywords) -> bool:
     mapper = Map(**(changes or {}))
-    assert mapper.update(0.0, [track(position, **keywords)], velocity, raw_pose) == "VISTA_OK"
+    assert mapper.update([track(position, **keywords)], velocity, raw_pose) == "VISTA_OK"
     return mapper.obstacles[0].in_collision_volume
 
 
@@ -105,14 +96,14 @@ def test_nearest_first_and_only_the_credible_collide() -> None:
         track((9, 0, 10.0), 4),
         track((0, 0, -1.0), 5),
     ]
-    assert mapper.update(0.0, tracks) == "VISTA_OK"
+    assert mapper.update(tracks) == "VISTA_OK"
     assert [o.id for o in mapper.obstacles] == [4, 2, 3, 1]
     assert [o.in_collision_volume for o in mapper.obstacles] == [False, False, True, True]
     assert mapper.nearest.valid
     assert mapper.nearest.id == 3
     assert mapper.nearest.distance_m == 35.0
     assert mapper.nearest.time_to_collision_s == pytest.approx(35.0 / 9.0)
-    assert mapper.update(1.0, tracks[3:4]) == "VISTA_OK"
+    assert mapper.update(tracks[3:4]) == "VISTA_OK"
     assert (mapper.nearest.valid, mapper.nearest.id) == (False, 0)
 
 
@@ -130,18 +121,6 @@ def test_what_is_seen_is_a_member_by_two_of_three_hits(hits: int, member: bool) 
         assert in_volume(point, coasting=False, volume_window=hits & 1, hits=1) == hits & 1
 
 
-def test_the_flight_direction_is_seen_from_the_camera() -> None:
-    mapper, out = Map(), ffi.new("double[3]")
-    turn = Rotation.from_euler("xyz", [4, -7, 3], degrees=True).as_matrix()
-    lib.vista_obstacle_map_direction(mapper.handle, mapper.params, pose((1, 2, 3), turn), out)
-    assert list(out) == pytest.approx([0, 0, 1])  # unknown yet: the optical axis
-    mapper.update(0.0, [], (3.0, 0.0, 4.0))
-    lib.vista_obstacle_map_direction(mapper.handle, mapper.params, pose((1, 2, 3), turn), out)
-    assert list(out) == pytest.approx(turn.T @ [0.6, 0.0, 0.8])
-    lib.vista_obstacle_map_direction(mapper.handle, mapper.params, ffi.NULL, out)
-    assert list(out) == pytest.approx([0.6, 0.0, 0.8])
-
-
 def test_errors_that_last_add_to_the_covariance() -> None:
     """Along the ray by disparity and depth, across it by pixels and a share of the extent; camera turned."""
     turn = Rotation.from_euler("xyz", [4, -7, 3], degrees=True).as_matrix()
@@ -153,7 +132,7 @@ def test_errors_that_last_add_to_the_covariance() -> None:
     }
     mapper, point = Map(**lasting), np.array([3.0, -2.0, 40.0])
     seen = track(turn @ point, sigma_m=0.1, extent=(2.0, 1.0))
-    assert mapper.update(0.0, [seen], FORWARD, pose((0, 0, 0), turn)) == "VISTA_OK"
+    assert mapper.update([seen], FORWARD, pose((0, 0, 0), turn)) == "VISTA_OK"
     ray = point / point[2]
     along2 = (40.0**2 / (FOCAL * BASELINE) * 0.2) ** 2 + 0.3**2
     expected = (
@@ -167,7 +146,7 @@ def test_what_moves_with_the_aircraft_is_not_confirmed() -> None:
     mapper = Map()
     verdicts = [lib.VISTA_WORLD_OPEN, lib.VISTA_WORLD_STANDS, lib.VISTA_WORLD_MOVES, lib.VISTA_WORLD_REFUTED]
     tracks = [track((9, 0, 10.0 + k), k, world={"verdict": verdict}) for k, verdict in enumerate(verdicts)]
-    assert mapper.update(0.0, tracks) == "VISTA_OK"
+    assert mapper.update(tracks) == "VISTA_OK"
     assert [(o.world, o.confirmed) for o in mapper.obstacles] == list(
         zip(verdicts, [True, True, True, False], strict=True)
     )
@@ -177,7 +156,7 @@ def test_what_is_too_near_to_match_is_a_danger() -> None:
     """Before any track, on the flight path, at the end of the blind zone."""
     mapper, aside = Map(), (3.0, 0.0, 4.0)
     too_near = ffi.new("vista_blind_zone *", {"occupied": True, "range_m": 14.5})
-    assert mapper.update(0.0, [track((0, 0, 30.0))], aside, None, too_near) == "VISTA_OK"
+    assert mapper.update([track((0, 0, 30.0))], aside, None, too_near) == "VISTA_OK"
     assert [o.id for o in mapper.obstacles] == [0, 1]
     found, along = mapper.obstacles[0], np.array(aside) / 5.0
     assert found.confirmed and found.in_collision_volume and found.in_blind_zone
@@ -186,10 +165,10 @@ def test_what_is_too_near_to_match_is_a_danger() -> None:
     assert np.sqrt(variance) == pytest.approx([2.0, 2.0, 14.5])
     assert (mapper.nearest.id, mapper.nearest.distance_m) == (0, 14.5)
     assert mapper.nearest.time_to_collision_s == pytest.approx(14.5 / 5.0)
-    assert mapper.update(0.5, [track((0, 0, 4.0))], FORWARD, None, too_near) == "VISTA_OK"
+    assert mapper.update([track((0, 0, 4.0))], FORWARD, None, too_near) == "VISTA_OK"
     assert mapper.nearest.id == 1  # nearer still, and tracked
     too_near.occupied = False
-    assert mapper.update(1.0, [], FORWARD, None, too_near) == "VISTA_OK"
+    assert mapper.update([], FORWARD, None, too_near) == "VISTA_OK"
     assert not mapper.nearest.valid and mapper.obstacles == []
 
 
@@ -236,7 +215,7 @@ def test_the_volume_lies_along_the_flight_not_the_optical_axis() -> None:
     assert in_volume(along, velocity=slip)
     assert not in_volume((0, 0, 50.0), velocity=slip)
     assert in_volume((0, 0, 50.0), velocity=(0, 0, 0))  # standing still: the optical axis
-    assert in_volume((0, 0, 50.0), velocity=(0.3, 0, 0))  # slower than speed_min_m_s
+    assert in_volume((0, 0, 50.0), velocity=(0.3, 0, 0))  # slower than motion.speed_min_m_s
 
 
 def test_against_dense_sampling_of_disc_and_cylinder() -> None:
@@ -268,42 +247,22 @@ def test_against_dense_sampling_of_disc_and_cylinder() -> None:
 
 def test_time_to_collision_counts_along_the_flight_and_with_the_obstacle() -> None:
     mapper = Map()
-    mapper.update(0.0, [track((1.0, 0, 30.0))])
+    mapper.update([track((1.0, 0, 30.0))])
     assert mapper.nearest.distance_m == pytest.approx(math.hypot(1, 30))
     assert mapper.nearest.time_to_collision_s == pytest.approx(30 / 9)
-    mapper.update(1.0, [track((0, 0, 30.0), velocity_m_s=[0, 0, -6.0])])
+    mapper.update([track((0, 0, 30.0), velocity_m_s=[0, 0, -6.0])])
     assert mapper.nearest.time_to_collision_s == pytest.approx(2.0)
-    for away in (8.6, 9.0, 12.0):  # closing by less than speed_min_m_s: anything from minutes to never
-        mapper.update(away, [track((0, 0, 30.0), velocity_m_s=[0, 0, away])])
+    for away in (8.6, 9.0, 12.0):  # closing by less than closing_min_m_s: anything from minutes to never
+        mapper.update([track((0, 0, 30.0), velocity_m_s=[0, 0, away])])
         assert mapper.nearest.valid
         assert math.isnan(mapper.nearest.time_to_collision_s)
-    mapper.update(20.0, [track((0, 0, 30.0))], (0, 0, 0))
+    mapper.update([track((0, 0, 30.0))], (0, 0, 0))
     assert math.isnan(mapper.nearest.time_to_collision_s)
 
 
-def test_velocity_from_poses_is_smoothed_and_finds_the_direction() -> None:
-    random, mapper = seeded(2), Map(velocity_smoothing_s=0.5)
-    velocity = np.array([2.0, -1.0, 8.0])
-    for frame in range(40):
-        noise = random.normal(0, 0.01, 3)
-        mapper.update(0.1 * frame, [], None, pose(velocity * 0.1 * frame + noise))
-    assert mapper.velocity == pytest.approx(velocity, abs=0.25)
-    raw = Map(velocity_smoothing_s=0.0)
-    raw.update(0.0, [], None, pose((1, 2, 3)))
-    assert raw.velocity == [0, 0, 0]  # unknown yet: optical axis
-    raw.update(0.5, [], None, pose((2, 2, 7)))
-    assert raw.velocity == pytest.approx([2, 0, 8])
-    raw.update(1.0, [track((3.0, 2, 11.0))], None, pose((3, 2, 11.0 - 8)))
-    assert raw.velocity == pytest.approx([2, 0, -8])
-
-
-def test_without_pose_and_velocity_the_optical_axis_counts() -> None:
+def test_without_velocity_there_is_no_time_to_collision() -> None:
     mapper = Map()
-    items = ffi.new("vista_track[]", [track((0, 0, 30.0))[0]])
-    status = lib.vista_obstacle_map_update(
-        mapper.handle, mapper.params, mapper.camera, ffi.NULL, ffi.NULL, 0, ffi.NULL, items, 1
-    )
-    assert status == lib.VISTA_OK
+    assert mapper.update([track((0, 0, 30.0))], None) == "VISTA_OK"
     assert mapper.nearest.valid
     assert math.isnan(mapper.nearest.time_to_collision_s)
 
@@ -316,7 +275,7 @@ def test_fields_of_a_tracked_obstacle() -> None:
         position = np.array([0, 0, 0.8 * frame])
         seen = seen_at(point, position, turn)
         tracker.update(0.1 * frame, [seen], position, turn)
-        mapper.update(0.1 * frame, list(tracker.tracks.values()), None, pose(position, turn))
+        mapper.update(list(tracker.tracks.values()), None, pose(position, turn))
     (found,) = mapper.obstacles
     assert (found.id, found.confirmed, found.coasting, found.age_frames) == (1, True, False, 5)
     assert found.distance_m == pytest.approx(np.linalg.norm(point - position), abs=0.01)
@@ -326,7 +285,7 @@ def test_fields_of_a_tracked_obstacle() -> None:
     assert [found.ellipse.center_u_px, found.ellipse.center_v_px] == pytest.approx(seen["ellipse"][:2])
     position = np.array([0, 0, 12.0])
     tracker.update(0.5, [], position, turn)
-    mapper.update(0.5, list(tracker.tracks.values()), None, pose(position, turn))
+    mapper.update(list(tracker.tracks.values()), None, pose(position, turn))
     (found,) = mapper.obstacles
     u, v, d = measure(point, position, turn)
     assert found.coasting
@@ -351,7 +310,7 @@ def test_a_sign_in_the_flight_path_is_announced_until_it_is_passed(speed: float)
                 items.append(detection((u, v, d)))
         here = pose(position)
         assert tracker.update(0.1 * frame, items, position) == "VISTA_OK"
-        assert mapper.update(0.1 * frame, list(tracker.tracks.values()), None, here) == "VISTA_OK"
+        assert mapper.update(list(tracker.tracks.values()), (0, 0, speed), here) == "VISTA_OK"
         if position[2] < 30.0:
             continue  # until its own travel tells that the sign does not move along
         assert mapper.nearest.valid
@@ -366,18 +325,17 @@ def test_a_sign_in_the_flight_path_is_announced_until_it_is_passed(speed: float)
 @pytest.mark.parametrize(
     ("arguments", "status"),
     [
-        ((1.0, [], FORWARD), "VISTA_ERROR_ORDER"),
-        ((2.0, [], (0, NAN, 0)), "VISTA_ERROR_NUMBER"),
-        ((2.0, [], FORWARD, pose((NAN, 0, 0))), "VISTA_ERROR_NUMBER"),
-        ((2.0, [], FORWARD, pose((0, 0, 0), np.eye(3) * 2)), "VISTA_ERROR_RANGE"),
-        ((2.0, [track((0, 0, NAN))], FORWARD), "VISTA_ERROR_NUMBER"),
-        ((2.0, [track((0, 0, 9))] * 33, FORWARD), "VISTA_ERROR_CAPACITY"),
+        (([], (0, NAN, 0)), "VISTA_ERROR_NUMBER"),
+        (([], FORWARD, pose((NAN, 0, 0))), "VISTA_ERROR_NUMBER"),
+        (([], FORWARD, pose((0, 0, 0), np.eye(3) * 2)), "VISTA_ERROR_RANGE"),
+        (([track((0, 0, NAN))], FORWARD), "VISTA_ERROR_NUMBER"),
+        (([track((0, 0, 9))] * 33, FORWARD), "VISTA_ERROR_CAPACITY"),
     ],
 )
 def test_on_errors_nothing_changes(arguments, status: str) -> None:
     mapper = Map()
-    mapper.update(0.5, [], None)
-    mapper.update(1.0, [track((0, 0, 30.0))], None, pose((0, 0, 3.0)))
+    mapper.update([])
+    mapper.update([track((0, 0, 30.0))], None, pose((0, 0, 3.0)))
     before = mapper.memory()
     assert mapper.update(*arguments) == status
     assert mapper.memory() == before
@@ -389,7 +347,7 @@ def test_on_errors_nothing_changes(arguments, status: str) -> None:
 def test_parameters_out_of_range_are_refused(name: str, value: float) -> None:
     mapper = Map()
     setattr(mapper.params, name, value)
-    assert mapper.update(0.0) == "VISTA_ERROR_RANGE"
+    assert mapper.update() == "VISTA_ERROR_RANGE"
     out = ffi.new("vista_obstacle_map **")
     short = Arena(lambda arena: lib.vista_obstacle_map_layout(8, arena, out), missing_bytes=1)
     assert status_name(short.status) == "VISTA_ERROR_MEMORY"

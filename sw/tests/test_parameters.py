@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from cut_library import ffi, lib
+from cut_library import default_parameters, ffi, lib
 from shared_data import REPOSITORY
 from vista import parameters
 from vista.cli import main
@@ -19,7 +19,7 @@ from vista.errors import InputError
 GENERATOR = REPOSITORY / "scripts" / "make_parameters.py"
 TOML = REPOSITORY / "sw" / "parameters.toml"
 HEADER = REPOSITORY / "sw" / "include" / "vista" / "parameters.h"
-SOURCE = REPOSITORY / "sw" / "src" / "parameters.c"
+TABLE = REPOSITORY / "sw" / "src" / "parameters_table.h"
 
 ENTRIES = {
     f"{section}.{name}": entry
@@ -32,27 +32,27 @@ ENTRIES = {
 
 
 def generate(folder: Path, *options: str) -> subprocess.CompletedProcess[str]:
-    paths = [folder / path.name for path in (TOML, HEADER, SOURCE)]
+    paths = [folder / path.name for path in (TOML, HEADER, TABLE)]
     command = [sys.executable, str(GENERATOR), *map(str, paths), *options]
     return subprocess.run(command, capture_output=True, text=True, timeout=60)
 
 
 @pytest.fixture
 def generated(tmp_path: Path) -> Path:
-    for path in (TOML, HEADER, SOURCE):
+    for path in (TOML, HEADER, TABLE):
         shutil.copy(path, tmp_path)
     return tmp_path
 
 
 def test_the_generated_files_are_up_to_date(generated: Path) -> None:
-    before = [(generated / path.name).stat().st_mtime_ns for path in (HEADER, SOURCE)]
+    before = [(generated / path.name).stat().st_mtime_ns for path in (HEADER, TABLE)]
     for options in (("--check",), ()):
         run = generate(generated, *options)
         assert (run.returncode, run.stdout, run.stderr) == (0, "", "")
-    assert [(generated / path.name).stat().st_mtime_ns for path in (HEADER, SOURCE)] == before
+    assert [(generated / path.name).stat().st_mtime_ns for path in (HEADER, TABLE)] == before
 
 
-@pytest.mark.parametrize("path", [HEADER, SOURCE], ids=lambda path: path.name)
+@pytest.mark.parametrize("path", [HEADER, TABLE], ids=lambda path: path.name)
 @pytest.mark.parametrize("damage", ["edited", "missing"])
 def test_drift_is_found_and_mended(generated: Path, path: Path, damage: str) -> None:
     stale, wanted = generated / path.name, path.read_text()
@@ -75,15 +75,21 @@ def test_a_changed_default_reaches_the_source(generated: Path) -> None:
     toml.write_text(toml.read_text().replace("default = 11.34", "default = 12.5"))
     assert generate(generated, "--check").returncode == 1
     assert generate(generated).returncode == 0
-    assert ".tracker.gate_chi2 = 12.5," in (generated / SOURCE.name).read_text()
+    (row,) = (line for line in (generated / TABLE.name).read_text().splitlines() if "gate_chi2)" in line)
+    assert "VISTA_PARAMETER_FLOAT, 12.5, 0.1, 1000.0" in row
 
 
 def test_what_is_generated_says_so() -> None:
-    for path in (HEADER, SOURCE):
+    for path in (HEADER, TABLE):
         assert "Generated" in path.read_text().splitlines()[0]
 
 
 # ---- C and Python ----
+
+
+def number(entry: dict[str, Any], value: Any) -> float:
+    """A value as C has it: a choice is an enum."""
+    return float(entry["choices"].index(value) if entry["type"] == "choice" else value)
 
 
 def field(values: Any, name: str) -> Any:
@@ -115,22 +121,23 @@ def culprit_in_c(values: Any) -> str | None:
 def test_the_structs_hold_the_entries_and_nothing_else() -> None:
     fields = [
         f"{section}.{name}"
-        for section, struct in ffi.typeof("vista_parameters").fields
+        for section, struct in ffi.typeof("vista_parameters").fields[1:]  # the first is the size
         for name, _ in struct.type.fields
+        if name != "reserved"
     ]
     assert fields == list(ENTRIES)
 
 
 def test_the_defaults_agree_and_lie_in_their_ranges() -> None:
-    values = ffi.new("vista_parameters *", lib.vista_parameters_default())
+    values = default_parameters()
     assert culprit_in_c(values) is None
-    expected = parameters.as_numbers(parameters.defaults())
+    expected = {name: number(entry, entry["default"]) for name, entry in ENTRIES.items()}
     assert {name: float(field(values, name)) for name in ENTRIES} == expected
 
 
 @pytest.mark.parametrize("name", ENTRIES)
 def test_set_changes_the_named_parameter_only(name: str) -> None:
-    values = ffi.new("vista_parameters *", lib.vista_parameters_default())
+    values = default_parameters()
     expected = {other: float(field(values, other)) for other in ENTRIES} | {name: other_value(name)}
     assert set_by_name(values, name, other_value(name)) == lib.VISTA_OK
     assert {other: float(field(values, other)) for other in ENTRIES} == expected
@@ -138,7 +145,7 @@ def test_set_changes_the_named_parameter_only(name: str) -> None:
 
 @pytest.mark.parametrize("name", ["", "foveation", "foveation.", "foveation.rho", "rho_0_px", "a" * 1000])
 def test_set_refuses_unknown_names(name: str) -> None:
-    values = ffi.new("vista_parameters *", lib.vista_parameters_default())
+    values = default_parameters()
     before = bytes(ffi.buffer(values))
     assert set_by_name(values, name, 1.0) == lib.VISTA_ERROR_RANGE
     assert bytes(ffi.buffer(values)) == before
@@ -147,14 +154,14 @@ def test_set_refuses_unknown_names(name: str) -> None:
 @pytest.mark.parametrize("number", [math.nan, math.inf, -math.inf, 1e10, -1e300])
 @pytest.mark.parametrize("name", ["stereo.block_size", "affinity.form", "foveation.rho_0_px"])
 def test_set_refuses_numbers_that_no_parameter_has(name: str, number: float) -> None:
-    values = ffi.new("vista_parameters *", lib.vista_parameters_default())
+    values = default_parameters()
     before = bytes(ffi.buffer(values))
     assert set_by_name(values, name, number) == lib.VISTA_ERROR_RANGE
     assert bytes(ffi.buffer(values)) == before
 
 
 def test_null_pointers() -> None:
-    values = ffi.new("vista_parameters *", lib.vista_parameters_default())
+    values = default_parameters()
     assert lib.vista_parameters_set(ffi.NULL, b"stereo.block_size", 11.0) == lib.VISTA_ERROR_ARGUMENT
     assert lib.vista_parameters_set(values, ffi.NULL, 11.0) == lib.VISTA_ERROR_ARGUMENT
     assert lib.vista_parameters_check(ffi.NULL, ffi.NULL) == lib.VISTA_ERROR_ARGUMENT
@@ -218,7 +225,7 @@ def test_c_and_python_agree_on_the_range(tmp_path: Path, name: str) -> None:
     entry = ENTRIES[name]
     for case, (value, allowed) in probes(entry).items():
         others = partner(name, value)
-        values = ffi.new("vista_parameters *", lib.vista_parameters_default())
+        values = default_parameters()
         for other, number in others.items():
             assert set_by_name(values, other, number) == lib.VISTA_OK
         if entry["type"] == "choice":
@@ -234,12 +241,77 @@ def test_c_and_python_agree_on_the_range(tmp_path: Path, name: str) -> None:
 
 @pytest.mark.parametrize("hits,window", [(1, 1), (5, 5), (6, 5), (32, 31), (32, 32)])
 def test_c_and_python_agree_on_the_pair(tmp_path: Path, hits: int, window: int) -> None:
-    values = ffi.new("vista_parameters *", lib.vista_parameters_default())
+    values = default_parameters()
     values.tracker.confirm_hits, values.tracker.confirm_window = hits, window
     expected = None if hits <= window else "tracker.confirm_hits"
     assert culprit_in_c(values) == expected
     changes = {"tracker.confirm_hits": hits, "tracker.confirm_window": window}
     assert culprit_in_python(tmp_path, changes) == expected
+
+
+# ---- the table of C, and headers of other versions ----
+
+
+def test_the_table_lists_what_the_toml_says() -> None:
+    assert lib.vista_parameter_count() == len(ENTRIES)
+    assert lib.vista_parameter_info(-1) == lib.vista_parameter_info(len(ENTRIES)) == ffi.NULL
+    kinds = {"int": lib.VISTA_PARAMETER_INT, "float": lib.VISTA_PARAMETER_FLOAT}
+    for index, (name, entry) in enumerate(ENTRIES.items()):
+        info = lib.vista_parameter_info(index)
+        texts = [ffi.string(text).decode() for text in (info.name, info.unit, info.doc, info.at_most)]
+        limit = f"{name.partition('.')[0]}.{entry['at_most']}" if "at_most" in entry else ""
+        assert texts == [name, entry.get("unit", ""), entry["doc"], limit]
+        assert info.type == kinds.get(entry["type"], lib.VISTA_PARAMETER_CHOICE)
+        choices = [ffi.string(info.choices[k]).decode() for k in range(info.choice_count)]
+        assert choices == entry.get("choices", [])
+        assert info.default_value == number(entry, entry["default"])
+        ends = (0, len(choices) - 1) if choices else (entry["min"], entry["max"])
+        assert (info.min, info.max) == ends
+
+
+def test_a_choice_is_set_by_its_name_and_read_back() -> None:
+    values, value = default_parameters(), ffi.new("double *")
+    for name, entry in ENTRIES.items():
+        for k, choice in enumerate(entry.get("choices", [])):
+            assert lib.vista_parameters_set_choice(values, name.encode(), choice.encode()) == lib.VISTA_OK
+            assert field(values, name) == k
+            assert lib.vista_parameters_get(values, name.encode(), value) == lib.VISTA_OK
+            assert value[0] == k
+    for name, choice in (("affinity.form", "none"), ("affinity.form", ""), ("none.form", "sum")):
+        status = lib.vista_parameters_set_choice(values, name.encode(), choice.encode())
+        assert status == lib.VISTA_ERROR_RANGE
+
+
+def test_a_caller_with_fewer_parameters_keeps_what_lies_behind_them() -> None:
+    """An older header: its struct ends before the last section."""
+    size = ffi.offsetof("vista_parameters", "obstacle_map")
+    memory = ffi.new("unsigned char[]", ffi.sizeof("vista_parameters"))
+    ffi.memmove(memory, b"\xa5" * len(memory), len(memory))
+    old = ffi.cast("vista_parameters *", memory)
+    assert lib.vista_parameters_init(old, size) == lib.VISTA_OK
+    assert bytes(ffi.buffer(memory))[size:] == b"\xa5" * (len(memory) - size)
+    assert culprit_in_c(old) is None
+    assert old.tracker.gate_chi2 == ENTRIES["tracker.gate_chi2"]["default"]
+    unknown = b"obstacle_map.collision_radius_m"
+    assert lib.vista_parameters_set(old, unknown, 3.0) == lib.VISTA_ERROR_RANGE
+    assert lib.vista_parameters_get(old, unknown, ffi.new("double *")) == lib.VISTA_ERROR_RANGE
+
+
+def test_a_caller_with_more_parameters_gets_zeros_behind_them() -> None:
+    size = ffi.sizeof("vista_parameters") + 256
+    memory = ffi.new("unsigned char[]", size)
+    ffi.memmove(memory, b"\xa5" * size, size)
+    new = ffi.cast("vista_parameters *", memory)
+    assert lib.vista_parameters_init(new, size) == lib.VISTA_OK
+    assert not any(bytes(ffi.buffer(memory))[size - 256 : size])
+    assert culprit_in_c(new) is None
+
+
+def test_parameters_that_nobody_initialised_are_refused() -> None:
+    zeros = ffi.new("vista_parameters *")
+    assert lib.vista_parameters_check(zeros, ffi.NULL) == lib.VISTA_ERROR_SIZE
+    assert lib.vista_parameters_init(zeros, 8) == lib.VISTA_ERROR_SIZE
+    assert lib.vista_parameters_init(ffi.NULL, 1000) == lib.VISTA_ERROR_ARGUMENT
 
 
 # ---- vista config ----

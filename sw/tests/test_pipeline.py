@@ -20,7 +20,7 @@ from pipeline_library import (
 )
 from vista.geometry import Pose
 from vista.parameters import defaults
-from vista.pipeline import Pipeline as PythonPipeline
+from vista_eval.cell_graph import OpenPipeline
 
 CONFIRMED_FROM = 4  # the fifth frame: tracker.confirm_hits, and one more while the static-world test is open
 WARNED_FROM = 7  # at the latest: 7 m of own travel show that the board, 25 m away, does not move along
@@ -100,20 +100,22 @@ def test_fields_of_the_result(flight: list[dict]) -> None:
     pipeline.fly([source])
     r = pipeline.result
     assert r.valid_fraction == np.mean(source.words >= 0)
-    assert list(r.stage_ms) == pytest.approx([t for t in r.stage_ms if t >= 0.0])
-    assert r.host_ms == pytest.approx(sum(r.stage_ms))
-    accepted = sum(region["verdict"] == lib.VISTA_REGION_ACCEPTED for region in flight[0]["regions"])
+    assert r.stage_count == lib.vista_stage_count()
+    stage_ms = [r.stage_ms[stage] for stage in range(r.stage_count)]
+    assert all(t >= 0.0 for t in stage_ms)
+    assert r.host_ms == pytest.approx(sum(stage_ms))
+    accepted = sum(verdict == lib.VISTA_REGION_ACCEPTED for verdict in flight[0]["regions"])
     assert r.accepted_count == accepted == 1
-    names = [ffi.string(lib.vista_stage_name(stage)).decode() for stage in range(lib.VISTA_STAGE_COUNT)]
+    names = [ffi.string(lib.vista_stage_name(stage)).decode() for stage in range(r.stage_count)]
     assert names == [
-        "foveation", "surface", "affinity", "segmentation", "refinement", "regions", "reconstruction",
-        "tracking", "blind_zone", "map",
+        "motion", "foveation", "surface", "affinity", "segmentation", "refinement", "regions",
+        "reconstruction", "tracking", "blind_zone", "map",
     ]  # fmt: skip
-    assert ffi.string(lib.vista_stage_name(lib.VISTA_STAGE_COUNT)) == b"unknown"
+    assert ffi.string(lib.vista_stage_name(r.stage_count)) == b"unknown"
 
 
 def test_python_gives_the_same_numbers(flight: list[dict]) -> None:
-    pipeline = PythonPipeline(CALIBRATION, defaults())
+    pipeline = OpenPipeline(CALIBRATION, defaults())
     for source, expected in zip(board_flight(), flight, strict=True):
         pose = Pose(scene.WORLD_FROM_CAMERA, source.position_m)
         result = pipeline.process(source.left, source.words, source.t_ns, pose, scene.UP_WORLD)
@@ -150,6 +152,61 @@ def test_without_poses_the_world_is_the_camera() -> None:
     assert obstacle["position_m"] == pytest.approx(expected, abs=0.3)
     nearest = plain(pipeline.result.nearest_collision)
     assert nearest["valid"] and nearest["time_to_collision_s"] == "nan"  # closing speed unknown
+
+
+# ---- frames without a pose ----
+
+
+def test_a_missing_pose_moves_no_track(flight: list[dict]) -> None:
+    """One drop-out, then three: the board stays where it stands, and the velocity what it is."""
+    pipeline, missing = Pipeline(), {9, 11, 12, 13}
+    for index, source in enumerate(board_flight()):
+        frame = Frame(source)
+        if index in missing:
+            frame.c.pose = ffi.NULL
+        assert pipeline.process(frame) == "VISTA_OK"
+        assert pipeline.result.motion.known == (index not in missing)
+        (obstacle,) = snapshot(pipeline.result)["obstacles"]
+        (expected,) = flight[index]["obstacles"]
+        assert obstacle["id"] == expected["id"]
+        assert obstacle["position_m"] == pytest.approx(expected["position_m"], abs=0.15)
+        nearest, undisturbed = plain(pipeline.result.nearest_collision), flight[index]["nearest_collision"]
+        assert nearest["valid"] == undisturbed["valid"]
+        if nearest["valid"]:
+            seconds = undisturbed["time_to_collision_s"]
+            assert nearest["time_to_collision_s"] == pytest.approx(seconds, rel=0.02)
+
+
+@pytest.mark.parametrize("jump_m", [1e200, 5000.0])
+def test_one_absurd_pose_moves_no_track(flight: list[dict], jump_m: float) -> None:
+    pipeline = Pipeline()
+    for index, source in enumerate(board_flight()):
+        frame = Frame(source)
+        if index == 9:
+            frame.pose.translation_m[1] += jump_m
+        assert pipeline.process(frame) == "VISTA_OK"
+        (obstacle,) = snapshot(pipeline.result)["obstacles"]
+        (expected,) = flight[index]["obstacles"]
+        assert obstacle["id"] == expected["id"]
+        assert obstacle["position_m"] == pytest.approx(expected["position_m"], abs=0.15)
+        velocity = list(pipeline.result.motion.velocity_m_s)
+        assert velocity == pytest.approx([scene.SPEED_M_S if index else 0.0, 0, 0], abs=1e-6)
+
+
+def test_poses_that_go_on_elsewhere_start_the_tracks_anew() -> None:
+    pipeline = Pipeline()
+    ids = []
+    for index, source in enumerate(board_flight()):
+        frame = Frame(source)
+        if index >= 8:
+            frame.pose.translation_m[0] += 1e5
+        assert pipeline.process(frame) == "VISTA_OK"
+        (obstacle,) = snapshot(pipeline.result)["obstacles"]
+        ids.append(obstacle["id"])
+        assert pipeline.result.motion.restarted == (index == 10)
+    assert ids == [1] * 10 + [2] * 6
+    assert obstacle["position_m"][0] == pytest.approx(scene.BOARD_X_M + 1e5, abs=0.3)
+    assert obstacle["confirmed"]
 
 
 # ---- determinism and memory ----

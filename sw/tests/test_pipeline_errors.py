@@ -9,7 +9,16 @@ import numpy as np
 import pytest
 from board_flight import board_flight
 from cut_library import ffi, lib, status_name
-from pipeline_library import CALIBRATION, Frame, Pipeline, bytes_needed, default_camera, default_parameters
+from pipeline_library import (
+    CALIBRATION,
+    Frame,
+    Pipeline,
+    bytes_needed,
+    default_camera,
+    default_parameters,
+    process,
+    snapshot,
+)
 from vista.parameters import defaults
 from vista.pipeline import Pipeline as PythonPipeline
 from vista.pipeline import PipelineError
@@ -38,6 +47,11 @@ def bad_frames(source: scene.BoardFrame) -> dict[str, tuple[Frame, str]]:
         frame.pose.translation_m[1] = value
         return frame
 
+    def said(velocity_m_s: list[float]) -> Frame:
+        frame = broken()
+        frame.velocity = frame.c.velocity_m_s = ffi.new("double[3]", velocity_m_s)
+        return frame
+
     def up(value: float) -> Frame:
         frame = Frame(source)
         frame.up_world[2] = value
@@ -48,6 +62,12 @@ def bad_frames(source: scene.BoardFrame) -> dict[str, tuple[Frame, str]]:
         "image height": (broken(image__height_px=scene.HEIGHT + 1), "VISTA_ERROR_SIZE"),
         "disparity width": (broken(disparity__width_px=scene.WIDTH + 2), "VISTA_ERROR_SIZE"),
         "disparity height": (broken(disparity__height_px=0), "VISTA_ERROR_SIZE"),
+        "image stride 0": (broken(image__stride=0), "VISTA_ERROR_SIZE"),
+        "image stride 3": (broken(image__stride=3), "VISTA_ERROR_SIZE"),
+        "disparity stride": (broken(disparity__stride=scene.WIDTH - 1), "VISTA_ERROR_SIZE"),
+        "negative stride": (broken(disparity__stride=1 - scene.WIDTH), "VISTA_ERROR_SIZE"),
+        "NaN velocity": (said([0.0, math.nan, 0.0]), "VISTA_ERROR_NUMBER"),
+        "velocity of light": (said([0.0, 3e8, 0.0]), "VISTA_ERROR_RANGE"),
         "no image": (broken(image__data=ffi.NULL), "VISTA_ERROR_ARGUMENT"),
         "no disparity": (broken(disparity__data=ffi.NULL), "VISTA_ERROR_ARGUMENT"),
         "earlier": (broken(t_ns=source.t_ns - 2 * scene.PERIOD_NS), "VISTA_ERROR_ORDER"),
@@ -74,6 +94,33 @@ def test_a_bad_frame_leaves_everything_as_it_was(name: str) -> None:
     assert pipeline.fly(sources[4:8]) == undisturbed[4:]
 
 
+@pytest.mark.parametrize("name", ["earlier", "image stride 0", "NaN position"])
+def test_a_bad_frame_leaves_the_pictures_of_the_last_result(name: str) -> None:
+    """What is wrong with a frame is found before anything of the last one is overwritten."""
+    pipeline, sources = Pipeline(), board_flight()
+    (last,) = pipeline.fly(sources[3:4])
+    frame, expected = bad_frames(sources[4])[name]
+    frame.c.t_ns = sources[3].t_ns if name == "earlier" else frame.c.t_ns
+    assert pipeline.process(frame) == expected
+    assert snapshot(pipeline.result) == last
+
+
+def test_rows_may_run_upwards() -> None:
+    sources = board_flight()[:6]
+    expected, pipeline = Pipeline().fly(sources), Pipeline()
+    for source, undisturbed in zip(sources, expected, strict=True):
+        frame = Frame(source)
+        for target, array, c_type in (
+            (frame.c.image, np.flipud(source.left).copy(), "uint8_t *"),
+            (frame.c.disparity, np.flipud(source.words).copy(), "int16_t *"),
+        ):
+            last_row = array.ctypes.data + (array.shape[0] - 1) * array.strides[0]
+            target.data, target.stride = ffi.cast(c_type, last_row), -array.shape[1]
+            frame.__dict__.setdefault("kept", []).append(array)
+        assert pipeline.process(frame) == "VISTA_OK"
+        assert snapshot(pipeline.result) == undisturbed
+
+
 def test_null_pointers() -> None:
     parameters, camera, size = default_parameters(), default_camera(), ffi.new("size_t *")
     for arguments in ((ffi.NULL, camera, size), (parameters, ffi.NULL, size), (parameters, camera, ffi.NULL)):
@@ -88,7 +135,7 @@ def test_null_pointers() -> None:
     arguments = [pipeline.handle, frame.c, pipeline.result]
     for missing in range(3):
         holed = [ffi.NULL if k == missing else value for k, value in enumerate(arguments)]
-        assert lib.vista_pipeline_process(*holed) == lib.VISTA_ERROR_ARGUMENT
+        assert process(*holed) == lib.VISTA_ERROR_ARGUMENT
 
 
 BAD_CAMERAS = {

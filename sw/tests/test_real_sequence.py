@@ -9,11 +9,12 @@ import subprocess
 from pathlib import Path
 
 import pytest
-from shared_data import REPOSITORY, SHARED_DATA
+from shared_data import SHARED_DATA
+from vista import native
 from vista.cli import main
 
 STREET = SHARED_DATA / "kitti_odometry" / "sequences" / "00"
-REPLAY = REPOSITORY / os.environ.get("VISTA_BUILD", "build") / "bin" / "replay"
+REPLAY = native.build_folder() / "bin" / "replay"
 FRAMES = 12
 NODES_MIN = 5000  # what the host has to segment at 60 Hz
 

@@ -15,15 +15,14 @@ import pytest
 import recording_cases as cases
 from board_flight import board_flight
 from pipeline_library import CALIBRATION
-from shared_data import REPOSITORY
-from vista import parameters
+from vista import native, parameters
 from vista.geometry import Pose
 from vista.pipeline import Pipeline, Result
 from vista.recording import FRAME, HEADER, PARAMETER
 
-REPLAY = REPOSITORY / os.environ.get("VISTA_BUILD", "build") / "bin" / "replay"
+REPLAY = native.build_folder() / "bin" / "replay"
 STAGES = (
-    "foveation,surface,affinity,segmentation,refinement,regions,reconstruction,tracking,blind_zone,map,"
+    "motion,foveation,surface,affinity,segmentation,refinement,regions,reconstruction,tracking,blind_zone,map,"
     "host,cpu"
 )
 SANITIZED = "asan" in os.environ.get("LD_PRELOAD", "")
@@ -33,7 +32,9 @@ def replay(*arguments: object, **environment: str) -> subprocess.CompletedProces
     """A stand-alone program: what is preloaded for Python's sake is not for it."""
     kept = {name: value for name, value in os.environ.items() if name != "LD_PRELOAD"}
     command = [str(REPLAY), *map(str, arguments)]
-    return subprocess.run(command, capture_output=True, text=True, timeout=300, env=kept | environment)
+    return subprocess.run(
+        command, capture_output=True, text=True, timeout=300, env=kept | environment, cwd="/"
+    )  # from any folder
 
 
 @pytest.fixture(scope="module")
@@ -184,7 +185,7 @@ def refused(*arguments: object) -> str:
 def header(**changes: object) -> bytes:
     fields = {
         "magic": b"VISTAREC",
-        "version": 2,
+        "version": 3,
         "width": CALIBRATION.width,
         "height": CALIBRATION.height,
         "parameters": cases.PARAMETER_COUNT,
@@ -227,8 +228,8 @@ def test_cut_off_recordings(tmp_path: Path, recording: Path, kept: int) -> None:
 
 BAD_HEADERS = {
     "magic": ({"magic": b"VISTAREX"}, "not a recording"),
-    "version 1": ({"version": 1}, "another version"),
-    "version 2^31": ({"version": 1 << 31}, "another version"),
+    "version 1": ({"version": 1}, "recorded by another version of vista"),
+    "version 2^31": ({"version": 1 << 31}, "recorded by another version of vista"),
     "width 0": ({"width": 0}, "cut off in a frame"),
     "width 15": ({"width": 15}, "cut off in a frame"),
     "width 8192": ({"width": 8192, "height": 8192}, "cut off in a frame"),
@@ -264,19 +265,21 @@ def test_the_header_above_is_the_recorders(recording: Path) -> None:
 
 
 BAD_PARAMETERS = {
-    (b"foveation.rho", 4.0): "unknown parameter or value: foveation.rho",
-    (b"", 4.0): "unknown parameter or value: ",
-    (b"two\nlines\x1b", 4.0): "unknown parameter or value: two?lines?",
-    (b"x" * 48, 4.0): "unknown parameter or value: " + 48 * "x",
-    (b"foveation.rho_0_px", float("nan")): "unknown parameter or value: foveation.rho_0_px",
-    (b"foveation.rho_0_px", 0.5): "foveation.rho_0_px is out of range",
-    (b"affinity.form", -1.0): "affinity.form is out of range",
-    (b"tracker.confirm_window", 2.0): "tracker.confirm_hits is out of range",
+    (b"foveation.rho", b"", 4.0): "unknown parameter or value: foveation.rho",
+    (b"", b"", 4.0): "unknown parameter or value: ",
+    (b"two\nlines\x1b", b"", 4.0): "unknown parameter or value: two?lines?",
+    (b"x" * 48, b"", 4.0): "unknown parameter or value: " + 48 * "x",
+    (b"foveation.rho_0_px", b"", float("nan")): "unknown parameter or value: foveation.rho_0_px",
+    (b"foveation.rho_0_px", b"", 0.5): "foveation.rho_0_px is out of range",
+    (b"affinity.form", b"", -1.0): "affinity.form is out of range",
+    (b"tracker.confirm_window", b"", 2.0): "tracker.confirm_hits is out of range",
+    (b"affinity.form", b"none", 0.0): "unknown parameter or value: affinity.form",
+    (b"region.foot_m", b"sum", 0.0): "unknown parameter or value: region.foot_m",
 }
 
 
 @pytest.mark.parametrize("given", BAD_PARAMETERS, ids=BAD_PARAMETERS.get)
-def test_bad_parameters(tmp_path: Path, recording: Path, given: tuple[bytes, float]) -> None:
+def test_bad_parameters(tmp_path: Path, recording: Path, given: tuple[bytes, bytes, float]) -> None:
     path = tmp_path / "bad.rec"
     frames = recording.read_bytes()[cases.FRAMES_AT :]
     path.write_bytes(header(parameters=1) + PARAMETER.pack(*given) + frames)

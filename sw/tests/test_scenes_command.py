@@ -64,3 +64,20 @@ def test_damaged_truth_is_named(folder: Path, capsys: pytest.CaptureFixture[str]
     assert main(["scenes", str(folder), "--no-render"]) == EXIT_INPUT
     assert str(label) in capsys.readouterr().err
     assert not (folder / "scenes.json").exists()
+
+
+def test_every_interval_is_drawn_once(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Bootstraps are the slowest part of scoring: the table and scenes.json share them."""
+    from vista_eval.metrics.scenes import REFERENCES
+    from vista_eval.metrics.segmentation import STATISTICS
+    from vista_eval.report import scenes_page
+
+    drawn = []
+
+    def difference_interval(*arguments: object) -> tuple[float, float]:
+        drawn.append(arguments)
+        return 0.0, 0.0
+
+    monkeypatch.setattr(scenes_page, "difference_interval", difference_interval)
+    assert main(["scenes", str(folder), "--no-render"]) == EXIT_OK
+    assert len(drawn) == 2 * len(REFERENCES) * len(STATISTICS)

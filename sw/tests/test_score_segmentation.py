@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from vista_eval.metrics import segmentation
@@ -136,3 +138,25 @@ def test_the_interval_holds_a_constant_difference_and_a_doubtful_one_spans_zero(
     )
     # Mean of 40 draws of +-0.1: standard error 0.1 / sqrt(40) = 0.0158.
     assert (low, high) == pytest.approx((-0.031, 0.031), abs=0.004)
+
+
+@pytest.mark.parametrize("name", segmentation.STATISTICS)
+def test_the_bootstrap_equals_one_draw_after_the_other(name: str) -> None:
+    random = np.random.default_rng(9)
+    first, second = (
+        [
+            replace(scores_of(*random.uniform(0, 1, count)), regions=int(random.integers(5, 60)))
+            for count in (3, 0, 1, 4, 2, 6)
+        ]
+        for _ in range(2)
+    )
+    statistic = segmentation.STATISTICS[name]
+    drawn = np.random.default_rng(0).integers(0, 6, (segmentation.RESAMPLES, 6))
+    average = np.median if statistic.median else np.mean
+
+    def of_sample(scores: list[PartitionScore], sample: np.ndarray) -> float:
+        return float(average([value for i in sample for value in statistic.values(scores[i])]))
+
+    differences = [of_sample(first, sample) - of_sample(second, sample) for sample in drawn]
+    expected = np.percentile(differences, [2.5, 97.5])
+    assert segmentation.difference_interval(first, second, statistic) == pytest.approx(tuple(expected))

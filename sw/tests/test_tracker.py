@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from cut_library import Arena, ffi, lib, status_name
 from random_seed import seeded
-from track_library import SECOND, SIGMAS, Tracker, camera, detection, measure, pose, seen_at, state
+from track_library import SECOND, SIGMAS, Tracker, camera, detection, measure, motion, pose, seen_at, state
 
 DT = 0.1
 POINT = np.array([1.0, 0.5, 40.0])
@@ -356,7 +356,7 @@ def broken_pose(index: int, value: float):
         bad.rotation[index] = value
     else:
         bad.translation_m[index - 9] = value
-    return bad
+    return motion(bad)
 
 
 NAN, INF = float("nan"), float("inf")
@@ -365,17 +365,17 @@ NAN, INF = float("nan"), float("inf")
 @pytest.mark.parametrize(
     ("arguments", "status"),
     [
-        ((SECOND, [], pose()), "VISTA_ERROR_ORDER"),
-        ((SECOND - 1, [], pose()), "VISTA_ERROR_ORDER"),
+        ((SECOND, [], motion()), "VISTA_ERROR_ORDER"),
+        ((SECOND - 1, [], motion()), "VISTA_ERROR_ORDER"),
         ((2 * SECOND, [], broken_pose(4, NAN)), "VISTA_ERROR_NUMBER"),
         ((2 * SECOND, [], broken_pose(10, INF)), "VISTA_ERROR_NUMBER"),
         ((2 * SECOND, [], broken_pose(0, -1.0)), "VISTA_ERROR_RANGE"),
         ((2 * SECOND, [], broken_pose(0, 1.1)), "VISTA_ERROR_RANGE"),
-        ((2 * SECOND, [seen_at(POINT) | {"u_px": NAN}], pose()), "VISTA_ERROR_NUMBER"),
-        ((2 * SECOND, [seen_at(POINT), seen_at(POINT) | {"sigma_u_px": 0.0}], pose()), "VISTA_ERROR_RANGE"),
-        ((2 * SECOND, [seen_at(POINT) | {"disparity_px": -1.0}], pose()), "VISTA_ERROR_RANGE"),
-        ((2 * SECOND, [seen_at(POINT) | {"extent_m": [INF, 1.0]}], pose()), "VISTA_ERROR_NUMBER"),
-        ((2 * SECOND, [seen_at(POINT)] * 33, pose()), "VISTA_ERROR_CAPACITY"),
+        ((2 * SECOND, [seen_at(POINT) | {"u_px": NAN}], motion()), "VISTA_ERROR_NUMBER"),
+        ((2 * SECOND, [seen_at(POINT), seen_at(POINT) | {"sigma_u_px": 0.0}], motion()), "VISTA_ERROR_RANGE"),
+        ((2 * SECOND, [seen_at(POINT) | {"disparity_px": -1.0}], motion()), "VISTA_ERROR_RANGE"),
+        ((2 * SECOND, [seen_at(POINT) | {"extent_m": [INF, 1.0]}], motion()), "VISTA_ERROR_NUMBER"),
+        ((2 * SECOND, [seen_at(POINT)] * 33, motion()), "VISTA_ERROR_CAPACITY"),
     ],
 )
 def test_on_errors_nothing_changes(arguments, status: str) -> None:
@@ -385,7 +385,7 @@ def test_on_errors_nothing_changes(arguments, status: str) -> None:
     before = tracker.memory()
     assert tracker.update_raw(*arguments) == status
     assert tracker.memory() == before
-    assert tracker.update_raw(2 * SECOND, [seen_at(POINT)], pose()) == "VISTA_OK"
+    assert tracker.update_raw(2 * SECOND, [seen_at(POINT)], motion()) == "VISTA_OK"
 
 
 @pytest.mark.parametrize(
@@ -427,13 +427,15 @@ def test_cameras_and_pointers_are_checked() -> None:
 # ---- the rest of the contract ----
 
 
-def test_without_poses_the_camera_stands_still() -> None:
-    with_pose, without = Tracker(), Tracker()
-    for frame in range(5):
-        with_pose.update(DT * frame, [seen_at(POINT)])
-        without.update_raw(round(DT * frame * SECOND), [seen_at(POINT)], ffi.NULL)
-    assert bytes(ffi.buffer(with_pose.tracks[1])) == bytes(ffi.buffer(without.tracks[1]))
-    assert list(without.tracks[1].position_m) == pytest.approx(POINT, abs=1e-6)
+def test_a_pose_that_was_carried_on_adds_to_the_uncertainty() -> None:
+    given, carried_on = Tracker(), Tracker()
+    for tracker in (given, carried_on):
+        tracker.update(0.0, [seen_at(POINT)])
+    assert given.update_raw(SECOND, [], motion()) == "VISTA_OK"
+    assert carried_on.update_raw(SECOND, [], motion(known=False, drift_m=0.5)) == "VISTA_OK"
+    (mean, covariance), (other_mean, other) = (state(t.tracks[1]) for t in (given, carried_on))
+    assert other_mean.tolist() == mean.tolist()
+    assert other - covariance == pytest.approx(np.diag([0.25] * 3 + [0.0] * 3))
 
 
 def test_the_same_input_gives_the_same_bytes() -> None:

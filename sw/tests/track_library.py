@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from cut_library import Arena, ffi, lib, status_name
+from cut_library import Arena, default_parameters, ffi, lib, status_name
 from stage_library import image_struct
 
 FOCAL, BASELINE, CENTER = 1000.0, 0.4572, (319.5, 239.5)  # the paper's rig
@@ -13,7 +13,7 @@ SECOND = 1_000_000_000
 
 def defaults(name: str) -> dict[str, float]:
     """Defaults of a parameter struct."""
-    everything = lib.vista_parameters_default()  # a section does not keep the whole alive
+    everything = default_parameters()  # a section does not keep the whole alive
     section = getattr(everything, name)
     return {field: getattr(section, field) for field, _ in ffi.typeof(section).fields}
 
@@ -42,6 +42,23 @@ def matched(**changes: float):
 def pose(position=(0.0, 0.0, 0.0), rotation=None):
     matrix = np.eye(3) if rotation is None else np.asarray(rotation)
     return ffi.new("vista_pose *", [[float(x) for x in matrix.ravel()], [float(x) for x in position]])
+
+
+def motion(raw_pose=None, velocity=None, **changes):
+    """A vista_motion as that stage would give it; raw_pose: a vista_pose *, None: at the origin."""
+    raw_pose = pose() if raw_pose is None else raw_pose
+    optical_axis = [raw_pose.rotation[3 * i + 2] for i in range(3)]
+    velocity = [0.0, 0.0, 0.0] if velocity is None else [float(x) for x in velocity]
+    speed = float(np.linalg.norm(velocity))
+    values = {
+        "known": True,
+        "source": lib.VISTA_MOTION_POSE,
+        "pose": raw_pose[0],
+        "velocity_m_s": velocity,
+        "speed_m_s": speed,
+        "direction": [x / speed for x in velocity] if speed >= 0.5 else optical_axis,
+    }
+    return ffi.new("vista_motion *", values | changes)
 
 
 def measure(point, position=(0.0, 0.0, 0.0), rotation=None) -> np.ndarray:
@@ -110,13 +127,13 @@ class Tracker:
         self.matched = matched(**area)
 
     def update(self, t_s: float, detections=(), position=(0.0, 0.0, 0.0), rotation=None, words=None) -> str:
-        return self.update_raw(round(t_s * SECOND), detections, pose(position, rotation), words)
+        return self.update_raw(round(t_s * SECOND), detections, motion(pose(position, rotation)), words)
 
-    def update_raw(self, t_ns: int, detections, raw_pose, words=None) -> str:
+    def update_raw(self, t_ns: int, detections, raw_motion, words=None) -> str:
         """words: (height, width) int16 of the engine, or None."""
         image = ffi.NULL if words is None else image_struct("disparity_image", words)
         items = ffi.new("vista_detection[]", list(detections))
-        frame = (self.params, self.camera, self.matched, raw_pose, t_ns, image)
+        frame = (self.params, self.camera, self.matched, raw_motion, t_ns, image)
         return status_name(lib.vista_tracker_update(self.handle, *frame, items, len(detections)))
 
     def raw(self):

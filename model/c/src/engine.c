@@ -109,7 +109,7 @@ static void enter_row(const band *b, const vista_row_code *code, const vista_eng
 
 static void fill_row(const vista_engine_output *output, int32_t y, int32_t first, int32_t end) {
   int16_t *disparity = output->disparity + y * output->disparity_stride;
-  for (int32_t x = first; x < end; ++x) disparity[x] = VISTA_ENGINE_INVALID;
+  for (int32_t x = first; x < end; ++x) disparity[x] = VISTA_DISPARITY_INVALID;
   if (!output->smin) return;
   uint32_t *smin = output->smin + y * output->smin_stride;
   for (int32_t x = first; x < end; ++x) smin[x] = VISTA_ENGINE_NO_COST;

@@ -96,7 +96,7 @@ VISTA_TARGET static void verdict_row(const vista_finish_job *job) {
   const int32_t least_texture = job->texture_threshold;
   for (int32_t x = job->first; x < job->end; ++x) {
     const int32_t good = valid[x] & unique[x] & (texture[x] >= least_texture);
-    disparity[x] = good ? disparity[x] : VISTA_ENGINE_INVALID;
+    disparity[x] = good ? disparity[x] : VISTA_DISPARITY_INVALID;
   }
 }
 

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import json
-import os
 import subprocess
 from pathlib import Path
 from typing import Any
 
+from vista import native
+
 ROOT = Path(__file__).resolve().parents[3]
-PROGRAM = ROOT / os.environ.get("VISTA_BUILD", "build") / "bin" / "vista_system"
+PROGRAM = native.build_folder() / "bin" / "vista_system"
 
 # Small and quick to run: 4096 pixels, read out in 0.7 ms, matched in 0.41 ms.
 SMALL: dict[str, Any] = {

@@ -2,11 +2,15 @@
 #ifndef VISTA_PARAMETERS_H
 #define VISTA_PARAMETERS_H
 
+#include <stddef.h>
 #include <stdint.h>
 
+#include "vista/api.h"
 #include "vista/status.h"
 
-/* The stereo engine (its contract: model/README.md). */
+VISTA_BEGIN
+
+/* The stereo engine (its contract: doc/design/engine-contract.md). */
 typedef enum vista_stereo_prefilter { VISTA_STEREO_PREFILTER_XSOBEL, VISTA_STEREO_PREFILTER_NONE } vista_stereo_prefilter;
 
 typedef struct vista_stereo_params {
@@ -17,13 +21,25 @@ typedef struct vista_stereo_params {
   int32_t texture_threshold; /* Blocks with less texture are invalid. 0 .. 65535. */
   int32_t uniqueness_ratio; /* Margin of the best match over all that do not adjoin it. 0 .. 100 percent. */
   int32_t lr_max_diff; /* Largest difference of the left and the right winner; -1: no left/right check. -1 .. 255 px. */
+  unsigned char reserved[228];
 } vista_stereo_params;
+
+/* The vehicle's own motion, from poses. */
+typedef struct vista_motion_params {
+  double velocity_smoothing_s; /* Time constant of velocity and turn rate from poses; 0: the last difference. 0.0 .. 60.0 s. */
+  double speed_min_m_s; /* Slower, the flight direction is the optical axis. 0.0 .. 100.0 m/s. */
+  double speed_max_m_s; /* A pose that only a faster vehicle could have reached is refused. 1.0 .. 10000.0 m/s. */
+  int32_t restart_poses; /* As many refused poses in a row that agree with each other are believed: the world goes on there, without tracks. 1 .. 100 poses. */
+  double drift_m_s; /* Error of the velocity over which a frame without a pose is carried on; adds to the uncertainty of all tracks. 0.0 .. 100.0 m/s. */
+  unsigned char reserved[216];
+} vista_motion_params;
 
 /* Log-polar grid (paper, section II-B). */
 typedef struct vista_foveation_params {
   int32_t sector_count; /* Sectors of the log-polar grid; rings grow by exp(2*pi/sector_count), which keeps cells square. 16 .. 256. */
   double rho_0_px; /* Radius of the hub, the one cell at the centre. Paper: rho_0. 1.0 .. 64.0 px. */
   double min_valid_fraction; /* A cell has a disparity when at least this fraction of its pixels has one. 0.0 .. 1.0. */
+  unsigned char reserved[232];
 } vista_foveation_params;
 
 /* Similarity of neighbouring cells (paper, equations 3 and 4) and its encoding as flow (equation 5). */
@@ -43,6 +59,7 @@ typedef struct vista_affinity_params {
   vista_affinity_flow_encoding flow_encoding; /* Capacity = scale * C^((w - 1) / 2), or the paper's print, scale * (w + 1) / 2. */
   double flow_scale; /* Capacity of an edge of affinity 1. 10.0 .. 100000.0. */
   double flow_constant; /* Base of the exponential encoding: the square root of it is the ratio of strongest to weakest edge. Paper: C. 1.0 .. 100000000.0. */
+  unsigned char reserved[168];
 } vista_affinity_params;
 
 /* Inclination of the surface under each cell, from the disparities of the cells around it. */
@@ -51,6 +68,7 @@ typedef struct vista_surface_params {
   double horizontal_deg; /* A surface that leans more than this from the vertical is one to fly along, not into. 10.0 .. 90.0 deg. */
   double ground_step_px; /* Cells within this of the ground's plane are ground. 0.0 .. 64.0 px. */
   double ground_step_m; /* Cells above the ground's plane by this, and by ground_step_px, stand. 0.0 .. 10.0 m. */
+  unsigned char reserved[224];
 } vista_surface_params;
 
 /* Recursive minimum cuts (paper, section II-C). */
@@ -69,6 +87,7 @@ typedef struct vista_segmentation_params {
   double merge_share; /* Two regions are one if more than half of the edges between them, and this share of the shorter perimeter, are smooth. 0.0 .. 1.0. */
   double rest_affinity; /* Cells that no obstacle claims form seeds of the rest along edges of at least this affinity. Paper: w_ij. 0.0 .. 1.0. */
   double rest_area_px2; /* Smallest seed of the rest that is cut out. 1.0 .. 1000000.0 px2. */
+  unsigned char reserved[144];
 } vista_segmentation_params;
 
 /* Regions at the resolution of the image: pixels of cells at a border join the cell that they resemble. */
@@ -77,6 +96,7 @@ typedef struct vista_refinement_params {
   double contrast_limit; /* A larger difference weighs no more than this. 0.0 .. 100.0 sigma_intensity. */
   double mixed_penalty; /* Cost of a cell at a border: it may show parts of both regions. 0.0 .. 100.0. */
   double compactness; /* Cost of a pixel one cell's size away from the centre of a cell; 0: by intensity alone. 0.0 .. 100.0. */
+  unsigned char reserved[224];
 } vista_refinement_params;
 
 /* Statistics of the regions and the tests that make obstacles of them (paper, section II-D). */
@@ -93,6 +113,7 @@ typedef struct vista_region_params {
   double foot_m; /* The foot of such a region is within this of the ground's plane. At most 6 % of the range. 0.0 .. 10.0 m. */
   double min_height_m; /* What is lower than this above the horizontal surface that it adjoins lies on it. At most 6 % of the range. 0.0 .. 10.0 m. */
   double min_standing_fraction; /* Smallest part of an obstacle's area that stands higher than that. 0.0 .. 1.0. */
+  unsigned char reserved[160];
 } vista_region_params;
 
 /* Regions to detections by linear triangulation (paper, section II-D). */
@@ -102,6 +123,7 @@ typedef struct vista_reconstruction_params {
   double disparity_sigma_px; /* Noise of the boundary disparity that no averaging removes. 0.01 .. 16.0 px. */
   double correlated_pixels; /* Boundary inliers that share one matching block: n / this of them count as independent. 1.0 .. 1000.0 pixels. */
   double disparity_min_px; /* Smaller disparities are not reconstructed. 0.1 .. 255.0 px. */
+  unsigned char reserved[216];
 } vista_reconstruction_params;
 
 /* One extended Kalman filter an obstacle, in the inertial frame (paper, section II-D). */
@@ -129,6 +151,7 @@ typedef struct vista_tracker_params {
   double out_of_view_s; /* A track outside the matched part of the image coasts for this long. 0.0 .. 3600.0 s. */
   double blind_zone_s; /* A track nearer than the engine matches coasts for this long, unless it is passed before. 0.0 .. 3600.0 s. */
   double range_max_m; /* Farther detections start no track. 1.0 .. 100000.0 m. */
+  unsigned char reserved[88];
 } vista_tracker_params;
 
 /* Something in the way that is too near to match: texture without disparity. */
@@ -138,6 +161,7 @@ typedef struct vista_blind_zone_params {
   double unmatched_fraction; /* Something is too near when this share of the texture is not matched; in ordinary views it is 0.03 to 0.6. 0.0 .. 1.0. */
   int32_t confirm_hits; /* It is reported when it was so in this many of confirm_window frames. Paper: M. 1 .. 32 frames. At most confirm_window. */
   int32_t confirm_window; /* Frames that count for that. Paper: N. 1 .. 32 frames. */
+  unsigned char reserved[224];
 } vista_blind_zone_params;
 
 /* Obstacles against the flight path (paper, section II-D; companion). */
@@ -149,12 +173,16 @@ typedef struct vista_obstacle_map_params {
   double lasting_range_m; /* The same in depth, of the surface that the region's boundary shows; the larger part near the camera. 0.0 .. 10.0 m. */
   double lasting_center_px; /* The same of its centre: matching widens a thing by up to half a block, more to one side than to the other. 0.0 .. 100.0 px. */
   double lasting_center_ratio; /* The same, as a share of its half width and height: a region may lack a part of the thing all along. 0.0 .. 2.0. */
-  double velocity_smoothing_s; /* Time constant of the velocity from poses; 0: the last difference. 0.0 .. 60.0 s. */
-  double speed_min_m_s; /* Slower, the flight direction is the optical axis. 0.0 .. 100.0 m/s. */
+  double closing_min_m_s; /* No time to collision is given for what closes slower than this. 0.0 .. 100.0 m/s. */
+  unsigned char reserved[192];
 } vista_obstacle_map_params;
 
+/* Made by vista_parameters_default, and changed afterwards. A newer library finds its new parameters behind
+ * those of this header and in the reserved parts, filled in by that function. */
 typedef struct vista_parameters {
+  size_t struct_bytes; /* of this struct in the caller's header */
   vista_stereo_params stereo;
+  vista_motion_params motion;
   vista_foveation_params foveation;
   vista_affinity_params affinity;
   vista_surface_params surface;
@@ -167,14 +195,48 @@ typedef struct vista_parameters {
   vista_obstacle_map_params obstacle_map;
 } vista_parameters;
 
-vista_parameters vista_parameters_default(void);
+/* The defaults, in a struct of this size. VISTA_ERROR_SIZE: it is no size of this struct. */
+VISTA_API vista_status vista_parameters_init(vista_parameters *parameters, size_t bytes);
 
-/* VISTA_OK, or VISTA_ERROR_RANGE (NaN included) with `culprit`, which may be null, set to
- * "section.name". */
-vista_status vista_parameters_check(const vista_parameters *parameters, const char **culprit);
+static inline vista_parameters vista_parameters_default(void) {
+  vista_parameters parameters;
+  (void)vista_parameters_init(&parameters, sizeof parameters);
+  return parameters;
+}
 
-/* Sets the parameter called "section.name"; a choice by its number. VISTA_ERROR_RANGE: no such
+/* VISTA_OK; VISTA_ERROR_SIZE: not made by vista_parameters_default; VISTA_ERROR_RANGE (NaN included) with
+ * `culprit`, which may be null, set to "section.name". */
+VISTA_API vista_status vista_parameters_check(const vista_parameters *parameters, const char **culprit);
+
+/* The parameter called "section.name"; a choice by its number or by its name. VISTA_ERROR_RANGE: no such
  * parameter, or a value that none has; its own range is vista_parameters_check's to judge. */
-vista_status vista_parameters_set(vista_parameters *parameters, const char *name, double value);
+VISTA_API vista_status vista_parameters_set(vista_parameters *parameters, const char *name, double value);
+VISTA_API vista_status vista_parameters_set_choice(vista_parameters *parameters, const char *name,
+                                                   const char *choice);
+VISTA_API vista_status vista_parameters_get(const vista_parameters *parameters, const char *name,
+                                            double *value);
+
+typedef enum vista_parameter_type {
+  VISTA_PARAMETER_INT,
+  VISTA_PARAMETER_FLOAT,
+  VISTA_PARAMETER_CHOICE
+} vista_parameter_type;
+
+/* What there is to know of one parameter. Texts are never null. */
+typedef struct vista_parameter {
+  const char *name; /* "section.name" */
+  const char *unit, *doc;
+  vista_parameter_type type;
+  double default_value, min, max; /* of a choice: its number, the first and the last one */
+  const char *at_most;            /* a parameter that it must not exceed, too; "": none */
+  int32_t choice_count;
+  const char *const *choices; /* choice_count names */
+} vista_parameter;
+
+/* All of them, in the order of the struct; null outside 0 .. count - 1. */
+VISTA_API int32_t vista_parameter_count(void);
+VISTA_API const vista_parameter *vista_parameter_info(int32_t index);
+
+VISTA_END
 
 #endif

@@ -2,6 +2,10 @@
 #ifndef VISTA_STATUS_H
 #define VISTA_STATUS_H
 
+#include "vista/api.h"
+
+VISTA_BEGIN
+
 typedef enum vista_status {
   VISTA_OK = 0,
   VISTA_ERROR_ARGUMENT, /* a required pointer is null */
@@ -15,7 +19,9 @@ typedef enum vista_status {
 } vista_status;
 
 /* Short upper-case name ("VISTA_ERROR_SIZE") and one-line text; never null. */
-const char *vista_status_name(vista_status status);
-const char *vista_status_text(vista_status status);
+VISTA_API const char *vista_status_name(vista_status status);
+VISTA_API const char *vista_status_text(vista_status status);
+
+VISTA_END
 
 #endif

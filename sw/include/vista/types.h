@@ -8,9 +8,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* Disparities travel as the engine's words: signed 16 bit, 1/16 px, negative = invalid (contract, step 7). */
-#define VISTA_DISPARITY_SCALE 16
-#define VISTA_DISPARITY_INVALID (-16)
+#include "vista/word.h" /* VISTA_DISPARITY_SCALE, VISTA_DISPARITY_INVALID */
 
 typedef struct vista_image {
   const uint8_t *data; /* 8-bit grey, row-major */
@@ -19,7 +17,7 @@ typedef struct vista_image {
 } vista_image;
 
 typedef struct vista_disparity_image {
-  const int16_t *data;
+  const int16_t *data; /* words: 1/16 px, negative without a disparity */
   int32_t width_px, height_px;
   ptrdiff_t stride;
 } vista_disparity_image;
@@ -31,13 +29,6 @@ typedef struct vista_camera {
   double center_u_px, center_v_px; /* principal point */
   double baseline_m;
 } vista_camera;
-
-/* Where the engine can find a disparity, and how large a one (contract, step 2). */
-typedef struct vista_matched_area {
-  double disparity_max_px; /* num_disparities - 1: what is nearer is in the blind zone */
-  double margin_left_px;   /* columns at the left without disparity: num_disparities - 1 + r */
-  double margin_px;        /* rows and columns at the other sides: r = (block_size - 1) / 2 */
-} vista_matched_area;
 
 /* p_world = rotation * p_camera + translation_m; rotation row-major. */
 typedef struct vista_pose {

@@ -11,26 +11,19 @@ from typing import Any
 
 _PACKAGE = Path(__file__).resolve().parent
 _INSTALLED = _PACKAGE / "_lib"
+_ROOT = _PACKAGE.parents[2]
+_IN_CHECKOUT = _PACKAGE == _ROOT / "sw" / "python" / "vista"
 
 
-def _checkouts() -> list[Path]:
-    return [parent for parent in _PACKAGE.parents if (parent / "model" / "c").is_dir()]
-
-
-def _folders() -> list[tuple[Path, Path]]:
-    """Where (libraries, bindings) may lie, the checkout's build folder first: it is being worked on."""
-    build = os.environ.get("VISTA_BUILD", "build")  # of libraries built otherwise, as for the sanitizers
-    return [_of_build(root, build) for root in _checkouts()] + [(_INSTALLED, _INSTALLED)]
-
-
-def _of_build(root: Path, build: str) -> tuple[Path, Path]:
-    return root / build / "lib", root / "build" / "python"
+def build_folder() -> Path:
+    """Of the checkout. VISTA_BUILD names another for what is built otherwise, as for the sanitizers."""
+    return _ROOT / os.environ.get("VISTA_BUILD", "build")
 
 
 @functools.cache
 def load(name: str) -> tuple[Any, Any]:
     """The cffi pair (ffi, lib) of lib<name>.so and <name>_abi.py; ImportError when it has not been built."""
-    return _open(*_find(name, name, _folders()))
+    return _open(*_find(name, name, build_folder()))
 
 
 @functools.cache
@@ -38,24 +31,36 @@ def load_as(name: str, binding: str, make: Callable[[Path, str], None]) -> tuple
     """The same for one of several libraries with one interface, <binding>_abi.py.
 
     make(root, name) brings the library of a checkout up to date first; ImportError if it cannot."""
-    for root in _checkouts():
-        make(root, name)
+    if _IN_CHECKOUT:
+        make(_ROOT, name)
     # Simulated hardware is not a library to sanitize: VISTA_BUILD does not concern it.
-    return _open(*_find(name, binding, [_of_build(root, "build") for root in _checkouts()]))
+    return _open(*_find(name, binding, _ROOT / "build"))
 
 
 def library_path(name: str) -> Path:
     """Of lib<name>.so as load() finds it; ImportError when it has not been built."""
-    return _find(name, name, _folders())[0]
+    return _find(name, name, build_folder())[0]
 
 
-def _find(name: str, binding: str, folders: list[tuple[Path, Path]]) -> tuple[Path, Path]:
-    """Library and binding, of the first folder that has both."""
-    for libraries, bindings in folders:
-        library, module = libraries / f"lib{name}.so", bindings / f"{binding}_abi.py"
-        if library.is_file() and module.is_file():
-            return library, module
-    raise ImportError(f"lib{name}.so is not built: run `make build`")
+def program_path(name: str) -> Path:
+    """Of a program of a checkout; ImportError when it has not been built."""
+    path = build_folder() / "bin" / name
+    if not (_IN_CHECKOUT and path.is_file()):
+        raise ImportError(f"the program {name} is not built: it needs a checkout of VISTA and `make systemc`")
+    return path
+
+
+def _find(name: str, binding: str, build: Path) -> tuple[Path, Path]:
+    """Library and binding: in the build folder of a checkout, else in the package."""
+    libraries, bindings = (build / "lib", build / "python") if _IN_CHECKOUT else (_INSTALLED, _INSTALLED)
+    library, module = libraries / f"lib{name}.so", bindings / f"{binding}_abi.py"
+    if not (library.is_file() and module.is_file()):
+        raise ImportError(
+            f"lib{name}.so is not built: run `make build`"
+            if _IN_CHECKOUT
+            else f"lib{name}.so is not part of this installation"
+        )
+    return library, module
 
 
 def _open(library: Path, binding: Path) -> tuple[Any, Any]:

@@ -14,7 +14,8 @@ from vista.sequence.text import read_text
 Values = dict[str, dict[str, Any]]  # section -> name -> value
 Schema = dict[str, dict[str, Any]]
 
-_PLACES = (Path(__file__).resolve().parents[2] / "parameters.toml", Path(__file__).parent / "parameters.toml")
+_PACKAGE = Path(__file__).resolve().parent
+_PLACES = (_PACKAGE / "parameters.toml", _PACKAGE.parents[1] / "parameters.toml")  # installed; in a checkout
 
 
 @functools.cache
@@ -90,16 +91,9 @@ def _limits() -> list[tuple[str, str, str]]:
     ]
 
 
-def as_numbers(values: Values) -> dict[str, float]:
-    """ "section.name" -> number, a choice by its place in the schema: the form of vista_parameters_set."""
-    numbers: dict[str, float] = {}
-    for section, content in values.items():
-        for name, value in content.items():
-            entry = entries(section)[name]
-            numbers[f"{section}.{name}"] = float(
-                entry["choices"].index(value) if entry["type"] == "choice" else value
-            )
-    return numbers
+def flat(values: Values) -> dict[str, Any]:
+    """ "section.name" -> value, a choice by its name."""
+    return {f"{section}.{name}": value for section in values for name, value in values[section].items()}
 
 
 def default_toml() -> str:

@@ -50,9 +50,22 @@ class Nearest:
 
 
 @dataclass(frozen=True)
+class Motion:
+    """The vehicle's own motion as the detector worked with it."""
+
+    known: bool  # else positions in world rest on a guess of where the camera is
+    source: str  # of the camera's pose: POSE, STANDS, CARRIED_ON, REFUSED, UNTOLD
+    restarted: bool  # the poses went on elsewhere: all tracks were given up
+    velocity_m_s: Array | None  # (3,) world; None: not known
+    turn_rate_rad_s: Array  # (3,) axis times rate, world
+    pose: Pose  # world_from_camera
+
+
+@dataclass(frozen=True)
 class Result:
     obstacles: list[Obstacle]  # nearest first
     nearest_collision: Nearest | None
+    motion: Motion
     regions: int
     valid_fraction: float
     dropped_tracks: int  # for want of room, in this frame
@@ -65,17 +78,6 @@ class Result:
     verdict_of_region: list[str]
 
 
-@dataclass(frozen=True)
-class CellGraph:
-    """What the cuts of the last frame saw."""
-
-    edges: NDArray[np.int32]  # (edges, 2) cells
-    affinity: NDArray[np.float32]  # (edges,) w_ij, 0 .. 1
-    horizontal: NDArray[np.bool_]  # (cells,) on a surface to fly along
-    cell_size_px: NDArray[np.float32]  # (cells,) width
-    cell_center_px: NDArray[np.float32]  # (cells, 2) u, v
-
-
 class PipelineError(ValueError):
     """A status of libvista that is not VISTA_OK; the text is the library's."""
 
@@ -83,8 +85,10 @@ class PipelineError(ValueError):
 class Pipeline:
     """One pipeline for one camera; holds the tracks from frame to frame."""
 
+    library = "vista"
+
     def __init__(self, camera: Calibration, values: parameters.Values | None = None) -> None:
-        self._ffi, self._lib = native.load("vista")
+        self._ffi, self._lib = native.load(self.library)
         self._camera = camera
         self._parameters = _c_parameters(self._ffi, self._lib, values or parameters.defaults())
         self._c_camera = self._ffi.new(
@@ -113,11 +117,14 @@ class Pipeline:
         t_ns: int,
         pose: Pose | None = None,
         up_world: Array | None = None,
+        velocity_m_s: Array | None = None,
+        stationary: bool = False,
     ) -> Result:
         """One frame: rectified left image and engine words (height, width); pose: world_from_camera.
 
-        Raises PipelineError on arrays of another type or size, times that do not increase, a pose that is not
-        finite."""
+        velocity_m_s: of the camera in world, None: from the poses. stationary: without a pose, the camera has
+        not moved since the last frame. Raises PipelineError on arrays of another type or size, times that do
+        not increase, a pose that is not finite."""
         ffi = self._ffi
         if (left.dtype, left.ndim, disparity.dtype, disparity.ndim) != (np.uint8, 2, np.int16, 2):
             raise PipelineError("the image has to be uint8 and int16 its disparities, both (height, width)")
@@ -137,47 +144,16 @@ class Pipeline:
         if up_world is not None:
             c_up = ffi.new("double[3]", np.asarray(up_world, dtype=float).tolist())
             frame.up_world = c_up
-        self._check(self._lib.vista_pipeline_process(self._pipeline, frame, self._result))
+        if velocity_m_s is not None:
+            c_velocity = ffi.new("double[3]", np.asarray(velocity_m_s, dtype=float).tolist())
+            frame.velocity_m_s = c_velocity
+        frame.stationary = stationary
+        self._check(
+            self._lib.vista_pipeline_process_sized(
+                self._pipeline, frame, ffi.sizeof(frame[0]), self._result, ffi.sizeof(self._result[0])
+            )
+        )
         return self._read_result()
-
-    def cell_graph(self) -> CellGraph:
-        """Of the last frame that was processed."""
-        f, r = self._result.foveation, self._result
-        arcs, cells = f.graph.arc_count, f.node_count
-        first_arc = self._array(f.graph.first_arc, cells + 1, np.int32)
-        tail = np.repeat(np.arange(cells, dtype=np.int32), np.diff(first_arc))
-        head = self._array(f.graph.head, arcs, np.int32)
-        once = tail < head  # of the two arcs of an edge
-        return CellGraph(
-            np.stack([tail[once], head[once]], axis=1),
-            self._array(r.affinity.weight, arcs, np.float32)[once],
-            self._array(r.surfaces.horizontal, cells, np.uint8) != 0,
-            self._array(f.size_px, cells, np.float32),
-            np.stack([self._array(center, cells, np.float32) for center in (f.center_u, f.center_v)], axis=1),
-        )
-
-    def refine_boundaries(
-        self, left: NDArray[np.uint8], cell_intensity: NDArray[np.float32], region_of_cell: NDArray[np.int32]
-    ) -> NDArray[np.int32]:
-        """Region of each pixel (height, width) of any partition of a frame's cells, drawn as the chain draws
-        its own; after the first frame. Raises PipelineError for an image of another size."""
-        ffi, f = self._ffi, self._result.foveation
-        left = np.ascontiguousarray(left)
-        image = ffi.new(
-            "vista_image *",
-            (ffi.cast("uint8_t *", left.ctypes.data), left.shape[1], left.shape[0], left.shape[1]),
-        )
-        intensity, label = np.ascontiguousarray(cell_intensity), np.ascontiguousarray(region_of_cell)
-        cells = ffi.new("vista_cells *", {"intensity": ffi.cast("float *", intensity.ctypes.data)})
-        drawn, border = np.empty(left.shape, np.int32), np.empty(f.node_count, np.uint8)
-        out = ffi.new(
-            "vista_refinement *",
-            (ffi.cast("int32_t *", drawn.ctypes.data), ffi.cast("uint8_t *", border.ctypes.data)),
-        )
-        params = ffi.addressof(self._parameters[0], "refinement")
-        c_label = ffi.cast("int32_t *", label.ctypes.data)
-        self._check(self._lib.vista_refine(f, params, image, cells, c_label, out))
-        return drawn
 
     def _check(self, status: int) -> None:
         if status != self._lib.VISTA_OK:
@@ -189,41 +165,42 @@ class Pipeline:
 
     def _read_result(self) -> Result:
         r, lib, ffi = self._result, self._lib, self._ffi
-        cells = r.foveation.node_count
-        shape = (self._camera.height, self._camera.width)
+        views, shape = r.views, (self._camera.height, self._camera.width)
+        cells, pixels = views.cell_count, shape[0] * shape[1]
         if self._cell_of_pixel is None:
-            self._cell_of_pixel = self._array(
-                r.foveation.cell_of_pixel, shape[0] * shape[1], np.int32
-            ).reshape(shape)
+            self._cell_of_pixel = self._array(views.cell_of_pixel, pixels, np.int32).reshape(shape)
         stage_ms = {
             ffi.string(lib.vista_stage_name(stage)).decode(): r.stage_ms[stage]
-            for stage in range(lib.VISTA_STAGE_COUNT)
+            for stage in range(r.stage_count)
         }
         nearest = r.nearest_collision
         verdicts = [
-            ffi.string(lib.vista_region_verdict_name(r.regions[k].verdict)).decode()
-            for k in range(r.region_count)
+            ffi.string(lib.vista_region_verdict_name(views.verdict_of_region[k])).decode()
+            for k in range(views.region_count)
         ]
         return Result(
             obstacles=[_obstacle(ffi, lib, r.obstacles[k]) for k in range(r.obstacle_count)],
             nearest_collision=_nearest(nearest) if nearest.valid else None,
+            motion=_motion(ffi, lib, r.motion),
             regions=r.region_count,
             valid_fraction=r.valid_fraction,
             dropped_tracks=r.dropped_tracks,
             stage_ms=stage_ms | {"host": r.host_ms},
             cell_of_pixel=self._cell_of_pixel,
-            cell_intensity=self._array(r.cells.intensity, cells, np.float32),
-            cell_disparity_px=self._array(r.cells.disparity_px, cells, np.float32),
-            region_of_cell=self._array(r.segmentation.label, cells, np.int32),
-            region_of_pixel=self._array(r.refinement.label, shape[0] * shape[1], np.int32).reshape(shape),
+            cell_intensity=self._array(views.cell_intensity, cells, np.float32),
+            cell_disparity_px=self._array(views.cell_disparity_px, cells, np.float32),
+            region_of_cell=self._array(views.region_of_cell, cells, np.int32),
+            region_of_pixel=self._array(views.region_of_pixel, pixels, np.int32).reshape(shape),
             verdict_of_region=verdicts,
         )
 
 
 def _c_parameters(ffi: Any, lib: Any, values: parameters.Values) -> Any:
     c = ffi.new("vista_parameters *")
-    for name, number in parameters.as_numbers(values).items():
-        if lib.vista_parameters_set(c, name.encode(), number) != lib.VISTA_OK:
+    lib.vista_parameters_init(c, ffi.sizeof(c[0]))
+    for name, value in parameters.flat(values).items():
+        setter = lib.vista_parameters_set_choice if isinstance(value, str) else lib.vista_parameters_set
+        if setter(c, name.encode(), value.encode() if isinstance(value, str) else value) != lib.VISTA_OK:
             raise PipelineError(f"{name} is unknown or out of range")
     culprit = ffi.new("char const **")
     if lib.vista_parameters_check(c, culprit) != lib.VISTA_OK:
@@ -247,6 +224,17 @@ def _obstacle(ffi: Any, lib: Any, o: Any) -> Obstacle:
         ellipse=Ellipse(e.center_u_px, e.center_v_px, e.axis_a_px, e.axis_b_px, e.angle_deg),
         disparity_px=o.disparity_px,
         in_collision_volume=bool(o.in_collision_volume),
+    )
+
+
+def _motion(ffi: Any, lib: Any, m: Any) -> Motion:
+    return Motion(
+        known=m.known,
+        source=ffi.string(lib.vista_motion_source_name(m.source)).decode(),
+        restarted=m.restarted,
+        velocity_m_s=np.array(list(m.velocity_m_s)) if m.velocity_known else None,
+        turn_rate_rad_s=np.array(list(m.turn_rate_rad_s)),
+        pose=Pose(np.array(list(m.pose.rotation)).reshape(3, 3), np.array(list(m.pose.translation_m))),
     )
 
 

@@ -1,8 +1,9 @@
 """Recordings of what the host receives, for the replay program in C (little-endian, no padding).
 
-    header  char[8] "VISTAREC", uint32 version = 2, uint32 width, uint32 height, uint32 parameter count,
+    header  char[8] "VISTAREC", uint32 version = 3, uint32 width, uint32 height, uint32 parameter count,
             double focal_px, cx, cy, baseline_m, uint32 stills (1: the frames are unrelated), uint32 0
-    parameter  char[48] "section.name", zero-padded, double value (a choice by its number)
+    parameter  char[48] "section.name", char[32] name of a choice (empty: a number), both zero-padded,
+            double value (0 for a choice)
     frame   int64 t_ns, uint32 has_pose, uint32 has_up,
             double rotation[9], translation_m[3] (world_from_camera; zeros without a pose),
             double up_world[3] (zeros without),
@@ -27,9 +28,9 @@ from vista.output import unwritable
 from vista.sequence import Frame, Sequence
 
 MAGIC = b"VISTAREC"
-VERSION = 2
+VERSION = 3
 HEADER = struct.Struct("<8s4I4d2I")
-PARAMETER = struct.Struct("<48sd")
+PARAMETER = struct.Struct("<48s32sd")
 FRAME = struct.Struct("<q2I9d3d3d")
 
 
@@ -61,8 +62,9 @@ class Recorder:
                 0,
             )
         )
-        for name, number in parameters.as_numbers(values).items():
-            self._write(PARAMETER.pack(name.encode(), number))
+        for name, value in parameters.flat(values).items():
+            choice, number = (value, 0.0) if isinstance(value, str) else ("", float(value))
+            self._write(PARAMETER.pack(name.encode(), choice.encode(), number))
         self._frames = 0
 
     def write(self, frame: Frame, words: NDArray[np.int16]) -> None:

@@ -21,10 +21,11 @@ from vista import parameters
 from vista.chain import engine_parameters
 from vista.engine import INVALID, Engine, EngineParameters, StereoEngine, create_engine
 from vista.geometry import Calibration
-from vista.pipeline import Pipeline, Result
+from vista.pipeline import Result
 
 from vista_eval.baselines.reference_method import ReferenceParameters, merge_cells
 from vista_eval.baselines.stereo_alone import Threshold, label_clusters, thresholded
+from vista_eval.cell_graph import OpenPipeline
 from vista_eval.dataset.stereo_pair import TruthPair
 from vista_eval.metrics.standing_points import ACCEPTED, Judged
 
@@ -112,7 +113,7 @@ def make_sgbm(stereo: EngineParameters) -> Callable[[TruthPair], NDArray[np.int1
     return words
 
 
-class JudgingPipeline(Pipeline):
+class JudgingPipeline(OpenPipeline):
     """The host's verdict on any partition of the frame that it processed last."""
 
     def judge_regions(
@@ -122,7 +123,8 @@ class JudgingPipeline(Pipeline):
         region_of_pixel: NDArray[np.int32],
     ) -> list[str]:
         """One a region; all regions are taken for grown from disparities of their own."""
-        ffi, lib, frame = self._ffi, self._lib, self._result
+        ffi, lib = self._ffi, self._lib
+        frame = lib.vista_pipeline_look(self._pipeline)
         words = np.ascontiguousarray(words)
         label = np.ascontiguousarray(region_of_cell, np.int32)
         drawn = np.ascontiguousarray(region_of_pixel, np.int32)

@@ -2,7 +2,7 @@
 
 #include <math.h>
 
-static double dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+#include "common/numbers.h"
 
 /* Distance of (x, y), both >= 0, outside the ellipse with semi-axes a, b from its boundary. The foot of the
  * perpendicular is (a^2 x / (t + a^2), b^2 y / (t + b^2)) for the t >= 0 that puts it on the ellipse:
@@ -25,12 +25,12 @@ static double outside_distance(double a, double b, double x, double y) {
 double vista_disc_point_distance(const vista_disc *disc, const double point_m[3]) {
   const double offset[3] = {point_m[0] - disc->center_m[0], point_m[1] - disc->center_m[1],
                             point_m[2] - disc->center_m[2]};
-  const double x = fabs(dot(offset, disc->axis_x));
-  const double y = fabs(dot(offset, disc->axis_y));
+  const double x = fabs(vista_dot(offset, disc->axis_x));
+  const double y = fabs(vista_dot(offset, disc->axis_y));
   const double normal[3] = {disc->axis_x[1] * disc->axis_y[2] - disc->axis_x[2] * disc->axis_y[1],
                             disc->axis_x[2] * disc->axis_y[0] - disc->axis_x[0] * disc->axis_y[2],
                             disc->axis_x[0] * disc->axis_y[1] - disc->axis_x[1] * disc->axis_y[0]};
-  const double height = fabs(dot(offset, normal));
+  const double height = fabs(vista_dot(offset, normal));
   const double p = x / disc->half_x_m;
   const double q = y / disc->half_y_m;
   if (p * p + q * q <= 1.0) return height;
@@ -48,7 +48,7 @@ static double distance_at(const vista_disc *disc, const vista_line_segment *segm
 static double closest(const vista_line_segment *segment, const double point_m[3]) {
   const double offset[3] = {point_m[0] - segment->start_m[0], point_m[1] - segment->start_m[1],
                             point_m[2] - segment->start_m[2]};
-  return fmin(segment->length_m, fmax(0.0, dot(offset, segment->direction)));
+  return fmin(segment->length_m, fmax(0.0, vista_dot(offset, segment->direction)));
 }
 
 /* The distance from a convex set is convex along a line: golden-section search. The disc's nearest point lies within

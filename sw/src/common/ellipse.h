@@ -5,13 +5,8 @@
 #include <stdbool.h>
 
 #include "stages/region.h"
+#include "vista/obstacle.h"
 #include "vista/status.h"
-
-typedef struct vista_ellipse {
-  double center_u_px, center_v_px;
-  double axis_a_px, axis_b_px; /* semi-axes, a >= b >= 0 */
-  double angle_deg;            /* of axis a, clockwise from +u as seen on the screen (v down), in (-90, 90] */
-} vista_ellipse;
 
 /* The ellipse that, uniformly filled, has this mean and covariance: semi-axes 2*sqrt(eigenvalue).
  * VISTA_ERROR_NUMBER: not finite; VISTA_ERROR_RANGE: not a covariance (a negative eigenvalue). */

@@ -2,6 +2,7 @@
 
 #include <math.h>
 #include <stdbool.h>
+#include <stddef.h>
 
 const vista_pose vista_frame_still = {.rotation = {1, 0, 0, 0, 1, 0, 0, 0, 1}};
 
@@ -28,6 +29,23 @@ vista_status vista_frame_check_pose(const vista_pose *pose) {
   const double determinant =
       r[0] * (r[4] * r[8] - r[5] * r[7]) - r[1] * (r[3] * r[8] - r[5] * r[6]) + r[2] * (r[3] * r[7] - r[4] * r[6]);
   return determinant > 0.0 ? VISTA_OK : VISTA_ERROR_RANGE;
+}
+
+/* Rows may also run upwards. */
+static vista_status check_rows(const void *data, int32_t width_px, int32_t height_px, ptrdiff_t stride,
+                               int32_t expected_width_px, int32_t expected_height_px) {
+  if (data == NULL) return VISTA_ERROR_ARGUMENT;
+  const bool good = width_px == expected_width_px && height_px == expected_height_px &&
+                    (stride >= width_px || stride <= -(ptrdiff_t)width_px);
+  return good ? VISTA_OK : VISTA_ERROR_SIZE;
+}
+
+vista_status vista_frame_check_image(const vista_image *image, int32_t width_px, int32_t height_px) {
+  return check_rows(image->data, image->width_px, image->height_px, image->stride, width_px, height_px);
+}
+
+vista_status vista_frame_check_disparity(const vista_disparity_image *disparity, int32_t width_px, int32_t height_px) {
+  return check_rows(disparity->data, disparity->width_px, disparity->height_px, disparity->stride, width_px, height_px);
 }
 
 void vista_frame_to_camera(const vista_pose *pose, const double world_m[3], double camera_m[3]) {

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 
 #include "common/bits.h"
+#include "common/frame.h"
 
 #define ROW_STEP 2 /* neighbouring rows say the same */
 
@@ -56,9 +57,10 @@ vista_status vista_blind_zone_update(const vista_blind_zone_params *params, cons
                                      const vista_disparity_image *disparity, vista_blind_zone *blind_zone) {
   if (params == NULL || camera == NULL || matched == NULL || image == NULL || disparity == NULL || blind_zone == NULL)
     return VISTA_ERROR_ARGUMENT;
-  if (image->width_px != camera->width_px || image->height_px != camera->height_px ||
-      disparity->width_px != camera->width_px || disparity->height_px != camera->height_px)
-    return VISTA_ERROR_SIZE;
+  vista_status status = vista_frame_check_camera(camera);
+  if (status == VISTA_OK) status = vista_frame_check_image(image, camera->width_px, camera->height_px);
+  if (status == VISTA_OK) status = vista_frame_check_disparity(disparity, camera->width_px, camera->height_px);
+  if (status != VISTA_OK) return status;
   vista_blind_zone *const s = blind_zone;
   const double radius_px = radius_m * matched->disparity_max_px / camera->baseline_m;
   const counts sum = count_disc(params, camera, matched, radius_px, image, disparity);

@@ -12,6 +12,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "common/matched_area.h"
 #include "vista/parameters.h"
 #include "vista/status.h"
 #include "vista/types.h"

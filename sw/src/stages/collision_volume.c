@@ -3,6 +3,7 @@
 #include <math.h>
 #include <stddef.h>
 
+#include "common/frame.h"
 #include "stages/parts/region_boundary.h"
 
 /* What the pixels of one run are asked, in engine words w = 16 d; squared, so that nothing is divided. */
@@ -63,8 +64,8 @@ vista_status vista_collision_volume_count(const vista_foveation *foveation, cons
                                           const vista_disparity_image *disparity, vista_regions *regions) {
   if (foveation == NULL || params == NULL || camera == NULL || volume == NULL || disparity == NULL || regions == NULL)
     return VISTA_ERROR_ARGUMENT;
-  if (disparity->width_px != foveation->width_px || disparity->height_px != foveation->height_px)
-    return VISTA_ERROR_SIZE;
+  const vista_status status = vista_frame_check_disparity(disparity, foveation->width_px, foveation->height_px);
+  if (status != VISTA_OK) return status;
   const double words = VISTA_DISPARITY_SCALE * camera->baseline_m;
   const double *const a = volume->direction_camera;
   const limits limit = {.across2 = (float)((words / volume->radius_m) * (words / volume->radius_m)),

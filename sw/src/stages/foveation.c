@@ -3,6 +3,7 @@
 #include <math.h>
 #include <stdbool.h>
 
+#include "common/frame.h"
 #include "common/median.h"
 
 /* A cell whose inscribed circle is narrower than a pixel's diagonal may hold no pixel centre at all. */
@@ -264,9 +265,9 @@ vista_status vista_foveate(const vista_foveation *foveation, const vista_foveati
                            const vista_image *image, const vista_disparity_image *disparity, vista_cells *cells) {
   if (foveation == NULL || params == NULL || image == NULL || disparity == NULL || cells == NULL)
     return VISTA_ERROR_ARGUMENT;
-  if (image->width_px != foveation->width_px || image->height_px != foveation->height_px ||
-      disparity->width_px != foveation->width_px || disparity->height_px != foveation->height_px)
-    return VISTA_ERROR_SIZE;
+  vista_status status = vista_frame_check_image(image, foveation->width_px, foveation->height_px);
+  if (status == VISTA_OK) status = vista_frame_check_disparity(disparity, foveation->width_px, foveation->height_px);
+  if (status != VISTA_OK) return status;
   for (int32_t node = 0; node < foveation->node_count; ++node) {
     const bool point = node >= 1 && node <= foveation->point_count;
     const int32_t count = point ? sample_point(foveation, image, disparity, node, cells)

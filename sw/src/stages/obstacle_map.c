@@ -7,27 +7,16 @@
 #include "common/bits.h"
 #include "common/disc.h"
 #include "common/frame.h"
+#include "common/numbers.h"
 
 #define DEPTH_MIN_M 0.05 /* nearer along z: behind the camera */
 
 struct vista_obstacle_map {
   int32_t max_tracks;
   int32_t count;
-  bool started;        /* t_ns is that of an update */
-  bool posed;          /* position_m is that of the last pose */
-  bool velocity_known; /* from poses */
-  int64_t t_ns;
-  double position_m[3];
-  double pose_velocity_m_s[3]; /* smoothed */
-  double velocity_m_s[3];      /* what the last update worked with */
   vista_nearest_collision nearest;
   vista_obstacle *obstacles;
 };
-
-typedef struct flight {
-  double direction[3]; /* unit length, world */
-  double velocity_m_s[3];
-} flight;
 
 vista_status vista_obstacle_map_layout(int32_t max_tracks, vista_arena *arena, vista_obstacle_map **map) {
   if (arena == NULL || map == NULL) return VISTA_ERROR_ARGUMENT;
@@ -44,7 +33,8 @@ vista_status vista_obstacle_map_layout(int32_t max_tracks, vista_arena *arena, v
 }
 
 void vista_obstacle_map_reset(vista_obstacle_map *map) {
-  *map = (vista_obstacle_map){.max_tracks = map->max_tracks, .obstacles = map->obstacles};
+  map->count = 0;
+  map->nearest = (vista_nearest_collision){.valid = false};
 }
 
 const vista_obstacle *vista_obstacle_map_obstacles(const vista_obstacle_map *map, int32_t *count) {
@@ -54,62 +44,13 @@ const vista_obstacle *vista_obstacle_map_obstacles(const vista_obstacle_map *map
 
 vista_nearest_collision vista_obstacle_map_nearest(const vista_obstacle_map *map) { return map->nearest; }
 
-void vista_obstacle_map_velocity(const vista_obstacle_map *map, double velocity_m_s[3]) {
-  memcpy(velocity_m_s, map->velocity_m_s, sizeof map->velocity_m_s);
-}
-
-static double dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-
-static bool positive(double value) { return isfinite(value) && value > 0.0; }
-static bool not_negative(double value) { return isfinite(value) && value >= 0.0; }
-
 static vista_status check_params(const vista_obstacle_map_params *p) {
-  const bool volume = positive(p->collision_radius_m) && positive(p->collision_length_m) &&
-                      not_negative(p->inflation_sigma) && not_negative(p->velocity_smoothing_s) &&
-                      not_negative(p->speed_min_m_s);
-  const bool lasting = not_negative(p->lasting_disparity_px) && not_negative(p->lasting_range_m) &&
-                       not_negative(p->lasting_center_px) && not_negative(p->lasting_center_ratio);
+  const bool volume = vista_positive(p->collision_radius_m) && vista_positive(p->collision_length_m) &&
+                      vista_not_negative(p->inflation_sigma) && vista_not_negative(p->closing_min_m_s);
+  const bool lasting = vista_not_negative(p->lasting_disparity_px) && vista_not_negative(p->lasting_range_m) &&
+                       vista_not_negative(p->lasting_center_px) && vista_not_negative(p->lasting_center_ratio);
   const bool good = volume && lasting;
   return good ? VISTA_OK : VISTA_ERROR_RANGE;
-}
-
-/* Finite differences of the position, low-passed: v += (1 - exp(-dt / tau)) (dp / dt - v). */
-static void follow_pose(vista_obstacle_map *map, const vista_obstacle_map_params *params, const vista_pose *pose,
-                        int64_t t_ns) {
-  if (map->posed) {
-    const double dt_s = 1e-9 * (double)((uint64_t)t_ns - (uint64_t)map->t_ns);
-    const double tau_s = params->velocity_smoothing_s;
-    const double weight = map->velocity_known && tau_s > 0.0 ? 1.0 - exp(-dt_s / tau_s) : 1.0;
-    for (int i = 0; i < 3; ++i) {
-      const double difference = (pose->translation_m[i] - map->position_m[i]) / dt_s;
-      map->pose_velocity_m_s[i] += weight * (difference - map->pose_velocity_m_s[i]);
-    }
-    map->velocity_known = true;
-  }
-  memcpy(map->position_m, pose->translation_m, sizeof map->position_m);
-  map->posed = true;
-}
-
-/* Below the smallest speed the velocity is mostly noise and its direction says nothing. */
-static flight flight_of(const double velocity_m_s[3], const vista_pose *pose, double speed_min_m_s) {
-  const double speed = sqrt(dot(velocity_m_s, velocity_m_s));
-  const bool moving = speed > 0.0 && speed >= speed_min_m_s;
-  flight result;
-  for (int i = 0; i < 3; ++i) {
-    result.velocity_m_s[i] = velocity_m_s[i];
-    result.direction[i] = moving ? velocity_m_s[i] / speed : pose->rotation[3 * i + 2]; /* optical axis: z */
-  }
-  return result;
-}
-
-void vista_obstacle_map_direction(const vista_obstacle_map *map, const vista_obstacle_map_params *params,
-                                  const vista_pose *pose, double direction_camera[3]) {
-  const vista_pose *const here = pose != NULL ? pose : &vista_frame_still;
-  const flight way = flight_of(map->velocity_m_s, here, params->speed_min_m_s);
-  for (int i = 0; i < 3; ++i) {
-    direction_camera[i] = 0.0;
-    for (int k = 0; k < 3; ++k) direction_camera[i] += here->rotation[3 * k + i] * way.direction[k];
-  }
 }
 
 /* Of the errors that last: along the ray by disparity and depth, across it by pixels and a share of the half extent. */
@@ -168,7 +109,7 @@ static bool obstacle_of(const vista_obstacle_map_params *params, const vista_cam
                                .in_blind_zone = track->in_blind_zone,
                                .world = track->world.verdict,
                                .age_frames = track->age_frames,
-                               .distance_m = sqrt(dot(camera_m, camera_m)),
+                               .distance_m = vista_norm(camera_m),
                                .extent_m = {track->extent_m[0], track->extent_m[1]}};
   memcpy(obstacle->position_m, track->position_m, sizeof obstacle->position_m);
   for (int i = 0; i < 3; ++i)
@@ -230,66 +171,58 @@ static vista_obstacle too_near(const vista_obstacle_map_params *params, const vi
 /* track: NULL for what has none and stands. */
 static vista_nearest_collision collision_with(const vista_obstacle_map_params *params, const vista_obstacle *obstacle,
                                               const vista_track *track, const vista_line_segment *axis,
-                                              const flight *way) {
+                                              const vista_motion *motion) {
   vista_nearest_collision nearest = {.valid = true, .id = obstacle->id, .distance_m = obstacle->distance_m};
   memcpy(nearest.position_m, obstacle->position_m, sizeof nearest.position_m);
   double along_m = 0.0;
   double closing_m_s = 0.0;
   for (int i = 0; i < 3; ++i) {
-    along_m += (obstacle->position_m[i] - axis->start_m[i]) * way->direction[i];
-    closing_m_s += (way->velocity_m_s[i] - (track != NULL ? track->velocity_m_s[i] : 0.0)) * way->direction[i];
+    along_m += (obstacle->position_m[i] - axis->start_m[i]) * motion->direction[i];
+    closing_m_s += (motion->velocity_m_s[i] - (track != NULL ? track->velocity_m_s[i] : 0.0)) * motion->direction[i];
   }
-  nearest.time_to_collision_s = closing_m_s > params->speed_min_m_s ? fmax(0.0, along_m) / closing_m_s : NAN;
+  nearest.time_to_collision_s = closing_m_s > params->closing_min_m_s ? fmax(0.0, along_m) / closing_m_s : NAN;
   return nearest;
 }
 
 static vista_status check(const vista_obstacle_map *map, const vista_obstacle_map_params *params,
-                          const vista_camera *camera, const vista_pose *pose, const double *velocity_m_s, int64_t t_ns,
-                          const vista_track *tracks, int32_t track_count) {
+                          const vista_camera *camera, const vista_motion *motion, const vista_track *tracks,
+                          int32_t track_count) {
   if (track_count < 0) return VISTA_ERROR_SIZE;
   if (track_count > map->max_tracks) return VISTA_ERROR_CAPACITY;
   vista_status status = check_params(params);
   if (status == VISTA_OK) status = vista_frame_check_camera(camera);
-  if (status == VISTA_OK) status = vista_frame_check_pose(pose);
+  if (status == VISTA_OK) status = vista_frame_check_pose(&motion->pose);
   if (status != VISTA_OK) return status;
-  for (int i = 0; velocity_m_s != NULL && i < 3; ++i)
-    if (!isfinite(velocity_m_s[i])) return VISTA_ERROR_NUMBER;
+  if (!isfinite(vista_norm(motion->velocity_m_s) + vista_norm(motion->direction))) return VISTA_ERROR_NUMBER;
   for (int32_t i = 0; i < track_count; ++i)
-    if (!isfinite(dot(tracks[i].position_m, tracks[i].position_m))) return VISTA_ERROR_NUMBER;
-  return map->started && t_ns <= map->t_ns ? VISTA_ERROR_ORDER : VISTA_OK;
+    if (!isfinite(vista_norm(tracks[i].position_m))) return VISTA_ERROR_NUMBER;
+  return VISTA_OK;
 }
 
 vista_status vista_obstacle_map_update(vista_obstacle_map *map, const vista_obstacle_map_params *params,
-                                       const vista_camera *camera, const vista_pose *pose, const double *velocity_m_s,
-                                       int64_t t_ns, const vista_blind_zone *blind_zone, const vista_track *tracks,
+                                       const vista_camera *camera, const vista_motion *motion,
+                                       const vista_blind_zone *blind_zone, const vista_track *tracks,
                                        int32_t track_count) {
-  if (map == NULL || params == NULL || camera == NULL || (tracks == NULL && track_count != 0))
+  if (map == NULL || params == NULL || camera == NULL || motion == NULL || (tracks == NULL && track_count != 0))
     return VISTA_ERROR_ARGUMENT;
-  const vista_pose *here = pose != NULL ? pose : &vista_frame_still;
-  const vista_status status = check(map, params, camera, here, velocity_m_s, t_ns, tracks, track_count);
+  const vista_status status = check(map, params, camera, motion, tracks, track_count);
   if (status != VISTA_OK) return status;
-  if (pose != NULL) follow_pose(map, params, pose, t_ns);
-  map->started = true;
-  map->t_ns = t_ns;
-  memcpy(map->velocity_m_s, velocity_m_s != NULL ? velocity_m_s : map->pose_velocity_m_s, sizeof map->velocity_m_s);
-  const flight way = flight_of(map->velocity_m_s, here, params->speed_min_m_s);
   vista_line_segment axis = {.length_m = params->collision_length_m};
-  memcpy(axis.start_m, here->translation_m, sizeof axis.start_m);
-  memcpy(axis.direction, way.direction, sizeof axis.direction);
-  map->count = 0;
-  map->nearest = (vista_nearest_collision){.valid = false};
+  memcpy(axis.start_m, motion->pose.translation_m, sizeof axis.start_m);
+  memcpy(axis.direction, motion->direction, sizeof axis.direction);
+  vista_obstacle_map_reset(map);
   if (blind_zone != NULL && blind_zone->occupied) {
     const vista_obstacle obstacle = too_near(params, camera, &axis, blind_zone->range_m);
     insert(map, &obstacle);
-    map->nearest = collision_with(params, &obstacle, NULL, &axis, &way);
+    map->nearest = collision_with(params, &obstacle, NULL, &axis, motion);
   }
   for (int32_t i = 0; i < track_count; ++i) {
     vista_obstacle obstacle;
-    if (!obstacle_of(params, camera, here, &axis, &tracks[i], &obstacle)) continue;
+    if (!obstacle_of(params, camera, &motion->pose, &axis, &tracks[i], &obstacle)) continue;
     insert(map, &obstacle);
     const bool nearer = !map->nearest.valid || obstacle.distance_m < map->nearest.distance_m;
     if (obstacle.confirmed && obstacle.in_collision_volume && nearer)
-      map->nearest = collision_with(params, &obstacle, &tracks[i], &axis, &way);
+      map->nearest = collision_with(params, &obstacle, &tracks[i], &axis, motion);
   }
   return VISTA_OK;
 }

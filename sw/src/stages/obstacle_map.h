@@ -1,8 +1,7 @@
 /* Tracks to the obstacle map: what the control system gets (paper, section II-D; obstacles.jsonl).
  *
  * Collision volume: the points within radius_m of a segment of length_m from the camera along the flight direction.
- * Flight direction: the velocity handed over; else the smoothed velocity of the poses; else (no pose, or slower than
- * speed_min_m_s) the optical axis.
+ * Flight direction: motion.h.
  * Covariance: the filter takes the errors of a region for white, and averages them out. Part of them lasts as long as
  * the thing is in view (the matcher's bias at its texture, the part of it that the region lacks): that part is added to
  * the filter's covariance, J diag(lasting^2) J^T as in reconstruction, not fed into it.
@@ -23,60 +22,28 @@
 #include "common/ellipse.h"
 #include "stages/blind_zone.h"
 #include "stages/tracker.h"
+#include "vista/obstacle.h"
 #include "vista/parameters.h"
 #include "vista/status.h"
 #include "vista/types.h"
-
-typedef struct vista_obstacle {
-  int32_t id;     /* of the track; 0: too near to match, no track */
-  bool confirmed; /* M of N, and not refuted by the static-world test */
-  bool coasting;
-  bool in_blind_zone;
-  vista_world_verdict world; /* of the static-world test */
-  int32_t age_frames;
-  double position_m[3];     /* world */
-  double covariance_m2[9];  /* of position_m, row-major: the track's, and errors that last (see above) */
-  double distance_m;        /* from the camera */
-  double extent_m[2];       /* width, height */
-  vista_ellipse ellipse; /* of this frame's detection, or the last one carried on to the predicted place and range */
-  double disparity_px; /* of the state in this frame */
-  bool in_collision_volume; /* credible (tracker.h) and a member */
-} vista_obstacle;
-
-typedef struct vista_nearest_collision {
-  bool valid; /* false: nothing confirmed meets the collision volume, the rest is zero */
-  int32_t id;
-  double position_m[3];
-  double distance_m;
-  double time_to_collision_s; /* distance along the flight direction / closing speed; NaN: that is below
-                                 speed_min_m_s, or unknown */
-} vista_nearest_collision;
 
 typedef struct vista_obstacle_map vista_obstacle_map;
 
 /* *map is NULL while the arena counts. VISTA_ERROR_RANGE: max_tracks outside 1..VISTA_TRACKER_MAX. */
 vista_status vista_obstacle_map_layout(int32_t max_tracks, vista_arena *arena, vista_obstacle_map **map);
 
-/* Forget obstacles, velocity and time. */
+/* Forget all obstacles. */
 void vista_obstacle_map_reset(vista_obstacle_map *map);
 
-/* One frame, after the tracker's update with the same camera, pose and time. velocity_m_s: world, NULL = from poses.
- * blind_zone: NULL = unknown. pose == NULL: a still camera, world = camera. On any error nothing is changed; errors as
- * vista_tracker_update. */
+/* One frame, after the tracker's update with the same camera and motion. blind_zone: NULL = unknown. On any error nothing
+ * is changed; errors as vista_tracker_update. */
 vista_status vista_obstacle_map_update(vista_obstacle_map *map, const vista_obstacle_map_params *params,
-                                       const vista_camera *camera, const vista_pose *pose, const double *velocity_m_s,
-                                       int64_t t_ns, const vista_blind_zone *blind_zone, const vista_track *tracks,
+                                       const vista_camera *camera, const vista_motion *motion,
+                                       const vista_blind_zone *blind_zone, const vista_track *tracks,
                                        int32_t track_count);
 
 /* In front of the camera only, nearest first (then by id); valid until the next update. */
 const vista_obstacle *vista_obstacle_map_obstacles(const vista_obstacle_map *map, int32_t *count);
 vista_nearest_collision vista_obstacle_map_nearest(const vista_obstacle_map *map);
-
-/* Velocity of the camera in world that the last update worked with; zero while unknown. */
-void vista_obstacle_map_velocity(const vista_obstacle_map *map, double velocity_m_s[3]);
-
-/* The flight direction by that velocity, unit length, in the camera of this pose (NULL: world = camera). */
-void vista_obstacle_map_direction(const vista_obstacle_map *map, const vista_obstacle_map_params *params,
-                                  const vista_pose *pose, double direction_camera[3]);
 
 #endif

@@ -3,14 +3,13 @@
 #include <math.h>
 
 #include "common/frame.h"
-
-static bool positive(double value) { return isfinite(value) && value > 0.0; }
+#include "common/numbers.h"
 
 static vista_status check_params(const vista_reconstruction_params *params) {
-  const bool good = positive(params->center_sigma_px) && isfinite(params->center_sigma_ratio) &&
-                    params->center_sigma_ratio >= 0.0 && positive(params->disparity_sigma_px) &&
+  const bool good = vista_positive(params->center_sigma_px) && isfinite(params->center_sigma_ratio) &&
+                    params->center_sigma_ratio >= 0.0 && vista_positive(params->disparity_sigma_px) &&
                     isfinite(params->correlated_pixels) && params->correlated_pixels >= 1.0 &&
-                    positive(params->disparity_min_px);
+                    vista_positive(params->disparity_min_px);
   return good ? VISTA_OK : VISTA_ERROR_RANGE;
 }
 

@@ -11,6 +11,7 @@
 #include <stdint.h>
 
 #include "common/ellipse.h"
+#include "common/matched_area.h"
 #include "stages/region.h"
 #include "vista/parameters.h"
 #include "vista/status.h"

@@ -4,6 +4,8 @@
 #include <stdbool.h>
 #include <stddef.h>
 
+#include "common/frame.h"
+
 #define MAX_CANDIDATES 8 /* a cell and its neighbours; the hub has more of these, and stays as it is */
 #define BATCH 256        /* pixels treated at once */
 #define LANES 8          /* counts are rounded up to a multiple, so that loops need no remainder */
@@ -120,7 +122,8 @@ vista_status vista_refine(const vista_foveation *foveation, const vista_refineme
   if (foveation == NULL || params == NULL || image == NULL || cells == NULL || label == NULL || refinement == NULL)
     return VISTA_ERROR_ARGUMENT;
   const vista_foveation *const f = foveation;
-  if (image->width_px != f->width_px || image->height_px != f->height_px) return VISTA_ERROR_SIZE;
+  const vista_status status = vista_frame_check_image(image, f->width_px, f->height_px);
+  if (status != VISTA_OK) return status;
   mark_borders(&f->graph, label, refinement->border);
   batch b = {0};
   for (int32_t node = 0; node < f->node_count; ++node) {

@@ -5,6 +5,7 @@
 #include <stddef.h>
 
 #include "common/depth.h"
+#include "common/frame.h"
 #include "stages/parts/ground.h"
 #include "stages/parts/region_boundary.h"
 #include "stages/parts/region_outline.h"
@@ -208,8 +209,8 @@ vista_status vista_regions_compute(const vista_foveation *foveation, const vista
   if (foveation == NULL || params == NULL || camera == NULL || up_camera == NULL || disparity == NULL ||
       cells == NULL || surfaces == NULL || segmentation == NULL || refinement == NULL || regions == NULL)
     return VISTA_ERROR_ARGUMENT;
-  if (disparity->width_px != foveation->width_px || disparity->height_px != foveation->height_px)
-    return VISTA_ERROR_SIZE;
+  const vista_status status = vista_frame_check_disparity(disparity, foveation->width_px, foveation->height_px);
+  if (status != VISTA_OK) return status;
   regions->count = segmentation->region_count;
   regions->accepted_count = 0;
   mark_boundary(foveation, segmentation->label, params->boundary_px, regions);

@@ -29,22 +29,10 @@
 #include "stages/refinement.h"
 #include "stages/segmentation.h"
 #include "stages/surface.h"
+#include "vista/obstacle.h"
 #include "vista/parameters.h"
 #include "vista/status.h"
 #include "vista/types.h"
-
-/* Why a region is not an obstacle; the first reason that applies, in this order. */
-typedef enum vista_region_verdict {
-  VISTA_REGION_ACCEPTED = 0,
-  VISTA_REGION_BACKGROUND,     /* grown from no disparity of its own and not plain: sky, bare ground */
-  VISTA_REGION_TOO_FEW_PIXELS, /* too few boundary inliers to say anything */
-  VISTA_REGION_LOW_SUPPORT,    /* valid fraction of the boundary too small */
-  VISTA_REGION_INCONSISTENT,   /* boundary disparity does not vary smoothly (edge consistency) */
-  VISTA_REGION_HORIZONTAL,     /* a surface to fly above, or flat on one: ground, road, water */
-  VISTA_REGION_TOO_FAR,        /* disparity below the smallest that is reconstructed */
-  VISTA_REGION_TOO_SMALL,      /* metric size below the smallest obstacle */
-  VISTA_REGION_VERDICT_COUNT
-} vista_region_verdict;
 
 typedef struct vista_region {
   int32_t label;
@@ -88,8 +76,5 @@ vista_status vista_regions_compute(const vista_foveation *foveation, const vista
                                    const vista_disparity_image *disparity, const vista_cells *cells,
                                    const vista_surfaces *surfaces, const vista_segmentation *segmentation,
                                    const vista_refinement *refinement, vista_regions *regions);
-
-/* Upper-case name of a verdict; never null. */
-const char *vista_region_verdict_name(vista_region_verdict verdict);
 
 #endif

@@ -3,6 +3,8 @@
 #include <math.h>
 #include <stdbool.h>
 
+#include "common/numbers.h"
+
 /* Slopes that textures make: pitches of 0.18 to 19 baselines. Less is told from 0 by nothing, more hardly occurs. */
 #define GHOST_SLOPE_MIN 0.15
 #define GHOST_SLOPE_MAX 0.95
@@ -23,9 +25,6 @@ const char *vista_world_verdict_name(vista_world_verdict verdict) {
   return (unsigned)verdict < VISTA_WORLD_VERDICT_COUNT ? verdict_names[verdict] : "UNKNOWN";
 }
 
-static double square(double value) { return value * value; }
-static double dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-
 static void fade(const vista_tracker_params *params, double travelled_m, vista_static_world *w) {
   const double keep = exp(-fabs(travelled_m) / params->static_fade_m - 1.0 / FADE_HITS);
   double *const sums[] = {&w->count, &w->weight,        &w->s,        &w->y,        &w->ss, &w->sy,
@@ -45,8 +44,8 @@ static void accumulate(const vista_world_hit *hit, vista_static_world *w) {
     p[i] = hit->position_m[i] - w->start_m[i];
     c[i] = hit->camera_m[i] - w->start_m[i];
   }
-  const double s = dot(w->along, c), y = dot(w->along, p);
-  const double weight = 1.0 / square(hit->along_sigma_m), across = 1.0 / square(hit->across_sigma_m);
+  const double s = vista_dot(w->along, c), y = vista_dot(w->along, p);
+  const double weight = 1.0 / vista_square(hit->along_sigma_m), across = 1.0 / vista_square(hit->across_sigma_m);
   w->hits += 1;
   w->travel_m = s;
   w->count += 1.0;
@@ -90,9 +89,10 @@ static bool moves_across(const vista_tracker_params *params, const vista_static_
   for (int i = 0; i < 3; ++i) {
     const double p = w->across_sp[i] - w->across_s * w->across_p[i] / w->across_weight;
     const double c = w->across_sc[i] - w->across_s * w->across_c[i] / w->across_weight;
-    slope2 += square((p - w->slope * c) / ss);
+    slope2 += vista_square((p - w->slope * c) / ss);
   }
-  return slope2 > square(ACROSS_SLOPE_MIN) && slope2 > square(ACROSS_SIGMAS) * params->static_noise_hits / ss;
+  return slope2 > vista_square(ACROSS_SLOPE_MIN) &&
+         slope2 > vista_square(ACROSS_SIGMAS) * params->static_noise_hits / ss;
 }
 
 static double normal_below(double z) { return 0.5 * erfc(-z * 0.70710678118654752440); }
@@ -100,7 +100,7 @@ static double normal_below(double z) { return 0.5 * erfc(-z * 0.7071067811865475
 /* Density of the fitted slope if the track stands, over that if it moves with the aircraft. */
 static double likelihood_ratio(const vista_tracker_params *params, const vista_static_world *w) {
   const double sigma = hypot(w->slope_sigma, params->static_tolerance);
-  const double stands = exp(-0.5 * square(fmax(w->slope, 0.0) / sigma)) / (sigma * 2.50662827463100050242);
+  const double stands = exp(-0.5 * vista_square(fmax(w->slope, 0.0) / sigma)) / (sigma * 2.50662827463100050242);
   const double ghost = (normal_below((GHOST_SLOPE_MAX - w->slope) / w->slope_sigma) -
                         normal_below((GHOST_SLOPE_MIN - w->slope) / w->slope_sigma)) /
                        (GHOST_SLOPE_MAX - GHOST_SLOPE_MIN);
@@ -123,7 +123,7 @@ void vista_static_world_start(const vista_tracker_params *params, const vista_wo
     world->start_m[i] = hit->camera_m[i];
     world->along[i] = hit->position_m[i] - hit->camera_m[i];
   }
-  const double range_m = sqrt(dot(world->along, world->along));
+  const double range_m = sqrt(vista_dot(world->along, world->along));
   for (int i = 0; i < 3; ++i) world->along[i] /= range_m;
   vista_static_world_add(params, hit, world);
 }

@@ -18,15 +18,8 @@
 
 #include <stdint.h>
 
+#include "vista/obstacle.h"
 #include "vista/parameters.h"
-
-typedef enum vista_world_verdict {
-  VISTA_WORLD_OPEN = 0, /* too little own travel, seen from so far away, to say anything */
-  VISTA_WORLD_STANDS,   /* or comes nearer: whatever it is, it is there */
-  VISTA_WORLD_MOVES,    /* across the line of sight, by itself */
-  VISTA_WORLD_REFUTED,  /* moves with the aircraft: the image of a periodic texture */
-  VISTA_WORLD_VERDICT_COUNT
-} vista_world_verdict;
 
 /* Running weighted sums over the hits; s: own travel, y: place along the line of sight. */
 typedef struct vista_static_world {
@@ -56,8 +49,5 @@ void vista_static_world_start(const vista_tracker_params *params, const vista_wo
 
 /* Adds the hit and judges anew. */
 void vista_static_world_add(const vista_tracker_params *params, const vista_world_hit *hit, vista_static_world *world);
-
-/* Upper-case name of a verdict; never null. */
-const char *vista_world_verdict_name(vista_world_verdict verdict);
 
 #endif

@@ -5,6 +5,7 @@
 
 #include "common/bits.h"
 #include "common/frame.h"
+#include "common/numbers.h"
 #include "stages/parts/track_association.h"
 #include "stages/parts/track_filter.h"
 #include "stages/parts/track_life.h"
@@ -58,28 +59,27 @@ int64_t vista_tracker_dropped(const vista_tracker *tracker) { return tracker->dr
 
 /* ---- checks, before anything changes ---- */
 
-static bool positive(double value) { return isfinite(value) && value > 0.0; }
-static bool not_negative(double value) { return isfinite(value) && value >= 0.0; }
-
 static vista_status check_params(const vista_tracker_params *p) {
-  const bool filter = positive(p->velocity_sigma_m_s) && not_negative(p->moving_sigma_m_s) &&
-                      not_negative(p->acceleration_psd_m2_s3) && not_negative(p->position_psd_m2_s) &&
-                      not_negative(p->attitude_sigma_deg) && positive(p->extent_sigma_ratio) &&
-                      not_negative(p->extent_psd_1_s);
-  const bool association = positive(p->gate_chi2) && positive(p->overlap_sigma) && positive(p->overlap_scale);
-  const bool world = p->static_odds >= 1.0 && isfinite(p->static_odds) && not_negative(p->static_tolerance) &&
-                     p->static_noise_hits >= 1.0 && isfinite(p->static_noise_hits) && positive(p->static_fade_m) &&
-                     not_negative(p->static_speed_min_m_s);
+  const bool filter = vista_positive(p->velocity_sigma_m_s) && vista_not_negative(p->moving_sigma_m_s) &&
+                      vista_not_negative(p->acceleration_psd_m2_s3) && vista_not_negative(p->position_psd_m2_s) &&
+                      vista_not_negative(p->attitude_sigma_deg) && vista_positive(p->extent_sigma_ratio) &&
+                      vista_not_negative(p->extent_psd_1_s);
+  const bool association =
+      vista_positive(p->gate_chi2) && vista_positive(p->overlap_sigma) && vista_positive(p->overlap_scale);
+  const bool world = p->static_odds >= 1.0 && isfinite(p->static_odds) && vista_not_negative(p->static_tolerance) &&
+                     p->static_noise_hits >= 1.0 && isfinite(p->static_noise_hits) &&
+                     vista_positive(p->static_fade_m) && vista_not_negative(p->static_speed_min_m_s);
   const bool life = p->confirm_window >= 1 && p->confirm_window <= VISTA_WINDOW_BITS && p->confirm_hits >= 1 &&
                     p->confirm_hits <= p->confirm_window && p->moved_hits >= 0 && p->moved_hits <= 16 &&
-                    p->volume_pixels >= 0 && p->miss_max >= 0 && not_negative(p->out_of_view_s) &&
-                    not_negative(p->blind_zone_s) && positive(p->range_max_m);
+                    p->volume_pixels >= 0 && p->miss_max >= 0 && vista_not_negative(p->out_of_view_s) &&
+                    vista_not_negative(p->blind_zone_s) && vista_positive(p->range_max_m);
   const bool good = filter && association && world && life;
   return good ? VISTA_OK : VISTA_ERROR_RANGE;
 }
 
 static vista_status check_matched(const vista_matched_area *m) {
-  const bool good = positive(m->disparity_max_px) && not_negative(m->margin_left_px) && not_negative(m->margin_px);
+  const bool good =
+      vista_positive(m->disparity_max_px) && vista_not_negative(m->margin_left_px) && vista_not_negative(m->margin_px);
   return good ? VISTA_OK : VISTA_ERROR_RANGE;
 }
 
@@ -106,9 +106,8 @@ static vista_status check(const vista_tracker *tracker, const vista_track_frame 
   if (status == VISTA_OK) status = vista_frame_check_camera(f->camera);
   if (status == VISTA_OK) status = vista_frame_check_pose(f->pose);
   const vista_disparity_image *const words = f->disparity;
-  if (status == VISTA_OK && words != NULL &&
-      (words->width_px != f->camera->width_px || words->height_px != f->camera->height_px))
-    return VISTA_ERROR_SIZE;
+  if (status == VISTA_OK && words != NULL)
+    status = vista_frame_check_disparity(words, f->camera->width_px, f->camera->height_px);
   for (int32_t i = 0; i < f->count && status == VISTA_OK; ++i) status = check_detection(&f->detections[i]);
   if (status != VISTA_OK) return status;
   if (tracker->started && f->t_ns <= tracker->t_ns) return VISTA_ERROR_ORDER;
@@ -117,10 +116,12 @@ static vista_status check(const vista_tracker *tracker, const vista_track_frame 
 
 /* ---- the table of tracks ---- */
 
-static void predict(vista_tracker *tracker, const vista_track_frame *f) {
+/* drift_m: of the camera in this frame, which all tracks share. */
+static void predict(vista_tracker *tracker, const vista_track_frame *f, double drift_m) {
   const double dt_s = tracker->started ? vista_seconds_between(tracker->t_ns, f->t_ns) : 0.0;
   for (int32_t i = 0; i < tracker->count; ++i) {
     vista_track_filter_predict(f->params, dt_s, &tracker->tracks[i]);
+    for (int axis = 0; axis < 3; ++axis) tracker->tracks[i].covariance[7 * axis] += vista_square(drift_m);
     tracker->tracks[i].age_frames += 1;
   }
 }
@@ -248,16 +249,16 @@ static void start(vista_tracker *tracker, const vista_track_frame *f, const vist
 }
 
 vista_status vista_tracker_update(vista_tracker *tracker, const vista_tracker_params *params,
-                                  const vista_camera *camera, const vista_matched_area *matched, const vista_pose *pose,
-                                  int64_t t_ns, const vista_disparity_image *disparity,
+                                  const vista_camera *camera, const vista_matched_area *matched,
+                                  const vista_motion *motion, int64_t t_ns, const vista_disparity_image *disparity,
                                   const vista_detection *detections, int32_t count) {
-  if (tracker == NULL || params == NULL || camera == NULL || matched == NULL || (detections == NULL && count != 0))
+  if (tracker == NULL || params == NULL || camera == NULL || matched == NULL || motion == NULL ||
+      (detections == NULL && count != 0))
     return VISTA_ERROR_ARGUMENT;
-  if (pose == NULL) pose = &vista_frame_still;
-  const vista_track_frame f = {params, camera, matched, pose, disparity, t_ns, detections, count};
+  const vista_track_frame f = {params, camera, matched, &motion->pose, disparity, t_ns, detections, count};
   const vista_status status = check(tracker, &f);
   if (status != VISTA_OK) return status;
-  predict(tracker, &f);
+  predict(tracker, &f, motion->drift_m);
   look_at_all(tracker, &f);
   vista_track_associate(tracker->association, params, camera, f.pose, tracker->tracks, tracker->views, tracker->count,
                         detections, count, tracker->detection_of_track);

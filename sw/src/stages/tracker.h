@@ -35,8 +35,10 @@
 
 #include "common/arena.h"
 #include "common/ellipse.h"
+#include "common/matched_area.h"
 #include "stages/reconstruction.h"
 #include "stages/static_world.h"
+#include "vista/obstacle.h"
 #include "vista/parameters.h"
 #include "vista/status.h"
 #include "vista/types.h"
@@ -83,7 +85,7 @@ vista_status vista_tracker_layout(int32_t max_tracks, int32_t max_detections, vi
 /* Forget all tracks and the time; ids go on counting. */
 void vista_tracker_reset(vista_tracker *tracker);
 
-/* One frame. pose == NULL: a still camera, world = camera. disparity: the frame's words, of the camera's size; NULL: no
+/* One frame. disparity: the frame's words, of the camera's size; NULL: no
  * track is held. On any error nothing is changed.
  * VISTA_ERROR_ORDER: t_ns not after that of the last update; VISTA_ERROR_NUMBER: pose, camera or detection not finite;
  * VISTA_ERROR_SIZE: words of another size than the camera's;
@@ -91,8 +93,8 @@ void vista_tracker_reset(vista_tracker *tracker);
  * positive;
  * VISTA_ERROR_CAPACITY: more than max_detections; VISTA_ERROR_OVERFLOW: the ids are used up. */
 vista_status vista_tracker_update(vista_tracker *tracker, const vista_tracker_params *params,
-                                  const vista_camera *camera, const vista_matched_area *matched, const vista_pose *pose,
-                                  int64_t t_ns, const vista_disparity_image *disparity,
+                                  const vista_camera *camera, const vista_matched_area *matched,
+                                  const vista_motion *motion, int64_t t_ns, const vista_disparity_image *disparity,
                                   const vista_detection *detections, int32_t count);
 
 /* All live tracks, ascending id; valid until the next update. */

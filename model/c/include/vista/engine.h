@@ -1,4 +1,5 @@
-/* The stereo engine of model/README.md, to the bit: two rectified 8-bit images in, one disparity word a pixel out.
+/* The stereo engine of doc/design/engine-contract.md, to the bit: two rectified 8-bit images in, one disparity word
+ * per pixel out.
  *
  * No allocation, no global state; every call works on memory that the caller hands over, so any number of calls may
  * run at once on scratch of their own. Images are row-major, strides count items from one row to the next.
@@ -9,7 +10,9 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#define VISTA_ENGINE_INVALID (-16)         /* the word of a pixel without a disparity */
+#include "vista/api.h"
+#include "vista/word.h" /* VISTA_DISPARITY_SCALE, VISTA_DISPARITY_INVALID */
+
 #define VISTA_ENGINE_MAX_DISPARITIES 256
 #define VISTA_ENGINE_MAX_BLOCK_SIZE 21
 #define VISTA_ENGINE_MAX_PREFILTER_CAP 63
@@ -17,6 +20,8 @@
 #define VISTA_ENGINE_MAX_THREADS 256
 #define VISTA_ENGINE_LR_OFF (-1)
 #define VISTA_ENGINE_NO_COST 4294967295u   /* Smin of a pixel that is not matched */
+
+VISTA_BEGIN
 
 typedef enum vista_engine_status {
   VISTA_ENGINE_OK = 0,
@@ -65,7 +70,7 @@ typedef struct vista_engine_images {
   ptrdiff_t left_stride, right_stride;
 } vista_engine_images;
 
-/* Every word of the rows asked for is written: the disparity in 1/16 px, VISTA_ENGINE_INVALID where there is none.
+/* Every word of the rows asked for is written: the disparity in 1/16 px, VISTA_DISPARITY_INVALID where there is none.
  * smin may be NULL; it is the smallest cost of every matched pixel, valid or not, VISTA_ENGINE_NO_COST elsewhere. */
 typedef struct vista_engine_output {
   int16_t *disparity;
@@ -74,33 +79,38 @@ typedef struct vista_engine_output {
 } vista_engine_output;
 
 /* D 32, block 11, x-Sobel, cap 31, texture 10, uniqueness 15, left/right check 1, ISA auto. */
-vista_engine_params vista_engine_defaults(void);
+VISTA_API vista_engine_params vista_engine_defaults(void);
 
-vista_engine_status vista_engine_validate(const vista_engine_params *params);
+VISTA_API vista_engine_status vista_engine_validate(const vista_engine_params *params);
 
 /* Short upper-case name ("VISTA_ENGINE_ERROR_BLOCK") and one-line text; never null. */
-const char *vista_engine_status_name(vista_engine_status status);
-const char *vista_engine_status_text(vista_engine_status status);
+VISTA_API const char *vista_engine_status_name(vista_engine_status status);
+VISTA_API const char *vista_engine_status_text(vista_engine_status status);
 
 /* 1 when this build and machine can run it. AUTO and PORTABLE always can. */
-int vista_engine_isa_available(vista_engine_isa isa);
+VISTA_API int vista_engine_isa_available(vista_engine_isa isa);
 
 /* What AUTO stands for on this machine. */
-vista_engine_isa vista_engine_isa_best(void);
+VISTA_API vista_engine_isa vista_engine_isa_best(void);
 
 /* Bytes of scratch for `threads` bands at once, 64-byte aligned each: band i of n takes the i-th n-th of it.
  * 0 when the parameters, the size or the number of threads are out of range. */
-size_t vista_engine_scratch_bytes(const vista_engine_params *params, int32_t width, int32_t height, int32_t threads);
+VISTA_API size_t vista_engine_scratch_bytes(const vista_engine_params *params, int32_t width, int32_t height,
+                                            int32_t threads);
 
 /* The whole image on the calling thread. Needs the scratch of one thread. */
-vista_engine_status vista_engine_compute(const vista_engine_params *params, const vista_engine_images *images,
-                                         const vista_engine_output *output, void *scratch, size_t scratch_bytes);
+VISTA_API vista_engine_status vista_engine_compute(const vista_engine_params *params, const vista_engine_images *images,
+                                                   const vista_engine_output *output, void *scratch,
+                                                   size_t scratch_bytes);
 
 /* Only the rows first_row .. end_row-1 of the output; the images are read beyond them by block_size/2 + 1 rows.
  * Bands with scratch and rows of their own may run on different threads; together they give the words of
  * vista_engine_compute. */
-vista_engine_status vista_engine_compute_rows(const vista_engine_params *params, const vista_engine_images *images,
-                                              const vista_engine_output *output, int32_t first_row, int32_t end_row,
-                                              void *scratch, size_t scratch_bytes);
+VISTA_API vista_engine_status vista_engine_compute_rows(const vista_engine_params *params,
+                                                        const vista_engine_images *images,
+                                                        const vista_engine_output *output, int32_t first_row,
+                                                        int32_t end_row, void *scratch, size_t scratch_bytes);
+
+VISTA_END
 
 #endif

@@ -3,23 +3,23 @@
 from __future__ import annotations
 
 import json
-import os
 import re
 import subprocess
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from vista import native
 from vista.errors import InputError
 
 from vista_throughput.system import SystemConfig
 
-PROGRAM = Path("bin/vista_system")
+PROGRAM = "vista_system"
 
 
 @dataclass(frozen=True)
 class Run:
-    """A configuration and the JSON that came of it (model/systemc/README.md, Output)."""
+    """A configuration and the JSON that came of it (doc/design/system-model.md, Output)."""
 
     config: SystemConfig
     output: dict[str, Any]
@@ -65,9 +65,5 @@ def _last_line(text: str) -> str:
 
 
 def find_program() -> Path:
-    """build/bin/vista_system of the checkout; ImportError, in one line, when it has not been built."""
-    build = os.environ.get("VISTA_BUILD", "build")
-    for parent in Path(__file__).resolve().parents:
-        if (parent / build / PROGRAM).is_file():
-            return parent / build / PROGRAM
-    raise ImportError(f"throughput: {build}/{PROGRAM} is not built: run `make systemc`")
+    """The simulator of the checkout; ImportError, in one line, when it has not been built."""
+    return native.program_path(PROGRAM)

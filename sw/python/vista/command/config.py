@@ -1,5 +1,7 @@
 """Print the default parameters as a TOML file.
 
+Change the file and use it for a run; a file may also hold only the parameters that it changes:
+
 vista config > my.toml
 vista run SEQUENCE --out DIR --config my.toml
 """

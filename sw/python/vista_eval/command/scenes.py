@@ -1,8 +1,9 @@
 """Score the segmentation on labelled single scenes, against a reference method without a cut.
 
-DIR holds a folder a scene: scene_NNNN of seed NNNN, drawn at random. What it lacks is rendered. Even seeds
-are the group dev, on which parameters may be chosen, odd seeds the group test. The table is printed; DIR
-receives scenes.json (every score) and scenes.html, which shows the worst and the best scenes.
+DIR holds one folder for each scene: scene_NNNN is drawn at random with seed NNNN. Scenes that it lacks are
+rendered. Scenes with even seeds form the group dev, on which parameters may be chosen, those with odd seeds
+the group test. The table is printed; DIR receives scenes.json, which has every score, and scenes.html, which
+shows the worst and the best scenes.
 
 With --lidar or --dense, real pairs are measured instead, each by itself: how much of what stands there
 becomes an obstacle, how much of the road does, and what becomes of the rest; beside stereo alone, the words
@@ -38,13 +39,22 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--dense", type=Path, metavar="FOLDER", help="measure indoor pairs with dense truth")
     parser.add_argument("--jobs", type=positive, default=1, metavar="N", help="pairs at a time (default 1)")
     parser.add_argument(
-        "--count", type=positive, default=COUNT, metavar="N", help=f"scenes to render (default {COUNT})"
+        "--count",
+        type=positive,
+        default=COUNT,
+        metavar="N",
+        help=f"number of scenes to render (default {COUNT})",
     )
-    parser.add_argument("--seed", type=int, default=0, metavar="S", help="of the first of them (default 0)")
     parser.add_argument(
-        "--quality", choices=("quick", "full"), default="full", help="of what is rendered (default full)"
+        "--seed", type=int, default=0, metavar="S", help="seed of the first scene (default 0)"
     )
-    parser.add_argument("--no-render", action="store_true", help="score what DIR holds")
+    parser.add_argument(
+        "--quality",
+        choices=("quick", "full"),
+        default="full",
+        help="quality of the scenes that are rendered (default full)",
+    )
+    parser.add_argument("--no-render", action="store_true", help="render nothing; score what DIR holds")
     add_config(parser)
 
 
@@ -77,9 +87,10 @@ def score_scenes(arguments: argparse.Namespace, values: Values) -> int:
         partition_scenes(scenes, values), desc="score", total=len(scenes), unit="scene", disable=None
     )
     scored = [score_scene(scene, partition) for scene, partition in pairs]
-    lines = report.table(scored)
+    summary = report.halves(scored)
+    lines = report.table(summary)
     host_ms = float(np.median([s.partition.host_ms for s in scored]))
-    content = json.dumps(report.as_json(scored, values, host_ms), indent=1)
+    content = json.dumps(report.as_json(scored, summary, values, host_ms), indent=1)
     write_atomically(arguments.folder / SCORES, content + "\n")
     write_atomically(arguments.folder / REPORT, report.render_page(scored, lines))
     print("\n".join(lines))

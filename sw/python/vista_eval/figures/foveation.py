@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from vista import parameters
 from vista.chain import make_chain, run_frame
 
+from vista_eval.cell_graph import OpenPipeline
 from vista_eval.dataset.truth import FlightTruth
 from vista_eval.figures.canvas import bare, show
 from vista_eval.figures.moments import shown_frame
@@ -17,8 +20,9 @@ from vista_eval.fly import open_flight
 def draw(truth: FlightTruth, values: parameters.Values) -> Figure:
     sequence = open_flight(truth.folder)
     chain = make_chain(sequence, "golden", values, threads=1)
-    step = run_frame(chain, sequence.frames[shown_frame(truth)])
-    result, graph = step.result, chain.pipeline.cell_graph()
+    pipeline = OpenPipeline(chain.rectifier.calibration, values)
+    step = run_frame(replace(chain, pipeline=pipeline), sequence.frames[shown_frame(truth)])
+    result, graph = step.result, pipeline.cell_graph()
     height, width = step.frame.left.shape
 
     figure = Figure(figsize=(10.5, 2.9), layout="constrained")

@@ -13,9 +13,10 @@ from vista import parameters
 from vista.chain import engine_parameters
 from vista.engine import Engine, create_engine
 from vista.errors import InputError
-from vista.pipeline import CellGraph, Pipeline, Result
+from vista.pipeline import Result
 
 from vista_eval.baselines.reference_method import ReferenceParameters, merge_cells
+from vista_eval.cell_graph import CellGraph, OpenPipeline
 from vista_eval.dataset.scenes import LabelledScene
 from vista_eval.metrics.segmentation import (
     Labels,
@@ -52,7 +53,7 @@ def partition_scenes(
         return
     camera = scenes[0].camera
     engine = around_engine(create_engine("golden", engine_parameters(values)))
-    pipeline = Pipeline(camera, values)
+    pipeline = OpenPipeline(camera, values)
     for scene in scenes:
         if scene.camera != camera:
             raise InputError(scene.name, "has another camera than the scenes before")

@@ -158,33 +158,46 @@ def grid_limit(view: LabelledView, cell_of_pixel: Labels) -> Labels:
 
 # ---- over many scenes ----
 
-Statistic = Callable[[list[PartitionScore]], float]
 RESAMPLES = 2000
 
 
-def over_things(name: str, average: Callable[[NDArray[np.float64]], float]) -> Statistic:
-    """Average of one field of ThingScore over the things of all scenes."""
+@dataclass(frozen=True)
+class Statistic:
+    """Mean or median of the values that all scenes have together, of each thing or of each scene."""
 
-    def statistic(scores: list[PartitionScore]) -> float:
-        values = [getattr(thing, name) for score in scores for thing in score.things]
-        return float(average(np.array(values))) if values else float("nan")
+    values: Callable[[PartitionScore], list[float]]  # of one scene
+    median: bool = False
 
-    return statistic
+    def __call__(self, scores: list[PartitionScore]) -> float:
+        return float(self.resampled(scores, np.ones((1, len(scores)), np.int64))[0])
 
-
-def share_found(scores: list[PartitionScore]) -> float:
-    """Share of the things of which a region covers more than half: iou > 0.5."""
-    return float(np.mean([thing.iou > 0.5 for score in scores for thing in score.things]))
+    def resampled(self, scores: list[PartitionScore], draws: NDArray[np.int64]) -> NDArray[np.float64]:
+        """draws: (samples, scenes), how often a sample holds a scene. NaN for a sample without values."""
+        of_scene = [self.values(score) for score in scores]
+        values = np.array([value for some in of_scene for value in some], np.float64)
+        weights = np.repeat(draws, [len(some) for some in of_scene], axis=1)
+        count = weights.sum(axis=1)
+        if self.median and len(values):
+            order = np.argsort(values)
+            upto = np.cumsum(weights[:, order], axis=1)
+            middle = [
+                (upto > rank[:, np.newaxis]).argmax(axis=1)
+                for rank in (np.maximum(count - 1, 0) // 2, count // 2)
+            ]
+            total, divisor = values[order][middle].sum(axis=0), np.where(count, 2, 0)
+        else:
+            total, divisor = weights @ values, count
+        return np.where(divisor, total / np.maximum(divisor, 1), np.nan)
 
 
 STATISTICS: dict[str, Statistic] = {
-    "iou_median": over_things("iou", np.median),
-    "iou_mean": over_things("iou", np.mean),
-    "found": share_found,
-    "boundary_recall": over_things("boundary_recall", np.mean),
-    "boundary_recall_cell": over_things("boundary_recall_cell", np.mean),
-    "undersegmentation": lambda scores: float(np.mean([score.undersegmentation for score in scores])),
-    "regions": lambda scores: float(np.median([score.regions for score in scores])),
+    "iou_median": Statistic(lambda score: [thing.iou for thing in score.things], median=True),
+    "iou_mean": Statistic(lambda score: [thing.iou for thing in score.things]),
+    "found": Statistic(lambda score: [thing.iou > 0.5 for thing in score.things]),
+    "boundary_recall": Statistic(lambda score: [thing.boundary_recall for thing in score.things]),
+    "boundary_recall_cell": Statistic(lambda score: [thing.boundary_recall_cell for thing in score.things]),
+    "undersegmentation": Statistic(lambda score: [score.undersegmentation]),
+    "regions": Statistic(lambda score: [score.regions], median=True),
 }
 
 
@@ -193,10 +206,9 @@ def difference_interval(
 ) -> tuple[float, float]:
     """95 % interval of statistic(first) - statistic(second) over the same scenes: bootstrap that draws whole
     scenes, the things of one are not independent."""
-    random = np.random.default_rng(seed)
-    differences = []
-    for _ in range(RESAMPLES):
-        drawn = random.integers(0, len(first), len(first))
-        differences.append(statistic([first[i] for i in drawn]) - statistic([second[i] for i in drawn]))
+    scenes = len(first)
+    drawn = np.random.default_rng(seed).integers(0, scenes, (RESAMPLES, scenes))
+    draws = np.stack([np.bincount(sample, minlength=scenes) for sample in drawn])
+    differences = statistic.resampled(first, draws) - statistic.resampled(second, draws)
     low, high = np.nanpercentile(differences, [2.5, 97.5])
     return float(low), float(high)

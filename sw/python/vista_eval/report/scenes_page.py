@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import base64
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
 from typing import Any
 
 import cv2
@@ -52,21 +52,35 @@ def intervals(scored: list[ScoredScene]) -> dict[str, dict[str, tuple[float, flo
     }
 
 
-def by_split(scored: list[ScoredScene]) -> dict[str, list[ScoredScene]]:
-    halves = {split: [s for s in scored if s.scene.split == split] for split in SPLITS}
-    return {split: half for split, half in halves.items() if half}
+@dataclass(frozen=True)
+class Half:
+    """What one split's scenes say together."""
+
+    scenes: int
+    things: int
+    statistics: dict[str, Row]
+    intervals: dict[str, dict[str, tuple[float, float]]]
 
 
-def table(scored: list[ScoredScene]) -> list[str]:
+def halves(scored: list[ScoredScene]) -> dict[str, Half]:
+    """Split -> its scenes together, of each split that has any."""
+    found = {}
+    for split in SPLITS:
+        if half := [s for s in scored if s.scene.split == split]:
+            things = sum(len(s.scores[CUT].things) for s in half)
+            found[split] = Half(len(half), things, statistics(half), intervals(half))
+    return found
+
+
+def table(summary: dict[str, Half]) -> list[str]:
     """Markdown."""
     lines = ["| | " + " | ".join(HEADINGS.values()) + " |", "|---|" + "---|" * len(HEADINGS)]
-    for split, half in by_split(scored).items():
-        things = sum(len(s.scores[CUT].things) for s in half)
-        lines.append(f"| *{split}*: {len(half)} scenes, {things} things |" + " |" * len(HEADINGS))
-        for name, row in statistics(half).items():
+    for split, half in summary.items():
+        lines.append(f"| *{split}*: {half.scenes} scenes, {half.things} things |" + " |" * len(HEADINGS))
+        for name, row in half.statistics.items():
             lines.append(f"| {name} | " + " | ".join(number(key, row[key]) for key in HEADINGS) + " |")
-        for name, row in intervals(half).items():
-            cells = (f"{number(key, row[key][0])} .. {number(key, row[key][1])}" for key in HEADINGS)
+        for name, ends in half.intervals.items():
+            cells = (f"{number(key, ends[key][0])} .. {number(key, ends[key][1])}" for key in HEADINGS)
             lines.append(f"| cut - {name}, 95 % | " + " | ".join(cells) + " |")
     return lines
 
@@ -75,13 +89,15 @@ def number(key: str, value: float) -> str:
     return f"{value:.0f}" if key == "regions" else f"{value:.3f}"
 
 
-def as_json(scored: list[ScoredScene], values: dict[str, Any], host_ms: float) -> dict[str, Any]:
+def as_json(
+    scored: list[ScoredScene], summary: dict[str, Half], values: dict[str, Any], host_ms: float
+) -> dict[str, Any]:
     return {
         "version": 1,
         "host_ms_median": round(host_ms, 2),
         "halves": {
-            split: {"statistics": statistics(half), "cut_minus_reference_95": intervals(half)}
-            for split, half in by_split(scored).items()
+            split: {"statistics": half.statistics, "cut_minus_reference_95": half.intervals}
+            for split, half in summary.items()
         },
         "scenes": [
             {

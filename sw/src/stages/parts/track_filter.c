@@ -3,14 +3,14 @@
 #include <math.h>
 
 #include "common/frame.h"
+#include "common/numbers.h"
 
 #define RADIANS_PER_DEGREE 0.017453292519943295769
 #define EXTENT_CLIP_SIGMA 3.0 /* one wrong region must not resize a track */
 
-static double square(double value) { return value * value; }
-
 static double extent_noise(const vista_tracker_params *params, const vista_detection *detection) {
-  return square(params->extent_sigma_ratio) + square(detection->sigma_disparity_px / detection->disparity_px);
+  return vista_square(params->extent_sigma_ratio) +
+         vista_square(detection->sigma_disparity_px / detection->disparity_px);
 }
 
 void vista_track_filter_start(const vista_tracker_params *params, const vista_camera *camera, const vista_pose *pose,
@@ -25,7 +25,8 @@ void vista_track_filter_start(const vista_tracker_params *params, const vista_ca
                          .ellipse_depth_m = camera->focal_px * camera->baseline_m / detection->disparity_px};
   double covariance_camera[9];
   for (int i = 0; i < 9; ++i) covariance_camera[i] = detection->covariance_camera_m2[i];
-  const double attitude_m2 = square(detection->position_camera_m[2] * params->attitude_sigma_deg * RADIANS_PER_DEGREE);
+  const double attitude_m2 =
+      vista_square(detection->position_camera_m[2] * params->attitude_sigma_deg * RADIANS_PER_DEGREE);
   covariance_camera[0] += attitude_m2;
   covariance_camera[4] += attitude_m2;
   double covariance_world[9];
@@ -33,7 +34,7 @@ void vista_track_filter_start(const vista_tracker_params *params, const vista_ca
   vista_frame_to_world(pose, detection->position_camera_m, track->position_m);
   for (int i = 0; i < 3; ++i) {
     for (int j = 0; j < 3; ++j) track->covariance[6 * i + j] = covariance_world[3 * i + j];
-    track->covariance[6 * (i + 3) + i + 3] = square(params->velocity_sigma_m_s);
+    track->covariance[6 * (i + 3) + i + 3] = vista_square(params->velocity_sigma_m_s);
   }
   for (int i = 0; i < 2; ++i) {
     track->extent_m[i] = detection->extent_m[i];
@@ -64,7 +65,7 @@ void vista_track_filter_predict(const vista_tracker_params *params, double dt_s,
 
 /* P += sigma^2 [t^2, t; t, 1] (x) I */
 void vista_track_filter_set_moving(const vista_tracker_params *params, double since_s, vista_track *track) {
-  const double variance = square(params->moving_sigma_m_s);
+  const double variance = vista_square(params->moving_sigma_m_s);
   for (int i = 0; i < 3; ++i) {
     track->covariance[6 * i + i] += variance * since_s * since_s;
     track->covariance[6 * i + i + 3] += variance * since_s;
@@ -83,7 +84,7 @@ void vista_track_filter_view(const vista_tracker_params *params, const vista_cam
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) position_covariance[3 * i + j] = track->covariance[6 * i + j];
   vista_frame_propagate(view->jacobian, position_covariance, view->covariance_px2);
-  for (int i = 0; i < 3; ++i) position_covariance[4 * i] += square(params->moving_sigma_m_s * since_s);
+  for (int i = 0; i < 3; ++i) position_covariance[4 * i] += vista_square(params->moving_sigma_m_s * since_s);
   vista_frame_propagate(view->jacobian, position_covariance, view->moved_covariance_px2);
   for (int i = 0; i < 2; ++i) view->half_px[i] = 0.5 * track->extent_m[i] * camera->focal_px / view->camera_m[2];
 }
@@ -91,10 +92,12 @@ void vista_track_filter_view(const vista_tracker_params *params, const vista_cam
 void vista_track_filter_noise(const vista_tracker_params *params, const vista_camera *camera,
                               const vista_detection *detection, const vista_track_view *view, bool reshaped,
                               double variance_px2[3]) {
-  const double attitude_px2 = square(camera->focal_px * params->attitude_sigma_deg * RADIANS_PER_DEGREE);
-  variance_px2[0] = square(detection->sigma_u_px) + attitude_px2 + (reshaped ? square(view->half_px[0]) : 0.0);
-  variance_px2[1] = square(detection->sigma_v_px) + attitude_px2 + (reshaped ? square(view->half_px[1]) : 0.0);
-  variance_px2[2] = square(detection->sigma_disparity_px);
+  const double attitude_px2 = vista_square(camera->focal_px * params->attitude_sigma_deg * RADIANS_PER_DEGREE);
+  variance_px2[0] =
+      vista_square(detection->sigma_u_px) + attitude_px2 + (reshaped ? vista_square(view->half_px[0]) : 0.0);
+  variance_px2[1] =
+      vista_square(detection->sigma_v_px) + attitude_px2 + (reshaped ? vista_square(view->half_px[1]) : 0.0);
+  variance_px2[2] = vista_square(detection->sigma_disparity_px);
 }
 
 /* Inverse of a symmetric matrix by Cholesky; false when it is not positive definite in double precision. */
@@ -161,7 +164,8 @@ double vista_track_filter_space_distance2(const vista_tracker_params *params, co
       position_world[3 * i + j] = track->covariance[6 * i + j];
     }
   vista_frame_propagate(camera_from_world, position_world, s);
-  const double attitude_m2 = square(detection->position_camera_m[2] * params->attitude_sigma_deg * RADIANS_PER_DEGREE);
+  const double attitude_m2 =
+      vista_square(detection->position_camera_m[2] * params->attitude_sigma_deg * RADIANS_PER_DEGREE);
   for (int i = 0; i < 9; ++i) s[i] += detection->covariance_camera_m2[i] + (i == 0 || i == 4 ? attitude_m2 : 0.0);
   for (int i = 0; i < 3; ++i) y[i] = detection->position_camera_m[i] - view->camera_m[i];
   return invert(s, inverse) ? quadratic(inverse, y) : INFINITY;
@@ -173,7 +177,7 @@ double vista_track_filter_extent_distance2(const vista_tracker_params *params, c
   double sum = 0.0;
   for (int i = 0; i < 2; ++i)
     if (!cut[i])
-      sum += square(log(detection->extent_m[i] / track->extent_m[i])) /
+      sum += vista_square(log(detection->extent_m[i] / track->extent_m[i])) /
              (track->extent_variance[i] + extent_noise(params, detection));
   return sum;
 }

@@ -5,13 +5,10 @@
 
 #include "common/bits.h"
 #include "common/frame.h"
+#include "common/numbers.h"
 #include "stages/parts/track_evidence.h"
 
 #define DEPTH_PASSED_M 0.05 /* a track nearer than this along z is behind the camera */
-
-double vista_seconds_between(int64_t earlier_ns, int64_t later_ns) {
-  return 1e-9 * (double)((uint64_t)later_ns - (uint64_t)earlier_ns);
-}
 
 /* N and M of this track: what is linked over a larger distance has to show it more often. */
 static int32_t window_length(const vista_tracker_params *params, const vista_track *track) {

@@ -22,9 +22,6 @@ typedef struct vista_track_frame {
   int32_t count;
 } vista_track_frame;
 
-/* later - earlier, without the signed overflow that a far-fetched pair would give */
-double vista_seconds_between(int64_t earlier_ns, int64_t later_ns);
-
 /* A newborn at the detection, without id. */
 void vista_track_start(const vista_track_frame *frame, const vista_detection *detection, vista_track *track);
 

@@ -1,0 +1,24 @@
+/* Small sums that several stages need, internal to libvista. */
+#ifndef VISTA_SRC_NUMBERS_H
+#define VISTA_SRC_NUMBERS_H
+
+#include <math.h>
+#include <stdbool.h>
+#include <stdint.h>
+
+static inline double vista_square(double value) { return value * value; }
+
+static inline double vista_dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+static inline double vista_norm(const double a[3]) { return sqrt(vista_dot(a, a)); }
+
+/* Finite, too; neither holds for a NaN. */
+static inline bool vista_positive(double value) { return isfinite(value) && value > 0.0; }
+static inline bool vista_not_negative(double value) { return isfinite(value) && value >= 0.0; }
+
+/* later - earlier, without the signed overflow that a far-fetched pair would give. */
+static inline double vista_seconds_between(int64_t earlier_ns, int64_t later_ns) {
+  return 1e-9 * (double)((uint64_t)later_ns - (uint64_t)earlier_ns);
+}
+
+#endif

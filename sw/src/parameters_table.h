@@ -1,0 +1,133 @@
+/* Generated from sw/parameters.toml by scripts/make_parameters.py; do not edit. */
+#ifndef VISTA_SRC_PARAMETERS_TABLE_H
+#define VISTA_SRC_PARAMETERS_TABLE_H
+
+#include <stddef.h>
+
+#include "vista/parameters.h"
+
+static const char *const stereo_prefilter_choices[] = {"xsobel", "none"};
+static const char *const affinity_form_choices[] = {"product", "sum"};
+static const char *const affinity_flow_encoding_choices[] = {"exponential", "linear"};
+
+static const struct {
+  vista_parameter info;
+  size_t offset; /* in vista_parameters */
+} parameter_table[] = {
+    {{"stereo.num_disparities", "px", "Candidates 0 .. num_disparities - 1, a multiple of 16. The paper's Acadia had 32; 64 halve the blind zone.", VISTA_PARAMETER_INT, 64, 16, 256, "", 0, NULL}, offsetof(vista_parameters, stereo.num_disparities)},
+    {{"stereo.block_size", "px", "Side of the matching block, odd.", VISTA_PARAMETER_INT, 11, 5, 21, "", 0, NULL}, offsetof(vista_parameters, stereo.block_size)},
+    {{"stereo.prefilter", "", "What is matched: the horizontal Sobel response, or the grey levels themselves (the Acadia's plain SAD).", VISTA_PARAMETER_CHOICE, 0, 0, 1, "", 2, stereo_prefilter_choices}, offsetof(vista_parameters, stereo.prefilter)},
+    {{"stereo.prefilter_cap", "", "Clamp of the Sobel response.", VISTA_PARAMETER_INT, 31, 1, 63, "", 0, NULL}, offsetof(vista_parameters, stereo.prefilter_cap)},
+    {{"stereo.texture_threshold", "", "Blocks with less texture are invalid.", VISTA_PARAMETER_INT, 10, 0, 65535, "", 0, NULL}, offsetof(vista_parameters, stereo.texture_threshold)},
+    {{"stereo.uniqueness_ratio", "percent", "Margin of the best match over all that do not adjoin it.", VISTA_PARAMETER_INT, 15, 0, 100, "", 0, NULL}, offsetof(vista_parameters, stereo.uniqueness_ratio)},
+    {{"stereo.lr_max_diff", "px", "Largest difference of the left and the right winner; -1: no left/right check.", VISTA_PARAMETER_INT, 1, -1, 255, "", 0, NULL}, offsetof(vista_parameters, stereo.lr_max_diff)},
+    {{"motion.velocity_smoothing_s", "s", "Time constant of velocity and turn rate from poses; 0: the last difference.", VISTA_PARAMETER_FLOAT, 0.3, 0.0, 60.0, "", 0, NULL}, offsetof(vista_parameters, motion.velocity_smoothing_s)},
+    {{"motion.speed_min_m_s", "m/s", "Slower, the flight direction is the optical axis.", VISTA_PARAMETER_FLOAT, 0.5, 0.0, 100.0, "", 0, NULL}, offsetof(vista_parameters, motion.speed_min_m_s)},
+    {{"motion.speed_max_m_s", "m/s", "A pose that only a faster vehicle could have reached is refused.", VISTA_PARAMETER_FLOAT, 150.0, 1.0, 10000.0, "", 0, NULL}, offsetof(vista_parameters, motion.speed_max_m_s)},
+    {{"motion.restart_poses", "poses", "As many refused poses in a row that agree with each other are believed: the world goes on there, without tracks.", VISTA_PARAMETER_INT, 3, 1, 100, "", 0, NULL}, offsetof(vista_parameters, motion.restart_poses)},
+    {{"motion.drift_m_s", "m/s", "Error of the velocity over which a frame without a pose is carried on; adds to the uncertainty of all tracks.", VISTA_PARAMETER_FLOAT, 0.5, 0.0, 100.0, "", 0, NULL}, offsetof(vista_parameters, motion.drift_m_s)},
+    {{"foveation.sector_count", "", "Sectors of the log-polar grid; rings grow by exp(2*pi/sector_count), which keeps cells square.", VISTA_PARAMETER_INT, 128, 16, 256, "", 0, NULL}, offsetof(vista_parameters, foveation.sector_count)},
+    {{"foveation.rho_0_px", "px", "Radius of the hub, the one cell at the centre.", VISTA_PARAMETER_FLOAT, 4.0, 1.0, 64.0, "", 0, NULL}, offsetof(vista_parameters, foveation.rho_0_px)},
+    {{"foveation.min_valid_fraction", "", "A cell has a disparity when at least this fraction of its pixels has one.", VISTA_PARAMETER_FLOAT, 0.3, 0.0, 1.0, "", 0, NULL}, offsetof(vista_parameters, foveation.min_valid_fraction)},
+    {{"affinity.form", "", "How the feature terms combine: their weighted sum is the paper's equation 3, their product measures better.", VISTA_PARAMETER_CHOICE, 0, 0, 1, "", 2, affinity_form_choices}, offsetof(vista_parameters, affinity.form)},
+    {{"affinity.alpha_intensity", "", "Weight of the intensity term in the sum form; the disparity term has the rest.", VISTA_PARAMETER_FLOAT, 0.5, 0.0, 1.0, "", 0, NULL}, offsetof(vista_parameters, affinity.alpha_intensity)},
+    {{"affinity.mu_intensity", "grey levels", "Intensity difference that still counts as none.", VISTA_PARAMETER_FLOAT, 2.0, 0.0, 255.0, "", 0, NULL}, offsetof(vista_parameters, affinity.mu_intensity)},
+    {{"affinity.sigma_intensity", "grey levels", "Scale of the intensity term.", VISTA_PARAMETER_FLOAT, 10.0, 0.1, 255.0, "", 0, NULL}, offsetof(vista_parameters, affinity.sigma_intensity)},
+    {{"affinity.mu_disparity_px", "px", "Disparity difference that still counts as none between adjoining cells.", VISTA_PARAMETER_FLOAT, 0.5, 0.0, 16.0, "", 0, NULL}, offsetof(vista_parameters, affinity.mu_disparity_px)},
+    {{"affinity.mu_disparity_slope", "px per px", "Added to mu_disparity_px per pixel between the cell centres: cells of the periphery lie farther apart.", VISTA_PARAMETER_FLOAT, 0.1, 0.0, 1.0, "", 0, NULL}, offsetof(vista_parameters, affinity.mu_disparity_slope)},
+    {{"affinity.mu_depth_m", "m", "A disparity difference that means less depth than this counts as none: near things have relief. At most 6 % of the range.", VISTA_PARAMETER_FLOAT, 0.5, 0.0, 10.0, "", 0, NULL}, offsetof(vista_parameters, affinity.mu_depth_m)},
+    {{"affinity.sigma_disparity_px", "px", "Scale of the disparity term.", VISTA_PARAMETER_FLOAT, 1.0, 0.05, 64.0, "", 0, NULL}, offsetof(vista_parameters, affinity.sigma_disparity_px)},
+    {{"affinity.flow_encoding", "", "Capacity = scale * C^((w - 1) / 2), or the paper's print, scale * (w + 1) / 2.", VISTA_PARAMETER_CHOICE, 0, 0, 1, "", 2, affinity_flow_encoding_choices}, offsetof(vista_parameters, affinity.flow_encoding)},
+    {{"affinity.flow_scale", "", "Capacity of an edge of affinity 1.", VISTA_PARAMETER_FLOAT, 10000.0, 10.0, 100000.0, "", 0, NULL}, offsetof(vista_parameters, affinity.flow_scale)},
+    {{"affinity.flow_constant", "", "Base of the exponential encoding: the square root of it is the ratio of strongest to weakest edge.", VISTA_PARAMETER_FLOAT, 10000.0, 1.0, 100000000.0, "", 0, NULL}, offsetof(vista_parameters, affinity.flow_constant)},
+    {{"surface.lever_px", "px", "Cells at least this far apart are compared, so that the noise of a disparity does not tilt the surface.", VISTA_PARAMETER_FLOAT, 8.0, 1.0, 64.0, "", 0, NULL}, offsetof(vista_parameters, surface.lever_px)},
+    {{"surface.horizontal_deg", "deg", "A surface that leans more than this from the vertical is one to fly along, not into.", VISTA_PARAMETER_FLOAT, 55.0, 10.0, 90.0, "", 0, NULL}, offsetof(vista_parameters, surface.horizontal_deg)},
+    {{"surface.ground_step_px", "px", "Cells within this of the ground's plane are ground.", VISTA_PARAMETER_FLOAT, 0.5, 0.0, 64.0, "", 0, NULL}, offsetof(vista_parameters, surface.ground_step_px)},
+    {{"surface.ground_step_m", "m", "Cells above the ground's plane by this, and by ground_step_px, stand.", VISTA_PARAMETER_FLOAT, 0.3, 0.0, 10.0, "", 0, NULL}, offsetof(vista_parameters, surface.ground_step_m)},
+    {{"segmentation.seed_step_px", "px", "Largest disparity step inside a seed between adjoining cells.", VISTA_PARAMETER_FLOAT, 0.5, 0.05, 8.0, "", 0, NULL}, offsetof(vista_parameters, segmentation.seed_step_px)},
+    {{"segmentation.seed_step_slope", "px per px", "Added to seed_step_px per pixel between the cell centres.", VISTA_PARAMETER_FLOAT, 0.02, 0.0, 1.0, "", 0, NULL}, offsetof(vista_parameters, segmentation.seed_step_slope)},
+    {{"segmentation.seed_step_m", "m", "A disparity step that means less depth than this is no step. At most 6 % of the range.", VISTA_PARAMETER_FLOAT, 0.5, 0.0, 10.0, "", 0, NULL}, offsetof(vista_parameters, segmentation.seed_step_m)},
+    {{"segmentation.seed_area_px2", "px2", "Smallest seed that is cut out.", VISTA_PARAMETER_FLOAT, 60.0, 1.0, 1000000.0, "", 0, NULL}, offsetof(vista_parameters, segmentation.seed_area_px2)},
+    {{"segmentation.bridge_m", "m", "Parts up to this far apart, with only cells without disparity between them, are one seed; 0: never.", VISTA_PARAMETER_FLOAT, 2.0, 0.0, 100.0, "", 0, NULL}, offsetof(vista_parameters, segmentation.bridge_m)},
+    {{"segmentation.shell_px", "px", "Cells of a seed this near to an edge of depth stay free in the cut; half the matching block.", VISTA_PARAMETER_FLOAT, 6.0, 0.0, 64.0, "", 0, NULL}, offsetof(vista_parameters, segmentation.shell_px)},
+    {{"segmentation.reach", "cells", "A cut can take free cells less than this many steps from its seed.", VISTA_PARAMETER_INT, 12, 1, 1000, "", 0, NULL}, offsetof(vista_parameters, segmentation.reach)},
+    {{"segmentation.unknown_link", "flow_scale", "Sink link of a cell without disparity: what it costs to take a textureless cell into an obstacle.", VISTA_PARAMETER_FLOAT, 0.03, 0.0, 10.0, "", 0, NULL}, offsetof(vista_parameters, segmentation.unknown_link)},
+    {{"segmentation.mismatch_link", "flow_scale", "Sink link of a free cell per pixel of disparity beyond the seed's own range, at most four times this.", VISTA_PARAMETER_FLOAT, 0.5, 0.0, 10.0, "", 0, NULL}, offsetof(vista_parameters, segmentation.mismatch_link)},
+    {{"segmentation.horizontal_link", "flow_scale", "Sink link of a cell on a horizontal surface.", VISTA_PARAMETER_FLOAT, 0.3, 0.0, 100.0, "", 0, NULL}, offsetof(vista_parameters, segmentation.horizontal_link)},
+    {{"segmentation.merge_ratio", "seed steps", "Edges across the boundary of two regions that step by less than this are smooth.", VISTA_PARAMETER_FLOAT, 2.0, 0.0, 100.0, "", 0, NULL}, offsetof(vista_parameters, segmentation.merge_ratio)},
+    {{"segmentation.merge_share", "", "Two regions are one if more than half of the edges between them, and this share of the shorter perimeter, are smooth.", VISTA_PARAMETER_FLOAT, 0.1, 0.0, 1.0, "", 0, NULL}, offsetof(vista_parameters, segmentation.merge_share)},
+    {{"segmentation.rest_affinity", "", "Cells that no obstacle claims form seeds of the rest along edges of at least this affinity.", VISTA_PARAMETER_FLOAT, 0.7, 0.0, 1.0, "", 0, NULL}, offsetof(vista_parameters, segmentation.rest_affinity)},
+    {{"segmentation.rest_area_px2", "px2", "Smallest seed of the rest that is cut out.", VISTA_PARAMETER_FLOAT, 60.0, 1.0, 1000000.0, "", 0, NULL}, offsetof(vista_parameters, segmentation.rest_area_px2)},
+    {{"refinement.sigma_intensity", "grey levels", "Difference of a pixel from a cell that weighs as much as one cell of distance at compactness 1.", VISTA_PARAMETER_FLOAT, 10.0, 0.1, 255.0, "", 0, NULL}, offsetof(vista_parameters, refinement.sigma_intensity)},
+    {{"refinement.contrast_limit", "sigma_intensity", "A larger difference weighs no more than this.", VISTA_PARAMETER_FLOAT, 3.0, 0.0, 100.0, "", 0, NULL}, offsetof(vista_parameters, refinement.contrast_limit)},
+    {{"refinement.mixed_penalty", "", "Cost of a cell at a border: it may show parts of both regions.", VISTA_PARAMETER_FLOAT, 0.75, 0.0, 100.0, "", 0, NULL}, offsetof(vista_parameters, refinement.mixed_penalty)},
+    {{"refinement.compactness", "", "Cost of a pixel one cell's size away from the centre of a cell; 0: by intensity alone.", VISTA_PARAMETER_FLOAT, 1.0, 0.0, 100.0, "", 0, NULL}, offsetof(vista_parameters, refinement.compactness)},
+    {{"region.boundary_px", "px", "Cells this near to a cell on the boundary belong to it; half the matching block.", VISTA_PARAMETER_FLOAT, 5.0, 0.0, 64.0, "", 0, NULL}, offsetof(vista_parameters, region.boundary_px)},
+    {{"region.tolerance_px", "px", "Boundary disparities within this of the region's surface are its inliers.", VISTA_PARAMETER_FLOAT, 1.0, 0.1, 16.0, "", 0, NULL}, offsetof(vista_parameters, region.tolerance_px)},
+    {{"region.tolerance_m", "m", "The same in depth; the larger of the two holds: near things have relief. At most 6 % of the range.", VISTA_PARAMETER_FLOAT, 0.5, 0.0, 10.0, "", 0, NULL}, offsetof(vista_parameters, region.tolerance_m)},
+    {{"region.min_inliers", "pixels", "Fewest boundary inliers of an obstacle, but no more than one of min_size_m has pixels at its range.", VISTA_PARAMETER_INT, 60, 1, 1000000, "", 0, NULL}, offsetof(vista_parameters, region.min_inliers)},
+    {{"region.min_disparity_px", "px", "Regions with less are too far to say anything.", VISTA_PARAMETER_FLOAT, 2.5, 0.1, 255.0, "", 0, NULL}, offsetof(vista_parameters, region.min_disparity_px)},
+    {{"region.min_size_m", "m", "Smallest larger side of an obstacle. At most 6 % of the range.", VISTA_PARAMETER_FLOAT, 0.35, 0.0, 100.0, "", 0, NULL}, offsetof(vista_parameters, region.min_size_m)},
+    {{"region.min_valid_fraction", "", "Smallest valid fraction of the boundary.", VISTA_PARAMETER_FLOAT, 0.33, 0.0, 1.0, "", 0, NULL}, offsetof(vista_parameters, region.min_valid_fraction)},
+    {{"region.min_inlier_fraction", "", "Edge consistency: smallest part of the valid boundary pixels that are inliers.", VISTA_PARAMETER_FLOAT, 0.5, 0.0, 1.0, "", 0, NULL}, offsetof(vista_parameters, region.min_inlier_fraction)},
+    {{"region.outline_fraction", "", "Smallest part of its left edge, right edge and foot that has to agree on the depth of a region without disparities.", VISTA_PARAMETER_FLOAT, 0.5, 0.0, 1.0, "", 0, NULL}, offsetof(vista_parameters, region.outline_fraction)},
+    {{"region.foot_m", "m", "The foot of such a region is within this of the ground's plane. At most 6 % of the range.", VISTA_PARAMETER_FLOAT, 0.75, 0.0, 10.0, "", 0, NULL}, offsetof(vista_parameters, region.foot_m)},
+    {{"region.min_height_m", "m", "What is lower than this above the horizontal surface that it adjoins lies on it. At most 6 % of the range.", VISTA_PARAMETER_FLOAT, 0.3, 0.0, 10.0, "", 0, NULL}, offsetof(vista_parameters, region.min_height_m)},
+    {{"region.min_standing_fraction", "", "Smallest part of an obstacle's area that stands higher than that.", VISTA_PARAMETER_FLOAT, 0.22, 0.0, 1.0, "", 0, NULL}, offsetof(vista_parameters, region.min_standing_fraction)},
+    {{"reconstruction.center_sigma_px", "px", "Noise of a region's centre, along u and v each.", VISTA_PARAMETER_FLOAT, 1.0, 0.01, 100.0, "", 0, NULL}, offsetof(vista_parameters, reconstruction.center_sigma_px)},
+    {{"reconstruction.center_sigma_ratio", "", "The same as a share of the region's half width or height: the segmentation moves the centre of a large region by more.", VISTA_PARAMETER_FLOAT, 0.1, 0.0, 2.0, "", 0, NULL}, offsetof(vista_parameters, reconstruction.center_sigma_ratio)},
+    {{"reconstruction.disparity_sigma_px", "px", "Noise of the boundary disparity that no averaging removes.", VISTA_PARAMETER_FLOAT, 0.12, 0.01, 16.0, "", 0, NULL}, offsetof(vista_parameters, reconstruction.disparity_sigma_px)},
+    {{"reconstruction.correlated_pixels", "pixels", "Boundary inliers that share one matching block: n / this of them count as independent.", VISTA_PARAMETER_FLOAT, 60.0, 1.0, 1000.0, "", 0, NULL}, offsetof(vista_parameters, reconstruction.correlated_pixels)},
+    {{"reconstruction.disparity_min_px", "px", "Smaller disparities are not reconstructed.", VISTA_PARAMETER_FLOAT, 1.0, 0.1, 255.0, "", 0, NULL}, offsetof(vista_parameters, reconstruction.disparity_min_px)},
+    {{"tracker.velocity_sigma_m_s", "m/s", "Prior of an obstacle's velocity, each axis: obstacles are mostly static.", VISTA_PARAMETER_FLOAT, 0.5, 0.001, 100.0, "", 0, NULL}, offsetof(vista_parameters, tracker.velocity_sigma_m_s)},
+    {{"tracker.moving_sigma_m_s", "m/s", "Prior of the velocity of what moves, each axis: of a track seen once whose next detection no track explains as standing.", VISTA_PARAMETER_FLOAT, 6.0, 0.0, 1000.0, "", 0, NULL}, offsetof(vista_parameters, tracker.moving_sigma_m_s)},
+    {{"tracker.acceleration_psd_m2_s3", "m2/s3", "Spectral density of the white acceleration, each axis.", VISTA_PARAMETER_FLOAT, 0.01, 0.0, 1000.0, "", 0, NULL}, offsetof(vista_parameters, tracker.acceleration_psd_m2_s3)},
+    {{"tracker.position_psd_m2_s", "m2/s", "Random walk of the point that stands for the obstacle: regions change from frame to frame.", VISTA_PARAMETER_FLOAT, 0.01, 0.0, 100.0, "", 0, NULL}, offsetof(vista_parameters, tracker.position_psd_m2_s)},
+    {{"tracker.attitude_sigma_deg", "deg", "Error of the pose's attitude, each axis; adds to the noise of u and v.", VISTA_PARAMETER_FLOAT, 0.05, 0.0, 10.0, "", 0, NULL}, offsetof(vista_parameters, tracker.attitude_sigma_deg)},
+    {{"tracker.gate_chi2", "", "Mahalanobis gate in (u, v, d): chi-square with 3 degrees of freedom, 11.34 holds 99 percent.", VISTA_PARAMETER_FLOAT, 11.34, 0.1, 1000.0, "", 0, NULL}, offsetof(vista_parameters, tracker.gate_chi2)},
+    {{"tracker.extent_sigma_ratio", "", "Noise of the natural logarithm of a measured width or height.", VISTA_PARAMETER_FLOAT, 0.3, 0.01, 10.0, "", 0, NULL}, offsetof(vista_parameters, tracker.extent_sigma_ratio)},
+    {{"tracker.extent_psd_1_s", "1/s", "Random walk of the logarithm of width and height.", VISTA_PARAMETER_FLOAT, 0.02, 0.0, 100.0, "", 0, NULL}, offsetof(vista_parameters, tracker.extent_psd_1_s)},
+    {{"tracker.overlap_sigma", "", "Depth gate for lying within a track, standard deviations of the disparity difference.", VISTA_PARAMETER_FLOAT, 3.0, 0.1, 100.0, "", 0, NULL}, offsetof(vista_parameters, tracker.overlap_sigma)},
+    {{"tracker.overlap_scale", "", "Half extents around a track's centre that count as within it.", VISTA_PARAMETER_FLOAT, 1.2, 0.1, 10.0, "", 0, NULL}, offsetof(vista_parameters, tracker.overlap_scale)},
+    {{"tracker.confirm_hits", "frames", "A track is confirmed at this many hits in confirm_window frames; at one more while own travel could tell, but does not yet, that it stands.", VISTA_PARAMETER_INT, 4, 1, 32, "tracker.confirm_window", 0, NULL}, offsetof(vista_parameters, tracker.confirm_hits)},
+    {{"tracker.confirm_window", "frames", "Frames, in which the track could be seen, that count for its confirmation.", VISTA_PARAMETER_INT, 6, 1, 32, "", 0, NULL}, offsetof(vista_parameters, tracker.confirm_window)},
+    {{"tracker.moved_hits", "frames", "A track that moves needs this many hits, and has this many frames, more to be confirmed.", VISTA_PARAMETER_INT, 2, 0, 16, "", 0, NULL}, offsetof(vista_parameters, tracker.moved_hits)},
+    {{"tracker.volume_pixels", "pixels", "A region is in the collision volume when at least this many of its pixels are.", VISTA_PARAMETER_INT, 8, 0, 1000000, "", 0, NULL}, offsetof(vista_parameters, tracker.volume_pixels)},
+    {{"tracker.static_odds", "", "Likelihood ratio at which a track is held to stand still, or, inverted, to move with the aircraft as a mismatched texture does.", VISTA_PARAMETER_FLOAT, 6.0, 1.0, 1000000.0, "", 0, NULL}, offsetof(vista_parameters, tracker.static_odds)},
+    {{"tracker.static_tolerance", "", "Motion along the line of sight, as a share of own travel, that what stands may seem to make: regions change on approach.", VISTA_PARAMETER_FLOAT, 0.05, 0.0, 1.0, "", 0, NULL}, offsetof(vista_parameters, tracker.static_tolerance)},
+    {{"tracker.static_noise_hits", "hits", "Hits in a row whose range errors are about the same: they count as one.", VISTA_PARAMETER_FLOAT, 1.4, 1.0, 100.0, "", 0, NULL}, offsetof(vista_parameters, tracker.static_noise_hits)},
+    {{"tracker.static_fade_m", "m", "Own travel over which earlier hits lose their say about that.", VISTA_PARAMETER_FLOAT, 20.0, 0.1, 100000.0, "", 0, NULL}, offsetof(vista_parameters, tracker.static_fade_m)},
+    {{"tracker.static_speed_min_m_s", "m/s", "Slower than this along its line of sight, own travel tells nothing of a track: single frames have to do.", VISTA_PARAMETER_FLOAT, 0.5, 0.0, 100.0, "", 0, NULL}, offsetof(vista_parameters, tracker.static_speed_min_m_s)},
+    {{"tracker.miss_max", "frames", "Misses in a row that a confirmed track survives.", VISTA_PARAMETER_INT, 5, 0, 1000, "", 0, NULL}, offsetof(vista_parameters, tracker.miss_max)},
+    {{"tracker.out_of_view_s", "s", "A track outside the matched part of the image coasts for this long.", VISTA_PARAMETER_FLOAT, 1.0, 0.0, 3600.0, "", 0, NULL}, offsetof(vista_parameters, tracker.out_of_view_s)},
+    {{"tracker.blind_zone_s", "s", "A track nearer than the engine matches coasts for this long, unless it is passed before.", VISTA_PARAMETER_FLOAT, 30.0, 0.0, 3600.0, "", 0, NULL}, offsetof(vista_parameters, tracker.blind_zone_s)},
+    {{"tracker.range_max_m", "m", "Farther detections start no track.", VISTA_PARAMETER_FLOAT, 150.0, 1.0, 100000.0, "", 0, NULL}, offsetof(vista_parameters, tracker.range_max_m)},
+    {{"blind_zone.contrast", "grey levels", "A pixel whose two neighbours along the row differ by this has texture.", VISTA_PARAMETER_INT, 16, 1, 255, "", 0, NULL}, offsetof(vista_parameters, blind_zone.contrast)},
+    {{"blind_zone.textured_fraction", "", "With less of the disc textured, nothing can be said.", VISTA_PARAMETER_FLOAT, 0.05, 0.001, 1.0, "", 0, NULL}, offsetof(vista_parameters, blind_zone.textured_fraction)},
+    {{"blind_zone.unmatched_fraction", "", "Something is too near when this share of the texture is not matched; in ordinary views it is 0.03 to 0.6.", VISTA_PARAMETER_FLOAT, 0.9, 0.0, 1.0, "", 0, NULL}, offsetof(vista_parameters, blind_zone.unmatched_fraction)},
+    {{"blind_zone.confirm_hits", "frames", "It is reported when it was so in this many of confirm_window frames.", VISTA_PARAMETER_INT, 3, 1, 32, "blind_zone.confirm_window", 0, NULL}, offsetof(vista_parameters, blind_zone.confirm_hits)},
+    {{"blind_zone.confirm_window", "frames", "Frames that count for that.", VISTA_PARAMETER_INT, 5, 1, 32, "", 0, NULL}, offsetof(vista_parameters, blind_zone.confirm_window)},
+    {{"obstacle_map.collision_radius_m", "m", "Radius of the collision volume around the flight path.", VISTA_PARAMETER_FLOAT, 2.0, 0.01, 1000.0, "", 0, NULL}, offsetof(vista_parameters, obstacle_map.collision_radius_m)},
+    {{"obstacle_map.collision_length_m", "m", "Length of the collision volume, from the camera.", VISTA_PARAMETER_FLOAT, 100.0, 0.1, 100000.0, "", 0, NULL}, offsetof(vista_parameters, obstacle_map.collision_length_m)},
+    {{"obstacle_map.inflation_sigma", "", "Standard deviations of the bearing that are added to an obstacle's semi-axes.", VISTA_PARAMETER_FLOAT, 1.0, 0.0, 10.0, "", 0, NULL}, offsetof(vista_parameters, obstacle_map.inflation_sigma)},
+    {{"obstacle_map.lasting_disparity_px", "px", "Error of an obstacle's disparity that lasts from frame to frame: no filter averages it out; adds to the covariance.", VISTA_PARAMETER_FLOAT, 0.05, 0.0, 16.0, "", 0, NULL}, offsetof(vista_parameters, obstacle_map.lasting_disparity_px)},
+    {{"obstacle_map.lasting_range_m", "m", "The same in depth, of the surface that the region's boundary shows; the larger part near the camera.", VISTA_PARAMETER_FLOAT, 0.05, 0.0, 10.0, "", 0, NULL}, offsetof(vista_parameters, obstacle_map.lasting_range_m)},
+    {{"obstacle_map.lasting_center_px", "px", "The same of its centre: matching widens a thing by up to half a block, more to one side than to the other.", VISTA_PARAMETER_FLOAT, 2.5, 0.0, 100.0, "", 0, NULL}, offsetof(vista_parameters, obstacle_map.lasting_center_px)},
+    {{"obstacle_map.lasting_center_ratio", "", "The same, as a share of its half width and height: a region may lack a part of the thing all along.", VISTA_PARAMETER_FLOAT, 0.08, 0.0, 2.0, "", 0, NULL}, offsetof(vista_parameters, obstacle_map.lasting_center_ratio)},
+    {{"obstacle_map.closing_min_m_s", "m/s", "No time to collision is given for what closes slower than this.", VISTA_PARAMETER_FLOAT, 0.5, 0.0, 100.0, "", 0, NULL}, offsetof(vista_parameters, obstacle_map.closing_min_m_s)},
+};
+
+_Static_assert(sizeof(vista_stereo_params) == 256, "stereo may not grow");
+_Static_assert(sizeof(vista_motion_params) == 256, "motion may not grow");
+_Static_assert(sizeof(vista_foveation_params) == 256, "foveation may not grow");
+_Static_assert(sizeof(vista_affinity_params) == 256, "affinity may not grow");
+_Static_assert(sizeof(vista_surface_params) == 256, "surface may not grow");
+_Static_assert(sizeof(vista_segmentation_params) == 256, "segmentation may not grow");
+_Static_assert(sizeof(vista_refinement_params) == 256, "refinement may not grow");
+_Static_assert(sizeof(vista_region_params) == 256, "region may not grow");
+_Static_assert(sizeof(vista_reconstruction_params) == 256, "reconstruction may not grow");
+_Static_assert(sizeof(vista_tracker_params) == 256, "tracker may not grow");
+_Static_assert(sizeof(vista_blind_zone_params) == 256, "blind_zone may not grow");
+_Static_assert(sizeof(vista_obstacle_map_params) == 256, "obstacle_map may not grow");
+
+#endif

@@ -1,0 +1,153 @@
+#include "stages/motion.h"
+
+#include <math.h>
+#include <stddef.h>
+#include <string.h>
+
+#include "common/frame.h"
+#include "common/numbers.h"
+
+#define FARTHEST_M 1e8 /* from the origin: beyond it a double no longer tells what lies beside the camera */
+
+static const char *const source_names[VISTA_MOTION_SOURCE_COUNT] = {
+    [VISTA_MOTION_UNTOLD] = "UNTOLD",         [VISTA_MOTION_POSE] = "POSE",       [VISTA_MOTION_STANDS] = "STANDS",
+    [VISTA_MOTION_CARRIED_ON] = "CARRIED_ON", [VISTA_MOTION_REFUSED] = "REFUSED",
+};
+
+const char *vista_motion_source_name(vista_motion_source source) {
+  return (unsigned)source < VISTA_MOTION_SOURCE_COUNT ? source_names[source] : "UNKNOWN";
+}
+
+static vista_status check(const vista_motion_params *p, const vista_motion_input *in, const vista_motion_state *s) {
+  if (s->started && in->t_ns <= s->t_ns) return VISTA_ERROR_ORDER;
+  if (!vista_not_negative(p->velocity_smoothing_s) || !vista_not_negative(p->speed_min_m_s) ||
+      !vista_positive(p->speed_max_m_s) || !vista_not_negative(p->drift_m_s) || p->restart_poses < 1)
+    return VISTA_ERROR_RANGE;
+  if (in->velocity_m_s != NULL) {
+    const double speed_m_s = vista_norm(in->velocity_m_s);
+    if (!isfinite(speed_m_s)) return VISTA_ERROR_NUMBER;
+    if (speed_m_s > p->speed_max_m_s) return VISTA_ERROR_RANGE;
+  }
+  return in->pose != NULL ? vista_frame_check_pose(in->pose) : VISTA_OK;
+}
+
+static bool reachable(const vista_motion_params *p, const vista_pose *from, int64_t from_ns, const vista_pose *to,
+                      int64_t to_ns) {
+  double step_m[3];
+  for (int i = 0; i < 3; ++i) step_m[i] = to->translation_m[i] - from->translation_m[i];
+  return vista_norm(step_m) <= p->speed_max_m_s * vista_seconds_between(from_ns, to_ns);
+}
+
+static bool imaginable(const vista_pose *pose) { return vista_norm(pose->translation_m) <= FARTHEST_M; }
+
+/* Of the rotation to R^T: axis times angle, in world. */
+static void rotation_between(const double from[9], const double to[9], double vector[3]) {
+  double r[9];
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) r[3 * i + j] = vista_dot(to + 3 * i, from + 3 * j);
+  const double twice_sine[3] = {r[7] - r[5], r[2] - r[6], r[3] - r[1]};
+  const double sine = 0.5 * vista_norm(twice_sine), cosine = 0.5 * (r[0] + r[4] + r[8] - 1.0);
+  const double scale = sine > 1e-12 ? 0.5 * atan2(sine, cosine) / sine : 0.0;
+  for (int i = 0; i < 3; ++i) vector[i] = scale * twice_sine[i];
+}
+
+/* Rodrigues: R = I + sin [k] + (1 - cos) [k]^2, applied from the left. */
+static void turn(double rotation[9], const double rate_rad_s[3], double dt_s) {
+  const double rate = vista_norm(rate_rad_s);
+  if (!(rate > 0.0)) return;
+  const double k[3] = {rate_rad_s[0] / rate, rate_rad_s[1] / rate, rate_rad_s[2] / rate};
+  const double sine = sin(rate * dt_s), versine = 1.0 - cos(rate * dt_s);
+  for (int column = 0; column < 3; ++column) {
+    const double x[3] = {rotation[column], rotation[3 + column], rotation[6 + column]};
+    const double cross[3] = {k[1] * x[2] - k[2] * x[1], k[2] * x[0] - k[0] * x[2], k[0] * x[1] - k[1] * x[0]};
+    const double along = vista_dot(k, x);
+    for (int i = 0; i < 3; ++i) rotation[3 * i + column] = x[i] + sine * cross[i] + versine * (along * k[i] - x[i]);
+  }
+}
+
+/* v += (1 - exp(-dt / tau)) (dp / dt - v), and the turn rate likewise. */
+static void follow(const vista_motion_params *p, const vista_pose *pose, int64_t t_ns, vista_motion_state *s) {
+  if (s->posed) {
+    const double dt_s = vista_seconds_between(s->posed_t_ns, t_ns), tau_s = p->velocity_smoothing_s;
+    const double weight = s->rates_known && tau_s > 0.0 ? 1.0 - exp(-dt_s / tau_s) : 1.0;
+    double rotation[3];
+    rotation_between(s->posed_at.rotation, pose->rotation, rotation);
+    for (int i = 0; i < 3; ++i) {
+      const double difference = (pose->translation_m[i] - s->posed_at.translation_m[i]) / dt_s;
+      s->velocity_m_s[i] += weight * (difference - s->velocity_m_s[i]);
+      s->turn_rate_rad_s[i] += weight * (rotation[i] / dt_s - s->turn_rate_rad_s[i]);
+    }
+    s->rates_known = true;
+  }
+  s->posed = true;
+  s->posed_t_ns = t_ns;
+  s->pose = s->posed_at = *pose;
+  s->refused_count = 0;
+}
+
+/* Whether the poses that were refused agree with each other, this one included, for long enough. */
+static bool means_it(const vista_motion_params *p, const vista_pose *pose, int64_t t_ns, vista_motion_state *s) {
+  if (!imaginable(pose)) return false;
+  const bool agrees = s->refused_count > 0 && reachable(p, &s->refused_at, s->refused_t_ns, pose, t_ns);
+  s->refused_count = agrees ? s->refused_count + 1 : 1;
+  s->refused_at = *pose;
+  s->refused_t_ns = t_ns;
+  return s->refused_count >= p->restart_poses;
+}
+
+static void carry_on(const double velocity_m_s[3], double dt_s, vista_motion_state *s) {
+  for (int i = 0; i < 3; ++i) s->pose.translation_m[i] += velocity_m_s[i] * dt_s;
+  turn(s->pose.rotation, s->turn_rate_rad_s, dt_s);
+}
+
+vista_status vista_motion_update(const vista_motion_params *params, const vista_motion_input *input,
+                                 vista_motion_state *state, vista_motion *motion) {
+  if (params == NULL || input == NULL || state == NULL || motion == NULL) return VISTA_ERROR_ARGUMENT;
+  const vista_status status = check(params, input, state);
+  if (status != VISTA_OK) return status;
+  static const double still[3] = {0.0, 0.0, 0.0};
+  vista_motion_state *const s = state;
+  vista_motion m = {.source = VISTA_MOTION_POSE};
+  const double dt_s = s->started ? vista_seconds_between(s->t_ns, input->t_ns) : 0.0;
+  if (!s->started) s->pose = vista_frame_still;
+  const vista_pose *const pose = input->pose;
+  if (pose == NULL)
+    m.source = input->stationary ? VISTA_MOTION_STANDS : s->posed ? VISTA_MOTION_CARRIED_ON : VISTA_MOTION_UNTOLD;
+  else if (!imaginable(pose) || (s->posed && !reachable(params, &s->posed_at, s->posed_t_ns, pose, input->t_ns)))
+    m.source = VISTA_MOTION_REFUSED;
+  if (m.source == VISTA_MOTION_REFUSED && means_it(params, pose, input->t_ns, s)) {
+    *s = (vista_motion_state){0};
+    m.source = VISTA_MOTION_POSE;
+    m.restarted = true;
+  }
+  const double *velocity_m_s = s->velocity_m_s;
+  if (m.source == VISTA_MOTION_POSE)
+    follow(params, pose, input->t_ns, s);
+  else if (m.source == VISTA_MOTION_STANDS)
+    velocity_m_s = still;
+  if (input->velocity_m_s != NULL) velocity_m_s = input->velocity_m_s;
+  m.known = m.source == VISTA_MOTION_POSE || m.source == VISTA_MOTION_STANDS;
+  if (!m.known) {
+    carry_on(velocity_m_s, dt_s, s);
+    m.drift_m = m.source == VISTA_MOTION_UNTOLD ? 0.0 : params->drift_m_s * dt_s;
+  }
+  s->started = true;
+  s->t_ns = input->t_ns;
+  m.velocity_known = input->velocity_m_s != NULL || m.source == VISTA_MOTION_STANDS || (m.known && s->rates_known);
+  m.pose = s->pose;
+  memcpy(m.velocity_m_s, velocity_m_s, sizeof m.velocity_m_s);
+  if (m.source != VISTA_MOTION_STANDS) memcpy(m.turn_rate_rad_s, s->turn_rate_rad_s, sizeof m.turn_rate_rad_s);
+  m.speed_m_s = vista_norm(velocity_m_s);
+  const bool moves = m.speed_m_s > 0.0 && m.speed_m_s >= params->speed_min_m_s;
+  for (int i = 0; i < 3; ++i) /* below the smallest speed the velocity is mostly noise; z: optical axis */
+    m.direction[i] = moves ? velocity_m_s[i] / m.speed_m_s : m.pose.rotation[3 * i + 2];
+  *motion = m;
+  return VISTA_OK;
+}
+
+void vista_motion_direction_camera(const vista_motion *motion, double direction[3]) {
+  for (int i = 0; i < 3; ++i) {
+    direction[i] = 0.0;
+    for (int k = 0; k < 3; ++k) direction[i] += motion->pose.rotation[3 * k + i] * motion->direction[k];
+  }
+}

@@ -1,0 +1,55 @@
+/* The vehicle's own motion: the first stage, from the frame and its own state alone.
+ *
+ * Velocity and turn rate are finite differences of accepted poses over the time between those two, low-passed. A frame
+ * without a pose is carried on from the frame before: by the velocity that the caller states, else by the last known
+ * one, and by the last turn rate. So one missing pose moves nothing: tracks stay where they are in the world.
+ *
+ * A pose that is farther from the last one than speed_max_m_s reaches is refused, and the frame carried on likewise.
+ * When restart_poses of them in a row agree with each other, the source means it: the world goes on there. Whatever was
+ * placed by the old one has lost its meaning (`restarted`).
+ *
+ * Without any pose the world is the first camera, and its motion is not known; unless the caller says that it stands. */
+#ifndef VISTA_MOTION_H
+#define VISTA_MOTION_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "vista/obstacle.h"
+#include "vista/parameters.h"
+#include "vista/status.h"
+#include "vista/types.h"
+
+/* What the caller says of one frame. */
+typedef struct vista_motion_input {
+  const vista_pose *pose;     /* null: not known */
+  const double *velocity_m_s; /* 3, world; null: not known */
+  bool stationary;            /* without a pose: the camera has not moved since the last frame */
+  int64_t t_ns;
+} vista_motion_input;
+
+/* What is kept from frame to frame; starts as zeros. */
+typedef struct vista_motion_state {
+  bool started;
+  int64_t t_ns;     /* of the last frame */
+  vista_pose pose;  /* that it was given, or carried on to */
+  bool posed;       /* one was accepted: */
+  int64_t posed_t_ns;
+  vista_pose posed_at;
+  bool rates_known; /* from two accepted poses: */
+  double velocity_m_s[3], turn_rate_rad_s[3]; /* world, smoothed */
+  int32_t refused_count; /* in a row that agree with each other; the last one of them: */
+  int64_t refused_t_ns;
+  vista_pose refused_at;
+} vista_motion_state;
+
+/* On an error nothing is changed. VISTA_ERROR_ORDER: the time is not after that of the last frame, which is judged first;
+ * VISTA_ERROR_NUMBER: pose or velocity not finite; VISTA_ERROR_RANGE: no rotation, a velocity above speed_max_m_s, or a
+ * parameter. */
+vista_status vista_motion_update(const vista_motion_params *params, const vista_motion_input *input,
+                                 vista_motion_state *state, vista_motion *motion);
+
+/* Unit vector of the flight in the camera: along the velocity; slower than speed_min_m_s along the optical axis. */
+void vista_motion_direction_camera(const vista_motion *motion, double direction[3]);
+
+#endif

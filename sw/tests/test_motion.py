@@ -1,0 +1,226 @@
+"""Own motion: velocity and turn rate from poses, missing and impossible poses, the caller's word."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from cut_library import ffi, lib, status_name
+from random_seed import seeded
+from scipy.spatial.transform import Rotation
+from track_library import SECOND, params, pose
+
+FORWARD = np.array([2.0, -1.0, 8.0])  # m/s
+
+
+class Motion:
+    """The stage with its state."""
+
+    def __init__(self, **changes: float) -> None:
+        self.params, self.state = params("motion", **changes), ffi.new("vista_motion_state *")
+
+    def update(self, t_s: float, raw_pose=ffi.NULL, velocity=None, stationary: bool = False):
+        self.status, motion = self.try_update(round(t_s * SECOND), raw_pose, velocity, stationary)
+        assert self.status == "VISTA_OK"
+        return motion
+
+    def try_update(self, t_ns: int, raw_pose=ffi.NULL, velocity=None, stationary: bool = False):
+        c_velocity = ffi.NULL if velocity is None else ffi.new("double[3]", [float(x) for x in velocity])
+        given = ffi.new("vista_motion_input *", [raw_pose, c_velocity, stationary, t_ns])
+        motion = ffi.new("vista_motion *")
+        return status_name(lib.vista_motion_update(self.params, given, self.state, motion)), motion
+
+
+def source(motion) -> str:
+    return ffi.string(lib.vista_motion_source_name(motion.source)).decode()
+
+
+def place(motion) -> np.ndarray:
+    return np.array(list(motion.pose.translation_m))
+
+
+def rotation(motion) -> np.ndarray:
+    return np.array(list(motion.pose.rotation)).reshape(3, 3)
+
+
+def fly(stage: Motion, times, velocity=FORWARD):
+    """Poses along a straight line; the last motion."""
+    for t_s in times:
+        motion = stage.update(t_s, pose(velocity * t_s))
+    return motion
+
+
+# ---- poses ----
+
+
+def test_velocity_from_poses_is_smoothed() -> None:
+    random, stage = seeded(2), Motion(velocity_smoothing_s=0.5)
+    for frame in range(40):
+        motion = stage.update(0.1 * frame, pose(FORWARD * 0.1 * frame + random.normal(0, 0.01, 3)))
+        assert motion.known and source(motion) == "POSE" and motion.drift_m == 0.0
+    assert list(motion.velocity_m_s) == pytest.approx(FORWARD, abs=0.25)
+    assert motion.speed_m_s == pytest.approx(np.linalg.norm(list(motion.velocity_m_s)))
+    raw = Motion(velocity_smoothing_s=0.0)
+    first = raw.update(0.0, pose((1, 2, 3)))
+    assert first.known and not first.velocity_known and list(first.velocity_m_s) == [0, 0, 0]
+    second = raw.update(0.5, pose((2, 2, 7)))
+    assert second.velocity_known and list(second.velocity_m_s) == pytest.approx([2, 0, 8])
+    assert list(raw.update(1.0, pose((3, 2, 3))).velocity_m_s) == pytest.approx([2, 0, -8])
+
+
+@pytest.mark.parametrize("period_s", [0.05, 0.4])
+def test_turn_rate_from_poses(period_s: float) -> None:
+    random = seeded(4)
+    rate, start = random.normal(0, 0.3, 3), Rotation.from_rotvec(random.normal(0, 1, 3))
+    stage = Motion()
+    for frame in range(5):
+        turned = Rotation.from_rotvec(rate * period_s * frame) * start
+        motion = stage.update(period_s * frame, pose((0, 0, 0), turned.as_matrix()))
+    assert list(motion.turn_rate_rad_s) == pytest.approx(rate, abs=1e-9)
+    ahead = stage.update(period_s * 4 + 0.7)  # without a pose: turned on
+    expected = Rotation.from_rotvec(rate * (period_s * 4 + 0.7)) * start
+    assert rotation(ahead) == pytest.approx(expected.as_matrix(), abs=1e-9)
+
+
+def test_the_flight_direction() -> None:
+    """Along the velocity; slower than speed_min_m_s along the optical axis; seen from the camera, too."""
+    turn, out = Rotation.from_euler("xyz", [4, -7, 3], degrees=True).as_matrix(), ffi.new("double[3]")
+    stage = Motion()
+    for t_s, velocity, expected in (
+        (0.0, None, turn[:, 2]),
+        (0.1, (3.0, 0.0, 4.0), [0.6, 0.0, 0.8]),
+        (0.2, (0.3, 0.0, 0.0), turn[:, 2]),
+    ):
+        motion = stage.update(t_s, pose((1, 2, 3), turn), velocity)
+        assert list(motion.direction) == pytest.approx(expected)
+        lib.vista_motion_direction_camera(motion, out)
+        assert list(out) == pytest.approx(turn.T @ expected)
+
+
+# ---- no pose ----
+
+
+def test_after_frames_without_a_pose_the_velocity_is_right() -> None:
+    """Ten metres a second, no pose in three frames: the displacement belongs to 0.4 s, not to 0.1 s."""
+    for smoothing_s in (0.0, 0.3):
+        stage = Motion(velocity_smoothing_s=smoothing_s)
+        before = fly(stage, [0.0, 0.1, 0.2])
+        for t_s in (0.3, 0.4, 0.5):
+            missing = stage.update(t_s)
+            assert not missing.known and not missing.velocity_known
+            assert source(missing) == "CARRIED_ON"
+            assert list(missing.velocity_m_s) == pytest.approx(FORWARD)
+            assert place(missing) == pytest.approx(FORWARD * t_s)  # not the world's origin
+            assert missing.drift_m == pytest.approx(0.05)
+        after = stage.update(0.6, pose(FORWARD * 0.6))
+        assert list(before.velocity_m_s) == pytest.approx(FORWARD)
+        assert list(after.velocity_m_s) == pytest.approx(FORWARD)
+        assert after.known and after.velocity_known and after.drift_m == 0.0
+
+
+def test_without_any_pose_motion_is_not_known() -> None:
+    stage = Motion()
+    for t_s in (0.0, 1.0, 2.0):
+        motion = stage.update(t_s)
+        assert not motion.known and not motion.velocity_known and source(motion) == "UNTOLD"
+        assert place(motion).tolist() == [0, 0, 0] and list(motion.direction) == [0, 0, 1]
+        assert motion.speed_m_s == motion.drift_m == 0.0
+
+
+def test_a_camera_that_stands_is_known_to() -> None:
+    stage = Motion()
+    for t_s in (0.0, 1.0):
+        motion = stage.update(t_s, stationary=True)
+        assert motion.known and motion.velocity_known and motion.speed_m_s == 0.0
+        assert source(motion) == "STANDS"
+    stage = Motion()
+    last = fly(stage, [0.0, 0.1])
+    motion = stage.update(5.0, stationary=True)  # landed
+    assert place(motion).tolist() == place(last).tolist() and motion.speed_m_s == 0.0
+
+
+def test_the_callers_velocity_counts() -> None:
+    """Over that of the poses; without a pose it carries the camera on, which still is a guess."""
+    stage, said = Motion(), (0.0, 0.0, 5.0)
+    fly(stage, [0.0, 0.1])
+    assert list(stage.update(0.2, pose(FORWARD * 0.2), said).velocity_m_s) == list(said)
+    motion = stage.update(0.4, velocity=said)
+    assert motion.velocity_known and not motion.known
+    assert place(motion) == pytest.approx(FORWARD * 0.2 + np.array(said) * 0.2)
+
+
+# ---- poses that cannot be ----
+
+
+@pytest.mark.parametrize("jump_m", [1e200, 1e9, -5000.0, 40.0])
+def test_one_absurd_pose_is_refused_and_forgotten(jump_m: float) -> None:
+    stage, straight = Motion(), Motion()
+    fly(stage, [0.0, 0.1, 0.2])
+    fly(straight, [0.0, 0.1, 0.2])
+    refused = stage.update(0.3, pose(FORWARD * 0.3 + [jump_m, 0, 0]))
+    assert not refused.known and source(refused) == "REFUSED"
+    assert place(refused) == pytest.approx(FORWARD * 0.3)
+    for t_s in (0.4, 0.5, 0.6):
+        motion, expected = stage.update(t_s, pose(FORWARD * t_s)), straight.update(t_s, pose(FORWARD * t_s))
+        assert motion.known and not motion.restarted
+        assert list(motion.velocity_m_s) == pytest.approx(list(expected.velocity_m_s))
+
+
+def test_a_new_place_is_believed_after_a_few_poses() -> None:
+    stage, jump = Motion(restart_poses=3), np.array([5000.0, 0.0, 0.0])
+    fly(stage, [0.0, 0.1, 0.2])
+    for t_s in (0.3, 0.4):
+        assert source(stage.update(t_s, pose(jump + FORWARD * t_s))) == "REFUSED"
+    motion = stage.update(0.5, pose(jump + FORWARD * 0.5))
+    assert motion.known and motion.restarted and not motion.velocity_known
+    assert place(motion) == pytest.approx(jump + FORWARD * 0.5)
+    motion = stage.update(0.6, pose(jump + FORWARD * 0.6))
+    assert not motion.restarted and list(motion.velocity_m_s) == pytest.approx(FORWARD)
+
+
+def test_poses_that_do_not_agree_are_never_believed() -> None:
+    random, stage = seeded(5), Motion(restart_poses=3)
+    fly(stage, [0.0, 0.1])
+    for frame in range(2, 40):
+        motion = stage.update(0.1 * frame, pose(random.normal(0, 1e6, 3)))
+        assert source(motion) == "REFUSED"
+    assert place(motion) == pytest.approx(FORWARD * 3.9)
+
+
+def test_an_absurd_pose_at_the_start() -> None:
+    stage = Motion()
+    for frame in range(10):
+        assert source(stage.update(0.1 * frame, pose((1e200, 0, 0)))) == "REFUSED"
+    assert stage.update(1.0, pose((1, 2, 3))).known
+
+
+# ---- errors ----
+
+
+@pytest.mark.parametrize(
+    ("given", "status"),
+    [
+        ({"t_ns": 200_000_000}, "VISTA_ERROR_ORDER"),
+        ({"t_ns": 0, "raw_pose": pose((math.nan, 0, 0))}, "VISTA_ERROR_ORDER"),  # time comes first
+        ({"raw_pose": pose((0, math.inf, 0))}, "VISTA_ERROR_NUMBER"),
+        ({"raw_pose": pose((0, 0, 0), np.eye(3) * 2)}, "VISTA_ERROR_RANGE"),
+        ({"velocity": (0, math.nan, 0)}, "VISTA_ERROR_NUMBER"),
+        ({"velocity": (0, 1e300, 1e300)}, "VISTA_ERROR_NUMBER"),
+        ({"velocity": (0, 151.0, 0)}, "VISTA_ERROR_RANGE"),
+    ],
+)
+def test_on_errors_nothing_changes(given: dict, status: str) -> None:
+    stage = Motion()
+    fly(stage, [0.0, 0.1, 0.2])
+    before = bytes(ffi.buffer(stage.state))
+    assert stage.try_update(**{"t_ns": 300_000_000} | given)[0] == status
+    assert bytes(ffi.buffer(stage.state)) == before
+
+
+@pytest.mark.parametrize("name", ["velocity_smoothing_s", "speed_min_m_s", "speed_max_m_s", "drift_m_s"])
+def test_parameters_out_of_range_are_refused(name: str) -> None:
+    for value in (-1.0, math.nan, math.inf):
+        stage = Motion(**{name: value})
+        assert stage.try_update(0)[0] == "VISTA_ERROR_RANGE"
+    assert Motion(restart_poses=0).try_update(0)[0] == "VISTA_ERROR_RANGE"
