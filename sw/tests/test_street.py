@@ -83,9 +83,10 @@ def test_the_sky_holds_no_obstacle(results: list[Result]) -> None:
             assert not (o.confirmed and not o.coasting and in_gap), (frame, o.id)
 
 
-def test_how_often_it_warns_and_of_what_is_measured(results: list[Result]) -> None:
-    """Known shortfalls, as limits: the collision volume is straight, and tracks are held for long."""
-    path = driven_path_m()
-    beside = {aside.frame for aside in warnings_beside_the_path(results, path)}
-    assert len(beside) <= warned_frames(results) <= len(results)
-    assert 0.0 <= coasting_share(results) <= 1.0
+def test_warnings_and_held_tracks_do_not_become_more(results: list[Result]) -> None:
+    """The limits are what is reached today, not what is good: the collision volume is straight, and tracks are
+    held for long."""
+    beside = {aside.frame for aside in warnings_beside_the_path(results, driven_path_m())}
+    assert len(beside) <= 11
+    assert warned_frames(results) <= 31
+    assert coasting_share(results) <= 0.47
