@@ -16,8 +16,9 @@ class Colour(NamedTuple):
 
 
 YELLOW = Colour(0, 225, 255)  # tracked obstacles
-GREEN = Colour(80, 230, 60)  # the nearest collision obstacle
+RED = Colour(75, 75, 255)  # obstacles on the collision course
 GREY = Colour(170, 170, 170)  # tracks that are not confirmed yet
+ALARM = Colour(40, 40, 210)  # the ground of a warning's text
 WHITE = Colour(245, 245, 245)
 INK = Colour(24, 20, 18)  # backgrounds, and disparity where there is none
 PALETTE_SIZE = 64
