@@ -118,6 +118,9 @@ static const struct {
     {{"obstacle_map.lasting_center_px", "px", "The same of its centre: matching widens a thing by up to half a block, more to one side than to the other.", VISTA_PARAMETER_FLOAT, 2.5, 0.0, 100.0, "", 0, NULL}, offsetof(vista_parameters, obstacle_map.lasting_center_px)},
     {{"obstacle_map.lasting_center_ratio", "", "The same, as a share of its half width and height: a region may lack a part of the thing all along.", VISTA_PARAMETER_FLOAT, 0.08, 0.0, 2.0, "", 0, NULL}, offsetof(vista_parameters, obstacle_map.lasting_center_ratio)},
     {{"obstacle_map.closing_min_m_s", "m/s", "No time to collision is given for what closes slower than this.", VISTA_PARAMETER_FLOAT, 0.5, 0.0, 100.0, "", 0, NULL}, offsetof(vista_parameters, obstacle_map.closing_min_m_s)},
+    {{"health.degraded_fraction", "", "A frame is degraded when less than this of the pixels that can be matched has a disparity.", VISTA_PARAMETER_FLOAT, 0.1, 0.0, 1.0, "", 0, NULL}, offsetof(vista_parameters, health.degraded_fraction)},
+    {{"health.blind_fraction", "", "With less than this it is blind.", VISTA_PARAMETER_FLOAT, 0.02, 0.0, 1.0, "health.degraded_fraction", 0, NULL}, offsetof(vista_parameters, health.blind_fraction)},
+    {{"health.contrast_min", "grey levels", "It is blind, too, when the standard deviation of the cells' grey levels is smaller.", VISTA_PARAMETER_FLOAT, 2.0, 0.0, 255.0, "", 0, NULL}, offsetof(vista_parameters, health.contrast_min)},
 };
 
 _Static_assert(sizeof(vista_stereo_params) == 256, "stereo may not grow");
@@ -132,5 +135,6 @@ _Static_assert(sizeof(vista_reconstruction_params) == 256, "reconstruction may n
 _Static_assert(sizeof(vista_tracker_params) == 256, "tracker may not grow");
 _Static_assert(sizeof(vista_blind_zone_params) == 256, "blind_zone may not grow");
 _Static_assert(sizeof(vista_obstacle_map_params) == 256, "obstacle_map may not grow");
+_Static_assert(sizeof(vista_health_params) == 256, "health may not grow");
 
 #endif

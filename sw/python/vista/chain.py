@@ -73,11 +73,11 @@ def make_chain(
         engine.check_size(rectifier.calibration.width, rectifier.calibration.height)
     except (TypeError, ValueError) as error:
         raise InputError(f"engine {engine_name}", str(error)) from None
+    camera = rectifier.calibration
     try:
-        pipeline = Pipeline(rectifier.calibration, values)
+        pipeline = Pipeline(camera, values)
     except ValueError as error:
-        camera = rectifier.calibration
-        raise InputError(sequence.name, f"{camera.width}x{camera.height} px: {error}") from None
+        raise InputError(sequence.name, f"images of {camera.width}x{camera.height} px: {error}") from None
     return Chain(sequence, rectifier, engine, pipeline)
 
 
