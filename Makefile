@@ -137,4 +137,4 @@ clean: ## remove what was built, keep .venv
 	rm -rf build
 
 distclean: clean ## remove everything generated
-	rm -rf .venv *.egg-info
+	rm -rf .venv
