@@ -1,4 +1,4 @@
-"""libvista's chain: left image, engine words, time and pose in; obstacles and what led to them out."""
+"""The host library libvista: from image, disparities, time and pose to obstacles."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The C model of the contract, the reference of all engines (model/c)."""
+"""The engine in C (model/c), the reference of all engines."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Poses at given times out of a sampled trajectory."""
+"""Interpolates poses at given times in a sampled trajectory."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a reader gives: a sequence of frames, each read when asked for."""
+"""The types of a sequence: its calibration and its frames, which are read when they are asked for."""
 
 from __future__ import annotations
 
