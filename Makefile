@@ -38,6 +38,7 @@ help: ## list the targets
 
 include rtl/rtl.mk
 include model/systemc/systemc.mk
+include sw/fuzz/fuzz.mk
 
 # ---- set-up ----
 

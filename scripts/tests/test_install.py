@@ -1,4 +1,4 @@
-"""`make install`: what lies where, and programs that link to it in every way, also after it was moved."""
+"""`make install`: what lies where, and programs that link to it in every way that it offers, after a move."""
 
 from __future__ import annotations
 

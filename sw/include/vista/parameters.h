@@ -13,6 +13,9 @@ VISTA_BEGIN
 /* What is matched: the horizontal Sobel response, or the grey levels themselves (the Acadia's plain SAD). */
 typedef enum vista_stereo_prefilter { VISTA_STEREO_PREFILTER_XSOBEL, VISTA_STEREO_PREFILTER_NONE } vista_stereo_prefilter;
 
+/* Smoothing of both images before they are matched: none, or 1 2 1 in both directions. */
+typedef enum vista_stereo_smooth { VISTA_STEREO_SMOOTH_OFF, VISTA_STEREO_SMOOTH_BINOMIAL3 } vista_stereo_smooth;
+
 /* The stereo engine (its contract: doc/design/engine-contract.md). */
 typedef struct vista_stereo_params {
   int32_t num_disparities; /* Candidates 0 .. num_disparities - 1, a multiple of 16. The paper's Acadia had 32; 64 halve the blind zone. 16 .. 256 px. */
@@ -22,7 +25,9 @@ typedef struct vista_stereo_params {
   int32_t texture_threshold; /* Blocks with less texture are invalid. 0 .. 65535. */
   int32_t uniqueness_ratio; /* Margin of the best match over all that do not adjoin it. 0 .. 100 percent. */
   int32_t lr_max_diff; /* Largest difference of the left and the right winner; -1: no left/right check. -1 .. 255 px. */
-  unsigned char reserved[228];
+  vista_stereo_smooth smooth; /* Smoothing of both images before they are matched: none, or 1 2 1 in both directions. */
+  int32_t levels; /* Levels of the image pyramid that are matched, each half the size of the one before. 1 .. 4. */
+  unsigned char reserved[220];
 } vista_stereo_params;
 
 /* The vehicle's own motion, from poses. */
@@ -180,6 +185,14 @@ typedef struct vista_obstacle_map_params {
   unsigned char reserved[192];
 } vista_obstacle_map_params;
 
+/* When a view tells too little. */
+typedef struct vista_health_params {
+  double degraded_fraction; /* A frame is degraded when less than this of the pixels that can be matched has a disparity. 0.0 .. 1.0. */
+  double blind_fraction; /* With less than this it is blind. 0.0 .. 1.0. At most degraded_fraction. */
+  double contrast_min; /* It is blind, too, when the standard deviation of the cells' grey levels is smaller. 0.0 .. 255.0 grey levels. */
+  unsigned char reserved[232];
+} vista_health_params;
+
 /* All parameters. vista_parameters_default makes the struct; change its members afterwards. A newer library
  * keeps its new parameters behind those of this header and in the reserved parts, and fills them in there. */
 typedef struct vista_parameters {
@@ -196,6 +209,7 @@ typedef struct vista_parameters {
   vista_tracker_params tracker;
   vista_blind_zone_params blind_zone;
   vista_obstacle_map_params obstacle_map;
+  vista_health_params health;
 } vista_parameters;
 
 /* Writes the defaults into a struct of this size. VISTA_ERROR_SIZE: it is no size of this struct. */

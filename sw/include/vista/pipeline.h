@@ -52,6 +52,7 @@ typedef struct vista_result {
   int32_t obstacle_bytes; /* bytes from one obstacle to the next */
   vista_nearest_collision nearest_collision;
   vista_motion motion;
+  vista_health health;
   double valid_fraction; /* share of the pixels of the image that have a disparity */
   int32_t region_count;
   int32_t accepted_count; /* regions that are taken for obstacles */

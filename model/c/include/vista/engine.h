@@ -38,7 +38,8 @@ typedef enum vista_engine_status {
   VISTA_ENGINE_ERROR_SIZE,        /* width or height outside 1..VISTA_ENGINE_MAX_SIDE_PX */
   VISTA_ENGINE_ERROR_STRIDE,      /* a stride is smaller than the width */
   VISTA_ENGINE_ERROR_ROWS,        /* rows outside 0 <= first <= end <= height */
-  VISTA_ENGINE_ERROR_SCRATCH      /* scratch too small or not aligned to 64 bytes */
+  VISTA_ENGINE_ERROR_SCRATCH,     /* scratch too small or not aligned to 64 bytes */
+  VISTA_ENGINE_ERROR_OVERLAP      /* the image to write overlaps the one to read */
 } vista_engine_status;
 
 /* The filter before matching (step 1). */
