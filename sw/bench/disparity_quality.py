@@ -23,12 +23,12 @@ from vista_eval.metrics.disparity_quality import (
     Counts,
     Pixels,
     Quality,
-    Share,
     at_full_size,
     count,
     finest,
     quality,
 )
+from vista_eval.metrics.standing_points import Share
 from vista_eval.report.text_table import aligned
 
 DISPARITIES = 64

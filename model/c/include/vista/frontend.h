@@ -1,4 +1,4 @@
-/* What goes before the matching, to the bit: smoothing and pyramid of doc/design/engine-contract.md.
+/* What goes before the matching, to the bit: smoothing and pyramid of model/README.md.
  *
  * Both take one 8-bit image and write another, of any size from 1x1 on, without scratch or state. A pair is matched at
  * several levels by calls in turn: level k+1 is vista_frontend_reduce of level k; each level, smoothed by itself if
@@ -12,6 +12,7 @@
 
 VISTA_BEGIN
 
+/* An image to read; stride counts pixels from one row to the next. */
 /* An 8-bit grey image. */
 typedef struct vista_frontend_image {
   const uint8_t *pixels;
