@@ -1,4 +1,4 @@
-"""The native libraries and their bindings, from the build folder of a checkout or an installed package."""
+"""Loads the native libraries and their bindings, from a checkout or an installed package."""
 
 from __future__ import annotations
 
