@@ -319,5 +319,6 @@ vista_status vista_pipeline_process_sized(vista_pipeline *pipeline, const vista_
 }
 
 vista_pipeline_stages vista_pipeline_look(const vista_pipeline *pipeline) {
-  return (vista_pipeline_stages){&pipeline->foveation, &pipeline->surfaces, &pipeline->affinity, &pipeline->regions};
+  return (vista_pipeline_stages){&pipeline->foveation, &pipeline->cells, &pipeline->surfaces, &pipeline->affinity,
+                                 &pipeline->regions};
 }

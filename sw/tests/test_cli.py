@@ -158,6 +158,24 @@ def test_record_holds_what_the_host_received(tmp_path: Path, run_vista: Vista) -
     )
 
 
+@pytest.mark.parametrize("engine", ["golden", "opencv"])
+@pytest.mark.parametrize("smooth", ["off", "binomial3"])
+def test_smoothing_of_a_config(tmp_path: Path, run_vista: Vista, engine: str, smooth: str) -> None:
+    (tmp_path / "c.toml").write_text(
+        f'[stereo]\nnum_disparities = 32\nlr_max_diff = -1\nsmooth = "{smooth}"\n'
+    )
+    folder, record = cases.make_kitti(tmp_path / "kitti"), tmp_path / "flight.rec"
+    options = ["--engine", engine, "--config", tmp_path / "c.toml", "--record", record]
+    assert run_vista("run", folder, "--out", tmp_path / "out", *options)[0] == 0
+    pair = cases.texture_pair(cases.FRAMES - 1)
+    words = np.frombuffer(record.read_bytes()[-2 * cases.WIDTH * cases.HEIGHT :], "<i2").reshape(
+        pair[0].shape
+    )
+    both = [vista.StereoEngine(32, lr_max_diff=None, smooth=s).compute(*pair) for s in (False, True)]
+    np.testing.assert_array_equal(words, both[smooth == "binomial3"])
+    assert (both[0] != both[1]).any()
+
+
 @pytest.mark.parametrize("stills", [True, False])
 def test_stills_are_judged_one_by_one(tmp_path: Path, stills: bool) -> None:
     """With the real pipeline: the ids of the board and whether it is confirmed, frame by frame."""
@@ -270,6 +288,9 @@ BAD_CONFIGS = {
     "[tracker]\nconfirm_hits = 7": "tracker.confirm_hits must be at most tracker.confirm_window (6), not 7",
     "[tracker]\nconfirm_window = 2": "tracker.confirm_hits must be at most tracker.confirm_window (2), not 4",
     "stereo = 1": "unknown section [stereo]",
+    "[stereo]\nsmooth = true": "stereo.smooth must be one of off, binomial3, not True",
+    "[stereo]\nlevels = 5": "stereo.levels must be from 1 to 4",
+    "[stereo]\nlevels = 2": "stereo.levels: the host takes the words of one level only",
 }
 
 

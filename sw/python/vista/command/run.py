@@ -5,7 +5,7 @@ SEQUENCE is a folder in one of three layouts:
   KITTI odometry  sequences/NN with image_0, image_1, calib.txt, times.txt, optionally ../../poses/NN.txt
   pairs           NAME_left.EXT, NAME_right.EXT and calibration.toml, optionally times.csv and poses.csv
 
-DIR receives obstacles.jsonl (one line a frame), frames/ (pictures), summary.json and report.html.
+DIR receives obstacles.jsonl (one line per frame), frames/ (pictures), summary.json and report.html.
 """
 
 from __future__ import annotations
