@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 from vista.geometry import Array, Calibration, Pose
-from vista.pipeline import Ellipse, Motion, Nearest, Obstacle, Result
+from vista.pipeline import Ellipse, Health, Motion, Nearest, Obstacle, Result
 
 CELL_PX = 10
 STILL = Pose(np.eye(3), np.zeros(3))
@@ -79,6 +79,7 @@ class FakePipeline:
             obstacles=obstacles,
             nearest_collision=nearest,
             motion=Motion(True, "POSE", False, np.array([0.0, 0.0, 10.0]), np.zeros(3), STILL),
+            health=Health("healthy", (), (), 0.5, 50.0),
             regions=regions,
             valid_fraction=float(np.mean(disparity >= 0)),
             dropped_tracks=2,

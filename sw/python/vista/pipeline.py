@@ -62,10 +62,22 @@ class Motion:
 
 
 @dataclass(frozen=True)
+class Health:
+    """Whether the view tells anything: without obstacles only a healthy frame is clear."""
+
+    state: str  # healthy, degraded, blind
+    reasons: tuple[str, ...]  # few_disparities, no_disparities, no_contrast, motion_unknown, pose_jump
+    texts: tuple[str, ...]  # the same in words
+    matched_fraction: float  # of the pixels where the engine can find a disparity, those that have one
+    contrast: float  # standard deviation of the cells, grey levels
+
+
+@dataclass(frozen=True)
 class Result:
     obstacles: list[Obstacle]  # nearest first
     nearest_collision: Nearest | None
     motion: Motion
+    health: Health
     regions: int
     valid_fraction: float
     dropped_tracks: int  # for want of room, in this frame
@@ -182,6 +194,7 @@ class Pipeline:
             obstacles=[_obstacle(ffi, lib, r.obstacles[k]) for k in range(r.obstacle_count)],
             nearest_collision=_nearest(nearest) if nearest.valid else None,
             motion=_motion(ffi, lib, r.motion),
+            health=_health(ffi, lib, r.health),
             regions=r.region_count,
             valid_fraction=r.valid_fraction,
             dropped_tracks=r.dropped_tracks,
@@ -235,6 +248,17 @@ def _motion(ffi: Any, lib: Any, m: Any) -> Motion:
         velocity_m_s=np.array(list(m.velocity_m_s)) if m.velocity_known else None,
         turn_rate_rad_s=np.array(list(m.turn_rate_rad_s)),
         pose=Pose(np.array(list(m.pose.rotation)).reshape(3, 3), np.array(list(m.pose.translation_m))),
+    )
+
+
+def _health(ffi: Any, lib: Any, h: Any) -> Health:
+    reasons = [k for k in range(lib.VISTA_HEALTH_REASON_COUNT) if h.reasons >> k & 1]
+    return Health(
+        state=ffi.string(lib.vista_health_state_name(h.state)).decode(),
+        reasons=tuple(ffi.string(lib.vista_health_reason_name(k)).decode() for k in reasons),
+        texts=tuple(ffi.string(lib.vista_health_reason_text(k)).decode() for k in reasons),
+        matched_fraction=h.matched_fraction,
+        contrast=h.contrast,
     )
 
 
