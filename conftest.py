@@ -1,4 +1,4 @@
-"""What all tests share: the marker `native` of those that reach compiled code, found by what their module imports."""
+"""What all tests share: the markers `native`, of those that reach compiled code, and `slow`."""
 
 from __future__ import annotations
 
@@ -15,6 +15,17 @@ NATIVE_PATHS = (
     "model/tests/test_c_engine.py",
     *(f"sw/tests/test_{name}.py" for name in ("engine", "real_sequence", "replay", "street")),
 )
+# What `make check` leaves out: simulations of the RTL, renderings, installations, and long runs.
+SLOW_PATHS = (
+    "tb",
+    "scripts/tests/test_documentation.py",
+    "scripts/tests/test_install.py",
+    "scripts/tests/test_wheel.py",
+    *(
+        f"sw/tests/test_{name}.py"
+        for name in ("cli", "engine_rtl", "flight", "fuzz", "scenes", "static_world", "street", "throughput")
+    ),
+)
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
@@ -24,6 +35,8 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
         path = item.path.relative_to(ROOT).as_posix()
         if path.startswith(NATIVE_PATHS) or (module is not None and calls_c(module.obj, known)):
             item.add_marker(pytest.mark.native)
+        if path.startswith(SLOW_PATHS):
+            item.add_marker(pytest.mark.slow)
 
 
 def calls_c(module: ModuleType, known: dict[str, bool]) -> bool:
