@@ -95,13 +95,15 @@ def engine_sizes_table() -> str:
 
 def frontend_table() -> str:
     found = figures("frontend")["isas"]
-    names = {name: name for name in found[0]["ms"] if "level" in name}
-    names |= {"smooth": "smoothing (of `GaussianBlur`'s time)", "reduce": "to level 1 (of `pyrDown`'s time)"}
-    rows = [
-        [text, *(f"{one['ms'][name]['median']:.2f} ({spread(one['ratio'][name], 2)})" for one in found)]
-        for name, text in sorted(names.items(), key=lambda item: "level" in item[0])
-    ]
-    return markdown(" | ".join(["ms (ratio to one level)", *(one["isa"] for one in found)]), rows)
+    names = {"smooth": "smoothing; ratio to `GaussianBlur`", "reduce": "level 1; ratio to `pyrDown`"}
+    names |= {name: name for name in found[0]["ms"] if "level" in name}
+
+    def cell(one: Record, name: str) -> str:
+        ratio = f"; {spread(one['ratio'][name], 2)}" if name in one["ratio"] else ""
+        return f"{one['ms'][name]['median']:.2f}{ratio}"
+
+    rows = [[text, *(cell(one, name) for one in found)] for name, text in names.items()]
+    return markdown(" | ".join(["ms; ratio to one level", *(one["isa"] for one in found)]), rows)
 
 
 def disparity_quality_table() -> str:

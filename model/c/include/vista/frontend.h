@@ -12,6 +12,7 @@
 
 VISTA_BEGIN
 
+/* An image to read; stride counts pixels from one row to the next. */
 typedef struct vista_frontend_image {
   const uint8_t *pixels;
   int32_t width, height; /* px */

@@ -124,9 +124,8 @@ class StereoEngine(LevelEngine):
         def band(index: int) -> int:
             first, end = (height * i // self._threads for i in (index, index + 1))
             data = ffi.from_buffer("uint8_t[]", scratch[index])
-            return self._lib.vista_engine_compute_rows(
-                self._params, images, output, first, end, data, len(data)
-            )
+            compute_rows = self._lib.vista_engine_compute_rows
+            return int(compute_rows(self._params, images, output, first, end, data, len(data)))
 
         if self._pool is None:
             self._check(band(0))
