@@ -31,7 +31,7 @@ endif
 DEMO_PAIRS := build/demo/oak-d
 DEMO_FLIGHT := build/demo/flight
 
-.PHONY: help setup native build install generate test test-python test-asan drift bench lint lint-python demo flights lock clean distclean
+.PHONY: help setup native build install generate test test-python test-asan drift docs bench lint lint-python demo flights lock clean distclean
 
 help: ## list the targets
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -55,6 +55,9 @@ setup: .venv/run.stamp ## pinned Python packages into .venv, `vista` on .venv/bi
 .venv/bench.stamp: $(REQUIREMENTS)/bench.txt .venv/test.stamp
 	@$(SETUP) bench
 
+.venv/docs.stamp: $(REQUIREMENTS)/docs.txt .venv/run.stamp
+	@$(SETUP) docs
+
 lock: ## pin the packages of scripts/requirements/*.in anew, with hashes
 	@scripts/lock.sh
 
@@ -75,8 +78,9 @@ $(BUILD)/lib/libvista_engine.so: native ;@:
 install: native ## libraries, headers and programs into PREFIX (default /usr/local), below DESTDIR
 	@DESTDIR=$(DESTDIR) $(CMAKE) --install $(BUILD) --prefix $(PREFIX)
 
-generate: .venv/run.stamp ## generated sources anew, after a change of sw/parameters.toml
+generate: .venv/run.stamp ## write generated sources and tables anew, after a change of sw/parameters.toml or of measured figures
 	@$(PYTHON) scripts/make_parameters.py sw/parameters.toml sw/include/vista/parameters.h sw/src/parameters_table.h
+	@$(PYTHON) scripts/make_tables.py
 
 # ---- checks ----
 
@@ -91,8 +95,9 @@ test: lint drift build systemc-tests .venv/test.stamp $(RTL_TOOLS) ## everything
 test-python: build systemc-tests .venv/test.stamp $(RTL_TOOLS)
 	@$(PYTHON) -m pytest
 
-drift: .venv/run.stamp ## generated sources equal what their generators write
+drift: .venv/run.stamp ## check that generated sources and tables equal what their generators write
 	@$(PYTHON) scripts/make_parameters.py sw/parameters.toml sw/include/vista/parameters.h sw/src/parameters_table.h --check
+	@$(PYTHON) scripts/make_tables.py --check
 
 lint: lint-python lint-rtl ## ruff, Verilator -Wall, Verible
 
@@ -101,6 +106,10 @@ lint-python: .venv/test.stamp
 
 test-asan: build .venv/test.stamp ## the tests of the C code again, under ASan and UBSan
 	@scripts/test_sanitized.sh
+
+docs: build .venv/docs.stamp ## build the documentation site into build/doc/html; warnings are errors
+	@.venv/bin/sphinx-build --quiet --fail-on-warning --keep-going -b html -d build/doc/cache doc build/doc/html
+	@echo "documentation: $(CURDIR)/build/doc/html/index.html"
 
 bench: build .venv/bench.stamp ## timings on this machine: tables, and build/bench.json
 	@$(PYTHON) scripts/run_benches.py model/bench sw/bench --out build/bench.json

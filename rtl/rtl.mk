@@ -66,8 +66,9 @@ build/lib/libvista_rtl_%.so: $(RTL_SOURCES) $(wildcard rtl/csr/*.sv rtl/*.f) $(R
 	  -isystem $$root/include -isystem $$root/include/vltstd $(RTL_HARNESS) build/rtl/engine/$*/libVvista_stereo.a \
 	  build/rtl/engine/$*/libverilated.a -lpthread -o $@
 
-synth: $(RTL_TOOLS) ## Yosys and nextpnr for ECP5: resources and clock, written to rtl/README.md
-	@$(RTL_PYTHON) scripts/synth_rtl.py --readme
+synth: $(RTL_TOOLS) ## Yosys and nextpnr for ECP5: resources and clock, written to rtl/synth/results.json
+	@$(RTL_PYTHON) scripts/synth_rtl.py --save
+	@$(RTL_PYTHON) scripts/make_tables.py
 
 formal: $(RTL_TOOLS) ## proofs of the handshakes and the buffers by k-induction
 	@$(RTL_PYTHON) scripts/formal_rtl.py

@@ -1,4 +1,4 @@
-"""Coverage of the engine: line, toggle and the functional plan of tb/README.md: make coverage-rtl.
+"""Coverage of the engine: line, toggle and the plan of doc/design/verification.md: make coverage-rtl.
 
 Runs random frames, with random stalls and faults, until every bin of the plan was hit (or a limit is
 reached), then reads Verilator's counts. Points waived in tb/coverage_waivers.txt are left out and counted.

@@ -1,8 +1,10 @@
-"""Synthesises, places and routes the engine for ECP5 and tabulates resources and clock: make synth.
+"""Synthesises, places and routes the engine for ECP5: resources and clock (make synth).
 
-Each row is one run of Yosys and one of nextpnr for every seed: the clock is the median of the seeds, with its
-range. The table goes to stdout, and with --readme between the marks of rtl/README.md. Results are kept under
-build/synth/ by digest of sources and settings, so a table can be made in several goes.
+Each build is one run of Yosys and one of nextpnr for every seed: the clock is the median of the seeds, with
+its range. The figures go to stdout, and with --save into rtl/synth/results.json, from which the table in the
+documentation is generated and of which `vista throughput` takes the clock; --save replaces the builds that
+were made. Intermediate results are kept under build/synth/ by digest of sources and settings, so that the
+builds can be made in several runs.
 """
 
 from __future__ import annotations
@@ -21,10 +23,10 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT / "tb" / "common"))
+from make_tables import SYNTHESIS, as_text, measured  # noqa: E402
 from tools import sources  # noqa: E402
 
 BIN = ROOT / ".venv" / "bin"
-MARKS = ("<!-- synth: written by `make synth` -->", "<!-- /synth -->")
 LIMITS = {"lut4": 9000, "mhz": 100.0}  # of the reference build, 32 disparities on the 25F
 LUT4_PER_DISPARITY = 200  # from one build to the next larger one
 
@@ -154,21 +156,35 @@ def steps(results: dict[Build, Result]) -> Iterator[tuple[tuple[int, Result], tu
     return pairwise(sorted(sizes.items()))
 
 
-def table(results: dict[Build, Result]) -> str:
-    lines = [
-        "| disparities | block | width | device | speed | LUT4 | sites | FF | block RAM | multipliers | "
-        "MHz: median (range) |",
-        "|---" * 11 + "|",
-    ]
-    for b, r in results.items():
-        lines.append(
-            f"| {b.disparities} | {b.block} | {b.width} | LFE5U-{b.device[:-1]}F | {b.speed} | "
-            f"{r.lut4} | {r.sites} | {r.ff} | {r.ebr} | {r.mult} | {r.clock} |"
-        )
-    for (d0, r0), (d1, r1) in steps(results):
-        lut4, sites = (r1.lut4 - r0.lut4) / (d1 - d0), (r1.sites - r0.sites) / (d1 - d0)
-        lines += ["", f"From {d0} to {d1} disparities each takes {lut4:.0f} LUT4, {sites:.0f} sites."]
-    return "\n".join(lines)
+def record(b: Build, r: Result) -> dict[str, object]:
+    """A build as rtl/synth/results.json has it."""
+    used = {
+        "disparities": b.disparities,
+        "block_px": b.block,
+        "max_width_px": b.width,
+        "device": f"LFE5U-{b.device[:-1]}F",
+        "speed_grade": b.speed,
+        "lut4": r.lut4,
+        "sites": r.sites,
+        "ff": r.ff,
+        "block_ram": r.ebr,
+        "multipliers": r.mult,
+        "clock_mhz": round(r.median, 1),
+    }
+    if len(r.mhz) > 1:
+        used["clock_range_mhz"] = [min(r.mhz.values()), max(r.mhz.values())]
+    return used | {"seeds": len(r.mhz)}
+
+
+BUILD_KEYS = ("disparities", "block_px", "max_width_px", "device", "speed_grade")
+
+
+def save(records: list[dict[str, object]]) -> None:
+    """Replaces the builds that were made and keeps the others, in their order."""
+    kept = json.loads(SYNTHESIS.read_text())["builds"] if SYNTHESIS.is_file() else []
+    builds = {tuple(one[key] for key in BUILD_KEYS): one for one in [*kept, *records]}
+    content = {"measured": measured("make synth"), "builds": list(builds.values())}
+    SYNTHESIS.write_text(as_text(content) + "\n")
 
 
 def misses(results: dict[Build, Result]) -> list[str]:
@@ -184,19 +200,19 @@ def misses(results: dict[Build, Result]) -> list[str]:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--readme", action="store_true", help="write the table into rtl/README.md")
-    parser.add_argument("--rows", type=int, nargs="+", help="only these rows of the table, from 1")
-    parser.add_argument("--all", action="store_true", help="also the builds whose routing takes hours")
+    parser.add_argument("--save", action="store_true", help="write the figures into rtl/synth/results.json")
+    parser.add_argument(
+        "--rows", type=int, nargs="+", help="make only these builds of the list, counted from 1"
+    )
+    parser.add_argument("--all", action="store_true", help="make also the builds whose routing takes hours")
     args = parser.parse_args()
     rows = TABLE + SLOW * args.all
     builds = [rows[row - 1] for row in args.rows] if args.rows else rows
     results = {b: run(b) for b in builds}
-    text = table(results)
-    print(text)
-    if args.readme:
-        readme = ROOT / "rtl" / "README.md"
-        before, rest = readme.read_text().split(MARKS[0])
-        readme.write_text(before + MARKS[0] + "\n" + text + "\n" + MARKS[1] + rest.split(MARKS[1])[1])
+    records = [record(b, r) for b, r in results.items()]
+    print(as_text(records))
+    if args.save:
+        save(records)
     if missed := misses(results):
         sys.exit("synth: " + "; ".join(missed))
 

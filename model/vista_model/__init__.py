@@ -1,4 +1,4 @@
-"""The stereo engine's contract in numpy: model/README.md is the text, `engine` its executable form."""
+"""The stereo engine in numpy: the contract, doc/design/engine-contract.md, in executable form."""
 
 from vista_model.engine import INVALID, NO_COST, Parameters, compute, compute_with_smin
 

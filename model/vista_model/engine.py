@@ -1,4 +1,4 @@
-"""The stereo engine, one function a step of the contract (model/README.md); read them side by side.
+"""The stereo engine: one function for each step of the contract (doc/design/engine-contract.md).
 
 Images are uint8, height x width, rectified, left is the reference. Costs S are held as an array [d, y, x]
 over the matched pixels only: x - (D-1+r) and y - r index it.

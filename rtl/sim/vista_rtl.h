@@ -18,7 +18,7 @@ typedef struct vista_rtl_build {
   uint32_t max_height_px;
 } vista_rtl_build;
 
-/* Run-time parameters of the contract (model/README.md). */
+/* Run-time parameters of the contract (doc/design/engine-contract.md). */
 typedef struct vista_rtl_settings {
   uint32_t xsobel;            /* 1: x-Sobel, 0: plain grey values */
   uint32_t prefilter_cap;     /* 1 .. 63 */

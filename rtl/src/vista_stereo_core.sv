@@ -1,8 +1,8 @@
-// The stereo engine without registers: two streams and the parameters of a frame. See rtl/README.md for the picture.
+// The stereo engine without registers: two streams and the parameters of a frame. See doc/design/rtl.md for the picture.
 //
 // Words out: {Smin, sign-extended disparity}, W * H of them for every frame that was begun, in raster order.
 // Latency: the disparity of (x, y) leaves r + 1 rows and r columns after its pixel came, plus a number of clocks that
-// depends on D only (rtl/README.md).
+// depends on D only (doc/rtl.md).
 
 module vista_stereo_core #(
   parameter int unsigned NumDisparities = 32,   // 16, 32 .. 256

@@ -1,20 +1,22 @@
-"""What each choice of the segmentation is worth on labelled scenes, with the reference method.
+"""Measure what each choice of the segmentation is worth on labelled scenes, beside a reference method.
 
-usage: segmentation_variants.py DIR [--only NAME ...] [--readme]
+usage: segmentation_variants.py DIR [--only NAME ...] [--out FILE.json]
 
-DIR: scenes of `vista scenes`. Per variant, on the half that was tuned on and on the unseen half: IoU of the
-things (median, mean), share of them with an IoU above 0.5, recall of their boundaries within 3 px, leak
-(under-segmentation), regions; processor time of the host, median. vista_eval.metrics.segmentation defines
-them.
---readme: the table replaces the one in sw/README.md."""
+DIR holds scenes of `vista scenes`. For each variant, on the development and on the test scenes, the table has
+the IoU of the things (median, mean), the share of them with an IoU above 0.5, the recall of their boundaries
+within 3 px, the under-segmentation and the number of regions, and the median processor time of the host.
+vista_eval.metrics.segmentation defines them. --out also writes the figures, for
+`scripts/make_tables.py --save segmentation=FILE.json`.
+"""
 
 from __future__ import annotations
 
 import argparse
-import sys
+import json
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 import cv2
 import numpy as np
@@ -24,19 +26,8 @@ from vista_eval.dataset.scenes import LabelledScene, read_scenes
 from vista_eval.dataset.truth import SPLITS
 from vista_eval.metrics.scenes import Partition, partition_scenes, score_cells, score_cut, score_scene
 from vista_eval.metrics.segmentation import STATISTICS, PartitionScore
-from vista_eval.report.scenes_page import number
 
-README = Path(__file__).resolve().parents[1] / "README.md"
-BEGIN = "<!-- written by sw/bench/segmentation_variants.py -->"
-END = "<!-- end of the table -->"
-COLUMNS = {
-    "IoU median": "iou_median",
-    "mean": "iou_mean",
-    "> 0.5": "found",
-    "boundary": "boundary_recall",
-    "leak": "undersegmentation",
-    "regions": "regions",
-}
+COLUMNS = ("iou_median", "iou_mean", "found", "boundary_recall", "undersegmentation", "regions")
 
 
 @dataclass(frozen=True)
@@ -133,8 +124,8 @@ VARIANTS = {
 }
 
 
-def cells(scores: list[PartitionScore]) -> str:
-    return " | ".join(number(key, STATISTICS[key](scores)) for key in COLUMNS.values())
+def figures(scores: list[PartitionScore]) -> dict[str, float]:
+    return {key: round(float(STATISTICS[key](scores)), 3) for key in COLUMNS}
 
 
 def measure(variant: Variant, scenes: list[LabelledScene]) -> tuple[list[PartitionScore], float]:
@@ -148,47 +139,51 @@ def measure(variant: Variant, scenes: list[LabelledScene]) -> tuple[list[Partiti
     return scores, float(np.median(host_ms))
 
 
-def baselines(halves: dict[str, list[LabelledScene]]) -> list[str]:
-    """Rows of the reference methods and of the grid's own limit."""
-    rows: dict[str, list[str]] = {}
-    for scenes in halves.values():
+def baselines(halves: dict[str, list[LabelledScene]]) -> dict[str, dict[str, dict[str, float]]]:
+    """Figures of the reference methods and of the grid's own limit, by name and half."""
+    found: dict[str, dict[str, dict[str, float]]] = {}
+    for split, scenes in halves.items():
         scored = [score_scene(*pair).scores for pair in partition_scenes(scenes, parameters.defaults())]
         for name in list(scored[0])[1:]:
-            rows.setdefault(name, []).append(cells([scores[name] for scores in scored]))
-    return [f"| *{name}* | {' | '.join(halves_cells)} | |" for name, halves_cells in rows.items()]
+            found.setdefault(name, {})[split] = figures([scores[name] for scores in scored])
+    return found
 
 
-def make_table(folder: Path, names: list[str]) -> list[str]:
+def print_row(row: dict[str, Any]) -> None:
+    halves = "  ".join(" ".join(f"{row[split][key]:7.3f}" for key in COLUMNS) for split in SPLITS)
+    print(f"{row['variant']:48s} {halves}", flush=True)
+
+
+def measure_all(folder: Path, names: list[str]) -> dict[str, Any]:
     halves = {split: read_scenes(folder, split) for split in SPLITS}
-    count = {
-        split: (len(scenes), sum(len(s.view.things) for s in scenes)) for split, scenes in halves.items()
-    }
-    lines = [
-        f"| variant | tuned on: {' | '.join(COLUMNS)} | unseen: {' | '.join(COLUMNS)} | host ms |",
-        "|---|" + "---|" * (2 * len(COLUMNS) + 1),
-    ]
+    rows: list[dict[str, Any]] = []
     for name in names:
-        (tuned, ms), (unseen, _) = (measure(VARIANTS[name], scenes) for scenes in halves.values())
-        lines.append(f"| {name} | {cells(tuned)} | {cells(unseen)} | {ms:.1f} |")
-        print(lines[-1], file=sys.stderr, flush=True)
-    sizes = "; ".join(
-        f"{split}: {scenes} scenes, {things} things" for split, (scenes, things) in count.items()
-    )
-    return [*lines, *baselines(halves), "", f"({sizes})"]
+        measured = {split: measure(VARIANTS[name], scenes) for split, scenes in halves.items()}
+        row = {split: figures(scores) for split, (scores, _) in measured.items()}
+        rows.append({"variant": name, **row, "host_ms": round(measured[SPLITS[0]][1], 1)})
+        print_row(rows[-1])
+    for name, row in baselines(halves).items():
+        rows.append({"variant": name, **row, "host_ms": None})
+        print_row(rows[-1])
+    counts = {
+        split: {"scenes": len(scenes), "things": sum(len(scene.view.things) for scene in scenes)}
+        for split, scenes in halves.items()
+    }
+    return {"scenes": counts, "variants": rows}
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("folder", type=Path, metavar="DIR")
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("folder", type=Path, metavar="DIR", help="folder that `vista scenes` has filled")
     parser.add_argument("--only", nargs="+", choices=VARIANTS, default=list(VARIANTS), metavar="NAME")
-    parser.add_argument("--readme", action="store_true")
+    parser.add_argument("--out", type=Path, metavar="FILE.json", help="also write the figures")
     arguments = parser.parse_args()
-    text = "\n".join(make_table(arguments.folder, arguments.only))
-    print(text)
-    if arguments.readme:
-        before, _, rest = README.read_text().partition(BEGIN)
-        after = rest.partition(END)[2]
-        README.write_text(f"{before}{BEGIN}\n\n{text}\n\n{END}{after}")
+    print(f"for {' and '.join(SPLITS)}: {', '.join(COLUMNS)}")
+    found = measure_all(arguments.folder, arguments.only)
+    if arguments.out is not None:
+        arguments.out.write_text(json.dumps(found, indent=1) + "\n")
 
 
 if __name__ == "__main__":

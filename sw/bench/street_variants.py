@@ -1,14 +1,20 @@
-"""What each choice of the host is worth on the street of sw/tests/test_street.py (KITTI odometry 00).
+"""Measure what each choice of the host is worth on the street of sw/tests/test_street.py (KITTI odometry 00).
 
-usage: street_variants.py [VARIANT ...]
+usage: street_variants.py [VARIANT ...] [--out FILE.json]
 
-Per variant: things (of 12 picked by eye) that keep one id while in view; frames with an obstacle where the
-car drove later; obstacles confirmed in all; median number of frames in which one was seen; host time."""
+For each variant, the table has the number of things (of 12 picked by eye) that keep one id while they are in
+view, the frames with an obstacle where the car drove later, the obstacles that were confirmed, the median
+number of frames in which one was seen, and the time of the host. --out also writes the figures, for
+`scripts/make_tables.py --save street=FILE.json`.
+"""
 
 from __future__ import annotations
 
+import argparse
+import json
 import sys
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -42,9 +48,9 @@ VARIANTS: dict[str, dict[str, dict[str, object]]] = {
 }
 
 
-def measure(changes: dict[str, dict[str, object]]) -> str:
+def measure(variant: str) -> dict[str, Any]:
     values = parameters.defaults()
-    for section, content in changes.items():
+    for section, content in VARIANTS[variant].items():
         values[section] |= content
     results = street.run_street(values)
     path = street.driven_path_m()
@@ -55,17 +61,36 @@ def measure(changes: dict[str, dict[str, object]]) -> str:
         for obstacle in result.obstacles:
             if obstacle.confirmed and not obstacle.coasting:
                 seen[obstacle.id] = seen.get(obstacle.id, 0) + 1
-    host_ms = np.median([result.stage_ms["host"] for result in results])
-    life = np.median(list(seen.values())) if seen else 0
-    return f"{kept:6d} {len(ghosts):7d} {len(seen):9d} {life:6.0f} {host_ms:8.1f}"
+    return {
+        "variant": variant,
+        "kept_of_12": kept,
+        "ghost_frames": len(ghosts),
+        "confirmed": len(seen),
+        "seen_frames_median": float(np.median(list(seen.values()))) if seen else 0.0,
+        "host_ms": round(float(np.median([result.stage_ms["host"] for result in results])), 1),
+    }
 
 
 def main() -> None:
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("variants", nargs="*", metavar="VARIANT", help="measure these only (default: all)")
+    parser.add_argument("--out", type=Path, metavar="FILE.json", help="also write the figures")
+    arguments = parser.parse_args()
+    if unknown := set(arguments.variants) - set(VARIANTS):
+        parser.error(f"no variant {', '.join(sorted(unknown))}; there are: {', '.join(VARIANTS)}")
     if not street.SEQUENCE.is_dir():
         sys.exit(f"street_variants: no {street.SEQUENCE}")
+    rows = []
     print(f"{'variant':38s} {'things':>6s} {'ghosts':>7s} {'confirmed':>9s} {'seen':>6s} {'host ms':>8s}")
-    for name in sys.argv[1:] or VARIANTS:
-        print(f"{name:38s} {measure(VARIANTS[name])}", flush=True)
+    for name in arguments.variants or VARIANTS:
+        rows.append(measure(name))
+        variant, kept, ghosts, confirmed, seen, host_ms = rows[-1].values()
+        print(f"{variant:38s} {kept:6d} {ghosts:7d} {confirmed:9d} {seen:6.0f} {host_ms:8.1f}", flush=True)
+    if arguments.out is not None:
+        found = {"sequence": "KITTI odometry 00, 51 frames", "variants": rows}
+        arguments.out.write_text(json.dumps(found, indent=1) + "\n")
 
 
 if __name__ == "__main__":

@@ -143,9 +143,7 @@ vista_status vista_pipeline_create(void *memory, size_t bytes, const vista_param
   if (memory == NULL || parameters == NULL || camera == NULL || pipeline == NULL) return VISTA_ERROR_ARGUMENT;
   const vista_status status = check(parameters, camera);
   if (status != VISTA_OK) return status;
-  const size_t shift = (VISTA_ARENA_ALIGNMENT - (uintptr_t)memory % VISTA_ARENA_ALIGNMENT) % VISTA_ARENA_ALIGNMENT;
-  if (bytes < shift) return VISTA_ERROR_MEMORY;
-  vista_arena arena = {.base = (unsigned char *)memory + shift, .size = bytes - shift};
+  vista_arena arena = {.base = memory, .size = bytes};
   vista_pipeline *const p = vista_arena_take(&arena, 1, sizeof *p);
   if (p == NULL) return VISTA_ERROR_MEMORY;
   p->parameters = own_parameters(parameters);

@@ -9,6 +9,7 @@ from graph_cases import FlowCase
 from vista import native
 from vista_stages_abi import ffi
 
+# libvista with its stages in reach.
 lib = ffi.dlopen(str(native.build_folder() / "lib" / "libvista_stages.so"))
 
 

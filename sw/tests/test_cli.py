@@ -58,10 +58,19 @@ def test_run_writes_what_interfaces_promise(tmp_path: Path, run_vista: Vista, ma
     lines = read_lines(out)
     assert [line["frame"] for line in lines] == list(range(cases.FRAMES))
     first = lines[1]
-    keys = ["frame", "t_ns", "processing_ms", "regions", "valid_fraction", "obstacles", "nearest_collision"]
-    assert list(first) == keys
-    obstacle_keys = ["id", "confirmed", "age_frames", "position_m", "covariance_m2", "distance_m", "extent_m"]
-    obstacle_keys += ["ellipse_px", "disparity_px", "in_collision_volume", "coasting", "world"]
+    keys = ["version", "frame", "t_ns", "processing_ms", "regions", "valid_fraction", "motion", "health"]
+    assert list(first) == [*keys, "obstacles", "nearest_collision"]
+    assert first["version"] == 2
+    obstacle_keys = ["id", "confirmed", "age_frames", "position_m", "position_camera_m", "covariance_m2"]
+    obstacle_keys += [
+        "distance_m",
+        "extent_m",
+        "ellipse_px",
+        "disparity_px",
+        "in_collision_volume",
+        "coasting",
+        "world",
+    ]
     assert list(first["obstacles"][0]) == obstacle_keys
     assert list(first["obstacles"][0]["ellipse_px"]) == ["center", "axes", "angle_deg"]
     assert list(first["nearest_collision"]) == ["id", "position_m", "distance_m", "time_to_collision_s"]
@@ -153,7 +162,7 @@ def test_stills_are_judged_one_by_one(tmp_path: Path, stills: bool) -> None:
     """With the real pipeline: the ids of the board and whether it is confirmed, frame by frame."""
     folder = cases.make_board_scenes(tmp_path / "pairs", 4, stills)
     record = tmp_path / "stills.rec"
-    options = ["--out", str(tmp_path / "out"), "--no-overlay", "--record", str(record)]
+    options = ["--out", str(tmp_path / "out"), "--no-overlay", "--all-tracks", "--record", str(record)]
     assert main(["run", str(folder), *options]) == 0
     frames = [line["obstacles"] for line in read_lines(tmp_path / "out")]
     boards = [min(obstacles, key=lambda o: abs(o["distance_m"] - 12.5)) for obstacles in frames]
@@ -345,8 +354,9 @@ def test_interruption_leaves_whole_lines_and_a_valid_summary(tmp_path: Path, num
         time.sleep(0.01)
     process.send_signal(number)
     stdout, stderr = process.communicate(timeout=60)
-    assert (process.returncode, stdout, stderr) == (130, b"", b"")
     frames = read_lines(out)
+    line = f"vista: interrupted after {len(frames)} frames\n".encode()
+    assert (process.returncode, stdout, stderr) == (130, b"", line)
     assert 1 <= len(frames) < 60
     summary = json.loads((out / "summary.json").read_text())
     assert (summary["frames"], summary["interrupted"]) == (len(frames), True)

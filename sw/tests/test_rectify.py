@@ -13,6 +13,7 @@ from scipy.spatial.transform import Rotation
 from shared_data import SHARED_DATA
 from vista.errors import InputError
 from vista.geometry import CameraModel, Pose, RawCalibration, camera_matrix
+from vista.health.features import match_pair
 from vista.rectify import Rectifier
 from vista.sequence import Frame, open_sequence, read_grey
 
@@ -35,26 +36,9 @@ def needs(name: str) -> Path:
 
 
 def row_errors_px(left: NDArray[np.uint8], right: NDArray[np.uint8]) -> NDArray[np.float64]:
-    """Row differences, right minus left, of ORB matches that agree both ways, within 20 rows. The patch
-    around the left point is correlated around the right one; a parabola gives the part of a pixel."""
-    orb = cv2.ORB_create(3000)
-    left_points, left_words = orb.detectAndCompute(left, None)
-    right_points, right_words = orb.detectAndCompute(right, None)
-    errors = []
-    for match in cv2.BFMatcher(cv2.NORM_HAMMING, crossCheck=True).match(left_words, right_words):
-        (u, v), (x, y) = np.rint([left_points[match.queryIdx].pt, right_points[match.trainIdx].pt]).astype(
-            int
-        )
-        patch, window = left[v - 7 : v + 8, u - 7 : u + 8], right[y - 11 : y + 12, x - 11 : x + 12]
-        if abs(v - y) > 20 or patch.shape != (15, 15) or window.shape != (23, 23):
-            continue
-        scores = cv2.matchTemplate(window, patch, cv2.TM_CCOEFF_NORMED)
-        _, best, _, (column, row) = cv2.minMaxLoc(scores)
-        if best > 0.9 and 0 < row < 8:
-            above, below = scores[row - 1, column], scores[row + 1, column]
-            errors.append(y + row - 4 + 0.5 * (above - below) / (above - 2.0 * best + below) - v)
+    errors = match_pair(left, right, features=3000).near_rows()
     assert len(errors) > 100
-    return np.array(errors)
+    return errors
 
 
 def draw_spheres(

@@ -1,4 +1,4 @@
-"""What the engine has to do with badly framed video: rtl/README.md, Framing errors, as a program.
+"""What the engine has to do with badly framed video: doc/rtl.md, Framing errors, as a program.
 
 A frame is cut at its first framing error. Of a cut frame only those disparities stand whose inputs, left and
 right candidates included, had all come: (x, y) stands if (min(x + r + D, W-1), y + r + 1) came before it.

@@ -10,7 +10,7 @@ from verilated import Config, Pace, Rtl
 
 CONFIGS = [Config(16, 5), Config(32, 11), Config(64, 11)]
 FRAMES = 5
-PIPELINE = {16: 55, 32: 63, 64: 95}  # clocks, as in rtl/README.md
+PIPELINE = {16: 55, 32: 63, 64: 95}  # clocks, as in doc/rtl.md
 
 
 def name(config: Config) -> str:

@@ -1,4 +1,5 @@
-// vista_system CONFIG OUT.json: simulates the system of a configuration (README.md). `-`: standard input, standard output.
+// vista_system CONFIG OUT.json: simulates the system of a configuration (doc/design/system-model.md). `-` stands for
+// standard input or standard output.
 
 #include <cstdio>
 #include <cstdlib>

@@ -1,4 +1,5 @@
-// What a run of the model is told: README.md, "Configuration". Keys, ranges and defaults stand in configuration.cpp.
+// What a run of the model is told: doc/design/system-model.md, "Configuration". Keys, ranges and defaults stand in
+// configuration.cpp.
 #ifndef VISTA_SYSTEM_CONFIGURATION_H
 #define VISTA_SYSTEM_CONFIGURATION_H
 
@@ -67,7 +68,7 @@ struct Configuration {
 // Throws ConfigurationError.
 Configuration read_configuration(std::istream& text);
 
-// Every key but host stages, with its value in the form of a JSON value, in the order of the README.
+// Every key but host stages, with its value in the form of a JSON value, in the order of the documentation.
 std::vector<std::pair<std::string, std::string>> listed(const Configuration& configuration);
 
 }  // namespace vista

@@ -1,4 +1,4 @@
-// The output of a run: README.md, "Output".
+// The output of a run: doc/design/system-model.md, "Output".
 #ifndef VISTA_SYSTEM_REPORT_H
 #define VISTA_SYSTEM_REPORT_H
 

@@ -1,4 +1,4 @@
-// The whole chain, wired: README.md has the picture.
+// The whole chain, wired: doc/design/system-model.md has the picture.
 #ifndef VISTA_SYSTEM_SYSTEM_H
 #define VISTA_SYSTEM_SYSTEM_H
 

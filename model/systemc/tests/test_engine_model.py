@@ -14,8 +14,8 @@ from vista_model.engine import Parameters
 
 
 def pipeline_clocks() -> dict[int, int]:
-    """By number of disparities, of the table in rtl/README.md."""
-    text = (ROOT / "rtl" / "README.md").read_text()
+    """By number of disparities, of the table in doc/rtl.md."""
+    text = (ROOT / "doc" / "rtl.md").read_text()
     row = re.search(r"\*\*in all\*\*, D = ([\d, ]+) \| \*\*([\d, ]+)\*\*", text)
     assert row
     disparities, clocks = (map(int, numbers.split(",")) for numbers in row.groups())

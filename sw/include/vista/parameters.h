@@ -10,7 +10,7 @@
 
 VISTA_BEGIN
 
-/* The stereo engine (its contract: model/README.md). */
+/* The stereo engine (its contract: doc/design/engine-contract.md). */
 typedef enum vista_stereo_prefilter { VISTA_STEREO_PREFILTER_XSOBEL, VISTA_STEREO_PREFILTER_NONE } vista_stereo_prefilter;
 
 typedef struct vista_stereo_params {

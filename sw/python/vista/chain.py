@@ -81,6 +81,7 @@ def make_chain(
 class Step:
     """One frame on its way through the chain."""
 
+    raw: Frame  # as read
     frame: Frame  # rectified
     words: NDArray[np.int16]
     result: Result
@@ -114,5 +115,6 @@ def run_frame(chain: Chain, files: FrameFiles) -> Step:
         result.valid_fraction,
         stage_ms,
         result.dropped_tracks,
+        frame.world_from_camera is not None,
     )
-    return Step(frame, words, result, record)
+    return Step(raw, frame, words, result, record)

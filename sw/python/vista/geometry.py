@@ -26,6 +26,10 @@ class Pose:
         """a_from_b @ b_from_c = a_from_c."""
         return Pose(self.rotation @ other.rotation, self.rotation @ other.translation_m + self.translation_m)
 
+    def apply(self, point_m: Array) -> Array:
+        """The point of b in a."""
+        return self.rotation @ point_m + self.translation_m
+
     def inverse(self) -> Pose:
         return Pose(self.rotation.T, -self.rotation.T @ self.translation_m)
 

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from vista.geometry import Pose
+from vista.health.finding import FrameHealth
 
 if TYPE_CHECKING:
     from vista.pipeline import Nearest, Obstacle
@@ -27,6 +28,8 @@ class FrameRecord:
     valid_fraction: float
     stage_ms: dict[str, float]  # in the order in which the stages ran
     dropped_tracks: int = 0  # for want of room
+    motion_known: bool = False
+    health: FrameHealth = field(default_factory=FrameHealth)  # empty where no checks are made
 
 
 @dataclass

@@ -5,6 +5,7 @@
 
 #include "common/frame.h"
 #include "common/median.h"
+#include "common/parameters_check.h"
 
 /* A cell whose inscribed circle is narrower than a pixel's diagonal may hold no pixel centre at all. */
 #define POINT_SIZE_PX 1.5
@@ -155,6 +156,7 @@ vista_status vista_foveation_layout(vista_foveation *foveation, vista_arena *are
                                     const vista_foveation_params *params, int32_t width_px, int32_t height_px,
                                     double center_u_px, double center_v_px) {
   if (foveation == NULL || arena == NULL || params == NULL) return VISTA_ERROR_ARGUMENT;
+  if (VISTA_CHECK_SECTION(foveation, params) != VISTA_OK) return VISTA_ERROR_RANGE;
   if (width_px < 16 || height_px < 16 || width_px > 8192 || height_px > 8192) return VISTA_ERROR_SIZE;
   const grid g = make_grid(params, width_px, height_px, center_u_px, center_v_px);
   if (!inside(&g, center_u_px, center_v_px)) return VISTA_ERROR_RANGE;
@@ -265,7 +267,8 @@ vista_status vista_foveate(const vista_foveation *foveation, const vista_foveati
                            const vista_image *image, const vista_disparity_image *disparity, vista_cells *cells) {
   if (foveation == NULL || params == NULL || image == NULL || disparity == NULL || cells == NULL)
     return VISTA_ERROR_ARGUMENT;
-  vista_status status = vista_frame_check_image(image, foveation->width_px, foveation->height_px);
+  vista_status status = VISTA_CHECK_SECTION(foveation, params);
+  if (status == VISTA_OK) status = vista_frame_check_image(image, foveation->width_px, foveation->height_px);
   if (status == VISTA_OK) status = vista_frame_check_disparity(disparity, foveation->width_px, foveation->height_px);
   if (status != VISTA_OK) return status;
   for (int32_t node = 0; node < foveation->node_count; ++node) {

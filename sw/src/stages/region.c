@@ -6,6 +6,7 @@
 
 #include "common/depth.h"
 #include "common/frame.h"
+#include "common/parameters_check.h"
 #include "stages/parts/ground.h"
 #include "stages/parts/region_boundary.h"
 #include "stages/parts/region_outline.h"
@@ -209,7 +210,9 @@ vista_status vista_regions_compute(const vista_foveation *foveation, const vista
   if (foveation == NULL || params == NULL || camera == NULL || up_camera == NULL || disparity == NULL ||
       cells == NULL || surfaces == NULL || segmentation == NULL || refinement == NULL || regions == NULL)
     return VISTA_ERROR_ARGUMENT;
-  const vista_status status = vista_frame_check_disparity(disparity, foveation->width_px, foveation->height_px);
+  vista_status status = VISTA_CHECK_SECTION(region, params);
+  if (status == VISTA_OK) status = vista_frame_check_camera(camera);
+  if (status == VISTA_OK) status = vista_frame_check_disparity(disparity, foveation->width_px, foveation->height_px);
   if (status != VISTA_OK) return status;
   regions->count = segmentation->region_count;
   regions->accepted_count = 0;

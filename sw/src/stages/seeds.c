@@ -6,6 +6,8 @@
 
 #include "common/depth.h"
 #include "common/disjoint_sets.h"
+#include "common/frame.h"
+#include "common/parameters_check.h"
 #include "stages/parts/seed_extent.h"
 #include "vista/types.h"
 
@@ -96,6 +98,9 @@ vista_status vista_seeds_of_obstacles(const vista_foveation *foveation, const vi
                                       const vista_surfaces *surfaces, vista_seeds *seeds) {
   if (foveation == NULL || params == NULL || camera == NULL || cells == NULL || surfaces == NULL || seeds == NULL)
     return VISTA_ERROR_ARGUMENT;
+  vista_status status = VISTA_CHECK_SECTION(segmentation, params);
+  if (status == VISTA_OK) status = vista_frame_check_camera(camera);
+  if (status != VISTA_OK) return status;
   const vista_graph *const graph = &foveation->graph;
   for (int32_t i = 0; i < graph->node_count; ++i) {
     seeds->parent[i] = i;
@@ -129,6 +134,7 @@ vista_status vista_seeds_of_rest(const vista_foveation *foveation, const vista_s
                                  vista_seeds *seeds) {
   if (foveation == NULL || params == NULL || affinity == NULL || surfaces == NULL || label == NULL || seeds == NULL)
     return VISTA_ERROR_ARGUMENT;
+  if (VISTA_CHECK_SECTION(segmentation, params) != VISTA_OK) return VISTA_ERROR_RANGE;
   const vista_graph *const graph = &foveation->graph;
   int32_t count = 0;
   for (int32_t i = 0; i < graph->node_count; ++i) {

@@ -3,6 +3,8 @@
 #include <math.h>
 #include <stdbool.h>
 
+#include "common/frame.h"
+#include "common/parameters_check.h"
 #include "common/plane_fit.h"
 
 static const double degrees_per_radian = 57.29577951308232;
@@ -133,6 +135,9 @@ vista_status vista_surfaces_compute(const vista_foveation *foveation, const vist
                                     vista_surfaces *surfaces) {
   if (foveation == NULL || params == NULL || camera == NULL || up_camera == NULL || cells == NULL || surfaces == NULL)
     return VISTA_ERROR_ARGUMENT;
+  vista_status status = VISTA_CHECK_SECTION(surface, params);
+  if (status == VISTA_OK) status = vista_frame_check_camera(camera);
+  if (status != VISTA_OK) return status;
   const vista_foveation *const f = foveation;
   surfaces->inclination_deg[0] = -1.0f;
   surfaces->horizontal[0] = 0;

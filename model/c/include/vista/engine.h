@@ -1,4 +1,5 @@
-/* The stereo engine of model/README.md, to the bit: two rectified 8-bit images in, one disparity word a pixel out.
+/* The stereo engine of doc/design/engine-contract.md, to the bit: two rectified 8-bit images in, one disparity word
+ * per pixel out.
  *
  * No allocation, no global state; every call works on memory that the caller hands over, so any number of calls may
  * run at once on scratch of their own. Images are row-major, strides count items from one row to the next.

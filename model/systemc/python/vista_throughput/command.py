@@ -1,8 +1,9 @@
-"""Say whether a system keeps up: frames a second, latency, and what limits them, simulated clock by clock.
+"""Say whether a camera, an FPGA and a host keep up with each other, by a simulation in time.
 
-A camera, memory, stereo engines and the host are run in time by model/systemc, whose engine is that of the
-RTL to the clock. The host's stage times are measured on this machine unless given. Prints a table; with --out
-DIR also writes throughput.json, report.html, timeline.png and sweep.png.
+A model in SystemC runs the camera, the memory, the stereo engines and the host in simulated time; its engine
+equals the RTL clock by clock. The times of the host's stages are measured on this machine unless they are
+given. The command prints the frame rate, the latency and what limits them. With --out DIR it also writes
+throughput.json, report.html, timeline.png and sweep.png.
 """
 
 from __future__ import annotations
@@ -23,17 +24,27 @@ from vista_throughput.system import SystemConfig
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     meanings = "; ".join(f"{name}: {preset.meaning}" for name, preset in PRESETS.items())
     parser.add_argument(
-        "--preset", choices=tuple(PRESETS), help=f"a named system, changed by other options. {meanings}"
+        "--preset",
+        choices=tuple(PRESETS),
+        help=f"start from a named system, which other options change. {meanings}",
     )
     add_options(parser)
     host = parser.add_mutually_exclusive_group()
     host.add_argument(
-        "--host-ms", type=samples, metavar="MS[,MS...]", help="host's time a frame, or samples to draw from"
+        "--host-ms",
+        type=samples,
+        metavar="MS[,MS...]",
+        help="time of the host for a frame, or samples to draw it from",
     )
     host.add_argument(
-        "--sequence", type=Path, metavar="SEQUENCE", help="measure the host on it (default: synthetic frames)"
+        "--sequence",
+        type=Path,
+        metavar="SEQUENCE",
+        help="measure the host on this sequence (default: on synthetic frames)",
     )
-    parser.add_argument("--out", type=Path, metavar="DIR", help="folder for report, plots and JSON")
+    parser.add_argument(
+        "--out", type=Path, metavar="DIR", help="also write the report, plots and JSON into this folder"
+    )
 
 
 def execute(arguments: argparse.Namespace) -> int:

@@ -51,39 +51,84 @@ class Option:
 
 
 OPTIONS = (
-    Option("--width", "width_px", count, "PX", "of an image"),
-    Option("--height", "height_px", count, "PX", "of an image"),
-    Option("--disparities", "disparities", count, "N", "candidates, a multiple of 16 up to 256"),
-    Option("--block", "block_px", count, "PX", "side of the matched block, odd, 5 to 21"),
-    Option("--build-width", "max_width_px", count, "PX", "widest image that the engine is built for"),
-    Option("--clock", "engine_clock_hz", quantity, "HZ", "of the engine", "as placed and routed"),
-    Option("--lanes", "lanes", count, "N", "engines side by side; each takes whole frames"),
-    Option("--camera-rate", "camera_rate_hz", quantity, "HZ", "frames a second of the camera"),
+    Option("--width", "width_px", count, "PX", "width of an image"),
+    Option("--height", "height_px", count, "PX", "height of an image"),
+    Option(
+        "--disparities",
+        "disparities",
+        count,
+        "N",
+        "disparities that are searched, a multiple of 16 up to 256",
+    ),
+    Option("--block", "block_px", count, "PX", "side of the block that is matched, odd, 5 to 21"),
+    Option(
+        "--build-width", "max_width_px", count, "PX", "width of the widest image that the engine is built for"
+    ),
+    Option(
+        "--clock",
+        "engine_clock_hz",
+        quantity,
+        "HZ",
+        "clock of the engine",
+        "that of the build as placed and routed",
+    ),
+    Option("--lanes", "lanes", count, "N", "number of engines side by side; each takes whole frames"),
+    Option("--camera-rate", "camera_rate_hz", quantity, "HZ", "frames per second of the camera"),
     Option(
         "--pixel-clock",
         "camera_pixel_clock_hz",
         quantity,
         "HZ",
-        "of each camera",
-        f"{DEFAULT_PIXEL_CLOCK_HZ:g}, or what the rate takes",
+        "pixel clock of each camera",
+        f"{DEFAULT_PIXEL_CLOCK_HZ:g}, or more if the frame rate needs it",
     ),
     Option(
         "--horizontal-blanking",
         "camera_horizontal_blanking_px",
         blanking,
         "PX",
-        "pixel clocks after a line",
+        "pixel clocks between one line and the next",
     ),
-    Option("--vertical-blanking", "camera_vertical_blanking_lines", blanking, "LINES", "after a frame"),
     Option(
-        "--memory-bandwidth", "memory_bandwidth_bytes_s", quantity, "BYTES/S", "of the one port, both ways"
+        "--vertical-blanking",
+        "camera_vertical_blanking_lines",
+        blanking,
+        "LINES",
+        "lines between one frame and the next",
     ),
-    Option("--memory-latency", "memory_latency_ns", quantity, "NS", "from a burst to its data"),
-    Option("--result-bytes", "result_bytes_px", count, "N", "a pixel: 2, or 4 with Smin"),
-    Option("--buffers", "buffers", count, "N", "of each kind: 2 or 3"),
-    Option("--host-cores", "host_cores", count, "N", "2: rectification has one of its own"),
-    Option("--frames", "frames", count, "N", "of the camera to simulate"),
-    Option("--seed", "seed", blanking, "N", "of images and of draws from the host's times"),
+    Option(
+        "--memory-bandwidth",
+        "memory_bandwidth_bytes_s",
+        quantity,
+        "BYTES/S",
+        "bytes per second of the memory, reads and writes together",
+    ),
+    Option(
+        "--memory-latency",
+        "memory_latency_ns",
+        quantity,
+        "NS",
+        "nanoseconds from the end of a burst to its data",
+    ),
+    Option(
+        "--result-bytes",
+        "result_bytes_px",
+        count,
+        "N",
+        "bytes of a pixel that the engine writes: 2, or 4 with Smin",
+    ),
+    Option("--buffers", "buffers", count, "N", "frame buffers of each kind, 2 or 3"),
+    Option(
+        "--host-cores",
+        "host_cores",
+        count,
+        "N",
+        "processor cores of the host, 1 or 2; with 2, one of them rectifies",
+    ),
+    Option("--frames", "frames", count, "N", "frames of the camera that are simulated"),
+    Option(
+        "--seed", "seed", blanking, "N", "seed of the synthetic images and of the host's times that are drawn"
+    ),
 )
 
 

@@ -1,4 +1,4 @@
-"""Named systems. Clocks are those that `make synth` placed and routed (rtl/README.md), never written here."""
+"""Named systems. Their clocks come from rtl/synth/results.json, where `make synth` writes them."""
 
 from __future__ import annotations
 
@@ -42,15 +42,15 @@ PRESETS = {
 
 @dataclass(frozen=True)
 class Clock:
-    """An engine clock and what speaks for it, in words."""
+    """A clock of the engine, and where it comes from, in words."""
 
     hz: float
     origin: str
-    build: synthesis.Build | None  # placed and routed
+    build: synthesis.Build | None  # the build that was placed and routed with this clock
 
 
 def routed_clock(disparities: int, block_px: int, max_width_px: int) -> Clock:
-    """Of that build; of one for other widths, said so, if that one was not placed and routed."""
+    """The clock of this exact build; otherwise that of a build with another width, noted in `origin`."""
     exact = synthesis.find(disparities, block_px, max_width_px)
     if exact is not None:
         return Clock(exact.clock_mhz * 1e6, f"placed and routed: {exact}", exact)

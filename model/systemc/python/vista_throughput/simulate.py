@@ -19,7 +19,7 @@ PROGRAM = "vista_system"
 
 @dataclass(frozen=True)
 class Run:
-    """A configuration and the JSON that came of it (model/systemc/README.md, Output)."""
+    """A configuration and the JSON that came of it (doc/design/system-model.md, Output)."""
 
     config: SystemConfig
     output: dict[str, Any]

@@ -1,29 +1,20 @@
-"""What `make synth` placed and routed: the table of rtl/README.md, its only record, read back."""
+"""What `make synth` placed and routed, as rtl/synth/results.json records it."""
 
 from __future__ import annotations
 
 import functools
+import json
 from dataclasses import dataclass
 from pathlib import Path
 
 from vista.errors import InputError
 
-README = Path("rtl/README.md")
-MARKS = ("<!-- synth: written by `make synth` -->", "<!-- /synth -->")  # of scripts/synth_rtl.py
-_COLUMNS = {
-    "disparities": "disparities",
-    "block": "block_px",
-    "width": "max_width_px",
-    "device": "device",
-    "speed": "speed_grade",
-    "LUT4": "lut4",
-    "MHz: median (range)": "clock_mhz",
-}
+RESULTS = Path("rtl/synth/results.json")
 
 
 @dataclass(frozen=True)
 class Build:
-    """One engine, placed and routed; the clock is the highest of its timing reports, median of the seeds."""
+    """One engine, placed and routed. The clock is the median over the seeds of the placer."""
 
     disparities: int
     block_px: int
@@ -41,46 +32,36 @@ class Build:
 
 
 def parse(text: str) -> tuple[Build, ...]:
-    """The rows between the marks of rtl/README.md, in their order."""
-    _, start, rest = text.partition(MARKS[0])
-    rows = [
-        [cell.strip() for cell in line.strip().strip("|").split("|")]
-        for line in rest.partition(MARKS[1])[0].splitlines()
-        if line.startswith("|")
-    ]
-    if not start or len(rows) < 3:
-        raise InputError(README, "has no table of `make synth`")
-    head, _, *body = rows
+    """The builds that have a clock, in the order of the file. Raises InputError naming the file."""
     try:
-        places = {field: head.index(column) for column, field in _COLUMNS.items()}
-        return tuple(_build({field: row[place] for field, place in places.items()}) for row in body)
-    except (ValueError, IndexError) as error:
-        raise InputError(README, f"table of `make synth`: {error}") from None
-
-
-def _build(cells: dict[str, str]) -> Build:
-    return Build(
-        int(cells["disparities"]),
-        int(cells["block_px"]),
-        int(cells["max_width_px"]),
-        cells["device"],
-        int(cells["speed_grade"]),
-        int(cells["lut4"]),
-        float(cells["clock_mhz"].split()[0]),
-    )
+        return tuple(
+            Build(
+                int(one["disparities"]),
+                int(one["block_px"]),
+                int(one["max_width_px"]),
+                str(one["device"]),
+                int(one["speed_grade"]),
+                int(one["lut4"]),
+                float(one["clock_mhz"]),
+            )
+            for one in json.loads(text)["builds"]
+            if one["clock_mhz"] is not None
+        )
+    except (ValueError, TypeError, KeyError) as error:
+        raise InputError(RESULTS, f"not what `make synth` writes: {error}") from None
 
 
 @functools.cache
 def builds() -> tuple[Build, ...]:
-    """Of this checkout; none where there is no checkout."""
+    """The builds that this checkout records; none where there is no checkout."""
     for parent in Path(__file__).resolve().parents:
-        if (parent / README).is_file():
-            return parse((parent / README).read_text())
+        if (parent / RESULTS).is_file():
+            return parse((parent / RESULTS).read_text())
     return ()
 
 
 def find(disparities: int, block_px: int, max_width_px: int | None = None) -> Build | None:
-    """The slowest speed grade of such a build, which faster parts keep too; None if there is none."""
+    """The build with the slowest speed grade, whose clock faster parts reach too; None if there is none."""
     found = [
         build
         for build in builds()

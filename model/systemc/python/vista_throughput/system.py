@@ -1,4 +1,4 @@
-"""The configuration of model/systemc as a Python object; names and units are those of its README."""
+"""The configuration of model/systemc as a Python object, named as in doc/design/system-model.md."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 // Clocks and depths of the engine, derived from its build parameters as rtl/src/vista_stereo_pkg.sv derives them; the
-// table is in rtl/README.md, "Latency". The only place of the model that holds them. The latencies of single stages are
+// table is in doc/rtl.md, "Latency". The only place of the model that holds them. The latencies of single stages are
 // read out of that package when this is built (systemc.mk): kPrefilterLatency .. kCheckLatency, kInFlightMargin.
 #ifndef VISTA_CLOCKS_LATENCY_H
 #define VISTA_CLOCKS_LATENCY_H

@@ -11,7 +11,10 @@ from vista.chain import LR_OFF
 
 def add_config(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
-        "--config", type=Path, metavar="FILE.toml", help="parameters; `vista config` prints them"
+        "--config",
+        type=Path,
+        metavar="FILE.toml",
+        help="file of parameters; `vista config` prints one with all defaults",
     )
 
 

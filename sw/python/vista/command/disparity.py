@@ -1,9 +1,9 @@
 """Match one rectified pair and write its disparity image.
 
-FILE ends in
-  .png  KITTI: 16 bits, 256 per px, 0 invalid
-  .pfm  float, px, +inf invalid
-  .npy  int16, 16 per px, negative invalid
+The ending of FILE chooses the format:
+  .png  KITTI: 16 bits, 256 per pixel of disparity; 0 is invalid
+  .pfm  32-bit float, pixels of disparity; +infinity is invalid
+  .npy  16-bit integer, 16 per pixel of disparity; negative is invalid
 """
 
 from __future__ import annotations
@@ -28,21 +28,38 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--engine",
         choices=ENGINES,
         default="golden",
-        help="as of vista run; opencv needs --lr off (default golden)",
+        help="the same as for vista run; opencv needs --lr off (default golden)",
     )
-    parser.add_argument("--rtl-width", type=positive, metavar="PX", help="as of vista run")
-    add_number(parser, "--disparities", DEFAULTS.num_disparities, "candidates, a multiple of 16 up to 256")
-    add_number(parser, "--block", DEFAULTS.block_size, "side of the matched block, odd, 5 to 21")
-    parser.add_argument("--prefilter", choices=("xsobel", "none"), default=DEFAULTS.prefilter)
-    add_number(parser, "--cap", DEFAULTS.prefilter_cap, "prefilter's cap, 1 to 63")
-    add_number(parser, "--texture", DEFAULTS.texture_threshold, "texture threshold, from 0")
-    add_number(parser, "--uniqueness", DEFAULTS.uniqueness_ratio, "uniqueness ratio, 0 to 100 percent")
+    parser.add_argument("--rtl-width", type=positive, metavar="PX", help="the same as for vista run")
+    add_number(
+        parser,
+        "--disparities",
+        DEFAULTS.num_disparities,
+        "disparities that are searched, a multiple of 16 up to 256",
+    )
+    add_number(parser, "--block", DEFAULTS.block_size, "side of the block that is matched, odd, 5 to 21")
+    parser.add_argument(
+        "--prefilter",
+        choices=("xsobel", "none"),
+        default=DEFAULTS.prefilter,
+        help=f"filter before matching: the horizontal Sobel response, or none (default {DEFAULTS.prefilter})",
+    )
+    add_number(parser, "--cap", DEFAULTS.prefilter_cap, "limit of the prefilter's response, 1 to 63")
+    add_number(
+        parser, "--texture", DEFAULTS.texture_threshold, "texture that a block needs to be matched, from 0"
+    )
+    add_number(
+        parser,
+        "--uniqueness",
+        DEFAULTS.uniqueness_ratio,
+        "margin of the best match over the others, 0 to 100 percent",
+    )
     parser.add_argument(
         "--lr",
         type=lr_max_diff,
         default=DEFAULTS.lr_max_diff,
         metavar="PX|off",
-        help=f"largest difference in the left/right check, or off (default {DEFAULTS.lr_max_diff})",
+        help=f"largest difference that the left/right check accepts, or off (default {DEFAULTS.lr_max_diff})",
     )
 
 

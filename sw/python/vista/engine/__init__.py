@@ -1,10 +1,10 @@
-"""Stereo engines: parameters and two rectified images in, one disparity image out (see model/README.md).
+"""Stereo engines: parameters and two rectified images in, one disparity image out.
 
     import vista
     disparity = vista.StereoEngine(num_disparities=32, block_size=11).compute(left, right)
 
 Images are uint8, height x width, rectified, left is the reference. Disparities are int16 in 1/16 px of the
-left image, -16 where there is none.
+left image, -16 where there is none. doc/design/engine-contract.md defines them to the bit.
 """
 
 from vista.engine.contract import INVALID, Disparity, Engine, EngineParameters, Image

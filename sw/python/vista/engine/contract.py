@@ -1,4 +1,4 @@
-"""What all engines agree on: parameters, images, words, and what is refused (model/README.md)."""
+"""What all engines share: parameters, images, words, and what is refused."""
 
 from __future__ import annotations
 

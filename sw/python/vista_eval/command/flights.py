@@ -1,9 +1,10 @@
-"""Render the flights, fly them, score them, show the scores.
+"""Render the flights, run the detector on them, and score it against the exact truth.
 
-DIR holds a folder a flight. What it lacks is rendered; each flight goes through engine and host; what comes
-out is scored against the exact truth, beside disparities only thresholded and clustered (stereo alone).
+DIR holds one folder for each flight; flights that it lacks are rendered. Each flight goes through the stereo
+engine and the host, and the result is scored against the truth. For comparison, the disparities alone are
+thresholded and clustered ("stereo alone") and scored in the same way.
 
-DIR receives flights.json (every figure) and report.html.
+The scores are printed. DIR receives flights.json, which has every figure, and report.html.
 """
 
 from __future__ import annotations
@@ -44,25 +45,38 @@ RECORDS = "records.json"
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("folder", type=Path, metavar="DIR", help="folder of the flights")
     parser.add_argument(
-        "--quality", choices=("quick", "full"), default="quick", help="of what is rendered (default quick)"
+        "--quality",
+        choices=("quick", "full"),
+        default="quick",
+        help="quality of the flights that are rendered (default quick)",
     )
-    parser.add_argument("--only", nargs="+", default=[], metavar="NAME", help="these flights alone")
-    parser.add_argument("--list", action="store_true", help="say which flights there are, and end")
+    parser.add_argument("--only", nargs="+", default=[], metavar="NAME", help="handle only these flights")
+    parser.add_argument("--list", action="store_true", help="list the flights and stop")
     parser.add_argument(
-        "--no-render", action="store_true", help="fly what DIR holds, whether that is the newest or not"
+        "--no-render",
+        action="store_true",
+        help="score what DIR holds, even if a flight would be rendered differently now",
     )
     parser.add_argument(
         "--fly-again",
         action="store_true",
-        help="fly what is kept from before as well, for its host times: on a busy machine they are longer",
+        help="run flights again whose results are kept, to measure the times of the host anew",
     )
-    parser.add_argument("--render-only", action="store_true", help="render what is missing, and end")
+    parser.add_argument("--render-only", action="store_true", help="render what is missing and stop")
     parser.add_argument(
-        "--no-baseline", action="store_true", help="without stereo alone, which takes longest"
+        "--no-baseline", action="store_true", help="leave out stereo alone, which takes longest"
     )
-    parser.add_argument("--pose-noise", action="store_true", help="also with poses as of a navigation filter")
-    parser.add_argument("--seed", type=int, default=1, metavar="N", help="of the pose noise (default 1)")
-    parser.add_argument("--jobs", type=positive, default=1, metavar="N", help="flights at a time (default 1)")
+    parser.add_argument(
+        "--pose-noise", action="store_true", help="score also with poses like those of a navigation filter"
+    )
+    parser.add_argument("--seed", type=int, default=1, metavar="N", help="seed of the pose noise (default 1)")
+    parser.add_argument(
+        "--jobs",
+        type=positive,
+        default=1,
+        metavar="N",
+        help="number of flights that are handled at the same time (default 1)",
+    )
     add_config(parser)
 
 

@@ -1,8 +1,9 @@
 """Score the segmentation on labelled single scenes, against a reference method without a cut.
 
-DIR holds a folder a scene: scene_NNNN of seed NNNN, drawn at random. What it lacks is rendered. Even seeds
-are the group dev, on which parameters may be chosen, odd seeds the group test. The table is printed; DIR
-receives scenes.json (every score) and scenes.html, which shows the worst and the best scenes.
+DIR holds one folder for each scene: scene_NNNN is drawn at random with seed NNNN. Scenes that it lacks
+are rendered. Scenes with even seeds form the group dev, on which parameters may be chosen, those with odd seeds
+the group test. The table is printed; DIR receives scenes.json, which has every score, and scenes.html, which
+shows the worst and the best scenes.
 """
 
 from __future__ import annotations
@@ -24,13 +25,22 @@ COUNT = 160
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("folder", type=Path, metavar="DIR", help="folder of the scenes")
     parser.add_argument(
-        "--count", type=positive, default=COUNT, metavar="N", help=f"scenes to render (default {COUNT})"
+        "--count",
+        type=positive,
+        default=COUNT,
+        metavar="N",
+        help=f"number of scenes to render (default {COUNT})",
     )
-    parser.add_argument("--seed", type=int, default=0, metavar="S", help="of the first of them (default 0)")
     parser.add_argument(
-        "--quality", choices=("quick", "full"), default="full", help="of what is rendered (default full)"
+        "--seed", type=int, default=0, metavar="S", help="seed of the first scene (default 0)"
     )
-    parser.add_argument("--no-render", action="store_true", help="score what DIR holds")
+    parser.add_argument(
+        "--quality",
+        choices=("quick", "full"),
+        default="full",
+        help="quality of the scenes that are rendered (default full)",
+    )
+    parser.add_argument("--no-render", action="store_true", help="render nothing; score what DIR holds")
     add_config(parser)
 
 

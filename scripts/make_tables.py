@@ -1,0 +1,621 @@
+"""Write the tables of the documentation from the measured figures that are committed as JSON.
+
+usage: make_tables.py [--check]
+       make_tables.py --save NAME=FILE.json ... --command COMMAND
+
+Without options, every table between the marks `<!-- table: NAME -->` and `<!-- end of table -->` of a
+Markdown file is written anew; --check changes nothing and fails when a table differs from its figures.
+--save takes what a command has measured (for example host=build/bench/host.json), keeps what the
+documentation states, adds commit, date and machine, and replaces doc/results/data/NAME.json. The tables
+follow at once.
+"""
+
+from __future__ import annotations
+
+import argparse
+import datetime
+import json
+import os
+import re
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+from run_benches import processor
+
+ROOT = Path(__file__).resolve().parents[1]
+DATA = ROOT / "doc" / "results" / "data"
+SYNTHESIS = ROOT / "rtl" / "synth" / "results.json"
+MARKED = re.compile(r"(<!-- table: ([a-z-]+) -->\n).*?(<!-- end of table -->)", re.DOTALL)
+
+Record = dict[str, Any]
+
+
+def figures(name: str) -> Record:
+    path = SYNTHESIS if name == "synthesis" else DATA / f"{name}.json"
+    return json.loads(path.read_text())
+
+
+# ---- cells ----
+
+
+def span(values: list[float] | None, unit: str = "") -> str:
+    """The ends of a range; one number where there is only one."""
+    if values is None:
+        return ""
+    ends = f"{values[0]:g}" if len(values) == 1 else f"{values[0]:g} to {values[1]:g}"
+    return ends + unit
+
+
+def fixed(value: float | None, digits: int) -> str:
+    return "" if value is None else f"{value:.{digits}f}"
+
+
+def spread(times: Record, digits: int, unit: str = "") -> str:
+    """Median, with the 10th and 90th percentile where they are known."""
+    text = f"{times['median']:.{digits}f}{unit}"
+    return text + (f" ({times['p10']:.{digits}f} to {times['p90']:.{digits}f})" if "p10" in times else "")
+
+
+def markdown(head: str, rows: list[list[str]]) -> str:
+    """head: the columns' names, between ` | `."""
+    lines = [f"| {head} |", "|---" * (head.count(" | ") + 1) + "|"]
+    return "\n".join(lines + ["| " + " | ".join(row) + " |" for row in rows])
+
+
+# ---- tables ----
+
+
+def engine_table() -> str:
+    headline = figures("engine")["engine"]["headline"]
+    rows = [
+        [name, spread(times, 2), spread(headline["ratio"][name], 1)]
+        for name, times in headline["ms"].items()
+        if name != "opencv"
+    ]
+    return markdown(
+        "instruction set | ms: median (10th to 90th percentile) | times as fast as StereoBM", rows
+    )
+
+
+def engine_sizes_table() -> str:
+    engine = figures("engine")["engine"]
+    isa, table = engine["isa"], engine["table"]
+    disparities = sorted({row["num_disparities"] for row in table})
+    cells: dict[str, list[str]] = {}
+    for row in table:
+        ms, ratio = row["ms"][isa]["median"], row["ratio"][isa]["median"]
+        cells.setdefault(f"{row['width']}x{row['height']}", []).append(f"{ms:.3g} ({ratio:.1f})")
+    head = [f"{isa}: ms (times as fast)", *(f"{count} disparities" for count in disparities)]
+    return markdown(" | ".join(head), [[size, *values] for size, values in cells.items()])
+
+
+SEQUENCES = {
+    "street": "KITTI odometry 00, 1226x370",
+    "street 640x480": "the middle of the same images, enlarged to 640x480",
+    "oak-d": "OAK-D pairs, 640x480",
+}
+
+
+def host_table() -> str:
+    rows = []
+    for name, sequence in figures("host")["sequences"].items():
+        host = sequence["stages"]["host"]
+        rows.append(
+            [
+                SEQUENCES.get(name, name),
+                str(sequence["frames"]),
+                f"{sequence['nodes']:,}",
+                f"{host['median_ms']:.1f} ({span([round(t, 1) for t in host['spread']['median_ms']])})",
+                f"{host['p99_over_median']:.1f}",
+                f"{host['median_hz']:.0f}",
+            ]
+        )
+    head = "images | frames | graph nodes | ms: median (of the blocks) | 99th percentile / median | frames/s"
+    return markdown(head, rows)
+
+
+def stages_table() -> str:
+    stages = figures("host")["sequences"]["street"]["stages"]
+    names = [name for name in stages if name not in ("host", "cpu")]
+    return markdown("stage | ms, median", [[name, f"{stages[name]['median_ms']:.1f}"] for name in names])
+
+
+def maxflow_table() -> str:
+    found = figures("maxflow")
+    rows = [
+        [
+            group["graphs"],
+            span(group["vista_ms"]),
+            span(group["ratio_flow"]),
+            span(group["ratio_whole"]),
+        ]
+        for group in found["groups"]
+    ]
+    mean = found["geometric_mean"]
+    rows.append(
+        [
+            f"geometric mean of {mean['rows']} graphs",
+            "",
+            f"{mean['ratio_flow']:g}",
+            f"{mean['ratio_whole']:g}",
+        ]
+    )
+    head = (
+        "graphs | libvista: whole call, ms | PyMaxflow's `maxflow()` alone, times as long | PyMaxflow "
+        "with construction, times as long"
+    )
+    return markdown(head, rows)
+
+
+def street_table() -> str:
+    keys = ("kept_of_12", "ghost_frames", "confirmed", "seen_frames_median", "host_ms")
+    rows = [[row["variant"], *(f"{row[key]:g}" for key in keys)] for row in figures("street")["variants"]]
+    head = (
+        "variant | things that keep one id, of 12 | frames with an obstacle where the car drove | "
+        "confirmed obstacles | frames that one is seen in, median | host ms"
+    )
+    return markdown(head, rows)
+
+
+STATISTICS = {
+    "iou_median": "IoU median",
+    "iou_mean": "IoU mean",
+    "found": "IoU > 0.5",
+    "boundary_recall": "boundary recall",
+    "undersegmentation": "under-segmentation",
+    "regions": "regions",
+}
+
+
+def statistic(key: str, value: float) -> str:
+    return f"{value:.0f}" if key == "regions" else f"{value:.3f}"
+
+
+def segmentation_table(split: str) -> str:
+    rows = []
+    for variant in figures("segmentation")["variants"]:
+        values = [statistic(key, variant[split][key]) for key in STATISTICS]
+        rows.append([variant["variant"], *values, fixed(variant["host_ms"], 1)])
+    return markdown(" | ".join(["variant", *STATISTICS.values(), "host ms"]), rows)
+
+
+def scenes_table() -> str:
+    rows = []
+    for row in figures("scenes")["cut_minus_reference_95"]:
+        rows.append(
+            [row["reference"], *(span([round(end, 2) + 0.0 for end in row[key]]) for key in STATISTICS)]
+        )
+    return markdown(" | ".join(["cut minus", *STATISTICS.values()]), rows)
+
+
+def flights_table(split: str) -> str:
+    found = figures("flights")
+    rows = []
+    for flight in found["flights"]:
+        if flight["split"] == split:
+            hits = f"{flight['hits']}/{flight['band_frames']}" if "hits" in flight else ""
+            rms = fixed(flight.get("rms_ft"), 1)
+            rms += f" ({flight['companion_rms_ft']})" if "companion_rms_ft" in flight else ""
+            rows.append(
+                [
+                    flight["title"],
+                    fixed(flight.get("tracked_from_m"), 1),
+                    fixed(flight.get("warned_from_m"), 1),
+                    hits,
+                    str(flight["false_alarm_frames"]),
+                    fixed(flight.get("median_dz"), 2),
+                    rms,
+                    fixed(flight.get("error_at_50_ft"), 1),
+                    nees(flight.get("nees")),
+                ]
+            )
+    for group in found["groups"]:
+        if group["split"] == split:
+            rows.append(
+                [
+                    f"**{group['flights']} flights, {group['frames']} frames**",
+                    "",
+                    "",
+                    f"**{group['hits']}/{group['band_frames']}**",
+                    f"**{group['false_alarm_frames']}**",
+                    f"**{group['median_dz']:.2f}**",
+                    "",
+                    "",
+                    nees(group["nees"]),
+                ]
+            )
+    head = (
+        "flight | tracked from, m | warned from, m | hits, 14.5 to 45 m | frames with a false alarm | "
+        "median error, dz | RMS, ft (companion paper) | error at 50 ft, ft | NEES (95 % band)"
+    )
+    return markdown(head, rows)
+
+
+def nees(values: list[float] | None) -> str:
+    return "" if values is None else f"{values[0]:.1f} ({values[1]:.1f} to {values[2]:.1f})"
+
+
+def throughput_table() -> str:
+    rows = []
+    for system in figures("throughput")["systems"]:
+        p99 = f" ({system['latency_p99_ms']})" if "latency_p99_ms" in system else ""
+        needed, clock = system["needed_clock_mhz"], system["clock_mhz"]
+        rows.append(
+            [
+                f"`{system['preset']}`",
+                system["camera"],
+                f"{system['disparities']} disparities, {clock:.1f} MHz",
+                f"{system['dropped']} of {system['frames']}",
+                f"{system['latency_p50_ms']}{p99}",
+                f"{system['limit_hz']}, limited by the {system['limit_stage']}",
+                f"{needed:.3g}, 1/{clock / needed:.1f} of the clock",
+            ]
+        )
+    head = (
+        "preset | camera | engine | frames dropped | first pixel to obstacle map, ms: median (99th "
+        "percentile) | maximum rate with a faster camera, frames/s | clock that the camera needs, MHz"
+    )
+    return markdown(head, rows)
+
+
+def rectification_table() -> str:
+    def values(errors: list[float]) -> str:
+        return ", ".join(f"{error:.2f}" for error in errors)
+
+    rows = [
+        [p["pairs"], values(p["raw_px"]), values(p["rectified_px"])]
+        for p in figures("rectification")["pairs"]
+    ]
+    return markdown("pair | median row error before, px | after, px", rows)
+
+
+def synthesis_table() -> str:
+    builds = figures("synthesis")["builds"]
+    rows = []
+    for b in builds:
+        counts = [f"{b[key]:,}" for key in ("lut4", "sites", "ff", "block_ram", "multipliers")]
+        build = [b["disparities"], b["block_px"], b["max_width_px"], b["device"], b["speed_grade"]]
+        rows.append([*map(str, build), *counts, clock(b)])
+    head = (
+        "disparities | block | width | device | speed | LUT4 | sites | flip-flops | block RAMs | "
+        "multipliers | MHz: median (range)"
+    )
+    lines = [markdown(head, rows), ""]
+    slow = sorted((b for b in builds if b["speed_grade"] == 6), key=lambda b: b["disparities"])
+    for one, next_one in pairwise(slow):
+        low, high = one["disparities"], next_one["disparities"]
+        each = [(next_one[key] - one[key]) / (high - low) for key in ("lut4", "sites")]
+        lines.append(
+            f"- From {low} to {high} disparities, each takes {each[0]:.0f} LUT4 and {each[1]:.0f} sites."
+        )
+    return "\n".join(lines)
+
+
+def clock(build: Record) -> str:
+    if build["clock_mhz"] is None:
+        return "not routed"
+    if build["seeds"] == 1:
+        return f"{build['clock_mhz']:.1f} (1 seed)"
+    low, high = build["clock_range_mhz"]
+    return f"{build['clock_mhz']:.1f} ({low:.1f} to {high:.1f}, {build['seeds']} seeds)"
+
+
+def coverage_table() -> str:
+    c = figures("verification")["coverage"]
+    bins = f"{c['functional_percent']} % of {c['functional_bins']} bins in {c['runs']} runs"
+    rows = [
+        ["functional", bins],
+        ["line", f"{c['line_percent']} %"],
+        ["branch", f"{c['branch_percent']} %"],
+        ["toggle", f"{c['toggle_percent']} % ({c['toggle_points_waived']} points waived)"],
+    ]
+    return markdown("coverage | reached", rows)
+
+
+def mutants_table() -> str:
+    found = figures("verification")
+    rows = [[f"the flattened core, seed {found['mutation']['seed']}", *caught(found["mutation"])]]
+    rows += [[one["modules"], *caught(one)] for one in found["hand_made"]]
+    return markdown("mutants of | planted | caught", rows)
+
+
+def caught(mutants: Record) -> list[str]:
+    return [str(mutants["planted"]), str(mutants["caught"])]
+
+
+def system_model_table() -> str:
+    rows = [
+        [f"`{one['run']}`", str(one["builds"]), str(one["cases"]), str(one["differences"])]
+        for one in figures("verification")["system_model"]
+    ]
+    return markdown("run | builds | cases | differences", rows)
+
+
+def headline_table() -> str:
+    """The few figures that the front page states, each with where it comes from."""
+    headline = figures("engine")["engine"]["headline"]
+    isa = figures("engine")["engine"]["isa"]
+    build, flights = figures("synthesis")["builds"][0], figures("flights")
+    group, host, street = flights["groups"][0], flights["host_ms"], figures("host")["sequences"]["street"]
+    shipped = figures("segmentation")["variants"][0]["test"]
+    reference = next(v for v in figures("segmentation")["variants"] if v["variant"] == "reference method")[
+        "test"
+    ]
+    pixels_s = build["clock_mhz"] * 1e6
+    return markdown(
+        "what | measured",
+        [
+            [
+                "stereo engine in C, 640x480, 32 disparities, one thread",
+                f"{headline['ms'][isa]['median']:.1f} ms, {headline['ratio'][isa]['median']:.1f} times as "
+                "fast as OpenCV's StereoBM with the same words",
+            ],
+            [
+                "stereo engine in an LFE5U-25F, 32 disparities",
+                f"one pixel a clock at {build['clock_mhz']:.0f} MHz: {pixels_s / (640 * 480):.0f} frames/s "
+                f"at 640x480; {build['lut4']:,} LUT4",
+            ],
+            [
+                "host, 640x480, one core",
+                f"{host['least']} to {host['largest']} ms a frame (the paper: 100 to 200 ms)",
+            ],
+            ["host on a street, 1226x370", f"{street['stages']['host']['median_ms']:.0f} ms a frame"],
+            [
+                f"{group['flights']} rendered test flights, {group['frames']:,} frames",
+                f"{group['false_alarm_frames']} false collision alarms; a warning in {group['hits']} of "
+                f"{group['band_frames']} frames at 14.5 to 45 m",
+            ],
+            [
+                "80 labelled test scenes, median IoU",
+                f"{shipped['iou_median']:.2f}; merging without a cut on the same graph: "
+                f"{reference['iou_median']:.2f}",
+            ],
+        ],
+    )
+
+
+def sources_table() -> str:
+    rows = []
+    for path in [*sorted(DATA.glob("*.json")), SYNTHESIS]:
+        measured = json.loads(path.read_text())["measured"]
+        cells = [f"`{path.relative_to(ROOT)}`", f"`{measured['command']}`"]
+        rows.append([*cells, f"{measured['commit']}, {measured['date']}", measured["machine"]])
+    return markdown("figures | command | commit, date | machine", rows)
+
+
+TABLES: dict[str, Callable[[], str]] = {
+    "headline": headline_table,
+    "sources": sources_table,
+    "engine": engine_table,
+    "engine-sizes": engine_sizes_table,
+    "host": host_table,
+    "stages": stages_table,
+    "maxflow": maxflow_table,
+    "street": street_table,
+    "segmentation-dev": lambda: segmentation_table("dev"),
+    "segmentation-test": lambda: segmentation_table("test"),
+    "scenes": scenes_table,
+    "flights-dev": lambda: flights_table("dev"),
+    "flights-test": lambda: flights_table("test"),
+    "throughput": throughput_table,
+    "rectification": rectification_table,
+    "synthesis": synthesis_table,
+    "coverage": coverage_table,
+    "mutants": mutants_table,
+    "system-model": system_model_table,
+}
+
+
+def pages() -> Iterator[Path]:
+    yield ROOT / "README.md"
+    yield from sorted((ROOT / "doc").rglob("*.md"))
+
+
+def with_tables(text: str) -> str:
+    return MARKED.sub(lambda found: f"{found[1]}\n{TABLES[found[2]]()}\n\n{found[3]}", text)
+
+
+def write_tables(check: bool) -> list[Path]:
+    """The pages whose tables were not those of the figures."""
+    stale = []
+    for path in pages():
+        text = path.read_text()
+        if (wanted := with_tables(text)) != text:
+            stale.append(path)
+            if not check:
+                path.write_text(wanted)
+    return stale
+
+
+# ---- figures that a command has measured ----
+
+
+def measured(command: str) -> Record:
+    commit = subprocess.run(["git", "rev-parse", "--short", "HEAD"], cwd=ROOT, capture_output=True, text=True)
+    return {
+        "commit": commit.stdout.strip(),
+        "date": datetime.datetime.now(datetime.UTC).date().isoformat(),
+        "machine": f"{os.cpu_count()} processors, {processor()}",
+        "command": command,
+    }
+
+
+def reduce_maxflow(raw: Record) -> Record:
+    groups: dict[str, list[Record]] = {}
+    for row in raw["rows"]:
+        groups.setdefault(row["name"].rpartition(", ")[2], []).append(row)
+
+    def ends(rows: list[Record], value: Callable[[Record], float]) -> list[float]:
+        return [round(end(map(value, rows)), 2) for end in (min, max)]
+
+    def mean(key: str) -> float:
+        product = 1.0
+        for row in raw["rows"]:
+            product *= row[key]
+        return round(product ** (1 / len(raw["rows"])), 2)
+
+    return {
+        "groups": [
+            {
+                "graphs": name,
+                "vista_ms": ends(rows, lambda row: row["vista"]["median_ms"]),
+                "ratio_flow": ends(rows, lambda row: row["ratio_flow"]),
+                "ratio_whole": ends(rows, lambda row: row["ratio_whole"]),
+            }
+            for name, rows in groups.items()
+        ],
+        "geometric_mean": {
+            "ratio_flow": mean("ratio_flow"),
+            "ratio_whole": mean("ratio_whole"),
+            "rows": len(raw["rows"]),
+        },
+    }
+
+
+def reduce_flights(raw: Record) -> Record:
+    def consistency(found: Record | None) -> list[float] | None:
+        return found and [round(found[key], 1) for key in ("average", "low", "high")]
+
+    def flight(score: Record) -> Record:
+        values = {
+            "title": score["title"],
+            "split": score["split"],
+            "tracked_from_m": score["tracked_from_m"],
+            "warned_from_m": score["first_detection_m"],
+            "hits": score["hits"] if score["band_frames"] else None,
+            "band_frames": score["band_frames"] or None,
+            "false_alarm_frames": len(score["false_alarm_frames"]),
+            "median_dz": score["median_dz"],
+            "rms_ft": score["rms_ft"],
+            "companion_rms_ft": score["companion_rms_ft"],
+            "error_at_50_ft": score["error_at_50_ft"],
+            "nees": consistency(score["consistency"]),
+        }
+        return {key: rounded(value) for key, value in values.items() if value is not None}
+
+    def group(found: Record) -> Record:
+        keys = (
+            "split",
+            "flights",
+            "frames",
+            "hits",
+            "band_frames",
+            "false_alarm_frames",
+            "median_dz",
+            "within_2dz",
+            "matched_frames",
+        )
+        return {key: rounded(found[key]) for key in keys} | {"nees": consistency(found["consistency"])}
+
+    host = [score["host_ms"] for score in raw["flights"]]
+    alone = raw["stereo_alone"]
+    noisy = {found["split"]: {key: found[key] for key in ("hits", "band_frames", "false_alarm_frames")}
+             for found in raw["pose_noise"]["groups"]}  # fmt: skip
+    return {
+        "groups": [group(found) for found in raw["groups"] if found["split"] == "test"],
+        "flights": [flight(score) for score in raw["flights"]],
+        "stereo_alone": alone
+        and {
+            "thresholds": len(alone["alone"]),
+            "frames_near": alone["near_frames"],
+            "frames": alone["frames"],
+            "missed": alone["ours"]["missed"],
+            "false_alarm_frames": alone["ours"]["alarms"],
+        },
+        "pose_noise": noisy,
+        "host_ms": {"least": round(min(host), 1), "largest": round(max(host), 1)},
+    }
+
+
+def rounded(value: Any) -> Any:
+    if isinstance(value, list):
+        return [rounded(one) for one in value]
+    return round(value, 2) if isinstance(value, float) else value
+
+
+def reduce_scenes(raw: Record) -> Record:
+    intervals = raw["halves"]["test"]["cut_minus_reference_95"]
+    return {
+        "cut_minus_reference_95": [
+            {"reference": name} | {key: rounded(values[key]) for key in STATISTICS}
+            for name, values in intervals.items()
+        ]
+    }
+
+
+def reduce_throughput(raw: Record) -> Record:
+    """One system; the others stay."""
+    system, found, needed = raw["system"], raw["figures"], raw["clock_needed"]
+    row = {
+        "preset": raw["preset"],
+        "camera": f"{system['width_px']}x{system['height_px']}, {system['camera_rate_hz']:g} Hz",
+        "disparities": system["disparities"],
+        "clock_mhz": round(system["engine_clock_hz"] / 1e6, 1),
+        "dropped": found["dropped"],
+        "frames": found["delivered"] + found["dropped"],
+        "latency_p50_ms": round(found["latency_p50_ms"], 1),
+        "latency_p99_ms": round(found["latency_p99_ms"], 1),
+        "limit_hz": round(raw["limit"]["rate_hz"]),
+        "limit_stage": raw["limit"]["stage"],
+        "needed_clock_mhz": round(needed["clock_hz"] / 1e6, 2),
+    }
+    others = [one for one in figures("throughput")["systems"] if one["preset"].split()[0] != raw["preset"]]
+    return {"systems": [*others, row]}
+
+
+REDUCE: dict[str, Callable[[Record], Record]] = {
+    "engine": lambda raw: raw,
+    "host": lambda raw: {"sequences": raw["sequences"]},
+    "street": lambda raw: raw,
+    "segmentation": lambda raw: raw,
+    "maxflow": reduce_maxflow,
+    "flights": reduce_flights,
+    "scenes": reduce_scenes,
+    "throughput": reduce_throughput,
+}
+
+
+def as_text(content: Any, indent: int = 0) -> str:
+    """JSON with a line for whatever fits on one."""
+    flat = json.dumps(content, ensure_ascii=False)
+    if not isinstance(content, dict | list) or len(flat) + indent <= 118:
+        return flat
+    pad, end = " " * (indent + 1), " " * indent
+    if isinstance(content, dict):
+        inside = [f"{pad}{json.dumps(key)}: {as_text(value, indent + 1)}" for key, value in content.items()]
+        return "{\n" + ",\n".join(inside) + f"\n{end}}}"
+    return "[\n" + ",\n".join(pad + as_text(value, indent + 1) for value in content) + f"\n{end}]"
+
+
+def save(name: str, source: Path, command: str) -> None:
+    content = {"measured": measured(command)} | REDUCE[name](json.loads(source.read_text()))
+    (DATA / f"{name}.json").write_text(as_text(content) + "\n")
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--check", action="store_true", help="write nothing; fail when a table is stale")
+    parser.add_argument("--save", nargs="+", default=[], metavar="NAME=FILE.json", help="figures to commit")
+    parser.add_argument("--command", default="", help="the command that has measured them")
+    arguments = parser.parse_args()
+    for one in arguments.save:
+        name, _, source = one.partition("=")
+        if name not in REDUCE or not arguments.command:
+            parser.error(f"--save takes {', '.join(REDUCE)}, and needs --command")
+        save(name, Path(source), arguments.command)
+    stale = write_tables(arguments.check)
+    if arguments.check and stale:
+        names = ", ".join(str(path.relative_to(ROOT)) for path in stale)
+        print(f"make_tables: {names}: differs from the figures in JSON; run make generate", file=sys.stderr)
+        return 1
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,188 @@
+"""What the documentation names exists, its tables are those of the figures, generated parts are complete."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import re
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "scripts"))
+
+import make_pages  # noqa: E402
+import make_tables  # noqa: E402
+from vista import cli  # noqa: E402
+
+FOLDERS = ("rtl", "model", "sw", "tb", "scripts", "doc")
+GENERATED = {"generated/parameters.md", "generated/obstacles.md", "generated/c.md"}
+PAGES = [*ROOT.glob("*.md"), *(page for folder in FOLDERS for page in sorted((ROOT / folder).rglob("*.md")))]
+PAGES = [page for page in PAGES if page.parent.name != "generated"]
+
+
+def name(page: Path) -> str:
+    return str(page.relative_to(ROOT))
+
+
+def code(text: str) -> Iterator[str]:
+    """What stands in backticks, and the lines of code blocks."""
+    yield from re.findall(r"`([^`\n]+)`", text)
+    yield from (line for line in text.splitlines() if line.startswith("    "))
+    for block in re.findall(r"^```\w*\n(.*?)^```", text, re.DOTALL | re.MULTILINE):
+        yield from block.splitlines()
+
+
+# ---- links, targets, options, files ----
+
+
+@pytest.mark.parametrize("page", PAGES, ids=name)
+def test_every_relative_link_leads_somewhere(page: Path) -> None:
+    text = page.read_text()
+    links = re.findall(r"\]\(([^)#]+)(?:#[^)]*)?\)", text) + re.findall(
+        r"^```{include} (\S+)$", text, re.MULTILINE
+    )
+    links += [f"{entry}.md" for tree in re.findall(r"```{toctree}(.*?)```", text, re.DOTALL)
+              for entry in tree.split("\n") if re.fullmatch(r"[\w/-]+", entry)]  # fmt: skip
+    local = [link for link in links if not re.match(r"[a-z]+:", link) and link not in GENERATED]
+    assert [link for link in local if not (page.parent / link).exists()] == []
+
+
+def make_targets() -> set[str]:
+    rules = "\n".join(
+        path.read_text() for path in [ROOT / "Makefile", *ROOT.glob("*/*.mk"), *ROOT.glob("*/*/*.mk")]
+    )
+    return set(re.findall(r"^([a-z][a-z0-9-]*):", rules, re.MULTILINE))
+
+
+@pytest.mark.parametrize("page", PAGES, ids=name)
+def test_every_make_target_exists(page: Path) -> None:
+    calls = [
+        call
+        for text in code(page.read_text())
+        for call in re.findall(r"\bmake ((?:[a-z][a-z0-9-]* ?)+)", text)
+    ]
+    named = {target for call in calls for target in call.split()}
+    assert named - make_targets() == set()
+
+
+def options_of(command: str) -> set[str]:
+    """The options that `vista COMMAND` takes."""
+    parser = cli.make_parser(command)
+    (commands,) = (a for a in parser._actions if isinstance(a, argparse._SubParsersAction))
+    return {option for action in commands.choices[command]._actions for option in action.option_strings}
+
+
+@pytest.mark.parametrize("page", PAGES, ids=name)
+def test_every_command_takes_the_options_that_are_named(page: Path) -> None:
+    for text in code(page.read_text()):
+        for command, rest in re.findall(r"\bvista ([a-z]+)((?: [^;#]*)?)", text):
+            if command in cli.COMMANDS:
+                assert set(re.findall(r"(?<= )--[a-z-]+", rest)) - options_of(command) == set(), text
+
+
+@pytest.mark.parametrize("page", PAGES, ids=name)
+def test_every_file_that_is_named_exists(page: Path) -> None:
+    named = {
+        path.partition("::")[0]
+        for text in code(page.read_text())
+        for path in re.findall(
+            r"(?<![\w./])[\w./-]+\.(?:py|toml|json|sv|svh|md|h|c|cpp|f|core|rdl|vlt|txt|sh)\b", text
+        )
+        if path.partition("/")[0] in FOLDERS
+    }
+    assert {path for path in named if "NAME" not in path and not (ROOT / path).exists()} == set()
+
+
+def test_the_readme_is_short() -> None:
+    assert len((ROOT / "README.md").read_text().splitlines()) <= 120
+
+
+# ---- tables ----
+
+
+def test_tables_are_those_of_the_figures() -> None:
+    assert make_tables.write_tables(check=True) == []
+
+
+def test_a_changed_figure_changes_its_table(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    figures = make_tables.figures("engine")
+    figures["engine"]["headline"]["ms"]["avx2"]["median"] = 77.77
+    (tmp_path / "engine.json").write_text(json.dumps(figures))
+    page = (ROOT / "doc" / "results" / "engine.md").read_text()
+    monkeypatch.setattr(make_tables, "DATA", tmp_path)
+    assert "77.77" not in page
+    assert "77.77" in make_tables.with_tables(page)
+
+
+def test_every_table_is_used() -> None:
+    used = {
+        table for page in make_tables.pages() for _, table, _ in make_tables.MARKED.findall(page.read_text())
+    }
+    assert used == set(make_tables.TABLES)
+
+
+# ---- generated pages ----
+
+
+def test_every_parameter_is_documented() -> None:
+    schema = {
+        "stereo": {
+            "doc": "About stereo.",
+            "cap": {
+                "type": "int",
+                "default": 3,
+                "min": 1,
+                "max": 9,
+                "unit": "px",
+                "doc": "A cap.",
+                "at_most": "top",
+            },
+            "form": {"type": "choice", "choices": ["a", "b"], "default": "a", "doc": "A form."},
+        }
+    }
+    page = make_pages.parameters_page(schema)
+    assert "## stereo" in page and "About stereo." in page
+    assert "| `cap` | `3` | 1 to 9 px, at most `top` | A cap. |" in page
+    assert "| `form` | `a` | `a`, `b` | A form. |" in page
+
+
+def test_every_key_of_the_schema_is_documented() -> None:
+    schema = json.loads(make_pages.SCHEMA.read_text())
+    page = make_pages.obstacles_page(schema)
+
+    def keys(part: object) -> Iterator[str]:
+        if isinstance(part, dict):
+            yield from part.get("properties", {})
+            for content in part.values():
+                yield from keys(content)
+
+    assert {key for key in keys(schema) if f"{key}`" not in page} == set()
+    assert "`obstacles[].ellipse_px.center`" in page and "array of 2 (number)" in page
+
+
+HEADER = """/* The head * of the file. */
+#ifndef A_H
+#define A_H /* stays */
+
+/* A point.
+ * In px. */
+typedef struct point {
+  double u_px; /* to the right,
+                * not to the left */
+  double v_px; /* down */
+} point;
+#endif
+"""
+
+
+def test_comments_of_headers_come_before_what_they_describe() -> None:
+    lines = make_pages.documented(HEADER).splitlines()
+    assert lines[0] == "/* The head * of the file. */" and "#define A_H /* stays */" in lines
+    place = lines.index("  double u_px;")
+    assert lines[place - 4 : place] == ["  /**", "   * to the right,", "   * not to the left", "   */"]
+    assert lines[lines.index("typedef struct point {") - 3 :][:2] == [" * A point.", " * In px."]
+    assert "The head * of the file." in make_pages.c_page({"a.h": HEADER})
