@@ -32,6 +32,7 @@ vista_status vista_regions_layout(vista_regions *regions, vista_arena *arena, co
   regions->items = vista_arena_take(arena, nodes, sizeof(vista_region));
   regions->first_member = vista_arena_take(arena, nodes + 1, sizeof(int32_t));
   regions->members = vista_arena_take(arena, nodes, sizeof(int32_t));
+  regions->queue = vista_arena_take(arena, nodes, sizeof(int32_t));
   regions->boundary = vista_arena_take(arena, nodes, sizeof(uint8_t));
   regions->depth_px = vista_arena_take(arena, nodes, sizeof(float));
   regions->bins = vista_arena_take(arena, VISTA_WORD_BINS, sizeof(uint32_t));
@@ -42,7 +43,7 @@ vista_status vista_regions_layout(vista_regions *regions, vista_arena *arena, co
 static void mark_boundary(const vista_foveation *foveation, const int32_t *label, double reach_px,
                           vista_regions *regions) {
   const vista_graph *const graph = &foveation->graph;
-  int32_t *const queue = regions->members; /* not yet in use */
+  int32_t *const queue = regions->queue;
   int32_t count = 0;
   for (int32_t i = 0; i < graph->node_count; ++i) {
     bool leaves = false;
