@@ -93,6 +93,28 @@ def engine_sizes_table() -> str:
     return markdown(" | ".join(head), [[size, *values] for size, values in cells.items()])
 
 
+def frontend_table() -> str:
+    found = figures("frontend")["isas"]
+    names = {name: name for name in found[0]["ms"] if "level" in name}
+    names |= {"smooth": "smoothing (of `GaussianBlur`'s time)", "reduce": "to level 1 (of `pyrDown`'s time)"}
+    rows = [
+        [text, *(f"{one['ms'][name]['median']:.2f} ({spread(one['ratio'][name], 2)})" for one in found)]
+        for name, text in sorted(names.items(), key=lambda item: "level" in item[0])
+    ]
+    return markdown(" | ".join(["ms (ratio to one level)", *(one["isa"] for one in found)]), rows)
+
+
+def disparity_quality_table() -> str:
+    def share(found: Record) -> str:
+        return f"{found['value']:.3f} ({found['low']:.3f} to {found['high']:.3f})"
+
+    rows = []
+    for method, parts in figures("disparity-quality")["methods"].items():
+        near = [fixed(parts["near"][key]["value"], 3) for key in ("density", "bad")]
+        rows.append([method, share(parts["all"]["density"]), share(parts["all"]["bad"]), *near])
+    return markdown("method | density | bad-3 | density of near pixels | bad-3 of these", rows)
+
+
 SEQUENCES = {
     "street": "KITTI odometry 00, 1226x370",
     "street 640x480": "the middle of the same images, enlarged to 640x480",
@@ -392,6 +414,8 @@ TABLES: dict[str, Callable[[], str]] = {
     "sources": sources_table,
     "engine": engine_table,
     "engine-sizes": engine_sizes_table,
+    "frontend": frontend_table,
+    "disparity-quality": disparity_quality_table,
     "host": host_table,
     "stages": stages_table,
     "maxflow": maxflow_table,
@@ -569,6 +593,8 @@ def reduce_throughput(raw: Record) -> Record:
 
 REDUCE: dict[str, Callable[[Record], Record]] = {
     "engine": lambda raw: raw,
+    "frontend": lambda raw: raw,
+    "disparity-quality": lambda raw: raw,
     "host": lambda raw: {"sequences": raw["sequences"]},
     "street": lambda raw: raw,
     "segmentation": lambda raw: raw,

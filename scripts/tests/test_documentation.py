@@ -174,6 +174,7 @@ typedef struct point {
   double u_px; /* to the right,
                 * not to the left */
   double v_px; /* down */
+  int a, *b;
 } point;
 #endif
 """
@@ -185,4 +186,26 @@ def test_comments_of_headers_come_before_what_they_describe() -> None:
     place = lines.index("  double u_px;")
     assert lines[place - 4 : place] == ["  /**", "   * to the right,", "   * not to the left", "   */"]
     assert lines[lines.index("typedef struct point {") - 3 :][:2] == [" * A point.", " * In px."]
+    assert "  /** */\n  int a;\n  /** */\n  int *b;" in "\n".join(lines)
     assert "The head * of the file." in make_pages.c_page({"a.h": HEADER})
+
+
+def undocumented(header: str) -> list[str]:
+    """Functions, structs and enums of a header that have no comment before them."""
+    lines = make_pages.documented(header).splitlines()
+    starts = [
+        (number, line)
+        for number, line in enumerate(lines)
+        if re.match(r"typedef (struct|enum) \w+ {|VISTA_API |VISTA_ENGINE_API |static inline \w", line)
+    ]
+    return [line for number, line in starts if not lines[number - 1].endswith("*/")]
+
+
+@pytest.mark.parametrize(("header", "text"), make_pages.headers().items(), ids=list(make_pages.headers()))
+def test_everything_public_in_c_is_documented(header: str, text: str) -> None:
+    assert undocumented(text) == []
+
+
+def test_an_undocumented_declaration_is_found() -> None:
+    assert undocumented(HEADER) == []
+    assert undocumented(HEADER.replace("/* A point.\n * In px. */\n", "")) == ["typedef struct point {"]

@@ -4,8 +4,10 @@ usage: street_variants.py [VARIANT ...] [--out FILE.json]
 
 For each variant, the table has the number of things (of 12 picked by eye) that keep one id while they are in
 view, the frames with an obstacle where the car drove later, the obstacles that were confirmed, the median
-number of frames in which one was seen, and the time of the host. --out also writes the figures, for
-`scripts/make_tables.py --save street=FILE.json`.
+number of frames in which one was seen, the frames with a warning, those with a warning of something that lay
+beside the path driven next, the share of coasting ones among the confirmed obstacles of all frames, the ids
+per thing, and the time of the host. vista_eval.metrics.street defines them. --out also writes the figures,
+for `scripts/make_tables.py --save street=FILE.json`.
 """
 
 from __future__ import annotations
@@ -22,7 +24,9 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 
 import test_street as street
 from vista import parameters
+from vista_eval.metrics import street as measures
 
+HEADS = ("things", "ghosts", "confirmed", "seen", "warned", "aside", "coasting", "ids", "host ms")
 VARIANTS: dict[str, dict[str, dict[str, object]]] = {
     "as shipped": {},
     "equation 3 as printed: sum of terms": {"affinity": {"form": "sum"}},
@@ -54,8 +58,9 @@ def measure(variant: str) -> dict[str, Any]:
         values[section] |= content
     results = street.run_street(values)
     path = street.driven_path_m()
-    kept = sum(street.common_ids(thing, results, path) != set() for thing in street.THINGS)
-    ghosts = {frame for frame, *_ in street.ghosts_on_the_road(results, path)}
+    kept = sum(measures.common_ids(thing, results, path) != set() for thing in street.THINGS)
+    ghosts = {frame for frame, *_ in measures.ghosts_on_the_road(results, path)}
+    ids_of_things = [measures.ids_of(thing, results, path) for thing in street.THINGS]
     seen: dict[int, int] = {}
     for result in results:
         for obstacle in result.obstacles:
@@ -67,6 +72,10 @@ def measure(variant: str) -> dict[str, Any]:
         "ghost_frames": len(ghosts),
         "confirmed": len(seen),
         "seen_frames_median": float(np.median(list(seen.values()))) if seen else 0.0,
+        "warned_frames": measures.warned_frames(results),
+        "aside_frames": len({aside.frame for aside in measures.warnings_beside_the_path(results, path)}),
+        "coasting_share": round(measures.coasting_share(results), 3),
+        "ids_per_thing": round(float(np.mean([len(ids) for ids in ids_of_things])), 2),
         "host_ms": round(float(np.median([result.stage_ms["host"] for result in results])), 1),
     }
 
@@ -83,11 +92,11 @@ def main() -> None:
     if not street.SEQUENCE.is_dir():
         sys.exit(f"street_variants: no {street.SEQUENCE}")
     rows = []
-    print(f"{'variant':38s} {'things':>6s} {'ghosts':>7s} {'confirmed':>9s} {'seen':>6s} {'host ms':>8s}")
+    print(f"{'variant':38s} " + " ".join(f"{head:>9s}" for head in HEADS))
     for name in arguments.variants or VARIANTS:
         rows.append(measure(name))
-        variant, kept, ghosts, confirmed, seen, host_ms = rows[-1].values()
-        print(f"{variant:38s} {kept:6d} {ghosts:7d} {confirmed:9d} {seen:6.0f} {host_ms:8.1f}", flush=True)
+        variant, *numbers = rows[-1].values()
+        print(f"{variant:38s} " + " ".join(f"{number:9g}" for number in numbers), flush=True)
     if arguments.out is not None:
         found = {"sequence": "KITTI odometry 00, 51 frames", "variants": rows}
         arguments.out.write_text(json.dumps(found, indent=1) + "\n")

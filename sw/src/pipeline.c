@@ -107,7 +107,10 @@ static vista_status layout(vista_pipeline *p, vista_arena *arena) {
 
 static vista_status check(const vista_parameters *parameters, const vista_camera *camera) {
   const vista_status status = vista_parameters_check(parameters, NULL);
-  return status != VISTA_OK ? status : vista_frame_check_camera(camera);
+  if (status != VISTA_OK) return status;
+  const bool has_size = camera->width_px > 0 && camera->height_px > 0; /* named first: the centre depends on it */
+  if (has_size && !vista_foveation_handles(camera->width_px, camera->height_px)) return VISTA_ERROR_SIZE;
+  return vista_frame_check_camera(camera);
 }
 
 /* Of a caller with another header: what it has, and the defaults of the rest. */
@@ -317,5 +320,6 @@ vista_status vista_pipeline_process_sized(vista_pipeline *pipeline, const vista_
 }
 
 vista_pipeline_stages vista_pipeline_look(const vista_pipeline *pipeline) {
-  return (vista_pipeline_stages){&pipeline->foveation, &pipeline->surfaces, &pipeline->affinity, &pipeline->regions};
+  return (vista_pipeline_stages){&pipeline->foveation, &pipeline->cells, &pipeline->surfaces, &pipeline->affinity,
+                                 &pipeline->regions};
 }

@@ -11,6 +11,7 @@
 
 typedef struct vista_pipeline_stages {
   const vista_foveation *foveation;
+  const vista_cells *cells;
   const vista_surfaces *surfaces;
   const vista_affinity *affinity;
   const vista_regions *regions;

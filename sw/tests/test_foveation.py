@@ -312,7 +312,7 @@ def test_a_counting_arena_only_counts() -> None:
 def test_every_pixel_lies_in_the_cell_of_the_formula_itself(
     size, center, sectors: int, rho_0_px: float
 ) -> None:
-    """Also next to borders, where products alone would not tell: the same double arithmetic as the library's."""
+    """Also next to borders, where products alone would not tell: in the arithmetic of the library."""
     width, height = size
     f = Foveation(width, height, center, {"foveation.sector_count": sectors, "foveation.rho_0_px": rho_0_px})
     assert f.status == "VISTA_OK"

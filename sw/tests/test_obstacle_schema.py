@@ -54,7 +54,7 @@ def test_one_schema_in_package_documentation_and_command(run_vista: Vista) -> No
     assert run_vista("config", "--schema") == (0, schema_text(), "")
 
 
-@pytest.mark.parametrize("make", [cases.make_asl, cases.make_kitti, cases.make_pairs])
+@pytest.mark.parametrize("make", [cases.make_asl, cases.make_kitti, cases.make_flown_pairs, cases.make_pairs])
 @pytest.mark.parametrize("options", [[], ["--all-tracks"]])
 def test_lines_of_every_layout(tmp_path: Path, run_vista: Vista, make, options: list[str]) -> None:
     folder = make(tmp_path / "flight")

@@ -18,7 +18,9 @@ BUILD = REPOSITORY / os.environ.get("VISTA_BUILD", "build")
 INCLUDES = [REPOSITORY / "sw" / "include", REPOSITORY / "model" / "c" / "include"]
 HEADERS = {
     "vista": sorted((REPOSITORY / "sw" / "include" / "vista").glob("*.h")),
-    "vista_engine": [REPOSITORY / "model" / "c" / "include" / "vista" / "engine.h"],
+    "vista_engine": [
+        REPOSITORY / "model" / "c" / "include" / "vista" / f"{name}.h" for name in ("engine", "frontend")
+    ],
 }
 COMPILERS = {"C": ["gcc", "-std=c11", "-x", "c"], "C++": ["g++", "-std=c++17", "-x", "c++"]}
 USER = """

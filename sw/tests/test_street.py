@@ -6,8 +6,6 @@ car drove in the frames that follow, nothing stood."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 import pytest
 from shared_data import SHARED_DATA
@@ -16,22 +14,17 @@ from vista.chain import engine_parameters
 from vista.pipeline import Pipeline, Result
 from vista.rectify import Rectifier
 from vista.sequence import open_sequence
+from vista_eval.metrics.street import (
+    Thing,
+    coasting_share,
+    common_ids,
+    ghosts_on_the_road,
+    warned_frames,
+    warnings_beside_the_path,
+)
 
 SEQUENCE = SHARED_DATA / "kitti_odometry" / "sequences" / "00"
 pytestmark = pytest.mark.skipif(not SEQUENCE.is_dir(), reason=f"no {SEQUENCE}")
-
-CAR_HALF_WIDTH_M = 1.0
-CAMERA_HEIGHT_M = 1.65
-
-
-@dataclass(frozen=True)
-class Thing:
-    name: str
-    x_m: float
-    z_m: float
-    first: int  # frames in which it is in view and has been for long enough to be confirmed
-    last: int
-
 
 THINGS = (
     Thing("parked car, left behind", 3.3, 12.9, 3, 6),
@@ -67,36 +60,6 @@ def run_street(values: parameters.Values) -> list[Result]:
     return results
 
 
-def ids_at(thing: Thing, result: Result, away_m: float) -> set[int]:
-    """Confirmed obstacles at the thing's place, as far as stereo tells at that range."""
-    return {
-        o.id
-        for o in result.obstacles
-        if o.confirmed
-        and abs(o.position_m[0] - thing.x_m) < 1.0 + 0.02 * away_m
-        and abs(o.position_m[2] - thing.z_m) < 1.0 + 0.06 * away_m
-    }
-
-
-def common_ids(thing: Thing, results: list[Result], path_m: np.ndarray) -> set[int]:
-    frames = range(thing.first, thing.last + 1)
-    return set.intersection(*(ids_at(thing, results[i], thing.z_m - path_m[i, 2]) for i in frames))
-
-
-def ghosts_on_the_road(results: list[Result], path_m: np.ndarray) -> list[tuple[int, int, float, float]]:
-    """(frame, id, x, z) of confirmed obstacles in the space that the car's own body swept later."""
-    ghosts = []
-    for frame, result in enumerate(results):
-        for o in result.obstacles:
-            x, y, z = o.position_m
-            if not o.confirmed or not path_m[frame, 2] < z < path_m[-1, 2]:
-                continue
-            nearest = path_m[np.argmin(np.abs(path_m[:, 2] - z))]
-            if abs(x - nearest[0]) < CAR_HALF_WIDTH_M and abs(y - nearest[1]) < CAMERA_HEIGHT_M:
-                ghosts.append((frame, o.id, round(x, 1), round(z, 1)))
-    return ghosts
-
-
 @pytest.fixture(scope="module")
 def results() -> list[Result]:
     return run_street(parameters.defaults())
@@ -118,3 +81,12 @@ def test_the_sky_holds_no_obstacle(results: list[Result]) -> None:
             e = o.ellipse
             in_gap = 575.0 < e.center_u < 635.0 and e.center_v < 95.0
             assert not (o.confirmed and not o.coasting and in_gap), (frame, o.id)
+
+
+def test_warnings_and_held_tracks_do_not_become_more(results: list[Result]) -> None:
+    """The limits are what is reached today, not what is good: the collision volume is straight, and tracks are
+    held for long."""
+    beside = {aside.frame for aside in warnings_beside_the_path(results, driven_path_m())}
+    assert len(beside) <= 11
+    assert warned_frames(results) <= 31
+    assert coasting_share(results) <= 0.47

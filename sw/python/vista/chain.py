@@ -49,9 +49,11 @@ class Chain:
 
 def engine_parameters(values: parameters.Values) -> EngineParameters:
     stereo = values["stereo"]
-    return EngineParameters(
-        **stereo | {"lr_max_diff": None if stereo["lr_max_diff"] == LR_OFF else stereo["lr_max_diff"]}
-    )
+    spelled = {  # what TOML has no word for, and C no type
+        "lr_max_diff": None if stereo["lr_max_diff"] == LR_OFF else stereo["lr_max_diff"],
+        "smooth": stereo["smooth"] == "binomial3",
+    }
+    return EngineParameters(**stereo | spelled)
 
 
 def make_chain(
@@ -63,17 +65,19 @@ def make_chain(
 ) -> Chain:
     from vista.pipeline import Pipeline  # loads libvista, which `--help` need not
 
+    if values["stereo"]["levels"] > 1:
+        raise InputError("stereo.levels", "the host takes the words of one level only")
     rectifier = Rectifier(sequence.calibration)
     try:
         engine = create_engine(engine_name, engine_parameters(values), threads, rtl_width_px)
         engine.check_size(rectifier.calibration.width, rectifier.calibration.height)
     except (TypeError, ValueError) as error:
         raise InputError(f"engine {engine_name}", str(error)) from None
+    camera = rectifier.calibration
     try:
-        pipeline = Pipeline(rectifier.calibration, values)
+        pipeline = Pipeline(camera, values)
     except ValueError as error:
-        camera = rectifier.calibration
-        raise InputError(sequence.name, f"{camera.width}x{camera.height} px: {error}") from None
+        raise InputError(sequence.name, f"images of {camera.width}x{camera.height} px: {error}") from None
     return Chain(sequence, rectifier, engine, pipeline)
 
 

@@ -187,12 +187,16 @@ static int32_t list_edges(const grid *g, const int32_t *node_of_grid, int32_t *e
   return count;
 }
 
+bool vista_foveation_handles(int32_t width_px, int32_t height_px) {
+  return width_px >= 16 && height_px >= 16 && width_px <= 8192 && height_px <= 8192;
+}
+
 vista_status vista_foveation_layout(vista_foveation *foveation, vista_arena *arena,
                                     const vista_foveation_params *params, int32_t width_px, int32_t height_px,
                                     double center_u_px, double center_v_px) {
   if (foveation == NULL || arena == NULL || params == NULL) return VISTA_ERROR_ARGUMENT;
   if (VISTA_CHECK_SECTION(foveation, params) != VISTA_OK) return VISTA_ERROR_RANGE;
-  if (width_px < 16 || height_px < 16 || width_px > 8192 || height_px > 8192) return VISTA_ERROR_SIZE;
+  if (!vista_foveation_handles(width_px, height_px)) return VISTA_ERROR_SIZE;
   const grid g = make_grid(params, width_px, height_px, center_u_px, center_v_px);
   if (!inside(&g, center_u_px, center_v_px) || g.ring_count > MOST_RINGS) return VISTA_ERROR_RANGE;
 

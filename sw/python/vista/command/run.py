@@ -3,9 +3,9 @@
 SEQUENCE is a folder in one of three layouts:
   EuRoC ASL       mav0/cam0, cam1 and optionally state_groundtruth_estimate0
   KITTI odometry  sequences/NN with image_0, image_1, calib.txt, times.txt, optionally ../../poses/NN.txt
-  pairs           NAME_left.EXT, NAME_right.EXT and calibration.toml
+  pairs           NAME_left.EXT, NAME_right.EXT and calibration.toml, optionally times.csv and poses.csv
 
-DIR receives obstacles.jsonl (one line a frame), frames/ (pictures), summary.json and report.html.
+DIR receives obstacles.jsonl (one line per frame), frames/ (pictures), summary.json and report.html.
 """
 
 from __future__ import annotations
@@ -33,6 +33,7 @@ from vista.report.run_report import render_report
 from vista.result_folder import ResultFolder
 from vista.run import Outputs, run_frames
 from vista.sequence import FrameFiles, Sequence, open_sequence
+from vista.sequence.text import finite
 from vista.version import commit, version
 
 
@@ -62,6 +63,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--record", type=Path, metavar="FILE", help="record what the host receives, for replay in C"
     )
+    parser.add_argument(
+        "--pair-tolerance-ms",
+        type=milliseconds,
+        metavar="MS",
+        help="how far the times of left and right image may lie apart in the EuRoC layout (default: a tenth "
+        "of the frame period, at most 5)",
+    )
     parser.add_argument("--no-overlay", action="store_true", help="draw no pictures: faster")
     parser.add_argument(
         "--all-tracks",
@@ -77,10 +85,17 @@ def frame_range(text: str) -> tuple[int, int | None]:
     return int(first or 0), int(last) if last else None
 
 
+def milliseconds(text: str) -> float:
+    number = finite("--pair-tolerance-ms", text)
+    if not 0.0 <= number <= 1e6:
+        raise argparse.ArgumentTypeError(f"{text} is not from 0 to 1000000")
+    return number
+
+
 def execute(arguments: argparse.Namespace) -> int:
     values = load_parameters(arguments.config, arguments.engine)
     folder = ResultFolder(arguments.out)
-    sequence = open_sequence(arguments.sequence)
+    sequence = open_sequence(arguments.sequence, arguments.pair_tolerance_ms)
     if sequence.stills:  # nothing to confirm a scene with
         values["tracker"] |= {"confirm_hits": 1, "confirm_window": 1}
     frames = select_frames(sequence, arguments.frames)
@@ -105,7 +120,7 @@ def execute(arguments: argparse.Namespace) -> int:
             summary = make_summary(chain, arguments.engine, values, records) | outcome
             folder.write_summary(summary)
     if interruption.requested:
-        print(f"vista: interrupted after {len(records)} frames", file=sys.stderr)
+        print(f"vista: interrupted after {len(records)} frame{'s' * (len(records) != 1)}", file=sys.stderr)
         return EXIT_INTERRUPTED
     report = folder.write_report(render_report(summary, records, folder))
     print(closing_lines(summary, report))

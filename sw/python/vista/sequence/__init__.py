@@ -16,10 +16,11 @@ __all__ = ["Frame", "FrameFiles", "Sequence", "open_sequence", "read_grey"]
 LAYOUTS = (asl, kitti, pairs)
 
 
-def open_sequence(path: str | Path) -> Sequence:
+def open_sequence(path: str | Path, pair_tolerance_ms: float | None = None) -> Sequence:
     """Opens an EuRoC ASL, KITTI odometry or pairs folder. Calibration, times, poses and the presence of every
     image are checked here; the images are read one by one later.
 
+    pair_tolerance_ms: of the EuRoC layout, where each image has a time of its own (asl.open_folder).
     Raises InputError naming the file, and the line where there is one.
     """
     folder = Path(path)
@@ -29,7 +30,8 @@ def open_sequence(path: str | Path) -> Sequence:
         raise InputError(folder, "not a folder; a sequence is a folder")
     for layout in LAYOUTS:
         if layout.recognises(folder):
-            sequence = layout.open_folder(folder)
+            timed = layout is asl
+            sequence = asl.open_folder(folder, pair_tolerance_ms) if timed else layout.open_folder(folder)
             return replace(sequence, name=printable(sequence.name))
     if not any(folder.iterdir()):
         raise InputError(folder, "empty folder")

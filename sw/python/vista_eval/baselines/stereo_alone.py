@@ -162,16 +162,26 @@ def least_word(
 
 
 def clusters(truth: FlightTruth, words: NDArray[np.int16], least_pixels: int) -> list[Cluster]:
-    """Largest first; words: of the pixels in the cylinder, negative elsewhere.
+    """Largest first; words: of the pixels in the cylinder, negative elsewhere."""
+    label = label_clusters(words, least_pixels)
+    v, u = np.nonzero(label >= 0)
+    label = label[v, u]
+    grouped = np.split(np.argsort(label, kind="stable"), np.cumsum(np.bincount(label))[:-1])
+    return [_cluster(truth, words, v[members], u[members]) for members in grouped if len(members)]
+
+
+def label_clusters(words: NDArray[np.int16], least_pixels: int) -> NDArray[np.int32]:
+    """Cluster of each pixel, the largest 0, and -1: in none of least_pixels, or without a word.
 
     Pixels and the links between them are the pixels of an image of twice the size: its connected components
     are the clusters."""
+    label = np.full(words.shape, -1, np.int32)
     inside = words >= 0
     rows, columns = np.flatnonzero(inside.any(axis=1)), np.flatnonzero(inside.any(axis=0))
     if not len(rows):
-        return []
-    top, left = rows[0], columns[0]
-    words = words[top : rows[-1] + 1, left : columns[-1] + 1].astype(np.int32)
+        return label
+    window = slice(rows[0], rows[-1] + 1), slice(columns[0], columns[-1] + 1)
+    words = words[window].astype(np.int32)
     linked = np.zeros((2 * words.shape[0] - 1, 2 * words.shape[1] - 1), np.uint8)
     linked[::2, ::2] = words >= 0
     for ours, a, b in (
@@ -179,26 +189,26 @@ def clusters(truth: FlightTruth, words: NDArray[np.int16], least_pixels: int) ->
         (linked[1::2, ::2], words[1:], words[:-1]),
     ):
         ours[:] = (a >= 0) & (b >= 0) & (np.abs(a - b) <= STEP_PX * SCALE)
-    _, component = cv2.connectedComponents(linked, connectivity=4)
-    v, u = np.nonzero(words >= 0)
-    component = component[2 * v, 2 * u]
-    sizes = np.bincount(component)
-    grouped = np.split(np.argsort(component, kind="stable"), np.cumsum(sizes)[:-1])
-    order = np.argsort(-sizes, kind="stable")[: int(np.sum(sizes >= least_pixels))]
-    return [_cluster(truth, words, v[grouped[k]], u[grouped[k]], top, left) for k in order]
+    count, component = cv2.connectedComponents(linked, connectivity=4)
+    component = component[::2, ::2]  # 0: no word
+    sizes = np.bincount(component.ravel(), minlength=count)
+    sizes[0] = 0
+    order = np.argsort(-sizes, kind="stable")[: int(np.sum(sizes >= max(least_pixels, 1)))]
+    number = np.full(count, -1, np.int32)
+    number[order] = np.arange(len(order))
+    label[window] = number[component]
+    return label
 
 
 def _cluster(
     truth: FlightTruth,
-    words: NDArray[np.int32],
+    words: NDArray[np.int16],
     v: NDArray[np.int64],
     u: NDArray[np.int64],
-    top: int,
-    left: int,
 ) -> Cluster:
     depth_m = truth.focal_baseline_px_m * SCALE / float(np.median(words[v, u]))
     (u0, u1), (v0, v1) = ((int(x.min()), int(x.max())) for x in (u, v))
-    center_u, center_v = left + 0.5 * (u0 + u1), top + 0.5 * (v0 + v1)
+    center_u, center_v = 0.5 * (u0 + u1), 0.5 * (v0 + v1)
     x, y = ((c - c0) / truth.focal_px for c, c0 in zip((center_u, center_v), truth.center_px, strict=True))
     range_m = depth_m * float(np.sqrt(1.0 + x * x + y * y))
     return Cluster(len(u), Warned(0, center_u, center_v, 0.5 * (u1 - u0), 0.5 * (v1 - v0), range_m))

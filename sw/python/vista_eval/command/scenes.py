@@ -1,9 +1,16 @@
 """Score the segmentation on labelled single scenes, against a reference method without a cut.
 
-DIR holds one folder for each scene: scene_NNNN is drawn at random with seed NNNN. Scenes that it lacks
-are rendered. Scenes with even seeds form the group dev, on which parameters may be chosen, those with odd seeds
+DIR holds one folder for each scene: scene_NNNN is drawn at random with seed NNNN. Scenes that it lacks are
+rendered. Scenes with even seeds form the group dev, on which parameters may be chosen, those with odd seeds
 the group test. The table is printed; DIR receives scenes.json, which has every score, and scenes.html, which
 shows the worst and the best scenes.
+
+With --lidar or --dense, real pairs are measured instead, each by itself: how much of what stands there
+becomes an obstacle, how much of the road does, and what becomes of the rest; beside stereo alone, the words
+of OpenCV's SGBM in the same host, and the reference method. Pairs in even places of the sorted names are the
+group dev, those in odd places the group test. FOLDER of --lidar is laid out as KITTI 2012 (image_0, image_1,
+disp_noc or disp_occ, calib if there), that of --dense holds Middlebury's pairs. DIR (default: measured-pairs)
+receives lidar.json or dense.json (every figure) and a page that shows the worst pairs; FOLDER is only read.
 """
 
 from __future__ import annotations
@@ -15,15 +22,22 @@ from pathlib import Path
 import numpy as np
 from tqdm import tqdm
 from vista.command.arguments import add_config, load_parameters, positive
-from vista.errors import EXIT_OK
+from vista.errors import EXIT_OK, InputError
 from vista.output import write_atomically
+from vista.parameters import Values
 
 SCORES, REPORT = "scenes.json", "scenes.html"
 COUNT = 160
+PAIRS_FOLDER = Path("measured-pairs")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("folder", type=Path, metavar="DIR", help="folder of the scenes")
+    parser.add_argument(
+        "folder", type=Path, metavar="DIR", nargs="?", help="folder of the scenes, or of results"
+    )
+    parser.add_argument("--lidar", type=Path, metavar="FOLDER", help="measure street pairs with LiDAR")
+    parser.add_argument("--dense", type=Path, metavar="FOLDER", help="measure indoor pairs with dense truth")
+    parser.add_argument("--jobs", type=positive, default=1, metavar="N", help="pairs at a time (default 1)")
     parser.add_argument(
         "--count",
         type=positive,
@@ -45,11 +59,27 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def execute(arguments: argparse.Namespace) -> int:
+    values = load_parameters(arguments.config, "golden")
+    measured = {"lidar": arguments.lidar, "dense": arguments.dense}
+    if any(measured.values()):
+        from vista_eval.command.measured_pairs import (
+            measure_folder,
+        )  # loads libvista, which `--help` need not
+
+        for kind, folder in measured.items():
+            if folder is not None:
+                measure_folder(kind, folder, arguments.folder or PAIRS_FOLDER, values, arguments.jobs)
+        return EXIT_OK
+    if arguments.folder is None:
+        raise InputError("DIR", "the folder of the scenes is missing; or name --lidar or --dense")
+    return score_scenes(arguments, values)
+
+
+def score_scenes(arguments: argparse.Namespace, values: Values) -> int:
     from vista_eval.dataset.scenes import read_scenes
     from vista_eval.metrics.scenes import partition_scenes, score_scene
     from vista_eval.report import scenes_page as report  # loads libvista, which `--help` need not
 
-    values = load_parameters(arguments.config, "golden")
     if not arguments.no_render:
         render(arguments.folder, range(arguments.seed, arguments.seed + arguments.count), arguments.quality)
     scenes = read_scenes(arguments.folder)

@@ -1,0 +1,51 @@
+"""`vista scenes --lidar FOLDER` and `--dense FOLDER`: real pairs with measured truth."""
+
+from __future__ import annotations
+
+import json
+from concurrent.futures import ProcessPoolExecutor
+from functools import partial
+from pathlib import Path
+
+from tqdm import tqdm
+from vista import parameters
+from vista.errors import InputError
+from vista.output import unwritable, write_atomically
+
+from vista_eval.detectors import OURS
+from vista_eval.measured_pairs import MeasuredPair, PairSource, find_sources, look, measure
+from vista_eval.report import pairs_page
+
+
+def measure_folder(kind: str, folder: Path, out: Path, values: parameters.Values, jobs: int) -> None:
+    """Prints the tables; `out` receives <kind>.json and <kind>.html. Raises InputError."""
+    sources = find_sources(kind, folder)
+    measured = run(partial(measure, values), sources, jobs)
+    if not any(m.counts is not None for m in measured):
+        raise InputError(folder, "no pair shows a road")
+    tables = pairs_page.tables(kind, measured)
+    by_name = {source.name: source for source in sources}
+    pictures = []
+    for one in pairs_page.worst(measured):
+        pair, points, judged = look(values, by_name[one.name], OURS)
+        picture = pairs_page.draw_pair(pair, points, judged, values["stereo"]["num_disparities"])
+        title = f"{one.name} ({one.split}): recall {pairs_page.recall_of(one):.2f}"
+        pictures.append(pairs_page.encode(title, pairs_page.caption(one), picture))
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise unwritable(out, error) from None
+    content = json.dumps(pairs_page.as_json(kind, measured, values), indent=1)
+    write_atomically(out / f"{kind}.json", content + "\n")
+    report = out / f"{kind}.html"
+    write_atomically(report, pairs_page.render_page(kind, measured, tables, pictures))
+    print("\n".join(pairs_page.lines(tables)))
+    print(f"report: {report}")
+
+
+def run(work: partial[MeasuredPair], sources: list[PairSource], jobs: int) -> list[MeasuredPair]:
+    progress = partial(tqdm, desc="measure", total=len(sources), unit="pair", disable=None)
+    if jobs == 1 or len(sources) < 2:
+        return list(progress(map(work, sources)))
+    with ProcessPoolExecutor(jobs) as pool:
+        return list(progress(pool.map(work, sources)))
