@@ -135,7 +135,7 @@ flights: build ## render, fly and score the flights, and draw the figures of the
 # ---- tidy ----
 
 clean: ## remove what was built, but keep .venv
-	rm -rf build
+	rm -rf build doc/generated
 
 distclean: clean ## remove everything generated
 	rm -rf .venv *.egg-info
