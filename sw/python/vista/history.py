@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 class FrameRecord:
     index: int
     t_ns: int
-    world_from_camera: Pose | None
+    world_from_camera: Pose | None  # as the detector worked with it; None: no pose up to now
     obstacles: tuple[Obstacle, ...]
     nearest_collision: Nearest | None
     regions: int
