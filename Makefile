@@ -16,6 +16,7 @@ SANITIZE :=
 # Compiler warnings are errors, unless a goal is one of those who use VISTA.
 DEVELOPER ?= $(if $(filter demo install native,$(MAKECMDGOALS)),,ON)
 PYTHON := .venv/bin/python
+WORKERS ?= $(shell nproc)# processes that tests run in
 CMAKE := .venv/bin/cmake
 SETUP := scripts/setup.sh
 REQUIREMENTS := scripts/requirements
@@ -31,17 +32,18 @@ endif
 DEMO_PAIRS := build/demo/oak-d
 DEMO_FLIGHT := build/demo/flight
 
-.PHONY: help setup native build install generate test test-python test-asan drift docs bench lint lint-python demo flights lock clean distclean
+.PHONY: check types coverage lint-c help setup native build install generate test test-python test-asan drift docs bench lint lint-python demo flights lock clean distclean
 
 help: ## list the targets
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
 
 include rtl/rtl.mk
 include model/systemc/systemc.mk
+include sw/fuzz/fuzz.mk
 
 # ---- set-up ----
 
-setup: .venv/run.stamp ## pinned Python packages into .venv, `vista` on .venv/bin
+setup: .venv/run.stamp ## install the pinned Python packages and the command .venv/bin/vista
 
 .venv/build.stamp: $(REQUIREMENTS)/build.txt $(SETUP)
 	@$(SETUP) build
@@ -63,10 +65,10 @@ lock: ## pin the packages of scripts/requirements/*.in anew, with hashes
 
 # ---- build ----
 
-build: .venv/run.stamp native ## native libraries, C programs and their Python bindings
+build: .venv/run.stamp native ## build the native libraries, the C programs and the Python bindings
 
 # CMake compiles what has changed since; the flags are given anew each time, for they may have changed too.
-native: .venv/build.stamp ## native libraries and C programs only
+native: .venv/build.stamp ## build only the native libraries and the C programs
 	@$(call need,$(CC))$(CMAKE) -S . -B $(BUILD) -G Ninja -DCMAKE_MAKE_PROGRAM=$(CURDIR)/.venv/bin/ninja \
 	  -DCMAKE_C_COMPILER=$(CC) -DCMAKE_C_FLAGS_RELEASE="$(CFLAGS) $(SANITIZE)" -DPython_EXECUTABLE=$(CURDIR)/$(PYTHON) \
 	  -DVISTA_PYTHON=ON $(DEVELOPER:%=-DVISTA_DEVELOPER=%) >/dev/null
@@ -75,48 +77,56 @@ native: .venv/build.stamp ## native libraries and C programs only
 # For what make itself links to the engine.
 $(BUILD)/lib/libvista_engine.so: native ;@:
 
-install: native ## libraries, headers and programs into PREFIX (default /usr/local), below DESTDIR
+install: native ## install libraries, headers and programs into PREFIX (default /usr/local), below DESTDIR
 	@DESTDIR=$(DESTDIR) $(CMAKE) --install $(BUILD) --prefix $(PREFIX)
 
-generate: .venv/run.stamp ## write generated sources and tables anew, after a change of sw/parameters.toml or of measured figures
+generate: .venv/run.stamp ## write generated sources and tables anew, after a change of parameters.toml or of measured figures
 	@$(PYTHON) scripts/make_parameters.py sw/parameters.toml sw/include/vista/parameters.h sw/src/parameters_table.h
 	@$(PYTHON) scripts/make_tables.py
 
 # ---- checks ----
 
-# The two runs of the tests share nothing but sources and take a core each.
-test: lint drift build systemc-tests .venv/test.stamp $(RTL_TOOLS) ## everything that has to pass: lint, tests, sanitizers
-	@echo "beside the tests: the same under sanitizers, $(BUILD)/test-asan.log"; \
-	scripts/test_sanitized.sh >$(BUILD)/test-asan.log 2>&1 & sanitized=$$!; \
-	status=0; $(PYTHON) -m pytest || status=$$?; \
-	wait $$sanitized || { status=$$?; cat $(BUILD)/test-asan.log; }; \
-	tail -n 1 $(BUILD)/test-asan.log; exit $$status
+check: lint types build .venv/test.stamp ## check style and types and run the fast tests: under a minute, to be run often
+	@$(PYTHON) -m pytest -n $(WORKERS) -m "not slow"
+
+test: lint types drift build systemc-tests fuzz-targets .venv/test.stamp $(RTL_TOOLS) ## check everything that has to hold: lint, types, all tests, those of the C code under sanitizers, fuzz targets
+	@scripts/test_all.sh $(WORKERS)
 
 test-python: build systemc-tests .venv/test.stamp $(RTL_TOOLS)
-	@$(PYTHON) -m pytest
+	@$(PYTHON) -m pytest -n $(WORKERS)
 
 drift: .venv/run.stamp ## check that generated sources and tables equal what their generators write
 	@$(PYTHON) scripts/make_parameters.py sw/parameters.toml sw/include/vista/parameters.h sw/src/parameters_table.h --check
 	@$(PYTHON) scripts/make_tables.py --check
 
-lint: lint-python lint-rtl ## ruff, Verilator -Wall, Verible
+lint: lint-python lint-c lint-rtl ## run ruff, clang-format, Verilator -Wall and Verible
 
 lint-python: .venv/test.stamp
 	@.venv/bin/ruff check --quiet .
+	@.venv/bin/ruff format --quiet --check . || { .venv/bin/ruff format --check .; exit 1; }
 
-test-asan: build .venv/test.stamp ## the tests of the C code again, under ASan and UBSan
+lint-c: .venv/test.stamp
+	@git ls-files '*.c' '*.h' '*.cpp' | xargs .venv/bin/clang-format --dry-run -Werror
+
+types: build .venv/test.stamp ## run mypy: the product strictly, the rest as far as it is typed
+	@.venv/bin/mypy
+
+coverage: build systemc-tests .venv/test.stamp $(RTL_TOOLS) ## measure what the tests cover of C and Python: a table by folder, and build/coverage/index.html
+	@scripts/coverage.sh $(WORKERS)
+
+test-asan: build .venv/test.stamp ## run the tests of the C code under ASan and UBSan
 	@scripts/test_sanitized.sh
 
 docs: build .venv/docs.stamp ## build the documentation site into build/doc/html; warnings are errors
 	@.venv/bin/sphinx-build --quiet --fail-on-warning --keep-going -b html -d build/doc/cache doc build/doc/html
 	@echo "documentation: $(CURDIR)/build/doc/html/index.html"
 
-bench: build .venv/bench.stamp ## timings on this machine: tables, and build/bench.json
+bench: build .venv/bench.stamp ## measure times on this machine; print tables and write build/bench.json
 	@$(PYTHON) scripts/run_benches.py model/bench sw/bench --out build/bench.json
 
 # ---- demo ----
 
-demo: build ## the whole chain on real pairs and on a rendered flight, with reports
+demo: build ## run the whole chain on real pairs and on a rendered flight, and make reports
 	@$(PYTHON) scripts/fetch_demo.py $(DEMO_PAIRS)
 	@.venv/bin/vista run $(DEMO_PAIRS) --out build/demo/oak-d-out
 	@$(PYTHON) -m vista_eval.worlds.demo $(DEMO_FLIGHT)
@@ -127,14 +137,14 @@ demo: build ## the whole chain on real pairs and on a rendered flight, with repo
 
 QUALITY ?= quick
 
-flights: build ## render, fly and score the flights, draw the paper's figures (QUALITY=full: overnight)
+flights: build ## render, fly and score the flights, and draw the figures of the paper (QUALITY=full takes a night)
 	@.venv/bin/vista flights build/flights --quality $(QUALITY) --pose-noise
 	@.venv/bin/vista figures build/figures --flights build/flights
 
 # ---- tidy ----
 
-clean: ## remove what was built, keep .venv
+clean: ## remove what was built, but keep .venv
 	rm -rf build
 
 distclean: clean ## remove everything generated
-	rm -rf .venv *.egg-info
+	rm -rf .venv

@@ -17,7 +17,7 @@ MUTANTS ?= 50
 
 .PHONY: setup-rtl rtl-engine csr csr-check lint-rtl test-rtl formal synth soak mutate coverage-rtl
 
-setup-rtl: $(RTL_TOOLS) ## tools of rtl/ and tb/: cocotb, Verilator, Yosys, nextpnr, PeakRDL, Verible
+setup-rtl: $(RTL_TOOLS) ## install the tools of rtl/ and tb/: cocotb, Verilator, Yosys, nextpnr, PeakRDL, Verible
 
 $(RTL_TOOLS) &: scripts/setup_rtl.sh scripts/requirements/rtl.txt scripts/requirements/verilator.txt .venv/test.stamp
 	@$(call need,perl g++)scripts/setup_rtl.sh
@@ -34,11 +34,11 @@ endef
 csr: $(RTL_TOOLS) ## generate the registers anew from rtl/csr/vista_stereo_csr.rdl
 	@$(call GENERATE_CSR,rtl/csr)
 
-csr-check: $(RTL_TOOLS) ## the generated registers are those of the description
+csr-check: $(RTL_TOOLS) ## check that the generated registers are those of their description
 	@rm -rf build/rtl/csr && $(call GENERATE_CSR,build/rtl/csr)
 	@for f in build/rtl/csr/*; do cmp $$f rtl/csr/$$(basename $$f) || { echo "$$f differs: make csr" >&2; exit 1; }; done
 
-lint-rtl: csr-check ## Verilator -Wall, Verible lint and format check
+lint-rtl: csr-check ## run Verilator -Wall and Verible, and check the generated registers
 	@for d in "16 5" "32 11" "48 7" "64 21" "256 15"; do set -- $$d; \
 	  $(VERILATOR) --lint-only --quiet -Wall -GNumDisparities=$$1 -GBlockSize=$$2 --top-module vista_stereo \
 	    rtl/lint/verilator.vlt -f rtl/vista_stereo.f || exit 1; done
@@ -46,11 +46,11 @@ lint-rtl: csr-check ## Verilator -Wall, Verible lint and format check
 	@for f in $(RTL_SOURCES); do \
 	  .venv/bin/verible-verilog-format --flagfile=rtl/lint/verible-format.flags $$f | diff -u $$f - || exit 1; done
 
-test-rtl: $(RTL_TOOLS) build systemc-tests lint-rtl ## benches of the engine
+test-rtl: $(RTL_TOOLS) build systemc-tests lint-rtl ## run lint and all benches of the RTL
 	@$(RTL_PYTHON) -m pytest tb
 
 # The Verilated engine as a library, for `vista run --engine rtl`: one for each set of build parameters.
-rtl-engine: build/lib/libvista_rtl_d$(D)_b$(B)_w$(W).so build/python/vista_rtl_abi.py ## Verilated engine for D disparities, block B, frames up to W wide
+rtl-engine: build/lib/libvista_rtl_d$(D)_b$(B)_w$(W).so build/python/vista_rtl_abi.py ## build the Verilated engine for D disparities, block B and frames up to W pixels wide
 
 build/python/vista_rtl_abi.py: rtl/sim/vista_rtl.h scripts/make_binding.py | .venv/run.stamp
 	@$(RTL_PYTHON) scripts/make_binding.py vista_rtl_abi $< --out $@
@@ -66,19 +66,19 @@ build/lib/libvista_rtl_%.so: $(RTL_SOURCES) $(wildcard rtl/csr/*.sv rtl/*.f) $(R
 	  -isystem $$root/include -isystem $$root/include/vltstd $(RTL_HARNESS) build/rtl/engine/$*/libVvista_stereo.a \
 	  build/rtl/engine/$*/libverilated.a -lpthread -o $@
 
-synth: $(RTL_TOOLS) ## Yosys and nextpnr for ECP5: resources and clock, written to rtl/synth/results.json
+synth: $(RTL_TOOLS) ## synthesise, place and route for ECP5, and write resources and clock to rtl/synth/results.json
 	@$(RTL_PYTHON) scripts/synth_rtl.py --save
 	@$(RTL_PYTHON) scripts/make_tables.py
 
-formal: $(RTL_TOOLS) ## proofs of the handshakes and the buffers by k-induction
+formal: $(RTL_TOOLS) ## prove the properties of handshakes and buffers by k-induction
 	@$(RTL_PYTHON) scripts/formal_rtl.py
 
-soak: $(RTL_TOOLS) build systemc-tests ## SOAK_CASES of the SystemC engine, SOAK_FRAMES of the C model against the RTL; goes on where it stopped
+soak: $(RTL_TOOLS) build systemc-tests ## compare the RTL with SOAK_CASES of the SystemC engine and SOAK_FRAMES of the C model; continues where it stopped
 	@$(RTL_PYTHON) scripts/soak_system_model.py --cases $(SOAK_CASES)
 	@$(RTL_PYTHON) scripts/soak_rtl.py --frames $(SOAK_FRAMES)
 
-coverage-rtl: $(RTL_TOOLS) build ## line, toggle and functional coverage of the engine
+coverage-rtl: $(RTL_TOOLS) build ## measure line, branch, toggle and functional coverage of the RTL
 	@$(RTL_PYTHON) scripts/coverage_rtl.py
 
-mutate: $(RTL_TOOLS) build ## MUTANTS random mutants of the datapath: the share that the benches catch
+mutate: $(RTL_TOOLS) build ## plant MUTANTS random mutants into the datapath and count those that the benches catch
 	@$(RTL_PYTHON) scripts/mutate_rtl.py --mutants $(MUTANTS)

@@ -89,6 +89,10 @@ def obstacles_page(schema: Entry) -> str:
 COMMENT = re.compile(
     r"^(?P<indent>[ \t]*)(?P<code>[^\n]*?)[ \t]*/\*(?P<text>.*?)\*/", re.DOTALL | re.MULTILINE
 )
+# A member whose name says all still has to be listed.
+BARE_MEMBER = re.compile(r"(?<=[;,{]\n)(  )(\w[^\n/*]*(?:\*\w+)?[;,]?)(?=\n)")
+# hawkmoth lists the first of several members that are declared together.
+TOGETHER = re.compile(r"(  /\*\*(?:(?!\*/).)*\*/\n  )((?:const )?\w+ )([^;(){}\n]*,[^;(){}\n]*);", re.DOTALL)
 RST_MARKUP = re.compile(r"([*|`\\]|_\b)")
 
 
@@ -116,7 +120,11 @@ def documented(header: str) -> str:
         comment = "\n".join([f"{indent}/**", *text, f"{indent} */"])
         return f"{comment}\n{indent}{code}" if code else comment
 
-    return COMMENT.sub(moved, header)
+    def apart(found: re.Match[str]) -> str:
+        comment, kind, names = found.groups()
+        return "\n".join(f"{comment}{kind}{name.strip()};" for name in names.split(","))
+
+    return TOGETHER.sub(apart, BARE_MEMBER.sub(r"\1/** */\n\1\2", COMMENT.sub(moved, header)))
 
 
 def headers() -> dict[str, str]:
@@ -134,7 +142,9 @@ def c_page(texts: dict[str, str]) -> str:
     for name, text in texts.items():
         head = COMMENT.match(text)
         about = text_of(head["text"]) if head else []
-        lines += [f"## {name}", "", *about, "", "```{eval-rst}", f".. c:autodoc:: {name}", "```", ""]
+        lines += [f"## {name}", "", *about, ""]
+        if "/**" in documented(text):
+            lines += ["```{eval-rst}", f".. c:autodoc:: {name}", "```", ""]
     return "\n".join(lines)
 
 

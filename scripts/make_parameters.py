@@ -32,53 +32,62 @@ HEADER = """{generated}
 
 VISTA_BEGIN
 {structs}
-/* Made by vista_parameters_default, and changed afterwards. A newer library finds its new parameters behind
- * those of this header and in the reserved parts, filled in by that function. */
+/* All parameters. vista_parameters_default makes the struct; change its members afterwards. A newer library
+ * keeps its new parameters behind those of this header and in the reserved parts, and fills them in there. */
 typedef struct vista_parameters {{
-  size_t struct_bytes; /* of this struct in the caller's header */
+  size_t struct_bytes; /* size of this struct in the caller's header */
 {sections}
 }} vista_parameters;
 
-/* The defaults, in a struct of this size. VISTA_ERROR_SIZE: it is no size of this struct. */
+/* Writes the defaults into a struct of this size. VISTA_ERROR_SIZE: it is no size of this struct. */
 VISTA_API vista_status vista_parameters_init(vista_parameters *parameters, size_t bytes);
 
+/* Returns the default of every parameter. */
 static inline vista_parameters vista_parameters_default(void) {{
   vista_parameters parameters;
   (void)vista_parameters_init(&parameters, sizeof parameters);
   return parameters;
 }}
 
-/* VISTA_OK; VISTA_ERROR_SIZE: not made by vista_parameters_default; VISTA_ERROR_RANGE (NaN included) with
- * `culprit`, which may be null, set to "section.name". */
+/* Checks every parameter against its range. VISTA_ERROR_SIZE: the struct was not made by
+ * vista_parameters_default. VISTA_ERROR_RANGE: a parameter is out of its range or not a number; `culprit`,
+ * which may be null, is then set to its "section.name". */
 VISTA_API vista_status vista_parameters_check(const vista_parameters *parameters, const char **culprit);
 
-/* The parameter called "section.name"; a choice by its number or by its name. VISTA_ERROR_RANGE: no such
- * parameter, or a value that none has; its own range is vista_parameters_check's to judge. */
+/* Sets the parameter called "section.name"; a choice is set by its number. VISTA_ERROR_RANGE: there is no
+ * such parameter, or no parameter can have this value. vista_parameters_check judges its own range. */
 VISTA_API vista_status vista_parameters_set(vista_parameters *parameters, const char *name, double value);
+
+/* Sets a choice by its name. VISTA_ERROR_RANGE: there is no such parameter or no such choice. */
 VISTA_API vista_status vista_parameters_set_choice(vista_parameters *parameters, const char *name,
                                                    const char *choice);
+
+/* Reads the parameter called "section.name"; a choice is read as its number. */
 VISTA_API vista_status vista_parameters_get(const vista_parameters *parameters, const char *name,
                                             double *value);
 
+/* The type of a parameter. */
 typedef enum vista_parameter_type {{
   VISTA_PARAMETER_INT,
   VISTA_PARAMETER_FLOAT,
   VISTA_PARAMETER_CHOICE
 }} vista_parameter_type;
 
-/* What there is to know of one parameter. Texts are never null. */
+/* The description of one parameter. Its texts are never null. */
 typedef struct vista_parameter {{
   const char *name; /* "section.name" */
   const char *unit, *doc;
   vista_parameter_type type;
-  double default_value, min, max; /* of a choice: its number, the first and the last one */
-  const char *at_most;            /* a parameter that it must not exceed, too; "": none */
+  double default_value, min, max; /* for a choice: numbers */
+  const char *at_most;            /* another parameter that it must not exceed, or "" */
   int32_t choice_count;
   const char *const *choices; /* choice_count names */
 }} vista_parameter;
 
-/* All of them, in the order of the struct; null outside 0 .. count - 1. */
+/* The number of parameters. */
 VISTA_API int32_t vista_parameter_count(void);
+
+/* The description of a parameter by its index, in the order of the struct; null outside 0 .. count - 1. */
 VISTA_API const vista_parameter *vista_parameter_info(int32_t index);
 
 VISTA_END
@@ -126,18 +135,19 @@ def comment(entry: Entry) -> str:
 
 
 def section_struct(section: str, content: Entry) -> str:
-    lines = ["", f"/* {content['doc']} */"]
+    lines = []
     used = 0
     fields = []
     for name, entry in entries_of(content).items():
         c_type = C_TYPE.get(entry["type"], f"vista_{section}_{name}")
         if entry["type"] == "choice":
             constants = ", ".join(f"VISTA_{section}_{name}_{choice}".upper() for choice in entry["choices"])
-            lines += [f"typedef enum {c_type} {{ {constants} }} {c_type};", ""]
+            lines += ["", f"/* {entry['doc']} */", f"typedef enum {c_type} {{ {constants} }} {c_type};"]
         fields.append(f"  {c_type} {name}; /* {comment(entry)} */")
         size = C_BYTES[entry["type"]]
         used = -(-used // size) * size + size
     reserved = f"  unsigned char reserved[{SECTION_BYTES - used}];"
+    lines += ["", f"/* {content['doc']} */"]
     lines += [f"typedef struct vista_{section}_params {{", *fields, reserved, f"}} vista_{section}_params;"]
     return "\n".join(lines) + "\n"
 

@@ -17,6 +17,7 @@ import datetime
 import json
 import os
 import re
+import statistics
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
@@ -36,7 +37,8 @@ Record = dict[str, Any]
 
 def figures(name: str) -> Record:
     path = SYNTHESIS if name == "synthesis" else DATA / f"{name}.json"
-    return json.loads(path.read_text())
+    found: Record = json.loads(path.read_text())
+    return found
 
 
 # ---- cells ----
@@ -91,6 +93,30 @@ def engine_sizes_table() -> str:
         cells.setdefault(f"{row['width']}x{row['height']}", []).append(f"{ms:.3g} ({ratio:.1f})")
     head = [f"{isa}: ms (times as fast)", *(f"{count} disparities" for count in disparities)]
     return markdown(" | ".join(head), [[size, *values] for size, values in cells.items()])
+
+
+def frontend_table() -> str:
+    found = figures("frontend")["isas"]
+    names = {"smooth": "smoothing; ratio to `GaussianBlur`", "reduce": "level 1; ratio to `pyrDown`"}
+    names |= {name: name for name in found[0]["ms"] if "level" in name}
+
+    def cell(one: Record, name: str) -> str:
+        ratio = f"; {spread(one['ratio'][name], 2)}" if name in one["ratio"] else ""
+        return f"{one['ms'][name]['median']:.2f}{ratio}"
+
+    rows = [[text, *(cell(one, name) for one in found)] for name, text in names.items()]
+    return markdown(" | ".join(["ms; ratio to one level", *(one["isa"] for one in found)]), rows)
+
+
+def disparity_quality_table() -> str:
+    def share(found: Record) -> str:
+        return f"{found['value']:.3f} ({found['low']:.3f} to {found['high']:.3f})"
+
+    rows = []
+    for method, parts in figures("disparity-quality")["methods"].items():
+        near = [fixed(parts["near"][key]["value"], 3) for key in ("density", "bad")]
+        rows.append([method, share(parts["all"]["density"]), share(parts["all"]["bad"]), *near])
+    return markdown("method | density | bad-3 | density of near pixels | bad-3 of these", rows)
 
 
 SEQUENCES = {
@@ -392,6 +418,8 @@ TABLES: dict[str, Callable[[], str]] = {
     "sources": sources_table,
     "engine": engine_table,
     "engine-sizes": engine_sizes_table,
+    "frontend": frontend_table,
+    "disparity-quality": disparity_quality_table,
     "host": host_table,
     "stages": stages_table,
     "maxflow": maxflow_table,
@@ -453,10 +481,7 @@ def reduce_maxflow(raw: Record) -> Record:
         return [round(end(map(value, rows)), 2) for end in (min, max)]
 
     def mean(key: str) -> float:
-        product = 1.0
-        for row in raw["rows"]:
-            product *= row[key]
-        return round(product ** (1 / len(raw["rows"])), 2)
+        return round(statistics.geometric_mean(row[key] for row in raw["rows"]), 2)
 
     return {
         "groups": [
@@ -478,7 +503,7 @@ def reduce_maxflow(raw: Record) -> Record:
 
 def reduce_flights(raw: Record) -> Record:
     def consistency(found: Record | None) -> list[float] | None:
-        return found and [round(found[key], 1) for key in ("average", "low", "high")]
+        return None if found is None else [round(found[key], 1) for key in ("average", "low", "high")]
 
     def flight(score: Record) -> Record:
         values = {
@@ -569,6 +594,8 @@ def reduce_throughput(raw: Record) -> Record:
 
 REDUCE: dict[str, Callable[[Record], Record]] = {
     "engine": lambda raw: raw,
+    "frontend": lambda raw: raw,
+    "disparity-quality": lambda raw: raw,
     "host": lambda raw: {"sequences": raw["sequences"]},
     "street": lambda raw: raw,
     "segmentation": lambda raw: raw,

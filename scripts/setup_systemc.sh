@@ -19,16 +19,7 @@ mkdir -p "$folder"
 if works "" ""; then
   cflags="" ldflags=""
 else
-  [ "$(dpkg --print-architecture 2>/dev/null)" = amd64 ] || fail "neither installed nor a Debian amd64 to fetch it for"
-  packages=$(sed -n 's/^[0-9a-f]\{64\}  //p' "$list")
-  for deb in $packages; do
-    [ -f "$folder/$deb" ] && continue
-    IFS=_ read -r name version _ <<<"$deb"
-    (cd "$folder" && apt-get download --quiet=2 "$name=$version") 2>"$folder/apt.log" || fail "$(tail -n 1 "$folder/apt.log")"
-  done
-  (cd "$folder" && grep -v '^#' "$OLDPWD/$list" | sha256sum --check --quiet --strict) >&2 ||
-    fail "a package in $folder is not the pinned one"
-  for deb in $packages; do dpkg -x "$folder/$deb" "$folder/root"; done
+  reason=$(scripts/debian_packages.sh $list $folder 2>&1) || fail "$reason"
   library=$PWD/$folder/root/usr/lib/x86_64-linux-gnu
   cflags="-isystem $PWD/$folder/root/usr/include" ldflags="-L$library -Wl,-rpath,$library"
   works "$cflags" "$ldflags" || fail "the unpacked packages do not link, see $folder/probe.log"

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import os
-import shutil
 
 import pytest
 from cocotb_tools.runner import get_runner
 from tools import BUILD, sources, verilator_environment
 
-RUNTIME = BUILD / "units" / "runtime"  # Verilator's own objects, compiled once for all units
 # Registers and memories that reset leaves alone start at random, not at zero.
 RANDOM_START = ["+verilator+rand+reset+2", f"+verilator+seed+{os.environ.get('VISTA_SEED', 1)}"]
 UNITS: list[tuple[str, dict[str, int]]] = [
@@ -50,8 +48,6 @@ def test_unit(module: str, parameters: dict[str, int], monkeypatch: pytest.Monke
     monkeypatch.setenv("COCOTB_LOG_LEVEL", os.environ.get("COCOTB_LOG_LEVEL", "WARNING"))
     folder = BUILD / "units" / "_".join([module, *map(str, parameters.values())])
     waves = "VISTA_WAVES" in os.environ
-    if RUNTIME.is_dir() and not waves:
-        shutil.copytree(RUNTIME, folder, dirs_exist_ok=True)
     runner = get_runner("verilator")
     runner.build(
         sources=sources("vista_stereo.f" if module == "vista_stereo" else "vista_stereo_core.f"),
@@ -59,10 +55,6 @@ def test_unit(module: str, parameters: dict[str, int], monkeypatch: pytest.Monke
         build_args=["-Wno-fatal", "-Wno-lint", "--assert", "--x-initial", "unique", "-CFLAGS", "-O1"],
         log_file=folder.with_suffix(".log"),
     )  # fmt: skip
-    if not waves:
-        RUNTIME.mkdir(exist_ok=True)
-        for item in ("verilated.o", "verilated_dpi.o", "verilated_vpi.o", "verilated_threads.o"):
-            shutil.copy2(folder / item, RUNTIME)
     results = runner.test(
         hdl_toplevel=module, test_module=f"bench_{module.removeprefix('vista_')}", build_dir=folder,
         test_dir=folder, waves=waves, plusargs=RANDOM_START,

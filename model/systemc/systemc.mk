@@ -10,7 +10,7 @@ SYSTEMC_TRACE := $(BUILD)/bin/vista_engine_trace# its engine alone, for tb/top/t
 
 .PHONY: systemc systemc-tests
 
-systemc: $(BUILD)/bin/vista_system ## the model of the whole system in time: $(BUILD)/bin/vista_system
+systemc: $(BUILD)/bin/vista_system ## build the SystemC model of a whole system, build/bin/vista_system
 
 systemc-tests: systemc $(SYSTEMC_TRACE)
 

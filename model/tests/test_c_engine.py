@@ -206,7 +206,7 @@ def test_bad_call_writes_nothing(change, status):
 
 def test_every_status_has_its_text():
     ffi, lib = library()
-    count = lib.VISTA_ENGINE_ERROR_SCRATCH + 1
+    count = lib.VISTA_ENGINE_ERROR_OVERLAP + 1
     texts = {ffi.string(lib.vista_engine_status_text(status)) for status in range(count)}
     assert len(texts) == count
     assert ffi.string(lib.vista_engine_status_text(count)) == b"unknown status"

@@ -107,3 +107,34 @@ class CEngine:
         disparity, smin = np.zeros(left.shape, np.int16), np.zeros(left.shape, np.uint32)
         self.prepare(left, right, disparity, smin, rows)()
         return disparity, smin
+
+
+def prepare_smooth(image: Image, out: Image, isa: str = "auto") -> Callable[[], None]:
+    """The bare C call that smooths an image; the caller keeps both arrays alive. Rows may have a stride."""
+    return _prepare_front(library()[1].vista_frontend_smooth, image, out, isa)
+
+
+def prepare_reduce(image: Image, out: Image, isa: str = "auto") -> Callable[[], None]:
+    """The same for the next level of the pyramid."""
+    return _prepare_front(library()[1].vista_frontend_reduce, image, out, isa)
+
+
+def _prepare_front(function: Any, image: Image, out: Image, isa: str) -> Callable[[], None]:
+    ffi, lib = library()
+    height, width = image.shape
+    c_image = ffi.new(
+        "vista_frontend_image *", (ffi.cast("uint8_t *", image.ctypes.data), width, height, image.strides[0])
+    )
+    c_out = ffi.cast("uint8_t *", out.ctypes.data)
+
+    def call() -> None:
+        status = function(c_image, c_out, out.strides[0], _isa(isa))
+        if status != lib.VISTA_ENGINE_OK:
+            raise ValueError(ffi.string(lib.vista_engine_status_name(status)).decode())
+
+    return call
+
+
+def reduced_shape(shape: tuple[int, ...]) -> tuple[int, int]:
+    height, width = map(library()[1].vista_frontend_reduced_px, shape)
+    return height, width

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import json
 import re
+import shutil
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -111,6 +112,7 @@ def test_tables_are_those_of_the_figures() -> None:
 def test_a_changed_figure_changes_its_table(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     figures = make_tables.figures("engine")
     figures["engine"]["headline"]["ms"]["avx2"]["median"] = 77.77
+    shutil.copytree(make_tables.DATA, tmp_path, dirs_exist_ok=True)
     (tmp_path / "engine.json").write_text(json.dumps(figures))
     page = (ROOT / "doc" / "results" / "engine.md").read_text()
     monkeypatch.setattr(make_tables, "DATA", tmp_path)
@@ -174,6 +176,7 @@ typedef struct point {
   double u_px; /* to the right,
                 * not to the left */
   double v_px; /* down */
+  int a, *b;
 } point;
 #endif
 """
@@ -185,4 +188,26 @@ def test_comments_of_headers_come_before_what_they_describe() -> None:
     place = lines.index("  double u_px;")
     assert lines[place - 4 : place] == ["  /**", "   * to the right,", "   * not to the left", "   */"]
     assert lines[lines.index("typedef struct point {") - 3 :][:2] == [" * A point.", " * In px."]
+    assert "  /** */\n  int a;\n  /** */\n  int *b;" in "\n".join(lines)
     assert "The head * of the file." in make_pages.c_page({"a.h": HEADER})
+
+
+def undocumented(header: str) -> list[str]:
+    """Functions, structs and enums of a header that have no comment before them."""
+    lines = make_pages.documented(header).splitlines()
+    starts = [
+        (number, line)
+        for number, line in enumerate(lines)
+        if re.match(r"typedef (struct|enum) \w+ {|VISTA_API |VISTA_ENGINE_API |static inline \w", line)
+    ]
+    return [line for number, line in starts if not lines[number - 1].endswith("*/")]
+
+
+@pytest.mark.parametrize(("header", "text"), make_pages.headers().items(), ids=list(make_pages.headers()))
+def test_everything_public_in_c_is_documented(header: str, text: str) -> None:
+    assert undocumented(text) == []
+
+
+def test_an_undocumented_declaration_is_found() -> None:
+    assert undocumented(HEADER) == []
+    assert undocumented(HEADER.replace("/* A point.\n * In px. */\n", "")) == ["typedef struct point {"]

@@ -1,4 +1,4 @@
-"""`make install`: what lies where, programs that link to it in every way it offers, and that it can be moved."""
+"""`make install`: what lies where, and programs that link to it in every way that it offers, after a move."""
 
 from __future__ import annotations
 
@@ -72,9 +72,7 @@ def test_the_library_exports_what_its_headers_declare(prefix: Path, library: str
     lib = ffi.dlopen(str(prefix / "lib" / f"lib{library}.so"))
     # Looking up a function that is declared but not exported raises AttributeError.
     functions = {name for name in dir(lib) if not isinstance(getattr(lib, name), int)}
-    table = succeed(
-        "nm", "-D", "--defined-only", "--format=just-symbols", f"lib/lib{library}.so", cwd=prefix
-    )
+    table = succeed("nm", "-D", "--defined-only", "--format=just-symbols", f"lib/lib{library}.so", cwd=prefix)
     assert set(table.split()) == functions
 
 

@@ -7,6 +7,7 @@
 #include "vista/parameters.h"
 
 static const char *const stereo_prefilter_choices[] = {"xsobel", "none"};
+static const char *const stereo_smooth_choices[] = {"off", "binomial3"};
 static const char *const affinity_form_choices[] = {"product", "sum"};
 static const char *const affinity_flow_encoding_choices[] = {"exponential", "linear"};
 
@@ -21,6 +22,8 @@ static const struct {
     {{"stereo.texture_threshold", "", "Blocks with less texture are invalid.", VISTA_PARAMETER_INT, 10, 0, 65535, "", 0, NULL}, offsetof(vista_parameters, stereo.texture_threshold)},
     {{"stereo.uniqueness_ratio", "percent", "Margin of the best match over all that do not adjoin it.", VISTA_PARAMETER_INT, 15, 0, 100, "", 0, NULL}, offsetof(vista_parameters, stereo.uniqueness_ratio)},
     {{"stereo.lr_max_diff", "px", "Largest difference of the left and the right winner; -1: no left/right check.", VISTA_PARAMETER_INT, 1, -1, 255, "", 0, NULL}, offsetof(vista_parameters, stereo.lr_max_diff)},
+    {{"stereo.smooth", "", "Smoothing of both images before they are matched: none, or 1 2 1 in both directions.", VISTA_PARAMETER_CHOICE, 0, 0, 1, "", 2, stereo_smooth_choices}, offsetof(vista_parameters, stereo.smooth)},
+    {{"stereo.levels", "", "Levels of the image pyramid that are matched, each half the size of the one before.", VISTA_PARAMETER_INT, 1, 1, 4, "", 0, NULL}, offsetof(vista_parameters, stereo.levels)},
     {{"motion.velocity_smoothing_s", "s", "Time constant of velocity and turn rate from poses; 0: the last difference.", VISTA_PARAMETER_FLOAT, 0.3, 0.0, 60.0, "", 0, NULL}, offsetof(vista_parameters, motion.velocity_smoothing_s)},
     {{"motion.speed_min_m_s", "m/s", "Slower, the flight direction is the optical axis.", VISTA_PARAMETER_FLOAT, 0.5, 0.0, 100.0, "", 0, NULL}, offsetof(vista_parameters, motion.speed_min_m_s)},
     {{"motion.speed_max_m_s", "m/s", "A pose that only a faster vehicle could have reached is refused.", VISTA_PARAMETER_FLOAT, 150.0, 1.0, 10000.0, "", 0, NULL}, offsetof(vista_parameters, motion.speed_max_m_s)},
@@ -115,6 +118,9 @@ static const struct {
     {{"obstacle_map.lasting_center_px", "px", "The same of its centre: matching widens a thing by up to half a block, more to one side than to the other.", VISTA_PARAMETER_FLOAT, 2.5, 0.0, 100.0, "", 0, NULL}, offsetof(vista_parameters, obstacle_map.lasting_center_px)},
     {{"obstacle_map.lasting_center_ratio", "", "The same, as a share of its half width and height: a region may lack a part of the thing all along.", VISTA_PARAMETER_FLOAT, 0.08, 0.0, 2.0, "", 0, NULL}, offsetof(vista_parameters, obstacle_map.lasting_center_ratio)},
     {{"obstacle_map.closing_min_m_s", "m/s", "No time to collision is given for what closes slower than this.", VISTA_PARAMETER_FLOAT, 0.5, 0.0, 100.0, "", 0, NULL}, offsetof(vista_parameters, obstacle_map.closing_min_m_s)},
+    {{"health.degraded_fraction", "", "A frame is degraded when less than this of the pixels that can be matched has a disparity.", VISTA_PARAMETER_FLOAT, 0.1, 0.0, 1.0, "", 0, NULL}, offsetof(vista_parameters, health.degraded_fraction)},
+    {{"health.blind_fraction", "", "With less than this it is blind.", VISTA_PARAMETER_FLOAT, 0.02, 0.0, 1.0, "health.degraded_fraction", 0, NULL}, offsetof(vista_parameters, health.blind_fraction)},
+    {{"health.contrast_min", "grey levels", "It is blind, too, when the standard deviation of the cells' grey levels is smaller.", VISTA_PARAMETER_FLOAT, 2.0, 0.0, 255.0, "", 0, NULL}, offsetof(vista_parameters, health.contrast_min)},
 };
 
 _Static_assert(sizeof(vista_stereo_params) == 256, "stereo may not grow");
@@ -129,5 +135,6 @@ _Static_assert(sizeof(vista_reconstruction_params) == 256, "reconstruction may n
 _Static_assert(sizeof(vista_tracker_params) == 256, "tracker may not grow");
 _Static_assert(sizeof(vista_blind_zone_params) == 256, "blind_zone may not grow");
 _Static_assert(sizeof(vista_obstacle_map_params) == 256, "obstacle_map may not grow");
+_Static_assert(sizeof(vista_health_params) == 256, "health may not grow");
 
 #endif

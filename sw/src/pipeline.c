@@ -10,6 +10,7 @@
 #include "stages/affinity.h"
 #include "stages/blind_zone.h"
 #include "stages/collision_volume.h"
+#include "stages/health.h"
 #include "stages/motion.h"
 #include "stages/obstacle_map.h"
 #include "stages/reconstruction.h"
@@ -28,6 +29,7 @@
 typedef enum stage {
   STAGE_MOTION,
   STAGE_FOVEATION,
+  STAGE_HEALTH,
   STAGE_SURFACE,
   STAGE_AFFINITY,
   STAGE_SEGMENTATION,
@@ -62,17 +64,10 @@ struct vista_pipeline {
 };
 
 static const char *const stage_names[STAGE_COUNT] = {
-    [STAGE_MOTION] = "motion",
-    [STAGE_FOVEATION] = "foveation",
-    [STAGE_SURFACE] = "surface",
-    [STAGE_AFFINITY] = "affinity",
-    [STAGE_SEGMENTATION] = "segmentation",
-    [STAGE_REFINEMENT] = "refinement",
-    [STAGE_REGIONS] = "regions",
-    [STAGE_RECONSTRUCTION] = "reconstruction",
-    [STAGE_TRACKING] = "tracking",
-    [STAGE_BLIND_ZONE] = "blind_zone",
-    [STAGE_MAP] = "map",
+    [STAGE_MOTION] = "motion",         [STAGE_FOVEATION] = "foveation",   [STAGE_HEALTH] = "health",
+    [STAGE_SURFACE] = "surface",       [STAGE_AFFINITY] = "affinity",     [STAGE_SEGMENTATION] = "segmentation",
+    [STAGE_REFINEMENT] = "refinement", [STAGE_REGIONS] = "regions",       [STAGE_RECONSTRUCTION] = "reconstruction",
+    [STAGE_TRACKING] = "tracking",     [STAGE_BLIND_ZONE] = "blind_zone", [STAGE_MAP] = "map",
 };
 
 int32_t vista_stage_count(void) { return STAGE_COUNT; }
@@ -203,22 +198,13 @@ static void up_in_camera(const vista_motion *motion, const double *up_world, dou
   }
 }
 
-static double valid_fraction(const vista_disparity_image *disparity) {
-  int64_t valid = 0;
-  for (int32_t v = 0; v < disparity->height_px; ++v) {
-    const int16_t *const row = disparity->data + v * disparity->stride;
-    int32_t in_row = 0;
-    for (int32_t u = 0; u < disparity->width_px; ++u) in_row += row[u] >= 0;
-    valid += in_row;
-  }
-  return (double)valid / ((double)disparity->width_px * disparity->height_px);
-}
-
 /* What one frame leads to on its way through the stages. */
 typedef struct passage {
   const vista_frame *frame;
   vista_motion_state motion_state; /* the pipeline's, once the frame has passed */
   vista_motion motion;
+  vista_health health;
+  double valid_fraction;
   double up_camera[3];
   int32_t detection_count;
   int64_t dropped_before; /* tracks, in earlier frames */
@@ -237,6 +223,9 @@ static vista_status run_stage(vista_pipeline *p, stage stage, passage *way) {
     }
     case STAGE_FOVEATION:
       return vista_foveate(&p->foveation, &q->foveation, &frame->image, &frame->disparity, &p->cells);
+    case STAGE_HEALTH:
+      return vista_health_judge(&q->health, &p->foveation, &p->matched, &p->cells, &frame->disparity, &way->motion,
+                                &way->health, &way->valid_fraction);
     case STAGE_SURFACE:
       return vista_surfaces_compute(&p->foveation, &q->surface, &p->camera, up, &p->cells, &p->surfaces);
     case STAGE_AFFINITY:
@@ -314,7 +303,8 @@ vista_status vista_pipeline_process_sized(vista_pipeline *pipeline, const vista_
   vista_result r = {.obstacle_bytes = sizeof(vista_obstacle),
                     .nearest_collision = vista_obstacle_map_nearest(p->map),
                     .motion = way.motion,
-                    .valid_fraction = valid_fraction(&f.disparity),
+                    .health = way.health,
+                    .valid_fraction = way.valid_fraction,
                     .region_count = p->regions.count,
                     .accepted_count = p->regions.accepted_count,
                     .dropped_tracks = vista_tracker_dropped(p->tracker) - way.dropped_before,

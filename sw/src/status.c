@@ -8,7 +8,7 @@ typedef struct entry {
 static const entry table[] = {
     [VISTA_OK] = {"VISTA_OK", "no error"},
     [VISTA_ERROR_ARGUMENT] = {"VISTA_ERROR_ARGUMENT", "a required pointer is null"},
-    [VISTA_ERROR_SIZE] = {"VISTA_ERROR_SIZE", "a size differs from the one agreed on"},
+    [VISTA_ERROR_SIZE] = {"VISTA_ERROR_SIZE", "a size is not handled (images: 16 to 8192 px a side), or not as agreed"},
     [VISTA_ERROR_RANGE] = {"VISTA_ERROR_RANGE", "a parameter is out of range"},
     [VISTA_ERROR_MEMORY] = {"VISTA_ERROR_MEMORY", "the memory handed over is too small"},
     [VISTA_ERROR_NUMBER] = {"VISTA_ERROR_NUMBER", "a number is not finite"},

@@ -40,6 +40,16 @@ def make_pairs(folder: Path, frames: int = FRAMES) -> Path:
     return folder
 
 
+def make_flown_pairs(folder: Path, frames: int = FRAMES) -> Path:
+    """Pairs with times, 10 Hz, and poses: 1 m a frame along the axis, sampled between them."""
+    make_pairs(folder, frames)
+    times = "".join(f"scene{index:02d},{0.1 * index + 1.0:.1f}\n" for index in range(frames))
+    (folder / "times.csv").write_text("name,t_s\n" + times)
+    poses = "".join(f"{0.1 * index + 0.95:.2f},0,0,{index - 0.5},0,0,0,1\n" for index in range(frames + 1))
+    (folder / "poses.csv").write_text("t_s,x_m,y_m,z_m,qx,qy,qz,qw\n" + poses)
+    return folder
+
+
 BOARD_DISPARITY_PX = 12
 
 

@@ -25,6 +25,7 @@ import vista.parameters
 import vista.pipeline
 from command_line import Vista, assert_refused, call
 from fake_pipeline import FakePipeline
+from shared_data import REPOSITORY
 from vista.cli import main
 from vista.disparity_file import read_disparity
 from vista.recording import FRAME, HEADER, PARAMETER
@@ -58,10 +59,19 @@ def test_run_writes_what_interfaces_promise(tmp_path: Path, run_vista: Vista, ma
     lines = read_lines(out)
     assert [line["frame"] for line in lines] == list(range(cases.FRAMES))
     first = lines[1]
-    keys = ["frame", "t_ns", "processing_ms", "regions", "valid_fraction", "obstacles", "nearest_collision"]
-    assert list(first) == keys
-    obstacle_keys = ["id", "confirmed", "age_frames", "position_m", "covariance_m2", "distance_m", "extent_m"]
-    obstacle_keys += ["ellipse_px", "disparity_px", "in_collision_volume", "coasting", "world"]
+    keys = ["version", "frame", "t_ns", "processing_ms", "regions", "valid_fraction", "motion", "health"]
+    assert list(first) == [*keys, "obstacles", "nearest_collision"]
+    assert first["version"] == 2
+    obstacle_keys = ["id", "confirmed", "age_frames", "position_m", "position_camera_m", "covariance_m2"]
+    obstacle_keys += [
+        "distance_m",
+        "extent_m",
+        "ellipse_px",
+        "disparity_px",
+        "in_collision_volume",
+        "coasting",
+        "world",
+    ]
     assert list(first["obstacles"][0]) == obstacle_keys
     assert list(first["obstacles"][0]["ellipse_px"]) == ["center", "axes", "angle_deg"]
     assert list(first["nearest_collision"]) == ["id", "position_m", "distance_m", "time_to_collision_s"]
@@ -148,12 +158,30 @@ def test_record_holds_what_the_host_received(tmp_path: Path, run_vista: Vista) -
     )
 
 
+@pytest.mark.parametrize("engine", ["golden", "opencv"])
+@pytest.mark.parametrize("smooth", ["off", "binomial3"])
+def test_smoothing_of_a_config(tmp_path: Path, run_vista: Vista, engine: str, smooth: str) -> None:
+    (tmp_path / "c.toml").write_text(
+        f'[stereo]\nnum_disparities = 32\nlr_max_diff = -1\nsmooth = "{smooth}"\n'
+    )
+    folder, record = cases.make_kitti(tmp_path / "kitti"), tmp_path / "flight.rec"
+    options = ["--engine", engine, "--config", tmp_path / "c.toml", "--record", record]
+    assert run_vista("run", folder, "--out", tmp_path / "out", *options)[0] == 0
+    pair = cases.texture_pair(cases.FRAMES - 1)
+    words = np.frombuffer(record.read_bytes()[-2 * cases.WIDTH * cases.HEIGHT :], "<i2").reshape(
+        pair[0].shape
+    )
+    both = [vista.StereoEngine(32, lr_max_diff=None, smooth=s).compute(*pair) for s in (False, True)]
+    np.testing.assert_array_equal(words, both[smooth == "binomial3"])
+    assert (both[0] != both[1]).any()
+
+
 @pytest.mark.parametrize("stills", [True, False])
 def test_stills_are_judged_one_by_one(tmp_path: Path, stills: bool) -> None:
     """With the real pipeline: the ids of the board and whether it is confirmed, frame by frame."""
     folder = cases.make_board_scenes(tmp_path / "pairs", 4, stills)
     record = tmp_path / "stills.rec"
-    options = ["--out", str(tmp_path / "out"), "--no-overlay", "--record", str(record)]
+    options = ["--out", str(tmp_path / "out"), "--no-overlay", "--all-tracks", "--record", str(record)]
     assert main(["run", str(folder), *options]) == 0
     frames = [line["obstacles"] for line in read_lines(tmp_path / "out")]
     boards = [min(obstacles, key=lambda o: abs(o["distance_m"] - 12.5)) for obstacles in frames]
@@ -260,6 +288,9 @@ BAD_CONFIGS = {
     "[tracker]\nconfirm_hits = 7": "tracker.confirm_hits must be at most tracker.confirm_window (6), not 7",
     "[tracker]\nconfirm_window = 2": "tracker.confirm_hits must be at most tracker.confirm_window (2), not 4",
     "stereo = 1": "unknown section [stereo]",
+    "[stereo]\nsmooth = true": "stereo.smooth must be one of off, binomial3, not True",
+    "[stereo]\nlevels = 5": "stereo.levels must be from 1 to 4",
+    "[stereo]\nlevels = 2": "stereo.levels: the host takes the words of one level only",
 }
 
 
@@ -345,8 +376,9 @@ def test_interruption_leaves_whole_lines_and_a_valid_summary(tmp_path: Path, num
         time.sleep(0.01)
     process.send_signal(number)
     stdout, stderr = process.communicate(timeout=60)
-    assert (process.returncode, stdout, stderr) == (130, b"", b"")
     frames = read_lines(out)
+    line = f"vista: interrupted after {len(frames)} frame{'s' * (len(frames) != 1)}\n".encode()
+    assert (process.returncode, stdout, stderr) == (130, b"", line)
     assert 1 <= len(frames) < 60
     summary = json.loads((out / "summary.json").read_text())
     assert (summary["frames"], summary["interrupted"]) == (len(frames), True)
@@ -437,3 +469,98 @@ def test_help_says_the_exit_statuses(run_vista: Vista) -> None:
         status, stdout, _ = run_vista(*arguments)
         assert status == 0
         assert "exit status" in stdout and "130" in stdout
+
+
+# ---- version, names of files, start ----
+
+
+def test_the_version_is_that_of_the_checkout(tmp_path: Path, run_vista: Vista) -> None:
+    version = (REPOSITORY / "VERSION").read_text().strip()
+    assert run_vista("--version") == (0, f"vista {version}\n", "")
+    assert vista.__version__ == version
+    folder = cases.make_pairs(tmp_path / "pairs", 1)
+    assert run_vista("run", folder, "--out", tmp_path / "out", "--no-overlay")[0] == 0
+    summary = json.loads((tmp_path / "out" / "summary.json").read_text())
+    described = subprocess.run(
+        ["git", "-C", str(REPOSITORY), "rev-parse", "HEAD"], capture_output=True, text=True
+    ).stdout.strip()
+    assert summary["version"] == version
+    assert list(summary)[:3] == ["version", "commit", "command"]
+    assert summary["commit"] is None if not described else described[:12] in summary["commit"]
+
+
+def run_program(*arguments: str | bytes, **environment: str) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-m", "vista", *arguments]
+    return subprocess.run(
+        command, capture_output=True, text=True, timeout=120, env=os.environ | environment, errors="replace"
+    )
+
+
+def test_the_summary_holds_the_command(tmp_path: Path) -> None:
+    folder = cases.make_pairs(tmp_path / "two words", 1)
+    run = run_program("run", str(folder), "--out", str(tmp_path / "out"), "--no-overlay")
+    assert run.returncode == 0, run.stderr
+    summary = json.loads((tmp_path / "out" / "summary.json").read_text())
+    assert summary["command"] == f"vista run '{folder}' --out {tmp_path / 'out'} --no-overlay"
+
+
+@pytest.mark.parametrize("options", [[], ["--no-overlay"]])
+def test_folders_whose_names_are_not_utf8(tmp_path: Path, options: list[str]) -> None:
+    """In a program of its own: OpenCV did not raise an exception, it crashed."""
+    folder, out = (os.fsencode(tmp_path) + name for name in (b"/fl\xffght", b"/o\xfet"))
+    cases.make_pairs(tmp_path / "pairs", 2).rename(os.fsdecode(folder))
+    run = run_program(b"run", folder, b"--out", out, *options)
+    assert run.returncode == 0, run.stderr
+    assert run.stdout.startswith("fl\N{REPLACEMENT CHARACTER}ght: 2 frames")
+    assert {path.name for path in Path(os.fsdecode(out)).iterdir()} == RESULTS
+    refused = run_program(b"run", out, b"--out", out)
+    assert refused.returncode == 2 and refused.stderr.count("\n") == 1
+
+
+def test_an_image_that_is_too_large_is_called_so(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    folder = tmp_path / "pairs"
+    for side in ("left", "right"):
+        cases.write_image(folder / f"a_{side}.png", np.zeros((16, 8208), np.uint8))
+    (folder / "calibration.toml").write_text(cases.PAIR_CALIBRATION)
+    outcome = call(capsys, "run", folder, "--out", tmp_path / "out")
+    assert_refused(outcome, "images of 8208x16 px: a size is not handled (images: 16 to 8192 px a side)")
+
+
+@pytest.mark.parametrize("module", ["cv2", "numpy", "vista.report.overlay", "tqdm"])
+def test_an_interruption_while_modules_load_ends_with_one_line(module: str) -> None:
+    program = f"""
+import os, signal, sys
+
+class Interrupting:
+    def find_spec(self, name, path=None, target=None):
+        if name == {module!r}:
+            os.kill(os.getpid(), signal.SIGINT)
+
+sys.meta_path.insert(0, Interrupting())
+from vista.__main__ import main
+sys.argv = ["vista", "run", "missing", "--out", "missing"]
+sys.exit(main())
+"""
+    run = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=60)
+    assert (run.returncode, run.stdout, run.stderr) == (130, "", "vista: interrupted\n")
+
+
+def test_a_missing_dependency_takes_one_line() -> None:
+    program = """
+import sys
+sys.modules["cv2"] = None
+from vista.__main__ import main
+sys.exit(main())
+"""
+    run = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=60)
+    assert run.returncode == 2
+    assert run.stderr.startswith("vista: not installed whole: ") and run.stderr.count("\n") == 1
+
+
+def test_missing_libraries_take_one_line(tmp_path: Path) -> None:
+    folder = cases.make_pairs(tmp_path / "pairs", 1)
+    run = run_program("run", str(folder), "--out", str(tmp_path / "out"), VISTA_BUILD=str(tmp_path / "empty"))
+    assert (run.returncode, run.stdout) == (2, "")
+    assert run.stderr.startswith("vista: libvista") and "make build" in run.stderr
+    assert run.stderr.count("\n") == 1
+    assert not (tmp_path / "out").exists()

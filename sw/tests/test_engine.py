@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict
+from itertools import zip_longest
 
 import cv2
 import numpy as np
@@ -10,7 +10,7 @@ import pytest
 import vista
 from random_seed import seeded
 from vista.engine import EngineParameters, OpenCvEngine, StereoEngine, create_engine
-from vista_model import Parameters, compute_with_smin
+from vista_model import INVALID, Parameters, compute_levels, compute_with_smin, smooth
 
 
 @pytest.fixture
@@ -20,12 +20,17 @@ def pair():
     return scene[:, :251], scene[:, 9:]
 
 
+def reference_parameters(parameters: EngineParameters) -> Parameters:
+    """Those of the matching; levels and smoothing are arguments of the reference."""
+    return Parameters(**{name: getattr(parameters, name) for name in Parameters.__dataclass_fields__})
+
+
 @pytest.mark.parametrize("lr_max_diff", [None, 1])
 @pytest.mark.parametrize("prefilter", ["xsobel", "none"])
 def test_words_and_smin_are_the_references(pair, prefilter, lr_max_diff):
     engine = vista.StereoEngine(48, 9, prefilter, lr_max_diff=lr_max_diff)
     words, smin = engine.compute_with_smin(*pair)
-    wanted_words, wanted_smin = compute_with_smin(*pair, Parameters(**asdict(engine.parameters)))
+    wanted_words, wanted_smin = compute_with_smin(*pair, reference_parameters(engine.parameters))
     np.testing.assert_array_equal(words, wanted_words)
     np.testing.assert_array_equal(smin, wanted_smin)
     np.testing.assert_array_equal(engine.compute(*pair), words)
@@ -46,6 +51,66 @@ def test_golden_and_opencv_agree(pair):
     assert (golden >= 0).any()
 
 
+@pytest.mark.parametrize("smoothed", [False, True])
+@pytest.mark.parametrize("levels", [1, 3, 4])
+def test_levels_are_the_references(pair, levels, smoothed):
+    """At level 3 the pair is 32x13 px: too narrow for 48 candidates, and so all invalid."""
+    engine = StereoEngine(48, 9, levels=levels, smooth=smoothed)
+    found = engine.compute_levels(*pair)
+    wanted = compute_levels(*pair, reference_parameters(engine.parameters), levels, smoothed)
+    for k, (words, reference) in enumerate(zip_longest(found, wanted)):
+        np.testing.assert_array_equal(words, reference)
+        assert words.dtype == np.int16 and (words != INVALID).any() == (k < 3)
+    np.testing.assert_array_equal(engine.compute(*pair), wanted[0])
+
+
+def test_levels_come_one_by_one_and_do_not_disturb_each_other(pair):
+    engine = StereoEngine(16, 5, levels=3, smooth=True)
+    wanted = engine.compute_levels(*pair)
+    other = tuple(image[::-1] for image in pair)
+    wanted_of_other = engine.compute_levels(*other)
+    for words, of_other, *references in zip(
+        engine.levels(*pair), engine.levels(*other), wanted, wanted_of_other, strict=True
+    ):
+        np.testing.assert_array_equal(words, references[0])
+        np.testing.assert_array_equal(of_other, references[1])
+
+
+def test_smin_is_that_of_the_smoothed_pair(pair):
+    engine = StereoEngine(16, 5, smooth=True, levels=2)
+    words, smin = engine.compute_with_smin(*pair)
+    wanted = compute_with_smin(*map(smooth, pair), reference_parameters(engine.parameters))
+    np.testing.assert_array_equal(words, wanted[0])
+    np.testing.assert_array_equal(smin, wanted[1])
+
+
+@pytest.mark.parametrize("threads", [2, 7])
+def test_threads_give_the_same_levels(pair, threads):
+    one, many = (StereoEngine(16, 5, threads=n, smooth=True, levels=4) for n in (1, threads))
+    for words, wanted in zip(many.compute_levels(*pair), one.compute_levels(*pair), strict=True):
+        np.testing.assert_array_equal(words, wanted)
+
+
+@pytest.mark.parametrize("smoothed", [False, True])
+def test_golden_and_opencv_agree_on_levels(pair, smoothed):
+    parameters = EngineParameters(16, 9, lr_max_diff=None, smooth=smoothed, levels=4)
+    golden, opencv = (list(create_engine(name, parameters).levels(*pair)) for name in ("golden", "opencv"))
+    assert len(golden) == len(opencv) == 4
+    for k in range(4):
+        np.testing.assert_array_equal(golden[k], opencv[k])
+        assert (golden[k] >= 0).any()
+
+
+def test_opencv_on_images_too_small_to_be_matched(pair):
+    engine = OpenCvEngine(EngineParameters(48, 9, lr_max_diff=None, levels=4))
+    for shape in ((97, 55), (8, 200)):
+        left, right = (image[: shape[0], : shape[1]] for image in pair)
+        for k, words in enumerate(engine.levels(left, right)):
+            assert words.shape == tuple(-(-side // 2**k) for side in shape) and (words == INVALID).all()
+    with pytest.raises(ValueError, match="100x9 px is no higher than a block, StereoBM refuses it"):
+        engine.compute(*(image[:9, :100] for image in pair))
+
+
 @pytest.mark.parametrize(
     ("values", "error", "text"),
     [
@@ -60,6 +125,10 @@ def test_golden_and_opencv_agree(pair):
         ({"uniqueness_ratio": 101}, ValueError, "uniqueness_ratio must be from 0 to 100"),
         ({"lr_max_diff": -1}, ValueError, "lr_max_diff must be from 0"),
         ({"lr_max_diff": True}, TypeError, "lr_max_diff must be an integer, not True"),
+        ({"smooth": 1}, TypeError, "smooth must be True or False, not 1"),
+        ({"levels": 0}, ValueError, "levels must be from 1 to 4, not 0"),
+        ({"levels": 5}, ValueError, "levels must be from 1 to 4, not 5"),
+        ({"levels": True}, TypeError, "levels must be an integer, not True"),
         ({"threads": 0}, ValueError, "threads must be from 1 to 256, not 0"),
         ({"isa": "mmx"}, ValueError, "isa must be one of auto, portable, avx2, avx512, not 'mmx'"),
     ],

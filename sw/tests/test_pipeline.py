@@ -7,7 +7,6 @@ import board_flight as scene
 import numpy as np
 import pytest
 from board_flight import board_flight
-from cut_library import ffi, lib
 from pipeline_library import (
     CALIBRATION,
     Frame,
@@ -18,6 +17,7 @@ from pipeline_library import (
     plain,
     snapshot,
 )
+from stage_arena import ffi, lib
 from vista.geometry import Pose
 from vista.parameters import defaults
 from vista_eval.cell_graph import OpenPipeline
@@ -108,7 +108,7 @@ def test_fields_of_the_result(flight: list[dict]) -> None:
     assert r.accepted_count == accepted == 1
     names = [ffi.string(lib.vista_stage_name(stage)).decode() for stage in range(r.stage_count)]
     assert names == [
-        "motion", "foveation", "surface", "affinity", "segmentation", "refinement", "regions",
+        "motion", "foveation", "health", "surface", "affinity", "segmentation", "refinement", "regions",
         "reconstruction", "tracking", "blind_zone", "map",
     ]  # fmt: skip
     assert ffi.string(lib.vista_stage_name(r.stage_count)) == b"unknown"

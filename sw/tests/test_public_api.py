@@ -10,15 +10,17 @@ from pathlib import Path
 import board_flight as scene
 import pytest
 from board_flight import board_flight
-from cut_library import ffi, lib, status_name
 from pipeline_library import Frame, Pipeline
 from shared_data import REPOSITORY
+from stage_arena import ffi, lib, status_name
 
 BUILD = REPOSITORY / os.environ.get("VISTA_BUILD", "build")
 INCLUDES = [REPOSITORY / "sw" / "include", REPOSITORY / "model" / "c" / "include"]
 HEADERS = {
     "vista": sorted((REPOSITORY / "sw" / "include" / "vista").glob("*.h")),
-    "vista_engine": [REPOSITORY / "model" / "c" / "include" / "vista" / "engine.h"],
+    "vista_engine": [
+        REPOSITORY / "model" / "c" / "include" / "vista" / f"{name}.h" for name in ("engine", "frontend")
+    ],
 }
 COMPILERS = {"C": ["gcc", "-std=c11", "-x", "c"], "C++": ["g++", "-std=c++17", "-x", "c++"]}
 USER = """

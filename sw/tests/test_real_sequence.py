@@ -24,7 +24,7 @@ pytestmark = pytest.mark.skipif(not STREET.is_dir(), reason="KITTI odometry 00 i
 def run_street(folder: Path) -> tuple[str, Path]:
     """obstacles.jsonl without its times, and the recording."""
     recording = folder / "street.rec"
-    options = ["--no-overlay", "--frames", f"0:{FRAMES}", "--record", str(recording)]
+    options = ["--no-overlay", "--all-tracks", "--frames", f"0:{FRAMES}", "--record", str(recording)]
     assert main(["run", str(STREET), "--out", str(folder / "out"), *options]) == 0
     text = (folder / "out" / "obstacles.jsonl").read_text()
     timeless, count = re.subn(r'"processing_ms": [0-9.]+, ', "", text)

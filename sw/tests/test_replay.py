@@ -15,14 +15,14 @@ import pytest
 import recording_cases as cases
 from board_flight import board_flight
 from pipeline_library import CALIBRATION
-from vista import native, parameters
+from vista import native, obstacle_line, parameters
 from vista.geometry import Pose
 from vista.pipeline import Pipeline, Result
 from vista.recording import FRAME, HEADER, PARAMETER
 
 REPLAY = native.build_folder() / "bin" / "replay"
 STAGES = (
-    "motion,foveation,surface,affinity,segmentation,refinement,regions,reconstruction,tracking,blind_zone,map,"
+    "motion,foveation,health,surface,affinity,segmentation,refinement,regions,reconstruction,tracking,blind_zone,map,"
     "host,cpu"
 )
 SANITIZED = "asan" in os.environ.get("LD_PRELOAD", "")
@@ -87,6 +87,15 @@ def test_replay_prints_the_numbers_of_python(recording: Path) -> None:
         expected.append(as_line(index, result))
     assert [json.loads(line) for line in run.stdout.splitlines()] == expected
     assert expected[-1]["nearest_collision"] is not None
+
+
+def test_its_keys_are_those_of_the_schema(recording: Path) -> None:
+    """The program prints no file format of its own: its keys mean what they mean in obstacles.jsonl."""
+    schema = json.loads(obstacle_line.schema_text())["properties"]
+    line = json.loads(replay(recording, "--frames", 9).stdout.splitlines()[-1])
+    assert line.keys() - {"cells"} <= schema.keys()
+    assert line["obstacles"][0].keys() <= schema["obstacles"]["items"]["properties"].keys()
+    assert line["nearest_collision"].keys() <= schema["nearest_collision"]["properties"].keys()
 
 
 def test_the_recorded_parameters_count(tmp_path: Path) -> None:

@@ -60,9 +60,9 @@ ASL = {
     "no right list": (remove("mav0/cam1/data.csv"), r"cam1/data\.csv: no such file"),
     "no right image": (remove(f"mav0/cam1/data/{T1}.png"), rf"cam1/data/{T1}\.png: no such file"),
     "no left image": (remove(f"mav0/cam0/data/{T1}.png"), rf"cam0/data/{T1}\.png: no such file"),
-    "right image of another time": (
-        replace("mav0/cam1/data.csv", f"{T1},", f"{T1 + 1},"),
-        rf"cam1/data\.csv: no right image at {T1}",
+    "right images of another time": (
+        write("mav0/cam1/data.csv", f"{T1 + 20_000_000},{T1}.png\n"),
+        r"cam1/data\.csv: no right image within 5 ms of any left one",
     ),
     "time goes back": (
         replace("mav0/cam0/data.csv", f"{T2},", f"{T0},"),
@@ -152,6 +152,8 @@ KITTI = {
     ),
 }
 
+TILTED = cases.PAIR_CALIBRATION + "up_world = [0, 0, 2]\n"
+
 PAIRS = {
     "no calibration": (remove("calibration.toml"), r"calibration\.toml: no such file"),
     "no right image": (remove("scene01_right.png"), r"scene01_right\.png: no such file"),
@@ -170,6 +172,15 @@ PAIRS = {
     ),
     "unknown key": (replace("calibration.toml", "cx", "cx_px"), r"calibration\.toml: unknown key cx_px"),
     "half a calibration": (write("calibration.toml", "[left]\n"), r"calibration\.toml: fx_px is missing"),
+    "long up": (write("calibration.toml", TILTED), r"toml: up_world must have the length 1"),
+    "poses without times": (write("poses.csv", "t_s\n"), r"times\.csv: no such file: poses\.csv needs"),
+    "no column names": (write("times.csv", "scene00,0\n"), r"times\.csv:1: expected the columns name,t_"),
+    "time of no pair": (write("times.csv", "name,t_s\nx,0\n"), r"times\.csv:2: x is no pair of the folder"),
+    "a pair without a time": (write("times.csv", "name,t_s\nscene00,0\n"), r"has no time for scene01"),
+    "two times": (write("times.csv", "name,t_s\nscene00,0\nscene00,1\n"), r":3: scene00 is given twice"),
+    "one time": (write("times.csv", "name,t_s\nscene00,0\nscene01,0\n"), r":3: two pairs have the time 0 ns"),
+    "NaN time": (write("times.csv", "name,t_s\nscene00,nan\n"), r"times\.csv:2: number is not finite"),
+    "half a row": (write("times.csv", "name,t_s\nscene00\n"), r"times\.csv:2: 1 columns, expected 2"),
 }
 
 IMAGES = {

@@ -126,3 +126,77 @@ def test_transparency_is_ignored(tmp_path: Path) -> None:
     cases.write_image(tmp_path / "rgba.png", colour)
     cases.write_image(tmp_path / "rgb.png", colour[:, :, :3])
     np.testing.assert_array_equal(read_grey(tmp_path / "rgba.png"), read_grey(tmp_path / "rgb.png"))
+
+
+def add_times_and_poses(folder: Path, times_s: list[str], poses: str) -> None:
+    rows = "".join(f"scene{index:02d},{time_s}\n" for index, time_s in enumerate(times_s))
+    (folder / "times.csv").write_text("name,t_s\n" + rows)
+    (folder / "poses.csv").write_text("t_s,x_m,y_m,z_m,qx,qy,qz,qw\n" + poses)
+
+
+def test_pairs_may_bring_times_and_poses(tmp_path: Path) -> None:
+    """Times decide the order, to the nanosecond; poses are interpolated; a frame outside them is left out."""
+    folder = cases.make_pairs(tmp_path / "pairs")
+    times_s = ["1700000000.300000001", "1700000000.1", "1700000000.2", "1700000009"]
+    poses = "1700000000.0,0,0,0,0,0,0,1\n1700000000.4,0,0,4,0,0.6,0,0.8\n"
+    add_times_and_poses(folder, times_s, poses)
+    text = (folder / "calibration.toml").read_text()
+    (folder / "calibration.toml").write_text(text + "up_world = [0, 0, 1]\n")
+    sequence = open_sequence(folder)
+    assert [files.left.name[:7] for files in sequence.frames] == ["scene01", "scene02", "scene00"]
+    assert [files.t_ns - 1_700_000_000_000_000_000 for files in sequence.frames] == [
+        100_000_000,
+        200_000_000,
+        300_000_001,
+    ]
+    z_m = [files.world_from_camera.translation_m[2] for files in sequence.frames]
+    assert z_m == pytest.approx([1.0, 2.0, 3.0], abs=1e-6)
+    turns = Rotation.from_matrix([files.world_from_camera.rotation for files in sequence.frames])
+    angle = 2 * np.arctan2(0.6, 0.8)
+    np.testing.assert_allclose(
+        turns.as_rotvec(), [[0, share * angle, 0] for share in (0.25, 0.5, 0.75)], atol=1e-6
+    )
+    np.testing.assert_array_equal(sequence.up_world, [0, 0, 1])
+    assert sequence.notes == (f"1 of 4 frames lie outside the time of {folder / 'poses.csv'}",)
+
+
+def test_poses_in_nanoseconds_and_any_order_of_columns(tmp_path: Path) -> None:
+    folder = cases.make_pairs(tmp_path / "pairs", 1)
+    (folder / "times.csv").write_text("t_ns,name\n7,scene00\n")
+    (folder / "poses.csv").write_text("qw,qx,qy,qz,x_m,y_m,z_m,t_ns\n1,0,0,0,1,2,3,7\n")
+    (frame,) = open_sequence(folder).frames
+    assert frame.t_ns == 7
+    np.testing.assert_array_equal(frame.world_from_camera.translation_m, [1, 2, 3])
+
+
+def shift_right_times(folder: Path, *shifts_ns: int) -> None:
+    path = folder / "mav0/cam1/data.csv"
+    head, *rows = path.read_text().splitlines()
+    moved = (
+        f"{int(time) + shift_ns},{name}"
+        for (time, name), shift_ns in zip((row.split(",") for row in rows), shifts_ns, strict=True)
+    )
+    path.write_text("\n".join([head, *moved]))
+
+
+def test_left_and_right_times_may_differ_within_a_tolerance(tmp_path: Path) -> None:
+    """The period is 50 ms, so that 5 ms pass; the third pair is 6 ms apart."""
+    folder = cases.make_asl(tmp_path)
+    shift_right_times(folder, 7, 0, 6_000_000, -5_000_000)
+    sequence = open_sequence(folder)
+    assert [files.index for files in sequence.frames] == [0, 1, 3]
+    assert [files.left.name == files.right.name for files in sequence.frames] == [True] * 3
+    assert sequence.notes == (
+        "2 of 3 pairs have images of two times; they differ by up to 5 ms",
+        "2 of 8 images have no partner within 5 ms and are left out",
+    )
+    assert len(open_sequence(folder, pair_tolerance_ms=6).frames) == 4
+    assert len(open_sequence(folder, pair_tolerance_ms=0).frames) == 1
+
+
+def test_an_image_pairs_with_its_nearest_only(tmp_path: Path) -> None:
+    folder = cases.make_asl(tmp_path)
+    shift_right_times(folder, 40_000_000, 40_000_000, 40_000_000, 40_000_000)
+    pairs = [(f.left.stem, f.right.stem) for f in open_sequence(folder, pair_tolerance_ms=45).frames]
+    times = [str(cases.ASL_START_NS + index * cases.ASL_PERIOD_NS) for index in range(4)]
+    assert pairs == list(zip(times[1:], times[:-1], strict=True))

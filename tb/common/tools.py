@@ -10,7 +10,8 @@ BUILD = ROOT / "build" / "rtl"
 
 
 def verilator_environment() -> dict[str, str]:
-    """The environment to run the pinned Verilator in: `make setup-rtl` puts it under build/tools."""
+    """The environment to run the pinned Verilator in: `make setup-rtl` puts it under build/tools. All builds
+    share the objects that are not of the design."""
     folder = Path(
         os.environ.get("VISTA_VERILATOR", ROOT / "build" / "tools" / "verilator" / "verilator" / "bin")
     )
@@ -19,7 +20,11 @@ def verilator_environment() -> dict[str, str]:
     environment = {
         k: v for k, v in os.environ.items() if k not in ("VERILATOR_ROOT", "MAKEFLAGS", "MAKELEVEL")
     }
-    return environment | {"PATH": f"{folder}:{os.environ['PATH']}"}
+    return environment | {
+        "PATH": f"{folder}:{os.environ['PATH']}",
+        "OBJCACHE": str(Path(__file__).with_name("object_cache.sh")),
+        "VISTA_OBJECTS": str(BUILD / "objects"),
+    }
 
 
 def sources(file_list: str) -> list[Path]:

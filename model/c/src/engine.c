@@ -65,17 +65,6 @@ static size_t lay_out(band *b, void *memory, const vista_engine_params *params, 
   return at.used;
 }
 
-static const vista_row_code *code_for(const vista_engine_params *params) {
-  const vista_engine_isa isa =
-      params->isa == VISTA_ENGINE_ISA_AUTO ? vista_engine_isa_best() : (vista_engine_isa)params->isa;
-#ifdef VISTA_ROWS_X86
-  if (isa == VISTA_ENGINE_ISA_AVX512) return &vista_rows_avx512;
-  if (isa == VISTA_ENGINE_ISA_AVX2) return &vista_rows_avx2;
-#endif
-  (void)isa;
-  return &vista_rows_portable;
-}
-
 /* Step 1 for one row of one image; rows are mirrored without repeating the edge row, and the last row of an image
  * of odd height has no gradient (both as OpenCV does it). */
 static void filter_row(const vista_row_code *code, int32_t cap, const uint8_t *image, ptrdiff_t stride, int32_t width,
@@ -117,7 +106,7 @@ static void fill_row(const vista_engine_output *output, int32_t y, int32_t first
 
 static void run_band(band *b, const vista_engine_params *params, const vista_engine_images *images,
                      const vista_engine_output *output, int32_t first_row, int32_t end_row) {
-  const vista_row_code *code = code_for(params);
+  const vista_row_code *code = vista_row_code_of((vista_engine_isa)params->isa);
   const int32_t width = images->width, radius = params->block_size / 2;
   const int32_t first_x = params->num_disparities - 1 + radius, end_x = width - radius;
   const int32_t first_y = first_row > radius ? first_row : radius;

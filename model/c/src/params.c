@@ -43,3 +43,13 @@ vista_engine_isa vista_engine_isa_best(void) {
 int vista_engine_isa_available(vista_engine_isa isa) {
   return (int)isa >= 0 && (int)isa <= (int)vista_engine_isa_best();
 }
+
+const vista_row_code *vista_row_code_of(vista_engine_isa isa) {
+  const vista_engine_isa taken = isa == VISTA_ENGINE_ISA_AUTO ? vista_engine_isa_best() : isa;
+#ifdef VISTA_ROWS_X86
+  if (taken == VISTA_ENGINE_ISA_AVX512) return &vista_rows_avx512;
+  if (taken == VISTA_ENGINE_ISA_AVX2) return &vista_rows_avx2;
+#endif
+  (void)taken;
+  return &vista_rows_portable;
+}

@@ -1,5 +1,7 @@
 /* The table of an instruction set, VISTA_ROW_CODE, from match_narrow and the plain loops around it; costs of 32 bits
  * are rare and plain everywhere. */
+#include "front_steps.h"
+
 #define VISTA_COST uint32_t
 #define VISTA_MATCH_PLAIN match_wide
 #include "match_plain.h"
@@ -14,6 +16,8 @@ VISTA_TARGET static void match_row(const vista_match_job *job) {
 }
 
 const vista_row_code VISTA_ROW_CODE = {
+    .smooth = smooth_row,
+    .reduce = reduce_row,
     .xsobel = xsobel_row,
     .mirror = mirror_row,
     .texture_columns = texture_columns_row,

@@ -9,6 +9,8 @@
 
 #include <stdint.h>
 
+#include "vista/engine.h"
+
 /* Costs of a pixel are padded to multiples of it, whole vectors of every instruction set; only D 16 takes half. */
 #define VISTA_ROWS_LANES 32
 #define VISTA_ROWS_PAD 256 /* items that may be read or written past either end of a row buffer */
@@ -48,6 +50,10 @@ typedef struct vista_finish_job {
 } vista_finish_job;
 
 typedef struct vista_row_code {
+  /* Smoothing: one row from the rows above, at and below it. */
+  void (*smooth)(const uint8_t *const rows[3], int32_t width, uint8_t *out);
+  /* Pyramid: one row of (width + 1) / 2 pixels from the five rows around it. */
+  void (*reduce)(const uint8_t *const rows[5], int32_t width, uint8_t *out);
   /* Step 1: one row of clamp([1 2 1]^T * [-1 0 1], -cap, cap) + cap; the first and last column are cap. */
   void (*xsobel)(const uint8_t *above, const uint8_t *row, const uint8_t *below, int32_t width, int32_t cap,
                  uint8_t *out);
@@ -63,6 +69,9 @@ typedef struct vista_row_code {
   /* Steps 4, 6, 7: verdicts and words of the matched x. */
   void (*finish)(const vista_finish_job *job);
 } vista_row_code;
+
+/* The code of an instruction set that this machine has. */
+const vista_row_code *vista_row_code_of(vista_engine_isa isa);
 
 extern const vista_row_code vista_rows_portable;
 #if defined(__x86_64__) && defined(__GNUC__)

@@ -18,6 +18,7 @@ static const struct {
     [VISTA_ENGINE_ERROR_STRIDE] = {"VISTA_ENGINE_ERROR_STRIDE", "a stride is smaller than the width"},
     [VISTA_ENGINE_ERROR_ROWS] = {"VISTA_ENGINE_ERROR_ROWS", "the rows asked for lie outside the image"},
     [VISTA_ENGINE_ERROR_SCRATCH] = {"VISTA_ENGINE_ERROR_SCRATCH", "scratch is too small or not aligned to 64 bytes"},
+    [VISTA_ENGINE_ERROR_OVERLAP] = {"VISTA_ENGINE_ERROR_OVERLAP", "the image to write overlaps the one to read"},
 };
 
 static int known(vista_engine_status status) { return (unsigned)status < sizeof statuses / sizeof statuses[0]; }

@@ -1,4 +1,4 @@
-/* What libvista reports: obstacles, the nearest that the aircraft would collide with, and its own motion. */
+/* What libvista reports: obstacles, the nearest that the aircraft would collide with, its own motion and health. */
 #ifndef VISTA_OBSTACLE_H
 #define VISTA_OBSTACLE_H
 
@@ -10,92 +10,131 @@
 
 VISTA_BEGIN
 
+/* An ellipse in the rectified left image. */
 typedef struct vista_ellipse {
   double center_u_px, center_v_px;
   double axis_a_px, axis_b_px; /* semi-axes, a >= b >= 0 */
-  double angle_deg;            /* of axis a, clockwise from +u as seen on the screen (v down), in (-90, 90] */
+  double angle_deg; /* direction of axis a, clockwise from +u as seen on the screen (v down), in (-90, 90] */
 } vista_ellipse;
 
-/* Of the static-world test: does the track stand still in the world, or does it move with the aircraft, as the image of
- * a texture that was matched one period off does? */
+/* The verdict of the static-world test: does the track stand still in the world, or does it move with the aircraft, as
+ * the image of a texture does that is matched one texture period off? */
 typedef enum vista_world_verdict {
   VISTA_WORLD_OPEN = 0, /* the aircraft has travelled too little to tell */
-  VISTA_WORLD_STANDS,   /* or comes nearer: whatever it is, it is there */
-  VISTA_WORLD_MOVES,    /* across the line of sight, by itself */
-  VISTA_WORLD_REFUTED,  /* moves with the aircraft: the image of a periodic texture */
+  VISTA_WORLD_STANDS, /* or comes nearer: whatever it is, it is there */
+  VISTA_WORLD_MOVES, /* across the line of sight, by itself */
+  VISTA_WORLD_REFUTED, /* moves with the aircraft: the image of a periodic texture */
   VISTA_WORLD_VERDICT_COUNT
 } vista_world_verdict;
 
-/* Upper-case name of a verdict; never null. */
+/* The name of a verdict, in upper case; never null. */
 VISTA_API const char *vista_world_verdict_name(vista_world_verdict verdict);
 
-/* Why a region of the image is not an obstacle; the first reason that applies, in this order. */
+/* Why a region of the image is not an obstacle: the first reason that applies, in this order. */
 typedef enum vista_region_verdict {
   VISTA_REGION_ACCEPTED = 0,
-  VISTA_REGION_BACKGROUND,     /* grown from no disparity of its own and not plain: sky, bare ground */
+  VISTA_REGION_BACKGROUND, /* grown from no disparity of its own and not plain: sky, bare ground */
   VISTA_REGION_TOO_FEW_PIXELS, /* too few boundary inliers to say anything */
-  VISTA_REGION_LOW_SUPPORT,    /* valid fraction of the boundary too small */
-  VISTA_REGION_INCONSISTENT,   /* boundary disparity does not vary smoothly (edge consistency) */
-  VISTA_REGION_HORIZONTAL,     /* a surface to fly above, or flat on one: ground, road, water */
-  VISTA_REGION_TOO_FAR,        /* disparity below the smallest that is reconstructed */
-  VISTA_REGION_TOO_SMALL,      /* metric size below the smallest obstacle */
+  VISTA_REGION_LOW_SUPPORT, /* valid fraction of the boundary too small */
+  VISTA_REGION_INCONSISTENT, /* boundary disparity does not vary smoothly (edge consistency) */
+  VISTA_REGION_HORIZONTAL, /* a surface to fly above, or flat on one: ground, road, water */
+  VISTA_REGION_TOO_FAR, /* disparity below the smallest that is reconstructed */
+  VISTA_REGION_TOO_SMALL, /* metric size below the smallest obstacle */
   VISTA_REGION_VERDICT_COUNT
 } vista_region_verdict;
 
-/* Upper-case name of a verdict; never null. */
+/* The name of a verdict, in upper case; never null. */
 VISTA_API const char *vista_region_verdict_name(vista_region_verdict verdict);
 
+/* One obstacle, as the track that it belongs to estimates it in this frame. */
 typedef struct vista_obstacle {
-  int32_t id;                /* of the track; 0: too near to match, no track */
-  bool confirmed;            /* seen in M of N frames, and not refuted by the static-world test */
-  bool coasting;             /* not seen in this frame: the position is a prediction */
-  bool in_blind_zone;        /* nearer than the engine matches */
-  vista_world_verdict world; /* of the static-world test */
+  int32_t id; /* number of the track; 0: something too near to match, which has no track */
+  bool confirmed; /* seen in M of N frames, and not refuted by the static-world test */
+  bool coasting; /* not seen in this frame: the position is a prediction */
+  bool in_blind_zone; /* nearer than the engine matches */
+  vista_world_verdict world; /* verdict of the static-world test */
   int32_t age_frames;
-  double position_m[3];     /* world */
-  double covariance_m2[9];  /* of position_m, row-major: the filter's, and that of errors which last */
-  double distance_m;        /* from the camera */
-  double extent_m[2];       /* width, height */
-  vista_ellipse ellipse; /* of this frame's detection, or the last one carried on to the predicted place and range */
-  double disparity_px; /* of the state in this frame */
-  bool in_collision_volume; /* it may be warned of, and is in the volume around the flight path */
+  double position_m[3]; /* in the world */
+  double covariance_m2[9]; /* of position_m, row-major; includes errors that last while the obstacle is in view */
+  double distance_m; /* from the camera */
+  double extent_m[2]; /* width, height */
+  vista_ellipse ellipse; /* of this frame's detection; while coasting, the last one moved to the predicted place */
+  double disparity_px; /* at the estimated position */
+  bool in_collision_volume; /* it can cause a warning and is in the volume around the flight path */
 } vista_obstacle;
 
+/* The nearest confirmed obstacle that meets the collision volume. */
 typedef struct vista_nearest_collision {
-  bool valid; /* false: nothing confirmed meets the collision volume, the rest is zero */
+  bool valid; /* false: there is none, and all other members are zero */
   int32_t id;
   double position_m[3];
   double distance_m;
-  double time_to_collision_s; /* distance along the flight direction / closing speed; NaN: that is below
+  double time_to_collision_s; /* distance along the flight direction over closing speed; NaN if that speed is below
                                  obstacle_map.closing_min_m_s, or unknown */
 } vista_nearest_collision;
 
 /* Where the camera's pose in this frame comes from. */
 typedef enum vista_motion_source {
-  VISTA_MOTION_UNTOLD = 0, /* no pose up to now: the world is the first camera */
-  VISTA_MOTION_POSE,       /* the frame's own */
+  VISTA_MOTION_UNTOLD = 0, /* no pose so far: the world is the camera of the first frame */
+  VISTA_MOTION_POSE,       /* the frame has a pose */
   VISTA_MOTION_STANDS,     /* no pose; the caller says that the camera has not moved since the last frame */
-  VISTA_MOTION_CARRIED_ON, /* no pose, after others: the last motion goes on */
-  VISTA_MOTION_REFUSED,    /* the frame's pose is out of reach: the last motion goes on */
+  VISTA_MOTION_CARRIED_ON, /* no pose, but earlier frames had one: the last motion goes on */
+  VISTA_MOTION_REFUSED,    /* the pose of the frame is impossible: the last motion goes on */
   VISTA_MOTION_SOURCE_COUNT
 } vista_motion_source;
 
-/* Upper-case name of a source; never null. */
+/* The name of a source, in upper case; never null. */
 VISTA_API const char *vista_motion_source_name(vista_motion_source source);
 
 /* The vehicle's own motion as the detector worked with it. */
 typedef struct vista_motion {
-  bool known; /* POSE or STANDS: positions in world are good; else they rest on a guess of where the camera is */
-  bool restarted;                  /* the poses went on elsewhere: all tracks were given up */
-  bool velocity_known;             /* else it is zero, or the last one that was known */
+  bool known; /* true for POSE and STANDS; otherwise positions in the world rest on a guess of the camera's pose */
+  bool restarted;                  /* the poses continued at another place, so all tracks were dropped */
+  bool velocity_known;             /* otherwise the velocity is zero, or the last one that was known */
   vista_motion_source source;
-  vista_pose pose;                 /* of the camera in world */
-  double velocity_m_s[3];          /* world */
-  double turn_rate_rad_s[3];       /* axis times rate, world */
+  vista_pose pose;                 /* of the camera in the world */
+  double velocity_m_s[3];          /* in the world */
+  double turn_rate_rad_s[3];       /* axis times rate, in the world */
   double speed_m_s;
-  double direction[3]; /* of flight, unit length, world: along the velocity, else the optical axis */
-  double drift_m;      /* standard deviation that this frame adds to the position, in a frame carried on */
+  double
+      direction[3]; /* of flight, unit length, in the world: along the velocity if it is known, else the optical axis */
+  double drift_m; /* standard deviation that this frame adds to the position while the last motion goes on */
 } vista_motion;
+
+/* Whether the view tells anything. An empty list of obstacles means "clear" only in a frame that is healthy. */
+typedef enum vista_health_state {
+  VISTA_HEALTH_HEALTHY = 0,
+  VISTA_HEALTH_DEGRADED, /* seen in part, or at a place that rests on a guess */
+  VISTA_HEALTH_BLIND, /* the view tells nothing; tracks are carried on */
+  VISTA_HEALTH_STATE_COUNT
+} vista_health_state;
+
+/* What was found wrong with a frame. */
+typedef enum vista_health_reason {
+  VISTA_HEALTH_FEW_DISPARITIES = 0, /* fewer of the matched pixels than health.degraded_fraction have one */
+  VISTA_HEALTH_NO_DISPARITIES, /* fewer than health.blind_fraction: blind */
+  VISTA_HEALTH_NO_CONTRAST, /* the image varies by less than health.contrast_min: blind */
+  VISTA_HEALTH_MOTION_UNKNOWN, /* no pose, after others */
+  VISTA_HEALTH_POSE_JUMP, /* the pose was refused, or believed anew: motion.restarted */
+  VISTA_HEALTH_REASON_COUNT
+} vista_health_reason;
+
+/* How far a frame can be trusted. */
+typedef struct vista_health {
+  vista_health_state state;
+  uint32_t reasons; /* bit k: the reason with number k */
+  double matched_fraction; /* of the pixels where the engine can find a disparity, those that have one */
+  double contrast; /* standard deviation of the cells, grey levels */
+} vista_health;
+
+/* The name of a state, in lower case, such as "blind"; never null. */
+VISTA_API const char *vista_health_state_name(vista_health_state state);
+
+/* The name of a reason, in lower case, such as "no_contrast"; never null. */
+VISTA_API const char *vista_health_reason_name(vista_health_reason reason);
+
+/* A reason as one line of text; never null. */
+VISTA_API const char *vista_health_reason_text(vista_health_reason reason);
 
 VISTA_END
 

@@ -10,9 +10,13 @@
 
 VISTA_BEGIN
 
-/* The stereo engine (its contract: doc/design/engine-contract.md). */
+/* What is matched: the horizontal Sobel response, or the grey levels themselves (the Acadia's plain SAD). */
 typedef enum vista_stereo_prefilter { VISTA_STEREO_PREFILTER_XSOBEL, VISTA_STEREO_PREFILTER_NONE } vista_stereo_prefilter;
 
+/* Smoothing of both images before they are matched: none, or 1 2 1 in both directions. */
+typedef enum vista_stereo_smooth { VISTA_STEREO_SMOOTH_OFF, VISTA_STEREO_SMOOTH_BINOMIAL3 } vista_stereo_smooth;
+
+/* The stereo engine (its contract: doc/design/engine-contract.md). */
 typedef struct vista_stereo_params {
   int32_t num_disparities; /* Candidates 0 .. num_disparities - 1, a multiple of 16. The paper's Acadia had 32; 64 halve the blind zone. 16 .. 256 px. */
   int32_t block_size; /* Side of the matching block, odd. 5 .. 21 px. */
@@ -21,7 +25,9 @@ typedef struct vista_stereo_params {
   int32_t texture_threshold; /* Blocks with less texture are invalid. 0 .. 65535. */
   int32_t uniqueness_ratio; /* Margin of the best match over all that do not adjoin it. 0 .. 100 percent. */
   int32_t lr_max_diff; /* Largest difference of the left and the right winner; -1: no left/right check. -1 .. 255 px. */
-  unsigned char reserved[228];
+  vista_stereo_smooth smooth; /* Smoothing of both images before they are matched: none, or 1 2 1 in both directions. */
+  int32_t levels; /* Levels of the image pyramid that are matched, each half the size of the one before. 1 .. 4. */
+  unsigned char reserved[220];
 } vista_stereo_params;
 
 /* The vehicle's own motion, from poses. */
@@ -42,11 +48,13 @@ typedef struct vista_foveation_params {
   unsigned char reserved[232];
 } vista_foveation_params;
 
-/* Similarity of neighbouring cells (paper, equations 3 and 4) and its encoding as flow (equation 5). */
+/* How the feature terms combine: their weighted sum is the paper's equation 3, their product measures better. */
 typedef enum vista_affinity_form { VISTA_AFFINITY_FORM_PRODUCT, VISTA_AFFINITY_FORM_SUM } vista_affinity_form;
 
+/* Capacity = scale * C^((w - 1) / 2), or the paper's print, scale * (w + 1) / 2. */
 typedef enum vista_affinity_flow_encoding { VISTA_AFFINITY_FLOW_ENCODING_EXPONENTIAL, VISTA_AFFINITY_FLOW_ENCODING_LINEAR } vista_affinity_flow_encoding;
 
+/* Similarity of neighbouring cells (paper, equations 3 and 4) and its encoding as flow (equation 5). */
 typedef struct vista_affinity_params {
   vista_affinity_form form; /* How the feature terms combine: their weighted sum is the paper's equation 3, their product measures better. */
   double alpha_intensity; /* Weight of the intensity term in the sum form; the disparity term has the rest. Paper: alpha_d. 0.0 .. 1.0. */
@@ -177,10 +185,18 @@ typedef struct vista_obstacle_map_params {
   unsigned char reserved[192];
 } vista_obstacle_map_params;
 
-/* Made by vista_parameters_default, and changed afterwards. A newer library finds its new parameters behind
- * those of this header and in the reserved parts, filled in by that function. */
+/* When a view tells too little. */
+typedef struct vista_health_params {
+  double degraded_fraction; /* A frame is degraded when less than this of the pixels that can be matched has a disparity. 0.0 .. 1.0. */
+  double blind_fraction; /* With less than this it is blind. 0.0 .. 1.0. At most degraded_fraction. */
+  double contrast_min; /* It is blind, too, when the standard deviation of the cells' grey levels is smaller. 0.0 .. 255.0 grey levels. */
+  unsigned char reserved[232];
+} vista_health_params;
+
+/* All parameters. vista_parameters_default makes the struct; change its members afterwards. A newer library
+ * keeps its new parameters behind those of this header and in the reserved parts, and fills them in there. */
 typedef struct vista_parameters {
-  size_t struct_bytes; /* of this struct in the caller's header */
+  size_t struct_bytes; /* size of this struct in the caller's header */
   vista_stereo_params stereo;
   vista_motion_params motion;
   vista_foveation_params foveation;
@@ -193,48 +209,58 @@ typedef struct vista_parameters {
   vista_tracker_params tracker;
   vista_blind_zone_params blind_zone;
   vista_obstacle_map_params obstacle_map;
+  vista_health_params health;
 } vista_parameters;
 
-/* The defaults, in a struct of this size. VISTA_ERROR_SIZE: it is no size of this struct. */
+/* Writes the defaults into a struct of this size. VISTA_ERROR_SIZE: it is no size of this struct. */
 VISTA_API vista_status vista_parameters_init(vista_parameters *parameters, size_t bytes);
 
+/* Returns the default of every parameter. */
 static inline vista_parameters vista_parameters_default(void) {
   vista_parameters parameters;
   (void)vista_parameters_init(&parameters, sizeof parameters);
   return parameters;
 }
 
-/* VISTA_OK; VISTA_ERROR_SIZE: not made by vista_parameters_default; VISTA_ERROR_RANGE (NaN included) with
- * `culprit`, which may be null, set to "section.name". */
+/* Checks every parameter against its range. VISTA_ERROR_SIZE: the struct was not made by
+ * vista_parameters_default. VISTA_ERROR_RANGE: a parameter is out of its range or not a number; `culprit`,
+ * which may be null, is then set to its "section.name". */
 VISTA_API vista_status vista_parameters_check(const vista_parameters *parameters, const char **culprit);
 
-/* The parameter called "section.name"; a choice by its number or by its name. VISTA_ERROR_RANGE: no such
- * parameter, or a value that none has; its own range is vista_parameters_check's to judge. */
+/* Sets the parameter called "section.name"; a choice is set by its number. VISTA_ERROR_RANGE: there is no
+ * such parameter, or no parameter can have this value. vista_parameters_check judges its own range. */
 VISTA_API vista_status vista_parameters_set(vista_parameters *parameters, const char *name, double value);
+
+/* Sets a choice by its name. VISTA_ERROR_RANGE: there is no such parameter or no such choice. */
 VISTA_API vista_status vista_parameters_set_choice(vista_parameters *parameters, const char *name,
                                                    const char *choice);
+
+/* Reads the parameter called "section.name"; a choice is read as its number. */
 VISTA_API vista_status vista_parameters_get(const vista_parameters *parameters, const char *name,
                                             double *value);
 
+/* The type of a parameter. */
 typedef enum vista_parameter_type {
   VISTA_PARAMETER_INT,
   VISTA_PARAMETER_FLOAT,
   VISTA_PARAMETER_CHOICE
 } vista_parameter_type;
 
-/* What there is to know of one parameter. Texts are never null. */
+/* The description of one parameter. Its texts are never null. */
 typedef struct vista_parameter {
   const char *name; /* "section.name" */
   const char *unit, *doc;
   vista_parameter_type type;
-  double default_value, min, max; /* of a choice: its number, the first and the last one */
-  const char *at_most;            /* a parameter that it must not exceed, too; "": none */
+  double default_value, min, max; /* for a choice: numbers */
+  const char *at_most;            /* another parameter that it must not exceed, or "" */
   int32_t choice_count;
   const char *const *choices; /* choice_count names */
 } vista_parameter;
 
-/* All of them, in the order of the struct; null outside 0 .. count - 1. */
+/* The number of parameters. */
 VISTA_API int32_t vista_parameter_count(void);
+
+/* The description of a parameter by its index, in the order of the struct; null outside 0 .. count - 1. */
 VISTA_API const vista_parameter *vista_parameter_info(int32_t index);
 
 VISTA_END

@@ -6,6 +6,7 @@
 
 VISTA_BEGIN
 
+/* The result of a function that can fail. */
 typedef enum vista_status {
   VISTA_OK = 0,
   VISTA_ERROR_ARGUMENT, /* a required pointer is null */
@@ -18,8 +19,10 @@ typedef enum vista_status {
   VISTA_ERROR_ORDER     /* timestamps that do not increase */
 } vista_status;
 
-/* Short upper-case name ("VISTA_ERROR_SIZE") and one-line text; never null. */
+/* The name of a status, such as "VISTA_ERROR_SIZE"; never null. */
 VISTA_API const char *vista_status_name(vista_status status);
+
+/* A status as one line of text; never null. */
 VISTA_API const char *vista_status_text(vista_status status);
 
 VISTA_END

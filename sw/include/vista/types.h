@@ -1,7 +1,8 @@
-/* What flows between the stages. Frames of reference, in the name of everything that carries a coordinate:
- *   px     left rectified image: u right, v down, origin at the centre of the top-left pixel
- *   camera left rectified camera: x right, y down, z forward, metres
- *   world  the inertial frame of the pose source, metres */
+/* Images, camera and pose. The name of everything that carries a coordinate says its frame of reference:
+ *
+ * - px: the rectified left image; u to the right, v down, the origin in the centre of the top left pixel.
+ * - camera: the rectified left camera; x to the right, y down, z forward, in metres.
+ * - world: the inertial frame of the pose source, in metres. */
 #ifndef VISTA_TYPES_H
 #define VISTA_TYPES_H
 
@@ -10,19 +11,21 @@
 
 #include "vista/word.h" /* VISTA_DISPARITY_SCALE, VISTA_DISPARITY_INVALID */
 
+/* An 8-bit grey image. */
 typedef struct vista_image {
-  const uint8_t *data; /* 8-bit grey, row-major */
+  const uint8_t *data; /* row-major */
   int32_t width_px, height_px;
-  ptrdiff_t stride; /* items from one row to the next */
+  ptrdiff_t stride; /* pixels from one row to the next, at least width_px */
 } vista_image;
 
+/* The disparity of every pixel of the left image, as words of the stereo engine. */
 typedef struct vista_disparity_image {
-  const int16_t *data; /* words: 1/16 px, negative without a disparity */
+  const int16_t *data; /* 1/16 px; negative where there is no disparity */
   int32_t width_px, height_px;
   ptrdiff_t stride;
 } vista_disparity_image;
 
-/* Rectified pinhole pair; the right camera sits baseline_m to the right of the left one. */
+/* A rectified pair of pinhole cameras. The right one is baseline_m to the right of the left one. */
 typedef struct vista_camera {
   int32_t width_px, height_px;
   double focal_px;
@@ -30,7 +33,7 @@ typedef struct vista_camera {
   double baseline_m;
 } vista_camera;
 
-/* p_world = rotation * p_camera + translation_m; rotation row-major. */
+/* The pose of the camera in the world: p_world = rotation * p_camera + translation_m. The rotation is row-major. */
 typedef struct vista_pose {
   double rotation[9];
   double translation_m[3];

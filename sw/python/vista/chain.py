@@ -1,4 +1,4 @@
-"""The chain: a frame is read, rectified, matched by the engine, and goes through the host's pipeline."""
+"""The chain of one frame: it is read, rectified and matched, and goes through the host's pipeline."""
 
 from __future__ import annotations
 
@@ -49,9 +49,11 @@ class Chain:
 
 def engine_parameters(values: parameters.Values) -> EngineParameters:
     stereo = values["stereo"]
-    return EngineParameters(
-        **stereo | {"lr_max_diff": None if stereo["lr_max_diff"] == LR_OFF else stereo["lr_max_diff"]}
-    )
+    spelled = {  # what TOML has no word for, and C no type
+        "lr_max_diff": None if stereo["lr_max_diff"] == LR_OFF else stereo["lr_max_diff"],
+        "smooth": stereo["smooth"] == "binomial3",
+    }
+    return EngineParameters(**stereo | spelled)
 
 
 def make_chain(
@@ -63,17 +65,19 @@ def make_chain(
 ) -> Chain:
     from vista.pipeline import Pipeline  # loads libvista, which `--help` need not
 
+    if values["stereo"]["levels"] > 1:
+        raise InputError("stereo.levels", "the host takes the words of one level only")
     rectifier = Rectifier(sequence.calibration)
     try:
         engine = create_engine(engine_name, engine_parameters(values), threads, rtl_width_px)
         engine.check_size(rectifier.calibration.width, rectifier.calibration.height)
     except (TypeError, ValueError) as error:
         raise InputError(f"engine {engine_name}", str(error)) from None
+    camera = rectifier.calibration
     try:
-        pipeline = Pipeline(rectifier.calibration, values)
+        pipeline = Pipeline(camera, values)
     except ValueError as error:
-        camera = rectifier.calibration
-        raise InputError(sequence.name, f"{camera.width}x{camera.height} px: {error}") from None
+        raise InputError(sequence.name, f"images of {camera.width}x{camera.height} px: {error}") from None
     return Chain(sequence, rectifier, engine, pipeline)
 
 
@@ -81,6 +85,7 @@ def make_chain(
 class Step:
     """One frame on its way through the chain."""
 
+    raw: Frame  # as read
     frame: Frame  # rectified
     words: NDArray[np.int16]
     result: Result
@@ -107,12 +112,13 @@ def run_frame(chain: Chain, files: FrameFiles) -> Step:
     record = FrameRecord(
         frame.index,
         frame.t_ns,
-        frame.world_from_camera,
+        None if result.motion.source == "UNTOLD" else result.motion.pose,
         tuple(result.obstacles),
         result.nearest_collision,
         result.regions,
         result.valid_fraction,
         stage_ms,
         result.dropped_tracks,
+        result.motion.known,
     )
-    return Step(frame, words, result, record)
+    return Step(raw, frame, words, result, record)

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import argparse
 import ast
+import io
 import os
 import sys
 from importlib.machinery import PathFinder
@@ -17,6 +18,8 @@ from pathlib import Path
 import cv2
 
 from vista.errors import EXIT_INPUT, EXIT_INTERRUPTED, EXIT_OK, InputError
+from vista.interruption import stopping_at_once
+from vista.version import version
 
 GROUP = "vista.commands"
 # In the order of the help.
@@ -53,6 +56,7 @@ def make_parser(named: str | None) -> argparse.ArgumentParser:
         epilog=EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
+    parser.add_argument("--version", action="version", version=f"vista {version()}")
     commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
     installed = {point.name: point for point in entry_points(group=GROUP)}
     for name in COMMANDS:
@@ -112,12 +116,17 @@ def named_command(arguments: list[str]) -> str | None:
 
 def main(arguments: list[str] | None = None) -> int:
     # OpenCV's own lines about unreadable images would come on top of ours.
-    cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_SILENT)
+    quiet = cv2.setLogLevel if hasattr(cv2, "setLogLevel") else cv2.utils.logging.setLogLevel  # OpenCV 4, 5
+    quiet(0)
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")  # names of files that are not UTF-8
     arguments = sys.argv[1:] if arguments is None else arguments
     named = named_command(arguments)
     try:
-        parsed = make_parser(named).parse_args(arguments)
-        return parsed.execute(parsed)
+        with stopping_at_once():
+            parsed = make_parser(named).parse_args(arguments)
+        return int(parsed.execute(parsed))
     except InputError as error:
         print(f"vista: {error}", file=sys.stderr)
         return EXIT_INPUT
@@ -135,6 +144,7 @@ def main(arguments: list[str] | None = None) -> int:
         print(f"vista: {error.filename or 'system'}: {reason}", file=sys.stderr)
         return EXIT_INPUT
     except KeyboardInterrupt:
+        print("vista: interrupted", file=sys.stderr)
         return EXIT_INTERRUPTED
 
 

@@ -1,8 +1,8 @@
 """Cameras and poses, each with its frames of reference in its name.
 
-camera  x right, y down, z forward, metres
-px      u right, v down, origin at the centre of the top-left pixel
-world   the inertial frame of the pose source, metres
+- camera: x to the right, y down, z forward, in metres
+- px: u to the right, v down, the origin in the centre of the top left pixel
+- world: the inertial frame of the pose source, in metres
 """
 
 from __future__ import annotations
@@ -25,6 +25,10 @@ class Pose:
     def __matmul__(self, other: Pose) -> Pose:
         """a_from_b @ b_from_c = a_from_c."""
         return Pose(self.rotation @ other.rotation, self.rotation @ other.translation_m + self.translation_m)
+
+    def apply(self, point_m: Array) -> Array:
+        """The point of b in a."""
+        return self.rotation @ point_m + self.translation_m
 
     def inverse(self) -> Pose:
         return Pose(self.rotation.T, -self.rotation.T @ self.translation_m)

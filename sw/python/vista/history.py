@@ -1,4 +1,4 @@
-"""What a run keeps of each frame for its summary and its report; the images are not among it."""
+"""What a run keeps of each frame for its summary and its report; images are not kept."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from vista.geometry import Pose
+from vista.health.finding import FrameHealth
 
 if TYPE_CHECKING:
     from vista.pipeline import Nearest, Obstacle
@@ -20,13 +21,15 @@ if TYPE_CHECKING:
 class FrameRecord:
     index: int
     t_ns: int
-    world_from_camera: Pose | None
+    world_from_camera: Pose | None  # as the detector worked with it; None: no pose up to now
     obstacles: tuple[Obstacle, ...]
     nearest_collision: Nearest | None
     regions: int
     valid_fraction: float
     stage_ms: dict[str, float]  # in the order in which the stages ran
     dropped_tracks: int = 0  # for want of room
+    motion_known: bool = False
+    health: FrameHealth = field(default_factory=FrameHealth)  # empty where no checks are made
 
 
 @dataclass

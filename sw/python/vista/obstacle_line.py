@@ -1,17 +1,21 @@
-"""One line of obstacles.jsonl: the obstacle map of a frame as JSON."""
+"""One line of obstacles.jsonl: the obstacle map of a frame as JSON, described in obstacles.schema.json."""
 
 from __future__ import annotations
 
 import json
 import math
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from vista.geometry import Pose
 from vista.history import FrameRecord
 
 if TYPE_CHECKING:
     from vista.pipeline import Nearest, Obstacle
+
+VERSION = 2  # of the lines
 
 # Digits after the point: below what the measurements carry, and enough for any unit test of a user's.
 METRES = 3
@@ -22,28 +26,47 @@ DEGREES = 1
 SECONDS = 2
 
 
-def obstacle_line(record: FrameRecord) -> str:
-    """JSON without line break; a number that is not finite becomes null."""
+def schema_text() -> str:
+    """The JSON Schema (draft 2020-12) of a line."""
+    return Path(__file__).with_name("obstacles.schema.json").read_text(encoding="utf-8")
+
+
+def obstacle_line(record: FrameRecord, all_tracks: bool = False) -> str:
+    """JSON without line break; a number that is not finite becomes null.
+
+    all_tracks: also the tracks that are not confirmed.
+    """
     nearest = record.nearest_collision
+    camera_from_world = (record.world_from_camera or Pose()).inverse()
     line = {
+        "version": VERSION,
         "frame": record.index,
         "t_ns": record.t_ns,
         "processing_ms": _rounded(record.stage_ms["host"], 3),
         "regions": record.regions,
         "valid_fraction": _rounded(record.valid_fraction, 4),
-        "obstacles": [_obstacle(obstacle) for obstacle in record.obstacles],
+        "motion": "known" if record.motion_known else "unknown",
+        "health": {"state": record.health.state, "reasons": record.health.reasons},
+        "obstacles": [
+            _obstacle(obstacle, camera_from_world)
+            for obstacle in record.obstacles
+            if obstacle.confirmed or all_tracks
+        ],
         "nearest_collision": None if nearest is None else _nearest(nearest),
     }
     return json.dumps(line, allow_nan=False)
 
 
-def _obstacle(obstacle: Obstacle) -> dict[str, Any]:
+def _obstacle(obstacle: Obstacle, camera_from_world: Pose) -> dict[str, Any]:
     ellipse = obstacle.ellipse
+    with np.errstate(invalid="ignore"):  # a position that is not finite stays so
+        position_camera_m = camera_from_world.apply(obstacle.position_m)
     return {
         "id": int(obstacle.id),
         "confirmed": bool(obstacle.confirmed),
         "age_frames": int(obstacle.age_frames),
         "position_m": _rounded(obstacle.position_m, METRES),
+        "position_camera_m": _rounded(position_camera_m, METRES),
         "covariance_m2": _rounded(obstacle.covariance_m2, SQUARE_METRES),
         "distance_m": _rounded(obstacle.distance_m, METRES),
         "extent_m": _rounded(obstacle.extent_m, METRES),

@@ -1,4 +1,4 @@
-"""Files that are whole or absent, whatever interrupts the writing."""
+"""Writes files that are whole or absent, whatever interrupts the writing."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ def unwritable(path: Path, error: OSError) -> InputError:
 
 def write_atomically(path: Path, data: bytes | str) -> None:
     """Writes beside the target, then renames. Raises InputError when the target cannot be written."""
-    content = data.encode() if isinstance(data, str) else data
+    content = data.encode(errors="replace") if isinstance(data, str) else data
     temporary = None
     try:
         descriptor, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")

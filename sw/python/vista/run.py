@@ -1,16 +1,17 @@
-"""The frame loop of a run: every frame through the chain, and out."""
+"""The frame loop of a run: every frame through the chain and the checks, and out."""
 
 from __future__ import annotations
 
-import signal
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
-from typing import Any
+import sys
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 from tqdm import tqdm
 
 from vista.chain import Chain, run_frame
+from vista.health.monitor import HealthMonitor
 from vista.history import FrameRecord, StageClock
+from vista.interruption import Interruption
 from vista.obstacle_line import obstacle_line
 from vista.recording import Recorder
 from vista.report.overlay import Overlay
@@ -18,56 +19,51 @@ from vista.result_folder import ResultFolder
 from vista.sequence import FrameFiles
 
 
-class Interruption:
-    """Set by the first Ctrl-C or SIGTERM; a second one ends the program at once."""
+@dataclass(frozen=True)
+class Outputs:
+    """Where the results of each frame go."""
 
-    def __init__(self) -> None:
-        self.requested = False
-
-    @contextmanager
-    def watch(self) -> Iterator[None]:
-        before = {number: signal.signal(number, self._request) for number in (signal.SIGINT, signal.SIGTERM)}
-        try:
-            yield
-        finally:
-            for number, handler in before.items():
-                signal.signal(number, handler)
-
-    def _request(self, number: int, _frame: Any) -> None:
-        self.requested = True
-        signal.signal(number, signal.SIG_DFL)
+    folder: ResultFolder
+    overlay: Overlay | None  # None: no pictures
+    recorder: Recorder | None
+    all_tracks: bool = False  # write tracks that are not confirmed, too
 
 
 def run_frames(
     chain: Chain,
     frames: Sequence[FrameFiles],
-    folder: ResultFolder,
+    outputs: Outputs,
     records: list[FrameRecord],
-    overlay: Overlay | None,
-    recorder: Recorder | None,
     interruption: Interruption,
 ) -> None:
     """Runs the chain over the frames and appends a record of each to `records`: an error in the middle
     leaves those of the frames before. Stops after the frame in which an interruption is requested.
 
+    A problem that a check finds for the first time is printed on stderr at once.
     Raises InputError for an image that cannot be read; what is in the folder stays valid.
     """
+    monitor = HealthMonitor(chain.sequence)
+    announced: set[str] = set()
     for files in tqdm(frames, desc=chain.sequence.name, unit="frame", disable=None):
-        record = _run_frame(chain, files, folder, overlay, recorder)
+        record = _run_frame(chain, files, monitor, outputs)
         records.append(record)
+        for finding in record.health.findings:
+            if finding.reason not in announced:
+                announced.add(finding.reason)
+                tqdm.write(f"vista: frame {record.index}: {finding.state}: {finding.text}", file=sys.stderr)
         if interruption.requested:
             return
 
 
-def _run_frame(
-    chain: Chain, files: FrameFiles, folder: ResultFolder, overlay: Overlay | None, recorder: Recorder | None
-) -> FrameRecord:
+def _run_frame(chain: Chain, files: FrameFiles, monitor: HealthMonitor, outputs: Outputs) -> FrameRecord:
     clock = StageClock()
     step = run_frame(chain, files)
-    with clock.stage("output"):  # not part of the total: pictures are for people
-        if recorder is not None:
-            recorder.write(step.frame, step.words)
-        picture = None if overlay is None else overlay.draw(step.frame, step.words, step.result)
-        folder.write_frame(files.index, obstacle_line(step.record), picture)
-    step.record.stage_ms["output"] = clock.stage_ms["output"]
-    return step.record
+    with clock.stage("checks"):  # neither this nor the output is part of the total
+        record = replace(step.record, health=monitor.check(step.raw, step.frame, step.result.health))
+    with clock.stage("output"):
+        if outputs.recorder is not None:
+            outputs.recorder.write(step.frame, step.words)
+        picture = outputs.overlay and outputs.overlay.draw(step.frame, step.words, step.result)
+        outputs.folder.write_frame(files.index, obstacle_line(record, outputs.all_tracks), picture)
+    record.stage_ms.update(clock.stage_ms)
+    return record

@@ -1,4 +1,4 @@
-"""A flight through the whole chain; its records are kept until something that decides them changes."""
+"""Runs the whole chain on a flight and keeps its records until something that decides them changes."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ import numpy as np
 from vista import native, parameters
 from vista.chain import Step, make_chain, run_frame
 from vista.geometry import Pose
+from vista.health.finding import FrameHealth
 from vista.history import FrameRecord
 from vista.pipeline import Ellipse, Nearest, Obstacle
 from vista.sequence import Sequence, open_sequence
@@ -68,6 +69,7 @@ def _record(content: dict[str, Any]) -> FrameRecord:
     return FrameRecord(
         **content
         | {
+            "health": FrameHealth(),  # no checks are made of what was rendered
             "world_from_camera": Pose(np.array(pose["rotation"]), np.array(pose["translation_m"])),
             "obstacles": tuple(_obstacle(o) for o in content["obstacles"]),
             "nearest_collision": nearest

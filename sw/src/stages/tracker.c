@@ -77,12 +77,6 @@ static vista_status check_params(const vista_tracker_params *p) {
   return good ? VISTA_OK : VISTA_ERROR_RANGE;
 }
 
-static vista_status check_matched(const vista_matched_area *m) {
-  const bool good =
-      vista_positive(m->disparity_max_px) && vista_not_negative(m->margin_left_px) && vista_not_negative(m->margin_px);
-  return good ? VISTA_OK : VISTA_ERROR_RANGE;
-}
-
 static vista_status check_detection(const vista_detection *d) {
   if (!isfinite(d->u_px) || !isfinite(d->v_px)) return VISTA_ERROR_NUMBER;
   for (int i = 0; i < 9; ++i)
@@ -102,7 +96,7 @@ static vista_status check(const vista_tracker *tracker, const vista_track_frame 
   if (f->count < 0) return VISTA_ERROR_SIZE;
   if (f->count > tracker->max_detections) return VISTA_ERROR_CAPACITY;
   vista_status status = check_params(f->params);
-  if (status == VISTA_OK) status = check_matched(f->matched);
+  if (status == VISTA_OK) status = vista_matched_area_check(f->matched);
   if (status == VISTA_OK) status = vista_frame_check_camera(f->camera);
   if (status == VISTA_OK) status = vista_frame_check_pose(f->pose);
   const vista_disparity_image *const words = f->disparity;

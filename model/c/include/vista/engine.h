@@ -23,6 +23,7 @@
 
 VISTA_BEGIN
 
+/* The result of a function that can fail. */
 typedef enum vista_engine_status {
   VISTA_ENGINE_OK = 0,
   VISTA_ENGINE_ERROR_ARGUMENT,    /* a required pointer is null */
@@ -37,15 +38,17 @@ typedef enum vista_engine_status {
   VISTA_ENGINE_ERROR_SIZE,        /* width or height outside 1..VISTA_ENGINE_MAX_SIDE_PX */
   VISTA_ENGINE_ERROR_STRIDE,      /* a stride is smaller than the width */
   VISTA_ENGINE_ERROR_ROWS,        /* rows outside 0 <= first <= end <= height */
-  VISTA_ENGINE_ERROR_SCRATCH      /* scratch too small or not aligned to 64 bytes */
+  VISTA_ENGINE_ERROR_SCRATCH,     /* scratch too small or not aligned to 64 bytes */
+  VISTA_ENGINE_ERROR_OVERLAP      /* the image to write overlaps the one to read */
 } vista_engine_status;
 
+/* The filter before matching (step 1). */
 typedef enum vista_engine_prefilter {
   VISTA_ENGINE_PREFILTER_NONE = 0,
   VISTA_ENGINE_PREFILTER_XSOBEL = 1
 } vista_engine_prefilter;
 
-/* The same words from each; AUTO takes the fastest that the machine has. */
+/* The instruction set of the code. Each gives the same words; AUTO takes the fastest that the machine has. */
 typedef enum vista_engine_isa {
   VISTA_ENGINE_ISA_AUTO = 0,
   VISTA_ENGINE_ISA_PORTABLE,
@@ -53,6 +56,7 @@ typedef enum vista_engine_isa {
   VISTA_ENGINE_ISA_AVX512
 } vista_engine_isa;
 
+/* The parameters of the contract. */
 typedef struct vista_engine_params {
   int32_t num_disparities;   /* D: 16, 32 .. 256, candidates 0 .. D-1 px */
   int32_t block_size;        /* odd, 5 .. 21 px */
@@ -64,6 +68,7 @@ typedef struct vista_engine_params {
   int32_t isa;               /* vista_engine_isa */
 } vista_engine_params;
 
+/* A rectified pair. */
 typedef struct vista_engine_images {
   const uint8_t *left, *right;
   int32_t width, height; /* px, of both */
@@ -78,32 +83,35 @@ typedef struct vista_engine_output {
   ptrdiff_t disparity_stride, smin_stride;
 } vista_engine_output;
 
-/* D 32, block 11, x-Sobel, cap 31, texture 10, uniqueness 15, left/right check 1, ISA auto. */
+/* The defaults: 32 disparities, block 11, x-Sobel, cap 31, texture 10, uniqueness 15, left/right check 1, ISA auto. */
 VISTA_API vista_engine_params vista_engine_defaults(void);
 
+/* Checks every parameter against its range. */
 VISTA_API vista_engine_status vista_engine_validate(const vista_engine_params *params);
 
-/* Short upper-case name ("VISTA_ENGINE_ERROR_BLOCK") and one-line text; never null. */
+/* The name of a status, such as "VISTA_ENGINE_ERROR_BLOCK"; never null. */
 VISTA_API const char *vista_engine_status_name(vista_engine_status status);
+
+/* A status as one line of text; never null. */
 VISTA_API const char *vista_engine_status_text(vista_engine_status status);
 
-/* 1 when this build and machine can run it. AUTO and PORTABLE always can. */
+/* Returns 1 when this build and this machine can run the instruction set, else 0. AUTO and PORTABLE always run. */
 VISTA_API int vista_engine_isa_available(vista_engine_isa isa);
 
-/* What AUTO stands for on this machine. */
+/* The instruction set that AUTO stands for on this machine. */
 VISTA_API vista_engine_isa vista_engine_isa_best(void);
 
-/* Bytes of scratch for `threads` bands at once, 64-byte aligned each: band i of n takes the i-th n-th of it.
- * 0 when the parameters, the size or the number of threads are out of range. */
+/* The bytes of scratch for `threads` bands at once; each band takes an equal part, aligned to 64 bytes.
+ * Returns 0 when the parameters, the size or the number of threads are out of range. */
 VISTA_API size_t vista_engine_scratch_bytes(const vista_engine_params *params, int32_t width, int32_t height,
                                             int32_t threads);
 
-/* The whole image on the calling thread. Needs the scratch of one thread. */
+/* Computes the whole image on the calling thread. It needs the scratch of one thread. */
 VISTA_API vista_engine_status vista_engine_compute(const vista_engine_params *params, const vista_engine_images *images,
                                                    const vista_engine_output *output, void *scratch,
                                                    size_t scratch_bytes);
 
-/* Only the rows first_row .. end_row-1 of the output; the images are read beyond them by block_size/2 + 1 rows.
+/* Computes the rows first_row .. end_row-1 of the output; the images are read beyond them by block_size/2 + 1 rows.
  * Bands with scratch and rows of their own may run on different threads; together they give the words of
  * vista_engine_compute. */
 VISTA_API vista_engine_status vista_engine_compute_rows(const vista_engine_params *params,

@@ -3,14 +3,16 @@
 SEQUENCE is a folder in one of three layouts:
   EuRoC ASL       mav0/cam0, cam1 and optionally state_groundtruth_estimate0
   KITTI odometry  sequences/NN with image_0, image_1, calib.txt, times.txt, optionally ../../poses/NN.txt
-  pairs           NAME_left.EXT, NAME_right.EXT and calibration.toml
+  pairs           NAME_left.EXT, NAME_right.EXT and calibration.toml, optionally times.csv and poses.csv
 
-DIR receives obstacles.jsonl (one line a frame), frames/ (pictures), summary.json and report.html.
+DIR receives obstacles.jsonl (one line per frame), frames/ (pictures), summary.json and report.html.
 """
 
 from __future__ import annotations
 
 import argparse
+import shlex
+import sys
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import asdict
 from pathlib import Path
@@ -22,13 +24,17 @@ from vista.command.arguments import add_config, load_parameters, positive
 from vista.engine import ENGINES
 from vista.engine.rtl import DEFAULT_WIDTH_PX
 from vista.errors import EXIT_INTERRUPTED, EXIT_OK, InputError
+from vista.health.summary import problem_lines, summarize_health
 from vista.history import FrameRecord, stage_statistics
+from vista.interruption import Interruption
 from vista.recording import Recorder
 from vista.report.overlay import Overlay
 from vista.report.run_report import render_report
 from vista.result_folder import ResultFolder
-from vista.run import Interruption, run_frames
+from vista.run import Outputs, run_frames
 from vista.sequence import FrameFiles, Sequence, open_sequence
+from vista.sequence.text import finite
+from vista.version import commit, version
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -57,7 +63,19 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--record", type=Path, metavar="FILE", help="record what the host receives, for replay in C"
     )
+    parser.add_argument(
+        "--pair-tolerance-ms",
+        type=milliseconds,
+        metavar="MS",
+        help="how far the times of left and right image may lie apart in the EuRoC layout (default: a tenth "
+        "of the frame period, at most 5)",
+    )
     parser.add_argument("--no-overlay", action="store_true", help="draw no pictures: faster")
+    parser.add_argument(
+        "--all-tracks",
+        action="store_true",
+        help="write tracks that are not confirmed to obstacles.jsonl, too",
+    )
 
 
 def frame_range(text: str) -> tuple[int, int | None]:
@@ -67,10 +85,17 @@ def frame_range(text: str) -> tuple[int, int | None]:
     return int(first or 0), int(last) if last else None
 
 
+def milliseconds(text: str) -> float:
+    number = finite("--pair-tolerance-ms", text)
+    if not 0.0 <= number <= 1e6:
+        raise argparse.ArgumentTypeError(f"{text} is not from 0 to 1000000")
+    return number
+
+
 def execute(arguments: argparse.Namespace) -> int:
     values = load_parameters(arguments.config, arguments.engine)
     folder = ResultFolder(arguments.out)
-    sequence = open_sequence(arguments.sequence)
+    sequence = open_sequence(arguments.sequence, arguments.pair_tolerance_ms)
     if sequence.stills:  # nothing to confirm a scene with
         values["tracker"] |= {"confirm_hits": 1, "confirm_window": 1}
     frames = select_frames(sequence, arguments.frames)
@@ -83,7 +108,8 @@ def execute(arguments: argparse.Namespace) -> int:
     outcome: dict[str, Any] = {}
     try:
         with interruption.watch(), open_recorder(arguments.record, chain, values) as recorder:
-            run_frames(chain, frames, folder, records, overlay, recorder, interruption)
+            outputs = Outputs(folder, overlay, recorder, arguments.all_tracks)
+            run_frames(chain, frames, outputs, records, interruption)
     except InputError as error:
         outcome["error"] = str(error)
         raise
@@ -94,6 +120,7 @@ def execute(arguments: argparse.Namespace) -> int:
             summary = make_summary(chain, arguments.engine, values, records) | outcome
             folder.write_summary(summary)
     if interruption.requested:
+        print(f"vista: interrupted after {len(records)} frame{'s' * (len(records) != 1)}", file=sys.stderr)
         return EXIT_INTERRUPTED
     report = folder.write_report(render_report(summary, records, folder))
     print(closing_lines(summary, report))
@@ -124,10 +151,15 @@ def make_summary(
 ) -> dict[str, Any]:
     confirmed = {obstacle.id for record in records for obstacle in record.obstacles if obstacle.confirmed}
     return {
+        "version": version(),
+        "commit": commit(),
+        "command": shlex.join(["vista", *sys.argv[1:]]),
         "sequence": chain.sequence.name,
         "layout": chain.sequence.layout,
         "notes": list(chain.sequence.notes),
+        "stills": chain.sequence.stills,
         "frames": len(records),
+        "health": summarize_health(records),
         "engine": engine_name,
         "camera": asdict(chain.rectifier.calibration),
         "rectified": not chain.rectifier.is_passthrough,
@@ -140,13 +172,20 @@ def make_summary(
 
 
 def closing_lines(summary: dict[str, Any], report: Path) -> str:
-    host = summary["stages_ms"]["host"]
-    lines = [f"{summary['sequence']}: note: {note}" for note in summary["notes"]]
-    lines.append(
-        f"{summary['sequence']}: {summary['frames']} frames, "
-        f"{summary['obstacles_confirmed']} obstacles tracked, "
-        f"{summary['frames_with_collision']} frames with a collision warning, "
-        f"host {host['median']:.1f} ms (p99 {host['p99']:.1f})"
-    )
-    lines.append(f"report: {report}")
-    return "\n".join(lines)
+    """What is printed at the end of a run: notes, problems, what was found, and where the report is."""
+    host, frames = summary["stages_ms"]["host"], summary["frames"]
+    found = f"{summary['obstacles_confirmed']} obstacles tracked"
+    warned = f"{summary['frames_with_collision']} frames with a collision warning"
+    figures = f"{frames} frames, {found}, {warned}"
+    if summary["stills"]:
+        hits = summary["frames_with_collision"]
+        figures = f"{frames} stills, each judged alone: {hits} with something in the collision volume"
+    blind = summary["health"]["frames"]["blind"]
+    lines = [f"note: {note}" for note in summary["notes"]]
+    lines += problem_lines(summary["health"], frames)
+    lines.append(f"{figures}, host {host['median']:.1f} ms (p99 {host['p99']:.1f})")
+    if blind:
+        lines.append(
+            f"blind in {blind} of {frames} frames: that nothing was found there does not mean free space"
+        )
+    return "\n".join([f"{summary['sequence']}: {line}" for line in lines] + [f"report: {report}"])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from typing import Protocol
 
@@ -9,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 INVALID = -16  # the word of a pixel without a disparity
+MAX_LEVELS = 4
 
 Image = npt.NDArray[np.uint8]
 Disparity = npt.NDArray[np.int16]
@@ -25,6 +27,13 @@ class EngineParameters:
     texture_threshold: int = 10
     uniqueness_ratio: int = 15
     lr_max_diff: int | None = 1
+    smooth: bool = False  # each level before it is matched
+    levels: int = 1  # of the pyramid, each half the size of the one before
+
+    def matches(self, width_px: int, height_px: int) -> bool:
+        """Whether an image of this size holds a pixel that is matched; else all its words are INVALID."""
+        narrowest_px = self.num_disparities + self.block_size - 1
+        return width_px >= narrowest_px and height_px >= self.block_size
 
 
 class Engine(Protocol):
@@ -35,7 +44,15 @@ class Engine(Protocol):
     def check_size(self, width_px: int, height_px: int) -> None:
         """ValueError for images that it does not take."""
 
-    def compute(self, left: Image, right: Image) -> Disparity: ...
+    def compute(self, left: Image, right: Image) -> Disparity:
+        """The words of level 0."""
+
+    def levels(self, left: Image, right: Image) -> Iterator[Disparity]:
+        """The words of parameters.levels levels, level 0 first, each as soon as it is there.
+
+        A word of level k is in 1/16 px of that level: it stands for 2**k times as much at level 0, and pixel
+        (x, y) of level k lies at (2**k x, 2**k y) of level 0.
+        """
 
 
 def check_images(left: Image, right: Image) -> None:
@@ -59,6 +76,10 @@ def _size(image: Image) -> str:
 
 def check_parameters(parameters: EngineParameters) -> None:
     for name, value in asdict(parameters).items():
+        if name == "smooth":
+            if not isinstance(value, bool):
+                raise TypeError(f"smooth must be True or False, not {value!r}")
+            continue
         off = name == "lr_max_diff" and value is None
         wanted = str if name == "prefilter" else (int, np.integer)
         if not off and (not isinstance(value, wanted) or isinstance(value, bool)):
@@ -67,3 +88,5 @@ def check_parameters(parameters: EngineParameters) -> None:
             raise ValueError(f"{name} must be from 0 to {2**31 - 1}, not {value}")
     if parameters.prefilter not in ("none", "xsobel"):
         raise ValueError(f"prefilter must be none or xsobel, not {parameters.prefilter!r}")
+    if not 1 <= parameters.levels <= MAX_LEVELS:
+        raise ValueError(f"levels must be from 1 to {MAX_LEVELS}, not {parameters.levels}")

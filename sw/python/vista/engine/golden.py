@@ -1,9 +1,9 @@
-"""The C model of the contract, the reference of all engines (model/c)."""
+"""The engine in C (model/c), the reference of all engines."""
 
 from __future__ import annotations
 
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from typing import Any
 
 import numpy as np
@@ -11,16 +11,27 @@ import numpy.typing as npt
 
 from vista import native
 from vista.engine.contract import Disparity, EngineParameters, Image, check_images, check_parameters
+from vista.engine.frontend import LevelEngine, c_front_end
 
 _LR_OFF = -1
 _SCRATCH_ALIGNMENT = 64
 
 
-class StereoEngine:
-    """The C implementation of the contract. Holds its working memory: use one object a thread.
+class StereoEngine(LevelEngine):
+    """The stereo engine in C. It holds its working memory, so each thread needs an object of its own.
 
-    threads: rows are shared out among so many threads; the words are the same for any number.
-    isa: auto, portable, avx2 or avx512; the words are the same for each.
+    :param num_disparities: disparities that are searched, 16, 32 .. 256
+    :param block_size: side of the block that is matched, odd, 5 .. 21 px
+    :param prefilter: ``xsobel`` or ``none``
+    :param prefilter_cap: limit of the prefilter's response, 1 .. 63 grey levels
+    :param texture_threshold: texture that a block needs to be matched
+    :param uniqueness_ratio: margin of the best match over the others, 0 .. 100 percent
+    :param lr_max_diff: largest difference that the left/right check accepts, px; None: no check
+    :param threads: number of threads among which the rows are divided; the words do not depend on it
+    :param smooth: smooth both images before matching
+    :param levels: number of pyramid levels; `compute` gives the words of the first level, `compute_levels` a
+        list with those of every level
+    :param isa: ``auto``, ``portable``, ``avx2`` or ``avx512``; the words do not depend on it
     """
 
     def __init__(
@@ -34,6 +45,8 @@ class StereoEngine:
         lr_max_diff: int | None = 1,
         threads: int = 1,
         *,
+        smooth: bool = False,
+        levels: int = 1,
         isa: str = "auto",
     ) -> None:
         self.parameters = EngineParameters(
@@ -44,6 +57,8 @@ class StereoEngine:
             texture_threshold,
             uniqueness_ratio,
             lr_max_diff,
+            smooth,
+            levels,
         )
         check_parameters(self.parameters)
         self._ffi, self._lib = native.load("vista_engine")
@@ -54,8 +69,9 @@ class StereoEngine:
         self._params = self._c_params(isa)
         self._check(self._lib.vista_engine_validate(self._params))
         self._pool = ThreadPoolExecutor(threads) if threads > 1 else None
-        self._scratch: npt.NDArray[np.uint8] | None = None
-        self._scratch_shape = (0, 0)
+        front_end = c_front_end(self._params.isa)
+        self._front_end = replace(front_end, map=self._pool.map) if self._pool else front_end
+        self._scratch = np.empty((threads, 0), np.uint8)
 
     @staticmethod
     def available_isas() -> list[str]:
@@ -70,20 +86,19 @@ class StereoEngine:
     def check_size(self, width_px: int, height_px: int) -> None:
         self._scratch_for(width_px, height_px)
 
-    def compute(self, left: Image, right: Image) -> Disparity:
-        """Disparity words of the left image."""
-        return self._run(left, right, None)
-
     def compute_with_smin(self, left: Image, right: Image) -> tuple[Disparity, npt.NDArray[np.uint32]]:
-        """Disparity words and the smallest cost of every matched pixel, valid or not, else 2**32 - 1."""
-        smin = np.empty(getattr(left, "shape", (0, 0)), np.uint32)
-        return self._run(left, right, smin), smin
+        """Words of level 0 and the smallest cost of every matched pixel, valid or not, else 2**32 - 1."""
+        check_images(left, right)
+        smin = np.empty(left.shape, np.uint32)
+        pair = next(self._front_end.pairs(left, right, self.parameters))
+        return self._match(*pair, smin), smin
 
     def _c_params(self, isa: str) -> Any:
         isas = _isas(self._lib)
         if isa not in isas:
             raise ValueError(f"isa must be one of {', '.join(isas)}, not {isa!r}")
         values: dict[str, Any] = asdict(self.parameters)
+        del values["smooth"], values["levels"]  # the front end's
         values["prefilter"] = getattr(self._lib, f"VISTA_ENGINE_PREFILTER_{values['prefilter'].upper()}")
         values["lr_max_diff"] = _LR_OFF if values["lr_max_diff"] is None else values["lr_max_diff"]
         return self._ffi.new("vista_engine_params *", {**values, "isa": isas[isa]})
@@ -92,8 +107,7 @@ class StereoEngine:
         if status != self._lib.VISTA_ENGINE_OK:
             raise ValueError(self._ffi.string(self._lib.vista_engine_status_text(status)).decode())
 
-    def _run(self, left: Image, right: Image, smin: npt.NDArray[np.uint32] | None) -> Disparity:
-        check_images(left, right)
+    def _match(self, left: Image, right: Image, smin: npt.NDArray[np.uint32] | None = None) -> Disparity:
         left, right = np.ascontiguousarray(left), np.ascontiguousarray(right)
         height, width = left.shape
         disparity = np.empty((height, width), np.int16)
@@ -118,9 +132,8 @@ class StereoEngine:
         def band(index: int) -> int:
             first, end = (height * i // self._threads for i in (index, index + 1))
             data = ffi.from_buffer("uint8_t[]", scratch[index])
-            return self._lib.vista_engine_compute_rows(
-                self._params, images, output, first, end, data, len(data)
-            )
+            compute_rows = self._lib.vista_engine_compute_rows
+            return int(compute_rows(self._params, images, output, first, end, data, len(data)))
 
         if self._pool is None:
             self._check(band(0))
@@ -130,15 +143,14 @@ class StereoEngine:
         return disparity
 
     def _scratch_for(self, width: int, height: int) -> npt.NDArray[np.uint8]:
-        """Aligned working memory, one row a thread, kept until the size of the images changes."""
-        if self._scratch is None or self._scratch_shape != (width, height):
-            one = self._lib.vista_engine_scratch_bytes(self._params, width, height, 1)
-            if one == 0:
-                raise ValueError(f"images must be at most {self._lib.VISTA_ENGINE_MAX_SIDE_PX} px a side")
+        """Aligned working memory, one row a thread; kept, and grown when an image needs more."""
+        one = self._lib.vista_engine_scratch_bytes(self._params, width, height, 1)
+        if one == 0:
+            raise ValueError(f"images must be at most {self._lib.VISTA_ENGINE_MAX_SIDE_PX} px a side")
+        if one > self._scratch.shape[1]:
             memory = np.empty(one * self._threads + _SCRATCH_ALIGNMENT, np.uint8)
             start = -memory.ctypes.data % _SCRATCH_ALIGNMENT
             self._scratch = memory[start : start + one * self._threads].reshape(self._threads, one)
-            self._scratch_shape = (width, height)
         return self._scratch
 
 

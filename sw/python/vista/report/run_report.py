@@ -84,9 +84,8 @@ def embedded_pictures(records: list[FrameRecord], folder: ResultFolder) -> list[
     pictures: list[dict[str, Any]] = []
     for position in chosen:
         record = present[position]
-        jpeg = _scaled_jpeg(
-            cv2.imread(str(folder.frame_path(record.index))), MAX_PICTURE_BYTES // len(chosen)
-        )
+        coded = np.fromfile(folder.frame_path(record.index), np.uint8)  # OpenCV opens no names but UTF-8
+        jpeg = _scaled_jpeg(cv2.imdecode(coded, cv2.IMREAD_COLOR), MAX_PICTURE_BYTES // len(chosen))
         pictures.append(
             {
                 "frame": record.index,

@@ -10,7 +10,7 @@ import numpy as np
 from vista.errors import InputError
 from vista.geometry import Array, CameraModel, Pose, RawCalibration, is_rotation
 from vista.sequence.image import EXTENSIONS, read_size
-from vista.sequence.text import check_increasing, data_lines, finite, finite_row
+from vista.sequence.text import check_increasing, data_lines, finite_row, seconds_ns
 from vista.sequence.types import FrameFiles, Sequence
 
 
@@ -83,10 +83,7 @@ def _check_intrinsics(culprit: str, P: Array) -> None:
 def read_times(path: Path) -> list[int]:
     times_ns: list[int] = []
     for culprit, line in data_lines(path):
-        seconds = finite(culprit, line)
-        if seconds < 0.0 or seconds > 9e9:
-            raise InputError(culprit, f"time out of range: {line} s")
-        t_ns = round(seconds * 1e9)
+        t_ns = seconds_ns(culprit, line)
         check_increasing(culprit, times_ns[-1] if times_ns else None, t_ns)
         times_ns.append(t_ns)
     return times_ns

@@ -1,4 +1,4 @@
-"""A folder of pairs NAME_left.EXT / NAME_right.EXT with calibration.toml; no poses: a still camera, 10 Hz.
+"""A folder of pairs NAME_left.EXT / NAME_right.EXT with calibration.toml, and optionally times and poses.
 
 calibration.toml for images that are already rectified:
 
@@ -20,6 +20,15 @@ and for cameras as calibrated, which are then rectified (cv2.stereoCalibrate's K
     [right_from_left]     # p_right = rotation p_left + translation_m
     rotation = [1.0, 0.0, 0.0,  0.0, 1.0, 0.0,  0.0, 0.0, 1.0]
     translation_m = [-0.12, 0.0, 0.0]
+
+Optional files (tables.py): times.csv gives each pair its time, and the frames come in the order of the times;
+without it the pairs come in the order of their names, ten a second. poses.csv gives poses of the left camera;
+they are interpolated to the times of the pairs, so times.csv has to be there, too. Frames outside the time of
+the poses are left out, and a note says how many. In calibration.toml, before the first table,
+
+    up_world = [0.0, 0.0, 1.0]
+
+may say where up is in the world of the poses; without it, up is opposite to the downward axis of the camera.
 """
 
 from __future__ import annotations
@@ -32,12 +41,15 @@ from typing import Any
 import numpy as np
 
 from vista.errors import InputError
-from vista.geometry import CameraModel, Pose, RawCalibration, camera_matrix, is_rotation
+from vista.geometry import Array, CameraModel, Pose, RawCalibration, camera_matrix, is_rotation
 from vista.sequence.image import EXTENSIONS, read_size
+from vista.sequence.tables import read_poses, read_times
 from vista.sequence.text import read_text
+from vista.sequence.trajectory import UNIT_TOLERANCE
 from vista.sequence.types import FrameFiles, Sequence
 
 FRAME_PERIOD_NS = 100_000_000
+OF_SEQUENCE = ("stills", "up_world")  # keys of either form of calibration.toml
 
 
 def recognises(folder: Path) -> bool:
@@ -49,13 +61,25 @@ def open_folder(folder: Path) -> Sequence:
     path = folder / "calibration.toml"
     table = _read_table(path)
     calibration = read_calibration(path, table, read_size(pairs[0][0]))
-    frames = (
-        FrameFiles(index, index * FRAME_PERIOD_NS, left, right, None)
-        for index, (left, right) in enumerate(pairs)
-    )
-    return Sequence(
-        folder.resolve().name, "pairs", calibration, tuple(frames), stills=_flag(path, table, "stills")
-    )
+    times_path, poses_path = folder / "times.csv", folder / "poses.csv"
+    times_ns = [index * FRAME_PERIOD_NS for index in range(len(pairs))]
+    if times_path.exists():
+        times_ns = read_times(times_path, [left.stem.removesuffix("_left") for left, _ in pairs])
+    elif poses_path.exists():
+        raise InputError(times_path, "no such file: poses.csv needs the times of the pairs")
+    trajectory = read_poses(poses_path) if poses_path.exists() else None
+    frames = []
+    for index, (t_ns, (left, right)) in enumerate(sorted(zip(times_ns, pairs, strict=True))):
+        pose = trajectory.at(t_ns) if trajectory else None
+        if pose is not None or trajectory is None:
+            frames.append(FrameFiles(index, t_ns, left, right, pose))
+    if not frames:
+        raise InputError(poses_path, f"covers the time of none of the {len(pairs)} frames")
+    left_out = len(pairs) - len(frames)
+    notes = (f"{left_out} of {len(pairs)} frames lie outside the time of {poses_path}",) if left_out else ()
+    up_world = _direction(path, table, "up_world")
+    stills = _flag(path, table, "stills")
+    return Sequence(folder.resolve().name, "pairs", calibration, tuple(frames), up_world, notes, stills)
 
 
 def _images(folder: Path, side: str) -> list[Path]:
@@ -92,13 +116,22 @@ def _flag(path: Path, table: dict[str, Any], key: str) -> bool:
     return value
 
 
+def _direction(path: Path, table: dict[str, Any], key: str) -> Array | None:
+    if key not in table:
+        return None
+    direction = np.array(_numbers(path, table, key, {3}))
+    if abs(np.linalg.norm(direction) - 1.0) > UNIT_TOLERANCE:
+        raise InputError(path, f"{key} must have the length 1")
+    return direction / np.linalg.norm(direction)
+
+
 def read_calibration(path: Path, table: dict[str, Any], size: tuple[int, int]) -> RawCalibration:
     """Either form of calibration.toml; size: (width, height) of the images."""
     return _read_raw(path, table, size) if "left" in table else _read_rectified(path, table, size)
 
 
 def _read_rectified(path: Path, table: dict[str, Any], size: tuple[int, int]) -> RawCalibration:
-    _refuse_unknown(path, table, {"focal_px", "cx", "cy", "baseline_m", "stills"})
+    _refuse_unknown(path, table, {"focal_px", "cx", "cy", "baseline_m", *OF_SEQUENCE})
     focal_px = _positive(path, table, "focal_px")
     baseline_m = _positive(path, table, "baseline_m")
     matrix = camera_matrix(focal_px, focal_px, _number(path, table, "cx"), _number(path, table, "cy"))
@@ -107,7 +140,7 @@ def _read_rectified(path: Path, table: dict[str, Any], size: tuple[int, int]) ->
 
 
 def _read_raw(path: Path, table: dict[str, Any], size: tuple[int, int]) -> RawCalibration:
-    _refuse_unknown(path, table, {"left", "right", "right_from_left", "stills"})
+    _refuse_unknown(path, table, {"left", "right", "right_from_left", *OF_SEQUENCE})
     left = _read_camera(path, _table(path, table, "left"), size)
     right = _read_camera(path, _table(path, table, "right"), size)
     motion = _table(path, table, "right_from_left")

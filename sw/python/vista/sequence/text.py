@@ -1,12 +1,19 @@
-"""Numbers out of text files; whatever is wrong is named with its file and line."""
+"""Reads numbers from text files; an error names the file and the line."""
 
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Iterator
+from decimal import Decimal
 from pathlib import Path
 
 from vista.errors import InputError
+
+
+def printable(name: str) -> str:
+    """The name of a file with a replacement character for every byte that is not UTF-8."""
+    return os.fsencode(name).decode("utf-8", "replace")
 
 
 def read_text(path: Path) -> str:
@@ -52,6 +59,14 @@ def timestamp_ns(culprit: str | Path, text: str) -> int:
     if not 0 <= value < 2**63:
         raise InputError(culprit, f"timestamp out of range: {value}")
     return value
+
+
+def seconds_ns(culprit: str | Path, text: str) -> int:
+    """Decimal seconds; all their digits count, more than a float has."""
+    seconds = finite(culprit, text)
+    if not 0.0 <= seconds < 9.2e9:  # what 64 bits hold
+        raise InputError(culprit, f"time out of range: {text} s")
+    return round(Decimal(text) * 1_000_000_000) if seconds > 0.0 else 0
 
 
 def check_increasing(culprit: str | Path, previous_ns: int | None, t_ns: int) -> None:

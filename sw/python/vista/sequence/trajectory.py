@@ -1,4 +1,4 @@
-"""Poses at given times out of a sampled trajectory."""
+"""Poses at given times out of a sampled trajectory, and what a frame gets of it."""
 
 from __future__ import annotations
 
@@ -7,7 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from vista.errors import InputError
 from vista.geometry import Array, Pose, rotation_from_quaternion, slerp
+
+UNIT_TOLERANCE = 1e-3  # quaternions are printed with six digits
 
 
 @dataclass(frozen=True)
@@ -15,6 +18,14 @@ class Sample:
     t_ns: int
     position_m: Array  # 3
     quaternion: Array  # w, x, y, z; unit
+
+
+def make_sample(culprit: str, t_ns: int, position_m: Array, quaternion: Array) -> Sample:
+    """InputError for a quaternion (w, x, y, z) that is not of unit length."""
+    norm = float(np.linalg.norm(quaternion))
+    if abs(norm - 1.0) > UNIT_TOLERANCE:
+        raise InputError(culprit, f"quaternion of length {norm:.4g}, expected 1")
+    return Sample(t_ns, position_m, quaternion / norm)
 
 
 class Trajectory:

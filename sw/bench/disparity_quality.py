@@ -1,0 +1,151 @@
+"""Density and bad-3 of every pyramid level on KITTI 2012 pairs, beside OpenCV's StereoBM and SGBM.
+
+FOLDER holds image_0, image_1 and disp_noc as the data set has them. Nothing is tuned on the pairs.
+
+    disparity_quality.py FOLDER [--out build/bench/disparity_quality.json]
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+from collections import defaultdict
+from collections.abc import Callable
+from dataclasses import asdict
+from pathlib import Path
+
+import cv2
+import numpy as np
+from vista import parameters
+from vista.chain import engine_parameters
+from vista.engine import Disparity, Image, StereoEngine
+from vista_eval.metrics.disparity_quality import (
+    Counts,
+    Pixels,
+    Quality,
+    at_full_size,
+    count,
+    finest,
+    quality,
+)
+from vista_eval.metrics.standing_points import Share
+from vista_eval.report.text_table import aligned
+
+DISPARITIES = 64
+LEVELS = 4
+KITTI_UNITS_PER_PX = 256
+
+
+def vista_levels(smooth: bool) -> Callable[[Image, Image], dict[str, Pixels]]:
+    stereo = asdict(engine_parameters(parameters.defaults()))
+    engine = StereoEngine(**stereo | {"num_disparities": DISPARITIES, "levels": LEVELS, "smooth": smooth})
+
+    def match(left: Image, right: Image) -> dict[str, Pixels]:
+        words = engine.compute_levels(left, right)
+        levels = [at_full_size(one, k, left.shape) for k, one in enumerate(words)]
+        end = ", smoothed" if smooth else ""
+        named = {f"level {k}{end}": level for k, level in enumerate(levels)}
+        return named | {f"finest of {n} levels{end}": finest(levels[:n]) for n in (3, 4)}
+
+    return match
+
+
+def opencv(name: str, matcher: cv2.StereoMatcher) -> Callable[[Image, Image], dict[str, Pixels]]:
+    def match(left: Image, right: Image) -> dict[str, Pixels]:
+        words: Disparity = matcher.compute(left, right)
+        return {name: at_full_size(words, 0, left.shape)}
+
+    return match
+
+
+def block_matcher(check: bool) -> cv2.StereoBM:
+    """With the parameters of the engine; its own left/right check on or off."""
+    stereo = engine_parameters(parameters.defaults())
+    matcher = cv2.StereoBM.create(DISPARITIES, stereo.block_size)
+    matcher.setPreFilterType(cv2.STEREO_BM_PREFILTER_XSOBEL)
+    matcher.setPreFilterCap(stereo.prefilter_cap)
+    matcher.setTextureThreshold(stereo.texture_threshold)
+    matcher.setUniquenessRatio(stereo.uniqueness_ratio)
+    matcher.setDisp12MaxDiff(1 if check else -1)
+    matcher.setSpeckleWindowSize(0)
+    return matcher
+
+
+def semi_global_matcher(mode: int) -> cv2.StereoSGBM:
+    """OpenCV's usual setting: penalties 8 and 32 times the block's pixels, uniqueness 10 %, check 1 px."""
+    block = 5
+    return cv2.StereoSGBM.create(
+        minDisparity=0,
+        numDisparities=DISPARITIES,
+        blockSize=block,
+        P1=8 * block**2,
+        P2=32 * block**2,
+        disp12MaxDiff=1,
+        preFilterCap=63,
+        uniquenessRatio=10,
+        mode=mode,
+    )
+
+
+def read_truth(path: Path) -> Pixels:
+    units = cv2.imread(str(path), cv2.IMREAD_UNCHANGED)
+    return np.where(units == 0, np.nan, units / KITTI_UNITS_PER_PX)
+
+
+def evaluate(folder: Path) -> dict[str, dict[str, Quality]]:
+    """By method: of all measured pixels, of those that level 0 can see, and of those nearer."""
+    methods = [
+        vista_levels(smooth=False),
+        vista_levels(smooth=True),
+        opencv("StereoBM", block_matcher(check=False)),
+        opencv("StereoBM, check", block_matcher(check=True)),
+        opencv("StereoSGBM", semi_global_matcher(cv2.STEREO_SGBM_MODE_SGBM)),
+        opencv("StereoSGBM, 3 ways", semi_global_matcher(cv2.STEREO_SGBM_MODE_SGBM_3WAY)),
+    ]
+    counts: dict[str, dict[str, list[Counts]]] = defaultdict(lambda: defaultdict(list))
+    names = sorted(path.name for path in (folder / "disp_noc").glob("*.png"))
+    if not names:
+        raise SystemExit(f"disparity_quality: no pairs with measured disparities in {folder}")
+    for name in names:
+        left, right = (cv2.imread(str(folder / f"image_{i}" / name), cv2.IMREAD_GRAYSCALE) for i in (0, 1))
+        truth = read_truth(folder / "disp_noc" / name)
+        near = truth > DISPARITIES - 1
+        for match in methods:
+            for method, disparity in match(left, right).items():
+                counts[method]["all"].append(count(disparity, truth))
+                counts[method]["in range"].append(count(disparity, truth, ~near))
+                counts[method]["near"].append(count(disparity, truth, near))
+    return {method: {part: quality(ones) for part, ones in parts.items()} for method, parts in counts.items()}
+
+
+def table(results: dict[str, dict[str, Quality]]) -> str:
+    def interval(share: Share) -> str:
+        return f"{share.value:.3f} ({share.low:.3f} .. {share.high:.3f})"
+
+    rows = [("", "density", "bad-3", "density in range", "bad-3", "density near", "bad-3")]
+    for method, parts in results.items():
+        cells = [interval(parts["all"].density), interval(parts["all"].bad)]
+        for part in ("in range", "near"):
+            cells += [f"{parts[part].density.value:.3f}", f"{parts[part].bad.value:.3f}"]
+        rows.append((method, *cells))
+    return aligned(rows, {})
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("folder", type=Path, metavar="FOLDER")
+    parser.add_argument("--out", type=Path, default=Path("build/bench/disparity_quality.json"))
+    options = parser.parse_args()
+    results = evaluate(options.folder)
+    pairs = next(iter(results.values()))["all"].pairs
+    print(f"{pairs} pairs, {DISPARITIES} candidates; in range: up to {DISPARITIES - 1} px, near: more")
+    print(table(results))
+    options.out.parent.mkdir(parents=True, exist_ok=True)
+    exact = {method: {part: asdict(one) for part, one in parts.items()} for method, parts in results.items()}
+    methods = json.loads(json.dumps(exact), parse_float=lambda digits: round(float(digits), 6))
+    document = {"disparities": DISPARITIES, "levels": LEVELS, "opencv": cv2.__version__, "methods": methods}
+    options.out.write_text(json.dumps(document, indent=1) + "\n")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,39 @@
+# Fuzz targets of the C libraries, for the top Makefile: libFuzzer where there is a clang, else gcc over the corpus.
+
+FUZZ_TARGETS := engine pipeline recording
+FUZZ_SECONDS ?= 600
+FUZZ := build/fuzz
+FUZZ_CLANG := build/tools/clang/command# an empty file: there is none
+FUZZ_CC = $(or $(strip $(shell cat $(FUZZ_CLANG))),gcc)
+FUZZ_HAS_CLANG = $(findstring clang,$(FUZZ_CC))
+FUZZ_CFLAGS = -g -O1 -std=c17 -fno-omit-frame-pointer -fno-sanitize-recover=all \
+  -fsanitize=address,undefined,float-cast-overflow$(if $(FUZZ_HAS_CLANG),$(comma)fuzzer-no-link)
+FUZZ_DRIVER = $(if $(FUZZ_HAS_CLANG),-fsanitize=fuzzer,sw/fuzz/run_corpus.c)
+FUZZ_ENGINE := $(patsubst %.c,$(FUZZ)/obj/%.o,$(wildcard model/c/src/*.c))
+FUZZ_VISTA := $(patsubst %.c,$(FUZZ)/obj/%.o,$(wildcard sw/src/*.c sw/src/*/*.c sw/src/*/*/*.c))
+comma := ,
+
+.PHONY: fuzz fuzz-targets
+
+fuzz: fuzz-targets .venv/test.stamp ## fuzz the engine, the pipeline and the reader of recordings, FUZZ_SECONDS=600 each
+	@$(PYTHON) scripts/run_fuzz.py --seconds $(FUZZ_SECONDS) $(FUZZ_TARGETS)
+
+fuzz-targets: $(FUZZ_TARGETS:%=$(FUZZ)/%)
+
+$(FUZZ_CLANG): scripts/setup_clang.sh scripts/debian_packages.sh scripts/requirements/clang.txt
+	@scripts/setup_clang.sh
+
+$(FUZZ)/obj/%.o: %.c $(FUZZ_CLANG)
+	@mkdir -p $(@D); $(FUZZ_CC) $(FUZZ_CFLAGS) -Isw/include -Isw/src -Imodel/c/include -MMD -MP -c $< -o $@
+
+# With all checks, their inlined kernels take clang a minute each.
+$(FUZZ)/obj/model/c/src/rows_avx%.o: FUZZ_CFLAGS += -fno-sanitize=undefined,float-cast-overflow
+$(FUZZ)/obj/sw/apps/replay.o: FUZZ_CFLAGS += -Dmain=replay_main
+
+$(FUZZ)/engine: $(FUZZ_ENGINE)
+$(FUZZ)/pipeline: $(FUZZ_VISTA)
+$(FUZZ)/recording: $(FUZZ_VISTA) $(FUZZ)/obj/sw/apps/replay.o
+$(FUZZ_TARGETS:%=$(FUZZ)/%): $(FUZZ)/%: $(FUZZ)/obj/sw/fuzz/fuzz_%.o sw/fuzz/run_corpus.c
+	@echo "ld $@"; $(FUZZ_CC) $(FUZZ_CFLAGS) $(filter %.o,$^) $(FUZZ_DRIVER) -lm -o $@
+
+-include $(shell find $(FUZZ)/obj -name '*.d' 2>/dev/null)

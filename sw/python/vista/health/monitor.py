@@ -1,0 +1,72 @@
+"""The checks over the frames of a run: cheap ones for every frame, feature matching for some."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from vista.health import checks
+from vista.health.features import image_motion_px, match_pair
+from vista.health.finding import Finding, FrameHealth, Reason, State
+from vista.sequence import Frame, Sequence
+
+if TYPE_CHECKING:
+    from vista.pipeline import Health
+
+FEATURES = 400
+PERIOD = 20  # frames from one matching of features to the next, while nothing is wrong
+SUDDEN_LOSS = 0.5  # of the matched share since the last matching: match features at once
+
+
+class HealthMonitor:
+    """Judges the frames of one run in their order."""
+
+    def __init__(self, sequence: Sequence) -> None:
+        calibration = sequence.calibration
+        self.of_run = _present(checks.check_baseline(calibration), checks.check_calibration(calibration))
+        self._stills = sequence.stills
+        self._watch_motion = not sequence.stills and not any(f.world_from_camera for f in sequence.frames)
+        self._before: Frame | None = None
+        self._pair: Finding | None = None
+        self._motion: Finding | None = None
+        self._frames = 0
+        self._checked_fraction = 0.0
+
+    def check(self, raw: Frame, frame: Frame, host: Health) -> FrameHealth:
+        """raw: as read; frame: rectified; host: what libvista says of the same frame."""
+        shown = (
+            checks.check_contrast("left", raw.left)
+            or checks.check_contrast("right", raw.right)
+            or checks.check_identical(raw.left, raw.right)
+        )
+        pair = None if shown else self._check_pair(frame, host.matched_fraction)
+        motion = self._check_motion(frame) if self._watch_motion else None
+        self._before = frame
+        self._frames += 1
+        found = self.of_run + _present(shown, pair, motion)
+        named = {finding.reason for finding in found}
+        return FrameHealth(found + tuple(f for f in _of_host(host) if f.reason not in named))
+
+    def _check_pair(self, frame: Frame, matched_fraction: float) -> Finding | None:
+        periodic = self._stills or self._frames % PERIOD == 0
+        lost = matched_fraction < SUDDEN_LOSS * self._checked_fraction
+        if periodic or lost or self._pair is not None:
+            self._pair = checks.check_pair(match_pair(frame.left, frame.right, FEATURES))
+            self._checked_fraction = matched_fraction
+        return self._pair
+
+    def _check_motion(self, frame: Frame) -> Finding | None:
+        if self._before is not None and self._frames % PERIOD == 1:
+            motion_px = image_motion_px(self._before.left, frame.left)
+            self._motion = checks.check_image_motion(motion_px)
+        return self._motion
+
+
+def _of_host(host: Health) -> tuple[Finding, ...]:
+    state = State(host.state)
+    return tuple(
+        Finding(Reason(reason), state, text) for reason, text in zip(host.reasons, host.texts, strict=True)
+    )
+
+
+def _present(*findings: Finding | None) -> tuple[Finding, ...]:
+    return tuple(finding for finding in findings if finding is not None)
