@@ -109,7 +109,8 @@ static void check_finite(const double *numbers, int32_t count) {
 static void check_result(const vista_result *result) {
   if (!(result->valid_fraction >= 0.0 && result->valid_fraction <= 1.0)) abort();
   if (result->obstacle_count < 0 || result->accepted_count > result->region_count) abort();
-  check_finite(result->velocity_m_s, 3);
+  check_finite(result->motion.velocity_m_s, 3);
+  check_finite(result->motion.pose.translation_m, 3);
   for (int32_t i = 0; i < result->obstacle_count; ++i) {
     const vista_obstacle *const o = &result->obstacles[i];
     check_finite(o->position_m, 3);
@@ -141,6 +142,7 @@ static void fly_any(fuzz_input *input, const detector *d, const vista_camera *ca
       .pose = flags & 1 ? &pose : NULL,
       .up_world = flags & 8 ? up : NULL,
       .t_ns = *t_ns,
+      .stationary = (flags & 32) != 0,
   };
   if (wrong & 1) frame.image.stride = fuzz_between(input, 0, camera->width_px) - 8;
   if (wrong & 2) frame.disparity.stride = fuzz_between(input, 0, camera->width_px) - 8;

@@ -7,8 +7,8 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
-from cut_library import ffi, lib
 from random_seed import seeded
+from stage_arena import ffi, lib
 from track_library import BASELINE, Tracker, detection, measure, seen_at
 
 DT = 0.1
@@ -124,7 +124,7 @@ def test_vehicles(velocity: tuple[float, float, float], verdict: str) -> None:
 
 def test_the_slope_is_that_of_the_texture() -> None:
     """Without noise, whatever the way."""
-    random, tracker, truth = seeded(4), Tracker(gate_chi2=1e9), np.array([1.0, -2.0, 90.0])
+    random, tracker, truth = seeded(4), Tracker(gate_chi2=1000.0), np.array([1.0, -2.0, 90.0])
     ghost = ghost_of(truth, 0.3)
     for frame in range(20):
         camera = np.array([*random.normal(0, 0.5, 2), 0.9 * frame])
