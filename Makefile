@@ -126,14 +126,14 @@ bench: build .venv/bench.stamp ## measure times on this machine; print tables an
 
 # ---- demo ----
 
-demo: build ## run the whole chain on real pairs and on a rendered flight, and make reports
-	@$(PYTHON) scripts/fetch_demo.py $(DEMO_PAIRS)
-	@.venv/bin/vista run $(DEMO_PAIRS) --out build/demo/oak-d-out
+demo: build ## run the whole chain on a rendered outdoor flight and on real stills, and make reports
 	@$(PYTHON) -m vista_eval.worlds.demo $(DEMO_FLIGHT)
 	@.venv/bin/vista run $(DEMO_FLIGHT) --out build/demo/flight-out
+	@$(PYTHON) scripts/fetch_demo.py $(DEMO_PAIRS)
+	@.venv/bin/vista run $(DEMO_PAIRS) --out build/demo/oak-d-out
 	@printf '%s\n' 'Reports, to be opened in a browser:' \
-	  "  real pairs       $(CURDIR)/build/demo/oak-d-out/report.html" \
-	  "  rendered flight  $(CURDIR)/build/demo/flight-out/report.html"
+	  "  outdoor flight at a sign, rendered  $(CURDIR)/build/demo/flight-out/report.html" \
+	  "  real stills of rooms                $(CURDIR)/build/demo/oak-d-out/report.html"
 
 QUALITY ?= quick
 

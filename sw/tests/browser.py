@@ -1,4 +1,4 @@
-"""A real browser for the tests of the HTML pages: a Chromium without window, driven by its DevTools protocol."""
+"""A real browser for the tests of the HTML pages: Chromium without a window, by its DevTools protocol."""
 
 from __future__ import annotations
 

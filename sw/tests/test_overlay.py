@@ -15,7 +15,7 @@ from vista.geometry import Calibration
 from vista.pipeline import Ellipse, Nearest, Obstacle
 from vista.report.labels import PADDING_PX, text_size
 from vista.report.overlay import Overlay, draw_disparity, draw_obstacles, draw_regions
-from vista.report.palette import RED, GREY, INK, YELLOW, RegionColours, distinct_colours
+from vista.report.palette import GREY, INK, RED, YELLOW, RegionColours, distinct_colours
 from vista.sequence import Frame
 
 CAMERA = Calibration(640, 480, 450.0, 320.0, 240.0, 0.2)

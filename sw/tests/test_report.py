@@ -26,7 +26,7 @@ CAMERA = Calibration(160, 120, 120.0, 80.0, 60.0, 0.25)
 VOID = {"meta", "img", "input", "br"}
 
 
-BLIND = FrameHealth((Finding(list(Reason)[0], State.BLIND, "The image is black."),))
+BLIND = FrameHealth((Finding(next(iter(Reason)), State.BLIND, "The image is black."),))
 
 
 def make_records(

@@ -18,16 +18,21 @@ PLOTS = ("distances", "map", "left", "valid", "regions")
 COVERED_LABELS = """(() => {
   const covered = [];
   for (const chart of document.querySelectorAll("svg.chart")) {
-    const texts = [...chart.querySelectorAll("text")].map((text) => [text.textContent, text.getBoundingClientRect()]);
+    const texts = [...chart.querySelectorAll("text")]
+      .map((text) => [text.textContent, text.getBoundingClientRect()]);
     texts.forEach(([a, p], k) => texts.slice(k + 1).forEach(([b, q]) => {
-      if (p.left < q.right - 1 && q.left < p.right - 1 && p.top < q.bottom - 3 && q.top < p.bottom - 3) covered.push(a + " / " + b);
+      const beside = p.left > q.right - 1 || q.left > p.right - 1;
+      const apart = beside || p.top > q.bottom - 3 || q.top > p.bottom - 3;
+      if (!apart) covered.push(a + " / " + b);
     }));
     const area = chart.getBoundingClientRect();
-    for (const [text, box] of texts) if (box.left < area.left - 1 || box.right > area.right + 1) covered.push(text + " / edge");
+    for (const [text, box] of texts)
+      if (box.left < area.left - 1 || box.right > area.right + 1) covered.push(text + " / edge");
   }
   return covered;
 })()"""
-TOO_WIDE = """[...document.querySelectorAll("main *")].filter((e) => !e.closest("#stage, .rows, .thumb, svg, details"))
+TOO_WIDE = """[...document.querySelectorAll("main *")]
+  .filter((e) => !e.closest("#stage, .rows, .thumb, svg, details"))
   .filter((e) => e.getBoundingClientRect().right > innerWidth + 1).map((e) => e.outerHTML.slice(0, 80))"""
 
 
@@ -49,7 +54,8 @@ def reports(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
 
 def place(page: Page, selector: str, x: float = 0.5, y: float = 0.5) -> tuple[float, float]:
     """A place of the window: so far from left to right and from top to bottom of the element."""
-    script = f"""(() => {{ const e = document.querySelector({selector!r}); e.scrollIntoView({{block: "center"}});
+    script = f"""(() => {{ const e = document.querySelector({selector!r});
+      e.scrollIntoView({{block: "center"}});
       const b = e.getBoundingClientRect(); return [b.left + {x} * b.width, b.top + {y} * b.height]; }})()"""
     return tuple(page.run(script))
 
@@ -109,8 +115,10 @@ def test_pointing_at_a_plot_shows_its_frame_everywhere(
 @pytest.mark.parametrize("width_px", WIDTHS_PX)
 def test_a_click_selects_a_track_everywhere(page: Page, reports: dict[str, Path], width_px: int) -> None:
     page.open(reports["flight"], width_px)
-    line = """(() => { const e = document.querySelector('#distances path[data-track="3"]'); e.scrollIntoView({block: "center"});
-      const p = e.getPointAtLength(0.5 * e.getTotalLength()).matrixTransform(e.getScreenCTM()); return [p.x, p.y]; })()"""
+    line = """(() => { const e = document.querySelector('#distances path[data-track="3"]');
+      e.scrollIntoView({block: "center"});
+      const p = e.getPointAtLength(0.5 * e.getTotalLength()).matrixTransform(e.getScreenCTM());
+      return [p.x, p.y]; })()"""
     page.mouse(*page.run(line), click=True)
     for chart in ("distances", "map"):
         chosen = f'[...document.querySelectorAll("#{chart} path.selected")].map((e) => e.dataset.track)'

@@ -13,7 +13,7 @@ PADDING_PX = 4
 
 
 def text_scale(rows: int, columns: int) -> float:
-    """Scale of OpenCV's font: it grows with the picture, so that the text of a wide one can be shown small."""
+    """Scale of OpenCV's font: it grows with the picture, so that a wide one can be shown small."""
     return 0.5 * min(max(rows / 480.0, columns / 800.0, 0.8), 2.5)
 
 

@@ -4,9 +4,9 @@
     ----------------------+----------
     foveated image        | regions
 
-Obstacles on the collision course are red ellipses; the nearest of them is drawn thicker and is labelled with its
-distance and the time left. Other tracked obstacles are yellow, and tracks that are not confirmed yet are thin and grey.
-The ellipse of an obstacle that is not seen in this frame is dashed.
+Obstacles on the collision course are red ellipses; the nearest of them is drawn thicker and is labelled with
+its distance and the time left. Other tracked obstacles are yellow, and tracks that are not confirmed yet are
+thin and grey. The ellipse of an obstacle that is not seen in this frame is dashed.
 """
 
 from __future__ import annotations
@@ -52,7 +52,7 @@ class Overlay:
         """camera: of the rectified images, for distances beside the disparity; stills: unrelated pictures."""
         self._name = name
         self._num_disparities = num_disparities
-        self._focal_baseline_px_m = camera and camera.focal_px * camera.baseline_m
+        self._focal_baseline_px_m = None if camera is None else camera.focal_px * camera.baseline_m
         self._unit, self._warning = ("picture", "ahead") if stills else ("frame", "collision")
         self._region_colours = RegionColours()
 
@@ -63,7 +63,7 @@ class Overlay:
         tiles = [
             draw_obstacles(frame.left, result.obstacles, result.nearest_collision),
             draw_disparity(words, self._num_disparities, self._focal_baseline_px_m),
-            _caption(cv2.cvtColor(foveated, cv2.COLOR_GRAY2BGR), "foveated image"),
+            _caption(_coloured(foveated), "foveated image"),
             draw_regions(frame.left, result.region_of_pixel, colours, result.verdict_of_region),
         ]
         return _stack(self._headline(frame, result), tiles)
@@ -80,7 +80,7 @@ class Overlay:
 def draw_obstacles(left: NDArray[np.uint8], obstacles: list[Obstacle], nearest: Nearest | None) -> Picture:
     """Ellipses and labels over the left image. What is nearer is drawn later and gets its label earlier;
     what is on the collision course comes before everything else."""
-    picture = cv2.cvtColor(left, cv2.COLOR_GRAY2BGR)
+    picture = _coloured(left)
     nearest_id = None if nearest is None else nearest.id
 
     def importance(obstacle: Obstacle) -> tuple[bool, bool, bool, float]:
@@ -119,7 +119,7 @@ def draw_disparity(
     """Near is red, far is blue, invalid is dark. A scale gives the distances if the product of focal length
     and baseline is given."""
     levels = np.clip(words.astype(np.float32) * (255.0 / (SCALE * (num_disparities - 1))), 0, 255)
-    picture = cv2.applyColorMap(levels.astype(np.uint8), cv2.COLORMAP_TURBO)
+    picture = _turbo(levels.astype(np.uint8))
     picture[words < 0] = INK
     valid = 100.0 * np.mean(words >= 0)
     text = f"disparity 0 to {num_disparities - 1} px, {valid:.0f} % valid"
@@ -130,7 +130,7 @@ def draw_disparity(
 
 
 def _draw_scale(picture: Picture, caption_px: int, nearest_m: float) -> None:
-    """A colour bar right of the caption, with distances; its right end is the nearest that can be measured."""
+    """A colour bar right of the caption, with distances; its right end is the nearest that is measured."""
     rows, columns = picture.shape[:2]
     scale = 0.9 * text_scale(rows, columns)
     text_height = text_size("0", scale)[1]
@@ -142,7 +142,7 @@ def _draw_scale(picture: Picture, caption_px: int, nearest_m: float) -> None:
         return  # no room
     picture[baseline - text_height - PADDING_PX :, left - 2 * PADDING_PX :] = INK
     ramp = np.linspace(0, 255, right - left).astype(np.uint8)[np.newaxis]
-    picture[top:bottom, left:right] = cv2.applyColorMap(ramp, cv2.COLORMAP_TURBO)
+    picture[top:bottom, left:right] = _turbo(ramp)
     free_to = right + 2 * PADDING_PX
     for distance_m in round_distances(nearest_m):
         x = left + round((right - left - 1) * nearest_m / distance_m)
@@ -176,9 +176,17 @@ def draw_regions(
     tint = np.rint(strength * np.vstack([colours, np.zeros((1, 3), np.uint8)])).astype(np.uint8)
     grey_share = np.rint(255.0 * (1.0 - strength[:, 0])).astype(np.uint8)
     grey = cv2.multiply(left, grey_share[labels], scale=1.0 / 255.0)
-    picture = cv2.add(cv2.cvtColor(grey, cv2.COLOR_GRAY2BGR), tint[labels])
+    picture = np.asarray(cv2.add(cv2.cvtColor(grey, cv2.COLOR_GRAY2BGR), tint[labels]), np.uint8)
     picture[_borders(labels)] = INK
     return _caption(picture, f"{len(accepted)} regions, {accepted.sum()} accepted (full colour)")
+
+
+def _coloured(grey: NDArray[np.uint8]) -> Picture:
+    return np.asarray(cv2.cvtColor(grey, cv2.COLOR_GRAY2BGR), np.uint8)
+
+
+def _turbo(levels: NDArray[np.uint8]) -> Picture:
+    return np.asarray(cv2.applyColorMap(levels, cv2.COLORMAP_TURBO), np.uint8)
 
 
 def _borders(labels: NDArray[np.int32]) -> NDArray[np.bool_]:
@@ -210,7 +218,7 @@ def _draw_ellipse(picture: Picture, obstacle: Obstacle, colour: Colour, thicknes
     reach_px = 4 * picture.shape[1]  # nothing of use lies beyond, and OpenCV's fixed point overflows
     if not (math.isfinite(angle_deg) and max(abs(u), abs(v), a, b) < reach_px):
         return
-    points = cv2.ellipse2Poly((0, 0), (1000, 1000), 0, 0, 360, 4)[:-1] / 1000.0
+    points = np.asarray(cv2.ellipse2Poly((0, 0), (1000, 1000), 0, 0, 360, 4), float)[:-1] / 1000.0
     cosine, sine = math.cos(math.radians(angle_deg)), math.sin(math.radians(angle_deg))
     x, y = points[:, 0] * max(a, 2.0), points[:, 1] * max(b, 2.0)
     outline = np.stack([u + x * cosine - y * sine, v + x * sine + y * cosine], axis=-1)

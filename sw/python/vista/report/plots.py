@@ -1,4 +1,4 @@
-"""Plots drawn by matplotlib into the pages of flights, scenes and throughput, whose extras bring it; light and dark."""
+"""Plots of the pages of flights and throughput, light and dark; their extras bring matplotlib."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ VARIABLES = {
     TICKS: "soft",
     LINES: "line",
 }
-STYLE = {
+STYLE: dict[Any, Any] = {
     "svg.fonttype": "none",  # text stays text: small files, searchable
     "font.family": "sans-serif",
     "font.size": 10,

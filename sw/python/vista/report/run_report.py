@@ -1,6 +1,7 @@
 """report.html: one page with everything in it, readable without network and without the other files.
 
-The page holds the figures of the run as JSON; templates/run_report.js draws them and links pictures, plots and table.
+The page holds the figures of the run as JSON; templates/run_report.js draws them, and links pictures, plots
+and table.
 """
 
 from __future__ import annotations
@@ -296,7 +297,7 @@ def picture_table(records: list[FrameRecord]) -> Data:
             _cell(record.index),
             _cell(len(distances_m)),
             _metres(min(distances_m, default=None)),
-            _metres(hit and hit.distance_m, hit=hit is not None),
+            _metres(None if hit is None else hit.distance_m, hit=True),
             _cell(record.valid_fraction, f"{100 * record.valid_fraction:.0f}"),
             _cell(record.regions),
             _cell(record.stage_ms["host"], f"{record.stage_ms['host']:.1f}"),
