@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 
 from vista.disparity_file import SCALE
 from vista.geometry import Calibration
+from vista.health.finding import FrameHealth, State
 from vista.report.labels import FONT, PADDING_PX, Labels, put_text, text_scale, text_size
 from vista.report.palette import ALARM, GREY, INK, RED, WHITE, YELLOW, Colour, RegionColours
 from vista.sequence.types import Frame
@@ -32,6 +33,7 @@ Picture = NDArray[np.uint8]  # HxWx3, BGR
 GAP_PX = 4
 MAX_LABELS = 16  # the nearest; more hide the scene
 SUBPIXEL_BITS = 4
+HEALTHY = FrameHealth()
 
 
 Box = tuple[int, int, int, int]  # left, top, width, height
@@ -56,7 +58,13 @@ class Overlay:
         self._unit, self._warning = ("picture", "ahead") if stills else ("frame", "collision")
         self._region_colours = RegionColours()
 
-    def draw(self, frame: Frame, words: NDArray[np.int16], result: Result) -> Picture:
+    def draw(
+        self,
+        frame: Frame,
+        words: NDArray[np.int16],
+        result: Result,
+        health: FrameHealth = HEALTHY,
+    ) -> Picture:
         """frame: rectified; words: its disparity image, 1/16 px; result: what the host made of the two."""
         foveated = np.clip(np.rint(result.cell_intensity), 0, 255).astype(np.uint8)[result.cell_of_pixel]
         colours = self._region_colours.assign(result.region_of_cell)
@@ -66,15 +74,16 @@ class Overlay:
             _caption(_coloured(foveated), "foveated image"),
             draw_regions(frame.left, result.region_of_pixel, colours, result.verdict_of_region),
         ]
-        return _stack(self._headline(frame, result), tiles)
+        return _stack(self._headline(frame, result, health), tiles)
 
-    def _headline(self, frame: Frame, result: Result) -> tuple[str, str]:
+    def _headline(self, frame: Frame, result: Result, health: FrameHealth) -> tuple[str, str]:
         confirmed = sum(obstacle.confirmed for obstacle in result.obstacles)
         facts = f"{self._name}   {self._unit} {frame.index}   {confirmed} obstacle{'s' * (confirmed != 1)}"
         nearest = result.nearest_collision
-        if nearest is None:
-            return facts, ""
-        return facts, f"{self._warning}: #{nearest.id}  {_distance_and_time(nearest)}"
+        warnings = [] if health.state == State.HEALTHY else [str(health.state)]
+        if nearest is not None:
+            warnings.insert(0, f"{self._warning}: #{nearest.id}  {_distance_and_time(nearest)}")
+        return facts, "   ".join(warnings)
 
 
 def draw_obstacles(left: NDArray[np.uint8], obstacles: list[Obstacle], nearest: Nearest | None) -> Picture:
