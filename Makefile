@@ -147,4 +147,4 @@ clean: ## remove what was built, but keep .venv
 	rm -rf build
 
 distclean: clean ## remove everything generated
-	rm -rf .venv *.egg-info
+	rm -rf .venv

@@ -17,6 +17,7 @@ import datetime
 import json
 import os
 import re
+import statistics
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
@@ -36,7 +37,8 @@ Record = dict[str, Any]
 
 def figures(name: str) -> Record:
     path = SYNTHESIS if name == "synthesis" else DATA / f"{name}.json"
-    return json.loads(path.read_text())
+    found: Record = json.loads(path.read_text())
+    return found
 
 
 # ---- cells ----
@@ -479,10 +481,7 @@ def reduce_maxflow(raw: Record) -> Record:
         return [round(end(map(value, rows)), 2) for end in (min, max)]
 
     def mean(key: str) -> float:
-        product = 1.0
-        for row in raw["rows"]:
-            product *= row[key]
-        return round(product ** (1 / len(raw["rows"])), 2)
+        return round(statistics.geometric_mean(row[key] for row in raw["rows"]), 2)
 
     return {
         "groups": [
@@ -504,7 +503,7 @@ def reduce_maxflow(raw: Record) -> Record:
 
 def reduce_flights(raw: Record) -> Record:
     def consistency(found: Record | None) -> list[float] | None:
-        return found and [round(found[key], 1) for key in ("average", "low", "high")]
+        return None if found is None else [round(found[key], 1) for key in ("average", "low", "high")]
 
     def flight(score: Record) -> Record:
         values = {

@@ -109,6 +109,7 @@ typedef enum vista_health_state {
   VISTA_HEALTH_STATE_COUNT
 } vista_health_state;
 
+/* What was found wrong with a frame. */
 typedef enum vista_health_reason {
   VISTA_HEALTH_FEW_DISPARITIES = 0, /* fewer of the matched pixels than health.degraded_fraction have one */
   VISTA_HEALTH_NO_DISPARITIES, /* fewer than health.blind_fraction: blind */
@@ -118,6 +119,7 @@ typedef enum vista_health_reason {
   VISTA_HEALTH_REASON_COUNT
 } vista_health_reason;
 
+/* How far a frame can be trusted. */
 typedef struct vista_health {
   vista_health_state state;
   uint32_t reasons; /* bit k: the reason with number k */
@@ -125,9 +127,13 @@ typedef struct vista_health {
   double contrast; /* standard deviation of the cells, grey levels */
 } vista_health;
 
-/* Lower-case names ("blind", "no_contrast") and a line of text; never null. */
+/* The name of a state, in lower case, such as "blind"; never null. */
 VISTA_API const char *vista_health_state_name(vista_health_state state);
+
+/* The name of a reason, in lower case, such as "no_contrast"; never null. */
 VISTA_API const char *vista_health_reason_name(vista_health_reason reason);
+
+/* A reason as one line of text; never null. */
 VISTA_API const char *vista_health_reason_text(vista_health_reason reason);
 
 VISTA_END
