@@ -56,7 +56,7 @@ def fuzz(target: str, *limits: str) -> tuple[Outcome, str]:
     kept, failures = FUZZ / "corpus" / target, FUZZ / "failures"
     for folder in (kept, failures):
         folder.mkdir(parents=True, exist_ok=True)
-    command = [
+    command: list[str | Path] = [
         FUZZ / target, *limits, f"-max_len={MAX_BYTES}", f"-timeout={INPUT_SECONDS}", "-print_final_stats=1",
         "-rss_limit_mb=4096", f"-artifact_prefix={failures}/{target}-", kept, CORPUS / target,
     ]  # fmt: skip
