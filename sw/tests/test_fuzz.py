@@ -2,16 +2,10 @@
 
 from __future__ import annotations
 
-import importlib.util
 from pathlib import Path
 
 import pytest
-from shared_data import REPOSITORY
-
-spec = importlib.util.spec_from_file_location("run_fuzz", REPOSITORY / "scripts" / "run_fuzz.py")
-assert spec is not None and spec.loader is not None
-run_fuzz = importlib.util.module_from_spec(spec)
-spec.loader.exec_module(run_fuzz)
+import run_fuzz
 
 RUNS = {"engine": 200, "pipeline": 120, "recording": 200}
 
