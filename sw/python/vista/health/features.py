@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import cv2
@@ -36,7 +37,9 @@ def match_pair(left: Grey, right: Grey, features: int) -> PairMatches:
     """Matches at most so many ORB features both ways. The surroundings of the left feature are then
     correlated with those of the right one; a parabola gives the fraction of a pixel.
     """
-    left, right = (cv2.GaussianBlur(image, (0, 0), SMOOTHING_PX) for image in (left, right))
+    left, right = (
+        np.asarray(cv2.GaussianBlur(image, (0, 0), SMOOTHING_PX), np.uint8) for image in (left, right)
+    )
     orb = cv2.ORB.create(features)
     left_points, left_words = orb.detectAndCompute(left, None)
     right_points, right_words = orb.detectAndCompute(right, None)
@@ -56,7 +59,7 @@ def match_pair(left: Grey, right: Grey, features: int) -> PairMatches:
 
 
 def _refine(
-    left: Grey, right: Grey, left_px: tuple[float, float], right_px: tuple[float, float]
+    left: Grey, right: Grey, left_px: Sequence[float], right_px: Sequence[float]
 ) -> tuple[float, float] | None:
     """(u, v) of the right feature minus those of the left one; None where the surroundings do not agree."""
     (u, v), (x, y) = np.rint([left_px, right_px]).astype(int)
@@ -89,8 +92,8 @@ def image_motion_px(before: Grey, after: Grey) -> NDArray[np.float64]:
     points = cv2.goodFeaturesToTrack(before, FLOW_FEATURES, 0.01, 8)
     if points is None:
         return np.empty(0)
-    moved, found, _ = cv2.calcOpticalFlowPyrLK(before, after, points, None)
-    back, found_back, _ = cv2.calcOpticalFlowPyrLK(after, before, moved, None)
+    moved, found, _ = cv2.calcOpticalFlowPyrLK(before, after, points, points.copy())
+    back, found_back, _ = cv2.calcOpticalFlowPyrLK(after, before, moved, moved.copy())
     closes = np.linalg.norm(back - points, axis=2) < FLOW_CLOSURE_PX
     kept = (found > 0) & (found_back > 0) & closes
-    return np.linalg.norm(moved - points, axis=2)[kept].astype(np.float64)
+    return np.asarray(np.linalg.norm(moved - points, axis=2)[kept], np.float64)
