@@ -1,4 +1,4 @@
-"""The chain: a frame is read, rectified, matched by the engine, and goes through the host's pipeline."""
+"""The chain of one frame: it is read, rectified and matched, and goes through the host's pipeline."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Disparity images in files. In memory they are the engine's words: int16 HxW, 1/16 px, negative = invalid.
+"""Disparity images in files. In memory they are the engine's words: int16, 1/16 px, negative where invalid.
 
 .png  KITTI: 16 bits, round(256 d), 0 = invalid; a valid d = 0 is written as 1
 .pfm  float px, rows bottom-up, +inf = invalid

@@ -1,4 +1,4 @@
-"""What a run keeps of each frame for its summary and its report; the images are not among it."""
+"""What a run keeps of each frame for its summary and its report; images are not kept."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Raw pairs to rectified pairs (OpenCV): matching pixels come to lie on one row."""
+"""Rectifies raw pairs with OpenCV, so that matching pixels lie on one row."""
 
 from __future__ import annotations
 

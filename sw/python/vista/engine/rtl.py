@@ -1,4 +1,4 @@
-"""The RTL as an engine: the Verilated SystemVerilog core, frame for frame, driven through its registers.
+"""The Verilated SystemVerilog core as an engine, driven through its registers.
 
 Slow, about half a second for 640x480; it shows that what goes onto the FPGA gives the same obstacles. Each
 set of build parameters is a library of its own, build/lib/libvista_rtl_dD_bB_wW.so (`make rtl-engine`). Where

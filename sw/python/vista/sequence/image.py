@@ -1,4 +1,4 @@
-"""Images from files as 8-bit grey.
+"""Reads images as 8-bit grey.
 
 A truncated file is refused. OpenCV alone would return the rows it has and grey or black below them, so the
 container is walked to its end first: PNG chunk by chunk with every CRC, JPEG marker by marker, PGM and PPM by
