@@ -611,6 +611,7 @@ REDUCE: dict[str, Callable[[Record], Record]] = {
     "engine": lambda raw: raw,
     "frontend": lambda raw: raw,
     "disparity-quality": lambda raw: raw,
+    "health": lambda raw: raw,
     "host": lambda raw: {"sequences": raw["sequences"]},
     "street": lambda raw: raw,
     "segmentation": lambda raw: raw,
