@@ -29,7 +29,12 @@ class EngineParameters:
     prefilter_cap: int = 31
     texture_threshold: int = 10
     uniqueness_ratio: int = 15
-    lr_max_diff: int | None = 1
+    lr_max_diff: int | None = 1  # None: off
+
+    @property
+    def lr_number(self) -> int:
+        return LR_OFF if self.lr_max_diff is None else self.lr_max_diff
+
     smooth: bool = False  # each level before it is matched
     levels: int = 1  # of the pyramid, each half the size of the one before
 
