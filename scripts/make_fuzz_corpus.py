@@ -1,4 +1,8 @@
-"""Writes the hand-made inputs that the fuzz targets start from into a folder: make_fuzz_corpus.py DIR"""
+"""Writes the hand-made inputs that the fuzz targets start from into a folder: make_fuzz_corpus.py DIR
+
+sw/fuzz/corpus holds them, and what `make fuzz` has found beside them. They are read by position: after a
+change of a target's reader or of the format of recordings, write them anew.
+"""
 
 from __future__ import annotations
 
@@ -11,20 +15,29 @@ from vista.recording import FRAME, HEADER, MAGIC, PARAMETER, VERSION
 EYE = (1.0, 0, 0, 0, 1.0, 0, 0, 0, 1.0)
 
 
-def recording(width: int, height: int, frames: int, has_pose: bool, center_px: float, stills: int = 0) -> bytes:
+def recording(
+    width: int, height: int, frames: int, has_pose: bool, center_px: float, stills: int = 0
+) -> bytes:
     """A thing in the middle that comes nearer, over words that grow downwards."""
-    content = HEADER.pack(
-        MAGIC, VERSION, width, height, 1, 90.0, width / 2, center_px, 0.5, stills, 0
-    ) + PARAMETER.pack(b"region.min_inliers", b"", 8.0)
+    content = (
+        HEADER.pack(MAGIC, VERSION, width, height, 2, 90.0, width / 2, center_px, 0.5, stills, 0)
+        + PARAMETER.pack(b"region.min_inliers", b"", 8.0)
+        + PARAMETER.pack(b"foveation.sector_count", b"", 32.0)
+    )
     for frame in range(frames):
         pose = (*EYE, 0, 0, 0.5 * frame) if has_pose else 12 * (0.0,)
         content += FRAME.pack(10**9 + 10**8 * frame, has_pose, 1, *pose, 0, -1.0, 0)
         thing = [
-            [abs(2 * u - width) < width // 2 and 4 < v < height - 4 for u in range(width)] for v in range(height)
+            [abs(2 * u - width) < width // 2 and 4 < v < height - 4 for u in range(width)]
+            for v in range(height)
         ]
-        content += bytes((60 if thing[v][u] else 160) + 7 * u * v % 30 for v in range(height) for u in range(width))
+        content += bytes(
+            (60 if thing[v][u] else 160) + 7 * u * v % 30 for v in range(height) for u in range(width)
+        )
         content += b"".join(
-            struct.pack("<h", 200 + 12 * frame if thing[v][u] else v) for v in range(height) for u in range(width)
+            struct.pack("<h", 200 + 12 * frame if thing[v][u] else v)
+            for v in range(height)
+            for u in range(width)
         )
     return content
 
@@ -52,10 +65,14 @@ def seeds() -> dict[str, bytes]:
         "engine/anything": struct.pack("<BBi", 255, 255, -1) + bytes(range(90)),
         "pipeline/approach": pipeline(camera(), approach),
         "pipeline/pose lost": pipeline(camera(), lost_pose),
-        "pipeline/absurd pose": pipeline(camera(), [approach[0], bytes([0x01, 0x04]) + scene(1, 1, 220, 40) + absurd]),
+        "pipeline/absurd pose": pipeline(
+            camera(), [approach[0], bytes([0x01, 0x04]) + scene(1, 1, 220, 40) + absurd]
+        ),
         "pipeline/center at 1e12": pipeline(camera(2, struct.pack("<d", 1e12)), approach[:1]),
         "pipeline/center below at 1e12": pipeline(camera(4, struct.pack("<d", 1e12)), approach[:1]),
-        "pipeline/stride of 0": pipeline(camera(), [bytes([0x02, 0x03]) + scene(1, 1, 200, 40) + struct.pack("<HH", 8, 11)]),
+        "pipeline/stride of 0": pipeline(
+            camera(), [bytes([0x02, 0x03]) + scene(1, 1, 200, 40) + struct.pack("<HH", 8, 11)]
+        ),
         "recording/approach": recording(32, 24, 3, True, 12.0),
         "recording/stills": recording(20, 16, 2, False, 8.0, stills=1),
         "recording/center at 1e12": recording(16, 16, 1, True, 1e12),

@@ -15,7 +15,7 @@ comma := ,
 
 .PHONY: fuzz fuzz-targets
 
-fuzz: fuzz-targets .venv/test.stamp ## fuzz the engine, the pipeline and the reader of recordings, FUZZ_SECONDS=600 each
+fuzz: fuzz-targets .venv/test.stamp ## fuzz the engine, the pipeline and the reader of recordings for FUZZ_SECONDS=600 each
 	@$(PYTHON) scripts/run_fuzz.py --seconds $(FUZZ_SECONDS) $(FUZZ_TARGETS)
 
 fuzz-targets: $(FUZZ_TARGETS:%=$(FUZZ)/%)

@@ -61,7 +61,7 @@ def make_parser(named: str | None) -> argparse.ArgumentParser:
     installed = {point.name: point for point in entry_points(group=GROUP)}
     for name in COMMANDS:
         point = installed.get(name)
-        summary = point and summary_of(point)
+        summary = summary_of(point) if point is not None else None
         if point is None or summary is None:
             if name == named:
                 raise missing(name)
@@ -73,7 +73,7 @@ def make_parser(named: str | None) -> argparse.ArgumentParser:
     return parser
 
 
-def add_command(commands: argparse._SubParsersAction, point: EntryPoint, summary: str) -> None:
+def add_command(commands: argparse._SubParsersAction[Parser], point: EntryPoint, summary: str) -> None:
     module = point.load()
     parser = commands.add_parser(
         point.name,

@@ -14,13 +14,12 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from vista.engine import INVALID
+from vista.engine import INVALID, SCALE
 from vista.errors import InputError
 from vista.output import write_atomically
 from vista.sequence.image import check_container
 
 Words = NDArray[np.int16]
-SCALE = 16  # words per px
 FORMATS = (".png", ".pfm", ".npy")
 
 
@@ -60,7 +59,7 @@ def _decode_png(path: Path, data: bytes) -> Words:
     levels = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED)
     if levels is None or levels.dtype != np.uint16 or levels.ndim != 2:
         raise InputError(path, "not a 16-bit grey PNG")
-    return _words_from_px(levels / 256.0, levels > 0)
+    return _words_from_px(levels.astype(np.float64) / 256.0, levels > 0)
 
 
 def _encode_pfm(words: Words) -> bytes:

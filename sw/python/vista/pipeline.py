@@ -144,7 +144,7 @@ class Pipeline:
         not moved since the last frame. Raises PipelineError on arrays of another type or size, times that do
         not increase, a pose that is not finite."""
         ffi = self._ffi
-        if (left.dtype, left.ndim, disparity.dtype, disparity.ndim) != (np.uint8, 2, np.int16, 2):
+        if any((a.dtype, a.ndim) != (np.dtype(t), 2) for a, t in ((left, "u1"), (disparity, "i2"))):
             raise PipelineError("the image has to be uint8 and int16 its disparities, both (height, width)")
         left, disparity = np.ascontiguousarray(left), np.ascontiguousarray(disparity)
         frame = ffi.new("vista_frame *")

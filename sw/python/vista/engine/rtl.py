@@ -51,7 +51,7 @@ class RtlEngine(LevelEngine):
                 "prefilter_cap": parameters.prefilter_cap,
                 "texture_threshold": parameters.texture_threshold,
                 "uniqueness_ratio": parameters.uniqueness_ratio,
-                "lr_max_diff": -1 if parameters.lr_max_diff is None else parameters.lr_max_diff,
+                "lr_max_diff": parameters.lr_number,
             },
         )
         self._engine = self._ffi.gc(self._lib.vista_rtl_create(_SEED), self._lib.vista_rtl_destroy)

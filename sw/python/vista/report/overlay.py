@@ -19,7 +19,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from vista.disparity_file import SCALE
+from vista.engine import SCALE
 from vista.geometry import Calibration
 from vista.health.finding import FrameHealth, State
 from vista.report.labels import FONT, PADDING_PX, Labels, put_text, text_scale, text_size
