@@ -23,7 +23,17 @@ SLOW_PATHS = (
     "scripts/tests/test_wheel.py",
     *(
         f"sw/tests/test_{name}.py"
-        for name in ("cli", "demo", "engine_rtl", "flight", "fuzz", "scenes", "static_world", "street", "throughput")
+        for name in (
+            "cli",
+            "demo",
+            "engine_rtl",
+            "flight",
+            "fuzz",
+            "scenes",
+            "static_world",
+            "street",
+            "throughput",
+        )
     ),
 )
 

@@ -24,13 +24,19 @@ def beginning() -> Flight:
     whole = SIGN_AT_30_FT_S.approach
     cut_s = (whole.frames - FRAMES) / whole.rate_hz
     last_range_m = whole.last_range_m + whole.speed_m_s * cut_s
-    approach = replace(whole, frames=FRAMES, last_range_m=last_range_m, sway_phase_s=whole.sway_phase_s - cut_s)
+    approach = replace(
+        whole, frames=FRAMES, last_range_m=last_range_m, sway_phase_s=whole.sway_phase_s - cut_s
+    )
     return replace(SIGN_AT_30_FT_S, approach=approach)
 
 
 def test_the_flight_comes_before_the_stills() -> None:
     commands = subprocess.run(
-        ["make", "--dry-run", "--no-print-directory", "demo"], cwd=ROOT, capture_output=True, text=True, check=True
+        ["make", "--dry-run", "--no-print-directory", "demo"],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        check=True,
     ).stdout
     runs = re.findall(r"vista run (\S+)", commands)
     assert [Path(folder).name for folder in runs] == ["flight", "oak-d"]
@@ -51,7 +57,9 @@ def test_the_first_picture_is_a_correct_detection(tmp_path: Path) -> None:
     lines = [json.loads(line) for line in (tmp_path / "out" / "obstacles.jsonl").read_text().splitlines()]
     found = lines[data["shown"]]["nearest_collision"]
     assert np.linalg.norm(np.array(found["position_m"]) - sign_m) < 2.0
-    world_from_camera = flight.approach.state_at(data["shown"]).world_from_body @ flight.rig.body_from_camera(LEFT)
+    world_from_camera = flight.approach.state_at(data["shown"]).world_from_body @ flight.rig.body_from_camera(
+        LEFT
+    )
     u, v = flight.rig.project((np.linalg.inv(world_from_camera) @ [*sign_m, 1.0])[:3])
     ellipse = next(e for e in opened["ellipses"] if e[0] == found["id"])
     assert np.hypot(ellipse[1] - u, ellipse[2] - v) < max(ellipse[3], ellipse[4])
