@@ -32,7 +32,7 @@ endif
 DEMO_PAIRS := build/demo/oak-d
 DEMO_FLIGHT := build/demo/flight
 
-.PHONY: check types coverage lint-c help setup native build install generate test test-python test-asan drift docs bench lint lint-python demo flights lock clean distclean
+.PHONY: check types coverage lint-c help setup setup-browser native build install generate test test-python test-asan drift docs bench lint lint-python demo flights lock clean distclean
 
 help: ## list the targets
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -59,6 +59,9 @@ setup: .venv/run.stamp ## install the pinned Python packages and the command .ve
 
 .venv/docs.stamp: $(REQUIREMENTS)/docs.txt .venv/run.stamp
 	@$(SETUP) docs
+
+setup-browser: ## fetch Chromium for the tests of HTML pages, unless one is installed (Debian, 125 MB); they are skipped without
+	@scripts/setup_browser.sh
 
 lock: ## pin the packages of scripts/requirements/*.in anew, with hashes
 	@scripts/lock.sh

@@ -24,7 +24,7 @@ def find_browser() -> str | None:
 
 needs_browser = pytest.mark.skipif(
     find_browser() is None,
-    reason="no Chromium: install one, or run scripts/setup_browser.sh (Debian, 125 MB)",
+    reason="no Chromium: install one, or `make setup-browser` (Debian, 125 MB)",
 )
 
 

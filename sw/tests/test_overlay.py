@@ -12,9 +12,10 @@ import pytest
 from fake_pipeline import FakePipeline, fake_obstacle
 from numpy.typing import NDArray
 from vista.geometry import Calibration
+from vista.health.finding import Finding, FrameHealth, Reason, State
 from vista.pipeline import Ellipse, Nearest, Obstacle
 from vista.report.labels import PADDING_PX, text_size
-from vista.report.overlay import Overlay, draw_disparity, draw_obstacles, draw_regions
+from vista.report.overlay import Overlay, draw_disparity, draw_obstacles, draw_regions, panel_tiles
 from vista.report.palette import GREY, INK, RED, YELLOW, RegionColours, distinct_colours
 from vista.sequence import Frame
 
@@ -172,3 +173,21 @@ def test_a_region_that_splits_hands_its_colour_to_the_larger_part() -> None:
 
 def test_palette_has_no_colour_twice() -> None:
     assert len(np.unique(distinct_colours(), axis=0)) == len(distinct_colours())
+
+
+def test_the_headline_says_that_a_frame_is_blind() -> None:
+    """On the red ground of warnings, also when nothing is on the collision course."""
+    left, words = np.zeros((480, 640), np.uint8), np.full((480, 640), -16, np.int16)
+    result = dataclasses.replace(
+        FakePipeline(CAMERA).process(left, words, 0, None, None), nearest_collision=None
+    )
+    blind = FrameHealth((Finding(next(iter(Reason)), State.BLIND, "The image is black."),))
+    bar_height = panel_tiles(640, 480)[0][1]
+    healthy, warned = (
+        Overlay("flight", 32)
+        .draw(Frame(0, 0, left, left, None), words, result, health)[:bar_height]
+        .astype(int)
+        for health in (FrameHealth(), blind)
+    )
+    reddish = [int((bar[..., 2] - bar[..., 0] > 100).sum()) for bar in (healthy, warned)]
+    assert reddish[0] == 0 and reddish[1] > 1000

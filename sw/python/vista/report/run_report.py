@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 MAX_PICTURES = 80
 MAX_PICTURE_BYTES = 10_000_000  # of all JPEGs; base64 makes a third more
 PICTURE_WIDTH_PX = 1400
+NO_FREE_SPACE = "That nothing is found there does not mean free space."
 TOTAL_HINT = "total = read + rectify + stereo + host, without checks and output (pictures, files)."
 
 Data = dict[str, Any]
@@ -83,7 +84,7 @@ def _frame(
         "n": record.index,
         "t": round((record.t_ns - start_ns) / 1e9, 4),
         "state": record.health.state,
-        "why": " ".join(finding.text for finding in record.health.findings),
+        "why": " ".join(_sentence(finding.text) for finding in record.health.findings),
         "known": record.motion_known,
         "obstacles": sum(obstacle.confirmed for obstacle in record.obstacles),
         "valid": round(100 * record.valid_fraction, 1),
@@ -172,17 +173,19 @@ def _number(value: Any) -> float:
 def alerts(summary: Data) -> list[Data]:
     """What is wrong with the run, worst first, for the top of the page."""
     health, frames = summary["health"], summary["frames"]
-    unit = "pictures" if summary["stills"] else "frames"
-    found = [
-        {
-            "kind": str(problem["state"]),
-            "head": f"{str(problem['state']).capitalize()} in {problem['frames']} of {frames} {unit}, "
-            f"from {unit[:-1]} {problem['first_frame']}.",
-            "text": problem["text"]
-            + (" That nothing is found there does not mean free space." * (problem["state"] == State.BLIND)),
-        }
-        for problem in sorted(health["problems"], key=lambda problem: problem["state"] != State.BLIND)
-    ]
+    unit = "picture" if summary["stills"] else "frame"
+    found: list[Data] = []
+    for problem in sorted(health["problems"], key=lambda problem: problem["state"] != State.BLIND):
+        state = str(problem["state"]).capitalize()
+        first = not found and problem["state"] == State.BLIND
+        found.append(
+            {
+                "kind": str(problem["state"]),
+                "head": f"{state} in {problem['frames']} of {frames} {unit}s, "
+                f"from {unit} {problem['first_frame']}.",
+                "text": _sentence(problem["text"]) + f" {NO_FREE_SPACE}" * first,
+            }
+        )
     unknown = frames - health["frames_with_known_motion"]
     told = any(problem["reason"] == Reason.MOTION_UNKNOWN for problem in health["problems"])
     if unknown and not summary["stills"] and not told:
@@ -195,6 +198,10 @@ def alerts(summary: Data) -> list[Data]:
             }
         )
     return found
+
+
+def _sentence(text: str) -> str:
+    return text[:1].upper() + text[1:].rstrip(".") + "."
 
 
 def strip_keys(records: list[FrameRecord]) -> list[tuple[str, str]]:

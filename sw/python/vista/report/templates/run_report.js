@@ -70,10 +70,10 @@ function describe(frame) {
   if (hit) {
     const left = hit.s === null ? "" : ", " + hit.s.toFixed(1) + " s left";
     parts.push((data.stills ? "in the collision volume: #" : "collision warning: #") + hit.id + " at " + metres(hit.m) + left);
-  } else {
-    parts.push(frame.state === "blind" ? "blind: nothing found does not mean free space" :
-      data.stills ? "nothing found in the collision volume" : "no collision warning");
+  } else if (frame.state !== "blind") {
+    parts.push(data.stills ? "nothing found in the collision volume" : "no collision warning");
   }
+  if (frame.state === "blind") parts.push("blind: nothing found does not mean free space");
   if (!data.stills && !frame.known) parts.push("own motion unknown");
   return parts.join(" · ");
 }
