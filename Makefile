@@ -16,6 +16,7 @@ SANITIZE :=
 # Compiler warnings are errors, unless a goal is one of those who use VISTA.
 DEVELOPER ?= $(if $(filter demo install native,$(MAKECMDGOALS)),,ON)
 PYTHON := .venv/bin/python
+WORKERS ?= $(shell nproc)# processes that tests run in
 CMAKE := .venv/bin/cmake
 SETUP := scripts/setup.sh
 REQUIREMENTS := scripts/requirements
@@ -31,7 +32,7 @@ endif
 DEMO_PAIRS := build/demo/oak-d
 DEMO_FLIGHT := build/demo/flight
 
-.PHONY: help setup native build install generate test test-python test-asan drift docs bench lint lint-python demo flights lock clean distclean
+.PHONY: check types coverage lint-c help setup native build install generate test test-python test-asan drift docs bench lint lint-python demo flights lock clean distclean
 
 help: ## list the targets
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -85,25 +86,33 @@ generate: .venv/run.stamp ## write generated sources and tables anew, after a ch
 
 # ---- checks ----
 
-# The two runs of the tests share nothing but sources and take a core each.
-test: lint drift build systemc-tests .venv/test.stamp $(RTL_TOOLS) ## check everything that has to hold: lint, tests, and the tests of the C code under sanitizers
-	@echo "beside the tests: the same under sanitizers, $(BUILD)/test-asan.log"; \
-	scripts/test_sanitized.sh >$(BUILD)/test-asan.log 2>&1 & sanitized=$$!; \
-	status=0; $(PYTHON) -m pytest || status=$$?; \
-	wait $$sanitized || { status=$$?; cat $(BUILD)/test-asan.log; }; \
-	tail -n 1 $(BUILD)/test-asan.log; exit $$status
+check: lint types build .venv/test.stamp ## check style and types and run the fast tests: under a minute, to be run often
+	@$(PYTHON) -m pytest -n $(WORKERS) -m "not slow"
+
+test: lint types drift docs build systemc-tests fuzz-targets .venv/test.stamp $(RTL_TOOLS) ## check everything that has to hold: lint, types, all tests, those of the C code under sanitizers, fuzz targets, documentation
+	@scripts/test_all.sh $(WORKERS)
 
 test-python: build systemc-tests .venv/test.stamp $(RTL_TOOLS)
-	@$(PYTHON) -m pytest
+	@$(PYTHON) -m pytest -n $(WORKERS)
 
 drift: .venv/run.stamp ## check that generated sources and tables equal what their generators write
 	@$(PYTHON) scripts/make_parameters.py sw/parameters.toml sw/include/vista/parameters.h sw/src/parameters_table.h --check
 	@$(PYTHON) scripts/make_tables.py --check
 
-lint: lint-python lint-rtl ## run ruff, Verilator -Wall and Verible
+lint: lint-python lint-c lint-rtl ## run ruff, clang-format, Verilator -Wall and Verible
 
 lint-python: .venv/test.stamp
 	@.venv/bin/ruff check --quiet .
+	@.venv/bin/ruff format --quiet --check . || { .venv/bin/ruff format --check .; exit 1; }
+
+lint-c: .venv/test.stamp
+	@git ls-files '*.c' '*.h' '*.cpp' | xargs .venv/bin/clang-format --dry-run -Werror
+
+types: build .venv/test.stamp ## run mypy: the product strictly, the rest as far as it is typed
+	@.venv/bin/mypy
+
+coverage: build systemc-tests .venv/test.stamp $(RTL_TOOLS) ## measure what the tests cover of C and Python: a table by folder, and build/coverage/index.html
+	@scripts/coverage.sh $(WORKERS)
 
 test-asan: build .venv/test.stamp ## run the tests of the C code under ASan and UBSan
 	@scripts/test_sanitized.sh
@@ -135,7 +144,7 @@ flights: build ## render, fly and score the flights, and draw the figures of the
 # ---- tidy ----
 
 clean: ## remove what was built, but keep .venv
-	rm -rf build
+	rm -rf build doc/generated
 
 distclean: clean ## remove everything generated
-	rm -rf .venv *.egg-info
+	rm -rf .venv

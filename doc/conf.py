@@ -35,6 +35,8 @@ suppress_warnings = ["myst.header"]
 
 autodoc_member_order = "bysource"
 autodoc_typehints = "signature"
+autodoc_default_options = {"undoc-members": True}
+autodoc_type_aliases = {name: name for name in ("Array", "Image", "Disparity")}
 
 hawkmoth_root = str(HEADERS)
 hawkmoth_compiler, hawkmoth_autoconf = None, []  # the headers of the compiler are gcc's; clang is not needed

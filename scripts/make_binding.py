@@ -1,4 +1,4 @@
-"""Write a cffi out-of-line ABI module from public C headers: no compiler, no Python.h at the user's.
+"""Write a cffi out-of-line ABI module from public C headers; users need neither a compiler nor Python.h.
 
     make_binding.py MODULE HEADER... --out FILE.py
 

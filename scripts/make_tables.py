@@ -17,6 +17,7 @@ import datetime
 import json
 import os
 import re
+import statistics
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
@@ -36,7 +37,8 @@ Record = dict[str, Any]
 
 def figures(name: str) -> Record:
     path = SYNTHESIS if name == "synthesis" else DATA / f"{name}.json"
-    return json.loads(path.read_text())
+    found: Record = json.loads(path.read_text())
+    return found
 
 
 # ---- cells ----
@@ -95,13 +97,15 @@ def engine_sizes_table() -> str:
 
 def frontend_table() -> str:
     found = figures("frontend")["isas"]
-    names = {name: name for name in found[0]["ms"] if "level" in name}
-    names |= {"smooth": "smoothing (of `GaussianBlur`'s time)", "reduce": "to level 1 (of `pyrDown`'s time)"}
-    rows = [
-        [text, *(f"{one['ms'][name]['median']:.2f} ({spread(one['ratio'][name], 2)})" for one in found)]
-        for name, text in sorted(names.items(), key=lambda item: "level" in item[0])
-    ]
-    return markdown(" | ".join(["ms (ratio to one level)", *(one["isa"] for one in found)]), rows)
+    names = {"smooth": "smoothing; ratio to `GaussianBlur`", "reduce": "level 1; ratio to `pyrDown`"}
+    names |= {name: name for name in found[0]["ms"] if "level" in name}
+
+    def cell(one: Record, name: str) -> str:
+        ratio = f"; {spread(one['ratio'][name], 2)}" if name in one["ratio"] else ""
+        return f"{one['ms'][name]['median']:.2f}{ratio}"
+
+    rows = [[text, *(cell(one, name) for one in found)] for name, text in names.items()]
+    return markdown(" | ".join(["ms; ratio to one level", *(one["isa"] for one in found)]), rows)
 
 
 def disparity_quality_table() -> str:
@@ -295,6 +299,20 @@ def rectification_table() -> str:
     return markdown("pair | median row error before, px | after, px", rows)
 
 
+def health_table() -> str:
+    """What the checks of a run say of real pairs, as recorded and with each fault."""
+
+    def cells(row: Record) -> list[str]:
+        reasons = ", ".join(f"`{name}` {count}" for name, count in row["reasons"].items()) or "none"
+        measures = ("agreeing_share", "row_error_px", "row_spread_px", "negative_share")
+        ranges = [span(row[name]) if name in row else "" for name in measures]
+        return [row["recording"], row["fault"], str(row["frames"]), reasons, *ranges]
+
+    head = "recording | fault | frames | reasons and frames | features that agree (share) | "
+    head += "row error (px) | scatter of rows (px) | negative (share)"
+    return markdown(head, [cells(row) for row in figures("health")["rows"]])
+
+
 def synthesis_table() -> str:
     builds = figures("synthesis")["builds"]
     rows = []
@@ -427,6 +445,7 @@ TABLES: dict[str, Callable[[], str]] = {
     "flights-test": lambda: flights_table("test"),
     "throughput": throughput_table,
     "rectification": rectification_table,
+    "health": health_table,
     "synthesis": synthesis_table,
     "coverage": coverage_table,
     "mutants": mutants_table,
@@ -477,10 +496,7 @@ def reduce_maxflow(raw: Record) -> Record:
         return [round(end(map(value, rows)), 2) for end in (min, max)]
 
     def mean(key: str) -> float:
-        product = 1.0
-        for row in raw["rows"]:
-            product *= row[key]
-        return round(product ** (1 / len(raw["rows"])), 2)
+        return round(statistics.geometric_mean(row[key] for row in raw["rows"]), 2)
 
     return {
         "groups": [
@@ -502,7 +518,7 @@ def reduce_maxflow(raw: Record) -> Record:
 
 def reduce_flights(raw: Record) -> Record:
     def consistency(found: Record | None) -> list[float] | None:
-        return found and [round(found[key], 1) for key in ("average", "low", "high")]
+        return None if found is None else [round(found[key], 1) for key in ("average", "low", "high")]
 
     def flight(score: Record) -> Record:
         values = {
@@ -595,6 +611,7 @@ REDUCE: dict[str, Callable[[Record], Record]] = {
     "engine": lambda raw: raw,
     "frontend": lambda raw: raw,
     "disparity-quality": lambda raw: raw,
+    "health": lambda raw: raw,
     "host": lambda raw: {"sequences": raw["sequences"]},
     "street": lambda raw: raw,
     "segmentation": lambda raw: raw,

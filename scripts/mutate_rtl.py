@@ -1,4 +1,4 @@
-"""Mutants of the engine: what share of them do the benches catch? make mutate
+"""Plants random mutants into the engine and counts how many of them the benches catch: make mutate.
 
 Yosys picks mutations of the flattened core and puts all of them into one netlist, chosen by an input. One
 Verilated build then serves every mutant. Caught means: a word, its framing or the pace differs, or nothing

@@ -1,4 +1,4 @@
-"""Random frames against the C model, in numbers: make soak. Goes on where it stopped (build/rtl/soak.json).
+"""Compares the RTL with the C model on many random frames: make soak. Continues where it stopped.
 
 Frame n of a configuration is the one of seed n in tb/top/test_words.py, whose command reruns it.
 """

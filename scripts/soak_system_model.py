@@ -1,4 +1,4 @@
-"""The SystemC engine against the Verilated RTL, clock by clock, in numbers: part of make soak.
+"""Compares the SystemC engine with the Verilated RTL, clock by clock, on many cases: part of make soak.
 
 Goes on where it stopped (build/rtl/soak_system_model.json). Case n of a build is the one of seed n in
 tb/top/test_system_model.py, whose command reruns it.

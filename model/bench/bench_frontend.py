@@ -1,8 +1,8 @@
 """Smoothing and pyramid in C beside OpenCV's, and the words of three levels beside those of one.
 
-Both images of 640x480; 32 disparities, block 11. All are called by turns on arrays that are ready; the filters
-give the pixels of OpenCV. Times are processor time of the calling thread: medians, and the spread from the 10th
-to the 90th percentile; ratios are taken turn by turn.
+Both images of 640x480; 32 disparities, block 11. All are called by turns on arrays that are ready; the
+filters give the pixels of OpenCV. Times are processor time of the calling thread: medians, and the spread
+from the 10th to the 90th percentile; ratios are taken turn by turn.
 
     bench_frontend.py [--repetitions 63] [--out build/bench/frontend.json]
 """
@@ -20,6 +20,8 @@ import numpy as np
 from bench_engine import HEADLINE, HEADLINE_SIZE, REPOSITORY, by_turns_ms, scene, spread
 from vista_model import Parameters
 from vista_model.c_engine import CEngine, isas, prepare_reduce, prepare_smooth, reduced_shape
+
+SMOOTHED = ("1 level, smoothed", "3 levels, smoothed")
 
 
 def in_turn(calls: list[Callable[[], None]], arrays: list[np.ndarray]) -> Callable[[], list[np.ndarray]]:
@@ -81,9 +83,8 @@ def compare(isa: str, repetitions: int) -> dict:
     np.testing.assert_array_equal(smooth, opencv_smooth)
     np.testing.assert_array_equal(small, opencv_small)
     against = {"smooth": "GaussianBlur", "reduce": "pyrDown"}
-    against |= {
-        name: "1 level, check" if name.endswith("check") else "1 level" for name in times if "level" in name
-    }
+    for check in ("", ", check"):
+        against |= {f"{what}{check}": f"1 level{check}" for what in ("3 levels", *SMOOTHED)}
     ratios = {
         name: spread([a / b for a, b in zip(times[name], times[other], strict=True)])
         for name, other in against.items()

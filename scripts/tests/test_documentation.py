@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import json
 import re
+import shutil
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -101,6 +102,14 @@ def test_the_readme_is_short() -> None:
     assert len((ROOT / "README.md").read_text().splitlines()) <= 120
 
 
+def test_one_version_for_everything() -> None:
+    version = (ROOT / "VERSION").read_text().strip()
+    assert f"version: {version}\n" in (ROOT / "CITATION.cff").read_text()
+    assert re.search(
+        rf"^## (Unreleased: |\[?){re.escape(version)}\b", (ROOT / "CHANGELOG.md").read_text(), re.MULTILINE
+    )
+
+
 # ---- tables ----
 
 
@@ -111,6 +120,7 @@ def test_tables_are_those_of_the_figures() -> None:
 def test_a_changed_figure_changes_its_table(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     figures = make_tables.figures("engine")
     figures["engine"]["headline"]["ms"]["avx2"]["median"] = 77.77
+    shutil.copytree(make_tables.DATA, tmp_path, dirs_exist_ok=True)
     (tmp_path / "engine.json").write_text(json.dumps(figures))
     page = (ROOT / "doc" / "results" / "engine.md").read_text()
     monkeypatch.setattr(make_tables, "DATA", tmp_path)

@@ -120,6 +120,11 @@ def test_config(environment: Environment) -> None:
     assert tomllib.loads(done.stdout) == parameters.defaults()
 
 
+def test_version(environment: Environment) -> None:
+    done = environment.vista("--version")
+    assert (done.returncode, done.stdout) == (0, f"vista {VERSION}\n")
+
+
 def test_disparity(environment: Environment) -> None:
     folder = cases.make_pairs(environment.folder / "one", frames=1)
     out = environment.folder / "disparity.npy"

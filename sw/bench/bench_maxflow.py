@@ -27,7 +27,7 @@ import numpy as np
 REPOSITORY = Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(REPOSITORY / "sw" / "tests"), str(REPOSITORY / "build" / "python")]
 
-from cut_library import CutGraph  # noqa: E402
+from cut_graph import CutGraph  # noqa: E402
 from frame_cases import isolating_cuts  # noqa: E402
 from graph_cases import (  # noqa: E402
     SEED_CAPACITY,

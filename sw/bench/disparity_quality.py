@@ -23,12 +23,12 @@ from vista_eval.metrics.disparity_quality import (
     Counts,
     Pixels,
     Quality,
-    Share,
     at_full_size,
     count,
     finest,
     quality,
 )
+from vista_eval.metrics.standing_points import Share
 from vista_eval.report.text_table import aligned
 
 DISPARITIES = 64
@@ -142,7 +142,7 @@ def main() -> None:
     print(table(results))
     options.out.parent.mkdir(parents=True, exist_ok=True)
     exact = {method: {part: asdict(one) for part, one in parts.items()} for method, parts in results.items()}
-    methods = json.loads(json.dumps(exact), parse_float=lambda digits: round(float(digits), 4))
+    methods = json.loads(json.dumps(exact), parse_float=lambda digits: round(float(digits), 6))
     document = {"disparities": DISPARITIES, "levels": LEVELS, "opencv": cv2.__version__, "methods": methods}
     options.out.write_text(json.dumps(document, indent=1) + "\n")
 

@@ -18,7 +18,8 @@ static int32_t valid_or_any(fuzz_input *input, bool any, int32_t low, int32_t st
 }
 
 static vista_engine_params read_params(fuzz_input *input) {
-  const uint8_t any = fuzz_byte(input) == 255 ? fuzz_byte(input) : 0; /* a bit for each field that may be out of range */
+  const uint8_t any =
+      fuzz_byte(input) == 255 ? fuzz_byte(input) : 0; /* a bit for each field that may be out of range */
   return (vista_engine_params){
       .num_disparities = valid_or_any(input, any & 1, 16, 16, 16),
       .block_size = valid_or_any(input, any & 2, 5, 2, 9),
@@ -63,8 +64,10 @@ static void compute(const frame *f, int32_t isa, int32_t bands, int16_t *words, 
 /* The words of every instruction set, in bands, against those of the portable code. */
 static void compare(const frame *f, int32_t bands) {
   const size_t pixels = (size_t)f->images.width * (size_t)f->images.height;
-  int16_t *const expected = fuzz_allocate(pixels * sizeof *expected), *const words = fuzz_allocate(pixels * sizeof *words);
-  uint32_t *const expected_smin = fuzz_allocate(pixels * sizeof *expected_smin), *const smin = fuzz_allocate(pixels * sizeof *smin);
+  int16_t *const expected = fuzz_allocate(pixels * sizeof *expected), *const words =
+                                                                          fuzz_allocate(pixels * sizeof *words);
+  uint32_t *const expected_smin = fuzz_allocate(pixels * sizeof *expected_smin), *const smin = fuzz_allocate(
+                                                                                     pixels * sizeof *smin);
   compute(f, VISTA_ENGINE_ISA_PORTABLE, 1, expected, expected_smin);
   for (int32_t isa = VISTA_ENGINE_ISA_PORTABLE; isa <= VISTA_ENGINE_ISA_AVX512; ++isa) {
     if (!vista_engine_isa_available((vista_engine_isa)isa)) continue;
@@ -98,7 +101,8 @@ static void try_anything(fuzz_input *input, frame f, int16_t *words) {
   if (change & 32) bytes = bytes > 0 ? bytes - 1 : 0;
   if (change & 64) f.images.right = NULL;
   if (change & 128) f.images.width = -width;
-  const bool inside = f.images.left_stride <= width && f.images.right_stride <= width && output.disparity_stride <= width;
+  const bool inside =
+      f.images.left_stride <= width && f.images.right_stride <= width && output.disparity_stride <= width;
   if (inside) (void)vista_engine_compute_rows(&f.params, &f.images, &output, first, end, scratch, bytes);
   free(scratch);
 }

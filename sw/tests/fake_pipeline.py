@@ -69,6 +69,9 @@ class FakePipeline:
             fake_obstacle(4, z_m + 8.0, camera, confirmed=False),
         ]
         nearest = Nearest(2, obstacles[1].position_m, z_m, z_m / 10.0) if self._frame > 1 else None
+        source = "UNTOLD" if pose is None else "POSE"
+        velocity_m_s = np.array([0.0, 0.0, 10.0])
+        motion = Motion(pose is not None, source, False, velocity_m_s, np.zeros(3), pose or STILL)
         stage_ms = {
             "foveation": 1.0,
             "segmentation": 4.0 + 0.1 * self._frame,
@@ -78,8 +81,8 @@ class FakePipeline:
         return Result(
             obstacles=obstacles,
             nearest_collision=nearest,
-            motion=Motion(True, "POSE", False, np.array([0.0, 0.0, 10.0]), np.zeros(3), STILL),
-            health=Health("healthy", (), (), 0.5, 50.0),
+            motion=motion,
+            health=Health("healthy", (), (), float(np.mean(disparity >= 0)), 50.0),
             regions=regions,
             valid_fraction=float(np.mean(disparity >= 0)),
             dropped_tracks=2,

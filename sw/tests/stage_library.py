@@ -6,9 +6,9 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from cut_library import Arena, default_parameters, ffi, lib, status_name
+from stage_arena import Arena, default_parameters, ffi, lib, status_name
+from vista.engine import INVALID
 
-INVALID = -16
 LEVEL_UP = (0.0, -1.0, 0.0)
 RUN = np.dtype([("u", np.int32), ("v", np.int32), ("length", np.int32)])
 

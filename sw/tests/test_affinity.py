@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from cut_library import Arena, ffi, lib, status_name
 from random_seed import seeded
+from stage_arena import Arena, ffi, lib, status_name
 from stage_library import Stages, camera, parameters
 
 FORMS = {"product": lib.VISTA_AFFINITY_FORM_PRODUCT, "sum": lib.VISTA_AFFINITY_FORM_SUM}

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from cut_library import Arena, ffi, lib, status_name
 from random_seed import seeded
 from scipy.optimize import linear_sum_assignment
+from stage_arena import Arena, ffi, lib, status_name
 
 CASES = 1000
 

@@ -6,8 +6,8 @@ from __future__ import annotations
 import cv2
 import numpy as np
 import pytest
-from cut_library import ffi, lib, status_name
 from random_seed import seeded
+from stage_arena import ffi, lib, status_name
 from stage_library import INVALID, image_struct
 from track_library import BASELINE, CENTER, FOCAL, camera, matched, params
 from vista.engine import StereoEngine

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from cut_library import ffi, lib, status_name
 from random_seed import seeded
+from stage_arena import ffi, lib, status_name
 from stage_library import Stages, camera, image_struct, plane_disparity, rays, words_of
 from test_region import TOLERANCES, box, measure
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from cut_library import ffi, lib
 from random_seed import seeded
 from scipy.spatial.transform import Rotation
+from stage_arena import ffi, lib
 
 
 def random_case(random: np.random.Generator):

@@ -5,8 +5,8 @@ from __future__ import annotations
 import cv2
 import numpy as np
 import pytest
-from cut_library import ffi, lib, status_name
 from random_seed import seeded
+from stage_arena import ffi, lib, status_name
 
 
 def region_of(u: np.ndarray, v: np.ndarray):

@@ -9,11 +9,11 @@ import time
 import networkx
 import numpy as np
 import pytest
-from cut_library import Arena, ffi, lib, status_name
 from random_seed import seeded
 from scipy.ndimage import map_coordinates
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
+from stage_arena import Arena, ffi, lib, status_name
 from stage_library import INVALID, Foveation, Stages, camera, image_struct, parameters, view
 
 GEOMETRIES = 60

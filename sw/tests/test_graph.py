@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from cut_library import Arena, CutGraph, ffi, lib, pointer, status_name
+from cut_graph import CutGraph
 from graph_cases import polar_edges
 from random_seed import seeded
+from stage_arena import Arena, ffi, lib, pointer, status_name
 
 RINGS, SECTORS = 7, 12
 

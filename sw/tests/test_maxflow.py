@@ -8,12 +8,13 @@ import cv2
 import networkx
 import numpy as np
 import pytest
-from cut_library import Arena, Cut, CutGraph, ffi, lib, pointer, solve, status_name
+from cut_graph import Cut, CutGraph, solve
 from graph_cases import FlowCase, polar_cases, random_case, real_images, synthetic_image
 from random_seed import seeded
 from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import breadth_first_order, maximum_flow
 from shared_data import SHARED_DATA
+from stage_arena import Arena, ffi, lib, pointer, status_name
 
 RANDOM_GRAPHS = 1000
 ARC_CAPACITY_MAX = (1 << 30) - 1

@@ -6,9 +6,9 @@ import math
 
 import numpy as np
 import pytest
-from cut_library import Arena, ffi, lib, status_name
 from random_seed import seeded
 from scipy.spatial.transform import Rotation
+from stage_arena import Arena, ffi, lib, status_name
 from track_library import (
     BASELINE,
     CENTER,

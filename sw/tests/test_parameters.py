@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from cut_library import default_parameters, ffi, lib
 from shared_data import REPOSITORY
+from stage_arena import default_parameters, ffi, lib
 from vista import parameters
 from vista.cli import main
 from vista.errors import InputError

@@ -7,7 +7,6 @@ import board_flight as scene
 import numpy as np
 import pytest
 from board_flight import board_flight
-from cut_library import ffi, lib
 from pipeline_library import (
     CALIBRATION,
     Frame,
@@ -18,6 +17,7 @@ from pipeline_library import (
     plain,
     snapshot,
 )
+from stage_arena import ffi, lib
 from vista.geometry import Pose
 from vista.parameters import defaults
 from vista_eval.cell_graph import OpenPipeline

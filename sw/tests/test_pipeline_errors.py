@@ -8,7 +8,6 @@ import board_flight as scene
 import numpy as np
 import pytest
 from board_flight import board_flight
-from cut_library import ffi, lib, status_name
 from pipeline_library import (
     CALIBRATION,
     Frame,
@@ -19,6 +18,7 @@ from pipeline_library import (
     process,
     snapshot,
 )
+from stage_arena import ffi, lib, status_name
 from vista.parameters import defaults
 from vista.pipeline import Pipeline as PythonPipeline
 from vista.pipeline import PipelineError

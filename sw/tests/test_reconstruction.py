@@ -5,8 +5,8 @@ from __future__ import annotations
 import cv2
 import numpy as np
 import pytest
-from cut_library import ffi, lib, status_name
 from random_seed import seeded
+from stage_arena import ffi, lib, status_name
 from track_library import BASELINE, CENTER, FOCAL, camera, matched, params
 
 SIZE = 12.0  # standard deviation of the region's pixels along u; half of that along v

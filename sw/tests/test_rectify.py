@@ -9,13 +9,14 @@ import numpy as np
 import pytest
 import sequence_cases as cases
 from numpy.typing import NDArray
+from real_pairs import make_bumblebee2
 from scipy.spatial.transform import Rotation
 from shared_data import SHARED_DATA
 from vista.errors import InputError
 from vista.geometry import CameraModel, Pose, RawCalibration, camera_matrix
 from vista.health.features import match_pair
 from vista.rectify import Rectifier
-from vista.sequence import Frame, open_sequence, read_grey
+from vista.sequence import Frame, open_sequence
 
 SIZE = (320, 240)
 
@@ -165,41 +166,8 @@ def test_euroc_rows_align() -> None:
 
 @pytest.mark.parametrize("scene", ["garden01", "lantern01", "wall01"])
 def test_bumblebee2_rows_align(tmp_path: Path, scene: str) -> None:
-    """The calibration is written out here: p_left = R p_right + t, of the folder's stereo.yaml."""
-    folder = needs("bumblebee2")
-    R = np.array(
-        [
-            [0.9999694757041413, -0.002167658916924345, 0.007506591423858594],
-            [0.002144760822245101, 0.9999930270271246, 0.0030571061711613945],
-            [-0.007513165844052039, -0.003040913011953583, 0.999967152054033],
-        ]
-    )
-    right_from_left = Pose(
-        R, np.array([0.12004374261980637, 0.0008974418603859871, -0.0009149583203134171])
-    ).inverse()
-    (tmp_path / "calibration.toml").write_text(
-        f"""
-        [left]
-        fx_px = 524.6141554796689
-        fy_px = 526.9202267407102
-        cx = 312.4508572809385
-        cy = 247.40163214599613
-        distortion = [-0.3625365821238732, 0.17532754393079863, 0.0, 0.0]
-        [right]
-        fx_px = 526.437309515818
-        fy_px = 528.6524795626539
-        cx = 318.40405668073225
-        cy = 245.93504188705572
-        distortion = [-0.35299970494414057, 0.16297446727663975, 0.0, 0.0]
-        [right_from_left]
-        rotation = {right_from_left.rotation.ravel().tolist()}
-        translation_m = {right_from_left.translation_m.tolist()}
-        """
-    )
-    for side in ("left", "right"):
-        image = read_grey(folder / f"{scene}_{side}.jpg")
-        cases.write_image(tmp_path / f"{scene}_{side}.png", image)
-    sequence = open_sequence(tmp_path)
+    needs("bumblebee2")
+    sequence = open_sequence(make_bumblebee2(tmp_path, [scene]))
     rectifier = Rectifier(sequence.calibration)
     frame = rectifier.rectify(sequence.read(sequence.frames[0]))
     assert np.median(np.abs(row_errors_px(frame.left, frame.right))) < 0.5

@@ -5,10 +5,10 @@ from __future__ import annotations
 import cv2
 import numpy as np
 import pytest
-from cut_library import Arena, ffi, lib, status_name
 from random_seed import seeded
 from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import dijkstra
+from stage_arena import Arena, ffi, lib, status_name
 from stage_library import INVALID, LEVEL_UP, Stages, camera, image_struct, plane_disparity, words_of
 
 GREY = np.full((240, 320), 90, np.uint8)

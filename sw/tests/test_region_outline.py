@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from cut_library import ffi, lib
 from random_seed import seeded
+from stage_arena import ffi, lib
 from stage_library import GROUND, INVALID, SKY, Stages, camera, plane_disparity, rays, words_of
 
 CAMERA = camera()

@@ -79,11 +79,6 @@ def in_text(name: str, old: str, new: str) -> Damage:
     return damage
 
 
-def poses(*places_m: float) -> Damage:
-    lines = "".join(f"1 0 0 0 0 1 0 0 0 0 1 {place_m}\n" for place_m in places_m)
-    return lambda folder: (folder / "../../poses/00.txt").resolve().write_text(lines)
-
-
 ALL = list(range(FRAMES))
 
 # Reason, state, frames, and what the line on the screen says.
@@ -118,11 +113,11 @@ FAULTS: dict[str, tuple[Damage, Reason, State, list[int], str]] = {
         Reason.MOMENTS_DIFFER,
         State.BLIND,
         ALL,
-        "do the images show the same moment?",
+        "do left and right image, in this order, show one moment?",
     ),
     "black image": (
         lambda folder: cases.write_image(folder / "image_1/000003.png", np.zeros((HEIGHT, WIDTH), np.uint8)),
-        Reason.IMAGE_CONSTANT,
+        Reason.NO_CONTRAST,
         State.BLIND,
         [3],
         "the right image is nearly constant: grey level 0",
@@ -154,13 +149,6 @@ FAULTS: dict[str, tuple[Damage, Reason, State, list[int], str]] = {
         State.DEGRADED,
         ALL,
         "the baseline is 250 m, expected 0.01 to 5 m: is it in millimetres?",
-    ),
-    "a pose jumps by 5 km": (
-        poses(0, 1, 2, 5003, 5004, 5005),
-        Reason.POSE_JUMP,
-        State.DEGRADED,
-        [3],
-        "the pose jumps by 5000 m within 0.1 s",
     ),
     "a moving camera without poses": (
         lambda folder: (folder / "../../poses/00.txt").resolve().unlink(),
@@ -240,16 +228,30 @@ def test_a_fault_that_begins_later_is_found_at_once_and_ends_with_its_cause(
     assert states == ["healthy"] * 3 + ["blind"] * 3 + ["healthy"] * 2
 
 
-def test_a_frame_without_disparities_is_blind() -> None:
-    assert checks.check_valid(0.25) is None
-    few, none = checks.check_valid(0.05), checks.check_valid(0.0)
-    assert few is not None and (few.reason, few.state) == (Reason.FEW_VALID, State.DEGRADED)
-    assert none is not None and (none.reason, none.state) == (Reason.FEW_VALID, State.BLIND)
+def poses(folder: Path, *places_m: float) -> None:
+    lines = "".join(f"1 0 0 0 0 1 0 0 0 0 1 {place_m}\n" for place_m in places_m)
+    (folder / "../../poses/00.txt").resolve().write_text(lines)
+
+
+def test_what_libvista_says_is_passed_on(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """With the real pipeline: a pose that jumps by 5 km once, and a frame whose left image is black."""
+    folder, out = make_kitti(tmp_path / "flight"), tmp_path / "out"
+    poses(folder, 0, 1, 5002, 3, 4, 5)
+    cases.write_image(folder / "image_0/000004.png", np.zeros((HEIGHT, WIDTH), np.uint8))
+    status, stdout, stderr = call(capsys, "run", folder, "--out", out, "--no-overlay")
+    assert status == 0
+    lines = valid_lines(out)
+    reasons = [line["health"]["reasons"] for line in lines]
+    assert reasons == [[], [], ["pose_jump"], [], ["no_contrast", "no_disparities"], []]
+    assert [line["motion"] for line in lines] == ["known", "known", "unknown", "known", "known", "known"]
+    assert [line["health"]["state"] for line in lines if line["health"]["reasons"]] == ["degraded", "blind"]
+    assert len(stderr.splitlines()) == 3
+    assert "degraded in 1 of 6 frames, from frame 2: the pose jumped" in stdout
 
 
 def test_the_worst_finding_gives_the_state() -> None:
     bad = Finding(Reason.POSE_JUMP, State.DEGRADED, "")
-    worse = Finding(Reason.FEW_VALID, State.BLIND, "")
+    worse = Finding(Reason.NO_DISPARITIES, State.BLIND, "")
     assert FrameHealth().state == State.HEALTHY
     assert FrameHealth((bad,)).state == State.DEGRADED
     assert FrameHealth((bad, worse, bad)).state == State.BLIND
@@ -280,14 +282,3 @@ def test_plausible_baselines(baseline_m: float, tmp_path: Path, run_vista: Vista
     _, stdout, _ = run_vista("run", folder, "--out", tmp_path / "out", "--no-overlay")
     assert ("the baseline is" in stdout) == (not 0.01 <= baseline_m <= 5.0)
     assert ("millimetres" in stdout) == (baseline_m > 5.0)
-
-
-def test_a_turn_and_hard_braking_are_no_jump() -> None:
-    """50 m/s, 10 frames a second: a stop within 3 s, a turn at 3 g, and 0.3 m of noise are no jump."""
-    dt_s, velocity = 0.1, np.array([0.0, 0.0, 50.0])
-    for acceleration in (np.array([0.0, 0.0, -17.0]), np.array([30.0, 0.0, 0.0])):
-        step = velocity * dt_s + acceleration * dt_s**2 + 0.3
-        assert checks.check_pose_step(step, velocity, dt_s) is None
-    assert checks.check_pose_step(velocity * dt_s + 5.0, velocity, dt_s) is not None
-    assert checks.check_pose_step(velocity * dt_s, None, dt_s) is None
-    assert checks.check_pose_step(100.0 * velocity, None, dt_s) is not None

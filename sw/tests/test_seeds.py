@@ -5,8 +5,8 @@ from __future__ import annotations
 import networkx
 import numpy as np
 import pytest
-from cut_library import Arena, ffi, lib, status_name
 from random_seed import seeded
+from stage_arena import Arena, ffi, lib, status_name
 from stage_library import Stages, camera
 
 FRAMES = 30

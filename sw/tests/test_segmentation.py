@@ -5,11 +5,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from cut_library import Arena, ffi, lib, status_name
 from random_seed import seeded
 from scipy.ndimage import binary_dilation
 from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import breadth_first_order, maximum_flow
+from stage_arena import Arena, ffi, lib, status_name
 from stage_library import FIRST_THING, GROUND, INVALID, SKY, Board, Stages, camera, street
 
 TIED = 1 << 29

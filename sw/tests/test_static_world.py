@@ -7,8 +7,8 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
-from cut_library import ffi, lib
 from random_seed import seeded
+from stage_arena import ffi, lib
 from track_library import BASELINE, Tracker, detection, measure, seen_at
 
 DT = 0.1

@@ -84,7 +84,7 @@ def test_the_sky_holds_no_obstacle(results: list[Result]) -> None:
 
 
 def test_warnings_and_held_tracks_do_not_become_more(results: list[Result]) -> None:
-    """The limits are what is reached today, not what is good: the collision volume is straight, and tracks are
+    """The limits are what is reached today, not what is good: the collision volume is straight, tracks are
     held for long."""
     beside = {aside.frame for aside in warnings_beside_the_path(results, driven_path_m())}
     assert len(beside) <= 11

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from cut_library import Arena, ffi, lib, status_name
 from random_seed import seeded
+from stage_arena import Arena, ffi, lib, status_name
 from stage_library import INVALID, LEVEL_UP, Stages, camera, plane_disparity, rays, words_of
 
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from cut_library import Arena, ffi, lib, status_name
 from random_seed import seeded
+from stage_arena import Arena, ffi, lib, status_name
 from track_library import SECOND, SIGMAS, Tracker, camera, detection, measure, motion, pose, seen_at, state
 
 DT = 0.1

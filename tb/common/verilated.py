@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import fcntl
 import functools
 import hashlib
 import os
@@ -53,14 +54,21 @@ PACES = [Pace(), Pace(300, 300), Pace(50, 20), Pace(700, 100), Pace(5, 5)]
 
 
 def build(config: Config) -> Path:
-    """The shared library of a configuration, built anew when a source has changed."""
+    """The shared library of a configuration, built anew when a source has changed. One process builds it."""
+    folder = BUILD / "top" / config.name
+    folder.mkdir(parents=True, exist_ok=True)
+    with (folder / "lock").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        return _build_alone(config, folder)
+
+
+def _build_alone(config: Config, folder: Path) -> Path:
     files = sources("vista_stereo.f")
     if config.mutants:
         files = [f for f in files if f.name != "vista_stereo_core.sv"]
         files += [BUILD / "mutate" / "mutants.v", Path(__file__).with_name("mutants_core.sv")]
-    folder = BUILD / "top" / config.name
     library, stamp = folder / "engine.so", folder / "digest"
-    flags = "-fPIC -O2" + " -DVISTA_COVERAGE" * config.coverage + " -DVISTA_MUTANTS" * config.mutants
+    flags = "-fPIC -O1" + " -DVISTA_COVERAGE" * config.coverage + " -DVISTA_MUTANTS" * config.mutants
     command = [
         "verilator", "--cc", "--build", "-j", "1", "-O3", "--x-assign", "fast", "--x-initial", "unique",
         "--assert", "--top-module", "vista_stereo", "--Mdir", str(folder), "-CFLAGS", flags,
@@ -75,7 +83,6 @@ def build(config: Config) -> Path:
     digest = hashlib.sha256(b"".join(f.read_bytes() for f in inputs) + repr(command).encode()).hexdigest()
     if library.is_file() and stamp.is_file() and stamp.read_text() == digest:
         return library
-    folder.mkdir(parents=True, exist_ok=True)
     environment = verilator_environment()
     _run(command, environment, folder)
     root = _run(["verilator", "--getenv", "VERILATOR_ROOT"], environment, folder).strip()

@@ -105,29 +105,35 @@ typedef struct vista_motion {
 typedef enum vista_health_state {
   VISTA_HEALTH_HEALTHY = 0,
   VISTA_HEALTH_DEGRADED, /* seen in part, or at a place that rests on a guess */
-  VISTA_HEALTH_BLIND,    /* the view tells nothing; tracks are carried on */
+  VISTA_HEALTH_BLIND, /* the view tells nothing; tracks are carried on */
   VISTA_HEALTH_STATE_COUNT
 } vista_health_state;
 
+/* What was found wrong with a frame. */
 typedef enum vista_health_reason {
   VISTA_HEALTH_FEW_DISPARITIES = 0, /* fewer of the matched pixels than health.degraded_fraction have one */
-  VISTA_HEALTH_NO_DISPARITIES,      /* fewer than health.blind_fraction: blind */
-  VISTA_HEALTH_NO_CONTRAST,         /* the image varies by less than health.contrast_min: blind */
-  VISTA_HEALTH_MOTION_UNKNOWN,      /* no pose, after others */
-  VISTA_HEALTH_POSE_JUMP,           /* the pose was refused, or believed anew: motion.restarted */
+  VISTA_HEALTH_NO_DISPARITIES, /* fewer than health.blind_fraction: blind */
+  VISTA_HEALTH_NO_CONTRAST, /* the image varies by less than health.contrast_min: blind */
+  VISTA_HEALTH_MOTION_UNKNOWN, /* no pose, after others */
+  VISTA_HEALTH_POSE_JUMP, /* the pose was refused, or believed anew: motion.restarted */
   VISTA_HEALTH_REASON_COUNT
 } vista_health_reason;
 
+/* How far a frame can be trusted. */
 typedef struct vista_health {
   vista_health_state state;
-  uint32_t reasons;        /* bit k: the reason with number k */
+  uint32_t reasons; /* bit k: the reason with number k */
   double matched_fraction; /* of the pixels where the engine can find a disparity, those that have one */
-  double contrast;         /* standard deviation of the cells, grey levels */
+  double contrast; /* standard deviation of the cells, grey levels */
 } vista_health;
 
-/* Lower-case names ("blind", "no_contrast") and a line of text; never null. */
+/* The name of a state, in lower case, such as "blind"; never null. */
 VISTA_API const char *vista_health_state_name(vista_health_state state);
+
+/* The name of a reason, in lower case, such as "no_contrast"; never null. */
 VISTA_API const char *vista_health_reason_name(vista_health_reason reason);
+
+/* A reason as one line of text; never null. */
 VISTA_API const char *vista_health_reason_text(vista_health_reason reason);
 
 VISTA_END

@@ -1,4 +1,4 @@
-"""The chain: a frame is read, rectified, matched by the engine, and goes through the host's pipeline."""
+"""The chain of one frame: it is read, rectified and matched, and goes through the host's pipeline."""
 
 from __future__ import annotations
 
@@ -110,13 +110,13 @@ def run_frame(chain: Chain, files: FrameFiles) -> Step:
     record = FrameRecord(
         frame.index,
         frame.t_ns,
-        frame.world_from_camera,
+        None if result.motion.source == "UNTOLD" else result.motion.pose,
         tuple(result.obstacles),
         result.nearest_collision,
         result.regions,
         result.valid_fraction,
         stage_ms,
         result.dropped_tracks,
-        frame.world_from_camera is not None,
+        result.motion.known,
     )
     return Step(raw, frame, words, result, record)

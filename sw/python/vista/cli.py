@@ -61,7 +61,7 @@ def make_parser(named: str | None) -> argparse.ArgumentParser:
     installed = {point.name: point for point in entry_points(group=GROUP)}
     for name in COMMANDS:
         point = installed.get(name)
-        summary = point and summary_of(point)
+        summary = summary_of(point) if point is not None else None
         if point is None or summary is None:
             if name == named:
                 raise missing(name)
@@ -73,7 +73,7 @@ def make_parser(named: str | None) -> argparse.ArgumentParser:
     return parser
 
 
-def add_command(commands: argparse._SubParsersAction, point: EntryPoint, summary: str) -> None:
+def add_command(commands: argparse._SubParsersAction[Parser], point: EntryPoint, summary: str) -> None:
     module = point.load()
     parser = commands.add_parser(
         point.name,
@@ -116,7 +116,8 @@ def named_command(arguments: list[str]) -> str | None:
 
 def main(arguments: list[str] | None = None) -> int:
     # OpenCV's own lines about unreadable images would come on top of ours.
-    cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_SILENT)
+    quiet = cv2.setLogLevel if hasattr(cv2, "setLogLevel") else cv2.utils.logging.setLogLevel  # OpenCV 4, 5
+    quiet(0)
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")  # names of files that are not UTF-8

@@ -1,4 +1,4 @@
-"""Disparity images in files. In memory they are the engine's words: int16 HxW, 1/16 px, negative = invalid.
+"""Disparity images in files. In memory they are the engine's words: int16, 1/16 px, negative where invalid.
 
 .png  KITTI: 16 bits, round(256 d), 0 = invalid; a valid d = 0 is written as 1
 .pfm  float px, rows bottom-up, +inf = invalid
@@ -59,7 +59,7 @@ def _decode_png(path: Path, data: bytes) -> Words:
     levels = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED)
     if levels is None or levels.dtype != np.uint16 or levels.ndim != 2:
         raise InputError(path, "not a 16-bit grey PNG")
-    return _words_from_px(levels / 256.0, levels > 0)
+    return _words_from_px(levels.astype(np.float64) / 256.0, levels > 0)
 
 
 def _encode_pfm(words: Words) -> bytes:

@@ -1,8 +1,8 @@
 """Cameras and poses, each with its frames of reference in its name.
 
-camera  x right, y down, z forward, metres
-px      u right, v down, origin at the centre of the top-left pixel
-world   the inertial frame of the pose source, metres
+- camera: x to the right, y down, z forward, in metres
+- px: u to the right, v down, the origin in the centre of the top left pixel
+- world: the inertial frame of the pose source, in metres
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""What a run keeps of each frame for its summary and its report; the images are not among it."""
+"""What a run keeps of each frame for its summary and its report; images are not kept."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 class FrameRecord:
     index: int
     t_ns: int
-    world_from_camera: Pose | None
+    world_from_camera: Pose | None  # as the detector worked with it; None: no pose up to now
     obstacles: tuple[Obstacle, ...]
     nearest_collision: Nearest | None
     regions: int

@@ -1,4 +1,4 @@
-"""The native libraries and their bindings, from the build folder of a checkout or an installed package."""
+"""Loads the native libraries and their bindings, from a checkout or an installed package."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from typing import Any
 _PACKAGE = Path(__file__).resolve().parent
 _INSTALLED = _PACKAGE / "_lib"
 _ROOT = _PACKAGE.parents[2]
-_IN_CHECKOUT = _PACKAGE == _ROOT / "sw" / "python" / "vista"
+CHECKOUT = _ROOT if _PACKAGE == _ROOT / "sw" / "python" / "vista" else None  # that this package lies in
 
 
 def build_folder() -> Path:
@@ -31,8 +31,8 @@ def load_as(name: str, binding: str, make: Callable[[Path, str], None]) -> tuple
     """The same for one of several libraries with one interface, <binding>_abi.py.
 
     make(root, name) brings the library of a checkout up to date first; ImportError if it cannot."""
-    if _IN_CHECKOUT:
-        make(_ROOT, name)
+    if CHECKOUT:
+        make(CHECKOUT, name)
     # Simulated hardware is not a library to sanitize: VISTA_BUILD does not concern it.
     return _open(*_find(name, binding, _ROOT / "build"))
 
@@ -45,19 +45,19 @@ def library_path(name: str) -> Path:
 def program_path(name: str) -> Path:
     """Of a program of a checkout; ImportError when it has not been built."""
     path = build_folder() / "bin" / name
-    if not (_IN_CHECKOUT and path.is_file()):
+    if not (CHECKOUT and path.is_file()):
         raise ImportError(f"the program {name} is not built: it needs a checkout of VISTA and `make systemc`")
     return path
 
 
 def _find(name: str, binding: str, build: Path) -> tuple[Path, Path]:
     """Library and binding: in the build folder of a checkout, else in the package."""
-    libraries, bindings = (build / "lib", build / "python") if _IN_CHECKOUT else (_INSTALLED, _INSTALLED)
+    libraries, bindings = (build / "lib", build / "python") if CHECKOUT else (_INSTALLED, _INSTALLED)
     library, module = libraries / f"lib{name}.so", bindings / f"{binding}_abi.py"
     if not (library.is_file() and module.is_file()):
         raise ImportError(
             f"lib{name}.so is not built: run `make build`"
-            if _IN_CHECKOUT
+            if CHECKOUT
             else f"lib{name}.so is not part of this installation"
         )
     return library, module

@@ -1,4 +1,4 @@
-"""Files that are whole or absent, whatever interrupts the writing."""
+"""Writes files that are whole or absent, whatever interrupts the writing."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Parameters: schema and defaults from parameters.toml, a user's values from --config FILE.toml."""
+"""Parameters: their definition in parameters.toml, and the values of a --config file."""
 
 from __future__ import annotations
 

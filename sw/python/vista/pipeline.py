@@ -1,4 +1,4 @@
-"""libvista's chain: left image, engine words, time and pose in; obstacles and what led to them out."""
+"""The host library libvista: from image, disparities, time and pose to obstacles."""
 
 from __future__ import annotations
 
@@ -15,27 +15,29 @@ from vista.geometry import Array, Calibration, Pose
 
 @dataclass(frozen=True)
 class Ellipse:
-    """Pixels of the rectified left image; semi-axes, axis_a >= axis_b; angle clockwise from +u."""
+    """An ellipse in the rectified left image, in pixels."""
 
     center_u: float
     center_v: float
-    axis_a: float
-    axis_b: float
-    angle_deg: float
+    axis_a: float  #: the longer semi-axis
+    axis_b: float  #: the shorter semi-axis
+    angle_deg: float  #: from +u to the longer axis, clockwise
 
 
 @dataclass(frozen=True)
 class Obstacle:
-    id: int
+    """One obstacle, as the track that it belongs to estimates it in this frame."""
+
+    id: int  #: number of the track; 0: something too near to match, which has no track
     confirmed: bool
-    coasting: bool  # not seen in this frame
-    in_blind_zone: bool  # nearer than the engine matches
-    world: str  # of the static-world test: OPEN, STANDS, MOVES, REFUTED
+    coasting: bool  #: not seen in this frame
+    in_blind_zone: bool  #: nearer than the engine matches
+    world: str  #: verdict of the static-world test: OPEN, STANDS, MOVES, REFUTED
     age_frames: int
-    position_m: Array  # (3,) world
-    covariance_m2: Array  # (3, 3)
-    distance_m: float  # from the camera
-    extent_m: tuple[float, float]  # width, height
+    position_m: Array  #: (3,), in the world
+    covariance_m2: Array  #: (3, 3), of the position
+    distance_m: float  #: from the camera
+    extent_m: tuple[float, float]  #: width, height
     ellipse: Ellipse
     disparity_px: float
     in_collision_volume: bool
@@ -43,50 +45,54 @@ class Obstacle:
 
 @dataclass(frozen=True)
 class Nearest:
+    """The nearest confirmed obstacle that meets the collision volume."""
+
     id: int
-    position_m: Array
+    position_m: Array  #: (3,), in the world
     distance_m: float
-    time_to_collision_s: float | None  # None: hardly closing, or not known
+    time_to_collision_s: float | None  #: None: hardly closing, or not known
 
 
 @dataclass(frozen=True)
 class Motion:
     """The vehicle's own motion as the detector worked with it."""
 
-    known: bool  # else positions in world rest on a guess of where the camera is
-    source: str  # of the camera's pose: POSE, STANDS, CARRIED_ON, REFUSED, UNTOLD
-    restarted: bool  # the poses went on elsewhere: all tracks were given up
-    velocity_m_s: Array | None  # (3,) world; None: not known
-    turn_rate_rad_s: Array  # (3,) axis times rate, world
-    pose: Pose  # world_from_camera
+    known: bool  #: otherwise positions in the world rest on a guess of the camera's pose
+    source: str  #: where the camera's pose comes from: POSE, STANDS, CARRIED_ON, REFUSED, UNTOLD
+    restarted: bool  #: the poses continued at another place, so all tracks were dropped
+    velocity_m_s: Array | None  #: (3,), in the world; None: not known
+    turn_rate_rad_s: Array  #: (3,), axis times rate, in the world
+    pose: Pose  #: world_from_camera
 
 
 @dataclass(frozen=True)
 class Health:
     """Whether the view tells anything: without obstacles only a healthy frame is clear."""
 
-    state: str  # healthy, degraded, blind
-    reasons: tuple[str, ...]  # few_disparities, no_disparities, no_contrast, motion_unknown, pose_jump
-    texts: tuple[str, ...]  # the same in words
-    matched_fraction: float  # of the pixels where the engine can find a disparity, those that have one
-    contrast: float  # standard deviation of the cells, grey levels
+    state: str  #: healthy, degraded, blind
+    reasons: tuple[str, ...]  #: few_disparities, no_disparities, no_contrast, motion_unknown, pose_jump
+    texts: tuple[str, ...]  #: the same in words
+    matched_fraction: float  #: of the pixels where the engine can find a disparity, those that have one
+    contrast: float  #: standard deviation of the cells, grey levels
 
 
 @dataclass(frozen=True)
 class Result:
-    obstacles: list[Obstacle]  # nearest first
+    """The output of one frame."""
+
+    obstacles: list[Obstacle]  #: nearest first
     nearest_collision: Nearest | None
     motion: Motion
     health: Health
     regions: int
     valid_fraction: float
-    dropped_tracks: int  # for want of room, in this frame
-    stage_ms: dict[str, float]  # in the order of the chain, and their sum "host"
-    cell_of_pixel: NDArray[np.int32]  # (height, width): cell under each pixel
-    cell_intensity: NDArray[np.float32]  # (cells,)
-    cell_disparity_px: NDArray[np.float32]  # (cells,), negative: none
-    region_of_cell: NDArray[np.int32]  # (cells,), -1: none
-    region_of_pixel: NDArray[np.int32]  # (height, width), -1: none; boundaries follow the image
+    dropped_tracks: int  #: in this frame, for want of room
+    stage_ms: dict[str, float]  #: of each stage in the order of the chain, and their sum "host"
+    cell_of_pixel: NDArray[np.int32]  #: (height, width): the cell under each pixel
+    cell_intensity: NDArray[np.float32]  #: (cells,)
+    cell_disparity_px: NDArray[np.float32]  #: (cells,); negative: none
+    region_of_cell: NDArray[np.int32]  #: (cells,); -1: none
+    region_of_pixel: NDArray[np.int32]  #: (height, width); -1: none; boundaries follow the image
     verdict_of_region: list[str]
 
 
@@ -95,7 +101,7 @@ class PipelineError(ValueError):
 
 
 class Pipeline:
-    """One pipeline for one camera; holds the tracks from frame to frame."""
+    """The detector for one camera. It holds the tracks from frame to frame."""
 
     library = "vista"
 
@@ -119,7 +125,7 @@ class Pipeline:
         self._cell_of_pixel: NDArray[np.int32] | None = None
 
     def reset(self) -> None:
-        """Forget tracks, velocity and time; ids go on counting."""
+        """Forgets tracks, velocity and time. Ids go on counting."""
         self._lib.vista_pipeline_reset(self._pipeline)
 
     def process(
@@ -138,7 +144,7 @@ class Pipeline:
         not moved since the last frame. Raises PipelineError on arrays of another type or size, times that do
         not increase, a pose that is not finite."""
         ffi = self._ffi
-        if (left.dtype, left.ndim, disparity.dtype, disparity.ndim) != (np.uint8, 2, np.int16, 2):
+        if any((a.dtype, a.ndim) != (np.dtype(t), 2) for a, t in ((left, "u1"), (disparity, "i2"))):
             raise PipelineError("the image has to be uint8 and int16 its disparities, both (height, width)")
         left, disparity = np.ascontiguousarray(left), np.ascontiguousarray(disparity)
         frame = ffi.new("vista_frame *")

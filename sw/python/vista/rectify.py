@@ -1,4 +1,4 @@
-"""Raw pairs to rectified pairs (OpenCV): matching pixels come to lie on one row."""
+"""Rectifies raw pairs with OpenCV, so that matching pixels lie on one row."""
 
 from __future__ import annotations
 
@@ -42,16 +42,19 @@ class Rectifier:
             return
         size = (raw.left.width, raw.left.height)
         # alpha = 0: zoomed until no pixel lies outside the raw images, where it would be matched as texture.
-        R_left, R_right, P_left, P_right, *_ = cv2.stereoRectify(
-            raw.left.matrix,
-            np.array(raw.left.distortion),
-            raw.right.matrix,
-            np.array(raw.right.distortion),
-            size,
-            raw.right_from_left.rotation,
-            raw.right_from_left.translation_m.reshape(3, 1),
-            flags=cv2.CALIB_ZERO_DISPARITY,
-            alpha=0,
+        R_left, R_right, P_left, P_right = (
+            np.asarray(matrix, np.float64)
+            for matrix in cv2.stereoRectify(
+                raw.left.matrix,
+                np.array(raw.left.distortion),
+                raw.right.matrix,
+                np.array(raw.right.distortion),
+                size,
+                raw.right_from_left.rotation,
+                raw.right_from_left.translation_m.reshape(3, 1),
+                flags=cv2.CALIB_ZERO_DISPARITY,
+                alpha=0,
+            )[:4]
         )
         zoom = P_left[0, 0] / raw.left.matrix[0, 0]
         if not (np.all(np.isfinite([P_left, P_right])) and 1.0 / MAX_ZOOM < zoom < MAX_ZOOM):
@@ -113,9 +116,13 @@ def _calibration(camera: CameraModel, K: Array, baseline_m: float) -> Calibratio
 
 
 def _undistort_map(camera: CameraModel, R: Array, P: Array, size: tuple[int, int]) -> Map:
-    return cv2.initUndistortRectifyMap(camera.matrix, np.array(camera.distortion), R, P, size, cv2.CV_16SC2)
+    whole, fraction = cv2.initUndistortRectifyMap(
+        camera.matrix, np.array(camera.distortion), R, P, size, cv2.CV_16SC2
+    )
+    return np.asarray(whole, np.int16), np.asarray(fraction, np.uint16)
 
 
 def _resample(image: NDArray[np.uint8], source: Map) -> NDArray[np.uint8]:
     # The crop is good to a fraction of a pixel: replicating keeps black from bleeding into the outermost row.
-    return cv2.remap(image, *source, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+    resampled = cv2.remap(image, *source, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+    return np.asarray(resampled, np.uint8)

@@ -38,12 +38,11 @@ class ResultFolder:
 
     def write_frame(self, index: int, line: str, picture: NDArray[np.uint8] | None) -> None:
         """The frame's picture, then its line: a line says that all of its frame is there."""
-        if self._lines is None:
-            self._create()
+        lines = self._lines or self._create()
         if picture is not None:
             jpeg = cv2.imencode(".jpg", picture, [cv2.IMWRITE_JPEG_QUALITY, JPEG_QUALITY])[1]
             write_atomically(self.frame_path(index), jpeg.tobytes())
-        self._lines.write_line(line)
+        lines.write_line(line)
 
     def frame_path(self, index: int) -> Path:
         return self.frames / f"{index:06d}.jpg"
@@ -69,7 +68,7 @@ class ResultFolder:
             return entry.name
         return None
 
-    def _create(self) -> None:
+    def _create(self) -> LineFile:
         """Makes the folder, without what an earlier run left in it."""
         try:
             self.frames.mkdir(parents=True, exist_ok=True)
@@ -78,3 +77,4 @@ class ResultFolder:
         except OSError as error:
             raise unwritable(self.path, error) from None
         self._lines = LineFile(self.path / OBSTACLES)
+        return self._lines

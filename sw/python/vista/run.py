@@ -42,7 +42,7 @@ def run_frames(
     A problem that a check finds for the first time is printed on stderr at once.
     Raises InputError for an image that cannot be read; what is in the folder stays valid.
     """
-    monitor = HealthMonitor(chain.sequence, chain.engine.parameters)
+    monitor = HealthMonitor(chain.sequence)
     announced: set[str] = set()
     for files in tqdm(frames, desc=chain.sequence.name, unit="frame", disable=None):
         record = _run_frame(chain, files, monitor, outputs)
@@ -59,11 +59,12 @@ def _run_frame(chain: Chain, files: FrameFiles, monitor: HealthMonitor, outputs:
     clock = StageClock()
     step = run_frame(chain, files)
     with clock.stage("checks"):  # neither this nor the output is part of the total
-        record = replace(step.record, health=monitor.check(step.raw, step.frame, step.words))
+        record = replace(step.record, health=monitor.check(step.raw, step.frame, step.result.health))
     with clock.stage("output"):
         if outputs.recorder is not None:
             outputs.recorder.write(step.frame, step.words)
-        picture = outputs.overlay and outputs.overlay.draw(step.frame, step.words, step.result)
+        overlay = outputs.overlay
+        picture = None if overlay is None else overlay.draw(step.frame, step.words, step.result)
         outputs.folder.write_frame(files.index, obstacle_line(record, outputs.all_tracks), picture)
     record.stage_ms.update(clock.stage_ms)
     return record

@@ -1,1 +1,1 @@
-"""Evaluation of VISTA on rendered flights with exact truth; the product, `vista`, knows nothing of it."""
+"""Evaluation of VISTA on rendered flights with exact truth. The product, `vista`, does not import it."""

@@ -1,4 +1,4 @@
-"""What takes long to find is kept in a file, with a digest of what decides it, until that changes.
+"""Keeps results that take long in files, each with a digest of everything that decides it.
 
 A digest is made of explicit inputs, of the native libraries and of code: of an entry module and of whatever
 it imports of our packages, directly or not. Of each module the syntax tree counts, without docstrings,

@@ -1,4 +1,4 @@
-"""A flight through the whole chain; its records are kept until something that decides them changes."""
+"""Runs the whole chain on a flight and keeps its records until something that decides them changes."""
 
 from __future__ import annotations
 

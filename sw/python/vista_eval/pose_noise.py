@@ -1,4 +1,4 @@
-"""Poses as of a navigation filter: the exact ones plus an error that drifts.
+"""Poses like those of a navigation filter: the exact ones with an error that drifts.
 
 Position (each world axis) and attitude (each camera axis) err by a first-order Gauss-Markov process,
 e' = -e / tau + white noise, stationary from the first frame on.

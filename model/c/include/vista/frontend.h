@@ -12,6 +12,8 @@
 
 VISTA_BEGIN
 
+/* An image to read; stride counts pixels from one row to the next. */
+/* An 8-bit grey image. */
 typedef struct vista_frontend_image {
   const uint8_t *pixels;
   int32_t width, height; /* px */

@@ -1,4 +1,4 @@
-"""All answers about one system, and their JSON form."""
+"""Everything that `vista throughput` says about one system, and its form as JSON."""
 
 from __future__ import annotations
 

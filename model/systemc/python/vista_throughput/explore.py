@@ -1,4 +1,4 @@
-"""What limits a system, what clock it needs, how it goes with clock and disparities: all by simulation."""
+"""What limits a system, which clock it needs, and how it depends on clock and disparities, by simulation."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What one simulated run says: rates, latencies, how busy each stage is."""
+"""The figures of one simulated run: rates, latencies, and how busy each stage is."""
 
 from __future__ import annotations
 

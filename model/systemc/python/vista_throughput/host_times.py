@@ -1,4 +1,4 @@
-"""The host's stage times on this machine: pairs through rectification, the C model and libvista.
+"""Measures the times of the host's stages on this machine: rectification, the C model and libvista.
 
 Processor time, as on a core of its own: each frame goes through PASSES pipelines, one after the other, counts
 with its fastest pass, and without the time in which the system ran something else. The spread that is left is

@@ -1,4 +1,4 @@
-"""Options of the command line, preset and defaults to one SystemConfig."""
+"""Turns the options of the command line, a preset and the defaults into one SystemConfig."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Frame timeline and sweeps, each drawn on a figure; as PNG and as an SVG element for the report."""
+"""Draws the frame timeline and the sweeps, as PNG and as SVG elements for the report."""
 
 from __future__ import annotations
 

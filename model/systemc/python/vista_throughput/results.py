@@ -1,4 +1,4 @@
-"""What `vista throughput --out DIR` leaves: throughput.json, report.html, timeline.png, sweep.png."""
+"""Writes the files of `vista throughput --out DIR`: JSON, report, timeline and sweeps."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A synthetic flight of any size, to time the host on: textured ground and boards before a bare sky.
+"""A synthetic flight of any size on which the host is timed: textured ground and boards under a bare sky.
 
 Boards stand at random up to 90 m ahead; the camera flies level along z (x right, y down, z forward). It is
 drawn by resampling noise: no picture of anything, but with ground, depth steps and gaps in the disparity.

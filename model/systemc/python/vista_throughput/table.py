@@ -1,4 +1,4 @@
-"""The answer as lines of text."""
+"""The answer of `vista throughput` as lines of text."""
 
 from __future__ import annotations
 

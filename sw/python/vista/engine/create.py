@@ -1,4 +1,4 @@
-"""The engine of a name."""
+"""Creates a stereo engine by its name."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The C model of the contract, the reference of all engines (model/c)."""
+"""The engine in C (model/c), the reference of all engines."""
 
 from __future__ import annotations
 
@@ -10,19 +10,27 @@ import numpy as np
 import numpy.typing as npt
 
 from vista import native
-from vista.engine.contract import LR_OFF, Disparity, EngineParameters, Image, check_images, check_parameters
+from vista.engine.contract import Disparity, EngineParameters, Image, check_images, check_parameters
 from vista.engine.frontend import LevelEngine, c_front_end
 
 _SCRATCH_ALIGNMENT = 64
 
 
 class StereoEngine(LevelEngine):
-    """The C implementation of the contract. Holds its working memory: use one object a thread.
+    """The stereo engine in C. It holds its working memory, so each thread needs an object of its own.
 
-    threads: rows are shared out among so many threads; the words are the same for any number.
-    smooth, levels: of the front end. `compute` gives the words of the first level, `compute_levels` those of
-    all, `levels` one after the other.
-    isa: auto, portable, avx2 or avx512; the words are the same for each.
+    :param num_disparities: disparities that are searched, 16, 32 .. 256
+    :param block_size: side of the block that is matched, odd, 5 .. 21 px
+    :param prefilter: ``xsobel`` or ``none``
+    :param prefilter_cap: limit of the prefilter's response, 1 .. 63 grey levels
+    :param texture_threshold: texture that a block needs to be matched
+    :param uniqueness_ratio: margin of the best match over the others, 0 .. 100 percent
+    :param lr_max_diff: largest difference that the left/right check accepts, px; None: no check
+    :param threads: number of threads among which the rows are divided; the words do not depend on it
+    :param smooth: smooth both images before matching
+    :param levels: number of pyramid levels; `compute` gives the words of the first level, `compute_levels` a
+        list with those of every level
+    :param isa: ``auto``, ``portable``, ``avx2`` or ``avx512``; the words do not depend on it
     """
 
     def __init__(
@@ -91,7 +99,7 @@ class StereoEngine(LevelEngine):
         values: dict[str, Any] = asdict(self.parameters)
         del values["smooth"], values["levels"]  # the front end's
         values["prefilter"] = getattr(self._lib, f"VISTA_ENGINE_PREFILTER_{values['prefilter'].upper()}")
-        values["lr_max_diff"] = LR_OFF if values["lr_max_diff"] is None else values["lr_max_diff"]
+        values["lr_max_diff"] = self.parameters.lr_number
         return self._ffi.new("vista_engine_params *", {**values, "isa": isas[isa]})
 
     def _check(self, status: int) -> None:
@@ -123,9 +131,8 @@ class StereoEngine(LevelEngine):
         def band(index: int) -> int:
             first, end = (height * i // self._threads for i in (index, index + 1))
             data = ffi.from_buffer("uint8_t[]", scratch[index])
-            return self._lib.vista_engine_compute_rows(
-                self._params, images, output, first, end, data, len(data)
-            )
+            compute_rows = self._lib.vista_engine_compute_rows
+            return int(compute_rows(self._params, images, output, first, end, data, len(data)))
 
         if self._pool is None:
             self._check(band(0))

@@ -31,7 +31,8 @@ class OpenCvEngine(LevelEngine):
         self._matcher.setDisp12MaxDiff(-1)
         self._matcher.setSpeckleWindowSize(0)
         self._front_end = FrontEnd(
-            smooth=lambda image: cv2.GaussianBlur(image, (3, 3), 0), reduce=cv2.pyrDown
+            smooth=lambda image: np.asarray(cv2.GaussianBlur(image, (3, 3), 0), np.uint8),
+            reduce=lambda image: np.asarray(cv2.pyrDown(image), np.uint8),
         )
 
     def check_size(self, width_px: int, height_px: int) -> None:
@@ -45,4 +46,4 @@ class OpenCvEngine(LevelEngine):
             raise ValueError(
                 f"engine opencv: {width}x{height} px is no higher than a block, StereoBM refuses it"
             )
-        return self._matcher.compute(left, right)
+        return np.asarray(self._matcher.compute(left, right), np.int16)

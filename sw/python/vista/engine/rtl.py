@@ -1,4 +1,4 @@
-"""The RTL as an engine: the Verilated SystemVerilog core, frame for frame, driven through its registers.
+"""The Verilated SystemVerilog core as an engine, driven through its registers.
 
 Slow, about half a second for 640x480; it shows that what goes onto the FPGA gives the same obstacles. Each
 set of build parameters is a library of its own, build/lib/libvista_rtl_dD_bB_wW.so (`make rtl-engine`). Where
@@ -16,7 +16,7 @@ from pathlib import Path
 import numpy as np
 
 from vista import native
-from vista.engine.contract import INVALID, LR_OFF, Disparity, EngineParameters, Image
+from vista.engine.contract import INVALID, Disparity, EngineParameters, Image
 from vista.engine.frontend import LevelEngine, c_front_end
 from vista.engine.golden import StereoEngine
 
@@ -51,7 +51,7 @@ class RtlEngine(LevelEngine):
                 "prefilter_cap": parameters.prefilter_cap,
                 "texture_threshold": parameters.texture_threshold,
                 "uniqueness_ratio": parameters.uniqueness_ratio,
-                "lr_max_diff": LR_OFF if parameters.lr_max_diff is None else parameters.lr_max_diff,
+                "lr_max_diff": parameters.lr_number,
             },
         )
         self._engine = self._ffi.gc(self._lib.vista_rtl_create(_SEED), self._lib.vista_rtl_destroy)

@@ -1,5 +1,8 @@
 """The checks, each a function of what it judges: a Finding where something is wrong, else None.
 
+They judge what libvista is not told of: the right image, the calibration, whether the camera moves. What can
+be judged of the left image, the disparities and the poses, libvista judges itself (sw/src/stages/health.h).
+
 The limits lie between what real recordings show and what damaged ones show; sw/tests/test_health_real.py
 measures both.
 """
@@ -11,7 +14,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from vista.geometry import CameraModel, Pose, RawCalibration
+from vista.geometry import CameraModel, RawCalibration
 from vista.health.features import Grey, PairMatches
 from vista.health.finding import Finding, Reason, State
 
@@ -66,15 +69,14 @@ def _camera_problem(camera: CameraModel) -> str | None:
 MIN_CONTRAST = 3.0  # grey levels, standard deviation
 
 
-def check_contrast(left: Grey, right: Grey) -> Finding | None:
+def check_contrast(side: str, image: Grey) -> Finding | None:
     """An image that is black, white or of one grey shows nothing."""
-    for side, image in (("left", left), ("right", right)):
-        sample = image[::4, ::4]
-        contrast = float(sample.std())
-        if contrast < MIN_CONTRAST:
-            text = f"the {side} image is nearly constant: grey level {sample.mean():.0f} +- {contrast:.1f}"
-            return Finding(Reason.IMAGE_CONSTANT, State.BLIND, text)
-    return None
+    sample = image[::4, ::4]
+    contrast = float(sample.std())
+    if contrast >= MIN_CONTRAST:
+        return None
+    text = f"the {side} image is nearly constant: grey level {sample.mean():.0f} +- {contrast:.1f}"
+    return Finding(Reason.NO_CONTRAST, State.BLIND, text)
 
 
 def check_identical(left: Grey, right: Grey) -> Finding | None:
@@ -92,7 +94,7 @@ AGREEING_SHARE = 0.25  # of the candidates, whose surroundings agree
 ROW_SPREAD_PX = 0.7  # median deviation of the row errors from their median
 ROW_ERROR_PX = (1.0, 2.0)  # median row error: degraded, blind
 NEGATIVE_PX = -1.0
-NEGATIVE_SHARE = 0.5
+NEGATIVE_SHARE = (0.5, 0.95)  # where the rows match, and where swapped images were rectified wrongly
 
 
 def check_pair(matches: PairMatches) -> Finding | None:
@@ -102,61 +104,34 @@ def check_pair(matches: PairMatches) -> Finding | None:
     if matches.candidates < MIN_CANDIDATES:
         return None
     if agreeing < AGREEING_SHARE * matches.candidates:
-        text = f"only {agreeing} of {matches.candidates} matched features look alike"
-        return Finding(Reason.MOMENTS_DIFFER, State.BLIND, f"{text}: do the images show the same moment?")
+        return _unrelated(f"only {agreeing} of {matches.candidates} matched features look alike")
     if agreeing < MIN_AGREEING:
         return None
     error_px = float(np.median(rows))
     spread_px = float(np.median(np.abs(rows - error_px)))
-    if spread_px > ROW_SPREAD_PX:
-        text = f"the row errors of matched features scatter by {spread_px:.1f} px"
-        return Finding(Reason.MOMENTS_DIFFER, State.BLIND, f"{text}: do the images show the same moment?")
-    if abs(error_px) > ROW_ERROR_PX[0]:
-        state = State.BLIND if abs(error_px) > ROW_ERROR_PX[1] else State.DEGRADED
-        text = f"matching features lie {error_px:+.1f} px apart in rows: do calibration and images fit?"
-        return Finding(Reason.ROWS_MISALIGNED, state, text)
     negative = float(np.mean(matches.disparity_px < NEGATIVE_PX))
-    if negative > NEGATIVE_SHARE:
+    in_rows = spread_px <= ROW_SPREAD_PX and abs(error_px) <= ROW_ERROR_PX[0]
+    if negative > (NEGATIVE_SHARE[0] if in_rows else NEGATIVE_SHARE[1]):
         text = f"{100 * negative:.0f} % of the disparities of matched features are negative"
         return Finding(Reason.LEFT_RIGHT_SWAPPED, State.BLIND, f"{text}: are left and right swapped?")
+    if spread_px > ROW_SPREAD_PX:
+        return _unrelated(f"the row errors of matched features scatter by {spread_px:.1f} px")
+    if abs(error_px) > ROW_ERROR_PX[0]:
+        state = State.BLIND if abs(error_px) > ROW_ERROR_PX[1] else State.DEGRADED
+        text = f"matching features lie {error_px:+.1f} px apart in rows: does the calibration fit?"
+        return Finding(Reason.ROWS_MISALIGNED, state, text)
     return None
 
 
-# ---- of the engine's words ----
-
-VALID_SHARE = (0.08, 0.02)  # of the matched area: degraded, blind
-
-
-def check_valid(share: float) -> Finding | None:
-    """share: of the pixels that the engine can match, those that have a disparity."""
-    degraded, blind = VALID_SHARE
-    if share >= degraded:
-        return None
-    state = State.BLIND if share < blind else State.DEGRADED
-    return Finding(Reason.FEW_VALID, state, f"only {100 * share:.1f} % of the pixels have a disparity")
+def _unrelated(text: str) -> Finding:
+    question = "do left and right image, in this order, show one moment?"
+    return Finding(Reason.MOMENTS_DIFFER, State.BLIND, f"{text}: {question}")
 
 
 # ---- of the motion ----
 
-MAX_SPEED_M_S = 150.0
-MAX_ACCELERATION_M_S2 = 200.0
-POSE_NOISE_M = 2.0
 MOVING_PX = 1.0  # median motion of the features from one frame to the next
 MIN_FOLLOWED = 20
-
-
-def check_pose_step(
-    step_m: NDArray[np.float64], before_m_s: NDArray[np.float64] | None, dt_s: float
-) -> Finding | None:
-    """step_m: from the place one frame before; before_m_s: the velocity then, where it is known."""
-    if before_m_s is None:
-        off_m, limit_m = float(np.linalg.norm(step_m)), MAX_SPEED_M_S * dt_s
-    else:
-        off_m = float(np.linalg.norm(step_m - before_m_s * dt_s))
-        limit_m = MAX_ACCELERATION_M_S2 * dt_s**2
-    if off_m <= limit_m + POSE_NOISE_M:
-        return None
-    return Finding(Reason.POSE_JUMP, State.DEGRADED, f"the pose jumps by {off_m:.4g} m within {dt_s:.3g} s")
 
 
 def check_image_motion(motion_px: NDArray[np.float64]) -> Finding | None:
@@ -165,10 +140,3 @@ def check_image_motion(motion_px: NDArray[np.float64]) -> Finding | None:
         return None
     text = f"the image moves by {median_px:.1f} px a frame, but no poses are given"
     return Finding(Reason.MOTION_UNKNOWN, State.DEGRADED, f"{text}: tracks and warnings mean little")
-
-
-def check_pose_given(pose: Pose | None, others_have: bool) -> Finding | None:
-    """others_have: the sequence has poses for other frames."""
-    if pose is not None or not others_have:
-        return None
-    return Finding(Reason.POSE_MISSING, State.DEGRADED, "the frame has no pose, others have")

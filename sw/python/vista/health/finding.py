@@ -21,15 +21,15 @@ class Reason(StrEnum):
 
     BASELINE_IMPLAUSIBLE = "baseline_implausible"
     CALIBRATION_MISFIT = "calibration_misfit"
-    IMAGE_CONSTANT = "image_constant"
     IMAGES_IDENTICAL = "images_identical"
     MOMENTS_DIFFER = "moments_differ"
     ROWS_MISALIGNED = "rows_misaligned"
     LEFT_RIGHT_SWAPPED = "left_right_swapped"
-    FEW_VALID = "few_valid"
-    POSE_JUMP = "pose_jump"
-    POSE_MISSING = "pose_missing"
     MOTION_UNKNOWN = "motion_unknown"
+    NO_CONTRAST = "no_contrast"
+    FEW_DISPARITIES = "few_disparities"
+    NO_DISPARITIES = "no_disparities"
+    POSE_JUMP = "pose_jump"
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ PADDING_PX = 4
 
 def text_scale(picture: NDArray[np.uint8]) -> float:
     """Of OpenCV's font: grows with the picture, so that a wide one can be shown small."""
-    rows, columns = picture.shape[:2]
+    rows, columns = (int(side) for side in picture.shape[:2])
     return 0.5 * min(max(rows / 480.0, columns / 800.0, 0.8), 2.5)
 
 

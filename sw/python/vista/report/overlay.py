@@ -47,7 +47,7 @@ class Overlay:
         tiles = [
             draw_obstacles(frame.left, result.obstacles, result.nearest_collision),
             draw_disparity(words, self._num_disparities),
-            _caption(cv2.cvtColor(foveated, cv2.COLOR_GRAY2BGR), "foveated"),
+            _caption(_coloured(foveated), "foveated"),
             draw_regions(frame.left, result.region_of_pixel, colours, result.verdict_of_region),
         ]
         return _stack(self._headline(frame, result), tiles)
@@ -61,7 +61,7 @@ class Overlay:
 
 def draw_obstacles(left: NDArray[np.uint8], obstacles: list[Obstacle], nearest: Nearest | None) -> Picture:
     """Ellipses and labels over the left image; near obstacles get their labels first."""
-    picture = cv2.cvtColor(left, cv2.COLOR_GRAY2BGR)
+    picture = _coloured(left)
     labels = Labels(picture)
     by_distance = sorted(obstacles, key=lambda obstacle: obstacle.distance_m)
     for obstacle in reversed(by_distance):
@@ -87,7 +87,7 @@ def draw_obstacles(left: NDArray[np.uint8], obstacles: list[Obstacle], nearest: 
 def draw_disparity(words: NDArray[np.int16], num_disparities: int) -> Picture:
     """Near is red, far is blue, invalid is dark."""
     levels = np.clip(words.astype(np.float32) * (255.0 / (SCALE * (num_disparities - 1))), 0, 255)
-    picture = cv2.applyColorMap(levels.astype(np.uint8), cv2.COLORMAP_TURBO)
+    picture = np.asarray(cv2.applyColorMap(levels.astype(np.uint8), cv2.COLORMAP_TURBO), np.uint8)
     picture[words < 0] = INK
     valid = 100.0 * np.mean(words >= 0)
     return _caption(picture, f"disparity 0 to {num_disparities - 1} px, {valid:.0f} % valid")
@@ -105,10 +105,14 @@ def draw_regions(
     strength = np.append(np.where(accepted, 0.7, 0.2), 0.0)[:, np.newaxis]
     tint = np.rint(strength * np.vstack([colours, np.zeros((1, 3), np.uint8)])).astype(np.uint8)
     grey_share = np.rint(255.0 * (1.0 - strength[:, 0])).astype(np.uint8)
-    grey = cv2.multiply(left, grey_share[labels], scale=1.0 / 255.0)
-    picture = cv2.add(cv2.cvtColor(grey, cv2.COLOR_GRAY2BGR), tint[labels])
+    grey = np.asarray(cv2.multiply(left, grey_share[labels], scale=1.0 / 255.0), np.uint8)
+    picture = np.asarray(cv2.add(_coloured(grey), tint[labels]), np.uint8)
     picture[_borders(labels)] = INK
     return _caption(picture, f"{len(accepted)} regions, {accepted.sum()} accepted (full colour)")
+
+
+def _coloured(grey: NDArray[np.uint8]) -> Picture:
+    return np.asarray(cv2.cvtColor(grey, cv2.COLOR_GRAY2BGR), np.uint8)
 
 
 def _borders(labels: NDArray[np.int32]) -> NDArray[np.bool_]:
@@ -140,7 +144,7 @@ def _draw_ellipse(picture: Picture, obstacle: Obstacle, colour: Colour, thicknes
     reach_px = 4 * picture.shape[1]  # nothing of use lies beyond, and OpenCV's fixed point overflows
     if not (math.isfinite(angle_deg) and max(abs(u), abs(v), a, b) < reach_px):
         return
-    points = cv2.ellipse2Poly((0, 0), (1000, 1000), 0, 0, 360, 4)[:-1] / 1000.0
+    points = np.asarray(cv2.ellipse2Poly((0, 0), (1000, 1000), 0, 0, 360, 4), np.float64)[:-1] / 1000.0
     cosine, sine = math.cos(math.radians(angle_deg)), math.sin(math.radians(angle_deg))
     x, y = points[:, 0] * max(a, 2.0), points[:, 1] * max(b, 2.0)
     outline = np.stack([u + x * cosine - y * sine, v + x * sine + y * cosine], axis=-1)

@@ -30,7 +30,7 @@ def distinct_colours() -> NDArray[np.uint8]:
     saturation = 255.0 * np.array([0.75, 0.95, 0.6])[index % 3]
     value = 255.0 * np.array([0.95, 0.8])[index % 2]
     hsv = np.stack([hue, saturation, value], axis=-1).astype(np.uint8)
-    return cv2.cvtColor(hsv[np.newaxis], cv2.COLOR_HSV2BGR)[0]
+    return np.asarray(cv2.cvtColor(hsv[np.newaxis], cv2.COLOR_HSV2BGR)[0], np.uint8)
 
 
 class RegionColours:
@@ -49,15 +49,20 @@ class RegionColours:
         count = int(region_of_cell.max(initial=-1)) + 1
         slots = np.full(count, -1, np.int64)
         if self._previous is not None:
-            self._inherit(region_of_cell, slots)
+            self._inherit(*self._previous, region_of_cell, slots)
         free = slots < 0
         slots[free] = self._next_slot + np.arange(int(free.sum()))
         self._next_slot += int(free.sum())
         self._previous = (region_of_cell.copy(), slots)
         return self._colours[slots % PALETTE_SIZE]
 
-    def _inherit(self, region_of_cell: NDArray[np.int32], slots: NDArray[np.int64]) -> None:
-        before, slots_before = self._previous
+    def _inherit(
+        self,
+        before: NDArray[np.int32],
+        slots_before: NDArray[np.int64],
+        region_of_cell: NDArray[np.int32],
+        slots: NDArray[np.int64],
+    ) -> None:
         if len(before) != len(region_of_cell) or not len(slots_before):
             return
         both = (region_of_cell >= 0) & (before >= 0)

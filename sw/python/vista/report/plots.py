@@ -7,13 +7,14 @@ import re
 from collections import defaultdict
 from collections.abc import Callable
 from functools import wraps
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Ellipse
+from matplotlib.typing import RcKeyType
 
 from vista.geometry import Array, Pose
 from vista.history import FrameRecord
@@ -22,7 +23,7 @@ from vista.report.palette import distinct_colours
 if TYPE_CHECKING:
     from vista.pipeline import Obstacle
 
-STYLE = {
+STYLE: dict[RcKeyType, Any] = {
     "svg.fonttype": "none",  # text stays text: small files, searchable
     "font.family": "sans-serif",
     "font.size": 10,
@@ -49,7 +50,7 @@ def svg_plot(width_in: float, height_in: float) -> Callable[[Draw], Callable[[Re
         @wraps(draw)
         def render(records: Records) -> str:
             # The hash salt keeps ids of two plots in one page apart, and the same from run to run.
-            with mpl.rc_context(STYLE | {"svg.hashsalt": draw.__name__}):
+            with mpl.rc_context({**STYLE, "svg.hashsalt": draw.__name__}):
                 figure = Figure(figsize=(width_in, height_in), layout="constrained")
                 draw(figure, records)
                 stream = io.StringIO()
@@ -90,7 +91,7 @@ def track_colour(track_id: int) -> tuple[float, ...]:
     return red, green, blue
 
 
-def _longest(tracks: dict[int, list]) -> set[int]:
+def _longest(tracks: dict[int, list[tuple[float, Obstacle]]]) -> set[int]:
     return set(sorted(tracks, key=lambda track_id: len(tracks[track_id]), reverse=True)[:MAX_NAMED_TRACKS])
 
 

@@ -85,7 +85,9 @@ def embedded_pictures(records: list[FrameRecord], folder: ResultFolder) -> list[
     for position in chosen:
         record = present[position]
         coded = np.fromfile(folder.frame_path(record.index), np.uint8)  # OpenCV opens no names but UTF-8
-        jpeg = _scaled_jpeg(cv2.imdecode(coded, cv2.IMREAD_COLOR), MAX_PICTURE_BYTES // len(chosen))
+        jpeg = _scaled_jpeg(
+            np.asarray(cv2.imdecode(coded, cv2.IMREAD_COLOR)), MAX_PICTURE_BYTES // len(chosen)
+        )
         pictures.append(
             {
                 "frame": record.index,

@@ -1,4 +1,4 @@
-"""Images from files as 8-bit grey.
+"""Reads images as 8-bit grey.
 
 A truncated file is refused. OpenCV alone would return the rows it has and grey or black below them, so the
 container is walked to its end first: PNG chunk by chunk with every CRC, JPEG marker by marker, PGM and PPM by
@@ -47,9 +47,9 @@ def read_grey(path: Path) -> NDArray[np.uint8]:
     if image is None or image.dtype != np.uint8 or image.shape[:2] != (header.height, header.width):
         raise InputError(path, "damaged image")
     if image.ndim == 2:
-        return image
+        return np.asarray(image, np.uint8)
     code = cv2.COLOR_BGRA2GRAY if image.shape[2] == 4 else cv2.COLOR_BGR2GRAY
-    return cv2.cvtColor(image, code)
+    return np.asarray(cv2.cvtColor(image, code), np.uint8)
 
 
 def read_size(path: Path) -> tuple[int, int]:

@@ -120,9 +120,10 @@ def _direction(path: Path, table: dict[str, Any], key: str) -> Array | None:
     if key not in table:
         return None
     direction = np.array(_numbers(path, table, key, {3}))
-    if abs(np.linalg.norm(direction) - 1.0) > UNIT_TOLERANCE:
+    length = float(np.linalg.norm(direction))
+    if abs(length - 1.0) > UNIT_TOLERANCE:
         raise InputError(path, f"{key} must have the length 1")
-    return direction / np.linalg.norm(direction)
+    return np.asarray(direction / length)
 
 
 def read_calibration(path: Path, table: dict[str, Any], size: tuple[int, int]) -> RawCalibration:

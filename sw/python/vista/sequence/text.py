@@ -1,4 +1,4 @@
-"""Numbers out of text files; whatever is wrong is named with its file and line."""
+"""Reads numbers from text files; an error names the file and the line."""
 
 from __future__ import annotations
 

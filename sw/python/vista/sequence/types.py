@@ -1,4 +1,4 @@
-"""What a reader gives: a sequence of frames, each read when asked for."""
+"""The types of a sequence: its calibration and its frames, which are read when they are asked for."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ from vista.sequence.image import read_grey
 
 @dataclass(frozen=True)
 class FrameFiles:
-    """Where one frame is; nothing has been read yet."""
+    """Where the files of one frame are. Nothing has been read yet."""
 
-    index: int  # in the sequence, from 0
+    index: int  #: in the sequence, from 0
     t_ns: int
     left: Path
     right: Path
-    world_from_camera: Pose | None  # of the left camera; None: the sequence has no poses
+    world_from_camera: Pose | None  #: of the left camera; None: the sequence has no poses
 
 
 @dataclass(frozen=True)
@@ -37,13 +37,15 @@ class Frame:
 
 @dataclass(frozen=True)
 class Sequence:
+    """A recorded sequence: its calibration and where its frames are."""
+
     name: str
-    layout: str  # "EuRoC ASL", "KITTI odometry" or "pairs"
+    layout: str  #: "EuRoC ASL", "KITTI odometry" or "pairs"
     calibration: RawCalibration
-    frames: tuple[FrameFiles, ...]  # times strictly increase; all with a pose or none
-    up_world: Array | None = None  # unit vector against gravity in the world frame, where the layout says it
-    notes: tuple[str, ...] = ()  # what the reader left out, for the user to know
-    stills: bool = False  # the frames show unrelated scenes: each is judged by itself, nothing is tracked
+    frames: tuple[FrameFiles, ...]  #: times strictly increase; all with a pose or none
+    up_world: Array | None = None  #: unit vector against gravity in the world frame, where the layout says it
+    notes: tuple[str, ...] = ()  #: what the reader left out, for the user to know
+    stills: bool = False  #: the frames show unrelated scenes: each is judged by itself, nothing is tracked
 
     def read(self, files: FrameFiles) -> Frame:
         """Reads both images. Raises InputError naming the image that is unreadable or of another size."""

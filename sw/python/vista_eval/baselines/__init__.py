@@ -1,1 +1,1 @@
-"""What the product is compared with."""
+"""Methods with which the product is compared."""

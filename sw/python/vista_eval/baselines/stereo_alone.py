@@ -1,4 +1,4 @@
-"""The baseline without segmentation or tracks: disparities thresholded, triangulated, clustered.
+"""The baseline without segmentation and tracking: disparities are thresholded and clustered.
 
 A frame warns if at least `pixels` adjoining pixels, whose disparities step by at most one px from neighbour
 to neighbour, lie in the collision cylinder. Matches are thresholded as stereo engines do it (the paper's

@@ -1,1 +1,1 @@
-"""Flights and labelled scenes on disk: what is written of them and how it is read back, side by side."""
+"""Flights and labelled scenes on disk: writers and readers side by side."""

@@ -1,4 +1,4 @@
-"""Files of a rendered flight: each appears whole or not at all, also when the night is interrupted."""
+"""Files of a rendered flight; each appears as a whole or not at all, also when rendering is interrupted."""
 
 from __future__ import annotations
 

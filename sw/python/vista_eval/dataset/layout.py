@@ -1,4 +1,4 @@
-"""A flight on disk, but for its truth: EuRoC ASL layout, as vista.sequence.asl reads it."""
+"""The images, poses and calibration of a flight on disk, in the EuRoC ASL layout."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Labelled scenes on disk -> in memory: frames of rendered flights with the exact label of every pixel."""
+"""Reads labelled scenes: frames of rendered flights with the exact label of every pixel."""
 
 from __future__ import annotations
 

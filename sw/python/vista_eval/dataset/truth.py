@@ -1,4 +1,4 @@
-"""What is really there, of a rendered flight: format, writer and reader.
+"""The truth of a rendered flight: format, writer and reader.
 
 `truth/disparity/T.png`: KITTI 16 bits, round(256 d) of the left image's disparity d at pixel centres, 0 sky.
 `truth/label/T.png`: 8 bits (16 with more than 254 things), k = the scene's k-th thing from 1, 0 = sky.

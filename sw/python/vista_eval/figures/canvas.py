@@ -1,4 +1,4 @@
-"""Panels side by side, as the paper prints them: pictures without axes, a caption under each."""
+"""Panels side by side, laid out as in the paper: pictures without axes, with a caption under each."""
 
 from __future__ import annotations
 

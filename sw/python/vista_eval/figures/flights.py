@@ -1,4 +1,4 @@
-"""Figure 5: the paper's four flights, a column each.
+"""Figure 5: the paper's four flights, one column for each.
 
 From the top: the left image; the regions, one colour each; the obstacles (yellow: tracked, green: the nearest
 in the collision volume with its distance); |P - P^| against 2 dz(r) over time.

@@ -1,4 +1,4 @@
-"""Which flights and frames the figures show, and what the chain makes of them."""
+"""The flights and frames that the figures show, and the results of the chain for them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Figure 4: segmentations, the image and beside it one colour a region."""
+"""Figure 4: segmentations; beside each image, its regions in one colour each."""
 
 from __future__ import annotations
 

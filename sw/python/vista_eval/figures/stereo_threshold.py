@@ -1,4 +1,4 @@
-"""Figure 2: what a matching threshold trades.
+"""Figure 2: how a matching threshold trades correct against missing disparities.
 
 Left: the image. Middle: disparities with a low threshold, errors in the sky. Right: with a high one. Dark is
 far, light is near, white is undefined.

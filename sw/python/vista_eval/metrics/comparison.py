@@ -1,4 +1,4 @@
-"""Ours beside stereo alone, by frames missed and frames with a false alarm."""
+"""VISTA compared with stereo alone, by missed frames and frames with a false alarm."""
 
 from __future__ import annotations
 

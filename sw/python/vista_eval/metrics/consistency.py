@@ -1,4 +1,4 @@
-"""Is a covariance honest? Average NEES, e^T P^-1 e over frames, against its chi-square band.
+"""Tests covariances: the average NEES, e^T P^-1 e over frames, against its chi-square band.
 
 Of N independent errors of n dimensions the sum of the NEES is chi-square with n N degrees of freedom. A
 filter's errors are not independent from frame to frame: the band is made with the effective number of samples

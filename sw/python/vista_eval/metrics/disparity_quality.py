@@ -7,17 +7,18 @@ off by more than 3 px at the scale of the full image.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import astuple, dataclass
+from dataclasses import asdict, dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 from vista.engine import Disparity
 
+from vista_eval.metrics.standing_points import Share, shares
+
 Pixels = NDArray[np.float64]  # disparity in px of the full image, not a number where there is none
 
 BAD_PX = 3.0
 WORDS_PER_PX = 16
-RESAMPLES = 1000
 
 
 def at_full_size(words: Disparity, level: int, shape: tuple[int, int]) -> Pixels:
@@ -59,34 +60,13 @@ def count(disparity: Pixels, truth: Pixels, within: NDArray[np.bool_] | bool = T
 
 
 @dataclass(frozen=True)
-class Share:
-    """A share of pixels over all pairs, and its 95 % interval when whole pairs are drawn."""
-
-    value: float
-    low: float
-    high: float
-
-
-@dataclass(frozen=True)
 class Quality:
     density: Share
     bad: Share
     pairs: int
 
 
-def quality(counts: Sequence[Counts], seed: int = 0) -> Quality:
-    """Of many pairs, every pixel counting the same."""
-    table = np.array([astuple(one) for one in counts], np.float64)
-    drawn = np.random.default_rng(seed).integers(0, len(table), (RESAMPLES, len(table)))
-    resampled = table[drawn].sum(axis=1)
-
-    def share(part: int, whole: int) -> Share:
-        sums = table.sum(axis=0)
-        with np.errstate(invalid="ignore"):
-            value = float(np.divide(sums[part], sums[whole]))
-            shares = resampled[:, part] / resampled[:, whole]
-        shares = shares[np.isfinite(shares)]
-        low, high = np.percentile(shares, [2.5, 97.5]) if len(shares) else (np.nan, np.nan)
-        return Share(value, float(low), float(high))
-
-    return Quality(density=share(1, 0), bad=share(2, 1), pairs=len(counts))
+def quality(counts: Sequence[Counts]) -> Quality:
+    """Of many pairs, every pixel counting the same; intervals over whole pairs."""
+    wanted = {"density": ("valid", "measured"), "bad": ("bad", "valid")}
+    return Quality(**shares([asdict(one) for one in counts], wanted), pairs=len(counts))

@@ -1,4 +1,4 @@
-"""One flight: the figures of its frames (definitions in vista_eval.metrics)."""
+"""The score of one flight (vista_eval.metrics defines each figure)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The segmentation of a flight's frames against its labels: the cut beside the reference method without one.
+"""Scores the segmentation of a flight's frames against its labels, beside the reference method.
 
 Scores of one frame are those of vista_eval.metrics.segmentation; frames of a flight are not independent, so
 intervals are over flights.

@@ -1,4 +1,4 @@
-"""What is true in each frame of a flight: surfaces around its path, the target, the standing obstacles."""
+"""The truth of each frame of a flight: surfaces around the flight's path, target, standing obstacles."""
 
 from __future__ import annotations
 

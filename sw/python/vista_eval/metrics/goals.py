@@ -1,4 +1,4 @@
-"""What the flights not tuned on have to show, and what they show."""
+"""The goals of the test flights, and what was reached."""
 
 from __future__ import annotations
 

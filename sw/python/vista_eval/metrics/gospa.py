@@ -1,4 +1,4 @@
-"""GOSPA metric of two sets (Rahmathullah, Garcia-Fernandez, Svensson 2017), alpha = 2, and its parts.
+"""The GOSPA metric of two sets (Rahmathullah, Garcia-Fernandez, Svensson 2017), alpha = 2, and its parts.
 
     d = (min over assignments of  sum over pairs min(d_ij, c)^p  +  c^p / 2 (missed + false))^(1/p)
 

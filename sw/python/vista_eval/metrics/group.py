@@ -1,4 +1,4 @@
-"""Flights together: totals of a group, and the table of both."""
+"""Totals of a group of flights, and the table of flights and groups."""
 
 from __future__ import annotations
 

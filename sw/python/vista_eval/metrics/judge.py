@@ -1,4 +1,4 @@
-"""Warnings of one frame against its truth (definitions in vista_eval.metrics)."""
+"""Judges the warnings of one frame against its truth (vista_eval.metrics defines how)."""
 
 from __future__ import annotations
 

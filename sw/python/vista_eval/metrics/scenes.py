@@ -1,4 +1,4 @@
-"""Labelled single scenes: what the cut and the reference method make of them, scored."""
+"""Scores the cut and the reference method on labelled single scenes."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Partitions against exact labels: how well regions are the things that stand there.
+"""Scores a partition of an image against exact labels.
 
 Everything is counted in pixels of the left image within the area that the engine can match. A thing is scored
 if it stands, shows at least MIN_PIXELS there and is NEAR_M to FAR_M away (median over its pixels).

@@ -1,4 +1,4 @@
-"""A flight: what is seen, from where, with what; rendered frame by frame, taken up again where it stopped."""
+"""Renders a flight frame by frame, and continues where it stopped."""
 
 from __future__ import annotations
 

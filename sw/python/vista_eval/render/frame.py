@@ -1,4 +1,4 @@
-"""One stereo frame: radiance -> sensor -> images, and its truth."""
+"""Renders one stereo frame and its truth."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where the solids of a scene are at a time: moving things, and what the wind moves."""
+"""Places the solids of a scene at a given time: things that move, and things that sway in the wind."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Scene and camera pose -> radiance, and the exact depth and label of every pixel, by Mitsuba 3.
+"""Renders radiance, exact depth and labels of a scene from a camera pose with Mitsuba 3.
 
 Light comes from three directions, the sun and two weaker ones for the sky, rendered one after the other:
 nothing is left to chance but where in the pixel a ray falls, so a few rays a pixel leave no speckle that the

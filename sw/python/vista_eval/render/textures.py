@@ -1,4 +1,4 @@
-"""Procedural albedo maps, float32 in 0..1. Each depends on its arguments alone."""
+"""Procedural albedo maps, float32 in 0 to 1. Each depends only on its arguments."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where the aircraft is: a straight approach at constant altitude and speed, with a helicopter's sway."""
+"""The path of the aircraft: a straight approach at constant altitude and speed, with a helicopter's sway."""
 
 from __future__ import annotations
 

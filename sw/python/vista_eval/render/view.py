@@ -1,4 +1,4 @@
-"""What each pixel's centre sees."""
+"""What the centre of each pixel sees."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Frames of a flight to look at: evenly over its ranges, and those that fail."""
+"""Chooses frames of a flight to look at: some evenly over the ranges, and those that fail."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Plots of the flights' report, each a function to one SVG element."""
+"""The plots of the flights' report; each function returns one SVG element."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The flights' report: one page with everything in it, readable without network and other files."""
+"""The flights' report: one self-contained page."""
 
 from __future__ import annotations
 

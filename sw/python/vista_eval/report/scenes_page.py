@@ -1,4 +1,4 @@
-"""Scores of labelled scenes -> a table, scenes.json, and one page that shows the worst and the best."""
+"""The scores of labelled scenes as a table, as scenes.json, and as a page with the worst and the best."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""What the flights and the labelled scenes show: shapes -> things -> scenes."""
+"""The scenes of the flights and of the labelled scenes."""

@@ -1,4 +1,4 @@
-"""The flights of the evidence, by name: those of the companion's table, and twenty more.
+"""The flights by name: those of the companion paper's table, and twenty more.
 
 Half of them, `dev`, is what parameters may be chosen on; `test` is what results are told of. Every kind of
 scene is in both as far as it goes.

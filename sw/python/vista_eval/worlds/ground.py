@@ -1,4 +1,4 @@
-"""Kinds of ground, and strips of it whose texels grow with the distance they are seen from."""
+"""Kinds of ground, and strips of ground whose texels grow with the distance from which they are seen."""
 
 from __future__ import annotations
 

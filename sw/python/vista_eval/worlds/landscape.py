@@ -1,4 +1,4 @@
-"""What closes the view: rows of trees, forest, houses far away, hills."""
+"""The background of a scene: rows of trees, forest, distant houses, hills."""
 
 from __future__ import annotations
 

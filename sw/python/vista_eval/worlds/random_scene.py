@@ -1,4 +1,4 @@
-"""Scenes drawn at random from everything there is, for labels to tune the segmentation on."""
+"""Random scenes of everything there is, with labels to develop and test the segmentation on."""
 
 from __future__ import annotations
 

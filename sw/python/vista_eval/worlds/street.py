@@ -1,4 +1,4 @@
-"""What stands in streets: facades, lamp posts, posts, the gantry and its wire."""
+"""Things that stand in streets: facades, lamp posts, posts, the gantry and its wire."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Shapes and textures -> things of a scene, each one object of the truth."""
+"""Turns shapes and textures into things of a scene; each is one object of the truth."""
 
 from __future__ import annotations
 

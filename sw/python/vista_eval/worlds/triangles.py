@@ -1,4 +1,4 @@
-"""Triangles with an albedo at each vertex: what the scenes' things are built of.
+"""Triangles with an albedo at each vertex, of which the things of a scene are built.
 
 Lengths in metres, world axes (z up); every function gives new triangles, none changes its arguments."""
 

@@ -1,4 +1,4 @@
-"""Trees, bushes and hedges, foot at the origin. A dark core keeps a crown from being a sieve of leaves."""
+"""Trees, bushes and hedges, with the foot at the origin. A dark core makes each crown opaque."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Cars, vans and a box on rotors: forward along +x, wheels on z = 0 (the drone's middle at the origin)."""
+"""Cars, vans and a drone: forward is +x, wheels are on z = 0 (for the drone, its middle is the origin)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What stands about in fields and yards: fences, walls, crates, people."""
+"""Things that stand in fields and yards: fences, walls, crates, people."""
 
 from __future__ import annotations
 

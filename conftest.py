@@ -1,0 +1,59 @@
+"""What all tests share: the markers `native`, of those that reach compiled code, and `slow`."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from types import ModuleType
+
+import pytest
+
+ROOT = Path(__file__).parent
+# These reach compiled code by running a program, or through the Python package.
+NATIVE_PATHS = (
+    "model/systemc/tests",
+    "model/tests/test_c_engine.py",
+    *(f"sw/tests/test_{name}.py" for name in ("engine", "real_sequence", "replay", "street")),
+)
+# What `make check` leaves out: simulations of the RTL, renderings, installations, and long runs.
+SLOW_PATHS = (
+    "tb",
+    "scripts/tests/test_documentation.py",
+    "scripts/tests/test_install.py",
+    "scripts/tests/test_wheel.py",
+    *(
+        f"sw/tests/test_{name}.py"
+        for name in ("cli", "engine_rtl", "flight", "fuzz", "scenes", "static_world", "street", "throughput")
+    ),
+)
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    known: dict[str, bool] = {}
+    for item in items:
+        module = item.getparent(pytest.Module)
+        path = item.path.relative_to(ROOT).as_posix()
+        if path.startswith(NATIVE_PATHS) or (module is not None and calls_c(module.obj, known)):
+            item.add_marker(pytest.mark.native)
+        if path.startswith(SLOW_PATHS):
+            item.add_marker(pytest.mark.slow)
+
+
+def calls_c(module: ModuleType, known: dict[str, bool]) -> bool:
+    """The module, or a helper of the tests that it imports from, holds an interface to a C library."""
+    name = module.__name__
+    if name not in known:
+        known[name] = False  # while it is looked at: helpers may import each other
+        values = list(vars(module).values())
+        helpers = {getattr(value, "__module__", None) for value in values} | {
+            value.__name__ for value in values if isinstance(value, ModuleType)
+        }
+        known[name] = any(type(value).__name__ == "FFI" for value in values) or any(
+            calls_c(sys.modules[helper], known) for helper in helpers if is_helper(helper)
+        )
+    return known[name]
+
+
+def is_helper(name: str | None) -> bool:
+    file = getattr(sys.modules.get(name or ""), "__file__", None)
+    return file is not None and Path(file).parent.name == "tests" and Path(file).is_relative_to(ROOT)

@@ -1,0 +1,90 @@
+"""Writes the hand-made inputs that the fuzz targets start from into a folder: make_fuzz_corpus.py DIR
+
+sw/fuzz/corpus holds them, and what `make fuzz` has found beside them. They are read by position: after a
+change of a target's reader or of the format of recordings, write them anew.
+"""
+
+from __future__ import annotations
+
+import struct
+import sys
+from pathlib import Path
+
+from vista.recording import FRAME, HEADER, MAGIC, PARAMETER, VERSION
+
+EYE = (1.0, 0, 0, 0, 1.0, 0, 0, 0, 1.0)
+
+
+def recording(
+    width: int, height: int, frames: int, has_pose: bool, center_px: float, stills: int = 0
+) -> bytes:
+    """A thing in the middle that comes nearer, over words that grow downwards."""
+    content = (
+        HEADER.pack(MAGIC, VERSION, width, height, 2, 90.0, width / 2, center_px, 0.5, stills, 0)
+        + PARAMETER.pack(b"region.min_inliers", b"", 8.0)
+        + PARAMETER.pack(b"foveation.sector_count", b"", 32.0)
+    )
+    for frame in range(frames):
+        pose = (*EYE, 0, 0, 0.5 * frame) if has_pose else 12 * (0.0,)
+        content += FRAME.pack(10**9 + 10**8 * frame, has_pose, 1, *pose, 0, -1.0, 0)
+        thing = [
+            [abs(2 * u - width) < width // 2 and 4 < v < height - 4 for u in range(width)]
+            for v in range(height)
+        ]
+        content += bytes(
+            (60 if thing[v][u] else 160) + 7 * u * v % 30 for v in range(height) for u in range(width)
+        )
+        content += b"".join(
+            struct.pack("<h", 200 + 12 * frame if thing[v][u] else v)
+            for v in range(height)
+            for u in range(width)
+        )
+    return content
+
+
+def pipeline(camera: bytes, frames: list[bytes]) -> bytes:
+    """One changed parameter, and a comparison with a new detector at the end."""
+    return camera + bytes([1]) + bytes([30, 0, 128]) + bytes([0]) + b"".join(frames)
+
+
+def scene(kind: int, words: int, near: int, far: int) -> bytes:
+    return struct.pack("<BBIHH", kind, words, 77, near + 32, far + 32)
+
+
+def camera(flags: int = 0, extra: bytes = b"") -> bytes:
+    return struct.pack("<BHHB", flags, 48, 32, 30) + extra
+
+
+def seeds() -> dict[str, bytes]:
+    approach = [bytes([0x01, 0x00]) + scene(1, 1, 200 + 12 * i, 40) for i in range(4)]
+    lost_pose = [*approach[:2], bytes([0x00]) + scene(1, 1, 230, 40), approach[3]]
+    absurd = struct.pack("<3d", 1e200, 1e200, 1e200)
+    return {
+        "engine/texture": struct.pack("<B8HBHHHHBBI", 0, 1, 3, 1, 30, 0, 15, 2, 0, 1, 50, 20, 1, 6, 1, 0, 7),
+        "engine/ties": struct.pack("<B8HBHHHHBBI", 0, 3, 0, 0, 62, 0, 0, 0, 0, 1, 40, 12, 2, 3, 2, 1, 9),
+        "engine/anything": struct.pack("<BBi", 255, 255, -1) + bytes(range(90)),
+        "pipeline/approach": pipeline(camera(), approach),
+        "pipeline/pose lost": pipeline(camera(), lost_pose),
+        "pipeline/absurd pose": pipeline(
+            camera(), [approach[0], bytes([0x01, 0x04]) + scene(1, 1, 220, 40) + absurd]
+        ),
+        "pipeline/center at 1e12": pipeline(camera(2, struct.pack("<d", 1e12)), approach[:1]),
+        "pipeline/center below at 1e12": pipeline(camera(4, struct.pack("<d", 1e12)), approach[:1]),
+        "pipeline/stride of 0": pipeline(
+            camera(), [bytes([0x02, 0x03]) + scene(1, 1, 200, 40) + struct.pack("<HH", 8, 11)]
+        ),
+        "recording/approach": recording(32, 24, 3, True, 12.0),
+        "recording/stills": recording(20, 16, 2, False, 8.0, stills=1),
+        "recording/center at 1e12": recording(16, 16, 1, True, 1e12),
+    }
+
+
+def main() -> None:
+    for name, content in seeds().items():
+        path = Path(sys.argv[1], name.replace(" ", "_"))
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_bytes(content)
+
+
+if __name__ == "__main__":
+    main()
