@@ -7,7 +7,7 @@ import re
 from collections import defaultdict
 from collections.abc import Callable
 from functools import wraps
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import matplotlib as mpl
 import numpy as np
@@ -40,19 +40,21 @@ ACCENT, WARNING, MUTED = "#2563eb", "#16a34a", "#94a3b8"
 MAX_NAMED_TRACKS = 16  # more labels than that only cover each other
 
 Records = list[FrameRecord]
-Draw = Callable[[Figure, Records], None]
+T = TypeVar("T")
 
 
-def svg_plot(width_in: float, height_in: float) -> Callable[[Draw], Callable[[Records], str]]:
+def svg_plot(
+    width_in: float, height_in: float
+) -> Callable[[Callable[[Figure, T], None]], Callable[[T], str]]:
     """Makes a function that draws on a figure into one that returns the <svg> element."""
 
-    def decorate(draw: Draw) -> Callable[[Records], str]:
+    def decorate(draw: Callable[[Figure, T], None]) -> Callable[[T], str]:
         @wraps(draw)
-        def render(records: Records) -> str:
+        def render(shown: T) -> str:
             # The hash salt keeps ids of two plots in one page apart, and the same from run to run.
             with mpl.rc_context({**STYLE, "svg.hashsalt": draw.__name__}):
                 figure = Figure(figsize=(width_in, height_in), layout="constrained")
-                draw(figure, records)
+                draw(figure, shown)
                 stream = io.StringIO()
                 figure.savefig(stream, format="svg", metadata={"Date": None})
             return svg_element(stream.getvalue())

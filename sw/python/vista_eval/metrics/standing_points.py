@@ -112,7 +112,9 @@ class Points:
     too_near: Mask  # nearer than the shipped engine matches; all others are not
 
 
-def camera_points_m(camera: Calibration, v: Array, u: Array, disparity_px: Array) -> Array:
+def camera_points_m(
+    camera: Calibration, v: NDArray[np.integer], u: NDArray[np.integer], disparity_px: Array
+) -> Array:
     """(n, 3) in the camera's frame."""
     z = camera.focal_px * camera.baseline_m / disparity_px
     return (
