@@ -89,7 +89,7 @@ generate: .venv/run.stamp ## write generated sources and tables anew, after a ch
 check: lint types build .venv/test.stamp ## check style and types and run the fast tests: under a minute, to be run often
 	@$(PYTHON) -m pytest -n $(WORKERS) -m "not slow"
 
-test: lint types drift build systemc-tests fuzz-targets .venv/test.stamp $(RTL_TOOLS) ## check everything that has to hold: lint, types, all tests, those of the C code under sanitizers, fuzz targets
+test: lint types drift docs build systemc-tests fuzz-targets .venv/test.stamp $(RTL_TOOLS) ## check everything that has to hold: lint, types, all tests, those of the C code under sanitizers, fuzz targets, documentation
 	@scripts/test_all.sh $(WORKERS)
 
 test-python: build systemc-tests .venv/test.stamp $(RTL_TOOLS)
@@ -144,7 +144,7 @@ flights: build ## render, fly and score the flights, and draw the figures of the
 # ---- tidy ----
 
 clean: ## remove what was built, but keep .venv
-	rm -rf build
+	rm -rf build doc/generated
 
 distclean: clean ## remove everything generated
 	rm -rf .venv

@@ -6,7 +6,7 @@ cd "$(dirname "$0")/.."
 
 export VISTA_BUILD=build/sanitized
 make --no-print-directory native systemc BUILD="$VISTA_BUILD" DEVELOPER=ON CFLAGS="-O1 -g" SYSTEMC_CXXFLAGS="-O1 -g -std=c++17 -Wall -Wextra -Werror" \
-  SANITIZE="-fsanitize=address,undefined -fno-sanitize-recover=all"
+  SANITIZE="-fsanitize=address,undefined,float-cast-overflow -fno-sanitize-recover=all"
 
 # Left out: tests whose millions of pixels add time and no other C code.
 tests=("$@")

@@ -102,6 +102,14 @@ def test_the_readme_is_short() -> None:
     assert len((ROOT / "README.md").read_text().splitlines()) <= 120
 
 
+def test_one_version_for_everything() -> None:
+    version = (ROOT / "VERSION").read_text().strip()
+    assert f"version: {version}\n" in (ROOT / "CITATION.cff").read_text()
+    assert re.search(
+        rf"^## (Unreleased: |\[?){re.escape(version)}\b", (ROOT / "CHANGELOG.md").read_text(), re.MULTILINE
+    )
+
+
 # ---- tables ----
 
 

@@ -107,7 +107,10 @@ static vista_status layout(vista_pipeline *p, vista_arena *arena) {
 
 static vista_status check(const vista_parameters *parameters, const vista_camera *camera) {
   const vista_status status = vista_parameters_check(parameters, NULL);
-  return status != VISTA_OK ? status : vista_frame_check_camera(camera);
+  if (status != VISTA_OK) return status;
+  const bool has_size = camera->width_px > 0 && camera->height_px > 0; /* named first: the centre depends on it */
+  if (has_size && !vista_foveation_handles(camera->width_px, camera->height_px)) return VISTA_ERROR_SIZE;
+  return vista_frame_check_camera(camera);
 }
 
 /* Of a caller with another header: what it has, and the defaults of the rest. */
@@ -143,9 +146,7 @@ vista_status vista_pipeline_create(void *memory, size_t bytes, const vista_param
   if (memory == NULL || parameters == NULL || camera == NULL || pipeline == NULL) return VISTA_ERROR_ARGUMENT;
   const vista_status status = check(parameters, camera);
   if (status != VISTA_OK) return status;
-  const size_t shift = (VISTA_ARENA_ALIGNMENT - (uintptr_t)memory % VISTA_ARENA_ALIGNMENT) % VISTA_ARENA_ALIGNMENT;
-  if (bytes < shift) return VISTA_ERROR_MEMORY;
-  vista_arena arena = {.base = (unsigned char *)memory + shift, .size = bytes - shift};
+  vista_arena arena = {.base = memory, .size = bytes};
   vista_pipeline *const p = vista_arena_take(&arena, 1, sizeof *p);
   if (p == NULL) return VISTA_ERROR_MEMORY;
   p->parameters = own_parameters(parameters);

@@ -139,14 +139,22 @@ def test_null_pointers() -> None:
 
 
 BAD_CAMERAS = {
-    "width 15": ({"width_px": 15}, "VISTA_ERROR_SIZE"),
-    "height 15": ({"height_px": 15}, "VISTA_ERROR_SIZE"),
+    "width 15": ({"width_px": 15, "center_u_px": 7.0}, "VISTA_ERROR_SIZE"),
+    "height 15": ({"height_px": 15, "center_v_px": 7.0}, "VISTA_ERROR_SIZE"),
     "width 8193": ({"width_px": 8193}, "VISTA_ERROR_SIZE"),
     "width 0": ({"width_px": 0}, "VISTA_ERROR_RANGE"),
     "height -1": ({"height_px": -1}, "VISTA_ERROR_RANGE"),
     "NaN focal length": ({"focal_px": math.nan}, "VISTA_ERROR_NUMBER"),
     "infinite centre": ({"center_v_px": math.inf}, "VISTA_ERROR_NUMBER"),
     "no baseline": ({"baseline_m": 0.0}, "VISTA_ERROR_RANGE"),
+    "centre far to the right": ({"center_u_px": 1e12}, "VISTA_ERROR_RANGE"),
+    "centre far below": ({"center_v_px": 1e12}, "VISTA_ERROR_RANGE"),
+    "centre far above": ({"center_v_px": -1e6}, "VISTA_ERROR_RANGE"),
+    "centre beyond twice the width": ({"center_u_px": 2.01 * scene.WIDTH}, "VISTA_ERROR_RANGE"),
+    "huge focal length": ({"focal_px": 1e300}, "VISTA_ERROR_RANGE"),
+    "tiny focal length": ({"focal_px": 1e-300}, "VISTA_ERROR_RANGE"),
+    "huge baseline": ({"baseline_m": 1e300}, "VISTA_ERROR_RANGE"),
+    "tiny baseline": ({"baseline_m": 1e-300}, "VISTA_ERROR_RANGE"),
 }
 
 
@@ -161,10 +169,28 @@ def test_bad_cameras(name: str) -> None:
     assert (status_name(status), handle[0]) == (expected, ffi.NULL)
 
 
+EDGE_CAMERAS = [
+    {"center_u_px": -scene.WIDTH},
+    {"center_u_px": 2 * scene.WIDTH, "center_v_px": 2 * scene.HEIGHT},
+    {"focal_px": 1e6, "baseline_m": 1e6},
+    {"focal_px": 1e-6, "baseline_m": 1e-6},
+    {"focal_px": 1e-6, "baseline_m": 1e6},
+    {"focal_px": 1e6, "baseline_m": 1e-6},
+]
+
+
+@pytest.mark.parametrize("changes", EDGE_CAMERAS, ids=str)
+def test_cameras_at_the_edge_of_what_is_accepted(changes: dict[str, float]) -> None:
+    """No crash, no number that fits no type (under sanitizers), whatever comes out."""
+    pipeline = Pipeline(camera=default_camera(**changes))
+    for source in board_flight()[:3]:
+        assert pipeline.process(Frame(source)) == "VISTA_OK"
+
+
 @pytest.mark.parametrize("size", [(16, 16), (17, 200), (300, 16)])
 def test_the_smallest_images(size: tuple[int, int]) -> None:
     width, height = size
-    camera = default_camera(width_px=width, height_px=height)
+    camera = default_camera(width_px=width, height_px=height, center_u_px=width / 2, center_v_px=height / 2)
     source = scene.BoardFrame(
         np.full((height, width), 9, np.uint8), np.full((height, width), 80, np.int16), 0, np.zeros(3)
     )

@@ -158,3 +158,28 @@ def test_dense_scenes_have_a_nearer_and_a_farther_half() -> None:
     assert points.standing.tolist() == [True, True, True, False]
     assert points.too_near.tolist() == [False, False, False, True]
     assert points.band.tolist() == [1, 1, 0, -1]
+
+
+def test_a_region_that_spans_two_surfaces_recalls_both_but_is_neither() -> None:
+    """Left half at 20 px, right half at 30: the words of the whole hold both; each half is a surface."""
+    words_px = [20.0] * 60 + [30.0] * 60
+    points = row_of_points(words_px)
+    one = standing.count_points(points, judged(words_px, [0] * 120, ["ACCEPTED"]))
+    assert one["recalled"] == 120 and one["on surface"] < 60
+    two = standing.count_points(points, judged(words_px, [0] * 60 + [1] * 60, ["ACCEPTED"] * 2))
+    assert two["recalled"] == two["on surface"] == 120
+
+
+def test_the_plane_of_a_region_ignores_false_words() -> None:
+    random = np.random.default_rng(0)
+    v, u = np.mgrid[:30, :40]
+    disparity_px = 20.0 + 0.2 * u - 0.1 * v
+    words = np.rint(16 * disparity_px).astype(np.int16)
+    false = random.random(words.shape) < 0.15
+    words[false] = random.integers(0, 1000, np.count_nonzero(false))
+    region = np.zeros(words.shape, np.int32)
+    region[:, -1] = 1
+    words[5:, -1] = -16
+    planes = standing.region_planes(words, region, 2)
+    assert planes[0] == pytest.approx((20.0, 0.2, -0.1), abs=0.1)
+    assert np.isnan(planes[1]).all()  # five words are too few

@@ -124,7 +124,7 @@ def test_vehicles(velocity: tuple[float, float, float], verdict: str) -> None:
 
 def test_the_slope_is_that_of_the_texture() -> None:
     """Without noise, whatever the way."""
-    random, tracker, truth = seeded(4), Tracker(gate_chi2=1e9), np.array([1.0, -2.0, 90.0])
+    random, tracker, truth = seeded(4), Tracker(gate_chi2=1000.0), np.array([1.0, -2.0, 90.0])
     ghost = ghost_of(truth, 0.3)
     for frame in range(20):
         camera = np.array([*random.normal(0, 0.5, 2), 0.9 * frame])

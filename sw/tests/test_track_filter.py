@@ -22,11 +22,11 @@ from track_library import (
 
 # Association out of the way: one object, always in the gate, never blamed.
 OPEN = {
-    "gate_chi2": 1e9,
-    "disparity_max_px": 1e6,
+    "gate_chi2": 1000.0,
+    "disparity_max_px": 1e5,
     "margin_left_px": 0.0,
     "margin_px": 0.0,
-    "range_max_m": 1e6,
+    "range_max_m": 1e5,
 }
 
 

@@ -29,7 +29,7 @@ typedef struct vista_disparity_image {
 typedef struct vista_camera {
   int32_t width_px, height_px;
   double focal_px;
-  double center_u_px, center_v_px; /* principal point */
+  double center_u_px, center_v_px; /* principal point; at most one image size outside the image */
   double baseline_m;
 } vista_camera;
 

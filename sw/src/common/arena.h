@@ -1,7 +1,8 @@
 /* Caller-owned memory, handed out once at creation and never given back.
  *
  * A module lays its arrays out through an arena. With base == NULL the arena only counts, so the same
- * layout function first answers "how many bytes?" and then, on real memory, places the arrays. */
+ * layout function first answers "how many bytes?" and then, on real memory, places the arrays. Memory that is not
+ * aligned itself takes up to VISTA_ARENA_ALIGNMENT - 1 bytes more than were counted. */
 #ifndef VISTA_ARENA_H
 #define VISTA_ARENA_H
 

@@ -4,15 +4,24 @@
 #include <stdbool.h>
 #include <stddef.h>
 
+#define MAX_SIDE_PX 1e6
+#define LARGEST 1e6 /* focal length in pixels, baseline in metres: products of these fit a float */
+
 const vista_pose vista_frame_still = {.rotation = {1, 0, 0, 0, 1, 0, 0, 0, 1}};
+
+static bool within(double value, double low, double high) { return value >= low && value <= high; }
 
 vista_status vista_frame_check_camera(const vista_camera *camera) {
   if (!isfinite(camera->focal_px) || !isfinite(camera->center_u_px) || !isfinite(camera->center_v_px) ||
       !isfinite(camera->baseline_m))
     return VISTA_ERROR_NUMBER;
-  const bool positive =
-      camera->width_px > 0 && camera->height_px > 0 && camera->focal_px > 0.0 && camera->baseline_m > 0.0;
-  return positive ? VISTA_OK : VISTA_ERROR_RANGE;
+  const double width_px = camera->width_px, height_px = camera->height_px;
+  const bool good = within(width_px, 1.0, MAX_SIDE_PX) && within(height_px, 1.0, MAX_SIDE_PX) &&
+                    within(camera->focal_px, 1.0 / LARGEST, LARGEST) &&
+                    within(camera->baseline_m, 1.0 / LARGEST, LARGEST) &&
+                    within(camera->center_u_px, -width_px, 2.0 * width_px) &&
+                    within(camera->center_v_px, -height_px, 2.0 * height_px);
+  return good ? VISTA_OK : VISTA_ERROR_RANGE;
 }
 
 vista_status vista_frame_check_pose(const vista_pose *pose) {

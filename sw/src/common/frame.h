@@ -7,7 +7,8 @@
 
 extern const vista_pose vista_frame_still; /* world = camera */
 
-/* VISTA_ERROR_NUMBER: not finite; VISTA_ERROR_RANGE: a size, focal length or baseline not positive. */
+/* VISTA_ERROR_NUMBER: not finite; VISTA_ERROR_RANGE: a size, focal length or baseline that is not positive or not
+ * within a factor of 1e6 of 1, a principal point more than one image size outside the image. */
 vista_status vista_frame_check_camera(const vista_camera *camera);
 
 /* VISTA_ERROR_NUMBER: not finite; VISTA_ERROR_RANGE: R R^T differs from I by more than 1e-3, or det R < 0. */

@@ -2,6 +2,8 @@
 
 #include <math.h>
 
+#include "common/numbers.h"
+
 void vista_plane_fit_add(vista_plane_fit *fit, double u, double v, double d, double weight) {
   fit->weight += weight;
   fit->u += weight * u;
@@ -34,4 +36,15 @@ double vista_plane_fit_spread(const vista_plane_fit *fit, const vista_plane *pla
   const double vv = fit->vv / fit->weight - v * v;
   const double gu = plane->slope_u, gv = plane->slope_v;
   return sqrt(fmax(gu * gu * uu + 2.0 * gu * gv * uv + gv * gv * vv, 0.0));
+}
+
+double vista_plane_disparity_px(const vista_plane *plane, const vista_camera *camera, double u_px, double v_px) {
+  return plane->offset + plane->slope_u * (u_px - camera->center_u_px) + plane->slope_v * (v_px - camera->center_v_px);
+}
+
+double vista_plane_height_m(const vista_plane *plane, const vista_camera *camera, double u_px, double v_px,
+                            double disparity_px) {
+  const double n[3] = {plane->slope_u, plane->slope_v, plane->offset / camera->focal_px};
+  const double ground_px = vista_plane_disparity_px(plane, camera, u_px, v_px);
+  return (1.0 - ground_px / disparity_px) * camera->baseline_m / vista_norm(n);
 }

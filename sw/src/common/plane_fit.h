@@ -4,6 +4,8 @@
 
 #include <stdbool.h>
 
+#include "vista/types.h"
+
 typedef struct vista_plane_fit {
   double weight, u, v, d, uu, uv, vv, ud, vd; /* weighted sums */
 } vista_plane_fit;
@@ -19,5 +21,13 @@ double vista_plane_fit_spread(const vista_plane_fit *fit, const vista_plane *pla
 
 /* False when the points do not span a plane. */
 bool vista_plane_fit_solve(const vista_plane_fit *fit, vista_plane *plane);
+
+/* Of a plane of disparities in pixels from the principal point: that at a pixel. */
+double vista_plane_disparity_px(const vista_plane *plane, const vista_camera *camera, double u_px, double v_px);
+
+/* A plane n . P = 1 in space has n = (slope_u, slope_v, offset / f) / B. So what is seen at a pixel with disparity d,
+ * where the plane has d_g, is (1 - d_g / d) / |n| above it. */
+double vista_plane_height_m(const vista_plane *plane, const vista_camera *camera, double u_px, double v_px,
+                            double disparity_px);
 
 #endif

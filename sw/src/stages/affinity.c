@@ -3,6 +3,8 @@
 #include <math.h>
 
 #include "common/depth.h"
+#include "common/frame.h"
+#include "common/parameters_check.h"
 
 vista_status vista_affinity_layout(vista_affinity *affinity, vista_arena *arena, const vista_foveation *foveation) {
   if (affinity == NULL || arena == NULL || foveation == NULL) return VISTA_ERROR_ARGUMENT;
@@ -30,6 +32,9 @@ vista_status vista_affinity_compute(const vista_foveation *foveation, const vist
                                     const vista_camera *camera, const vista_cells *cells, vista_affinity *affinity) {
   if (foveation == NULL || params == NULL || camera == NULL || cells == NULL || affinity == NULL)
     return VISTA_ERROR_ARGUMENT;
+  vista_status status = VISTA_CHECK_SECTION(affinity, params);
+  if (status == VISTA_OK) status = vista_frame_check_camera(camera);
+  if (status != VISTA_OK) return status;
   const vista_graph *const graph = &foveation->graph;
   const float mu_i = (float)params->mu_intensity, sigma_i = (float)params->sigma_intensity;
   const float sigma_d = (float)params->sigma_disparity_px;

@@ -6,6 +6,8 @@
 
 #include "common/bits.h"
 #include "common/frame.h"
+#include "common/numbers.h"
+#include "common/parameters_check.h"
 
 #define ROW_STEP 2 /* neighbouring rows say the same */
 
@@ -57,7 +59,10 @@ vista_status vista_blind_zone_update(const vista_blind_zone_params *params, cons
                                      const vista_disparity_image *disparity, vista_blind_zone *blind_zone) {
   if (params == NULL || camera == NULL || matched == NULL || image == NULL || disparity == NULL || blind_zone == NULL)
     return VISTA_ERROR_ARGUMENT;
-  vista_status status = vista_frame_check_camera(camera);
+  vista_status status = VISTA_CHECK_SECTION(blind_zone, params);
+  if (status == VISTA_OK) status = vista_frame_check_camera(camera);
+  if (status == VISTA_OK) status = vista_matched_area_check(matched);
+  if (status == VISTA_OK && !vista_positive(radius_m)) status = VISTA_ERROR_RANGE;
   if (status == VISTA_OK) status = vista_frame_check_image(image, camera->width_px, camera->height_px);
   if (status == VISTA_OK) status = vista_frame_check_disparity(disparity, camera->width_px, camera->height_px);
   if (status != VISTA_OK) return status;

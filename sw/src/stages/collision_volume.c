@@ -4,7 +4,10 @@
 #include <stddef.h>
 
 #include "common/frame.h"
+#include "common/parameters_check.h"
 #include "stages/parts/region_boundary.h"
+
+#define SMALLEST_M 1e-3 /* of the volume: what is asked in words fits a float */
 
 /* What the pixels of one run are asked, in engine words w = 16 d; squared, so that nothing is divided. */
 typedef struct limits {
@@ -64,7 +67,12 @@ vista_status vista_collision_volume_count(const vista_foveation *foveation, cons
                                           const vista_disparity_image *disparity, vista_regions *regions) {
   if (foveation == NULL || params == NULL || camera == NULL || volume == NULL || disparity == NULL || regions == NULL)
     return VISTA_ERROR_ARGUMENT;
-  const vista_status status = vista_frame_check_disparity(disparity, foveation->width_px, foveation->height_px);
+  vista_status status = VISTA_CHECK_SECTION(region, params);
+  if (status == VISTA_OK) status = vista_frame_check_camera(camera);
+  if (status == VISTA_OK) status = vista_frame_check_disparity(disparity, foveation->width_px, foveation->height_px);
+  if (status == VISTA_OK && !(volume->radius_m >= SMALLEST_M && volume->length_m >= SMALLEST_M &&
+                              isfinite(volume->radius_m + volume->length_m)))
+    status = VISTA_ERROR_RANGE;
   if (status != VISTA_OK) return status;
   const double words = VISTA_DISPARITY_SCALE * camera->baseline_m;
   const double *const a = volume->direction_camera;

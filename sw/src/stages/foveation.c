@@ -2,9 +2,11 @@
 
 #include <math.h>
 #include <stdbool.h>
+#include <stddef.h>
 
 #include "common/frame.h"
 #include "common/median.h"
+#include "common/parameters_check.h"
 
 /* A cell whose inscribed circle is narrower than a pixel's diagonal may hold no pixel centre at all. */
 #define POINT_SIZE_PX 1.5
@@ -53,17 +55,38 @@ static int32_t max_footprint_px(const grid *g) {
   return (int32_t)fmin(fmax(outer * outer, hub * hub) + 4.0, (double)g->width_px * g->height_px + 4.0);
 }
 
-static int32_t count_runs(const grid *g) {
-  int32_t runs = 0;
-  for (int32_t v = 0; v < g->height_px; ++v) {
-    int32_t last = -2;
-    for (int32_t u = 0; u < g->width_px; ++u) {
-      const int32_t cell = grid_cell(g, u, v);
-      runs += cell != last;
-      last = cell;
-    }
+/* A row crosses every ring's circle at most twice, and the rays of one half of the sectors once; that of the hub, too. */
+static int32_t max_runs(const grid *g) {
+  const int32_t crossings = 2 * (g->ring_count + 1) + g->sector_count / 2 + 2;
+  return (crossings < g->width_px ? crossings + 1 : g->width_px) * g->height_px;
+}
+
+/* Most pixels share the cell of the one before. Whether one surely does is a few products with the borders of that cell,
+ * where grid_cell takes three transcendental functions. What is near a border is left to grid_cell: both agree. */
+#define MOST_SECTORS 256
+#define MOST_RINGS 512 /* of 256 sectors around a hub of a pixel there are 382 in the largest image */
+#define NEAR 1e-6      /* of the radius, relative; from a ray, pixels */
+
+typedef struct borders {
+  double rho2[MOST_RINGS + 1];                              /* squared radii between the rings */
+  double ray_u[MOST_SECTORS + 1], ray_v[MOST_SECTORS + 1]; /* directions between the sectors */
+} borders;
+
+static void find_borders(const grid *g, borders *b) {
+  for (int32_t ring = 0; ring <= g->ring_count; ++ring)
+    b->rho2[ring] = ring_radius_px(g, ring) * ring_radius_px(g, ring);
+  for (int32_t sector = 0; sector <= g->sector_count; ++sector) {
+    b->ray_u[sector] = cos(sector * two_pi / g->sector_count);
+    b->ray_v[sector] = sin(sector * two_pi / g->sector_count);
   }
-  return runs;
+}
+
+static bool surely_inside(const borders *b, int32_t ring, int32_t sector, double du, double dv) {
+  const double rho2 = du * du + dv * dv;
+  if (ring < 0) return rho2 < b->rho2[0] * (1.0 - NEAR);
+  return rho2 > b->rho2[ring] * (1.0 + NEAR) && rho2 < b->rho2[ring + 1] * (1.0 - NEAR) &&
+         b->ray_u[sector] * dv - b->ray_v[sector] * du > NEAR &&
+         b->ray_v[sector + 1] * du - b->ray_u[sector + 1] * dv > NEAR;
 }
 
 typedef struct arrays {
@@ -75,10 +98,20 @@ typedef struct arrays {
 /* Numbers the cells that hold a pixel or have their centre inside the image. */
 static void number_nodes(vista_foveation *f, const grid *g, arrays *a) {
   const int32_t grid_count = g->ring_count * g->sector_count;
-  for (int32_t i = 0; i < g->width_px * g->height_px; ++i) {
-    const int32_t cell = grid_cell(g, i % g->width_px, i / g->width_px);
-    a->cell_of_pixel[i] = cell;
-    if (cell >= 0) a->node_of_grid[cell] = 1;
+  borders b;
+  find_borders(g, &b);
+  int32_t cell = -1, ring = -1, sector = 0;
+  for (int32_t v = 0; v < g->height_px; ++v) {
+    int32_t *const row = a->cell_of_pixel + (ptrdiff_t)v * g->width_px;
+    for (int32_t u = 0; u < g->width_px; ++u) {
+      if (!surely_inside(&b, ring, sector, u - g->center_u_px, v - g->center_v_px)) {
+        cell = grid_cell(g, u, v);
+        ring = cell < 0 ? -1 : cell / g->sector_count;
+        sector = cell < 0 ? 0 : cell % g->sector_count;
+        if (cell >= 0) a->node_of_grid[cell] = 1;
+      }
+      row[u] = cell;
+    }
   }
   a->center_u[0] = (float)g->center_u_px;
   a->center_v[0] = (float)g->center_v_px;
@@ -86,7 +119,7 @@ static void number_nodes(vista_foveation *f, const grid *g, arrays *a) {
   f->node_count = 1;
   f->point_count = 0;
   const double step = two_pi / g->sector_count;
-  for (int32_t cell = 0; cell < grid_count; ++cell) {
+  for (cell = 0; cell < grid_count; ++cell) {
     const double rho = ring_radius_px(g, cell / g->sector_count + 0.5);
     const double theta = (cell % g->sector_count + 0.5) * step;
     const double u = g->center_u_px + rho * cos(theta), v = g->center_v_px + rho * sin(theta);
@@ -101,7 +134,8 @@ static void number_nodes(vista_foveation *f, const grid *g, arrays *a) {
   }
 }
 
-static void sort_runs(vista_foveation *f, const grid *g, arrays *a) {
+/* False: there are more than fit, which the geometry rules out. */
+static bool sort_runs(vista_foveation *f, const grid *g, arrays *a) {
   for (int pass = 0; pass < 2; ++pass) { /* counting sort by node: count, then place */
     for (int32_t v = 0; v < g->height_px; ++v) {
       for (int32_t u = 0; u < g->width_px;) {
@@ -124,9 +158,11 @@ static void sort_runs(vista_foveation *f, const grid *g, arrays *a) {
     }
     if (pass == 0)
       for (int32_t i = 0; i < f->node_count; ++i) a->first_run[i + 1] += a->first_run[i];
+    if (pass == 0 && a->first_run[f->node_count] > max_runs(g)) return false;
   }
   for (int32_t i = f->node_count; i > 0; --i) a->first_run[i] = a->first_run[i - 1];
   a->first_run[0] = 0;
+  return true;
 }
 
 static int32_t list_edges(const grid *g, const int32_t *node_of_grid, int32_t *edges) {
@@ -151,13 +187,18 @@ static int32_t list_edges(const grid *g, const int32_t *node_of_grid, int32_t *e
   return count;
 }
 
+bool vista_foveation_handles(int32_t width_px, int32_t height_px) {
+  return width_px >= 16 && height_px >= 16 && width_px <= 8192 && height_px <= 8192;
+}
+
 vista_status vista_foveation_layout(vista_foveation *foveation, vista_arena *arena,
                                     const vista_foveation_params *params, int32_t width_px, int32_t height_px,
                                     double center_u_px, double center_v_px) {
   if (foveation == NULL || arena == NULL || params == NULL) return VISTA_ERROR_ARGUMENT;
-  if (width_px < 16 || height_px < 16 || width_px > 8192 || height_px > 8192) return VISTA_ERROR_SIZE;
+  if (VISTA_CHECK_SECTION(foveation, params) != VISTA_OK) return VISTA_ERROR_RANGE;
+  if (!vista_foveation_handles(width_px, height_px)) return VISTA_ERROR_SIZE;
   const grid g = make_grid(params, width_px, height_px, center_u_px, center_v_px);
-  if (!inside(&g, center_u_px, center_v_px)) return VISTA_ERROR_RANGE;
+  if (!inside(&g, center_u_px, center_v_px) || g.ring_count > MOST_RINGS) return VISTA_ERROR_RANGE;
 
   const size_t pixels = (size_t)width_px * (size_t)height_px;
   const int32_t max_nodes = g.ring_count * g.sector_count + 1;
@@ -168,7 +209,7 @@ vista_status vista_foveation_layout(vista_foveation *foveation, vista_arena *are
       .first_run = vista_arena_take(arena, (size_t)max_nodes + 1, sizeof(int32_t)),
       .pixel_count = vista_arena_take(arena, (size_t)max_nodes, sizeof(int32_t)),
       .edges = vista_arena_take(arena, 2 * (size_t)max_edges, sizeof(int32_t)),
-      .runs = vista_arena_take(arena, (size_t)count_runs(&g), sizeof(vista_run)),
+      .runs = vista_arena_take(arena, (size_t)max_runs(&g), sizeof(vista_run)),
       .center_u = vista_arena_take(arena, (size_t)max_nodes, sizeof(float)),
       .center_v = vista_arena_take(arena, (size_t)max_nodes, sizeof(float)),
       .size_px = vista_arena_take(arena, (size_t)max_nodes, sizeof(float)),
@@ -189,7 +230,7 @@ vista_status vista_foveation_layout(vista_foveation *foveation, vista_arena *are
   if (arena->used > arena->size) return VISTA_ERROR_MEMORY;
 
   number_nodes(foveation, &g, &a);
-  sort_runs(foveation, &g, &a);
+  if (!sort_runs(foveation, &g, &a)) return VISTA_ERROR_MEMORY;
   const int32_t edge_count = list_edges(&g, a.node_of_grid, a.edges);
   foveation->cell_of_pixel = a.cell_of_pixel;
   foveation->node_of_grid = a.node_of_grid;
@@ -265,7 +306,8 @@ vista_status vista_foveate(const vista_foveation *foveation, const vista_foveati
                            const vista_image *image, const vista_disparity_image *disparity, vista_cells *cells) {
   if (foveation == NULL || params == NULL || image == NULL || disparity == NULL || cells == NULL)
     return VISTA_ERROR_ARGUMENT;
-  vista_status status = vista_frame_check_image(image, foveation->width_px, foveation->height_px);
+  vista_status status = VISTA_CHECK_SECTION(foveation, params);
+  if (status == VISTA_OK) status = vista_frame_check_image(image, foveation->width_px, foveation->height_px);
   if (status == VISTA_OK) status = vista_frame_check_disparity(disparity, foveation->width_px, foveation->height_px);
   if (status != VISTA_OK) return status;
   for (int32_t node = 0; node < foveation->node_count; ++node) {

@@ -9,6 +9,7 @@
 #ifndef VISTA_FOVEATION_H
 #define VISTA_FOVEATION_H
 
+#include <stdbool.h>
 #include <stdint.h>
 
 #include "common/arena.h"
@@ -50,8 +51,11 @@ typedef struct vista_cells {
   int16_t *words;        /* scratch: the engine words under one cell */
 } vista_cells;
 
+/* Whether images of this size are handled: 16 to 8192 pixels a side. */
+bool vista_foveation_handles(int32_t width_px, int32_t height_px);
+
 /* Lays the geometry out for images of this size, the fovea at (center_u_px, center_v_px), which must lie inside the
- * image. A counting arena only counts. VISTA_ERROR_SIZE below 16x16 or above 8192x8192, VISTA_ERROR_RANGE. */
+ * image. A counting arena only counts. VISTA_ERROR_SIZE: vista_foveation_handles; VISTA_ERROR_RANGE. */
 vista_status vista_foveation_layout(vista_foveation *foveation, vista_arena *arena,
                                     const vista_foveation_params *params, int32_t width_px, int32_t height_px,
                                     double center_u_px, double center_v_px);

@@ -5,7 +5,7 @@
 
 #include "common/frame.h"
 #include "common/median.h"
-#include "common/numbers.h"
+#include "common/parameters_check.h"
 
 typedef struct entry {
   const char *name, *text;
@@ -72,10 +72,9 @@ vista_status vista_health_judge(const vista_health_params *params, const vista_f
   if (params == NULL || foveation == NULL || matched == NULL || cells == NULL || disparity == NULL || motion == NULL ||
       health == NULL || valid_fraction == NULL)
     return VISTA_ERROR_ARGUMENT;
-  if (!vista_not_negative(params->blind_fraction) || !vista_not_negative(params->degraded_fraction) ||
-      !vista_not_negative(params->contrast_min) || vista_matched_area_check(matched) != VISTA_OK)
-    return VISTA_ERROR_RANGE;
-  const vista_status status = vista_frame_check_disparity(disparity, foveation->width_px, foveation->height_px);
+  vista_status status = VISTA_CHECK_SECTION(health, params);
+  if (status == VISTA_OK) status = vista_matched_area_check(matched);
+  if (status == VISTA_OK) status = vista_frame_check_disparity(disparity, foveation->width_px, foveation->height_px);
   if (status != VISTA_OK) return status;
   const valid_pixels valid = count(matched, disparity);
   *valid_fraction = (double)valid.image / ((double)disparity->width_px * disparity->height_px);

@@ -6,6 +6,7 @@
 
 #include "common/frame.h"
 #include "common/numbers.h"
+#include "common/parameters_check.h"
 
 #define FARTHEST_M 1e8 /* from the origin: beyond it a double no longer tells what lies beside the camera */
 
@@ -20,9 +21,7 @@ const char *vista_motion_source_name(vista_motion_source source) {
 
 static vista_status check(const vista_motion_params *p, const vista_motion_input *in, const vista_motion_state *s) {
   if (s->started && in->t_ns <= s->t_ns) return VISTA_ERROR_ORDER;
-  if (!vista_not_negative(p->velocity_smoothing_s) || !vista_not_negative(p->speed_min_m_s) ||
-      !vista_positive(p->speed_max_m_s) || !vista_not_negative(p->drift_m_s) || p->restart_poses < 1)
-    return VISTA_ERROR_RANGE;
+  if (VISTA_CHECK_SECTION(motion, p) != VISTA_OK) return VISTA_ERROR_RANGE;
   if (in->velocity_m_s != NULL) {
     const double speed_m_s = vista_norm(in->velocity_m_s);
     if (!isfinite(speed_m_s)) return VISTA_ERROR_NUMBER;

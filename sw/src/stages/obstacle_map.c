@@ -8,6 +8,7 @@
 #include "common/disc.h"
 #include "common/frame.h"
 #include "common/numbers.h"
+#include "common/parameters_check.h"
 
 #define DEPTH_MIN_M 0.05 /* nearer along z: behind the camera */
 
@@ -43,15 +44,6 @@ const vista_obstacle *vista_obstacle_map_obstacles(const vista_obstacle_map *map
 }
 
 vista_nearest_collision vista_obstacle_map_nearest(const vista_obstacle_map *map) { return map->nearest; }
-
-static vista_status check_params(const vista_obstacle_map_params *p) {
-  const bool volume = vista_positive(p->collision_radius_m) && vista_positive(p->collision_length_m) &&
-                      vista_not_negative(p->inflation_sigma) && vista_not_negative(p->closing_min_m_s);
-  const bool lasting = vista_not_negative(p->lasting_disparity_px) && vista_not_negative(p->lasting_range_m) &&
-                       vista_not_negative(p->lasting_center_px) && vista_not_negative(p->lasting_center_ratio);
-  const bool good = volume && lasting;
-  return good ? VISTA_OK : VISTA_ERROR_RANGE;
-}
 
 /* Of the errors that last: along the ray by disparity and depth, across it by pixels and a share of the half extent. */
 static void lasting_covariance(const vista_obstacle_map_params *params, const vista_camera *camera,
@@ -189,7 +181,7 @@ static vista_status check(const vista_obstacle_map *map, const vista_obstacle_ma
                           int32_t track_count) {
   if (track_count < 0) return VISTA_ERROR_SIZE;
   if (track_count > map->max_tracks) return VISTA_ERROR_CAPACITY;
-  vista_status status = check_params(params);
+  vista_status status = VISTA_CHECK_SECTION(obstacle_map, params);
   if (status == VISTA_OK) status = vista_frame_check_camera(camera);
   if (status == VISTA_OK) status = vista_frame_check_pose(&motion->pose);
   if (status != VISTA_OK) return status;

@@ -4,14 +4,7 @@
 
 #include "common/frame.h"
 #include "common/numbers.h"
-
-static vista_status check_params(const vista_reconstruction_params *params) {
-  const bool good = vista_positive(params->center_sigma_px) && isfinite(params->center_sigma_ratio) &&
-                    params->center_sigma_ratio >= 0.0 && vista_positive(params->disparity_sigma_px) &&
-                    isfinite(params->correlated_pixels) && params->correlated_pixels >= 1.0 &&
-                    vista_positive(params->disparity_min_px);
-  return good ? VISTA_OK : VISTA_ERROR_RANGE;
-}
+#include "common/parameters_check.h"
 
 /* Standard deviation of the centre along one axis. A region cut by the border hides an unknown part of
  * itself: its centre may lie anywhere up to about its own half size further out. */
@@ -77,7 +70,8 @@ vista_status vista_reconstruct_region(const vista_region *region, const vista_ca
                                       vista_detection *detection) {
   if (region == NULL || camera == NULL || matched == NULL || params == NULL || detection == NULL)
     return VISTA_ERROR_ARGUMENT;
-  vista_status status = check_params(params);
+  vista_status status = VISTA_CHECK_SECTION(reconstruction, params);
+  if (status == VISTA_OK) status = vista_matched_area_check(matched);
   if (status == VISTA_OK) status = vista_frame_check_camera(camera);
   return status == VISTA_OK ? reconstruct(region, camera, matched, params, detection) : status;
 }
@@ -90,7 +84,8 @@ vista_status vista_reconstruct_regions(const vista_region *regions, int32_t regi
     return VISTA_ERROR_ARGUMENT;
   *detection_count = 0;
   if (region_count < 0 || capacity < 0) return VISTA_ERROR_SIZE;
-  vista_status status = check_params(params);
+  vista_status status = VISTA_CHECK_SECTION(reconstruction, params);
+  if (status == VISTA_OK) status = vista_matched_area_check(matched);
   if (status == VISTA_OK) status = vista_frame_check_camera(camera);
   if (status != VISTA_OK) return status;
   for (int32_t i = 0; i < region_count; ++i) {

@@ -5,6 +5,7 @@
 #include <stddef.h>
 
 #include "common/frame.h"
+#include "common/parameters_check.h"
 
 #define MAX_CANDIDATES 8 /* a cell and its neighbours; the hub has more of these, and stays as it is */
 #define BATCH 256        /* pixels treated at once */
@@ -122,7 +123,8 @@ vista_status vista_refine(const vista_foveation *foveation, const vista_refineme
   if (foveation == NULL || params == NULL || image == NULL || cells == NULL || label == NULL || refinement == NULL)
     return VISTA_ERROR_ARGUMENT;
   const vista_foveation *const f = foveation;
-  const vista_status status = vista_frame_check_image(image, f->width_px, f->height_px);
+  vista_status status = VISTA_CHECK_SECTION(refinement, params);
+  if (status == VISTA_OK) status = vista_frame_check_image(image, f->width_px, f->height_px);
   if (status != VISTA_OK) return status;
   mark_borders(&f->graph, label, refinement->border);
   batch b = {0};

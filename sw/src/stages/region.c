@@ -6,6 +6,7 @@
 
 #include "common/depth.h"
 #include "common/frame.h"
+#include "common/parameters_check.h"
 #include "stages/parts/ground.h"
 #include "stages/parts/region_boundary.h"
 #include "stages/parts/region_outline.h"
@@ -31,6 +32,7 @@ vista_status vista_regions_layout(vista_regions *regions, vista_arena *arena, co
   regions->items = vista_arena_take(arena, nodes, sizeof(vista_region));
   regions->first_member = vista_arena_take(arena, nodes + 1, sizeof(int32_t));
   regions->members = vista_arena_take(arena, nodes, sizeof(int32_t));
+  regions->queue = vista_arena_take(arena, nodes, sizeof(int32_t));
   regions->boundary = vista_arena_take(arena, nodes, sizeof(uint8_t));
   regions->depth_px = vista_arena_take(arena, nodes, sizeof(float));
   regions->bins = vista_arena_take(arena, VISTA_WORD_BINS, sizeof(uint32_t));
@@ -41,7 +43,7 @@ vista_status vista_regions_layout(vista_regions *regions, vista_arena *arena, co
 static void mark_boundary(const vista_foveation *foveation, const int32_t *label, double reach_px,
                           vista_regions *regions) {
   const vista_graph *const graph = &foveation->graph;
-  int32_t *const queue = regions->members; /* not yet in use */
+  int32_t *const queue = regions->queue;
   int32_t count = 0;
   for (int32_t i = 0; i < graph->node_count; ++i) {
     bool leaves = false;
@@ -209,7 +211,9 @@ vista_status vista_regions_compute(const vista_foveation *foveation, const vista
   if (foveation == NULL || params == NULL || camera == NULL || up_camera == NULL || disparity == NULL ||
       cells == NULL || surfaces == NULL || segmentation == NULL || refinement == NULL || regions == NULL)
     return VISTA_ERROR_ARGUMENT;
-  const vista_status status = vista_frame_check_disparity(disparity, foveation->width_px, foveation->height_px);
+  vista_status status = VISTA_CHECK_SECTION(region, params);
+  if (status == VISTA_OK) status = vista_frame_check_camera(camera);
+  if (status == VISTA_OK) status = vista_frame_check_disparity(disparity, foveation->width_px, foveation->height_px);
   if (status != VISTA_OK) return status;
   regions->count = segmentation->region_count;
   regions->accepted_count = 0;

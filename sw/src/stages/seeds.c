@@ -4,9 +4,11 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-#include "common/depth.h"
 #include "common/disjoint_sets.h"
+#include "common/frame.h"
+#include "common/parameters_check.h"
 #include "stages/parts/seed_extent.h"
+#include "stages/parts/seed_step.h"
 #include "vista/types.h"
 
 #define WORD_BINS (256 * VISTA_DISPARITY_SCALE + 1)
@@ -21,28 +23,20 @@ vista_status vista_seeds_layout(vista_seeds *seeds, vista_arena *arena, const vi
   seeds->max_disparity_px = vista_arena_take(arena, nodes, sizeof(float));
   seeds->parent = vista_arena_take(arena, nodes, sizeof(int32_t));
   seeds->order = vista_arena_take(arena, nodes, sizeof(int32_t));
-  seeds->bins = vista_arena_take(arena, nodes > WORD_BINS ? nodes : WORD_BINS, sizeof(int32_t));
+  seeds->queue = vista_arena_take(arena, nodes, sizeof(int32_t));
+  seeds->reached_from = vista_arena_take(arena, nodes, sizeof(int32_t));
+  seeds->seed_of_root = vista_arena_take(arena, nodes, sizeof(int32_t));
+  seeds->bins = vista_arena_take(arena, WORD_BINS, sizeof(int32_t));
   seeds->area_px2 = vista_arena_take(arena, nodes, sizeof(float));
   seeds->shell = vista_arena_take(arena, nodes, sizeof(uint8_t));
   seeds->length_px = vista_arena_take(arena, nodes, sizeof(float));
   return arena->base != NULL && arena->used > arena->size ? VISTA_ERROR_MEMORY : VISTA_OK;
 }
 
-void vista_seeds_join(vista_seeds *seeds, int32_t a, int32_t b) {
-  const int32_t gone = vista_sets_join(seeds->parent, a, b);
-  if (gone >= 0) seeds->area_px2[seeds->parent[gone]] += seeds->area_px2[gone];
-}
-
-float vista_seed_step_px(const vista_segmentation_params *params, const vista_camera *camera, float distance_px,
-                         float disparity_px) {
-  return fmaxf(vista_depth_step_px(camera, disparity_px, (float)params->seed_step_m),
-               (float)params->seed_step_px + (float)params->seed_step_slope * distance_px);
-}
-
 /* Each node in `order` that is the first of a large enough set opens a seed; the others follow their root. */
 static void number_seeds(vista_seeds *seeds, int32_t node_count, const int32_t *order, int32_t order_count,
                          double min_area_px2) {
-  int32_t *const seed_of_root = seeds->bins; /* of sets: no longer needed for sorting */
+  int32_t *const seed_of_root = seeds->seed_of_root;
   for (int32_t i = 0; i < node_count; ++i) {
     seeds->seed_of_node[i] = VISTA_NO_SEED;
     seed_of_root[i] = VISTA_NO_SEED;
@@ -96,6 +90,9 @@ vista_status vista_seeds_of_obstacles(const vista_foveation *foveation, const vi
                                       const vista_surfaces *surfaces, vista_seeds *seeds) {
   if (foveation == NULL || params == NULL || camera == NULL || cells == NULL || surfaces == NULL || seeds == NULL)
     return VISTA_ERROR_ARGUMENT;
+  vista_status status = VISTA_CHECK_SECTION(segmentation, params);
+  if (status == VISTA_OK) status = vista_frame_check_camera(camera);
+  if (status != VISTA_OK) return status;
   const vista_graph *const graph = &foveation->graph;
   for (int32_t i = 0; i < graph->node_count; ++i) {
     seeds->parent[i] = i;
@@ -129,6 +126,7 @@ vista_status vista_seeds_of_rest(const vista_foveation *foveation, const vista_s
                                  vista_seeds *seeds) {
   if (foveation == NULL || params == NULL || affinity == NULL || surfaces == NULL || label == NULL || seeds == NULL)
     return VISTA_ERROR_ARGUMENT;
+  if (VISTA_CHECK_SECTION(segmentation, params) != VISTA_OK) return VISTA_ERROR_RANGE;
   const vista_graph *const graph = &foveation->graph;
   int32_t count = 0;
   for (int32_t i = 0; i < graph->node_count; ++i) {

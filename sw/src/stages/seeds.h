@@ -27,17 +27,16 @@ typedef struct vista_seeds {
   float *min_disparity_px; /* per seed; 5th and 95th percentile of its cells, negative: cells without disparity */
   float *max_disparity_px;
   int32_t *parent;  /* scratch, node_count: disjoint sets */
-  int32_t *order;   /* scratch, node_count */
+  int32_t *order;   /* scratch, node_count: nodes, nearest or innermost first */
+  int32_t *queue;   /* scratch, node_count: breadth first */
+  int32_t *reached_from; /* scratch, node_count: the standing cell whose bridge a node belongs to */
+  int32_t *seed_of_root; /* scratch, node_count: of a set */
   int32_t *bins;    /* scratch: counting sort of engine words */
   float *area_px2;  /* scratch, node_count */
   float *length_px; /* scratch, node_count */
 } vista_seeds;
 
 vista_status vista_seeds_layout(vista_seeds *seeds, vista_arena *arena, const vista_foveation *foveation);
-
-/* Largest disparity step inside a seed between cells distance_px apart, the nearer one at disparity_px. */
-float vista_seed_step_px(const vista_segmentation_params *params, const vista_camera *camera, float distance_px,
-                         float disparity_px);
 
 /* Seeds of standing things, nearest first: cells with disparity on no horizontal surface, joined where the disparity
  * step between neighbours is small, or between cells up to bridge_m apart with only cells without disparity between

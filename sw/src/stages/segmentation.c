@@ -4,6 +4,8 @@
 #include <stdbool.h>
 #include <stddef.h>
 
+#include "common/frame.h"
+#include "common/parameters_check.h"
 #include "stages/parts/merge.h"
 
 /* Exceeds everything the arcs of a node can carry (flow constraint 2), and sums of two of them still fit the type. */
@@ -22,7 +24,7 @@ vista_status vista_segmentation_layout(vista_segmentation *segmentation, vista_a
   s->steps = vista_arena_take(arena, nodes, sizeof(int32_t));
   s->source_side = vista_arena_take(arena, nodes, sizeof(uint8_t));
   s->capacity = vista_arena_take(arena, (size_t)foveation->graph.arc_count, sizeof(int32_t));
-  const vista_status merging = vista_merge_layout(s, arena, foveation);
+  const vista_status merging = vista_merge_layout(foveation, arena, &s->merge);
   if (merging != VISTA_OK) return merging;
   const vista_status status = vista_seeds_layout(&s->seeds, arena, foveation);
   if (status != VISTA_OK) return status;
@@ -124,6 +126,10 @@ vista_status vista_segment(const vista_foveation *foveation, const vista_paramet
   if (foveation == NULL || params == NULL || camera == NULL || cells == NULL || surfaces == NULL || affinity == NULL ||
       segmentation == NULL)
     return VISTA_ERROR_ARGUMENT;
+  vista_status status = VISTA_CHECK_SECTION(segmentation, &params->segmentation);
+  if (status == VISTA_OK) status = VISTA_CHECK_SECTION(affinity, &params->affinity);
+  if (status == VISTA_OK) status = vista_frame_check_camera(camera);
+  if (status != VISTA_OK) return status;
   vista_segmentation *const s = segmentation;
   const view w = {foveation, &params->segmentation, cells, surfaces, affinity, params->affinity.flow_scale};
   for (int32_t i = 0; i < foveation->node_count; ++i) {
@@ -132,9 +138,10 @@ vista_status vista_segment(const vista_foveation *foveation, const vista_paramet
   }
   s->region_count = s->cut_count = s->cut_nodes = 0;
 
-  vista_status status = vista_seeds_of_obstacles(foveation, w.params, camera, cells, surfaces, &s->seeds);
+  status = vista_seeds_of_obstacles(foveation, w.params, camera, cells, surfaces, &s->seeds);
   if (status == VISTA_OK) status = cut_all(&w, s);
-  if (status == VISTA_OK) vista_merge_regions(foveation, w.params, camera, cells, s);
+  if (status == VISTA_OK)
+    s->region_count = vista_merge_regions(s->merge, foveation, w.params, camera, cells, s->label, s->region_count);
   s->obstacle_count = s->region_count;
   if (status == VISTA_OK) status = vista_seeds_of_rest(foveation, w.params, affinity, surfaces, s->label, &s->seeds);
   if (status == VISTA_OK) status = cut_all(&w, s);

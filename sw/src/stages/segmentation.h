@@ -22,7 +22,7 @@
 
 #define VISTA_NO_LABEL (-1)
 
-typedef struct vista_border vista_border;
+struct vista_merge; /* stages/parts/merge.h */
 
 typedef struct vista_segmentation {
   int32_t *label;          /* node_count: region 0 .. region_count - 1 or VISTA_NO_LABEL */
@@ -35,10 +35,8 @@ typedef struct vista_segmentation {
   int32_t *source_capacity, *sink_capacity; /* scratch, node_count each */
   int32_t *subset, *steps;
   uint8_t *source_side;
-  int32_t *capacity;           /* scratch, graph.arc_count: what the cuts use */
-  int32_t *perimeter, *merged; /* scratch of the merging, node_count each */
-  vista_border *borders;       /* scratch: hash table over pairs of regions */
-  int32_t border_slots;        /* a power of two */
+  int32_t *capacity;         /* scratch, graph.arc_count: what the cuts use */
+  struct vista_merge *merge; /* scratch */
 } vista_segmentation;
 
 vista_status vista_segmentation_layout(vista_segmentation *segmentation, vista_arena *arena,

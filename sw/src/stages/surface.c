@@ -3,6 +3,8 @@
 #include <math.h>
 #include <stdbool.h>
 
+#include "common/frame.h"
+#include "common/parameters_check.h"
 #include "common/plane_fit.h"
 
 static const double degrees_per_radian = 57.29577951308232;
@@ -73,8 +75,7 @@ static bool mostly_horizontal(const vista_surfaces *surfaces, double horizontal_
 
 static double plane_at_cell(const vista_plane *plane, const vista_foveation *f, const vista_camera *camera,
                             int32_t node) {
-  return plane->offset + plane->slope_u * ((double)f->center_u[node] - camera->center_u_px) +
-         plane->slope_v * ((double)f->center_v[node] - camera->center_v_px);
+  return vista_plane_disparity_px(plane, camera, (double)f->center_u[node], (double)f->center_v[node]);
 }
 
 /* Least squares by area: cells of the fovea are many, but they cover little and lie far away. The first fits use
@@ -113,17 +114,15 @@ static bool find_ground(const vista_foveation *f, const vista_camera *camera, co
 static void compare_with_ground(const vista_foveation *f, const vista_surface_params *params,
                                 const vista_camera *camera, const vista_cells *cells, const vista_plane *plane,
                                 vista_surfaces *surfaces) {
-  /* Height above the plane of the point that is seen: (1 - ground / d) / norm; see vista_standing_fraction. */
-  const double norm = sqrt(plane->slope_u * plane->slope_u + plane->slope_v * plane->slope_v +
-                           plane->offset * plane->offset / (camera->focal_px * camera->focal_px)) /
-                      camera->baseline_m;
   for (int32_t i = 0; i < f->node_count; ++i) {
     const double d = (double)cells->disparity_px[i];
     if (d <= 0.0) continue;
     const double ground = plane_at_cell(plane, f, camera, i);
     if (ground > 0.0 && fabs(d - ground) < params->ground_step_px)
       surfaces->horizontal[i] = 1;
-    else if (d - ground >= params->ground_step_px && d - ground >= params->ground_step_m * norm * d)
+    else if (d - ground >= params->ground_step_px &&
+             vista_plane_height_m(plane, camera, (double)f->center_u[i], (double)f->center_v[i], d) >=
+                 params->ground_step_m)
       surfaces->horizontal[i] = 0;
   }
 }
@@ -133,6 +132,9 @@ vista_status vista_surfaces_compute(const vista_foveation *foveation, const vist
                                     vista_surfaces *surfaces) {
   if (foveation == NULL || params == NULL || camera == NULL || up_camera == NULL || cells == NULL || surfaces == NULL)
     return VISTA_ERROR_ARGUMENT;
+  vista_status status = VISTA_CHECK_SECTION(surface, params);
+  if (status == VISTA_OK) status = vista_frame_check_camera(camera);
+  if (status != VISTA_OK) return status;
   const vista_foveation *const f = foveation;
   surfaces->inclination_deg[0] = -1.0f;
   surfaces->horizontal[0] = 0;

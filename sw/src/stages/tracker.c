@@ -6,6 +6,7 @@
 #include "common/bits.h"
 #include "common/frame.h"
 #include "common/numbers.h"
+#include "common/parameters_check.h"
 #include "stages/parts/track_association.h"
 #include "stages/parts/track_filter.h"
 #include "stages/parts/track_life.h"
@@ -17,7 +18,7 @@ struct vista_tracker {
   bool started;
   int64_t t_ns; /* of the last update */
   int64_t dropped;
-  vista_track *tracks; /* ascending id */
+  vista_track *tracks; /* oldest first */
   vista_track_view *views;
   int32_t *detection_of_track; /* -1: none */
   vista_track_association *association;
@@ -59,24 +60,6 @@ int64_t vista_tracker_dropped(const vista_tracker *tracker) { return tracker->dr
 
 /* ---- checks, before anything changes ---- */
 
-static vista_status check_params(const vista_tracker_params *p) {
-  const bool filter = vista_positive(p->velocity_sigma_m_s) && vista_not_negative(p->moving_sigma_m_s) &&
-                      vista_not_negative(p->acceleration_psd_m2_s3) && vista_not_negative(p->position_psd_m2_s) &&
-                      vista_not_negative(p->attitude_sigma_deg) && vista_positive(p->extent_sigma_ratio) &&
-                      vista_not_negative(p->extent_psd_1_s);
-  const bool association =
-      vista_positive(p->gate_chi2) && vista_positive(p->overlap_sigma) && vista_positive(p->overlap_scale);
-  const bool world = p->static_odds >= 1.0 && isfinite(p->static_odds) && vista_not_negative(p->static_tolerance) &&
-                     p->static_noise_hits >= 1.0 && isfinite(p->static_noise_hits) &&
-                     vista_positive(p->static_fade_m) && vista_not_negative(p->static_speed_min_m_s);
-  const bool life = p->confirm_window >= 1 && p->confirm_window <= VISTA_WINDOW_BITS && p->confirm_hits >= 1 &&
-                    p->confirm_hits <= p->confirm_window && p->moved_hits >= 0 && p->moved_hits <= 16 &&
-                    p->volume_pixels >= 0 && p->miss_max >= 0 && vista_not_negative(p->out_of_view_s) &&
-                    vista_not_negative(p->blind_zone_s) && vista_positive(p->range_max_m);
-  const bool good = filter && association && world && life;
-  return good ? VISTA_OK : VISTA_ERROR_RANGE;
-}
-
 static vista_status check_detection(const vista_detection *d) {
   if (!isfinite(d->u_px) || !isfinite(d->v_px)) return VISTA_ERROR_NUMBER;
   for (int i = 0; i < 9; ++i)
@@ -95,7 +78,7 @@ static vista_status check_detection(const vista_detection *d) {
 static vista_status check(const vista_tracker *tracker, const vista_track_frame *f) {
   if (f->count < 0) return VISTA_ERROR_SIZE;
   if (f->count > tracker->max_detections) return VISTA_ERROR_CAPACITY;
-  vista_status status = check_params(f->params);
+  vista_status status = VISTA_CHECK_SECTION(tracker, f->params);
   if (status == VISTA_OK) status = vista_matched_area_check(f->matched);
   if (status == VISTA_OK) status = vista_frame_check_camera(f->camera);
   if (status == VISTA_OK) status = vista_frame_check_pose(f->pose);
@@ -104,8 +87,7 @@ static vista_status check(const vista_tracker *tracker, const vista_track_frame 
     status = vista_frame_check_disparity(words, f->camera->width_px, f->camera->height_px);
   for (int32_t i = 0; i < f->count && status == VISTA_OK; ++i) status = check_detection(&f->detections[i]);
   if (status != VISTA_OK) return status;
-  if (tracker->started && f->t_ns <= tracker->t_ns) return VISTA_ERROR_ORDER;
-  return tracker->next_id > INT32_MAX - 2 * f->count ? VISTA_ERROR_OVERFLOW : VISTA_OK;
+  return tracker->started && f->t_ns <= tracker->t_ns ? VISTA_ERROR_ORDER : VISTA_OK;
 }
 
 /* ---- the table of tracks ---- */
@@ -131,6 +113,17 @@ static void look_at_all(vista_tracker *tracker, const vista_track_frame *f) {
   tracker->count = kept;
 }
 
+/* Used up after 2^31 tracks: then from 1 again, past those that still live. `count`: tracks in the table by now. */
+static int32_t new_id(vista_tracker *tracker, int32_t count) {
+  for (;;) {
+    const int32_t id = tracker->next_id;
+    tracker->next_id = id < INT32_MAX ? id + 1 : 1;
+    bool lives = false;
+    for (int32_t i = 0; i < count && !lives; ++i) lives = tracker->tracks[i].id == id;
+    if (!lives) return id;
+  }
+}
+
 /* A track seen once, and a detection that no track explains: perhaps the same, moved. That is one more track, behind
  * the others in the table; both go on as what stands, too. Returns how many there are. */
 static int32_t spawn_moving(vista_tracker *tracker, const vista_track_frame *f) {
@@ -139,8 +132,9 @@ static int32_t spawn_moving(vista_tracker *tracker, const vista_track_frame *f) 
     const int32_t detection = vista_track_association_moved_to(tracker->association, i);
     if (detection < 0) continue;
     vista_track *const track = &tracker->tracks[tracker->count + spawned++];
+    const int32_t id = new_id(tracker, tracker->count + spawned - 1);
     *track = tracker->tracks[i];
-    track->id = tracker->next_id++;
+    track->id = id;
     vista_track_view view;
     vista_track_set_moving(f, track, &view);
     vista_track_take(f, &f->detections[detection], &view, false, track);
@@ -236,7 +230,7 @@ static void start(vista_tracker *tracker, const vista_track_frame *f, const vist
   vista_track_start(f, detection, &newborn);
   if (!vista_track_look(f, &newborn, &view) || within_confirmed(tracker, f, &view)) return;
   if (tracker->count == tracker->max_tracks && !make_room(tracker, &newborn)) return;
-  newborn.id = tracker->next_id++;
+  newborn.id = new_id(tracker, tracker->count);
   tracker->tracks[tracker->count] = newborn;
   tracker->views[tracker->count] = view;
   ++tracker->count;

@@ -46,7 +46,7 @@
 #define VISTA_TRACKER_MAX 4096 /* tracks, detections */
 
 typedef struct vista_track {
-  int32_t id; /* from 1, never reused */
+  int32_t id; /* from 1; used again only after 2^31 tracks, and never of one that lives */
   bool confirmed;      /* M of N: it is tracked */
   bool credible;       /* and it does not move with the aircraft (static_world.h): it may be warned of */
   bool moved;          /* started from two detections as something that moves: confirmed by more hits */
@@ -91,13 +91,13 @@ void vista_tracker_reset(vista_tracker *tracker);
  * VISTA_ERROR_SIZE: words of another size than the camera's;
  * VISTA_ERROR_RANGE: parameter or camera out of range, rotation not orthonormal, a disparity, sigma or extent not
  * positive;
- * VISTA_ERROR_CAPACITY: more than max_detections; VISTA_ERROR_OVERFLOW: the ids are used up. */
+ * VISTA_ERROR_CAPACITY: more than max_detections. */
 vista_status vista_tracker_update(vista_tracker *tracker, const vista_tracker_params *params,
                                   const vista_camera *camera, const vista_matched_area *matched,
                                   const vista_motion *motion, int64_t t_ns, const vista_disparity_image *disparity,
                                   const vista_detection *detections, int32_t count);
 
-/* All live tracks, ascending id; valid until the next update. */
+/* All live tracks, oldest first; valid until the next update. */
 const vista_track *vista_tracker_tracks(const vista_tracker *tracker, int32_t *count);
 
 /* Tracks lost because the table was full, newborns included, since the layout or the last reset. */

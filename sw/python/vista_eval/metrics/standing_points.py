@@ -8,6 +8,8 @@ standing point  0.5 m or more above the road's plane, NEAR_M to FAR_M away (dept
 road point      within 0.15 m of that plane, at the same distances
 recall          share of the standing points that lie in an accepted region whose valid words (2nd to 98th
                 percentile, widened by 1.5 px) contain the point's true disparity
+on surface      share of the standing points that are recalled, and within 1.5 px or 6 % of the plane that
+                fits their region's words: a region that spans everything recalls all, but is no surface
 engine          share of the standing points that themselves have a word within 3 px of the truth
 wrong           share of the pixels of accepted regions with a word that differs from the truth by more than
                 3 px and by more than 5 %
@@ -37,6 +39,7 @@ STANDING_M, ROAD_M = 0.5, 0.15
 BANDS_M = (5.0, 10.0, 20.0, 30.0, 45.0)
 ENGINE_PX, WRONG_SHARE = 3.0, 0.05
 PERCENTILES, WIDENED_PX = (2.0, 98.0), 1.5
+SURFACE_PX, SURFACE_SHARE = 1.5, 0.06
 ACCEPTED, NONE = "ACCEPTED", "NONE"  # NONE: the pixel belongs to no region
 
 Mask = NDArray[np.bool_]
@@ -221,6 +224,34 @@ def word_ranges_px(words: NDArray[np.int16], region: NDArray[np.int32], regions:
     return ends[0], ends[1]
 
 
+FIT_SCALES_PX = (16.0, 8.0, 4.0, 2.0, 1.0, 1.0, 1.0)  # of Cauchy's weights, pass by pass
+LEAST_FIT_WORDS = 6
+
+
+def region_planes(words: NDArray[np.int16], region: NDArray[np.int32], regions: int) -> Array:
+    """(regions, 3): disparity = a + b u + c v over each region's words, robustly; NaN where they are few."""
+    v, u = np.nonzero((words >= 0) & (region >= 0))
+    label, disparity_px = region[v, u], words[v, u] / SCALE
+    count = np.bincount(label, minlength=regions)
+
+    def sums(values: Array) -> Array:
+        return np.bincount(label, values, minlength=regions)
+
+    middle_u, middle_v = (sums(x.astype(np.float64)) / np.maximum(count, 1) for x in (u, v))
+    terms = np.stack([np.ones(len(u)), u - middle_u[label], v - middle_v[label]])
+    weight, plane = np.ones(len(u)), np.zeros((regions, 3))
+    ridge = np.diag([1e-9, 1e-3, 1e-3])  # a region one pixel wide has no slope across
+    for scale_px in FIT_SCALES_PX:
+        normal = np.stack([[sums(weight * a * b) for a in terms] for b in terms]).transpose(2, 0, 1)
+        right = np.stack([sums(weight * a * disparity_px) for a in terms], axis=-1)
+        plane = np.linalg.solve(normal + ridge, right[..., np.newaxis])[..., 0]
+        residual_px = disparity_px - np.einsum("ki,ik->k", plane[label], terms)
+        weight = 1.0 / (1.0 + (residual_px / scale_px) ** 2)
+    plane[:, 0] -= plane[:, 1] * middle_u + plane[:, 2] * middle_v
+    plane[count < LEAST_FIT_WORDS] = np.nan
+    return plane
+
+
 @dataclass(frozen=True)
 class PointFates:
     """Of each of the points, one an entry."""
@@ -228,6 +259,7 @@ class PointFates:
     verdict: NDArray[np.str_]
     accepted: Mask
     recalled: Mask  # accepted, at the disparity of its region
+    on_surface: Mask  # recalled, near the plane of its region
     matched: Mask  # has a word of its own within ENGINE_PX
     valid: Mask  # has a word
     wrong: Mask  # has one that is wrong
@@ -243,12 +275,18 @@ def fates(points: Points, judged: Judged) -> PointFates:
     low, high = word_ranges_px(judged.words, judged.region_of_pixel, regions)
     low, high = np.append(low, np.inf), np.append(high, -np.inf)
     truth_px = points.disparity_px
+    recalled = accepted & (low[region] <= truth_px) & (truth_px <= high[region])
+    plane = np.vstack([region_planes(judged.words, judged.region_of_pixel, regions), np.full(3, np.nan)])[
+        region
+    ]
+    fitted_px = plane[:, 0] + plane[:, 1] * points.u + plane[:, 2] * points.v
     error_px = np.abs(word / SCALE - truth_px)
     valid = word >= 0
     return PointFates(
         verdict,
         accepted,
-        accepted & (low[region] <= truth_px) & (truth_px <= high[region]),
+        recalled,
+        recalled & (np.abs(fitted_px - truth_px) <= np.maximum(SURFACE_PX, SURFACE_SHARE * truth_px)),
         valid & (error_px <= ENGINE_PX),
         valid,
         valid & (error_px > ENGINE_PX) & (error_px > WRONG_SHARE * truth_px),
@@ -269,6 +307,7 @@ def count_points(points: Points, judged: Judged) -> Counts:
         counts |= {
             f"standing{name}": int(standing.sum()),
             f"recalled{name}": int((standing & fate.recalled).sum()),
+            f"on surface{name}": int((standing & fate.on_surface).sum()),
             f"matched{name}": int((standing & fate.matched).sum()),
             f"judged{name}": int((fate.accepted & fate.valid & seen & where).sum()),
             f"wrong{name}": int((fate.accepted & fate.wrong & seen & where).sum()),
@@ -286,6 +325,7 @@ def count_points(points: Points, judged: Judged) -> Counts:
 
 MEASURES = {  # share: of which counts it is the quotient
     "recall": ("recalled", "standing"),
+    "on surface": ("on surface", "standing"),
     "engine": ("matched", "standing"),
     "wrong": ("wrong", "judged"),
     "road": ("road accepted", "on road"),

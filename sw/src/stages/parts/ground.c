@@ -30,19 +30,16 @@ double vista_standing_fraction(const vista_foveation *foveation, const vista_cam
                                            plane.slope_u, plane.slope_v) > horizontal_deg)) {
     return 1.0; /* leaning cells here and there, but nothing to lie on */
   }
-  const double norm = sqrt(plane.slope_u * plane.slope_u + plane.slope_v * plane.slope_v +
-                           plane.offset * plane.offset / (camera->focal_px * camera->focal_px)) /
-                      camera->baseline_m;
   double area = 0.0, standing = 0.0;
   for (int32_t m = 0; m < member_count; ++m) {
     const int32_t node = members[m];
     const double d = (double)cells->disparity_px[node];
     if (d <= 0.0) continue;
-    const double ground = plane.offset + plane.slope_u * ((double)foveation->center_u[node] - camera->center_u_px) +
-                          plane.slope_v * ((double)foveation->center_v[node] - camera->center_v_px);
     const double size = (double)foveation->size_px[node];
     area += size * size;
-    if (fabs(1.0 - ground / d) >= min_height_m * norm) standing += size * size;
+    const double height_m =
+        vista_plane_height_m(&plane, camera, (double)foveation->center_u[node], (double)foveation->center_v[node], d);
+    if (fabs(height_m) >= min_height_m) standing += size * size;
   }
   return area > 0.0 ? standing / area : 1.0;
 }

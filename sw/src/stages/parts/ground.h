@@ -9,8 +9,7 @@
 #include "vista/types.h"
 
 /* Fits a plane to the horizontal cells around the region's nodes, or takes the ground of the frame where there are
- * none: n . P = 1 with n = (g_u, g_v, d_0 / f) / B, so that a point at disparity d, where the plane has d_g, is
- * (1 - d_g / d) / |n| above it. Returns the part of the region's area that is at least min_height_m off that plane;
+ * none. Returns the part of the region's area that is at least min_height_m off that plane;
  * 1 where there is no such plane, or it leans less than horizontal_deg: nothing to lie on. */
 double vista_standing_fraction(const vista_foveation *foveation, const vista_camera *camera, const vista_cells *cells,
                                const vista_surfaces *surfaces, const double up_camera[3], double horizontal_deg,

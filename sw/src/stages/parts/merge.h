@@ -6,17 +6,20 @@
 
 #include "common/arena.h"
 #include "stages/foveation.h"
-#include "stages/segmentation.h"
 #include "vista/parameters.h"
 #include "vista/status.h"
 #include "vista/types.h"
 
-/* Room for the merging's own tables, within vista_segmentation_layout. */
-vista_status vista_merge_layout(vista_segmentation *segmentation, vista_arena *arena, const vista_foveation *foveation);
+typedef struct vista_merge vista_merge; /* working memory, nothing kept from call to call */
 
-/* Joins regions among 0 .. region_count - 1 whose common boundary is smooth: most of the edges across it, and a share
- * of the shorter perimeter, step by less than merge_ratio times a seed's step. Labels stay dense and in order. */
-void vista_merge_regions(const vista_foveation *foveation, const vista_segmentation_params *params,
-                         const vista_camera *camera, const vista_cells *cells, vista_segmentation *segmentation);
+/* *merge is NULL while the arena counts. */
+vista_status vista_merge_layout(const vista_foveation *foveation, vista_arena *arena, vista_merge **merge);
+
+/* Joins regions whose common boundary is smooth: most of the edges across it, and a share of the shorter perimeter, step
+ * by less than merge_ratio times a seed's step. label: of each node, 0 .. region_count - 1 or negative; changed in place.
+ * Returns the new number of regions; labels stay dense and in order. */
+int32_t vista_merge_regions(vista_merge *merge, const vista_foveation *foveation,
+                            const vista_segmentation_params *params, const vista_camera *camera,
+                            const vista_cells *cells, int32_t *label, int32_t region_count);
 
 #endif

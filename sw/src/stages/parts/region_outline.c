@@ -64,15 +64,10 @@ static uint32_t covered(double first, double last, double center, double length)
 
 static double share(uint32_t bins) { return (double)vista_window_count(bins, SIDE_BINS) / SIDE_BINS; }
 
-/* Height above the ground's plane of what is seen at a pixel with a disparity; see ground.h. */
 static double above_ground_m(const vista_surfaces *s, const vista_camera *camera, double u_px, double v_px,
                              double disparity_px) {
-  const double norm = sqrt(s->ground_slope_u * s->ground_slope_u + s->ground_slope_v * s->ground_slope_v +
-                           s->ground_px * s->ground_px / (camera->focal_px * camera->focal_px)) /
-                      camera->baseline_m;
-  const double ground = s->ground_px + s->ground_slope_u * (u_px - camera->center_u_px) +
-                        s->ground_slope_v * (v_px - camera->center_v_px);
-  return (1.0 - ground / disparity_px) / norm;
+  const vista_plane ground = {s->ground_px, s->ground_slope_u, s->ground_slope_v};
+  return vista_plane_height_m(&ground, camera, u_px, v_px, disparity_px);
 }
 
 static bool upright(const crossing *at) { return at->side == SIDE_LEFT || at->side == SIDE_RIGHT; }

@@ -1,6 +1,9 @@
 #include "stages/parts/seed_extent.h"
 
 #include <math.h>
+#include <stdbool.h>
+
+#include "stages/parts/seed_step.h"
 
 #define FARTHEST_STEP_PX 30.0f /* no slope is believed beyond this */
 
@@ -14,8 +17,8 @@ void vista_seeds_bridge(const vista_foveation *foveation, const vista_segmentati
                         vista_seeds *seeds) {
   const vista_graph *const graph = &foveation->graph;
   const float *const d = cells->disparity_px;
-  int32_t *const owner = seeds->seed_of_node; /* the standing cell that a node is reached from; not yet in use */
-  int32_t *const queue = seeds->order;
+  int32_t *const owner = seeds->reached_from;
+  int32_t *const queue = seeds->queue;
   float *const length_px = seeds->length_px;
   int32_t count = 0;
   for (int32_t i = 0; i < graph->node_count; ++i) {
@@ -51,7 +54,7 @@ void vista_seeds_bridge(const vista_foveation *foveation, const vista_segmentati
  * reach_px, but never out of a seed. Half of its arcs belongs to a node at 0. */
 static void spread(const vista_foveation *foveation, float reach_px, vista_seeds *seeds, int32_t count) {
   const vista_graph *const graph = &foveation->graph;
-  int32_t *const queue = seeds->order;
+  int32_t *const queue = seeds->queue;
   float *const length_px = seeds->length_px;
   for (int32_t next = 0; next < count; ++next) {
     const int32_t i = queue[next];
@@ -93,7 +96,7 @@ void vista_seeds_find_shell(const vista_foveation *foveation, const vista_segmen
     if (length_px[i] > reach_px)
       length_px[i] = INFINITY;
     else
-      seeds->order[count++] = i;
+      seeds->queue[count++] = i;
   }
   spread(foveation, reach_px, seeds, count);
   count = 0;
@@ -101,7 +104,7 @@ void vista_seeds_find_shell(const vista_foveation *foveation, const vista_segmen
     const bool member = seeds->seed_of_node[i] != VISTA_NO_SEED, near_edge = length_px[i] != INFINITY;
     seeds->shell[i] = member && near_edge;
     length_px[i] = member && !near_edge ? 0.0f : INFINITY;
-    if (member && !near_edge) seeds->order[count++] = i;
+    if (member && !near_edge) seeds->queue[count++] = i;
   }
   spread(foveation, reach_px, seeds, count);
   for (int32_t i = 0; i < foveation->node_count; ++i) seeds->shell[i] = seeds->shell[i] && length_px[i] != INFINITY;

@@ -2,21 +2,11 @@
 #ifndef VISTA_SRC_SEED_EXTENT_H
 #define VISTA_SRC_SEED_EXTENT_H
 
-#include <stdbool.h>
-#include <stdint.h>
-
 #include "stages/foveation.h"
 #include "stages/seeds.h"
 #include "stages/surface.h"
 #include "vista/parameters.h"
 #include "vista/types.h"
-
-static inline bool vista_standing(const vista_cells *cells, const vista_surfaces *surfaces, int32_t node) {
-  return cells->disparity_px[node] > 0.0f && !surfaces->horizontal[node];
-}
-
-/* Makes one set of those of nodes a and b. */
-void vista_seeds_join(vista_seeds *seeds, int32_t a, int32_t b);
 
 /* Joins the sets of standing cells of about the same disparity, up to bridge_m apart, where a way between them leads
  * over cells without disparity: plain faces are matched only at their edges. Before the seeds are numbered. */

@@ -1,0 +1,25 @@
+/* What seeds are made of: standing cells, joined where the disparity steps little. Internal to libvista. */
+#ifndef VISTA_SRC_SEED_STEP_H
+#define VISTA_SRC_SEED_STEP_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "stages/foveation.h"
+#include "stages/seeds.h"
+#include "stages/surface.h"
+#include "vista/parameters.h"
+#include "vista/types.h"
+
+static inline bool vista_standing(const vista_cells *cells, const vista_surfaces *surfaces, int32_t node) {
+  return cells->disparity_px[node] > 0.0f && !surfaces->horizontal[node];
+}
+
+/* Largest disparity step inside a seed between cells distance_px apart, the nearer one at disparity_px. */
+float vista_seed_step_px(const vista_segmentation_params *params, const vista_camera *camera, float distance_px,
+                         float disparity_px);
+
+/* Makes one set of those of nodes a and b. */
+void vista_seeds_join(vista_seeds *seeds, int32_t a, int32_t b);
+
+#endif

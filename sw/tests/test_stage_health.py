@@ -1,0 +1,148 @@
+"""Health: what of a frame makes it degraded or blind, and what ordinary frames are."""
+
+from __future__ import annotations
+
+import math
+
+import board_flight as scene
+import numpy as np
+import pytest
+from board_flight import board_flight
+from cut_library import ffi, lib, status_name
+from pipeline_library import CALIBRATION, Frame, Pipeline
+from random_seed import seeded
+from stage_library import Stages, camera, image_struct
+from track_library import matched, motion, params
+from vista import StereoEngine
+from vista.pipeline import Pipeline as PythonPipeline
+
+WIDTH, HEIGHT = 160, 120
+AREA = (slice(5, HEIGHT - 5), slice(36, WIDTH - 5))  # of track_library.MATCHED
+
+
+def textured() -> np.ndarray:
+    return seeded(1).integers(0, 256, (HEIGHT, WIDTH)).astype(np.uint8)
+
+
+def words(fraction: float) -> np.ndarray:
+    """That share of the matched pixels has a disparity, and none of the others."""
+    image = np.full((HEIGHT, WIDTH), -16, np.int16)
+    inside = image[AREA].reshape(-1)
+    inside[: math.ceil(fraction * inside.size)] = 80
+    image[AREA] = inside.reshape(image[AREA].shape)
+    return image
+
+
+def judge(image: np.ndarray, disparity: np.ndarray, *, how=None, area=None, **changes: float):
+    """Status, state, reasons, the struct, and the valid fraction of the image."""
+    stages = Stages(camera(WIDTH, HEIGHT))
+    assert stages.foveate(image, disparity) == "VISTA_OK"
+    health, fraction = ffi.new("vista_health *"), ffi.new("double *")
+    status = lib.vista_health_judge(
+        params("health", **changes),
+        stages.foveation.handle,
+        area or matched(),
+        stages.cells,
+        image_struct("disparity_image", disparity),
+        how or motion(),
+        health,
+        fraction,
+    )
+    state = ffi.string(lib.vista_health_state_name(health.state)).decode()
+    numbers = [k for k in range(lib.VISTA_HEALTH_REASON_COUNT) if health.reasons >> k & 1]
+    names = [ffi.string(lib.vista_health_reason_name(k)).decode() for k in numbers]
+    return status_name(status), state, names, health, fraction[0]
+
+
+@pytest.mark.parametrize(
+    ("fraction", "state", "reasons"),
+    [
+        (1.0, "healthy", []),
+        (0.101, "healthy", []),
+        (0.099, "degraded", ["few_disparities"]),
+        (0.021, "degraded", ["few_disparities"]),
+        (0.019, "blind", ["no_disparities"]),
+        (0.0, "blind", ["no_disparities"]),
+    ],
+)
+def test_disparities_that_are_few(fraction: float, state: str, reasons: list[str]) -> None:
+    disparity = words(fraction)
+    found = judge(textured(), disparity, degraded_fraction=0.1, blind_fraction=0.02)
+    assert found[:3] == ("VISTA_OK", state, reasons)
+    assert found[3].matched_fraction == pytest.approx(fraction, abs=1e-3)
+    assert found[4] == np.mean(disparity >= 0)
+
+
+@pytest.mark.parametrize(
+    ("grey", "noise", "state"),
+    [(0, 0.0, "blind"), (255, 0.0, "blind"), (90, 3.0, "blind"), (90, 60.0, "healthy")],
+)
+def test_an_image_of_one_grey_level_is_blind(grey: float, noise: float, state: str) -> None:
+    """However well chance has matched it: the noise of the sensor is no contrast."""
+    image = np.clip(seeded(2).normal(grey, noise, (HEIGHT, WIDTH)), 0, 255).astype(np.uint8)
+    if state == "healthy":
+        image[:, : WIDTH // 2] //= 2
+    found = judge(image, words(0.6))
+    assert found[:3] == ("VISTA_OK", state, [] if state == "healthy" else ["no_contrast"])
+
+
+@pytest.mark.parametrize(
+    ("source", "restarted", "reasons"),
+    [
+        ("POSE", False, []),
+        ("STANDS", False, []),
+        ("UNTOLD", False, []),  # nobody gave a pose: nothing is missing
+        ("CARRIED_ON", False, ["motion_unknown"]),
+        ("REFUSED", False, ["pose_jump"]),
+        ("POSE", True, ["pose_jump"]),
+    ],
+)
+def test_poses_that_are_missing_or_jump(source: str, restarted: bool, reasons: list[str]) -> None:
+    how = motion(source=getattr(lib, f"VISTA_MOTION_{source}"), restarted=restarted)
+    state = "degraded" if reasons else "healthy"
+    assert judge(textured(), words(0.5), how=how)[:3] == ("VISTA_OK", state, reasons)
+    assert judge(textured(), words(0.0), how=how)[1:3] == ("blind", ["no_disparities", *reasons])
+
+
+def test_every_reason_has_a_name_and_a_text() -> None:
+    count = lib.VISTA_HEALTH_REASON_COUNT
+    for function in (lib.vista_health_reason_name, lib.vista_health_reason_text):
+        texts = {ffi.string(function(k)) for k in range(count)}
+        assert len(texts) == count and all(texts) and ffi.string(function(count)) not in texts
+
+
+def test_errors() -> None:
+    for name in ("degraded_fraction", "blind_fraction", "contrast_min"):
+        assert judge(textured(), words(0.5), **{name: math.nan})[0] == "VISTA_ERROR_RANGE"
+    assert judge(textured(), words(0.5), area=matched(margin_px=-1.0))[0] == "VISTA_ERROR_RANGE"
+    assert judge(textured(), words(0.5), area=matched(margin_left_px=1e9))[0] == "VISTA_ERROR_RANGE"
+
+
+# ---- in the chain ----
+
+
+def test_the_board_flight_is_healthy_and_its_drop_out_is_not() -> None:
+    pipeline = Pipeline()
+    for index, source in enumerate(board_flight()):
+        frame = Frame(source)
+        if index == 9:
+            frame.c.pose = ffi.NULL
+        assert pipeline.process(frame) == "VISTA_OK"
+        health = pipeline.result.health
+        expected = 1 << lib.VISTA_HEALTH_MOTION_UNKNOWN if index == 9 else 0
+        assert health.reasons == expected and (health.state == lib.VISTA_HEALTH_DEGRADED) == (index == 9)
+
+
+@pytest.mark.parametrize("view", ["black", "lens cap"])
+def test_a_covered_lens_is_blind_and_keeps_its_tracks(view: str) -> None:
+    pipeline, engine, random = PythonPipeline(CALIBRATION), StereoEngine(num_disparities=64), seeded(3)
+    sources = board_flight()
+    for source in sources[:10]:
+        seen = pipeline.process(source.left, source.words, source.t_ns)
+    assert seen.health.state == "healthy"
+    shape = (2, scene.HEIGHT, scene.WIDTH)
+    dark = np.clip(random.normal(8.0, 0.0 if view == "black" else 3.0, shape), 0, 255).astype(np.uint8)
+    covered = pipeline.process(dark[0], engine.compute(dark[0], dark[1]), sources[10].t_ns)
+    assert covered.health.state == "blind" and "no_contrast" in covered.health.reasons
+    assert len(covered.health.texts) == len(covered.health.reasons)
+    assert [o.id for o in covered.obstacles if o.confirmed] == [o.id for o in seen.obstacles if o.confirmed]
