@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -26,7 +27,8 @@ def make(folder: Path, *goals: str, path: str = os.environ["PATH"]) -> subproces
 def checkout(tmp_path: Path) -> Path:
     """What make reads to begin with, and a .venv with a script of its own as pip installs them."""
     folder = tmp_path / "before" / "vista"
-    for name in ("Makefile", "rtl/rtl.mk", "model/systemc/systemc.mk", "scripts/setup.sh"):
+    included = re.findall(r"^include (.*)$", (REPOSITORY / "Makefile").read_text(), re.MULTILINE)
+    for name in ("Makefile", *included, "scripts/setup.sh"):
         (folder / name).parent.mkdir(parents=True, exist_ok=True)
         shutil.copy(REPOSITORY / name, folder / name)
     environment = folder / ".venv"

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 import vista
 from random_seed import seeded
+from vista import native, parameters
 from vista.engine import EngineParameters, OpenCvEngine, StereoEngine, create_engine
 from vista_model import INVALID, Parameters, compute_levels, compute_with_smin, smooth
 
@@ -192,3 +193,14 @@ def test_slices_of_larger_images_are_read_as_they_are(pair):
     np.testing.assert_array_equal(
         StereoEngine().compute(left, right), StereoEngine().compute(left.copy(), right.copy())
     )
+
+
+def test_constants_are_those_of_the_headers() -> None:
+    """Python's own definitions, once for all engines, against the binding's."""
+    _, lib = native.load("vista_engine")
+    assert vista.engine.INVALID == lib.VISTA_DISPARITY_INVALID
+    assert vista.engine.LR_OFF == lib.VISTA_ENGINE_LR_OFF
+    _, host = native.load("vista")
+    assert vista.engine.INVALID == host.VISTA_DISPARITY_INVALID == INVALID
+    assert vista.engine.SCALE == host.VISTA_DISPARITY_SCALE == lib.VISTA_DISPARITY_SCALE
+    assert parameters.schema()["stereo"]["lr_max_diff"]["min"] == vista.engine.LR_OFF

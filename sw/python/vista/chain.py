@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vista import parameters
-from vista.engine import Engine, EngineParameters, create_engine
+from vista.engine import LR_OFF, Engine, EngineParameters, create_engine
 from vista.errors import InputError
 from vista.history import FrameRecord, StageClock
 from vista.rectify import Rectifier
@@ -18,8 +18,6 @@ from vista.sequence import Frame, FrameFiles, Sequence
 if TYPE_CHECKING:
     from vista.geometry import Array, Pose
     from vista.pipeline import Result
-
-LR_OFF = -1  # of stereo.lr_max_diff: TOML has no word for None
 
 
 class HostPipeline(Protocol):

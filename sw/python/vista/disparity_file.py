@@ -14,13 +14,12 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from vista.engine import INVALID
+from vista.engine import INVALID, SCALE
 from vista.errors import InputError
 from vista.output import write_atomically
 from vista.sequence.image import check_container
 
 Words = NDArray[np.int16]
-SCALE = 16  # words per px
 FORMATS = (".png", ".pfm", ".npy")
 
 

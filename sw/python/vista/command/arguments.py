@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 
 from vista import parameters
-from vista.chain import LR_OFF
+from vista.engine.contract import LR_OFF
 
 
 def add_config(parser: argparse.ArgumentParser) -> None:

@@ -7,7 +7,7 @@ Images are uint8, height x width, rectified, left is the reference. Disparities 
 left image, -16 where there is none. doc/design/engine-contract.md defines them to the bit.
 """
 
-from vista.engine.contract import INVALID, Disparity, Engine, EngineParameters, Image
+from vista.engine.contract import INVALID, LR_OFF, SCALE, Disparity, Engine, EngineParameters, Image
 from vista.engine.create import ENGINES, create_engine
 from vista.engine.golden import StereoEngine
 from vista.engine.opencv import OpenCvEngine
@@ -16,6 +16,8 @@ from vista.engine.rtl import RtlEngine
 __all__ = [
     "ENGINES",
     "INVALID",
+    "LR_OFF",
+    "SCALE",
     "Disparity",
     "Engine",
     "EngineParameters",

@@ -9,7 +9,10 @@ from typing import Protocol
 import numpy as np
 import numpy.typing as npt
 
+# As vista/word.h and vista/engine.h have them; --help does not load the library.
+SCALE = 16  # words a pixel of disparity
 INVALID = -16  # the word of a pixel without a disparity
+LR_OFF = -1  # of lr_max_diff where None is no number: in C, and in TOML
 MAX_LEVELS = 4
 
 Image = npt.NDArray[np.uint8]

@@ -18,7 +18,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from vista.disparity_file import SCALE
+from vista.engine import SCALE
 from vista.report.labels import PADDING_PX, Labels, put_text, text_scale, text_size
 from vista.report.palette import GREEN, GREY, INK, WHITE, YELLOW, Colour, RegionColours
 from vista.sequence.types import Frame

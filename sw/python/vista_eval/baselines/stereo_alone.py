@@ -19,8 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 from vista import native, parameters
 from vista.chain import engine_parameters
-from vista.disparity_file import SCALE
-from vista.engine import EngineParameters, StereoEngine
+from vista.engine import SCALE, EngineParameters, StereoEngine
 from vista.geometry import Array, Pose
 from vista.sequence import open_sequence
 

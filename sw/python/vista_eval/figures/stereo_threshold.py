@@ -11,8 +11,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 from vista import parameters
 from vista.chain import engine_parameters
-from vista.disparity_file import SCALE
-from vista.engine import create_engine
+from vista.engine import SCALE, create_engine
 from vista.sequence import Frame, open_sequence
 
 from vista_eval.baselines.stereo_alone import thresholded

@@ -29,7 +29,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from vista.disparity_file import SCALE
+from vista.engine import SCALE
 from vista.geometry import Array, Calibration
 
 from vista_eval.metrics.frame_truth import CYLINDER_RADIUS_M
