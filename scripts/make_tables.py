@@ -299,6 +299,20 @@ def rectification_table() -> str:
     return markdown("pair | median row error before, px | after, px", rows)
 
 
+def health_table() -> str:
+    """What the checks of a run say of real pairs, as recorded and with each fault."""
+
+    def cells(row: Record) -> list[str]:
+        reasons = ", ".join(f"`{name}` {count}" for name, count in row["reasons"].items()) or "none"
+        measures = ("agreeing_share", "row_error_px", "row_spread_px", "negative_share")
+        ranges = [span(row[name]) if name in row else "" for name in measures]
+        return [row["recording"], row["fault"], str(row["frames"]), reasons, *ranges]
+
+    head = "recording | fault | frames | reasons and frames | features that agree (share) | "
+    head += "row error (px) | scatter of rows (px) | negative (share)"
+    return markdown(head, [cells(row) for row in figures("health")["rows"]])
+
+
 def synthesis_table() -> str:
     builds = figures("synthesis")["builds"]
     rows = []
@@ -431,6 +445,7 @@ TABLES: dict[str, Callable[[], str]] = {
     "flights-test": lambda: flights_table("test"),
     "throughput": throughput_table,
     "rectification": rectification_table,
+    "health": health_table,
     "synthesis": synthesis_table,
     "coverage": coverage_table,
     "mutants": mutants_table,
@@ -596,6 +611,7 @@ REDUCE: dict[str, Callable[[Record], Record]] = {
     "engine": lambda raw: raw,
     "frontend": lambda raw: raw,
     "disparity-quality": lambda raw: raw,
+    "health": lambda raw: raw,
     "host": lambda raw: {"sequences": raw["sequences"]},
     "street": lambda raw: raw,
     "segmentation": lambda raw: raw,

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from vista.engine import INVALID
 
 WIDTH, HEIGHT = 320, 240
 FOCAL_PX, BASELINE_M = 300.0, 0.5
@@ -72,7 +73,7 @@ def render(index: int, with_board: bool = True, with_ground: bool = True) -> Boa
     words = np.rint(16.0 * FOCAL_PX * BASELINE_M / depth_m).astype(np.int16)
     margin = BLOCK_RADIUS_PX
     matched = (u >= DISPARITY_MAX_PX + margin) & (u < WIDTH - margin) & (v >= margin) & (v < HEIGHT - margin)
-    words[~matched | ~np.isfinite(depth_m) | (words > 16 * DISPARITY_MAX_PX)] = -16
+    words[~matched | ~np.isfinite(depth_m) | (words > 16 * DISPARITY_MAX_PX)] = INVALID
     return BoardFrame(grey.astype(np.uint8), words, START_NS + index * PERIOD_NS, position)
 
 

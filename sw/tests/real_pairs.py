@@ -62,13 +62,11 @@ def make_bumblebee2(folder: Path, scenes: list[str]) -> Path:
     return folder
 
 
-def make_kitti2012(folder: Path, size: tuple[int, int], count: int) -> Path:
-    """So many pairs of the images of that size."""
-    made = 0
+def make_kitti2012(folder: Path, size: tuple[int, int]) -> Path:
+    """The pairs of images of that size."""
     for left in sorted((SHARED_DATA / "kitti2012" / "image_0").iterdir()):
         image = read_grey(left)
-        if image.shape[::-1] == size and made < count:
-            made += 1
+        if image.shape[::-1] == size:
             cases.write_image(folder / f"{left.stem}_left.png", image)
             shutil.copy(SHARED_DATA / "kitti2012" / "image_1" / left.name, folder / f"{left.stem}_right.png")
     write_calibration(folder, *KITTI_2012[size], BASELINE_M)

@@ -7,8 +7,8 @@ from itertools import pairwise
 
 import numpy as np
 from stage_arena import Arena, default_parameters, ffi, lib, status_name
+from vista.engine import INVALID
 
-INVALID = -16
 LEVEL_UP = (0.0, -1.0, 0.0)
 RUN = np.dtype([("u", np.int32), ("v", np.int32), ("length", np.int32)])
 

@@ -316,6 +316,8 @@ BAD_OPTIONS = [
     (["run", "SEQUENCE", "--out", "OUT", "--frames", "2:2"], "--frames: selects none"),
     (["run", "SEQUENCE", "--out", "OUT", "--threads", "0"], "--threads"),
     (["run", "SEQUENCE", "--out", "OUT", "--engine", "none"], "--engine"),
+    (["run", "SEQUENCE", "--out", "OUT", "--pair-tolerance-ms", "x"], "--pair-tolerance-ms: bad number 'x'"),
+    (["run", "SEQUENCE", "--out", "OUT", "--pair-tolerance-ms=-1"], "-1 is not from 0 to 1000000"),
     (["run", "SEQUENCE", "--out", "OUT", "--config", "missing.toml"], "missing.toml: no such file"),
     (["run", "missing", "--out", "OUT"], "missing: no such folder"),
     (["run", "x" * 300, "--out", "OUT"], "file name too long"),

@@ -1,11 +1,8 @@
 """The limits of the checks on real pairs: as recorded they are healthy, and each fault is found in them.
-
-`python sw/tests/test_health_real.py` measures more frames and writes doc/results/data/health.json."""
+sw/bench/health_limits.py measures the same on more frames."""
 
 from __future__ import annotations
 
-import json
-import sys
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -17,9 +14,8 @@ from numpy.typing import NDArray
 from shared_data import REPOSITORY, SHARED_DATA
 from vista import StereoEngine, parameters
 from vista.chain import engine_parameters
-from vista.health.features import match_pair
 from vista.health.finding import FrameHealth, Reason, State
-from vista.health.monitor import FEATURES, HealthMonitor
+from vista.health.monitor import HealthMonitor
 from vista.pipeline import Pipeline
 from vista.rectify import Rectifier
 from vista.sequence import Frame, Sequence, open_sequence
@@ -39,7 +35,7 @@ RECORDINGS: dict[str, tuple[Path, Callable[[Path], Path]]] = {
     ),
     "KITTI 2012": (
         SHARED_DATA / "kitti2012",
-        lambda folder: real.make_kitti2012(folder, (1226, 370), COUNT),
+        lambda folder: real.make_kitti2012(folder, (1226, 370)),
     ),
     "Middlebury": (SHARED_DATA / "middlebury", lambda folder: real.make_middlebury(folder, "teddy")),
 }
@@ -77,6 +73,16 @@ def open_recording(name: str, folder: Path) -> Sequence:
     return open_sequence(make(folder))
 
 
+def read(sequence: Sequence, index: int, fault: Fault | None) -> Frame:
+    """The raw pair, with the fault."""
+    raw = sequence.read(sequence.frames[index])
+    if fault is None:
+        return raw
+    other = sequence.read(sequence.frames[(index + 2) % len(sequence.frames)])
+    left, right = fault((raw.left, raw.right), (other.left, other.right))
+    return replace(raw, left=left, right=right)
+
+
 def judged(
     sequence: Sequence, count: int, fault: Callable[[Pair, Pair], Pair] | None = None
 ) -> Iterator[FrameHealth]:
@@ -85,12 +91,8 @@ def judged(
     rectifier = Rectifier(sequence.calibration)
     engine = StereoEngine(**vars(engine_parameters(values)))
     pipeline, monitor = Pipeline(rectifier.calibration, values), HealthMonitor(sequence)
-    for index, files in enumerate(sequence.frames[:count]):
-        raw = sequence.read(files)
-        if fault is not None:
-            other = sequence.read(sequence.frames[(index + 2) % len(sequence.frames)])
-            left, right = fault((raw.left, raw.right), (other.left, other.right))
-            raw = replace(raw, left=left, right=right)
+    for index in range(min(count, len(sequence.frames))):
+        raw = read(sequence, index, fault)
         frame = rectifier.rectify(raw)
         if sequence.stills:
             pipeline.reset()
@@ -132,65 +134,3 @@ def scaled(sequence: Sequence, factor: float) -> Sequence:
 def test_a_calibration_of_another_size_is_found(tmp_path: Path, name: str, factor: float) -> None:
     monitor = HealthMonitor(scaled(open_recording(name, tmp_path), factor))
     assert [finding.reason for finding in monitor.of_run] == [Reason.CALIBRATION_MISFIT]
-
-
-# ---- the table ----
-
-
-def measure(folder: Path, name: str, count: int) -> Iterator[dict[str, object]]:
-    """Ranges of what is measured, and how often each reason was given, without and with each fault."""
-    sequence = open_recording(name, folder)
-    rectifier = Rectifier(sequence.calibration)
-    count = min(count, len(sequence.frames))
-    for fault, (change, _) in {"none": (None, None), **FAULTS}.items():
-        reasons = [reason for health in judged(sequence, count, change) for reason in health.reasons]
-        row = {"recording": name, "fault": fault, "frames": count}
-        row |= {"reasons": {str(reason): reasons.count(reason) for reason in dict.fromkeys(reasons)}}
-        if "black" not in fault:
-            row |= ranges([features(sequence, rectifier, index, change) for index in range(count)])
-        yield row
-
-
-def features(sequence: Sequence, rectifier: Rectifier, index: int, change: object) -> tuple[float, ...]:
-    raw = sequence.read(sequence.frames[index])
-    if change is not None:
-        other = sequence.read(sequence.frames[(index + 2) % len(sequence.frames)])
-        left, right = change((raw.left, raw.right), (other.left, other.right))
-        raw = replace(raw, left=left, right=right)
-    frame: Frame = rectifier.rectify(raw)
-    matches = match_pair(frame.left, frame.right, FEATURES)
-    rows = matches.near_rows()
-    if len(rows) == 0:
-        return 0.0, np.nan, np.nan, np.nan
-    error_px = float(np.median(rows))
-    spread_px = float(np.median(np.abs(rows - error_px)))
-    return (
-        len(rows) / matches.candidates,
-        abs(error_px),
-        spread_px,
-        float(np.mean(matches.disparity_px < -1.0)),
-    )
-
-
-def ranges(measured: list[tuple[float, ...]]) -> dict[str, list[float]]:
-    names = ("agreeing_share", "row_error_px", "row_spread_px", "negative_share")
-    columns = np.array(measured).T
-    return {
-        name: [
-            round(float(limit), 2) if np.isfinite(limit) else None for limit in (np.min(known), np.max(known))
-        ]
-        for name, column in zip(names, columns, strict=True)
-        if len(known := column[np.isfinite(column)])
-    }
-
-
-def main(folder: Path) -> None:
-    rows = [row for name in RECORDINGS for row in measure(folder / name.replace(" ", "_"), name, 51)]
-    target = REPOSITORY / "doc" / "results" / "data" / "health.json"
-    lines = ",\n".join("  " + json.dumps(row) for row in rows)
-    target.write_text(f'{{\n "rows": [\n{lines}\n ]\n}}\n')
-
-
-if __name__ == "__main__":
-    COUNT = 72
-    main(Path(sys.argv[1]))

@@ -5,11 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from track_library import Tracker, measure, seen_at
+from vista.engine import INVALID
 
 DT = 0.1
 POINT = np.array([0.0, 0.0, 30.0])
 OWN = round(16 * measure(POINT)[2])
-BEHIND, NEARER, INVALID = OWN // 2, OWN + 64, -16
+BEHIND, NEARER = OWN // 2, OWN + 64
 MISSES = 20  # more than miss_max
 
 

@@ -29,9 +29,15 @@ class EngineParameters:
     prefilter_cap: int = 31
     texture_threshold: int = 10
     uniqueness_ratio: int = 15
-    lr_max_diff: int | None = 1
+    lr_max_diff: int | None = 1  # None: off
+
     smooth: bool = False  # each level before it is matched
     levels: int = 1  # of the pyramid, each half the size of the one before
+
+    @property
+    def lr_number(self) -> int:
+        """lr_max_diff where None is no number: in C, and in the registers."""
+        return LR_OFF if self.lr_max_diff is None else self.lr_max_diff
 
     def matches(self, width_px: int, height_px: int) -> bool:
         """Whether an image of this size holds a pixel that is matched; else all its words are INVALID."""

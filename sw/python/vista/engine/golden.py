@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from vista import native
-from vista.engine.contract import LR_OFF, Disparity, EngineParameters, Image, check_images, check_parameters
+from vista.engine.contract import Disparity, EngineParameters, Image, check_images, check_parameters
 from vista.engine.frontend import LevelEngine, c_front_end
 
 _SCRATCH_ALIGNMENT = 64
@@ -99,7 +99,7 @@ class StereoEngine(LevelEngine):
         values: dict[str, Any] = asdict(self.parameters)
         del values["smooth"], values["levels"]  # the front end's
         values["prefilter"] = getattr(self._lib, f"VISTA_ENGINE_PREFILTER_{values['prefilter'].upper()}")
-        values["lr_max_diff"] = LR_OFF if values["lr_max_diff"] is None else values["lr_max_diff"]
+        values["lr_max_diff"] = self.parameters.lr_number
         return self._ffi.new("vista_engine_params *", {**values, "isa": isas[isa]})
 
     def _check(self, status: int) -> None:

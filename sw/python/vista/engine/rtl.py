@@ -16,7 +16,7 @@ from pathlib import Path
 import numpy as np
 
 from vista import native
-from vista.engine.contract import INVALID, LR_OFF, Disparity, EngineParameters, Image
+from vista.engine.contract import INVALID, Disparity, EngineParameters, Image
 from vista.engine.frontend import LevelEngine, c_front_end
 from vista.engine.golden import StereoEngine
 
@@ -51,7 +51,7 @@ class RtlEngine(LevelEngine):
                 "prefilter_cap": parameters.prefilter_cap,
                 "texture_threshold": parameters.texture_threshold,
                 "uniqueness_ratio": parameters.uniqueness_ratio,
-                "lr_max_diff": LR_OFF if parameters.lr_max_diff is None else parameters.lr_max_diff,
+                "lr_max_diff": parameters.lr_number,
             },
         )
         self._engine = self._ffi.gc(self._lib.vista_rtl_create(_SEED), self._lib.vista_rtl_destroy)

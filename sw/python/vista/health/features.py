@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import cv2
 import numpy as np
@@ -37,9 +38,7 @@ def match_pair(left: Grey, right: Grey, features: int) -> PairMatches:
     """Matches at most so many ORB features both ways. The surroundings of the left feature are then
     correlated with those of the right one; a parabola gives the fraction of a pixel.
     """
-    left, right = (
-        np.asarray(cv2.GaussianBlur(image, (0, 0), SMOOTHING_PX), np.uint8) for image in (left, right)
-    )
+    left, right = _smoothed(left), _smoothed(right)
     orb = cv2.ORB.create(features)
     left_points, left_words = orb.detectAndCompute(left, None)
     right_points, right_words = orb.detectAndCompute(right, None)
@@ -56,6 +55,10 @@ def match_pair(left: Grey, right: Grey, features: int) -> PairMatches:
         ]
     ).reshape(-1, 2)
     return PairMatches(len(matches), -shifts[:, 0], shifts[:, 1])
+
+
+def _smoothed(image: Grey) -> Grey:
+    return np.asarray(cv2.GaussianBlur(image, (0, 0), SMOOTHING_PX), np.uint8)
 
 
 def _refine(
@@ -92,8 +95,14 @@ def image_motion_px(before: Grey, after: Grey) -> NDArray[np.float64]:
     points = cv2.goodFeaturesToTrack(before, FLOW_FEATURES, 0.01, 8)
     if points is None:
         return np.empty(0)
-    moved, found, _ = cv2.calcOpticalFlowPyrLK(before, after, points, points.copy())
-    back, found_back, _ = cv2.calcOpticalFlowPyrLK(after, before, moved, moved.copy())
+    moved, found = _follow(before, after, points)
+    back, found_back = _follow(after, before, moved)
     closes = np.linalg.norm(back - points, axis=2) < FLOW_CLOSURE_PX
     kept = (found > 0) & (found_back > 0) & closes
     return np.asarray(np.linalg.norm(moved - points, axis=2)[kept], np.float64)
+
+
+def _follow(before: Grey, after: Grey, points: NDArray[Any]) -> tuple[NDArray[Any], NDArray[Any]]:
+    """Where the points are in the other image, and whether they were found."""
+    moved, found, _ = cv2.calcOpticalFlowPyrLK(before, after, points, np.empty_like(points))
+    return moved, found

@@ -119,11 +119,11 @@ def _flag(path: Path, table: dict[str, Any], key: str) -> bool:
 def _direction(path: Path, table: dict[str, Any], key: str) -> Array | None:
     if key not in table:
         return None
-    direction = np.array(_numbers(path, table, key, {3}), np.float64)
+    direction = np.array(_numbers(path, table, key, {3}))
     length = float(np.linalg.norm(direction))
     if abs(length - 1.0) > UNIT_TOLERANCE:
         raise InputError(path, f"{key} must have the length 1")
-    return direction / length
+    return np.asarray(direction / length)
 
 
 def read_calibration(path: Path, table: dict[str, Any], size: tuple[int, int]) -> RawCalibration:
