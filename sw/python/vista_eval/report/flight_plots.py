@@ -79,7 +79,7 @@ def plot_detection(figure: Figure, scores: list[FlightScore]) -> None:
     aimed = [score for score in scores if score.hit_rate is not None]
     for row, score in enumerate(aimed):
         ranges_m = [frame.range_m for frame in score.frames if frame.range_m is not None]
-        warned_m = [frame.range_m for frame in score.frames if frame.matched_id is not None]
+        warned_m = [f.range_m for f in score.frames if f.matched_id is not None and f.range_m is not None]
         axes.plot([min(ranges_m), max(ranges_m)], [row, row], color=LINES, linewidth=7)
         axes.plot(warned_m, np.full(len(warned_m), row), "|", color=GOOD, markersize=7)
     axes.axvspan(*HIT_RANGE_M, color=ACCENT, alpha=0.15, zorder=0)
