@@ -128,8 +128,8 @@ def main() -> None:
     failed = bool(wanted - hit)
     for kind, (percent, waived, missing) in percentages(data).items():
         print(f"{kind}: {percent:.1f} % ({waived} points waived)")
-        for name in missing[:40]:
-            print("  uncovered", name)
+        for point in missing[:40]:
+            print("  uncovered", point)
         failed |= percent < LIMITS.get(kind, 0)
     sys.exit(failed)
 

@@ -87,7 +87,8 @@ def run(b: Build) -> Result:
         used = place_and_route(b, seed)
         mhz[seed] = used["mhz"]
         print(f"{b.folder.name}, seed {seed}: {used}", file=sys.stderr)
-    return Result(*(int(used[k]) for k in ("lut4", "sites", "ff", "ebr", "mult")), mhz)
+    lut4, sites, ff, ebr, mult = (int(used[k]) for k in ("lut4", "sites", "ff", "ebr", "mult"))
+    return Result(lut4, sites, ff, ebr, mult, mhz)
 
 
 def digest() -> str:
@@ -131,8 +132,9 @@ def place_and_route(b: Build, seed: int) -> dict[str, float]:
     report = json.loads((b.folder / f"report_{seed}.json").read_text())
     log = (b.folder / f"nextpnr_{seed}.log").read_text()
     count = {k: v["used"] for k, v in report["utilization"].items()}
+    (lut4,) = re.findall(r"Total LUT4s:\s+(\d+)", log)[:1]
     used = {
-        "lut4": int(re.search(r"Total LUT4s:\s+(\d+)", log)[1]),
+        "lut4": int(lut4),
         "sites": count["TRELLIS_COMB"],
         "ff": count["TRELLIS_FF"],
         "ebr": count["DP16KD"],

@@ -161,11 +161,11 @@ def compute_with_smin(
     if height < 2 * r + 1 or width < D + 2 * r:
         return words, confidence
 
-    filtered = [
+    filtered_left, filtered_right = (
         xsobel(image, parameters.prefilter_cap) if parameters.prefilter == "xsobel" else image
         for image in (left, right)
-    ]
-    S = costs(*filtered, parameters)
+    )
+    S = costs(filtered_left, filtered_right, parameters)
     dL, smin = winner(S)
     valid = (
         textured(left, parameters)

@@ -5,6 +5,8 @@ Borders are mirrored without repeating the edge (row -1 is row 1), as often as a
 
 from __future__ import annotations
 
+import functools
+
 import numpy as np
 import numpy.typing as npt
 
@@ -25,7 +27,7 @@ def filtered(image: Ints, weights: tuple[int, ...], axis: int) -> Ints:
     size, radius = image.shape[axis], len(weights) // 2
     places = np.arange(size, dtype=np.int32)
     neighbours = [image.take(mirrored(places + i - radius, size), axis) for i in range(len(weights))]
-    return sum(weight * part for weight, part in zip(weights, neighbours, strict=True))
+    return functools.reduce(np.add, (weight * part for weight, part in zip(weights, neighbours, strict=True)))
 
 
 def smooth(image: Image) -> Image:
@@ -53,4 +55,6 @@ def compute_levels(
 ) -> list[npt.NDArray[np.int16]]:
     """The words of every level, level 0 first, each in sixteenths of its own pixels."""
     pairs = zip(pyramid(left, levels), pyramid(right, levels), strict=True)
-    return [compute(*(smooth(image) if smoothed else image for image in pair), parameters) for pair in pairs]
+    return [
+        compute(smooth(a), smooth(b), parameters) if smoothed else compute(a, b, parameters) for a, b in pairs
+    ]

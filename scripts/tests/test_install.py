@@ -13,6 +13,7 @@ from pathlib import Path
 import pytest
 import sequence_cases as cases
 from shared_data import REPOSITORY
+from vista.sequence.image import read_grey
 
 VERSION = (REPOSITORY / "VERSION").read_text().strip()
 EXAMPLES = REPOSITORY / "sw" / "examples"
@@ -152,7 +153,7 @@ def write_pair(folder: Path) -> list[Path]:
     scenes = cases.make_board_scenes(folder / "pair", 1, stills=True)
     paths = []
     for side in ("left", "right"):
-        image = cases.cv2.imread(str(scenes / f"scene00_{side}.png"), cases.cv2.IMREAD_GRAYSCALE)
+        image = read_grey(scenes / f"scene00_{side}.png")
         paths.append(folder / f"{side}.pgm")
         cases.write_image(paths[-1], image)
     return paths

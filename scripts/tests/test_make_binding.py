@@ -35,6 +35,7 @@ def test_declarations_and_constants_arrive(tmp_path):
     done = run("table_abi", header, "--out", out)
     assert done.returncode == 0, done.stderr
     spec = importlib.util.spec_from_file_location("table_abi", out)
+    assert spec is not None and spec.loader is not None
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     assert module.ffi.sizeof("table") == 16

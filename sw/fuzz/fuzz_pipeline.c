@@ -5,8 +5,7 @@
 #include <stdint.h>
 
 #include "input.h"
-#include "parameter_list.h"
-#include "vista/pipeline.h"
+#include "vista/vista.h"
 
 #define FRAMES_MAX 5
 #define PERIOD_NS 100000000
@@ -28,14 +27,14 @@ static detector create(const vista_parameters *parameters, const vista_camera *c
 /* Within the range of each parameter, from one end to the other, or any number. */
 static vista_parameters read_parameters(fuzz_input *input) {
   vista_parameters parameters = vista_parameters_default();
+  (void)vista_parameters_set(&parameters, "foveation.sector_count", 32); /* a few hundred cells: many runs a second */
   for (int32_t changes = fuzz_byte(input) % 16; changes > 0; --changes) {
-    const size_t at = fuzz_byte(input) % (sizeof fuzz_parameters / sizeof *fuzz_parameters);
+    const vista_parameter *const p = vista_parameter_info(fuzz_byte(input) % vista_parameter_count());
     const int32_t share = fuzz_between(input, 0, 65535);
-    const double low = fuzz_parameters[at].low, high = fuzz_parameters[at].high;
-    double value = low + (high - low) * share / 65534.0;
-    if (fuzz_parameters[at].whole) value = round(value);
+    double value = p->min + (p->max - p->min) * share / 65534.0;
+    if (p->type != VISTA_PARAMETER_FLOAT) value = round(value);
     if (share == 65535) value = fuzz_double(input);
-    (void)vista_parameters_set(&parameters, fuzz_parameters[at].name, value);
+    (void)vista_parameters_set(&parameters, p->name, value);
   }
   return parameters;
 }
@@ -143,7 +142,7 @@ static void fly_any(fuzz_input *input, const detector *d, const vista_camera *ca
   const size_t pixels = (size_t)camera->width_px * (size_t)camera->height_px;
   uint8_t *const image = fuzz_allocate(pixels);
   int16_t *const words = fuzz_allocate(2 * pixels);
-  double up[3] = {0.0, -1.0, 0.0};
+  double up[3] = {0.0, -1.0, 0.0}, velocity[3];
   vista_pose pose;
   vista_result result;
   const uint8_t flags = fuzz_byte(input), pose_kind = flags & 1 ? fuzz_byte(input) : 0;
@@ -160,7 +159,7 @@ static void fly_any(fuzz_input *input, const detector *d, const vista_camera *ca
       .pose = flags & 1 ? &pose : NULL,
       .up_world = flags & 8 ? up : NULL,
       .t_ns = *t_ns,
-      .stationary = (flags & 32) != 0,
+      .stationary = flags & 64,
   };
   if (wrong & 1) frame.image.stride = fuzz_between(input, 0, camera->width_px) - 8;
   if (wrong & 2) frame.disparity.stride = fuzz_between(input, 0, camera->width_px) - 8;
@@ -169,6 +168,10 @@ static void fly_any(fuzz_input *input, const detector *d, const vista_camera *ca
   if (wrong & 16) up[fuzz_byte(input) % 3] = fuzz_double(input);
   if (wrong & 32) frame.image.data = NULL;
   if (wrong & 64) frame.disparity.data = NULL;
+  if (flags & 32) {
+    for (int i = 0; i < 3; ++i) velocity[i] = wrong & 128 ? fuzz_double(input) : fuzz_between(input, -30, 30);
+    frame.velocity_m_s = velocity;
+  }
   if (flags & 16) vista_pipeline_reset(d->pipeline);
   if (vista_pipeline_process(d->pipeline, &frame, &result) == VISTA_OK) check_result(&result);
   free(words);

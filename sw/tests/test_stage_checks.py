@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from cut_library import ffi, lib, status_name
+from stage_arena import ffi, lib, status_name
 from stage_library import Stages, camera, image_struct
 from track_library import Tracker, matched, seen_at
 

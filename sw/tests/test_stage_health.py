@@ -8,9 +8,9 @@ import board_flight as scene
 import numpy as np
 import pytest
 from board_flight import board_flight
-from cut_library import ffi, lib, status_name
 from pipeline_library import CALIBRATION, Frame, Pipeline
 from random_seed import seeded
+from stage_arena import ffi, lib, status_name
 from stage_library import Stages, camera, image_struct
 from track_library import matched, motion, params
 from vista import StereoEngine

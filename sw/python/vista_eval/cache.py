@@ -12,7 +12,7 @@ import ast
 import hashlib
 import json
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import asdict, fields, is_dataclass
 from functools import cache
 from importlib.util import find_spec
@@ -49,7 +49,9 @@ def to_json(value: Any) -> Any:
             return [to_json(item) for item in value]
         case np.ndarray() | np.generic():
             return value.tolist()
-    return to_json(asdict(value)) if is_dataclass(value) else value
+    if is_dataclass(value) and not isinstance(value, type):
+        return to_json(asdict(value))
+    return value
 
 
 def digest_of(*parts: str | Path) -> str:
@@ -80,7 +82,7 @@ def _feed(digest: hashlib._Hash, value: object) -> None:
         for each in value:
             _feed(digest, each)
     elif callable(value):
-        digest.update(value.__qualname__.encode())
+        digest.update(getattr(value, "__qualname__", repr(value)).encode())
     else:
         digest.update(repr(value).encode())
 
@@ -163,7 +165,7 @@ def _source(node: ast.ImportFrom, package: str) -> str:
 
 def _outside_type_checking(node: ast.AST) -> Iterator[ast.AST]:
     if isinstance(node, ast.If) and isinstance(node.test, ast.Name) and node.test.id == "TYPE_CHECKING":
-        children = iter(node.orelse)
+        children: Iterable[ast.AST] = node.orelse
     else:
         yield node
         children = ast.iter_child_nodes(node)

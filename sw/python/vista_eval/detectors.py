@@ -107,7 +107,7 @@ def make_sgbm(stereo: EngineParameters) -> Callable[[TruthPair], NDArray[np.int1
     )
 
     def words(pair: TruthPair) -> NDArray[np.int16]:
-        found: NDArray[np.int16] = matcher.compute(pair.left, pair.right)
+        found = np.asarray(matcher.compute(pair.left, pair.right), np.int16)
         return np.where(found < 0, np.int16(INVALID), found)
 
     return words

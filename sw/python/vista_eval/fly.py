@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from vista import native, parameters
 from vista.chain import Step, make_chain, run_frame
+from vista.errors import InputError
 from vista.geometry import Pose
 from vista.health.finding import FrameHealth
 from vista.history import FrameRecord
@@ -29,7 +30,10 @@ def open_flight(folder: Path, noise_seed: int | None = None) -> Sequence:
     if noise_seed is None:
         return sequence
     frames = sequence.frames
-    poses = noisy_poses([f.world_from_camera for f in frames], [f.t_ns for f in frames], noise_seed)
+    exact = [f.world_from_camera for f in frames if f.world_from_camera is not None]
+    if len(exact) != len(frames):
+        raise InputError(folder, "a frame has no pose")
+    poses = noisy_poses(exact, [f.t_ns for f in frames], noise_seed)
     return replace(
         sequence, frames=tuple(replace(f, world_from_camera=p) for f, p in zip(frames, poses, strict=True))
     )

@@ -60,7 +60,8 @@ def find_sources(kind: str, folder: Path) -> list[PairSource]:
 def points_of(kind: str, pair: TruthPair) -> Points | None:
     """Those that the shipped engine can match, whatever is measured."""
     stereo = engine_parameters(parameters.defaults())
-    area = matched_area(*pair.left.shape, stereo.num_disparities, stereo.block_size)
+    height, width = pair.left.shape
+    area = matched_area(height, width, stereo.num_disparities, stereo.block_size)
     largest_px = stereo.num_disparities - 1.0
     if kind == LIDAR:
         return street_points(pair.camera, pair.disparity_px, area, largest_px)

@@ -126,4 +126,4 @@ def _draw_board(image: Image, camera: Calibration, board: Board, x_m: float, ahe
 def _sample(texture: Image, x: NDArray, y: NDArray) -> Image:
     """Bilinear, periodic."""
     x, y = (np.mod(a, TEXELS).astype(np.float32) for a in (x, y))
-    return cv2.remap(texture, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_WRAP)
+    return np.asarray(cv2.remap(texture, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_WRAP), np.float32)

@@ -36,7 +36,7 @@ from vista_eval.report.filmstrip import filmstrip
 from vista_eval.report.flights_page import FlightPage, render_flights
 
 if TYPE_CHECKING:
-    from vista_eval.render.flight import Flight
+    from vista_eval.render.flight import Flight, Quality
 
 SCORES, REPORT = "flights.json", "report.html"
 RECORDS = "records.json"
@@ -105,9 +105,8 @@ def execute(arguments: argparse.Namespace) -> int:
     )
     segmented = with_jobs(partial(segment, values), folders, arguments.jobs, "segmentation")
     comparison = compare(scores, alone) if alone else None
-    reached = goals(
-        *(untuned(part) for part in (scores, noisy)), comparison_untuned(scores, alone) if alone else None
-    )
+    against_stereo = comparison_untuned(scores, alone) if alone else None
+    reached = goals(untuned(scores), untuned(noisy), against_stereo)
     print(table(scores))
     if noisy:
         print("\nwith pose noise:\n" + table(noisy))
@@ -214,7 +213,7 @@ def chosen_names(folder: Path, only: list[str], held_only: bool) -> list[str]:
     return [name for name in known if not only or name in only]
 
 
-def render(folder: Path, quality: str, name: str) -> None:
+def render(folder: Path, quality: Quality, name: str) -> None:
     """What the folder lacks of a flight of the catalogue; what is there in full quality does for quick."""
     flight = catalogue().get(name)
     if flight is None:

@@ -18,6 +18,7 @@ from __future__ import annotations
 import argparse
 import json
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 from tqdm import tqdm
@@ -25,6 +26,9 @@ from vista.command.arguments import add_config, load_parameters, positive
 from vista.errors import EXIT_OK, InputError
 from vista.output import write_atomically
 from vista.parameters import Values
+
+if TYPE_CHECKING:
+    from vista_eval.render.flight import Quality
 
 SCORES, REPORT = "scenes.json", "scenes.html"
 COUNT = 160
@@ -98,7 +102,7 @@ def score_scenes(arguments: argparse.Namespace, values: Values) -> int:
     return EXIT_OK
 
 
-def render(folder: Path, seeds: range, quality: str) -> None:
+def render(folder: Path, seeds: range, quality: Quality) -> None:
     from vista_eval.worlds.labelled import render_labelled
 
     for seed in tqdm(seeds, desc="render", unit="scene", disable=None):

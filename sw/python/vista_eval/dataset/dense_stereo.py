@@ -77,7 +77,9 @@ def _read_motorcycle(folder: Path, split: str) -> TruthPair:
     size = full.width // 2, full.height // 2
     scale_u, scale_v = size[0] / full.width, size[1] / full.height
     shift_px = round(MOTORCYCLE_OFFSET_PX * scale_u)
-    left, right = (cv2.resize(image, size, interpolation=cv2.INTER_AREA) for image in (left, right))
+    left, right = (
+        np.asarray(cv2.resize(image, size, interpolation=cv2.INTER_AREA), np.uint8) for image in (left, right)
+    )
     shifted = np.empty_like(right)
     shifted[:, :-shift_px] = right[:, shift_px:]
     shifted[:, -shift_px:] = right[:, -1:]

@@ -50,12 +50,13 @@ def read_scene(folder: Path, index: int = 0) -> LabelledScene:
         raise InputError(folder, "the labels belong to a pair that is not rectified")
     frame = sequence.read(sequence.frames[index])
     stereo = engine_parameters(parameters.defaults())  # of every variant the same area is scored
+    height, width = frame.left.shape
     view = labelled_view(
         truth.labels(frame.t_ns).astype(np.int32),
         truth.disparity_px(frame.t_ns).astype(np.float64),
         {label: (o.name, o.kind) for label, o in truth.objects.items() if o.standing},
         truth.focal_baseline_px_m,
-        matched_area(*frame.left.shape, stereo.num_disparities, stereo.block_size),
+        matched_area(height, width, stereo.num_disparities, stereo.block_size),
     )
     return LabelledScene(
         folder.name,

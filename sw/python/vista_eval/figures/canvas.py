@@ -26,7 +26,7 @@ def show(axes: Axes, picture: NDArray[np.uint8], caption: str = "") -> None:
 
 def bare(axes: Axes, caption: str) -> None:
     axes.set(xticks=[], yticks=[], xlabel=caption)
-    axes.xaxis.label.set_size(8)
+    axes.xaxis.label.set_fontsize(8)
     axes.grid(False)
     for spine in axes.spines.values():
         spine.set_visible(False)

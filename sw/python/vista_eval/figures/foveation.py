@@ -29,7 +29,7 @@ def draw(truth: FlightTruth, values: parameters.Values) -> Figure:
     image_axes, graph_axes, foveated_axes = figure.subplots(1, 3)
     show(image_axes, step.frame.left, f"{width}x{height} pixels")
     graph_axes.add_collection(
-        LineCollection(graph.cell_center_px[graph.edges], colors="#1e3a5f", linewidths=0.25)
+        LineCollection(list(graph.cell_center_px[graph.edges]), colors="#1e3a5f", linewidths=0.25)
     )
     graph_axes.set(xlim=(-0.5, width - 0.5), ylim=(height - 0.5, -0.5), aspect="equal")
     bare(graph_axes, f"{len(result.cell_intensity):,} cells, {len(graph.edges):,} edges")

@@ -36,7 +36,8 @@ def read_flights(folder: Path) -> list[FlightTruth]:
 
 def shown_frame(truth: FlightTruth) -> int:
     """The one whose target is nearest to SHOWN_RANGE_M; without a target the middle one."""
-    poses = {files.t_ns: files.world_from_camera for files in open_flight(truth.folder).frames}
+    frames = open_flight(truth.folder).frames
+    poses = {files.t_ns: files.world_from_camera for files in frames if files.world_from_camera is not None}
     off_m = [
         (abs(float(np.linalg.norm(seen[label]["position_m"] - poses[t_ns].translation_m)) - SHOWN_RANGE_M), k)
         for k, (t_ns, seen) in enumerate(zip(truth.times_ns, truth.seen, strict=True))
@@ -57,4 +58,5 @@ def fly_through(truth: FlightTruth, index: int, values: parameters.Values) -> tu
         records.append(step.record)
         if k == index:
             shown = step
+    assert shown is not None, f"{truth.folder} has no frame {index}"
     return Moment(truth, shown), score_records(truth.folder, records, values)

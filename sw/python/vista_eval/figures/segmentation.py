@@ -55,4 +55,4 @@ def colour_regions(moment: Moment) -> NDArray[np.uint8]:
     border[:, 1:] |= labels[:, 1:] != labels[:, :-1]
     border[1:] |= labels[1:] != labels[:-1]
     picture[border != 0] = INK
-    return cv2.GaussianBlur(picture, (0, 0), 0.5)
+    return np.asarray(cv2.GaussianBlur(picture, (0, 0), 0.5), np.uint8)

@@ -64,7 +64,8 @@ class View:
     def rays(self, u_px: NDArray, v_px: NDArray) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
         """x and y of each pixel's ray at depth 1, camera."""
         cu, cv = self.center_px
-        return np.float32((u_px - cu) / self.focal_px), np.float32((v_px - cv) / self.focal_px)
+        x, y = (u_px - cu) / self.focal_px, (v_px - cv) / self.focal_px
+        return x.astype(np.float32), y.astype(np.float32)
 
 
 @dataclass(frozen=True)
@@ -98,8 +99,9 @@ class FrameTruth:
 def flight_frames(folder: Path) -> tuple[FlightTruth, tuple[FrameTruth, ...]]:
     """The truth of a flight on disk. Raises InputError."""
     truth = read_truth(folder)
-    poses = {f.t_ns: f.world_from_camera for f in open_sequence(folder).frames}
-    missing = [t_ns for t_ns in truth.times_ns if poses.get(t_ns) is None]
+    frames = open_sequence(folder).frames
+    poses = {f.t_ns: f.world_from_camera for f in frames if f.world_from_camera is not None}
+    missing = [t_ns for t_ns in truth.times_ns if t_ns not in poses]
     if missing:
         raise InputError(folder, f"no pose at {missing[0]}, a frame of truth.json")
     direction = flight_direction([poses[t_ns] for t_ns in truth.times_ns])
@@ -135,7 +137,7 @@ def true_points(truth: FlightTruth, t_ns: int, world_from_camera: Pose, directio
     v, u = np.nonzero(disparity_px)
     depth_m = truth.focal_baseline_px_m / disparity_px[v, u]
     x, y = view.rays(u, v)
-    d = np.float32(world_from_camera.rotation.T @ direction)
+    d = (world_from_camera.rotation.T @ direction).astype(np.float32)
     along_m = depth_m * (x * d[0] + y * d[1] + d[2])
     square_m2 = depth_m**2 * (x * x + y * y + 1)
     return Points(
@@ -182,7 +184,7 @@ def still_surfaces(truth: FlightTruth, frames: tuple[FrameTruth, ...]) -> Array:
     for frame in frames:
         shown = frame.around_path.where(np.isin(frame.around_path.label, still))
         cubes.append(np.unique(np.rint(shown.position_m / STILL_M).astype(np.int64), axis=0))
-    return np.unique(np.concatenate(cubes), axis=0) * STILL_M
+    return np.asarray(np.unique(np.concatenate(cubes), axis=0) * STILL_M, np.float64)
 
 
 def thinned(points: Points) -> NDArray[np.bool_]:

@@ -38,7 +38,7 @@ def goals(scores: list[FlightScore], noisy: list[FlightScore], comparison: Compa
         _each_from(
             HIT_RANGE_M[1],
             f"hit rate at {HIT_RANGE} at least {percent(HIT_RATE)} % in each flight",
-            [(s, s.hit_rate, share(s.hits, s.band_frames)) for s in targeted],
+            [(s, s.hit_rate or 0.0, share(s.hits, s.band_frames)) for s in targeted],
             lambda rate: rate >= HIT_RATE,
         ),
         _first_goal("as a tracked obstacle", targeted, lambda s: s.tracked_from_m),
@@ -139,7 +139,7 @@ def _noise_goal(scores: list[FlightScore], noisy: list[FlightScore]) -> Goal:
     if not noisy:
         return Goal(demand, "not flown (--pose-noise)", None)
     exact, disturbed = group_score("test", scores), group_score("test", noisy)
-    if exact.hit_rate is None:
+    if exact.hit_rate is None or disturbed.hit_rate is None:
         return Goal(demand, "no such flight", None)
     return Goal(
         demand,

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from vista.geometry import Array, Pose
 
 from vista_eval.dataset.truth import FlightTruth
-from vista_eval.metrics.frame_truth import FrameTruth, Points, true_points
+from vista_eval.metrics.frame_truth import FrameTruth, Points, Target, true_points
 
 if TYPE_CHECKING:
     from vista.pipeline import Obstacle
@@ -102,10 +102,10 @@ class Judge:
         self._earlier_m = np.concatenate([self._earlier_m, frame.around_path.position_m[::16]])
         matched = self._match(frame, [k for k in agreeing if k in warnings], positions_m)
         error_m, nees = None, None
-        if matched not in (None, TOO_NEAR_ID):
-            covariance_m2 = warnings[matched].covariance_m2
-            error_m, nees = errors(frame, positions_m[matched], covariance_m2, world_from_estimate)
         target = frame.target
+        if target is not None and matched is not None and matched != TOO_NEAR_ID:
+            covariance_m2 = warnings[matched].covariance_m2
+            error_m, nees = errors(target, positions_m[matched], covariance_m2, world_from_estimate)
         return FrameScore(
             frame.t_ns,
             None if target is None else target.object.name,
@@ -125,7 +125,7 @@ class Judge:
         tracks = [k for k in agreeing if k != TOO_NEAR_ID]
         if not agreeing or self._matched in tracks:
             return self._matched if agreeing else None
-        if not tracks:
+        if not tracks or frame.target is None:
             return TOO_NEAR_ID
         reference_m = frame.target.reference_m
         self._matched = min(tracks, key=lambda k: float(np.linalg.norm(positions_m[k] - reference_m)))
@@ -210,10 +210,9 @@ def place_of(truth: FlightTruth, frame: FrameTruth, obstacle: Obstacle, position
 
 
 def errors(
-    frame: FrameTruth, position_m: Array, covariance_m2: Array, world_from_estimate: Pose
+    target: Target, position_m: Array, covariance_m2: Array, world_from_estimate: Pose
 ) -> tuple[float, float | None]:
     """|P - P^| in metres, and the NEES e^T P^-1 e; covariance_m2: in the world of the estimate."""
-    target = frame.target
     if target.surface_m is not None:
         return float(np.linalg.norm(target.surface_m - position_m, axis=1).min()), None
     error_m = position_m - target.reference_m

@@ -107,7 +107,7 @@ def distance_to_boundary_px(region: Labels) -> NDArray[np.float32]:
     inside[1:][along] = inside[:-1][along] = 0
     if inside.all():
         return np.full(region.shape, np.hypot(*region.shape), np.float32)
-    return cv2.distanceTransform(inside, cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
+    return np.asarray(cv2.distanceTransform(inside, cv2.DIST_L2, cv2.DIST_MASK_PRECISE), np.float32)
 
 
 def score_partition(

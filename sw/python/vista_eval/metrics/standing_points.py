@@ -115,7 +115,9 @@ class Points:
     too_near: Mask  # nearer than the shipped engine matches; all others are not
 
 
-def camera_points_m(camera: Calibration, v: Array, u: Array, disparity_px: Array) -> Array:
+def camera_points_m(
+    camera: Calibration, v: NDArray[np.integer], u: NDArray[np.integer], disparity_px: Array
+) -> Array:
     """(n, 3) in the camera's frame."""
     z = camera.focal_px * camera.baseline_m / disparity_px
     return (
@@ -233,16 +235,16 @@ def region_planes(words: NDArray[np.int16], region: NDArray[np.int32], regions: 
     count = np.bincount(label, minlength=regions)
 
     def sums(values: Array) -> Array:
-        return np.bincount(label, values, minlength=regions)
+        return np.bincount(label, values, minlength=regions).astype(np.float64, copy=False)
 
     middle_u, middle_v = (sums(x.astype(np.float64)) / np.maximum(count, 1) for x in (u, v))
     terms = np.stack([np.ones(len(u)), u - middle_u[label], v - middle_v[label]])
-    weight, plane = np.ones(len(u)), np.zeros((regions, 3))
+    weight, plane = np.ones(len(u)), np.zeros((regions, 3), np.float64)
     ridge = np.diag([1e-9, 1e-3, 1e-3])  # a region one pixel wide has no slope across
     for scale_px in FIT_SCALES_PX:
         normal = np.stack([[sums(weight * a * b) for a in terms] for b in terms]).transpose(2, 0, 1)
         right = np.stack([sums(weight * a * disparity_px) for a in terms], axis=-1)
-        plane = np.linalg.solve(normal + ridge, right[..., np.newaxis])[..., 0]
+        plane[:] = np.linalg.solve(normal + ridge, right[..., np.newaxis])[..., 0]
         residual_px = disparity_px - np.einsum("ki,ik->k", plane[label], terms)
         weight = 1.0 / (1.0 + (residual_px / scale_px) ** 2)
     plane[:, 0] -= plane[:, 1] * middle_u + plane[:, 2] * middle_v

@@ -17,7 +17,7 @@ from vista_eval.dataset.truth import TRUTH, VERSION, flight_truth
 from vista_eval.render.rig import PAPER_RIG, Rig
 from vista_eval.render.scene import Scene
 from vista_eval.render.sensor import Sensor
-from vista_eval.render.trajectory import Approach, BodyState
+from vista_eval.render.trajectory import Approach, BodyState, Course
 from vista_eval.render.version import RENDER_VERSION
 
 MARKER = "content.json"
@@ -33,17 +33,17 @@ class Flight:
     name: str
     title: str
     split: Literal["dev", "test"]
-    approach: Approach
+    approach: Course
     scene: Callable[[float, int], Scene]  # of altitude in metres and seed
     rig: Rig = PAPER_RIG
     sensor: Sensor = field(default_factory=Sensor)
     seed: int = 1
 
 
-def approach_of(flight: Flight, quality: Quality) -> Approach:
+def approach_of(flight: Flight, quality: Quality) -> Course:
     """Quick: only the end of the flight."""
     whole = flight.approach
-    if quality == "full" or whole.frames == 1:
+    if quality == "full" or whole.frames == 1 or not isinstance(whole, Approach):
         return whole
     step_m = whole.speed_m_s / whole.rate_hz
     near_enough = int((QUICK_FIRST_RANGE_M - whole.last_range_m) / step_m) + 1

@@ -9,7 +9,7 @@ proportion to the number of shapes: hence one scene a light, and labels as emitt
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import cached_property
+from functools import cached_property, reduce
 from typing import NamedTuple
 
 import cv2
@@ -37,7 +37,7 @@ def unit(vector: tuple[float, float, float]) -> np.ndarray:
 
 
 def pixels(scene: mi.Scene, sensor: mi.Sensor, integrator: mi.Integrator, seed: int) -> np.ndarray:
-    return np.array(mi.render(scene, sensor=sensor, integrator=integrator, seed=seed))
+    return np.array(mi.render(scene, sensor=sensor, integrator=integrator, seed=mi.UInt32(seed)))
 
 
 def through_haze(haze: Haze, surface: np.ndarray, cover: np.ndarray, distance_m: np.ndarray) -> np.ndarray:
@@ -164,7 +164,7 @@ class Renderer:
         lit = [
             pixels(scene, self.sensor(world_from_camera, rays), self.direct, seed) for scene, rays in self.lit
         ]
-        surface, cover = sum(each[..., 0] for each in lit), lit[0][..., 3]
+        surface, cover = reduce(np.add, (each[..., 0] for each in lit)), lit[0][..., 3]
         if self.scene.haze:
             surface = through_haze(self.scene.haze, surface, cover, self.distance_m(world_from_camera))
         return (surface + (1 - cover) * self.sky(world_from_camera)).astype(np.float32)

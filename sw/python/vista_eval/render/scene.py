@@ -164,6 +164,6 @@ def thing(name: str, kind: str, solids: Iterable[Solid], standing: bool = True, 
     solids = tuple(solids)
     lows, highs = zip(*(bounds_m(solid) for solid in solids), strict=True)
     low, high = np.min(lows, axis=0), np.max(highs, axis=0)
-    center = tuple(float(c) for c in (low + high) / 2)
+    x_m, y_m, z_m = (float(c) for c in (low + high) / 2)
     _, width_m, height_m = (float(side) for side in high - low)
-    return Thing(name, kind, solids, standing, center, width_m, height_m, **more)
+    return Thing(name, kind, solids, standing, (x_m, y_m, z_m), width_m, height_m, **more)

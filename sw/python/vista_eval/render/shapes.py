@@ -44,7 +44,7 @@ def glowing_surface(radiance: float) -> Surface:
 def rectangle(center: np.ndarray, half_u: np.ndarray, half_v: np.ndarray) -> dict:
     to_world = np.eye(4)
     to_world[:3, :4] = np.stack([half_u, half_v, np.cross(half_u, half_v), center], axis=1)
-    return {"type": "rectangle", "to_world": Transform(to_world)}
+    return {"type": "rectangle", "to_world": Transform(to_world.tolist())}
 
 
 def cylinder(solid: Cylinder) -> list[dict]:
@@ -80,6 +80,8 @@ def outlines(solid: Solid) -> list[dict]:
             center = np.array([(x0 + x1) / 2, (y0 + y1) / 2, 0.0])
             half_u, half_v = np.array([0, (y0 - y1) / 2, 0]), np.array([(x1 - x0) / 2, 0, 0])
             return [rectangle(center, half_u, half_v)]
+        case Mesh():
+            raise TypeError("a mesh has no outline")
 
 
 def mesh(solid: Mesh, surface: Surface, backwards: bool) -> mi.Mesh:
@@ -88,7 +90,7 @@ def mesh(solid: Mesh, surface: Surface, backwards: bool) -> mi.Mesh:
     for name, value in surface.items():
         properties[name] = mi.load_dict(value) if isinstance(value, dict) else value
     shape = mi.Mesh(solid.name, len(solid.vertices_m), len(solid.faces), properties)
-    shape.add_attribute("vertex_albedo", 3, np.repeat(solid.albedo, 3).astype(np.float32))
+    shape.add_attribute("vertex_albedo", 3, np.repeat(solid.albedo, 3).astype(np.float32).tolist())
     parameters = mi.traverse(shape)
     parameters["vertex_positions"] = np.ravel(solid.vertices_m).astype(np.float32)
     parameters["faces"] = np.ravel(solid.faces[:, ::-1] if backwards else solid.faces).astype(np.uint32)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import reduce
+
 import cv2
 import numpy as np
 
@@ -14,7 +16,7 @@ def noise(x_m: np.ndarray, y_m: np.ndarray, wavelength_m: float, seed: int) -> n
     Fast for a grid given as a column `x_m` (N, 1) and a row `y_m` (1, M), or the other way round.
     """
     lattice = np.random.default_rng(seed).random((LATTICE, LATTICE), dtype=np.float32) - 0.5
-    lattice = cv2.copyMakeBorder(lattice, 0, 4, 0, 4, cv2.BORDER_WRAP)
+    lattice = np.asarray(cv2.copyMakeBorder(lattice, 0, 4, 0, 4, cv2.BORDER_WRAP), np.float32)
     # A turn per octave keeps the lattices from lining up with the image rows.
     cos, sin = float(np.cos(seed)) / wavelength_m, float(np.sin(seed)) / wavelength_m
     column = np.mod(cos * x_m, LATTICE) - np.mod(sin * y_m, LATTICE)
@@ -32,7 +34,8 @@ def smoothstep(low: float, high: float, value: np.ndarray) -> np.ndarray:
 
 def layered(x_m: np.ndarray, y_m: np.ndarray, amplitudes: dict[float, float], seed: int) -> np.ndarray:
     """Sum of noises; `amplitudes` maps wavelength in metres to amplitude."""
-    return sum(a * noise(x_m, y_m, w, seed + i) for i, (w, a) in enumerate(amplitudes.items()))
+    noises = (a * noise(x_m, y_m, w, seed + i) for i, (w, a) in enumerate(amplitudes.items()))
+    return reduce(np.add, noises)
 
 
 def ground(x_m: np.ndarray, y_m: np.ndarray, seed: int) -> np.ndarray:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 
@@ -45,6 +46,23 @@ def rotation_from_angles(roll_deg: float, pitch_deg: float, yaw_deg: float) -> n
             [-sp, cp * sr, cp * cr],
         ]
     )
+
+
+class Course(Protocol):
+    """Where the body is in each frame, and what is known of the whole."""
+
+    @property
+    def frames(self) -> int: ...
+    @property
+    def rate_hz(self) -> float: ...
+    @property
+    def speed_m_s(self) -> float: ...
+    @property
+    def last_range_m(self) -> float: ...
+    @property
+    def altitude_m(self) -> float: ...
+    def before_last_s(self, frame: int, /) -> float: ...
+    def state_at(self, frame: int, /) -> BodyState: ...
 
 
 @dataclass(frozen=True)

@@ -100,7 +100,7 @@ def lines(tables: list[tuple[str, list[Cells]]]) -> list[str]:
 
 def as_json(kind: str, measured: list[MeasuredPair], values: parameters.Values) -> dict[str, Any]:
     measures = measures_of(kind)
-    halves = {}
+    halves: dict[str, Any] = {}
     for split, half in by_half(measured).items():
         halves[split] = {"pairs": len(half), "detectors": {}}
         for name in half[0]:

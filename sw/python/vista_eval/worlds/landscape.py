@@ -48,7 +48,7 @@ def forest(x_m: float, seed: int) -> Thing:
 def far_houses(x_m: float, seed: int) -> list[Thing]:
     """A street front across the view, with gaps."""
     rng = np.random.default_rng((seed, 4))
-    houses = []
+    houses: list[Thing] = []
     y = 0.45 * x_m
     while y > -0.45 * x_m:
         width = rng.uniform(10, 26)

@@ -256,5 +256,6 @@ def random_scene(seed: int) -> tuple[Scene, Viewpoint]:
     if rng.random() < 0.3:
         haze = Haze(3.9 / float(rng.uniform(400, 2500)), float(rng.uniform(0.4, 0.9)) / light["exposure"])
     things_ = standing_things(int(rng.integers(2, 8)), altitude, seed)
-    scene = Scene((*things_, *scenery), to_sun=tuple(float(c) for c in to_sun), haze=haze, **light)
+    east, north, up = (float(c) for c in to_sun)
+    scene = Scene((*things_, *scenery), to_sun=(east, north, up), haze=haze, **light)
     return scene, view

@@ -50,7 +50,7 @@ def prism(outline_m: ArrayLike, along_m: ArrayLike, albedo: float) -> Triangles:
 
 
 def box(center_m: ArrayLike, size_m: ArrayLike, albedo: float) -> Triangles:
-    (x, y, z), (sx, sy, sz) = center_m, np.asarray(size_m, float) / 2
+    (x, y, z), (sx, sy, sz) = np.asarray(center_m, float), np.asarray(size_m, float) / 2
     outline = [
         (x - sx, y - sy, z - sz),
         (x - sx, y + sy, z - sz),

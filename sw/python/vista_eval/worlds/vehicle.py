@@ -128,7 +128,7 @@ def drone(rng: np.random.Generator) -> Triangles:
     for turn in np.radians([45, 135, 225, 315]):
         tip = 0.62 * np.array([np.cos(turn), np.sin(turn), 0.0])
         tip[2] = 0.22
-        parts.append(tube([(0, 0, 0.2), tip], 0.03, 0.08, 6))
+        parts.append(tube([np.array([0, 0, 0.2]), tip], 0.03, 0.08, 6))
         parts.append(tube([tip, tip + np.array([0, 0, 0.02])], 0.24, rng.uniform(0.15, 0.3), 14))
         parts.append(tube([0.6 * tip + [0, 0, -0.4], 0.6 * tip], 0.02, 0.1, 5))
     return joined(*parts)
