@@ -177,8 +177,11 @@ def test_smoothing_of_a_config(tmp_path: Path, run_vista: Vista, engine: str, sm
 
 
 @pytest.mark.parametrize("stills", [True, False])
-def test_stills_are_judged_one_by_one(tmp_path: Path, stills: bool) -> None:
-    """With the real pipeline: the ids of the board and whether it is confirmed, frame by frame."""
+def test_stills_are_judged_one_by_one(
+    tmp_path: Path, stills: bool, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """With the real pipeline: the ids of the board and whether it is confirmed, frame by frame. Stills are not
+    presented as a flight."""
     folder = cases.make_board_scenes(tmp_path / "pairs", 4, stills)
     record = tmp_path / "stills.rec"
     options = ["--out", str(tmp_path / "out"), "--no-overlay", "--all-tracks", "--record", str(record)]
@@ -199,6 +202,9 @@ def test_stills_are_judged_one_by_one(tmp_path: Path, stills: bool) -> None:
     assert HEADER.unpack_from(record.read_bytes())[9] == stills
     summary = json.loads((tmp_path / "out" / "summary.json").read_text())
     assert summary["parameters"]["tracker"]["confirm_hits"] == (1 if stills else 4)
+    printed = capsys.readouterr().out
+    assert ("4 stills, each judged alone: 4 with something in the collision volume" in printed) == stills
+    assert ("tracked" in printed) != stills
 
 
 def test_an_earlier_run_is_replaced(tmp_path: Path, run_vista: Vista) -> None:
