@@ -180,8 +180,8 @@ def test_smoothing_of_a_config(tmp_path: Path, run_vista: Vista, engine: str, sm
 def test_stills_are_judged_one_by_one(
     tmp_path: Path, stills: bool, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """With the real pipeline: the ids of the board and whether it is confirmed, frame by frame. Stills are not
-    presented as a flight."""
+    """With the real pipeline: the ids of the board and whether it is confirmed, frame by frame.
+    Stills are not presented as a flight."""
     folder = cases.make_board_scenes(tmp_path / "pairs", 4, stills)
     record = tmp_path / "stills.rec"
     options = ["--out", str(tmp_path / "out"), "--no-overlay", "--all-tracks", "--record", str(record)]
