@@ -3,16 +3,20 @@
 from __future__ import annotations
 
 import dataclasses
+import itertools
+from typing import Any
 
+import cv2
 import numpy as np
 import pytest
 from fake_pipeline import FakePipeline, fake_obstacle
 from numpy.typing import NDArray
 from vista.geometry import Calibration
+from vista.health.finding import Finding, FrameHealth, Reason, State
 from vista.pipeline import Ellipse, Nearest, Obstacle
-from vista.report.labels import text_size
-from vista.report.overlay import Overlay, draw_disparity, draw_obstacles, draw_regions
-from vista.report.palette import GREEN, GREY, INK, YELLOW, RegionColours, distinct_colours
+from vista.report.labels import PADDING_PX, text_size
+from vista.report.overlay import Overlay, draw_disparity, draw_obstacles, draw_regions, panel_tiles
+from vista.report.palette import GREY, INK, RED, YELLOW, RegionColours, distinct_colours
 from vista.sequence import Frame
 
 CAMERA = Calibration(640, 480, 450.0, 320.0, 240.0, 0.2)
@@ -33,11 +37,14 @@ def nearest(obstacle: Obstacle, time_s: float | None = 2.5) -> Nearest:
 
 
 def test_colours_of_obstacles() -> None:
+    """Red: on the collision course; yellow: tracked; grey: not confirmed."""
     obstacle = at(320, 240)
     tracked = draw_obstacles(BLACK, [obstacle], None)
-    assert count(tracked, YELLOW) > 200 and count(tracked, GREEN) == 0
+    assert count(tracked, YELLOW) > 200 and count(tracked, RED) == 0
+    behind = draw_obstacles(BLACK, [dataclasses.replace(obstacle, in_collision_volume=True)], None)
+    assert count(behind, RED) > 200 and count(behind, YELLOW) == 0
     warning = draw_obstacles(BLACK, [obstacle], nearest(obstacle))
-    assert count(warning, GREEN) > 200 and count(warning, YELLOW) == 0
+    assert count(warning, RED) > 1.5 * count(behind, RED) and count(warning, YELLOW) == 0
     candidate = draw_obstacles(BLACK, [dataclasses.replace(obstacle, confirmed=False)], None)
     assert np.ptp(candidate, axis=-1).max() == 6  # as grey as INK is, and no text
     assert np.sum(candidate[..., 0] > GREY.blue // 2) > 50
@@ -92,6 +99,31 @@ def test_disparity_colours() -> None:
     assert near[2] > near[0]  # red end
 
 
+def test_the_disparity_has_a_scale_in_metres(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Focal length times baseline 310 px m, 31 px at most: the scale starts at 10 m."""
+    written: list[tuple[str, tuple[int, int]]] = []
+    put_text = cv2.putText
+
+    def record(picture: NDArray[np.uint8], text: str, place: tuple[int, int], *rest: Any) -> None:
+        written.append((text, place))
+        put_text(picture, text, place, *rest)
+
+    monkeypatch.setattr(cv2, "putText", record)
+    words = np.full((480, 640), -16, np.int16)
+    picture = draw_disparity(words, 32, 310.0)
+    labels = {text: place for text, place in written if text.endswith(" m")}
+    assert list(labels)[:3] == ["10 m", "20 m", "50 m"]
+    boxes = sorted((x, x + text_size(text, 0.45)[0]) for text, (x, _) in labels.items())
+    assert all(left[1] < right[0] for left, right in itertools.pairwise(boxes))
+    # Under each label the bar has the colour in which that distance is drawn.
+    bar = picture[-2 * PADDING_PX - 3]
+    for text, (x, _) in labels.items():
+        disparity = 310.0 / float(text.split()[0])
+        drawn = draw_disparity(np.full((480, 640), round(16 * disparity), np.int16), 32)[100, 100].astype(int)
+        near = bar[x : x + text_size(text, 0.45)[0]].astype(int)
+        assert np.abs(near - drawn).sum(axis=1).min() < 12, text
+
+
 def test_accepted_regions_are_stronger_than_rejected_ones() -> None:
     labels = np.zeros((480, 640), np.int32)
     labels[:, 200:400], labels[:, 400:] = 1, -1
@@ -141,3 +173,21 @@ def test_a_region_that_splits_hands_its_colour_to_the_larger_part() -> None:
 
 def test_palette_has_no_colour_twice() -> None:
     assert len(np.unique(distinct_colours(), axis=0)) == len(distinct_colours())
+
+
+def test_the_headline_says_that_a_frame_is_blind() -> None:
+    """On the red ground of warnings, also when nothing is on the collision course."""
+    left, words = np.zeros((480, 640), np.uint8), np.full((480, 640), -16, np.int16)
+    result = dataclasses.replace(
+        FakePipeline(CAMERA).process(left, words, 0, None, None), nearest_collision=None
+    )
+    blind = FrameHealth((Finding(next(iter(Reason)), State.BLIND, "The image is black."),))
+    bar_height = panel_tiles(640, 480)[0][1]
+    healthy, warned = (
+        Overlay("flight", 32)
+        .draw(Frame(0, 0, left, left, None), words, result, health)[:bar_height]
+        .astype(int)
+        for health in (FrameHealth(), blind)
+    )
+    reddish = [int((bar[..., 2] - bar[..., 0] > 100).sum()) for bar in (healthy, warned)]
+    assert reddish[0] == 0 and reddish[1] > 500

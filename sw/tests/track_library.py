@@ -15,13 +15,14 @@ def defaults(name: str) -> dict[str, float]:
     """Defaults of a parameter struct."""
     everything = default_parameters()  # a section does not keep the whole alive
     section = getattr(everything, name)
-    return {field: getattr(section, field) for field, _ in ffi.typeof(section).fields}
+    fields = [field for field, _ in ffi.typeof(section).fields if field != "reserved"]
+    return {field: getattr(section, field) for field in fields}
 
 
 def params(name: str, **changes: float):
     values = defaults(name) | changes
     types = dict(ffi.typeof(f"vista_{name}_params").fields)
-    assert values.keys() == types.keys()
+    assert values.keys() == types.keys() - {"reserved"}
     return ffi.new(
         f"vista_{name}_params *",
         {key: int(v) if types[key].type.cname == "int32_t" else v for key, v in values.items()},

@@ -63,8 +63,9 @@ def _run_frame(chain: Chain, files: FrameFiles, monitor: HealthMonitor, outputs:
     with clock.stage("output"):
         if outputs.recorder is not None:
             outputs.recorder.write(step.frame, step.words)
-        overlay = outputs.overlay
-        picture = None if overlay is None else overlay.draw(step.frame, step.words, step.result)
+        picture = None
+        if outputs.overlay is not None:
+            picture = outputs.overlay.draw(step.frame, step.words, step.result, record.health)
         outputs.folder.write_frame(files.index, obstacle_line(record, outputs.all_tracks), picture)
     record.stage_ms.update(clock.stage_ms)
     return record

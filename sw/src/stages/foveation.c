@@ -44,8 +44,8 @@ static grid make_grid(const vista_foveation_params *params, int32_t width_px, in
 
 static double ring_radius_px(const grid *g, double ring) { return g->rho_0_px * exp(ring * two_pi / g->sector_count); }
 
-static bool inside(const grid *g, double u_px, double v_px) {
-  return u_px >= 0.0 && v_px >= 0.0 && u_px <= g->width_px - 1 && v_px <= g->height_px - 1;
+static bool inside(int32_t width_px, int32_t height_px, double u_px, double v_px) {
+  return u_px >= 0.0 && v_px >= 0.0 && u_px <= width_px - 1 && v_px <= height_px - 1;
 }
 
 /* Bound on the pixels of one cell: the hub or an outermost cell, a pixel of margin all round. */
@@ -123,7 +123,7 @@ static void number_nodes(vista_foveation *f, const grid *g, arrays *a) {
     const double rho = ring_radius_px(g, cell / g->sector_count + 0.5);
     const double theta = (cell % g->sector_count + 0.5) * step;
     const double u = g->center_u_px + rho * cos(theta), v = g->center_v_px + rho * sin(theta);
-    const bool exists = a->node_of_grid[cell] == 1 || inside(g, u, v);
+    const bool exists = a->node_of_grid[cell] == 1 || inside(g->width_px, g->height_px, u, v);
     a->node_of_grid[cell] = exists ? f->node_count : -1;
     if (!exists) continue;
     a->center_u[f->node_count] = (float)u;
@@ -197,8 +197,9 @@ vista_status vista_foveation_layout(vista_foveation *foveation, vista_arena *are
   if (foveation == NULL || arena == NULL || params == NULL) return VISTA_ERROR_ARGUMENT;
   if (VISTA_CHECK_SECTION(foveation, params) != VISTA_OK) return VISTA_ERROR_RANGE;
   if (!vista_foveation_handles(width_px, height_px)) return VISTA_ERROR_SIZE;
+  if (!inside(width_px, height_px, center_u_px, center_v_px)) return VISTA_ERROR_RANGE;
   const grid g = make_grid(params, width_px, height_px, center_u_px, center_v_px);
-  if (!inside(&g, center_u_px, center_v_px) || g.ring_count > MOST_RINGS) return VISTA_ERROR_RANGE;
+  if (g.ring_count > MOST_RINGS) return VISTA_ERROR_RANGE;
 
   const size_t pixels = (size_t)width_px * (size_t)height_px;
   const int32_t max_nodes = g.ring_count * g.sector_count + 1;

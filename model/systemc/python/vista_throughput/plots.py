@@ -14,15 +14,15 @@ from matplotlib.axis import Axis
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
-from vista.report.plots import ACCENT, MUTED, STYLE, svg_element
+from vista.report.plots import ACCENT, INK, MUTED, STYLE, WARNING, svg_element
 
 from vista_throughput.assess import Answer, Sweeps
 from vista_throughput.explore import Point
 
 TIMELINE_FRAMES = 5
-SYSTEM, ENGINE, ROUTED = ACCENT, "#d97706", "#0f172a"
+SYSTEM, ENGINE, ROUTED = ACCENT, "#d97706", INK
 FRAME_COLOURS = ("#2563eb", "#d97706", "#0d9488", "#9333ea")  # in turn
-DROPPED = "#dc2626"
+DROPPED = WARNING
 PNG_DPI = 130
 
 
@@ -38,7 +38,7 @@ def picture(name: str, width_in: float, height_in: float, draw: Callable[[Figure
         figure = Figure(figsize=(width_in, height_in), layout="constrained")
         draw(figure)
         text, image = io.StringIO(), io.BytesIO()
-        figure.savefig(text, format="svg", metadata={"Date": None})
+        figure.savefig(text, format="svg", transparent=True, metadata={"Date": None})
         figure.savefig(image, format="png", dpi=PNG_DPI)
     return Picture(svg_element(text.getvalue()), image.getvalue())
 

@@ -101,7 +101,8 @@ def execute(arguments: argparse.Namespace) -> int:
     frames = select_frames(sequence, arguments.frames)
     chain = make_chain(sequence, arguments.engine, values, arguments.threads, arguments.rtl_width)
     candidates = chain.engine.parameters.num_disparities
-    overlay = None if arguments.no_overlay else Overlay(sequence.name, candidates)
+    camera = chain.rectifier.calibration
+    overlay = None if arguments.no_overlay else Overlay(sequence.name, candidates, camera, sequence.stills)
 
     records: list[FrameRecord] = []
     interruption = Interruption()

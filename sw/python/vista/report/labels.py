@@ -12,9 +12,8 @@ FONT = cv2.FONT_HERSHEY_SIMPLEX
 PADDING_PX = 4
 
 
-def text_scale(picture: NDArray[np.uint8]) -> float:
-    """Of OpenCV's font: grows with the picture, so that a wide one can be shown small."""
-    rows, columns = (int(side) for side in picture.shape[:2])
+def text_scale(rows: int, columns: int) -> float:
+    """Scale of OpenCV's font: it grows with the picture, so that a wide one can be shown small."""
     return 0.5 * min(max(rows / 480.0, columns / 800.0, 0.8), 2.5)
 
 
@@ -24,12 +23,21 @@ def text_size(text: str, scale: float) -> tuple[int, int]:
     return width, height
 
 
-def put_text(picture: NDArray[np.uint8], text: str, x: int, y: int, scale: float, colour: Colour) -> None:
-    """Baseline starts at (x, y); a dark ground keeps it legible on white."""
+def put_text(
+    picture: NDArray[np.uint8],
+    text: str,
+    x: int,
+    y: int,
+    scale: float,
+    colour: Colour,
+    ground_colour: Colour = INK,
+) -> None:
+    """The baseline starts at (x, y); the ground below the text keeps it legible."""
     width, height = text_size(text, scale)
     top, left = max(y - height - PADDING_PX, 0), max(x - PADDING_PX, 0)
     ground = picture[top : y + PADDING_PX + 1, left : x + width + PADDING_PX]
-    ground[:] = cv2.addWeighted(ground, 0.3, np.full_like(ground, INK), 0.7, 0.0)
+    share = 0.7 if ground_colour == INK else 0.95
+    ground[:] = cv2.addWeighted(ground, 1.0 - share, np.full_like(ground, ground_colour), share, 0.0)
     cv2.putText(picture, text, (x, y), FONT, scale, colour, 1, cv2.LINE_AA)
 
 
@@ -41,10 +49,10 @@ class Labels:
 
     def __init__(self, picture: NDArray[np.uint8]) -> None:
         self._picture = picture
-        self._scale = text_scale(picture)
-        self._placed: list[tuple[str, Box, Colour]] = []
+        self._scale = text_scale(*picture.shape[:2])
+        self._placed: list[tuple[str, Box, Colour, Colour]] = []
 
-    def reserve(self, text: str, u: float, v: float, colour: Colour) -> None:
+    def reserve(self, text: str, u: float, v: float, colour: Colour, ground: Colour = INK) -> None:
         """Wants the text centred above (u, v); tries a few places nearby."""
         if not np.isfinite([u, v]).all():
             return
@@ -57,13 +65,13 @@ class Labels:
                 np.clip(v - 2 * PADDING_PX + shift * line, line, rows - 2 * line)
             )  # the caption's line stays free
             box = (x - PADDING_PX, y - height - PADDING_PX, x + width + PADDING_PX, y + PADDING_PX)
-            if not any(_overlap(box, other) for _, other, _ in self._placed):
-                self._placed.append((text, box, colour))
+            if not any(_overlap(box, other) for _, other, _, _ in self._placed):
+                self._placed.append((text, box, colour, ground))
                 return
 
     def draw(self) -> None:
-        for text, (left, _, _, bottom), colour in self._placed:
-            put_text(self._picture, text, left + PADDING_PX, bottom - PADDING_PX, self._scale, colour)
+        for text, (left, _, _, bottom), colour, ground in self._placed:
+            put_text(self._picture, text, left + PADDING_PX, bottom - PADDING_PX, self._scale, colour, ground)
 
 
 def _overlap(a: Box, b: Box) -> bool:

@@ -16,8 +16,9 @@ class Colour(NamedTuple):
 
 
 YELLOW = Colour(0, 225, 255)  # tracked obstacles
-GREEN = Colour(80, 230, 60)  # the nearest collision obstacle
+RED = Colour(75, 75, 255)  # obstacles on the collision course
 GREY = Colour(170, 170, 170)  # tracks that are not confirmed yet
+ALARM = Colour(40, 40, 210)  # the ground of a warning's text
 WHITE = Colour(245, 245, 245)
 INK = Colour(24, 20, 18)  # backgrounds, and disparity where there is none
 PALETTE_SIZE = 64
@@ -49,19 +50,19 @@ class RegionColours:
         count = int(region_of_cell.max(initial=-1)) + 1
         slots = np.full(count, -1, np.int64)
         if self._previous is not None:
-            self._inherit(*self._previous, region_of_cell, slots)
+            self._inherit(region_of_cell, slots, *self._previous)
         free = slots < 0
         slots[free] = self._next_slot + np.arange(int(free.sum()))
         self._next_slot += int(free.sum())
         self._previous = (region_of_cell.copy(), slots)
         return self._colours[slots % PALETTE_SIZE]
 
+    @staticmethod
     def _inherit(
-        self,
-        before: NDArray[np.int32],
-        slots_before: NDArray[np.int64],
         region_of_cell: NDArray[np.int32],
         slots: NDArray[np.int64],
+        before: NDArray[np.int32],
+        slots_before: NDArray[np.int64],
     ) -> None:
         if len(before) != len(region_of_cell) or not len(slots_before):
             return

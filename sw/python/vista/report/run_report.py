@@ -1,104 +1,356 @@
-"""report.html: one page with everything in it, readable without network and without the other files."""
+"""report.html: one page with everything in it, readable without network and without the other files.
+
+The page holds the figures of the run as JSON; templates/run_report.js draws them, and links pictures, plots
+and table.
+"""
 
 from __future__ import annotations
 
 import base64
-from typing import Any
+import math
+from collections import defaultdict
+from typing import TYPE_CHECKING, Any
 
 import cv2
 import numpy as np
-from markupsafe import Markup
+from numpy.typing import NDArray
 
+from vista.geometry import Pose
+from vista.health.finding import Reason, State
 from vista.history import FrameRecord
-from vista.report import plots
+from vista.report.overlay import panel_tiles
 from vista.report.page import fill_template
 from vista.result_folder import ResultFolder
+
+if TYPE_CHECKING:
+    from vista.pipeline import Obstacle
 
 MAX_PICTURES = 80
 MAX_PICTURE_BYTES = 10_000_000  # of all JPEGs; base64 makes a third more
 PICTURE_WIDTH_PX = 1400
-MAX_TRACK_ROWS = 40
+NO_FREE_SPACE = "That nothing is found there does not mean free space."
+TOTAL_HINT = "total = read + rectify + stereo + host, without checks and output (pictures, files)."
+
+Data = dict[str, Any]
 
 
-def render_report(summary: dict[str, Any], records: list[FrameRecord], folder: ResultFolder) -> str:
+def render_report(summary: Data, records: list[FrameRecord], folder: ResultFolder) -> str:
     """The page as HTML, with the pictures that the folder holds, or a selection of many."""
-    drawings = {
-        name: Markup(plot(records))
-        for name, plot in {
-            "distances": plots.plot_distances,
-            "map": plots.plot_map,
-            "stages": plots.plot_stages,
-            "collision": plots.plot_collision,
-            "regions": plots.plot_regions,
-        }.items()
-    }
-    pictures = embedded_pictures(records, folder)
+    data = report_data(summary, records, embedded_pictures(records, folder))
     return fill_template(
         "run_report.html.j2",
         summary=summary,
+        data=data,
+        alerts=alerts(summary),
         cards=make_cards(summary, records),
-        pictures=pictures,
-        shown=next((index for index, picture in enumerate(pictures) if picture["collision"]), 0),
-        plots=drawings,
-        tracks=track_rows(records)[:MAX_TRACK_ROWS],
+        steps=sum("uri" in frame for frame in data["frames"]) or len(records),
+        keys=strip_keys(records),
+        table=picture_table(records) if summary["stills"] else track_table(data["tracks"], data["frames"]),
+        total_hint=TOTAL_HINT,
     )
 
 
-def make_cards(summary: dict[str, Any], records: list[FrameRecord]) -> list[tuple[str, str, str]]:
-    """(value, name, remark) of the figures at the top of the page."""
-    stages = summary["stages_ms"]
-    host, total = stages["host"], stages["total"]
-    hits = [
-        (record.nearest_collision.distance_m, record.index) for record in records if record.nearest_collision
+def report_data(summary: Data, records: list[FrameRecord], pictures: dict[int, str]) -> Data:
+    """What the page's script draws; pictures: data URI of a record, by its place among the records."""
+    camera, stills = summary["camera"], summary["stills"]
+    tiles = panel_tiles(camera["width"], camera["height"])
+    across, ahead = level_axes([record.world_from_camera or Pose() for record in records])
+    warned = [place for place, record in enumerate(records) if record.nearest_collision]
+    stages = list(dict.fromkeys(name for record in records for name in record.stage_ms))
+    known = all(record.motion_known for record in records)
+    return {
+        "stills": stills,
+        "unit": "picture" if stills else "frame",
+        "shown": warned[0] if warned else 0,
+        "panel": [tiles[3][0] + tiles[3][2], tiles[3][1] + tiles[3][3]] if pictures else None,
+        "tiles": tiles,
+        "axes": ["xyz"[across], "xyz"[ahead]],
+        "no_time_left": "no obstacle comes nearer" if known else "unknown without the motion of the camera",
+        "stages": [_stage(name, records) for name in stages],
+        "frames": [
+            _frame(record, records[0].t_ns, stages, (across, ahead), pictures.get(place))
+            for place, record in enumerate(records)
+        ],
+        "tracks": [] if stills else _tracks(records, across, ahead),
+    }
+
+
+def _frame(
+    record: FrameRecord, start_ns: int, stages: list[str], plane: tuple[int, int], picture: str | None
+) -> Data:
+    nearest = record.nearest_collision
+    camera_m = (record.world_from_camera or Pose()).translation_m
+    frame: Data = {
+        "n": record.index,
+        "t": round((record.t_ns - start_ns) / 1e9, 4),
+        "state": record.health.state,
+        "why": " ".join(_sentence(finding.text) for finding in record.health.findings),
+        "known": record.motion_known,
+        "obstacles": sum(obstacle.confirmed for obstacle in record.obstacles),
+        "valid": round(100 * record.valid_fraction, 1),
+        "regions": record.regions,
+        "camera": [_number(camera_m[axis]) for axis in plane],
+        "ms": [_number(record.stage_ms[name]) if name in record.stage_ms else None for name in stages],
+        "hit": nearest
+        and {
+            "id": nearest.id,
+            "m": _number(nearest.distance_m),
+            "s": None if nearest.time_to_collision_s is None else _number(nearest.time_to_collision_s),
+        },
+    }
+    if picture is not None:
+        shown = [obstacle for obstacle in record.obstacles if obstacle.confirmed]
+        largest_first = sorted(
+            shown, key=lambda o: -o.ellipse.axis_a * o.ellipse.axis_b
+        )  # what lies on top counts
+        frame |= {"uri": picture, "ellipses": [_ellipse(obstacle) for obstacle in largest_first]}
+    return frame
+
+
+def _ellipse(obstacle: Obstacle) -> list[Any]:
+    e = obstacle.ellipse
+    width_m, height_m = obstacle.extent_m
+    text = f"#{obstacle.id}: {obstacle.distance_m:.1f} m away, {width_m:.1f} x {height_m:.1f} m"
+    return [obstacle.id, *map(_number, (e.center_u, e.center_v, e.axis_a, e.axis_b, e.angle_deg)), text]
+
+
+def _stage(name: str, records: list[FrameRecord]) -> Data:
+    values = [record.stage_ms[name] for record in records if name in record.stage_ms]
+    low, q1, median, q3, p99 = map(_number, np.percentile(values, [0, 25, 50, 75, 99]))
+    return {"name": name, "low": low, "q1": q1, "median": median, "q3": q3, "p99": p99}
+
+
+def _tracks(records: list[FrameRecord], across: int, ahead: int) -> list[Data]:
+    """Tracks from their confirmation on, longest-lived first."""
+    seen: dict[int, list[tuple[int, Obstacle]]] = defaultdict(list)
+    for place, record in enumerate(records):
+        for obstacle in record.obstacles:
+            if obstacle.confirmed:
+                seen[obstacle.id].append((place, obstacle))
+    hits = {record.nearest_collision.id for record in records if record.nearest_collision}
+    tracks = [
+        {
+            "id": track_id,
+            "hit": track_id in hits,
+            "extent": [_number(side) for side in points[-1][1].extent_m],
+            "spread": two_sigma_ellipse(points[-1][1], across, ahead),
+            "points": [
+                [place, *map(_number, (o.distance_m, o.position_m[across], o.position_m[ahead]))]
+                for place, o in points
+            ],
+        }
+        for track_id, points in seen.items()
     ]
-    first_hit = hits[0] if hits else None
+    return sorted(tracks, key=lambda track: (-len(track["points"]), track["id"]))
+
+
+def two_sigma_ellipse(obstacle: Obstacle, across: int, ahead: int) -> list[float]:
+    """Semi-axes in metres and the angle of the first in degrees, towards `ahead`."""
+    covariance_m2 = np.nan_to_num(
+        np.asarray(obstacle.covariance_m2)[np.ix_((across, ahead), (across, ahead))]
+    )
+    variances, vectors = np.linalg.eigh(covariance_m2)
+    half_m = 2.0 * np.sqrt(np.maximum(variances, 0.0))
+    return [*map(_number, half_m), _number(np.degrees(np.arctan2(vectors[1, 0], vectors[0, 0])))]
+
+
+def level_axes(poses: list[Pose]) -> tuple[int, int]:
+    """The world axes, in order, without the one nearest to the camera's down (its y)."""
+    down = np.mean([pose.rotation[:, 1] for pose in poses], axis=0)
+    vertical = int(np.argmax(np.abs(down)))
+    across, ahead = (axis for axis in range(3) if axis != vertical)
+    return across, ahead
+
+
+def _number(value: Any) -> float:
+    """Enough digits for a plot; JSON has no word for what is not finite."""
+    return round(float(value), 2) if math.isfinite(value) else 0.0
+
+
+# ---- what the page says in words ----
+
+
+def alerts(summary: Data) -> list[Data]:
+    """What is wrong with the run, worst first, for the top of the page."""
+    health, frames = summary["health"], summary["frames"]
+    unit = "picture" if summary["stills"] else "frame"
+    found: list[Data] = []
+    for problem in sorted(health["problems"], key=lambda problem: problem["state"] != State.BLIND):
+        state = str(problem["state"]).capitalize()
+        first = not found and problem["state"] == State.BLIND
+        found.append(
+            {
+                "kind": str(problem["state"]),
+                "head": f"{state} in {problem['frames']} of {frames} {unit}s, "
+                f"from {unit} {problem['first_frame']}.",
+                "text": _sentence(problem["text"]) + f" {NO_FREE_SPACE}" * first,
+            }
+        )
+    unknown = frames - health["frames_with_known_motion"]
+    told = any(problem["reason"] == Reason.MOTION_UNKNOWN for problem in health["problems"])
+    if unknown and not summary["stills"] and not told:
+        found.append(
+            {
+                "kind": "unknown",
+                "head": f"Own motion unknown in {unknown} of {frames} frames.",
+                "text": "Without a pose nothing is known there about times to collision, and the collision "
+                "volume lies along the last known direction of flight, or else along the optical axis.",
+            }
+        )
+    return found
+
+
+def _sentence(text: str) -> str:
+    return text[:1].upper() + text[1:].rstrip(".") + "."
+
+
+def strip_keys(records: list[FrameRecord]) -> list[tuple[str, str]]:
+    """(class, text) of the colours in the strip below the slider."""
+    states = [record.health.state for record in records]
+    counts = {
+        "hit": (sum(record.nearest_collision is not None for record in records), "collision warning"),
+        "blind": (states.count(State.BLIND), "blind: nothing found does not mean free space"),
+        "degraded": (states.count(State.DEGRADED), "degraded"),
+        "unknown": (sum(not record.motion_known for record in records), "own motion unknown"),
+    }
+    return [(kind, f"{text} ({count})") for kind, (count, text) in counts.items() if count]
+
+
+def make_cards(summary: Data, records: list[FrameRecord]) -> list[tuple[str, str, str]]:
+    """(value, name, remark) of the figures at the top of the page."""
+    stages, stills = summary["stages_ms"], summary["stills"]
+    host, stereo, total = stages["host"], stages["stereo"], stages["total"]
+    hits = [record for record in records if record.nearest_collision]
     duration_s = (records[-1].t_ns - records[0].t_ns) / 1e9
+    found = sum(obstacle.confirmed for record in records for obstacle in record.obstacles)
+    if stills:
+        cards = [
+            (str(len(records)), "unrelated pictures", "each judged by itself"),
+            (str(found), "obstacles found", "in all pictures together, at first sight"),
+            (str(len(hits)), "pictures with an obstacle ahead", _remark(summary, hits)),
+        ]
+    else:
+        cards = [
+            (str(len(records)), "frames", f"{duration_s:.1f} s of recording"),
+            (str(summary["obstacles_confirmed"]), "obstacles tracked", "confirmed over several frames"),
+            (str(len(hits)), "frames with a collision warning", _remark(summary, hits)),
+        ]
+    rate = 1e3 / max(total["median"], 1e-3)
     return [
-        (str(summary["frames"]), "frames", f"{duration_s:.1f} s of flight"),
-        (str(summary["obstacles_confirmed"]), "obstacles tracked", "confirmed over several frames"),
-        (
-            str(len(hits)),
-            "frames with a collision warning",
-            f"first at {first_hit[0]:.1f} m, frame {first_hit[1]}"
-            if first_hit
-            else "the collision volume stayed clear",
-        ),
+        *cards,
         (f"{host['median']:.1f} ms", "host stage", f"median; p99 {host['p99']:.1f} ms"),
-        (
-            f"{stages['stereo']['median']:.1f} ms",
-            "stereo engine",
-            f"median; p99 {stages['stereo']['p99']:.1f} ms",
-        ),
+        (f"{stereo['median']:.1f} ms", "stereo engine", f"median; p99 {stereo['p99']:.1f} ms"),
         (
             f"{total['median']:.1f} ms",
             "read to obstacle map",
-            f"{1e3 / max(total['median'], 1e-3):.0f} frames/s",
+            f"{rate:.0f} {'pairs' if stills else 'frames'}/s",
         ),
     ]
 
 
-def embedded_pictures(records: list[FrameRecord], folder: ResultFolder) -> list[dict[str, Any]]:
-    """Frames as data URIs, small enough together; evenly spaced when there are more than MAX_PICTURES."""
-    present = [record for record in records if folder.frame_path(record.index).is_file()]
-    chosen = np.unique(np.linspace(0, len(present) - 1, min(len(present), MAX_PICTURES)).round().astype(int))
-    pictures: list[dict[str, Any]] = []
-    for position in chosen:
-        record = present[position]
-        coded = np.fromfile(folder.frame_path(record.index), np.uint8)  # OpenCV opens no names but UTF-8
-        jpeg = _scaled_jpeg(
-            np.asarray(cv2.imdecode(coded, cv2.IMREAD_COLOR)), MAX_PICTURE_BYTES // len(chosen)
-        )
-        pictures.append(
-            {
-                "frame": record.index,
-                "collision": record.nearest_collision is not None,
-                "uri": "data:image/jpeg;base64," + base64.b64encode(jpeg).decode(),
-            }
-        )
-    return pictures
+def _remark(summary: Data, hits: list[FrameRecord]) -> str:
+    """Of the warnings. Blind is never called clear."""
+    blind, unit = summary["health"]["frames"][State.BLIND], "picture" if summary["stills"] else "frame"
+    if blind:
+        return f"but blind in {blind} {unit}s: that does not mean free space"
+    if not hits:
+        return "nothing was found in the collision volume"
+    nearest = hits[0].nearest_collision
+    if summary["stills"] or nearest is None:
+        return "within the collision volume along the optical axis"
+    return f"first at {nearest.distance_m:.1f} m, frame {hits[0].index}"
 
 
-def _scaled_jpeg(picture: np.ndarray, limit_bytes: int) -> bytes:
+# ---- tables ----
+
+
+def track_table(tracks: list[Data], frames: list[Data]) -> Data:
+    heads = [
+        "track",
+        "frames",
+        "from (s)",
+        "to (s)",
+        "first at (m)",
+        "closest (m)",
+        "width (m)",
+        "height (m)",
+    ]
+    rows = []
+    for track in tracks:
+        points = track["points"]
+        times_s = [frames[points[end][0]]["t"] for end in (0, -1)]
+        distances_m = [point[1] for point in points]
+        figures = [*times_s, distances_m[0], min(distances_m), *track["extent"]]
+        cells = [
+            _cell(track["id"], f"#{track['id']}"),
+            _cell(len(points)),
+            *(_cell(x, f"{x:.1f}") for x in figures),
+        ]
+        cells.append(_cell(int(track["hit"]), "yes" if track["hit"] else "", track["hit"]))
+        rows.append({"key": track["id"], "cells": cells})
+    return {
+        "heads": _heads([*heads, "collision course"], "from (s)", "to (s)", "width (m)", "height (m)"),
+        "rows": rows,
+    }
+
+
+def picture_table(records: list[FrameRecord]) -> Data:
+    heads = ["picture", "obstacles", "nearest (m)", "ahead (m)", "valid (%)", "regions", "host (ms)", "view"]
+    rows = []
+    for place, record in enumerate(records):
+        distances_m = [obstacle.distance_m for obstacle in record.obstacles if obstacle.confirmed]
+        hit = record.nearest_collision
+        cells = [
+            _cell(record.index),
+            _cell(len(distances_m)),
+            _metres(min(distances_m, default=None)),
+            _metres(None if hit is None else hit.distance_m, hit=True),
+            _cell(record.valid_fraction, f"{100 * record.valid_fraction:.0f}"),
+            _cell(record.regions),
+            _cell(record.stage_ms["host"], f"{record.stage_ms['host']:.1f}"),
+            _cell(list(State).index(record.health.state), record.health.state),
+        ]
+        rows.append({"key": place, "cells": cells})
+    return {"heads": _heads(heads, "regions", "host (ms)"), "rows": rows}
+
+
+def _heads(names: list[str], *wide: str) -> list[Data]:
+    """wide: left out where there is little room."""
+    return [{"name": name, "wide": name in wide} for name in names]
+
+
+def _cell(value: float, text: str | None = None, hit: bool = False) -> Data:
+    """value: what the column is sorted by."""
+    return {"value": value, "text": str(value) if text is None else text, "hit": hit}
+
+
+def _metres(distance_m: float | None, hit: bool = False) -> Data:
+    return _cell(1e9, "-") if distance_m is None else _cell(distance_m, f"{distance_m:.1f}", hit)
+
+
+# ---- pictures ----
+
+
+def embedded_pictures(records: list[FrameRecord], folder: ResultFolder) -> dict[int, str]:
+    """Frames as data URIs, by their place among the records; small enough together. When there are more than
+    MAX_PICTURES they are evenly spaced, and the first with a warning is among them."""
+    present = [place for place, record in enumerate(records) if folder.frame_path(record.index).is_file()]
+    evenly = np.linspace(0, len(present) - 1, min(len(present), MAX_PICTURES)).round().astype(int)
+    warned = [place for place in present if records[place].nearest_collision]
+    chosen = sorted({*(present[k] for k in evenly), *warned[:1]})
+    uris = {}
+    for place in chosen:
+        coded = np.fromfile(
+            folder.frame_path(records[place].index), np.uint8
+        )  # OpenCV opens no names but UTF-8
+        picture = cv2.imdecode(coded, cv2.IMREAD_COLOR)
+        if picture is not None:
+            jpeg = _scaled_jpeg(picture, MAX_PICTURE_BYTES // len(chosen))
+            uris[place] = "data:image/jpeg;base64," + base64.b64encode(jpeg).decode()
+    return uris
+
+
+def _scaled_jpeg(picture: NDArray[Any], limit_bytes: int) -> bytes:
     """At most PICTURE_WIDTH_PX wide; then quality, then size give way until the limit holds."""
     scale = min(1.0, PICTURE_WIDTH_PX / picture.shape[1])
     while True:
@@ -108,26 +360,3 @@ def _scaled_jpeg(picture: np.ndarray, limit_bytes: int) -> bytes:
             if len(jpeg) <= limit_bytes:
                 return jpeg
         scale *= 0.8
-
-
-def track_rows(records: list[FrameRecord]) -> list[dict[str, Any]]:
-    """One row a confirmed track, longest-lived first."""
-    rows = []
-    in_volume = {record.nearest_collision.id for record in records if record.nearest_collision}
-    for track_id, points in plots.confirmed_tracks(records).items():
-        distances_m = [obstacle.distance_m for _, obstacle in points]
-        last = points[-1][1]
-        rows.append(
-            {
-                "id": track_id,
-                "frames": len(points),
-                "from_s": points[0][0],
-                "to_s": points[-1][0],
-                "first_m": distances_m[0],
-                "closest_m": min(distances_m),
-                "width_m": float(last.extent_m[0]),
-                "height_m": float(last.extent_m[1]),
-                "collision": track_id in in_volume,
-            }
-        )
-    return sorted(rows, key=lambda row: (-row["frames"], row["id"]))

@@ -5,13 +5,11 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from vista.report.plots import ACCENT, MUTED, WARNING, svg_plot
+from vista.report.plots import ACCENT, GOOD, LINES, MUTED, WARNING, svg_plot
 
 from vista_eval.metrics.comparison import Comparison
 from vista_eval.metrics.flight_score import FlightScore
 from vista_eval.metrics.judge import HIT_RANGE, HIT_RANGE_M, NEAR
-
-RED = "#dc2626"
 
 
 @svg_plot(12.0, 2.9)
@@ -24,8 +22,8 @@ def plot_error(figure: Figure, flight: tuple[FlightScore, float]) -> None:
     draw_error(error_axes, score, focal_baseline_px_m)
     t_s = frame_times_s(score)
     rows = (
-        ("warned of", WARNING, [frame.matched_id is not None for frame in score.frames]),
-        ("missed", RED, [frame.missed for frame in score.frames]),
+        ("warned of", GOOD, [frame.matched_id is not None for frame in score.frames]),
+        ("missed", WARNING, [frame.missed for frame in score.frames]),
         ("false alarm", "#f59e0b", [bool(frame.false_alarms) for frame in score.frames]),
     )
     for row, (_, colour, marks) in enumerate(rows):
@@ -46,7 +44,7 @@ def draw_error(axes: Axes, score: FlightScore, focal_baseline_px_m: float) -> No
         axes.set_yticks([])
         return
     bound_m = [2.0 * range_m**2 / focal_baseline_px_m for _, range_m in aimed]
-    axes.plot([t for t, _ in aimed], bound_m, color=RED, label="2 dz(r)")
+    axes.plot([t for t, _ in aimed], bound_m, color=WARNING, label="2 dz(r)")
     axes.plot([t for t, _ in errors], [e for _, e in errors], ".-", color=ACCENT, label="|P - P^|")
     axes.set(ylabel="m", ylim=(0.0, None))
     axes.legend(loc="upper right", frameon=False)
@@ -64,7 +62,7 @@ def plot_comparison(figure: Figure, comparison: Comparison) -> None:
     total = np.array([comparison.frames, max(comparison.near_frames, 1)])
     axes.plot(*(100.0 * points / total).T, ".", color=MUTED, label="stereo alone, each a threshold")
     ours = 100.0 * np.array([comparison.ours.alarms, comparison.ours.missed]) / total
-    axes.plot(*ours[:, np.newaxis], "o", color=WARNING, markersize=10, label="segmentation and tracks")
+    axes.plot(*ours[:, np.newaxis], "o", color=GOOD, markersize=10, label="segmentation and tracks")
     axes.set(
         xlabel="frames with a false alarm (%)",
         ylabel=f"frames with the target {NEAR} missed (%)",
@@ -82,9 +80,9 @@ def plot_detection(figure: Figure, scores: list[FlightScore]) -> None:
     for row, score in enumerate(aimed):
         ranges_m = [frame.range_m for frame in score.frames if frame.range_m is not None]
         warned_m = [f.range_m for f in score.frames if f.matched_id is not None and f.range_m is not None]
-        axes.plot([min(ranges_m), max(ranges_m)], [row, row], color="#e2e8f0", linewidth=7)
-        axes.plot(warned_m, np.full(len(warned_m), row), "|", color=WARNING, markersize=7)
-    axes.axvspan(*HIT_RANGE_M, color="#dbeafe", zorder=0)
+        axes.plot([min(ranges_m), max(ranges_m)], [row, row], color=LINES, linewidth=7)
+        axes.plot(warned_m, np.full(len(warned_m), row), "|", color=GOOD, markersize=7)
+    axes.axvspan(*HIT_RANGE_M, color=ACCENT, alpha=0.15, zorder=0)
     axes.set_yticks(range(len(aimed)), [score.name for score in aimed], fontsize=8)
     axes.set(xlabel=f"range of the target (m); shaded: {HIT_RANGE}", ylim=(max(len(aimed), 1) - 0.5, -0.5))
     axes.set_xlim(left=0.0)
