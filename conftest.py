@@ -16,25 +16,14 @@ NATIVE_PATHS = (
     *(f"sw/tests/test_{name}.py" for name in ("engine", "real_sequence", "replay", "street")),
 )
 # What `make check` leaves out: simulations of the RTL, renderings, installations, and long runs.
+SLOW = """
+    cache cli demo engine_rtl figures flight flights_command fuzz health_real measured_pairs obstacle_schema
+    real_sequence report run_health scenes score_flight static_world street throughput
+"""
 SLOW_PATHS = (
     "tb",
-    "scripts/tests/test_documentation.py",
-    "scripts/tests/test_install.py",
-    "scripts/tests/test_wheel.py",
-    *(
-        f"sw/tests/test_{name}.py"
-        for name in (
-            "cli",
-            "demo",
-            "engine_rtl",
-            "flight",
-            "fuzz",
-            "scenes",
-            "static_world",
-            "street",
-            "throughput",
-        )
-    ),
+    *(f"scripts/tests/test_{name}.py" for name in ("documentation", "install", "setup", "wheel")),
+    *(f"sw/tests/test_{name}.py" for name in SLOW.split()),
 )
 
 

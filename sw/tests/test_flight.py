@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 from dataclasses import replace
 from pathlib import Path
 
@@ -109,13 +110,13 @@ def test_quaternions_are_those_of_the_rotations() -> None:
 
 
 def test_a_seed_gives_the_same_bytes_and_another_one_others(rendered: Path, tmp_path: Path) -> None:
-    one = replace(SHORT, approach=replace(SHORT.approach, frames=1, last_range_m=30.0))
     bytes_of = []
-    for name, flight in (("a", one), ("b", one), ("c", replace(one, seed=2))):
+    for name, flight in (("again", SHORT), ("another", replace(SHORT, seed=2))):
         render(flight, tmp_path / name)
         path = image_path(tmp_path / name, LEFT, flight.approach.state_at(0).t_ns)
         bytes_of.append(path.read_bytes())
-    assert bytes_of[0] == bytes_of[1] != bytes_of[2]
+    first = image_path(rendered, LEFT, SHORT.approach.state_at(0).t_ns).read_bytes()
+    assert bytes_of[0] == first != bytes_of[1]
 
 
 def test_only_what_is_missing_is_rendered(rendered: Path) -> None:
@@ -168,7 +169,6 @@ def test_a_folder_with_other_things_is_refused(tmp_path: Path) -> None:
 
 def test_another_flight_replaces_an_earlier_one(rendered: Path, tmp_path: Path) -> None:
     out = tmp_path / "flight"
-    one = replace(SHORT, approach=replace(SHORT.approach, frames=1))
-    render(one, out)
-    prepare(SHORT, out, "quick")
+    shutil.copytree(rendered, out)
+    prepare(replace(SHORT, approach=replace(SHORT.approach, frames=1)), out, "quick")
     assert not list(out.rglob("*.png"))
