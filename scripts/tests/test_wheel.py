@@ -76,7 +76,9 @@ class Environment:
         [borrowed] = (REPOSITORY / ".venv" / "lib").glob("python*/site-packages")
         (self.packages / "borrowed.pth").write_text(f"{borrowed}\n")
         watch = WATCH.format(checkout=str(REPOSITORY), borrowed=str(REPOSITORY / ".venv"), log=str(self.log))
-        (self.packages / "sitecustomize.py").write_text(watch)
+        # Not sitecustomize.py: Debian has one of its own, which comes first.
+        (self.packages / "watch_the_checkout.py").write_text(watch)
+        (self.packages / "watch_the_checkout.pth").write_text("import watch_the_checkout\n")
 
     def vista(self, *arguments: object) -> subprocess.CompletedProcess[str]:
         """Run in the folder; fails the test if it touched the checkout."""
