@@ -89,7 +89,7 @@ generate: .venv/run.stamp ## write generated sources and tables anew, after a ch
 
 # ---- checks ----
 
-check: lint types build .venv/test.stamp ## check style and types and run the fast tests: under a minute, to be run often
+check: lint types build systemc-tests .venv/test.stamp ## check style and types and run the fast tests: under a minute, to be run often
 	@$(PYTHON) -m pytest -n $(WORKERS) -m "not slow"
 
 test: lint types drift docs build systemc-tests fuzz-targets .venv/test.stamp $(RTL_TOOLS) ## check everything that has to hold: lint, types, all tests, those of the C code under sanitizers, fuzz targets, documentation
