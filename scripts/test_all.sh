@@ -5,7 +5,7 @@ set -uo pipefail
 cd "$(dirname "$0")/.."
 
 status=0
-.venv/bin/python -m pytest -n "$1" 2>&1 | tee build/test.log || status=1
+.venv/bin/python -m pytest -n "$1" --max-worker-restart=0 2>&1 | tee build/test.log || status=1
 echo "again under AddressSanitizer and UndefinedBehaviorSanitizer: build/test-asan.log"
 scripts/test_sanitized.sh >build/test-asan.log 2>&1 || { status=1; cat build/test-asan.log; }
 

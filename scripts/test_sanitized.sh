@@ -10,9 +10,9 @@ make --no-print-directory native systemc BUILD="$VISTA_BUILD" DEVELOPER=ON CFLAG
 
 # Left out: tests whose millions of pixels add time and no other C code.
 tests=("$@")
-[ $# -gt 0 ] || tests=(-n "$(nproc)" -m native -k "not as_opencv and not cut_anywhere")
+[ $# -gt 0 ] || tests=(-n "$(nproc)" --max-worker-restart=0 -m native -k "not as_opencv and not cut_anywhere")
 
 # Python itself is not instrumented: the run-time comes first by preload, and its leaks are not ours.
 LD_PRELOAD="$(gcc -print-file-name=libasan.so) $(gcc -print-file-name=libstdc++.so)" \
 ASAN_OPTIONS=detect_leaks=0 UBSAN_OPTIONS=print_stacktrace=1 \
-  .venv/bin/python -m pytest -q -p no:cacheprovider "${tests[@]}"
+  .venv/bin/python -m pytest -p no:cacheprovider "${tests[@]}"
