@@ -33,10 +33,9 @@ VISTA_API const char *vista_world_verdict_name(vista_world_verdict verdict);
 /* Why a region of the image is not an obstacle: the first reason that applies, in this order. */
 typedef enum vista_region_verdict {
   VISTA_REGION_ACCEPTED = 0,
-  VISTA_REGION_BACKGROUND, /* grown from no disparity of its own and not plain: sky, bare ground */
+  VISTA_REGION_UNKNOWN, /* hardly any disparity in it: it cannot be judged. Sky, bare walls and roads, dark places */
   VISTA_REGION_TOO_FEW_PIXELS, /* too few boundary inliers to say anything */
-  VISTA_REGION_LOW_SUPPORT, /* valid fraction of the boundary too small */
-  VISTA_REGION_INCONSISTENT, /* boundary disparity does not vary smoothly (edge consistency) */
+  VISTA_REGION_INCONSISTENT, /* the evidence against it outweighs that for it: disparities matched by chance */
   VISTA_REGION_HORIZONTAL, /* a surface to fly above, or flat on one: ground, road, water */
   VISTA_REGION_TOO_FAR, /* disparity below the smallest that is reconstructed */
   VISTA_REGION_TOO_SMALL, /* metric size below the smallest obstacle */

@@ -76,7 +76,9 @@ typedef struct vista_surface_params {
   double horizontal_deg; /* A surface that leans more than this from the vertical is one to fly along, not into. 10.0 .. 90.0 deg. */
   double ground_step_px; /* Cells within this of the ground's plane are ground. 0.0 .. 64.0 px. */
   double ground_step_m; /* Cells above the ground's plane by this, and by ground_step_px, stand. 0.0 .. 10.0 m. */
-  unsigned char reserved[224];
+  double ground_tilt_deg; /* The ground below leans at most this from the horizontal. 0.0 .. 45.0 deg. */
+  double ground_share; /* The ground's plane holds at least this share of the area below the horizon that has a disparity, after what lies below the plane is taken off. 0.0 .. 1.0. */
+  unsigned char reserved[208];
 } vista_surface_params;
 
 /* Recursive minimum cuts (paper, section II-C). */
@@ -121,7 +123,15 @@ typedef struct vista_region_params {
   double foot_m; /* The foot of such a region is within this of the ground's plane. At most 6 % of the range. 0.0 .. 10.0 m. */
   double min_height_m; /* What is lower than this above the horizontal surface that it adjoins lies on it. At most 6 % of the range. 0.0 .. 10.0 m. */
   double min_standing_fraction; /* Smallest part of an obstacle's area that stands higher than that. 0.0 .. 1.0. */
-  unsigned char reserved[160];
+  double top_height_m; /* Words higher than this above the ground weigh more. At most in proportion to min_height_m. 0.01 .. 100.0 m. */
+  double odds_prior; /* Log-odds of a region that is an obstacle, before anything is known of it. -100.0 .. 100.0 ln odds. */
+  double odds_standing; /* Log-odds added by words that all stand min_height_m above the ground. -100.0 .. 100.0 ln odds. */
+  double odds_top; /* Log-odds added by words that all stand top_height_m above the ground. -100.0 .. 100.0 ln odds. */
+  double odds_boundary; /* Log-odds added by a boundary whose words all lie on one surface. -100.0 .. 100.0 ln odds. */
+  double odds_support; /* Log-odds added by a boundary whose pixels all have a word. -100.0 .. 100.0 ln odds. */
+  double odds_size; /* Log-odds added by each tenfold of a metre in size. -100.0 .. 100.0 ln odds. */
+  double odds_unseeded; /* Log-odds added to a region that grew from no disparity of its own. -100.0 .. 100.0 ln odds. */
+  unsigned char reserved[96];
 } vista_region_params;
 
 /* Regions to detections by linear triangulation (paper, section II-D). */

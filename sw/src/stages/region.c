@@ -7,15 +7,14 @@
 #include "common/depth.h"
 #include "common/frame.h"
 #include "common/parameters_check.h"
-#include "stages/parts/ground.h"
 #include "stages/parts/region_boundary.h"
+#include "stages/parts/region_evidence.h"
 #include "stages/parts/region_outline.h"
 
 static const char *const verdict_names[VISTA_REGION_VERDICT_COUNT] = {
     [VISTA_REGION_ACCEPTED] = "ACCEPTED",
-    [VISTA_REGION_BACKGROUND] = "BACKGROUND",
+    [VISTA_REGION_UNKNOWN] = "UNKNOWN",
     [VISTA_REGION_TOO_FEW_PIXELS] = "TOO_FEW_PIXELS",
-    [VISTA_REGION_LOW_SUPPORT] = "LOW_SUPPORT",
     [VISTA_REGION_INCONSISTENT] = "INCONSISTENT",
     [VISTA_REGION_HORIZONTAL] = "HORIZONTAL",
     [VISTA_REGION_TOO_FAR] = "TOO_FAR",
@@ -153,16 +152,6 @@ static double fewest_inliers(const vista_region_params *params, const vista_came
   return fmin(params->min_inliers, smallest_px * smallest_px);
 }
 
-static vista_region_verdict judge_boundary(const vista_region_view *w, const vista_camera *camera,
-                                           double horizontal_deg, const vista_region *region) {
-  const vista_region_params *const p = w->params;
-  if (region->boundary_inliers < fewest_inliers(p, camera, region->disparity_px)) return VISTA_REGION_TOO_FEW_PIXELS;
-  if (region->boundary_valid < p->min_valid_fraction * region->boundary_pixels) return VISTA_REGION_LOW_SUPPORT;
-  if (region->boundary_inliers < p->min_inlier_fraction * region->boundary_valid) return VISTA_REGION_INCONSISTENT;
-  if (region->inclination_deg > horizontal_deg) return VISTA_REGION_HORIZONTAL;
-  return VISTA_REGION_ACCEPTED;
-}
-
 /* What only the own pixels tell. Cheap tests come first: this is measured of what passed them. */
 static vista_region_verdict measure_own_pixels(const vista_region_view *w, const vista_camera *camera,
                                                const vista_plane *surface, vista_region *region) {
@@ -181,26 +170,35 @@ static vista_region_verdict measure_own_pixels(const vista_region_view *w, const
   return VISTA_REGION_ACCEPTED;
 }
 
+static vista_region empty_region(int32_t label, int32_t node_count) {
+  return (vista_region){
+      .label = label, .node_count = node_count, .inclination_deg = NAN, .standing_fraction = NAN, .top_fraction = NAN};
+}
+
+/* Weighs what the region's words say. */
 static vista_region_verdict measure(vista_region_view *w, const vista_camera *camera, const double up_camera[3],
-                                    double horizontal_deg, vista_region *region) {
+                                    double horizontal_deg, bool seeded, vista_region *region) {
   vista_plane surface;
-  if (!vista_region_measure_boundary(w, camera, up_camera, region, &surface)) return VISTA_REGION_TOO_FEW_PIXELS;
-  const vista_region_verdict verdict = judge_boundary(w, camera, horizontal_deg, region);
-  if (verdict != VISTA_REGION_ACCEPTED) return verdict;
-  const float lowest_m = vista_limit_m(camera, (float)region->disparity_px, (float)w->params->min_height_m);
-  region->standing_fraction = vista_standing_fraction(w->foveation, camera, w->cells, w->surfaces, up_camera,
-                                                      horizontal_deg, w->members, w->member_count, (double)lowest_m);
-  if (region->standing_fraction < w->params->min_standing_fraction) return VISTA_REGION_HORIZONTAL;
+  if (!vista_region_measure_boundary(w, camera, up_camera, region, &surface)) return VISTA_REGION_UNKNOWN;
+  const vista_region_params *const p = w->params;
+  if (region->boundary_inliers < fewest_inliers(p, camera, region->disparity_px)) return VISTA_REGION_TOO_FEW_PIXELS;
+  vista_region_weigh(w, camera, up_camera, horizontal_deg, seeded, region);
+  if (region->valid_fraction < p->min_valid_fraction * (seeded ? 0.5 : 1.0)) return VISTA_REGION_UNKNOWN;
+  if (region->inclination_deg > horizontal_deg || region->standing_fraction < p->min_standing_fraction)
+    return VISTA_REGION_HORIZONTAL;
+  if (region->evidence.sum < 0.0) return VISTA_REGION_INCONSISTENT;
   return measure_own_pixels(w, camera, &surface, region);
 }
 
-/* A region that grew from no disparity of its own: background, unless its outline says otherwise. */
-static vista_region_verdict measure_outline(vista_region_view *w, const vista_camera *camera, double horizontal_deg,
-                                            const int32_t *label, vista_region *region) {
-  if (!vista_region_owns_outline(w, camera, label, region)) return VISTA_REGION_BACKGROUND;
-  const vista_region_verdict verdict = judge_boundary(w, camera, horizontal_deg, region);
+/* A region without disparities inside may be plain: only its outline tells. */
+static vista_region_verdict measure_outline(vista_region_view *w, const vista_camera *camera, const int32_t *label,
+                                            vista_region *region) {
+  *region = empty_region(region->label, region->node_count);
+  if (!vista_region_owns_outline(w, camera, label, region) ||
+      region->boundary_inliers < fewest_inliers(w->params, camera, region->disparity_px))
+    return VISTA_REGION_UNKNOWN;
   const vista_plane facing = {.offset = region->disparity_px};
-  return verdict == VISTA_REGION_ACCEPTED ? measure_own_pixels(w, camera, &facing, region) : verdict;
+  return measure_own_pixels(w, camera, &facing, region);
 }
 
 vista_status vista_regions_compute(const vista_foveation *foveation, const vista_region_params *params,
@@ -233,13 +231,15 @@ vista_status vista_regions_compute(const vista_foveation *foveation, const vista
                            count,
                            0.0};
     vista_region *const region = &regions->items[k];
-    *region = (vista_region){.label = k, .node_count = count, .inclination_deg = NAN, .standing_fraction = NAN};
+    *region = empty_region(k, count);
     if (count == 0)
       region->verdict = VISTA_REGION_TOO_FEW_PIXELS;
-    else if (k >= segmentation->obstacle_count)
-      region->verdict = measure_outline(&w, camera, horizontal_deg, segmentation->label, region);
-    else
-      region->verdict = measure(&w, camera, up_camera, horizontal_deg, region);
+    else {
+      const bool seeded = k < segmentation->obstacle_count;
+      region->verdict = measure(&w, camera, up_camera, horizontal_deg, seeded, region);
+      if (!seeded && region->verdict == VISTA_REGION_UNKNOWN)
+        region->verdict = measure_outline(&w, camera, segmentation->label, region);
+    }
     regions->accepted_count += region->verdict == VISTA_REGION_ACCEPTED;
   }
   return VISTA_OK;

@@ -34,6 +34,16 @@
 #include "vista/status.h"
 #include "vista/types.h"
 
+/* Log-odds that a region is an obstacle, and not ground or matched by chance: what each piece of evidence adds. */
+typedef struct vista_region_evidence {
+  double height;   /* shares of the words that stand above the ground, and well above it */
+  double boundary; /* edge consistency: share of the boundary's words on one surface (paper, section II-D) */
+  double support;  /* share of the boundary's pixels that have a word */
+  double size;     /* in metres */
+  double origin;   /* grown from no disparity of its own */
+  double sum;      /* with the prior */
+} vista_region_evidence;
+
 typedef struct vista_region {
   int32_t label;
   vista_region_verdict verdict;
@@ -54,7 +64,10 @@ typedef struct vista_region {
   double slope_u, slope_v;         /* gradient of the disparity over the region, px per px */
   double inclination_deg;          /* of the region's surface against the vertical; 90 = horizontal; NaN: its
                                       disparities span less than the tolerance, so nothing tells */
-  double standing_fraction;        /* of its area, at least min_height_m above the horizontal surface it adjoins */
+  double valid_fraction;           /* of its pixels, with a valid disparity */
+  double standing_fraction;        /* of its words, at least min_height_m above the ground */
+  double top_fraction;             /* and at least top_height_m above it */
+  vista_region_evidence evidence;
 } vista_region;
 
 typedef struct vista_regions {

@@ -6,6 +6,7 @@
 
 #include "common/frame.h"
 #include "common/parameters_check.h"
+#include "common/plane_fit.h"
 #include "stages/parts/merge.h"
 
 /* Exceeds everything the arcs of a node can carry (flow constraint 2), and sums of two of them still fit the type. */
@@ -22,6 +23,7 @@ vista_status vista_segmentation_layout(vista_segmentation *segmentation, vista_a
   s->sink_capacity = vista_arena_take(arena, nodes, sizeof(int32_t));
   s->subset = vista_arena_take(arena, nodes, sizeof(int32_t));
   s->steps = vista_arena_take(arena, nodes, sizeof(int32_t));
+  s->carried_px = vista_arena_take(arena, nodes, sizeof(float));
   s->source_side = vista_arena_take(arena, nodes, sizeof(uint8_t));
   s->capacity = vista_arena_take(arena, (size_t)foveation->graph.arc_count, sizeof(int32_t));
   const vista_status merging = vista_merge_layout(foveation, arena, &s->merge);
@@ -120,6 +122,39 @@ static vista_status cut_all(const view *w, vista_segmentation *s) {
   return VISTA_OK;
 }
 
+#define FOOT_PX 1.0 /* or FOOT_SHARE of the disparity: how far below its foot a thing may seem to reach */
+#define FOOT_SHARE 0.05
+
+/* What a region has of the ground leaves it: cells that lie on it, and cells without a disparity that are seen below
+ * where a thing as far as the nearest known cell of the region meets the ground. */
+static void split_off_ground(const view *w, const vista_camera *camera, vista_segmentation *s) {
+  const vista_foveation *const f = w->foveation;
+  float *const carried_px = s->carried_px;
+  const vista_plane plane = {w->surfaces->ground_px, w->surfaces->ground_slope_u, w->surfaces->ground_slope_v};
+  int32_t count = 0;
+  for (int32_t i = 0; i < f->node_count; ++i) {
+    if (w->surfaces->horizontal[i]) s->label[i] = VISTA_NO_LABEL;
+    carried_px[i] = s->label[i] >= 0 ? w->cells->disparity_px[i] : -1.0f;
+    if (carried_px[i] >= 0.0f) s->subset[count++] = i;
+  }
+  if (!w->surfaces->ground_found) return;
+  for (int32_t next = 0; next < count; ++next) {
+    const int32_t i = s->subset[next];
+    for (int32_t arc = f->graph.first_arc[i]; arc < f->graph.first_arc[i + 1]; ++arc) {
+      const int32_t j = f->graph.head[arc];
+      if (carried_px[j] >= 0.0f || s->label[j] != s->label[i]) continue;
+      carried_px[j] = carried_px[i];
+      s->subset[count++] = j;
+    }
+  }
+  for (int32_t i = 0; i < f->node_count; ++i) {
+    if (s->label[i] < 0 || w->cells->disparity_px[i] >= 0.0f || carried_px[i] < 0.0f) continue;
+    const double ground =
+        vista_plane_disparity_px(&plane, camera, (double)f->center_u[i], (double)f->center_v[i]);
+    if (ground > (double)carried_px[i] + fmax(FOOT_PX, FOOT_SHARE * ground)) s->label[i] = VISTA_NO_LABEL;
+  }
+}
+
 vista_status vista_segment(const vista_foveation *foveation, const vista_parameters *params, const vista_camera *camera,
                            const vista_cells *cells, const vista_surfaces *surfaces, const vista_affinity *affinity,
                            vista_segmentation *segmentation) {
@@ -143,6 +178,7 @@ vista_status vista_segment(const vista_foveation *foveation, const vista_paramet
   if (status == VISTA_OK)
     s->region_count = vista_merge_regions(s->merge, foveation, w.params, camera, cells, s->label, s->region_count);
   s->obstacle_count = s->region_count;
+  split_off_ground(&w, camera, s);
   if (status == VISTA_OK) status = vista_seeds_of_rest(foveation, w.params, affinity, surfaces, s->label, &s->seeds);
   if (status == VISTA_OK) status = cut_all(&w, s);
   return status;

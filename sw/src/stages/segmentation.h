@@ -35,6 +35,7 @@ typedef struct vista_segmentation {
   int32_t *source_capacity, *sink_capacity; /* scratch, node_count each */
   int32_t *subset, *steps;
   uint8_t *source_side;
+  float *carried_px; /* scratch, node_count */
   int32_t *capacity;         /* scratch, graph.arc_count: what the cuts use */
   struct vista_merge *merge; /* scratch */
 } vista_segmentation;

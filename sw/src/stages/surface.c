@@ -6,6 +6,7 @@
 #include "common/frame.h"
 #include "common/parameters_check.h"
 #include "common/plane_fit.h"
+#include "stages/parts/ground_plane.h"
 
 static const double degrees_per_radian = 57.29577951308232;
 
@@ -13,6 +14,7 @@ vista_status vista_surfaces_layout(vista_surfaces *surfaces, vista_arena *arena,
   if (surfaces == NULL || arena == NULL || foveation == NULL) return VISTA_ERROR_ARGUMENT;
   surfaces->inclination_deg = vista_arena_take(arena, (size_t)foveation->max_nodes, sizeof(float));
   surfaces->horizontal = vista_arena_take(arena, (size_t)foveation->max_nodes, sizeof(uint8_t));
+  surfaces->candidates = vista_arena_take(arena, (size_t)foveation->max_nodes, sizeof(int32_t));
   return arena->base != NULL && arena->used > arena->size ? VISTA_ERROR_MEMORY : VISTA_OK;
 }
 
@@ -70,45 +72,6 @@ static bool mostly_horizontal(const vista_surfaces *surfaces, double horizontal_
   return 2 * leaning > known;
 }
 
-#define GROUND_MIN_CELLS 20
-#define GROUND_MIN_PX 1.0 /* nearer to the horizon all sorts of things are near the plane */
-
-static double plane_at_cell(const vista_plane *plane, const vista_foveation *f, const vista_camera *camera,
-                            int32_t node) {
-  return vista_plane_disparity_px(plane, camera, (double)f->center_u[node], (double)f->center_v[node]);
-}
-
-/* Least squares by area: cells of the fovea are many, but they cover little and lie far away. The first fits use
- * horizontal cells only, at least half of which must stay; the last ones every cell near the plane, so that the
- * outcome does not hang on which cells were taken for horizontal. */
-static bool find_ground(const vista_foveation *f, const vista_camera *camera, const vista_cells *cells,
-                        const uint8_t *horizontal, vista_plane *plane) {
-  static const struct {
-    double tolerance_px;
-    bool horizontal_only;
-  } passes[] = {{INFINITY, true}, {6.0, true}, {2.0, true}, {1.0, false}, {1.0, false}};
-  for (size_t pass = 0; pass < sizeof passes / sizeof *passes; ++pass) {
-    vista_plane_fit fit = {0};
-    double all_px2 = 0.0;
-    int32_t used = 0;
-    for (int32_t i = 0; i < f->node_count; ++i) {
-      const double d = (double)cells->disparity_px[i], area_px2 = (double)(f->size_px[i] * f->size_px[i]);
-      if (d <= 0.0 || (passes[pass].horizontal_only && !horizontal[i])) continue;
-      all_px2 += area_px2;
-      if (pass > 0) {
-        const double ground = plane_at_cell(plane, f, camera, i);
-        if (ground < GROUND_MIN_PX || fabs(d - ground) > passes[pass].tolerance_px) continue;
-      }
-      vista_plane_fit_add(&fit, (double)f->center_u[i] - camera->center_u_px,
-                          (double)f->center_v[i] - camera->center_v_px, d, area_px2);
-      used++;
-    }
-    const bool most = !passes[pass].horizontal_only || 2.0 * fit.weight > all_px2;
-    if (used < GROUND_MIN_CELLS || !most || !vista_plane_fit_solve(&fit, plane)) return false;
-  }
-  return true;
-}
-
 /* Cells on the ground's plane are ground whatever their own inclination, which noise and the edges of things upset;
  * what is well above it stands: the top of a thing may lean, but it is no surface to fly along. */
 static void compare_with_ground(const vista_foveation *f, const vista_surface_params *params,
@@ -117,13 +80,12 @@ static void compare_with_ground(const vista_foveation *f, const vista_surface_pa
   for (int32_t i = 0; i < f->node_count; ++i) {
     const double d = (double)cells->disparity_px[i];
     if (d <= 0.0) continue;
-    const double ground = plane_at_cell(plane, f, camera, i);
-    if (ground > 0.0 && fabs(d - ground) < params->ground_step_px)
-      surfaces->horizontal[i] = 1;
-    else if (d - ground >= params->ground_step_px &&
-             vista_plane_height_m(plane, camera, (double)f->center_u[i], (double)f->center_v[i], d) >=
-                 params->ground_step_m)
-      surfaces->horizontal[i] = 0;
+    const double u = (double)f->center_u[i], v = (double)f->center_v[i];
+    const double ground = vista_plane_disparity_px(plane, camera, u, v);
+    if (ground <= 0.0 || d < ground - params->ground_step_px) continue;
+    const bool stands = d >= ground + params->ground_step_px &&
+                        vista_plane_height_m(plane, camera, u, v, d) >= params->ground_step_m;
+    surfaces->horizontal[i] = !stands;
   }
 }
 
@@ -159,9 +121,7 @@ vista_status vista_surfaces_compute(const vista_foveation *foveation, const vist
   }
   vista_plane ground = {0};
   surfaces->ground_found =
-      find_ground(f, camera, cells, surfaces->horizontal, &ground) &&
-      vista_plane_inclination_deg(camera, up_camera, camera->center_u_px, camera->center_v_px, ground.offset,
-                                  ground.slope_u, ground.slope_v) > params->horizontal_deg;
+      vista_find_ground_plane(f, params, camera, up_camera, cells, surfaces->candidates, &ground);
   if (!surfaces->ground_found) return VISTA_OK;
   surfaces->ground_px = ground.offset;
   surfaces->ground_slope_u = ground.slope_u;

@@ -23,6 +23,7 @@
 typedef struct vista_surfaces {
   float *inclination_deg; /* node_count: 0 upright .. 90 horizontal; negative: unknown */
   uint8_t *horizontal;    /* node_count: 1 on the ground, or where most cells around lean more than horizontal_deg */
+  int32_t *candidates;    /* scratch, node_count */
   bool ground_found;      /* most horizontal cells share a plane: the ground below, */
   double ground_px;       /* its disparity at the principal point */
   double ground_slope_u, ground_slope_v; /* and gradient, px per px */

@@ -140,8 +140,7 @@ Picture = NDArray[np.uint8]
 SHOWN, LEAST_POINTS = 8, 500
 COLOURS = {  # BGR, of the standing points by what becomes of them
     "ACCEPTED": (80, 230, 60),
-    "BACKGROUND": (255, 120, 40),
-    "LOW_SUPPORT": (0, 165, 255),
+    "UNKNOWN": (255, 120, 40),
     "INCONSISTENT": (60, 60, 255),
     "HORIZONTAL": (255, 60, 220),
 }

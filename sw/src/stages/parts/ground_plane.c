@@ -1,0 +1,168 @@
+#include "stages/parts/ground_plane.h"
+
+#include <math.h>
+#include <stdint.h>
+
+#include "stages/surface.h"
+
+#define DEGREES_PER_RADIAN 57.29577951308232
+#define LEVEL_TRIALS 256      /* one cell each, on a plane as level as the attitude has it */
+#define TRIALS 2048           /* three cells each */
+#define LEAN_COST 0.5f        /* of the score, at the steepest that is allowed: a level plane is likelier */
+#define MAX_SCORED 1024       /* cells that judge a proposal */
+#define REFINEMENTS 4
+#define MIN_CELLS 20
+#define MIN_GROUND_PX 1.0f    /* nearer to the horizon all sorts of things are near the plane */
+#define TOLERANCE_PX 2.0f     /* or TOLERANCE_SHARE of the disparity: matching noise, and roads that are not quite plane */
+#define TOLERANCE_SHARE 0.05f
+#define CLOSE 0.5f            /* of the tolerance: counts twice */
+
+typedef struct sample {
+  float u_px, v_px, disparity_px, weight; /* u, v from the principal point */
+} sample;
+
+static sample sample_of(const vista_foveation *f, const vista_camera *camera, const vista_cells *cells, int32_t node) {
+  return (sample){f->center_u[node] - (float)camera->center_u_px, f->center_v[node] - (float)camera->center_v_px,
+                  cells->disparity_px[node], f->size_px[node] * f->size_px[node]};
+}
+
+/* Cells with a disparity below the horizon as the attitude has it, lowered or raised by the tilt. */
+static int32_t collect(const vista_foveation *f, const vista_camera *camera, const double up[3], double tilt_deg,
+                       const vista_cells *cells, int32_t *candidates) {
+  const double highest = sin(tilt_deg / DEGREES_PER_RADIAN);
+  int32_t count = 0;
+  for (int32_t i = 0; i < f->node_count; ++i) {
+    if (cells->disparity_px[i] < MIN_GROUND_PX) continue;
+    const double x = ((double)f->center_u[i] - camera->center_u_px) / camera->focal_px;
+    const double y = ((double)f->center_v[i] - camera->center_v_px) / camera->focal_px;
+    const double rise = (x * up[0] + y * up[1] + up[2]) / sqrt(x * x + y * y + 1.0);
+    if (rise < highest) candidates[count++] = i;
+  }
+  return count;
+}
+
+static uint32_t draw(uint32_t *state, uint32_t count) {
+  *state = *state * UINT32_C(1664525) + UINT32_C(1013904223);
+  return (uint32_t)(((uint64_t)*state * count) >> 32);
+}
+
+static bool through(const sample *a, const sample *b, const sample *c, vista_plane *plane) {
+  const double bu = (double)(b->u_px - a->u_px), bv = (double)(b->v_px - a->v_px);
+  const double cu = (double)(c->u_px - a->u_px), cv = (double)(c->v_px - a->v_px);
+  const double bd = (double)(b->disparity_px - a->disparity_px), cd = (double)(c->disparity_px - a->disparity_px);
+  const double determinant = bu * cv - bv * cu;
+  if (fabs(determinant) < 1.0) return false;
+  plane->slope_u = (bd * cv - bv * cd) / determinant;
+  plane->slope_v = (bu * cd - bd * cu) / determinant;
+  plane->offset = (double)a->disparity_px - plane->slope_u * (double)a->u_px - plane->slope_v * (double)a->v_px;
+  return true;
+}
+
+/* Cosine of the plane's lean against the horizontal; negative above the camera. */
+static double cosine_of_lean(const vista_camera *camera, const double up[3], const vista_plane *plane) {
+  const double n[3] = {plane->slope_u, plane->slope_v, plane->offset / camera->focal_px}; /* towards the plane */
+  const double norm = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+  return norm > 0.0 ? -(n[0] * up[0] + n[1] * up[1] + n[2] * up[2]) / norm : -1.0;
+}
+
+/* Horizontal, as the attitude has it, through one cell. */
+static bool level_through(const vista_camera *camera, const double up[3], const sample *a, vista_plane *plane) {
+  const double below = -((double)a->u_px * up[0] + (double)a->v_px * up[1] + camera->focal_px * up[2]);
+  if (below < 1.0) return false;
+  const double k = (double)a->disparity_px / below;
+  *plane = (vista_plane){-k * up[2] * camera->focal_px, -k * up[0], -k * up[1]};
+  return true;
+}
+
+static inline float tolerance_px(float ground_px) { return fmaxf(TOLERANCE_PX, TOLERANCE_SHARE * ground_px); }
+
+static float score(const sample *samples, int32_t count, const vista_plane *plane) {
+  const float offset = (float)plane->offset, slope_u = (float)plane->slope_u, slope_v = (float)plane->slope_v;
+  float sum = 0.0f;
+  for (int32_t i = 0; i < count; ++i) {
+    const float ground = offset + slope_u * samples[i].u_px + slope_v * samples[i].v_px;
+    const float above = samples[i].disparity_px - ground, tolerance = tolerance_px(ground);
+    const float on = fabsf(above) <= CLOSE * tolerance ? 1.0f : 0.5f;
+    const float vote = above > tolerance ? 0.0f : above < -tolerance ? -1.0f : on;
+    sum += ground < MIN_GROUND_PX ? 0.0f : vote * samples[i].weight;
+  }
+  return sum;
+}
+
+/* Least squares over the cells near the plane. False: too few, or they span none. */
+static bool refine(const sample *samples, int32_t count, float share_of_tolerance, vista_plane *plane) {
+  vista_plane_fit fit = {0};
+  int32_t used = 0;
+  for (int32_t k = 0; k < count; ++k) {
+    const sample *const s = &samples[k];
+    const float ground = (float)(plane->offset + plane->slope_u * (double)s->u_px + plane->slope_v * (double)s->v_px);
+    if (ground < MIN_GROUND_PX || fabsf(s->disparity_px - ground) > share_of_tolerance * tolerance_px(ground)) continue;
+    vista_plane_fit_add(&fit, (double)s->u_px, (double)s->v_px, (double)s->disparity_px, (double)s->weight);
+    used++;
+  }
+  return used >= MIN_CELLS && vista_plane_fit_solve(&fit, plane);
+}
+
+typedef struct search {
+  const vista_camera *camera;
+  const double *up;
+  double least_cosine;
+  const sample *samples;
+  int32_t count;
+  float best;
+  vista_plane plane;
+  bool found;
+} search;
+
+static bool consider_once(search *s, const vista_plane *plane) {
+  const double cosine = cosine_of_lean(s->camera, s->up, plane);
+  if (cosine < s->least_cosine) return false;
+  const float lean = (float)sqrt(fmax(1.0 - cosine, 0.0) / fmax(1.0 - s->least_cosine, 1e-9)); /* 0 .. 1 */
+  const float sum = (1.0f - LEAN_COST * lean) * score(s->samples, s->count, plane);
+  if (sum <= s->best) return false;
+  s->best = sum;
+  s->plane = *plane;
+  s->found = true;
+  return true;
+}
+
+/* What proves better than all before is refined at once, and whatever comes of it is proposed, too. */
+static void consider(search *s, const vista_plane *plane) {
+  if (!consider_once(s, plane)) return;
+  vista_plane better = *plane;
+  for (int pass = 0; pass < REFINEMENTS; ++pass)
+    if (!refine(s->samples, s->count, pass == 0 ? 1.0f : CLOSE, &better) || !consider_once(s, &better)) return;
+}
+
+bool vista_find_ground_plane(const vista_foveation *foveation, const vista_surface_params *params,
+                             const vista_camera *camera, const double up_camera[3], const vista_cells *cells,
+                             int32_t *candidates, vista_plane *plane) {
+  const int32_t count = collect(foveation, camera, up_camera, params->ground_tilt_deg, cells, candidates);
+  if (count < MIN_CELLS) return false;
+  sample scored[MAX_SCORED];
+  const int32_t scored_count = count < MAX_SCORED ? count : MAX_SCORED;
+  float whole = 0.0f;
+  for (int32_t k = 0; k < scored_count; ++k) {
+    scored[k] = sample_of(foveation, camera, cells, candidates[(int64_t)k * count / scored_count]);
+    whole += scored[k].weight;
+  }
+  search s = {.camera = camera,
+              .up = up_camera,
+              .least_cosine = cos(params->ground_tilt_deg / DEGREES_PER_RADIAN),
+              .samples = scored,
+              .count = scored_count,
+              .best = (float)params->ground_share * whole};
+  uint32_t state = 1;
+  vista_plane trial_plane;
+  for (int trial = 0; trial < LEVEL_TRIALS; ++trial)
+    if (level_through(camera, up_camera, &scored[draw(&state, (uint32_t)scored_count)], &trial_plane))
+      consider(&s, &trial_plane);
+  for (int trial = 0; trial < TRIALS; ++trial) {
+    const sample *const a = &scored[draw(&state, (uint32_t)scored_count)];
+    const sample *const b = &scored[draw(&state, (uint32_t)scored_count)];
+    const sample *const c = &scored[draw(&state, (uint32_t)scored_count)];
+    if (through(a, b, c, &trial_plane)) consider(&s, &trial_plane);
+  }
+  *plane = s.plane;
+  return s.found;
+}

@@ -1,0 +1,83 @@
+#include "stages/parts/region_evidence.h"
+
+#include <math.h>
+
+#include "common/depth.h"
+#include "common/numbers.h"
+#include "stages/parts/ground.h"
+
+/* A word stands h above the ground's plane when (1 - g / w) B / |n| >= h (plane_fit.h), so when w (1 - h |n| / B) >= g
+ * with g the plane's word at the pixel: one multiplication, and nothing is divided. */
+typedef struct heights {
+  float offset_words, slope_u_words, slope_v_words; /* of the ground's plane, from the principal point */
+  float low, top;                                   /* 1 - h |n| / B for min_height_m and top_height_m */
+} heights;
+
+typedef struct word_counts {
+  int32_t pixels, valid, standing, top;
+} word_counts;
+
+static heights heights_above(const vista_surfaces *surfaces, const vista_camera *camera, double low_m, double top_m) {
+  const double n[3] = {surfaces->ground_slope_u, surfaces->ground_slope_v, surfaces->ground_px / camera->focal_px};
+  const double per_m = vista_norm(n) / camera->baseline_m;
+  return (heights){.offset_words = (float)(surfaces->ground_px * VISTA_DISPARITY_SCALE),
+                   .slope_u_words = (float)(surfaces->ground_slope_u * VISTA_DISPARITY_SCALE),
+                   .slope_v_words = (float)(surfaces->ground_slope_v * VISTA_DISPARITY_SCALE),
+                   .low = (float)(1.0 - low_m * per_m),
+                   .top = (float)(1.0 - top_m * per_m)};
+}
+
+static void count_run(const heights *h, const int16_t *words, float ground, int32_t length, word_counts *sum) {
+  int32_t valid = 0, standing = 0, top = 0;
+  for (int32_t i = 0; i < length; ++i) {
+    const float word = (float)words[i], at = ground + h->slope_u_words * (float)i;
+    const int32_t is_valid = words[i] > 0;
+    valid += is_valid;
+    standing += is_valid & (word * h->low >= at);
+    top += is_valid & (word * h->top >= at);
+  }
+  sum->pixels += length;
+  sum->valid += valid;
+  sum->standing += standing;
+  sum->top += top;
+}
+
+static word_counts count_words(const vista_region_view *w, const vista_camera *camera, const heights *h) {
+  word_counts sum = {0};
+  for (int32_t m = 0; m < w->member_count; ++m)
+    for (int32_t r = w->foveation->first_run[w->members[m]]; r < w->foveation->first_run[w->members[m] + 1]; ++r) {
+      const vista_run run = w->foveation->runs[r];
+      const float ground = h->offset_words + h->slope_u_words * (float)(run.u_px - camera->center_u_px) +
+                           h->slope_v_words * (float)(run.v_px - camera->center_v_px);
+      count_run(h, vista_region_words(w, run), ground, run.length_px, &sum);
+    }
+  return sum;
+}
+
+static double share(double part, double whole) { return whole > 0.0 ? part / whole : 0.0; }
+
+void vista_region_weigh(const vista_region_view *w, const vista_camera *camera, const double up_camera[3],
+                        double horizontal_deg, bool seeded, vista_region *region) {
+  const vista_region_params *const p = w->params;
+  const double low_m = (double)vista_limit_m(camera, (float)region->disparity_px, (float)p->min_height_m);
+  const double top_m = low_m * p->top_height_m / p->min_height_m;
+  const heights h = heights_above(w->surfaces, camera, low_m, top_m);
+  const word_counts words = count_words(w, camera, &h);
+  vista_region_evidence *const e = &region->evidence;
+  region->valid_fraction = share(words.valid, words.pixels);
+  if (w->surfaces->ground_found) {
+    region->standing_fraction = share(words.standing, words.valid);
+    region->top_fraction = share(words.top, words.valid);
+  } else {
+    region->standing_fraction = vista_standing_fraction(w->foveation, camera, w->cells, w->surfaces, up_camera,
+                                                        horizontal_deg, w->members, w->member_count, low_m);
+    region->top_fraction = region->standing_fraction;
+  }
+  const double size_m = sqrt((double)words.pixels) * camera->baseline_m / fmax(region->disparity_px, 1.0);
+  e->height = p->odds_standing * region->standing_fraction + p->odds_top * region->top_fraction;
+  e->boundary = p->odds_boundary * share(region->boundary_inliers, region->boundary_valid);
+  e->support = p->odds_support * share(region->boundary_valid, region->boundary_pixels);
+  e->size = p->odds_size * log10(fmax(size_m, 0.05));
+  e->origin = seeded ? 0.0 : p->odds_unseeded;
+  e->sum = p->odds_prior + e->height + e->boundary + e->support + e->size + e->origin;
+}
