@@ -117,21 +117,22 @@ typedef struct vista_region_params {
   int32_t min_inliers; /* Fewest boundary inliers of an obstacle, but no more than one of min_size_m has pixels at its range. 1 .. 1000000 pixels. */
   double min_disparity_px; /* Regions with less are too far to say anything. 0.1 .. 255.0 px. */
   double min_size_m; /* Smallest larger side of an obstacle. At most 6 % of the range. 0.0 .. 100.0 m. */
-  double min_valid_fraction; /* Smallest valid fraction of the boundary. 0.0 .. 1.0. */
-  double min_inlier_fraction; /* Edge consistency: smallest part of the valid boundary pixels that are inliers. 0.0 .. 1.0. */
+  double min_valid_fraction; /* A region with a smaller fraction of valid pixels cannot be judged by them: it is unknown. 0.0 .. 1.0. */
+  double min_inlier_fraction; /* Edge consistency: part of the valid boundary pixels on one surface from which on the boundary speaks no more against an obstacle. 0.0 .. 1.0. */
   double outline_fraction; /* Smallest part of its left edge, right edge and foot that has to agree on the depth of a region without disparities. 0.0 .. 1.0. */
   double foot_m; /* The foot of such a region is within this of the ground's plane. At most 6 % of the range. 0.0 .. 10.0 m. */
   double min_height_m; /* What is lower than this above the horizontal surface that it adjoins lies on it. At most 6 % of the range. 0.0 .. 10.0 m. */
-  double min_standing_fraction; /* Smallest part of an obstacle's area that stands higher than that. 0.0 .. 1.0. */
+  double min_standing_fraction; /* A region of which a smaller part stands min_height_m above the ground lies on it. 0.0 .. 1.0. */
   double top_height_m; /* Words higher than this above the ground weigh more. At most in proportion to min_height_m. 0.01 .. 100.0 m. */
   double odds_prior; /* Log-odds of a region that is an obstacle, before anything is known of it. -100.0 .. 100.0 ln odds. */
   double odds_standing; /* Log-odds added by words that all stand min_height_m above the ground. -100.0 .. 100.0 ln odds. */
   double odds_top; /* Log-odds added by words that all stand top_height_m above the ground. -100.0 .. 100.0 ln odds. */
-  double odds_boundary; /* Log-odds added by a boundary whose words all lie on one surface. -100.0 .. 100.0 ln odds. */
+  double odds_boundary; /* Log-odds added by a boundary none of whose words lie on one surface (edge consistency); in proportion for fewer than min_inlier_fraction. -100.0 .. 100.0 ln odds. */
   double odds_support; /* Log-odds added by a boundary whose pixels all have a word. -100.0 .. 100.0 ln odds. */
   double odds_size; /* Log-odds added by each tenfold of a metre in size. -100.0 .. 100.0 ln odds. */
   double odds_unseeded; /* Log-odds added to a region that grew from no disparity of its own. -100.0 .. 100.0 ln odds. */
-  unsigned char reserved[96];
+  double odds_lean; /* Log-odds added by a surface that lies flat, 15 degrees and more beyond surface.horizontal_deg. -100.0 .. 100.0 ln odds. */
+  unsigned char reserved[88];
 } vista_region_params;
 
 /* Regions to detections by linear triangulation (paper, section II-D). */

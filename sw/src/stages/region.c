@@ -181,12 +181,14 @@ static vista_region_verdict measure(vista_region_view *w, const vista_camera *ca
   vista_plane surface;
   if (!vista_region_measure_boundary(w, camera, up_camera, region, &surface)) return VISTA_REGION_UNKNOWN;
   const vista_region_params *const p = w->params;
-  if (region->boundary_inliers < fewest_inliers(p, camera, region->disparity_px)) return VISTA_REGION_TOO_FEW_PIXELS;
   vista_region_weigh(w, camera, up_camera, horizontal_deg, seeded, region);
-  if (region->valid_fraction < p->min_valid_fraction * (seeded ? 0.5 : 1.0)) return VISTA_REGION_UNKNOWN;
-  if (region->inclination_deg > horizontal_deg || region->standing_fraction < p->min_standing_fraction)
+  if (region->valid_fraction < p->min_valid_fraction) return VISTA_REGION_UNKNOWN;
+  if (region->boundary_inliers < fewest_inliers(p, camera, region->disparity_px)) return VISTA_REGION_TOO_FEW_PIXELS;
+  const bool leans = region->inclination_deg > horizontal_deg;
+  if (region->standing_fraction < p->min_standing_fraction || (leans && !w->surfaces->ground_found))
     return VISTA_REGION_HORIZONTAL;
-  if (region->evidence.sum < 0.0) return VISTA_REGION_INCONSISTENT;
+  if (region->evidence.sum < 0.0)
+    return region->evidence.lean < 0.0 ? VISTA_REGION_HORIZONTAL : VISTA_REGION_INCONSISTENT;
   return measure_own_pixels(w, camera, &surface, region);
 }
 
@@ -237,7 +239,7 @@ vista_status vista_regions_compute(const vista_foveation *foveation, const vista
     else {
       const bool seeded = k < segmentation->obstacle_count;
       region->verdict = measure(&w, camera, up_camera, horizontal_deg, seeded, region);
-      if (!seeded && region->verdict == VISTA_REGION_UNKNOWN)
+      if (!seeded && (region->verdict == VISTA_REGION_UNKNOWN || region->verdict == VISTA_REGION_TOO_FEW_PIXELS))
         region->verdict = measure_outline(&w, camera, segmentation->label, region);
     }
     regions->accepted_count += region->verdict == VISTA_REGION_ACCEPTED;

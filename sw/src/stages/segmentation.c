@@ -8,6 +8,7 @@
 #include "common/parameters_check.h"
 #include "common/plane_fit.h"
 #include "stages/parts/merge.h"
+#include "stages/parts/seed_step.h"
 
 /* Exceeds everything the arcs of a node can carry (flow constraint 2), and sums of two of them still fit the type. */
 #define SEED_LINK (INT32_C(1) << 29)
@@ -125,15 +126,23 @@ static vista_status cut_all(const view *w, vista_segmentation *s) {
 #define FOOT_PX 1.0 /* or FOOT_SHARE of the disparity: how far below its foot a thing may seem to reach */
 #define FOOT_SHARE 0.05
 
-/* What a region has of the ground leaves it: cells that lie on it, and cells without a disparity that are seen below
- * where a thing as far as the nearest known cell of the region meets the ground. */
+/* Whether a cell touches one of its region that stands: the foot of a thing, which its ground hides in the words. */
+static bool at_foot(const view *w, const int32_t *label, int32_t node) {
+  const vista_graph *const graph = &w->foveation->graph;
+  for (int32_t arc = graph->first_arc[node]; arc < graph->first_arc[node + 1]; ++arc)
+    if (label[graph->head[arc]] == label[node] && vista_standing(w->cells, w->surfaces, graph->head[arc])) return true;
+  return false;
+}
+
+/* What a region has of the ground leaves it: cells that lie on it, but for its foot, and cells without a disparity
+ * that are seen below where a thing as far as the nearest known cell of the region meets the ground. */
 static void split_off_ground(const view *w, const vista_camera *camera, vista_segmentation *s) {
   const vista_foveation *const f = w->foveation;
   float *const carried_px = s->carried_px;
   const vista_plane plane = {w->surfaces->ground_px, w->surfaces->ground_slope_u, w->surfaces->ground_slope_v};
   int32_t count = 0;
   for (int32_t i = 0; i < f->node_count; ++i) {
-    if (w->surfaces->horizontal[i]) s->label[i] = VISTA_NO_LABEL;
+    if (s->label[i] >= 0 && w->surfaces->horizontal[i] && !at_foot(w, s->label, i)) s->label[i] = VISTA_NO_LABEL;
     carried_px[i] = s->label[i] >= 0 ? w->cells->disparity_px[i] : -1.0f;
     if (carried_px[i] >= 0.0f) s->subset[count++] = i;
   }

@@ -82,7 +82,7 @@ static void compare_with_ground(const vista_foveation *f, const vista_surface_pa
     if (d <= 0.0) continue;
     const double u = (double)f->center_u[i], v = (double)f->center_v[i];
     const double ground = vista_plane_disparity_px(plane, camera, u, v);
-    if (ground <= 0.0 || d < ground - params->ground_step_px) continue;
+    if (d < ground - params->ground_step_px) continue;
     const bool stands = d >= ground + params->ground_step_px &&
                         vista_plane_height_m(plane, camera, u, v, d) >= params->ground_step_m;
     surfaces->horizontal[i] = !stands;

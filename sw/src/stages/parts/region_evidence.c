@@ -6,6 +6,8 @@
 #include "common/numbers.h"
 #include "stages/parts/ground.h"
 
+#define LEAN_SPAN_DEG 15.0 /* from a lean that begins to count to one that counts in full */
+
 /* A word stands h above the ground's plane when (1 - g / w) B / |n| >= h (plane_fit.h), so when w (1 - h |n| / B) >= g
  * with g the plane's word at the pixel: one multiplication, and nothing is divided. */
 typedef struct heights {
@@ -75,9 +77,12 @@ void vista_region_weigh(const vista_region_view *w, const vista_camera *camera, 
   }
   const double size_m = sqrt((double)words.pixels) * camera->baseline_m / fmax(region->disparity_px, 1.0);
   e->height = p->odds_standing * region->standing_fraction + p->odds_top * region->top_fraction;
-  e->boundary = p->odds_boundary * share(region->boundary_inliers, region->boundary_valid);
+  const double consistent = share(region->boundary_inliers, region->boundary_valid);
+  e->boundary = p->odds_boundary * (1.0 - fmin(consistent / p->min_inlier_fraction, 1.0));
   e->support = p->odds_support * share(region->boundary_valid, region->boundary_pixels);
   e->size = p->odds_size * log10(fmax(size_m, 0.05));
   e->origin = seeded ? 0.0 : p->odds_unseeded;
-  e->sum = p->odds_prior + e->height + e->boundary + e->support + e->size + e->origin;
+  const double lean_deg = isnan(region->inclination_deg) ? 0.0 : region->inclination_deg;
+  e->lean = p->odds_lean * fmin(fmax((lean_deg - horizontal_deg) / LEAN_SPAN_DEG, 0.0), 1.0);
+  e->sum = p->odds_prior + e->height + e->boundary + e->support + e->size + e->lean + e->origin;
 }
