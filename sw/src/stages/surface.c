@@ -121,7 +121,8 @@ vista_status vista_surfaces_compute(const vista_foveation *foveation, const vist
   }
   vista_plane ground = {0};
   surfaces->ground_found =
-      vista_find_ground_plane(f, params, camera, up_camera, cells, surfaces->candidates, &ground);
+      vista_find_ground_plane(f, params, camera, up_camera, cells, surfaces->inclination_deg,
+                              surfaces->candidates, &ground);
   if (!surfaces->ground_found) return VISTA_OK;
   surfaces->ground_px = ground.offset;
   surfaces->ground_slope_u = ground.slope_u;

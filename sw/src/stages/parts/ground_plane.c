@@ -13,17 +13,23 @@
 #define REFINEMENTS 4
 #define MIN_CELLS 20
 #define MIN_GROUND_PX 1.0f    /* nearer to the horizon all sorts of things are near the plane */
+#define UPRIGHT_DEG 20.0f
 #define TOLERANCE_PX 2.0f     /* or TOLERANCE_SHARE of the disparity: matching noise, and roads that are not quite plane */
 #define TOLERANCE_SHARE 0.05f
 #define CLOSE 0.5f            /* of the tolerance: counts twice */
 
 typedef struct sample {
-  float u_px, v_px, disparity_px, weight; /* u, v from the principal point */
+  float u_px, v_px, disparity_px; /* u, v from the principal point */
+  float area_px2, vote_px2;       /* what it weighs against a plane that it lies beyond, and for one that it lies on */
 } sample;
 
-static sample sample_of(const vista_foveation *f, const vista_camera *camera, const vista_cells *cells, int32_t node) {
+/* An upright cell may lie on a plane where a wall meets it: it says nothing for it. */
+static sample sample_of(const vista_foveation *f, const vista_camera *camera, const vista_cells *cells,
+                        const float *inclination_deg, int32_t node) {
+  const float area_px2 = f->size_px[node] * f->size_px[node];
+  const bool upright = inclination_deg[node] >= 0.0f && inclination_deg[node] < UPRIGHT_DEG;
   return (sample){f->center_u[node] - (float)camera->center_u_px, f->center_v[node] - (float)camera->center_v_px,
-                  cells->disparity_px[node], f->size_px[node] * f->size_px[node]};
+                  cells->disparity_px[node], area_px2, upright ? 0.0f : area_px2};
 }
 
 /* Cells with a disparity below the horizon as the attitude has it, lowered or raised by the tilt. */
@@ -82,9 +88,9 @@ static float score(const sample *samples, int32_t count, const vista_plane *plan
   for (int32_t i = 0; i < count; ++i) {
     const float ground = offset + slope_u * samples[i].u_px + slope_v * samples[i].v_px;
     const float above = samples[i].disparity_px - ground, tolerance = tolerance_px(ground);
-    const float on = fabsf(above) <= CLOSE * tolerance ? 1.0f : 0.5f;
-    const float vote = above > tolerance ? 0.0f : above < -tolerance ? -1.0f : on;
-    sum += ground < MIN_GROUND_PX ? 0.0f : vote * samples[i].weight;
+    const float on_px2 = samples[i].vote_px2 * (fabsf(above) <= CLOSE * tolerance ? 1.0f : 0.5f);
+    const float vote_px2 = above > tolerance ? 0.0f : above < -tolerance ? -samples[i].area_px2 : on_px2;
+    sum += ground < MIN_GROUND_PX ? 0.0f : vote_px2;
   }
   return sum;
 }
@@ -97,7 +103,7 @@ static bool refine(const sample *samples, int32_t count, float share_of_toleranc
     const sample *const s = &samples[k];
     const float ground = (float)(plane->offset + plane->slope_u * (double)s->u_px + plane->slope_v * (double)s->v_px);
     if (ground < MIN_GROUND_PX || fabsf(s->disparity_px - ground) > share_of_tolerance * tolerance_px(ground)) continue;
-    vista_plane_fit_add(&fit, (double)s->u_px, (double)s->v_px, (double)s->disparity_px, (double)s->weight);
+    vista_plane_fit_add(&fit, (double)s->u_px, (double)s->v_px, (double)s->disparity_px, (double)s->vote_px2);
     used++;
   }
   return used >= MIN_CELLS && vista_plane_fit_solve(&fit, plane);
@@ -136,15 +142,15 @@ static void consider(search *s, const vista_plane *plane) {
 
 bool vista_find_ground_plane(const vista_foveation *foveation, const vista_surface_params *params,
                              const vista_camera *camera, const double up_camera[3], const vista_cells *cells,
-                             int32_t *candidates, vista_plane *plane) {
+                             const float *inclination_deg, int32_t *candidates, vista_plane *plane) {
   const int32_t count = collect(foveation, camera, up_camera, params->ground_tilt_deg, cells, candidates);
   if (count < MIN_CELLS) return false;
   sample scored[MAX_SCORED];
   const int32_t scored_count = count < MAX_SCORED ? count : MAX_SCORED;
   float whole = 0.0f;
   for (int32_t k = 0; k < scored_count; ++k) {
-    scored[k] = sample_of(foveation, camera, cells, candidates[(int64_t)k * count / scored_count]);
-    whole += scored[k].weight;
+    scored[k] = sample_of(foveation, camera, cells, inclination_deg, candidates[(int64_t)k * count / scored_count]);
+    whole += scored[k].area_px2;
   }
   search s = {.camera = camera,
               .up = up_camera,

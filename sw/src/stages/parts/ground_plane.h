@@ -14,10 +14,10 @@
 #include "vista/parameters.h"
 #include "vista/types.h"
 
-/* candidates: scratch, foveation->max_nodes. The plane's u and v count from the principal point. The outcome depends on
+/* inclination_deg: of the surface under each cell, negative where unknown (surface.h). candidates: scratch, foveation->max_nodes. The plane's u and v count from the principal point. The outcome depends on
  * the cells alone: the triples are drawn in the same order every time. False: no plane has enough area on it. */
 bool vista_find_ground_plane(const vista_foveation *foveation, const vista_surface_params *params,
                              const vista_camera *camera, const double up_camera[3], const vista_cells *cells,
-                             int32_t *candidates, vista_plane *plane);
+                             const float *inclination_deg, int32_t *candidates, vista_plane *plane);
 
 #endif
