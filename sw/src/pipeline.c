@@ -6,6 +6,7 @@
 
 #include "common/clock.h"
 #include "common/frame.h"
+#include "common/image_noise.h"
 #include "pipeline_stages.h"
 #include "stages/affinity.h"
 #include "stages/blind_zone.h"
@@ -28,6 +29,7 @@
 
 typedef enum stage {
   STAGE_MOTION,
+  STAGE_NOISE,
   STAGE_FOVEATION,
   STAGE_HEALTH,
   STAGE_SURFACE,
@@ -64,10 +66,19 @@ struct vista_pipeline {
 };
 
 static const char *const stage_names[STAGE_COUNT] = {
-    [STAGE_MOTION] = "motion",         [STAGE_FOVEATION] = "foveation",   [STAGE_HEALTH] = "health",
-    [STAGE_SURFACE] = "surface",       [STAGE_AFFINITY] = "affinity",     [STAGE_SEGMENTATION] = "segmentation",
-    [STAGE_REFINEMENT] = "refinement", [STAGE_REGIONS] = "regions",       [STAGE_RECONSTRUCTION] = "reconstruction",
-    [STAGE_TRACKING] = "tracking",     [STAGE_BLIND_ZONE] = "blind_zone", [STAGE_MAP] = "map",
+    [STAGE_MOTION] = "motion",
+    [STAGE_NOISE] = "noise",
+    [STAGE_FOVEATION] = "foveation",
+    [STAGE_HEALTH] = "health",
+    [STAGE_SURFACE] = "surface",
+    [STAGE_AFFINITY] = "affinity",
+    [STAGE_SEGMENTATION] = "segmentation",
+    [STAGE_REFINEMENT] = "refinement",
+    [STAGE_REGIONS] = "regions",
+    [STAGE_RECONSTRUCTION] = "reconstruction",
+    [STAGE_TRACKING] = "tracking",
+    [STAGE_BLIND_ZONE] = "blind_zone",
+    [STAGE_MAP] = "map",
 };
 
 int32_t vista_stage_count(void) { return STAGE_COUNT; }
@@ -204,6 +215,7 @@ typedef struct passage {
   const vista_frame *frame;
   vista_motion_state motion_state; /* the pipeline's, once the frame has passed */
   vista_motion motion;
+  vista_image_noise noise;
   vista_health health;
   double valid_fraction;
   double up_camera[3];
@@ -222,6 +234,8 @@ static vista_status run_stage(vista_pipeline *p, stage stage, passage *way) {
       if (status == VISTA_OK) up_in_camera(&way->motion, frame->up_world, way->up_camera);
       return status;
     }
+    case STAGE_NOISE:
+      return vista_image_noise_measure(&frame->image, &way->noise);
     case STAGE_FOVEATION:
       return vista_foveate(&p->foveation, &q->foveation, &frame->image, &frame->disparity, &p->cells);
     case STAGE_HEALTH:
@@ -260,7 +274,7 @@ static vista_status run_stage(vista_pipeline *p, stage stage, passage *way) {
                                   &frame->disparity, p->detections, way->detection_count);
     case STAGE_BLIND_ZONE:
       return vista_blind_zone_update(&q->blind_zone, &p->camera, &p->matched, q->obstacle_map.collision_radius_m,
-                                     &frame->image, &frame->disparity, &p->blind_zone);
+                                     &frame->image, &way->noise, &frame->disparity, &p->blind_zone);
     case STAGE_MAP: {
       int32_t count;
       const vista_track *const tracks = vista_tracker_tracks(p->tracker, &count);

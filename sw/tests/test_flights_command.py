@@ -100,15 +100,15 @@ def flown(monkeypatch: pytest.MonkeyPatch) -> list[str]:
 def test_flown_once(folder: Path, printed: str, flown: list[str]) -> None:
     """Until parameters or images change."""
     values = parameters.defaults()
-    command.fly_and_score(values, None, folder / FREE)
+    command.fly_and_score(values, fly.UNDISTURBED, folder / FREE)
     assert flown == []
     values["tracker"]["confirm_hits"] = 2
-    changed = command.fly_and_score(values, None, folder / FREE)
+    changed = command.fly_and_score(values, fly.UNDISTURBED, folder / FREE)
     assert flown == [FREE]
-    assert command.fly_and_score(values, None, folder / FREE) == changed
+    assert command.fly_and_score(values, fly.UNDISTURBED, folder / FREE) == changed
     image = next((folder / FREE / "mav0" / "cam0" / "data").iterdir())
     image.touch()
-    command.fly_and_score(values, None, folder / FREE)
+    command.fly_and_score(values, fly.UNDISTURBED, folder / FREE)
     assert flown == [FREE, FREE]
 
 

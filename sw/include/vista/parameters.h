@@ -169,7 +169,9 @@ typedef struct vista_blind_zone_params {
   double unmatched_fraction; /* Something is too near when this share of the texture is not matched; in ordinary views it is 0.03 to 0.6. 0.0 .. 1.0. */
   int32_t confirm_hits; /* It is reported when it was so in this many of confirm_window frames. Paper: M. 1 .. 32 frames. At most confirm_window. */
   int32_t confirm_window; /* Frames that count for that. Paper: N. 1 .. 32 frames. */
-  unsigned char reserved[224];
+  double contrast_noise; /* The same against the noise of the image; the larger of the two holds. Of pure noise, one pixel in 200 exceeds 4. 0.0 .. 100.0 sigma of the image's noise. */
+  double repeated_fraction; /* Nothing is reported when this share of the unmatched texture repeats itself along its rows, as windows do: it is ambiguous at any range. 0.0 .. 1.0. */
+  unsigned char reserved[208];
 } vista_blind_zone_params;
 
 /* Obstacles against the flight path (paper, section II-D; companion). */
