@@ -239,8 +239,8 @@ static vista_status run_stage(vista_pipeline *p, stage stage, passage *way) {
     case STAGE_FOVEATION:
       return vista_foveate(&p->foveation, &q->foveation, &frame->image, &frame->disparity, &p->cells);
     case STAGE_HEALTH:
-      return vista_health_judge(&q->health, &p->foveation, &p->matched, &p->cells, &frame->disparity, &way->motion,
-                                &way->health, &way->valid_fraction);
+      return vista_health_judge(&q->health, &p->foveation, &p->matched, &p->cells, &way->noise, &frame->disparity,
+                                &way->motion, &way->health, &way->valid_fraction);
     case STAGE_SURFACE:
       return vista_surfaces_compute(&p->foveation, &q->surface, &p->camera, up, &p->cells, &p->surfaces);
     case STAGE_AFFINITY:

@@ -80,8 +80,8 @@ def test_rectification_does_not_hide_it(sigma: float) -> None:
 
 
 def test_a_picture_of_texture_alone_is_taken_for_noisy_but_keeps_its_texture() -> None:
-    """Foliage from edge to edge, as fine as pixels: what four sigmas of the estimate leave of it is still more
-    than the blind-zone check asks for."""
+    """Foliage from edge to edge, as fine as pixels: what four sigmas of the estimate leave of it is still
+    more than the blind-zone check asks for."""
     foliage = noisy(scene(40.0, 0.0), 2.0)
     steps = np.abs(foliage[:, 2:].astype(int) - foliage[:, :-2])
     assert estimate(foliage) > 10.0

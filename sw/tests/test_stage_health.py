@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 import board_flight as scene
+import cv2
 import numpy as np
 import pytest
 from board_flight import board_flight
@@ -17,19 +18,28 @@ from vista import StereoEngine
 from vista.pipeline import Pipeline as PythonPipeline
 
 WIDTH, HEIGHT = 160, 120
-AREA = (slice(5, HEIGHT - 5), slice(36, WIDTH - 5))  # of track_library.MATCHED
+BLOCK = 12  # px from a pixel to the ones that may agree with it; matched area: track_library.MATCHED
 
 
-def textured() -> np.ndarray:
-    return seeded(1).integers(0, 256, (HEIGHT, WIDTH)).astype(np.uint8)
+def textured(sigma: float = 0.0) -> np.ndarray:
+    """Blobs as large as cells, with noise of that many grey levels."""
+    random = seeded(1)
+    blobs = cv2.GaussianBlur(random.normal(size=(HEIGHT, WIDTH)), (0, 0), 4.0)
+    image = 128.0 + 40.0 * blobs / blobs.std() + random.normal(0.0, sigma, blobs.shape)
+    return np.clip(image, 0, 255).astype(np.uint8)
 
 
 def words(fraction: float) -> np.ndarray:
-    """That share of the matched pixels has a disparity, and none of the others."""
+    """That share of the pixels that are asked has a disparity that another one agrees with. Asked are every
+    second matched row, and of it the columns with matched pixels a block away to both sides."""
     image = np.full((HEIGHT, WIDTH), -16, np.int16)
-    inside = image[AREA].reshape(-1)
-    inside[: math.ceil(fraction * inside.size)] = 80
-    image[AREA] = inside.reshape(image[AREA].shape)
+    rows, first, end = range(5, HEIGHT - 5, 2), 36 + BLOCK, WIDTH - 5 - BLOCK
+    left = round(fraction * len(rows) * (end - first))
+    for row in rows:
+        here = min(left, end - first)
+        if here > 0:
+            image[row, first - BLOCK : end + BLOCK if here == end - first else first + here] = 80
+        left -= here
     return image
 
 
@@ -37,12 +47,14 @@ def judge(image: np.ndarray, disparity: np.ndarray, *, how=None, area=None, **ch
     """Status, state, reasons, the struct, and the valid fraction of the image."""
     stages = Stages(camera(WIDTH, HEIGHT))
     assert stages.foveate(image, disparity) == "VISTA_OK"
-    health, fraction = ffi.new("vista_health *"), ffi.new("double *")
+    health, fraction, noise = ffi.new("vista_health *"), ffi.new("double *"), ffi.new("vista_image_noise *")
+    lib.vista_image_noise_measure(image_struct("image", image), noise)
     status = lib.vista_health_judge(
         params("health", **changes),
         stages.foveation.handle,
         area or matched(),
         stages.cells,
+        noise,
         image_struct("disparity_image", disparity),
         how or motion(),
         health,
@@ -75,7 +87,7 @@ def test_disparities_that_are_few(fraction: float, state: str, reasons: list[str
 
 @pytest.mark.parametrize(
     ("grey", "noise", "state"),
-    [(0, 0.0, "blind"), (255, 0.0, "blind"), (90, 3.0, "blind"), (90, 60.0, "healthy")],
+    [(0, 0.0, "blind"), (255, 0.0, "blind"), (90, 3.0, "blind"), (90, 20.0, "blind"), (90, 8.0, "healthy")],
 )
 def test_an_image_of_one_grey_level_is_blind(grey: float, noise: float, state: str) -> None:
     """However well chance has matched it: the noise of the sensor is no contrast."""
@@ -102,6 +114,34 @@ def test_poses_that_are_missing_or_jump(source: str, restarted: bool, reasons: l
     state = "degraded" if reasons else "healthy"
     assert judge(textured(), words(0.5), how=how)[:3] == ("VISTA_OK", state, reasons)
     assert judge(textured(), words(0.0), how=how)[1:3] == ("blind", ["no_disparities", *reasons])
+
+
+@pytest.mark.parametrize("sigma", [0.0, 4.0, 12.0])
+def test_words_that_chance_explains_do_not_count(sigma: float) -> None:
+    """Any disparity somewhere, up to half of the image, as noise makes of a plain view."""
+    random = seeded(4)
+    chance = np.where(random.random((HEIGHT, WIDTH)) < 0.5, random.integers(0, 31 * 16, (HEIGHT, WIDTH)), -16)
+    found = judge(textured(sigma), chance.astype(np.int16))
+    assert found[4] == pytest.approx(0.5, abs=0.05)
+    assert found[1] != "healthy" and found[3].matched_fraction < 0.1
+
+
+@pytest.mark.parametrize(
+    ("sigma", "states"), [(1.0, {"healthy"}), (8.0, {"degraded", "blind"}), (20.0, {"blind"})]
+)
+def test_noise_that_hides_what_there_is_to_see(sigma: float, states: set[str]) -> None:
+    """A weakly textured wall, 5 grey levels of contrast, before two noisy cameras: of chance alone the engine
+    would match more than a tenth."""
+    random, engine = seeded(5), StereoEngine(num_disparities=32, block_size=11)
+    wall = cv2.GaussianBlur(random.normal(size=(HEIGHT, WIDTH + 12)), (0, 0), 2.0)
+    wall = 100.0 + np.arange(WIDTH + 12) / 4.0 + 5.0 * wall / wall.std()
+    left, right = (
+        np.clip(view + random.normal(0.0, sigma, view.shape), 0, 255).astype(np.uint8)
+        for view in (wall[:, :WIDTH], wall[:, 12:])
+    )
+    found = judge(left, engine.compute(left, right))
+    assert found[1] in states
+    assert bool(found[2]) == (found[1] != "healthy")
 
 
 def test_every_reason_has_a_name_and_a_text() -> None:

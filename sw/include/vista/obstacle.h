@@ -123,8 +123,10 @@ typedef enum vista_health_reason {
 typedef struct vista_health {
   vista_health_state state;
   uint32_t reasons; /* bit k: the reason with number k */
-  double matched_fraction; /* of the pixels where the engine can find a disparity, those that have one */
-  double contrast; /* standard deviation of the cells, grey levels */
+  double
+      matched_fraction; /* of the pixels where the engine can find a disparity, those that have one which another agrees
+                              with: what noise makes of two images agrees by chance only */
+  double contrast; /* standard deviation of the cells, grey levels, without the noise that is left in them */
 } vista_health;
 
 /* The name of a state, in lower case, such as "blind"; never null. */

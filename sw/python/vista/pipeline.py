@@ -72,7 +72,9 @@ class Health:
     state: str  #: healthy, degraded, blind
     reasons: tuple[str, ...]  #: few_disparities, no_disparities, no_contrast, motion_unknown, pose_jump
     texts: tuple[str, ...]  #: the same in words
-    matched_fraction: float  #: of the pixels where the engine can find a disparity, those that have one
+    matched_fraction: (
+        float  #: of the pixels where the engine can find a disparity, those that surely have one
+    )
     contrast: float  #: standard deviation of the cells, grey levels
 
 

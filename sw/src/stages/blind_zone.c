@@ -4,6 +4,7 @@
 #include <stddef.h>
 #include <stdlib.h>
 
+#include "common/agreement.h"
 #include "common/bits.h"
 #include "common/frame.h"
 #include "common/numbers.h"
@@ -19,6 +20,8 @@
 #define REPEAT_RADIUS_PX 15 /* of a block; engines have 2 to 10 */
 #define REPEAT_SHARE 10 /* a block is back when it differs by less than 3 tenths of what it differed by in between */
 #define REPEAT_PARTS 3
+#define REPEAT_SIGNAL 3     /* what it differed by is at least so many times what noise alone makes */
+#define NOISE_DIFFERENCE 1.128 /* mean difference of two pixels, in sigmas of normal noise */
 
 typedef struct counts {
   int64_t pixels, textured, unmatched;
@@ -29,21 +32,13 @@ typedef struct span {
   int32_t v, first, last; /* none: first > last */
 } span;
 
-/* Two words of one surface: both valid, a pixel apart at most. */
-static int32_t alike(int32_t a, int32_t b) { return (b >= 0) & (abs(a - b) <= VISTA_DISPARITY_SCALE); }
-
-/* block: what lies so far apart shares no matching block. */
-static bool is_matched_at(const int16_t *words, int32_t u, int32_t block) {
-  return (words[u] >= 0) & (alike(words[u], words[u - block]) | alike(words[u], words[u + block]));
-}
-
 static void count_row(const uint8_t *grey, const int16_t *words, int32_t first, int32_t last, int32_t block,
                       int32_t contrast, counts *sum) {
   int32_t textured = 0, unmatched = 0;
   for (int32_t u = first; u <= last; ++u) {
     const int32_t has_texture = abs(grey[u + 1] - grey[u - 1]) >= contrast;
     textured += has_texture;
-    unmatched += has_texture & !is_matched_at(words, u, block);
+    unmatched += has_texture & !vista_word_agrees(words, u, block);
   }
   sum->pixels += last - first + 1;
   sum->textured += textured;
@@ -58,7 +53,7 @@ typedef struct disc_view {
 } disc_view;
 
 static disc_view view_of(const vista_camera *camera, const vista_matched_area *matched, double radius_px) {
-  const int32_t block = 2 * (int32_t)matched->margin_px + 2;
+  const int32_t block = vista_agreement_distance(matched);
   const double bottom = camera->height_px - 1 - matched->margin_px;
   return (disc_view){.camera = camera,
                      .radius_px = radius_px,
@@ -90,9 +85,10 @@ static counts count_disc(const disc_view *disc, int32_t contrast, const vista_im
 }
 
 /* Marks which of `count` blocks, centred in this row from column `first` on, come back within `shifts` px to the left:
- * they differ from what lies there by little, after they differed from what lies between by much. */
+ * they differ from what lies there by little, after they differed from what lies between by much. noise: what two
+ * equal blocks differ by. */
 static void find_repeats(const vista_image *image, int32_t v, int32_t first, int32_t count, int32_t radius,
-                         int32_t shifts, uint8_t repeats[REPEAT_COLUMNS]) {
+                         int32_t shifts, int32_t noise, uint8_t repeats[REPEAT_COLUMNS]) {
   uint16_t difference[REPEAT_COLUMNS + 2 * REPEAT_RADIUS_PX];
   uint16_t most[REPEAT_COLUMNS] = {0};
   for (int32_t k = 0; k < count; ++k) repeats[k] = 0;
@@ -109,7 +105,8 @@ static void find_repeats(const vista_image *image, int32_t v, int32_t first, int
     for (int32_t i = 0; i <= 2 * radius; ++i)
       for (int32_t k = 0; k < count; ++k) block[k] = (uint16_t)(block[k] + difference[k + i]);
     for (int32_t k = 0; k < count; ++k) {
-      repeats[k] |= block[k] * REPEAT_SHARE < most[k] * REPEAT_PARTS;
+      const bool signal = most[k] > REPEAT_SIGNAL * noise;
+      repeats[k] |= signal & ((block[k] - noise) * REPEAT_SHARE < (most[k] - noise) * REPEAT_PARTS);
       most[k] = block[k] > most[k] ? block[k] : most[k];
     }
   }
@@ -117,9 +114,11 @@ static void find_repeats(const vista_image *image, int32_t v, int32_t first, int
 
 /* Of the textured pixels without a match, the share whose surroundings repeat within the engine's candidates. */
 static double repeated_fraction(const disc_view *disc, const vista_matched_area *matched, int32_t contrast,
-                                const vista_image *image, const vista_disparity_image *disparity) {
+                                const vista_image_noise *noise, const vista_image *image,
+                                const vista_disparity_image *disparity) {
   const int32_t radius = (int32_t)fmin(matched->margin_px, REPEAT_RADIUS_PX);
   const int32_t shifts = (int32_t)fmin(fmin(matched->disparity_max_px, REPEAT_SHIFT_PX), disc->left - radius);
+  const int32_t block_noise = (int32_t)(NOISE_DIFFERENCE * noise->sigma * REPEAT_LINES * (2 * radius + 1));
   const int32_t step = (disc->v_last - disc->v_first) / REPEAT_ROWS + 1;
   int64_t unmatched = 0, repeated = 0;
   for (int32_t v = disc->v_first + step / 2; v <= disc->v_last; v += step) {
@@ -129,10 +128,10 @@ static double repeated_fraction(const disc_view *disc, const vista_matched_area 
     for (int32_t first = row.first; first <= row.last; first += REPEAT_COLUMNS) {
       const int32_t count = row.last - first < REPEAT_COLUMNS ? row.last - first + 1 : REPEAT_COLUMNS;
       uint8_t repeats[REPEAT_COLUMNS];
-      find_repeats(image, v, first, count, radius, shifts, repeats);
+      find_repeats(image, v, first, count, radius, shifts, block_noise, repeats);
       for (int32_t k = 0; k < count; ++k) {
         const int32_t u = first + k;
-        const bool counts = abs(grey[u + 1] - grey[u - 1]) >= contrast && !is_matched_at(words, u, disc->block);
+        const bool counts = abs(grey[u + 1] - grey[u - 1]) >= contrast && !vista_word_agrees(words, u, disc->block);
         unmatched += counts;
         repeated += counts && repeats[k];
       }
@@ -165,7 +164,7 @@ vista_status vista_blind_zone_update(const vista_blind_zone_params *params, cons
   s->unmatched_fraction = sum.textured > 0 ? (double)sum.unmatched / (double)sum.textured : 0.0;
   const bool in_question =
       s->textured_fraction >= params->textured_fraction && s->unmatched_fraction >= params->unmatched_fraction;
-  s->repeated_fraction = in_question ? repeated_fraction(&disc, matched, contrast, image, disparity) : 0.0;
+  s->repeated_fraction = in_question ? repeated_fraction(&disc, matched, contrast, noise, image, disparity) : 0.0;
   const bool now = in_question && s->repeated_fraction < params->repeated_fraction;
   s->window = s->window << 1 | (uint32_t)now;
   s->occupied = vista_window_count(s->window, params->confirm_window) >= params->confirm_hits;

@@ -10,8 +10,8 @@
  * - Texture that repeats itself within the engine's candidates, windows or railings at any range, is ambiguous, and the
  *   engine's uniqueness test rejects it. The left image alone shows that: a block of it comes back, shifted along its row,
  *   after it differed from what lies between. When most of the unmatched texture does, nothing is reported.
- * By chance the engine matches up to half of what it should not; but chance does not find the same disparity, within a
- * pixel, a block further to the left or to the right, and a surface mostly has it. */
+ * By chance the engine matches up to half of what it should not: a word counts when another one agrees (agreement.h).
+ */
 #ifndef VISTA_BLIND_ZONE_H
 #define VISTA_BLIND_ZONE_H
 

@@ -1,11 +1,15 @@
 #include "stages/health.h"
 
 #include <math.h>
+#include <stdbool.h>
 #include <stddef.h>
 
+#include "common/agreement.h"
 #include "common/frame.h"
 #include "common/median.h"
 #include "common/parameters_check.h"
+
+#define ROW_STEP 2 /* neighbouring rows say the same */
 
 typedef struct entry {
   const char *name, *text;
@@ -34,8 +38,8 @@ const char *vista_health_reason_text(vista_health_reason reason) {
   return (unsigned)reason < VISTA_HEALTH_REASON_COUNT ? reasons[reason].text : "unknown reason";
 }
 
-/* Standard deviation of the cells' grey levels, by the pixels that they own. */
-static double contrast_of(const vista_foveation *foveation, const vista_cells *cells) {
+/* Standard deviation of the cells' grey levels, by the pixels that they own, without the noise that is left in them. */
+static double contrast_of(const vista_foveation *foveation, const vista_cells *cells, const vista_image_noise *noise) {
   double pixels = 0.0, sum = 0.0, squares = 0.0;
   for (int32_t i = 0; i < foveation->node_count; ++i) {
     const double weight = foveation->pixel_count[i], grey = (double)cells->intensity[i];
@@ -44,43 +48,53 @@ static double contrast_of(const vista_foveation *foveation, const vista_cells *c
     squares += weight * grey * grey;
   }
   const double mean = sum / pixels;
-  return sqrt(fmax(squares / pixels - mean * mean, 0.0));
+  const double of_noise =
+      noise->sigma * noise->sigma * foveation->node_count / pixels; /* a cell of n pixels: sigma^2 / n */
+  return sqrt(fmax(squares / pixels - mean * mean - of_noise, 0.0));
 }
 
-typedef struct valid_pixels {
-  int64_t image, matched, matched_area;
-} valid_pixels;
+typedef struct counted_words {
+  int64_t valid;           /* of the whole image */
+  int64_t agreeing, asked; /* of the matched area, where both neighbours in question lie in it too */
+} counted_words;
 
-static valid_pixels count(const vista_matched_area *matched, const vista_disparity_image *disparity) {
-  const int32_t margin = (int32_t)matched->margin_px, first = (int32_t)matched->margin_left_px;
-  const int32_t end = disparity->width_px - margin;
-  valid_pixels sum = {0};
+static int32_t count_agreeing(const int16_t *words, int32_t count, int32_t distance) {
+  int32_t sum = 0;
+  for (int32_t u = 0; u < count; ++u) sum += vista_word_agrees(words, u, distance);
+  return sum;
+}
+
+static counted_words count(const vista_matched_area *matched, const vista_disparity_image *disparity) {
+  const int32_t margin = (int32_t)matched->margin_px, distance = vista_agreement_distance(matched);
+  const int32_t first = (int32_t)matched->margin_left_px + distance;
+  const int32_t end = disparity->width_px - margin - distance;
+  counted_words sum = {0};
   for (int32_t v = 0; v < disparity->height_px; ++v) {
     const int16_t *const row = disparity->data + v * disparity->stride;
-    sum.image += vista_count_valid(row, disparity->width_px);
-    if (v < margin || v >= disparity->height_px - margin || first >= end) continue;
-    sum.matched += vista_count_valid(row + first, end - first);
-    sum.matched_area += end - first;
+    sum.valid += vista_count_valid(row, disparity->width_px);
+    const bool asked = (v - margin) % ROW_STEP == 0 && v >= margin && v < disparity->height_px - margin;
+    if (!asked || first >= end) continue;
+    sum.agreeing += count_agreeing(row + first, end - first, distance);
+    sum.asked += end - first;
   }
   return sum;
 }
 
 vista_status vista_health_judge(const vista_health_params *params, const vista_foveation *foveation,
                                 const vista_matched_area *matched, const vista_cells *cells,
-                                const vista_disparity_image *disparity, const vista_motion *motion,
-                                vista_health *health, double *valid_fraction) {
-  if (params == NULL || foveation == NULL || matched == NULL || cells == NULL || disparity == NULL || motion == NULL ||
-      health == NULL || valid_fraction == NULL)
+                                const vista_image_noise *noise, const vista_disparity_image *disparity,
+                                const vista_motion *motion, vista_health *health, double *valid_fraction) {
+  if (params == NULL || foveation == NULL || matched == NULL || cells == NULL || noise == NULL || disparity == NULL ||
+      motion == NULL || health == NULL || valid_fraction == NULL)
     return VISTA_ERROR_ARGUMENT;
   vista_status status = VISTA_CHECK_SECTION(health, params);
   if (status == VISTA_OK) status = vista_matched_area_check(matched);
   if (status == VISTA_OK) status = vista_frame_check_disparity(disparity, foveation->width_px, foveation->height_px);
   if (status != VISTA_OK) return status;
-  const valid_pixels valid = count(matched, disparity);
-  *valid_fraction = (double)valid.image / ((double)disparity->width_px * disparity->height_px);
-  vista_health h = {
-      .matched_fraction = valid.matched_area > 0 ? (double)valid.matched / (double)valid.matched_area : 0.0,
-      .contrast = contrast_of(foveation, cells)};
+  const counted_words words = count(matched, disparity);
+  *valid_fraction = (double)words.valid / ((double)disparity->width_px * disparity->height_px);
+  vista_health h = {.matched_fraction = words.asked > 0 ? (double)words.agreeing / (double)words.asked : 0.0,
+                    .contrast = contrast_of(foveation, cells, noise)};
   const bool none = h.matched_fraction < params->blind_fraction;
   const bool holds[VISTA_HEALTH_REASON_COUNT] = {
       [VISTA_HEALTH_FEW_DISPARITIES] = h.matched_fraction < params->degraded_fraction && !none,
