@@ -43,6 +43,7 @@ static const struct {
     {{"affinity.flow_encoding", "", "Capacity = scale * C^((w - 1) / 2), or the paper's print, scale * (w + 1) / 2.", VISTA_PARAMETER_CHOICE, 0, 0, 1, "", 2, affinity_flow_encoding_choices}, offsetof(vista_parameters, affinity.flow_encoding)},
     {{"affinity.flow_scale", "", "Capacity of an edge of affinity 1.", VISTA_PARAMETER_FLOAT, 10000.0, 10.0, 100000.0, "", 0, NULL}, offsetof(vista_parameters, affinity.flow_scale)},
     {{"affinity.flow_constant", "", "Base of the exponential encoding: the square root of it is the ratio of strongest to weakest edge.", VISTA_PARAMETER_FLOAT, 10000.0, 1.0, 100000000.0, "", 0, NULL}, offsetof(vista_parameters, affinity.flow_constant)},
+    {{"affinity.mu_intensity_noise", "sigma of the image's noise", "mu_intensity is at least this many times the noise of the image.", VISTA_PARAMETER_FLOAT, 0.5, 0.0, 4.0, "", 0, NULL}, offsetof(vista_parameters, affinity.mu_intensity_noise)},
     {{"surface.lever_px", "px", "Cells at least this far apart are compared, so that the noise of a disparity does not tilt the surface.", VISTA_PARAMETER_FLOAT, 8.0, 1.0, 64.0, "", 0, NULL}, offsetof(vista_parameters, surface.lever_px)},
     {{"surface.horizontal_deg", "deg", "A surface that leans more than this from the vertical is one to fly along, not into.", VISTA_PARAMETER_FLOAT, 55.0, 10.0, 90.0, "", 0, NULL}, offsetof(vista_parameters, surface.horizontal_deg)},
     {{"surface.ground_step_px", "px", "Cells within this of the ground's plane are ground.", VISTA_PARAMETER_FLOAT, 0.5, 0.0, 64.0, "", 0, NULL}, offsetof(vista_parameters, surface.ground_step_px)},
@@ -65,6 +66,7 @@ static const struct {
     {{"refinement.contrast_limit", "sigma_intensity", "A larger difference weighs no more than this.", VISTA_PARAMETER_FLOAT, 3.0, 0.0, 100.0, "", 0, NULL}, offsetof(vista_parameters, refinement.contrast_limit)},
     {{"refinement.mixed_penalty", "", "Cost of a cell at a border: it may show parts of both regions.", VISTA_PARAMETER_FLOAT, 0.75, 0.0, 100.0, "", 0, NULL}, offsetof(vista_parameters, refinement.mixed_penalty)},
     {{"refinement.compactness", "", "Cost of a pixel one cell's size away from the centre of a cell; 0: by intensity alone.", VISTA_PARAMETER_FLOAT, 1.0, 0.0, 100.0, "", 0, NULL}, offsetof(vista_parameters, refinement.compactness)},
+    {{"refinement.sigma_intensity_noise", "sigma of the image's noise", "sigma_intensity is at least this many times the noise of the image.", VISTA_PARAMETER_FLOAT, 1.5, 0.0, 4.0, "", 0, NULL}, offsetof(vista_parameters, refinement.sigma_intensity_noise)},
     {{"region.boundary_px", "px", "Cells this near to a cell on the boundary belong to it; half the matching block.", VISTA_PARAMETER_FLOAT, 5.0, 0.0, 64.0, "", 0, NULL}, offsetof(vista_parameters, region.boundary_px)},
     {{"region.tolerance_px", "px", "Boundary disparities within this of the region's surface are its inliers.", VISTA_PARAMETER_FLOAT, 1.0, 0.1, 16.0, "", 0, NULL}, offsetof(vista_parameters, region.tolerance_px)},
     {{"region.tolerance_m", "m", "The same in depth; the larger of the two holds: near things have relief. At most 6 % of the range.", VISTA_PARAMETER_FLOAT, 0.5, 0.0, 10.0, "", 0, NULL}, offsetof(vista_parameters, region.tolerance_m)},
@@ -120,9 +122,10 @@ static const struct {
     {{"obstacle_map.lasting_center_px", "px", "The same of its centre: matching widens a thing by up to half a block, more to one side than to the other.", VISTA_PARAMETER_FLOAT, 2.5, 0.0, 100.0, "", 0, NULL}, offsetof(vista_parameters, obstacle_map.lasting_center_px)},
     {{"obstacle_map.lasting_center_ratio", "", "The same, as a share of its half width and height: a region may lack a part of the thing all along.", VISTA_PARAMETER_FLOAT, 0.08, 0.0, 2.0, "", 0, NULL}, offsetof(vista_parameters, obstacle_map.lasting_center_ratio)},
     {{"obstacle_map.closing_min_m_s", "m/s", "No time to collision is given for what closes slower than this.", VISTA_PARAMETER_FLOAT, 0.5, 0.0, 100.0, "", 0, NULL}, offsetof(vista_parameters, obstacle_map.closing_min_m_s)},
-    {{"health.degraded_fraction", "", "A frame is degraded when less than this of the pixels that can be matched has a disparity.", VISTA_PARAMETER_FLOAT, 0.1, 0.0, 1.0, "", 0, NULL}, offsetof(vista_parameters, health.degraded_fraction)},
+    {{"health.degraded_fraction", "", "A frame is degraded when less than this of the pixels that can be matched has a disparity; in a noisy image one that another one, a block away, agrees with.", VISTA_PARAMETER_FLOAT, 0.1, 0.0, 1.0, "", 0, NULL}, offsetof(vista_parameters, health.degraded_fraction)},
     {{"health.blind_fraction", "", "With less than this it is blind.", VISTA_PARAMETER_FLOAT, 0.02, 0.0, 1.0, "health.degraded_fraction", 0, NULL}, offsetof(vista_parameters, health.blind_fraction)},
-    {{"health.contrast_min", "grey levels", "It is blind, too, when the standard deviation of the cells' grey levels is smaller.", VISTA_PARAMETER_FLOAT, 2.0, 0.0, 255.0, "", 0, NULL}, offsetof(vista_parameters, health.contrast_min)},
+    {{"health.contrast_min", "grey levels", "It is blind, too, when the standard deviation of the cells' grey levels is smaller, without what is left of the image's noise.", VISTA_PARAMETER_FLOAT, 2.0, 0.0, 255.0, "", 0, NULL}, offsetof(vista_parameters, health.contrast_min)},
+    {{"health.noise_min", "grey levels", "An image with more noise than this is noisy: chance matches part of it, and only disparities that agree with others count.", VISTA_PARAMETER_FLOAT, 6.0, 0.0, 255.0, "", 0, NULL}, offsetof(vista_parameters, health.noise_min)},
 };
 
 _Static_assert(sizeof(vista_stereo_params) == 256, "stereo may not grow");

@@ -48,6 +48,8 @@ struct vista_pipeline {
   vista_parameters parameters;
   vista_camera camera;
   vista_matched_area matched; /* by the engine */
+  vista_affinity_params affinity_params;     /* of the last frame: thresholds on grey levels against its noise */
+  vista_refinement_params refinement_params; /* the same */
   vista_motion_state motion_state;
   vista_foveation foveation;
   vista_cells cells;
@@ -223,6 +225,17 @@ typedef struct passage {
   int64_t dropped_before; /* tracks, in earlier frames */
 } passage;
 
+/* Thresholds on grey levels of the stages that know none of the noise. */
+static void set_thresholds(vista_pipeline *p, const vista_image_noise *noise) {
+  const vista_parameters *const q = &p->parameters;
+  p->affinity_params = q->affinity;
+  p->affinity_params.mu_intensity =
+      vista_image_noise_threshold(noise, q->affinity.mu_intensity, q->affinity.mu_intensity_noise);
+  p->refinement_params = q->refinement;
+  p->refinement_params.sigma_intensity =
+      vista_image_noise_threshold(noise, q->refinement.sigma_intensity, q->refinement.sigma_intensity_noise);
+}
+
 static vista_status run_stage(vista_pipeline *p, stage stage, passage *way) {
   const vista_parameters *const q = &p->parameters;
   const vista_frame *const frame = way->frame;
@@ -234,8 +247,11 @@ static vista_status run_stage(vista_pipeline *p, stage stage, passage *way) {
       if (status == VISTA_OK) up_in_camera(&way->motion, frame->up_world, way->up_camera);
       return status;
     }
-    case STAGE_NOISE:
-      return vista_image_noise_measure(&frame->image, &way->noise);
+    case STAGE_NOISE: {
+      const vista_status status = vista_image_noise_measure(&frame->image, &way->noise);
+      if (status == VISTA_OK) set_thresholds(p, &way->noise);
+      return status;
+    }
     case STAGE_FOVEATION:
       return vista_foveate(&p->foveation, &q->foveation, &frame->image, &frame->disparity, &p->cells);
     case STAGE_HEALTH:
@@ -244,11 +260,11 @@ static vista_status run_stage(vista_pipeline *p, stage stage, passage *way) {
     case STAGE_SURFACE:
       return vista_surfaces_compute(&p->foveation, &q->surface, &p->camera, up, &p->cells, &p->surfaces);
     case STAGE_AFFINITY:
-      return vista_affinity_compute(&p->foveation, &q->affinity, &p->camera, &p->cells, &p->affinity);
+      return vista_affinity_compute(&p->foveation, &p->affinity_params, &p->camera, &p->cells, &p->affinity);
     case STAGE_SEGMENTATION:
       return vista_segment(&p->foveation, q, &p->camera, &p->cells, &p->surfaces, &p->affinity, &p->segmentation);
     case STAGE_REFINEMENT:
-      return vista_refine(&p->foveation, &q->refinement, &frame->image, &p->cells, p->segmentation.label,
+      return vista_refine(&p->foveation, &p->refinement_params, &frame->image, &p->cells, p->segmentation.label,
                           &p->refinement);
     case STAGE_REGIONS: {
       const vista_status status =
@@ -334,6 +350,6 @@ vista_status vista_pipeline_process_sized(vista_pipeline *pipeline, const vista_
 }
 
 vista_pipeline_stages vista_pipeline_look(const vista_pipeline *pipeline) {
-  return (vista_pipeline_stages){&pipeline->foveation, &pipeline->cells, &pipeline->surfaces, &pipeline->affinity,
-                                 &pipeline->regions};
+  return (vista_pipeline_stages){&pipeline->foveation, &pipeline->cells,   &pipeline->surfaces,
+                                 &pipeline->affinity,  &pipeline->regions, &pipeline->refinement_params};
 }

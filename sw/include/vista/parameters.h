@@ -67,7 +67,8 @@ typedef struct vista_affinity_params {
   vista_affinity_flow_encoding flow_encoding; /* Capacity = scale * C^((w - 1) / 2), or the paper's print, scale * (w + 1) / 2. */
   double flow_scale; /* Capacity of an edge of affinity 1. 10.0 .. 100000.0. */
   double flow_constant; /* Base of the exponential encoding: the square root of it is the ratio of strongest to weakest edge. Paper: C. 1.0 .. 100000000.0. */
-  unsigned char reserved[168];
+  double mu_intensity_noise; /* mu_intensity is at least this many times the noise of the image. Paper: mu_d. 0.0 .. 4.0 sigma of the image's noise. */
+  unsigned char reserved[160];
 } vista_affinity_params;
 
 /* Inclination of the surface under each cell, from the disparities of the cells around it. */
@@ -104,7 +105,8 @@ typedef struct vista_refinement_params {
   double contrast_limit; /* A larger difference weighs no more than this. 0.0 .. 100.0 sigma_intensity. */
   double mixed_penalty; /* Cost of a cell at a border: it may show parts of both regions. 0.0 .. 100.0. */
   double compactness; /* Cost of a pixel one cell's size away from the centre of a cell; 0: by intensity alone. 0.0 .. 100.0. */
-  unsigned char reserved[224];
+  double sigma_intensity_noise; /* sigma_intensity is at least this many times the noise of the image. 0.0 .. 4.0 sigma of the image's noise. */
+  unsigned char reserved[216];
 } vista_refinement_params;
 
 /* Statistics of the regions and the tests that make obstacles of them (paper, section II-D). */
@@ -189,10 +191,11 @@ typedef struct vista_obstacle_map_params {
 
 /* When a view tells too little. */
 typedef struct vista_health_params {
-  double degraded_fraction; /* A frame is degraded when less than this of the pixels that can be matched has a disparity. 0.0 .. 1.0. */
+  double degraded_fraction; /* A frame is degraded when less than this of the pixels that can be matched has a disparity; in a noisy image one that another one, a block away, agrees with. 0.0 .. 1.0. */
   double blind_fraction; /* With less than this it is blind. 0.0 .. 1.0. At most degraded_fraction. */
-  double contrast_min; /* It is blind, too, when the standard deviation of the cells' grey levels is smaller. 0.0 .. 255.0 grey levels. */
-  unsigned char reserved[232];
+  double contrast_min; /* It is blind, too, when the standard deviation of the cells' grey levels is smaller, without what is left of the image's noise. 0.0 .. 255.0 grey levels. */
+  double noise_min; /* An image with more noise than this is noisy: chance matches part of it, and only disparities that agree with others count. 0.0 .. 255.0 grey levels. */
+  unsigned char reserved[224];
 } vista_health_params;
 
 /* All parameters. vista_parameters_default makes the struct; change its members afterwards. A newer library

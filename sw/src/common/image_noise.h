@@ -19,7 +19,7 @@
 #include "vista/types.h"
 
 typedef struct vista_image_noise {
-  double sigma; /* standard deviation of a pixel in grey levels, 0 .. 50 */
+  double sigma; /* standard deviation of a pixel in grey levels, 0 .. 57 */
 } vista_image_noise;
 
 /* An image too small for a block has none. VISTA_ERROR_ARGUMENT: no pixels. */

@@ -22,6 +22,7 @@ static const entry reasons[VISTA_HEALTH_REASON_COUNT] = {
     {"no_contrast", "the image is hardly more than one grey level", 1},
     {"motion_unknown", "the pose is missing: positions rest on the last known motion", 0},
     {"pose_jump", "the pose jumped farther than the vehicle can have moved", 0},
+    {"noise", "the noise of the images leaves few disparities that chance does not explain", 0},
 };
 
 static const char *const state_names[VISTA_HEALTH_STATE_COUNT] = {"healthy", "degraded", "blind"};
@@ -54,9 +55,13 @@ static double contrast_of(const vista_foveation *foveation, const vista_cells *c
 }
 
 typedef struct counted_words {
-  int64_t valid;           /* of the whole image */
-  int64_t agreeing, asked; /* of the matched area, where both neighbours in question lie in it too */
+  int64_t image;                 /* valid ones */
+  int64_t matched, matched_area; /* valid ones in the matched area, and its pixels */
+  int64_t agreeing,
+      asked; /* those that another one agrees with, where both neighbours in question are in the area too */
 } counted_words;
+
+static double share(int64_t part, int64_t whole) { return whole > 0 ? (double)part / (double)whole : 0.0; }
 
 static int32_t count_agreeing(const int16_t *words, int32_t count, int32_t distance) {
   int32_t sum = 0;
@@ -65,17 +70,19 @@ static int32_t count_agreeing(const int16_t *words, int32_t count, int32_t dista
 }
 
 static counted_words count(const vista_matched_area *matched, const vista_disparity_image *disparity) {
-  const int32_t margin = (int32_t)matched->margin_px, distance = vista_agreement_distance(matched);
-  const int32_t first = (int32_t)matched->margin_left_px + distance;
-  const int32_t end = disparity->width_px - margin - distance;
+  const int32_t margin = (int32_t)matched->margin_px, first = (int32_t)matched->margin_left_px;
+  const int32_t end = disparity->width_px - margin, distance = vista_agreement_distance(matched);
   counted_words sum = {0};
   for (int32_t v = 0; v < disparity->height_px; ++v) {
     const int16_t *const row = disparity->data + v * disparity->stride;
-    sum.valid += vista_count_valid(row, disparity->width_px);
-    const bool asked = (v - margin) % ROW_STEP == 0 && v >= margin && v < disparity->height_px - margin;
-    if (!asked || first >= end) continue;
-    sum.agreeing += count_agreeing(row + first, end - first, distance);
-    sum.asked += end - first;
+    sum.image += vista_count_valid(row, disparity->width_px);
+    if (v < margin || v >= disparity->height_px - margin || first >= end) continue;
+    sum.matched += vista_count_valid(row + first, end - first);
+    sum.matched_area += end - first;
+    const int32_t asked = end - first - 2 * distance;
+    if ((v - margin) % ROW_STEP != 0 || asked <= 0) continue;
+    sum.agreeing += count_agreeing(row + first + distance, asked, distance);
+    sum.asked += asked;
   }
   return sum;
 }
@@ -92,16 +99,19 @@ vista_status vista_health_judge(const vista_health_params *params, const vista_f
   if (status == VISTA_OK) status = vista_frame_check_disparity(disparity, foveation->width_px, foveation->height_px);
   if (status != VISTA_OK) return status;
   const counted_words words = count(matched, disparity);
-  *valid_fraction = (double)words.valid / ((double)disparity->width_px * disparity->height_px);
-  vista_health h = {.matched_fraction = words.asked > 0 ? (double)words.agreeing / (double)words.asked : 0.0,
+  *valid_fraction = (double)words.image / ((double)disparity->width_px * disparity->height_px);
+  vista_health h = {.matched_fraction = share(words.matched, words.matched_area),
                     .contrast = contrast_of(foveation, cells, noise)};
-  const bool none = h.matched_fraction < params->blind_fraction;
+  const double agreeing = noise->sigma > params->noise_min ? share(words.agreeing, words.asked) : h.matched_fraction;
+  const bool none = fmin(h.matched_fraction, agreeing) < params->blind_fraction;
+  const bool few = h.matched_fraction < params->degraded_fraction;
   const bool holds[VISTA_HEALTH_REASON_COUNT] = {
-      [VISTA_HEALTH_FEW_DISPARITIES] = h.matched_fraction < params->degraded_fraction && !none,
+      [VISTA_HEALTH_FEW_DISPARITIES] = few && !none,
       [VISTA_HEALTH_NO_DISPARITIES] = none,
       [VISTA_HEALTH_NO_CONTRAST] = h.contrast < params->contrast_min,
       [VISTA_HEALTH_MOTION_UNKNOWN] = motion->source == VISTA_MOTION_CARRIED_ON,
       [VISTA_HEALTH_POSE_JUMP] = motion->source == VISTA_MOTION_REFUSED || motion->restarted,
+      [VISTA_HEALTH_NOISE] = agreeing < params->degraded_fraction && noise->sigma > params->noise_min,
   };
   for (int k = 0; k < VISTA_HEALTH_REASON_COUNT; ++k) {
     if (!holds[k]) continue;

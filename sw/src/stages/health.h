@@ -2,8 +2,9 @@
  *
  * Without disparities nothing is found, and an empty list of obstacles says nothing: a lens cap, fog, the inside of a
  * cloud, the night. Such a frame is BLIND. DEGRADED is one that was seen in part, or whose place in the world rests on a
- * guess. Noise keeps neither from view: of the disparities those count that another one agrees with (agreement.h), which
- * chance does not bring about, and the contrast is that of the cells, less what is left in them of the image's noise. */
+ * guess. Noise must not pass for something seen: in a noisy image those disparities count that another one agrees with
+ * (agreement.h), which chance does not bring about. The contrast is that of the cells, which average the noise of the
+ * sensor away, less what is left of it. */
 #ifndef VISTA_HEALTH_H
 #define VISTA_HEALTH_H
 
