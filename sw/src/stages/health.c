@@ -69,7 +69,8 @@ static int32_t count_agreeing(const int16_t *words, int32_t count, int32_t dista
   return sum;
 }
 
-static counted_words count(const vista_matched_area *matched, const vista_disparity_image *disparity) {
+/* noisy: agreement is asked for, else none is. */
+static counted_words count(const vista_matched_area *matched, bool noisy, const vista_disparity_image *disparity) {
   const int32_t margin = (int32_t)matched->margin_px, first = (int32_t)matched->margin_left_px;
   const int32_t end = disparity->width_px - margin, distance = vista_agreement_distance(matched);
   counted_words sum = {0};
@@ -80,7 +81,7 @@ static counted_words count(const vista_matched_area *matched, const vista_dispar
     sum.matched += vista_count_valid(row + first, end - first);
     sum.matched_area += end - first;
     const int32_t asked = end - first - 2 * distance;
-    if ((v - margin) % ROW_STEP != 0 || asked <= 0) continue;
+    if (!noisy || (v - margin) % ROW_STEP != 0 || asked <= 0) continue;
     sum.agreeing += count_agreeing(row + first + distance, asked, distance);
     sum.asked += asked;
   }
@@ -98,11 +99,12 @@ vista_status vista_health_judge(const vista_health_params *params, const vista_f
   if (status == VISTA_OK) status = vista_matched_area_check(matched);
   if (status == VISTA_OK) status = vista_frame_check_disparity(disparity, foveation->width_px, foveation->height_px);
   if (status != VISTA_OK) return status;
-  const counted_words words = count(matched, disparity);
+  const bool noisy = noise->sigma > params->noise_min;
+  const counted_words words = count(matched, noisy, disparity);
   *valid_fraction = (double)words.image / ((double)disparity->width_px * disparity->height_px);
   vista_health h = {.matched_fraction = share(words.matched, words.matched_area),
                     .contrast = contrast_of(foveation, cells, noise)};
-  const double agreeing = noise->sigma > params->noise_min ? share(words.agreeing, words.asked) : h.matched_fraction;
+  const double agreeing = noisy ? share(words.agreeing, words.asked) : h.matched_fraction;
   const bool none = fmin(h.matched_fraction, agreeing) < params->blind_fraction;
   const bool few = h.matched_fraction < params->degraded_fraction;
   const bool holds[VISTA_HEALTH_REASON_COUNT] = {
@@ -111,7 +113,7 @@ vista_status vista_health_judge(const vista_health_params *params, const vista_f
       [VISTA_HEALTH_NO_CONTRAST] = h.contrast < params->contrast_min,
       [VISTA_HEALTH_MOTION_UNKNOWN] = motion->source == VISTA_MOTION_CARRIED_ON,
       [VISTA_HEALTH_POSE_JUMP] = motion->source == VISTA_MOTION_REFUSED || motion->restarted,
-      [VISTA_HEALTH_NOISE] = agreeing < params->degraded_fraction && noise->sigma > params->noise_min,
+      [VISTA_HEALTH_NOISE] = noisy && agreeing < params->degraded_fraction,
   };
   for (int k = 0; k < VISTA_HEALTH_REASON_COUNT; ++k) {
     if (!holds[k]) continue;
