@@ -6,6 +6,7 @@
 
 #include "common/clock.h"
 #include "common/frame.h"
+#include "common/image_noise.h"
 #include "pipeline_stages.h"
 #include "stages/affinity.h"
 #include "stages/blind_zone.h"
@@ -28,6 +29,7 @@
 
 typedef enum stage {
   STAGE_MOTION,
+  STAGE_NOISE,
   STAGE_FOVEATION,
   STAGE_HEALTH,
   STAGE_SURFACE,
@@ -46,6 +48,8 @@ struct vista_pipeline {
   vista_parameters parameters;
   vista_camera camera;
   vista_matched_area matched; /* by the engine */
+  vista_affinity_params affinity_params;     /* of the last frame: thresholds on grey levels against its noise */
+  vista_refinement_params refinement_params; /* the same */
   vista_motion_state motion_state;
   vista_foveation foveation;
   vista_cells cells;
@@ -64,10 +68,19 @@ struct vista_pipeline {
 };
 
 static const char *const stage_names[STAGE_COUNT] = {
-    [STAGE_MOTION] = "motion",         [STAGE_FOVEATION] = "foveation",   [STAGE_HEALTH] = "health",
-    [STAGE_SURFACE] = "surface",       [STAGE_AFFINITY] = "affinity",     [STAGE_SEGMENTATION] = "segmentation",
-    [STAGE_REFINEMENT] = "refinement", [STAGE_REGIONS] = "regions",       [STAGE_RECONSTRUCTION] = "reconstruction",
-    [STAGE_TRACKING] = "tracking",     [STAGE_BLIND_ZONE] = "blind_zone", [STAGE_MAP] = "map",
+    [STAGE_MOTION] = "motion",
+    [STAGE_NOISE] = "noise",
+    [STAGE_FOVEATION] = "foveation",
+    [STAGE_HEALTH] = "health",
+    [STAGE_SURFACE] = "surface",
+    [STAGE_AFFINITY] = "affinity",
+    [STAGE_SEGMENTATION] = "segmentation",
+    [STAGE_REFINEMENT] = "refinement",
+    [STAGE_REGIONS] = "regions",
+    [STAGE_RECONSTRUCTION] = "reconstruction",
+    [STAGE_TRACKING] = "tracking",
+    [STAGE_BLIND_ZONE] = "blind_zone",
+    [STAGE_MAP] = "map",
 };
 
 int32_t vista_stage_count(void) { return STAGE_COUNT; }
@@ -204,12 +217,24 @@ typedef struct passage {
   const vista_frame *frame;
   vista_motion_state motion_state; /* the pipeline's, once the frame has passed */
   vista_motion motion;
+  vista_image_noise noise;
   vista_health health;
   double valid_fraction;
   double up_camera[3];
   int32_t detection_count;
   int64_t dropped_before; /* tracks, in earlier frames */
 } passage;
+
+/* Thresholds on grey levels of the stages that know none of the noise. */
+static void set_thresholds(vista_pipeline *p, const vista_image_noise *noise) {
+  const vista_parameters *const q = &p->parameters;
+  p->affinity_params = q->affinity;
+  p->affinity_params.mu_intensity =
+      vista_image_noise_threshold(noise, q->affinity.mu_intensity, q->affinity.mu_intensity_noise);
+  p->refinement_params = q->refinement;
+  p->refinement_params.sigma_intensity =
+      vista_image_noise_threshold(noise, q->refinement.sigma_intensity, q->refinement.sigma_intensity_noise);
+}
 
 static vista_status run_stage(vista_pipeline *p, stage stage, passage *way) {
   const vista_parameters *const q = &p->parameters;
@@ -222,19 +247,24 @@ static vista_status run_stage(vista_pipeline *p, stage stage, passage *way) {
       if (status == VISTA_OK) up_in_camera(&way->motion, frame->up_world, way->up_camera);
       return status;
     }
+    case STAGE_NOISE: {
+      const vista_status status = vista_image_noise_measure(&frame->image, &way->noise);
+      if (status == VISTA_OK) set_thresholds(p, &way->noise);
+      return status;
+    }
     case STAGE_FOVEATION:
       return vista_foveate(&p->foveation, &q->foveation, &frame->image, &frame->disparity, &p->cells);
     case STAGE_HEALTH:
-      return vista_health_judge(&q->health, &p->foveation, &p->matched, &p->cells, &frame->disparity, &way->motion,
-                                &way->health, &way->valid_fraction);
+      return vista_health_judge(&q->health, &p->foveation, &p->matched, &p->cells, &way->noise, &frame->disparity,
+                                &way->motion, &way->health, &way->valid_fraction);
     case STAGE_SURFACE:
       return vista_surfaces_compute(&p->foveation, &q->surface, &p->camera, up, &p->cells, &p->surfaces);
     case STAGE_AFFINITY:
-      return vista_affinity_compute(&p->foveation, &q->affinity, &p->camera, &p->cells, &p->affinity);
+      return vista_affinity_compute(&p->foveation, &p->affinity_params, &p->camera, &p->cells, &p->affinity);
     case STAGE_SEGMENTATION:
       return vista_segment(&p->foveation, q, &p->camera, &p->cells, &p->surfaces, &p->affinity, &p->segmentation);
     case STAGE_REFINEMENT:
-      return vista_refine(&p->foveation, &q->refinement, &frame->image, &p->cells, p->segmentation.label,
+      return vista_refine(&p->foveation, &p->refinement_params, &frame->image, &p->cells, p->segmentation.label,
                           &p->refinement);
     case STAGE_REGIONS: {
       const vista_status status =
@@ -260,7 +290,7 @@ static vista_status run_stage(vista_pipeline *p, stage stage, passage *way) {
                                   &frame->disparity, p->detections, way->detection_count);
     case STAGE_BLIND_ZONE:
       return vista_blind_zone_update(&q->blind_zone, &p->camera, &p->matched, q->obstacle_map.collision_radius_m,
-                                     &frame->image, &frame->disparity, &p->blind_zone);
+                                     &frame->image, &way->noise, &frame->disparity, &p->blind_zone);
     case STAGE_MAP: {
       int32_t count;
       const vista_track *const tracks = vista_tracker_tracks(p->tracker, &count);
@@ -320,6 +350,6 @@ vista_status vista_pipeline_process_sized(vista_pipeline *pipeline, const vista_
 }
 
 vista_pipeline_stages vista_pipeline_look(const vista_pipeline *pipeline) {
-  return (vista_pipeline_stages){&pipeline->foveation, &pipeline->cells, &pipeline->surfaces, &pipeline->affinity,
-                                 &pipeline->regions};
+  return (vista_pipeline_stages){&pipeline->foveation, &pipeline->cells,   &pipeline->surfaces,
+                                 &pipeline->affinity,  &pipeline->regions, &pipeline->refinement_params};
 }

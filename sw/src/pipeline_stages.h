@@ -15,6 +15,7 @@ typedef struct vista_pipeline_stages {
   const vista_surfaces *surfaces;
   const vista_affinity *affinity;
   const vista_regions *regions;
+  const vista_refinement_params *refinement_params; /* as that frame was refined, against its noise */
 } vista_pipeline_stages;
 
 vista_pipeline_stages vista_pipeline_look(const vista_pipeline *pipeline);

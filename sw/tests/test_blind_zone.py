@@ -1,5 +1,5 @@
-"""Something too near to match is noticed by texture that is not matched; sky, bare walls and what is matched
-are not noticed."""
+"""Something too near to match is noticed by texture that is not matched; sky, bare walls, noise, texture that
+repeats itself and what is matched are not noticed."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ import cv2
 import numpy as np
 import pytest
 from random_seed import seeded
+from shared_data import SHARED_DATA
 from stage_arena import ffi, lib, status_name
 from stage_library import INVALID, image_struct
 from track_library import BASELINE, CENTER, FOCAL, camera, matched, params
@@ -28,34 +29,59 @@ class Watch:
         self.params, self.camera = params("blind_zone", **changes), camera(WIDTH, HEIGHT)
         self.state = ffi.new("vista_blind_zone *")
 
-    def look(self, grey: np.ndarray, words: np.ndarray, radius_m: float = RADIUS_M) -> str:
-        images = image_struct("image", grey), image_struct("disparity_image", words)
+    def look(self, grey: np.ndarray, words: np.ndarray, radius_m: float = RADIUS_M, **area: float) -> str:
+        image, disparities = image_struct("image", grey), image_struct("disparity_image", words)
+        noise = ffi.new("vista_image_noise *")
+        assert status_name(lib.vista_image_noise_measure(image, noise)) == "VISTA_OK"
+        where = matched(**AREA | area)
         return status_name(
             lib.vista_blind_zone_update(
-                self.params, self.camera, matched(**AREA), radius_m, *images, self.state
+                self.params, self.camera, where, radius_m, image, noise, disparities, self.state
             )
         )
 
 
-def pair(random: np.random.Generator, shift_px: int, grain_px: float) -> tuple[np.ndarray, np.ndarray]:
-    """A textured wall at one disparity, with the noise of two sensors."""
-    wall = cv2.GaussianBlur(random.normal(size=(HEIGHT, WIDTH + shift_px)), (0, 0), grain_px)
-    wall = 120.0 + 40.0 * wall / wall.std()
-    views = [
-        wall[:, :WIDTH],
-        wall[:, shift_px:],
-    ]  # what is at u in the left image is at u - shift in the right one
-    return tuple(np.clip(v + random.normal(0, 2, v.shape), 0, 255).astype(np.uint8) for v in views)
+def grainy(random: np.random.Generator, grain_px: float, contrast: float = 40.0) -> np.ndarray:
+    wall = cv2.GaussianBlur(random.normal(size=(HEIGHT, WIDTH + 160)), (0, 0), grain_px)
+    return 120.0 + contrast * wall / wall.std()
 
 
-def disparity(left: np.ndarray, right: np.ndarray) -> np.ndarray:
-    return StereoEngine(num_disparities=CANDIDATES, block_size=BLOCK).compute(left, right)
+def windows(random: np.random.Generator, period_px: int) -> np.ndarray:
+    """A facade: windows of about one darkness, their frames, and plaster."""
+    wall = np.full((HEIGHT, WIDTH + 160), 170.0)
+    width, height = round(0.45 * period_px), round(0.75 * period_px)
+    for v in range(5, HEIGHT, round(1.3 * period_px)):
+        for u in range(3, WIDTH + 160, period_px):
+            wall[v : v + height, u : u + width] = 50.0 + random.normal(0.0, 15.0)
+            wall[v : v + height, u + width // 2 : u + width // 2 + 1] = 200.0
+            wall[v + height // 2 : v + height // 2 + 1, u : u + width] = 200.0
+    plaster = cv2.GaussianBlur(random.normal(size=wall.shape), (0, 0), 1.5)
+    return cv2.GaussianBlur(wall + 1.5 * plaster / plaster.std(), (0, 0), 0.7)
+
+
+def pair(
+    random: np.random.Generator, wall: np.ndarray, shift_px: float, sigma: float = 2.0
+) -> tuple[np.ndarray, np.ndarray]:
+    """Two cameras' views of a wall at one disparity, with the noise of two sensors."""
+    v, u = np.indices((HEIGHT, WIDTH), np.float32)
+    shifted = cv2.remap(wall.astype(np.float32), u + np.float32(shift_px), v, cv2.INTER_LINEAR)
+    views = wall[:, :WIDTH], shifted  # what is at u in the left image is at u - shift in the right one
+    return tuple(noisy(random, view, sigma) for view in views)
+
+
+def noisy(random: np.random.Generator, image: np.ndarray, sigma: float) -> np.ndarray:
+    return np.clip(np.rint(image + random.normal(0.0, sigma, image.shape)), 0, 255).astype(np.uint8)
+
+
+def disparity(left: np.ndarray, right: np.ndarray, candidates: int = CANDIDATES) -> np.ndarray:
+    return StereoEngine(num_disparities=candidates, block_size=BLOCK).compute(left, right)
 
 
 @pytest.mark.parametrize("grain_px", [1.0, 2.0, 4.0])
 @pytest.mark.parametrize(("shift_px", "too_near"), [(20, False), (60, False), (80, True), (150, True)])
 def test_a_wall_is_too_near_from_the_range_limit_on(shift_px: int, too_near: bool, grain_px: float) -> None:
-    left, right = pair(seeded(1), shift_px, grain_px)
+    random = seeded(1)
+    left, right = pair(random, grainy(random, grain_px), shift_px)
     watch = Watch()
     assert watch.look(left, disparity(left, right)) == "VISTA_OK"
     assert watch.state.window == too_near
@@ -71,6 +97,105 @@ def test_sky_and_bare_walls_say_nothing() -> None:
     assert watch.state.window == 0
 
 
+@pytest.mark.parametrize("sigma", [6.0, 8.0, 10.0])
+def test_noise_is_no_texture(sigma: float) -> None:
+    """A bare wall beside a weakly textured one, at a range that the engine matches: noise alone steps by 16
+    grey levels from sigma 5.8 on, and nothing of it is matched."""
+    random = seeded(5)
+    wall = grainy(random, 3.0, contrast=4.0)
+    wall[:, WIDTH // 2 :] = 120.0
+    left, right = pair(random, wall, 20.0, sigma)
+    watch = Watch()
+    watch.look(left, disparity(left, right))
+    assert watch.state.textured_fraction < watch.params.textured_fraction
+    assert watch.state.window == 0
+    deaf = Watch(contrast_noise=0.0)  # against grey levels alone it would be something too near
+    deaf.look(left, disparity(left, right))
+    assert deaf.state.textured_fraction >= deaf.params.textured_fraction
+    assert deaf.state.window == 1
+
+
+@pytest.mark.parametrize("sigma", [4.0, 8.0])
+@pytest.mark.parametrize("grain_px", [1.0, 2.0])
+def test_a_wall_that_is_too_near_is_noticed_under_noise(grain_px: float, sigma: float) -> None:
+    random = seeded(6)
+    left, right = pair(random, grainy(random, grain_px), 100.0, sigma)
+    watch = Watch()
+    watch.look(left, disparity(left, right))
+    assert watch.state.window == 1
+
+
+@pytest.mark.parametrize("sigma", [2.0, 8.0])
+@pytest.mark.parametrize(
+    ("period_px", "shift_px"), [(14, 10.3), (14, 23.4), (20, 10.3), (30, 23.4), (45, 10.3)]
+)
+def test_windows_that_repeat_are_not_nearer_than_they_are(
+    period_px: int, shift_px: float, sigma: float
+) -> None:
+    """A facade 20 or 44 m away, which the uniqueness test of the engine empties."""
+    random = seeded(7)
+    left, right = pair(random, windows(random, period_px), shift_px, sigma)
+    watch = Watch()
+    watch.look(left, disparity(left, right))
+    assert watch.state.unmatched_fraction >= watch.params.unmatched_fraction
+    assert watch.state.repeated_fraction > 0.7
+    assert watch.state.window == 0
+    trusting = Watch(repeated_fraction=1.0)
+    trusting.look(left, disparity(left, right))
+    assert trusting.state.repeated_fraction == watch.state.repeated_fraction
+
+
+def test_a_fence_before_it_does_not_silence_a_wall_that_is_too_near() -> None:
+    """What repeats on less than half of the view explains the rest of it not."""
+    random = seeded(8)
+    wall = grainy(random, 2.0)
+    wall[: HEIGHT // 3] = windows(random, 20)[: HEIGHT // 3]
+    left, right = pair(random, wall, 100.0)
+    watch = Watch()
+    watch.look(left, disparity(left, right))
+    assert 0.1 < watch.state.repeated_fraction < 0.5
+    assert watch.state.window == 1
+
+
+def test_texture_is_not_searched_for_repeats_without_need() -> None:
+    random = seeded(7)
+    left, _ = pair(random, windows(random, 20), 10.0)
+    watch = Watch()
+    watch.look(left, np.full(left.shape, 160, np.int16))
+    assert (watch.state.unmatched_fraction, watch.state.repeated_fraction) == (0.0, 0.0)
+
+
+@pytest.mark.parametrize("candidates", [16, 32, 128, 256])
+def test_windows_repeat_whatever_the_engine_s_range(candidates: int) -> None:
+    """Also where candidates, and with them the unmatched margin, are wider than the search."""
+    random = seeded(9)
+    left, _ = pair(random, windows(random, 15 if candidates == 16 else 25), 10.0)
+    area = {
+        "disparity_max_px": candidates - 1.0,
+        "margin_left_px": candidates - 1.0 + BLOCK // 2,
+    }
+    watch = Watch()
+    assert watch.look(left, np.full(left.shape, INVALID, np.int16), **area) == "VISTA_OK"
+    assert watch.state.unmatched_fraction == 1.0
+    assert watch.state.repeated_fraction > 0.7
+    assert watch.state.range_m == pytest.approx(FOCAL * BASELINE / (candidates - 1))
+
+
+@pytest.mark.skipif(not SHARED_DATA.is_dir(), reason="no shared data")
+@pytest.mark.parametrize("sigma", [0.0, 6.0])
+def test_a_real_scene_beyond_the_candidates_is_too_near(sigma: float) -> None:
+    """Cones and masks, disparities 20 to 60, before an engine of 16 candidates."""
+    folder, random = SHARED_DATA / "middlebury" / "cones", seeded(10)
+    views = [cv2.imread(str(folder / name), cv2.IMREAD_GRAYSCALE) for name in ("im2.png", "im6.png")]
+    left, right = (noisy(random, view, sigma) for view in views)
+    left, right = (
+        cv2.copyMakeBorder(x, 0, HEIGHT - x.shape[0], 0, WIDTH - x.shape[1], 0) for x in (left, right)
+    )
+    watch = Watch()
+    watch.look(left, disparity(left, right, 16), disparity_max_px=15.0, margin_left_px=15.0 + BLOCK // 2)
+    assert watch.state.window == 1
+
+
 def test_fractions_are_those_of_the_disc() -> None:
     """In numpy, over every second row."""
     random = seeded(3)
@@ -78,7 +203,7 @@ def test_fractions_are_those_of_the_disc() -> None:
     words = np.where(random.random(grey.shape) < 0.7, random.integers(100, 200, grey.shape), INVALID)
     words = words.astype(np.int16)
     for radius_m in (0.5, 2.0, 9.0):
-        watch = Watch(contrast=100)
+        watch = Watch(contrast=100, contrast_noise=0.0)
         watch.look(grey, words, radius_m)
         v, u = np.mgrid[:HEIGHT, :WIDTH]
         reach_px = radius_m * AREA["disparity_max_px"] / BASELINE
@@ -96,7 +221,8 @@ def test_fractions_are_those_of_the_disc() -> None:
 
 
 def test_it_takes_m_of_n_frames() -> None:
-    grey = seeded(4).integers(0, 256, (HEIGHT, WIDTH), np.uint8)
+    random = seeded(4)
+    grey, _ = pair(random, grainy(random, 2.0), 0.0)
     unmatched, clear = np.full(grey.shape, INVALID, np.int16), np.full(grey.shape, 160, np.int16)
     watch, found = Watch(confirm_hits=3, confirm_window=5), []
     for letter in "x.x.xx....x":
@@ -110,8 +236,9 @@ def test_wrong_arguments_are_refused() -> None:
     assert watch.look(grey, np.zeros((HEIGHT, WIDTH - 1), np.int16)) == "VISTA_ERROR_SIZE"
     assert watch.look(grey[1:], np.zeros((HEIGHT, WIDTH), np.int16)) == "VISTA_ERROR_SIZE"
     images = image_struct("image", grey), image_struct("disparity_image", np.zeros(grey.shape, np.int16))
-    pointers = [watch.params, watch.camera, matched(), RADIUS_M, *images, watch.state]
-    for i in (0, 1, 2, 4, 5, 6):
+    noise = ffi.new("vista_image_noise *")
+    pointers = [watch.params, watch.camera, matched(), RADIUS_M, images[0], noise, images[1], watch.state]
+    for i in (0, 1, 2, 4, 5, 6, 7):
         arguments = pointers.copy()
         arguments[i] = ffi.NULL
         assert status_name(lib.vista_blind_zone_update(*arguments)) == "VISTA_ERROR_ARGUMENT"

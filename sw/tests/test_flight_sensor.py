@@ -11,6 +11,7 @@ from vista_eval.render.motion import solids_at
 from vista_eval.render.rig import LEFT, RIGHT
 from vista_eval.render.scene import Scene, Sphere, Sway, thing
 from vista_eval.render.sensor import Sensor, expose
+from vista_eval.sensor_noise import noisy_image
 
 SENSOR = Sensor()
 
@@ -31,6 +32,21 @@ def test_cameras_differ_in_gain_and_clip() -> None:
     left, right = (expose(SENSOR, radiance, camera, (1, camera)).astype(float) for camera in (LEFT, RIGHT))
     assert right[0].mean() / left[0].mean() == pytest.approx(1.03, abs=2e-3)
     assert np.all(left[1] == 255) and np.all(right[1] == 255)
+
+
+@pytest.mark.parametrize("sigma", [2.0, 10.0])
+def test_added_noise_has_its_sigma_and_a_seed_for_each_image(sigma: float) -> None:
+    flat = np.full((300, 400), 128, np.uint8)
+    images = [
+        noisy_image(flat, sigma, (1, frame, camera)).astype(float) for frame in (0, 1) for camera in (0, 1)
+    ]
+    for image in images:
+        assert image.std() == pytest.approx(np.hypot(sigma, 1 / 12**0.5), rel=0.02)
+    correlation = np.corrcoef([image.ravel() for image in images])
+    assert np.abs(correlation - np.eye(4)).max() < 0.02
+    np.testing.assert_array_equal(images[0], noisy_image(flat, sigma, (1, 0, 0)))
+    burnt = noisy_image(np.full((50, 50), 254, np.uint8), sigma, (2,))
+    assert burnt.max() == 255 and burnt.min() < 254
 
 
 def scene(albedo: float = 0.5, x_m: float = 0.0) -> Scene:

@@ -13,6 +13,7 @@ from vista import parameters
 from vista.cli import main
 from vista_eval import fly
 from vista_eval.command import flights as command
+from vista_eval.fly import Disturbance
 from vista_eval.metrics.flight_score import score_flight
 
 FREE = "free"
@@ -32,15 +33,17 @@ def printed(folder: Path) -> str:
     with pytest.MonkeyPatch.context() as patch:
         lines: list[str] = []
         patch.setattr("builtins.print", lambda text="", **_: lines.append(str(text)))
-        assert main(["flights", str(folder), "--no-render", "--pose-noise"]) == 0
+        assert main(["flights", str(folder), "--no-render", "--pose-noise", "--noise", "4", "40"]) == 0
     return "\n".join(lines)
 
 
 def test_the_table_has_both_groups_and_the_noise(printed: str) -> None:
     assert re.search(r"^sign +\d", printed, re.M)
     assert re.search(rf"^{FREE} ", printed, re.M)
-    assert printed.count("= dev: 1 flights") == printed.count("= test: 1 flights") == 2
+    assert printed.count("= dev: 1 flights") == printed.count("= test: 1 flights") == 4
     assert "with pose noise:" in printed
+    assert "with sensor noise of 4 grey levels:" in printed
+    assert "with sensor noise of 40 grey levels:" in printed
     assert "stereo alone, 540 thresholds over 2 flights" in printed
     assert re.search(r"^segmentation +things +IoU median, cut", printed, re.M)
 
@@ -56,6 +59,15 @@ def test_the_figures_are_those_of_the_python_function(folder: Path, printed: str
     assert content["groups"][1]["hits"] == direct["hits"]
     assert len(content["pose_noise"]["flights"]) == 2
     assert len(content["goals"]) == 13
+    assert [noisy["grey_levels"] for noisy in content["sensor_noise"]] == [4.0, 40.0]
+    weak, strong = (noisy["flights"] for noisy in content["sensor_noise"])
+    assert [flight["name"] for flight in weak] == [flight["name"] for flight in content["flights"]]
+    alone = score_flight(folder / "sign", parameters.defaults(), Disturbance(image_grey=4.0))
+    of_sign = next(flight for flight in weak if flight["name"] == "sign")
+    assert json.loads(json.dumps(alone["frames"])) == of_sign["frames"]
+    assert all(flight["false_alarm_frames"] == [] for flight in [*weak, *strong])
+    for flight in strong:  # nothing is left to see, and that is what the detector says
+        assert flight["degraded_frames"] + flight["unseeing_frames"] == len(flight["frames"])
     assert {row["name"] for row in content["segmentation"]} >= {"sign", "= test"}
 
 
@@ -100,15 +112,15 @@ def flown(monkeypatch: pytest.MonkeyPatch) -> list[str]:
 def test_flown_once(folder: Path, printed: str, flown: list[str]) -> None:
     """Until parameters or images change."""
     values = parameters.defaults()
-    command.fly_and_score(values, None, folder / FREE)
+    command.fly_and_score(values, fly.UNDISTURBED, folder / FREE)
     assert flown == []
     values["tracker"]["confirm_hits"] = 2
-    changed = command.fly_and_score(values, None, folder / FREE)
+    changed = command.fly_and_score(values, fly.UNDISTURBED, folder / FREE)
     assert flown == [FREE]
-    assert command.fly_and_score(values, None, folder / FREE) == changed
+    assert command.fly_and_score(values, fly.UNDISTURBED, folder / FREE) == changed
     image = next((folder / FREE / "mav0" / "cam0" / "data").iterdir())
     image.touch()
-    command.fly_and_score(values, None, folder / FREE)
+    command.fly_and_score(values, fly.UNDISTURBED, folder / FREE)
     assert flown == [FREE, FREE]
 
 
@@ -123,6 +135,10 @@ def test_flown_again_when_asked_to(folder: Path, printed: str, flown: list[str])
 def test_bad_input_is_named(tmp_path: Path, folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["flights", str(tmp_path), "--no-render"]) == 2
     assert "holds no flights" in capsys.readouterr().err
+    for bad in ("-1", "nan", "much"):
+        with pytest.raises(SystemExit):
+            main(["flights", str(folder), "--no-render", "--noise", bad])
+        assert "is not a number from 0 on" in capsys.readouterr().err
     assert main(["flights", str(folder), "--no-render", "--only", "nowhere"]) == 2
     assert "no flight nowhere" in capsys.readouterr().err
     assert list(tmp_path.iterdir()) == []

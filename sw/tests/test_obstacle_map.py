@@ -172,6 +172,25 @@ def test_what_is_too_near_to_match_is_a_danger() -> None:
     assert not mapper.nearest.valid and mapper.obstacles == []
 
 
+@pytest.mark.parametrize("too_near_first", [False, True])
+def test_what_is_too_near_to_match_never_hides_a_track_that_is_seen(too_near_first: bool) -> None:
+    """Both are obstacles in the volume; the nearest collision is with the track while it is seen, and with
+    what may hide it while it coasts."""
+    mapper = Map()
+    too_near = ffi.new("vista_blind_zone *", {"occupied": True, "range_m": 7.3})
+    if too_near_first:
+        assert mapper.update([], FORWARD, None, too_near) == "VISTA_OK"
+    coasts, seen = track((0, 0, 20.0), 4), track((0, 0, 30.0), 5, coasting=False)
+    for tracks, nearest in (([seen], 5), ([coasts, seen], 4), ([coasts], 0), ([], 0)):
+        assert mapper.update(tracks, FORWARD, None, too_near) == "VISTA_OK"
+        assert [o.id for o in mapper.obstacles] == [0, *(t[0].id for t in tracks)]
+        assert all(o.in_collision_volume for o in mapper.obstacles)
+        assert mapper.nearest.id == nearest
+    beside = track((9.0, 0, 30.0), 6, coasting=False, volume_window=0)
+    assert mapper.update([beside], FORWARD, None, too_near) == "VISTA_OK"
+    assert mapper.nearest.id == 0  # nothing tracked is in the way
+
+
 def test_the_volume_is_2_m_by_100_m_and_discs_count_with_their_edge() -> None:
     none = {"inflation_sigma": 0.0}
     for x, inside in ((2.49, True), (2.51, False), (-2.49, True), (-2.51, False)):

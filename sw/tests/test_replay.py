@@ -22,8 +22,8 @@ from vista.recording import FRAME, HEADER, PARAMETER
 
 REPLAY = native.build_folder() / "bin" / "replay"
 STAGES = (
-    "motion,foveation,health,surface,affinity,segmentation,refinement,regions,reconstruction,tracking,blind_zone,map,"
-    "host,cpu"
+    "motion,noise,foveation,health,surface,affinity,segmentation,refinement,regions,reconstruction,tracking,"
+    "blind_zone,map,host,cpu"
 )
 SANITIZED = "asan" in os.environ.get("LD_PRELOAD", "")
 

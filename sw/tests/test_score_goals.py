@@ -49,7 +49,7 @@ def score(
     ]
     frames = [replace(f, **AGREEING) if f.range_m <= warned_from_m else f for f in frames]
     frames = [silent] * first_frame_free + frames
-    scored = flight_score(truth(kind, 10.0), frames, [gospa(np.zeros((0, 0)))], 5.0)
+    scored = flight_score(truth(kind, 10.0), frames, [gospa(np.zeros((0, 0)))], [], 5.0)
     return replace(scored, name=name)
 
 

@@ -26,6 +26,7 @@ class Bench:
         f, up = s.foveation.handle, ffi.new("double[3]", [0.0, -1.0, 0.0])
         self.volume = ffi.new("vista_collision_volume *", [[0.0, 0.0, 1.0], 2.0, 100.0])
         self.zone, arena = ffi.new("vista_blind_zone *"), ffi.new("vista_arena *")
+        self.noise = ffi.new("vista_image_noise *")
         self.keep = (up, arena)
         section, horizontal_deg = s.section, 55.0
         regions = (self.c_words, s.cells, s.surfaces, s.segmentation, s.refinement, s.regions)
@@ -82,7 +83,14 @@ class Bench:
             "blind zone": (
                 "blind_zone.confirm_window",
                 lambda: lib.vista_blind_zone_update(
-                    section("blind_zone"), s.camera, matched(), 2.0, self.c_image, self.c_words, self.zone
+                    section("blind_zone"),
+                    s.camera,
+                    matched(),
+                    2.0,
+                    self.c_image,
+                    self.noise,
+                    self.c_words,
+                    self.zone,
                 ),
             ),
         }

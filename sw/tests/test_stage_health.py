@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 import board_flight as scene
+import cv2
 import numpy as np
 import pytest
 from board_flight import board_flight
@@ -20,8 +21,12 @@ WIDTH, HEIGHT = 160, 120
 AREA = (slice(5, HEIGHT - 5), slice(36, WIDTH - 5))  # of track_library.MATCHED
 
 
-def textured() -> np.ndarray:
-    return seeded(1).integers(0, 256, (HEIGHT, WIDTH)).astype(np.uint8)
+def textured(sigma: float = 0.0) -> np.ndarray:
+    """Blobs as large as cells, with noise of that many grey levels."""
+    random = seeded(1)
+    blobs = cv2.GaussianBlur(random.normal(size=(HEIGHT, WIDTH)), (0, 0), 4.0)
+    image = 128.0 + 40.0 * blobs / blobs.std() + random.normal(0.0, sigma, blobs.shape)
+    return np.clip(image, 0, 255).astype(np.uint8)
 
 
 def words(fraction: float) -> np.ndarray:
@@ -37,12 +42,14 @@ def judge(image: np.ndarray, disparity: np.ndarray, *, how=None, area=None, **ch
     """Status, state, reasons, the struct, and the valid fraction of the image."""
     stages = Stages(camera(WIDTH, HEIGHT))
     assert stages.foveate(image, disparity) == "VISTA_OK"
-    health, fraction = ffi.new("vista_health *"), ffi.new("double *")
+    health, fraction, noise = ffi.new("vista_health *"), ffi.new("double *"), ffi.new("vista_image_noise *")
+    lib.vista_image_noise_measure(image_struct("image", image), noise)
     status = lib.vista_health_judge(
         params("health", **changes),
         stages.foveation.handle,
         area or matched(),
         stages.cells,
+        noise,
         image_struct("disparity_image", disparity),
         how or motion(),
         health,
@@ -75,7 +82,7 @@ def test_disparities_that_are_few(fraction: float, state: str, reasons: list[str
 
 @pytest.mark.parametrize(
     ("grey", "noise", "state"),
-    [(0, 0.0, "blind"), (255, 0.0, "blind"), (90, 3.0, "blind"), (90, 60.0, "healthy")],
+    [(0, 0.0, "blind"), (255, 0.0, "blind"), (90, 3.0, "blind"), (90, 20.0, "blind"), (90, 8.0, "healthy")],
 )
 def test_an_image_of_one_grey_level_is_blind(grey: float, noise: float, state: str) -> None:
     """However well chance has matched it: the noise of the sensor is no contrast."""
@@ -102,6 +109,41 @@ def test_poses_that_are_missing_or_jump(source: str, restarted: bool, reasons: l
     state = "degraded" if reasons else "healthy"
     assert judge(textured(), words(0.5), how=how)[:3] == ("VISTA_OK", state, reasons)
     assert judge(textured(), words(0.0), how=how)[1:3] == ("blind", ["no_disparities", *reasons])
+
+
+@pytest.mark.parametrize(
+    ("sigma", "state", "reasons"),
+    [(0.0, "healthy", []), (8.0, "blind", ["no_disparities", "noise"])],
+)
+def test_in_noise_words_that_chance_explains_do_not_count(
+    sigma: float, state: str, reasons: list[str]
+) -> None:
+    """Any disparity somewhere, in a tenth of the image and more, as noise makes of a plain view."""
+    random = seeded(4)
+    chance = np.where(
+        random.random((HEIGHT, WIDTH)) < 0.14, random.integers(0, 31 * 16, (HEIGHT, WIDTH)), -16
+    )
+    found = judge(textured(sigma), chance.astype(np.int16))
+    assert found[1:3] == (state, reasons)
+    assert found[3].matched_fraction == pytest.approx(0.14, abs=0.02)
+    assert judge(textured(sigma), words(0.12))[1] == "healthy"  # as many that agree
+
+
+@pytest.mark.parametrize(
+    ("sigma", "states"), [(1.0, {"healthy"}), (8.0, {"degraded", "blind"}), (20.0, {"blind"})]
+)
+def test_noise_that_hides_what_there_is_to_see(sigma: float, states: set[str]) -> None:
+    """A weakly textured wall, 5 grey levels of contrast, before two noisy cameras."""
+    random, engine = seeded(5), StereoEngine(num_disparities=32, block_size=11)
+    wall = cv2.GaussianBlur(random.normal(size=(HEIGHT, WIDTH + 12)), (0, 0), 2.0)
+    wall = 100.0 + np.arange(WIDTH + 12) / 4.0 + 5.0 * wall / wall.std()
+    left, right = (
+        np.clip(view + random.normal(0.0, sigma, view.shape), 0, 255).astype(np.uint8)
+        for view in (wall[:, :WIDTH], wall[:, 12:])
+    )
+    found = judge(left, engine.compute(left, right))
+    assert found[1] in states
+    assert ("noise" in found[2]) == (found[1] != "healthy")
 
 
 def test_every_reason_has_a_name_and_a_text() -> None:

@@ -115,6 +115,7 @@ typedef enum vista_health_reason {
   VISTA_HEALTH_NO_CONTRAST, /* the image varies by less than health.contrast_min: blind */
   VISTA_HEALTH_MOTION_UNKNOWN, /* no pose, after others */
   VISTA_HEALTH_POSE_JUMP, /* the pose was refused, or believed anew: motion.restarted */
+  VISTA_HEALTH_NOISE, /* noise above health.noise_min, and too few disparities that another one agrees with */
   VISTA_HEALTH_REASON_COUNT
 } vista_health_reason;
 
@@ -123,7 +124,7 @@ typedef struct vista_health {
   vista_health_state state;
   uint32_t reasons; /* bit k: the reason with number k */
   double matched_fraction; /* of the pixels where the engine can find a disparity, those that have one */
-  double contrast; /* standard deviation of the cells, grey levels */
+  double contrast; /* standard deviation of the cells, grey levels, without the noise that is left in them */
 } vista_health;
 
 /* The name of a state, in lower case, such as "blind"; never null. */

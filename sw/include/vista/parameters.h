@@ -67,7 +67,8 @@ typedef struct vista_affinity_params {
   vista_affinity_flow_encoding flow_encoding; /* Capacity = scale * C^((w - 1) / 2), or the paper's print, scale * (w + 1) / 2. */
   double flow_scale; /* Capacity of an edge of affinity 1. 10.0 .. 100000.0. */
   double flow_constant; /* Base of the exponential encoding: the square root of it is the ratio of strongest to weakest edge. Paper: C. 1.0 .. 100000000.0. */
-  unsigned char reserved[168];
+  double mu_intensity_noise; /* mu_intensity is at least this many times the noise of the image. Paper: mu_d. 0.0 .. 4.0 sigma of the image's noise. */
+  unsigned char reserved[160];
 } vista_affinity_params;
 
 /* Inclination of the surface under each cell, from the disparities of the cells around it. */
@@ -106,7 +107,8 @@ typedef struct vista_refinement_params {
   double contrast_limit; /* A larger difference weighs no more than this. 0.0 .. 100.0 sigma_intensity. */
   double mixed_penalty; /* Cost of a cell at a border: it may show parts of both regions. 0.0 .. 100.0. */
   double compactness; /* Cost of a pixel one cell's size away from the centre of a cell; 0: by intensity alone. 0.0 .. 100.0. */
-  unsigned char reserved[224];
+  double sigma_intensity_noise; /* sigma_intensity is at least this many times the noise of the image. 0.0 .. 4.0 sigma of the image's noise. */
+  unsigned char reserved[216];
 } vista_refinement_params;
 
 /* Statistics of the regions and the tests that make obstacles of them (paper, section II-D). */
@@ -180,7 +182,9 @@ typedef struct vista_blind_zone_params {
   double unmatched_fraction; /* Something is too near when this share of the texture is not matched; in ordinary views it is 0.03 to 0.6. 0.0 .. 1.0. */
   int32_t confirm_hits; /* It is reported when it was so in this many of confirm_window frames. Paper: M. 1 .. 32 frames. At most confirm_window. */
   int32_t confirm_window; /* Frames that count for that. Paper: N. 1 .. 32 frames. */
-  unsigned char reserved[224];
+  double contrast_noise; /* The same against the noise of the image; the larger of the two holds. Of pure noise, one pixel in 200 exceeds 4. 0.0 .. 100.0 sigma of the image's noise. */
+  double repeated_fraction; /* Nothing is reported when this share of the unmatched texture repeats itself along its rows, as windows do: it is ambiguous at any range. 0.0 .. 1.0. */
+  unsigned char reserved[208];
 } vista_blind_zone_params;
 
 /* Obstacles against the flight path (paper, section II-D; companion). */
@@ -198,10 +202,11 @@ typedef struct vista_obstacle_map_params {
 
 /* When a view tells too little. */
 typedef struct vista_health_params {
-  double degraded_fraction; /* A frame is degraded when less than this of the pixels that can be matched has a disparity. 0.0 .. 1.0. */
+  double degraded_fraction; /* A frame is degraded when less than this of the pixels that can be matched has a disparity; in a noisy image one that another one, a block away, agrees with. 0.0 .. 1.0. */
   double blind_fraction; /* With less than this it is blind. 0.0 .. 1.0. At most degraded_fraction. */
-  double contrast_min; /* It is blind, too, when the standard deviation of the cells' grey levels is smaller. 0.0 .. 255.0 grey levels. */
-  unsigned char reserved[232];
+  double contrast_min; /* It is blind, too, when the standard deviation of the cells' grey levels is smaller, without what is left of the image's noise. 0.0 .. 255.0 grey levels. */
+  double noise_min; /* An image with more noise than this is noisy: chance matches part of it, and only disparities that agree with others count. 0.0 .. 255.0 grey levels. */
+  unsigned char reserved[224];
 } vista_health_params;
 
 /* All parameters. vista_parameters_default makes the struct; change its members afterwards. A newer library

@@ -70,7 +70,9 @@ class Health:
     """Whether the view tells anything: without obstacles only a healthy frame is clear."""
 
     state: str  #: healthy, degraded, blind
-    reasons: tuple[str, ...]  #: few_disparities, no_disparities, no_contrast, motion_unknown, pose_jump
+    reasons: tuple[
+        str, ...
+    ]  #: few_disparities, no_disparities, no_contrast, motion_unknown, pose_jump, noise
     texts: tuple[str, ...]  #: the same in words
     matched_fraction: float  #: of the pixels where the engine can find a disparity, those that have one
     contrast: float  #: standard deviation of the cells, grey levels

@@ -45,9 +45,10 @@ class OpenPipeline(Pipeline):
     def refine_boundaries(
         self, left: NDArray[np.uint8], cell_intensity: NDArray[np.float32], region_of_cell: NDArray[np.int32]
     ) -> NDArray[np.int32]:
-        """Region of each pixel (height, width) of any partition of a frame's cells, drawn as the chain draws
-        its own. Raises PipelineError for an image of another size."""
-        ffi, f = self._ffi, self._lib.vista_pipeline_look(self._pipeline).foveation
+        """Region of each pixel (height, width) of any partition of the last frame's cells, drawn as the chain
+        draws its own. Raises PipelineError for an image of another size."""
+        ffi, stages = self._ffi, self._lib.vista_pipeline_look(self._pipeline)
+        f, params = stages.foveation, stages.refinement_params
         left = np.ascontiguousarray(left)
         image = ffi.new(
             "vista_image *",
@@ -60,7 +61,6 @@ class OpenPipeline(Pipeline):
             "vista_refinement *",
             (ffi.cast("int32_t *", drawn.ctypes.data), ffi.cast("uint8_t *", border.ctypes.data)),
         )
-        params = ffi.addressof(self._parameters[0], "refinement")
         c_label = ffi.cast("int32_t *", label.ctypes.data)
         self._check(self._lib.vista_refine(f, params, image, cells, c_label, out))
         return drawn

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator
-from dataclasses import replace
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -13,27 +13,41 @@ from vista import native, parameters
 from vista.chain import Step, make_chain, run_frame
 from vista.errors import InputError
 from vista.geometry import Pose
-from vista.health.finding import FrameHealth
+from vista.health.finding import Finding, FrameHealth, Reason, State
+from vista.health.monitor import findings_of_host
 from vista.history import FrameRecord
 from vista.pipeline import Ellipse, Nearest, Obstacle
 from vista.sequence import Sequence, open_sequence
 
 from vista_eval.cache import code_digest, digest_of, flight_files, kept
 from vista_eval.pose_noise import noisy_poses
+from vista_eval.sensor_noise import with_noise
 
 LIBRARIES = ("vista", "vista_engine")
 
 
-def open_flight(folder: Path, noise_seed: int | None = None) -> Sequence:
-    """noise_seed: of the navigation error; None: exact poses. Raises InputError."""
-    sequence = open_sequence(folder)
-    if noise_seed is None:
+@dataclass(frozen=True)
+class Disturbance:
+    """What is added to a flight before it is flown."""
+
+    poses: bool = False  # errors like those of a navigation filter
+    image_grey: float = 0.0  # standard deviation of sensor noise, grey levels
+    seed: int = 1
+
+
+UNDISTURBED = Disturbance()
+
+
+def open_flight(folder: Path, disturbance: Disturbance = UNDISTURBED) -> Sequence:
+    """Raises InputError."""
+    sequence = with_noise(open_sequence(folder), disturbance.image_grey, disturbance.seed)
+    if not disturbance.poses:
         return sequence
     frames = sequence.frames
     exact = [f.world_from_camera for f in frames if f.world_from_camera is not None]
     if len(exact) != len(frames):
         raise InputError(folder, "a frame has no pose")
-    poses = noisy_poses(exact, [f.t_ns for f in frames], noise_seed)
+    poses = noisy_poses(exact, [f.t_ns for f in frames], disturbance.seed)
     return replace(
         sequence, frames=tuple(replace(f, world_from_camera=p) for f, p in zip(frames, poses, strict=True))
     )
@@ -46,22 +60,31 @@ def fly(sequence: Sequence, values: parameters.Values) -> Iterator[Step]:
         yield run_frame(chain, files)
 
 
+def judged(step: Step) -> FrameRecord:
+    """With what the host says of the view; what a run checks besides is right by construction here."""
+    return replace(step.record, health=FrameHealth(findings_of_host(step.result.health)))
+
+
 def fly_cached(
-    folder: Path, values: parameters.Values, cache: Path, noise_seed: int | None = None, anew: bool = False
+    folder: Path,
+    values: parameters.Values,
+    cache: Path,
+    disturbance: Disturbance = UNDISTURBED,
+    anew: bool = False,
 ) -> list[FrameRecord]:
     """Records from `cache`, if of this flight, chain and parameters; else, or if asked for anew, flown."""
     return kept(
         cache,
-        flight_digest(folder, values, noise_seed),
-        lambda: [step.record for step in fly(open_flight(folder, noise_seed), values)],
+        flight_digest(folder, values, disturbance),
+        lambda: [judged(step) for step in fly(open_flight(folder, disturbance), values)],
         lambda records: [_record(record) for record in records],
         anew,
     )
 
 
-def flight_digest(folder: Path, values: parameters.Values, noise_seed: int | None) -> str:
+def flight_digest(folder: Path, values: parameters.Values, disturbance: Disturbance = UNDISTURBED) -> str:
     return digest_of(
-        json.dumps([values, noise_seed], sort_keys=True),
+        json.dumps([values, asdict(disturbance)], sort_keys=True),
         code_digest(__name__),
         *map(native.library_path, LIBRARIES),
         *flight_files(folder),
@@ -73,13 +96,17 @@ def _record(content: dict[str, Any]) -> FrameRecord:
     return FrameRecord(
         **content
         | {
-            "health": FrameHealth(),  # no checks are made of what was rendered
+            "health": FrameHealth(tuple(_finding(f) for f in content["health"]["findings"])),
             "world_from_camera": Pose(np.array(pose["rotation"]), np.array(pose["translation_m"])),
             "obstacles": tuple(_obstacle(o) for o in content["obstacles"]),
             "nearest_collision": nearest
             and Nearest(**nearest | {"position_m": np.array(nearest["position_m"])}),
         }
     )
+
+
+def _finding(content: dict[str, Any]) -> Finding:
+    return Finding(Reason(content["reason"]), State(content["state"]), content["text"])
 
 
 def _obstacle(content: dict[str, Any]) -> Obstacle:

@@ -3,15 +3,22 @@
  * Nearer than f B / (num_disparities - 1) the engine has no candidate: it finds nothing, or by chance something else.
  * What came through the matched ranges is tracked, and stays a danger by prediction (tracker.h). What did not,
  * a wall ahead at power-up, a curtain of leaves after a turn, shows as texture that is not matched where the collision
- * volume enters the blind zone: a disc of radius_m at that range around the principal point. Sky and bare walls have
- * no texture. By chance the engine matches up to half of what it should not; but chance does not find the same
- * disparity, within a pixel, a block further to the left or to the right, and a surface mostly has it. */
+ * volume enters the blind zone: a disc of radius_m at that range around the principal point.
+ *
+ * What has another reason to be unmatched says nothing of the range, and is told apart:
+ * - Sky and bare walls have no texture: it takes a contrast above the image's own noise.
+ * - Texture that repeats itself within the engine's candidates, windows or railings at any range, is ambiguous, and the
+ *   engine's uniqueness test rejects it. The left image alone shows that: a block of it comes back, shifted along its row,
+ *   after it differed from what lies between. When most of the unmatched texture does, nothing is reported.
+ * By chance the engine matches up to half of what it should not: a word counts when another one agrees (agreement.h).
+ */
 #ifndef VISTA_BLIND_ZONE_H
 #define VISTA_BLIND_ZONE_H
 
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "common/image_noise.h"
 #include "common/matched_area.h"
 #include "vista/parameters.h"
 #include "vista/status.h"
@@ -20,15 +27,17 @@
 typedef struct vista_blind_zone {
   double textured_fraction;  /* of the pixels of the disc, within the matched part of the image */
   double unmatched_fraction; /* of these, not matched; 0 if there are none */
+  double repeated_fraction;  /* of what is not matched, repeats itself; looked for only if all else speaks for it */
   uint32_t window;           /* the last 32 frames, bit 0 the newest, 1 = hardly any texture is matched */
   bool occupied;            /* it was in confirm_hits of the last confirm_window frames */
   double range_m;            /* upper bound of the range of what is in the way */
 } vista_blind_zone;
 
-/* One frame; *blind_zone starts as zeros. radius_m: of the collision volume. VISTA_ERROR_SIZE: images of different
- * sizes. */
+/* One frame; *blind_zone starts as zeros. radius_m: of the collision volume; noise: of the image. VISTA_ERROR_SIZE:
+ * images of different sizes. */
 vista_status vista_blind_zone_update(const vista_blind_zone_params *params, const vista_camera *camera,
                                      const vista_matched_area *matched, double radius_m, const vista_image *image,
-                                     const vista_disparity_image *disparity, vista_blind_zone *blind_zone);
+                                     const vista_image_noise *noise, const vista_disparity_image *disparity,
+                                     vista_blind_zone *blind_zone);
 
 #endif

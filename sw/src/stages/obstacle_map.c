@@ -203,18 +203,20 @@ vista_status vista_obstacle_map_update(vista_obstacle_map *map, const vista_obst
   memcpy(axis.start_m, motion->pose.translation_m, sizeof axis.start_m);
   memcpy(axis.direction, motion->direction, sizeof axis.direction);
   vista_obstacle_map_reset(map);
-  if (blind_zone != NULL && blind_zone->occupied) {
-    const vista_obstacle obstacle = too_near(params, camera, &axis, blind_zone->range_m);
-    insert(map, &obstacle);
-    map->nearest = collision_with(params, &obstacle, NULL, &axis, motion);
-  }
+  bool shown = false; /* by the nearest collision: it is seen, beyond what would hide it */
   for (int32_t i = 0; i < track_count; ++i) {
     vista_obstacle obstacle;
     if (!obstacle_of(params, camera, &motion->pose, &axis, &tracks[i], &obstacle)) continue;
     insert(map, &obstacle);
-    const bool nearer = !map->nearest.valid || obstacle.distance_m < map->nearest.distance_m;
-    if (obstacle.confirmed && obstacle.in_collision_volume && nearer)
+    if (!obstacle.confirmed || !obstacle.in_collision_volume) continue;
+    shown |= !obstacle.coasting;
+    if (!map->nearest.valid || obstacle.distance_m < map->nearest.distance_m)
       map->nearest = collision_with(params, &obstacle, &tracks[i], &axis, motion);
   }
+  if (blind_zone == NULL || !blind_zone->occupied) return VISTA_OK;
+  const vista_obstacle obstacle = too_near(params, camera, &axis, blind_zone->range_m);
+  insert(map, &obstacle);
+  if (!shown && !(map->nearest.valid && map->nearest.distance_m < obstacle.distance_m))
+    map->nearest = collision_with(params, &obstacle, NULL, &axis, motion);
   return VISTA_OK;
 }

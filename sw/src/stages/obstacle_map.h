@@ -6,7 +6,10 @@
  * the thing is in view (the matcher's bias at its texture, the part of it that the region lacks): that part is added to
  * the filter's covariance, J diag(lasting^2) J^T as in reconstruction, not fed into it.
  * Too near to match (blind_zone.h): an obstacle without a track, id 0, on the flight path somewhere within the
- * blind zone, as wide as the volume. It is given at the far end of the zone, with the zone's length as uncertainty.
+ * blind zone, as wide as the volume. It is given at the far end of the zone, with the zone's length as uncertainty. It
+ * never hides a track: while one in the volume is seen in this frame, the view is not blocked, and the nearest collision
+ * is with the track. When all of them coast beyond the zone, what is too near to match may be what hides them. Either
+ * way both are obstacles in the volume.
  * Membership: an obstacle that is seen, by the pixels of its region (collision_volume.h) in two of its last three
  * hits, or in its only one. While it coasts it stays a member as far as its disc does.
  * Disc: an elliptical one facing the camera, semi-axes extent / 2 + inflation_sigma times the standard deviation

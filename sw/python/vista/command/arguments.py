@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import math
 from pathlib import Path
 
 from vista import parameters
@@ -23,6 +24,16 @@ def load_parameters(path: Path | None, engine_name: str) -> parameters.Values:
     if engine_name == "opencv":
         base["stereo"]["lr_max_diff"] = LR_OFF  # StereoBM's own check compares other things
     return parameters.load(path, base)
+
+
+def not_negative(text: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not 0.0 <= value < math.inf:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a number from 0 on")
+    return value
 
 
 def positive(text: str) -> int:

@@ -30,6 +30,7 @@ class Reason(StrEnum):
     FEW_DISPARITIES = "few_disparities"
     NO_DISPARITIES = "no_disparities"
     POSE_JUMP = "pose_jump"
+    NOISE = "noise"
 
 
 @dataclass(frozen=True)

@@ -44,7 +44,7 @@ class HealthMonitor:
         self._frames += 1
         found = self.of_run + _present(shown, pair, motion)
         named = {finding.reason for finding in found}
-        return FrameHealth(found + tuple(f for f in _of_host(host) if f.reason not in named))
+        return FrameHealth(found + tuple(f for f in findings_of_host(host) if f.reason not in named))
 
     def _check_pair(self, frame: Frame, matched_fraction: float) -> Finding | None:
         periodic = self._stills or self._frames % PERIOD == 0
@@ -61,7 +61,8 @@ class HealthMonitor:
         return self._motion
 
 
-def _of_host(host: Health) -> tuple[Finding, ...]:
+def findings_of_host(host: Health) -> tuple[Finding, ...]:
+    """What libvista itself found wrong with a frame."""
     state = State(host.state)
     return tuple(
         Finding(Reason(reason), state, text) for reason, text in zip(host.reasons, host.texts, strict=True)

@@ -19,13 +19,13 @@ from typing import TYPE_CHECKING, Any
 
 from tqdm import tqdm
 from vista import parameters
-from vista.command.arguments import add_config, load_parameters, positive
+from vista.command.arguments import add_config, load_parameters, not_negative, positive
 from vista.errors import EXIT_OK, InputError
 from vista.output import write_atomically
 
 from vista_eval.baselines.stereo_alone import Outcome, outcomes_cached
 from vista_eval.dataset.truth import SPLITS, TRUTH, read_truth
-from vista_eval.fly import fly_cached
+from vista_eval.fly import UNDISTURBED, Disturbance, fly_cached
 from vista_eval.metrics.comparison import Comparison, compare, comparison_line
 from vista_eval.metrics.flight_score import FlightScore, score_records, summary
 from vista_eval.metrics.flight_segmentation import FlightSegmentation, rows, segment_cached
@@ -69,7 +69,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--pose-noise", action="store_true", help="score also with poses like those of a navigation filter"
     )
-    parser.add_argument("--seed", type=int, default=1, metavar="N", help="seed of the pose noise (default 1)")
+    parser.add_argument(
+        "--noise",
+        nargs="+",
+        type=not_negative,
+        default=[],
+        metavar="GREY_LEVELS",
+        help="score also with sensor noise added to the images of both cameras, of each standard deviation",
+    )
+    parser.add_argument("--seed", type=int, default=1, metavar="N", help="seed of all noise (default 1)")
     parser.add_argument(
         "--jobs",
         type=positive,
@@ -92,12 +100,22 @@ def execute(arguments: argparse.Namespace) -> int:
         return EXIT_OK
     folders = [arguments.folder / name for name in names]
     flown = partial(fly_and_score, values, anew=arguments.fly_again)
-    scores = with_jobs(partial(flown, None), folders, arguments.jobs, "fly")
+    scores = with_jobs(partial(flown, UNDISTURBED), folders, arguments.jobs, "fly")
+    poses = Disturbance(poses=True, seed=arguments.seed)
     noisy = (
-        with_jobs(partial(flown, arguments.seed), folders, arguments.jobs, "pose noise")
+        with_jobs(partial(flown, poses), folders, arguments.jobs, "pose noise")
         if arguments.pose_noise
         else []
     )
+    sensed = {
+        grey: with_jobs(
+            partial(flown, Disturbance(image_grey=grey, seed=arguments.seed)),
+            folders,
+            arguments.jobs,
+            f"sensor noise {grey:g}",
+        )
+        for grey in arguments.noise
+    }
     alone = (
         []
         if arguments.no_baseline
@@ -110,13 +128,15 @@ def execute(arguments: argparse.Namespace) -> int:
     print(table(scores))
     if noisy:
         print("\nwith pose noise:\n" + table(noisy))
+    for grey, scored in sensed.items():
+        print(f"\nwith sensor noise of {grey:g} grey levels:\n" + table(scored))
     if comparison is not None:
         print("\n" + comparison_line(comparison))
     print("\n" + segmentation_table(segmented) + "\n")
     print("\n".join(goal_line(goal) for goal in reached))
-    write_scores(arguments.folder / SCORES, scores, noisy, segmented, comparison, reached, values)
+    write_scores(arguments.folder / SCORES, scores, noisy, sensed, segmented, comparison, reached, values)
     pages = with_jobs(partial(flight_page, values), list(zip(folders, scores, strict=True)), 1, "pictures")
-    page = render_flights(pages, noisy, segmented, comparison, reached, values)
+    page = render_flights(pages, noisy, sensed, segmented, comparison, reached, values)
     write_atomically(arguments.folder / REPORT, page)
     print(f"\nreport: {arguments.folder / REPORT}")
     return EXIT_OK
@@ -148,11 +168,16 @@ def with_jobs(work: Any, items: list[Any], jobs: int, title: str) -> list[Any]:
 
 
 def fly_and_score(
-    values: parameters.Values, noise_seed: int | None, folder: Path, anew: bool = False
+    values: parameters.Values, disturbance: Disturbance, folder: Path, anew: bool = False
 ) -> FlightScore:
-    cache = folder / (RECORDS if noise_seed is None else "records_noisy.json")
-    records = fly_cached(folder, values, cache, noise_seed, anew)
+    records = fly_cached(folder, values, folder / records_name(disturbance), disturbance, anew)
     return score_records(folder, records, values)
+
+
+def records_name(disturbance: Disturbance) -> str:
+    if disturbance.image_grey > 0.0:
+        return f"records_noise_{disturbance.image_grey:g}.json"
+    return "records_noisy.json" if disturbance.poses else RECORDS
 
 
 def segment(values: parameters.Values, folder: Path) -> FlightSegmentation:
@@ -167,6 +192,7 @@ def write_scores(
     path: Path,
     scores: list[FlightScore],
     noisy: list[FlightScore],
+    sensed: dict[float, list[FlightScore]],
     segmented: list[FlightSegmentation],
     comparison: Comparison | None,
     reached: list[Goal],
@@ -180,6 +206,10 @@ def write_scores(
         "segmentation": [asdict(row) for row in rows(segmented) if row.things],
         "stereo_alone": comparison and asdict(comparison),
         "pose_noise": {"flights": [summary(score) for score in noisy], "groups": groups(noisy)},
+        "sensor_noise": [
+            {"grey_levels": grey, "flights": [summary(score) for score in scored], "groups": groups(scored)}
+            for grey, scored in sensed.items()
+        ],
     }
     write_atomically(path, json.dumps(content, indent=1, allow_nan=False) + "\n")
 

@@ -10,10 +10,11 @@ from typing import Any
 import numpy as np
 from vista import parameters
 from vista.geometry import Array, Pose
+from vista.health.finding import State
 from vista.history import FrameRecord
 
 from vista_eval.dataset.truth import FlightTruth
-from vista_eval.fly import fly, open_flight
+from vista_eval.fly import UNDISTURBED, Disturbance, fly, judged, open_flight
 from vista_eval.metrics.consistency import Consistency, consistency
 from vista_eval.metrics.frame_truth import FrameTruth, flight_direction, flight_frames, still_surfaces
 from vista_eval.metrics.gospa import CUTOFF_M, ORDER, Gospa, gospa
@@ -58,6 +59,10 @@ class FlightScore:
     consistency: Consistency | None
     blind_frames: int
     blind_reported: int  # of these, with a warning that agrees
+    degraded_frames: (
+        int  # in which the detector says that it sees too little, or where it is rests on a guess
+    )
+    unseeing_frames: int  # in which it says that it sees nothing
     host_ms: float  # median
 
     @property
@@ -73,9 +78,11 @@ class FlightScore:
         return self.begins_m is not None and self.begins_m < range_m
 
 
-def score_flight(folder: Path, values: parameters.Values, noise_seed: int | None = None) -> dict[str, Any]:
+def score_flight(
+    folder: Path, values: parameters.Values, disturbance: Disturbance = UNDISTURBED
+) -> dict[str, Any]:
     """Flies and scores the flight on disk; the figures as plain numbers, `frames` a list. For tuning."""
-    records = [step.record for step in fly(open_flight(folder, noise_seed), values)]
+    records = [judged(step) for step in fly(open_flight(folder, disturbance), values)]
     return summary(score_records(folder, records, values))
 
 
@@ -90,16 +97,16 @@ def score_records(folder: Path, records: list[FrameRecord], values: parameters.V
     still_m = still_surfaces(truth, frames)
     judge = Judge(truth, direction, blind_depth_m(truth, values), still_m)
     by_time = {record.t_ns: record for record in records}
-    judged: list[FrameScore] = []
+    scored: list[FrameScore] = []
     sets: list[Gospa] = []
     for frame in frames:
         record = by_time[frame.t_ns]
         believed = record.world_from_camera or Pose()
         world_from_estimate = frame.world_from_camera @ believed.inverse()
-        judged.append(judge.frame(frame, record.obstacles, world_from_estimate))
+        scored.append(judge.frame(frame, record.obstacles, world_from_estimate))
         sets.append(compare_sets(frame, record, world_from_estimate))
     host_ms = float(np.median([record.stage_ms["host"] for record in records]))
-    return flight_score(truth, judged, sets, host_ms)
+    return flight_score(truth, scored, sets, [record.health.state for record in records], host_ms)
 
 
 def blind_depth_m(truth: FlightTruth, values: parameters.Values) -> float:
@@ -128,7 +135,11 @@ def _range_m(position_m: Array, camera_m: Array) -> float:
 
 
 def flight_score(
-    truth: FlightTruth, frames: list[FrameScore], sets: list[Gospa], host_ms: float
+    truth: FlightTruth,
+    frames: list[FrameScore],
+    sets: list[Gospa],
+    states: list[State],
+    host_ms: float,
 ) -> FlightScore:
     matched = [frame for frame in frames if frame.error_m is not None]
     ranges_m = np.array([frame.range_m for frame in matched], float)
@@ -167,6 +178,8 @@ def flight_score(
         consistency=consistency([np.array(nees)]),
         blind_frames=len(blind),
         blind_reported=sum(frame.matched_id is not None for frame in blind),
+        degraded_frames=states.count(State.DEGRADED),
+        unseeing_frames=states.count(State.BLIND),
         host_ms=host_ms,
     )
 

@@ -36,7 +36,7 @@ class FlightSegmentation:
 
 def segment_cached(folder: Path, values: parameters.Values, cache: Path) -> FlightSegmentation:
     digest = digest_of(
-        flight_digest(folder, values, None),
+        flight_digest(folder, values),
         code_digest(__name__),
         folder / TRUTH,
     )

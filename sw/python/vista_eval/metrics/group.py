@@ -32,6 +32,8 @@ class GroupScore:
     consistency: Consistency | None
     blind_frames: int
     blind_reported: int
+    degraded_frames: int
+    unseeing_frames: int
 
     @property
     def hit_rate(self) -> float | None:
@@ -59,6 +61,8 @@ def group_score(split: str, flights: list[FlightScore]) -> GroupScore:
         consistency=consistency([np.array(flight.nees) for flight in flights]),
         blind_frames=sum(flight.blind_frames for flight in flights),
         blind_reported=sum(flight.blind_reported for flight in flights),
+        degraded_frames=sum(flight.degraded_frames for flight in flights),
+        unseeing_frames=sum(flight.unseeing_frames for flight in flights),
     )
 
 
@@ -77,13 +81,15 @@ COLUMNS = (
     ("GOSPA m", lambda s: number(s.gospa_m, 1)),
     ("NEES", lambda s: nees(s.consistency)),
     ("blind", lambda s: share(s.blind_reported, s.blind_frames)),
+    ("state", lambda s: states(s.degraded_frames, s.unseeing_frames)),
     ("host ms", lambda s: number(s.host_ms, 1)),
 )
 LEGEND = (
     "tracked, warned from: range of the target in the first frame that has it as an obstacle, as a warning, "
     f"and stays; hits: frames at {HIT_RANGE} with a warning for the target; missed: frames {NEAR} "
     "without one; false: frames with a false alarm (obstacles); RMS beside the companion paper's; "
-    "NEES: average, its 95 % band; blind: frames nearer than the engine matches that are still warned of"
+    "NEES: average, its 95 % band; blind: frames nearer than the engine matches that are still warned of; "
+    "state: frames in which the detector calls itself degraded + blind"
 )
 
 
@@ -108,7 +114,9 @@ def group_line(group: GroupScore) -> str:
         f"({group.ghost_frames} with nothing there), within 2 dz {percent(group.within_2dz) or '-'} %, "
         f"median {number(group.median_dz, 2) or '-'} dz, id switches {group.id_switches}, "
         f"NEES {nees(group.consistency) or '-'}, "
-        f"blind {share(group.blind_reported, group.blind_frames) or '-'}"
+        f"blind {share(group.blind_reported, group.blind_frames) or '-'}, "
+        f"calls itself degraded + blind in {states(group.degraded_frames, group.unseeing_frames) or 'no'} "
+        "frames"
     )
 
 
@@ -130,6 +138,10 @@ def share(part: int, whole: int) -> str:
 
 def counts(frames: int, obstacles: int) -> str:
     return f"{frames} ({obstacles})" if frames else "0"
+
+
+def states(degraded: int, blind: int) -> str:
+    return f"{degraded} + {blind}" if degraded or blind else ""
 
 
 def nees(value: Consistency | None) -> str:

@@ -40,21 +40,27 @@ class FlightPage:
 def render_flights(
     pages: list[FlightPage],
     noisy: list[FlightScore],
+    sensed: dict[float, list[FlightScore]],
     segmented: list[FlightSegmentation],
     comparison: Comparison | None,
     reached: list[Goal],
     values: parameters.Values,
 ) -> str:
-    """The page as HTML; noisy: the same flights under pose noise, or none."""
+    """The page as HTML; noisy: the same flights under pose noise, or none; sensed: under sensor noise, by its
+    grey levels."""
     scores = [page.score for page in pages]
+    tables = [("Scores", scores)]
+    if noisy:
+        error = f"{POSITION_SIGMA_M:g} m, {ATTITUDE_SIGMA_DEG:g} degrees"
+        tables.append((f"With poses as of a navigation filter: {error}, drifting", noisy))
+    tables += [(f"With sensor noise of {grey:g} grey levels", scored) for grey, scored in sensed.items()]
     return fill_template(
         "flights.html.j2",
         package="vista_eval.report",
         goals=reached,
         heads=[head for head, _ in COLUMNS],
         legend=LEGEND,
-        tables=[table_rows(scores)] + ([table_rows(noisy)] if noisy else []),
-        pose_noise=f"{POSITION_SIGMA_M:g} m, {ATTITUDE_SIGMA_DEG:g} degrees",
+        tables=[(title, table_rows(scored)) for title, scored in tables],
         segmentation={
             "hint": f"Frames {STRIDE} apart, each by itself; standing things at {NEAR_M:g} to {FAR_M:g} m. "
             f"Boundary recall within {BOUNDARY_PX:g} px or one cell.",
