@@ -54,7 +54,8 @@ typedef struct search {
   uint16_t *tree;       /* not uint8_t: a store through a character type may alias anything and costs reloads */
   int32_t *next_active; /* queue of active nodes; NONE: not in it, the last one points to itself */
   int32_t active_first, active_last;
-  int32_t active_in_tree[2]; /* by direction; nodes that became free in the queue do not count */
+  int32_t active_count; /* nodes that became free in the queue do not count */
+  bool sink_tree_grows;
   ring orphans;
   uint32_t augmentations;
   int64_t flow;
@@ -87,8 +88,8 @@ static int32_t pop_front(ring *r) {
 static bool is_queued(const search *s, int32_t v) { return s->next_active[v] != NONE; }
 
 static void activate(search *s, int32_t v) {
-  if (is_queued(s, v)) return;
-  s->active_in_tree[direction(s->tree[v])]++;
+  if (is_queued(s, v) || (s->tree[v] == SINK_TREE && !s->sink_tree_grows)) return;
+  s->active_count++;
   s->next_active[v] = v;
   if (s->active_first == NONE) {
     s->active_first = v;
@@ -102,12 +103,12 @@ static int32_t pop_active(search *s) {
   const int32_t v = s->active_first;
   s->active_first = s->next_active[v] == v ? NONE : s->next_active[v];
   s->next_active[v] = NONE;
-  if (s->tree[v] != FREE) s->active_in_tree[direction(s->tree[v])]--;
+  if (s->tree[v] != FREE) s->active_count--;
   return v;
 }
 
 static void leave_tree(search *s, int32_t v) {
-  if (is_queued(s, v)) s->active_in_tree[direction(s->tree[v])]--;
+  if (is_queued(s, v)) s->active_count--;
   s->tree[v] = FREE;
 }
 
@@ -115,7 +116,7 @@ static void leave_tree(search *s, int32_t v) {
 static void join_tree(search *s, int32_t v, int32_t parent, int32_t link) {
   s->tree[v] = s->tree[parent];
   s->branches[v] = (branch){parent, link, s->branches[parent].stamp, s->branches[parent].distance + 1};
-  if (is_queued(s, v)) s->active_in_tree[direction(s->tree[v])]++;
+  if (is_queued(s, v)) s->active_count++;
   activate(s, v);
 }
 
@@ -234,11 +235,10 @@ static void grow(search *s, int32_t v) {
   }
 }
 
-/* As soon as the S tree has no active node, its side of the cut is final and occupied, however far the T tree has
- * come; only the labels of the sink side need the T tree to the end. */
-static void grow_trees(search *s, bool finish_sink_tree) {
-  const int32_t *active = s->active_in_tree;
-  while (active[direction(SOURCE_TREE)] > 0 || (finish_sink_tree && active[direction(SINK_TREE)] > 0)) {
+/* When the S tree has no active node, its side of the cut is final, however far the T tree has come; only the labels of
+ * the sink side need a T tree that grows. Where nearly every node has a link to T, that would be most of the work. */
+static void grow_trees(search *s) {
+  while (s->active_count > 0) {
     const int32_t v = pop_active(s);
     if (s->tree[v] != FREE) grow(s, v);
   }
@@ -333,12 +333,13 @@ vista_status vista_maxflow_solve(vista_maxflow *maxflow, const vista_maxflow_pro
       .tree = maxflow->tree,
       .next_active = maxflow->next_active,
       .active_first = NONE,
+      .sink_tree_grows = sink_side != NULL,
       .orphans = {.nodes = maxflow->orphans, .room = node_count},
   };
   const int32_t marked = mark_subset(s.tree, node_count, subset, count);
   const vista_status status = marked < count ? VISTA_ERROR_RANGE : load(&s, problem, maxflow->graph.arc_count, count);
   if (status == VISTA_OK) {
-    grow_trees(&s, sink_side != NULL);
+    grow_trees(&s);
     *value = s.flow;
   }
   for (int32_t k = 0; k < marked; k++) {

@@ -54,7 +54,7 @@ vista_status vista_maxflow_layout(vista_maxflow *maxflow, const vista_graph *gra
  *   sink_side[v]   = 1 if T can be reached from v in the residual graph, else 0   (null: not wanted)
  * *value is the flow, equal to the weight of the cut around either side.
  *
- * Without sink_side the search ends as soon as the source side is known, often long before. Capacities are checked for
+ * Without sink_side only the source side is searched for, which is often far less work. Capacities are checked for
  * the nodes of the subset and all arcs out of them. On an error nothing is written:
  * VISTA_ERROR_ARGUMENT  a required pointer is null
  * VISTA_ERROR_RANGE     a negative capacity or count; a node that is outside the graph or twice in the subset

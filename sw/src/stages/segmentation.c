@@ -8,10 +8,6 @@
 #include "common/parameters_check.h"
 #include "stages/parts/merge.h"
 
-/* Exceeds everything the arcs of a node can carry (flow constraint 2), and sums of two of them still fit the type. */
-#define SEED_LINK (INT32_C(1) << 29)
-#define NOT_REACHED INT32_MAX
-
 vista_status vista_segmentation_layout(vista_segmentation *segmentation, vista_arena *arena,
                                        const vista_foveation *foveation) {
   if (segmentation == NULL || arena == NULL || foveation == NULL) return VISTA_ERROR_ARGUMENT;
@@ -20,8 +16,9 @@ vista_status vista_segmentation_layout(vista_segmentation *segmentation, vista_a
   s->label = vista_arena_take(arena, nodes, sizeof(int32_t));
   s->source_capacity = vista_arena_take(arena, nodes, sizeof(int32_t));
   s->sink_capacity = vista_arena_take(arena, nodes, sizeof(int32_t));
-  s->subset = vista_arena_take(arena, nodes, sizeof(int32_t));
-  s->steps = vista_arena_take(arena, nodes, sizeof(int32_t));
+  s->reached = vista_arena_take(arena, nodes, sizeof(int32_t));
+  s->free = vista_arena_take(arena, nodes, sizeof(int32_t));
+  s->role = vista_arena_take(arena, nodes, sizeof(uint8_t));
   s->source_side = vista_arena_take(arena, nodes, sizeof(uint8_t));
   s->capacity = vista_arena_take(arena, (size_t)foveation->graph.arc_count, sizeof(int32_t));
   const vista_status merging = vista_merge_layout(foveation, arena, &s->merge);
@@ -51,67 +48,83 @@ static int32_t sink_link(const view *w, const vista_seeds *seeds, int32_t seed, 
   return (int32_t)(w->params->mismatch_link * w->flow_scale * (double)fminf(fmaxf(beyond, 0.0f), 4.0f));
 }
 
-/* Breadth first from the seed: its members, the free cells within reach, and the cells of other seeds that touch
- * them. Cells further away can only be on T's side. Returns the size of the subset. */
-static int32_t gather(const view *w, vista_segmentation *s, int32_t seed) {
+/* What a node is to the cut at hand. */
+enum { NOT_REACHED, SOURCE, SINK, FREE, CUT_OUT };
+
+/* Takes a cell into the cut, unless it is in it already or in none any more. Cells of other seeds and those after the
+ * last step can only be on T's side. */
+static void reach(vista_segmentation *s, int32_t node, bool last) {
+  if (s->role[node] != NOT_REACHED) return;
+  s->role[node] = last || s->seeds.seed_of_node[node] != VISTA_NO_SEED ? SINK : FREE;
+  s->reached[s->reached_count++] = node;
+}
+
+/* Takes the neighbours of a free cell into the cut that are not in it yet, and finds the cell's links: an edge to a cell
+ * whose side is settled is a link to that side's terminal, so that the flow runs over free cells only. */
+static void link_free_cell(const view *w, vista_segmentation *s, int32_t seed, int32_t node, bool last) {
   const vista_graph *const graph = &w->foveation->graph;
+  int32_t source = 0, sink = s->seeds.seed_of_node[node] == seed ? 0 : sink_link(w, &s->seeds, seed, node);
+  for (int32_t arc = graph->first_arc[node]; arc < graph->first_arc[node + 1]; ++arc) {
+    const int32_t other = graph->head[arc];
+    if (s->role[other] == CUT_OUT) continue;
+    reach(s, other, last);
+    const bool uncertain = s->seeds.shell[node] || s->seeds.shell[other];
+    const int32_t capacity = uncertain ? w->affinity->intensity_capacity[arc] : w->affinity->capacity[arc];
+    s->capacity[arc] = capacity;
+    source += s->role[other] == SOURCE ? capacity : 0;
+    sink += s->role[other] == SINK ? capacity : 0;
+  }
+  s->source_capacity[node] = source;
+  s->sink_capacity[node] = sink;
+  s->free[s->free_count++] = node;
+}
+
+static void reach_from_source(const view *w, vista_segmentation *s, int32_t node, bool last) {
+  const vista_graph *const graph = &w->foveation->graph;
+  for (int32_t arc = graph->first_arc[node]; arc < graph->first_arc[node + 1]; ++arc) reach(s, graph->head[arc], last);
+}
+
+/* Breadth first from the seed: its members, the free cells within reach, and what touches them. */
+static void gather(const view *w, vista_segmentation *s, int32_t seed) {
   const vista_seeds *const seeds = &s->seeds;
-  int32_t count = 0;
+  s->reached_count = s->free_count = 0;
   for (int32_t m = seeds->first_member[seed]; m < seeds->first_member[seed + 1]; ++m) {
     const int32_t node = seeds->members[m];
     if (s->label[node] >= 0) continue;
-    s->source_capacity[node] = seeds->shell[node] ? 0 : SEED_LINK;
-    s->sink_capacity[node] = 0;
-    s->steps[node] = 0;
-    s->subset[count++] = node;
+    s->role[node] = seeds->shell[node] ? FREE : SOURCE;
+    s->reached[s->reached_count++] = node;
   }
-  for (int32_t next = 0; next < count; ++next) {
-    const int32_t node = s->subset[next];
-    const bool seed_of_other = s->sink_capacity[node] == SEED_LINK;
-    if (seed_of_other || s->steps[node] >= w->params->reach) continue;
-    for (int32_t arc = graph->first_arc[node]; arc < graph->first_arc[node + 1]; ++arc) {
-      const int32_t other = graph->head[arc];
-      if (s->label[other] >= 0 || s->steps[other] != NOT_REACHED) continue;
-      const bool last = s->steps[node] + 1 >= w->params->reach;
-      s->steps[other] = s->steps[node] + 1;
-      s->source_capacity[other] = 0;
-      s->sink_capacity[other] =
-          seeds->seed_of_node[other] != VISTA_NO_SEED || last ? SEED_LINK : sink_link(w, seeds, seed, other);
-      s->subset[count++] = other;
+  for (int32_t step = 1, next = 0; next < s->reached_count; ++step) {
+    const bool last = step >= w->params->reach;
+    for (const int32_t end = s->reached_count; next < end; ++next) {
+      const int32_t node = s->reached[next];
+      if (s->role[node] == FREE)
+        link_free_cell(w, s, seed, node, last);
+      else if (s->role[node] == SOURCE)
+        reach_from_source(w, s, node, last);
     }
   }
-  return count;
 }
 
 /* One isolating cut; the source side becomes region `label`. */
 static vista_status cut_out(const view *w, vista_segmentation *s, int32_t seed, int32_t label) {
-  const int32_t count = gather(w, s, seed);
-  const vista_maxflow_problem problem = {s->capacity, s->source_capacity, s->sink_capacity, s->subset, count};
+  gather(w, s, seed);
+  const vista_maxflow_problem problem = {s->capacity, s->source_capacity, s->sink_capacity, s->free, s->free_count};
   int64_t value;
   const vista_status status = vista_maxflow_solve(&s->maxflow, &problem, s->source_side, NULL, &value);
   if (status != VISTA_OK) return status;
-  for (int32_t k = 0; k < count; ++k) {
-    const int32_t node = s->subset[k];
-    s->steps[node] = NOT_REACHED;
-    if (s->source_side[node]) s->label[node] = label;
+  for (int32_t k = 0; k < s->reached_count; ++k) {
+    const int32_t node = s->reached[k];
+    const bool on_source_side = s->role[node] == SOURCE || (s->role[node] == FREE && s->source_side[node]);
+    if (on_source_side) s->label[node] = label;
+    s->role[node] = on_source_side ? CUT_OUT : NOT_REACHED;
   }
   s->cut_count++;
-  s->cut_nodes += count;
+  s->cut_nodes += s->free_count;
   return VISTA_OK;
 }
 
-static void choose_capacities(const view *w, vista_segmentation *s) {
-  const vista_graph *const graph = &w->foveation->graph;
-  for (int32_t i = 0; i < graph->node_count; ++i) {
-    for (int32_t arc = graph->first_arc[i]; arc < graph->first_arc[i + 1]; ++arc) {
-      const bool uncertain = s->seeds.shell[i] || s->seeds.shell[graph->head[arc]];
-      s->capacity[arc] = uncertain ? w->affinity->intensity_capacity[arc] : w->affinity->capacity[arc];
-    }
-  }
-}
-
 static vista_status cut_all(const view *w, vista_segmentation *s) {
-  choose_capacities(w, s);
   for (int32_t seed = 0; seed < s->seeds.count; ++seed) {
     const vista_status status = cut_out(w, s, seed, s->region_count);
     if (status != VISTA_OK) return status;
@@ -134,7 +147,7 @@ vista_status vista_segment(const vista_foveation *foveation, const vista_paramet
   const view w = {foveation, &params->segmentation, cells, surfaces, affinity, params->affinity.flow_scale};
   for (int32_t i = 0; i < foveation->node_count; ++i) {
     s->label[i] = VISTA_NO_LABEL;
-    s->steps[i] = NOT_REACHED;
+    s->role[i] = NOT_REACHED;
   }
   s->region_count = s->cut_count = s->cut_nodes = 0;
 
