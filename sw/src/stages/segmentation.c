@@ -16,7 +16,7 @@ vista_status vista_segmentation_layout(vista_segmentation *segmentation, vista_a
   s->label = vista_arena_take(arena, nodes, sizeof(int32_t));
   s->source_capacity = vista_arena_take(arena, nodes, sizeof(int32_t));
   s->sink_capacity = vista_arena_take(arena, nodes, sizeof(int32_t));
-  s->reached = vista_arena_take(arena, nodes, sizeof(int32_t));
+  s->subset = vista_arena_take(arena, nodes, sizeof(int32_t));
   s->free = vista_arena_take(arena, nodes, sizeof(int32_t));
   s->role = vista_arena_take(arena, nodes, sizeof(uint8_t));
   s->source_side = vista_arena_take(arena, nodes, sizeof(uint8_t));
@@ -56,7 +56,7 @@ enum { NOT_REACHED, SOURCE, SINK, FREE, CUT_OUT };
 static void reach(vista_segmentation *s, int32_t node, bool last) {
   if (s->role[node] != NOT_REACHED) return;
   s->role[node] = last || s->seeds.seed_of_node[node] != VISTA_NO_SEED ? SINK : FREE;
-  s->reached[s->reached_count++] = node;
+  s->subset[s->subset_count++] = node;
 }
 
 /* Takes the neighbours of a free cell into the cut that are not in it yet, and finds the cell's links: an edge to a cell
@@ -87,17 +87,17 @@ static void reach_from_source(const view *w, vista_segmentation *s, int32_t node
 /* Breadth first from the seed: its members, the free cells within reach, and what touches them. */
 static void gather(const view *w, vista_segmentation *s, int32_t seed) {
   const vista_seeds *const seeds = &s->seeds;
-  s->reached_count = s->free_count = 0;
+  s->subset_count = s->free_count = 0;
   for (int32_t m = seeds->first_member[seed]; m < seeds->first_member[seed + 1]; ++m) {
     const int32_t node = seeds->members[m];
     if (s->label[node] >= 0) continue;
     s->role[node] = seeds->shell[node] ? FREE : SOURCE;
-    s->reached[s->reached_count++] = node;
+    s->subset[s->subset_count++] = node;
   }
-  for (int32_t step = 1, next = 0; next < s->reached_count; ++step) {
+  for (int32_t step = 1, next = 0; next < s->subset_count; ++step) {
     const bool last = step >= w->params->reach;
-    for (const int32_t end = s->reached_count; next < end; ++next) {
-      const int32_t node = s->reached[next];
+    for (const int32_t end = s->subset_count; next < end; ++next) {
+      const int32_t node = s->subset[next];
       if (s->role[node] == FREE)
         link_free_cell(w, s, seed, node, last);
       else if (s->role[node] == SOURCE)
@@ -113,8 +113,8 @@ static vista_status cut_out(const view *w, vista_segmentation *s, int32_t seed, 
   int64_t value;
   const vista_status status = vista_maxflow_solve(&s->maxflow, &problem, s->source_side, NULL, &value);
   if (status != VISTA_OK) return status;
-  for (int32_t k = 0; k < s->reached_count; ++k) {
-    const int32_t node = s->reached[k];
+  for (int32_t k = 0; k < s->subset_count; ++k) {
+    const int32_t node = s->subset[k];
     const bool on_source_side = s->role[node] == SOURCE || (s->role[node] == FREE && s->source_side[node]);
     if (on_source_side) s->label[node] = label;
     s->role[node] = on_source_side ? CUT_OUT : NOT_REACHED;
@@ -125,6 +125,7 @@ static vista_status cut_out(const view *w, vista_segmentation *s, int32_t seed, 
 }
 
 static vista_status cut_all(const view *w, vista_segmentation *s) {
+  for (int32_t i = 0; i < w->foveation->node_count; ++i) s->role[i] = s->label[i] >= 0 ? CUT_OUT : NOT_REACHED;
   for (int32_t seed = 0; seed < s->seeds.count; ++seed) {
     const vista_status status = cut_out(w, s, seed, s->region_count);
     if (status != VISTA_OK) return status;
@@ -145,10 +146,7 @@ vista_status vista_segment(const vista_foveation *foveation, const vista_paramet
   if (status != VISTA_OK) return status;
   vista_segmentation *const s = segmentation;
   const view w = {foveation, &params->segmentation, cells, surfaces, affinity, params->affinity.flow_scale};
-  for (int32_t i = 0; i < foveation->node_count; ++i) {
-    s->label[i] = VISTA_NO_LABEL;
-    s->role[i] = NOT_REACHED;
-  }
+  for (int32_t i = 0; i < foveation->node_count; ++i) s->label[i] = VISTA_NO_LABEL;
   s->region_count = s->cut_count = s->cut_nodes = 0;
 
   status = vista_seeds_of_obstacles(foveation, w.params, camera, cells, surfaces, &s->seeds);

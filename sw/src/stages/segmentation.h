@@ -33,8 +33,8 @@ typedef struct vista_segmentation {
   vista_seeds seeds;
   vista_maxflow maxflow;
   int32_t *source_capacity, *sink_capacity; /* scratch, node_count each */
-  int32_t *reached, *free; /* scratch, node_count each: nodes of the cut at hand; those whose side it finds */
-  int32_t reached_count, free_count;
+  int32_t *subset, *free;   /* scratch, node_count each: nodes of the cut at hand; those whose side it finds */
+  int32_t subset_count, free_count;
   uint8_t *role; /* scratch, node_count: in the cut at hand */
   uint8_t *source_side;
   int32_t *capacity;         /* scratch, graph.arc_count: of the free nodes' arcs */
