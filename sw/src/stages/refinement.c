@@ -7,6 +7,7 @@
 
 #include "common/frame.h"
 #include "common/parameters_check.h"
+#include "common/wide_vectors.h"
 
 #define MAX_CANDIDATES 8 /* a cell and its neighbours; the hub has more of these, and stays as it is */
 #define BATCH 256        /* pixels treated at once */
@@ -73,8 +74,8 @@ typedef struct batch {
 static int32_t whole_vectors(int32_t count) { return (count + LANES - 1) & -LANES; }
 
 /* Without a comparison of floats, which compilers do not turn into vectors: 2 min(a, b) = a + b - |a - b|. */
-static void solve(const vista_refinement_params *params, const candidate *candidates, int32_t count, batch *b,
-                  int32_t *out) {
+VISTA_WIDE_VECTORS static void solve(const vista_refinement_params *params, const candidate *candidates, int32_t count,
+                                     batch *b, int32_t *out) {
   const float per_level = (float)(1.0 / params->sigma_intensity), limit = (float)params->contrast_limit;
   const int32_t padded = whole_vectors(b->count);
   for (int32_t k = b->count; k < padded; ++k) b->u[k] = b->v[k] = b->square[k] = b->grey[k] = 0.0f;
@@ -94,7 +95,8 @@ static void solve(const vista_refinement_params *params, const candidate *candid
 }
 
 /* grey may be read in whole vectors. */
-static void append(batch *b, int32_t u, float center_u, float v, const uint8_t *grey, int32_t place, int32_t length) {
+VISTA_WIDE_VECTORS static void append(batch *b, int32_t u, float center_u, float v, const uint8_t *grey, int32_t place,
+                                      int32_t length) {
   for (int32_t i = 0; i < length; i += LANES) {
     const int32_t k = b->count + i;
     uint8_t levels[LANES];
