@@ -145,9 +145,22 @@ def host_table() -> str:
 
 
 def stages_table() -> str:
-    stages = figures("host")["sequences"]["street"]["stages"]
-    names = [name for name in stages if name not in ("host", "cpu")]
-    return markdown("stage | ms, median", [[name, f"{stages[name]['median_ms']:.1f}"] for name in names])
+    sequences = {
+        name: sequence["stages"]
+        for name, sequence in figures("host")["sequences"].items()
+        if "segmentation" in sequence["stages"]
+    }
+    names = [name for name in sequences["street"] if name not in ("host", "cpu")]
+    rows = []
+    for name in names:
+        cells = [name]
+        for stages in sequences.values():
+            median_ms, p99_ms = stages[name]["median_ms"], stages[name].get("p99_ms")
+            cells.append(f"{median_ms:.1f}" + (f" ({p99_ms:.1f})" if p99_ms is not None else ""))
+            cells.append(f"{100 * median_ms / stages['host']['median_ms']:.0f} %")
+        rows.append(cells)
+    head = [f"{SEQUENCES.get(name, name)}: ms, median (p99) | share" for name in sequences]
+    return markdown(" | ".join(["stage", *head]), rows)
 
 
 def maxflow_table() -> str:

@@ -90,6 +90,8 @@ def test_weights_and_capacities_are_those_of_the_equations(form: str, encoding: 
         reverse = stages.foveation.reverse
         assert np.array_equal(stages.weight, stages.weight[reverse])
         assert np.array_equal(stages.capacity, stages.capacity[reverse])
+        section = stages.section("affinity")
+        assert stages.capacity.tolist() == [lib.vista_flow_encode(section, w) for w in stages.weight.tolist()]
         flow = expected_flow(stages, stages.weight.astype(float))
         assert np.abs(stages.capacity - np.maximum(flow, 1)).max() <= 0.5 + 1e-6
         without_disparity = np.maximum(expected_flow(stages, intensity_term(stages)), 1)

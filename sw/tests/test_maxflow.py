@@ -128,6 +128,59 @@ def test_one_solver_for_many_subsets_keeps_nothing_from_the_last_cut() -> None:
         assert_equals_scipy(case, graph.solve(case), index)
 
 
+def assert_grows_alike(case: FlowCase) -> int:
+    """Returns how many nodes the search left out."""
+    graph = CutGraph(case.node_count, case.edges)
+    whole = graph.solve(case)
+    inside = np.zeros(case.node_count, bool)
+    inside[members(case)] = True
+    full = np.where(inside[graph.head], graph.arc_capacity(case), 0)
+    capacity, source, sink = (np.full(n, -1, np.int32) for n in (full.size, *2 * [case.node_count]))
+    opened = []
+
+    @ffi.callback("void(void *, int32_t)")
+    def open_node(_context: object, node: int) -> None:
+        arcs = slice(graph.first_arc[node], graph.first_arc[node + 1])
+        capacity[arcs], source[node], sink[node] = full[arcs], case.source[node], case.sink[node]
+        opened.append(node)
+
+    starts = np.flatnonzero(inside & (case.source > case.sink)).astype(np.int32)
+    arrays = [pointer(array) for array in (capacity, source, sink, starts)]
+    problem = ffi.new("vista_maxflow_problem *", [*arrays, starts.size, open_node])
+    side, value = np.full(case.node_count, 255, np.uint8), ffi.new("int64_t *")
+    out = ffi.cast("uint8_t *", side.ctypes.data)
+    assert status_name(lib.vista_maxflow_solve(graph.maxflow, problem, out, ffi.NULL, value)) == "VISTA_OK"
+    assert len(opened) == len(set(opened)) and inside[opened].all()
+    assert np.array_equal(side[opened], whole.source_side[opened])
+    never = np.setdiff1d(members(case), opened)
+    assert (side[never] == 255).all() and (whole.source_side[never] == 0).all()
+    assert (
+        status_name(lib.vista_maxflow_solve(graph.maxflow, problem, out, out, value))
+        == "VISTA_ERROR_ARGUMENT"
+    )
+    return int(never.size)
+
+
+def test_a_network_that_grows_gives_the_source_side_of_the_whole() -> None:
+    rng = seeded(6)
+    assert sum(assert_grows_alike(random_case(rng)) for _ in range(300)) > 0
+
+
+def test_a_growing_network_refuses_bad_capacities() -> None:
+    case = chain(5, 9)
+    graph = CutGraph(case.node_count, case.edges)
+    capacity, starts = graph.arc_capacity(case), np.array([0], np.int32)
+    open_node = ffi.callback("void(void *, int32_t)", lambda _context, _node: None)
+    for bad, status in ((-1, "VISTA_ERROR_RANGE"), (ARC_CAPACITY_MAX + 1, "VISTA_ERROR_OVERFLOW")):
+        capacity[graph.first_arc[1] : graph.first_arc[2]] = bad
+        arrays = [pointer(array) for array in (capacity, case.source, case.sink, starts)]
+        problem = ffi.new("vista_maxflow_problem *", [*arrays, 1, open_node])
+        side, value = np.full(case.node_count, 255, np.uint8), ffi.new("int64_t *")
+        out = ffi.cast("uint8_t *", side.ctypes.data)
+        assert status_name(lib.vista_maxflow_solve(graph.maxflow, problem, out, ffi.NULL, value)) == status
+        assert (side == 255).all()
+
+
 def test_tiny_graphs_equal_networkx() -> None:
     rng = seeded(5)
     for index in range(200):

@@ -3,6 +3,7 @@
 #include <math.h>
 #include <stdbool.h>
 #include <stddef.h>
+#include <string.h>
 
 #include "common/frame.h"
 #include "common/median.h"
@@ -10,6 +11,8 @@
 
 /* A cell whose inscribed circle is narrower than a pixel's diagonal may hold no pixel centre at all. */
 #define POINT_SIZE_PX 1.5
+
+#define COPIED VISTA_WORD_LANES /* pixels at once: runs are about that long */
 
 static const double two_pi = 6.283185307179586;
 
@@ -260,7 +263,8 @@ vista_status vista_cells_layout(vista_cells *cells, vista_arena *arena, const vi
   cells->intensity = vista_arena_take(arena, node_count, sizeof(float));
   cells->disparity_px = vista_arena_take(arena, node_count, sizeof(float));
   cells->valid_fraction = vista_arena_take(arena, node_count, sizeof(float));
-  cells->words = vista_arena_take(arena, (size_t)foveation->max_footprint_px, sizeof(int16_t));
+  cells->words = vista_arena_take(arena, (size_t)foveation->max_footprint_px + VISTA_WORD_LANES, sizeof(int16_t));
+  cells->greys = vista_arena_take(arena, (size_t)foveation->max_footprint_px + COPIED, sizeof(uint8_t));
   return arena->base != NULL && arena->used > arena->size ? VISTA_ERROR_MEMORY : VISTA_OK;
 }
 
@@ -285,20 +289,34 @@ static int32_t sample_point(const vista_foveation *f, const vista_image *image, 
   return 4;
 }
 
+/* One run to the scratch arrays, in whole vectors: what is copied of the next cell is overwritten or ignored. At the
+ * right edge of the image nothing may be read beyond. */
+static void copy_run(const uint8_t *grey, const int16_t *words, int32_t length_px, int32_t readable_px,
+                     uint8_t *grey_out, int16_t *words_out) {
+  if ((length_px + COPIED - 1) / COPIED * COPIED <= readable_px) {
+    for (int32_t i = 0; i < length_px; i += COPIED) {
+      memcpy(grey_out + i, grey + i, COPIED * sizeof *grey);
+      memcpy(words_out + i, words + i, COPIED * sizeof *words);
+    }
+  } else {
+    memcpy(grey_out, grey, (size_t)length_px * sizeof *grey);
+    memcpy(words_out, words, (size_t)length_px * sizeof *words);
+  }
+}
+
 static int32_t average_cell(const vista_foveation *f, const vista_image *image, const vista_disparity_image *disparity,
                             int32_t node, vista_cells *cells) {
-  uint32_t sum = 0;
   int32_t count = 0;
   for (int32_t r = f->first_run[node]; r < f->first_run[node + 1]; ++r) {
     const vista_run run = f->runs[r];
-    const uint8_t *const p = image->data + run.v_px * image->stride + run.u_px;
-    const int16_t *const d = disparity->data + run.v_px * disparity->stride + run.u_px;
-    for (int32_t i = 0; i < run.length_px; ++i) {
-      sum += p[i];
-      cells->words[count + i] = d[i];
-    }
+    copy_run(image->data + run.v_px * image->stride + run.u_px,
+             disparity->data + run.v_px * disparity->stride + run.u_px, run.length_px, f->width_px - run.u_px,
+             cells->greys + count, cells->words + count);
     count += run.length_px;
   }
+  memset(cells->greys + count, 0, COPIED);
+  uint32_t sum = 0;
+  for (int32_t i = 0; i < (count + COPIED - 1) / COPIED * COPIED; ++i) sum += cells->greys[i];
   cells->intensity[node] = (float)sum / (float)count;
   return count;
 }
@@ -315,6 +333,7 @@ vista_status vista_foveate(const vista_foveation *foveation, const vista_foveati
     const bool point = node >= 1 && node <= foveation->point_count;
     const int32_t count = point ? sample_point(foveation, image, disparity, node, cells)
                                 : average_cell(foveation, image, disparity, node, cells);
+    vista_words_pad(cells->words, count);
     const int32_t valid = vista_count_valid(cells->words, count);
     cells->valid_fraction[node] = (float)valid / (float)count;
     const bool enough = valid > 0 && cells->valid_fraction[node] >= (float)params->min_valid_fraction;

@@ -49,6 +49,7 @@ typedef struct vista_cells {
   float *disparity_px;   /* median of the valid pixels; negative: too few of them */
   float *valid_fraction; /* of the cell's pixels that have a disparity, 0 .. 1 */
   int16_t *words;        /* scratch: the engine words under one cell */
+  uint8_t *greys;        /* scratch: its grey levels */
 } vista_cells;
 
 /* Whether images of this size are handled: 16 to 8192 pixels a side. */

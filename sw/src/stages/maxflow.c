@@ -54,10 +54,16 @@ typedef struct search {
   uint16_t *tree;       /* not uint8_t: a store through a character type may alias anything and costs reloads */
   int32_t *next_active; /* queue of active nodes; NONE: not in it, the last one points to itself */
   int32_t active_first, active_last;
-  int32_t active_in_tree[2]; /* by direction; nodes that became free in the queue do not count */
+  int32_t active_count; /* nodes that became free in the queue do not count */
+  bool sink_tree_grows;
   ring orphans;
   uint32_t augmentations;
   int64_t flow;
+  const vista_maxflow_problem *problem;
+  int32_t first_terminal_link;
+  int32_t *opened; /* nodes of the network */
+  int32_t opened_count;
+  int32_t arc_bits, terminal_bits; /* the OR of all capacities tells whether any is negative or too large */
 } search;
 
 static int32_t direction(int32_t tree) { return tree & 1; }
@@ -87,8 +93,8 @@ static int32_t pop_front(ring *r) {
 static bool is_queued(const search *s, int32_t v) { return s->next_active[v] != NONE; }
 
 static void activate(search *s, int32_t v) {
-  if (is_queued(s, v)) return;
-  s->active_in_tree[direction(s->tree[v])]++;
+  if (is_queued(s, v) || (s->tree[v] == SINK_TREE && !s->sink_tree_grows)) return;
+  s->active_count++;
   s->next_active[v] = v;
   if (s->active_first == NONE) {
     s->active_first = v;
@@ -102,12 +108,12 @@ static int32_t pop_active(search *s) {
   const int32_t v = s->active_first;
   s->active_first = s->next_active[v] == v ? NONE : s->next_active[v];
   s->next_active[v] = NONE;
-  if (s->tree[v] != FREE) s->active_in_tree[direction(s->tree[v])]--;
+  if (s->tree[v] != FREE) s->active_count--;
   return v;
 }
 
 static void leave_tree(search *s, int32_t v) {
-  if (is_queued(s, v)) s->active_in_tree[direction(s->tree[v])]--;
+  if (is_queued(s, v)) s->active_count--;
   s->tree[v] = FREE;
 }
 
@@ -115,7 +121,7 @@ static void leave_tree(search *s, int32_t v) {
 static void join_tree(search *s, int32_t v, int32_t parent, int32_t link) {
   s->tree[v] = s->tree[parent];
   s->branches[v] = (branch){parent, link, s->branches[parent].stamp, s->branches[parent].distance + 1};
-  if (is_queued(s, v)) s->active_in_tree[direction(s->tree[v])]++;
+  if (is_queued(s, v)) s->active_count++;
   activate(s, v);
 }
 
@@ -213,6 +219,36 @@ static void adopt(search *s) {
   }
 }
 
+/* Loads node v. The part of the flow that runs S -> v -> T is pushed at once. Arcs that leave the subset are loaded
+ * like the others: no tree ever looks beyond a head that is OUTSIDE. */
+static void load_node(search *s, int32_t v) {
+  const vista_maxflow_problem *const problem = s->problem;
+  const int32_t terminal_link = s->first_terminal_link + 2 * v;
+  int32_t bits = 0;
+  for (int32_t a = s->first_arc[v]; a < s->first_arc[v + 1]; a++)
+    bits |= s->residual[s->arcs[a].link] = problem->arc_capacity[a];
+  s->next_active[v] = NONE;
+  const int32_t from_source = problem->source_capacity[v], to_sink = problem->sink_capacity[v];
+  s->terminal_bits |= from_source | to_sink;
+  s->arc_bits |= bits;
+  s->flow += from_source < to_sink ? from_source : to_sink;
+  if (from_source != to_sink) {
+    s->tree[v] = from_source > to_sink ? SOURCE_TREE : SINK_TREE;
+    s->residual[terminal_link] = from_source > to_sink ? from_source - to_sink : to_sink - from_source;
+    s->residual[terminal_link ^ 1] = 0;
+    s->branches[v] = (branch){TERMINAL, terminal_link, 0, 1};
+    activate(s, v);
+  }
+}
+
+/* The network grows by node v. */
+static void open_node(search *s, int32_t v) {
+  s->problem->open(s->problem->context, v);
+  s->tree[v] = FREE;
+  s->opened[s->opened_count++] = v;
+  load_node(s, v);
+}
+
 /* Scans the arcs of active node v once. After an augmentation the same arc is looked at again, and nothing before it
  * is missed: a neighbour that adoption has set free in the meantime has made v active again. */
 static void grow(search *s, int32_t v) {
@@ -220,8 +256,13 @@ static void grow(search *s, int32_t v) {
   const int32_t end = s->first_arc[v + 1];
   for (int32_t a = s->first_arc[v]; a < end;) {
     const int32_t q = s->arcs[a].head, link = tree_link(s->arcs[a].link, tree);
-    const int32_t met = s->tree[q];
-    if (met != tree && s->residual[link] > 0 && met != OUTSIDE) {
+    int32_t met = s->tree[q];
+    if (met != tree && s->residual[link] > 0 && (met != OUTSIDE || s->problem->open != NULL)) {
+      if (met == OUTSIDE) {
+        open_node(s, q);
+        met = s->tree[q];
+        if (met == tree) continue;
+      }
       if (met != FREE) {
         augment(s, tree == SOURCE_TREE ? v : q, tree == SOURCE_TREE ? q : v, link);
         adopt(s);
@@ -234,59 +275,39 @@ static void grow(search *s, int32_t v) {
   }
 }
 
-/* As soon as the S tree has no active node, its side of the cut is final and occupied, however far the T tree has
- * come; only the labels of the sink side need the T tree to the end. */
-static void grow_trees(search *s, bool finish_sink_tree) {
-  const int32_t *active = s->active_in_tree;
-  while (active[direction(SOURCE_TREE)] > 0 || (finish_sink_tree && active[direction(SINK_TREE)] > 0)) {
+static vista_status check_capacities(const search *s) {
+  if (s->terminal_bits < 0 || s->arc_bits < 0) return VISTA_ERROR_RANGE;
+  return s->arc_bits > VISTA_MAXFLOW_ARC_CAPACITY_MAX ? VISTA_ERROR_OVERFLOW : VISTA_OK;
+}
+
+/* When the S tree has no active node, its side of the cut is final, however far the T tree has come; only the labels of
+ * the sink side need a T tree that grows. Where nearly every node has a link to T, that would be most of the work. */
+static void grow_trees(search *s) {
+  while (s->active_count > 0 && check_capacities(s) == VISTA_OK) {
     const int32_t v = pop_active(s);
     if (s->tree[v] != FREE) grow(s, v);
   }
 }
 
-/* Returns how many nodes were marked, which is less than count if one of them is not a node or comes twice. */
-static int32_t mark_subset(uint16_t *tree, int32_t node_count, const int32_t *subset, int32_t count) {
-  if (subset == NULL) {
-    for (int32_t v = 0; v < count; v++) tree[v] = FREE;
-    return count;
-  }
+/* Marks the nodes that the network starts with. False: one of them is not a node or comes twice. */
+static bool mark_subset(search *s, int32_t node_count, const int32_t *subset, int32_t count) {
   for (int32_t k = 0; k < count; k++) {
-    const int32_t v = subset[k];
-    if (v < 0 || v >= node_count || tree[v] != OUTSIDE) return k;
-    tree[v] = FREE;
+    const int32_t v = subset == NULL ? k : subset[k];
+    if (v < 0 || v >= node_count || s->tree[v] != OUTSIDE) return false;
+    s->tree[v] = FREE;
+    s->opened[s->opened_count++] = v;
   }
-  return count;
+  return true;
 }
 
-/* Loads node v. The part of the flow that runs S -> v -> T is pushed at once. Arcs that leave the subset are loaded
- * like the others: no tree ever looks beyond a head that is OUTSIDE. Returns the OR of the arc capacities, which tells
- * whether any of them is negative or too large. */
-static int32_t load_node(search *s, const vista_maxflow_problem *problem, int32_t terminal_link, int32_t v) {
-  int32_t bits = 0;
-  for (int32_t a = s->first_arc[v]; a < s->first_arc[v + 1]; a++)
-    bits |= s->residual[s->arcs[a].link] = problem->arc_capacity[a];
-  s->next_active[v] = NONE;
-  const int32_t from_source = problem->source_capacity[v], to_sink = problem->sink_capacity[v];
-  s->flow += from_source < to_sink ? from_source : to_sink;
-  if (from_source != to_sink) {
-    s->tree[v] = from_source > to_sink ? SOURCE_TREE : SINK_TREE;
-    s->residual[terminal_link] = from_source > to_sink ? from_source - to_sink : to_sink - from_source;
-    s->residual[terminal_link ^ 1] = 0;
-    s->branches[v] = (branch){TERMINAL, terminal_link, 0, 1};
-    activate(s, v);
+static vista_status search_all(search *s) {
+  const vista_maxflow_problem *const problem = s->problem;
+  for (int32_t k = 0, count = s->opened_count; k < count; k++) {
+    if (problem->open != NULL) problem->open(problem->context, s->opened[k]);
+    load_node(s, s->opened[k]);
   }
-  return bits;
-}
-
-static vista_status load(search *s, const vista_maxflow_problem *problem, int32_t first_terminal_link, int32_t count) {
-  int32_t arc_bits = 0;
-  for (int32_t k = 0; k < count; k++) {
-    const int32_t v = problem->subset == NULL ? k : problem->subset[k];
-    if ((problem->source_capacity[v] | problem->sink_capacity[v]) < 0) return VISTA_ERROR_RANGE;
-    arc_bits |= load_node(s, problem, first_terminal_link + 2 * v, v);
-  }
-  if (arc_bits < 0) return VISTA_ERROR_RANGE;
-  return arc_bits > VISTA_MAXFLOW_ARC_CAPACITY_MAX ? VISTA_ERROR_OVERFLOW : VISTA_OK;
+  grow_trees(s);
+  return check_capacities(s);
 }
 
 vista_status vista_maxflow_layout(vista_maxflow *maxflow, const vista_graph *graph, vista_arena *arena) {
@@ -301,6 +322,7 @@ vista_status vista_maxflow_layout(vista_maxflow *maxflow, const vista_graph *gra
       .residual = vista_arena_take(arena, 2 * (edges + nodes), sizeof(int32_t)),
       .next_active = vista_arena_take(arena, nodes, sizeof(int32_t)),
       .orphans = vista_arena_take(arena, nodes, sizeof(int32_t)),
+      .opened = vista_arena_take(arena, nodes, sizeof(int32_t)),
       .tree = vista_arena_take(arena, nodes, sizeof(uint16_t)),
   };
   if (arena->base == NULL) return VISTA_OK;
@@ -324,6 +346,7 @@ vista_status vista_maxflow_solve(vista_maxflow *maxflow, const vista_maxflow_pro
   const int32_t node_count = maxflow->graph.node_count;
   const int32_t count = subset == NULL ? node_count : problem->subset_count;
   if (count < 0) return VISTA_ERROR_RANGE;
+  if (problem->open != NULL && sink_side != NULL) return VISTA_ERROR_ARGUMENT;
 
   search s = {
       .first_arc = maxflow->graph.first_arc,
@@ -333,16 +356,16 @@ vista_status vista_maxflow_solve(vista_maxflow *maxflow, const vista_maxflow_pro
       .tree = maxflow->tree,
       .next_active = maxflow->next_active,
       .active_first = NONE,
+      .sink_tree_grows = sink_side != NULL,
       .orphans = {.nodes = maxflow->orphans, .room = node_count},
+      .problem = problem,
+      .first_terminal_link = maxflow->graph.arc_count,
+      .opened = maxflow->opened,
   };
-  const int32_t marked = mark_subset(s.tree, node_count, subset, count);
-  const vista_status status = marked < count ? VISTA_ERROR_RANGE : load(&s, problem, maxflow->graph.arc_count, count);
-  if (status == VISTA_OK) {
-    grow_trees(&s, sink_side != NULL);
-    *value = s.flow;
-  }
-  for (int32_t k = 0; k < marked; k++) {
-    const int32_t v = subset == NULL ? k : subset[k];
+  const vista_status status = mark_subset(&s, node_count, subset, count) ? search_all(&s) : VISTA_ERROR_RANGE;
+  if (status == VISTA_OK) *value = s.flow;
+  for (int32_t k = 0; k < s.opened_count; k++) {
+    const int32_t v = s.opened[k];
     if (status == VISTA_OK) {
       source_side[v] = s.tree[v] == SOURCE_TREE;
       if (sink_side != NULL) sink_side[v] = s.tree[v] == SINK_TREE;

@@ -30,6 +30,7 @@ typedef struct vista_maxflow {
   int32_t *residual; /* 2 (edge_count + node_count) */
   int32_t *next_active; /* node_count */
   int32_t *orphans; /* node_count */
+  int32_t *opened; /* node_count */
   uint16_t *tree; /* node_count */
 } vista_maxflow;
 
@@ -39,6 +40,11 @@ typedef struct vista_maxflow_problem {
   const int32_t *sink_capacity; /* node_count, 0 .. INT32_MAX */
   const int32_t *subset; /* subset_count distinct nodes; null: all nodes */
   int32_t subset_count; /* ignored when subset is null */
+  /* Null: the subset is the network. Else the network grows: its other nodes join it when the search comes to them, and
+   * before anything of a node is read, open(context, node) fills in its capacities and those of the arcs out of it,
+   * which are 0 where they lead out of the network. The subset is then all whose source capacity is the larger. */
+  void (*open)(void *context, int32_t node);
+  void *context;
 } vista_maxflow_problem;
 
 /* Lays out the solver for a graph, whose arrays must outlive it. When the arena counts, only the graph's counts are
@@ -52,11 +58,12 @@ vista_status vista_maxflow_layout(vista_maxflow *maxflow, const vista_graph *gra
 /* Computes the maximum flow and the labels of the subset's nodes; entries of other nodes are neither read nor written:
  *   source_side[v] = 1 if v can be reached from S in the residual graph, else 0   (the smallest source side)
  *   sink_side[v]   = 1 if T can be reached from v in the residual graph, else 0   (null: not wanted)
- * *value is the flow, equal to the weight of the cut around either side.
+ * *value is the flow, equal to the weight of the cut around either side; where the network grows, without that which
+ * runs S -> v -> T through nodes that the search does not come to.
  *
- * Without sink_side the search ends as soon as the source side is known, often long before. Capacities are checked for
+ * Without sink_side only the source side is searched for, which is often far less work. Capacities are checked for
  * the nodes of the subset and all arcs out of them. On an error nothing is written:
- * VISTA_ERROR_ARGUMENT  a required pointer is null
+ * VISTA_ERROR_ARGUMENT  a required pointer is null, or sink_side is not where the network grows
  * VISTA_ERROR_RANGE     a negative capacity or count; a node that is outside the graph or twice in the subset
  * VISTA_ERROR_OVERFLOW  an arc capacity above VISTA_MAXFLOW_ARC_CAPACITY_MAX */
 vista_status vista_maxflow_solve(vista_maxflow *maxflow, const vista_maxflow_problem *problem, uint8_t *source_side,

@@ -3,9 +3,11 @@
 #include <math.h>
 #include <stdbool.h>
 #include <stddef.h>
+#include <string.h>
 
 #include "common/frame.h"
 #include "common/parameters_check.h"
+#include "common/wide_vectors.h"
 
 #define MAX_CANDIDATES 8 /* a cell and its neighbours; the hub has more of these, and stays as it is */
 #define BATCH 256        /* pixels treated at once */
@@ -59,19 +61,23 @@ static int32_t list_candidates(const vista_foveation *f, const vista_refinement_
   return count;
 }
 
-/* Some pixels of one cell, side by side: its runs are too short for vectors. */
+/* Some pixels of one cell, side by side: its runs are too short for vectors. A run is appended in whole vectors; what
+ * they hold beyond its end is overwritten or ignored. */
 typedef struct batch {
-  float u[BATCH], v[BATCH], square[BATCH], grey[BATCH];
+  float u[BATCH + LANES], v[BATCH + LANES], square[BATCH + LANES], grey[BATCH + LANES];
+  int32_t place[BATCH + LANES];
   int32_t best[BATCH]; /* cost and, in the lowest bits, candidate: of equal costs the first one's is smaller */
-  int32_t place[BATCH];
   int32_t count;
+  uint8_t edge[BATCH]; /* a run at the right edge of the image, beyond which nothing may be read */
 } batch;
 
+static int32_t whole_vectors(int32_t count) { return (count + LANES - 1) & -LANES; }
+
 /* Without a comparison of floats, which compilers do not turn into vectors: 2 min(a, b) = a + b - |a - b|. */
-static void solve(const vista_refinement_params *params, const candidate *candidates, int32_t count, batch *b,
-                  int32_t *out) {
+VISTA_WIDE_VECTORS static void solve(const vista_refinement_params *params, const candidate *candidates, int32_t count,
+                                     batch *b, int32_t *out) {
   const float per_level = (float)(1.0 / params->sigma_intensity), limit = (float)params->contrast_limit;
-  const int32_t padded = (b->count + LANES - 1) / LANES * LANES;
+  const int32_t padded = whole_vectors(b->count);
   for (int32_t k = b->count; k < padded; ++k) b->u[k] = b->v[k] = b->square[k] = b->grey[k] = 0.0f;
   for (int32_t k = 0; k < padded; ++k) b->best[k] = INT32_MAX;
   for (int32_t c = 0; c < count; ++c) {
@@ -85,36 +91,42 @@ static void solve(const vista_refinement_params *params, const candidate *candid
     }
   }
   for (int32_t k = 0; k < b->count; ++k) out[b->place[k]] = candidates[b->best[k] & (MAX_CANDIDATES - 1)].label;
+  b->count = 0;
+}
+
+/* grey may be read in whole vectors. */
+VISTA_WIDE_VECTORS static void append(batch *b, int32_t u, float center_u, float v, const uint8_t *grey, int32_t place,
+                                      int32_t length) {
+  for (int32_t i = 0; i < length; i += LANES) {
+    const int32_t k = b->count + i;
+    uint8_t levels[LANES];
+    float lane_u[LANES];
+    memcpy(levels, grey + i, sizeof levels);
+    for (int32_t lane = 0; lane < LANES; ++lane) lane_u[lane] = (float)(u + i + lane) - center_u;
+    memcpy(b->u + k, lane_u, sizeof lane_u);
+    for (int32_t lane = 0; lane < LANES; ++lane) b->v[k + lane] = v;
+    for (int32_t lane = 0; lane < LANES; ++lane) b->square[k + lane] = lane_u[lane] * lane_u[lane] + v * v;
+    for (int32_t lane = 0; lane < LANES; ++lane) b->grey[k + lane] = (float)levels[lane];
+    for (int32_t lane = 0; lane < LANES; ++lane) b->place[k + lane] = place + i + lane;
+  }
+  b->count += length;
 }
 
 static void refine_cell(const vista_foveation *f, const vista_refinement_params *params, const vista_image *image,
                         const candidate *candidates, int32_t count, int32_t node, batch *b, int32_t *out) {
-  b->count = 0;
   for (int32_t r = f->first_run[node]; r < f->first_run[node + 1]; ++r) {
     const vista_run run = f->runs[r];
-    const uint8_t *const grey = image->data + run.v_px * image->stride + run.u_px;
     const float v = (float)run.v_px - f->center_v[node];
-    for (int32_t i = 0; i < run.length_px; ++i) {
-      const float u = (float)(run.u_px + i) - f->center_u[node];
-      const int32_t k = b->count++;
-      b->u[k] = u;
-      b->v[k] = v;
-      b->square[k] = u * u + v * v;
-      b->grey[k] = (float)grey[i];
-      b->place[k] = run.v_px * f->width_px + run.u_px + i;
-      if (b->count < BATCH) continue;
-      solve(params, candidates, count, b, out);
-      b->count = 0;
+    for (int32_t u = run.u_px, end = run.u_px + run.length_px; u < end;) {
+      const int32_t room = BATCH - b->count, length = end - u < room ? end - u : room;
+      const uint8_t *grey = image->data + run.v_px * image->stride + u;
+      if (u + whole_vectors(length) > f->width_px) grey = memcpy(b->edge, grey, (size_t)length);
+      append(b, u, f->center_u[node], v, grey, run.v_px * f->width_px + u, length);
+      u += length;
+      if (b->count == BATCH) solve(params, candidates, count, b, out);
     }
   }
   solve(params, candidates, count, b, out);
-}
-
-static void keep_cell(const vista_foveation *f, int32_t node, int32_t label, int32_t *out) {
-  for (int32_t r = f->first_run[node]; r < f->first_run[node + 1]; ++r) {
-    int32_t *const pixels = out + (ptrdiff_t)f->runs[r].v_px * f->width_px + f->runs[r].u_px;
-    for (int32_t k = 0; k < f->runs[r].length_px; ++k) pixels[k] = label;
-  }
 }
 
 vista_status vista_refine(const vista_foveation *foveation, const vista_refinement_params *params,
@@ -127,12 +139,11 @@ vista_status vista_refine(const vista_foveation *foveation, const vista_refineme
   if (status == VISTA_OK) status = vista_frame_check_image(image, f->width_px, f->height_px);
   if (status != VISTA_OK) return status;
   mark_borders(&f->graph, label, refinement->border);
+  for (ptrdiff_t p = 0; p < (ptrdiff_t)f->width_px * f->height_px; ++p)
+    refinement->label[p] = label[f->cell_of_pixel[p]];
   batch b = {0};
-  for (int32_t node = 0; node < f->node_count; ++node) {
-    if (!refinement->border[node] || node <= f->point_count) {
-      keep_cell(f, node, label[node], refinement->label);
-      continue;
-    }
+  for (int32_t node = f->point_count + 1; node < f->node_count; ++node) {
+    if (!refinement->border[node]) continue;
     candidate candidates[MAX_CANDIDATES];
     const int32_t count = list_candidates(f, params, cells, label, refinement->border, node, candidates);
     refine_cell(f, params, image, candidates, count, node, &b, refinement->label);

@@ -10,10 +10,6 @@
 #include "stages/parts/merge.h"
 #include "stages/parts/seed_step.h"
 
-/* Exceeds everything the arcs of a node can carry (flow constraint 2), and sums of two of them still fit the type. */
-#define SEED_LINK (INT32_C(1) << 29)
-#define NOT_REACHED INT32_MAX
-
 vista_status vista_segmentation_layout(vista_segmentation *segmentation, vista_arena *arena,
                                        const vista_foveation *foveation) {
   if (segmentation == NULL || arena == NULL || foveation == NULL) return VISTA_ERROR_ARGUMENT;
@@ -23,8 +19,10 @@ vista_status vista_segmentation_layout(vista_segmentation *segmentation, vista_a
   s->source_capacity = vista_arena_take(arena, nodes, sizeof(int32_t));
   s->sink_capacity = vista_arena_take(arena, nodes, sizeof(int32_t));
   s->subset = vista_arena_take(arena, nodes, sizeof(int32_t));
+  s->starts = vista_arena_take(arena, nodes, sizeof(int32_t));
   s->steps = vista_arena_take(arena, nodes, sizeof(int32_t));
   s->carried_px = vista_arena_take(arena, nodes, sizeof(float));
+  s->role = vista_arena_take(arena, nodes, sizeof(uint8_t));
   s->source_side = vista_arena_take(arena, nodes, sizeof(uint8_t));
   s->capacity = vista_arena_take(arena, (size_t)foveation->graph.arc_count, sizeof(int32_t));
   const vista_status merging = vista_merge_layout(foveation, arena, &s->merge);
@@ -54,67 +52,114 @@ static int32_t sink_link(const view *w, const vista_seeds *seeds, int32_t seed, 
   return (int32_t)(w->params->mismatch_link * w->flow_scale * (double)fminf(fmaxf(beyond, 0.0f), 4.0f));
 }
 
-/* Breadth first from the seed: its members, the free cells within reach, and the cells of other seeds that touch
- * them. Cells further away can only be on T's side. Returns the size of the subset. */
-static int32_t gather(const view *w, vista_segmentation *s, int32_t seed) {
+/* What a node is to the cut at hand. LINKED: the flow has come to a free one. */
+enum { NOT_REACHED, SOURCE, SINK, FREE, LINKED, CUT_OUT };
+
+/* Takes a cell into the cut, unless it is in it already or in none any more. Cells of other seeds and those after the
+ * last step can only be on T's side. */
+static void reach(vista_segmentation *s, int32_t node, bool last) {
+  if (s->role[node] != NOT_REACHED) return;
+  s->role[node] = last || s->seeds.seed_of_node[node] != VISTA_NO_SEED ? SINK : FREE;
+  s->steps[node] = s->step + 1;
+  s->subset[s->subset_count++] = node;
+}
+
+/* Breadth first from the seed, one step further: what touches the cells of the last step. */
+static void gather_step(const view *w, vista_segmentation *s) {
   const vista_graph *const graph = &w->foveation->graph;
+  const bool last = s->step + 1 >= w->params->reach;
+  for (const int32_t end = s->subset_count; s->expanded_count < end; ++s->expanded_count) {
+    const int32_t node = s->subset[s->expanded_count];
+    if (s->role[node] == SINK) continue;
+    for (int32_t arc = graph->first_arc[node]; arc < graph->first_arc[node + 1]; ++arc)
+      reach(s, graph->head[arc], last);
+  }
+  s->step++;
+}
+
+/* The members of the seed that are in no region yet, and what touches them. */
+static void gather_seed(const view *w, vista_segmentation *s, int32_t seed) {
   const vista_seeds *const seeds = &s->seeds;
-  int32_t count = 0;
+  s->subset_count = s->expanded_count = s->step = 0;
   for (int32_t m = seeds->first_member[seed]; m < seeds->first_member[seed + 1]; ++m) {
     const int32_t node = seeds->members[m];
-    if (s->label[node] >= 0) continue;
-    s->source_capacity[node] = seeds->shell[node] ? 0 : SEED_LINK;
-    s->sink_capacity[node] = 0;
+    if (s->role[node] == CUT_OUT) continue;
+    s->role[node] = seeds->shell[node] ? FREE : SOURCE;
     s->steps[node] = 0;
-    s->subset[count++] = node;
+    s->subset[s->subset_count++] = node;
   }
-  for (int32_t next = 0; next < count; ++next) {
-    const int32_t node = s->subset[next];
-    const bool seed_of_other = s->sink_capacity[node] == SEED_LINK;
-    if (seed_of_other || s->steps[node] >= w->params->reach) continue;
-    for (int32_t arc = graph->first_arc[node]; arc < graph->first_arc[node + 1]; ++arc) {
-      const int32_t other = graph->head[arc];
-      if (s->label[other] >= 0 || s->steps[other] != NOT_REACHED) continue;
-      const bool last = s->steps[node] + 1 >= w->params->reach;
-      s->steps[other] = s->steps[node] + 1;
-      s->source_capacity[other] = 0;
-      s->sink_capacity[other] =
-          seeds->seed_of_node[other] != VISTA_NO_SEED || last ? SEED_LINK : sink_link(w, seeds, seed, other);
-      s->subset[count++] = other;
-    }
+  gather_step(w, s);
+}
+
+typedef struct cut {
+  const view *view;
+  vista_segmentation *segmentation;
+  int32_t seed;
+} cut;
+
+/* The flow comes to a free cell: finds its links. An edge to a cell whose side is settled is a link to that side's
+ * terminal, so that the flow runs over free cells only. */
+static void link_free_cell(void *context, int32_t node) {
+  const cut *const c = context;
+  const view *const w = c->view;
+  vista_segmentation *const s = c->segmentation;
+  const vista_graph *const graph = &w->foveation->graph;
+  while (s->step <= s->steps[node]) gather_step(w, s);
+  int32_t source = 0, sink = s->seeds.seed_of_node[node] == c->seed ? 0 : sink_link(w, &s->seeds, c->seed, node);
+  for (int32_t arc = graph->first_arc[node]; arc < graph->first_arc[node + 1]; ++arc) {
+    const int32_t other = graph->head[arc], role = s->role[other];
+    const bool uncertain = s->seeds.shell[node] || s->seeds.shell[other];
+    const int32_t capacity = uncertain ? w->affinity->intensity_capacity[arc] : w->affinity->capacity[arc];
+    source += role == SOURCE ? capacity : 0;
+    sink += role == SINK ? capacity : 0;
+    s->capacity[arc] = role == FREE || role == LINKED ? capacity : 0;
+  }
+  s->role[node] = LINKED;
+  s->source_capacity[node] = source;
+  s->sink_capacity[node] = sink;
+  s->cut_nodes++;
+}
+
+/* Free cells next to the source. */
+static int32_t list_starts(const view *w, vista_segmentation *s) {
+  const vista_graph *const graph = &w->foveation->graph;
+  int32_t count = 0;
+  for (int32_t k = 0; k < s->subset_count; ++k) {
+    const int32_t node = s->subset[k];
+    bool start = false;
+    for (int32_t arc = graph->first_arc[node]; arc < graph->first_arc[node + 1]; ++arc)
+      start |= s->role[graph->head[arc]] == SOURCE;
+    if (start && s->role[node] == FREE) s->starts[count++] = node;
   }
   return count;
 }
 
 /* One isolating cut; the source side becomes region `label`. */
 static vista_status cut_out(const view *w, vista_segmentation *s, int32_t seed, int32_t label) {
-  const int32_t count = gather(w, s, seed);
-  const vista_maxflow_problem problem = {s->capacity, s->source_capacity, s->sink_capacity, s->subset, count};
+  gather_seed(w, s, seed);
+  cut c = {w, s, seed};
+  const vista_maxflow_problem problem = {.arc_capacity = s->capacity,
+                                         .source_capacity = s->source_capacity,
+                                         .sink_capacity = s->sink_capacity,
+                                         .subset = s->starts,
+                                         .subset_count = list_starts(w, s),
+                                         .open = link_free_cell,
+                                         .context = &c};
   int64_t value;
   const vista_status status = vista_maxflow_solve(&s->maxflow, &problem, s->source_side, NULL, &value);
   if (status != VISTA_OK) return status;
-  for (int32_t k = 0; k < count; ++k) {
+  for (int32_t k = 0; k < s->subset_count; ++k) {
     const int32_t node = s->subset[k];
-    s->steps[node] = NOT_REACHED;
-    if (s->source_side[node]) s->label[node] = label;
+    const bool on_source_side = s->role[node] == SOURCE || (s->role[node] == LINKED && s->source_side[node]);
+    if (on_source_side) s->label[node] = label;
+    s->role[node] = on_source_side ? CUT_OUT : NOT_REACHED;
   }
   s->cut_count++;
-  s->cut_nodes += count;
   return VISTA_OK;
 }
 
-static void choose_capacities(const view *w, vista_segmentation *s) {
-  const vista_graph *const graph = &w->foveation->graph;
-  for (int32_t i = 0; i < graph->node_count; ++i) {
-    for (int32_t arc = graph->first_arc[i]; arc < graph->first_arc[i + 1]; ++arc) {
-      const bool uncertain = s->seeds.shell[i] || s->seeds.shell[graph->head[arc]];
-      s->capacity[arc] = uncertain ? w->affinity->intensity_capacity[arc] : w->affinity->capacity[arc];
-    }
-  }
-}
-
 static vista_status cut_all(const view *w, vista_segmentation *s) {
-  choose_capacities(w, s);
+  for (int32_t i = 0; i < w->foveation->node_count; ++i) s->role[i] = s->label[i] >= 0 ? CUT_OUT : NOT_REACHED;
   for (int32_t seed = 0; seed < s->seeds.count; ++seed) {
     const vista_status status = cut_out(w, s, seed, s->region_count);
     if (status != VISTA_OK) return status;
@@ -176,10 +221,7 @@ vista_status vista_segment(const vista_foveation *foveation, const vista_paramet
   if (status != VISTA_OK) return status;
   vista_segmentation *const s = segmentation;
   const view w = {foveation, &params->segmentation, cells, surfaces, affinity, params->affinity.flow_scale};
-  for (int32_t i = 0; i < foveation->node_count; ++i) {
-    s->label[i] = VISTA_NO_LABEL;
-    s->steps[i] = NOT_REACHED;
-  }
+  for (int32_t i = 0; i < foveation->node_count; ++i) s->label[i] = VISTA_NO_LABEL;
   s->region_count = s->cut_count = s->cut_nodes = 0;
 
   status = vista_seeds_of_obstacles(foveation, w.params, camera, cells, surfaces, &s->seeds);

@@ -29,14 +29,16 @@ typedef struct vista_segmentation {
   int32_t region_count;
   int32_t obstacle_count;  /* regions 0 .. obstacle_count - 1 grew from obstacle seeds */
   int32_t cut_count;       /* minimum cuts computed */
-  int32_t cut_nodes;       /* nodes in all of them */
+  int32_t cut_nodes;       /* nodes that the flow of all of them came to */
   vista_seeds seeds;
   vista_maxflow maxflow;
   int32_t *source_capacity, *sink_capacity; /* scratch, node_count each */
-  int32_t *subset, *steps;
+  int32_t *subset, *steps, *starts; /* nodes of the cut at hand, steps from its seed, where its flow begins */
+  int32_t subset_count, expanded_count, step;
+  uint8_t *role; /* in the cut at hand */
   uint8_t *source_side;
   float *carried_px; /* scratch, node_count */
-  int32_t *capacity;         /* scratch, graph.arc_count: what the cuts use */
+  int32_t *capacity;         /* scratch, graph.arc_count: of the free nodes' arcs */
   struct vista_merge *merge; /* scratch */
 } vista_segmentation;
 

@@ -31,13 +31,14 @@ double vista_plane_inclination_deg(const vista_camera *camera, const double up_c
 
 /* Grid neighbours `steps` cells apart in eight directions, and the cell itself. */
 static int32_t neighbourhood(const vista_foveation *f, int32_t ring, int32_t sector, int32_t steps, int32_t out[9]) {
+  const int32_t before = sector >= steps ? sector - steps : sector - steps + f->sector_count;
+  const int32_t after = sector + steps < f->sector_count ? sector + steps : sector + steps - f->sector_count;
+  const int32_t sectors[] = {before, sector, after};
   int32_t count = 0;
-  for (int32_t dr = -steps; dr <= steps; dr += steps) {
-    const int32_t r = ring + dr;
+  for (int32_t r = ring - steps; r <= ring + steps; r += steps) {
     if (r < 0 || r >= f->ring_count) continue;
-    for (int32_t ds = -steps; ds <= steps; ds += steps) {
-      const int32_t s = (sector + ds + f->sector_count) % f->sector_count;
-      const int32_t node = f->node_of_grid[r * f->sector_count + s];
+    for (int32_t k = 0; k < 3; ++k) {
+      const int32_t node = f->node_of_grid[r * f->sector_count + sectors[k]];
       if (node >= 0) out[count++] = node;
     }
   }
@@ -105,17 +106,20 @@ vista_status vista_surfaces_compute(const vista_foveation *foveation, const vist
       for (int32_t sector = 0; sector < f->sector_count; ++sector) {
         const int32_t node = f->node_of_grid[ring * f->sector_count + sector];
         if (node < 0) continue;
-        const int32_t lever = (int32_t)ceil(params->lever_px / (double)f->size_px[node]);
-        const int32_t steps = lever > f->sector_count / 8 ? f->sector_count / 8 : lever;
         int32_t around[9];
-        const int32_t count = neighbourhood(f, ring, sector, pass == 0 ? steps : 1, around);
-        if (pass == 0)
-          surfaces->inclination_deg[node] =
-              cells->disparity_px[node] < 0.0f ? -1.0f
-                                               : cell_inclination_deg(f, camera, up_camera, cells, node, around, count);
-        else
-          surfaces->horizontal[node] = surfaces->inclination_deg[node] >= 0.0f &&
-                                       mostly_horizontal(surfaces, params->horizontal_deg, around, count);
+        if (pass == 0) {
+          surfaces->inclination_deg[node] = -1.0f;
+          if (cells->disparity_px[node] < 0.0f) continue;
+          const int32_t lever = (int32_t)ceil(params->lever_px / (double)f->size_px[node]);
+          const int32_t steps = lever > f->sector_count / 8 ? f->sector_count / 8 : lever;
+          const int32_t count = neighbourhood(f, ring, sector, steps, around);
+          surfaces->inclination_deg[node] = cell_inclination_deg(f, camera, up_camera, cells, node, around, count);
+        } else {
+          surfaces->horizontal[node] = 0;
+          if (surfaces->inclination_deg[node] < 0.0f) continue;
+          const int32_t count = neighbourhood(f, ring, sector, 1, around);
+          surfaces->horizontal[node] = mostly_horizontal(surfaces, params->horizontal_deg, around, count);
+        }
       }
     }
   }
