@@ -156,10 +156,12 @@ typedef struct vista_tracker_params {
   double static_fade_m; /* Own travel over which earlier hits lose their say about that. 0.1 .. 100000.0 m. */
   double static_speed_min_m_s; /* Slower than this along its line of sight, own travel tells nothing of a track: single frames have to do. 0.0 .. 100.0 m/s. */
   int32_t miss_max; /* Misses in a row that a confirmed track survives. 0 .. 1000 frames. */
-  double out_of_view_s; /* A track outside the matched part of the image coasts for this long. 0.0 .. 3600.0 s. */
+  double out_of_view_s; /* A track outside the matched part of the image, which is not in the way, coasts for this long. 0.0 .. 3600.0 s. */
   double blind_zone_s; /* A track nearer than the engine matches coasts for this long, unless it is passed before. 0.0 .. 3600.0 s. */
   double range_max_m; /* Farther detections start no track. 1.0 .. 100000.0 m. */
-  unsigned char reserved[88];
+  double follow_s; /* A track without a detection, not in the way, is followed by the words at its place for this long. 0.0 .. 3600.0 s. */
+  double hold_s; /* A track whose place shows no words coasts for this long before it counts as missed. 0.0 .. 3600.0 s. */
+  unsigned char reserved[72];
 } vista_tracker_params;
 
 /* Something in the way that is too near to match: texture without disparity. */

@@ -77,10 +77,10 @@ static vista_disc disc_of(const vista_obstacle_map_params *params, const vista_c
   return disc;
 }
 
-/* While coasting: the last ellipse, moved to the predicted centre and scaled with the range. */
+/* Without a detection: the last ellipse, moved to the predicted centre and scaled with the range. */
 static vista_ellipse ellipse_of(const vista_track *track, const double measurement_px[3], double depth_m) {
   vista_ellipse ellipse = track->ellipse;
-  if (!track->coasting) return ellipse;
+  if (!track->coasting && !track->followed) return ellipse;
   const double scale = track->ellipse_depth_m / depth_m;
   ellipse.center_u_px = measurement_px[0];
   ellipse.center_v_px = measurement_px[1];
@@ -116,7 +116,8 @@ static bool obstacle_of(const vista_obstacle_map_params *params, const vista_cam
   obstacle->ellipse = ellipse_of(track, measurement_px, camera_m[2]);
   const int32_t members = vista_window_count(track->volume_window, 3);
   obstacle->in_collision_volume = track->credible && members >= (track->hits > 1 ? 2 : 1);
-  if (obstacle->in_collision_volume && (track->coasting || track->edges_only)) {
+  const bool undetected = (track->coasting || track->followed) && track->parts == 0;
+  if (obstacle->in_collision_volume && (undetected || track->edges_only)) {
     const vista_disc disc = disc_of(params, camera, pose, track, covariance_px2, camera_m[2]);
     obstacle->in_collision_volume = vista_disc_near_segment(&disc, axis, params->collision_radius_m);
   }
