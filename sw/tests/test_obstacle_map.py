@@ -17,6 +17,7 @@ from track_library import (
     Tracker,
     camera,
     detection,
+    flight_path,
     measure,
     motion,
     params,
@@ -35,14 +36,20 @@ class Map:
         assert self._arena.status == lib.VISTA_OK
         self.handle, self.params, self.camera = out[0], params("obstacle_map", **changes), camera()
 
-    def update(self, tracks=(), velocity=FORWARD, raw_pose=None, blind_zone=ffi.NULL) -> str:
+    def update(
+        self, tracks=(), velocity=FORWARD, raw_pose=None, blind_zone=ffi.NULL, length_m=None, **arc
+    ) -> str:
+        """arc: normal and curvature_1_m."""
         items = ffi.new("vista_track[]", [track[0] for track in tracks])
+        moved = motion(raw_pose, velocity)
+        path = flight_path(moved, length_m or self.params.collision_length_m, **arc)
         return status_name(
             lib.vista_obstacle_map_update(
                 self.handle,
                 self.params,
                 self.camera,
-                motion(raw_pose, velocity),
+                moved,
+                path,
                 blind_zone,
                 items,
                 len(tracks),
@@ -351,3 +358,44 @@ def test_parameters_out_of_range_are_refused(name: str, value: float) -> None:
     out = ffi.new("vista_obstacle_map **")
     short = Arena(lambda arena: lib.vista_obstacle_map_layout(8, arena, out), missing_bytes=1)
     assert status_name(short.status) == "VISTA_ERROR_MEMORY"
+
+
+# ---- in a bend ----
+
+BEND_M = 30.0  # radius, to the right
+
+
+def on_bend(along_m: float, aside_m: float = 0.0) -> tuple[float, float, float]:
+    """aside_m: to the outside."""
+    angle, radius_m = along_m / BEND_M, BEND_M + aside_m
+    return BEND_M - radius_m * math.cos(angle), 0.0, radius_m * math.sin(angle)
+
+
+def bend(position, **keywords) -> Map:
+    mapper = Map()
+    arc = {"normal": (1.0, 0.0, 0.0), "curvature_1_m": 1.0 / BEND_M, "length_m": 25.0}
+    assert mapper.update([track(position, extent=(0.2, 1.0), **keywords)], **arc) == "VISTA_OK"
+    return mapper
+
+
+@pytest.mark.parametrize("along_m", [6.0, 15.0, 24.0])
+def test_a_post_on_the_arc_is_in_the_way_and_one_beside_it_is_not(along_m: float) -> None:
+    on_it = bend(on_bend(along_m))
+    assert on_it.nearest.valid
+    assert on_it.nearest.time_to_collision_s == pytest.approx(along_m / FORWARD[2], rel=1e-6)
+    assert bend(on_bend(along_m, 1.7)).nearest.valid and bend(on_bend(along_m, -1.7)).nearest.valid
+    assert not bend(on_bend(along_m, 2.6)).nearest.valid
+    assert not bend(on_bend(along_m, -2.6)).nearest.valid
+
+
+def test_straight_ahead_of_a_bend_is_the_outside() -> None:
+    assert in_volume((0.0, 0.0, 20.0)) and not bend((0.0, 0.0, 20.0)).nearest.valid
+    assert not bend(on_bend(30.0)).nearest.valid  # beyond the length
+    assert not bend(on_bend(-3.0)).obstacles
+
+
+def test_time_to_collision_in_a_bend_is_along_it() -> None:
+    """What comes towards the aircraft on the arc, at 3 m/s."""
+    angle = 20.0 / BEND_M
+    mapper = bend(on_bend(20.0), velocity_m_s=[-3.0 * math.sin(angle), 0.0, -3.0 * math.cos(angle)])
+    assert mapper.nearest.time_to_collision_s == pytest.approx(20.0 / 12.0, rel=1e-6)

@@ -93,9 +93,7 @@ def test_the_sky_holds_no_obstacle(results: list[Result]) -> None:
             assert not (o.confirmed and not o.coasting and in_gap), (frame, o.id)
 
 
-def test_warnings_and_held_tracks_do_not_become_more(results: list[Result]) -> None:
-    """The limits of warnings are what is reached today, not what is good: the collision volume is straight."""
-    beside = {aside.frame for aside in warnings_beside_the_path(results, driven_path_m())}
-    assert len(beside) <= 9
-    assert warned_frames(results) <= 30
+def test_warnings_are_of_the_path_and_few_tracks_coast(results: list[Result]) -> None:
+    assert warnings_beside_the_path(results, driven_path_m()) == []
+    assert warned_frames(results) <= 23
     assert coasting_share(results) <= 0.25

@@ -1,4 +1,4 @@
-"""An obstacle that is not detected has gone where the engine sees something else; it stands where it is seen."""
+"""An obstacle that is not detected has gone where the engine sees something else."""
 
 from __future__ import annotations
 

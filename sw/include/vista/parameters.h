@@ -37,7 +37,9 @@ typedef struct vista_motion_params {
   double speed_max_m_s; /* A pose that only a faster vehicle could have reached is refused. 1.0 .. 10000.0 m/s. */
   int32_t restart_poses; /* As many refused poses in a row that agree with each other are believed: the world goes on there, without tracks. 1 .. 100 poses. */
   double drift_m_s; /* Error of the velocity over which a frame without a pose is carried on; adds to the uncertainty of all tracks. 0.0 .. 100.0 m/s. */
-  unsigned char reserved[216];
+  double path_turn_min_deg_s; /* The path bends by what turns faster: nobody keeps to a straight line better than this. 0.0 .. 90.0 deg/s. */
+  double path_uncertainty; /* Share by which the curvature of what is flown next may differ from that flown now; it bounds the length of the arc. 0.001 .. 1.0. */
+  unsigned char reserved[200];
 } vista_motion_params;
 
 /* Log-polar grid (paper, section II-B). */
@@ -184,7 +186,8 @@ typedef struct vista_obstacle_map_params {
   double lasting_center_px; /* The same of its centre: matching widens a thing by up to half a block, more to one side than to the other. 0.0 .. 100.0 px. */
   double lasting_center_ratio; /* The same, as a share of its half width and height: a region may lack a part of the thing all along. 0.0 .. 2.0. */
   double closing_min_m_s; /* No time to collision is given for what closes slower than this. 0.0 .. 100.0 m/s. */
-  unsigned char reserved[192];
+  double outline_px; /* Pixels by which matching widens a thing to each side: so much nearer to the path has a pixel to be, to be in the collision volume. 0.0 .. 100.0 px. */
+  unsigned char reserved[184];
 } vista_obstacle_map_params;
 
 /* When a view tells too little. */

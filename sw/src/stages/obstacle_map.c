@@ -91,7 +91,7 @@ static vista_ellipse ellipse_of(const vista_track *track, const double measureme
 
 /* False: behind the camera. */
 static bool obstacle_of(const vista_obstacle_map_params *params, const vista_camera *camera, const vista_pose *pose,
-                        const vista_line_segment *axis, const vista_track *track, vista_obstacle *obstacle) {
+                        const vista_flight_path *path, const vista_track *track, vista_obstacle *obstacle) {
   double camera_m[3], measurement_px[3], jacobian_camera[9], jacobian[9], covariance_px2[9];
   vista_frame_to_camera(pose, track->position_m, camera_m);
   if (!(camera_m[2] > DEPTH_MIN_M)) return false;
@@ -115,11 +115,11 @@ static bool obstacle_of(const vista_obstacle_map_params *params, const vista_cam
   obstacle->disparity_px = measurement_px[2];
   obstacle->ellipse = ellipse_of(track, measurement_px, camera_m[2]);
   const int32_t members = vista_window_count(track->volume_window, 3);
-  obstacle->in_collision_volume = track->credible && members >= (track->hits > 1 ? 2 : 1);
   const bool undetected = (track->coasting || track->followed) && track->parts == 0;
+  obstacle->in_collision_volume = track->credible && members >= (track->hits > 1 ? 2 : 1);
   if (obstacle->in_collision_volume && (undetected || track->edges_only)) {
     const vista_disc disc = disc_of(params, camera, pose, track, covariance_px2, camera_m[2]);
-    obstacle->in_collision_volume = vista_disc_near_segment(&disc, axis, params->collision_radius_m);
+    obstacle->in_collision_volume = vista_flight_path_near_disc(path, &disc, params->collision_radius_m);
   }
   return true;
 }
@@ -139,7 +139,7 @@ static void insert(vista_obstacle_map *map, const vista_obstacle *obstacle) {
 
 /* Across: the volume; along: anywhere up to range_m, given at its end with that as standard deviation. */
 static vista_obstacle too_near(const vista_obstacle_map_params *params, const vista_camera *camera,
-                               const vista_line_segment *axis, double range_m) {
+                               const vista_flight_path *path, double range_m) {
   const double disparity_px = camera->focal_px * camera->baseline_m / range_m;
   const double radius_px = params->collision_radius_m * camera->focal_px / range_m;
   vista_obstacle obstacle = {.confirmed = true,
@@ -151,9 +151,9 @@ static vista_obstacle too_near(const vista_obstacle_map_params *params, const vi
                              .disparity_px = disparity_px,
                              .in_collision_volume = true};
   for (int i = 0; i < 3; ++i) {
-    obstacle.position_m[i] = axis->start_m[i] + range_m * axis->direction[i];
+    obstacle.position_m[i] = path->start_m[i] + range_m * path->direction[i];
     for (int j = 0; j < 3; ++j) {
-      const double along2 = axis->direction[i] * axis->direction[j];
+      const double along2 = path->direction[i] * path->direction[j];
       obstacle.covariance_m2[3 * i + j] =
           range_m * range_m * along2 + params->collision_radius_m * params->collision_radius_m * ((i == j) - along2);
     }
@@ -163,16 +163,14 @@ static vista_obstacle too_near(const vista_obstacle_map_params *params, const vi
 
 /* track: NULL for what has none and stands. */
 static vista_nearest_collision collision_with(const vista_obstacle_map_params *params, const vista_obstacle *obstacle,
-                                              const vista_track *track, const vista_line_segment *axis,
+                                              const vista_track *track, const vista_flight_path *path,
                                               const vista_motion *motion) {
   vista_nearest_collision nearest = {.valid = true, .id = obstacle->id, .distance_m = obstacle->distance_m};
   memcpy(nearest.position_m, obstacle->position_m, sizeof nearest.position_m);
-  double along_m = 0.0;
-  double closing_m_s = 0.0;
-  for (int i = 0; i < 3; ++i) {
-    along_m += (obstacle->position_m[i] - axis->start_m[i]) * motion->direction[i];
-    closing_m_s += (motion->velocity_m_s[i] - (track != NULL ? track->velocity_m_s[i] : 0.0)) * motion->direction[i];
-  }
+  double there[3];
+  const double along_m = vista_flight_path_along(path, obstacle->position_m, there);
+  double closing_m_s = vista_dot(motion->velocity_m_s, motion->direction);
+  if (track != NULL) closing_m_s -= vista_dot(track->velocity_m_s, there);
   nearest.time_to_collision_s = closing_m_s > params->closing_min_m_s ? fmax(0.0, along_m) / closing_m_s : NAN;
   return nearest;
 }
@@ -194,28 +192,26 @@ static vista_status check(const vista_obstacle_map *map, const vista_obstacle_ma
 
 vista_status vista_obstacle_map_update(vista_obstacle_map *map, const vista_obstacle_map_params *params,
                                        const vista_camera *camera, const vista_motion *motion,
-                                       const vista_blind_zone *blind_zone, const vista_track *tracks,
-                                       int32_t track_count) {
-  if (map == NULL || params == NULL || camera == NULL || motion == NULL || (tracks == NULL && track_count != 0))
+                                       const vista_flight_path *path, const vista_blind_zone *blind_zone,
+                                       const vista_track *tracks, int32_t track_count) {
+  if (map == NULL || params == NULL || camera == NULL || motion == NULL || path == NULL ||
+      (tracks == NULL && track_count != 0))
     return VISTA_ERROR_ARGUMENT;
   const vista_status status = check(map, params, camera, motion, tracks, track_count);
   if (status != VISTA_OK) return status;
-  vista_line_segment axis = {.length_m = params->collision_length_m};
-  memcpy(axis.start_m, motion->pose.translation_m, sizeof axis.start_m);
-  memcpy(axis.direction, motion->direction, sizeof axis.direction);
   vista_obstacle_map_reset(map);
   if (blind_zone != NULL && blind_zone->occupied) {
-    const vista_obstacle obstacle = too_near(params, camera, &axis, blind_zone->range_m);
+    const vista_obstacle obstacle = too_near(params, camera, path, blind_zone->range_m);
     insert(map, &obstacle);
-    map->nearest = collision_with(params, &obstacle, NULL, &axis, motion);
+    map->nearest = collision_with(params, &obstacle, NULL, path, motion);
   }
   for (int32_t i = 0; i < track_count; ++i) {
     vista_obstacle obstacle;
-    if (!obstacle_of(params, camera, &motion->pose, &axis, &tracks[i], &obstacle)) continue;
+    if (!obstacle_of(params, camera, &motion->pose, path, &tracks[i], &obstacle)) continue;
     insert(map, &obstacle);
     const bool nearer = !map->nearest.valid || obstacle.distance_m < map->nearest.distance_m;
     if (obstacle.confirmed && obstacle.in_collision_volume && nearer)
-      map->nearest = collision_with(params, &obstacle, &tracks[i], &axis, motion);
+      map->nearest = collision_with(params, &obstacle, &tracks[i], path, motion);
   }
   return VISTA_OK;
 }
