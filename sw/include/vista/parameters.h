@@ -183,11 +183,13 @@ typedef struct vista_obstacle_map_params {
   double inflation_sigma; /* Standard deviations of the bearing that are added to an obstacle's semi-axes. 0.0 .. 10.0. */
   double lasting_disparity_px; /* Error of an obstacle's disparity that lasts from frame to frame: no filter averages it out; adds to the covariance. 0.0 .. 16.0 px. */
   double lasting_range_m; /* The same in depth, of the surface that the region's boundary shows; the larger part near the camera. 0.0 .. 10.0 m. */
-  double lasting_center_px; /* The same of its centre: matching widens a thing by up to half a block, more to one side than to the other. 0.0 .. 100.0 px. */
-  double lasting_center_ratio; /* The same, as a share of its half width and height: a region may lack a part of the thing all along. 0.0 .. 2.0. */
+  double lasting_center_px; /* The same of its centre: matching widens a thing more to one side than to the other. 0.0 .. 100.0 px. */
+  double lasting_center_ratio; /* The same, as a share of half of what its longer side has more than the shorter one: a region may lack the end of a long thing all along. 0.0 .. 2.0. */
   double closing_min_m_s; /* No time to collision is given for what closes slower than this. 0.0 .. 100.0 m/s. */
   double outline_px; /* Pixels by which matching widens a thing to each side: so much nearer to the path has a pixel to be, to be in the collision volume. 0.0 .. 100.0 px. */
-  unsigned char reserved[184];
+  double lasting_scatter; /* The same in u, v and disparity, as a share of the scatter of its detections: a region that wanders may be wrong for long. 0.0 .. 10.0. */
+  double thickness_ratio; /* The middle of a thing lies this share of half its smaller side behind the surface that is seen, uncertain by as much: 0 for a board, 1 for a ball. 0.0 .. 1.0. */
+  unsigned char reserved[168];
 } vista_obstacle_map_params;
 
 /* When a view tells too little. */

@@ -10,6 +10,7 @@
 #include "common/numbers.h"
 #include "common/parameters_check.h"
 
+#define THICK_MAX_M 1.0 /* larger things are walls and the like: what their sides are, tells nothing of their depth */
 #define DEPTH_MIN_M 0.05 /* nearer along z: behind the camera */
 
 struct vista_obstacle_map {
@@ -45,19 +46,29 @@ const vista_obstacle *vista_obstacle_map_obstacles(const vista_obstacle_map *map
 
 vista_nearest_collision vista_obstacle_map_nearest(const vista_obstacle_map *map) { return map->nearest; }
 
+/* From the surface that is seen to the middle of what is behind it: nothing for a board, half its width for a ball. */
+static double thickness_m(const vista_obstacle_map_params *params, const vista_track *track) {
+  const double half_m = 0.5 * fmin(fmin(track->extent_m[0], track->extent_m[1]), THICK_MAX_M);
+  return params->thickness_ratio * half_m;
+}
+
 /* Of the errors that last: along the ray by disparity and depth, across it by pixels and a share of the half extent. */
 static void lasting_covariance(const vista_obstacle_map_params *params, const vista_camera *camera,
                                const vista_pose *pose, const vista_track *track, const double camera_m[3],
                                double covariance_m2[9]) {
   const double fb = camera->focal_px * camera->baseline_m, z = camera_m[2];
-  const double range_m = hypot(z * z / fb * params->lasting_disparity_px, params->lasting_range_m);
+  const double share = vista_square(params->lasting_scatter);
+  const double disparity_px = sqrt(vista_square(params->lasting_disparity_px) + share * track->scatter_px2[2]);
+  const double range_m = hypot(z * z / fb * disparity_px, params->lasting_range_m + thickness_m(params, track));
   const double ray[3] = {camera_m[0] / z, camera_m[1] / z, 1.0};
   double in_camera[9];
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) in_camera[3 * i + j] = range_m * range_m * ray[i] * ray[j];
-  const double pixels_m = params->lasting_center_px * z / camera->focal_px;
   for (int i = 0; i < 2; ++i) {
-    const double share_m = 0.5 * params->lasting_center_ratio * track->extent_m[i];
+    const double center_px = sqrt(vista_square(params->lasting_center_px) + share * track->scatter_px2[i]);
+    const double pixels_m = center_px * z / camera->focal_px;
+    const double longer_m = track->extent_m[i] - fmin(track->extent_m[0], track->extent_m[1]);
+    const double share_m = 0.5 * params->lasting_center_ratio * longer_m;
     in_camera[4 * i] += pixels_m * pixels_m + share_m * share_m;
   }
   vista_frame_covariance_to_world(pose, in_camera, covariance_m2);
@@ -103,7 +114,10 @@ static bool obstacle_of(const vista_obstacle_map_params *params, const vista_cam
                                .age_frames = track->age_frames,
                                .distance_m = vista_norm(camera_m),
                                .extent_m = {track->extent_m[0], track->extent_m[1]}};
-  memcpy(obstacle->position_m, track->position_m, sizeof obstacle->position_m);
+  const double behind = thickness_m(params, track) / obstacle->distance_m;
+  for (int i = 0; i < 3; ++i)
+    obstacle->position_m[i] = track->position_m[i] + behind * (track->position_m[i] - pose->translation_m[i]);
+  obstacle->distance_m *= 1.0 + behind;
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) obstacle->covariance_m2[3 * i + j] = track->covariance[6 * i + j];
   vista_frame_measure(camera, camera_m, measurement_px, jacobian_camera);

@@ -3,8 +3,10 @@
  * Collision volume: the points within radius_m of the path that is flown next, straight or an arc (motion.h).
  * Time to collision: along the path, over the speed at which the obstacle comes nearer along it.
  * Covariance: the filter takes the errors of a region for white, and averages them out. Part of them lasts as long as
- * the thing is in view (the matcher's bias at its texture, the part of it that the region lacks): that part is added to
- * the filter's covariance, J diag(lasting^2) J^T as in reconstruction, not fed into it.
+ * the thing is in view: the matcher's bias, a region that wanders (the scatter of its detections), the end of a long thing
+ * that the region lacks. That part is added to the filter's covariance, J diag(lasting^2) J^T as in reconstruction, not
+ * fed into it.
+ * Position: of the middle, thickness_ratio of half the smaller side behind the surface that is seen; uncertain by as much.
  * Too near to match (blind_zone.h): an obstacle without a track, id 0, on the flight path somewhere within the
  * blind zone, as wide as the volume. It is given at the far end of the zone, with the zone's length as uncertainty.
  * Membership: an obstacle that is seen, by the pixels of its region (collision_volume.h) in two of its last three

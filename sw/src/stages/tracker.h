@@ -81,9 +81,10 @@ typedef struct vista_track {
   double covariance[36];  /* of (position, velocity), row-major, symmetric; m^2, m^2/s, m^2/s^2 */
   double extent_m[2];     /* width, height */
   double extent_variance[2]; /* of the natural logarithm of extent_m */
+  double scatter_px2[3]; /* mean square of what the last ten detections differed by from the prediction; u, v, d */
   vista_static_world world;
-  vista_ellipse ellipse;     /* of the last detection */
-  double ellipse_depth_m;    /* camera z at that detection */
+  vista_ellipse ellipse; /* of the last detection */
+  double ellipse_depth_m; /* camera z at that detection */
 } vista_track;
 
 typedef struct vista_tracker vista_tracker;
