@@ -186,8 +186,8 @@ static bool stands_on(const vista_tracker *tracker, const vista_track_frame *f, 
   return !track->coasting && still(track) && vista_track_stacked(f->params, view, &tracker->views[whole]);
 }
 
-/* Tentative tracks within a confirmed one, and the younger of two confirmed ones that are within each other, or of which
- * one stands on the other. */
+/* Tentative tracks within a confirmed one, or a part of it, and the younger of two confirmed ones that are within each
+ * other. */
 static void remove_duplicates(vista_tracker *tracker, const vista_track_frame *f) {
   for (int32_t i = 0; i < tracker->count; ++i) {
     if (!tracker->tracks[i].confirmed) continue;
@@ -198,7 +198,7 @@ static void remove_duplicates(vista_tracker *tracker, const vista_track_frame *f
       bool same = j != i && vista_track_within(f->params, &tracker->views[j], &tracker->views[self]);
       if (same && confirmed) same = j > i && vista_track_within(f->params, &tracker->views[self], &tracker->views[j]);
       if (same && confirmed) merge(tracker, self, j);
-      if (!same && j > i && still(&tracker->tracks[j]) && stands_on(tracker, f, &tracker->views[j], self)) {
+      if (!same && !confirmed && still(&tracker->tracks[j]) && stands_on(tracker, f, &tracker->views[j], self)) {
         const vista_track *const part = &tracker->tracks[j];
         same = true;
         if (part->label >= 0) vista_track_add_part(part->volume_window & 1u, &tracker->tracks[self]);

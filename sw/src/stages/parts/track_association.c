@@ -7,7 +7,7 @@
 
 #define MOVED_EXTENT_CHI2 5.99 /* 95 percent of 2 degrees: what is linked by place so loosely has to be of one size */
 #define STACKED_WIDTH_RATIO 3.0 /* a crown and its trunk; more is a board on its pole */
-#define STACKED_GAP 0.5         /* between the two, as a share of their mean height */
+#define STACKED_GAP 1.0         /* between the two, as a share of their mean height */
 
 typedef enum pass {
   CONFIRMED_IN_GATE,
