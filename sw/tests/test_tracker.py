@@ -371,16 +371,6 @@ def test_other_things_are_no_parts(other: dict) -> None:
     assert list(standing(**other).tracks) == [1, 2]
 
 
-def test_an_older_part_ends_when_the_whole_is_confirmed() -> None:
-    """The trunk is seen from the first frame on, the crown later: the older id stays."""
-    tracker = Tracker()
-    for frame in range(12):
-        items = [seen_at(TRUNK, extent=(1.0, 2.0), label=2)] if frame not in (4, 5, 6) else []
-        items += [seen_at(CROWN, extent=(1.5, 3.0), label=1)] if frame > 3 else []
-        assert tracker.update(DT * frame, items) == "VISTA_OK"
-    assert list(tracker.tracks) == [1]
-
-
 def test_a_part_keeps_the_thing_in_the_volume_while_the_rest_is_followed() -> None:
     tracker = standing()
     image = np.full((480, 640), round(16 * measure(CROWN)[2]), np.int16)
