@@ -218,6 +218,7 @@ typedef struct passage {
   vista_motion_state motion_state; /* the pipeline's, once the frame has passed */
   vista_motion motion;
   vista_image_noise noise;
+  vista_flight_path path; /* flown next */
   vista_health health;
   double valid_fraction;
   double up_camera[3];
@@ -244,8 +245,11 @@ static vista_status run_stage(vista_pipeline *p, stage stage, passage *way) {
     case STAGE_MOTION: {
       const vista_motion_input input = {frame->pose, frame->velocity_m_s, frame->stationary, frame->t_ns};
       const vista_status status = vista_motion_update(&q->motion, &input, &way->motion_state, &way->motion);
-      if (status == VISTA_OK) up_in_camera(&way->motion, frame->up_world, way->up_camera);
-      return status;
+      if (status != VISTA_OK) return status;
+      up_in_camera(&way->motion, frame->up_world, way->up_camera);
+      way->path = vista_motion_path(&q->motion, &way->motion_state, &way->motion, q->obstacle_map.collision_length_m,
+                                    q->obstacle_map.collision_radius_m);
+      return VISTA_OK;
     }
     case STAGE_NOISE: {
       const vista_status status = vista_image_noise_measure(&frame->image, &way->noise);
@@ -271,9 +275,8 @@ static vista_status run_stage(vista_pipeline *p, stage stage, passage *way) {
           vista_regions_compute(&p->foveation, &q->region, &p->camera, up, q->surface.horizontal_deg, &frame->disparity,
                                 &p->cells, &p->surfaces, &p->segmentation, &p->refinement, &p->regions);
       if (status != VISTA_OK) return status;
-      vista_collision_volume volume = {.radius_m = q->obstacle_map.collision_radius_m,
-                                       .length_m = q->obstacle_map.collision_length_m};
-      vista_motion_direction_camera(&way->motion, volume.direction_camera);
+      const vista_collision_volume volume = vista_collision_volume_around(
+          &way->path, &way->motion.pose, q->obstacle_map.collision_radius_m, q->obstacle_map.outline_px);
       return vista_collision_volume_count(&p->foveation, &q->region, &p->camera, &volume, &frame->disparity,
                                           &p->regions);
     }
@@ -294,8 +297,8 @@ static vista_status run_stage(vista_pipeline *p, stage stage, passage *way) {
     case STAGE_MAP: {
       int32_t count;
       const vista_track *const tracks = vista_tracker_tracks(p->tracker, &count);
-      return vista_obstacle_map_update(p->map, &q->obstacle_map, &p->camera, &way->motion, &p->blind_zone, tracks,
-                                       count);
+      return vista_obstacle_map_update(p->map, &q->obstacle_map, &p->camera, &way->motion, &way->path, &p->blind_zone,
+                                       tracks, count);
     }
     case STAGE_COUNT:
       break;

@@ -12,8 +12,11 @@ from test_region import TOLERANCES, box, measure
 RADIUS_M, LENGTH_M = 2.0, 30.0
 
 
-def count(stages: Stages, words: np.ndarray, direction=(0.0, 0.0, 1.0)) -> list[int]:
-    volume = ffi.new("vista_collision_volume *", [list(direction), RADIUS_M, LENGTH_M])
+def count(stages: Stages, words: np.ndarray, direction=(0.0, 0.0, 1.0), **changes) -> list[int]:
+    volume = ffi.new(
+        "vista_collision_volume *",
+        {"direction_camera": list(direction), "radius_m": RADIUS_M, "length_m": LENGTH_M} | changes,
+    )
     status = lib.vista_collision_volume_count(
         stages.foveation.handle,
         stages.section("region"),
@@ -61,6 +64,55 @@ def test_pixels_are_counted_where_they_are(direction: tuple[float, float, float]
         assert low <= found <= high
 
 
+@pytest.mark.parametrize("radius_m", [20.0, 60.0, 1e6])
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_an_arc_is_followed(radius_m: float, side: float) -> None:
+    """Pixel by pixel against the distance from the circle; hardly bent, as straight."""
+    random, stages = seeded(3), Stages(camera(), TOLERANCES)
+    masks = [box((60, 120), 40, 60), box((160, 100), 30, 40), box((260, 140), 45, 90)]
+    disparity = np.full((240, 320), -1.0)
+    disparity[masks[0]], disparity[masks[1]] = 12.0, 8.0
+    disparity[masks[2]] = plane_disparity(stages.camera, (1, 0, 0.2), (2.5, 0, 2))[masks[2]]
+    words = words_of(disparity, random, 0.1)
+    regions = measure(stages, words, masks)
+    arc = {"normal_camera": [side, 0.0, 0.0], "curvature_1_m": 1.0 / radius_m}
+    found = count(stages, words, **arc)
+    for region, pixels in zip(regions, found, strict=True):
+        low, high = (on_arc(stages, words, region, side * radius_m, slack) for slack in (-0.01, 0.01))
+        assert low <= pixels <= high
+    assert any(found)
+    if radius_m == 1e6:
+        assert found == pytest.approx(count(stages, words), abs=5)
+
+
+def on_arc(stages: Stages, words: np.ndarray, region, radius_m: float, slack_m: float) -> int:
+    """Own pixels near a circle around (radius_m, 0, 0)."""
+    v, u = np.mgrid[: words.shape[0], : words.shape[1]]
+    surface = (
+        region.disparity_px
+        + region.slope_u * (u - region.mean_u_px)
+        + region.slope_v * (v - region.mean_v_px)
+    )
+    own = (words > 0) & (np.abs(words / 16 - surface) <= 1.0)
+    own &= (stages.label == region.label)[stages.foveation.cell_of_pixel]
+    scale = stages.camera.focal_px * stages.camera.baseline_m
+    x, y, z = np.moveaxis(rays(stages.camera) * (scale * 16 / np.maximum(words, 1))[..., None], -1, 0)
+    aside = np.hypot(x - radius_m, z) - abs(radius_m)
+    along = np.arctan2(z, abs(radius_m) - np.sign(radius_m) * x) * abs(radius_m)
+    inside = np.hypot(aside, y) <= RADIUS_M + slack_m
+    return int(np.count_nonzero(own & inside & (z > 0) & (along <= LENGTH_M + slack_m)))
+
+
+def test_things_are_as_much_narrower_as_matching_widens_them() -> None:
+    """A post from 1.6 m to 2.0 m beside the way, at 20 m."""
+    stages = Stages(camera(), TOLERANCES)
+    mask = box((160 + 36, 120), 4, 60)
+    words = words_of(np.where(mask, 10.0, -1.0))
+    measure(stages, words, [mask])
+    counts = [count(stages, words, outline_px=outline)[0] for outline in (0.0, 2.0, 9.0)]
+    assert counts[0] > counts[1] > counts[2] == 0
+
+
 def test_a_wall_beside_the_way_is_out_though_its_middle_would_reach_in() -> None:
     """3 m to the right, from 6 m to 30 m ahead: as a disc of its size it would be in the way."""
     stages = Stages(camera(), TOLERANCES)
@@ -79,6 +131,17 @@ def test_what_is_no_obstacle_is_not_counted() -> None:
     words = words_of(np.where(mask, 20.0, -1.0))
     measure(stages, words, [mask])
     assert count(stages, words) == [0]
+
+
+def test_more_than_a_quarter_of_a_circle_is_refused() -> None:
+    stages, words = Stages(camera()), np.zeros((240, 320), np.int16)
+    for changes in ({"curvature_1_m": 0.06}, {"curvature_1_m": -0.01}, {"outline_px": -1.0}):
+        values = {"direction_camera": [0, 0, 1], "radius_m": RADIUS_M, "length_m": LENGTH_M}
+        volume = ffi.new("vista_collision_volume *", values | changes)
+        frame = (stages.foveation.handle, stages.section("region"), stages.camera, volume)
+        image = image_struct("disparity_image", words)
+        status = lib.vista_collision_volume_count(*frame, image, stages.regions)
+        assert status_name(status) == "VISTA_ERROR_RANGE", changes
 
 
 def test_wrong_arguments_are_refused() -> None:

@@ -31,6 +31,9 @@ class Motion:
         motion = ffi.new("vista_motion *")
         return status_name(lib.vista_motion_update(self.params, given, self.state, motion)), motion
 
+    def path(self, motion, length_m: float = 100.0, radius_m: float = 2.0):
+        return lib.vista_motion_path(self.params, self.state, motion, length_m, radius_m)
+
 
 def source(motion) -> str:
     return ffi.string(lib.vista_motion_source_name(motion.source)).decode()
@@ -84,8 +87,8 @@ def test_turn_rate_from_poses(period_s: float) -> None:
 
 
 def test_the_flight_direction() -> None:
-    """Along the velocity; slower than speed_min_m_s along the optical axis; seen from the camera, too."""
-    turn, out = Rotation.from_euler("xyz", [4, -7, 3], degrees=True).as_matrix(), ffi.new("double[3]")
+    """Along the velocity; slower than speed_min_m_s along the optical axis. The path, too."""
+    turn = Rotation.from_euler("xyz", [4, -7, 3], degrees=True).as_matrix()
     stage = Motion()
     for t_s, velocity, expected in (
         (0.0, None, turn[:, 2]),
@@ -94,8 +97,84 @@ def test_the_flight_direction() -> None:
     ):
         motion = stage.update(t_s, pose((1, 2, 3), turn), velocity)
         assert list(motion.direction) == pytest.approx(expected)
-        lib.vista_motion_direction_camera(motion, out)
-        assert list(out) == pytest.approx(turn.T @ expected)
+        path = stage.path(motion)
+        assert list(path.start_m) == [1, 2, 3]
+        assert (list(path.direction), path.curvature_1_m) == (list(motion.direction), 0.0)
+
+
+# ---- the path flown next ----
+
+
+def circle(radius_m: float, speed_m_s: float, t_s: float) -> tuple[np.ndarray, np.ndarray]:
+    """Position and rotation on a circle to the right, tangent to z at t = 0; y is the axis."""
+    angle = speed_m_s * t_s / radius_m
+    position = radius_m * np.array([1.0 - math.cos(angle), 0.0, math.sin(angle)])
+    return position, Rotation.from_rotvec([0.0, angle, 0.0]).as_matrix()
+
+
+def flown_circle(radius_m: float, speed_m_s: float, frames: int = 40, noise=None):
+    stage = Motion()
+    for frame in range(frames):
+        position, turned = circle(radius_m, speed_m_s, 0.1 * frame)
+        if noise is not None:
+            position = position + noise.normal(0, 0.01, 3)
+            turned = turned @ Rotation.from_rotvec(noise.normal(0, math.radians(0.03), 3)).as_matrix()
+        motion = stage.update(0.1 * frame, pose(position, turned))
+    return stage, motion
+
+
+@pytest.mark.parametrize(("radius_m", "speed_m_s"), [(25.0, 10.0), (60.0, 12.0), (15.0, 3.0), (-25.0, 10.0)])
+@pytest.mark.parametrize("noisy", [False, True])
+def test_in_a_bend_the_path_is_the_arc(radius_m: float, speed_m_s: float, noisy: bool) -> None:
+    """Within its length, what is flown is near the arc, and nearer than to the straight line."""
+    stage, motion = flown_circle(radius_m, speed_m_s, noise=seeded(5) if noisy else None)
+    path = stage.path(motion)
+    assert path.curvature_1_m == pytest.approx(1.0 / abs(radius_m), rel=0.3 if noisy else 0.2)
+    assert path.length_m <= 100.0 and path.length_m * path.curvature_1_m <= math.pi / 2 + 1e-9
+    start, ahead, aside = (np.array(list(x)) for x in (path.start_m, path.direction, path.normal))
+    assert abs(ahead @ aside) < 1e-9
+    for share in (0.25, 0.5, 0.75, 1.0):
+        along_m = share * path.length_m
+        flown, _ = circle(radius_m, speed_m_s, 3.9 + along_m / speed_m_s)
+        angle = path.curvature_1_m * along_m
+        arc = start + (np.sin(angle) * ahead + (1.0 - np.cos(angle)) * aside) / path.curvature_1_m
+        assert np.linalg.norm(flown - arc) < 2.0, share
+        straight = start + along_m * np.array(list(motion.direction))
+        assert np.linalg.norm(flown - arc) < np.linalg.norm(flown - straight) + 0.1, share
+
+
+@pytest.mark.parametrize("speed_m_s", [3.0, 12.0])
+@pytest.mark.parametrize("seed", range(5))
+def test_a_straight_flight_with_noisy_poses_stays_straight(speed_m_s: float, seed: int) -> None:
+    """Noise of each pose, and an error that drifts as that of a navigation filter. Now and then a slight
+    bend is seen; never one that leaves the collision volume within 20 m."""
+    random, stage = seeded(seed), Motion()
+    drift, turned_m = np.zeros(3), []
+    for frame in range(120):
+        drift = 0.99 * drift + random.normal(0, math.radians(0.3 * 0.14), 3)
+        attitude = Rotation.from_rotvec(drift + random.normal(0, math.radians(0.05), 3)).as_matrix()
+        position = np.array([0.0, 0.0, 0.1 * speed_m_s * frame]) + random.normal(0, 0.01, 3)
+        path = stage.path(stage.update(0.1 * frame, pose(position, attitude)))
+        turned_m.append(0.5 * path.curvature_1_m * 20.0**2)
+    assert np.mean(np.array(turned_m) == 0.0) > 0.9
+    assert max(turned_m) < 2.0
+
+
+def test_a_camera_that_looks_about_does_not_bend_the_path() -> None:
+    stage = Motion()
+    for frame in range(30):
+        yaw = Rotation.from_rotvec([0.0, 0.3 * 0.1 * frame, 0.0]).as_matrix()
+        motion = stage.update(0.1 * frame, pose((0, 0, 0.9 * frame), yaw))
+    assert np.linalg.norm(list(motion.turn_rate_rad_s)) == pytest.approx(0.3, rel=0.01)
+    assert stage.path(motion).curvature_1_m == 0.0
+
+
+def test_what_stands_or_hardly_moves_has_a_straight_path() -> None:
+    for speed_m_s in (0.0, 0.3):
+        stage, motion = flown_circle(2.0, speed_m_s)
+        assert stage.path(motion).curvature_1_m == 0.0
+    stage, motion = flown_circle(25.0, 10.0)
+    assert stage.path(stage.update(4.0, stationary=True)).curvature_1_m == 0.0
 
 
 # ---- no pose ----

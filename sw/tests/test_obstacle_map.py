@@ -17,6 +17,7 @@ from track_library import (
     Tracker,
     camera,
     detection,
+    flight_path,
     measure,
     motion,
     params,
@@ -33,16 +34,23 @@ class Map:
         out = ffi.new("vista_obstacle_map **")
         self._arena = Arena(lambda arena: lib.vista_obstacle_map_layout(max_tracks, arena, out))
         assert self._arena.status == lib.VISTA_OK
-        self.handle, self.params, self.camera = out[0], params("obstacle_map", **changes), camera()
+        self.handle, self.params = out[0], params("obstacle_map", **{"thickness_ratio": 0.0} | changes)
+        self.camera = camera()
 
-    def update(self, tracks=(), velocity=FORWARD, raw_pose=None, blind_zone=ffi.NULL) -> str:
+    def update(
+        self, tracks=(), velocity=FORWARD, raw_pose=None, blind_zone=ffi.NULL, length_m=None, **arc
+    ) -> str:
+        """arc: normal and curvature_1_m."""
         items = ffi.new("vista_track[]", [track[0] for track in tracks])
+        moved = motion(raw_pose, velocity)
+        path = flight_path(moved, length_m or self.params.collision_length_m, **arc)
         return status_name(
             lib.vista_obstacle_map_update(
                 self.handle,
                 self.params,
                 self.camera,
-                motion(raw_pose, velocity),
+                moved,
+                path,
                 blind_zone,
                 items,
                 len(tracks),
@@ -122,24 +130,40 @@ def test_what_is_seen_is_a_member_by_two_of_three_hits(hits: int, member: bool) 
 
 
 def test_errors_that_last_add_to_the_covariance() -> None:
-    """Along the ray by disparity and depth, across it by pixels and a share of the extent; camera turned."""
+    """Along the ray by disparity and depth, across it by pixels and a share of what the width has more than
+    the height, both by the scatter of the detections; camera turned."""
     turn = Rotation.from_euler("xyz", [4, -7, 3], degrees=True).as_matrix()
     lasting = {
         "lasting_disparity_px": 0.2,
         "lasting_range_m": 0.3,
         "lasting_center_px": 5.0,
         "lasting_center_ratio": 0.4,
+        "lasting_scatter": 0.5,
     }
     mapper, point = Map(**lasting), np.array([3.0, -2.0, 40.0])
-    seen = track(turn @ point, sigma_m=0.1, extent=(2.0, 1.0))
+    seen = track(turn @ point, sigma_m=0.1, extent=(2.0, 1.0), scatter_px2=[36.0, 16.0, 0.04])
     assert mapper.update([seen], FORWARD, pose((0, 0, 0), turn)) == "VISTA_OK"
     ray = point / point[2]
-    along2 = (40.0**2 / (FOCAL * BASELINE) * 0.2) ** 2 + 0.3**2
-    expected = (
-        0.01 * np.eye(3) + along2 * np.outer(ray, ray) + np.diag([0.2, 0.08, 0.0])
-    )  # 0.2 m, 0.4 m; 0.2 m, 0.2 m
+    along2 = (40.0**2 / (FOCAL * BASELINE)) ** 2 * (0.2**2 + 0.1**2) + 0.3**2
+    across = 0.04**2 * np.array([5.0**2 + 3.0**2, 5.0**2 + 2.0**2, 0.0]) + [0.2**2, 0.0, 0.0]
+    expected = 0.01 * np.eye(3) + along2 * np.outer(ray, ray) + np.diag(across)
     covariance = np.array(list(mapper.obstacles[0].covariance_m2)).reshape(3, 3)
     assert covariance == pytest.approx(turn @ expected @ turn.T)
+
+
+def test_the_middle_lies_behind_the_surface() -> None:
+    """Half of half the smaller side, uncertain by as much; of what is large, no more than of 1 m."""
+    for extent, behind_m in (((0.6, 4.0), 0.15), ((0.3, 0.2), 0.05), ((16.0, 9.0), 0.25)):
+        maps = [Map(thickness_ratio=ratio, lasting_range_m=0.0) for ratio in (0.0, 0.5)]
+        point = np.array([3.0, -4.0, 12.0])
+        for mapper in maps:
+            assert mapper.update([track(point, extent=extent)]) == "VISTA_OK"
+        bare, thick = (mapper.obstacles[0] for mapper in maps)
+        assert list(thick.position_m) == pytest.approx(point * (1.0 + behind_m / 13.0))
+        assert thick.distance_m == pytest.approx(13.0 + behind_m)
+        added = np.array(list(thick.covariance_m2)) - np.array(list(bare.covariance_m2))
+        expected = behind_m**2 * np.outer(point, point) / 12.0**2
+        assert added == pytest.approx(expected.ravel(), abs=1e-9)
 
 
 def test_what_moves_with_the_aircraft_is_not_confirmed() -> None:
@@ -370,3 +394,44 @@ def test_parameters_out_of_range_are_refused(name: str, value: float) -> None:
     out = ffi.new("vista_obstacle_map **")
     short = Arena(lambda arena: lib.vista_obstacle_map_layout(8, arena, out), missing_bytes=1)
     assert status_name(short.status) == "VISTA_ERROR_MEMORY"
+
+
+# ---- in a bend ----
+
+BEND_M = 30.0  # radius, to the right
+
+
+def on_bend(along_m: float, aside_m: float = 0.0) -> tuple[float, float, float]:
+    """aside_m: to the outside."""
+    angle, radius_m = along_m / BEND_M, BEND_M + aside_m
+    return BEND_M - radius_m * math.cos(angle), 0.0, radius_m * math.sin(angle)
+
+
+def bend(position, **keywords) -> Map:
+    mapper = Map()
+    arc = {"normal": (1.0, 0.0, 0.0), "curvature_1_m": 1.0 / BEND_M, "length_m": 25.0}
+    assert mapper.update([track(position, extent=(0.2, 1.0), **keywords)], **arc) == "VISTA_OK"
+    return mapper
+
+
+@pytest.mark.parametrize("along_m", [6.0, 15.0, 24.0])
+def test_a_post_on_the_arc_is_in_the_way_and_one_beside_it_is_not(along_m: float) -> None:
+    on_it = bend(on_bend(along_m))
+    assert on_it.nearest.valid
+    assert on_it.nearest.time_to_collision_s == pytest.approx(along_m / FORWARD[2], rel=1e-6)
+    assert bend(on_bend(along_m, 1.7)).nearest.valid and bend(on_bend(along_m, -1.7)).nearest.valid
+    assert not bend(on_bend(along_m, 2.6)).nearest.valid
+    assert not bend(on_bend(along_m, -2.6)).nearest.valid
+
+
+def test_straight_ahead_of_a_bend_is_the_outside() -> None:
+    assert in_volume((0.0, 0.0, 20.0)) and not bend((0.0, 0.0, 20.0)).nearest.valid
+    assert not bend(on_bend(30.0)).nearest.valid  # beyond the length
+    assert not bend(on_bend(-3.0)).obstacles
+
+
+def test_time_to_collision_in_a_bend_is_along_it() -> None:
+    """What comes towards the aircraft on the arc, at 3 m/s."""
+    angle = 20.0 / BEND_M
+    mapper = bend(on_bend(20.0), velocity_m_s=[-3.0 * math.sin(angle), 0.0, -3.0 * math.cos(angle)])
+    assert mapper.nearest.time_to_collision_s == pytest.approx(20.0 / 12.0, rel=1e-6)

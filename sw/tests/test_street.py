@@ -29,13 +29,13 @@ pytestmark = pytest.mark.skipif(not SEQUENCE.is_dir(), reason=f"no {SEQUENCE}")
 THINGS = (
     Thing("parked car, left behind", 3.3, 12.9, 3, 6),
     Thing("parked car ahead", 2.8, 36.2, 4, 24),
-    Thing("billboard", -8.2, 15.4, 3, 6),
+    Thing("billboard", -8.2, 15.4, 3, 4),
     Thing("first tree", -3.2, 13.2, 3, 8),
     Thing("second tree", -3.8, 26.8, 4, 17),
     Thing("third tree", -4.6, 40.8, 6, 28),
     Thing("fourth tree", -3.9, 54.7, 17, 42),
-    Thing("tree at the scaffolding", 8.2, 45.6, 5, 30),
-    Thing("conifer", -13.2, 41.1, 8, 28),
+    Thing("tree at the scaffolding", 8.2, 45.6, 5, 29),
+    Thing("conifer", -13.2, 41.1, 8, 22),
     Thing("near lamp post", -3.0, 20.3, 4, 14),
     Thing("far lamp post", -3.5, 47.7, 7, 34),
     Thing("warning sign", 3.2, 42.7, 17, 32),
@@ -66,6 +66,16 @@ def results() -> list[Result]:
 
 
 @pytest.mark.parametrize("thing", THINGS, ids=lambda thing: thing.name)
+def test_a_thing_is_in_the_image_in_its_frames(thing: Thing) -> None:
+    sequence = open_sequence(SEQUENCE)
+    camera = Rectifier(sequence.calibration).calibration
+    for frame in thing.frames:
+        pose = sequence.frames[frame].world_from_camera
+        x, _, z = pose.rotation.T @ (np.array([thing.x_m, 0.0, thing.z_m]) - pose.translation_m)
+        assert 0.0 <= camera.cx + camera.focal_px * x / z < camera.width, frame
+
+
+@pytest.mark.parametrize("thing", THINGS, ids=lambda thing: thing.name)
 def test_a_thing_keeps_one_id_while_it_is_in_view(thing: Thing, results: list[Result]) -> None:
     assert common_ids(thing, results, driven_path_m())
 
@@ -83,10 +93,10 @@ def test_the_sky_holds_no_obstacle(results: list[Result]) -> None:
             assert not (o.confirmed and not o.coasting and in_gap), (frame, o.id)
 
 
-def test_warnings_and_held_tracks_do_not_become_more(results: list[Result]) -> None:
-    """The limits are what is reached today, not what is good: the collision volume is straight, tracks are
-    held for long."""
-    beside = {aside.frame for aside in warnings_beside_the_path(results, driven_path_m())}
-    assert len(beside) <= 11
-    assert warned_frames(results) <= 31
-    assert coasting_share(results) <= 0.47
+def test_warnings_are_of_the_path_and_few_tracks_coast(results: list[Result]) -> None:
+    """Where the recording ends, the path that is driven next is not known: a frame may differ there."""
+    beside = warnings_beside_the_path(results, driven_path_m())
+    assert [aside for aside in beside if not aside.beyond] == []
+    assert len({aside.frame for aside in beside}) <= 1
+    assert warned_frames(results) <= 23
+    assert coasting_share(results) <= 0.25

@@ -1,4 +1,4 @@
-"""An obstacle that is not detected has gone only if the engine sees what lies behind it."""
+"""An obstacle that is not detected has gone where the engine sees something else."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ def words(value: int) -> np.ndarray:
     return np.full((480, 640), value, np.int16)
 
 
-def followed(hits: int = 6) -> Tracker:
+def followed(hits: int = 6, **changes: object) -> Tracker:
     tracker = Tracker()
     for frame in range(hits):
-        assert tracker.update(DT * frame, [seen_at(POINT)]) == "VISTA_OK"
+        assert tracker.update(DT * frame, [seen_at(POINT) | changes]) == "VISTA_OK"
     return tracker
 
 
@@ -32,16 +32,64 @@ def miss(tracker: Tracker, image: np.ndarray | None, first: int = 6) -> list[int
     return list(tracker.tracks)
 
 
-@pytest.mark.parametrize("value", [OWN, NEARER, INVALID])
-def test_held_while_nothing_is_seen_behind_it(value: int) -> None:
+@pytest.mark.parametrize("own", [OWN, OWN + 8])
+def test_followed_while_its_own_disparity_is_seen(own: int) -> None:
+    """It is in the way: until it is passed. The words correct its range."""
     tracker = followed()
-    assert miss(tracker, words(value)) == [1]
+    assert miss(tracker, words(own)) == [1]
     track = tracker.tracks[1]
-    assert track.held and track.coasting and track.confirmed and track.misses == 0
+    assert track.followed and not track.coasting and not track.held and track.confirmed
+    assert track.label == -1 and track.misses == 0
+    expected_m = 1000.0 * 0.4572 * 16.0 / own
+    assert track.position_m[2] == pytest.approx(expected_m, abs=0.3)
+    assert track.position_m[0] == pytest.approx(POINT[0], abs=0.05)
 
 
-def test_gone_when_what_lies_behind_is_seen() -> None:
-    assert miss(followed(), words(BEHIND)) == []
+def test_what_is_not_in_the_way_is_followed_for_a_set_time() -> None:
+    tracker = followed(volume_pixels=0)
+    follow_s = tracker.params.follow_s
+    for frame in range(6, 40):
+        assert tracker.update(DT * frame, words=words(OWN)) == "VISTA_OK"
+        since_s = DT * (frame - 5)
+        if since_s < follow_s - 0.01:
+            assert tracker.tracks[1].followed
+        if since_s > follow_s + 0.01 and tracker.tracks:
+            assert tracker.tracks[1].coasting
+    assert not tracker.tracks
+
+
+def test_without_words_it_is_held_for_a_short_time() -> None:
+    tracker = followed()
+    for frame in range(6, 6 + MISSES):
+        assert tracker.update(DT * frame, words=words(INVALID)) == "VISTA_OK"
+        if not tracker.tracks:
+            break
+        track, hidden_s = tracker.tracks[1], DT * (frame - 5)
+        assert track.coasting and not track.followed
+        if abs(hidden_s - tracker.params.hold_s) > 0.01:
+            assert track.held == (hidden_s < tracker.params.hold_s)
+    assert not tracker.tracks
+
+
+def test_what_its_outline_told_is_held_without_words() -> None:
+    """It never had any: until the time of the blind zone is over."""
+    tracker = followed(plain=True)
+    assert miss(tracker, words(INVALID)) == [1]
+    assert tracker.tracks[1].held
+    blind_s = tracker.params.blind_zone_s
+    assert tracker.update(DT * 5 + blind_s - 0.1, words=words(INVALID)) == "VISTA_OK"
+    assert list(tracker.tracks) == [1]
+    assert tracker.update(DT * 5 + blind_s + 0.1, words=words(INVALID)) == "VISTA_OK"
+    assert list(tracker.tracks) == []
+
+
+@pytest.mark.parametrize("value", [BEHIND, NEARER])
+def test_gone_when_something_else_is_seen(value: int) -> None:
+    assert miss(followed(), words(value)) == []
+    assert miss(followed(plain=True), words(value)) == []
+
+
+def test_gone_without_words_at_all() -> None:
     assert miss(followed(), None) == []
 
 
@@ -54,23 +102,15 @@ def test_half_of_the_face_decides() -> None:
         assert miss(followed(), image) == left
 
 
-def test_held_no_longer_than_in_the_blind_zone() -> None:
-    tracker = followed()
-    blind_s = tracker.params.blind_zone_s
-    assert tracker.update(DT * 5 + blind_s - 0.1, words=words(OWN)) == "VISTA_OK"
-    assert list(tracker.tracks) == [1]
-    assert tracker.update(DT * 5 + blind_s + 0.1, words=words(OWN)) == "VISTA_OK"
-    assert list(tracker.tracks) == []
-
-
 def test_a_detection_ends_it() -> None:
     tracker = followed()
     miss(tracker, words(OWN))
     assert tracker.update(DT * (6 + MISSES), [seen_at(POINT)], words=words(OWN)) == "VISTA_OK"
-    assert not tracker.tracks[1].held and not tracker.tracks[1].coasting
+    track = tracker.tracks[1]
+    assert not (track.held or track.followed or track.coasting) and track.label == 0
 
 
-def test_what_is_not_credible_is_not_held() -> None:
+def test_what_is_not_credible_is_not_followed() -> None:
     assert miss(followed(hits=2), words(OWN), first=2) == []
 
 

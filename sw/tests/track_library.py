@@ -62,6 +62,13 @@ def motion(raw_pose=None, velocity=None, **changes):
     return ffi.new("vista_motion *", values | changes)
 
 
+def flight_path(raw_motion, length_m: float = 100.0, normal=(0.0, 0.0, 0.0), curvature_1_m: float = 0.0):
+    """A vista_flight_path from the camera of that motion on, straight unless told otherwise."""
+    start, direction = list(raw_motion.pose.translation_m), list(raw_motion.direction)
+    normal = [float(x) for x in normal]
+    return ffi.new("vista_flight_path *", [start, direction, normal, curvature_1_m, length_m])
+
+
 def measure(point, position=(0.0, 0.0, 0.0), rotation=None) -> np.ndarray:
     """(u, v, d) of a world point, written independently of the library."""
     matrix = np.eye(3) if rotation is None else np.asarray(rotation)

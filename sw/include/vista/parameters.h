@@ -37,7 +37,9 @@ typedef struct vista_motion_params {
   double speed_max_m_s; /* A pose that only a faster vehicle could have reached is refused. 1.0 .. 10000.0 m/s. */
   int32_t restart_poses; /* As many refused poses in a row that agree with each other are believed: the world goes on there, without tracks. 1 .. 100 poses. */
   double drift_m_s; /* Error of the velocity over which a frame without a pose is carried on; adds to the uncertainty of all tracks. 0.0 .. 100.0 m/s. */
-  unsigned char reserved[216];
+  double path_turn_min_deg_s; /* The path bends by what turns faster: nobody keeps to a straight line better than this. 0.0 .. 90.0 deg/s. */
+  double path_uncertainty; /* Share by which the curvature of what is flown next may differ from that flown now; it bounds the length of the arc. 0.001 .. 1.0. */
+  unsigned char reserved[200];
 } vista_motion_params;
 
 /* Log-polar grid (paper, section II-B). */
@@ -169,10 +171,12 @@ typedef struct vista_tracker_params {
   double static_fade_m; /* Own travel over which earlier hits lose their say about that. 0.1 .. 100000.0 m. */
   double static_speed_min_m_s; /* Slower than this along its line of sight, own travel tells nothing of a track: single frames have to do. 0.0 .. 100.0 m/s. */
   int32_t miss_max; /* Misses in a row that a confirmed track survives. 0 .. 1000 frames. */
-  double out_of_view_s; /* A track outside the matched part of the image coasts for this long. 0.0 .. 3600.0 s. */
+  double out_of_view_s; /* A track outside the matched part of the image, which is not in the way, coasts for this long. 0.0 .. 3600.0 s. */
   double blind_zone_s; /* A track nearer than the engine matches coasts for this long, unless it is passed before. 0.0 .. 3600.0 s. */
   double range_max_m; /* Farther detections start no track. 1.0 .. 100000.0 m. */
-  unsigned char reserved[88];
+  double follow_s; /* A track without a detection, not in the way, is followed by the words at its place for this long. 0.0 .. 3600.0 s. */
+  double hold_s; /* A track whose place shows no words coasts for this long before it counts as missed. 0.0 .. 3600.0 s. */
+  unsigned char reserved[72];
 } vista_tracker_params;
 
 /* Something in the way that is too near to match: texture without disparity. */
@@ -194,10 +198,13 @@ typedef struct vista_obstacle_map_params {
   double inflation_sigma; /* Standard deviations of the bearing that are added to an obstacle's semi-axes. 0.0 .. 10.0. */
   double lasting_disparity_px; /* Error of an obstacle's disparity that lasts from frame to frame: no filter averages it out; adds to the covariance. 0.0 .. 16.0 px. */
   double lasting_range_m; /* The same in depth, of the surface that the region's boundary shows; the larger part near the camera. 0.0 .. 10.0 m. */
-  double lasting_center_px; /* The same of its centre: matching widens a thing by up to half a block, more to one side than to the other. 0.0 .. 100.0 px. */
-  double lasting_center_ratio; /* The same, as a share of its half width and height: a region may lack a part of the thing all along. 0.0 .. 2.0. */
+  double lasting_center_px; /* The same of its centre: matching widens a thing more to one side than to the other. 0.0 .. 100.0 px. */
+  double lasting_center_ratio; /* The same, as a share of half of what its longer side has more than the shorter one: a region may lack the end of a long thing all along. 0.0 .. 2.0. */
   double closing_min_m_s; /* No time to collision is given for what closes slower than this. 0.0 .. 100.0 m/s. */
-  unsigned char reserved[192];
+  double outline_px; /* Pixels by which matching widens a thing to each side: so much nearer to the path has a pixel to be, to be in the collision volume. 0.0 .. 100.0 px. */
+  double lasting_scatter; /* The same in u, v and disparity, as a share of the scatter of its detections: a region that wanders may be wrong for long. 0.0 .. 10.0. */
+  double thickness_ratio; /* The middle of a thing lies this share of half its smaller side behind the surface that is seen, uncertain by as much: 0 for a board, 1 for a ball. 0.0 .. 1.0. */
+  unsigned char reserved[168];
 } vista_obstacle_map_params;
 
 /* When a view tells too little. */

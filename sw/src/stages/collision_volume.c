@@ -1,6 +1,7 @@
 #include "stages/collision_volume.h"
 
 #include <math.h>
+#include <stdbool.h>
 #include <stddef.h>
 
 #include "common/frame.h"
@@ -8,35 +9,61 @@
 #include "stages/parts/region_boundary.h"
 
 #define SMALLEST_M 1e-3 /* of the volume: what is asked in words fits a float */
+#define TURN_MAX_RAD 1.571 /* a quarter of a circle, and rounding */
 
-/* What the pixels of one run are asked, in engine words w = 16 d; squared, so that nothing is divided. */
+/* What the pixels of one run are asked, in engine words w = 16 d; straight ahead squared, so that nothing is divided. */
 typedef struct limits {
-  float across2; /* (16 B / radius)^2: inside when w^2 >= across2 |q x a|^2 */
-  float along;   /* 16 B / length: inside when w >= along q . a */
+  float
+      radius_px; /* radius / 16 B: times w the radius in the image, there: inside when |q x a| <= radius_px w - outline_px */
+  float outline_px; /* that things are widened by */
+  float along; /* 16 B / length: inside when w >= along q . a */
   float a[3];
   float focal_px;
+  bool curved; /* what follows is of an arc alone */
+  float n[3];
+  float words_m; /* 16 B: times q / w the point */
+  float curvature, radius_m, cosine, sine_m; /* of the turn over the length, the sine over the curvature */
 } limits;
 
-static inline int32_t inside(const limits *limit, float u, float v, float word) {
+static inline int32_t inside_straight(const limits *limit, float u, float v, float word) {
   const float along = u * limit->a[0] + v * limit->a[1] + limit->focal_px * limit->a[2];
   const float across2 = u * u + v * v + limit->focal_px * limit->focal_px - along * along;
-  return (along > 0.0f) & (word >= limit->along * along) & (word * word >= limit->across2 * across2);
+  const float reach = limit->radius_px * word - limit->outline_px;
+  return (along > 0.0f) & (word >= limit->along * along) & (reach >= 0.0f) & (reach * reach >= across2);
+}
+
+/* The distance from the circle, (1 - c rho) / c, without its cancellation: with s = c (X^2 + Y^2) - 2 Y it is
+ * -s / (1 + c rho), c rho = sqrt(1 + c s). The word is positive. */
+static inline int32_t inside_arc(const limits *limit, float u, float v, float word) {
+  const float scale = limit->words_m / word;
+  const float x = scale * (u * limit->a[0] + v * limit->a[1] + limit->focal_px * limit->a[2]);
+  const float y = scale * (u * limit->n[0] + v * limit->n[1] + limit->focal_px * limit->n[2]);
+  const float all2 = scale * scale * (u * u + v * v + limit->focal_px * limit->focal_px), plane2 = x * x + y * y;
+  const float s = limit->curvature * plane2 - 2.0f * y, square = 1.0f + limit->curvature * s;
+  const float aside = s / (1.0f + sqrtf(square > 0.0f ? square : 0.0f));
+  const float reach = limit->radius_m - limit->outline_px * scale;
+  return (x > 0.0f) & (reach >= 0.0f) & (aside * aside + all2 - plane2 <= reach * reach) &
+         (x * limit->cosine <= (1.0f - limit->curvature * y) * limit->sine_m);
+}
+
+static inline int32_t inside(const limits *limit, bool curved, float u, float v, float word) {
+  return curved ? inside_arc(limit, u, v, word) : inside_straight(limit, u, v, word);
 }
 
 /* The pixels of a plain region lie on its surface, whatever chance matched there. */
-static int32_t count_plain_run(const limits *limit, float x, float y, int32_t length, float word) {
+static inline int32_t count_plain_run(const limits *limit, bool curved, float x, float y, int32_t length, float word) {
   int32_t count = 0;
-  for (int32_t i = 0; i < length; ++i) count += inside(limit, x + (float)i, y, word);
+  for (int32_t i = 0; i < length; ++i) count += inside(limit, curved, x + (float)i, y, word);
   return count;
 }
 
-static int32_t count_run(const limits *limit, const int16_t *words, float x, float y, int32_t length,
-                         float surface_word, float slope_words, float tolerance_words) {
+static inline int32_t count_run(const limits *limit, bool curved, const int16_t *words, float x, float y,
+                                int32_t length, float surface_word, float slope_words, float tolerance_words) {
   int32_t count = 0;
   for (int32_t i = 0; i < length; ++i) {
     const float w = (float)words[i];
     const int32_t own = (w > 0.0f) & (fabsf(w - surface_word - slope_words * (float)i) <= tolerance_words);
-    count += own & inside(limit, x + (float)i, y, w);
+    count += own & inside(limit, curved, x + (float)i, y, w > 0.0f ? w : 1.0f);
   }
   return count;
 }
@@ -50,16 +77,33 @@ static int32_t count_region(const vista_foveation *foveation, const vista_camera
       const vista_run run = foveation->runs[r];
       const float x = (float)(run.u_px - camera->center_u_px), y = (float)(run.v_px - camera->center_v_px);
       if (region->plain) {
-        count += count_plain_run(limit, x, y, run.length_px, (float)(region->disparity_px * VISTA_DISPARITY_SCALE));
+        const float word = (float)(region->disparity_px * VISTA_DISPARITY_SCALE);
+        count += limit->curved ? count_plain_run(limit, true, x, y, run.length_px, word)
+                               : count_plain_run(limit, false, x, y, run.length_px, word);
         continue;
       }
       const double surface_px = region->disparity_px + region->slope_u * (run.u_px - region->mean_u_px) +
                                 region->slope_v * (run.v_px - region->mean_v_px);
-      count += count_run(limit, disparity->data + run.v_px * disparity->stride + run.u_px, x, y, run.length_px,
-                         (float)(surface_px * VISTA_DISPARITY_SCALE), (float)(region->slope_u * VISTA_DISPARITY_SCALE),
-                         (float)(tolerance_px * VISTA_DISPARITY_SCALE));
+      const int16_t *const words = disparity->data + run.v_px * disparity->stride + run.u_px;
+      const float surface = (float)(surface_px * VISTA_DISPARITY_SCALE);
+      const float slope = (float)(region->slope_u * VISTA_DISPARITY_SCALE);
+      const float tolerance = (float)(tolerance_px * VISTA_DISPARITY_SCALE);
+      count += limit->curved ? count_run(limit, true, words, x, y, run.length_px, surface, slope, tolerance)
+                             : count_run(limit, false, words, x, y, run.length_px, surface, slope, tolerance);
     }
   return count;
+}
+
+vista_collision_volume vista_collision_volume_around(const vista_flight_path *path, const vista_pose *pose,
+                                                     double radius_m, double outline_px) {
+  vista_collision_volume volume = {
+      .radius_m = radius_m, .outline_px = outline_px, .length_m = path->length_m, .curvature_1_m = path->curvature_1_m};
+  for (int i = 0; i < 3; ++i)
+    for (int k = 0; k < 3; ++k) {
+      volume.direction_camera[i] += pose->rotation[3 * k + i] * path->direction[k];
+      volume.normal_camera[i] += pose->rotation[3 * k + i] * path->normal[k];
+    }
+  return volume;
 }
 
 vista_status vista_collision_volume_count(const vista_foveation *foveation, const vista_region_params *params,
@@ -70,16 +114,27 @@ vista_status vista_collision_volume_count(const vista_foveation *foveation, cons
   vista_status status = VISTA_CHECK_SECTION(region, params);
   if (status == VISTA_OK) status = vista_frame_check_camera(camera);
   if (status == VISTA_OK) status = vista_frame_check_disparity(disparity, foveation->width_px, foveation->height_px);
-  if (status == VISTA_OK && !(volume->radius_m >= SMALLEST_M && volume->length_m >= SMALLEST_M &&
-                              isfinite(volume->radius_m + volume->length_m)))
+  if (status == VISTA_OK &&
+      !(volume->radius_m >= SMALLEST_M && volume->length_m >= SMALLEST_M &&
+        isfinite(volume->radius_m + volume->length_m + volume->outline_px) && volume->outline_px >= 0.0 &&
+        volume->curvature_1_m >= 0.0 && volume->curvature_1_m * volume->length_m <= TURN_MAX_RAD))
     status = VISTA_ERROR_RANGE;
   if (status != VISTA_OK) return status;
   const double words = VISTA_DISPARITY_SCALE * camera->baseline_m;
-  const double *const a = volume->direction_camera;
-  const limits limit = {.across2 = (float)((words / volume->radius_m) * (words / volume->radius_m)),
+  const double *const a = volume->direction_camera, *const n = volume->normal_camera;
+  const double turn = volume->curvature_1_m * volume->length_m;
+  const limits limit = {.radius_px = (float)(volume->radius_m / words),
+                        .outline_px = (float)volume->outline_px,
                         .along = (float)(words / volume->length_m),
                         .a = {(float)a[0], (float)a[1], (float)a[2]},
-                        .focal_px = (float)camera->focal_px};
+                        .focal_px = (float)camera->focal_px,
+                        .curved = volume->curvature_1_m > 0.0,
+                        .n = {(float)n[0], (float)n[1], (float)n[2]},
+                        .words_m = (float)words,
+                        .curvature = (float)volume->curvature_1_m,
+                        .radius_m = (float)volume->radius_m,
+                        .cosine = (float)cos(turn),
+                        .sine_m = (float)(volume->curvature_1_m > 0.0 ? sin(turn) / volume->curvature_1_m : 0.0)};
   for (int32_t k = 0; k < regions->count; ++k) {
     vista_region *const region = &regions->items[k];
     if (region->verdict != VISTA_REGION_ACCEPTED) continue;

@@ -1,13 +1,21 @@
-/* How much of each region lies in the collision volume: the points within radius_m of a segment of length_m from the
- * camera along the flight direction a (companion).
+/* How much of each region lies in the collision volume: the points within radius_m of the path that is flown next, an
+ * arc or a straight line from the camera on (motion.h; companion: straight).
  *
- * A pixel (x, y) from the principal point with disparity d is the point q B / d, q = (x, y, f). It lies in the volume
- * when |q x a| B / d <= radius and 0 < q . a B / d <= length. Every pixel of a region's cells that lies on its surface
- * is asked, at its own disparity, whichever side of its border the image puts it on: a street's wall, seen at an angle,
- * passes the aircraft wherever its middle is; a pole that leaves the volume at both ends is in the way in between. */
+ * A pixel (x, y) from the principal point with disparity d is the point q B / d, q = (x, y, f). Straight, along a, it lies in
+ * the volume when |q x a| B / d <= radius and 0 < q . a B / d <= length. Of an arc with curvature c in the plane of a
+ * and n, the point (X, Y, Z) along a, n and across is in when hypot((1 - c rho) / c, Z) <= radius with
+ * c rho = hypot(c X, 1 - c Y), and X > 0, atan2(c X, 1 - c Y) <= c length.
+ *
+ * Block matching widens what stands before something by up to half a block: a pixel tells of what is outline_px away. So
+ * the volume's radius is smaller by outline_px Z / f.
+ *
+ * Every pixel of a region's cells that lies on its surface is asked, at its own disparity, whichever side of its border
+ * the image puts it on: a street's wall, seen at an angle, passes the aircraft wherever its middle is; a pole that leaves
+ * the volume at both ends is in the way in between. */
 #ifndef VISTA_COLLISION_VOLUME_H
 #define VISTA_COLLISION_VOLUME_H
 
+#include "common/flight_path.h"
 #include "stages/foveation.h"
 #include "stages/region.h"
 #include "vista/parameters.h"
@@ -15,9 +23,16 @@
 #include "vista/types.h"
 
 typedef struct vista_collision_volume {
-  double direction_camera[3]; /* of flight, unit length, camera */
+  double direction_camera[3]; /* of flight at the camera, unit length */
   double radius_m, length_m;
+  double normal_camera[3]; /* towards the centre of the arc, unit length, orthogonal to the direction */
+  double outline_px;       /* that things seem wider than they are, to each side: the volume is narrower by as much */
+  double curvature_1_m;    /* 0: straight; at most a quarter of a circle over length_m */
 } vista_collision_volume;
+
+/* The volume around a path, in the camera of that pose. */
+vista_collision_volume vista_collision_volume_around(const vista_flight_path *path, const vista_pose *pose,
+                                                     double radius_m, double outline_px);
 
 /* Fills volume_pixels of the accepted regions. VISTA_ERROR_SIZE: a disparity image of another size. */
 vista_status vista_collision_volume_count(const vista_foveation *foveation, const vista_region_params *params,

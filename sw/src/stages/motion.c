@@ -8,6 +8,11 @@
 #include "common/numbers.h"
 #include "common/parameters_check.h"
 
+#define PATH_S 1.0     /* the slower time constant, that tells whether the velocity turns */
+#define NOISE_SIGMAS 3.0
+#define STRAIGHT_RAD_S 1e-6
+#define RADIANS_PER_DEGREE 0.017453292519943295769
+#define QUARTER_RAD 1.57079632679489661923
 #define FARTHEST_M 1e8 /* from the origin: beyond it a double no longer tells what lies beside the camera */
 
 static const char *const source_names[VISTA_MOTION_SOURCE_COUNT] = {
@@ -64,18 +69,30 @@ static void turn(double rotation[9], const double rate_rad_s[3], double dt_s) {
   }
 }
 
+static double weight_of(double dt_s, double tau_s) { return tau_s > 0.0 ? 1.0 - exp(-dt_s / tau_s) : 1.0; }
+
 /* v += (1 - exp(-dt / tau)) (dp / dt - v), and the turn rate likewise. */
 static void follow(const vista_motion_params *p, const vista_pose *pose, int64_t t_ns, vista_motion_state *s) {
   if (s->posed) {
     const double dt_s = vista_seconds_between(s->posed_t_ns, t_ns), tau_s = p->velocity_smoothing_s;
-    const double weight = s->rates_known && tau_s > 0.0 ? 1.0 - exp(-dt_s / tau_s) : 1.0;
-    double rotation[3];
+    const double weight = s->rates_known ? weight_of(dt_s, tau_s) : 1.0;
+    const double slowly = s->rates_known ? weight_of(dt_s, fmax(PATH_S, tau_s)) : 1.0;
+    double rotation[3], velocity2 = 0.0, turn2 = 0.0;
     rotation_between(s->posed_at.rotation, pose->rotation, rotation);
     for (int i = 0; i < 3; ++i) {
       const double difference = (pose->translation_m[i] - s->posed_at.translation_m[i]) / dt_s;
       s->velocity_m_s[i] += weight * (difference - s->velocity_m_s[i]);
       s->turn_rate_rad_s[i] += weight * (rotation[i] / dt_s - s->turn_rate_rad_s[i]);
+      s->slow_velocity_m_s[i] += slowly * (difference - s->slow_velocity_m_s[i]);
+      velocity2 += vista_square(difference - s->velocity_m_s[i]) / 3.0;
+      turn2 += vista_square(rotation[i] / dt_s - s->turn_rate_rad_s[i]) / 3.0;
     }
+    /* The smoothed value holds a share `weight` of the difference itself. */
+    const double own = fmax(vista_square(1.0 - weight), 1e-3);
+    s->velocity_variance += slowly * (velocity2 / own - s->velocity_variance);
+    s->turn_variance += slowly * (turn2 / own - s->turn_variance);
+    s->lag_s = tau_s + 0.5 * dt_s;
+    s->averaged = weight / (2.0 - weight);
     s->rates_known = true;
   }
   s->posed = true;
@@ -144,9 +161,57 @@ vista_status vista_motion_update(const vista_motion_params *params, const vista_
   return VISTA_OK;
 }
 
-void vista_motion_direction_camera(const vista_motion *motion, double direction[3]) {
+static void cross(const double a[3], const double b[3], double product[3]) {
+  for (int i = 0; i < 3; ++i) product[i] = a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3];
+}
+
+/* How the path turns, rad/s, orthogonal to `direction`: as the camera does, as far as the velocity allows for it, less what
+ * may be noise. */
+static void path_turn_rate(const vista_motion_params *p, const vista_motion_state *s, const vista_motion *motion,
+                           double turn[3]) {
+  const double apart_s = fmax(PATH_S, p->velocity_smoothing_s) - p->velocity_smoothing_s;
+  const double slow_m_s = vista_norm(s->slow_velocity_m_s), fast_m_s = vista_norm(s->velocity_m_s);
+  memset(turn, 0, 3 * sizeof *turn);
+  if (!(apart_s > 0.0) || !(fmin(slow_m_s, fast_m_s) > 0.0)) return;
+  double path[3], beyond[3];
+  cross(s->slow_velocity_m_s, s->velocity_m_s, path);
+  const double along_rad_s = vista_dot(s->turn_rate_rad_s, motion->direction);
   for (int i = 0; i < 3; ++i) {
-    direction[i] = 0.0;
-    for (int k = 0; k < 3; ++k) direction[i] += motion->pose.rotation[3 * k + i] * motion->direction[k];
+    path[i] /= slow_m_s * fast_m_s * apart_s;
+    turn[i] = s->turn_rate_rad_s[i] - along_rad_s * motion->direction[i];
+    beyond[i] = turn[i] - path[i];
   }
+  const double slack = NOISE_SIGMAS * sqrt(s->velocity_variance * s->averaged) / (fast_m_s * apart_s);
+  const double excess = fmax(0.0, 1.0 - slack / fmax(vista_norm(beyond), STRAIGHT_RAD_S));
+  for (int i = 0; i < 3; ++i) turn[i] -= excess * beyond[i];
+  const double noise =
+      fmax(NOISE_SIGMAS * sqrt(s->turn_variance * s->averaged), p->path_turn_min_deg_s * RADIANS_PER_DEGREE);
+  const double kept = fmax(0.0, 1.0 - noise / fmax(vista_norm(turn), STRAIGHT_RAD_S));
+  for (int i = 0; i < 3; ++i) turn[i] *= kept;
+}
+
+vista_flight_path vista_motion_path(const vista_motion_params *params, const vista_motion_state *state,
+                                    const vista_motion *motion, double length_m, double radius_m) {
+  vista_flight_path path = {.length_m = length_m};
+  memcpy(path.start_m, motion->pose.translation_m, sizeof path.start_m);
+  memcpy(path.direction, motion->direction, sizeof path.direction);
+  if (!state->rates_known || !(motion->speed_m_s > 0.0) || motion->speed_m_s < params->speed_min_m_s ||
+      motion->source == VISTA_MOTION_STANDS)
+    return path;
+  double turn[3], normal[3];
+  path_turn_rate(params, state, motion, turn);
+  cross(turn, motion->direction, normal);
+  const double rate = vista_norm(normal);
+  if (!(rate > STRAIGHT_RAD_S)) return path;
+  /* What is smoothed lags behind: the direction is that of a moment ago. */
+  const double lag_rad = rate * state->lag_s;
+  for (int i = 0; i < 3; ++i) {
+    normal[i] /= rate;
+    path.direction[i] = cos(lag_rad) * motion->direction[i] + sin(lag_rad) * normal[i];
+    path.normal[i] = cos(lag_rad) * normal[i] - sin(lag_rad) * motion->direction[i];
+  }
+  path.curvature_1_m = rate / motion->speed_m_s;
+  const double believed_m = sqrt(2.0 * radius_m / (params->path_uncertainty * path.curvature_1_m));
+  path.length_m = fmin(length_m, fmin(believed_m, QUARTER_RAD / path.curvature_1_m));
+  return path;
 }

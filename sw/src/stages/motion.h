@@ -8,6 +8,11 @@
  * When restart_poses of them in a row agree with each other, the source means it: the world goes on there. Whatever was
  * placed by the old one has lost its meaning (`restarted`).
  *
+ * Path: what is flown next, for the collision volume. It bends as the turn rate says, if the velocity turns as well: a
+ * camera may look about on a straight path. What the poses' noise explains, or less than path_turn_min_deg_s, is straight.
+ * Nobody keeps to an arc for long: with c its curvature, uncertain by a share path_uncertainty, it is followed up to where that
+ * is a miss of the collision radius, share c s^2 / 2 = radius, and for a quarter of a circle at most.
+ *
  * Without any pose the world is the first camera, and its motion is not known; unless the caller says that it stands. */
 #ifndef VISTA_MOTION_H
 #define VISTA_MOTION_H
@@ -15,6 +20,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "common/flight_path.h"
 #include "vista/obstacle.h"
 #include "vista/parameters.h"
 #include "vista/status.h"
@@ -38,6 +44,9 @@ typedef struct vista_motion_state {
   vista_pose posed_at;
   bool rates_known; /* from two accepted poses: */
   double velocity_m_s[3], turn_rate_rad_s[3]; /* world, smoothed */
+  double slow_velocity_m_s[3]; /* the same velocity, smoothed over PATH_S */
+  double velocity_variance, turn_variance; /* of a single difference around the smoothed one, each axis */
+  double lag_s, averaged; /* of the smoothed rates: how far they lag; their variance over that of a difference */
   int32_t refused_count; /* in a row that agree with each other; the last one of them: */
   int64_t refused_t_ns;
   vista_pose refused_at;
@@ -49,7 +58,8 @@ typedef struct vista_motion_state {
 vista_status vista_motion_update(const vista_motion_params *params, const vista_motion_input *input,
                                  vista_motion_state *state, vista_motion *motion);
 
-/* Unit vector of the flight in the camera: along the velocity; slower than speed_min_m_s along the optical axis. */
-void vista_motion_direction_camera(const vista_motion *motion, double direction[3]);
+/* From the camera on, in world; starts along motion.direction where it is straight. length_m: its length then. */
+vista_flight_path vista_motion_path(const vista_motion_params *params, const vista_motion_state *state,
+                                    const vista_motion *motion, double length_m, double radius_m);
 
 #endif

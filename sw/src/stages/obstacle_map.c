@@ -10,6 +10,7 @@
 #include "common/numbers.h"
 #include "common/parameters_check.h"
 
+#define THICK_MAX_M 1.0 /* larger things are walls and the like: what their sides are, tells nothing of their depth */
 #define DEPTH_MIN_M 0.05 /* nearer along z: behind the camera */
 
 struct vista_obstacle_map {
@@ -45,19 +46,29 @@ const vista_obstacle *vista_obstacle_map_obstacles(const vista_obstacle_map *map
 
 vista_nearest_collision vista_obstacle_map_nearest(const vista_obstacle_map *map) { return map->nearest; }
 
+/* From the surface that is seen to the middle of what is behind it: nothing for a board, half its width for a ball. */
+static double thickness_m(const vista_obstacle_map_params *params, const vista_track *track) {
+  const double half_m = 0.5 * fmin(fmin(track->extent_m[0], track->extent_m[1]), THICK_MAX_M);
+  return params->thickness_ratio * half_m;
+}
+
 /* Of the errors that last: along the ray by disparity and depth, across it by pixels and a share of the half extent. */
 static void lasting_covariance(const vista_obstacle_map_params *params, const vista_camera *camera,
                                const vista_pose *pose, const vista_track *track, const double camera_m[3],
                                double covariance_m2[9]) {
   const double fb = camera->focal_px * camera->baseline_m, z = camera_m[2];
-  const double range_m = hypot(z * z / fb * params->lasting_disparity_px, params->lasting_range_m);
+  const double share = vista_square(params->lasting_scatter);
+  const double disparity_px = sqrt(vista_square(params->lasting_disparity_px) + share * track->scatter_px2[2]);
+  const double range_m = hypot(z * z / fb * disparity_px, params->lasting_range_m + thickness_m(params, track));
   const double ray[3] = {camera_m[0] / z, camera_m[1] / z, 1.0};
   double in_camera[9];
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) in_camera[3 * i + j] = range_m * range_m * ray[i] * ray[j];
-  const double pixels_m = params->lasting_center_px * z / camera->focal_px;
   for (int i = 0; i < 2; ++i) {
-    const double share_m = 0.5 * params->lasting_center_ratio * track->extent_m[i];
+    const double center_px = sqrt(vista_square(params->lasting_center_px) + share * track->scatter_px2[i]);
+    const double pixels_m = center_px * z / camera->focal_px;
+    const double longer_m = track->extent_m[i] - fmin(track->extent_m[0], track->extent_m[1]);
+    const double share_m = 0.5 * params->lasting_center_ratio * longer_m;
     in_camera[4 * i] += pixels_m * pixels_m + share_m * share_m;
   }
   vista_frame_covariance_to_world(pose, in_camera, covariance_m2);
@@ -77,10 +88,10 @@ static vista_disc disc_of(const vista_obstacle_map_params *params, const vista_c
   return disc;
 }
 
-/* While coasting: the last ellipse, moved to the predicted centre and scaled with the range. */
+/* Without a detection: the last ellipse, moved to the predicted centre and scaled with the range. */
 static vista_ellipse ellipse_of(const vista_track *track, const double measurement_px[3], double depth_m) {
   vista_ellipse ellipse = track->ellipse;
-  if (!track->coasting) return ellipse;
+  if (!track->coasting && !track->followed) return ellipse;
   const double scale = track->ellipse_depth_m / depth_m;
   ellipse.center_u_px = measurement_px[0];
   ellipse.center_v_px = measurement_px[1];
@@ -91,7 +102,7 @@ static vista_ellipse ellipse_of(const vista_track *track, const double measureme
 
 /* False: behind the camera. */
 static bool obstacle_of(const vista_obstacle_map_params *params, const vista_camera *camera, const vista_pose *pose,
-                        const vista_line_segment *axis, const vista_track *track, vista_obstacle *obstacle) {
+                        const vista_flight_path *path, const vista_track *track, vista_obstacle *obstacle) {
   double camera_m[3], measurement_px[3], jacobian_camera[9], jacobian[9], covariance_px2[9];
   vista_frame_to_camera(pose, track->position_m, camera_m);
   if (!(camera_m[2] > DEPTH_MIN_M)) return false;
@@ -103,7 +114,10 @@ static bool obstacle_of(const vista_obstacle_map_params *params, const vista_cam
                                .age_frames = track->age_frames,
                                .distance_m = vista_norm(camera_m),
                                .extent_m = {track->extent_m[0], track->extent_m[1]}};
-  memcpy(obstacle->position_m, track->position_m, sizeof obstacle->position_m);
+  const double behind = thickness_m(params, track) / obstacle->distance_m;
+  for (int i = 0; i < 3; ++i)
+    obstacle->position_m[i] = track->position_m[i] + behind * (track->position_m[i] - pose->translation_m[i]);
+  obstacle->distance_m *= 1.0 + behind;
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) obstacle->covariance_m2[3 * i + j] = track->covariance[6 * i + j];
   vista_frame_measure(camera, camera_m, measurement_px, jacobian_camera);
@@ -115,10 +129,11 @@ static bool obstacle_of(const vista_obstacle_map_params *params, const vista_cam
   obstacle->disparity_px = measurement_px[2];
   obstacle->ellipse = ellipse_of(track, measurement_px, camera_m[2]);
   const int32_t members = vista_window_count(track->volume_window, 3);
+  const bool undetected = (track->coasting || track->followed) && track->parts == 0;
   obstacle->in_collision_volume = track->credible && members >= (track->hits > 1 ? 2 : 1);
-  if (obstacle->in_collision_volume && (track->coasting || track->edges_only)) {
+  if (obstacle->in_collision_volume && (undetected || track->edges_only)) {
     const vista_disc disc = disc_of(params, camera, pose, track, covariance_px2, camera_m[2]);
-    obstacle->in_collision_volume = vista_disc_near_segment(&disc, axis, params->collision_radius_m);
+    obstacle->in_collision_volume = vista_flight_path_near_disc(path, &disc, params->collision_radius_m);
   }
   return true;
 }
@@ -138,7 +153,7 @@ static void insert(vista_obstacle_map *map, const vista_obstacle *obstacle) {
 
 /* Across: the volume; along: anywhere up to range_m, given at its end with that as standard deviation. */
 static vista_obstacle too_near(const vista_obstacle_map_params *params, const vista_camera *camera,
-                               const vista_line_segment *axis, double range_m) {
+                               const vista_flight_path *path, double range_m) {
   const double disparity_px = camera->focal_px * camera->baseline_m / range_m;
   const double radius_px = params->collision_radius_m * camera->focal_px / range_m;
   vista_obstacle obstacle = {.confirmed = true,
@@ -150,9 +165,9 @@ static vista_obstacle too_near(const vista_obstacle_map_params *params, const vi
                              .disparity_px = disparity_px,
                              .in_collision_volume = true};
   for (int i = 0; i < 3; ++i) {
-    obstacle.position_m[i] = axis->start_m[i] + range_m * axis->direction[i];
+    obstacle.position_m[i] = path->start_m[i] + range_m * path->direction[i];
     for (int j = 0; j < 3; ++j) {
-      const double along2 = axis->direction[i] * axis->direction[j];
+      const double along2 = path->direction[i] * path->direction[j];
       obstacle.covariance_m2[3 * i + j] =
           range_m * range_m * along2 + params->collision_radius_m * params->collision_radius_m * ((i == j) - along2);
     }
@@ -162,16 +177,14 @@ static vista_obstacle too_near(const vista_obstacle_map_params *params, const vi
 
 /* track: NULL for what has none and stands. */
 static vista_nearest_collision collision_with(const vista_obstacle_map_params *params, const vista_obstacle *obstacle,
-                                              const vista_track *track, const vista_line_segment *axis,
+                                              const vista_track *track, const vista_flight_path *path,
                                               const vista_motion *motion) {
   vista_nearest_collision nearest = {.valid = true, .id = obstacle->id, .distance_m = obstacle->distance_m};
   memcpy(nearest.position_m, obstacle->position_m, sizeof nearest.position_m);
-  double along_m = 0.0;
-  double closing_m_s = 0.0;
-  for (int i = 0; i < 3; ++i) {
-    along_m += (obstacle->position_m[i] - axis->start_m[i]) * motion->direction[i];
-    closing_m_s += (motion->velocity_m_s[i] - (track != NULL ? track->velocity_m_s[i] : 0.0)) * motion->direction[i];
-  }
+  double there[3];
+  const double along_m = vista_flight_path_along(path, obstacle->position_m, there);
+  double closing_m_s = vista_dot(motion->velocity_m_s, motion->direction);
+  if (track != NULL) closing_m_s -= vista_dot(track->velocity_m_s, there);
   nearest.time_to_collision_s = closing_m_s > params->closing_min_m_s ? fmax(0.0, along_m) / closing_m_s : NAN;
   return nearest;
 }
@@ -193,30 +206,28 @@ static vista_status check(const vista_obstacle_map *map, const vista_obstacle_ma
 
 vista_status vista_obstacle_map_update(vista_obstacle_map *map, const vista_obstacle_map_params *params,
                                        const vista_camera *camera, const vista_motion *motion,
-                                       const vista_blind_zone *blind_zone, const vista_track *tracks,
-                                       int32_t track_count) {
-  if (map == NULL || params == NULL || camera == NULL || motion == NULL || (tracks == NULL && track_count != 0))
+                                       const vista_flight_path *path, const vista_blind_zone *blind_zone,
+                                       const vista_track *tracks, int32_t track_count) {
+  if (map == NULL || params == NULL || camera == NULL || motion == NULL || path == NULL ||
+      (tracks == NULL && track_count != 0))
     return VISTA_ERROR_ARGUMENT;
   const vista_status status = check(map, params, camera, motion, tracks, track_count);
   if (status != VISTA_OK) return status;
-  vista_line_segment axis = {.length_m = params->collision_length_m};
-  memcpy(axis.start_m, motion->pose.translation_m, sizeof axis.start_m);
-  memcpy(axis.direction, motion->direction, sizeof axis.direction);
   vista_obstacle_map_reset(map);
   bool shown = false; /* by the nearest collision: it is seen, beyond what would hide it */
   for (int32_t i = 0; i < track_count; ++i) {
     vista_obstacle obstacle;
-    if (!obstacle_of(params, camera, &motion->pose, &axis, &tracks[i], &obstacle)) continue;
+    if (!obstacle_of(params, camera, &motion->pose, path, &tracks[i], &obstacle)) continue;
     insert(map, &obstacle);
     if (!obstacle.confirmed || !obstacle.in_collision_volume) continue;
     shown |= !obstacle.coasting;
     if (!map->nearest.valid || obstacle.distance_m < map->nearest.distance_m)
-      map->nearest = collision_with(params, &obstacle, &tracks[i], &axis, motion);
+      map->nearest = collision_with(params, &obstacle, &tracks[i], path, motion);
   }
   if (blind_zone == NULL || !blind_zone->occupied) return VISTA_OK;
-  const vista_obstacle obstacle = too_near(params, camera, &axis, blind_zone->range_m);
+  const vista_obstacle obstacle = too_near(params, camera, path, blind_zone->range_m);
   insert(map, &obstacle);
   if (!shown && !(map->nearest.valid && map->nearest.distance_m < obstacle.distance_m))
-    map->nearest = collision_with(params, &obstacle, NULL, &axis, motion);
+    map->nearest = collision_with(params, &obstacle, NULL, path, motion);
   return VISTA_OK;
 }

@@ -1,17 +1,19 @@
 /* Tracks to the obstacle map: what the control system gets (paper, section II-D; obstacles.jsonl).
  *
- * Collision volume: the points within radius_m of a segment of length_m from the camera along the flight direction.
- * Flight direction: motion.h.
+ * Collision volume: the points within radius_m of the path that is flown next, straight or an arc (motion.h).
+ * Time to collision: along the path, over the speed at which the obstacle comes nearer along it.
  * Covariance: the filter takes the errors of a region for white, and averages them out. Part of them lasts as long as
- * the thing is in view (the matcher's bias at its texture, the part of it that the region lacks): that part is added to
- * the filter's covariance, J diag(lasting^2) J^T as in reconstruction, not fed into it.
+ * the thing is in view: the matcher's bias, a region that wanders (the scatter of its detections), the end of a long thing
+ * that the region lacks. That part is added to the filter's covariance, J diag(lasting^2) J^T as in reconstruction, not
+ * fed into it.
+ * Position: of the middle, thickness_ratio of half the smaller side behind the surface that is seen; uncertain by as much.
  * Too near to match (blind_zone.h): an obstacle without a track, id 0, on the flight path somewhere within the
  * blind zone, as wide as the volume. It is given at the far end of the zone, with the zone's length as uncertainty. It
  * never hides a track: while one in the volume is seen in this frame, the view is not blocked, and the nearest collision
  * is with the track. When all of them coast beyond the zone, what is too near to match may be what hides them. Either
  * way both are obstacles in the volume.
  * Membership: an obstacle that is seen, by the pixels of its region (collision_volume.h) in two of its last three
- * hits, or in its only one. While it coasts it stays a member as far as its disc does.
+ * hits, or in its only one. Without a detection it stays a member as far as its disc does.
  * Disc: an elliptical one facing the camera, semi-axes extent / 2 + inflation_sigma times the standard deviation
  * of its bearing at its depth. Only across the line of sight: the range uncertainty of a far obstacle moves it along
  * its line of sight and would put misses into the volume; it is reported in the covariance instead. */
@@ -23,6 +25,7 @@
 
 #include "common/arena.h"
 #include "common/ellipse.h"
+#include "common/flight_path.h"
 #include "stages/blind_zone.h"
 #include "stages/tracker.h"
 #include "vista/obstacle.h"
@@ -42,8 +45,8 @@ void vista_obstacle_map_reset(vista_obstacle_map *map);
  * is changed; errors as vista_tracker_update. */
 vista_status vista_obstacle_map_update(vista_obstacle_map *map, const vista_obstacle_map_params *params,
                                        const vista_camera *camera, const vista_motion *motion,
-                                       const vista_blind_zone *blind_zone, const vista_track *tracks,
-                                       int32_t track_count);
+                                       const vista_flight_path *path, const vista_blind_zone *blind_zone,
+                                       const vista_track *tracks, int32_t track_count);
 
 /* In front of the camera only, nearest first (then by id); valid until the next update. */
 const vista_obstacle *vista_obstacle_map_obstacles(const vista_obstacle_map *map, int32_t *count);

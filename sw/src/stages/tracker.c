@@ -11,6 +11,8 @@
 #include "stages/parts/track_filter.h"
 #include "stages/parts/track_life.h"
 
+#define STILL_M_S 0.5 /* and three standard deviations: slower, a track is not seen to move */
+
 struct vista_tracker {
   int32_t max_tracks, max_detections;
   int32_t count;
@@ -171,7 +173,21 @@ static void merge(vista_tracker *tracker, int32_t older, int32_t younger) {
   tracker->tracks[older].hits = kept.hits + 1;
 }
 
-/* Tentative tracks within a confirmed one, and the younger of two confirmed ones that are within each other. */
+static bool still(const vista_track *track) {
+  const double *const p = track->covariance;
+  const double variance = p[21] + p[28] + p[35];
+  return vista_dot(track->velocity_m_s, track->velocity_m_s) <= fmax(vista_square(STILL_M_S), 9.0 * variance);
+}
+
+/* Whether the part that `view` shows belongs to a thing that stands, and was seen in this frame. */
+static bool stands_on(const vista_tracker *tracker, const vista_track_frame *f, const vista_track_view *view,
+                      int32_t whole) {
+  const vista_track *const track = &tracker->tracks[whole];
+  return !track->coasting && still(track) && vista_track_stacked(f->params, view, &tracker->views[whole]);
+}
+
+/* Tentative tracks within a confirmed one, or a part of it, and the younger of two confirmed ones that are within each
+ * other. */
 static void remove_duplicates(vista_tracker *tracker, const vista_track_frame *f) {
   for (int32_t i = 0; i < tracker->count; ++i) {
     if (!tracker->tracks[i].confirmed) continue;
@@ -182,6 +198,11 @@ static void remove_duplicates(vista_tracker *tracker, const vista_track_frame *f
       bool same = j != i && vista_track_within(f->params, &tracker->views[j], &tracker->views[self]);
       if (same && confirmed) same = j > i && vista_track_within(f->params, &tracker->views[self], &tracker->views[j]);
       if (same && confirmed) merge(tracker, self, j);
+      if (!same && !confirmed && still(&tracker->tracks[j]) && stands_on(tracker, f, &tracker->views[j], self)) {
+        const vista_track *const part = &tracker->tracks[j];
+        same = true;
+        if (part->label >= 0) vista_track_add_part(part->volume_window & 1u, &tracker->tracks[self]);
+      }
       if (same) continue;
       if (j == i) self = kept;
       tracker->tracks[kept] = tracker->tracks[j];
@@ -216,10 +237,13 @@ static bool make_room(vista_tracker *tracker, const vista_track *newborn) {
   return true;
 }
 
-static bool within_confirmed(const vista_tracker *tracker, const vista_track_frame *f, const vista_track_view *view) {
+/* The confirmed track that this is a part of; NULL: of none. */
+static vista_track *whole_of(const vista_tracker *tracker, const vista_track_frame *f, const vista_track_view *view) {
   for (int32_t i = 0; i < tracker->count; ++i)
-    if (tracker->tracks[i].confirmed && vista_track_within(f->params, view, &tracker->views[i])) return true;
-  return false;
+    if (tracker->tracks[i].confirmed &&
+        (vista_track_within(f->params, view, &tracker->views[i]) || stands_on(tracker, f, view, i)))
+      return &tracker->tracks[i];
+  return NULL;
 }
 
 static void start(vista_tracker *tracker, const vista_track_frame *f, const vista_detection *detection) {
@@ -228,7 +252,12 @@ static void start(vista_tracker *tracker, const vista_track_frame *f, const vist
   vista_track newborn;
   vista_track_view view;
   vista_track_start(f, detection, &newborn);
-  if (!vista_track_look(f, &newborn, &view) || within_confirmed(tracker, f, &view)) return;
+  if (!vista_track_look(f, &newborn, &view)) return;
+  vista_track *const whole = whole_of(tracker, f, &view);
+  if (whole != NULL) {
+    vista_track_add_part(detection->volume_pixels >= f->params->volume_pixels, whole);
+    return;
+  }
   if (tracker->count == tracker->max_tracks && !make_room(tracker, &newborn)) return;
   newborn.id = new_id(tracker, tracker->count);
   tracker->tracks[tracker->count] = newborn;

@@ -19,12 +19,19 @@
  *            miss_max misses in a row.
  * Credible   once the static-world test holds it to stand still or to move by itself, until it refutes that; where own
  *            travel tells nothing (a still camera, hovering) once confirmed.
- * Held       a credible track without a detection is not blamed for the miss unless most words of its face lie behind
- *            it: what is near falls into several regions or is too plain to be matched, and has not gone. It coasts as in
- *            the blind zone.
- * Unseen     outside the matched part of the image, or nearer than the engine matches (the blind zone), a track is
- *            not blamed for a miss: it coasts until it is behind the camera or for a set time.
+ * Followed   a credible track without a detection whose face shows words, most of them of its own disparity, is seen:
+ *            what is near falls into several regions. Their mean corrects its range. For follow_s after its last detection, or
+ *            while it may be in the way until it is passed: then no region having it tells against it.
+ * Held       a credible track whose face shows too few words is not blamed for hold_s: a frame without light, a part
+ *            without texture. One that was told by its outline alone never shows words: it coasts as in the blind zone.
+ * Released   words of something else, behind it or before it, are misses.
+ * Unseen     nearer than the engine matches (the blind zone), a track is not blamed for a miss: it coasts until it is
+ *            behind the camera or for blind_zone_s. Outside the matched part of the image, too, if it may be in the way;
+ *            else for out_of_view_s: what passes beside the path is of no more use.
+ *            May be in the way: in the collision volume in one of its last three hits, and credible.
  * Duplicates two confirmed tracks, each centred within the other: the older id stays.
+ * Parts      a detection, or a tentative track, that stands above or below a confirmed one that is seen, at its depth
+ *            and of about its width (a trunk and its crown), is a part of that: it adds to what is in the volume, and has no id.
  * Overflow   with the table full, the least certain tentative track (fewest hits, then largest position variance)
  *            makes room for a more certain newborn; else the newborn is dropped. Either is counted. */
 #ifndef VISTA_TRACKER_H
@@ -50,13 +57,15 @@ typedef struct vista_track {
   bool confirmed;      /* M of N: it is tracked */
   bool credible;       /* and it does not move with the aircraft (static_world.h): it may be warned of */
   bool moved;          /* started from two detections as something that moves: confirmed by more hits */
-  bool coasting;       /* no detection in this frame: the state is a prediction */
-  bool held;           /* coasting, and the engine's words do not show what lies behind it: it may still be there */
+  bool coasting;       /* not seen in this frame: the state is a prediction */
+  bool followed;       /* seen by the words at its place alone: there was no detection */
+  bool held;           /* coasting in view, and the engine's words show nothing there: it may still be there */
   bool in_view;        /* predicted inside the matched part of the image */
   bool in_blind_zone;  /* predicted nearer than the engine matches, and in view when it came so near */
   bool plain;          /* once told by its outline alone (region.h) */
   bool edges_only;     /* plain, and this frame's detection is not: parts of its outline, as it leaves the image */
-  int32_t label;       /* of the region in this frame; -1 while coasting */
+  int32_t label;       /* of the region in this frame; -1 without a detection */
+  int32_t parts;       /* further detections of this frame that belong to it */
   int32_t age_frames;  /* updates since its birth, that one included */
   int32_t hits;        /* detections in all */
   int32_t misses;      /* in a row; only frames in which it could be seen count */
@@ -65,15 +74,17 @@ typedef struct vista_track {
   uint32_t volume_window; /* the last 32 hits, bit 0 the newest, 1 = in the collision volume by volume_pixels;
                              those of edges only, which do not tell what is between them, are left out */
   int64_t hit_t_ns;    /* last detection */
+  int64_t seen_t_ns;   /* last detection, or frame in which it was followed */
   int64_t visible_t_ns; /* last frame in which it could be seen */
   double position_m[3];   /* world */
   double velocity_m_s[3]; /* world */
   double covariance[36];  /* of (position, velocity), row-major, symmetric; m^2, m^2/s, m^2/s^2 */
   double extent_m[2];     /* width, height */
   double extent_variance[2]; /* of the natural logarithm of extent_m */
+  double scatter_px2[3]; /* mean square of what the last ten detections differed by from the prediction; u, v, d */
   vista_static_world world;
-  vista_ellipse ellipse;     /* of the last detection */
-  double ellipse_depth_m;    /* camera z at that detection */
+  vista_ellipse ellipse; /* of the last detection */
+  double ellipse_depth_m; /* camera z at that detection */
 } vista_track;
 
 typedef struct vista_tracker vista_tracker;

@@ -32,4 +32,7 @@ bool vista_track_association_claimed(const vista_track_association *association,
 bool vista_track_within(const vista_tracker_params *params, const vista_track_view *inner,
                         const vista_track_view *outer);
 
+/* Whether one stands on the other: at one depth, of about one width, the narrower above or below the wider. */
+bool vista_track_stacked(const vista_tracker_params *params, const vista_track_view *a, const vista_track_view *b);
+
 #endif

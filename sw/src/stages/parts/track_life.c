@@ -8,6 +8,7 @@
 #include "common/numbers.h"
 #include "stages/parts/track_evidence.h"
 
+#define SCATTER_HITS 10.0
 #define DEPTH_PASSED_M 0.05 /* a track nearer than this along z is behind the camera */
 
 /* N and M of this track: what is linked over a larger distance has to show it more often. */
@@ -68,7 +69,8 @@ void vista_track_judge(const vista_track_frame *f, vista_track *track) {
 }
 
 static void hit(const vista_track_frame *f, const vista_detection *detection, vista_track *track) {
-  track->coasting = track->held = false;
+  track->coasting = track->followed = track->held = false;
+  track->parts = 0;
   track->label = detection->label;
   track->edges_only = track->plain && !detection->plain;
   track->plain = track->plain || detection->plain;
@@ -78,10 +80,17 @@ static void hit(const vista_track_frame *f, const vista_detection *detection, vi
   track->hits += 1;
   track->seen_frames += 1;
   track->misses = 0;
-  track->hit_t_ns = f->t_ns;
-  track->visible_t_ns = f->t_ns;
+  track->hit_t_ns = track->seen_t_ns = track->visible_t_ns = f->t_ns;
   track->ellipse = detection->ellipse;
   track->ellipse_depth_m = f->camera->focal_px * f->camera->baseline_m / detection->disparity_px;
+}
+
+/* How far the region wanders: what its outline lacks or has too much now and then. */
+static void scatter(const vista_detection *detection, const vista_track_view *view, vista_track *track) {
+  const double off_px[3] = {detection->u_px - view->measurement_px[0], detection->v_px - view->measurement_px[1],
+                            detection->disparity_px - view->measurement_px[2]};
+  const double weight = 1.0 / fmin(track->hits, SCATTER_HITS);
+  for (int i = 0; i < 3; ++i) track->scatter_px2[i] += weight * (vista_square(off_px[i]) - track->scatter_px2[i]);
 }
 
 void vista_track_take(const vista_track_frame *f, const vista_detection *detection, const vista_track_view *view,
@@ -90,28 +99,69 @@ void vista_track_take(const vista_track_frame *f, const vista_detection *detecti
   vista_track_filter_noise(f->params, f->camera, detection, view, reshaped, variance_px2);
   const vista_world_hit seen = world_hit(f, detection, view->camera_m[2], variance_px2);
   vista_static_world_add(f->params, &seen, &track->world);
+  scatter(detection, view, track);
   vista_track_filter_update(f->params, view, detection, variance_px2, track);
   hit(f, detection, track);
 }
 
+/* The words at its place correct the range; where it is across the line of sight they do not tell. */
+static void follow(const vista_track_frame *f, const vista_track_evidence *evidence, const vista_track_view *view,
+                   vista_track *track) {
+  const vista_detection seen = {.u_px = view->measurement_px[0],
+                                .v_px = view->measurement_px[1],
+                                .disparity_px = evidence->disparity_px,
+                                .sigma_disparity_px = evidence->sigma_disparity_px,
+                                .extent_m = {track->extent_m[0], track->extent_m[1]},
+                                .cut_u = true,
+                                .cut_v = true};
+  const double variance_px2[3] = {vista_square(f->camera->width_px), vista_square(f->camera->height_px),
+                                  vista_square(evidence->sigma_disparity_px)};
+  vista_track_filter_update(f->params, view, &seen, variance_px2, track);
+  track->coasting = false;
+  track->followed = true;
+  track->seen_t_ns = track->visible_t_ns = f->t_ns;
+}
+
+/* As far as its last hits tell. */
+static bool in_the_way(const vista_track *track) {
+  return track->credible && vista_window_count(track->volume_window, 3) > 0;
+}
+
 void vista_track_miss(const vista_track_frame *f, const vista_track_view *view, vista_track *track) {
   track->coasting = true;
+  track->followed = track->held = false;
+  track->parts = 0;
   track->label = -1;
-  track->held = track->credible && track->in_view && !track->in_blind_zone &&
-                !vista_track_seen_through(f->camera, f->matched, f->disparity, view);
-  if (track->held) return;
   if (!track->in_view || track->in_blind_zone) return;
+  const vista_track_evidence evidence = vista_track_look_for(f->camera, f->matched, f->disparity, view);
+  const double undetected_s = vista_seconds_between(track->hit_t_ns, f->t_ns);
+  if (track->credible && evidence.sight == VISTA_SIGHT_ITSELF &&
+      (in_the_way(track) || undetected_s <= f->params->follow_s)) {
+    follow(f, &evidence, view, track);
+    return;
+  }
+  const double unseen_s = vista_seconds_between(track->seen_t_ns, f->t_ns);
+  track->held =
+      track->credible && evidence.sight == VISTA_SIGHT_NOTHING && (track->plain || unseen_s <= f->params->hold_s);
+  if (track->held) return;
   track->window <<= 1;
   track->seen_frames += 1;
   track->misses += 1;
   track->visible_t_ns = f->t_ns;
 }
 
+void vista_track_add_part(bool in_volume, vista_track *track) {
+  if (track->edges_only) return;
+  if (track->label < 0 && track->parts == 0) track->volume_window <<= 1;
+  track->parts += 1;
+  track->volume_window |= in_volume;
+}
+
 bool vista_track_outlived(const vista_track_frame *f, const vista_track *track) {
   const vista_tracker_params *params = f->params;
   const double hidden_s = vista_seconds_between(track->visible_t_ns, f->t_ns);
-  const bool near = track->in_blind_zone || track->held;
-  if (hidden_s > (near ? params->blind_zone_s : params->out_of_view_s)) return true;
+  const bool kept = track->in_blind_zone || track->held || in_the_way(track);
+  if (hidden_s > (kept ? params->blind_zone_s : params->out_of_view_s)) return true;
   if (track->confirmed) return track->misses > params->miss_max;
   const int32_t window = window_length(params, track);
   const int32_t seen = track->seen_frames < window ? track->seen_frames : window;
@@ -127,8 +177,7 @@ void vista_track_start(const vista_track_frame *f, const vista_detection *detect
   const vista_world_hit seen = world_hit(f, detection, detection->position_camera_m[2], variance_px2);
   vista_static_world_start(f->params, &seen, &track->world);
   track->age_frames = 1;
-  track->hit_t_ns = f->t_ns;
-  track->visible_t_ns = f->t_ns;
+  track->hit_t_ns = track->seen_t_ns = track->visible_t_ns = f->t_ns;
   vista_track_judge(f, track);
 }
 

@@ -1,0 +1,46 @@
+#include "common/flight_path.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "common/numbers.h"
+
+#define CHORDS_MAX 64
+#define SAGITTA_M 0.01 /* between a chord and its arc: c l^2 / 8 */
+
+double vista_flight_path_along(const vista_flight_path *path, const double point_m[3], double direction[3]) {
+  const double c = path->curvature_1_m;
+  const double offset[3] = {point_m[0] - path->start_m[0], point_m[1] - path->start_m[1],
+                            point_m[2] - path->start_m[2]};
+  const double ahead_m = vista_dot(offset, path->direction);
+  const double turn = c > 0.0 ? atan2(c * ahead_m, 1.0 - c * vista_dot(offset, path->normal)) : 0.0;
+  for (int i = 0; i < 3 && direction != NULL; ++i)
+    direction[i] = cos(turn) * path->direction[i] + (c > 0.0 ? sin(turn) * path->normal[i] : 0.0);
+  return c > 0.0 ? turn / c : ahead_m;
+}
+
+/* The point of the path at along_m. */
+static void point_at(const vista_flight_path *path, double along_m, double point_m[3]) {
+  const double c = path->curvature_1_m, half = 0.5 * c * along_m;
+  const double chord_m = c > 0.0 ? 2.0 * sin(half) / c : along_m;
+  for (int i = 0; i < 3; ++i)
+    point_m[i] =
+        path->start_m[i] + chord_m * (cos(half) * path->direction[i] + (c > 0.0 ? sin(half) * path->normal[i] : 0.0));
+}
+
+bool vista_flight_path_near_disc(const vista_flight_path *path, const vista_disc *disc, double radius_m) {
+  const double pieces = ceil(path->length_m * sqrt(path->curvature_1_m / (8.0 * SAGITTA_M)));
+  const int count = pieces < 1.0 ? 1 : pieces < CHORDS_MAX ? (int)pieces : CHORDS_MAX;
+  vista_line_segment chord;
+  memcpy(chord.start_m, path->start_m, sizeof chord.start_m);
+  for (int k = 1; k <= count; ++k) {
+    double end_m[3], step_m[3];
+    point_at(path, path->length_m * k / count, end_m);
+    for (int i = 0; i < 3; ++i) step_m[i] = end_m[i] - chord.start_m[i];
+    chord.length_m = vista_norm(step_m);
+    for (int i = 0; i < 3; ++i) chord.direction[i] = step_m[i] / chord.length_m;
+    if (vista_disc_near_segment(disc, &chord, radius_m)) return true;
+    memcpy(chord.start_m, end_m, sizeof end_m);
+  }
+  return false;
+}

@@ -1,0 +1,24 @@
+/* The path that the aircraft will fly: a circular arc, or a straight line. */
+#ifndef VISTA_FLIGHT_PATH_H
+#define VISTA_FLIGHT_PATH_H
+
+#include <stdbool.h>
+
+#include "common/disc.h"
+
+typedef struct vista_flight_path {
+  double start_m[3];
+  double direction[3]; /* at the start, unit length */
+  double normal[3];    /* towards the centre of the arc, unit length, orthogonal to direction; unused if straight */
+  double curvature_1_m; /* not negative; 0: straight */
+  double length_m;      /* along the path, at most a quarter of a circle */
+} vista_flight_path;
+
+/* Along the path to where it comes closest to the point, negative behind its start; and unless null, the direction there.
+ * Not beyond a quarter of a circle past the end. */
+double vista_flight_path_along(const vista_flight_path *path, const double point_m[3], double direction[3]);
+
+/* Whether the disc comes within radius_m of the path, up to 1 cm: an arc is taken for a chain of chords. */
+bool vista_flight_path_near_disc(const vista_flight_path *path, const vista_disc *disc, double radius_m);
+
+#endif
