@@ -121,6 +121,9 @@ static const struct {
     {{"health.degraded_fraction", "", "A frame is degraded when less than this of the pixels that can be matched has a disparity.", VISTA_PARAMETER_FLOAT, 0.1, 0.0, 1.0, "", 0, NULL}, offsetof(vista_parameters, health.degraded_fraction)},
     {{"health.blind_fraction", "", "With less than this it is blind.", VISTA_PARAMETER_FLOAT, 0.02, 0.0, 1.0, "health.degraded_fraction", 0, NULL}, offsetof(vista_parameters, health.blind_fraction)},
     {{"health.contrast_min", "grey levels", "It is blind, too, when the standard deviation of the cells' grey levels is smaller.", VISTA_PARAMETER_FLOAT, 2.0, 0.0, 255.0, "", 0, NULL}, offsetof(vista_parameters, health.contrast_min)},
+    {{"words.cluster_px", "px", "Words that hang together and are fewer, in pixels of their level, are dropped; 0: none are.", VISTA_PARAMETER_INT, 100, 0, 1000000, "", 0, NULL}, offsetof(vista_parameters, words.cluster_px)},
+    {{"words.support", "", "A word of a coarser level needs this share of the words around it within a pixel of it.", VISTA_PARAMETER_FLOAT, 0.8, 0.0, 1.0, "", 0, NULL}, offsetof(vista_parameters, words.support)},
+    {{"words.contradiction_px", "px", "A word gives way to that of the next coarser level when they differ by more, in pixels of that level.", VISTA_PARAMETER_FLOAT, 2.0, 0.0, 256.0, "", 0, NULL}, offsetof(vista_parameters, words.contradiction_px)},
 };
 
 _Static_assert(sizeof(vista_stereo_params) == 256, "stereo may not grow");
@@ -136,5 +139,6 @@ _Static_assert(sizeof(vista_tracker_params) == 256, "tracker may not grow");
 _Static_assert(sizeof(vista_blind_zone_params) == 256, "blind_zone may not grow");
 _Static_assert(sizeof(vista_obstacle_map_params) == 256, "obstacle_map may not grow");
 _Static_assert(sizeof(vista_health_params) == 256, "health may not grow");
+_Static_assert(sizeof(vista_words_params) == 256, "words may not grow");
 
 #endif

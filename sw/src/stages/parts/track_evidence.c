@@ -24,8 +24,9 @@ bool vista_track_seen_through(const vista_camera *camera, const vista_matched_ar
                               const vista_disparity_image *disparity, const vista_track_view *view) {
   if (disparity == NULL) return true;
   const double u = view->measurement_px[0], v = view->measurement_px[1], d = view->measurement_px[2];
-  const double margin = matched->margin_px;
-  const span columns = clip(u, fmax(view->half_px[0], 0.5), matched->margin_left_px, camera->width_px - 1 - margin);
+  const vista_margins margins = vista_matched_margins(matched, d);
+  const double margin = margins.other_px;
+  const span columns = clip(u, fmax(view->half_px[0], 0.5), margins.left_px, camera->width_px - 1 - margin);
   const span rows = clip(v, fmax(view->half_px[1], 0.5), margin, camera->height_px - 1 - margin);
   const double behind_word = VISTA_DISPARITY_SCALE * (d - fmax(BEHIND_MIN_PX, BEHIND_SHARE * d));
   int32_t pixels = 0, valid = 0, behind = 0;
