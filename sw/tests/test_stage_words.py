@@ -154,8 +154,8 @@ def test_rows_may_lie_apart_and_run_upwards(stride: int) -> None:
 
 
 def test_a_near_thing_comes_from_a_coarser_level_and_its_chance_matches_go() -> None:
-    """A wall 10 px away all over; in front of it, too near for level 0, a thing of 100 px, which level 0 matches by
-    chance and level 1 where it is."""
+    """A wall of 10 px all over; in front of it, too near for level 0, a thing of 100 px, which level 0
+    matches to something else and level 1 to itself."""
     level_0 = np.full((96, 160), 10 * SCALE, np.int16)
     level_0[30:70, 60:120] = 40 * SCALE
     level_1 = np.full((48, 80), 5 * SCALE, np.int16)
@@ -221,7 +221,9 @@ def test_bad_arguments() -> None:
     ):
         assert status_name(lib.vista_words_combine(*arguments)) == "VISTA_ERROR_ARGUMENT"
     section.support = 1.5
-    assert status_name(lib.vista_words_combine(section, 64, image, coarser, stage.handle)) == "VISTA_ERROR_RANGE"
+    assert (
+        status_name(lib.vista_words_combine(section, 64, image, coarser, stage.handle)) == "VISTA_ERROR_RANGE"
+    )
     assert status_name(lib.vista_words_layout(ffi.new("vista_words *"), ffi.new("vista_arena *"), 0, 5)) == (
         "VISTA_ERROR_SIZE"
     )

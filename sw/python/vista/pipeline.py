@@ -149,17 +149,18 @@ class Pipeline:
         not increase, a pose that is not finite."""
         ffi = self._ffi
         levels = [disparity] if isinstance(disparity, np.ndarray) else list(disparity)
-        if not 1 <= len(levels) <= 1 + self._lib.VISTA_COARSER_LEVELS:
-            raise PipelineError(f"a frame has 1 to {1 + self._lib.VISTA_COARSER_LEVELS} levels, not {len(levels)}")
+        most = 1 + self._lib.VISTA_COARSER_LEVELS
+        if not 1 <= len(levels) <= most:
+            raise PipelineError(f"a frame has 1 to {most} levels, not {len(levels)}")
         typed = [(left, "u1")] + [(words, "i2") for words in levels]
         if any((array.dtype, array.ndim) != (np.dtype(wanted), 2) for array, wanted in typed):
             raise PipelineError("the image has to be uint8 and int16 its disparities, both (height, width)")
         left, levels = np.ascontiguousarray(left), [np.ascontiguousarray(words) for words in levels]
         frame = ffi.new("vista_frame *")
-        coarser = [frame.coarser[k] for k in range(len(levels) - 1)]
+        images = [frame.disparity, *(frame.coarser[k] for k in range(len(levels) - 1))]
         for target, array, c_type in (
             (frame.image, left, "uint8_t *"),
-            *((image, words, "int16_t *") for image, words in zip([frame.disparity, *coarser], levels, strict=True)),
+            *((image, words, "int16_t *") for image, words in zip(images, levels, strict=True)),
         ):
             target.data = ffi.cast(c_type, array.ctypes.data)
             target.height_px, target.width_px = array.shape

@@ -8,7 +8,6 @@ from functools import partial
 from time import thread_time
 
 import numpy as np
-from numpy.typing import NDArray
 from vista import parameters
 from vista.chain import engine_parameters
 from vista.engine import Engine, create_engine
