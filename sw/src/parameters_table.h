@@ -122,7 +122,7 @@ static const struct {
     {{"health.blind_fraction", "", "With less than this it is blind.", VISTA_PARAMETER_FLOAT, 0.02, 0.0, 1.0, "health.degraded_fraction", 0, NULL}, offsetof(vista_parameters, health.blind_fraction)},
     {{"health.contrast_min", "grey levels", "It is blind, too, when the standard deviation of the cells' grey levels is smaller.", VISTA_PARAMETER_FLOAT, 2.0, 0.0, 255.0, "", 0, NULL}, offsetof(vista_parameters, health.contrast_min)},
     {{"words.cluster_px", "px", "Words that hang together and are fewer, in pixels of their level, are dropped; 0: none are.", VISTA_PARAMETER_INT, 100, 0, 1000000, "", 0, NULL}, offsetof(vista_parameters, words.cluster_px)},
-    {{"words.support", "", "A word of a coarser level needs this share of the words around it within a pixel of it.", VISTA_PARAMETER_FLOAT, 0.8, 0.0, 1.0, "", 0, NULL}, offsetof(vista_parameters, words.support)},
+    {{"words.support", "", "A word of a coarser level is taken where at least this share of the 5x5 pixels around it has a word.", VISTA_PARAMETER_FLOAT, 0.92, 0.0, 1.0, "", 0, NULL}, offsetof(vista_parameters, words.support)},
     {{"words.contradiction_px", "px", "A word gives way to that of the next coarser level when they differ by more, in pixels of that level.", VISTA_PARAMETER_FLOAT, 2.0, 0.0, 256.0, "", 0, NULL}, offsetof(vista_parameters, words.contradiction_px)},
 };
 

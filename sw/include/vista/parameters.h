@@ -196,7 +196,7 @@ typedef struct vista_health_params {
 /* The words of all pyramid levels, filtered and put together (extension of the paper). */
 typedef struct vista_words_params {
   int32_t cluster_px; /* Words that hang together and are fewer, in pixels of their level, are dropped; 0: none are. 0 .. 1000000 px. */
-  double support; /* A word of a coarser level needs this share of the words around it within a pixel of it. 0.0 .. 1.0. */
+  double support; /* A word of a coarser level is taken where at least this share of the 5x5 pixels around it has a word. 0.0 .. 1.0. */
   double contradiction_px; /* A word gives way to that of the next coarser level when they differ by more, in pixels of that level. 0.0 .. 256.0 px. */
   unsigned char reserved[232];
 } vista_words_params;

@@ -24,7 +24,7 @@ static inline vista_margins vista_matched_margins(const vista_matched_area *area
   while (disparity_px > scale * area->level_disparity_max_px &&
          scale * area->level_disparity_max_px < area->disparity_max_px) {
     scale *= 2.0;
-    rim = 1.0; /* the words at a coarser level's rim have too little support */
+    rim = 2.0; /* the words at a coarser level's rim have too little support */
   }
   return (vista_margins){scale * (area->margin_left_px + rim), scale * (area->margin_px + rim)};
 }

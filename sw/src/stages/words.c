@@ -28,8 +28,8 @@ vista_status vista_words_layout(vista_words *words, vista_arena *arena, int32_t 
     words->levels[k] =
         vista_arena_take(arena, (size_t)words->width_px[k] * (size_t)words->height_px[k], sizeof(int16_t));
   }
-  const size_t rows = sizeof words->rows / sizeof words->rows[0], flags = sizeof words->flags / sizeof words->flags[0];
-  for (size_t i = 0; i < rows; ++i) words->rows[i] = vista_arena_take(arena, width + 2 * REACH, sizeof(int16_t));
+  const size_t flags = sizeof words->flags / sizeof words->flags[0];
+  words->row = vista_arena_take(arena, width + 2, sizeof(int16_t));
   for (size_t i = 0; i < flags; ++i) words->flags[i] = vista_arena_take(arena, width + 8, sizeof(uint8_t));
   words->parent = vista_arena_take(arena, pixels, sizeof(int32_t));
   words->first = vista_arena_take(arena, pixels, sizeof(uint16_t));
@@ -165,32 +165,33 @@ static void filter_clusters(const vista_disparity_image *in, int32_t smallest, i
 
 /* ---- support ---- */
 
-/* Keeps the words that at least `needed` of the 5x5 around them are like. The rows below the one at work are still as they
- * were; those above are kept in w->rows, with a margin of nothing at both ends. */
+static const int16_t *row_of(const int16_t *words, int32_t width, int32_t height, int32_t v) {
+  return v < height ? words + (ptrdiff_t)v * width : NULL;
+}
+
+/* Words among the 2 REACH + 1 pixels around each of a row; null: a row outside the image. */
+static void count_row(const int16_t *restrict row, int32_t width, uint8_t *restrict valid, uint8_t *restrict count) {
+  for (int32_t u = 0; u < width; ++u) valid[u + REACH] = row != NULL && row[u] >= 0;
+  for (int32_t u = 0; u < width; ++u)
+    count[u] = (uint8_t)(valid[u] + valid[u + 1] + valid[u + 2] + valid[u + 3] + valid[u + 4]);
+}
+
+static void drop_row(uint8_t *const counts[2 * REACH + 1], int32_t width, int32_t needed, int16_t *restrict row) {
+  const uint8_t *restrict const a = counts[0], *restrict const b = counts[1], *restrict const c = counts[2],
+                                *restrict const d = counts[3], *restrict const e = counts[4];
+  for (int32_t u = 0; u < width; ++u) row[u] = a[u] + b[u] + c[u] + d[u] + e[u] >= needed ? row[u] : NONE;
+}
+
+/* Keeps the words that lie among at least `needed` words in the 5x5 around them. */
 static void filter_support(int32_t width, int32_t height, int32_t needed, vista_words *w, int16_t *words) {
-  int16_t *window[2 * REACH + 1];
-  for (int i = 0; i < 2 * REACH + 1; ++i) {
-    window[i] = w->rows[i];
-    for (int32_t u = 0; u < width + 2 * REACH; ++u) window[i][u] = NONE;
-  }
-  for (int32_t v = -REACH; v < height; ++v) {
-    int16_t *const entering = window[0];
-    for (int i = 0; i < 2 * REACH; ++i) window[i] = window[i + 1];
-    window[2 * REACH] = entering;
-    for (int32_t u = 0; u < width; ++u)
-      entering[u + REACH] = v + REACH < height ? words[(ptrdiff_t)(v + REACH) * width + u] : NONE;
-    if (v < 0) continue;
-    int16_t *restrict const row = words + (ptrdiff_t)v * width;
-    const int16_t *restrict const middle = window[REACH] + REACH;
-    const int16_t *restrict const a = window[0], *restrict const b = window[1], *restrict const c = window[2],
-                                  *restrict const d = window[3], *restrict const e = window[4];
-    for (int32_t u = 0; u < width; ++u) {
-      int16_t count = 0;
-      for (int i = 0; i < 2 * REACH + 1; ++i)
-        count = (int16_t)(count + like(a[u + i], middle[u]) + like(b[u + i], middle[u]) + like(c[u + i], middle[u]) +
-                          like(d[u + i], middle[u]) + like(e[u + i], middle[u]));
-      row[u] = count >= needed ? middle[u] : NONE;
-    }
+  uint8_t *const valid = w->flags[2 * REACH + 1];
+  for (int32_t u = 0; u < width + 2 * REACH; ++u) valid[u] = 0;
+  for (int i = 0; i < 2 * REACH + 1; ++i)
+    count_row(i < REACH ? NULL : row_of(words, width, height, i - REACH), width, valid, w->flags[i]);
+  for (int32_t v = 0; v < height; ++v) {
+    if (v > 0)
+      count_row(row_of(words, width, height, v + REACH), width, valid, w->flags[(v + 2 * REACH) % (2 * REACH + 1)]);
+    drop_row(w->flags, width, needed, words + (ptrdiff_t)v * width);
   }
 }
 
@@ -223,8 +224,8 @@ static void merge(const vista_words_params *params, int32_t finer, int16_t beyon
   for (int32_t v = 0; v < w->height_px[finer]; ++v) {
     const int32_t nearest = (v + 1) / 2 < w->height_px[coarse] ? (v + 1) / 2 : w->height_px[coarse] - 1;
     if (v == 0 || v % 2 == 1)
-      widen_row(w->levels[coarse] + (ptrdiff_t)nearest * coarse_width, coarse_width, beyond, width, w->rows[0]);
-    merge_row(w->rows[0] + 1, (int16_t)limit, width, w->levels[finer] + (ptrdiff_t)v * width);
+      widen_row(w->levels[coarse] + (ptrdiff_t)nearest * coarse_width, coarse_width, beyond, width, w->row);
+    merge_row(w->row + 1, (int16_t)limit, width, w->levels[finer] + (ptrdiff_t)v * width);
   }
 }
 

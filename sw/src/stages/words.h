@@ -5,9 +5,9 @@
  *
  * - Cluster: words that hang together (4 neighbours, a pixel apart at most) and are fewer than cluster_px are dropped,
  *   on every level. Chance matches are small; the pattern of the cost hardly ever repeats over a whole surface.
- * - Support: a word of level 1 or coarser is kept where at least `support` of the words in 5x5 pixels around it, itself
- *   included, are within a pixel of it. That takes the rim of a cluster away, where the block, which is 2^k times as
- *   large as at level 0, sees a thing beyond its outline.
+ * - Support: a word of level 1 or coarser is kept where at least `support` of the 5x5 pixels around it have a word.
+ *   That takes the rim of a cluster away, where the block, which is 2^k times as large as at level 0, sees a thing
+ *   beyond its outline.
  * - Contradiction: a word that the next coarser level contradicts by more than contradiction_px pixels of that level
  *   gives way to it: what is nearer than a level can match is matched to something else there.
  * - Filling: where a level has no word, the next coarser level's is taken. Level 1 fills weakly textured surfaces. What
@@ -30,8 +30,8 @@ typedef struct vista_words {
   vista_disparity_image image; /* of all levels together, what the other stages work on */
   int32_t width_px[VISTA_MAX_LEVELS], height_px[VISTA_MAX_LEVELS]; /* of each level */
   int16_t *levels[VISTA_MAX_LEVELS]; /* height * width */
-  int16_t *rows[5];                  /* scratch: of width_px[0] */
-  uint8_t *flags[5];
+  int16_t *row;                      /* scratch: of width_px[0] and some more */
+  uint8_t *flags[6];
   int32_t *parent;                   /* scratch, a run of words */
   uint16_t *first, *last;
   int32_t *first_run;                /* scratch, a row and one more */
