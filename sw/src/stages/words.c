@@ -30,7 +30,9 @@ vista_status vista_words_layout(vista_words *words, vista_arena *arena, int32_t 
   }
   const size_t flags = sizeof words->flags / sizeof words->flags[0];
   words->row = vista_arena_take(arena, width + 2, sizeof(int16_t));
-  for (size_t i = 0; i < flags; ++i) words->flags[i] = vista_arena_take(arena, width + 8, sizeof(uint8_t));
+  for (size_t i = 0; i < flags; ++i) words->flags[i] = vista_arena_take(arena, width + 64, sizeof(uint8_t));
+  for (size_t i = 0; i < sizeof words->bits / sizeof words->bits[0]; ++i)
+    words->bits[i] = vista_arena_take(arena, width / 64 + 2, sizeof(uint64_t));
   words->parent = vista_arena_take(arena, pixels, sizeof(int32_t));
   words->first = vista_arena_take(arena, pixels, sizeof(uint16_t));
   words->last = vista_arena_take(arena, pixels, sizeof(uint16_t));
@@ -65,39 +67,48 @@ static void copy_row(const int16_t *restrict in, int32_t width, int16_t largest,
   }
 }
 
-/* linked: the word is like the one to its left, so that no run starts here; one more than width is written. */
-static void flag_row(const int16_t *restrict row, int32_t width, uint8_t *restrict linked, uint8_t *restrict starts,
-                     uint8_t *restrict ends) {
+/* Of each word of a row: is there one, is it like the one to its left, is it like the one above. */
+static void flag_row(const int16_t *restrict row, const int16_t *restrict above, int32_t width, uint8_t *restrict valid,
+                     uint8_t *restrict linked, uint8_t *restrict up) {
+  for (int32_t u = 0; u < width; ++u) {
+    valid[u] = row[u] >= 0;
+    up[u] = (row[u] >= 0) & like(row[u], above[u]);
+  }
   linked[0] = 0;
   for (int32_t u = 1; u < width; ++u) linked[u] = (row[u] >= 0) & like(row[u], row[u - 1]);
-  linked[width] = 0;
-  for (int32_t u = 0; u < width; ++u) starts[u] = (row[u] >= 0) & !linked[u];
-  for (int32_t u = 0; u < width; ++u) ends[u] = (row[u] >= 0) & !linked[u + 1];
 }
 
-/* touches: the first pixel of each stretch over which a run of one row and a run of the row above touch. */
-static void flag_touches(const int16_t *restrict row, const int16_t *restrict above, int32_t width,
-                         const uint8_t *restrict linked, const uint8_t *restrict linked_above, uint8_t *restrict up,
-                         uint8_t *restrict touches) {
-  for (int32_t u = 0; u < width; ++u) up[u] = (row[u] >= 0) & like(row[u], above[u]);
-  touches[0] = up[0];
-  for (int32_t u = 1; u < width; ++u) touches[u] = up[u] & !(up[u - 1] & linked[u] & linked_above[u]);
+/* Eight flags as the bits of a number. */
+static inline uint64_t eight(const uint8_t *flags) {
+  const uint64_t bytes = (uint64_t)flags[0] | (uint64_t)flags[1] << 8 | (uint64_t)flags[2] << 16 |
+                         (uint64_t)flags[3] << 24 | (uint64_t)flags[4] << 32 | (uint64_t)flags[5] << 40 |
+                         (uint64_t)flags[6] << 48 | (uint64_t)flags[7] << 56;
+  return bytes * UINT64_C(0x0102040810204080) >> 56;
 }
 
-/* Eight flags as the bits of a number; flags end in zeros up to a multiple of eight. */
-static inline uint32_t eight(const uint8_t *flags) {
-  uint64_t bytes = 0;
-  for (int i = 0; i < 8; ++i) bytes |= (uint64_t)flags[i] << (8 * i);
-  return (uint32_t)(bytes * UINT64_C(0x0102040810204080) >> 56);
+/* Flags, zeros up to a multiple of 64, as the bits of `count` numbers and one more, which is zero. */
+static void pack(const uint8_t *flags, int32_t count, uint64_t *bits) {
+  for (int32_t i = 0; i < count; ++i) {
+    uint64_t packed = 0;
+    for (int k = 0; k < 8; ++k) packed |= eight(flags + 64 * i + 8 * k) << (8 * k);
+    bits[i] = packed;
+  }
+  bits[count] = 0;
 }
 
-static inline int32_t lowest(uint32_t bits) { return __builtin_ctz(bits); }
+static inline int32_t lowest(uint64_t bits) { return __builtin_ctzll(bits); }
 
-static int32_t list_set(const uint8_t *flags, int32_t width, uint16_t *at) {
-  int32_t count = 0;
-  for (int32_t u = 0; u < width; u += 8)
-    for (uint32_t bits = eight(flags + u); bits != 0; bits &= bits - 1) at[count++] = (uint16_t)(u + lowest(bits));
-  return count;
+/* Lists the runs of a row behind those of the rows before; returns how many there are. */
+static int32_t list_runs(const uint64_t *valid, const uint64_t *linked, int32_t count, uint16_t *first,
+                         uint16_t *last) {
+  int32_t starts = 0, ends = 0;
+  for (int32_t i = 0; i < count; ++i) {
+    for (uint64_t bits = valid[i] & ~linked[i]; bits != 0; bits &= bits - 1)
+      first[starts++] = (uint16_t)(64 * i + lowest(bits));
+    for (uint64_t bits = valid[i] & ~(linked[i] >> 1 | linked[i + 1] << 63); bits != 0; bits &= bits - 1)
+      last[ends++] = (uint16_t)(64 * i + lowest(bits));
+  }
+  return starts;
 }
 
 /* The root of a run's set; a root's parent is minus the pixels of the set. */
@@ -120,47 +131,60 @@ static void join(int32_t *parent, int32_t a, int32_t b) {
   parent[high] = low;
 }
 
-static void join_rows(vista_words *w, int32_t above, int32_t here, const uint8_t *touches, int32_t width) {
-  for (int32_t u = 0; u < width; u += 8)
-    for (uint32_t bits = eight(touches + u); bits != 0; bits &= bits - 1) {
-      const int32_t at = u + lowest(bits);
+/* Joins the runs from `here` on with those of the row above that they touch: once for each stretch over which both go
+ * on. */
+static void join_rows(vista_words *w, int32_t above, int32_t here, const uint64_t *linked_above, const uint64_t *linked,
+                      const uint64_t *up, int32_t count) {
+  uint64_t left = 0; /* whether the last pixel before these is like the one above it */
+  for (int32_t i = 0; i < count; ++i) {
+    const uint64_t before = up[i] << 1 | left;
+    left = up[i] >> 63;
+    for (uint64_t bits = up[i] & ~(before & linked[i] & linked_above[i]); bits != 0; bits &= bits - 1) {
+      const int32_t at = 64 * i + lowest(bits);
       while (w->last[above] < at) ++above;
       while (w->last[here] < at) ++here;
       join(w->parent, above, here);
+    }
+  }
+}
+
+static void drop_small_runs(vista_words *w, int32_t width, int32_t height, int32_t smallest, int16_t *words) {
+  for (int32_t v = 0; v < height; ++v)
+    for (int32_t r = w->first_run[v]; r < w->first_run[v + 1]; ++r) {
+      if (-w->parent[root_of(w->parent, r)] >= smallest) continue;
+      int16_t *const row = words + (ptrdiff_t)v * width;
+      for (int32_t u = w->first[r]; u <= w->last[r]; ++u) row[u] = NONE;
     }
 }
 
 /* Copies a level and drops the words of small clusters. */
 static void filter_clusters(const vista_disparity_image *in, int32_t smallest, int16_t largest, vista_words *w,
                             int16_t *out) {
-  const int32_t width = in->width_px, height = in->height_px;
-  for (int i = 0; i < 5; ++i)
-    for (int32_t u = width; u < width + 8; ++u) w->flags[i][u] = 0; /* left by a wider level */
+  const int32_t width = in->width_px, height = in->height_px, count = (width + 63) / 64;
+  for (int i = 0; i < 3; ++i)
+    for (int32_t u = width; u < 64 * count; ++u) w->flags[i][u] = 0; /* left by a wider level */
+  uint64_t *const valid = w->bits[0], *const up = w->bits[1];
   int32_t runs = 0;
   for (int32_t v = 0; v < height; ++v) {
     int16_t *const row = out + (ptrdiff_t)v * width;
     copy_row(in->data + v * in->stride, width, largest, row);
     if (smallest <= 1) continue;
-    uint8_t *const linked = w->flags[v & 1], *const linked_above = w->flags[~v & 1];
-    flag_row(row, width, linked, w->flags[2], w->flags[3]);
+    uint64_t *const linked = w->bits[2 + (v & 1)], *const linked_above = w->bits[2 + (~v & 1)];
+    flag_row(row, v > 0 ? row - width : row, width, w->flags[0], w->flags[1], w->flags[2]);
+    pack(w->flags[0], count, valid);
+    pack(w->flags[1], count, linked);
     w->first_run[v] = runs;
-    const int32_t count = list_set(w->flags[2], width, w->first + runs);
-    (void)list_set(w->flags[3], width, w->last + runs);
-    for (int32_t r = runs; r < runs + count; ++r) w->parent[r] = w->first[r] - w->last[r] - 1;
+    const int32_t here = list_runs(valid, linked, count, w->first + runs, w->last + runs);
+    for (int32_t r = runs; r < runs + here; ++r) w->parent[r] = w->first[r] - w->last[r] - 1;
     if (v > 0) {
-      flag_touches(row, row - width, width, linked, linked_above, w->flags[4], w->flags[2]);
-      join_rows(w, w->first_run[v - 1], runs, w->flags[2], width);
+      pack(w->flags[2], count, up);
+      join_rows(w, w->first_run[v - 1], runs, linked_above, linked, up, count);
     }
-    runs += count;
+    runs += here;
   }
   if (smallest <= 1) return;
   w->first_run[height] = runs;
-  for (int32_t v = 0; v < height; ++v)
-    for (int32_t r = w->first_run[v]; r < w->first_run[v + 1]; ++r) {
-      if (-w->parent[root_of(w->parent, r)] >= smallest) continue;
-      int16_t *const row = out + (ptrdiff_t)v * width;
-      for (int32_t u = w->first[r]; u <= w->last[r]; ++u) row[u] = NONE;
-    }
+  drop_small_runs(w, width, height, smallest, out);
 }
 
 /* ---- support ---- */

@@ -32,6 +32,7 @@ typedef struct vista_words {
   int16_t *levels[VISTA_MAX_LEVELS]; /* height * width */
   int16_t *row;                      /* scratch: of width_px[0] and some more */
   uint8_t *flags[6];
+  uint64_t *bits[4];
   int32_t *parent;                   /* scratch, a run of words */
   uint16_t *first, *last;
   int32_t *first_run;                /* scratch, a row and one more */
