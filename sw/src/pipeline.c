@@ -150,9 +150,9 @@ vista_status vista_pipeline_bytes(const vista_parameters *parameters, const vist
 static vista_matched_area matched_area(const vista_stereo_params *stereo, int32_t levels) {
   const int32_t radius = (stereo->block_size - 1) / 2;
   return (vista_matched_area){.disparity_max_px = (stereo->num_disparities - 1) << (levels - 1),
-                              .level_disparity_max_px = stereo->num_disparities - 1,
                               .margin_left_px = stereo->num_disparities - 1 + radius,
-                              .margin_px = radius};
+                              .margin_px = radius,
+                              .coarser_levels = levels - 1};
 }
 
 vista_status vista_pipeline_create(void *memory, size_t bytes, const vista_parameters *parameters,
