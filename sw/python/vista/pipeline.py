@@ -158,10 +158,9 @@ class Pipeline:
         left, levels = np.ascontiguousarray(left), [np.ascontiguousarray(words) for words in levels]
         frame = ffi.new("vista_frame *")
         images = [frame.disparity, *(frame.coarser[k] for k in range(len(levels) - 1))]
-        for target, array, c_type in (
-            (frame.image, left, "uint8_t *"),
-            *((image, words, "int16_t *") for image, words in zip(images, levels, strict=True)),
-        ):
+        given: list[tuple[Any, NDArray[Any], str]] = [(frame.image, left, "uint8_t *")]
+        given += [(image, words, "int16_t *") for image, words in zip(images, levels, strict=True)]
+        for target, array, c_type in given:
             target.data = ffi.cast(c_type, array.ctypes.data)
             target.height_px, target.width_px = array.shape
             target.stride = array.shape[1]
