@@ -30,6 +30,8 @@ typedef struct recording {
   vista_camera camera;
   vista_parameters parameters;
   uint32_t stills; /* the frames are unrelated: no tracking from one to the next */
+  uint32_t coarser_levels;
+  size_t words; /* of all levels of a frame */
   long first_frame; /* offset of the first frame */
   long frame_count;
 } recording;
@@ -40,7 +42,7 @@ typedef struct frame_buffer {
   vista_pose pose;
   double up_world[3];
   uint8_t *left;
-  int16_t *disparity;
+  int16_t *words; /* level by level */
 } frame_buffer;
 
 /* Columns of the times: the stages, their sum, processor time. */
@@ -81,9 +83,22 @@ static int read_parameters(recording *r, uint32_t count) {
   return fail(r->path, message);
 }
 
+static int32_t half(int32_t side_px) { return (side_px + 1) / 2; }
+
+static size_t count_words(const recording *r) {
+  int32_t width_px = r->camera.width_px, height_px = r->camera.height_px;
+  size_t words = (size_t)width_px * (size_t)height_px;
+  for (uint32_t k = 0; k < r->coarser_levels; ++k) {
+    width_px = half(width_px);
+    height_px = half(height_px);
+    words += (size_t)width_px * (size_t)height_px;
+  }
+  return words;
+}
+
 /* Before any memory is asked for: the header may promise images that the file does not hold. */
 static int count_frames(recording *r) {
-  const long frame_bytes = FRAME_HEAD_BYTES + 3L * r->camera.width_px * r->camera.height_px;
+  const long frame_bytes = FRAME_HEAD_BYTES + (long)r->camera.width_px * r->camera.height_px + 2L * (long)r->words;
   r->first_frame = ftell(r->stream);
   if (r->first_frame < 0 || fseek(r->stream, 0, SEEK_END) != 0) return fail(r->path, strerror(errno));
   const long bytes = ftell(r->stream) - r->first_frame;
@@ -96,7 +111,7 @@ static int open_recording(recording *r) {
   char magic[8];
   uint32_t numbers[4]; /* version, width, height, parameter count */
   double camera[4];
-  uint32_t flags[2]; /* stills, 0 */
+  uint32_t flags[2]; /* stills, coarser levels */
   r->stream = fopen(r->path, "rb");
   if (r->stream == NULL) return fail(r->path, strerror(errno));
   if (!read_exactly(r->stream, magic, sizeof magic) || memcmp(magic, MAGIC, sizeof magic) != 0)
@@ -108,6 +123,9 @@ static int open_recording(recording *r) {
   if (numbers[1] > 8192 || numbers[2] > 8192) return fail(r->path, "images larger than 8192x8192");
   r->camera = (vista_camera){(int32_t)numbers[1], (int32_t)numbers[2], camera[0], camera[1], camera[2], camera[3]};
   r->stills = flags[0];
+  if (flags[1] > VISTA_COARSER_LEVELS) return fail(r->path, "more levels than are handled");
+  r->coarser_levels = flags[1];
+  r->words = count_words(r);
   const int exit_status = read_parameters(r, numbers[3]);
   return exit_status != 0 ? exit_status : count_frames(r);
 }
@@ -120,7 +138,7 @@ static bool read_frame(const recording *r, frame_buffer *frame) {
          read_exactly(r->stream, frame->pose.rotation, sizeof frame->pose.rotation) &&
          read_exactly(r->stream, frame->pose.translation_m, sizeof frame->pose.translation_m) &&
          read_exactly(r->stream, frame->up_world, sizeof frame->up_world) &&
-         read_exactly(r->stream, frame->left, pixels) && read_exactly(r->stream, frame->disparity, 2 * pixels);
+         read_exactly(r->stream, frame->left, pixels) && read_exactly(r->stream, frame->words, 2 * r->words);
 }
 
 static void print_obstacle(const vista_obstacle *o) {
@@ -220,15 +238,27 @@ typedef struct player {
   long frame_count;
 } player;
 
+/* The level that lies behind this one. */
+static vista_disparity_image coarser_level(const vista_disparity_image *finer) {
+  const int32_t width_px = half(finer->width_px);
+  return (vista_disparity_image){finer->data + (ptrdiff_t)finer->width_px * finer->height_px, width_px,
+                                 half(finer->height_px), width_px};
+}
+
 static vista_status step(const player *p, vista_pipeline *pipeline, vista_result *result) {
   const vista_camera *const camera = &p->recording->camera;
-  const vista_frame input = {
+  vista_frame input = {
       .image = {p->frame.left, camera->width_px, camera->height_px, camera->width_px},
-      .disparity = {p->frame.disparity, camera->width_px, camera->height_px, camera->width_px},
+      .disparity = {p->frame.words, camera->width_px, camera->height_px, camera->width_px},
       .pose = p->frame.has_pose ? &p->frame.pose : NULL,
       .up_world = p->frame.has_up ? p->frame.up_world : NULL,
       .t_ns = p->frame.t_ns,
   };
+  const vista_disparity_image *finer = &input.disparity;
+  for (uint32_t k = 0; k < p->recording->coarser_levels; ++k) {
+    input.coarser[k] = coarser_level(finer);
+    finer = &input.coarser[k];
+  }
   if (p->recording->stills) vista_pipeline_reset(pipeline);
   return vista_pipeline_process(pipeline, &input, result);
 }
@@ -280,11 +310,11 @@ static int replay(const recording *r, const options *o) {
   if (status != VISTA_OK) return fail(r->path, vista_status_text(status));
   p.memory = malloc(p.bytes);
   p.frame.left = malloc(pixels);
-  p.frame.disparity = malloc(2 * pixels);
-  const bool enough = p.memory != NULL && p.frame.left != NULL && p.frame.disparity != NULL;
+  p.frame.words = malloc(2 * r->words);
+  const bool enough = p.memory != NULL && p.frame.left != NULL && p.frame.words != NULL;
   int exit_status = enough ? play(&p, NULL) : fail(r->path, "out of memory");
   if (exit_status == 0) exit_status = measure(&p, o);
-  free(p.frame.disparity);
+  free(p.frame.words);
   free(p.frame.left);
   free(p.memory);
   return exit_status;

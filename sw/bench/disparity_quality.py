@@ -1,8 +1,11 @@
-"""Density and bad-3 of every pyramid level on KITTI 2012 pairs, beside OpenCV's StereoBM and SGBM.
+"""Density and bad-3 of every pyramid level, and of what the host makes of them, on KITTI 2012 pairs, beside
+OpenCV's StereoBM and SGBM.
 
-FOLDER holds image_0, image_1 and disp_noc as the data set has them. Nothing is tuned on the pairs.
+FOLDER holds image_0, image_1 and disp_noc as the data set has them. The host's combination was chosen on the
+half named dev; the other is named test. --out is for
+`scripts/make_tables.py --save disparity-quality=FILE.json`.
 
-    disparity_quality.py FOLDER [--out build/bench/disparity_quality.json]
+    disparity_quality.py FOLDER [--half dev] [--out build/bench/disparity_quality.json]
 """
 
 from __future__ import annotations
@@ -19,6 +22,9 @@ import numpy as np
 from vista import parameters
 from vista.chain import engine_parameters
 from vista.engine import Disparity, Image, StereoEngine
+from vista.geometry import Calibration
+from vista.pipeline import Pipeline
+from vista_eval.dataset.stereo_pair import split_of
 from vista_eval.metrics.disparity_quality import (
     Counts,
     Pixels,
@@ -46,6 +52,30 @@ def vista_levels(smooth: bool) -> Callable[[Image, Image], dict[str, Pixels]]:
         end = ", smoothed" if smooth else ""
         named = {f"level {k}{end}": level for k, level in enumerate(levels)}
         return named | {f"finest of {n} levels{end}": finest(levels[:n]) for n in (3, 4)}
+
+    return match
+
+
+def host_words(smooth: bool) -> Callable[[Image, Image], dict[str, Pixels]]:
+    """What the host makes of 1, 2 and 3 levels. It works in pixels: any camera does."""
+    values = parameters.defaults()
+    values["stereo"]["num_disparities"] = DISPARITIES
+    stereo = asdict(engine_parameters(values))
+    engine = StereoEngine(**stereo | {"levels": 3, "smooth": smooth})
+    pipelines: dict[tuple[int, ...], Pipeline] = {}
+
+    def match(left: Image, right: Image) -> dict[str, Pixels]:
+        height, width = left.shape
+        if left.shape not in pipelines:
+            camera = Calibration(width, height, width / 2, width / 2, height / 2, 0.5)
+            pipelines[left.shape] = Pipeline(camera, values)
+        levels, named = engine.compute_levels(left, right), {}
+        for n in (1, 2, 3):
+            pipelines[left.shape].reset()
+            words = pipelines[left.shape].process(left, levels[:n], 0).words
+            name = f"host, {n} level{'s' * (n > 1)}{', smoothed' if smooth else ''}"
+            named[name] = at_full_size(words, 0, left.shape)
+        return named
 
     return match
 
@@ -92,18 +122,21 @@ def read_truth(path: Path) -> Pixels:
     return np.where(units == 0, np.nan, units / KITTI_UNITS_PER_PX)
 
 
-def evaluate(folder: Path) -> dict[str, dict[str, Quality]]:
+def evaluate(folder: Path, half: str | None) -> dict[str, dict[str, Quality]]:
     """By method: of all measured pixels, of those that level 0 can see, and of those nearer."""
     methods = [
         vista_levels(smooth=False),
         vista_levels(smooth=True),
+        host_words(smooth=False),
+        host_words(smooth=True),
         opencv("StereoBM", block_matcher(check=False)),
         opencv("StereoBM, check", block_matcher(check=True)),
         opencv("StereoSGBM", semi_global_matcher(cv2.STEREO_SGBM_MODE_SGBM)),
         opencv("StereoSGBM, 3 ways", semi_global_matcher(cv2.STEREO_SGBM_MODE_SGBM_3WAY)),
     ]
     counts: dict[str, dict[str, list[Counts]]] = defaultdict(lambda: defaultdict(list))
-    names = sorted(path.name for path in (folder / "disp_noc").glob("*.png"))
+    found = sorted(path.name for path in (folder / "disp_noc").glob("*.png"))
+    names = [name for index, name in enumerate(found) if half in (None, split_of(index))]
     if not names:
         raise SystemExit(f"disparity_quality: no pairs with measured disparities in {folder}")
     for name in names:
@@ -135,15 +168,25 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("folder", type=Path, metavar="FOLDER")
     parser.add_argument("--out", type=Path, default=Path("build/bench/disparity_quality.json"))
+    parser.add_argument("--half", choices=("dev", "test"), help="these pairs only (default: all)")
     options = parser.parse_args()
-    results = evaluate(options.folder)
+    results = evaluate(options.folder, options.half)
     pairs = next(iter(results.values()))["all"].pairs
     print(f"{pairs} pairs, {DISPARITIES} candidates; in range: up to {DISPARITIES - 1} px, near: more")
     print(table(results))
     options.out.parent.mkdir(parents=True, exist_ok=True)
     exact = {method: {part: asdict(one) for part, one in parts.items()} for method, parts in results.items()}
     methods = json.loads(json.dumps(exact), parse_float=lambda digits: round(float(digits), 6))
-    document = {"disparities": DISPARITIES, "levels": LEVELS, "opencv": cv2.__version__, "methods": methods}
+    settings = parameters.defaults()["words"]
+    document = {
+        "half": options.half,
+        "pairs": pairs,
+        "words": settings,
+        "disparities": DISPARITIES,
+        "levels": LEVELS,
+        "opencv": cv2.__version__,
+        "methods": methods,
+    }
     options.out.write_text(json.dumps(document, indent=1) + "\n")
 
 

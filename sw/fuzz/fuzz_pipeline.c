@@ -161,6 +161,14 @@ static void fly_any(fuzz_input *input, const detector *d, const vista_camera *ca
       .t_ns = *t_ns,
       .stationary = flags & 64,
   };
+  /* The words over again as those of coarser levels: as many as the seed says, the last of a wrong size now and then. */
+  int32_t width = camera->width_px, height = camera->height_px;
+  for (int32_t k = 0; k < (int32_t)(s.seed >> 1) % (1 + VISTA_COARSER_LEVELS); ++k) {
+    width = (width + 1) / 2;
+    height = (height + 1) / 2;
+    frame.coarser[k] = (vista_disparity_image){words, width, height, camera->width_px};
+  }
+  if (wrong & 128) frame.coarser[s.seed % VISTA_COARSER_LEVELS].height_px += 1;
   if (wrong & 1) frame.image.stride = fuzz_between(input, 0, camera->width_px) - 8;
   if (wrong & 2) frame.disparity.stride = fuzz_between(input, 0, camera->width_px) - 8;
   if (wrong & 4) frame.image.width_px = fuzz_between(input, 0, camera->width_px);

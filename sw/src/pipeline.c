@@ -19,6 +19,7 @@
 #include "stages/segmentation.h"
 #include "stages/surface.h"
 #include "stages/tracker.h"
+#include "stages/words.h"
 
 #define MAX_TRACKS 256
 #define MAX_DETECTIONS 512
@@ -30,6 +31,7 @@
 typedef enum stage {
   STAGE_MOTION,
   STAGE_NOISE,
+  STAGE_WORDS,
   STAGE_FOVEATION,
   STAGE_HEALTH,
   STAGE_SURFACE,
@@ -47,10 +49,11 @@ typedef enum stage {
 struct vista_pipeline {
   vista_parameters parameters;
   vista_camera camera;
-  vista_matched_area matched; /* by the engine */
+  vista_matched_area matched; /* by the engine, with the levels of the last frame */
   vista_affinity_params affinity_params;     /* of the last frame: thresholds on grey levels against its noise */
   vista_refinement_params refinement_params; /* the same */
   vista_motion_state motion_state;
+  vista_words words;
   vista_foveation foveation;
   vista_cells cells;
   vista_surfaces surfaces;
@@ -70,6 +73,7 @@ struct vista_pipeline {
 static const char *const stage_names[STAGE_COUNT] = {
     [STAGE_MOTION] = "motion",
     [STAGE_NOISE] = "noise",
+    [STAGE_WORDS] = "words",
     [STAGE_FOVEATION] = "foveation",
     [STAGE_HEALTH] = "health",
     [STAGE_SURFACE] = "surface",
@@ -104,6 +108,7 @@ static vista_status layout(vista_pipeline *p, vista_arena *arena) {
   p->detections = vista_arena_take(arena, MAX_DETECTIONS, sizeof(vista_detection));
   p->verdicts = vista_arena_take(arena, (size_t)p->foveation.max_nodes, sizeof(vista_region_verdict));
   const vista_status statuses[] = {
+      vista_words_layout(&p->words, arena, c->width_px, c->height_px),
       vista_cells_layout(&p->cells, arena, &p->foveation),
       vista_surfaces_layout(&p->surfaces, arena, &p->foveation),
       vista_affinity_layout(&p->affinity, arena, &p->foveation),
@@ -147,11 +152,12 @@ vista_status vista_pipeline_bytes(const vista_parameters *parameters, const vist
   return status;
 }
 
-static vista_matched_area matched_area(const vista_stereo_params *stereo) {
+static vista_matched_area matched_area(const vista_stereo_params *stereo, int32_t levels) {
   const int32_t radius = (stereo->block_size - 1) / 2;
-  return (vista_matched_area){.disparity_max_px = stereo->num_disparities - 1,
+  return (vista_matched_area){.disparity_max_px = (stereo->num_disparities - 1) << (levels - 1),
                               .margin_left_px = stereo->num_disparities - 1 + radius,
-                              .margin_px = radius};
+                              .margin_px = radius,
+                              .coarser_levels = levels - 1};
 }
 
 vista_status vista_pipeline_create(void *memory, size_t bytes, const vista_parameters *parameters,
@@ -164,7 +170,7 @@ vista_status vista_pipeline_create(void *memory, size_t bytes, const vista_param
   if (p == NULL) return VISTA_ERROR_MEMORY;
   p->parameters = own_parameters(parameters);
   p->camera = *camera;
-  p->matched = matched_area(&p->parameters.stereo);
+  p->matched = matched_area(&p->parameters.stereo, 1);
   const vista_status laid = layout(p, &arena);
   if (laid != VISTA_OK) return laid;
   p->views = (vista_views){.width_px = camera->width_px,
@@ -175,7 +181,8 @@ vista_status vista_pipeline_create(void *memory, size_t bytes, const vista_param
                            .cell_disparity_px = p->cells.disparity_px,
                            .region_of_cell = p->segmentation.label,
                            .region_of_pixel = p->refinement.label,
-                           .verdict_of_region = p->verdicts};
+                           .verdict_of_region = p->verdicts,
+                           .words = p->words.image.data};
   *pipeline = p;
   return VISTA_OK;
 }
@@ -195,10 +202,9 @@ static vista_status check_up(const double up_world[3]) {
 }
 
 /* Before anything changes. Time, pose and velocity are the first stage's to judge, which comes next. */
-static vista_status check_frame(const vista_pipeline *p, const vista_frame *frame) {
+static vista_status check_frame(const vista_pipeline *p, const vista_frame *frame, int32_t *levels) {
   vista_status status = vista_frame_check_image(&frame->image, p->camera.width_px, p->camera.height_px);
-  if (status == VISTA_OK)
-    status = vista_frame_check_disparity(&frame->disparity, p->camera.width_px, p->camera.height_px);
+  if (status == VISTA_OK) status = vista_words_count_levels(&p->words, &frame->disparity, frame->coarser, levels);
   return status == VISTA_OK && frame->up_world != NULL ? check_up(frame->up_world) : status;
 }
 
@@ -241,6 +247,7 @@ static vista_status run_stage(vista_pipeline *p, stage stage, passage *way) {
   const vista_parameters *const q = &p->parameters;
   const vista_frame *const frame = way->frame;
   const double *const up = way->up_camera;
+  const vista_disparity_image *const words = &p->words.image;
   switch (stage) {
     case STAGE_MOTION: {
       const vista_motion_input input = {frame->pose, frame->velocity_m_s, frame->stationary, frame->t_ns};
@@ -256,10 +263,12 @@ static vista_status run_stage(vista_pipeline *p, stage stage, passage *way) {
       if (status == VISTA_OK) set_thresholds(p, &way->noise);
       return status;
     }
+    case STAGE_WORDS:
+      return vista_words_combine(&q->words, q->stereo.num_disparities, &frame->disparity, frame->coarser, &p->words);
     case STAGE_FOVEATION:
-      return vista_foveate(&p->foveation, &q->foveation, &frame->image, &frame->disparity, &p->cells);
+      return vista_foveate(&p->foveation, &q->foveation, &frame->image, words, &p->cells);
     case STAGE_HEALTH:
-      return vista_health_judge(&q->health, &p->foveation, &p->matched, &p->cells, &way->noise, &frame->disparity,
+      return vista_health_judge(&q->health, &p->foveation, &p->matched, &p->cells, &way->noise, words,
                                 &way->motion, &way->health, &way->valid_fraction);
     case STAGE_SURFACE:
       return vista_surfaces_compute(&p->foveation, &q->surface, &p->camera, up, &p->cells, &p->surfaces);
@@ -272,12 +281,12 @@ static vista_status run_stage(vista_pipeline *p, stage stage, passage *way) {
                           &p->refinement);
     case STAGE_REGIONS: {
       const vista_status status =
-          vista_regions_compute(&p->foveation, &q->region, &p->camera, up, q->surface.horizontal_deg, &frame->disparity,
-                                &p->cells, &p->surfaces, &p->segmentation, &p->refinement, &p->regions);
+          vista_regions_compute(&p->foveation, &q->region, &p->camera, up, q->surface.horizontal_deg, words, &p->cells,
+                                &p->surfaces, &p->segmentation, &p->refinement, &p->regions);
       if (status != VISTA_OK) return status;
       const vista_collision_volume volume = vista_collision_volume_around(
           &way->path, &way->motion.pose, q->obstacle_map.collision_radius_m, q->obstacle_map.outline_px);
-      return vista_collision_volume_count(&p->foveation, &q->region, &p->camera, &volume, &frame->disparity,
+      return vista_collision_volume_count(&p->foveation, &q->region, &p->camera, &volume, words,
                                           &p->regions);
     }
     case STAGE_RECONSTRUCTION: {
@@ -289,11 +298,11 @@ static vista_status run_stage(vista_pipeline *p, stage stage, passage *way) {
     case STAGE_TRACKING:
       if (way->motion.restarted) vista_tracker_reset(p->tracker);
       way->dropped_before = vista_tracker_dropped(p->tracker);
-      return vista_tracker_update(p->tracker, &q->tracker, &p->camera, &p->matched, &way->motion, frame->t_ns,
-                                  &frame->disparity, p->detections, way->detection_count);
+      return vista_tracker_update(p->tracker, &q->tracker, &p->camera, &p->matched, &way->motion, frame->t_ns, words,
+                                  p->detections, way->detection_count);
     case STAGE_BLIND_ZONE:
       return vista_blind_zone_update(&q->blind_zone, &p->camera, &p->matched, q->obstacle_map.collision_radius_m,
-                                     &frame->image, &way->noise, &frame->disparity, &p->blind_zone);
+                                     &frame->image, &way->noise, words, &p->blind_zone);
     case STAGE_MAP: {
       int32_t count;
       const vista_track *const tracks = vista_tracker_tracks(p->tracker, &count);
@@ -330,7 +339,9 @@ vista_status vista_pipeline_process_sized(vista_pipeline *pipeline, const vista_
   vista_pipeline *const p = pipeline;
   vista_frame f = {0};
   memcpy(&f, frame, frame_bytes < sizeof f ? frame_bytes : sizeof f);
-  vista_status status = check_frame(p, &f);
+  int32_t levels;
+  vista_status status = check_frame(p, &f, &levels);
+  if (status == VISTA_OK) p->matched = matched_area(&p->parameters.stereo, levels);
   passage way = {.frame = &f, .motion_state = p->motion_state};
   if (status == VISTA_OK) status = run_stages(p, &way);
   if (status != VISTA_OK) return status;

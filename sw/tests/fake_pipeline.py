@@ -46,12 +46,12 @@ class FakePipeline:
     def process(
         self,
         left: NDArray[np.uint8],
-        disparity: NDArray[np.int16],
+        disparity: NDArray[np.int16] | list[NDArray[np.int16]],
         t_ns: int,
         pose: Pose | None,
         up_world: Array | None,
     ) -> Result:
-        camera = self._camera
+        camera, words = self._camera, disparity if isinstance(disparity, np.ndarray) else disparity[0]
         rows, columns = (side // CELL_PX for side in left.shape)
         v, u = np.mgrid[: left.shape[0], : left.shape[1]] // CELL_PX
         cell_of_pixel = (np.minimum(v, rows - 1) * columns + np.minimum(u, columns - 1)).astype(np.int32)
@@ -82,9 +82,9 @@ class FakePipeline:
             obstacles=obstacles,
             nearest_collision=nearest,
             motion=motion,
-            health=Health("healthy", (), (), float(np.mean(disparity >= 0)), 50.0),
+            health=Health("healthy", (), (), float(np.mean(words >= 0)), 50.0),
             regions=regions,
-            valid_fraction=float(np.mean(disparity >= 0)),
+            valid_fraction=float(np.mean(words >= 0)),
             dropped_tracks=2,
             stage_ms=stage_ms,
             cell_of_pixel=cell_of_pixel,
@@ -93,4 +93,5 @@ class FakePipeline:
             region_of_cell=region_of_cell,
             region_of_pixel=region_of_cell[cell_of_pixel],
             verdict_of_region=verdicts,
+            words=words,
         )

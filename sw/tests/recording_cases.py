@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 from board_flight import UP_WORLD, WORLD_FROM_CAMERA, BoardFrame
+from numpy.typing import NDArray
 from pipeline_library import CALIBRATION
 from vista import parameters
 from vista.geometry import CameraModel, Pose, RawCalibration, camera_matrix
@@ -28,15 +29,28 @@ def board_sequence(stills: bool = False) -> Sequence:
     return Sequence("board", "pairs", raw, frames=(), up_world=up_world, stills=stills)
 
 
+def levels_of(source: BoardFrame, levels: int) -> list[NDArray[np.int16]]:
+    """The words as a pyramid would have them."""
+    return [
+        np.where(words < 0, words, words >> k)
+        for k, words in enumerate(source.words[:: 1 << k, :: 1 << k] for k in range(levels))
+    ]
+
+
 def record(
     path: Path,
     sources: Iterable[BoardFrame],
     values: parameters.Values | None = None,
     stills: bool = False,
+    levels: int = 1,
 ) -> Path:
     """Stills have neither pose nor up direction."""
-    with Recorder(path, board_sequence(stills), CALIBRATION, values or parameters.defaults()) as recorder:
+    values = values or parameters.defaults()
+    values = values | {"stereo": values["stereo"] | {"levels": levels}}
+    with Recorder(path, board_sequence(stills), CALIBRATION, values) as recorder:
         for index, source in enumerate(sources):
             pose = None if stills else Pose(WORLD_FROM_CAMERA, source.position_m)
-            recorder.write(Frame(index, source.t_ns, source.left, source.left, pose), source.words)
+            recorder.write(
+                Frame(index, source.t_ns, source.left, source.left, pose), levels_of(source, levels)
+            )
     return path

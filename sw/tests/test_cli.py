@@ -26,6 +26,7 @@ import vista.pipeline
 from command_line import Vista, assert_refused, call
 from fake_pipeline import FakePipeline
 from shared_data import REPOSITORY
+from vista.chain import engine_parameters
 from vista.cli import main
 from vista.disparity_file import read_disparity
 from vista.recording import FRAME, HEADER, PARAMETER
@@ -124,22 +125,32 @@ def test_opencv_runs_on_the_defaults(tmp_path: Path, run_vista: Vista) -> None:
     assert run_vista("run", folder, "--out", tmp_path / "out", "--engine", "opencv")[0] == 0
 
 
+def make_engine() -> vista.StereoEngine:
+    return vista.StereoEngine(**vars(engine_parameters(vista.parameters.defaults())))
+
+
+def recorded_frame_bytes() -> int:
+    levels = vista.parameters.defaults()["stereo"]["levels"]
+    words = sum(-(-cases.WIDTH // 2**k) * -(-cases.HEIGHT // 2**k) for k in range(levels))
+    return FRAME.size + cases.WIDTH * cases.HEIGHT + 2 * words
+
+
 def test_record_holds_what_the_host_received(tmp_path: Path, run_vista: Vista) -> None:
     folder = cases.make_kitti(tmp_path / "kitti")
     record = tmp_path / "flight.rec"
     assert run_vista("run", folder, "--out", tmp_path / "out", "--record", record)[0] == 0
     data = record.read_bytes()
-    magic, version, width, height, parameter_count, *camera, stills, _ = HEADER.unpack_from(data)
+    magic, version, width, height, parameter_count, *camera, stills, coarser = HEADER.unpack_from(data)
     assert (magic, version, width, height) == (b"VISTAREC", 3, cases.WIDTH, cases.HEIGHT)
     assert camera == [cases.FOCAL_PX, cases.CX, cases.CY, cases.BASELINE_M]
     pixels = width * height
-    assert stills == 0
+    assert (stills, coarser) == (0, vista.parameters.defaults()["stereo"]["levels"] - 1)
     recorded = [PARAMETER.unpack_from(data, HEADER.size + i * PARAMETER.size) for i in range(parameter_count)]
     texts = [[text.rstrip(b"\0").decode() for text in row[:2]] for row in recorded]
     found = {name: choice or number for (name, choice), (_, _, number) in zip(texts, recorded, strict=True)}
     assert found == vista.parameters.flat(vista.parameters.defaults())
     assert found["stereo.prefilter"] == "xsobel"  # by its name, wherever it stands in parameters.toml
-    frame_bytes = FRAME.size + 3 * pixels
+    frame_bytes = recorded_frame_bytes()
     first_frame = HEADER.size + parameter_count * PARAMETER.size
     assert len(data) == first_frame + cases.FRAMES * frame_bytes
     at = first_frame + 2 * frame_bytes
@@ -149,20 +160,18 @@ def test_record_holds_what_the_host_received(tmp_path: Path, run_vista: Vista) -
     left, right = cases.texture_pair(2)
     seen = np.frombuffer(data, np.uint8, pixels, at + FRAME.size).reshape(height, width)
     np.testing.assert_array_equal(seen, left)
-    words = np.frombuffer(data, "<i2", pixels, at + FRAME.size + pixels).reshape(height, width)
-    np.testing.assert_array_equal(
-        words,
-        vista.StereoEngine(num_disparities=vista.parameters.defaults()["stereo"]["num_disparities"]).compute(
-            left, right
-        ),
-    )
+    at += FRAME.size + pixels
+    for level in make_engine().compute_levels(left, right):
+        words = np.frombuffer(data, "<i2", level.size, at).reshape(level.shape)
+        np.testing.assert_array_equal(words, level)
+        at += 2 * level.size
 
 
 @pytest.mark.parametrize("engine", ["golden", "opencv"])
 @pytest.mark.parametrize("smooth", ["off", "binomial3"])
 def test_smoothing_of_a_config(tmp_path: Path, run_vista: Vista, engine: str, smooth: str) -> None:
     (tmp_path / "c.toml").write_text(
-        f'[stereo]\nnum_disparities = 32\nlr_max_diff = -1\nsmooth = "{smooth}"\n'
+        f'[stereo]\nnum_disparities = 32\nlr_max_diff = -1\nsmooth = "{smooth}"\nlevels = 1\n'
     )
     folder, record = cases.make_kitti(tmp_path / "kitti"), tmp_path / "flight.rec"
     options = ["--engine", engine, "--config", tmp_path / "c.toml", "--record", record]
@@ -228,7 +237,7 @@ def test_a_bad_frame_leaves_whole_lines_and_a_summary(tmp_path: Path, run_vista:
     assert summary["frames"] == 2
     assert summary["error"] == f"{image}: truncated image"
     assert {path.name for path in out.iterdir()} == RESULTS - {"report.html"}
-    frame_bytes = FRAME.size + 3 * cases.WIDTH * cases.HEIGHT
+    frame_bytes = recorded_frame_bytes()
     head_bytes = HEADER.size + PARAMETER.size * HEADER.unpack_from(record.read_bytes())[4]
     assert record.stat().st_size == head_bytes + 2 * frame_bytes
 
@@ -296,7 +305,6 @@ BAD_CONFIGS = {
     "stereo = 1": "unknown section [stereo]",
     "[stereo]\nsmooth = true": "stereo.smooth must be one of off, binomial3, not True",
     "[stereo]\nlevels = 5": "stereo.levels must be from 1 to 4",
-    "[stereo]\nlevels = 2": "stereo.levels: the host takes the words of one level only",
 }
 
 

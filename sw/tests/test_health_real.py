@@ -96,8 +96,8 @@ def judged(
         frame = rectifier.rectify(raw)
         if sequence.stills:
             pipeline.reset()
-        words = engine.compute(frame.left, frame.right)
-        result = pipeline.process(frame.left, words, frame.t_ns, frame.world_from_camera, sequence.up_world)
+        levels = list(engine.levels(frame.left, frame.right))
+        result = pipeline.process(frame.left, levels, frame.t_ns, frame.world_from_camera, sequence.up_world)
         yield monitor.check(raw, frame, result.health)
 
 

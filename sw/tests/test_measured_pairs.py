@@ -169,9 +169,8 @@ def test_the_reference_method_is_judged_by_the_host(kitti: Path) -> None:
     """On the host's own partition the verdicts of seeds from disparities are the host's own."""
     pair = kitti_stereo.read_pair(kitti_stereo.find_pairs(kitti)[0])
     detectors = Detectors(pair.camera, parameters.defaults())
-    words = detectors.words(pair)
-    result = detectors.process(pair, words)
-    again = detectors.pipeline.judge_regions(words, result.region_of_cell, result.region_of_pixel)
+    result = detectors.process(pair, detectors.levels(pair))
+    again = detectors.pipeline.judge_regions(result.words, result.region_of_cell, result.region_of_pixel)
     own = result.verdict_of_region
     assert len(again) == len(own)
     compared = [(a, b) for a, b in zip(again, own, strict=True) if b != "BACKGROUND"]

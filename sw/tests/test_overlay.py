@@ -144,7 +144,7 @@ def test_the_panel_holds_four_tiles(size: tuple[int, int]) -> None:
     overlay = Overlay("flight", 32)
     for index in range(2):
         result = pipeline.process(left, words, index, None, None)
-        picture = overlay.draw(Frame(index, index, left, left, None), words, result)
+        picture = overlay.draw(Frame(index, index, left, left, None), result)
         assert picture.dtype == np.uint8
         assert picture.shape[0] > 2 * size[1] and picture.shape[1] > 2 * size[0]
 
@@ -184,9 +184,7 @@ def test_the_headline_says_that_a_frame_is_blind() -> None:
     blind = FrameHealth((Finding(next(iter(Reason)), State.BLIND, "The image is black."),))
     bar_height = panel_tiles(640, 480)[0][1]
     healthy, warned = (
-        Overlay("flight", 32)
-        .draw(Frame(0, 0, left, left, None), words, result, health)[:bar_height]
-        .astype(int)
+        Overlay("flight", 32).draw(Frame(0, 0, left, left, None), result, health)[:bar_height].astype(int)
         for health in (FrameHealth(), blind)
     )
     reddish = [int((bar[..., 2] - bar[..., 0] > 100).sum()) for bar in (healthy, warned)]

@@ -22,7 +22,7 @@ from vista.recording import FRAME, HEADER, PARAMETER
 
 REPLAY = native.build_folder() / "bin" / "replay"
 STAGES = (
-    "motion,noise,foveation,health,surface,affinity,segmentation,refinement,regions,reconstruction,tracking,"
+    "motion,noise,words,foveation,health,surface,affinity,segmentation,refinement,regions,reconstruction,tracking,"
     "blind_zone,map,host,cpu"
 )
 SANITIZED = "asan" in os.environ.get("LD_PRELOAD", "")
@@ -76,14 +76,16 @@ def as_line(index: int, result: Result) -> dict:
     }
 
 
-def test_replay_prints_the_numbers_of_python(recording: Path) -> None:
-    run = replay(recording)
+@pytest.mark.parametrize("levels", [1, 2, 4])
+def test_replay_prints_the_numbers_of_python(tmp_path: Path, levels: int) -> None:
+    run = replay(cases.record(tmp_path / "a.rec", board_flight()[:9], levels=levels))
     assert run.returncode == 0, run.stderr
     pipeline = Pipeline(CALIBRATION)
     expected = []
     for index, source in enumerate(board_flight()[:9]):
         pose = Pose(scene.WORLD_FROM_CAMERA, source.position_m)
-        result = pipeline.process(source.left, source.words, source.t_ns, pose, scene.UP_WORLD)
+        words = cases.levels_of(source, levels)
+        result = pipeline.process(source.left, words, source.t_ns, pose, scene.UP_WORLD)
         expected.append(as_line(index, result))
     assert [json.loads(line) for line in run.stdout.splitlines()] == expected
     assert expected[-1]["nearest_collision"] is not None

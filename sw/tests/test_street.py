@@ -55,8 +55,8 @@ def run_street(values: parameters.Values) -> list[Result]:
     results = []
     for files in sequence.frames:
         frame = rectifier.rectify(sequence.read(files))
-        words = engine.compute(frame.left, frame.right)
-        results.append(pipeline.process(frame.left, words, frame.t_ns, frame.world_from_camera))
+        levels = engine.compute_levels(frame.left, frame.right)
+        results.append(pipeline.process(frame.left, levels, frame.t_ns, frame.world_from_camera))
     return results
 
 

@@ -5,9 +5,10 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <vista/engine.h>
+#include <vista/frontend.h>
 #include <vista/vista.h>
 
-enum { WIDTH = 320, HEIGHT = 240, FRAMES = 20 };
+enum { WIDTH = 320, HEIGHT = 240, LEVELS = 3, FRAMES = 20 };
 
 static const vista_camera camera = {WIDTH, HEIGHT, 300.0, (WIDTH - 1) / 2.0, (HEIGHT - 1) / 2.0, 0.5};
 static const double board_z_m = 30.0, ground_y_m = 4.0, start_z_m = 4.0, step_m = 0.9;
@@ -39,6 +40,36 @@ static void draw(uint8_t *image, double x_m, double z_m) {
   }
 }
 
+/* Each level has half the size of the one before. A level is matched smoothed, but reduced as it is. */
+typedef struct pyramid {
+  uint8_t images[LEVELS][WIDTH * HEIGHT], smoothed[WIDTH * HEIGHT];
+} pyramid;
+
+static vista_engine_status prepare(pyramid *p, int level, int32_t width, int32_t height) {
+  const vista_frontend_image image = {p->images[level], width, height, width};
+  const vista_engine_status status = vista_frontend_smooth(&image, p->smoothed, width, VISTA_ENGINE_ISA_AUTO);
+  if (status != VISTA_ENGINE_OK || level + 1 == LEVELS) return status;
+  return vista_frontend_reduce(&image, p->images[level + 1], vista_frontend_reduced_px(width), VISTA_ENGINE_ISA_AUTO);
+}
+
+/* The words of all levels: what is too near for one is matched by the next. */
+static vista_engine_status match(const vista_engine_params *engine, pyramid *left, pyramid *right, void *scratch,
+                                 size_t scratch_bytes, int16_t words[LEVELS][WIDTH * HEIGHT], vista_frame *frame) {
+  int32_t width = WIDTH, height = HEIGHT;
+  for (int k = 0; k < LEVELS; ++k) {
+    vista_engine_status status = prepare(left, k, width, height);
+    if (status == VISTA_ENGINE_OK) status = prepare(right, k, width, height);
+    const vista_engine_images images = {left->smoothed, right->smoothed, width, height, width, width};
+    const vista_engine_output output = {words[k], NULL, width, 0};
+    if (status == VISTA_ENGINE_OK) status = vista_engine_compute(engine, &images, &output, scratch, scratch_bytes);
+    if (status != VISTA_ENGINE_OK) return status;
+    *(k == 0 ? &frame->disparity : &frame->coarser[k - 1]) = (vista_disparity_image){words[k], width, height, width};
+    width = vista_frontend_reduced_px(width);
+    height = vista_frontend_reduced_px(height);
+  }
+  return VISTA_ENGINE_OK;
+}
+
 static void print_frame(int frame, const vista_result *result) {
   printf("frame %2d:", frame);
   for (int32_t i = 0; i < result->obstacle_count; ++i) {
@@ -51,11 +82,9 @@ static void print_frame(int frame, const vista_result *result) {
 }
 
 int main(void) {
-  static uint8_t left[WIDTH * HEIGHT], right[WIDTH * HEIGHT];
-  static int16_t words[WIDTH * HEIGHT];
+  static pyramid left, right;
+  static int16_t words[LEVELS][WIDTH * HEIGHT];
   const vista_engine_params engine = vista_engine_defaults();
-  const vista_engine_images images = {left, right, WIDTH, HEIGHT, WIDTH, WIDTH};
-  const vista_engine_output output = {words, NULL, WIDTH, 0};
 
   vista_parameters parameters = vista_parameters_default();
   parameters.stereo.num_disparities = engine.num_disparities; /* the detector asks how near the engine can match */
@@ -73,15 +102,13 @@ int main(void) {
   for (int i = 0; i < FRAMES && status == VISTA_OK; ++i) {
     const double z_m = start_z_m + step_m * i;
     const vista_pose pose = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, z_m}};
-    draw(left, 0.0, z_m);
-    draw(right, camera.baseline_m, z_m);
-    const vista_engine_status matched = vista_engine_compute(&engine, &images, &output, scratch, scratch_bytes);
+    draw(left.images[0], 0.0, z_m);
+    draw(right.images[0], camera.baseline_m, z_m);
+    vista_frame frame = {
+        .image = {left.images[0], WIDTH, HEIGHT, WIDTH}, .pose = &pose, .t_ns = (int64_t)(i + 1) * 100000000};
+    const vista_engine_status matched = match(&engine, &left, &right, scratch, scratch_bytes, words, &frame);
     if (matched != VISTA_ENGINE_OK)
       return fprintf(stderr, "flight: %s\n", vista_engine_status_text(matched)), EXIT_FAILURE;
-    const vista_frame frame = {.image = {left, WIDTH, HEIGHT, WIDTH},
-                               .disparity = {words, WIDTH, HEIGHT, WIDTH},
-                               .pose = &pose,
-                               .t_ns = (int64_t)(i + 1) * 100000000};
     vista_result result;
     status = vista_pipeline_process(pipeline, &frame, &result);
     if (status == VISTA_OK) print_frame(i, &result);

@@ -1,6 +1,7 @@
 // One rectified stereo pair from two PGM files: matches it and prints how far away the obstacles in it are.
 //   pair LEFT.pgm RIGHT.pgm FOCAL_PX BASELINE_M
 #include <vista/engine.h>
+#include <vista/frontend.h>
 #include <vista/vista.h>
 
 #include <cstdint>
@@ -37,6 +38,10 @@ void check(vista_status status) {
   if (status != VISTA_OK) throw std::runtime_error(vista_status_text(status));
 }
 
+void check(vista_engine_status status) {
+  if (status != VISTA_ENGINE_OK) throw std::runtime_error(vista_engine_status_text(status));
+}
+
 std::vector<std::int16_t> match(const Image& left, const Image& right, const vista_engine_params& engine) {
   std::vector<std::int16_t> words(left.grey.size());
   const vista_engine_images images{left.grey.data(), right.grey.data(), left.width,
@@ -47,15 +52,30 @@ std::vector<std::int16_t> match(const Image& left, const Image& right, const vis
     unsigned char bytes[64];
   };
   std::vector<Block> scratch(bytes / sizeof(Block) + 1);
-  const vista_engine_status status = vista_engine_compute(&engine, &images, &output, scratch.data(), bytes);
-  if (status != VISTA_ENGINE_OK) throw std::runtime_error(vista_engine_status_text(status));
+  check(vista_engine_compute(&engine, &images, &output, scratch.data(), bytes));
   return words;
 }
 
+Image smoothed(const Image& image) {
+  Image out{image.width, image.height, std::vector<std::uint8_t>(image.grey.size())};
+  const vista_frontend_image in{image.grey.data(), image.width, image.height, image.width};
+  check(vista_frontend_smooth(&in, out.grey.data(), out.width, VISTA_ENGINE_ISA_AUTO));
+  return out;
+}
+
+Image reduced(const Image& image) {
+  Image out{vista_frontend_reduced_px(image.width), vista_frontend_reduced_px(image.height), {}};
+  out.grey.resize(static_cast<std::size_t>(out.width) * out.height);
+  const vista_frontend_image in{image.grey.data(), image.width, image.height, image.width};
+  check(vista_frontend_reduce(&in, out.grey.data(), out.width, VISTA_ENGINE_ISA_AUTO));
+  return out;
+}
+
 void run(const std::string& left_path, const std::string& right_path, double focal_px, double baseline_m) {
-  const Image left = read_pgm(left_path), right = read_pgm(right_path);
+  Image left = read_pgm(left_path), right = read_pgm(right_path);
   if (left.width != right.width || left.height != right.height) throw std::runtime_error("the images differ in size");
 
+  constexpr int levels = 3;
   vista_engine_params engine = vista_engine_defaults();
   vista_parameters parameters = vista_parameters_default();
   engine.num_disparities = parameters.stereo.num_disparities;
@@ -69,10 +89,16 @@ void run(const std::string& left_path, const std::string& right_path, double foc
   vista_pipeline* pipeline = nullptr;
   check(vista_pipeline_create(memory.data(), bytes, &parameters, &camera, &pipeline));
 
-  const std::vector<std::int16_t> words = match(left, right, engine);
+  const Image image = left;
   vista_frame frame{};
-  frame.image = {left.grey.data(), left.width, left.height, left.width};
-  frame.disparity = {words.data(), left.width, left.height, left.width};
+  frame.image = {image.grey.data(), image.width, image.height, image.width};
+  std::vector<std::int16_t> words[levels];  // what is too near for one level is matched by the next
+  for (int k = 0; k < levels; ++k) {
+    words[k] = match(smoothed(left), smoothed(right), engine);
+    (k == 0 ? frame.disparity : frame.coarser[k - 1]) = {words[k].data(), left.width, left.height, left.width};
+    left = reduced(left);
+    right = reduced(right);
+  }
   vista_result result;
   check(vista_pipeline_process(pipeline, &frame, &result));
 

@@ -216,6 +216,14 @@ typedef struct vista_health_params {
   unsigned char reserved[224];
 } vista_health_params;
 
+/* The words of all pyramid levels, filtered and put together (extension of the paper). */
+typedef struct vista_words_params {
+  int32_t cluster_px; /* Words that hang together and are fewer, in pixels of their level, are dropped; 0: none are. 0 .. 1000000 px. */
+  double support; /* A word of a coarser level is taken where at least this share of the 5x5 pixels around it has a word. 0.0 .. 1.0. */
+  double contradiction_px; /* A word gives way to that of the next coarser level when they differ by more, in pixels of that level. 0.0 .. 256.0 px. */
+  unsigned char reserved[232];
+} vista_words_params;
+
 /* All parameters. vista_parameters_default makes the struct; change its members afterwards. A newer library
  * keeps its new parameters behind those of this header and in the reserved parts, and fills them in there. */
 typedef struct vista_parameters {
@@ -233,6 +241,7 @@ typedef struct vista_parameters {
   vista_blind_zone_params blind_zone;
   vista_obstacle_map_params obstacle_map;
   vista_health_params health;
+  vista_words_params words;
 } vista_parameters;
 
 /* Writes the defaults into a struct of this size. VISTA_ERROR_SIZE: it is no size of this struct. */

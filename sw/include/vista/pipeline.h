@@ -31,6 +31,7 @@ typedef struct vista_frame {
   int64_t t_ns;           /* increasing from frame to frame */
   const double *velocity_m_s; /* 3 numbers: of the camera in the world; null: from the poses */
   bool stationary;            /* without a pose: the camera has not moved since the last frame */
+  vista_disparity_image coarser[VISTA_COARSER_LEVELS]; /* words of levels 1, 2, ..; the first without data ends them */
 } vista_frame;
 
 /* What the detector saw, as pictures for displays and logs. Each pixel belongs to a cell of the log-polar grid, each
@@ -43,6 +44,8 @@ typedef struct vista_views {
   const int32_t *region_of_cell; /* cell_count: -1 without one */
   const int32_t *region_of_pixel; /* height * width: -1 without one; boundaries follow the image */
   const vista_region_verdict *verdict_of_region; /* region_count */
+  const int16_t
+      *words; /* height * width: the disparity of each pixel, from all levels; 1/16 px, negative without one */
 } vista_views;
 
 /* The output of one frame. Its pointers lead into the memory of the pipeline and are valid until the next frame. */
@@ -101,8 +104,8 @@ VISTA_API vista_status vista_pipeline_process_sized(vista_pipeline *pipeline, co
 
 /* Processes one frame. On an error the tracks are as before, and *result is not written.
  *
- * - VISTA_ERROR_ARGUMENT: a pointer is null.
- * - VISTA_ERROR_SIZE: the images have another size than the camera.
+ * - VISTA_ERROR_ARGUMENT: a pointer is null, or a level is missing before another.
+ * - VISTA_ERROR_SIZE: the images have another size than the camera, or a level has not half the size of the one before.
  * - VISTA_ERROR_ORDER: the time is not after that of the frame before.
  * - VISTA_ERROR_NUMBER: the pose, the velocity or the vector against gravity is not finite.
  * - VISTA_ERROR_RANGE: the pose has no rotation, the vector against gravity is not of unit length, or the velocity is

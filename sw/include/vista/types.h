@@ -25,6 +25,10 @@ typedef struct vista_disparity_image {
   ptrdiff_t stride;
 } vista_disparity_image;
 
+/* Levels of the image pyramid that may be matched beside the image itself. Level k has half the size of level k-1,
+ * rounded up. Its pixel i lies at pixel 2^k i of the image, its words are in 1/16 of its own pixels. */
+#define VISTA_COARSER_LEVELS 3
+
 /* A rectified pair of pinhole cameras. The right one is baseline_m to the right of the left one. */
 typedef struct vista_camera {
   int32_t width_px, height_px;

@@ -28,7 +28,7 @@ class HostPipeline(Protocol):
     def process(
         self,
         left: NDArray[np.uint8],
-        disparity: NDArray[np.int16],
+        disparity: list[NDArray[np.int16]],
         t_ns: int,
         pose: Pose | None,
         up_world: Array | None,
@@ -63,8 +63,6 @@ def make_chain(
 ) -> Chain:
     from vista.pipeline import Pipeline  # loads libvista, which `--help` need not
 
-    if values["stereo"]["levels"] > 1:
-        raise InputError("stereo.levels", "the host takes the words of one level only")
     rectifier = Rectifier(sequence.calibration)
     try:
         engine = create_engine(engine_name, engine_parameters(values), threads, rtl_width_px)
@@ -85,7 +83,7 @@ class Step:
 
     raw: Frame  # as read
     frame: Frame  # rectified
-    words: NDArray[np.int16]
+    levels: list[NDArray[np.int16]]  # the words of each
     result: Result
     record: FrameRecord
 
@@ -98,11 +96,11 @@ def run_frame(chain: Chain, files: FrameFiles) -> Step:
     with clock.stage("rectify"):
         frame = chain.rectifier.rectify(raw)
     with clock.stage("stereo"):
-        words = chain.engine.compute(frame.left, frame.right)
+        levels = list(chain.engine.levels(frame.left, frame.right))
     if chain.sequence.stills:
         chain.pipeline.reset()
     result = chain.pipeline.process(
-        frame.left, words, frame.t_ns, frame.world_from_camera, chain.sequence.up_world
+        frame.left, levels, frame.t_ns, frame.world_from_camera, chain.sequence.up_world
     )
 
     stage_ms = clock.stage_ms | result.stage_ms
@@ -119,4 +117,4 @@ def run_frame(chain: Chain, files: FrameFiles) -> Step:
         result.dropped_tracks,
         result.motion.known,
     )
-    return Step(raw, frame, words, result, record)
+    return Step(raw, frame, levels, result, record)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -96,6 +97,7 @@ class Result:
     region_of_cell: NDArray[np.int32]  #: (cells,); -1: none
     region_of_pixel: NDArray[np.int32]  #: (height, width); -1: none; boundaries follow the image
     verdict_of_region: list[str]
+    words: NDArray[np.int16]  #: (height, width): the disparities of all levels together; negative: none
 
 
 class PipelineError(ValueError):
@@ -133,27 +135,34 @@ class Pipeline:
     def process(
         self,
         left: NDArray[np.uint8],
-        disparity: NDArray[np.int16],
+        disparity: NDArray[np.int16] | Sequence[NDArray[np.int16]],
         t_ns: int,
         pose: Pose | None = None,
         up_world: Array | None = None,
         velocity_m_s: Array | None = None,
         stationary: bool = False,
     ) -> Result:
-        """One frame: rectified left image and engine words (height, width); pose: world_from_camera.
+        """One frame: rectified left image (height, width), engine words, pose: world_from_camera.
+
+        disparity: the words of the same size, or those of the levels of a pyramid, level 0 first.
 
         velocity_m_s: of the camera in world, None: from the poses. stationary: without a pose, the camera has
         not moved since the last frame. Raises PipelineError on arrays of another type or size, times that do
         not increase, a pose that is not finite."""
         ffi = self._ffi
-        if any((a.dtype, a.ndim) != (np.dtype(t), 2) for a, t in ((left, "u1"), (disparity, "i2"))):
+        levels = [disparity] if isinstance(disparity, np.ndarray) else list(disparity)
+        most = 1 + self._lib.VISTA_COARSER_LEVELS
+        if not 1 <= len(levels) <= most:
+            raise PipelineError(f"a frame has 1 to {most} levels, not {len(levels)}")
+        typed = [(left, "u1")] + [(words, "i2") for words in levels]
+        if any((array.dtype, array.ndim) != (np.dtype(wanted), 2) for array, wanted in typed):
             raise PipelineError("the image has to be uint8 and int16 its disparities, both (height, width)")
-        left, disparity = np.ascontiguousarray(left), np.ascontiguousarray(disparity)
+        left, levels = np.ascontiguousarray(left), [np.ascontiguousarray(words) for words in levels]
         frame = ffi.new("vista_frame *")
-        for target, array, c_type in (
-            (frame.image, left, "uint8_t *"),
-            (frame.disparity, disparity, "int16_t *"),
-        ):
+        images = [frame.disparity, *(frame.coarser[k] for k in range(len(levels) - 1))]
+        given: list[tuple[Any, NDArray[Any], str]] = [(frame.image, left, "uint8_t *")]
+        given += [(image, words, "int16_t *") for image, words in zip(images, levels, strict=True)]
+        for target, array, c_type in given:
             target.data = ffi.cast(c_type, array.ctypes.data)
             target.height_px, target.width_px = array.shape
             target.stride = array.shape[1]
@@ -213,6 +222,7 @@ class Pipeline:
             region_of_cell=self._array(views.region_of_cell, cells, np.int32),
             region_of_pixel=self._array(views.region_of_pixel, pixels, np.int32).reshape(shape),
             verdict_of_region=verdicts,
+            words=self._array(views.words, pixels, np.int16).reshape(shape),
         )
 
 

@@ -1,13 +1,15 @@
 """Recordings of what the host receives, for the replay program in C (little-endian, no padding).
 
     header  char[8] "VISTAREC", uint32 version = 3, uint32 width, uint32 height, uint32 parameter count,
-            double focal_px, cx, cy, baseline_m, uint32 stills (1: the frames are unrelated), uint32 0
+            double focal_px, cx, cy, baseline_m, uint32 stills (1: the frames are unrelated),
+            uint32 coarser levels (0: level 0 only)
     parameter  char[48] "section.name", char[32] name of a choice (empty: a number), both zero-padded,
             double value (0 for a choice)
     frame   int64 t_ns, uint32 has_pose, uint32 has_up,
             double rotation[9], translation_m[3] (world_from_camera; zeros without a pose),
             double up_world[3] (zeros without),
-            uint8 left[height][width], int16 disparity[height][width] (1/16 px, negative = invalid)
+            uint8 left[height][width], int16 disparity[height][width] (1/16 px, negative = invalid),
+            and the disparities of each coarser level, half the size of the one before, rounded up
 
 Frames follow each other to the end of the file.
 """
@@ -15,6 +17,7 @@ Frames follow each other to the end of the file.
 from __future__ import annotations
 
 import struct
+from collections.abc import Sequence as Levels
 from pathlib import Path
 from types import TracebackType
 
@@ -43,6 +46,7 @@ class Recorder:
         self._path = path
         self._part = path.with_name(f".{path.name}.part")
         self._up_world = sequence.up_world
+        self._levels = values["stereo"]["levels"]
         try:
             self._stream = self._part.open("wb")
         except OSError as error:
@@ -59,7 +63,7 @@ class Recorder:
                 camera.cy,
                 camera.baseline_m,
                 sequence.stills,
-                0,
+                self._levels - 1,
             )
         )
         for name, value in parameters.flat(values).items():
@@ -67,8 +71,10 @@ class Recorder:
             self._write(PARAMETER.pack(name.encode(), choice.encode(), number))
         self._frames = 0
 
-    def write(self, frame: Frame, words: NDArray[np.int16]) -> None:
-        """frame: rectified; words: its disparity image. Raises InputError when the file cannot be written."""
+    def write(self, frame: Frame, levels: Levels[NDArray[np.int16]]) -> None:
+        """frame: rectified; levels: the words of each. Raises InputError when the file cannot be written."""
+        if len(levels) != self._levels:
+            raise ValueError(f"{len(levels)} levels in a recording of {self._levels}")
         pose, up = frame.world_from_camera, self._up_world
         numbers = np.zeros(15)
         if pose is not None:
@@ -76,7 +82,8 @@ class Recorder:
         if up is not None:
             numbers[12:] = up
         head = FRAME.pack(frame.t_ns, pose is not None, up is not None, *numbers)
-        self._write(head + frame.left.tobytes() + words.astype("<i2", copy=False).tobytes())
+        words = b"".join(level.astype("<i2", copy=False).tobytes() for level in levels)
+        self._write(head + frame.left.tobytes() + words)
         self._frames += 1
 
     def __enter__(self) -> Recorder:

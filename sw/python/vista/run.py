@@ -62,10 +62,10 @@ def _run_frame(chain: Chain, files: FrameFiles, monitor: HealthMonitor, outputs:
         record = replace(step.record, health=monitor.check(step.raw, step.frame, step.result.health))
     with clock.stage("output"):
         if outputs.recorder is not None:
-            outputs.recorder.write(step.frame, step.words)
+            outputs.recorder.write(step.frame, step.levels)
         picture = None
         if outputs.overlay is not None:
-            picture = outputs.overlay.draw(step.frame, step.words, step.result, record.health)
+            picture = outputs.overlay.draw(step.frame, step.result, record.health)
         outputs.folder.write_frame(files.index, obstacle_line(record, outputs.all_tracks), picture)
     record.stage_ms.update(clock.stage_ms)
     return record

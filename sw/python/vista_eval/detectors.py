@@ -56,33 +56,32 @@ class Detectors:
 
     def judge(self, pair: TruthPair) -> dict[str, Judged]:
         """By detector."""
-        words = self._engine.compute(pair.left, pair.right)
-        result = self.process(pair, words)
+        result = self.process(pair, self.levels(pair))
         return {
-            OURS: Judged(words, result.region_of_pixel, result.verdict_of_region),
-            REFERENCE: self._reference(pair, words, result),  # works on the frame processed last
-            SGBM: self._with_words(pair, self._sgbm(pair)),
+            OURS: Judged(result.words, result.region_of_pixel, result.verdict_of_region),
+            REFERENCE: self._reference(pair, result),  # works on the frame processed last
+            SGBM: self._with_words(pair, [self._sgbm(pair)]),
             ALONE: self._stereo_alone(pair),
         }
 
-    def process(self, pair: TruthPair, words: NDArray[np.int16]) -> Result:
+    def process(self, pair: TruthPair, levels: list[NDArray[np.int16]]) -> Result:
         """The host on a pair by itself."""
         self.pipeline.reset()
-        return self.pipeline.process(pair.left, words, t_ns=0)
+        return self.pipeline.process(pair.left, levels, t_ns=0)
 
-    def words(self, pair: TruthPair) -> NDArray[np.int16]:
-        return self._engine.compute(pair.left, pair.right)
+    def levels(self, pair: TruthPair) -> list[NDArray[np.int16]]:
+        return list(self._engine.levels(pair.left, pair.right))
 
-    def _with_words(self, pair: TruthPair, words: NDArray[np.int16]) -> Judged:
-        result = self.process(pair, words)
-        return Judged(words, result.region_of_pixel, result.verdict_of_region)
+    def _with_words(self, pair: TruthPair, levels: list[NDArray[np.int16]]) -> Judged:
+        result = self.process(pair, levels)
+        return Judged(result.words, result.region_of_pixel, result.verdict_of_region)
 
-    def _reference(self, pair: TruthPair, words: NDArray[np.int16], result: Result) -> Judged:
+    def _reference(self, pair: TruthPair, result: Result) -> Judged:
         graph = self.pipeline.cell_graph()
         region_of_cell = merge_cells(graph.edges, graph.affinity, graph.horizontal, ReferenceParameters())
         region_of_pixel = self.pipeline.refine_boundaries(pair.left, result.cell_intensity, region_of_cell)
-        verdicts = self.pipeline.judge_regions(words, region_of_cell, region_of_pixel)
-        return Judged(words, region_of_pixel, verdicts)
+        verdicts = self.pipeline.judge_regions(result.words, region_of_cell, region_of_pixel)
+        return Judged(result.words, region_of_pixel, verdicts)
 
     def _stereo_alone(self, pair: TruthPair) -> Judged:
         words, smin = self._alone.compute_with_smin(pair.left, pair.right)

@@ -2,20 +2,41 @@
 #ifndef VISTA_SRC_MATCHED_AREA_H
 #define VISTA_SRC_MATCHED_AREA_H
 
+#include <stdint.h>
+
 #include "common/numbers.h"
 #include "vista/status.h"
+#include "vista/types.h"
 
-/* Where the engine can find a disparity, and how large a one (contract, step 2). */
+/* Where the engine can find a disparity, and how large a one (contract, step 2). A coarser level of the pyramid matches
+ * what is nearer, within margins of as many pixels of its own. */
 typedef struct vista_matched_area {
-  double disparity_max_px; /* num_disparities - 1: what is nearer is in the blind zone */
-  double margin_left_px;   /* columns at the left without disparity: num_disparities - 1 + r */
-  double margin_px;        /* rows and columns at the other sides: r = (block_size - 1) / 2 */
+  double disparity_max_px; /* (num_disparities - 1) 2^coarser_levels: what is nearer is in the blind zone */
+  double margin_left_px;   /* of level 0: columns at the left without disparity, num_disparities - 1 + r */
+  double margin_px;        /* of level 0: rows and columns at the other sides, r = (block_size - 1) / 2 */
+  int32_t coarser_levels;  /* that are matched, too */
 } vista_matched_area;
+
+typedef struct vista_margins {
+  double left_px, other_px;
+} vista_margins;
+
+/* The margins around what can be matched at a disparity: those of the finest level that has it. */
+static inline vista_margins vista_matched_margins(const vista_matched_area *area, double disparity_px) {
+  double scale = 1.0, rim = 0.0, largest_px = area->disparity_max_px / (1 << area->coarser_levels);
+  for (int32_t k = 0; k < area->coarser_levels && disparity_px > largest_px; ++k) {
+    scale *= 2.0;
+    largest_px *= 2.0;
+    rim = 2.0; /* the words at a coarser level's rim have too little support */
+  }
+  return (vista_margins){scale * (area->margin_left_px + rim), scale * (area->margin_px + rim)};
+}
 
 /* VISTA_ERROR_RANGE: a number that no engine has. */
 static inline vista_status vista_matched_area_check(const vista_matched_area *area) {
   const bool good = vista_positive(area->disparity_max_px) && vista_not_negative(area->margin_left_px) &&
-                    vista_not_negative(area->margin_px) &&
+                    vista_not_negative(area->margin_px) && area->coarser_levels >= 0 &&
+                    area->coarser_levels <= VISTA_COARSER_LEVELS &&
                     area->disparity_max_px + area->margin_left_px + area->margin_px < 1e6;
   return good ? VISTA_OK : VISTA_ERROR_RANGE;
 }

@@ -41,17 +41,17 @@ static vista_status reconstruct(const vista_region *region, const vista_camera *
                                 vista_detection *detection) {
   if (!isfinite(region->disparity_px) || !isfinite(region->disparity_sigma_px)) return VISTA_ERROR_NUMBER;
   if (region->disparity_px < params->disparity_min_px || region->disparity_sigma_px < 0.0) return VISTA_ERROR_RANGE;
-  vista_detection result = {.label = region->label,
-                            .plain = region->plain,
-                            .volume_pixels = region->volume_pixels,
-                            .u_px = region->mean_u_px,
-                            .v_px = region->mean_v_px,
-                            .disparity_px = region->disparity_px,
-                            .sigma_disparity_px = disparity_sigma(params, region),
-                            .cut_u = region->min_u_px <= matched->margin_left_px ||
-                                     region->max_u_px >= camera->width_px - 1 - matched->margin_px,
-                            .cut_v = region->min_v_px <= matched->margin_px ||
-                                     region->max_v_px >= camera->height_px - 1 - matched->margin_px};
+  const vista_margins margins = vista_matched_margins(matched, region->disparity_px);
+  vista_detection result = {
+      .label = region->label,
+      .plain = region->plain,
+      .volume_pixels = region->volume_pixels,
+      .u_px = region->mean_u_px,
+      .v_px = region->mean_v_px,
+      .disparity_px = region->disparity_px,
+      .sigma_disparity_px = disparity_sigma(params, region),
+      .cut_u = region->min_u_px <= margins.left_px || region->max_u_px >= camera->width_px - 1 - margins.other_px,
+      .cut_v = region->min_v_px <= margins.other_px || region->max_v_px >= camera->height_px - 1 - margins.other_px};
   const vista_status status = vista_ellipse_from_region(region, &result.ellipse);
   if (status != VISTA_OK) return status;
   double half_width_px, half_height_px;

@@ -11,7 +11,7 @@
 #include "stages/parts/seed_step.h"
 #include "vista/types.h"
 
-#define WORD_BINS (256 * VISTA_DISPARITY_SCALE + 1)
+#define WORD_BINS (INT16_MAX + 1) /* one a word */
 
 vista_status vista_seeds_layout(vista_seeds *seeds, vista_arena *arena, const vista_foveation *foveation) {
   if (seeds == NULL || arena == NULL || foveation == NULL) return VISTA_ERROR_ARGUMENT;

@@ -61,16 +61,15 @@ class Overlay:
     def draw(
         self,
         frame: Frame,
-        words: NDArray[np.int16],
         result: Result,
         health: FrameHealth = HEALTHY,
     ) -> Picture:
-        """frame: rectified; words: its disparity image, 1/16 px; result: what the host made of the two."""
+        """frame: rectified; result: what the host made of it."""
         foveated = np.clip(np.rint(result.cell_intensity), 0, 255).astype(np.uint8)[result.cell_of_pixel]
         colours = self._region_colours.assign(result.region_of_cell)
         tiles = [
             draw_obstacles(frame.left, result.obstacles, result.nearest_collision),
-            draw_disparity(words, self._num_disparities, self._focal_baseline_px_m),
+            draw_disparity(result.words, self._num_disparities, self._focal_baseline_px_m),
             _caption(_coloured(foveated), "foveated image"),
             draw_regions(frame.left, result.region_of_pixel, colours, result.verdict_of_region),
         ]

@@ -111,7 +111,8 @@ def score_records(folder: Path, records: list[FrameRecord], values: parameters.V
 
 def blind_depth_m(truth: FlightTruth, values: parameters.Values) -> float:
     """Nearer, along the optical axis, nothing is matched."""
-    return truth.focal_baseline_px_m / (values["stereo"]["num_disparities"] - 1)
+    stereo = values["stereo"]
+    return truth.focal_baseline_px_m / ((stereo["num_disparities"] - 1) << (stereo["levels"] - 1))
 
 
 def compare_sets(frame: FrameTruth, record: FrameRecord, world_from_estimate: Pose) -> Gospa:

@@ -8,7 +8,6 @@ from functools import partial
 from time import thread_time
 
 import numpy as np
-from numpy.typing import NDArray
 from vista import parameters
 from vista.chain import engine_parameters
 from vista.engine import Engine, create_engine
@@ -36,7 +35,6 @@ REFERENCES = {  # the same graph, the same weights; k and min_cells of the best 
 class Partition:
     """What the host made of one scene."""
 
-    words: NDArray[np.int16]
     result: Result
     graph: CellGraph
     refine: Callable[[Labels], Labels]  # region of each cell -> of each pixel
@@ -57,13 +55,13 @@ def partition_scenes(
     for scene in scenes:
         if scene.camera != camera:
             raise InputError(scene.name, "has another camera than the scenes before")
-        words = engine.compute(scene.left, scene.right)
+        levels = list(engine.levels(scene.left, scene.right))
         pipeline.reset()
         start_s = thread_time()
-        result = pipeline.process(scene.left, words, scene.t_ns, scene.world_from_camera, scene.up_world)
+        result = pipeline.process(scene.left, levels, scene.t_ns, scene.world_from_camera, scene.up_world)
         host_ms = 1e3 * (thread_time() - start_s)
         refine = partial(pipeline.refine_boundaries, scene.left, result.cell_intensity)
-        yield scene, Partition(words, result, pipeline.cell_graph(), refine, host_ms)
+        yield scene, Partition(result, pipeline.cell_graph(), refine, host_ms)
 
 
 def reference_regions(partition: Partition, reference: ReferenceParameters) -> Labels:

@@ -132,7 +132,7 @@ def draw_scene(scored: ScoredScene) -> Picture:
     reference = reference_regions(scored.partition, REFERENCES["reference method"])
     tiles = [
         draw_labels(scene.left, truth - 1, scene.view),
-        draw_disparity(scored.partition.words, 64),
+        draw_disparity(scored.partition.result.words, 64),
         draw_labels(scene.left, result.region_of_pixel, scene.view),
         draw_labels(scene.left, reference, scene.view),
     ]

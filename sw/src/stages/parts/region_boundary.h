@@ -12,7 +12,7 @@
 #include "vista/parameters.h"
 #include "vista/types.h"
 
-#define VISTA_WORD_BINS (256 * VISTA_DISPARITY_SCALE + 1) /* one an engine word */
+#define VISTA_WORD_BINS (INT16_MAX + 1) /* one a word: those of coarser levels reach that far */
 
 /* What the statistics of one region read. */
 typedef struct vista_region_view {
@@ -33,8 +33,7 @@ static inline const int16_t *vista_region_words(const vista_region_view *view, v
   return view->disparity->data + run.v_px * view->disparity->stride + run.u_px;
 }
 
-/* Negative words are invalid; larger ones than any engine writes may come from files. */
-static inline bool vista_word_valid(int16_t word) { return (uint16_t)word < VISTA_WORD_BINS; }
+static inline bool vista_word_valid(int16_t word) { return word >= 0; }
 
 static inline double vista_plane_at(const vista_plane *plane, double u_px, double v_px) {
   return plane->offset + plane->slope_u * u_px + plane->slope_v * v_px;

@@ -25,8 +25,9 @@ vista_track_evidence vista_track_look_for(const vista_camera *camera, const vist
                                           const vista_disparity_image *disparity, const vista_track_view *view) {
   if (disparity == NULL) return (vista_track_evidence){.sight = VISTA_SIGHT_SOMETHING};
   const double u = view->measurement_px[0], v = view->measurement_px[1], d = view->measurement_px[2];
-  const double margin = matched->margin_px;
-  const span columns = clip(u, fmax(view->half_px[0], 0.5), matched->margin_left_px, camera->width_px - 1 - margin);
+  const vista_margins margins = vista_matched_margins(matched, d);
+  const double margin = margins.other_px;
+  const span columns = clip(u, fmax(view->half_px[0], 0.5), margins.left_px, camera->width_px - 1 - margin);
   const span rows = clip(v, fmax(view->half_px[1], 0.5), margin, camera->height_px - 1 - margin);
   const double reach_px = fmax(OWN_MIN_PX, OWN_SHARE * d);
   const double low = VISTA_DISPARITY_SCALE * (d - reach_px), high = VISTA_DISPARITY_SCALE * (d + reach_px);

@@ -33,8 +33,9 @@ bool vista_track_look(const vista_track_frame *f, vista_track *track, vista_trac
   const double u = view->measurement_px[0];
   const double v = view->measurement_px[1];
   const double d = view->measurement_px[2];
-  const double margin = f->matched->margin_px;
-  track->in_view = u >= f->matched->margin_left_px && u <= f->camera->width_px - 1 - margin && v >= margin &&
+  const vista_margins margins = vista_matched_margins(f->matched, d);
+  const double margin = margins.other_px;
+  track->in_view = u >= margins.left_px && u <= f->camera->width_px - 1 - margin && v >= margin &&
                    v <= f->camera->height_px - 1 - margin;
   /* A sigma of doubt counts as blind: no track is blamed where the engine might not match. What left the image
    * before it came near is not blind, it is out of view. */

@@ -1,0 +1,228 @@
+"""The words of several levels put together, against a plain reference, and what is refused."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from stage_arena import Arena, ffi, lib, status_name
+from stage_library import image_struct, parameters, view
+from vista.engine import INVALID, SCALE
+
+Words = np.ndarray
+
+SIZES = [(1, 1), (1, 7), (2, 2), (3, 5), (7, 1), (8, 9), (17, 16), (23, 64), (30, 41), (64, 37)]
+COARSER = 3
+
+
+class Stage:
+    def __init__(self, height: int, width: int, changes: dict[str, float] | None = None) -> None:
+        self.shape, self._parameters = (height, width), parameters(changes)
+        self.handle = w = ffi.new("vista_words *")
+        self.arena = Arena(lambda arena: lib.vista_words_layout(w, arena, width, height))
+        assert self.arena.status == lib.VISTA_OK
+
+    def combine(self, levels: list[Words], num_disparities: int = 64) -> str:
+        """levels: None or zero strides are passed as they are."""
+        images = [image_struct("disparity_image", words) for words in levels]
+        coarser = ffi.new("vista_disparity_image[]", COARSER)
+        for k, image in enumerate(images[1:]):
+            coarser[k] = image[0]
+        return self.combine_images(images[0], coarser, num_disparities)
+
+    def combine_images(self, image, coarser, num_disparities: int = 64) -> str:
+        section = ffi.addressof(self._parameters, "words")
+        return status_name(lib.vista_words_combine(section, num_disparities, image, coarser, self.handle))
+
+    @property
+    def words(self) -> Words:
+        return view(self.handle.levels[0], self.shape[0] * self.shape[1], np.int16).reshape(self.shape)
+
+
+# ---- the reference ----
+
+
+def without_small_clusters(words: Words, smallest: int) -> Words:
+    kept, seen = words.copy(), words < 0
+    for start in zip(*np.nonzero(~seen), strict=True):
+        if seen[start]:
+            continue
+        cluster, seen[start] = [start], True
+        for v, u in cluster:  # grows while it is walked
+            for y, x in ((v - 1, u), (v + 1, u), (v, u - 1), (v, u + 1)):
+                inside = 0 <= y < words.shape[0] and 0 <= x < words.shape[1]
+                if inside and not seen[y, x] and abs(int(words[y, x]) - int(words[v, u])) <= SCALE:
+                    seen[y, x] = True
+                    cluster.append((y, x))
+        if len(cluster) < smallest:
+            kept[tuple(np.transpose(cluster))] = INVALID
+    return kept
+
+
+def with_support(words: Words, share: float) -> Words:
+    wide = np.pad(words.astype(int), 2, constant_values=INVALID)
+    windows = np.lib.stride_tricks.sliding_window_view(wide, (5, 5))
+    return np.where((windows >= 0).sum(axis=(2, 3)) >= share * 25 - 1e-6, words, INVALID)
+
+
+def combined(levels: list[Words], candidates: int, cluster: int, support: float, apart_px: float) -> Words:
+    result: Words | None = None
+    for k in reversed(range(len(levels))):
+        words = levels[k].astype(int)
+        words[(words < 0) | (words > 32767 >> k)] = INVALID
+        words = without_small_clusters(words, cluster)
+        if k > 0:
+            words = with_support(words, support)
+        if result is not None:
+            if k > 0:
+                result = np.where(result * 2 ** (k + 1) > (candidates - 1) * SCALE, result, INVALID)
+            rows, columns = (
+                np.minimum((np.arange(fine) + 1) // 2, coarse - 1)
+                for fine, coarse in zip(words.shape, result.shape, strict=True)
+            )
+            other = result[np.ix_(rows, columns)]
+            other = np.where(other >= 0, 2 * other, INVALID)
+            contradicted = (other >= 0) & (np.abs(words - other) > 2 * apart_px * SCALE)
+            words = np.where((words < 0) | contradicted, other, words)
+        result = words
+    assert result is not None
+    return np.where(result < 0, INVALID, result).astype(np.int16)
+
+
+def shapes_of(height: int, width: int, levels: int) -> list[tuple[int, int]]:
+    shapes = [(height, width)]
+    for _ in range(levels - 1):
+        shapes.append(((shapes[-1][0] + 1) // 2, (shapes[-1][1] + 1) // 2))
+    return shapes
+
+
+def patchy(random: np.random.Generator, shape: tuple[int, int], level: int) -> Words:
+    """Surfaces with holes and chance matches, of which some no engine writes."""
+    height, width = shape
+    words = np.full(shape, random.integers(0, 1000) >> level)
+    for _ in range(random.integers(0, 6)):
+        v, u = random.integers(0, height), random.integers(0, width)
+        size = random.integers(1, max(2, max(shape) // 2), 2)
+        words[v : v + size[0], u : u + size[1]] = random.integers(0, 63 * SCALE)
+    words = words + random.integers(-12, 13, shape)
+    words[random.random(shape) < random.choice([0.0, 0.1, 0.5, 0.9])] = INVALID
+    noise = random.random(shape) < random.choice([0.0, 0.05, 0.3])
+    words[noise] = random.integers(-32768, 32768, int(noise.sum()))
+    return words.astype(np.int16)
+
+
+@pytest.mark.parametrize("levels", [1, 2, 3, 4])
+@pytest.mark.parametrize("size", SIZES, ids=lambda size: f"{size[1]}x{size[0]}")
+def test_the_stage_is_the_reference(size: tuple[int, int], levels: int) -> None:
+    seed = int(np.random.SeedSequence().generate_state(1)[0])
+    print("seed", seed)
+    random = np.random.default_rng(seed)
+    for _ in range(6):
+        cluster, support = int(random.choice([0, 1, 2, 5, 30])), float(random.choice([0.0, 0.4, 0.8, 1.0]))
+        apart_px, candidates = float(random.choice([0.0, 0.5, 2.0, 256.0])), int(random.choice([16, 64, 256]))
+        changes = {"words.cluster_px": cluster, "words.support": support, "words.contradiction_px": apart_px}
+        stage = Stage(*size, changes)
+        for _ in range(3):  # nothing of a frame is left in the next
+            words = [patchy(random, shape, k) for k, shape in enumerate(shapes_of(*size, levels))]
+            before = [level.copy() for level in words]
+            assert stage.combine(words, candidates) == "VISTA_OK"
+            wanted = combined(words, candidates, cluster, support, apart_px)
+            np.testing.assert_array_equal(stage.words, wanted)
+            for level, untouched in zip(words, before, strict=True):
+                np.testing.assert_array_equal(level, untouched)
+
+
+def test_one_level_stays_as_it_is_without_the_cluster_filter() -> None:
+    words = np.random.default_rng(3).integers(0, 5000, (21, 34)).astype(np.int16)
+    words[::3, ::2] = INVALID
+    stage = Stage(21, 34, {"words.cluster_px": 0})
+    assert stage.combine([words]) == "VISTA_OK"
+    np.testing.assert_array_equal(stage.words, words)
+
+
+@pytest.mark.parametrize("stride", [40, -40])
+def test_rows_may_lie_apart_and_run_upwards(stride: int) -> None:
+    random = np.random.default_rng(4)
+    wide = np.full((20, 40), 999, np.int16)
+    words = wide[:, :33] if stride > 0 else wide[::-1, :33]
+    words[:] = patchy(random, (20, 33), 0)
+    stage = Stage(20, 33)
+    assert stage.combine([words]) == "VISTA_OK"
+    apart = stage.words.copy()
+    assert stage.combine([np.ascontiguousarray(words)]) == "VISTA_OK"
+    np.testing.assert_array_equal(stage.words, apart)
+
+
+def test_a_near_thing_comes_from_a_coarser_level_and_its_chance_matches_go() -> None:
+    """A wall of 10 px all over; in front of it, too near for level 0, a thing of 100 px, which level 0
+    matches to something else and level 1 to itself."""
+    level_0 = np.full((96, 160), 10 * SCALE, np.int16)
+    level_0[30:70, 60:120] = 40 * SCALE
+    level_1 = np.full((48, 80), 5 * SCALE, np.int16)
+    level_1[15:35, 30:60] = 50 * SCALE
+    stage = Stage(96, 160)
+    assert stage.combine([level_0, level_1]) == "VISTA_OK"
+    assert (stage.words[36:64, 66:114] == 100 * SCALE).all()
+    assert (stage.words[:25] == 10 * SCALE).all()
+    assert set(np.unique(stage.words)) == {10 * SCALE, 100 * SCALE}
+
+
+def test_levels_above_the_first_add_only_what_is_too_near_for_level_0() -> None:
+    nothing = [np.full(shape, INVALID, np.int16) for shape in shapes_of(96, 160, 3)]
+    for disparity_px, expected_px in ((15, None), (16, 64), (60, 240)):
+        words = [level.copy() for level in nothing]
+        words[2][:] = disparity_px * SCALE
+        stage = Stage(96, 160)
+        assert stage.combine(words) == "VISTA_OK"
+        wanted = INVALID if expected_px is None else expected_px * SCALE
+        assert (stage.words[16:80, 16:144] == wanted).all()
+
+
+# ---- what is refused ----
+
+
+def levels_of(height: int, width: int, count: int) -> list[Words]:
+    return [np.full(shape, SCALE, np.int16) for shape in shapes_of(height, width, count)]
+
+
+@pytest.mark.parametrize("level", [0, 1, 2, 3])
+@pytest.mark.parametrize("change", [(1, 0), (0, 1), (-1, 0), (0, -1)])
+def test_a_level_of_another_size_is_refused(level: int, change: tuple[int, int]) -> None:
+    words = levels_of(33, 50, 4)
+    height, width = words[level].shape
+    words[level] = np.full((height + change[0], width + change[1]), SCALE, np.int16)
+    assert Stage(33, 50).combine(words) == "VISTA_ERROR_SIZE"
+
+
+@pytest.mark.parametrize("missing", [0, 1, 2])
+def test_a_level_that_is_missing_before_another_is_refused(missing: int) -> None:
+    words = levels_of(33, 50, 4)
+    images = [image_struct("disparity_image", level) for level in words]
+    coarser = ffi.new("vista_disparity_image[]", COARSER)
+    for k, image in enumerate(images[1:]):
+        coarser[k] = image[0]
+    (images[0][0] if missing == 0 else coarser[missing - 1]).data = ffi.NULL
+    assert Stage(33, 50).combine_images(images[0], coarser) == "VISTA_ERROR_ARGUMENT"
+    if missing > 0:  # with all that follow it is no longer missing
+        for k in range(missing - 1, COARSER):
+            coarser[k].data = ffi.NULL
+        assert Stage(33, 50).combine_images(images[0], coarser) == "VISTA_OK"
+
+
+def test_bad_arguments() -> None:
+    stage, words = Stage(9, 9), levels_of(9, 9, 1)
+    image, coarser = image_struct("disparity_image", words[0]), ffi.new("vista_disparity_image[]", COARSER)
+    section = ffi.addressof(stage._parameters, "words")
+    for arguments in (
+        (ffi.NULL, 64, image, coarser, stage.handle),
+        (section, 64, ffi.NULL, coarser, stage.handle),
+        (section, 64, image, ffi.NULL, stage.handle),
+        (section, 64, image, coarser, ffi.NULL),
+    ):
+        assert status_name(lib.vista_words_combine(*arguments)) == "VISTA_ERROR_ARGUMENT"
+    section.support = 1.5
+    assert (
+        status_name(lib.vista_words_combine(section, 64, image, coarser, stage.handle)) == "VISTA_ERROR_RANGE"
+    )
+    assert status_name(lib.vista_words_layout(ffi.new("vista_words *"), ffi.new("vista_arena *"), 0, 5)) == (
+        "VISTA_ERROR_SIZE"
+    )
