@@ -2,25 +2,26 @@
 
 #include <math.h>
 #include <stdint.h>
+#include <string.h>
 
 #include "stages/surface.h"
 
 #define DEGREES_PER_RADIAN 57.29577951308232
 #define LEVEL_TRIALS 256      /* one cell each, on a plane as level as the attitude has it */
-#define TRIALS 2048           /* three cells each */
+#define TRIALS 1024           /* three cells each */
 #define LEAN_COST 0.5f        /* of the score, at the steepest that is allowed: a level plane is likelier */
 #define MAX_SCORED 1024       /* cells that judge a proposal */
 #define REFINEMENTS 4
 #define MIN_CELLS 20
 #define MIN_GROUND_PX 1.0f    /* nearer to the horizon all sorts of things are near the plane */
 #define UPRIGHT_DEG 20.0f
-#define TOLERANCE_PX 2.0f     /* or TOLERANCE_SHARE of the disparity: matching noise, and roads that are not quite plane */
+#define TOLERANCE_PX 2.0f /* or TOLERANCE_SHARE of the disparity: matching noise, and roads that are not quite plane */
 #define TOLERANCE_SHARE 0.05f
-#define CLOSE 0.5f            /* of the tolerance: counts twice */
+#define CLOSE 0.5f /* of the tolerance: counts twice */
 
 typedef struct sample {
   float u_px, v_px, disparity_px; /* u, v from the principal point */
-  float area_px2, vote_px2;       /* what it weighs against a plane that it lies beyond, and for one that it lies on */
+  float area_px2, vote_px2; /* what it weighs against a plane that it lies beyond, and for one that it lies on */
 } sample;
 
 /* An upright cell may lie on a plane where a wall meets it: it says nothing for it. */
@@ -82,15 +83,61 @@ static bool level_through(const vista_camera *camera, const double up[3], const 
 
 static inline float tolerance_px(float ground_px) { return fmaxf(TOLERANCE_PX, TOLERANCE_SHARE * ground_px); }
 
-static float score(const sample *samples, int32_t count, const vista_plane *plane) {
+#define LANES 8
+#define BLOCK 64 /* cells between two looks at whether a proposal can still win */
+
+/* The cells that judge proposals, side by side: loops over them become vectors. The last block is filled up with cells
+ * of no weight. */
+typedef struct jury {
+  float u_px[MAX_SCORED], v_px[MAX_SCORED], disparity_px[MAX_SCORED], area_px2[MAX_SCORED], vote_px2[MAX_SCORED];
+  float vote_from_px2[MAX_SCORED / BLOCK + 1]; /* of a block and those after it, at most */
+  int32_t count; /* whole blocks */
+} jury;
+
+static void fill_jury(jury *j, const sample *samples, int32_t count) {
+  j->count = (count + BLOCK - 1) / BLOCK * BLOCK;
+  for (int32_t k = 0; k < j->count; ++k) {
+    const sample one = k < count ? samples[k] : (sample){0};
+    j->u_px[k] = one.u_px;
+    j->v_px[k] = one.v_px;
+    j->disparity_px[k] = one.disparity_px;
+    j->area_px2[k] = one.area_px2;
+    j->vote_px2[k] = one.vote_px2;
+  }
+  j->vote_from_px2[j->count / BLOCK] = 0.0f;
+  for (int32_t block = j->count / BLOCK - 1; block >= 0; --block) {
+    j->vote_from_px2[block] = j->vote_from_px2[block + 1];
+    for (int32_t k = 0; k < BLOCK; ++k) j->vote_from_px2[block] += j->vote_px2[block * BLOCK + k];
+  }
+}
+
+/* All ones where a number is below zero: compilers make no vectors of comparisons of floats. */
+static inline int32_t below_zero(float x) {
+  int32_t bits;
+  memcpy(&bits, &x, sizeof bits);
+  return bits >> 31;
+}
+
+/* Sum of the votes; as soon as it cannot exceed `needed`, whatever has been counted. */
+static float score(const jury *j, const vista_plane *plane, float needed) {
   const float offset = (float)plane->offset, slope_u = (float)plane->slope_u, slope_v = (float)plane->slope_v;
-  float sum = 0.0f;
-  for (int32_t i = 0; i < count; ++i) {
-    const float ground = offset + slope_u * samples[i].u_px + slope_v * samples[i].v_px;
-    const float above = samples[i].disparity_px - ground, tolerance = tolerance_px(ground);
-    const float on_px2 = samples[i].vote_px2 * (fabsf(above) <= CLOSE * tolerance ? 1.0f : 0.5f);
-    const float vote_px2 = above > tolerance ? 0.0f : above < -tolerance ? -samples[i].area_px2 : on_px2;
-    sum += ground < MIN_GROUND_PX ? 0.0f : vote_px2;
+  float sums[LANES] = {0}, sum = 0.0f;
+  for (int32_t block = 0; block < j->count / BLOCK; ++block) {
+    if (sum + j->vote_from_px2[block] <= needed) return sum;
+    for (int32_t first = block * BLOCK; first < (block + 1) * BLOCK; first += LANES) {
+      for (int32_t lane = 0; lane < LANES; ++lane) {
+        const int32_t k = first + lane;
+        const float ground = offset + slope_u * j->u_px[k] + slope_v * j->v_px[k];
+        const float share = TOLERANCE_SHARE * ground, more = share - TOLERANCE_PX;
+        const float tolerance = TOLERANCE_PX + (float)(1 + below_zero(more)) * more;
+        const float above = j->disparity_px[k] - ground, size = fabsf(above);
+        const int32_t near = 1 + below_zero(tolerance - size), close = 1 + below_zero(CLOSE * tolerance - size);
+        const int32_t below = below_zero(above + tolerance), known = 1 + below_zero(ground - MIN_GROUND_PX);
+        sums[lane] += 0.5f * (float)(known * (near + close)) * j->vote_px2[k] + (float)(known * below) * j->area_px2[k];
+      }
+    }
+    sum = 0.0f;
+    for (int32_t lane = 0; lane < LANES; ++lane) sum += sums[lane];
   }
   return sum;
 }
@@ -113,6 +160,7 @@ typedef struct search {
   const vista_camera *camera;
   const double *up;
   double least_cosine;
+  const jury *jury;
   const sample *samples;
   int32_t count;
   float best;
@@ -124,7 +172,8 @@ static bool consider_once(search *s, const vista_plane *plane) {
   const double cosine = cosine_of_lean(s->camera, s->up, plane);
   if (cosine < s->least_cosine) return false;
   const float lean = (float)sqrt(fmax(1.0 - cosine, 0.0) / fmax(1.0 - s->least_cosine, 1e-9)); /* 0 .. 1 */
-  const float sum = (1.0f - LEAN_COST * lean) * score(s->samples, s->count, plane);
+  const float trust = 1.0f - LEAN_COST * lean;
+  const float sum = trust * score(s->jury, plane, s->best / trust);
   if (sum <= s->best) return false;
   s->best = sum;
   s->plane = *plane;
@@ -152,9 +201,12 @@ bool vista_find_ground_plane(const vista_foveation *foveation, const vista_surfa
     scored[k] = sample_of(foveation, camera, cells, inclination_deg, candidates[(int64_t)k * count / scored_count]);
     whole += scored[k].area_px2;
   }
+  jury all;
+  fill_jury(&all, scored, scored_count);
   search s = {.camera = camera,
               .up = up_camera,
               .least_cosine = cos(params->ground_tilt_deg / DEGREES_PER_RADIAN),
+              .jury = &all,
               .samples = scored,
               .count = scored_count,
               .best = (float)params->ground_share * whole};
