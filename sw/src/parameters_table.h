@@ -147,6 +147,7 @@ static const struct {
     {{"words.cluster_px", "px", "Words that hang together and are fewer, in pixels of their level, are dropped; 0: none are.", VISTA_PARAMETER_INT, 100, 0, 1000000, "", 0, NULL}, offsetof(vista_parameters, words.cluster_px)},
     {{"words.support", "", "A word of a coarser level is taken where at least this share of the 5x5 pixels around it has a word.", VISTA_PARAMETER_FLOAT, 0.92, 0.0, 1.0, "", 0, NULL}, offsetof(vista_parameters, words.support)},
     {{"words.contradiction_px", "px", "A word gives way to that of the next coarser level when they differ by more, in pixels of that level.", VISTA_PARAMETER_FLOAT, 2.0, 0.0, 256.0, "", 0, NULL}, offsetof(vista_parameters, words.contradiction_px)},
+    {{"words.filling_levels", "", "As many coarser levels fill surfaces where the finer ones have no word; the others only add what is too near for level 0.", VISTA_PARAMETER_INT, 0, 0, 3, "", 0, NULL}, offsetof(vista_parameters, words.filling_levels)},
 };
 
 _Static_assert(sizeof(vista_stereo_params) == 256, "stereo may not grow");

@@ -64,7 +64,9 @@ def with_support(words: Words, share: float) -> Words:
     return np.where((windows >= 0).sum(axis=(2, 3)) >= share * 25 - 1e-6, words, INVALID)
 
 
-def combined(levels: list[Words], candidates: int, cluster: int, support: float, apart_px: float) -> Words:
+def combined(
+    levels: list[Words], candidates: int, cluster: int, support: float, apart_px: float, filling: int
+) -> Words:
     result: Words | None = None
     for k in reversed(range(len(levels))):
         words = levels[k].astype(int)
@@ -73,7 +75,7 @@ def combined(levels: list[Words], candidates: int, cluster: int, support: float,
         if k > 0:
             words = with_support(words, support)
         if result is not None:
-            if k > 0:
+            if k >= filling:
                 result = np.where(result * 2 ** (k + 1) > (candidates - 1) * SCALE, result, INVALID)
             rows, columns = (
                 np.minimum((np.arange(fine) + 1) // 2, coarse - 1)
@@ -119,13 +121,15 @@ def test_the_stage_is_the_reference(size: tuple[int, int], levels: int) -> None:
     for _ in range(6):
         cluster, support = int(random.choice([0, 1, 2, 5, 30])), float(random.choice([0.0, 0.4, 0.8, 1.0]))
         apart_px, candidates = float(random.choice([0.0, 0.5, 2.0, 256.0])), int(random.choice([16, 64, 256]))
+        filling = int(random.integers(0, 4))
         changes = {"words.cluster_px": cluster, "words.support": support, "words.contradiction_px": apart_px}
+        changes["words.filling_levels"] = filling
         stage = Stage(*size, changes)
         for _ in range(3):  # nothing of a frame is left in the next
             words = [patchy(random, shape, k) for k, shape in enumerate(shapes_of(*size, levels))]
             before = [level.copy() for level in words]
             assert stage.combine(words, candidates) == "VISTA_OK"
-            wanted = combined(words, candidates, cluster, support, apart_px)
+            wanted = combined(words, candidates, cluster, support, apart_px, filling)
             np.testing.assert_array_equal(stage.words, wanted)
             for level, untouched in zip(words, before, strict=True):
                 np.testing.assert_array_equal(level, untouched)

@@ -267,7 +267,7 @@ vista_status vista_words_combine(const vista_words_params *params, int32_t num_d
     filter_clusters(in, params->cluster_px, (int16_t)(INT16_MAX >> k), words, words->levels[k]);
     if (k > 0) filter_support(words->width_px[k], words->height_px[k], needed, words, words->levels[k]);
     const int32_t largest = (num_disparities - 1) * VISTA_DISPARITY_SCALE; /* of level 0 */
-    if (k < levels - 1) merge(params, k, (int16_t)(k == 0 ? -1 : largest >> (k + 1)), words);
+    if (k < levels - 1) merge(params, k, (int16_t)(k < params->filling_levels ? -1 : largest >> (k + 1)), words);
   }
   const size_t pixels = (size_t)words->width_px[0] * (size_t)words->height_px[0];
   int16_t *const all = words->levels[0];

@@ -10,8 +10,9 @@
  *   beyond its outline.
  * - Contradiction: a word that the next coarser level contradicts by more than contradiction_px pixels of that level
  *   gives way to it: what is nearer than a level can match is matched to something else there.
- * - Filling: where a level has no word, the next coarser level's is taken. Level 1 fills weakly textured surfaces. What
- *   coarser levels add to those is wrong in two cases of five (KITTI 2012): they only add what is too near for level 0.
+ * - Filling: where a level has no word, the next coarser level's is taken: of the first filling_levels of them
+ *   everything, of the others what is too near for level 0. Level 1 fills weakly textured surfaces, but it costs thin
+ *   things their outlines; what level 2 adds to surfaces is wrong in two cases of five (KITTI 2012).
  *
  * The filters and their values were chosen on the even pairs of KITTI 2012 (doc/results/real-images.md). */
 #ifndef VISTA_WORDS_H

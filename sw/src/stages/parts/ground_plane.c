@@ -8,8 +8,8 @@
 
 #define DEGREES_PER_RADIAN 57.29577951308232
 #define LEVEL_TRIALS 256      /* one cell each, on a plane as level as the attitude has it */
-#define TRIALS 1024           /* three cells each */
-#define LEAN_COST 0.5f        /* of the score, at the steepest that is allowed: a level plane is likelier */
+#define TRIALS 2048           /* three cells each */
+#define LEAN_COST 0.8f        /* of the score, at the steepest that is allowed: a level plane is likelier */
 #define MAX_SCORED 1024       /* cells that judge a proposal */
 #define REFINEMENTS 4
 #define MIN_CELLS 20
