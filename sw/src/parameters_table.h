@@ -22,7 +22,7 @@ static const struct {
     {{"stereo.texture_threshold", "", "Blocks with less texture are invalid.", VISTA_PARAMETER_INT, 10, 0, 65535, "", 0, NULL}, offsetof(vista_parameters, stereo.texture_threshold)},
     {{"stereo.uniqueness_ratio", "percent", "Margin of the best match over all that do not adjoin it.", VISTA_PARAMETER_INT, 15, 0, 100, "", 0, NULL}, offsetof(vista_parameters, stereo.uniqueness_ratio)},
     {{"stereo.lr_max_diff", "px", "Largest difference of the left and the right winner; -1: no left/right check.", VISTA_PARAMETER_INT, 1, -1, 255, "", 0, NULL}, offsetof(vista_parameters, stereo.lr_max_diff)},
-    {{"stereo.smooth", "", "Smoothing of both images before they are matched: none, or 1 2 1 in both directions.", VISTA_PARAMETER_CHOICE, 1, 0, 1, "", 2, stereo_smooth_choices}, offsetof(vista_parameters, stereo.smooth)},
+    {{"stereo.smooth", "", "Smoothing of both images before they are matched: none, or 1 2 1 in both directions.", VISTA_PARAMETER_CHOICE, 0, 0, 1, "", 2, stereo_smooth_choices}, offsetof(vista_parameters, stereo.smooth)},
     {{"stereo.levels", "", "Levels of the image pyramid that are matched, each half the size of the one before.", VISTA_PARAMETER_INT, 3, 1, 4, "", 0, NULL}, offsetof(vista_parameters, stereo.levels)},
     {{"motion.velocity_smoothing_s", "s", "Time constant of velocity and turn rate from poses; 0: the last difference.", VISTA_PARAMETER_FLOAT, 0.3, 0.0, 60.0, "", 0, NULL}, offsetof(vista_parameters, motion.velocity_smoothing_s)},
     {{"motion.speed_min_m_s", "m/s", "Slower, the flight direction is the optical axis.", VISTA_PARAMETER_FLOAT, 0.5, 0.0, 100.0, "", 0, NULL}, offsetof(vista_parameters, motion.speed_min_m_s)},
@@ -144,10 +144,11 @@ static const struct {
     {{"health.blind_fraction", "", "With less than this it is blind.", VISTA_PARAMETER_FLOAT, 0.02, 0.0, 1.0, "health.degraded_fraction", 0, NULL}, offsetof(vista_parameters, health.blind_fraction)},
     {{"health.contrast_min", "grey levels", "It is blind, too, when the standard deviation of the cells' grey levels is smaller, without what is left of the image's noise.", VISTA_PARAMETER_FLOAT, 2.0, 0.0, 255.0, "", 0, NULL}, offsetof(vista_parameters, health.contrast_min)},
     {{"health.noise_min", "grey levels", "An image with more noise than this is noisy: chance matches part of it, and only disparities that agree with others count.", VISTA_PARAMETER_FLOAT, 6.0, 0.0, 255.0, "", 0, NULL}, offsetof(vista_parameters, health.noise_min)},
-    {{"words.cluster_px", "px", "Words that hang together and are fewer, in pixels of their level, are dropped; 0: none are.", VISTA_PARAMETER_INT, 100, 0, 1000000, "", 0, NULL}, offsetof(vista_parameters, words.cluster_px)},
+    {{"words.cluster_px", "px", "Words that hang together and cover less, in pixels of their level, are dropped; 0: none are.", VISTA_PARAMETER_INT, 150, 0, 1000000, "", 0, NULL}, offsetof(vista_parameters, words.cluster_px)},
     {{"words.support", "", "A word of a coarser level is taken where at least this share of the 5x5 pixels around it has a word.", VISTA_PARAMETER_FLOAT, 0.92, 0.0, 1.0, "", 0, NULL}, offsetof(vista_parameters, words.support)},
     {{"words.contradiction_px", "px", "A word gives way to that of the next coarser level when they differ by more, in pixels of that level.", VISTA_PARAMETER_FLOAT, 2.0, 0.0, 256.0, "", 0, NULL}, offsetof(vista_parameters, words.contradiction_px)},
     {{"words.filling_levels", "", "As many coarser levels fill surfaces where the finer ones have no word; the others only add what is too near for level 0.", VISTA_PARAMETER_INT, 0, 0, 3, "", 0, NULL}, offsetof(vista_parameters, words.filling_levels)},
+    {{"words.gap_px", "px", "Words of a row hang together across gaps up to twice this wide.", VISTA_PARAMETER_INT, 3, 0, 16, "", 0, NULL}, offsetof(vista_parameters, words.gap_px)},
 };
 
 _Static_assert(sizeof(vista_stereo_params) == 256, "stereo may not grow");

@@ -41,8 +41,17 @@ class Stage:
 # ---- the reference ----
 
 
-def without_small_clusters(words: Words, smallest: int) -> Words:
-    kept, seen = words.copy(), words < 0
+def spread(row: Words) -> Words:
+    """By a pixel into its gaps, from the left before from the right."""
+    left, right = np.append(INVALID, row[:-1]), np.append(row[1:], INVALID)
+    return np.where(row >= 0, row, np.where(left >= 0, left, right))
+
+
+def without_small_clusters(words: Words, smallest: int, gap_px: int) -> Words:
+    kept = words.copy()
+    for _ in range(gap_px):
+        words = np.array([spread(row) for row in words])
+    seen = words < 0
     for start in zip(*np.nonzero(~seen), strict=True):
         if seen[start]:
             continue
@@ -65,13 +74,19 @@ def with_support(words: Words, share: float) -> Words:
 
 
 def combined(
-    levels: list[Words], candidates: int, cluster: int, support: float, apart_px: float, filling: int
+    levels: list[Words],
+    candidates: int,
+    cluster: int,
+    gap_px: int,
+    support: float,
+    apart_px: float,
+    filling: int,
 ) -> Words:
     result: Words | None = None
     for k in reversed(range(len(levels))):
         words = levels[k].astype(int)
         words[(words < 0) | (words > 32767 >> k)] = INVALID
-        words = without_small_clusters(words, cluster)
+        words = without_small_clusters(words, cluster, gap_px)
         if k > 0:
             words = with_support(words, support)
         if result is not None:
@@ -123,13 +138,14 @@ def test_the_stage_is_the_reference(size: tuple[int, int], levels: int) -> None:
         apart_px, candidates = float(random.choice([0.0, 0.5, 2.0, 256.0])), int(random.choice([16, 64, 256]))
         filling = int(random.integers(0, 4))
         changes = {"words.cluster_px": cluster, "words.support": support, "words.contradiction_px": apart_px}
-        changes["words.filling_levels"] = filling
+        gap_px = int(random.integers(0, 4))
+        changes |= {"words.filling_levels": filling, "words.gap_px": gap_px}
         stage = Stage(*size, changes)
         for _ in range(3):  # nothing of a frame is left in the next
             words = [patchy(random, shape, k) for k, shape in enumerate(shapes_of(*size, levels))]
             before = [level.copy() for level in words]
             assert stage.combine(words, candidates) == "VISTA_OK"
-            wanted = combined(words, candidates, cluster, support, apart_px, filling)
+            wanted = combined(words, candidates, cluster, gap_px, support, apart_px, filling)
             np.testing.assert_array_equal(stage.words, wanted)
             for level, untouched in zip(words, before, strict=True):
                 np.testing.assert_array_equal(level, untouched)

@@ -218,11 +218,12 @@ typedef struct vista_health_params {
 
 /* The words of all pyramid levels, filtered and put together (extension of the paper). */
 typedef struct vista_words_params {
-  int32_t cluster_px; /* Words that hang together and are fewer, in pixels of their level, are dropped; 0: none are. 0 .. 1000000 px. */
+  int32_t cluster_px; /* Words that hang together and cover less, in pixels of their level, are dropped; 0: none are. 0 .. 1000000 px. */
   double support; /* A word of a coarser level is taken where at least this share of the 5x5 pixels around it has a word. 0.0 .. 1.0. */
   double contradiction_px; /* A word gives way to that of the next coarser level when they differ by more, in pixels of that level. 0.0 .. 256.0 px. */
   int32_t filling_levels; /* As many coarser levels fill surfaces where the finer ones have no word; the others only add what is too near for level 0. 0 .. 3. */
-  unsigned char reserved[228];
+  int32_t gap_px; /* Words of a row hang together across gaps up to twice this wide. 0 .. 16 px. */
+  unsigned char reserved[224];
 } vista_words_params;
 
 /* All parameters. vista_parameters_default makes the struct; change its members afterwards. A newer library

@@ -30,6 +30,8 @@ vista_status vista_words_layout(vista_words *words, vista_arena *arena, int32_t 
   }
   const size_t flags = sizeof words->flags / sizeof words->flags[0];
   words->row = vista_arena_take(arena, width + 2, sizeof(int16_t));
+  for (size_t i = 0; i < sizeof words->spread / sizeof words->spread[0]; ++i)
+    words->spread[i] = vista_arena_take(arena, width, sizeof(int16_t));
   for (size_t i = 0; i < flags; ++i) words->flags[i] = vista_arena_take(arena, width + 64, sizeof(uint8_t));
   for (size_t i = 0; i < sizeof words->bits / sizeof words->bits[0]; ++i)
     words->bits[i] = vista_arena_take(arena, width / 64 + 2, sizeof(uint64_t));
@@ -65,6 +67,25 @@ static void copy_row(const int16_t *restrict in, int32_t width, int16_t largest,
     const int16_t word = in[u];
     out[u] = word >= 0 && word <= largest ? word : NONE;
   }
+}
+
+/* Words spread by a pixel into the gaps beside them, from the left before from the right. */
+static void spread_row(const int16_t *restrict row, int32_t width, int16_t *restrict out) {
+  out[0] = row[0] < 0 && width > 1 ? row[1] : row[0];
+  for (int32_t u = 1; u < width - 1; ++u) {
+    const int16_t beside = row[u - 1] >= 0 ? row[u - 1] : row[u + 1];
+    out[u] = row[u] >= 0 ? row[u] : beside;
+  }
+  if (width > 1) out[width - 1] = row[width - 1] < 0 ? row[width - 2] : row[width - 1];
+}
+
+/* What clusters are found in: the row's words, and these spread by gap_px. */
+static const int16_t *close_gaps(const int16_t *row, int32_t width, int32_t gap_px, int16_t *const spread[2]) {
+  for (int32_t left = gap_px - 1; left >= 0; --left) {
+    spread_row(row, width, spread[left % 2]); /* the last one writes the first of the two */
+    row = spread[left % 2];
+  }
+  return row;
 }
 
 /* Of each word of a row: is there one, is it like the one to its left, is it like the one above. */
@@ -158,19 +179,22 @@ static void drop_small_runs(vista_words *w, int32_t width, int32_t height, int32
 }
 
 /* Copies a level and drops the words of small clusters. */
-static void filter_clusters(const vista_disparity_image *in, int32_t smallest, int16_t largest, vista_words *w,
-                            int16_t *out) {
+static void filter_clusters(const vista_disparity_image *in, int32_t smallest, int32_t gap_px, int16_t largest,
+                            vista_words *w, int16_t *out) {
   const int32_t width = in->width_px, height = in->height_px, count = (width + 63) / 64;
   for (int i = 0; i < 3; ++i)
     for (int32_t u = width; u < 64 * count; ++u) w->flags[i][u] = 0; /* left by a wider level */
   uint64_t *const valid = w->bits[0], *const up = w->bits[1];
+  const int16_t *above = NULL;
   int32_t runs = 0;
   for (int32_t v = 0; v < height; ++v) {
     int16_t *const row = out + (ptrdiff_t)v * width;
     copy_row(in->data + v * in->stride, width, largest, row);
     if (smallest <= 1) continue;
     uint64_t *const linked = w->bits[2 + (v & 1)], *const linked_above = w->bits[2 + (~v & 1)];
-    flag_row(row, v > 0 ? row - width : row, width, w->flags[0], w->flags[1], w->flags[2]);
+    int16_t *const spread[2] = {w->spread[v % 2], w->spread[2]}; /* that of the row before is still needed */
+    const int16_t *const closed = close_gaps(row, width, gap_px, spread);
+    flag_row(closed, v > 0 ? above : closed, width, w->flags[0], w->flags[1], w->flags[2]);
     pack(w->flags[0], count, valid);
     pack(w->flags[1], count, linked);
     w->first_run[v] = runs;
@@ -181,6 +205,7 @@ static void filter_clusters(const vista_disparity_image *in, int32_t smallest, i
       join_rows(w, w->first_run[v - 1], runs, linked_above, linked, up, count);
     }
     runs += here;
+    above = closed;
   }
   if (smallest <= 1) return;
   w->first_run[height] = runs;
@@ -264,7 +289,7 @@ vista_status vista_words_combine(const vista_words_params *params, int32_t num_d
   const int32_t needed = (int32_t)ceil(params->support * (2 * REACH + 1) * (2 * REACH + 1) - 1e-9);
   for (int32_t k = levels - 1; k >= 0; --k) {
     const vista_disparity_image *const in = k == 0 ? disparity : &coarser[k - 1];
-    filter_clusters(in, params->cluster_px, (int16_t)(INT16_MAX >> k), words, words->levels[k]);
+    filter_clusters(in, params->cluster_px, params->gap_px, (int16_t)(INT16_MAX >> k), words, words->levels[k]);
     if (k > 0) filter_support(words->width_px[k], words->height_px[k], needed, words, words->levels[k]);
     const int32_t largest = (num_disparities - 1) * VISTA_DISPARITY_SCALE; /* of level 0 */
     if (k < levels - 1) merge(params, k, (int16_t)(k < params->filling_levels ? -1 : largest >> (k + 1)), words);

@@ -3,8 +3,10 @@
  * Pixel i of level k lies at pixel 2^k i of level 0, and a word d of it means d 2^k there. Each level goes through two
  * filters of its own, then the levels are put together from the coarsest on:
  *
- * - Cluster: words that hang together (4 neighbours, a pixel apart at most) and are fewer than cluster_px are dropped,
- *   on every level. Chance matches are small; the pattern of the cost hardly ever repeats over a whole surface.
+ * - Cluster: words that hang together (4 neighbours, a pixel apart at most) and cover fewer than cluster_px pixels are
+ *   dropped, on every level. Chance matches are small; the pattern of the cost hardly ever repeats over a whole surface.
+ *   Words first spread by gap_px into the gaps of their row: what is left of a thin thing, a post or the trunk of a
+ *   tree, are small pieces that agree with each other.
  * - Support: a word of level 1 or coarser is kept where at least `support` of the 5x5 pixels around it have a word.
  *   That takes the rim of a cluster away, where the block, which is 2^k times as large as at level 0, sees a thing
  *   beyond its outline.
@@ -32,6 +34,7 @@ typedef struct vista_words {
   int32_t width_px[VISTA_MAX_LEVELS], height_px[VISTA_MAX_LEVELS]; /* of each level */
   int16_t *levels[VISTA_MAX_LEVELS]; /* height * width */
   int16_t *row;                      /* scratch: of width_px[0] and some more */
+  int16_t *spread[3];                /* scratch, width_px[0] each */
   uint8_t *flags[6];
   uint64_t *bits[4];
   int32_t *parent;                   /* scratch, a run of words */
