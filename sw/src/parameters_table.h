@@ -149,6 +149,7 @@ static const struct {
     {{"words.contradiction_px", "px", "A word gives way to that of the next coarser level when they differ by more, in pixels of that level.", VISTA_PARAMETER_FLOAT, 2.0, 0.0, 256.0, "", 0, NULL}, offsetof(vista_parameters, words.contradiction_px)},
     {{"words.filling_levels", "", "As many coarser levels fill surfaces where the finer ones have no word; the others only add what is too near for level 0.", VISTA_PARAMETER_INT, 0, 0, 3, "", 0, NULL}, offsetof(vista_parameters, words.filling_levels)},
     {{"words.gap_px", "px", "Words of a row hang together across gaps up to twice this wide.", VISTA_PARAMETER_INT, 3, 0, 16, "", 0, NULL}, offsetof(vista_parameters, words.gap_px)},
+    {{"words.cluster_px_noise", "px per grey level", "cluster_px is at least this times the image's noise: chance matches of a noisy image are larger.", VISTA_PARAMETER_FLOAT, 35.0, 0.0, 100000.0, "", 0, NULL}, offsetof(vista_parameters, words.cluster_px_noise)},
 };
 
 _Static_assert(sizeof(vista_stereo_params) == 256, "stereo may not grow");

@@ -52,6 +52,7 @@ struct vista_pipeline {
   vista_matched_area matched; /* by the engine, with the levels of the last frame */
   vista_affinity_params affinity_params;     /* of the last frame: thresholds on grey levels against its noise */
   vista_refinement_params refinement_params; /* the same */
+  vista_words_params words_params;           /* the same: of the size of chance matches */
   vista_motion_state motion_state;
   vista_words words;
   vista_foveation foveation;
@@ -238,6 +239,9 @@ static void set_thresholds(vista_pipeline *p, const vista_image_noise *noise) {
   p->affinity_params = q->affinity;
   p->affinity_params.mu_intensity =
       vista_image_noise_threshold(noise, q->affinity.mu_intensity, q->affinity.mu_intensity_noise);
+  p->words_params = q->words;
+  p->words_params.cluster_px =
+      (int32_t)lround(vista_image_noise_threshold(noise, q->words.cluster_px, q->words.cluster_px_noise));
   p->refinement_params = q->refinement;
   p->refinement_params.sigma_intensity =
       vista_image_noise_threshold(noise, q->refinement.sigma_intensity, q->refinement.sigma_intensity_noise);
@@ -264,7 +268,7 @@ static vista_status run_stage(vista_pipeline *p, stage stage, passage *way) {
       return status;
     }
     case STAGE_WORDS:
-      return vista_words_combine(&q->words, q->stereo.num_disparities, &frame->disparity, frame->coarser, &p->words);
+      return vista_words_combine(&p->words_params, q->stereo.num_disparities, &frame->disparity, frame->coarser, &p->words);
     case STAGE_FOVEATION:
       return vista_foveate(&p->foveation, &q->foveation, &frame->image, words, &p->cells);
     case STAGE_HEALTH:

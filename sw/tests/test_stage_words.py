@@ -174,7 +174,7 @@ def test_rows_may_lie_apart_and_run_upwards(stride: int) -> None:
 
 def test_a_near_thing_comes_from_a_coarser_level_and_its_chance_matches_go() -> None:
     """A wall of 10 px all over; in front of it, too near for level 0, a thing of 100 px, which level 0
-    matches to something else and level 1 to itself."""
+    matches to something else and level 1 to itself. Where level 1 fills surfaces, it contradicts the rim, too."""
     level_0 = np.full((96, 160), 10 * SCALE, np.int16)
     level_0[30:70, 60:120] = 40 * SCALE
     level_1 = np.full((48, 80), 5 * SCALE, np.int16)
@@ -182,11 +182,14 @@ def test_a_near_thing_comes_from_a_coarser_level_and_its_chance_matches_go() -> 
     stage = Stage(96, 160)
     assert stage.combine([level_0, level_1]) == "VISTA_OK"
     assert (stage.words[36:64, 66:114] == 100 * SCALE).all()
+    stage = Stage(96, 160, {"words.filling_levels": 1})
+    assert stage.combine([level_0, level_1]) == "VISTA_OK"
+    assert (stage.words[36:64, 66:114] == 100 * SCALE).all()
     assert (stage.words[:25] == 10 * SCALE).all()
     assert set(np.unique(stage.words)) == {10 * SCALE, 100 * SCALE}
 
 
-def test_levels_above_the_first_add_only_what_is_too_near_for_level_0() -> None:
+def test_levels_that_fill_nothing_add_only_what_is_too_near_for_level_0() -> None:
     nothing = [np.full(shape, INVALID, np.int16) for shape in shapes_of(96, 160, 3)]
     for disparity_px, expected_px in ((15, None), (16, 64), (60, 240)):
         words = [level.copy() for level in nothing]

@@ -223,7 +223,8 @@ typedef struct vista_words_params {
   double contradiction_px; /* A word gives way to that of the next coarser level when they differ by more, in pixels of that level. 0.0 .. 256.0 px. */
   int32_t filling_levels; /* As many coarser levels fill surfaces where the finer ones have no word; the others only add what is too near for level 0. 0 .. 3. */
   int32_t gap_px; /* Words of a row hang together across gaps up to twice this wide. 0 .. 16 px. */
-  unsigned char reserved[224];
+  double cluster_px_noise; /* cluster_px is at least this times the image's noise: chance matches of a noisy image are larger. 0.0 .. 100000.0 px per grey level. */
+  unsigned char reserved[216];
 } vista_words_params;
 
 /* All parameters. vista_parameters_default makes the struct; change its members afterwards. A newer library

@@ -130,11 +130,19 @@ static bool takes_part(pass step, const vista_track *track) {
   return false;
 }
 
+/* What the left or right border cuts has its centre anywhere on the far side of it, hence a wide gate; but its visible
+ * part does not reach to a track beside it. */
+static bool beside_what_is_cut(const vista_track_view *view, const vista_detection *detection) {
+  const double du_px = fabs(view->measurement_px[0] - detection->ellipse.center_u_px);
+  return detection->cut_u && du_px > detection->ellipse.axis_a_px + view->half_px[0];
+}
+
 /* Never above miss_cost: a track rather takes a detection in its gate than none. */
 static double pair_cost(pass step, const vista_tracker_params *params, const vista_camera *camera,
                         const vista_pose *pose, const vista_track *track, const vista_track_view *view,
                         const vista_detection *detection) {
   double variance_px2[3];
+  if (beside_what_is_cut(view, detection)) return INFINITY;
   vista_track_filter_noise(params, camera, detection, view, false, variance_px2);
   if (step == CONFIRMED_RESHAPED) {
     const double measured_px[3] = {detection->u_px, detection->v_px, detection->disparity_px};
