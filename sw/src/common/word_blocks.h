@@ -10,11 +10,20 @@
 
 #define VISTA_WORD_BLOCK 16
 
-/* The block that starts with *words, of which `room` are left in the row: where they are or, at the end of the row, in
- * `copy`, with invalid ones behind. */
-static inline const int16_t *vista_word_block(const int16_t *words, int32_t room, int16_t copy[VISTA_WORD_BLOCK]) {
-  if (room >= VISTA_WORD_BLOCK) return words;
-  for (int32_t i = 0; i < VISTA_WORD_BLOCK; ++i) copy[i] = i < room ? words[i] : VISTA_DISPARITY_INVALID;
+/* Before a loop over a block: GCC unrolls so short a loop, and then finds no vector in it. */
+#if defined(__GNUC__) && !defined(__clang__)
+#define VISTA_BLOCK_LOOP _Pragma("GCC unroll 1")
+#else
+#define VISTA_BLOCK_LOOP
+#endif
+
+/* The words u .. u + VISTA_WORD_BLOCK - 1 of a row: where they are or, where the row does not reach so far, in `copy`,
+ * with invalid ones outside it. */
+static inline const int16_t *vista_word_block(const int16_t *row, int32_t u, int32_t width,
+                                              int16_t copy[VISTA_WORD_BLOCK]) {
+  if (u >= 0 && u + VISTA_WORD_BLOCK <= width) return row + u;
+  for (int32_t i = 0; i < VISTA_WORD_BLOCK; ++i)
+    copy[i] = u + i >= 0 && u + i < width ? row[u + i] : VISTA_DISPARITY_INVALID;
   return copy;
 }
 

@@ -35,6 +35,7 @@ static heights heights_above(const vista_surfaces *surfaces, const vista_camera 
 static inline uint32_t count_block(const heights *h, const int16_t *words, float ground, int32_t first,
                                    int32_t length) {
   uint32_t counts = 0;
+  VISTA_BLOCK_LOOP
   for (int32_t i = 0; i < VISTA_WORD_BLOCK; ++i) {
     const float word = (float)words[i], at = ground + h->slope_u_words * (float)(first + i);
     const uint32_t is_valid = (words[i] > 0) & (i < length);
@@ -53,10 +54,10 @@ VISTA_WIDE_VECTORS static word_counts count_words(const vista_region_view *w, co
       const vista_run run = w->foveation->runs[r];
       const float ground = h->offset_words + h->slope_u_words * (float)(run.u_px - camera->center_u_px) +
                            h->slope_v_words * (float)(run.v_px - camera->center_v_px);
-      const int16_t *const words = vista_region_words(w, run);
+      const int16_t *const row = w->disparity->data + run.v_px * w->disparity->stride;
       sum.pixels += run.length_px;
       for (int32_t i = 0; i < run.length_px; i += VISTA_WORD_BLOCK) {
-        const int16_t *const block = vista_word_block(words + i, w->disparity->width_px - run.u_px - i, copy);
+        const int16_t *const block = vista_word_block(row, run.u_px + i, w->disparity->width_px, copy);
         const uint32_t counts = count_block(h, block, ground, i, run.length_px - i);
         sum.valid += (int32_t)(counts & 0xff);
         sum.standing += (int32_t)(counts >> 8 & 0xff);
