@@ -3,6 +3,8 @@ regions are the things in them."""
 
 from __future__ import annotations
 
+from collections import deque
+
 import numpy as np
 import pytest
 from random_seed import seeded
@@ -82,6 +84,34 @@ def cut_out_all(stages: Stages, seeds: list[np.ndarray], label: np.ndarray, firs
     return first_label + len(seeds)
 
 
+def without_ground(stages: Stages, label: np.ndarray) -> np.ndarray:
+    """The labels after what lies on the ground has left: cells that lie, unless they touch one of their region that
+    stands; and where the ground's plane is known, cells without a disparity that are seen below the foot of the
+    nearest cell of their region that has one."""
+    f, d = stages.foveation, stages.disparity_px.astype(float)
+    lies = stages.horizontal != 0
+    same = label[f.tail] == label[f.head]
+    at_foot = np.zeros(f.node_count, bool)
+    at_foot[f.tail[same & (d > 0)[f.head] & ~lies[f.head]]] = True
+    left = np.where(lies & ~at_foot, -1, label)
+    s = stages.surfaces
+    if not s.ground_found:
+        return left
+    nearest_px = np.where((left >= 0) & (d >= 0), d, -1.0)
+    queue = deque(np.flatnonzero(nearest_px >= 0))
+    first = np.searchsorted(f.tail, np.arange(f.node_count + 1))
+    while queue:
+        node = queue.popleft()
+        for other in f.head[first[node] : first[node + 1]]:
+            if nearest_px[other] < 0 and left[other] == left[node]:
+                nearest_px[other] = nearest_px[node]
+                queue.append(other)
+    u, v = f.center_u - stages.camera.center_u_px, f.center_v - stages.camera.center_v_px
+    ground_px = s.ground_px + s.ground_slope_u * u.astype(float) + s.ground_slope_v * v.astype(float)
+    below = ground_px > nearest_px + np.maximum(1.0, 0.05 * ground_px)
+    return np.where((d < 0) & (nearest_px >= 0) & below, -1, left)
+
+
 def random_scene(random: np.random.Generator, changes: dict[str, float]) -> Stages:
     stages = Stages(camera(64, 48), {"foveation.sector_count": 24} | changes)
     f = stages.foveation
@@ -91,7 +121,10 @@ def random_scene(random: np.random.Generator, changes: dict[str, float]) -> Stag
     stages.disparity_px[:] = np.maximum(words, 0) / 16
     stages.disparity_px[random.random(f.node_count) < random.choice([0.01, 0.01, 0.1, 0.5, 0.8])] = -1
     stages.intensity[:] = random.uniform(0, 255, 100)[patch] + random.normal(0, 6, f.node_count)
-    stages.horizontal[:] = (random.random(100) < 0.15)[patch]
+    stages.horizontal[:] = (random.random(100) < random.choice([0.1, 0.3]))[patch]
+    s = stages.surfaces
+    s.ground_found = random.random() < 0.5
+    s.ground_px, s.ground_slope_u, s.ground_slope_v = random.uniform((-2, -0.1, 0.1), (4, 0.1, 0.8))
     stages.compare()
     return stages
 
@@ -99,7 +132,7 @@ def random_scene(random: np.random.Generator, changes: dict[str, float]) -> Stag
 @pytest.mark.parametrize("reach", [1, 3, 1000])
 def test_the_labels_are_those_of_minimum_cuts_by_scipy(reach: int) -> None:
     random = seeded(reach)
-    regions = taken = shells = 0
+    regions = taken = shells = ground = below = 0
     for _ in range(20):
         stages = random_scene(
             random,
@@ -112,7 +145,7 @@ def test_the_labels_are_those_of_minimum_cuts_by_scipy(reach: int) -> None:
                 "segmentation.rest_area_px2": random.choice([2.0, 100.0]),
                 "segmentation.unknown_link": random.choice([0.003, 0.03, 0.3]),
                 "segmentation.mismatch_link": random.uniform(0, 1),
-                "segmentation.horizontal_link": random.uniform(0, 3),
+                "segmentation.horizontal_link": random.choice([0.0, random.uniform(0, 3)]),
             },
         )
         expected = np.full(stages.foveation.node_count, -1)
@@ -121,6 +154,10 @@ def test_the_labels_are_those_of_minimum_cuts_by_scipy(reach: int) -> None:
         in_seeds = sum(seed.size for seed in seeds)
         shells += np.count_nonzero(stages.shell)
         taken += np.count_nonzero(expected >= 0) - in_seeds
+        before, expected = expected, without_ground(stages, expected)
+        left = (before >= 0) & (expected < 0)
+        ground += np.count_nonzero(left & (stages.horizontal != 0))
+        below += np.count_nonzero(left & (stages.disparity_px < 0))
         count = cut_out_all(stages, stages.find_rest_seeds(expected), expected, obstacles)
         stages.segment()
         s = stages.segmentation
@@ -130,6 +167,7 @@ def test_the_labels_are_those_of_minimum_cuts_by_scipy(reach: int) -> None:
     assert regions > 20
     assert shells > 20
     assert taken > 50 or reach == 1  # the cuts gave free cells to seeds
+    assert (ground > 5 and below > 5) or reach == 1
 
 
 # ---- merging ----

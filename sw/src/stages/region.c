@@ -22,7 +22,7 @@ static const char *const verdict_names[VISTA_REGION_VERDICT_COUNT] = {
 };
 
 const char *vista_region_verdict_name(vista_region_verdict verdict) {
-  return (unsigned)verdict < VISTA_REGION_VERDICT_COUNT ? verdict_names[verdict] : "UNKNOWN";
+  return (unsigned)verdict < VISTA_REGION_VERDICT_COUNT ? verdict_names[verdict] : "INVALID";
 }
 
 vista_status vista_regions_layout(vista_regions *regions, vista_arena *arena, const vista_foveation *foveation) {
@@ -235,7 +235,7 @@ vista_status vista_regions_compute(const vista_foveation *foveation, const vista
     vista_region *const region = &regions->items[k];
     *region = empty_region(k, count);
     if (count == 0)
-      region->verdict = VISTA_REGION_TOO_FEW_PIXELS;
+      region->verdict = VISTA_REGION_UNKNOWN;
     else {
       const bool seeded = k < segmentation->obstacle_count;
       region->verdict = measure(&w, camera, up_camera, horizontal_deg, seeded, region);
