@@ -87,7 +87,7 @@ def cut_out_all(stages: Stages, seeds: list[np.ndarray], label: np.ndarray, firs
 def without_ground(stages: Stages, label: np.ndarray) -> np.ndarray:
     """The labels after what lies on the ground has left: cells that lie, unless they touch one of their region that
     stands; and where the ground's plane is known, cells without a disparity that are seen below the foot of the
-    nearest cell of their region that has one."""
+    nearest cell of their region that has one, or that nothing known of their region is left to hold."""
     f, d = stages.foveation, stages.disparity_px.astype(float)
     lies = stages.horizontal != 0
     same = label[f.tail] == label[f.head]
@@ -109,7 +109,7 @@ def without_ground(stages: Stages, label: np.ndarray) -> np.ndarray:
     u, v = f.center_u - stages.camera.center_u_px, f.center_v - stages.camera.center_v_px
     ground_px = s.ground_px + s.ground_slope_u * u.astype(float) + s.ground_slope_v * v.astype(float)
     below = ground_px > nearest_px + np.maximum(1.0, 0.05 * ground_px)
-    return np.where((d < 0) & (nearest_px >= 0) & below, -1, left)
+    return np.where((d < 0) & (below | (nearest_px < 0)), -1, left)
 
 
 def random_scene(random: np.random.Generator, changes: dict[str, float]) -> Stages:
@@ -242,6 +242,50 @@ def test_most_of_the_border_decides(first_row: int, regions: int) -> None:
     assert len(stages.find_obstacle_seeds()) == 2
     stages.segment()
     assert stages.segmentation.obstacle_count == regions
+
+
+# ---- the ground leaves ----
+
+
+@pytest.mark.parametrize("ground_known", [False, True])
+def test_a_thing_cut_out_with_the_road_before_it_loses_the_road(ground_known: bool) -> None:
+    """A board from the top of the image down to row 24, the road below it in the same grey, and no link that
+    keeps the cut off the road. To the right both are bare: there the ground's plane alone tells where the board
+    ends."""
+    no_links = {"segmentation.horizontal_link": 0.0, "segmentation.unknown_link": 0.0}
+    stages = Stages(
+        camera(64, 48), no_links | {"segmentation.reach": 1000, "segmentation.seed_area_px2": 20.0}
+    )
+    f, s, foot_v, board_px = stages.foveation, stages.surfaces, 24.0, 10.0
+    road = f.center_v > foot_v
+    bare = (f.center_u > 40) & (f.center_v > 16)
+    patch = (f.center_u < 20) & (f.center_v > 36)  # bare, with known road all around it
+    bare |= patch
+    ground_px = board_px + 0.5 * (f.center_v - foot_v)
+    stages.disparity_px[:] = np.where(bare, -1.0, np.where(road, ground_px, board_px))
+    stages.intensity[:] = 90
+    stages.horizontal[:] = 0
+    flat_px = np.where(bare, -1.0, board_px)
+    known_px = stages.disparity_px.copy()
+    stages.disparity_px[:] = flat_px
+    stages.compare()
+    stages.segment()
+    assert np.all(stages.label == 0)  # one surface, as far as the cut can tell
+    stages.disparity_px[:] = known_px
+    stages.horizontal[:] = road & ~bare
+    s.ground_found = ground_known
+    s.ground_slope_v, s.ground_px = 0.5, board_px + 0.5 * (stages.camera.center_v_px - foot_v)
+    stages.compare()
+    stages.segment()
+    assert np.all(stages.label[~road] == 0)
+    touching = np.zeros(f.node_count, bool)
+    touching[f.tail[~road[f.head]]] = True
+    known_road = road & ~bare
+    assert np.all(stages.label[known_road & touching] == 0)  # its foot
+    assert not np.any(stages.label[known_road & ~touching] == 0)
+    below = bare & (ground_px > ground_px[known_road & touching].max() + 1.0)  # 1 px below the foot
+    assert np.count_nonzero(below) > 20 and np.count_nonzero(below & patch) > 5
+    assert np.all((stages.label[below] == 0) != ground_known)
 
 
 # ---- drawn scenes ----

@@ -156,6 +156,7 @@ static double fewest_inliers(const vista_region_params *params, const vista_came
 static vista_region_verdict measure_own_pixels(const vista_region_view *w, const vista_camera *camera,
                                                const vista_plane *surface, vista_region *region) {
   own_pixels(w, surface, false, region);
+  if (region->pixel_count < fewest_inliers(w->params, camera, region->disparity_px)) return VISTA_REGION_TOO_FEW_PIXELS;
   const double longer_px = 4.0 * sqrt(fmax(region->cov_uu_px2, region->cov_vv_px2));
   if (longer_px > LONG_BLOCKS * w->params->boundary_px) {
     const vista_region all = *region;
