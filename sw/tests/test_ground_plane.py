@@ -1,4 +1,4 @@
-"""The plane of the ground below, against planes set up in space: found under things, and only where there is one."""
+"""The plane of the ground below, against planes set up in space: found below things, and not elsewhere."""
 
 from __future__ import annotations
 

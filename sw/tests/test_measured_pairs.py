@@ -166,8 +166,8 @@ def test_a_scene_folder_or_real_pairs_must_be_named(capsys: pytest.CaptureFixtur
 
 
 def test_the_reference_method_is_judged_by_the_host(kitti: Path) -> None:
-    """On the host's own partition, regions that grew from disparities of their own have the host's verdicts. The
-    reference method takes all for such; the host judges the others by their origin and their outline, too."""
+    """On the host's own partition, regions that grew from disparities of their own have the host's verdicts.
+    The reference method takes all for such; the host judges the others by origin and outline, too."""
     pair = kitti_stereo.read_pair(kitti_stereo.find_pairs(kitti)[0])
     detectors = Detectors(pair.camera, parameters.defaults())
     result = detectors.process(pair, detectors.levels(pair))

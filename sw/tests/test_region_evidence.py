@@ -1,4 +1,4 @@
-"""The evidence for and against a region against numpy over the same pixels, and what it makes of drawn things."""
+"""Evidence for and against a region: numpy over the same pixels, and what it makes of drawn things."""
 
 from __future__ import annotations
 

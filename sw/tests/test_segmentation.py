@@ -85,9 +85,9 @@ def cut_out_all(stages: Stages, seeds: list[np.ndarray], label: np.ndarray, firs
 
 
 def without_ground(stages: Stages, label: np.ndarray) -> np.ndarray:
-    """The labels after what lies on the ground has left: cells that lie, unless they touch one of their region that
-    stands; and where the ground's plane is known, cells without a disparity that are seen below the foot of the
-    nearest cell of their region that has one, or that nothing known of their region is left to hold."""
+    """The labels after the ground has left: cells that lie, unless they touch one of their region
+    that stands; and where the ground's plane is known, cells without a disparity that are seen below the foot
+    of the nearest cell of their region that has one, or that hang together with no known one."""
     f, d = stages.foveation, stages.disparity_px.astype(float)
     lies = stages.horizontal != 0
     same = label[f.tail] == label[f.head]
@@ -249,9 +249,8 @@ def test_most_of_the_border_decides(first_row: int, regions: int) -> None:
 
 @pytest.mark.parametrize("ground_known", [False, True])
 def test_a_thing_cut_out_with_the_road_before_it_loses_the_road(ground_known: bool) -> None:
-    """A board from the top of the image down to row 24, the road below it in the same grey, and no link that
-    keeps the cut off the road. To the right both are bare: there the ground's plane alone tells where the board
-    ends."""
+    """A board from the top of the image down to row 24, the road below it in the same grey, and no link
+    that keeps the cut off the road. To the right both are bare: there the ground's plane alone tells."""
     no_links = {"segmentation.horizontal_link": 0.0, "segmentation.unknown_link": 0.0}
     stages = Stages(
         camera(64, 48), no_links | {"segmentation.reach": 1000, "segmentation.seed_area_px2": 20.0}
