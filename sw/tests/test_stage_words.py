@@ -179,7 +179,7 @@ def test_a_near_thing_comes_from_a_coarser_level_and_its_chance_matches_go() -> 
     level_0[30:70, 60:120] = 40 * SCALE
     level_1 = np.full((48, 80), 5 * SCALE, np.int16)
     level_1[15:35, 30:60] = 50 * SCALE
-    stage = Stage(96, 160)
+    stage = Stage(96, 160, {"words.filling_levels": 1})
     assert stage.combine([level_0, level_1]) == "VISTA_OK"
     assert (stage.words[36:64, 66:114] == 100 * SCALE).all()
     stage = Stage(96, 160, {"words.filling_levels": 1})
