@@ -82,6 +82,7 @@ static void group_members(const vista_foveation *foveation, const int32_t *label
  * long regions only those pixels count whose like is found that far to both sides, unless few are left. */
 #define LONG_BLOCKS 20.0
 #define MIN_INNER_SHARE 0.2
+#define OWN_SHARE 0.5 /* of the fewest inliers of a boundary, that the own pixels are at least */
 
 typedef struct moments {
   double n, u, v, uu, uv, vv;
@@ -156,7 +157,8 @@ static double fewest_inliers(const vista_region_params *params, const vista_came
 static vista_region_verdict measure_own_pixels(const vista_region_view *w, const vista_camera *camera,
                                                const vista_plane *surface, vista_region *region) {
   own_pixels(w, surface, false, region);
-  if (region->pixel_count < fewest_inliers(w->params, camera, region->disparity_px)) return VISTA_REGION_TOO_FEW_PIXELS;
+  const double fewest = OWN_SHARE * fewest_inliers(w->params, camera, region->disparity_px);
+  if (region->pixel_count < fewest) return VISTA_REGION_TOO_FEW_PIXELS; /* a sliver at the edge of something */
   const double longer_px = 4.0 * sqrt(fmax(region->cov_uu_px2, region->cov_vv_px2));
   if (longer_px > LONG_BLOCKS * w->params->boundary_px) {
     const vista_region all = *region;
