@@ -5,6 +5,7 @@
 
 #include "common/frame.h"
 #include "common/parameters_check.h"
+#include "common/wide_vectors.h"
 
 _Static_assert(VISTA_MAX_LEVELS == 1 + VISTA_COARSER_LEVELS, "level 0 and the coarser ones");
 
@@ -62,21 +63,25 @@ vista_status vista_words_count_levels(const vista_words *words, const vista_disp
 static inline int like(int16_t a, int16_t b) { return (uint16_t)(a - b + LIKE) <= 2 * LIKE; }
 
 /* What the level cannot hold counts as none: files may hold words that no engine writes. */
-static void copy_row(const int16_t *restrict in, int32_t width, int16_t largest, int16_t *restrict out) {
+VISTA_WIDE_VECTORS static void copy_row(const int16_t *restrict in, int32_t width, int16_t largest,
+                                        int16_t *restrict out) {
   for (int32_t u = 0; u < width; ++u) {
     const int16_t word = in[u];
     out[u] = word >= 0 && word <= largest ? word : NONE;
   }
 }
 
+/* a, or b where there is no word. Masks and no choice: both are loaded, so that loops over it become vectors. */
+static inline int16_t word_or(int16_t a, int16_t b) {
+  const int16_t none = (int16_t)(a >> 15);
+  return (int16_t)((a & ~none) | (b & none));
+}
+
 /* Words spread by a pixel into the gaps beside them, from the left before from the right. */
-static void spread_row(const int16_t *restrict row, int32_t width, int16_t *restrict out) {
-  out[0] = row[0] < 0 && width > 1 ? row[1] : row[0];
-  for (int32_t u = 1; u < width - 1; ++u) {
-    const int16_t beside = row[u - 1] >= 0 ? row[u - 1] : row[u + 1];
-    out[u] = row[u] >= 0 ? row[u] : beside;
-  }
-  if (width > 1) out[width - 1] = row[width - 1] < 0 ? row[width - 2] : row[width - 1];
+VISTA_WIDE_VECTORS static void spread_row(const int16_t *restrict row, int32_t width, int16_t *restrict out) {
+  out[0] = width > 1 ? word_or(row[0], row[1]) : row[0];
+  for (int32_t u = 1; u < width - 1; ++u) out[u] = word_or(row[u], word_or(row[u - 1], row[u + 1]));
+  if (width > 1) out[width - 1] = word_or(row[width - 1], row[width - 2]);
 }
 
 /* What clusters are found in: the row's words, and these spread by gap_px. */
@@ -89,8 +94,8 @@ static const int16_t *close_gaps(const int16_t *row, int32_t width, int32_t gap_
 }
 
 /* Of each word of a row: is there one, is it like the one to its left, is it like the one above. */
-static void flag_row(const int16_t *restrict row, const int16_t *restrict above, int32_t width, uint8_t *restrict valid,
-                     uint8_t *restrict linked, uint8_t *restrict up) {
+VISTA_WIDE_VECTORS static void flag_row(const int16_t *restrict row, const int16_t *restrict above, int32_t width,
+                                        uint8_t *restrict valid, uint8_t *restrict linked, uint8_t *restrict up) {
   for (int32_t u = 0; u < width; ++u) {
     valid[u] = row[u] >= 0;
     up[u] = (row[u] >= 0) & like(row[u], above[u]);
@@ -219,13 +224,15 @@ static const int16_t *row_of(const int16_t *words, int32_t width, int32_t height
 }
 
 /* Words among the 2 REACH + 1 pixels around each of a row; null: a row outside the image. */
-static void count_row(const int16_t *restrict row, int32_t width, uint8_t *restrict valid, uint8_t *restrict count) {
+VISTA_WIDE_VECTORS static void count_row(const int16_t *restrict row, int32_t width, uint8_t *restrict valid,
+                                         uint8_t *restrict count) {
   for (int32_t u = 0; u < width; ++u) valid[u + REACH] = row != NULL && row[u] >= 0;
   for (int32_t u = 0; u < width; ++u)
     count[u] = (uint8_t)(valid[u] + valid[u + 1] + valid[u + 2] + valid[u + 3] + valid[u + 4]);
 }
 
-static void drop_row(uint8_t *const counts[2 * REACH + 1], int32_t width, int32_t needed, int16_t *restrict row) {
+VISTA_WIDE_VECTORS static void drop_row(uint8_t *const counts[2 * REACH + 1], int32_t width, int32_t needed,
+                                        int16_t *restrict row) {
   const uint8_t *restrict const a = counts[0], *restrict const b = counts[1], *restrict const c = counts[2],
                                 *restrict const d = counts[3], *restrict const e = counts[4];
   for (int32_t u = 0; u < width; ++u) row[u] = a[u] + b[u] + c[u] + d[u] + e[u] >= needed ? row[u] : NONE;
@@ -257,7 +264,8 @@ static void widen_row(const int16_t *restrict coarse, int32_t coarse_width, int1
   if (2 * coarse_width - 1 < width) out[width] = out[width - 1];
 }
 
-static void merge_row(const int16_t *restrict coarse, int16_t limit, int32_t width, int16_t *restrict row) {
+VISTA_WIDE_VECTORS static void merge_row(const int16_t *restrict coarse, int16_t limit, int32_t width,
+                                         int16_t *restrict row) {
   for (int32_t u = 0; u < width; ++u) {
     const int16_t word = row[u], other = coarse[u];
     const int16_t apart = (int16_t)(word > other ? word - other : other - word);
