@@ -268,12 +268,13 @@ static vista_status run_stage(vista_pipeline *p, stage stage, passage *way) {
       return status;
     }
     case STAGE_WORDS:
-      return vista_words_combine(&p->words_params, q->stereo.num_disparities, &frame->disparity, frame->coarser, &p->words);
+      return vista_words_combine(&p->words_params, q->stereo.num_disparities, &frame->disparity, frame->coarser,
+                                 &p->words);
     case STAGE_FOVEATION:
       return vista_foveate(&p->foveation, &q->foveation, &frame->image, words, &p->cells);
     case STAGE_HEALTH:
-      return vista_health_judge(&q->health, &p->foveation, &p->matched, &p->cells, &way->noise, words,
-                                &way->motion, &way->health, &way->valid_fraction);
+      return vista_health_judge(&q->health, &p->foveation, &p->matched, &p->cells, &way->noise, words, &way->motion,
+                                &way->health, &way->valid_fraction);
     case STAGE_SURFACE:
       return vista_surfaces_compute(&p->foveation, &q->surface, &p->camera, up, &p->cells, &p->surfaces);
     case STAGE_AFFINITY:
@@ -290,8 +291,7 @@ static vista_status run_stage(vista_pipeline *p, stage stage, passage *way) {
       if (status != VISTA_OK) return status;
       const vista_collision_volume volume = vista_collision_volume_around(
           &way->path, &way->motion.pose, q->obstacle_map.collision_radius_m, q->obstacle_map.outline_px);
-      return vista_collision_volume_count(&p->foveation, &q->region, &p->camera, &volume, words,
-                                          &p->regions);
+      return vista_collision_volume_count(&p->foveation, &q->region, &p->camera, &volume, words, &p->regions);
     }
     case STAGE_RECONSTRUCTION: {
       const vista_status status =

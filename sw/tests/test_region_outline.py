@@ -85,13 +85,13 @@ def test_a_plain_wall_before_a_plain_sky_is_an_obstacle() -> None:
     v, u = np.nonzero(where)
     assert (region.mean_u_px, region.mean_v_px) == pytest.approx((u.mean(), v.mean()), abs=5)
     assert region.pixel_count == pytest.approx(u.size, rel=0.15)
-    assert verdict(region_at(regions, labels, owner == SKY)) == "BACKGROUND"
+    assert verdict(region_at(regions, labels, owner == SKY)) == "UNKNOWN"
 
 
 def test_a_plain_face_that_hangs_in_the_air_may_be_a_hole() -> None:
     owner, disparity, where = wall(foot_m=1.5)
     _, regions, labels = regions_of(owner, disparity, 2)
-    assert verdict(region_at(regions, labels, where)) == "BACKGROUND"
+    assert verdict(region_at(regions, labels, where)) == "UNKNOWN"
 
 
 @pytest.mark.parametrize("side", [-1, 1])
@@ -100,7 +100,7 @@ def test_one_edge_is_not_enough(side: int) -> None:
     u = np.arange(owner.shape[1])[None, :] + np.zeros(owner.shape)
     disparity[(side * (u - 159.5) > 0) & (owner != GROUND) & (disparity > 0)] = -1.0
     _, regions, labels = regions_of(owner, disparity, 3)
-    assert verdict(region_at(regions, labels, where)) == "BACKGROUND"
+    assert verdict(region_at(regions, labels, where)) == "UNKNOWN"
 
 
 def test_sky_above_trees_and_between_pillars_is_no_obstacle() -> None:
@@ -110,7 +110,7 @@ def test_sky_above_trees_and_between_pillars_is_no_obstacle() -> None:
     for x_m in (-3.0, 3.0):
         put(owner, disparity, PILLAR, box((x_m - 0.6, x_m + 0.6), (0, 6)))
     _, regions, labels = regions_of(owner, disparity, 4)
-    assert verdict(region_at(regions, labels, owner == SKY)) == "BACKGROUND"
+    assert verdict(region_at(regions, labels, owner == SKY)) == "UNKNOWN"
     assert not any(region.plain for region in regions)
 
 
@@ -121,7 +121,7 @@ def test_sky_in_a_frame_of_things_at_one_range_is_no_obstacle() -> None:
     window = box((-2, 2), (1.2, 4.2))
     owner[window], disparity[window] = SKY, -1.0
     _, regions, labels = regions_of(owner, disparity, 5)
-    assert verdict(region_at(regions, labels, window)) == "BACKGROUND"
+    assert verdict(region_at(regions, labels, window)) == "UNKNOWN"
 
 
 def test_a_plain_patch_of_the_ground_between_cars_is_no_obstacle() -> None:
@@ -132,7 +132,7 @@ def test_a_plain_patch_of_the_ground_between_cars_is_no_obstacle() -> None:
     for x_m in (-3.0, 3.0):
         put(owner, disparity, PILLAR, box((x_m - 1.2, x_m + 1.2), (0, 1.5)))
     _, regions, labels = regions_of(owner, disparity, 6)
-    assert verdict(region_at(regions, labels, patch & (owner == WALL))) == "BACKGROUND"
+    assert verdict(region_at(regions, labels, patch & (owner == WALL))) == "UNKNOWN"
 
 
 def test_all_of_the_plain_region_is_in_the_collision_volume() -> None:

@@ -3,6 +3,8 @@ regions are the things in them."""
 
 from __future__ import annotations
 
+from collections import deque
+
 import numpy as np
 import pytest
 from random_seed import seeded
@@ -82,6 +84,34 @@ def cut_out_all(stages: Stages, seeds: list[np.ndarray], label: np.ndarray, firs
     return first_label + len(seeds)
 
 
+def without_ground(stages: Stages, label: np.ndarray) -> np.ndarray:
+    """The labels after the ground has left: cells that lie, unless they touch one of their region
+    that stands; and where the ground's plane is known, cells without a disparity that are seen below the foot
+    of the nearest cell of their region that has one, or that hang together with no known one."""
+    f, d = stages.foveation, stages.disparity_px.astype(float)
+    lies = stages.horizontal != 0
+    same = label[f.tail] == label[f.head]
+    at_foot = np.zeros(f.node_count, bool)
+    at_foot[f.tail[same & (d > 0)[f.head] & ~lies[f.head]]] = True
+    left = np.where(lies & ~at_foot, -1, label)
+    s = stages.surfaces
+    if not s.ground_found:
+        return left
+    nearest_px = np.where((left >= 0) & (d >= 0), d, -1.0)
+    queue = deque(np.flatnonzero(nearest_px >= 0))
+    first = np.searchsorted(f.tail, np.arange(f.node_count + 1))
+    while queue:
+        node = queue.popleft()
+        for other in f.head[first[node] : first[node + 1]]:
+            if nearest_px[other] < 0 and left[other] == left[node]:
+                nearest_px[other] = nearest_px[node]
+                queue.append(other)
+    u, v = f.center_u - stages.camera.center_u_px, f.center_v - stages.camera.center_v_px
+    ground_px = s.ground_px + s.ground_slope_u * u.astype(float) + s.ground_slope_v * v.astype(float)
+    below = ground_px > nearest_px + np.maximum(1.0, 0.05 * ground_px)
+    return np.where((d < 0) & (below | (nearest_px < 0)), -1, left)
+
+
 def random_scene(random: np.random.Generator, changes: dict[str, float]) -> Stages:
     stages = Stages(camera(64, 48), {"foveation.sector_count": 24} | changes)
     f = stages.foveation
@@ -91,7 +121,10 @@ def random_scene(random: np.random.Generator, changes: dict[str, float]) -> Stag
     stages.disparity_px[:] = np.maximum(words, 0) / 16
     stages.disparity_px[random.random(f.node_count) < random.choice([0.01, 0.01, 0.1, 0.5, 0.8])] = -1
     stages.intensity[:] = random.uniform(0, 255, 100)[patch] + random.normal(0, 6, f.node_count)
-    stages.horizontal[:] = (random.random(100) < 0.15)[patch]
+    stages.horizontal[:] = (random.random(100) < random.choice([0.1, 0.3]))[patch]
+    s = stages.surfaces
+    s.ground_found = random.random() < 0.5
+    s.ground_px, s.ground_slope_u, s.ground_slope_v = random.uniform((-2, -0.1, 0.1), (4, 0.1, 0.8))
     stages.compare()
     return stages
 
@@ -99,7 +132,7 @@ def random_scene(random: np.random.Generator, changes: dict[str, float]) -> Stag
 @pytest.mark.parametrize("reach", [1, 3, 1000])
 def test_the_labels_are_those_of_minimum_cuts_by_scipy(reach: int) -> None:
     random = seeded(reach)
-    regions = taken = shells = 0
+    regions = taken = shells = ground = below = 0
     for _ in range(20):
         stages = random_scene(
             random,
@@ -112,7 +145,7 @@ def test_the_labels_are_those_of_minimum_cuts_by_scipy(reach: int) -> None:
                 "segmentation.rest_area_px2": random.choice([2.0, 100.0]),
                 "segmentation.unknown_link": random.choice([0.003, 0.03, 0.3]),
                 "segmentation.mismatch_link": random.uniform(0, 1),
-                "segmentation.horizontal_link": random.uniform(0, 3),
+                "segmentation.horizontal_link": random.choice([0.0, random.uniform(0, 3)]),
             },
         )
         expected = np.full(stages.foveation.node_count, -1)
@@ -121,6 +154,10 @@ def test_the_labels_are_those_of_minimum_cuts_by_scipy(reach: int) -> None:
         in_seeds = sum(seed.size for seed in seeds)
         shells += np.count_nonzero(stages.shell)
         taken += np.count_nonzero(expected >= 0) - in_seeds
+        before, expected = expected, without_ground(stages, expected)
+        left = (before >= 0) & (expected < 0)
+        ground += np.count_nonzero(left & (stages.horizontal != 0))
+        below += np.count_nonzero(left & (stages.disparity_px < 0))
         count = cut_out_all(stages, stages.find_rest_seeds(expected), expected, obstacles)
         stages.segment()
         s = stages.segmentation
@@ -130,6 +167,7 @@ def test_the_labels_are_those_of_minimum_cuts_by_scipy(reach: int) -> None:
     assert regions > 20
     assert shells > 20
     assert taken > 50 or reach == 1  # the cuts gave free cells to seeds
+    assert (ground > 5 and below > 5) or reach == 1
 
 
 # ---- merging ----
@@ -204,6 +242,49 @@ def test_most_of_the_border_decides(first_row: int, regions: int) -> None:
     assert len(stages.find_obstacle_seeds()) == 2
     stages.segment()
     assert stages.segmentation.obstacle_count == regions
+
+
+# ---- the ground leaves ----
+
+
+@pytest.mark.parametrize("ground_known", [False, True])
+def test_a_thing_cut_out_with_the_road_before_it_loses_the_road(ground_known: bool) -> None:
+    """A board from the top of the image down to row 24, the road below it in the same grey, and no link
+    that keeps the cut off the road. To the right both are bare: there the ground's plane alone tells."""
+    no_links = {"segmentation.horizontal_link": 0.0, "segmentation.unknown_link": 0.0}
+    stages = Stages(
+        camera(64, 48), no_links | {"segmentation.reach": 1000, "segmentation.seed_area_px2": 20.0}
+    )
+    f, s, foot_v, board_px = stages.foveation, stages.surfaces, 24.0, 10.0
+    road = f.center_v > foot_v
+    bare = (f.center_u > 40) & (f.center_v > 16)
+    patch = (f.center_u < 20) & (f.center_v > 36)  # bare, with known road all around it
+    bare |= patch
+    ground_px = board_px + 0.5 * (f.center_v - foot_v)
+    stages.disparity_px[:] = np.where(bare, -1.0, np.where(road, ground_px, board_px))
+    stages.intensity[:] = 90
+    stages.horizontal[:] = 0
+    flat_px = np.where(bare, -1.0, board_px)
+    known_px = stages.disparity_px.copy()
+    stages.disparity_px[:] = flat_px
+    stages.compare()
+    stages.segment()
+    assert np.all(stages.label == 0)  # one surface, as far as the cut can tell
+    stages.disparity_px[:] = known_px
+    stages.horizontal[:] = road & ~bare
+    s.ground_found = ground_known
+    s.ground_slope_v, s.ground_px = 0.5, board_px + 0.5 * (stages.camera.center_v_px - foot_v)
+    stages.compare()
+    stages.segment()
+    assert np.all(stages.label[~road] == 0)
+    touching = np.zeros(f.node_count, bool)
+    touching[f.tail[~road[f.head]]] = True
+    known_road = road & ~bare
+    assert np.all(stages.label[known_road & touching] == 0)  # its foot
+    assert not np.any(stages.label[known_road & ~touching] == 0)
+    below = bare & (ground_px > ground_px[known_road & touching].max() + 1.0)  # 1 px below the foot
+    assert np.count_nonzero(below) > 20 and np.count_nonzero(below & patch) > 5
+    assert np.all((stages.label[below] == 0) != ground_known)
 
 
 # ---- drawn scenes ----

@@ -15,6 +15,7 @@ from stage_arena import ffi, lib, status_name
 from stage_library import Stages, camera, image_struct
 from track_library import matched, motion, params
 from vista import StereoEngine
+from vista.geometry import Pose
 from vista.pipeline import Pipeline as PythonPipeline
 
 WIDTH, HEIGHT = 160, 120
@@ -179,12 +180,13 @@ def test_the_board_flight_is_healthy_and_its_drop_out_is_not() -> None:
 def test_a_covered_lens_is_blind_and_keeps_its_tracks(view: str) -> None:
     pipeline, engine, random = PythonPipeline(CALIBRATION), StereoEngine(num_disparities=64), seeded(3)
     sources = board_flight()
-    for source in sources[:10]:
-        seen = pipeline.process(source.left, source.words, source.t_ns)
+    poses = [Pose(scene.WORLD_FROM_CAMERA, source.position_m) for source in sources]
+    for source, pose in zip(sources[:10], poses, strict=False):
+        seen = pipeline.process(source.left, source.words, source.t_ns, pose)
     assert seen.health.state == "healthy"
     shape = (2, scene.HEIGHT, scene.WIDTH)
     dark = np.clip(random.normal(8.0, 0.0 if view == "black" else 3.0, shape), 0, 255).astype(np.uint8)
-    covered = pipeline.process(dark[0], engine.compute(dark[0], dark[1]), sources[10].t_ns)
+    covered = pipeline.process(dark[0], engine.compute(dark[0], dark[1]), sources[10].t_ns, poses[10])
     assert covered.health.state == "blind" and "no_contrast" in covered.health.reasons
     assert len(covered.health.texts) == len(covered.health.reasons)
     assert [o.id for o in covered.obstacles if o.confirmed] == [o.id for o in seen.obstacles if o.confirmed]

@@ -174,12 +174,13 @@ def test_rows_may_lie_apart_and_run_upwards(stride: int) -> None:
 
 def test_a_near_thing_comes_from_a_coarser_level_and_its_chance_matches_go() -> None:
     """A wall of 10 px all over; in front of it, too near for level 0, a thing of 100 px, which level 0
-    matches to something else and level 1 to itself. Where level 1 fills surfaces, it contradicts the rim, too."""
+    matches to something else and level 1 to itself. Where level 1 fills surfaces, it contradicts the rim,
+    too."""
     level_0 = np.full((96, 160), 10 * SCALE, np.int16)
     level_0[30:70, 60:120] = 40 * SCALE
     level_1 = np.full((48, 80), 5 * SCALE, np.int16)
     level_1[15:35, 30:60] = 50 * SCALE
-    stage = Stage(96, 160)
+    stage = Stage(96, 160, {"words.filling_levels": 1})
     assert stage.combine([level_0, level_1]) == "VISTA_OK"
     assert (stage.words[36:64, 66:114] == 100 * SCALE).all()
     stage = Stage(96, 160, {"words.filling_levels": 1})

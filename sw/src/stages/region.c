@@ -24,7 +24,7 @@ static const char *const verdict_names[VISTA_REGION_VERDICT_COUNT] = {
 };
 
 const char *vista_region_verdict_name(vista_region_verdict verdict) {
-  return (unsigned)verdict < VISTA_REGION_VERDICT_COUNT ? verdict_names[verdict] : "UNKNOWN";
+  return (unsigned)verdict < VISTA_REGION_VERDICT_COUNT ? verdict_names[verdict] : "INVALID";
 }
 
 vista_status vista_regions_layout(vista_regions *regions, vista_arena *arena, const vista_foveation *foveation) {
@@ -84,6 +84,7 @@ static void group_members(const vista_foveation *foveation, const int32_t *label
  * long regions only those pixels count whose like is found that far to both sides, unless few are left. */
 #define LONG_BLOCKS 20.0
 #define MIN_INNER_SHARE 0.2
+#define OWN_SHARE 0.5 /* of the fewest inliers of a boundary, that the own pixels are at least */
 
 typedef struct moments {
   double n, u, v, uu, uv, vv;
@@ -188,6 +189,8 @@ static double fewest_inliers(const vista_region_params *params, const vista_came
 static vista_region_verdict measure_own_pixels(const vista_region_view *w, const vista_camera *camera,
                                                const vista_plane *surface, vista_region *region) {
   own_pixels(w, surface, false, region);
+  const double fewest = OWN_SHARE * fewest_inliers(w->params, camera, region->disparity_px);
+  if (region->pixel_count < fewest) return VISTA_REGION_TOO_FEW_PIXELS; /* a sliver at the edge of something */
   const double longer_px = 4.0 * sqrt(fmax(region->cov_uu_px2, region->cov_vv_px2));
   if (longer_px > LONG_BLOCKS * w->params->boundary_px) {
     const vista_region all = *region;
@@ -267,7 +270,7 @@ vista_status vista_regions_compute(const vista_foveation *foveation, const vista
     vista_region *const region = &regions->items[k];
     *region = empty_region(k, count);
     if (count == 0)
-      region->verdict = VISTA_REGION_TOO_FEW_PIXELS;
+      region->verdict = VISTA_REGION_UNKNOWN;
     else {
       const bool seeded = k < segmentation->obstacle_count;
       region->verdict = measure(&w, camera, up_camera, horizontal_deg, seeded, region);

@@ -6,13 +6,14 @@
  * taken from the valid pixels under boundary nodes, with robust statistics: the far side pollutes boundary cells.
  *
  * Figure and ground: a depth edge belongs to the nearer of its sides, and block matching widens that side by half a
- * block. A region that grew from no disparity of its own (segmentation->obstacle_count) is the background of what
- * stands before it: the disparities along its boundary are its neighbours', so it is not measured; unless it is plain:
- * its left edge, its right edge and the ground it stands on agree on one depth (src/region_outline.h).
+ * block. A region that grew from no disparity of its own (segmentation->obstacle_count) is often the background of what
+ * stands before it: what few words it has are its neighbours', so it is unknown; unless it is plain: its left edge, its
+ * right edge and the ground it stands on agree on one depth (parts/region_outline.h).
  *
  * Two surfaces compete for each region: facing the camera, d = mode of the boundary pixels, and a plane,
  * d = a + slope_u u + slope_v v, fitted to the region's cells; the plane has to explain a tenth more of their area.
- * Edge consistency is judged on the residuals from the winner: a wall seen at an angle varies smoothly, too.
+ * Edge consistency is judged on the residuals from the winner: a wall seen at an angle varies smoothly, too. It is one
+ * piece of the evidence that is summed as log-odds (vista_region_evidence).
  *
  * Size and centre are those of the region's own pixels: of its cells those that the image gives to it, too
  * (refinement.h), and that lie on the surface or in cells without disparity; at a thin post most of a cell's

@@ -180,7 +180,8 @@ static bool at_foot(const view *w, const int32_t *label, int32_t node) {
 }
 
 /* What a region has of the ground leaves it: cells that lie on it, but for its foot, and cells without a disparity
- * that are seen below where a thing as far as the nearest known cell of the region meets the ground. */
+ * that are seen below where a thing as far as the nearest known cell of the region meets the ground, or that no longer
+ * hang together with a known one. */
 static void split_off_ground(const view *w, const vista_camera *camera, vista_segmentation *s) {
   const vista_foveation *const f = w->foveation;
   float *const carried_px = s->carried_px;
@@ -202,10 +203,10 @@ static void split_off_ground(const view *w, const vista_camera *camera, vista_se
     }
   }
   for (int32_t i = 0; i < f->node_count; ++i) {
-    if (s->label[i] < 0 || w->cells->disparity_px[i] >= 0.0f || carried_px[i] < 0.0f) continue;
-    const double ground =
-        vista_plane_disparity_px(&plane, camera, (double)f->center_u[i], (double)f->center_v[i]);
-    if (ground > (double)carried_px[i] + fmax(FOOT_PX, FOOT_SHARE * ground)) s->label[i] = VISTA_NO_LABEL;
+    if (s->label[i] < 0 || w->cells->disparity_px[i] >= 0.0f) continue;
+    const double ground = vista_plane_disparity_px(&plane, camera, (double)f->center_u[i], (double)f->center_v[i]);
+    const bool cut_off = carried_px[i] < 0.0f; /* by ground that has left */
+    if (cut_off || ground > (double)carried_px[i] + fmax(FOOT_PX, FOOT_SHARE * ground)) s->label[i] = VISTA_NO_LABEL;
   }
 }
 

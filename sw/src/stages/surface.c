@@ -84,8 +84,8 @@ static void compare_with_ground(const vista_foveation *f, const vista_surface_pa
     const double u = (double)f->center_u[i], v = (double)f->center_v[i];
     const double ground = vista_plane_disparity_px(plane, camera, u, v);
     if (d < ground - params->ground_step_px) continue;
-    const bool stands = d >= ground + params->ground_step_px &&
-                        vista_plane_height_m(plane, camera, u, v, d) >= params->ground_step_m;
+    const bool stands =
+        d >= ground + params->ground_step_px && vista_plane_height_m(plane, camera, u, v, d) >= params->ground_step_m;
     surfaces->horizontal[i] = !stands;
   }
 }
@@ -124,9 +124,8 @@ vista_status vista_surfaces_compute(const vista_foveation *foveation, const vist
     }
   }
   vista_plane ground = {0};
-  surfaces->ground_found =
-      vista_find_ground_plane(f, params, camera, up_camera, cells, surfaces->inclination_deg,
-                              surfaces->candidates, &ground);
+  surfaces->ground_found = vista_find_ground_plane(f, params, camera, up_camera, cells, surfaces->inclination_deg,
+                                                   surfaces->candidates, &ground);
   if (!surfaces->ground_found) return VISTA_OK;
   surfaces->ground_px = ground.offset;
   surfaces->ground_slope_u = ground.slope_u;

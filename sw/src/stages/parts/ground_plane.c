@@ -12,6 +12,7 @@
 #define LEAN_COST 0.8f        /* of the score, at the steepest that is allowed: a level plane is likelier */
 #define MAX_SCORED 1024       /* cells that judge a proposal */
 #define REFINEMENTS 4
+#define SAME_VOTES 0.98f /* as many, but for a few cells at the edge of the tolerance */
 #define MIN_CELLS 20
 #define MIN_GROUND_PX 1.0f    /* nearer to the horizon all sorts of things are near the plane */
 #define UPRIGHT_DEG 20.0f
@@ -189,6 +190,15 @@ static void consider(search *s, const vista_plane *plane) {
     if (!refine(s->samples, s->count, pass == 0 ? 1.0f : CLOSE, &better) || !consider_once(s, &better)) return;
 }
 
+/* Once more for the winner: a plane through few cells has their noise, and as many votes as a better one near it. */
+static void settle(search *s) {
+  vista_plane better = s->plane;
+  for (int pass = 0; pass < REFINEMENTS; ++pass)
+    if (!refine(s->samples, s->count, CLOSE, &better)) return;
+  if (cosine_of_lean(s->camera, s->up, &better) < s->least_cosine) return;
+  if (score(s->jury, &better, -INFINITY) >= SAME_VOTES * score(s->jury, &s->plane, -INFINITY)) s->plane = better;
+}
+
 bool vista_find_ground_plane(const vista_foveation *foveation, const vista_surface_params *params,
                              const vista_camera *camera, const double up_camera[3], const vista_cells *cells,
                              const float *inclination_deg, int32_t *candidates, vista_plane *plane) {
@@ -221,6 +231,7 @@ bool vista_find_ground_plane(const vista_foveation *foveation, const vista_surfa
     const sample *const c = &scored[draw(&state, (uint32_t)scored_count)];
     if (through(a, b, c, &trial_plane)) consider(&s, &trial_plane);
   }
+  if (s.found) settle(&s);
   *plane = s.plane;
   return s.found;
 }

@@ -1,0 +1,87 @@
+"""What each piece of a region's evidence contributes to its verdict, on real street pairs with LiDAR.
+
+FOLDER is laid out as KITTI 2012. Every row is the detector as shipped with one piece of evidence left out, on
+the pairs of one half; parameters were chosen on the half named dev. --out is for
+`scripts/make_tables.py --save evidence=FILE.json`.
+
+    region_evidence.py FOLDER [--half dev] [--out build/bench/region_evidence.json]
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+from dataclasses import asdict
+from pathlib import Path
+
+from vista import parameters
+from vista_eval.dataset.stereo_pair import TruthPair
+from vista_eval.detectors import Detectors
+from vista_eval.measured_pairs import LIDAR, detectors_for, find_sources, points_of
+from vista_eval.metrics.standing_points import MEASURES, Counts, Judged, Points, count_points, shares
+from vista_eval.report.text_table import aligned
+
+Changes = dict[str, dict[str, float]]
+
+LEFT_OUT: dict[str, Changes] = {
+    "all evidence": {},
+    "without height": {"region": {"odds_standing": 0.0, "odds_top": 0.0, "min_standing_fraction": 0.0}},
+    "without the greater height": {"region": {"odds_top": 0.0}},
+    "without edge consistency": {"region": {"odds_boundary": 0.0}},
+    "without support": {"region": {"odds_support": 0.0}},
+    "without unknown: few words are judged, too": {"region": {"min_valid_fraction": 0.0}},
+    "without size": {"region": {"odds_size": 0.0}},
+    "without lean": {"region": {"odds_lean": 0.0}},
+    "without origin": {"region": {"odds_unseeded": 0.0}},
+    "no ground plane": {"surface": {"ground_share": 1.0}},
+    "small clusters of words stay": {"words": {"cluster_px": 0, "cluster_px_noise": 0.0}},
+    "one level of the pyramid": {"stereo": {"levels": 1}},
+}
+
+
+def changed(changes: Changes) -> parameters.Values:
+    values = parameters.defaults()
+    for section, entries in changes.items():
+        values = values | {section: values[section] | entries}
+    return values
+
+
+def judge(detectors: Detectors, pair: TruthPair, points: Points) -> Counts:
+    result = detectors.process(pair, detectors.levels(pair))
+    return count_points(points, Judged(result.words, result.region_of_pixel, result.verdict_of_region))
+
+
+def measure(folder: Path, half: str) -> dict[str, list[Counts]]:
+    found: dict[str, list[Counts]] = {name: [] for name in LEFT_OUT}
+    for source in find_sources(LIDAR, folder):
+        if source.split != half:
+            continue
+        pair = source.read()
+        points = points_of(LIDAR, pair)
+        if points is None:
+            continue
+        for name, changes in LEFT_OUT.items():
+            found[name].append(judge(detectors_for(pair, changed(changes)), pair, points))
+    return found
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("folder", type=Path, metavar="FOLDER")
+    parser.add_argument("--half", choices=["dev", "test"], default="dev")
+    parser.add_argument("--out", type=Path, default=Path("build/bench/region_evidence.json"))
+    args = parser.parse_args()
+    rows = {
+        name: {key: asdict(share) for key, share in shares(counts, MEASURES).items()}
+        for name, counts in measure(args.folder, args.half).items()
+    }
+    args.out.parent.mkdir(parents=True, exist_ok=True)
+    args.out.write_text(json.dumps({"half": args.half, "variants": rows}, indent=1) + "\n")
+    table = [(name, *(f"{found[key]['value']:.3f}" for key in MEASURES)) for name, found in rows.items()]
+    print(aligned([("", *MEASURES), *table], {}))
+
+
+if __name__ == "__main__":
+    main()
