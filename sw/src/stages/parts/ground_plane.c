@@ -4,6 +4,7 @@
 #include <stdint.h>
 #include <string.h>
 
+#include "common/wide_vectors.h"
 #include "stages/surface.h"
 
 #define DEGREES_PER_RADIAN 57.29577951308232
@@ -120,7 +121,7 @@ static inline int32_t below_zero(float x) {
 }
 
 /* Sum of the votes; as soon as it cannot exceed `needed`, whatever has been counted. */
-static float score(const jury *j, const vista_plane *plane, float needed) {
+VISTA_WIDE_VECTORS static float score(const jury *j, const vista_plane *plane, float needed) {
   const float offset = (float)plane->offset, slope_u = (float)plane->slope_u, slope_v = (float)plane->slope_v;
   float sums[LANES] = {0}, sum = 0.0f;
   for (int32_t block = 0; block < j->count / BLOCK; ++block) {
