@@ -6,14 +6,13 @@
 #ifndef VISTA_SRC_DEPTH_H
 #define VISTA_SRC_DEPTH_H
 
-#include <math.h>
-
 #include "vista/types.h"
 
 #define RANGE_SHARE 0.06f
 
 static inline float vista_limit_m(const vista_camera *camera, float disparity_px, float limit_m) {
-  return fminf(limit_m, RANGE_SHARE * (float)(camera->focal_px * camera->baseline_m) / disparity_px);
+  const float share_m = RANGE_SHARE * (float)(camera->focal_px * camera->baseline_m) / disparity_px;
+  return share_m < limit_m ? share_m : limit_m; /* fminf is a call, and this is asked often */
 }
 
 static inline float vista_depth_step_px(const vista_camera *camera, float disparity_px, float step_m) {

@@ -10,7 +10,8 @@
 
 double vista_region_tolerance_px(const vista_region_params *params, const vista_camera *camera, double disparity_px) {
   const double relief = (double)vista_depth_step_px(camera, (float)disparity_px, (float)params->tolerance_m);
-  return fmin(fmax(params->tolerance_px, relief), MAX_TOLERANCE_PX);
+  const double tolerance_px = relief > params->tolerance_px ? relief : params->tolerance_px;
+  return tolerance_px < MAX_TOLERANCE_PX ? tolerance_px : MAX_TOLERANCE_PX;
 }
 
 typedef struct inliers {
