@@ -19,10 +19,10 @@ typedef struct limits {
   float along; /* 16 B / length: inside when w >= along q . a */
   float a[3];
   float focal_px;
+  float length_m, radius_m, words_m; /* words_m = 16 B: times q / w the point */
   bool curved; /* what follows is of an arc alone */
   float n[3];
-  float words_m; /* 16 B: times q / w the point */
-  float curvature, radius_m, cosine, sine_m; /* of the turn over the length, the sine over the curvature */
+  float curvature, cosine, sine_m; /* of the turn over the length, the sine over the curvature */
 } limits;
 
 static inline int32_t inside_straight(const limits *limit, float u, float v, float word) {
@@ -50,6 +50,21 @@ static inline int32_t inside(const limits *limit, bool curved, float u, float v,
   return curved ? inside_arc(limit, u, v, word) : inside_straight(limit, u, v, word);
 }
 
+/* Whether a word from `least` to `most` may be inside anywhere within around_px of (u, v): a bound with a margin, so that
+ * whole cells are passed over and the count is the same. No point of the volume is farther than length_m + radius_m, and
+ * the arc leaves its tangent by c x^2 at most, x along the tangent. */
+static bool may_hold(const limits *limit, float u, float v, float around_px, float least, float most) {
+  if (most <= 0.0f) return false;
+  const float along = u * limit->a[0] + v * limit->a[1] + limit->focal_px * limit->a[2];
+  const float all2 = u * u + v * v + limit->focal_px * limit->focal_px, across2 = all2 - along * along;
+  const float range_px = sqrtf(all2), across_px = sqrtf(across2 > 0.0f ? across2 : 0.0f);
+  const float scale = 0.999f * limit->words_m / most; /* of the nearest */
+  if (scale * (range_px - around_px) > limit->length_m + limit->radius_m) return false;
+  const float farthest_m = limit->words_m / fmaxf(least, 1.0f) * (range_px + around_px) + limit->radius_m;
+  const float ahead_m = 1.001f * fminf(farthest_m, limit->length_m);
+  return scale * (across_px - around_px) <= limit->radius_m + limit->curvature * ahead_m * ahead_m;
+}
+
 /* The pixels of a plain region lie on its surface, whatever chance matched there. */
 static inline int32_t count_plain_run(const limits *limit, bool curved, float x, float y, int32_t length, float word) {
   int32_t count = 0;
@@ -68,12 +83,27 @@ static inline int32_t count_run(const limits *limit, bool curved, const int16_t 
   return count;
 }
 
+static double surface_px(const vista_region *region, double u_px, double v_px) {
+  return region->disparity_px + region->slope_u * (u_px - region->mean_u_px) +
+         region->slope_v * (v_px - region->mean_v_px);
+}
+
 static int32_t count_region(const vista_foveation *foveation, const vista_camera *camera, const limits *limit,
                             const vista_disparity_image *disparity, double tolerance_px, const int32_t *members,
                             int32_t member_count, const vista_region *region) {
+  const float across_words = (float)(VISTA_DISPARITY_SCALE * (fabs(region->slope_u) + fabs(region->slope_v)));
+  const float tolerance = (float)(tolerance_px * VISTA_DISPARITY_SCALE);
   int32_t count = 0;
-  for (int32_t m = 0; m < member_count; ++m)
-    for (int32_t r = foveation->first_run[members[m]]; r < foveation->first_run[members[m] + 1]; ++r) {
+  for (int32_t m = 0; m < member_count; ++m) {
+    const int32_t node = members[m];
+    const double u = (double)foveation->center_u[node], v = (double)foveation->center_v[node];
+    const float middle = (float)(VISTA_DISPARITY_SCALE * surface_px(region, u, v));
+    const float around_px = foveation->size_px[node] + 2.0f; /* from its centre to its pixels, and more */
+    const float off = around_px * across_words + tolerance + 1.0f;
+    if (!may_hold(limit, (float)(u - camera->center_u_px), (float)(v - camera->center_v_px), around_px, middle - off,
+                  middle + off))
+      continue;
+    for (int32_t r = foveation->first_run[node]; r < foveation->first_run[node + 1]; ++r) {
       const vista_run run = foveation->runs[r];
       const float x = (float)(run.u_px - camera->center_u_px), y = (float)(run.v_px - camera->center_v_px);
       if (region->plain) {
@@ -82,15 +112,13 @@ static int32_t count_region(const vista_foveation *foveation, const vista_camera
                                : count_plain_run(limit, false, x, y, run.length_px, word);
         continue;
       }
-      const double surface_px = region->disparity_px + region->slope_u * (run.u_px - region->mean_u_px) +
-                                region->slope_v * (run.v_px - region->mean_v_px);
       const int16_t *const words = disparity->data + run.v_px * disparity->stride + run.u_px;
-      const float surface = (float)(surface_px * VISTA_DISPARITY_SCALE);
+      const float surface = (float)(surface_px(region, run.u_px, run.v_px) * VISTA_DISPARITY_SCALE);
       const float slope = (float)(region->slope_u * VISTA_DISPARITY_SCALE);
-      const float tolerance = (float)(tolerance_px * VISTA_DISPARITY_SCALE);
       count += limit->curved ? count_run(limit, true, words, x, y, run.length_px, surface, slope, tolerance)
                              : count_run(limit, false, words, x, y, run.length_px, surface, slope, tolerance);
     }
+  }
   return count;
 }
 
@@ -128,11 +156,12 @@ vista_status vista_collision_volume_count(const vista_foveation *foveation, cons
                         .along = (float)(words / volume->length_m),
                         .a = {(float)a[0], (float)a[1], (float)a[2]},
                         .focal_px = (float)camera->focal_px,
+                        .length_m = (float)volume->length_m,
+                        .radius_m = (float)volume->radius_m,
+                        .words_m = (float)words,
                         .curved = volume->curvature_1_m > 0.0,
                         .n = {(float)n[0], (float)n[1], (float)n[2]},
-                        .words_m = (float)words,
                         .curvature = (float)volume->curvature_1_m,
-                        .radius_m = (float)volume->radius_m,
                         .cosine = (float)cos(turn),
                         .sine_m = (float)(volume->curvature_1_m > 0.0 ? sin(turn) / volume->curvature_1_m : 0.0)};
   for (int32_t k = 0; k < regions->count; ++k) {

@@ -7,6 +7,8 @@
 #include "common/depth.h"
 #include "common/frame.h"
 #include "common/parameters_check.h"
+#include "common/wide_vectors.h"
+#include "common/word_blocks.h"
 #include "stages/parts/region_boundary.h"
 #include "stages/parts/region_evidence.h"
 #include "stages/parts/region_outline.h"
@@ -103,14 +105,48 @@ static void add_pixels(moments *sum, vista_region *region, int32_t u, int32_t v,
   if (v > region->max_v_px) region->max_v_px = v;
 }
 
-static bool on_surface(const vista_region_view *w, int16_t word, double disparity_px) {
-  return vista_word_valid(word) && fabs(word * (1.0 / VISTA_DISPARITY_SCALE) - disparity_px) <= w->tolerance_px;
+static const uint32_t bit_of[VISTA_WORD_BLOCK] = {1 << 0, 1 << 1, 1 << 2,  1 << 3,  1 << 4,  1 << 5,  1 << 6,  1 << 7,
+                                                  1 << 8, 1 << 9, 1 << 10, 1 << 11, 1 << 12, 1 << 13, 1 << 14, 1 << 15};
+
+/* Which words of a block are on a surface that is at start_px + slope * first at its first pixel. */
+static inline uint32_t on_surface(const int16_t *words, double start_px, double slope, int32_t first,
+                                  double tolerance_px) {
+  uint32_t bits = 0;
+  VISTA_BLOCK_LOOP
+  for (int32_t i = 0; i < VISTA_WORD_BLOCK; ++i) {
+    const double residual_px = words[i] * (1.0 / VISTA_DISPARITY_SCALE) - (start_px + slope * (first + i));
+    const uint32_t on = (words[i] >= 0) & (fabs(residual_px) <= tolerance_px);
+    bits |= -on & bit_of[i];
+  }
+  return bits;
+}
+
+/* Which of a block's pixels, `room` of them in the row, the image gives to a region. */
+static inline uint32_t drawn_as(const int32_t *region_of_pixel, int32_t room, int32_t label) {
+  uint32_t bits = 0;
+  if (room < VISTA_WORD_BLOCK) {
+    for (int32_t i = 0; i < room; ++i) bits |= -(uint32_t)(region_of_pixel[i] == label) & bit_of[i];
+    return bits;
+  }
+  VISTA_BLOCK_LOOP
+  for (int32_t i = 0; i < VISTA_WORD_BLOCK; ++i) bits |= -(uint32_t)(region_of_pixel[i] == label) & bit_of[i];
+  return bits;
+}
+
+static inline void add_stretches(moments *sum, vista_region *region, int32_t u, int32_t v, uint32_t own) {
+  while (own != 0) {
+    const int32_t first = __builtin_ctz(own), length = __builtin_ctz(~(own >> first));
+    add_pixels(sum, region, u + first, v, length);
+    own &= own + (UINT32_C(1) << first); /* carries over the lowest stretch */
+  }
 }
 
 /* Moments of the pixels that the image gives to the region and that are on its surface; of cells without a disparity
  * all that the image gives. */
-static void own_pixels(const vista_region_view *w, const vista_plane *plane, bool inner, vista_region *region) {
-  const int32_t reach = (int32_t)w->params->boundary_px;
+VISTA_WIDE_VECTORS static void own_pixels(const vista_region_view *w, const vista_plane *plane, bool inner,
+                                          vista_region *region) {
+  const int32_t reach = (int32_t)w->params->boundary_px, width = w->foveation->width_px;
+  int16_t copy[VISTA_WORD_BLOCK];
   moments sum = {0};
   region->min_u_px = region->min_v_px = INT32_MAX;
   region->max_u_px = region->max_v_px = INT32_MIN;
@@ -119,22 +155,18 @@ static void own_pixels(const vista_region_view *w, const vista_plane *plane, boo
     const bool whole = w->cells->disparity_px[node] < 0.0f;
     for (int32_t r = w->foveation->first_run[node]; r < w->foveation->first_run[node + 1]; ++r) {
       const vista_run run = w->foveation->runs[r];
-      const int32_t *const drawn = w->region_of_pixel + (ptrdiff_t)run.v_px * w->foveation->width_px + run.u_px;
-      const int16_t *const words = vista_region_words(w, run);
+      const int32_t *const drawn = w->region_of_pixel + (ptrdiff_t)run.v_px * width;
+      const int16_t *const row = w->disparity->data + run.v_px * w->disparity->stride;
       const double start = plane->offset + plane->slope_v * run.v_px + plane->slope_u * run.u_px;
-      int32_t open = -1; /* first pixel of the current stretch of own pixels */
-      for (int32_t i = 0; i <= run.length_px; ++i) {
-        const bool own =
-            i < run.length_px && drawn[i] == region->label &&
-            (whole || (on_surface(w, words[i], start + plane->slope_u * i) &&
-                       (!inner || (run.u_px + i >= reach && run.u_px + i + reach < w->disparity->width_px &&
-                                   on_surface(w, words[i - reach], start + plane->slope_u * (i - reach)) &&
-                                   on_surface(w, words[i + reach], start + plane->slope_u * (i + reach))))));
-        if (own && open < 0) open = i;
-        if (!own && open >= 0) {
-          add_pixels(&sum, region, run.u_px + open, run.v_px, i - open);
-          open = -1;
+      for (int32_t i = 0; i < run.length_px; i += VISTA_WORD_BLOCK) {
+        const int32_t u = run.u_px + i, left = run.length_px - i;
+        uint32_t own = drawn_as(drawn + u, width - u, region->label);
+        if (left < VISTA_WORD_BLOCK) own &= (UINT32_C(1) << left) - 1;
+        for (int32_t side = inner ? -1 : 0; side <= (inner ? 1 : 0) && !whole && own != 0; ++side) {
+          const int16_t *const words = vista_word_block(row, u + side * reach, width, copy);
+          own &= on_surface(words, start, plane->slope_u, i + side * reach, w->tolerance_px);
         }
+        add_stretches(&sum, region, u, run.v_px, own);
       }
     }
   }

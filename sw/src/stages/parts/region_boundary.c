@@ -26,7 +26,7 @@ static inliers summarise(int64_t count, double sum, double sum_of_squares) {
 
 /* Histogram of the words under the boundary; returns the largest of them. */
 static int32_t count_boundary(const vista_region_view *w, vista_region *region) {
-  int32_t top = 0;
+  int32_t top = 0, valid = 0;
   for (int32_t m = 0; m < w->member_count; ++m) {
     const int32_t node = w->members[m];
     if (!w->boundary[node]) continue;
@@ -34,14 +34,15 @@ static int32_t count_boundary(const vista_region_view *w, vista_region *region) 
       const vista_run run = w->foveation->runs[r];
       const int16_t *const words = vista_region_words(w, run);
       region->boundary_pixels += run.length_px;
-      for (int32_t i = 0; i < run.length_px; ++i) {
-        if (!vista_word_valid(words[i])) continue;
-        region->boundary_valid++;
-        w->bins[words[i]]++;
-        if (words[i] > top) top = words[i];
+      for (int32_t i = 0; i < run.length_px; ++i) { /* no branch: which words are valid is hard to foresee */
+        const int32_t is_valid = vista_word_valid(words[i]), word = is_valid ? words[i] : 0;
+        valid += is_valid;
+        w->bins[word] += (uint32_t)is_valid;
+        top = word > top ? word : top;
       }
     }
   }
+  region->boundary_valid += valid;
   return top;
 }
 

@@ -4,6 +4,8 @@
 
 #include "common/depth.h"
 #include "common/numbers.h"
+#include "common/wide_vectors.h"
+#include "common/word_blocks.h"
 #include "stages/parts/ground.h"
 
 #define LEAN_SPAN_DEG 15.0 /* from a lean that begins to count to one that counts in full */
@@ -29,29 +31,38 @@ static heights heights_above(const vista_surfaces *surfaces, const vista_camera 
                    .top = (float)(1.0 - top_m * per_m)};
 }
 
-static void count_run(const heights *h, const int16_t *words, float ground, int32_t length, word_counts *sum) {
-  int32_t valid = 0, standing = 0, top = 0;
-  for (int32_t i = 0; i < length; ++i) {
-    const float word = (float)words[i], at = ground + h->slope_u_words * (float)i;
-    const int32_t is_valid = words[i] > 0;
-    valid += is_valid;
-    standing += is_valid & (word * h->low >= at);
-    top += is_valid & (word * h->top >= at);
+/* Three counts of the first `length` words of a block, a byte each. `first`: of the block, in its run. */
+static inline uint32_t count_block(const heights *h, const int16_t *words, float ground, int32_t first,
+                                   int32_t length) {
+  uint32_t counts = 0;
+  VISTA_BLOCK_LOOP
+  for (int32_t i = 0; i < VISTA_WORD_BLOCK; ++i) {
+    const float word = (float)words[i], at = ground + h->slope_u_words * (float)(first + i);
+    const uint32_t is_valid = (words[i] > 0) & (i < length);
+    const uint32_t stands = word * h->low >= at, is_top = word * h->top >= at;
+    counts += -is_valid & (1 | stands << 8 | is_top << 16);
   }
-  sum->pixels += length;
-  sum->valid += valid;
-  sum->standing += standing;
-  sum->top += top;
+  return counts;
 }
 
-static word_counts count_words(const vista_region_view *w, const vista_camera *camera, const heights *h) {
+VISTA_WIDE_VECTORS static word_counts count_words(const vista_region_view *w, const vista_camera *camera,
+                                                  const heights *h) {
   word_counts sum = {0};
+  int16_t copy[VISTA_WORD_BLOCK];
   for (int32_t m = 0; m < w->member_count; ++m)
     for (int32_t r = w->foveation->first_run[w->members[m]]; r < w->foveation->first_run[w->members[m] + 1]; ++r) {
       const vista_run run = w->foveation->runs[r];
       const float ground = h->offset_words + h->slope_u_words * (float)(run.u_px - camera->center_u_px) +
                            h->slope_v_words * (float)(run.v_px - camera->center_v_px);
-      count_run(h, vista_region_words(w, run), ground, run.length_px, &sum);
+      const int16_t *const row = w->disparity->data + run.v_px * w->disparity->stride;
+      sum.pixels += run.length_px;
+      for (int32_t i = 0; i < run.length_px; i += VISTA_WORD_BLOCK) {
+        const int16_t *const block = vista_word_block(row, run.u_px + i, w->disparity->width_px, copy);
+        const uint32_t counts = count_block(h, block, ground, i, run.length_px - i);
+        sum.valid += (int32_t)(counts & 0xff);
+        sum.standing += (int32_t)(counts >> 8 & 0xff);
+        sum.top += (int32_t)(counts >> 16);
+      }
     }
   return sum;
 }
