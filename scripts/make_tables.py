@@ -119,6 +119,28 @@ def disparity_quality_table() -> str:
     return markdown("method | density | bad-3 | density of near pixels | bad-3 of these", rows)
 
 
+def with_interval(share: Record) -> str:
+    return f"{share['value']:.3f} ({share['low']:.3f} to {share['high']:.3f})"
+
+
+POINT_MEASURES = ("recall", "on surface", "engine", "wrong", "road", "cylinder")
+
+
+def lidar_table() -> str:
+    rows = []
+    for half, found in figures("lidar")["halves"].items():
+        for detector, measures in found["detectors"].items():
+            values = [with_interval(measures["measures"][key]) for key in (*POINT_MEASURES, "too near")]
+            rows.append([f"{half}, {found['pairs']} pairs", detector, *values])
+    return markdown(" | ".join(["half", "detector", *POINT_MEASURES, "too near"]), rows)
+
+
+def evidence_table() -> str:
+    variants = figures("evidence")["variants"].items()
+    rows = [[name, *(fixed(found[key]["value"], 3) for key in POINT_MEASURES)] for name, found in variants]
+    return markdown(" | ".join(["detector", *POINT_MEASURES]), rows)
+
+
 SEQUENCES = {
     "street": "KITTI odometry 00, 1226x370",
     "street 640x480": "the middle of the same images, enlarged to 640x480",
@@ -447,6 +469,8 @@ TABLES: dict[str, Callable[[], str]] = {
     "engine-sizes": engine_sizes_table,
     "frontend": frontend_table,
     "disparity-quality": disparity_quality_table,
+    "lidar": lidar_table,
+    "evidence": evidence_table,
     "host": host_table,
     "stages": stages_table,
     "maxflow": maxflow_table,
@@ -620,10 +644,27 @@ def reduce_throughput(raw: Record) -> Record:
     return {"systems": [*others, row]}
 
 
+def reduce_lidar(raw: Record) -> Record:
+    """Without what belongs to single pairs."""
+    halves = {
+        half: {
+            "pairs": found["pairs"],
+            "detectors": {
+                name: {"measures": one["measures"], "verdicts": one["verdicts"]}
+                for name, one in found["detectors"].items()
+            },
+        }
+        for half, found in raw["halves"].items()
+    }
+    return {"halves": halves}
+
+
 REDUCE: dict[str, Callable[[Record], Record]] = {
     "engine": lambda raw: raw,
     "frontend": lambda raw: raw,
     "disparity-quality": lambda raw: raw,
+    "lidar": reduce_lidar,
+    "evidence": lambda raw: raw,
     "health": lambda raw: raw,
     "host": lambda raw: {"sequences": raw["sequences"]},
     "street": lambda raw: raw,

@@ -23,9 +23,19 @@ from vista_eval.report.text_table import aligned
 
 Changes = dict[str, dict[str, float]]
 
+REGION = parameters.defaults()["region"]
+AS_IF_ALL_STOOD = REGION["odds_prior"] + REGION["odds_standing"] + REGION["odds_top"]
+
 LEFT_OUT: dict[str, Changes] = {
     "all evidence": {},
-    "without height": {"region": {"odds_standing": 0.0, "odds_top": 0.0, "min_standing_fraction": 0.0}},
+    "without height: as if all stood": {
+        "region": {
+            "odds_standing": 0.0,
+            "odds_top": 0.0,
+            "odds_prior": AS_IF_ALL_STOOD,
+            "min_standing_fraction": 0.0,
+        }
+    },
     "without the greater height": {"region": {"odds_top": 0.0}},
     "without edge consistency": {"region": {"odds_boundary": 0.0}},
     "without support": {"region": {"odds_support": 0.0}},
