@@ -40,15 +40,13 @@ static void draw(uint8_t *image, double x_m, double z_m) {
   }
 }
 
-/* Each level has half the size of the one before. A level is matched smoothed, but reduced as it is. */
+/* Each level has half the size of the one before. */
 typedef struct pyramid {
-  uint8_t images[LEVELS][WIDTH * HEIGHT], smoothed[WIDTH * HEIGHT];
+  uint8_t images[LEVELS][WIDTH * HEIGHT];
 } pyramid;
 
-static vista_engine_status prepare(pyramid *p, int level, int32_t width, int32_t height) {
+static vista_engine_status reduce(pyramid *p, int level, int32_t width, int32_t height) {
   const vista_frontend_image image = {p->images[level], width, height, width};
-  const vista_engine_status status = vista_frontend_smooth(&image, p->smoothed, width, VISTA_ENGINE_ISA_AUTO);
-  if (status != VISTA_ENGINE_OK || level + 1 == LEVELS) return status;
   return vista_frontend_reduce(&image, p->images[level + 1], vista_frontend_reduced_px(width), VISTA_ENGINE_ISA_AUTO);
 }
 
@@ -57,11 +55,11 @@ static vista_engine_status match(const vista_engine_params *engine, pyramid *lef
                                  size_t scratch_bytes, int16_t words[LEVELS][WIDTH * HEIGHT], vista_frame *frame) {
   int32_t width = WIDTH, height = HEIGHT;
   for (int k = 0; k < LEVELS; ++k) {
-    vista_engine_status status = prepare(left, k, width, height);
-    if (status == VISTA_ENGINE_OK) status = prepare(right, k, width, height);
-    const vista_engine_images images = {left->smoothed, right->smoothed, width, height, width, width};
+    const vista_engine_images images = {left->images[k], right->images[k], width, height, width, width};
     const vista_engine_output output = {words[k], NULL, width, 0};
-    if (status == VISTA_ENGINE_OK) status = vista_engine_compute(engine, &images, &output, scratch, scratch_bytes);
+    vista_engine_status status = vista_engine_compute(engine, &images, &output, scratch, scratch_bytes);
+    if (status == VISTA_ENGINE_OK && k + 1 < LEVELS) status = reduce(left, k, width, height);
+    if (status == VISTA_ENGINE_OK && k + 1 < LEVELS) status = reduce(right, k, width, height);
     if (status != VISTA_ENGINE_OK) return status;
     *(k == 0 ? &frame->disparity : &frame->coarser[k - 1]) = (vista_disparity_image){words[k], width, height, width};
     width = vista_frontend_reduced_px(width);

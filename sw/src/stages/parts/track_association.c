@@ -97,7 +97,8 @@ bool vista_track_stacked(const vista_tracker_params *params, const vista_track_v
   if (wide[0] > STACKED_WIDTH_RATIO * narrow[0]) return false;
   const double aside_px = fabs(a->measurement_px[0] - b->measurement_px[0]);
   const double apart_px = fabs(a->measurement_px[1] - b->measurement_px[1]);
-  return aside_px <= wide[0] && apart_px <= (1.0 + STACKED_GAP) * (a->half_px[1] + b->half_px[1]) &&
+  const double touching_px = a->half_px[1] + b->half_px[1]; /* nearer by half, it is no longer above but the same */
+  return aside_px <= wide[0] && apart_px >= 0.5 * touching_px && apart_px <= (1.0 + STACKED_GAP) * touching_px &&
          same_depth(params, a->measurement_px[2], a->covariance_px2[8], b->measurement_px[2], b->covariance_px2[8]);
 }
 

@@ -162,7 +162,9 @@ bool vista_track_outlived(const vista_track_frame *f, const vista_track *track) 
   const vista_tracker_params *params = f->params;
   const double hidden_s = vista_seconds_between(track->visible_t_ns, f->t_ns);
   const bool kept = track->in_blind_zone || track->held || in_the_way(track);
-  if (hidden_s > (kept ? params->blind_zone_s : params->out_of_view_s)) return true;
+  /* What has moved by itself may come back: in a turn of the camera, for one. */
+  const double away_s = track->moved ? fmax(params->follow_s, params->out_of_view_s) : params->out_of_view_s;
+  if (hidden_s > (kept ? params->blind_zone_s : away_s)) return true;
   if (track->confirmed) return track->misses > params->miss_max;
   const int32_t window = window_length(params, track);
   const int32_t seen = track->seen_frames < window ? track->seen_frames : window;
