@@ -145,7 +145,7 @@ def check_flight(text: str) -> None:
     for frame, line in list(enumerate(lines))[8:]:
         distances = [float(text) for text in re.findall(r"obstacle \d+ at ([0-9.]+) m", line)]
         assert len(distances) == 1, line
-        surface_m = 26.0 - 0.9 * frame  # the position is that of the thing's middle, up to 0.25 m behind its surface
+        surface_m = 26.0 - 0.9 * frame  # the thing's middle is up to 0.25 m behind its surface
         assert 0.97 * surface_m <= distances[0] <= 1.03 * surface_m + 0.25, line
         assert "collision in" in line
 

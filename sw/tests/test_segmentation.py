@@ -161,8 +161,8 @@ def test_the_labels_are_those_of_minimum_cuts_by_scipy(reach: int) -> None:
         count = cut_out_all(stages, stages.find_rest_seeds(expected), expected, obstacles)
         stages.segment()
         s = stages.segmentation
-        if s.obstacle_count < obstacles:  # a region of a cell or two, of one disparity with all around it: merged
-            continue
+        if s.obstacle_count < obstacles:
+            continue  # merged: a region of a cell or two, of one disparity with all around it
         assert np.array_equal(stages.label, expected)
         assert (s.obstacle_count, s.region_count, s.cut_count) == (obstacles, count, count)
         regions += obstacles
