@@ -84,7 +84,7 @@ def test_window_shows_the_last_frames() -> None:
 def test_ids_hold_through_misses_on_a_moving_platform() -> None:
     random = seeded(1)
     points = {i: np.array([4.0 * i - 8, (i % 2) * 3.0 - 1.5, 70.0 + 5 * i]) for i in range(5)}
-    tracker, owner, missed = Tracker(), {}, dict.fromkeys(points, 0)
+    tracker, owner, missed = Tracker(out_of_view_s=1.0), {}, dict.fromkeys(points, 0)  # some leave the view
     for frame in range(60):
         position = np.array([0.0, 0.0, 0.5 * frame])
         seen = [i for i in points if frame < 5 or missed[i] == 3 or random.random() < 0.7]
