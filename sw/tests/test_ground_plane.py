@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from random_seed import seeded
-from stage_library import LEVEL_UP, Stages, camera
+from stage_library import LEVEL_UP, Stages, camera, plane_disparity, words_of
 
 
 def rays_of_cells(stages: Stages) -> np.ndarray:
@@ -139,3 +139,22 @@ def test_a_frame_gives_the_same_plane_whatever_came_before() -> None:
         planes.append((s.ground_found, s.ground_px, s.ground_slope_u, s.ground_slope_v))
     assert planes[0] == planes[1] == planes[2]
     assert planes[0][0]
+
+
+def test_near_the_camera_lower_things_stand() -> None:
+    """A box 4 m away, 1 m below the camera: a limit in metres is at most 6 % of the range, so 0.24 m and not
+    0.35 m above the ground its cells stand."""
+    stages = Stages(camera())
+    disparity = np.maximum(plane_disparity(stages.camera, (0, 1, 0), (0, 1, 0)), 0.5)
+    foot_row = 120 + 400.0 * 1.0 / 4.0  # f y / z
+    v, u = np.mgrid[:240, :320]
+    disparity[(v <= foot_row) & (v > foot_row - 60) & (np.abs(u - 160) < 60)] = 50.0  # f B / z; 0.6 m high
+    assert stages.foveate(np.full((240, 320), 90, np.uint8), words_of(disparity)) == "VISTA_OK"
+    stages.find_surfaces(LEVEL_UP)
+    assert stages.surfaces.ground_found
+    f = stages.foveation
+    height_m = (foot_row - f.center_v) * 4.0 / 400.0
+    inside = (np.abs(f.center_u - 160) < 45) & (stages.disparity_px > 49.5)
+    at_limit = inside & (height_m > 0.28) & (height_m < 0.32)
+    assert np.any(at_limit) and not np.any(stages.horizontal[at_limit])
+    assert np.all(stages.horizontal[inside & (height_m > 0.05) & (height_m < 0.2)])

@@ -78,7 +78,7 @@ typedef struct vista_surface_params {
   double lever_px; /* Cells at least this far apart are compared, so that the noise of a disparity does not tilt the surface. 1.0 .. 64.0 px. */
   double horizontal_deg; /* A surface that leans more than this from the vertical is one to fly along, not into. 10.0 .. 90.0 deg. */
   double ground_step_px; /* Cells within this of the ground's plane are ground. 0.0 .. 64.0 px. */
-  double ground_step_m; /* Cells above the ground's plane by this, and by ground_step_px, stand. 0.0 .. 10.0 m. */
+  double ground_step_m; /* Cells above the ground's plane by this, and by ground_step_px, stand. At most 6 % of the range. 0.0 .. 10.0 m. */
   double ground_tilt_deg; /* The ground below leans at most this from the horizontal. 0.0 .. 45.0 deg. */
   double ground_share; /* The ground's plane holds at least this share of the area below the horizon that has a disparity, after what lies below the plane is taken off. 0.0 .. 1.0. */
   unsigned char reserved[208];

@@ -7,7 +7,7 @@
  *
  * Ground, roads and water are surfaces to fly along: their pixels are matched well and their boundary is consistent,
  * so neither a matching threshold nor edge consistency tells them from obstacles. Their inclination does.
- * The plane that most horizontal cells share is the ground; it may be absent. Where it is known, height above it
+ * The ground's plane is found by proposals (parts/ground_plane.h); it may be absent. Where it is known, height above it
  * overrides a cell's own inclination: on the plane is ground, well above it stands. */
 #ifndef VISTA_SURFACE_H
 #define VISTA_SURFACE_H
@@ -24,7 +24,7 @@ typedef struct vista_surfaces {
   float *inclination_deg; /* node_count: 0 upright .. 90 horizontal; negative: unknown */
   uint8_t *horizontal;    /* node_count: 1 on the ground, or where most cells around lean more than horizontal_deg */
   int32_t *candidates;    /* scratch, node_count */
-  bool ground_found;      /* most horizontal cells share a plane: the ground below, */
+  bool ground_found;      /* there is a plane below that enough cells lie on: the ground, */
   double ground_px;       /* its disparity at the principal point */
   double ground_slope_u, ground_slope_v; /* and gradient, px per px */
 } vista_surfaces;
