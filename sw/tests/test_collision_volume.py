@@ -29,8 +29,8 @@ def count(stages: Stages, words: np.ndarray, direction=(0.0, 0.0, 1.0), **change
     return [stages.regions.items[k].volume_pixels for k in range(stages.regions.count)]
 
 
-def expected(stages: Stages, words: np.ndarray, region, direction, slack_m: float) -> int:
-    """Own pixels: near the region's surface. slack_m widens the volume, or narrows it."""
+def own_points(stages: Stages, words: np.ndarray, region) -> tuple[np.ndarray, np.ndarray]:
+    """Which pixels are the region's own, near its surface; and where all of them are in camera coordinates."""
     v, u = np.mgrid[: words.shape[0], : words.shape[1]]
     surface = (
         region.disparity_px
@@ -40,7 +40,12 @@ def expected(stages: Stages, words: np.ndarray, region, direction, slack_m: floa
     own = (words > 0) & (np.abs(words / 16 - surface) <= 1.0)
     own &= (stages.label == region.label)[stages.foveation.cell_of_pixel]
     scale = stages.camera.focal_px * stages.camera.baseline_m
-    points = rays(stages.camera) * (scale * 16 / np.maximum(words, 1))[..., None]
+    return own, rays(stages.camera) * (scale * 16 / np.maximum(words, 1))[..., None]
+
+
+def expected(stages: Stages, words: np.ndarray, region, direction, slack_m: float) -> int:
+    """slack_m widens the volume, or narrows it."""
+    own, points = own_points(stages, words, region)
     along = points @ np.asarray(direction)
     across = np.linalg.norm(points - along[..., None] * np.asarray(direction), axis=-1)
     inside = (across <= RADIUS_M + slack_m) & (along > 0) & (along <= LENGTH_M + slack_m)
@@ -87,16 +92,8 @@ def test_an_arc_is_followed(radius_m: float, side: float) -> None:
 
 def on_arc(stages: Stages, words: np.ndarray, region, radius_m: float, slack_m: float) -> int:
     """Own pixels near a circle around (radius_m, 0, 0)."""
-    v, u = np.mgrid[: words.shape[0], : words.shape[1]]
-    surface = (
-        region.disparity_px
-        + region.slope_u * (u - region.mean_u_px)
-        + region.slope_v * (v - region.mean_v_px)
-    )
-    own = (words > 0) & (np.abs(words / 16 - surface) <= 1.0)
-    own &= (stages.label == region.label)[stages.foveation.cell_of_pixel]
-    scale = stages.camera.focal_px * stages.camera.baseline_m
-    x, y, z = np.moveaxis(rays(stages.camera) * (scale * 16 / np.maximum(words, 1))[..., None], -1, 0)
+    own, points = own_points(stages, words, region)
+    x, y, z = np.moveaxis(points, -1, 0)
     aside = np.hypot(x - radius_m, z) - abs(radius_m)
     along = np.arctan2(z, abs(radius_m) - np.sign(radius_m) * x) * abs(radius_m)
     inside = np.hypot(aside, y) <= RADIUS_M + slack_m

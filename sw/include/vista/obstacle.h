@@ -53,9 +53,9 @@ typedef struct vista_obstacle {
   bool in_blind_zone; /* nearer than the engine matches */
   vista_world_verdict world; /* verdict of the static-world test */
   int32_t age_frames;
-  double position_m[3]; /* in the world */
+  double position_m[3]; /* of the thing's middle, in the world: up to 0.25 m behind the surface that is seen */
   double covariance_m2[9]; /* of position_m, row-major; includes errors that last while the obstacle is in view */
-  double distance_m; /* from the camera */
+  double distance_m; /* of position_m from the camera */
   double extent_m[2]; /* width, height */
   vista_ellipse ellipse; /* of this frame's detection; while coasting, the last one moved to the predicted place */
   double disparity_px; /* at the estimated position */

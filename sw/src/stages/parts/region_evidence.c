@@ -89,7 +89,8 @@ void vista_region_weigh(const vista_region_view *w, const vista_camera *camera, 
   const double size_m = sqrt((double)words.pixels) * camera->baseline_m / fmax(region->disparity_px, 1.0);
   e->height = p->odds_standing * region->standing_fraction + p->odds_top * region->top_fraction;
   const double consistent = share(region->boundary_inliers, region->boundary_valid);
-  e->boundary = p->odds_boundary * (1.0 - fmin(consistent / p->min_inlier_fraction, 1.0));
+  const bool enough = consistent >= p->min_inlier_fraction; /* which may be zero */
+  e->boundary = enough ? 0.0 : p->odds_boundary * (1.0 - consistent / p->min_inlier_fraction);
   e->support = p->odds_support * share(region->boundary_valid, region->boundary_pixels);
   e->size = p->odds_size * log10(fmax(size_m, 0.05));
   e->origin = seeded ? 0.0 : p->odds_unseeded;
