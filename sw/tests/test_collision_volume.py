@@ -30,7 +30,7 @@ def count(stages: Stages, words: np.ndarray, direction=(0.0, 0.0, 1.0), **change
 
 
 def own_points(stages: Stages, words: np.ndarray, region) -> tuple[np.ndarray, np.ndarray]:
-    """Which pixels are the region's own, near its surface; and where all of them are in camera coordinates."""
+    """Which pixels are the region's own, near its surface; where all of them are, in camera coordinates."""
     v, u = np.mgrid[: words.shape[0], : words.shape[1]]
     surface = (
         region.disparity_px

@@ -86,8 +86,7 @@ static void compare_with_ground(const vista_foveation *f, const vista_surface_pa
     const double ground = vista_plane_disparity_px(plane, camera, u, v);
     if (d < ground - params->ground_step_px) continue;
     const double step_m = (double)vista_limit_m(camera, (float)d, (float)params->ground_step_m);
-    const bool stands =
-        d >= ground + params->ground_step_px && vista_plane_height_m(plane, camera, u, v, d) >= step_m;
+    const bool stands = d >= ground + params->ground_step_px && vista_plane_height_m(plane, camera, u, v, d) >= step_m;
     surfaces->horizontal[i] = !stands;
   }
 }
