@@ -133,7 +133,7 @@ def random_scene(random: np.random.Generator, changes: dict[str, float]) -> Stag
 def test_the_labels_are_those_of_minimum_cuts_by_scipy(reach: int) -> None:
     random = seeded(reach)
     regions = taken = shells = ground = below = 0
-    for _ in range(20):
+    for _ in range(60):
         stages = random_scene(
             random,
             NEVER_MERGE
