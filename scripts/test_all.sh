@@ -4,6 +4,10 @@
 set -uo pipefail
 cd "$(dirname "$0")/.."
 
+# The same commit is tested with the same random numbers: what passed here passes in CI, and each commit draws anew.
+VISTA_RUN=${VISTA_RUN:-$(git rev-parse HEAD 2>/dev/null || true)}
+export VISTA_RUN
+
 status=0
 .venv/bin/python -m pytest -n "$1" --max-worker-restart=0 2>&1 | tee build/test.log || status=1
 echo "again under AddressSanitizer and UndefinedBehaviorSanitizer: build/test-asan.log"

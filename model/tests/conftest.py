@@ -10,6 +10,7 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 import pytest
+from random_seed import seed_of
 from vista_model import Parameters
 
 Pair = tuple[npt.NDArray[np.uint8], npt.NDArray[np.uint8]]
@@ -18,8 +19,8 @@ _DATA = Path(os.environ.get("VISTA_SHARED_DATA") or Path(__file__).resolve().par
 
 @pytest.fixture
 def rng(request: pytest.FixtureRequest) -> np.random.Generator:
-    """Fresh unless VISTA_SEED is set; a failing test shows the command that reruns it."""
-    seed = int(os.environ.get("VISTA_SEED") or np.random.SeedSequence().entropy % 2**32)
+    """A failing test shows the command that reruns it."""
+    seed = seed_of(request.node.nodeid)
     print(f"rerun: VISTA_SEED={seed} .venv/bin/python -m pytest '{request.node.nodeid}'")
     return np.random.default_rng(seed)
 
