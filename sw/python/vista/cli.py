@@ -29,10 +29,17 @@ COMMANDS = (
     "flights",
     "figures",
     "scenes",
+    "dataset",
     "throughput",
     "config",
 )  # as the help has them
-EXTRA_OF = {"flights": "flights", "figures": "flights", "scenes": "flights", "throughput": "throughput"}
+EXTRA_OF = {
+    "flights": "flights",
+    "figures": "flights",
+    "scenes": "flights",
+    "dataset": "dataset",
+    "throughput": "throughput",
+}
 EPILOG = """\
 exit status:
   0    done
