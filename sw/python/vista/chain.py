@@ -123,5 +123,6 @@ def run_frame(chain: Chain, files: FrameFiles) -> Step:
         stage_ms,
         result.dropped_tracks,
         result.motion.known,
+        result.path_seen_m,
     )
     return Step(raw, frame, levels, result, record)
