@@ -21,7 +21,7 @@ from typing import Any
 import numpy as np
 
 from vista import parameters
-from vista.chain import Chain, make_chain
+from vista.chain import Chain, fitted_to, make_chain
 from vista.command.arguments import add_config, load_parameters, positive
 from vista.engine import ENGINES
 from vista.engine.rtl import DEFAULT_WIDTH_PX
@@ -98,8 +98,7 @@ def execute(arguments: argparse.Namespace) -> int:
     values = load_parameters(arguments.config, arguments.engine)
     folder = ResultFolder(arguments.out)
     sequence = open_sequence(arguments.sequence, arguments.pair_tolerance_ms)
-    if sequence.stills:  # nothing to confirm a scene with
-        values["tracker"] |= {"confirm_hits": 1, "confirm_window": 1}
+    values = fitted_to(sequence, values)
     frames = select_frames(sequence, arguments.frames)
     chain = make_chain(sequence, arguments.engine, values, arguments.threads, arguments.rtl_width)
     candidates = chain.engine.parameters.num_disparities
