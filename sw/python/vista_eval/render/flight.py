@@ -22,6 +22,7 @@ from vista_eval.render.version import RENDER_VERSION
 
 MARKER = "content.json"
 Quality = Literal["full", "quick"]
+Renderers = Literal["path", "fast"]  # with Mitsuba, or by casting rays for depth and shadows only
 
 QUICK_FIRST_RANGE_M = 66.0
 QUICK_FRAMES = 60
@@ -38,6 +39,8 @@ class Flight:
     rig: Rig = PAPER_RIG
     sensor: Sensor = field(default_factory=Sensor)
     seed: int = 1
+    family: str = ""  # of sampled worlds: the kind of content, scored by itself
+    renderer: Renderers = "path"
 
 
 def approach_of(flight: Flight, quality: Quality) -> Course:
@@ -65,6 +68,7 @@ def about(flight: Flight) -> dict:
         "name": flight.name,
         "title": flight.title,
         "split": flight.split,
+        **({"family": flight.family} if flight.family else {}),
         "speed_m_s": approach.speed_m_s,
         "rate_hz": approach.rate_hz,
     }
