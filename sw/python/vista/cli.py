@@ -27,12 +27,19 @@ COMMANDS = (
     "run",
     "disparity",
     "flights",
+    "worlds",
     "figures",
     "scenes",
     "throughput",
     "config",
 )  # as the help has them
-EXTRA_OF = {"flights": "flights", "figures": "flights", "scenes": "flights", "throughput": "throughput"}
+EXTRA_OF = {
+    "flights": "flights",
+    "worlds": "flights",
+    "figures": "flights",
+    "scenes": "flights",
+    "throughput": "throughput",
+}
 EPILOG = """\
 exit status:
   0    done

@@ -37,7 +37,7 @@ def block(
         texel = FRONT_TEXEL_M if k == 0 else OTHER_TEXEL_M
         albedo = face(float(np.linalg.norm(right - left)), height_m, some_seed(rng), texel)
         solids.append(things.rectangle(f"{name}_face{k}", left, right, height_m, albedo))
-    solids += roof(name, feet + [0, 0, height_m], pitched, rng)
+    solids += roof(name, np.column_stack([corners_m, np.full(4, height_m)]), pitched, rng)
     return thing(name, "building", solids, **more)
 
 
@@ -46,7 +46,8 @@ def roof(name: str, eaves_m: np.ndarray, pitched: bool, rng: np.random.Generator
     if not pitched:
         middle, across = eaves_m.mean(axis=0), (eaves_m[1] - eaves_m[0]) / 2
         along = (eaves_m[3] - eaves_m[0]) / 2
-        albedo = walls.roughcast(*(2 * float(np.linalg.norm(h)) for h in (across, along)), 1, 0.1) * shade * 2
+        wide, long = (2 * float(np.linalg.norm(half)) for half in (across, along))
+        albedo = walls.roughcast(wide, long, some_seed(rng), 0.1) * shade * 2
         flat = Panel(f"{name}_roof", tuple(middle), tuple(across), tuple(-along), albedo)
         boxes = []
         for _ in range(int(rng.integers(0, 5))):

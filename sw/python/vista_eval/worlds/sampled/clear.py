@@ -9,7 +9,7 @@ from vista_eval.worlds import things
 from vista_eval.worlds.sampled import walls
 from vista_eval.worlds.sampled.buildings import block, rectangle_m
 from vista_eval.worlds.sampled.courses import Courses
-from vista_eval.worlds.sampled.draws import log_uniform, some_seed
+from vista_eval.worlds.sampled.draws import log_uniform
 from vista_eval.worlds.sampled.grounds import BUILT_UP
 from vista_eval.worlds.sampled.machines import tower_crane
 from vista_eval.worlds.sampled.poles import lattice

@@ -1,6 +1,6 @@
 """How a sampled flight is flown: drawn from the distributions of its family.
 
-speed    3 to 25 m/s, log-uniform, unless the family narrows it
+speed    3 to 25 m/s, each as likely, unless the family narrows it
 rate     7.5 to 15 frames/s, the slowest that gives about 25 frames
 end      10 to 14 m before the point (0, 0, altitude), which the path leads through along +x
 """
@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from vista_eval.render.trajectory import Approach, Course
-from vista_eval.worlds.sampled.draws import draws, log_uniform
+from vista_eval.worlds.sampled.draws import draws
 
 RATES_HZ = (7.5, 10.0, 12.5, 15.0)
 LAST_RANGE_M = (10.0, 14.0)
@@ -30,7 +30,7 @@ class Courses:
 
     def draw(self, seed: int) -> Course:
         rng = draws(seed, "course")
-        speed, span = log_uniform(rng, *self.speed_m_s), rng.uniform(*self.span_m)
+        speed, span = float(rng.uniform(*self.speed_m_s)), float(rng.uniform(*self.span_m))
         wanted = speed * rng.uniform(22, 28) / span
         rate = min(RATES_HZ, key=lambda hz: abs(hz - wanted))
         frames = int(np.clip(round(span * rate / speed), LEAST_FRAMES, self.most_frames))

@@ -21,7 +21,8 @@ from vista_eval.worlds.sampled.path import Path
 
 Relief = Callable[[np.ndarray, np.ndarray], np.ndarray]  # heights in metres of world x and y
 
-NODE_M, FAR_NODE_M, FAR_M = 2.0, 16.0, 320.0  # spacing of heights, and from where on it is coarse
+NODE_M = 1.0  # spacing of heights; each further ring has them COARSER times as far apart
+RINGS_M, COARSER = (80.0, 320.0), 4
 TEXEL_PER_RANGE = 1.6e-3  # a pixel of the paper's rig sees 1e-3 of the range
 MARGIN_M = 6.0
 MOST_STRETCH = 12
@@ -46,7 +47,7 @@ def patches(path: Path, over_ground_m: float, level: bool) -> Iterator[Patch]:
     for k, (low, high) in enumerate(pairwise(ranges)):
         x = (_snapped(first_m if k == 0 else last_m + low), _snapped(last_m + high))
         texel = max(TEXEL_PER_RANGE * low, FINEST_TEXEL_M)
-        stretch = int(np.clip(low / over_ground_m if level else 2, 1, MOST_STRETCH))
+        stretch = int(np.clip(low / over_ground_m if level else 1, 1, MOST_STRETCH))
         inner = _snapped(per_range * high + aside_m)
         yield Patch(x, (-inner, inner), texel, stretch)
         outer = _snapped(per_range * (high + last_m - first_m) + aside_m)
@@ -63,13 +64,17 @@ def _nodes(span_m: tuple[float, float], spacing_m: float) -> np.ndarray:
     return np.linspace(*span_m, max(2, 1 + round((span_m[1] - span_m[0]) / spacing_m)))
 
 
-def albedo_of(patch: Patch, cover: str, contrast: float, seed: int) -> np.ndarray:
-    """Each texel the mean of what lies in it."""
+def albedo_of(patch: Patch, cover: str, contrast: float, seed: int, relief: Relief | None) -> np.ndarray:
+    """Each texel the mean of what lies in it. Where the ground is steep the cover follows it up and is not
+    drawn out: it is laid along the profile below the path."""
     rows = max(2, round((patch.x_m[1] - patch.x_m[0]) / (patch.texel_m * patch.stretch)))
     columns = max(2, round((patch.y_m[1] - patch.y_m[0]) / patch.texel_m))
     samples = min(patch.stretch, SAMPLES_ALONG)
     x = patch.x_m[0] + (np.arange(rows * samples) + 0.5) * (patch.x_m[1] - patch.x_m[0]) / (rows * samples)
     y = patch.y_m[0] + (np.arange(columns) + 0.5) * (patch.y_m[1] - patch.y_m[0]) / columns
+    if relief is not None:
+        z = relief(x[:, None], np.zeros((1, 1)))[:, 0]
+        x = x[0] + np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(x), np.diff(z)))])
     kind = COVERS[cover]
     fine = kind.albedo(x.astype(np.float32)[:, None], y.astype(np.float32)[None, :], seed)
     albedo = fine.reshape(rows, samples, columns).mean(axis=1)
@@ -88,7 +93,7 @@ def ground(
     """Level at z = 0 without a relief. over_ground_m: the least height of the path; is_met: by the path."""
     solids: list[GroundStrip | HeightField] = []
     for k, patch in enumerate(patches(path, over_ground_m, relief is None)):
-        albedo, name = albedo_of(patch, cover, contrast, seed), f"ground{k}"
+        albedo, name = albedo_of(patch, cover, contrast, seed, relief), f"ground{k}"
         if relief is None:
             solids.append(GroundStrip(name, patch.x_m, patch.y_m, albedo))
         else:
@@ -97,6 +102,6 @@ def ground(
 
 
 def heights_m(patch: Patch, relief: Relief) -> np.ndarray:
-    spacing = NODE_M if patch.x_m[1] <= FAR_M else FAR_NODE_M
+    spacing = NODE_M * COARSER ** sum(patch.x_m[1] > ring for ring in RINGS_M)
     x, y = _nodes(patch.x_m, spacing)[:, None], _nodes(patch.y_m, spacing)[None, :]
     return np.broadcast_to(relief(x, y), (x.size, y.size)).astype(np.float32)

@@ -15,7 +15,7 @@ from vista_eval.worlds.sampled.draws import draws, log_uniform
 
 SHARES = {"sun": 0.45, "overcast": 0.25, "low sun": 0.15, "haze": 0.15}
 EXTINCTION_AT_VISIBILITY = 3.9
-GREY_OF_GROUND = (0.22, 0.42)  # what the automatic exposure makes of the ground, as a share of white
+GREY_OF_GROUND = (0.28, 0.46)  # what the automatic exposure makes of the ground, as a share of white
 
 
 def kind_of_light(seed: int) -> str:
@@ -30,7 +30,7 @@ def light(seed: int, albedo: float) -> dict[str, Any]:
     elevation = np.radians(rng.uniform(5, 15) if kind == "low sun" else rng.uniform(20, 65))
     azimuth = rng.uniform(0, 2 * np.pi)
     sun = float(rng.uniform(0.0, 0.6) if overcast else rng.uniform(3.0, 4.6))
-    fill = float(rng.uniform(2.0, 2.6) if overcast else rng.uniform(0.9, 1.6))
+    fill = float(rng.uniform(2.0, 2.6) if overcast else rng.uniform(1.3, 2.2))
     falling = sun * np.sin(elevation) + 0.55 * fill
     exposure = float(np.clip(rng.uniform(*GREY_OF_GROUND) * np.pi / (albedo * falling), 0.5, 3.0))
     air = None

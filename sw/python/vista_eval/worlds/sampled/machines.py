@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 
 from vista_eval.render.scene import Scene, Thing, thing
@@ -76,7 +78,7 @@ def scaffold(length_m: float, height_m: float, rng: np.random.Generator) -> Tria
             parts.append(tube([(-deep, low, z + up), (-deep, high, z + up)], 0.024, shade, 6))
         plank = float(rng.uniform(0.2, 0.45))
         parts.append(box((-deep / 2, (low + high) / 2, z), (0.9 * deep, high - low, 0.05), plank))
-    for y, y_next in zip(y_ends[:-1], y_ends[1:], strict=True):
+    for y, y_next in pairwise(y_ends):
         for z in levels:
             if rng.random() < 0.3:
                 parts.append(tube([(-deep, y, z - level), (-deep, y_next, z)], 0.024, shade, 6))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from vista_eval.render.scene import Mesh, Scene, Thing, thing
+from vista_eval.render.scene import Scene, Thing
 from vista_eval.worlds import things, vehicle
 from vista_eval.worlds.sampled.courses import ANY, Courses
 from vista_eval.worlds.sampled.draws import log_uniform

@@ -1,7 +1,7 @@
 """Periodic tiles of which surfaces are made, and how they are laid over a surface.
 
-A tile is float32 with mean 0 and standard deviation 1, the same on opposite edges. Where texels of the surface
-are coarser than its own, the tile is averaged first: from afar fine grain turns into an even grey.
+A tile is float32 with mean 0 and standard deviation 1, the same on opposite edges. Where texels of the
+surface are coarser than its own, the tile is averaged first: from afar fine grain turns into an even grey.
 """
 
 from __future__ import annotations

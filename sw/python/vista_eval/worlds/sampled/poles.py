@@ -56,13 +56,15 @@ def printed(width_m: float, height_m: float, seed: int) -> np.ndarray:
         case 0:
             board[(u + np.abs(v - rows / 2)) % 60 < 30] = ink
         case 1:
+            letters = np.zeros((rows, columns), np.uint8)
             for line in range(3):
                 text = "".join(rng.choice(list("ABDEGHKLMNRSTUV0123456789"), 8))
                 place = (columns // 12, int(rows * (0.3 + 0.28 * line)))
-                cv2.putText(board, text, place, cv2.FONT_HERSHEY_DUPLEX, columns / 210, ink, 3, cv2.LINE_AA)
+                cv2.putText(letters, text, place, cv2.FONT_HERSHEY_DUPLEX, columns / 210, 255, 3, cv2.LINE_AA)
+            board = board + (ink - board) * (letters / 255)
         case 2:
             clouds = cv2.resize(cloudy(seed, 1.2), (columns, rows), interpolation=cv2.INTER_AREA)
-            board += 0.12 * clouds
+            board = board + 0.12 * clouds
         case _:
             cv2.rectangle(board, (3, 3), (columns - 4, rows - 4), ink, 4)
     return np.clip(board, 0.02, 0.85).astype(np.float32)

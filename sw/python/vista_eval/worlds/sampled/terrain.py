@@ -104,7 +104,7 @@ def quarry(altitude_m: float, seed: int) -> Scene:
     """A face of 55 to 78 degrees, in one to three steps, 4 to 25 m higher than the path."""
     here = site(altitude_m, seed, OVER_SLOPE, ("scree", "gravel", "heath"))
     rng = here.draws("quarry")
-    rise, askew = np.tan(np.radians(rng.uniform(55, 78))), rng.uniform(-0.4, 0.4)
+    rise, askew = np.tan(np.radians(rng.uniform(55, 78))), rng.uniform(-0.1, 0.1)
     top_m, steps, wave_seed = altitude_m + rng.uniform(4, 25), int(rng.integers(1, 4)), some_seed(rng)
     bench_m = rng.uniform(2.0, 7.0)
     step_m = top_m / steps
@@ -114,7 +114,8 @@ def quarry(altitude_m: float, seed: int) -> Scene:
     def shape(x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
         along = x_m + askew * y_m - first_x_m + 2.5 * bumps(x_m, y_m, wave_seed)
         faces = [along - k * (step_m / rise + bench_m) for k in range(steps)]
-        return sum(step_m * smoothstep(0.0, 1.6 * step_m / rise, face) for face in faces)
+        steps_up = [step_m * smoothstep(0.0, 1.6 * step_m / rise, face) for face in faces]
+        return np.sum(steps_up, axis=0)
 
     return risen(here, through_the_path(shape, altitude_m))
 

@@ -9,7 +9,7 @@ from vista_eval.worlds import things
 from vista_eval.worlds.sampled.courses import FROM_AFAR, Courses
 from vista_eval.worlds.sampled.draws import log_uniform, some_seed
 from vista_eval.worlds.sampled.grounds import OPEN_COUNTRY, WOODED
-from vista_eval.worlds.sampled.path import clear_of
+from vista_eval.worlds.sampled.path import clear_of, distance_m
 from vista_eval.worlds.sampled.site import RURAL, Site, background, clutter, scene_of, site
 from vista_eval.worlds.triangles import Triangles, joined
 from vista_eval.worlds.vegetation import bark, crown
@@ -17,6 +17,7 @@ from vista_eval.worlds.vegetation import bark, crown
 AMONG_TREES = Courses(altitude_m=(2.5, 9.0))
 AMONG_TRUNKS = Courses((2.5, 6.0), FROM_AFAR.speed_m_s, FROM_AFAR.span_m, FROM_AFAR.most_frames)
 MOST_TREES = 40
+NEAR_M = 0.6  # of the path to the nearest branch of the tree in the way
 
 
 def tuft_m(range_m: float) -> float:
@@ -67,11 +68,14 @@ def wood(here: Site, forms: tuple[str, ...], heights_m: tuple[float, float], mos
 
 def at_a_tree(here: Site, forms: tuple[str, ...]) -> Scene:
     """Trunk and crown of one stand within half a metre of the path, which leads below its top."""
-    rng = here.draws("target")
-    height = here.altitude_m * float(rng.uniform(1.4, 2.4)) + 1.0
-    foot = here.foot_m(float(rng.uniform(-0.3, 0.3)), float(rng.uniform(-0.5, 0.5)))
+    rng, met = here.draws("target"), np.array([0.0, 0.0, here.altitude_m])
     form = str(rng.choice(list(forms)))
-    target = things.tree("target", form, foot, height, some_seed(rng), tuft_m(14.0), target=True)
+    while True:  # the path may lead through a gap between branches
+        height = here.altitude_m * float(rng.uniform(1.4, 2.4)) + 1.0
+        foot = here.foot_m(float(rng.uniform(-0.3, 0.3)), float(rng.uniform(-0.5, 0.5)))
+        target = things.tree("target", form, foot, height, some_seed(rng), tuft_m(14.0), target=True)
+        if distance_m(target, met) < NEAR_M:
+            break
     others = [*wood(here, forms, (4.0, 14.0), MOST_TREES), *clutter(here, RURAL, 8)]
     return scene_of(here, [target], [*others, *background(here, ("trees", "forest", "open"))])
 

@@ -38,7 +38,8 @@ def sagging_through(
     """Ends of a wire of direction and half length `half_m` that passes a point at `share` of its length."""
     start = point_m - 2 * share * half_m
     drop = 4 * sag * 2 * float(np.linalg.norm(half_m)) * share * (1 - share)
-    return start + [0, 0, drop], start + 2 * half_m + [0, 0, drop]
+    raised = start + np.array([0.0, 0.0, drop])
+    return raised, raised + 2 * half_m
 
 
 def spans(here: Site, rng: np.random.Generator, incline_deg: float, count: int) -> tuple[list, list]:
@@ -86,17 +87,17 @@ def cable(altitude_m: float, seed: int) -> Scene:
 
 
 def power_line(altitude_m: float, seed: int) -> Scene:
-    """One to six wires at any inclination up to 60 degrees, some with marker balls: lines, stays, cableways."""
+    """One to six wires at any inclination up to 60 degrees, some with marker balls."""
     here = site(altitude_m, seed, AT_WIRES, OPEN_COUNTRY)
     rng = here.draws("power line")
     incline = float(rng.choice([-1, 1]) * rng.uniform(0, 60))
-    ends, wires = spans(here, rng, incline, int(rng.integers(1, 7)))
+    _, wires = spans(here, rng, incline, int(rng.integers(1, 7)))
     solids: list = [things.mesh("target_wires", joined(*wires))]
     if rng.random() < 0.2:
-        start, end = ends[0]
+        rings = len(wires[0].vertices_m) // 6
         for k, share in enumerate(np.arange(0.15, 0.9, 0.2)):
-            place = wires[0].vertices_m[6 * round(share * (len(wires[0].vertices_m) // 6 - 1))]
+            x, y, z = (float(c) for c in wires[0].vertices_m[6 * round(share * (rings - 1))])
             ball = paint(0.25 + 0.5 * (k % 2), some_seed(rng))
-            solids.append(Sphere(f"target_ball{k}", tuple(float(c) for c in place), 0.25, ball))
+            solids.append(Sphere(f"target_ball{k}", (x, y, z), 0.25, ball))
     target = thing("target", "wire", solids, target=True)
     return scene_of(here, [target], around(here))
