@@ -15,7 +15,7 @@ from vista_eval.worlds.sampled.draws import draws, log_uniform
 
 SHARES = {"sun": 0.45, "overcast": 0.25, "low sun": 0.15, "haze": 0.15}
 EXTINCTION_AT_VISIBILITY = 3.9
-GREY_OF_GROUND = (0.28, 0.46)  # what the automatic exposure makes of the ground, as a share of white
+GREY_OF_GROUND = (0.22, 0.40)  # what the automatic exposure makes of the ground, as a share of white
 
 
 def kind_of_light(seed: int) -> str:

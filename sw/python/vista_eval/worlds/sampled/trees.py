@@ -114,17 +114,11 @@ def clear_wood(altitude_m: float, seed: int) -> Scene:
     here = site(altitude_m, seed, AMONG_TREES, WOODED)
     rng = here.draws("ride")
     forms = ("broadleaf", "conifer", "poplar", "bare")
-    places = scattered(here, int(rng.integers(20, 60)), 3.5, 110.0)
-    trees = [
-        things.tree(
-            f"tree{k}",
-            str(rng.choice(forms)),
-            here.foot_m(x, y + np.sign(y) * 5.0),
-            float(rng.uniform(6, 14)),
-            some_seed(rng),
-            tuft_m(max(18.0, x + 14.0)),
-        )
-        for k, (x, y) in enumerate(places)
-    ]
+    trees = []
+    for k, (x, y) in enumerate(scattered(here, int(rng.integers(30, 70)), 3.0, 110.0)):
+        height = float(rng.uniform(6, 14))
+        beside_m = y + np.sign(y) * (4.0 + 0.36 * height)
+        foot, leaf = here.foot_m(x, float(beside_m)), tuft_m(max(18.0, x + 14.0))
+        trees.append(things.tree(f"tree{k}", str(rng.choice(forms)), foot, height, some_seed(rng), leaf))
     beyond = background(here, ("trees", "forest", "open"))
     return scene_of(here, (), [*clear_of(here.path, trees), *beyond], meets_at_m=None)
