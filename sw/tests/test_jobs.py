@@ -19,7 +19,6 @@ import pytest
 from vista.errors import EXIT_INPUT, EXIT_JOBS, JobsError
 from vista_eval.cache import digest_of, to_json
 from vista_eval.jobs import ATTEMPTS, HERE, Failure, Job, Place, jobs_of, outcomes, run
-from vista_eval.jobs.job import Done
 from vista_eval.jobs.progress import MOST_LINES, Progress
 
 TWO = Place(2)
@@ -106,10 +105,10 @@ def test_a_worker_that_is_killed_costs_its_job_only(tmp_path: Path) -> None:
 )
 def test_a_job_that_always_ends_its_worker_is_given_up(work, how: str, capsys: pytest.CaptureFixture) -> None:
     found = outcomes(jobs_of(work, range(5)), TWO)
-    line = f"its worker {how} in each of {ATTEMPTS} attempts (2)"
+    text = f"its worker {how} in each of {ATTEMPTS} attempts"
     assert [one for one in found if not isinstance(one, Failure)] == [0, 1, 3, 4]
-    assert isinstance(found[2], Failure) and found[2].line == line
-    assert f"vista: {line}" in capsys.readouterr().err.splitlines()
+    assert isinstance(found[2], Failure) and (found[2].job, found[2].text) == ("2", text)
+    assert f"vista: {text} (2)" in capsys.readouterr().err.splitlines()
 
 
 @pytest.mark.parametrize("place", [HERE, TWO])
@@ -182,8 +181,8 @@ def test_progress_says_what_is_done_what_failed_and_what_is_left(capsys: pytest.
         assert progress.line() == "example: 40 of 100 done, 00:00 so far, none made yet"
         progress.note = lambda: "3 workers"
         for _ in range(30):
-            progress.count(Done(None))
-            progress.count(Failure("one", "broken"))
+            progress.count(None)
+            progress.count("broken (one)")
         assert (
             progress.line()
             == "example: 100 of 100 done, 30 failed, 3 workers, 00:00 so far, about 00:00 left"

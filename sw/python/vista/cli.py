@@ -30,6 +30,7 @@ COMMANDS = (
     "worlds",
     "figures",
     "scenes",
+    "dataset",
     "throughput",
     "config",
 )  # as the help has them
@@ -38,6 +39,7 @@ EXTRA_OF = {
     "worlds": "flights",
     "figures": "flights",
     "scenes": "flights",
+    "dataset": "dataset",
     "throughput": "throughput",
 }
 EPILOG = """\

@@ -21,7 +21,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 import numpy as np
-from vista.output import unwritable, write_atomically
+from vista.output import make_folder, write_atomically
 
 T = TypeVar("T")
 
@@ -52,10 +52,7 @@ def read_kept(path: Path, digest: str) -> Any | None:
 def keep(path: Path, digest: str, found: Any) -> Any:
     """Keeps it for `read_kept`, and returns what that will."""
     text = json.dumps({"digest": digest, "found": to_json(found)})
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise unwritable(path.parent, error) from None
+    make_folder(path.parent)
     write_atomically(path, text)
     return json.loads(text)["found"]
 

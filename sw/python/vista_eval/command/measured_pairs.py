@@ -8,7 +8,7 @@ from pathlib import Path
 
 from vista import parameters
 from vista.errors import InputError
-from vista.output import unwritable, write_atomically
+from vista.output import make_folder, write_atomically
 
 from vista_eval.detectors import OURS
 from vista_eval.jobs import Place, jobs_of, run
@@ -31,10 +31,7 @@ def measure_folder(kind: str, folder: Path, out: Path, values: parameters.Values
         picture = pairs_page.draw_pair(pair, points, judged, values["stereo"]["num_disparities"])
         title = f"{one.name} ({one.split}): recall {pairs_page.recall_of(one):.2f}"
         pictures.append(pairs_page.encode(title, pairs_page.caption(one), picture))
-    try:
-        out.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise unwritable(out, error) from None
+    make_folder(out)
     content = json.dumps(pairs_page.as_json(kind, measured, values), indent=1)
     write_atomically(out / f"{kind}.json", content + "\n")
     report = out / f"{kind}.html"

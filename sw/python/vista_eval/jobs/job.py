@@ -41,10 +41,6 @@ class Failure:
     status: int = EXIT_JOBS
     missing_module: bool = False
 
-    @property
-    def line(self) -> str:
-        return f"{self.text} ({self.job})"
-
 
 Outcome = Done | Failure
 

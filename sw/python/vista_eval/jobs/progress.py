@@ -10,8 +10,6 @@ from types import TracebackType
 
 from tqdm import tqdm
 
-from vista_eval.jobs.job import Failure, Outcome
-
 LINE_EVERY_S = 60.0  # where there is no terminal, such as the log of a batch system
 BAR_EVERY_S = 2.0
 MOST_LINES = 20  # of failures; after that, only their number
@@ -41,12 +39,13 @@ class Progress:
         self._thread.join()
         self._bar.close()
 
-    def count(self, outcome: Outcome) -> None:
+    def count(self, problem: str | None) -> None:
+        """One more job is done; problem: what is wrong with it, in one line."""
         self._done += 1
-        if isinstance(outcome, Failure) and not outcome.missing_module:
+        if problem is not None:
             self._failed += 1
             if self._failed <= MOST_LINES:
-                tqdm.write(f"vista: {outcome.line}", file=sys.stderr)
+                tqdm.write(f"vista: {problem}", file=sys.stderr)
         self._bar.update()
 
     def line(self) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +15,11 @@ from vista_eval.jobs.progress import Progress
 
 
 def run(
-    jobs: Sequence[Job], place: Place = HERE, title: str = "jobs", unit: str = "job", kept: Path | None = None
+    jobs: Sequence[Job],
+    place: Place = HERE,
+    title: str = "jobs",
+    unit: str = "job",
+    kept: Path | None = None,
 ) -> list[Any]:
     """The results of all jobs, in their order. Raises JobsError when all are done and some have failed."""
     found = outcomes(jobs, place, title, unit, kept)
@@ -26,12 +30,18 @@ def run(
 
 
 def outcomes(
-    jobs: Sequence[Job], place: Place = HERE, title: str = "jobs", unit: str = "job", kept: Path | None = None
+    jobs: Sequence[Job],
+    place: Place = HERE,
+    title: str = "jobs",
+    unit: str = "job",
+    kept: Path | None = None,
+    problem_of: Callable[[Any], str | None] = lambda _: None,
 ) -> list[Any | Failure]:
     """The result of each job or its Failure, in their order.
 
     kept: folder of the results of jobs with a digest. They are JSON, and what is returned is what JSON makes
-    of them, so that it is the same whether the job was made now or earlier."""
+    of them, so that it is the same whether the job was made now or earlier.
+    problem_of: says in one line what is wrong with a result that is none of a failure."""
     found: dict[int, Any | Failure] = {}
     for index, job in enumerate(jobs):
         if kept is not None and job.digest is not None:
@@ -42,8 +52,10 @@ def outcomes(
     with Progress(title, unit, len(jobs), len(found)) as progress:
         for number, outcome in made([jobs[index] for index in waiting], place, progress):
             index = waiting[number]
-            progress.count(outcome)
-            found[index] = settle(jobs[index], outcome, place, kept)
+            job, result = jobs[index], settle(jobs[index], outcome, place, kept)
+            problem = result.text if isinstance(result, Failure) else problem_of(result)
+            progress.count(problem and f"{problem} ({job.name})")
+            found[index] = result
     return [found[index] for index in range(len(jobs))]
 
 
