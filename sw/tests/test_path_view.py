@@ -20,13 +20,15 @@ CHANGES = {"obstacle_map.collision_radius_m": RADIUS_M, "obstacle_map.collision_
 JUDGED = ("ACCEPTED", "HORIZONTAL", "TOO_FAR", "TOO_SMALL")
 
 
-def seen_m(words: np.ndarray, verdicts=("ACCEPTED",), regions=None, path=None, **changes: float) -> float:
+def seen_m(
+    words: np.ndarray, verdicts=("ACCEPTED",), regions=None, path=None, plain=False, **changes: float
+) -> float:
     """regions: the number of each pixel's, all of them of the first unless given."""
     height, width = words.shape
     known = parameters(CHANGES | {f"obstacle_map.{name}": value for name, value in changes.items()})
     items = ffi.new("vista_region[]", len(verdicts))
     for item, name in zip(items, verdicts, strict=True):
-        item.verdict = getattr(lib, f"VISTA_REGION_{name}")
+        item.verdict, item.plain = getattr(lib, f"VISTA_REGION_{name}"), plain
     numbers = np.ascontiguousarray(np.zeros(words.shape) if regions is None else regions, np.int32)
     matched = ffi.new("vista_matched_area *", [127.0, 0.0, 0.0, 0])
     pose = ffi.new("vista_pose *", [np.eye(3).ravel().tolist(), [0.0, 0.0, 0.0]])
@@ -76,6 +78,12 @@ def test_what_cannot_be_judged_is_not(verdict: str) -> None:
 def test_without_disparities_or_regions_nothing_is_seen() -> None:
     assert seen_m(words_where(~EVERYWHERE)) == 0.0
     assert seen_m(words_where(EVERYWHERE), regions=-np.ones((HEIGHT, WIDTH))) == 0.0
+
+
+def test_what_has_but_an_outline_is_seen() -> None:
+    """The inside of a plain wall has no words, and its region is an obstacle all the same."""
+    assert seen_m(words_where(~EVERYWHERE), plain=True) == LENGTH_M
+    assert seen_m(words_where(~EVERYWHERE), ("UNKNOWN",), plain=True) == 0.0
 
 
 def test_a_hole_in_the_middle_ends_the_view_where_it_fills_the_cross_section() -> None:

@@ -21,9 +21,9 @@ typedef struct view {
 } view;
 
 static bool tells(const view *v, int32_t u, int32_t row) {
-  if (v->disparity->data[row * v->disparity->stride + u] <= 0) return false;
   const int32_t region = v->region_of_pixel[row * v->disparity->width_px + u];
-  return region >= 0 && region < v->regions->count && is_judged(v->regions->items[region].verdict);
+  if (region < 0 || region >= v->regions->count || !is_judged(v->regions->items[region].verdict)) return false;
+  return v->disparity->data[row * v->disparity->stride + u] > 0 || v->regions->items[region].plain;
 }
 
 typedef struct span {
