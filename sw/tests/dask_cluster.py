@@ -6,6 +6,7 @@ import os
 import socket
 import subprocess
 import sys
+import time
 from pathlib import Path
 from types import TracebackType
 
@@ -22,11 +23,19 @@ class Cluster:
 
     def __enter__(self) -> Cluster:
         self.start()
+        try:
+            self._wait_for_scheduler()
+        except TimeoutError:
+            self.stop()
+            raise
         return self
 
     def __exit__(
         self, kind: type[BaseException] | None, value: BaseException | None, trace: TracebackType | None
     ) -> None:
+        self.stop()
+
+    def stop(self) -> None:
         for process in self._started:
             process.kill()
         for process in self._started:
@@ -40,6 +49,18 @@ class Cluster:
 
     def start_worker(self) -> subprocess.Popen[bytes]:
         return self._dask("worker", self.address, "--nthreads", "1", "--no-nanny", "--death-timeout", "60")
+
+    def _wait_for_scheduler(self) -> None:
+        """On a busy machine Python alone may take longer to start than a client waits for an answer."""
+        host, _, port = self.address.removeprefix("tcp://").partition(":")
+        until_s = time.monotonic() + 120.0
+        while time.monotonic() < until_s:
+            try:
+                socket.create_connection((host, int(port)), timeout=1.0).close()
+                return
+            except OSError:
+                time.sleep(0.1)
+        raise TimeoutError((self._folder / "dask.log").read_text())
 
     def _dask(self, *arguments: str) -> subprocess.Popen[bytes]:
         """One thread is enough, and modules of the tests can be loaded."""

@@ -26,14 +26,8 @@ pytest.importorskip("distributed", reason="no Dask: make setup-jobs")
 
 @pytest.fixture(scope="module")
 def cluster(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Cluster]:
-    cluster = Cluster(tmp_path_factory.mktemp("cluster"))
-    try:
-        cluster.scheduler = cluster.start_scheduler()
-        cluster.wait_for_scheduler()
-        cluster.workers = [cluster.start_worker(), cluster.start_worker()]
+    with Cluster(tmp_path_factory.mktemp("cluster")) as cluster:
         yield cluster
-    finally:
-        cluster.stop()
 
 
 @pytest.fixture(scope="module")
