@@ -17,7 +17,9 @@
 
 typedef struct vista_refinement {
   int32_t *label;  /* height * width: region of each pixel, VISTA_NO_LABEL where its cell has none */
-  uint8_t *border; /* node_count, scratch: next to a cell of another region */
+  int32_t *of_cell; /* scratch: the same of the pixels of one cell */
+  uint8_t *greys;  /* scratch: their grey levels */
+  uint8_t *border; /* node_count: next to a cell of another region; elsewhere pixels have their cell's region */
 } vista_refinement;
 
 vista_status vista_refinement_layout(vista_refinement *refinement, vista_arena *arena,
