@@ -144,6 +144,7 @@ class Stages:
         self.intensity = view(self.cells.intensity, f.node_count, np.float32)
         self.disparity_px = view(self.cells.disparity_px, f.node_count, np.float32)
         self.words = view(self.cells.words, f.cell_of_pixel.size, np.int16)
+        self.greys = view(self.cells.greys, f.cell_of_pixel.size, np.uint8)
         self.border = view(self.refinement.border, f.node_count, np.uint8)
         self.valid_fraction = view(self.cells.valid_fraction, f.node_count, np.float32)
         self.inclination_deg = view(self.surfaces.inclination_deg, f.node_count, np.float32)
@@ -230,11 +231,11 @@ class Stages:
         assert status == lib.VISTA_OK, status_name(status)
 
     def refine(self, image: np.ndarray) -> str:
+        self.greys[:] = image[self.foveation.pixel_v, self.foveation.pixel_u]
         return status_name(
             lib.vista_refine(
                 self.foveation.handle,
                 self.section("refinement"),
-                image_struct("image", image),
                 self.cells,
                 self.segmentation.label,
                 self.refinement,

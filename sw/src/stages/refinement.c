@@ -5,7 +5,6 @@
 #include <stddef.h>
 #include <string.h>
 
-#include "common/frame.h"
 #include "common/parameters_check.h"
 #include "common/wide_vectors.h"
 
@@ -20,7 +19,6 @@ vista_status vista_refinement_layout(vista_refinement *refinement, vista_arena *
   const size_t pixels = (size_t)foveation->width_px * (size_t)foveation->height_px;
   refinement->label = vista_arena_take(arena, pixels, sizeof(int32_t));
   refinement->of_cell = vista_arena_take(arena, (size_t)foveation->max_footprint_px + LANES, sizeof(int32_t));
-  refinement->greys = vista_arena_take(arena, (size_t)foveation->max_footprint_px + LANES, sizeof(uint8_t));
   refinement->border = vista_arena_take(arena, (size_t)foveation->max_nodes, sizeof(uint8_t));
   return arena->base != NULL && arena->used > arena->size ? VISTA_ERROR_MEMORY : VISTA_OK;
 }
@@ -108,27 +106,11 @@ VISTA_WIDE_VECTORS static void solve(const vista_refinement_params *params, cons
   }
 }
 
-/* The grey levels of a cell. Runs are copied in whole blocks: the next one overwrites what is too much. */
-static void list_greys(const vista_foveation *f, const vista_image *image, int32_t node, uint8_t *greys) {
-  for (int32_t r = f->first_run[node]; r < f->first_run[node + 1]; ++r) {
-    const vista_run run = f->runs[r];
-    const uint8_t *const grey = image->data + run.v_px * image->stride + run.u_px;
-    for (int32_t i = 0; i < run.length_px; i += LANES) {
-      if (run.u_px + i + LANES <= f->width_px)
-        memcpy(greys + i, grey + i, LANES);
-      else
-        memcpy(greys + i, grey + i, (size_t)(run.length_px - i));
-    }
-    greys += run.length_px;
-  }
-}
-
-static void refine_cell(const vista_foveation *f, const vista_refinement_params *params, const vista_image *image,
+static void refine_cell(const vista_foveation *f, const vista_refinement_params *params, const vista_cells *cells,
                         const candidate *candidates, int32_t count, int32_t node, vista_refinement *refinement) {
-  const int16_t *const us = f->pixel_u + f->first_pixel[node], *const vs = f->pixel_v + f->first_pixel[node];
-  list_greys(f, image, node, refinement->greys);
-  solve(params, candidates, count, us, vs, f->center_u[node], f->center_v[node], refinement->greys,
-        f->pixel_count[node], refinement->of_cell);
+  const int32_t first = f->first_pixel[node];
+  solve(params, candidates, count, f->pixel_u + first, f->pixel_v + first, f->center_u[node], f->center_v[node],
+        cells->greys + first, f->pixel_count[node], refinement->of_cell);
   const int32_t *label = refinement->of_cell;
   for (int32_t r = f->first_run[node]; r < f->first_run[node + 1]; ++r) {
     const vista_run run = f->runs[r];
@@ -145,13 +127,11 @@ VISTA_WIDE_VECTORS static void draw_cells(const int32_t *restrict cell_of_pixel,
 }
 
 vista_status vista_refine(const vista_foveation *foveation, const vista_refinement_params *params,
-                          const vista_image *image, const vista_cells *cells, const int32_t *label,
-                          vista_refinement *refinement) {
-  if (foveation == NULL || params == NULL || image == NULL || cells == NULL || label == NULL || refinement == NULL)
+                          const vista_cells *cells, const int32_t *label, vista_refinement *refinement) {
+  if (foveation == NULL || params == NULL || cells == NULL || label == NULL || refinement == NULL)
     return VISTA_ERROR_ARGUMENT;
   const vista_foveation *const f = foveation;
-  vista_status status = VISTA_CHECK_SECTION(refinement, params);
-  if (status == VISTA_OK) status = vista_frame_check_image(image, f->width_px, f->height_px);
+  const vista_status status = VISTA_CHECK_SECTION(refinement, params);
   if (status != VISTA_OK) return status;
   mark_borders(&f->graph, label, refinement->border);
   draw_cells(f->cell_of_pixel, label, (ptrdiff_t)f->width_px * f->height_px, refinement->label);
@@ -159,7 +139,7 @@ vista_status vista_refine(const vista_foveation *foveation, const vista_refineme
     if (!refinement->border[node]) continue;
     candidate candidates[MAX_CANDIDATES];
     const int32_t count = list_candidates(f, params, cells, label, refinement->border, node, candidates);
-    refine_cell(f, params, image, candidates, count, node, refinement);
+    refine_cell(f, params, cells, candidates, count, node, refinement);
   }
   return VISTA_OK;
 }
