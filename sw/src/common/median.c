@@ -19,9 +19,11 @@ static inline int32_t count_above(const int16_t *words, int32_t count, int16_t l
   return sum;
 }
 
-VISTA_WIDE_VECTORS int32_t vista_count_valid(const int16_t *words, int32_t count) {
+VISTA_WIDE_VECTORS static int32_t count_valid(const int16_t *words, int32_t count) {
   return count_above(words, count, -1);
 }
+
+int32_t vista_count_valid(const int16_t *words, int32_t count) { return count_valid(words, count); }
 
 static void sort_two(int16_t *a, int16_t *b) {
   const int16_t low = *a < *b ? *a : *b, high = *a < *b ? *b : *a;
@@ -42,7 +44,7 @@ vista_words_median vista_median_of_four(const int16_t words[4]) {
 
 /* Bisection on the value instead of a sort: every pass is one branch-free count that the compiler vectorises, and
  * a cell's disparities span few bits. */
-VISTA_WIDE_VECTORS vista_words_median vista_median_word(const int16_t *words, int32_t count, int16_t *scratch) {
+VISTA_WIDE_VECTORS static vista_words_median median_of(const int16_t *words, int32_t count, int16_t *scratch) {
   const int32_t padded = (count + VISTA_MEDIAN_LANES - 1) & -VISTA_MEDIAN_LANES; /* whole vectors, no remainder */
   memcpy(scratch, words, (size_t)count * sizeof *words);
   memset(scratch + count, 0xff, VISTA_MEDIAN_LANES * sizeof *words);
@@ -68,4 +70,8 @@ VISTA_WIDE_VECTORS vista_words_median vista_median_word(const int16_t *words, in
     low = reaches ? low : (int16_t)(middle + 1);
   }
   return (vista_words_median){valid, low};
+}
+
+vista_words_median vista_median_word(const int16_t *words, int32_t count, int16_t *scratch) {
+  return median_of(words, count, scratch);
 }

@@ -201,36 +201,44 @@ VISTA_WIDE_VECTORS static void narrow_cell(const vista_region_view *w, const tar
 
 static const moments nothing = {.min_u = INT32_MAX, .min_v = INT32_MAX, .max_u = INT32_MIN, .max_v = INT32_MIN};
 
-VISTA_WIDE_VECTORS void vista_region_find_pixels(const vista_region_view *w, const vista_plane *surface,
-                                                 vista_region *region) {
-  const target t = aim(surface, w->tolerance_px);
+VISTA_WIDE_VECTORS static moments find_pixels(const vista_region_view *w, const target *t, int32_t label) {
   moments sum = nothing;
   int16_t *own = w->pixels;
   for (int32_t m = 0; m < w->member_count; ++m) {
     const int32_t count = w->foveation->pixel_count[w->members[m]];
-    mark_cell(w, &t, region->label, w->members[m], own);
+    mark_cell(w, t, label, w->members[m], own);
     memset(own + count, 0, VISTA_WORD_BLOCK * sizeof *own);
     add_cell(w->foveation, w->members[m], own, &sum);
     own += count;
   }
-  summarise(&sum, region);
+  return sum;
 }
 
-VISTA_WIDE_VECTORS void vista_region_keep_inner_pixels(const vista_region_view *w, const vista_plane *surface,
-                                                       vista_region *region) {
-  const target t = aim(surface, w->tolerance_px);
+VISTA_WIDE_VECTORS static moments keep_inner_pixels(const vista_region_view *w, const target *t) {
   const int32_t reach = (int32_t)w->params->boundary_px;
   moments sum = nothing;
   int16_t *own = w->pixels;
   for (int32_t m = 0; m < w->member_count; ++m) {
     const int32_t node = w->members[m], count = w->foveation->pixel_count[node];
     int16_t next[VISTA_WORD_BLOCK]; /* marks of the next cell, hidden from the sums over whole blocks */
-    if (reach > 0 && w->cells->disparity_px[node] >= 0.0f) narrow_cell(w, &t, reach, node, own);
+    if (reach > 0 && w->cells->disparity_px[node] >= 0.0f) narrow_cell(w, t, reach, node, own);
     memcpy(next, own + count, sizeof next);
     memset(own + count, 0, sizeof next);
     add_cell(w->foveation, node, own, &sum);
     memcpy(own + count, next, sizeof next);
     own += count;
   }
+  return sum;
+}
+
+void vista_region_find_pixels(const vista_region_view *w, const vista_plane *surface, vista_region *region) {
+  const target t = aim(surface, w->tolerance_px);
+  const moments sum = find_pixels(w, &t, region->label);
+  summarise(&sum, region);
+}
+
+void vista_region_keep_inner_pixels(const vista_region_view *w, const vista_plane *surface, vista_region *region) {
+  const target t = aim(surface, w->tolerance_px);
+  const moments sum = keep_inner_pixels(w, &t);
   summarise(&sum, region);
 }
