@@ -1,5 +1,5 @@
-"""Where the flight path meets the ground: hillsides, ridges, rolling ground, a meadow to land on are warned of
-at the right distance; level and low flight, steep walls and images of textures are not."""
+"""Where the flight path meets the ground: hillsides, ridges, rolling ground, a meadow to land on are warned
+of at the right distance; level and low flight, steep walls and images of textures are not."""
 
 from __future__ import annotations
 
