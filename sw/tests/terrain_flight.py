@@ -64,7 +64,7 @@ class Seen:
 
 
 class TerrainFlight:
-    """A camera that flies, and the stage. World: x to the right, y down, z ahead; the ground's base is y = 0."""
+    """A camera that flies, and the stage. World: x right, y down, z ahead; the ground's base is y = 0."""
 
     def __init__(self, random: np.random.Generator, **changes: float) -> None:
         self.random = random

@@ -62,7 +62,7 @@ static double area_px2(const vista_terrain_view *w, int32_t node) {
 /* How far the volume reaches beyond the plane at a place along the path, metres. */
 static double depth_m(const vista_flight_path *path, const vista_terrain_plane *plane, vista_terrain_contact *at) {
   double at_m[3], direction[3], across[3];
-  vista_flight_path_at(path, at->along_m, at_m, direction);
+  vista_flight_path_point(path, at->along_m, at_m, direction);
   at->sine = vista_dot(plane->normal, direction);
   for (int i = 0; i < 3; ++i) across[i] = plane->normal[i] - at->sine * direction[i];
   const double cosine = vista_norm(across);
