@@ -129,6 +129,12 @@ def test_jobs_that_fail_are_named_and_the_others_go_on(place: Place, capsys: pyt
     assert (raised.value.failed, raised.value.status) == (1, EXIT_INPUT)
 
 
+def test_the_renderer_has_one_thread_in_a_worker() -> None:
+    jobs = jobs_of(job_examples.threads_of_the_renderer, range(2))
+    assert run(jobs, TWO) == [(True, 1)] * 2
+    assert run(jobs, HERE) == [(False, 2)] * 2
+
+
 def test_what_cannot_be_sent_is_a_failure() -> None:
     jobs = jobs_of(job_examples.not_to_be_sent, range(3))
     found = outcomes([*jobs, Job("here only", lambda: 3)], TWO)

@@ -19,7 +19,7 @@ from command_line import call as call_vista
 from dask_cluster import Cluster
 from test_jobs import SEEDS, attempts_in, contents, kept_jobs, wait_for_attempt
 from vista.errors import EXIT_OK
-from vista_eval.jobs import HERE, Failure, Place, jobs_of, outcomes, run
+from vista_eval.jobs import HERE, Failure, Job, Place, jobs_of, outcomes, run
 
 pytest.importorskip("distributed", reason="no Dask: make setup-jobs")
 
@@ -81,6 +81,14 @@ def test_a_dataset_has_the_rows_of_one_process(
         rows.append([{key: value for key, value in row.items() if "_ms_" not in key} for row in table])
     assert rows[0] == rows[1]
     assert [row["recording"] for row in rows[0] if row["error"]] == ["bad"]
+
+
+def test_a_job_that_dask_gives_up_is_named() -> None:
+    from distributed import KilledWorker
+    from vista_eval.jobs.cluster import failure_of
+
+    failure = failure_of(Job("one", print), KilledWorker("key", None, 3))
+    assert (failure.job, failure.text) == ("one", "its worker died, 4 times in all")
 
 
 def test_every_job_is_kept_once_whatever_happens(cluster: Cluster, reference: Path, tmp_path: Path) -> None:

@@ -14,7 +14,6 @@ import json
 from collections.abc import Callable
 from dataclasses import asdict
 from functools import partial
-from multiprocessing import parent_process
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -27,7 +26,7 @@ from vista.output import write_atomically
 from vista_eval.baselines.stereo_alone import Outcome, outcomes_cached
 from vista_eval.dataset.truth import SPLITS, TRUTH, read_truth
 from vista_eval.fly import UNDISTURBED, Disturbance, fly_cached
-from vista_eval.jobs import Job, Place, add_place, chosen_place, jobs_of, run
+from vista_eval.jobs import Job, Place, add_place, chosen_place, is_worker, jobs_of, keep_to_one_core, run
 from vista_eval.metrics.comparison import Comparison, compare, comparison_line
 from vista_eval.metrics.flight_score import FlightScore, score_records, summary
 from vista_eval.metrics.flight_segmentation import FlightSegmentation, rows, segment_cached
@@ -255,9 +254,10 @@ def render(folder: Path, quality: Quality, name: str) -> None:
     out = folder / name
     if is_complete(flight, out, "full") or is_complete(flight, out, quality):
         return
+    keep_to_one_core()
     try:
         frames = render_flight(flight, out, quality)
-        quiet = True if parent_process() else None  # one of several that render
+        quiet = True if is_worker() else None
         for _ in tqdm(frames, name, frames_of(flight, quality), unit="frame", leave=False, disable=quiet):
             pass
     except OSError as error:

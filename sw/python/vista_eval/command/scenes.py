@@ -28,7 +28,7 @@ from vista.errors import EXIT_OK, InputError
 from vista.output import write_atomically
 from vista.parameters import Values
 
-from vista_eval.jobs import Place, add_place, chosen_place, jobs_of, run
+from vista_eval.jobs import Place, add_place, chosen_place, jobs_of, keep_to_one_core, run
 
 if TYPE_CHECKING:
     from vista_eval.render.flight import Quality
@@ -111,4 +111,5 @@ def score_scenes(arguments: argparse.Namespace, values: Values, place: Place) ->
 def render_scene(folder: Path, quality: Quality, seed: int) -> None:
     from vista_eval.worlds.labelled import render_labelled  # Mitsuba takes a second to load
 
+    keep_to_one_core()
     render_labelled(seed, folder, quality)
