@@ -49,7 +49,7 @@ def is_ground(thing: Thing) -> bool:
 def around(path: FlownPath, radius_m: float, low_m: float, high_m: float) -> FlownPath:
     """The part of the path between two x, with one radius all along."""
     kept = (path.points_m[:, 0] >= low_m) & (path.points_m[:, 0] <= high_m)
-    return FlownPath(path.points_m[kept], np.full(int(kept.sum()), radius_m))
+    return FlownPath(path.points_m[kept], np.full(int(kept.sum()), radius_m), 0)
 
 
 def height_m(ground: Thing, x_m: float, y_m: float) -> float:
@@ -114,7 +114,7 @@ def test_the_ground_is_met_where_it_is_the_target_and_nowhere_before(name: str) 
         assert height_m(ground, 0.0, 0.0) == pytest.approx(altitude, abs=0.6)
     else:
         assert height_m(ground, 0.0, 0.0) <= altitude - (6.0 if family.name == "clear_crest" else 0.8)
-    flown = path.points_m[path.points_m[:, 0] <= -flight.approach.last_range_m]
+    flown = path.points_m[: path.flown]
     seen = [p for p in flown if p[0] >= ground.solids[0].x_m[0]]
     assert all(p[2] - height_m(ground, p[0], p[1]) > 0.1 for p in seen[::4])
     if family.clear:
