@@ -152,7 +152,9 @@ def freeze(place: Place) -> None:
     from vista_eval.worlds.sampled import frozen
 
     root = scoring_log.checkout_of(Path(__file__))
-    found = dict(run(jobs_of(frozen.content_digest, frozen.test_flights(), str), place, "digest", "flight"))
+    found = dict(
+        run(jobs_of(frozen.content_digest, frozen.flights_of_the_set(), str), place, "digest", "flight")
+    )
     if not scoring_log.read_log(root):
         frozen.write_frozen(root, found)
         print(f"{root / frozen.FROZEN}: {len(found)} flights")
