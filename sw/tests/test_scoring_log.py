@@ -15,8 +15,8 @@ from vista_eval.worlds.sampled.frozen import (
     changed,
     check_rendered,
     digest_of_set,
-    read_frozen,
     flights_of_the_set,
+    read_frozen,
     write_frozen,
 )
 
