@@ -21,8 +21,9 @@ from vista.errors import InputError
 from vista.geometry import Array
 
 from vista_eval.dataset.files import write_image, write_text
-from vista_eval.render.rig import Rig
+from vista_eval.render.rig import LEFT, Rig
 from vista_eval.render.scene import Scene, Thing
+from vista_eval.render.trajectory import BodyState
 from vista_eval.render.view import View
 
 # ---- format ----
@@ -94,12 +95,19 @@ def object_entry(label: int, thing: Thing, first_frame_s: float) -> dict:
 
 
 def flight_truth(
-    flight: Path, about: dict, scene: Scene, rig: Rig, times_ns: list[int], first_frame_s: float
+    flight: Path, about: dict, scene: Scene, rig: Rig, states: list[BodyState], first_frame_s: float
 ) -> dict:
-    """`about`: name, title, split, speed, rate. Reads what `write_frame_truth` has written of each frame."""
+    """`about`: name, title, split, speed, rate. Reads what `write_frame_truth` has written of each frame.
+
+    states: as flown, which need not be what the flight's pose file says."""
     frames = [
-        {"t_ns": t_ns, "objects": json.loads(truth_path(flight, "objects", t_ns).read_text())}
-        for t_ns in times_ns
+        {
+            "t_ns": state.t_ns,
+            "objects": json.loads(truth_path(flight, "objects", state.t_ns).read_text()),
+            "world_from_camera": (state.world_from_body @ rig.body_from_camera(LEFT)).tolist(),
+            "velocity_m_s": state.velocity_world_m_s.tolist(),
+        }
+        for state in states
     ]
     return {
         "version": VERSION,
