@@ -1,8 +1,8 @@
 """Stereo alone with the host's tracker behind it: no segmentation, but M of N and the static-world test.
 
-The clusters of `stereo_alone` at each threshold, of the words in the collision volume along the path that the
-host itself expects, go through the host's own reconstruction, tracker and obstacle map as if they were regions.
-What these warn of is judged as the detector's warnings are.
+The clusters of `stereo_alone` at each threshold, of the words in the collision volume along the path that
+the host itself expects, go through the host's own reconstruction, tracker and obstacle map as if they were
+regions. What these warn of is judged as the detector's warnings are.
 """
 
 from __future__ import annotations
