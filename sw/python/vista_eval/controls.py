@@ -24,7 +24,16 @@ from vista.history import FrameRecord
 from vista_eval.cache import code_digest, digest_of, kept
 from vista_eval.dataset.truth import TRUTH, FlightTruth, read_truth
 from vista_eval.detectors import OURS, SGBM, make_sgbm
-from vista_eval.fly import UNDISTURBED, Disturbance, flight_digest, fly, judged, open_flight, read_record
+from vista_eval.fly import (
+    UNDISTURBED,
+    Disturbance,
+    flight_digest,
+    fly,
+    fly_cached,
+    judged,
+    open_flight,
+    read_record,
+)
 
 FOREST, PERFECT = "spanning forest", "perfect disparities"
 CONTROLS = (OURS, FOREST, SGBM, PERFECT)
@@ -59,6 +68,8 @@ def control_cached(
     disturbance: Disturbance = UNDISTURBED,
 ) -> list[FrameRecord]:
     """Records from `cache`, if of this flight, chain, control and parameters; else flown."""
+    if control == OURS:
+        return fly_cached(folder, values, cache, disturbance)
     digest = digest_of(
         control,
         flight_digest(folder, values, disturbance),
