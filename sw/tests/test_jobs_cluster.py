@@ -50,6 +50,17 @@ class Cluster:
     def start_scheduler(self) -> subprocess.Popen:
         return self.start("scheduler", "--host", "127.0.0.1", "--port", str(self.port))
 
+    def wait_for_scheduler(self) -> None:
+        """On a busy machine Python alone may take longer to start than a client waits for an answer."""
+        until_s = time.monotonic() + 120.0
+        while time.monotonic() < until_s:
+            try:
+                socket.create_connection(("127.0.0.1", self.port), timeout=1.0).close()
+                return
+            except OSError:
+                time.sleep(0.1)
+        raise TimeoutError((self._folder / "dask.log").read_text())
+
     def start_worker(self) -> subprocess.Popen:
         return self.start("worker", self.address, "--nthreads", "1", "--no-nanny", "--death-timeout", "60")
 
@@ -65,6 +76,7 @@ def cluster(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Cluster]:
     cluster = Cluster(tmp_path_factory.mktemp("cluster"))
     try:
         cluster.scheduler = cluster.start_scheduler()
+        cluster.wait_for_scheduler()
         cluster.workers = [cluster.start_worker(), cluster.start_worker()]
         yield cluster
     finally:
