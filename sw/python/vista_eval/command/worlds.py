@@ -5,13 +5,15 @@ are drawn from stated distributions (vista_eval.worlds.sampled); `--list` names 
 on those of the split dev. A scoring of the split test needs a clean checkout and flights that are those of
 the frozen set, and appends one line to doc/results/scorings.jsonl.
 
-The scores are printed. DIR receives worlds-dev.json or worlds-test.json, which has every figure.
+Scores are strict (vista_eval.metrics) and stand beside controls. They are printed by family; DIR receives
+worlds.json, which has every figure, and worlds.html.
 """
 
 from __future__ import annotations
 
 import argparse
 import json
+from dataclasses import asdict
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -19,15 +21,15 @@ from typing import TYPE_CHECKING, Any
 from vista import parameters
 from vista.command.arguments import add_config, load_parameters, positive
 from vista.errors import EXIT_OK, InputError
-from vista.output import write_atomically
 
 from vista_eval.cache import digest_of
 from vista_eval.dataset.truth import SPLITS
+from vista_eval.detectors import OURS
 from vista_eval.jobs import Place, add_place, chosen_place, jobs_of, run
-from vista_eval.metrics.family import family_figures, family_table, figures_of_families
+from vista_eval.metrics.world_score import WorldScore, family_scores, score_world
+from vista_eval.score_worlds import REPORT, write_worlds
 
 if TYPE_CHECKING:
-    from vista_eval.metrics.flight_score import FlightScore
     from vista_eval.render.flight import Quality
     from vista_eval.worlds.sampled.family import Family
 
@@ -50,6 +52,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--list", action="store_true", help="list the families and stop")
     parser.add_argument("--render-only", action="store_true", help="render what is missing and stop")
+    parser.add_argument(
+        "--no-baseline", action="store_true", help="leave out the controls, which take longest"
+    )
     parser.add_argument(
         "--freeze",
         action="store_true",
@@ -78,16 +83,20 @@ def execute(arguments: argparse.Namespace) -> int:
         return EXIT_OK
     folders = [folder / name_of(key) for key in keys]
     judged = before_a_scoring(folders) if arguments.split == "test" else None
-    scores = run(jobs_of(partial(scored, values), folders), place, "fly", "flight")
-    by_family = {family.name: scores[k * count : (k + 1) * count] for k, family in enumerate(families)}
-    print(family_table(by_family))
-    path = arguments.folder / f"worlds-{arguments.split}.json"
-    content = {"parameters": values, "split": arguments.split, "families": figures_of_families(by_family)}
-    write_atomically(path, json.dumps(content, indent=1, allow_nan=False) + "\n")
+    if arguments.no_baseline:
+        work = partial(score_world, values=values, controls=(OURS,), sweep=None, segmentation=False)
+    else:
+        work = partial(score_world, values=values)
+    worlds = run(jobs_of(work, folders, folder_name), place, "score", "flight")
+    print(write_worlds(arguments.folder, worlds, values))
     if judged is not None:
-        log_scoring(judged, by_family, values)
-    print(f"\nfigures: {path}")
+        log_scoring(judged, worlds, values)
+    print(f"\nreport: {arguments.folder / REPORT}")
     return EXIT_OK
+
+
+def folder_name(folder: Path) -> str:
+    return folder.name
 
 
 def list_families() -> None:
@@ -136,14 +145,6 @@ def render(folder: Path, quality: Quality, key: Key) -> None:
         raise InputError(error.filename or name_of(key), error.strerror or str(error)) from None
 
 
-def scored(values: parameters.Values, folder: Path) -> FlightScore:
-    from vista_eval.command.flights import RECORDS
-    from vista_eval.fly import fly_cached
-    from vista_eval.metrics.flight_score import score_records
-
-    return score_records(folder, fly_cached(folder, values, folder / RECORDS), values)
-
-
 # ---- the test set ----
 
 
@@ -177,13 +178,11 @@ def before_a_scoring(folders: list[Path]) -> dict[str, Any]:
     return {"commit": commit, "date": scoring_log.now(), "set": frozen.digest_of_set(digests)}
 
 
-def log_scoring(
-    judged: dict[str, Any], by_family: dict[str, list[FlightScore]], values: parameters.Values
-) -> None:
+def log_scoring(judged: dict[str, Any], worlds: list[WorldScore], values: parameters.Values) -> None:
     from vista_eval.metrics import scoring_log
 
-    figures = {family: family_figures(flights) for family, flights in by_family.items()}
+    families = {family.name: asdict(family.controls[OURS]) for family in family_scores(worlds)}
     used = digest_of(json.dumps(values, sort_keys=True))
     root = scoring_log.checkout_of(Path(__file__))
-    scoring_log.append(root, judged | {"parameters": used, "families": figures})
+    scoring_log.append(root, judged | {"parameters": used, "families": families})
     print(f"\nlogged: {root / scoring_log.LOG}")
