@@ -10,7 +10,7 @@ end      10 to 14 m before the point (0, 0, altitude), which the path leads thro
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -20,9 +20,9 @@ from vista_eval.worlds.sampled.draws import draws, some_seed
 RATES_HZ = (7.5, 10.0, 12.5, 15.0)
 LAST_RANGE_M = (10.0, 14.0)
 LEAST_FRAMES = 18
-LEAST_HEIGHT_M = 2.5  # over level ground, where a climb begins
+# Over level ground: no gust blows an aircraft lower than the one, or than the other of a low flight.
+LEAST_HEIGHT_M, LEAST_SHARE = 2.5, 0.7
 CLIMBS, TURNS, GUSTS = 0.4, 0.4, 0.4  # shares
-MOST_GUST = 0.08  # of the speed
 STEEP_SPEED_M_S = 25.0  # at 45 degrees of bank; a bank of less is flown slower, so that the turn is as wide
 
 
@@ -36,6 +36,7 @@ class Courses:
     most_frames: int = 28
     climb_deg: tuple[float, float] = (-10.0, 8.0)
     most_bank_deg: float = 30.0
+    most_gust: float = 0.08  # standard deviation, of the speed
 
     def draw(self, seed: int) -> Manoeuvre:
         rng = draws(seed, "course")
@@ -49,9 +50,9 @@ class Courses:
         frames = int(np.clip(round(span * rate / speed), LEAST_FRAMES, self.most_frames))
         climb = float(rng.uniform(*self.climb_deg)) if rng.random() < CLIMBS else 0.0
         way_m = last + frames * speed / rate
-        steepest = max(0.0, altitude - LEAST_HEIGHT_M) / way_m
-        gust = float(rng.uniform(0, MOST_GUST)) * speed if rng.random() < GUSTS else 0.0
-        return Manoeuvre(
+        steepest = max(0.0, altitude - LEAST_HEIGHT_M - 0.1) / way_m
+        gust = float(rng.uniform(0, self.most_gust)) * speed if rng.random() < GUSTS else 0.0
+        course = Manoeuvre(
             altitude,
             speed,
             last,
@@ -63,6 +64,13 @@ class Courses:
             sway_phase_s=float(rng.uniform(0, 1000)),
             sway_scale=float(rng.uniform(0.5, 1.5)),
         )
+        while lowest_m(course) < min(LEAST_HEIGHT_M, LEAST_SHARE * altitude):
+            course = replace(course, gusts=replace(course.gusts, sigma_m_s=course.gusts.sigma_m_s / 2))
+        return course
+
+
+def lowest_m(course: Manoeuvre) -> float:
+    return float(min(course.state_at(k).world_from_body[2, 3] for k in range(course.frames)))
 
 
 ANY = Courses(most_bank_deg=45.0)

@@ -19,8 +19,9 @@ from vista_eval.worlds.sampled.laying import Relief
 from vista_eval.worlds.sampled.site import RURAL, Site, clutter, ridges, scene_of, site
 
 SLOPE_DEG = (5.0, 40.0)
-OVER_SLOPE = Courses(altitude_m=(6.0, 16.0), climb_deg=(-6.0, 0.0), most_bank_deg=12.0)
-ALONG_SLOPE = Courses(altitude_m=(6.0, 16.0), climb_deg=(-6.0, 0.0), most_bank_deg=0.0)
+# A shallow slope is flown along so low that a gust would set the aircraft down.
+OVER_SLOPE = Courses((6.0, 16.0), climb_deg=(-6.0, 0.0), most_bank_deg=12.0, most_gust=0.02)
+ALONG_SLOPE = replace(OVER_SLOPE, most_bank_deg=0.0)
 CLEAR_HEIGHT = Courses(altitude_m=(9.0, 20.0), climb_deg=(0.0, 3.0), most_bank_deg=0.0)
 CORRIDOR_M = 12.0  # to either side of the path, for what shall stay below it
 
