@@ -25,7 +25,7 @@ RINGS_M, COARSER = (80.0, 320.0), 4
 TEXEL_PER_RANGE = 1.6e-3  # a pixel of the paper's rig sees 1e-3 of the range
 MARGIN_M = 6.0
 HALF_VIEW_RAD = 0.42  # of the image, banked
-MOST_TURN_RAD, FARTHEST = 1.25, 2.5
+MOST_TURN_RAD = 1.2  # off +x, of a ray that still counts
 MOST_STRETCH = 12
 
 
@@ -47,7 +47,7 @@ def patches(path: Path, over_ground_m: float, level: bool) -> Iterator[Patch]:
         x = (_snapped(first_m - 2 if k == 0 else last_m + low), _snapped(last_m + high))
         texel = max(TEXEL_PER_RANGE * low, FINEST_TEXEL_M)
         stretch = int(np.clip(low / over_ground_m if level else 1, 1, MOST_STRETCH))
-        inner, outer = seen_m(flown[-8:], x[1], high), seen_m(flown, x[1], high)
+        inner, outer = seen_m(flown[-8:], x[1]), seen_m(flown, x[1])
         yield Patch(x, inner, texel, stretch)
         if outer[0] < inner[0]:
             yield Patch(x, (outer[0], inner[0]), 3 * texel, stretch)
@@ -55,16 +55,14 @@ def patches(path: Path, over_ground_m: float, level: bool) -> Iterator[Patch]:
             yield Patch(x, (inner[1], outer[1]), 3 * texel, stretch)
 
 
-def seen_m(flown_m: np.ndarray, x_m: float, range_m: float) -> tuple[float, float]:
-    """Range of y that is in view up to `x_m`, of headings along the path, no farther aside than the range
-    allows."""
+def seen_m(flown_m: np.ndarray, x_m: float) -> tuple[float, float]:
+    """Range of y that is in view up to `x_m`, along the headings of the path."""
     steps = np.gradient(flown_m[:, :2], axis=0)
     heading, ahead = np.arctan2(steps[:, 1], steps[:, 0]), x_m - flown_m[:, 0]
-    limit = FARTHEST * range_m
     sides = [flown_m[:, 1]]
     for half in (-HALF_VIEW_RAD, HALF_VIEW_RAD):
         turn = np.clip(heading + half, -MOST_TURN_RAD, MOST_TURN_RAD)
-        sides.append(flown_m[:, 1] + np.clip(np.tan(turn) * ahead, -limit, limit))
+        sides.append(flown_m[:, 1] + np.tan(turn) * ahead)
     return _snapped(float(np.min(sides)) - MARGIN_M), _snapped(float(np.max(sides)) + MARGIN_M)
 
 
