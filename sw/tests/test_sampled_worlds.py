@@ -74,6 +74,7 @@ def test_a_scene_of_any_seed(name: str) -> None:
     is_flyable(flight)
     the_target_is_in_the_way_and_only_that(family, flight, scene)
     the_ground_is_met_where_it_is_the_target_and_nowhere_before(family, flight, scene)
+    level_ground_fills_the_view(flight, scene)
 
 
 def is_whole(scene: Scene) -> None:
@@ -122,6 +123,32 @@ def the_ground_is_met_where_it_is_the_target_and_nowhere_before(
     if family.clear:
         for x, y, z in path.points_m[::4]:
             assert z - height_m(ground, x, y) > 2.2
+
+
+def level_ground_fills_the_view(flight: Flight, scene: Scene) -> None:
+    """Where a ray of the image meets z = 0 within a kilometre, there is ground."""
+    (ground,) = [thing for thing in scene.things if is_ground(thing)]
+    strips = [solid for solid in ground.solids if isinstance(solid, GroundStrip)]
+    if not strips:
+        return
+    rig, course = flight.rig, flight.approach
+    (cu, cv), pixels = rig.center_px, np.mgrid[0 : rig.width_px : 71, 0 : rig.height_px : 53].reshape(2, -1)
+    rays = np.stack(
+        [(pixels[0] - cu) / rig.focal_px, (pixels[1] - cv) / rig.focal_px, np.ones(pixels.shape[1])]
+    )
+    for frame in (0, course.frames // 2, course.frames - 1):
+        pose = course.state_at(frame).world_from_body @ rig.body_from_camera(0)
+        east, north, up = pose[:3, :3] @ rays
+        reach_m = -pose[2, 3] / np.minimum(up, -1e-9)
+        seen = (up < 0) & (reach_m < 1000)
+        x, y = pose[0, 3] + reach_m * east, pose[1, 3] + reach_m * north
+        covered = np.zeros(len(x), bool)
+        for strip in strips:
+            (x0, x1), (y0, y1) = strip.x_m, strip.y_m
+            covered |= (x0 <= x) & (x <= x1) & (y0 <= y) & (y <= y1)
+        assert np.all(covered[seen]), (
+            f"frame {frame}: no ground at {x[seen & ~covered]}, {y[seen & ~covered]}"
+        )
 
 
 def test_the_same_seed_makes_the_same_flight_and_another_another() -> None:
