@@ -47,7 +47,7 @@ class Exposure:
 
 def through_lens(lens: FlawedSensor, radiance: np.ndarray, exposure: Exposure) -> np.ndarray:
     """(H, W) what reaches the sensor, as radiance."""
-    seen = radiance.astype(np.float32)
+    seen: np.ndarray = radiance.astype(np.float32)
     if lens.exposure_s > 0:
         seen = smeared(seen, image_motion_px(exposure))
     if lens.defocus_px[exposure.camera] > 0:
