@@ -10,7 +10,7 @@ from vista_eval.metrics.flight_score import FIRST_DETECTION_M
 from vista_eval.metrics.group import nees, number, states
 from vista_eval.metrics.intervals import Share
 from vista_eval.metrics.rules import STRICT
-from vista_eval.metrics.world_score import SHOWN, FamilyScore
+from vista_eval.metrics.world_score import SHOWN, ControlScore, FamilyScore
 from vista_eval.report.text_table import aligned
 
 FOREST_SIGN = "cut - forest"
@@ -25,7 +25,11 @@ class Table:
 
 
 def tables(families: list[FamilyScore]) -> list[Table]:
-    made = [scores_table(families), controls_table(families)]
+    made = [scores_table(families)]
+    if len(families[0].controls) > 1:
+        made.append(controls_table(families))
+    if families[0].noisy:
+        made.append(noise_table(families))
     if any(family.segmentation for family in families):
         made.append(segmentation_table(families))
     if any(family.stereo for family in families):
@@ -87,8 +91,7 @@ def controls_table(families: list[FamilyScore]) -> Table:
         cells = [family.name]
         for control in controls:
             score = family.controls[control]
-            hits = f"{score.hits.part}/{score.hits.whole}" if score.hits else "-"
-            cells.append(f"{hits}, {score.missed_frames}, {score.alarm_frames}")
+            cells.append(f"{hits_text(score)}, {score.missed_frames}, {score.alarm_frames}")
         rows.append(tuple(cells))
     return Table(
         "Beside it, in the same host",
@@ -96,6 +99,28 @@ def controls_table(families: list[FamilyScore]) -> Table:
         tuple(rows),
         "hits of the frames in which one is asked for, frames missed, frames with a false alarm",
     )
+
+
+def noise_table(families: list[FamilyScore]) -> Table:
+    rows = tuple(
+        (family.name, *(noise_cell(score) for score in family.noisy.values())) for family in families
+    )
+    return Table(
+        "With sensor noise added",
+        ("family", *(f"{grey:g} grey levels" for grey in families[0].noisy)),
+        rows,
+        "hits of the frames in which one is asked for, frames with a false alarm, frames that call "
+        "themselves degraded + blind",
+    )
+
+
+def noise_cell(score: ControlScore) -> str:
+    state = states(score.degraded_frames, score.blind_frames) or "0"
+    return f"{hits_text(score)}, {score.alarm_frames}, {state}"
+
+
+def hits_text(score: ControlScore) -> str:
+    return f"{score.hits.part}/{score.hits.whole}" if score.hits else "-"
 
 
 def segmentation_table(families: list[FamilyScore]) -> Table:
