@@ -1,4 +1,4 @@
-"""The tables of sampled flights by family, as text, as Markdown, and as cells for the report."""
+"""The tables of sampled flights by family, as text, and as cells for the report and the documentation."""
 
 from __future__ import annotations
 
@@ -18,6 +18,7 @@ FOREST_SIGN = "cut - forest"
 
 @dataclass(frozen=True)
 class Table:
+    name: str
     title: str
     heads: tuple[str, ...]
     rows: tuple[tuple[str, ...], ...]
@@ -72,6 +73,7 @@ def scores_table(families: list[FamilyScore]) -> Table:
             )
         )
     return Table(
+        "scores",
         "By family",
         heads,
         tuple(rows),
@@ -94,6 +96,7 @@ def controls_table(families: list[FamilyScore]) -> Table:
             cells.append(f"{hits_text(score)}, {score.missed_frames}, {score.alarm_frames}")
         rows.append(tuple(cells))
     return Table(
+        "controls",
         "Beside it, in the same host",
         ("family", *controls),
         tuple(rows),
@@ -106,6 +109,7 @@ def noise_table(families: list[FamilyScore]) -> Table:
         (family.name, *(noise_cell(score) for score in family.noisy.values())) for family in families
     )
     return Table(
+        "noise",
         "With sensor noise added",
         ("family", *(f"{grey:g} grey levels" for grey in families[0].noisy)),
         rows,
@@ -143,6 +147,7 @@ def segmentation_table(families: list[FamilyScore]) -> Table:
             ]
         rows.append(tuple(cells))
     return Table(
+        "segmentation",
         "Segmentation: the cut beside a forest grown from its own seeds",
         tuple(heads),
         tuple(rows),
@@ -170,6 +175,7 @@ def stereo_table(families: list[FamilyScore]) -> Table:
             )
         )
     return Table(
+        "stereo",
         "Stereo alone with the same M of N and static-world test",
         (
             "family",
@@ -195,8 +201,3 @@ def between(interval: tuple[float, float] | None, sign: str = "") -> str:
 
 def as_text(table: Table) -> str:
     return f"{table.title}\n{aligned([table.heads, *table.rows], {})}\n{table.legend}"
-
-
-def as_markdown(table: Table) -> str:
-    lines = [table.heads, ("---",) * len(table.heads), *table.rows]
-    return "\n".join(f"| {' | '.join(cell or ' ' for cell in line)} |" for line in lines)
