@@ -160,7 +160,8 @@ class ClusterTracker:
                 s.camera,
                 moved.motion,
                 moved.c_path,
-                ffi.NULL,
+                ffi.NULL,  # nothing of the blind zone
+                ffi.NULL,  # nor of the ground
                 tracks,
                 self._count[0],
             )
