@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import asdict
+from functools import partial
 from pathlib import Path
 
 from vista import parameters
@@ -12,12 +13,11 @@ from vista.errors import InputError
 from vista.output import write_atomically
 
 from vista_eval.dataset.truth import TRUTH
+from vista_eval.jobs import HERE, Place, jobs_of, run
 from vista_eval.metrics.rules import STRICT
-from vista_eval.metrics.world_score import WorldScore, family_scores, score_world
+from vista_eval.metrics.world_score import EVERYTHING, Beside, WorldScore, family_scores, score_world
 from vista_eval.report.world_tables import as_text, tables
 from vista_eval.report.worlds_page import render_worlds
-
-SCORES, REPORT = "worlds.json", "worlds.html"
 
 
 def flights_in(folder: Path) -> list[Path]:
@@ -28,13 +28,18 @@ def flights_in(folder: Path) -> list[Path]:
     return found
 
 
-def score_worlds(folder: Path, values: parameters.Values) -> list[WorldScore]:
-    """Of all flights, one after the other; `score_world` is the job of one of them."""
-    return [score_world(flight, values) for flight in flights_in(folder)]
+def score_worlds(
+    folder: Path, values: parameters.Values, beside: Beside = EVERYTHING, place: Place = HERE
+) -> list[WorldScore]:
+    """Of all flights in the folder."""
+    work = partial(score_world, values=values, beside=beside)
+    return run(jobs_of(work, flights_in(folder), lambda flight: flight.name), place, "score", "flight")
 
 
-def write_worlds(folder: Path, worlds: list[WorldScore], values: parameters.Values) -> str:
-    """Writes figures and report into the folder that holds those of the flights; the tables as text."""
+def write_worlds(
+    folder: Path, worlds: list[WorldScore], values: parameters.Values, name: str = "worlds"
+) -> str:
+    """Writes NAME.json and NAME.html into the folder that holds those of the flights; the tables as text."""
     families = family_scores(worlds)
     made = tables(families)
     content = {
@@ -44,6 +49,6 @@ def write_worlds(folder: Path, worlds: list[WorldScore], values: parameters.Valu
         "tables": [asdict(table) for table in made],
         "flights": [asdict(world) for world in worlds],
     }
-    write_atomically(folder / SCORES, json.dumps(content, indent=1, allow_nan=False) + "\n")
-    write_atomically(folder / REPORT, render_worlds(folder, worlds, values))
+    write_atomically(folder / f"{name}.json", json.dumps(content, indent=1, allow_nan=False) + "\n")
+    write_atomically(folder / f"{name}.html", render_worlds(folder, worlds, values))
     return "\n\n".join(as_text(table) for table in made)

@@ -19,6 +19,7 @@ from vista_eval.metrics.flight_path import CYLINDER_LENGTH_M, CYLINDER_RADIUS_M,
 
 MAX_TRACKS, MAX_DETECTIONS = 64, 64
 IN_THE_WAY = 1_000_000  # pixels of a cluster in the collision volume: all of it lies there, however small
+PIXEL_PX2 = 1.0 / 12.0  # the variance of a pixel, which is no point
 CORNERS = 33  # of a chain of chords for an arc
 
 Words = NDArray[np.int16]
@@ -159,7 +160,8 @@ class ClusterTracker:
                 s.camera,
                 moved.motion,
                 moved.c_path,
-                ffi.NULL,
+                ffi.NULL,  # nothing of the blind zone
+                ffi.NULL,  # nor of the ground
                 tracks,
                 self._count[0],
             )
@@ -172,33 +174,47 @@ class ClusterTracker:
         )
 
 
-def as_regions(stages: Stages, words: Words, label: NDArray[np.int32]) -> tuple[Any, list[int]]:
-    """The clusters, largest first, as accepted regions that face the camera, and their pixels."""
-    v, u = np.nonzero(label >= 0)
-    number = label[v, u]
-    pixels = np.bincount(number)[:MAX_DETECTIONS]
+def as_regions(
+    stages: Stages, words: Words, label: NDArray[np.int32], corner_px: tuple[int, int] = (0, 0)
+) -> tuple[Any, list[int]]:
+    """The clusters, largest first, as accepted regions that face the camera, and their pixels; corner_px: u
+    and v of the first pixel of both arrays in the image."""
+    v, u = np.nonzero((label >= 0) & (label < MAX_DETECTIONS))
+    number, word = label[v, u], words[v, u]
+    order = np.lexsort((word, number))
+    u, v, number, word = u[order] + corner_px[0], v[order] + corner_px[1], number[order], word[order]
+    pixels = np.bincount(number)
+    first = np.concatenate([[0], np.cumsum(pixels)[:-1]]).astype(int)
     regions = stages.ffi.new("vista_region[]", max(len(pixels), 1))
-    order = np.argsort(number, kind="stable")
-    for k, members in enumerate(np.split(order, np.cumsum(np.bincount(number))[:-1])[: len(pixels)]):
-        _fill(stages, regions[k], k, u[members], v[members], words[v[members], u[members]] / SCALE)
+    if not len(pixels):
+        return regions, []
+
+    def mean(values: NDArray[Any]) -> Array:
+        return np.bincount(number, values) / pixels
+
+    mean_u, mean_v, mean_word = mean(u), mean(v), mean(word)
+    off_u, off_v = u - mean_u[number], v - mean_v[number]
+    columns: dict[str, NDArray[Any]] = {
+        "pixel_count": pixels,
+        "mean_u_px": mean_u,
+        "mean_v_px": mean_v,
+        "cov_uu_px2": mean(off_u * off_u) + PIXEL_PX2,
+        "cov_uv_px2": mean(off_u * off_v),
+        "cov_vv_px2": mean(off_v * off_v) + PIXEL_PX2,
+        "min_u_px": np.minimum.reduceat(u, first),
+        "min_v_px": np.minimum.reduceat(v, first),
+        "max_u_px": np.maximum.reduceat(u, first),
+        "max_v_px": np.maximum.reduceat(v, first),
+        "disparity_px": 0.5 * (0.0 + word[first + (pixels - 1) // 2] + word[first + pixels // 2]) / SCALE,
+        "disparity_sigma_px": np.sqrt(mean((word - mean_word[number]) ** 2)) / SCALE,
+    }
+    columns |= dict.fromkeys(("boundary_pixels", "boundary_valid", "boundary_inliers"), pixels)
+    for k in range(len(pixels)):
+        region = regions[k]
+        region.label, region.verdict = k, stages.lib.VISTA_REGION_ACCEPTED
+        region.volume_pixels = IN_THE_WAY
+        region.inclination_deg = math.nan
+        region.valid_fraction = region.standing_fraction = region.top_fraction = 1.0
+        for name, column in columns.items():
+            setattr(region, name, column[k].item())
     return regions, pixels.tolist()
-
-
-def _fill(
-    stages: Stages, region: Any, label: int, u: NDArray[np.intp], v: NDArray[np.intp], disparity_px: Array
-) -> None:
-    count = len(u)
-    region.label, region.verdict = label, stages.lib.VISTA_REGION_ACCEPTED
-    region.pixel_count = region.boundary_pixels = region.boundary_valid = region.boundary_inliers = count
-    region.volume_pixels = IN_THE_WAY
-    region.mean_u_px, region.mean_v_px = float(u.mean()), float(v.mean())
-    spread = np.cov(np.stack([u, v]).astype(float), bias=True) + np.eye(2) / 12.0  # a pixel is no point
-    region.cov_uu_px2, region.cov_uv_px2, region.cov_vv_px2 = (
-        float(x) for x in (spread[0, 0], spread[0, 1], spread[1, 1])
-    )
-    region.min_u_px, region.min_v_px = int(u.min()), int(v.min())
-    region.max_u_px, region.max_v_px = int(u.max()), int(v.max())
-    region.disparity_px = float(np.median(disparity_px))
-    region.disparity_sigma_px = float(disparity_px.std())
-    region.inclination_deg = math.nan
-    region.valid_fraction = region.standing_fraction = region.top_fraction = 1.0

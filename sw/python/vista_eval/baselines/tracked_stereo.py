@@ -25,9 +25,6 @@ from vista.sequence import Frame
 from vista_eval.baselines.cluster_tracker import ClusterTracker, HostMotion, Moved, Stages, as_regions
 from vista_eval.baselines.stereo_alone import (
     PIXELS,
-    SADS,
-    TEXTURES,
-    UNIQUENESSES,
     Threshold,
     label_clusters,
     thresholded,
@@ -57,9 +54,12 @@ class TrackedOutcome:
 
 @dataclass(frozen=True)
 class Sweep:
-    textures: tuple[int, ...] = TEXTURES
-    uniquenesses: tuple[int, ...] = UNIQUENESSES
-    sads: tuple[float, ...] = SADS
+    """Of the thresholds of `stereo_alone`, with the uniqueness of its best one, without what never
+    decides."""
+
+    textures: tuple[int, ...] = (0, 100, 300, 1000, 2000)
+    uniquenesses: tuple[int, ...] = (5, 15, 20, 30)
+    sads: tuple[float, ...] = (62.0, 6.0)
     pixels: tuple[int, ...] = PIXELS
 
 
@@ -152,10 +152,17 @@ class ThresholdedWords:
         for engine in self._engines:
             words, smin = engine.compute_with_smin(pair.left, pair.right)
             here = inside.mask(words)
+            rows, columns = (np.flatnonzero(here.any(axis=axis)) for axis in (1, 0))
+            window = np.s_[0:1, 0:1]
+            if len(rows):
+                window = np.s_[rows[0] : rows[-1] + 1, columns[0] : columns[-1] + 1]
+            corner_px = (window[1].start, window[0].start)
             for sad in self._sweep.sads:
-                kept = np.where(smin <= sad * self._area, words, np.int16(INVALID))
-                label = label_clusters(np.where(here, kept, np.int16(INVALID)), min(self._sweep.pixels))
-                yield kept, *as_regions(stages, kept, label)
+                good = smin <= sad * self._area
+                shown = np.where(here[window] & good[window], words[window], np.int16(INVALID))
+                label = label_clusters(shown, min(self._sweep.pixels))
+                kept = np.where(good, words, np.int16(INVALID))
+                yield kept, *as_regions(stages, shown, label, corner_px)
 
 
 class InVolume:

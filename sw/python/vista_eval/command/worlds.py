@@ -5,31 +5,32 @@ are drawn from stated distributions (vista_eval.worlds.sampled); `--list` names 
 on those of the split dev. A scoring of the split test needs a clean checkout and flights that are those of
 the frozen set, and appends one line to doc/results/scorings.jsonl.
 
-Scores are strict (vista_eval.metrics) and stand beside controls. They are printed by family; DIR receives
-worlds.json, which has every figure, and worlds.html.
+Judging is strict (vista_eval.metrics). Beside the detector fly a spanning forest in place of the cut, SGBM's
+words, perfect disparities, and stereo alone with the host's tracker at each of many thresholds.
+
+The tables are printed. DIR receives worlds-dev.json or worlds-test.json, which has every figure, and a report
+of the same name, which shows the frames that fail first.
 """
 
 from __future__ import annotations
 
 import argparse
 import json
-from dataclasses import asdict
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from vista import parameters
-from vista.command.arguments import add_config, load_parameters, positive
+from vista.command.arguments import add_config, load_parameters, not_negative, positive
 from vista.errors import EXIT_OK, InputError
 
 from vista_eval.cache import digest_of
 from vista_eval.dataset.truth import SPLITS
-from vista_eval.detectors import OURS
 from vista_eval.jobs import Place, add_place, chosen_place, jobs_of, run
-from vista_eval.metrics.world_score import WorldScore, family_scores, score_world
-from vista_eval.score_worlds import REPORT, write_worlds
 
 if TYPE_CHECKING:
+    from vista_eval.metrics.world_score import WorldScore
     from vista_eval.render.flight import Quality
     from vista_eval.worlds.sampled.family import Family
 
@@ -53,13 +54,23 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--list", action="store_true", help="list the families and stop")
     parser.add_argument("--render-only", action="store_true", help="render what is missing and stop")
     parser.add_argument(
-        "--no-baseline", action="store_true", help="leave out the controls, which take longest"
-    )
-    parser.add_argument(
         "--freeze",
         action="store_true",
         help="write down what the flights of the split test are made of, or, once they are scored, check "
         "that they still are; and stop",
+    )
+    parser.add_argument(
+        "--no-controls",
+        action="store_true",
+        help="score the detector alone, without what is flown and segmented beside it, which takes longest",
+    )
+    parser.add_argument(
+        "--noise",
+        nargs="+",
+        type=not_negative,
+        default=[],
+        metavar="GREY_LEVELS",
+        help="score also with sensor noise added to the images of both cameras, of each standard deviation",
     )
     add_place(parser)
     add_config(parser)
@@ -83,20 +94,16 @@ def execute(arguments: argparse.Namespace) -> int:
         return EXIT_OK
     folders = [folder / name_of(key) for key in keys]
     judged = before_a_scoring(folders) if arguments.split == "test" else None
-    if arguments.no_baseline:
-        work = partial(score_world, values=values, controls=(OURS,), sweep=None, segmentation=False)
-    else:
-        work = partial(score_world, values=values)
-    worlds = run(jobs_of(work, folders, folder_name), place, "score", "flight")
-    print(write_worlds(arguments.folder, worlds, values))
+    work = partial(score_flight, values, arguments.no_controls, tuple(arguments.noise))
+    worlds = run(jobs_of(work, folders), place, "score", "flight")
+    from vista_eval.score_worlds import write_worlds
+
+    name = f"worlds-{arguments.split}"
+    print(write_worlds(arguments.folder, worlds, values, name))
     if judged is not None:
         log_scoring(judged, worlds, values)
-    print(f"\nreport: {arguments.folder / REPORT}")
+    print(f"\nreport: {arguments.folder / f'{name}.html'}, figures: {arguments.folder / f'{name}.json'}")
     return EXIT_OK
-
-
-def folder_name(folder: Path) -> str:
-    return folder.name
 
 
 def list_families() -> None:
@@ -145,6 +152,15 @@ def render(folder: Path, quality: Quality, key: Key) -> None:
         raise InputError(error.filename or name_of(key), error.strerror or str(error)) from None
 
 
+def score_flight(
+    values: parameters.Values, no_controls: bool, noise_grey: tuple[float, ...], folder: Path
+) -> WorldScore:
+    from vista_eval.metrics.world_score import EVERYTHING, NOTHING, score_world
+
+    beside = replace(NOTHING if no_controls else EVERYTHING, noise_grey=noise_grey)
+    return score_world(folder, values, beside)
+
+
 # ---- the test set ----
 
 
@@ -153,9 +169,8 @@ def freeze(place: Place) -> None:
     from vista_eval.worlds.sampled import frozen
 
     root = scoring_log.checkout_of(Path(__file__))
-    found = dict(
-        run(jobs_of(frozen.content_digest, frozen.flights_of_the_set(), str), place, "digest", "flight")
-    )
+    jobs = jobs_of(frozen.content_digest, frozen.flights_of_the_set(), lambda flight: flight.name)
+    found = dict(run(jobs, place, "digest", "flight"))
     if not scoring_log.read_log(root):
         frozen.write_frozen(root, found)
         print(f"{root / frozen.FROZEN}: {len(found)} flights")
@@ -180,9 +195,10 @@ def before_a_scoring(folders: list[Path]) -> dict[str, Any]:
 
 def log_scoring(judged: dict[str, Any], worlds: list[WorldScore], values: parameters.Values) -> None:
     from vista_eval.metrics import scoring_log
+    from vista_eval.metrics.world_score import family_scores, logged_figures
 
-    families = {family.name: asdict(family.controls[OURS]) for family in family_scores(worlds)}
+    figures = {family.name: logged_figures(family) for family in family_scores(worlds)}
     used = digest_of(json.dumps(values, sort_keys=True))
     root = scoring_log.checkout_of(Path(__file__))
-    scoring_log.append(root, judged | {"parameters": used, "families": families})
+    scoring_log.append(root, judged | {"parameters": used, "families": figures})
     print(f"\nlogged: {root / scoring_log.LOG}")

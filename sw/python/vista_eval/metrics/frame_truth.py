@@ -86,9 +86,7 @@ class Target:
     reference_m: Array  # (3,) P
     range_m: float  # of P
     nearest_depth_m: float  # along the optical axis, of its points in the cylinder
-    surface_m: (
-        Array | None
-    )  # (n, 3) what is seen of it; None: P is a point that an estimate can be held against
+    surface_m: Array | None  # (n, 3) what is seen of it; None: errors are those from P
     asked_m: tuple[float, float]  # from where to where a hit is asked for
     met: bool  # P is where the path meets it, so a warning of it has to give P's range
 
@@ -100,10 +98,9 @@ class FrameTruth:
     around_path: Points  # in the inflated cylinder
     in_cylinder: NDArray[np.bool_]  # of around_path
     target: Target | None  # None: no target is a true danger
-    ground_m: dict[
-        int, float
-    ]  # of what is ground and in the way, by label: the range where the path meets it
+    ground_m: dict[int, float]  # of ground that is in the way, by label: the range where the path meets it
     surfaces: dict[int, Array]  # (k, 3) seen points of each standing object, by label
+    real: Points  # of around_path; without ground, where that is judged by where the path meets it
 
     @functools.cached_property
     def of_target(self) -> Points:
@@ -159,7 +156,12 @@ def frame_truth(
     target = find_target(truth, age_s, path, shown, moving, rules)
     kept = thinned(around)
     surfaces = standing_surfaces(truth, points)
-    return FrameTruth(t_ns, world_from_camera, around.where(kept), inside[kept], target, ground_m, surfaces)
+    around = around.where(kept)
+    real = around
+    if rules.meeting:
+        ground = [label for label, thing in truth.objects.items() if not thing.standing]
+        real = around.where(~np.isin(around.label, ground))
+    return FrameTruth(t_ns, world_from_camera, around, inside[kept], target, ground_m, surfaces, real)
 
 
 def true_points(truth: FlightTruth, t_ns: int, world_from_camera: Pose, path: FlightPath) -> Points:

@@ -107,7 +107,7 @@ class Judge:
             for alarm in false_alarms(truth, rules, frame, self._still_m, warned)
             if not self._was_there(frame, warnings[alarm.id], positions_m[alarm.id], alarm.range_m)
         ]
-        self._earlier_m = np.concatenate([self._earlier_m, standing(truth, rules, frame).position_m[::16]])
+        self._earlier_m = np.concatenate([self._earlier_m, frame.real.position_m[::16]])
         matched = self._match(frame, [k for k in agreeing if k in warnings], positions_m)
         error_m, nees = None, None
         if target is not None and matched is not None and matched != TOO_NEAR_ID:
@@ -163,15 +163,6 @@ def right_distance(truth: FlightTruth, rules: Rules, place: Warned, range_m: flo
     return beyond_m <= tolerated_m and (beyond_m >= -tolerated_m or place.up_to)
 
 
-def standing(truth: FlightTruth, rules: Rules, frame: FrameTruth) -> Points:
-    """What a warning may be of, wherever around the path it is: ground is no part of it where that is judged
-    by the point where the path meets it."""
-    if not rules.meeting:
-        return frame.around_path
-    ground = [label for label, thing in truth.objects.items() if not thing.standing]
-    return frame.around_path.where(~np.isin(frame.around_path.label, ground))
-
-
 def tells_of_ground(truth: FlightTruth, rules: Rules, frame: FrameTruth, place: Warned) -> bool:
     met = [label for label, range_m in frame.ground_m.items() if right_distance(truth, rules, place, range_m)]
     inside = frame.around_path.where(frame.in_cylinder & np.isin(frame.around_path.label, met))
@@ -181,8 +172,7 @@ def tells_of_ground(truth: FlightTruth, rules: Rules, frame: FrameTruth, place: 
 def false_alarms(
     truth: FlightTruth, rules: Rules, frame: FrameTruth, still_m: Array, places: list[Warned]
 ) -> list[FalseAlarm]:
-    real = standing(truth, rules, frame)
-    suspects = [place for place in places if not agrees(truth, rules, place, real)]
+    suspects = [place for place in places if not agrees(truth, rules, place, frame.real)]
     if suspects:
         still = seen_from(truth, frame.world_from_camera, still_m)
         suspects = [

@@ -7,8 +7,9 @@ intervals (vista_eval.metrics.intervals).
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from vista import parameters
@@ -18,6 +19,7 @@ from vista_eval.baselines.tracked_stereo import FULL, Sweep, TrackedOutcome, tra
 from vista_eval.controls import CONTROLS, FOREST, control_cached
 from vista_eval.dataset.truth import read_truth
 from vista_eval.detectors import OURS
+from vista_eval.fly import Disturbance, fly_cached
 from vista_eval.metrics.consistency import Consistency, consistency
 from vista_eval.metrics.flight_score import FIRST_DETECTION_M, FlightScore, score_records
 from vista_eval.metrics.flight_segmentation import FlightSegmentation, segment_cached
@@ -40,32 +42,47 @@ class WorldScore:
     scores: dict[str, FlightScore]  # by control
     segmentation: FlightSegmentation | None
     tracked_stereo: tuple[TrackedOutcome, ...]  # at each threshold; none: left out
+    noisy: dict[float, FlightScore] = field(default_factory=dict)  # by grey levels of sensor noise added
+
+
+@dataclass(frozen=True)
+class Beside:
+    """What is scored beside the detector as configured."""
+
+    controls: tuple[str, ...] = CONTROLS[1:]
+    sweep: Sweep | None = FULL  # of stereo alone with the host's tracker
+    segmentation: bool = True
+    noise_grey: tuple[float, ...] = ()
+
+
+EVERYTHING, NOTHING = Beside(), Beside((), None, False)
 
 
 def records_name(control: str) -> str:
     return "records.json" if control == OURS else f"records_{control.replace(' ', '_')}.json"
 
 
-def score_world(
-    folder: Path,
-    values: parameters.Values,
-    controls: tuple[str, ...] = CONTROLS,
-    sweep: Sweep | None = FULL,
-    segmentation: bool = True,
-) -> WorldScore:
+def score_world(folder: Path, values: parameters.Values, beside: Beside = EVERYTHING) -> WorldScore:
     """Flies and scores one flight on disk. What is kept in its folder is not made again."""
     truth = read_truth(folder)
+    sweep = beside.sweep
     scores = {}
-    for control in controls:
+    for control in (OURS, *beside.controls):
         records = control_cached(control, folder, values, folder / records_name(control))
         scores[control] = score_records(folder, records, values, STRICT)
+    noisy = {}
+    for grey in beside.noise_grey:
+        kept = folder / f"records_noise_{grey:g}.json"
+        records = fly_cached(folder, values, kept, Disturbance(image_grey=grey))
+        noisy[grey] = score_records(folder, records, values, STRICT)
     return WorldScore(
         truth.name,
         truth.family or truth.name,
         truth.split,
         scores,
-        segment_cached(folder, values, folder / "segmentation.json") if segmentation else None,
+        segment_cached(folder, values, folder / "segmentation.json") if beside.segmentation else None,
         () if sweep is None else tuple(tracked_cached(folder, values, folder / "tracked_stereo.json", sweep)),
+        noisy,
     )
 
 
@@ -116,6 +133,7 @@ class FamilyScore:
     split: str
     flights: int
     controls: dict[str, ControlScore]
+    noisy: dict[float, ControlScore]
     segmentation: SegmentationScore | None
     stereo: StereoScore | None
 
@@ -134,6 +152,7 @@ def family_score(name: str, worlds: list[WorldScore]) -> FamilyScore:
     controls = {
         control: control_score([world.scores[control] for world in worlds]) for control in worlds[0].scores
     }
+    noisy = {grey: control_score([world.noisy[grey] for world in worlds]) for grey in worlds[0].noisy}
     segmented = [world.segmentation for world in worlds if world.segmentation is not None]
     splits = {world.split for world in worlds}
     return FamilyScore(
@@ -141,6 +160,7 @@ def family_score(name: str, worlds: list[WorldScore]) -> FamilyScore:
         splits.pop() if len(splits) == 1 else "dev and test",
         len(worlds),
         controls,
+        noisy,
         segmentation_score(segmented) if any(s.scores[CUT].things for s in segmented) else None,
         stereo_score(worlds) if all(world.tracked_stereo for world in worlds) else None,
     )
@@ -197,3 +217,22 @@ def stereo_score(worlds: list[WorldScore]) -> StereoScore:
     quiet = [point for point in points if point[2] <= alarmed]
     better = sum(point[1] < missed for point in quiet)
     return StereoScore(len(points), missed, alarmed, better, min(quiet, key=lambda p: p[1:], default=None))
+
+
+def logged_figures(family: FamilyScore) -> dict[str, Any]:
+    """What the log of scorings keeps."""
+    ours, segmented = family.controls[OURS], family.segmentation
+    return {
+        "flights": family.flights,
+        "frames": ours.frames,
+        "asked_frames": ours.hits.whole if ours.hits else 0,
+        "hits": ours.hits.part if ours.hits else 0,
+        "missed_frames": ours.missed_frames,
+        "false_alarm_frames": ours.alarm_frames,
+        "within_2dz": ours.within_2dz.value if ours.within_2dz else None,
+        "nees": ours.consistency.average if ours.consistency else None,
+        "iou_median": segmented.values["iou_median"][CUT] if segmented else None,
+        "degraded_frames": ours.degraded_frames,
+        "unseeing_frames": ours.blind_frames,
+        "noise_false_alarm_frames": {f"{grey:g}": score.alarm_frames for grey, score in family.noisy.items()},
+    }

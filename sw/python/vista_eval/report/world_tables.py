@@ -1,4 +1,4 @@
-"""The tables of sampled flights by family, as text, as Markdown, and as cells for the report."""
+"""The tables of sampled flights by family, as text, and as cells for the report and the documentation."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from vista_eval.metrics.flight_score import FIRST_DETECTION_M
 from vista_eval.metrics.group import nees, number, states
 from vista_eval.metrics.intervals import Share
 from vista_eval.metrics.rules import STRICT
-from vista_eval.metrics.world_score import SHOWN, FamilyScore
+from vista_eval.metrics.world_score import SHOWN, ControlScore, FamilyScore
 from vista_eval.report.text_table import aligned
 
 FOREST_SIGN = "cut - forest"
@@ -18,6 +18,7 @@ FOREST_SIGN = "cut - forest"
 
 @dataclass(frozen=True)
 class Table:
+    name: str
     title: str
     heads: tuple[str, ...]
     rows: tuple[tuple[str, ...], ...]
@@ -25,7 +26,11 @@ class Table:
 
 
 def tables(families: list[FamilyScore]) -> list[Table]:
-    made = [scores_table(families), controls_table(families)]
+    made = [scores_table(families)]
+    if len(families[0].controls) > 1:
+        made.append(controls_table(families))
+    if families[0].noisy:
+        made.append(noise_table(families))
     if any(family.segmentation for family in families):
         made.append(segmentation_table(families))
     if any(family.stereo for family in families):
@@ -68,6 +73,7 @@ def scores_table(families: list[FamilyScore]) -> Table:
             )
         )
     return Table(
+        "scores",
         "By family",
         heads,
         tuple(rows),
@@ -87,15 +93,38 @@ def controls_table(families: list[FamilyScore]) -> Table:
         cells = [family.name]
         for control in controls:
             score = family.controls[control]
-            hits = f"{score.hits.part}/{score.hits.whole}" if score.hits else "-"
-            cells.append(f"{hits}, {score.missed_frames}, {score.alarm_frames}")
+            cells.append(f"{hits_text(score)}, {score.missed_frames}, {score.alarm_frames}")
         rows.append(tuple(cells))
     return Table(
+        "controls",
         "Beside it, in the same host",
         ("family", *controls),
         tuple(rows),
         "hits of the frames in which one is asked for, frames missed, frames with a false alarm",
     )
+
+
+def noise_table(families: list[FamilyScore]) -> Table:
+    rows = tuple(
+        (family.name, *(noise_cell(score) for score in family.noisy.values())) for family in families
+    )
+    return Table(
+        "noise",
+        "With sensor noise added",
+        ("family", *(f"{grey:g} grey levels" for grey in families[0].noisy)),
+        rows,
+        "hits of the frames in which one is asked for, frames with a false alarm, frames that call "
+        "themselves degraded + blind",
+    )
+
+
+def noise_cell(score: ControlScore) -> str:
+    state = states(score.degraded_frames, score.blind_frames) or "0"
+    return f"{hits_text(score)}, {score.alarm_frames}, {state}"
+
+
+def hits_text(score: ControlScore) -> str:
+    return f"{score.hits.part}/{score.hits.whole}" if score.hits else "-"
 
 
 def segmentation_table(families: list[FamilyScore]) -> Table:
@@ -118,6 +147,7 @@ def segmentation_table(families: list[FamilyScore]) -> Table:
             ]
         rows.append(tuple(cells))
     return Table(
+        "segmentation",
         "Segmentation: the cut beside a forest grown from its own seeds",
         tuple(heads),
         tuple(rows),
@@ -145,6 +175,7 @@ def stereo_table(families: list[FamilyScore]) -> Table:
             )
         )
     return Table(
+        "stereo",
         "Stereo alone with the same M of N and static-world test",
         (
             "family",
@@ -170,8 +201,3 @@ def between(interval: tuple[float, float] | None, sign: str = "") -> str:
 
 def as_text(table: Table) -> str:
     return f"{table.title}\n{aligned([table.heads, *table.rows], {})}\n{table.legend}"
-
-
-def as_markdown(table: Table) -> str:
-    lines = [table.heads, ("---",) * len(table.heads), *table.rows]
-    return "\n".join(f"| {' | '.join(cell or ' ' for cell in line)} |" for line in lines)
