@@ -22,7 +22,7 @@ vista_status vista_segmentation_layout(vista_segmentation *segmentation, vista_a
   s->starts = vista_arena_take(arena, nodes, sizeof(int32_t));
   s->steps = vista_arena_take(arena, nodes, sizeof(int32_t));
   s->carried_px = vista_arena_take(arena, nodes, sizeof(float));
-  s->role = vista_arena_take(arena, nodes, sizeof(uint8_t));
+  s->role = vista_arena_take(arena, nodes, sizeof(uint16_t));
   s->source_side = vista_arena_take(arena, nodes, sizeof(uint8_t));
   s->capacity = vista_arena_take(arena, (size_t)foveation->graph.arc_count, sizeof(int32_t));
   const vista_status merging = vista_merge_layout(foveation, arena, &s->merge);
@@ -55,26 +55,30 @@ static int32_t sink_link(const view *w, const vista_seeds *seeds, int32_t seed, 
 /* What a node is to the cut at hand. LINKED: the flow has come to a free one. */
 enum { NOT_REACHED, SOURCE, SINK, FREE, LINKED, CUT_OUT };
 
-/* Takes a cell into the cut, unless it is in it already or in none any more. Cells of other seeds and those after the
- * last step can only be on T's side. */
-static void reach(vista_segmentation *s, int32_t node, bool last) {
-  if (s->role[node] != NOT_REACHED) return;
-  s->role[node] = last || s->seeds.seed_of_node[node] != VISTA_NO_SEED ? SINK : FREE;
-  s->steps[node] = s->step + 1;
-  s->subset[s->subset_count++] = node;
-}
-
-/* Breadth first from the seed, one step further: what touches the cells of the last step. */
+/* Breadth first from the seed, one step further: takes what touches the cells of the last step into the cut, unless it is
+ * in it already or in none any more. Cells of other seeds and those after the last step can only be on T's side. */
 static void gather_step(const view *w, vista_segmentation *s) {
-  const vista_graph *const graph = &w->foveation->graph;
-  const bool last = s->step + 1 >= w->params->reach;
-  for (const int32_t end = s->subset_count; s->expanded_count < end; ++s->expanded_count) {
-    const int32_t node = s->subset[s->expanded_count];
-    if (s->role[node] == SINK) continue;
-    for (int32_t arc = graph->first_arc[node]; arc < graph->first_arc[node + 1]; ++arc)
-      reach(s, graph->head[arc], last);
+  const int32_t *const first_arc = w->foveation->graph.first_arc, *const head = w->foveation->graph.head;
+  const int32_t *const seed_of_node = s->seeds.seed_of_node;
+  uint16_t *const role = s->role;
+  int32_t *const subset = s->subset, *const steps = s->steps;
+  const int32_t step = s->step + 1, end = s->subset_count;
+  const bool last = step >= w->params->reach;
+  int32_t count = end;
+  for (int32_t k = s->expanded_count; k < end; ++k) {
+    const int32_t node = subset[k];
+    if (role[node] == SINK) continue;
+    for (int32_t arc = first_arc[node]; arc < first_arc[node + 1]; ++arc) {
+      const int32_t near = head[arc];
+      if (role[near] != NOT_REACHED) continue;
+      role[near] = last || seed_of_node[near] != VISTA_NO_SEED ? SINK : FREE;
+      steps[near] = step;
+      subset[count++] = near;
+    }
   }
-  s->step++;
+  s->expanded_count = end;
+  s->subset_count = count;
+  s->step = step;
 }
 
 /* The members of the seed that are in no region yet, and what touches them. */
