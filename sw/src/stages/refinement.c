@@ -94,13 +94,14 @@ VISTA_WIDE_VECTORS static void solve(const vista_refinement_params *params, cons
   int32_t label_of[MAX_CANDIDATES];
   for (int32_t c = 0; c < candidate_count; ++c) label_of[c] = candidates[c].label;
   for (int32_t first = 0; first < pixel_count; first += BATCH) {
-    const int32_t left = pixel_count - first, count = left < BATCH ? whole_vectors(left) : BATCH;
+    const int32_t left = pixel_count - first < BATCH ? pixel_count - first : BATCH, count = whole_vectors(left);
     for (int32_t k = 0; k < count; ++k) {
       b.u[k] = (float)us[first + k] - center_u;
       b.v[k] = (float)vs[first + k] - center_v;
       b.grey[k] = (float)greys[first + k];
       b.best[k] = INT32_MAX;
     }
+    for (int32_t k = left; k < count; ++k) b.u[k] = b.v[k] = b.grey[k] = 0.0f; /* pixels of another cell */
     for (int32_t c = 0; c < candidate_count; ++c) try_candidate(params, &candidates[c], c, count, &b);
     for (int32_t k = 0; k < count; ++k) label[first + k] = label_of[b.best[k] & (MAX_CANDIDATES - 1)];
   }

@@ -107,16 +107,19 @@ static void link_free_cell(void *context, int32_t node) {
   const cut *const c = context;
   const view *const w = c->view;
   vista_segmentation *const s = c->segmentation;
-  const vista_graph *const graph = &w->foveation->graph;
+  const int32_t *const first_arc = w->foveation->graph.first_arc, *const head = w->foveation->graph.head;
+  const int32_t *const intensity_capacity = w->affinity->intensity_capacity, *const full = w->affinity->capacity;
+  const uint8_t *const shell = s->seeds.shell;
+  const uint16_t *const role = s->role;
   while (s->step <= s->steps[node]) gather_step(w, s);
+  const bool in_shell = shell[node];
   int32_t source = 0, sink = s->seeds.seed_of_node[node] == c->seed ? 0 : sink_link(w, &s->seeds, c->seed, node);
-  for (int32_t arc = graph->first_arc[node]; arc < graph->first_arc[node + 1]; ++arc) {
-    const int32_t other = graph->head[arc], role = s->role[other];
-    const bool uncertain = s->seeds.shell[node] || s->seeds.shell[other];
-    const int32_t capacity = uncertain ? w->affinity->intensity_capacity[arc] : w->affinity->capacity[arc];
-    source += role == SOURCE ? capacity : 0;
-    sink += role == SINK ? capacity : 0;
-    s->capacity[arc] = role == FREE || role == LINKED ? capacity : 0;
+  for (int32_t arc = first_arc[node]; arc < first_arc[node + 1]; ++arc) {
+    const int32_t other = head[arc], to = role[other];
+    const int32_t capacity = in_shell || shell[other] ? intensity_capacity[arc] : full[arc];
+    source += to == SOURCE ? capacity : 0;
+    sink += to == SINK ? capacity : 0;
+    s->capacity[arc] = to == FREE || to == LINKED ? capacity : 0;
   }
   s->role[node] = LINKED;
   s->source_capacity[node] = source;
@@ -130,10 +133,11 @@ static int32_t list_starts(const view *w, vista_segmentation *s) {
   int32_t count = 0;
   for (int32_t k = 0; k < s->subset_count; ++k) {
     const int32_t node = s->subset[k];
+    if (s->role[node] != FREE) continue;
     bool start = false;
     for (int32_t arc = graph->first_arc[node]; arc < graph->first_arc[node + 1]; ++arc)
       start |= s->role[graph->head[arc]] == SOURCE;
-    if (start && s->role[node] == FREE) s->starts[count++] = node;
+    if (start) s->starts[count++] = node;
   }
   return count;
 }
