@@ -295,8 +295,7 @@ static vista_status run_stage(vista_pipeline *p, stage stage, passage *way) {
     case STAGE_SEGMENTATION:
       return vista_segment(&p->foveation, q, &p->camera, &p->cells, &p->surfaces, &p->affinity, &p->segmentation);
     case STAGE_REFINEMENT:
-      return vista_refine(&p->foveation, &p->refinement_params, &frame->image, &p->cells, p->segmentation.label,
-                          &p->refinement);
+      return vista_refine(&p->foveation, &p->refinement_params, &p->cells, p->segmentation.label, &p->refinement);
     case STAGE_REGIONS: {
       const vista_status status =
           vista_regions_compute(&p->foveation, &q->region, &p->camera, up, q->surface.horizontal_deg, words, &p->cells,

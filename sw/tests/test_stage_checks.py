@@ -68,7 +68,7 @@ class Bench:
             "refinement": (
                 "refinement.sigma_intensity",
                 lambda: lib.vista_refine(
-                    f, section("refinement"), self.c_image, s.cells, s.segmentation.label, s.refinement
+                    f, section("refinement"), s.cells, s.segmentation.label, s.refinement
                 ),
             ),
             "regions": (

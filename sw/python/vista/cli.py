@@ -27,6 +27,7 @@ COMMANDS = (
     "run",
     "disparity",
     "flights",
+    "worlds",
     "figures",
     "scenes",
     "dataset",
@@ -35,6 +36,7 @@ COMMANDS = (
 )  # as the help has them
 EXTRA_OF = {
     "flights": "flights",
+    "worlds": "flights",
     "figures": "flights",
     "scenes": "flights",
     "dataset": "dataset",
