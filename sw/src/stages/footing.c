@@ -10,6 +10,7 @@
 #include "common/wide_vectors.h"
 #include "stages/segmentation.h"
 
+#define BEHIND_PX 1.5f /* of disparity: ground farther behind a surface is seen past a thin thing, that it belongs to */
 #define BELOW_PX 0.5f /* of disparity: so far beneath the ground's plane a surface has to be */
 
 /* In one row, in engine words: the ground, and the surface of the region that a stretch of it belongs to. */
@@ -22,8 +23,9 @@ VISTA_WIDE_VECTORS static void clear_stretch(const stretch *s, const int16_t *wo
   for (int32_t i = 0; i < length; ++i) {
     const float ground = s->ground + s->ground_slope * (float)i, word = (float)words[i];
     const float surface = s->surface + s->surface_slope * (float)i;
-    const int32_t lies = (words[i] > 0) & (word * s->low < ground);
-    const int32_t beneath = (words[i] <= 0) & (ground > surface + BELOW_PX * VISTA_DISPARITY_SCALE);
+    const int32_t lies =
+        (words[i] > 0) & (word * s->low < ground) & (word > surface - BEHIND_PX * VISTA_DISPARITY_SCALE);
+    const int32_t beneath = (words[i] <= 0) & (ground > 0.0f) & (ground > surface + BELOW_PX * VISTA_DISPARITY_SCALE);
     label[i] = (lies | beneath) ? VISTA_NO_LABEL : label[i];
   }
 }
