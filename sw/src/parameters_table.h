@@ -122,6 +122,7 @@ static const struct {
     {{"tracker.range_max_m", "m", "Farther detections start no track.", VISTA_PARAMETER_FLOAT, 150.0, 1.0, 100000.0, "", 0, NULL}, offsetof(vista_parameters, tracker.range_max_m)},
     {{"tracker.follow_s", "s", "A track without a detection, not in the way, is followed by the words at its place for this long.", VISTA_PARAMETER_FLOAT, 1.0, 0.0, 3600.0, "", 0, NULL}, offsetof(vista_parameters, tracker.follow_s)},
     {{"tracker.hold_s", "s", "A track whose place shows no words coasts for this long before it counts as missed.", VISTA_PARAMETER_FLOAT, 0.3, 0.0, 3600.0, "", 0, NULL}, offsetof(vista_parameters, tracker.hold_s)},
+    {{"tracker.hold_px", "px", "Confirmed or not, it coasts until its disparity has moved by this since its last detection, if that takes no longer than follow_s: between two whole disparities sharp textures are hard to match.", VISTA_PARAMETER_FLOAT, 0.6, 0.0, 16.0, "", 0, NULL}, offsetof(vista_parameters, tracker.hold_px)},
     {{"blind_zone.contrast", "grey levels", "A pixel whose two neighbours along the row differ by this has texture.", VISTA_PARAMETER_INT, 16, 1, 255, "", 0, NULL}, offsetof(vista_parameters, blind_zone.contrast)},
     {{"blind_zone.textured_fraction", "", "With less of the disc textured, nothing can be said.", VISTA_PARAMETER_FLOAT, 0.05, 0.001, 1.0, "", 0, NULL}, offsetof(vista_parameters, blind_zone.textured_fraction)},
     {{"blind_zone.unmatched_fraction", "", "Something is too near when this share of the texture is not matched; in ordinary views it is 0.03 to 0.6.", VISTA_PARAMETER_FLOAT, 0.9, 0.0, 1.0, "", 0, NULL}, offsetof(vista_parameters, blind_zone.unmatched_fraction)},
@@ -150,6 +151,8 @@ static const struct {
     {{"words.filling_levels", "", "As many coarser levels fill surfaces where the finer ones have no word; the others only add what is too near for level 0.", VISTA_PARAMETER_INT, 0, 0, 3, "", 0, NULL}, offsetof(vista_parameters, words.filling_levels)},
     {{"words.gap_px", "px", "Words of a row hang together across gaps up to twice this wide.", VISTA_PARAMETER_INT, 3, 0, 16, "", 0, NULL}, offsetof(vista_parameters, words.gap_px)},
     {{"words.cluster_px_noise", "px per grey level", "cluster_px is at least this times the image's noise: chance matches of a noisy image are larger.", VISTA_PARAMETER_FLOAT, 35.0, 0.0, 100000.0, "", 0, NULL}, offsetof(vista_parameters, words.cluster_px_noise)},
+    {{"words.cluster_m2", "m2", "A cluster that covers this area at its distance is kept though it covers less than cluster_px.", VISTA_PARAMETER_FLOAT, 0.2, 0.0, 100.0, "", 0, NULL}, offsetof(vista_parameters, words.cluster_m2)},
+    {{"words.cluster_far_px", "px", "It covers at least as many pixels; in a noisy image as many as cluster_px_noise asks for.", VISTA_PARAMETER_INT, 40, 0, 1000000, "", 0, NULL}, offsetof(vista_parameters, words.cluster_far_px)},
 };
 
 _Static_assert(sizeof(vista_stereo_params) == 256, "stereo may not grow");
