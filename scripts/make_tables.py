@@ -21,6 +21,7 @@ import statistics
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
+from functools import partial
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -496,6 +497,19 @@ def jobs_limits_table() -> str:
     return markdown("what | figure", rows)
 
 
+def worlds_table(split: str, name: str) -> str:
+    """One of the tables that `vista worlds` prints."""
+    (table,) = (one for one in figures(f"worlds-{split}")["tables"] if one["name"] == name)
+    return markdown(" | ".join(table["heads"]), table["rows"])
+
+
+WORLDS = [
+    (split, name)
+    for split in ("dev", "test")
+    for name in ("scores", "controls", "noise", "segmentation", "stereo")
+]
+
+
 TABLES: dict[str, Callable[[], str]] = {
     "headline": headline_table,
     "sources": sources_table,
@@ -523,6 +537,7 @@ TABLES: dict[str, Callable[[], str]] = {
     "coverage": coverage_table,
     "mutants": mutants_table,
     "system-model": system_model_table,
+    **{f"worlds-{split}-{name}": partial(worlds_table, split, name) for split, name in WORLDS},
 }
 
 
@@ -695,6 +710,19 @@ def reduce_lidar(raw: Record) -> Record:
     return {"halves": halves}
 
 
+def reduce_worlds(raw: Record) -> Record:
+    """Without the single flights."""
+    return {"rules": raw["rules"], "families": rounded_all(raw["families"]), "tables": raw["tables"]}
+
+
+def rounded_all(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {key: rounded_all(one) for key, one in value.items()}
+    if isinstance(value, list):
+        return [rounded_all(one) for one in value]
+    return round(value, 3) if isinstance(value, float) else value
+
+
 REDUCE: dict[str, Callable[[Record], Record]] = {
     "engine": lambda raw: raw,
     "frontend": lambda raw: raw,
@@ -710,6 +738,7 @@ REDUCE: dict[str, Callable[[Record], Record]] = {
     "flights": reduce_flights,
     "scenes": reduce_scenes,
     "throughput": reduce_throughput,
+    **{f"worlds-{split}": reduce_worlds for split in ("dev", "test")},
 }
 
 
