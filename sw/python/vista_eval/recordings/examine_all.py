@@ -6,7 +6,7 @@ from functools import partial
 from pathlib import Path
 
 from vista_eval.cache import code_digest, digest_of
-from vista_eval.jobs import Failure, Job, Place, jobs_of, outcomes
+from vista_eval.jobs import HERE, Failure, Job, Place, jobs_of, outcomes
 from vista_eval.recordings.examine import Detector, Row, examine, row_of
 from vista_eval.recordings.place import Content, content_of, find_recordings
 
@@ -14,7 +14,8 @@ from vista_eval.recordings.place import Content, content_of, find_recordings
 def examine_all(detector: Detector, prefix: str, place: Place, kept: Path) -> list[Row]:
     """A row of each recording, by name; `kept` receives those that are made. Raises InputError."""
     names = find_recordings(prefix)
-    contents = outcomes(jobs_of(partial(content_of, prefix), names), place, "look", "recording")
+    looking = place if place.cluster else HERE  # it takes less than to start a process
+    contents = outcomes(jobs_of(partial(content_of, prefix), names), looking, "look", "recording")
     by_name = dict(zip(names, contents, strict=True))
     sources = digest_of(code_digest(examine.__module__), *detector.sources())
     jobs = [
