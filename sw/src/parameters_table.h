@@ -10,6 +10,7 @@ static const char *const stereo_prefilter_choices[] = {"xsobel", "none"};
 static const char *const stereo_smooth_choices[] = {"off", "binomial3"};
 static const char *const affinity_form_choices[] = {"product", "sum"};
 static const char *const affinity_flow_encoding_choices[] = {"exponential", "linear"};
+static const char *const thin_find_choices[] = {"off", "on"};
 
 static const struct {
   vista_parameter info;
@@ -150,6 +151,22 @@ static const struct {
     {{"words.filling_levels", "", "As many coarser levels fill surfaces where the finer ones have no word; the others only add what is too near for level 0.", VISTA_PARAMETER_INT, 0, 0, 3, "", 0, NULL}, offsetof(vista_parameters, words.filling_levels)},
     {{"words.gap_px", "px", "Words of a row hang together across gaps up to twice this wide.", VISTA_PARAMETER_INT, 3, 0, 16, "", 0, NULL}, offsetof(vista_parameters, words.gap_px)},
     {{"words.cluster_px_noise", "px per grey level", "cluster_px is at least this times the image's noise: chance matches of a noisy image are larger.", VISTA_PARAMETER_FLOAT, 35.0, 0.0, 100000.0, "", 0, NULL}, offsetof(vista_parameters, words.cluster_px_noise)},
+    {{"thin.find", "", "Whether they are looked for.", VISTA_PARAMETER_CHOICE, 1, 0, 1, "", 2, thin_find_choices}, offsetof(vista_parameters, thin.find)},
+    {{"thin.contrast", "grey levels", "Contrast of a thin line to both of its sides that counts in full; more counts no more.", VISTA_PARAMETER_FLOAT, 8.0, 1.0, 255.0, "", 0, NULL}, offsetof(vista_parameters, thin.contrast)},
+    {{"thin.contrast_noise", "sigma of the image's noise", "The same against the noise of the image; the larger of the two holds.", VISTA_PARAMETER_FLOAT, 3.0, 0.0, 100.0, "", 0, NULL}, offsetof(vista_parameters, thin.contrast_noise)},
+    {{"thin.piece_sum", "", "Sixteen rows of a line are a piece of it when their contrasts add up to at least this share of the full ones.", VISTA_PARAMETER_FLOAT, 0.55, 0.0, 1.0, "", 0, NULL}, offsetof(vista_parameters, thin.piece_sum)},
+    {{"thin.pieces_min", "pieces", "A line has at least so many pieces.", VISTA_PARAMETER_INT, 5, 2, 1000, "", 0, NULL}, offsetof(vista_parameters, thin.pieces_min)},
+    {{"thin.piece_share", "", "From its first to its last piece, a line has one in at least this share of the sixteens of rows.", VISTA_PARAMETER_FLOAT, 0.6, 0.0, 1.0, "", 0, NULL}, offsetof(vista_parameters, thin.piece_share)},
+    {{"thin.straight_px", "px", "Largest root mean square distance of a line's pieces from the straight line through them, along the row.", VISTA_PARAMETER_FLOAT, 0.9, 0.0, 100.0, "", 0, NULL}, offsetof(vista_parameters, thin.straight_px)},
+    {{"thin.ridge_share", "", "Smallest share of a line's rows that show it.", VISTA_PARAMETER_FLOAT, 0.7, 0.0, 1.0, "", 0, NULL}, offsetof(vista_parameters, thin.ridge_share)},
+    {{"thin.apart_px", "px", "A word on the line tells of a thin thing when it is nearer by this than those beside it.", VISTA_PARAMETER_FLOAT, 1.0, 0.0, 256.0, "", 0, NULL}, offsetof(vista_parameters, thin.apart_px)},
+    {{"thin.agree_px", "px", "Such words agree with a straight line in space within this.", VISTA_PARAMETER_FLOAT, 0.6, 0.01, 16.0, "", 0, NULL}, offsetof(vista_parameters, thin.agree_px)},
+    {{"thin.agree_share", "", "Smallest share of these words that agree.", VISTA_PARAMETER_FLOAT, 0.7, 0.0, 1.0, "", 0, NULL}, offsetof(vista_parameters, thin.agree_share)},
+    {{"thin.rows_min", "rows", "Fewest rows whose words agree.", VISTA_PARAMETER_INT, 24, 2, 100000, "", 0, NULL}, offsetof(vista_parameters, thin.rows_min)},
+    {{"thin.row_share", "", "Smallest share of the line's rows whose words agree.", VISTA_PARAMETER_FLOAT, 0.1, 0.0, 1.0, "", 0, NULL}, offsetof(vista_parameters, thin.row_share)},
+    {{"thin.level_share", "", "Largest share of the line's rows that have something beside it as near as itself: a line on a surface is no thing of its own.", VISTA_PARAMETER_FLOAT, 0.25, 0.0, 1.0, "", 0, NULL}, offsetof(vista_parameters, thin.level_share)},
+    {{"thin.length_m", "m", "Shortest line.", VISTA_PARAMETER_FLOAT, 1.5, 0.0, 1000.0, "", 0, NULL}, offsetof(vista_parameters, thin.length_m)},
+    {{"thin.height_m", "m", "More than half of a line stands at least this far above the ground.", VISTA_PARAMETER_FLOAT, 0.5, 0.0, 100.0, "", 0, NULL}, offsetof(vista_parameters, thin.height_m)},
 };
 
 _Static_assert(sizeof(vista_stereo_params) == 256, "stereo may not grow");
@@ -166,5 +183,6 @@ _Static_assert(sizeof(vista_blind_zone_params) == 256, "blind_zone may not grow"
 _Static_assert(sizeof(vista_obstacle_map_params) == 256, "obstacle_map may not grow");
 _Static_assert(sizeof(vista_health_params) == 256, "health may not grow");
 _Static_assert(sizeof(vista_words_params) == 256, "words may not grow");
+_Static_assert(sizeof(vista_thin_params) == 256, "thin may not grow");
 
 #endif
