@@ -1,4 +1,4 @@
-"""Thin things are found at the resolution of the image where image and words agree on them, and nothing else is."""
+"""Thin things are found where image and words agree on them, and nothing else is."""
 
 from __future__ import annotations
 

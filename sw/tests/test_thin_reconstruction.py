@@ -1,4 +1,4 @@
-"""Thin lines become detections at their point nearest to the flight path, and bands of matched blocks give way."""
+"""Thin lines become detections nearest to the flight path, and bands of matched blocks give way."""
 
 from __future__ import annotations
 

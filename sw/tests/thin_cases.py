@@ -83,7 +83,7 @@ def with_wire(grey: np.ndarray, wire: Wire, random: np.random.Generator, noise=2
 
 
 def words_around(wire: Wire, behind_px: float, random: np.random.Generator, share: float = 1.0) -> np.ndarray:
-    """The words that an engine with ideal blocks gives: those that the wire is in are its, as far as `share` of
+    """The words of an engine with ideal blocks: those that the wire is in are its, as far as `share` of
     the rows of blocks go, all others of what is behind_px (negative: nothing)."""
     u, v = grid()
     point, along = wire.line_px

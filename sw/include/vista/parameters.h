@@ -245,10 +245,12 @@ typedef struct vista_thin_params {
   double agree_share; /* Smallest share of these words that agree. 0.0 .. 1.0. */
   int32_t rows_min; /* Fewest rows whose words agree. 2 .. 100000 rows. */
   double row_share; /* Smallest share of the line's rows whose words agree. 0.0 .. 1.0. */
+  double word_share; /* Smallest share of the rows with any word on the line whose words agree; the others are of what is behind. 0.0 .. 1.0. */
+  int32_t rows_sure; /* So many rows whose words agree are enough, whatever share of the words that is. 2 .. 100000 rows. */
   double level_share; /* Largest share of the line's rows that have something beside it as near as itself: a line on a surface is no thing of its own. 0.0 .. 1.0. */
   double length_m; /* Shortest line. 0.0 .. 1000.0 m. */
   double height_m; /* More than half of a line stands at least this far above the ground. 0.0 .. 100.0 m. */
-  unsigned char reserved[128];
+  unsigned char reserved[112];
 } vista_thin_params;
 
 /* All parameters. vista_parameters_default makes the struct; change its members afterwards. A newer library

@@ -44,7 +44,8 @@ vista_status vista_thin_search(const vista_thin_params *params, const vista_came
   if (params->find == VISTA_THIN_FIND_OFF || thin->width_px <= 2 * VISTA_RIDGE_REACH) return VISTA_OK;
   vista_straight_lines_find(view->image, params, view->noise.sigma, &thin->image);
   for (int32_t i = 0; i < thin->image.count; ++i)
-    if (vista_line_depth(params, camera, view, &thin->image.items[i], thin->samples, &thin->items[thin->count]))
+    if (vista_line_depth(params, camera, view, &thin->image.ridge, &thin->image.items[i], thin->samples,
+                         &thin->items[thin->count]))
       ++thin->count;
   return VISTA_OK;
 }

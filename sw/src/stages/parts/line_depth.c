@@ -13,6 +13,7 @@
 #define SIDE_STEP_PX 4.0     /* to the second word of a side */
 #define ASIDE_PX 2           /* a word may lie so far beside the line */
 #define ROWS_PER_BLOCK 11.0  /* words of so many rows share their errors */
+#define END_ROWS 4           /* whose words agree at each end of a line */
 #define BIAS_PX 0.15         /* error of all words of a line */
 #define ROW_ERROR_PX 0.1     /* by which the rows of the two images are off */
 
@@ -165,8 +166,25 @@ static int32_t take_samples(const reading *r, vista_line_sample *samples, vista_
   return count;
 }
 
+/* From the first to the last row whose words agree, and on as far as the image shows the line. Rows that are alone do not
+ * count. */
+static void set_ends(const vista_ridge *ridge, const vista_straight_line *line, const vista_line_sample *samples,
+                     int32_t count, double reach, vista_thin_line *found) {
+  int32_t seen = 0, first = 0, last = 0;
+  for (int32_t i = 0; i < count; ++i) {
+    const double v = samples[i].v_px;
+    if (fabs(samples[i].disparity_px - vista_thin_disparity_px(found, v)) > reach) continue;
+    ++seen;
+    if (seen == END_ROWS) first = (int32_t)v;
+    if (seen == found->rows_on - END_ROWS + 1) last = (int32_t)v;
+  }
+  found->first_v_px = vista_straight_line_end(ridge, line, first, -1);
+  found->last_v_px = vista_straight_line_end(ridge, line, last, 1);
+}
+
 bool vista_line_depth(const vista_thin_params *params, const vista_camera *camera, const vista_thin_view *view,
-                      const vista_straight_line *line, vista_line_sample *samples, vista_thin_line *found) {
+                      const vista_ridge *ridge, const vista_straight_line *line, vista_line_sample *samples,
+                      vista_thin_line *found) {
   const double radius = view->block_radius_px + PREFILTER_PX;
   const reading r = {params, view, line, radius * (1.0 + fabs(line->slope)) + CLEAR_PX};
   const int32_t rows = line->last_v_px - line->first_v_px + 1;
@@ -184,11 +202,13 @@ bool vista_line_depth(const vista_thin_params *params, const vista_camera *camer
   own.disparity_px = at;
   own.disparity_slope = slope;
   for (int k = 0; k < 2; ++k) own.rows_on = refine(samples, own.rows_apart, reach, &own);
-  if (own.rows_on < fewest || own.rows_on < params->agree_share * own.rows_apart) return false;
+  if (own.rows_on < fmax(fewest, 2 * END_ROWS) || own.rows_on < params->agree_share * own.rows_apart) return false;
+  if (own.rows_on < params->rows_sure && own.rows_on < params->word_share * own.rows) return false;
+  set_ends(ridge, line, samples, own.rows_apart, reach, &own);
   if (!(vista_thin_disparity_px(&own, own.first_v_px) > 0.0) || !(vista_thin_disparity_px(&own, own.last_v_px) > 0.0))
     return false;
   own.rows_level = level_rows(&r, &own);
-  if (own.rows_level > params->level_share * rows) return false;
+  if (own.rows_level > params->level_share * (own.last_v_px - own.first_v_px + 1)) return false;
   if (length_m(camera, &own) < params->length_m || !stands(&r, camera, &own)) return false;
   *found = own;
   return true;

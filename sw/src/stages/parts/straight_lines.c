@@ -9,7 +9,9 @@
 #define APART_PX 5       /* of two pieces in one strip */
 #define LINK_PX 2.0      /* from the line's continuation to the next piece */
 #define LINK_LEAN 4.0    /* columns per strip by which their directions may differ */
-#define GAP_STRIPS 2     /* of a line that are passed over at once */
+#define GAP_STRIPS 2     /* of a line that are passed over at once, */
+#define LONG_GAP_STRIPS 12 /* and once it has so many pieces that its direction is known: */
+#define KNOWN_PIECES 3
 #define ON_RIDGE 3       /* seventh parts of the full contrast: a row that shows the line */
 #define SAME_PX 6.0      /* two lines that are nearer in the middle of the shorter one are one line */
 #define SUM_BINS 129
@@ -90,8 +92,9 @@ static int32_t next_piece(const vista_straight_lines *lines, int32_t strip, doub
 static int32_t grow(vista_straight_lines *lines, int32_t from, int32_t step, growth *g, int32_t *members,
                     int32_t *member_count) {
   int32_t last = from;
-  for (int32_t strip = from + step;
-       strip >= 0 && strip < lines->ridge.strips && step * (strip - last) <= GAP_STRIPS + 1; strip += step) {
+  for (int32_t strip = from + step; strip >= 0 && strip < lines->ridge.strips &&
+                                    step * (strip - last) <= 1 + (g->n < KNOWN_PIECES ? GAP_STRIPS : LONG_GAP_STRIPS);
+       strip += step) {
     double u, per_strip;
     line_of(g, &u, &per_strip);
     const int32_t found = next_piece(lines, strip, u + per_strip * (strip - from), per_strip);
@@ -103,20 +106,30 @@ static int32_t grow(vista_straight_lines *lines, int32_t from, int32_t step, gro
   return last;
 }
 
-/* Share of the line's rows where the image is a ridge on it. */
-static double support(const vista_ridge *ridge, const vista_straight_line *line) {
+/* Of the rows of the line from `first` on, those where the image is a ridge on it. */
+static int32_t rows_on_ridge(const vista_ridge *ridge, const vista_straight_line *line, int32_t first, int32_t count) {
   int32_t on = 0;
-  for (int32_t v = line->first_v_px; v <= line->last_v_px; ++v) {
+  for (int32_t v = first; v < first + count; ++v) {
     const int32_t u = (int32_t)lround(vista_straight_line_u_px(line, v));
-    int32_t sum_max = 0;
+    int32_t most = 0;
     for (int32_t k = u - 1; k <= u + 1; ++k) {
       if (k < 0 || k >= ridge->width_px) continue;
-      const int32_t value = vista_ridge_at(ridge, k, v);
-      if (abs(value) > sum_max) sum_max = abs(value);
+      const int32_t value = abs(vista_ridge_at(ridge, k, v));
+      most = value > most ? value : most;
     }
-    on += sum_max >= ON_RIDGE;
+    on += most >= ON_RIDGE;
   }
-  return (double)on / (line->last_v_px - line->first_v_px + 1);
+  return on;
+}
+
+int32_t vista_straight_line_end(const vista_ridge *ridge, const vista_straight_line *line, int32_t from_v_px,
+                                int32_t step) {
+  int32_t end = from_v_px / VISTA_STRIP_ROWS;
+  for (int32_t strip = end + step; abs(strip - end) <= GAP_STRIPS + 1; strip += step) {
+    if (strip < line->first_v_px / VISTA_STRIP_ROWS || strip > line->last_v_px / VISTA_STRIP_ROWS) break;
+    if (2 * rows_on_ridge(ridge, line, strip * VISTA_STRIP_ROWS, VISTA_STRIP_ROWS) > VISTA_STRIP_ROWS) end = strip;
+  }
+  return end * VISTA_STRIP_ROWS + (step > 0 ? VISTA_STRIP_ROWS - 1 : 0);
 }
 
 static bool is_known(const vista_straight_lines *lines, const vista_straight_line *line) {
@@ -152,7 +165,8 @@ static void grow_from(const vista_thin_params *params, int32_t seed, int32_t *me
                                     .first_v_px = above * VISTA_STRIP_ROWS,
                                     .last_v_px = (below + 1) * VISTA_STRIP_ROWS - 1,
                                     .pieces = count};
-  if (support(&lines->ridge, &line) < params->ridge_share) return;
+  const int32_t rows = line.last_v_px - line.first_v_px + 1;
+  if (rows_on_ridge(&lines->ridge, &line, line.first_v_px, rows) < params->ridge_share * rows) return;
   for (int32_t i = 0; i < count; ++i) lines->pieces[members[i]].taken = true;
   if (!is_known(lines, &line)) lines->items[lines->count++] = line;
 }

@@ -47,6 +47,11 @@ typedef struct vista_straight_lines {
 
 void vista_straight_lines_layout(vista_straight_lines *lines, vista_arena *arena, int32_t width_px, int32_t height_px);
 
+/* The last row of the line, upward (step -1) or downward (1) from a row of it, before the image shows no ridge on it for
+ * more than two strips. */
+int32_t vista_straight_line_end(const vista_ridge *ridge, const vista_straight_line *line, int32_t from_v_px,
+                                int32_t step);
+
 /* Noise: standard deviation in grey levels. */
 void vista_straight_lines_find(const vista_image *image, const vista_thin_params *params, double noise_levels,
                                vista_straight_lines *lines);
