@@ -32,7 +32,7 @@ endif
 DEMO_PAIRS := build/demo/oak-d
 DEMO_FLIGHT := build/demo/flight
 
-.PHONY: check types coverage lint-c help setup setup-browser native build install generate test test-python test-asan drift docs bench lint lint-python demo flights lock clean distclean
+.PHONY: check types coverage lint-c help setup setup-jobs setup-browser native build install generate test test-python test-asan drift docs bench lint lint-python demo flights lock clean distclean
 
 help: ## list the targets
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -57,8 +57,13 @@ setup: .venv/run.stamp ## install the pinned Python packages and the command .ve
 .venv/bench.stamp: $(REQUIREMENTS)/bench.txt .venv/test.stamp
 	@$(SETUP) bench
 
+.venv/jobs.stamp: $(REQUIREMENTS)/jobs.txt .venv/test.stamp
+	@$(SETUP) jobs
+
 .venv/docs.stamp: $(REQUIREMENTS)/docs.txt .venv/run.stamp
 	@$(SETUP) docs
+
+setup-jobs: .venv/jobs.stamp ## install what `--cluster` and `vista dataset` need besides: Dask, pyarrow and fsspec
 
 setup-browser: ## fetch Chromium for the tests of HTML pages, unless one is installed (Debian, 125 MB); they are skipped without
 	@scripts/setup_browser.sh
@@ -89,13 +94,13 @@ generate: .venv/run.stamp ## write generated sources and tables anew, after a ch
 
 # ---- checks ----
 
-check: lint types build systemc-tests .venv/test.stamp ## check style and types and run the fast tests: under a minute, to be run often
+check: lint types build systemc-tests .venv/jobs.stamp ## check style and types and run the fast tests: under a minute, to be run often
 	@$(PYTHON) -m pytest -n $(WORKERS) -m "not slow"
 
-test: lint types drift docs build systemc-tests fuzz-targets .venv/test.stamp $(RTL_TOOLS) ## check everything that has to hold: lint, types, all tests, those of the C code under sanitizers, fuzz targets, documentation
+test: lint types drift docs build systemc-tests fuzz-targets .venv/jobs.stamp $(RTL_TOOLS) ## check everything that has to hold: lint, types, all tests, those of the C code under sanitizers, fuzz targets, documentation
 	@scripts/test_all.sh $(WORKERS)
 
-test-python: build systemc-tests .venv/test.stamp $(RTL_TOOLS)
+test-python: build systemc-tests .venv/jobs.stamp $(RTL_TOOLS)
 	@$(PYTHON) -m pytest -n $(WORKERS)
 
 drift: .venv/run.stamp ## check that generated sources and tables equal what their generators write
@@ -111,10 +116,10 @@ lint-python: .venv/test.stamp
 lint-c: .venv/test.stamp
 	@git ls-files '*.c' '*.h' '*.cpp' | xargs .venv/bin/clang-format --dry-run -Werror
 
-types: build .venv/test.stamp ## run mypy: the product strictly, the rest as far as it is typed
+types: build .venv/jobs.stamp ## run mypy: the product strictly, the rest as far as it is typed
 	@.venv/bin/mypy
 
-coverage: build systemc-tests .venv/test.stamp $(RTL_TOOLS) ## measure what the tests cover of C and Python: a table by folder, and build/coverage/index.html
+coverage: build systemc-tests .venv/jobs.stamp $(RTL_TOOLS) ## measure what the tests cover of C and Python: a table by folder, and build/coverage/index.html
 	@scripts/coverage.sh $(WORKERS)
 
 test-asan: build .venv/test.stamp ## run the tests of the C code under ASan and UBSan

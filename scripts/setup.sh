@@ -1,5 +1,5 @@
 #!/bin/bash
-# Installs one set of pinned packages (build | run | test | bench | rtl | docs) into .venv: setup.sh SET
+# Installs one set of pinned packages (build | run | test | bench | rtl | docs | jobs) into .venv: setup.sh SET
 # A set is complete when .venv/SET.stamp exists. A set-up that was interrupted leaves .venv/installing behind,
 # and the next one starts from nothing: pip would take a half-copied package for an installed one.
 # setup.sh moved: only puts right what holds the path of a checkout that was moved since.

@@ -171,7 +171,7 @@ static void print_result(long index, const vista_result *result) {
   }
   printf("], \"nearest_collision\": ");
   print_nearest(&result->nearest_collision);
-  printf("}\n");
+  printf(", \"path_seen_m\": %.17g}\n", result->path_seen_m);
 }
 
 static int compare_doubles(const void *a, const void *b) {

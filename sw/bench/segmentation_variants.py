@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import argparse
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -42,8 +42,8 @@ class Around:
     def parameters(self) -> EngineParameters:
         return self.engine.parameters
 
-    def compute(self, left: Image, right: Image) -> Disparity:
-        return self.after(self.engine.compute(self.before(left), self.before(right)))
+    def levels(self, left: Image, right: Image) -> Iterator[Disparity]:
+        return map(self.after, self.engine.levels(self.before(left), self.before(right)))
 
 
 def smoothed(engine: Engine) -> Engine:

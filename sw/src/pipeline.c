@@ -14,6 +14,7 @@
 #include "stages/health.h"
 #include "stages/motion.h"
 #include "stages/obstacle_map.h"
+#include "stages/path_view.h"
 #include "stages/reconstruction.h"
 #include "stages/refinement.h"
 #include "stages/segmentation.h"
@@ -46,6 +47,7 @@ typedef enum stage {
   STAGE_TRACKING,
   STAGE_BLIND_ZONE,
   STAGE_MAP,
+  STAGE_PATH_VIEW,
   STAGE_COUNT
 } stage;
 
@@ -91,6 +93,7 @@ static const char *const stage_names[STAGE_COUNT] = {
     [STAGE_TRACKING] = "tracking",
     [STAGE_BLIND_ZONE] = "blind_zone",
     [STAGE_MAP] = "map",
+    [STAGE_PATH_VIEW] = "path_view",
 };
 
 int32_t vista_stage_count(void) { return STAGE_COUNT; }
@@ -236,6 +239,7 @@ typedef struct passage {
   vista_health health;
   double valid_fraction;
   double up_camera[3];
+  double path_seen_m;
   int32_t detection_count;
   int64_t dropped_before; /* tracks, in earlier frames */
 } passage;
@@ -332,6 +336,9 @@ static vista_status run_stage(vista_pipeline *p, stage stage, passage *way) {
       return vista_obstacle_map_update(p->map, &q->obstacle_map, &p->camera, &way->motion, &way->path, &p->blind_zone,
                                        tracks, count);
     }
+    case STAGE_PATH_VIEW:
+      return vista_path_view(&q->obstacle_map, &p->camera, &p->matched, &way->path, &way->motion.pose, words,
+                             p->refinement.label, &p->regions, &way->path_seen_m);
     case STAGE_COUNT:
       break;
   }
@@ -378,7 +385,8 @@ vista_status vista_pipeline_process_sized(vista_pipeline *pipeline, const vista_
                     .dropped_tracks = vista_tracker_dropped(p->tracker) - way.dropped_before,
                     .stage_count = STAGE_COUNT,
                     .stage_ms = p->stage_ms,
-                    .views = &p->views};
+                    .views = &p->views,
+                    .path_seen_m = way.path_seen_m};
   r.obstacles = vista_obstacle_map_obstacles(p->map, &r.obstacle_count);
   for (int k = 0; k < STAGE_COUNT; ++k) r.host_ms += p->stage_ms[k];
   memset(result, 0, result_bytes);

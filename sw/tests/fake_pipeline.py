@@ -81,6 +81,7 @@ class FakePipeline:
         return Result(
             obstacles=obstacles,
             nearest_collision=nearest,
+            path_seen_m=z_m,
             motion=motion,
             health=Health("healthy", (), (), float(np.mean(words >= 0)), 50.0),
             regions=regions,

@@ -9,8 +9,8 @@ import numpy as np
 
 
 def seed_of(test: str) -> int:
-    """VISTA_SEED if it is set; otherwise derived from VISTA_RUN, which `make test` sets to the commit, so that
-    a run is repeated by running the same commit and every commit draws anew; otherwise fresh."""
+    """VISTA_SEED if it is set; otherwise derived from VISTA_RUN, which `make test` sets to the commit, so
+    that the same commit repeats a run and every commit draws anew; otherwise fresh."""
     if seed := os.environ.get("VISTA_SEED"):
         return int(seed)
     if run := os.environ.get("VISTA_RUN"):

@@ -23,7 +23,7 @@ from vista.recording import FRAME, HEADER, PARAMETER
 REPLAY = native.build_folder() / "bin" / "replay"
 STAGES = (
     "motion,noise,words,foveation,health,surface,affinity,segmentation,refinement,regions,thin,reconstruction,tracking,"
-    "blind_zone,map,host,cpu"
+    "blind_zone,map,path_view,host,cpu"
 )
 SANITIZED = "asan" in os.environ.get("LD_PRELOAD", "")
 
@@ -73,6 +73,7 @@ def as_line(index: int, result: Result) -> dict:
             "distance_m": nearest.distance_m,
             "time_to_collision_s": nearest.time_to_collision_s,
         },
+        "path_seen_m": result.path_seen_m,
     }
 
 

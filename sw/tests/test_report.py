@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from fake_pipeline import FakePipeline, fake_obstacle
+from vista.command.run import path_seen
 from vista.geometry import Calibration, Pose
 from vista.health.finding import Finding, FrameHealth, Reason, State
 from vista.health.summary import summarize_health
@@ -73,6 +74,7 @@ def make_summary(records: list[FrameRecord], stills: bool = False) -> dict:
         "camera": {"width": 160, "height": 120, "focal_px": 120.0, "baseline_m": 0.25},
         "rectified": False,
         "obstacles_confirmed": 3,
+        "path_seen_m": path_seen(records),
         "parameters": {"stereo": {"num_disparities": 32, "block_size": 11}},
         "stages_ms": stage_statistics(records),
     }

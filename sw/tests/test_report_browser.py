@@ -12,7 +12,7 @@ from test_report import make_records, render
 pytestmark = needs_browser
 WIDTHS_PX = (375, 800, 1300)
 FRAMES = 12
-PLOTS = ("distances", "map", "left", "valid", "regions")
+PLOTS = ("distances", "map", "left", "valid", "seen")
 
 # Boxes of all visible texts of the charts; of two that overlap, their words.
 COVERED_LABELS = """(() => {

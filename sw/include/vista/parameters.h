@@ -204,7 +204,8 @@ typedef struct vista_obstacle_map_params {
   double outline_px; /* Pixels by which matching widens a thing to each side: so much nearer to the path has a pixel to be, to be in the collision volume. 0.0 .. 100.0 px. */
   double lasting_scatter; /* The same in u, v and disparity, as a share of the scatter of its detections: a region that wanders may be wrong for long. 0.0 .. 10.0. */
   double thickness_ratio; /* The middle of a thing lies this share of half its smaller side behind the surface that is seen, uncertain by as much: 0 for a board, 1 for a ball. 0.0 .. 1.0. */
-  unsigned char reserved[168];
+  double seen_min_fraction; /* The flight path is seen as far as this share of the collision volume's cross-section has disparities in regions that could be judged. 0.0 .. 1.0. */
+  unsigned char reserved[160];
 } vista_obstacle_map_params;
 
 /* When a view tells too little. */

@@ -64,6 +64,7 @@ typedef struct vista_result {
   const double *stage_ms; /* stage_count numbers: the time of each stage */
   double host_ms; /* the time of all stages */
   const vista_views *views;
+  double path_seen_m; /* how far the flight path is seen: beyond, no obstacle does not mean free space */
 } vista_result;
 
 /* Returns the obstacle with this index, 0 .. obstacle_count - 1. Indexing result->obstacles does the same as long as header and

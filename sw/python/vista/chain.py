@@ -54,6 +54,13 @@ def engine_parameters(values: parameters.Values) -> EngineParameters:
     return EngineParameters(**stereo | spelled)
 
 
+def fitted_to(sequence: Sequence, values: parameters.Values) -> parameters.Values:
+    """The parameters for this sequence: stills have nothing to confirm a scene with."""
+    if not sequence.stills:
+        return values
+    return values | {"tracker": values["tracker"] | {"confirm_hits": 1, "confirm_window": 1}}
+
+
 def make_chain(
     sequence: Sequence,
     engine_name: str,
@@ -116,5 +123,6 @@ def run_frame(chain: Chain, files: FrameFiles) -> Step:
         stage_ms,
         result.dropped_tracks,
         result.motion.known,
+        result.path_seen_m,
     )
     return Step(raw, frame, levels, result, record)

@@ -17,7 +17,7 @@ from pathlib import Path
 
 import cv2
 
-from vista.errors import EXIT_INPUT, EXIT_INTERRUPTED, EXIT_OK, InputError
+from vista.errors import EXIT_INPUT, EXIT_INTERRUPTED, EXIT_OK, InputError, JobsError
 from vista.interruption import stopping_at_once
 from vista.version import version
 
@@ -27,16 +27,26 @@ COMMANDS = (
     "run",
     "disparity",
     "flights",
+    "worlds",
     "figures",
     "scenes",
+    "dataset",
     "throughput",
     "config",
 )  # as the help has them
-EXTRA_OF = {"flights": "flights", "figures": "flights", "scenes": "flights", "throughput": "throughput"}
+EXTRA_OF = {
+    "flights": "flights",
+    "worlds": "flights",
+    "figures": "flights",
+    "scenes": "flights",
+    "dataset": "dataset",
+    "throughput": "throughput",
+}
 EPILOG = """\
 exit status:
   0    done
   2    bad input or usage; one line on stderr names the culprit, nothing is half written
+  3    of many jobs, some failed; a line on stderr names each, the others are done and kept
   130  interrupted (Ctrl-C or SIGTERM); what was written is valid
 """
 
@@ -130,6 +140,10 @@ def main(arguments: list[str] | None = None) -> int:
     except InputError as error:
         print(f"vista: {error}", file=sys.stderr)
         return EXIT_INPUT
+    except JobsError as error:
+        if error.failed > 1:
+            print(f"vista: {error}", file=sys.stderr)
+        return error.status
     except ModuleNotFoundError as error:
         print(f"vista: {missing(named or 'vista', str(error))}", file=sys.stderr)
         return EXIT_INPUT

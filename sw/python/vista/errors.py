@@ -6,6 +6,7 @@ from pathlib import Path
 
 EXIT_OK = 0
 EXIT_INPUT = 2
+EXIT_JOBS = 3
 EXIT_INTERRUPTED = 130  # 128 + SIGINT
 
 
@@ -24,3 +25,14 @@ class InputError(Exception):
     def __reduce__(self) -> tuple[type[InputError], tuple[str, str]]:
         """Exceptions are rebuilt from their arguments when they come back from another process."""
         return InputError, (self.culprit, self.reason)
+
+
+class JobsError(Exception):
+    """Some of many jobs failed, and a line on stderr has named each; the others are done.
+
+    status: the exit status, that of bad input if nothing else was wrong."""
+
+    def __init__(self, title: str, failed: int, total: int, status: int) -> None:
+        self.failed = failed
+        self.status = status
+        super().__init__(f"{title}: {failed} of {total} failed")

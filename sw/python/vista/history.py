@@ -29,6 +29,7 @@ class FrameRecord:
     stage_ms: dict[str, float]  # in the order in which the stages ran
     dropped_tracks: int = 0  # for want of room
     motion_known: bool = False
+    path_seen_m: float = 0.0  # beyond, no obstacle does not mean free space
     health: FrameHealth = field(default_factory=FrameHealth)  # empty where no checks are made
 
 

@@ -53,6 +53,7 @@ def obstacle_line(record: FrameRecord, all_tracks: bool = False) -> str:
             if obstacle.confirmed or all_tracks
         ],
         "nearest_collision": None if nearest is None else _nearest(nearest),
+        "path_seen_m": _rounded(record.path_seen_m, METRES),
     }
     return json.dumps(line, allow_nan=False)
 

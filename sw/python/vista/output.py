@@ -14,6 +14,14 @@ def unwritable(path: Path, error: OSError) -> InputError:
     return InputError(path, f"cannot be written: {(error.strerror or str(error)).lower()}")
 
 
+def make_folder(path: Path) -> None:
+    """With those above it. Raises InputError when that cannot be done."""
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise unwritable(path, error) from None
+
+
 def write_atomically(path: Path, data: bytes | str) -> None:
     """Writes beside the target, then renames. Raises InputError when the target cannot be written."""
     content = data.encode(errors="replace") if isinstance(data, str) else data

@@ -85,6 +85,7 @@ class Result:
 
     obstacles: list[Obstacle]  #: nearest first
     nearest_collision: Nearest | None
+    path_seen_m: float  #: how far the flight path is seen; beyond, no obstacle does not mean free space
     motion: Motion
     health: Health
     regions: int
@@ -210,6 +211,7 @@ class Pipeline:
         return Result(
             obstacles=[_obstacle(ffi, lib, r.obstacles[k]) for k in range(r.obstacle_count)],
             nearest_collision=_nearest(nearest) if nearest.valid else None,
+            path_seen_m=r.path_seen_m,
             motion=_motion(ffi, lib, r.motion),
             health=_health(ffi, lib, r.health),
             regions=r.region_count,

@@ -13,6 +13,7 @@ import hashlib
 import json
 import sys
 from collections.abc import Callable, Iterable, Iterator
+from contextlib import suppress
 from dataclasses import asdict, fields, is_dataclass
 from functools import cache
 from importlib.util import find_spec
@@ -20,7 +21,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 import numpy as np
-from vista.output import write_atomically
+from vista.output import make_folder, write_atomically
 
 T = TypeVar("T")
 
@@ -30,15 +31,30 @@ def kept(path: Path, digest: str, find: Callable[[], T], read: Callable[[Any], T
 
     read: from what JSON makes of it."""
     if not anew:
-        try:
-            content = json.loads(path.read_text())
-            if content["digest"] == digest:
-                return read(content["found"])
-        except (OSError, ValueError, KeyError, TypeError):  # absent, or of an earlier layout
-            pass
+        content = read_kept(path, digest)
+        with suppress(ValueError, KeyError, TypeError):  # of an earlier layout
+            if content is not None:
+                return read(content)
     found = find()
-    write_atomically(path, json.dumps({"digest": digest, "found": to_json(found)}))
+    keep(path, digest, found)
     return found
+
+
+def read_kept(path: Path, digest: str) -> Any | None:
+    """What `path` holds, as JSON makes it, if that is of this digest."""
+    try:
+        content = json.loads(path.read_text())
+        return content["found"] if content["digest"] == digest else None
+    except (OSError, ValueError, KeyError, TypeError):  # absent, or of an earlier layout
+        return None
+
+
+def keep(path: Path, digest: str, found: Any) -> Any:
+    """Keeps it for `read_kept`, and returns what that will."""
+    text = json.dumps({"digest": digest, "found": to_json(found)})
+    make_folder(path.parent)
+    write_atomically(path, text)
+    return json.loads(text)["found"]
 
 
 def to_json(value: Any) -> Any:

@@ -16,7 +16,8 @@ from typing import TYPE_CHECKING
 import cv2
 import numpy as np
 from vista import parameters
-from vista.engine import Disparity, EngineParameters, StereoEngine
+from vista.chain import engine_parameters
+from vista.engine import Disparity, EngineParameters, create_engine
 from vista.errors import InputError
 from vista.geometry import Array, Calibration
 from vista.rectify import Rectifier
@@ -94,15 +95,15 @@ def _measure(
     values = parameters.defaults()
     values["stereo"]["num_disparities"] = engine.num_disparities
     values["stereo"]["block_size"] = engine.block_size
-    matcher = StereoEngine(engine.num_disparities, engine.block_size)
+    matcher = create_engine("golden", engine_parameters(values))  # all levels, as the host is shipped
     try:
         pipelines = [Pipeline(camera, values) for _ in range(PASSES)]
     except ValueError as error:
         raise InputError("throughput", f"host at {camera.width}x{camera.height} px: {error}") from None
     series: dict[str, list[float]] = {}
     for number, frame in enumerate(frames):
-        words = matcher.compute(frame.left, frame.right)
-        passes = [_processor_ms(pipeline, frame, words, up_world) for pipeline in pipelines]
+        levels = list(matcher.levels(frame.left, frame.right))
+        passes = [_processor_ms(pipeline, frame, levels, up_world) for pipeline in pipelines]
         fastest = min(passes, key=lambda stage_ms: stage_ms["host"])
         for name, milliseconds in fastest.items():
             if name != "host" and number >= WARM_UP_FRAMES:
@@ -111,11 +112,11 @@ def _measure(
 
 
 def _processor_ms(
-    pipeline: Pipeline, frame: Frame, words: Disparity, up_world: Array | None
+    pipeline: Pipeline, frame: Frame, levels: list[Disparity], up_world: Array | None
 ) -> dict[str, float]:
     """The library's wall times, scaled to the call's processor time where that is less."""
     start_s = thread_time()
-    result = pipeline.process(frame.left, words, frame.t_ns, frame.world_from_camera, up_world)
+    result = pipeline.process(frame.left, levels, frame.t_ns, frame.world_from_camera, up_world)
     processor_ms = 1e3 * (thread_time() - start_s)
     running = min(1.0, processor_ms / result.stage_ms["host"])
     return {name: running * milliseconds for name, milliseconds in result.stage_ms.items()}

@@ -18,8 +18,10 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from vista import parameters
-from vista.chain import Chain, make_chain
+from vista.chain import Chain, fitted_to, make_chain
 from vista.command.arguments import add_config, load_parameters, positive
 from vista.engine import ENGINES
 from vista.engine.rtl import DEFAULT_WIDTH_PX
@@ -96,8 +98,7 @@ def execute(arguments: argparse.Namespace) -> int:
     values = load_parameters(arguments.config, arguments.engine)
     folder = ResultFolder(arguments.out)
     sequence = open_sequence(arguments.sequence, arguments.pair_tolerance_ms)
-    if sequence.stills:  # nothing to confirm a scene with
-        values["tracker"] |= {"confirm_hits": 1, "confirm_window": 1}
+    values = fitted_to(sequence, values)
     frames = select_frames(sequence, arguments.frames)
     chain = make_chain(sequence, arguments.engine, values, arguments.threads, arguments.rtl_width)
     candidates = chain.engine.parameters.num_disparities
@@ -167,9 +168,16 @@ def make_summary(
         "obstacles_confirmed": len(confirmed),
         "tracks_dropped": sum(record.dropped_tracks for record in records),
         "frames_with_collision": sum(record.nearest_collision is not None for record in records),
+        "path_seen_m": path_seen(records),
         "parameters": values,
         "stages_ms": stage_statistics(records),
     }
+
+
+def path_seen(records: list[FrameRecord]) -> dict[str, float]:
+    """How far the flight path was seen: in the median frame, and in the worst."""
+    seen_m = [record.path_seen_m for record in records]
+    return {"median": round(float(np.median(seen_m)), 1), "least": round(min(seen_m), 1)}
 
 
 def closing_lines(summary: dict[str, Any], report: Path) -> str:

@@ -88,6 +88,7 @@ def _frame(
         "known": record.motion_known,
         "obstacles": sum(obstacle.confirmed for obstacle in record.obstacles),
         "valid": round(100 * record.valid_fraction, 1),
+        "seen": _number(record.path_seen_m),
         "regions": record.regions,
         "camera": [_number(camera_m[axis]) for axis in plane],
         "ms": [_number(record.stage_ms[name]) if name in record.stage_ms else None for name in stages],
@@ -254,7 +255,8 @@ def _remark(summary: Data, hits: list[FrameRecord]) -> str:
     if blind:
         return f"but blind in {blind} {unit}s: that does not mean free space"
     if not hits:
-        return "nothing was found in the collision volume"
+        median_m = summary["path_seen_m"]["median"]
+        return f"nothing found in the collision volume, seen up to {median_m:.0f} m in half of the {unit}s"
     nearest = hits[0].nearest_collision
     if summary["stills"] or nearest is None:
         return "within the collision volume along the optical axis"

@@ -11,21 +11,23 @@ from __future__ import annotations
 
 import argparse
 import json
-from concurrent.futures import ProcessPoolExecutor
+from collections.abc import Callable
 from dataclasses import asdict
 from functools import partial
+from multiprocessing import parent_process
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from tqdm import tqdm
 from vista import parameters
-from vista.command.arguments import add_config, load_parameters, not_negative, positive
+from vista.command.arguments import add_config, load_parameters, not_negative
 from vista.errors import EXIT_OK, InputError
 from vista.output import write_atomically
 
 from vista_eval.baselines.stereo_alone import Outcome, outcomes_cached
 from vista_eval.dataset.truth import SPLITS, TRUTH, read_truth
 from vista_eval.fly import UNDISTURBED, Disturbance, fly_cached
+from vista_eval.jobs import Job, Place, add_place, chosen_place, jobs_of, run
 from vista_eval.metrics.comparison import Comparison, compare, comparison_line
 from vista_eval.metrics.flight_score import FlightScore, score_records, summary
 from vista_eval.metrics.flight_segmentation import FlightSegmentation, rows, segment_cached
@@ -40,6 +42,7 @@ if TYPE_CHECKING:
 
 SCORES, REPORT = "flights.json", "report.html"
 RECORDS = "records.json"
+Work = Callable[[Path], Any]
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -60,7 +63,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--fly-again",
         action="store_true",
-        help="run flights again whose results are kept, to measure the times of the host anew",
+        help="run flights again whose results are kept, to measure the times of the host anew; one at a "
+        "time, unless --jobs or --cluster says otherwise",
     )
     parser.add_argument("--render-only", action="store_true", help="render what is missing and stop")
     parser.add_argument(
@@ -78,13 +82,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="score also with sensor noise added to the images of both cameras, of each standard deviation",
     )
     parser.add_argument("--seed", type=int, default=1, metavar="N", help="seed of all noise (default 1)")
-    parser.add_argument(
-        "--jobs",
-        type=positive,
-        default=1,
-        metavar="N",
-        help="number of flights that are handled at the same time (default 1)",
-    )
+    add_place(parser)
     add_config(parser)
 
 
@@ -93,35 +91,18 @@ def execute(arguments: argparse.Namespace) -> int:
     if arguments.list:
         list_flights()
         return EXIT_OK
-    names = chosen_names(arguments.folder, arguments.only, arguments.no_render)
+    place = chosen_place(arguments, 1 if arguments.fly_again else None)
+    folder = place.known_to_all(arguments.folder)
+    names = chosen_names(folder, arguments.only, arguments.no_render)
     if not arguments.no_render:
-        with_jobs(partial(render, arguments.folder, arguments.quality), names, arguments.jobs, "render")
+        run(jobs_of(partial(render, folder, arguments.quality), names), place, "render", "flight")
     if arguments.render_only:
         return EXIT_OK
-    folders = [arguments.folder / name for name in names]
-    flown = partial(fly_and_score, values, anew=arguments.fly_again)
-    scores = with_jobs(partial(flown, UNDISTURBED), folders, arguments.jobs, "fly")
-    poses = Disturbance(poses=True, seed=arguments.seed)
-    noisy = (
-        with_jobs(partial(flown, poses), folders, arguments.jobs, "pose noise")
-        if arguments.pose_noise
-        else []
-    )
-    sensed = {
-        grey: with_jobs(
-            partial(flown, Disturbance(image_grey=grey, seed=arguments.seed)),
-            folders,
-            arguments.jobs,
-            f"sensor noise {grey:g}",
-        )
-        for grey in arguments.noise
-    }
-    alone = (
-        []
-        if arguments.no_baseline
-        else with_jobs(partial(stereo_alone, values), folders, arguments.jobs, "stereo alone")
-    )
-    segmented = with_jobs(partial(segment, values), folders, arguments.jobs, "segmentation")
+    folders = [folder / name for name in names]
+    found = score_all(works_of(arguments, values), folders, place)
+    scores, segmented = found["fly"], found["segmentation"]
+    noisy, alone = found.get("pose noise", []), found.get("stereo alone", [])
+    sensed = {grey: found[sensor_noise_title(grey)] for grey in arguments.noise}
     comparison = compare(scores, alone) if alone else None
     against_stereo = comparison_untuned(scores, alone) if alone else None
     reached = goals(untuned(scores), untuned(noisy), against_stereo)
@@ -135,7 +116,7 @@ def execute(arguments: argparse.Namespace) -> int:
     print("\n" + segmentation_table(segmented) + "\n")
     print("\n".join(goal_line(goal) for goal in reached))
     write_scores(arguments.folder / SCORES, scores, noisy, sensed, segmented, comparison, reached, values)
-    pages = with_jobs(partial(flight_page, values), list(zip(folders, scores, strict=True)), 1, "pictures")
+    pages = [flight_page(values, flight) for flight in zip(folders, scores, strict=True)]
     page = render_flights(pages, noisy, sensed, segmented, comparison, reached, values)
     write_atomically(arguments.folder / REPORT, page)
     print(f"\nreport: {arguments.folder / REPORT}")
@@ -159,12 +140,33 @@ def flight_page(values: parameters.Values, flight: tuple[Path, FlightScore]) -> 
     return FlightPage(score, truth.focal_baseline_px_m, filmstrip(truth, score, records))
 
 
-def with_jobs(work: Any, items: list[Any], jobs: int, title: str) -> list[Any]:
-    """work of each item, in their order."""
-    if jobs == 1 or len(items) < 2:
-        return [work(item) for item in tqdm(items, desc=title, unit="flight", disable=None)]
-    with ProcessPoolExecutor(jobs) as pool:
-        return list(tqdm(pool.map(work, items), total=len(items), desc=title, unit="flight", disable=None))
+def works_of(arguments: argparse.Namespace, values: parameters.Values) -> dict[str, Work]:
+    """What is made of every flight, by title."""
+    flown = partial(fly_and_score, values, anew=arguments.fly_again)
+    works: dict[str, Work] = {"fly": partial(flown, UNDISTURBED)}
+    if arguments.pose_noise:
+        works["pose noise"] = partial(flown, Disturbance(poses=True, seed=arguments.seed))
+    for grey in arguments.noise:
+        disturbance = Disturbance(image_grey=grey, seed=arguments.seed)
+        works[sensor_noise_title(grey)] = partial(flown, disturbance)
+    if not arguments.no_baseline:
+        works["stereo alone"] = partial(stereo_alone, values)
+    return works | {"segmentation": partial(segment, values)}
+
+
+def sensor_noise_title(grey: float) -> str:
+    return f"sensor noise {grey:g}"
+
+
+def score_all(works: dict[str, Work], folders: list[Path], place: Place) -> dict[str, list[Any]]:
+    """By title of the work: its result of each flight, in their order."""
+    jobs = [
+        Job(f"{folder.name}, {title}", partial(work, folder))
+        for title, work in works.items()
+        for folder in folders
+    ]
+    results = iter(run(jobs, place, "score"))
+    return {title: [next(results) for _ in folders] for title in works}
 
 
 def fly_and_score(
@@ -255,7 +257,8 @@ def render(folder: Path, quality: Quality, name: str) -> None:
         return
     try:
         frames = render_flight(flight, out, quality)
-        for _ in tqdm(frames, name, frames_of(flight, quality), unit="frame", leave=False, disable=None):
+        quiet = True if parent_process() else None  # one of several that render
+        for _ in tqdm(frames, name, frames_of(flight, quality), unit="frame", leave=False, disable=quiet):
             pass
     except OSError as error:
         raise InputError(error.filename or name, error.strerror or str(error)) from None

@@ -3,24 +3,24 @@
 from __future__ import annotations
 
 import json
-from concurrent.futures import ProcessPoolExecutor
 from functools import partial
 from pathlib import Path
 
-from tqdm import tqdm
 from vista import parameters
 from vista.errors import InputError
-from vista.output import unwritable, write_atomically
+from vista.output import make_folder, write_atomically
 
 from vista_eval.detectors import OURS
-from vista_eval.measured_pairs import MeasuredPair, PairSource, find_sources, look, measure
+from vista_eval.jobs import Place, jobs_of, run
+from vista_eval.measured_pairs import MeasuredPair, find_sources, look, measure
 from vista_eval.report import pairs_page
 
 
-def measure_folder(kind: str, folder: Path, out: Path, values: parameters.Values, jobs: int) -> None:
+def measure_folder(kind: str, folder: Path, out: Path, values: parameters.Values, place: Place) -> None:
     """Prints the tables; `out` receives <kind>.json and <kind>.html. Raises InputError."""
-    sources = find_sources(kind, folder)
-    measured = run(partial(measure, values), sources, jobs)
+    sources = find_sources(kind, place.known_to_all(folder))
+    jobs = jobs_of(partial(measure, values), sources, lambda source: source.name)
+    measured: list[MeasuredPair] = run(jobs, place, "measure", "pair")
     if not any(m.counts is not None for m in measured):
         raise InputError(folder, "no pair shows a road")
     tables = pairs_page.tables(kind, measured)
@@ -31,21 +31,10 @@ def measure_folder(kind: str, folder: Path, out: Path, values: parameters.Values
         picture = pairs_page.draw_pair(pair, points, judged, values["stereo"]["num_disparities"])
         title = f"{one.name} ({one.split}): recall {pairs_page.recall_of(one):.2f}"
         pictures.append(pairs_page.encode(title, pairs_page.caption(one), picture))
-    try:
-        out.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise unwritable(out, error) from None
+    make_folder(out)
     content = json.dumps(pairs_page.as_json(kind, measured, values), indent=1)
     write_atomically(out / f"{kind}.json", content + "\n")
     report = out / f"{kind}.html"
     write_atomically(report, pairs_page.render_page(kind, measured, tables, pictures))
     print("\n".join(pairs_page.lines(tables)))
     print(f"report: {report}")
-
-
-def run(work: partial[MeasuredPair], sources: list[PairSource], jobs: int) -> list[MeasuredPair]:
-    progress = partial(tqdm, desc="measure", total=len(sources), unit="pair", disable=None)
-    if jobs == 1 or len(sources) < 2:
-        return list(progress(map(work, sources)))
-    with ProcessPoolExecutor(jobs) as pool:
-        return list(progress(pool.map(work, sources)))

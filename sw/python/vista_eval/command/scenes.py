@@ -17,6 +17,7 @@ from __future__ import annotations
 
 import argparse
 import json
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -26,6 +27,8 @@ from vista.command.arguments import add_config, load_parameters, positive
 from vista.errors import EXIT_OK, InputError
 from vista.output import write_atomically
 from vista.parameters import Values
+
+from vista_eval.jobs import Place, add_place, chosen_place, jobs_of, run
 
 if TYPE_CHECKING:
     from vista_eval.render.flight import Quality
@@ -41,7 +44,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--lidar", type=Path, metavar="FOLDER", help="measure street pairs with LiDAR")
     parser.add_argument("--dense", type=Path, metavar="FOLDER", help="measure indoor pairs with dense truth")
-    parser.add_argument("--jobs", type=positive, default=1, metavar="N", help="pairs at a time (default 1)")
+    add_place(parser)
     parser.add_argument(
         "--count",
         type=positive,
@@ -64,6 +67,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(arguments: argparse.Namespace) -> int:
     values = load_parameters(arguments.config, "golden")
+    place = chosen_place(arguments)
     measured = {"lidar": arguments.lidar, "dense": arguments.dense}
     if any(measured.values()):
         from vista_eval.command.measured_pairs import (
@@ -72,20 +76,22 @@ def execute(arguments: argparse.Namespace) -> int:
 
         for kind, folder in measured.items():
             if folder is not None:
-                measure_folder(kind, folder, arguments.folder or PAIRS_FOLDER, values, arguments.jobs)
+                measure_folder(kind, folder, arguments.folder or PAIRS_FOLDER, values, place)
         return EXIT_OK
     if arguments.folder is None:
         raise InputError("DIR", "the folder of the scenes is missing; or name --lidar or --dense")
-    return score_scenes(arguments, values)
+    return score_scenes(arguments, values, place)
 
 
-def score_scenes(arguments: argparse.Namespace, values: Values) -> int:
+def score_scenes(arguments: argparse.Namespace, values: Values, place: Place) -> int:
     from vista_eval.dataset.scenes import read_scenes
     from vista_eval.metrics.scenes import partition_scenes, score_scene
     from vista_eval.report import scenes_page as report  # loads libvista, which `--help` need not
 
     if not arguments.no_render:
-        render(arguments.folder, range(arguments.seed, arguments.seed + arguments.count), arguments.quality)
+        seeds = range(arguments.seed, arguments.seed + arguments.count)
+        render = partial(render_scene, place.known_to_all(arguments.folder), arguments.quality)
+        run(jobs_of(render, seeds, "scene_{:04d}".format), place, "render", "scene")
     scenes = read_scenes(arguments.folder)
     pairs = tqdm(
         partition_scenes(scenes, values), desc="score", total=len(scenes), unit="scene", disable=None
@@ -102,8 +108,7 @@ def score_scenes(arguments: argparse.Namespace, values: Values) -> int:
     return EXIT_OK
 
 
-def render(folder: Path, seeds: range, quality: Quality) -> None:
-    from vista_eval.worlds.labelled import render_labelled
+def render_scene(folder: Path, quality: Quality, seed: int) -> None:
+    from vista_eval.worlds.labelled import render_labelled  # Mitsuba takes a second to load
 
-    for seed in tqdm(seeds, desc="render", unit="scene", disable=None):
-        render_labelled(seed, folder, quality)
+    render_labelled(seed, folder, quality)

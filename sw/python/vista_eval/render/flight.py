@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from pathlib import Path
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 from vista_eval.cache import code_digest, content_sha256
 from vista_eval.dataset.files import write_text
@@ -18,10 +18,14 @@ from vista_eval.render.rig import PAPER_RIG, Rig
 from vista_eval.render.scene import Scene
 from vista_eval.render.sensor import Sensor
 from vista_eval.render.trajectory import Approach, BodyState, Course
-from vista_eval.render.version import RENDER_VERSION
+from vista_eval.render.version import FAST_RENDER_VERSION, RENDER_VERSION
+
+if TYPE_CHECKING:
+    from vista_eval.render.frame import SceneRenderer
 
 MARKER = "content.json"
 Quality = Literal["full", "quick"]
+Renderers = Literal["path", "fast"]  # with Mitsuba, or by casting rays for depth and shadows only
 
 QUICK_FIRST_RANGE_M = 66.0
 QUICK_FRAMES = 60
@@ -38,12 +42,14 @@ class Flight:
     rig: Rig = PAPER_RIG
     sensor: Sensor = field(default_factory=Sensor)
     seed: int = 1
+    family: str = ""  # of sampled worlds: the kind of content, scored by itself
+    renderer: Renderers = "path"
 
 
 def approach_of(flight: Flight, quality: Quality) -> Course:
     """Quick: only the end of the flight."""
     whole = flight.approach
-    if quality == "full" or whole.frames == 1 or not isinstance(whole, Approach):
+    if quality == "full" or flight.renderer == "fast" or whole.frames == 1 or not isinstance(whole, Approach):
         return whole
     step_m = whole.speed_m_s / whole.rate_hz
     near_enough = int((QUICK_FIRST_RANGE_M - whole.last_range_m) / step_m) + 1
@@ -65,6 +71,7 @@ def about(flight: Flight) -> dict:
         "name": flight.name,
         "title": flight.title,
         "split": flight.split,
+        **({"family": flight.family} if flight.family else {}),
         "speed_m_s": approach.speed_m_s,
         "rate_hz": approach.rate_hz,
     }
@@ -73,7 +80,11 @@ def about(flight: Flight) -> dict:
 def sources_of(flight: Flight, quality: Quality) -> str:
     """A digest that is quickly made, without the scene: equal means that the flight's content is."""
     maker = code_digest(flight.scene.__module__)
-    return content_sha256(RENDER_VERSION, maker, flight, approach_of(flight, quality), RAYS[quality])
+    return content_sha256(version_of(flight), maker, flight, approach_of(flight, quality), RAYS[quality])
+
+
+def version_of(flight: Flight) -> object:
+    return RENDER_VERSION if flight.renderer == "path" else ("fast", FAST_RENDER_VERSION)
 
 
 @lru_cache(maxsize=1)
@@ -85,7 +96,7 @@ def content_of(flight: Flight, quality: Quality) -> str:
     """What stands for every byte of a rendered flight: geometry and albedo of its scene, its parameters, and
     the version of the renderer. A change elsewhere, in another flight's scene say, leaves it as it is."""
     return content_sha256(
-        RENDER_VERSION,
+        version_of(flight),
         scene_of(flight),
         (states_of(flight, quality), flight.rig, flight.sensor, RAYS[quality], flight.seed),
     )
@@ -137,6 +148,17 @@ def prepare(flight: Flight, out: Path, quality: Quality = "full") -> None:
     write_text(out / MARKER, [json.dumps({"quality": quality, **digests})])
 
 
+def renderer_of(flight: Flight, quality: Quality) -> SceneRenderer:
+    # Both libraries take a second to load: not for a flight that is complete.
+    if flight.renderer == "fast":
+        from vista_eval.render.fast.renderer import FastRenderer
+
+        return FastRenderer(scene_of(flight), flight.rig)
+    from vista_eval.render.renderer import Renderer
+
+    return Renderer(scene_of(flight), flight.rig, RAYS[quality])
+
+
 def render_flight(flight: Flight, out: Path, quality: Quality = "full") -> Iterator[int]:
     """Renders what `out` lacks, yielding each frame's index when all of it is there.
 
@@ -146,16 +168,14 @@ def render_flight(flight: Flight, out: Path, quality: Quality = "full") -> Itera
         yield from range(frames_of(flight, quality))
         return
     prepare(flight, out, quality)
-    # Mitsuba takes a second to load: not for a flight that is complete.
     from vista_eval.render.frame import frame_paths, render_frame
-    from vista_eval.render.renderer import Renderer
 
     approach, rig, states = approach_of(flight, quality), flight.rig, states_of(flight, quality)
     scene = scene_of(flight)
     renderer = None
     for frame, state in enumerate(states):
         if not all(path.exists() for path in frame_paths(out, state.t_ns)):
-            renderer = renderer or Renderer(scene, rig, RAYS[quality])
+            renderer = renderer or renderer_of(flight, quality)
             renderer.move_to(approach.before_last_s(frame))
             render_frame(renderer, rig, flight.sensor, state, (flight.seed, frame), out)
         yield frame

@@ -3,14 +3,28 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Protocol
+
+import numpy as np
 
 from vista_eval.dataset.files import write_image
 from vista_eval.dataset.layout import image_path
 from vista_eval.dataset.truth import truth_path, write_frame_truth
-from vista_eval.render.renderer import Renderer
 from vista_eval.render.rig import LEFT, RIGHT, Rig
+from vista_eval.render.scene import Scene
 from vista_eval.render.sensor import Sensor, expose
 from vista_eval.render.trajectory import BodyState
+from vista_eval.render.view import View
+
+
+class SceneRenderer(Protocol):
+    """A scene, seen from any pose at any time."""
+
+    @property
+    def scene(self) -> Scene: ...
+    def move_to(self, t_s: float) -> None: ...
+    def radiance(self, world_from_camera: np.ndarray, seed: int) -> np.ndarray: ...
+    def view(self, world_from_camera: np.ndarray) -> View: ...
 
 
 def frame_paths(flight: Path, t_ns: int) -> list[Path]:
@@ -19,7 +33,7 @@ def frame_paths(flight: Path, t_ns: int) -> list[Path]:
 
 
 def render_frame(
-    renderer: Renderer, rig: Rig, sensor: Sensor, state: BodyState, seed: tuple[int, int], out: Path
+    renderer: SceneRenderer, rig: Rig, sensor: Sensor, state: BodyState, seed: tuple[int, int], out: Path
 ) -> None:
     """Writes what `out` lacks of the frame. `seed`: of the flight, and the frame's index."""
     for camera in (LEFT, RIGHT):

@@ -8,7 +8,7 @@ from zlib import crc32
 
 import numpy as np
 
-from vista_eval.render.scene import Cylinder, GroundStrip, Mesh, Scene, Solid, Sway, Thing
+from vista_eval.render.scene import Cylinder, GroundStrip, HeightField, Mesh, Scene, Solid, Sway, Thing
 
 
 def moves(thing: Thing) -> bool:
@@ -22,7 +22,7 @@ def moved(solid: Solid, by_m: np.ndarray) -> Solid:
         case Cylinder():
             start, end = (tuple(np.add(point, by_m)) for point in (solid.start_m, solid.end_m))
             return replace(solid, start_m=start, end_m=end)
-        case GroundStrip():
+        case GroundStrip() | HeightField():
             raise ValueError(f"{solid.name}: the ground does not move")
         case _:
             return replace(solid, center_m=tuple(np.add(solid.center_m, by_m)))

@@ -79,7 +79,36 @@ class Mesh:
     albedo: np.ndarray = field(repr=False, compare=False)  # (N,)
 
 
-Solid = Box | Board | Cylinder | Sphere | GroundStrip | Panel | Mesh
+@dataclass(frozen=True)
+class HeightField:
+    """Ground over a rectangle of the world. Rows of both arrays run along +x, their columns along +y.
+
+    The outermost heights stand on the rectangle's rim and those between at even distances, with a flat
+    triangle on either side of the diagonal from (x, y) to (x + dx, y + dy). The albedo is a map of the whole
+    rectangle, usually much finer: the middle of its texel (0, 0) is half a texel from the rim."""
+
+    name: str
+    x_m: tuple[float, float]
+    y_m: tuple[float, float]
+    height_m: np.ndarray = field(repr=False, compare=False)  # (R, C), R and C at least 2
+    albedo: np.ndarray = field(repr=False, compare=False)
+
+    def vertices_m(self) -> np.ndarray:
+        """(R * C, 3), row by row."""
+        rows, columns = self.height_m.shape
+        x, y = np.meshgrid(np.linspace(*self.x_m, rows), np.linspace(*self.y_m, columns), indexing="ij")
+        return np.stack([x, y, self.height_m], axis=-1).reshape(-1, 3)
+
+    def faces(self) -> np.ndarray:
+        """(2 (R - 1) (C - 1), 3), indices into the vertices, counter-clockwise as seen from above."""
+        rows, columns = self.height_m.shape
+        index = np.arange(rows * columns).reshape(rows, columns)
+        here, ahead, left, across = index[:-1, :-1], index[1:, :-1], index[:-1, 1:], index[1:, 1:]
+        pairs = np.stack([np.stack([here, ahead, across], -1), np.stack([here, across, left], -1)], axis=2)
+        return pairs.reshape(-1, 3)
+
+
+Solid = Box | Board | Cylinder | Sphere | GroundStrip | Panel | Mesh | HeightField
 
 
 @dataclass(frozen=True)
@@ -153,9 +182,10 @@ def bounds_m(solid: Solid) -> tuple[np.ndarray, np.ndarray]:
             half = np.abs(solid.half_right_m) + np.abs(solid.half_down_m)
         case Mesh():
             return solid.vertices_m.min(axis=0), solid.vertices_m.max(axis=0)
-        case GroundStrip():
+        case GroundStrip() | HeightField():
             low, high = np.array([*zip(solid.x_m, solid.y_m, strict=True)])
-            return np.array([*low, 0.0]), np.array([*high, 0.0])
+            heights_m = solid.height_m if isinstance(solid, HeightField) else np.zeros(1)
+            return np.array([*low, heights_m.min()]), np.array([*high, heights_m.max()])
     return center - half, center + half
 
 

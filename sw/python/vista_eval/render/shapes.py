@@ -9,7 +9,17 @@ from __future__ import annotations
 import mitsuba as mi
 import numpy as np
 
-from vista_eval.render.scene import Board, Box, Cylinder, GroundStrip, Mesh, Panel, Solid, Sphere
+from vista_eval.render.scene import (
+    Board,
+    Box,
+    Cylinder,
+    GroundStrip,
+    HeightField,
+    Mesh,
+    Panel,
+    Solid,
+    Sphere,
+)
 
 mi.set_variant("scalar_rgb")
 
@@ -80,20 +90,39 @@ def outlines(solid: Solid) -> list[dict]:
             center = np.array([(x0 + x1) / 2, (y0 + y1) / 2, 0.0])
             half_u, half_v = np.array([0, (y0 - y1) / 2, 0]), np.array([(x1 - x0) / 2, 0, 0])
             return [rectangle(center, half_u, half_v)]
-        case Mesh():
-            raise TypeError("a mesh has no outline")
+        case Mesh() | HeightField():
+            raise TypeError("triangles have no outline")
 
 
-def mesh(solid: Mesh, surface: Surface, backwards: bool) -> mi.Mesh:
-    """Flat faces: without vertex normals each triangle is shaded by its own."""
+def triangles(
+    solid: Solid, vertices_m: np.ndarray, faces: np.ndarray, surface: Surface, textured: bool
+) -> tuple[mi.Mesh, mi.SceneParameters]:
+    """Flat faces: without vertex normals each triangle is shaded by its own. The caller updates."""
     properties = mi.Properties()
     for name, value in surface.items():
         properties[name] = mi.load_dict(value) if isinstance(value, dict) else value
-    shape = mi.Mesh(solid.name, len(solid.vertices_m), len(solid.faces), properties)
-    shape.add_attribute("vertex_albedo", 3, np.repeat(solid.albedo, 3).astype(np.float32).tolist())
+    shape = mi.Mesh(solid.name, len(vertices_m), len(faces), properties, has_vertex_texcoords=textured)
+    if isinstance(solid, Mesh):
+        shape.add_attribute("vertex_albedo", 3, np.repeat(solid.albedo, 3).astype(np.float32).tolist())
     parameters = mi.traverse(shape)
-    parameters["vertex_positions"] = np.ravel(solid.vertices_m).astype(np.float32)
-    parameters["faces"] = np.ravel(solid.faces[:, ::-1] if backwards else solid.faces).astype(np.uint32)
+    parameters["vertex_positions"] = np.ravel(vertices_m).astype(np.float32)
+    parameters["faces"] = np.ravel(faces).astype(np.uint32)
+    return shape, parameters
+
+
+def mesh(solid: Mesh, surface: Surface, backwards: bool) -> mi.Mesh:
+    faces = solid.faces[:, ::-1] if backwards else solid.faces
+    shape, parameters = triangles(solid, solid.vertices_m, faces, surface, textured=False)
+    parameters.update()
+    return shape
+
+
+def height_field(solid: HeightField, surface: Surface, backwards: bool) -> mi.Mesh:
+    faces = solid.faces()[:, ::-1] if backwards else solid.faces()
+    shape, parameters = triangles(solid, solid.vertices_m(), faces, surface, textured=True)
+    rows, columns = solid.height_m.shape
+    v, u = np.meshgrid(np.linspace(0, 1, rows), np.linspace(0, 1, columns), indexing="ij")
+    parameters["vertex_texcoords"] = np.stack([u, v], axis=-1).ravel().astype(np.float32)
     parameters.update()
     return shape
 
@@ -102,4 +131,6 @@ def shapes_of(solid: Solid, surface: Surface, backwards: bool = False) -> list[m
     """`backwards`: faces inwards, which is where light emitted by the surface then goes."""
     if isinstance(solid, Mesh):
         return [mesh(solid, surface, backwards)]
+    if isinstance(solid, HeightField):
+        return [height_field(solid, surface, backwards)]
     return [mi.load_dict(outline | {"flip_normals": backwards} | surface) for outline in outlines(solid)]

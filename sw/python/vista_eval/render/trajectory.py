@@ -49,7 +49,7 @@ def rotation_from_angles(roll_deg: float, pitch_deg: float, yaw_deg: float) -> n
 
 
 class Course(Protocol):
-    """Where the body is in each frame, and what is known of the whole."""
+    """Where the body is in each frame and between frames, and what is known of the whole."""
 
     @property
     def frames(self) -> int: ...
@@ -61,8 +61,8 @@ class Course(Protocol):
     def last_range_m(self) -> float: ...
     @property
     def altitude_m(self) -> float: ...
-    def before_last_s(self, frame: int, /) -> float: ...
-    def state_at(self, frame: int, /) -> BodyState: ...
+    def before_last_s(self, frame: float, /) -> float: ...
+    def state_at(self, frame: float, /) -> BodyState: ...
 
 
 @dataclass(frozen=True)
@@ -77,11 +77,11 @@ class Approach:
     sway_phase_s: float = 0.0  # lets flights differ
     sway_scale: float = 1.0
 
-    def before_last_s(self, frame: int) -> float:
+    def before_last_s(self, frame: float) -> float:
         """Time from the last frame, at most 0."""
         return (frame - self.frames + 1) / self.rate_hz
 
-    def state_at(self, frame: int) -> BodyState:
+    def state_at(self, frame: float) -> BodyState:
         # Sway is counted from the end, so that a shorter approach is the end of a longer one.
         sway_s = self.before_last_s(frame) + self.sway_phase_s
         angles_deg = (self.sway_scale * sway(terms, sway_s) for terms in (ROLL_DEG, PITCH_DEG, YAW_DEG))
@@ -98,7 +98,17 @@ class Approach:
 
 
 def quaternion_wxyz(rotation: np.ndarray) -> np.ndarray:
-    """Unit quaternion of a rotation by less than 180 degrees."""
-    w = math.sqrt(1 + np.trace(rotation)) / 2
+    """Unit quaternion of a rotation, found from the largest of its components."""
     r = rotation
-    return np.array([w, *(np.array([r[2, 1] - r[1, 2], r[0, 2] - r[2, 0], r[1, 0] - r[0, 1]]) / (4 * w))])
+    if np.trace(r) > 0:
+        w = math.sqrt(1 + np.trace(r)) / 2
+        return np.array([w, *(np.array([r[2, 1] - r[1, 2], r[0, 2] - r[2, 0], r[1, 0] - r[0, 1]]) / (4 * w))])
+    i = int(np.argmax(np.diag(r)))
+    j, k = (i + 1) % 3, (i + 2) % 3
+    largest = math.sqrt(1 + r[i, i] - r[j, j] - r[k, k]) / 2
+    found = np.zeros(4)
+    found[1 + i] = largest
+    found[[0, 1 + j, 1 + k]] = np.array([r[k, j] - r[j, k], r[j, i] + r[i, j], r[k, i] + r[i, k]]) / (
+        4 * largest
+    )
+    return found

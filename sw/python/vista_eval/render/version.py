@@ -4,4 +4,5 @@ A change of the renderer's code alone deletes no frames. The test sw/tests/test_
 and asks which of the two it is.
 """
 
-RENDER_VERSION = 1
+RENDER_VERSION = 1  # of the paper's flights, by path tracing
+FAST_RENDER_VERSION = 1  # of flights drawn by casting rays

@@ -42,10 +42,10 @@ class Still:
     def altitude_m(self) -> float:
         return drawn(self.seed)[1].altitude_m
 
-    def before_last_s(self, _: int) -> float:
+    def before_last_s(self, _: float) -> float:
         return 0.0
 
-    def state_at(self, _: int) -> BodyState:
+    def state_at(self, _: float) -> BodyState:
         view = drawn(self.seed)[1]
         pose = np.eye(4)
         pose[:3, :3] = rotation_from_angles(view.roll_deg, view.pitch_deg, 0.0)

@@ -21,7 +21,7 @@
 typedef struct reading {
   const vista_thin_params *params;
   const vista_thin_view *view;
-  const vista_straight_line *line;
+  const vista_thin_line *line;
   double side_px; /* along the row to where a block no longer holds the line */
 } reading;
 
@@ -35,7 +35,7 @@ static double word_at(const vista_thin_view *view, int32_t u, int32_t v) {
 
 /* The nearest of the words beside the line; negative without any. */
 static double beside(const reading *r, int32_t v) {
-  const double u = vista_straight_line_u_px(r->line, v);
+  const double u = vista_thin_u_px(r->line, v);
   double nearest = -1.0;
   for (int side = -1; side <= 1; side += 2)
     for (int k = 0; k < 2; ++k)
@@ -45,7 +45,7 @@ static double beside(const reading *r, int32_t v) {
 
 /* Negative without one; `apart`: nearer than what is beside it. */
 static double on_line(const reading *r, int32_t v, double side, bool *apart) {
-  const int32_t u = (int32_t)lround(vista_straight_line_u_px(r->line, v));
+  const int32_t u = (int32_t)lround(vista_thin_u_px(r->line, v));
   const int32_t places[3] = {u, u - ASIDE_PX, u + ASIDE_PX};
   double any = -1.0;
   *apart = false;
@@ -125,7 +125,7 @@ static bool stands(const reading *r, const vista_camera *camera, const vista_thi
   for (int32_t v = found->first_v_px; v <= found->last_v_px; ++v) {
     const double d = vista_thin_disparity_px(found, v);
     const double height_m =
-        (1.0 - ground_at(view, camera, vista_straight_line_u_px(r->line, v), v) / d) * camera->baseline_m / normal;
+        (1.0 - ground_at(view, camera, vista_thin_u_px(r->line, v), v) / d) * camera->baseline_m / normal;
     above += d > 0.0 && height_m >= r->params->height_m;
   }
   return 2 * above > found->last_v_px - found->first_v_px;
@@ -168,7 +168,7 @@ static int32_t take_samples(const reading *r, vista_line_sample *samples, vista_
 
 /* From the first to the last row whose words agree, and on as far as the image shows the line. Rows that are alone do not
  * count. */
-static void set_ends(const vista_ridge *ridge, const vista_straight_line *line, const vista_line_sample *samples,
+static void set_ends(const vista_ridge *ridge, const vista_thin_line *line, const vista_line_sample *samples,
                      int32_t count, double reach, vista_thin_line *found) {
   int32_t seen = 0, first = 0, last = 0;
   for (int32_t i = 0; i < count; ++i) {
@@ -183,7 +183,7 @@ static void set_ends(const vista_ridge *ridge, const vista_straight_line *line, 
 }
 
 bool vista_line_depth(const vista_thin_params *params, const vista_camera *camera, const vista_thin_view *view,
-                      const vista_ridge *ridge, const vista_straight_line *line, vista_line_sample *samples,
+                      const vista_ridge *ridge, const vista_thin_line *line, vista_line_sample *samples,
                       vista_thin_line *found) {
   const double radius = view->block_radius_px + PREFILTER_PX;
   const reading r = {params, view, line, radius * (1.0 + fabs(line->slope)) + CLEAR_PX};

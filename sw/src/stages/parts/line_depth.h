@@ -18,7 +18,7 @@ typedef struct vista_line_sample {
 /* Whether there is a thin thing along the line; fills *found then. It reaches as far as words agree on it, and on from
  * there as far as the image shows it. samples: scratch, the image's height. */
 bool vista_line_depth(const vista_thin_params *params, const vista_camera *camera, const vista_thin_view *view,
-                      const vista_ridge *ridge, const vista_straight_line *line, vista_line_sample *samples,
+                      const vista_ridge *ridge, const vista_thin_line *line, vista_line_sample *samples,
                       vista_thin_line *found);
 
 #endif

@@ -21,7 +21,7 @@ void vista_straight_lines_layout(vista_straight_lines *lines, vista_arena *arena
   lines->pieces = vista_arena_take(arena, VISTA_PIECES_MAX, sizeof(vista_line_piece));
   lines->order = vista_arena_take(arena, VISTA_PIECES_MAX + (size_t)lines->ridge.strips, sizeof(int32_t));
   lines->first_piece = vista_arena_take(arena, (size_t)lines->ridge.strips + 1, sizeof(int32_t));
-  lines->items = vista_arena_take(arena, VISTA_STRAIGHT_LINES_MAX, sizeof(vista_straight_line));
+  lines->items = vista_arena_take(arena, VISTA_STRAIGHT_LINES_MAX, sizeof(vista_thin_line));
   lines->count = 0;
 }
 
@@ -107,10 +107,10 @@ static int32_t grow(vista_straight_lines *lines, int32_t from, int32_t step, gro
 }
 
 /* Of the rows of the line from `first` on, those where the image is a ridge on it. */
-static int32_t rows_on_ridge(const vista_ridge *ridge, const vista_straight_line *line, int32_t first, int32_t count) {
+static int32_t rows_on_ridge(const vista_ridge *ridge, const vista_thin_line *line, int32_t first, int32_t count) {
   int32_t on = 0;
   for (int32_t v = first; v < first + count; ++v) {
-    const int32_t u = (int32_t)lround(vista_straight_line_u_px(line, v));
+    const int32_t u = (int32_t)lround(vista_thin_u_px(line, v));
     int32_t most = 0;
     for (int32_t k = u - 1; k <= u + 1; ++k) {
       if (k < 0 || k >= ridge->width_px) continue;
@@ -122,7 +122,7 @@ static int32_t rows_on_ridge(const vista_ridge *ridge, const vista_straight_line
   return on;
 }
 
-int32_t vista_straight_line_end(const vista_ridge *ridge, const vista_straight_line *line, int32_t from_v_px,
+int32_t vista_straight_line_end(const vista_ridge *ridge, const vista_thin_line *line, int32_t from_v_px,
                                 int32_t step) {
   int32_t end = from_v_px / VISTA_STRIP_ROWS;
   for (int32_t strip = end + step; abs(strip - end) <= GAP_STRIPS + 1; strip += step) {
@@ -132,13 +132,12 @@ int32_t vista_straight_line_end(const vista_ridge *ridge, const vista_straight_l
   return end * VISTA_STRIP_ROWS + (step > 0 ? VISTA_STRIP_ROWS - 1 : 0);
 }
 
-static bool is_known(const vista_straight_lines *lines, const vista_straight_line *line) {
+static bool is_known(const vista_straight_lines *lines, const vista_thin_line *line) {
   const double middle = 0.5 * (line->first_v_px + line->last_v_px);
   for (int32_t i = 0; i < lines->count; ++i) {
-    const vista_straight_line *const other = &lines->items[i];
+    const vista_thin_line *const other = &lines->items[i];
     if (middle < other->first_v_px || middle > other->last_v_px) continue;
-    if (fabs(vista_straight_line_u_px(line, middle) - vista_straight_line_u_px(other, middle)) <=
-            SAME_PX * hypot(1.0, line->slope) &&
+    if (fabs(vista_thin_u_px(line, middle) - vista_thin_u_px(other, middle)) <= SAME_PX * hypot(1.0, line->slope) &&
         fabs(line->slope - other->slope) <= 0.25)
       return true;
   }
@@ -159,12 +158,11 @@ static void grow_from(const vista_thin_params *params, int32_t seed, int32_t *me
   line_of(&g, &u, &per_strip);
   const double residual = g.uu - g.u * g.u / g.n - per_strip * (g.tu - g.t * g.u / g.n);
   if (residual > vista_square(params->straight_px) * g.n) return;
-  const vista_straight_line line = {.u_px = u,
-                                    .v_px = (piece->strip + 0.5) * VISTA_STRIP_ROWS - 0.5,
-                                    .slope = per_strip / VISTA_STRIP_ROWS,
-                                    .first_v_px = above * VISTA_STRIP_ROWS,
-                                    .last_v_px = (below + 1) * VISTA_STRIP_ROWS - 1,
-                                    .pieces = count};
+  const vista_thin_line line = {.u_px = u,
+                                .v_px = (piece->strip + 0.5) * VISTA_STRIP_ROWS - 0.5,
+                                .slope = per_strip / VISTA_STRIP_ROWS,
+                                .first_v_px = above * VISTA_STRIP_ROWS,
+                                .last_v_px = (below + 1) * VISTA_STRIP_ROWS - 1};
   const int32_t rows = line.last_v_px - line.first_v_px + 1;
   if (rows_on_ridge(&lines->ridge, &line, line.first_v_px, rows) < params->ridge_share * rows) return;
   for (int32_t i = 0; i < count; ++i) lines->pieces[members[i]].taken = true;

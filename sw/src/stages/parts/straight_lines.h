@@ -12,6 +12,7 @@
 
 #include "common/arena.h"
 #include "stages/parts/ridge.h"
+#include "stages/thin.h"
 #include "vista/parameters.h"
 
 #define VISTA_PIECES_MAX 4096
@@ -25,23 +26,12 @@ typedef struct vista_line_piece {
   bool taken;
 } vista_line_piece;
 
-/* u = u_px + slope (v - v_px) for first_v_px <= v <= last_v_px. */
-typedef struct vista_straight_line {
-  double u_px, v_px, slope;
-  int32_t first_v_px, last_v_px;
-  int32_t pieces;
-} vista_straight_line;
-
-static inline double vista_straight_line_u_px(const vista_straight_line *line, double v_px) {
-  return line->u_px + line->slope * (v_px - line->v_px);
-}
-
 typedef struct vista_straight_lines {
   vista_ridge ridge;
   vista_line_piece *pieces; /* by strip, then column */
   int32_t *first_piece;     /* strips + 1 */
   int32_t *order;           /* scratch: pieces, strongest first; then those of the line that grows */
-  vista_straight_line *items;
+  vista_thin_line *items; /* as far as the image tells of them */
   int32_t count;
 } vista_straight_lines;
 
@@ -49,8 +39,7 @@ void vista_straight_lines_layout(vista_straight_lines *lines, vista_arena *arena
 
 /* The last row of the line, upward (step -1) or downward (1) from a row of it, before the image shows no ridge on it for
  * more than two strips. */
-int32_t vista_straight_line_end(const vista_ridge *ridge, const vista_straight_line *line, int32_t from_v_px,
-                                int32_t step);
+int32_t vista_straight_line_end(const vista_ridge *ridge, const vista_thin_line *line, int32_t from_v_px, int32_t step);
 
 /* Noise: standard deviation in grey levels. */
 void vista_straight_lines_find(const vista_image *image, const vista_thin_params *params, double noise_levels,

@@ -438,7 +438,7 @@ if (data.stills) {
   chart("left", { title: "Time left to the nearest collision", x: time, y: "time left (s)", low: 0, height: small,
     series: [{ kind: "hit", points: over((frame) => frame.hit && frame.hit.s) }], empty: data.no_time_left });
   chart("valid", { title: "Share of pixels with a disparity over time", x: time, y: "valid (%)", low: 0, high: 100, height: small, series: [{ kind: "plain", points: over((frame) => frame.valid) }] });
-  chart("regions", { title: "Number of regions over time", x: time, y: "regions", low: 0, height: small, series: [{ kind: "plain", points: over((frame) => frame.regions) }] });
+  chart("seen", { title: "How far the flight path is seen over time", x: time, y: "seen up to (m)", low: 0, height: small, series: [{ kind: "plain", points: over((frame) => frame.seen) }] });
   table("tracks", () => selected, (id) => select(id === selected ? null : id));
 }
 stageChart();

@@ -1,0 +1,187 @@
+"""Render flights through sampled worlds, run the detector on them, and score it by family of content.
+
+DIR holds one folder for each flight; what it lacks is rendered, and an interrupted run continues. Families
+are drawn from stated distributions (vista_eval.worlds.sampled); `--list` names them. Parameters may be chosen
+on those of the split dev. A scoring of the split test needs a clean checkout and flights that are those of
+the frozen set, and appends one line to doc/results/scorings.jsonl.
+
+The scores are printed. DIR receives worlds-dev.json or worlds-test.json, which has every figure.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from vista import parameters
+from vista.command.arguments import add_config, load_parameters, positive
+from vista.errors import EXIT_OK, InputError
+from vista.output import write_atomically
+
+from vista_eval.cache import digest_of
+from vista_eval.dataset.truth import SPLITS
+from vista_eval.jobs import Place, add_place, chosen_place, jobs_of, run
+from vista_eval.metrics.family import family_figures, family_table, figures_of_families
+
+if TYPE_CHECKING:
+    from vista_eval.metrics.flight_score import FlightScore
+    from vista_eval.render.flight import Quality
+    from vista_eval.worlds.sampled.family import Family
+
+Key = tuple[str, int, int]  # family, number, seed of the set
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("folder", type=Path, metavar="DIR", help="folder of the flights")
+    parser.add_argument(
+        "--family", nargs="+", default=[], metavar="NAME", help="handle only these families of the split"
+    )
+    parser.add_argument("--split", choices=SPLITS, default="dev", help="families to handle (default dev)")
+    parser.add_argument("--count", type=positive, metavar="N", help="flights of each family (default 7)")
+    parser.add_argument("--seed", type=int, metavar="N", help="seed that all flights follow from (default 1)")
+    parser.add_argument(
+        "--quality",
+        choices=("quick", "full"),
+        default="full",
+        help="quality of the flights that are rendered (default full)",
+    )
+    parser.add_argument("--list", action="store_true", help="list the families and stop")
+    parser.add_argument("--render-only", action="store_true", help="render what is missing and stop")
+    parser.add_argument(
+        "--freeze",
+        action="store_true",
+        help="write down what the flights of the split test are made of, or, once they are scored, check "
+        "that they still are; and stop",
+    )
+    add_place(parser)
+    add_config(parser)
+
+
+def execute(arguments: argparse.Namespace) -> int:
+    values = load_parameters(arguments.config, "golden")
+    if arguments.list:
+        list_families()
+        return EXIT_OK
+    place = chosen_place(arguments)
+    if arguments.freeze:
+        freeze(place)
+        return EXIT_OK
+    families = chosen(arguments.split, arguments.family)
+    count, seed = size_of_set(arguments)
+    folder = place.known_to_all(arguments.folder)
+    keys = [(family.name, number, seed) for family in families for number in range(count)]
+    run(jobs_of(partial(render, folder, arguments.quality), keys, name_of), place, "render", "flight")
+    if arguments.render_only:
+        return EXIT_OK
+    folders = [folder / name_of(key) for key in keys]
+    judged = before_a_scoring(folders) if arguments.split == "test" else None
+    scores = run(jobs_of(partial(scored, values), folders), place, "fly", "flight")
+    by_family = {family.name: scores[k * count : (k + 1) * count] for k, family in enumerate(families)}
+    print(family_table(by_family))
+    path = arguments.folder / f"worlds-{arguments.split}.json"
+    content = {"parameters": values, "split": arguments.split, "families": figures_of_families(by_family)}
+    write_atomically(path, json.dumps(content, indent=1, allow_nan=False) + "\n")
+    if judged is not None:
+        log_scoring(judged, by_family, values)
+    print(f"\nfigures: {path}")
+    return EXIT_OK
+
+
+def list_families() -> None:
+    from vista_eval.worlds.sampled.catalog import FAMILIES  # loads what draws, which `--help` need not
+
+    for name, family in FAMILIES.items():
+        print(f"{name:18s} {family.split:5s} {family.title}")
+
+
+def chosen(split: str, names: list[str]) -> list[Family]:
+    from vista_eval.worlds.sampled.catalog import FAMILIES
+
+    families = {name: family for name, family in FAMILIES.items() if family.split == split}
+    unknown = [name for name in names if name not in families]
+    if unknown:
+        reason = f"no family {unknown[0]} in the split {split}; `vista worlds DIR --list` names them"
+        raise InputError("--family", reason)
+    return [family for name, family in families.items() if not names or name in names]
+
+
+def size_of_set(arguments: argparse.Namespace) -> tuple[int, int]:
+    """Flights of each family and the seed of all. The test set has one size and one seed."""
+    from vista_eval.worlds.sampled.catalog import COUNT, SEED
+
+    count, seed = arguments.count or COUNT, SEED if arguments.seed is None else arguments.seed
+    whole = (count, seed, arguments.quality) == (COUNT, SEED, "full")
+    if arguments.split == "test" and not arguments.render_only and not whole:
+        raise InputError("--split test", "is scored whole, as frozen: without --count, --seed and --quality")
+    return count, seed
+
+
+def name_of(key: Key) -> str:
+    return f"{key[0]}_{key[1]:03d}"
+
+
+def render(folder: Path, quality: Quality, key: Key) -> None:
+    """What the folder lacks of one flight."""
+    from vista_eval.render.flight import render_flight
+    from vista_eval.worlds.sampled.catalog import FAMILIES
+
+    family, number, seed = key
+    try:
+        for _ in render_flight(FAMILIES[family].flight(number, seed), folder / name_of(key), quality):
+            pass
+    except OSError as error:
+        raise InputError(error.filename or name_of(key), error.strerror or str(error)) from None
+
+
+def scored(values: parameters.Values, folder: Path) -> FlightScore:
+    from vista_eval.command.flights import RECORDS
+    from vista_eval.fly import fly_cached
+    from vista_eval.metrics.flight_score import score_records
+
+    return score_records(folder, fly_cached(folder, values, folder / RECORDS), values)
+
+
+# ---- the test set ----
+
+
+def freeze(place: Place) -> None:
+    from vista_eval.metrics import scoring_log
+    from vista_eval.worlds.sampled import frozen
+
+    root = scoring_log.checkout_of(Path(__file__))
+    found = dict(run(jobs_of(frozen.content_digest, frozen.test_flights(), str), place, "digest", "flight"))
+    if not scoring_log.read_log(root):
+        frozen.write_frozen(root, found)
+        print(f"{root / frozen.FROZEN}: {len(found)} flights")
+        return
+    differing = frozen.changed(frozen.read_frozen(root), found)
+    if differing:
+        raise InputError(root / frozen.FROZEN, f"{len(differing)} flights changed, the first {differing[0]}")
+    print(f"{root / frozen.FROZEN}: {len(found)} flights, all as they were frozen")
+
+
+def before_a_scoring(folders: list[Path]) -> dict[str, Any]:
+    """What is scored; raises InputError unless it may be."""
+    from vista_eval.metrics import scoring_log
+    from vista_eval.worlds.sampled import frozen
+
+    root = scoring_log.checkout_of(Path(__file__))
+    scoring_log.read_log(root)
+    commit, digests = scoring_log.clean_commit(root), frozen.read_frozen(root)
+    frozen.check_rendered(digests, folders)
+    return {"commit": commit, "date": scoring_log.now(), "set": frozen.digest_of_set(digests)}
+
+
+def log_scoring(
+    judged: dict[str, Any], by_family: dict[str, list[FlightScore]], values: parameters.Values
+) -> None:
+    from vista_eval.metrics import scoring_log
+
+    figures = {family: family_figures(flights) for family, flights in by_family.items()}
+    used = digest_of(json.dumps(values, sort_keys=True))
+    root = scoring_log.checkout_of(Path(__file__))
+    scoring_log.append(root, judged | {"parameters": used, "families": figures})
+    print(f"\nlogged: {root / scoring_log.LOG}")

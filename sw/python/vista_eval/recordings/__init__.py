@@ -1,0 +1,1 @@
+"""Thousands of recordings, below a folder or an object-store prefix: one row each, in one table."""

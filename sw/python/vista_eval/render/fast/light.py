@@ -1,0 +1,63 @@
+"""What light falls on surfaces, and what the air and the sky add."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from vista_eval.render.fast.surfaces import Surfaces
+from vista_eval.render.scene import Haze, Scene
+
+# The sky's light comes from all sides, more from above, and a part of it from one direction, above and
+# behind the aircraft, with shadows: what stands is darker below, and so is the ground beneath it.
+FROM_ALL_SIDES, FROM_ABOVE = 0.7, 0.5
+ABOVE = np.array([-0.45, 0.10, 0.89]) / np.linalg.norm([-0.45, 0.10, 0.89])
+OFF_SURFACE_M = 0.002  # where rays for shadows begin
+HORIZON, ZENITH, AROUND_SUN = 0.85, 0.40, 0.5  # radiance of a blue sky
+SUN_GLOW = 12.0  # how closely its glow surrounds the sun
+
+
+def unit(vector: tuple[float, float, float] | np.ndarray) -> np.ndarray:
+    return np.array(vector) / np.linalg.norm(vector)
+
+
+def lit_share(
+    groups: list[Surfaces], point_m: np.ndarray, normal: np.ndarray, towards: np.ndarray
+) -> np.ndarray:
+    """(n,) cosine between the surface's normal and the light, 0 in the shadow of anything."""
+    cosine = np.maximum(normal @ towards.astype(np.float32), 0)
+    facing = np.flatnonzero(cosine > 0)
+    start = point_m[facing] + np.float32(OFF_SURFACE_M) * normal[facing]
+    ray = np.ascontiguousarray(np.broadcast_to(towards.astype(np.float32), start.shape))
+    for group in groups:
+        cosine[facing[group.hides(start, ray)]] = 0
+    return cosine
+
+
+def sky_share(normal: np.ndarray) -> np.ndarray:
+    """(n,) what reaches a surface from all sides, of what a surface turned upwards gets; the ground gives
+    some of it back."""
+    return np.float32(0.56) + np.float32(0.44) * normal[:, 2]
+
+
+def irradiance(scene: Scene, normal: np.ndarray, sun: np.ndarray, above: np.ndarray) -> np.ndarray:
+    """(n,) of a surface; sun, above: cosines, 0 in shadow."""
+    sky = FROM_ALL_SIDES * sky_share(normal) + FROM_ABOVE * above
+    return (scene.sun_irradiance * sun + scene.fill_irradiance * sky).astype(np.float32)
+
+
+def through_air(haze: Haze | None, radiance: np.ndarray, distance_m: np.ndarray) -> np.ndarray:
+    if haze is None:
+        return radiance
+    clear = np.exp(-haze.extinction_per_m * distance_m)
+    return radiance * clear + haze.airlight * (1 - clear)
+
+
+def sky_radiance(scene: Scene, direction: np.ndarray) -> np.ndarray:
+    """(n,) of the sky along unit vectors (n, 3)."""
+    if scene.haze is not None:
+        return np.full(len(direction), scene.haze.airlight, np.float32)
+    if scene.sky == "overcast":
+        return np.full(len(direction), scene.overcast_radiance, np.float32)
+    up = np.sqrt(np.maximum(direction[:, 2], 0))
+    glow = np.exp(SUN_GLOW * (direction @ unit(scene.to_sun) - 1))
+    return (HORIZON + (ZENITH - HORIZON) * up + AROUND_SUN * glow).astype(np.float32)

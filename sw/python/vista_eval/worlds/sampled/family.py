@@ -1,0 +1,47 @@
+"""A family of flights, and its flights by number."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Literal
+
+from vista_eval.render.flight import Flight
+from vista_eval.render.scene import Scene
+from vista_eval.worlds.sampled.courses import Courses
+from vista_eval.worlds.sampled.draws import seed_of
+from vista_eval.worlds.sampled.sensors import sensor
+
+Split = Literal["dev", "test"]
+
+
+@dataclass(frozen=True)
+class Family:
+    name: str
+    title: str
+    split: Split
+    scene: Callable[[float, int], Scene]  # of altitude in metres and seed
+    courses: Courses
+
+    @property
+    def clear(self) -> bool:
+        """Nothing is in the way: every alarm is false."""
+        return self.name.startswith("clear")
+
+    def flight(self, number: int, seed: int) -> Flight:
+        """seed: of the whole set; no two families share that of a flight."""
+        own = seed_of(seed, self.name, number)
+        return Flight(
+            f"{self.name}_{number:03d}",
+            f"{self.title}, {number}",
+            self.split,
+            self.courses.draw(own),
+            self.scene,
+            sensor=sensor(own),
+            seed=own,
+            family=self.name,
+            renderer="fast",
+        )
+
+    def flights(self, count: int, seed: int) -> Iterator[Flight]:
+        return (self.flight(number, seed) for number in range(count))

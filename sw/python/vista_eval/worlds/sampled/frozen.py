@@ -1,0 +1,65 @@
+"""The test set as it was frozen: what every byte of its flights follows from, flight by flight.
+
+A digest of a flight is that of its content (`vista_eval.render.flight.content_of`). The set may be frozen
+anew only as long as nothing has been scored on it."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+from vista.errors import InputError
+from vista.output import write_atomically
+
+from vista_eval.cache import digest_of
+from vista_eval.render.flight import Flight, Quality, content_of, read_marker
+from vista_eval.worlds.sampled.catalog import COUNT, SEED, TEST
+
+FROZEN = Path("doc/results/data/worlds-test-set.json")
+QUALITY: Quality = "full"
+
+Digests = dict[str, str]  # content by name of the flight
+
+
+def test_flights() -> list[Flight]:
+    return [flight for family in TEST for flight in family.flights(COUNT, SEED)]
+
+
+def content_digest(flight: Flight) -> tuple[str, str]:
+    return flight.name, content_of(flight, QUALITY)
+
+
+def digest_of_set(digests: Digests) -> str:
+    return digest_of(json.dumps(digests, sort_keys=True))
+
+
+def write_frozen(root: Path, digests: Digests) -> None:
+    content = {"digest": digest_of_set(digests), "flights": dict(sorted(digests.items()))}
+    write_atomically(root / FROZEN, json.dumps(content, indent=1) + "\n")
+
+
+def read_frozen(root: Path) -> Digests:
+    """Raises InputError if the set is not frozen, or its file was edited."""
+    path = root / FROZEN
+    try:
+        content = json.loads(path.read_text(encoding="utf-8"))
+        digests, digest = dict(content["flights"]), content["digest"]
+    except OSError:
+        raise InputError(path, "missing: the test set is not frozen (vista worlds DIR --freeze)") from None
+    except (ValueError, KeyError, TypeError) as error:
+        raise InputError(path, f"not a frozen test set: {error!r}") from None
+    if digest_of_set(digests) != digest:
+        raise InputError(path, "was edited: its digest is not that of its flights")
+    return digests
+
+
+def changed(frozen: Digests, found: Digests) -> list[str]:
+    """Names of the flights that differ, are missing or are new."""
+    return sorted(name for name in frozen.keys() | found.keys() if frozen.get(name) != found.get(name))
+
+
+def check_rendered(frozen: Digests, folders: list[Path]) -> None:
+    """Raises InputError unless the folders hold flights of the frozen set."""
+    for folder in folders:
+        if read_marker(folder).get("content") != frozen.get(folder.name):
+            raise InputError(folder, "is not the flight of that name in the frozen test set")

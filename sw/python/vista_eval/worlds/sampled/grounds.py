@@ -1,0 +1,107 @@
+"""What the ground is covered with, beside the kinds of `vista_eval.worlds.ground`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+
+from vista_eval.render import textures
+from vista_eval.render.textures import smoothstep
+from vista_eval.worlds import ground as paper_ground
+from vista_eval.worlds.sampled.draws import draws
+from vista_eval.worlds.sampled.patterns import cloudy, laid, litter, spread, stones
+
+Albedo = Callable[[np.ndarray, np.ndarray, int], np.ndarray]  # of x, y in metres and seed
+
+
+class Cover(NamedTuple):
+    albedo: Albedo
+    mean: float
+
+
+def pasture(x_m: np.ndarray, y_m: np.ndarray, seed: int) -> np.ndarray:
+    """Grazed grass with tussocks, molehills and the paths of cattle."""
+    fine = spread(litter(seed, 3000, 5.0, 0.2), x_m, y_m, 3.0, seed)
+    wide = spread(cloudy(seed + 1, 1.3), x_m, y_m, 45.0, seed)
+    tussocks = smoothstep(0.9, 1.6, spread(cloudy(seed + 2, 0.7), x_m, y_m, 12.0, seed))
+    hills = smoothstep(2.3, 2.6, spread(cloudy(seed + 3, 0.6), x_m, y_m, 17.0, seed))
+    path = 1 - smoothstep(0.02, 0.12, np.abs(spread(cloudy(seed + 4, 1.8), x_m, y_m, 90.0, seed)))
+    grass = 0.2 + 0.045 * fine + 0.03 * wide - 0.07 * tussocks
+    return np.clip(grass + 0.10 * path - 0.12 * hills, 0.03, 0.8)
+
+
+def crop(x_m: np.ndarray, y_m: np.ndarray, seed: int) -> np.ndarray:
+    """Rows of plants on bare soil, gaps in the rows, the tracks of a tractor."""
+    rng = draws(seed, "crop")
+    turn, pitch = rng.uniform(0, np.pi), rng.uniform(0.3, 0.9)
+    across = np.cos(turn) * x_m + np.sin(turn) * y_m + 0.15 * laid(cloudy(seed, 2.0), x_m, y_m, 60.0)
+    ragged = spread(cloudy(seed + 1, 0.7), x_m, y_m, 5.0, seed)
+    row = smoothstep(-0.1, 0.5, np.cos(2 * np.pi * across / pitch) + 0.5 * ragged)
+    track = np.abs(np.abs(np.mod(across, 18.0) - 9.0) - 0.9) < 0.2
+    soil = 0.26 + 0.04 * spread(stones(seed + 2, 900), x_m, y_m, 4.0, seed)
+    plants = 0.15 + 0.05 * spread(litter(seed + 3), x_m, y_m, 3.0, seed)
+    return np.clip(np.where(track, 0.9 * soil, soil + row * (plants - soil)), 0.03, 0.8)
+
+
+def heath(x_m: np.ndarray, y_m: np.ndarray, seed: int) -> np.ndarray:
+    """Dark cushions on pale sand."""
+    cushions = smoothstep(-0.2, 0.35, spread(cloudy(seed, 1.0), x_m, y_m, 22.0, seed))
+    twigs = 0.13 + 0.05 * spread(litter(seed + 1, 3000, 4.0, 0.25), x_m, y_m, 2.2, seed)
+    sand = 0.42 + 0.05 * spread(cloudy(seed + 2, 0.8), x_m, y_m, 7.0, seed)
+    return np.clip(sand + cushions * (twigs - sand), 0.03, 0.8)
+
+
+def scree(x_m: np.ndarray, y_m: np.ndarray, seed: int) -> np.ndarray:
+    """Broken rock of two sizes, moss between."""
+    coarse = spread(stones(seed, 260, 5.0), x_m, y_m, 9.0, seed)
+    fine = spread(stones(seed + 1, 800, 2.0), x_m, y_m, 3.5, seed)
+    moss = smoothstep(0.5, 1.2, spread(cloudy(seed + 2, 1.2), x_m, y_m, 30.0, seed))
+    return np.clip(0.33 + 0.085 * coarse + 0.05 * fine - 0.15 * moss, 0.03, 0.85)
+
+
+def forest_floor(x_m: np.ndarray, y_m: np.ndarray, seed: int) -> np.ndarray:
+    """Leaf litter, roots, patches of green."""
+    leaves = spread(litter(seed, 2600, 8.0, 0.6), x_m, y_m, 3.2, seed)
+    green = smoothstep(0.4, 1.0, spread(cloudy(seed + 1, 1.1), x_m, y_m, 14.0, seed))
+    return np.clip(0.19 + 0.06 * leaves - 0.05 * green, 0.03, 0.7)
+
+
+def apron(x_m: np.ndarray, y_m: np.ndarray, seed: int) -> np.ndarray:
+    """Concrete slabs with tarred joints, oil stains, the marks of tyres."""
+    rng = draws(seed, "apron")
+    side, turn = rng.uniform(3.0, 7.5), rng.uniform(0, np.pi)
+    along = np.cos(turn) * x_m + np.sin(turn) * y_m
+    aside = -np.sin(turn) * x_m + np.cos(turn) * y_m
+    joint = (np.mod(along, side) < 0.06) | (np.mod(aside, side) < 0.06)
+    slab = textures.noise(np.floor(along / side) * 3.1, np.floor(aside / side) * 3.1, 1.0, seed)
+    stains = smoothstep(1.2, 2.2, spread(cloudy(seed, 1.3), x_m, y_m, 16.0, seed))
+    grain = spread(cloudy(seed + 1, 0.4), x_m, y_m, 4.0, seed)
+    wear = spread(cloudy(seed + 2, 1.2, 12.0), x_m, y_m, 30.0, turn)
+    concrete = 0.38 + 0.14 * slab + 0.022 * grain + 0.02 * wear - 0.18 * stains
+    return np.clip(np.where(joint, 0.12, concrete), 0.04, 0.8)
+
+
+def snow(x_m: np.ndarray, y_m: np.ndarray, seed: int) -> np.ndarray:
+    """Thawing: bare patches and blades that look through."""
+    bare = smoothstep(0.3, 0.7, spread(cloudy(seed, 1.1), x_m, y_m, 26.0, seed))
+    drift = 0.72 + 0.03 * spread(cloudy(seed + 1, 1.2, 4.0), x_m, y_m, 12.0, seed)
+    blades = smoothstep(1.6, 2.4, spread(litter(seed + 2, 3000, 4.0, 0.3), x_m, y_m, 3.0, seed))
+    grass = 0.22 + 0.07 * spread(litter(seed + 3), x_m, y_m, 3.0, seed)
+    return np.clip(drift - 0.35 * blades + bare * (grass - drift), 0.03, 0.9)
+
+
+COVERS: dict[str, Cover] = {
+    "pasture": Cover(pasture, 0.20),
+    "crop": Cover(crop, 0.21),
+    "heath": Cover(heath, 0.26),
+    "scree": Cover(scree, 0.31),
+    "forest_floor": Cover(forest_floor, 0.18),
+    "apron": Cover(apron, 0.37),
+    "snow": Cover(snow, 0.55),
+    **{name: Cover(paper_ground.KINDS[name], paper_ground.MEAN_ALBEDO[name]) for name in paper_ground.KINDS},
+}
+OPEN_COUNTRY = ("pasture", "crop", "heath", "scree", "snow", "meadow", "soil", "stubble")
+BUILT_UP = ("apron", "gravel", "pasture", "asphalt")
+WOODED = ("forest_floor", "pasture", "meadow", "heath")

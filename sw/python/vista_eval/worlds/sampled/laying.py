@@ -1,0 +1,107 @@
+"""Ground of any relief and cover, in patches whose texels grow with the distance they are seen from."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+
+from vista_eval.render.scene import GroundStrip, HeightField, Thing, thing
+from vista_eval.worlds.ground import (
+    FINEST_TEXEL_M,
+    HALF_WIDTH_PER_RANGE,
+    HORIZON_M,
+    LOWEST_RAY,
+    SAMPLES_ALONG,
+)
+from vista_eval.worlds.sampled.grounds import COVERS
+from vista_eval.worlds.sampled.path import Path
+
+Relief = Callable[[np.ndarray, np.ndarray], np.ndarray]  # heights in metres of world x and y
+
+NODE_M = 1.0  # spacing of heights; each further ring has them COARSER times as far apart
+RINGS_M, COARSER = (80.0, 320.0), 4
+TEXEL_PER_RANGE = 1.6e-3  # a pixel of the paper's rig sees 1e-3 of the range
+MARGIN_M = 6.0
+MOST_STRETCH = 12
+
+
+class Patch(NamedTuple):
+    x_m: tuple[float, float]
+    y_m: tuple[float, float]
+    texel_m: float  # across
+    stretch: int  # texels are that much longer along x, as a pixel's footprint on level ground is
+
+
+def patches(path: Path, over_ground_m: float, level: bool) -> Iterator[Patch]:
+    """All that is seen from the path's flown part, which ends short of x = 0."""
+    flown = path.until(-1.0).points_m
+    first_m, last_m = float(flown[0, 0]), float(flown[-1, 0])
+    aside_m = float(np.abs(flown[:, 1]).max()) + MARGIN_M
+    turned = float(np.abs(flown[-1, :2] - flown[0, :2])[1] / max(last_m - first_m, 1.0))
+    per_range = HALF_WIDTH_PER_RANGE + 0.1 + 2.5 * turned
+    near = over_ground_m / LOWEST_RAY / 1.4  # gusts and banks lower the lowest ray
+    ranges = [near * 2.0**k for k in range(14) if near * 2.0**k < 0.7 * HORIZON_M] + [HORIZON_M]
+    for k, (low, high) in enumerate(pairwise(ranges)):
+        x = (_snapped(first_m if k == 0 else last_m + low), _snapped(last_m + high))
+        texel = max(TEXEL_PER_RANGE * low, FINEST_TEXEL_M)
+        stretch = int(np.clip(low / over_ground_m if level else 1, 1, MOST_STRETCH))
+        inner = _snapped(per_range * high + aside_m)
+        yield Patch(x, (-inner, inner), texel, stretch)
+        outer = _snapped(per_range * (high + last_m - first_m) + aside_m)
+        if outer > inner:
+            yield Patch(x, (-outer, -inner), 3 * texel, stretch)
+            yield Patch(x, (inner, outer), 3 * texel, stretch)
+
+
+def _snapped(length_m: float) -> float:
+    return NODE_M * round(length_m / NODE_M)
+
+
+def _nodes(span_m: tuple[float, float], spacing_m: float) -> np.ndarray:
+    return np.linspace(*span_m, max(2, 1 + round((span_m[1] - span_m[0]) / spacing_m)))
+
+
+def albedo_of(patch: Patch, cover: str, contrast: float, seed: int, relief: Relief | None) -> np.ndarray:
+    """Each texel the mean of what lies in it. Where the ground is steep the cover follows it up and is not
+    drawn out: it is laid along the profile below the path."""
+    rows = max(2, round((patch.x_m[1] - patch.x_m[0]) / (patch.texel_m * patch.stretch)))
+    columns = max(2, round((patch.y_m[1] - patch.y_m[0]) / patch.texel_m))
+    samples = min(patch.stretch, SAMPLES_ALONG)
+    x = patch.x_m[0] + (np.arange(rows * samples) + 0.5) * (patch.x_m[1] - patch.x_m[0]) / (rows * samples)
+    y = patch.y_m[0] + (np.arange(columns) + 0.5) * (patch.y_m[1] - patch.y_m[0]) / columns
+    if relief is not None:
+        z = relief(x[:, None], np.zeros((1, 1)))[:, 0]
+        x = x[0] + np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(x), np.diff(z)))])
+    kind = COVERS[cover]
+    fine = kind.albedo(x.astype(np.float32)[:, None], y.astype(np.float32)[None, :], seed)
+    albedo = fine.reshape(rows, samples, columns).mean(axis=1)
+    return np.clip(kind.mean + contrast * (albedo - kind.mean), 0.02, 0.9).astype(np.float32)
+
+
+def ground(
+    path: Path,
+    over_ground_m: float,
+    cover: str,
+    contrast: float,
+    seed: int,
+    relief: Relief | None,
+    is_met: bool,
+) -> Thing:
+    """Level at z = 0 without a relief. over_ground_m: the least height of the path; is_met: by the path."""
+    solids: list[GroundStrip | HeightField] = []
+    for k, patch in enumerate(patches(path, over_ground_m, relief is None)):
+        albedo, name = albedo_of(patch, cover, contrast, seed, relief), f"ground{k}"
+        if relief is None:
+            solids.append(GroundStrip(name, patch.x_m, patch.y_m, albedo))
+        else:
+            solids.append(HeightField(name, patch.x_m, patch.y_m, heights_m(patch, relief), albedo))
+    return thing("ground", "slope" if is_met else "ground", solids, standing=False, target=is_met)
+
+
+def heights_m(patch: Patch, relief: Relief) -> np.ndarray:
+    spacing = NODE_M * COARSER ** sum(patch.x_m[1] > ring for ring in RINGS_M)
+    x, y = _nodes(patch.x_m, spacing)[:, None], _nodes(patch.y_m, spacing)[None, :]
+    return np.broadcast_to(relief(x, y), (x.size, y.size)).astype(np.float32)

@@ -1,0 +1,125 @@
+"""The path of a flight as points, and how near to it something stands."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from vista_eval.render.scene import Board, Box, Cylinder, Mesh, Panel, Solid, Sphere, Thing, bounds_m
+from vista_eval.render.trajectory import Course
+
+STEP_M = 0.5
+AHEAD_M = 100.0  # as far as the collision volume reaches from the last frame
+# Things stand at least that far off the path, and by that share of the distance ahead of the last frame more:
+# gusts and sway turn the direction of flight by a degree.
+CLEAR_M, CLEAR_PER_M = 4.5, 0.03
+
+
+@dataclass(frozen=True)
+class Path:
+    points_m: np.ndarray  # (N, 3), from the first frame on, STEP_M apart
+    clear_m: np.ndarray  # (N,) distance within which nothing may stand beside the path
+
+    def until(self, x_m: float) -> Path:
+        """What comes before `x_m`."""
+        kept = self.points_m[:, 0] <= x_m
+        return replace(self, points_m=self.points_m[kept], clear_m=self.clear_m[kept])
+
+    def y_m(self, x_m: float) -> float:
+        return float(np.interp(x_m, self.points_m[:, 0], self.points_m[:, 1]))
+
+
+def path_of(course: Course) -> Path:
+    """Flown, and AHEAD_M straight on along +x."""
+    flown = np.array([course.state_at(k).world_from_body[:3, 3] for k in range(course.frames)])
+    end = np.array([AHEAD_M - course.last_range_m, 0.0, course.altitude_m])
+    corners = np.vstack([flown, [0.0, 0.0, course.altitude_m], end])
+    along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(corners, axis=0), axis=1))])
+    at = np.arange(0.0, along[-1], STEP_M)
+    points = np.stack([np.interp(at, along, column) for column in corners.T], axis=1)
+    beyond = np.maximum(0.0, at - along[course.frames - 1])
+    return Path(points, CLEAR_M + CLEAR_PER_M * beyond)
+
+
+def samples(solid: Solid) -> tuple[np.ndarray, float]:
+    """Points on the solid about a step apart, and the radius of matter around each."""
+    match solid:
+        case Cylinder():
+            return _between(np.array([solid.start_m]), np.array([solid.end_m])), solid.radius_m
+        case Sphere():
+            return np.array([solid.center_m]), solid.radius_m
+        case Mesh():
+            corners = solid.vertices_m[solid.faces].astype(float)
+            return np.concatenate([solid.vertices_m.astype(float), *_inner(corners)]), 0.0
+        case Panel():
+            center = np.array(solid.center_m)
+            return _flat(center, np.array(solid.half_right_m), np.array(solid.half_down_m)), 0.0
+        case Board():
+            half = np.array([0, solid.width_m / 2, 0]), np.array([0, 0, solid.height_m / 2])
+            return _flat(np.array(solid.center_m), *half), 0.0
+        case Box():
+            low, high = bounds_m(solid)
+            grid = [np.linspace(a, b, 2 + int((b - a) / STEP_M)) for a, b in zip(low, high, strict=True)]
+            return np.stack(np.meshgrid(*grid), axis=-1).reshape(-1, 3), 0.0
+        case _:
+            raise TypeError(f"{solid.name}: ground, which is beside no path")
+
+
+def _between(start_m: np.ndarray, end_m: np.ndarray) -> np.ndarray:
+    count = 2 + int(np.linalg.norm(end_m - start_m) / STEP_M)
+    t = np.linspace(0, 1, count)[:, None]
+    return start_m + t * (end_m - start_m)
+
+
+def _flat(center_m: np.ndarray, half_u: np.ndarray, half_v: np.ndarray) -> np.ndarray:
+    u, v = (np.linspace(-1, 1, 2 + int(2 * np.linalg.norm(half) / STEP_M)) for half in (half_u, half_v))
+    grid = np.stack(np.meshgrid(u, v), axis=-1).reshape(-1, 2)
+    return center_m + grid @ np.stack([half_u, half_v])
+
+
+def _inner(corners_m: np.ndarray) -> Iterator[np.ndarray]:
+    """Points within those triangles (N, 3, 3) that are longer than a step."""
+    sides = np.linalg.norm(corners_m - np.roll(corners_m, 1, axis=1), axis=2).max(axis=1)
+    for corners, side in zip(corners_m[sides > STEP_M], sides[sides > STEP_M], strict=True):
+        t = np.linspace(0, 1, 2 + int(side / STEP_M))
+        weights = np.array([(a, b, 1 - a - b) for a in t for b in t if a + b <= 1 + 1e-9])
+        yield weights @ corners
+
+
+def nearness_m(solid: Solid, path: Path) -> float:
+    """The distance of the solid from the path less what has to be clear: negative in the way.
+
+    Of what is far off, a lower bound."""
+    low, high = bounds_m(solid)
+    outside = np.maximum(np.maximum(low - path.points_m, path.points_m - high), 0.0)
+    box_m = np.linalg.norm(outside, axis=1) - path.clear_m
+    if not len(box_m) or box_m.min() > 0.0:
+        return float(box_m.min(initial=np.inf))
+    near = box_m <= 0.0
+    points, radius_m = samples(solid)
+    away_m = np.full(len(points), np.inf)
+    for place, clear_m in zip(path.points_m[near], path.clear_m[near], strict=True):
+        away_m = np.minimum(away_m, np.linalg.norm(points - place, axis=1) - clear_m)
+    return float(away_m.min()) - radius_m
+
+
+def stands_clear(thing: Thing, path: Path) -> bool:
+    return all(nearness_m(solid, path) > 0.0 for solid in thing.solids)
+
+
+def clear_of(path: Path, things: Iterable[Thing]) -> list[Thing]:
+    """Those that leave the path free."""
+    return [thing for thing in things if stands_clear(thing, path)]
+
+
+def distance_m(thing: Thing, point_m: np.ndarray) -> float:
+    """From the nearest of the thing's solids."""
+    here = Path(np.asarray(point_m, float)[None, :], np.zeros(1))
+    return min(_exactly(solid, here) for solid in thing.solids)
+
+
+def _exactly(solid: Solid, here: Path) -> float:
+    points, radius_m = samples(solid)
+    return float(np.linalg.norm(points - here.points_m[0], axis=1).min()) - radius_m

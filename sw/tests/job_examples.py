@@ -1,0 +1,62 @@
+"""Work for the tests of jobs, in a module that worker processes can load."""
+
+from __future__ import annotations
+
+import os
+import signal
+import time
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from vista.errors import InputError
+
+
+def rows_of(seed: int) -> dict[str, Any]:
+    """Something that takes a moment to compute and must not depend on where it is."""
+    values = np.random.default_rng(seed).normal(size=1000)
+    return {
+        "seed": seed,
+        "mean": float(values.mean()),
+        "sorted": np.sort(values)[:3],
+        "name": (f"{seed}", None),
+    }
+
+
+def noted(folder: Path, seed: int) -> dict[str, Any]:
+    """Leaves a file for each attempt, named by job and process."""
+    (folder / f"{seed}_{os.getpid()}_{time.monotonic_ns()}").touch()
+    return rows_of(seed)
+
+
+def held(folder: Path, hold_s: float, victims: tuple[int, ...], seed: int) -> dict[str, Any]:
+    """The first attempt of a victim takes that much longer, so that something can happen meanwhile."""
+    first = not any(folder.glob(f"{seed}_*"))
+    found = noted(folder, seed)
+    if first and seed in victims:
+        time.sleep(hold_s)
+    return found
+
+
+def kills_itself(seed: int) -> int:
+    if seed == 2:
+        os.kill(os.getpid(), signal.SIGKILL)
+    return seed
+
+
+def leaves(seed: int) -> int:
+    if seed == 2:
+        os._exit(7)
+    return seed
+
+
+def fails(seed: int) -> int:
+    if seed == 1:
+        raise InputError("image.png", "truncated image")
+    if seed == 3:
+        raise ValueError("three\nis too many")
+    return seed
+
+
+def not_to_be_sent(seed: int) -> Any:
+    return (lambda: seed) if seed == 1 else seed

@@ -1,0 +1,195 @@
+"""Many jobs on a Dask cluster of real processes: what comes of them is what one process makes of them."""
+
+from __future__ import annotations
+
+import os
+import signal
+import socket
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Iterator
+from functools import partial
+from pathlib import Path
+
+import job_examples
+import pytest
+import sequence_cases as cases
+from command_line import assert_refused
+from command_line import call as call_vista
+from test_jobs import SEEDS, attempts_in, contents, kept_jobs, wait_for_attempt
+from vista.errors import EXIT_OK
+from vista_eval.jobs import HERE, Failure, Place, jobs_of, outcomes, run
+
+pytest.importorskip("distributed", reason="no Dask: make setup-jobs")
+DASK = Path(sys.executable).parent / "dask"
+
+
+class Cluster:
+    """A scheduler and its workers, each a process that can be killed by itself."""
+
+    def __init__(self, folder: Path) -> None:
+        with socket.socket() as free:
+            free.bind(("127.0.0.1", 0))
+            self.port = free.getsockname()[1]
+        self.address = f"tcp://127.0.0.1:{self.port}"
+        self._folder = folder
+        self.processes: list[subprocess.Popen] = []
+
+    def start(self, *arguments: str) -> subprocess.Popen:
+        paths = os.pathsep.join([str(Path(__file__).parent), os.environ.get("PYTHONPATH", "")])
+        with (self._folder / "dask.log").open("a") as log:
+            process = subprocess.Popen(
+                [DASK, *arguments, "--no-dashboard"],
+                cwd=self._folder, env=os.environ | {"PYTHONPATH": paths}, stdout=log, stderr=log,
+            )  # fmt: skip
+        self.processes.append(process)
+        return process
+
+    def start_scheduler(self) -> subprocess.Popen:
+        return self.start("scheduler", "--host", "127.0.0.1", "--port", str(self.port))
+
+    def wait_for_scheduler(self) -> None:
+        """On a busy machine Python alone may take longer to start than a client waits for an answer."""
+        until_s = time.monotonic() + 120.0
+        while time.monotonic() < until_s:
+            try:
+                socket.create_connection(("127.0.0.1", self.port), timeout=1.0).close()
+                return
+            except OSError:
+                time.sleep(0.1)
+        raise TimeoutError((self._folder / "dask.log").read_text())
+
+    def start_worker(self) -> subprocess.Popen:
+        return self.start("worker", self.address, "--nthreads", "1", "--no-nanny", "--death-timeout", "60")
+
+    def stop(self) -> None:
+        for process in self.processes:
+            process.kill()
+        for process in self.processes:
+            process.wait()
+
+
+@pytest.fixture(scope="module")
+def cluster(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Cluster]:
+    cluster = Cluster(tmp_path_factory.mktemp("cluster"))
+    try:
+        cluster.scheduler = cluster.start_scheduler()
+        cluster.wait_for_scheduler()
+        cluster.workers = [cluster.start_worker(), cluster.start_worker()]
+        yield cluster
+    finally:
+        cluster.stop()
+
+
+@pytest.fixture(scope="module")
+def reference(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """What one process keeps."""
+    folder = tmp_path_factory.mktemp("reference")
+    run(kept_jobs(job_examples.rows_of), HERE, kept=folder)
+    return folder
+
+
+def test_results_and_what_is_kept_are_those_of_one_process(
+    cluster: Cluster, reference: Path, tmp_path: Path
+) -> None:
+    place = Place(cluster=cluster.address)
+    found = run(kept_jobs(job_examples.rows_of), place, kept=tmp_path)
+    assert found == run(kept_jobs(job_examples.rows_of), HERE, kept=reference)
+    assert contents(tmp_path) == contents(reference)
+
+
+def test_jobs_that_fail_are_named_and_the_others_go_on(
+    cluster: Cluster, capsys: pytest.CaptureFixture
+) -> None:
+    found = outcomes(jobs_of(job_examples.fails, range(5)), Place(cluster=cluster.address))
+    assert [found[index] for index in (0, 2, 4)] == [0, 2, 4]
+    assert found[3].text.startswith("ValueError at job_examples.py:")
+    assert "vista: image.png: truncated image (1)" in capsys.readouterr().err.splitlines()
+
+
+def test_a_worker_with_other_code_adds_nothing(cluster: Cluster, monkeypatch: pytest.MonkeyPatch) -> None:
+    from vista_eval.jobs import cluster as module
+
+    monkeypatch.setattr(module, "code_of", lambda job: ("vista.geometry", "0" * 64))
+    [found] = outcomes(jobs_of(job_examples.rows_of, [1]), Place(cluster=cluster.address))
+    assert isinstance(found, Failure)
+    assert found.text.startswith("worker tcp://127.0.0.1:")
+    assert found.text.endswith("has another version of vista.geometry")
+
+
+def test_a_dataset_has_the_rows_of_one_process(
+    cluster: Cluster, tmp_path: Path, capsys: pytest.CaptureFixture
+) -> None:
+    parquet = pytest.importorskip("pyarrow.parquet", reason="no pyarrow: make setup-jobs")
+    cases.make_pairs(tmp_path / "recordings" / "pairs", frames=2)
+    (tmp_path / "recordings" / "bad").mkdir()
+    (tmp_path / "recordings" / "bad" / "calibration.toml").write_text("focal_px = 1")
+    rows = []
+    for name, where in (("one", ("--jobs", 1)), ("cluster", ("--cluster", cluster.address))):
+        command = ("dataset", tmp_path / "recordings", "--out", tmp_path / name, *where)
+        assert call_vista(capsys, *command)[0] == EXIT_OK
+        table = parquet.read_table(tmp_path / name / "recordings.parquet").to_pylist()
+        rows.append([{key: value for key, value in row.items() if "_ms_" not in key} for row in table])
+    assert rows[0] == rows[1]
+    assert [row["recording"] for row in rows[0] if row["error"]] == ["bad"]
+
+
+def test_every_job_is_kept_once_whatever_happens(cluster: Cluster, reference: Path, tmp_path: Path) -> None:
+    """One worker is halted for a while, one is killed at a job, and the scheduler is started again."""
+    notes, kept = tmp_path / "notes", tmp_path / "kept"
+    notes.mkdir()
+    victims = (SEEDS[3], SEEDS[8])
+
+    def disturb() -> None:
+        slow = cluster.workers[0]
+        slow.send_signal(signal.SIGSTOP)
+        time.sleep(0.5)
+        slow.send_signal(signal.SIGCONT)
+        os.kill(wait_for_attempt(notes, victims[0]), signal.SIGKILL)
+        cluster.start_worker()
+        wait_for_attempt(notes, victims[1])
+        cluster.scheduler.kill()
+        cluster.scheduler.wait()
+        cluster.scheduler = cluster.start_scheduler()
+        cluster.workers = [cluster.start_worker(), cluster.start_worker()]
+
+    disturber = threading.Thread(target=disturb)
+    disturber.start()
+    work = partial(job_examples.held, notes, 5.0, victims)
+    found = run(kept_jobs(work), Place(cluster=cluster.address), kept=kept)
+    disturber.join()
+    assert found == run(kept_jobs(job_examples.rows_of), HERE, kept=reference)
+    assert contents(kept) == contents(reference)
+    made = attempts_in(notes)
+    assert sorted(made) == list(SEEDS)
+    assert made[victims[0]] >= 2
+
+
+@pytest.mark.parametrize(
+    ("address", "reason"),
+    [
+        ("tcp://127.0.0.1:1", "no scheduler answers within 1 s"),
+        ("nonsense://here", "unknown address scheme 'nonsense'"),
+    ],
+)
+def test_a_cluster_that_is_not_there_is_named(
+    address: str, reason: str, capsys: pytest.CaptureFixture, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    from vista_eval.jobs import cluster as module
+
+    monkeypatch.setattr(module, "CONNECT_S", 1.0)
+    arguments = ("scenes", str(tmp_path), "--count", "2", "--cluster", address)
+    assert_refused(call_vista(capsys, *arguments), f"--cluster {address}: {reason}")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_cluster_without_dask_names_the_extra(
+    capsys: pytest.CaptureFixture, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setitem(sys.modules, "distributed", None)
+    monkeypatch.delitem(sys.modules, "vista_eval.jobs.cluster", raising=False)
+    arguments = ("scenes", str(tmp_path), "--count", "2", "--cluster", "tcp://127.0.0.1:1")
+    line = "--cluster: needs the extra [cluster]: pip install 'vista[cluster]'"
+    assert_refused(call_vista(capsys, *arguments), line)
