@@ -152,6 +152,10 @@ static const struct {
     {{"words.filling_levels", "", "As many coarser levels fill surfaces where the finer ones have no word; the others only add what is too near for level 0.", VISTA_PARAMETER_INT, 0, 0, 3, "", 0, NULL}, offsetof(vista_parameters, words.filling_levels)},
     {{"words.gap_px", "px", "Words of a row hang together across gaps up to twice this wide.", VISTA_PARAMETER_INT, 3, 0, 16, "", 0, NULL}, offsetof(vista_parameters, words.gap_px)},
     {{"words.cluster_px_noise", "px per grey level", "cluster_px is at least this times the image's noise: chance matches of a noisy image are larger.", VISTA_PARAMETER_FLOAT, 35.0, 0.0, 100000.0, "", 0, NULL}, offsetof(vista_parameters, words.cluster_px_noise)},
+    {{"terrain.lean_min_deg", "deg", "A surface below the path that leans more than this from the vertical is ground; steeper ones are things that stand.", VISTA_PARAMETER_FLOAT, 35.0, 0.0, 90.0, "", 0, NULL}, offsetof(vista_parameters, terrain.lean_min_deg)},
+    {{"terrain.angle_min_deg", "deg", "The path meets the ground when it descends on it at this angle at least; at less it is flown along.", VISTA_PARAMETER_FLOAT, 2.5, 0.1, 90.0, "", 0, NULL}, offsetof(vista_parameters, terrain.angle_min_deg)},
+    {{"terrain.clearance_share", "", "The collision volume reaches down by this share of the distance from the ground's surface at most: who flies low along it is no nearer to hitting it.", VISTA_PARAMETER_FLOAT, 0.8, 0.0, 1.0, "", 0, NULL}, offsetof(vista_parameters, terrain.clearance_share)},
+    {{"terrain.agree_fraction", "", "Of the words where the volume meets the ground, this share has to lie on its surface.", VISTA_PARAMETER_FLOAT, 0.6, 0.0, 1.0, "", 0, NULL}, offsetof(vista_parameters, terrain.agree_fraction)},
     {{"thin.find", "", "Whether they are looked for.", VISTA_PARAMETER_CHOICE, 1, 0, 1, "", 2, thin_find_choices}, offsetof(vista_parameters, thin.find)},
     {{"thin.contrast", "grey levels", "Contrast of a thin line to both of its sides that counts in full; more counts no more.", VISTA_PARAMETER_FLOAT, 8.0, 1.0, 255.0, "", 0, NULL}, offsetof(vista_parameters, thin.contrast)},
     {{"thin.contrast_noise", "sigma of the image's noise", "The same against the noise of the image; the larger of the two holds.", VISTA_PARAMETER_FLOAT, 3.0, 0.0, 100.0, "", 0, NULL}, offsetof(vista_parameters, thin.contrast_noise)},
@@ -186,6 +190,7 @@ _Static_assert(sizeof(vista_blind_zone_params) == 256, "blind_zone may not grow"
 _Static_assert(sizeof(vista_obstacle_map_params) == 256, "obstacle_map may not grow");
 _Static_assert(sizeof(vista_health_params) == 256, "health may not grow");
 _Static_assert(sizeof(vista_words_params) == 256, "words may not grow");
+_Static_assert(sizeof(vista_terrain_params) == 256, "terrain may not grow");
 _Static_assert(sizeof(vista_thin_params) == 256, "thin may not grow");
 
 #endif

@@ -109,8 +109,8 @@ def test_the_covariance_is_long_along_the_line_and_along_the_sight() -> None:
     covariance = np.array(list(found.covariance_camera_m2)).reshape(3, 3)
     assert np.all(np.linalg.eigvalsh(covariance) > 0)
     metre_per_px = 20.0 / FOCAL_PX
-    assert found.sigma_u_px == pytest.approx(math.hypot(0.7, 4 * math.cos(math.radians(angle))), abs=0.05)
-    assert found.sigma_v_px == pytest.approx(math.hypot(0.7, 4 * math.sin(math.radians(angle))), abs=0.05)
+    assert found.sigma_u_px == pytest.approx(math.hypot(0.7, 10 * math.cos(math.radians(angle))), abs=0.05)
+    assert found.sigma_v_px == pytest.approx(math.hypot(0.7, 10 * math.sin(math.radians(angle))), abs=0.05)
     assert math.sqrt(covariance[0, 0]) == pytest.approx(found.sigma_u_px * metre_per_px, rel=0.02)
     assert math.sqrt(covariance[2, 2]) == pytest.approx(20.0**2 / (FOCAL_PX * BASELINE_M) * 0.2, rel=0.05)
 

@@ -228,6 +228,15 @@ typedef struct vista_words_params {
   unsigned char reserved[216];
 } vista_words_params;
 
+/* Where the flight path meets the ground (extension of the paper). */
+typedef struct vista_terrain_params {
+  double lean_min_deg; /* A surface below the path that leans more than this from the vertical is ground; steeper ones are things that stand. 0.0 .. 90.0 deg. */
+  double angle_min_deg; /* The path meets the ground when it descends on it at this angle at least; at less it is flown along. 0.1 .. 90.0 deg. */
+  double clearance_share; /* The collision volume reaches down by this share of the distance from the ground's surface at most: who flies low along it is no nearer to hitting it. 0.0 .. 1.0. */
+  double agree_fraction; /* Of the words where the volume meets the ground, this share has to lie on its surface. 0.0 .. 1.0. */
+  unsigned char reserved[224];
+} vista_terrain_params;
+
 /* Whether they are looked for. */
 typedef enum vista_thin_find { VISTA_THIN_FIND_OFF, VISTA_THIN_FIND_ON } vista_thin_find;
 
@@ -272,6 +281,7 @@ typedef struct vista_parameters {
   vista_obstacle_map_params obstacle_map;
   vista_health_params health;
   vista_words_params words;
+  vista_terrain_params terrain;
   vista_thin_params thin;
 } vista_parameters;
 

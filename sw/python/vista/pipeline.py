@@ -29,7 +29,7 @@ class Ellipse:
 class Obstacle:
     """One obstacle, as the track that it belongs to estimates it in this frame."""
 
-    id: int  #: number of the track; 0: something too near to match, which has no track
+    id: int  #: number of the track, from 1; 0: something too near to match, -1: the ground, both without one
     confirmed: bool
     coasting: bool  #: not seen in this frame
     in_blind_zone: bool  #: nearer than the engine matches
@@ -42,6 +42,7 @@ class Obstacle:
     ellipse: Ellipse
     disparity_px: float
     in_collision_volume: bool
+    kind: str = "thing"  #: thing; too_near: to match; ground: where the flight path meets it
 
 
 @dataclass(frozen=True)
@@ -257,6 +258,7 @@ def _obstacle(ffi: Any, lib: Any, o: Any) -> Obstacle:
         ellipse=Ellipse(e.center_u_px, e.center_v_px, e.axis_a_px, e.axis_b_px, e.angle_deg),
         disparity_px=o.disparity_px,
         in_collision_volume=bool(o.in_collision_volume),
+        kind=ffi.string(lib.vista_obstacle_kind_name(o.kind)).decode(),
     )
 
 

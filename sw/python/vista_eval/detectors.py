@@ -133,6 +133,8 @@ class JudgingPipeline(OpenPipeline):
         segmentation.region_count = segmentation.obstacle_count = count
         refinement = ffi.new("vista_refinement *")
         refinement.label = ffi.cast("int32_t *", drawn.ctypes.data)
+        border = np.ones(label.size, np.uint8)
+        refinement.border = ffi.cast("uint8_t *", border.ctypes.data)
         height, width = words.shape
         image = ffi.new(
             "vista_disparity_image *", (ffi.cast("int16_t *", words.ctypes.data), width, height, width)

@@ -11,7 +11,7 @@
 
 #define REACH_RADII 2.0    /* of the collision volume */
 #define ACROSS_SIGMA_PX 0.7
-#define ALONG_SIGMA_PX 4.0 /* the path's direction is off by a quarter of a degree */
+#define ALONG_SIGMA_RAD 0.01 /* by which the direction of flight wanders: where on the line it leads to */
 #define DEPTH_SIGMA_MAX 0.1 /* share of the disparity: where the line is less certain, it says nothing */
 #define HALF_WIDTH_MIN_PX 1.0
 #define BAND_OFF_PX 5.0    /* from the line to the middle of a band */
@@ -75,6 +75,7 @@ static vista_detection detection_of(const vista_thin_line *line, const vista_cam
                                     double rows, int32_t label) {
   const double d = vista_thin_disparity_px(line, nearest->v_px), pixel_m = camera->baseline_m / d;
   const double length = hypot(1.0, line->slope), down = 1.0 / length, right = line->slope / length;
+  const double along_sigma_px = ALONG_SIGMA_RAD * camera->focal_px;
   const double half_px = fmax(0.5 * rows * length, HALF_WIDTH_MIN_PX);
   const double angle_deg = atan2(down, right) * DEGREES_PER_RADIAN;
   vista_detection result = {
@@ -82,8 +83,8 @@ static vista_detection detection_of(const vista_thin_line *line, const vista_cam
       .u_px = vista_thin_u_px(line, nearest->v_px),
       .v_px = nearest->v_px,
       .disparity_px = d,
-      .sigma_u_px = hypot(ACROSS_SIGMA_PX, ALONG_SIGMA_PX * right),
-      .sigma_v_px = hypot(ACROSS_SIGMA_PX, ALONG_SIGMA_PX * down),
+      .sigma_u_px = hypot(ACROSS_SIGMA_PX, along_sigma_px * right),
+      .sigma_v_px = hypot(ACROSS_SIGMA_PX, along_sigma_px * down),
       .sigma_disparity_px = vista_thin_sigma_px(line, nearest->v_px),
       .extent_m = {2.0 * fmax(half_px * fabs(right), HALF_WIDTH_MIN_PX) * pixel_m, 2.0 * half_px * down * pixel_m},
       .volume_pixels = (int32_t)lround(nearest->pixels),

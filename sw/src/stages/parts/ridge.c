@@ -22,18 +22,18 @@ void vista_ridge_layout(vista_ridge *ridge, vista_arena *arena, int32_t width_px
                          .sum = vista_arena_take(arena, width, 1)};
 }
 
-static inline int16_t smaller(int16_t a, int16_t b) { return a < b ? a : b; }
-static inline int16_t larger(int16_t a, int16_t b) { return a > b ? a : b; }
+static inline int16_t least(int16_t a, int16_t b) { return a > b ? b : a; }
+static inline int16_t most(int16_t a, int16_t b) { return a < b ? b : a; }
 
 VISTA_WIDE_VECTORS
 static void find_row(const uint8_t *grey, int32_t count, int16_t scale, int8_t *value) {
   for (int32_t u = 0; u < count; ++u) {
     const int16_t a = (int16_t)(grey[u] - grey[u - VISTA_RIDGE_REACH]);
     const int16_t b = (int16_t)(grey[u] - grey[u + VISTA_RIDGE_REACH]);
-    const int16_t brighter = larger(smaller(a, b), 0), darker = smaller(larger(a, b), 0);
-    const int16_t step = larger(smaller((int16_t)(brighter + darker), 63), -63); /* times the scale it fits */
+    const int16_t brighter = most(least(a, b), 0), darker = least(most(a, b), 0);
+    const int16_t step = most(least((int16_t)(brighter + darker), 63), -63); /* times the scale it fits */
     const int16_t scaled = (int16_t)((int16_t)(step * scale) / (1 << SCALE_BITS));
-    value[u] = (int8_t)larger(smaller(scaled, VISTA_RIDGE_FULL), -VISTA_RIDGE_FULL);
+    value[u] = (int8_t)most(least(scaled, VISTA_RIDGE_FULL), -VISTA_RIDGE_FULL);
   }
 }
 
