@@ -11,6 +11,7 @@
 #include "stages/affinity.h"
 #include "stages/blind_zone.h"
 #include "stages/collision_volume.h"
+#include "stages/footing.h"
 #include "stages/health.h"
 #include "stages/motion.h"
 #include "stages/obstacle_map.h"
@@ -19,6 +20,7 @@
 #include "stages/refinement.h"
 #include "stages/segmentation.h"
 #include "stages/surface.h"
+#include "stages/terrain.h"
 #include "stages/tracker.h"
 #include "stages/words.h"
 
@@ -43,8 +45,10 @@ typedef enum stage {
   STAGE_RECONSTRUCTION,
   STAGE_TRACKING,
   STAGE_BLIND_ZONE,
+  STAGE_TERRAIN,
   STAGE_MAP,
   STAGE_PATH_VIEW,
+  STAGE_FOOTING,
   STAGE_COUNT
 } stage;
 
@@ -67,6 +71,7 @@ struct vista_pipeline {
   vista_detection *detections;
   vista_tracker *tracker;
   vista_blind_zone blind_zone;
+  vista_terrain terrain;
   vista_obstacle_map *map;
   vista_region_verdict *verdicts; /* a region */
   vista_views views;
@@ -87,8 +92,10 @@ static const char *const stage_names[STAGE_COUNT] = {
     [STAGE_RECONSTRUCTION] = "reconstruction",
     [STAGE_TRACKING] = "tracking",
     [STAGE_BLIND_ZONE] = "blind_zone",
+    [STAGE_TERRAIN] = "terrain",
     [STAGE_MAP] = "map",
     [STAGE_PATH_VIEW] = "path_view",
+    [STAGE_FOOTING] = "footing",
 };
 
 int32_t vista_stage_count(void) { return STAGE_COUNT; }
@@ -120,6 +127,7 @@ static vista_status layout(vista_pipeline *p, vista_arena *arena) {
       vista_refinement_layout(&p->refinement, arena, &p->foveation),
       vista_regions_layout(&p->regions, arena, &p->foveation),
       vista_tracker_layout(MAX_TRACKS, MAX_DETECTIONS, arena, &p->tracker),
+      vista_terrain_layout(&p->terrain, arena, &p->foveation),
       vista_obstacle_map_layout(MAX_TRACKS, arena, &p->map),
   };
   status = first_error(statuses, sizeof statuses / sizeof statuses[0]);
@@ -196,6 +204,7 @@ void vista_pipeline_reset(vista_pipeline *pipeline) {
   vista_obstacle_map_reset(pipeline->map);
   pipeline->motion_state = (vista_motion_state){0};
   pipeline->blind_zone = (vista_blind_zone){0};
+  vista_terrain_reset(&pipeline->terrain);
 }
 
 static vista_status check_up(const double up_world[3]) {
@@ -246,6 +255,8 @@ static void set_thresholds(vista_pipeline *p, const vista_image_noise *noise) {
   p->words_params = q->words;
   p->words_params.cluster_px =
       (int32_t)lround(vista_image_noise_threshold(noise, q->words.cluster_px, q->words.cluster_px_noise));
+  p->words_params.cluster_far_px =
+      (int32_t)lround(vista_image_noise_threshold(noise, q->words.cluster_far_px, q->words.cluster_px_noise));
   p->refinement_params = q->refinement;
   p->refinement_params.sigma_intensity =
       vista_image_noise_threshold(noise, q->refinement.sigma_intensity, q->refinement.sigma_intensity_noise);
@@ -272,7 +283,7 @@ static vista_status run_stage(vista_pipeline *p, stage stage, passage *way) {
       return status;
     }
     case STAGE_WORDS:
-      return vista_words_combine(&p->words_params, q->stereo.num_disparities, &frame->disparity, frame->coarser,
+      return vista_words_combine(&p->words_params, p->camera.baseline_m, q->stereo.num_disparities, &frame->disparity, frame->coarser,
                                  &p->words);
     case STAGE_FOVEATION:
       return vista_foveate(&p->foveation, &q->foveation, &frame->image, words, &p->cells);
@@ -286,8 +297,7 @@ static vista_status run_stage(vista_pipeline *p, stage stage, passage *way) {
     case STAGE_SEGMENTATION:
       return vista_segment(&p->foveation, q, &p->camera, &p->cells, &p->surfaces, &p->affinity, &p->segmentation);
     case STAGE_REFINEMENT:
-      return vista_refine(&p->foveation, &p->refinement_params, &frame->image, &p->cells, p->segmentation.label,
-                          &p->refinement);
+      return vista_refine(&p->foveation, &p->refinement_params, &p->cells, p->segmentation.label, &p->refinement);
     case STAGE_REGIONS: {
       const vista_status status =
           vista_regions_compute(&p->foveation, &q->region, &p->camera, up, q->surface.horizontal_deg, words, &p->cells,
@@ -311,15 +321,20 @@ static vista_status run_stage(vista_pipeline *p, stage stage, passage *way) {
     case STAGE_BLIND_ZONE:
       return vista_blind_zone_update(&q->blind_zone, &p->camera, &p->matched, q->obstacle_map.collision_radius_m,
                                      &frame->image, &way->noise, words, &p->blind_zone);
+    case STAGE_TERRAIN:
+      return vista_terrain_update(&p->terrain, &p->foveation, q, &p->camera, &p->matched, up, &way->motion, &way->path,
+                                  frame->t_ns, &p->cells);
     case STAGE_MAP: {
       int32_t count;
       const vista_track *const tracks = vista_tracker_tracks(p->tracker, &count);
       return vista_obstacle_map_update(p->map, &q->obstacle_map, &p->camera, &way->motion, &way->path, &p->blind_zone,
-                                       tracks, count);
+                                       &p->terrain, tracks, count);
     }
     case STAGE_PATH_VIEW:
       return vista_path_view(&q->obstacle_map, &p->camera, &p->matched, &way->path, &way->motion.pose, words,
                              p->refinement.label, &p->regions, &way->path_seen_m);
+    case STAGE_FOOTING:
+      return vista_footing_clear(&q->region, &p->camera, words, &p->surfaces, &p->regions, &p->refinement);
     case STAGE_COUNT:
       break;
   }
