@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from random_seed import seed_of
 from vista_eval.render.fast.renderer import FastRenderer
-from vista_eval.render.fast.wires import below
+from vista_eval.render.fast.strips import below
 from vista_eval.render.rig import LEFT, Rig
 from vista_eval.render.scene import Board, Cylinder, Scene, thing
 
@@ -55,6 +55,32 @@ def test_a_wire_takes_its_width_of_every_line_of_pixels(angle_deg: float, diamet
     lines = found.sum(axis=0 if angle_deg < 45 else 1)[40:80]
     np.testing.assert_allclose(lines, width_px / slant, rtol=0.01)
     assert found.max() <= min(1, width_px * 1.4143) + 1e-5
+
+
+def test_a_wire_anyhow_in_space_covers_what_rays_find() -> None:
+    """576 rays a pixel, each of which meets the wire if it passes its axis within the radius. They count each
+    outline to half a row of them."""
+    random = np.random.default_rng(seed_of("anyhow"))
+    cells = (np.arange(24) + 0.5) / 24 - 0.5
+    for _ in range(6):
+        start, end = random.uniform([-12, -1.5, -1.2], [12, 1.5, 1.2], (2, 3))
+        radius_m = float(random.uniform(0.003, 0.03))
+        found = cover(dark((tuple(start), tuple(end)), radius_m=radius_m))
+        v, u = np.nonzero(found > 0.02)
+        chosen = random.permutation(len(u))[:60]
+        ends = (np.stack([start, end]) - pose_at(-30.0)[:3, 3]) @ pose_at(-30.0)[:3, :3]
+        axis = (ends[1] - ends[0]) / np.linalg.norm(ends[1] - ends[0])
+        for row, column in zip(v[chosen], u[chosen], strict=True):
+            x, y = np.meshgrid(column + cells - RIG.center_px[0], row + cells - RIG.center_px[1])
+            ray = np.stack([x / RIG.focal_px, y / RIG.focal_px, np.ones(x.shape)], axis=-1)
+            square = np.cross(ray, axis)
+            passes_m = np.abs(square @ ends[0]) / np.linalg.norm(square, axis=-1)
+            across = np.cross(axis, square)  # the ray is nearest to the axis where it is square to this
+            along_m = (ray * (across @ ends[0])[..., None] / np.sum(ray * across, -1, keepdims=True)) @ axis
+            within = (along_m > ends[0] @ axis) & (along_m < ends[1] @ axis)
+            expected = np.mean((passes_m < radius_m) & within)
+            at_an_end = not np.all(within[passes_m < radius_m])  # which is drawn as cut off square
+            assert found[row, column] == pytest.approx(expected, abs=0.15 if at_an_end else 1 / 24)
 
 
 def test_a_wire_of_many_pieces_is_one_wire() -> None:
@@ -124,4 +150,4 @@ def test_the_share_below_a_line_is_that_of_points_spread_over_the_pixel() -> Non
         normal = np.array([np.cos(turn), np.sin(turn)])
         for limit in random.uniform(-0.8, 0.8, 6):
             expected = np.mean(grid @ normal < limit)
-            assert below(np.array([limit]), *normal)[0] == pytest.approx(expected, abs=3e-3)
+            assert below(np.array([limit]), normal[None])[0] == pytest.approx(expected, abs=3e-3)

@@ -7,38 +7,21 @@ the strip between its outlines is cut by the pixel exactly. It is lit across its
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 
 from vista_eval.render.fast import light
+from vista_eval.render.fast.strips import STRIPS, Pieces, Straight, pieces_of
 from vista_eval.render.fast.surfaces import Surfaces
 from vista_eval.render.rig import Rig
 from vista_eval.render.scene import Cylinder, Scene, Solid
 from vista_eval.render.view import View
 
 THICKEST_M = 0.06  # diameter of what is drawn in this way
-STRIPS = 8  # across the width, each with its own light
-NEAREST_M = 0.2
-MARGIN_PX = 1.0  # beyond the outline, where a pixel may still be touched
 
 
 def is_wire(solid: Solid) -> bool:
     return isinstance(solid, Cylinder) and 2 * solid.radius_m <= THICKEST_M
-
-
-class Pieces(NamedTuple):
-    """What each pixel shows of each wire; one pixel of one wire an entry."""
-
-    pixel: np.ndarray  # v * width + u
-    wire: np.ndarray
-    depth_m: np.ndarray  # of its axis, along the optical axis
-    across: np.ndarray  # of the pixel's middle, in radii to the right of the axis as it is drawn
-    within: np.ndarray  # whether the middle lies between the ends
-    cover: np.ndarray  # (n, STRIPS) share of the pixel
-
-    def where(self, chosen: np.ndarray) -> Pieces:
-        return Pieces(*(each[chosen] for each in self))
 
 
 @dataclass(frozen=True)
@@ -62,30 +45,9 @@ class Wires:
         self.radius_m = np.array([solid.radius_m for _, solid in solids], float)
         self.albedo = np.array([np.mean(solid.albedo) for _, solid in solids], float)
 
-    def in_camera(self, pose: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Ends (n, 3) of each, the parts behind the camera cut off; NaN: all of it is."""
-        ends = [(points - pose[:3, 3]) @ pose[:3, :3] for points in (self.start_m, self.end_m)]
-        cut = []
-        for here, there in (ends, ends[::-1]):
-            with np.errstate(divide="ignore", invalid="ignore"):
-                share = np.clip((NEAREST_M - here[:, 2]) / (there[:, 2] - here[:, 2]), 0, 1)
-            behind = here[:, 2] < NEAREST_M
-            point = np.where(behind[:, None], here + share[:, None] * (there - here), here)
-            point[point[:, 2] < NEAREST_M - 1e-6] = np.nan
-            cut.append(point)
-        return cut[0], cut[1]
-
     def pieces(self, rig: Rig, pose: np.ndarray) -> Pieces:
-        starts, ends = self.in_camera(pose)
-        found = [
-            piece(rig, k, start, end, self.radius_m[k])
-            for k, (start, end) in enumerate(zip(starts, ends, strict=True))
-            if np.all(np.isfinite(start)) and np.all(np.isfinite(end))
-        ]
-        if not found:
-            none = np.zeros(0, int)
-            return Pieces(none, none, none * 0.0, none * 0.0, none > 0, np.zeros((0, STRIPS)))
-        return Pieces(*(np.concatenate(each) for each in zip(*found, strict=True)))
+        start_m, end_m = ((ends - pose[:3, 3]) @ pose[:3, :3] for ends in (self.start_m, self.end_m))
+        return pieces_of(rig, Straight(start_m, end_m, self.radius_m))
 
     def drawn(self, scene: Scene, groups: list[Surfaces], rig: Rig, pose: np.ndarray, view: View) -> Drawing:
         """Where nothing stands before them. view: without wires."""
@@ -146,74 +108,6 @@ def lamp(
     ray = np.ascontiguousarray(np.broadcast_to(towards.astype(np.float32), start.shape))
     hidden = [group.hides(start, ray) for group in groups]
     return 1.0 - np.any(hidden, axis=0)
-
-
-def piece(rig: Rig, wire: int, start: np.ndarray, end: np.ndarray, radius_m: float) -> tuple[np.ndarray, ...]:
-    """The fields of `Pieces` for one straight wire; start, end: in the camera."""
-    ends_px = rig.project(np.stack([start, end]))
-    length_px = float(np.linalg.norm(ends_px[1] - ends_px[0]))
-    along = (ends_px[1] - ends_px[0]) / max(length_px, 1e-9)
-    widest_px = rig.focal_px * radius_m / min(start[2], end[2])
-    u, v = pixels_near(rig, ends_px, 2 * widest_px + MARGIN_PX)
-    offset = np.stack([u, v], axis=1) - ends_px[0]
-    t_px = offset @ along
-    q_px = offset @ np.array([-along[1], along[0]])
-    share = np.clip(t_px / max(length_px, 1e-9), 0, 1)
-    depth_m = 1 / ((1 - share) / start[2] + share / end[2])
-    half_px = half_width(rig, u, v, start, end, radius_m)
-    ends = below(length_px - t_px, *np.abs(along)) - below(-t_px, *np.abs(along))
-    edges = np.linspace(-1, 1, STRIPS + 1)
-    limits = [below(half_px * edge - q_px, abs(float(along[1])), abs(float(along[0]))) for edge in edges]
-    cover = np.diff(np.stack(limits, axis=1), axis=1) * ends[:, None]
-    kept = cover.sum(axis=1) > 1e-6
-    within = (t_px >= 0) & (t_px < length_px)
-    fields = v * rig.width_px + u, np.full(len(u), wire), depth_m, q_px / half_px, within, cover
-    return tuple(field[kept] for field in fields)
-
-
-def pixels_near(rig: Rig, ends_px: np.ndarray, within_px: float) -> tuple[np.ndarray, np.ndarray]:
-    """Columns and rows of all pixels that a segment comes near to, and of some others."""
-    step = ends_px[1] - ends_px[0]
-    major = int(np.argmax(np.abs(step)))
-    size = (rig.width_px, rig.height_px)
-    low, high = np.sort(ends_px[:, major])
-    first = max(int(np.floor(low - within_px)), 0)
-    last = min(int(np.ceil(high + within_px)), size[major] - 1)
-    line = np.arange(first, last + 1)
-    slope = step[1 - major] / step[major] if abs(step[major]) > 1e-9 else 0.0
-    middle = ends_px[0, 1 - major] + slope * (np.clip(line, low, high) - ends_px[0, major])
-    reach = int(np.ceil(within_px * np.hypot(1, slope))) + 1
-    beside = np.rint(middle).astype(int)[:, None] + np.arange(-reach, reach + 1)
-    line = np.repeat(line, beside.shape[1])
-    beside = beside.ravel()
-    inside = (beside >= 0) & (beside < size[1 - major])
-    pair = line[inside], beside[inside]
-    return pair if major == 0 else pair[::-1]
-
-
-def half_width(
-    rig: Rig, u: np.ndarray, v: np.ndarray, start: np.ndarray, end: np.ndarray, radius_m: float
-) -> np.ndarray:
-    """(n,) px from the axis to the outline, square to the axis as it is drawn. A ray along d passes a line
-    through s along a at the distance d . (a x s) / |d x a|."""
-    axis = (end - start) / np.linalg.norm(end - start)
-    (cu, cv), focal = rig.center_px, rig.focal_px
-    ray = np.stack([(u - cu) / focal, (v - cv) / focal, np.ones(len(u))], axis=1)
-    turn = float(np.linalg.norm(np.cross(axis, start)[:2])) / focal
-    return radius_m * np.linalg.norm(np.cross(ray, axis), axis=1) / max(turn, 1e-12)
-
-
-def below(limit_px: np.ndarray, across: float, along: float) -> np.ndarray:
-    """Share of a pixel where the distance to a line through its middle is below `limit_px`. across, along:
-    sides of the line's unit normal, at least 0. The share of a square is a trapezoid's integral."""
-    long, short = max(across, along), min(across, along)
-    reach = (long + short) / 2
-    x = np.clip(limit_px, -reach, reach)
-    flat = (long - short) / 2
-    ramp = np.clip(reach - np.abs(x), 0, short)
-    corner = ramp**2 / (2 * long * short) if short > 1e-9 else np.zeros_like(x)
-    linear = np.where(np.abs(x) <= flat, 0.5 + x / long, np.where(x > 0, 1 - corner, corner))
-    return np.where(limit_px >= reach, 1.0, np.where(limit_px <= -reach, 0.0, linear))
 
 
 def together(
