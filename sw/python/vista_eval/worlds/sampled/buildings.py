@@ -64,7 +64,7 @@ def roof(name: str, eaves_m: np.ndarray, pitched: bool, rng: np.random.Generator
     for k, (low_left, low_right, high) in enumerate(((a, b, right), (c, d, left))):
         half_right, half_down = (low_right - low_left) / 2, (low_right - high) / 2
         wide, long = (2 * float(np.linalg.norm(half)) for half in (half_right, half_down))
-        tiles = walls.boards(wide, long, seed + k, 0.05) * shade * 4
+        tiles = np.clip(walls.boards(wide, long, seed + k, 0.05) * shade * 4, 0.02, 0.85)
         middle = low_left + half_right - half_down
         slopes.append(Panel(f"{name}_slope{k}", tuple(middle), tuple(half_right), tuple(half_down), tiles))
     gables = joined(polygon([d, a, left], 2 * shade), polygon([b, c, right], 2 * shade))

@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from vista_eval.render.manoeuvre import Gusts, Manoeuvre
+from vista_eval.render.manoeuvre import GRAVITY_M_S2, Gusts, Manoeuvre
 from vista_eval.worlds.sampled.draws import draws, some_seed
 
 RATES_HZ = (7.5, 10.0, 12.5, 15.0)
@@ -22,6 +22,7 @@ LAST_RANGE_M = (10.0, 14.0)
 LEAST_FRAMES = 18
 # Over level ground: no gust blows an aircraft lower than the one, or than the other of a low flight.
 LEAST_HEIGHT_M, LEAST_SHARE = 2.5, 0.7
+MOST_HEADING_RAD = 0.87  # that a flight turns, so that what it flies at comes into view early enough
 CLIMBS, TURNS, GUSTS = 0.4, 0.4, 0.4  # shares
 STEEP_SPEED_M_S = 25.0  # at 45 degrees of bank; a bank of less is flown slower, so that the turn is as wide
 
@@ -45,6 +46,9 @@ class Courses:
         least = max(self.speed_m_s[0], STEEP_SPEED_M_S * float(np.sqrt(np.tan(np.radians(abs(bank))))))
         speed = float(rng.uniform(min(least, self.speed_m_s[1]), self.speed_m_s[1]))
         span = float(rng.uniform(*self.span_m))
+        if bank:
+            radius_m = speed**2 / (GRAVITY_M_S2 * float(np.tan(np.radians(abs(bank)))))
+            span = min(span, MOST_HEADING_RAD * radius_m - last)
         wanted = speed * rng.uniform(22, 28) / span
         rate = min(RATES_HZ, key=lambda hz: abs(hz - wanted))
         frames = int(np.clip(round(span * rate / speed), LEAST_FRAMES, self.most_frames))

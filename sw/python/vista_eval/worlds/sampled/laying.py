@@ -25,7 +25,7 @@ RINGS_M, COARSER = (80.0, 320.0), 4
 TEXEL_PER_RANGE = 1.6e-3  # a pixel of the paper's rig sees 1e-3 of the range
 MARGIN_M = 6.0
 HALF_VIEW_RAD = 0.42  # of the image, banked
-MOST_TURN_RAD = 1.2  # off +x, of a ray that still counts
+MOST_TURN_RAD = 1.35  # off +x, of a ray that still counts
 MOST_STRETCH = 12
 
 
