@@ -9,6 +9,7 @@
 #include "common/plane_fit.h"
 #include "stages/parts/merge.h"
 #include "stages/parts/seed_step.h"
+#include "stages/parts/spanning_forest.h"
 
 vista_status vista_segmentation_layout(vista_segmentation *segmentation, vista_arena *arena,
                                        const vista_foveation *foveation) {
@@ -27,6 +28,11 @@ vista_status vista_segmentation_layout(vista_segmentation *segmentation, vista_a
   s->capacity = vista_arena_take(arena, (size_t)foveation->graph.arc_count, sizeof(int32_t));
   const vista_status merging = vista_merge_layout(foveation, arena, &s->merge);
   if (merging != VISTA_OK) return merging;
+  vista_spanning_forest forest;
+  const vista_status growing = vista_spanning_forest_layout(&foveation->graph, arena, &forest);
+  if (growing != VISTA_OK) return growing;
+  s->forest = vista_arena_take(arena, 1, sizeof *s->forest);
+  if (s->forest != NULL) *s->forest = forest;
   const vista_status status = vista_seeds_layout(&s->seeds, arena, foveation);
   if (status != VISTA_OK) return status;
   return vista_maxflow_layout(&s->maxflow, &foveation->graph, arena);
@@ -112,13 +118,15 @@ static void link_free_cell(void *context, int32_t node) {
   const uint8_t *const shell = s->seeds.shell;
   const uint16_t *const role = s->role;
   while (s->step <= s->steps[node]) gather_step(w, s);
+  const bool grown = w->params->solver == VISTA_SEGMENTATION_SOLVER_FOREST; /* each link for itself: no sums */
   const bool in_shell = shell[node];
   int32_t source = 0, sink = s->seeds.seed_of_node[node] == c->seed ? 0 : sink_link(w, &s->seeds, c->seed, node);
   for (int32_t arc = first_arc[node]; arc < first_arc[node + 1]; ++arc) {
     const int32_t other = head[arc], to = role[other];
     const int32_t capacity = in_shell || shell[other] ? intensity_capacity[arc] : full[arc];
-    source += to == SOURCE ? capacity : 0;
-    sink += to == SINK ? capacity : 0;
+    const int32_t to_source = to == SOURCE ? capacity : 0, to_sink = to == SINK ? capacity : 0;
+    source = !grown ? source + to_source : to_source > source ? to_source : source;
+    sink = !grown ? sink + to_sink : to_sink > sink ? to_sink : sink;
     s->capacity[arc] = to == FREE || to == LINKED ? capacity : 0;
   }
   s->role[node] = LINKED;
@@ -142,20 +150,40 @@ static int32_t list_starts(const view *w, vista_segmentation *s) {
   return count;
 }
 
-/* One isolating cut; the source side becomes region `label`. */
-static vista_status cut_out(const view *w, vista_segmentation *s, int32_t seed, int32_t label) {
-  gather_seed(w, s, seed);
-  cut c = {w, s, seed};
+/* The spanning forest of all free cells within reach. */
+static void grow(const view *w, vista_segmentation *s, cut *c) {
+  while (s->step < w->params->reach) gather_step(w, s);
+  int32_t count = 0;
+  for (int32_t k = 0; k < s->subset_count; ++k)
+    if (s->role[s->subset[k]] == FREE) s->starts[count++] = s->subset[k];
+  for (int32_t k = 0; k < count; ++k) link_free_cell(c, s->starts[k]);
+  const vista_forest_problem problem = {s->capacity, s->source_capacity, s->sink_capacity, s->starts, count};
+  vista_spanning_forest_grow(s->forest, &w->foveation->graph, &problem, s->source_side);
+}
+
+/* The minimum cut, over as much of the free cells as its flow comes to. */
+static vista_status solve(const view *w, vista_segmentation *s, cut *c) {
   const vista_maxflow_problem problem = {.arc_capacity = s->capacity,
                                          .source_capacity = s->source_capacity,
                                          .sink_capacity = s->sink_capacity,
                                          .subset = s->starts,
                                          .subset_count = list_starts(w, s),
                                          .open = link_free_cell,
-                                         .context = &c};
+                                         .context = c};
   int64_t value;
-  const vista_status status = vista_maxflow_solve(&s->maxflow, &problem, s->source_side, NULL, &value);
-  if (status != VISTA_OK) return status;
+  return vista_maxflow_solve(&s->maxflow, &problem, s->source_side, NULL, &value);
+}
+
+/* One isolating cut; the source side becomes region `label`. */
+static vista_status cut_out(const view *w, vista_segmentation *s, int32_t seed, int32_t label) {
+  gather_seed(w, s, seed);
+  cut c = {w, s, seed};
+  if (w->params->solver == VISTA_SEGMENTATION_SOLVER_FOREST)
+    grow(w, s, &c);
+  else {
+    const vista_status status = solve(w, s, &c);
+    if (status != VISTA_OK) return status;
+  }
   for (int32_t k = 0; k < s->subset_count; ++k) {
     const int32_t node = s->subset[k];
     const bool on_source_side = s->role[node] == SOURCE || (s->role[node] == LINKED && s->source_side[node]);
