@@ -145,6 +145,7 @@ class Stages:
         self.disparity_px = view(self.cells.disparity_px, f.node_count, np.float32)
         self.words = view(self.cells.words, f.cell_of_pixel.size, np.int16)
         self.greys = view(self.cells.greys, f.cell_of_pixel.size, np.uint8)
+        self.listed = view(self.refinement.listed, f.cell_of_pixel.size, np.int32)
         self.border = view(self.refinement.border, f.node_count, np.uint8)
         self.valid_fraction = view(self.cells.valid_fraction, f.node_count, np.float32)
         self.inclination_deg = view(self.surfaces.inclination_deg, f.node_count, np.float32)
@@ -251,6 +252,7 @@ class Stages:
         """Of the regions as region_of_pixel draws them."""
         up_camera = ffi.new("double[3]", [float(x) for x in up])
         self.words[:] = words[self.foveation.pixel_v, self.foveation.pixel_u]
+        self.listed[:] = self.region_of_pixel[self.foveation.pixel_v, self.foveation.pixel_u]
         self.border[:] = 1  # any pixel may be drawn as another region's than its cell's
         status = lib.vista_regions_compute(
             self.foveation.handle,

@@ -112,8 +112,8 @@ def test_fields_of_the_result(flight: list[dict]) -> None:
     names = [ffi.string(lib.vista_stage_name(stage)).decode() for stage in range(r.stage_count)]
     assert names == [
         "motion", "noise", "words", "foveation", "health", "surface", "affinity", "segmentation",
-        "refinement", "regions", "thin", "reconstruction", "tracking", "blind_zone", "terrain", "map", "path_view",
-        "footing",
+        "refinement", "regions", "thin", "reconstruction", "tracking", "blind_zone", "terrain", "map",
+        "path_view", "footing",
     ]  # fmt: skip
     assert ffi.string(lib.vista_stage_name(r.stage_count)) == b"unknown"
 
@@ -137,7 +137,11 @@ def test_python_gives_the_same_numbers(flight: list[dict]) -> None:
         assert result.cell_disparity_px.tobytes() == expected["disparity_px"]
         assert result.region_of_cell.tobytes() == expected["label"]
         drawn = pipeline.refine_boundaries(source.left, result.cell_intensity, result.region_of_cell)
-        assert np.array_equal(result.region_of_pixel, drawn)
+        kept = result.region_of_pixel >= 0  # the ground at the foot of an obstacle has left its region
+        assert (
+            np.array_equal(result.region_of_pixel[kept], drawn[kept])
+            and kept.sum() > 0.9 * (drawn >= 0).sum()
+        )
         nearest = expected["nearest_collision"]
         assert (result.nearest_collision is not None) == nearest["valid"]
         if nearest["valid"]:

@@ -66,13 +66,13 @@ class OpenPipeline(Pipeline):
             },
         )
         drawn, border = np.empty(left.shape, np.int32), np.empty(f.node_count, np.uint8)
-        of_cell = np.empty(f.max_footprint_px + PADDING, np.int32)
+        listed = np.empty(left.size + PADDING, np.int32)
         out = ffi.new(
             "vista_refinement *",
             {
                 "label": ffi.cast("int32_t *", drawn.ctypes.data),
                 "border": ffi.cast("uint8_t *", border.ctypes.data),
-                "of_cell": ffi.cast("int32_t *", of_cell.ctypes.data),
+                "listed": ffi.cast("int32_t *", listed.ctypes.data),
             },
         )
         c_label = ffi.cast("int32_t *", label.ctypes.data)

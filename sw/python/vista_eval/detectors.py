@@ -25,7 +25,7 @@ from vista.pipeline import Result
 
 from vista_eval.baselines.reference_method import ReferenceParameters, merge_cells
 from vista_eval.baselines.stereo_alone import Threshold, label_clusters, thresholded
-from vista_eval.cell_graph import OpenPipeline
+from vista_eval.cell_graph import PADDING, OpenPipeline
 from vista_eval.dataset.stereo_pair import TruthPair
 from vista_eval.metrics.standing_points import ACCEPTED, Judged
 
@@ -129,13 +129,15 @@ class JudgingPipeline(OpenPipeline):
         frame = lib.vista_pipeline_look(self._pipeline)
         words = np.ascontiguousarray(words)
         label = np.ascontiguousarray(region_of_cell, np.int32)
-        drawn = np.ascontiguousarray(region_of_pixel, np.int32)
+        f = frame.foveation
+        u, v = (self._array(pixels, region_of_pixel.size, np.int16) for pixels in (f.pixel_u, f.pixel_v))
+        listed = np.pad(region_of_pixel[v, u].astype(np.int32), (0, PADDING))
         count = int(label.max()) + 1
         segmentation = ffi.new("vista_segmentation *")
         segmentation.label = ffi.cast("int32_t *", label.ctypes.data)
         segmentation.region_count = segmentation.obstacle_count = count
         refinement = ffi.new("vista_refinement *")
-        refinement.label = ffi.cast("int32_t *", drawn.ctypes.data)
+        refinement.listed = ffi.cast("int32_t *", listed.ctypes.data)
         border = np.ones(label.size, np.uint8)
         refinement.border = ffi.cast("uint8_t *", border.ctypes.data)
         height, width = words.shape

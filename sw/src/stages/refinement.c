@@ -18,7 +18,7 @@ vista_status vista_refinement_layout(vista_refinement *refinement, vista_arena *
   if (refinement == NULL || arena == NULL || foveation == NULL) return VISTA_ERROR_ARGUMENT;
   const size_t pixels = (size_t)foveation->width_px * (size_t)foveation->height_px;
   refinement->label = vista_arena_take(arena, pixels, sizeof(int32_t));
-  refinement->of_cell = vista_arena_take(arena, (size_t)foveation->max_footprint_px + LANES, sizeof(int32_t));
+  refinement->listed = vista_arena_take(arena, pixels + LANES, sizeof(int32_t));
   refinement->border = vista_arena_take(arena, (size_t)foveation->max_nodes, sizeof(uint8_t));
   return arena->base != NULL && arena->used > arena->size ? VISTA_ERROR_MEMORY : VISTA_OK;
 }
@@ -111,8 +111,8 @@ static void refine_cell(const vista_foveation *f, const vista_refinement_params 
                         const candidate *candidates, int32_t count, int32_t node, vista_refinement *refinement) {
   const int32_t first = f->first_pixel[node];
   solve(params, candidates, count, f->pixel_u + first, f->pixel_v + first, f->center_u[node], f->center_v[node],
-        cells->greys + first, f->pixel_count[node], refinement->of_cell);
-  const int32_t *label = refinement->of_cell;
+        cells->greys + first, f->pixel_count[node], refinement->listed + first);
+  const int32_t *label = refinement->listed + first;
   for (int32_t r = f->first_run[node]; r < f->first_run[node + 1]; ++r) {
     const vista_run run = f->runs[r];
     int32_t *const out = refinement->label + (ptrdiff_t)run.v_px * f->width_px + run.u_px;
@@ -145,8 +145,12 @@ vista_status vista_refine(const vista_foveation *foveation, const vista_refineme
   if (status != VISTA_OK) return status;
   mark_borders(&f->graph, label, refinement->border);
   draw_cells(f, label, refinement->label);
-  for (int32_t node = f->point_count + 1; node < f->node_count; ++node) {
+  for (int32_t node = 0; node < f->node_count; ++node) {
     if (!refinement->border[node]) continue;
+    if (node <= f->point_count) {
+      for (int32_t p = f->first_pixel[node]; p < f->first_pixel[node + 1]; ++p) refinement->listed[p] = label[node];
+      continue;
+    }
     candidate candidates[MAX_CANDIDATES];
     const int32_t count = list_candidates(f, params, cells, label, refinement->border, node, candidates);
     refine_cell(f, params, cells, candidates, count, node, refinement);

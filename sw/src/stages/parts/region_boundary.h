@@ -21,10 +21,10 @@ typedef struct vista_region_view {
   const vista_disparity_image *disparity;
   const vista_cells *cells;
   const vista_surfaces *surfaces;
-  const int32_t *region_of_pixel;
+  const int32_t *region_of_listed; /* a pixel of the mixed nodes, as the foveation lists them */
   const uint8_t *boundary; /* a node */
   const uint8_t *mixed;    /* a node: some of its pixels may be another region's */
-  uint32_t *bins;          /* VISTA_WORD_BINS, zero between calls */
+  uint32_t *bins;          /* twice VISTA_WORD_BINS, zero between calls */
   int16_t *pixels;         /* scratch: as many as the image has, and VISTA_WORD_BLOCK more */
   const int32_t *members;
   int32_t member_count;

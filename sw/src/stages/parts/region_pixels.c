@@ -119,13 +119,8 @@ static inline void keep_on_surface(const target *t, const int16_t *words, double
   }
 }
 
-/* Which of a block's pixels, `room` of them in the row, the image gives to a region. */
-static inline void mark_drawn(const int32_t *region_of_pixel, int32_t room, int32_t label,
-                              int16_t own[VISTA_WORD_BLOCK]) {
-  if (room < VISTA_WORD_BLOCK) {
-    for (int32_t i = 0; i < VISTA_WORD_BLOCK; ++i) own[i] = i < room && region_of_pixel[i] == label ? -1 : 0;
-    return;
-  }
+/* Which of a block's pixels the image gives to a region. */
+static inline void mark_drawn(const int32_t *region_of_pixel, int32_t label, int16_t own[VISTA_WORD_BLOCK]) {
   VISTA_BLOCK_LOOP
   for (int32_t i = 0; i < VISTA_WORD_BLOCK; ++i) own[i] = (int16_t)-(region_of_pixel[i] == label);
 }
@@ -143,30 +138,29 @@ static inline void mark_words(const target *t, const int16_t *words, int32_t cou
 VISTA_WIDE_VECTORS static void mark_cell(const vista_region_view *w, const target *t, int32_t label, int32_t node,
                                          int16_t *own) {
   const vista_foveation *const f = w->foveation;
-  const int32_t width = f->width_px;
   const bool mixed = w->mixed[node] != 0, whole = w->cells->disparity_px[node] < 0.0f;
   if (!mixed && whole) {
     memset(own, 0xff, (size_t)f->pixel_count[node] * sizeof *own);
     return;
   }
   const int16_t *words = w->cells->words + f->first_pixel[node];
+  const int32_t *drawn = w->region_of_listed + f->first_pixel[node];
   if (!mixed && t->facing) {
     mark_words(t, words, f->pixel_count[node], own);
     return;
   }
   for (int32_t r = f->first_run[node]; r < f->first_run[node + 1]; ++r) {
     const vista_run run = f->runs[r];
-    const int32_t *const drawn = w->region_of_pixel + (ptrdiff_t)run.v_px * width;
     const double start_px = t->plane->offset + t->plane->slope_v * run.v_px + t->plane->slope_u * run.u_px;
     for (int32_t i = 0; i < run.length_px; i += VISTA_WORD_BLOCK) {
-      const int32_t u = run.u_px + i;
       if (mixed)
-        mark_drawn(drawn + u, width - u, label, own + i);
+        mark_drawn(drawn + i, label, own + i);
       else
         memset(own + i, 0xff, VISTA_WORD_BLOCK * sizeof *own);
       if (!whole) keep_on_surface(t, words + i, start_px, i, own + i);
     }
     words += run.length_px;
+    drawn += run.length_px;
     own += run.length_px;
   }
 }
