@@ -10,6 +10,7 @@ static const char *const stereo_prefilter_choices[] = {"xsobel", "none"};
 static const char *const stereo_smooth_choices[] = {"off", "binomial3"};
 static const char *const affinity_form_choices[] = {"product", "sum"};
 static const char *const affinity_flow_encoding_choices[] = {"exponential", "linear"};
+static const char *const segmentation_solver_choices[] = {"cut", "forest"};
 
 static const struct {
   vista_parameter info;
@@ -66,6 +67,7 @@ static const struct {
     {{"segmentation.merge_share", "", "Two regions are one if more than half of the edges between them, and this share of the shorter perimeter, are smooth.", VISTA_PARAMETER_FLOAT, 0.1, 0.0, 1.0, "", 0, NULL}, offsetof(vista_parameters, segmentation.merge_share)},
     {{"segmentation.rest_affinity", "", "Cells that no obstacle claims form seeds of the rest along edges of at least this affinity.", VISTA_PARAMETER_FLOAT, 0.7, 0.0, 1.0, "", 0, NULL}, offsetof(vista_parameters, segmentation.rest_affinity)},
     {{"segmentation.rest_area_px2", "px2", "Smallest seed of the rest that is cut out.", VISTA_PARAMETER_FLOAT, 60.0, 1.0, 1000000.0, "", 0, NULL}, offsetof(vista_parameters, segmentation.rest_area_px2)},
+    {{"segmentation.solver", "", "What divides the free cells around a seed: the paper's minimum cut, or a maximum spanning forest of the same links.", VISTA_PARAMETER_CHOICE, 0, 0, 1, "", 2, segmentation_solver_choices}, offsetof(vista_parameters, segmentation.solver)},
     {{"refinement.sigma_intensity", "grey levels", "Difference of a pixel from a cell that weighs as much as one cell of distance at compactness 1.", VISTA_PARAMETER_FLOAT, 10.0, 0.1, 255.0, "", 0, NULL}, offsetof(vista_parameters, refinement.sigma_intensity)},
     {{"refinement.contrast_limit", "sigma_intensity", "A larger difference weighs no more than this.", VISTA_PARAMETER_FLOAT, 3.0, 0.0, 100.0, "", 0, NULL}, offsetof(vista_parameters, refinement.contrast_limit)},
     {{"refinement.mixed_penalty", "", "Cost of a cell at a border: it may show parts of both regions.", VISTA_PARAMETER_FLOAT, 0.75, 0.0, 100.0, "", 0, NULL}, offsetof(vista_parameters, refinement.mixed_penalty)},
@@ -123,6 +125,7 @@ static const struct {
     {{"tracker.range_max_m", "m", "Farther detections start no track.", VISTA_PARAMETER_FLOAT, 150.0, 1.0, 100000.0, "", 0, NULL}, offsetof(vista_parameters, tracker.range_max_m)},
     {{"tracker.follow_s", "s", "A track without a detection, not in the way, is followed by the words at its place for this long.", VISTA_PARAMETER_FLOAT, 1.0, 0.0, 3600.0, "", 0, NULL}, offsetof(vista_parameters, tracker.follow_s)},
     {{"tracker.hold_s", "s", "A track whose place shows no words coasts for this long before it counts as missed.", VISTA_PARAMETER_FLOAT, 0.3, 0.0, 3600.0, "", 0, NULL}, offsetof(vista_parameters, tracker.hold_s)},
+    {{"tracker.hold_px", "px", "Confirmed or not, it coasts until its disparity has moved by this since its last detection, if that takes no longer than follow_s: between two whole disparities sharp textures are hard to match.", VISTA_PARAMETER_FLOAT, 0.6, 0.0, 16.0, "", 0, NULL}, offsetof(vista_parameters, tracker.hold_px)},
     {{"blind_zone.contrast", "grey levels", "A pixel whose two neighbours along the row differ by this has texture.", VISTA_PARAMETER_INT, 16, 1, 255, "", 0, NULL}, offsetof(vista_parameters, blind_zone.contrast)},
     {{"blind_zone.textured_fraction", "", "With less of the disc textured, nothing can be said.", VISTA_PARAMETER_FLOAT, 0.05, 0.001, 1.0, "", 0, NULL}, offsetof(vista_parameters, blind_zone.textured_fraction)},
     {{"blind_zone.unmatched_fraction", "", "Something is too near when this share of the texture is not matched; in ordinary views it is 0.03 to 0.6.", VISTA_PARAMETER_FLOAT, 0.9, 0.0, 1.0, "", 0, NULL}, offsetof(vista_parameters, blind_zone.unmatched_fraction)},
@@ -152,6 +155,8 @@ static const struct {
     {{"words.filling_levels", "", "As many coarser levels fill surfaces where the finer ones have no word; the others only add what is too near for level 0.", VISTA_PARAMETER_INT, 0, 0, 3, "", 0, NULL}, offsetof(vista_parameters, words.filling_levels)},
     {{"words.gap_px", "px", "Words of a row hang together across gaps up to twice this wide.", VISTA_PARAMETER_INT, 3, 0, 16, "", 0, NULL}, offsetof(vista_parameters, words.gap_px)},
     {{"words.cluster_px_noise", "px per grey level", "cluster_px is at least this times the image's noise: chance matches of a noisy image are larger.", VISTA_PARAMETER_FLOAT, 35.0, 0.0, 100000.0, "", 0, NULL}, offsetof(vista_parameters, words.cluster_px_noise)},
+    {{"words.cluster_m2", "m2", "A cluster that covers this area at its distance is kept though it covers less than cluster_px.", VISTA_PARAMETER_FLOAT, 0.2, 0.0, 100.0, "", 0, NULL}, offsetof(vista_parameters, words.cluster_m2)},
+    {{"words.cluster_far_px", "px", "It covers at least as many pixels; in a noisy image as many as cluster_px_noise asks for.", VISTA_PARAMETER_INT, 40, 0, 1000000, "", 0, NULL}, offsetof(vista_parameters, words.cluster_far_px)},
     {{"terrain.lean_min_deg", "deg", "A surface below the path that leans more than this from the vertical is ground; steeper ones are things that stand.", VISTA_PARAMETER_FLOAT, 35.0, 0.0, 90.0, "", 0, NULL}, offsetof(vista_parameters, terrain.lean_min_deg)},
     {{"terrain.angle_min_deg", "deg", "The path meets the ground when it descends on it at this angle at least; at less it is flown along.", VISTA_PARAMETER_FLOAT, 2.5, 0.1, 90.0, "", 0, NULL}, offsetof(vista_parameters, terrain.angle_min_deg)},
     {{"terrain.clearance_share", "", "The collision volume reaches down by this share of the distance from the ground's surface at most: who flies low along it is no nearer to hitting it.", VISTA_PARAMETER_FLOAT, 0.8, 0.0, 1.0, "", 0, NULL}, offsetof(vista_parameters, terrain.clearance_share)},

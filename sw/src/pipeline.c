@@ -255,6 +255,8 @@ static void set_thresholds(vista_pipeline *p, const vista_image_noise *noise) {
   p->words_params = q->words;
   p->words_params.cluster_px =
       (int32_t)lround(vista_image_noise_threshold(noise, q->words.cluster_px, q->words.cluster_px_noise));
+  p->words_params.cluster_far_px =
+      (int32_t)lround(vista_image_noise_threshold(noise, q->words.cluster_far_px, q->words.cluster_px_noise));
   p->refinement_params = q->refinement;
   p->refinement_params.sigma_intensity =
       vista_image_noise_threshold(noise, q->refinement.sigma_intensity, q->refinement.sigma_intensity_noise);
@@ -281,7 +283,7 @@ static vista_status run_stage(vista_pipeline *p, stage stage, passage *way) {
       return status;
     }
     case STAGE_WORDS:
-      return vista_words_combine(&p->words_params, q->stereo.num_disparities, &frame->disparity, frame->coarser,
+      return vista_words_combine(&p->words_params, p->camera.baseline_m, q->stereo.num_disparities, &frame->disparity, frame->coarser,
                                  &p->words);
     case STAGE_FOVEATION:
       return vista_foveate(&p->foveation, &q->foveation, &frame->image, words, &p->cells);

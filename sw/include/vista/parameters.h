@@ -84,6 +84,9 @@ typedef struct vista_surface_params {
   unsigned char reserved[208];
 } vista_surface_params;
 
+/* What divides the free cells around a seed: the paper's minimum cut, or a maximum spanning forest of the same links. */
+typedef enum vista_segmentation_solver { VISTA_SEGMENTATION_SOLVER_CUT, VISTA_SEGMENTATION_SOLVER_FOREST } vista_segmentation_solver;
+
 /* Recursive minimum cuts (paper, section II-C). */
 typedef struct vista_segmentation_params {
   double seed_step_px; /* Largest disparity step inside a seed between adjoining cells. 0.05 .. 8.0 px. */
@@ -100,7 +103,8 @@ typedef struct vista_segmentation_params {
   double merge_share; /* Two regions are one if more than half of the edges between them, and this share of the shorter perimeter, are smooth. 0.0 .. 1.0. */
   double rest_affinity; /* Cells that no obstacle claims form seeds of the rest along edges of at least this affinity. Paper: w_ij. 0.0 .. 1.0. */
   double rest_area_px2; /* Smallest seed of the rest that is cut out. 1.0 .. 1000000.0 px2. */
-  unsigned char reserved[144];
+  vista_segmentation_solver solver; /* What divides the free cells around a seed: the paper's minimum cut, or a maximum spanning forest of the same links. */
+  unsigned char reserved[140];
 } vista_segmentation_params;
 
 /* Regions at the resolution of the image: pixels of cells at a border join the cell that they resemble. */
@@ -177,7 +181,8 @@ typedef struct vista_tracker_params {
   double range_max_m; /* Farther detections start no track. 1.0 .. 100000.0 m. */
   double follow_s; /* A track without a detection, not in the way, is followed by the words at its place for this long. 0.0 .. 3600.0 s. */
   double hold_s; /* A track whose place shows no words coasts for this long before it counts as missed. 0.0 .. 3600.0 s. */
-  unsigned char reserved[72];
+  double hold_px; /* Confirmed or not, it coasts until its disparity has moved by this since its last detection, if that takes no longer than follow_s: between two whole disparities sharp textures are hard to match. 0.0 .. 16.0 px. */
+  unsigned char reserved[64];
 } vista_tracker_params;
 
 /* Something in the way that is too near to match: texture without disparity. */
@@ -226,7 +231,9 @@ typedef struct vista_words_params {
   int32_t filling_levels; /* As many coarser levels fill surfaces where the finer ones have no word; the others only add what is too near for level 0. 0 .. 3. */
   int32_t gap_px; /* Words of a row hang together across gaps up to twice this wide. 0 .. 16 px. */
   double cluster_px_noise; /* cluster_px is at least this times the image's noise: chance matches of a noisy image are larger. 0.0 .. 100000.0 px per grey level. */
-  unsigned char reserved[216];
+  double cluster_m2; /* A cluster that covers this area at its distance is kept though it covers less than cluster_px. 0.0 .. 100.0 m2. */
+  int32_t cluster_far_px; /* It covers at least as many pixels; in a noisy image as many as cluster_px_noise asks for. 0 .. 1000000 px. */
+  unsigned char reserved[204];
 } vista_words_params;
 
 /* Where the flight path meets the ground (extension of the paper). */
