@@ -21,6 +21,8 @@
 #include "stages/segmentation.h"
 #include "stages/surface.h"
 #include "stages/terrain.h"
+#include "stages/thin.h"
+#include "stages/thin_reconstruction.h"
 #include "stages/tracker.h"
 #include "stages/words.h"
 
@@ -42,6 +44,7 @@ typedef enum stage {
   STAGE_SEGMENTATION,
   STAGE_REFINEMENT,
   STAGE_REGIONS,
+  STAGE_THIN,
   STAGE_RECONSTRUCTION,
   STAGE_TRACKING,
   STAGE_BLIND_ZONE,
@@ -68,6 +71,7 @@ struct vista_pipeline {
   vista_segmentation segmentation;
   vista_refinement refinement;
   vista_regions regions;
+  vista_thin *thin;
   vista_detection *detections;
   vista_tracker *tracker;
   vista_blind_zone blind_zone;
@@ -89,6 +93,7 @@ static const char *const stage_names[STAGE_COUNT] = {
     [STAGE_SEGMENTATION] = "segmentation",
     [STAGE_REFINEMENT] = "refinement",
     [STAGE_REGIONS] = "regions",
+    [STAGE_THIN] = "thin",
     [STAGE_RECONSTRUCTION] = "reconstruction",
     [STAGE_TRACKING] = "tracking",
     [STAGE_BLIND_ZONE] = "blind_zone",
@@ -126,6 +131,7 @@ static vista_status layout(vista_pipeline *p, vista_arena *arena) {
       vista_segmentation_layout(&p->segmentation, arena, &p->foveation),
       vista_refinement_layout(&p->refinement, arena, &p->foveation),
       vista_regions_layout(&p->regions, arena, &p->foveation),
+      vista_thin_layout(&p->thin, arena, c->width_px, c->height_px),
       vista_tracker_layout(MAX_TRACKS, MAX_DETECTIONS, arena, &p->tracker),
       vista_terrain_layout(&p->terrain, arena, &p->foveation),
       vista_obstacle_map_layout(MAX_TRACKS, arena, &p->map),
@@ -238,6 +244,7 @@ typedef struct passage {
   vista_motion motion;
   vista_image_noise noise;
   vista_flight_path path; /* flown next */
+  vista_collision_volume volume; /* around it */
   vista_health health;
   double valid_fraction;
   double up_camera[3];
@@ -303,14 +310,26 @@ static vista_status run_stage(vista_pipeline *p, stage stage, passage *way) {
           vista_regions_compute(&p->foveation, &q->region, &p->camera, up, q->surface.horizontal_deg, words, &p->cells,
                                 &p->surfaces, &p->segmentation, &p->refinement, &p->regions);
       if (status != VISTA_OK) return status;
-      const vista_collision_volume volume = vista_collision_volume_around(
-          &way->path, &way->motion.pose, q->obstacle_map.collision_radius_m, q->obstacle_map.outline_px);
-      return vista_collision_volume_count(&p->foveation, &q->region, &p->camera, &volume, words, &p->regions);
+      way->volume = vista_collision_volume_around(&way->path, &way->motion.pose, q->obstacle_map.collision_radius_m,
+                                                  q->obstacle_map.outline_px);
+      return vista_collision_volume_count(&p->foveation, &q->region, &p->camera, &way->volume, words, &p->regions);
+    }
+    case STAGE_THIN: {
+      const vista_surfaces *const s = &p->surfaces;
+      const vista_thin_view view = {
+          &frame->image,   &frame->disparity, way->noise,        (q->stereo.block_size - 1) / 2,
+          s->ground_found, s->ground_px,      s->ground_slope_u, s->ground_slope_v};
+      return vista_thin_search(&q->thin, &p->camera, &view, p->thin);
     }
     case STAGE_RECONSTRUCTION: {
-      const vista_status status =
+      vista_status status =
           vista_reconstruct_regions(p->regions.items, p->regions.count, &p->camera, &p->matched, &q->reconstruction,
                                     p->detections, MAX_DETECTIONS, &way->detection_count);
+      int32_t line_count;
+      const vista_thin_line *const lines = vista_thin_lines(p->thin, &line_count);
+      if (status == VISTA_OK)
+        status = vista_thin_reconstruct(lines, line_count, &p->camera, &way->volume, &q->reconstruction,
+                                        p->regions.count, p->detections, MAX_DETECTIONS, &way->detection_count);
       return status == VISTA_ERROR_CAPACITY ? VISTA_OK : status; /* the nearest come first: the far ones are dropped */
     }
     case STAGE_TRACKING:

@@ -245,6 +245,32 @@ typedef struct vista_terrain_params {
   unsigned char reserved[224];
 } vista_terrain_params;
 
+/* Whether they are looked for. */
+typedef enum vista_thin_find { VISTA_THIN_FIND_OFF, VISTA_THIN_FIND_ON } vista_thin_find;
+
+/* Thin things, found at the resolution of the image: wires, thin poles (extension of the paper). */
+typedef struct vista_thin_params {
+  vista_thin_find find; /* Whether they are looked for. */
+  double contrast; /* Contrast of a thin line to both of its sides that counts in full; more counts no more. 1.0 .. 255.0 grey levels. */
+  double contrast_noise; /* The same against the noise of the image; the larger of the two holds. 0.0 .. 100.0 sigma of the image's noise. */
+  double piece_sum; /* Sixteen rows of a line are a piece of it when their contrasts add up to at least this share of the full ones. 0.0 .. 1.0. */
+  int32_t pieces_min; /* A line has at least so many pieces. 2 .. 1000 pieces. */
+  double piece_share; /* From its first to its last piece, a line has one in at least this share of the sixteens of rows. 0.0 .. 1.0. */
+  double straight_px; /* Largest root mean square distance of a line's pieces from the straight line through them, along the row. 0.0 .. 100.0 px. */
+  double ridge_share; /* Smallest share of a line's rows that show it. 0.0 .. 1.0. */
+  double apart_px; /* A word on the line tells of a thin thing when it is nearer by this than those beside it. 0.0 .. 256.0 px. */
+  double agree_px; /* Such words agree with a straight line in space within this. 0.01 .. 16.0 px. */
+  double agree_share; /* Smallest share of these words that agree. 0.0 .. 1.0. */
+  int32_t rows_min; /* Fewest rows whose words agree. 2 .. 100000 rows. */
+  double row_share; /* Smallest share of the line's rows whose words agree. 0.0 .. 1.0. */
+  double word_share; /* Smallest share of the rows with any word on the line whose words agree; the others are of what is behind. 0.0 .. 1.0. */
+  int32_t rows_sure; /* So many rows whose words agree are enough, whatever share of the words that is. 2 .. 100000 rows. */
+  double level_share; /* Largest share of the line's rows that have something beside it as near as itself: a line on a surface is no thing of its own. 0.0 .. 1.0. */
+  double length_m; /* Shortest line. 0.0 .. 1000.0 m. */
+  double height_m; /* More than half of a line stands at least this far above the ground. 0.0 .. 100.0 m. */
+  unsigned char reserved[112];
+} vista_thin_params;
+
 /* All parameters. vista_parameters_default makes the struct; change its members afterwards. A newer library
  * keeps its new parameters behind those of this header and in the reserved parts, and fills them in there. */
 typedef struct vista_parameters {
@@ -264,6 +290,7 @@ typedef struct vista_parameters {
   vista_health_params health;
   vista_words_params words;
   vista_terrain_params terrain;
+  vista_thin_params thin;
 } vista_parameters;
 
 /* Writes the defaults into a struct of this size. VISTA_ERROR_SIZE: it is no size of this struct. */

@@ -1,6 +1,7 @@
 #include "common/flight_path.h"
 
 #include <math.h>
+#include <stddef.h>
 #include <string.h>
 
 #include "common/numbers.h"
@@ -27,6 +28,14 @@ void vista_flight_path_point(const vista_flight_path *path, double along_m, doub
     point_m[i] = path->start_m[i] + chord_m * (cos(half) * path->direction[i] + sin(half) * normal);
     if (direction != NULL) direction[i] = cos(2.0 * half) * path->direction[i] + sin(2.0 * half) * normal;
   }
+}
+
+double vista_flight_path_distance(const vista_flight_path *path, const double point_m[3]) {
+  const double along_m = vista_flight_path_along(path, point_m, NULL);
+  double nearest_m[3];
+  vista_flight_path_point(path, fmin(fmax(along_m, 0.0), path->length_m), nearest_m, NULL);
+  for (int i = 0; i < 3; ++i) nearest_m[i] -= point_m[i];
+  return vista_norm(nearest_m);
 }
 
 bool vista_flight_path_near_disc(const vista_flight_path *path, const vista_disc *disc, double radius_m) {

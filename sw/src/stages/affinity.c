@@ -6,6 +6,7 @@
 
 #include "common/depth.h"
 #include "common/frame.h"
+#include "common/numbers.h"
 #include "common/parameters_check.h"
 #include "common/wide_vectors.h"
 
@@ -55,10 +56,8 @@ typedef struct edges {
   int32_t capacity[EDGES], intensity_capacity[EDGES];
 } edges;
 
-static inline float larger(float a, float b) { return a > b ? a : b; }
-
 static inline float exponent(float difference, float mu, float sigma) {
-  const float excess = larger(fabsf(difference), mu) - mu;
+  const float excess = vista_larger(fabsf(difference), mu) - mu;
   return excess * excess / (2.0f * sigma * sigma);
 }
 
@@ -79,7 +78,8 @@ VISTA_WIDE_VECTORS static void find_exponents(const vista_affinity_params *param
   const float sigma_d = (float)params->sigma_disparity_px, mu_depth_m = (float)params->mu_depth_m;
   for (int32_t k = 0; k < count; ++k) {
     const float a = e->disparity_a[k], b = e->disparity_b[k];
-    const float mu_d = larger(vista_depth_step_px(camera, larger(a, b), mu_depth_m), mu_px + slope * e->distance_px[k]);
+    const float mu_d =
+        vista_larger(vista_depth_step_px(camera, vista_larger(a, b), mu_depth_m), mu_px + slope * e->distance_px[k]);
     const float known = exponent(a - b, mu_d, sigma_d);
     e->intensity_exponent[k] = exponent(e->grey_step[k], mu_i, sigma_i);
     e->disparity_exponent[k] = a >= 0.0f && b >= 0.0f ? known : -1.0f;

@@ -107,8 +107,6 @@ typedef struct cut {
   int32_t seed;
 } cut;
 
-static int32_t larger(int32_t a, int32_t b) { return a > b ? a : b; }
-
 /* The flow comes to a free cell: finds its links. An edge to a cell whose side is settled is a link to that side's
  * terminal, so that the flow runs over free cells only. */
 static void link_free_cell(void *context, int32_t node) {
@@ -127,8 +125,8 @@ static void link_free_cell(void *context, int32_t node) {
     const int32_t other = head[arc], to = role[other];
     const int32_t capacity = in_shell || shell[other] ? intensity_capacity[arc] : full[arc];
     const int32_t to_source = to == SOURCE ? capacity : 0, to_sink = to == SINK ? capacity : 0;
-    source = grown ? larger(source, to_source) : source + to_source;
-    sink = grown ? larger(sink, to_sink) : sink + to_sink;
+    source = !grown ? source + to_source : to_source > source ? to_source : source;
+    sink = !grown ? sink + to_sink : to_sink > sink ? to_sink : sink;
     s->capacity[arc] = to == FREE || to == LINKED ? capacity : 0;
   }
   s->role[node] = LINKED;
