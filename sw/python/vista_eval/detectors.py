@@ -124,8 +124,8 @@ class JudgingPipeline(OpenPipeline):
         region_of_cell: NDArray[np.int32],
         region_of_pixel: NDArray[np.int32],
     ) -> list[str]:
-        """One a region; all regions are taken for grown from disparities of their own. Pixels of the ground at
-        the foot of obstacles leave region_of_pixel, as they leave the host's own regions."""
+        """One a region; all regions are taken for grown from disparities of their own. Pixels of the ground
+        at the foot of obstacles leave region_of_pixel, as they leave the host's own regions."""
         ffi, lib = self._ffi, self._lib
         frame = lib.vista_pipeline_look(self._pipeline)
         words = np.ascontiguousarray(words)

@@ -71,7 +71,7 @@ def reference_regions(partition: Partition, reference: ReferenceParameters) -> L
 
 
 def cut_regions(partition: Partition) -> Labels:
-    """Of the cut, before the host takes the ground at the foot of obstacles out of them: like the reference's."""
+    """Of the cut, as the reference's: before the host takes the ground at the foot of obstacles out."""
     return partition.refine(partition.result.region_of_cell)
 
 
