@@ -124,7 +124,8 @@ class JudgingPipeline(OpenPipeline):
         region_of_cell: NDArray[np.int32],
         region_of_pixel: NDArray[np.int32],
     ) -> list[str]:
-        """One a region; all regions are taken for grown from disparities of their own."""
+        """One a region; all regions are taken for grown from disparities of their own. Pixels of the ground
+        at the foot of obstacles leave region_of_pixel, as they leave the host's own regions."""
         ffi, lib = self._ffi, self._lib
         frame = lib.vista_pipeline_look(self._pipeline)
         words = np.ascontiguousarray(words)
@@ -160,6 +161,17 @@ class JudgingPipeline(OpenPipeline):
                 regions,
             )
         )
+        self._check(
+            lib.vista_footing_clear(
+                ffi.addressof(self._parameters[0], "region"),
+                self._c_camera,
+                image,
+                frame.surfaces,
+                regions,
+                refinement,
+            )
+        )
+        np.copyto(region_of_pixel, drawn)
         verdicts = [regions.items[k].verdict for k in range(count)]
         del memory  # the regions lay in it
         return [ffi.string(lib.vista_region_verdict_name(verdict)).decode() for verdict in verdicts]

@@ -1,5 +1,6 @@
 #include "stages/footing.h"
 
+#include <math.h>
 #include <stddef.h>
 
 #include "common/depth.h"
@@ -10,40 +11,66 @@
 #include "common/wide_vectors.h"
 #include "stages/segmentation.h"
 
-#define BEHIND_PX 1.5f /* of disparity: ground farther behind a surface is seen past a thin thing, that it belongs to */
-#define BELOW_PX 0.5f /* of disparity: so far beneath the ground's plane a surface has to be */
+#define BEHIND_PX 1.5 /* of disparity: ground farther behind a surface is seen past a thin thing, that it belongs to */
+#define FIXED_BITS 12
+#define AT_ONCE 16 /* labels */
+#define BELOW_PX 0.5 /* of disparity: so far beneath the ground's plane a surface has to be */
 
-/* In one row, in engine words: the ground, and the surface of the region that a stretch of it belongs to. */
+/* In one row, in fixed-point engine words: the ground, and the surface of the region that a stretch of it belongs to.
+ * Integers, because compilers make vectors of their comparisons. */
 typedef struct stretch {
-  float ground, ground_slope, surface, surface_slope;
-  float low; /* 1 - h |n| / B: a word w is less than h above the plane when w low < ground (region_evidence.c) */
+  int32_t ground, ground_slope, surface, surface_slope;
+  int32_t low; /* 1 - h |n| / B: a word w is less than h above the plane when w low < ground (region_evidence.c) */
 } stretch;
 
+/* Without calls of the mathematical library: asked several times a stretch. */
+static inline double within(double value, double limit) {
+  return value < -limit ? -limit : value > limit ? limit : value;
+}
+
+static inline int32_t to_fixed(double words) { return (int32_t)within(words * (1 << FIXED_BITS), 1 << 28); }
+
+/* Of a gradient: times the length of a row it still fits. */
+static inline int32_t to_fixed_slope(double slope) { return to_fixed(VISTA_DISPARITY_SCALE * within(slope, 2.0)); }
+
 VISTA_WIDE_VECTORS static void clear_stretch(const stretch *s, const int16_t *words, int32_t length, int32_t *label) {
+  const int32_t behind = (int32_t)(BEHIND_PX * VISTA_DISPARITY_SCALE * (1 << FIXED_BITS));
+  const int32_t below = (int32_t)(BELOW_PX * VISTA_DISPARITY_SCALE * (1 << FIXED_BITS));
   for (int32_t i = 0; i < length; ++i) {
-    const float ground = s->ground + s->ground_slope * (float)i, word = (float)words[i];
-    const float surface = s->surface + s->surface_slope * (float)i;
-    const int32_t lies =
-        (words[i] > 0) & (word * s->low < ground) & (word > surface - BEHIND_PX * VISTA_DISPARITY_SCALE);
-    const int32_t beneath = (words[i] <= 0) & (ground > 0.0f) & (ground > surface + BELOW_PX * VISTA_DISPARITY_SCALE);
-    label[i] = (lies | beneath) ? VISTA_NO_LABEL : label[i];
+    const int32_t word = words[i], ground = s->ground + s->ground_slope * i;
+    const int32_t surface = s->surface + s->surface_slope * i;
+    const int32_t near = (word > 0) & (word * (1 << FIXED_BITS) > surface - behind);
+    const int32_t lies = near & (word * s->low < ground);
+    const int32_t beneath = (word <= 0) & (ground > 0) & (ground > surface + below);
+    label[i] |= -(lies | beneath); /* VISTA_NO_LABEL: all ones */
   }
+}
+
+/* One past the stretch of equal labels that begins at `first`. */
+VISTA_WIDE_VECTORS static int32_t end_of_stretch(const int32_t *label, int32_t first, int32_t width) {
+  int32_t end = first + 1;
+  for (; end + AT_ONCE <= width; end += AT_ONCE) {
+    int32_t differ = 0;
+    for (int32_t k = 0; k < AT_ONCE; ++k) differ |= label[end + k] ^ label[first];
+    if (differ != 0) break;
+  }
+  while (end < width && label[end] == label[first]) ++end;
+  return end;
 }
 
 static void clear_row(const vista_region_params *params, const vista_camera *camera, const vista_plane *ground,
                       double per_m, int32_t v, const int16_t *words, const vista_regions *regions, int32_t *label) {
   const int32_t width = camera->width_px;
   for (int32_t first = 0, end; first < width; first = end) {
-    for (end = first + 1; end < width && label[end] == label[first];) ++end;
+    end = end_of_stretch(label, first, width);
     if (label[first] < 0 || label[first] >= regions->count) continue;
     const vista_region *const r = &regions->items[label[first]];
     if (r->verdict != VISTA_REGION_ACCEPTED) continue;
     const double limit_m = (double)vista_limit_m(camera, (float)r->disparity_px, (float)params->ground_height_m);
     const double surface_px = r->disparity_px + r->slope_u * (first - r->mean_u_px) + r->slope_v * (v - r->mean_v_px);
-    const stretch s = {(float)(VISTA_DISPARITY_SCALE * vista_plane_disparity_px(ground, camera, first, v)),
-                       (float)(VISTA_DISPARITY_SCALE * ground->slope_u), (float)(VISTA_DISPARITY_SCALE * surface_px),
-                       (float)(VISTA_DISPARITY_SCALE * r->slope_u), (float)(1.0 - limit_m * per_m)};
-    if (s.ground <= 0.0f && s.ground + s.ground_slope * (float)(end - first) <= 0.0f) continue; /* sky */
+    const stretch s = {to_fixed(VISTA_DISPARITY_SCALE * vista_plane_disparity_px(ground, camera, first, v)),
+                       to_fixed_slope(ground->slope_u), to_fixed(VISTA_DISPARITY_SCALE * surface_px),
+                       to_fixed_slope(r->slope_u), to_fixed(within(1.0 - limit_m * per_m, 1.0))};
     clear_stretch(&s, words + first, end - first, label + first);
   }
 }
@@ -61,8 +88,11 @@ vista_status vista_footing_clear(const vista_region_params *params, const vista_
   const vista_plane ground = {surfaces->ground_px, surfaces->ground_slope_u, surfaces->ground_slope_v};
   const double n[3] = {ground.slope_u, ground.slope_v, ground.offset / camera->focal_px};
   const double per_m = vista_norm(n) / camera->baseline_m;
-  for (int32_t v = 0; v < camera->height_px; ++v)
+  for (int32_t v = 0; v < camera->height_px; ++v) {
+    const double left_px = vista_plane_disparity_px(&ground, camera, 0.0, v);
+    if (fmax(left_px, left_px + ground.slope_u * camera->width_px) <= 0.0) continue; /* above the horizon */
     clear_row(params, camera, &ground, per_m, v, disparity->data + v * disparity->stride, regions,
               refinement->label + (ptrdiff_t)v * camera->width_px);
+  }
   return VISTA_OK;
 }

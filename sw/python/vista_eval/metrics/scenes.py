@@ -70,6 +70,11 @@ def reference_regions(partition: Partition, reference: ReferenceParameters) -> L
     return partition.refine(merge_cells(graph.edges, graph.affinity, graph.horizontal, reference))
 
 
+def cut_regions(partition: Partition) -> Labels:
+    """Of the cut, as the reference's: before the host takes the ground at the foot of obstacles out."""
+    return partition.refine(partition.result.region_of_cell)
+
+
 def grid_regions(scene: LabelledScene, partition: Partition) -> Labels:
     cells = partition.result.cell_of_pixel
     return grid_limit(scene.view, cells)[cells]
@@ -82,7 +87,7 @@ def score_regions(scene: LabelledScene, partition: Partition, region_of_pixel: L
 
 
 def score_cut(scene: LabelledScene, partition: Partition) -> PartitionScore:
-    return score_regions(scene, partition, partition.result.region_of_pixel)
+    return score_regions(scene, partition, cut_regions(partition))
 
 
 def score_cells(scene: LabelledScene, partition: Partition) -> PartitionScore:
@@ -104,7 +109,7 @@ class ScoredScene:
 
 
 def score_scene(scene: LabelledScene, partition: Partition) -> ScoredScene:
-    regions = {CUT: partition.result.region_of_pixel}
+    regions = {CUT: cut_regions(partition)}
     regions |= {name: reference_regions(partition, reference) for name, reference in REFERENCES.items()}
     regions[GRID] = grid_regions(scene, partition)
     scores = {name: score_regions(scene, partition, region) for name, region in regions.items()}
