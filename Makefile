@@ -129,7 +129,7 @@ docs: build .venv/docs.stamp ## build the documentation site into build/doc/html
 	@.venv/bin/sphinx-build --quiet --fail-on-warning --keep-going -b html -d build/doc/cache doc build/doc/html
 	@echo "documentation: $(CURDIR)/build/doc/html/index.html"
 
-bench: build .venv/bench.stamp ## measure times on this machine; print tables and write build/bench.json
+bench: build .venv/bench.stamp .venv/jobs.stamp ## measure times on this machine; print tables and write build/bench.json
 	@$(PYTHON) scripts/run_benches.py model/bench sw/bench --out build/bench.json
 
 # ---- demo ----

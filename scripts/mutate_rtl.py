@@ -10,6 +10,7 @@ from __future__ import annotations
 import argparse
 import subprocess
 import sys
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -22,9 +23,12 @@ from frames import Frame, beats, expected_flags, random_frame, random_pair, set_
 from registers import CONTROL, ERRORS, FRAMES_IN, FRAMES_OUT  # noqa: E402
 from tools import BUILD, sources  # noqa: E402
 from verilated import PACES, Config, Pace, Rtl  # noqa: E402
+from vista_eval.cache import digest_of  # noqa: E402
+from vista_eval.jobs import Job, add_place, chosen_place, exit_on_failure, run  # noqa: E402
 
 CONFIG = Config(16, 5, 64, mutants=True)
 LIMIT = 0.9
+SURVIVES = "SURVIVES"
 SELECT_BITS = 10  # of mutsel, in tb/common/mutants_core.sv too
 FRAMES = 150  # for a mutant to survive
 
@@ -100,26 +104,41 @@ def caught(rtl: Rtl) -> str | None:
     return "counters" if rtl.read(FRAMES_IN) != rtl.read(FRAMES_OUT) else None
 
 
+def verdict_of(number: int) -> str:
+    """Of one mutant; 0 is the netlist without a mutation."""
+    with Rtl(CONFIG) as rtl:
+        rtl.select_mutant(number)
+        return caught(rtl) or SURVIVES
+
+
+def jobs_of_mutants(folder: Path, count: int) -> list[Job]:
+    """A verdict holds as long as the mutants and what drives them are the same."""
+    drivers = sorted((ROOT / "tb" / "common").glob("*.py"))
+    digest = digest_of(folder / "mutants.v", Path(__file__), *drivers)
+    numbers = range(1, count + 1)
+    return [Job(f"mutant {n}", partial(verdict_of, n), digest_of(f"{digest} {n}")) for n in numbers]
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--mutants", type=int, default=50)
     parser.add_argument("--seed", type=int, default=1)
+    add_place(parser)
     args = parser.parse_args()
     if not 0 < args.mutants < 1 << SELECT_BITS:
         parser.error(f"--mutants: {args.mutants} is outside 1 .. {(1 << SELECT_BITS) - 1}")
     folder = BUILD / "mutate"
     folder.mkdir(parents=True, exist_ok=True)
     mutations = make_mutants(folder, args.mutants, args.seed)
-    with Rtl(CONFIG) as rtl:
-        rtl.select_mutant(0)
-        assert (verdict := caught(rtl)) is None, f"the netlist without a mutation fails: {verdict}"
+    verdict = verdict_of(0)
+    assert verdict == SURVIVES, f"the netlist without a mutation fails: {verdict}"
+    jobs = jobs_of_mutants(folder, len(mutations))
+    with exit_on_failure():
+        verdicts = run(jobs, chosen_place(args), "mutants", "mutant", folder / "verdicts")
     survivors = []
-    for number, mutation in enumerate(mutations, 1):
-        with Rtl(CONFIG) as rtl:
-            rtl.select_mutant(number)
-            verdict = caught(rtl)
-        print(f"{number:3} {verdict or 'SURVIVES'}", flush=True)
-        if verdict is None:
+    for number, (mutation, verdict) in enumerate(zip(mutations, verdicts, strict=True), 1):
+        print(f"{number:3} {verdict}", flush=True)
+        if verdict == SURVIVES:
             survivors.append(f"{number}: {mutation}")
     share = 1 - len(survivors) / len(mutations)
     print(f"{100 * share:.0f} % of {len(mutations)} mutants caught; survivors:")

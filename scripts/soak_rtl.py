@@ -17,6 +17,9 @@ from soak import soak  # noqa: E402
 from test_words import run_seed  # noqa: E402
 from tools import BUILD, sources  # noqa: E402
 from verilated import Rtl  # noqa: E402
+from vista_eval.jobs import add_place, chosen_place, exit_on_failure  # noqa: E402
+
+FRAMES_EACH_JOB = 100
 
 
 def check(rtl: Rtl, seed: int) -> None:
@@ -27,9 +30,11 @@ def check(rtl: Rtl, seed: int) -> None:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--frames", type=int, default=10000, help="in all, over the configurations")
+    add_place(parser)
     args = parser.parse_args()
     digest = hashlib.sha256(b"".join(f.read_bytes() for f in sources("vista_stereo.f"))).hexdigest()
-    frames = soak(BUILD / "soak.json", digest, args.frames, check)
+    with exit_on_failure():
+        frames = soak(check, digest, args.frames, FRAMES_EACH_JOB, chosen_place(args), BUILD / "soak")
     print(f"{frames} frames, 0 differing words")
 
 

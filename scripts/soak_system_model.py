@@ -1,6 +1,6 @@
 """Compares the SystemC engine with the Verilated RTL, clock by clock, on many cases: part of make soak.
 
-Goes on where it stopped (build/rtl/soak_system_model.json). Case n of a build is the one of seed n in
+Goes on where it stopped. Case n of a build is the one of seed n in
 tb/top/test_system_model.py, whose command reruns it.
 """
 
@@ -17,6 +17,9 @@ from soak import soak  # noqa: E402
 from system_model import check_case, random_case  # noqa: E402
 from tools import BUILD, sources  # noqa: E402
 from verilated import Rtl  # noqa: E402
+from vista_eval.jobs import add_place, chosen_place, exit_on_failure  # noqa: E402
+
+CASES_EACH_JOB = 10
 
 
 def digest() -> str:
@@ -33,8 +36,11 @@ def check(rtl: Rtl, seed: int) -> None:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--cases", type=int, default=200, help="in all, over the builds")
+    add_place(parser)
     args = parser.parse_args()
-    cases = soak(BUILD / "soak_system_model.json", digest(), args.cases, check)
+    place, kept = chosen_place(args), BUILD / "soak_system_model"
+    with exit_on_failure():
+        cases = soak(check, digest(), args.cases, CASES_EACH_JOB, place, kept)
     print(f"{cases} cases, 0 differences between the SystemC engine and the RTL")
 
 

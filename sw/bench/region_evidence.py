@@ -17,7 +17,8 @@ from pathlib import Path
 from vista import parameters
 from vista_eval.dataset.stereo_pair import TruthPair
 from vista_eval.detectors import Detectors
-from vista_eval.measured_pairs import LIDAR, detectors_for, find_sources, points_of
+from vista_eval.jobs import add_place, chosen_place, exit_on_failure, jobs_of, run
+from vista_eval.measured_pairs import LIDAR, PairSource, detectors_for, find_sources, points_of
 from vista_eval.metrics.standing_points import MEASURES, Counts, Judged, Points, count_points, shares
 from vista_eval.report.text_table import aligned
 
@@ -61,18 +62,19 @@ def judge(detectors: Detectors, pair: TruthPair, points: Points) -> Counts:
     return count_points(points, Judged(result.words, result.region_of_pixel, result.verdict_of_region))
 
 
-def measure(folder: Path, half: str) -> dict[str, list[Counts]]:
-    found: dict[str, list[Counts]] = {name: [] for name in LEFT_OUT}
-    for source in find_sources(LIDAR, folder):
-        if source.split != half:
-            continue
-        pair = source.read()
-        points = points_of(LIDAR, pair)
-        if points is None:
-            continue
-        for name, changes in LEFT_OUT.items():
-            found[name].append(judge(detectors_for(pair, changed(changes)), pair, points))
-    return found
+def measure(source: PairSource) -> dict[str, Counts] | None:
+    """By what is left out; None: the pair shows no road."""
+    pair = source.read()
+    points = points_of(LIDAR, pair)
+    if points is None:
+        return None
+    return {
+        name: judge(detectors_for(pair, changed(changes)), pair, points) for name, changes in LEFT_OUT.items()
+    }
+
+
+def name_of(source: PairSource) -> str:
+    return source.name
 
 
 def main() -> None:
@@ -82,14 +84,21 @@ def main() -> None:
     parser.add_argument("folder", type=Path, metavar="FOLDER")
     parser.add_argument("--half", choices=["dev", "test"], default="dev")
     parser.add_argument("--out", type=Path, default=Path("build/bench/region_evidence.json"))
+    add_place(parser)
     args = parser.parse_args()
+    sources = [source for source in find_sources(LIDAR, args.folder) if source.split == args.half]
+    with exit_on_failure():
+        measured = run(jobs_of(measure, sources, name_of), chosen_place(args), "measure", "pair")
+    found = [counts for counts in measured if counts is not None]
     rows = {
-        name: {key: asdict(share) for key, share in shares(counts, MEASURES).items()}
-        for name, counts in measure(args.folder, args.half).items()
+        name: {
+            key: asdict(share) for key, share in shares([counts[name] for counts in found], MEASURES).items()
+        }
+        for name in LEFT_OUT
     }
     args.out.parent.mkdir(parents=True, exist_ok=True)
     args.out.write_text(json.dumps({"half": args.half, "variants": rows}, indent=1) + "\n")
-    table = [(name, *(f"{found[key]['value']:.3f}" for key in MEASURES)) for name, found in rows.items()]
+    table = [(name, *(f"{row[key]['value']:.3f}" for key in MEASURES)) for name, row in rows.items()]
     print(aligned([("", *MEASURES), *table], {}))
 
 

@@ -15,6 +15,7 @@ import argparse
 import json
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -24,6 +25,7 @@ from vista import parameters
 from vista.engine import Disparity, Engine, EngineParameters, Image
 from vista_eval.dataset.scenes import LabelledScene, read_scenes
 from vista_eval.dataset.truth import SPLITS
+from vista_eval.jobs import Job, add_place, chosen_place, exit_on_failure, jobs_of, run
 from vista_eval.metrics.scenes import Partition, partition_scenes, score_cells, score_cut, score_scene
 from vista_eval.metrics.segmentation import STATISTICS, PartitionScore
 
@@ -139,37 +141,34 @@ def measure(variant: Variant, scenes: list[LabelledScene]) -> tuple[list[Partiti
     return scores, float(np.median(host_ms))
 
 
-def baselines(halves: dict[str, list[LabelledScene]]) -> dict[str, dict[str, dict[str, float]]]:
-    """Figures of the reference methods and of the grid's own limit, by name and half."""
-    found: dict[str, dict[str, dict[str, float]]] = {}
-    for split, scenes in halves.items():
+def measured_row(folder: Path, name: str) -> dict[str, Any]:
+    measured = {split: measure(VARIANTS[name], read_scenes(folder, split)) for split in SPLITS}
+    row = {split: figures(scores) for split, (scores, _) in measured.items()}
+    return {"variant": name, **row, "host_ms": round(measured[SPLITS[0]][1], 1)}
+
+
+def baseline_rows(folder: Path) -> list[dict[str, Any]]:
+    """Of the reference methods and of the grid's own limit."""
+    found: dict[str, dict[str, Any]] = {}
+    for split in SPLITS:
+        scenes = read_scenes(folder, split)
         scored = [score_scene(*pair).scores for pair in partition_scenes(scenes, parameters.defaults())]
         for name in list(scored[0])[1:]:
             found.setdefault(name, {})[split] = figures([scores[name] for scores in scored])
-    return found
+    return [{"variant": name, **row, "host_ms": None} for name, row in found.items()]
 
 
 def print_row(row: dict[str, Any]) -> None:
     halves = "  ".join(" ".join(f"{row[split][key]:7.3f}" for key in COLUMNS) for split in SPLITS)
-    print(f"{row['variant']:48s} {halves}", flush=True)
+    print(f"{row['variant']:48s} {halves}")
 
 
-def measure_all(folder: Path, names: list[str]) -> dict[str, Any]:
+def counts_of(folder: Path) -> dict[str, dict[str, int]]:
     halves = {split: read_scenes(folder, split) for split in SPLITS}
-    rows: list[dict[str, Any]] = []
-    for name in names:
-        measured = {split: measure(VARIANTS[name], scenes) for split, scenes in halves.items()}
-        row = {split: figures(scores) for split, (scores, _) in measured.items()}
-        rows.append({"variant": name, **row, "host_ms": round(measured[SPLITS[0]][1], 1)})
-        print_row(rows[-1])
-    for name, row in baselines(halves).items():
-        rows.append({"variant": name, **row, "host_ms": None})
-        print_row(rows[-1])
-    counts = {
+    return {
         split: {"scenes": len(scenes), "things": sum(len(scene.view.things) for scene in scenes)}
         for split, scenes in halves.items()
     }
-    return {"scenes": counts, "variants": rows}
 
 
 def main() -> None:
@@ -179,10 +178,19 @@ def main() -> None:
     parser.add_argument("folder", type=Path, metavar="DIR", help="folder that `vista scenes` has filled")
     parser.add_argument("--only", nargs="+", choices=VARIANTS, default=list(VARIANTS), metavar="NAME")
     parser.add_argument("--out", type=Path, metavar="FILE.json", help="also write the figures")
+    add_place(parser)
     arguments = parser.parse_args()
+    jobs = [
+        *jobs_of(partial(measured_row, arguments.folder), arguments.only),
+        Job("baselines", partial(baseline_rows, arguments.folder)),
+    ]
+    with exit_on_failure():
+        *rows, baselines = run(jobs, chosen_place(arguments), "measure", "variant")
     print(f"for {' and '.join(SPLITS)}: {', '.join(COLUMNS)}")
-    found = measure_all(arguments.folder, arguments.only)
+    for row in [*rows, *baselines]:
+        print_row(row)
     if arguments.out is not None:
+        found = {"scenes": counts_of(arguments.folder), "variants": [*rows, *baselines]}
         arguments.out.write_text(json.dumps(found, indent=1) + "\n")
 
 

@@ -7,7 +7,8 @@ view, the frames with an obstacle where the car drove later, the obstacles that 
 number of frames in which one was seen, the frames with a warning, those with a warning of something that lay
 beside the path driven next, the share of coasting ones among the confirmed obstacles of all frames, the ids
 per thing, and the time of the host. vista_eval.metrics.street defines them. --out also writes the figures,
-for `scripts/make_tables.py --save street=FILE.json`.
+for `scripts/make_tables.py --save street=FILE.json`. Variants run one at a time, for the sake of the
+times, unless --jobs says otherwise.
 """
 
 from __future__ import annotations
@@ -24,6 +25,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 
 import test_street as street
 from vista import parameters
+from vista_eval.jobs import add_place, chosen_place, exit_on_failure, jobs_of, run
 from vista_eval.metrics import street as measures
 
 HEADS = ("things", "ghosts", "confirmed", "seen", "warned", "aside", "coasting", "ids", "host ms")
@@ -86,17 +88,18 @@ def main() -> None:
     )
     parser.add_argument("variants", nargs="*", metavar="VARIANT", help="measure these only (default: all)")
     parser.add_argument("--out", type=Path, metavar="FILE.json", help="also write the figures")
+    add_place(parser)
     arguments = parser.parse_args()
     if unknown := set(arguments.variants) - set(VARIANTS):
         parser.error(f"no variant {', '.join(sorted(unknown))}; there are: {', '.join(VARIANTS)}")
     if not street.SEQUENCE.is_dir():
         sys.exit(f"street_variants: no {street.SEQUENCE}")
-    rows = []
+    names = arguments.variants or list(VARIANTS)
+    with exit_on_failure():
+        rows = run(jobs_of(measure, names), chosen_place(arguments, 1), "measure", "variant")
     print(f"{'variant':38s} " + " ".join(f"{head:>9s}" for head in HEADS))
-    for name in arguments.variants or VARIANTS:
-        rows.append(measure(name))
-        variant, *numbers = rows[-1].values()
-        print(f"{variant:38s} " + " ".join(f"{number:9g}" for number in numbers), flush=True)
+    for variant, *numbers in (row.values() for row in rows):
+        print(f"{variant:38s} " + " ".join(f"{number:9g}" for number in numbers))
     if arguments.out is not None:
         found = {"sequence": "KITTI odometry 00, 51 frames", "variants": rows}
         arguments.out.write_text(json.dumps(found, indent=1) + "\n")

@@ -10,6 +10,8 @@ static const char *const stereo_prefilter_choices[] = {"xsobel", "none"};
 static const char *const stereo_smooth_choices[] = {"off", "binomial3"};
 static const char *const affinity_form_choices[] = {"product", "sum"};
 static const char *const affinity_flow_encoding_choices[] = {"exponential", "linear"};
+static const char *const segmentation_solver_choices[] = {"cut", "forest"};
+static const char *const thin_find_choices[] = {"off", "on"};
 
 static const struct {
   vista_parameter info;
@@ -66,6 +68,7 @@ static const struct {
     {{"segmentation.merge_share", "", "Two regions are one if more than half of the edges between them, and this share of the shorter perimeter, are smooth.", VISTA_PARAMETER_FLOAT, 0.1, 0.0, 1.0, "", 0, NULL}, offsetof(vista_parameters, segmentation.merge_share)},
     {{"segmentation.rest_affinity", "", "Cells that no obstacle claims form seeds of the rest along edges of at least this affinity.", VISTA_PARAMETER_FLOAT, 0.7, 0.0, 1.0, "", 0, NULL}, offsetof(vista_parameters, segmentation.rest_affinity)},
     {{"segmentation.rest_area_px2", "px2", "Smallest seed of the rest that is cut out.", VISTA_PARAMETER_FLOAT, 60.0, 1.0, 1000000.0, "", 0, NULL}, offsetof(vista_parameters, segmentation.rest_area_px2)},
+    {{"segmentation.solver", "", "What divides the free cells around a seed: the paper's minimum cut, or a maximum spanning forest of the same links.", VISTA_PARAMETER_CHOICE, 0, 0, 1, "", 2, segmentation_solver_choices}, offsetof(vista_parameters, segmentation.solver)},
     {{"refinement.sigma_intensity", "grey levels", "Difference of a pixel from a cell that weighs as much as one cell of distance at compactness 1.", VISTA_PARAMETER_FLOAT, 10.0, 0.1, 255.0, "", 0, NULL}, offsetof(vista_parameters, refinement.sigma_intensity)},
     {{"refinement.contrast_limit", "sigma_intensity", "A larger difference weighs no more than this.", VISTA_PARAMETER_FLOAT, 3.0, 0.0, 100.0, "", 0, NULL}, offsetof(vista_parameters, refinement.contrast_limit)},
     {{"refinement.mixed_penalty", "", "Cost of a cell at a border: it may show parts of both regions.", VISTA_PARAMETER_FLOAT, 0.75, 0.0, 100.0, "", 0, NULL}, offsetof(vista_parameters, refinement.mixed_penalty)},
@@ -92,6 +95,7 @@ static const struct {
     {{"region.odds_size", "ln odds", "Log-odds added by each tenfold of a metre in size.", VISTA_PARAMETER_FLOAT, 0.4, -100.0, 100.0, "", 0, NULL}, offsetof(vista_parameters, region.odds_size)},
     {{"region.odds_unseeded", "ln odds", "Log-odds added to a region that grew from no disparity of its own.", VISTA_PARAMETER_FLOAT, -0.4, -100.0, 100.0, "", 0, NULL}, offsetof(vista_parameters, region.odds_unseeded)},
     {{"region.odds_lean", "ln odds", "Log-odds added by a surface that lies flat, 15 degrees and more beyond surface.horizontal_deg.", VISTA_PARAMETER_FLOAT, -1.0, -100.0, 100.0, "", 0, NULL}, offsetof(vista_parameters, region.odds_lean)},
+    {{"region.ground_height_m", "m", "Pixels of an obstacle whose word is less than this above the ground's plane are the ground at its foot. At most 6 % of the range.", VISTA_PARAMETER_FLOAT, 0.2, 0.0, 10.0, "", 0, NULL}, offsetof(vista_parameters, region.ground_height_m)},
     {{"reconstruction.center_sigma_px", "px", "Noise of a region's centre, along u and v each.", VISTA_PARAMETER_FLOAT, 1.0, 0.01, 100.0, "", 0, NULL}, offsetof(vista_parameters, reconstruction.center_sigma_px)},
     {{"reconstruction.center_sigma_ratio", "", "The same as a share of the region's half width or height: the segmentation moves the centre of a large region by more.", VISTA_PARAMETER_FLOAT, 0.1, 0.0, 2.0, "", 0, NULL}, offsetof(vista_parameters, reconstruction.center_sigma_ratio)},
     {{"reconstruction.disparity_sigma_px", "px", "Noise of the boundary disparity that no averaging removes.", VISTA_PARAMETER_FLOAT, 0.12, 0.01, 16.0, "", 0, NULL}, offsetof(vista_parameters, reconstruction.disparity_sigma_px)},
@@ -155,6 +159,28 @@ static const struct {
     {{"words.cluster_px_noise", "px per grey level", "cluster_px is at least this times the image's noise: chance matches of a noisy image are larger.", VISTA_PARAMETER_FLOAT, 35.0, 0.0, 100000.0, "", 0, NULL}, offsetof(vista_parameters, words.cluster_px_noise)},
     {{"words.cluster_m2", "m2", "A cluster that covers this area at its distance is kept though it covers less than cluster_px.", VISTA_PARAMETER_FLOAT, 0.2, 0.0, 100.0, "", 0, NULL}, offsetof(vista_parameters, words.cluster_m2)},
     {{"words.cluster_far_px", "px", "It covers at least as many pixels; in a noisy image as many as cluster_px_noise asks for.", VISTA_PARAMETER_INT, 40, 0, 1000000, "", 0, NULL}, offsetof(vista_parameters, words.cluster_far_px)},
+    {{"terrain.lean_min_deg", "deg", "A surface below the path that leans more than this from the vertical is ground; steeper ones are things that stand.", VISTA_PARAMETER_FLOAT, 35.0, 0.0, 90.0, "", 0, NULL}, offsetof(vista_parameters, terrain.lean_min_deg)},
+    {{"terrain.angle_min_deg", "deg", "The path meets the ground when it descends on it at this angle at least; at less it is flown along.", VISTA_PARAMETER_FLOAT, 2.5, 0.1, 90.0, "", 0, NULL}, offsetof(vista_parameters, terrain.angle_min_deg)},
+    {{"terrain.clearance_share", "", "The collision volume reaches down by this share of the distance from the ground's surface at most: who flies low along it is no nearer to hitting it.", VISTA_PARAMETER_FLOAT, 0.8, 0.0, 1.0, "", 0, NULL}, offsetof(vista_parameters, terrain.clearance_share)},
+    {{"terrain.agree_fraction", "", "Of the words where the volume meets the ground, this share has to lie on its surface.", VISTA_PARAMETER_FLOAT, 0.6, 0.0, 1.0, "", 0, NULL}, offsetof(vista_parameters, terrain.agree_fraction)},
+    {{"thin.find", "", "Whether they are looked for.", VISTA_PARAMETER_CHOICE, 1, 0, 1, "", 2, thin_find_choices}, offsetof(vista_parameters, thin.find)},
+    {{"thin.contrast", "grey levels", "Contrast of a thin line to both of its sides that counts in full; more counts no more.", VISTA_PARAMETER_FLOAT, 8.0, 1.0, 255.0, "", 0, NULL}, offsetof(vista_parameters, thin.contrast)},
+    {{"thin.contrast_noise", "sigma of the image's noise", "The same against the noise of the image; the larger of the two holds.", VISTA_PARAMETER_FLOAT, 3.0, 0.0, 100.0, "", 0, NULL}, offsetof(vista_parameters, thin.contrast_noise)},
+    {{"thin.piece_sum", "", "Sixteen rows of a line are a piece of it when their contrasts add up to at least this share of the full ones.", VISTA_PARAMETER_FLOAT, 0.55, 0.0, 1.0, "", 0, NULL}, offsetof(vista_parameters, thin.piece_sum)},
+    {{"thin.pieces_min", "pieces", "A line has at least so many pieces.", VISTA_PARAMETER_INT, 5, 2, 1000, "", 0, NULL}, offsetof(vista_parameters, thin.pieces_min)},
+    {{"thin.piece_share", "", "From its first to its last piece, a line has one in at least this share of the sixteens of rows.", VISTA_PARAMETER_FLOAT, 0.3, 0.0, 1.0, "", 0, NULL}, offsetof(vista_parameters, thin.piece_share)},
+    {{"thin.straight_px", "px", "Largest root mean square distance of a line's pieces from the straight line through them, along the row.", VISTA_PARAMETER_FLOAT, 0.9, 0.0, 100.0, "", 0, NULL}, offsetof(vista_parameters, thin.straight_px)},
+    {{"thin.ridge_share", "", "Smallest share of a line's rows that show it.", VISTA_PARAMETER_FLOAT, 0.4, 0.0, 1.0, "", 0, NULL}, offsetof(vista_parameters, thin.ridge_share)},
+    {{"thin.apart_px", "px", "A word on the line tells of a thin thing when it is nearer by this than those beside it.", VISTA_PARAMETER_FLOAT, 1.0, 0.0, 256.0, "", 0, NULL}, offsetof(vista_parameters, thin.apart_px)},
+    {{"thin.agree_px", "px", "Such words agree with a straight line in space within this.", VISTA_PARAMETER_FLOAT, 0.6, 0.01, 16.0, "", 0, NULL}, offsetof(vista_parameters, thin.agree_px)},
+    {{"thin.agree_share", "", "Smallest share of these words that agree.", VISTA_PARAMETER_FLOAT, 0.7, 0.0, 1.0, "", 0, NULL}, offsetof(vista_parameters, thin.agree_share)},
+    {{"thin.rows_min", "rows", "Fewest rows whose words agree.", VISTA_PARAMETER_INT, 24, 2, 100000, "", 0, NULL}, offsetof(vista_parameters, thin.rows_min)},
+    {{"thin.row_share", "", "Smallest share of the line's rows whose words agree.", VISTA_PARAMETER_FLOAT, 0.1, 0.0, 1.0, "", 0, NULL}, offsetof(vista_parameters, thin.row_share)},
+    {{"thin.word_share", "", "Smallest share of the rows with any word on the line whose words agree; the others are of what is behind.", VISTA_PARAMETER_FLOAT, 0.27, 0.0, 1.0, "", 0, NULL}, offsetof(vista_parameters, thin.word_share)},
+    {{"thin.rows_sure", "rows", "So many rows whose words agree are enough, whatever share of the words that is.", VISTA_PARAMETER_INT, 40, 2, 100000, "", 0, NULL}, offsetof(vista_parameters, thin.rows_sure)},
+    {{"thin.level_share", "", "Largest share of the line's rows that have something beside it as near as itself: a line on a surface is no thing of its own.", VISTA_PARAMETER_FLOAT, 0.25, 0.0, 1.0, "", 0, NULL}, offsetof(vista_parameters, thin.level_share)},
+    {{"thin.length_m", "m", "Shortest line.", VISTA_PARAMETER_FLOAT, 1.5, 0.0, 1000.0, "", 0, NULL}, offsetof(vista_parameters, thin.length_m)},
+    {{"thin.height_m", "m", "More than half of a line stands at least this far above the ground.", VISTA_PARAMETER_FLOAT, 0.5, 0.0, 100.0, "", 0, NULL}, offsetof(vista_parameters, thin.height_m)},
 };
 
 _Static_assert(sizeof(vista_stereo_params) == 256, "stereo may not grow");
@@ -171,5 +197,7 @@ _Static_assert(sizeof(vista_blind_zone_params) == 256, "blind_zone may not grow"
 _Static_assert(sizeof(vista_obstacle_map_params) == 256, "obstacle_map may not grow");
 _Static_assert(sizeof(vista_health_params) == 256, "health may not grow");
 _Static_assert(sizeof(vista_words_params) == 256, "words may not grow");
+_Static_assert(sizeof(vista_terrain_params) == 256, "terrain may not grow");
+_Static_assert(sizeof(vista_thin_params) == 256, "thin may not grow");
 
 #endif

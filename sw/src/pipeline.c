@@ -11,6 +11,7 @@
 #include "stages/affinity.h"
 #include "stages/blind_zone.h"
 #include "stages/collision_volume.h"
+#include "stages/footing.h"
 #include "stages/health.h"
 #include "stages/motion.h"
 #include "stages/obstacle_map.h"
@@ -19,6 +20,9 @@
 #include "stages/refinement.h"
 #include "stages/segmentation.h"
 #include "stages/surface.h"
+#include "stages/terrain.h"
+#include "stages/thin.h"
+#include "stages/thin_reconstruction.h"
 #include "stages/tracker.h"
 #include "stages/words.h"
 
@@ -40,11 +44,14 @@ typedef enum stage {
   STAGE_SEGMENTATION,
   STAGE_REFINEMENT,
   STAGE_REGIONS,
+  STAGE_THIN,
   STAGE_RECONSTRUCTION,
   STAGE_TRACKING,
   STAGE_BLIND_ZONE,
+  STAGE_TERRAIN,
   STAGE_MAP,
   STAGE_PATH_VIEW,
+  STAGE_FOOTING,
   STAGE_COUNT
 } stage;
 
@@ -64,9 +71,11 @@ struct vista_pipeline {
   vista_segmentation segmentation;
   vista_refinement refinement;
   vista_regions regions;
+  vista_thin *thin;
   vista_detection *detections;
   vista_tracker *tracker;
   vista_blind_zone blind_zone;
+  vista_terrain terrain;
   vista_obstacle_map *map;
   vista_region_verdict *verdicts; /* a region */
   vista_views views;
@@ -84,11 +93,14 @@ static const char *const stage_names[STAGE_COUNT] = {
     [STAGE_SEGMENTATION] = "segmentation",
     [STAGE_REFINEMENT] = "refinement",
     [STAGE_REGIONS] = "regions",
+    [STAGE_THIN] = "thin",
     [STAGE_RECONSTRUCTION] = "reconstruction",
     [STAGE_TRACKING] = "tracking",
     [STAGE_BLIND_ZONE] = "blind_zone",
+    [STAGE_TERRAIN] = "terrain",
     [STAGE_MAP] = "map",
     [STAGE_PATH_VIEW] = "path_view",
+    [STAGE_FOOTING] = "footing",
 };
 
 int32_t vista_stage_count(void) { return STAGE_COUNT; }
@@ -119,7 +131,9 @@ static vista_status layout(vista_pipeline *p, vista_arena *arena) {
       vista_segmentation_layout(&p->segmentation, arena, &p->foveation),
       vista_refinement_layout(&p->refinement, arena, &p->foveation),
       vista_regions_layout(&p->regions, arena, &p->foveation),
+      vista_thin_layout(&p->thin, arena, c->width_px, c->height_px),
       vista_tracker_layout(MAX_TRACKS, MAX_DETECTIONS, arena, &p->tracker),
+      vista_terrain_layout(&p->terrain, arena, &p->foveation),
       vista_obstacle_map_layout(MAX_TRACKS, arena, &p->map),
   };
   status = first_error(statuses, sizeof statuses / sizeof statuses[0]);
@@ -196,6 +210,7 @@ void vista_pipeline_reset(vista_pipeline *pipeline) {
   vista_obstacle_map_reset(pipeline->map);
   pipeline->motion_state = (vista_motion_state){0};
   pipeline->blind_zone = (vista_blind_zone){0};
+  vista_terrain_reset(&pipeline->terrain);
 }
 
 static vista_status check_up(const double up_world[3]) {
@@ -229,6 +244,7 @@ typedef struct passage {
   vista_motion motion;
   vista_image_noise noise;
   vista_flight_path path; /* flown next */
+  vista_collision_volume volume; /* around it */
   vista_health health;
   double valid_fraction;
   double up_camera[3];
@@ -288,21 +304,32 @@ static vista_status run_stage(vista_pipeline *p, stage stage, passage *way) {
     case STAGE_SEGMENTATION:
       return vista_segment(&p->foveation, q, &p->camera, &p->cells, &p->surfaces, &p->affinity, &p->segmentation);
     case STAGE_REFINEMENT:
-      return vista_refine(&p->foveation, &p->refinement_params, &frame->image, &p->cells, p->segmentation.label,
-                          &p->refinement);
+      return vista_refine(&p->foveation, &p->refinement_params, &p->cells, p->segmentation.label, &p->refinement);
     case STAGE_REGIONS: {
       const vista_status status =
           vista_regions_compute(&p->foveation, &q->region, &p->camera, up, q->surface.horizontal_deg, words, &p->cells,
                                 &p->surfaces, &p->segmentation, &p->refinement, &p->regions);
       if (status != VISTA_OK) return status;
-      const vista_collision_volume volume = vista_collision_volume_around(
-          &way->path, &way->motion.pose, q->obstacle_map.collision_radius_m, q->obstacle_map.outline_px);
-      return vista_collision_volume_count(&p->foveation, &q->region, &p->camera, &volume, words, &p->regions);
+      way->volume = vista_collision_volume_around(&way->path, &way->motion.pose, q->obstacle_map.collision_radius_m,
+                                                  q->obstacle_map.outline_px);
+      return vista_collision_volume_count(&p->foveation, &q->region, &p->camera, &way->volume, words, &p->regions);
+    }
+    case STAGE_THIN: {
+      const vista_surfaces *const s = &p->surfaces;
+      const vista_thin_view view = {
+          &frame->image,   &frame->disparity, way->noise,        (q->stereo.block_size - 1) / 2,
+          s->ground_found, s->ground_px,      s->ground_slope_u, s->ground_slope_v};
+      return vista_thin_search(&q->thin, &p->camera, &view, p->thin);
     }
     case STAGE_RECONSTRUCTION: {
-      const vista_status status =
+      vista_status status =
           vista_reconstruct_regions(p->regions.items, p->regions.count, &p->camera, &p->matched, &q->reconstruction,
                                     p->detections, MAX_DETECTIONS, &way->detection_count);
+      int32_t line_count;
+      const vista_thin_line *const lines = vista_thin_lines(p->thin, &line_count);
+      if (status == VISTA_OK)
+        status = vista_thin_reconstruct(lines, line_count, &p->camera, &way->volume, &q->reconstruction,
+                                        p->regions.count, p->detections, MAX_DETECTIONS, &way->detection_count);
       return status == VISTA_ERROR_CAPACITY ? VISTA_OK : status; /* the nearest come first: the far ones are dropped */
     }
     case STAGE_TRACKING:
@@ -313,15 +340,20 @@ static vista_status run_stage(vista_pipeline *p, stage stage, passage *way) {
     case STAGE_BLIND_ZONE:
       return vista_blind_zone_update(&q->blind_zone, &p->camera, &p->matched, q->obstacle_map.collision_radius_m,
                                      &frame->image, &way->noise, words, &p->blind_zone);
+    case STAGE_TERRAIN:
+      return vista_terrain_update(&p->terrain, &p->foveation, q, &p->camera, &p->matched, up, &way->motion, &way->path,
+                                  frame->t_ns, &p->cells);
     case STAGE_MAP: {
       int32_t count;
       const vista_track *const tracks = vista_tracker_tracks(p->tracker, &count);
       return vista_obstacle_map_update(p->map, &q->obstacle_map, &p->camera, &way->motion, &way->path, &p->blind_zone,
-                                       tracks, count);
+                                       &p->terrain, tracks, count);
     }
     case STAGE_PATH_VIEW:
       return vista_path_view(&q->obstacle_map, &p->camera, &p->matched, &way->path, &way->motion.pose, words,
                              p->refinement.label, &p->regions, &way->path_seen_m);
+    case STAGE_FOOTING:
+      return vista_footing_clear(&q->region, &p->camera, words, &p->surfaces, &p->regions, &p->refinement);
     case STAGE_COUNT:
       break;
   }

@@ -23,6 +23,11 @@ def rows_of(seed: int) -> dict[str, Any]:
     }
 
 
+def small_row(seed: int) -> dict[str, Any]:
+    """As large as the row of a recording."""
+    return {f"figure {k}": float(seed + k) for k in range(16)} | {"name": f"recording {seed}"}
+
+
 def noted(folder: Path, seed: int) -> dict[str, Any]:
     """Leaves a file for each attempt, named by job and process."""
     (folder / f"{seed}_{os.getpid()}_{time.monotonic_ns()}").touch()

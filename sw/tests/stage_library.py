@@ -115,6 +115,8 @@ class Foveation:
         self.first_run = view(f.first_run, self.node_count + 1, np.int32)
         self.runs = view(f.runs, int(self.first_run[-1]), RUN)
         self.pixel_count = view(f.pixel_count, self.node_count, np.int32)
+        self.pixel_u = view(f.pixel_u, width * height, np.int16)
+        self.pixel_v = view(f.pixel_v, width * height, np.int16)
         self.center_u = view(f.center_u, self.node_count, np.float32)
         self.center_v = view(f.center_v, self.node_count, np.float32)
         self.size_px = view(f.size_px, self.node_count, np.float32)
@@ -141,6 +143,9 @@ class Stages:
         self.regions = self._lay_out("vista_regions", lib.vista_regions_layout)
         self.intensity = view(self.cells.intensity, f.node_count, np.float32)
         self.disparity_px = view(self.cells.disparity_px, f.node_count, np.float32)
+        self.words = view(self.cells.words, f.cell_of_pixel.size, np.int16)
+        self.greys = view(self.cells.greys, f.cell_of_pixel.size, np.uint8)
+        self.border = view(self.refinement.border, f.node_count, np.uint8)
         self.valid_fraction = view(self.cells.valid_fraction, f.node_count, np.float32)
         self.inclination_deg = view(self.surfaces.inclination_deg, f.node_count, np.float32)
         self.horizontal = view(self.surfaces.horizontal, f.node_count, np.uint8)
@@ -226,11 +231,11 @@ class Stages:
         assert status == lib.VISTA_OK, status_name(status)
 
     def refine(self, image: np.ndarray) -> str:
+        self.greys[:] = image[self.foveation.pixel_v, self.foveation.pixel_u]
         return status_name(
             lib.vista_refine(
                 self.foveation.handle,
                 self.section("refinement"),
-                image_struct("image", image),
                 self.cells,
                 self.segmentation.label,
                 self.refinement,
@@ -245,6 +250,8 @@ class Stages:
     def compute_regions(self, words: np.ndarray, up=LEVEL_UP) -> list:
         """Of the regions as region_of_pixel draws them."""
         up_camera = ffi.new("double[3]", [float(x) for x in up])
+        self.words[:] = words[self.foveation.pixel_v, self.foveation.pixel_u]
+        self.border[:] = 1  # any pixel may be drawn as another region's than its cell's
         status = lib.vista_regions_compute(
             self.foveation.handle,
             self.section("region"),

@@ -72,6 +72,7 @@ def test_run_writes_what_interfaces_promise(tmp_path: Path, run_vista: Vista, ma
         "in_collision_volume",
         "coasting",
         "world",
+        "kind",
     ]
     assert list(first["obstacles"][0]) == obstacle_keys
     assert list(first["obstacles"][0]["ellipse_px"]) == ["center", "axes", "angle_deg"]

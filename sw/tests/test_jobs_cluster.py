@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import os
 import signal
-import socket
-import subprocess
 import sys
 import threading
 import time
@@ -18,69 +16,18 @@ import pytest
 import sequence_cases as cases
 from command_line import assert_refused
 from command_line import call as call_vista
+from dask_cluster import Cluster
 from test_jobs import SEEDS, attempts_in, contents, kept_jobs, wait_for_attempt
 from vista.errors import EXIT_OK
 from vista_eval.jobs import HERE, Failure, Place, jobs_of, outcomes, run
 
 pytest.importorskip("distributed", reason="no Dask: make setup-jobs")
-DASK = Path(sys.executable).parent / "dask"
-
-
-class Cluster:
-    """A scheduler and its workers, each a process that can be killed by itself."""
-
-    def __init__(self, folder: Path) -> None:
-        with socket.socket() as free:
-            free.bind(("127.0.0.1", 0))
-            self.port = free.getsockname()[1]
-        self.address = f"tcp://127.0.0.1:{self.port}"
-        self._folder = folder
-        self.processes: list[subprocess.Popen] = []
-
-    def start(self, *arguments: str) -> subprocess.Popen:
-        paths = os.pathsep.join([str(Path(__file__).parent), os.environ.get("PYTHONPATH", "")])
-        with (self._folder / "dask.log").open("a") as log:
-            process = subprocess.Popen(
-                [DASK, *arguments, "--no-dashboard"],
-                cwd=self._folder, env=os.environ | {"PYTHONPATH": paths}, stdout=log, stderr=log,
-            )  # fmt: skip
-        self.processes.append(process)
-        return process
-
-    def start_scheduler(self) -> subprocess.Popen:
-        return self.start("scheduler", "--host", "127.0.0.1", "--port", str(self.port))
-
-    def wait_for_scheduler(self) -> None:
-        """On a busy machine Python alone may take longer to start than a client waits for an answer."""
-        until_s = time.monotonic() + 120.0
-        while time.monotonic() < until_s:
-            try:
-                socket.create_connection(("127.0.0.1", self.port), timeout=1.0).close()
-                return
-            except OSError:
-                time.sleep(0.1)
-        raise TimeoutError((self._folder / "dask.log").read_text())
-
-    def start_worker(self) -> subprocess.Popen:
-        return self.start("worker", self.address, "--nthreads", "1", "--no-nanny", "--death-timeout", "60")
-
-    def stop(self) -> None:
-        for process in self.processes:
-            process.kill()
-        for process in self.processes:
-            process.wait()
 
 
 @pytest.fixture(scope="module")
 def cluster(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Cluster]:
-    cluster = Cluster(tmp_path_factory.mktemp("cluster"))
-    try:
-        cluster.scheduler = cluster.start_scheduler()
-        cluster.wait_for_scheduler()
-        cluster.workers = [cluster.start_worker(), cluster.start_worker()]
+    with Cluster(tmp_path_factory.mktemp("cluster")) as cluster:
         yield cluster
-    finally:
-        cluster.stop()
 
 
 @pytest.fixture(scope="module")
@@ -143,17 +90,15 @@ def test_every_job_is_kept_once_whatever_happens(cluster: Cluster, reference: Pa
     victims = (SEEDS[3], SEEDS[8])
 
     def disturb() -> None:
-        slow = cluster.workers[0]
-        slow.send_signal(signal.SIGSTOP)
+        cluster.workers[0].send_signal(signal.SIGSTOP)
         time.sleep(0.5)
-        slow.send_signal(signal.SIGCONT)
+        cluster.workers[0].send_signal(signal.SIGCONT)
         os.kill(wait_for_attempt(notes, victims[0]), signal.SIGKILL)
         cluster.start_worker()
         wait_for_attempt(notes, victims[1])
         cluster.scheduler.kill()
         cluster.scheduler.wait()
-        cluster.scheduler = cluster.start_scheduler()
-        cluster.workers = [cluster.start_worker(), cluster.start_worker()]
+        cluster.start()
 
     disturber = threading.Thread(target=disturb)
     disturber.start()

@@ -40,7 +40,14 @@ class Map:
         self.camera = camera()
 
     def update(
-        self, tracks=(), velocity=FORWARD, raw_pose=None, blind_zone=ffi.NULL, length_m=None, **arc
+        self,
+        tracks=(),
+        velocity=FORWARD,
+        raw_pose=None,
+        blind_zone=ffi.NULL,
+        length_m=None,
+        terrain=ffi.NULL,
+        **arc,
     ) -> str:
         """arc: normal and curvature_1_m."""
         items = ffi.new("vista_track[]", [track[0] for track in tracks])
@@ -54,6 +61,7 @@ class Map:
                 moved,
                 path,
                 blind_zone,
+                terrain,
                 items,
                 len(tracks),
             )
@@ -284,6 +292,69 @@ def test_what_is_too_near_to_match_never_hides_a_track_that_is_seen(too_near_fir
     beside = track((9.0, 0, 30.0), 6, coasting=False, volume_window=0)
     assert mapper.update([beside], FORWARD, None, too_near) == "VISTA_OK"
     assert mapper.nearest.id == 0  # nothing tracked is in the way
+
+
+def ground_ahead(along_m: float, **changes):
+    """A slope of 30 degrees, met 2 m below a path along z."""
+    normal = np.array([0.0, 0.5, np.sqrt(0.75)])
+    point = np.array([0.0, 2.0, along_m])
+    values = {
+        "known": True,
+        "ahead": True,
+        "confirmed": True,
+        "credible": True,
+        "age_frames": 7,
+        "plane": {"normal": list(normal), "offset_m": float(normal @ point)},
+        "contact": {"along_m": along_m, "radius_m": 2.0, "point_m": list(point), "sine": float(normal[2])},
+        "world": {"verdict": lib.VISTA_WORLD_STANDS},
+        "sigma_m": 0.4,
+    }
+    return ffi.new("vista_terrain *", values | changes)
+
+
+def test_ground_ahead_is_an_obstacle_with_distance_and_time() -> None:
+    mapper = Map()
+    assert mapper.update([], terrain=ground_ahead(27.0)) == "VISTA_OK"
+    (found,) = mapper.obstacles
+    assert (found.id, found.kind) == (lib.VISTA_ID_GROUND, lib.VISTA_OBSTACLE_GROUND)
+    assert found.confirmed and found.in_collision_volume and found.age_frames == 7
+    assert list(found.position_m) == [0.0, 2.0, 27.0]
+    assert found.distance_m == pytest.approx(np.hypot(27.0, 2.0))
+    assert mapper.nearest.valid and mapper.nearest.id == lib.VISTA_ID_GROUND
+    assert mapper.nearest.time_to_collision_s == pytest.approx(27.0 / 9.0)
+    variance = np.array(list(found.covariance_m2)).reshape(3, 3)
+    assert np.sqrt(variance[2, 2]) == pytest.approx(0.4) and np.sqrt(variance[0, 0]) == pytest.approx(0.2)
+    for kept_off in ({"credible": False}, {"world": {"verdict": lib.VISTA_WORLD_REFUTED}, "credible": False}):
+        assert mapper.update([], terrain=ground_ahead(27.0, **kept_off)) == "VISTA_OK"
+        assert not mapper.nearest.valid and len(mapper.obstacles) == 1
+    for absent in (ground_ahead(27.0, ahead=False), ground_ahead(-3.0)):
+        assert mapper.update([], terrain=absent) == "VISTA_OK"
+        assert not mapper.nearest.valid and mapper.obstacles == []
+
+
+def test_what_lies_on_the_ground_ahead_is_met_where_that_is_met() -> None:
+    """A region of the hillside itself, whose middle is before or behind the place; not what stands on it."""
+    mapper, slope = Map(), ground_ahead(40.0)
+    foot = track((0.0, 2.0 + 3.0 * np.sqrt(3.0), 37.0), 1, coasting=False)
+    behind = track((0.0, 2.0 - 3.0 * np.sqrt(3.0), 43.0), 2, coasting=False)
+    assert mapper.update([foot, behind], terrain=slope) == "VISTA_OK"
+    assert {o.id: o.in_collision_volume for o in mapper.obstacles} == {1: False, -1: True, 2: False}
+    assert mapper.nearest.id == lib.VISTA_ID_GROUND
+    pole = track((0.0, 0.0, 37.0), 3)
+    assert mapper.update([pole], terrain=slope) == "VISTA_OK"
+    assert mapper.nearest.id == 3 and all(o.in_collision_volume for o in mapper.obstacles)
+    assert mapper.update([foot], terrain=ground_ahead(40.0, credible=False)) == "VISTA_OK"
+    assert mapper.nearest.id == 1  # as long as the ground itself is not believed
+
+
+def test_what_is_too_near_never_hides_ground_that_is_seen() -> None:
+    mapper = Map()
+    too_near = ffi.new("vista_blind_zone *", {"occupied": True, "range_m": 7.3})
+    for coasting, nearest in ((False, lib.VISTA_ID_GROUND), (True, lib.VISTA_ID_TOO_NEAR)):
+        ground = ground_ahead(20.0, coasting=coasting)
+        assert mapper.update([], FORWARD, None, too_near, terrain=ground) == "VISTA_OK"
+        assert [o.kind for o in mapper.obstacles] == [lib.VISTA_OBSTACLE_TOO_NEAR, lib.VISTA_OBSTACLE_GROUND]
+        assert mapper.nearest.id == nearest
 
 
 def test_the_volume_is_2_m_by_100_m_and_discs_count_with_their_edge() -> None:

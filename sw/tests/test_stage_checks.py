@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from stage_arena import ffi, lib, status_name
+from stage_arena import Arena, ffi, lib, status_name
 from stage_library import Stages, camera, image_struct
-from track_library import Tracker, matched, seen_at
+from track_library import Tracker, flight_path, matched, motion, seen_at
 
 WIDTH, HEIGHT = 64, 48
 
@@ -27,7 +27,10 @@ class Bench:
         self.volume = ffi.new("vista_collision_volume *", [[0.0, 0.0, 1.0], 2.0, 100.0])
         self.zone, arena = ffi.new("vista_blind_zone *"), ffi.new("vista_arena *")
         self.noise = ffi.new("vista_image_noise *")
-        self.keep = (up, arena)
+        self.terrain, moved = ffi.new("vista_terrain *"), motion(None, (0.0, 0.0, 9.0))
+        memory = Arena(lambda arena: lib.vista_terrain_layout(self.terrain, arena, f))
+        path = flight_path(moved)
+        self.keep = (up, arena, memory)
         section, horizontal_deg = s.section, 55.0
         regions = (self.c_words, s.cells, s.surfaces, s.segmentation, s.refinement, s.regions)
         size_and_center = (WIDTH, HEIGHT, 31.5, 23.5)
@@ -65,7 +68,7 @@ class Bench:
             "refinement": (
                 "refinement.sigma_intensity",
                 lambda: lib.vista_refine(
-                    f, section("refinement"), self.c_image, s.cells, s.segmentation.label, s.refinement
+                    f, section("refinement"), s.cells, s.segmentation.label, s.refinement
                 ),
             ),
             "regions": (
@@ -91,6 +94,12 @@ class Bench:
                     self.noise,
                     self.c_words,
                     self.zone,
+                ),
+            ),
+            "terrain": (
+                "terrain.angle_min_deg",
+                lambda: lib.vista_terrain_update(
+                    self.terrain, f, s.parameters, s.camera, matched(), up, moved, path, 1, s.cells
                 ),
             ),
         }

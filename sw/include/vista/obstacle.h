@@ -45,9 +45,24 @@ typedef enum vista_region_verdict {
 /* The name of a verdict, in upper case; never null. */
 VISTA_API const char *vista_region_verdict_name(vista_region_verdict verdict);
 
+/* What an obstacle is. */
+typedef enum vista_obstacle_kind {
+  VISTA_OBSTACLE_THING = 0, /* something that stands on the ground or flies; it has a track */
+  VISTA_OBSTACLE_TOO_NEAR,  /* something too near to match; id VISTA_ID_TOO_NEAR */
+  VISTA_OBSTACLE_GROUND,    /* the ground, where the flight path meets it; id VISTA_ID_GROUND */
+  VISTA_OBSTACLE_KIND_COUNT
+} vista_obstacle_kind;
+
+/* Ids of obstacles that have no track. There is at most one of each in a frame. */
+#define VISTA_ID_TOO_NEAR 0
+#define VISTA_ID_GROUND (-1)
+
+/* The name of a kind, in lower case, such as "ground"; never null. */
+VISTA_API const char *vista_obstacle_kind_name(vista_obstacle_kind kind);
+
 /* One obstacle, as the track that it belongs to estimates it in this frame. */
 typedef struct vista_obstacle {
-  int32_t id; /* number of the track; 0: something too near to match, which has no track */
+  int32_t id; /* number of the track, from 1; VISTA_ID_TOO_NEAR or VISTA_ID_GROUND without one */
   bool confirmed; /* seen in M of N frames, and not refuted by the static-world test */
   bool coasting; /* not seen in this frame: the position is a prediction */
   bool in_blind_zone; /* nearer than the engine matches */
@@ -60,6 +75,8 @@ typedef struct vista_obstacle {
   vista_ellipse ellipse; /* of this frame's detection; while coasting, the last one moved to the predicted place */
   double disparity_px; /* at the estimated position */
   bool in_collision_volume; /* it can cause a warning and is in the volume around the flight path */
+  vista_obstacle_kind kind; /* of ground, position_m is the point that the volume meets first, extent_m the width of the
+                               volume and how far it reaches up the slope at once */
 } vista_obstacle;
 
 /* The nearest confirmed obstacle that meets the collision volume. */

@@ -84,6 +84,9 @@ typedef struct vista_surface_params {
   unsigned char reserved[208];
 } vista_surface_params;
 
+/* What divides the free cells around a seed: the paper's minimum cut, or a maximum spanning forest of the same links. */
+typedef enum vista_segmentation_solver { VISTA_SEGMENTATION_SOLVER_CUT, VISTA_SEGMENTATION_SOLVER_FOREST } vista_segmentation_solver;
+
 /* Recursive minimum cuts (paper, section II-C). */
 typedef struct vista_segmentation_params {
   double seed_step_px; /* Largest disparity step inside a seed between adjoining cells. 0.05 .. 8.0 px. */
@@ -100,7 +103,8 @@ typedef struct vista_segmentation_params {
   double merge_share; /* Two regions are one if more than half of the edges between them, and this share of the shorter perimeter, are smooth. 0.0 .. 1.0. */
   double rest_affinity; /* Cells that no obstacle claims form seeds of the rest along edges of at least this affinity. Paper: w_ij. 0.0 .. 1.0. */
   double rest_area_px2; /* Smallest seed of the rest that is cut out. 1.0 .. 1000000.0 px2. */
-  unsigned char reserved[144];
+  vista_segmentation_solver solver; /* What divides the free cells around a seed: the paper's minimum cut, or a maximum spanning forest of the same links. */
+  unsigned char reserved[140];
 } vista_segmentation_params;
 
 /* Regions at the resolution of the image: pixels of cells at a border join the cell that they resemble. */
@@ -136,7 +140,8 @@ typedef struct vista_region_params {
   double odds_size; /* Log-odds added by each tenfold of a metre in size. -100.0 .. 100.0 ln odds. */
   double odds_unseeded; /* Log-odds added to a region that grew from no disparity of its own. -100.0 .. 100.0 ln odds. */
   double odds_lean; /* Log-odds added by a surface that lies flat, 15 degrees and more beyond surface.horizontal_deg. -100.0 .. 100.0 ln odds. */
-  unsigned char reserved[88];
+  double ground_height_m; /* Pixels of an obstacle whose word is less than this above the ground's plane are the ground at its foot. At most 6 % of the range. 0.0 .. 10.0 m. */
+  unsigned char reserved[80];
 } vista_region_params;
 
 /* Regions to detections by linear triangulation (paper, section II-D). */
@@ -232,6 +237,41 @@ typedef struct vista_words_params {
   unsigned char reserved[204];
 } vista_words_params;
 
+/* Where the flight path meets the ground (extension of the paper). */
+typedef struct vista_terrain_params {
+  double lean_min_deg; /* A surface below the path that leans more than this from the vertical is ground; steeper ones are things that stand. 0.0 .. 90.0 deg. */
+  double angle_min_deg; /* The path meets the ground when it descends on it at this angle at least; at less it is flown along. 0.1 .. 90.0 deg. */
+  double clearance_share; /* The collision volume reaches down by this share of the distance from the ground's surface at most: who flies low along it is no nearer to hitting it. 0.0 .. 1.0. */
+  double agree_fraction; /* Of the words where the volume meets the ground, this share has to lie on its surface. 0.0 .. 1.0. */
+  unsigned char reserved[224];
+} vista_terrain_params;
+
+/* Whether they are looked for. */
+typedef enum vista_thin_find { VISTA_THIN_FIND_OFF, VISTA_THIN_FIND_ON } vista_thin_find;
+
+/* Thin things, found at the resolution of the image: wires, thin poles (extension of the paper). */
+typedef struct vista_thin_params {
+  vista_thin_find find; /* Whether they are looked for. */
+  double contrast; /* Contrast of a thin line to both of its sides that counts in full; more counts no more. 1.0 .. 255.0 grey levels. */
+  double contrast_noise; /* The same against the noise of the image; the larger of the two holds. 0.0 .. 100.0 sigma of the image's noise. */
+  double piece_sum; /* Sixteen rows of a line are a piece of it when their contrasts add up to at least this share of the full ones. 0.0 .. 1.0. */
+  int32_t pieces_min; /* A line has at least so many pieces. 2 .. 1000 pieces. */
+  double piece_share; /* From its first to its last piece, a line has one in at least this share of the sixteens of rows. 0.0 .. 1.0. */
+  double straight_px; /* Largest root mean square distance of a line's pieces from the straight line through them, along the row. 0.0 .. 100.0 px. */
+  double ridge_share; /* Smallest share of a line's rows that show it. 0.0 .. 1.0. */
+  double apart_px; /* A word on the line tells of a thin thing when it is nearer by this than those beside it. 0.0 .. 256.0 px. */
+  double agree_px; /* Such words agree with a straight line in space within this. 0.01 .. 16.0 px. */
+  double agree_share; /* Smallest share of these words that agree. 0.0 .. 1.0. */
+  int32_t rows_min; /* Fewest rows whose words agree. 2 .. 100000 rows. */
+  double row_share; /* Smallest share of the line's rows whose words agree. 0.0 .. 1.0. */
+  double word_share; /* Smallest share of the rows with any word on the line whose words agree; the others are of what is behind. 0.0 .. 1.0. */
+  int32_t rows_sure; /* So many rows whose words agree are enough, whatever share of the words that is. 2 .. 100000 rows. */
+  double level_share; /* Largest share of the line's rows that have something beside it as near as itself: a line on a surface is no thing of its own. 0.0 .. 1.0. */
+  double length_m; /* Shortest line. 0.0 .. 1000.0 m. */
+  double height_m; /* More than half of a line stands at least this far above the ground. 0.0 .. 100.0 m. */
+  unsigned char reserved[112];
+} vista_thin_params;
+
 /* All parameters. vista_parameters_default makes the struct; change its members afterwards. A newer library
  * keeps its new parameters behind those of this header and in the reserved parts, and fills them in there. */
 typedef struct vista_parameters {
@@ -250,6 +290,8 @@ typedef struct vista_parameters {
   vista_obstacle_map_params obstacle_map;
   vista_health_params health;
   vista_words_params words;
+  vista_terrain_params terrain;
+  vista_thin_params thin;
 } vista_parameters;
 
 /* Writes the defaults into a struct of this size. VISTA_ERROR_SIZE: it is no size of this struct. */

@@ -80,6 +80,7 @@ def _obstacle(obstacle: Obstacle, camera_from_world: Pose) -> dict[str, Any]:
         "in_collision_volume": bool(obstacle.in_collision_volume),
         "coasting": bool(obstacle.coasting),
         "world": obstacle.world.lower(),
+        "kind": obstacle.kind,
     }
 
 

@@ -29,7 +29,7 @@ class Ellipse:
 class Obstacle:
     """One obstacle, as the track that it belongs to estimates it in this frame."""
 
-    id: int  #: number of the track; 0: something too near to match, which has no track
+    id: int  #: number of the track, from 1; 0: something too near to match, -1: the ground, both without one
     confirmed: bool
     coasting: bool  #: not seen in this frame
     in_blind_zone: bool  #: nearer than the engine matches
@@ -42,6 +42,7 @@ class Obstacle:
     ellipse: Ellipse
     disparity_px: float
     in_collision_volume: bool
+    kind: str = "thing"  #: thing; too_near: to match; ground: where the flight path meets it
 
 
 @dataclass(frozen=True)
@@ -113,7 +114,7 @@ class Pipeline:
     def __init__(self, camera: Calibration, values: parameters.Values | None = None) -> None:
         self._ffi, self._lib = native.load(self.library)
         self._camera = camera
-        self._parameters = _c_parameters(self._ffi, self._lib, values or parameters.defaults())
+        self._parameters = c_parameters(self._ffi, self._lib, values or parameters.defaults())
         self._c_camera = self._ffi.new(
             "vista_camera *",
             (camera.width, camera.height, camera.focal_px, camera.cx, camera.cy, camera.baseline_m),
@@ -209,8 +210,8 @@ class Pipeline:
             for k in range(views.region_count)
         ]
         return Result(
-            obstacles=[_obstacle(ffi, lib, r.obstacles[k]) for k in range(r.obstacle_count)],
-            nearest_collision=_nearest(nearest) if nearest.valid else None,
+            obstacles=[read_obstacle(ffi, lib, r.obstacles[k]) for k in range(r.obstacle_count)],
+            nearest_collision=read_nearest(nearest) if nearest.valid else None,
             path_seen_m=r.path_seen_m,
             motion=_motion(ffi, lib, r.motion),
             health=_health(ffi, lib, r.health),
@@ -228,7 +229,7 @@ class Pipeline:
         )
 
 
-def _c_parameters(ffi: Any, lib: Any, values: parameters.Values) -> Any:
+def c_parameters(ffi: Any, lib: Any, values: parameters.Values) -> Any:
     c = ffi.new("vista_parameters *")
     lib.vista_parameters_init(c, ffi.sizeof(c[0]))
     for name, value in parameters.flat(values).items():
@@ -241,7 +242,7 @@ def _c_parameters(ffi: Any, lib: Any, values: parameters.Values) -> Any:
     return c
 
 
-def _obstacle(ffi: Any, lib: Any, o: Any) -> Obstacle:
+def read_obstacle(ffi: Any, lib: Any, o: Any) -> Obstacle:
     e = o.ellipse
     return Obstacle(
         id=o.id,
@@ -257,6 +258,7 @@ def _obstacle(ffi: Any, lib: Any, o: Any) -> Obstacle:
         ellipse=Ellipse(e.center_u_px, e.center_v_px, e.axis_a_px, e.axis_b_px, e.angle_deg),
         disparity_px=o.disparity_px,
         in_collision_volume=bool(o.in_collision_volume),
+        kind=ffi.string(lib.vista_obstacle_kind_name(o.kind)).decode(),
     )
 
 
@@ -282,7 +284,7 @@ def _health(ffi: Any, lib: Any, h: Any) -> Health:
     )
 
 
-def _nearest(n: Any) -> Nearest:
+def read_nearest(n: Any) -> Nearest:
     seconds = n.time_to_collision_s
     return Nearest(
         id=n.id,

@@ -6,7 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from vista.pipeline import Pipeline
+from vista.pipeline import Pipeline, PipelineError
+
+PADDING = 16  # pixels behind the last one that whole vectors reach
 
 
 @dataclass(frozen=True)
@@ -49,18 +51,30 @@ class OpenPipeline(Pipeline):
         draws its own. Raises PipelineError for an image of another size."""
         ffi, stages = self._ffi, self._lib.vista_pipeline_look(self._pipeline)
         f, params = stages.foveation, stages.refinement_params
-        left = np.ascontiguousarray(left)
-        image = ffi.new(
-            "vista_image *",
-            (ffi.cast("uint8_t *", left.ctypes.data), left.shape[1], left.shape[0], left.shape[1]),
-        )
+        if left.shape != (f.height_px, f.width_px):
+            raise PipelineError(
+                f"an image of {left.shape[1]}x{left.shape[0]}, not {f.width_px}x{f.height_px}"
+            )
+        u, v = (self._array(pixels, left.size, np.int16) for pixels in (f.pixel_u, f.pixel_v))
+        greys = np.pad(left[v, u], (0, PADDING))
         intensity, label = np.ascontiguousarray(cell_intensity), np.ascontiguousarray(region_of_cell)
-        cells = ffi.new("vista_cells *", {"intensity": ffi.cast("float *", intensity.ctypes.data)})
+        cells = ffi.new(
+            "vista_cells *",
+            {
+                "intensity": ffi.cast("float *", intensity.ctypes.data),
+                "greys": ffi.cast("uint8_t *", greys.ctypes.data),
+            },
+        )
         drawn, border = np.empty(left.shape, np.int32), np.empty(f.node_count, np.uint8)
+        of_cell = np.empty(f.max_footprint_px + PADDING, np.int32)
         out = ffi.new(
             "vista_refinement *",
-            (ffi.cast("int32_t *", drawn.ctypes.data), ffi.cast("uint8_t *", border.ctypes.data)),
+            {
+                "label": ffi.cast("int32_t *", drawn.ctypes.data),
+                "border": ffi.cast("uint8_t *", border.ctypes.data),
+                "of_cell": ffi.cast("int32_t *", of_cell.ctypes.data),
+            },
         )
         c_label = ffi.cast("int32_t *", label.ctypes.data)
-        self._check(self._lib.vista_refine(f, params, image, cells, c_label, out))
+        self._check(self._lib.vista_refine(f, params, cells, c_label, out))
         return drawn

@@ -1,6 +1,7 @@
 #include "common/flight_path.h"
 
 #include <math.h>
+#include <stddef.h>
 #include <string.h>
 
 #include "common/numbers.h"
@@ -19,12 +20,22 @@ double vista_flight_path_along(const vista_flight_path *path, const double point
   return c > 0.0 ? turn / c : ahead_m;
 }
 
-void vista_flight_path_point(const vista_flight_path *path, double along_m, double point_m[3]) {
+void vista_flight_path_point(const vista_flight_path *path, double along_m, double point_m[3], double direction[3]) {
   const double c = path->curvature_1_m, half = 0.5 * c * along_m;
   const double chord_m = c > 0.0 ? 2.0 * sin(half) / c : along_m;
-  for (int i = 0; i < 3; ++i)
-    point_m[i] =
-        path->start_m[i] + chord_m * (cos(half) * path->direction[i] + (c > 0.0 ? sin(half) * path->normal[i] : 0.0));
+  for (int i = 0; i < 3; ++i) {
+    const double normal = c > 0.0 ? path->normal[i] : 0.0;
+    point_m[i] = path->start_m[i] + chord_m * (cos(half) * path->direction[i] + sin(half) * normal);
+    if (direction != NULL) direction[i] = cos(2.0 * half) * path->direction[i] + sin(2.0 * half) * normal;
+  }
+}
+
+double vista_flight_path_distance(const vista_flight_path *path, const double point_m[3]) {
+  const double along_m = vista_flight_path_along(path, point_m, NULL);
+  double nearest_m[3];
+  vista_flight_path_point(path, fmin(fmax(along_m, 0.0), path->length_m), nearest_m, NULL);
+  for (int i = 0; i < 3; ++i) nearest_m[i] -= point_m[i];
+  return vista_norm(nearest_m);
 }
 
 bool vista_flight_path_near_disc(const vista_flight_path *path, const vista_disc *disc, double radius_m) {
@@ -34,7 +45,7 @@ bool vista_flight_path_near_disc(const vista_flight_path *path, const vista_disc
   memcpy(chord.start_m, path->start_m, sizeof chord.start_m);
   for (int k = 1; k <= count; ++k) {
     double end_m[3], step_m[3];
-    vista_flight_path_point(path, path->length_m * k / count, end_m);
+    vista_flight_path_point(path, path->length_m * k / count, end_m, NULL);
     for (int i = 0; i < 3; ++i) step_m[i] = end_m[i] - chord.start_m[i];
     chord.length_m = vista_norm(step_m);
     for (int i = 0; i < 3; ++i) chord.direction[i] = step_m[i] / chord.length_m;

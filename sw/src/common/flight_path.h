@@ -18,8 +18,11 @@ typedef struct vista_flight_path {
  * Not beyond a quarter of a circle past the end. */
 double vista_flight_path_along(const vista_flight_path *path, const double point_m[3], double direction[3]);
 
-/* The point of the path at along_m, from 0 to length_m. */
-void vista_flight_path_point(const vista_flight_path *path, double along_m, double point_m[3]);
+/* From the point to the nearest point of the path, its ends included. */
+double vista_flight_path_distance(const vista_flight_path *path, const double point_m[3]);
+
+/* The point of the path at along_m from its start, and unless null, the direction there. */
+void vista_flight_path_point(const vista_flight_path *path, double along_m, double point_m[3], double direction[3]);
 
 /* Whether the disc comes within radius_m of the path, up to 1 cm: an arc is taken for a chain of chords. */
 bool vista_flight_path_near_disc(const vista_flight_path *path, const vista_disc *disc, double radius_m);

@@ -7,12 +7,17 @@
 /* How many of the words are valid. */
 int32_t vista_count_valid(const int16_t *words, int32_t count);
 
-#define VISTA_WORD_LANES 8
+/* How many of some words are valid, and the lower median of these, if there are any. */
+typedef struct vista_words_median {
+  int32_t valid;
+  int16_t word;
+} vista_words_median;
 
-/* Fills the vector after the last word with invalid ones, so that loops over whole vectors need no remainder. */
-void vista_words_pad(int16_t *words, int32_t count);
+#define VISTA_MEDIAN_LANES 16
 
-/* Lower median of the valid words; `valid` of the `count` words are, at least 1. The words are padded. */
-int16_t vista_median_word(const int16_t *words, int32_t count, int32_t valid);
+/* scratch: room for `count` words and VISTA_MEDIAN_LANES more. */
+vista_words_median vista_median_word(const int16_t *words, int32_t count, int16_t *scratch);
+
+vista_words_median vista_median_of_four(const int16_t words[4]);
 
 #endif

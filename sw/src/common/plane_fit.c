@@ -4,18 +4,6 @@
 
 #include "common/numbers.h"
 
-void vista_plane_fit_add(vista_plane_fit *fit, double u, double v, double d, double weight) {
-  fit->weight += weight;
-  fit->u += weight * u;
-  fit->v += weight * v;
-  fit->d += weight * d;
-  fit->uu += weight * u * u;
-  fit->uv += weight * u * v;
-  fit->vv += weight * v * v;
-  fit->ud += weight * u * d;
-  fit->vd += weight * v * d;
-}
-
 bool vista_plane_fit_solve(const vista_plane_fit *fit, vista_plane *plane) {
   if (!(fit->weight > 0.0)) return false;
   const double u = fit->u / fit->weight, v = fit->v / fit->weight, d = fit->d / fit->weight;

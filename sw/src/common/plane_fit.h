@@ -14,7 +14,17 @@ typedef struct vista_plane {
   double offset, slope_u, slope_v;
 } vista_plane;
 
-void vista_plane_fit_add(vista_plane_fit *fit, double u, double v, double d, double weight);
+static inline void vista_plane_fit_add(vista_plane_fit *fit, double u, double v, double d, double weight) {
+  fit->weight += weight;
+  fit->u += weight * u;
+  fit->v += weight * v;
+  fit->d += weight * d;
+  fit->uu += weight * u * u;
+  fit->uv += weight * u * v;
+  fit->vv += weight * v * v;
+  fit->ud += weight * u * d;
+  fit->vd += weight * v * d;
+}
 
 /* Standard deviation of the plane's value over the points of the fit: how much of a slope they can tell. */
 double vista_plane_fit_spread(const vista_plane_fit *fit, const vista_plane *plane);

@@ -22,6 +22,7 @@
 static inline const int16_t *vista_word_block(const int16_t *row, int32_t u, int32_t width,
                                               int16_t copy[VISTA_WORD_BLOCK]) {
   if (u >= 0 && u + VISTA_WORD_BLOCK <= width) return row + u;
+  VISTA_BLOCK_LOOP
   for (int32_t i = 0; i < VISTA_WORD_BLOCK; ++i)
     copy[i] = u + i >= 0 && u + i < width ? row[u + i] : VISTA_DISPARITY_INVALID;
   return copy;

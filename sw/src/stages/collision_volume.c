@@ -3,6 +3,7 @@
 #include <math.h>
 #include <stdbool.h>
 #include <stddef.h>
+#include <string.h>
 
 #include "common/frame.h"
 #include "common/parameters_check.h"
@@ -134,6 +135,20 @@ vista_collision_volume vista_collision_volume_around(const vista_flight_path *pa
   return volume;
 }
 
+vista_flight_path vista_collision_volume_path(const vista_collision_volume *volume) {
+  vista_flight_path path = {.curvature_1_m = volume->curvature_1_m, .length_m = volume->length_m};
+  memcpy(path.direction, volume->direction_camera, sizeof path.direction);
+  memcpy(path.normal, volume->normal_camera, sizeof path.normal);
+  return path;
+}
+
+vista_status vista_collision_volume_check(const vista_collision_volume *volume) {
+  const bool good = volume->radius_m >= SMALLEST_M && volume->length_m >= SMALLEST_M &&
+                    isfinite(volume->radius_m + volume->length_m + volume->outline_px) && volume->outline_px >= 0.0 &&
+                    volume->curvature_1_m >= 0.0 && volume->curvature_1_m * volume->length_m <= TURN_MAX_RAD;
+  return good ? VISTA_OK : VISTA_ERROR_RANGE;
+}
+
 vista_status vista_collision_volume_count(const vista_foveation *foveation, const vista_region_params *params,
                                           const vista_camera *camera, const vista_collision_volume *volume,
                                           const vista_disparity_image *disparity, vista_regions *regions) {
@@ -142,11 +157,7 @@ vista_status vista_collision_volume_count(const vista_foveation *foveation, cons
   vista_status status = VISTA_CHECK_SECTION(region, params);
   if (status == VISTA_OK) status = vista_frame_check_camera(camera);
   if (status == VISTA_OK) status = vista_frame_check_disparity(disparity, foveation->width_px, foveation->height_px);
-  if (status == VISTA_OK &&
-      !(volume->radius_m >= SMALLEST_M && volume->length_m >= SMALLEST_M &&
-        isfinite(volume->radius_m + volume->length_m + volume->outline_px) && volume->outline_px >= 0.0 &&
-        volume->curvature_1_m >= 0.0 && volume->curvature_1_m * volume->length_m <= TURN_MAX_RAD))
-    status = VISTA_ERROR_RANGE;
+  if (status == VISTA_OK) status = vista_collision_volume_check(volume);
   if (status != VISTA_OK) return status;
   const double words = VISTA_DISPARITY_SCALE * camera->baseline_m;
   const double *const a = volume->direction_camera, *const n = volume->normal_camera;

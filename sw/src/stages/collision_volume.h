@@ -34,6 +34,12 @@ typedef struct vista_collision_volume {
 vista_collision_volume vista_collision_volume_around(const vista_flight_path *path, const vista_pose *pose,
                                                      double radius_m, double outline_px);
 
+/* The path in the middle of the volume, in the coordinates of the camera. */
+vista_flight_path vista_collision_volume_path(const vista_collision_volume *volume);
+
+/* VISTA_ERROR_RANGE: not finite, smaller than a millimetre, or a bend of more than a quarter of a circle. */
+vista_status vista_collision_volume_check(const vista_collision_volume *volume);
+
 /* Fills volume_pixels of the accepted regions. VISTA_ERROR_SIZE: a disparity image of another size. */
 vista_status vista_collision_volume_count(const vista_foveation *foveation, const vista_region_params *params,
                                           const vista_camera *camera, const vista_collision_volume *volume,

@@ -8,11 +8,11 @@
 #include "common/frame.h"
 #include "common/median.h"
 #include "common/parameters_check.h"
+#include "common/wide_vectors.h"
+#include "common/word_blocks.h"
 
 /* A cell whose inscribed circle is narrower than a pixel's diagonal may hold no pixel centre at all. */
 #define POINT_SIZE_PX 1.5
-
-#define COPIED VISTA_WORD_LANES /* pixels at once: runs are about that long */
 
 static const double two_pi = 6.283185307179586;
 
@@ -93,7 +93,8 @@ static bool surely_inside(const borders *b, int32_t ring, int32_t sector, double
 }
 
 typedef struct arrays {
-  int32_t *cell_of_pixel, *node_of_grid, *first_run, *pixel_count, *edges;
+  int32_t *cell_of_pixel, *node_of_grid, *first_run, *pixel_count, *first_pixel, *edges, *end_in_rows, *node_in_rows;
+  int16_t *pixel_u, *pixel_v;
   vista_run *runs;
   float *center_u, *center_v, *size_px;
 } arrays;
@@ -168,6 +169,32 @@ static bool sort_runs(vista_foveation *f, const grid *g, arrays *a) {
   return true;
 }
 
+static void list_pixels(const vista_foveation *f, arrays *a) {
+  int32_t pixel = 0;
+  for (int32_t node = 0; node < f->node_count; ++node) {
+    a->first_pixel[node] = pixel;
+    for (int32_t r = a->first_run[node]; r < a->first_run[node + 1]; ++r) {
+      for (int32_t i = 0; i < a->runs[r].length_px; ++i, ++pixel) {
+        a->pixel_u[pixel] = (int16_t)(a->runs[r].u_px + i);
+        a->pixel_v[pixel] = (int16_t)a->runs[r].v_px;
+      }
+    }
+  }
+  a->first_pixel[f->node_count] = pixel;
+}
+
+static void list_rows(const vista_foveation *f, arrays *a) {
+  int32_t run = 0;
+  for (int32_t v = 0; v < f->height_px; ++v) {
+    const int32_t *const row = a->cell_of_pixel + (ptrdiff_t)v * f->width_px;
+    for (int32_t u = 0; u < f->width_px; ++u) {
+      if (u + 1 < f->width_px && row[u + 1] == row[u]) continue;
+      a->end_in_rows[run] = v * f->width_px + u + 1;
+      a->node_in_rows[run++] = row[u];
+    }
+  }
+}
+
 static int32_t list_edges(const grid *g, const int32_t *node_of_grid, int32_t *edges) {
   int32_t count = 0;
   const int32_t sectors = g->sector_count;
@@ -212,6 +239,11 @@ vista_status vista_foveation_layout(vista_foveation *foveation, vista_arena *are
       .node_of_grid = vista_arena_take(arena, (size_t)max_nodes, sizeof(int32_t)),
       .first_run = vista_arena_take(arena, (size_t)max_nodes + 1, sizeof(int32_t)),
       .pixel_count = vista_arena_take(arena, (size_t)max_nodes, sizeof(int32_t)),
+      .first_pixel = vista_arena_take(arena, (size_t)max_nodes + 1, sizeof(int32_t)),
+      .pixel_u = vista_arena_take(arena, pixels + VISTA_WORD_BLOCK, sizeof(int16_t)),
+      .pixel_v = vista_arena_take(arena, pixels + VISTA_WORD_BLOCK, sizeof(int16_t)),
+      .end_in_rows = vista_arena_take(arena, (size_t)max_runs(&g), sizeof(int32_t)),
+      .node_in_rows = vista_arena_take(arena, (size_t)max_runs(&g), sizeof(int32_t)),
       .edges = vista_arena_take(arena, 2 * (size_t)max_edges, sizeof(int32_t)),
       .runs = vista_arena_take(arena, (size_t)max_runs(&g), sizeof(vista_run)),
       .center_u = vista_arena_take(arena, (size_t)max_nodes, sizeof(float)),
@@ -235,12 +267,19 @@ vista_status vista_foveation_layout(vista_foveation *foveation, vista_arena *are
 
   number_nodes(foveation, &g, &a);
   if (!sort_runs(foveation, &g, &a)) return VISTA_ERROR_MEMORY;
+  list_pixels(foveation, &a);
+  list_rows(foveation, &a);
   const int32_t edge_count = list_edges(&g, a.node_of_grid, a.edges);
   foveation->cell_of_pixel = a.cell_of_pixel;
   foveation->node_of_grid = a.node_of_grid;
   foveation->first_run = a.first_run;
   foveation->runs = a.runs;
   foveation->pixel_count = a.pixel_count;
+  foveation->end_in_rows = a.end_in_rows;
+  foveation->node_in_rows = a.node_in_rows;
+  foveation->first_pixel = a.first_pixel;
+  foveation->pixel_u = a.pixel_u;
+  foveation->pixel_v = a.pixel_v;
   foveation->center_u = a.center_u;
   foveation->center_v = a.center_v;
   foveation->size_px = a.size_px;
@@ -263,17 +302,57 @@ vista_status vista_cells_layout(vista_cells *cells, vista_arena *arena, const vi
   cells->intensity = vista_arena_take(arena, node_count, sizeof(float));
   cells->disparity_px = vista_arena_take(arena, node_count, sizeof(float));
   cells->valid_fraction = vista_arena_take(arena, node_count, sizeof(float));
-  cells->words = vista_arena_take(arena, (size_t)foveation->max_footprint_px + VISTA_WORD_LANES, sizeof(int16_t));
-  cells->greys = vista_arena_take(arena, (size_t)foveation->max_footprint_px + COPIED, sizeof(uint8_t));
+  const size_t pixels = (size_t)foveation->width_px * (size_t)foveation->height_px;
+  cells->words = vista_arena_take(arena, pixels + VISTA_WORD_BLOCK, sizeof(int16_t));
+  cells->greys = vista_arena_take(arena, pixels + VISTA_WORD_BLOCK, sizeof(uint8_t));
+  cells->of_cell = vista_arena_take(arena, (size_t)foveation->max_footprint_px + VISTA_WORD_BLOCK, sizeof(int16_t));
   return arena->base != NULL && arena->used > arena->size ? VISTA_ERROR_MEMORY : VISTA_OK;
+}
+
+/* A block of words and grey levels, or as much of it as there is to the right edge of the image. */
+static inline void copy_block(const int16_t *word, const uint8_t *grey, int32_t room_px, int16_t *words,
+                              uint8_t *greys) {
+  if (room_px >= VISTA_WORD_BLOCK) {
+    memcpy(words, word, VISTA_WORD_BLOCK * sizeof *words);
+    memcpy(greys, grey, VISTA_WORD_BLOCK * sizeof *greys);
+  } else {
+    memcpy(words, word, (size_t)room_px * sizeof *words);
+    memcpy(greys, grey, (size_t)room_px * sizeof *greys);
+  }
+}
+
+/* Words and grey levels, cell by cell. Runs are copied in whole blocks, mostly one: the next run overwrites what is too
+ * much. */
+VISTA_WIDE_VECTORS static void list_pixels_of(const vista_foveation *f, const vista_image *image,
+                                              const vista_disparity_image *disparity, vista_cells *cells) {
+  const ptrdiff_t image_stride = image->stride, disparity_stride = disparity->stride;
+  const int32_t width = f->width_px;
+  int16_t *words = cells->words;
+  uint8_t *greys = cells->greys;
+  const vista_run *const end = f->runs + f->first_run[f->node_count];
+  for (const vista_run *run = f->runs; run < end; ++run) {
+    const int32_t length = run->length_px;
+    const int16_t *const word = disparity->data + run->v_px * disparity_stride + run->u_px;
+    const uint8_t *const grey = image->data + run->v_px * image_stride + run->u_px;
+    copy_block(word, grey, width - run->u_px, words, greys);
+    for (int32_t i = VISTA_WORD_BLOCK; i < length; i += VISTA_WORD_BLOCK)
+      copy_block(word + i, grey + i, width - run->u_px - i, words + i, greys + i);
+    words += length;
+    greys += length;
+  }
+}
+
+static float limited(float x, float most) {
+  const float not_less = x > 0.0f ? x : 0.0f;
+  return not_less < most ? not_less : most;
 }
 
 /* Cells under a pixel: intensity by bilinear interpolation, disparity from the 2x2 pixels around the centre. At the
  * image's edge a cell that holds a pixel may have its centre beyond it: there the edge is sampled. */
-static int32_t sample_point(const vista_foveation *f, const vista_image *image, const vista_disparity_image *disparity,
-                            int32_t node, vista_cells *cells) {
-  const float center_u = fminf(fmaxf(f->center_u[node], 0.0f), (float)(f->width_px - 1));
-  const float center_v = fminf(fmaxf(f->center_v[node], 0.0f), (float)(f->height_px - 1));
+static void sample_point(const vista_foveation *f, const vista_image *image, const vista_disparity_image *disparity,
+                         int32_t node, vista_cells *cells, int16_t words[4]) {
+  const float center_u = limited(f->center_u[node], (float)(f->width_px - 1));
+  const float center_v = limited(f->center_v[node], (float)(f->height_px - 1));
   int32_t u = (int32_t)center_u, v = (int32_t)center_v;
   if (u > f->width_px - 2) u = f->width_px - 2;
   if (v > f->height_px - 2) v = f->height_px - 2;
@@ -282,43 +361,23 @@ static int32_t sample_point(const vista_foveation *f, const vista_image *image, 
   const uint8_t *const q = p + image->stride;
   cells->intensity[node] = (1 - t) * ((1 - s) * p[0] + s * p[1]) + t * ((1 - s) * q[0] + s * q[1]);
   const int16_t *const d = disparity->data + v * disparity->stride + u;
-  cells->words[0] = d[0];
-  cells->words[1] = d[1];
-  cells->words[2] = d[disparity->stride];
-  cells->words[3] = d[disparity->stride + 1];
-  return 4;
+  words[0] = d[0];
+  words[1] = d[1];
+  words[2] = d[disparity->stride];
+  words[3] = d[disparity->stride + 1];
 }
 
-/* One run to the scratch arrays, in whole vectors: what is copied of the next cell is overwritten or ignored. At the
- * right edge of the image nothing may be read beyond. */
-static void copy_run(const uint8_t *grey, const int16_t *words, int32_t length_px, int32_t readable_px,
-                     uint8_t *grey_out, int16_t *words_out) {
-  if ((length_px + COPIED - 1) / COPIED * COPIED <= readable_px) {
-    for (int32_t i = 0; i < length_px; i += COPIED) {
-      memcpy(grey_out + i, grey + i, COPIED * sizeof *grey);
-      memcpy(words_out + i, words + i, COPIED * sizeof *words);
-    }
-  } else {
-    memcpy(grey_out, grey, (size_t)length_px * sizeof *grey);
-    memcpy(words_out, words, (size_t)length_px * sizeof *words);
-  }
-}
-
-static int32_t average_cell(const vista_foveation *f, const vista_image *image, const vista_disparity_image *disparity,
-                            int32_t node, vista_cells *cells) {
-  int32_t count = 0;
-  for (int32_t r = f->first_run[node]; r < f->first_run[node + 1]; ++r) {
-    const vista_run run = f->runs[r];
-    copy_run(image->data + run.v_px * image->stride + run.u_px,
-             disparity->data + run.v_px * disparity->stride + run.u_px, run.length_px, f->width_px - run.u_px,
-             cells->greys + count, cells->words + count);
-    count += run.length_px;
-  }
-  memset(cells->greys + count, 0, COPIED);
+VISTA_WIDE_VECTORS static float mean_of(const uint8_t *greys, int32_t count) {
   uint32_t sum = 0;
-  for (int32_t i = 0; i < (count + COPIED - 1) / COPIED * COPIED; ++i) sum += cells->greys[i];
-  cells->intensity[node] = (float)sum / (float)count;
-  return count;
+  for (int32_t i = 0; i < count; ++i) sum += greys[i];
+  return (float)sum / (float)count;
+}
+
+static void set_disparity(const vista_foveation_params *params, const vista_words_median *median, int32_t count,
+                          int32_t node, vista_cells *cells) {
+  cells->valid_fraction[node] = (float)median->valid / (float)count;
+  const bool enough = median->valid > 0 && cells->valid_fraction[node] >= (float)params->min_valid_fraction;
+  cells->disparity_px[node] = enough ? (float)median->word / VISTA_DISPARITY_SCALE : -1.0f;
 }
 
 vista_status vista_foveate(const vista_foveation *foveation, const vista_foveation_params *params,
@@ -329,16 +388,20 @@ vista_status vista_foveate(const vista_foveation *foveation, const vista_foveati
   if (status == VISTA_OK) status = vista_frame_check_image(image, foveation->width_px, foveation->height_px);
   if (status == VISTA_OK) status = vista_frame_check_disparity(disparity, foveation->width_px, foveation->height_px);
   if (status != VISTA_OK) return status;
+  list_pixels_of(foveation, image, disparity, cells);
   for (int32_t node = 0; node < foveation->node_count; ++node) {
     const bool point = node >= 1 && node <= foveation->point_count;
-    const int32_t count = point ? sample_point(foveation, image, disparity, node, cells)
-                                : average_cell(foveation, image, disparity, node, cells);
-    vista_words_pad(cells->words, count);
-    const int32_t valid = vista_count_valid(cells->words, count);
-    cells->valid_fraction[node] = (float)valid / (float)count;
-    const bool enough = valid > 0 && cells->valid_fraction[node] >= (float)params->min_valid_fraction;
-    cells->disparity_px[node] =
-        enough ? (float)vista_median_word(cells->words, count, valid) / VISTA_DISPARITY_SCALE : -1.0f;
+    if (point) {
+      int16_t words[4];
+      sample_point(foveation, image, disparity, node, cells, words);
+      const vista_words_median median = vista_median_of_four(words);
+      set_disparity(params, &median, 4, node, cells);
+    } else {
+      const int32_t first = foveation->first_pixel[node], count = foveation->pixel_count[node];
+      cells->intensity[node] = mean_of(cells->greys + first, count);
+      const vista_words_median median = vista_median_word(cells->words + first, count, cells->of_cell);
+      set_disparity(params, &median, count, node, cells);
+    }
   }
   return VISTA_OK;
 }

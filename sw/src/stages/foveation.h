@@ -36,20 +36,24 @@ typedef struct vista_foveation {
   const int32_t *node_of_grid;     /* ring_count * sector_count: node or -1 */
   const int32_t *first_run;        /* node_count + 1: runs of node i are runs[first_run[i] .. first_run[i+1]) */
   const vista_run *runs;
-  const int32_t *pixel_count;      /* node_count: pixels owned; may be 0 for point cells */
+  const int32_t *end_in_rows, *node_in_rows; /* the same runs row by row: where each ends in cell_of_pixel, its node */
+  const int32_t *pixel_count; /* node_count: pixels owned; may be 0 for point cells */
+  const int32_t *first_pixel; /* node_count + 1: where the pixels of node i begin when they are listed run by run */
+  const int16_t *pixel_u, *pixel_v; /* of the pixels listed so, and VISTA_WORD_BLOCK more */
   const float *center_u, *center_v; /* node_count: centre of the cell, px */
-  const float *size_px;            /* node_count: width of the cell */
-  const float *arc_distance_px;    /* graph.arc_count: between the centres of the two cells */
+  const float *size_px; /* node_count: width of the cell */
+  const float *arc_distance_px; /* graph.arc_count: between the centres of the two cells */
   vista_graph graph;
 } vista_foveation;
 
 /* One value a node. */
 typedef struct vista_cells {
-  float *intensity;      /* grey level 0 .. 255, mean over the cell (bilinear sample for point cells) */
-  float *disparity_px;   /* median of the valid pixels; negative: too few of them */
+  float *intensity; /* grey level 0 .. 255, mean over the cell (bilinear sample for point cells) */
+  float *disparity_px; /* median of the valid pixels; negative: too few of them */
   float *valid_fraction; /* of the cell's pixels that have a disparity, 0 .. 1 */
-  int16_t *words;        /* scratch: the engine words under one cell */
-  uint8_t *greys;        /* scratch: its grey levels */
+  int16_t *words; /* the engine words as foveation->first_pixel lists pixels, and VISTA_WORD_BLOCK more */
+  uint8_t *greys; /* the grey levels, listed the same way */
+  int16_t *of_cell; /* scratch: the words of one cell */
 } vista_cells;
 
 /* Whether images of this size are handled: 16 to 8192 pixels a side. */

@@ -9,6 +9,7 @@
 #include "common/frame.h"
 #include "common/numbers.h"
 #include "common/parameters_check.h"
+#include "stages/parts/terrain_obstacle.h"
 
 #define LONG_RATIO 2.0 /* a side longer than this many times the other one is that of a long thing */
 #define STEADY_HITS 10.0 /* of which the scatter is the mean */
@@ -17,6 +18,16 @@
 #define ACROSS_SIGMAS 3.0
 #define THICK_MAX_M 1.0 /* larger things are walls and the like: what their sides are, tells nothing of their depth */
 #define DEPTH_MIN_M 0.05 /* nearer along z: behind the camera */
+
+static const char *const kind_names[VISTA_OBSTACLE_KIND_COUNT] = {
+    [VISTA_OBSTACLE_THING] = "thing",
+    [VISTA_OBSTACLE_TOO_NEAR] = "too_near",
+    [VISTA_OBSTACLE_GROUND] = "ground",
+};
+
+const char *vista_obstacle_kind_name(vista_obstacle_kind kind) {
+  return (unsigned)kind < VISTA_OBSTACLE_KIND_COUNT ? kind_names[kind] : "unknown";
+}
 
 struct vista_obstacle_map {
   int32_t max_tracks;
@@ -30,7 +41,8 @@ vista_status vista_obstacle_map_layout(int32_t max_tracks, vista_arena *arena, v
   *map = NULL;
   if (max_tracks < 1 || max_tracks > VISTA_TRACKER_MAX) return VISTA_ERROR_RANGE;
   vista_obstacle_map *made = vista_arena_take(arena, 1, sizeof *made);
-  vista_obstacle *obstacles = vista_arena_take(arena, (size_t)max_tracks + 1, sizeof *obstacles);
+  vista_obstacle *obstacles =
+      vista_arena_take(arena, (size_t)max_tracks + VISTA_OBSTACLE_KIND_COUNT - 1, sizeof *obstacles);
   if (arena->base == NULL) return VISTA_OK;
   if (arena->used > arena->size) return VISTA_ERROR_MEMORY;
   made->max_tracks = max_tracks;
@@ -214,7 +226,9 @@ static vista_obstacle too_near(const vista_obstacle_map_params *params, const vi
                                const vista_flight_path *path, double range_m) {
   const double disparity_px = camera->focal_px * camera->baseline_m / range_m;
   const double radius_px = params->collision_radius_m * camera->focal_px / range_m;
-  vista_obstacle obstacle = {.confirmed = true,
+  vista_obstacle obstacle = {.id = VISTA_ID_TOO_NEAR,
+                             .kind = VISTA_OBSTACLE_TOO_NEAR,
+                             .confirmed = true,
                              .in_blind_zone = true,
                              .age_frames = 1,
                              .distance_m = range_m,
@@ -265,17 +279,25 @@ static vista_status check(const vista_obstacle_map *map, const vista_obstacle_ma
 vista_status vista_obstacle_map_update(vista_obstacle_map *map, const vista_obstacle_map_params *params,
                                        const vista_camera *camera, const vista_motion *motion,
                                        const vista_flight_path *path, const vista_blind_zone *blind_zone,
-                                       const vista_track *tracks, int32_t track_count) {
+                                       const vista_terrain *terrain, const vista_track *tracks, int32_t track_count) {
   if (map == NULL || params == NULL || camera == NULL || motion == NULL || path == NULL ||
       (tracks == NULL && track_count != 0))
     return VISTA_ERROR_ARGUMENT;
   const vista_status status = check(map, params, camera, motion, tracks, track_count);
   if (status != VISTA_OK) return status;
   vista_obstacle_map_reset(map);
-  bool shown = false; /* by the nearest collision: it is seen, beyond what would hide it */
+  vista_obstacle ground;
+  const bool ahead =
+      terrain != NULL && terrain->ahead && vista_terrain_obstacle(camera, &motion->pose, path, terrain, &ground);
+  const bool warned = ahead && ground.confirmed && ground.in_collision_volume;
+  if (ahead) insert(map, &ground);
+  if (warned) map->nearest = collision_with(params, &ground, NULL, path, motion);
+  bool shown = warned && !ground.coasting; /* by the nearest collision: it is seen, beyond what would hide it */
   for (int32_t i = 0; i < track_count; ++i) {
     vista_obstacle obstacle;
     if (!obstacle_of(params, camera, &motion->pose, path, &tracks[i], &obstacle)) continue;
+    if (warned && vista_terrain_bears(terrain, &obstacle))
+      obstacle.in_collision_volume = false; /* what is met of it is said */
     insert(map, &obstacle);
     if (!obstacle.confirmed || !obstacle.in_collision_volume) continue;
     shown |= !obstacle.coasting;

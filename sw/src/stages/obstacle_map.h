@@ -12,6 +12,8 @@
  * never hides a track: while one in the volume is seen in this frame, the view is not blocked, and the nearest collision
  * is with the track. When all of them coast beyond the zone, what is too near to match may be what hides them. Either
  * way both are obstacles in the volume.
+ * Ground (terrain.h): an obstacle without a track, id -1, where the volume meets it; what lies on it is no collision of
+ * its own.
  * Membership: an obstacle that is seen, by the pixels of its region (collision_volume.h) in two of its last three
  * hits, or in its only one. Without a detection it stays a member as far as its disc does.
  * Entering: what is seen to move across the path is a member, too, when its disc will be within approach_s.
@@ -28,6 +30,7 @@
 #include "common/ellipse.h"
 #include "common/flight_path.h"
 #include "stages/blind_zone.h"
+#include "stages/terrain.h"
 #include "stages/tracker.h"
 #include "vista/obstacle.h"
 #include "vista/parameters.h"
@@ -42,12 +45,12 @@ vista_status vista_obstacle_map_layout(int32_t max_tracks, vista_arena *arena, v
 /* Forget all obstacles. */
 void vista_obstacle_map_reset(vista_obstacle_map *map);
 
-/* One frame, after the tracker's update with the same camera and motion. blind_zone: NULL = unknown. On any error nothing
+/* One frame, after the tracker's update with the same camera and motion. blind_zone, terrain: NULL = unknown. On any error nothing
  * is changed; errors as vista_tracker_update. */
 vista_status vista_obstacle_map_update(vista_obstacle_map *map, const vista_obstacle_map_params *params,
                                        const vista_camera *camera, const vista_motion *motion,
                                        const vista_flight_path *path, const vista_blind_zone *blind_zone,
-                                       const vista_track *tracks, int32_t track_count);
+                                       const vista_terrain *terrain, const vista_track *tracks, int32_t track_count);
 
 /* In front of the camera only, nearest first (then by id); valid until the next update. */
 const vista_obstacle *vista_obstacle_map_obstacles(const vista_obstacle_map *map, int32_t *count);

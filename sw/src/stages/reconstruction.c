@@ -20,7 +20,7 @@ static double disparity_sigma(const vista_reconstruction_params *params, const v
 }
 
 /* P = J diag(sigma^2) J^T, J = d(X, Y, Z) / d(u, v, d) */
-static void triangulate(const vista_camera *camera, vista_detection *detection) {
+void vista_triangulate(const vista_camera *camera, vista_detection *detection) {
   const double d = detection->disparity_px;
   const double per_px = camera->baseline_m / d;
   const double x = (detection->u_px - camera->center_u_px) * per_px;
@@ -58,7 +58,7 @@ static vista_status reconstruct(const vista_region *region, const vista_camera *
   vista_ellipse_half_box(&result.ellipse, &half_width_px, &half_height_px);
   result.sigma_u_px = center_sigma(params, half_width_px, result.cut_u);
   result.sigma_v_px = center_sigma(params, half_height_px, result.cut_v);
-  triangulate(camera, &result);
+  vista_triangulate(camera, &result);
   result.extent_m[0] = 2.0 * half_width_px * camera->baseline_m / region->disparity_px;
   result.extent_m[1] = 2.0 * half_height_px * camera->baseline_m / region->disparity_px;
   *detection = result;

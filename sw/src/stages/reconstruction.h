@@ -31,6 +31,9 @@ typedef struct vista_detection {
   vista_ellipse ellipse;
 } vista_detection;
 
+/* Fills position and covariance from u, v, disparity (positive) and their standard deviations. */
+void vista_triangulate(const vista_camera *camera, vista_detection *detection);
+
 /* One region, whatever its verdict.
  * VISTA_ERROR_NUMBER: not finite; VISTA_ERROR_RANGE: parameter or camera out of range, or a disparity below
  * disparity_min_px. */

@@ -5,13 +5,12 @@
 #include <stddef.h>
 #include <string.h>
 
-#include "common/frame.h"
 #include "common/parameters_check.h"
 #include "common/wide_vectors.h"
 
 #define MAX_CANDIDATES 8 /* a cell and its neighbours; the hub has more of these, and stays as it is */
 #define BATCH 256        /* pixels treated at once */
-#define LANES 8          /* counts are rounded up to a multiple, so that loops need no remainder */
+#define LANES 16         /* counts are rounded up to a multiple, so that loops need no remainder */
 #define COST_ONE 65536.0f /* of the costs as whole numbers; parameters and neighbours keep a cost below 4096 */
 
 vista_status vista_refinement_layout(vista_refinement *refinement, vista_arena *arena,
@@ -19,9 +18,12 @@ vista_status vista_refinement_layout(vista_refinement *refinement, vista_arena *
   if (refinement == NULL || arena == NULL || foveation == NULL) return VISTA_ERROR_ARGUMENT;
   const size_t pixels = (size_t)foveation->width_px * (size_t)foveation->height_px;
   refinement->label = vista_arena_take(arena, pixels, sizeof(int32_t));
+  refinement->of_cell = vista_arena_take(arena, (size_t)foveation->max_footprint_px + LANES, sizeof(int32_t));
   refinement->border = vista_arena_take(arena, (size_t)foveation->max_nodes, sizeof(uint8_t));
   return arena->base != NULL && arena->used > arena->size ? VISTA_ERROR_MEMORY : VISTA_OK;
 }
+
+static int32_t whole_vectors(int32_t count) { return (count + LANES - 1) & -LANES; }
 
 static void mark_borders(const vista_graph *graph, const int32_t *label, uint8_t *border) {
   for (int32_t i = 0; i < graph->node_count; ++i) {
@@ -61,92 +63,93 @@ static int32_t list_candidates(const vista_foveation *f, const vista_refinement_
   return count;
 }
 
-/* Some pixels of one cell, side by side: its runs are too short for vectors. A run is appended in whole vectors; what
- * they hold beyond its end is overwritten or ignored. */
+/* Some pixels of one cell, side by side. */
 typedef struct batch {
-  float u[BATCH + LANES], v[BATCH + LANES], square[BATCH + LANES], grey[BATCH + LANES];
-  int32_t place[BATCH + LANES];
+  float u[BATCH], v[BATCH], grey[BATCH];
   int32_t best[BATCH]; /* cost and, in the lowest bits, candidate: of equal costs the first one's is smaller */
-  int32_t count;
-  uint8_t edge[BATCH]; /* a run at the right edge of the image, beyond which nothing may be read */
 } batch;
 
-static int32_t whole_vectors(int32_t count) { return (count + LANES - 1) & -LANES; }
-
 /* Without a comparison of floats, which compilers do not turn into vectors: 2 min(a, b) = a + b - |a - b|. */
-VISTA_WIDE_VECTORS static void solve(const vista_refinement_params *params, const candidate *candidates, int32_t count,
-                                     batch *b, int32_t *out) {
+static inline void try_candidate(const vista_refinement_params *params, const candidate *one, int32_t number,
+                                 int32_t count, batch *b) {
   const float per_level = (float)(1.0 / params->sigma_intensity), limit = (float)params->contrast_limit;
-  const int32_t padded = whole_vectors(b->count);
-  for (int32_t k = b->count; k < padded; ++k) b->u[k] = b->v[k] = b->square[k] = b->grey[k] = 0.0f;
-  for (int32_t k = 0; k < padded; ++k) b->best[k] = INT32_MAX;
-  for (int32_t c = 0; c < count; ++c) {
-    const candidate one = candidates[c];
-    for (int32_t k = 0; k < padded; ++k) {
-      const float levels = fabsf(b->grey[k] - one.intensity) * per_level;
-      const float contrast = 0.5f * (levels + limit - fabsf(levels - limit));
-      const float distance = one.at_center + one.per_u * b->u[k] + one.per_v * b->v[k] + one.per_px2 * b->square[k];
-      const int32_t key = (int32_t)((contrast + distance) * COST_ONE) * MAX_CANDIDATES + c;
-      b->best[k] = key < b->best[k] ? key : b->best[k];
+  const float intensity = one->intensity, at_center = one->at_center;
+  const float per_u = one->per_u, per_v = one->per_v, per_px2 = one->per_px2;
+  for (int32_t k = 0; k < count; ++k) {
+    const float u = b->u[k], v = b->v[k];
+    const float levels = fabsf(b->grey[k] - intensity) * per_level;
+    const float contrast = 0.5f * (levels + limit - fabsf(levels - limit));
+    const float distance = at_center + per_u * u + per_v * v + per_px2 * (u * u + v * v);
+    const int32_t key = (int32_t)((contrast + distance) * COST_ONE) * MAX_CANDIDATES + number;
+    b->best[k] = key < b->best[k] ? key : b->best[k];
+  }
+}
+
+/* The pixels of a cell, as the foveation lists them: at (us, vs), with these grey levels. All arrays have room for whole
+ * vectors: what they hold beyond the last pixel is of no matter. */
+VISTA_WIDE_VECTORS static void solve(const vista_refinement_params *params, const candidate *candidates,
+                                     int32_t candidate_count, const int16_t *us, const int16_t *vs, float center_u,
+                                     float center_v, const uint8_t *greys, int32_t pixel_count, int32_t *label) {
+  batch b;
+  int32_t label_of[MAX_CANDIDATES];
+  for (int32_t c = 0; c < candidate_count; ++c) label_of[c] = candidates[c].label;
+  for (int32_t first = 0; first < pixel_count; first += BATCH) {
+    const int32_t left = pixel_count - first < BATCH ? pixel_count - first : BATCH, count = whole_vectors(left);
+    for (int32_t k = 0; k < count; ++k) {
+      b.u[k] = (float)us[first + k] - center_u;
+      b.v[k] = (float)vs[first + k] - center_v;
+      b.grey[k] = (float)greys[first + k];
+      b.best[k] = INT32_MAX;
     }
+    for (int32_t k = left; k < count; ++k) b.u[k] = b.v[k] = b.grey[k] = 0.0f; /* pixels of another cell */
+    for (int32_t c = 0; c < candidate_count; ++c) try_candidate(params, &candidates[c], c, count, &b);
+    for (int32_t k = 0; k < count; ++k) label[first + k] = label_of[b.best[k] & (MAX_CANDIDATES - 1)];
   }
-  for (int32_t k = 0; k < b->count; ++k) out[b->place[k]] = candidates[b->best[k] & (MAX_CANDIDATES - 1)].label;
-  b->count = 0;
 }
 
-/* grey may be read in whole vectors. */
-VISTA_WIDE_VECTORS static void append(batch *b, int32_t u, float center_u, float v, const uint8_t *grey, int32_t place,
-                                      int32_t length) {
-  for (int32_t i = 0; i < length; i += LANES) {
-    const int32_t k = b->count + i;
-    uint8_t levels[LANES];
-    float lane_u[LANES];
-    memcpy(levels, grey + i, sizeof levels);
-    for (int32_t lane = 0; lane < LANES; ++lane) lane_u[lane] = (float)(u + i + lane) - center_u;
-    memcpy(b->u + k, lane_u, sizeof lane_u);
-    for (int32_t lane = 0; lane < LANES; ++lane) b->v[k + lane] = v;
-    for (int32_t lane = 0; lane < LANES; ++lane) b->square[k + lane] = lane_u[lane] * lane_u[lane] + v * v;
-    for (int32_t lane = 0; lane < LANES; ++lane) b->grey[k + lane] = (float)levels[lane];
-    for (int32_t lane = 0; lane < LANES; ++lane) b->place[k + lane] = place + i + lane;
-  }
-  b->count += length;
-}
-
-static void refine_cell(const vista_foveation *f, const vista_refinement_params *params, const vista_image *image,
-                        const candidate *candidates, int32_t count, int32_t node, batch *b, int32_t *out) {
+static void refine_cell(const vista_foveation *f, const vista_refinement_params *params, const vista_cells *cells,
+                        const candidate *candidates, int32_t count, int32_t node, vista_refinement *refinement) {
+  const int32_t first = f->first_pixel[node];
+  solve(params, candidates, count, f->pixel_u + first, f->pixel_v + first, f->center_u[node], f->center_v[node],
+        cells->greys + first, f->pixel_count[node], refinement->of_cell);
+  const int32_t *label = refinement->of_cell;
   for (int32_t r = f->first_run[node]; r < f->first_run[node + 1]; ++r) {
     const vista_run run = f->runs[r];
-    const float v = (float)run.v_px - f->center_v[node];
-    for (int32_t u = run.u_px, end = run.u_px + run.length_px; u < end;) {
-      const int32_t room = BATCH - b->count, length = end - u < room ? end - u : room;
-      const uint8_t *grey = image->data + run.v_px * image->stride + u;
-      if (u + whole_vectors(length) > f->width_px) grey = memcpy(b->edge, grey, (size_t)length);
-      append(b, u, f->center_u[node], v, grey, run.v_px * f->width_px + u, length);
-      u += length;
-      if (b->count == BATCH) solve(params, candidates, count, b, out);
-    }
+    int32_t *const out = refinement->label + (ptrdiff_t)run.v_px * f->width_px + run.u_px;
+    for (int32_t i = 0; i < run.length_px; ++i) out[i] = label[i];
+    label += run.length_px;
   }
-  solve(params, candidates, count, b, out);
+}
+
+#define DRAWN 8 /* pixels at once */
+
+/* Every pixel as its cell. Runs are drawn in whole vectors: the next one overwrites what is too much. */
+VISTA_WIDE_VECTORS static void draw_cells(const vista_foveation *f, const int32_t *restrict label,
+                                          int32_t *restrict out) {
+  const int32_t run_count = f->first_run[f->node_count], pixels = f->width_px * f->height_px;
+  for (int32_t r = 0, p = 0; r < run_count; ++r) {
+    const int32_t end = f->end_in_rows[r], drawn = label[f->node_in_rows[r]];
+    for (; p < end && p + DRAWN <= pixels; p += DRAWN)
+      for (int32_t k = 0; k < DRAWN; ++k) out[p + k] = drawn;
+    for (; p < end; ++p) out[p] = drawn;
+    p = end;
+  }
 }
 
 vista_status vista_refine(const vista_foveation *foveation, const vista_refinement_params *params,
-                          const vista_image *image, const vista_cells *cells, const int32_t *label,
-                          vista_refinement *refinement) {
-  if (foveation == NULL || params == NULL || image == NULL || cells == NULL || label == NULL || refinement == NULL)
+                          const vista_cells *cells, const int32_t *label, vista_refinement *refinement) {
+  if (foveation == NULL || params == NULL || cells == NULL || label == NULL || refinement == NULL)
     return VISTA_ERROR_ARGUMENT;
   const vista_foveation *const f = foveation;
-  vista_status status = VISTA_CHECK_SECTION(refinement, params);
-  if (status == VISTA_OK) status = vista_frame_check_image(image, f->width_px, f->height_px);
+  const vista_status status = VISTA_CHECK_SECTION(refinement, params);
   if (status != VISTA_OK) return status;
   mark_borders(&f->graph, label, refinement->border);
-  for (ptrdiff_t p = 0; p < (ptrdiff_t)f->width_px * f->height_px; ++p)
-    refinement->label[p] = label[f->cell_of_pixel[p]];
-  batch b = {0};
+  draw_cells(f, label, refinement->label);
   for (int32_t node = f->point_count + 1; node < f->node_count; ++node) {
     if (!refinement->border[node]) continue;
     candidate candidates[MAX_CANDIDATES];
     const int32_t count = list_candidates(f, params, cells, label, refinement->border, node, candidates);
-    refine_cell(f, params, image, candidates, count, node, &b, refinement->label);
+    refine_cell(f, params, cells, candidates, count, node, refinement);
   }
   return VISTA_OK;
 }

@@ -16,16 +16,16 @@
 #include "vista/types.h"
 
 typedef struct vista_refinement {
-  int32_t *label;  /* height * width: region of each pixel, VISTA_NO_LABEL where its cell has none */
-  uint8_t *border; /* node_count, scratch: next to a cell of another region */
+  int32_t *label;   /* height * width: region of each pixel, VISTA_NO_LABEL where its cell has none */
+  uint8_t *border;  /* node_count: next to a cell of another region; elsewhere pixels have their cell's region */
+  int32_t *of_cell; /* scratch: the regions of the pixels of one cell */
 } vista_refinement;
 
 vista_status vista_refinement_layout(vista_refinement *refinement, vista_arena *arena,
                                      const vista_foveation *foveation);
 
-/* label: node_count, region of each cell. VISTA_ERROR_SIZE if the image differs from the geometry. */
+/* label: node_count, region of each cell. */
 vista_status vista_refine(const vista_foveation *foveation, const vista_refinement_params *params,
-                          const vista_image *image, const vista_cells *cells, const int32_t *label,
-                          vista_refinement *refinement);
+                          const vista_cells *cells, const int32_t *label, vista_refinement *refinement);
 
 #endif

@@ -7,11 +7,11 @@
 #include "common/depth.h"
 #include "common/frame.h"
 #include "common/parameters_check.h"
-#include "common/wide_vectors.h"
 #include "common/word_blocks.h"
 #include "stages/parts/region_boundary.h"
 #include "stages/parts/region_evidence.h"
 #include "stages/parts/region_outline.h"
+#include "stages/parts/region_pixels.h"
 
 static const char *const verdict_names[VISTA_REGION_VERDICT_COUNT] = {
     [VISTA_REGION_ACCEPTED] = "ACCEPTED",
@@ -36,6 +36,8 @@ vista_status vista_regions_layout(vista_regions *regions, vista_arena *arena, co
   regions->queue = vista_arena_take(arena, nodes, sizeof(int32_t));
   regions->boundary = vista_arena_take(arena, nodes, sizeof(uint8_t));
   regions->depth_px = vista_arena_take(arena, nodes, sizeof(float));
+  regions->pixels = vista_arena_take(
+      arena, (size_t)foveation->width_px * (size_t)foveation->height_px + VISTA_WORD_BLOCK, sizeof(int16_t));
   regions->bins = vista_arena_take(arena, VISTA_WORD_BINS, sizeof(uint32_t));
   return arena->base != NULL && arena->used > arena->size ? VISTA_ERROR_MEMORY : VISTA_OK;
 }
@@ -81,103 +83,10 @@ static void group_members(const vista_foveation *foveation, const int32_t *label
 }
 
 /* Matching widens every thing by boundary_px at each side: a mast below a panel weighs several times what it has. Of
- * long regions only those pixels count whose like is found that far to both sides, unless few are left. */
+ * long regions only their inner pixels count, unless few are left. */
 #define LONG_BLOCKS 20.0
 #define MIN_INNER_SHARE 0.2
 #define OWN_SHARE 0.5 /* of the fewest inliers of a boundary, that the own pixels are at least */
-
-typedef struct moments {
-  double n, u, v, uu, uv, vv;
-} moments;
-
-static void add_pixels(moments *sum, vista_region *region, int32_t u, int32_t v, int32_t length) {
-  /* closed sums over u .. u + length - 1 */
-  const double n = length, middle = u + 0.5 * (n - 1.0);
-  sum->n += n;
-  sum->u += n * middle;
-  sum->v += n * v;
-  sum->uu += n * middle * middle + n * (n * n - 1.0) / 12.0;
-  sum->uv += n * middle * v;
-  sum->vv += n * v * v;
-  if (u < region->min_u_px) region->min_u_px = u;
-  if (u + length - 1 > region->max_u_px) region->max_u_px = u + length - 1;
-  if (v < region->min_v_px) region->min_v_px = v;
-  if (v > region->max_v_px) region->max_v_px = v;
-}
-
-static const uint32_t bit_of[VISTA_WORD_BLOCK] = {1 << 0, 1 << 1, 1 << 2,  1 << 3,  1 << 4,  1 << 5,  1 << 6,  1 << 7,
-                                                  1 << 8, 1 << 9, 1 << 10, 1 << 11, 1 << 12, 1 << 13, 1 << 14, 1 << 15};
-
-/* Which words of a block are on a surface that is at start_px + slope * first at its first pixel. */
-static inline uint32_t on_surface(const int16_t *words, double start_px, double slope, int32_t first,
-                                  double tolerance_px) {
-  uint32_t bits = 0;
-  VISTA_BLOCK_LOOP
-  for (int32_t i = 0; i < VISTA_WORD_BLOCK; ++i) {
-    const double residual_px = words[i] * (1.0 / VISTA_DISPARITY_SCALE) - (start_px + slope * (first + i));
-    const uint32_t on = (words[i] >= 0) & (fabs(residual_px) <= tolerance_px);
-    bits |= -on & bit_of[i];
-  }
-  return bits;
-}
-
-/* Which of a block's pixels, `room` of them in the row, the image gives to a region. */
-static inline uint32_t drawn_as(const int32_t *region_of_pixel, int32_t room, int32_t label) {
-  uint32_t bits = 0;
-  if (room < VISTA_WORD_BLOCK) {
-    for (int32_t i = 0; i < room; ++i) bits |= -(uint32_t)(region_of_pixel[i] == label) & bit_of[i];
-    return bits;
-  }
-  VISTA_BLOCK_LOOP
-  for (int32_t i = 0; i < VISTA_WORD_BLOCK; ++i) bits |= -(uint32_t)(region_of_pixel[i] == label) & bit_of[i];
-  return bits;
-}
-
-static inline void add_stretches(moments *sum, vista_region *region, int32_t u, int32_t v, uint32_t own) {
-  while (own != 0) {
-    const int32_t first = __builtin_ctz(own), length = __builtin_ctz(~(own >> first));
-    add_pixels(sum, region, u + first, v, length);
-    own &= own + (UINT32_C(1) << first); /* carries over the lowest stretch */
-  }
-}
-
-/* Moments of the pixels that the image gives to the region and that are on its surface; of cells without a disparity
- * all that the image gives. */
-VISTA_WIDE_VECTORS static void own_pixels(const vista_region_view *w, const vista_plane *plane, bool inner,
-                                          vista_region *region) {
-  const int32_t reach = (int32_t)w->params->boundary_px, width = w->foveation->width_px;
-  int16_t copy[VISTA_WORD_BLOCK];
-  moments sum = {0};
-  region->min_u_px = region->min_v_px = INT32_MAX;
-  region->max_u_px = region->max_v_px = INT32_MIN;
-  for (int32_t m = 0; m < w->member_count; ++m) {
-    const int32_t node = w->members[m];
-    const bool whole = w->cells->disparity_px[node] < 0.0f;
-    for (int32_t r = w->foveation->first_run[node]; r < w->foveation->first_run[node + 1]; ++r) {
-      const vista_run run = w->foveation->runs[r];
-      const int32_t *const drawn = w->region_of_pixel + (ptrdiff_t)run.v_px * width;
-      const int16_t *const row = w->disparity->data + run.v_px * w->disparity->stride;
-      const double start = plane->offset + plane->slope_v * run.v_px + plane->slope_u * run.u_px;
-      for (int32_t i = 0; i < run.length_px; i += VISTA_WORD_BLOCK) {
-        const int32_t u = run.u_px + i, left = run.length_px - i;
-        uint32_t own = drawn_as(drawn + u, width - u, region->label);
-        if (left < VISTA_WORD_BLOCK) own &= (UINT32_C(1) << left) - 1;
-        for (int32_t side = inner ? -1 : 0; side <= (inner ? 1 : 0) && !whole && own != 0; ++side) {
-          const int16_t *const words = vista_word_block(row, u + side * reach, width, copy);
-          own &= on_surface(words, start, plane->slope_u, i + side * reach, w->tolerance_px);
-        }
-        add_stretches(&sum, region, u, run.v_px, own);
-      }
-    }
-  }
-  region->pixel_count = (int32_t)sum.n;
-  if (region->pixel_count == 0) return;
-  region->mean_u_px = sum.u / sum.n;
-  region->mean_v_px = sum.v / sum.n;
-  region->cov_uu_px2 = fmax(sum.uu / sum.n - region->mean_u_px * region->mean_u_px, 0.0);
-  region->cov_uv_px2 = sum.uv / sum.n - region->mean_u_px * region->mean_v_px;
-  region->cov_vv_px2 = fmax(sum.vv / sum.n - region->mean_v_px * region->mean_v_px, 0.0);
-}
 
 /* No more than the smallest obstacle has at that range: far things are small, and soon seen better or refuted. */
 static double fewest_inliers(const vista_region_params *params, const vista_camera *camera, double disparity_px) {
@@ -188,13 +97,13 @@ static double fewest_inliers(const vista_region_params *params, const vista_came
 /* What only the own pixels tell. Cheap tests come first: this is measured of what passed them. */
 static vista_region_verdict measure_own_pixels(const vista_region_view *w, const vista_camera *camera,
                                                const vista_plane *surface, vista_region *region) {
-  own_pixels(w, surface, false, region);
+  vista_region_find_pixels(w, surface, region);
   const double fewest = OWN_SHARE * fewest_inliers(w->params, camera, region->disparity_px);
   if (region->pixel_count < fewest) return VISTA_REGION_TOO_FEW_PIXELS; /* a sliver at the edge of something */
   const double longer_px = 4.0 * sqrt(fmax(region->cov_uu_px2, region->cov_vv_px2));
   if (longer_px > LONG_BLOCKS * w->params->boundary_px) {
     const vista_region all = *region;
-    own_pixels(w, surface, true, region);
+    vista_region_keep_inner_pixels(w, surface, region);
     if (region->pixel_count < MIN_INNER_SHARE * all.pixel_count) *region = all;
   }
   region->disparity_px = vista_plane_at(surface, region->mean_u_px, region->mean_v_px);
@@ -263,7 +172,9 @@ vista_status vista_regions_compute(const vista_foveation *foveation, const vista
                            surfaces,
                            refinement->label,
                            regions->boundary,
+                           refinement->border,
                            regions->bins,
+                           regions->pixels,
                            regions->members + first,
                            count,
                            0.0};

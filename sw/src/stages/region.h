@@ -82,11 +82,12 @@ typedef struct vista_regions {
   uint8_t *boundary; /* scratch, node_count */
   float *depth_px;   /* scratch, node_count: distance from the boundary, where that is within reach */
   uint32_t *bins;    /* scratch: histogram of engine words */
+  int16_t *pixels;   /* scratch: a number for each pixel of one region */
 } vista_regions;
 
 vista_status vista_regions_layout(vista_regions *regions, vista_arena *arena, const vista_foveation *foveation);
 
-/* up_camera: unit vector against gravity in camera coordinates. */
+/* up_camera: unit vector against gravity in camera coordinates. cells: of these disparities. */
 vista_status vista_regions_compute(const vista_foveation *foveation, const vista_region_params *params,
                                    const vista_camera *camera, const double up_camera[3], double horizontal_deg,
                                    const vista_disparity_image *disparity, const vista_cells *cells,

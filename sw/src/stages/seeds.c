@@ -98,14 +98,15 @@ vista_status vista_seeds_of_obstacles(const vista_foveation *foveation, const vi
     seeds->parent[i] = i;
     seeds->area_px2[i] = foveation->size_px[i] * foveation->size_px[i];
   }
+  const float *const d = cells->disparity_px;
   for (int32_t i = 0; i < graph->node_count; ++i) {
     if (!vista_standing(cells, surfaces, i)) continue;
     for (int32_t arc = graph->first_arc[i]; arc < graph->first_arc[i + 1]; ++arc) {
       const int32_t j = graph->head[arc];
       if (j < i || !vista_standing(cells, surfaces, j)) continue;
-      const float step = vista_seed_step_px(params, camera, foveation->arc_distance_px[arc],
-                                            fmaxf(cells->disparity_px[i], cells->disparity_px[j]));
-      if (fabsf(cells->disparity_px[i] - cells->disparity_px[j]) <= step) vista_seeds_join(seeds, i, j);
+      if (vista_seed_has_step(params, camera, foveation->arc_distance_px[arc], vista_larger(d[i], d[j]), 1.0f,
+                              fabsf(d[i] - d[j])))
+        vista_seeds_join(seeds, i, j);
     }
   }
   vista_seeds_bridge(foveation, params, camera, cells, surfaces, seeds);

@@ -8,6 +8,7 @@
 #include "common/parameters_check.h"
 #include "common/plane_fit.h"
 #include "stages/parts/ground_plane.h"
+#include "stages/parts/inclination.h"
 
 static const double degrees_per_radian = 57.29577951308232;
 
@@ -16,7 +17,7 @@ vista_status vista_surfaces_layout(vista_surfaces *surfaces, vista_arena *arena,
   surfaces->inclination_deg = vista_arena_take(arena, (size_t)foveation->max_nodes, sizeof(float));
   surfaces->horizontal = vista_arena_take(arena, (size_t)foveation->max_nodes, sizeof(uint8_t));
   surfaces->candidates = vista_arena_take(arena, (size_t)foveation->max_nodes, sizeof(int32_t));
-  return arena->base != NULL && arena->used > arena->size ? VISTA_ERROR_MEMORY : VISTA_OK;
+  return vista_inclination_layout(foveation, arena, &surfaces->inclination);
 }
 
 double vista_plane_inclination_deg(const vista_camera *camera, const double up_camera[3], double u_px, double v_px,
@@ -28,50 +29,6 @@ double vista_plane_inclination_deg(const vista_camera *camera, const double up_c
   if (!(norm > 0.0)) return NAN;
   const double along = fabs(n[0] * up_camera[0] + n[1] * up_camera[1] + n[2] * up_camera[2]) / norm;
   return asin(fmin(along, 1.0)) * degrees_per_radian;
-}
-
-/* Grid neighbours `steps` cells apart in eight directions, and the cell itself. */
-static int32_t neighbourhood(const vista_foveation *f, int32_t ring, int32_t sector, int32_t steps, int32_t out[9]) {
-  const int32_t before = sector >= steps ? sector - steps : sector - steps + f->sector_count;
-  const int32_t after = sector + steps < f->sector_count ? sector + steps : sector + steps - f->sector_count;
-  const int32_t sectors[] = {before, sector, after};
-  int32_t count = 0;
-  for (int32_t r = ring - steps; r <= ring + steps; r += steps) {
-    if (r < 0 || r >= f->ring_count) continue;
-    for (int32_t k = 0; k < 3; ++k) {
-      const int32_t node = f->node_of_grid[r * f->sector_count + sectors[k]];
-      if (node >= 0) out[count++] = node;
-    }
-  }
-  return count;
-}
-
-static float cell_inclination_deg(const vista_foveation *f, const vista_camera *camera, const double up_camera[3],
-                                  const vista_cells *cells, int32_t node, const int32_t *around, int32_t count) {
-  vista_plane_fit fit = {0};
-  for (int32_t k = 0; k < count; ++k) {
-    const int32_t j = around[k];
-    if (cells->disparity_px[j] < 0.0f) continue;
-    const float du = f->center_u[j] - f->center_u[node], dv = f->center_v[j] - f->center_v[node];
-    const float dd = cells->disparity_px[j] - cells->disparity_px[node];
-    vista_plane_fit_add(&fit, (double)du, (double)dv, (double)dd, 1.0);
-  }
-  vista_plane plane;
-  if (fit.weight < 5.0 || !vista_plane_fit_solve(&fit, &plane)) return -1.0f;
-  const double degrees =
-      vista_plane_inclination_deg(camera, up_camera, f->center_u[node], f->center_v[node],
-                                  plane.offset + cells->disparity_px[node], plane.slope_u, plane.slope_v);
-  return isnan(degrees) ? -1.0f : (float)degrees;
-}
-
-static bool mostly_horizontal(const vista_surfaces *surfaces, double horizontal_deg, const int32_t *around,
-                              int32_t count) {
-  int32_t known = 0, leaning = 0;
-  for (int32_t k = 0; k < count; ++k) {
-    known += surfaces->inclination_deg[around[k]] >= 0.0f;
-    leaning += surfaces->inclination_deg[around[k]] >= (float)horizontal_deg;
-  }
-  return 2 * leaning > known;
 }
 
 /* Cells on the ground's plane are ground whatever their own inclination, which noise and the edges of things upset;
@@ -102,28 +59,10 @@ vista_status vista_surfaces_compute(const vista_foveation *foveation, const vist
   const vista_foveation *const f = foveation;
   surfaces->inclination_deg[0] = -1.0f;
   surfaces->horizontal[0] = 0;
-  for (int pass = 0; pass < 2; ++pass) {
-    for (int32_t ring = 0; ring < f->ring_count; ++ring) {
-      for (int32_t sector = 0; sector < f->sector_count; ++sector) {
-        const int32_t node = f->node_of_grid[ring * f->sector_count + sector];
-        if (node < 0) continue;
-        int32_t around[9];
-        if (pass == 0) {
-          surfaces->inclination_deg[node] = -1.0f;
-          if (cells->disparity_px[node] < 0.0f) continue;
-          const int32_t lever = (int32_t)ceil(params->lever_px / (double)f->size_px[node]);
-          const int32_t steps = lever > f->sector_count / 8 ? f->sector_count / 8 : lever;
-          const int32_t count = neighbourhood(f, ring, sector, steps, around);
-          surfaces->inclination_deg[node] = cell_inclination_deg(f, camera, up_camera, cells, node, around, count);
-        } else {
-          surfaces->horizontal[node] = 0;
-          if (surfaces->inclination_deg[node] < 0.0f) continue;
-          const int32_t count = neighbourhood(f, ring, sector, 1, around);
-          surfaces->horizontal[node] = mostly_horizontal(surfaces, params->horizontal_deg, around, count);
-        }
-      }
-    }
-  }
+  vista_inclination_measure(surfaces->inclination, f, params->lever_px, camera, up_camera, cells,
+                            surfaces->inclination_deg);
+  vista_inclination_vote(surfaces->inclination, f, params->horizontal_deg, surfaces->inclination_deg,
+                         surfaces->horizontal);
   vista_plane ground = {0};
   surfaces->ground_found = vista_find_ground_plane(f, params, camera, up_camera, cells, surfaces->inclination_deg,
                                                    surfaces->candidates, &ground);

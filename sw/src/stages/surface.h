@@ -20,10 +20,13 @@
 #include "vista/status.h"
 #include "vista/types.h"
 
+typedef struct vista_inclination vista_inclination; /* stages/parts/inclination.h */
+
 typedef struct vista_surfaces {
   float *inclination_deg; /* node_count: 0 upright .. 90 horizontal; negative: unknown */
   uint8_t *horizontal;    /* node_count: 1 on the ground, or where most cells around lean more than horizontal_deg */
   int32_t *candidates;    /* scratch, node_count */
+  vista_inclination *inclination; /* scratch */
   bool ground_found;      /* there is a plane below that enough cells lie on: the ground, */
   double ground_px;       /* its disparity at the principal point */
   double ground_slope_u, ground_slope_v; /* and gradient, px per px */

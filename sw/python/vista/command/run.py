@@ -151,7 +151,7 @@ def select_frames(sequence: Sequence, wanted: tuple[int, int | None] | None) -> 
 def make_summary(
     chain: Chain, engine_name: str, values: parameters.Values, records: list[FrameRecord]
 ) -> dict[str, Any]:
-    confirmed = {obstacle.id for record in records for obstacle in record.obstacles if obstacle.confirmed}
+    confirmed = {o.id for record in records for o in record.obstacles if o.confirmed and o.kind == "thing"}
     return {
         "version": version(),
         "commit": commit(),
@@ -168,6 +168,11 @@ def make_summary(
         "obstacles_confirmed": len(confirmed),
         "tracks_dropped": sum(record.dropped_tracks for record in records),
         "frames_with_collision": sum(record.nearest_collision is not None for record in records),
+        "frames_with_ground_ahead": sum(
+            o.kind == "ground" and o.confirmed and o.in_collision_volume
+            for record in records
+            for o in record.obstacles
+        ),
         "path_seen_m": path_seen(records),
         "parameters": values,
         "stages_ms": stage_statistics(records),

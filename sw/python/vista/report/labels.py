@@ -12,6 +12,14 @@ FONT = cv2.FONT_HERSHEY_SIMPLEX
 PADDING_PX = 4
 
 
+NAME_WITHOUT_TRACK = {0: "too near", -1: "ground"}  # by id, as libvista gives them
+
+
+def obstacle_name(obstacle_id: int) -> str:
+    """The number of its track, or what it is."""
+    return NAME_WITHOUT_TRACK.get(obstacle_id, f"#{obstacle_id}")
+
+
 def text_scale(rows: int, columns: int) -> float:
     """Scale of OpenCV's font: it grows with the picture, so that a wide one can be shown small."""
     return 0.5 * min(max(rows / 480.0, columns / 800.0, 0.8), 2.5)

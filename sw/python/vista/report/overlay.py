@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from vista.engine import SCALE
 from vista.geometry import Calibration
 from vista.health.finding import FrameHealth, State
-from vista.report.labels import FONT, PADDING_PX, Labels, put_text, text_scale, text_size
+from vista.report.labels import FONT, PADDING_PX, Labels, obstacle_name, put_text, text_scale, text_size
 from vista.report.palette import ALARM, GREY, INK, RED, WHITE, YELLOW, Colour, RegionColours
 from vista.sequence.types import Frame
 
@@ -82,7 +82,7 @@ class Overlay:
         nearest = result.nearest_collision
         warnings = [] if health.state == State.HEALTHY else [str(health.state)]
         if nearest is not None:
-            warnings.insert(0, f"{self._warning}: #{nearest.id}  {_distance_and_time(nearest)}")
+            warnings.insert(0, f"{self._warning}: {obstacle_name(nearest.id)}  {_distance_and_time(nearest)}")
         return facts, "   ".join(warnings)
 
 
@@ -104,10 +104,14 @@ def draw_obstacles(left: NDArray[np.uint8], obstacles: list[Obstacle], nearest: 
     labelled = [o for o in shown if o.id == nearest_id or (o.confirmed and not o.coasting)]
     for obstacle in labelled[: MAX_LABELS + 1]:
         if nearest is not None and obstacle.id == nearest_id:
-            labels.reserve(f"#{obstacle.id}  {_distance_and_time(nearest)}", *_top(obstacle), WHITE, ALARM)
+            labels.reserve(
+                f"{obstacle_name(obstacle.id)}  {_distance_and_time(nearest)}", *_top(obstacle), WHITE, ALARM
+            )
             continue
         where = "near" if obstacle.in_blind_zone else _distance(obstacle.distance_m)
-        labels.reserve(f"#{obstacle.id}  {where}", *_top(obstacle), _colour(obstacle, nearest_id))
+        labels.reserve(
+            f"{obstacle_name(obstacle.id)}  {where}", *_top(obstacle), _colour(obstacle, nearest_id)
+        )
     labels.draw()
     return _caption(picture, "left image, obstacles")
 

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from vista.geometry import Pose
 from vista.health.finding import Reason, State
 from vista.history import FrameRecord
+from vista.report.labels import obstacle_name
 from vista.report.overlay import panel_tiles
 from vista.report.page import fill_template
 from vista.result_folder import ResultFolder
@@ -111,7 +112,7 @@ def _frame(
 def _ellipse(obstacle: Obstacle) -> list[Any]:
     e = obstacle.ellipse
     width_m, height_m = obstacle.extent_m
-    text = f"#{obstacle.id}: {obstacle.distance_m:.1f} m away, {width_m:.1f} x {height_m:.1f} m"
+    text = f"{obstacle_name(obstacle.id)}: {obstacle.distance_m:.1f} m away, {width_m:.1f} x {height_m:.1f} m"
     return [obstacle.id, *map(_number, (e.center_u, e.center_v, e.axis_a, e.axis_b, e.angle_deg)), text]
 
 
@@ -132,6 +133,7 @@ def _tracks(records: list[FrameRecord], across: int, ahead: int) -> list[Data]:
     tracks = [
         {
             "id": track_id,
+            "name": obstacle_name(track_id),
             "hit": track_id in hits,
             "extent": [_number(side) for side in points[-1][1].extent_m],
             "spread": two_sigma_ellipse(points[-1][1], across, ahead),

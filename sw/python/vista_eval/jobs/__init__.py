@@ -10,7 +10,7 @@ that fails is named in one line on stderr, and the others go on; `run` then rais
 
 from vista_eval.jobs.job import ATTEMPTS, Failure, Job, jobs_of
 from vista_eval.jobs.place import HERE, Place, add_place, chosen_place
-from vista_eval.jobs.run import outcomes, run
+from vista_eval.jobs.run import exit_on_failure, outcomes, run
 
 __all__ = [
     "ATTEMPTS",
@@ -20,6 +20,7 @@ __all__ = [
     "Place",
     "add_place",
     "chosen_place",
+    "exit_on_failure",
     "jobs_of",
     "outcomes",
     "run",

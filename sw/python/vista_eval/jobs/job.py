@@ -58,7 +58,9 @@ def attempt(job: Job) -> Outcome:
         return Done(job.work())
     except InputError as error:
         return Failure(job.name, str(error), EXIT_INPUT)
-    except (Exception, SystemExit) as error:
+    except KeyboardInterrupt:
+        raise
+    except BaseException as error:  # of sys.exit and of a failing check too
         return Failure(job.name, described(error), missing_module=isinstance(error, ModuleNotFoundError))
 
 

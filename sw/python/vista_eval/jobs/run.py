@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -57,6 +59,16 @@ def outcomes(
             progress.count(problem and f"{problem} ({job.name})")
             found[index] = result
     return [found[index] for index in range(len(jobs))]
+
+
+@contextmanager
+def exit_on_failure() -> Iterator[None]:
+    """For programs of their own: a line has named each job that failed, and the exit status says it too."""
+    try:
+        yield
+    except JobsError as error:
+        print(error, file=sys.stderr)
+        sys.exit(error.status)
 
 
 def made(jobs: Sequence[Job], place: Place, progress: Progress) -> Iterator[tuple[int, Outcome]]:

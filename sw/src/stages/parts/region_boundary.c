@@ -4,6 +4,8 @@
 #include <string.h>
 
 #include "common/depth.h"
+#include "common/wide_vectors.h"
+#include "common/word_blocks.h"
 
 #define PLANE_MIN_CELLS 6     /* fewer do not tell a slope from noise */
 #define MAX_TOLERANCE_PX 32.0 /* keeps the sums of squares of one run inside 32 bits */
@@ -25,36 +27,58 @@ static inliers summarise(int64_t count, double sum, double sum_of_squares) {
   return (inliers){(int32_t)count, mean, sqrt(fmax(sum_of_squares / (double)count - mean * mean, 0.0))};
 }
 
-/* Histogram of the words under the boundary; returns the largest of them. */
-static int32_t count_boundary(const vista_region_view *w, vista_region *region) {
-  int32_t top = 0, valid = 0;
-  for (int32_t m = 0; m < w->member_count; ++m) {
-    const int32_t node = w->members[m];
-    if (!w->boundary[node]) continue;
-    for (int32_t r = w->foveation->first_run[node]; r < w->foveation->first_run[node + 1]; ++r) {
-      const vista_run run = w->foveation->runs[r];
-      const int16_t *const words = vista_region_words(w, run);
-      region->boundary_pixels += run.length_px;
-      for (int32_t i = 0; i < run.length_px; ++i) { /* no branch: which words are valid is hard to foresee */
-        const int32_t is_valid = vista_word_valid(words[i]), word = is_valid ? words[i] : 0;
-        valid += is_valid;
-        w->bins[word] += (uint32_t)is_valid;
-        top = word > top ? word : top;
-      }
-    }
+typedef struct words_found {
+  int32_t pixels, valid;
+  int16_t low, top; /* of the valid ones */
+} words_found;
+
+VISTA_WIDE_VECTORS static void survey(const int16_t *words, int32_t count, words_found *found) {
+  int32_t valid = 0;
+  int16_t low = found->low, top = found->top;
+  for (int32_t i = 0; i < count; ++i) {
+    const int16_t none = (int16_t)(words[i] >> 15), or_most = (int16_t)((words[i] | none) & INT16_MAX);
+    valid += 1 + none;
+    low = or_most < low ? or_most : low;
+    top = words[i] > top ? words[i] : top;
   }
-  region->boundary_valid += valid;
-  return top;
+  *found = (words_found){found->pixels + count, found->valid + valid, low, top};
 }
 
-double vista_region_mode_px(const vista_region_view *w, const vista_camera *camera, int32_t top) {
+/* No branch: which words are valid is hard to foresee. */
+static void add_words(const int16_t *words, int32_t count, uint32_t *bins) {
+  for (int32_t i = 0; i < count; ++i) {
+    const int32_t none = words[i] >> 15;
+    bins[words[i] & ~none] += (uint32_t)(1 + none);
+  }
+}
+
+/* Histogram of the words under the boundary: stretch by stretch of neighbouring cells. */
+static words_found count_boundary(const vista_region_view *w, vista_region *region) {
+  words_found found = {.low = INT16_MAX};
+  for (int32_t m = 0, end; m < w->member_count; m = end) {
+    end = m + 1;
+    if (!w->boundary[w->members[m]]) continue;
+    while (end < w->member_count && w->members[end] == w->members[end - 1] + 1 && w->boundary[w->members[end]]) ++end;
+    const int32_t first = w->foveation->first_pixel[w->members[m]];
+    const int32_t count = w->foveation->first_pixel[w->members[end - 1] + 1] - first;
+    const int16_t *const words = w->cells->words + first;
+    survey(words, count, &found);
+    add_words(words, count, w->bins);
+  }
+  region->boundary_pixels += found.pixels;
+  region->boundary_valid += found.valid;
+  return found;
+}
+
+double vista_region_mode_px(const vista_region_view *w, const vista_camera *camera, int32_t low, int32_t top) {
   const uint32_t *const bins = w->bins;
   uint32_t sum = 0, best = 0;
   double mode = 0.0;
-  for (int32_t end = 0, start = 0; end <= top; ++end) {
+  for (int32_t end = low, start = 0; end <= top; ++end) {
     if (bins[end] == 0) continue; /* a best window can end on a word that occurs */
     const double end_px = end / (double)VISTA_DISPARITY_SCALE;
     const double width = 2.0 * VISTA_DISPARITY_SCALE * vista_region_tolerance_px(w->params, camera, end_px);
+    if (sum == 0 && end - start > width) start = (int32_t)ceil(end - width); /* nothing lies in between */
     sum += bins[end];
     while (end - start > width) sum -= bins[start++];
     if (sum > best) {
@@ -122,46 +146,78 @@ static int32_t to_fixed(double disparity_px) {
   return (int32_t)lround(fmin(fmax(disparity_px * VISTA_DISPARITY_SCALE * (1 << FIXED_BITS), -limit), limit));
 }
 
-/* Residuals in whole engine words: integers, so that the loop is vectorised. */
-static inliers boundary_inliers(const vista_region_view *w, const vista_plane *plane) {
-  int64_t count = 0, sum = 0, squares = 0;
+#define FLUSHED 4096 /* blocks whose squares, of MAX_TOLERANCE_PX at most, fit 32 bits */
+
+/* Sums lane by lane, of residuals in whole engine words. */
+typedef struct lane_sums {
+  int32_t count[VISTA_WORD_BLOCK], sum[VISTA_WORD_BLOCK], squares[VISTA_WORD_BLOCK];
+  int32_t blocks;
+} lane_sums;
+
+typedef struct totals {
+  int64_t count, sum, squares;
+} totals;
+
+static inline void add_lanes(lane_sums *lanes, totals *all) {
+  for (int32_t i = 0; i < VISTA_WORD_BLOCK; ++i) {
+    all->count += lanes->count[i];
+    all->sum += lanes->sum[i];
+    all->squares += lanes->squares[i];
+  }
+  *lanes = (lane_sums){0};
+}
+
+/* The first `length` words of a block, against a surface that is at `start` plus half a word at its first one. */
+static inline void add_block(const int16_t *restrict words, int32_t length, int32_t start, int32_t slope,
+                             int32_t tolerance, lane_sums *restrict lanes) {
+  VISTA_BLOCK_LOOP
+  for (int32_t i = 0; i < VISTA_WORD_BLOCK; ++i) {
+    const int32_t residual = words[i] - ((start + i * slope) >> FIXED_BITS);
+    const int32_t in =
+        -((words[i] >= 0) & (residual <= tolerance) & (residual >= -tolerance) & (i < length)); /* a mask */
+    const int32_t counted = residual & in;
+    lanes->count[i] -= in;
+    lanes->sum[i] += counted;
+    lanes->squares[i] += counted * counted;
+  }
+}
+
+/* Residuals from the plane in whole engine words: integers, so that the loop is vectorised. */
+VISTA_WIDE_VECTORS static inliers boundary_inliers(const vista_region_view *w, const vista_plane *plane) {
+  totals all = {0};
+  lane_sums lanes = {0};
   const int32_t slope = to_fixed(fmin(fmax(plane->slope_u, -8.0), 8.0));
   const int32_t tolerance = (int32_t)(w->tolerance_px * VISTA_DISPARITY_SCALE);
   for (int32_t m = 0; m < w->member_count; ++m) {
     const int32_t node = w->members[m];
     if (!w->boundary[node]) continue;
+    const int16_t *words = w->cells->words + w->foveation->first_pixel[node];
     for (int32_t r = w->foveation->first_run[node]; r < w->foveation->first_run[node + 1]; ++r) {
       const vista_run run = w->foveation->runs[r];
-      const int16_t *const words = vista_region_words(w, run);
       const int32_t start = to_fixed(vista_plane_at(plane, run.u_px, run.v_px)) + (1 << (FIXED_BITS - 1));
-      int32_t run_count = 0, run_sum = 0, run_squares = 0;
-      for (int32_t i = 0; i < run.length_px; ++i) {
-        const int32_t residual = words[i] - ((start + i * slope) >> FIXED_BITS);
-        const int32_t in = vista_word_valid(words[i]) & (residual <= tolerance) & (residual >= -tolerance);
-        run_count += in;
-        run_sum += in * residual;
-        run_squares += in * residual * residual;
+      for (int32_t i = 0; i < run.length_px; i += VISTA_WORD_BLOCK) {
+        add_block(words + i, run.length_px - i, start + i * slope, slope, tolerance, &lanes);
+        if (++lanes.blocks == FLUSHED) add_lanes(&lanes, &all);
       }
-      count += run_count;
-      sum += run_sum;
-      squares += run_squares;
+      words += run.length_px;
     }
   }
+  add_lanes(&lanes, &all);
   const double unit = 1.0 / VISTA_DISPARITY_SCALE;
-  return summarise(count, (double)sum * unit, (double)squares * unit * unit);
+  return summarise(all.count, (double)all.sum * unit, (double)all.squares * unit * unit);
 }
 
 /* The boundary against the surface that explains it best; false: no valid pixel there. */
 bool vista_region_measure_boundary(vista_region_view *w, const vista_camera *camera, const double up_camera[3],
                                    vista_region *region, vista_plane *surface) {
-  const int32_t top = count_boundary(w, region);
+  const words_found found = count_boundary(w, region);
   if (region->boundary_valid == 0) return false;
-  const double mode = vista_region_mode_px(w, camera, top);
+  const double mode = vista_region_mode_px(w, camera, found.low, found.top);
   w->tolerance_px = vista_region_tolerance_px(w->params, camera, mode);
   const inliers around_mode = inliers_around(w->bins, mode, w->tolerance_px);
   *surface = (vista_plane){.offset = mode + around_mode.mean_px}; /* mode, refined by the mean around it */
   inliers in = inliers_around(w->bins, surface->offset, w->tolerance_px);
-  memset(w->bins, 0, ((size_t)top + 1) * sizeof *w->bins);
+  memset(w->bins + found.low, 0, (size_t)(found.top - found.low + 1) * sizeof *w->bins);
 
   const double u = (double)w->foveation->center_u[w->members[0]], v = (double)w->foveation->center_v[w->members[0]];
   vista_plane plane;

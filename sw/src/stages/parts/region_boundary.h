@@ -23,7 +23,9 @@ typedef struct vista_region_view {
   const vista_surfaces *surfaces;
   const int32_t *region_of_pixel;
   const uint8_t *boundary; /* a node */
+  const uint8_t *mixed;    /* a node: some of its pixels may be another region's */
   uint32_t *bins;          /* VISTA_WORD_BINS, zero between calls */
+  int16_t *pixels;         /* scratch: as many as the image has, and VISTA_WORD_BLOCK more */
   const int32_t *members;
   int32_t member_count;
   double tolerance_px; /* at the region's disparity */
@@ -42,9 +44,9 @@ static inline double vista_plane_at(const vista_plane *plane, double u_px, doubl
 /* How far a disparity may be off the surface of a region at disparity_px: by noise or by relief. */
 double vista_region_tolerance_px(const vista_region_params *params, const vista_camera *camera, double disparity_px);
 
-/* Centre of the window of width 2 tolerance that holds most words of view->bins, `top` being the largest; the window
- * grows with the disparity. 0: none. */
-double vista_region_mode_px(const vista_region_view *view, const vista_camera *camera, int32_t top);
+/* Centre of the window of width 2 tolerance that holds most words of view->bins, none smaller than `low` or larger than
+ * `top`; the window grows with the disparity. 0: none. */
+double vista_region_mode_px(const vista_region_view *view, const vista_camera *camera, int32_t low, int32_t top);
 
 /* Fills the boundary's statistics in, the disparity as that at the region's first cell, and the surface; sets the
  * view's tolerance. False: no valid pixel there. */

@@ -13,7 +13,7 @@
 /* A word stands h above the ground's plane when (1 - g / w) B / |n| >= h (plane_fit.h), so when w (1 - h |n| / B) >= g
  * with g the plane's word at the pixel: one multiplication, and nothing is divided. */
 typedef struct heights {
-  float offset_words, slope_u_words, slope_v_words; /* of the ground's plane, from the principal point */
+  float offset_words, slope_u_words, slope_v_words; /* of the ground's plane, from pixel (0, 0) */
   float low, top;                                   /* 1 - h |n| / B for min_height_m and top_height_m */
 } heights;
 
@@ -24,46 +24,61 @@ typedef struct word_counts {
 static heights heights_above(const vista_surfaces *surfaces, const vista_camera *camera, double low_m, double top_m) {
   const double n[3] = {surfaces->ground_slope_u, surfaces->ground_slope_v, surfaces->ground_px / camera->focal_px};
   const double per_m = vista_norm(n) / camera->baseline_m;
-  return (heights){.offset_words = (float)(surfaces->ground_px * VISTA_DISPARITY_SCALE),
+  const vista_plane ground = {surfaces->ground_px, surfaces->ground_slope_u, surfaces->ground_slope_v};
+  return (heights){.offset_words = (float)(vista_plane_disparity_px(&ground, camera, 0.0, 0.0) * VISTA_DISPARITY_SCALE),
                    .slope_u_words = (float)(surfaces->ground_slope_u * VISTA_DISPARITY_SCALE),
                    .slope_v_words = (float)(surfaces->ground_slope_v * VISTA_DISPARITY_SCALE),
                    .low = (float)(1.0 - low_m * per_m),
                    .top = (float)(1.0 - top_m * per_m)};
 }
 
-/* Three counts of the first `length` words of a block, a byte each. `first`: of the block, in its run. */
-static inline uint32_t count_block(const heights *h, const int16_t *words, float ground, int32_t first,
-                                   int32_t length) {
-  uint32_t counts = 0;
-  VISTA_BLOCK_LOOP
+#define BYTE_MAX 255
+
+/* Counts lane by lane, three bytes in each: they are put together when a byte may be full, and at the end. */
+typedef struct lane_counts {
+  uint32_t lanes[VISTA_WORD_BLOCK];
+  int32_t blocks;
+} lane_counts;
+
+static inline void add_lanes(lane_counts *counts, word_counts *sum) {
   for (int32_t i = 0; i < VISTA_WORD_BLOCK; ++i) {
-    const float word = (float)words[i], at = ground + h->slope_u_words * (float)(first + i);
-    const uint32_t is_valid = (words[i] > 0) & (i < length);
-    const uint32_t stands = word * h->low >= at, is_top = word * h->top >= at;
-    counts += -is_valid & (1 | stands << 8 | is_top << 16);
+    sum->valid += (int32_t)(counts->lanes[i] & BYTE_MAX);
+    sum->standing += (int32_t)(counts->lanes[i] >> 8 & BYTE_MAX);
+    sum->top += (int32_t)(counts->lanes[i] >> 16);
   }
-  return counts;
+  *counts = (lane_counts){0};
 }
 
-VISTA_WIDE_VECTORS static word_counts count_words(const vista_region_view *w, const vista_camera *camera,
-                                                  const heights *h) {
+/* Of the first `length` pixels of a block. */
+static inline void count_block(const heights *h, const int16_t *restrict words, const int16_t *restrict us,
+                               const int16_t *restrict vs, int32_t length, uint32_t *restrict lanes) {
+  const float offset_words = h->offset_words, slope_u = h->slope_u_words, slope_v = h->slope_v_words;
+  const float low = h->low, top = h->top;
+  VISTA_BLOCK_LOOP
+  for (int32_t i = 0; i < VISTA_WORD_BLOCK; ++i) {
+    const float word = (float)words[i], at = offset_words + slope_u * (float)us[i] + slope_v * (float)vs[i];
+    const uint32_t is_valid = (words[i] > 0) & (i < length);
+    const uint32_t stands = word * low >= at, is_top = word * top >= at;
+    lanes[i] += -is_valid & (1 | stands << 8 | is_top << 16);
+  }
+}
+
+/* Stretch by stretch of neighbouring cells. */
+VISTA_WIDE_VECTORS static word_counts count_words(const vista_region_view *w, const heights *h) {
+  const int32_t *const first_pixel = w->foveation->first_pixel;
   word_counts sum = {0};
-  int16_t copy[VISTA_WORD_BLOCK];
-  for (int32_t m = 0; m < w->member_count; ++m)
-    for (int32_t r = w->foveation->first_run[w->members[m]]; r < w->foveation->first_run[w->members[m] + 1]; ++r) {
-      const vista_run run = w->foveation->runs[r];
-      const float ground = h->offset_words + h->slope_u_words * (float)(run.u_px - camera->center_u_px) +
-                           h->slope_v_words * (float)(run.v_px - camera->center_v_px);
-      const int16_t *const row = w->disparity->data + run.v_px * w->disparity->stride;
-      sum.pixels += run.length_px;
-      for (int32_t i = 0; i < run.length_px; i += VISTA_WORD_BLOCK) {
-        const int16_t *const block = vista_word_block(row, run.u_px + i, w->disparity->width_px, copy);
-        const uint32_t counts = count_block(h, block, ground, i, run.length_px - i);
-        sum.valid += (int32_t)(counts & 0xff);
-        sum.standing += (int32_t)(counts >> 8 & 0xff);
-        sum.top += (int32_t)(counts >> 16);
-      }
+  lane_counts counts = {0};
+  for (int32_t m = 0, next; m < w->member_count; m = next) {
+    next = m + 1;
+    while (next < w->member_count && w->members[next] == w->members[next - 1] + 1) ++next;
+    const int32_t first = first_pixel[w->members[m]], end = first_pixel[w->members[next - 1] + 1];
+    sum.pixels += end - first;
+    for (int32_t p = first; p < end; p += VISTA_WORD_BLOCK) {
+      count_block(h, w->cells->words + p, w->foveation->pixel_u + p, w->foveation->pixel_v + p, end - p, counts.lanes);
+      if (++counts.blocks == BYTE_MAX) add_lanes(&counts, &sum);
     }
+  }
+  add_lanes(&counts, &sum);
   return sum;
 }
 
@@ -75,7 +90,7 @@ void vista_region_weigh(const vista_region_view *w, const vista_camera *camera, 
   const double low_m = (double)vista_limit_m(camera, (float)region->disparity_px, (float)p->min_height_m);
   const double top_m = low_m * p->top_height_m / p->min_height_m;
   const heights h = heights_above(w->surfaces, camera, low_m, top_m);
-  const word_counts words = count_words(w, camera, &h);
+  const word_counts words = count_words(w, &h);
   vista_region_evidence *const e = &region->evidence;
   region->valid_fraction = share(words.valid, words.pixels);
   if (w->surfaces->ground_found) {

@@ -133,7 +133,7 @@ bool vista_region_owns_outline(vista_region_view *w, const vista_camera *camera,
   box extent;
   if (!w->surfaces->ground_found || measure_inside(w, &extent) > w->params->min_valid_fraction) return false;
   const int32_t top = count_edges(w, label, region);
-  const double mode_px = vista_region_mode_px(w, camera, top);
+  const double mode_px = vista_region_mode_px(w, camera, 0, top);
   memset(w->bins, 0, ((size_t)top + 1) * sizeof *w->bins);
   if (mode_px <= 0.0) return false;
   w->tolerance_px = vista_region_tolerance_px(w->params, camera, mode_px);

@@ -7,10 +7,10 @@
 
 #define FARTHEST_STEP_PX 30.0f /* no slope is believed beyond this */
 
-/* A length as seen at a disparity: f length / Z. */
-static float seen_px(const vista_camera *camera, double length_m, float disparity_px) {
-  return (float)(length_m / camera->baseline_m) * disparity_px;
-}
+static float smaller(float a, float b) { return a < b ? a : b; }
+
+/* A length in baselines as seen at a disparity: f length / Z. */
+static float seen_px(float baselines, float disparity_px) { return baselines * disparity_px; }
 
 void vista_seeds_bridge(const vista_foveation *foveation, const vista_segmentation_params *params,
                         const vista_camera *camera, const vista_cells *cells, const vista_surfaces *surfaces,
@@ -20,6 +20,7 @@ void vista_seeds_bridge(const vista_foveation *foveation, const vista_segmentati
   int32_t *const owner = seeds->reached_from;
   int32_t *const queue = seeds->queue;
   float *const length_px = seeds->length_px;
+  const float bridge = (float)(params->bridge_m / camera->baseline_m);
   int32_t count = 0;
   for (int32_t i = 0; i < graph->node_count; ++i) {
     const bool stands = vista_standing(cells, surfaces, i);
@@ -31,21 +32,28 @@ void vista_seeds_bridge(const vista_foveation *foveation, const vista_segmentati
     const int32_t i = queue[next];
     for (int32_t arc = graph->first_arc[i]; arc < graph->first_arc[i + 1]; ++arc) {
       const int32_t j = graph->head[arc];
+      if (d[j] >= 0.0f || owner[j] >= 0) continue;
       const float length = length_px[i] + foveation->arc_distance_px[arc];
-      if (owner[j] >= 0 || d[j] >= 0.0f || length > seen_px(camera, params->bridge_m, d[owner[i]])) continue;
+      if (length > seen_px(bridge, d[owner[i]])) continue;
       owner[j] = owner[i];
       length_px[j] = length;
       queue[count++] = j;
     }
   }
   for (int32_t i = 0; i < graph->node_count; ++i) {
+    const int32_t a = owner[i];
+    if (a < 0) continue;
+    const bool known = d[i] >= 0.0f;
     for (int32_t arc = graph->first_arc[i]; arc < graph->first_arc[i + 1]; ++arc) {
-      const int32_t j = graph->head[arc], a = owner[i], b = owner[j];
-      if (j < i || a < 0 || b < 0 || a == b || (d[i] >= 0.0f && d[j] >= 0.0f)) continue;
+      const int32_t j = graph->head[arc];
+      if (j < i || (known && d[j] >= 0.0f)) continue;
+      const int32_t b = owner[j];
+      if (b < 0 || a == b) continue;
       const float gap_px = length_px[i] + length_px[j] + foveation->arc_distance_px[arc];
-      if (gap_px > seen_px(camera, params->bridge_m, fminf(d[a], d[b]))) continue;
-      const float step = vista_seed_step_px(params, camera, fminf(gap_px, FARTHEST_STEP_PX), fmaxf(d[a], d[b]));
-      if (fabsf(d[a] - d[b]) <= step) vista_seeds_join(seeds, a, b);
+      if (gap_px > seen_px(bridge, smaller(d[a], d[b]))) continue;
+      if (vista_seed_has_step(params, camera, smaller(gap_px, FARTHEST_STEP_PX), vista_larger(d[a], d[b]), 1.0f,
+                              fabsf(d[a] - d[b])))
+        vista_seeds_join(seeds, a, b);
     }
   }
 }
@@ -60,8 +68,9 @@ static void spread(const vista_foveation *foveation, float reach_px, vista_seeds
     const int32_t i = queue[next];
     for (int32_t arc = graph->first_arc[i]; arc < graph->first_arc[i + 1]; ++arc) {
       const int32_t j = graph->head[arc];
+      if (length_px[j] != INFINITY) continue;
       const float length = length_px[i] + foveation->arc_distance_px[arc] * (length_px[i] == 0.0f ? 0.5f : 1.0f);
-      if (length_px[j] != INFINITY || length > reach_px) continue;
+      if (length > reach_px) continue;
       if (seeds->seed_of_node[i] != VISTA_NO_SEED && seeds->seed_of_node[j] != seeds->seed_of_node[i]) continue;
       length_px[j] = length;
       queue[count++] = j;
@@ -76,8 +85,8 @@ static float to_farther_side_px(const vista_foveation *foveation, const vista_se
   float nearest_px = INFINITY;
   for (int32_t arc = foveation->graph.first_arc[node]; arc < foveation->graph.first_arc[node + 1]; ++arc) {
     const float other = cells->disparity_px[foveation->graph.head[arc]], distance = foveation->arc_distance_px[arc];
-    if (other >= 0.0f && d - other > vista_seed_step_px(params, camera, distance, d))
-      nearest_px = fminf(nearest_px, 0.5f * distance);
+    if (other >= 0.0f && !vista_seed_has_step(params, camera, distance, d, 1.0f, d - other))
+      nearest_px = smaller(nearest_px, 0.5f * distance);
   }
   return nearest_px;
 }

@@ -103,7 +103,7 @@ function viewer() {
     const track = trackOf.get(selected);
     const point = track && track.points.find((p) => p[0] === steps[step]);
     byId("chosen").textContent = selected === null ? "" :
-      "#" + selected + " selected" + (point ? ": " + metres(point[1]) + " away" : ": not in this frame") + " (Esc: none)";
+      track.name + " selected" + (point ? ": " + metres(point[1]) + " away" : ": not in this frame") + " (Esc: none)";
     if (!stage) return;
     if (image.src !== frame.uri) image.src = frame.uri;
     overlay.replaceChildren();
@@ -264,7 +264,7 @@ function chart(id, { title, x: xName, y: yName, series, height, equal = false, l
       if (kind === "hit") for (const [cx, cy] of at) node("circle", { cx, cy, r: 3, class: "hit" }, picture);
       else node("path", { d: "M" + at.map(([x, y]) => x.toFixed(1) + " " + y.toFixed(1)).join("L") + (at.length > 1 ? "" : "h0.1"),
         class: dim(track) + kind + (track !== undefined && track === selected ? " selected" : ""), style, ...(track === undefined ? {} : { "data-track": track }) }, picture);
-      if (kind === "line") labels.push({ x: at.at(-1)[0], y: at.at(-1)[1], text: "#" + track, colour: colourOf(track), id: track, rank: [track === selected ? 0 : 1, trackOf.get(track).hit ? 0 : 1, -own.length] });
+      if (kind === "line") labels.push({ x: at.at(-1)[0], y: at.at(-1)[1], text: trackOf.get(track).name, colour: colourOf(track), id: track, rank: [track === selected ? 0 : 1, trackOf.get(track).hit ? 0 : 1, -own.length] });
     }
     labels.sort((a, b) => a.rank[0] - b.rank[0] || a.rank[1] - b.rank[1] || a.rank[2] - b.rank[2]);
     const course = labels.filter((label) => label.rank[0] + label.rank[1] < 2).length;

@@ -1,0 +1,121 @@
+"""What a job costs besides its work: in this process, in two others, and on a Dask cluster of two workers.
+
+The jobs return a small row at once, so that all that is measured is overhead. Per job: the wall time and the
+processor time of the process that asks and, on the cluster, of the scheduler and of a worker. Processor times
+hold on a busy machine, too. Beside them: a worker's start, what it takes to keep a row and to find it kept,
+and to look at a file of a recording.
+
+    bench_jobs.py [--jobs-measured 1000] [--out build/bench/jobs.json]
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import sys
+import tempfile
+import time
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
+
+import job_examples
+from dask_cluster import Cluster
+from vista_eval.cache import digest_of
+from vista_eval.jobs import HERE, Job, Place, jobs_of, run
+from vista_eval.recordings.place import content_of
+
+IDLE_S = 10.0
+FILES = 2000
+MANY = 20  # times as many jobs where they cost little
+
+
+def cpu_s(pid: int) -> float:
+    """Processor time of a process and its threads up to now."""
+    fields = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
+    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+
+
+def measured(work: Callable[[], Any], pids: dict[str, int]) -> dict[str, float]:
+    """Wall time, and processor time of each process, s."""
+    pids = {"asking": os.getpid(), **pids}
+    before, start_s = {name: cpu_s(pid) for name, pid in pids.items()}, time.perf_counter()
+    work()
+    wall_s = time.perf_counter() - start_s
+    return {"wall": wall_s} | {name: cpu_s(pid) - before[name] for name, pid in pids.items()}
+
+
+def per_job_ms(place: Place, count: int, pids: dict[str, int]) -> dict[str, float]:
+    """From the difference of many jobs and a few, so that the start does not count."""
+    few = count // 10
+    work = [partial(run, jobs_of(job_examples.small_row, range(n)), place) for n in (few, count)]
+    work[0]()  # modules are loaded
+    start, whole = (measured(one, pids) for one in work)
+    return {name: round(1e3 * (whole[name] - start[name]) / (count - few), 3) for name in whole}
+
+
+def start_ms() -> float:
+    """Of two processes that come at the same time."""
+    spent = measured(partial(run, jobs_of(job_examples.small_row, range(2)), Place(2)), {})
+    return round(1e3 * spent["wall"], 0)
+
+
+def kept_ms(count: int) -> dict[str, float]:
+    with tempfile.TemporaryDirectory() as folder:
+        jobs = [Job(f"{k}", partial(job_examples.small_row, k), digest_of(f"{k}")) for k in range(count)]
+        keep, find = (measured(partial(run, jobs, HERE, kept=Path(folder)), {}) for _ in range(2))
+    return {"keep": round(1e3 * keep["asking"] / count, 3), "find": round(1e3 * find["asking"] / count, 3)}
+
+
+def look_ms() -> float:
+    """Of one file of a recording on a local disk."""
+    with tempfile.TemporaryDirectory() as folder:
+        for k in range(FILES):
+            Path(folder, f"{k:06d}_left.png").write_bytes(b"x")
+        spent = measured(partial(content_of, folder, "."), {})
+    return round(1e3 * spent["asking"] / FILES, 4)
+
+
+def on_cluster(count: int) -> dict[str, Any]:
+    with tempfile.TemporaryDirectory() as folder, Cluster(Path(folder), workers=0) as cluster:
+        idle = {"no worker": idle_share(cluster)}
+        place = Place(cluster=cluster.address)
+        workers = [cluster.start_worker(), cluster.start_worker()]
+        run(jobs_of(job_examples.small_row, range(100)), place)  # both are there
+        found = per_job_ms(place, count, {"scheduler": cluster.scheduler.pid, "worker": workers[0].pid})
+        idle["two workers"] = idle_share(cluster)
+    return {"per_job_ms": found, "idle_scheduler_share": idle}
+
+
+def idle_share(cluster: Cluster) -> float:
+    """Of a core, while nothing is asked for: with heartbeats of two workers, two a second each."""
+    time.sleep(1.0)
+    idle = measured(partial(time.sleep, IDLE_S), {"scheduler": cluster.scheduler.pid})
+    return round(idle["scheduler"] / IDLE_S, 4)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--jobs-measured", type=int, default=1000, metavar="N")
+    parser.add_argument("--out", type=Path, default=Path("build/bench/jobs.json"))
+    arguments = parser.parse_args()
+    count = arguments.jobs_measured
+    found = {
+        "in this process": {"per_job_ms": per_job_ms(HERE, MANY * count, {})},
+        "two processes": {"per_job_ms": per_job_ms(Place(2), MANY * count, {}), "start_ms": start_ms()},
+        "Dask, two workers": on_cluster(count),
+        "rows_ms": kept_ms(count) | {"look at a file": look_ms()},
+    }
+    arguments.out.parent.mkdir(parents=True, exist_ok=True)
+    arguments.out.write_text(json.dumps(found, indent=1) + "\n")
+    print(json.dumps(found, indent=1))
+
+
+if __name__ == "__main__":
+    main()

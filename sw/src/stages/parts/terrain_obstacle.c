@@ -1,0 +1,50 @@
+#include "stages/parts/terrain_obstacle.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "common/frame.h"
+#include "common/numbers.h"
+
+#define ACROSS_SHARE 0.1 /* of the radius: how well it is known which point of the ground is met first */
+#define FLATTEST 0.1 /* of the ellipse of the ground, its height over its width */
+#define ON_GROUND_M 0.5 /* the middle of what lies on the ground is this near to it, */
+#define ON_GROUND_SHARE 0.1 /* or this share of its distance from where the ground was found */
+#define DEPTH_MIN_M 0.05 /* nearer along z: behind the camera */
+
+bool vista_terrain_obstacle(const vista_camera *camera, const vista_pose *pose, const vista_flight_path *path,
+                            const vista_terrain *terrain, vista_obstacle *obstacle) {
+  const vista_terrain_contact *const c = &terrain->contact;
+  double camera_m[3], measurement_px[3], direction[3];
+  vista_frame_to_camera(pose, c->point_m, camera_m);
+  if (!(camera_m[2] > DEPTH_MIN_M)) return false;
+  vista_frame_measure(camera, camera_m, measurement_px, NULL);
+  (void)vista_flight_path_along(path, c->point_m, direction);
+  const double radius_px = c->radius_m * camera->focal_px / camera_m[2];
+  *obstacle = (vista_obstacle){
+      .id = VISTA_ID_GROUND,
+      .kind = VISTA_OBSTACLE_GROUND,
+      .confirmed = terrain->confirmed && terrain->world.verdict != VISTA_WORLD_REFUTED,
+      .coasting = terrain->coasting,
+      .world = terrain->world.verdict,
+      .age_frames = terrain->age_frames,
+      .distance_m = vista_norm(camera_m),
+      .extent_m = {2.0 * c->radius_m, 2.0 * c->radius_m * c->sine},
+      .ellipse = {measurement_px[0], measurement_px[1], radius_px, radius_px * fmax(c->sine, FLATTEST), 0.0},
+      .disparity_px = measurement_px[2],
+      .in_collision_volume = terrain->credible};
+  memcpy(obstacle->position_m, c->point_m, sizeof obstacle->position_m);
+  const double along2 = vista_square(terrain->sigma_m), across2 = vista_square(ACROSS_SHARE * c->radius_m);
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) {
+      const double share = direction[i] * direction[j];
+      obstacle->covariance_m2[3 * i + j] = along2 * share + across2 * ((i == j) - share);
+    }
+  return true;
+}
+
+bool vista_terrain_bears(const vista_terrain *terrain, const vista_obstacle *obstacle) {
+  double off_m[3];
+  for (int i = 0; i < 3; ++i) off_m[i] = obstacle->position_m[i] - terrain->contact.point_m[i];
+  return fabs(vista_dot(terrain->plane.normal, off_m)) <= fmax(ON_GROUND_M, ON_GROUND_SHARE * vista_norm(off_m));
+}

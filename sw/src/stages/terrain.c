@@ -1,0 +1,241 @@
+#include "stages/terrain.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "common/bits.h"
+#include "common/frame.h"
+#include "common/numbers.h"
+#include "common/parameters_check.h"
+
+#define RADIANS_PER_DEGREE 0.017453292519943295769
+#define SAME_M 2.0       /* contacts of one surface differ by less, or by SAME_SHARE of the range */
+#define SAME_SHARE 0.2
+#define ANCHOR_SHARE 0.3 /* of the range: farther off, the first line of sight says little of the surface */
+#define PASSED_M 0.5
+#define MATCHING_PX 0.1 /* error of the disparity of a surface: most of it is shared by its words */
+
+vista_status vista_terrain_layout(vista_terrain *terrain, vista_arena *arena, const vista_foveation *foveation) {
+  if (terrain == NULL || arena == NULL || foveation == NULL) return VISTA_ERROR_ARGUMENT;
+  terrain->candidates = vista_arena_take(arena, (size_t)foveation->max_nodes, sizeof(int32_t));
+  terrain->along_m = vista_arena_take(arena, (size_t)foveation->max_nodes, sizeof(float));
+  return arena->base != NULL && arena->used > arena->size ? VISTA_ERROR_MEMORY : VISTA_OK;
+}
+
+void vista_terrain_reset(vista_terrain *terrain) {
+  *terrain = (vista_terrain){.candidates = terrain->candidates, .along_m = terrain->along_m};
+}
+
+/* One frame on its way through the functions below. */
+typedef struct frame {
+  const vista_parameters *params;
+  const vista_camera *camera;
+  const vista_matched_area *matched;
+  const vista_pose *pose;
+  int64_t t_ns;
+  vista_terrain_view view;
+  vista_terrain_volume in_world, in_camera;
+  double sine_min;
+} frame;
+
+static vista_flight_path path_in_camera(const vista_flight_path *path, const vista_pose *pose) {
+  vista_flight_path own = {.curvature_1_m = path->curvature_1_m, .length_m = path->length_m};
+  vista_frame_to_camera(pose, path->start_m, own.start_m);
+  for (int i = 0; i < 3; ++i)
+    for (int k = 0; k < 3; ++k) {
+      own.direction[i] += pose->rotation[3 * k + i] * path->direction[k];
+      own.normal[i] += pose->rotation[3 * k + i] * path->normal[k];
+    }
+  return own;
+}
+
+static vista_terrain_plane plane_to_world(const vista_pose *pose, const vista_terrain_plane *plane) {
+  vista_terrain_plane world = {.offset_m = plane->offset_m};
+  for (int i = 0; i < 3; ++i) world.normal[i] = vista_dot(pose->rotation + 3 * i, plane->normal);
+  world.offset_m += vista_dot(world.normal, pose->translation_m);
+  return world;
+}
+
+static vista_terrain_plane plane_to_camera(const vista_pose *pose, const vista_terrain_plane *plane) {
+  vista_terrain_plane own = {.offset_m = plane->offset_m - vista_dot(plane->normal, pose->translation_m)};
+  for (int i = 0; i < 3; ++i)
+    for (int k = 0; k < 3; ++k) own.normal[i] += pose->rotation[3 * k + i] * plane->normal[k];
+  return own;
+}
+
+/* Along the line of sight to a point of the surface: what MATCHING_PX makes of its range. */
+static double range_sigma_m(const frame *f, const double point_m[3]) {
+  double camera_m[3];
+  vista_frame_to_camera(f->pose, point_m, camera_m);
+  return vista_norm(camera_m) * fmax(camera_m[2], 0.0) / (f->camera->focal_px * f->camera->baseline_m) * MATCHING_PX;
+}
+
+/* The surface moves along its normal by the error of the range times the sine of the line of sight on it, and the contact
+ * by as much over that of the path; the path's own direction is as uncertain as the attitude. */
+static double contact_sigma_m(const frame *f, const vista_terrain_plane *plane, const vista_terrain_contact *contact) {
+  double sight_m[3];
+  for (int i = 0; i < 3; ++i) sight_m[i] = contact->point_m[i] - f->pose->translation_m[i];
+  const double range_m = vista_norm(sight_m), sine = vista_dot(plane->normal, sight_m) / range_m;
+  const double turned_m = contact->along_m * f->params->tracker.attitude_sigma_deg * RADIANS_PER_DEGREE;
+  return hypot(range_sigma_m(f, contact->point_m) * sine, turned_m) / contact->sine;
+}
+
+static vista_world_hit world_hit(const frame *f, const double point_m[3]) {
+  vista_world_hit hit = {.along_sigma_m = range_sigma_m(f, point_m), .t_ns = f->t_ns};
+  hit.across_sigma_m = fmax(hit.along_sigma_m, 0.1);
+  memcpy(hit.position_m, point_m, sizeof hit.position_m);
+  memcpy(hit.camera_m, f->pose->translation_m, sizeof hit.camera_m);
+  return hit;
+}
+
+/* Where the first line of sight meets the surface now. False: too far from the contact for the surface to tell. */
+static bool at_anchor(const vista_terrain *t, const vista_terrain_plane *plane, const vista_terrain_contact *contact,
+                      double point_m[3]) {
+  const vista_static_world *const w = &t->world;
+  const double sine = vista_dot(plane->normal, w->along);
+  const double y_m = (plane->offset_m - vista_dot(plane->normal, w->start_m)) / sine;
+  double off_m[3];
+  for (int i = 0; i < 3; ++i) {
+    point_m[i] = w->start_m[i] + y_m * w->along[i];
+    off_m[i] = point_m[i] - contact->point_m[i];
+  }
+  return sine > 0.0 && vista_norm(off_m) <= fmax(SAME_M, ANCHOR_SHARE * contact->along_m);
+}
+
+static void judge(const frame *f, vista_terrain *t) {
+  const vista_tracker_params *const p = &f->params->tracker;
+  const vista_static_world *const w = &t->world;
+  const double time_s = vista_seconds_between(w->start_t_ns, f->t_ns);
+  const bool silent = w->hits > 1 && fabs(w->travel_m) <= p->static_speed_min_m_s * time_s;
+  const bool open = w->verdict == VISTA_WORLD_OPEN && !silent, refuted = w->verdict == VISTA_WORLD_REFUTED;
+  const bool supported = w->verdict == VISTA_WORLD_OPEN ? silent : !refuted;
+  t->confirmed = t->confirmed || vista_window_count(t->window, p->confirm_window) >= p->confirm_hits + (open ? 1 : 0);
+  t->credible = t->confirmed && !refuted && (t->credible || supported);
+}
+
+static void start(const frame *f, const vista_terrain_plane *plane, const vista_terrain_contact *contact,
+                  vista_terrain *t) {
+  const vista_world_hit hit = world_hit(f, contact->point_m);
+  vista_terrain_reset(t);
+  t->known = true;
+  t->age_frames = 1;
+  t->plane = *plane;
+  vista_static_world_start(&f->params->tracker, &hit, &t->world);
+}
+
+/* The surface is seen at `contact`, which replaces what was known of it. */
+static void take(const frame *f, const vista_terrain_plane *plane, const vista_terrain_contact *contact,
+                 vista_terrain *t) {
+  double point_m[3];
+  const bool anchored = at_anchor(t, plane, contact, point_m);
+  const vista_world_hit hit = world_hit(f, anchored ? point_m : contact->point_m);
+  const vista_world_verdict verdict = t->world.verdict;
+  if (anchored)
+    vista_static_world_add(&f->params->tracker, &hit, &t->world);
+  else
+    vista_static_world_start(&f->params->tracker, &hit, &t->world);
+  if (!anchored) t->world.verdict = verdict; /* until the new line of sight tells */
+  t->plane = *plane;
+}
+
+static void hit(const frame *f, vista_terrain *t) {
+  t->window = t->window << 1 | 1u;
+  t->seen_t_ns = f->t_ns;
+  t->misses = 0;
+  t->coasting = false;
+}
+
+/* No such surface was found in this frame. It may still be seen, or be where nothing can be seen. */
+static void miss(const frame *f, vista_terrain *t) {
+  const vista_terrain_plane plane = plane_to_camera(f->pose, &t->plane);
+  vista_terrain_contact contact;
+  t->coasting = true;
+  if (t->ahead && vista_terrain_meet(&f->in_camera, &plane, f->sine_min, &contact)) {
+    const vista_terrain_sight sight = vista_terrain_look(&f->view, &f->in_camera, &plane, &contact);
+    if (vista_terrain_seen(&f->params->terrain, &sight)) {
+      hit(f, t);
+      return;
+    }
+    const double z = fmax(contact.point_m[2], 1e-3);
+    const double d = f->camera->focal_px * f->camera->baseline_m / z;
+    const double v = f->camera->center_v_px + f->camera->focal_px * contact.point_m[1] / z;
+    const double u = f->camera->center_u_px + f->camera->focal_px * contact.point_m[0] / z;
+    const bool in_view = v >= 0.0 && v < f->camera->height_px && u >= 0.0 && u < f->camera->width_px;
+    const bool blind = d > f->matched->disparity_max_px || !in_view;
+    const double unseen_s = vista_seconds_between(t->seen_t_ns, f->t_ns);
+    const bool dark = sight.valid_px2 < 0.25 * sight.expected_px2;
+    if (t->credible && (blind || dark) &&
+        unseen_s <= (blind ? f->params->tracker.blind_zone_s : f->params->tracker.hold_s))
+      return;
+  }
+  t->window <<= 1;
+  t->misses += 1;
+  if (t->misses > f->params->tracker.miss_max || t->window == 0) vista_terrain_reset(t);
+}
+
+static bool same_surface(const frame *f, const vista_terrain *t, const vista_terrain_contact *contact) {
+  vista_terrain_contact before;
+  if (!vista_terrain_meet(&f->in_world, &t->plane, 0.0, &before)) return false;
+  return fabs(before.along_m - contact->along_m) <= fmax(SAME_M, SAME_SHARE * contact->along_m);
+}
+
+static void update(const frame *f, vista_terrain *t) {
+  vista_terrain_plane plane;
+  vista_terrain_contact contact;
+  bool found = vista_terrain_find(&f->view, &f->in_camera, &plane, &contact);
+  t->age_frames += 1;
+  t->ahead = t->known && vista_terrain_meet(&f->in_world, &t->plane, f->sine_min, &t->contact);
+  if (found) {
+    plane = plane_to_world(f->pose, &plane);
+    if (!vista_terrain_meet(&f->in_world, &plane, 0.0, &contact)) return;
+    const bool same = t->known && same_surface(f, t, &contact);
+    found = same || !t->credible; /* one frame that shows another surface does not end a warning */
+    if (same)
+      take(f, &plane, &contact, t);
+    else if (found)
+      start(f, &plane, &contact, t);
+  }
+  if (found) {
+    hit(f, t);
+    t->ahead = true;
+    t->contact = contact;
+  } else if (t->known) {
+    miss(f, t);
+  }
+  if (!t->known) return;
+  t->ahead = t->ahead && t->contact.along_m > PASSED_M;
+  t->sigma_m = t->ahead ? contact_sigma_m(f, &t->plane, &t->contact) : 0.0;
+  judge(f, t);
+}
+
+vista_status vista_terrain_update(vista_terrain *terrain, const vista_foveation *foveation,
+                                  const vista_parameters *params, const vista_camera *camera,
+                                  const vista_matched_area *matched, const double up_camera[3],
+                                  const vista_motion *motion, const vista_flight_path *path, int64_t t_ns,
+                                  const vista_cells *cells) {
+  if (terrain == NULL || foveation == NULL || params == NULL || camera == NULL || matched == NULL ||
+      up_camera == NULL || motion == NULL || path == NULL || cells == NULL)
+    return VISTA_ERROR_ARGUMENT;
+  vista_status status = VISTA_CHECK_SECTION(terrain, &params->terrain);
+  if (status == VISTA_OK) status = VISTA_CHECK_SECTION(tracker, &params->tracker);
+  if (status == VISTA_OK) status = vista_matched_area_check(matched);
+  if (status == VISTA_OK) status = vista_frame_check_camera(camera);
+  if (status == VISTA_OK) status = vista_frame_check_pose(&motion->pose);
+  if (status != VISTA_OK) return status;
+  const bool moves = motion->speed_m_s > 0.0 && motion->speed_m_s >= params->motion.speed_min_m_s;
+  if (motion->restarted || !moves) vista_terrain_reset(terrain);
+  if (!moves) return VISTA_OK;
+  const frame f = {
+      .params = params,
+      .camera = camera,
+      .matched = matched,
+      .pose = &motion->pose,
+      .t_ns = t_ns,
+      .view = {foveation, &params->terrain, camera, up_camera, cells, terrain->candidates, terrain->along_m},
+      .in_world = {*path, params->obstacle_map.collision_radius_m, params->terrain.clearance_share},
+      .in_camera = {path_in_camera(path, &motion->pose), params->obstacle_map.collision_radius_m,
+                    params->terrain.clearance_share},
+      .sine_min = sin(params->terrain.angle_min_deg * RADIANS_PER_DEGREE)};
+  update(&f, terrain);
+  return VISTA_OK;
+}

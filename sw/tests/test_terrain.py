@@ -1,0 +1,221 @@
+"""Where the flight path meets the ground: hillsides, ridges, rolling ground, a meadow to land on are warned
+of at the right distance; level and low flight, steep walls and images of textures are not."""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+import pytest
+from random_seed import seeded
+from stage_arena import ffi, lib
+from terrain_flight import (
+    RADIUS_M,
+    RATE_HZ,
+    Elevation,
+    Seen,
+    TerrainFlight,
+    first_contact_m,
+    ridge,
+    rolling,
+    slope,
+)
+
+NEAR_M, FAR_M = 14.5, 45.0
+SPEED_M_S = 20.0
+
+
+def level(x: np.ndarray, z: np.ndarray) -> np.ndarray:
+    return np.zeros_like(z)
+
+
+def turn(axis: tuple[float, float, float], degrees: float) -> np.ndarray:
+    return cv2.Rodrigues(np.radians(degrees) * np.asarray(axis, float))[0]
+
+
+def approach(
+    flight: TerrainFlight, elevation: Elevation, height_m: float, frames: int, climb_deg: float = 0.0, **how
+) -> list[tuple[float, Seen]]:
+    """Flown straight from z = 0: the true distance to the first contact, and what the stage says."""
+    climb = np.radians(climb_deg)
+    direction = np.array([0.0, -np.sin(climb), np.cos(climb)])
+    found = []
+    for frame in range(frames):
+        position = np.array([0.0, -height_m, 0.0]) + frame * SPEED_M_S / RATE_HZ * direction
+        seen = flight.fly(elevation, position, SPEED_M_S * direction, **how)
+        found.append((first_contact_m(elevation, position, direction), seen))
+    return found
+
+
+def assert_met(found: list[tuple[float, Seen]], share: float = 0.05, least_m: float = 1.0) -> None:
+    """Warned of in every frame at 14.5 to 45 m, with the distance."""
+    band = [(true, seen) for true, seen in found if NEAR_M <= true <= FAR_M]
+    assert len(band) >= 10
+    for true, seen in band:
+        assert seen.warned, true
+        assert abs(seen.along_m - true) <= max(share * true, least_m), (true, seen)
+
+
+@pytest.mark.parametrize("degrees", [5, 10, 15, 25, 40])
+def test_a_hillside_is_met(degrees: int) -> None:
+    random = seeded(degrees)
+    height_m = random.uniform(3.5, 7.0)
+    foot_m = 62.0 - (height_m - RADIUS_M) / np.tan(np.radians(degrees))
+    assert_met(approach(TerrainFlight(random), slope(degrees, foot_m), height_m, 25))
+
+
+def test_a_ridge_is_met() -> None:
+    random = seeded(50)
+    top_m = random.uniform(4.0, 6.0)
+    assert_met(approach(TerrainFlight(random), ridge(20.0, 65.0, top_m), 5.0, 24), least_m=1.5)
+
+
+def test_a_ridge_that_stays_below_is_not_met() -> None:
+    random = seeded(51)
+    found = approach(TerrainFlight(random), ridge(15.0, 50.0, 3.0), 5.0 + random.uniform(0.7, 2.0), 24)
+    assert not any(seen.warned for _, seen in found)
+
+
+def test_rolling_ground_is_met_where_it_rises_into_the_path_and_not_where_it_stays_below() -> None:
+    random = seeded(52)
+    hills = rolling(6.0, 90.0, -2 * np.pi * 70.0 / 90.0)  # a top at z = 70
+    assert_met(approach(TerrainFlight(random), hills, 6.0, 24), share=0.08, least_m=2.0)
+    for _, seen in approach(TerrainFlight(random), rolling(2.0, 50.0, random.uniform(0, 6.28)), 5.0, 25):
+        assert not seen.warned
+
+
+@pytest.mark.parametrize("height_m", [1.65, 2.3, 3.0, 6.0, 20.0])
+def test_level_and_low_flight_meets_nothing(height_m: float) -> None:
+    random = seeded(60)
+    flight = TerrainFlight(random)
+    found = approach(flight, level, height_m, 30, climb_deg=random.uniform(-0.7, 0.7), sigma_px=0.35)
+    assert not any(seen.warned for _, seen in found)
+
+
+@pytest.mark.parametrize("descent_deg", [4.0, 8.0, 20.0])
+def test_a_path_that_descends_on_a_meadow_meets_it(descent_deg: float) -> None:
+    """Be it to land: that is what the aircraft will touch."""
+    random = seeded(61)
+    height_m = RADIUS_M + 58.0 * np.sin(np.radians(descent_deg))
+    pitch = turn((1, 0, 0), -0.5 * descent_deg)
+    assert_met(
+        approach(TerrainFlight(random), level, height_m, 25, -descent_deg, rotation=pitch), least_m=1.5
+    )
+
+
+def test_a_camera_that_rolls_sees_the_same() -> None:
+    random = seeded(62)
+    for roll_deg in (-30.0, 75.0):
+        found = approach(TerrainFlight(random), slope(15, 50.0), 5.0, 24, rotation=turn((0, 0, 1), roll_deg))
+        assert_met(found)
+
+
+def test_a_wall_is_no_ground() -> None:
+    """What stands steeper than terrain.lean_min_deg allows is an obstacle with a track of its own."""
+    random = seeded(63)
+    found = approach(TerrainFlight(random), slope(70, 60.0), 5.0, 25)
+    assert not any(seen.warned for _, seen in found)
+
+
+def test_the_image_of_a_texture_moves_with_the_aircraft() -> None:
+    """A hillside matched one period off appears at a share of its range: what recedes is no hillside."""
+    random = seeded(64)
+    found = approach(
+        TerrainFlight(random), slope(25, 70.0), 6.0, 24, range_scale=random.uniform(0.4, 0.7), wrong=0.0
+    )
+    last = [seen for _, seen in found[-10:]]
+    assert not any(seen.warned for seen in last)
+    assert all(seen.verdict == lib.VISTA_WORLD_REFUTED for seen in last if not np.isnan(seen.along_m))
+
+
+def test_one_frame_warns_of_nothing_and_a_few_without_words_end_no_warning() -> None:
+    random = seeded(65)
+    flight, hill = TerrainFlight(random), slope(20, 50.0)
+    velocity = np.array([0.0, 0.0, SPEED_M_S])
+
+    def at(frame: int) -> np.ndarray:
+        return np.array([0.0, -5.0, frame * 2.0])
+
+    assert not flight.fly(hill, at(0), velocity).warned
+    for frame in range(1, 8):
+        seen = flight.fly(hill, at(frame), velocity)
+    assert seen.warned and not seen.coasting
+    flight.stages.disparity_px[:] = -1.0
+    for frame in (8, 9):
+        seen = flight.update(at(frame), velocity)
+        assert seen.warned and seen.coasting
+        assert seen.along_m == pytest.approx(first_contact_m(hill, at(frame), velocity / SPEED_M_S), abs=2.0)
+    for frame in range(10, 17):  # the view is free: no hill is there any more
+        seen = flight.fly(level, at(frame), velocity)
+    assert not seen.warned
+
+
+def test_without_own_motion_there_is_no_path() -> None:
+    flight = TerrainFlight(seeded(66))
+    for _ in range(8):
+        seen = flight.fly(slope(25, 20.0), np.array([0.0, -5.0, 0.0]), np.zeros(3))
+        assert not seen.warned and np.isnan(seen.along_m)
+
+
+def test_a_restart_of_the_world_forgets_the_ground() -> None:
+    flight, velocity = TerrainFlight(seeded(67)), np.array([0.0, 0.0, SPEED_M_S])
+    for frame in range(8):
+        seen = flight.fly(slope(25, 60.0), np.array([0.0, -5.0, 2.0 * frame]), velocity)
+    assert seen.warned
+    seen = flight.fly(slope(25, 60.0), np.array([0.0, -5.0, 16.0]), velocity, restarted=True)
+    assert not seen.warned
+
+
+def brute_force_m(volume, plane, path_at) -> float:
+    """Along a path to where a disc across it first reaches the plane."""
+    normal, offset = np.array(list(plane.normal)), plane.offset_m
+    clearance = offset - normal @ np.array(list(volume.path.start_m))
+    radius = min(volume.radius_m, volume.clearance_share * clearance)
+    for along in np.arange(0.0, volume.path.length_m, 0.05):
+        point, direction = path_at(along)
+        across = np.linalg.norm(np.cross(normal, direction))
+        if normal @ point + radius * across >= offset:
+            return along
+    return np.inf
+
+
+def test_the_contact_of_any_path_with_any_plane() -> None:
+    random = seeded(68)
+    contact = ffi.new("vista_terrain_contact *")
+    met = 0
+    for trial in range(120):
+        curvature = 0.0 if trial % 2 else random.uniform(0.002, 0.03)
+        direction = random.normal(size=3)
+        direction /= np.linalg.norm(direction)
+        aside = np.cross(direction, random.normal(size=3))
+        aside /= np.linalg.norm(aside)
+        start, length = random.normal(size=3) * 20, min(100.0, 1.5 / max(curvature, 1e-9))
+        normal = random.normal(size=3)
+        normal *= np.sign(normal @ direction) / np.linalg.norm(normal)
+        volume = ffi.new(
+            "vista_terrain_volume *",
+            [[list(start), list(direction), list(aside), curvature, length], 2.0, 0.8],
+        )
+        plane = ffi.new("vista_terrain_plane *", [list(normal), normal @ start + random.uniform(0.5, 60.0)])
+
+        def path_at(along, c=curvature, a=direction, n=aside, o=start):
+            if c == 0.0:
+                return o + along * a, a
+            angle = c * along
+            return (
+                o + (np.sin(angle) * a + (1 - np.cos(angle)) * n) / c,
+                np.cos(angle) * a + np.sin(angle) * n,
+            )
+
+        expected = brute_force_m(volume, plane, path_at)
+        found = lib.vista_terrain_meet(volume, plane, -1.0, contact)
+        if not found:
+            assert expected > length - 1.1
+            continue
+        met += 1
+        assert contact.along_m == pytest.approx(expected, abs=0.06 + 0.011 * length * (curvature > 0))
+        point = np.array(list(contact.point_m))
+        assert np.array(list(plane.normal)) @ point == pytest.approx(plane.offset_m, abs=0.02)
+        beside, along_direction = path_at(contact.along_m)
+        assert np.linalg.norm(point - beside) == pytest.approx(contact.radius_m, abs=1e-6)
+        assert contact.sine == pytest.approx(np.array(list(plane.normal)) @ along_direction, abs=1e-6)
+    assert met > 30

@@ -1,0 +1,201 @@
+"""Thin things are found where image and words agree on them, and nothing else is."""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+import pytest
+from random_seed import seeded
+from stage_arena import Arena, ffi, lib, status_name
+from thin_cases import (
+    BASELINE_M,
+    CAMERA,
+    FOCAL_PX,
+    HEIGHT,
+    WIDTH,
+    Thin,
+    Wire,
+    grid,
+    wire_at,
+    with_wire,
+    words_around,
+)
+from vista.engine import INVALID, StereoEngine
+
+NOTHING = -1.0
+
+
+def off_line(line, wire: Wire) -> tuple[float, float]:
+    """Largest distance of the found line from the wire's image, px across it, and from its disparity."""
+    v = np.arange(line.first_v_px, line.last_v_px + 1.0)
+    u = line.u_px + line.slope * (v - line.v_px)
+    inside = (u >= 0) & (u <= WIDTH - 1)
+    disparity = line.disparity_px + line.disparity_slope * (v - line.v_px)
+    offset = np.abs(wire.offset_px(u, v))[inside]
+    return float(offset.max()), float(np.abs(disparity - wire.disparity_px(u, v))[inside].max())
+
+
+def textured(random: np.random.Generator, sigma: float = 25.0) -> np.ndarray:
+    grain = cv2.GaussianBlur(random.normal(size=(HEIGHT, WIDTH)), (0, 0), 1.5)
+    return 120.0 + sigma * grain / grain.std()
+
+
+@pytest.mark.parametrize("behind_px", [NOTHING, 12.0])
+def test_a_wire_is_found_where_it_is(behind_px: float) -> None:
+    """Any angle of 30 degrees and more, thin as half a pixel, before plain sky or a plain wall behind."""
+    random = seeded(1)
+    angle = random.uniform(31.0, 149.0)
+    wire = wire_at(angle, random.uniform(12.0, 25.0), 0.015, random.uniform(-1, 1), random.uniform(-1, 1))
+    image = with_wire(np.full((HEIGHT, WIDTH), 180.0), wire, random)
+    found = Thin().find(image, words_around(wire, behind_px, random, share=0.7))
+    assert len(found) == 1
+    across_px, disparity_px = off_line(found[0], wire)
+    assert across_px < 1.5 and disparity_px < 0.5
+    assert found[0].rows_on > 0.8 * found[0].rows_apart and found[0].rows_level == 0
+
+
+def test_a_guy_wire_that_runs_away_from_the_camera_keeps_its_slope() -> None:
+    random = seeded(2)
+    direction = np.array([random.uniform(-0.7, 0.7), 1.0, random.uniform(-0.8, 0.8)])
+    wire = Wire(np.array([0.0, 0.0, 18.0]), direction / np.linalg.norm(direction), 0.02)
+    image = with_wire(np.full((HEIGHT, WIDTH), 200.0), wire, random)
+    found = Thin().find(image, words_around(wire, NOTHING, random))
+    assert len(found) == 1
+    line = found[0]
+    rows = np.array([line.v_px - 60.0, line.v_px + 60.0])
+    true_px = wire.disparity_px(line.u_px + line.slope * (rows - line.v_px), rows)
+    assert line.disparity_slope == pytest.approx((true_px[1] - true_px[0]) / 120.0, abs=0.004)
+
+
+def test_a_few_right_words_before_texture_are_enough() -> None:
+    """Most blocks that hold the wire see what is behind it."""
+    random = seeded(3)
+    wire = wire_at(random.uniform(50.0, 130.0), 15.0, 0.03, grey=10.0)
+    image = with_wire(textured(random, 10.0), wire, random)
+    found = Thin().find(image, words_around(wire, 12.0, random, share=0.4))
+    assert len(found) == 1 and off_line(found[0], wire)[1] < 0.6
+
+
+def test_the_engine_gives_words_enough() -> None:
+    """From the two images on: sky above, meadow far below, a wire of 20 mm at 20 m."""
+    random = seeded(4)
+    wire = wire_at(random.uniform(40.0, 140.0), 20.0, 0.02, random.uniform(-1, 1))
+    grey = np.where(grid()[1] < 240, 190.0, textured(random, 12.0))
+    left, right = (
+        with_wire(grey, wire, random),
+        with_wire(np.roll(grey, -4, axis=1), wire, random, shift_px=1.0),
+    )
+    found = Thin().find(left, StereoEngine(num_disparities=64).compute(left, right))
+    assert len(found) == 1
+    assert off_line(found[0], wire)[1] < 1.0
+
+
+def test_a_line_on_a_surface_is_no_thing() -> None:
+    """What is beside it is as near: a mullion, a joint, a painted line."""
+    random = seeded(5)
+    wire = wire_at(random.uniform(31.0, 149.0), 15.0, 0.03)
+    image = with_wire(np.full((HEIGHT, WIDTH), 180.0), wire, random)
+    surface = float(FOCAL_PX * BASELINE_M / 15.0)
+    assert Thin().find(image, words_around(wire, surface, random)) == []
+
+
+def test_words_of_what_is_behind_are_no_wire() -> None:
+    """The image shows it, the words do not: nothing tells where it is."""
+    random = seeded(6)
+    wire = wire_at(random.uniform(31.0, 149.0), 15.0, 0.03)
+    image = with_wire(np.full((HEIGHT, WIDTH), 180.0), wire, random)
+    assert Thin().find(image, words_around(wire, 12.0, random, share=0.0)) == []
+
+
+def test_chance_matches_on_a_line_are_no_wire() -> None:
+    random = seeded(7)
+    wire = wire_at(random.uniform(31.0, 149.0), 15.0, 0.03)
+    image = with_wire(np.full((HEIGHT, WIDTH), 180.0), wire, random)
+    words = words_around(wire, 12.0, random, share=0.0)
+    wild = random.random(words.shape) < 0.3
+    words[wild] = random.integers(0, 16 * 63, int(wild.sum()))
+    assert Thin().find(image, words) == []
+
+
+def test_texture_and_foliage_hold_no_wires() -> None:
+    """A near thing full of texture, with words that scatter as those of leaves do."""
+    random = seeded(8)
+    image = np.clip(textured(random, 45.0), 0, 255).astype(np.uint8)
+    depth = cv2.GaussianBlur(random.normal(size=(HEIGHT, WIDTH)), (0, 0), 6.0)
+    words = np.rint(16 * (20.0 + 3.0 * depth / depth.std())).astype(np.int16)
+    assert Thin().find(image, words) == []
+
+
+def test_a_marking_on_plain_ground_is_no_wire() -> None:
+    """Beside it nothing matches; its words lie on the plane of the ground."""
+    random = seeded(9)
+    height_m, slope = random.uniform(1.2, 8.0), random.uniform(-1.5, 1.5)
+    u, v = grid()
+    ground = (0.0, 0.0, BASELINE_M / height_m)
+    disparity = ground[2] * (v - (HEIGHT - 1) / 2)
+    aside = np.abs(u - 320.0 - slope * (v - 360.0))
+    shown = v > 250
+    image = np.clip(np.where(shown & (aside < 2), 200.0, 90.0) + random.normal(0, 2, u.shape), 0, 255)
+    words = np.where(shown & (aside < 8), np.rint(16 * disparity), INVALID).astype(np.int16)
+    thin = Thin(rows_min=10)
+    assert thin.find(image.astype(np.uint8), words, ground) == []
+    assert len(thin.find(image.astype(np.uint8), words)) == 1  # with the ground unknown it might be one
+
+
+def test_horizontal_wires_cannot_be_found() -> None:
+    """Along a row every place of such a wire looks the same: no words could tell its range."""
+    random = seeded(10)
+    wire = wire_at(random.uniform(-20.0, 20.0), 15.0, 0.03)
+    image = with_wire(np.full((HEIGHT, WIDTH), 180.0), wire, random)
+    u, v = grid()
+    near = np.abs(wire.offset_px(u, v)) < 6
+    words = np.where(near, 16 * 30, INVALID).astype(np.int16)
+    assert Thin().find(image, words) == []
+
+
+def test_noise_alone_shows_nothing() -> None:
+    random = seeded(11)
+    image = np.clip(random.normal(120, random.uniform(1, 12), (HEIGHT, WIDTH)), 0, 255).astype(np.uint8)
+    words = random.integers(-16, 16 * 63, (HEIGHT, WIDTH)).astype(np.int16)
+    assert Thin().find(image, words) == []
+
+
+def test_off_finds_nothing_and_frames_leave_nothing_behind() -> None:
+    random = seeded(12)
+    wire = wire_at(60.0, 15.0, 0.02)
+    image = with_wire(np.full((HEIGHT, WIDTH), 180.0), wire, random)
+    words = words_around(wire, NOTHING, random)
+    thin = Thin()
+    assert len(thin.find(image, words)) == 1
+    thin.params.find = lib.VISTA_THIN_FIND_OFF
+    assert thin.find(image, words) == []
+    thin.params.find = lib.VISTA_THIN_FIND_ON
+    assert thin.find(np.full_like(image, 128), words) == []
+
+
+def test_bad_input_is_refused() -> None:
+    thin = Thin()
+    image, words = np.zeros((HEIGHT, WIDTH), np.uint8), np.zeros((HEIGHT, WIDTH), np.int16)
+    view = thin.view(image, words)
+    handle = ffi.new("vista_thin **")
+    assert status_name(lib.vista_thin_search(ffi.NULL, CAMERA, view, ffi.NULL)) == "VISTA_ERROR_ARGUMENT"
+    assert thin.search(thin.view(image[:-1], words)) == "VISTA_ERROR_SIZE"
+    assert thin.search(thin.view(image, words[:, :-1])) == "VISTA_ERROR_SIZE"
+    thin.params.agree_px = 0.0
+    assert thin.search(thin.view(image, words)) == "VISTA_ERROR_RANGE"
+    missing = Arena(lambda arena: lib.vista_thin_layout(handle, arena, WIDTH, HEIGHT), missing_bytes=64)
+    assert status_name(missing.status) == "VISTA_ERROR_MEMORY"
+    assert status_name(lib.vista_thin_layout(handle, ffi.new("vista_arena *"), 0, 9)) == "VISTA_ERROR_SIZE"
+
+
+@pytest.mark.parametrize("size", [(1, 1), (11, 16), (12, 17), (640, 15), (9, 480)])
+def test_images_of_any_size_are_handled(size: tuple[int, int]) -> None:
+    width, height = size
+    handle = ffi.new("vista_thin **")
+    arena = Arena(lambda arena: lib.vista_thin_layout(handle, arena, width, height))
+    assert status_name(arena.status) == "VISTA_OK"
+    thin = Thin()
+    thin._handle, random = handle, seeded(13)
+    image = random.integers(0, 256, (height, width)).astype(np.uint8)
+    words = random.integers(-16, 16 * 63, (height, width)).astype(np.int16)
+    assert thin.find(image, words) == []
