@@ -211,7 +211,8 @@ typedef struct vista_obstacle_map_params {
   double lasting_scatter; /* The same in u, v and disparity, as a share of the scatter of its detections: a region that wanders may be wrong for long. 0.0 .. 10.0. */
   double thickness_ratio; /* The middle of a thing lies this share of half its smaller side behind the surface that is seen, uncertain by as much: 0 for a board, 1 for a ball. 0.0 .. 1.0. */
   double seen_min_fraction; /* The flight path is seen as far as this share of the collision volume's cross-section has disparities in regions that could be judged. 0.0 .. 1.0. */
-  unsigned char reserved[160];
+  double approach_s; /* What moves across the flight path is in the collision volume as soon as it will be within this time. 0.0 .. 60.0 s. */
+  unsigned char reserved[152];
 } vista_obstacle_map_params;
 
 /* When a view tells too little. */

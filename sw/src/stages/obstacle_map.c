@@ -11,6 +11,11 @@
 #include "common/parameters_check.h"
 #include "stages/parts/terrain_obstacle.h"
 
+#define LONG_RATIO 2.0 /* a side longer than this many times the other one is that of a long thing */
+#define STEADY_HITS 10.0 /* of which the scatter is the mean */
+#define STEADY_MIN 0.25 /* of the variance: ten hits tell no more */
+#define ACROSS_M_S 0.5
+#define ACROSS_SIGMAS 3.0
 #define THICK_MAX_M 1.0 /* larger things are walls and the like: what their sides are, tells nothing of their depth */
 #define DEPTH_MIN_M 0.05 /* nearer along z: behind the camera */
 
@@ -64,22 +69,53 @@ static double thickness_m(const vista_obstacle_map_params *params, const vista_t
   return params->thickness_ratio * half_m;
 }
 
+/* Of the scatter, what noise does not explain: the region changes. */
+static double excess_px2(const vista_track *track, int axis) {
+  return fmax(track->scatter_px2[axis] - track->expected_px2[axis], 0.0);
+}
+
+/* Most things are seen more steadily than the noise that the worst ones need. As far as a track has shown that, its
+ * covariance is smaller: T diag(share) T^-1 on both sides, T from along x, along y and along the ray to the camera. */
+static void steady_covariance(const vista_track *track, const vista_pose *pose, const double camera_m[3],
+                              double covariance_m2[9]) {
+  double sigma[3];
+  const double known = fmin(track->hits, STEADY_HITS) / STEADY_HITS;
+  for (int i = 0; i < 3; ++i) {
+    const double share = track->expected_px2[i] > 0.0 ? track->scatter_px2[i] / track->expected_px2[i] : 1.0;
+    sigma[i] = sqrt(1.0 - known * (1.0 - fmin(fmax(share, STEADY_MIN), 1.0)));
+  }
+  const double in_camera[9] = {[0] = sigma[0],
+                               [4] = sigma[1],
+                               [8] = sigma[2],
+                               [2] = (sigma[2] - sigma[0]) * camera_m[0] / camera_m[2],
+                               [5] = (sigma[2] - sigma[1]) * camera_m[1] / camera_m[2]};
+  double in_world[9] = {0}, from[9];
+  const double *const r = pose->rotation;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j)
+      for (int k = 0; k < 9; ++k) in_world[3 * i + j] += r[3 * i + k / 3] * in_camera[k] * r[3 * j + k % 3];
+  memcpy(from, covariance_m2, sizeof from);
+  vista_frame_propagate(in_world, from, covariance_m2);
+}
+
 /* Of the errors that last: along the ray by disparity and depth, across it by pixels and a share of the half extent. */
 static void lasting_covariance(const vista_obstacle_map_params *params, const vista_camera *camera,
                                const vista_pose *pose, const vista_track *track, const double camera_m[3],
                                double covariance_m2[9]) {
   const double fb = camera->focal_px * camera->baseline_m, z = camera_m[2];
   const double share = vista_square(params->lasting_scatter);
-  const double disparity_px = sqrt(vista_square(params->lasting_disparity_px) + share * track->scatter_px2[2]);
+  const double disparity_px = sqrt(vista_square(params->lasting_disparity_px) + share * excess_px2(track, 2) +
+                                   fmax(track->lasting_px2[2], 0.0));
   const double range_m = hypot(z * z / fb * disparity_px, params->lasting_range_m + thickness_m(params, track));
   const double ray[3] = {camera_m[0] / z, camera_m[1] / z, 1.0};
   double in_camera[9];
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) in_camera[3 * i + j] = range_m * range_m * ray[i] * ray[j];
   for (int i = 0; i < 2; ++i) {
-    const double center_px = sqrt(vista_square(params->lasting_center_px) + share * track->scatter_px2[i]);
+    const double center_px =
+        sqrt(vista_square(params->lasting_center_px) + share * excess_px2(track, i) + fmax(track->lasting_px2[i], 0.0));
     const double pixels_m = center_px * z / camera->focal_px;
-    const double longer_m = track->extent_m[i] - fmin(track->extent_m[0], track->extent_m[1]);
+    const double longer_m = fmax(track->extent_m[i] - LONG_RATIO * fmin(track->extent_m[0], track->extent_m[1]), 0.0);
     const double share_m = 0.5 * params->lasting_center_ratio * longer_m;
     in_camera[4 * i] += pixels_m * pixels_m + share_m * share_m;
   }
@@ -98,6 +134,26 @@ static vista_disc disc_of(const vista_obstacle_map_params *params, const vista_c
     disc.axis_y[i] = pose->rotation[3 * i + 1];
   }
   return disc;
+}
+
+/* Whether a thing that is seen to move across the path will soon be in the volume. The speed across is asked for as the
+ * tracker asks for it: above what regions that change make up, and three standard deviations. */
+static bool about_to_enter(const vista_obstacle_map_params *params, const vista_flight_path *path,
+                           const vista_track *track, const vista_disc *disc) {
+  const double *const p = track->covariance;
+  double there[3], across[3], variance = 0.0;
+  vista_flight_path_along(path, track->position_m, there);
+  const double along_m_s = vista_dot(track->velocity_m_s, there);
+  for (int i = 0; i < 3; ++i) {
+    across[i] = track->velocity_m_s[i] - along_m_s * there[i];
+    variance += p[7 * (i + 3)];
+    for (int j = 0; j < 3; ++j) variance -= there[i] * there[j] * p[6 * (i + 3) + j + 3];
+  }
+  const double speed2 = vista_dot(across, across);
+  if (speed2 <= vista_square(ACROSS_M_S) || speed2 <= vista_square(ACROSS_SIGMAS) * variance) return false;
+  vista_disc soon = *disc;
+  for (int i = 0; i < 3; ++i) soon.center_m[i] += params->approach_s * across[i];
+  return vista_flight_path_near_disc(path, &soon, params->collision_radius_m);
 }
 
 /* Without a detection: the last ellipse, moved to the predicted centre and scaled with the range. */
@@ -135,6 +191,7 @@ static bool obstacle_of(const vista_obstacle_map_params *params, const vista_cam
   vista_frame_measure(camera, camera_m, measurement_px, jacobian_camera);
   vista_frame_jacobian_to_world(pose, jacobian_camera, jacobian);
   vista_frame_propagate(jacobian, obstacle->covariance_m2, covariance_px2);
+  steady_covariance(track, pose, camera_m, obstacle->covariance_m2);
   double lasting_m2[9];
   lasting_covariance(params, camera, pose, track, camera_m, lasting_m2);
   for (int i = 0; i < 9; ++i) obstacle->covariance_m2[i] += lasting_m2[i];
@@ -143,10 +200,11 @@ static bool obstacle_of(const vista_obstacle_map_params *params, const vista_cam
   const int32_t members = vista_window_count(track->volume_window, 3);
   const bool undetected = (track->coasting || track->followed) && track->parts == 0;
   obstacle->in_collision_volume = track->credible && members >= (track->hits > 1 ? 2 : 1);
-  if (obstacle->in_collision_volume && (undetected || track->edges_only)) {
-    const vista_disc disc = disc_of(params, camera, pose, track, covariance_px2, camera_m[2]);
+  const vista_disc disc = disc_of(params, camera, pose, track, covariance_px2, camera_m[2]);
+  if (obstacle->in_collision_volume && (undetected || track->edges_only))
     obstacle->in_collision_volume = vista_flight_path_near_disc(path, &disc, params->collision_radius_m);
-  }
+  if (track->credible && !undetected && !track->edges_only)
+    obstacle->in_collision_volume |= about_to_enter(params, path, track, &disc);
   return true;
 }
 

@@ -3,7 +3,7 @@
  * Collision volume: the points within radius_m of the path that is flown next, straight or an arc (motion.h).
  * Time to collision: along the path, over the speed at which the obstacle comes nearer along it.
  * Covariance: the filter takes the errors of a region for white, and averages them out. Part of them lasts as long as
- * the thing is in view: the matcher's bias, a region that wanders (the scatter of its detections), the end of a long thing
+ * the thing is in view: the matcher's bias, a region that wanders (what its detections have in common from one to the next), the end of a long thing
  * that the region lacks. That part is added to the filter's covariance, J diag(lasting^2) J^T as in reconstruction, not
  * fed into it.
  * Position: of the middle, thickness_ratio of half the smaller side behind the surface that is seen; uncertain by as much.
@@ -16,6 +16,7 @@
  * its own.
  * Membership: an obstacle that is seen, by the pixels of its region (collision_volume.h) in two of its last three
  * hits, or in its only one. Without a detection it stays a member as far as its disc does.
+ * Entering: what is seen to move across the path is a member, too, when its disc will be within approach_s.
  * Disc: an elliptical one facing the camera, semi-axes extent / 2 + inflation_sigma times the standard deviation
  * of its bearing at its depth. Only across the line of sight: the range uncertainty of a far obstacle moves it along
  * its line of sight and would put misses into the volume; it is reported in the covariance instead. */

@@ -83,6 +83,9 @@ typedef struct vista_track {
   double extent_m[2];     /* width, height */
   double extent_variance[2]; /* of the natural logarithm of extent_m */
   double scatter_px2[3]; /* mean square of what the last ten detections differed by from the prediction; u, v, d */
+  double lasting_px2[3]; /* mean product of two such differences in a row: what lasts in them */
+  double off_px[3];      /* the last one */
+  double expected_px2[3]; /* what the noise of the detections and of the prediction would have the scatter be */
   vista_static_world world;
   vista_ellipse ellipse; /* of the last detection */
   double ellipse_depth_m; /* camera z at that detection */

@@ -86,12 +86,19 @@ static void hit(const vista_track_frame *f, const vista_detection *detection, vi
   track->ellipse_depth_m = f->camera->focal_px * f->camera->baseline_m / detection->disparity_px;
 }
 
-/* How far the region wanders: what its outline lacks or has too much now and then. */
-static void scatter(const vista_detection *detection, const vista_track_view *view, vista_track *track) {
+/* How far the region wanders, and how far it was expected to by the noise of its detections and of the prediction. */
+static void scatter(const vista_detection *detection, const vista_track_view *view, const double variance_px2[3],
+                    vista_track *track) {
   const double off_px[3] = {detection->u_px - view->measurement_px[0], detection->v_px - view->measurement_px[1],
                             detection->disparity_px - view->measurement_px[2]};
   const double weight = 1.0 / fmin(track->hits, SCATTER_HITS);
-  for (int i = 0; i < 3; ++i) track->scatter_px2[i] += weight * (vista_square(off_px[i]) - track->scatter_px2[i]);
+  for (int i = 0; i < 3; ++i) {
+    const double expected_px2 = view->covariance_px2[4 * i] + variance_px2[i];
+    track->scatter_px2[i] += weight * (vista_square(off_px[i]) - track->scatter_px2[i]);
+    track->lasting_px2[i] += weight * (off_px[i] * track->off_px[i] - track->lasting_px2[i]);
+    track->off_px[i] = off_px[i];
+    track->expected_px2[i] += weight * (expected_px2 - track->expected_px2[i]);
+  }
 }
 
 void vista_track_take(const vista_track_frame *f, const vista_detection *detection, const vista_track_view *view,
@@ -100,7 +107,7 @@ void vista_track_take(const vista_track_frame *f, const vista_detection *detecti
   vista_track_filter_noise(f->params, f->camera, detection, view, reshaped, variance_px2);
   const vista_world_hit seen = world_hit(f, detection, view->camera_m[2], variance_px2);
   vista_static_world_add(f->params, &seen, &track->world);
-  scatter(detection, view, track);
+  scatter(detection, view, variance_px2, track);
   vista_track_filter_update(f->params, view, detection, variance_px2, track);
   hit(f, detection, track);
 }
