@@ -21,6 +21,7 @@ import statistics
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
+from functools import partial
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -31,6 +32,10 @@ ROOT = Path(__file__).resolve().parents[1]
 DATA = ROOT / "doc" / "results" / "data"
 SYNTHESIS = ROOT / "rtl" / "synth" / "results.json"
 MARKED = re.compile(r"(<!-- table: ([a-z-]+) -->\n).*?(<!-- end of table -->)", re.DOTALL)
+
+# Of a cluster that the costs of a job are reckoned up for. Dask's workers send a heartbeat twice a second
+# where there are few, and every n / 200 + 1 seconds where there are n.
+WORKERS, HEARTBEAT_S, HEARTBEATS_OF_TWO = 1000, 6.0, 4.0
 
 Record = dict[str, Any]
 
@@ -459,6 +464,52 @@ def sources_table() -> str:
     return markdown("figures | command | commit, date | machine", rows)
 
 
+def jobs_table() -> str:
+    """Wall times only where no start of a process is in them."""
+    found = figures("jobs")
+    rows = []
+    for place in ("in this process", "two processes", "Dask, two workers"):
+        ms = found[place]["per_job_ms"]
+        rows.append([place, *(fixed(ms.get(name), 2) for name in ("asking", "scheduler", "worker"))])
+    return markdown("processor time per job, ms | process that asks | scheduler | one of the workers", rows)
+
+
+def jobs_limits_table() -> str:
+    """What follows for a cluster from the costs of one job."""
+    found = figures("jobs")
+    cluster, rows_ms = found["Dask, two workers"]["per_job_ms"], found["rows_ms"]
+    busiest_ms = max(cluster["scheduler"], cluster["asking"] + rows_ms["keep"])
+    idle = found["Dask, two workers"]["idle_scheduler_share"]
+    beats = (idle["two workers"] - idle["no worker"]) / HEARTBEATS_OF_TWO
+    rows = [
+        ["jobs per second that the scheduler or the process that asks can take", f"{1e3 / busiest_ms:.0f}"],
+        [
+            "mean length of a job at which 1,000 workers take a quarter of that",
+            f"{4 * WORKERS * busiest_ms / 1e3:.0f} s",
+        ],
+        [
+            f"heartbeats of 1,000 workers ({WORKERS / HEARTBEAT_S:.0f} a second): share of a core",
+            f"{100 * beats * WORKERS / HEARTBEAT_S:.0f} %",
+        ],
+        ["to look at a file of a recording on a local disk", f"{rows_ms['look at a file']:.3f} ms"],
+        ["to find the row of a recording kept", f"{rows_ms['find']:.3f} ms"],
+    ]
+    return markdown("what | figure", rows)
+
+
+def worlds_table(split: str, name: str) -> str:
+    """One of the tables that `vista worlds` prints."""
+    (table,) = (one for one in figures(f"worlds-{split}")["tables"] if one["name"] == name)
+    return markdown(" | ".join(table["heads"]), table["rows"])
+
+
+WORLDS = [
+    (split, name)
+    for split in ("dev", "test")
+    for name in ("scores", "controls", "noise", "segmentation", "stereo")
+]
+
+
 TABLES: dict[str, Callable[[], str]] = {
     "headline": headline_table,
     "sources": sources_table,
@@ -471,6 +522,8 @@ TABLES: dict[str, Callable[[], str]] = {
     "host": host_table,
     "stages": stages_table,
     "maxflow": maxflow_table,
+    "jobs": jobs_table,
+    "jobs-limits": jobs_limits_table,
     "street": street_table,
     "segmentation-dev": lambda: segmentation_table("dev"),
     "segmentation-test": lambda: segmentation_table("test"),
@@ -484,6 +537,7 @@ TABLES: dict[str, Callable[[], str]] = {
     "coverage": coverage_table,
     "mutants": mutants_table,
     "system-model": system_model_table,
+    **{f"worlds-{split}-{name}": partial(worlds_table, split, name) for split, name in WORLDS},
 }
 
 
@@ -656,6 +710,19 @@ def reduce_lidar(raw: Record) -> Record:
     return {"halves": halves}
 
 
+def reduce_worlds(raw: Record) -> Record:
+    """Without the single flights."""
+    return {"rules": raw["rules"], "families": rounded_all(raw["families"]), "tables": raw["tables"]}
+
+
+def rounded_all(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {key: rounded_all(one) for key, one in value.items()}
+    if isinstance(value, list):
+        return [rounded_all(one) for one in value]
+    return round(value, 3) if isinstance(value, float) else value
+
+
 REDUCE: dict[str, Callable[[Record], Record]] = {
     "engine": lambda raw: raw,
     "frontend": lambda raw: raw,
@@ -667,9 +734,11 @@ REDUCE: dict[str, Callable[[Record], Record]] = {
     "street": lambda raw: raw,
     "segmentation": lambda raw: raw,
     "maxflow": reduce_maxflow,
+    "jobs": lambda raw: raw,
     "flights": reduce_flights,
     "scenes": reduce_scenes,
     "throughput": reduce_throughput,
+    **{f"worlds-{split}": reduce_worlds for split in ("dev", "test")},
 }
 
 

@@ -10,6 +10,7 @@ static const char *const stereo_prefilter_choices[] = {"xsobel", "none"};
 static const char *const stereo_smooth_choices[] = {"off", "binomial3"};
 static const char *const affinity_form_choices[] = {"product", "sum"};
 static const char *const affinity_flow_encoding_choices[] = {"exponential", "linear"};
+static const char *const segmentation_solver_choices[] = {"cut", "forest"};
 static const char *const thin_find_choices[] = {"off", "on"};
 
 static const struct {
@@ -67,6 +68,7 @@ static const struct {
     {{"segmentation.merge_share", "", "Two regions are one if more than half of the edges between them, and this share of the shorter perimeter, are smooth.", VISTA_PARAMETER_FLOAT, 0.1, 0.0, 1.0, "", 0, NULL}, offsetof(vista_parameters, segmentation.merge_share)},
     {{"segmentation.rest_affinity", "", "Cells that no obstacle claims form seeds of the rest along edges of at least this affinity.", VISTA_PARAMETER_FLOAT, 0.7, 0.0, 1.0, "", 0, NULL}, offsetof(vista_parameters, segmentation.rest_affinity)},
     {{"segmentation.rest_area_px2", "px2", "Smallest seed of the rest that is cut out.", VISTA_PARAMETER_FLOAT, 60.0, 1.0, 1000000.0, "", 0, NULL}, offsetof(vista_parameters, segmentation.rest_area_px2)},
+    {{"segmentation.solver", "", "What divides the free cells around a seed: the paper's minimum cut, or a maximum spanning forest of the same links.", VISTA_PARAMETER_CHOICE, 0, 0, 1, "", 2, segmentation_solver_choices}, offsetof(vista_parameters, segmentation.solver)},
     {{"refinement.sigma_intensity", "grey levels", "Difference of a pixel from a cell that weighs as much as one cell of distance at compactness 1.", VISTA_PARAMETER_FLOAT, 10.0, 0.1, 255.0, "", 0, NULL}, offsetof(vista_parameters, refinement.sigma_intensity)},
     {{"refinement.contrast_limit", "sigma_intensity", "A larger difference weighs no more than this.", VISTA_PARAMETER_FLOAT, 3.0, 0.0, 100.0, "", 0, NULL}, offsetof(vista_parameters, refinement.contrast_limit)},
     {{"refinement.mixed_penalty", "", "Cost of a cell at a border: it may show parts of both regions.", VISTA_PARAMETER_FLOAT, 0.75, 0.0, 100.0, "", 0, NULL}, offsetof(vista_parameters, refinement.mixed_penalty)},

@@ -10,8 +10,14 @@ import flight_on_disk as disk
 import pytest
 from vista import parameters
 from vista_eval.metrics import flight_segmentation
-from vista_eval.metrics.flight_segmentation import FlightSegmentation, pool, rows, segment_cached
-from vista_eval.metrics.scenes import CUT, REFERENCES
+from vista_eval.metrics.flight_segmentation import (
+    COMPARED,
+    FlightSegmentation,
+    pool,
+    rows,
+    segment_cached,
+)
+from vista_eval.metrics.scenes import CUT
 from vista_eval.metrics.segmentation import PartitionScore, Thing, ThingScore
 
 
@@ -21,7 +27,7 @@ def partition(*ious: float) -> PartitionScore:
 
 
 def flight(name: str, split: str, cut: tuple[float, ...], reference: tuple[float, ...]) -> FlightSegmentation:
-    scores = {CUT: partition(*cut)} | {name: partition(*reference) for name in REFERENCES}
+    scores = {CUT: partition(*cut)} | {name: partition(*reference) for name in COMPARED}
     return FlightSegmentation(name, split, 1, scores)
 
 

@@ -22,7 +22,7 @@ from vista_eval.baselines.stereo_alone import (
 )
 from vista_eval.dataset.truth import FlightTruth
 from vista_eval.metrics.comparison import Comparison, Point
-from vista_eval.metrics.frame_truth import CYLINDER_LENGTH_M, CYLINDER_RADIUS_M
+from vista_eval.metrics.flight_path import CYLINDER_LENGTH_M, CYLINDER_RADIUS_M
 
 
 def truth_of_the_rig() -> FlightTruth:

@@ -84,6 +84,9 @@ typedef struct vista_surface_params {
   unsigned char reserved[208];
 } vista_surface_params;
 
+/* What divides the free cells around a seed: the paper's minimum cut, or a maximum spanning forest of the same links. */
+typedef enum vista_segmentation_solver { VISTA_SEGMENTATION_SOLVER_CUT, VISTA_SEGMENTATION_SOLVER_FOREST } vista_segmentation_solver;
+
 /* Recursive minimum cuts (paper, section II-C). */
 typedef struct vista_segmentation_params {
   double seed_step_px; /* Largest disparity step inside a seed between adjoining cells. 0.05 .. 8.0 px. */
@@ -100,7 +103,8 @@ typedef struct vista_segmentation_params {
   double merge_share; /* Two regions are one if more than half of the edges between them, and this share of the shorter perimeter, are smooth. 0.0 .. 1.0. */
   double rest_affinity; /* Cells that no obstacle claims form seeds of the rest along edges of at least this affinity. Paper: w_ij. 0.0 .. 1.0. */
   double rest_area_px2; /* Smallest seed of the rest that is cut out. 1.0 .. 1000000.0 px2. */
-  unsigned char reserved[144];
+  vista_segmentation_solver solver; /* What divides the free cells around a seed: the paper's minimum cut, or a maximum spanning forest of the same links. */
+  unsigned char reserved[140];
 } vista_segmentation_params;
 
 /* Regions at the resolution of the image: pixels of cells at a border join the cell that they resemble. */

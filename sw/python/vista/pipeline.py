@@ -114,7 +114,7 @@ class Pipeline:
     def __init__(self, camera: Calibration, values: parameters.Values | None = None) -> None:
         self._ffi, self._lib = native.load(self.library)
         self._camera = camera
-        self._parameters = _c_parameters(self._ffi, self._lib, values or parameters.defaults())
+        self._parameters = c_parameters(self._ffi, self._lib, values or parameters.defaults())
         self._c_camera = self._ffi.new(
             "vista_camera *",
             (camera.width, camera.height, camera.focal_px, camera.cx, camera.cy, camera.baseline_m),
@@ -210,8 +210,8 @@ class Pipeline:
             for k in range(views.region_count)
         ]
         return Result(
-            obstacles=[_obstacle(ffi, lib, r.obstacles[k]) for k in range(r.obstacle_count)],
-            nearest_collision=_nearest(nearest) if nearest.valid else None,
+            obstacles=[read_obstacle(ffi, lib, r.obstacles[k]) for k in range(r.obstacle_count)],
+            nearest_collision=read_nearest(nearest) if nearest.valid else None,
             path_seen_m=r.path_seen_m,
             motion=_motion(ffi, lib, r.motion),
             health=_health(ffi, lib, r.health),
@@ -229,7 +229,7 @@ class Pipeline:
         )
 
 
-def _c_parameters(ffi: Any, lib: Any, values: parameters.Values) -> Any:
+def c_parameters(ffi: Any, lib: Any, values: parameters.Values) -> Any:
     c = ffi.new("vista_parameters *")
     lib.vista_parameters_init(c, ffi.sizeof(c[0]))
     for name, value in parameters.flat(values).items():
@@ -242,7 +242,7 @@ def _c_parameters(ffi: Any, lib: Any, values: parameters.Values) -> Any:
     return c
 
 
-def _obstacle(ffi: Any, lib: Any, o: Any) -> Obstacle:
+def read_obstacle(ffi: Any, lib: Any, o: Any) -> Obstacle:
     e = o.ellipse
     return Obstacle(
         id=o.id,
@@ -284,7 +284,7 @@ def _health(ffi: Any, lib: Any, h: Any) -> Health:
     )
 
 
-def _nearest(n: Any) -> Nearest:
+def read_nearest(n: Any) -> Nearest:
     seconds = n.time_to_collision_s
     return Nearest(
         id=n.id,

@@ -60,7 +60,7 @@ class Detectors:
         return {
             OURS: Judged(result.words, result.region_of_pixel, result.verdict_of_region),
             REFERENCE: self._reference(pair, result),  # works on the frame processed last
-            SGBM: self._with_words(pair, [self._sgbm(pair)]),
+            SGBM: self._with_words(pair, [self._sgbm(pair.left, pair.right)]),
             ALONE: self._stereo_alone(pair),
         }
 
@@ -90,7 +90,10 @@ class Detectors:
         return Judged(kept, label, [ACCEPTED] * (int(label.max(initial=-1)) + 1))
 
 
-def make_sgbm(stereo: EngineParameters) -> Callable[[TruthPair], NDArray[np.int16]]:
+def make_sgbm(
+    stereo: EngineParameters,
+) -> Callable[[NDArray[np.uint8], NDArray[np.uint8]], NDArray[np.int16]]:
+    """Words of a left and a right image."""
     area = SGBM_BLOCK**2
     matcher = cv2.StereoSGBM.create(
         minDisparity=0,
@@ -105,8 +108,8 @@ def make_sgbm(stereo: EngineParameters) -> Callable[[TruthPair], NDArray[np.int1
         mode=cv2.STEREO_SGBM_MODE_SGBM_3WAY,
     )
 
-    def words(pair: TruthPair) -> NDArray[np.int16]:
-        found = np.asarray(matcher.compute(pair.left, pair.right), np.int16)
+    def words(left: NDArray[np.uint8], right: NDArray[np.uint8]) -> NDArray[np.int16]:
+        found = np.asarray(matcher.compute(left, right), np.int16)
         return np.where(found < 0, np.int16(INVALID), found)
 
     return words

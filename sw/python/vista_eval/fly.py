@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from vista import native, parameters
 from vista.chain import Step, make_chain, run_frame
+from vista.engine import Engine
 from vista.errors import InputError
 from vista.geometry import Pose
 from vista.health.finding import Finding, FrameHealth, Reason, State
@@ -53,9 +54,11 @@ def open_flight(folder: Path, disturbance: Disturbance = UNDISTURBED) -> Sequenc
     )
 
 
-def fly(sequence: Sequence, values: parameters.Values) -> Iterator[Step]:
-    """Every frame of the flight, in order, through engine and host."""
+def fly(sequence: Sequence, values: parameters.Values, engine: Engine | None = None) -> Iterator[Step]:
+    """Every frame of the flight, in order, through engine and host; engine: None for the project's."""
     chain = make_chain(sequence, "golden", values, threads=1)
+    if engine is not None:
+        chain = replace(chain, engine=engine)
     for files in sequence.frames:
         yield run_frame(chain, files)
 
@@ -77,7 +80,7 @@ def fly_cached(
         cache,
         flight_digest(folder, values, disturbance),
         lambda: [judged(step) for step in fly(open_flight(folder, disturbance), values)],
-        lambda records: [_record(record) for record in records],
+        lambda records: [read_record(record) for record in records],
         anew,
     )
 
@@ -91,7 +94,7 @@ def flight_digest(folder: Path, values: parameters.Values, disturbance: Disturba
     )
 
 
-def _record(content: dict[str, Any]) -> FrameRecord:
+def read_record(content: dict[str, Any]) -> FrameRecord:
     pose, nearest = content["world_from_camera"], content["nearest_collision"]
     return FrameRecord(
         **content

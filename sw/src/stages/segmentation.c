@@ -9,6 +9,7 @@
 #include "common/plane_fit.h"
 #include "stages/parts/merge.h"
 #include "stages/parts/seed_step.h"
+#include "stages/parts/spanning_forest.h"
 
 vista_status vista_segmentation_layout(vista_segmentation *segmentation, vista_arena *arena,
                                        const vista_foveation *foveation) {
@@ -27,6 +28,11 @@ vista_status vista_segmentation_layout(vista_segmentation *segmentation, vista_a
   s->capacity = vista_arena_take(arena, (size_t)foveation->graph.arc_count, sizeof(int32_t));
   const vista_status merging = vista_merge_layout(foveation, arena, &s->merge);
   if (merging != VISTA_OK) return merging;
+  vista_spanning_forest forest;
+  const vista_status growing = vista_spanning_forest_layout(&foveation->graph, arena, &forest);
+  if (growing != VISTA_OK) return growing;
+  s->forest = vista_arena_take(arena, 1, sizeof *s->forest);
+  if (s->forest != NULL) *s->forest = forest;
   const vista_status status = vista_seeds_layout(&s->seeds, arena, foveation);
   if (status != VISTA_OK) return status;
   return vista_maxflow_layout(&s->maxflow, &foveation->graph, arena);
@@ -97,6 +103,8 @@ typedef struct cut {
   int32_t seed;
 } cut;
 
+static int32_t larger(int32_t a, int32_t b) { return a > b ? a : b; }
+
 /* The flow comes to a free cell: finds its links. An edge to a cell whose side is settled is a link to that side's
  * terminal, so that the flow runs over free cells only. */
 static void link_free_cell(void *context, int32_t node) {
@@ -105,13 +113,14 @@ static void link_free_cell(void *context, int32_t node) {
   vista_segmentation *const s = c->segmentation;
   const vista_graph *const graph = &w->foveation->graph;
   while (s->step <= s->steps[node]) gather_step(w, s);
+  const bool grown = w->params->solver == VISTA_SEGMENTATION_SOLVER_FOREST; /* each link for itself: no sums */
   int32_t source = 0, sink = s->seeds.seed_of_node[node] == c->seed ? 0 : sink_link(w, &s->seeds, c->seed, node);
   for (int32_t arc = graph->first_arc[node]; arc < graph->first_arc[node + 1]; ++arc) {
     const int32_t other = graph->head[arc], role = s->role[other];
     const bool uncertain = s->seeds.shell[node] || s->seeds.shell[other];
     const int32_t capacity = uncertain ? w->affinity->intensity_capacity[arc] : w->affinity->capacity[arc];
-    source += role == SOURCE ? capacity : 0;
-    sink += role == SINK ? capacity : 0;
+    if (role == SOURCE) source = grown ? larger(source, capacity) : source + capacity;
+    if (role == SINK) sink = grown ? larger(sink, capacity) : sink + capacity;
     s->capacity[arc] = role == FREE || role == LINKED ? capacity : 0;
   }
   s->role[node] = LINKED;
@@ -134,20 +143,40 @@ static int32_t list_starts(const view *w, vista_segmentation *s) {
   return count;
 }
 
-/* One isolating cut; the source side becomes region `label`. */
-static vista_status cut_out(const view *w, vista_segmentation *s, int32_t seed, int32_t label) {
-  gather_seed(w, s, seed);
-  cut c = {w, s, seed};
+/* The spanning forest of all free cells within reach. */
+static void grow(const view *w, vista_segmentation *s, cut *c) {
+  while (s->step < w->params->reach) gather_step(w, s);
+  int32_t count = 0;
+  for (int32_t k = 0; k < s->subset_count; ++k)
+    if (s->role[s->subset[k]] == FREE) s->starts[count++] = s->subset[k];
+  for (int32_t k = 0; k < count; ++k) link_free_cell(c, s->starts[k]);
+  const vista_forest_problem problem = {s->capacity, s->source_capacity, s->sink_capacity, s->starts, count};
+  vista_spanning_forest_grow(s->forest, &w->foveation->graph, &problem, s->source_side);
+}
+
+/* The minimum cut, over as much of the free cells as its flow comes to. */
+static vista_status solve(const view *w, vista_segmentation *s, cut *c) {
   const vista_maxflow_problem problem = {.arc_capacity = s->capacity,
                                          .source_capacity = s->source_capacity,
                                          .sink_capacity = s->sink_capacity,
                                          .subset = s->starts,
                                          .subset_count = list_starts(w, s),
                                          .open = link_free_cell,
-                                         .context = &c};
+                                         .context = c};
   int64_t value;
-  const vista_status status = vista_maxflow_solve(&s->maxflow, &problem, s->source_side, NULL, &value);
-  if (status != VISTA_OK) return status;
+  return vista_maxflow_solve(&s->maxflow, &problem, s->source_side, NULL, &value);
+}
+
+/* One isolating cut; the source side becomes region `label`. */
+static vista_status cut_out(const view *w, vista_segmentation *s, int32_t seed, int32_t label) {
+  gather_seed(w, s, seed);
+  cut c = {w, s, seed};
+  if (w->params->solver == VISTA_SEGMENTATION_SOLVER_FOREST)
+    grow(w, s, &c);
+  else {
+    const vista_status status = solve(w, s, &c);
+    if (status != VISTA_OK) return status;
+  }
   for (int32_t k = 0; k < s->subset_count; ++k) {
     const int32_t node = s->subset[k];
     const bool on_source_side = s->role[node] == SOURCE || (s->role[node] == LINKED && s->source_side[node]);

@@ -5,7 +5,9 @@
  * a horizontal surface all pull towards T). A seed's shell is free and pulled nowhere, and its edges do without
  * disparities: there the contrast of the image decides. The source side becomes a region and leaves the graph. When
  * no obstacle seed is left, regions are joined where their common boundary has no jump in disparity; then the same is
- * done with seeds of the rest. The recursion stops when S would be empty. */
+ * done with seeds of the rest. The recursion stops when S would be empty.
+ *
+ * For comparison the same links may be divided by a maximum spanning forest instead (segmentation.solver). */
 #ifndef VISTA_SEGMENTATION_H
 #define VISTA_SEGMENTATION_H
 
@@ -23,6 +25,7 @@
 #define VISTA_NO_LABEL (-1)
 
 struct vista_merge; /* stages/parts/merge.h */
+struct vista_spanning_forest; /* stages/parts/spanning_forest.h */
 
 typedef struct vista_segmentation {
   int32_t *label;          /* node_count: region 0 .. region_count - 1 or VISTA_NO_LABEL */
@@ -40,6 +43,7 @@ typedef struct vista_segmentation {
   float *carried_px; /* scratch, node_count */
   int32_t *capacity;         /* scratch, graph.arc_count: of the free nodes' arcs */
   struct vista_merge *merge; /* scratch */
+  struct vista_spanning_forest *forest; /* scratch */
 } vista_segmentation;
 
 vista_status vista_segmentation_layout(vista_segmentation *segmentation, vista_arena *arena,

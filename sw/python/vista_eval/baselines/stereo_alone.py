@@ -25,15 +25,10 @@ from vista.sequence import open_sequence
 
 from vista_eval.cache import code_digest, digest_of, flight_files, kept
 from vista_eval.dataset.truth import TRUTH, FlightTruth
-from vista_eval.metrics.frame_truth import (
-    CYLINDER_LENGTH_M,
-    CYLINDER_RADIUS_M,
-    FrameTruth,
-    flight_direction,
-    flight_frames,
-    still_surfaces,
-)
-from vista_eval.metrics.judge import HIT_RANGE_M, Seen, Warned, agrees, seen_from
+from vista_eval.metrics.flight_path import CYLINDER_LENGTH_M, CYLINDER_RADIUS_M, flight_direction
+from vista_eval.metrics.frame_truth import FrameTruth, flight_frames, still_surfaces
+from vista_eval.metrics.judge import Seen, Warned, agrees, seen_from
+from vista_eval.metrics.rules import HIT_RANGE_M, PAPER
 
 TEXTURES = (0, 10, 100, 300, 1000, 2000)
 UNIQUENESSES = (0, 5, 15, 30, 50)  # percent
@@ -218,7 +213,7 @@ def judge_clusters(
 ) -> tuple[int, int]:
     """Sizes of the largest cluster that agrees with the target, and of the largest that is a false alarm.
     still: what stands still around the path, whatever frame shows it."""
-    agreeing = next((c.pixels for c in found if agrees(truth, c.place, frame.of_target)), 0)
+    agreeing = next((c.pixels for c in found if agrees(truth, PAPER, c.place, frame.of_target)), 0)
     real = (frame.around_path, still)
-    suspects = (c for c in found if not any(agrees(truth, c.place, points) for points in real))
+    suspects = (c for c in found if not any(agrees(truth, PAPER, c.place, points) for points in real))
     return agreeing, next((c.pixels for c in suspects), 0)

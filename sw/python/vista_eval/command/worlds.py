@@ -5,29 +5,32 @@ are drawn from stated distributions (vista_eval.worlds.sampled); `--list` names 
 on those of the split dev. A scoring of the split test needs a clean checkout and flights that are those of
 the frozen set, and appends one line to doc/results/scorings.jsonl.
 
-The scores are printed. DIR receives worlds-dev.json or worlds-test.json, which has every figure.
+Judging is strict (vista_eval.metrics). Beside the detector fly a spanning forest in place of the cut, SGBM's
+words, perfect disparities, and stereo alone with the host's tracker at each of many thresholds.
+
+The tables are printed. DIR receives worlds-dev.json or worlds-test.json, which has every figure, and a report
+of the same name, which shows the frames that fail first.
 """
 
 from __future__ import annotations
 
 import argparse
 import json
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from vista import parameters
-from vista.command.arguments import add_config, load_parameters, positive
+from vista.command.arguments import add_config, load_parameters, not_negative, positive
 from vista.errors import EXIT_OK, InputError
-from vista.output import write_atomically
 
 from vista_eval.cache import digest_of
 from vista_eval.dataset.truth import SPLITS
 from vista_eval.jobs import Place, add_place, chosen_place, jobs_of, run
-from vista_eval.metrics.family import family_figures, family_table, figures_of_families
 
 if TYPE_CHECKING:
-    from vista_eval.metrics.flight_score import FlightScore
+    from vista_eval.metrics.world_score import WorldScore
     from vista_eval.render.flight import Quality
     from vista_eval.worlds.sampled.family import Family
 
@@ -56,6 +59,19 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="write down what the flights of the split test are made of, or, once they are scored, check "
         "that they still are; and stop",
     )
+    parser.add_argument(
+        "--no-controls",
+        action="store_true",
+        help="score the detector alone, without what is flown and segmented beside it, which takes longest",
+    )
+    parser.add_argument(
+        "--noise",
+        nargs="+",
+        type=not_negative,
+        default=[],
+        metavar="GREY_LEVELS",
+        help="score also with sensor noise added to the images of both cameras, of each standard deviation",
+    )
     add_place(parser)
     add_config(parser)
 
@@ -78,15 +94,15 @@ def execute(arguments: argparse.Namespace) -> int:
         return EXIT_OK
     folders = [folder / name_of(key) for key in keys]
     judged = before_a_scoring(folders) if arguments.split == "test" else None
-    scores = run(jobs_of(partial(scored, values), folders), place, "fly", "flight")
-    by_family = {family.name: scores[k * count : (k + 1) * count] for k, family in enumerate(families)}
-    print(family_table(by_family))
-    path = arguments.folder / f"worlds-{arguments.split}.json"
-    content = {"parameters": values, "split": arguments.split, "families": figures_of_families(by_family)}
-    write_atomically(path, json.dumps(content, indent=1, allow_nan=False) + "\n")
+    work = partial(score_flight, values, arguments.no_controls, tuple(arguments.noise))
+    worlds = run(jobs_of(work, folders), place, "score", "flight")
+    from vista_eval.score_worlds import write_worlds
+
+    name = f"worlds-{arguments.split}"
+    print(write_worlds(arguments.folder, worlds, values, name))
     if judged is not None:
-        log_scoring(judged, by_family, values)
-    print(f"\nfigures: {path}")
+        log_scoring(judged, worlds, values)
+    print(f"\nreport: {arguments.folder / f'{name}.html'}, figures: {arguments.folder / f'{name}.json'}")
     return EXIT_OK
 
 
@@ -136,12 +152,13 @@ def render(folder: Path, quality: Quality, key: Key) -> None:
         raise InputError(error.filename or name_of(key), error.strerror or str(error)) from None
 
 
-def scored(values: parameters.Values, folder: Path) -> FlightScore:
-    from vista_eval.command.flights import RECORDS
-    from vista_eval.fly import fly_cached
-    from vista_eval.metrics.flight_score import score_records
+def score_flight(
+    values: parameters.Values, no_controls: bool, noise_grey: tuple[float, ...], folder: Path
+) -> WorldScore:
+    from vista_eval.metrics.world_score import EVERYTHING, NOTHING, score_world
 
-    return score_records(folder, fly_cached(folder, values, folder / RECORDS), values)
+    beside = replace(NOTHING if no_controls else EVERYTHING, noise_grey=noise_grey)
+    return score_world(folder, values, beside)
 
 
 # ---- the test set ----
@@ -152,7 +169,8 @@ def freeze(place: Place) -> None:
     from vista_eval.worlds.sampled import frozen
 
     root = scoring_log.checkout_of(Path(__file__))
-    found = dict(run(jobs_of(frozen.content_digest, frozen.test_flights(), str), place, "digest", "flight"))
+    jobs = jobs_of(frozen.content_digest, frozen.flights_of_the_set(), lambda flight: flight.name)
+    found = dict(run(jobs, place, "digest", "flight"))
     if not scoring_log.read_log(root):
         frozen.write_frozen(root, found)
         print(f"{root / frozen.FROZEN}: {len(found)} flights")
@@ -175,12 +193,11 @@ def before_a_scoring(folders: list[Path]) -> dict[str, Any]:
     return {"commit": commit, "date": scoring_log.now(), "set": frozen.digest_of_set(digests)}
 
 
-def log_scoring(
-    judged: dict[str, Any], by_family: dict[str, list[FlightScore]], values: parameters.Values
-) -> None:
+def log_scoring(judged: dict[str, Any], worlds: list[WorldScore], values: parameters.Values) -> None:
     from vista_eval.metrics import scoring_log
+    from vista_eval.metrics.world_score import family_scores, logged_figures
 
-    figures = {family: family_figures(flights) for family, flights in by_family.items()}
+    figures = {family.name: logged_figures(family) for family in family_scores(worlds)}
     used = digest_of(json.dumps(values, sort_keys=True))
     root = scoring_log.checkout_of(Path(__file__))
     scoring_log.append(root, judged | {"parameters": used, "families": figures})

@@ -3,7 +3,8 @@
 `truth/disparity/T.png`: KITTI 16 bits, round(256 d) of the left image's disparity d at pixel centres, 0 sky.
 `truth/label/T.png`: 8 bits (16 with more than 254 things), k = the scene's k-th thing from 1, 0 = sky.
 `truth/objects/T.json`: per thing in view its pixels, their mean world position, their bounding box.
-`truth.json` tells of the whole flight; it is written last.
+`truth.json` tells of the whole flight; it is written last. Of each frame it may hold `world_from_camera`,
+4x4: the true pose of the left camera, where the recorded one is disturbed.
 """
 
 from __future__ import annotations
@@ -18,11 +19,12 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 from vista.errors import InputError
-from vista.geometry import Array
+from vista.geometry import Array, Pose
 
 from vista_eval.dataset.files import write_image, write_text
-from vista_eval.render.rig import Rig
+from vista_eval.render.rig import LEFT, Rig
 from vista_eval.render.scene import Scene, Thing
+from vista_eval.render.trajectory import BodyState
 from vista_eval.render.view import View
 
 # ---- format ----
@@ -94,12 +96,19 @@ def object_entry(label: int, thing: Thing, first_frame_s: float) -> dict:
 
 
 def flight_truth(
-    flight: Path, about: dict, scene: Scene, rig: Rig, times_ns: list[int], first_frame_s: float
+    flight: Path, about: dict, scene: Scene, rig: Rig, states: list[BodyState], first_frame_s: float
 ) -> dict:
-    """`about`: name, title, split, speed, rate. Reads what `write_frame_truth` has written of each frame."""
+    """`about`: name, title, split, speed, rate. Reads what `write_frame_truth` has written of each frame.
+
+    states: as flown, which need not be what the flight's pose file says."""
     frames = [
-        {"t_ns": t_ns, "objects": json.loads(truth_path(flight, "objects", t_ns).read_text())}
-        for t_ns in times_ns
+        {
+            "t_ns": state.t_ns,
+            "objects": json.loads(truth_path(flight, "objects", state.t_ns).read_text()),
+            "world_from_camera": (state.world_from_body @ rig.body_from_camera(LEFT)).tolist(),
+            "velocity_m_s": state.velocity_world_m_s.tolist(),
+        }
+        for state in states
     ]
     return {
         "version": VERSION,
@@ -140,6 +149,8 @@ class FlightTruth:
     objects: dict[int, TrueObject]  # by label
     times_ns: tuple[int, ...]
     seen: tuple[dict[int, dict[str, Any]], ...]  # of each frame, by label: pixels, position_m, bbox_px
+    family: str = ""  # of sampled flights: the kind of content
+    poses: tuple[Pose, ...] | None = None  # world_from_camera of each frame; None: the recorded ones are true
 
     @property
     def focal_baseline_px_m(self) -> float:
@@ -214,4 +225,13 @@ def _flight_truth(folder: Path, content: dict[str, Any]) -> FlightTruth:
         {o.label: o for o in objects},
         tuple(frame["t_ns"] for frame in frames),
         tuple({o["label"]: o for o in frame["objects"]} for frame in frames),
+        content.get("family", ""),
+        _poses(frames),
     )
+
+
+def _poses(frames: list[dict[str, Any]]) -> tuple[Pose, ...] | None:
+    if not all("world_from_camera" in frame for frame in frames):
+        return None
+    matrices = [np.array(frame["world_from_camera"], float) for frame in frames]
+    return tuple(Pose(matrix[:3, :3], matrix[:3, 3]) for matrix in matrices)

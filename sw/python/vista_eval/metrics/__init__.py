@@ -34,6 +34,20 @@ error           |P - P^| of the match; for a large target the distance of P^ to 
 blind frame     the target's nearest point in the cylinder is nearer than the engine matches,
                 f B / (candidates - 1)
 
+Sampled flights are judged by stricter limits (rules.STRICT); what differs:
+
+flight path     leads through the true positions of the frames that follow, and goes on beyond the last one
+                (flight_path). Something that moves is in the way if it and the aircraft will meet
+met             the point that the collision volume touches first as it travels along the path (meeting)
+P               of what is thin or flat and no larger than COMPACT_M its own centre; of everything else, the
+                ground included, the point where it is met. Every match has an error from P, and a NEES
+agrees          within max(2 dz(r), 0.5 m); of the nearest collision the position that is reported as such. A
+                warning of what has no centre of its own has to give the range of P
+hit             asked for at 14.5 to 45 m, or from 3 s before impact where that is shorter: then down to half
+                of that, if that is nearer than 14.5 m
+false alarm     likewise within max(2 dz(r), 0.5 m), and 0.5 m of the volume; ground agrees only with a
+                warning that gives the range where it is met
+
 Under pose noise an estimate is carried into the true world through the camera: what counts is where an
 obstacle is as seen from the aircraft.
 """

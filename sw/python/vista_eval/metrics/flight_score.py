@@ -16,9 +16,10 @@ from vista.history import FrameRecord
 from vista_eval.dataset.truth import FlightTruth
 from vista_eval.fly import UNDISTURBED, Disturbance, fly, judged, open_flight
 from vista_eval.metrics.consistency import Consistency, consistency
-from vista_eval.metrics.frame_truth import FrameTruth, flight_direction, flight_frames, still_surfaces
+from vista_eval.metrics.frame_truth import FrameTruth, flight_frames, still_surfaces
 from vista_eval.metrics.gospa import CUTOFF_M, ORDER, Gospa, gospa
 from vista_eval.metrics.judge import FrameScore, Judge, carried
+from vista_eval.metrics.rules import PAPER, Rules
 
 FOOT_M = 0.3048
 FIRST_DETECTION_M = 60.0  # demanded of flights that begin that far away
@@ -90,12 +91,13 @@ def summary(score: FlightScore) -> dict[str, Any]:
     return asdict(score) | {"hit_rate": score.hit_rate}
 
 
-def score_records(folder: Path, records: list[FrameRecord], values: parameters.Values) -> FlightScore:
+def score_records(
+    folder: Path, records: list[FrameRecord], values: parameters.Values, rules: Rules = PAPER
+) -> FlightScore:
     """records: of every frame of the flight, in its order."""
-    truth, frames = flight_frames(folder)
-    direction = flight_direction([frame.world_from_camera for frame in frames])
-    still_m = still_surfaces(truth, frames)
-    judge = Judge(truth, direction, blind_depth_m(truth, values), still_m)
+    truth, frames = flight_frames(folder, rules)
+    still_m = still_surfaces(truth, frames, rules)
+    judge = Judge(truth, blind_depth_m(truth, values), still_m, rules)
     by_time = {record.t_ns: record for record in records}
     scored: list[FrameScore] = []
     sets: list[Gospa] = []
@@ -103,7 +105,7 @@ def score_records(folder: Path, records: list[FrameRecord], values: parameters.V
         record = by_time[frame.t_ns]
         believed = record.world_from_camera or Pose()
         world_from_estimate = frame.world_from_camera @ believed.inverse()
-        scored.append(judge.frame(frame, record.obstacles, world_from_estimate))
+        scored.append(judge.frame(frame, record.obstacles, record.nearest_collision, world_from_estimate))
         sets.append(compare_sets(frame, record, world_from_estimate))
     host_ms = float(np.median([record.stage_ms["host"] for record in records]))
     return flight_score(truth, scored, sets, [record.health.state for record in records], host_ms)

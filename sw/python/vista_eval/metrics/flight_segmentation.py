@@ -1,4 +1,5 @@
-"""Scores the segmentation of a flight's frames against its labels, beside the reference method.
+"""Scores the segmentation of a flight's frames against its labels, beside the reference methods and the
+forest.
 
 Scores of one frame are those of vista_eval.metrics.segmentation; frames of a flight are not independent, so
 intervals are over flights.
@@ -14,15 +15,17 @@ import numpy as np
 from vista import parameters
 
 from vista_eval.cache import code_digest, digest_of, kept
+from vista_eval.controls import FOREST, with_forest
 from vista_eval.dataset.scenes import read_scene
 from vista_eval.dataset.truth import SPLITS, TRUTH, read_truth
 from vista_eval.fly import flight_digest
-from vista_eval.metrics.scenes import CUT, REFERENCES, partition_scenes, score_scene
+from vista_eval.metrics.scenes import CUT, REFERENCES, partition_scenes, score_cut, score_scene
 from vista_eval.metrics.segmentation import STATISTICS, PartitionScore, Thing, ThingScore, difference_interval
 from vista_eval.report.text_table import aligned
 
 STRIDE = 8  # frames
 MIN_FLIGHTS = 3  # of an interval
+COMPARED = (*REFERENCES, FOREST)  # with the cut
 SHOWN = {"iou_median": "IoU median", "boundary_recall_cell": "boundary recall"}
 
 
@@ -49,6 +52,8 @@ def segment_flight(folder: Path, values: parameters.Values) -> FlightSegmentatio
     scenes = [read_scene(folder, k) for k in range(0, len(truth.times_ns), STRIDE)]
     scored = [score_scene(scene, partition) for scene, partition in partition_scenes(scenes, values)]
     pooled = {name: pool([one.scores[name] for one in scored]) for name in (CUT, *REFERENCES)}
+    grown = partition_scenes(scenes, with_forest(values))
+    pooled[FOREST] = pool([score_cut(scene, partition) for scene, partition in grown])
     return FlightSegmentation(truth.name, truth.split, len(scenes), pooled)
 
 
@@ -93,7 +98,7 @@ def rows(flights: list[FlightSegmentation]) -> list[SegmentationRow]:
 
 def _row(name: str, flights: list[FlightSegmentation], group: bool = False) -> SegmentationRow:
     by_partition = {
-        partition: [flight.scores[partition] for flight in flights] for partition in (CUT, *REFERENCES)
+        partition: [flight.scores[partition] for flight in flights] for partition in (CUT, *COMPARED)
     }
     things = sum(len(score.things) for score in by_partition[CUT])
     values = tuple(tuple(STATISTICS[key](scores) for scores in by_partition.values()) for key in SHOWN)
@@ -102,7 +107,7 @@ def _row(name: str, flights: list[FlightSegmentation], group: bool = False) -> S
     intervals = tuple(
         tuple(
             difference_interval(by_partition[CUT], by_partition[reference], STATISTICS[key])
-            for reference in REFERENCES
+            for reference in COMPARED
         )
         for key in SHOWN
     )
@@ -112,7 +117,7 @@ def _row(name: str, flights: list[FlightSegmentation], group: bool = False) -> S
 def heads() -> list[str]:
     return [
         "things",
-        *(f"{statistic}, {partition}" for statistic in SHOWN.values() for partition in (CUT, *REFERENCES)),
+        *(f"{statistic}, {partition}" for statistic in SHOWN.values() for partition in (CUT, *COMPARED)),
     ]
 
 
@@ -126,7 +131,7 @@ def interval_text(row: SegmentationRow) -> str:
     return "; ".join(
         f"{statistic}, cut - {reference}: {low:+.2f} to {high:+.2f}"
         for statistic, pairs in zip(SHOWN.values(), row.intervals, strict=True)
-        for reference, (low, high) in zip(REFERENCES, pairs, strict=True)
+        for reference, (low, high) in zip(COMPARED, pairs, strict=True)
     )
 
 

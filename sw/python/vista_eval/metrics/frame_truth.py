@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import functools
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -13,10 +13,20 @@ from vista.geometry import Array, Pose
 from vista.sequence import open_sequence
 
 from vista_eval.dataset.truth import FlightTruth, TrueObject, read_truth
+from vista_eval.metrics.flight_path import (
+    CYLINDER_LENGTH_M,
+    CYLINDER_RADIUS_M,
+    Curved,
+    FlightPath,
+    Straight,
+    flight_direction,
+    true_paths,
+)
+from vista_eval.metrics.meeting import contact, ground_radius_m
+from vista_eval.metrics.rules import PAPER, Rules
 
-CYLINDER_RADIUS_M, CYLINDER_LENGTH_M = 2.0, 100.0
-INFLATION_M = 1.0
 COMPACT_M = 3.0  # largest side of a target whose centre is a point to aim at
+CENTER_M = 0.5  # and farthest from what is seen of it
 DANGER_PIXELS = 20  # of the target in the cylinder; the sign has 40 at 150 m
 STANDING_PIXELS = 50  # fewer: no obstacle of this frame to GOSPA
 THIN_ABOVE_PIXELS, THIN_STRIDE_PX = 4000, 3  # a wall needs no point a pixel; within BEARING_MARGIN_PX
@@ -76,7 +86,9 @@ class Target:
     reference_m: Array  # (3,) P
     range_m: float  # of P
     nearest_depth_m: float  # along the optical axis, of its points in the cylinder
-    surface_m: Array | None  # (n, 3) what is seen of it; None: it is compact, P is its own centre
+    surface_m: Array | None  # (n, 3) what is seen of it; None: errors are those from P
+    asked_m: tuple[float, float]  # from where to where a hit is asked for
+    met: bool  # P is where the path meets it, so a warning of it has to give P's range
 
 
 @dataclass(frozen=True)
@@ -86,7 +98,9 @@ class FrameTruth:
     around_path: Points  # in the inflated cylinder
     in_cylinder: NDArray[np.bool_]  # of around_path
     target: Target | None  # None: no target is a true danger
+    ground_m: dict[int, float]  # of ground that is in the way, by label: the range where the path meets it
     surfaces: dict[int, Array]  # (k, 3) seen points of each standing object, by label
+    real: Points  # of around_path; without ground, where that is judged by where the path meets it
 
     @functools.cached_property
     def of_target(self) -> Points:
@@ -96,79 +110,159 @@ class FrameTruth:
 
 
 @functools.lru_cache(maxsize=64)
-def flight_frames(folder: Path) -> tuple[FlightTruth, tuple[FrameTruth, ...]]:
+def flight_frames(folder: Path, rules: Rules = PAPER) -> tuple[FlightTruth, tuple[FrameTruth, ...]]:
     """The truth of a flight on disk. Raises InputError."""
     truth = read_truth(folder)
-    frames = open_sequence(folder).frames
+    poses = true_poses(truth)
+    if rules.meeting:
+        paths: list[FlightPath] = [*true_paths(poses, truth.times_ns)]
+    else:
+        paths = [Straight(flight_direction(poses))] * len(poses)
+    return truth, tuple(
+        frame_truth(truth, k, pose, path, rules)
+        for k, (pose, path) in enumerate(zip(poses, paths, strict=True))
+    )
+
+
+def true_poses(truth: FlightTruth) -> list[Pose]:
+    """Of the left camera, of each frame: those that the truth tells, else those of the recording."""
+    if truth.poses is not None:
+        return list(truth.poses)
+    frames = open_sequence(truth.folder).frames
     poses = {f.t_ns: f.world_from_camera for f in frames if f.world_from_camera is not None}
     missing = [t_ns for t_ns in truth.times_ns if t_ns not in poses]
     if missing:
-        raise InputError(folder, f"no pose at {missing[0]}, a frame of truth.json")
-    direction = flight_direction([poses[t_ns] for t_ns in truth.times_ns])
-    return truth, tuple(frame_truth(truth, k, poses[t], direction) for k, t in enumerate(truth.times_ns))
+        raise InputError(truth.folder, f"no pose at {missing[0]}, a frame of truth.json")
+    return [poses[t_ns] for t_ns in truth.times_ns]
 
 
-def flight_direction(poses: list[Pose]) -> Array:
-    """Unit vector of the whole flight's travel, world; of a still camera its optical axis."""
-    travel_m = poses[-1].translation_m - poses[0].translation_m
-    length_m = float(np.linalg.norm(travel_m))
-    return travel_m / length_m if length_m > 1e-6 else poses[0].rotation[:, 2]
-
-
-def frame_truth(truth: FlightTruth, index: int, world_from_camera: Pose, direction: Array) -> FrameTruth:
+def frame_truth(
+    truth: FlightTruth, index: int, world_from_camera: Pose, path: FlightPath, rules: Rules = PAPER
+) -> FrameTruth:
     t_ns = truth.times_ns[index]
-    points = true_points(truth, t_ns, world_from_camera, direction)
-    reach_m = CYLINDER_RADIUS_M + INFLATION_M
-    near = (points.aside_m <= reach_m) & (points.along_m > 0.0)
-    near &= points.along_m <= CYLINDER_LENGTH_M + INFLATION_M
-    around = points.where(near)
-    inside = (around.aside_m <= CYLINDER_RADIUS_M) & (around.along_m <= CYLINDER_LENGTH_M)
+    points = true_points(truth, t_ns, world_from_camera, path)
+    moving = points if isinstance(path, Straight) else as_they_move(truth, points, path)
+    length_m = path.length_m if isinstance(path, Curved) else CYLINDER_LENGTH_M
+    reach_m = CYLINDER_RADIUS_M + rules.inflation_m
+    near = np.zeros(len(points), bool)
+    for each in (points, moving):
+        beside = (each.aside_m <= reach_m) & (each.along_m > 0.0)
+        near |= beside & (each.along_m <= length_m + rules.inflation_m)
+    around = moving.where(near)
+    inside = (around.aside_m <= CYLINDER_RADIUS_M) & (around.along_m > 0.0) & (around.along_m <= length_m)
     age_s = (t_ns - truth.times_ns[0]) / 1e9
-    target = find_target(truth, age_s, world_from_camera, around.where(inside), points)
+    shown = around.where(inside)
+    ground_m = ground_contacts(truth, shown, moving) if rules.meeting else {}
+    target = find_target(truth, age_s, path, shown, moving, rules)
     kept = thinned(around)
     surfaces = standing_surfaces(truth, points)
-    return FrameTruth(t_ns, world_from_camera, around.where(kept), inside[kept], target, surfaces)
+    around = around.where(kept)
+    real = around
+    if rules.meeting:
+        ground = [label for label, thing in truth.objects.items() if not thing.standing]
+        real = around.where(~np.isin(around.label, ground))
+    return FrameTruth(t_ns, world_from_camera, around, inside[kept], target, ground_m, surfaces, real)
 
 
-def true_points(truth: FlightTruth, t_ns: int, world_from_camera: Pose, direction: Array) -> Points:
-    """One a pixel that shows a surface; direction: unit vector of the flight path."""
+def true_points(truth: FlightTruth, t_ns: int, world_from_camera: Pose, path: FlightPath) -> Points:
+    """One a pixel that shows a surface."""
     view = View(world_from_camera, truth.focal_px, truth.center_px)
     disparity_px = truth.disparity_px(t_ns)
     v, u = np.nonzero(disparity_px)
     depth_m = truth.focal_baseline_px_m / disparity_px[v, u]
     x, y = view.rays(u, v)
-    d = (world_from_camera.rotation.T @ direction).astype(np.float32)
-    along_m = depth_m * (x * d[0] + y * d[1] + d[2])
-    square_m2 = depth_m**2 * (x * x + y * y + 1)
+    aside_m, along_m = path.measure(world_from_camera, x, y, depth_m)
     return Points(
         view,
         u.astype(np.int32),
         v.astype(np.int32),
         truth.labels(t_ns)[v, u],
         depth_m,
-        np.sqrt(square_m2),
-        np.sqrt(np.maximum(square_m2 - along_m**2, 0)),
+        depth_m * np.sqrt(x * x + y * y + 1),
+        aside_m,
         along_m,
     )
 
 
+def as_they_move(truth: FlightTruth, points: Points, path: Curved) -> Points:
+    """The same points, those of things that move beside and along the path as these see it."""
+    aside_m, along_m = points.aside_m.copy(), points.along_m.copy()
+    for thing in truth.objects.values():
+        if not np.any(thing.velocity_m_s):
+            continue
+        own = np.flatnonzero(points.label == thing.label)
+        origin_m = points.view.world_from_camera.translation_m
+        offset_m = points.where(own).position_m - origin_m
+        aside_m[own], along_m[own] = path.relative_to(thing.velocity_m_s).beside(offset_m, origin_m)
+    return replace(points, aside_m=aside_m, along_m=along_m)
+
+
+def ground_contacts(truth: FlightTruth, inside: Points, everything: Points) -> dict[int, float]:
+    """Of what does not stand and is in the way: the range where the collision volume first meets it."""
+    found = {}
+    for label in np.unique(inside.label).tolist():
+        thing = truth.objects.get(label)
+        if thing is None or thing.standing:
+            continue
+        met = meeting_point(inside, everything, label, standing=False)
+        if met is not None:
+            found[label] = float(np.linalg.norm(met - everything.view.world_from_camera.translation_m))
+    return found
+
+
+def meeting_point(inside: Points, everything: Points, label: int, standing: bool) -> Array | None:
+    """Where the collision volume first meets a thing; None: with too few pixels to tell."""
+    shown = inside.where(inside.label == label)
+    radius_m = CYLINDER_RADIUS_M
+    if not standing:
+        whole = everything.where(everything.label == label)
+        radius_m = ground_radius_m(whole.aside_m, whole.along_m, radius_m)
+    first = contact(shown.aside_m, shown.along_m, radius_m, DANGER_PIXELS)
+    return None if first is None else shown.where(first).position_m.mean(axis=0)
+
+
 def find_target(
-    truth: FlightTruth, age_s: float, world_from_camera: Pose, inside: Points, everything: Points
+    truth: FlightTruth, age_s: float, path: FlightPath, inside: Points, everything: Points, rules: Rules
 ) -> Target | None:
     """The nearest target with enough pixels among the points in the cylinder; age_s: of the flight."""
-    camera_m = world_from_camera.translation_m
+    camera_m = inside.view.world_from_camera.translation_m
     found: list[Target] = []
     for thing in truth.targets:
         shown = inside.where(inside.label == thing.label)
         if len(shown) < DANGER_PIXELS:
             continue
-        compact = max(thing.extent_m) <= COMPACT_M
         center_m = thing.position_m + thing.velocity_m_s * age_s
-        reference_m = center_m if compact else shown.position_m.mean(axis=0)
-        surface_m = None if compact else surface_of(everything, thing.label)
+        compact = max(thing.extent_m) <= COMPACT_M
+        if rules.meeting and compact:
+            compact = thing.standing and shows_center(shown, center_m)
+        if compact:
+            reference_m = center_m
+        elif rules.meeting:
+            met = meeting_point(inside, everything, thing.label, thing.standing)
+            if met is None:
+                continue
+            reference_m = met
+        else:
+            reference_m = shown.position_m.mean(axis=0)
+        surface_m = None if compact or rules.meeting else surface_of(everything, thing.label)
         range_m = float(np.linalg.norm(reference_m - camera_m))
-        found.append(Target(thing, reference_m, range_m, float(shown.depth_m.min()), surface_m))
+        asked_m = rules.band_m(closing_m_s(truth, path, thing))
+        nearest_m = float(shown.depth_m.min())
+        found.append(
+            Target(thing, reference_m, range_m, nearest_m, surface_m, asked_m, rules.meeting and not compact)
+        )
     return min(found, key=lambda target: target.range_m, default=None)
+
+
+def shows_center(shown: Points, center_m: Array) -> bool:
+    """A board's or a pole's centre lies at what is seen of it, a vehicle's behind its face."""
+    return bool(np.linalg.norm(shown.position_m - center_m, axis=1).min() <= CENTER_M)
+
+
+def closing_m_s(truth: FlightTruth, path: FlightPath, thing: TrueObject) -> float:
+    if isinstance(path, Straight):
+        return truth.speed_m_s
+    return path.relative_to(thing.velocity_m_s).speed_m_s
 
 
 def surface_of(points: Points, label: int) -> Array:
@@ -176,10 +270,15 @@ def surface_of(points: Points, label: int) -> Array:
     return shown.position_m[thinned(shown)]
 
 
-def still_surfaces(truth: FlightTruth, frames: tuple[FrameTruth, ...]) -> Array:
+def still_surfaces(truth: FlightTruth, frames: tuple[FrameTruth, ...], rules: Rules = PAPER) -> Array:
     """(n, 3) points around the flight path of what does not move, as any of the frames shows it: what is
-    narrower than a pixel from afar has pixels of its own in the nearer ones. One point a STILL_M cube."""
-    still = [label for label, thing in truth.objects.items() if not np.any(thing.velocity_m_s)]
+    narrower than a pixel from afar has pixels of its own in the nearer ones. One point a STILL_M cube. Not of
+    ground, where that is judged by the point where the path meets it."""
+    still = [
+        label
+        for label, thing in truth.objects.items()
+        if not np.any(thing.velocity_m_s) and (thing.standing or not rules.meeting)
+    ]
     cubes = [np.zeros((0, 3), np.int64)]
     for frame in frames:
         shown = frame.around_path.where(np.isin(frame.around_path.label, still))

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from vista_eval.metrics.comparison import Comparison
 from vista_eval.metrics.flight_score import FIRST_DETECTION_M, FlightScore
 from vista_eval.metrics.group import group_score, nees, number, percent, share
-from vista_eval.metrics.judge import HIT_RANGE, HIT_RANGE_M
+from vista_eval.metrics.rules import HIT_RANGE, HIT_RANGE_M
 
 AIMED_KINDS = ("sign", "pole")  # the paper's obstacles
 HIT_RATE, WITHIN_2DZ, MEDIAN_DZ = 0.95, 0.95, 0.5

@@ -10,16 +10,15 @@ from numpy.typing import NDArray
 from vista.geometry import Array, Pose
 
 from vista_eval.dataset.truth import FlightTruth
+from vista_eval.metrics.flight_path import Straight
 from vista_eval.metrics.frame_truth import FrameTruth, Points, Target, true_points
+from vista_eval.metrics.rules import HIT_RANGE_M, PAPER, Rules
 
 if TYPE_CHECKING:
-    from vista.pipeline import Obstacle
+    from vista.pipeline import Nearest, Obstacle
 
-MIN_TOLERANCE_M = 2.0
 BEARING_MARGIN_PX = 3.0
-HIT_RANGE_M = (14.5, 45.0)
-HIT_RANGE = f"{HIT_RANGE_M[0]:g} to {HIT_RANGE_M[1]:g} m"
-NEAR = f"nearer than {HIT_RANGE_M[1]:g} m"  # where a frame may be missed
+ANYWHERE = Straight(np.array([1.0, 0.0, 0.0]))  # where the path does not matter
 TOO_NEAR_ID = 0  # no track: something is too near to match, somewhere up to the range that is given
 
 
@@ -55,10 +54,11 @@ class FrameScore:
     nees: float | None  # of three dimensions; None without a match, or without a reference point
     false_alarms: tuple[FalseAlarm, ...]
     blind: bool  # the target is nearer than the engine matches
+    asked_m: tuple[float, float] = HIT_RANGE_M  # from where to where a hit is asked for
 
     @property
     def in_band(self) -> bool:
-        return self.range_m is not None and HIT_RANGE_M[0] <= self.range_m <= HIT_RANGE_M[1]
+        return self.range_m is not None and self.asked_m[0] <= self.range_m <= self.asked_m[1]
 
     @property
     def hit(self) -> bool:
@@ -66,43 +66,50 @@ class FrameScore:
 
     @property
     def missed(self) -> bool:
-        return self.range_m is not None and self.range_m < HIT_RANGE_M[1] and self.matched_id is None
+        return self.range_m is not None and self.range_m < self.asked_m[1] and self.matched_id is None
 
 
 class Judge:
     """Of one flight, frame after frame: what has left the image is judged by what was seen before."""
 
     def __init__(
-        self, truth: FlightTruth, direction: Array, blind_depth_m: float, still_m: Array | None = None
+        self, truth: FlightTruth, blind_depth_m: float, still_m: Array | None = None, rules: Rules = PAPER
     ) -> None:
-        """direction: of the flight path; blind_depth_m: nearer along the optical axis nothing is matched;
-        still_m: (n, 3) surfaces around the path that any frame of the flight shows."""
+        """blind_depth_m: nearer along the optical axis nothing is matched; still_m: (n, 3) surfaces around
+        the path that any frame of the flight shows."""
         self._truth = truth
-        self._direction = direction
+        self._rules = rules
         self._still_m = np.zeros((0, 3)) if still_m is None else still_m
         self._blind_depth_m = blind_depth_m
         self._earlier_m = np.zeros((0, 3))
         self._matched: int | None = None
 
     def frame(
-        self, frame: FrameTruth, obstacles: tuple[Obstacle, ...], world_from_estimate: Pose
+        self,
+        frame: FrameTruth,
+        obstacles: tuple[Obstacle, ...],
+        nearest: Nearest | None,
+        world_from_estimate: Pose,
     ) -> FrameScore:
-        """obstacles: of the chain, in the world of its poses; world_from_estimate leads into the true one."""
+        """obstacles, nearest: of the chain, in the world of its poses; world_from_estimate leads into the
+        true one."""
+        truth, rules, target = self._truth, self._rules, frame.target
         confirmed = {o.id: o for o in obstacles if o.confirmed}
         positions_m = {k: carried(world_from_estimate, o.position_m) for k, o in confirmed.items()}
-        places = [place_of(self._truth, frame, o, positions_m[k]) for k, o in confirmed.items()]
-        agreeing = [place.id for place in places if agrees(self._truth, place, frame.of_target)]
+        if rules.meeting and nearest is not None and nearest.id in positions_m:
+            positions_m[nearest.id] = carried(world_from_estimate, nearest.position_m)
+        places = [place_of(truth, frame, o, positions_m[k]) for k, o in confirmed.items()]
+        agreeing = [place.id for place in places if tells_of_target(truth, rules, place, frame)]
         warnings = {k: o for k, o in confirmed.items() if o.in_collision_volume}
         warned = [place for place in places if place.id in warnings]
         alarms = [
             alarm
-            for alarm in false_alarms(self._truth, frame, self._direction, self._still_m, warned)
+            for alarm in false_alarms(truth, rules, frame, self._still_m, warned)
             if not self._was_there(frame, warnings[alarm.id], positions_m[alarm.id], alarm.range_m)
         ]
-        self._earlier_m = np.concatenate([self._earlier_m, frame.around_path.position_m[::16]])
+        self._earlier_m = np.concatenate([self._earlier_m, frame.real.position_m[::16]])
         matched = self._match(frame, [k for k in agreeing if k in warnings], positions_m)
         error_m, nees = None, None
-        target = frame.target
         if target is not None and matched is not None and matched != TOO_NEAR_ID:
             covariance_m2 = warnings[matched].covariance_m2
             error_m, nees = errors(target, positions_m[matched], covariance_m2, world_from_estimate)
@@ -117,6 +124,7 @@ class Judge:
             nees,
             tuple(alarms),
             target is not None and target.nearest_depth_m < self._blind_depth_m,
+            HIT_RANGE_M if target is None else target.asked_m,
         )
 
     def _match(self, frame: FrameTruth, agreeing: list[int], positions_m: dict[int, Array]) -> int | None:
@@ -137,21 +145,45 @@ class Judge:
         cu, cv = self._truth.center_px
         if abs(x_px) <= cu + 0.5 and abs(y_px) <= cv + 0.5:
             return False
-        reach_m = tolerance_m(self._truth, range_m) + 0.5 * max(obstacle.extent_m)
+        reach_m = tolerance_m(self._truth, self._rules, range_m) + 0.5 * max(obstacle.extent_m)
         return bool(np.any(np.linalg.norm(self._earlier_m - position_m, axis=1) <= reach_m))
 
 
+def tells_of_target(truth: FlightTruth, rules: Rules, place: Warned, frame: FrameTruth) -> bool:
+    """Something that is judged by where the path meets it has to be told at that range."""
+    target = frame.target
+    if target is None or not agrees(truth, rules, place, frame.of_target):
+        return False
+    return not target.met or right_distance(truth, rules, place, target.range_m)
+
+
+def right_distance(truth: FlightTruth, rules: Rules, place: Warned, range_m: float) -> bool:
+    tolerated_m = tolerance_m(truth, rules, place.range_m)
+    beyond_m = range_m - place.range_m
+    return beyond_m <= tolerated_m and (beyond_m >= -tolerated_m or place.up_to)
+
+
+def tells_of_ground(truth: FlightTruth, rules: Rules, frame: FrameTruth, place: Warned) -> bool:
+    met = [label for label, range_m in frame.ground_m.items() if right_distance(truth, rules, place, range_m)]
+    inside = frame.around_path.where(frame.in_cylinder & np.isin(frame.around_path.label, met))
+    return agrees(truth, rules, place, inside)
+
+
 def false_alarms(
-    truth: FlightTruth, frame: FrameTruth, direction: Array, still_m: Array, places: list[Warned]
+    truth: FlightTruth, rules: Rules, frame: FrameTruth, still_m: Array, places: list[Warned]
 ) -> list[FalseAlarm]:
-    suspects = [place for place in places if not agrees(truth, place, frame.around_path)]
+    suspects = [place for place in places if not agrees(truth, rules, place, frame.real)]
     if suspects:
         still = seen_from(truth, frame.world_from_camera, still_m)
-        suspects = [place for place in suspects if not agrees(truth, place, still)]
+        suspects = [
+            place
+            for place in suspects
+            if not agrees(truth, rules, place, still) and not tells_of_ground(truth, rules, frame, place)
+        ]
     if not suspects:
         return []
-    everything = true_points(truth, frame.t_ns, frame.world_from_camera, direction)
-    return [FalseAlarm(s.id, s.range_m, ghost=not agrees(truth, s, everything)) for s in suspects]
+    everything = true_points(truth, frame.t_ns, frame.world_from_camera, ANYWHERE)
+    return [FalseAlarm(s.id, s.range_m, ghost=not agrees(truth, rules, s, everything)) for s in suspects]
 
 
 @dataclass(frozen=True)
@@ -172,10 +204,10 @@ def seen_from(truth: FlightTruth, world_from_camera: Pose, position_m: Array) ->
     return Seen(cu + x_px[ahead], cv + y_px[ahead], range_m[ahead])
 
 
-def agrees(truth: FlightTruth, place: Warned, points: Points | Seen) -> bool:
+def agrees(truth: FlightTruth, rules: Rules, place: Warned, points: Points | Seen) -> bool:
     """Whether one of the points lies at the place's bearing and range."""
     beyond_m = points.range_m - place.range_m
-    tolerated_m = tolerance_m(truth, place.range_m)
+    tolerated_m = tolerance_m(truth, rules, place.range_m)
     found: NDArray[np.bool_] = (
         (np.abs(points.u_px - place.u_px) <= max(place.half_u_px, BEARING_MARGIN_PX))
         & (np.abs(points.v_px - place.v_px) <= max(place.half_v_px, BEARING_MARGIN_PX))
@@ -185,8 +217,8 @@ def agrees(truth: FlightTruth, place: Warned, points: Points | Seen) -> bool:
     return bool(found.any())
 
 
-def tolerance_m(truth: FlightTruth, range_m: float) -> float:
-    return max(2.0 * float(truth.depth_of_one_disparity_m(range_m)), MIN_TOLERANCE_M)
+def tolerance_m(truth: FlightTruth, rules: Rules, range_m: float) -> float:
+    return rules.tolerance_m(float(truth.depth_of_one_disparity_m(range_m)))
 
 
 def carried(world_from_estimate: Pose, position_m: Array) -> Array:

@@ -76,7 +76,8 @@ def checkout_of(module: Path) -> Path:
 
 def clean_commit(root: Path) -> str:
     """The commit of the checkout, in which nothing but the log has changed. Raises InputError otherwise."""
-    changes = [line for line in git(root, "status", "--porcelain").splitlines() if line[3:] != LOG.as_posix()]
+    status = git(root, "status", "--porcelain", "--untracked-files=all").splitlines()
+    changes = [line for line in status if line[3:] != LOG.as_posix()]
     if changes:
         raise InputError(root, f"{changes[0][3:]} is not committed; the test set is scored as committed only")
     return git(root, "rev-parse", "HEAD").strip()

@@ -201,14 +201,25 @@ STATISTICS: dict[str, Statistic] = {
 }
 
 
+def interval(scores: list[PartitionScore], statistic: Statistic, seed: int = 0) -> tuple[float, float]:
+    """95 % interval of statistic(scores): bootstrap that draws whole scenes, or whatever a score is of."""
+    values = statistic.resampled(scores, _draws(len(scores), seed))
+    low, high = np.nanpercentile(values, [2.5, 97.5])
+    return float(low), float(high)
+
+
 def difference_interval(
     first: list[PartitionScore], second: list[PartitionScore], statistic: Statistic, seed: int = 0
 ) -> tuple[float, float]:
     """95 % interval of statistic(first) - statistic(second) over the same scenes: bootstrap that draws whole
     scenes, the things of one are not independent."""
-    scenes = len(first)
-    drawn = np.random.default_rng(seed).integers(0, scenes, (RESAMPLES, scenes))
-    draws = np.stack([np.bincount(sample, minlength=scenes) for sample in drawn])
+    draws = _draws(len(first), seed)
     differences = statistic.resampled(first, draws) - statistic.resampled(second, draws)
     low, high = np.nanpercentile(differences, [2.5, 97.5])
     return float(low), float(high)
+
+
+def _draws(scenes: int, seed: int) -> NDArray[np.int64]:
+    """How often each sample holds each scene."""
+    drawn = np.random.default_rng(seed).integers(0, scenes, (RESAMPLES, scenes))
+    return np.stack([np.bincount(sample, minlength=scenes) for sample in drawn])

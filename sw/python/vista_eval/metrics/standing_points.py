@@ -32,7 +32,7 @@ from numpy.typing import NDArray
 from vista.engine import SCALE
 from vista.geometry import Array, Calibration
 
-from vista_eval.metrics.frame_truth import CYLINDER_RADIUS_M
+from vista_eval.metrics.flight_path import CYLINDER_RADIUS_M
 
 NEAR_M, FAR_M = 5.0, 45.0
 STANDING_M, ROAD_M = 0.5, 0.15

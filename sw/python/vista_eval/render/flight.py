@@ -14,6 +14,7 @@ from vista_eval.cache import code_digest, content_sha256
 from vista_eval.dataset.files import write_text
 from vista_eval.dataset.layout import write_sequence
 from vista_eval.dataset.truth import TRUTH, VERSION, flight_truth
+from vista_eval.render.navigation import NO_FAULTS, PoseFaults, recorded_states
 from vista_eval.render.rig import PAPER_RIG, Rig
 from vista_eval.render.scene import Scene
 from vista_eval.render.sensor import Sensor
@@ -44,6 +45,7 @@ class Flight:
     seed: int = 1
     family: str = ""  # of sampled worlds: the kind of content, scored by itself
     renderer: Renderers = "path"
+    pose_faults: PoseFaults = NO_FAULTS
 
 
 def approach_of(flight: Flight, quality: Quality) -> Course:
@@ -99,6 +101,7 @@ def content_of(flight: Flight, quality: Quality) -> str:
         version_of(flight),
         scene_of(flight),
         (states_of(flight, quality), flight.rig, flight.sensor, RAYS[quality], flight.seed),
+        *([] if flight.pose_faults == NO_FAULTS else [flight.pose_faults]),
     )
 
 
@@ -177,9 +180,8 @@ def render_flight(flight: Flight, out: Path, quality: Quality = "full") -> Itera
         if not all(path.exists() for path in frame_paths(out, state.t_ns)):
             renderer = renderer or renderer_of(flight, quality)
             renderer.move_to(approach.before_last_s(frame))
-            render_frame(renderer, rig, flight.sensor, state, (flight.seed, frame), out)
+            render_frame(renderer, flight, state, frame, out)
         yield frame
-    write_sequence(out, rig, states, approach.rate_hz)
-    times_ns = [state.t_ns for state in states]
-    truth = flight_truth(out, about(flight), scene, rig, times_ns, approach.before_last_s(0))
+    write_sequence(out, rig, recorded_states(approach, flight.pose_faults), approach.rate_hz)
+    truth = flight_truth(out, about(flight), scene, rig, states, approach.before_last_s(0))
     write_text(out / TRUTH, [json.dumps(truth)])

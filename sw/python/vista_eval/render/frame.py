@@ -10,9 +10,11 @@ import numpy as np
 from vista_eval.dataset.files import write_image
 from vista_eval.dataset.layout import image_path
 from vista_eval.dataset.truth import truth_path, write_frame_truth
-from vista_eval.render.rig import LEFT, RIGHT, Rig
+from vista_eval.render.flight import Flight
+from vista_eval.render.optics import Exposure, FlawedSensor, through_lens
+from vista_eval.render.rig import LEFT, RIGHT
 from vista_eval.render.scene import Scene
-from vista_eval.render.sensor import Sensor, expose
+from vista_eval.render.sensor import expose
 from vista_eval.render.trajectory import BodyState
 from vista_eval.render.view import View
 
@@ -32,16 +34,31 @@ def frame_paths(flight: Path, t_ns: int) -> list[Path]:
     return [*images, *(truth_path(flight, kind, t_ns) for kind in ("disparity", "label", "objects"))]
 
 
-def render_frame(
-    renderer: SceneRenderer, rig: Rig, sensor: Sensor, state: BodyState, seed: tuple[int, int], out: Path
-) -> None:
-    """Writes what `out` lacks of the frame. `seed`: of the flight, and the frame's index."""
+def render_frame(renderer: SceneRenderer, flight: Flight, state: BodyState, frame: int, out: Path) -> None:
+    """Writes what `out` lacks of the frame."""
+    rig, seed = flight.rig, flight.seed
     for camera in (LEFT, RIGHT):
         path = image_path(out, camera, state.t_ns)
         if not path.exists():
             pose = state.world_from_body @ rig.body_from_mounted_camera(camera)
-            radiance = renderer.radiance(pose, seed=2 * seed[1] + camera) * renderer.scene.exposure
-            write_image(path, expose(sensor, radiance, camera, (*seed, camera)))
+            radiance = renderer.radiance(pose, seed=2 * frame + camera) * renderer.scene.exposure
+            if isinstance(flight.sensor, FlawedSensor):
+                exposure = exposure_of(renderer, flight, flight.sensor, pose, camera, frame)
+                radiance = through_lens(flight.sensor, radiance, exposure)
+            write_image(path, expose(flight.sensor, radiance, camera, (seed, frame, camera)))
     if not all(path.exists() for path in frame_paths(out, state.t_ns)):
         pose = state.world_from_body @ rig.body_from_camera(LEFT)
         write_frame_truth(out, state.t_ns, renderer.view(pose), len(renderer.scene.things), rig, pose)
+
+
+def exposure_of(
+    renderer: SceneRenderer, flight: Flight, lens: FlawedSensor, pose: np.ndarray, camera: int, frame: float
+) -> Exposure:
+    """frame: of the course that is flown."""
+    half = lens.exposure_s * flight.approach.rate_hz / 2
+    opens, closes = (
+        flight.approach.state_at(frame + offset).world_from_body @ flight.rig.body_from_mounted_camera(camera)
+        for offset in (-half, half)
+    )
+    depth_m = renderer.view(pose).depth_m
+    return Exposure(flight.rig, camera, opens, pose, closes, depth_m, renderer.scene.to_sun, flight.seed)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import cv2
 import numpy as np
@@ -33,6 +33,10 @@ class Rig:
     @property
     def horizontal_fov_deg(self) -> float:
         return 2 * math.degrees(math.atan2(self.width_px / 2, self.focal_px))
+
+    def with_rows_off(self, rows_px: float) -> Rig:
+        """With the right camera's rows off by so many in the middle; more than 0: its picture lies lower."""
+        return replace(self, right_pitch_deg=math.degrees(math.atan(rows_px / self.focal_px)))
 
     def body_from_camera(self, camera: int) -> np.ndarray:
         """T_BS, 4x4: camera coordinates to body coordinates."""

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Self
 
 import numpy as np
 
@@ -13,6 +14,10 @@ class Sensor:
     read_noise_e: float = 20.0
     gain: tuple[float, float] = (1.0, 1.03)  # left, right: automatic gain never agrees quite
     exposure: float = 1.0  # radiance to a fraction of the full well
+
+    def with_noise(self, grey_levels: float) -> Self:
+        """With noise of that standard deviation in the dark; what is bright has shot noise besides."""
+        return replace(self, read_noise_e=grey_levels * self.full_well_e / 255)
 
 
 def expose(sensor: Sensor, radiance: np.ndarray, camera: int, seed: tuple[int, ...]) -> np.ndarray:

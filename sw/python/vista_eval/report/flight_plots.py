@@ -9,7 +9,7 @@ from vista.report.plots import ACCENT, GOOD, LINES, MUTED, WARNING, svg_plot
 
 from vista_eval.metrics.comparison import Comparison
 from vista_eval.metrics.flight_score import FlightScore
-from vista_eval.metrics.judge import HIT_RANGE, HIT_RANGE_M, NEAR
+from vista_eval.metrics.rules import HIT_RANGE, HIT_RANGE_M, NEAR
 
 
 @svg_plot(12.0, 2.9)

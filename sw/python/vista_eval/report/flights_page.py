@@ -104,13 +104,14 @@ def flight_view(page: FlightPage) -> dict[str, Any]:
         "title": page.score.title,
         "split": page.score.split,
         "plot": Markup(plot_error((page.score, page.focal_baseline_px_m))),
-        "stills": [
-            {
-                "frame": still.frame,
-                "caption": still.caption,
-                "failing": still.failing,
-                "uri": "data:image/jpeg;base64," + base64.b64encode(still.jpeg).decode(),
-            }
-            for still in page.stills
-        ],
+        "stills": [still_view(still) for still in page.stills],
+    }
+
+
+def still_view(still: Still) -> dict[str, Any]:
+    return {
+        "frame": still.frame,
+        "caption": still.caption,
+        "failing": still.failing,
+        "uri": "data:image/jpeg;base64," + base64.b64encode(still.jpeg).decode(),
     }

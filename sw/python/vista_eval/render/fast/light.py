@@ -9,7 +9,7 @@ from vista_eval.render.scene import Haze, Scene
 
 # The sky's light comes from all sides, more from above, and a part of it from one direction, above and
 # behind the aircraft, with shadows: what stands is darker below, and so is the ground beneath it.
-FROM_ALL_SIDES, FROM_ABOVE = 0.7, 0.5
+FROM_ALL_SIDES, FROM_ABOVE = 1.0, 0.5
 ABOVE = np.array([-0.45, 0.10, 0.89]) / np.linalg.norm([-0.45, 0.10, 0.89])
 OFF_SURFACE_M = 0.002  # where rays for shadows begin
 HORIZON, ZENITH, AROUND_SUN = 0.85, 0.40, 0.5  # radiance of a blue sky
@@ -20,29 +20,34 @@ def unit(vector: tuple[float, float, float] | np.ndarray) -> np.ndarray:
     return np.array(vector) / np.linalg.norm(vector)
 
 
-def lit_share(
+def reached(
     groups: list[Surfaces], point_m: np.ndarray, normal: np.ndarray, towards: np.ndarray
 ) -> np.ndarray:
-    """(n,) cosine between the surface's normal and the light, 0 in the shadow of anything."""
-    cosine = np.maximum(normal @ towards.astype(np.float32), 0)
-    facing = np.flatnonzero(cosine > 0)
+    """(n,) whether the light gets to a surface: it faces the light, and nothing is in between."""
+    direction = towards.astype(np.float32)
+    found = normal @ direction > 0
+    facing = np.flatnonzero(found)
     start = point_m[facing] + np.float32(OFF_SURFACE_M) * normal[facing]
-    ray = np.ascontiguousarray(np.broadcast_to(towards.astype(np.float32), start.shape))
+    ray = np.ascontiguousarray(np.broadcast_to(direction, start.shape))
     for group in groups:
-        cosine[facing[group.hides(start, ray)]] = 0
-    return cosine
+        found[facing[group.hides(start, ray)]] = False
+    return found
 
 
 def sky_share(normal: np.ndarray) -> np.ndarray:
     """(n,) what reaches a surface from all sides, of what a surface turned upwards gets; the ground gives
     some of it back."""
-    return np.float32(0.56) + np.float32(0.44) * normal[:, 2]
+    return np.float32(0.62) + np.float32(0.38) * normal[:, 2]
 
 
 def irradiance(scene: Scene, normal: np.ndarray, sun: np.ndarray, above: np.ndarray) -> np.ndarray:
-    """(n,) of a surface; sun, above: cosines, 0 in shadow."""
-    sky = FROM_ALL_SIDES * sky_share(normal) + FROM_ABOVE * above
-    return (scene.sun_irradiance * sun + scene.fill_irradiance * sky).astype(np.float32)
+    """(n,) of a surface; sun, above: whether, or which share of, these lights reach it."""
+    sunlight, from_above = (
+        np.maximum(normal @ towards.astype(np.float32), 0) * share
+        for towards, share in ((unit(scene.to_sun), sun), (ABOVE, above))
+    )
+    sky = FROM_ALL_SIDES * sky_share(normal) + FROM_ABOVE * from_above
+    return (scene.sun_irradiance * sunlight + scene.fill_irradiance * sky).astype(np.float32)
 
 
 def through_air(haze: Haze | None, radiance: np.ndarray, distance_m: np.ndarray) -> np.ndarray:

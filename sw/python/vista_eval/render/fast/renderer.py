@@ -35,6 +35,7 @@ class Samples(NamedTuple):
     label: np.ndarray  # 0 = sky
     part: np.ndarray  # number of the solid, -1 = sky
     plain: np.ndarray  # radiance as if no albedo map had any texture
+    above: np.ndarray  # whether the sky's light from above reaches it
 
 
 class Picture(NamedTuple):
@@ -95,14 +96,21 @@ class FastRenderer:
         radiance = middle.radiance.copy()
         more = np.flatnonzero(changes(middle, shape))
         for du, dv in OFF_CENTER_PX:
-            radiance[more] += self.cast(world_from_camera, u[more] + du, v[more] + dv).radiance
+            beside = self.cast(world_from_camera, u[more] + du, v[more] + dv, middle.above[more])
+            radiance[more] += beside.radiance
         radiance[more] /= 1 + len(OFF_CENTER_PX)
         seen = View(middle.depth_m.reshape(shape), middle.label.reshape(shape))
         drawn = self.wires.drawn(self.scene, self.groups, self.rig, world_from_camera, seen)
         return Picture(drawn.over(radiance.reshape(shape)), drawn.view)
 
-    def cast(self, world_from_camera: np.ndarray, u_px: np.ndarray, v_px: np.ndarray) -> Samples:
-        """Rays through points of the image."""
+    def cast(
+        self,
+        world_from_camera: np.ndarray,
+        u_px: np.ndarray,
+        v_px: np.ndarray,
+        above: np.ndarray | None = None,
+    ) -> Samples:
+        """Rays through points of the image. above: what is known of the sky's light there."""
         rotation, focal = world_from_camera[:3, :3], self.rig.focal_px
         cu, cv = self.rig.center_px
         right, down = (u_px - cu)[:, None] / focal, (v_px - cv)[:, None] / focal
@@ -117,10 +125,11 @@ class FastRenderer:
             np.zeros(count, np.int32),
             np.full(count, -1, np.int32),
             np.zeros(count, np.float32),
+            np.ones(count, bool) if above is None else above,
         )
         parts = 0
         for group, hits in zip(self.groups, self.nearest(origin, ray), strict=True):
-            self.shade(group, hits, origin, ray, sides, found, parts)
+            self.shade(group, hits, origin, ray, sides, found, parts, above is None)
             parts += group.parts
         sky = np.flatnonzero(found.part < 0)
         found.radiance[sky] = light.sky_radiance(self.scene, unit_rows(ray[sky]))
@@ -145,13 +154,15 @@ class FastRenderer:
         sides: tuple[np.ndarray, np.ndarray],
         found: Samples,
         parts: int,
+        find_above: bool,
     ) -> None:
         direction = ray[hits.ray]
         point_m = origin[hits.ray] + hits.depth_m[:, None] * direction
         matter = group.matter(hits, point_m, direction, sides)
-        sun = light.lit_share(self.groups, point_m, matter.normal, self.to_sun)
-        above = light.lit_share(self.groups, point_m, matter.normal, light.ABOVE)
-        irradiance = light.irradiance(self.scene, matter.normal, sun, above)
+        sun = light.reached(self.groups, point_m, matter.normal, self.to_sun)
+        if find_above:
+            found.above[hits.ray] = light.reached(self.groups, point_m, matter.normal, light.ABOVE)
+        irradiance = light.irradiance(self.scene, matter.normal, sun, found.above[hits.ray])
         distance_m = hits.depth_m * np.sqrt(np.einsum("ij,ij->i", direction, direction))
         radiance = matter.albedo * irradiance / np.float32(np.pi)
         found.radiance[hits.ray] = light.through_air(self.scene.haze, radiance, distance_m)

@@ -132,11 +132,7 @@ class Wires:
         glow = np.zeros(len(u))
         for strip, place in enumerate((np.arange(STRIPS) + 0.5) * 2 / STRIPS - 1):
             normal = place * right + np.sqrt(1 - place**2) * front
-            sun, above = (
-                np.maximum(normal @ towards, 0) * seen
-                for towards, seen in zip((light.unit(scene.to_sun), light.ABOVE), lit, strict=True)
-            )
-            power = light.irradiance(scene, normal, sun, above) * self.albedo[pieces.wire] / np.pi
+            power = light.irradiance(scene, normal, *lit) * self.albedo[pieces.wire] / np.pi
             distance_m = pieces.depth_m * np.linalg.norm(ray, axis=1)
             glow += light.through_air(scene.haze, power, distance_m) * pieces.cover[:, strip]
         return glow

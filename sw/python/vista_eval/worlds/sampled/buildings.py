@@ -15,7 +15,7 @@ from vista_eval.worlds.sampled.grounds import BUILT_UP
 from vista_eval.worlds.sampled.site import URBAN, Site, background, clutter, scene_of, site
 from vista_eval.worlds.triangles import box, joined, polygon
 
-AT_BUILDINGS = Courses(altitude_m=(3.0, 14.0))
+AT_BUILDINGS = Courses(altitude_m=(3.0, 14.0), climb_deg=(-8.0, 5.0), most_bank_deg=20.0)
 FRONT_TEXEL_M, OTHER_TEXEL_M = 0.02, 0.04
 SLOPE_OF_ROOF = (0.35, 1.0)
 

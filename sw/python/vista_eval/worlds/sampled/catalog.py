@@ -31,7 +31,7 @@ DEV = (
 )
 
 TEST = (
-    Family("valley_side", "slope met askew", "test", terrain.valley_side, terrain.OVER_SLOPE),
+    Family("valley_side", "slope met askew", "test", terrain.valley_side, terrain.ALONG_SLOPE),
     Family("quarry", "rock face", "test", terrain.quarry, terrain.OVER_SLOPE),
     Family("hall", "hall of sheet metal or slabs", "test", buildings.hall, buildings.AT_BUILDINGS),
     Family("glass_front", "dark glass", "test", buildings.glass_front, buildings.AT_BUILDINGS),
@@ -47,7 +47,7 @@ TEST = (
     Family("birds", "birds", "test", movers.birds, ANY),
     Family("clear_crest", "over a crest, no obstacle", "test", terrain.clear_crest, terrain.CLEAR_HEIGHT),
     Family("clear_valley", "along a valley, no obstacle", "test", terrain.clear_valley, terrain.CLEAR_HEIGHT),
-    Family("clear_wood", "ride through a wood, no obstacle", "test", trees.clear_wood, trees.AMONG_TREES),
+    Family("clear_wood", "ride through a wood, no obstacle", "test", trees.clear_wood, trees.RIDE),
     Family(
         "clear_site", "between cranes and wires, no obstacle", "test", clear.clear_site, clear.AMONG_HOUSES
     ),

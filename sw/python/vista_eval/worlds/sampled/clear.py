@@ -5,19 +5,16 @@ from __future__ import annotations
 import numpy as np
 
 from vista_eval.render.scene import Scene, Thing, thing
-from vista_eval.worlds import things
 from vista_eval.worlds.sampled import walls
 from vista_eval.worlds.sampled.buildings import block, rectangle_m
 from vista_eval.worlds.sampled.courses import Courses
 from vista_eval.worlds.sampled.draws import log_uniform
 from vista_eval.worlds.sampled.grounds import BUILT_UP
 from vista_eval.worlds.sampled.machines import tower_crane
-from vista_eval.worlds.sampled.poles import lattice
+from vista_eval.worlds.sampled.rods import all_of, lattice, strand
 from vista_eval.worlds.sampled.site import RURAL, URBAN, Site, background, clutter, scene_of, site
-from vista_eval.worlds.sampled.wires import strand
-from vista_eval.worlds.triangles import joined, placed
 
-AMONG_HOUSES = Courses(altitude_m=(5.0, 12.0))
+AMONG_HOUSES = Courses(altitude_m=(5.0, 12.0), climb_deg=(0.0, 4.0), most_bank_deg=20.0)
 FACES = (walls.plain, walls.windows, walls.lived_in, walls.dark_glass, walls.corrugated, *walls.TEXTURED)
 
 
@@ -51,12 +48,12 @@ def wires_above(here: Site, rng: np.random.Generator) -> list[Thing]:
         x, half = float(rng.uniform(-40, 70)), float(rng.uniform(16, 40))
         height = here.altitude_m + 9 + 0.06 * max(0.0, x) + float(rng.uniform(0, 8))
         shade, tops = float(rng.uniform(0.15, 0.5)), [(x, s * half, height) for s in (-1, 1)]
-        masts = [placed(lattice(height + 1.0, 0.9, 0.05, shade, 4), (*top[:2], 0.0)) for top in tops]
+        masts = [lattice(height + 1.0, 0.9, 0.05, shade, 4).moved((*top[:2], 0.0)) for top in tops]
         wires = [
             strand(np.add(tops[0], up), np.add(tops[1], up), log_uniform(rng, 0.003, 0.015), 0.01, rng)
             for up in ((0, 0, 0), (0.4, 0, 0.6), (-0.4, 0, 0.6))
         ]
-        found.append(thing(f"line{k}", "wire", [things.mesh(f"line{k}", joined(*masts, *wires))]))
+        found.append(thing(f"line{k}", "wire", all_of(*masts, *wires).solids(f"line{k}")))
     return found
 
 
@@ -67,7 +64,8 @@ def clear_site(altitude_m: float, seed: int) -> Scene:
     machines = []
     for k in range(int(rng.integers(1, 4))):
         x, y = float(rng.uniform(-20, 90)), float(rng.choice([-1, 1]) * rng.uniform(9, 30))
-        shape, _ = tower_crane(float(rng.uniform(18, 32)), float(rng.uniform(15, 28)), 12.0, rng)
-        machines.append(things.one(f"crane{k}", "crane", shape, (x, y, 0), float(rng.uniform(0, 360))))
+        machine = tower_crane(float(rng.uniform(18, 32)), float(rng.uniform(15, 28)), 12.0, rng)
+        solids = machine.solids(f"crane{k}", (x, y, 0.0), float(rng.uniform(0, 360)))
+        machines.append(thing(f"crane{k}", "crane", solids))
     around = [*machines, *wires_above(here, rng), *houses_beside(here, rng)[::2], *clutter(here, URBAN, 16)]
     return scene_of(here, (), [*around, *background(here)], meets_at_m=None)

@@ -10,7 +10,7 @@ from vista_eval.render.flight import Flight
 from vista_eval.render.scene import Scene
 from vista_eval.worlds.sampled.courses import Courses
 from vista_eval.worlds.sampled.draws import seed_of
-from vista_eval.worlds.sampled.sensors import sensor
+from vista_eval.worlds.sampled.sensors import pose_faults, sensor
 
 Split = Literal["dev", "test"]
 
@@ -31,16 +31,18 @@ class Family:
     def flight(self, number: int, seed: int) -> Flight:
         """seed: of the whole set; no two families share that of a flight."""
         own = seed_of(seed, self.name, number)
+        course = self.courses.draw(own)
         return Flight(
             f"{self.name}_{number:03d}",
             f"{self.title}, {number}",
             self.split,
-            self.courses.draw(own),
+            course,
             self.scene,
             sensor=sensor(own),
             seed=own,
             family=self.name,
             renderer="fast",
+            pose_faults=pose_faults(own, course.frames),
         )
 
     def flights(self, count: int, seed: int) -> Iterator[Flight]:

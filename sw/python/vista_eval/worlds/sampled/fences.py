@@ -4,44 +4,40 @@ from __future__ import annotations
 
 import numpy as np
 
-from vista_eval.render.scene import Scene
+from vista_eval.render.scene import Scene, thing
 from vista_eval.worlds import things, vegetation, yard
 from vista_eval.worlds.sampled.courses import LOW
 from vista_eval.worlds.sampled.grounds import BUILT_UP, OPEN_COUNTRY
+from vista_eval.worlds.sampled.rods import Rods, all_of, rods
 from vista_eval.worlds.sampled.site import RURAL, URBAN, background, clutter, scene_of, site
-from vista_eval.worlds.triangles import Triangles, box, joined, tube
+from vista_eval.worlds.triangles import Triangles, box, joined, placed, tube
 
 
-def railing(length_m: float, height_m: float, rng: np.random.Generator) -> Triangles:
+def railing(length_m: float, height_m: float, rng: np.random.Generator) -> tuple[Rods, Triangles]:
     """Steel bars of 12 to 25 mm at 9 to 14 cm between two rails."""
     pitch, radius = rng.uniform(0.09, 0.14), rng.uniform(0.006, 0.0125)
     shade = float(rng.uniform(0.04, 0.5))
-    parts = [
-        tube([(0, y, 0.05), (0, y, height_m)], radius, shade, 5, closed=False)
-        for y in np.arange(-length_m / 2, length_m / 2, pitch)
-    ]
-    parts += [box((0, 0, z), (0.03, length_m, 0.045), shade) for z in (0.15, height_m - 0.12)]
-    parts += [
+    ends = [[(0, y, 0.05), (0, y, height_m)] for y in np.arange(-length_m / 2, length_m / 2, pitch)]
+    rails = [box((0, 0, z), (0.03, length_m, 0.045), shade) for z in (0.15, height_m - 0.12)]
+    posts = [
         box((0, y, height_m / 2), (0.06, 0.06, height_m), shade)
         for y in np.arange(-length_m / 2, length_m / 2 + 0.1, 2.5)
     ]
-    return joined(*parts)
+    return rods(ends, radius, shade), joined(*rails, *posts)
 
 
-def chain_link(length_m: float, height_m: float, rng: np.random.Generator) -> Triangles:
+def chain_link(length_m: float, height_m: float, rng: np.random.Generator) -> tuple[Rods, Triangles]:
     """Wires of 3 mm crossing at 6 to 12 cm between posts; barbed wire on top."""
-    mesh_m, radius, shade = rng.uniform(0.06, 0.12), 0.0015, float(rng.uniform(0.2, 0.5))
-    parts = []
-    for slope in (-1, 1):
-        for start in np.arange(-length_m / 2 - height_m, length_m / 2, mesh_m * 1.41):
-            low = np.array([start, 0.0]) if slope > 0 else np.array([start, height_m])
-            high = low + height_m * np.array([1.0, slope])
-            parts.append(tube([(0, *low), (0, *high)], radius, shade, 3, closed=False))
-    for y in np.arange(-length_m / 2, length_m / 2 + 0.1, 3.0):
-        parts.append(tube([(0, y, 0), (0, y, height_m + 0.3)], 0.03, 0.8 * shade, 8))
-    for z in (height_m, height_m + 0.15, height_m + 0.28):
-        parts.append(tube([(0, -length_m / 2, z), (0, length_m / 2, z)], 0.003, shade, 4, closed=False))
-    return joined(*parts)
+    mesh_m, shade = rng.uniform(0.06, 0.12), float(rng.uniform(0.2, 0.5))
+    starts = np.arange(-length_m / 2 - height_m, length_m / 2, mesh_m * np.sqrt(2))
+    ends = [[(0, y, 0), (0, y + height_m, height_m)] for y in starts]
+    ends += [[(0, y, height_m), (0, y + height_m, 0)] for y in starts]
+    above = [[(0, -length_m / 2, z), (0, length_m / 2, z)] for z in height_m + np.array([0.0, 0.15, 0.28])]
+    posts = [
+        tube([(0, y, 0), (0, y, height_m + 0.3)], 0.035, 0.8 * shade, 8)
+        for y in np.arange(-length_m / 2, length_m / 2 + 0.1, 3.0)
+    ]
+    return all_of(rods(ends, 0.0015, shade), rods(above, 0.003, shade)), joined(*posts)
 
 
 def fence(altitude_m: float, seed: int) -> Scene:
@@ -65,6 +61,9 @@ def steel_fence(altitude_m: float, seed: int) -> Scene:
     here = site(altitude_m, seed, LOW, (*OPEN_COUNTRY, *BUILT_UP))
     rng = here.draws("steel fence")
     height, length = altitude_m + float(rng.uniform(0.2, 1.2)), float(rng.uniform(8, 18))
-    shape = (railing if rng.random() < 0.5 else chain_link)(length, height, rng)
-    target = things.one("target", "fence", shape, (0, 0, 0), rng.uniform(-30, 30), target=True)
+    bars, posts = (railing if rng.random() < 0.5 else chain_link)(length, height, rng)
+    yaw = float(rng.uniform(-30, 30))
+    frame = things.mesh("target_posts", placed(posts, (0, 0, 0), yaw))
+    solids = [frame, *bars.moved((0, 0, 0), yaw).solids("target_bar")]
+    target = thing("target", "fence", solids, target=True)
     return scene_of(here, [target], [*clutter(here, URBAN), *background(here)])

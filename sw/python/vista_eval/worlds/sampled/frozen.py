@@ -21,7 +21,7 @@ QUALITY: Quality = "full"
 Digests = dict[str, str]  # content by name of the flight
 
 
-def test_flights() -> list[Flight]:
+def flights_of_the_set() -> list[Flight]:
     return [flight for family in TEST for flight in family.flights(COUNT, SEED)]
 
 

@@ -11,7 +11,6 @@ import numpy as np
 from vista_eval.render.scene import GroundStrip, HeightField, Thing, thing
 from vista_eval.worlds.ground import (
     FINEST_TEXEL_M,
-    HALF_WIDTH_PER_RANGE,
     HORIZON_M,
     LOWEST_RAY,
     SAMPLES_ALONG,
@@ -25,6 +24,8 @@ NODE_M = 1.0  # spacing of heights; each further ring has them COARSER times as 
 RINGS_M, COARSER = (80.0, 320.0), 4
 TEXEL_PER_RANGE = 1.6e-3  # a pixel of the paper's rig sees 1e-3 of the range
 MARGIN_M = 6.0
+HALF_VIEW_RAD = 0.42  # of the image, banked
+MOST_TURN_RAD = 1.2  # off +x, of a ray that still counts
 MOST_STRETCH = 12
 
 
@@ -36,24 +37,33 @@ class Patch(NamedTuple):
 
 
 def patches(path: Path, over_ground_m: float, level: bool) -> Iterator[Patch]:
-    """All that is seen from the path's flown part, which ends short of x = 0."""
-    flown = path.until(-1.0).points_m
-    first_m, last_m = float(flown[0, 0]), float(flown[-1, 0])
-    aside_m = float(np.abs(flown[:, 1]).max()) + MARGIN_M
-    turned = float(np.abs(flown[-1, :2] - flown[0, :2])[1] / max(last_m - first_m, 1.0))
-    per_range = HALF_WIDTH_PER_RANGE + 0.1 + 2.5 * turned
-    near = over_ground_m / LOWEST_RAY / 1.4  # gusts and banks lower the lowest ray
+    """All that is seen from the path's flown part, which ends short of x = 0: finely what is seen from its
+    end, more coarsely what is only seen from farther away."""
+    flown = path.points_m[: path.flown]
+    first_m, last_m = float(flown[:, 0].min()), float(flown[-1, 0])
+    near = over_ground_m / LOWEST_RAY / 1.7  # gusts, banks and descents lower the lowest ray
     ranges = [near * 2.0**k for k in range(14) if near * 2.0**k < 0.7 * HORIZON_M] + [HORIZON_M]
     for k, (low, high) in enumerate(pairwise(ranges)):
-        x = (_snapped(first_m if k == 0 else last_m + low), _snapped(last_m + high))
+        x = (_snapped(first_m - 2 if k == 0 else last_m + low), _snapped(last_m + high))
         texel = max(TEXEL_PER_RANGE * low, FINEST_TEXEL_M)
         stretch = int(np.clip(low / over_ground_m if level else 1, 1, MOST_STRETCH))
-        inner = _snapped(per_range * high + aside_m)
-        yield Patch(x, (-inner, inner), texel, stretch)
-        outer = _snapped(per_range * (high + last_m - first_m) + aside_m)
-        if outer > inner:
-            yield Patch(x, (-outer, -inner), 3 * texel, stretch)
-            yield Patch(x, (inner, outer), 3 * texel, stretch)
+        inner, outer = seen_m(flown[-8:], x[1]), seen_m(flown, x[1])
+        yield Patch(x, inner, texel, stretch)
+        if outer[0] < inner[0]:
+            yield Patch(x, (outer[0], inner[0]), 3 * texel, stretch)
+        if inner[1] < outer[1]:
+            yield Patch(x, (inner[1], outer[1]), 3 * texel, stretch)
+
+
+def seen_m(flown_m: np.ndarray, x_m: float) -> tuple[float, float]:
+    """Range of y that is in view up to `x_m`, along the headings of the path."""
+    steps = np.gradient(flown_m[:, :2], axis=0)
+    heading, ahead = np.arctan2(steps[:, 1], steps[:, 0]), x_m - flown_m[:, 0]
+    sides = [flown_m[:, 1]]
+    for half in (-HALF_VIEW_RAD, HALF_VIEW_RAD):
+        turn = np.clip(heading + half, -MOST_TURN_RAD, MOST_TURN_RAD)
+        sides.append(flown_m[:, 1] + np.tan(turn) * ahead)
+    return _snapped(float(np.min(sides)) - MARGIN_M), _snapped(float(np.max(sides)) + MARGIN_M)
 
 
 def _snapped(length_m: float) -> float:

@@ -3,44 +3,53 @@
 from __future__ import annotations
 
 from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from vista_eval.render.scene import Scene, Thing, thing
+from vista_eval.render.scene import Scene, Solid, Thing, thing
 from vista_eval.worlds import things
 from vista_eval.worlds.sampled import walls
 from vista_eval.worlds.sampled.buildings import block, rectangle_m
 from vista_eval.worlds.sampled.courses import ANY
 from vista_eval.worlds.sampled.grounds import BUILT_UP
-from vista_eval.worlds.sampled.poles import lattice
+from vista_eval.worlds.sampled.rods import Rods, all_of, lattice, rods, strand
 from vista_eval.worlds.sampled.site import URBAN, Site, background, clutter, scene_of, site
-from vista_eval.worlds.sampled.wires import strand
 from vista_eval.worlds.triangles import Triangles, box, joined, placed, tube
 
 
-def lying(shape: Triangles) -> Triangles:
-    """Up becomes +y."""
-    return shape._replace(vertices_m=shape.vertices_m[:, [0, 2, 1]])
+class Crane(NamedTuple):
+    members: Rods
+    body: Triangles
+    hook_out_m: float  # from the mast to the hook, along +y
+
+    def solids(self, name: str, foot_m: ArrayLike, yaw_deg: float) -> list[Solid]:
+        body = things.mesh(f"{name}_body", placed(self.body, foot_m, yaw_deg))
+        return [body, *self.members.moved(foot_m, yaw_deg).solids(f"{name}_member")]
 
 
-def tower_crane(
-    height_m: float, jib_m: float, hook_m: float, rng: np.random.Generator
-) -> tuple[Triangles, float]:
-    """Mast at the origin, jib along +y at `height_m`, its hook `hook_m` above the ground, and how far out."""
+def tower_crane(height_m: float, jib_m: float, hook_m: float, rng: np.random.Generator) -> Crane:
+    """Mast at the origin, jib along +y at `height_m`, its hook `hook_m` above the ground."""
     shade, side = float(rng.uniform(0.2, 0.65)), float(rng.uniform(1.0, 1.8))
-    mast = lattice(height_m, side, 0.07, shade, corners=4)
-    jib = placed(lying(lattice(jib_m, 0.9, 0.04, shade)), (0, 0, height_m))
-    counter = placed(lying(lattice(0.3 * jib_m, 0.9, 0.04, shade)), (0, -0.3 * jib_m, height_m))
-    ballast = box((0, -0.28 * jib_m, height_m - 1.2), (1.4, 2.0, 2.2), float(rng.uniform(0.25, 0.5)))
-    cab = box((0.9, 0.8, height_m - 1.3), (1.2, 1.4, 1.8), float(rng.uniform(0.3, 0.7)))
+    out_m = float(rng.uniform(0.5, 0.9)) * jib_m
     apex = (0, 0, height_m + 0.16 * jib_m)
-    stays = [tube([apex, (0, y, height_m + 0.5)], 0.02, 0.2, 4) for y in (-0.28 * jib_m, 0.75 * jib_m)]
-    head = tube([(0, 0, height_m), apex], 0.15, shade, 5)
-    at = rng.uniform(0.5, 0.9) * jib_m
-    ropes = [strand((dx, at, height_m), (dx, at, hook_m), 0.009, 0.0, rng) for dx in (-0.15, 0.15)]
-    hook = box((0, at, hook_m - 0.3), (0.3, 0.5, 0.7), float(rng.choice([0.1, 0.55])))
-    base = box((0, 0, 0.4), (3 * side, 3 * side, 0.8), 0.35)
-    return joined(mast, jib, counter, ballast, cab, *stays, head, *ropes, hook, base), float(at)
+    stays = [[apex, (0, y, height_m + 0.5)] for y in (-0.28 * jib_m, 0.75 * jib_m)]
+    members = all_of(
+        lattice(height_m, side, 0.07, shade, corners=4),
+        lattice(jib_m, 0.9, 0.04, shade).lying().moved((0, 0, height_m)),
+        lattice(0.3 * jib_m, 0.9, 0.04, shade).lying().moved((0, -0.3 * jib_m, height_m)),
+        rods(stays, 0.02, 0.2),
+        *(strand((dx, out_m, height_m), (dx, out_m, hook_m), 0.009, 0.0, rng) for dx in (-0.15, 0.15)),
+    )
+    body = joined(
+        box((0, -0.28 * jib_m, height_m - 1.2), (1.4, 2.0, 2.2), float(rng.uniform(0.25, 0.5))),
+        box((0.9, 0.8, height_m - 1.3), (1.2, 1.4, 1.8), float(rng.uniform(0.3, 0.7))),
+        tube([(0, 0, height_m), apex], 0.15, shade, 5),
+        box((0, out_m, hook_m - 0.3), (0.3, 0.5, 0.7), float(rng.choice([0.1, 0.55]))),
+        box((0, 0, 0.4), (3 * side, 3 * side, 0.8), 0.35),
+    )
+    return Crane(members, body, out_m)
 
 
 def crane(altitude_m: float, seed: int) -> Scene:
@@ -50,11 +59,10 @@ def crane(altitude_m: float, seed: int) -> Scene:
     part = str(rng.choice(["mast", "jib", "hook"]))
     height = altitude_m if part == "jib" else altitude_m + float(rng.uniform(6, 22))
     jib, hook = float(rng.uniform(18, 35)), altitude_m if part == "hook" else rng.uniform(0.3, 0.8) * height
-    shape, at = tower_crane(height, jib, float(hook), rng)
-    yaw = float(rng.uniform(-40, 40))
-    along = np.array([-np.sin(np.radians(yaw)), np.cos(np.radians(yaw))])
-    share = {"mast": 0.0, "jib": float(rng.uniform(0.25, 0.7)) * jib, "hook": at}[part]
-    solids = [things.mesh("target_crane", placed(shape, (*(-share * along), 0.0), yaw))]
+    machine, yaw = tower_crane(height, jib, float(hook), rng), float(rng.uniform(-40, 40))
+    along = np.array([-np.sin(np.radians(yaw)), np.cos(np.radians(yaw)), 0.0])
+    out_m = {"mast": 0.0, "jib": float(rng.uniform(0.25, 0.7)) * jib, "hook": machine.hook_out_m}[part]
+    solids = machine.solids("target_crane", -out_m * along, yaw)
     if part == "hook" and rng.random() < 0.6:
         load = box(
             (0, 0, altitude_m - 1.2), rng.uniform(0.8, 2.5, 3) * [1, 1, 0.4], float(rng.uniform(0.15, 0.6))
@@ -64,28 +72,25 @@ def crane(altitude_m: float, seed: int) -> Scene:
     return scene_of(here, [target], [*clutter(here, URBAN), *background(here, ("houses", "open", "trees"))])
 
 
-def scaffold(length_m: float, height_m: float, rng: np.random.Generator) -> Triangles:
+def scaffold(length_m: float, height_m: float, rng: np.random.Generator) -> tuple[Rods, Triangles]:
     """Tubes of 48 mm in bays along y, planks on every level, netting or boards here and there."""
     bay, level, deep, shade = rng.uniform(2.0, 3.0), 2.0, rng.uniform(0.7, 1.1), float(rng.uniform(0.2, 0.6))
     y_ends = np.arange(-length_m / 2, length_m / 2 + 0.1, bay)
     levels = np.arange(level, height_m + 0.1, level)
     low, high = float(y_ends[0]), float(y_ends[-1])
-    parts = [
-        tube([(x, y, 0), (x, y, levels[-1] + 1.1)], 0.024, shade, 6) for x in (-deep, 0.0) for y in y_ends
-    ]
+    tubes = [[(x, y, 0), (x, y, levels[-1] + 1.1)] for x in (-deep, 0.0) for y in y_ends]
+    tubes += [[(-deep, low, z + up), (-deep, high, z + up)] for z in levels for up in (0.0, 0.5, 1.0)]
+    sheets = []
     for z in levels:
-        for up in (0.0, 0.5, 1.0):
-            parts.append(tube([(-deep, low, z + up), (-deep, high, z + up)], 0.024, shade, 6))
         plank = float(rng.uniform(0.2, 0.45))
-        parts.append(box((-deep / 2, (low + high) / 2, z), (0.9 * deep, high - low, 0.05), plank))
-    for y, y_next in pairwise(y_ends):
-        for z in levels:
+        sheets.append(box((-deep / 2, (low + high) / 2, z), (0.9 * deep, high - low, 0.05), plank))
+        for y, y_next in pairwise(y_ends):
             if rng.random() < 0.3:
-                parts.append(tube([(-deep, y, z - level), (-deep, y_next, z)], 0.024, shade, 6))
+                tubes.append([(-deep, y, z - level), (-deep, y_next, z)])
             if rng.random() < 0.12:
-                panel = (-deep - 0.03, (y + y_next) / 2, z + 0.5)
-                parts.append(box(panel, (0.01, y_next - y, 1.0), float(rng.uniform(0.2, 0.7))))
-    return joined(*parts)
+                middle = (-deep - 0.03, (y + y_next) / 2, z + 0.5)
+                sheets.append(box(middle, (0.01, y_next - y, 1.0), float(rng.uniform(0.2, 0.7))))
+    return rods(tubes, 0.024, shade), joined(*sheets)
 
 
 def scaffolding(altitude_m: float, seed: int) -> Scene:
@@ -94,7 +99,10 @@ def scaffolding(altitude_m: float, seed: int) -> Scene:
     rng = here.draws("scaffolding")
     length, yaw = float(rng.uniform(12, 30)), float(rng.uniform(-30, 30))
     height = altitude_m + float(rng.uniform(2, 8))
-    target = things.one("target", "scaffolding", scaffold(length, height, rng), (0, 0, 0), yaw, target=True)
+    tubes, sheets = scaffold(length, height, rng)
+    planks = things.mesh("target_planks", placed(sheets, (0, 0, 0), yaw))
+    solids = [planks, *tubes.moved((0, 0, 0), yaw).solids("target_tube")]
+    target = thing("target", "scaffolding", solids, target=True)
     return scene_of(here, [target, *building_behind(here, length, height, yaw)], around(here))
 
 

@@ -12,7 +12,7 @@ from vista_eval.worlds.sampled.grounds import BUILT_UP, OPEN_COUNTRY
 from vista_eval.worlds.sampled.site import RURAL, URBAN, Site, background, clutter, scene_of, site
 from vista_eval.worlds.triangles import Triangles, box, joined, lump, placed
 
-OVER_A_ROAD = Courses(altitude_m=(1.2, 2.4), speed_m_s=(3.0, 15.0))
+OVER_A_ROAD = Courses(altitude_m=(1.2, 2.4), speed_m_s=(3.0, 15.0), climb_deg=(-3.0, 0.0), most_bank_deg=10.0)
 
 
 def lorry(paint: float, rng: np.random.Generator) -> Triangles:

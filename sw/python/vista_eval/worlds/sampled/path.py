@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from vista_eval.render.manoeuvre import Manoeuvre
 from vista_eval.render.scene import Board, Box, Cylinder, Mesh, Panel, Solid, Sphere, Thing, bounds_m
-from vista_eval.render.trajectory import Course
 
 STEP_M = 0.5
 AHEAD_M = 100.0  # as far as the collision volume reaches from the last frame
@@ -21,6 +21,7 @@ CLEAR_M, CLEAR_PER_M = 4.5, 0.03
 class Path:
     points_m: np.ndarray  # (N, 3), from the first frame on, STEP_M apart
     clear_m: np.ndarray  # (N,) distance within which nothing may stand beside the path
+    flown: int  # points up to the last frame
 
     def until(self, x_m: float) -> Path:
         """What comes before `x_m`."""
@@ -31,16 +32,20 @@ class Path:
         return float(np.interp(x_m, self.points_m[:, 0], self.points_m[:, 1]))
 
 
-def path_of(course: Course) -> Path:
-    """Flown, and AHEAD_M straight on along +x."""
+def path_of(course: Manoeuvre) -> Path:
+    """Flown, and AHEAD_M further as the manoeuvre goes on in still air."""
     flown = np.array([course.state_at(k).world_from_body[:3, 3] for k in range(course.frames)])
-    end = np.array([AHEAD_M - course.last_range_m, 0.0, course.altitude_m])
-    corners = np.vstack([flown, [0.0, 0.0, course.altitude_m], end])
+    begin_s = -course.last_range_m / course.speed_m_s
+    times_s = begin_s + np.linspace(0, AHEAD_M / course.speed_m_s, round(AHEAD_M / STEP_M))
+    ahead = np.array([course.path_m(float(t)) for t in times_s])
+    # A drift that is left at the last frame is gone where the path meets the target.
+    left = np.clip(times_s / begin_s, 0, 1)[:, None]
+    corners = np.vstack([flown, ahead[1:] + left[1:] * (flown[-1] - ahead[0])])
     along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(corners, axis=0), axis=1))])
     at = np.arange(0.0, along[-1], STEP_M)
     points = np.stack([np.interp(at, along, column) for column in corners.T], axis=1)
-    beyond = np.maximum(0.0, at - along[course.frames - 1])
-    return Path(points, CLEAR_M + CLEAR_PER_M * beyond)
+    end_m = along[course.frames - 1]
+    return Path(points, CLEAR_M + CLEAR_PER_M * np.maximum(0.0, at - end_m), int(np.sum(at <= end_m)))
 
 
 def samples(solid: Solid) -> tuple[np.ndarray, float]:
@@ -116,7 +121,7 @@ def clear_of(path: Path, things: Iterable[Thing]) -> list[Thing]:
 
 def distance_m(thing: Thing, point_m: np.ndarray) -> float:
     """From the nearest of the thing's solids."""
-    here = Path(np.asarray(point_m, float)[None, :], np.zeros(1))
+    here = Path(np.asarray(point_m, float)[None, :], np.zeros(1), 1)
     return min(_exactly(solid, here) for solid in thing.solids)
 
 

@@ -12,9 +12,8 @@ from vista_eval.worlds.sampled.courses import FROM_AFAR
 from vista_eval.worlds.sampled.draws import log_uniform, some_seed
 from vista_eval.worlds.sampled.grounds import BUILT_UP, OPEN_COUNTRY
 from vista_eval.worlds.sampled.patterns import cloudy, laid
+from vista_eval.worlds.sampled.rods import all_of, lattice, strand
 from vista_eval.worlds.sampled.site import RURAL, URBAN, Site, background, clutter, scene_of, site
-from vista_eval.worlds.sampled.wires import strand
-from vista_eval.worlds.triangles import Triangles, joined, tube
 
 COUNTRY_AND_TOWN = (*OPEN_COUNTRY, *BUILT_UP)
 
@@ -129,20 +128,6 @@ def tower(altitude_m: float, seed: int) -> Scene:
     )
 
 
-def lattice(height_m: float, side_m: float, member_m: float, albedo: float, corners: int = 3) -> Triangles:
-    """Legs and diagonals of a mast, its foot at the origin."""
-    turn = np.arange(corners) * 2 * np.pi / corners
-    legs = side_m / np.sqrt(3 if corners == 3 else 2) * np.column_stack([np.cos(turn), np.sin(turn)])
-    parts = [tube([(*leg, 0), (*leg, height_m)], member_m, albedo, 6) for leg in legs]
-    step = 1.1 * side_m
-    for level, z in enumerate(np.arange(0.0, height_m - step, step)):
-        for k in range(corners):
-            low, high = legs[k - level % 2], legs[k - 1 + level % 2]
-            ends = [(*low, z), (*high, z + step)]
-            parts.append(tube(ends, 0.5 * member_m, albedo, 4, closed=False))
-    return joined(*parts)
-
-
 def guyed_mast(altitude_m: float, seed: int) -> Scene:
     """A lattice or a tube of 0.1 to 0.7 m, 15 to 50 m high, held by wires of 5 to 20 mm from three sides."""
     here = site(altitude_m, seed, FROM_AFAR, COUNTRY_AND_TOWN)
@@ -151,7 +136,7 @@ def guyed_mast(altitude_m: float, seed: int) -> Scene:
     if rng.random() < 0.6:
         side = float(rng.uniform(0.25, 0.7))
         body = lattice(height, side, 0.05 * side + 0.006, float(rng.uniform(0.1, 0.6)))
-        mast: list[Solid] = [things.mesh("target_mast", body._replace(vertices_m=body.vertices_m + foot))]
+        mast = body.moved(foot).solids("target_mast")
     else:
         top = (foot[0], foot[1], foot[2] + height)
         kind = str(rng.choice(["steel", "bands"]))
@@ -163,5 +148,5 @@ def guyed_mast(altitude_m: float, seed: int) -> Scene:
         for share in np.linspace(0.95, 0.35, int(rng.integers(1, 4))):
             ends = (foot[0], foot[1], foot[2] + share * height), here.foot_m(float(x), float(y))
             wires.append(strand(*ends, radius, 0.01, rng))
-    target = thing("target", "mast", [*mast, things.mesh("target_guys", joined(*wires))], target=True)
+    target = thing("target", "mast", [*mast, *all_of(*wires).solids("target_guy")], target=True)
     return scene_of(here, [target], [*clutter(here, RURAL), *background(here)])

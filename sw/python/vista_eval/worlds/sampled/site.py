@@ -8,8 +8,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from vista_eval.render.motion import moved
-from vista_eval.render.scene import Point, Scene, Thing
-from vista_eval.render.trajectory import Course
+from vista_eval.render.scene import Mesh, Point, Scene, Thing, thing
 from vista_eval.worlds import random_scene
 from vista_eval.worlds.landscape import far_houses, forest, hills, tree_row
 from vista_eval.worlds.sampled.courses import Courses
@@ -22,6 +21,7 @@ from vista_eval.worlds.sampled.path import Path, clear_of, path_of
 RURAL = ("broadleaf", "conifer", "poplar", "bare", "bush", "hedge", "bale", "picket fence", "rail fence")
 URBAN = ("thin post", "lamp post", "car", "van", "person", "crates", "wall", "house", "bush")
 BACKGROUND_M = (98.0, 160.0)
+HILLS_TURN_DEG = 48.0
 
 
 @dataclass(frozen=True)
@@ -48,17 +48,29 @@ class Site:
 
 
 def site(altitude_m: float, seed: int, courses: Courses, covers: Sequence[str]) -> Site:
-    course: Course = courses.draw(seed)
     rng = draws(seed, "cover")
     cover = str(rng.choice(list(covers)))
-    return Site(seed, altitude_m, path_of(course), cover, float(rng.uniform(0.45, 1.0)))
+    return Site(seed, altitude_m, path_of(courses.draw(seed)), cover, float(rng.uniform(0.45, 1.0)))
+
+
+def ridges(altitude_m: float, seed: int, foot_m: float = 0.0) -> list[Thing]:
+    """Ahead and to both sides, for flights that turn."""
+    found = []
+    for k, yaw_deg in enumerate((0.0, -HILLS_TURN_DEG, HILLS_TURN_DEG)):
+        (solid,) = hills(altitude_m, seed + k).solids
+        assert isinstance(solid, Mesh)
+        cos, sin = np.cos(np.radians(yaw_deg)), np.sin(np.radians(yaw_deg))
+        turn = np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]])
+        vertices = (solid.vertices_m @ turn.T + [0.0, 0.0, foot_m]).astype(np.float32)
+        found.append(thing(f"hills{k}", "hills", [replace(solid, name=f"hills{k}", vertices_m=vertices)]))
+    return found
 
 
 def background(site: Site, kinds: Sequence[str] = ("trees", "forest", "houses", "open")) -> list[Thing]:
     """Far off on level ground; a ridge closes the view."""
     rng = site.draws("background")
     kind, far_m, seed = rng.choice(list(kinds)), float(rng.uniform(*BACKGROUND_M)), some_seed(rng)
-    found: list[Thing] = [hills(site.altitude_m, seed)]
+    found = ridges(site.altitude_m, seed)
     if kind == "trees":
         found.append(tree_row((far_m, far_m + 30), 0.5 * far_m + 10, seed))
     if kind == "houses":
@@ -86,11 +98,11 @@ def clutter(site: Site, kinds: Sequence[str], most: int = 14) -> list[Thing]:
     return found
 
 
-def shifted(thing: Thing, by_m: Point) -> Thing:
+def shifted(its: Thing, by_m: Point) -> Thing:
     by = np.array(by_m)
-    solids = tuple(moved(solid, by) for solid in thing.solids)
-    x, y, z = (float(c) for c in thing.center_m + by)
-    return replace(thing, solids=solids, center_m=(x, y, z))
+    solids = tuple(moved(solid, by) for solid in its.solids)
+    x, y, z = (float(c) for c in its.center_m + by)
+    return replace(its, solids=solids, center_m=(x, y, z))
 
 
 def scene_of(
@@ -102,7 +114,8 @@ def scene_of(
 ) -> Scene:
     """Ground, target, and of the rest what leaves the path free until `meets_at_m` (None: all along)."""
     path = site.path if meets_at_m is None else site.path.until(meets_at_m + 3.0)
-    lowest_m = min(site.altitude_m, *(site.altitude_m - site.ground_m(x, 0.0) for x in (-60, -40, -20, -12)))
+    flown = site.path.points_m[: site.path.flown : 8]
+    lowest_m = min(float(z) - site.ground_m(float(x), float(y)) for x, y, z in flown)
     base = ground(
         site.path, max(lowest_m, 1.0), site.cover, site.contrast, site.seed, site.relief, meets_ground
     )

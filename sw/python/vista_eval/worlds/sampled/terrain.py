@@ -11,16 +11,18 @@ import numpy as np
 
 from vista_eval.render.scene import Scene, Thing
 from vista_eval.render.textures import noise, smoothstep
-from vista_eval.worlds.landscape import HILLS_FOOT_X_M, hills
+from vista_eval.worlds.landscape import HILLS_FOOT_X_M
 from vista_eval.worlds.sampled.courses import Courses
 from vista_eval.worlds.sampled.draws import some_seed
 from vista_eval.worlds.sampled.grounds import OPEN_COUNTRY
 from vista_eval.worlds.sampled.laying import Relief
-from vista_eval.worlds.sampled.site import RURAL, Site, clutter, scene_of, shifted, site
+from vista_eval.worlds.sampled.site import RURAL, Site, clutter, ridges, scene_of, site
 
 SLOPE_DEG = (5.0, 40.0)
-OVER_SLOPE = Courses(altitude_m=(6.0, 16.0))
-CLEAR_HEIGHT = Courses(altitude_m=(9.0, 20.0))
+# A shallow slope is flown along so low that a gust would set the aircraft down.
+OVER_SLOPE = Courses((6.0, 16.0), climb_deg=(-6.0, 0.0), most_bank_deg=12.0, most_gust=0.02)
+ALONG_SLOPE = replace(OVER_SLOPE, most_bank_deg=0.0)
+CLEAR_HEIGHT = Courses(altitude_m=(9.0, 20.0), climb_deg=(0.0, 3.0), most_bank_deg=0.0)
 CORRIDOR_M = 12.0  # to either side of the path, for what shall stay below it
 
 
@@ -59,8 +61,8 @@ def ramp(site: Site, slope_deg: float, azimuth_deg: float, top_m: float) -> Reli
 
 
 def on_slopes(here: Site) -> list[Thing]:
-    far = hills(here.altitude_m, here.seed)
-    return [*clutter(here, RURAL, 10), shifted(far, (0.0, 0.0, here.ground_m(HILLS_FOOT_X_M, 0.0) - 2.0))]
+    foot_m = here.ground_m(HILLS_FOOT_X_M, 0.0) - 2.0
+    return [*clutter(here, RURAL, 10), *ridges(here.altitude_m, here.seed, foot_m)]
 
 
 def risen(here: Site, relief: Relief) -> Scene:
@@ -79,7 +81,7 @@ def hillside(altitude_m: float, seed: int) -> Scene:
 
 def valley_side(altitude_m: float, seed: int) -> Scene:
     """A slope of 12 to 40 degrees, met 35 to 60 degrees askew."""
-    here = site(altitude_m, seed, OVER_SLOPE, OPEN_COUNTRY)
+    here = site(altitude_m, seed, ALONG_SLOPE, OPEN_COUNTRY)
     rng = here.draws("valley side")
     azimuth = rng.choice([-1, 1]) * rng.uniform(35, 60)
     return risen(here, ramp(here, rng.uniform(12, 40), azimuth, rng.uniform(20, 70)))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from vista_eval.render.scene import Scene, Thing
@@ -14,8 +16,9 @@ from vista_eval.worlds.sampled.site import RURAL, Site, background, clutter, sce
 from vista_eval.worlds.triangles import Triangles, joined
 from vista_eval.worlds.vegetation import bark, crown
 
-AMONG_TREES = Courses(altitude_m=(2.5, 9.0))
-AMONG_TRUNKS = Courses((2.5, 6.0), FROM_AFAR.speed_m_s, FROM_AFAR.span_m, FROM_AFAR.most_frames)
+AMONG_TREES = Courses(altitude_m=(2.5, 9.0), climb_deg=(-6.0, 5.0))
+RIDE = Courses(altitude_m=(4.5, 9.0), climb_deg=(0.0, 5.0), most_bank_deg=15.0)
+AMONG_TRUNKS = replace(FROM_AFAR, altitude_m=(2.5, 6.0))
 MOST_TREES = 40
 NEAR_M = 0.6  # of the path to the nearest branch of the tree in the way
 
@@ -111,7 +114,7 @@ def pine_wood(altitude_m: float, seed: int) -> Scene:
 
 def clear_wood(altitude_m: float, seed: int) -> Scene:
     """A ride through a wood: crowns and trunks on both sides, none over the path."""
-    here = site(altitude_m, seed, AMONG_TREES, WOODED)
+    here = site(altitude_m, seed, RIDE, WOODED)
     rng = here.draws("ride")
     forms = ("broadleaf", "conifer", "poplar", "bare")
     trees = []

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from vista_eval.render.scene import Scene, Sphere, Thing, thing
 from vista_eval.render.textures import paint
@@ -11,25 +10,12 @@ from vista_eval.worlds import things
 from vista_eval.worlds.sampled.courses import Courses
 from vista_eval.worlds.sampled.draws import log_uniform, some_seed
 from vista_eval.worlds.sampled.grounds import OPEN_COUNTRY
+from vista_eval.worlds.sampled.rods import Rods, all_of, point, strand
 from vista_eval.worlds.sampled.site import RURAL, Site, background, clutter, scene_of, site
 from vista_eval.worlds.triangles import Triangles, box, joined, tube
 
-AT_WIRES = Courses(altitude_m=(5.0, 13.0))
+AT_WIRES = Courses(altitude_m=(5.0, 13.0), climb_deg=(-6.0, 6.0), most_bank_deg=20.0)
 DIAMETER_M = (0.005, 0.030)
-SEGMENT_M = 1.5
-
-
-def strand(
-    start_m: ArrayLike, end_m: ArrayLike, radius_m: float, sag: float, rng: np.random.Generator
-) -> Triangles:
-    """A wire that sags by a share of its length; its shade changes along it as dirt and light make it."""
-    start, end = np.asarray(start_m, float), np.asarray(end_m, float)
-    length = float(np.linalg.norm(end - start))
-    t = np.linspace(0, 1, max(4, round(length / SEGMENT_M)))
-    points = start + t[:, None] * (end - start)
-    points[:, 2] -= 4 * sag * length * t * (1 - t)
-    albedo = np.clip(rng.uniform(0.04, 0.5) * rng.lognormal(0, 0.25, len(t)), 0.02, 0.7)
-    return tube(points, radius_m, albedo, 6, closed=False)
 
 
 def sagging_through(
@@ -42,7 +28,7 @@ def sagging_through(
     return raised, raised + 2 * half_m
 
 
-def spans(here: Site, rng: np.random.Generator, incline_deg: float, count: int) -> tuple[list, list]:
+def spans(here: Site, rng: np.random.Generator, incline_deg: float, count: int) -> tuple[list, list[Rods]]:
     """Wires side by side, the first through the path; their two ends each."""
     azimuth, incline = np.radians(rng.uniform(-40, 40)), np.radians(incline_deg)
     level = np.array([np.sin(azimuth), np.cos(azimuth), 0.0])
@@ -82,7 +68,7 @@ def cable(altitude_m: float, seed: int) -> Scene:
     rng = here.draws("cable")
     ends, wires = spans(here, rng, float(rng.uniform(-20, 20)), int(rng.integers(1, 5)))
     holders = thing("poles", "pole", [things.mesh("poles", wooden_poles("poles", here, ends, rng))])
-    target = thing("target", "wire", [things.mesh("target_wires", joined(*wires))], target=True)
+    target = thing("target", "wire", all_of(*wires).solids("target_wire"), target=True)
     return scene_of(here, [target, holders], around(here))
 
 
@@ -92,11 +78,10 @@ def power_line(altitude_m: float, seed: int) -> Scene:
     rng = here.draws("power line")
     incline = float(rng.choice([-1, 1]) * rng.uniform(0, 60))
     _, wires = spans(here, rng, incline, int(rng.integers(1, 7)))
-    solids: list = [things.mesh("target_wires", joined(*wires))]
+    solids = all_of(*wires).solids("target_wire")
     if rng.random() < 0.2:
-        rings = len(wires[0].vertices_m) // 6
         for k, share in enumerate(np.arange(0.15, 0.9, 0.2)):
-            x, y, z = (float(c) for c in wires[0].vertices_m[6 * round(share * (rings - 1))])
+            x, y, z = point(wires[0].end_m[round(share * (len(wires[0].end_m) - 1))])
             ball = paint(0.25 + 0.5 * (k % 2), some_seed(rng))
             solids.append(Sphere(f"target_ball{k}", (x, y, z), 0.25, ball))
     target = thing("target", "wire", solids, target=True)

@@ -1,0 +1,73 @@
+"""Intervals that hold 95 %, over flights: the frames of one flight are not independent of each other.
+
+Of a share of frames: a bootstrap that draws whole flights. Where all flights say the same, all or nothing, it
+would find no spread at all; then the interval is the exact one of Clopper and Pearson for the count of
+flights. That is also used for what a flight as a whole has or has not."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from math import comb
+
+import numpy as np
+
+LEVEL = 0.95
+RESAMPLES = 2000
+BISECTIONS = 50
+
+
+@dataclass(frozen=True)
+class Share:
+    part: int
+    whole: int
+    low: float
+    high: float
+    exact: bool  # for the count of flights; else from the bootstrap over flights
+
+    @property
+    def value(self) -> float:
+        return self.part / self.whole
+
+
+def share_of_flights(had: list[bool]) -> Share | None:
+    """had: of each flight."""
+    return None if not had else Share(sum(had), len(had), *clopper_pearson(sum(had), len(had)), exact=True)
+
+
+def share_of_frames(counts: list[tuple[int, int]], seed: int = 0) -> Share | None:
+    """counts: of each flight, the frames that have it and those that might."""
+    counts = [(part, whole) for part, whole in counts if whole]
+    if not counts:
+        return None
+    part, whole = (int(sum(column)) for column in zip(*counts, strict=True))
+    if part in (0, whole):
+        return Share(part, whole, *clopper_pearson(len(counts) if part else 0, len(counts)), exact=True)
+    drawn = np.random.default_rng(seed).integers(0, len(counts), (RESAMPLES, len(counts)))
+    parts, wholes = np.array(counts).T
+    shares = parts[drawn].sum(axis=1) / wholes[drawn].sum(axis=1)
+    tail = 50.0 * (1.0 - LEVEL)
+    low, high = np.percentile(shares, [tail, 100.0 - tail])
+    return Share(part, whole, float(low), float(high), exact=False)
+
+
+def clopper_pearson(part: int, whole: int) -> tuple[float, float]:
+    """Of a probability of which `part` of `whole` independent trials are known."""
+    tail = (1.0 - LEVEL) / 2.0
+    low = 0.0 if part == 0 else _bisect(lambda p: 1.0 - _at_most(part - 1, whole, p) - tail)
+    high = 1.0 if part == whole else _bisect(lambda p: tail - _at_most(part, whole, p))
+    return low, high
+
+
+def _at_most(count: int, trials: int, probability: float) -> float:
+    return sum(
+        comb(trials, k) * probability**k * (1.0 - probability) ** (trials - k) for k in range(count + 1)
+    )
+
+
+def _bisect(rising: Callable[[float], float]) -> float:
+    low, high = 0.0, 1.0
+    for _ in range(BISECTIONS):
+        middle = 0.5 * (low + high)
+        low, high = (low, middle) if rising(middle) > 0.0 else (middle, high)
+    return 0.5 * (low + high)

@@ -1,0 +1,203 @@
+"""The tables of sampled flights by family, as text, and as cells for the report and the documentation."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from vista_eval.detectors import OURS
+from vista_eval.metrics.comparison import describe
+from vista_eval.metrics.flight_score import FIRST_DETECTION_M
+from vista_eval.metrics.group import nees, number, states
+from vista_eval.metrics.intervals import Share
+from vista_eval.metrics.rules import STRICT
+from vista_eval.metrics.world_score import SHOWN, ControlScore, FamilyScore
+from vista_eval.report.text_table import aligned
+
+FOREST_SIGN = "cut - forest"
+
+
+@dataclass(frozen=True)
+class Table:
+    name: str
+    title: str
+    heads: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]
+    legend: str
+
+
+def tables(families: list[FamilyScore]) -> list[Table]:
+    made = [scores_table(families)]
+    if len(families[0].controls) > 1:
+        made.append(controls_table(families))
+    if families[0].noisy:
+        made.append(noise_table(families))
+    if any(family.segmentation for family in families):
+        made.append(segmentation_table(families))
+    if any(family.stereo for family in families):
+        made.append(stereo_table(families))
+    return made
+
+
+def scores_table(families: list[FamilyScore]) -> Table:
+    heads = (
+        "family",
+        "flights",
+        "frames",
+        "hits",
+        "missed",
+        "false",
+        "flights with false",
+        "within 2 dz",
+        "med dz",
+        "NEES",
+        f"from {FIRST_DETECTION_M:.0f} m",
+        "state",
+    )
+    rows = []
+    for family in families:
+        ours = family.controls[OURS]
+        rows.append(
+            (
+                family.name,
+                str(family.flights),
+                str(ours.frames),
+                share_text(ours.hits),
+                str(ours.missed_frames),
+                str(ours.alarm_frames),
+                share_text(ours.alarm_flights),
+                share_text(ours.within_2dz),
+                number(ours.median_dz, 2),
+                nees(ours.consistency),
+                share_text(ours.first_far),
+                states(ours.degraded_frames, ours.blind_frames),
+            )
+        )
+    return Table(
+        "scores",
+        "By family",
+        heads,
+        tuple(rows),
+        "hits: frames with a warning that is right, of those in which one is asked for; missed: frames "
+        "without one, nearer ones included; false: frames with a false alarm; within 2 dz: errors of at most "
+        f"2 dz or {STRICT.least_tolerance_m:g} m; NEES: average, its band; from {FIRST_DETECTION_M:.0f} m: "
+        "flights that warn from there or farther on, of those that begin there; state: frames that call "
+        "themselves degraded + blind. In brackets what holds 95 %: over flights, by bootstrap; * the exact "
+        "interval for the count of flights",
+    )
+
+
+def controls_table(families: list[FamilyScore]) -> Table:
+    controls = tuple(families[0].controls)
+    rows = []
+    for family in families:
+        cells = [family.name]
+        for control in controls:
+            score = family.controls[control]
+            cells.append(f"{hits_text(score)}, {score.missed_frames}, {score.alarm_frames}")
+        rows.append(tuple(cells))
+    return Table(
+        "controls",
+        "Beside it, in the same host",
+        ("family", *controls),
+        tuple(rows),
+        "hits of the frames in which one is asked for, frames missed, frames with a false alarm",
+    )
+
+
+def noise_table(families: list[FamilyScore]) -> Table:
+    rows = tuple(
+        (family.name, *(noise_cell(score) for score in family.noisy.values())) for family in families
+    )
+    return Table(
+        "noise",
+        "With sensor noise added",
+        ("family", *(f"{grey:g} grey levels" for grey in families[0].noisy)),
+        rows,
+        "hits of the frames in which one is asked for, frames with a false alarm, frames that call "
+        "themselves degraded + blind",
+    )
+
+
+def noise_cell(score: ControlScore) -> str:
+    state = states(score.degraded_frames, score.blind_frames) or "0"
+    return f"{hits_text(score)}, {score.alarm_frames}, {state}"
+
+
+def hits_text(score: ControlScore) -> str:
+    return f"{score.hits.part}/{score.hits.whole}" if score.hits else "-"
+
+
+def segmentation_table(families: list[FamilyScore]) -> Table:
+    heads = ["family", "things"]
+    for statistic in SHOWN.values():
+        heads += [f"{statistic}, cut", "forest", "reference", FOREST_SIGN]
+    rows = []
+    for family in families:
+        scored = family.segmentation
+        if scored is None:
+            continue
+        cells = [family.name, str(scored.things)]
+        for key in SHOWN:
+            value = scored.values[key]
+            cells += [
+                f"{value['cut']:.2f}{between(scored.interval.get(key))}",
+                f"{value['spanning forest']:.2f}",
+                f"{value['reference method']:.2f}",
+                between(scored.against_forest.get(key), sign="+").strip() or "-",
+            ]
+        rows.append(tuple(cells))
+    return Table(
+        "segmentation",
+        "Segmentation: the cut beside a forest grown from its own seeds",
+        tuple(heads),
+        tuple(rows),
+        "every eighth frame, each by itself; in brackets what holds 95 % over flights, and of the difference "
+        "over the same flights (bootstrap)",
+    )
+
+
+def stereo_table(families: list[FamilyScore]) -> Table:
+    rows = []
+    for family in families:
+        stereo = family.stereo
+        if stereo is None:
+            continue
+        best = "-"
+        if stereo.best is not None:
+            threshold, missed, alarmed = stereo.best
+            best = f"{missed}, {alarmed} ({describe(threshold)})"
+        rows.append(
+            (
+                family.name,
+                f"{stereo.missed}, {stereo.alarmed}",
+                f"{stereo.better} of {stereo.thresholds}",
+                best,
+            )
+        )
+    return Table(
+        "stereo",
+        "Stereo alone with the same M of N and static-world test",
+        (
+            "family",
+            "ours: missed, false",
+            "thresholds with fewer misses",
+            "fewest misses at no more false alarms",
+        ),
+        tuple(rows),
+        "frames missed, frames with a false alarm; of the thresholds only those with no more false alarms",
+    )
+
+
+def share_text(share: Share | None) -> str:
+    if share is None:
+        return "-"
+    low, high = (f"{100.0 * bound:.0f}" for bound in (share.low, share.high))
+    return f"{share.part}/{share.whole} ({low} to {high} %{'*' if share.exact else ''})"
+
+
+def between(interval: tuple[float, float] | None, sign: str = "") -> str:
+    return "" if interval is None else f" ({interval[0]:{sign}.2f} to {interval[1]:{sign}.2f})"
+
+
+def as_text(table: Table) -> str:
+    return f"{table.title}\n{aligned([table.heads, *table.rows], {})}\n{table.legend}"

@@ -1,0 +1,90 @@
+"""`vista worlds`: families by name, rendering that continues, and what may be scored of the test set."""
+
+from __future__ import annotations
+
+import argparse
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from command_line import Vista, assert_refused, call
+from vista_eval.command import worlds as command
+from vista_eval.render.flight import Flight
+from vista_eval.render.rig import Rig
+from vista_eval.render.scene import Board, Scene, thing
+from vista_eval.worlds.sampled import catalog
+from vista_eval.worlds.sampled.courses import Courses
+from vista_eval.worlds.sampled.family import Family
+
+SMALL_RIG = Rig(width_px=160, height_px=120, focal_px=250.0, baseline_m=0.4572)
+
+
+def one_board(altitude_m: float, seed: int) -> Scene:
+    albedo = np.random.default_rng(seed).uniform(0.1, 0.7, (40, 40)).astype(np.float32)
+    board = Board("board", (0.0, 0.0, altitude_m), 6.0, 6.0, albedo)
+    return Scene((thing("board", "sign", [board], target=True),), to_sun=(-0.6, 0.3, 0.7))
+
+
+class SmallFamily(Family):
+    def flight(self, number: int, seed: int) -> Flight:
+        whole = super().flight(number, seed)
+        return replace(whole, rig=SMALL_RIG, approach=replace(whole.approach, frames=2))
+
+
+@pytest.fixture
+def families(monkeypatch: pytest.MonkeyPatch) -> None:
+    small = {
+        name: SmallFamily(name, name, split, one_board, Courses())
+        for name, split in (("one", "dev"), ("two", "dev"), ("three", "test"))
+    }
+    monkeypatch.setattr(catalog, "FAMILIES", small)
+
+
+@pytest.fixture
+def vista(capsys: pytest.CaptureFixture[str]) -> Vista:
+    return lambda *arguments: call(capsys, *arguments)
+
+
+def test_the_list_tells_the_split(vista: Vista, tmp_path: Path) -> None:
+    status, printed, _ = vista("worlds", tmp_path, "--list")
+    lines = [line.split() for line in printed.splitlines()]
+    assert status == 0 and len(lines) == len(catalog.FAMILIES)
+    assert {line[0]: line[1] for line in lines} == {n: f.split for n, f in catalog.FAMILIES.items()}
+
+
+def test_a_split_is_rendered_and_continued(families: None, vista: Vista, tmp_path: Path) -> None:
+    arguments = ("worlds", tmp_path, "--count", 2, "--render-only", "--jobs", 1)
+    assert vista(*arguments)[0] == 0
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["one_000", "one_001", "two_000", "two_001"]
+    images = sorted((tmp_path / "one_000" / "mav0" / "cam0" / "data").iterdir())
+    first, second = (image.read_bytes() for image in images)
+    images[1].unlink()
+    (tmp_path / "one_000" / "truth.json").unlink()
+    kept_ns = images[0].stat().st_mtime_ns
+    assert vista(*arguments)[0] == 0
+    assert [image.read_bytes() for image in images] == [first, second]
+    assert images[0].stat().st_mtime_ns == kept_ns
+    other = tmp_path / "other"
+    assert vista("worlds", other, "--family", "two", "--seed", 5, "--count", 1, "--render-only")[0] == 0
+    assert [path.name for path in other.iterdir()] == ["two_000"]
+    theirs = next((other / "two_000" / "mav0" / "cam0" / "data").iterdir()).read_bytes()
+    assert theirs != next((tmp_path / "two_000" / "mav0" / "cam0" / "data").iterdir()).read_bytes()
+
+
+def test_a_family_of_another_split_is_refused(families: None, vista: Vista, tmp_path: Path) -> None:
+    assert_refused(vista("worlds", tmp_path, "--family", "three"), "no family three in the split dev")
+    assert_refused(vista("worlds", tmp_path, "--family", "four"), "no family four")
+
+
+@pytest.mark.parametrize("option", [("--seed", 2), ("--count", 1), ("--quality", "quick")])
+def test_the_test_set_is_scored_as_frozen_only(
+    families: None, vista: Vista, tmp_path: Path, option: tuple[str, object]
+) -> None:
+    assert_refused(vista("worlds", tmp_path, "--split", "test", *option), "is scored whole, as frozen")
+    assert not list(tmp_path.iterdir())
+
+
+def test_the_size_of_a_set_is_the_catalogs_unless_said() -> None:
+    asked = argparse.Namespace(count=None, seed=None, split="test", quality="full", render_only=False)
+    assert command.size_of_set(asked) == (catalog.COUNT, catalog.SEED)
