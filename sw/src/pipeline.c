@@ -11,6 +11,7 @@
 #include "stages/affinity.h"
 #include "stages/blind_zone.h"
 #include "stages/collision_volume.h"
+#include "stages/footing.h"
 #include "stages/health.h"
 #include "stages/motion.h"
 #include "stages/obstacle_map.h"
@@ -50,6 +51,7 @@ typedef enum stage {
   STAGE_TERRAIN,
   STAGE_MAP,
   STAGE_PATH_VIEW,
+  STAGE_FOOTING,
   STAGE_COUNT
 } stage;
 
@@ -98,6 +100,7 @@ static const char *const stage_names[STAGE_COUNT] = {
     [STAGE_TERRAIN] = "terrain",
     [STAGE_MAP] = "map",
     [STAGE_PATH_VIEW] = "path_view",
+    [STAGE_FOOTING] = "footing",
 };
 
 int32_t vista_stage_count(void) { return STAGE_COUNT; }
@@ -259,6 +262,8 @@ static void set_thresholds(vista_pipeline *p, const vista_image_noise *noise) {
   p->words_params = q->words;
   p->words_params.cluster_px =
       (int32_t)lround(vista_image_noise_threshold(noise, q->words.cluster_px, q->words.cluster_px_noise));
+  p->words_params.cluster_far_px =
+      (int32_t)lround(vista_image_noise_threshold(noise, q->words.cluster_far_px, q->words.cluster_px_noise));
   p->refinement_params = q->refinement;
   p->refinement_params.sigma_intensity =
       vista_image_noise_threshold(noise, q->refinement.sigma_intensity, q->refinement.sigma_intensity_noise);
@@ -285,7 +290,7 @@ static vista_status run_stage(vista_pipeline *p, stage stage, passage *way) {
       return status;
     }
     case STAGE_WORDS:
-      return vista_words_combine(&p->words_params, q->stereo.num_disparities, &frame->disparity, frame->coarser,
+      return vista_words_combine(&p->words_params, p->camera.baseline_m, q->stereo.num_disparities, &frame->disparity, frame->coarser,
                                  &p->words);
     case STAGE_FOVEATION:
       return vista_foveate(&p->foveation, &q->foveation, &frame->image, words, &p->cells);
@@ -347,6 +352,8 @@ static vista_status run_stage(vista_pipeline *p, stage stage, passage *way) {
     case STAGE_PATH_VIEW:
       return vista_path_view(&q->obstacle_map, &p->camera, &p->matched, &way->path, &way->motion.pose, words,
                              p->refinement.label, &p->regions, &way->path_seen_m);
+    case STAGE_FOOTING:
+      return vista_footing_clear(&q->region, &p->camera, words, &p->surfaces, &p->regions, &p->refinement);
     case STAGE_COUNT:
       break;
   }

@@ -112,8 +112,8 @@ def test_fields_of_the_result(flight: list[dict]) -> None:
     names = [ffi.string(lib.vista_stage_name(stage)).decode() for stage in range(r.stage_count)]
     assert names == [
         "motion", "noise", "words", "foveation", "health", "surface", "affinity", "segmentation",
-        "refinement", "regions", "thin", "reconstruction", "tracking", "blind_zone", "terrain", "map",
-        "path_view",
+        "refinement", "regions", "thin", "reconstruction", "tracking", "blind_zone", "terrain", "map", "path_view",
+        "footing",
     ]  # fmt: skip
     assert ffi.string(lib.vista_stage_name(r.stage_count)) == b"unknown"
 

@@ -23,7 +23,7 @@ from vista.recording import FRAME, HEADER, PARAMETER
 REPLAY = native.build_folder() / "bin" / "replay"
 STAGES = (
     "motion,noise,words,foveation,health,surface,affinity,segmentation,refinement,regions,thin,reconstruction,tracking,"
-    "blind_zone,terrain,map,path_view,host,cpu"
+    "blind_zone,terrain,map,path_view,footing,host,cpu"
 )
 SANITIZED = "asan" in os.environ.get("LD_PRELOAD", "")
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 import pytest
 from stage_arena import Arena, ffi, lib, status_name
@@ -12,6 +14,7 @@ Words = np.ndarray
 
 SIZES = [(1, 1), (1, 7), (2, 2), (3, 5), (7, 1), (8, 9), (17, 16), (23, 64), (30, 41), (64, 37)]
 COARSER = 3
+BASELINE_M = 0.4572
 
 
 class Stage:
@@ -31,7 +34,9 @@ class Stage:
 
     def combine_images(self, image, coarser, num_disparities: int = 64) -> str:
         section = ffi.addressof(self._parameters, "words")
-        return status_name(lib.vista_words_combine(section, num_disparities, image, coarser, self.handle))
+        return status_name(
+            lib.vista_words_combine(section, BASELINE_M, num_disparities, image, coarser, self.handle)
+        )
 
     @property
     def words(self) -> Words:
@@ -47,7 +52,27 @@ def spread(row: Words) -> Words:
     return np.where(row >= 0, row, np.where(left >= 0, left, right))
 
 
-def without_small_clusters(words: Words, smallest: int, gap_px: int) -> Words:
+class Smallest(NamedTuple):
+    """What a cluster has to cover: pixels anywhere, square metres, and pixels of what covers these."""
+
+    px: int
+    area_m2: float
+    far_px: int
+
+    def at(self, word: int) -> float:
+        """Pixels, of a cluster with this word."""
+        px = self.area_m2 * (word / SCALE / BASELINE_M) ** 2
+        return min(self.px, max(px, self.far_px))
+
+
+def nearest_in_first_run(words: Words, v: int, u: int) -> int:
+    """The largest of the words that hang together in the row, from (v, u) on."""
+    row = words[v, u:].astype(int)
+    ends = np.nonzero((row < 0) | (np.abs(np.diff(row, prepend=row[0])) > SCALE))[0]
+    return int(row[: ends[0] if len(ends) else len(row)].max())
+
+
+def without_small_clusters(words: Words, smallest: Smallest, gap_px: int) -> Words:
     kept = words.copy()
     for _ in range(gap_px):
         words = np.array([spread(row) for row in words])
@@ -62,7 +87,7 @@ def without_small_clusters(words: Words, smallest: int, gap_px: int) -> Words:
                 if inside and not seen[y, x] and abs(int(words[y, x]) - int(words[v, u])) <= SCALE:
                     seen[y, x] = True
                     cluster.append((y, x))
-        if len(cluster) < smallest:
+        if len(cluster) < smallest.at(nearest_in_first_run(words, *start)):
             kept[tuple(np.transpose(cluster))] = INVALID
     return kept
 
@@ -76,7 +101,7 @@ def with_support(words: Words, share: float) -> Words:
 def combined(
     levels: list[Words],
     candidates: int,
-    cluster: int,
+    cluster: Smallest,
     gap_px: int,
     support: float,
     apart_px: float,
@@ -134,10 +159,20 @@ def test_the_stage_is_the_reference(size: tuple[int, int], levels: int) -> None:
     print("seed", seed)
     random = np.random.default_rng(seed)
     for _ in range(6):
-        cluster, support = int(random.choice([0, 1, 2, 5, 30])), float(random.choice([0.0, 0.4, 0.8, 1.0]))
+        cluster = Smallest(
+            int(random.choice([0, 1, 2, 5, 30])),
+            float(random.choice([0.0, 0.003, 0.03, 1.0])),
+            int(random.integers(0, 8)),
+        )
+        support = float(random.choice([0.0, 0.4, 0.8, 1.0]))
         apart_px, candidates = float(random.choice([0.0, 0.5, 2.0, 256.0])), int(random.choice([16, 64, 256]))
         filling = int(random.integers(0, 4))
-        changes = {"words.cluster_px": cluster, "words.support": support, "words.contradiction_px": apart_px}
+        changes = {
+            "words.cluster_px": cluster.px,
+            "words.support": support,
+            "words.contradiction_px": apart_px,
+        }
+        changes |= {"words.cluster_m2": cluster.area_m2, "words.cluster_far_px": cluster.far_px}
         gap_px = int(random.integers(0, 4))
         changes |= {"words.filling_levels": filling, "words.gap_px": gap_px}
         stage = Stage(*size, changes)
@@ -190,6 +225,17 @@ def test_a_near_thing_comes_from_a_coarser_level_and_its_chance_matches_go() -> 
     assert set(np.unique(stage.words)) == {10 * SCALE, 100 * SCALE}
 
 
+@pytest.mark.parametrize(("range_m", "kept"), [(30.0, False), (60.0, True), (120.0, True)])
+def test_what_is_far_may_be_small(range_m: float, kept: bool) -> None:
+    """Before f = 1000 px, 64 px are 0.06 m2 at 30 m, and more than 0.2 m2 at 60 m."""
+    word = round(1000.0 * BASELINE_M / range_m * SCALE)
+    words = np.full((96, 160), INVALID, np.int16)
+    words[40:48, 60:68] = word  # 64 px
+    stage = Stage(96, 160)
+    assert stage.combine([words]) == "VISTA_OK"
+    assert (stage.words[40:48, 60:68] == (word if kept else INVALID)).all()
+
+
 def test_levels_that_fill_nothing_add_only_what_is_too_near_for_level_0() -> None:
     nothing = [np.full(shape, INVALID, np.int16) for shape in shapes_of(96, 160, 3)]
     for disparity_px, expected_px in ((15, None), (16, 64), (60, 240)):
@@ -237,16 +283,17 @@ def test_bad_arguments() -> None:
     image, coarser = image_struct("disparity_image", words[0]), ffi.new("vista_disparity_image[]", COARSER)
     section = ffi.addressof(stage._parameters, "words")
     for arguments in (
-        (ffi.NULL, 64, image, coarser, stage.handle),
-        (section, 64, ffi.NULL, coarser, stage.handle),
-        (section, 64, image, ffi.NULL, stage.handle),
-        (section, 64, image, coarser, ffi.NULL),
+        (ffi.NULL, BASELINE_M, 64, image, coarser, stage.handle),
+        (section, BASELINE_M, 64, ffi.NULL, coarser, stage.handle),
+        (section, BASELINE_M, 64, image, ffi.NULL, stage.handle),
+        (section, BASELINE_M, 64, image, coarser, ffi.NULL),
     ):
         assert status_name(lib.vista_words_combine(*arguments)) == "VISTA_ERROR_ARGUMENT"
+    combine, rest = lib.vista_words_combine, (64, image, coarser, stage.handle)
+    for baseline_m in (0.0, -1.0, float("nan")):
+        assert status_name(combine(section, baseline_m, *rest)) == "VISTA_ERROR_RANGE"
     section.support = 1.5
-    assert (
-        status_name(lib.vista_words_combine(section, 64, image, coarser, stage.handle)) == "VISTA_ERROR_RANGE"
-    )
+    assert status_name(combine(section, BASELINE_M, *rest)) == "VISTA_ERROR_RANGE"
     assert status_name(lib.vista_words_layout(ffi.new("vista_words *"), ffi.new("vista_arena *"), 0, 5)) == (
         "VISTA_ERROR_SIZE"
     )

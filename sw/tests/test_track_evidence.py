@@ -71,6 +71,25 @@ def test_without_words_it_is_held_for_a_short_time() -> None:
     assert not tracker.tracks
 
 
+@pytest.mark.parametrize(("speed_m_s", "waits"), [(9.144, True), (0.0, False), (2.0, False)])
+def test_between_two_whole_disparities_it_is_waited_for(speed_m_s: float, waits: bool) -> None:
+    """Seen twice at 65 m, not confirmed. On approach its disparity moves on: without words it is waited for
+    up to hold_px. What moves on too slowly, or not at all, is missed at once."""
+    tracker, thing = Tracker(), np.array([0.0, 0.0, 65.0])
+    for frame in range(14):
+        camera = np.array([0.0, 0.0, speed_m_s * DT * frame])
+        seen = [seen_at(thing, camera)] if frame < 2 else []
+        assert tracker.update(DT * frame, seen, camera, words=words(INVALID)) == "VISTA_OK"
+        if frame < 2 or not tracker.tracks:
+            continue
+        moved_px = measure(thing, camera)[2] - measure(thing, np.array([0.0, 0.0, speed_m_s * DT]))[2]
+        if abs(moved_px - tracker.params.hold_px) > 0.05:
+            assert tracker.tracks[1].held == (waits and moved_px < tracker.params.hold_px)
+        if waits and moved_px < 0.9 * tracker.params.hold_px:
+            assert tracker.tracks[1].misses == 0
+    assert not tracker.tracks
+
+
 def test_what_its_outline_told_is_held_without_words() -> None:
     """It never had any: until the time of the blind zone is over."""
     tracker = followed(plain=True)

@@ -140,7 +140,8 @@ typedef struct vista_region_params {
   double odds_size; /* Log-odds added by each tenfold of a metre in size. -100.0 .. 100.0 ln odds. */
   double odds_unseeded; /* Log-odds added to a region that grew from no disparity of its own. -100.0 .. 100.0 ln odds. */
   double odds_lean; /* Log-odds added by a surface that lies flat, 15 degrees and more beyond surface.horizontal_deg. -100.0 .. 100.0 ln odds. */
-  unsigned char reserved[88];
+  double ground_height_m; /* Pixels of an obstacle whose word is less than this above the ground's plane are the ground at its foot. At most 6 % of the range. 0.0 .. 10.0 m. */
+  unsigned char reserved[80];
 } vista_region_params;
 
 /* Regions to detections by linear triangulation (paper, section II-D). */
@@ -180,7 +181,8 @@ typedef struct vista_tracker_params {
   double range_max_m; /* Farther detections start no track. 1.0 .. 100000.0 m. */
   double follow_s; /* A track without a detection, not in the way, is followed by the words at its place for this long. 0.0 .. 3600.0 s. */
   double hold_s; /* A track whose place shows no words coasts for this long before it counts as missed. 0.0 .. 3600.0 s. */
-  unsigned char reserved[72];
+  double hold_px; /* Confirmed or not, it coasts until its disparity has moved by this since its last detection, if that takes no longer than follow_s: between two whole disparities sharp textures are hard to match. 0.0 .. 16.0 px. */
+  unsigned char reserved[64];
 } vista_tracker_params;
 
 /* Something in the way that is too near to match: texture without disparity. */
@@ -229,7 +231,9 @@ typedef struct vista_words_params {
   int32_t filling_levels; /* As many coarser levels fill surfaces where the finer ones have no word; the others only add what is too near for level 0. 0 .. 3. */
   int32_t gap_px; /* Words of a row hang together across gaps up to twice this wide. 0 .. 16 px. */
   double cluster_px_noise; /* cluster_px is at least this times the image's noise: chance matches of a noisy image are larger. 0.0 .. 100000.0 px per grey level. */
-  unsigned char reserved[216];
+  double cluster_m2; /* A cluster that covers this area at its distance is kept though it covers less than cluster_px. 0.0 .. 100.0 m2. */
+  int32_t cluster_far_px; /* It covers at least as many pixels; in a noisy image as many as cluster_px_noise asks for. 0 .. 1000000 px. */
+  unsigned char reserved[204];
 } vista_words_params;
 
 /* Where the flight path meets the ground (extension of the paper). */

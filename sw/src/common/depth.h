@@ -16,9 +16,9 @@ static inline float vista_limit_m(const vista_camera *camera, float disparity_px
 }
 
 static inline float vista_depth_step_px(const vista_camera *camera, float disparity_px, float step_m) {
-  if (disparity_px <= 0.0f) return 0.0f;
   const float ds = disparity_px * vista_limit_m(camera, disparity_px, step_m);
-  return disparity_px * ds / ((float)(camera->focal_px * camera->baseline_m) + ds);
+  const float step_px = disparity_px * ds / ((float)(camera->focal_px * camera->baseline_m) + ds);
+  return disparity_px > 0.0f ? step_px : 0.0f; /* chosen last, so that loops over it become vectors */
 }
 
 #endif

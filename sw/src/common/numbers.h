@@ -6,6 +6,9 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+/* fmaxf is a call, and this is asked often. */
+static inline float vista_larger(float a, float b) { return a > b ? a : b; }
+
 static inline double vista_square(double value) { return value * value; }
 
 static inline double vista_dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }

@@ -9,6 +9,7 @@
 #include "common/frame.h"
 #include "common/numbers.h"
 #include "common/parameters_check.h"
+#include "common/wide_vectors.h"
 
 #define ROW_STEP 2 /* neighbouring rows say the same */
 
@@ -32,8 +33,8 @@ typedef struct span {
   int32_t v, first, last; /* none: first > last */
 } span;
 
-static void count_row(const uint8_t *grey, const int16_t *words, int32_t first, int32_t last, int32_t block,
-                      int32_t contrast, counts *sum) {
+VISTA_WIDE_VECTORS static void count_row(const uint8_t *grey, const int16_t *words, int32_t first, int32_t last,
+                                         int32_t block, int32_t contrast, counts *sum) {
   int32_t textured = 0, unmatched = 0;
   for (int32_t u = first; u <= last; ++u) {
     const int32_t has_texture = abs(grey[u + 1] - grey[u - 1]) >= contrast;

@@ -93,7 +93,7 @@ static bool surely_inside(const borders *b, int32_t ring, int32_t sector, double
 }
 
 typedef struct arrays {
-  int32_t *cell_of_pixel, *node_of_grid, *first_run, *pixel_count, *first_pixel, *edges;
+  int32_t *cell_of_pixel, *node_of_grid, *first_run, *pixel_count, *first_pixel, *edges, *end_in_rows, *node_in_rows;
   int16_t *pixel_u, *pixel_v;
   vista_run *runs;
   float *center_u, *center_v, *size_px;
@@ -183,6 +183,18 @@ static void list_pixels(const vista_foveation *f, arrays *a) {
   a->first_pixel[f->node_count] = pixel;
 }
 
+static void list_rows(const vista_foveation *f, arrays *a) {
+  int32_t run = 0;
+  for (int32_t v = 0; v < f->height_px; ++v) {
+    const int32_t *const row = a->cell_of_pixel + (ptrdiff_t)v * f->width_px;
+    for (int32_t u = 0; u < f->width_px; ++u) {
+      if (u + 1 < f->width_px && row[u + 1] == row[u]) continue;
+      a->end_in_rows[run] = v * f->width_px + u + 1;
+      a->node_in_rows[run++] = row[u];
+    }
+  }
+}
+
 static int32_t list_edges(const grid *g, const int32_t *node_of_grid, int32_t *edges) {
   int32_t count = 0;
   const int32_t sectors = g->sector_count;
@@ -230,6 +242,8 @@ vista_status vista_foveation_layout(vista_foveation *foveation, vista_arena *are
       .first_pixel = vista_arena_take(arena, (size_t)max_nodes + 1, sizeof(int32_t)),
       .pixel_u = vista_arena_take(arena, pixels + VISTA_WORD_BLOCK, sizeof(int16_t)),
       .pixel_v = vista_arena_take(arena, pixels + VISTA_WORD_BLOCK, sizeof(int16_t)),
+      .end_in_rows = vista_arena_take(arena, (size_t)max_runs(&g), sizeof(int32_t)),
+      .node_in_rows = vista_arena_take(arena, (size_t)max_runs(&g), sizeof(int32_t)),
       .edges = vista_arena_take(arena, 2 * (size_t)max_edges, sizeof(int32_t)),
       .runs = vista_arena_take(arena, (size_t)max_runs(&g), sizeof(vista_run)),
       .center_u = vista_arena_take(arena, (size_t)max_nodes, sizeof(float)),
@@ -254,12 +268,15 @@ vista_status vista_foveation_layout(vista_foveation *foveation, vista_arena *are
   number_nodes(foveation, &g, &a);
   if (!sort_runs(foveation, &g, &a)) return VISTA_ERROR_MEMORY;
   list_pixels(foveation, &a);
+  list_rows(foveation, &a);
   const int32_t edge_count = list_edges(&g, a.node_of_grid, a.edges);
   foveation->cell_of_pixel = a.cell_of_pixel;
   foveation->node_of_grid = a.node_of_grid;
   foveation->first_run = a.first_run;
   foveation->runs = a.runs;
   foveation->pixel_count = a.pixel_count;
+  foveation->end_in_rows = a.end_in_rows;
+  foveation->node_in_rows = a.node_in_rows;
   foveation->first_pixel = a.first_pixel;
   foveation->pixel_u = a.pixel_u;
   foveation->pixel_v = a.pixel_v;

@@ -94,13 +94,14 @@ VISTA_WIDE_VECTORS static void solve(const vista_refinement_params *params, cons
   int32_t label_of[MAX_CANDIDATES];
   for (int32_t c = 0; c < candidate_count; ++c) label_of[c] = candidates[c].label;
   for (int32_t first = 0; first < pixel_count; first += BATCH) {
-    const int32_t left = pixel_count - first, count = left < BATCH ? whole_vectors(left) : BATCH;
+    const int32_t left = pixel_count - first < BATCH ? pixel_count - first : BATCH, count = whole_vectors(left);
     for (int32_t k = 0; k < count; ++k) {
       b.u[k] = (float)us[first + k] - center_u;
       b.v[k] = (float)vs[first + k] - center_v;
       b.grey[k] = (float)greys[first + k];
       b.best[k] = INT32_MAX;
     }
+    for (int32_t k = left; k < count; ++k) b.u[k] = b.v[k] = b.grey[k] = 0.0f; /* pixels of another cell */
     for (int32_t c = 0; c < candidate_count; ++c) try_candidate(params, &candidates[c], c, count, &b);
     for (int32_t k = 0; k < count; ++k) label[first + k] = label_of[b.best[k] & (MAX_CANDIDATES - 1)];
   }
@@ -120,10 +121,19 @@ static void refine_cell(const vista_foveation *f, const vista_refinement_params 
   }
 }
 
-/* Every pixel as its cell. */
-VISTA_WIDE_VECTORS static void draw_cells(const int32_t *restrict cell_of_pixel, const int32_t *restrict label,
-                                          ptrdiff_t pixels, int32_t *restrict out) {
-  for (ptrdiff_t p = 0; p < pixels; ++p) out[p] = label[cell_of_pixel[p]];
+#define DRAWN 8 /* pixels at once */
+
+/* Every pixel as its cell. Runs are drawn in whole vectors: the next one overwrites what is too much. */
+VISTA_WIDE_VECTORS static void draw_cells(const vista_foveation *f, const int32_t *restrict label,
+                                          int32_t *restrict out) {
+  const int32_t run_count = f->first_run[f->node_count], pixels = f->width_px * f->height_px;
+  for (int32_t r = 0, p = 0; r < run_count; ++r) {
+    const int32_t end = f->end_in_rows[r], drawn = label[f->node_in_rows[r]];
+    for (; p < end && p + DRAWN <= pixels; p += DRAWN)
+      for (int32_t k = 0; k < DRAWN; ++k) out[p + k] = drawn;
+    for (; p < end; ++p) out[p] = drawn;
+    p = end;
+  }
 }
 
 vista_status vista_refine(const vista_foveation *foveation, const vista_refinement_params *params,
@@ -134,7 +144,7 @@ vista_status vista_refine(const vista_foveation *foveation, const vista_refineme
   const vista_status status = VISTA_CHECK_SECTION(refinement, params);
   if (status != VISTA_OK) return status;
   mark_borders(&f->graph, label, refinement->border);
-  draw_cells(f->cell_of_pixel, label, (ptrdiff_t)f->width_px * f->height_px, refinement->label);
+  draw_cells(f, label, refinement->label);
   for (int32_t node = f->point_count + 1; node < f->node_count; ++node) {
     if (!refinement->border[node]) continue;
     candidate candidates[MAX_CANDIDATES];

@@ -23,7 +23,7 @@ vista_status vista_segmentation_layout(vista_segmentation *segmentation, vista_a
   s->starts = vista_arena_take(arena, nodes, sizeof(int32_t));
   s->steps = vista_arena_take(arena, nodes, sizeof(int32_t));
   s->carried_px = vista_arena_take(arena, nodes, sizeof(float));
-  s->role = vista_arena_take(arena, nodes, sizeof(uint8_t));
+  s->role = vista_arena_take(arena, nodes, sizeof(uint16_t));
   s->source_side = vista_arena_take(arena, nodes, sizeof(uint8_t));
   s->capacity = vista_arena_take(arena, (size_t)foveation->graph.arc_count, sizeof(int32_t));
   const vista_status merging = vista_merge_layout(foveation, arena, &s->merge);
@@ -61,26 +61,30 @@ static int32_t sink_link(const view *w, const vista_seeds *seeds, int32_t seed, 
 /* What a node is to the cut at hand. LINKED: the flow has come to a free one. */
 enum { NOT_REACHED, SOURCE, SINK, FREE, LINKED, CUT_OUT };
 
-/* Takes a cell into the cut, unless it is in it already or in none any more. Cells of other seeds and those after the
- * last step can only be on T's side. */
-static void reach(vista_segmentation *s, int32_t node, bool last) {
-  if (s->role[node] != NOT_REACHED) return;
-  s->role[node] = last || s->seeds.seed_of_node[node] != VISTA_NO_SEED ? SINK : FREE;
-  s->steps[node] = s->step + 1;
-  s->subset[s->subset_count++] = node;
-}
-
-/* Breadth first from the seed, one step further: what touches the cells of the last step. */
+/* Breadth first from the seed, one step further: takes what touches the cells of the last step into the cut, unless it is
+ * in it already or in none any more. Cells of other seeds and those after the last step can only be on T's side. */
 static void gather_step(const view *w, vista_segmentation *s) {
-  const vista_graph *const graph = &w->foveation->graph;
-  const bool last = s->step + 1 >= w->params->reach;
-  for (const int32_t end = s->subset_count; s->expanded_count < end; ++s->expanded_count) {
-    const int32_t node = s->subset[s->expanded_count];
-    if (s->role[node] == SINK) continue;
-    for (int32_t arc = graph->first_arc[node]; arc < graph->first_arc[node + 1]; ++arc)
-      reach(s, graph->head[arc], last);
+  const int32_t *const first_arc = w->foveation->graph.first_arc, *const head = w->foveation->graph.head;
+  const int32_t *const seed_of_node = s->seeds.seed_of_node;
+  uint16_t *const role = s->role;
+  int32_t *const subset = s->subset, *const steps = s->steps;
+  const int32_t step = s->step + 1, end = s->subset_count;
+  const bool last = step >= w->params->reach;
+  int32_t count = end;
+  for (int32_t k = s->expanded_count; k < end; ++k) {
+    const int32_t node = subset[k];
+    if (role[node] == SINK) continue;
+    for (int32_t arc = first_arc[node]; arc < first_arc[node + 1]; ++arc) {
+      const int32_t near = head[arc];
+      if (role[near] != NOT_REACHED) continue;
+      role[near] = last || seed_of_node[near] != VISTA_NO_SEED ? SINK : FREE;
+      steps[near] = step;
+      subset[count++] = near;
+    }
   }
-  s->step++;
+  s->expanded_count = end;
+  s->subset_count = count;
+  s->step = step;
 }
 
 /* The members of the seed that are in no region yet, and what touches them. */
@@ -103,25 +107,27 @@ typedef struct cut {
   int32_t seed;
 } cut;
 
-static int32_t larger(int32_t a, int32_t b) { return a > b ? a : b; }
-
 /* The flow comes to a free cell: finds its links. An edge to a cell whose side is settled is a link to that side's
  * terminal, so that the flow runs over free cells only. */
 static void link_free_cell(void *context, int32_t node) {
   const cut *const c = context;
   const view *const w = c->view;
   vista_segmentation *const s = c->segmentation;
-  const vista_graph *const graph = &w->foveation->graph;
+  const int32_t *const first_arc = w->foveation->graph.first_arc, *const head = w->foveation->graph.head;
+  const int32_t *const intensity_capacity = w->affinity->intensity_capacity, *const full = w->affinity->capacity;
+  const uint8_t *const shell = s->seeds.shell;
+  const uint16_t *const role = s->role;
   while (s->step <= s->steps[node]) gather_step(w, s);
   const bool grown = w->params->solver == VISTA_SEGMENTATION_SOLVER_FOREST; /* each link for itself: no sums */
+  const bool in_shell = shell[node];
   int32_t source = 0, sink = s->seeds.seed_of_node[node] == c->seed ? 0 : sink_link(w, &s->seeds, c->seed, node);
-  for (int32_t arc = graph->first_arc[node]; arc < graph->first_arc[node + 1]; ++arc) {
-    const int32_t other = graph->head[arc], role = s->role[other];
-    const bool uncertain = s->seeds.shell[node] || s->seeds.shell[other];
-    const int32_t capacity = uncertain ? w->affinity->intensity_capacity[arc] : w->affinity->capacity[arc];
-    if (role == SOURCE) source = grown ? larger(source, capacity) : source + capacity;
-    if (role == SINK) sink = grown ? larger(sink, capacity) : sink + capacity;
-    s->capacity[arc] = role == FREE || role == LINKED ? capacity : 0;
+  for (int32_t arc = first_arc[node]; arc < first_arc[node + 1]; ++arc) {
+    const int32_t other = head[arc], to = role[other];
+    const int32_t capacity = in_shell || shell[other] ? intensity_capacity[arc] : full[arc];
+    const int32_t to_source = to == SOURCE ? capacity : 0, to_sink = to == SINK ? capacity : 0;
+    source = !grown ? source + to_source : to_source > source ? to_source : source;
+    sink = !grown ? sink + to_sink : to_sink > sink ? to_sink : sink;
+    s->capacity[arc] = to == FREE || to == LINKED ? capacity : 0;
   }
   s->role[node] = LINKED;
   s->source_capacity[node] = source;
@@ -135,10 +141,11 @@ static int32_t list_starts(const view *w, vista_segmentation *s) {
   int32_t count = 0;
   for (int32_t k = 0; k < s->subset_count; ++k) {
     const int32_t node = s->subset[k];
+    if (s->role[node] != FREE) continue;
     bool start = false;
     for (int32_t arc = graph->first_arc[node]; arc < graph->first_arc[node + 1]; ++arc)
       start |= s->role[graph->head[arc]] == SOURCE;
-    if (start && s->role[node] == FREE) s->starts[count++] = node;
+    if (start) s->starts[count++] = node;
   }
   return count;
 }

@@ -38,7 +38,7 @@ typedef struct vista_segmentation {
   int32_t *source_capacity, *sink_capacity; /* scratch, node_count each */
   int32_t *subset, *steps, *starts; /* nodes of the cut at hand, steps from its seed, where its flow begins */
   int32_t subset_count, expanded_count, step;
-  uint8_t *role; /* in the cut at hand */
+  uint16_t *role; /* in the cut at hand; not uint8_t: a store through a character type may alias anything */
   uint8_t *source_side;
   float *carried_px; /* scratch, node_count */
   int32_t *capacity;         /* scratch, graph.arc_count: of the free nodes' arcs */

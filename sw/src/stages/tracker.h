@@ -23,7 +23,8 @@
  *            what is near falls into several regions. Their mean corrects its range. For follow_s after its last detection, or
  *            while it may be in the way until it is passed: then no region having it tells against it.
  * Held       a credible track whose face shows too few words is not blamed for hold_s: a frame without light, a part
- *            without texture. One that was told by its outline alone never shows words: it coasts as in the blind zone.
+ *            without texture. Any track is not, until own travel has moved its disparity by hold_px: half way between two
+ *            whole disparities the engine may find nothing of it. One that was told by its outline alone never shows words: it coasts as in the blind zone.
  * Released   words of something else, behind it or before it, are misses.
  * Unseen     nearer than the engine matches (the blind zone), a track is not blamed for a miss: it coasts until it is
  *            behind the camera or for blind_zone_s. Outside the matched part of the image, too, if it may be in the way;

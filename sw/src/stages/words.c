@@ -174,17 +174,37 @@ static void join_rows(vista_words *w, int32_t above, int32_t here, const uint64_
   }
 }
 
-static void drop_small_runs(vista_words *w, int32_t width, int32_t height, int32_t smallest, int16_t *words) {
-  for (int32_t v = 0; v < height; ++v)
+/* Pixels that a cluster has to cover to be kept, by the nearest word of its topmost run. */
+typedef struct smallest {
+  int32_t px, far_px;   /* anywhere; of what is far */
+  double px_of_word2;   /* times the word squared: the pixels of cluster_m2 */
+} smallest;
+
+static int32_t needed_px(const smallest *needed, const int16_t *row, int32_t first, int32_t last) {
+  int16_t nearest = 0;
+  for (int32_t u = first; u <= last; ++u) nearest = row[u] > nearest ? row[u] : nearest;
+  const double px = needed->px_of_word2 * nearest * nearest;
+  if (px >= needed->px) return needed->px;
+  return px > needed->far_px ? (int32_t)ceil(px) : needed->far_px;
+}
+
+static void drop_small_runs(vista_words *w, int32_t width, int32_t height, const smallest *needed, int16_t *words) {
+  for (int32_t v = 0; v < height; ++v) {
+    int16_t *const row = words + (ptrdiff_t)v * width;
     for (int32_t r = w->first_run[v]; r < w->first_run[v + 1]; ++r) {
-      if (-w->parent[root_of(w->parent, r)] >= smallest) continue;
-      int16_t *const row = words + (ptrdiff_t)v * width;
+      const int32_t root = root_of(w->parent, r), px = -w->parent[root];
+      if (px >= needed->px) continue;
+      if (r == root && px >= needed_px(needed, row, w->first[r], w->last[r])) {
+        w->parent[root] = -needed->px; /* large enough, and the root comes before the other runs */
+        continue;
+      }
       for (int32_t u = w->first[r]; u <= w->last[r]; ++u) row[u] = NONE;
     }
+  }
 }
 
 /* Copies a level and drops the words of small clusters. */
-static void filter_clusters(const vista_disparity_image *in, int32_t smallest, int32_t gap_px, int16_t largest,
+static void filter_clusters(const vista_disparity_image *in, const smallest *needed, int32_t gap_px, int16_t largest,
                             vista_words *w, int16_t *out) {
   const int32_t width = in->width_px, height = in->height_px, count = (width + 63) / 64;
   for (int i = 0; i < 3; ++i)
@@ -195,7 +215,7 @@ static void filter_clusters(const vista_disparity_image *in, int32_t smallest, i
   for (int32_t v = 0; v < height; ++v) {
     int16_t *const row = out + (ptrdiff_t)v * width;
     copy_row(in->data + v * in->stride, width, largest, row);
-    if (smallest <= 1) continue;
+    if (needed->px <= 1) continue;
     uint64_t *const linked = w->bits[2 + (v & 1)], *const linked_above = w->bits[2 + (~v & 1)];
     int16_t *const spread[2] = {w->spread[v % 2], w->spread[2]}; /* that of the row before is still needed */
     const int16_t *const closed = close_gaps(row, width, gap_px, spread);
@@ -212,9 +232,9 @@ static void filter_clusters(const vista_disparity_image *in, int32_t smallest, i
     runs += here;
     above = closed;
   }
-  if (smallest <= 1) return;
+  if (needed->px <= 1) return;
   w->first_run[height] = runs;
-  drop_small_runs(w, width, height, smallest, out);
+  drop_small_runs(w, width, height, needed, out);
 }
 
 /* ---- support ---- */
@@ -286,18 +306,28 @@ static void merge(const vista_words_params *params, int32_t finer, int16_t beyon
   }
 }
 
-vista_status vista_words_combine(const vista_words_params *params, int32_t num_disparities,
+/* At any level, a square metre at word w covers (w / (16 B))^2 pixels of that level. */
+static smallest smallest_of(const vista_words_params *params, double baseline_m) {
+  const double px_per_m = 1.0 / (VISTA_DISPARITY_SCALE * baseline_m);
+  return (smallest){params->cluster_px,
+                    params->cluster_far_px < params->cluster_px ? params->cluster_far_px : params->cluster_px,
+                    params->cluster_m2 * px_per_m * px_per_m};
+}
+
+vista_status vista_words_combine(const vista_words_params *params, double baseline_m, int32_t num_disparities,
                                  const vista_disparity_image *disparity,
                                  const vista_disparity_image coarser[VISTA_COARSER_LEVELS], vista_words *words) {
   if (params == NULL || words == NULL) return VISTA_ERROR_ARGUMENT;
   int32_t levels;
   vista_status status = VISTA_CHECK_SECTION(words, params);
   if (status == VISTA_OK) status = vista_words_count_levels(words, disparity, coarser, &levels);
+  if (status == VISTA_OK && !(baseline_m > 0.0)) status = VISTA_ERROR_RANGE;
   if (status != VISTA_OK) return status;
+  const smallest cluster = smallest_of(params, baseline_m);
   const int32_t needed = (int32_t)ceil(params->support * (2 * REACH + 1) * (2 * REACH + 1) - 1e-9);
   for (int32_t k = levels - 1; k >= 0; --k) {
     const vista_disparity_image *const in = k == 0 ? disparity : &coarser[k - 1];
-    filter_clusters(in, params->cluster_px, params->gap_px, (int16_t)(INT16_MAX >> k), words, words->levels[k]);
+    filter_clusters(in, &cluster, params->gap_px, (int16_t)(INT16_MAX >> k), words, words->levels[k]);
     if (k > 0) filter_support(words->width_px[k], words->height_px[k], needed, words, words->levels[k]);
     const int32_t largest = (num_disparities - 1) * VISTA_DISPARITY_SCALE; /* of level 0 */
     if (k < levels - 1) merge(params, k, (int16_t)(k < params->filling_levels ? -1 : largest >> (k + 1)), words);

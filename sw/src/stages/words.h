@@ -5,6 +5,7 @@
  *
  * - Cluster: words that hang together (4 neighbours, a pixel apart at most) and cover fewer than cluster_px pixels are
  *   dropped, on every level. Chance matches are small; the pattern of the cost hardly ever repeats over a whole surface.
+ *   What is far is small in pixels, too: a cluster that covers cluster_m2 at its distance stays from cluster_far_px on.
  *   Words first spread by gap_px into the gaps of their row: what is left of a thin thing, a post or the trunk of a
  *   tree, are small pieces that agree with each other.
  * - Support: a word of level 1 or coarser is kept where at least `support` of the 5x5 pixels around it have a word.
@@ -53,7 +54,7 @@ vista_status vista_words_count_levels(const vista_words *words, const vista_disp
                                       const vista_disparity_image coarser[VISTA_COARSER_LEVELS], int32_t *count);
 
 /* Fills words->image. num_disparities: of the engine, at each level. Errors are those of vista_words_count_levels. */
-vista_status vista_words_combine(const vista_words_params *params, int32_t num_disparities,
+vista_status vista_words_combine(const vista_words_params *params, double baseline_m, int32_t num_disparities,
                                  const vista_disparity_image *disparity,
                                  const vista_disparity_image coarser[VISTA_COARSER_LEVELS], vista_words *words);
 

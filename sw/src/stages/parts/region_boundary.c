@@ -44,6 +44,14 @@ VISTA_WIDE_VECTORS static void survey(const int16_t *words, int32_t count, words
   *found = (words_found){found->pixels + count, found->valid + valid, low, top};
 }
 
+/* No branch: which words are valid is hard to foresee. */
+static void add_words(const int16_t *words, int32_t count, uint32_t *bins) {
+  for (int32_t i = 0; i < count; ++i) {
+    const int32_t none = words[i] >> 15;
+    bins[words[i] & ~none] += (uint32_t)(1 + none);
+  }
+}
+
 /* Histogram of the words under the boundary: stretch by stretch of neighbouring cells. */
 static words_found count_boundary(const vista_region_view *w, vista_region *region) {
   words_found found = {.low = INT16_MAX};
@@ -55,8 +63,7 @@ static words_found count_boundary(const vista_region_view *w, vista_region *regi
     const int32_t count = w->foveation->first_pixel[w->members[end - 1] + 1] - first;
     const int16_t *const words = w->cells->words + first;
     survey(words, count, &found);
-    for (int32_t i = 0; i < count; ++i) /* no branch: which words are valid is hard to foresee */
-      w->bins[words[i] < 0 ? 0 : words[i]] += (uint32_t)vista_word_valid(words[i]);
+    add_words(words, count, w->bins);
   }
   region->boundary_pixels += found.pixels;
   region->boundary_valid += found.valid;

@@ -128,6 +128,18 @@ static bool in_the_way(const vista_track *track) {
   return track->credible && vista_window_count(track->volume_window, 3) > 0;
 }
 
+/* Where nothing is matched. Sharp textures are matched where their disparity is about a whole number, and may be lost
+ * half way to the next: then the track is waited for until its disparity has moved on by hold_px, if that takes no longer
+ * than follow_s. */
+static bool may_be_held(const vista_track_frame *f, const vista_track_view *view, const vista_track *track) {
+  if (track->credible && track->plain) return true;
+  const double unseen_s = vista_seconds_between(track->seen_t_ns, f->t_ns);
+  if (track->credible && unseen_s <= f->params->hold_s) return true;
+  const double seen_px = f->camera->focal_px * f->camera->baseline_m / track->ellipse_depth_m;
+  const double moved_px = fabs(view->measurement_px[2] - seen_px);
+  return moved_px <= f->params->hold_px && moved_px * f->params->follow_s >= f->params->hold_px * unseen_s;
+}
+
 void vista_track_miss(const vista_track_frame *f, const vista_track_view *view, vista_track *track) {
   track->coasting = true;
   track->followed = track->held = false;
@@ -141,9 +153,7 @@ void vista_track_miss(const vista_track_frame *f, const vista_track_view *view, 
     follow(f, &evidence, view, track);
     return;
   }
-  const double unseen_s = vista_seconds_between(track->seen_t_ns, f->t_ns);
-  track->held =
-      track->credible && evidence.sight == VISTA_SIGHT_NOTHING && (track->plain || unseen_s <= f->params->hold_s);
+  track->held = evidence.sight == VISTA_SIGHT_NOTHING && may_be_held(f, view, track);
   if (track->held) return;
   track->window <<= 1;
   track->seen_frames += 1;
