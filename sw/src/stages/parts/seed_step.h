@@ -22,6 +22,14 @@ static inline bool vista_standing(const vista_cells *cells, const vista_surfaces
 float vista_seed_step_px(const vista_segmentation_params *params, const vista_camera *camera, float distance_px,
                          float disparity_px);
 
+/* Whether a step is not larger than that, or than a multiple of it. In most cases the first term tells. */
+static inline bool vista_seed_has_step(const vista_segmentation_params *params, const vista_camera *camera,
+                                       float distance_px, float disparity_px, float multiple, float step_px) {
+  const float flat_px = (float)params->seed_step_px + (float)params->seed_step_slope * distance_px;
+  return step_px <= multiple * flat_px ||
+         step_px <= multiple * vista_depth_step_px(camera, disparity_px, (float)params->seed_step_m);
+}
+
 /* Makes one set of those of nodes a and b. */
 static inline void vista_seeds_join(vista_seeds *seeds, int32_t a, int32_t b) {
   const int32_t gone = vista_sets_join(seeds->parent, a, b);
