@@ -104,8 +104,8 @@ def test_it_sees_what_the_path_tracer_sees() -> None:
 
 def test_the_cameras_share_what_they_see() -> None:
     """A fine texture far away, where a pixel covers many of its specks: between the cameras, after the
-    disparity is undone, about 0.16 of the contrast differs, which is resampling. Single rays make it 0.40: they
-    find other specks in each."""
+    disparity is undone, about 0.16 of the contrast differs, which is resampling. Single rays make it 0.40:
+    they find other specks in each."""
     texture = blotches(seed_of("shared"), 800, 480)
     ground = thing(
         "ground", "ground", [GroundStrip("g", (-10.0, 150.0), (-48.0, 48.0), texture)], standing=False

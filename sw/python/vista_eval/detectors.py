@@ -139,6 +139,8 @@ class JudgingPipeline(OpenPipeline):
         segmentation.region_count = segmentation.obstacle_count = count
         refinement = ffi.new("vista_refinement *")
         refinement.listed = ffi.cast("int32_t *", listed.ctypes.data)
+        drawn = np.ascontiguousarray(region_of_pixel, np.int32)
+        refinement.label = ffi.cast("int32_t *", drawn.ctypes.data)
         border = np.ones(label.size, np.uint8)
         refinement.border = ffi.cast("uint8_t *", border.ctypes.data)
         height, width = words.shape
