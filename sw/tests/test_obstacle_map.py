@@ -208,8 +208,8 @@ ERRORS = {  # white noise, lasting bias and wander (Gauss-Markov, 0.8 kept) of u
 
 @pytest.mark.parametrize("kind", ERRORS)
 def test_the_covariance_is_that_of_the_errors(kind: str) -> None:
-    """Of things that stand, 40 to 20 m ahead on approach. On average the NEES is 3 where the covariance is
-    that of the errors; it is 1.0 of what is steady and 4.9 of a region that wanders."""
+    """Of things that stand, 40 to 20 m ahead. On average the NEES is 3 where the covariance is that of
+    the errors; it is 1.0 of what is steady and 4.9 of a region that wanders."""
     random, nees = seeded(1), []
     white, bias, wander = (np.array(sigma) for sigma in ERRORS[kind])
     for _ in range(60):
