@@ -290,8 +290,8 @@ static vista_status run_stage(vista_pipeline *p, stage stage, passage *way) {
       return status;
     }
     case STAGE_WORDS:
-      return vista_words_combine(&p->words_params, p->camera.baseline_m, q->stereo.num_disparities, &frame->disparity, frame->coarser,
-                                 &p->words);
+      return vista_words_combine(&p->words_params, p->camera.baseline_m, q->stereo.num_disparities, &frame->disparity,
+                                 frame->coarser, &p->words);
     case STAGE_FOVEATION:
       return vista_foveate(&p->foveation, &q->foveation, &frame->image, words, &p->cells);
     case STAGE_HEALTH:

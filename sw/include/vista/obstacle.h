@@ -92,10 +92,10 @@ typedef struct vista_nearest_collision {
 /* Where the camera's pose in this frame comes from. */
 typedef enum vista_motion_source {
   VISTA_MOTION_UNTOLD = 0, /* no pose so far: the world is the camera of the first frame */
-  VISTA_MOTION_POSE,       /* the frame has a pose */
-  VISTA_MOTION_STANDS,     /* no pose; the caller says that the camera has not moved since the last frame */
+  VISTA_MOTION_POSE, /* the frame has a pose */
+  VISTA_MOTION_STANDS, /* no pose; the caller says that the camera has not moved since the last frame */
   VISTA_MOTION_CARRIED_ON, /* no pose, but earlier frames had one: the last motion goes on */
-  VISTA_MOTION_REFUSED,    /* the pose of the frame is impossible: the last motion goes on */
+  VISTA_MOTION_REFUSED, /* the pose of the frame is impossible: the last motion goes on */
   VISTA_MOTION_SOURCE_COUNT
 } vista_motion_source;
 
@@ -105,12 +105,12 @@ VISTA_API const char *vista_motion_source_name(vista_motion_source source);
 /* The vehicle's own motion as the detector worked with it. */
 typedef struct vista_motion {
   bool known; /* true for POSE and STANDS; otherwise positions in the world rest on a guess of the camera's pose */
-  bool restarted;                  /* the poses continued at another place, so all tracks were dropped */
-  bool velocity_known;             /* otherwise the velocity is zero, or the last one that was known */
+  bool restarted; /* the poses continued at another place, so all tracks were dropped */
+  bool velocity_known; /* otherwise the velocity is zero, or the last one that was known */
   vista_motion_source source;
-  vista_pose pose;                 /* of the camera in the world */
-  double velocity_m_s[3];          /* in the world */
-  double turn_rate_rad_s[3];       /* axis times rate, in the world */
+  vista_pose pose; /* of the camera in the world */
+  double velocity_m_s[3]; /* in the world */
+  double turn_rate_rad_s[3]; /* axis times rate, in the world */
   double speed_m_s;
   double
       direction[3]; /* of flight, unit length, in the world: along the velocity if it is known, else the optical axis */
