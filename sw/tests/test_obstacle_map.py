@@ -105,6 +105,23 @@ def in_volume(position, velocity=FORWARD, raw_pose=None, changes=None, **keyword
     return mapper.obstacles[0].in_collision_volume
 
 
+def test_what_is_large_is_met_where_it_is_closest_to_the_path() -> None:
+    """A rectangle of the extent, 1.5 m narrower on each side, that faces the camera."""
+    random = seeded(9)
+    for _ in range(50):
+        center, extent = random.uniform((-8, -5, 20), (8, 5, 60)), random.uniform(0.2, 20.0, 2)
+        mapper = Map()
+        item = track(center, extent=extent.tolist(), coasting=False)
+        assert mapper.update([item]) == "VISTA_OK"
+        (obstacle,), nearest = mapper.obstacles, mapper.nearest
+        middle = np.array(list(obstacle.position_m))
+        half = np.maximum(extent / 2 - 1.5, 0.0)
+        expected = np.append(np.clip(0.0, middle[:2] - half, middle[:2] + half), middle[2])
+        assert list(nearest.position_m) == pytest.approx(expected)
+        assert nearest.distance_m == pytest.approx(np.linalg.norm(expected))
+        assert nearest.time_to_collision_s == pytest.approx(expected[2] / 9.0)
+
+
 def test_nearest_first_and_only_the_credible_collide() -> None:
     mapper = Map()
     tracks = [

@@ -17,6 +17,7 @@
 #define ACROSS_M_S 0.5
 #define ACROSS_SIGMAS 3.0
 #define THICK_MAX_M 1.0 /* larger things are walls and the like: what their sides are, tells nothing of their depth */
+#define COMPACT_M 3.0 /* sides up to this are met in their middle */
 #define DEPTH_MIN_M 0.05 /* nearer along z: behind the camera */
 
 static const char *const kind_names[VISTA_OBSTACLE_KIND_COUNT] = {
@@ -247,14 +248,34 @@ static vista_obstacle too_near(const vista_obstacle_map_params *params, const vi
   return obstacle;
 }
 
+/* The point of a thing that the path meets. What is large is not met in its middle but where it is closest to the path:
+ * as a rectangle of its extent that faces the camera, less the half of COMPACT_M at each end. */
+static void move_to_path(const vista_pose *pose, const vista_flight_path *path, const double extent_m[2],
+                         double position_m[3]) {
+  double there_m[3], offset_m[3];
+  const double along_m = vista_flight_path_along(path, position_m, NULL);
+  vista_flight_path_point(path, fmin(fmax(along_m, 0.0), path->length_m), there_m, NULL);
+  for (int i = 0; i < 3; ++i) offset_m[i] = there_m[i] - position_m[i];
+  for (int axis = 0; axis < 2; ++axis) {
+    const double half_m = fmax(0.5 * (extent_m[axis] - COMPACT_M), 0.0);
+    double aside_m = 0.0;
+    for (int i = 0; i < 3; ++i) aside_m += offset_m[i] * pose->rotation[3 * i + axis];
+    const double step_m = fmin(fmax(aside_m, -half_m), half_m);
+    for (int i = 0; i < 3; ++i) position_m[i] += step_m * pose->rotation[3 * i + axis];
+  }
+}
+
 /* track: NULL for what has none and stands. */
 static vista_nearest_collision collision_with(const vista_obstacle_map_params *params, const vista_obstacle *obstacle,
                                               const vista_track *track, const vista_flight_path *path,
                                               const vista_motion *motion) {
-  vista_nearest_collision nearest = {.valid = true, .id = obstacle->id, .distance_m = obstacle->distance_m};
+  vista_nearest_collision nearest = {.valid = true, .id = obstacle->id};
   memcpy(nearest.position_m, obstacle->position_m, sizeof nearest.position_m);
-  double there[3];
-  const double along_m = vista_flight_path_along(path, obstacle->position_m, there);
+  if (track != NULL) move_to_path(&motion->pose, path, obstacle->extent_m, nearest.position_m);
+  double there[3], from_camera_m[3];
+  for (int i = 0; i < 3; ++i) from_camera_m[i] = nearest.position_m[i] - motion->pose.translation_m[i];
+  nearest.distance_m = track != NULL ? vista_norm(from_camera_m) : obstacle->distance_m;
+  const double along_m = vista_flight_path_along(path, nearest.position_m, there);
   double closing_m_s = vista_dot(motion->velocity_m_s, motion->direction);
   if (track != NULL) closing_m_s -= vista_dot(track->velocity_m_s, there);
   nearest.time_to_collision_s = closing_m_s > params->closing_min_m_s ? fmax(0.0, along_m) / closing_m_s : NAN;
@@ -301,8 +322,8 @@ vista_status vista_obstacle_map_update(vista_obstacle_map *map, const vista_obst
     insert(map, &obstacle);
     if (!obstacle.confirmed || !obstacle.in_collision_volume) continue;
     shown |= !obstacle.coasting;
-    if (!map->nearest.valid || obstacle.distance_m < map->nearest.distance_m)
-      map->nearest = collision_with(params, &obstacle, &tracks[i], path, motion);
+    const vista_nearest_collision met = collision_with(params, &obstacle, &tracks[i], path, motion);
+    if (!map->nearest.valid || met.distance_m < map->nearest.distance_m) map->nearest = met;
   }
   if (blind_zone == NULL || !blind_zone->occupied) return VISTA_OK;
   const vista_obstacle obstacle = too_near(params, camera, path, blind_zone->range_m);
