@@ -503,11 +503,11 @@ def worlds_table(split: str, name: str) -> str:
     return markdown(" | ".join(table["heads"]), table["rows"])
 
 
-WORLDS = [
-    (split, name)
-    for split in ("dev", "test")
-    for name in ("scores", "controls", "noise", "segmentation", "stereo")
-]
+def worlds_tables() -> Iterator[tuple[str, str]]:
+    """Split and name of each table that was measured; a split that has not been scored has none."""
+    for split in ("dev", "test"):
+        if (DATA / f"worlds-{split}.json").exists():
+            yield from ((split, table["name"]) for table in figures(f"worlds-{split}")["tables"])
 
 
 TABLES: dict[str, Callable[[], str]] = {
@@ -537,7 +537,7 @@ TABLES: dict[str, Callable[[], str]] = {
     "coverage": coverage_table,
     "mutants": mutants_table,
     "system-model": system_model_table,
-    **{f"worlds-{split}-{name}": partial(worlds_table, split, name) for split, name in WORLDS},
+    **{f"worlds-{split}-{name}": partial(worlds_table, split, name) for split, name in worlds_tables()},
 }
 
 

@@ -258,7 +258,7 @@ def _remark(summary: Data, hits: list[FrameRecord]) -> str:
         return f"but blind in {blind} {unit}s: that does not mean free space"
     if not hits:
         median_m = summary["path_seen_m"]["median"]
-        return f"nothing found in the collision volume, seen up to {median_m:.0f} m in half of the {unit}s"
+        return f"nothing was found in the collision volume, seen to {median_m:.0f} m in half of the {unit}s"
     nearest = hits[0].nearest_collision
     if summary["stills"] or nearest is None:
         return "within the collision volume along the optical axis"
