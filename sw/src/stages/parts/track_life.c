@@ -137,13 +137,18 @@ static bool in_the_way(const vista_track *track) {
 
 /* Where nothing is matched. Sharp textures are matched where their disparity is about a whole number, and may be lost
  * half way to the next: then the track is waited for until its disparity has moved on by hold_px, if that takes no longer
- * than follow_s. */
-static bool may_be_held(const vista_track_frame *f, const vista_track_view *view, const vista_track *track) {
+ * than follow_s. By the aircraft's own travel, that is: a chance match that seems to fly along would be waited for for
+ * ever. */
+static bool may_be_held(const vista_track_frame *f, const vista_track *track) {
   if (track->credible && track->plain) return true;
   const double unseen_s = vista_seconds_between(track->seen_t_ns, f->t_ns);
   if (track->credible && unseen_s <= f->params->hold_s) return true;
   const double seen_px = f->camera->focal_px * f->camera->baseline_m / track->ellipse_depth_m;
-  const double moved_px = fabs(view->measurement_px[2] - seen_px);
+  double stood_m[3], camera_m[3];
+  for (int i = 0; i < 3; ++i) stood_m[i] = track->position_m[i] - unseen_s * track->velocity_m_s[i];
+  vista_frame_to_camera(f->pose, stood_m, camera_m);
+  if (!(camera_m[2] > 0.0)) return false;
+  const double moved_px = fabs(f->camera->focal_px * f->camera->baseline_m / camera_m[2] - seen_px);
   return moved_px <= f->params->hold_px && moved_px * f->params->follow_s >= f->params->hold_px * unseen_s;
 }
 
@@ -160,7 +165,7 @@ void vista_track_miss(const vista_track_frame *f, const vista_track_view *view, 
     follow(f, &evidence, view, track);
     return;
   }
-  track->held = evidence.sight == VISTA_SIGHT_NOTHING && may_be_held(f, view, track);
+  track->held = evidence.sight == VISTA_SIGHT_NOTHING && may_be_held(f, track);
   if (track->held) return;
   track->window <<= 1;
   track->seen_frames += 1;
