@@ -165,15 +165,15 @@ def test_a_restart_of_the_world_forgets_the_ground() -> None:
     assert not seen.warned
 
 
-def brute_force_m(volume, plane, path_at) -> float:
-    """Along a path to where a disc across it first reaches the plane."""
+def brute_force_m(volume, plane, path_at, short_m: float = 0.0) -> float:
+    """Along a path to where a disc across it first comes within short_m of the plane."""
     normal, offset = np.array(list(plane.normal)), plane.offset_m
     clearance = offset - normal @ np.array(list(volume.path.start_m))
     radius = min(volume.radius_m, volume.clearance_share * clearance)
     for along in np.arange(0.0, volume.path.length_m, 0.05):
         point, direction = path_at(along)
         across = np.linalg.norm(np.cross(normal, direction))
-        if normal @ point + radius * across >= offset:
+        if normal @ point + radius * across >= offset - short_m:
             return along
     return np.inf
 
@@ -206,13 +206,16 @@ def test_the_contact_of_any_path_with_any_plane() -> None:
                 np.cos(angle) * a + np.sin(angle) * n,
             )
 
-        expected = brute_force_m(volume, plane, path_at)
+        # A bent path that all but grazes the plane may be said to meet it or to miss it.
+        grazed_m = 0.1 if curvature > 0 else 0.0
+        first, last = (brute_force_m(volume, plane, path_at, short_m) for short_m in (grazed_m, -grazed_m))
         found = lib.vista_terrain_meet(volume, plane, -1.0, contact)
         if not found:
-            assert expected > length - 1.1
+            assert last > length - 1.1
             continue
         met += 1
-        assert contact.along_m == pytest.approx(expected, abs=0.06 + 0.011 * length * (curvature > 0))
+        step_m = 0.06 + 0.011 * length * (curvature > 0)
+        assert first - step_m <= contact.along_m <= last + step_m
         point = np.array(list(contact.point_m))
         assert np.array(list(plane.normal)) @ point == pytest.approx(plane.offset_m, abs=0.02)
         beside, along_direction = path_at(contact.along_m)

@@ -86,8 +86,8 @@ bool vista_terrain_meet(const vista_terrain_volume *volume, const vista_terrain_
     return true;
   }
   const double step_m = path->length_m / STEPS;
-  for (double low_m = 0.0; at.along_m < path->length_m; low_m = at.along_m) {
-    at.along_m = low_m + step_m;
+  for (int k = 1; k <= STEPS; ++k) {
+    at.along_m = k * step_m;
     if (depth_m(path, plane, &at) < 0.0) continue;
     for (double half_m = 0.5 * step_m; half_m > PRECISION_M; half_m *= 0.5)
       at.along_m += depth_m(path, plane, &at) < 0.0 ? half_m : -half_m;
