@@ -231,10 +231,10 @@ static vista_status check_frame(const vista_pipeline *p, const vista_frame *fram
 static void up_in_camera(const vista_motion *motion, const double *up_world, double up[3]) {
   static const double level[3] = {0.0, -1.0, 0.0};
   const bool unknown = up_world == NULL || (motion->source == VISTA_MOTION_UNTOLD);
-  for (int i = 0; i < 3; ++i) {
-    up[i] = unknown ? level[i] : 0.0;
-    for (int k = 0; k < 3 && !unknown; ++k) up[i] += motion->pose.rotation[3 * k + i] * up_world[k];
-  }
+  if (unknown)
+    memcpy(up, level, sizeof level);
+  else
+    vista_frame_direction_to_camera(&motion->pose, up_world, up);
 }
 
 /* What one frame leads to on its way through the stages. */

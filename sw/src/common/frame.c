@@ -57,12 +57,15 @@ vista_status vista_frame_check_disparity(const vista_disparity_image *disparity,
   return check_rows(disparity->data, disparity->width_px, disparity->height_px, disparity->stride, width_px, height_px);
 }
 
+void vista_frame_direction_to_camera(const vista_pose *pose, const double world[3], double camera[3]) {
+  for (int i = 0; i < 3; ++i)
+    camera[i] = pose->rotation[i] * world[0] + pose->rotation[3 + i] * world[1] + pose->rotation[6 + i] * world[2];
+}
+
 void vista_frame_to_camera(const vista_pose *pose, const double world_m[3], double camera_m[3]) {
-  const double *r = pose->rotation;
-  const double x = world_m[0] - pose->translation_m[0];
-  const double y = world_m[1] - pose->translation_m[1];
-  const double z = world_m[2] - pose->translation_m[2];
-  for (int i = 0; i < 3; ++i) camera_m[i] = r[i] * x + r[3 + i] * y + r[6 + i] * z;
+  const double offset_m[3] = {world_m[0] - pose->translation_m[0], world_m[1] - pose->translation_m[1],
+                              world_m[2] - pose->translation_m[2]};
+  vista_frame_direction_to_camera(pose, offset_m, camera_m);
 }
 
 void vista_frame_to_world(const vista_pose *pose, const double camera_m[3], double world_m[3]) {

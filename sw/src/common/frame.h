@@ -19,6 +19,8 @@ vista_status vista_frame_check_image(const vista_image *image, int32_t width_px,
 vista_status vista_frame_check_disparity(const vista_disparity_image *disparity, int32_t width_px, int32_t height_px);
 
 void vista_frame_to_camera(const vista_pose *pose, const double world_m[3], double camera_m[3]);
+/* A direction: rotated only. */
+void vista_frame_direction_to_camera(const vista_pose *pose, const double world[3], double camera[3]);
 void vista_frame_to_world(const vista_pose *pose, const double camera_m[3], double world_m[3]);
 
 /* R C R^T, 3x3 row-major, exactly symmetric. */

@@ -6,6 +6,8 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#define VISTA_RADIANS_PER_DEGREE 0.017453292519943295769
+
 /* fmaxf is a call, and this is asked often. */
 static inline float vista_larger(float a, float b) { return a > b ? a : b; }
 

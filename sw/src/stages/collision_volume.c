@@ -127,11 +127,8 @@ vista_collision_volume vista_collision_volume_around(const vista_flight_path *pa
                                                      double radius_m, double outline_px) {
   vista_collision_volume volume = {
       .radius_m = radius_m, .outline_px = outline_px, .length_m = path->length_m, .curvature_1_m = path->curvature_1_m};
-  for (int i = 0; i < 3; ++i)
-    for (int k = 0; k < 3; ++k) {
-      volume.direction_camera[i] += pose->rotation[3 * k + i] * path->direction[k];
-      volume.normal_camera[i] += pose->rotation[3 * k + i] * path->normal[k];
-    }
+  vista_frame_direction_to_camera(pose, path->direction, volume.direction_camera);
+  vista_frame_direction_to_camera(pose, path->normal, volume.normal_camera);
   return volume;
 }
 

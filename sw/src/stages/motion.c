@@ -11,7 +11,6 @@
 #define PATH_S 1.0     /* the slower time constant, that tells whether the velocity turns */
 #define NOISE_SIGMAS 3.0
 #define STRAIGHT_RAD_S 1e-6
-#define RADIANS_PER_DEGREE 0.017453292519943295769
 #define QUARTER_RAD 1.57079632679489661923
 #define FARTHEST_M 1e8 /* from the origin: beyond it a double no longer tells what lies beside the camera */
 
@@ -185,7 +184,7 @@ static void path_turn_rate(const vista_motion_params *p, const vista_motion_stat
   const double excess = fmax(0.0, 1.0 - slack / fmax(vista_norm(beyond), STRAIGHT_RAD_S));
   for (int i = 0; i < 3; ++i) turn[i] -= excess * beyond[i];
   const double noise =
-      fmax(NOISE_SIGMAS * sqrt(s->turn_variance * s->averaged), p->path_turn_min_deg_s * RADIANS_PER_DEGREE);
+      fmax(NOISE_SIGMAS * sqrt(s->turn_variance * s->averaged), p->path_turn_min_deg_s * VISTA_RADIANS_PER_DEGREE);
   const double kept = fmax(0.0, 1.0 - noise / fmax(vista_norm(turn), STRAIGHT_RAD_S));
   for (int i = 0; i < 3; ++i) turn[i] *= kept;
 }

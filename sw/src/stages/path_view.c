@@ -74,10 +74,9 @@ vista_status vista_path_view(const vista_obstacle_map_params *params, const vist
   *seen_m = 0.0;
   for (int k = 1; k <= STATIONS; ++k) {
     const double along_m = path->length_m * k / STATIONS;
-    double point_m[3], center_m[3] = {0.0, 0.0, 0.0};
+    double point_m[3], center_m[3];
     vista_flight_path_point(path, along_m, point_m, NULL);
-    for (int i = 0; i < 3; ++i)
-      for (int j = 0; j < 3; ++j) center_m[i] += pose->rotation[3 * j + i] * (point_m[j] - pose->translation_m[j]);
+    vista_frame_to_camera(pose, point_m, center_m);
     /* Nearer than anything is matched the view through the disc is as good as at the nearest range. */
     if (along_m < nearest_m && k < STATIONS) continue;
     if (told_fraction(&v, camera, matched, center_m, params->collision_radius_m) < params->seen_min_fraction) break;

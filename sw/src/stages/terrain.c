@@ -8,7 +8,6 @@
 #include "common/numbers.h"
 #include "common/parameters_check.h"
 
-#define RADIANS_PER_DEGREE 0.017453292519943295769
 #define SAME_M 2.0       /* contacts of one surface differ by less, or by SAME_SHARE of the range */
 #define SAME_SHARE 0.2
 #define ANCHOR_SHARE 0.3 /* of the range: farther off, the first line of sight says little of the surface */
@@ -41,11 +40,8 @@ typedef struct frame {
 static vista_flight_path path_in_camera(const vista_flight_path *path, const vista_pose *pose) {
   vista_flight_path own = {.curvature_1_m = path->curvature_1_m, .length_m = path->length_m};
   vista_frame_to_camera(pose, path->start_m, own.start_m);
-  for (int i = 0; i < 3; ++i)
-    for (int k = 0; k < 3; ++k) {
-      own.direction[i] += pose->rotation[3 * k + i] * path->direction[k];
-      own.normal[i] += pose->rotation[3 * k + i] * path->normal[k];
-    }
+  vista_frame_direction_to_camera(pose, path->direction, own.direction);
+  vista_frame_direction_to_camera(pose, path->normal, own.normal);
   return own;
 }
 
@@ -58,8 +54,7 @@ static vista_terrain_plane plane_to_world(const vista_pose *pose, const vista_te
 
 static vista_terrain_plane plane_to_camera(const vista_pose *pose, const vista_terrain_plane *plane) {
   vista_terrain_plane own = {.offset_m = plane->offset_m - vista_dot(plane->normal, pose->translation_m)};
-  for (int i = 0; i < 3; ++i)
-    for (int k = 0; k < 3; ++k) own.normal[i] += pose->rotation[3 * k + i] * plane->normal[k];
+  vista_frame_direction_to_camera(pose, plane->normal, own.normal);
   return own;
 }
 
@@ -76,7 +71,7 @@ static double contact_sigma_m(const frame *f, const vista_terrain_plane *plane, 
   double sight_m[3];
   for (int i = 0; i < 3; ++i) sight_m[i] = contact->point_m[i] - f->pose->translation_m[i];
   const double range_m = vista_norm(sight_m), sine = vista_dot(plane->normal, sight_m) / range_m;
-  const double turned_m = contact->along_m * f->params->tracker.attitude_sigma_deg * RADIANS_PER_DEGREE;
+  const double turned_m = contact->along_m * f->params->tracker.attitude_sigma_deg * VISTA_RADIANS_PER_DEGREE;
   return hypot(range_sigma_m(f, contact->point_m) * sine, turned_m) / contact->sine;
 }
 
@@ -235,7 +230,7 @@ vista_status vista_terrain_update(vista_terrain *terrain, const vista_foveation 
       .in_world = {*path, params->obstacle_map.collision_radius_m, params->terrain.clearance_share},
       .in_camera = {path_in_camera(path, &motion->pose), params->obstacle_map.collision_radius_m,
                     params->terrain.clearance_share},
-      .sine_min = sin(params->terrain.angle_min_deg * RADIANS_PER_DEGREE)};
+      .sine_min = sin(params->terrain.angle_min_deg * VISTA_RADIANS_PER_DEGREE)};
   update(&f, terrain);
   return VISTA_OK;
 }

@@ -5,7 +5,6 @@
 #include "common/numbers.h"
 #include "common/plane_fit.h"
 
-#define RADIANS_PER_DEGREE 0.017453292519943295769
 #define NEAREST_M 1.0      /* nearer, nothing is searched */
 #define BIN_RATIO 1.1      /* of the range, from one bin to the next */
 #define BINS 64
@@ -173,7 +172,7 @@ static bool fit_around(const vista_terrain_view *w, int32_t count, double range_
 /* From a range where the volume holds cells to the plane that it meets there. */
 static bool settle(const vista_terrain_view *w, const vista_terrain_volume *volume, int32_t count, double range_m,
                    vista_terrain_plane *plane, vista_terrain_contact *contact) {
-  const double least = sin(w->params->angle_min_deg * RADIANS_PER_DEGREE);
+  const double least = sin(w->params->angle_min_deg * VISTA_RADIANS_PER_DEGREE);
   vista_plane fit = {0};
   for (int pass = 0; pass < PASSES; ++pass) {
     if (!fit_around(w, count, range_m, pass > 0, &fit)) return false;
@@ -183,7 +182,7 @@ static bool settle(const vista_terrain_view *w, const vista_terrain_volume *volu
     if (pass > 0) range_m = contact->along_m;
   }
   const double below = -vista_dot(plane->normal, w->up);
-  return below >= sin(w->params->lean_min_deg * RADIANS_PER_DEGREE);
+  return below >= sin(w->params->lean_min_deg * VISTA_RADIANS_PER_DEGREE);
 }
 
 bool vista_terrain_find(const vista_terrain_view *view, const vista_terrain_volume *volume, vista_terrain_plane *plane,

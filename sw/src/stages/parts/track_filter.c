@@ -5,7 +5,6 @@
 #include "common/frame.h"
 #include "common/numbers.h"
 
-#define RADIANS_PER_DEGREE 0.017453292519943295769
 #define EXTENT_CLIP_SIGMA 3.0 /* one wrong region must not resize a track */
 
 static double extent_noise(const vista_tracker_params *params, const vista_detection *detection) {
@@ -26,7 +25,7 @@ void vista_track_filter_start(const vista_tracker_params *params, const vista_ca
   double covariance_camera[9];
   for (int i = 0; i < 9; ++i) covariance_camera[i] = detection->covariance_camera_m2[i];
   const double attitude_m2 =
-      vista_square(detection->position_camera_m[2] * params->attitude_sigma_deg * RADIANS_PER_DEGREE);
+      vista_square(detection->position_camera_m[2] * params->attitude_sigma_deg * VISTA_RADIANS_PER_DEGREE);
   covariance_camera[0] += attitude_m2;
   covariance_camera[4] += attitude_m2;
   double covariance_world[9];
@@ -92,7 +91,7 @@ void vista_track_filter_view(const vista_tracker_params *params, const vista_cam
 void vista_track_filter_noise(const vista_tracker_params *params, const vista_camera *camera,
                               const vista_detection *detection, const vista_track_view *view, bool reshaped,
                               double variance_px2[3]) {
-  const double attitude_px2 = vista_square(camera->focal_px * params->attitude_sigma_deg * RADIANS_PER_DEGREE);
+  const double attitude_px2 = vista_square(camera->focal_px * params->attitude_sigma_deg * VISTA_RADIANS_PER_DEGREE);
   variance_px2[0] =
       vista_square(detection->sigma_u_px) + attitude_px2 + (reshaped ? vista_square(view->half_px[0]) : 0.0);
   variance_px2[1] =
@@ -165,7 +164,7 @@ double vista_track_filter_space_distance2(const vista_tracker_params *params, co
     }
   vista_frame_propagate(camera_from_world, position_world, s);
   const double attitude_m2 =
-      vista_square(detection->position_camera_m[2] * params->attitude_sigma_deg * RADIANS_PER_DEGREE);
+      vista_square(detection->position_camera_m[2] * params->attitude_sigma_deg * VISTA_RADIANS_PER_DEGREE);
   for (int i = 0; i < 9; ++i) s[i] += detection->covariance_camera_m2[i] + (i == 0 || i == 4 ? attitude_m2 : 0.0);
   for (int i = 0; i < 3; ++i) y[i] = detection->position_camera_m[i] - view->camera_m[i];
   return invert(s, inverse) ? quadratic(inverse, y) : INFINITY;
