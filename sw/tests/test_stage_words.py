@@ -53,14 +53,18 @@ def spread(row: Words) -> Words:
 
 
 class Smallest(NamedTuple):
-    """What a cluster has to cover: pixels anywhere, square metres, and pixels of what covers these."""
+    """What a cluster has to cover: pixels anywhere; square metres, and pixels of what covers these, from a
+    disparity on."""
 
     px: int
     area_m2: float
     far_px: int
+    far_disparity_px: float
 
     def at(self, word: int) -> float:
         """Pixels, of a cluster with this word."""
+        if word < self.far_disparity_px * SCALE:
+            return self.px
         px = self.area_m2 * (word / SCALE / BASELINE_M) ** 2
         return min(self.px, max(px, self.far_px))
 
@@ -163,6 +167,7 @@ def test_the_stage_is_the_reference(size: tuple[int, int], levels: int) -> None:
             int(random.choice([0, 1, 2, 5, 30])),
             float(random.choice([0.0, 0.003, 0.03, 1.0])),
             int(random.integers(0, 8)),
+            float(random.choice([0.0, 4.0, 30.0])),
         )
         support = float(random.choice([0.0, 0.4, 0.8, 1.0]))
         apart_px, candidates = float(random.choice([0.0, 0.5, 2.0, 256.0])), int(random.choice([16, 64, 256]))
@@ -172,7 +177,11 @@ def test_the_stage_is_the_reference(size: tuple[int, int], levels: int) -> None:
             "words.support": support,
             "words.contradiction_px": apart_px,
         }
-        changes |= {"words.cluster_m2": cluster.area_m2, "words.cluster_far_px": cluster.far_px}
+        changes |= {
+            "words.cluster_m2": cluster.area_m2,
+            "words.cluster_far_px": cluster.far_px,
+            "words.cluster_far_disparity_px": cluster.far_disparity_px,
+        }
         gap_px = int(random.integers(0, 4))
         changes |= {"words.filling_levels": filling, "words.gap_px": gap_px}
         stage = Stage(*size, changes)
@@ -225,9 +234,10 @@ def test_a_near_thing_comes_from_a_coarser_level_and_its_chance_matches_go() -> 
     assert set(np.unique(stage.words)) == {10 * SCALE, 100 * SCALE}
 
 
-@pytest.mark.parametrize(("range_m", "kept"), [(30.0, False), (60.0, True), (120.0, True)])
+@pytest.mark.parametrize(("range_m", "kept"), [(30.0, False), (60.0, True), (120.0, True), (200.0, False)])
 def test_what_is_far_may_be_small(range_m: float, kept: bool) -> None:
-    """Before f = 1000 px, 64 px are 0.06 m2 at 30 m, and more than 0.2 m2 at 60 m."""
+    """Before f = 1000 px, 64 px are 0.06 m2 at 30 m, and more than 0.2 m2 at 60 m. At 200 m the disparity is
+    so small that chance matches have it."""
     word = round(1000.0 * BASELINE_M / range_m * SCALE)
     words = np.full((96, 160), INVALID, np.int16)
     words[40:48, 60:68] = word  # 64 px

@@ -234,7 +234,8 @@ typedef struct vista_words_params {
   double cluster_px_noise; /* cluster_px is at least this times the image's noise: chance matches of a noisy image are larger. 0.0 .. 100000.0 px per grey level. */
   double cluster_m2; /* A cluster that covers this area at its distance is kept though it covers less than cluster_px. 0.0 .. 100.0 m2. */
   int32_t cluster_far_px; /* It covers at least as many pixels; in a noisy image as many as cluster_px_noise asks for. 0 .. 1000000 px. */
-  unsigned char reserved[204];
+  double cluster_far_disparity_px; /* Its disparity is at least this: where nothing can be matched, chance matches are mostly smaller and cover much at their distance. 0.0 .. 4096.0 px. */
+  unsigned char reserved[192];
 } vista_words_params;
 
 /* Where the flight path meets the ground (extension of the paper). */

@@ -177,6 +177,7 @@ static void join_rows(vista_words *w, int32_t above, int32_t here, const uint64_
 /* Pixels that a cluster has to cover to be kept, by the nearest word of its topmost run. */
 typedef struct smallest {
   int32_t px, far_px;   /* anywhere; of what is far */
+  double far_word;      /* the smallest word of what may be far: chance matches prefer small ones */
   double px_of_word2;   /* times the word squared: the pixels of cluster_m2 */
 } smallest;
 
@@ -184,7 +185,7 @@ static int32_t needed_px(const smallest *needed, const int16_t *row, int32_t fir
   int16_t nearest = 0;
   for (int32_t u = first; u <= last; ++u) nearest = row[u] > nearest ? row[u] : nearest;
   const double px = needed->px_of_word2 * nearest * nearest;
-  if (px >= needed->px) return needed->px;
+  if (px >= needed->px || nearest < needed->far_word) return needed->px;
   return px > needed->far_px ? (int32_t)ceil(px) : needed->far_px;
 }
 
@@ -311,7 +312,7 @@ static smallest smallest_of(const vista_words_params *params, double baseline_m)
   const double px_per_m = 1.0 / (VISTA_DISPARITY_SCALE * baseline_m);
   return (smallest){params->cluster_px,
                     params->cluster_far_px < params->cluster_px ? params->cluster_far_px : params->cluster_px,
-                    params->cluster_m2 * px_per_m * px_per_m};
+                    params->cluster_far_disparity_px * VISTA_DISPARITY_SCALE, params->cluster_m2 * px_per_m * px_per_m};
 }
 
 vista_status vista_words_combine(const vista_words_params *params, double baseline_m, int32_t num_disparities,
