@@ -129,7 +129,7 @@ typedef struct vista_region_params {
   double min_inlier_fraction; /* Edge consistency: part of the valid boundary pixels on one surface from which on the boundary speaks no more against an obstacle. 0.0 .. 1.0. */
   double outline_fraction; /* Smallest part of its left edge, right edge and foot that has to agree on the depth of a region without disparities. 0.0 .. 1.0. */
   double foot_m; /* The foot of such a region is within this of the ground's plane. At most 6 % of the range. 0.0 .. 10.0 m. */
-  double min_height_m; /* What is lower than this above the horizontal surface that it adjoins lies on it. At most 6 % of the range. 0.0 .. 10.0 m. */
+  double min_height_m; /* What is lower than this above the horizontal surface that it adjoins lies on it. At most 6 % of the range. 0.01 .. 10.0 m. */
   double min_standing_fraction; /* A region of which a smaller part stands min_height_m above the ground lies on it. 0.0 .. 1.0. */
   double top_height_m; /* Words higher than this above the ground weigh more. At most in proportion to min_height_m. 0.01 .. 100.0 m. */
   double odds_prior; /* Log-odds of a region that is an obstacle, before anything is known of it. -100.0 .. 100.0 ln odds. */

@@ -253,8 +253,7 @@ static vista_obstacle too_near(const vista_obstacle_map_params *params, const vi
 static void move_to_path(const vista_pose *pose, const vista_flight_path *path, const double extent_m[2],
                          double position_m[3]) {
   double there_m[3], offset_m[3];
-  const double along_m = vista_flight_path_along(path, position_m, NULL);
-  vista_flight_path_point(path, fmin(fmax(along_m, 0.0), path->length_m), there_m, NULL);
+  vista_flight_path_nearest(path, position_m, there_m);
   for (int i = 0; i < 3; ++i) offset_m[i] = there_m[i] - position_m[i];
   for (int axis = 0; axis < 2; ++axis) {
     const double half_m = fmax(0.5 * (extent_m[axis] - COMPACT_M), 0.0);
