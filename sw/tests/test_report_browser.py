@@ -171,6 +171,7 @@ def test_blind_frames_are_marked(page: Page, reports: dict[str, Path]) -> None:
 
 
 def test_stills_are_a_gallery(page: Page, reports: dict[str, Path]) -> None:
+    page.problems.clear()
     page.open(reports["stills"], 800)
     assert page.run('document.querySelectorAll("#gallery button").length') == 5
     before = page.run("picture.src")
@@ -181,3 +182,7 @@ def test_stills_are_a_gallery(page: Page, reports: dict[str, Path]) -> None:
     assert (
         page.run('["tracks", "map", "distances", "strip"].filter((id) => document.getElementById(id))') == []
     )
+    page.mouse(*place(page, '#stage ellipse[data-track="1"]'), click=True)
+    selected = '[...document.querySelectorAll(".finder .selected")].map((e) => e.dataset.track)'
+    assert set(page.run(selected)) == {"1"} and page.run("chosen.textContent") == ""  # there are no tracks
+    assert page.problems == []

@@ -102,7 +102,7 @@ function viewer() {
     byId("why").textContent = frame.why;
     const track = trackOf.get(selected);
     const point = track && track.points.find((p) => p[0] === steps[step]);
-    byId("chosen").textContent = selected === null ? "" :
+    byId("chosen").textContent = !track ? "" :
       track.name + " selected" + (point ? ": " + metres(point[1]) + " away" : ": not in this frame") + " (Esc: none)";
     if (!stage) return;
     if (image.src !== frame.uri) image.src = frame.uri;
