@@ -11,10 +11,11 @@ import numpy as np
 import pytest
 from fake_pipeline import FakePipeline, fake_obstacle
 from numpy.typing import NDArray
+from vista import native
 from vista.geometry import Calibration
 from vista.health.finding import Finding, FrameHealth, Reason, State
-from vista.pipeline import Ellipse, Nearest, Obstacle
-from vista.report.labels import PADDING_PX, text_size
+from vista.pipeline import ID_GROUND, ID_TOO_NEAR, Ellipse, Nearest, Obstacle
+from vista.report.labels import PADDING_PX, obstacle_name, text_size
 from vista.report.overlay import Overlay, draw_disparity, draw_obstacles, draw_regions, panel_tiles
 from vista.report.palette import GREY, INK, RED, YELLOW, RegionColours, distinct_colours
 from vista.sequence import Frame
@@ -88,6 +89,12 @@ def test_labels_do_not_cover_each_other() -> None:
     together = count(255 - draw_obstacles(white, crowd, None), (0, 0, 0))
     width, height = text_size("#3  12 m", 0.5)
     assert alone - together > 4 * width * height
+
+
+def test_obstacles_without_a_track_are_called_what_they_are() -> None:
+    lib = native.load("vista")[1]
+    assert (ID_TOO_NEAR, ID_GROUND) == (lib.VISTA_ID_TOO_NEAR, lib.VISTA_ID_GROUND)
+    assert [obstacle_name(k) for k in (ID_TOO_NEAR, ID_GROUND, 7)] == ["too near", "ground", "#7"]
 
 
 def test_disparity_colours() -> None:
