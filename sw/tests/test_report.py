@@ -18,6 +18,7 @@ from vista.health.finding import Finding, FrameHealth, Reason, State
 from vista.health.summary import summarize_health
 from vista.history import FrameRecord, stage_statistics
 from vista.obstacle_line import obstacle_line
+from vista.pipeline import ID_GROUND, ID_TOO_NEAR, Nearest
 from vista.report import run_report as report
 from vista.report.overlay import panel_tiles
 from vista.report.run_report import level_axes, render_report
@@ -57,6 +58,19 @@ def make_records(
             )
         )
     return records
+
+
+def with_ground_ahead(records: list[FrameRecord]) -> list[FrameRecord]:
+    """The ground is what is met first, and something is too near to match; neither has a track."""
+    ground = fake_obstacle(ID_GROUND, 9.0, CAMERA, in_collision_volume=True, kind="ground")
+    too_near = fake_obstacle(ID_TOO_NEAR, 1.0, CAMERA, in_blind_zone=True, kind="too_near")
+    nearest = Nearest(ID_GROUND, ground.position_m, 9.0, 1.5)
+    return [
+        dataclasses.replace(
+            record, obstacles=(*record.obstacles, ground, too_near), nearest_collision=nearest
+        )
+        for record in records
+    ]
 
 
 def make_summary(records: list[FrameRecord], stills: bool = False) -> dict:
@@ -222,6 +236,19 @@ def test_tracks(tmp_path: Path) -> None:
         "2.0",
         "yes",
     ]
+
+
+def test_the_ground_is_called_ground(tmp_path: Path) -> None:
+    page = render(tmp_path / "out", with_ground_ahead(make_records(3)))
+    assert data_of(page)["frames"][0]["hit"]["name"] == "ground"
+    first_cells = dict(re.findall(r'<tr data-key="(-?\d+)"[^>]*>\s*<td[^>]*>([^<]*)</td>', page))
+    assert first_cells == {
+        "1": "#1",
+        "2": "#2",
+        "3": "#3",
+        str(ID_GROUND): "ground",
+        str(ID_TOO_NEAR): "too near",
+    }
 
 
 def test_the_ellipse_from_above_has_two_sigma() -> None:

@@ -96,6 +96,7 @@ def _frame(
         "hit": nearest
         and {
             "id": nearest.id,
+            "name": obstacle_name(nearest.id),
             "m": _number(nearest.distance_m),
             "s": None if nearest.time_to_collision_s is None else _number(nearest.time_to_collision_s),
         },
@@ -286,7 +287,7 @@ def track_table(tracks: list[Data], frames: list[Data]) -> Data:
         distances_m = [point[1] for point in points]
         figures = [*times_s, distances_m[0], min(distances_m), *track["extent"]]
         cells = [
-            _cell(track["id"], f"#{track['id']}"),
+            _cell(track["id"], track["name"]),
             _cell(len(points)),
             *(_cell(x, f"{x:.1f}") for x in figures),
         ]

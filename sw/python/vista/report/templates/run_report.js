@@ -69,7 +69,7 @@ function describe(frame) {
   const hit = frame.hit;
   if (hit) {
     const left = hit.s === null ? "" : ", " + hit.s.toFixed(1) + " s left";
-    parts.push((data.stills ? "in the collision volume: #" : "collision warning: #") + hit.id + " at " + metres(hit.m) + left);
+    parts.push((data.stills ? "in the collision volume: " : "collision warning: ") + hit.name + " at " + metres(hit.m) + left);
   } else if (frame.state !== "blind") {
     parts.push(data.stills ? "nothing found in the collision volume" : "no collision warning");
   }
