@@ -90,7 +90,6 @@ def _frame(
         "obstacles": sum(obstacle.confirmed for obstacle in record.obstacles),
         "valid": round(100 * record.valid_fraction, 1),
         "seen": _number(record.path_seen_m),
-        "regions": record.regions,
         "camera": [_number(camera_m[axis]) for axis in plane],
         "ms": [_number(record.stage_ms[name]) if name in record.stage_ms else None for name in stages],
         "hit": nearest
