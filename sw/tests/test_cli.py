@@ -24,7 +24,7 @@ import vista
 import vista.parameters
 import vista.pipeline
 from command_line import Vista, assert_refused, call
-from fake_pipeline import FakePipeline
+from fake_pipeline import DescendingPipeline, FakePipeline
 from shared_data import REPOSITORY
 from vista.chain import engine_parameters
 from vista.cli import main
@@ -88,6 +88,17 @@ def test_run_writes_what_interfaces_promise(tmp_path: Path, run_vista: Vista, ma
     assert all(0 <= stage["median"] <= stage["p99"] for stage in stages.values())
     for index in range(cases.FRAMES):
         assert cv2.imread(str(out / "frames" / f"{index:06d}.jpg")).shape[1] > 2 * cases.WIDTH
+
+
+def test_only_things_count_as_obstacles(
+    tmp_path: Path, run_vista: Vista, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Three confirmed tracks; neither the ground nor what is too near to match is one more."""
+    monkeypatch.setattr(vista.pipeline, "Pipeline", DescendingPipeline)
+    status, stdout, _ = run_vista("run", cases.make_kitti(tmp_path / "flight"), "--out", tmp_path / "out")
+    assert status == 0 and "3 obstacles tracked" in stdout
+    summary = json.loads((tmp_path / "out" / "summary.json").read_text())
+    assert summary["obstacles_confirmed"] == 3
 
 
 def test_frames_keep_their_numbers(tmp_path: Path, run_vista: Vista) -> None:

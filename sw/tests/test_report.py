@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from fake_pipeline import FakePipeline, fake_obstacle
+from fake_pipeline import FakePipeline, fake_ground, fake_obstacle, fake_too_near
 from vista.command.run import path_seen
 from vista.geometry import Calibration, Pose
 from vista.health.finding import Finding, FrameHealth, Reason, State
@@ -62,8 +62,7 @@ def make_records(
 
 def with_ground_ahead(records: list[FrameRecord]) -> list[FrameRecord]:
     """The ground is what is met first, and something is too near to match; neither has a track."""
-    ground = fake_obstacle(ID_GROUND, 9.0, CAMERA, in_collision_volume=True, kind="ground")
-    too_near = fake_obstacle(ID_TOO_NEAR, 1.0, CAMERA, in_blind_zone=True, kind="too_near")
+    ground, too_near = fake_ground(CAMERA, 9.0), fake_too_near(CAMERA)
     nearest = Nearest(ID_GROUND, ground.position_m, 9.0, 1.5)
     return [
         dataclasses.replace(
@@ -249,6 +248,20 @@ def test_the_ground_is_called_ground(tmp_path: Path) -> None:
         str(ID_GROUND): "ground",
         str(ID_TOO_NEAR): "too near",
     }
+
+
+@pytest.mark.parametrize("stills", [False, True])
+def test_only_things_count_as_obstacles(tmp_path: Path, stills: bool) -> None:
+    """Three confirmed tracks a frame; neither the ground nor what is too near to match is one more."""
+    records = with_ground_ahead(make_records(2, poses=not stills))
+    page = render(tmp_path / "out", records, stills=stills)
+    assert [frame["obstacles"] for frame in data_of(page)["frames"]] == [3, 3]
+    if stills:
+        assert ("6", "obstacles found") in [
+            card[:2] for card in report.make_cards(make_summary(records, stills), records)
+        ]
+        cells = re.findall(r'<tr data-key="0".*?</tr>', page, re.DOTALL)[0]
+        assert re.findall(r">([^<>]+)</td>", cells)[:4] == ["0", "3", "20.0", "9.0"]
 
 
 def test_the_ellipse_from_above_has_two_sigma() -> None:

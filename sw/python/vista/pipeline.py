@@ -49,6 +49,11 @@ class Obstacle:
     in_collision_volume: bool
     kind: str = "thing"  #: thing; too_near: to match; ground: where the flight path meets it
 
+    @property
+    def is_thing(self) -> bool:
+        """Whether it counts as an obstacle where obstacles are counted: a thing with a confirmed track."""
+        return self.confirmed and self.kind == "thing"
+
 
 @dataclass(frozen=True)
 class Nearest:

@@ -151,7 +151,7 @@ def select_frames(sequence: Sequence, wanted: tuple[int, int | None] | None) -> 
 def make_summary(
     chain: Chain, engine_name: str, values: parameters.Values, records: list[FrameRecord]
 ) -> dict[str, Any]:
-    confirmed = {o.id for record in records for o in record.obstacles if o.confirmed and o.kind == "thing"}
+    things = {obstacle.id for record in records for obstacle in record.obstacles if obstacle.is_thing}
     return {
         "version": version(),
         "commit": commit(),
@@ -165,7 +165,7 @@ def make_summary(
         "engine": engine_name,
         "camera": asdict(chain.rectifier.calibration),
         "rectified": not chain.rectifier.is_passthrough,
-        "obstacles_confirmed": len(confirmed),
+        "obstacles_confirmed": len(things),
         "tracks_dropped": sum(record.dropped_tracks for record in records),
         "frames_with_collision": sum(record.nearest_collision is not None for record in records),
         "frames_with_ground_ahead": sum(

@@ -76,8 +76,8 @@ class Overlay:
         return _stack(self._headline(frame, result, health), tiles)
 
     def _headline(self, frame: Frame, result: Result, health: FrameHealth) -> tuple[str, str]:
-        confirmed = sum(obstacle.confirmed for obstacle in result.obstacles)
-        facts = f"{self._name}   {self._unit} {frame.index}   {confirmed} obstacle{'s' * (confirmed != 1)}"
+        things = sum(obstacle.is_thing for obstacle in result.obstacles)
+        facts = f"{self._name}   {self._unit} {frame.index}   {things} obstacle{'s' * (things != 1)}"
         facts += f"   path seen to {result.path_seen_m:.0f} m"
         nearest = result.nearest_collision
         warnings = [] if health.state == State.HEALTHY else [str(health.state)]
