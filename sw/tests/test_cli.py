@@ -101,6 +101,22 @@ def test_only_things_count_as_obstacles(
     assert summary["obstacles_confirmed"] == 3
 
 
+def test_the_summary_says_how_far_the_path_was_seen_and_how_often_it_met_the_ground(
+    tmp_path: Path, run_vista: Vista, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of the four frames the last two have the ground in the collision volume, and all have it in view."""
+    folder = cases.make_kitti(tmp_path / "flight")
+    for pipeline, frames_met in ((FakePipeline, 0), (DescendingPipeline, 2)):
+        monkeypatch.setattr(vista.pipeline, "Pipeline", pipeline)
+        assert run_vista("run", folder, "--out", tmp_path / "out")[0] == 0
+        summary = json.loads((tmp_path / "out" / "summary.json").read_text())
+        assert summary["frames_with_ground_ahead"] == frames_met
+        assert summary["path_seen_m"] == {"median": 18.5, "least": 17.0}
+        assert [line["path_seen_m"] for line in read_lines(tmp_path / "out")] == [20.0, 19.0, 18.0, 17.0]
+    described = (REPOSITORY / "doc" / "output.md").read_text()
+    assert all(f"`{key}`" in described for key in ("frames_with_ground_ahead", "path_seen_m", "least"))
+
+
 def test_frames_keep_their_numbers(tmp_path: Path, run_vista: Vista) -> None:
     folder = cases.make_pairs(tmp_path / "pairs")
     for wanted, expected in {"1:3": [1, 2], "2:": [2, 3], ":1": [0], ":": [0, 1, 2, 3]}.items():
