@@ -210,6 +210,18 @@ def test_the_headline_counts_things_alone(monkeypatch: pytest.MonkeyPatch) -> No
     assert warning == "collision: #2  19.0 m  1.9 s"
 
 
+@pytest.mark.parametrize("width", [320, 400, 640, 1226])
+def test_the_headline_does_not_run_below_the_warning(monkeypatch: pytest.MonkeyPatch, width: int) -> None:
+    """On small pictures it leaves out how far the path is seen."""
+    camera = Calibration(width, 3 * width // 4, 450.0, width / 2, 3 * width / 8, 0.2)
+    (facts, (_, facts_end)), (_, (warning_start, _)) = texts_of_headline(
+        monkeypatch, camera, "V1_01_easy"
+    ).items()
+    assert facts_end <= width < warning_start
+    assert facts.startswith("V1_01_easy   frame 1   3 obstacles")
+    assert ("path seen to" in facts) == (width > 320)
+
+
 def test_the_headline_says_that_a_frame_is_blind() -> None:
     """On the red ground of warnings, also when nothing is on the collision course."""
     left, words = np.zeros((480, 640), np.uint8), np.full((480, 640), -16, np.int16)
