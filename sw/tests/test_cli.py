@@ -248,7 +248,8 @@ def test_an_earlier_run_is_replaced(tmp_path: Path, run_vista: Vista) -> None:
     folder = cases.make_pairs(tmp_path / "pairs")
     out = tmp_path / "out"
     assert run_vista("run", folder, "--out", out)[0] == 0
-    assert run_vista("run", folder, "--out", out, "--frames", "0:1")[0] == 0
+    status, stdout, _ = run_vista("run", folder, "--out", out, "--frames", "0:1")
+    assert status == 0 and "pairs: 1 frame, " in stdout
     assert len(read_lines(out)) == 1
     assert [path.name for path in (out / "frames").iterdir()] == ["000000.jpg"]
 
@@ -349,7 +350,10 @@ BAD_OPTIONS = [
     (["run"], "required"),
     ([], "required"),
     (["fly"], "invalid choice"),
-    (["run", "SEQUENCE", "--out", "OUT", "--frames", "3"], "--frames"),
+    (
+        ["run", "SEQUENCE", "--out", "OUT", "--frames", "3"],
+        "--frames: '3' is not a range A:B of frame numbers",
+    ),
     (["run", "SEQUENCE", "--out", "OUT", "--frames", "-1:2"], "--frames"),
     (
         ["run", "SEQUENCE", "--out", "OUT", "--frames", "9:12"],
