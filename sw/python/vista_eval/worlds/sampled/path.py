@@ -13,7 +13,7 @@ from vista_eval.render.scene import Board, Box, Cylinder, Mesh, Panel, Solid, Sp
 STEP_M = 0.5
 AHEAD_M = 100.0  # as far as the collision volume reaches from the last frame
 # Things stand at least that far off the path, and by that share of the distance ahead of the last frame more:
-# gusts and sway turn the direction of flight by a degree.
+# gusts and sway turn the direction of flight by a degree, in one frame of a hundred by three.
 CLEAR_M, CLEAR_PER_M = 4.5, 0.03
 
 
