@@ -22,8 +22,8 @@ static inline bool vista_standing(const vista_cells *cells, const vista_surfaces
 float vista_seed_step_px(const vista_segmentation_params *params, const vista_camera *camera, float distance_px,
                          float disparity_px);
 
-/* Whether a difference in disparity is no step: at most `multiple` times vista_seed_step_px. In most cases the first term
- * tells. */
+/* Whether a difference in disparity is no step: at most `multiple` times vista_seed_step_px. In most cases the first
+ * term tells. */
 static inline bool vista_seed_is_smooth(const vista_segmentation_params *params, const vista_camera *camera,
                                         float distance_px, float disparity_px, float multiple, float step_px) {
   const float flat_px = (float)params->seed_step_px + (float)params->seed_step_slope * distance_px;
