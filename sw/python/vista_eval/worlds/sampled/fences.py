@@ -7,7 +7,7 @@ import numpy as np
 from vista_eval.render.scene import Scene, thing
 from vista_eval.worlds import things, vegetation, yard
 from vista_eval.worlds.sampled.courses import LOW
-from vista_eval.worlds.sampled.grounds import BUILT_UP, OPEN_COUNTRY
+from vista_eval.worlds.sampled.grounds import COUNTRY_AND_TOWN
 from vista_eval.worlds.sampled.rods import Rods, all_of, rods
 from vista_eval.worlds.sampled.site import RURAL, URBAN, background, clutter, scene_of, site
 from vista_eval.worlds.triangles import Triangles, box, joined, placed, tube
@@ -42,7 +42,7 @@ def chain_link(length_m: float, height_m: float, rng: np.random.Generator) -> tu
 
 def fence(altitude_m: float, seed: int) -> Scene:
     """Pickets, rails or a hedge, 10 cm to 1 m higher than the path, up to 30 degrees askew."""
-    here = site(altitude_m, seed, LOW, (*OPEN_COUNTRY, *BUILT_UP))
+    here = site(altitude_m, seed, LOW, COUNTRY_AND_TOWN)
     rng = here.draws("fence")
     height, length = altitude_m + float(rng.uniform(0.1, 1.0)), float(rng.uniform(10, 30))
     match rng.integers(3):
@@ -58,7 +58,7 @@ def fence(altitude_m: float, seed: int) -> Scene:
 
 def steel_fence(altitude_m: float, seed: int) -> Scene:
     """Bars or chain link: mostly holes."""
-    here = site(altitude_m, seed, LOW, (*OPEN_COUNTRY, *BUILT_UP))
+    here = site(altitude_m, seed, LOW, COUNTRY_AND_TOWN)
     rng = here.draws("steel fence")
     height, length = altitude_m + float(rng.uniform(0.2, 1.2)), float(rng.uniform(8, 18))
     bars, posts = (railing if rng.random() < 0.5 else chain_link)(length, height, rng)

@@ -8,7 +8,7 @@ from vista_eval.render.scene import Scene, Thing
 from vista_eval.worlds import things, vehicle
 from vista_eval.worlds.sampled.courses import ANY, Courses
 from vista_eval.worlds.sampled.draws import log_uniform
-from vista_eval.worlds.sampled.grounds import BUILT_UP, OPEN_COUNTRY
+from vista_eval.worlds.sampled.grounds import BUILT_UP, COUNTRY_AND_TOWN, OPEN_COUNTRY
 from vista_eval.worlds.sampled.site import RURAL, URBAN, Site, background, clutter, scene_of, site
 from vista_eval.worlds.triangles import Triangles, box, joined, lump, placed
 
@@ -65,7 +65,7 @@ def road_vehicle(altitude_m: float, seed: int) -> Scene:
 
 def drone(altitude_m: float, seed: int) -> Scene:
     """0.5 to 1.5 m across: hovering, coming the other way or crossing."""
-    here = site(altitude_m, seed, ANY, (*OPEN_COUNTRY, *BUILT_UP))
+    here = site(altitude_m, seed, ANY, COUNTRY_AND_TOWN)
     rng = here.draws("drone")
     scale, motion = float(rng.uniform(0.4, 1.15)), str(rng.choice(["hovers", "comes", "crosses"]))
     across, y = crossing_m_s(here, rng, 2.5) if motion == "crosses" else (0.0, float(rng.uniform(-0.5, 0.5)))

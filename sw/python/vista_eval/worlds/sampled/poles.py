@@ -10,12 +10,10 @@ from vista_eval.render.scene import Cylinder, Panel, Scene, Solid, Thing, thing
 from vista_eval.worlds import street, things
 from vista_eval.worlds.sampled.courses import FROM_AFAR
 from vista_eval.worlds.sampled.draws import log_uniform, some_seed
-from vista_eval.worlds.sampled.grounds import BUILT_UP, OPEN_COUNTRY
+from vista_eval.worlds.sampled.grounds import COUNTRY_AND_TOWN
 from vista_eval.worlds.sampled.patterns import cloudy, laid
 from vista_eval.worlds.sampled.rods import all_of, lattice, strand
 from vista_eval.worlds.sampled.site import RURAL, URBAN, Site, background, clutter, scene_of, site
-
-COUNTRY_AND_TOWN = (*OPEN_COUNTRY, *BUILT_UP)
 
 
 def cylinder_albedo(height_m: float, girth_m: float, seed: int, kind: str) -> np.ndarray:
