@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from vista_eval.render.manoeuvre import Manoeuvre
 from vista_eval.render.motion import moved
 from vista_eval.render.scene import Mesh, Point, Scene, Thing, thing
 from vista_eval.worlds import random_scene
@@ -28,6 +29,7 @@ HILLS_TURN_DEG = 48.0
 class Site:
     seed: int
     altitude_m: float
+    course: Manoeuvre
     path: Path
     cover: str
     contrast: float
@@ -50,7 +52,8 @@ class Site:
 def site(altitude_m: float, seed: int, courses: Courses, covers: Sequence[str]) -> Site:
     rng = draws(seed, "cover")
     cover = str(rng.choice(list(covers)))
-    return Site(seed, altitude_m, path_of(courses.draw(seed)), cover, float(rng.uniform(0.45, 1.0)))
+    course = courses.draw(seed)
+    return Site(seed, altitude_m, course, path_of(course), cover, float(rng.uniform(0.45, 1.0)))
 
 
 def ridges(altitude_m: float, seed: int, foot_m: float = 0.0) -> list[Thing]:
