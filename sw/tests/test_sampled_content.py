@@ -5,10 +5,25 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from random_seed import seeded
-from vista_eval.worlds.sampled import movers
+from vista_eval.worlds.sampled import fences, movers
 from vista_eval.worlds.sampled.grounds import COUNTRY_AND_TOWN
 
 FLIGHTS = 2000
+
+
+@pytest.mark.parametrize("fence", [fences.railing, fences.chain_link])
+def test_a_fence_ends_at_its_outer_posts(fence) -> None:
+    random = seeded(1)
+    for _ in range(20):
+        length_m, height_m = float(random.uniform(8, 18)), float(random.uniform(1.2, 3.0))
+        bars, posts = fence(length_m, height_m, random)
+        ends_m = np.concatenate([bars.start_m, bars.end_m])
+        assert np.abs(ends_m[:, 1]).max() <= length_m / 2 + 1e-9
+        assert ends_m[:, 2].min() >= 0.0
+        assert np.all(np.linalg.norm(bars.end_m - bars.start_m, axis=1) > 1e-3)
+        for side in (-1, 1):
+            outermost_m = (side * posts.vertices_m[:, 1]).max()
+            assert outermost_m == pytest.approx(length_m / 2, abs=0.05)
 
 
 def test_a_bus_has_a_window_at_either_end() -> None:

@@ -13,30 +13,33 @@ from vista_eval.worlds.sampled.site import RURAL, URBAN, background, clutter, sc
 from vista_eval.worlds.triangles import Triangles, box, joined, placed, tube
 
 
+def posts_m(length_m: float, most_m: float) -> np.ndarray:
+    """Places along a fence, one at either end and no two farther apart than that."""
+    return np.linspace(-length_m / 2, length_m / 2, 1 + int(np.ceil(length_m / most_m)))
+
+
 def railing(length_m: float, height_m: float, rng: np.random.Generator) -> tuple[Rods, Triangles]:
     """Steel bars of 12 to 25 mm at 9 to 14 cm between two rails."""
     pitch, radius = rng.uniform(0.09, 0.14), rng.uniform(0.006, 0.0125)
     shade = float(rng.uniform(0.04, 0.5))
     ends = [[(0, y, 0.05), (0, y, height_m)] for y in np.arange(-length_m / 2, length_m / 2, pitch)]
     rails = [box((0, 0, z), (0.03, length_m, 0.045), shade) for z in (0.15, height_m - 0.12)]
-    posts = [
-        box((0, y, height_m / 2), (0.06, 0.06, height_m), shade)
-        for y in np.arange(-length_m / 2, length_m / 2 + 0.1, 2.5)
-    ]
+    posts = [box((0, y, height_m / 2), (0.06, 0.06, height_m), shade) for y in posts_m(length_m, 2.5)]
     return rods(ends, radius, shade), joined(*rails, *posts)
 
 
 def chain_link(length_m: float, height_m: float, rng: np.random.Generator) -> tuple[Rods, Triangles]:
     """Wires of 3 mm crossing at 6 to 12 cm between posts; barbed wire on top."""
     mesh_m, shade = rng.uniform(0.06, 0.12), float(rng.uniform(0.2, 0.5))
-    starts = np.arange(-length_m / 2 - height_m, length_m / 2, mesh_m * np.sqrt(2))
-    ends = [[(0, y, 0), (0, y + height_m, height_m)] for y in starts]
-    ends += [[(0, y, height_m), (0, y + height_m, 0)] for y in starts]
+    step_m = mesh_m * np.sqrt(2)
+    starts = np.arange(step_m - length_m / 2 - height_m, length_m / 2 - 0.01, step_m)
+    ends = []
+    for y in starts:
+        low, high = max(0.0, -length_m / 2 - y), min(height_m, length_m / 2 - y)  # between the outer posts
+        ends.append([(0, y + low, low), (0, y + high, high)])
+        ends.append([(0, y + low, height_m - low), (0, y + high, height_m - high)])
     above = [[(0, -length_m / 2, z), (0, length_m / 2, z)] for z in height_m + np.array([0.0, 0.15, 0.28])]
-    posts = [
-        tube([(0, y, 0), (0, y, height_m + 0.3)], 0.035, 0.8 * shade, 8)
-        for y in np.arange(-length_m / 2, length_m / 2 + 0.1, 3.0)
-    ]
+    posts = [tube([(0, y, 0), (0, y, height_m + 0.3)], 0.035, 0.8 * shade, 8) for y in posts_m(length_m, 3.0)]
     return all_of(rods(ends, 0.0015, shade), rods(above, 0.003, shade)), joined(*posts)
 
 
