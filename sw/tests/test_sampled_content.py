@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from random_seed import seeded
-from vista_eval.worlds.sampled import fences, movers
+from vista_eval.worlds.sampled import fences, movers, poles
 from vista_eval.worlds.sampled.grounds import COUNTRY_AND_TOWN
 
 FLIGHTS = 2000
@@ -35,6 +35,16 @@ def test_a_bus_has_a_window_at_either_end() -> None:
         for side in (-1, 1):
             outermost = np.isclose(side * x, (side * x)[window].max()) & window
             assert bus.albedo[outermost] == pytest.approx(0.06)
+
+
+def test_posts_are_as_thick_as_said() -> None:
+    random, diameters_m = seeded(3), []
+    here = movers.site(5.0, int(random.integers(1 << 20)), movers.ANY, COUNTRY_AND_TOWN)
+    while len(diameters_m) < 200:
+        (first, *_) = poles.pole("pole", here, random).solids
+        if first.name == "pole_pole":
+            diameters_m.append(2 * first.radius_m)
+    assert 0.03 <= min(diameters_m) < 0.04 and 0.25 < max(diameters_m) <= 0.3
 
 
 def test_no_cover_is_drawn_twice_as_often_as_others() -> None:

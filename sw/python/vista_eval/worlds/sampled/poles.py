@@ -90,7 +90,7 @@ def pole(name: str, here: Site, rng: np.random.Generator, **more) -> Thing:
     height = here.altitude_m - foot[2] + float(rng.uniform(1, 6))
     if rng.random() < 0.25:
         return things.one(name, "pole", street.lamp_post(height, rng), foot, rng.choice([0.0, 180.0]), **more)
-    radius, kind = log_uniform(rng, 0.03, 0.3) / 1.2, str(rng.choice(["wood", "concrete", "bands", "steel"]))
+    radius, kind = log_uniform(rng, 0.03, 0.3) / 2, str(rng.choice(["wood", "concrete", "bands", "steel"]))
     lean = rng.normal(0, 0.015, 2) * height
     top = (foot[0] + lean[0], foot[1] + lean[1], foot[2] + height)
     solids: list[Solid] = [round_pole(f"{name}_pole", foot, top, radius, some_seed(rng), kind)]
