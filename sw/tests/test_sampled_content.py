@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from random_seed import seeded
-from vista_eval.worlds.sampled import fences, movers, poles
+from vista_eval.render.rig import PAPER_RIG, RIGHT
+from vista_eval.worlds.sampled import fences, movers, poles, sensors
 from vista_eval.worlds.sampled.grounds import COUNTRY_AND_TOWN
 
 FLIGHTS = 2000
@@ -49,3 +50,18 @@ def test_posts_are_as_thick_as_said() -> None:
 
 def test_no_cover_is_drawn_twice_as_often_as_others() -> None:
     assert len(set(COUNTRY_AND_TOWN)) == len(COUNTRY_AND_TOWN)
+
+
+def test_rows_of_some_flights_are_off() -> None:
+    """One fault of eight, which three flights of ten have."""
+    rigs = [sensors.rig(int(seed)) for seed in seeded(4).integers(1 << 31, size=FLIGHTS)]
+    faulty = [rig for rig in rigs if rig != PAPER_RIG]
+    expected = FLIGHTS * sensors.FAULTY / len(sensors.FAULTS)
+    assert abs(len(faulty) - expected) < 5 * np.sqrt(expected)
+    off_px = [rig.focal_px * np.tan(np.radians(rig.right_pitch_deg)) for rig in faulty]
+    assert 0.1 <= np.abs(off_px).min() < 0.2 and 0.4 < np.abs(off_px).max() <= 0.5
+    assert min(off_px) < 0 < max(off_px)
+    turned = faulty[0].body_from_mounted_camera(RIGHT) @ np.linalg.inv(
+        PAPER_RIG.body_from_mounted_camera(RIGHT)
+    )
+    assert not np.allclose(turned, np.eye(4), atol=1e-6)

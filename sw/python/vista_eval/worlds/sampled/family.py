@@ -10,7 +10,7 @@ from vista_eval.render.flight import Flight
 from vista_eval.render.scene import Scene
 from vista_eval.worlds.sampled.courses import Courses
 from vista_eval.worlds.sampled.draws import seed_of
-from vista_eval.worlds.sampled.sensors import pose_faults, sensor
+from vista_eval.worlds.sampled.sensors import pose_faults, rig, sensor
 
 Split = Literal["dev", "test"]
 
@@ -38,6 +38,7 @@ class Family:
             self.split,
             course,
             self.scene,
+            rig=rig(own),
             sensor=sensor(own),
             seed=own,
             family=self.name,
