@@ -20,6 +20,13 @@ def test_clopper_and_pearson(whole: int) -> None:
         )
 
 
+def test_many_flights() -> None:
+    """Of 1,300 flights the coefficients are larger than any float."""
+    for part in (1, 13, 650, 1299):
+        expected = (beta.ppf(0.025, part, 1301 - part), beta.ppf(0.975, part + 1, 1300 - part))
+        assert clopper_pearson(part, 1300) == pytest.approx(expected, abs=1e-9)
+
+
 def test_all_or_nothing_is_a_count_of_flights() -> None:
     """20 of 20 frames in each of 7 flights: 7 of 7, not 140 of 140."""
     everything, nothing = share_of_frames([(20, 20)] * 7), share_of_frames([(0, 20)] * 7)

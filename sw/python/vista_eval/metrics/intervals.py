@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from math import comb
+from math import exp, lgamma, log, log1p
 
 import numpy as np
 
@@ -60,8 +60,11 @@ def clopper_pearson(part: int, whole: int) -> tuple[float, float]:
 
 
 def _at_most(count: int, trials: int, probability: float) -> float:
+    """By logarithms: of a thousand trials the binomial coefficients alone are beyond what a float holds."""
+    whole, hit, miss = lgamma(trials + 1), log(probability), log1p(-probability)
     return sum(
-        comb(trials, k) * probability**k * (1.0 - probability) ** (trials - k) for k in range(count + 1)
+        exp(whole - lgamma(k + 1) - lgamma(trials - k + 1) + k * hit + (trials - k) * miss)
+        for k in range(count + 1)
     )
 
 
