@@ -22,14 +22,11 @@ from vista_eval.detectors import OURS
 from vista_eval.fly import Disturbance, fly_cached
 from vista_eval.metrics.consistency import Consistency, consistency
 from vista_eval.metrics.flight_score import FIRST_DETECTION_M, FlightScore, score_records
-from vista_eval.metrics.flight_segmentation import FlightSegmentation, segment_cached
-from vista_eval.metrics.intervals import Share, share_of_flights, share_of_frames
+from vista_eval.metrics.flight_segmentation import SHOWN, FlightSegmentation, segment_cached
+from vista_eval.metrics.intervals import MIN_FLIGHTS, Share, share_of_flights, share_of_frames
 from vista_eval.metrics.rules import STRICT
 from vista_eval.metrics.scenes import CUT
 from vista_eval.metrics.segmentation import STATISTICS, difference_interval, interval
-
-SHOWN = {"iou_median": "IoU median", "boundary_recall_cell": "boundary recall"}
-MIN_FLIGHTS = 3  # of an interval of the segmentation
 
 
 @dataclass(frozen=True)
