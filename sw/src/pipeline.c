@@ -316,21 +316,22 @@ static vista_status run_stage(vista_pipeline *p, stage stage, passage *way) {
     }
     case STAGE_THIN: {
       const vista_surfaces *const s = &p->surfaces;
-      const vista_thin_view view = {
-          &frame->image,   &frame->disparity, way->noise,        (q->stereo.block_size - 1) / 2,
-          s->ground_found, s->ground_px,      s->ground_slope_u, s->ground_slope_v};
+      const vista_thin_view view = {&frame->image,   &frame->disparity,
+                                    way->noise,      (q->stereo.block_size - 1) / 2,
+                                    s->ground_found, {s->ground_px, s->ground_slope_u, s->ground_slope_v}};
       return vista_thin_search(&q->thin, &p->camera, &view, p->thin);
     }
     case STAGE_RECONSTRUCTION: {
       vista_status status =
           vista_reconstruct_regions(p->regions.items, p->regions.count, &p->camera, &p->matched, &q->reconstruction,
-                                    p->detections, MAX_DETECTIONS, &way->detection_count);
+                                    p->detections, MAX_DETECTIONS - VISTA_THIN_MAX, &way->detection_count);
+      if (status == VISTA_ERROR_CAPACITY) status = VISTA_OK; /* the nearest come first: the far ones are dropped */
       int32_t line_count;
       const vista_thin_line *const lines = vista_thin_lines(p->thin, &line_count);
       if (status == VISTA_OK)
         status = vista_thin_reconstruct(lines, line_count, &p->camera, &way->volume, &q->reconstruction,
                                         p->regions.count, p->detections, MAX_DETECTIONS, &way->detection_count);
-      return status == VISTA_ERROR_CAPACITY ? VISTA_OK : status; /* the nearest come first: the far ones are dropped */
+      return status;
     }
     case STAGE_TRACKING:
       if (way->motion.restarted) vista_tracker_reset(p->tracker);

@@ -114,7 +114,7 @@ class Thin:
         view.noise, view.block_radius_px = noise[0], BLOCK_RADIUS_PX
         if ground is not None:
             view.ground_found = True
-            view.ground_px, view.ground_slope_u, view.ground_slope_v = ground
+            view.ground.offset, view.ground.slope_u, view.ground.slope_v = ground
         return view
 
     def search(self, view, camera=CAMERA) -> str:

@@ -129,7 +129,7 @@ typedef struct vista_region_params {
   double min_inlier_fraction; /* Edge consistency: part of the valid boundary pixels on one surface from which on the boundary speaks no more against an obstacle. 0.0 .. 1.0. */
   double outline_fraction; /* Smallest part of its left edge, right edge and foot that has to agree on the depth of a region without disparities. 0.0 .. 1.0. */
   double foot_m; /* The foot of such a region is within this of the ground's plane. At most 6 % of the range. 0.0 .. 10.0 m. */
-  double min_height_m; /* What is lower than this above the horizontal surface that it adjoins lies on it. At most 6 % of the range. 0.0 .. 10.0 m. */
+  double min_height_m; /* What is lower than this above the horizontal surface that it adjoins lies on it. At most 6 % of the range. 0.01 .. 10.0 m. */
   double min_standing_fraction; /* A region of which a smaller part stands min_height_m above the ground lies on it. 0.0 .. 1.0. */
   double top_height_m; /* Words higher than this above the ground weigh more. At most in proportion to min_height_m. 0.01 .. 100.0 m. */
   double odds_prior; /* Log-odds of a region that is an obstacle, before anything is known of it. -100.0 .. 100.0 ln odds. */
@@ -181,7 +181,7 @@ typedef struct vista_tracker_params {
   double range_max_m; /* Farther detections start no track. 1.0 .. 100000.0 m. */
   double follow_s; /* A track without a detection, not in the way, is followed by the words at its place for this long. 0.0 .. 3600.0 s. */
   double hold_s; /* A track whose place shows no words coasts for this long before it counts as missed. 0.0 .. 3600.0 s. */
-  double hold_px; /* Confirmed or not, it coasts until its disparity has moved by this since its last detection, if that takes no longer than follow_s: between two whole disparities sharp textures are hard to match. 0.0 .. 16.0 px. */
+  double hold_px; /* A track at whose place nothing is matched, confirmed or not, coasts until its disparity has moved by this since its last detection, if that takes no longer than follow_s: between two whole disparities sharp textures are hard to match. 0.0 .. 16.0 px. */
   unsigned char reserved[64];
 } vista_tracker_params;
 
@@ -205,10 +205,10 @@ typedef struct vista_obstacle_map_params {
   double lasting_disparity_px; /* Error of an obstacle's disparity that lasts from frame to frame: no filter averages it out; adds to the covariance. 0.0 .. 16.0 px. */
   double lasting_range_m; /* The same in depth, of the surface that the region's boundary shows; the larger part near the camera. 0.0 .. 10.0 m. */
   double lasting_center_px; /* The same of its centre: matching widens a thing more to one side than to the other. 0.0 .. 100.0 px. */
-  double lasting_center_ratio; /* The same, as a share of half of what its longer side has more than the shorter one: a region may lack the end of a long thing all along. 0.0 .. 2.0. */
+  double lasting_center_ratio; /* The same, as a share of half of what its longer side has more than twice the shorter one: a region may lack the end of a long thing all along. 0.0 .. 2.0. */
   double closing_min_m_s; /* No time to collision is given for what closes slower than this. 0.0 .. 100.0 m/s. */
   double outline_px; /* Pixels by which matching widens a thing to each side: so much nearer to the path has a pixel to be, to be in the collision volume. 0.0 .. 100.0 px. */
-  double lasting_scatter; /* The same in u, v and disparity, as a share of the scatter of its detections: a region that wanders may be wrong for long. 0.0 .. 10.0. */
+  double lasting_scatter; /* The same in u, v and disparity, as a share of the scatter of its detections beyond what noise explains: a region that wanders may be wrong for long. 0.0 .. 10.0. */
   double thickness_ratio; /* The middle of a thing lies this share of half its smaller side behind the surface that is seen, uncertain by as much: 0 for a board, 1 for a ball. 0.0 .. 1.0. */
   double seen_min_fraction; /* The flight path is seen as far as this share of the collision volume's cross-section has disparities in regions that could be judged. 0.0 .. 1.0. */
   double approach_s; /* What moves across the flight path is in the collision volume as soon as it will be within this time. 0.0 .. 60.0 s. */
@@ -233,8 +233,8 @@ typedef struct vista_words_params {
   int32_t gap_px; /* Words of a row hang together across gaps up to twice this wide. 0 .. 16 px. */
   double cluster_px_noise; /* cluster_px is at least this times the image's noise: chance matches of a noisy image are larger. 0.0 .. 100000.0 px per grey level. */
   double cluster_m2; /* A cluster that covers this area at its distance is kept though it covers less than cluster_px. 0.0 .. 100.0 m2. */
-  int32_t cluster_far_px; /* It covers at least as many pixels; in a noisy image as many as cluster_px_noise asks for. 0 .. 1000000 px. */
-  double cluster_far_disparity_px; /* Its disparity is at least this: where nothing can be matched, chance matches are mostly smaller and cover much at their distance. 0.0 .. 4096.0 px. */
+  int32_t cluster_far_px; /* A small cluster that is kept covers at least as many pixels; in a noisy image as many as cluster_px_noise asks for. 0 .. 1000000 px. */
+  double cluster_far_disparity_px; /* A small cluster that is kept has a disparity of at least this: where nothing can be matched, chance matches are mostly smaller and cover much at their distance. 0.0 .. 4096.0 px. */
   unsigned char reserved[192];
 } vista_words_params;
 
@@ -247,17 +247,17 @@ typedef struct vista_terrain_params {
   unsigned char reserved[224];
 } vista_terrain_params;
 
-/* Whether they are looked for. */
+/* Whether wires and thin poles are looked for. */
 typedef enum vista_thin_find { VISTA_THIN_FIND_OFF, VISTA_THIN_FIND_ON } vista_thin_find;
 
 /* Thin things, found at the resolution of the image: wires, thin poles (extension of the paper). */
 typedef struct vista_thin_params {
-  vista_thin_find find; /* Whether they are looked for. */
-  double contrast; /* Contrast of a thin line to both of its sides that counts in full; more counts no more. 1.0 .. 255.0 grey levels. */
+  vista_thin_find find; /* Whether wires and thin poles are looked for. */
+  double contrast; /* Contrast of a thin line to both of its sides that counts in full; more counts no more. 3.5 .. 63.0 grey levels. */
   double contrast_noise; /* The same against the noise of the image; the larger of the two holds. 0.0 .. 100.0 sigma of the image's noise. */
   double piece_sum; /* Sixteen rows of a line are a piece of it when their contrasts add up to at least this share of the full ones. 0.0 .. 1.0. */
   int32_t pieces_min; /* A line has at least so many pieces. 2 .. 1000 pieces. */
-  double piece_share; /* From its first to its last piece, a line has one in at least this share of the sixteens of rows. 0.0 .. 1.0. */
+  double piece_share; /* From its first to its last piece, a line has one in at least this share of the strips of 16 rows. 0.0 .. 1.0. */
   double straight_px; /* Largest root mean square distance of a line's pieces from the straight line through them, along the row. 0.0 .. 100.0 px. */
   double ridge_share; /* Smallest share of a line's rows that show it. 0.0 .. 1.0. */
   double apart_px; /* A word on the line tells of a thin thing when it is nearer by this than those beside it. 0.0 .. 256.0 px. */

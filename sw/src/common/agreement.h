@@ -19,8 +19,8 @@ static inline int32_t vista_words_alike(int32_t a, int32_t b) {
   return (b >= 0) & (abs(a - b) <= VISTA_DISPARITY_SCALE);
 }
 
-/* Whether the word in column u is valid and one at the distance on either side agrees; 0 or 1. The row reaches that far to
- * both sides. */
+/* Whether the word in column u is valid and one at the distance on either side agrees; 0 or 1. The row reaches that far
+ * to both sides. */
 static inline int32_t vista_word_agrees(const int16_t *words, int32_t u, int32_t distance) {
   return (words[u] >= 0) &
          (vista_words_alike(words[u], words[u - distance]) | vista_words_alike(words[u], words[u + distance]));

@@ -1,9 +1,9 @@
 #include "common/ellipse.h"
+#include "common/numbers.h"
 
 #include <math.h>
 #include <stddef.h>
 
-#define DEGREES_PER_RADIAN 57.295779513082320877
 #define PIXEL_VARIANCE (1.0 / 12.0) /* of a unit square, along u and v */
 
 vista_status vista_ellipse_from_moments(double mean_u_px, double mean_v_px, double cov_uu_px2, double cov_uv_px2,
@@ -17,7 +17,7 @@ vista_status vista_ellipse_from_moments(double mean_u_px, double mean_v_px, doub
   const double radius = hypot(difference, cov_uv_px2);
   const double slack = 1e-9 * (fabs(cov_uu_px2) + fabs(cov_vv_px2)); /* a line's small eigenvalue may round below 0 */
   if (center < 0.0 || center - radius < -slack) return VISTA_ERROR_RANGE;
-  double angle_deg = 0.5 * atan2(cov_uv_px2, difference) * DEGREES_PER_RADIAN;
+  double angle_deg = 0.5 * atan2(cov_uv_px2, difference) * VISTA_DEGREES_PER_RADIAN;
   if (angle_deg <= -90.0) angle_deg += 180.0;
   *ellipse = (vista_ellipse){.center_u_px = mean_u_px,
                              .center_v_px = mean_v_px,
@@ -34,8 +34,8 @@ vista_status vista_ellipse_from_region(const vista_region *region, vista_ellipse
 }
 
 void vista_ellipse_half_box(const vista_ellipse *ellipse, double *half_width_px, double *half_height_px) {
-  const double c = cos(ellipse->angle_deg / DEGREES_PER_RADIAN);
-  const double s = sin(ellipse->angle_deg / DEGREES_PER_RADIAN);
+  const double c = cos(ellipse->angle_deg / VISTA_DEGREES_PER_RADIAN);
+  const double s = sin(ellipse->angle_deg / VISTA_DEGREES_PER_RADIAN);
   *half_width_px = hypot(ellipse->axis_a_px * c, ellipse->axis_b_px * s);
   *half_height_px = hypot(ellipse->axis_a_px * s, ellipse->axis_b_px * c);
 }

@@ -30,10 +30,14 @@ void vista_flight_path_point(const vista_flight_path *path, double along_m, doub
   }
 }
 
-double vista_flight_path_distance(const vista_flight_path *path, const double point_m[3]) {
+void vista_flight_path_nearest(const vista_flight_path *path, const double point_m[3], double nearest_m[3]) {
   const double along_m = vista_flight_path_along(path, point_m, NULL);
-  double nearest_m[3];
   vista_flight_path_point(path, fmin(fmax(along_m, 0.0), path->length_m), nearest_m, NULL);
+}
+
+double vista_flight_path_distance(const vista_flight_path *path, const double point_m[3]) {
+  double nearest_m[3];
+  vista_flight_path_nearest(path, point_m, nearest_m);
   for (int i = 0; i < 3; ++i) nearest_m[i] -= point_m[i];
   return vista_norm(nearest_m);
 }

@@ -14,11 +14,12 @@ typedef struct vista_flight_path {
   double length_m;      /* along the path, at most a quarter of a circle */
 } vista_flight_path;
 
-/* Along the path to where it comes closest to the point, negative behind its start; and unless null, the direction there.
- * Not beyond a quarter of a circle past the end. */
+/* Along the path to where it comes closest to the point, negative behind its start; and unless null, the direction
+ * there. Not beyond a quarter of a circle past the end. */
 double vista_flight_path_along(const vista_flight_path *path, const double point_m[3], double direction[3]);
 
-/* From the point to the nearest point of the path, its ends included. */
+/* The nearest point of the path, its ends included; and how far it is. */
+void vista_flight_path_nearest(const vista_flight_path *path, const double point_m[3], double nearest_m[3]);
 double vista_flight_path_distance(const vista_flight_path *path, const double point_m[3]);
 
 /* The point of the path at along_m from its start, and unless null, the direction there. */

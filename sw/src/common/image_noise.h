@@ -1,15 +1,16 @@
 /* The noise of an image, from the image itself: what a threshold on grey levels is measured against.
  *
- * The second differences along rows and along columns at once, I * [1 0 -2 0 1]^T [1 0 -2 0 1], cancel shading and straight
- * edges along either axis; what is left where the scene is flat is noise (Immerkaer, "Fast noise variance estimation",
- * 1996, with a pixel between its taps: rectification averages neighbouring pixels, and would hide the noise from the
- * nearest ones). Texture adds to it, never takes away. So the mean absolute response is taken block by block, and the
- * noise is that of the flat blocks: a low quantile of all, corrected for what the choice of the quietest takes off.
- * Blocks with clipped pixels, a burnt-out sky or a black border, have no noise to show and do not count unless there are
- * no others.
+ * The second differences along rows and along columns at once, I * [1 0 -2 0 1]^T [1 0 -2 0 1], cancel shading and
+ * straight edges along either axis; what is left where the scene is flat is noise (Immerkaer, "Fast noise variance
+ * estimation", 1996, with a pixel between its taps: rectification averages neighbouring pixels, and would hide the
+ * noise from the nearest ones). Texture adds to it, never takes away. So the mean absolute response is taken block by
+ * block, and the noise is that of the flat blocks: a low quantile of all, corrected for what the choice of the quietest
+ * takes off. Blocks with clipped pixels, a burnt-out sky or a black border, have no noise to show and do not count
+ * unless there are no others.
  *
- * Without flat blocks, as in a picture that is foliage from edge to edge, the estimate is too high, by up to the contrast
- * of the quietest fifth. Noise that grows with brightness is that of the quietest places, mostly the darker ones. */
+ * Without flat blocks, as in a picture that is foliage from edge to edge, the estimate is too high, by up to the
+ * contrast of the quietest fifth. Noise that grows with brightness is that of the quietest places, mostly the darker
+ * ones. */
 #ifndef VISTA_SRC_IMAGE_NOISE_H
 #define VISTA_SRC_IMAGE_NOISE_H
 

@@ -7,9 +7,11 @@
 #include <stdint.h>
 
 #define VISTA_RADIANS_PER_DEGREE 0.017453292519943295769
+#define VISTA_DEGREES_PER_RADIAN 57.295779513082320877
 
-/* fmaxf is a call, and this is asked often. */
+/* fmaxf and fminf are calls, and these are asked often. */
 static inline float vista_larger(float a, float b) { return a > b ? a : b; }
+static inline float vista_smaller(float a, float b) { return a < b ? a : b; }
 
 static inline double vista_square(double value) { return value * value; }
 

@@ -1,17 +1,17 @@
 /* How much of each region lies in the collision volume: the points within radius_m of the path that is flown next, an
  * arc or a straight line from the camera on (motion.h; companion: straight).
  *
- * A pixel (x, y) from the principal point with disparity d is the point q B / d, q = (x, y, f). Straight, along a, it lies in
- * the volume when |q x a| B / d <= radius and 0 < q . a B / d <= length. Of an arc with curvature c in the plane of a
- * and n, the point (X, Y, Z) along a, n and across is in when hypot((1 - c rho) / c, Z) <= radius with
- * c rho = hypot(c X, 1 - c Y), and X > 0, atan2(c X, 1 - c Y) <= c length.
+ * A pixel (x, y) from the principal point with disparity d is the point q B / d, q = (x, y, f). Straight, along a, it
+ * lies in the volume when |q x a| B / d <= radius and 0 < q . a B / d <= length. Of an arc with curvature c in the
+ * plane of a and n, the point (X, Y, Z) along a, n and across is in when hypot((1 - c rho) / c, Z) <= radius with c rho
+ * = hypot(c X, 1 - c Y), and X > 0, atan2(c X, 1 - c Y) <= c length.
  *
- * Block matching widens what stands before something by up to half a block: a pixel tells of what is outline_px away. So
- * the volume's radius is smaller by outline_px Z / f.
+ * Block matching widens what stands before something by up to half a block: a pixel tells of what is outline_px away.
+ * So the volume's radius is smaller by outline_px Z / f.
  *
  * Every pixel of a region's cells that lies on its surface is asked, at its own disparity, whichever side of its border
- * the image puts it on: a street's wall, seen at an angle, passes the aircraft wherever its middle is; a pole that leaves
- * the volume at both ends is in the way in between. */
+ * the image puts it on: a street's wall, seen at an angle, passes the aircraft wherever its middle is; a pole that
+ * leaves the volume at both ends is in the way in between. */
 #ifndef VISTA_COLLISION_VOLUME_H
 #define VISTA_COLLISION_VOLUME_H
 

@@ -11,7 +11,8 @@
 #include "common/wide_vectors.h"
 #include "stages/segmentation.h"
 
-#define BEHIND_PX 1.5 /* of disparity: ground farther behind a surface is seen past a thin thing, that it belongs to */
+#define BEHIND_PX \
+  1.5 /* of disparity: ground farther behind a surface is seen past a thin thing: such a pixel stays with the thing */
 #define FIXED_BITS 12
 #define AT_ONCE 16 /* labels */
 #define BELOW_PX 0.5 /* of disparity: so far beneath the ground's plane a surface has to be */

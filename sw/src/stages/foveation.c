@@ -7,6 +7,7 @@
 
 #include "common/frame.h"
 #include "common/median.h"
+#include "common/numbers.h"
 #include "common/parameters_check.h"
 #include "common/wide_vectors.h"
 #include "common/word_blocks.h"
@@ -66,13 +67,12 @@ static int32_t max_runs(const grid *g) {
 
 /* Most pixels share the cell of the one before. Whether one surely does is a few products with the borders of that cell,
  * where grid_cell takes three transcendental functions. What is near a border is left to grid_cell: both agree. */
-#define MOST_SECTORS 256
 #define MOST_RINGS 512 /* of 256 sectors around a hub of a pixel there are 382 in the largest image */
 #define NEAR 1e-6      /* of the radius, relative; from a ray, pixels */
 
 typedef struct borders {
   double rho2[MOST_RINGS + 1];                              /* squared radii between the rings */
-  double ray_u[MOST_SECTORS + 1], ray_v[MOST_SECTORS + 1]; /* directions between the sectors */
+  double ray_u[VISTA_MOST_SECTORS + 1], ray_v[VISTA_MOST_SECTORS + 1]; /* directions between the sectors */
 } borders;
 
 static void find_borders(const grid *g, borders *b) {
@@ -229,7 +229,7 @@ vista_status vista_foveation_layout(vista_foveation *foveation, vista_arena *are
   if (!vista_foveation_handles(width_px, height_px)) return VISTA_ERROR_SIZE;
   if (!inside(width_px, height_px, center_u_px, center_v_px)) return VISTA_ERROR_RANGE;
   const grid g = make_grid(params, width_px, height_px, center_u_px, center_v_px);
-  if (g.ring_count > MOST_RINGS) return VISTA_ERROR_RANGE;
+  if (g.ring_count > MOST_RINGS || g.sector_count > VISTA_MOST_SECTORS) return VISTA_ERROR_RANGE;
 
   const size_t pixels = (size_t)width_px * (size_t)height_px;
   const int32_t max_nodes = g.ring_count * g.sector_count + 1;
@@ -305,7 +305,7 @@ vista_status vista_cells_layout(vista_cells *cells, vista_arena *arena, const vi
   const size_t pixels = (size_t)foveation->width_px * (size_t)foveation->height_px;
   cells->words = vista_arena_take(arena, pixels + VISTA_WORD_BLOCK, sizeof(int16_t));
   cells->greys = vista_arena_take(arena, pixels + VISTA_WORD_BLOCK, sizeof(uint8_t));
-  cells->of_cell = vista_arena_take(arena, (size_t)foveation->max_footprint_px + VISTA_WORD_BLOCK, sizeof(int16_t));
+  cells->of_cell = vista_arena_take(arena, (size_t)foveation->max_footprint_px + VISTA_MEDIAN_LANES, sizeof(int16_t));
   return arena->base != NULL && arena->used > arena->size ? VISTA_ERROR_MEMORY : VISTA_OK;
 }
 
@@ -342,10 +342,7 @@ VISTA_WIDE_VECTORS static void list_pixels_of(const vista_foveation *f, const vi
   }
 }
 
-static float limited(float x, float most) {
-  const float not_less = x > 0.0f ? x : 0.0f;
-  return not_less < most ? not_less : most;
-}
+static float limited(float x, float most) { return vista_smaller(vista_larger(x, 0.0f), most); }
 
 /* Cells under a pixel: intensity by bilinear interpolation, disparity from the 2x2 pixels around the centre. At the
  * image's edge a cell that holds a pixel may have its centre beyond it: there the edge is sampled. */

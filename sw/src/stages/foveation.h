@@ -18,6 +18,8 @@
 #include "vista/status.h"
 #include "vista/types.h"
 
+#define VISTA_MOST_SECTORS 256 /* of foveation.sector_count: bounds arrays on the stack */
+
 /* Consecutive pixels of one image row that belong to one cell. */
 typedef struct vista_run {
   int32_t u_px, v_px, length_px;

@@ -9,11 +9,13 @@
  * placed by the old one has lost its meaning (`restarted`).
  *
  * Path: what is flown next, for the collision volume. It bends as the turn rate says, if the velocity turns as well: a
- * camera may look about on a straight path. What the poses' noise explains, or less than path_turn_min_deg_s, is straight.
- * Nobody keeps to an arc for long: with c its curvature, uncertain by a share path_uncertainty, it is followed up to where that
- * is a miss of the collision radius, share c s^2 / 2 = radius, and for a quarter of a circle at most.
+ * camera may look about on a straight path. What the poses' noise explains, or less than path_turn_min_deg_s, is
+ * straight. Nobody keeps to an arc for long: with c its curvature, uncertain by a share path_uncertainty, it is
+ * followed up to where that is a miss of the collision radius, share c s^2 / 2 = radius, and for a quarter of a circle
+ * at most.
  *
- * Without any pose the world is the first camera, and its motion is not known; unless the caller says that it stands. */
+ * Without any pose the world is the first camera, and its motion is not known; unless the caller says that it stands.
+ * */
 #ifndef VISTA_MOTION_H
 #define VISTA_MOTION_H
 
@@ -52,9 +54,9 @@ typedef struct vista_motion_state {
   vista_pose refused_at;
 } vista_motion_state;
 
-/* On an error nothing is changed. VISTA_ERROR_ORDER: the time is not after that of the last frame, which is judged first;
- * VISTA_ERROR_NUMBER: pose or velocity not finite; VISTA_ERROR_RANGE: no rotation, a velocity above speed_max_m_s, or a
- * parameter. */
+/* On an error nothing is changed. VISTA_ERROR_ORDER: the time is not after that of the last frame, which is judged
+ * first; VISTA_ERROR_NUMBER: pose or velocity not finite; VISTA_ERROR_RANGE: no rotation, a velocity above
+ * speed_max_m_s, or a parameter. */
 vista_status vista_motion_update(const vista_motion_params *params, const vista_motion_input *input,
                                  vista_motion_state *state, vista_motion *motion);
 

@@ -12,7 +12,6 @@
 #include "stages/parts/terrain_obstacle.h"
 
 #define LONG_RATIO 2.0 /* a side longer than this many times the other one is that of a long thing */
-#define STEADY_HITS 10.0 /* of which the scatter is the mean */
 #define STEADY_MIN 0.25 /* of the variance: ten hits tell no more */
 #define ACROSS_M_S 0.5
 #define ACROSS_SIGMAS 3.0
@@ -80,7 +79,7 @@ static double excess_px2(const vista_track *track, int axis) {
 static void steady_covariance(const vista_track *track, const vista_pose *pose, const double camera_m[3],
                               double covariance_m2[9]) {
   double sigma[3];
-  const double known = fmin(track->hits, STEADY_HITS) / STEADY_HITS;
+  const double known = fmin(track->hits, VISTA_SCATTER_HITS) / VISTA_SCATTER_HITS;
   for (int i = 0; i < 3; ++i) {
     const double share = track->expected_px2[i] > 0.0 ? track->scatter_px2[i] / track->expected_px2[i] : 1.0;
     sigma[i] = sqrt(1.0 - known * (1.0 - fmin(fmax(share, STEADY_MIN), 1.0)));
@@ -201,11 +200,11 @@ static bool obstacle_of(const vista_obstacle_map_params *params, const vista_cam
   const int32_t members = vista_window_count(track->volume_window, 3);
   const bool undetected = (track->coasting || track->followed) && track->parts == 0;
   obstacle->in_collision_volume = track->credible && members >= (track->hits > 1 ? 2 : 1);
+  const bool own_pixels = !undetected && !track->edges_only; /* tell whether it is a member; else its disc does */
+  if (!track->credible || own_pixels == obstacle->in_collision_volume) return true;
   const vista_disc disc = disc_of(params, camera, pose, track, covariance_px2, camera_m[2]);
-  if (obstacle->in_collision_volume && (undetected || track->edges_only))
-    obstacle->in_collision_volume = vista_flight_path_near_disc(path, &disc, params->collision_radius_m);
-  if (track->credible && !undetected && !track->edges_only)
-    obstacle->in_collision_volume |= about_to_enter(params, path, track, &disc);
+  obstacle->in_collision_volume = own_pixels ? about_to_enter(params, path, track, &disc)
+                                             : vista_flight_path_near_disc(path, &disc, params->collision_radius_m);
   return true;
 }
 
@@ -253,8 +252,7 @@ static vista_obstacle too_near(const vista_obstacle_map_params *params, const vi
 static void move_to_path(const vista_pose *pose, const vista_flight_path *path, const double extent_m[2],
                          double position_m[3]) {
   double there_m[3], offset_m[3];
-  const double along_m = vista_flight_path_along(path, position_m, NULL);
-  vista_flight_path_point(path, fmin(fmax(along_m, 0.0), path->length_m), there_m, NULL);
+  vista_flight_path_nearest(path, position_m, there_m);
   for (int i = 0; i < 3; ++i) offset_m[i] = there_m[i] - position_m[i];
   for (int axis = 0; axis < 2; ++axis) {
     const double half_m = fmax(0.5 * (extent_m[axis] - COMPACT_M), 0.0);

@@ -104,8 +104,8 @@ vista_status vista_seeds_of_obstacles(const vista_foveation *foveation, const vi
     for (int32_t arc = graph->first_arc[i]; arc < graph->first_arc[i + 1]; ++arc) {
       const int32_t j = graph->head[arc];
       if (j < i || !vista_standing(cells, surfaces, j)) continue;
-      if (vista_seed_has_step(params, camera, foveation->arc_distance_px[arc], vista_larger(d[i], d[j]), 1.0f,
-                              fabsf(d[i] - d[j])))
+      if (vista_seed_is_smooth(params, camera, foveation->arc_distance_px[arc], vista_larger(d[i], d[j]), 1.0f,
+                               fabsf(d[i] - d[j])))
         vista_seeds_join(seeds, i, j);
     }
   }

@@ -5,12 +5,11 @@
 
 #include "common/depth.h"
 #include "common/frame.h"
+#include "common/numbers.h"
 #include "common/parameters_check.h"
 #include "common/plane_fit.h"
 #include "stages/parts/ground_plane.h"
 #include "stages/parts/inclination.h"
-
-static const double degrees_per_radian = 57.29577951308232;
 
 vista_status vista_surfaces_layout(vista_surfaces *surfaces, vista_arena *arena, const vista_foveation *foveation) {
   if (surfaces == NULL || arena == NULL || foveation == NULL) return VISTA_ERROR_ARGUMENT;
@@ -28,7 +27,7 @@ double vista_plane_inclination_deg(const vista_camera *camera, const double up_c
   const double norm = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
   if (!(norm > 0.0)) return NAN;
   const double along = fabs(n[0] * up_camera[0] + n[1] * up_camera[1] + n[2] * up_camera[2]) / norm;
-  return asin(fmin(along, 1.0)) * degrees_per_radian;
+  return asin(fmin(along, 1.0)) * VISTA_DEGREES_PER_RADIAN;
 }
 
 /* Cells on the ground's plane are ground whatever their own inclination, which noise and the edges of things upset;

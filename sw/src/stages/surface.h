@@ -7,8 +7,8 @@
  *
  * Ground, roads and water are surfaces to fly along: their pixels are matched well and their boundary is consistent,
  * so neither a matching threshold nor edge consistency tells them from obstacles. Their inclination does.
- * The ground's plane is found by proposals (parts/ground_plane.h); it may be absent. Where it is known, height above it
- * overrides a cell's own inclination: on the plane is ground, well above it stands. */
+ * The ground's plane is the best of many candidate planes (parts/ground_plane.h); it may be absent. Where it is known,
+ * height above it overrides a cell's own inclination: on the plane is ground, well above it stands. */
 #ifndef VISTA_SURFACE_H
 #define VISTA_SURFACE_H
 

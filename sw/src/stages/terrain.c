@@ -72,7 +72,7 @@ static double contact_sigma_m(const frame *f, const vista_terrain_plane *plane, 
   for (int i = 0; i < 3; ++i) sight_m[i] = contact->point_m[i] - f->pose->translation_m[i];
   const double range_m = vista_norm(sight_m), sine = vista_dot(plane->normal, sight_m) / range_m;
   const double turned_m = contact->along_m * f->params->tracker.attitude_sigma_deg * VISTA_RADIANS_PER_DEGREE;
-  return hypot(range_sigma_m(f, contact->point_m) * sine, turned_m) / contact->sine;
+  return hypot(range_sigma_m(f, contact->point_m) * sine, turned_m) / fmax(contact->sine, f->sine_min);
 }
 
 static vista_world_hit world_hit(const frame *f, const double point_m[3]) {
@@ -137,7 +137,18 @@ static void hit(const frame *f, vista_terrain *t) {
   t->window = t->window << 1 | 1u;
   t->seen_t_ns = f->t_ns;
   t->misses = 0;
-  t->coasting = false;
+  t->coasting = t->blind = false;
+}
+
+/* Whether the engine can give a disparity to a point of the camera's frame. */
+static bool can_be_matched(const frame *f, const double point_m[3]) {
+  if (!(point_m[2] > 0.0)) return false;
+  double seen_px[3];
+  vista_frame_measure(f->camera, point_m, seen_px, NULL);
+  const vista_margins margins = vista_matched_margins(f->matched, seen_px[2]);
+  return seen_px[2] <= f->matched->disparity_max_px && seen_px[0] >= margins.left_px &&
+         seen_px[0] < f->camera->width_px - margins.other_px && seen_px[1] >= margins.other_px &&
+         seen_px[1] < f->camera->height_px - margins.other_px;
 }
 
 /* No such surface was found in this frame. It may still be seen, or be where nothing can be seen. */
@@ -145,22 +156,17 @@ static void miss(const frame *f, vista_terrain *t) {
   const vista_terrain_plane plane = plane_to_camera(f->pose, &t->plane);
   vista_terrain_contact contact;
   t->coasting = true;
+  t->blind = false;
   if (t->ahead && vista_terrain_meet(&f->in_camera, &plane, f->sine_min, &contact)) {
     const vista_terrain_sight sight = vista_terrain_look(&f->view, &f->in_camera, &plane, &contact);
     if (vista_terrain_seen(&f->params->terrain, &sight)) {
       hit(f, t);
       return;
     }
-    const double z = fmax(contact.point_m[2], 1e-3);
-    const double d = f->camera->focal_px * f->camera->baseline_m / z;
-    const double v = f->camera->center_v_px + f->camera->focal_px * contact.point_m[1] / z;
-    const double u = f->camera->center_u_px + f->camera->focal_px * contact.point_m[0] / z;
-    const bool in_view = v >= 0.0 && v < f->camera->height_px && u >= 0.0 && u < f->camera->width_px;
-    const bool blind = d > f->matched->disparity_max_px || !in_view;
+    t->blind = !can_be_matched(f, contact.point_m);
     const double unseen_s = vista_seconds_between(t->seen_t_ns, f->t_ns);
-    const bool dark = sight.valid_px2 < 0.25 * sight.expected_px2;
-    if (t->credible && (blind || dark) &&
-        unseen_s <= (blind ? f->params->tracker.blind_zone_s : f->params->tracker.hold_s))
+    if (t->credible && (t->blind || vista_terrain_dark(&sight)) &&
+        unseen_s <= (t->blind ? f->params->tracker.blind_zone_s : f->params->tracker.hold_s))
       return;
   }
   t->window <<= 1;
@@ -182,7 +188,9 @@ static void update(const frame *f, vista_terrain *t) {
   t->ahead = t->known && vista_terrain_meet(&f->in_world, &t->plane, f->sine_min, &t->contact);
   if (found) {
     plane = plane_to_world(f->pose, &plane);
-    if (!vista_terrain_meet(&f->in_world, &plane, 0.0, &contact)) return;
+    found = vista_terrain_meet(&f->in_world, &plane, 0.0, &contact); /* but for rounding, at the path's very end */
+  }
+  if (found) {
     const bool same = t->known && same_surface(f, t, &contact);
     found = same || !t->credible; /* one frame that shows another surface does not end a warning */
     if (same)

@@ -1,10 +1,10 @@
 /* Where the flight path meets the ground, and how far away that is.
  *
- * Ground is a surface to fly along and never a region that is an obstacle, whatever its inclination. But ground that the
- * collision volume meets is a danger: a hillside ahead, rising terrain, a meadow on which the aircraft descends, be it to
- * land. The surface there is found in the words (parts/terrain_search.h) as a plane and kept in the world; each frame asks
- * where the volume around the path flown next meets it. So the place follows a path that changes, and what is warned of
- * is the point that is hit.
+ * Ground is a surface to fly along and never a region that is an obstacle, whatever its inclination. But ground that
+ * the collision volume meets is a danger: a hillside ahead, rising terrain, a meadow on which the aircraft descends, be
+ * it to land. The surface there is found in the words (parts/terrain_search.h) as a plane and kept in the world; each
+ * frame asks where the volume around the path flown next meets it. So the place follows a path that changes, and what
+ * is warned of is the point that is hit.
  *
  * Low flight is no collision: the volume reaches down by clearance_share of the distance from that surface at most,
  * and a path that descends on a surface by less than angle_min_deg flies along it. Without own motion there is no path.
@@ -34,6 +34,7 @@ typedef struct vista_terrain {
   bool known;          /* there is a surface, confirmed or not: */
   bool confirmed, credible; /* as of a track */
   bool coasting;            /* not seen in this frame */
+  bool blind;               /* nor can it be: nearer than is matched, or out of view */
   bool ahead;               /* the path of this frame meets it: contact, sigma_m */
   int32_t age_frames, misses;
   uint32_t window;      /* the last 32 frames, bit 0 the newest, 1 = hit */

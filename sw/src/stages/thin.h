@@ -4,7 +4,8 @@
  * tell of it together:
  *   the image   straight thin lines, both of whose sides are brighter, or darker (parts/straight_lines.h);
  *   the words   where the block holds little else, words on the line that are nearer than those beside it, to both
- *               sides, farther away than the block reaches. They lie on one straight line in (u, v, disparity), found by
+ *               sides, farther away than the block reaches. They lie on one straight line in (u, v, disparity), found
+ * by
  *               proposals (RANSAC): texture that is matched by chance does not.
  * A line whose sides are as near as itself is on a surface, and no thing of its own. One that lies on the plane of the
  * ground is a marking or a shadow.
@@ -21,18 +22,19 @@
 
 #include "common/arena.h"
 #include "common/image_noise.h"
+#include "common/plane_fit.h"
 #include "vista/parameters.h"
 #include "vista/status.h"
 #include "vista/types.h"
 
-/* A frame, and the ground's plane in it: disparity = ground_px + ground_slope_u (u - u0) + ground_slope_v (v - v0). */
+/* A frame, and the ground's plane in it (plane_fit.h). */
 typedef struct vista_thin_view {
   const vista_image *image;
   const vista_disparity_image *words; /* of the engine's level 0: filters drop what is as thin as a wire */
   vista_image_noise noise;
   int32_t block_radius_px; /* of the engine's block */
   bool ground_found;
-  double ground_px, ground_slope_u, ground_slope_v;
+  vista_plane ground;
 } vista_thin_view;
 
 /* One of them, as a straight line: with t = v - v_px, u = u_px + slope t and
@@ -48,17 +50,19 @@ typedef struct vista_thin_line {
   int32_t rows_level; /* rows of the line with a word beside it that is as near or nearer */
 } vista_thin_line;
 
+#define VISTA_THIN_MAX 96
+
 typedef struct vista_thin vista_thin;
 
 /* *thin is NULL while the arena counts. */
 vista_status vista_thin_layout(vista_thin **thin, vista_arena *arena, int32_t width_px, int32_t height_px);
 
-/* VISTA_ERROR_ARGUMENT: no pixels or words; VISTA_ERROR_SIZE: of another size than laid out; VISTA_ERROR_RANGE: a parameter
- * or the camera is out of range. */
+/* VISTA_ERROR_ARGUMENT: no pixels or words; VISTA_ERROR_SIZE: of another size than laid out; VISTA_ERROR_RANGE: a
+ * parameter or the camera is out of range. */
 vista_status vista_thin_search(const vista_thin_params *params, const vista_camera *camera, const vista_thin_view *view,
                                vista_thin *thin);
 
-/* Of the last frame, those with the most rows in the image first. */
+/* Of the last frame, in the order of the strongest piece of each; at most VISTA_THIN_MAX. */
 const vista_thin_line *vista_thin_lines(const vista_thin *thin, int32_t *count);
 
 /* Column and disparity of the line at a row, and the disparity's standard deviation. */

@@ -17,7 +17,6 @@
 #define BAND_OFF_PX 5.0    /* from the line to the middle of a band */
 #define BAND_SIGMA_PX 6.5  /* standard deviation of a band's pixels across the line: of whole blocks that hold it */
 #define BAND_STEP_PX 1.0   /* between the disparities */
-#define DEGREES_PER_RADIAN 57.29577951308232
 
 static bool is_certain(const vista_thin_line *line, const vista_reconstruction_params *params, double v) {
   const double d = vista_thin_disparity_px(line, v);
@@ -77,7 +76,7 @@ static vista_detection detection_of(const vista_thin_line *line, const vista_cam
   const double length = hypot(1.0, line->slope), down = 1.0 / length, right = line->slope / length;
   const double along_sigma_px = ALONG_SIGMA_RAD * camera->focal_px;
   const double half_px = fmax(0.5 * rows * length, HALF_WIDTH_MIN_PX);
-  const double angle_deg = atan2(down, right) * DEGREES_PER_RADIAN;
+  const double angle_deg = atan2(down, right) * VISTA_DEGREES_PER_RADIAN;
   vista_detection result = {
       .label = label,
       .u_px = vista_thin_u_px(line, nearest->v_px),
@@ -101,7 +100,7 @@ static vista_detection detection_of(const vista_thin_line *line, const vista_cam
 static bool is_band(const vista_thin_line *line, const vista_detection *detection) {
   const double v = detection->v_px, across = 1.0 / hypot(1.0, line->slope);
   const double off_px = across * (detection->u_px - vista_thin_u_px(line, v));
-  const double turn = atan2(1.0, line->slope) - detection->ellipse.angle_deg / DEGREES_PER_RADIAN;
+  const double turn = atan2(1.0, line->slope) - detection->ellipse.angle_deg / VISTA_DEGREES_PER_RADIAN;
   const double sigma_px =
       0.5 * hypot(detection->ellipse.axis_a_px * sin(turn), detection->ellipse.axis_b_px * cos(turn));
   const double step_px = detection->disparity_px - vista_thin_disparity_px(line, v);

@@ -4,10 +4,10 @@
 #include <stdint.h>
 #include <string.h>
 
+#include "common/numbers.h"
 #include "common/wide_vectors.h"
 #include "stages/surface.h"
 
-#define DEGREES_PER_RADIAN 57.29577951308232
 #define LEVEL_TRIALS 256      /* one cell each, on a plane as level as the attitude has it */
 #define TRIALS 2048           /* three cells each */
 #define LEAN_COST 0.8f        /* of the score, at the steepest that is allowed: a level plane is likelier */
@@ -38,7 +38,7 @@ static sample sample_of(const vista_foveation *f, const vista_camera *camera, co
 /* Cells with a disparity below the horizon as the attitude has it, lowered or raised by the tilt. */
 static int32_t collect(const vista_foveation *f, const vista_camera *camera, const double up[3], double tilt_deg,
                        const vista_cells *cells, int32_t *candidates) {
-  const double highest = sin(tilt_deg / DEGREES_PER_RADIAN);
+  const double highest = sin(tilt_deg / VISTA_DEGREES_PER_RADIAN);
   int32_t count = 0;
   for (int32_t i = 0; i < f->node_count; ++i) {
     if (cells->disparity_px[i] < MIN_GROUND_PX) continue;
@@ -216,7 +216,7 @@ bool vista_find_ground_plane(const vista_foveation *foveation, const vista_surfa
   fill_jury(&all, scored, scored_count);
   search s = {.camera = camera,
               .up = up_camera,
-              .least_cosine = cos(params->ground_tilt_deg / DEGREES_PER_RADIAN),
+              .least_cosine = cos(params->ground_tilt_deg / VISTA_DEGREES_PER_RADIAN),
               .jury = &all,
               .samples = scored,
               .count = scored_count,

@@ -3,10 +3,9 @@
 #include <math.h>
 #include <string.h>
 
+#include "common/numbers.h"
 #include "common/wide_vectors.h"
 
-#define DEGREES_PER_RADIAN 57.29577951308232
-#define MOST_SECTORS 256
 #define CHUNK 32        /* cells of a ring that are treated at once */
 #define LEAST_CELLS 5.0 /* that a plane is fitted to */
 #define UNKNOWN (-1.0f)
@@ -134,7 +133,7 @@ static void measure_chunk(vista_inclination *w, const vista_foveation *f, int32_
   for (int32_t s = 0; s < count; ++s)
     if (nodes[s] >= 0)
       inclination_deg[nodes[s]] =
-          cell.d[s] >= 0.0f && sine[s] >= 0.0 ? (float)(asin(sine[s]) * DEGREES_PER_RADIAN) : UNKNOWN;
+          cell.d[s] >= 0.0f && sine[s] >= 0.0 ? (float)(asin(sine[s]) * VISTA_DEGREES_PER_RADIAN) : UNKNOWN;
 }
 
 void vista_inclination_measure(vista_inclination *w, const vista_foveation *f, double lever_px,
@@ -168,7 +167,7 @@ void vista_inclination_vote(vista_inclination *w, const vista_foveation *f, doub
   const int32_t sectors = f->sector_count;
   fill_grid(w, f, inclination_deg, w->value);
   for (int32_t ring = 0; ring < f->ring_count; ++ring) {
-    int32_t balance[MOST_SECTORS] = {0};
+    int32_t balance[VISTA_MOST_SECTORS] = {0};
     for (int32_t r = ring - 1; r <= ring + 1; ++r)
       for (int32_t shift = -1; shift <= 1 && r >= 0 && r < f->ring_count; ++shift)
         add_votes(row_of(w, w->value, r) + shift, sectors, (float)horizontal_deg, balance);

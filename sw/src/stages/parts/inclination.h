@@ -10,9 +10,9 @@
 vista_status vista_inclination_layout(const vista_foveation *foveation, vista_arena *arena,
                                       vista_inclination **inclination);
 
-/* Of each cell but the hub: the lean from the vertical, in degrees, of the plane through it and the eight cells that lie
- * lever_px from it, or as few cells away as that takes; negative without a disparity or fewer than five cells with one.
- * inclination_deg: node_count. */
+/* Of each cell but the hub: the lean from the vertical, in degrees, of the plane through it and the eight cells that
+ * lie lever_px from it, or as few cells away as that takes; negative without a disparity or fewer than five cells with
+ * one. inclination_deg: node_count. */
 void vista_inclination_measure(vista_inclination *inclination, const vista_foveation *foveation, double lever_px,
                                const vista_camera *camera, const double up_camera[3], const vista_cells *cells,
                                float *inclination_deg);

@@ -110,25 +110,17 @@ static int32_t refine(const vista_line_sample *samples, int32_t count, double re
   return (int32_t)n;
 }
 
-static double ground_at(const vista_thin_view *view, const vista_camera *camera, double u, double v) {
-  return view->ground_px + view->ground_slope_u * (u - camera->center_u_px) +
-         view->ground_slope_v * (v - camera->center_v_px);
-}
-
 /* Whether most of the line that is seen stands above the ground by at least the given height. */
 static bool stands(const reading *r, const vista_camera *camera, const vista_thin_line *found) {
   const vista_thin_view *const view = r->view;
   if (!view->ground_found) return true;
-  const double normal = sqrt(vista_square(view->ground_slope_u) + vista_square(view->ground_slope_v) +
-                             vista_square(view->ground_px / camera->focal_px));
   int32_t above = 0;
   for (int32_t v = found->first_v_px; v <= found->last_v_px; ++v) {
     const double d = vista_thin_disparity_px(found, v);
-    const double height_m =
-        (1.0 - ground_at(view, camera, vista_thin_u_px(r->line, v), v) / d) * camera->baseline_m / normal;
-    above += d > 0.0 && height_m >= r->params->height_m;
+    above += d > 0.0 &&
+             vista_plane_height_m(&view->ground, camera, vista_thin_u_px(r->line, v), v, d) >= r->params->height_m;
   }
-  return 2 * above > found->last_v_px - found->first_v_px;
+  return 2 * above > found->last_v_px - found->first_v_px + 1;
 }
 
 /* Length in metres of the part of the line between two rows. */
@@ -166,18 +158,20 @@ static int32_t take_samples(const reading *r, vista_line_sample *samples, vista_
   return count;
 }
 
+static bool agrees(const vista_thin_line *found, const vista_line_sample *sample, double reach) {
+  return fabs(sample->disparity_px - vista_thin_disparity_px(found, sample->v_px)) <= reach;
+}
+
 /* From the first to the last row whose words agree, and on as far as the image shows the line. Rows that are alone do not
  * count. */
 static void set_ends(const vista_ridge *ridge, const vista_thin_line *line, const vista_line_sample *samples,
                      int32_t count, double reach, vista_thin_line *found) {
-  int32_t seen = 0, first = 0, last = 0;
-  for (int32_t i = 0; i < count; ++i) {
-    const double v = samples[i].v_px;
-    if (fabs(samples[i].disparity_px - vista_thin_disparity_px(found, v)) > reach) continue;
-    ++seen;
-    if (seen == END_ROWS) first = (int32_t)v;
-    if (seen == found->rows_on - END_ROWS + 1) last = (int32_t)v;
-  }
+  int32_t seen = 0, first = found->first_v_px, last = found->last_v_px;
+  for (int32_t i = 0; i < count && seen < END_ROWS; ++i)
+    if (agrees(found, &samples[i], reach) && ++seen == END_ROWS) first = (int32_t)samples[i].v_px;
+  seen = 0;
+  for (int32_t i = count - 1; i >= 0 && seen < END_ROWS; --i)
+    if (agrees(found, &samples[i], reach) && ++seen == END_ROWS) last = (int32_t)samples[i].v_px;
   found->first_v_px = vista_straight_line_end(ridge, line, first, -1);
   found->last_v_px = vista_straight_line_end(ridge, line, last, 1);
 }

@@ -63,7 +63,7 @@ static void measure_borders(vista_merge *m, const vista_foveation *foveation, co
       if (b < a || cells->disparity_px[i] < 0.0f || cells->disparity_px[j] < 0.0f) continue;
       border *const across = find_border(m, 1 + (int64_t)a * region_count + b);
       across->known++;
-      across->smooth += vista_seed_has_step(
+      across->smooth += vista_seed_is_smooth(
           params, camera, foveation->arc_distance_px[arc], vista_larger(cells->disparity_px[i], cells->disparity_px[j]),
           (float)params->merge_ratio, fabsf(cells->disparity_px[i] - cells->disparity_px[j]));
     }

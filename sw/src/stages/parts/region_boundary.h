@@ -31,12 +31,6 @@ typedef struct vista_region_view {
   double tolerance_px; /* at the region's disparity */
 } vista_region_view;
 
-static inline const int16_t *vista_region_words(const vista_region_view *view, vista_run run) {
-  return view->disparity->data + run.v_px * view->disparity->stride + run.u_px;
-}
-
-static inline bool vista_word_valid(int16_t word) { return word >= 0; }
-
 static inline double vista_plane_at(const vista_plane *plane, double u_px, double v_px) {
   return plane->offset + plane->slope_u * u_px + plane->slope_v * v_px;
 }

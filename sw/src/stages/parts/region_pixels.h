@@ -6,8 +6,8 @@
 #include "stages/parts/region_boundary.h"
 #include "stages/region.h"
 
-/* Of the pixels that the image gives to the region those on its surface; of cells without a disparity all that the image
- * gives. view->pixels marks them. */
+/* Of the pixels that the image gives to the region those on its surface; of cells without a disparity all that the
+ * image gives. view->pixels marks them. */
 void vista_region_find_pixels(const vista_region_view *view, const vista_plane *surface, vista_region *region);
 
 /* Of the pixels that were found last those whose like is on the surface boundary_px to the left and to the right, too;

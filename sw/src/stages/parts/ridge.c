@@ -7,6 +7,7 @@
 #include "common/wide_vectors.h"
 
 #define SCALE_BITS 8
+#define MOST_LEVELS 63 /* of a step: what is more counts as much */
 #define FINE_LEAN 14 /* what leans more is wider along a row: every other lean does */
 
 void vista_ridge_layout(vista_ridge *ridge, vista_arena *arena, int32_t width_px, int32_t height_px) {
@@ -31,14 +32,16 @@ static void find_row(const uint8_t *grey, int32_t count, int16_t scale, int8_t *
     const int16_t a = (int16_t)(grey[u] - grey[u - VISTA_RIDGE_REACH]);
     const int16_t b = (int16_t)(grey[u] - grey[u + VISTA_RIDGE_REACH]);
     const int16_t brighter = most(least(a, b), 0), darker = least(most(a, b), 0);
-    const int16_t step = most(least((int16_t)(brighter + darker), 63), -63); /* times the scale it fits */
+    const int16_t step =
+        most(least((int16_t)(brighter + darker), MOST_LEVELS), -MOST_LEVELS); /* times the scale it fits */
     const int16_t scaled = (int16_t)((int16_t)(step * scale) / (1 << SCALE_BITS));
     value[u] = (int8_t)most(least(scaled, VISTA_RIDGE_FULL), -VISTA_RIDGE_FULL);
   }
 }
 
 void vista_ridge_find(const vista_image *image, double full_levels, vista_ridge *ridge) {
-  const double scale = fmin(VISTA_RIDGE_FULL * (1 << SCALE_BITS) / full_levels, 32767.0 / 64.0);
+  const double most = fmin(full_levels, MOST_LEVELS);
+  const double scale = fmin(VISTA_RIDGE_FULL * (1 << SCALE_BITS) / most, 32767.0 / (MOST_LEVELS + 1));
   const int32_t inner = ridge->width_px - 2 * VISTA_RIDGE_REACH;
   for (int32_t v = 0; v < ridge->strips * VISTA_STRIP_ROWS; ++v)
     find_row(image->data + v * image->stride + VISTA_RIDGE_REACH, inner, (int16_t)lround(scale),

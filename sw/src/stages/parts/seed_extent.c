@@ -7,8 +7,6 @@
 
 #define FARTHEST_STEP_PX 30.0f /* no slope is believed beyond this */
 
-static float smaller(float a, float b) { return a < b ? a : b; }
-
 /* A length in baselines as seen at a disparity: f length / Z. */
 static float seen_px(float baselines, float disparity_px) { return baselines * disparity_px; }
 
@@ -50,9 +48,9 @@ void vista_seeds_bridge(const vista_foveation *foveation, const vista_segmentati
       const int32_t b = owner[j];
       if (b < 0 || a == b) continue;
       const float gap_px = length_px[i] + length_px[j] + foveation->arc_distance_px[arc];
-      if (gap_px > seen_px(bridge, smaller(d[a], d[b]))) continue;
-      if (vista_seed_has_step(params, camera, smaller(gap_px, FARTHEST_STEP_PX), vista_larger(d[a], d[b]), 1.0f,
-                              fabsf(d[a] - d[b])))
+      if (gap_px > seen_px(bridge, vista_smaller(d[a], d[b]))) continue;
+      if (vista_seed_is_smooth(params, camera, vista_smaller(gap_px, FARTHEST_STEP_PX), vista_larger(d[a], d[b]), 1.0f,
+                               fabsf(d[a] - d[b])))
         vista_seeds_join(seeds, a, b);
     }
   }
@@ -85,8 +83,8 @@ static float to_farther_side_px(const vista_foveation *foveation, const vista_se
   float nearest_px = INFINITY;
   for (int32_t arc = foveation->graph.first_arc[node]; arc < foveation->graph.first_arc[node + 1]; ++arc) {
     const float other = cells->disparity_px[foveation->graph.head[arc]], distance = foveation->arc_distance_px[arc];
-    if (other >= 0.0f && !vista_seed_has_step(params, camera, distance, d, 1.0f, d - other))
-      nearest_px = smaller(nearest_px, 0.5f * distance);
+    if (other >= 0.0f && !vista_seed_is_smooth(params, camera, distance, d, 1.0f, d - other))
+      nearest_px = vista_smaller(nearest_px, 0.5f * distance);
   }
   return nearest_px;
 }

@@ -22,9 +22,10 @@ static inline bool vista_standing(const vista_cells *cells, const vista_surfaces
 float vista_seed_step_px(const vista_segmentation_params *params, const vista_camera *camera, float distance_px,
                          float disparity_px);
 
-/* Whether a step is not larger than that, or than a multiple of it. In most cases the first term tells. */
-static inline bool vista_seed_has_step(const vista_segmentation_params *params, const vista_camera *camera,
-                                       float distance_px, float disparity_px, float multiple, float step_px) {
+/* Whether a difference in disparity is no step: at most `multiple` times vista_seed_step_px. In most cases the first
+ * term tells. */
+static inline bool vista_seed_is_smooth(const vista_segmentation_params *params, const vista_camera *camera,
+                                        float distance_px, float disparity_px, float multiple, float step_px) {
   const float flat_px = (float)params->seed_step_px + (float)params->seed_step_slope * distance_px;
   return step_px <= multiple * flat_px ||
          step_px <= multiple * vista_depth_step_px(camera, disparity_px, (float)params->seed_step_m);

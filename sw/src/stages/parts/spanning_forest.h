@@ -1,8 +1,9 @@
 /* A maximum spanning forest between two terminals, internal to libvista: what a minimum cut is compared with.
  *
  * Every node of a subset joins the terminal at the root of its tree in the maximum spanning tree of the subset and the
- * two terminals, which count as one root (Prim 1957; Couprie et al., "Power watershed", PAMI 33(7), 2011): the strongest
- * of the weakest links on the way to either decides, however few of them there are. Of equal links, the one to T. */
+ * two terminals, which count as one root (Prim 1957; Couprie et al., "Power watershed", PAMI 33(7), 2011): the
+ * strongest of the weakest links on the way to either decides, however few of them there are. Of equal links, the one
+ * to T. */
 #ifndef VISTA_SRC_SPANNING_FOREST_H
 #define VISTA_SRC_SPANNING_FOREST_H
 

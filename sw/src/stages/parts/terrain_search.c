@@ -69,6 +69,15 @@ static double depth_m(const vista_flight_path *path, const vista_terrain_plane *
   return vista_dot(plane->normal, at->point_m) - plane->offset_m;
 }
 
+/* By halves, between the step that is inside of the plane and the one before. */
+static vista_terrain_contact first_touch(const vista_flight_path *path, const vista_terrain_plane *plane, double step_m,
+                                         vista_terrain_contact at) {
+  for (double half_m = 0.5 * step_m; half_m > PRECISION_M; half_m *= 0.5)
+    at.along_m += depth_m(path, plane, &at) < 0.0 ? half_m : -half_m;
+  (void)depth_m(path, plane, &at);
+  return at;
+}
+
 bool vista_terrain_meet(const vista_terrain_volume *volume, const vista_terrain_plane *plane, double sine_min,
                         vista_terrain_contact *contact) {
   const vista_flight_path *const path = &volume->path;
@@ -85,14 +94,14 @@ bool vista_terrain_meet(const vista_terrain_volume *volume, const vista_terrain_
     return true;
   }
   const double step_m = path->length_m / STEPS;
+  bool touches = false; /* what is touched first, and left again or entered at a steeper angle later */
   for (int k = 1; k <= STEPS; ++k) {
     at.along_m = k * step_m;
-    if (depth_m(path, plane, &at) < 0.0) continue;
-    for (double half_m = 0.5 * step_m; half_m > PRECISION_M; half_m *= 0.5)
-      at.along_m += depth_m(path, plane, &at) < 0.0 ? half_m : -half_m;
-    (void)depth_m(path, plane, &at);
-    *contact = at;
-    return at.sine >= sine_min;
+    const bool inside = depth_m(path, plane, &at) >= 0.0;
+    const bool steep = at.sine >= sine_min;
+    if (inside && !touches) *contact = first_touch(path, plane, step_m, at);
+    if (inside && (steep || contact->sine >= sine_min)) return true;
+    touches = inside;
   }
   return false;
 }
@@ -119,8 +128,12 @@ vista_terrain_sight vista_terrain_look(const vista_terrain_view *w, const vista_
   return sight;
 }
 
+bool vista_terrain_dark(const vista_terrain_sight *sight) {
+  return sight->valid_px2 < SEEN_SHARE * sight->expected_px2;
+}
+
 bool vista_terrain_seen(const vista_terrain_params *params, const vista_terrain_sight *sight) {
-  return sight->valid_px2 >= SEEN_MIN_PX2 && sight->valid_px2 >= SEEN_SHARE * sight->expected_px2 &&
+  return sight->valid_px2 >= SEEN_MIN_PX2 && !vista_terrain_dark(sight) &&
          sight->agree_px2 >= params->agree_fraction * sight->valid_px2;
 }
 

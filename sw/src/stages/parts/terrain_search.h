@@ -1,8 +1,9 @@
 /* The surface of the ground around the place where the collision volume meets it, internal to libvista.
  *
- * The cells of one frame, nearest along the path first: where enough of them lie inside the volume, a plane is fitted to
- * those around, by least squares of their disparities (plane_fit.h), and the volume is met with that plane. What noise
- * puts into the volume makes no plane; what stands in it makes one that is too steep, and the search goes on behind. */
+ * The cells of one frame, nearest along the path first: where enough of them lie inside the volume, a plane is fitted
+ * to those around, by least squares of their disparities (plane_fit.h), and the volume is met with that plane. What
+ * noise puts into the volume makes no plane; what stands in it makes one that is too steep, and the search goes on
+ * behind. */
 #ifndef VISTA_SRC_TERRAIN_SEARCH_H
 #define VISTA_SRC_TERRAIN_SEARCH_H
 
@@ -20,7 +21,8 @@ typedef struct vista_terrain_volume {
   double radius_m, clearance_share;
 } vista_terrain_volume;
 
-/* A plane of the world or the camera: normal . P = offset_m, the normal of unit length pointing away from the camera. */
+/* A plane of the world or the camera: normal . P = offset_m, the normal of unit length pointing away from the camera.
+ * */
 typedef struct vista_terrain_plane {
   double normal[3], offset_m;
 } vista_terrain_plane;
@@ -60,6 +62,9 @@ vista_terrain_sight vista_terrain_look(const vista_terrain_view *view, const vis
 /* The first ground that the volume meets in this frame, in the camera's frame. */
 bool vista_terrain_find(const vista_terrain_view *view, const vista_terrain_volume *volume, vista_terrain_plane *plane,
                         vista_terrain_contact *contact);
+
+/* Whether hardly any disparity is where it would be seen. */
+bool vista_terrain_dark(const vista_terrain_sight *sight);
 
 /* Whether what was looked at is there. */
 bool vista_terrain_seen(const vista_terrain_params *params, const vista_terrain_sight *sight);

@@ -8,7 +8,6 @@
 #include "common/numbers.h"
 #include "stages/parts/track_evidence.h"
 
-#define SCATTER_HITS 10.0
 #define DEPTH_PASSED_M 0.05 /* a track nearer than this along z is behind the camera */
 
 /* N and M of this track: what is linked over a larger distance has to show it more often. */
@@ -91,7 +90,7 @@ static void scatter(const vista_detection *detection, const vista_track_view *vi
                     vista_track *track) {
   const double off_px[3] = {detection->u_px - view->measurement_px[0], detection->v_px - view->measurement_px[1],
                             detection->disparity_px - view->measurement_px[2]};
-  const double weight = 1.0 / fmin(track->hits, SCATTER_HITS);
+  const double weight = 1.0 / fmin(track->hits, VISTA_SCATTER_HITS);
   for (int i = 0; i < 3; ++i) {
     const double expected_px2 = view->covariance_px2[4 * i] + variance_px2[i];
     track->scatter_px2[i] += weight * (vista_square(off_px[i]) - track->scatter_px2[i]);
