@@ -75,13 +75,26 @@ def test_a_slope(tmp_path: Path, slope_deg: float, climb: float) -> None:
     assert frame.ground_m == {1: frame.target.range_m}
 
 
-def test_level_ground_is_not_met(tmp_path: Path) -> None:
-    ground = disk.Surface("ground", disk.plane(np.zeros(3), np.array([0.0, 0.0, 1.0])), standing=False)
-    for altitude_m in (1.5, 10.0):
-        start_m = np.array([0.0, 0.0, altitude_m])
-        frame = first_frame(tmp_path / str(altitude_m), disk.straight(5, start_m, 10.0 * AHEAD), ground)
-        assert frame.target is None
-        assert frame.ground_m == {}
+GROUND = disk.Surface("ground", disk.plane(np.zeros(3), np.array([0.0, 0.0, 1.0])), standing=False)
+
+
+def rolled(poses: list[Pose], altitude_m: float, roll_deg: float) -> list[Pose]:
+    """The camera rolls about its optical axis; the path is as it was, so far above its height."""
+    c, s = np.cos(np.radians(roll_deg)), np.sin(np.radians(roll_deg))
+    roll = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+    up_m = np.array([0.0, 0.0, altitude_m])
+    return [Pose(pose.rotation @ roll, pose.translation_m + up_m) for pose in poses]
+
+
+@pytest.mark.parametrize("roll_deg", [0.0, 3.0, -6.0, 10.0])
+@pytest.mark.parametrize("altitude_m", [1.0, 1.5, 1.8, 10.0])
+@pytest.mark.parametrize("turn", [False, True])
+def test_level_ground_is_not_met(tmp_path: Path, roll_deg: float, altitude_m: float, turn: bool) -> None:
+    """A camera that rolls sees the nearest of it in a corner of the image, beside the path."""
+    poses = disk.turning(12, 80.0, 12.0) if turn else disk.straight(5, np.zeros(3), 10.0 * AHEAD)
+    frame = first_frame(tmp_path, rolled(poses, altitude_m, roll_deg), GROUND)
+    assert frame.target is None
+    assert frame.ground_m == {}
 
 
 @pytest.mark.parametrize(("lean_deg", "below_m"), [(90.0, 0.0), (30.0, 0.0), (60.0, 1.2), (0.0, -1.0)])

@@ -59,6 +59,11 @@ class Curved:
         duration_s = self.times_s[-1] - self.times_s[0]
         return self.length_m / float(duration_s) if duration_s > 0.0 else 0.0
 
+    def height_m(self, along_m: Floats) -> Floats:
+        """Of the path in the world, so far along it."""
+        flown_m = np.cumsum(np.linalg.norm(np.diff(self.corners_m, axis=0), axis=1))
+        return np.interp(along_m, np.concatenate([[0.0], flown_m]), self.corners_m[:, 2])
+
     def relative_to(self, velocity_m_s: Array) -> Curved:
         """The path as something sees it that moves with this velocity, and is now where it is now."""
         return replace(self, corners_m=self.corners_m - self.times_s[:, np.newaxis] * velocity_m_s)
