@@ -3,42 +3,18 @@
 from __future__ import annotations
 
 import argparse
-from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
 import pytest
 from command_line import Vista, assert_refused, call
+from small_worlds import small_families
 from vista_eval.command import worlds as command
-from vista_eval.render.flight import Flight
-from vista_eval.render.rig import Rig
-from vista_eval.render.scene import Board, Scene, thing
 from vista_eval.worlds.sampled import catalog
-from vista_eval.worlds.sampled.courses import Courses
-from vista_eval.worlds.sampled.family import Family
-
-SMALL_RIG = Rig(width_px=160, height_px=120, focal_px=250.0, baseline_m=0.4572)
-
-
-def one_board(altitude_m: float, seed: int) -> Scene:
-    albedo = np.random.default_rng(seed).uniform(0.1, 0.7, (40, 40)).astype(np.float32)
-    board = Board("board", (0.0, 0.0, altitude_m), 6.0, 6.0, albedo)
-    return Scene((thing("board", "sign", [board], target=True),), to_sun=(-0.6, 0.3, 0.7))
-
-
-class SmallFamily(Family):
-    def flight(self, number: int, seed: int) -> Flight:
-        whole = super().flight(number, seed)
-        return replace(whole, rig=SMALL_RIG, approach=replace(whole.approach, frames=2))
 
 
 @pytest.fixture
 def families(monkeypatch: pytest.MonkeyPatch) -> None:
-    small = {
-        name: SmallFamily(name, name, split, one_board, Courses())
-        for name, split in (("one", "dev"), ("two", "dev"), ("three", "test"))
-    }
-    monkeypatch.setattr(catalog, "FAMILIES", small)
+    monkeypatch.setattr(catalog, "FAMILIES", small_families(one="dev", two="dev", three="test"))
 
 
 @pytest.fixture

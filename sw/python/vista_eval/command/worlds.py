@@ -98,10 +98,10 @@ def execute(arguments: argparse.Namespace) -> int:
     worlds = run(jobs_of(work, folders), place, "score", "flight")
     from vista_eval.score_worlds import write_worlds
 
+    if judged is not None:  # before anybody sees a figure
+        log_scoring(judged, worlds, values)
     name = f"worlds-{arguments.split}"
     print(write_worlds(arguments.folder, worlds, values, name))
-    if judged is not None:
-        log_scoring(judged, worlds, values)
     print(f"\nreport: {arguments.folder / f'{name}.html'}, figures: {arguments.folder / f'{name}.json'}")
     return EXIT_OK
 
@@ -201,4 +201,4 @@ def log_scoring(judged: dict[str, Any], worlds: list[WorldScore], values: parame
     used = digest_of(json.dumps(values, sort_keys=True))
     root = scoring_log.checkout_of(Path(__file__))
     scoring_log.append(root, judged | {"parameters": used, "families": figures})
-    print(f"\nlogged: {root / scoring_log.LOG}")
+    print(f"logged: {root / scoring_log.LOG}\n")
