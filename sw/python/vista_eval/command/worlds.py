@@ -129,9 +129,10 @@ def size_of_set(arguments: argparse.Namespace) -> tuple[int, int]:
     from vista_eval.worlds.sampled.catalog import COUNT, SEED
 
     count, seed = arguments.count or COUNT, SEED if arguments.seed is None else arguments.seed
-    whole = (count, seed, arguments.quality) == (COUNT, SEED, "full")
+    whole = (count, seed, arguments.quality, arguments.family) == (COUNT, SEED, "full", [])
     if arguments.split == "test" and not arguments.render_only and not whole:
-        raise InputError("--split test", "is scored whole, as frozen: without --count, --seed and --quality")
+        reason = "is scored whole, as frozen: without --family, --count, --seed and --quality"
+        raise InputError("--split test", reason)
     return count, seed
 
 
