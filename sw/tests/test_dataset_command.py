@@ -12,13 +12,15 @@ import pytest
 import sequence_cases as cases
 from command_line import assert_refused
 from command_line import call as call_vista
+from vista import parameters
 from vista.errors import EXIT_OK, InputError
 
 fsspec = pytest.importorskip("fsspec", reason="no fsspec: make setup-jobs")
 parquet = pytest.importorskip("pyarrow.parquet", reason="no pyarrow: make setup-jobs")
 
+from vista_eval.jobs import HERE  # noqa: E402
 from vista_eval.recordings import examine as module  # noqa: E402
-from vista_eval.recordings import place  # noqa: E402
+from vista_eval.recordings import examine_all, place  # noqa: E402
 from vista_eval.recordings.place import find_recordings  # noqa: E402
 from vista_eval.recordings.table import SCHEMA, worst_first  # noqa: E402
 
@@ -127,6 +129,24 @@ def test_only_what_has_changed_is_examined_again(
     os.utime(next(image.iterdir()), ns=(0, 0))
     assert call_vista(capsys, *command)[0] == EXIT_OK
     assert flown == ["drone"]
+
+
+@pytest.mark.parametrize(("engine", "times"), [("golden", 1), ("rtl", 2)])
+def test_rows_of_the_simulated_core_are_not_kept(
+    prefix: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, engine: str, times: int
+) -> None:
+    """It is built anew when its sources change, which no digest tells."""
+    examined: list[str] = []
+
+    def examine(_: module.Detector, __: str, name: str) -> module.Row:
+        examined.append(name)
+        return module.row_of(None, [], set()) | {"error": None}
+
+    monkeypatch.setattr(examine_all, "examine", examine)
+    detector = module.Detector(engine, parameters.defaults())
+    rows = [examine_all.examine_all(detector, str(prefix), HERE, tmp_path) for _ in range(2)]
+    assert rows[0] == rows[1] and [row["recording"] for row in rows[0]] == NAMES
+    assert examined == NAMES * times
 
 
 def without_names(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:

@@ -6,7 +6,8 @@ Recordings of an object store are copied to a temporary folder, one at a time fo
 
 DIR receives recordings.parquet (one row per recording, by name), report.html (worst first) and rows/, which
 keeps the row of each recording until its files, the parameters or the code change: a run that was interrupted
-continues. A recording that cannot be read is a row with its error.
+continues. With --engine rtl no row is kept, for nothing tells whether the core has changed. A recording that
+cannot be read is a row with its error.
 """
 
 from __future__ import annotations

@@ -17,9 +17,13 @@ def examine_all(detector: Detector, prefix: str, place: Place, kept: Path) -> li
     looking = place if place.cluster else HERE  # it takes less than to start a process
     contents = outcomes(jobs_of(partial(content_of, prefix), names), looking, "look", "recording")
     by_name = dict(zip(names, contents, strict=True))
-    sources = digest_of(code_digest(examine.__module__), *detector.sources())
+    code, of_detector = code_digest(examine.__module__), detector.digest()
     jobs = [
-        Job(name, partial(examine, detector, prefix, name), digest_of(sources, content.digest))
+        Job(
+            name,
+            partial(examine, detector, prefix, name),
+            of_detector and digest_of(code, of_detector, content.digest),
+        )
         for name, content in by_name.items()
         if isinstance(content, Content)
     ]
