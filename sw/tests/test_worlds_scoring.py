@@ -52,7 +52,7 @@ def render_nothing(folder: Path, quality: str, key: command.Key) -> None:
     (out / "content.json").write_text(json.dumps({"content": content}))
 
 
-def three_hits(folder: Path, *_: object) -> WorldScore:
+def three_hits(folder: Path, **_: object) -> WorldScore:
     """Of five frames that ask for one."""
     found = dict.fromkeys(FlightScore.__dataclass_fields__, 0) | {"name": folder.name, "frames": ()}
     found |= {"band_frames": 5, "hits": 3, "missed": (1, 2), "false_alarm_frames": (), "begins_m": None}
@@ -63,7 +63,7 @@ def three_hits(folder: Path, *_: object) -> WorldScore:
 @pytest.fixture
 def flights(tmp_path: Path, checkout: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.setattr(command, "render", render_nothing)
-    monkeypatch.setattr(command, "score_flight", lambda _, __, ___, folder: three_hits(folder))
+    monkeypatch.setattr(score_worlds, "score_world", three_hits)
     return tmp_path / "flights"
 
 

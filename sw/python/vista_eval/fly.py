@@ -25,6 +25,7 @@ from vista_eval.pose_noise import noisy_poses
 from vista_eval.sensor_noise import with_noise
 
 LIBRARIES = ("vista", "vista_engine")
+RECORDS = "records.json"  # in the folder of a flight
 
 
 @dataclass(frozen=True)

@@ -25,7 +25,7 @@ from vista.output import write_atomically
 
 from vista_eval.baselines.stereo_alone import Outcome, outcomes_cached
 from vista_eval.dataset.truth import SPLITS, TRUTH, read_truth
-from vista_eval.fly import UNDISTURBED, Disturbance, fly_cached
+from vista_eval.fly import RECORDS, UNDISTURBED, Disturbance, fly_cached
 from vista_eval.jobs import Job, Place, add_place, chosen_place, is_worker, jobs_of, keep_to_one_core, run
 from vista_eval.metrics.comparison import Comparison, compare, comparison_line
 from vista_eval.metrics.flight_score import FlightScore, score_records, summary
@@ -40,7 +40,6 @@ if TYPE_CHECKING:
     from vista_eval.render.flight import Flight, Quality
 
 SCORES, REPORT = "flights.json", "report.html"
-RECORDS = "records.json"
 Work = Callable[[Path], Any]
 
 

@@ -94,10 +94,11 @@ def execute(arguments: argparse.Namespace) -> int:
         return EXIT_OK
     folders = [folder / name_of(key) for key in keys]
     judged = before_a_scoring(folders) if arguments.split == "test" else None
-    work = partial(score_flight, values, arguments.no_controls, tuple(arguments.noise))
-    worlds = run(jobs_of(work, folders), place, "score", "flight")
-    from vista_eval.score_worlds import write_worlds
+    from vista_eval.score_worlds import EVERYTHING, NOTHING, score_worlds, write_worlds  # loads libvista
 
+    beside = NOTHING if arguments.no_controls else EVERYTHING
+    beside = replace(beside, noise_grey=tuple(arguments.noise))
+    worlds = score_worlds(folders, values, beside, place)
     if judged is not None:  # before anybody sees a figure
         log_scoring(judged, worlds, values)
     name = f"worlds-{arguments.split}"
@@ -151,15 +152,6 @@ def render(folder: Path, quality: Quality, key: Key) -> None:
             pass
     except OSError as error:
         raise InputError(error.filename or name_of(key), error.strerror or str(error)) from None
-
-
-def score_flight(
-    values: parameters.Values, no_controls: bool, noise_grey: tuple[float, ...], folder: Path
-) -> WorldScore:
-    from vista_eval.metrics.world_score import EVERYTHING, NOTHING, score_world
-
-    beside = replace(NOTHING if no_controls else EVERYTHING, noise_grey=noise_grey)
-    return score_world(folder, values, beside)
 
 
 # ---- the test set ----

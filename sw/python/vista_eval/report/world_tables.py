@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from vista_eval.controls import FOREST
 from vista_eval.detectors import OURS
 from vista_eval.metrics.comparison import describe
 from vista_eval.metrics.flight_score import FIRST_DETECTION_M
@@ -11,9 +12,11 @@ from vista_eval.metrics.flight_segmentation import SHOWN
 from vista_eval.metrics.group import nees, number, states
 from vista_eval.metrics.intervals import Share
 from vista_eval.metrics.rules import STRICT
+from vista_eval.metrics.scenes import CUT, REFERENCES
 from vista_eval.metrics.world_score import ControlScore, FamilyScore
 from vista_eval.report.text_table import aligned
 
+REFERENCE = next(iter(REFERENCES))
 FOREST_SIGN = "cut - forest"
 
 
@@ -141,9 +144,9 @@ def segmentation_table(families: list[FamilyScore]) -> Table:
         for key in SHOWN:
             value = scored.values[key]
             cells += [
-                f"{value['cut']:.2f}{between(scored.interval.get(key))}",
-                f"{value['spanning forest']:.2f}",
-                f"{value['reference method']:.2f}",
+                f"{value[CUT]:.2f}{between(scored.interval.get(key))}",
+                f"{value[FOREST]:.2f}",
+                f"{value[REFERENCE]:.2f}",
                 between(scored.against_forest.get(key), sign="+").strip() or "-",
             ]
         rows.append(tuple(cells))
