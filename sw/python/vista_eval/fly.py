@@ -25,7 +25,6 @@ from vista_eval.pose_noise import noisy_poses
 from vista_eval.sensor_noise import with_noise
 
 LIBRARIES = ("vista", "vista_engine")
-RECORDS = "records.json"  # in the folder of a flight
 
 
 @dataclass(frozen=True)
@@ -84,6 +83,13 @@ def fly_cached(
         lambda records: [read_record(record) for record in records],
         anew,
     )
+
+
+def records_name(disturbance: Disturbance = UNDISTURBED) -> str:
+    """Of the file in the flight's folder that keeps them."""
+    if disturbance.image_grey > 0.0:
+        return f"records_noise_{disturbance.image_grey:g}.json"
+    return "records_noisy.json" if disturbance.poses else "records.json"
 
 
 def flight_digest(folder: Path, values: parameters.Values, disturbance: Disturbance = UNDISTURBED) -> str:

@@ -15,7 +15,7 @@ from vista_eval.baselines.tracked_stereo import FULL, Sweep, tracked_cached
 from vista_eval.controls import CONTROLS, control_cached
 from vista_eval.dataset.truth import read_truth
 from vista_eval.detectors import OURS
-from vista_eval.fly import RECORDS, Disturbance, fly_cached
+from vista_eval.fly import Disturbance, fly_cached, records_name
 from vista_eval.jobs import HERE, Place, jobs_of, run
 from vista_eval.metrics.flight_score import score_records
 from vista_eval.metrics.flight_segmentation import segment_cached
@@ -39,7 +39,7 @@ EVERYTHING, NOTHING = Beside(), Beside((), None, False)
 
 
 def kept_name(control: str) -> str:
-    return RECORDS if control == OURS else f"records_{control.replace(' ', '_')}.json"
+    return records_name() if control == OURS else f"records_{control.replace(' ', '_')}.json"
 
 
 def score_world(folder: Path, values: parameters.Values, beside: Beside = EVERYTHING) -> WorldScore:
@@ -52,8 +52,8 @@ def score_world(folder: Path, values: parameters.Values, beside: Beside = EVERYT
         scores[control] = score_records(folder, records, values, STRICT)
     noisy = {}
     for grey in beside.noise_grey:
-        kept = folder / f"records_noise_{grey:g}.json"
-        records = fly_cached(folder, values, kept, Disturbance(image_grey=grey))
+        disturbance = Disturbance(image_grey=grey)
+        records = fly_cached(folder, values, folder / records_name(disturbance), disturbance)
         noisy[grey] = score_records(folder, records, values, STRICT)
     return WorldScore(
         truth.name,

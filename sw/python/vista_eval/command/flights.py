@@ -25,7 +25,7 @@ from vista.output import write_atomically
 
 from vista_eval.baselines.stereo_alone import Outcome, outcomes_cached
 from vista_eval.dataset.truth import SPLITS, TRUTH, read_truth
-from vista_eval.fly import RECORDS, UNDISTURBED, Disturbance, fly_cached
+from vista_eval.fly import UNDISTURBED, Disturbance, fly_cached, records_name
 from vista_eval.jobs import Job, Place, add_place, chosen_place, is_worker, jobs_of, keep_to_one_core, run
 from vista_eval.metrics.comparison import Comparison, compare, comparison_line
 from vista_eval.metrics.flight_score import FlightScore, score_records, summary
@@ -133,7 +133,7 @@ def comparison_untuned(scores: list[FlightScore], alone: list[list[Outcome]]) ->
 
 def flight_page(values: parameters.Values, flight: tuple[Path, FlightScore]) -> FlightPage:
     folder, score = flight
-    records = fly_cached(folder, values, folder / RECORDS)
+    records = fly_cached(folder, values, folder / records_name())
     truth = read_truth(folder)
     return FlightPage(score, truth.focal_baseline_px_m, filmstrip(truth, score, records))
 
@@ -172,12 +172,6 @@ def fly_and_score(
 ) -> FlightScore:
     records = fly_cached(folder, values, folder / records_name(disturbance), disturbance, anew)
     return score_records(folder, records, values)
-
-
-def records_name(disturbance: Disturbance) -> str:
-    if disturbance.image_grey > 0.0:
-        return f"records_noise_{disturbance.image_grey:g}.json"
-    return "records_noisy.json" if disturbance.poses else RECORDS
 
 
 def segment(values: parameters.Values, folder: Path) -> FlightSegmentation:

@@ -11,7 +11,7 @@ from vista.report.page import fill_template
 import vista_eval.metrics
 from vista_eval.dataset.truth import read_truth
 from vista_eval.detectors import OURS
-from vista_eval.fly import RECORDS, fly_cached
+from vista_eval.fly import fly_cached, records_name
 from vista_eval.metrics.world_score import WorldScore, family_scores
 from vista_eval.report.filmstrip import filmstrip
 from vista_eval.report.flights_page import still_view
@@ -44,7 +44,7 @@ def failures(world: WorldScore) -> int:
 
 
 def failing_view(folder: Path, world: WorldScore, values: parameters.Values) -> dict[str, Any]:
-    records = fly_cached(folder, values, folder / RECORDS)
+    records = fly_cached(folder, values, folder / records_name())
     score = world.scores[OURS]
     stills = filmstrip(read_truth(folder), score, records)
     return {
