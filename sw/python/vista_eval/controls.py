@@ -25,8 +25,6 @@ from vista_eval.cache import code_digest, digest_of, kept
 from vista_eval.dataset.truth import TRUTH, FlightTruth, read_truth
 from vista_eval.detectors import OURS, SGBM, make_sgbm
 from vista_eval.fly import (
-    UNDISTURBED,
-    Disturbance,
     flight_digest,
     fly,
     fly_cached,
@@ -46,9 +44,7 @@ def with_forest(values: parameters.Values) -> parameters.Values:
     return values | {"segmentation": values["segmentation"] | {"solver": "forest"}}
 
 
-def fly_control(
-    control: str, folder: Path, values: parameters.Values, disturbance: Disturbance = UNDISTURBED
-) -> list[FrameRecord]:
+def fly_control(control: str, folder: Path, values: parameters.Values) -> list[FrameRecord]:
     """control: of CONTROLS."""
     if control == FOREST:
         values = with_forest(values)
@@ -57,29 +53,23 @@ def fly_control(
         engine = SgbmEngine(engine_parameters(values))
     elif control == PERFECT:
         engine = TruthEngine(engine_parameters(values), read_truth(folder))
-    return [judged(step) for step in fly(open_flight(folder, disturbance), values, engine)]
+    return [judged(step) for step in fly(open_flight(folder), values, engine)]
 
 
-def control_cached(
-    control: str,
-    folder: Path,
-    values: parameters.Values,
-    cache: Path,
-    disturbance: Disturbance = UNDISTURBED,
-) -> list[FrameRecord]:
+def control_cached(control: str, folder: Path, values: parameters.Values, cache: Path) -> list[FrameRecord]:
     """Records from `cache`, if of this flight, chain, control and parameters; else flown."""
     if control == OURS:
-        return fly_cached(folder, values, cache, disturbance)
+        return fly_cached(folder, values, cache)
     digest = digest_of(
         control,
-        flight_digest(folder, values, disturbance),
+        flight_digest(folder, values),
         code_digest(__name__),
         folder / TRUTH,
     )
     return kept(
         cache,
         digest,
-        lambda: fly_control(control, folder, values, disturbance),
+        lambda: fly_control(control, folder, values),
         lambda records: [read_record(record) for record in records],
     )
 
