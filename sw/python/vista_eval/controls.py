@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 from vista import parameters
 from vista.chain import engine_parameters
-from vista.engine import INVALID, SCALE, Engine, EngineParameters
+from vista.engine import INVALID, SCALE, Disparity, Engine, EngineParameters, Image
 from vista.history import FrameRecord
 
 from vista_eval.cache import code_digest, digest_of, kept
@@ -35,9 +35,6 @@ from vista_eval.fly import (
 
 FOREST, PERFECT = "spanning forest", "perfect disparities"
 CONTROLS = (OURS, FOREST, SGBM, PERFECT)
-
-Image = NDArray[np.uint8]
-Words = NDArray[np.int16]
 
 
 def with_forest(values: parameters.Values) -> parameters.Values:
@@ -84,10 +81,10 @@ class SgbmEngine:
     def check_size(self, width_px: int, height_px: int) -> None:
         """It takes any."""
 
-    def compute(self, left: Image, right: Image) -> Words:
+    def compute(self, left: Image, right: Image) -> Disparity:
         return self._words(left, right)
 
-    def levels(self, left: Image, right: Image) -> Iterator[Words]:
+    def levels(self, left: Image, right: Image) -> Iterator[Disparity]:
         yield self.compute(left, right)
 
 
@@ -102,16 +99,16 @@ class TruthEngine:
     def check_size(self, width_px: int, height_px: int) -> None:
         """It takes any."""
 
-    def compute(self, left: Image, right: Image) -> Words:
+    def compute(self, left: Image, right: Image) -> Disparity:
         return next(self.levels(left, right))
 
-    def levels(self, left: Image, right: Image) -> Iterator[Words]:
+    def levels(self, left: Image, right: Image) -> Iterator[Disparity]:
         disparity_px = self._truth.disparity_px(next(self._times_ns))
         for level in range(self.parameters.levels):
             yield true_words(disparity_px, level, self.parameters.num_disparities)
 
 
-def true_words(disparity_px: NDArray[np.float32], level: int, num_disparities: int) -> Words:
+def true_words(disparity_px: NDArray[np.float32], level: int, num_disparities: int) -> Disparity:
     """Of a level of the pyramid; disparity_px: at level 0, 0 without a surface."""
     every = 1 << level
     words = np.rint(SCALE * disparity_px[::every, ::every] / every)

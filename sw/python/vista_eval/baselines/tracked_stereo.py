@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 from vista import native, parameters
 from vista.chain import engine_parameters
-from vista.engine import INVALID, SCALE, StereoEngine
+from vista.engine import INVALID, SCALE, Disparity, StereoEngine
 from vista.rectify import Rectifier
 from vista.sequence import Frame
 
@@ -37,8 +37,6 @@ from vista_eval.metrics.flight_score import blind_depth_m
 from vista_eval.metrics.frame_truth import flight_frames, still_surfaces
 from vista_eval.metrics.judge import FrameScore, Judge
 from vista_eval.metrics.rules import STRICT
-
-Words = NDArray[np.int16]
 
 
 @dataclass(frozen=True)
@@ -144,7 +142,9 @@ class ThresholdedWords:
         ]
         self.settings = list(product(sweep.textures, sweep.uniquenesses, sweep.sads))
 
-    def clusters(self, stages: Stages, moved: Moved, pair: Frame) -> Iterator[tuple[Words, Any, list[int]]]:
+    def clusters(
+        self, stages: Stages, moved: Moved, pair: Frame
+    ) -> Iterator[tuple[Disparity, Any, list[int]]]:
         """Of each setting: words, clusters as regions, pixels of each."""
         inside = InVolume(stages, moved)
         for engine in self._engines:
@@ -172,7 +172,7 @@ class InVolume:
         self._known = np.zeros((stages.camera.height_px, stages.camera.width_px), np.int16)
         self._inside = np.zeros(self._known.shape, bool)
 
-    def mask(self, words: Words) -> NDArray[np.bool_]:
+    def mask(self, words: Disparity) -> NDArray[np.bool_]:
         v, u = np.nonzero((words > 0) & (words != self._known))
         camera, path = self._camera, self._moved.path
         depth_m = (camera.focal_px * camera.baseline_m * SCALE / words[v, u]).astype(np.float32)
