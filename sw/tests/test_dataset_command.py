@@ -20,8 +20,8 @@ parquet = pytest.importorskip("pyarrow.parquet", reason="no pyarrow: make setup-
 
 from vista_eval.jobs import HERE  # noqa: E402
 from vista_eval.recordings import examine as module  # noqa: E402
-from vista_eval.recordings import examine_all, place  # noqa: E402
-from vista_eval.recordings.place import find_recordings  # noqa: E402
+from vista_eval.recordings import examine_all, storage  # noqa: E402
+from vista_eval.recordings.storage import find_recordings  # noqa: E402
 from vista_eval.recordings.table import SCHEMA, worst_first  # noqa: E402
 
 MEASURED = ("host_ms_median", "host_ms_p99", "total_ms_median")
@@ -170,8 +170,8 @@ def test_an_object_store_gives_the_same_rows(
 
 
 def test_no_file_of_a_store_is_copied_elsewhere(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(place, "files_of", lambda files, folder: {"../../../../etc/x": {"size": 1}})
-    with pytest.raises(InputError, match="has files outside of itself"), place.as_folder("memory://a", "b"):
+    monkeypatch.setattr(storage, "files_of", lambda files, folder: {"../../../../etc/x": {"size": 1}})
+    with pytest.raises(InputError, match="has files outside of itself"), storage.as_folder("memory://a", "b"):
         pass
 
 
@@ -187,8 +187,8 @@ def test_links_are_followed_and_loops_are_not(tmp_path: Path) -> None:
     (tmp_path / "elsewhere" / "pairs" / "again").symlink_to(tmp_path / "elsewhere")
     (tmp_path / "elsewhere" / "pairs" / "gone").symlink_to(tmp_path / "nowhere")
     assert find_recordings(str(tmp_path / "prefix")) == ["linked/pairs"]
-    content = place.content_of(str(tmp_path / "prefix"), "linked/pairs")
-    assert content.bytes >= place.content_of(str(tmp_path / "elsewhere"), "pairs").bytes > 0
+    content = storage.content_of(str(tmp_path / "prefix"), "linked/pairs")
+    assert content.bytes >= storage.content_of(str(tmp_path / "elsewhere"), "pairs").bytes > 0
 
 
 def test_what_breaks_at_one_recording_is_its_row(

@@ -42,7 +42,7 @@ def execute(arguments: argparse.Namespace) -> int:
     # fsspec and pyarrow are of an extra, and take a moment, for which `--help` need not wait.
     from vista_eval.recordings.examine import Detector
     from vista_eval.recordings.examine_all import examine_all
-    from vista_eval.recordings.place import absolute
+    from vista_eval.recordings.storage import absolute
     from vista_eval.recordings.table import worst_first, write_table
     from vista_eval.report.recordings_page import closing_lines, render_page
 

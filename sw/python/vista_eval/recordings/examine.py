@@ -16,7 +16,7 @@ from vista.sequence import Sequence, open_sequence
 
 from vista_eval.cache import digest_of
 from vista_eval.fly import LIBRARIES
-from vista_eval.recordings.place import as_folder
+from vista_eval.recordings.storage import as_folder
 
 Row = dict[str, Any]
 

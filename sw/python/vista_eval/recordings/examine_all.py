@@ -8,7 +8,7 @@ from pathlib import Path
 from vista_eval.cache import code_digest, digest_of
 from vista_eval.jobs import HERE, Failure, Job, Place, jobs_of, outcomes
 from vista_eval.recordings.examine import Detector, Row, examine, row_of
-from vista_eval.recordings.place import Content, content_of, find_recordings
+from vista_eval.recordings.storage import Content, content_of, find_recordings
 
 
 def examine_all(detector: Detector, prefix: str, place: Place, kept: Path) -> list[Row]:
