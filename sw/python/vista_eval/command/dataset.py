@@ -15,8 +15,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from vista.command.arguments import add_config, load_parameters
-from vista.engine import ENGINES
+from vista.command.arguments import add_config, add_engine, load_parameters
 from vista.errors import EXIT_OK
 from vista.output import write_atomically
 
@@ -28,12 +27,7 @@ TABLE, REPORT, ROWS = "recordings.parquet", "report.html", "rows"
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("prefix", metavar="PREFIX", help="folder or URL of an object store")
     parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder for the results")
-    parser.add_argument(
-        "--engine",
-        choices=ENGINES,
-        default="golden",
-        help="as for `vista run` (default golden)",
-    )
+    add_engine(parser, "as for `vista run`")
     add_place(parser)
     add_config(parser)
 

@@ -19,11 +19,12 @@ from typing import TYPE_CHECKING, Any
 
 from tqdm import tqdm
 from vista import parameters
-from vista.command.arguments import add_config, load_parameters, not_negative
+from vista.command.arguments import add_config, load_parameters
 from vista.errors import EXIT_OK, InputError
 from vista.output import write_atomically
 
 from vista_eval.baselines.stereo_alone import Outcome, outcomes_cached
+from vista_eval.command.arguments import add_quality, add_sensor_noise
 from vista_eval.dataset.truth import SPLITS, TRUTH, read_truth
 from vista_eval.fly import UNDISTURBED, Disturbance, fly_cached, records_name
 from vista_eval.jobs import Job, Place, add_place, chosen_place, is_worker, jobs_of, keep_to_one_core, run
@@ -45,12 +46,7 @@ Work = Callable[[Path], Any]
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("folder", type=Path, metavar="DIR", help="folder of the flights")
-    parser.add_argument(
-        "--quality",
-        choices=("quick", "full"),
-        default="quick",
-        help="quality of the flights that are rendered (default quick)",
-    )
+    add_quality(parser, "flights", "quick")
     parser.add_argument("--only", nargs="+", default=[], metavar="NAME", help="handle only these flights")
     parser.add_argument("--list", action="store_true", help="list the flights and stop")
     parser.add_argument(
@@ -71,14 +67,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--pose-noise", action="store_true", help="score also with poses like those of a navigation filter"
     )
-    parser.add_argument(
-        "--noise",
-        nargs="+",
-        type=not_negative,
-        default=[],
-        metavar="GREY_LEVELS",
-        help="score also with sensor noise added to the images of both cameras, of each standard deviation",
-    )
+    add_sensor_noise(parser)
     parser.add_argument("--seed", type=int, default=1, metavar="N", help="seed of all noise (default 1)")
     add_place(parser)
     add_config(parser)

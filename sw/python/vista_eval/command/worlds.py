@@ -22,10 +22,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from vista import parameters
-from vista.command.arguments import add_config, load_parameters, not_negative, positive
+from vista.command.arguments import add_config, load_parameters, positive
 from vista.errors import EXIT_OK, InputError
 
 from vista_eval.cache import digest_of
+from vista_eval.command.arguments import add_quality, add_sensor_noise
 from vista_eval.dataset.truth import SPLITS
 from vista_eval.jobs import Place, add_place, chosen_place, jobs_of, run
 
@@ -45,12 +46,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--split", choices=SPLITS, default="dev", help="families to handle (default dev)")
     parser.add_argument("--count", type=positive, metavar="N", help="flights of each family (default 7)")
     parser.add_argument("--seed", type=int, metavar="N", help="seed that all flights follow from (default 1)")
-    parser.add_argument(
-        "--quality",
-        choices=("quick", "full"),
-        default="full",
-        help="quality of the flights that are rendered (default full)",
-    )
+    add_quality(parser, "flights", "full")
     parser.add_argument("--list", action="store_true", help="list the families and stop")
     parser.add_argument("--render-only", action="store_true", help="render what is missing and stop")
     parser.add_argument(
@@ -64,14 +60,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         help="score the detector alone, without what is flown and segmented beside it, which takes longest",
     )
-    parser.add_argument(
-        "--noise",
-        nargs="+",
-        type=not_negative,
-        default=[],
-        metavar="GREY_LEVELS",
-        help="score also with sensor noise added to the images of both cameras, of each standard deviation",
-    )
+    add_sensor_noise(parser)
     add_place(parser)
     add_config(parser)
 
