@@ -12,6 +12,7 @@ import pytest
 import sequence_cases as cases
 from command_line import assert_refused
 from command_line import call as call_vista
+from fake_pipeline import DescendingPipeline
 from vista import parameters
 from vista.errors import EXIT_OK, InputError
 
@@ -84,6 +85,13 @@ def test_every_recording_is_a_row(prefix: Path, in_one_process: Path) -> None:
     assert (rows["nothing"]["frames_examined"], rows["nothing"]["layout"]) == (0, None)
     files = [path for path in (prefix / "car").rglob("*") if path.is_file()]
     assert rows["car/sequences/00"]["bytes"] == sum(path.stat().st_size for path in files)
+
+
+def test_only_things_count_as_obstacles(prefix: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Three confirmed tracks; neither the ground nor what is too near to match is one more."""
+    monkeypatch.setattr("vista.pipeline.Pipeline", DescendingPipeline)
+    row = module.examine(module.Detector("golden", parameters.defaults()), str(prefix), "site/flown")
+    assert (row["obstacles_confirmed"], row["error"]) == (3, None)
 
 
 def test_the_report_has_the_worst_first(in_one_process: Path) -> None:

@@ -49,14 +49,14 @@ def examine(detector: Detector, prefix: str, name: str) -> Row:
 
 
 def fly(detector: Detector, sequence: Sequence, records: list[FrameRecord], obstacles: set[int]) -> None:
-    """Appends a record of each frame, without its obstacles: a recording may be long. Of the obstacles that
+    """Appends a record of each frame, without its obstacles: a recording may be long. Of the things that
     were confirmed, the ids are added."""
     chain = make_chain(sequence, detector.engine, fitted_to(sequence, detector.values), threads=1)
     monitor = HealthMonitor(sequence)
     for files in sequence.frames:
         step = run_frame(chain, files)
         health = monitor.check(step.raw, step.frame, step.result.health)
-        obstacles |= {obstacle.id for obstacle in step.record.obstacles if obstacle.confirmed}
+        obstacles |= {obstacle.id for obstacle in step.record.obstacles if obstacle.is_thing}
         records.append(replace(step.record, health=health, obstacles=()))
 
 
