@@ -45,6 +45,10 @@ int64_t vista_rtl_stream(vista_rtl* engine, const uint32_t* beats, int64_t num_i
                          uint32_t* out_data, uint8_t* out_flags, int64_t* in_clock, int64_t* out_clock,
                          int64_t* num_taken);
 
+/* Queues one write to be made while a later vista_rtl_stream runs: begun once `after` beats of that call were taken, and
+ * finished before its beat `before` is offered. Writes are made in the order in which they were queued. */
+void vista_rtl_queue_write(vista_rtl* engine, int64_t after, int64_t before, uint32_t address, uint32_t data);
+
 /* Build parameters; 0 if the registers do not answer as a VISTA engine of major version 1, else 1. */
 int32_t vista_rtl_identify(vista_rtl* engine, vista_rtl_build* build);
 

@@ -190,7 +190,8 @@ module vista_stereo_core #(
   );
 
   // The parameters of the stages behind the costs change with the first column of a row that has matches: 2r rows after
-  // the last pixel of the frame before, D-1+2r columns before the first pixel of this one.
+  // the last pixel of the frame before, D-1+2r columns before the first pixel of this one. A frame without matches may be
+  // so short that the one before is still being decided when it ends; it leaves them as they are.
   params_t params_q;
   logic    match;
 

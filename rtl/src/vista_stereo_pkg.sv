@@ -35,7 +35,7 @@ package vista_stereo_pkg;
     logic last_row;    // row H-1
     logic flat;        // last row of an odd height: the x-Sobel is 0 there
     logic leave;       // row >= B: a row leaves the block for the one that enters
-    logic match_row;   // row >= B-1: the rows of the block are complete
+    logic match_row;   // row >= B-1 of a frame that is wide enough: the row has matched pixels
     logic match;       // match_row and column >= D-1+2r: a pixel is matched
     logic cut;         // filler after a framing error: no disparity may come of it
   } slot_t;

@@ -26,6 +26,6 @@ def frame_slots(
                 valid=True, first_col=col == 0, last_col=col == width - 1, early_col=col < block_size,
                 first_row=row == 0, second_row=row == 1, last_row=row == height - 1,
                 flat=row == height - 1 and height % 2 == 1, leave=row >= block_size,
-                match_row=row >= block_size - 1,
+                match_row=row >= block_size - 1 and width >= num_disparities + 2 * (block_size // 2),
                 match=row >= block_size - 1 and col >= num_disparities - 1 + 2 * (block_size // 2),
             )  # fmt: skip

@@ -155,6 +155,13 @@ class Rtl:
     def read(self, address: int) -> int:
         return int(self._lib.vista_rtl_read(self._handle, ctypes.c_uint32(address)))
 
+    def queue_write(self, after: int, before: int, address: int, data: int) -> None:
+        """A write within the next `stream`: begun after so many beats were taken, done before beat `before`."""
+        self._lib.vista_rtl_queue_write(
+            self._handle, ctypes.c_int64(after), ctypes.c_int64(before), ctypes.c_uint32(address),
+            ctypes.c_uint32(data),
+        )  # fmt: skip
+
     def write_coverage(self, path: Path) -> None:
         self._lib.vista_rtl_write_coverage(self._handle, str(path).encode())
 
