@@ -66,7 +66,9 @@ always_comb begin
       assert (go_i && slot_col == f_x);
       if (f_follow) begin
         assert (slot_d.first_col == (f_x == 0) && slot_d.last_col == (f_x == f_w));
-        assert (slot_d.first_row == (f_y == 0) && slot_d.second_row == (f_y == 1));
+        assert (slot_d.first_row == (f_y == 0));
+        assert (slot_d.before_col == (32'(f_x) < NumDisparities - 1));
+        assert (slot_d.early_col == (32'(f_x) < NumDisparities - 1 + BlockSize));
         assert (slot_d.last_row == (f_y == f_h) && f_end == (f_x == f_w && f_y == f_h));
         assert (slot_d.leave == (32'(f_y) >= BlockSize));
         assert (slot_d.match == (32'(f_y) >= BlockSize - 1 && 32'(f_x) >= FirstMatchCol));

@@ -154,9 +154,9 @@ module vista_framer #(
     slot_d.valid      = slot_valid;
     slot_d.first_col  = (slot_col == '0);
     slot_d.last_col   = slot_last_col;
-    slot_d.early_col  = (32'(slot_col) < BlockSize);
+    slot_d.before_col = (32'(slot_col) < NumDisparities - 1);
+    slot_d.early_col  = (32'(slot_col) < NumDisparities - 1 + BlockSize);
     slot_d.first_row  = slot_first_row;
-    slot_d.second_row = (32'(rows) == 1);
     slot_d.last_row   = drain_q;
     slot_d.flat       = drain_q & ~match_last_row_q[0];
     slot_d.leave      = (32'(rows) == BlockSize);

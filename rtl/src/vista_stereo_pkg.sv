@@ -29,9 +29,9 @@ package vista_stereo_pkg;
     logic valid;
     logic first_col;   // column 0
     logic last_col;    // column W-1
-    logic early_col;   // column < B
+    logic before_col;  // column < D-1: no block that is matched contains it
+    logic early_col;   // column < D-1+B: no column that counts leaves the block
     logic first_row;   // row 0
-    logic second_row;  // row 1
     logic last_row;    // row H-1
     logic flat;        // last row of an odd height: the x-Sobel is 0 there
     logic leave;       // row >= B: a row leaves the block for the one that enters

@@ -113,8 +113,8 @@ def frames_of_any_size(rng: np.random.Generator, config: Config, count: int) -> 
 @pytest.mark.parametrize("config", [Config(16, 5), Config(32, 11), Config(64, 5)], ids=name)
 @pytest.mark.parametrize("seed", range(20))
 def test_frames_back_to_back_keep_their_own_size_and_parameters(config: Config, seed: int) -> None:
-    """The registers of a frame are written while the one before streams, so that it follows at once: without a
-    clock between them unless the one before is shorter than the writes take."""
+    """The registers of a frame are written while the one before streams, so that it follows at once: without
+    a clock between them unless the one before is shorter than the writes take."""
     rng = np.random.default_rng(seed)
     frames = frames_of_any_size(rng, config, 40)
     streams = [beats(frame.left, frame.right) for frame in frames]
@@ -130,7 +130,9 @@ def test_frames_back_to_back_keep_their_own_size_and_parameters(config: Config, 
     expected = np.concatenate([expected_words(f) for f in frames])
     assert len(got.words) == len(expected)
     wrong = np.flatnonzero(got.words != expected)
-    assert not len(wrong), f"{len(wrong)} words, the first in frame {np.searchsorted(ends, wrong[0], 'right')}"
+    assert not len(wrong), (
+        f"{len(wrong)} words, the first in frame {np.searchsorted(ends, wrong[0], 'right')}"
+    )
     # At once.
     rows = np.array([frame.shape[0] for frame in frames])
     gaps = np.diff(got.in_clock)[ends[:-1] - 1]
