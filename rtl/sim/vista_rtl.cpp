@@ -5,6 +5,7 @@ extern "C" {
 #include "vista_rtl.h"
 }
 
+#include <cstdio>
 #include <deque>
 #include <memory>
 
@@ -34,6 +35,7 @@ struct vista_rtl {
     uint32_t address, data;
   };
   std::deque<Write> queued;
+  std::unique_ptr<std::FILE, int (*)(std::FILE*)> record{nullptr, std::fclose};
 
   explicit vista_rtl(uint32_t seed) {
     context.randReset(2);
@@ -57,6 +59,7 @@ struct vista_rtl {
 
   // Inputs were set: settle, then one rising edge.
   void edge() {
+    if (record) write_record();
     top->clk_i = 1;
     top->eval();
 #ifdef VISTA_WAVES
@@ -101,6 +104,19 @@ struct vista_rtl {
   }
 
  private:
+  // Inputs and outputs just before an edge, as tb/icarus/replay.v reads them.
+  void write_record() {
+    auto& t = *top;
+    t.eval();
+    const bool word = t.m_axis_tvalid;
+    std::fprintf(record.get(), "%d %d%d%d %04x %d %d %x %d %08x %d %d %x %d | %d%d%d%d%d%d%d%d%d %08x %08x\n", t.rst_ni,
+                 t.s_axis_tvalid, t.s_axis_tuser, t.s_axis_tlast, t.s_axis_tdata, t.m_axis_tready, t.s_axil_awvalid,
+                 t.s_axil_awaddr, t.s_axil_wvalid, t.s_axil_wdata, t.s_axil_bready, t.s_axil_arvalid, t.s_axil_araddr,
+                 t.s_axil_rready, t.s_axis_tready, word, t.s_axil_awready, t.s_axil_wready, t.s_axil_bvalid,
+                 t.s_axil_arready, t.s_axil_rvalid, word && t.m_axis_tuser, word && t.m_axis_tlast, t.m_axis_tdata,
+                 t.s_axil_rdata);
+  }
+
   bool writing_ = false, accepted_ = false;
 };
 
@@ -163,8 +179,7 @@ int64_t vista_rtl_stream(vista_rtl* engine, const uint32_t* beats, int64_t num_i
   vista::Pace in{in_pace[0], in_pace[1]}, out{out_pace[0], out_pace[1]};
   int64_t taken = 0, words = 0, idle = 0;
   bool offered = false;
-  for (int64_t n = 0; n < max_clocks && (words < max_out || taken < num_in || !e.queued.empty()) && idle < quiet;
-       ++n) {
+  for (int64_t n = 0; n < max_clocks && (words < max_out || taken < num_in || !e.queued.empty()) && idle < quiet; ++n) {
     if (!offered && taken < num_in && !e.waits_for_write(taken) && in.step(random)) {
       offered = true;
       t.s_axis_tdata = beats[taken] & 0xFFFF;
@@ -199,6 +214,11 @@ int64_t vista_rtl_stream(vista_rtl* engine, const uint32_t* beats, int64_t num_i
 
 void vista_rtl_queue_write(vista_rtl* engine, int64_t after, int64_t before, uint32_t address, uint32_t data) {
   engine->queued.push_back({after, before, address, data});
+}
+
+int32_t vista_rtl_record(vista_rtl* engine, const char* path) {
+  engine->record.reset(path ? std::fopen(path, "w") : nullptr);
+  return !path || engine->record;
 }
 
 void vista_rtl_select_mutant(vista_rtl* engine, uint32_t number) {

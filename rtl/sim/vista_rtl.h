@@ -58,6 +58,10 @@ int32_t vista_rtl_identify(vista_rtl* engine, vista_rtl_build* build);
 int64_t vista_rtl_compute(vista_rtl* engine, const vista_rtl_settings* settings, const uint8_t* left,
                           const uint8_t* right, int32_t width, int32_t height, int16_t* disparity);
 
+/* From now on all inputs and outputs are written to a file, a line a clock, for tb/icarus/replay.v; null ends it.
+ * Returns 1, or 0 when the file cannot be opened. */
+int32_t vista_rtl_record(vista_rtl* engine, const char* path);
+
 /* Of the builds that the benches make (tb/common/verilated.py); nothing happens in others. */
 void vista_rtl_select_mutant(vista_rtl* engine, uint32_t number);
 void vista_rtl_write_coverage(vista_rtl* engine, const char* path);

@@ -156,11 +156,18 @@ class Rtl:
         return int(self._lib.vista_rtl_read(self._handle, ctypes.c_uint32(address)))
 
     def queue_write(self, after: int, before: int, address: int, data: int) -> None:
-        """A write within the next `stream`: begun after so many beats were taken, done before beat `before`."""
+        """A write within the next `stream`: begun after so many beats were taken, done before beat `before`
+        is offered."""
         self._lib.vista_rtl_queue_write(
             self._handle, ctypes.c_int64(after), ctypes.c_int64(before), ctypes.c_uint32(address),
             ctypes.c_uint32(data),
         )  # fmt: skip
+
+    def record(self, path: Path | None) -> None:
+        """Writes all that goes in and comes out to a file from now on; None ends it."""
+        name = None if path is None else str(path).encode()
+        if not self._lib.vista_rtl_record(self._handle, name):
+            raise OSError(f"cannot write {path}")
 
     def write_coverage(self, path: Path) -> None:
         self._lib.vista_rtl_write_coverage(self._handle, str(path).encode())
