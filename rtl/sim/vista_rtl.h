@@ -54,7 +54,8 @@ int32_t vista_rtl_identify(vista_rtl* engine, vista_rtl_build* build);
 
 /* One frame: writes the registers, streams the pair in and the words out at a pixel a clock. Images are `height` rows of
  * `width` pixels without gaps; disparity[height * width] in 1/16 px, -16: none. Returns the clocks from the first pixel
- * to the last word, or -1 when words are missing or the engine reports a framing error. */
+ * to the last word, or -1 when words are missing or the engine reports a framing error; it is
+ * then reset, and the next frame is clean. */
 int64_t vista_rtl_compute(vista_rtl* engine, const vista_rtl_settings* settings, const uint8_t* left,
                           const uint8_t* right, int32_t width, int32_t height, int16_t* disparity);
 
