@@ -9,6 +9,7 @@ package vista_stereo_pkg;
   parameter int unsigned PixelW = 8;  // grey values 0 .. 255
   parameter int unsigned TextureW = 6;  // |p - c|, at most the largest prefilter cap, 63
   parameter int unsigned HeightW = 12;  // frames of at most 4095 rows
+  parameter int unsigned LargestWidth = 65535;  // of a build; as wide as the register
   parameter int unsigned MinWidth = 4;  // the longest memory read-to-write distance in slots, plus one
   parameter int unsigned MinHeight = 2;  // the mirror of the x-Sobel needs two rows
   parameter int unsigned DisparityW = 13;  // -8 .. 256*16 in 1/16 px, signed

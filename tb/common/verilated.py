@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
-from tools import BUILD, ROOT, sources, verilator_environment
+from tools import BUILD, ROOT, VERILATOR_FLAGS, sources, verilator_environment
 
 HARNESS = ROOT / "rtl" / "sim" / "vista_rtl.cpp"
 USER, LAST = 1 << 16, 1 << 17  # of a beat
@@ -70,9 +70,8 @@ def _build_alone(config: Config, folder: Path) -> Path:
     library, stamp = folder / "engine.so", folder / "digest"
     flags = "-fPIC -O1" + " -DVISTA_COVERAGE" * config.coverage + " -DVISTA_MUTANTS" * config.mutants
     command = [
-        "verilator", "--cc", "--build", "-j", "1", "-O3", "--x-assign", "fast", "--x-initial", "unique",
-        "--assert", "--top-module", "vista_stereo", "--Mdir", str(folder), "-CFLAGS", flags,
-        "-Wno-fatal", "-Wno-lint",
+        "verilator", "--cc", "--build", "-j", "1", "-O3", "--x-assign", "fast", "--top-module", "vista_stereo", "--Mdir", str(folder), "-CFLAGS", flags,
+        *VERILATOR_FLAGS,
         f"-GNumDisparities={config.num_disparities}", f"-GBlockSize={config.block_size}",
         f"-GMaxWidth={config.max_width}",
         *(["--trace-vcd"] if config.waves else []),
