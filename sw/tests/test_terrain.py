@@ -166,15 +166,14 @@ def test_a_restart_of_the_world_forgets_the_ground() -> None:
 
 
 def brute_force_m(volume, plane, path_at, short_m: float = 0.0) -> float:
-    """Along a path to where a disc across it first comes within short_m of the plane."""
+    """Along a path to where a ball on it first comes within short_m of the plane."""
     normal, offset = np.array(list(plane.normal)), plane.offset_m
     clearance = offset - normal @ np.array(list(volume.path.start_m))
     radius = min(volume.radius_m, volume.clearance_share * clearance)
     for along in np.arange(0.0, volume.path.length_m, 0.05):
         point, direction = path_at(along)
-        across = np.linalg.norm(np.cross(normal, direction))
-        if normal @ point + radius * across >= offset - short_m:
-            return along
+        if normal @ point + radius >= offset - short_m:
+            return along + radius * (normal @ direction)
     return np.inf
 
 
@@ -218,7 +217,7 @@ def test_the_contact_of_any_path_with_any_plane() -> None:
         assert first - step_m <= contact.along_m <= last + step_m
         point = np.array(list(contact.point_m))
         assert np.array(list(plane.normal)) @ point == pytest.approx(plane.offset_m, abs=0.02)
-        beside, along_direction = path_at(contact.along_m)
-        assert np.linalg.norm(point - beside) == pytest.approx(contact.radius_m, abs=1e-6)
+        center, along_direction = path_at(contact.along_m - contact.radius_m * contact.sine)
+        assert np.linalg.norm(point - center) == pytest.approx(contact.radius_m, abs=1e-6)
         assert contact.sine == pytest.approx(np.array(list(plane.normal)) @ along_direction, abs=1e-6)
     assert met > 30
