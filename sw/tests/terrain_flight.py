@@ -174,7 +174,7 @@ class TerrainFlight:
         )
         assert status_name(status) == "VISTA_OK"
         return Seen(
-            bool(t.ahead and t.credible),
+            bool(t.ahead and t.credible and t.steady),
             t.contact.along_m if t.ahead else np.nan,
             np.array(list(t.contact.point_m)),
             t.sigma_m,

@@ -91,6 +91,25 @@ def test_level_and_low_flight_meets_nothing(height_m: float) -> None:
     assert not any(seen.warned for _, seen in found)
 
 
+def test_who_sinks_in_a_gust_low_over_level_ground_is_not_warned() -> None:
+    """Down by up to 6 degrees and up again, over and over: the place where the path would meet the ground comes
+    nearer by more than is flown, and goes away."""
+    random = seeded(69)
+    speed_m_s, period_s = random.uniform(9.0, 14.0), random.uniform(2.5, 4.0)
+    sink_m_s, phase = speed_m_s * np.radians(random.uniform(4.5, 6.0)), random.uniform(0.0, 2.0 * np.pi)
+    way_m = sink_m_s * period_s / (2.0 * np.pi)
+    flight, time_s = TerrainFlight(random), np.arange(34) / RATE_HZ
+    angle = 2.0 * np.pi * time_s / period_s + phase
+    height_m = 3.0 + 2.0 * way_m + way_m * np.sin(angle)
+    contacts = 0
+    for t_s, height, a in zip(time_s, height_m, angle, strict=True):
+        velocity = np.array([0.0, -sink_m_s * np.cos(a), speed_m_s])
+        seen = flight.fly(level, np.array([0.0, -height, speed_m_s * t_s]), velocity)
+        contacts += not np.isnan(seen.along_m)
+        assert not seen.warned
+    assert contacts > 3
+
+
 @pytest.mark.parametrize("descent_deg", [4.0, 8.0, 20.0])
 def test_a_path_that_descends_on_a_meadow_meets_it(descent_deg: float) -> None:
     """Be it to land: that is what the aircraft will touch."""
