@@ -40,7 +40,7 @@ class FlightScore:
     begins_m: float | None  # range of the target in the first frame, if it is a danger there
     tracked_from_m: float | None
     first_detection_m: float | None  # as a warning
-    band_frames: int  # with a target at 14.5 to 45 m
+    band_frames: int  # in which a hit is asked for: with a target in the band of the rules
     hits: int
     missed: tuple[int, ...]  # frames
     false_alarm_frames: tuple[int, ...]
