@@ -27,7 +27,7 @@ import job_examples
 from dask_cluster import Cluster
 from vista_eval.cache import digest_of
 from vista_eval.jobs import HERE, Job, Place, jobs_of, run
-from vista_eval.recordings.place import content_of
+from vista_eval.recordings.storage import content_of
 
 IDLE_S = 10.0
 FILES = 2000

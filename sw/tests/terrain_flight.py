@@ -61,6 +61,7 @@ class Seen:
     sigma_m: float
     verdict: int
     coasting: bool
+    blind: bool
 
 
 class TerrainFlight:
@@ -180,4 +181,5 @@ class TerrainFlight:
             t.sigma_m,
             t.world.verdict,
             bool(t.coasting),
+            bool(t.blind),
         )

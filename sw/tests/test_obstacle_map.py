@@ -364,6 +364,23 @@ def test_what_lies_on_the_ground_ahead_is_met_where_that_is_met() -> None:
     assert mapper.nearest.id == 1  # as long as the ground itself is not believed
 
 
+def test_a_low_pole_on_ground_ahead_keeps_its_warning() -> None:
+    """A descent of 5 degrees onto level ground 40 m ahead: far from the contact, a tenth of the distance is
+    more than the height of the pole's middle."""
+    along = np.array([0.0, np.sin(np.radians(5.0)), np.cos(np.radians(5.0))])
+    normal, point = np.array([0.0, 1.0, 0.0]), 40.0 * along + (0.0, 2.0, 0.0)
+    meadow = ground_ahead(
+        40.0,
+        plane={"normal": list(normal), "offset_m": float(normal @ point)},
+        contact={"along_m": 40.0, "radius_m": 2.0, "point_m": list(point), "sine": along[1]},
+    )
+    height_m = 3.4
+    pole = track((0.0, point[1] - 0.5 * height_m, 20.0), 4, extent=(0.3, height_m))
+    mapper = Map()
+    assert mapper.update([pole], tuple(9.0 * along), terrain=meadow) == "VISTA_OK"
+    assert mapper.nearest.id == 4 and all(o.in_collision_volume for o in mapper.obstacles)
+
+
 def test_what_is_too_near_never_hides_ground_that_is_seen() -> None:
     mapper = Map()
     too_near = ffi.new("vista_blind_zone *", {"occupied": True, "range_m": 7.3})
