@@ -311,6 +311,7 @@ vista_status vista_cells_layout(vista_cells *cells, vista_arena *arena, const vi
   cells->intensity = vista_arena_take(arena, node_count, sizeof(float));
   cells->disparity_px = vista_arena_take(arena, node_count, sizeof(float));
   cells->valid_fraction = vista_arena_take(arena, node_count, sizeof(float));
+  cells->range = vista_arena_take(arena, node_count, sizeof(vista_word_range));
   const size_t pixels = (size_t)foveation->width_px * (size_t)foveation->height_px;
   cells->words = vista_arena_take(arena, pixels + VISTA_WORD_BLOCK, sizeof(int16_t));
   cells->greys = vista_arena_take(arena, pixels + VISTA_WORD_BLOCK, sizeof(uint8_t));
@@ -381,8 +382,8 @@ VISTA_WIDE_VECTORS static float mean_of(const uint8_t *greys, int32_t count) {
 
 static void set_disparity(const vista_foveation_params *params, const vista_words_median *median, int32_t count,
                           int32_t node, vista_cells *cells) {
-  cells->valid_fraction[node] = (float)median->valid / (float)count;
-  const bool enough = median->valid > 0 && cells->valid_fraction[node] >= (float)params->min_valid_fraction;
+  cells->valid_fraction[node] = (float)median->range.valid / (float)count;
+  const bool enough = median->range.valid > 0 && cells->valid_fraction[node] >= (float)params->min_valid_fraction;
   cells->disparity_px[node] = enough ? (float)median->word / VISTA_DISPARITY_SCALE : -1.0f;
 }
 
@@ -397,16 +398,18 @@ vista_status vista_foveate(const vista_foveation *foveation, const vista_foveati
   list_pixels_of(foveation, image, disparity, cells);
   for (int32_t node = 0; node < foveation->node_count; ++node) {
     const bool point = node >= 1 && node <= foveation->point_count;
+    const int32_t first = foveation->first_pixel[node], count = foveation->pixel_count[node];
     if (point) {
       int16_t words[4];
       sample_point(foveation, image, disparity, node, cells, words);
       const vista_words_median median = vista_median_of_four(words);
       set_disparity(params, &median, 4, node, cells);
+      cells->range[node] = vista_range_of_words(cells->words + first, count);
     } else {
-      const int32_t first = foveation->first_pixel[node], count = foveation->pixel_count[node];
       cells->intensity[node] = mean_of(cells->greys + first, count);
       const vista_words_median median = vista_median_word(cells->words + first, count, cells->of_cell);
       set_disparity(params, &median, count, node, cells);
+      cells->range[node] = median.range;
     }
   }
   return VISTA_OK;

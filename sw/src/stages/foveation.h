@@ -14,6 +14,7 @@
 
 #include "common/arena.h"
 #include "common/graph.h"
+#include "common/median.h"
 #include "vista/parameters.h"
 #include "vista/status.h"
 #include "vista/types.h"
@@ -54,6 +55,7 @@ typedef struct vista_cells {
   float *intensity; /* grey level 0 .. 255, mean over the cell (bilinear sample for point cells) */
   float *disparity_px; /* median of the valid pixels; negative: too few of them */
   float *valid_fraction; /* of the cell's pixels that have a disparity, 0 .. 1 */
+  vista_word_range *range; /* of the words of the cell's own pixels */
   int16_t *words; /* the engine words as foveation->first_pixel lists pixels, and VISTA_WORD_BLOCK more */
   uint8_t *greys; /* the grey levels, listed the same way */
   int16_t *of_cell; /* scratch: the words of one cell */
