@@ -68,22 +68,25 @@ static int32_t list_candidates(const vista_foveation *f, const vista_refinement_
 /* Some pixels of one cell, side by side. */
 typedef struct batch {
   float u[BATCH], v[BATCH], r2[BATCH], grey[BATCH];
-  int32_t best[BATCH]; /* cost and, in the lowest bits, candidate: of equal costs the first one's is smaller */
+  int32_t cost[BATCH]; /* the least so far */
 } batch;
 
-/* Without a comparison of floats, which would cost more: 2 min(a, b) = a + b - |a - b|. */
-static inline void try_candidate(const vista_refinement_params *params, const candidate *one, int32_t number,
-                                 int32_t count, batch *b) {
+/* Of equal costs the first candidate's counts. Without a comparison of floats, which would cost more:
+ * 2 min(a, b) = a + b - |a - b|. */
+static inline void try_candidate(const vista_refinement_params *params, const candidate *one, int32_t count,
+                                 batch *restrict b, int32_t *restrict label) {
   const float per_level = COST_ONE * (float)(1.0 / params->sigma_intensity);
   const float limit = COST_ONE * (float)params->contrast_limit;
   const float intensity = one->intensity, at_center = COST_ONE * one->at_center;
   const float per_u = COST_ONE * one->per_u, per_v = COST_ONE * one->per_v, per_px2 = COST_ONE * one->per_px2;
+  const int32_t own = one->label;
   for (int32_t k = 0; k < count; ++k) {
     const float levels = fabsf(b->grey[k] - intensity) * per_level;
     const float contrast = 0.5f * (levels + limit - fabsf(levels - limit));
     const float distance = at_center + per_u * b->u[k] + per_v * b->v[k] + per_px2 * b->r2[k];
-    const int32_t key = (int32_t)(contrast + distance) * MAX_CANDIDATES + number;
-    b->best[k] = key < b->best[k] ? key : b->best[k];
+    const int32_t cost = (int32_t)(contrast + distance), best = b->cost[k], old = label[k];
+    label[k] = cost < best ? own : old;
+    b->cost[k] = cost < best ? cost : best;
   }
 }
 
@@ -93,8 +96,6 @@ VISTA_WIDE_VECTORS static void solve(const vista_refinement_params *params, cons
                                      int32_t candidate_count, const int16_t *us, const int16_t *vs, float center_u,
                                      float center_v, const uint8_t *greys, int32_t pixel_count, int32_t *label) {
   batch b;
-  int32_t label_of[MAX_CANDIDATES];
-  for (int32_t c = 0; c < candidate_count; ++c) label_of[c] = candidates[c].label;
   for (int32_t first = 0; first < pixel_count; first += BATCH) {
     const int32_t left = pixel_count - first < BATCH ? pixel_count - first : BATCH, count = whole_vectors(left);
     for (int32_t k = 0; k < count; ++k) {
@@ -102,11 +103,10 @@ VISTA_WIDE_VECTORS static void solve(const vista_refinement_params *params, cons
       b.v[k] = (float)vs[first + k] - center_v;
       b.r2[k] = b.u[k] * b.u[k] + b.v[k] * b.v[k];
       b.grey[k] = (float)greys[first + k];
-      b.best[k] = INT32_MAX;
+      b.cost[k] = INT32_MAX;
     }
     for (int32_t k = left; k < count; ++k) b.u[k] = b.v[k] = b.r2[k] = b.grey[k] = 0.0f; /* pixels of another cell */
-    for (int32_t c = 0; c < candidate_count; ++c) try_candidate(params, &candidates[c], c, count, &b);
-    for (int32_t k = 0; k < count; ++k) label[first + k] = label_of[b.best[k] & (MAX_CANDIDATES - 1)];
+    for (int32_t c = 0; c < candidate_count; ++c) try_candidate(params, &candidates[c], count, &b, label + first);
   }
 }
 
