@@ -85,6 +85,13 @@ def fly_cached(
     )
 
 
+def records_name(disturbance: Disturbance = UNDISTURBED) -> str:
+    """Of the file in the flight's folder that keeps them."""
+    if disturbance.image_grey > 0.0:
+        return f"records_noise_{disturbance.image_grey:g}.json"
+    return "records_noisy.json" if disturbance.poses else "records.json"
+
+
 def flight_digest(folder: Path, values: parameters.Values, disturbance: Disturbance = UNDISTURBED) -> str:
     return digest_of(
         json.dumps([values, asdict(disturbance)], sort_keys=True),

@@ -22,8 +22,7 @@ import numpy as np
 
 from vista import parameters
 from vista.chain import Chain, fitted_to, make_chain
-from vista.command.arguments import add_config, load_parameters, positive
-from vista.engine import ENGINES
+from vista.command.arguments import add_config, add_engine, load_parameters, positive
 from vista.engine.rtl import DEFAULT_WIDTH_PX
 from vista.errors import EXIT_INTERRUPTED, EXIT_OK, InputError
 from vista.health.summary import problem_lines, summarize_health
@@ -42,12 +41,10 @@ from vista.version import commit, version
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("sequence", type=Path, metavar="SEQUENCE", help="folder of the sequence")
     parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder for the results")
-    parser.add_argument(
-        "--engine",
-        choices=ENGINES,
-        default="golden",
-        help="golden: the engine's C model; rtl: the SystemVerilog core, simulated, with the same words at "
-        "half a second a frame; opencv: StereoBM, for comparison (default golden)",
+    add_engine(
+        parser,
+        "golden: the engine's C model; rtl: the SystemVerilog core, simulated, with the same words at "
+        "half a second a frame; opencv: StereoBM, for comparison",
     )
     parser.add_argument(
         "--rtl-width",

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import Any
 
 from vista import native, parameters
@@ -15,9 +14,10 @@ from vista.health.summary import summarize_health
 from vista.history import FrameRecord, stage_statistics
 from vista.sequence import Sequence, open_sequence
 
-from vista_eval.recordings.place import as_folder
+from vista_eval.cache import digest_of
+from vista_eval.fly import LIBRARIES
+from vista_eval.recordings.storage import as_folder
 
-LIBRARIES = ("vista", "vista_engine")
 Row = dict[str, Any]
 
 
@@ -26,13 +26,12 @@ class Detector:
     engine: str
     values: parameters.Values
 
-    def sources(self) -> list[str | Path]:
-        """For a digest."""
-        return [
-            self.engine,
-            str(sorted(parameters.flat(self.values).items())),
-            *map(native.library_path, LIBRARIES),
-        ]
+    def digest(self) -> str | None:
+        """Of what decides what it finds. None: nothing tells whether the simulated core has changed."""
+        if self.engine == "rtl":
+            return None
+        values = str(sorted(parameters.flat(self.values).items()))
+        return digest_of(self.engine, values, *map(native.library_path, LIBRARIES))
 
 
 def examine(detector: Detector, prefix: str, name: str) -> Row:
