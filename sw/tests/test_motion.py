@@ -143,6 +143,17 @@ def test_in_a_bend_the_path_is_the_arc(radius_m: float, speed_m_s: float, noisy:
         assert np.linalg.norm(flown - arc) < np.linalg.norm(flown - straight) + 0.1, share
 
 
+@pytest.mark.parametrize("radius_m", [40.0, -60.0, 90.0])
+def test_a_bend_is_known_from_the_third_pose_on(radius_m: float) -> None:
+    """The means of what was flown before fill for some seconds: until then they lag less than later on."""
+    for frames in range(3, 30):
+        stage, motion = flown_circle(radius_m, 14.0, frames)
+        path = stage.path(motion)
+        assert path.curvature_1_m == pytest.approx(1.0 / abs(radius_m), rel=0.2), frames
+        ahead, _ = circle(radius_m, 14.0, 0.1 * (frames - 1) + 20.0 / 14.0)
+        assert lib.vista_flight_path_distance(ffi.addressof(path), ffi.new("double[3]", list(ahead))) < 0.5
+
+
 @pytest.mark.parametrize("speed_m_s", [3.0, 12.0])
 @pytest.mark.parametrize("seed", range(5))
 def test_a_straight_flight_with_noisy_poses_stays_straight(speed_m_s: float, seed: int) -> None:

@@ -70,6 +70,11 @@ static void turn(double rotation[9], const double rate_rad_s[3], double dt_s) {
 
 static double weight_of(double dt_s, double tau_s) { return tau_s > 0.0 ? 1.0 - exp(-dt_s / tau_s) : 1.0; }
 
+/* Of a mean that takes in a difference over dt_s with this weight. */
+static double mean_age_s(double before_s, double weight, double dt_s) {
+  return (1.0 - weight) * (before_s + dt_s) + weight * 0.5 * dt_s;
+}
+
 /* v += (1 - exp(-dt / tau)) (dp / dt - v), and the turn rate likewise. */
 static void follow(const vista_motion_params *p, const vista_pose *pose, int64_t t_ns, vista_motion_state *s) {
   if (s->posed) {
@@ -88,10 +93,15 @@ static void follow(const vista_motion_params *p, const vista_pose *pose, int64_t
     }
     /* The smoothed value holds a share `weight` of the difference itself. */
     const double own = fmax(vista_square(1.0 - weight), 1e-3);
-    s->velocity_variance += slowly * (velocity2 / own - s->velocity_variance);
-    s->turn_variance += slowly * (turn2 / own - s->turn_variance);
-    s->lag_s = tau_s + 0.5 * dt_s;
-    s->averaged = weight / (2.0 - weight);
+    /* The first difference is its own mean and says nothing; those after it count alike until they fill the mean. */
+    const double variance_weight = s->differences > 0 ? fmax(slowly, 1.0 / s->differences) : 0.0;
+    s->velocity_variance += variance_weight * (velocity2 / own - s->velocity_variance);
+    s->turn_variance += variance_weight * (turn2 / own - s->turn_variance);
+    if (s->differences < INT32_MAX) ++s->differences;
+    /* Of the first difference alone all means are half its time old; they come to their full age as they fill. */
+    s->lag_s = mean_age_s(s->lag_s, weight, dt_s);
+    s->slow_lag_s = mean_age_s(s->slow_lag_s, slowly, dt_s);
+    s->averaged = vista_square(1.0 - weight) * s->averaged + vista_square(weight);
     s->rates_known = true;
   }
   s->posed = true;
@@ -168,7 +178,7 @@ static void cross(const double a[3], const double b[3], double product[3]) {
  * may be noise. */
 static void path_turn_rate(const vista_motion_params *p, const vista_motion_state *s, const vista_motion *motion,
                            double turn[3]) {
-  const double apart_s = fmax(PATH_S, p->velocity_smoothing_s) - p->velocity_smoothing_s;
+  const double apart_s = s->slow_lag_s - s->lag_s; /* of what the two velocities are means of */
   const double slow_m_s = vista_norm(s->slow_velocity_m_s), fast_m_s = vista_norm(s->velocity_m_s);
   memset(turn, 0, 3 * sizeof *turn);
   if (!(apart_s > 0.0) || !(fmin(slow_m_s, fast_m_s) > 0.0)) return;
