@@ -25,6 +25,7 @@ from video import (
 
 MAX_WIDTH = parameter("MaxWidth")
 MAX_LEVELS = 4
+LATENCY = 3  # of level 0, in clocks; the last of them waits for the next pixel
 LEVEL_LATENCY = 16  # clocks until the last pixels of a level have passed the reducer and a prompt memory
 ALONG = ("level_o", "width_o", "height_o", "side_o")
 NAMES = tuple(name.removesuffix("_o") for name in ALONG)
@@ -105,6 +106,7 @@ async def one_pixel_per_clock(dut):
         lost = len(segments) * width * height - (seen.in_clock[-1] - seen.in_clock[0] + 1)
         if levels == 1:
             assert lost == 0, "the input waited"
+            assert seen.out_clock[0] - seen.in_clock[0] == LATENCY
         else:
             pixels = sum(len(frame.pixels) for frame in frames)
             clocks = seen.out_clock[-1] - seen.out_clock[0] + 1
