@@ -45,6 +45,7 @@ PROOFS = [
         "-G Width=2 -G InFlight=6",
         ("src/vista_line_store.sv", "src/vista_result_fifo.sv"),
     ),
+    Proof("vista_word_packer", 3, "", (PACKAGE, "src/vista_word_packer.sv")),
     Proof("vista_frame_writer", 3, REFERENCE, (PACKAGE, "src/vista_frame_writer.sv")),
 ]
 
