@@ -38,7 +38,21 @@ UNITS: list[tuple[str, dict[str, int]]] = [
     ("vista_frame_writer", {"NumDisparities": 16, "BlockSize": 5, "MaxWidth": 64}),
     ("vista_word_packer", {}),
     ("vista_stereo", {"NumDisparities": 16, "BlockSize": 5, "MaxWidth": 128}),
+    ("vista_smooth", {"MaxWidth": 32, "SideWidth": 8}),
+    ("vista_reduce", {"MaxWidth": 32}),
+    ("vista_pyramid", {"MaxWidth": 40, "SideWidth": 8}),
+    ("front_end", {"NumDisparities": 16, "BlockSize": 5, "MaxWidth": 64}),
 ]
+LISTS = {
+    "vista_stereo": "vista_stereo.f",
+    **dict.fromkeys(("vista_smooth", "vista_reduce", "vista_pyramid", "front_end"), "vista_frontend.f"),
+}
+
+
+def files_of(module: str) -> list[Path]:
+    """What a module is built from; one that is of the benches comes last."""
+    harness = Path(__file__).parent / "common" / f"{module}.sv"
+    return sources(LISTS.get(module, "vista_stereo_core.f")) + ([harness] if harness.is_file() else [])
 
 
 # Faults that an assertion of rtl/formal has to name: module, what is replaced in it, and by what.
@@ -83,8 +97,7 @@ def run_unit(
 )
 def test_unit(module: str, parameters: dict[str, int], monkeypatch: pytest.MonkeyPatch) -> None:
     folder = BUILD / "units" / "_".join([module, *map(str, parameters.values())])
-    files = sources("vista_stereo.f" if module == "vista_stereo" else "vista_stereo_core.f")
-    text = run_unit(module, parameters, files, folder, monkeypatch)
+    text = run_unit(module, parameters, files_of(module), folder, monkeypatch)
     assert "<testcase" in text, f"no test ran, see {folder}/run.log"
     assert "<failure" not in text and "<error" not in text, f"see {folder}/run.log"
 
