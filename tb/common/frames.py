@@ -115,9 +115,14 @@ def expected_words(frame: Frame) -> npt.NDArray[np.uint32]:
     """What the engine has to send: {Smin saturated to 16 bits, disparity}, or two disparities in a word."""
     disparity, smin = CEngine(frame.parameters).compute(frame.left, frame.right)
     if frame.narrow:
-        padded = np.pad(disparity, ((0, 0), (0, frame.shape[1] % 2)), constant_values=INVALID)
-        return np.ascontiguousarray(padded).view(np.uint32).ravel()
+        return packed(disparity)
     return (disparity.view(np.uint16) | np.minimum(smin, 0xFFFF) << 16).astype(np.uint32).ravel()
+
+
+def packed(disparity: npt.NDArray[np.int16]) -> npt.NDArray[np.uint32]:
+    """Words of two disparities."""
+    padded = np.pad(disparity, ((0, 0), (0, disparity.shape[1] % 2)), constant_values=INVALID)
+    return np.ascontiguousarray(padded).view(np.uint32).ravel()
 
 
 def expected_flags(height: int, width: int, narrow: bool = False) -> npt.NDArray[np.uint8]:
