@@ -78,6 +78,7 @@ release-rtl: $(RTL_TOOLS) ## write the engine for D disparities, block B and fra
 
 synth: $(RTL_TOOLS) ## synthesise, place and route for ECP5, and write resources and clock to rtl/synth/results.json
 	@$(RTL_PYTHON) scripts/synth_rtl.py --save
+	@$(RTL_PYTHON) scripts/synth_rtl.py --blocks --save
 	@$(RTL_PYTHON) scripts/make_tables.py
 
 formal: $(RTL_TOOLS) ## prove the properties of handshakes and buffers by k-induction
