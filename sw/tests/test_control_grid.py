@@ -1,4 +1,4 @@
-"""Control grids from calibrations: near the exact map, followed to the bit, refused where a buffer is small."""
+"""Control grids from calibrations: near the exact map, followed to the bit, refused by a small buffer."""
 
 from __future__ import annotations
 
