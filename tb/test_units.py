@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from pathlib import Path
 
 import pytest
 from cocotb_tools.runner import get_runner
@@ -36,7 +37,21 @@ UNITS: list[tuple[str, dict[str, int]]] = [
     ("vista_window_sums", {"NumChannels": 3, "BlockSize": 7}),
     ("vista_frame_writer", {"NumDisparities": 16, "BlockSize": 5, "MaxWidth": 64}),
     ("vista_stereo", {"NumDisparities": 16, "BlockSize": 5, "MaxWidth": 128}),
+    ("vista_smooth", {"MaxWidth": 32, "SideWidth": 8}),
+    ("vista_reduce", {"MaxWidth": 32}),
+    ("vista_pyramid", {"MaxWidth": 40, "SideWidth": 8}),
+    ("front_end", {"NumDisparities": 16, "BlockSize": 5, "MaxWidth": 64}),
 ]
+LISTS = {
+    "vista_stereo": "vista_stereo.f",
+    **dict.fromkeys(("vista_smooth", "vista_reduce", "vista_pyramid", "front_end"), "vista_frontend.f"),
+}
+
+
+def files_of(module: str) -> list[Path]:
+    """What a module is built from; one that is of the benches comes last."""
+    harness = Path(__file__).parent / "common" / f"{module}.sv"
+    return sources(LISTS.get(module, "vista_stereo_core.f")) + ([harness] if harness.is_file() else [])
 
 
 @pytest.mark.parametrize(
@@ -50,7 +65,7 @@ def test_unit(module: str, parameters: dict[str, int], monkeypatch: pytest.Monke
     waves = "VISTA_WAVES" in os.environ
     runner = get_runner("verilator")
     runner.build(
-        sources=sources("vista_stereo.f" if module == "vista_stereo" else "vista_stereo_core.f"),
+        sources=files_of(module),
         hdl_toplevel=module, parameters=parameters, build_dir=folder, waves=waves,
         build_args=[*VERILATOR_FLAGS, "-CFLAGS", "-O1"],
         log_file=folder.with_suffix(".log"),
