@@ -58,10 +58,10 @@ rtl-engine: build/lib/libvista_rtl_d$(D)_b$(B)_w$(W).so build/python/vista_rtl_a
 build/python/vista_rtl_abi.py: rtl/sim/vista_rtl.h scripts/make_binding.py | .venv/run.stamp
 	@$(RTL_PYTHON) scripts/make_binding.py vista_rtl_abi $< --out $@
 
-build/lib/libvista_rtl_%.so: $(RTL_SOURCES) $(wildcard rtl/csr/*.sv rtl/*.f) $(RTL_HARNESS) $(wildcard rtl/sim/*.h) | $(RTL_TOOLS)
+build/lib/libvista_rtl_%.so: $(RTL_SOURCES) $(wildcard rtl/csr/*.sv rtl/*.f) $(RTL_HARNESS) $(wildcard rtl/sim/*.h rtl/formal/*.svh) | $(RTL_TOOLS)
 	@echo "verilate $@"; rm -rf build/rtl/engine/$*; mkdir -p $(@D) build/rtl/engine/$*
 	@set -- $(subst _, ,$*); $(VERILATOR) --cc --build --quiet -j 1 -O3 --x-assign fast --x-initial unique --assert \
-	  -Wno-fatal -Wno-lint -Werror-USERFATAL --top-module vista_stereo --Mdir build/rtl/engine/$* -CFLAGS "-fPIC -O2" \
+	  -Wno-fatal -Wno-lint -Werror-USERFATAL -DFORMAL -Irtl/formal --top-module vista_stereo --Mdir build/rtl/engine/$* -CFLAGS "-fPIC -O2" \
 	  -GNumDisparities=$${1#d} -GBlockSize=$${2#b} -GMaxWidth=$${3#w} -f rtl/vista_stereo.f >build/rtl/engine/$*/build.log 2>&1 || \
 	  { tail -n 20 build/rtl/engine/$*/build.log >&2; exit 1; }
 	@root=$$($(VERILATOR) --getenv VERILATOR_ROOT); \

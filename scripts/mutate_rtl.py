@@ -17,7 +17,7 @@ import numpy as np
 
 ROOT = Path(__file__).resolve().parents[1]
 sys.path[:0] = [str(ROOT / p) for p in ("tb/common", "model", "build/python")]
-from broken_video import FAULTS, HEIGHT, WIDTH  # noqa: E402
+from broken_video import FAULTS, fault_size  # noqa: E402
 from faults import expected_after, react  # noqa: E402
 from frames import Frame, beats, expected_flags, random_frame, random_pair, set_up  # noqa: E402
 from registers import CONTROL, ERRORS, FRAMES_IN, FRAMES_OUT  # noqa: E402
@@ -27,6 +27,7 @@ from vista_eval.cache import digest_of  # noqa: E402
 from vista_eval.jobs import Job, add_place, chosen_place, exit_on_failure, run  # noqa: E402
 
 CONFIG = Config(16, 5, 64, mutants=True)
+WIDTH, HEIGHT = fault_size(CONFIG.num_disparities, CONFIG.block_size)
 LIMIT = 0.9
 SURVIVES = "SURVIVES"
 SELECT_BITS = 10  # of mutsel, in tb/common/mutants_core.sv too
@@ -76,7 +77,7 @@ def caught(rtl: Rtl) -> str | None:
             fault = FAULTS[rng.integers(len(FAULTS))]
             stream = beats(frame.left, frame.right)
             stream = np.concatenate(
-                [fault(stream.copy(), int(rng.integers(1, WIDTH * HEIGHT - 1)), rng), stream]
+                [fault(stream.copy(), WIDTH, int(rng.integers(1, WIDTH * HEIGHT - 1)), rng), stream]
             )
         elif seed % 3 == 1:
             paces = Pace(), Pace()

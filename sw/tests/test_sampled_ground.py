@@ -6,9 +6,11 @@ import numpy as np
 import pytest
 from random_seed import seeded
 from vista_eval.worlds.sampled.grounds import COVERS
-from vista_eval.worlds.sampled.laying import MOST_STRETCH, TEXEL_PER_RANGE, Patch, albedo_of
+from vista_eval.worlds.sampled.laying import MOST_STRETCH, Patch, albedo_of
 
-FINE_M = 0.03
+TEXEL_M = 0.05
+FINE_M = 0.025
+SHARP = {"asphalt"}  # has lines and joints narrower than TEXEL_M
 TEXELS = 48  # of a patch, along each side
 
 
@@ -23,17 +25,15 @@ def true_means(patch: Patch, cover: str, seed: int) -> np.ndarray:
     return fine.reshape(TEXELS, rows, TEXELS, columns).mean(axis=(1, 3))
 
 
-@pytest.mark.parametrize("cover", COVERS)
-def test_far_ground_has_no_more_contrast_than_its_texels_means(cover: str) -> None:
-    """At 60 m and at 120 m, where a texel is up to twelve times as long as it is wide."""
+@pytest.mark.parametrize("cover", sorted(COVERS.keys() - SHARP))
+def test_long_texels_have_the_contrast_of_their_means(cover: str) -> None:
+    """As a low flight sees the ground at 30 m, twelve times as long as wide: points here and there of a texel
+    would make speckles of it."""
     random = seeded(1)
-    seed = int(random.integers(1 << 30))
-    for range_m, stretch in ((60.0, MOST_STRETCH // 2), (120.0, MOST_STRETCH)):
-        texel_m = TEXEL_PER_RANGE * range_m
-        x_m, y_m = float(random.uniform(0, 50)), float(random.uniform(-10, 10))
-        ends_m = x_m + TEXELS * texel_m * stretch, y_m + TEXELS * texel_m
-        patch = Patch((x_m, ends_m[0]), (y_m, ends_m[1]), texel_m, stretch)
-        expected = true_means(patch, cover, seed)
-        laid = albedo_of(patch, cover, 1.0, seed, None)
-        assert laid.shape == expected.shape
-        assert 0.6 < laid.std() / expected.std() < 1.7, f"at {range_m} m"
+    seed, x_m, y_m = int(random.integers(1 << 30)), random.uniform(0, 50), random.uniform(-10, 10)
+    ends_m = x_m + TEXELS * TEXEL_M * MOST_STRETCH, y_m + TEXELS * TEXEL_M
+    patch = Patch((x_m, ends_m[0]), (y_m, ends_m[1]), TEXEL_M, MOST_STRETCH)
+    expected = true_means(patch, cover, seed)
+    laid = albedo_of(patch, cover, 1.0, seed, None)
+    assert laid.shape == expected.shape
+    assert 0.85 < laid.std() / expected.std() < 1.12
