@@ -18,7 +18,7 @@ assign f_last_x = (32'(f_x) == 32'(width_o) - 1);
 assign f_end    = (eol_o != f_last_x) | (f_last_x & (32'(f_y) == 32'(height_o) - 1));
 
 always_ff @(posedge clk_i) begin
-  f_started <= 1'b1;
+  if (!rst_ni) f_started <= 1'b1;
   f_width   <= width_i;
   f_height  <= height_i;
   if (valid_o & ready_i) begin
@@ -41,8 +41,12 @@ always_ff @(posedge clk_i) begin
   end
 end
 
+`ifdef VERILATOR
+always_ff @(posedge clk_i) begin  // a bench may change the inputs between clocks
+`else
 always_comb begin
   if (!f_started) assume (!rst_ni);
+`endif
   if (f_started) begin
     // Framing of what leaves.
     if (valid_o) assert (sof_o == !f_inside);

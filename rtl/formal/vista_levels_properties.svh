@@ -28,7 +28,7 @@ logic [RowW-1:0] f_last_height;
 logic [2:0]      f_last_levels;
 
 always_ff @(posedge clk_i) begin
-  f_started <= 1'b1;
+  if (!rst_ni) f_started <= 1'b1;
   f_stepped <= step;
   f_beat    <= {level_sof, eol, first ? source_data_i : fetch_data_i};
   f_waited  <= valid_o & ~ready_i;
@@ -74,17 +74,23 @@ always_ff @(posedge clk_i) begin
   end
 end
 
+`ifdef VERILATOR
+always_ff @(posedge clk_i) begin  // a bench may change the inputs between clocks
+`else
 always_comb begin
   if (!f_started) assume (!rst_ni);
-  assume (32'(width_i) >= MinWidth && 32'(width_i) <= MaxWidth && 32'(height_i) >= MinHeight);
-  if (f_started && first && f_inside)
-    assume (width_i == f_source_width && height_i == f_source_height && levels_i == f_source_levels);
-  if (f_source_held) begin
-    assume (source_valid_i && {source_eol_i, source_data_i} == f_source_beat);
-    assume (width_i == f_source_width && height_i == f_source_height && levels_i == f_source_levels);
-  end
-  if (f_fetch_held) assume (fetch_valid_i && {fetch_eol_i, fetch_data_i} == f_fetch_beat);
+`endif
   if (f_started) begin
+    if (source_valid_i || (first && f_inside))
+      assume (32'(width_i) >= MinWidth && 32'(width_i) <= MaxWidth && 32'(height_i) >= MinHeight);
+    if (first && f_inside)
+      assume (width_i == f_source_width && height_i == f_source_height && levels_i == f_source_levels);
+    if (f_source_held) begin
+      assume (source_valid_i && {source_eol_i, source_data_i} == f_source_beat);
+      assume (width_i == f_source_width && height_i == f_source_height && levels_i == f_source_levels);
+    end
+    if (f_fetch_held) assume (fetch_valid_i && {fetch_eol_i, fetch_data_i} == f_fetch_beat);
+
     // Beats.
     assert (step == ((source_valid_i & source_ready_o) | (fetch_valid_i & fetch_ready_o)));
     assert (!(source_ready_o & fetch_ready_o));
@@ -114,8 +120,10 @@ always_comb begin
     if (level_q == '0) assert (fetch_ready_o == 1'b0);
 
     // What makes these inductive.
-    assert (32'(width) >= MinWidth && 32'(width) <= MaxWidth && 32'(height) >= MinHeight);
-    assert (32'(col_q) < 32'(width) && row_q < height);
+    if (!first || f_inside || source_valid_i) begin
+      assert (32'(width) >= MinWidth && 32'(width) <= MaxWidth && 32'(height) >= MinHeight);
+      assert (32'(col_q) < 32'(width) && row_q < height);
+    end
     if (level_q != '0) assert (32'(level_q) < 32'(levels_q));
   end
 end

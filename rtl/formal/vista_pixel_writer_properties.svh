@@ -24,7 +24,7 @@ assign f_place = f_n - f_out;
 assign f_at    = read_ptr_q + PtrW'(f_place - 6'd1);  // of the pixel that is followed, behind the one that is offered
 
 always_ff @(posedge clk_i) begin
-  f_started <= 1'b1;
+  if (!rst_ni) f_started <= 1'b1;
   f_n       <= f_n;
   if (go_o) f_age <= (PtrW + 1)'(1);
   else if (32'(f_age) <= InFlight - 3) f_age <= f_age + 1'b1;
@@ -65,12 +65,17 @@ always_ff @(posedge clk_i) begin
   end
 end
 
+`ifdef VERILATOR
+always_ff @(posedge clk_i) begin  // a bench may change the inputs between clocks
+`else
 always_comb begin
   if (!f_started) assume (!rst_ni);
-  assume (!result_valid_i || go_o || 32'(f_age) <= InFlight - 3);
-  if (result_valid_i) assume (result_sof_i == f_end);
-  if (result_valid_i && f_cut) assume (result_cut_i);
+`endif
   if (f_started) begin
+    assume (!result_valid_i || go_o || 32'(f_age) <= InFlight - 3);
+    if (result_valid_i) assume (result_sof_i == f_end);
+    if (result_valid_i && f_cut) assume (result_cut_i);
+
     // Never too many.
     assert (32'(level_q) <= Depth);
     assert (!write || 32'(level_q) < Depth);

@@ -54,6 +54,10 @@ module vista_frame_guard #(
 
   localparam logic [1:0] Fewest = 2'd3;  // pixels of a frame that breaks
 
+  if (MaxWidth < MinWidth || MaxWidth > LargestWidth) begin : gen_bad_width
+    $fatal(1, "MaxWidth must be 4 .. 65535");
+  end
+
   logic head_valid, head_ready, head_sof, head_eol;
   logic [DataW-1:0] head;
 

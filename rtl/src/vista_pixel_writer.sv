@@ -104,16 +104,6 @@ module vista_pixel_writer #(
 
   assign {side_o, sof_o, eol_o, data_o} = word_q;
 
-`ifndef SYNTHESIS
-  // In simulation: once it was reset, it never holds more than there is room for.
-  logic was_reset = 1'b0;
-
-  always_ff @(posedge clk_i) begin
-    if (!rst_ni) was_reset <= 1'b1;
-    else if (was_reset) assert (!write || 32'(level_q) < Depth);
-  end
-`endif
-
 `ifdef FORMAL
   `include "vista_pixel_writer_properties.svh"
 `endif

@@ -53,6 +53,10 @@ module vista_rows #(
 
   import vista_stereo_pkg::*;
 
+  if (MaxWidth < MinWidth || MaxWidth > LargestWidth) begin : gen_bad_width
+    $fatal(1, "MaxWidth must be 4 .. 65535");
+  end
+
   logic head_valid, head_ready, head_sof, head_eol;
   logic [DataW-1:0] head;
 

@@ -66,7 +66,10 @@ def _build_alone(config: Config, folder: Path) -> Path:
     files = sources("vista_stereo.f")
     if config.mutants:
         files = [f for f in files if f.name != "vista_stereo_core.sv"]
-        files += [BUILD / "mutate" / "mutants.v", Path(__file__).with_name("mutants_core.sv")]
+        files += [
+            BUILD / "mutate" / "vista_stereo_core" / "mutants.v",
+            Path(__file__).with_name("mutants_core.sv"),
+        ]
     library, stamp = folder / "engine.so", folder / "digest"
     flags = "-fPIC -O1" + " -DVISTA_COVERAGE" * config.coverage + " -DVISTA_MUTANTS" * config.mutants
     command = [

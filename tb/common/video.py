@@ -210,6 +210,7 @@ class Driver:
         places = np.cumsum([0, *(len(s.stream) for s in segments[:-1])]).tolist()
         firsts = dict(zip(places, segments, strict=True))
         position, offering, idle = 0, False, 0
+        latest = self.clock + (40 * len(stream) + 2000) / min(offered, taken)
         while idle < self.patience / min(offered, taken) and (stop_after is None or position < stop_after):
             if not offering and position < len(stream):
                 first = firsts.get(position)
@@ -235,6 +236,7 @@ class Driver:
                 seen.errors |= bit if getattr(dut, name).value else 0
             await FallingEdge(dut.clk_i)
             self.clock += 1
+            assert self.clock < latest, "it does not end"
         dut.s_axis_tvalid.value = 0
         if stop_after is None:
             assert position == len(stream), "the input hung"
