@@ -83,7 +83,10 @@ module vista_rectify #(
   localparam int unsigned FrameW = ColW + RowW + NumberW + 2 + SideWidth;
   localparam int unsigned AllSideW = SideWidth + RowW + ColW + 1;
 
-  if (NumRows != 16 && NumRows != 32 && NumRows != 64 && NumRows != 128) begin : gen_illegal_rows
+  if (MaxWidth < MinWidth || MaxWidth > 4096) begin : gen_bad_width
+    $fatal(1, "MaxWidth must be 4 .. 4096");
+  end
+  if (NumRows != 16 && NumRows != 32 && NumRows != 64 && NumRows != 128) begin : gen_bad_rows
     $fatal(1, "NumRows must be 16, 32, 64 or 128");
   end
 
@@ -166,34 +169,27 @@ module vista_rectify #(
     error_map_o <= head_valid & head_ready & head_sof & enable_i & ~map_ok_q & rst_ni;
   end
 
-  // Rows of the line buffer, numbered on and on. The row that arrives may be written once the one that lay in its place
-  // is free.
-  logic [NumberW-1:0] number_q, free_q, needed, room;
-  logic [ColW-1:0]    last_col_q;
-  logic [NumRows-1:0] cut_rows_q;  // have filler in them
-  logic cut_q, begins_q, begins, store_last, frame_room;
+  logic [NumberW-1:0] number, free_q, needed;
+  logic frame_room, row_needed_cut;
 
-  assign store_last = store_valid & (store_col == last_col_q);
-  assign begins     = store_valid ? store_last : begins_q;  // the next pixel begins a row
-  assign room       = free_q + NumberW'(NumRows) - number_q;  // rows, with the one that arrives
-  assign take_go    = ~begins | ((room > NumberW'(store_last)) & frame_room);
-
-  always_ff @(posedge clk_i) begin
-    if (frame_start_o) last_col_q <= ColW'(width2_q - 1'b1);
-    if (store_last) begin
-      number_q                         <= number_q + 1'b1;
-      cut_rows_q[number_q[RingW-1:0]] <= cut_q;
-    end
-    begins_q <= begins;
-    if (frame_start_o) cut_q <= 1'b0;
-    if (error_early_eol_o | error_late_eol_o | error_early_sof_o) cut_q <= 1'b1;  // from the next pixel on
-    if (!rst_ni) begin
-      number_q   <= '0;
-      last_col_q <= '1;
-      cut_q      <= 1'b0;
-      begins_q   <= 1'b1;
-    end
-  end
+  vista_rectify_ring #(
+    .MaxWidth (MaxWidth),
+    .NumRows  (NumRows)
+  ) u_ring (
+    .clk_i,
+    .rst_ni,
+    .frame_start_i (frame_start_o),
+    .last_col_i    (ColW'(width2_q - 1'b1)),
+    .broken_i      (error_early_eol_o | error_late_eol_o | error_early_sof_o),
+    .store_valid_i (store_valid),
+    .store_col_i   (store_col),
+    .frame_room_i  (frame_room),
+    .go_o          (take_go),
+    .number_o      (number),
+    .free_i        (free_q),
+    .row_i         (needed[RingW-1:0]),
+    .cut_o         (row_needed_cut)
+  );
 
   // Frames, from the writing of the line buffer to its reading.
   logic frame_valid, frame_ready, frame_on, frame_bank, frame_end;
@@ -209,7 +205,7 @@ module vista_rectify #(
     .rst_ni,
     .valid_i (frame_start_o),
     .ready_o (frame_room),
-    .data_i  ({ColW'(width2_q - 1'b1), height2_q - 1'b1, number_q, rectify2_q, bank2_q, side1_q}),
+    .data_i  ({ColW'(width2_q - 1'b1), height2_q - 1'b1, number, rectify2_q, bank2_q, side1_q}),
     .valid_o (frame_valid),
     .ready_i (frame_ready),
     .data_o  ({frame_last_col, frame_last_row, frame_base, frame_on, frame_bank, frame_side})
@@ -247,9 +243,9 @@ module vista_rectify #(
     .bank_i          (frame_bank),
     .side_i          (frame_side),
     .frame_end_o     (frame_end),
-    .number_i        (number_q),
+    .number_i        (number),
     .needed_o        (needed),
-    .cut_i           (cut_rows_q[needed[RingW-1:0]]),
+    .cut_i           (row_needed_cut),
     .on_o            (points_on),
     .j_o             (points_j),
     .addr_o          (points_addr),
@@ -362,7 +358,7 @@ module vista_rectify #(
     ) u_sample (
       .clk_i,
       .write_i      (store_valid),
-      .write_row_i  (number_q[RingW-1:0]),
+      .write_row_i  (number[RingW-1:0]),
       .write_col_i  (store_col),
       .write_data_i (store_data[i*PixelW+:PixelW]),
       .load_i       (load),
@@ -381,7 +377,7 @@ module vista_rectify #(
   // What goes along with a pixel; what goes along with a frame is handed over halfway, since frames are longer than that.
   localparam int unsigned Halfway = SampleLatency / 2;
 
-  logic [SampleLatency:1] valid_q, sof_q, eol_q, end_q, cut_q2;
+  logic [SampleLatency:1] valid_q, sof_q, eol_q, end_q, cut_q;
   logic [AllSideW-1:0] side_early_q, side_late_q;
 
   always_ff @(posedge clk_i) begin
@@ -389,7 +385,7 @@ module vista_rectify #(
     sof_q   <= {sof_q[SampleLatency-1:1], row_first & (x_q == '0)};
     eol_q   <= {eol_q[SampleLatency-1:1], row_end};
     end_q   <= {end_q[SampleLatency-1:1], row_end & row_last};
-    cut_q2  <= {cut_q2[SampleLatency-1:1], row_cut};
+    cut_q  <= {cut_q[SampleLatency-1:1], row_cut};
     if (step & row_first & (x_q == '0)) begin
       side_early_q <= {row_side, row_last_row + 1'b1, (ColW + 1)'(row_last_col) + 1'b1};
     end
@@ -407,7 +403,7 @@ module vista_rectify #(
     .result_sof_i   (sof_q[SampleLatency]),
     .result_eol_i   (eol_q[SampleLatency]),
     .result_end_i   (end_q[SampleLatency]),
-    .result_cut_i   (cut_q2[SampleLatency]),
+    .result_cut_i   (cut_q[SampleLatency]),
     .result_data_i  (pixels),
     .result_side_i  (side_late_q),
     .go_o           (go),

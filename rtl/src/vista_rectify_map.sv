@@ -87,7 +87,7 @@ module vista_rectify_map #(
     if (write_i & ~ready_o) loading_q <= 1'b0;
     if (commit_i) loading_q <= 1'b0;
     if (begin_i) begin
-      loading_q     <= ready_o;
+      loading_q     <= ready_o & ~commit_i;
       right_q       <= 1'b0;
       full_q        <= 1'b0;
       too_far_q     <= 1'b0;

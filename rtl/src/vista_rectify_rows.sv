@@ -213,16 +213,6 @@ module vista_rectify_rows #(
     .data_o  ({segment_value_o, segment_slope_o})
   );
 
-`ifndef SYNTHESIS
-  // There is always room for a segment.
-  logic was_reset = 1'b0;
-
-  always_ff @(posedge clk_i) begin
-    if (!rst_ni) was_reset <= 1'b1;
-    else if (was_reset) assert (!segment_valid_q || segments_ready);
-  end
-`endif
-
 `ifdef FORMAL
   `include "vista_rectify_rows_properties.svh"
 `endif
