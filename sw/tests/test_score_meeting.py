@@ -259,7 +259,7 @@ def fly_at_a_wall(
             extent_m=(extent_m, extent_m),
             in_collision_volume=True,
         )
-        told = Nearest(1, place_m, ahead_m, None) if nearest else None
+        told = Nearest(1, place_m, ahead_m, None, np.eye(3)) if nearest else None
         times = (k, round(k * 1e9 / disk.RATE_HZ))
         records.append(FrameRecord(*times, pose, (warning,), told, 1, 0.5, {"host": 1.0}))
     return score_records(folder, records, parameters.defaults(), STRICT)
@@ -333,7 +333,7 @@ def test_ground_in_the_box_does_not_excuse_a_wrong_distance(tmp_path: Path) -> N
             extent_m=(6.0, 6.0),
             in_collision_volume=True,
         )
-        told = Nearest(1, place_m, 20.0, None)
+        told = Nearest(1, place_m, 20.0, None, np.eye(3))
         times = (k, round(k * 1e9 / disk.RATE_HZ))
         records.append(FrameRecord(*times, pose, (warning,), told, 1, 0.5, {"host": 1.0}))
     values = parameters.defaults()

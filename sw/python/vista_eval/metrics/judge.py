@@ -110,10 +110,13 @@ class Judge:
             if not self._was_there(frame, warnings[alarm.id], positions_m[alarm.id], alarm.range_m)
         ]
         self._earlier_m = np.concatenate([self._earlier_m, frame.real.position_m[::16]])
-        matched = self._match(frame, [k for k in agreeing if k in warnings], positions_m)
+        told = nearest.id if rules.meeting and nearest is not None else None
+        matched = self._match(frame, [k for k in agreeing if k in warnings], positions_m, told)
         error_m, nees = None, None
         if target is not None and matched is not None and matched != TOO_NEAR_ID:
             covariance_m2 = warnings[matched].covariance_m2
+            if rules.meeting and nearest is not None and nearest.id == matched:
+                covariance_m2 = nearest.covariance_m2
             covariance_m2 = world_from_estimate.rotation @ covariance_m2 @ world_from_estimate.rotation.T
             camera_m = frame.world_from_camera.translation_m
             error_m, nees = errors(target, positions_m[matched], covariance_m2, camera_m)
@@ -132,9 +135,15 @@ class Judge:
             1 if target is not None and target.met else DIMENSIONS,
         )
 
-    def _match(self, frame: FrameTruth, agreeing: list[int], positions_m: dict[int, Array]) -> int | None:
+    def _match(
+        self, frame: FrameTruth, agreeing: list[int], positions_m: dict[int, Array], told: int | None
+    ) -> int | None:
         """One of the warnings that agree with the target: that of the frame before if it still does, else the
-        nearest to P; one without a track only if there is no other."""
+        nearest to P; one without a track only if there is no other. Of what is judged by where it is met, the
+        one that says so, `told`, if it agrees."""
+        if told in agreeing and told != TOO_NEAR_ID and frame.target is not None and frame.target.met:
+            self._matched = told
+            return told
         tracks = [k for k in agreeing if k != TOO_NEAR_ID]
         if not agreeing or self._matched in tracks:
             return self._matched if agreeing else None
