@@ -44,6 +44,7 @@ class Load:
     words: list[int]
     verdict: int
     after_starts: int = 0
+    hasty: bool = False  # begun whether the bank is free or not
 
 
 @dataclass
@@ -99,7 +100,8 @@ def bad_load(rng, height, width):
         return Load(width, height, words_of(grids), ROWS_REFUSED)
     words = words_of(grids)
     count = int(rng.choice([0, 1, len(words) - 1, len(words) // 2]))
-    return Load(width, height, words[:count] if kind == 1 else [*words, words[0]], SIZE_REFUSED)
+    words = words[:count] if kind == 1 else [*words, words[0]]
+    return Load(width, height, words, SIZE_REFUSED, hasty=bool(rng.integers(2)))
 
 
 def rectified(image, grid):
@@ -190,7 +192,7 @@ class Loader:
         dut = self.dut
         for load in self.loads:
             await self.pause()
-            while not dut.map_ready_o.value:
+            while not (load.hasty or dut.map_ready_o.value):
                 await self.clock()
             dut.map_begin_i.value, dut.map_width_i.value, dut.map_height_i.value = 1, load.width, load.height
             await self.clock()
