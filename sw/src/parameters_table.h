@@ -26,6 +26,7 @@ static const struct {
     {{"stereo.lr_max_diff", "px", "Largest difference of the left and the right winner; -1: no left/right check.", VISTA_PARAMETER_INT, 1, -1, 255, "", 0, NULL}, offsetof(vista_parameters, stereo.lr_max_diff)},
     {{"stereo.smooth", "", "Smoothing of both images before they are matched: none, or 1 2 1 in both directions.", VISTA_PARAMETER_CHOICE, 0, 0, 1, "", 2, stereo_smooth_choices}, offsetof(vista_parameters, stereo.smooth)},
     {{"stereo.levels", "", "Levels of the image pyramid that are matched, each half the size of the one before.", VISTA_PARAMETER_INT, 3, 1, 4, "", 0, NULL}, offsetof(vista_parameters, stereo.levels)},
+    {{"stereo.rectify_rows", "rows", "Line buffer (16, 32, 64 or 128 rows) of hardware that rectifies by a control grid; 0: exact rectification.", VISTA_PARAMETER_INT, 0, 0, 128, "", 0, NULL}, offsetof(vista_parameters, stereo.rectify_rows)},
     {{"motion.velocity_smoothing_s", "s", "Time constant of velocity and turn rate from poses; 0: the last difference.", VISTA_PARAMETER_FLOAT, 0.3, 0.0, 60.0, "", 0, NULL}, offsetof(vista_parameters, motion.velocity_smoothing_s)},
     {{"motion.speed_min_m_s", "m/s", "Slower, the flight direction is the optical axis.", VISTA_PARAMETER_FLOAT, 0.5, 0.0, 100.0, "", 0, NULL}, offsetof(vista_parameters, motion.speed_min_m_s)},
     {{"motion.speed_max_m_s", "m/s", "A pose that only a faster vehicle could have reached is refused.", VISTA_PARAMETER_FLOAT, 150.0, 1.0, 10000.0, "", 0, NULL}, offsetof(vista_parameters, motion.speed_max_m_s)},

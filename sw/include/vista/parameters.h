@@ -27,7 +27,8 @@ typedef struct vista_stereo_params {
   int32_t lr_max_diff; /* Largest difference of the left and the right winner; -1: no left/right check. -1 .. 255 px. */
   vista_stereo_smooth smooth; /* Smoothing of both images before they are matched: none, or 1 2 1 in both directions. */
   int32_t levels; /* Levels of the image pyramid that are matched, each half the size of the one before. 1 .. 4. */
-  unsigned char reserved[220];
+  int32_t rectify_rows; /* Line buffer (16, 32, 64 or 128 rows) of hardware that rectifies by a control grid; 0: exact rectification. 0 .. 128 rows. */
+  unsigned char reserved[216];
 } vista_stereo_params;
 
 /* The vehicle's own motion, from poses. */
