@@ -39,7 +39,7 @@ static void mark_borders(const vista_graph *graph, const int32_t *label, uint8_t
 /* Cost of a pixel at (u, v) from the cell's own centre, but for contrast: at_center + per_u u + per_v v +
  * per_px2 (u^2 + v^2), the square of the distance from the candidate's centre multiplied out. */
 typedef struct candidate {
-  float intensity, at_center, per_u, per_v, per_px2;
+  float intensity, word, at_center, per_u, per_v, per_px2;
   int32_t label;
 } candidate;
 
@@ -56,6 +56,7 @@ static int32_t list_candidates(const vista_foveation *f, const vista_refinement_
     const float per_px2 = (float)params->compactness / (f->size_px[i] * f->size_px[i]);
     const float penalty = border[i] ? (float)params->mixed_penalty : 0.0f;
     out[count++] = (candidate){.intensity = cells->intensity[i],
+                               .word = cells->disparity_px[i] * VISTA_DISPARITY_SCALE,
                                .at_center = penalty + per_px2 * (u * u + v * v),
                                .per_u = -2.0f * per_px2 * u,
                                .per_v = -2.0f * per_px2 * v,
@@ -67,7 +68,7 @@ static int32_t list_candidates(const vista_foveation *f, const vista_refinement_
 
 /* Some pixels of one cell, side by side. */
 typedef struct batch {
-  float u[BATCH], v[BATCH], grey[BATCH];
+  float u[BATCH], v[BATCH], grey[BATCH], word[BATCH];
   int32_t best[BATCH]; /* cost and, in the lowest bits, candidate: of equal costs the first one's is smaller */
 } batch;
 
@@ -77,12 +78,17 @@ static inline void try_candidate(const vista_refinement_params *params, const ca
   const float per_level = (float)(1.0 / params->sigma_intensity), limit = (float)params->contrast_limit;
   const float intensity = one->intensity, at_center = one->at_center;
   const float per_u = one->per_u, per_v = one->per_v, per_px2 = one->per_px2;
+  const float per_word = one->word < 0.0f ? 0.0f : (float)(1.0 / (params->sigma_disparity_px * VISTA_DISPARITY_SCALE));
+  const float most = (float)params->disparity_limit, own_word = one->word;
   for (int32_t k = 0; k < count; ++k) {
     const float u = b->u[k], v = b->v[k];
     const float levels = fabsf(b->grey[k] - intensity) * per_level;
     const float contrast = 0.5f * (levels + limit - fabsf(levels - limit));
+    const float beyond = b->word[k] < 0.0f ? 0.0f : own_word - b->word[k]; /* positive: farther than the cell */
+    const float steps = 0.5f * (beyond + fabsf(beyond)) * per_word;
+    const float step = 0.5f * (steps + most - fabsf(steps - most));
     const float distance = at_center + per_u * u + per_v * v + per_px2 * (u * u + v * v);
-    const int32_t key = (int32_t)((contrast + distance) * COST_ONE) * MAX_CANDIDATES + number;
+    const int32_t key = (int32_t)((contrast + step + distance) * COST_ONE) * MAX_CANDIDATES + number;
     b->best[k] = key < b->best[k] ? key : b->best[k];
   }
 }
@@ -91,7 +97,8 @@ static inline void try_candidate(const vista_refinement_params *params, const ca
  * vectors: what they hold beyond the last pixel is of no matter. */
 VISTA_WIDE_VECTORS static void solve(const vista_refinement_params *params, const candidate *candidates,
                                      int32_t candidate_count, const int16_t *us, const int16_t *vs, float center_u,
-                                     float center_v, const uint8_t *greys, int32_t pixel_count, int32_t *label) {
+                                     float center_v, const uint8_t *greys, const int16_t *words, int32_t pixel_count,
+                                     int32_t *label) {
   batch b;
   int32_t label_of[MAX_CANDIDATES];
   for (int32_t c = 0; c < candidate_count; ++c) label_of[c] = candidates[c].label;
@@ -101,9 +108,10 @@ VISTA_WIDE_VECTORS static void solve(const vista_refinement_params *params, cons
       b.u[k] = (float)us[first + k] - center_u;
       b.v[k] = (float)vs[first + k] - center_v;
       b.grey[k] = (float)greys[first + k];
+      b.word[k] = (float)words[first + k];
       b.best[k] = INT32_MAX;
     }
-    for (int32_t k = left; k < count; ++k) b.u[k] = b.v[k] = b.grey[k] = 0.0f; /* pixels of another cell */
+    for (int32_t k = left; k < count; ++k) b.u[k] = b.v[k] = b.grey[k] = b.word[k] = 0.0f; /* pixels of another cell */
     for (int32_t c = 0; c < candidate_count; ++c) try_candidate(params, &candidates[c], c, count, &b);
     for (int32_t k = 0; k < count; ++k) label[first + k] = label_of[b.best[k] & (MAX_CANDIDATES - 1)];
   }
@@ -113,7 +121,7 @@ static void refine_cell(const vista_foveation *f, const vista_refinement_params 
                         const candidate *candidates, int32_t count, int32_t node, vista_refinement *refinement) {
   const int32_t first = f->first_pixel[node];
   solve(params, candidates, count, f->pixel_u + first, f->pixel_v + first, f->center_u[node], f->center_v[node],
-        cells->greys + first, f->pixel_count[node], refinement->listed + first);
+        cells->greys + first, cells->words + first, f->pixel_count[node], refinement->listed + first);
   const int32_t *label = refinement->listed + first;
   for (int32_t r = f->first_run[node]; r < f->first_run[node + 1]; ++r) {
     const vista_run run = f->runs[r];
