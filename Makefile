@@ -32,7 +32,7 @@ endif
 DEMO_PAIRS := build/demo/oak-d
 DEMO_FLIGHT := build/demo/flight
 
-.PHONY: check types coverage lint-c help setup setup-jobs setup-browser native build install generate test test-python test-asan drift docs bench lint lint-python demo flights lock clean distclean
+.PHONY: check types coverage lint-c help setup setup-jobs setup-browser native build install generate test test-python test-asan drift docs bench lint lint-python demo demo-pairs flights lock clean distclean
 
 help: ## list the targets
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -134,10 +134,13 @@ bench: build .venv/bench.stamp .venv/jobs.stamp ## measure times on this machine
 
 # ---- demo ----
 
+demo-pairs: .venv/build.stamp ## fetch the real stills of the demo (4 MB), which tests of rooms use too; they are skipped without
+	@$(PYTHON) scripts/fetch_demo.py $(DEMO_PAIRS)
+
 demo: build ## run the whole chain on a rendered outdoor flight and on real stills, and make reports
 	@$(PYTHON) -m vista_eval.worlds.demo $(DEMO_FLIGHT)
 	@.venv/bin/vista run $(DEMO_FLIGHT) --out build/demo/flight-out
-	@$(PYTHON) scripts/fetch_demo.py $(DEMO_PAIRS)
+	@$(MAKE) --no-print-directory demo-pairs
 	@.venv/bin/vista run $(DEMO_PAIRS) --out build/demo/oak-d-out
 	@printf '%s\n' 'Reports, to be opened in a browser:' \
 	  "  outdoor flight at a sign, rendered  $(CURDIR)/build/demo/flight-out/report.html" \

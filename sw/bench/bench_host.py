@@ -3,7 +3,7 @@
 What is measured:
   street          KITTI odometry 00, 51 frames of 1226x370 as they are
   street 640x480  the middle 493x370 of the same, both images enlarged to 640x480: the size of the targets
-  oak-d           11 indoor pairs of 640x480 (make demo fetches them), each judged by itself
+  oak-d           11 indoor pairs of 640x480 (make demo-pairs fetches them), each judged by itself
 What is not there is left out; without any of them a synthetic flight stands in, and the table says so.
 
 The recording is played in blocks; a block is the whole sequence REPEATS times over. Processor time counts

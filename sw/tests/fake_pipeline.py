@@ -2,10 +2,21 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 from vista.geometry import Array, Calibration, Pose
-from vista.pipeline import Ellipse, Health, Motion, Nearest, Obstacle, Result
+from vista.pipeline import (
+    ID_GROUND,
+    ID_TOO_NEAR,
+    Ellipse,
+    Health,
+    Motion,
+    Nearest,
+    Obstacle,
+    Result,
+)
 
 CELL_PX = 10
 STILL = Pose(np.eye(3), np.zeros(3))
@@ -31,6 +42,15 @@ def fake_obstacle(track_id: int, z_m: float, camera: Calibration, **changes: obj
         "in_collision_volume": False,
     }
     return Obstacle(**(values | changes))
+
+
+def fake_ground(camera: Calibration, z_m: float, **changes: object) -> Obstacle:
+    values = {"kind": "ground", "in_collision_volume": True}
+    return fake_obstacle(ID_GROUND, z_m, camera, **(values | changes))
+
+
+def fake_too_near(camera: Calibration) -> Obstacle:
+    return fake_obstacle(ID_TOO_NEAR, 1.0, camera, kind="too_near", in_blind_zone=True)
 
 
 class FakePipeline:
@@ -68,7 +88,7 @@ class FakePipeline:
             fake_obstacle(3, z_m + 5.0, camera),
             fake_obstacle(4, z_m + 8.0, camera, confirmed=False),
         ]
-        nearest = Nearest(2, obstacles[1].position_m, z_m, z_m / 10.0) if self._frame > 1 else None
+        nearest = Nearest(2, obstacles[1].position_m, z_m, z_m / 10.0, np.eye(3)) if self._frame > 1 else None
         source = "UNTOLD" if pose is None else "POSE"
         velocity_m_s = np.array([0.0, 0.0, 10.0])
         motion = Motion(pose is not None, source, False, velocity_m_s, np.zeros(3), pose or STILL)
@@ -96,3 +116,20 @@ class FakePipeline:
             verdict_of_region=verdicts,
             words=words,
         )
+
+
+class DescendingPipeline(FakePipeline):
+    """The same with something too near to match, and with the ground: the flight path meets it from the third
+    frame on."""
+
+    def process(
+        self,
+        left: NDArray[np.uint8],
+        disparity: NDArray[np.int16] | list[NDArray[np.int16]],
+        t_ns: int,
+        pose: Pose | None,
+        up_world: Array | None,
+    ) -> Result:
+        result = super().process(left, disparity, t_ns, pose, up_world)
+        ground = fake_ground(self._camera, 9.0, in_collision_volume=self._frame > 2)
+        return replace(result, obstacles=[*result.obstacles, ground, fake_too_near(self._camera)])

@@ -24,7 +24,7 @@ import vista
 import vista.parameters
 import vista.pipeline
 from command_line import Vista, assert_refused, call
-from fake_pipeline import FakePipeline
+from fake_pipeline import DescendingPipeline, FakePipeline
 from shared_data import REPOSITORY
 from vista.chain import engine_parameters
 from vista.cli import main
@@ -76,7 +76,8 @@ def test_run_writes_what_interfaces_promise(tmp_path: Path, run_vista: Vista, ma
     ]
     assert list(first["obstacles"][0]) == obstacle_keys
     assert list(first["obstacles"][0]["ellipse_px"]) == ["center", "axes", "angle_deg"]
-    assert list(first["nearest_collision"]) == ["id", "position_m", "distance_m", "time_to_collision_s"]
+    nearest_keys = ["id", "position_m", "covariance_m2", "distance_m", "time_to_collision_s"]
+    assert list(first["nearest_collision"]) == nearest_keys
     assert lines[0]["nearest_collision"] is None
 
     summary = json.loads((out / "summary.json").read_text())
@@ -88,6 +89,33 @@ def test_run_writes_what_interfaces_promise(tmp_path: Path, run_vista: Vista, ma
     assert all(0 <= stage["median"] <= stage["p99"] for stage in stages.values())
     for index in range(cases.FRAMES):
         assert cv2.imread(str(out / "frames" / f"{index:06d}.jpg")).shape[1] > 2 * cases.WIDTH
+
+
+def test_only_things_count_as_obstacles(
+    tmp_path: Path, run_vista: Vista, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Three confirmed tracks; neither the ground nor what is too near to match is one more."""
+    monkeypatch.setattr(vista.pipeline, "Pipeline", DescendingPipeline)
+    status, stdout, _ = run_vista("run", cases.make_kitti(tmp_path / "flight"), "--out", tmp_path / "out")
+    assert status == 0 and "3 obstacles tracked" in stdout
+    summary = json.loads((tmp_path / "out" / "summary.json").read_text())
+    assert summary["obstacles_confirmed"] == 3
+
+
+def test_the_summary_says_how_far_the_path_was_seen_and_how_often_it_met_the_ground(
+    tmp_path: Path, run_vista: Vista, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of the four frames the last two have the ground in the collision volume, and all have it in view."""
+    folder = cases.make_kitti(tmp_path / "flight")
+    for pipeline, frames_met in ((FakePipeline, 0), (DescendingPipeline, 2)):
+        monkeypatch.setattr(vista.pipeline, "Pipeline", pipeline)
+        assert run_vista("run", folder, "--out", tmp_path / "out")[0] == 0
+        summary = json.loads((tmp_path / "out" / "summary.json").read_text())
+        assert summary["frames_with_ground_ahead"] == frames_met
+        assert summary["path_seen_m"] == {"median": 18.5, "least": 17.0}
+        assert [line["path_seen_m"] for line in read_lines(tmp_path / "out")] == [20.0, 19.0, 18.0, 17.0]
+    described = (REPOSITORY / "doc" / "output.md").read_text()
+    assert all(f"`{key}`" in described for key in ("frames_with_ground_ahead", "path_seen_m", "least"))
 
 
 def test_frames_keep_their_numbers(tmp_path: Path, run_vista: Vista) -> None:
@@ -221,7 +249,8 @@ def test_an_earlier_run_is_replaced(tmp_path: Path, run_vista: Vista) -> None:
     folder = cases.make_pairs(tmp_path / "pairs")
     out = tmp_path / "out"
     assert run_vista("run", folder, "--out", out)[0] == 0
-    assert run_vista("run", folder, "--out", out, "--frames", "0:1")[0] == 0
+    status, stdout, _ = run_vista("run", folder, "--out", out, "--frames", "0:1")
+    assert status == 0 and "pairs: 1 frame, " in stdout
     assert len(read_lines(out)) == 1
     assert [path.name for path in (out / "frames").iterdir()] == ["000000.jpg"]
 
@@ -322,7 +351,10 @@ BAD_OPTIONS = [
     (["run"], "required"),
     ([], "required"),
     (["fly"], "invalid choice"),
-    (["run", "SEQUENCE", "--out", "OUT", "--frames", "3"], "--frames"),
+    (
+        ["run", "SEQUENCE", "--out", "OUT", "--frames", "3"],
+        "--frames: '3' is not a range A:B of frame numbers",
+    ),
     (["run", "SEQUENCE", "--out", "OUT", "--frames", "-1:2"], "--frames"),
     (
         ["run", "SEQUENCE", "--out", "OUT", "--frames", "9:12"],

@@ -20,8 +20,7 @@ from vista_eval.controls import CONTROLS, FOREST, PERFECT, control_cached, true_
 from vista_eval.detectors import OURS, SGBM
 from vista_eval.metrics.flight_score import score_records
 from vista_eval.metrics.rules import STRICT
-from vista_eval.metrics.world_score import Beside
-from vista_eval.score_worlds import flights_in, score_worlds, write_worlds
+from vista_eval.score_worlds import Beside, score_worlds, write_worlds
 
 CAMERA = Calibration(disk.WIDTH, disk.HEIGHT, disk.FOCAL_PX, disk.CU, disk.CV, disk.BASELINE_M)
 FRAMES = 14
@@ -136,8 +135,7 @@ def test_worlds_of_a_folder(flight: Path) -> None:
         path = folder / "truth.json"
         path.write_text(path.read_text().replace('"split"', '"family": "signs", "split"'))
     beside = Beside(controls=(PERFECT,), sweep=SMALL, noise_grey=(2.0,))
-    assert flights_in(flight.parent) == [flight, twin]
-    worlds = score_worlds(flight.parent, values, beside)
+    worlds = score_worlds([flight, twin], values, beside)
     assert [(world.name, world.family) for world in worlds] == [("sign", "signs"), ("twin", "signs")]
     text = write_worlds(flight.parent, worlds, values)
     for title in ("By family", "in the same host", "Stereo alone", "sensor noise", "Segmentation"):

@@ -12,14 +12,17 @@ import pytest
 import sequence_cases as cases
 from command_line import assert_refused
 from command_line import call as call_vista
+from fake_pipeline import DescendingPipeline
+from vista import parameters
 from vista.errors import EXIT_OK, InputError
 
 fsspec = pytest.importorskip("fsspec", reason="no fsspec: make setup-jobs")
 parquet = pytest.importorskip("pyarrow.parquet", reason="no pyarrow: make setup-jobs")
 
+from vista_eval.jobs import HERE  # noqa: E402
 from vista_eval.recordings import examine as module  # noqa: E402
-from vista_eval.recordings import place  # noqa: E402
-from vista_eval.recordings.place import find_recordings  # noqa: E402
+from vista_eval.recordings import examine_all, storage  # noqa: E402
+from vista_eval.recordings.storage import find_recordings  # noqa: E402
 from vista_eval.recordings.table import SCHEMA, worst_first  # noqa: E402
 
 MEASURED = ("host_ms_median", "host_ms_p99", "total_ms_median")
@@ -84,6 +87,13 @@ def test_every_recording_is_a_row(prefix: Path, in_one_process: Path) -> None:
     assert rows["car/sequences/00"]["bytes"] == sum(path.stat().st_size for path in files)
 
 
+def test_only_things_count_as_obstacles(prefix: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Three confirmed tracks; neither the ground nor what is too near to match is one more."""
+    monkeypatch.setattr("vista.pipeline.Pipeline", DescendingPipeline)
+    row = module.examine(module.Detector("golden", parameters.defaults()), str(prefix), "site/flown")
+    assert (row["obstacles_confirmed"], row["error"]) == (3, None)
+
+
 def test_the_report_has_the_worst_first(in_one_process: Path) -> None:
     page = (in_one_process / "report.html").read_text()
     ordered = [row["recording"] for row in worst_first(rows_in(in_one_process))]
@@ -129,6 +139,24 @@ def test_only_what_has_changed_is_examined_again(
     assert flown == ["drone"]
 
 
+@pytest.mark.parametrize(("engine", "times"), [("golden", 1), ("rtl", 2)])
+def test_rows_of_the_simulated_core_are_not_kept(
+    prefix: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, engine: str, times: int
+) -> None:
+    """It is built anew when its sources change, which no digest tells."""
+    examined: list[str] = []
+
+    def examine(_: module.Detector, __: str, name: str) -> module.Row:
+        examined.append(name)
+        return module.row_of(None, [], set()) | {"error": None}
+
+    monkeypatch.setattr(examine_all, "examine", examine)
+    detector = module.Detector(engine, parameters.defaults())
+    rows = [examine_all.examine_all(detector, str(prefix), HERE, tmp_path) for _ in range(2)]
+    assert rows[0] == rows[1] and [row["recording"] for row in rows[0]] == NAMES
+    assert examined == NAMES * times
+
+
 def without_names(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
     return [row | {"recording": None} for row in rows]
 
@@ -150,8 +178,8 @@ def test_an_object_store_gives_the_same_rows(
 
 
 def test_no_file_of_a_store_is_copied_elsewhere(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(place, "files_of", lambda files, folder: {"../../../../etc/x": {"size": 1}})
-    with pytest.raises(InputError, match="has files outside of itself"), place.as_folder("memory://a", "b"):
+    monkeypatch.setattr(storage, "files_of", lambda files, folder: {"../../../../etc/x": {"size": 1}})
+    with pytest.raises(InputError, match="has files outside of itself"), storage.as_folder("memory://a", "b"):
         pass
 
 
@@ -167,8 +195,8 @@ def test_links_are_followed_and_loops_are_not(tmp_path: Path) -> None:
     (tmp_path / "elsewhere" / "pairs" / "again").symlink_to(tmp_path / "elsewhere")
     (tmp_path / "elsewhere" / "pairs" / "gone").symlink_to(tmp_path / "nowhere")
     assert find_recordings(str(tmp_path / "prefix")) == ["linked/pairs"]
-    content = place.content_of(str(tmp_path / "prefix"), "linked/pairs")
-    assert content.bytes >= place.content_of(str(tmp_path / "elsewhere"), "pairs").bytes > 0
+    content = storage.content_of(str(tmp_path / "prefix"), "linked/pairs")
+    assert content.bytes >= storage.content_of(str(tmp_path / "elsewhere"), "pairs").bytes > 0
 
 
 def test_what_breaks_at_one_recording_is_its_row(

@@ -13,7 +13,9 @@ import pytest
 from vista import parameters
 from vista.cli import main
 from vista.engine import INVALID
+from vista.errors import InputError
 from vista.report.plots import STYLE
+from vista_eval.dataset.files import write_bytes
 from vista_eval.dataset.truth import FlightTruth, TrueObject
 from vista_eval.figures import segmentation
 from vista_eval.figures.flights import the_four
@@ -66,6 +68,17 @@ def test_without_flights_nothing_is_written(tmp_path: Path, capsys: pytest.Captu
     assert main(["figures", str(out), "--flights", str(tmp_path)]) == 2
     assert "holds no flights" in capsys.readouterr().err
     assert not out.exists()
+
+
+def test_a_folder_that_cannot_be_made_is_named(
+    pictures: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "file").touch()
+    out = tmp_path / "file" / "figures"
+    assert main(["figures", str(out), "--flights", str(pictures.parent)]) == 2
+    assert f"{out}: cannot be written: not a directory" in capsys.readouterr().err
+    with pytest.raises(InputError, match="cannot be written: not a directory"):
+        write_bytes(out / "frame.png", b"")
 
 
 def test_correctness_by_hand() -> None:

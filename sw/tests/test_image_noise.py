@@ -106,7 +106,8 @@ def test_noise_added_to_real_images_is_measured(name: str) -> None:
     for image in images:
         found = [estimate(noisy(image, sigma)) for sigma in SIGMAS]
         print(name, " ".join(f"{value:.2f}" for value in found))
-        assert found[1] >= found[0] - 0.06  # a bin, which sigma 1 on top of 6 may not fill
+        # One more grey level is seen, but on top of four and more it may not fill a bin of the histogram.
+        assert found[1] > found[0] or (found[0] > 4.0 and found[1] >= found[0] - 0.06)
         assert np.all(np.diff(found[1:]) > 0.0)
         for sigma, value in zip(SIGMAS, found, strict=True):
             if sigma >= 6.0:

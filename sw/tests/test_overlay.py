@@ -9,12 +9,14 @@ from typing import Any
 import cv2
 import numpy as np
 import pytest
-from fake_pipeline import FakePipeline, fake_obstacle
+from fake_pipeline import DescendingPipeline, FakePipeline, fake_obstacle
 from numpy.typing import NDArray
+from vista import native
 from vista.geometry import Calibration
 from vista.health.finding import Finding, FrameHealth, Reason, State
-from vista.pipeline import Ellipse, Nearest, Obstacle
-from vista.report.labels import PADDING_PX, text_size
+from vista.pipeline import ID_GROUND, ID_TOO_NEAR, Ellipse, Nearest, Obstacle
+from vista.report import overlay
+from vista.report.labels import PADDING_PX, obstacle_name, text_size
 from vista.report.overlay import Overlay, draw_disparity, draw_obstacles, draw_regions, panel_tiles
 from vista.report.palette import GREY, INK, RED, YELLOW, RegionColours, distinct_colours
 from vista.sequence import Frame
@@ -33,7 +35,7 @@ def at(u: float, v: float, **changes: object) -> Obstacle:
 
 
 def nearest(obstacle: Obstacle, time_s: float | None = 2.5) -> Nearest:
-    return Nearest(obstacle.id, obstacle.position_m, obstacle.distance_m, time_s)
+    return Nearest(obstacle.id, obstacle.position_m, obstacle.distance_m, time_s, obstacle.covariance_m2)
 
 
 def test_colours_of_obstacles() -> None:
@@ -90,6 +92,12 @@ def test_labels_do_not_cover_each_other() -> None:
     assert alone - together > 4 * width * height
 
 
+def test_obstacles_without_a_track_are_called_what_they_are() -> None:
+    lib = native.load("vista")[1]
+    assert (ID_TOO_NEAR, ID_GROUND) == (lib.VISTA_ID_TOO_NEAR, lib.VISTA_ID_GROUND)
+    assert [obstacle_name(k) for k in (ID_TOO_NEAR, ID_GROUND, 7)] == ["too near", "ground", "#7"]
+
+
 def test_disparity_colours() -> None:
     words = np.array([[-16, 0, 31 * 16]] * 400, np.int16).repeat(40, axis=1)
     picture = draw_disparity(words, 32)
@@ -141,10 +149,10 @@ def test_the_panel_holds_four_tiles(size: tuple[int, int]) -> None:
     left = np.random.default_rng(0).integers(0, 256, size[::-1], np.uint8)
     words = np.full(size[::-1], -16, np.int16)
     pipeline = FakePipeline(camera)
-    overlay = Overlay("flight", 32)
+    drawing = Overlay("flight", 32)
     for index in range(2):
         result = pipeline.process(left, words, index, None, None)
-        picture = overlay.draw(Frame(index, index, left, left, None), result)
+        picture = drawing.draw(Frame(index, index, left, left, None), result)
         assert picture.dtype == np.uint8
         assert picture.shape[0] > 2 * size[1] and picture.shape[1] > 2 * size[0]
 
@@ -173,6 +181,45 @@ def test_a_region_that_splits_hands_its_colour_to_the_larger_part() -> None:
 
 def test_palette_has_no_colour_twice() -> None:
     assert len(np.unique(distinct_colours(), axis=0)) == len(distinct_colours())
+
+
+def texts_of_headline(
+    monkeypatch: pytest.MonkeyPatch, camera: Calibration, name: str = "flight"
+) -> dict[str, tuple[int, int]]:
+    """The texts above the tiles of a frame with a warning, and from where to where they reach, px."""
+    found = {}
+    bar_height = panel_tiles(camera.width, camera.height)[0][1]
+
+    def record(picture: NDArray[np.uint8], text: str, x: int, y: int, scale: float, *_: object) -> None:
+        if y < bar_height and picture.shape[1] > camera.width:
+            found[text] = (x - PADDING_PX, x + text_size(text, scale)[0] + PADDING_PX)
+
+    monkeypatch.setattr(overlay, "put_text", record)
+    left = np.zeros((camera.height, camera.width), np.uint8)
+    pipeline = DescendingPipeline(camera)
+    for index in range(2):
+        result = pipeline.process(left, np.full(left.shape, -16, np.int16), index, None, None)
+    Overlay(name, 32).draw(Frame(1, 1, left, left, None), result)
+    return found
+
+
+def test_the_headline_counts_things_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Three confirmed tracks; neither the ground nor what is too near to match is one more."""
+    facts, warning = texts_of_headline(monkeypatch, CAMERA)
+    assert facts == "flight   frame 1   3 obstacles   path seen to 19 m"
+    assert warning == "collision: #2  19.0 m  1.9 s"
+
+
+@pytest.mark.parametrize("width", [320, 400, 640, 1226])
+def test_the_headline_does_not_run_below_the_warning(monkeypatch: pytest.MonkeyPatch, width: int) -> None:
+    """On small pictures it leaves out how far the path is seen."""
+    camera = Calibration(width, 3 * width // 4, 450.0, width / 2, 3 * width / 8, 0.2)
+    (facts, (_, facts_end)), (_, (warning_start, _)) = texts_of_headline(
+        monkeypatch, camera, "V1_01_easy"
+    ).items()
+    assert facts_end <= width < warning_start
+    assert facts.startswith("V1_01_easy   frame 1   3 obstacles")
+    assert ("path seen to" in facts) == (width > 320)
 
 
 def test_the_headline_says_that_a_frame_is_blind() -> None:

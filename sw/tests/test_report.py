@@ -11,13 +11,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from fake_pipeline import FakePipeline, fake_obstacle
+from fake_pipeline import FakePipeline, fake_ground, fake_obstacle, fake_too_near
 from vista.command.run import path_seen
 from vista.geometry import Calibration, Pose
 from vista.health.finding import Finding, FrameHealth, Reason, State
 from vista.health.summary import summarize_health
 from vista.history import FrameRecord, stage_statistics
 from vista.obstacle_line import obstacle_line
+from vista.pipeline import ID_GROUND, ID_TOO_NEAR, Nearest
 from vista.report import run_report as report
 from vista.report.overlay import panel_tiles
 from vista.report.run_report import level_axes, render_report
@@ -57,6 +58,18 @@ def make_records(
             )
         )
     return records
+
+
+def with_ground_ahead(records: list[FrameRecord]) -> list[FrameRecord]:
+    """The ground is what is met first, and something is too near to match; neither has a track."""
+    ground, too_near = fake_ground(CAMERA, 9.0), fake_too_near(CAMERA)
+    nearest = Nearest(ID_GROUND, ground.position_m, 9.0, 1.5, ground.covariance_m2)
+    return [
+        dataclasses.replace(
+            record, obstacles=(*record.obstacles, ground, too_near), nearest_collision=nearest
+        )
+        for record in records
+    ]
 
 
 def make_summary(records: list[FrameRecord], stills: bool = False) -> dict:
@@ -222,6 +235,33 @@ def test_tracks(tmp_path: Path) -> None:
         "2.0",
         "yes",
     ]
+
+
+def test_the_ground_is_called_ground(tmp_path: Path) -> None:
+    page = render(tmp_path / "out", with_ground_ahead(make_records(3)))
+    assert data_of(page)["frames"][0]["hit"]["name"] == "ground"
+    first_cells = dict(re.findall(r'<tr data-key="(-?\d+)"[^>]*>\s*<td[^>]*>([^<]*)</td>', page))
+    assert first_cells == {
+        "1": "#1",
+        "2": "#2",
+        "3": "#3",
+        str(ID_GROUND): "ground",
+        str(ID_TOO_NEAR): "too near",
+    }
+
+
+@pytest.mark.parametrize("stills", [False, True])
+def test_only_things_count_as_obstacles(tmp_path: Path, stills: bool) -> None:
+    """Three confirmed tracks a frame; neither the ground nor what is too near to match is one more."""
+    records = with_ground_ahead(make_records(2, poses=not stills))
+    page = render(tmp_path / "out", records, stills=stills)
+    assert [frame["obstacles"] for frame in data_of(page)["frames"]] == [3, 3]
+    if stills:
+        assert ("6", "obstacles found") in [
+            card[:2] for card in report.make_cards(make_summary(records, stills), records)
+        ]
+        cells = re.findall(r'<tr data-key="0".*?</tr>', page, re.DOTALL)[0]
+        assert re.findall(r">([^<>]+)</td>", cells)[:4] == ["0", "3", "20.0", "9.0"]
 
 
 def test_the_ellipse_from_above_has_two_sigma() -> None:

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 from browser import Page, needs_browser
-from test_report import make_records, render
+from test_report import make_records, render, with_ground_ahead
 
 pytestmark = needs_browser
 WIDTHS_PX = (375, 800, 1300)
@@ -45,11 +45,14 @@ def page(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Page]:
 
 @pytest.fixture(scope="module")
 def reports(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
-    """A flight with two blind frames and a crowd of tracks that end in one place, and stills."""
+    """A flight with two blind frames and a crowd of tracks that end in one place, stills, and both again with
+    the ground ahead."""
     folder = tmp_path_factory.mktemp("reports")
     render(folder / "flight", make_records(FRAMES, blind=range(5, 7), crowd=25))
     render(folder / "stills", make_records(5, poses=False), stills=True)
-    return {name: folder / name / "report.html" for name in ("flight", "stills")}
+    render(folder / "descent", with_ground_ahead(make_records(3)))
+    render(folder / "meadows", with_ground_ahead(make_records(3, poses=False)), stills=True)
+    return {name: folder / name / "report.html" for name in ("flight", "stills", "descent", "meadows")}
 
 
 def place(page: Page, selector: str, x: float = 0.5, y: float = 0.5) -> tuple[float, float]:
@@ -170,7 +173,22 @@ def test_blind_frames_are_marked(page: Page, reports: dict[str, Path]) -> None:
     assert "Blind in 2 of 12 frames" in page.run('document.querySelector("[role=alert]").textContent')
 
 
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("descent", "collision warning: ground at 9.0 m, "),
+        ("meadows", "in the collision volume: ground at 9.0 m"),
+    ],
+)
+def test_ground_ahead_is_called_ground(page: Page, reports: dict[str, Path], name: str, words: str) -> None:
+    page.problems.clear()
+    page.open(reports[name], 800)
+    assert words in page.run("says.textContent")
+    assert page.problems == []
+
+
 def test_stills_are_a_gallery(page: Page, reports: dict[str, Path]) -> None:
+    page.problems.clear()
     page.open(reports["stills"], 800)
     assert page.run('document.querySelectorAll("#gallery button").length') == 5
     before = page.run("picture.src")
@@ -181,3 +199,7 @@ def test_stills_are_a_gallery(page: Page, reports: dict[str, Path]) -> None:
     assert (
         page.run('["tracks", "map", "distances", "strip"].filter((id) => document.getElementById(id))') == []
     )
+    page.mouse(*place(page, '#stage ellipse[data-track="1"]'), click=True)
+    selected = '[...document.querySelectorAll(".finder .selected")].map((e) => e.dataset.track)'
+    assert set(page.run(selected)) == {"1"} and page.run("chosen.textContent") == ""  # there are no tracks
+    assert page.problems == []

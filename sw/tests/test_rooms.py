@@ -13,7 +13,7 @@ OAK_D = REPOSITORY / "build" / "demo" / "oak-d"
 ARMCHAIR = "bedroom_chair"
 ARMCHAIR_MIDDLE = (0.39, 0.62)  # of width and height
 
-pytestmark = pytest.mark.skipif(not OAK_D.is_dir(), reason=f"{OAK_D} is not there: make demo")
+pytestmark = pytest.mark.skipif(not OAK_D.is_dir(), reason=f"{OAK_D} is not there: make demo-pairs")
 
 
 def test_something_is_an_obstacle_in_every_room_and_the_armchair_is_one() -> None:

@@ -7,6 +7,7 @@ import pytest
 from random_seed import seeded
 from scipy.stats import beta
 from vista_eval.metrics.intervals import clopper_pearson, share_of_flights, share_of_frames
+from vista_eval.report.world_tables import share_text
 
 
 @pytest.mark.parametrize("whole", [1, 7, 40])
@@ -18,6 +19,13 @@ def test_clopper_and_pearson(whole: int) -> None:
         assert high == pytest.approx(
             beta.ppf(0.975, part + 1, whole - part) if part < whole else 1.0, abs=1e-9
         )
+
+
+def test_many_flights() -> None:
+    """Of 1,300 flights the coefficients are larger than any float."""
+    for part in (1, 13, 650, 1299):
+        expected = (beta.ppf(0.025, part, 1301 - part), beta.ppf(0.975, part + 1, 1300 - part))
+        assert clopper_pearson(part, 1300) == pytest.approx(expected, abs=1e-9)
 
 
 def test_all_or_nothing_is_a_count_of_flights() -> None:
@@ -38,11 +46,26 @@ def test_a_count_of_flights() -> None:
     assert (share.low, share.high) == clopper_pearson(1, 4)
 
 
+@pytest.mark.parametrize("flights", [1, 2])
+def test_few_flights_have_no_bootstrap(flights: int) -> None:
+    """But the exact interval for the count of flights."""
+    share = share_of_frames([(18, 20)] * flights)
+    assert share is not None
+    assert (share.low, share.high, share.exact) == (None, None, False)
+    assert share_text(share) == f"{18 * flights}/{20 * flights}"
+    assert share_text(share_of_frames([(18, 20)] * 3)) == "54/60 (90 to 90 %)"
+    counted = share_of_flights([True] * flights)
+    assert counted is not None
+    assert (counted.low, counted.high) == clopper_pearson(flights, flights)
+    assert share_text(counted).endswith("%*)")
+
+
 def test_the_bootstrap_draws_flights_not_frames() -> None:
     """Half the flights have all frames, half none: the interval is far wider than that of as many single
     frames."""
     share = share_of_frames([(50, 50), (0, 50)] * 10)
     assert share is not None and not share.exact
+    assert share.low is not None and share.high is not None
     assert share.value == 0.5
     assert 0.15 < share.low < 0.35 and 0.65 < share.high < 0.85
 
@@ -56,6 +79,6 @@ def test_the_bootstrap_holds_the_truth() -> None:
         shares = random.beta(4.0, 1.0, 20)
         counts = [(int(random.binomial(25, share)), 25) for share in shares]
         found = share_of_frames(counts, seed=trial)
-        assert found is not None
+        assert found is not None and found.low is not None and found.high is not None
         held += found.low <= 0.8 <= found.high
     assert held >= 0.84 * 150

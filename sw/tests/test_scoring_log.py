@@ -7,6 +7,7 @@ import subprocess
 from pathlib import Path
 
 import pytest
+from checkout_on_disk import commit, make_checkout
 from shared_data import REPOSITORY
 from vista.errors import InputError
 from vista_eval.metrics.scoring_log import LOG, append, broken_at, clean_commit, git, read_log
@@ -23,17 +24,7 @@ from vista_eval.worlds.sampled.frozen import (
 
 @pytest.fixture
 def checkout(tmp_path: Path) -> Path:
-    (tmp_path / LOG).parent.mkdir(parents=True)
-    (tmp_path / FROZEN).parent.mkdir(parents=True)
-    (tmp_path / "code.py").write_text("1\n")
-    subprocess.run(["git", "init", "-q", tmp_path], check=True)
-    commit(tmp_path, "first")
-    return tmp_path
-
-
-def commit(root: Path, subject: str) -> None:
-    git(root, "add", "-A")
-    git(root, "-c", "user.name=a", "-c", "user.email=a@b", "commit", "-q", "--no-verify", "-m", subject)
+    return make_checkout(tmp_path)
 
 
 def logged(root: Path, scorings: int) -> list[str]:

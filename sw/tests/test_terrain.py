@@ -91,6 +91,25 @@ def test_level_and_low_flight_meets_nothing(height_m: float) -> None:
     assert not any(seen.warned for _, seen in found)
 
 
+def test_who_sinks_in_a_gust_low_over_level_ground_is_not_warned() -> None:
+    """Down by up to 6 degrees and up again, over and over: the place where the path would meet the ground
+    comes nearer by more than is flown, and goes away."""
+    random = seeded(69)
+    speed_m_s, period_s = random.uniform(9.0, 14.0), random.uniform(2.5, 4.0)
+    sink_m_s, phase = speed_m_s * np.radians(random.uniform(4.5, 6.0)), random.uniform(0.0, 2.0 * np.pi)
+    way_m = sink_m_s * period_s / (2.0 * np.pi)
+    flight, time_s = TerrainFlight(random), np.arange(34) / RATE_HZ
+    angle = 2.0 * np.pi * time_s / period_s + phase
+    height_m = 3.0 + 2.0 * way_m + way_m * np.sin(angle)
+    contacts = 0
+    for t_s, height, a in zip(time_s, height_m, angle, strict=True):
+        velocity = np.array([0.0, -sink_m_s * np.cos(a), speed_m_s])
+        seen = flight.fly(level, np.array([0.0, -height, speed_m_s * t_s]), velocity)
+        contacts += not np.isnan(seen.along_m)
+        assert not seen.warned
+    assert contacts > 3
+
+
 @pytest.mark.parametrize("descent_deg", [4.0, 8.0, 20.0])
 def test_a_path_that_descends_on_a_meadow_meets_it(descent_deg: float) -> None:
     """Be it to land: that is what the aircraft will touch."""
@@ -149,6 +168,79 @@ def test_one_frame_warns_of_nothing_and_a_few_without_words_end_no_warning() -> 
     assert not seen.warned
 
 
+def test_ground_below_the_image_is_held_as_what_is_too_near() -> None:
+    """A descent with a level camera: the contact leaves the image at its lower edge while the rest of
+    the meadow is matched as before."""
+    random = seeded(69)
+    flight, angle = TerrainFlight(random), np.radians(8.0)
+    direction = np.array([0.0, np.sin(angle), np.cos(angle)])
+    half_view = (flight.view.height_px - flight.view.center_v_px) / flight.view.focal_px
+    height_m, held = RADIUS_M + 50.0 * np.sin(angle), 0
+    for frame in range(24):
+        position = np.array([0.0, -height_m, 0.0]) + frame * SPEED_M_S / RATE_HZ * direction
+        seen = flight.fly(level, position, SPEED_M_S * direction)
+        to_contact = seen.point_m - position
+        if seen.blind:
+            held += 1
+            assert seen.coasting and to_contact[1] > 0.95 * half_view * to_contact[2]
+        if frame > 6 and seen.warned:
+            assert seen.along_m == pytest.approx(first_contact_m(level, position, direction), abs=2.0)
+        assert seen.warned or frame <= 6 or held
+    assert held >= 2
+
+
+def test_an_arc_into_a_hillside_is_met_along_it() -> None:
+    """Beside a bank, a turn leads into it, which straight on would never be met."""
+    random = seeded(70)
+    radius_m, rise, toe_m = random.uniform(150.0, 190.0), np.radians(35.0), 3.0
+    side = 1.0 if random.integers(2) else -1.0
+
+    def bank(x: np.ndarray, z: np.ndarray) -> np.ndarray:
+        return np.maximum(np.tan(rise) * (side * x - toe_m), 0.0)
+
+    def met_m() -> float:
+        """Where the arc's middle, 5 m above the plain, comes within a radius of the bank's plane."""
+        along = np.arange(0.0, 100.0, 0.05)
+        over = 5.0 - np.tan(rise) * (radius_m * (1.0 - np.cos(along / radius_m)) - toe_m)
+        return float(along[np.argmax(over * np.cos(rise) <= RADIUS_M)])
+
+    curved, straight = TerrainFlight(random), TerrainFlight(random)
+    for frame in range(14):
+        flown_m = frame * SPEED_M_S / RATE_HZ
+        turned = flown_m / radius_m
+        ahead = np.array([side * np.sin(turned), 0.0, np.cos(turned)])
+        inwards = [side * np.cos(turned), 0.0, -np.sin(turned)]
+        position = np.array([side * radius_m * (1.0 - np.cos(turned)), -5.0, radius_m * np.sin(turned)])
+        seen = curved.fly(
+            bank,
+            position,
+            SPEED_M_S * ahead,
+            rotation=turn((0, 1, 0), side * np.degrees(turned)),
+            arc={"normal": inwards, "curvature_1_m": 1.0 / radius_m},
+        )
+        if frame >= 8:
+            assert seen.warned and seen.along_m == pytest.approx(met_m() - flown_m, abs=2.0)
+        beside = straight.fly(bank, np.array([0.0, -5.0, flown_m]), np.array([0.0, 0.0, SPEED_M_S]))
+        assert not beside.warned
+
+
+@pytest.mark.parametrize(("length_m", "met"), [(60.0, True), (30.0, False)])
+def test_an_arc_that_touches_flat_and_goes_on_into_the_ground_meets_it_where_it_touched(
+    length_m: float, met: bool
+) -> None:
+    """Bent downwards with a radius of 400 m, 1 m above level ground: touched at 1.8 degrees, entered at 5
+    degrees 35 m ahead."""
+    down, ahead = [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]
+    arc = [[0.0, 0.0, 0.0], ahead, down, 1.0 / 400.0, length_m]
+    volume = ffi.new("vista_terrain_volume *", [arc, RADIUS_M, 0.8])
+    plane = ffi.new("vista_terrain_plane *", [down, 1.0])
+    contact = ffi.new("vista_terrain_contact *")
+    assert lib.vista_terrain_meet(volume, plane, np.sin(np.radians(5.0)), contact) == met
+    if met:
+        touched_m = 400.0 * np.arccos(1.0 - (1.0 - contact.radius_m) / 400.0)
+        assert contact.along_m == pytest.approx(touched_m, abs=0.7)
+
+
 def test_without_own_motion_there_is_no_path() -> None:
     flight = TerrainFlight(seeded(66))
     for _ in range(8):
@@ -166,15 +258,14 @@ def test_a_restart_of_the_world_forgets_the_ground() -> None:
 
 
 def brute_force_m(volume, plane, path_at, short_m: float = 0.0) -> float:
-    """Along a path to where a disc across it first comes within short_m of the plane."""
+    """Along a path to where a ball on it first comes within short_m of the plane."""
     normal, offset = np.array(list(plane.normal)), plane.offset_m
     clearance = offset - normal @ np.array(list(volume.path.start_m))
     radius = min(volume.radius_m, volume.clearance_share * clearance)
     for along in np.arange(0.0, volume.path.length_m, 0.05):
         point, direction = path_at(along)
-        across = np.linalg.norm(np.cross(normal, direction))
-        if normal @ point + radius * across >= offset - short_m:
-            return along
+        if normal @ point + radius >= offset - short_m:
+            return along + radius * (normal @ direction)
     return np.inf
 
 
@@ -218,7 +309,7 @@ def test_the_contact_of_any_path_with_any_plane() -> None:
         assert first - step_m <= contact.along_m <= last + step_m
         point = np.array(list(contact.point_m))
         assert np.array(list(plane.normal)) @ point == pytest.approx(plane.offset_m, abs=0.02)
-        beside, along_direction = path_at(contact.along_m)
-        assert np.linalg.norm(point - beside) == pytest.approx(contact.radius_m, abs=1e-6)
+        center, along_direction = path_at(contact.along_m - contact.radius_m * contact.sine)
+        assert np.linalg.norm(point - center) == pytest.approx(contact.radius_m, abs=1e-6)
         assert contact.sine == pytest.approx(np.array(list(plane.normal)) @ along_direction, abs=1e-6)
     assert met > 30

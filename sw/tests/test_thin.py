@@ -67,6 +67,31 @@ def test_a_guy_wire_that_runs_away_from_the_camera_keeps_its_slope() -> None:
     assert line.disparity_slope == pytest.approx((true_px[1] - true_px[0]) / 120.0, abs=0.004)
 
 
+def test_a_wire_that_ends_in_the_image_ends_there() -> None:
+    """Half of its rows have words only, and the image shows no more of it: neither end runs on, by
+    more than a strip of rows."""
+    random = seeded(14)
+    wire = wire_at(random.uniform(60.0, 120.0), random.uniform(12.0, 20.0), 0.02)
+    sky = np.full((HEIGHT, WIDTH), 190.0)
+    image = np.clip(np.rint(sky + random.normal(0.0, 2.0, sky.shape)), 0, 255).astype(np.uint8)
+    first, last = sorted(random.choice(np.arange(40, HEIGHT - 40), 2, replace=False).tolist())
+    first, last = (first, last) if last - first > 140 else (100, 330)
+    image[first:last] = with_wire(sky, wire, random)[first:last]
+    words = words_around(wire, NOTHING, random)
+    words[:first], words[last:] = INVALID, INVALID
+    (line,) = Thin().find(image, words)
+    assert abs(line.first_v_px - first) <= 16 and abs(line.last_v_px - (last - 1)) <= 16
+
+
+@pytest.mark.parametrize("contrast", [3.5, 63.0])
+def test_any_contrast_in_range_finds_a_strong_wire(contrast: float) -> None:
+    """63 grey levels are the largest step that the ridges tell; a wire of 150 shows in full at each."""
+    random = seeded(16)
+    wire = wire_at(random.uniform(50.0, 130.0), 12.0, 0.03)
+    image = with_wire(np.full((HEIGHT, WIDTH), 190.0), wire, random)
+    assert len(Thin(contrast=contrast).find(image, words_around(wire, NOTHING, random))) == 1
+
+
 def test_a_few_right_words_before_texture_are_enough() -> None:
     """Most blocks that hold the wire see what is behind it."""
     random = seeded(3)
@@ -88,6 +113,19 @@ def test_the_engine_gives_words_enough() -> None:
     found = Thin().find(left, StereoEngine(num_disparities=64).compute(left, right))
     assert len(found) == 1
     assert off_line(found[0], wire)[1] < 1.0
+
+
+def test_what_continues_a_post_behind_it_is_not_of_the_post() -> None:
+    """The edge of a row of windows above it: the image shows one line, the words tell where the post ends."""
+    random = seeded(14)
+    wire = wire_at(random.uniform(75.0, 105.0), random.uniform(20.0, 40.0), 0.06, random.uniform(-1, 1))
+    image = with_wire(np.full((HEIGHT, WIDTH), 180.0), wire, random)
+    top = int(random.integers(200, 300))
+    words = words_around(wire, 2.5, random, share=random.uniform(0.5, 0.9))
+    words[:top] = words_around(wire, 2.5, random, share=0.0)[:top]
+    found = Thin().find(image, words)
+    assert len(found) == 1
+    assert top - 8 <= found[0].first_v_px < top + 100 and found[0].last_v_px > top + 100
 
 
 def test_a_line_on_a_surface_is_no_thing() -> None:
@@ -178,7 +216,10 @@ def test_bad_input_is_refused() -> None:
     image, words = np.zeros((HEIGHT, WIDTH), np.uint8), np.zeros((HEIGHT, WIDTH), np.int16)
     view = thin.view(image, words)
     handle = ffi.new("vista_thin **")
-    assert status_name(lib.vista_thin_search(ffi.NULL, CAMERA, view, ffi.NULL)) == "VISTA_ERROR_ARGUMENT"
+    given = [ffi.addressof(thin.params), CAMERA, view, thin._handle[0]]
+    for missing in range(len(given)):
+        arguments = [ffi.NULL if k == missing else each for k, each in enumerate(given)]
+        assert status_name(lib.vista_thin_search(*arguments)) == "VISTA_ERROR_ARGUMENT"
     assert thin.search(thin.view(image[:-1], words)) == "VISTA_ERROR_SIZE"
     assert thin.search(thin.view(image, words[:, :-1])) == "VISTA_ERROR_SIZE"
     thin.params.agree_px = 0.0

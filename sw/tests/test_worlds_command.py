@@ -3,42 +3,18 @@
 from __future__ import annotations
 
 import argparse
-from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
 import pytest
 from command_line import Vista, assert_refused, call
+from small_worlds import small_families
 from vista_eval.command import worlds as command
-from vista_eval.render.flight import Flight
-from vista_eval.render.rig import Rig
-from vista_eval.render.scene import Board, Scene, thing
 from vista_eval.worlds.sampled import catalog
-from vista_eval.worlds.sampled.courses import Courses
-from vista_eval.worlds.sampled.family import Family
-
-SMALL_RIG = Rig(width_px=160, height_px=120, focal_px=250.0, baseline_m=0.4572)
-
-
-def one_board(altitude_m: float, seed: int) -> Scene:
-    albedo = np.random.default_rng(seed).uniform(0.1, 0.7, (40, 40)).astype(np.float32)
-    board = Board("board", (0.0, 0.0, altitude_m), 6.0, 6.0, albedo)
-    return Scene((thing("board", "sign", [board], target=True),), to_sun=(-0.6, 0.3, 0.7))
-
-
-class SmallFamily(Family):
-    def flight(self, number: int, seed: int) -> Flight:
-        whole = super().flight(number, seed)
-        return replace(whole, rig=SMALL_RIG, approach=replace(whole.approach, frames=2))
 
 
 @pytest.fixture
 def families(monkeypatch: pytest.MonkeyPatch) -> None:
-    small = {
-        name: SmallFamily(name, name, split, one_board, Courses())
-        for name, split in (("one", "dev"), ("two", "dev"), ("three", "test"))
-    }
-    monkeypatch.setattr(catalog, "FAMILIES", small)
+    monkeypatch.setattr(catalog, "FAMILIES", small_families(one="dev", two="dev", three="test"))
 
 
 @pytest.fixture
@@ -77,7 +53,7 @@ def test_a_family_of_another_split_is_refused(families: None, vista: Vista, tmp_
     assert_refused(vista("worlds", tmp_path, "--family", "four"), "no family four")
 
 
-@pytest.mark.parametrize("option", [("--seed", 2), ("--count", 1), ("--quality", "quick")])
+@pytest.mark.parametrize("option", [("--seed", 2), ("--count", 1), ("--family", "three")])
 def test_the_test_set_is_scored_as_frozen_only(
     families: None, vista: Vista, tmp_path: Path, option: tuple[str, object]
 ) -> None:
@@ -86,5 +62,5 @@ def test_the_test_set_is_scored_as_frozen_only(
 
 
 def test_the_size_of_a_set_is_the_catalogs_unless_said() -> None:
-    asked = argparse.Namespace(count=None, seed=None, split="test", quality="full", render_only=False)
+    asked = argparse.Namespace(count=None, seed=None, split="test", family=[], render_only=False)
     assert command.size_of_set(asked) == (catalog.COUNT, catalog.SEED)

@@ -15,7 +15,7 @@ def unwritable(path: Path, error: OSError) -> InputError:
 
 
 def make_folder(path: Path) -> None:
-    """With those above it. Raises InputError when that cannot be done."""
+    """Makes the folder and the folders above it. Raises InputError when that cannot be done."""
     try:
         path.mkdir(parents=True, exist_ok=True)
     except OSError as error:

@@ -13,6 +13,11 @@ from numpy.typing import NDArray
 from vista import native, parameters
 from vista.geometry import Array, Calibration, Pose
 
+# Ids of obstacles without a track, as vista/obstacle.h has them: pictures and reports of a run that is over
+# name them without the library.
+ID_TOO_NEAR = 0
+ID_GROUND = -1
+
 
 @dataclass(frozen=True)
 class Ellipse:
@@ -29,7 +34,7 @@ class Ellipse:
 class Obstacle:
     """One obstacle, as the track that it belongs to estimates it in this frame."""
 
-    id: int  #: number of the track, from 1; 0: something too near to match, -1: the ground, both without one
+    id: int  #: number of the track, from 1; ID_TOO_NEAR or ID_GROUND without one
     confirmed: bool
     coasting: bool  #: not seen in this frame
     in_blind_zone: bool  #: nearer than the engine matches
@@ -44,6 +49,11 @@ class Obstacle:
     in_collision_volume: bool
     kind: str = "thing"  #: thing; too_near: to match; ground: where the flight path meets it
 
+    @property
+    def is_thing(self) -> bool:
+        """Whether it counts as an obstacle where obstacles are counted: a thing with a confirmed track."""
+        return self.confirmed and self.kind == "thing"
+
 
 @dataclass(frozen=True)
 class Nearest:
@@ -53,6 +63,9 @@ class Nearest:
     position_m: Array  #: (3,), in the world
     distance_m: float
     time_to_collision_s: float | None  #: None: hardly closing, or not known
+    covariance_m2: (
+        Array  #: (3, 3), of the position: that of the obstacle, and of which point of it is met first
+    )
 
 
 @dataclass(frozen=True)
@@ -291,4 +304,5 @@ def read_nearest(n: Any) -> Nearest:
         position_m=np.array(list(n.position_m)),
         distance_m=n.distance_m,
         time_to_collision_s=seconds if math.isfinite(seconds) else None,
+        covariance_m2=np.array(list(n.covariance_m2)).reshape(3, 3),
     )

@@ -18,15 +18,13 @@ import numpy as np
 from numpy.typing import NDArray
 from vista import parameters
 from vista.chain import engine_parameters
-from vista.engine import INVALID, SCALE, Engine, EngineParameters
+from vista.engine import INVALID, SCALE, Disparity, Engine, EngineParameters, Image
 from vista.history import FrameRecord
 
 from vista_eval.cache import code_digest, digest_of, kept
 from vista_eval.dataset.truth import TRUTH, FlightTruth, read_truth
 from vista_eval.detectors import OURS, SGBM, make_sgbm
 from vista_eval.fly import (
-    UNDISTURBED,
-    Disturbance,
     flight_digest,
     fly,
     fly_cached,
@@ -38,17 +36,12 @@ from vista_eval.fly import (
 FOREST, PERFECT = "spanning forest", "perfect disparities"
 CONTROLS = (OURS, FOREST, SGBM, PERFECT)
 
-Image = NDArray[np.uint8]
-Words = NDArray[np.int16]
-
 
 def with_forest(values: parameters.Values) -> parameters.Values:
     return values | {"segmentation": values["segmentation"] | {"solver": "forest"}}
 
 
-def fly_control(
-    control: str, folder: Path, values: parameters.Values, disturbance: Disturbance = UNDISTURBED
-) -> list[FrameRecord]:
+def fly_control(control: str, folder: Path, values: parameters.Values) -> list[FrameRecord]:
     """control: of CONTROLS."""
     if control == FOREST:
         values = with_forest(values)
@@ -57,29 +50,23 @@ def fly_control(
         engine = SgbmEngine(engine_parameters(values))
     elif control == PERFECT:
         engine = TruthEngine(engine_parameters(values), read_truth(folder))
-    return [judged(step) for step in fly(open_flight(folder, disturbance), values, engine)]
+    return [judged(step) for step in fly(open_flight(folder), values, engine)]
 
 
-def control_cached(
-    control: str,
-    folder: Path,
-    values: parameters.Values,
-    cache: Path,
-    disturbance: Disturbance = UNDISTURBED,
-) -> list[FrameRecord]:
+def control_cached(control: str, folder: Path, values: parameters.Values, cache: Path) -> list[FrameRecord]:
     """Records from `cache`, if of this flight, chain, control and parameters; else flown."""
     if control == OURS:
-        return fly_cached(folder, values, cache, disturbance)
+        return fly_cached(folder, values, cache)
     digest = digest_of(
         control,
-        flight_digest(folder, values, disturbance),
+        flight_digest(folder, values),
         code_digest(__name__),
         folder / TRUTH,
     )
     return kept(
         cache,
         digest,
-        lambda: fly_control(control, folder, values, disturbance),
+        lambda: fly_control(control, folder, values),
         lambda records: [read_record(record) for record in records],
     )
 
@@ -94,10 +81,10 @@ class SgbmEngine:
     def check_size(self, width_px: int, height_px: int) -> None:
         """It takes any."""
 
-    def compute(self, left: Image, right: Image) -> Words:
+    def compute(self, left: Image, right: Image) -> Disparity:
         return self._words(left, right)
 
-    def levels(self, left: Image, right: Image) -> Iterator[Words]:
+    def levels(self, left: Image, right: Image) -> Iterator[Disparity]:
         yield self.compute(left, right)
 
 
@@ -112,16 +99,16 @@ class TruthEngine:
     def check_size(self, width_px: int, height_px: int) -> None:
         """It takes any."""
 
-    def compute(self, left: Image, right: Image) -> Words:
+    def compute(self, left: Image, right: Image) -> Disparity:
         return next(self.levels(left, right))
 
-    def levels(self, left: Image, right: Image) -> Iterator[Words]:
+    def levels(self, left: Image, right: Image) -> Iterator[Disparity]:
         disparity_px = self._truth.disparity_px(next(self._times_ns))
         for level in range(self.parameters.levels):
             yield true_words(disparity_px, level, self.parameters.num_disparities)
 
 
-def true_words(disparity_px: NDArray[np.float32], level: int, num_disparities: int) -> Words:
+def true_words(disparity_px: NDArray[np.float32], level: int, num_disparities: int) -> Disparity:
     """Of a level of the pyramid; disparity_px: at level 0, 0 without a surface."""
     every = 1 << level
     words = np.rint(SCALE * disparity_px[::every, ::every] / every)

@@ -85,6 +85,13 @@ def fly_cached(
     )
 
 
+def records_name(disturbance: Disturbance = UNDISTURBED) -> str:
+    """Of the file in the flight's folder that keeps them."""
+    if disturbance.image_grey > 0.0:
+        return f"records_noise_{disturbance.image_grey:g}.json"
+    return "records_noisy.json" if disturbance.poses else "records.json"
+
+
 def flight_digest(folder: Path, values: parameters.Values, disturbance: Disturbance = UNDISTURBED) -> str:
     return digest_of(
         json.dumps([values, asdict(disturbance)], sort_keys=True),
@@ -103,7 +110,9 @@ def read_record(content: dict[str, Any]) -> FrameRecord:
             "world_from_camera": Pose(np.array(pose["rotation"]), np.array(pose["translation_m"])),
             "obstacles": tuple(_obstacle(o) for o in content["obstacles"]),
             "nearest_collision": nearest
-            and Nearest(**nearest | {"position_m": np.array(nearest["position_m"])}),
+            and Nearest(
+                **nearest | {name: np.array(nearest[name]) for name in ("position_m", "covariance_m2")}
+            ),
         }
     )
 

@@ -1,39 +1,77 @@
-"""Sampled flights of a folder: scored strictly, by family, beside their controls; figures, tables and
-report."""
+"""Sampled flights, flown and scored strictly beside their controls; figures, tables and report of their
+families."""
 
 from __future__ import annotations
 
 import json
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
 from functools import partial
 from pathlib import Path
 
 from vista import parameters
-from vista.errors import InputError
 from vista.output import write_atomically
 
-from vista_eval.dataset.truth import TRUTH
+from vista_eval.baselines.tracked_stereo import FULL, Sweep, tracked_cached
+from vista_eval.controls import CONTROLS, control_cached
+from vista_eval.dataset.truth import read_truth
+from vista_eval.detectors import OURS
+from vista_eval.fly import Disturbance, fly_cached, records_name
 from vista_eval.jobs import HERE, Place, jobs_of, run
+from vista_eval.metrics.flight_score import score_records
+from vista_eval.metrics.flight_segmentation import segment_cached
 from vista_eval.metrics.rules import STRICT
-from vista_eval.metrics.world_score import EVERYTHING, Beside, WorldScore, family_scores, score_world
+from vista_eval.metrics.world_score import WorldScore, family_scores
 from vista_eval.report.world_tables import as_text, tables
 from vista_eval.report.worlds_page import render_worlds
 
 
-def flights_in(folder: Path) -> list[Path]:
-    """Raises InputError for a folder without any."""
-    found = [path.parent for path in sorted(folder.glob(f"*/{TRUTH}"))]
-    if not found:
-        raise InputError(folder, "holds no flights")
-    return found
+@dataclass(frozen=True)
+class Beside:
+    """What is scored beside the detector as configured."""
+
+    controls: tuple[str, ...] = CONTROLS[1:]
+    sweep: Sweep | None = FULL  # of stereo alone with the host's tracker
+    segmentation: bool = True
+    noise_grey: tuple[float, ...] = ()
+
+
+EVERYTHING, NOTHING = Beside(), Beside((), None, False)
+
+
+def kept_name(control: str) -> str:
+    return records_name() if control == OURS else f"records_{control.replace(' ', '_')}.json"
+
+
+def score_world(folder: Path, values: parameters.Values, beside: Beside = EVERYTHING) -> WorldScore:
+    """Flies and scores one flight on disk. What is kept in its folder is not made again."""
+    truth = read_truth(folder)
+    sweep = beside.sweep
+    scores = {}
+    for control in (OURS, *beside.controls):
+        records = control_cached(control, folder, values, folder / kept_name(control))
+        scores[control] = score_records(folder, records, values, STRICT)
+    noisy = {}
+    for grey in beside.noise_grey:
+        disturbance = Disturbance(image_grey=grey)
+        records = fly_cached(folder, values, folder / records_name(disturbance), disturbance)
+        noisy[grey] = score_records(folder, records, values, STRICT)
+    return WorldScore(
+        truth.name,
+        truth.family or truth.name,
+        truth.split,
+        scores,
+        segment_cached(folder, values, folder / "segmentation.json") if beside.segmentation else None,
+        () if sweep is None else tuple(tracked_cached(folder, values, folder / "tracked_stereo.json", sweep)),
+        noisy,
+    )
 
 
 def score_worlds(
-    folder: Path, values: parameters.Values, beside: Beside = EVERYTHING, place: Place = HERE
+    folders: list[Path], values: parameters.Values, beside: Beside = EVERYTHING, place: Place = HERE
 ) -> list[WorldScore]:
-    """Of all flights in the folder."""
+    """Of the flights in these folders."""
     work = partial(score_world, values=values, beside=beside)
-    return run(jobs_of(work, flights_in(folder), lambda flight: flight.name), place, "score", "flight")
+    return run(jobs_of(work, folders, lambda folder: folder.name), place, "score", "flight")
 
 
 def write_worlds(

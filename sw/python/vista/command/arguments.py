@@ -7,7 +7,7 @@ import math
 from pathlib import Path
 
 from vista import parameters
-from vista.engine.contract import LR_OFF
+from vista.engine import ENGINES, LR_OFF
 
 
 def add_config(parser: argparse.ArgumentParser) -> None:
@@ -17,6 +17,10 @@ def add_config(parser: argparse.ArgumentParser) -> None:
         metavar="FILE.toml",
         help="file of parameters; `vista config` prints one with all defaults",
     )
+
+
+def add_engine(parser: argparse.ArgumentParser, help_text: str) -> None:
+    parser.add_argument("--engine", choices=ENGINES, default="golden", help=f"{help_text} (default golden)")
 
 
 def load_parameters(path: Path | None, engine_name: str) -> parameters.Values:

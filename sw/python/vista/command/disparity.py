@@ -11,9 +11,9 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from vista.command.arguments import positive
+from vista.command.arguments import add_engine, positive
 from vista.disparity_file import check_format, write_disparity
-from vista.engine import ENGINES, EngineParameters, create_engine
+from vista.engine import EngineParameters, create_engine
 from vista.errors import EXIT_OK, InputError
 from vista.sequence import read_grey
 
@@ -24,12 +24,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("left", type=Path, metavar="LEFT", help="left image: PNG, JPEG, PGM or PPM")
     parser.add_argument("right", type=Path, metavar="RIGHT", help="right image of the same size")
     parser.add_argument("--out", type=Path, required=True, metavar="FILE", help="disparity file to write")
-    parser.add_argument(
-        "--engine",
-        choices=ENGINES,
-        default="golden",
-        help="the same as for vista run; opencv needs --lr off (default golden)",
-    )
+    add_engine(parser, "the same as for vista run; opencv needs --lr off")
     parser.add_argument("--rtl-width", type=positive, metavar="PX", help="the same as for vista run")
     add_number(
         parser,

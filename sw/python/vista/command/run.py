@@ -22,8 +22,7 @@ import numpy as np
 
 from vista import parameters
 from vista.chain import Chain, fitted_to, make_chain
-from vista.command.arguments import add_config, load_parameters, positive
-from vista.engine import ENGINES
+from vista.command.arguments import add_config, add_engine, load_parameters, positive
 from vista.engine.rtl import DEFAULT_WIDTH_PX
 from vista.errors import EXIT_INTERRUPTED, EXIT_OK, InputError
 from vista.health.summary import problem_lines, summarize_health
@@ -42,12 +41,10 @@ from vista.version import commit, version
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("sequence", type=Path, metavar="SEQUENCE", help="folder of the sequence")
     parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder for the results")
-    parser.add_argument(
-        "--engine",
-        choices=ENGINES,
-        default="golden",
-        help="golden: the engine's C model; rtl: the SystemVerilog core, simulated, with the same words at "
-        "half a second a frame; opencv: StereoBM, for comparison (default golden)",
+    add_engine(
+        parser,
+        "golden: the engine's C model; rtl: the SystemVerilog core, simulated, with the same words at "
+        "half a second a frame; opencv: StereoBM, for comparison",
     )
     parser.add_argument(
         "--rtl-width",
@@ -57,7 +54,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     add_config(parser)
     parser.add_argument(
-        "--frames", type=frame_range, metavar="A:B", help="frames A to B - 1; either may be left out"
+        "--frames",
+        type=frame_range,
+        metavar="A:B",
+        help="run frames A to B - 1 alone; either number may be left out",
     )
     parser.add_argument(
         "--threads", type=positive, default=1, metavar="N", help="threads of the engine (default 1)"
@@ -72,7 +72,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="how far the times of left and right image may lie apart in the EuRoC layout (default: a tenth "
         "of the frame period, at most 5)",
     )
-    parser.add_argument("--no-overlay", action="store_true", help="draw no pictures: faster")
+    parser.add_argument("--no-overlay", action="store_true", help="draw no pictures, which saves time")
     parser.add_argument(
         "--all-tracks",
         action="store_true",
@@ -83,14 +83,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def frame_range(text: str) -> tuple[int, int | None]:
     first, colon, last = text.partition(":")
     if not colon or not all(part == "" or part.isdecimal() for part in (first, last)):
-        raise argparse.ArgumentTypeError(f"{text!r} is not A:B")
+        raise argparse.ArgumentTypeError(f"{text!r} is not a range A:B of frame numbers, such as 10:20")
     return int(first or 0), int(last) if last else None
 
 
 def milliseconds(text: str) -> float:
     number = finite("--pair-tolerance-ms", text)
     if not 0.0 <= number <= 1e6:
-        raise argparse.ArgumentTypeError(f"{text} is not from 0 to 1000000")
+        raise argparse.ArgumentTypeError(f"{text} is not from 0 to 1000000 ms")
     return number
 
 
@@ -122,7 +122,7 @@ def execute(arguments: argparse.Namespace) -> int:
             summary = make_summary(chain, arguments.engine, values, records) | outcome
             folder.write_summary(summary)
     if interruption.requested:
-        print(f"vista: interrupted after {len(records)} frame{'s' * (len(records) != 1)}", file=sys.stderr)
+        print(f"vista: interrupted after {counted(len(records), 'frame')}", file=sys.stderr)
         return EXIT_INTERRUPTED
     report = folder.write_report(render_report(summary, records, folder))
     print(closing_lines(summary, report))
@@ -151,7 +151,7 @@ def select_frames(sequence: Sequence, wanted: tuple[int, int | None] | None) -> 
 def make_summary(
     chain: Chain, engine_name: str, values: parameters.Values, records: list[FrameRecord]
 ) -> dict[str, Any]:
-    confirmed = {o.id for record in records for o in record.obstacles if o.confirmed and o.kind == "thing"}
+    things = {obstacle.id for record in records for obstacle in record.obstacles if obstacle.is_thing}
     return {
         "version": version(),
         "commit": commit(),
@@ -165,7 +165,7 @@ def make_summary(
         "engine": engine_name,
         "camera": asdict(chain.rectifier.calibration),
         "rectified": not chain.rectifier.is_passthrough,
-        "obstacles_confirmed": len(confirmed),
+        "obstacles_confirmed": len(things),
         "tracks_dropped": sum(record.dropped_tracks for record in records),
         "frames_with_collision": sum(record.nearest_collision is not None for record in records),
         "frames_with_ground_ahead": sum(
@@ -188,12 +188,13 @@ def path_seen(records: list[FrameRecord]) -> dict[str, float]:
 def closing_lines(summary: dict[str, Any], report: Path) -> str:
     """What is printed at the end of a run: notes, problems, what was found, and where the report is."""
     host, frames = summary["stages_ms"]["host"], summary["frames"]
-    found = f"{summary['obstacles_confirmed']} obstacles tracked"
-    warned = f"{summary['frames_with_collision']} frames with a collision warning"
-    figures = f"{frames} frames, {found}, {warned}"
+    found = f"{counted(summary['obstacles_confirmed'], 'obstacle')} tracked"
+    warned = f"{counted(summary['frames_with_collision'], 'frame')} with a collision warning"
+    figures = f"{counted(frames, 'frame')}, {found}, {warned}"
     if summary["stills"]:
         hits = summary["frames_with_collision"]
-        figures = f"{frames} stills, each judged alone: {hits} with something in the collision volume"
+        stills = counted(frames, "still")
+        figures = f"{stills}, each judged alone: {hits} with something in the collision volume"
     blind = summary["health"]["frames"]["blind"]
     lines = [f"note: {note}" for note in summary["notes"]]
     lines += problem_lines(summary["health"], frames)
@@ -203,3 +204,7 @@ def closing_lines(summary: dict[str, Any], report: Path) -> str:
             f"blind in {blind} of {frames} frames: that nothing was found there does not mean free space"
         )
     return "\n".join([f"{summary['sequence']}: {line}" for line in lines] + [f"report: {report}"])
+
+
+def counted(count: int, noun: str) -> str:
+    return f"{count} {noun}{'s' * (count != 1)}"

@@ -6,13 +6,12 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from vista.pipeline import ID_GROUND, ID_TOO_NEAR
 from vista.report.palette import INK, Colour
 
 FONT = cv2.FONT_HERSHEY_SIMPLEX
 PADDING_PX = 4
-
-
-NAME_WITHOUT_TRACK = {0: "too near", -1: "ground"}  # by id, as libvista gives them
+NAME_WITHOUT_TRACK = {ID_TOO_NEAR: "too near", ID_GROUND: "ground"}
 
 
 def obstacle_name(obstacle_id: int) -> str:

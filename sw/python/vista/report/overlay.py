@@ -31,6 +31,7 @@ if TYPE_CHECKING:
 
 Picture = NDArray[np.uint8]  # HxWx3, BGR
 GAP_PX = 4
+HEADLINE_INSET_PX = 10
 MAX_LABELS = 16  # the nearest; more hide the scene
 SUBPIXEL_BITS = 4
 HEALTHY = FrameHealth()
@@ -76,9 +77,12 @@ class Overlay:
         return _stack(self._headline(frame, result, health), tiles)
 
     def _headline(self, frame: Frame, result: Result, health: FrameHealth) -> tuple[str, str]:
-        confirmed = sum(obstacle.confirmed for obstacle in result.obstacles)
-        facts = f"{self._name}   {self._unit} {frame.index}   {confirmed} obstacle{'s' * (confirmed != 1)}"
-        facts += f"   path seen to {result.path_seen_m:.0f} m"
+        things = sum(obstacle.is_thing for obstacle in result.obstacles)
+        facts = f"{self._name}   {self._unit} {frame.index}   {things} obstacle{'s' * (things != 1)}"
+        with_path = facts + f"   path seen to {result.path_seen_m:.0f} m"
+        height, width = frame.left.shape
+        if text_size(with_path, _headline_scale(width, height))[0] <= width - 2 * HEADLINE_INSET_PX:
+            facts = with_path  # else it would run below the warning, which begins at the next tile
         nearest = result.nearest_collision
         warnings = [] if health.state == State.HEALTHY else [str(health.state)]
         if nearest is not None:
@@ -269,7 +273,8 @@ def _stack(headline: tuple[str, str], tiles: list[Picture]) -> Picture:
         picture[top : top + height, left : left + width] = tile
     facts, warning = headline
     scale = _headline_scale(width, height)
-    put_text(picture, facts, 10, bar_height - 3 * PADDING_PX, scale, WHITE)
+    put_text(picture, facts, HEADLINE_INSET_PX, bar_height - 3 * PADDING_PX, scale, WHITE)
     if warning:
-        put_text(picture, warning, width + GAP_PX + 10, bar_height - 3 * PADDING_PX, scale, WHITE, ALARM)
+        left = width + GAP_PX + HEADLINE_INSET_PX
+        put_text(picture, warning, left, bar_height - 3 * PADDING_PX, scale, WHITE, ALARM)
     return picture

@@ -87,15 +87,15 @@ def _frame(
         "state": record.health.state,
         "why": " ".join(_sentence(finding.text) for finding in record.health.findings),
         "known": record.motion_known,
-        "obstacles": sum(obstacle.confirmed for obstacle in record.obstacles),
+        "obstacles": sum(obstacle.is_thing for obstacle in record.obstacles),
         "valid": round(100 * record.valid_fraction, 1),
         "seen": _number(record.path_seen_m),
-        "regions": record.regions,
         "camera": [_number(camera_m[axis]) for axis in plane],
         "ms": [_number(record.stage_ms[name]) if name in record.stage_ms else None for name in stages],
         "hit": nearest
         and {
             "id": nearest.id,
+            "name": obstacle_name(nearest.id),
             "m": _number(nearest.distance_m),
             "s": None if nearest.time_to_collision_s is None else _number(nearest.time_to_collision_s),
         },
@@ -225,7 +225,7 @@ def make_cards(summary: Data, records: list[FrameRecord]) -> list[tuple[str, str
     host, stereo, total = stages["host"], stages["stereo"], stages["total"]
     hits = [record for record in records if record.nearest_collision]
     duration_s = (records[-1].t_ns - records[0].t_ns) / 1e9
-    found = sum(obstacle.confirmed for record in records for obstacle in record.obstacles)
+    found = sum(obstacle.is_thing for record in records for obstacle in record.obstacles)
     if stills:
         cards = [
             (str(len(records)), "unrelated pictures", "each judged by itself"),
@@ -286,7 +286,7 @@ def track_table(tracks: list[Data], frames: list[Data]) -> Data:
         distances_m = [point[1] for point in points]
         figures = [*times_s, distances_m[0], min(distances_m), *track["extent"]]
         cells = [
-            _cell(track["id"], f"#{track['id']}"),
+            _cell(track["id"], track["name"]),
             _cell(len(points)),
             *(_cell(x, f"{x:.1f}") for x in figures),
         ]
@@ -302,7 +302,7 @@ def picture_table(records: list[FrameRecord]) -> Data:
     heads = ["picture", "obstacles", "nearest (m)", "ahead (m)", "valid (%)", "regions", "host (ms)", "view"]
     rows = []
     for place, record in enumerate(records):
-        distances_m = [obstacle.distance_m for obstacle in record.obstacles if obstacle.confirmed]
+        distances_m = [obstacle.distance_m for obstacle in record.obstacles if obstacle.is_thing]
         hit = record.nearest_collision
         cells = [
             _cell(record.index),

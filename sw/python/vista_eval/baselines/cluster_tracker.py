@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from vista import native, parameters
-from vista.engine import SCALE
+from vista.engine import SCALE, Disparity
 from vista.geometry import Array, Calibration, Pose
 from vista.pipeline import Nearest, Obstacle, PipelineError, c_parameters, read_nearest, read_obstacle
 
@@ -21,8 +21,6 @@ MAX_TRACKS, MAX_DETECTIONS = 64, 64
 IN_THE_WAY = 1_000_000  # pixels of a cluster in the collision volume: all of it lies there, however small
 PIXEL_PX2 = 1.0 / 12.0  # the variance of a pixel, which is no point
 CORNERS = 33  # of a chain of chords for an arc
-
-Words = NDArray[np.int16]
 
 
 @dataclass(frozen=True)
@@ -124,7 +122,7 @@ class ClusterTracker:
         self._detections = ffi.new("vista_detection[]", MAX_DETECTIONS)
         self._count = ffi.new("int32_t *")
 
-    def update(self, moved: Moved, t_ns: int, words: Words, regions: Any, region_count: int) -> Told:
+    def update(self, moved: Moved, t_ns: int, words: Disparity, regions: Any, region_count: int) -> Told:
         """regions: the largest clusters of the frame (as_regions)."""
         s, ffi, lib = self._stages, self._stages.ffi, self._stages.lib
         s.check(
@@ -175,7 +173,7 @@ class ClusterTracker:
 
 
 def as_regions(
-    stages: Stages, words: Words, label: NDArray[np.int32], corner_px: tuple[int, int] = (0, 0)
+    stages: Stages, words: Disparity, label: NDArray[np.int32], corner_px: tuple[int, int] = (0, 0)
 ) -> tuple[Any, list[int]]:
     """The clusters, largest first, as accepted regions that face the camera, and their pixels; corner_px: u
     and v of the first pixel of both arrays in the image."""

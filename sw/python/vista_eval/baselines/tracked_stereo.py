@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 from vista import native, parameters
 from vista.chain import engine_parameters
-from vista.engine import INVALID, SCALE, StereoEngine
+from vista.engine import INVALID, SCALE, Disparity, StereoEngine
 from vista.rectify import Rectifier
 from vista.sequence import Frame
 
@@ -36,9 +36,7 @@ from vista_eval.metrics.flight_path import CYLINDER_RADIUS_M
 from vista_eval.metrics.flight_score import blind_depth_m
 from vista_eval.metrics.frame_truth import flight_frames, still_surfaces
 from vista_eval.metrics.judge import FrameScore, Judge
-from vista_eval.metrics.rules import STRICT, Rules
-
-Words = NDArray[np.int16]
+from vista_eval.metrics.rules import STRICT
 
 
 @dataclass(frozen=True)
@@ -67,11 +65,11 @@ FULL = Sweep()
 
 
 def tracked_cached(
-    folder: Path, values: parameters.Values, cache: Path, sweep: Sweep = FULL, rules: Rules = STRICT
+    folder: Path, values: parameters.Values, cache: Path, sweep: Sweep = FULL
 ) -> list[TrackedOutcome]:
     """One for each threshold, in the same order for every flight."""
     digest = digest_of(
-        json.dumps([asdict(sweep), asdict(rules)], sort_keys=True),
+        json.dumps([asdict(sweep), asdict(STRICT)], sort_keys=True),
         flight_digest(folder, values),
         code_digest(__name__),
         native.library_path("vista_stages"),
@@ -80,26 +78,24 @@ def tracked_cached(
     return kept(
         cache,
         digest,
-        lambda: tracked_outcomes(folder, values, sweep, rules),
+        lambda: tracked_outcomes(folder, values, sweep),
         lambda outcomes: [
             TrackedOutcome(**one | {"threshold": Threshold(**one["threshold"])}) for one in outcomes
         ],
     )
 
 
-def tracked_outcomes(
-    folder: Path, values: parameters.Values, sweep: Sweep = FULL, rules: Rules = STRICT
-) -> list[TrackedOutcome]:
+def tracked_outcomes(folder: Path, values: parameters.Values, sweep: Sweep = FULL) -> list[TrackedOutcome]:
     values = one_level(values)
-    truth, frames = flight_frames(folder, rules)
-    still_m = still_surfaces(truth, frames, rules)
+    truth, frames = flight_frames(folder, STRICT)
+    still_m = still_surfaces(truth, frames, STRICT)
     sequence = open_flight(folder)
     stages = Stages(Rectifier(sequence.calibration).calibration, values)
     motion = HostMotion(stages)
     words_of = ThresholdedWords(values, sweep)
     settings = list(product(range(len(words_of.settings)), sweep.pixels))
     trackers = [ClusterTracker(stages) for _ in settings]
-    judges = [Judge(truth, blind_depth_m(truth, values), still_m, rules) for _ in settings]
+    judges = [Judge(truth, blind_depth_m(truth, values), still_m, STRICT) for _ in settings]
     scores: list[list[FrameScore]] = [[] for _ in settings]
     by_time = {frame.t_ns: frame for frame in frames}
     for files in sequence.frames:
@@ -146,7 +142,9 @@ class ThresholdedWords:
         ]
         self.settings = list(product(sweep.textures, sweep.uniquenesses, sweep.sads))
 
-    def clusters(self, stages: Stages, moved: Moved, pair: Frame) -> Iterator[tuple[Words, Any, list[int]]]:
+    def clusters(
+        self, stages: Stages, moved: Moved, pair: Frame
+    ) -> Iterator[tuple[Disparity, Any, list[int]]]:
         """Of each setting: words, clusters as regions, pixels of each."""
         inside = InVolume(stages, moved)
         for engine in self._engines:
@@ -174,7 +172,7 @@ class InVolume:
         self._known = np.zeros((stages.camera.height_px, stages.camera.width_px), np.int16)
         self._inside = np.zeros(self._known.shape, bool)
 
-    def mask(self, words: Words) -> NDArray[np.bool_]:
+    def mask(self, words: Disparity) -> NDArray[np.bool_]:
         v, u = np.nonzero((words > 0) & (words != self._known))
         camera, path = self._camera, self._moved.path
         depth_m = (camera.focal_px * camera.baseline_m * SCALE / words[v, u]).astype(np.float32)

@@ -6,7 +6,8 @@ Recordings of an object store are copied to a temporary folder, one at a time fo
 
 DIR receives recordings.parquet (one row per recording, by name), report.html (worst first) and rows/, which
 keeps the row of each recording until its files, the parameters or the code change: a run that was interrupted
-continues. A recording that cannot be read is a row with its error.
+continues. With --engine rtl no row is kept, for nothing tells whether the core has changed. A recording that
+cannot be read is a row with its error.
 """
 
 from __future__ import annotations
@@ -14,8 +15,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from vista.command.arguments import add_config, load_parameters
-from vista.engine import ENGINES
+from vista.command.arguments import add_config, add_engine, load_parameters
 from vista.errors import EXIT_OK
 from vista.output import write_atomically
 
@@ -27,12 +27,7 @@ TABLE, REPORT, ROWS = "recordings.parquet", "report.html", "rows"
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("prefix", metavar="PREFIX", help="folder or URL of an object store")
     parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder for the results")
-    parser.add_argument(
-        "--engine",
-        choices=ENGINES,
-        default="golden",
-        help="as for `vista run` (default golden)",
-    )
+    add_engine(parser, "as for `vista run`")
     add_place(parser)
     add_config(parser)
 
@@ -41,7 +36,7 @@ def execute(arguments: argparse.Namespace) -> int:
     # fsspec and pyarrow are of an extra, and take a moment, for which `--help` need not wait.
     from vista_eval.recordings.examine import Detector
     from vista_eval.recordings.examine_all import examine_all
-    from vista_eval.recordings.place import absolute
+    from vista_eval.recordings.storage import absolute
     from vista_eval.recordings.table import worst_first, write_table
     from vista_eval.report.recordings_page import closing_lines, render_page
 

@@ -10,7 +10,8 @@ import argparse
 from pathlib import Path
 
 from vista.command.arguments import add_config, load_parameters
-from vista.errors import EXIT_OK, InputError
+from vista.errors import EXIT_OK
+from vista.output import make_folder
 
 FLIGHTS = Path("build/flights")
 
@@ -44,10 +45,7 @@ def execute(arguments: argparse.Namespace) -> int:
             "figure4.png": segmentation.draw(truths, values),
             "figure5.png": flights.draw(truths, values),
         }
-    try:
-        arguments.folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise InputError(arguments.folder, (error.strerror or str(error)).lower()) from None
+    make_folder(arguments.folder)
     for name, figure in figures.items():
         print(save(figure, arguments.folder / name))
     return EXIT_OK

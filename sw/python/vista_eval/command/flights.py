@@ -19,13 +19,14 @@ from typing import TYPE_CHECKING, Any
 
 from tqdm import tqdm
 from vista import parameters
-from vista.command.arguments import add_config, load_parameters, not_negative
+from vista.command.arguments import add_config, load_parameters
 from vista.errors import EXIT_OK, InputError
 from vista.output import write_atomically
 
 from vista_eval.baselines.stereo_alone import Outcome, outcomes_cached
+from vista_eval.command.arguments import add_quality, add_sensor_noise
 from vista_eval.dataset.truth import SPLITS, TRUTH, read_truth
-from vista_eval.fly import UNDISTURBED, Disturbance, fly_cached
+from vista_eval.fly import UNDISTURBED, Disturbance, fly_cached, records_name
 from vista_eval.jobs import Job, Place, add_place, chosen_place, is_worker, jobs_of, keep_to_one_core, run
 from vista_eval.metrics.comparison import Comparison, compare, comparison_line
 from vista_eval.metrics.flight_score import FlightScore, score_records, summary
@@ -40,18 +41,12 @@ if TYPE_CHECKING:
     from vista_eval.render.flight import Flight, Quality
 
 SCORES, REPORT = "flights.json", "report.html"
-RECORDS = "records.json"
 Work = Callable[[Path], Any]
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("folder", type=Path, metavar="DIR", help="folder of the flights")
-    parser.add_argument(
-        "--quality",
-        choices=("quick", "full"),
-        default="quick",
-        help="quality of the flights that are rendered (default quick)",
-    )
+    add_quality(parser, "flights", "quick")
     parser.add_argument("--only", nargs="+", default=[], metavar="NAME", help="handle only these flights")
     parser.add_argument("--list", action="store_true", help="list the flights and stop")
     parser.add_argument(
@@ -72,14 +67,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--pose-noise", action="store_true", help="score also with poses like those of a navigation filter"
     )
-    parser.add_argument(
-        "--noise",
-        nargs="+",
-        type=not_negative,
-        default=[],
-        metavar="GREY_LEVELS",
-        help="score also with sensor noise added to the images of both cameras, of each standard deviation",
-    )
+    add_sensor_noise(parser)
     parser.add_argument("--seed", type=int, default=1, metavar="N", help="seed of all noise (default 1)")
     add_place(parser)
     add_config(parser)
@@ -134,7 +122,7 @@ def comparison_untuned(scores: list[FlightScore], alone: list[list[Outcome]]) ->
 
 def flight_page(values: parameters.Values, flight: tuple[Path, FlightScore]) -> FlightPage:
     folder, score = flight
-    records = fly_cached(folder, values, folder / RECORDS)
+    records = fly_cached(folder, values, folder / records_name())
     truth = read_truth(folder)
     return FlightPage(score, truth.focal_baseline_px_m, filmstrip(truth, score, records))
 
@@ -173,12 +161,6 @@ def fly_and_score(
 ) -> FlightScore:
     records = fly_cached(folder, values, folder / records_name(disturbance), disturbance, anew)
     return score_records(folder, records, values)
-
-
-def records_name(disturbance: Disturbance) -> str:
-    if disturbance.image_grey > 0.0:
-        return f"records_noise_{disturbance.image_grey:g}.json"
-    return "records_noisy.json" if disturbance.poses else RECORDS
 
 
 def segment(values: parameters.Values, folder: Path) -> FlightSegmentation:

@@ -28,6 +28,7 @@ from vista.errors import EXIT_OK, InputError
 from vista.output import write_atomically
 from vista.parameters import Values
 
+from vista_eval.command.arguments import add_quality
 from vista_eval.jobs import Place, add_place, chosen_place, jobs_of, keep_to_one_core, run
 
 if TYPE_CHECKING:
@@ -55,12 +56,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--seed", type=int, default=0, metavar="S", help="seed of the first scene (default 0)"
     )
-    parser.add_argument(
-        "--quality",
-        choices=("quick", "full"),
-        default="full",
-        help="quality of the scenes that are rendered (default full)",
-    )
+    add_quality(parser, "scenes", "full")
     parser.add_argument("--no-render", action="store_true", help="render nothing; score what DIR holds")
     add_config(parser)
 

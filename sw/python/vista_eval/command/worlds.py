@@ -22,16 +22,16 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from vista import parameters
-from vista.command.arguments import add_config, load_parameters, not_negative, positive
+from vista.command.arguments import add_config, load_parameters, positive
 from vista.errors import EXIT_OK, InputError
 
 from vista_eval.cache import digest_of
+from vista_eval.command.arguments import add_sensor_noise
 from vista_eval.dataset.truth import SPLITS
 from vista_eval.jobs import Place, add_place, chosen_place, jobs_of, run
 
 if TYPE_CHECKING:
     from vista_eval.metrics.world_score import WorldScore
-    from vista_eval.render.flight import Quality
     from vista_eval.worlds.sampled.family import Family
 
 Key = tuple[str, int, int]  # family, number, seed of the set
@@ -45,12 +45,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--split", choices=SPLITS, default="dev", help="families to handle (default dev)")
     parser.add_argument("--count", type=positive, metavar="N", help="flights of each family (default 7)")
     parser.add_argument("--seed", type=int, metavar="N", help="seed that all flights follow from (default 1)")
-    parser.add_argument(
-        "--quality",
-        choices=("quick", "full"),
-        default="full",
-        help="quality of the flights that are rendered (default full)",
-    )
     parser.add_argument("--list", action="store_true", help="list the families and stop")
     parser.add_argument("--render-only", action="store_true", help="render what is missing and stop")
     parser.add_argument(
@@ -64,14 +58,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         help="score the detector alone, without what is flown and segmented beside it, which takes longest",
     )
-    parser.add_argument(
-        "--noise",
-        nargs="+",
-        type=not_negative,
-        default=[],
-        metavar="GREY_LEVELS",
-        help="score also with sensor noise added to the images of both cameras, of each standard deviation",
-    )
+    add_sensor_noise(parser)
     add_place(parser)
     add_config(parser)
 
@@ -89,19 +76,20 @@ def execute(arguments: argparse.Namespace) -> int:
     count, seed = size_of_set(arguments)
     folder = place.known_to_all(arguments.folder)
     keys = [(family.name, number, seed) for family in families for number in range(count)]
-    run(jobs_of(partial(render, folder, arguments.quality), keys, name_of), place, "render", "flight")
+    run(jobs_of(partial(render, folder), keys, name_of), place, "render", "flight")
     if arguments.render_only:
         return EXIT_OK
     folders = [folder / name_of(key) for key in keys]
     judged = before_a_scoring(folders) if arguments.split == "test" else None
-    work = partial(score_flight, values, arguments.no_controls, tuple(arguments.noise))
-    worlds = run(jobs_of(work, folders), place, "score", "flight")
-    from vista_eval.score_worlds import write_worlds
+    from vista_eval.score_worlds import EVERYTHING, NOTHING, score_worlds, write_worlds  # loads libvista
 
+    beside = NOTHING if arguments.no_controls else EVERYTHING
+    beside = replace(beside, noise_grey=tuple(arguments.noise))
+    worlds = score_worlds(folders, values, beside, place)
+    if judged is not None:  # before anybody sees a figure
+        log_scoring(judged, worlds, values)
     name = f"worlds-{arguments.split}"
     print(write_worlds(arguments.folder, worlds, values, name))
-    if judged is not None:
-        log_scoring(judged, worlds, values)
     print(f"\nreport: {arguments.folder / f'{name}.html'}, figures: {arguments.folder / f'{name}.json'}")
     return EXIT_OK
 
@@ -129,9 +117,10 @@ def size_of_set(arguments: argparse.Namespace) -> tuple[int, int]:
     from vista_eval.worlds.sampled.catalog import COUNT, SEED
 
     count, seed = arguments.count or COUNT, SEED if arguments.seed is None else arguments.seed
-    whole = (count, seed, arguments.quality) == (COUNT, SEED, "full")
+    whole = (count, seed, arguments.family) == (COUNT, SEED, [])
     if arguments.split == "test" and not arguments.render_only and not whole:
-        raise InputError("--split test", "is scored whole, as frozen: without --count, --seed and --quality")
+        reason = "is scored whole, as frozen: without --family, --count and --seed"
+        raise InputError("--split test", reason)
     return count, seed
 
 
@@ -139,26 +128,17 @@ def name_of(key: Key) -> str:
     return f"{key[0]}_{key[1]:03d}"
 
 
-def render(folder: Path, quality: Quality, key: Key) -> None:
+def render(folder: Path, key: Key) -> None:
     """What the folder lacks of one flight."""
     from vista_eval.render.flight import render_flight
     from vista_eval.worlds.sampled.catalog import FAMILIES
 
     family, number, seed = key
     try:
-        for _ in render_flight(FAMILIES[family].flight(number, seed), folder / name_of(key), quality):
+        for _ in render_flight(FAMILIES[family].flight(number, seed), folder / name_of(key)):
             pass
     except OSError as error:
         raise InputError(error.filename or name_of(key), error.strerror or str(error)) from None
-
-
-def score_flight(
-    values: parameters.Values, no_controls: bool, noise_grey: tuple[float, ...], folder: Path
-) -> WorldScore:
-    from vista_eval.metrics.world_score import EVERYTHING, NOTHING, score_world
-
-    beside = replace(NOTHING if no_controls else EVERYTHING, noise_grey=noise_grey)
-    return score_world(folder, values, beside)
 
 
 # ---- the test set ----
@@ -201,4 +181,4 @@ def log_scoring(judged: dict[str, Any], worlds: list[WorldScore], values: parame
     used = digest_of(json.dumps(values, sort_keys=True))
     root = scoring_log.checkout_of(Path(__file__))
     scoring_log.append(root, judged | {"parameters": used, "families": figures})
-    print(f"\nlogged: {root / scoring_log.LOG}")
+    print(f"logged: {root / scoring_log.LOG}\n")

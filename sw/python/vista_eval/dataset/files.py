@@ -7,10 +7,11 @@ from pathlib import Path
 
 import cv2
 import numpy as np
+from vista.output import make_folder
 
 
 def write_bytes(path: Path, content: bytes) -> None:
-    path.parent.mkdir(parents=True, exist_ok=True)
+    make_folder(path.parent)
     partial = path.with_name(path.name + ".partial")
     partial.write_bytes(content)
     partial.replace(path)

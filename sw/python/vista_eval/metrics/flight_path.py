@@ -15,8 +15,9 @@ from itertools import pairwise
 import cv2
 import numpy as np
 from numpy.typing import NDArray
-from vista import parameters
 from vista.geometry import Array, Pose
+
+from vista_eval.metrics.rules import CURVATURE_UNCERTAINTY, SPEED_MIN_M_S, TURN_MIN_DEG_S
 
 CYLINDER_RADIUS_M, CYLINDER_LENGTH_M = 2.0, 100.0
 LATEST_S = 2.0  # that speed and turn rate beyond the last frame are taken from
@@ -59,6 +60,11 @@ class Curved:
         duration_s = self.times_s[-1] - self.times_s[0]
         return self.length_m / float(duration_s) if duration_s > 0.0 else 0.0
 
+    def height_m(self, along_m: Floats) -> Floats:
+        """Of the path in the world, so far along it."""
+        flown_m = np.cumsum(np.linalg.norm(np.diff(self.corners_m, axis=0), axis=1))
+        return np.interp(along_m, np.concatenate([[0.0], flown_m]), self.corners_m[:, 2])
+
     def relative_to(self, velocity_m_s: Array) -> Curved:
         """The path as something sees it that moves with this velocity, and is now where it is now."""
         return replace(self, corners_m=self.corners_m - self.times_s[:, np.newaxis] * velocity_m_s)
@@ -72,7 +78,8 @@ class Curved:
 
     def beside(self, points_m: Floats, origin_m: Array) -> tuple[Floats, Floats]:
         """Metres beside the path and along it, of (n, 3) points given from an origin; infinite and 0 of what
-        is farther than REACH_M from the path."""
+        lies outside of the box, along the axes of the world, that holds whatever is within REACH_M of the
+        path's corners and chords."""
         corners_m = (self.corners_m - origin_m).astype(np.float32)
         aside_m = np.full(len(points_m), np.inf, np.float32)
         along_m = np.zeros(len(points_m), np.float32)
@@ -134,8 +141,7 @@ def _beyond(positions_m: Array, times_s: Array) -> tuple[Array, Array]:
     positions_m, times_s = positions_m[latest], times_s[latest]
     duration_s = float(times_s[-1] - times_s[0])
     travel_m = positions_m[-1] - positions_m[0]
-    speed_min_m_s = parameters.defaults()["motion"]["speed_min_m_s"]
-    if duration_s <= 0.0 or float(np.linalg.norm(travel_m)) < speed_min_m_s * duration_s:
+    if duration_s <= 0.0 or float(np.linalg.norm(travel_m)) < SPEED_MIN_M_S * duration_s:
         return np.zeros((0, 3)), np.zeros(0)
     speed_m_s = float(np.linalg.norm(np.diff(positions_m, axis=0), axis=1).sum()) / duration_s
     turn_rad_s = _turn_rate(positions_m, times_s)
@@ -152,13 +158,13 @@ def _beyond(positions_m: Array, times_s: Array) -> tuple[Array, Array]:
 
 def _turn_rate(positions_m: Array, times_s: Array) -> Array:
     """Axis times rate in rad/s of the direction of travel between the two halves of the time; 0 where it is
-    less than what the host takes for a turn."""
+    less than what counts as a turn."""
     middle_s = 0.5 * (times_s[0] + times_s[-1])
     middle_m = np.array([np.interp(middle_s, times_s, along) for along in positions_m.T])
     first, second = middle_m - positions_m[0], positions_m[-1] - middle_m
     axis = np.cross(first, second)
     sine_size = float(np.linalg.norm(axis))
-    least_rad_s = np.radians(parameters.defaults()["motion"]["path_turn_min_deg_s"])
+    least_rad_s = np.radians(TURN_MIN_DEG_S)
     rate_rad_s = float(np.arctan2(sine_size, first @ second)) / (middle_s - times_s[0])
     return axis / sine_size * rate_rad_s if rate_rad_s >= least_rad_s else np.zeros(3)
 
@@ -174,7 +180,7 @@ def _followed(corners_m: Array, times_s: Array) -> Curved:
     tangent /= np.linalg.norm(tangent)
     offset_m = corners_m - corners_m[0]
     left_m = np.linalg.norm(offset_m - np.outer(offset_m @ tangent, tangent), axis=1)
-    farthest_m = CYLINDER_RADIUS_M / parameters.defaults()["motion"]["path_uncertainty"]
+    farthest_m = CYLINDER_RADIUS_M / CURVATURE_UNCERTAINTY
     ahead = np.diff(offset_m @ tangent, append=np.inf) > 0.0
     beyond = (flown_m > CYLINDER_LENGTH_M) | (left_m > farthest_m) | ~ahead
     last = max(int(np.argmax(beyond)) if beyond.any() else len(flown_m) - 1, 1)

@@ -19,12 +19,12 @@ from vista_eval.controls import FOREST, with_forest
 from vista_eval.dataset.scenes import read_scene
 from vista_eval.dataset.truth import SPLITS, TRUTH, read_truth
 from vista_eval.fly import flight_digest
+from vista_eval.metrics.intervals import MIN_FLIGHTS
 from vista_eval.metrics.scenes import CUT, REFERENCES, partition_scenes, score_cut, score_scene
 from vista_eval.metrics.segmentation import STATISTICS, PartitionScore, Thing, ThingScore, difference_interval
 from vista_eval.report.text_table import aligned
 
 STRIDE = 8  # frames
-MIN_FLIGHTS = 3  # of an interval
 COMPARED = (*REFERENCES, FOREST)  # with the cut
 SHOWN = {"iou_median": "IoU median", "boundary_recall_cell": "boundary recall"}
 

@@ -152,7 +152,7 @@ def frame_truth(
     inside = (around.aside_m <= CYLINDER_RADIUS_M) & (around.along_m > 0.0) & (around.along_m <= length_m)
     age_s = (t_ns - truth.times_ns[0]) / 1e9
     shown = around.where(inside)
-    ground_m = ground_contacts(truth, shown, moving) if rules.meeting else {}
+    ground_m = ground_contacts(truth, path, shown, moving) if isinstance(path, Curved) else {}
     target = find_target(truth, age_s, path, shown, moving, rules)
     kept = thinned(around)
     surfaces = standing_surfaces(truth, points)
@@ -197,26 +197,29 @@ def as_they_move(truth: FlightTruth, points: Points, path: Curved) -> Points:
     return replace(points, aside_m=aside_m, along_m=along_m)
 
 
-def ground_contacts(truth: FlightTruth, inside: Points, everything: Points) -> dict[int, float]:
+def ground_contacts(truth: FlightTruth, path: Curved, inside: Points, everything: Points) -> dict[int, float]:
     """Of what does not stand and is in the way: the range where the collision volume first meets it."""
     found = {}
     for label in np.unique(inside.label).tolist():
         thing = truth.objects.get(label)
         if thing is None or thing.standing:
             continue
-        met = meeting_point(inside, everything, label, standing=False)
+        met = meeting_point(path, inside, everything, label, standing=False)
         if met is not None:
             found[label] = float(np.linalg.norm(met - everything.view.world_from_camera.translation_m))
     return found
 
 
-def meeting_point(inside: Points, everything: Points, label: int, standing: bool) -> Array | None:
+def meeting_point(
+    path: Curved, inside: Points, everything: Points, label: int, standing: bool
+) -> Array | None:
     """Where the collision volume first meets a thing; None: with too few pixels to tell."""
     shown = inside.where(inside.label == label)
     radius_m = CYLINDER_RADIUS_M
     if not standing:
         whole = everything.where(everything.label == label)
-        radius_m = ground_radius_m(whole.aside_m, whole.along_m, radius_m)
+        drop_m = path.height_m(whole.along_m) - whole.position_m[:, 2]
+        radius_m = ground_radius_m(whole.aside_m, whole.along_m, drop_m, radius_m)
     first = contact(shown.aside_m, shown.along_m, radius_m, DANGER_PIXELS)
     return None if first is None else shown.where(first).position_m.mean(axis=0)
 
@@ -237,8 +240,8 @@ def find_target(
             compact = thing.standing and shows_center(shown, center_m)
         if compact:
             reference_m = center_m
-        elif rules.meeting:
-            met = meeting_point(inside, everything, thing.label, thing.standing)
+        elif isinstance(path, Curved):
+            met = meeting_point(path, inside, everything, thing.label, thing.standing)
             if met is None:
                 continue
             reference_m = met

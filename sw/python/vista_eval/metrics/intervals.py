@@ -2,17 +2,19 @@
 
 Of a share of frames: a bootstrap that draws whole flights. Where all flights say the same, all or nothing, it
 would find no spread at all; then the interval is the exact one of Clopper and Pearson for the count of
-flights. That is also used for what a flight as a whole has or has not."""
+flights. That is also used for what a flight as a whole has or has not. Fewer flights than MIN_FLIGHTS have no
+bootstrap: one alone, drawn again and again, would pass for certain."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from math import comb
+from math import exp, lgamma, log, log1p
 
 import numpy as np
 
 LEVEL = 0.95
+MIN_FLIGHTS = 3  # of a bootstrap
 RESAMPLES = 2000
 BISECTIONS = 50
 
@@ -21,8 +23,8 @@ BISECTIONS = 50
 class Share:
     part: int
     whole: int
-    low: float
-    high: float
+    low: float | None  # None, as high: too few flights
+    high: float | None
     exact: bool  # for the count of flights; else from the bootstrap over flights
 
     @property
@@ -43,6 +45,8 @@ def share_of_frames(counts: list[tuple[int, int]], seed: int = 0) -> Share | Non
     part, whole = (int(sum(column)) for column in zip(*counts, strict=True))
     if part in (0, whole):
         return Share(part, whole, *clopper_pearson(len(counts) if part else 0, len(counts)), exact=True)
+    if len(counts) < MIN_FLIGHTS:
+        return Share(part, whole, None, None, exact=False)
     drawn = np.random.default_rng(seed).integers(0, len(counts), (RESAMPLES, len(counts)))
     parts, wholes = np.array(counts).T
     shares = parts[drawn].sum(axis=1) / wholes[drawn].sum(axis=1)
@@ -60,8 +64,11 @@ def clopper_pearson(part: int, whole: int) -> tuple[float, float]:
 
 
 def _at_most(count: int, trials: int, probability: float) -> float:
+    """By logarithms: of a thousand trials the binomial coefficients alone are beyond what a float holds."""
+    whole, hit, miss = lgamma(trials + 1), log(probability), log1p(-probability)
     return sum(
-        comb(trials, k) * probability**k * (1.0 - probability) ** (trials - k) for k in range(count + 1)
+        exp(whole - lgamma(k + 1) - lgamma(trials - k + 1) + k * hit + (trials - k) * miss)
+        for k in range(count + 1)
     )
 
 

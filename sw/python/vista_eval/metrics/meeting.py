@@ -6,7 +6,8 @@ the path is met where the path meets it, a slope of inclination a where the ball
 below the path.
 
 Ground that is flown along is not met: the ball is no larger than a share of the distance between the path and
-the nearest of the ground that is seen.
+the nearest of the ground that is seen, up to the first that is seen beneath the path. A camera that rolls or
+turns sees what is nearest along the path in a corner of its image, beside the path and so farther from it.
 """
 
 from __future__ import annotations
@@ -15,7 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 CLEARANCE_SHARE = 0.8
-NEAREST_SHARE = 1.02  # of the distance along the path of the nearest that is seen
+NEAREST_SHARE = 1.02  # of the distance along the path of the nearest that is seen beneath it
+BENEATH_SHARE = 0.9  # of its distance from the path, by which a point beneath it is lower
 
 Floats = NDArray[np.floating]
 
@@ -29,10 +31,13 @@ def contact(aside_m: Floats, along_m: Floats, radius_m: float, count: int) -> ND
     return within[np.argpartition(center_m, count - 1)[:count]]
 
 
-def ground_radius_m(aside_m: Floats, along_m: Floats, radius_m: float) -> float:
-    """Of the ball, for the ground whose points these are: all that are seen."""
+def ground_radius_m(aside_m: Floats, along_m: Floats, drop_m: Floats, radius_m: float) -> float:
+    """Of the ball, for the ground whose points these are: all that are seen; drop_m: how much lower than the
+    path each is."""
     ahead = along_m > 0.0
     if not ahead.any():
         return radius_m
-    below = ahead & (along_m <= NEAREST_SHARE * along_m[ahead].min())
-    return min(radius_m, CLEARANCE_SHARE * float(aside_m[below].min()))
+    beneath = ahead & (drop_m >= BENEATH_SHARE * aside_m)
+    first_m = along_m[beneath if beneath.any() else ahead].min()
+    near = ahead & (along_m <= NEAREST_SHARE * first_m)
+    return min(radius_m, CLEARANCE_SHARE * float(aside_m[near].min()))

@@ -37,3 +37,8 @@ NEAR = f"nearer than {HIT_RANGE_M[1]:g} m"  # where a frame may be missed
 
 PAPER = Rules("paper", 2.0, 1.0, meeting=False, before_impact_s=None)
 STRICT = Rules("strict", 0.5, 0.5, meeting=True, before_impact_s=3.0)
+
+# How far a path is followed, as the host does by its defaults. Those may be tuned, the truth may not.
+SPEED_MIN_M_S = 0.5  # slower, a camera stands
+TURN_MIN_DEG_S = 1.0  # slower, a path is straight
+CURVATURE_UNCERTAINTY = 0.25  # share of a path's curvature

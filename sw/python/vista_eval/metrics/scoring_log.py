@@ -23,14 +23,10 @@ def digest(line: str) -> str:
     return hashlib.sha256(line.encode()).hexdigest()
 
 
-def lines_of(text: str) -> list[str]:
-    return text.splitlines()
-
-
 def broken_at(text: str) -> int | None:
     """The first line, from 1, that does not follow from the line before it; None: all do."""
     previous = FIRST
-    for number, line in enumerate(lines_of(text), start=1):
+    for number, line in enumerate(text.splitlines(), start=1):
         try:
             if json.loads(line)["previous"] != previous:
                 return number
@@ -52,7 +48,7 @@ def read_log(root: Path) -> str:
 
 def append(root: Path, entry: dict[str, Any]) -> None:
     """entry: what was scored and found. Raises InputError if the log was edited."""
-    lines = lines_of(read_log(root))
+    lines = read_log(root).splitlines()
     content = {"previous": digest(lines[-1]) if lines else FIRST, **entry}
     with (root / LOG).open("a", encoding="utf-8") as file:
         file.write(json.dumps(content, allow_nan=False) + "\n")

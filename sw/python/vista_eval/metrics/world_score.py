@@ -8,28 +8,21 @@ intervals (vista_eval.metrics.intervals).
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Any
 
 import numpy as np
-from vista import parameters
 
 from vista_eval.baselines.stereo_alone import Threshold
-from vista_eval.baselines.tracked_stereo import FULL, Sweep, TrackedOutcome, tracked_cached
-from vista_eval.controls import CONTROLS, FOREST, control_cached
-from vista_eval.dataset.truth import read_truth
+from vista_eval.baselines.tracked_stereo import TrackedOutcome
+from vista_eval.controls import FOREST
 from vista_eval.detectors import OURS
-from vista_eval.fly import Disturbance, fly_cached
 from vista_eval.metrics.consistency import Consistency, consistency
-from vista_eval.metrics.flight_score import FIRST_DETECTION_M, FlightScore, score_records
-from vista_eval.metrics.flight_segmentation import FlightSegmentation, segment_cached
-from vista_eval.metrics.intervals import Share, share_of_flights, share_of_frames
+from vista_eval.metrics.flight_score import FIRST_DETECTION_M, FlightScore
+from vista_eval.metrics.flight_segmentation import SHOWN, FlightSegmentation
+from vista_eval.metrics.intervals import MIN_FLIGHTS, Share, share_of_flights, share_of_frames
 from vista_eval.metrics.rules import STRICT
 from vista_eval.metrics.scenes import CUT
 from vista_eval.metrics.segmentation import STATISTICS, difference_interval, interval
-
-SHOWN = {"iou_median": "IoU median", "boundary_recall_cell": "boundary recall"}
-MIN_FLIGHTS = 3  # of an interval of the segmentation
 
 
 @dataclass(frozen=True)
@@ -43,50 +36,6 @@ class WorldScore:
     segmentation: FlightSegmentation | None
     tracked_stereo: tuple[TrackedOutcome, ...]  # at each threshold; none: left out
     noisy: dict[float, FlightScore] = field(default_factory=dict)  # by grey levels of sensor noise added
-
-
-@dataclass(frozen=True)
-class Beside:
-    """What is scored beside the detector as configured."""
-
-    controls: tuple[str, ...] = CONTROLS[1:]
-    sweep: Sweep | None = FULL  # of stereo alone with the host's tracker
-    segmentation: bool = True
-    noise_grey: tuple[float, ...] = ()
-
-
-EVERYTHING, NOTHING = Beside(), Beside((), None, False)
-
-
-def records_name(control: str) -> str:
-    return "records.json" if control == OURS else f"records_{control.replace(' ', '_')}.json"
-
-
-def score_world(folder: Path, values: parameters.Values, beside: Beside = EVERYTHING) -> WorldScore:
-    """Flies and scores one flight on disk. What is kept in its folder is not made again."""
-    truth = read_truth(folder)
-    sweep = beside.sweep
-    scores = {}
-    for control in (OURS, *beside.controls):
-        records = control_cached(control, folder, values, folder / records_name(control))
-        scores[control] = score_records(folder, records, values, STRICT)
-    noisy = {}
-    for grey in beside.noise_grey:
-        kept = folder / f"records_noise_{grey:g}.json"
-        records = fly_cached(folder, values, kept, Disturbance(image_grey=grey))
-        noisy[grey] = score_records(folder, records, values, STRICT)
-    return WorldScore(
-        truth.name,
-        truth.family or truth.name,
-        truth.split,
-        scores,
-        segment_cached(folder, values, folder / "segmentation.json") if beside.segmentation else None,
-        () if sweep is None else tuple(tracked_cached(folder, values, folder / "tracked_stereo.json", sweep)),
-        noisy,
-    )
-
-
-# ---- families ----
 
 
 @dataclass(frozen=True)
@@ -177,7 +126,7 @@ def control_score(flights: list[FlightScore]) -> ControlScore:
         alarm_flights=share_of_flights([bool(flight.false_alarm_frames) for flight in flights]),
         within_2dz=share_of_frames([in_tolerance(flight) for flight in flights]),
         median_dz=float(np.median(errors_dz)) if errors_dz else None,
-        consistency=consistency([np.array(flight.nees) for flight in flights]),
+        consistency=consistency([(flight.nees, flight.nees_dimensions) for flight in flights]),
         first_far=share_of_flights([(f.first_detection_m or 0.0) >= FIRST_DETECTION_M for f in far]),
         degraded_frames=sum(flight.degraded_frames for flight in flights),
         blind_frames=sum(flight.unseeing_frames for flight in flights),

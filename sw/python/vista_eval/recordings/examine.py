@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import Any
 
 from vista import native, parameters
@@ -15,9 +14,10 @@ from vista.health.summary import summarize_health
 from vista.history import FrameRecord, stage_statistics
 from vista.sequence import Sequence, open_sequence
 
-from vista_eval.recordings.place import as_folder
+from vista_eval.cache import digest_of
+from vista_eval.fly import LIBRARIES
+from vista_eval.recordings.storage import as_folder
 
-LIBRARIES = ("vista", "vista_engine")
 Row = dict[str, Any]
 
 
@@ -26,13 +26,12 @@ class Detector:
     engine: str
     values: parameters.Values
 
-    def sources(self) -> list[str | Path]:
-        """For a digest."""
-        return [
-            self.engine,
-            str(sorted(parameters.flat(self.values).items())),
-            *map(native.library_path, LIBRARIES),
-        ]
+    def digest(self) -> str | None:
+        """Of what decides what it finds. None: nothing tells whether the simulated core has changed."""
+        if self.engine == "rtl":
+            return None
+        values = str(sorted(parameters.flat(self.values).items()))
+        return digest_of(self.engine, values, *map(native.library_path, LIBRARIES))
 
 
 def examine(detector: Detector, prefix: str, name: str) -> Row:
@@ -50,14 +49,14 @@ def examine(detector: Detector, prefix: str, name: str) -> Row:
 
 
 def fly(detector: Detector, sequence: Sequence, records: list[FrameRecord], obstacles: set[int]) -> None:
-    """Appends a record of each frame, without its obstacles: a recording may be long. Of the obstacles that
+    """Appends a record of each frame, without its obstacles: a recording may be long. Of the things that
     were confirmed, the ids are added."""
     chain = make_chain(sequence, detector.engine, fitted_to(sequence, detector.values), threads=1)
     monitor = HealthMonitor(sequence)
     for files in sequence.frames:
         step = run_frame(chain, files)
         health = monitor.check(step.raw, step.frame, step.result.health)
-        obstacles |= {obstacle.id for obstacle in step.record.obstacles if obstacle.confirmed}
+        obstacles |= {obstacle.id for obstacle in step.record.obstacles if obstacle.is_thing}
         records.append(replace(step.record, health=health, obstacles=()))
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 from vista_eval.cache import code_digest, digest_of
 from vista_eval.jobs import HERE, Failure, Job, Place, jobs_of, outcomes
 from vista_eval.recordings.examine import Detector, Row, examine, row_of
-from vista_eval.recordings.place import Content, content_of, find_recordings
+from vista_eval.recordings.storage import Content, content_of, find_recordings
 
 
 def examine_all(detector: Detector, prefix: str, place: Place, kept: Path) -> list[Row]:
@@ -17,9 +17,13 @@ def examine_all(detector: Detector, prefix: str, place: Place, kept: Path) -> li
     looking = place if place.cluster else HERE  # it takes less than to start a process
     contents = outcomes(jobs_of(partial(content_of, prefix), names), looking, "look", "recording")
     by_name = dict(zip(names, contents, strict=True))
-    sources = digest_of(code_digest(examine.__module__), *detector.sources())
+    code, of_detector = code_digest(examine.__module__), detector.digest()
     jobs = [
-        Job(name, partial(examine, detector, prefix, name), digest_of(sources, content.digest))
+        Job(
+            name,
+            partial(examine, detector, prefix, name),
+            of_detector and digest_of(code, of_detector, content.digest),
+        )
         for name, content in by_name.items()
         if isinstance(content, Content)
     ]

@@ -4,15 +4,19 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from vista_eval.controls import FOREST
 from vista_eval.detectors import OURS
 from vista_eval.metrics.comparison import describe
 from vista_eval.metrics.flight_score import FIRST_DETECTION_M
+from vista_eval.metrics.flight_segmentation import SHOWN
 from vista_eval.metrics.group import nees, number, states
 from vista_eval.metrics.intervals import Share
 from vista_eval.metrics.rules import STRICT
-from vista_eval.metrics.world_score import SHOWN, ControlScore, FamilyScore
+from vista_eval.metrics.scenes import CUT, REFERENCES
+from vista_eval.metrics.world_score import ControlScore, FamilyScore
 from vista_eval.report.text_table import aligned
 
+REFERENCE = next(iter(REFERENCES))
 FOREST_SIGN = "cut - forest"
 
 
@@ -82,7 +86,7 @@ def scores_table(families: list[FamilyScore]) -> Table:
         f"2 dz or {STRICT.least_tolerance_m:g} m; NEES: average, its band; from {FIRST_DETECTION_M:.0f} m: "
         "flights that warn from there or farther on, of those that begin there; state: frames that call "
         "themselves degraded + blind. In brackets what holds 95 %: over flights, by bootstrap; * the exact "
-        "interval for the count of flights",
+        "interval for the count of flights; fewer than three flights have none by bootstrap",
     )
 
 
@@ -140,9 +144,9 @@ def segmentation_table(families: list[FamilyScore]) -> Table:
         for key in SHOWN:
             value = scored.values[key]
             cells += [
-                f"{value['cut']:.2f}{between(scored.interval.get(key))}",
-                f"{value['spanning forest']:.2f}",
-                f"{value['reference method']:.2f}",
+                f"{value[CUT]:.2f}{between(scored.interval.get(key))}",
+                f"{value[FOREST]:.2f}",
+                f"{value[REFERENCE]:.2f}",
                 between(scored.against_forest.get(key), sign="+").strip() or "-",
             ]
         rows.append(tuple(cells))
@@ -191,8 +195,10 @@ def stereo_table(families: list[FamilyScore]) -> Table:
 def share_text(share: Share | None) -> str:
     if share is None:
         return "-"
-    low, high = (f"{100.0 * bound:.0f}" for bound in (share.low, share.high))
-    return f"{share.part}/{share.whole} ({low} to {high} %{'*' if share.exact else ''})"
+    counts = f"{share.part}/{share.whole}"
+    if share.low is None or share.high is None:
+        return counts
+    return f"{counts} ({100.0 * share.low:.0f} to {100.0 * share.high:.0f} %{'*' if share.exact else ''})"
 
 
 def between(interval: tuple[float, float] | None, sign: str = "") -> str:

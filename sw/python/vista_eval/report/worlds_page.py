@@ -9,10 +9,10 @@ from vista import parameters
 from vista.report.page import fill_template
 
 import vista_eval.metrics
-from vista_eval.controls import control_cached
 from vista_eval.dataset.truth import read_truth
 from vista_eval.detectors import OURS
-from vista_eval.metrics.world_score import WorldScore, family_scores, records_name
+from vista_eval.fly import fly_cached, records_name
+from vista_eval.metrics.world_score import WorldScore, family_scores
 from vista_eval.report.filmstrip import filmstrip
 from vista_eval.report.flights_page import still_view
 from vista_eval.report.world_tables import tables
@@ -44,7 +44,7 @@ def failures(world: WorldScore) -> int:
 
 
 def failing_view(folder: Path, world: WorldScore, values: parameters.Values) -> dict[str, Any]:
-    records = control_cached(OURS, folder, values, folder / records_name(OURS))
+    records = fly_cached(folder, values, folder / records_name())
     score = world.scores[OURS]
     stills = filmstrip(read_truth(folder), score, records)
     return {

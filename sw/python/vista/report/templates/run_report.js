@@ -69,7 +69,7 @@ function describe(frame) {
   const hit = frame.hit;
   if (hit) {
     const left = hit.s === null ? "" : ", " + hit.s.toFixed(1) + " s left";
-    parts.push((data.stills ? "in the collision volume: #" : "collision warning: #") + hit.id + " at " + metres(hit.m) + left);
+    parts.push((data.stills ? "in the collision volume: " : "collision warning: ") + hit.name + " at " + metres(hit.m) + left);
   } else if (frame.state !== "blind") {
     parts.push(data.stills ? "nothing found in the collision volume" : "no collision warning");
   }
@@ -102,7 +102,7 @@ function viewer() {
     byId("why").textContent = frame.why;
     const track = trackOf.get(selected);
     const point = track && track.points.find((p) => p[0] === steps[step]);
-    byId("chosen").textContent = selected === null ? "" :
+    byId("chosen").textContent = !track ? "" :
       track.name + " selected" + (point ? ": " + metres(point[1]) + " away" : ": not in this frame") + " (Esc: none)";
     if (!stage) return;
     if (image.src !== frame.uri) image.src = frame.uri;
