@@ -6,7 +6,7 @@ import os
 
 import pytest
 from cocotb_tools.runner import get_runner
-from tools import BUILD, sources, verilator_environment
+from tools import BUILD, VERILATOR_FLAGS, sources, verilator_environment
 
 # Registers and memories that reset leaves alone start at random, not at zero.
 RANDOM_START = ["+verilator+rand+reset+2", f"+verilator+seed+{os.environ.get('VISTA_SEED', 1)}"]
@@ -52,7 +52,7 @@ def test_unit(module: str, parameters: dict[str, int], monkeypatch: pytest.Monke
     runner.build(
         sources=sources("vista_stereo.f" if module == "vista_stereo" else "vista_stereo_core.f"),
         hdl_toplevel=module, parameters=parameters, build_dir=folder, waves=waves,
-        build_args=["-Wno-fatal", "-Wno-lint", "--assert", "--x-initial", "unique", "-CFLAGS", "-O1"],
+        build_args=[*VERILATOR_FLAGS, "-CFLAGS", "-O1"],
         log_file=folder.with_suffix(".log"),
     )  # fmt: skip
     results = runner.test(

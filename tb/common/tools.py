@@ -7,6 +7,10 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 BUILD = ROOT / "build" / "rtl"
+# Of every build that is run. Lint is a target of its own; illegal build parameters stop here.
+VERILATOR_FLAGS = [
+    "-Wno-fatal", "-Wno-lint", "-Werror-USERFATAL", "--assert", "--x-initial", "unique",
+]  # fmt: skip
 
 
 def verilator_environment() -> dict[str, str]:

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
-from tools import BUILD, ROOT, sources, verilator_environment
+from tools import BUILD, ROOT, VERILATOR_FLAGS, sources, verilator_environment
 
 HARNESS = ROOT / "rtl" / "sim" / "vista_rtl.cpp"
 USER, LAST = 1 << 16, 1 << 17  # of a beat
@@ -70,9 +70,8 @@ def _build_alone(config: Config, folder: Path) -> Path:
     library, stamp = folder / "engine.so", folder / "digest"
     flags = "-fPIC -O1" + " -DVISTA_COVERAGE" * config.coverage + " -DVISTA_MUTANTS" * config.mutants
     command = [
-        "verilator", "--cc", "--build", "-j", "1", "-O3", "--x-assign", "fast", "--x-initial", "unique",
-        "--assert", "--top-module", "vista_stereo", "--Mdir", str(folder), "-CFLAGS", flags,
-        "-Wno-fatal", "-Wno-lint",
+        "verilator", "--cc", "--build", "-j", "1", "-O3", "--x-assign", "fast", "--top-module", "vista_stereo", "--Mdir", str(folder), "-CFLAGS", flags,
+        *VERILATOR_FLAGS,
         f"-GNumDisparities={config.num_disparities}", f"-GBlockSize={config.block_size}",
         f"-GMaxWidth={config.max_width}",
         *(["--trace-vcd"] if config.waves else []),
@@ -154,6 +153,20 @@ class Rtl:
 
     def read(self, address: int) -> int:
         return int(self._lib.vista_rtl_read(self._handle, ctypes.c_uint32(address)))
+
+    def queue_write(self, after: int, before: int, address: int, data: int) -> None:
+        """A write within the next `stream`: begun after so many beats were taken, done before beat `before`
+        is offered."""
+        self._lib.vista_rtl_queue_write(
+            self._handle, ctypes.c_int64(after), ctypes.c_int64(before), ctypes.c_uint32(address),
+            ctypes.c_uint32(data),
+        )  # fmt: skip
+
+    def record(self, path: Path | None) -> None:
+        """Writes all that goes in and comes out to a file from now on; None ends it."""
+        name = None if path is None else str(path).encode()
+        if not self._lib.vista_rtl_record(self._handle, name):
+            raise OSError(f"cannot write {path}")
 
     def write_coverage(self, path: Path) -> None:
         self._lib.vista_rtl_write_coverage(self._handle, str(path).encode())

@@ -10,6 +10,7 @@
 
 #define PATH_S 1.0     /* the slower time constant, that tells whether the velocity turns */
 #define NOISE_SIGMAS 3.0
+#define FEWEST 4 /* differences that tell their own scatter */
 #define STRAIGHT_RAD_S 1e-6
 #define QUARTER_RAD 1.57079632679489661923
 #define FARTHEST_M 1e8 /* from the origin: beyond it a double no longer tells what lies beside the camera */
@@ -70,11 +71,6 @@ static void turn(double rotation[9], const double rate_rad_s[3], double dt_s) {
 
 static double weight_of(double dt_s, double tau_s) { return tau_s > 0.0 ? 1.0 - exp(-dt_s / tau_s) : 1.0; }
 
-/* Of a mean that takes in a difference over dt_s with this weight. */
-static double mean_age_s(double before_s, double weight, double dt_s) {
-  return (1.0 - weight) * (before_s + dt_s) + weight * 0.5 * dt_s;
-}
-
 /* v += (1 - exp(-dt / tau)) (dp / dt - v), and the turn rate likewise. */
 static void follow(const vista_motion_params *p, const vista_pose *pose, int64_t t_ns, vista_motion_state *s) {
   if (s->posed) {
@@ -93,15 +89,16 @@ static void follow(const vista_motion_params *p, const vista_pose *pose, int64_t
     }
     /* The smoothed value holds a share `weight` of the difference itself. */
     const double own = fmax(vista_square(1.0 - weight), 1e-3);
-    /* The first difference is its own mean and says nothing; those after it count alike until they fill the mean. */
-    const double variance_weight = s->differences > 0 ? fmax(slowly, 1.0 / s->differences) : 0.0;
-    s->velocity_variance += variance_weight * (velocity2 / own - s->velocity_variance);
-    s->turn_variance += variance_weight * (turn2 / own - s->turn_variance);
-    if (s->differences < INT32_MAX) ++s->differences;
-    /* Of the first difference alone all means are half its time old; they come to their full age as they fill. */
-    s->lag_s = mean_age_s(s->lag_s, weight, dt_s);
-    s->slow_lag_s = mean_age_s(s->slow_lag_s, slowly, dt_s);
+    if (s->rates_known) { /* one difference alone shows no scatter */
+      const double share = fmax(slowly, 1.0 / s->differences);
+      s->velocity_variance += share * (velocity2 / own - s->velocity_variance);
+      s->turn_variance += share * (turn2 / own - s->turn_variance);
+    }
+    s->lag_s = (1.0 - weight) * (s->lag_s + dt_s);
+    s->slow_lag_s = (1.0 - slowly) * (s->slow_lag_s + dt_s);
     s->averaged = vista_square(1.0 - weight) * s->averaged + vista_square(weight);
+    s->last_dt_s = dt_s;
+    s->differences += s->differences < INT32_MAX;
     s->rates_known = true;
   }
   s->posed = true;
@@ -178,10 +175,10 @@ static void cross(const double a[3], const double b[3], double product[3]) {
  * may be noise. */
 static void path_turn_rate(const vista_motion_params *p, const vista_motion_state *s, const vista_motion *motion,
                            double turn[3]) {
-  const double apart_s = s->slow_lag_s - s->lag_s; /* of what the two velocities are means of */
+  const double apart_s = s->slow_lag_s - s->lag_s;
   const double slow_m_s = vista_norm(s->slow_velocity_m_s), fast_m_s = vista_norm(s->velocity_m_s);
   memset(turn, 0, 3 * sizeof *turn);
-  if (!(apart_s > 0.0) || !(fmin(slow_m_s, fast_m_s) > 0.0)) return;
+  if (!(apart_s > 0.0) || !(fmin(slow_m_s, fast_m_s) > 0.0) || s->differences < FEWEST) return;
   double path[3], beyond[3];
   cross(s->slow_velocity_m_s, s->velocity_m_s, path);
   const double along_rad_s = vista_dot(s->turn_rate_rad_s, motion->direction);
@@ -195,7 +192,7 @@ static void path_turn_rate(const vista_motion_params *p, const vista_motion_stat
   for (int i = 0; i < 3; ++i) turn[i] -= excess * beyond[i];
   const double noise =
       fmax(NOISE_SIGMAS * sqrt(s->turn_variance * s->averaged), p->path_turn_min_deg_s * VISTA_RADIANS_PER_DEGREE);
-  const double kept = fmax(0.0, 1.0 - noise / fmax(vista_norm(turn), STRAIGHT_RAD_S));
+  const double kept = fmax(0.0, 1.0 - vista_square(noise / fmax(vista_norm(turn), STRAIGHT_RAD_S)));
   for (int i = 0; i < 3; ++i) turn[i] *= kept;
 }
 
@@ -213,7 +210,7 @@ vista_flight_path vista_motion_path(const vista_motion_params *params, const vis
   const double rate = vista_norm(normal);
   if (!(rate > STRAIGHT_RAD_S)) return path;
   /* What is smoothed lags behind: the direction is that of a moment ago. */
-  const double lag_rad = rate * state->lag_s;
+  const double lag_rad = rate * (state->lag_s + 0.5 * state->last_dt_s);
   for (int i = 0; i < 3; ++i) {
     normal[i] /= rate;
     path.direction[i] = cos(lag_rad) * motion->direction[i] + sin(lag_rad) * normal[i];

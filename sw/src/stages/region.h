@@ -83,6 +83,7 @@ typedef struct vista_regions {
   int32_t *queue;    /* scratch, node_count: breadth first from the boundary */
   uint8_t *boundary; /* scratch, node_count */
   float *depth_px;   /* scratch, node_count: distance from the boundary, where that is within reach */
+  uint8_t *own;      /* scratch, a member of one region: which of its pixels are the region's own */
   uint32_t *bins;    /* scratch: histogram of engine words */
   int16_t *pixels;   /* scratch: a number for each pixel of one region */
 } vista_regions;

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from vista.geometry import Array, Pose
 
 from vista_eval.dataset.truth import FlightTruth
+from vista_eval.metrics.consistency import DIMENSIONS
 from vista_eval.metrics.flight_path import Straight
 from vista_eval.metrics.frame_truth import FrameTruth, Points, Target, true_points
 from vista_eval.metrics.rules import HIT_RANGE_M, PAPER, Rules
@@ -51,10 +52,11 @@ class FrameScore:
     matched_id: int | None  # a warning that agrees with the target
     tracked: bool  # a confirmed obstacle agrees with the target, in or out of the collision volume
     error_m: float | None
-    nees: float | None  # of three dimensions; None without a match, or without a reference point
+    nees: float | None  # None without a match, or without a reference point
     false_alarms: tuple[FalseAlarm, ...]
     blind: bool  # the target is nearer than the engine matches
     asked_m: tuple[float, float] = HIT_RANGE_M  # from where to where a hit is asked for
+    nees_dimensions: int = DIMENSIONS
 
     @property
     def in_band(self) -> bool:
@@ -115,7 +117,9 @@ class Judge:
             covariance_m2 = warnings[matched].covariance_m2
             if rules.meeting and nearest is not None and nearest.id == matched:
                 covariance_m2 = nearest.covariance_m2
-            error_m, nees = errors(target, positions_m[matched], covariance_m2, world_from_estimate)
+            covariance_m2 = world_from_estimate.rotation @ covariance_m2 @ world_from_estimate.rotation.T
+            camera_m = frame.world_from_camera.translation_m
+            error_m, nees = errors(target, positions_m[matched], covariance_m2, camera_m)
         return FrameScore(
             frame.t_ns,
             None if target is None else target.object.name,
@@ -128,6 +132,7 @@ class Judge:
             tuple(alarms),
             target is not None and target.nearest_depth_m < self._blind_depth_m,
             HIT_RANGE_M if target is None else target.asked_m,
+            1 if target is not None and target.met else DIMENSIONS,
         )
 
     def _match(
@@ -251,12 +256,15 @@ def place_of(truth: FlightTruth, frame: FrameTruth, obstacle: Obstacle, position
 
 
 def errors(
-    target: Target, position_m: Array, covariance_m2: Array, world_from_estimate: Pose
+    target: Target, position_m: Array, covariance_m2: Array, camera_m: Array
 ) -> tuple[float, float | None]:
-    """|P - P^| in metres, and the NEES e^T P^-1 e; covariance_m2: in the world of the estimate."""
+    """|P - P^| in metres, and the NEES e^T P^-1 e; all in the true world. Where a thing is met is a point of
+    its surface, and the covariance is that of its middle: they have the line of sight in common."""
     if target.surface_m is not None:
         return float(np.linalg.norm(target.surface_m - position_m, axis=1).min()), None
     error_m = position_m - target.reference_m
-    rotation = world_from_estimate.rotation
-    nees = float(error_m @ np.linalg.solve(rotation @ covariance_m2 @ rotation.T, error_m))
-    return float(np.linalg.norm(error_m)), nees
+    size_m = float(np.linalg.norm(error_m))
+    if target.met:
+        sight = (target.reference_m - camera_m) / target.range_m
+        return size_m, float((sight @ error_m) ** 2 / (sight @ covariance_m2 @ sight))
+    return size_m, float(error_m @ np.linalg.solve(covariance_m2, error_m))

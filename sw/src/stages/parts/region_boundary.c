@@ -7,6 +7,7 @@
 #include "common/wide_vectors.h"
 #include "common/word_blocks.h"
 
+#define ALL_WORDS (UINT16_MAX + 1) /* with the negative ones */
 #define PLANE_MIN_CELLS 6     /* fewer do not tell a slope from noise */
 #define MAX_TOLERANCE_PX 32.0 /* keeps the sums of squares of one run inside 32 bits */
 
@@ -27,31 +28,16 @@ static inliers summarise(int64_t count, double sum, double sum_of_squares) {
   return (inliers){(int32_t)count, mean, sqrt(fmax(sum_of_squares / (double)count - mean * mean, 0.0))};
 }
 
-typedef struct words_found {
-  int32_t pixels, valid;
-  int16_t low, top; /* of the valid ones */
-} words_found;
-
-VISTA_WIDE_VECTORS static void survey(const int16_t *words, int32_t count, words_found *found) {
-  int32_t valid = 0;
-  int16_t low = found->low, top = found->top;
-  for (int32_t i = 0; i < count; ++i) {
-    const int16_t none = (int16_t)(words[i] >> 15), or_most = (int16_t)((words[i] | none) & INT16_MAX);
-    valid += 1 + none;
-    low = or_most < low ? or_most : low;
-    top = words[i] > top ? words[i] : top;
+/* No branch: which words are valid is hard to foresee. The others go to the bins of negative words, which nobody reads.
+ * Neighbours often have the same word: each other one goes to a histogram of its own, so that none waits for the one
+ * before. */
+static void add_words(const int16_t *words, int32_t count, uint32_t *restrict bins, uint32_t *restrict other_bins) {
+  int32_t i = 0;
+  for (; i + 1 < count; i += 2) {
+    bins[(uint16_t)words[i]]++;
+    other_bins[(uint16_t)words[i + 1]]++;
   }
-  *found = (words_found){found->pixels + count, found->valid + valid, low, top};
-}
-
-/* No branch: which words are valid is hard to foresee. Neighbours often have the same word: each other one goes to a
- * histogram of its own, so that none waits for the one before. */
-static void add_words(const int16_t *words, int32_t count, uint32_t *bins, uint32_t *other_bins) {
-  for (int32_t i = 0; i < count; ++i) {
-    const int32_t none = words[i] >> 15;
-    uint32_t *const to = i & 1 ? other_bins : bins;
-    to[words[i] & ~none] += (uint32_t)(1 + none);
-  }
+  if (i < count) bins[(uint16_t)words[i]]++;
 }
 
 /* Empties the second one into the first. */
@@ -63,21 +49,33 @@ VISTA_WIDE_VECTORS static void add_bins(int32_t low, int32_t top, uint32_t *rest
   }
 }
 
-/* Histogram of the words under the boundary: stretch by stretch of neighbouring cells. */
-static words_found count_boundary(const vista_region_view *w, vista_region *region) {
-  words_found found = {.low = INT16_MAX};
+/* Histogram of the words under the boundary: stretch by stretch of neighbouring cells that have any. */
+static vista_word_range count_boundary(const vista_region_view *w, vista_region *region) {
+  const int32_t *const first_pixel = w->foveation->first_pixel, *const members = w->members;
+  const vista_word_range *const ranges = w->cells->range;
+  vista_word_range found = {0, INT16_MAX, 0};
   for (int32_t m = 0, end; m < w->member_count; m = end) {
-    end = m + 1;
-    if (!w->boundary[w->members[m]]) continue;
-    while (end < w->member_count && w->members[end] == w->members[end - 1] + 1 && w->boundary[w->members[end]]) ++end;
-    const int32_t first = w->foveation->first_pixel[w->members[m]];
-    const int32_t count = w->foveation->first_pixel[w->members[end - 1] + 1] - first;
-    const int16_t *const words = w->cells->words + first;
-    survey(words, count, &found);
-    add_words(words, count, w->bins, w->bins + VISTA_WORD_BINS);
+    for (end = m; end < w->member_count && members[end] == members[m] + end - m && w->boundary[members[end]]; ++end) {
+      const vista_word_range *const range = &ranges[members[end]];
+      if (range->valid == 0) {
+        if (members[end] > w->foveation->point_count) break;
+        continue;
+      }
+      found.valid += range->valid;
+      found.least = range->least < found.least ? range->least : found.least;
+      found.most = range->most > found.most ? range->most : found.most;
+    }
+    const int32_t first = first_pixel[members[m]];
+    if (end > m) {
+      const int32_t count = first_pixel[members[end - 1] + 1] - first;
+      region->boundary_pixels += count;
+      add_words(w->cells->words + first, count, w->bins, w->bins + ALL_WORDS);
+    } else {
+      region->boundary_pixels += w->boundary[members[m]] ? first_pixel[members[m] + 1] - first : 0;
+      ++end;
+    }
   }
-  add_bins(found.low, found.top, w->bins, w->bins + VISTA_WORD_BINS);
-  region->boundary_pixels += found.pixels;
+  add_bins(found.least, found.most, w->bins, w->bins + ALL_WORDS);
   region->boundary_valid += found.valid;
   return found;
 }
@@ -222,14 +220,14 @@ VISTA_WIDE_VECTORS static inliers boundary_inliers(const vista_region_view *w, c
 /* The boundary against the surface that explains it best; false: no valid pixel there. */
 bool vista_region_measure_boundary(vista_region_view *w, const vista_camera *camera, const double up_camera[3],
                                    vista_region *region, vista_plane *surface) {
-  const words_found found = count_boundary(w, region);
+  const vista_word_range found = count_boundary(w, region);
   if (region->boundary_valid == 0) return false;
-  const double mode = vista_region_mode_px(w, camera, found.low, found.top);
+  const double mode = vista_region_mode_px(w, camera, found.least, found.most);
   w->tolerance_px = vista_region_tolerance_px(w->params, camera, mode);
   const inliers around_mode = inliers_around(w->bins, mode, w->tolerance_px);
   *surface = (vista_plane){.offset = mode + around_mode.mean_px}; /* mode, refined by the mean around it */
   inliers in = inliers_around(w->bins, surface->offset, w->tolerance_px);
-  memset(w->bins + found.low, 0, (size_t)(found.top - found.low + 1) * sizeof *w->bins);
+  memset(w->bins + found.least, 0, (size_t)(found.most - found.least + 1) * sizeof *w->bins);
 
   const double u = (double)w->foveation->center_u[w->members[0]], v = (double)w->foveation->center_v[w->members[0]];
   vista_plane plane;
