@@ -19,7 +19,7 @@ assign f_wrap   = f_follow ? (f_x == f_w) : slot_last_col;
 assign f_end    = slot_valid & drain_q & drain_last_col_q;
 
 always_ff @(posedge clk_i) begin
-  f_started <= 1'b1;
+  if (!rst_ni) f_started <= 1'b1;
   f_n       <= f_n;
   f_width   <= width_i;
   f_height  <= height_i;
@@ -58,8 +58,12 @@ always_ff @(posedge clk_i) begin
   end
 end
 
+`ifdef VERILATOR
+always_ff @(posedge clk_i) begin  // a bench may change the inputs between clocks
+`else
 always_comb begin
   if (!f_started) assume (!rst_ni);
+`endif
   if (f_started) begin
     // Slots.
     if (slot_valid) begin

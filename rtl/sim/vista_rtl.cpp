@@ -39,6 +39,7 @@ struct vista_rtl {
 
   explicit vista_rtl(uint32_t seed) {
     context.randReset(2);
+    context.fatalOnError(false);  // an assertion that fails is told by vista_rtl_failed
     context.randSeed(static_cast<int>(seed ? seed : 1));
 #ifdef VISTA_WAVES
     context.traceEverOn(true);
@@ -59,6 +60,7 @@ struct vista_rtl {
 
   // Inputs were set: settle, then one rising edge.
   void edge() {
+    Verilated::threadContextp(&context);  // there may be several engines; assertions fail in this one
     if (record) write_record();
     top->clk_i = 1;
     top->eval();
@@ -215,6 +217,8 @@ int64_t vista_rtl_stream(vista_rtl* engine, const uint32_t* beats, int64_t num_i
 void vista_rtl_queue_write(vista_rtl* engine, int64_t after, int64_t before, uint32_t address, uint32_t data) {
   engine->queued.push_back({after, before, address, data});
 }
+
+int32_t vista_rtl_failed(const vista_rtl* engine) { return engine->context.gotError(); }
 
 int32_t vista_rtl_record(vista_rtl* engine, const char* path) {
   engine->record.reset(path ? std::fopen(path, "w") : nullptr);

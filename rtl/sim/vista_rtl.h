@@ -59,6 +59,9 @@ int32_t vista_rtl_identify(vista_rtl* engine, vista_rtl_build* build);
 int64_t vista_rtl_compute(vista_rtl* engine, const vista_rtl_settings* settings, const uint8_t* left,
                           const uint8_t* right, int32_t width, int32_t height, int16_t* disparity);
 
+/* 1 once an assertion has failed, else 0; stderr tells which. What comes then is worth nothing. */
+int32_t vista_rtl_failed(const vista_rtl* engine);
+
 /* From now on all inputs and outputs are written to a file, a line a clock, for tb/icarus/replay.v; null ends it.
  * Returns 1, or 0 when the file cannot be opened. */
 int32_t vista_rtl_record(vista_rtl* engine, const char* path);

@@ -72,7 +72,8 @@ int64_t vista_rtl_compute(vista_rtl* engine, const vista_rtl_settings* settings,
   const int64_t count =
       vista_rtl_stream(engine, beats.data(), pixels, kEveryClock, kEveryClock, 1, pixels, kQuietClocks, INT64_MAX,
                        words.data(), flags.data(), in_clock.data(), out_clock.data(), &taken);
-  if (count != pixels || taken != pixels || vista_rtl_read(engine, ADDRESS(ERRORS)) != 0) {
+  const bool framed = vista_rtl_read(engine, ADDRESS(ERRORS)) == 0;
+  if (count != pixels || taken != pixels || !framed || vista_rtl_failed(engine)) {
     vista_rtl_reset(engine, 1);  // whatever is left inside would come before the next frame
     return -1;
   }

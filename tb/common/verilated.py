@@ -66,19 +66,23 @@ def _build_alone(config: Config, folder: Path) -> Path:
     files = sources("vista_stereo.f")
     if config.mutants:
         files = [f for f in files if f.name != "vista_stereo_core.sv"]
-        files += [BUILD / "mutate" / "mutants.v", Path(__file__).with_name("mutants_core.sv")]
+        files += [
+            BUILD / "mutate" / "vista_stereo_core" / "mutants.v",
+            Path(__file__).with_name("mutants_core.sv"),
+        ]
     library, stamp = folder / "engine.so", folder / "digest"
     flags = "-fPIC -O1" + " -DVISTA_COVERAGE" * config.coverage + " -DVISTA_MUTANTS" * config.mutants
     command = [
-        "verilator", "--cc", "--build", "-j", "1", "-O3", "--x-assign", "fast", "--top-module", "vista_stereo", "--Mdir", str(folder), "-CFLAGS", flags,
-        *VERILATOR_FLAGS,
+        "verilator", "--cc", "--build", "-j", "1", "-O3", "--x-assign", "fast", *VERILATOR_FLAGS,
+        "--top-module", "vista_stereo", "--Mdir", str(folder), "-CFLAGS", flags,
         f"-GNumDisparities={config.num_disparities}", f"-GBlockSize={config.block_size}",
         f"-GMaxWidth={config.max_width}",
         *(["--trace-vcd"] if config.waves else []),
         *(["--coverage-line", "--coverage-toggle"] if config.coverage else []),
         *map(str, files),
     ]  # fmt: skip
-    inputs = [*files, HARNESS, HARNESS.with_suffix(".h"), HARNESS.with_name("stall_pattern.h")]
+    properties = sorted((ROOT / "rtl" / "formal").glob("*.svh"))
+    inputs = [*files, *properties, HARNESS, HARNESS.with_suffix(".h"), HARNESS.with_name("stall_pattern.h")]
     digest = hashlib.sha256(b"".join(f.read_bytes() for f in inputs) + repr(command).encode()).hexdigest()
     if library.is_file() and stamp.is_file() and stamp.read_text() == digest:
         return library
@@ -139,6 +143,7 @@ class Rtl:
         self.close()
 
     def close(self) -> None:
+        assert not self._lib.vista_rtl_failed(self._handle), "an assertion of rtl/formal failed, see stderr"
         self._lib.vista_rtl_destroy(self._handle)
 
     def select_mutant(self, number: int) -> None:
@@ -199,4 +204,5 @@ class Rtl:
             ctypes.c_int64(max_clocks),
             pointer(words), pointer(flags), pointer(in_clock), pointer(out_clock), ctypes.byref(taken),
         )  # fmt: skip
+        assert not self._lib.vista_rtl_failed(self._handle), "an assertion of rtl/formal failed, see stderr"
         return Streamed(words[:count], flags[:count], in_clock[: taken.value], out_clock[:count], taken.value)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import subprocess
+from pathlib import Path
 
 import pytest
 from icarus import released
@@ -42,6 +43,5 @@ def test_legal_parameters_do_not(disparities: int, block: int, width: int) -> No
 def test_illegal_parameters_stop_slang() -> None:
     with pytest.raises(RuntimeError, match="Yosys failed") as failure:
         released(Config(32, 10, 1024))
-    log = str(failure.value).removeprefix("Yosys failed, see ")
-    with open(log) as lines:
-        assert "BlockSize must be odd" in lines.read()
+    log = Path(str(failure.value).removeprefix("Yosys failed, see "))
+    assert "BlockSize must be odd" in log.read_text()

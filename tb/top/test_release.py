@@ -7,14 +7,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from broken_video import FAULTS, HEIGHT, WIDTH
+from broken_video import FAULTS, fault_size
 from frames import Frame, beats, random_frame, random_pair, random_parameters, set_up
 from icarus import commands, released, replay
 from registers import CONTROL, ERRORS, FRAMES_OUT, SIZE, registers
 from tools import ROOT
 from verilated import PACES, Config, Pace, Rtl
 
-CONFIGS = [Config(16, 5, 64), Config(32, 9, 64)]
+CONFIGS = [Config(16, 5, 64), Config(32, 9, 96)]
 
 
 def frame_at_reset_defaults(rtl: Rtl, rng: np.random.Generator) -> None:
@@ -36,21 +36,23 @@ def frames(rtl: Rtl, rng: np.random.Generator, count: int) -> None:
 
 def faulty_video(rtl: Rtl, rng: np.random.Generator) -> None:
     parameters = random_parameters(rng, rtl.config.num_disparities, rtl.config.block_size)
-    pair = random_pair(rng, "shifted", HEIGHT, WIDTH)
+    width, height = fault_size(rtl.config.num_disparities, rtl.config.block_size)
+    pair = random_pair(rng, "shifted", height, width)
     set_up(rtl, Frame(*pair, parameters))
     stream = [
-        fault(beats(*pair), int(rng.integers(1, WIDTH * HEIGHT - 1)), rng)
+        fault(beats(*pair), width, int(rng.integers(1, width * height - 1)), rng)
         for fault in rng.choice(np.array(FAULTS, object), 4)
     ]
-    rtl.stream(np.concatenate(stream), 10 * WIDTH * HEIGHT, Pace(), Pace(50, 200), quiet=1500)
+    rtl.stream(np.concatenate(stream), 10 * width * height, Pace(), Pace(50, 200), quiet=1500)
     rtl.write(ERRORS, 0xFFFFFFFF)
 
 
 def reset_inside_a_frame(rtl: Rtl, rng: np.random.Generator) -> None:
     parameters = random_parameters(rng, rtl.config.num_disparities, rtl.config.block_size)
-    pair = random_pair(rng, "noise", HEIGHT, WIDTH)
+    width, height = fault_size(rtl.config.num_disparities, rtl.config.block_size)
+    pair = random_pair(rng, "noise", height, width)
     set_up(rtl, Frame(*pair, parameters))
-    rtl.stream(beats(*pair)[: int(rng.integers(WIDTH * HEIGHT))], WIDTH * HEIGHT, quiet=30)
+    rtl.stream(beats(*pair)[: int(rng.integers(width * height))], width * height, quiet=30)
     rtl.reset(1)
 
 

@@ -82,12 +82,16 @@ static vista_word_range count_boundary(const vista_region_view *w, vista_region 
 
 double vista_region_mode_px(const vista_region_view *w, const vista_camera *camera, int32_t low, int32_t top) {
   const uint32_t *const bins = w->bins;
+  const bool even = vista_region_tolerance_px(w->params, camera, top / (double)VISTA_DISPARITY_SCALE) ==
+                    w->params->tolerance_px; /* it grows with the disparity: the least is that of all */
+  const double least_width = 2.0 * VISTA_DISPARITY_SCALE * w->params->tolerance_px;
   uint32_t sum = 0, best = 0;
   double mode = 0.0;
   for (int32_t end = low, start = 0; end <= top; ++end) {
     if (bins[end] == 0) continue; /* a best window can end on a word that occurs */
-    const double end_px = end / (double)VISTA_DISPARITY_SCALE;
-    const double width = 2.0 * VISTA_DISPARITY_SCALE * vista_region_tolerance_px(w->params, camera, end_px);
+    const double width = even ? least_width
+                              : 2.0 * VISTA_DISPARITY_SCALE *
+                                    vista_region_tolerance_px(w->params, camera, end / (double)VISTA_DISPARITY_SCALE);
     if (sum == 0 && end - start > width) start = (int32_t)ceil(end - width); /* nothing lies in between */
     sum += bins[end];
     while (end - start > width) sum -= bins[start++];
@@ -149,6 +153,7 @@ static double area_on(const vista_region_view *w, const vista_plane *plane) {
   return area;
 }
 
+#define SLOPE_MAX 8.0
 #define FIXED_BITS 12 /* of a sixteenth of a pixel */
 
 static int32_t to_fixed(double disparity_px) {
@@ -192,15 +197,27 @@ static inline void add_block(const int16_t *restrict words, int32_t length, int3
   }
 }
 
+/* Whether no word of a cell is near the plane: from their range and the plane's over the cell, with a margin for rounding. */
+static inline bool off_plane(const vista_region_view *w, const vista_plane *plane, int32_t node) {
+  const vista_foveation *const f = w->foveation;
+  const vista_word_range range = w->cells->range[node];
+  const double unit = 1.0 / VISTA_DISPARITY_SCALE;
+  const double at = vista_plane_at(plane, (double)f->center_u[node], (double)f->center_v[node]);
+  const double off =
+      w->tolerance_px + 2.0 * unit + (fabs(plane->slope_u) + fabs(plane->slope_v)) * ((double)f->size_px[node] + 2.0);
+  return range.valid == 0 || range.most * unit < at - off || range.least * unit > at + off;
+}
+
 /* Residuals from the plane in whole engine words: integers, so that the loop is vectorised. */
 VISTA_WIDE_VECTORS static inliers boundary_inliers(const vista_region_view *w, const vista_plane *plane) {
   totals all = {0};
   lane_sums lanes = {0};
-  const int32_t slope = to_fixed(fmin(fmax(plane->slope_u, -8.0), 8.0));
+  const int32_t slope = to_fixed(fmin(fmax(plane->slope_u, -SLOPE_MAX), SLOPE_MAX));
   const int32_t tolerance = (int32_t)(w->tolerance_px * VISTA_DISPARITY_SCALE);
+  const bool judged = fabs(plane->slope_u) < SLOPE_MAX;
   for (int32_t m = 0; m < w->member_count; ++m) {
     const int32_t node = w->members[m];
-    if (!w->boundary[node]) continue;
+    if (!w->boundary[node] || (judged && off_plane(w, plane, node))) continue;
     const int16_t *words = w->cells->words + w->foveation->first_pixel[node];
     for (int32_t r = w->foveation->first_run[node]; r < w->foveation->first_run[node + 1]; ++r) {
       const vista_run run = w->foveation->runs[r];
