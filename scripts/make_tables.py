@@ -33,9 +33,7 @@ DATA = ROOT / "doc" / "results" / "data"
 SYNTHESIS = ROOT / "rtl" / "synth" / "results.json"
 MARKED = re.compile(r"(<!-- table: ([a-z-]+) -->\n).*?(<!-- end of table -->)", re.DOTALL)
 
-# Of a cluster that the costs of a job are reckoned up for. Dask's workers send a heartbeat twice a second
-# where there are few, and every n / 200 + 1 seconds where there are n.
-WORKERS, HEARTBEAT_S, HEARTBEATS_OF_TWO = 1000, 6.0, 4.0
+WORKERS = 1000  # of a cluster that the costs of a job are reckoned up for
 
 Record = dict[str, Any]
 
@@ -479,17 +477,11 @@ def jobs_limits_table() -> str:
     found = figures("jobs")
     cluster, rows_ms = found["Dask, two workers"]["per_job_ms"], found["rows_ms"]
     busiest_ms = max(cluster["scheduler"], cluster["asking"] + rows_ms["keep"])
-    idle = found["Dask, two workers"]["idle_scheduler_share"]
-    beats = (idle["two workers"] - idle["no worker"]) / HEARTBEATS_OF_TWO
     rows = [
         ["jobs per second that the scheduler or the process that asks can take", f"{1e3 / busiest_ms:.0f}"],
         [
             "mean length of a job at which 1,000 workers take a quarter of that",
             f"{4 * WORKERS * busiest_ms / 1e3:.0f} s",
-        ],
-        [
-            f"heartbeats of 1,000 workers ({WORKERS / HEARTBEAT_S:.0f} a second): share of a core",
-            f"{100 * beats * WORKERS / HEARTBEAT_S:.0f} %",
         ],
         ["to look at a file of a recording on a local disk", f"{rows_ms['look at a file']:.3f} ms"],
         ["to find the row of a recording kept", f"{rows_ms['find']:.3f} ms"],

@@ -29,7 +29,6 @@ from vista_eval.cache import digest_of
 from vista_eval.jobs import HERE, Job, Place, jobs_of, run
 from vista_eval.recordings.storage import content_of
 
-IDLE_S = 10.0
 FILES = 2000
 MANY = 20  # times as many jobs where they cost little
 
@@ -82,20 +81,11 @@ def look_ms() -> float:
 
 def on_cluster(count: int) -> dict[str, Any]:
     with tempfile.TemporaryDirectory() as folder, Cluster(Path(folder), workers=0) as cluster:
-        idle = {"no worker": idle_share(cluster)}
         place = Place(cluster=cluster.address)
         workers = [cluster.start_worker(), cluster.start_worker()]
         run(jobs_of(job_examples.small_row, range(100)), place)  # both are there
         found = per_job_ms(place, count, {"scheduler": cluster.scheduler.pid, "worker": workers[0].pid})
-        idle["two workers"] = idle_share(cluster)
-    return {"per_job_ms": found, "idle_scheduler_share": idle}
-
-
-def idle_share(cluster: Cluster) -> float:
-    """Of a core, while nothing is asked for: with heartbeats of two workers, two a second each."""
-    time.sleep(1.0)
-    idle = measured(partial(time.sleep, IDLE_S), {"scheduler": cluster.scheduler.pid})
-    return round(idle["scheduler"] / IDLE_S, 4)
+    return {"per_job_ms": found}
 
 
 def main() -> None:

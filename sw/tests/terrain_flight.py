@@ -37,18 +37,18 @@ def rolling(height_m: float, length_m: float, phase: float) -> Elevation:
 
 
 def first_contact_m(elevation: Elevation, start: Array, direction: Array) -> float:
-    """Along a straight path to where a cylinder around it first touches the ground; infinite if it does not.
-    Written without the library: points on rings around the path, each asked for itself."""
-    along = np.arange(0.25, LENGTH_M, 0.1)
-    side = np.cross((0.0, 1.0, 0.0), direction)
-    side /= np.linalg.norm(side)
-    down = np.cross(direction, side)
-    turn = np.linspace(0.0, 2.0 * np.pi, 49)
-    ring = RADIUS_M * (np.cos(turn)[:, None] * side + np.sin(turn)[:, None] * down)
-    points = start + along[:, None, None] * direction + ring
-    inside = -points[..., 1] <= elevation(points[..., 0], points[..., 2])
-    touched = np.flatnonzero(inside.any(axis=1))
-    return float(along[touched[0]]) if touched.size else np.inf
+    """Along a straight path to the point of the ground that a ball which flies on it touches first; infinite
+    if it touches none. Written without the library: points of the ground, each asked for itself."""
+    reach = 1.5 * RADIUS_M
+    x, z = np.meshgrid(np.arange(-reach, reach, 0.1), np.arange(-reach, LENGTH_M + reach, 0.1))
+    ground = np.stack([start[0] + x, -elevation(start[0] + x, start[2] + z), start[2] + z], axis=-1) - start
+    along = ground @ direction
+    aside2 = np.maximum(np.sum(ground**2, axis=-1) - along**2, 0.0)
+    center = along - np.sqrt(np.maximum(RADIUS_M**2 - aside2, 0.0))
+    touched = (aside2 <= RADIUS_M**2) & (center > 0.0) & (along <= LENGTH_M)
+    if not touched.any():
+        return np.inf
+    return float(along[touched][np.argmin(center[touched])])
 
 
 @dataclass(frozen=True)
@@ -175,7 +175,7 @@ class TerrainFlight:
         )
         assert status_name(status) == "VISTA_OK"
         return Seen(
-            bool(t.ahead and t.credible),
+            bool(t.ahead and t.credible and t.steady),
             t.contact.along_m if t.ahead else np.nan,
             np.array(list(t.contact.point_m)),
             t.sigma_m,

@@ -18,8 +18,8 @@ from command_line import assert_refused
 from command_line import call as call_vista
 from dask_cluster import Cluster
 from test_jobs import SEEDS, attempts_in, contents, kept_jobs, wait_for_attempt
-from vista.errors import EXIT_OK
-from vista_eval.jobs import HERE, Failure, Job, Place, jobs_of, outcomes, run
+from vista.errors import EXIT_INPUT, EXIT_OK
+from vista_eval.jobs import HERE, Failure, Job, Place, exit_on_failure, jobs_of, outcomes, run
 
 pytest.importorskip("distributed", reason="no Dask: make setup-jobs")
 
@@ -136,6 +136,22 @@ def test_a_cluster_that_is_not_there_is_named(
     arguments = ("scenes", str(tmp_path), "--count", "2", "--cluster", address)
     assert_refused(call_vista(capsys, *arguments), f"--cluster {address}: {reason}")
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_program_of_its_own_names_it_in_one_line(
+    capsys: pytest.CaptureFixture, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """And ends as the command does, without a traceback."""
+    from vista_eval.jobs import cluster as module
+
+    monkeypatch.setattr(module, "CONNECT_S", 1.0)
+    place = Place(cluster="tcp://127.0.0.1:1")
+    with pytest.raises(SystemExit) as ended, exit_on_failure():
+        run(jobs_of(job_examples.small_row, range(2)), place)
+    assert ended.value.code == EXIT_INPUT
+    lines = [line for line in capsys.readouterr().err.splitlines() if line.strip()]
+    assert lines[-1] == "--cluster tcp://127.0.0.1:1: no scheduler answers within 1 s"
+    assert not any("Traceback" in line for line in lines)
 
 
 def test_a_cluster_without_dask_names_the_extra(

@@ -143,6 +143,22 @@ def test_in_a_bend_the_path_is_the_arc(radius_m: float, speed_m_s: float, noisy:
         assert np.linalg.norm(flown - arc) < np.linalg.norm(flown - straight) + 0.1, share
 
 
+@pytest.mark.parametrize("noisy", [False, True])
+def test_a_bend_is_known_half_a_second_after_the_first_pose(noisy: bool) -> None:
+    """A recording that begins in a turn: there the slower mean is no older than the faster one."""
+    for frames in range(6, 30):
+        stage, motion = flown_circle(60.0, 12.0, frames, noise=seeded(frames) if noisy else None)
+        path = stage.path(motion)
+        if noisy:
+            assert path.curvature_1_m < 1.7 / 60.0
+        else:
+            assert path.curvature_1_m == pytest.approx(1.0 / 60.0, rel=0.05)
+            position, _ = circle(60.0, 12.0, 0.1 * (frames - 1))
+            ahead, _ = circle(60.0, 12.0, 0.1 * (frames - 1) + 0.01)
+            tangent = (ahead - position) / np.linalg.norm(ahead - position)
+            assert np.array(list(path.direction)) @ tangent > math.cos(math.radians(0.3))
+
+
 @pytest.mark.parametrize("speed_m_s", [3.0, 12.0])
 @pytest.mark.parametrize("seed", range(5))
 def test_a_straight_flight_with_noisy_poses_stays_straight(speed_m_s: float, seed: int) -> None:

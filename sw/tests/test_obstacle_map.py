@@ -105,8 +105,13 @@ def in_volume(position, velocity=FORWARD, raw_pose=None, changes=None, **keyword
     return mapper.obstacles[0].in_collision_volume
 
 
+def share_of_large(extent_m: float) -> float:
+    return float(np.clip((extent_m - 3.0) / 1.5, 0.0, 1.0))
+
+
 def test_what_is_large_is_met_where_it_is_closest_to_the_path() -> None:
-    """A rectangle of the extent, 1.5 m narrower on each side, that faces the camera."""
+    """Of a rectangle of the extent that faces the camera: from 4.5 m on there; up to 3 m half way to there,
+    uncertain by as much. Which point of its surface is first, and where its end is, adds to that."""
     random = seeded(9)
     for _ in range(50):
         center, extent = random.uniform((-8, -5, 20), (8, 5, 60)), random.uniform(0.2, 20.0, 2)
@@ -114,12 +119,50 @@ def test_what_is_large_is_met_where_it_is_closest_to_the_path() -> None:
         item = track(center, extent=extent.tolist(), coasting=False)
         assert mapper.update([item]) == "VISTA_OK"
         (obstacle,), nearest = mapper.obstacles, mapper.nearest
-        middle = np.array(list(obstacle.position_m))
-        half = np.maximum(extent / 2 - 1.5, 0.0)
-        expected = np.append(np.clip(0.0, middle[:2] - half, middle[:2] + half), middle[2])
+        middle, half = np.array(list(obstacle.position_m)), extent / 2
+        share = np.array([0.5 + 0.5 * share_of_large(side) for side in extent])
+        step = np.clip(-middle[:2], -half, half)
+        expected = middle + np.append(share * step, 0.0)
         assert list(nearest.position_m) == pytest.approx(expected)
         assert nearest.distance_m == pytest.approx(np.linalg.norm(expected))
         assert nearest.time_to_collision_s == pytest.approx(expected[2] / 9.0)
+        face = np.minimum(half / math.sqrt(3.0), math.sqrt(2.0 * 2.0 * 0.1))
+        end = np.where(np.abs(middle[:2]) > half, 0.2 * half, 0.0)
+        added = np.reshape(list(nearest.covariance_m2), (3, 3)) - np.reshape(
+            list(obstacle.covariance_m2), (3, 3)
+        )
+        assert added == pytest.approx(
+            np.diag([*((1 - share) ** 2 * step**2 + face**2 + end**2), 0.0]), abs=1e-9
+        )
+
+
+def test_what_is_large_is_met_in_its_surface() -> None:
+    """Not in the middle behind it, which is that of an obstacle."""
+    for extent, behind_m in ((1.0, 0.25), (2.9, 0.25), (4.6, 0.0)):
+        mapper = Map(thickness_ratio=0.5)
+        assert mapper.update([track((0.0, 0.0, 20.0), extent=(extent, extent))]) == "VISTA_OK"
+        assert mapper.obstacles[0].distance_m == pytest.approx(20.25)
+        assert mapper.nearest.distance_m == pytest.approx(20.0 + behind_m)
+
+
+def test_parts_of_one_thing_make_it_uncertain_which_is_met_first() -> None:
+    """Posts in the way at about one range, 1.6 m apart; not what is farther away, or beside the volume."""
+    post, other = track((-0.8, 0.0, 20.0), 1, extent=(0.1, 0.1)), {"extent": (0.1, 0.1)}
+    for place, changes, apart_m in (
+        ((0.8, 0.0, 20.5), {}, 1.6),
+        ((0.8, 0.0, 24.0), {}, 0.0),
+        ((0.8, 0.0, 20.5), {"volume_window": 0}, 0.0),
+    ):
+        alone, beside = Map(), Map()
+        assert (
+            alone.update([post]) == beside.update([post, track(place, 2, **other, **changes)]) == "VISTA_OK"
+        )
+        assert beside.nearest.id == alone.nearest.id == 1
+        added = np.subtract(list(beside.nearest.covariance_m2), list(alone.nearest.covariance_m2)).reshape(
+            3, 3
+        )
+        assert added[0, 0] == pytest.approx(apart_m**2 / 3.0, rel=0.1)
+        assert np.abs(added[2]).max() == pytest.approx(0.0, abs=1e-9)
 
 
 def test_nearest_first_and_only_the_credible_collide() -> None:
@@ -467,7 +510,7 @@ def test_against_dense_sampling_of_disc_and_cylinder() -> None:
 def test_time_to_collision_counts_along_the_flight_and_with_the_obstacle() -> None:
     mapper = Map()
     mapper.update([track((1.0, 0, 30.0))])
-    assert mapper.nearest.distance_m == pytest.approx(math.hypot(1, 30))
+    assert mapper.nearest.distance_m == pytest.approx(math.hypot(0.75, 30))  # half way to its edge
     assert mapper.nearest.time_to_collision_s == pytest.approx(30 / 9)
     mapper.update([track((0, 0, 30.0), velocity_m_s=[0, 0, -6.0])])
     assert mapper.nearest.time_to_collision_s == pytest.approx(2.0)

@@ -91,6 +91,25 @@ def test_level_and_low_flight_meets_nothing(height_m: float) -> None:
     assert not any(seen.warned for _, seen in found)
 
 
+def test_who_sinks_in_a_gust_low_over_level_ground_is_not_warned() -> None:
+    """Down by up to 6 degrees and up again, over and over: the place where the path would meet the ground
+    comes nearer by more than is flown, and goes away."""
+    random = seeded(69)
+    speed_m_s, period_s = random.uniform(9.0, 14.0), random.uniform(2.5, 4.0)
+    sink_m_s, phase = speed_m_s * np.radians(random.uniform(4.5, 6.0)), random.uniform(0.0, 2.0 * np.pi)
+    way_m = sink_m_s * period_s / (2.0 * np.pi)
+    flight, time_s = TerrainFlight(random), np.arange(34) / RATE_HZ
+    angle = 2.0 * np.pi * time_s / period_s + phase
+    height_m = 3.0 + 2.0 * way_m + way_m * np.sin(angle)
+    contacts = 0
+    for t_s, height, a in zip(time_s, height_m, angle, strict=True):
+        velocity = np.array([0.0, -sink_m_s * np.cos(a), speed_m_s])
+        seen = flight.fly(level, np.array([0.0, -height, speed_m_s * t_s]), velocity)
+        contacts += not np.isnan(seen.along_m)
+        assert not seen.warned
+    assert contacts > 3
+
+
 @pytest.mark.parametrize("descent_deg", [4.0, 8.0, 20.0])
 def test_a_path_that_descends_on_a_meadow_meets_it(descent_deg: float) -> None:
     """Be it to land: that is what the aircraft will touch."""
@@ -239,15 +258,14 @@ def test_a_restart_of_the_world_forgets_the_ground() -> None:
 
 
 def brute_force_m(volume, plane, path_at, short_m: float = 0.0) -> float:
-    """Along a path to where a disc across it first comes within short_m of the plane."""
+    """Along a path to where a ball on it first comes within short_m of the plane."""
     normal, offset = np.array(list(plane.normal)), plane.offset_m
     clearance = offset - normal @ np.array(list(volume.path.start_m))
     radius = min(volume.radius_m, volume.clearance_share * clearance)
     for along in np.arange(0.0, volume.path.length_m, 0.05):
         point, direction = path_at(along)
-        across = np.linalg.norm(np.cross(normal, direction))
-        if normal @ point + radius * across >= offset - short_m:
-            return along
+        if normal @ point + radius >= offset - short_m:
+            return along + radius * (normal @ direction)
     return np.inf
 
 
@@ -291,7 +309,7 @@ def test_the_contact_of_any_path_with_any_plane() -> None:
         assert first - step_m <= contact.along_m <= last + step_m
         point = np.array(list(contact.point_m))
         assert np.array(list(plane.normal)) @ point == pytest.approx(plane.offset_m, abs=0.02)
-        beside, along_direction = path_at(contact.along_m)
-        assert np.linalg.norm(point - beside) == pytest.approx(contact.radius_m, abs=1e-6)
+        center, along_direction = path_at(contact.along_m - contact.radius_m * contact.sine)
+        assert np.linalg.norm(point - center) == pytest.approx(contact.radius_m, abs=1e-6)
         assert contact.sine == pytest.approx(np.array(list(plane.normal)) @ along_direction, abs=1e-6)
     assert met > 30

@@ -10,6 +10,7 @@
 
 #define PATH_S 1.0     /* the slower time constant, that tells whether the velocity turns */
 #define NOISE_SIGMAS 3.0
+#define FEWEST 4 /* differences that tell their own scatter */
 #define STRAIGHT_RAD_S 1e-6
 #define QUARTER_RAD 1.57079632679489661923
 #define FARTHEST_M 1e8 /* from the origin: beyond it a double no longer tells what lies beside the camera */
@@ -88,10 +89,16 @@ static void follow(const vista_motion_params *p, const vista_pose *pose, int64_t
     }
     /* The smoothed value holds a share `weight` of the difference itself. */
     const double own = fmax(vista_square(1.0 - weight), 1e-3);
-    s->velocity_variance += slowly * (velocity2 / own - s->velocity_variance);
-    s->turn_variance += slowly * (turn2 / own - s->turn_variance);
-    s->lag_s = tau_s + 0.5 * dt_s;
-    s->averaged = weight / (2.0 - weight);
+    if (s->rates_known) { /* one difference alone shows no scatter */
+      const double share = fmax(slowly, 1.0 / s->differences);
+      s->velocity_variance += share * (velocity2 / own - s->velocity_variance);
+      s->turn_variance += share * (turn2 / own - s->turn_variance);
+    }
+    s->lag_s = (1.0 - weight) * (s->lag_s + dt_s);
+    s->slow_lag_s = (1.0 - slowly) * (s->slow_lag_s + dt_s);
+    s->averaged = vista_square(1.0 - weight) * s->averaged + vista_square(weight);
+    s->last_dt_s = dt_s;
+    s->differences += s->differences < INT32_MAX;
     s->rates_known = true;
   }
   s->posed = true;
@@ -168,10 +175,10 @@ static void cross(const double a[3], const double b[3], double product[3]) {
  * may be noise. */
 static void path_turn_rate(const vista_motion_params *p, const vista_motion_state *s, const vista_motion *motion,
                            double turn[3]) {
-  const double apart_s = fmax(PATH_S, p->velocity_smoothing_s) - p->velocity_smoothing_s;
+  const double apart_s = s->slow_lag_s - s->lag_s;
   const double slow_m_s = vista_norm(s->slow_velocity_m_s), fast_m_s = vista_norm(s->velocity_m_s);
   memset(turn, 0, 3 * sizeof *turn);
-  if (!(apart_s > 0.0) || !(fmin(slow_m_s, fast_m_s) > 0.0)) return;
+  if (!(apart_s > 0.0) || !(fmin(slow_m_s, fast_m_s) > 0.0) || s->differences < FEWEST) return;
   double path[3], beyond[3];
   cross(s->slow_velocity_m_s, s->velocity_m_s, path);
   const double along_rad_s = vista_dot(s->turn_rate_rad_s, motion->direction);
@@ -185,7 +192,7 @@ static void path_turn_rate(const vista_motion_params *p, const vista_motion_stat
   for (int i = 0; i < 3; ++i) turn[i] -= excess * beyond[i];
   const double noise =
       fmax(NOISE_SIGMAS * sqrt(s->turn_variance * s->averaged), p->path_turn_min_deg_s * VISTA_RADIANS_PER_DEGREE);
-  const double kept = fmax(0.0, 1.0 - noise / fmax(vista_norm(turn), STRAIGHT_RAD_S));
+  const double kept = fmax(0.0, 1.0 - vista_square(noise / fmax(vista_norm(turn), STRAIGHT_RAD_S)));
   for (int i = 0; i < 3; ++i) turn[i] *= kept;
 }
 
@@ -203,7 +210,7 @@ vista_flight_path vista_motion_path(const vista_motion_params *params, const vis
   const double rate = vista_norm(normal);
   if (!(rate > STRAIGHT_RAD_S)) return path;
   /* What is smoothed lags behind: the direction is that of a moment ago. */
-  const double lag_rad = rate * state->lag_s;
+  const double lag_rad = rate * (state->lag_s + 0.5 * state->last_dt_s);
   for (int i = 0; i < 3; ++i) {
     normal[i] /= rate;
     path.direction[i] = cos(lag_rad) * motion->direction[i] + sin(lag_rad) * normal[i];

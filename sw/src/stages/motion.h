@@ -47,8 +47,11 @@ typedef struct vista_motion_state {
   bool rates_known; /* from two accepted poses: */
   double velocity_m_s[3], turn_rate_rad_s[3]; /* world, smoothed */
   double slow_velocity_m_s[3]; /* the same velocity, smoothed over PATH_S */
+  int32_t differences; /* that these are means of */
   double velocity_variance, turn_variance; /* of a single difference around the smoothed one, each axis */
-  double lag_s, averaged; /* of the smoothed rates: how far they lag; their variance over that of a difference */
+  double lag_s, slow_lag_s; /* how far the smoothed values lag behind the last difference: less in the first second */
+  double averaged; /* the variance of the smoothed rates over that of a difference */
+  double last_dt_s;
   int32_t refused_count; /* in a row that agree with each other; the last one of them: */
   int64_t refused_t_ns;
   vista_pose refused_at;

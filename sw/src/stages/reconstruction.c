@@ -46,6 +46,8 @@ static vista_status reconstruct(const vista_region *region, const vista_camera *
       .label = region->label,
       .plain = region->plain,
       .volume_pixels = region->volume_pixels,
+      .foot_seen = region->foot_seen,
+      .foot_share = region->foot_share,
       .u_px = region->mean_u_px,
       .v_px = region->mean_v_px,
       .disparity_px = region->disparity_px,

@@ -70,6 +70,8 @@ typedef struct vista_region {
   double standing_fraction;        /* of its words, at least min_height_m above the ground */
   double top_fraction;             /* and at least top_height_m above it */
   vista_region_evidence evidence;
+  bool foot_seen;    /* the ground is known, and the region is accepted: */
+  double foot_share; /* height of its foot above the ground over that of the camera: 0 stands on it, 1 is as high */
 } vista_region;
 
 typedef struct vista_regions {

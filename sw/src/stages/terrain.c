@@ -12,6 +12,10 @@
 #define SAME_SHARE 0.2
 #define ANCHOR_SHARE 0.3 /* of the range: farther off, the first line of sight says little of the surface */
 #define PASSED_M 0.5
+#define STEADY_S 0.6     /* over which the contact is asked to stay where it is: */
+#define STEADY_SHARE 0.05 /* up to this share of the way there, */
+#define STEADY_M 0.5     /* or this */
+#define GRAZING_DEG 10.0 /* at less, a slight turn of the path moves it far */
 #define MATCHING_PX 0.1 /* error of the disparity of a surface: most of it is shared by its words */
 
 vista_status vista_terrain_layout(vista_terrain *terrain, vista_arena *arena, const vista_foveation *foveation) {
@@ -106,6 +110,30 @@ static void judge(const frame *f, vista_terrain *t) {
   const bool supported = w->verdict == VISTA_WORLD_OPEN ? silent : !refuted;
   t->confirmed = t->confirmed || vista_window_count(t->window, p->confirm_window) >= p->confirm_hits + (open ? 1 : 0);
   t->credible = t->confirmed && !refuted && (t->credible || supported);
+}
+
+/* Whether the place stays where it is, as the path of each frame meets the surface. */
+static void watch(const frame *f, vista_terrain *t) {
+  if (!t->ahead) return;
+  const vista_terrain_contact *const c = &t->contact;
+  if (t->places == 0) {
+    memcpy(t->place_m, c->point_m, sizeof t->place_m);
+    t->first_t_ns = t->place_t_ns = f->t_ns;
+  }
+  const double dt_s = vista_seconds_between(t->place_t_ns, f->t_ns);
+  t->places += t->places < INT32_MAX;
+  const double weight = fmax(1.0 - exp(-dt_s / STEADY_S), 1.0 / t->places);
+  double at_m[3], direction[3], off_m[3];
+  vista_flight_path_point(&f->in_world.path, c->along_m, at_m, direction);
+  for (int i = 0; i < 3; ++i) {
+    off_m[i] = c->point_m[i] - t->place_m[i];
+    t->place_m[i] += weight * off_m[i];
+  }
+  t->wander_m2 += weight * (vista_square(vista_dot(off_m, direction)) - t->wander_m2);
+  t->place_t_ns = f->t_ns;
+  const bool grazing = c->sine < sin(GRAZING_DEG * VISTA_RADIANS_PER_DEGREE);
+  t->steady = t->wander_m2 <= vista_square(fmax(STEADY_SHARE * c->along_m, STEADY_M)) &&
+              !(grazing && vista_seconds_between(t->first_t_ns, f->t_ns) < STEADY_S);
 }
 
 static void start(const frame *f, const vista_terrain_plane *plane, const vista_terrain_contact *contact,
@@ -207,6 +235,7 @@ static void update(const frame *f, vista_terrain *t) {
   }
   if (!t->known) return;
   t->ahead = t->ahead && t->contact.along_m > PASSED_M;
+  watch(f, t);
   t->sigma_m = t->ahead ? contact_sigma_m(f, &t->plane, &t->contact) : 0.0;
   judge(f, t);
 }

@@ -9,6 +9,9 @@
  * Low flight is no collision: the volume reaches down by clearance_share of the distance from that surface at most,
  * and a path that descends on a surface by less than angle_min_deg flies along it. Without own motion there is no path.
  *
+ * A place that wanders is no place: whoever sinks in a gust, low over level ground, is not about to touch it. So it is
+ * warned of only while it stays where it is, and where the path all but grazes the ground, once it has for a while.
+ *
  * Confirmed like a track (tracker.h): M of N frames, and the static-world test, which is asked of the point where the
  * line of sight of the first hit meets the surface: it stays where it is in the world, wherever the path leads. */
 #ifndef VISTA_TERRAIN_H
@@ -33,6 +36,7 @@ typedef struct vista_terrain {
   float *along_m;      /* scratch, node_count */
   bool known;          /* there is a surface, confirmed or not: */
   bool confirmed, credible; /* as of a track */
+  bool steady;              /* the contact stays where it is */
   bool coasting;            /* not seen in this frame */
   bool blind;               /* nor can it be: nearer than is matched, or out of view */
   bool ahead;               /* the path of this frame meets it: contact, sigma_m */
@@ -43,6 +47,10 @@ typedef struct vista_terrain {
   vista_static_world world;
   vista_terrain_contact contact; /* world */
   double sigma_m; /* standard deviation of the contact along the path */
+  int32_t places;       /* contacts that these are means of: */
+  double place_m[3];    /* the contact, world */
+  double wander_m2;     /* of its distance from there along the path, squared */
+  int64_t first_t_ns, place_t_ns; /* of the first and the last one */
 } vista_terrain;
 
 vista_status vista_terrain_layout(vista_terrain *terrain, vista_arena *arena, const vista_foveation *foveation);

@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from vista.errors import JobsError
+from vista.errors import EXIT_INPUT, InputError, JobsError
 
 from vista_eval.cache import keep, read_kept
 from vista_eval.jobs.job import Done, Failure, Job, Outcome, attempt
@@ -63,9 +63,13 @@ def outcomes(
 
 @contextmanager
 def exit_on_failure() -> Iterator[None]:
-    """For programs of their own: a line has named each job that failed, and the exit status says it too."""
+    """For programs of their own: a line has named each job that failed, or names the scheduler that does not
+    answer, and the exit status says it too."""
     try:
         yield
+    except InputError as error:
+        print(error, file=sys.stderr)
+        sys.exit(EXIT_INPUT)
     except JobsError as error:
         print(error, file=sys.stderr)
         sys.exit(error.status)

@@ -78,7 +78,8 @@ class Curved:
 
     def beside(self, points_m: Floats, origin_m: Array) -> tuple[Floats, Floats]:
         """Metres beside the path and along it, of (n, 3) points given from an origin; infinite and 0 of what
-        is farther than REACH_M from the path."""
+        lies outside of the box, along the axes of the world, that holds whatever is within REACH_M of the
+        path's corners and chords."""
         corners_m = (self.corners_m - origin_m).astype(np.float32)
         aside_m = np.full(len(points_m), np.inf, np.float32)
         along_m = np.zeros(len(points_m), np.float32)

@@ -38,7 +38,7 @@ bool vista_terrain_obstacle(const vista_camera *camera, const vista_pose *pose, 
       .extent_m = {2.0 * c->radius_m, 2.0 * c->radius_m * fmax(c->sine, 0.0)},
       .ellipse = {measurement_px[0], measurement_px[1], radius_px, radius_px * fmax(c->sine, FLATTEST), angle_deg},
       .disparity_px = measurement_px[2],
-      .in_collision_volume = terrain->credible};
+      .in_collision_volume = terrain->credible && terrain->steady};
   memcpy(obstacle->position_m, c->point_m, sizeof obstacle->position_m);
   const double along2 = vista_square(terrain->sigma_m), across2 = vista_square(ACROSS_SHARE * c->radius_m);
   for (int i = 0; i < 3; ++i)

@@ -58,23 +58,24 @@ static double area_px2(const vista_terrain_view *w, int32_t node) {
   return (double)w->foveation->size_px[node] * (double)w->foveation->size_px[node];
 }
 
-/* How far the volume reaches beyond the plane at a place along the path, metres. */
-static double depth_m(const vista_flight_path *path, const vista_terrain_plane *plane, vista_terrain_contact *at) {
-  double at_m[3], direction[3], across[3];
-  vista_flight_path_point(path, at->along_m, at_m, direction);
+/* How far a ball on the path reaches beyond the plane, metres, with its centre at centre_m along the path. What sweeps the
+ * volume touches a slope with the point that is nearest to it, and not with the one that is lowest. */
+static double depth_m(const vista_flight_path *path, const vista_terrain_plane *plane, double centre_m,
+                      vista_terrain_contact *at) {
+  double at_m[3], direction[3];
+  vista_flight_path_point(path, centre_m, at_m, direction);
   at->sine = vista_dot(plane->normal, direction);
-  for (int i = 0; i < 3; ++i) across[i] = plane->normal[i] - at->sine * direction[i];
-  const double cosine = vista_norm(across);
-  for (int i = 0; i < 3; ++i) at->point_m[i] = at_m[i] + (cosine > 0.0 ? at->radius_m / cosine * across[i] : 0.0);
+  for (int i = 0; i < 3; ++i) at->point_m[i] = at_m[i] + at->radius_m * plane->normal[i];
+  at->along_m = centre_m + at->radius_m * at->sine;
   return vista_dot(plane->normal, at->point_m) - plane->offset_m;
 }
 
-/* By halves, between the step that is inside of the plane and the one before. */
+/* By halves, between the step to centre_m, that is inside of the plane, and the one before. */
 static vista_terrain_contact first_touch(const vista_flight_path *path, const vista_terrain_plane *plane, double step_m,
-                                         vista_terrain_contact at) {
+                                         double centre_m, vista_terrain_contact at) {
   for (double half_m = 0.5 * step_m; half_m > PRECISION_M; half_m *= 0.5)
-    at.along_m += depth_m(path, plane, &at) < 0.0 ? half_m : -half_m;
-  (void)depth_m(path, plane, &at);
+    centre_m += depth_m(path, plane, centre_m, &at) < 0.0 ? half_m : -half_m;
+  (void)depth_m(path, plane, centre_m, &at);
   return at;
 }
 
@@ -83,23 +84,21 @@ bool vista_terrain_meet(const vista_terrain_volume *volume, const vista_terrain_
   const vista_flight_path *const path = &volume->path;
   const double clearance_m = plane->offset_m - vista_dot(plane->normal, path->start_m);
   vista_terrain_contact at = {.radius_m = fmin(volume->radius_m, volume->clearance_share * clearance_m)};
-  const double start_m = depth_m(path, plane, &at);
+  const double start_m = depth_m(path, plane, 0.0, &at);
   if (!(clearance_m > 0.0) || !(start_m < 0.0))
     return false; /* beyond it already, or in it: no plane that lies ahead */
   if (!(path->curvature_1_m > 0.0)) {
     if (!(at.sine >= sine_min) || -start_m > at.sine * path->length_m) return false;
-    at.along_m = -start_m / at.sine;
-    (void)depth_m(path, plane, &at);
+    (void)depth_m(path, plane, -start_m / at.sine, &at);
     *contact = at;
     return true;
   }
   const double step_m = path->length_m / STEPS;
   bool touches = false; /* what is touched first, and left again or entered at a steeper angle later */
   for (int k = 1; k <= STEPS; ++k) {
-    at.along_m = k * step_m;
-    const bool inside = depth_m(path, plane, &at) >= 0.0;
+    const bool inside = depth_m(path, plane, k * step_m, &at) >= 0.0;
     const bool steep = at.sine >= sine_min;
-    if (inside && !touches) *contact = first_touch(path, plane, step_m, at);
+    if (inside && !touches) *contact = first_touch(path, plane, step_m, k * step_m, at);
     if (inside && (steep || contact->sine >= sine_min)) return true;
     touches = inside;
   }

@@ -30,8 +30,8 @@ typedef struct vista_terrain_plane {
 /* Where a volume first meets a plane. */
 typedef struct vista_terrain_contact {
   double along_m;    /* along the path */
-  double radius_m;   /* of the volume */
-  double point_m[3]; /* of the plane, that far beside the path */
+  double radius_m;   /* of the ball that the volume is swept by */
+  double point_m[3]; /* of the plane, that the ball touches */
   double sine;       /* of the angle at which the path descends on the plane there */
 } vista_terrain_contact;
 
