@@ -120,7 +120,7 @@ VISTA_WIDE_VECTORS static void solve(const vista_refinement_params *params, cons
   }
 }
 
-#define DRAWN 8 /* pixels at once */
+#define DRAWN 16 /* pixels at once */
 
 /* Every pixel, row by row: as its cell, or as it is listed where the cell has a border. Runs are drawn in whole vectors:
  * the next one overwrites what is too much. */
