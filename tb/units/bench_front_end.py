@@ -15,10 +15,10 @@ from vista_model.engine import Parameters
 D, B, MAX_WIDTH = (parameter(name) for name in ("NumDisparities", "BlockSize", "MaxWidth"))
 
 
-def params_bits(p: Parameters) -> int:
-    """The packed struct params_t."""
+def side_bits(smoothed: bool, p: Parameters) -> int:
+    """What goes along with a frame: the switch of the smoothing above the packed struct params_t."""
     fields = (
-        (p.prefilter == "xsobel", 1), (p.prefilter_cap, 6), (p.texture_threshold, 16),
+        (smoothed, 1), (p.prefilter == "xsobel", 1), (p.prefilter_cap, 6), (p.texture_threshold, 16),
         (p.uniqueness_ratio, 7), (p.lr_max_diff is not None, 1), (p.lr_max_diff or 0, 8), (False, 1),
     )  # fmt: skip
     bits = 0
@@ -55,7 +55,7 @@ async def words_of_every_level(dut, offered, taken):
         kind = str(rng.choice(["good", "faulty"], p=[0.6, 0.4]))
         segment = random_segment(rng, kind, MAX_WIDTH, 5, random_images)
         smoothed, parameters = bool(rng.integers(2)), random_parameters(rng, D, B)
-        segment.side = smoothed << 39 | params_bits(parameters)
+        segment.side = side_bits(smoothed, parameters)
         segments.append(segment)
         settings[id(segment)] = smoothed, parameters
     driver = Driver(dut, random, "levels_i", ())
