@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+import os
 import random
 from collections import deque
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
+from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
 from cocotb.handle import SimHandleBase
 from cocotb.triggers import FallingEdge, ReadOnly
-from cocotb_helpers import package_constant
+from cocotb_helpers import package_constant, parameter
 from faults import EARLY_EOL, EARLY_SOF, LATE_EOL, LATE_SOF, SIZE, Reaction, Received, react
 from frames import beats
 from verilated import LAST, USER
@@ -120,6 +122,29 @@ def errors_of(segments: list[Segment], max_width: int) -> int:
     return errors
 
 
+def bins_of(segments: list[Segment], max_width: int, offered: float, taken: float) -> set[str]:
+    """What of the coverage plan (doc/design/verification.md) a run has hit."""
+    bins = set()
+    paces = ["always" if pace == 1.0 else "pauses" for pace in (offered, taken)]
+    for segment, frame in begun(segments, max_width):
+        width = {MIN_WIDTH: "smallest", max_width: "widest"}.get(segment.width) or ("even", "odd")[
+            segment.width % 2
+        ]
+        height = "smallest" if segment.height == MIN_HEIGHT else ("even", "odd")[segment.height % 2]
+        count = len(frame.pixels)
+        end = (
+            "whole"
+            if frame.whole
+            else "first"
+            if count < FEWEST
+            else "top"
+            if count <= segment.width
+            else "cut"
+        )
+        bins |= {f"size {width} {height}", f"end {end} {segment.option}", f"pace {' '.join(paces)} {end}"}
+    return bins
+
+
 def filtered(
     frame: Frame,
     function: Callable[[npt.NDArray[np.uint8]], npt.NDArray[np.uint8]],
@@ -184,6 +209,7 @@ class Driver:
 
     def __init__(self, dut: SimHandleBase, dice: random.Random, option: str, along: tuple[str, ...]) -> None:
         self.dut, self.dice, self.option, self.along = dut, dice, option, along
+        self.max_width = parameter("MaxWidth")
         self.side = "side_o" in along  # something goes along
         self.memory: Memory | None = None
         self.patience = 400  # clocks without a beat before it is over, at full pace
@@ -211,7 +237,10 @@ class Driver:
         firsts = dict(zip(places, segments, strict=True))
         position, offering, idle = 0, False, 0
         latest = self.clock + (40 * len(stream) + 2000) / min(offered, taken)
-        while idle < self.patience / min(offered, taken) and (stop_after is None or position < stop_after):
+        # Nothing moves while the rest of a frame that was cut is filled in.
+        filling = max(min(s.width, self.max_width) * s.height for s in segments)
+        quiet = self.patience / min(offered, taken) + filling
+        while idle < quiet and (stop_after is None or position < stop_after):
             if not offering and position < len(stream):
                 first = firsts.get(position)
                 offering = dice.random() < offered and (first is None or self.may_begin(first))
@@ -238,6 +267,9 @@ class Driver:
             self.clock += 1
             assert self.clock < latest, "it does not end"
         dut.s_axis_tvalid.value = 0
+        if (file := os.environ.get("VISTA_BINS")) and stop_after is None:  # of scripts/coverage_front_end.py
+            with Path(file).open("a") as out:
+                out.writelines(f"{name}\n" for name in bins_of(segments, self.max_width, offered, taken))
         if stop_after is None:
             assert position == len(stream), "the input hung"
         return seen
