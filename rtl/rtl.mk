@@ -90,6 +90,7 @@ soak: $(RTL_TOOLS) build systemc-tests ## compare the RTL with SOAK_CASES of the
 
 coverage-rtl: $(RTL_TOOLS) build ## measure line, branch, toggle and functional coverage of the RTL
 	@$(RTL_PYTHON) scripts/coverage_rtl.py
+	@$(RTL_PYTHON) scripts/coverage_front_end.py
 
 mutate: $(RTL_TOOLS) build ## plant MUTANTS random mutants into the core and each block before it, and count those that the benches catch
 	@for of in core smooth pyramid; do $(RTL_PYTHON) scripts/mutate_rtl.py --of $$of --mutants $(MUTANTS) || exit 1; done
