@@ -247,8 +247,11 @@ static vista_obstacle too_near(const vista_obstacle_map_params *params, const vi
   return obstacle;
 }
 
-/* The point of a thing that the path meets. What is large is not met in its middle but where it is closest to the path:
- * as a rectangle of its extent that faces the camera, less the half of COMPACT_M at each end. */
+static bool is_compact(const double extent_m[2]) { return fmax(extent_m[0], extent_m[1]) <= COMPACT_M; }
+
+/* The point of a thing that the path meets, where its own points have not told. What is large is not met in its middle but
+ * where it is closest to the path: as a rectangle of its extent that faces the camera, less the half of COMPACT_M at each
+ * end. */
 static void move_to_path(const vista_pose *pose, const vista_flight_path *path, const double extent_m[2],
                          double position_m[3]) {
   double there_m[3], offset_m[3];
@@ -269,7 +272,10 @@ static vista_nearest_collision collision_with(const vista_obstacle_map_params *p
                                               const vista_motion *motion) {
   vista_nearest_collision nearest = {.valid = true, .id = obstacle->id};
   memcpy(nearest.position_m, obstacle->position_m, sizeof nearest.position_m);
-  if (track != NULL) move_to_path(&motion->pose, path, obstacle->extent_m, nearest.position_m);
+  if (track != NULL && track->met && !is_compact(obstacle->extent_m))
+    memcpy(nearest.position_m, track->met_m, sizeof nearest.position_m);
+  else if (track != NULL)
+    move_to_path(&motion->pose, path, obstacle->extent_m, nearest.position_m);
   double there[3], from_camera_m[3];
   for (int i = 0; i < 3; ++i) from_camera_m[i] = nearest.position_m[i] - motion->pose.translation_m[i];
   nearest.distance_m = track != NULL ? vista_norm(from_camera_m) : obstacle->distance_m;
@@ -315,7 +321,9 @@ vista_status vista_obstacle_map_update(vista_obstacle_map *map, const vista_obst
   for (int32_t i = 0; i < track_count; ++i) {
     vista_obstacle obstacle;
     if (!obstacle_of(params, camera, &motion->pose, path, &tracks[i], &obstacle)) continue;
-    if (warned && vista_terrain_bears(terrain, &obstacle))
+    const bool touched = tracks[i].met && !is_compact(obstacle.extent_m);
+    if (warned && (vista_terrain_bears(terrain, &obstacle, obstacle.position_m) ||
+                   (touched && vista_terrain_bears(terrain, &obstacle, tracks[i].met_m))))
       obstacle.in_collision_volume = false; /* what is met of it is said */
     insert(map, &obstacle);
     if (!obstacle.confirmed || !obstacle.in_collision_volume) continue;
