@@ -37,8 +37,8 @@ def rolling(height_m: float, length_m: float, phase: float) -> Elevation:
 
 
 def first_contact_m(elevation: Elevation, start: Array, direction: Array) -> float:
-    """Along a straight path to the point of the ground that a ball which flies on it touches first; infinite if
-    it touches none. Written without the library: points of the ground, each asked for itself."""
+    """Along a straight path to the point of the ground that a ball which flies on it touches first; infinite
+    if it touches none. Written without the library: points of the ground, each asked for itself."""
     reach = 1.5 * RADIUS_M
     x, z = np.meshgrid(np.arange(-reach, reach, 0.1), np.arange(-reach, LENGTH_M + reach, 0.1))
     ground = np.stack([start[0] + x, -elevation(start[0] + x, start[2] + z), start[2] + z], axis=-1) - start

@@ -92,8 +92,8 @@ def test_level_and_low_flight_meets_nothing(height_m: float) -> None:
 
 
 def test_who_sinks_in_a_gust_low_over_level_ground_is_not_warned() -> None:
-    """Down by up to 6 degrees and up again, over and over: the place where the path would meet the ground comes
-    nearer by more than is flown, and goes away."""
+    """Down by up to 6 degrees and up again, over and over: the place where the path would meet the ground
+    comes nearer by more than is flown, and goes away."""
     random = seeded(69)
     speed_m_s, period_s = random.uniform(9.0, 14.0), random.uniform(2.5, 4.0)
     sink_m_s, phase = speed_m_s * np.radians(random.uniform(4.5, 6.0)), random.uniform(0.0, 2.0 * np.pi)
