@@ -434,7 +434,7 @@ def coverage_table() -> str:
 def mutants_table() -> str:
     found = figures("verification")
     rows = [[f"the flattened core, seed {found['mutation']['seed']}", *caught(found["mutation"])]]
-    rows += [[one["modules"], *caught(one)] for one in found["hand_made"]]
+    rows += [[one["modules"], *caught(one)] for one in [*found["front_end"], *found["hand_made"]]]
     return markdown("mutants of | planted | caught", rows)
 
 
