@@ -371,6 +371,7 @@ def ground_ahead(along_m: float, **changes):
         "ahead": True,
         "confirmed": True,
         "credible": True,
+        "steady": True,
         "age_frames": 7,
         "plane": {"normal": list(normal), "offset_m": float(normal @ point)},
         "contact": {"along_m": along_m, "radius_m": 2.0, "point_m": list(point), "sine": float(normal[2])},
@@ -392,7 +393,11 @@ def test_ground_ahead_is_an_obstacle_with_distance_and_time() -> None:
     assert mapper.nearest.time_to_collision_s == pytest.approx(27.0 / 9.0)
     variance = np.array(list(found.covariance_m2)).reshape(3, 3)
     assert np.sqrt(variance[2, 2]) == pytest.approx(0.4) and np.sqrt(variance[0, 0]) == pytest.approx(0.2)
-    for kept_off in ({"credible": False}, {"world": {"verdict": lib.VISTA_WORLD_REFUTED}, "credible": False}):
+    for kept_off in (
+        {"credible": False},
+        {"steady": False},
+        {"world": {"verdict": lib.VISTA_WORLD_REFUTED}, "credible": False},
+    ):
         assert mapper.update([], terrain=ground_ahead(27.0, **kept_off)) == "VISTA_OK"
         assert not mapper.nearest.valid and len(mapper.obstacles) == 1
     for absent in (ground_ahead(27.0, ahead=False), ground_ahead(-3.0)):
