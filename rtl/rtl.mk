@@ -46,7 +46,7 @@ lint-rtl: csr-check ## run Verilator -Wall and Verible, and check the generated 
 	@for d in "16 5" "32 11" "48 7" "64 21" "256 15"; do set -- $$d; \
 	  $(VERILATOR) --lint-only --quiet -Wall -GNumDisparities=$$1 -GBlockSize=$$2 --top-module vista_stereo \
 	    rtl/lint/verilator.vlt -f rtl/vista_stereo.f || exit 1; done
-	@for top in vista_smooth vista_pyramid; do for w in 32 1024; do \
+	@for top in vista_smooth vista_pyramid vista_rectify; do for w in 32 1024; do \
 	  $(VERILATOR) --lint-only --quiet -Wall -GMaxWidth=$$w --top-module $$top rtl/lint/verilator.vlt \
 	    -f rtl/vista_frontend.f || exit 1; done; done
 	@.venv/bin/verible-verilog-lint --rules_config rtl/lint/verible.rules $(RTL_SOURCES)
@@ -78,6 +78,7 @@ release-rtl: $(RTL_TOOLS) ## write the engine for D disparities, block B and fra
 
 synth: $(RTL_TOOLS) ## synthesise, place and route for ECP5, and write resources and clock to rtl/synth/results.json
 	@$(RTL_PYTHON) scripts/synth_rtl.py --save
+	@$(RTL_PYTHON) scripts/synth_rtl.py --blocks --save
 	@$(RTL_PYTHON) scripts/make_tables.py
 
 formal: $(RTL_TOOLS) ## prove the properties of handshakes and buffers by k-induction

@@ -62,6 +62,9 @@ CORE = Target(
 TARGETS = {
     "core": CORE,
     "smooth": Target("vista_smooth", (("MaxWidth", 32), ("SideWidth", 8))),
+    "rectify": Target(
+        "vista_rectify", (("MaxWidth", 40), ("NumRows", 16), ("MaxPoints", 16), ("SideWidth", 8))
+    ),
     "pyramid": Target("vista_pyramid", (("MaxWidth", 40), ("SideWidth", 8))),
 }
 LIMIT = 0.9
