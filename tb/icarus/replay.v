@@ -1,8 +1,8 @@
 // Replays what a Verilated engine was given, clock by clock, on the plain Verilog of `make release-rtl`, and compares what
 // comes out. This simulator knows four states: a bit that nothing has set is x and makes all that depends on it x.
 //
-// Every control output is compared in every clock from the first reset on, and data where they are valid. `x` counts the
-// valid data that hold an x, `differ` the clocks in which any output that is compared is another one.
+// Out of reset, after the first one, every control output is compared in every clock, and data where they are valid. `x`
+// counts the valid data that hold an x, `differ` the clocks in which any output that is compared is another one.
 //
 // +trace=FILE  lines of inputs and outputs, as vista_rtl_record writes them
 
@@ -61,7 +61,7 @@ module replay;
                      s_axil_arvalid, s_axil_araddr, s_axil_rready, wanted_control, wanted_word, wanted_read);
       if (read > 0) begin
         #5;
-        if (was_reset) begin
+        if (was_reset && rst_ni) begin
           if (control !== wanted_control || (m_axis_tvalid && m_axis_tdata !== wanted_word) ||
               (s_axil_rvalid && s_axil_rdata !== wanted_read)) begin
             if (differ == 0)
