@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 -f rtl/vista_stereo_core.f
 rtl/src/vista_pixel_writer.sv
 rtl/src/vista_rows.sv

@@ -48,6 +48,7 @@ PROOFS = [
         "-G Width=2 -G InFlight=6",
         ("src/vista_line_store.sv", "src/vista_result_fifo.sv"),
     ),
+    Proof("vista_word_packer", 3, "", (PACKAGE, "src/vista_word_packer.sv")),
     Proof("vista_frame_writer", 3, REFERENCE, (PACKAGE, "src/vista_frame_writer.sv")),
     Proof("vista_pixel_writer", 3, "-G SideWidth=1", (PACKAGE, "src/vista_pixel_writer.sv")),
     Proof("vista_frame_guard", 4, FRONT_END, (PACKAGE, "src/vista_skid.sv", "src/vista_frame_guard.sv")),

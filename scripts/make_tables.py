@@ -398,6 +398,18 @@ def synthesis_table() -> str:
     return "\n".join(lines)
 
 
+def blocks_table() -> str:
+    """The blocks before the core."""
+    rows = []
+    for b in figures("synthesis")["blocks"]["list"]:
+        counts = [f"{b[key]:,}" for key in ("lut4", "sites", "ff", "block_ram", "multipliers")]
+        name = [f"`{b['block']}`", str(b["max_width_px"]), b["device"], str(b["speed_grade"])]
+        rows.append([*name, *counts, clock(b)])
+    return markdown(
+        "block | width | device | speed | LUT4 | sites | flip-flops | block RAMs | multipliers | MHz", rows
+    )
+
+
 def clock(build: Record) -> str:
     if build["clock_mhz"] is None:
         return "not routed"
@@ -552,6 +564,7 @@ TABLES: dict[str, Callable[[], str]] = {
     "rectification-grid": rectification_grid_table,
     "health": health_table,
     "synthesis": synthesis_table,
+    "blocks": blocks_table,
     "coverage": coverage_table,
     "mutants": mutants_table,
     "system-model": system_model_table,

@@ -36,6 +36,7 @@ UNITS: list[tuple[str, dict[str, int]]] = [
     ("vista_cost_columns", {"NumDisparities": 16, "BlockSize": 5, "MaxWidth": 32}),
     ("vista_window_sums", {"NumChannels": 3, "BlockSize": 7}),
     ("vista_frame_writer", {"NumDisparities": 16, "BlockSize": 5, "MaxWidth": 64}),
+    ("vista_word_packer", {}),
     ("vista_stereo", {"NumDisparities": 16, "BlockSize": 5, "MaxWidth": 128}),
     ("vista_smooth", {"MaxWidth": 32, "SideWidth": 8}),
     ("vista_reduce", {"MaxWidth": 32}),

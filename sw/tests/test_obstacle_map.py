@@ -264,12 +264,19 @@ ERRORS = {  # white noise, lasting bias and wander (Gauss-Markov, 0.8 kept) of u
     "bias of the matcher": ((0.7, 0.7, 0.15), (0.5, 0.5, 0.02), (0.0, 0.0, 0.0)),
     "region that wanders": ((0.7, 0.7, 0.12), (0.3, 0.3, 0.02), (1.0, 1.0, 0.08)),
 }
+NEES_BANDS = {  # an honest covariance has 3; the bias that is allowed for is none of what is steady
+    "as assumed": (1.3, 3.2),
+    "steady": (0.6, 1.6),
+    "bias of the matcher": (1.5, 3.6),
+    "region that wanders": (3.0, 6.6),
+}
 
 
 @pytest.mark.parametrize("kind", ERRORS)
 def test_the_covariance_is_that_of_the_errors(kind: str) -> None:
     """Of things that stand, 40 to 20 m ahead. On average the NEES is 3 where the covariance is that of
-    the errors; it is 1.0 of what is steady and 4.9 of a region that wanders."""
+    the errors; it is 1.0 of what is steady, 2.1 of what is as noisy as assumed, 2.4 with the bias of the
+    matcher and 4.7 of a region that wanders."""
     random, nees = seeded(1), []
     white, bias, wander = (np.array(sigma) for sigma in ERRORS[kind])
     for _ in range(60):
@@ -287,7 +294,8 @@ def test_the_covariance_is_that_of_the_errors(kind: str) -> None:
             obstacle = mapper.obstacles[0]
             error = np.array(list(obstacle.position_m)) - point
             nees.append(error @ np.linalg.solve(np.array(list(obstacle.covariance_m2)).reshape(3, 3), error))
-    assert 0.5 < np.mean(nees) < 7.0
+    low, high = NEES_BANDS[kind]
+    assert low < np.mean(nees) < high
 
 
 def test_the_middle_lies_behind_the_surface() -> None:
