@@ -312,7 +312,8 @@ static vista_status run_stage(vista_pipeline *p, stage stage, passage *way) {
       if (status != VISTA_OK) return status;
       way->volume = vista_collision_volume_around(&way->path, &way->motion.pose, q->obstacle_map.collision_radius_m,
                                                   q->obstacle_map.outline_px);
-      return vista_collision_volume_count(&p->foveation, &q->region, &p->camera, &way->volume, words, &p->regions);
+      return vista_collision_volume_count(&p->foveation, &q->region, &p->camera, &way->volume, words, &p->cells,
+                                          &p->regions);
     }
     case STAGE_THIN: {
       const vista_surfaces *const s = &p->surfaces;

@@ -23,6 +23,7 @@ def count(stages: Stages, words: np.ndarray, direction=(0.0, 0.0, 1.0), **change
         stages.camera,
         volume,
         image_struct("disparity_image", words),
+        stages.cells,
         stages.regions,
     )
     assert status_name(status) == "VISTA_OK"
@@ -100,6 +101,46 @@ def on_arc(stages: Stages, words: np.ndarray, region, radius_m: float, slack_m: 
     return int(np.count_nonzero(own & inside & (z > 0) & (along <= LENGTH_M + slack_m)))
 
 
+@pytest.mark.parametrize(("lean", "direction"), [(0.0, (0, 0, 1)), (0.7, (0, 0, 1)), (-1.0, (0.1, 0, 1))])
+def test_a_wall_is_met_where_a_ball_on_the_path_touches_it(lean: float, direction: tuple) -> None:
+    """Facing the camera or seen at an angle, 18 m ahead: the middle of the wall is several metres off."""
+    random, unit = seeded(4), np.array(direction) / np.linalg.norm(direction)
+    stages = Stages(camera(), TOLERANCES | {"region.tolerance_px": 2.0})
+    normal = np.array([lean, 0.0, 1.0]) / np.hypot(lean, 1.0)
+    disparity = plane_disparity(stages.camera, normal, (0, 0, 18.0))
+    wall = box((150, 110), 120, 90) & (disparity > 4.0)
+    words = words_of(np.where(wall, disparity, -1.0), random, 0.25)
+    measure(stages, words, [wall])
+    assert count(stages, words, unit)[0] > 100
+    region = stages.regions.items[0]
+    assert region.met
+    center_m = (18.0 * normal[2] - RADIUS_M) / (unit @ normal)
+    touched = center_m * unit + RADIUS_M * normal
+    met = np.array(list(region.met_m))
+    assert abs(np.linalg.norm(met) - np.linalg.norm(touched)) < 0.7
+    middle = disparity[int(region.mean_v_px), int(region.mean_u_px)]
+    if lean:
+        assert abs(200 / middle - touched[2]) > 0.5
+    words = words_of(np.where(wall, disparity, -1.0))
+    measure(stages, words, [wall])
+    count(stages, words, (-0.9, 0, np.sqrt(1 - 0.81)))
+    assert not stages.regions.items[0].met
+
+
+def test_a_tree_is_met_at_its_front() -> None:
+    """A crown: each block at a depth of its own, from 15 to 18 m. Its boundary says the middle."""
+    random, stages = seeded(5), Stages(camera(), TOLERANCES | {"region.tolerance_px": 2.0})
+    mask = box((160, 120), 80, 80)
+    depth = np.kron(random.uniform(15.0, 18.0, (30, 40)), np.ones((8, 8)))
+    words = words_of(np.where(mask, 200.0 / depth, -1.0), random, 0.1)
+    measure(stages, words, [mask])
+    assert count(stages, words)[0] > 100
+    region = stages.regions.items[0]
+    assert region.met
+    front_m = np.quantile(depth[mask], 0.05)
+    assert abs(region.met_m[2] - front_m) < 0.9 < 200 / region.disparity_px - front_m
+
+
 def test_things_are_as_much_narrower_as_matching_widens_them() -> None:
     """A post from 1.6 m to 2.0 m beside the way, at 20 m."""
     stages = Stages(camera(), TOLERANCES)
@@ -137,7 +178,7 @@ def test_more_than_a_quarter_of_a_circle_is_refused() -> None:
         volume = ffi.new("vista_collision_volume *", values | changes)
         frame = (stages.foveation.handle, stages.section("region"), stages.camera, volume)
         image = image_struct("disparity_image", words)
-        status = lib.vista_collision_volume_count(*frame, image, stages.regions)
+        status = lib.vista_collision_volume_count(*frame, image, stages.cells, stages.regions)
         assert status_name(status) == "VISTA_ERROR_RANGE", changes
 
 
@@ -145,7 +186,7 @@ def test_wrong_arguments_are_refused() -> None:
     stages, words = Stages(camera()), np.zeros((240, 320), np.int16)
     volume = ffi.new("vista_collision_volume *", [[0, 0, 1], RADIUS_M, LENGTH_M])
     pointers = [stages.foveation.handle, stages.section("region"), stages.camera, volume]
-    pointers += [image_struct("disparity_image", words), stages.regions]
+    pointers += [image_struct("disparity_image", words), stages.cells, stages.regions]
     for i in range(len(pointers)):
         arguments = pointers.copy()
         arguments[i] = ffi.NULL

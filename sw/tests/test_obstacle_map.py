@@ -437,6 +437,26 @@ def test_a_low_pole_on_ground_ahead_keeps_its_warning() -> None:
     assert mapper.nearest.id == 4 and all(o.in_collision_volume for o in mapper.obstacles)
 
 
+def test_what_is_large_is_met_where_its_own_points_say_and_what_is_compact_near_its_middle() -> None:
+    """A wall seen at an angle, its middle at 40 m; a board, half way from its middle to its edge."""
+    met = {"met": True, "met_m": [0.5, 0.0, 31.0]}
+    for extent, expected in (((12.0, 8.0), met["met_m"]), ((1.5, 2.0), [0.625, 0.0, 40.0])):
+        mapper = Map()
+        assert mapper.update([track((1.0, 0.0, 40.0), extent=extent, **met)]) == "VISTA_OK"
+        assert list(mapper.nearest.position_m) == pytest.approx(expected)
+        assert mapper.nearest.distance_m == pytest.approx(np.linalg.norm(expected))
+
+
+def test_a_hillside_that_is_a_region_too_is_no_collision_of_its_own() -> None:
+    """Its middle is far off the plane that the ground is met on; where the path meets it is not."""
+    slope = ground_ahead(30.0)
+    hill = track((4.0, -9.0, 38.0), 5, extent=(40.0, 25.0), met=True, met_m=[0.3, 1.7, 30.2])
+    mapper = Map()
+    assert mapper.update([hill], terrain=slope) == "VISTA_OK"
+    assert mapper.nearest.id == lib.VISTA_ID_GROUND
+    assert [o.id for o in mapper.obstacles if o.in_collision_volume] == [lib.VISTA_ID_GROUND]
+
+
 def test_what_is_too_near_never_hides_ground_that_is_seen() -> None:
     mapper = Map()
     too_near = ffi.new("vista_blind_zone *", {"occupied": True, "range_m": 7.3})

@@ -145,7 +145,7 @@ def test_all_of_the_plain_region_is_in_the_collision_volume() -> None:
     words = np.full(owner.shape, INVALID, np.int16)  # nothing is asked of the words inside
     image = ffi.new("vista_disparity_image *", [ffi.cast("int16_t *", words.ctypes.data), 320, 240, 320])
     status = lib.vista_collision_volume_count(
-        stages.foveation.handle, stages.section("region"), CAMERA, volume, image, stages.regions
+        stages.foveation.handle, stages.section("region"), CAMERA, volume, image, stages.cells, stages.regions
     )
     assert status == lib.VISTA_OK
     ray = rays(CAMERA)

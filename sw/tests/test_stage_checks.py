@@ -80,7 +80,7 @@ class Bench:
             "collision volume": (
                 "region.tolerance_px",
                 lambda: lib.vista_collision_volume_count(
-                    f, section("region"), s.camera, self.volume, self.c_words, s.regions
+                    f, section("region"), s.camera, self.volume, self.c_words, s.cells, s.regions
                 ),
             ),
             "blind zone": (

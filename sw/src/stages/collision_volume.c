@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "common/frame.h"
+#include "common/numbers.h"
 #include "common/parameters_check.h"
 #include "stages/parts/region_boundary.h"
 
@@ -123,6 +124,82 @@ static int32_t count_region(const vista_foveation *foveation, const vista_camera
   return count;
 }
 
+/* ---- where it is met ---- */
+
+#define MET_SHARE 0.1 /* of the area in the volume: what is touched first */
+#define MET_MIN_PX2 8.0 /* or this, against single wrong words */
+#define MET_BINS 160 /* of the centre of the ball that touches it, along the path: from MET_FROM_M on, */
+#define MET_RATIO 0.03 /* each by that share longer */
+#define MET_FROM_M 1.0
+#define MET_NOISE_PX \
+  0.45 /* by which noise alone, of a quarter of a pixel, makes the nearest tenth of a surface nearer */
+
+/* Of one cell on the region's surface: whether the volume holds it, and where on the path the centre of the ball is that
+ * touches it. */
+static bool touch(const vista_camera *camera, const vista_flight_path *path, double radius_m, const double u_px,
+                  double v_px, double disparity_px, double point_m[3], double *centre_m) {
+  const double scale = camera->baseline_m / disparity_px;
+  double at_m[3];
+  point_m[0] = scale * (u_px - camera->center_u_px);
+  point_m[1] = scale * (v_px - camera->center_v_px);
+  point_m[2] = scale * camera->focal_px;
+  const double along_m = vista_flight_path_along(path, point_m, NULL);
+  if (!(along_m > 0.0) || along_m > path->length_m) return false;
+  vista_flight_path_point(path, along_m, at_m, NULL);
+  double aside2 = 0.0;
+  for (int i = 0; i < 3; ++i) aside2 += vista_square(point_m[i] - at_m[i]);
+  *centre_m = along_m - sqrt(fmax(radius_m * radius_m - aside2, 0.0));
+  return aside2 <= radius_m * radius_m;
+}
+
+static int bin_of(double centre_m) {
+  return (int)fmin(fmax(log(fmax(centre_m, MET_FROM_M) / MET_FROM_M) / log1p(MET_RATIO), 0.0), MET_BINS - 1);
+}
+
+/* The middle of what the ball touches first of a region, cell by cell. */
+static void meet(const vista_foveation *foveation, const vista_camera *camera, const limits *limit,
+                 const vista_flight_path *path, double radius_m, const float *disparity_px, double tolerance_px,
+                 const int32_t *members, int32_t member_count, vista_region *region) {
+  struct {
+    double area_px2, sums[4]; /* of the area times u, v, the surface's disparity there, and what the cell is nearer */
+  } bins[MET_BINS] = {{0}};
+  double all_px2 = 0.0;
+  for (int32_t m = 0; m < member_count; ++m) {
+    const int32_t node = members[m];
+    const double u = (double)foveation->center_u[node], v = (double)foveation->center_v[node];
+    const double surface = surface_px(region, u, v), own = (double)disparity_px[node];
+    if (!region->plain && (own <= 0.0 || fabs(own - surface) > tolerance_px)) continue;
+    const double disparity = region->plain ? surface : own;
+    const float word = (float)(VISTA_DISPARITY_SCALE * disparity);
+    if (!may_hold(limit, (float)(u - camera->center_u_px), (float)(v - camera->center_v_px), 2.0f, word, word))
+      continue;
+    double point_m[3], centre_m;
+    if (!touch(camera, path, radius_m, u, v, disparity, point_m, &centre_m)) continue;
+    const double area_px2 = vista_square((double)foveation->size_px[node]);
+    const int bin = bin_of(centre_m);
+    all_px2 += area_px2;
+    bins[bin].area_px2 += area_px2;
+    const double values[4] = {u, v, surface, disparity - surface};
+    for (int i = 0; i < 4; ++i) bins[bin].sums[i] += area_px2 * values[i];
+  }
+  const double needed_px2 = fmax(MET_SHARE * all_px2, MET_MIN_PX2);
+  double area_px2 = 0.0, means[4] = {0};
+  for (int k = 0; k < MET_BINS && area_px2 < needed_px2; ++k) {
+    if (!(bins[k].area_px2 > 0.0)) continue;
+    const double share =
+        fmin(1.0, (needed_px2 - area_px2) / bins[k].area_px2); /* of the last one no more than needed */
+    area_px2 += share * bins[k].area_px2;
+    for (int i = 0; i < 4; ++i) means[i] += share * bins[k].sums[i];
+  }
+  region->met = all_px2 >= MET_MIN_PX2;
+  if (!region->met) return;
+  for (int i = 0; i < 4; ++i) means[i] /= area_px2;
+  const double scale = camera->baseline_m / (means[2] + fmax(means[3] - MET_NOISE_PX, 0.0));
+  region->met_m[0] = scale * (means[0] - camera->center_u_px);
+  region->met_m[1] = scale * (means[1] - camera->center_v_px);
+  region->met_m[2] = scale * camera->focal_px;
+}
+
 vista_collision_volume vista_collision_volume_around(const vista_flight_path *path, const vista_pose *pose,
                                                      double radius_m, double outline_px) {
   vista_collision_volume volume = {
@@ -148,8 +225,10 @@ vista_status vista_collision_volume_check(const vista_collision_volume *volume) 
 
 vista_status vista_collision_volume_count(const vista_foveation *foveation, const vista_region_params *params,
                                           const vista_camera *camera, const vista_collision_volume *volume,
-                                          const vista_disparity_image *disparity, vista_regions *regions) {
-  if (foveation == NULL || params == NULL || camera == NULL || volume == NULL || disparity == NULL || regions == NULL)
+                                          const vista_disparity_image *disparity, const vista_cells *cells,
+                                          vista_regions *regions) {
+  if (foveation == NULL || params == NULL || camera == NULL || volume == NULL || disparity == NULL || cells == NULL ||
+      regions == NULL)
     return VISTA_ERROR_ARGUMENT;
   vista_status status = VISTA_CHECK_SECTION(region, params);
   if (status == VISTA_OK) status = vista_frame_check_camera(camera);
@@ -159,6 +238,7 @@ vista_status vista_collision_volume_count(const vista_foveation *foveation, cons
   const double words = VISTA_DISPARITY_SCALE * camera->baseline_m;
   const double *const a = volume->direction_camera, *const n = volume->normal_camera;
   const double turn = volume->curvature_1_m * volume->length_m;
+  const vista_flight_path path = vista_collision_volume_path(volume);
   const limits limit = {.radius_px = (float)(volume->radius_m / words),
                         .outline_px = (float)volume->outline_px,
                         .along = (float)(words / volume->length_m),
@@ -179,6 +259,9 @@ vista_status vista_collision_volume_count(const vista_foveation *foveation, cons
     const double tolerance_px = vista_region_tolerance_px(params, camera, region->disparity_px);
     region->volume_pixels = count_region(foveation, camera, &limit, disparity, tolerance_px, regions->members + first,
                                          regions->first_member[k + 1] - first, region);
+    if (region->volume_pixels > 0)
+      meet(foveation, camera, &limit, &path, volume->radius_m, cells->disparity_px, tolerance_px,
+           regions->members + first, regions->first_member[k + 1] - first, region);
   }
   return VISTA_OK;
 }

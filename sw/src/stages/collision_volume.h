@@ -40,9 +40,13 @@ vista_flight_path vista_collision_volume_path(const vista_collision_volume *volu
 /* VISTA_ERROR_RANGE: not finite, smaller than a millimetre, or a bend of more than a quarter of a circle. */
 vista_status vista_collision_volume_check(const vista_collision_volume *volume);
 
-/* Fills volume_pixels of the accepted regions. VISTA_ERROR_SIZE: a disparity image of another size. */
+/* Fills volume_pixels of the accepted regions, and of those that have any, where the volume meets them: the middle of the
+ * tenth of their area in the volume that a ball of its radius, with its centre on the path, touches first. Of a tree that is
+ * the side of its crown towards the aircraft, of a wall seen at an angle the part that is flown into, and neither is the
+ * middle. VISTA_ERROR_SIZE: a disparity image of another size. */
 vista_status vista_collision_volume_count(const vista_foveation *foveation, const vista_region_params *params,
                                           const vista_camera *camera, const vista_collision_volume *volume,
-                                          const vista_disparity_image *disparity, vista_regions *regions);
+                                          const vista_disparity_image *disparity, const vista_cells *cells,
+                                          vista_regions *regions);
 
 #endif

@@ -53,6 +53,8 @@ typedef struct vista_region {
   int32_t node_count;
   int32_t pixel_count; /* own pixels, see above; like their moments measured only if the boundary passed its tests */
   int32_t volume_pixels; /* on the surface and in the collision volume (collision_volume.h) */
+  bool met;              /* the volume touches it, there: */
+  double met_m[3];       /* camera */
   /* Moments of the own pixels: centre and covariance. */
   double mean_u_px, mean_v_px;
   double cov_uu_px2, cov_uv_px2, cov_vv_px2;

@@ -78,6 +78,8 @@ typedef struct vista_track {
   uint32_t window;     /* the last 32 of these, bit 0 the newest, 1 = hit */
   uint32_t volume_window; /* the last 32 hits, bit 0 the newest, 1 = in the collision volume by volume_pixels;
                              those of edges only, which do not tell what is between them, are left out */
+  bool met;               /* the collision volume touched it in one of its hits; there: */
+  double met_m[3];        /* world */
   int64_t hit_t_ns;    /* last detection */
   int64_t seen_t_ns;   /* last detection, or frame in which it was followed */
   int64_t visible_t_ns; /* last frame in which it could be seen */

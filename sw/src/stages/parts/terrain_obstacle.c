@@ -7,6 +7,7 @@
 #include "common/numbers.h"
 
 #define ACROSS_SHARE 0.1 /* of the radius: how well it is known which point of the ground is met first */
+#define AROUND 2.0 /* radii from the path: the ground that the plane was found in (terrain_search.c) */
 #define FLATTEST 0.1 /* of the ellipse of the ground, its height over its width */
 #define ON_GROUND_M 0.5 /* the middle of what lies on the ground is this near to it, */
 #define ON_GROUND_SHARE 0.1 /* or this share of its distance from where the ground was found; but not by more than */
@@ -35,7 +36,7 @@ bool vista_terrain_obstacle(const vista_camera *camera, const vista_pose *pose, 
       .world = terrain->world.verdict,
       .age_frames = terrain->age_frames,
       .distance_m = vista_norm(camera_m),
-      .extent_m = {2.0 * c->radius_m, 2.0 * c->radius_m * fmax(c->sine, 0.0)},
+      .extent_m = {2.0 * AROUND * c->radius_m, 2.0 * AROUND * c->radius_m * fmax(c->sine, 0.0)},
       .ellipse = {measurement_px[0], measurement_px[1], radius_px, radius_px * fmax(c->sine, FLATTEST), angle_deg},
       .disparity_px = measurement_px[2],
       .in_collision_volume = terrain->credible && terrain->steady};
@@ -49,9 +50,9 @@ bool vista_terrain_obstacle(const vista_camera *camera, const vista_pose *pose, 
   return true;
 }
 
-bool vista_terrain_bears(const vista_terrain *terrain, const vista_obstacle *obstacle) {
+bool vista_terrain_bears(const vista_terrain *terrain, const vista_obstacle *obstacle, const double point_m[3]) {
   double off_m[3];
-  for (int i = 0; i < 3; ++i) off_m[i] = obstacle->position_m[i] - terrain->contact.point_m[i];
+  for (int i = 0; i < 3; ++i) off_m[i] = point_m[i] - terrain->contact.point_m[i];
   const double share_m = fmin(ON_GROUND_SHARE * vista_norm(off_m), STANDING_SHARE * obstacle->extent_m[1]);
   return fabs(vista_dot(terrain->plane.normal, off_m)) <= fmax(ON_GROUND_M, share_m);
 }

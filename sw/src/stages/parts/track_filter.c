@@ -5,11 +5,21 @@
 #include "common/frame.h"
 #include "common/numbers.h"
 
+#define MET_WEIGHT 0.4 /* of a new detection's point that the path meets: it is a mean over a few frames */
 #define EXTENT_CLIP_SIGMA 3.0 /* one wrong region must not resize a track */
 
 static double extent_noise(const vista_tracker_params *params, const vista_detection *detection) {
   return vista_square(params->extent_sigma_ratio) +
          vista_square(detection->sigma_disparity_px / detection->disparity_px);
+}
+
+void vista_track_filter_meet(const vista_pose *pose, const vista_detection *detection, vista_track *track) {
+  if (!detection->met) return;
+  double met_m[3];
+  vista_frame_to_world(pose, detection->met_camera_m, met_m);
+  const double weight = track->met ? MET_WEIGHT : 1.0;
+  for (int i = 0; i < 3; ++i) track->met_m[i] += weight * (met_m[i] - track->met_m[i]);
+  track->met = true;
 }
 
 void vista_track_filter_start(const vista_tracker_params *params, const vista_camera *camera, const vista_pose *pose,
@@ -31,6 +41,7 @@ void vista_track_filter_start(const vista_tracker_params *params, const vista_ca
   double covariance_world[9];
   vista_frame_covariance_to_world(pose, covariance_camera, covariance_world);
   vista_frame_to_world(pose, detection->position_camera_m, track->position_m);
+  vista_track_filter_meet(pose, detection, track);
   for (int i = 0; i < 3; ++i) {
     for (int j = 0; j < 3; ++j) track->covariance[6 * i + j] = covariance_world[3 * i + j];
     track->covariance[6 * (i + 3) + i + 3] = vista_square(params->velocity_sigma_m_s);
@@ -47,6 +58,7 @@ void vista_track_filter_predict(const vista_tracker_params *params, double dt_s,
   double *p = track->covariance;
   const double q = params->acceleration_psd_m2_s3;
   for (int i = 0; i < 3; ++i) track->position_m[i] += dt_s * track->velocity_m_s[i];
+  for (int i = 0; i < 3; ++i) track->met_m[i] += dt_s * track->velocity_m_s[i];
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 6; ++j) p[6 * i + j] += dt_s * p[6 * (i + 3) + j]; /* F P */
   for (int i = 0; i < 6; ++i)

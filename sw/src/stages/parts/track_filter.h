@@ -18,6 +18,9 @@ typedef struct vista_track_view {
   double half_px[2];         /* projected half width, half height */
 } vista_track_view;
 
+/* Takes over where the collision volume meets the thing, as the detection shows it. */
+void vista_track_filter_meet(const vista_pose *pose, const vista_detection *detection, vista_track *track);
+
 /* A new track at the detection, unconfirmed, without id and times. */
 void vista_track_filter_start(const vista_tracker_params *params, const vista_camera *camera, const vista_pose *pose,
                               const vista_detection *detection, vista_track *track);

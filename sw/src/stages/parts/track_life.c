@@ -76,6 +76,7 @@ static void hit(const vista_track_frame *f, const vista_detection *detection, vi
   track->label = detection->label;
   track->edges_only = track->plain && !detection->plain;
   track->plain = track->plain || detection->plain;
+  if (!track->edges_only) vista_track_filter_meet(f->pose, detection, track);
   if (!track->edges_only)
     track->volume_window = track->volume_window << 1 | (detection->volume_pixels >= f->params->volume_pixels);
   track->window = track->window << 1 | 1u;
