@@ -170,16 +170,17 @@ module vista_rectify_sample #(
     .data_o ({odd_row7, odd_col7, fx7, fy7})
   );
 
-  // 8: the four pixels around the place; 9 to 11: between two of a row; 12 to 14: between the rows.
+  // 8: the four pixels around the place; 9 to 11: between two of a row; 12 to 14: between the rows. Products may be
+  // negative, but no sum is: they have no sign bit of their own.
   localparam int unsigned BlendW = PixelW + FractionW;
 
   logic [1:0] right, below;
   logic [1:0][PixelW-1:0] left8_q, right8_q, left9_q, left10_q;  // upper row, lower row
   logic signed [1:0][PixelW:0] difference9_q;
-  logic signed [1:0][PixelW+FractionW:0] product10_q;
+  logic [1:0][BlendW-1:0] product10_q;
   logic [1:0][BlendW-1:0] blend11_q;
   logic signed [BlendW:0] difference12_q;
-  logic signed [BlendW+FractionW:0] product13_q;
+  logic [BlendW+FractionW-1:0] product13_q;
   logic [BlendW-1:0] upper12_q, upper13_q;
   logic [FractionW-1:0] fx8_q, fx9_q, fy8_q, fy9_q, fy10_q, fy11_q, fy12_q;
 
@@ -200,15 +201,14 @@ module vista_rectify_sample #(
     left10_q <= left9_q;
     for (int unsigned i = 0; i < 2; i++) begin
       difference9_q[i] <= (PixelW + 1)'(right8_q[i]) - (PixelW + 1)'(left8_q[i]);
-      product10_q[i]   <= (BlendW + 1)'(signed'(difference9_q[i])) * (BlendW + 1)'(fx9_q);
-      blend11_q[i]     <= BlendW'({1'b0, left10_q[i], FractionW'(0)} + unsigned'(product10_q[i]));
+      product10_q[i]   <= BlendW'(signed'(difference9_q[i])) * BlendW'(fx9_q);
+      blend11_q[i]     <= {left10_q[i], FractionW'(0)} + product10_q[i];
     end
     difference12_q <= (BlendW + 1)'(blend11_q[1]) - (BlendW + 1)'(blend11_q[0]);
     upper12_q      <= blend11_q[0];
-    product13_q    <= (BlendW + FractionW + 1)'(signed'(difference12_q)) * (BlendW + FractionW + 1)'(fy12_q);
+    product13_q    <= (BlendW + FractionW)'(signed'(difference12_q)) * (BlendW + FractionW)'(fy12_q);
     upper13_q      <= upper12_q;
-    pixel_o        <= PixelW'(({1'b0, upper13_q, FractionW'(0)} + unsigned'(product13_q) +
-        (BlendW + FractionW + 1)'(512)) >> (2 * FractionW));
+    pixel_o        <= PixelW'(({upper13_q, FractionW'(0)} + product13_q + (BlendW + FractionW)'(512)) >> (2 * FractionW));
   end
 
 endmodule
