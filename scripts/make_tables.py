@@ -247,6 +247,42 @@ def segmentation_table(split: str) -> str:
     return markdown(" | ".join(["variant", *STATISTICS.values(), "host ms"]), rows)
 
 
+def with_difference(found: Record, digits: int = 3) -> str:
+    """A figure, and the ends of the interval of its difference to what is shipped."""
+    text = f"{found['value']:.{digits}f}"
+    if "low" not in found or (found["low"], found["high"]) == (0.0, 0.0):
+        return text
+    return f"{text} ({found['low']:+.{digits}f} to {found['high']:+.{digits}f})"
+
+
+def roads_table(parts: dict[str, dict[str, int]]) -> str:
+    """parts: of the figures, the columns and their digits."""
+    rows = []
+    for row in figures("segmentation-roads")["variants"]:
+        cells = [
+            with_difference(row[part][key], digits) if part in row else ""
+            for part, keys in parts.items()
+            for key, digits in keys.items()
+        ]
+        rows.append([row["variant"], *cells, fixed(row["host_ms"], 1)])
+    names = [
+        f"{part}: {STATISTICS.get(key, key)}" if part in ("scenes", "frames") else key
+        for part, keys in parts.items()
+        for key in keys
+    ]
+    return markdown(" | ".join(["road", *names, "host ms"]), rows)
+
+
+ROADS_OF_PARTITIONS = {
+    part: {"iou_median": 3, "iou_mean": 3, "boundary_recall": 3, "undersegmentation": 3}
+    for part in ("scenes", "frames")
+}
+ROADS_OF_DETECTION = {
+    "flights": {"hits": 2, "false": 0},
+    "lidar": {"recall": 3, "wrong": 3, "road": 3, "cylinder": 3},
+}
+
+
 def scenes_table() -> str:
     rows = []
     for row in figures("scenes")["cut_minus_reference_95"]:
@@ -556,6 +592,8 @@ TABLES: dict[str, Callable[[], str]] = {
     "street": street_table,
     "segmentation-dev": lambda: segmentation_table("dev"),
     "segmentation-test": lambda: segmentation_table("test"),
+    "roads-partitions": partial(roads_table, ROADS_OF_PARTITIONS),
+    "roads-detection": partial(roads_table, ROADS_OF_DETECTION),
     "scenes": scenes_table,
     "flights-dev": lambda: flights_table("dev"),
     "flights-test": lambda: flights_table("test"),
@@ -771,6 +809,7 @@ REDUCE: dict[str, Callable[[Record], Record]] = {
     "host": lambda raw: {"sequences": raw["sequences"]},
     "street": lambda raw: raw,
     "segmentation": lambda raw: raw,
+    "segmentation-roads": lambda raw: raw,
     "maxflow": reduce_maxflow,
     "jobs": lambda raw: raw,
     "flights": reduce_flights,
