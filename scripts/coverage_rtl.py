@@ -15,7 +15,7 @@ import numpy as np
 
 ROOT = Path(__file__).resolve().parents[1]
 sys.path[:0] = [str(ROOT / p) for p in ("tb/common", "model", "build/python")]
-from broken_video import FAULTS, HEIGHT, WIDTH  # noqa: E402
+from broken_video import FAULTS, fault_size  # noqa: E402
 from faults import expected_after, react  # noqa: E402
 from frames import Frame, beats, random_frame, random_pair, set_up  # noqa: E402
 from registers import CONTROL, ERRORS, registers  # noqa: E402
@@ -25,6 +25,7 @@ from verilated import Config, Pace, Rtl  # noqa: E402
 LIMITS = {"line": 95.0, "branch": 90.0, "toggle": 90.0}
 PACES = {"always": Pace(), "often": Pace(300, 300), "bursts": Pace(40, 20)}
 CONFIG = Config(16, 5, 128, coverage=True)
+WIDTH, HEIGHT = fault_size(CONFIG.num_disparities, CONFIG.block_size)
 
 
 def lr_bin(lr_max_diff: int | None) -> str:
@@ -57,7 +58,10 @@ def run_frame(rtl: Rtl, seed: int, hit: set[tuple[str, ...]]) -> None:
     stream = beats(frame.left, frame.right)
     if fault:
         stream = np.concatenate(
-            [fault(stream, int(rng.integers(1, WIDTH * HEIGHT - 1)), rng), beats(frame.left, frame.right)]
+            [
+                fault(stream, WIDTH, int(rng.integers(1, WIDTH * HEIGHT - 1)), rng),
+                beats(frame.left, frame.right),
+            ]
         )
         hit.add(("fault", fault.__name__))
     set_up(rtl, frame)
@@ -92,6 +96,8 @@ def percentages(data: Path) -> dict[str, tuple[float, int, list[str]]]:
             continue
         text, count = line[3:].rsplit("' ", 1)
         keys = dict(item.split("\x02", 1) for item in text.split("\x01") if "\x02" in item)
+        if keys["f"].endswith(".svh"):  # the properties, which are no part of the engine
+            continue
         kind = keys["page"].split("/")[0].removeprefix("v_")
         name = f"{Path(keys['f']).name}:{keys['l']}:{keys.get('o', '')}"
         points[kind, name] = points.get((kind, name), 0) + int(count)

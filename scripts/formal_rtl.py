@@ -25,6 +25,7 @@ class Proof:
 
 
 REFERENCE = "-G NumDisparities=32 -G BlockSize=11 -G MaxWidth=1024"
+FRONT_END = "-G MaxWidth=1024 -G SideWidth=1"
 PACKAGE = "src/vista_stereo_pkg.sv"
 
 # The framer and the frame writer are proved for frames of any size that the reference build takes, the others
@@ -46,6 +47,9 @@ PROOFS = [
         ("src/vista_line_store.sv", "src/vista_result_fifo.sv"),
     ),
     Proof("vista_frame_writer", 3, REFERENCE, (PACKAGE, "src/vista_frame_writer.sv")),
+    Proof("vista_pixel_writer", 3, "-G SideWidth=1", (PACKAGE, "src/vista_pixel_writer.sv")),
+    Proof("vista_frame_guard", 4, FRONT_END, (PACKAGE, "src/vista_skid.sv", "src/vista_frame_guard.sv")),
+    Proof("vista_levels", 3, FRONT_END, (PACKAGE, "src/vista_levels.sv")),
 ]
 
 
@@ -53,8 +57,10 @@ def prove(proof: Proof) -> bool:
     folder = ROOT / "build" / "formal" / proof.module
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
-    for file in [*proof.files, f"formal/{proof.module}_properties.svh"]:
+    for file in proof.files:
         shutil.copy(ROOT / "rtl" / file, folder)
+        if (properties := ROOT / "rtl" / "formal" / f"{Path(file).stem}_properties.svh").is_file():
+            shutil.copy(properties, folder)
     names = " ".join(Path(f).name for f in proof.files)
     script = (
         f"read_slang -j 1 -D FORMAL -D SYNTHESIS --top {proof.module} {proof.parameters} -I . {names}\n"

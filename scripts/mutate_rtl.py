@@ -1,52 +1,89 @@
 """Plants random mutants into the engine and counts how many of them the benches catch: make mutate.
 
-Yosys picks mutations of the flattened core and puts all of them into one netlist, chosen by an input. One
+Yosys picks mutations of a flattened module and puts all of them into one netlist, chosen by an input. One
 Verilated build then serves every mutant. Caught means: a word, its framing or the pace differs, or nothing
-comes.
+comes. The core is driven from here, the blocks of the front end by their cocotb benches.
 """
 
 from __future__ import annotations
 
 import argparse
+import os
 import subprocess
 import sys
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
 import numpy as np
+from cocotb_tools.runner import get_runner
 
 ROOT = Path(__file__).resolve().parents[1]
-sys.path[:0] = [str(ROOT / p) for p in ("tb/common", "model", "build/python")]
-from broken_video import FAULTS, HEIGHT, WIDTH  # noqa: E402
+sys.path[:0] = [str(ROOT / p) for p in ("tb/common", "tb/units", "model", "build/python")]
+from broken_video import FAULTS, fault_size  # noqa: E402
 from faults import expected_after, react  # noqa: E402
 from frames import Frame, beats, expected_flags, random_frame, random_pair, set_up  # noqa: E402
 from registers import CONTROL, ERRORS, FRAMES_IN, FRAMES_OUT  # noqa: E402
-from tools import BUILD, sources  # noqa: E402
+from tools import BUILD, sources, verilator_environment  # noqa: E402
 from verilated import PACES, Config, Pace, Rtl  # noqa: E402
 from vista_eval.cache import digest_of  # noqa: E402
 from vista_eval.jobs import Job, add_place, chosen_place, exit_on_failure, run  # noqa: E402
 
 CONFIG = Config(16, 5, 64, mutants=True)
+WIDTH, HEIGHT = fault_size(CONFIG.num_disparities, CONFIG.block_size)
+
+
+@dataclass(frozen=True)
+class Target:
+    """What mutants are planted into, as it is built."""
+
+    top: str
+    parameters: tuple[tuple[str, int], ...]
+    file_list: str = "vista_frontend.f"
+
+    @property
+    def folder(self) -> Path:
+        return BUILD / "mutate" / self.top
+
+    @property
+    def mutants(self) -> str:
+        return f"{self.top}_mutants"
+
+
+CORE = Target(
+    "vista_stereo_core",
+    (
+        ("NumDisparities", CONFIG.num_disparities),
+        ("BlockSize", CONFIG.block_size),
+        ("MaxWidth", CONFIG.max_width),
+    ),
+    "vista_stereo_core.f",
+)
+TARGETS = {
+    "core": CORE,
+    "smooth": Target("vista_smooth", (("MaxWidth", 32), ("SideWidth", 8))),
+    "pyramid": Target("vista_pyramid", (("MaxWidth", 40), ("SideWidth", 8))),
+}
 LIMIT = 0.9
 SURVIVES = "SURVIVES"
 SELECT_BITS = 10  # of mutsel, in tb/common/mutants_core.sv too
 FRAMES = 150  # for a mutant to survive
 
 
-def make_mutants(folder: Path, count: int, seed: int) -> list[str]:
-    """Writes folder/mutants.v, the core with an input `mutsel`; n chooses the n-th mutation returned."""
-    c = CONFIG
-    sizes = {"NumDisparities": c.num_disparities, "BlockSize": c.block_size, "MaxWidth": c.max_width}
-    parameters = " ".join(f"-G {name}={value}" for name, value in sizes.items())
-    files = " ".join(str(f) for f in sources("vista_stereo_core.f"))
+def make_mutants(target: Target, count: int, seed: int) -> list[str]:
+    """Writes mutants.v, the module with an input `mutsel`; n chooses the n-th mutation returned."""
+    folder = target.folder
+    folder.mkdir(parents=True, exist_ok=True)
+    parameters = " ".join(f"-G {name}={value}" for name, value in target.parameters)
+    files = " ".join(str(f) for f in sources(target.file_list))
     script = f"""
 from pyosys import libyosys as ys
 import pathlib
 design = ys.Design()
 def run(command): ys.run_pass(command, design)
-run("read_slang --top vista_stereo_core {parameters} {files}")
-run("hierarchy -top vista_stereo_core; proc; flatten; opt -full; memory_collect; opt_clean")
-run("rename vista_stereo_core vista_stereo_core_mutants")
+run("read_slang --top {target.top} {parameters} {files}")
+run("hierarchy -top {target.top}; proc; flatten; opt -full; memory_collect; opt_clean")
+run("rename {target.top} {target.mutants}")
 run("mutate -list {count} -seed {seed} -o mutations.txt -ctrl mutsel {SELECT_BITS} 1")
 lines = [l for l in pathlib.Path("mutations.txt").read_text().splitlines() if l]
 for n, line in enumerate(lines, 1):
@@ -76,7 +113,7 @@ def caught(rtl: Rtl) -> str | None:
             fault = FAULTS[rng.integers(len(FAULTS))]
             stream = beats(frame.left, frame.right)
             stream = np.concatenate(
-                [fault(stream.copy(), int(rng.integers(1, WIDTH * HEIGHT - 1)), rng), stream]
+                [fault(stream.copy(), WIDTH, int(rng.integers(1, WIDTH * HEIGHT - 1)), rng), stream]
             )
         elif seed % 3 == 1:
             paces = Pace(), Pace()
@@ -104,37 +141,69 @@ def caught(rtl: Rtl) -> str | None:
     return "counters" if rtl.read(FRAMES_IN) != rtl.read(FRAMES_OUT) else None
 
 
-def verdict_of(number: int) -> str:
+def build_bench(target: Target) -> None:
+    for name, value in verilator_environment().items():
+        os.environ[name] = value
+    get_runner("verilator").build(
+        sources=[target.folder / "mutants.v"], hdl_toplevel=target.mutants, build_dir=target.folder / "bench",
+        build_args=["-Wno-fatal", "-Wno-lint", "--x-initial", "unique", "-CFLAGS", "-O1"],
+        log_file=target.folder / "bench.log",
+    )  # fmt: skip
+
+
+def failing_test(target: Target, number: int) -> str | None:
+    """The first test of the module's bench that a mutant fails."""
+    folder = target.folder / "runs" / str(number)
+    extra = {f"VISTA_{name.upper()}": str(value) for name, value in target.parameters}
+    os.environ["COCOTB_LOG_LEVEL"] = "WARNING"
+    try:
+        results = get_runner("verilator").test(
+            hdl_toplevel=target.mutants, test_module=f"bench_{target.top.removeprefix('vista_')}",
+            build_dir=target.folder / "bench", test_dir=folder, hdl_toplevel_lang="verilog",
+            plusargs=["+verilator+rand+reset+2", "+verilator+seed+1"], log_file=folder / "run.log",
+            extra_env=extra | {"VISTA_MUTANT": str(number), "COCOTB_MAX_FAILURES": "1"},
+        )  # fmt: skip
+        text = results.read_text()
+    except (SystemExit, FileNotFoundError):  # the runner ends so when a test fails or the simulator stops
+        text = "<failure"
+    return "bench" if "<failure" in text or "<error" in text or "<testcase" not in text else None
+
+
+def verdict_of(target: Target, number: int) -> str:
     """Of one mutant; 0 is the netlist without a mutation."""
+    if target != CORE:
+        return failing_test(target, number) or SURVIVES
     with Rtl(CONFIG) as rtl:
         rtl.select_mutant(number)
         return caught(rtl) or SURVIVES
 
 
-def jobs_of_mutants(folder: Path, count: int) -> list[Job]:
+def jobs_of_mutants(target: Target, count: int) -> list[Job]:
     """A verdict holds as long as the mutants and what drives them are the same."""
-    drivers = sorted((ROOT / "tb" / "common").glob("*.py"))
-    digest = digest_of(folder / "mutants.v", Path(__file__), *drivers)
+    drivers = sorted([*(ROOT / "tb" / "common").glob("*.py"), *(ROOT / "tb" / "units").glob("*.py")])
+    digest = digest_of(target.folder / "mutants.v", Path(__file__), *drivers)
     numbers = range(1, count + 1)
-    return [Job(f"mutant {n}", partial(verdict_of, n), digest_of(f"{digest} {n}")) for n in numbers]
+    return [Job(f"mutant {n}", partial(verdict_of, target, n), digest_of(f"{digest} {n}")) for n in numbers]
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--of", choices=TARGETS, default="core", help="what to plant them into")
     parser.add_argument("--mutants", type=int, default=50)
     parser.add_argument("--seed", type=int, default=1)
     add_place(parser)
     args = parser.parse_args()
     if not 0 < args.mutants < 1 << SELECT_BITS:
         parser.error(f"--mutants: {args.mutants} is outside 1 .. {(1 << SELECT_BITS) - 1}")
-    folder = BUILD / "mutate"
-    folder.mkdir(parents=True, exist_ok=True)
-    mutations = make_mutants(folder, args.mutants, args.seed)
-    verdict = verdict_of(0)
+    target = TARGETS[args.of]
+    mutations = make_mutants(target, args.mutants, args.seed)
+    if target != CORE:
+        build_bench(target)
+    verdict = verdict_of(target, 0)
     assert verdict == SURVIVES, f"the netlist without a mutation fails: {verdict}"
-    jobs = jobs_of_mutants(folder, len(mutations))
+    jobs = jobs_of_mutants(target, len(mutations))
     with exit_on_failure():
-        verdicts = run(jobs, chosen_place(args), "mutants", "mutant", folder / "verdicts")
+        verdicts = run(jobs, chosen_place(args), "mutants", "mutant", target.folder / "verdicts")
     survivors = []
     for number, (mutation, verdict) in enumerate(zip(mutations, verdicts, strict=True), 1):
         print(f"{number:3} {verdict}", flush=True)

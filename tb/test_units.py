@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import os
+from pathlib import Path
 
 import pytest
 from cocotb_tools.runner import get_runner
-from tools import BUILD, sources, verilator_environment
+from tools import BUILD, VERILATOR_FLAGS, sources, verilator_environment
 
 # Registers and memories that reset leaves alone start at random, not at zero.
 RANDOM_START = ["+verilator+rand+reset+2", f"+verilator+seed+{os.environ.get('VISTA_SEED', 1)}"]
@@ -36,30 +37,82 @@ UNITS: list[tuple[str, dict[str, int]]] = [
     ("vista_window_sums", {"NumChannels": 3, "BlockSize": 7}),
     ("vista_frame_writer", {"NumDisparities": 16, "BlockSize": 5, "MaxWidth": 64}),
     ("vista_stereo", {"NumDisparities": 16, "BlockSize": 5, "MaxWidth": 128}),
+    ("vista_smooth", {"MaxWidth": 32, "SideWidth": 8}),
+    ("vista_reduce", {"MaxWidth": 32}),
+    ("vista_pyramid", {"MaxWidth": 40, "SideWidth": 8}),
+    ("front_end", {"NumDisparities": 16, "BlockSize": 5, "MaxWidth": 64}),
+]
+LISTS = {
+    "vista_stereo": "vista_stereo.f",
+    **dict.fromkeys(("vista_smooth", "vista_reduce", "vista_pyramid", "front_end"), "vista_frontend.f"),
+}
+
+
+def files_of(module: str) -> list[Path]:
+    """What a module is built from; one that is of the benches comes last."""
+    harness = Path(__file__).parent / "common" / f"{module}.sv"
+    return sources(LISTS.get(module, "vista_stereo_core.f")) + ([harness] if harness.is_file() else [])
+
+
+# Faults that an assertion of rtl/formal has to name: module, what is replaced in it, and by what.
+PLANTED = [
+    ("vista_result_fifo", "32'(level_q) < Depth - InFlight", "32'(level_q) < Depth - 1"),  # overflows
+    (
+        "vista_skid",
+        "if (~valid_q | ready_i) begin",
+        "if (~valid_q | ready_i | valid_i) begin",
+    ),  # a word is withdrawn
+    (
+        "vista_framer",
+        "      active_q <= 1'b0;\n      fill_q   <= 1'b0;",
+        "      active_q <= 1'b0;",
+    ),  # no such state
 ]
 
 
-@pytest.mark.parametrize(
-    ("module", "parameters"), UNITS, ids=lambda v: v if isinstance(v, str) else "_".join(map(str, v.values()))
-)
-def test_unit(module: str, parameters: dict[str, int], monkeypatch: pytest.MonkeyPatch) -> None:
+def run_unit(
+    module: str, parameters: dict[str, int], files: list[Path], folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> str:
+    """The results of the bench of a module, once it is built; SystemExit when a test of it failed."""
     for name, value in verilator_environment().items():
         monkeypatch.setenv(name, value)
     monkeypatch.setenv("COCOTB_LOG_LEVEL", os.environ.get("COCOTB_LOG_LEVEL", "WARNING"))
-    folder = BUILD / "units" / "_".join([module, *map(str, parameters.values())])
     waves = "VISTA_WAVES" in os.environ
     runner = get_runner("verilator")
     runner.build(
-        sources=sources("vista_stereo.f" if module == "vista_stereo" else "vista_stereo_core.f"),
-        hdl_toplevel=module, parameters=parameters, build_dir=folder, waves=waves,
-        build_args=["-Wno-fatal", "-Wno-lint", "--assert", "--x-initial", "unique", "-CFLAGS", "-O1"],
-        log_file=folder.with_suffix(".log"),
+        sources=files, hdl_toplevel=module, parameters=parameters, build_dir=folder, waves=waves,
+        build_args=[*VERILATOR_FLAGS, "-CFLAGS", "-O1"], log_file=folder.with_suffix(".log"),
     )  # fmt: skip
     results = runner.test(
         hdl_toplevel=module, test_module=f"bench_{module.removeprefix('vista_')}", build_dir=folder,
         test_dir=folder, waves=waves, plusargs=RANDOM_START,
         extra_env={f"VISTA_{k.upper()}": str(v) for k, v in parameters.items()}, log_file=folder / "run.log",
     )  # fmt: skip
-    text = results.read_text()
+    return Path(results).read_text()
+
+
+@pytest.mark.parametrize(
+    ("module", "parameters"), UNITS, ids=lambda v: v if isinstance(v, str) else "_".join(map(str, v.values()))
+)
+def test_unit(module: str, parameters: dict[str, int], monkeypatch: pytest.MonkeyPatch) -> None:
+    folder = BUILD / "units" / "_".join([module, *map(str, parameters.values())])
+    text = run_unit(module, parameters, files_of(module), folder, monkeypatch)
     assert "<testcase" in text, f"no test ran, see {folder}/run.log"
     assert "<failure" not in text and "<error" not in text, f"see {folder}/run.log"
+
+
+@pytest.mark.parametrize(("module", "right", "wrong"), PLANTED, ids=[module for module, *_ in PLANTED])
+def test_assertions_stop_the_simulation(
+    module: str, right: str, wrong: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of overflow, handshake and states. Without a fault the benches above pass with the same assertions."""
+    (source,) = (file for file in sources("vista_stereo_core.f") if file.stem == module)
+    text = source.read_text()
+    assert text.count(right) == 1
+    planted = tmp_path / source.name
+    planted.write_text(text.replace(right, wrong))
+    files = [planted if file == source else file for file in sources("vista_stereo_core.f")]
+    parameters = next(values for name, values in UNITS if name == module)
+    with pytest.raises((RuntimeError, SystemExit)):
+        run_unit(module, parameters, files, tmp_path / "build", monkeypatch)
+    assert f"Assertion failed in {module}" in (tmp_path / "build" / "run.log").read_text()

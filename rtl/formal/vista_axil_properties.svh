@@ -10,7 +10,7 @@ logic [StrobeW+DataW-1:0] f_wdata;
 logic [DataW-1:0] f_read;
 
 always_ff @(posedge clk_i) begin
-  f_started   <= 1'b1;
+  if (!rst_ni) f_started <= 1'b1;
   f_aw_waited <= awvalid_i & ~awready_o & rst_ni;
   f_w_waited  <= wvalid_i & ~wready_o & rst_ni;
   f_ar_waited <= arvalid_i & ~arready_o & rst_ni;
@@ -28,8 +28,12 @@ always_ff @(posedge clk_i) begin
   end
 end
 
+`ifdef VERILATOR
+always_ff @(posedge clk_i) begin  // a bench may change the inputs between clocks
+`else
 always_comb begin
   if (!f_started) assume (!rst_ni);
+`endif
   if (f_started) begin
     if (f_aw_waited) assume (awvalid_i && awaddr_i == f_awaddr);
     if (f_w_waited) assume (wvalid_i && {wstrb_i, wdata_i} == f_wdata);

@@ -28,7 +28,7 @@ assign f_row       = f_matchable & (32'(f_y) >= Radius) & (32'(f_y) + Radius <= 
 assign f_matched   = f_row & (32'(f_x) >= FirstX) & (32'(f_x) + Radius <= 32'(f_w));
 
 always_ff @(posedge clk_i) begin
-  f_started <= 1'b1;
+  if (!rst_ni) f_started <= 1'b1;
   f_n       <= f_n;
   if (begin_valid_i) begin
     f_in <= f_in + 1'b1;
@@ -66,9 +66,13 @@ always_ff @(posedge clk_i) begin
   end
 end
 
+`ifdef VERILATOR
+always_ff @(posedge clk_i) begin  // a bench may change the inputs between clocks
+`else
 always_comb begin
   if (!f_started) assume (!rst_ni);
-  if (begin_valid_i) begin
+`endif
+  if (f_started && begin_valid_i) begin
     assume (f_go[1] && f_since == 3'd4);
     assume (32'(begin_last_col_i) >= MinWidth - 1 && 32'(begin_last_row_i) >= MinHeight - 1);
   end

@@ -19,7 +19,7 @@ assign f_wrap   = f_follow ? (f_x == f_w) : slot_last_col;
 assign f_end    = slot_valid & drain_q & drain_last_col_q;
 
 always_ff @(posedge clk_i) begin
-  f_started <= 1'b1;
+  if (!rst_ni) f_started <= 1'b1;
   f_n       <= f_n;
   f_width   <= width_i;
   f_height  <= height_i;
@@ -58,18 +58,25 @@ always_ff @(posedge clk_i) begin
   end
 end
 
+`ifdef VERILATOR
+always_ff @(posedge clk_i) begin  // a bench may change the inputs between clocks
+`else
 always_comb begin
   if (!f_started) assume (!rst_ni);
+`endif
   if (f_started) begin
     // Slots.
     if (slot_valid) begin
       assert (go_i && slot_col == f_x);
       if (f_follow) begin
         assert (slot_d.first_col == (f_x == 0) && slot_d.last_col == (f_x == f_w));
-        assert (slot_d.first_row == (f_y == 0) && slot_d.second_row == (f_y == 1));
+        assert (slot_d.first_row == (f_y == 0));
+        assert (slot_d.before_col == (32'(f_x) < NumDisparities - 1));
+        assert (slot_d.early_col == (32'(f_x) < NumDisparities - 1 + BlockSize));
         assert (slot_d.last_row == (f_y == f_h) && f_end == (f_x == f_w && f_y == f_h));
         assert (slot_d.leave == (32'(f_y) >= BlockSize));
         assert (slot_d.match == (32'(f_y) >= BlockSize - 1 && 32'(f_x) >= FirstMatchCol));
+        assert (slot_d.match_row == (32'(f_y) >= BlockSize - 1 && 32'(f_w) >= FirstMatchCol));
       end
     end
     if (slot_o.valid) assert (f_go);
@@ -98,6 +105,7 @@ always_comb begin
     end
     if (drain_q) begin
       assert (32'(match_width_less_1_q) >= MinWidth - 1 && match_last_row_q != 0);
+      assert (match_wide_q == (32'(match_width_less_1_q) >= FirstMatchCol));
       assert (drain_col_q <= match_width_less_1_q);
       assert (drain_last_col_q == (drain_col_q == match_width_less_1_q));
       assert (f_x == drain_col_q && f_y == match_last_row_q);
@@ -110,6 +118,7 @@ always_comb begin
       assert (f_x == col_q && f_y == row_q - 1'b1);
       if (f_x != 0 || f_y != 0) begin
         assert (match_width_less_1_q == width_less_1_q && match_last_row_q == last_row_q);
+        assert (match_wide_q == (32'(width_less_1_q) >= FirstMatchCol));
         assert (f_begun == begun_q);
         assert (f_begun == (32'(f_y) > Radius || (32'(f_y) == Radius && f_x != 0)));
       end

@@ -6,14 +6,18 @@ logic            f_started = 1'b0;
 logic [IndexW:0] f_since;  // clocks since a match, saturating
 
 always_ff @(posedge clk_i) begin
-  f_started <= 1'b1;
+  if (!rst_ni) f_started <= 1'b1;
   if (match_i) f_since <= (IndexW + 1)'(1);
   else if (32'(f_since) <= NumDisparities) f_since <= f_since + 1'b1;
   if (!rst_ni) f_since <= (IndexW + 1)'(NumDisparities + 1);
 end
 
+`ifdef VERILATOR
+always_ff @(posedge clk_i) begin  // a bench may change the inputs between clocks
+`else
 always_comb begin
   if (!f_started) assume (!rst_ni);
+`endif
   if (f_started) begin
     if (slot_valid_q) assert (32'(f_since) <= NumDisparities);
     assert (slot_valid_q == (match_q || flush_q != '0));

@@ -11,7 +11,7 @@ assign f_level = {3'b0, valid_q} + {3'b0, spill_valid_q};
 assign f_place = f_n - f_out;  // words before the one that is followed
 
 always_ff @(posedge clk_i) begin
-  f_started <= 1'b1;
+  if (!rst_ni) f_started <= 1'b1;
   f_n       <= f_n;
   if (valid_i & ready_o) f_in <= f_in + 1'b1;
   if (valid_o & ready_i) f_out <= f_out + 1'b1;
@@ -30,8 +30,12 @@ always_ff @(posedge clk_i) begin
   end
 end
 
+`ifdef VERILATOR
+always_ff @(posedge clk_i) begin  // a bench may change the inputs between clocks
+`else
 always_comb begin
   if (!f_started) assume (!rst_ni);
+`endif
   if (f_started) begin
     assert (f_in - f_out == f_level);
     assert (!spill_valid_q || valid_q);

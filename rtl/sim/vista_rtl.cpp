@@ -5,6 +5,8 @@ extern "C" {
 #include "vista_rtl.h"
 }
 
+#include <cstdio>
+#include <deque>
 #include <memory>
 
 #include "Vvista_stereo.h"
@@ -28,9 +30,16 @@ struct vista_rtl {
 #endif
   std::unique_ptr<Vvista_stereo> top;
   int64_t clock = 0;
+  struct Write {
+    int64_t after, before;
+    uint32_t address, data;
+  };
+  std::deque<Write> queued;
+  std::unique_ptr<std::FILE, int (*)(std::FILE*)> record{nullptr, std::fclose};
 
   explicit vista_rtl(uint32_t seed) {
     context.randReset(2);
+    context.fatalOnError(false);  // an assertion that fails is told by vista_rtl_failed
     context.randSeed(static_cast<int>(seed ? seed : 1));
 #ifdef VISTA_WAVES
     context.traceEverOn(true);
@@ -51,6 +60,8 @@ struct vista_rtl {
 
   // Inputs were set: settle, then one rising edge.
   void edge() {
+    Verilated::threadContextp(&context);  // there may be several engines; assertions fail in this one
+    if (record) write_record();
     top->clk_i = 1;
     top->eval();
 #ifdef VISTA_WAVES
@@ -64,12 +75,51 @@ struct vista_rtl {
     ++clock;
   }
 
+  // The first of the queued writes goes on by one clock, beside the streams, before the edge. The channels are free again
+  // once its response has come.
+  void step_writes(int64_t taken) {
+    if (queued.empty() || (!writing_ && taken < queued.front().after)) return;
+    if (!writing_) {
+      top->s_axil_awaddr = queued.front().address;
+      top->s_axil_wdata = queued.front().data;
+      top->s_axil_awvalid = top->s_axil_wvalid = 1;
+      writing_ = true;
+    } else if (accepted_) {
+      top->s_axil_awvalid = top->s_axil_wvalid = 0;
+    }
+    top->eval();
+    accepted_ = top->s_axil_awvalid && top->s_axil_awready;  // the address together with the data
+    if (top->s_axil_bvalid) {
+      queued.pop_front();
+      writing_ = false;
+    }
+  }
+
+  // The beat may not be offered yet.
+  bool waits_for_write(int64_t beat) const { return !queued.empty() && queued.front().before <= beat; }
+
   void reset(int clocks) {
     top->rst_ni = 0;
     for (int i = 0; i < clocks; ++i) edge();
     top->rst_ni = 1;
     edge();
   }
+
+ private:
+  // Inputs and outputs just before an edge, as tb/icarus/replay.v reads them.
+  void write_record() {
+    auto& t = *top;
+    t.eval();
+    const bool word = t.m_axis_tvalid;
+    std::fprintf(record.get(), "%d %d%d%d %04x %d %d %x %d %08x %d %d %x %d | %d%d%d%d%d%d%d%d%d %08x %08x\n", t.rst_ni,
+                 t.s_axis_tvalid, t.s_axis_tuser, t.s_axis_tlast, t.s_axis_tdata, t.m_axis_tready, t.s_axil_awvalid,
+                 t.s_axil_awaddr, t.s_axil_wvalid, t.s_axil_wdata, t.s_axil_bready, t.s_axil_arvalid, t.s_axil_araddr,
+                 t.s_axil_rready, t.s_axis_tready, word, t.s_axil_awready, t.s_axil_wready, t.s_axil_bvalid,
+                 t.s_axil_arready, t.s_axil_rvalid, word && t.m_axis_tuser, word && t.m_axis_tlast, t.m_axis_tdata,
+                 t.s_axil_rdata);
+  }
+
+  bool writing_ = false, accepted_ = false;
 };
 
 extern "C" {
@@ -131,8 +181,8 @@ int64_t vista_rtl_stream(vista_rtl* engine, const uint32_t* beats, int64_t num_i
   vista::Pace in{in_pace[0], in_pace[1]}, out{out_pace[0], out_pace[1]};
   int64_t taken = 0, words = 0, idle = 0;
   bool offered = false;
-  for (int64_t n = 0; n < max_clocks && (words < max_out || taken < num_in) && idle < quiet; ++n) {
-    if (!offered && taken < num_in && in.step(random)) {
+  for (int64_t n = 0; n < max_clocks && (words < max_out || taken < num_in || !e.queued.empty()) && idle < quiet; ++n) {
+    if (!offered && taken < num_in && !e.waits_for_write(taken) && in.step(random)) {
       offered = true;
       t.s_axis_tdata = beats[taken] & 0xFFFF;
       t.s_axis_tuser = beats[taken] >> 16 & 1;
@@ -140,6 +190,7 @@ int64_t vista_rtl_stream(vista_rtl* engine, const uint32_t* beats, int64_t num_i
     }
     t.s_axis_tvalid = offered;
     t.m_axis_tready = out.step(random) && words < max_out;
+    e.step_writes(taken);
     t.eval();
     ++idle;
     if (offered && t.s_axis_tready) {
@@ -161,6 +212,17 @@ int64_t vista_rtl_stream(vista_rtl* engine, const uint32_t* beats, int64_t num_i
   t.eval();
   *num_taken = taken;
   return words;
+}
+
+void vista_rtl_queue_write(vista_rtl* engine, int64_t after, int64_t before, uint32_t address, uint32_t data) {
+  engine->queued.push_back({after, before, address, data});
+}
+
+int32_t vista_rtl_failed(const vista_rtl* engine) { return engine->context.gotError(); }
+
+int32_t vista_rtl_record(vista_rtl* engine, const char* path) {
+  engine->record.reset(path ? std::fopen(path, "w") : nullptr);
+  return !path || engine->record;
 }
 
 void vista_rtl_select_mutant(vista_rtl* engine, uint32_t number) {

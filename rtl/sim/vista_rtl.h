@@ -45,14 +45,26 @@ int64_t vista_rtl_stream(vista_rtl* engine, const uint32_t* beats, int64_t num_i
                          uint32_t* out_data, uint8_t* out_flags, int64_t* in_clock, int64_t* out_clock,
                          int64_t* num_taken);
 
+/* Queues one write to be made while a later vista_rtl_stream runs: begun once `after` beats of that call were taken, and
+ * finished before its beat `before` is offered. Writes are made in the order in which they were queued. */
+void vista_rtl_queue_write(vista_rtl* engine, int64_t after, int64_t before, uint32_t address, uint32_t data);
+
 /* Build parameters; 0 if the registers do not answer as a VISTA engine of major version 1, else 1. */
 int32_t vista_rtl_identify(vista_rtl* engine, vista_rtl_build* build);
 
 /* One frame: writes the registers, streams the pair in and the words out at a pixel a clock. Images are `height` rows of
  * `width` pixels without gaps; disparity[height * width] in 1/16 px, -16: none. Returns the clocks from the first pixel
- * to the last word, or -1 when words are missing or the engine reports a framing error. */
+ * to the last word, or -1 when words are missing or the engine reports a framing error; it is
+ * then reset, and the next frame is clean. */
 int64_t vista_rtl_compute(vista_rtl* engine, const vista_rtl_settings* settings, const uint8_t* left,
                           const uint8_t* right, int32_t width, int32_t height, int16_t* disparity);
+
+/* 1 once an assertion has failed, else 0; stderr tells which. What comes then is worth nothing. */
+int32_t vista_rtl_failed(const vista_rtl* engine);
+
+/* From now on all inputs and outputs are written to a file, a line a clock, for tb/icarus/replay.v; null ends it.
+ * Returns 1, or 0 when the file cannot be opened. */
+int32_t vista_rtl_record(vista_rtl* engine, const char* path);
 
 /* Of the builds that the benches make (tb/common/verilated.py); nothing happens in others. */
 void vista_rtl_select_mutant(vista_rtl* engine, uint32_t number);

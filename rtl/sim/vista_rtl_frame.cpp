@@ -68,10 +68,15 @@ int64_t vista_rtl_compute(vista_rtl* engine, const vista_rtl_settings* settings,
   std::vector<uint8_t> flags(beats.size());
   std::vector<int64_t> in_clock(beats.size()), out_clock(beats.size());
   int64_t taken = 0;
+  vista_rtl_write(engine, ADDRESS(ERRORS), ~0u);  // of frames before this one
   const int64_t count =
       vista_rtl_stream(engine, beats.data(), pixels, kEveryClock, kEveryClock, 1, pixels, kQuietClocks, INT64_MAX,
                        words.data(), flags.data(), in_clock.data(), out_clock.data(), &taken);
-  if (count != pixels || taken != pixels || vista_rtl_read(engine, ADDRESS(ERRORS)) != 0) return -1;
+  const bool framed = vista_rtl_read(engine, ADDRESS(ERRORS)) == 0;
+  if (count != pixels || taken != pixels || !framed || vista_rtl_failed(engine)) {
+    vista_rtl_reset(engine, 1);  // whatever is left inside would come before the next frame
+    return -1;
+  }
   // {Smin[15:0], disparity[15:0]}
   std::transform(words.begin(), words.end(), disparity, [](uint32_t word) { return static_cast<int16_t>(word); });
   return out_clock.back() - in_clock.front() + 1;

@@ -57,6 +57,7 @@ module vista_candidate #(
     .CostW(CostW)
   ) u_bound (
     .clk_i,
+    .rst_ni,
     .ratio_i (uniqueness_ratio_i),
     .smin_i  (smin),
     .bound_o (bound)

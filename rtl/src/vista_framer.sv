@@ -76,6 +76,7 @@ module vista_framer #(
   logic [ColW-1:0] drain_col_q, match_width_less_1_q;
   logic [RowW-1:0] match_last_row_q;
   logic [RowsW-1:0] rows_q;  // rows matched so far, saturating at B
+  logic match_wide_q;  // wide enough for a row to have matched pixels
 
   logic head_sof, blocked, start, take, fill, step, last_row, frame_end, drop;
   logic bad_eol;
@@ -153,13 +154,13 @@ module vista_framer #(
     slot_d.valid      = slot_valid;
     slot_d.first_col  = (slot_col == '0);
     slot_d.last_col   = slot_last_col;
-    slot_d.early_col  = (32'(slot_col) < BlockSize);
+    slot_d.before_col = (32'(slot_col) < NumDisparities - 1);
+    slot_d.early_col  = (32'(slot_col) < NumDisparities - 1 + BlockSize);
     slot_d.first_row  = slot_first_row;
-    slot_d.second_row = (32'(rows) == 1);
     slot_d.last_row   = drain_q;
     slot_d.flat       = drain_q & ~match_last_row_q[0];
     slot_d.leave      = (32'(rows) == BlockSize);
-    slot_d.match_row  = (32'(rows) >= BlockSize - 1);
+    slot_d.match_row  = (32'(rows) >= BlockSize - 1) & match_wide_q;
     slot_d.match      = slot_d.match_row & (32'(slot_col) >= FirstMatchCol);
     slot_d.cut        = drain_q ? drain_cut_q : fill_q;
   end
@@ -169,6 +170,7 @@ module vista_framer #(
     if (slot_valid & slot_first_row & slot_d.first_col) begin
       match_width_less_1_q <= width_less_1_q;
       match_last_row_q     <= last_row_q;
+      match_wide_q         <= (32'(width_less_1_q) >= FirstMatchCol);
     end
 
     if (drain_q & go_i) begin

@@ -9,7 +9,7 @@
 module vista_stereo #(
   parameter int unsigned NumDisparities = 32,  // 16, 32 .. 256
   parameter int unsigned BlockSize = 11,       // odd, 5 .. 21
-  parameter int unsigned MaxWidth = 1024       // px, at least NumDisparities + BlockSize
+  parameter int unsigned MaxWidth = 1024       // px, NumDisparities + BlockSize .. 65535
 ) (
   input  logic clk_i,
   input  logic rst_ni,

@@ -7,7 +7,7 @@
 module vista_stereo_core #(
   parameter int unsigned NumDisparities = 32,   // 16, 32 .. 256
   parameter int unsigned BlockSize = 11,        // odd, 5 .. 21
-  parameter int unsigned MaxWidth = 1024,
+  parameter int unsigned MaxWidth = 1024,       // NumDisparities + BlockSize .. 65535
   localparam int unsigned ColW = $clog2(MaxWidth),
   localparam int unsigned RowW = vista_stereo_pkg::HeightW,
   localparam int unsigned PixelW = vista_stereo_pkg::PixelW
@@ -44,6 +44,16 @@ module vista_stereo_core #(
 );
 
   import vista_stereo_pkg::*;
+
+  if (NumDisparities < 16 || NumDisparities > 256 || NumDisparities % 16 != 0) begin : gen_bad_disparities
+    $fatal(1, "NumDisparities must be 16, 32 .. 256");
+  end
+  if (BlockSize < 5 || BlockSize > 21 || BlockSize % 2 == 0) begin : gen_bad_block
+    $fatal(1, "BlockSize must be odd, 5 .. 21");
+  end
+  if (MaxWidth < NumDisparities + BlockSize || MaxWidth > LargestWidth) begin : gen_bad_width
+    $fatal(1, "MaxWidth must be NumDisparities + BlockSize .. 65535");
+  end
 
   localparam int unsigned ColumnW = column_width(BlockSize);
   localparam int unsigned CostW = cost_width(BlockSize);
@@ -190,7 +200,8 @@ module vista_stereo_core #(
   );
 
   // The parameters of the stages behind the costs change with the first column of a row that has matches: 2r rows after
-  // the last pixel of the frame before, D-1+2r columns before the first pixel of this one.
+  // the last pixel of the frame before, D-1+2r columns before the first pixel of this one. A frame without matches may be
+  // so short that the one before is still being decided when it ends; it leaves them as they are.
   params_t params_q;
   logic    match;
 

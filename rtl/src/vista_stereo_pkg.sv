@@ -9,6 +9,7 @@ package vista_stereo_pkg;
   parameter int unsigned PixelW = 8;  // grey values 0 .. 255
   parameter int unsigned TextureW = 6;  // |p - c|, at most the largest prefilter cap, 63
   parameter int unsigned HeightW = 12;  // frames of at most 4095 rows
+  parameter int unsigned LargestWidth = 65535;  // of a build; as wide as the register
   parameter int unsigned MinWidth = 4;  // the longest memory read-to-write distance in slots, plus one
   parameter int unsigned MinHeight = 2;  // the mirror of the x-Sobel needs two rows
   parameter int unsigned DisparityW = 13;  // -8 .. 256*16 in 1/16 px, signed
@@ -29,13 +30,13 @@ package vista_stereo_pkg;
     logic valid;
     logic first_col;   // column 0
     logic last_col;    // column W-1
-    logic early_col;   // column < B
+    logic before_col;  // column < D-1: no block that is matched contains it
+    logic early_col;   // column < D-1+B: no column that counts leaves the block
     logic first_row;   // row 0
-    logic second_row;  // row 1
     logic last_row;    // row H-1
     logic flat;        // last row of an odd height: the x-Sobel is 0 there
     logic leave;       // row >= B: a row leaves the block for the one that enters
-    logic match_row;   // row >= B-1: the rows of the block are complete
+    logic match_row;   // row >= B-1 of a frame that is wide enough: the row has matched pixels
     logic match;       // match_row and column >= D-1+2r: a pixel is matched
     logic cut;         // filler after a framing error: no disparity may come of it
   } slot_t;

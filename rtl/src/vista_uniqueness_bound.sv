@@ -12,6 +12,7 @@ module vista_uniqueness_bound #(
   parameter int unsigned CostW = 15
 ) (
   input  logic             clk_i,
+  input  logic             rst_ni,
   input  logic [6:0]       ratio_i,  // u, 0 .. 100
   input  logic [CostW-1:0] smin_i,
   output logic [CostW-1:0] bound_o
@@ -40,6 +41,7 @@ module vista_uniqueness_bound #(
       product_q <= '0;
       gain_q    <= product;
     end
+    if (!rst_ni) step_q <= '0;
   end
 
   // 1: Smin beside its multipliers; 2: products; 3: margin; 4: bound.

@@ -2,8 +2,9 @@
 //
 //   S(x, m) = S(x-1, m) + C(x, m) - C(x-B, m)
 //
-// The sums run on across the ends of rows, which no matched block spans. They start anew in every frame: they are held
-// at zero in row 0, and the first B columns of row 1 see nothing leave.
+// They start anew in every row with column D-1, the first that a matched block contains: until then they are held at
+// zero, and what comes before it is not subtracted either. So nothing is carried from row to row: a bit that is upset in
+// a sum is gone with the end of its row, and what memories and registers hold at power-up never enters one.
 //
 // The last B column sums of all channels wait in a ring, so the size of the block costs no logic.
 //
@@ -44,8 +45,8 @@ module vista_window_sums #(
     in1_q   <= column_i;
     in2_q   <= in1_q;
     ptr1_q  <= ptr_q;
-    clear1_q <= slot_i.second_row & slot_i.early_col;
-    start3_q <= slot2_q.valid & slot2_q.first_row;
+    clear1_q <= slot_i.early_col;
+    start3_q <= slot2_q.valid & slot2_q.before_col;
     if (slot_i.valid) ptr_q <= (32'(ptr_q) == BlockSize - 1) ? '0 : ptr_q + 1'b1;
     if (!rst_ni) begin
       slot1_q.valid <= 1'b0;

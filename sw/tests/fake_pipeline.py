@@ -88,7 +88,7 @@ class FakePipeline:
             fake_obstacle(3, z_m + 5.0, camera),
             fake_obstacle(4, z_m + 8.0, camera, confirmed=False),
         ]
-        nearest = Nearest(2, obstacles[1].position_m, z_m, z_m / 10.0) if self._frame > 1 else None
+        nearest = Nearest(2, obstacles[1].position_m, z_m, z_m / 10.0, np.eye(3)) if self._frame > 1 else None
         source = "UNTOLD" if pose is None else "POSE"
         velocity_m_s = np.array([0.0, 0.0, 10.0])
         motion = Motion(pose is not None, source, False, velocity_m_s, np.zeros(3), pose or STILL)

@@ -57,6 +57,38 @@ def test_words_are_the_golden_ones(index: int) -> None:
             assert rows * width <= rtl.last_clocks + width < rows * width + 200
 
 
+@pytest.mark.parametrize("before", ["too wide", "half a frame", "words left behind"])
+def test_a_bad_frame_leaves_nothing_behind(before: str) -> None:
+    """What the engine refuses, and what somebody else left in it, fails once; the next frame is right."""
+    rtl, golden = RtlEngine(BUILD, WIDTH_PX), StereoEngine(**asdict(BUILD))
+    left, right = seeded(130).integers(0, 256, (2, 20, WIDTH_PX + 1), np.uint8)
+    good = np.ascontiguousarray(left[:, :WIDTH_PX]), np.ascontiguousarray(right[:, :WIDTH_PX])
+    words = golden.compute(*good)
+    np.testing.assert_array_equal(rtl.compute(*good), words)
+    if before == "too wide":
+        with pytest.raises(RuntimeError, match="321x20"):
+            rtl._match(left, right)  # compute would refuse it
+    else:
+        stream_part(rtl, *good, 1000 if before == "half a frame" else good[0].size)
+        with pytest.raises(RuntimeError, match="320x20"):
+            rtl.compute(*good)
+    np.testing.assert_array_equal(rtl.compute(*good), words)
+
+
+def stream_part(rtl: RtlEngine, left: np.ndarray, right: np.ndarray, count: int) -> None:
+    """The first pixels of a frame, without taking a word."""
+    beats = left.astype(np.uint32) | right.astype(np.uint32) << 8
+    beats[0, 0] |= 1 << 16
+    beats[:, -1] |= 1 << 17
+    ffi, pace = rtl._ffi, rtl._ffi.new("uint32_t[2]", [0, 1000])
+    first = np.ascontiguousarray(beats.ravel()[:count])
+    taken = ffi.new("int64_t *")
+    rtl._lib.vista_rtl_stream(
+        rtl._engine, ffi.from_buffer("uint32_t[]", first), count, pace, pace, 1, 0, 500, 100000,
+        ffi.NULL, ffi.NULL, ffi.NULL, ffi.NULL, taken,
+    )  # fmt: skip
+
+
 @pytest.mark.parametrize("smoothed", [False, True])
 def test_levels_are_the_golden_ones(smoothed: bool) -> None:
     """The C front end before the core. 8 rows end as one: too few to be matched, and for the core."""

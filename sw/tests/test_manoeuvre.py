@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from random_seed import seed_of
 from vista.geometry import rotation_from_quaternion
-from vista_eval.render.manoeuvre import GRAVITY_M_S2, Gusts, Manoeuvre, body_rate_rad_s
-from vista_eval.render.trajectory import Approach, quaternion_wxyz, rotation_from_angles
+from vista_eval.render.manoeuvre import GRAVITY_M_S2, Gusts, Manoeuvre
+from vista_eval.render.trajectory import Approach, Course, quaternion_wxyz, rotation_from_angles
 
 STEP = 1e-3  # frames
 
@@ -30,6 +30,20 @@ def drawn(name: str) -> list[Manoeuvre]:
         )
         for _ in range(6)
     ]
+
+
+DIFFERENCE_S = 1e-3  # over which rates are found
+
+
+def body_rate_rad_s(course: Course, frame: float) -> np.ndarray:
+    """(3,) how fast the body turns about its own axes."""
+    step = DIFFERENCE_S * course.rate_hz
+    before, after = (
+        course.state_at(frame + offset).world_from_body[:3, :3] for offset in (-step / 2, step / 2)
+    )
+    turn = before.T @ after
+    skew = (turn - turn.T) / (2 * DIFFERENCE_S)
+    return np.array([skew[2, 1], skew[0, 2], skew[1, 0]])
 
 
 def test_velocity_is_the_derivative_of_the_place() -> None:

@@ -8,10 +8,14 @@ import cv2
 import numpy as np
 import pytest
 from random_seed import seed_of
+from vista_eval.render.flight import Flight
+from vista_eval.render.frame import exposure_of
 from vista_eval.render.optics import Exposure, FlawedSensor, dirt, image_motion_px, through_lens
 from vista_eval.render.rig import LEFT, RIGHT, Rig
+from vista_eval.render.scene import Scene
 from vista_eval.render.sensor import Sensor, expose
-from vista_eval.render.trajectory import rotation_from_angles
+from vista_eval.render.trajectory import Approach, rotation_from_angles
+from vista_eval.render.view import View
 
 RIG = Rig(width_px=320, height_px=240, focal_px=500.0, baseline_m=0.4572)
 SHAPE = RIG.height_px, RIG.width_px
@@ -150,3 +154,22 @@ def test_what_is_too_bright_is_clipped_after_the_lens() -> None:
     seen = through_lens(FlawedSensor(defocus_px=(3.0, 3.0)), image, still())
     grey = expose(Sensor(), seen, LEFT, (1,))
     assert grey[102, 105] == 255 and cv2.countNonZero((grey == 255).astype(np.uint8)) > 30
+
+
+class EmptyScene:
+    """Of a renderer what an exposure needs."""
+
+    scene = Scene((), to_sun=(-1.0, 0.0, 0.0))
+
+    def view(self, world_from_camera: np.ndarray) -> View:
+        return View(np.full(SHAPE, np.inf), np.zeros(SHAPE, np.int32))
+
+
+def test_the_shutter_opens_on_the_course_that_is_flown() -> None:
+    """Of a flight of 20 frames only the last 5 are flown: its first frame is the sixteenth of the whole."""
+    whole = Approach(6.0, 10.0, last_range_m=20.0, frames=20, rate_hz=10.0, sway_scale=0.0)
+    flight = Flight("f", "f", "dev", whole, lambda altitude_m, seed: EmptyScene.scene, rig=RIG)
+    flown, lens = replace(whole, frames=5), FlawedSensor(exposure_s=0.01)
+    exposure = exposure_of(EmptyScene(), flight, lens, flown, LEFT, 0)
+    places_m = [pose[0, 3] for pose in (exposure.opens, exposure.middle, exposure.closes)]
+    assert places_m == pytest.approx([-24.05, -24.0, -23.95])

@@ -35,7 +35,7 @@ def at(u: float, v: float, **changes: object) -> Obstacle:
 
 
 def nearest(obstacle: Obstacle, time_s: float | None = 2.5) -> Nearest:
-    return Nearest(obstacle.id, obstacle.position_m, obstacle.distance_m, time_s)
+    return Nearest(obstacle.id, obstacle.position_m, obstacle.distance_m, time_s, obstacle.covariance_m2)
 
 
 def test_colours_of_obstacles() -> None:

@@ -1,4 +1,5 @@
-"""Frames that took a night are deleted on purpose only: by a new RENDER_VERSION, which this test asks for.
+"""Frames that took a night are deleted on purpose only: by a new version of the renderer, for which this
+test asks.
 
 The renderer's code, as the cache sees it, and the libraries that draw are recorded in rendered_code.json.
 To record them anew: python sw/tests/test_render_version.py --accept
@@ -13,15 +14,16 @@ from pathlib import Path
 from typing import Any
 
 from vista_eval.cache import code_of
-from vista_eval.render.version import RENDER_VERSION
+from vista_eval.render.version import FAST_RENDER_VERSION, RENDER_VERSION
 
 RECORD = Path(__file__).with_name("rendered_code.json")
 ENTRY = "vista_eval.render.flight"
-LIBRARIES = ("mitsuba", "numpy", "opencv-python-headless")
+LIBRARIES = ("embreex", "mitsuba", "numpy", "opencv-python-headless")
 NO_PART = ("vista.errors", "vista.output", "vista_eval.cache")  # in what is drawn
 ADVICE = """\
 {what}. Frames rendered before are still taken for good.
-If pictures or truth change: raise RENDER_VERSION in vista_eval/render/version.py; they will be rendered anew.
+If pictures or truth change: raise in vista_eval/render/version.py RENDER_VERSION (by path tracing) or
+FAST_RENDER_VERSION (by casting rays), or both; they will be rendered anew.
 In either case record the code: .venv/bin/python sw/tests/test_render_version.py --accept"""
 
 
@@ -29,6 +31,7 @@ def as_it_is() -> dict[str, Any]:
     drawn_by = {name: digest for name, digest in code_of(ENTRY).items() if name not in NO_PART}
     return {
         "render_version": RENDER_VERSION,
+        "fast_render_version": FAST_RENDER_VERSION,
         "libraries": {library: version(library) for library in LIBRARIES},
         "modules": dict(sorted(drawn_by.items())),
     }
@@ -48,7 +51,8 @@ def test_the_version_is_raised_when_pictures_change() -> None:
     recorded, now = json.loads(RECORD.read_text()), as_it_is()
     what = changed(recorded, now)
     assert not what, ADVICE.format(what=f"Changed since the renderer was recorded: {', '.join(what)}")
-    assert recorded["render_version"] == RENDER_VERSION, ADVICE.format(what="RENDER_VERSION was raised")
+    for name in ("render_version", "fast_render_version"):
+        assert recorded[name] == now[name], ADVICE.format(what=f"{name.upper()} was raised")
 
 
 def test_changed_and_moved_code_are_told_apart() -> None:
@@ -66,6 +70,7 @@ def test_what_draws_is_recorded() -> None:
     assert {
         f"vista_eval.render.{name}" for name in ("renderer", "shapes", "motion", "sensor", "rig")
     } <= modules
+    assert "vista_eval.render.fast.renderer" in modules
     assert {"vista_eval.dataset.truth", "vista_eval.dataset.layout"} <= modules
     assert not any(name.startswith(("vista_eval.worlds", "vista_eval.metrics")) for name in modules)
 

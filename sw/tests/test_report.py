@@ -63,7 +63,7 @@ def make_records(
 def with_ground_ahead(records: list[FrameRecord]) -> list[FrameRecord]:
     """The ground is what is met first, and something is too near to match; neither has a track."""
     ground, too_near = fake_ground(CAMERA, 9.0), fake_too_near(CAMERA)
-    nearest = Nearest(ID_GROUND, ground.position_m, 9.0, 1.5)
+    nearest = Nearest(ID_GROUND, ground.position_m, 9.0, 1.5, ground.covariance_m2)
     return [
         dataclasses.replace(
             record, obstacles=(*record.obstacles, ground, too_near), nearest_collision=nearest

@@ -4,19 +4,22 @@ the family says so and nothing where it does not."""
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from random_seed import seeded
 from vista_eval.cache import content_sha256
 from vista_eval.render.flight import Flight
-from vista_eval.render.motion import solids_at
+from vista_eval.render.motion import moves, solids_at
+from vista_eval.render.rig import LEFT
 from vista_eval.render.scene import GroundStrip, HeightField, Scene, Thing, bounds_m
+from vista_eval.render.trajectory import Course
 from vista_eval.worlds.sampled import buildings, laying
 from vista_eval.worlds.sampled.catalog import COUNT, DEV, FAMILIES, SEED, TEST
 from vista_eval.worlds.sampled.family import Family
 from vista_eval.worlds.sampled.path import Path as FlownPath
-from vista_eval.worlds.sampled.path import nearness_m, path_of
+from vista_eval.worlds.sampled.path import distance_m, nearness_m, path_of, samples
 
 IN_THE_WAY_M = 1.0  # of the path, half the radius of the collision volume
 BESIDE_M = 2.0  # what is not the target keeps out of the collision volume before it
@@ -95,18 +98,42 @@ def is_flyable(flight: Flight) -> None:
 
 
 def the_target_is_in_the_way_and_only_that(family: Family, flight: Flight, scene: Scene) -> None:
-    """In the last frame, where things that move are met."""
+    """What moves is met where it is by then."""
     path = path_of(flight.approach)
     targets = [thing for thing in scene.things if thing.target]
     assert len(targets) == (0 if family.clear else 1)
     for thing in targets:
-        if not is_ground(thing):
+        if moves(thing):
+            assert missed_m(flight.approach, thing) < IN_THE_WAY_M
+        elif not is_ground(thing):
             met = around(path, IN_THE_WAY_M, -8.0, 8.0)
-            assert min(nearness_m(solid, met) for solid in solids_at(thing, 0.0)) < 0.0
+            assert min(nearness_m(solid, met) for solid in thing.solids) < 0.0
     before = around(path, BESIDE_M, -200.0, 200.0 if family.clear else -2.0)
     for thing in scene.things:
         if not thing.target and not is_ground(thing) and thing.kind != "bird":  # the flock is met as a whole
             assert min(nearness_m(solid, before) for solid in thing.solids) > 0.0, thing.name
+
+
+def missed_m(course: Course, target: Thing) -> float:
+    """The least distance of the aircraft from a thing that moves, after the last frame."""
+    closing_m_s = course.speed_m_s - target.velocity_m_s[0]
+    last = course.frames - 1
+    return min(
+        distance_m(
+            replace(target, solids=solids_at(target, t_s)),
+            course.state_at(last + t_s * course.rate_hz).world_from_body[:3, 3],
+        )
+        for t_s in np.linspace(0.8, 1.1, 31) * course.last_range_m / closing_m_s
+    )
+
+
+def is_in_view(flight: Flight, target: Thing) -> bool:
+    """Any of it, in the last frame."""
+    pose = flight.approach.state_at(flight.approach.frames - 1).world_from_body
+    points = np.concatenate([samples(solid)[0] for solid in target.solids])
+    camera = np.linalg.inv(pose @ flight.rig.body_from_camera(LEFT))
+    u, v = flight.rig.project(points @ camera[:3, :3].T + camera[:3, 3]).T
+    return bool(np.any((u >= 0) & (u < flight.rig.width_px) & (v >= 0) & (v < flight.rig.height_px)))
 
 
 def the_ground_is_met_where_it_is_the_target_and_nowhere_before(
@@ -149,6 +176,18 @@ def level_ground_fills_the_view(flight: Flight, scene: Scene) -> None:
         assert np.all(covered[seen]), (
             f"frame {frame}: no ground at {x[seen & ~covered]}, {y[seen & ~covered]}"
         )
+
+
+@pytest.mark.parametrize("name", ["drone", "road_vehicle", "birds"])
+def test_what_moves_is_in_view_and_then_in_the_way(name: str) -> None:
+    """However slowly the aircraft flies."""
+    for number in seeded(2).integers(1 << 20, size=8):
+        flight = FAMILIES[name].flight(int(number), 0)
+        scene = flight.scene(flight.approach.altitude_m, flight.seed)
+        (target,) = [thing for thing in scene.things if thing.target]
+        assert is_in_view(flight, target)
+        if moves(target):
+            assert missed_m(flight.approach, target) < IN_THE_WAY_M
 
 
 def test_the_same_seed_makes_the_same_flight_and_another_another() -> None:

@@ -16,13 +16,15 @@ def test_quantiles_against_scipy(degrees: float, accuracy: float, probability: f
     assert chi_square_quantile(probability, degrees) == pytest.approx(exact, rel=accuracy)
 
 
-def correlated_nees(random: np.random.Generator, frames: int, keep: float) -> np.ndarray:
-    """Of errors that follow a first-order process of unit variance, each of DIMENSIONS."""
-    error = random.standard_normal(DIMENSIONS)
+def correlated_nees(
+    random: np.random.Generator, frames: int, keep: float, dimensions: int = DIMENSIONS
+) -> np.ndarray:
+    """Of errors that follow a first-order process of unit variance."""
+    error = random.standard_normal(dimensions)
     series = []
     for _ in range(frames):
         series.append(error @ error)
-        error = keep * error + np.sqrt(1.0 - keep**2) * random.standard_normal(DIMENSIONS)
+        error = keep * error + np.sqrt(1.0 - keep**2) * random.standard_normal(dimensions)
     return np.array(series)
 
 
@@ -30,10 +32,28 @@ def test_the_band_holds_honest_covariances_and_not_others() -> None:
     """An error of half the size that the covariance says, or of twice, leaves the band."""
     random = seeded(1)
     runs = [[correlated_nees(random, 60, 0.5) for _ in range(8)] for _ in range(60)]
-    inside = [consistency(run).within for run in runs]
+    inside = [consistency([(one, DIMENSIONS) for one in run]).within for run in runs]
     assert np.mean(inside) > 0.75
     for scale in (0.25, 4.0):
-        assert not any(consistency([scale * series for series in run]).within for run in runs)
+        wrong = [[(scale * series, DIMENSIONS) for series in run] for run in runs]
+        assert not any(consistency(run).within for run in wrong)
+
+
+def test_the_band_holds_positions_and_distances_together() -> None:
+    """Half of the flights have errors of one dimension; taken for three, they leave the band."""
+    random = seeded(3)
+    runs = [
+        [(correlated_nees(random, 60, 0.5, 1 + 2 * (k % 2)), 1 + 2 * (k % 2)) for k in range(8)]
+        for _ in range(60)
+    ]
+    found = [consistency(run) for run in runs]
+    assert np.mean([each.within for each in found]) > 0.75
+    assert np.mean([each.average for each in found]) == pytest.approx(2.0, abs=0.15)
+    for run in runs:
+        distances = [one for one in run if one[1] == 1]
+        as_positions = consistency([(values, DIMENSIONS) for values, _ in distances])
+        assert not as_positions.within
+        assert consistency(distances).high < as_positions.high
 
 
 def test_correlation_leaves_fewer_samples() -> None:
@@ -46,5 +66,5 @@ def test_correlation_leaves_fewer_samples() -> None:
 
 def test_without_samples() -> None:
     assert consistency([]) is None
-    assert consistency([np.array([])]) is None
+    assert consistency([(np.array([]), DIMENSIONS)]) is None
     assert effective_samples(np.array([2.0])) == 1.0

@@ -3,6 +3,7 @@ walls, slopes and wires, from straight and turning paths, and something that mov
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -14,9 +15,11 @@ from vista import parameters
 from vista.geometry import Array, Calibration, Pose
 from vista.history import FrameRecord
 from vista.pipeline import Nearest
+from vista_eval.dataset.truth import TrueObject
 from vista_eval.metrics.flight_path import true_paths
 from vista_eval.metrics.flight_score import FlightScore, score_records
-from vista_eval.metrics.frame_truth import FrameTruth, flight_frames
+from vista_eval.metrics.frame_truth import FrameTruth, Target, flight_frames
+from vista_eval.metrics.judge import errors
 from vista_eval.metrics.rules import CURVATURE_UNCERTAINTY, PAPER, SPEED_MIN_M_S, STRICT, TURN_MIN_DEG_S
 
 RADIUS_M = 2.0
@@ -256,7 +259,7 @@ def fly_at_a_wall(
             extent_m=(extent_m, extent_m),
             in_collision_volume=True,
         )
-        told = Nearest(1, place_m, ahead_m, None) if nearest else None
+        told = Nearest(1, place_m, ahead_m, None, np.eye(3)) if nearest else None
         times = (k, round(k * 1e9 / disk.RATE_HZ))
         records.append(FrameRecord(*times, pose, (warning,), told, 1, 0.5, {"host": 1.0}))
     return score_records(folder, records, parameters.defaults(), STRICT)
@@ -264,13 +267,32 @@ def fly_at_a_wall(
 
 def test_a_large_target_has_an_error_and_nees(tmp_path: Path) -> None:
     """0.4 m before the wall, told as the nearest collision: not its middle counts, but the point that is
-    met."""
+    met. The NEES is that of the distance to it."""
     ranges_m = 34.0 - np.arange(15)
     score = fly_at_a_wall(tmp_path, list(ranges_m - 0.4))
     assert score.errors_dz and score.false_alarm_frames == ()
     errors_m = [frame.error_m for frame in score.frames]
     assert errors_m == pytest.approx([0.4] * 15, abs=0.3)
-    assert [f.nees for f in score.frames] == pytest.approx([e * e for e in errors_m], abs=1e-6)
+    targets = [frame.target for frame in flight_frames(tmp_path, STRICT)[1]]
+    told_m = [START_M + (k + ranges_m[k] - 0.4) * AHEAD for k in range(15)]
+    nearer_m = [
+        (target.reference_m - told) @ (target.reference_m - START_M - k * AHEAD) / target.range_m
+        for k, (target, told) in enumerate(zip(targets, told_m, strict=True))
+    ]
+    assert score.nees == pytest.approx(np.square(nearer_m).tolist(), abs=1e-6)
+    assert score.nees_dimensions == (1,) * 15
+
+
+def test_the_nees_of_what_is_met_is_that_of_the_distance() -> None:
+    """The wall's middle is uncertain by 2 m along the line of sight and by 0.1 m across it; 1 m too near and
+    3 m aside of where it is met is half a standard deviation. Of a board's own centre it is 30 of them."""
+    covariance_m2 = np.diag([4.0, 0.01, 0.01])
+    told_m = np.array([29.0, 3.0, 0.0])
+    wall = TrueObject(1, "wall", "wall", True, True, np.zeros(3), np.zeros(3), (9.0, 9.0))
+    board = Target(wall, np.array([30.0, 0.0, 0.0]), 30.0, 30.0, None, (14.5, 45.0), met=False)
+    met = replace(board, met=True)
+    assert errors(met, told_m, covariance_m2, np.zeros(3)) == pytest.approx((np.sqrt(10.0), 0.25))
+    assert errors(board, told_m, covariance_m2, np.zeros(3)) == pytest.approx((np.sqrt(10.0), 900.25))
 
 
 def test_hits_are_asked_for_from_three_seconds_before(tmp_path: Path) -> None:
@@ -311,7 +333,7 @@ def test_ground_in_the_box_does_not_excuse_a_wrong_distance(tmp_path: Path) -> N
             extent_m=(6.0, 6.0),
             in_collision_volume=True,
         )
-        told = Nearest(1, place_m, 20.0, None)
+        told = Nearest(1, place_m, 20.0, None, np.eye(3))
         times = (k, round(k * 1e9 / disk.RATE_HZ))
         records.append(FrameRecord(*times, pose, (warning,), told, 1, 0.5, {"host": 1.0}))
     values = parameters.defaults()

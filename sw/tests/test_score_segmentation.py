@@ -86,6 +86,19 @@ def test_recall_is_granted_a_cell_where_cells_are_coarse() -> None:
     assert (coarse.boundary_recall, coarse.boundary_recall_cell) == (0.0, 1.0)
 
 
+def test_a_thing_that_fills_the_view_has_no_outline_to_recall() -> None:
+    """Such frames, before a plain wall, once made the boundary recall of a whole flight not a number."""
+    label = np.ones((40, 60), np.int32)
+    filled = score(view_of(label), np.zeros_like(label))
+    assert filled.things[0].iou == 1.0
+    assert (filled.things[0].boundary_recall, filled.things[0].boundary_recall_cell) == (None, None)
+    label = block((40, 60), slice(10, 30), slice(20, 40))
+    bounded = score(view_of(label), label)
+    for key in ("boundary_recall", "boundary_recall_cell"):
+        assert segmentation.STATISTICS[key]([filled, bounded]) == 1.0
+        assert np.isnan(segmentation.STATISTICS[key]([filled]))
+
+
 @pytest.mark.parametrize(
     ("rows", "range_m", "scored"),
     [(5, 30.0, True), (4, 30.0, False), (5, 11.9, False), (5, 12.1, True), (5, 89.0, True), (5, 91.0, False)],

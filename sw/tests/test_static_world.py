@@ -149,3 +149,34 @@ def test_a_camera_that_stands_has_to_go_by_single_frames() -> None:
 def test_verdicts_have_names() -> None:
     names = [ffi.string(lib.vista_world_verdict_name(k)).decode() for k in range(8)]
     assert names == ["OPEN", "STANDS", "MOVES", "REFUTED", *["UNKNOWN"] * 4]
+
+
+def fly_with_foot(speed_ahead_m_s: float, foot_share: float, random: np.random.Generator) -> list[int]:
+    """At 9.144 m/s behind what goes ahead: verdicts of its track, from 40 m on."""
+    flight, verdicts = Flight(random), []
+    for frame in range(40):
+        camera = flight.position(frame)
+        point = np.array([0.3, -0.2, 40.0 + speed_ahead_m_s * DT * frame])
+        measured = measure(point, camera) + random.normal(0, 1, 3) * [1.0, 1.0, 0.1]
+        foot = {"foot_seen": True, "foot_share": foot_share + random.normal(0, 0.02)}
+        assert flight.tracker.update(DT * frame, [detection(measured) | foot], camera) == "VISTA_OK"
+        verdicts += [track.world.verdict for track in flight.tracker.tracks.values() if track.hits > 5]
+    return verdicts
+
+
+def test_what_has_its_foot_on_the_ground_is_no_image_of_a_texture() -> None:
+    """A vehicle that goes ahead moves as the image of a texture does, but that hangs in the air: at a share
+    of the camera's height above the ground that is at least the share of own travel by which it moves."""
+    random = seeded(20)
+    for share in random.uniform(0.19, 0.25, 5):
+        speed = 9.144 * share
+        on_the_ground = fly_with_foot(speed, random.uniform(0.0, 0.07), random)
+        assert on_the_ground and lib.VISTA_WORLD_REFUTED not in on_the_ground
+        assert on_the_ground[-1] == lib.VISTA_WORLD_MOVES
+        assert fly_with_foot(speed, share + random.uniform(0.1, 0.3), random)[-1] == lib.VISTA_WORLD_REFUTED
+
+
+def test_what_stands_on_the_ground_is_believed_at_once() -> None:
+    random = seeded(21)
+    verdicts = fly_with_foot(0.0, 0.0, random)
+    assert verdicts and set(verdicts) == {lib.VISTA_WORLD_STANDS}

@@ -115,6 +115,19 @@ def test_the_engine_gives_words_enough() -> None:
     assert off_line(found[0], wire)[1] < 1.0
 
 
+def test_what_continues_a_post_behind_it_is_not_of_the_post() -> None:
+    """The edge of a row of windows above it: the image shows one line, the words tell where the post ends."""
+    random = seeded(14)
+    wire = wire_at(random.uniform(75.0, 105.0), random.uniform(20.0, 40.0), 0.06, random.uniform(-1, 1))
+    image = with_wire(np.full((HEIGHT, WIDTH), 180.0), wire, random)
+    top = int(random.integers(200, 300))
+    words = words_around(wire, 2.5, random, share=random.uniform(0.5, 0.9))
+    words[:top] = words_around(wire, 2.5, random, share=0.0)[:top]
+    found = Thin().find(image, words)
+    assert len(found) == 1
+    assert top - 8 <= found[0].first_v_px < top + 100 and found[0].last_v_px > top + 100
+
+
 def test_a_line_on_a_surface_is_no_thing() -> None:
     """What is beside it is as near: a mullion, a joint, a painted line."""
     random = seeded(5)

@@ -151,3 +151,16 @@ def test_the_share_below_a_line_is_that_of_points_spread_over_the_pixel() -> Non
         for limit in random.uniform(-0.8, 0.8, 6):
             expected = np.mean(grid @ normal < limit)
             assert below(np.array([limit]), normal[None])[0] == pytest.approx(expected, abs=3e-3)
+
+
+def test_a_painted_wire_keeps_its_bands() -> None:
+    """A rod of 4 cm, pale below and dark above."""
+    shades = np.repeat([[0.8], [0.1]], 8, axis=0).astype(np.float32)
+    rod = Cylinder("rod", (0.0, 0.0, -1.0), (0.0, 0.0, 1.0), 0.02, shades)
+    scene = Scene((thing("rod", "pole", [rod]),), to_sun=(-1.0, 0.0, 0.0), sky="overcast")
+    renderer = FastRenderer(scene, RIG)
+    radiance, seen = renderer.radiance(pose_at(-10.0)), renderer.view(pose_at(-10.0)).label == 1
+    middle = int(np.median(np.nonzero(seen)[1]))
+    above, below_it = radiance[10:55, middle], radiance[65:110, middle]
+    assert np.all(seen[10:110, middle])
+    np.testing.assert_allclose(below_it / above[::-1], 8.0, rtol=0.02)

@@ -53,9 +53,7 @@ def test_a_family_of_another_split_is_refused(families: None, vista: Vista, tmp_
     assert_refused(vista("worlds", tmp_path, "--family", "four"), "no family four")
 
 
-@pytest.mark.parametrize(
-    "option", [("--seed", 2), ("--count", 1), ("--quality", "quick"), ("--family", "three")]
-)
+@pytest.mark.parametrize("option", [("--seed", 2), ("--count", 1), ("--family", "three")])
 def test_the_test_set_is_scored_as_frozen_only(
     families: None, vista: Vista, tmp_path: Path, option: tuple[str, object]
 ) -> None:
@@ -64,7 +62,5 @@ def test_the_test_set_is_scored_as_frozen_only(
 
 
 def test_the_size_of_a_set_is_the_catalogs_unless_said() -> None:
-    asked = argparse.Namespace(
-        count=None, seed=None, split="test", quality="full", family=[], render_only=False
-    )
+    asked = argparse.Namespace(count=None, seed=None, split="test", family=[], render_only=False)
     assert command.size_of_set(asked) == (catalog.COUNT, catalog.SEED)

@@ -43,7 +43,7 @@ def vista(capsys: pytest.CaptureFixture[str]) -> Vista:
     return lambda *arguments: call(capsys, *arguments)
 
 
-def render_nothing(folder: Path, quality: str, key: command.Key) -> None:
+def render_nothing(folder: Path, key: command.Key) -> None:
     """Says only of which flight the folder is."""
     family, number, seed = key
     _, content = frozen.content_digest(catalog.FAMILIES[family].flight(number, seed))
@@ -56,7 +56,7 @@ def three_hits(folder: Path, **_: object) -> WorldScore:
     """Of five frames that ask for one."""
     found = dict.fromkeys(FlightScore.__dataclass_fields__, 0) | {"name": folder.name, "frames": ()}
     found |= {"band_frames": 5, "hits": 3, "missed": (1, 2), "false_alarm_frames": (), "begins_m": None}
-    found |= {"errors_dz": (), "nees": ()}
+    found |= {"errors_dz": (), "nees": (), "nees_dimensions": ()}
     return WorldScore(folder.name, "three", "test", {OURS: FlightScore(**found)}, None, ())
 
 
@@ -106,6 +106,18 @@ def test_a_scoring_is_logged_before_its_figures_are_seen(
     assert line["families"]["three"]["asked_frames"] == 10
     assert line["commit"] == scoring_log.clean_commit(frozen_set)
     assert line["set"] == frozen.digest_of_set(frozen.read_frozen(frozen_set))
+
+
+def test_the_test_set_is_rendered_without_a_scoring(
+    checkout: Path, flights: Path, vista: Vista, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Nothing is flown, nothing is logged, and nothing of results is printed or written."""
+    flown: list[Path] = []
+    monkeypatch.setattr(score_worlds, "score_world", lambda folder, **_: flown.append(folder))
+    status, out, _ = vista("worlds", flights, "--split", "test", "--render-only", "--jobs", 1)
+    assert status == 0 and not flown and lines(checkout) == []
+    assert sorted(path.name for path in flights.iterdir()) == FLIGHTS
+    assert out == ""
 
 
 # ---- what is asked for ----
@@ -161,7 +173,7 @@ def test_nothing_is_scored_unless_it_may_be(
 
 def test_other_flights_are_not_scored(frozen_set: Path, flights: Path) -> None:
     folders = [flights / name for name in FLIGHTS]
-    render_nothing(flights, "full", ("three", 0, 1))
+    render_nothing(flights, ("three", 0, 1))
     command.before_a_scoring(folders[:1])
     folders[1].mkdir()
     (folders[1] / "content.json").write_text('{"content": "other"}')

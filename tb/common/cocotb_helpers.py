@@ -35,6 +35,8 @@ async def start(dut: SimHandleBase, **idle: int) -> None:
     """Sets the inputs given, runs the clock and resets. Benches drive and look at the falling edge."""
     for name, value in idle.items():
         getattr(dut, name).value = value
+    if mutant := os.environ.get("VISTA_MUTANT"):  # of scripts/mutate_rtl.py
+        dut.mutsel.value = int(mutant)
     cocotb.start_soon(Clock(dut.clk_i, 10, "ns").start())
     if hasattr(dut, "rst_ni"):
         dut.rst_ni.value = 0

@@ -47,6 +47,9 @@ def address(name: str) -> int:
     return registers()[name][0]
 
 
+# Of a byte address, as the bus has them.
+ADDRESS_BITS = max(a for a, _ in registers().values()).bit_length()
+
 ID, VERSION, BUILD, BUILD_SIZE = (address(name) for name in ("ID", "VERSION", "BUILD", "BUILD_SIZE"))
 CONTROL, SIZE, PREFILTER, TEXTURE = (address(name) for name in ("CONTROL", "SIZE", "PREFILTER", "TEXTURE"))
 UNIQUENESS, LR_CHECK, ERRORS = (address(name) for name in ("UNIQUENESS", "LR_CHECK", "ERRORS"))

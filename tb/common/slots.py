@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 FIELDS = (
-    "valid", "first_col", "last_col", "early_col", "first_row", "second_row", "last_row", "flat", "leave",
+    "valid", "first_col", "last_col", "before_col", "early_col", "first_row", "last_row", "flat", "leave",
     "match_row", "match", "cut",
 )  # fmt: skip
 
@@ -23,9 +23,10 @@ def frame_slots(
     for row in range(height):
         for col in range(width):
             yield row, col, slot_bits(
-                valid=True, first_col=col == 0, last_col=col == width - 1, early_col=col < block_size,
-                first_row=row == 0, second_row=row == 1, last_row=row == height - 1,
+                valid=True, first_col=col == 0, last_col=col == width - 1,
+                before_col=col < num_disparities - 1, early_col=col < num_disparities - 1 + block_size,
+                first_row=row == 0, last_row=row == height - 1,
                 flat=row == height - 1 and height % 2 == 1, leave=row >= block_size,
-                match_row=row >= block_size - 1,
+                match_row=row >= block_size - 1 and width >= num_disparities + 2 * (block_size // 2),
                 match=row >= block_size - 1 and col >= num_disparities - 1 + 2 * (block_size // 2),
             )  # fmt: skip

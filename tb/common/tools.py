@@ -7,6 +7,12 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 BUILD = ROOT / "build" / "rtl"
+# Of every build that is run. Lint is a target of its own; illegal build parameters stop here. FORMAL switches
+# on the properties that `make formal` proves: they, and what the proofs assume, are checked in each clock.
+VERILATOR_FLAGS = [
+    "-Wno-fatal", "-Wno-lint", "-Werror-USERFATAL", "--assert", "--x-initial", "unique",
+    "-DFORMAL", f"-I{ROOT / 'rtl' / 'formal'}",
+]  # fmt: skip
 
 
 def verilator_environment() -> dict[str, str]:

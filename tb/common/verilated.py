@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
-from tools import BUILD, ROOT, sources, verilator_environment
+from tools import BUILD, ROOT, VERILATOR_FLAGS, sources, verilator_environment
 
 HARNESS = ROOT / "rtl" / "sim" / "vista_rtl.cpp"
 USER, LAST = 1 << 16, 1 << 17  # of a beat
@@ -66,20 +66,23 @@ def _build_alone(config: Config, folder: Path) -> Path:
     files = sources("vista_stereo.f")
     if config.mutants:
         files = [f for f in files if f.name != "vista_stereo_core.sv"]
-        files += [BUILD / "mutate" / "mutants.v", Path(__file__).with_name("mutants_core.sv")]
+        files += [
+            BUILD / "mutate" / "vista_stereo_core" / "mutants.v",
+            Path(__file__).with_name("mutants_core.sv"),
+        ]
     library, stamp = folder / "engine.so", folder / "digest"
     flags = "-fPIC -O1" + " -DVISTA_COVERAGE" * config.coverage + " -DVISTA_MUTANTS" * config.mutants
     command = [
-        "verilator", "--cc", "--build", "-j", "1", "-O3", "--x-assign", "fast", "--x-initial", "unique",
-        "--assert", "--top-module", "vista_stereo", "--Mdir", str(folder), "-CFLAGS", flags,
-        "-Wno-fatal", "-Wno-lint",
+        "verilator", "--cc", "--build", "-j", "1", "-O3", "--x-assign", "fast", *VERILATOR_FLAGS,
+        "--top-module", "vista_stereo", "--Mdir", str(folder), "-CFLAGS", flags,
         f"-GNumDisparities={config.num_disparities}", f"-GBlockSize={config.block_size}",
         f"-GMaxWidth={config.max_width}",
         *(["--trace-vcd"] if config.waves else []),
         *(["--coverage-line", "--coverage-toggle"] if config.coverage else []),
         *map(str, files),
     ]  # fmt: skip
-    inputs = [*files, HARNESS, HARNESS.with_suffix(".h"), HARNESS.with_name("stall_pattern.h")]
+    properties = sorted((ROOT / "rtl" / "formal").glob("*.svh"))
+    inputs = [*files, *properties, HARNESS, HARNESS.with_suffix(".h"), HARNESS.with_name("stall_pattern.h")]
     digest = hashlib.sha256(b"".join(f.read_bytes() for f in inputs) + repr(command).encode()).hexdigest()
     if library.is_file() and stamp.is_file() and stamp.read_text() == digest:
         return library
@@ -140,6 +143,7 @@ class Rtl:
         self.close()
 
     def close(self) -> None:
+        assert not self._lib.vista_rtl_failed(self._handle), "an assertion of rtl/formal failed, see stderr"
         self._lib.vista_rtl_destroy(self._handle)
 
     def select_mutant(self, number: int) -> None:
@@ -154,6 +158,20 @@ class Rtl:
 
     def read(self, address: int) -> int:
         return int(self._lib.vista_rtl_read(self._handle, ctypes.c_uint32(address)))
+
+    def queue_write(self, after: int, before: int, address: int, data: int) -> None:
+        """A write within the next `stream`: begun after so many beats were taken, done before beat `before`
+        is offered."""
+        self._lib.vista_rtl_queue_write(
+            self._handle, ctypes.c_int64(after), ctypes.c_int64(before), ctypes.c_uint32(address),
+            ctypes.c_uint32(data),
+        )  # fmt: skip
+
+    def record(self, path: Path | None) -> None:
+        """Writes all that goes in and comes out to a file from now on; None ends it."""
+        name = None if path is None else str(path).encode()
+        if not self._lib.vista_rtl_record(self._handle, name):
+            raise OSError(f"cannot write {path}")
 
     def write_coverage(self, path: Path) -> None:
         self._lib.vista_rtl_write_coverage(self._handle, str(path).encode())
@@ -186,4 +204,5 @@ class Rtl:
             ctypes.c_int64(max_clocks),
             pointer(words), pointer(flags), pointer(in_clock), pointer(out_clock), ctypes.byref(taken),
         )  # fmt: skip
+        assert not self._lib.vista_rtl_failed(self._handle), "an assertion of rtl/formal failed, see stderr"
         return Streamed(words[:count], flags[:count], in_clock[: taken.value], out_clock[:count], taken.value)

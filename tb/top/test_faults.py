@@ -4,40 +4,49 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from broken_video import FAULTS, HEIGHT, WIDTH, Beats, Fault, untouched
+from broken_video import FAULTS, Beats, Fault, fault_size, untouched
 from faults import EARLY_EOL, EARLY_SOF, LATE_EOL, LATE_SOF, SIZE, expected_after, react
 from frames import Frame, beats, expected_flags, expected_words, random_pair, random_parameters, set_up
 from registers import CONTROL, ERRORS, FRAMES_IN, FRAMES_OUT
 from registers import SIZE as SIZE_REGISTER
 from verilated import Config, Pace, Rtl
 
-CONFIG = Config(16, 5)
+CONFIGS = [Config(16, 5), Config(32, 11), Config(48, 7, 256), Config(64, 5)]
+CONFIG = CONFIGS[0]  # for what does not depend on the build
+WIDTH, HEIGHT = fault_size(CONFIG.num_disparities, CONFIG.block_size)
 PACES = [Pace(), Pace(300, 300), Pace(60, 30)]
 
 
+def name(config: Config) -> str:
+    return config.name
+
+
 def stream_and_check(rtl: Rtl, stream: Beats, parameters, seed: int, paces: tuple[Pace, Pace]) -> int:
-    reaction = react(stream, WIDTH, HEIGHT)
-    count = len(reaction.frames) * WIDTH * HEIGHT
+    width, height = fault_size(rtl.config.num_disparities, rtl.config.block_size)
+    reaction = react(stream, width, height)
+    count = len(reaction.frames) * width * height
     got = rtl.stream(stream, count + 100, *paces, seed)
     assert got.taken == len(stream), "the input hung"
     assert len(got.words) == count
-    expected = [expected_after(frame, WIDTH, HEIGHT, parameters) for frame in reaction.frames]
+    expected = [expected_after(frame, width, height, parameters) for frame in reaction.frames]
     assert (got.words == np.concatenate(expected)).all()
-    assert (got.flags == np.tile(expected_flags(HEIGHT, WIDTH), len(reaction.frames))).all()
+    assert (got.flags == np.tile(expected_flags(height, width), len(reaction.frames))).all()
     assert rtl.read(ERRORS) == reaction.errors
     return reaction.errors
 
 
+@pytest.mark.parametrize("config", CONFIGS, ids=name)
 @pytest.mark.parametrize("fault", FAULTS, ids=lambda f: f.__name__)
-def test_fault_between_good_frames(fault: Fault) -> None:
+def test_fault_between_good_frames(fault: Fault, config: Config) -> None:
+    width, height = fault_size(config.num_disparities, config.block_size)
     errors = 0
     for seed in range(12):
         rng = np.random.default_rng(seed)
-        pairs = [random_pair(rng, kind, HEIGHT, WIDTH) for kind in ("shifted", "noise", "shifted")]
-        parameters = random_parameters(rng, CONFIG.num_disparities, CONFIG.block_size)
+        pairs = [random_pair(rng, kind, height, width) for kind in ("shifted", "noise", "shifted")]
+        parameters = random_parameters(rng, config.num_disparities, config.block_size)
         streams = [beats(*pair) for pair in pairs]
-        streams[1] = fault(streams[1], int(rng.integers(1, WIDTH * HEIGHT - 1)), rng)
-        with Rtl(CONFIG, seed + 1) as rtl:
+        streams[1] = fault(streams[1], width, int(rng.integers(1, width * height - 1)), rng)
+        with Rtl(config, seed + 1) as rtl:
             rtl.write(CONTROL, 1)
             set_up(rtl, Frame(*pairs[0], parameters))
             paces = PACES[rng.integers(3)], PACES[rng.integers(3)]
@@ -47,20 +56,22 @@ def test_fault_between_good_frames(fault: Fault) -> None:
     assert bool(errors) == (fault is not untouched)
 
 
-@pytest.mark.parametrize("seed", range(40))
-def test_random_faults(seed: int) -> None:
+@pytest.mark.parametrize("config", CONFIGS, ids=name)
+@pytest.mark.parametrize("seed", range(25))
+def test_random_faults(seed: int, config: Config) -> None:
     """Many faults in a row, whole frames among them."""
+    width, height = fault_size(config.num_disparities, config.block_size)
     rng = np.random.default_rng(1000 + seed)
-    parameters = random_parameters(rng, CONFIG.num_disparities, CONFIG.block_size)
+    parameters = random_parameters(rng, config.num_disparities, config.block_size)
     streams = []
     for _ in range(8):
-        stream = beats(*random_pair(rng, "shifted", HEIGHT, WIDTH))
+        stream = beats(*random_pair(rng, "shifted", height, width))
         fault = FAULTS[rng.integers(len(FAULTS))]
-        streams.append(fault(stream, int(rng.integers(1, WIDTH * HEIGHT - 1)), rng))
-    streams.append(beats(*random_pair(rng, "shifted", HEIGHT, WIDTH)))
-    with Rtl(CONFIG, seed + 1) as rtl:
+        streams.append(fault(stream, width, int(rng.integers(1, width * height - 1)), rng))
+    streams.append(beats(*random_pair(rng, "shifted", height, width)))
+    with Rtl(config, seed + 1) as rtl:
         rtl.write(CONTROL, 1)
-        set_up(rtl, Frame(*random_pair(rng, "noise", HEIGHT, WIDTH), parameters))
+        set_up(rtl, Frame(*random_pair(rng, "noise", height, width), parameters))
         paces = PACES[rng.integers(3)], PACES[rng.integers(3)]
         stream_and_check(rtl, np.concatenate(streams), parameters, seed, paces)
 
@@ -71,12 +82,14 @@ def test_every_error_bit_is_reached() -> None:
         for seed in range(4):
             rng = np.random.default_rng(seed)
             streams = [beats(*random_pair(rng, "noise", HEIGHT, WIDTH)) for _ in range(3)]
-            streams[1] = fault(streams[1], int(rng.integers(1, WIDTH * HEIGHT - 1)), rng)
+            streams[1] = fault(streams[1], WIDTH, int(rng.integers(1, WIDTH * HEIGHT - 1)), rng)
             reached |= react(np.concatenate(streams), WIDTH, HEIGHT).errors
     assert reached == EARLY_EOL | LATE_EOL | EARLY_SOF | LATE_SOF
 
 
-@pytest.mark.parametrize("size", [(3, 14), (1025, 14), (2000, 14), (65535, 14), (60, 1), (60, 4096), (0, 0)])
+@pytest.mark.parametrize(
+    "size", [(3, 14), (1025, 14), (2000, 14), (65535, 14), (WIDTH, 1), (WIDTH, 4096), (0, 0)]
+)
 def test_frame_of_illegal_size_is_dropped(size: tuple[int, int]) -> None:
     rng = np.random.default_rng(1)
     pair = random_pair(rng, "shifted", HEIGHT, WIDTH)
@@ -107,7 +120,7 @@ def test_disabled_engine_drops_frames_but_finishes_the_one_under_way() -> None:
         assert [rtl.read(a) for a in (ERRORS, FRAMES_IN, FRAMES_OUT)] == [0, 1, 1]
 
 
-@pytest.mark.parametrize("at", [1, 59, 60, 300, 799])
+@pytest.mark.parametrize("at", [1, WIDTH - 1, WIDTH, 300, WIDTH * HEIGHT - 1])
 def test_reset_inside_a_frame_leaves_nothing_behind(at: int) -> None:
     rng = np.random.default_rng(at)
     pair = random_pair(rng, "noise", HEIGHT, WIDTH)

@@ -16,6 +16,7 @@ from frames import (
     random_frame,
     random_pair,
     random_parameters,
+    register_values,
     set_up,
 )
 from registers import CONTROL, ERRORS
@@ -95,30 +96,44 @@ def test_frame_as_wide_as_the_memories(max_width: int) -> None:
             check(rtl, Frame(*images, random_parameters(rng, 16, 5)), Pace(), PACES[seed], seed)
 
 
-@pytest.mark.parametrize("config", [Config(16, 5), Config(32, 11)], ids=name)
-@pytest.mark.parametrize("seed", range(6))
-def test_frames_back_to_back_keep_their_own_size_and_parameters(config: Config, seed: int) -> None:
-    """Not a clock between frames; the registers of a frame are written in the middle of the one before."""
-    rng = np.random.default_rng(seed)
+def frames_of_any_size(rng: np.random.Generator, config: Config, count: int) -> list[Frame]:
+    """From 4x2 pixels on, each with parameters of its own."""
+    narrowest = config.num_disparities + 2 * (config.block_size // 2)
     frames = []
-    for _ in range(10):
-        height = int(rng.integers(config.block_size - 1, 2 * config.block_size + 4))
-        width = int(rng.integers(config.num_disparities, 2 * config.num_disparities + 60))
+    for _ in range(count):
+        widths = [rng.integers(4, 9), rng.integers(4, narrowest), narrowest, narrowest + rng.integers(0, 60)]
+        heights = [rng.integers(2, config.block_size), config.block_size + rng.integers(0, config.block_size)]
+        width = int(rng.choice(widths, p=[0.2, 0.2, 0.1, 0.5]))
+        height = int(rng.choice(heights, p=[0.15, 0.85]))
         parameters = random_parameters(rng, config.num_disparities, config.block_size)
         frames.append(Frame(*random_pair(rng, "shifted", height, width), parameters))
+    return frames
+
+
+@pytest.mark.parametrize("config", [Config(16, 5), Config(32, 11), Config(64, 5)], ids=name)
+@pytest.mark.parametrize("seed", range(20))
+def test_frames_back_to_back_keep_their_own_size_and_parameters(config: Config, seed: int) -> None:
+    """The registers of a frame are written while the one before streams, so that it follows at once: without
+    a clock between them unless the one before is shorter than the writes take."""
+    rng = np.random.default_rng(seed)
+    frames = frames_of_any_size(rng, config, 40)
     streams = [beats(frame.left, frame.right) for frame in frames]
-    halves = [half for stream in streams for half in np.split(stream, [len(stream) // 2])]
-    # From the middle of a frame to the middle of the next.
-    chunks = [halves[0], *map(np.concatenate, zip(halves[1:-1:2], halves[2:-1:2], strict=True)), halves[-1]]
-    total = sum(map(len, streams))
-    words = []
+    ends = np.cumsum([len(stream) for stream in streams])
     with Rtl(config, seed + 1) as rtl:
         rtl.write(CONTROL, 1)
-        for chunk, coming in zip(chunks, [*frames, frames[-1]], strict=True):
-            set_up(rtl, coming)
-            got = rtl.stream(chunk, total, max_clocks=len(chunk) + 200)
-            assert got.taken == len(chunk)
-            words.append(got.words)
-        words.append(rtl.stream(chunk[:0], total - sum(map(len, words))).words)
+        set_up(rtl, frames[0])
+        for before, frame, end in zip(streams, frames[1:], ends, strict=False):
+            for address, data in register_values(frame).items():
+                rtl.queue_write(int(end) - len(before) + 3, int(end), address, data)  # two wait in the buffer
+        got = rtl.stream(np.concatenate(streams), int(ends[-1]))
         assert rtl.read(ERRORS) == 0
-    assert (np.concatenate(words) == np.concatenate([expected_words(f) for f in frames])).all()
+    expected = np.concatenate([expected_words(f) for f in frames])
+    assert len(got.words) == len(expected)
+    wrong = np.flatnonzero(got.words != expected)
+    assert not len(wrong), (
+        f"{len(wrong)} words, the first in frame {np.searchsorted(ends, wrong[0], 'right')}"
+    )
+    # At once.
+    rows = np.array([frame.shape[0] for frame in frames])
+    gaps = np.diff(got.in_clock)[ends[:-1] - 1]
+    assert (gaps[np.diff(ends, prepend=0)[:-1] > 40] == 1).sum() > rows.size // 4

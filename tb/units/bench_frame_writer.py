@@ -23,8 +23,14 @@ async def frames_are_laid_out(dut, offered, taken):
                 results += [word] if matched else []
                 expected.append((*word, x == y == 0, x == w - 1))
     got, ends, begun, result, offering = [], 0, 0, 0, False
+    went, since = (
+        [False] * 3,
+        4,
+    )  # a frame is announced on what `go` was two clocks ago, four clocks after another
     for _ in range(12000):
-        begin = begun < len(sizes) and bool(dut.go_o.value) and random.random() < 0.05
+        went, since = [*went[1:], bool(dut.go_o.value)], since + 1
+        begin = begun < len(sizes) and went[0] and since > 4 and random.random() < 0.05
+        since = 0 if begin else since
         dut.begin_valid_i.value = begin
         if begin:
             dut.begin_last_col_i.value, dut.begin_last_row_i.value = sizes[begun][0] - 1, sizes[begun][1] - 1

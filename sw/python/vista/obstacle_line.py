@@ -89,6 +89,7 @@ def _nearest(nearest: Nearest) -> dict[str, Any]:
     return {
         "id": int(nearest.id),
         "position_m": _rounded(nearest.position_m, METRES),
+        "covariance_m2": _rounded(nearest.covariance_m2, SQUARE_METRES),
         "distance_m": _rounded(nearest.distance_m, METRES),
         "time_to_collision_s": None if time_s is None else _rounded(time_s, SECONDS),
     }

@@ -63,6 +63,9 @@ class Nearest:
     position_m: Array  #: (3,), in the world
     distance_m: float
     time_to_collision_s: float | None  #: None: hardly closing, or not known
+    covariance_m2: (
+        Array  #: (3, 3), of the position: that of the obstacle, and of which point of it is met first
+    )
 
 
 @dataclass(frozen=True)
@@ -301,4 +304,5 @@ def read_nearest(n: Any) -> Nearest:
         position_m=np.array(list(n.position_m)),
         distance_m=n.distance_m,
         time_to_collision_s=seconds if math.isfinite(seconds) else None,
+        covariance_m2=np.array(list(n.covariance_m2)).reshape(3, 3),
     )

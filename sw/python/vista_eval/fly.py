@@ -110,7 +110,9 @@ def read_record(content: dict[str, Any]) -> FrameRecord:
             "world_from_camera": Pose(np.array(pose["rotation"]), np.array(pose["translation_m"])),
             "obstacles": tuple(_obstacle(o) for o in content["obstacles"]),
             "nearest_collision": nearest
-            and Nearest(**nearest | {"position_m": np.array(nearest["position_m"])}),
+            and Nearest(
+                **nearest | {name: np.array(nearest[name]) for name in ("position_m", "covariance_m2")}
+            ),
         }
     )
 

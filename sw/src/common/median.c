@@ -25,6 +25,17 @@ VISTA_WIDE_VECTORS static int32_t count_valid(const int16_t *words, int32_t coun
 
 int32_t vista_count_valid(const int16_t *words, int32_t count) { return count_valid(words, count); }
 
+vista_word_range vista_range_of_words(const int16_t *words, int32_t count) {
+  vista_word_range range = {0, INT16_MAX, 0};
+  for (int32_t i = 0; i < count; ++i) {
+    if (words[i] < 0) continue;
+    range.valid++;
+    if (words[i] < range.least) range.least = words[i];
+    if (words[i] > range.most) range.most = words[i];
+  }
+  return range;
+}
+
 static void sort_two(int16_t *a, int16_t *b) {
   const int16_t low = *a < *b ? *a : *b, high = *a < *b ? *b : *a;
   *a = low;
@@ -39,7 +50,8 @@ vista_words_median vista_median_of_four(const int16_t words[4]) {
   sort_two(&w[1], &w[3]);
   sort_two(&w[1], &w[2]);
   const int32_t valid = (w[0] >= 0) + (w[1] >= 0) + (w[2] >= 0) + (w[3] >= 0), invalid = 4 - valid;
-  return (vista_words_median){valid, w[valid > 0 ? invalid + (valid + 1) / 2 - 1 : 0]};
+  if (valid == 0) return (vista_words_median){{0, INT16_MAX, 0}, w[0]};
+  return (vista_words_median){{valid, w[invalid], w[3]}, w[invalid + (valid + 1) / 2 - 1]};
 }
 
 /* Bisection on the value instead of a sort: every pass is one branch-free count that the compiler vectorises, and
@@ -62,6 +74,7 @@ VISTA_WIDE_VECTORS static vista_words_median median_of(const int16_t *words, int
     }
     valid -= invalid;
   }
+  const vista_word_range range = {valid, low, high};
   const int32_t above = valid / 2; /* the median */
   while (low < high) {
     const int16_t middle = (int16_t)((low + high) / 2);
@@ -69,7 +82,7 @@ VISTA_WIDE_VECTORS static vista_words_median median_of(const int16_t *words, int
     high = reaches ? middle : high; /* no branch: which half it is in is hard to foresee */
     low = reaches ? low : (int16_t)(middle + 1);
   }
-  return (vista_words_median){valid, low};
+  return (vista_words_median){range, low};
 }
 
 vista_words_median vista_median_word(const int16_t *words, int32_t count, int16_t *scratch) {

@@ -1,7 +1,9 @@
 #include "stages/footing.h"
 
 #include <math.h>
+#include <stdbool.h>
 #include <stddef.h>
+#include <string.h>
 
 #include "common/depth.h"
 #include "common/frame.h"
@@ -14,7 +16,9 @@
 #define BEHIND_PX \
   1.5 /* of disparity: ground farther behind a surface is seen past a thin thing: such a pixel stays with the thing */
 #define FIXED_BITS 12
-#define AT_ONCE 16 /* labels */
+#define SLOPE_MAX 2.0 /* px per px */
+#define ROUNDING_PX 0.5 /* more than the fixed point is off at the end of a row */
+#define AT_ONCE 1024 /* pixels */
 #define BELOW_PX 0.5 /* of disparity: so far beneath the ground's plane a surface has to be */
 
 /* In one row, in fixed-point engine words: the ground, and the surface of the region that a stretch of it belongs to.
@@ -32,7 +36,9 @@ static inline double within(double value, double limit) {
 static inline int32_t to_fixed(double words) { return (int32_t)within(words * (1 << FIXED_BITS), 1 << 28); }
 
 /* Of a gradient: times the length of a row it still fits. */
-static inline int32_t to_fixed_slope(double slope) { return to_fixed(VISTA_DISPARITY_SCALE * within(slope, 2.0)); }
+static inline int32_t to_fixed_slope(double slope) {
+  return to_fixed(VISTA_DISPARITY_SCALE * within(slope, SLOPE_MAX));
+}
 
 VISTA_WIDE_VECTORS static void clear_stretch(const stretch *s, const int16_t *words, int32_t length, int32_t *label) {
   const int32_t behind = (int32_t)(BEHIND_PX * VISTA_DISPARITY_SCALE * (1 << FIXED_BITS));
@@ -47,31 +53,57 @@ VISTA_WIDE_VECTORS static void clear_stretch(const stretch *s, const int16_t *wo
   }
 }
 
+/* Of the pixels `first` .. `end` - 1 of a row: whether the label differs from that of the pixel before. */
+typedef struct changes {
+  int32_t first, end;
+  uint8_t at[AT_ONCE];
+} changes;
+
+VISTA_WIDE_VECTORS static void find_changes(const int32_t *restrict label, int32_t count, uint8_t *restrict at) {
+  for (int32_t i = 0; i < count; ++i) at[i] = label[i] != label[i - 1];
+}
+
 /* One past the stretch of equal labels that begins at `first`. */
-VISTA_WIDE_VECTORS static int32_t end_of_stretch(const int32_t *label, int32_t first, int32_t width) {
-  int32_t end = first + 1;
-  for (; end + AT_ONCE <= width; end += AT_ONCE) {
-    int32_t differ = 0;
-    for (int32_t k = 0; k < AT_ONCE; ++k) differ |= label[end + k] ^ label[first];
-    if (differ != 0) break;
+static int32_t end_of_stretch(const int32_t *label, int32_t first, int32_t width, changes *c) {
+  for (int32_t from = first + 1; from < width; from = c->end) {
+    if (from >= c->end) {
+      c->first = from;
+      c->end = width - from < AT_ONCE ? width : from + AT_ONCE;
+      find_changes(label + from, c->end - from, c->at);
+    }
+    const uint8_t *const change = memchr(c->at + (from - c->first), 1, (size_t)(c->end - from));
+    if (change != NULL) return c->first + (int32_t)(change - c->at);
   }
-  while (end < width && label[end] == label[first]) ++end;
-  return end;
+  return width;
+}
+
+/* Whether at both ends of a stretch, and so all along it, the ground is farther than any word that is near the surface:
+ * then none of its pixels is the ground's, as in most stretches. low: see stretch, of which the rounding is allowed for. */
+static inline bool stands_clear(double ground_px, double ground_slope, double surface_px, double surface_slope,
+                                double low, double last) {
+  const double least_px = surface_px - BEHIND_PX - ROUNDING_PX;
+  const bool slight = fabs(ground_slope) < SLOPE_MAX && fabs(surface_slope) < SLOPE_MAX;
+  return slight && low > 0.0 && least_px * low > ground_px &&
+         (least_px + surface_slope * last) * low > ground_px + ground_slope * last;
 }
 
 static void clear_row(const vista_region_params *params, const vista_camera *camera, const vista_plane *ground,
                       double per_m, int32_t v, const int16_t *words, const vista_regions *regions, int32_t *label) {
   const int32_t width = camera->width_px;
+  changes c;
+  c.first = c.end = 0;
   for (int32_t first = 0, end; first < width; first = end) {
-    end = end_of_stretch(label, first, width);
+    end = end_of_stretch(label, first, width, &c);
     if (label[first] < 0 || label[first] >= regions->count) continue;
     const vista_region *const r = &regions->items[label[first]];
     if (r->verdict != VISTA_REGION_ACCEPTED) continue;
     const double limit_m = (double)vista_limit_m(camera, (float)r->disparity_px, (float)params->ground_height_m);
     const double surface_px = r->disparity_px + r->slope_u * (first - r->mean_u_px) + r->slope_v * (v - r->mean_v_px);
-    const stretch s = {to_fixed(VISTA_DISPARITY_SCALE * vista_plane_disparity_px(ground, camera, first, v)),
-                       to_fixed_slope(ground->slope_u), to_fixed(VISTA_DISPARITY_SCALE * surface_px),
-                       to_fixed_slope(r->slope_u), to_fixed(within(1.0 - limit_m * per_m, 1.0))};
+    const double ground_px = vista_plane_disparity_px(ground, camera, first, v);
+    const double low = within(1.0 - limit_m * per_m, 1.0);
+    if (stands_clear(ground_px, ground->slope_u, surface_px, r->slope_u, low, end - 1 - first)) continue;
+    const stretch s = {to_fixed(VISTA_DISPARITY_SCALE * ground_px), to_fixed_slope(ground->slope_u),
+                       to_fixed(VISTA_DISPARITY_SCALE * surface_px), to_fixed_slope(r->slope_u), to_fixed(low)};
     clear_stretch(&s, words + first, end - first, label + first);
   }
 }

@@ -93,7 +93,8 @@ static bool surely_inside(const borders *b, int32_t ring, int32_t sector, double
 }
 
 typedef struct arrays {
-  int32_t *cell_of_pixel, *node_of_grid, *first_run, *pixel_count, *first_pixel, *edges, *end_in_rows, *node_in_rows;
+  int32_t *cell_of_pixel, *node_of_grid, *first_run, *pixel_count, *first_pixel, *edges, *end_in_rows, *node_in_rows,
+      *listed_in_rows;
   int16_t *pixel_u, *pixel_v;
   vista_run *runs;
   float *center_u, *center_v, *size_px;
@@ -183,16 +184,22 @@ static void list_pixels(const vista_foveation *f, arrays *a) {
   a->first_pixel[f->node_count] = pixel;
 }
 
+/* The runs of a cell come in the order of their rows, so the next one of a cell is the next of its list. */
 static void list_rows(const vista_foveation *f, arrays *a) {
-  int32_t run = 0;
-  for (int32_t v = 0; v < f->height_px; ++v) {
+  int32_t run = 0, first_u = 0;
+  for (int32_t v = 0; v < f->height_px; ++v, first_u = 0) {
     const int32_t *const row = a->cell_of_pixel + (ptrdiff_t)v * f->width_px;
     for (int32_t u = 0; u < f->width_px; ++u) {
       if (u + 1 < f->width_px && row[u + 1] == row[u]) continue;
       a->end_in_rows[run] = v * f->width_px + u + 1;
+      a->listed_in_rows[run] = a->first_pixel[row[u]];
+      a->first_pixel[row[u]] += u + 1 - first_u;
       a->node_in_rows[run++] = row[u];
+      first_u = u + 1;
     }
   }
+  for (int32_t node = f->node_count; node > 0; --node) a->first_pixel[node] = a->first_pixel[node - 1];
+  a->first_pixel[0] = 0;
 }
 
 static int32_t list_edges(const grid *g, const int32_t *node_of_grid, int32_t *edges) {
@@ -244,6 +251,7 @@ vista_status vista_foveation_layout(vista_foveation *foveation, vista_arena *are
       .pixel_v = vista_arena_take(arena, pixels + VISTA_WORD_BLOCK, sizeof(int16_t)),
       .end_in_rows = vista_arena_take(arena, (size_t)max_runs(&g), sizeof(int32_t)),
       .node_in_rows = vista_arena_take(arena, (size_t)max_runs(&g), sizeof(int32_t)),
+      .listed_in_rows = vista_arena_take(arena, (size_t)max_runs(&g), sizeof(int32_t)),
       .edges = vista_arena_take(arena, 2 * (size_t)max_edges, sizeof(int32_t)),
       .runs = vista_arena_take(arena, (size_t)max_runs(&g), sizeof(vista_run)),
       .center_u = vista_arena_take(arena, (size_t)max_nodes, sizeof(float)),
@@ -277,6 +285,7 @@ vista_status vista_foveation_layout(vista_foveation *foveation, vista_arena *are
   foveation->pixel_count = a.pixel_count;
   foveation->end_in_rows = a.end_in_rows;
   foveation->node_in_rows = a.node_in_rows;
+  foveation->listed_in_rows = a.listed_in_rows;
   foveation->first_pixel = a.first_pixel;
   foveation->pixel_u = a.pixel_u;
   foveation->pixel_v = a.pixel_v;
@@ -302,6 +311,7 @@ vista_status vista_cells_layout(vista_cells *cells, vista_arena *arena, const vi
   cells->intensity = vista_arena_take(arena, node_count, sizeof(float));
   cells->disparity_px = vista_arena_take(arena, node_count, sizeof(float));
   cells->valid_fraction = vista_arena_take(arena, node_count, sizeof(float));
+  cells->range = vista_arena_take(arena, node_count, sizeof(vista_word_range));
   const size_t pixels = (size_t)foveation->width_px * (size_t)foveation->height_px;
   cells->words = vista_arena_take(arena, pixels + VISTA_WORD_BLOCK, sizeof(int16_t));
   cells->greys = vista_arena_take(arena, pixels + VISTA_WORD_BLOCK, sizeof(uint8_t));
@@ -372,8 +382,8 @@ VISTA_WIDE_VECTORS static float mean_of(const uint8_t *greys, int32_t count) {
 
 static void set_disparity(const vista_foveation_params *params, const vista_words_median *median, int32_t count,
                           int32_t node, vista_cells *cells) {
-  cells->valid_fraction[node] = (float)median->valid / (float)count;
-  const bool enough = median->valid > 0 && cells->valid_fraction[node] >= (float)params->min_valid_fraction;
+  cells->valid_fraction[node] = (float)median->range.valid / (float)count;
+  const bool enough = median->range.valid > 0 && cells->valid_fraction[node] >= (float)params->min_valid_fraction;
   cells->disparity_px[node] = enough ? (float)median->word / VISTA_DISPARITY_SCALE : -1.0f;
 }
 
@@ -388,16 +398,18 @@ vista_status vista_foveate(const vista_foveation *foveation, const vista_foveati
   list_pixels_of(foveation, image, disparity, cells);
   for (int32_t node = 0; node < foveation->node_count; ++node) {
     const bool point = node >= 1 && node <= foveation->point_count;
+    const int32_t first = foveation->first_pixel[node], count = foveation->pixel_count[node];
     if (point) {
       int16_t words[4];
       sample_point(foveation, image, disparity, node, cells, words);
       const vista_words_median median = vista_median_of_four(words);
       set_disparity(params, &median, 4, node, cells);
+      cells->range[node] = vista_range_of_words(cells->words + first, count);
     } else {
-      const int32_t first = foveation->first_pixel[node], count = foveation->pixel_count[node];
       cells->intensity[node] = mean_of(cells->greys + first, count);
       const vista_words_median median = vista_median_word(cells->words + first, count, cells->of_cell);
       set_disparity(params, &median, count, node, cells);
+      cells->range[node] = median.range;
     }
   }
   return VISTA_OK;

@@ -14,6 +14,7 @@
 
 #include "common/arena.h"
 #include "common/graph.h"
+#include "common/median.h"
 #include "vista/parameters.h"
 #include "vista/status.h"
 #include "vista/types.h"
@@ -38,7 +39,8 @@ typedef struct vista_foveation {
   const int32_t *node_of_grid;     /* ring_count * sector_count: node or -1 */
   const int32_t *first_run;        /* node_count + 1: runs of node i are runs[first_run[i] .. first_run[i+1]) */
   const vista_run *runs;
-  const int32_t *end_in_rows, *node_in_rows; /* the same runs row by row: where each ends in cell_of_pixel, its node */
+  /* The same runs row by row: where each ends in cell_of_pixel, its node, where its pixels begin when listed (below). */
+  const int32_t *end_in_rows, *node_in_rows, *listed_in_rows;
   const int32_t *pixel_count; /* node_count: pixels owned; may be 0 for point cells */
   const int32_t *first_pixel; /* node_count + 1: where the pixels of node i begin when they are listed run by run */
   const int16_t *pixel_u, *pixel_v; /* of the pixels listed so, and VISTA_WORD_BLOCK more */
@@ -53,6 +55,7 @@ typedef struct vista_cells {
   float *intensity; /* grey level 0 .. 255, mean over the cell (bilinear sample for point cells) */
   float *disparity_px; /* median of the valid pixels; negative: too few of them */
   float *valid_fraction; /* of the cell's pixels that have a disparity, 0 .. 1 */
+  vista_word_range *range; /* of the words of the cell's own pixels */
   int16_t *words; /* the engine words as foveation->first_pixel lists pixels, and VISTA_WORD_BLOCK more */
   uint8_t *greys; /* the grey levels, listed the same way */
   int16_t *of_cell; /* scratch: the words of one cell */

@@ -16,7 +16,12 @@
 #define ACROSS_M_S 0.5
 #define ACROSS_SIGMAS 3.0
 #define THICK_MAX_M 1.0 /* larger things are walls and the like: what their sides are, tells nothing of their depth */
-#define COMPACT_M 3.0 /* sides up to this are met in their middle */
+#define COMPACT_M 3.0 /* sides up to this are met anywhere between their middle and the point closest to the path */
+#define LARGE_M 4.5   /* sides from this on are met in that point */
+#define END_SHARE 0.2 /* of half a side: how well its end is known */
+#define RELIEF_M 0.1 /* of a surface: the volume, which is round, may touch any point first that is met so much later */
+#define SAME_RANGE_M 1.0 /* and three standard deviations: what is in the way at one range may be one thing */
+#define SQRT_3 1.7320508075688772 /* half the length of an interval over its standard deviation */
 #define DEPTH_MIN_M 0.05 /* nearer along z: behind the camera */
 
 static const char *const kind_names[VISTA_OBSTACLE_KIND_COUNT] = {
@@ -247,35 +252,54 @@ static vista_obstacle too_near(const vista_obstacle_map_params *params, const vi
   return obstacle;
 }
 
-static bool is_compact(const double extent_m[2]) { return fmax(extent_m[0], extent_m[1]) <= COMPACT_M; }
+/* From 0 for what is met between its middle and its point closest to the path to 1 for what is met in that point. */
+static double large(double extent_m) { return fmin(fmax((extent_m - COMPACT_M) / (LARGE_M - COMPACT_M), 0.0), 1.0); }
 
-/* The point of a thing that the path meets, where its own points have not told. What is large is not met in its middle but
- * where it is closest to the path: as a rectangle of its extent that faces the camera, less the half of COMPACT_M at each
- * end. */
+/* The point of a thing that the path meets where its own points have not told, of a rectangle of its extent that faces the camera, and along both of its
+ * sides the standard deviation of which one that is. The path meets a wall where it leads to; what it meets of a
+ * board whose post is not seen may be its middle, its edge or the post. */
 static void move_to_path(const vista_pose *pose, const vista_flight_path *path, const double extent_m[2],
-                         double position_m[3]) {
+                         double radius_m, double position_m[3], double sigma_m[2]) {
   double there_m[3], offset_m[3];
   vista_flight_path_nearest(path, position_m, there_m);
   for (int i = 0; i < 3; ++i) offset_m[i] = there_m[i] - position_m[i];
   for (int axis = 0; axis < 2; ++axis) {
-    const double half_m = fmax(0.5 * (extent_m[axis] - COMPACT_M), 0.0);
+    const double half_m = 0.5 * extent_m[axis], share = 0.5 + 0.5 * large(extent_m[axis]);
     double aside_m = 0.0;
     for (int i = 0; i < 3; ++i) aside_m += offset_m[i] * pose->rotation[3 * i + axis];
     const double step_m = fmin(fmax(aside_m, -half_m), half_m);
-    for (int i = 0; i < 3; ++i) position_m[i] += step_m * pose->rotation[3 * i + axis];
+    for (int i = 0; i < 3; ++i) position_m[i] += share * step_m * pose->rotation[3 * i + axis];
+    const double face_m = fmin(half_m / SQRT_3, sqrt(2.0 * radius_m * RELIEF_M));
+    const double end_m = fabs(aside_m) > half_m ? END_SHARE * half_m : 0.0;
+    sigma_m[axis] = sqrt(vista_square((1.0 - share) * step_m) + vista_square(face_m) + vista_square(end_m));
   }
 }
 
-/* track: NULL for what has none and stands. */
+/* Adds what is uncertain along x and y of the camera. */
+static void add_across(const vista_pose *pose, const double sigma_m[2], double covariance_m2[9]) {
+  const double *const r = pose->rotation;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j)
+      for (int axis = 0; axis < 2; ++axis)
+        covariance_m2[3 * i + j] += vista_square(sigma_m[axis]) * r[3 * i + axis] * r[3 * j + axis];
+}
+
+/* track: NULL for what has none and stands. What is large is met in its surface, not in the middle behind it. */
 static vista_nearest_collision collision_with(const vista_obstacle_map_params *params, const vista_obstacle *obstacle,
                                               const vista_track *track, const vista_flight_path *path,
                                               const vista_motion *motion) {
   vista_nearest_collision nearest = {.valid = true, .id = obstacle->id};
   memcpy(nearest.position_m, obstacle->position_m, sizeof nearest.position_m);
-  if (track != NULL && track->met && !is_compact(obstacle->extent_m))
-    memcpy(nearest.position_m, track->met_m, sizeof nearest.position_m);
-  else if (track != NULL)
-    move_to_path(&motion->pose, path, obstacle->extent_m, nearest.position_m);
+  memcpy(nearest.covariance_m2, obstacle->covariance_m2, sizeof nearest.covariance_m2);
+  if (track != NULL) {
+    const double surface = large(fmax(obstacle->extent_m[0], obstacle->extent_m[1]));
+    for (int i = 0; i < 3; ++i) nearest.position_m[i] += surface * (track->position_m[i] - obstacle->position_m[i]);
+    double sigma_m[2];
+    move_to_path(&motion->pose, path, obstacle->extent_m, params->collision_radius_m, nearest.position_m, sigma_m);
+    add_across(&motion->pose, sigma_m, nearest.covariance_m2);
+    for (int i = 0; i < 3 && track->met; ++i)
+      nearest.position_m[i] += surface * (track->met_m[i] - nearest.position_m[i]);
+  }
   double there[3], from_camera_m[3];
   for (int i = 0; i < 3; ++i) from_camera_m[i] = nearest.position_m[i] - motion->pose.translation_m[i];
   nearest.distance_m = track != NULL ? vista_norm(from_camera_m) : obstacle->distance_m;
@@ -284,6 +308,30 @@ static vista_nearest_collision collision_with(const vista_obstacle_map_params *p
   if (track != NULL) closing_m_s -= vista_dot(track->velocity_m_s, there);
   nearest.time_to_collision_s = closing_m_s > params->closing_min_m_s ? fmax(0.0, along_m) / closing_m_s : NAN;
   return nearest;
+}
+
+/* What is in the way at the same range may be another part of one thing, such as the posts of a fence or of a sign:
+ * which of them is met first is as uncertain as they are apart. */
+static void allow_for_parts(const vista_pose *pose, const vista_obstacle *obstacles, int32_t count,
+                            vista_nearest_collision *nearest) {
+  if (!nearest->valid || nearest->id <= 0) return;
+  double from_camera_m[3], sigma_m[2] = {0.0, 0.0}, along2 = 0.0;
+  for (int i = 0; i < 3; ++i) from_camera_m[i] = nearest->position_m[i] - pose->translation_m[i];
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) along2 += from_camera_m[i] * nearest->covariance_m2[3 * i + j] * from_camera_m[j];
+  const double reach_m = SAME_RANGE_M + 3.0 * sqrt(along2) / nearest->distance_m;
+  for (int32_t k = 0; k < count; ++k) {
+    const vista_obstacle *const o = &obstacles[k];
+    if (o->id <= 0 || o->id == nearest->id || !o->confirmed || !o->in_collision_volume ||
+        fabs(o->distance_m - nearest->distance_m) > reach_m)
+      continue;
+    for (int axis = 0; axis < 2; ++axis) {
+      double apart_m = 0.0;
+      for (int i = 0; i < 3; ++i) apart_m += (o->position_m[i] - nearest->position_m[i]) * pose->rotation[3 * i + axis];
+      sigma_m[axis] = fmax(sigma_m[axis], fabs(apart_m) / SQRT_3);
+    }
+  }
+  add_across(pose, sigma_m, nearest->covariance_m2);
 }
 
 static vista_status check(const vista_obstacle_map *map, const vista_obstacle_map_params *params,
@@ -321,7 +369,7 @@ vista_status vista_obstacle_map_update(vista_obstacle_map *map, const vista_obst
   for (int32_t i = 0; i < track_count; ++i) {
     vista_obstacle obstacle;
     if (!obstacle_of(params, camera, &motion->pose, path, &tracks[i], &obstacle)) continue;
-    const bool touched = tracks[i].met && !is_compact(obstacle.extent_m);
+    const bool touched = tracks[i].met && large(fmax(obstacle.extent_m[0], obstacle.extent_m[1])) > 0.0;
     if (warned && (vista_terrain_bears(terrain, &obstacle, obstacle.position_m) ||
                    (touched && vista_terrain_bears(terrain, &obstacle, tracks[i].met_m))))
       obstacle.in_collision_volume = false; /* what is met of it is said */
@@ -331,6 +379,7 @@ vista_status vista_obstacle_map_update(vista_obstacle_map *map, const vista_obst
     const vista_nearest_collision met = collision_with(params, &obstacle, &tracks[i], path, motion);
     if (!map->nearest.valid || met.distance_m < map->nearest.distance_m) map->nearest = met;
   }
+  allow_for_parts(&motion->pose, map->obstacles, map->count, &map->nearest);
   if (blind_zone == NULL || !blind_zone->occupied) return VISTA_OK;
   const vista_obstacle obstacle = too_near(params, camera, path, blind_zone->range_m);
   insert(map, &obstacle);

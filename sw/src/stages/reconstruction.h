@@ -30,6 +30,8 @@ typedef struct vista_detection {
   int32_t volume_pixels; /* of the region, in the collision volume */
   bool met;              /* by the collision volume, there: */
   double met_camera_m[3];
+  bool foot_seen;        /* as of the region */
+  double foot_share;
   vista_ellipse ellipse;
 } vista_detection;
 

@@ -67,23 +67,26 @@ static int32_t list_candidates(const vista_foveation *f, const vista_refinement_
 
 /* Some pixels of one cell, side by side. */
 typedef struct batch {
-  float u[BATCH], v[BATCH], grey[BATCH];
-  int32_t best[BATCH]; /* cost and, in the lowest bits, candidate: of equal costs the first one's is smaller */
+  float u[BATCH], v[BATCH], r2[BATCH], grey[BATCH];
+  int32_t cost[BATCH]; /* the least so far */
 } batch;
 
-/* Without a comparison of floats, which compilers do not turn into vectors: 2 min(a, b) = a + b - |a - b|. */
-static inline void try_candidate(const vista_refinement_params *params, const candidate *one, int32_t number,
-                                 int32_t count, batch *b) {
-  const float per_level = (float)(1.0 / params->sigma_intensity), limit = (float)params->contrast_limit;
-  const float intensity = one->intensity, at_center = one->at_center;
-  const float per_u = one->per_u, per_v = one->per_v, per_px2 = one->per_px2;
+/* Of equal costs the first candidate's counts. Without a comparison of floats, which would cost more:
+ * 2 min(a, b) = a + b - |a - b|. */
+static inline void try_candidate(const vista_refinement_params *params, const candidate *one, int32_t count,
+                                 batch *restrict b, int32_t *restrict label) {
+  const float per_level = COST_ONE * (float)(1.0 / params->sigma_intensity);
+  const float limit = COST_ONE * (float)params->contrast_limit;
+  const float intensity = one->intensity, at_center = COST_ONE * one->at_center;
+  const float per_u = COST_ONE * one->per_u, per_v = COST_ONE * one->per_v, per_px2 = COST_ONE * one->per_px2;
+  const int32_t own = one->label;
   for (int32_t k = 0; k < count; ++k) {
-    const float u = b->u[k], v = b->v[k];
     const float levels = fabsf(b->grey[k] - intensity) * per_level;
     const float contrast = 0.5f * (levels + limit - fabsf(levels - limit));
-    const float distance = at_center + per_u * u + per_v * v + per_px2 * (u * u + v * v);
-    const int32_t key = (int32_t)((contrast + distance) * COST_ONE) * MAX_CANDIDATES + number;
-    b->best[k] = key < b->best[k] ? key : b->best[k];
+    const float distance = at_center + per_u * b->u[k] + per_v * b->v[k] + per_px2 * b->r2[k];
+    const int32_t cost = (int32_t)(contrast + distance), best = b->cost[k], old = label[k];
+    label[k] = cost < best ? own : old;
+    b->cost[k] = cost < best ? cost : best;
   }
 }
 
@@ -93,47 +96,39 @@ VISTA_WIDE_VECTORS static void solve(const vista_refinement_params *params, cons
                                      int32_t candidate_count, const int16_t *us, const int16_t *vs, float center_u,
                                      float center_v, const uint8_t *greys, int32_t pixel_count, int32_t *label) {
   batch b;
-  int32_t label_of[MAX_CANDIDATES];
-  for (int32_t c = 0; c < candidate_count; ++c) label_of[c] = candidates[c].label;
   for (int32_t first = 0; first < pixel_count; first += BATCH) {
     const int32_t left = pixel_count - first < BATCH ? pixel_count - first : BATCH, count = whole_vectors(left);
     for (int32_t k = 0; k < count; ++k) {
       b.u[k] = (float)us[first + k] - center_u;
       b.v[k] = (float)vs[first + k] - center_v;
+      b.r2[k] = b.u[k] * b.u[k] + b.v[k] * b.v[k];
       b.grey[k] = (float)greys[first + k];
-      b.best[k] = INT32_MAX;
+      b.cost[k] = INT32_MAX;
     }
-    for (int32_t k = left; k < count; ++k) b.u[k] = b.v[k] = b.grey[k] = 0.0f; /* pixels of another cell */
-    for (int32_t c = 0; c < candidate_count; ++c) try_candidate(params, &candidates[c], c, count, &b);
-    for (int32_t k = 0; k < count; ++k) label[first + k] = label_of[b.best[k] & (MAX_CANDIDATES - 1)];
-  }
-}
-
-static void refine_cell(const vista_foveation *f, const vista_refinement_params *params, const vista_cells *cells,
-                        const candidate *candidates, int32_t count, int32_t node, vista_refinement *refinement) {
-  const int32_t first = f->first_pixel[node];
-  solve(params, candidates, count, f->pixel_u + first, f->pixel_v + first, f->center_u[node], f->center_v[node],
-        cells->greys + first, f->pixel_count[node], refinement->listed + first);
-  const int32_t *label = refinement->listed + first;
-  for (int32_t r = f->first_run[node]; r < f->first_run[node + 1]; ++r) {
-    const vista_run run = f->runs[r];
-    int32_t *const out = refinement->label + (ptrdiff_t)run.v_px * f->width_px + run.u_px;
-    for (int32_t i = 0; i < run.length_px; ++i) out[i] = label[i];
-    label += run.length_px;
+    for (int32_t k = left; k < count; ++k) b.u[k] = b.v[k] = b.r2[k] = b.grey[k] = 0.0f; /* pixels of another cell */
+    for (int32_t c = 0; c < candidate_count; ++c) try_candidate(params, &candidates[c], count, &b, label + first);
   }
 }
 
 #define DRAWN 8 /* pixels at once */
 
-/* Every pixel as its cell. Runs are drawn in whole vectors: the next one overwrites what is too much. */
-VISTA_WIDE_VECTORS static void draw_cells(const vista_foveation *f, const int32_t *restrict label,
-                                          int32_t *restrict out) {
+/* Every pixel, row by row: as its cell, or as it is listed where the cell has a border. Runs are drawn in whole vectors:
+ * the next one overwrites what is too much. */
+VISTA_WIDE_VECTORS static void draw(const vista_foveation *f, const int32_t *restrict label,
+                                    const uint8_t *restrict border, const int32_t *restrict listed,
+                                    int32_t *restrict out) {
   const int32_t run_count = f->first_run[f->node_count], pixels = f->width_px * f->height_px;
   for (int32_t r = 0, p = 0; r < run_count; ++r) {
-    const int32_t end = f->end_in_rows[r], drawn = label[f->node_in_rows[r]];
-    for (; p < end && p + DRAWN <= pixels; p += DRAWN)
-      for (int32_t k = 0; k < DRAWN; ++k) out[p + k] = drawn;
-    for (; p < end; ++p) out[p] = drawn;
+    const int32_t end = f->end_in_rows[r], node = f->node_in_rows[r], drawn = label[node];
+    if (border[node]) {
+      const int32_t *from = listed + f->listed_in_rows[r];
+      for (; p < end && p + DRAWN <= pixels; p += DRAWN, from += DRAWN) memcpy(out + p, from, DRAWN * sizeof *out);
+      for (; p < end; ++p) out[p] = *from++;
+    } else {
+      for (; p < end && p + DRAWN <= pixels; p += DRAWN)
+        for (int32_t k = 0; k < DRAWN; ++k) out[p + k] = drawn;
+      for (; p < end; ++p) out[p] = drawn;
+    }
     p = end;
   }
 }
@@ -146,7 +141,6 @@ vista_status vista_refine(const vista_foveation *foveation, const vista_refineme
   const vista_status status = VISTA_CHECK_SECTION(refinement, params);
   if (status != VISTA_OK) return status;
   mark_borders(&f->graph, label, refinement->border);
-  draw_cells(f, label, refinement->label);
   for (int32_t node = 0; node < f->node_count; ++node) {
     if (!refinement->border[node]) continue;
     if (node <= f->point_count) {
@@ -155,7 +149,10 @@ vista_status vista_refine(const vista_foveation *foveation, const vista_refineme
     }
     candidate candidates[MAX_CANDIDATES];
     const int32_t count = list_candidates(f, params, cells, label, refinement->border, node, candidates);
-    refine_cell(f, params, cells, candidates, count, node, refinement);
+    const int32_t first = f->first_pixel[node];
+    solve(params, candidates, count, f->pixel_u + first, f->pixel_v + first, f->center_u[node], f->center_v[node],
+          cells->greys + first, f->pixel_count[node], refinement->listed + first);
   }
+  draw(f, label, refinement->border, refinement->listed, refinement->label);
   return VISTA_OK;
 }

@@ -35,10 +35,11 @@ vista_status vista_regions_layout(vista_regions *regions, vista_arena *arena, co
   regions->members = vista_arena_take(arena, nodes, sizeof(int32_t));
   regions->queue = vista_arena_take(arena, nodes, sizeof(int32_t));
   regions->boundary = vista_arena_take(arena, nodes, sizeof(uint8_t));
+  regions->own = vista_arena_take(arena, nodes, sizeof(uint8_t));
   regions->depth_px = vista_arena_take(arena, nodes, sizeof(float));
   regions->pixels = vista_arena_take(
       arena, (size_t)foveation->width_px * (size_t)foveation->height_px + VISTA_WORD_BLOCK, sizeof(int16_t));
-  regions->bins = vista_arena_take(arena, 2 * VISTA_WORD_BINS, sizeof(uint32_t));
+  regions->bins = vista_arena_take(arena, 4 * VISTA_WORD_BINS, sizeof(uint32_t));
   return arena->base != NULL && arena->used > arena->size ? VISTA_ERROR_MEMORY : VISTA_OK;
 }
 
@@ -84,6 +85,7 @@ static void group_members(const vista_foveation *foveation, const int32_t *label
 
 /* Matching widens every thing by boundary_px at each side: a mast below a panel weighs several times what it has. Of
  * long regions only their inner pixels count, unless few are left. */
+#define FOOT_SHARE_MIN (-0.1) /* of the height of the camera: lower, the foot is not on this ground */
 #define LONG_BLOCKS 20.0
 #define MIN_INNER_SHARE 0.2
 #define OWN_SHARE 0.5 /* of the fewest inliers of a boundary, that the own pixels are at least */
@@ -112,6 +114,20 @@ static vista_region_verdict measure_own_pixels(const vista_region_view *w, const
   const float smallest_m = vista_limit_m(camera, (float)region->disparity_px, (float)w->params->min_size_m);
   if (larger_px * camera->baseline_m / region->disparity_px < (double)smallest_m) return VISTA_REGION_TOO_SMALL;
   return VISTA_REGION_ACCEPTED;
+}
+
+/* The foot is that of a box with the spread of the pixels, and no lower than any of them: a few that are off do not move
+ * it. What is beneath the ground is wrong, or the ground is. */
+static void find_foot(const vista_surfaces *surfaces, const vista_camera *camera, vista_region *region) {
+  if (!surfaces->ground_found) return;
+  const vista_plane ground = {surfaces->ground_px, surfaces->ground_slope_u, surfaces->ground_slope_v};
+  const double down_px = fmin(region->max_v_px - region->mean_v_px, sqrt(3.0 * region->cov_vv_px2));
+  const double aside_px = region->cov_vv_px2 > 0.0 ? region->cov_uv_px2 / region->cov_vv_px2 * down_px : 0.0;
+  const double u_px = region->mean_u_px + aside_px, v_px = region->mean_v_px + down_px;
+  const double own_px = region->disparity_px + region->slope_u * aside_px + region->slope_v * down_px;
+  if (!(own_px > 0.0)) return;
+  region->foot_share = 1.0 - vista_plane_disparity_px(&ground, camera, u_px, v_px) / own_px;
+  region->foot_seen = region->foot_share > FOOT_SHARE_MIN;
 }
 
 static vista_region empty_region(int32_t label, int32_t node_count) {
@@ -174,6 +190,7 @@ vista_status vista_regions_compute(const vista_foveation *foveation, const vista
                            regions->boundary,
                            refinement->border,
                            regions->bins,
+                           regions->own,
                            regions->pixels,
                            regions->members + first,
                            count,
@@ -188,6 +205,7 @@ vista_status vista_regions_compute(const vista_foveation *foveation, const vista
       if (!seeded && (region->verdict == VISTA_REGION_UNKNOWN || region->verdict == VISTA_REGION_TOO_FEW_PIXELS))
         region->verdict = measure_outline(&w, camera, segmentation->label, region);
     }
+    if (region->verdict == VISTA_REGION_ACCEPTED) find_foot(surfaces, camera, region);
     regions->accepted_count += region->verdict == VISTA_REGION_ACCEPTED;
   }
   return VISTA_OK;

@@ -72,6 +72,8 @@ typedef struct vista_region {
   double standing_fraction;        /* of its words, at least min_height_m above the ground */
   double top_fraction;             /* and at least top_height_m above it */
   vista_region_evidence evidence;
+  bool foot_seen;    /* the ground is known, and the region is accepted: */
+  double foot_share; /* height of its foot above the ground over that of the camera: 0 stands on it, 1 is as high */
 } vista_region;
 
 typedef struct vista_regions {
@@ -83,6 +85,7 @@ typedef struct vista_regions {
   int32_t *queue;    /* scratch, node_count: breadth first from the boundary */
   uint8_t *boundary; /* scratch, node_count */
   float *depth_px;   /* scratch, node_count: distance from the boundary, where that is within reach */
+  uint8_t *own;      /* scratch, a member of one region: which of its pixels are the region's own */
   uint32_t *bins;    /* scratch: histogram of engine words */
   int16_t *pixels;   /* scratch: a number for each pixel of one region */
 } vista_regions;

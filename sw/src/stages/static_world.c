@@ -12,6 +12,9 @@
 #define NOISE_PRIOR_DOF 3.0  /* what the hits' own variances weigh against the scatter around the fit */
 #define ACROSS_SIGMAS 4.0
 #define ACROSS_SLOPE_MIN 0.1 /* centres of regions drift by less */
+#define FOOT_HITS 2.5    /* fewer that tell of their foot say nothing */
+#define FOOT_ERROR 0.04  /* of the share: of the plane of the ground, and of where the region ends */
+#define MOVES_SIGMAS 3.0
 #define FADE_HITS 100.0      /* while hovering: errors that stay must not add up to certainty */
 
 static const char *const verdict_names[VISTA_WORLD_VERDICT_COUNT] = {
@@ -27,8 +30,8 @@ const char *vista_world_verdict_name(vista_world_verdict verdict) {
 
 static void fade(const vista_tracker_params *params, double travelled_m, vista_static_world *w) {
   const double keep = exp(-fabs(travelled_m) / params->static_fade_m - 1.0 / FADE_HITS);
-  double *const sums[] = {&w->count, &w->weight,        &w->s,        &w->y,        &w->ss, &w->sy,
-                          &w->yy,    &w->across_weight, &w->across_s, &w->across_ss};
+  double *const sums[] = {&w->count, &w->weight,        &w->s,        &w->y,         &w->ss,         &w->sy,
+                          &w->yy,    &w->across_weight, &w->across_s, &w->across_ss, &w->foot_count, &w->foot_share};
   for (unsigned i = 0; i < sizeof sums / sizeof sums[0]; ++i) *sums[i] *= keep;
   for (int i = 0; i < 3; ++i) {
     w->across_p[i] *= keep;
@@ -46,6 +49,8 @@ static void accumulate(const vista_world_hit *hit, vista_static_world *w) {
   }
   const double s = vista_dot(w->along, c), y = vista_dot(w->along, p);
   const double weight = 1.0 / vista_square(hit->along_sigma_m), across = 1.0 / vista_square(hit->across_sigma_m);
+  w->foot_count += hit->foot_seen;
+  w->foot_share += hit->foot_seen ? hit->foot_share : 0.0;
   w->hits += 1;
   w->travel_m = s;
   w->count += 1.0;
@@ -95,13 +100,19 @@ static bool moves_across(const vista_tracker_params *params, const vista_static_
          slope2 > vista_square(ACROSS_SIGMAS) * params->static_noise_hits / ss;
 }
 
+/* The largest slope that the image of a texture may have, by how high its foot hangs. */
+static double ghost_slope_max(const vista_static_world *w) {
+  if (w->foot_count < FOOT_HITS) return GHOST_SLOPE_MAX;
+  return fmin(w->foot_share / w->foot_count + FOOT_ERROR, GHOST_SLOPE_MAX);
+}
+
 static double normal_below(double z) { return 0.5 * erfc(-z * 0.70710678118654752440); }
 
 /* Density of the fitted slope if the track stands, over that if it moves with the aircraft. */
 static double likelihood_ratio(const vista_tracker_params *params, const vista_static_world *w) {
   const double sigma = hypot(w->slope_sigma, params->static_tolerance);
   const double stands = exp(-0.5 * vista_square(fmax(w->slope, 0.0) / sigma)) / (sigma * 2.50662827463100050242);
-  const double ghost = (normal_below((GHOST_SLOPE_MAX - w->slope) / w->slope_sigma) -
+  const double ghost = (normal_below((ghost_slope_max(w) - w->slope) / w->slope_sigma) -
                         normal_below((GHOST_SLOPE_MIN - w->slope) / w->slope_sigma)) /
                        (GHOST_SLOPE_MAX - GHOST_SLOPE_MIN);
   return stands / (ghost + GHOST_DENSITY_MIN);
@@ -110,6 +121,11 @@ static double likelihood_ratio(const vista_tracker_params *params, const vista_s
 static void judge(const vista_tracker_params *params, vista_static_world *w) {
   fit(params, w);
   if (!isfinite(w->slope_sigma)) return;
+  if (ghost_slope_max(w) <= GHOST_SLOPE_MIN) {
+    const bool moves = fabs(w->slope) > params->static_tolerance + MOVES_SIGMAS * w->slope_sigma;
+    w->verdict = moves ? VISTA_WORLD_MOVES : VISTA_WORLD_STANDS;
+    return;
+  }
   const double ratio = likelihood_ratio(params, w);
   if (ratio >= params->static_odds) w->verdict = VISTA_WORLD_STANDS;
   if (ratio * params->static_odds <= 1.0)

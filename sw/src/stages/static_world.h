@@ -10,12 +10,18 @@
  * and judged by the likelihood ratio of "stands" (beta = 0, within a tolerance) against "moves with the aircraft" (beta
  * uniform over the pitches that occur). What moves across the line of sight by more than beta dC explains, moves by
  * itself: a crossing vehicle is no image of a texture. One that drives ahead of the aircraft, slower and on its line,
- * is not told from one, and stays refuted.
+ * is not told from one by its motion.
+ *
+ * Its foot tells. Seen from h above the ground, the image of a texture hangs in the air: what is at height y is seen at
+ * y + beta (h - y), at beta h or higher. Whatever has its foot lower than that is no such image. So beta is no larger
+ * than the height of the foot over that of the camera; below the smallest of the pitches that occur, nothing is left
+ * that the track could be the image of, and it stands, or moves by itself.
  *
  * All sums are running ones and fade with own travel: no history, any number of frames. */
 #ifndef VISTA_STATIC_WORLD_H
 #define VISTA_STATIC_WORLD_H
 
+#include <stdbool.h>
 #include <stdint.h>
 
 #include "vista/obstacle.h"
@@ -31,6 +37,7 @@ typedef struct vista_static_world {
   int64_t start_t_ns;
   double travel_m;               /* s of the last hit */
   double count, weight, s, y, ss, sy, yy;
+  double foot_count, foot_share; /* hits that tell of their foot, and the sum of their shares */
   /* Across the line of sight, the track's place p and the camera's c; metres. */
   double across_weight, across_s, across_ss;
   double across_p[3], across_sp[3], across_c[3], across_sc[3];
@@ -42,6 +49,8 @@ typedef struct vista_world_hit {
   double position_m[3], camera_m[3];
   double along_sigma_m, across_sigma_m;
   int64_t t_ns;
+  bool foot_seen;    /* over ground that is known: */
+  double foot_share; /* height of the foot above it, over that of the camera */
 } vista_world_hit;
 
 void vista_static_world_start(const vista_tracker_params *params, const vista_world_hit *hit,

@@ -26,13 +26,12 @@ from vista.command.arguments import add_config, load_parameters, positive
 from vista.errors import EXIT_OK, InputError
 
 from vista_eval.cache import digest_of
-from vista_eval.command.arguments import add_quality, add_sensor_noise
+from vista_eval.command.arguments import add_sensor_noise
 from vista_eval.dataset.truth import SPLITS
 from vista_eval.jobs import Place, add_place, chosen_place, jobs_of, run
 
 if TYPE_CHECKING:
     from vista_eval.metrics.world_score import WorldScore
-    from vista_eval.render.flight import Quality
     from vista_eval.worlds.sampled.family import Family
 
 Key = tuple[str, int, int]  # family, number, seed of the set
@@ -46,7 +45,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--split", choices=SPLITS, default="dev", help="families to handle (default dev)")
     parser.add_argument("--count", type=positive, metavar="N", help="flights of each family (default 7)")
     parser.add_argument("--seed", type=int, metavar="N", help="seed that all flights follow from (default 1)")
-    add_quality(parser, "flights", "full")
     parser.add_argument("--list", action="store_true", help="list the families and stop")
     parser.add_argument("--render-only", action="store_true", help="render what is missing and stop")
     parser.add_argument(
@@ -78,7 +76,7 @@ def execute(arguments: argparse.Namespace) -> int:
     count, seed = size_of_set(arguments)
     folder = place.known_to_all(arguments.folder)
     keys = [(family.name, number, seed) for family in families for number in range(count)]
-    run(jobs_of(partial(render, folder, arguments.quality), keys, name_of), place, "render", "flight")
+    run(jobs_of(partial(render, folder), keys, name_of), place, "render", "flight")
     if arguments.render_only:
         return EXIT_OK
     folders = [folder / name_of(key) for key in keys]
@@ -119,9 +117,9 @@ def size_of_set(arguments: argparse.Namespace) -> tuple[int, int]:
     from vista_eval.worlds.sampled.catalog import COUNT, SEED
 
     count, seed = arguments.count or COUNT, SEED if arguments.seed is None else arguments.seed
-    whole = (count, seed, arguments.quality, arguments.family) == (COUNT, SEED, "full", [])
+    whole = (count, seed, arguments.family) == (COUNT, SEED, [])
     if arguments.split == "test" and not arguments.render_only and not whole:
-        reason = "is scored whole, as frozen: without --family, --count, --seed and --quality"
+        reason = "is scored whole, as frozen: without --family, --count and --seed"
         raise InputError("--split test", reason)
     return count, seed
 
@@ -130,14 +128,14 @@ def name_of(key: Key) -> str:
     return f"{key[0]}_{key[1]:03d}"
 
 
-def render(folder: Path, quality: Quality, key: Key) -> None:
+def render(folder: Path, key: Key) -> None:
     """What the folder lacks of one flight."""
     from vista_eval.render.flight import render_flight
     from vista_eval.worlds.sampled.catalog import FAMILIES
 
     family, number, seed = key
     try:
-        for _ in render_flight(FAMILIES[family].flight(number, seed), folder / name_of(key), quality):
+        for _ in render_flight(FAMILIES[family].flight(number, seed), folder / name_of(key)):
             pass
     except OSError as error:
         raise InputError(error.filename or name_of(key), error.strerror or str(error)) from None

@@ -106,7 +106,6 @@ def flight_truth(
             "t_ns": state.t_ns,
             "objects": json.loads(truth_path(flight, "objects", state.t_ns).read_text()),
             "world_from_camera": (state.world_from_body @ rig.body_from_camera(LEFT)).tolist(),
-            "velocity_m_s": state.velocity_world_m_s.tolist(),
         }
         for state in states
     ]

@@ -40,7 +40,8 @@ flight path     leads through the true positions of the frames that follow, and 
                 (flight_path). Something that moves is in the way if it and the aircraft will meet
 met             the point that the collision volume touches first as it travels along the path (meeting)
 P               of what is thin or flat and no larger than COMPACT_M its own centre; of everything else, the
-                ground included, the point where it is met. Every match has an error from P, and a NEES
+                ground included, the point where it is met. Every match has an error from P, and a NEES: of
+                what is met that of the distance along the line of sight alone, with one degree of freedom
 agrees          within max(2 dz(r), 0.5 m); of the nearest collision the position that is reported as such. A
                 warning of what has no centre of its own has to give the range of P
 hit             asked for at 14.5 to 45 m, or from 3 s before impact where that is shorter: then down to half

@@ -1,6 +1,7 @@
 """Tests covariances: the average NEES, e^T P^-1 e over frames, against its chi-square band.
 
-Of N independent errors of n dimensions the sum of the NEES is chi-square with n N degrees of freedom. A
+Of N independent errors the sum of the NEES is chi-square with as many degrees of freedom as the errors have
+dimensions together: three of a position, one of a distance along the line of sight. A
 filter's errors are not independent from frame to frame: the band is made with the effective number of samples
 N_eff = N / (1 + 2 sum rho_k), rho the autocorrelation of a flight's NEES up to its first value below 0.
 """
@@ -8,19 +9,21 @@ N_eff = N / (1 + 2 sum rho_k), rho the autocorrelation of a flight's NEES up to 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from statistics import NormalDist
 
 import numpy as np
+from numpy.typing import ArrayLike
 from vista.geometry import Array
 
-DIMENSIONS = 3
+DIMENSIONS = 3  # of a position
 BAND = 0.95
 
 
 @dataclass(frozen=True)
 class Consistency:
-    average: float  # NEES; DIMENSIONS if the covariance is honest
+    average: float  # NEES; if the covariance is honest, the mean of the errors' dimensions
     low: float  # of the band
     high: float
     samples: int
@@ -31,15 +34,17 @@ class Consistency:
         return self.low <= self.average <= self.high
 
 
-def consistency(series: list[Array]) -> Consistency | None:
-    """series: the NEES of each flight over its matched frames, in time; flights are independent."""
-    filled = [np.asarray(one, float) for one in series if len(one)]
+def consistency(series: Sequence[tuple[ArrayLike, ArrayLike]]) -> Consistency | None:
+    """series: of each flight the NEES over its matched frames, in time, and the dimensions of each, or of all
+    of them; flights are independent."""
+    flights = [np.broadcast_arrays(np.asarray(values, float), dimensions) for values, dimensions in series]
+    filled = [(values, dimensions) for values, dimensions in flights if len(values)]
     if not filled:
         return None
-    effective = sum(effective_samples(one) for one in filled)
-    everything = np.concatenate(filled)
-    tail = (1.0 - BAND) / 2.0
-    low, high = (chi_square_quantile(p, DIMENSIONS * effective) / effective for p in (tail, 1.0 - tail))
+    effective = sum(effective_samples(values / dimensions) for values, dimensions in filled)
+    everything, dimensions = (np.concatenate(each) for each in zip(*filled, strict=True))
+    degrees, tail = float(dimensions.mean()) * effective, (1.0 - BAND) / 2.0
+    low, high = (chi_square_quantile(p, degrees) / effective for p in (tail, 1.0 - tail))
     return Consistency(float(everything.mean()), low, high, len(everything), effective)
 
 

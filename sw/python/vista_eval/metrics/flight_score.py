@@ -48,6 +48,7 @@ class FlightScore:
     ghost_frames: int  # of the false alarm frames, with nothing real there at all
     errors_dz: tuple[float, ...]  # of the matched frames, in units of dz(r)
     nees: tuple[float, ...]
+    nees_dimensions: tuple[int, ...]  # of each of them
     within_2dz: float | None  # share of matched frames with an error of at most 2 dz(r)
     median_dz: float | None  # median error in units of dz(r)
     rms_ft: float | None
@@ -148,7 +149,8 @@ def flight_score(
     ranges_m = np.array([frame.range_m for frame in matched], float)
     errors_m = np.array([frame.error_m for frame in matched], float)
     in_dz = errors_m / truth.depth_of_one_disparity_m(ranges_m)
-    nees = tuple(frame.nees for frame in matched if frame.nees is not None)
+    tested = [(frame.nees, frame.nees_dimensions) for frame in matched if frame.nees is not None]
+    nees, dimensions = tuple(value for value, _ in tested), tuple(count for _, count in tested)
     ids = [frame.matched_id for frame in matched]
     alarms = [k for k, frame in enumerate(frames) if frame.false_alarms]
     blind = [frame for frame in frames if frame.blind]
@@ -169,6 +171,7 @@ def flight_score(
         ghost_frames=sum(any(alarm.ghost for alarm in frame.false_alarms) for frame in frames),
         errors_dz=tuple(in_dz.tolist()),
         nees=nees,
+        nees_dimensions=dimensions,
         within_2dz=float(np.mean(in_dz <= 2.0)) if matched else None,
         median_dz=float(np.median(in_dz)) if matched else None,
         rms_ft=float(np.sqrt(np.mean(errors_m**2))) / FOOT_M if matched else None,
@@ -178,7 +181,7 @@ def flight_score(
         gospa_m=float(np.sqrt(np.mean([one.distance**2 for one in sets]))),
         gospa_missed=float(np.mean([one.missed for one in sets])),
         gospa_false=float(np.mean([one.false for one in sets])),
-        consistency=consistency([np.array(nees)]),
+        consistency=consistency([(nees, dimensions)]),
         blind_frames=len(blind),
         blind_reported=sum(frame.matched_id is not None for frame in blind),
         degraded_frames=states.count(State.DEGRADED),

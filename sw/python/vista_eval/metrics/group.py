@@ -58,7 +58,7 @@ def group_score(split: str, flights: list[FlightScore]) -> GroupScore:
         within_2dz=float(np.mean(np.array(in_dz) <= 2.0)) if in_dz else None,
         median_dz=float(np.median(in_dz)) if in_dz else None,
         id_switches=sum(flight.id_switches for flight in flights),
-        consistency=consistency([np.array(flight.nees) for flight in flights]),
+        consistency=consistency([(flight.nees, flight.nees_dimensions) for flight in flights]),
         blind_frames=sum(flight.blind_frames for flight in flights),
         blind_reported=sum(flight.blind_reported for flight in flights),
         degraded_frames=sum(flight.degraded_frames for flight in flights),

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from vista.geometry import Array, Pose
 
 from vista_eval.dataset.truth import FlightTruth
+from vista_eval.metrics.consistency import DIMENSIONS
 from vista_eval.metrics.flight_path import Straight
 from vista_eval.metrics.frame_truth import FrameTruth, Points, Target, true_points
 from vista_eval.metrics.rules import HIT_RANGE_M, PAPER, Rules
@@ -51,10 +52,11 @@ class FrameScore:
     matched_id: int | None  # a warning that agrees with the target
     tracked: bool  # a confirmed obstacle agrees with the target, in or out of the collision volume
     error_m: float | None
-    nees: float | None  # of three dimensions; None without a match, or without a reference point
+    nees: float | None  # None without a match, or without a reference point
     false_alarms: tuple[FalseAlarm, ...]
     blind: bool  # the target is nearer than the engine matches
     asked_m: tuple[float, float] = HIT_RANGE_M  # from where to where a hit is asked for
+    nees_dimensions: int = DIMENSIONS
 
     @property
     def in_band(self) -> bool:
@@ -108,11 +110,16 @@ class Judge:
             if not self._was_there(frame, warnings[alarm.id], positions_m[alarm.id], alarm.range_m)
         ]
         self._earlier_m = np.concatenate([self._earlier_m, frame.real.position_m[::16]])
-        matched = self._match(frame, [k for k in agreeing if k in warnings], positions_m)
+        told = nearest.id if rules.meeting and nearest is not None else None
+        matched = self._match(frame, [k for k in agreeing if k in warnings], positions_m, told)
         error_m, nees = None, None
         if target is not None and matched is not None and matched != TOO_NEAR_ID:
             covariance_m2 = warnings[matched].covariance_m2
-            error_m, nees = errors(target, positions_m[matched], covariance_m2, world_from_estimate)
+            if rules.meeting and nearest is not None and nearest.id == matched:
+                covariance_m2 = nearest.covariance_m2
+            covariance_m2 = world_from_estimate.rotation @ covariance_m2 @ world_from_estimate.rotation.T
+            camera_m = frame.world_from_camera.translation_m
+            error_m, nees = errors(target, positions_m[matched], covariance_m2, camera_m)
         return FrameScore(
             frame.t_ns,
             None if target is None else target.object.name,
@@ -125,11 +132,18 @@ class Judge:
             tuple(alarms),
             target is not None and target.nearest_depth_m < self._blind_depth_m,
             HIT_RANGE_M if target is None else target.asked_m,
+            1 if target is not None and target.met else DIMENSIONS,
         )
 
-    def _match(self, frame: FrameTruth, agreeing: list[int], positions_m: dict[int, Array]) -> int | None:
+    def _match(
+        self, frame: FrameTruth, agreeing: list[int], positions_m: dict[int, Array], told: int | None
+    ) -> int | None:
         """One of the warnings that agree with the target: that of the frame before if it still does, else the
-        nearest to P; one without a track only if there is no other."""
+        nearest to P; one without a track only if there is no other. Of what is judged by where it is met, the
+        one that says so, `told`, if it agrees."""
+        if told in agreeing and told != TOO_NEAR_ID and frame.target is not None and frame.target.met:
+            self._matched = told
+            return told
         tracks = [k for k in agreeing if k != TOO_NEAR_ID]
         if not agreeing or self._matched in tracks:
             return self._matched if agreeing else None
@@ -242,12 +256,15 @@ def place_of(truth: FlightTruth, frame: FrameTruth, obstacle: Obstacle, position
 
 
 def errors(
-    target: Target, position_m: Array, covariance_m2: Array, world_from_estimate: Pose
+    target: Target, position_m: Array, covariance_m2: Array, camera_m: Array
 ) -> tuple[float, float | None]:
-    """|P - P^| in metres, and the NEES e^T P^-1 e; covariance_m2: in the world of the estimate."""
+    """|P - P^| in metres, and the NEES e^T P^-1 e; all in the true world. Where a thing is met is a point of
+    its surface, and the covariance is that of its middle: they have the line of sight in common."""
     if target.surface_m is not None:
         return float(np.linalg.norm(target.surface_m - position_m, axis=1).min()), None
     error_m = position_m - target.reference_m
-    rotation = world_from_estimate.rotation
-    nees = float(error_m @ np.linalg.solve(rotation @ covariance_m2 @ rotation.T, error_m))
-    return float(np.linalg.norm(error_m)), nees
+    size_m = float(np.linalg.norm(error_m))
+    if target.met:
+        sight = (target.reference_m - camera_m) / target.range_m
+        return size_m, float((sight @ error_m) ** 2 / (sight @ covariance_m2 @ sight))
+    return size_m, float(error_m @ np.linalg.solve(covariance_m2, error_m))

@@ -42,8 +42,8 @@ class Thing:
 class ThingScore:
     thing: Thing
     iou: float
-    boundary_recall: float
-    boundary_recall_cell: float
+    boundary_recall: float | None  # None: nothing of its outline is in view
+    boundary_recall_cell: float | None
 
 
 @dataclass(frozen=True)
@@ -125,12 +125,16 @@ def score_partition(
         ThingScore(
             thing,
             best_iou(shared, thing.label),
-            float(np.mean(distance[boundary] <= BOUNDARY_PX)),
-            float(np.mean(distance[boundary] <= np.maximum(BOUNDARY_PX, size[boundary]))),
+            _share(distance[boundary] <= BOUNDARY_PX),
+            _share(distance[boundary] <= np.maximum(BOUNDARY_PX, size[boundary])),
         )
         for thing, boundary in zip(view.things, view.boundaries, strict=True)
     )
     return PartitionScore(scores, undersegmentation(shared), regions)
+
+
+def _share(within: Mask) -> float | None:
+    return float(np.mean(within)) if len(within) else None
 
 
 def shared_pixels(label: Labels, region: Labels, regions: int) -> NDArray[np.int64]:
@@ -194,8 +198,14 @@ STATISTICS: dict[str, Statistic] = {
     "iou_median": Statistic(lambda score: [thing.iou for thing in score.things], median=True),
     "iou_mean": Statistic(lambda score: [thing.iou for thing in score.things]),
     "found": Statistic(lambda score: [thing.iou > 0.5 for thing in score.things]),
-    "boundary_recall": Statistic(lambda score: [thing.boundary_recall for thing in score.things]),
-    "boundary_recall_cell": Statistic(lambda score: [thing.boundary_recall_cell for thing in score.things]),
+    "boundary_recall": Statistic(
+        lambda score: [thing.boundary_recall for thing in score.things if thing.boundary_recall is not None]
+    ),
+    "boundary_recall_cell": Statistic(
+        lambda score: [
+            thing.boundary_recall_cell for thing in score.things if thing.boundary_recall_cell is not None
+        ]
+    ),
     "undersegmentation": Statistic(lambda score: [score.undersegmentation]),
     "regions": Statistic(lambda score: [score.regions], median=True),
 }

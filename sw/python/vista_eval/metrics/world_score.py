@@ -126,7 +126,7 @@ def control_score(flights: list[FlightScore]) -> ControlScore:
         alarm_flights=share_of_flights([bool(flight.false_alarm_frames) for flight in flights]),
         within_2dz=share_of_frames([in_tolerance(flight) for flight in flights]),
         median_dz=float(np.median(errors_dz)) if errors_dz else None,
-        consistency=consistency([np.array(flight.nees) for flight in flights]),
+        consistency=consistency([(flight.nees, flight.nees_dimensions) for flight in flights]),
         first_far=share_of_flights([(f.first_detection_m or 0.0) >= FIRST_DETECTION_M for f in far]),
         degraded_frames=sum(flight.degraded_frames for flight in flights),
         blind_frames=sum(flight.unseeing_frames for flight in flights),

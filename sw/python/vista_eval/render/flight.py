@@ -180,7 +180,7 @@ def render_flight(flight: Flight, out: Path, quality: Quality = "full") -> Itera
         if not all(path.exists() for path in frame_paths(out, state.t_ns)):
             renderer = renderer or renderer_of(flight, quality)
             renderer.move_to(approach.before_last_s(frame))
-            render_frame(renderer, flight, state, frame, out)
+            render_frame(renderer, flight, approach, frame, out)
         yield frame
     write_sequence(out, rig, recorded_states(approach, flight.pose_faults), approach.rate_hz)
     truth = flight_truth(out, about(flight), scene, rig, states, approach.before_last_s(0))

@@ -15,7 +15,7 @@ from vista_eval.render.optics import Exposure, FlawedSensor, through_lens
 from vista_eval.render.rig import LEFT, RIGHT
 from vista_eval.render.scene import Scene
 from vista_eval.render.sensor import expose
-from vista_eval.render.trajectory import BodyState
+from vista_eval.render.trajectory import Course
 from vista_eval.render.view import View
 
 
@@ -34,16 +34,16 @@ def frame_paths(flight: Path, t_ns: int) -> list[Path]:
     return [*images, *(truth_path(flight, kind, t_ns) for kind in ("disparity", "label", "objects"))]
 
 
-def render_frame(renderer: SceneRenderer, flight: Flight, state: BodyState, frame: int, out: Path) -> None:
-    """Writes what `out` lacks of the frame."""
-    rig, seed = flight.rig, flight.seed
+def render_frame(renderer: SceneRenderer, flight: Flight, course: Course, frame: int, out: Path) -> None:
+    """Writes what `out` lacks of the frame. course: as it is flown."""
+    rig, seed, state = flight.rig, flight.seed, course.state_at(frame)
     for camera in (LEFT, RIGHT):
         path = image_path(out, camera, state.t_ns)
         if not path.exists():
             pose = state.world_from_body @ rig.body_from_mounted_camera(camera)
             radiance = renderer.radiance(pose, seed=2 * frame + camera) * renderer.scene.exposure
             if isinstance(flight.sensor, FlawedSensor):
-                exposure = exposure_of(renderer, flight, flight.sensor, pose, camera, frame)
+                exposure = exposure_of(renderer, flight, flight.sensor, course, camera, frame)
                 radiance = through_lens(flight.sensor, radiance, exposure)
             write_image(path, expose(flight.sensor, radiance, camera, (seed, frame, camera)))
     if not all(path.exists() for path in frame_paths(out, state.t_ns)):
@@ -52,13 +52,12 @@ def render_frame(renderer: SceneRenderer, flight: Flight, state: BodyState, fram
 
 
 def exposure_of(
-    renderer: SceneRenderer, flight: Flight, lens: FlawedSensor, pose: np.ndarray, camera: int, frame: float
+    renderer: SceneRenderer, flight: Flight, lens: FlawedSensor, course: Course, camera: int, frame: int
 ) -> Exposure:
-    """frame: of the course that is flown."""
-    half = lens.exposure_s * flight.approach.rate_hz / 2
-    opens, closes = (
-        flight.approach.state_at(frame + offset).world_from_body @ flight.rig.body_from_mounted_camera(camera)
-        for offset in (-half, half)
+    half = lens.exposure_s * course.rate_hz / 2
+    opens, pose, closes = (
+        course.state_at(frame + offset).world_from_body @ flight.rig.body_from_mounted_camera(camera)
+        for offset in (-half, 0.0, half)
     )
     depth_m = renderer.view(pose).depth_m
     return Exposure(flight.rig, camera, opens, pose, closes, depth_m, renderer.scene.to_sun, flight.seed)

@@ -15,7 +15,6 @@ from vista_eval.render.trajectory import (
     VERTICAL_M,
     YAW_DEG,
     BodyState,
-    Course,
     rotation_from_angles,
     sway,
     sway_rate,
@@ -25,7 +24,6 @@ GRAVITY_M_S2 = 9.81
 GUST_HZ = (0.13, 0.37, 0.83, 1.7)  # of each axis, a little off for each seed
 GUST_SHARES = (0.75, 0.5, 0.35, 0.25)  # of the standard deviation; their squares sum to 1
 GUST_TURN_DEG_PER_M_S = (1.6, 0.7, 0.9)  # roll, pitch, yaw that a gust of 1 m/s from aside or below makes
-DIFFERENCE_S = 1e-3  # over which rates are found
 
 Terms = tuple[tuple[float, float, float], ...]  # amplitude, frequency in Hz, phase
 
@@ -130,14 +128,3 @@ class Manoeuvre:
         pose[:3, 3] = self.path_m(t_s) + self.gusts.drift_m(t_s) + offset_m
         velocity_m_s = self.speed_m_s * self.direction(t_s) + self.gusts.wind_m_s(t_s) + drift_m_s
         return BodyState(START_NS + round(frame / self.rate_hz * 1e9), pose, velocity_m_s)
-
-
-def body_rate_rad_s(course: Course, frame: float) -> np.ndarray:
-    """(3,) how fast the body turns about its own axes."""
-    step = DIFFERENCE_S * course.rate_hz
-    before, after = (
-        course.state_at(frame + offset).world_from_body[:3, :3] for offset in (-step / 2, step / 2)
-    )
-    turn = before.T @ after
-    skew = (turn - turn.T) / (2 * DIFFERENCE_S)
-    return np.array([skew[2, 1], skew[0, 2], skew[1, 0]])

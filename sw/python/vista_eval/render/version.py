@@ -5,4 +5,4 @@ and asks which of the two it is.
 """
 
 RENDER_VERSION = 1  # of the paper's flights, by path tracing
-FAST_RENDER_VERSION = 3  # of flights drawn by casting rays
+FAST_RENDER_VERSION = 4  # of flights drawn by casting rays

@@ -29,9 +29,14 @@ def joined(*parts: Triangles) -> Triangles:
 
 def placed(shape: Triangles, foot_m: ArrayLike, yaw_deg: float = 0.0, scale: float = 1.0) -> Triangles:
     """Scaled, turned about z from x towards y, then moved by `foot_m`."""
+    return shape._replace(vertices_m=turned(scale * shape.vertices_m, yaw_deg) + np.asarray(foot_m, float))
+
+
+def turned(points_m: np.ndarray, yaw_deg: float) -> Points:
+    """(N, 3) about z, from x towards y."""
     cos, sin = np.cos(np.radians(yaw_deg)), np.sin(np.radians(yaw_deg))
     turn = np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]])
-    return shape._replace(vertices_m=scale * shape.vertices_m @ turn.T + np.asarray(foot_m, float))
+    return np.asarray(points_m @ turn.T, np.float64)
 
 
 def polygon(corners_m: ArrayLike, albedo: float) -> Triangles:

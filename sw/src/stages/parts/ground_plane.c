@@ -88,8 +88,8 @@ static inline float tolerance_px(float ground_px) { return fmaxf(TOLERANCE_PX, T
 #define LANES 8
 #define BLOCK 64 /* cells between two looks at whether a proposal can still win */
 
-/* The cells that judge proposals, side by side: loops over them become vectors. The last block is filled up with cells
- * of no weight. */
+/* The cells that judge proposals, side by side: loops over them become vectors. The largest cells, which lie outermost,
+ * come first, so that a proposal that cannot win is soon dropped. The last block is filled up with cells of no weight. */
 typedef struct jury {
   float u_px[MAX_SCORED], v_px[MAX_SCORED], disparity_px[MAX_SCORED], area_px2[MAX_SCORED], vote_px2[MAX_SCORED];
   float vote_from_px2[MAX_SCORED / BLOCK + 1]; /* of a block and those after it, at most */
@@ -99,7 +99,7 @@ typedef struct jury {
 static void fill_jury(jury *j, const sample *samples, int32_t count) {
   j->count = (count + BLOCK - 1) / BLOCK * BLOCK;
   for (int32_t k = 0; k < j->count; ++k) {
-    const sample one = k < count ? samples[k] : (sample){0};
+    const sample one = k < count ? samples[count - 1 - k] : (sample){0};
     j->u_px[k] = one.u_px;
     j->v_px[k] = one.v_px;
     j->disparity_px[k] = one.disparity_px;

@@ -14,6 +14,7 @@
 #define ASIDE_PX 2           /* a word may lie so far beside the line */
 #define ROWS_PER_BLOCK 11.0  /* words of so many rows share their errors */
 #define END_ROWS 4           /* whose words agree at each end of a line */
+#define END_ODDS 3.0         /* natural logarithm: beyond, words would be of the line if it went on */
 #define BIAS_PX 0.15         /* error of all words of a line */
 #define ROW_ERROR_PX 0.1     /* by which the rows of the two images are off */
 
@@ -162,18 +163,36 @@ static bool agrees(const vista_thin_line *found, const vista_line_sample *sample
   return fabs(sample->disparity_px - vista_thin_disparity_px(found, sample->v_px)) <= reach;
 }
 
+/* Rows from one to another, in either order, with any word on the line. */
+static int32_t rows_with_words(const reading *r, int32_t from, int32_t to) {
+  int32_t rows = 0;
+  bool apart;
+  for (int32_t v = from < to ? from : to; v <= (from < to ? to : from); ++v) rows += on_line(r, v, -1.0, &apart) > 0.0;
+  return rows;
+}
+
+/* On from the last row whose words agree as far as the image shows the line. What continues it there may be the edge of
+ * something behind, such as a row of windows above a post: if so, words are of that. Of the rows between the agreeing
+ * ends the share `seen` shows words of the line; that by chance none of so many would, is unlikely. */
+static int32_t extended(const reading *r, const vista_ridge *ridge, int32_t agreed, int32_t step, double seen) {
+  const int32_t end = vista_straight_line_end(ridge, r->line, agreed, step);
+  const double blocks = (end == agreed ? 0 : rows_with_words(r, agreed + step, end)) / ROWS_PER_BLOCK;
+  return blocks * -log(1.0 - fmin(seen, 0.95)) > END_ODDS ? agreed : end;
+}
+
 /* From the first to the last row whose words agree, and on as far as the image shows the line. Rows that are alone do not
  * count. */
-static void set_ends(const vista_ridge *ridge, const vista_thin_line *line, const vista_line_sample *samples,
-                     int32_t count, double reach, vista_thin_line *found) {
+static void set_ends(const reading *r, const vista_ridge *ridge, const vista_line_sample *samples, int32_t count,
+                     double reach, vista_thin_line *found) {
   int32_t seen = 0, first = found->first_v_px, last = found->last_v_px;
   for (int32_t i = 0; i < count && seen < END_ROWS; ++i)
     if (agrees(found, &samples[i], reach) && ++seen == END_ROWS) first = (int32_t)samples[i].v_px;
   seen = 0;
   for (int32_t i = count - 1; i >= 0 && seen < END_ROWS; --i)
     if (agrees(found, &samples[i], reach) && ++seen == END_ROWS) last = (int32_t)samples[i].v_px;
-  found->first_v_px = vista_straight_line_end(ridge, line, first, -1);
-  found->last_v_px = vista_straight_line_end(ridge, line, last, 1);
+  const double share = found->rows_on / fmax(rows_with_words(r, first, last), 1.0);
+  found->first_v_px = extended(r, ridge, first, -1, share);
+  found->last_v_px = extended(r, ridge, last, 1, share);
 }
 
 bool vista_line_depth(const vista_thin_params *params, const vista_camera *camera, const vista_thin_view *view,
@@ -198,7 +217,7 @@ bool vista_line_depth(const vista_thin_params *params, const vista_camera *camer
   for (int k = 0; k < 2; ++k) own.rows_on = refine(samples, own.rows_apart, reach, &own);
   if (own.rows_on < fmax(fewest, 2 * END_ROWS) || own.rows_on < params->agree_share * own.rows_apart) return false;
   if (own.rows_on < params->rows_sure && own.rows_on < params->word_share * own.rows) return false;
-  set_ends(ridge, line, samples, own.rows_apart, reach, &own);
+  set_ends(&r, ridge, samples, own.rows_apart, reach, &own);
   if (!(vista_thin_disparity_px(&own, own.first_v_px) > 0.0) || !(vista_thin_disparity_px(&own, own.last_v_px) > 0.0))
     return false;
   own.rows_level = level_rows(&r, &own);

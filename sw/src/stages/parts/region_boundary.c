@@ -7,6 +7,7 @@
 #include "common/wide_vectors.h"
 #include "common/word_blocks.h"
 
+#define ALL_WORDS (UINT16_MAX + 1) /* with the negative ones */
 #define PLANE_MIN_CELLS 6     /* fewer do not tell a slope from noise */
 #define MAX_TOLERANCE_PX 32.0 /* keeps the sums of squares of one run inside 32 bits */
 
@@ -27,31 +28,16 @@ static inliers summarise(int64_t count, double sum, double sum_of_squares) {
   return (inliers){(int32_t)count, mean, sqrt(fmax(sum_of_squares / (double)count - mean * mean, 0.0))};
 }
 
-typedef struct words_found {
-  int32_t pixels, valid;
-  int16_t low, top; /* of the valid ones */
-} words_found;
-
-VISTA_WIDE_VECTORS static void survey(const int16_t *words, int32_t count, words_found *found) {
-  int32_t valid = 0;
-  int16_t low = found->low, top = found->top;
-  for (int32_t i = 0; i < count; ++i) {
-    const int16_t none = (int16_t)(words[i] >> 15), or_most = (int16_t)((words[i] | none) & INT16_MAX);
-    valid += 1 + none;
-    low = or_most < low ? or_most : low;
-    top = words[i] > top ? words[i] : top;
+/* No branch: which words are valid is hard to foresee. The others go to the bins of negative words, which nobody reads.
+ * Neighbours often have the same word: each other one goes to a histogram of its own, so that none waits for the one
+ * before. */
+static void add_words(const int16_t *words, int32_t count, uint32_t *restrict bins, uint32_t *restrict other_bins) {
+  int32_t i = 0;
+  for (; i + 1 < count; i += 2) {
+    bins[(uint16_t)words[i]]++;
+    other_bins[(uint16_t)words[i + 1]]++;
   }
-  *found = (words_found){found->pixels + count, found->valid + valid, low, top};
-}
-
-/* No branch: which words are valid is hard to foresee. Neighbours often have the same word: each other one goes to a
- * histogram of its own, so that none waits for the one before. */
-static void add_words(const int16_t *words, int32_t count, uint32_t *bins, uint32_t *other_bins) {
-  for (int32_t i = 0; i < count; ++i) {
-    const int32_t none = words[i] >> 15;
-    uint32_t *const to = i & 1 ? other_bins : bins;
-    to[words[i] & ~none] += (uint32_t)(1 + none);
-  }
+  if (i < count) bins[(uint16_t)words[i]]++;
 }
 
 /* Empties the second one into the first. */
@@ -63,33 +49,49 @@ VISTA_WIDE_VECTORS static void add_bins(int32_t low, int32_t top, uint32_t *rest
   }
 }
 
-/* Histogram of the words under the boundary: stretch by stretch of neighbouring cells. */
-static words_found count_boundary(const vista_region_view *w, vista_region *region) {
-  words_found found = {.low = INT16_MAX};
+/* Histogram of the words under the boundary: stretch by stretch of neighbouring cells that have any. */
+static vista_word_range count_boundary(const vista_region_view *w, vista_region *region) {
+  const int32_t *const first_pixel = w->foveation->first_pixel, *const members = w->members;
+  const vista_word_range *const ranges = w->cells->range;
+  vista_word_range found = {0, INT16_MAX, 0};
   for (int32_t m = 0, end; m < w->member_count; m = end) {
-    end = m + 1;
-    if (!w->boundary[w->members[m]]) continue;
-    while (end < w->member_count && w->members[end] == w->members[end - 1] + 1 && w->boundary[w->members[end]]) ++end;
-    const int32_t first = w->foveation->first_pixel[w->members[m]];
-    const int32_t count = w->foveation->first_pixel[w->members[end - 1] + 1] - first;
-    const int16_t *const words = w->cells->words + first;
-    survey(words, count, &found);
-    add_words(words, count, w->bins, w->bins + VISTA_WORD_BINS);
+    for (end = m; end < w->member_count && members[end] == members[m] + end - m && w->boundary[members[end]]; ++end) {
+      const vista_word_range *const range = &ranges[members[end]];
+      if (range->valid == 0) {
+        if (members[end] > w->foveation->point_count) break;
+        continue;
+      }
+      found.valid += range->valid;
+      found.least = range->least < found.least ? range->least : found.least;
+      found.most = range->most > found.most ? range->most : found.most;
+    }
+    const int32_t first = first_pixel[members[m]];
+    if (end > m) {
+      const int32_t count = first_pixel[members[end - 1] + 1] - first;
+      region->boundary_pixels += count;
+      add_words(w->cells->words + first, count, w->bins, w->bins + ALL_WORDS);
+    } else {
+      region->boundary_pixels += w->boundary[members[m]] ? first_pixel[members[m] + 1] - first : 0;
+      ++end;
+    }
   }
-  add_bins(found.low, found.top, w->bins, w->bins + VISTA_WORD_BINS);
-  region->boundary_pixels += found.pixels;
+  add_bins(found.least, found.most, w->bins, w->bins + ALL_WORDS);
   region->boundary_valid += found.valid;
   return found;
 }
 
 double vista_region_mode_px(const vista_region_view *w, const vista_camera *camera, int32_t low, int32_t top) {
   const uint32_t *const bins = w->bins;
+  const bool even = vista_region_tolerance_px(w->params, camera, top / (double)VISTA_DISPARITY_SCALE) ==
+                    w->params->tolerance_px; /* it grows with the disparity: the least is that of all */
+  const double least_width = 2.0 * VISTA_DISPARITY_SCALE * w->params->tolerance_px;
   uint32_t sum = 0, best = 0;
   double mode = 0.0;
   for (int32_t end = low, start = 0; end <= top; ++end) {
     if (bins[end] == 0) continue; /* a best window can end on a word that occurs */
-    const double end_px = end / (double)VISTA_DISPARITY_SCALE;
-    const double width = 2.0 * VISTA_DISPARITY_SCALE * vista_region_tolerance_px(w->params, camera, end_px);
+    const double width = even ? least_width
+                              : 2.0 * VISTA_DISPARITY_SCALE *
+                                    vista_region_tolerance_px(w->params, camera, end / (double)VISTA_DISPARITY_SCALE);
     if (sum == 0 && end - start > width) start = (int32_t)ceil(end - width); /* nothing lies in between */
     sum += bins[end];
     while (end - start > width) sum -= bins[start++];
@@ -151,6 +153,7 @@ static double area_on(const vista_region_view *w, const vista_plane *plane) {
   return area;
 }
 
+#define SLOPE_MAX 8.0
 #define FIXED_BITS 12 /* of a sixteenth of a pixel */
 
 static int32_t to_fixed(double disparity_px) {
@@ -194,15 +197,27 @@ static inline void add_block(const int16_t *restrict words, int32_t length, int3
   }
 }
 
+/* Whether no word of a cell is near the plane: from their range and the plane's over the cell, with a margin for rounding. */
+static inline bool off_plane(const vista_region_view *w, const vista_plane *plane, int32_t node) {
+  const vista_foveation *const f = w->foveation;
+  const vista_word_range range = w->cells->range[node];
+  const double unit = 1.0 / VISTA_DISPARITY_SCALE;
+  const double at = vista_plane_at(plane, (double)f->center_u[node], (double)f->center_v[node]);
+  const double off =
+      w->tolerance_px + 2.0 * unit + (fabs(plane->slope_u) + fabs(plane->slope_v)) * ((double)f->size_px[node] + 2.0);
+  return range.valid == 0 || range.most * unit < at - off || range.least * unit > at + off;
+}
+
 /* Residuals from the plane in whole engine words: integers, so that the loop is vectorised. */
 VISTA_WIDE_VECTORS static inliers boundary_inliers(const vista_region_view *w, const vista_plane *plane) {
   totals all = {0};
   lane_sums lanes = {0};
-  const int32_t slope = to_fixed(fmin(fmax(plane->slope_u, -8.0), 8.0));
+  const int32_t slope = to_fixed(fmin(fmax(plane->slope_u, -SLOPE_MAX), SLOPE_MAX));
   const int32_t tolerance = (int32_t)(w->tolerance_px * VISTA_DISPARITY_SCALE);
+  const bool judged = fabs(plane->slope_u) < SLOPE_MAX;
   for (int32_t m = 0; m < w->member_count; ++m) {
     const int32_t node = w->members[m];
-    if (!w->boundary[node]) continue;
+    if (!w->boundary[node] || (judged && off_plane(w, plane, node))) continue;
     const int16_t *words = w->cells->words + w->foveation->first_pixel[node];
     for (int32_t r = w->foveation->first_run[node]; r < w->foveation->first_run[node + 1]; ++r) {
       const vista_run run = w->foveation->runs[r];
@@ -222,14 +237,14 @@ VISTA_WIDE_VECTORS static inliers boundary_inliers(const vista_region_view *w, c
 /* The boundary against the surface that explains it best; false: no valid pixel there. */
 bool vista_region_measure_boundary(vista_region_view *w, const vista_camera *camera, const double up_camera[3],
                                    vista_region *region, vista_plane *surface) {
-  const words_found found = count_boundary(w, region);
+  const vista_word_range found = count_boundary(w, region);
   if (region->boundary_valid == 0) return false;
-  const double mode = vista_region_mode_px(w, camera, found.low, found.top);
+  const double mode = vista_region_mode_px(w, camera, found.least, found.most);
   w->tolerance_px = vista_region_tolerance_px(w->params, camera, mode);
   const inliers around_mode = inliers_around(w->bins, mode, w->tolerance_px);
   *surface = (vista_plane){.offset = mode + around_mode.mean_px}; /* mode, refined by the mean around it */
   inliers in = inliers_around(w->bins, surface->offset, w->tolerance_px);
-  memset(w->bins + found.low, 0, (size_t)(found.top - found.low + 1) * sizeof *w->bins);
+  memset(w->bins + found.least, 0, (size_t)(found.most - found.least + 1) * sizeof *w->bins);
 
   const double u = (double)w->foveation->center_u[w->members[0]], v = (double)w->foveation->center_v[w->members[0]];
   vista_plane plane;

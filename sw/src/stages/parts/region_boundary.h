@@ -24,7 +24,8 @@ typedef struct vista_region_view {
   const int32_t *region_of_listed; /* a pixel of the mixed nodes, as the foveation lists them */
   const uint8_t *boundary; /* a node */
   const uint8_t *mixed;    /* a node: some of its pixels may be another region's */
-  uint32_t *bins;          /* twice VISTA_WORD_BINS, zero between calls */
+  uint32_t *bins;          /* twice as many as there are words; those of valid ones are zero between calls */
+  uint8_t *own;            /* scratch, a member: which of its pixels are the region's own */
   int16_t *pixels;         /* scratch: as many as the image has, and VISTA_WORD_BLOCK more */
   const int32_t *members;
   int32_t member_count;

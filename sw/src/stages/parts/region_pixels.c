@@ -58,6 +58,25 @@ static inline void add_cell(const vista_foveation *f, int32_t node, const int16_
                (int16_t)f->center_v[node], sum);
 }
 
+/* All pixels of a cell, run by run: sums of consecutive numbers and of their squares. */
+static inline void add_whole_cell(const vista_foveation *f, int32_t node, moments *sum) {
+  for (int32_t r = f->first_run[node]; r < f->first_run[node + 1]; ++r) {
+    const vista_run run = f->runs[r];
+    const int64_t n = run.length_px, first = run.u_px, v = run.v_px;
+    const int64_t u = n * first + n * (n - 1) / 2;
+    sum->n += n;
+    sum->u += u;
+    sum->v += n * v;
+    sum->uu += n * first * first + first * n * (n - 1) + n * (n - 1) * (2 * n - 1) / 6;
+    sum->uv += u * v;
+    sum->vv += n * v * v;
+    if (run.u_px < sum->min_u) sum->min_u = run.u_px;
+    if (run.v_px < sum->min_v) sum->min_v = run.v_px;
+    if (run.u_px + run.length_px - 1 > sum->max_u) sum->max_u = run.u_px + run.length_px - 1;
+    if (run.v_px > sum->max_v) sum->max_v = run.v_px;
+  }
+}
+
 static void summarise(const moments *sum, vista_region *region) {
   region->min_u_px = sum->min_u;
   region->min_v_px = sum->min_v;
@@ -119,6 +138,36 @@ static inline void keep_on_surface(const target *t, const int16_t *words, double
   }
 }
 
+/* Which of a cell's pixels are its region's own. */
+enum { NO_PIXEL, ALL_PIXELS, SOME_PIXELS };
+
+/* Whether all words of a cell are off the surface: from their range and the surface's over the cell, with a margin for
+ * rounding. */
+static inline bool off_surface(const vista_region_view *w, const target *t, int32_t node) {
+  const vista_foveation *const f = w->foveation;
+  const vista_word_range range = w->cells->range[node];
+  if (range.valid == 0) return true;
+  if (t->facing) return range.most < t->least || range.least > t->most;
+  const double slope_u = t->plane->slope_u, slope_v = t->plane->slope_v;
+  const double at = t->plane->offset + slope_u * (double)f->center_u[node] + slope_v * (double)f->center_v[node];
+  const double off = t->tolerance_px + (fabs(slope_u) + fabs(slope_v)) * ((double)f->size_px[node] + 2.0) + 0.01;
+  return range.most * (1.0 / VISTA_DISPARITY_SCALE) < at - off ||
+         range.least * (1.0 / VISTA_DISPARITY_SCALE) > at + off;
+}
+
+/* Of a cell that has a disparity, when nothing tells but its words. Cells of a pixel's size are looked at faster than
+ * judged. */
+static inline uint8_t foresee(const vista_region_view *w, const target *t, int32_t node) {
+  if (node <= w->foveation->point_count) return SOME_PIXELS;
+  const bool mixed = w->mixed[node] != 0;
+  if (w->cells->disparity_px[node] < 0.0f) return mixed ? SOME_PIXELS : ALL_PIXELS;
+  if (off_surface(w, t, node)) return NO_PIXEL;
+  const vista_word_range range = w->cells->range[node];
+  const bool all = !mixed && t->facing && range.valid == w->foveation->pixel_count[node] && range.least >= t->least &&
+                   range.most <= t->most;
+  return all ? ALL_PIXELS : SOME_PIXELS;
+}
+
 /* Which of a block's pixels the image gives to a region. */
 static inline void mark_drawn(const int32_t *region_of_pixel, int32_t label, int16_t own[VISTA_WORD_BLOCK]) {
   VISTA_BLOCK_LOOP
@@ -139,7 +188,7 @@ VISTA_WIDE_VECTORS static void mark_cell(const vista_region_view *w, const targe
                                          int16_t *own) {
   const vista_foveation *const f = w->foveation;
   const bool mixed = w->mixed[node] != 0, whole = w->cells->disparity_px[node] < 0.0f;
-  if (!mixed && whole) {
+  if (!mixed && whole) { /* of a pixel's size */
     memset(own, 0xff, (size_t)f->pixel_count[node] * sizeof *own);
     return;
   }
@@ -196,30 +245,41 @@ VISTA_WIDE_VECTORS static void narrow_cell(const vista_region_view *w, const tar
 static const moments nothing = {.min_u = INT32_MAX, .min_v = INT32_MAX, .max_u = INT32_MIN, .max_v = INT32_MIN};
 
 VISTA_WIDE_VECTORS static moments find_pixels(const vista_region_view *w, const target *t, int32_t label) {
+  const vista_foveation *const f = w->foveation;
   moments sum = nothing;
   int16_t *own = w->pixels;
   for (int32_t m = 0; m < w->member_count; ++m) {
-    const int32_t count = w->foveation->pixel_count[w->members[m]];
-    mark_cell(w, t, label, w->members[m], own);
-    memset(own + count, 0, VISTA_WORD_BLOCK * sizeof *own);
-    add_cell(w->foveation, w->members[m], own, &sum);
+    const int32_t node = w->members[m], count = f->pixel_count[node];
+    w->own[m] = foresee(w, t, node);
+    if (w->own[m] == ALL_PIXELS) add_whole_cell(f, node, &sum);
+    if (w->own[m] == SOME_PIXELS) {
+      mark_cell(w, t, label, node, own);
+      memset(own + count, 0, VISTA_WORD_BLOCK * sizeof *own);
+      add_cell(f, node, own, &sum);
+    }
     own += count;
   }
   return sum;
 }
 
 VISTA_WIDE_VECTORS static moments keep_inner_pixels(const vista_region_view *w, const target *t) {
+  const vista_foveation *const f = w->foveation;
   const int32_t reach = (int32_t)w->params->boundary_px;
   moments sum = nothing;
   int16_t *own = w->pixels;
   for (int32_t m = 0; m < w->member_count; ++m) {
-    const int32_t node = w->members[m], count = w->foveation->pixel_count[node];
-    int16_t next[VISTA_WORD_BLOCK]; /* marks of the next cell, hidden from the sums over whole blocks */
-    if (reach > 0 && w->cells->disparity_px[node] >= 0.0f) narrow_cell(w, t, reach, node, own);
-    memcpy(next, own + count, sizeof next);
-    memset(own + count, 0, sizeof next);
-    add_cell(w->foveation, node, own, &sum);
-    memcpy(own + count, next, sizeof next);
+    const int32_t node = w->members[m], count = f->pixel_count[node];
+    const bool narrowed = reach > 0 && w->cells->disparity_px[node] >= 0.0f;
+    if (w->own[m] == ALL_PIXELS && !narrowed) add_whole_cell(f, node, &sum);
+    if (w->own[m] == SOME_PIXELS || (w->own[m] == ALL_PIXELS && narrowed)) {
+      int16_t next[VISTA_WORD_BLOCK]; /* marks of the next cell, hidden from the sums over whole blocks */
+      if (w->own[m] == ALL_PIXELS) memset(own, 0xff, (size_t)count * sizeof *own);
+      if (narrowed) narrow_cell(w, t, reach, node, own);
+      memcpy(next, own + count, sizeof next);
+      memset(own + count, 0, sizeof next);
+      add_cell(f, node, own, &sum);
+      memcpy(own + count, next, sizeof next);
+    }
     own += count;
   }
   return sum;

@@ -14,12 +14,16 @@
 #define KNOWN_PIECES 3
 #define ON_RIDGE 3       /* seventh parts of the full contrast: a row that shows the line */
 #define SAME_PX 6.0      /* two lines that are nearer in the middle of the shorter one are one line */
+#define COLUMN_PX 16     /* in which the pieces of a strip are looked up */
 #define SUM_BINS 129
 
 void vista_straight_lines_layout(vista_straight_lines *lines, vista_arena *arena, int32_t width_px, int32_t height_px) {
   vista_ridge_layout(&lines->ridge, arena, width_px, height_px);
   lines->pieces = vista_arena_take(arena, VISTA_PIECES_MAX, sizeof(vista_line_piece));
   lines->order = vista_arena_take(arena, VISTA_PIECES_MAX + (size_t)lines->ridge.strips, sizeof(int32_t));
+  lines->columns = width_px / COLUMN_PX + 1;
+  lines->first_of_column =
+      vista_arena_take(arena, (size_t)lines->ridge.strips * (size_t)lines->columns, sizeof(int32_t));
   lines->first_piece = vista_arena_take(arena, (size_t)lines->ridge.strips + 1, sizeof(int32_t));
   lines->items = vista_arena_take(arena, VISTA_STRAIGHT_LINES_MAX, sizeof(vista_thin_line));
   lines->count = 0;
@@ -35,16 +39,20 @@ static bool is_peak(const vista_ridge *ridge, int32_t u) {
   return true;
 }
 
-static void find_pieces(double threshold, vista_straight_lines *lines) {
+static void find_pieces(int32_t threshold, vista_straight_lines *lines) {
   vista_ridge *const ridge = &lines->ridge;
   int32_t count = 0;
   for (int32_t strip = 0; strip < ridge->strips; ++strip) {
+    int32_t *const first = lines->first_of_column + strip * lines->columns;
     lines->first_piece[strip] = count;
     vista_ridge_sum(ridge, strip);
-    for (int32_t u = 0; u < ridge->width_px && count < VISTA_PIECES_MAX; ++u) {
-      if (ridge->best[u] < threshold || !is_peak(ridge, u)) continue;
-      lines->pieces[count++] = (vista_line_piece){
-          .u_px = (int16_t)u, .lean = ridge->lean[u], .sum = ridge->best[u], .strip = (int16_t)strip};
+    for (int32_t column = 0; column < lines->columns; ++column) {
+      const int32_t next = (column + 1) * COLUMN_PX, end = next < ridge->width_px ? next : ridge->width_px;
+      first[column] = count;
+      for (int32_t u = column * COLUMN_PX; u < end && count < VISTA_PIECES_MAX; ++u)
+        if (ridge->best[u] >= threshold && is_peak(ridge, u))
+          lines->pieces[count++] = (vista_line_piece){
+              .u_px = (int16_t)u, .lean = ridge->lean[u], .sum = ridge->best[u], .strip = (int16_t)strip};
     }
   }
   lines->first_piece[ridge->strips] = count;
@@ -75,11 +83,16 @@ static void line_of(const growth *g, double *u, double *per_strip) {
   *u = (g->u - *per_strip * g->t) / g->n; /* at t = 0 */
 }
 
+static int32_t column_of(double u) { return u <= 0.0 ? 0 : (int32_t)(u / COLUMN_PX); }
+
 static int32_t next_piece(const vista_straight_lines *lines, int32_t strip, double u, double per_strip) {
   int32_t nearest = -1;
   double nearest_px = LINK_PX;
-  for (int32_t i = lines->first_piece[strip]; i < lines->first_piece[strip + 1]; ++i) {
+  if (u > lines->ridge.width_px + LINK_PX) return -1;
+  const int32_t *const first = lines->first_of_column + strip * lines->columns;
+  for (int32_t i = first[column_of(u - LINK_PX)]; i < lines->first_piece[strip + 1]; ++i) {
     const vista_line_piece *const piece = &lines->pieces[i];
+    if (piece->u_px > u + LINK_PX) break;
     const double off_px = fabs(piece->u_px - u);
     if (piece->taken || off_px > nearest_px || fabs(piece->lean - per_strip) > LINK_LEAN) continue;
     nearest = i;
@@ -92,15 +105,16 @@ static int32_t next_piece(const vista_straight_lines *lines, int32_t strip, doub
 static int32_t grow(vista_straight_lines *lines, int32_t from, int32_t step, growth *g, int32_t *members,
                     int32_t *member_count) {
   int32_t last = from;
+  double u, per_strip;
+  line_of(g, &u, &per_strip);
   for (int32_t strip = from + step; strip >= 0 && strip < lines->ridge.strips &&
                                     step * (strip - last) <= 1 + (g->n < KNOWN_PIECES ? GAP_STRIPS : LONG_GAP_STRIPS);
        strip += step) {
-    double u, per_strip;
-    line_of(g, &u, &per_strip);
     const int32_t found = next_piece(lines, strip, u + per_strip * (strip - from), per_strip);
     if (found < 0) continue;
     add(g, strip - from, lines->pieces[found].u_px);
     members[(*member_count)++] = found;
+    line_of(g, &u, &per_strip);
     last = strip;
   }
   return last;
@@ -173,7 +187,7 @@ void vista_straight_lines_find(const vista_image *image, const vista_thin_params
                                vista_straight_lines *lines) {
   const double full_levels = fmax(params->contrast, params->contrast_noise * noise_levels);
   vista_ridge_find(image, full_levels, &lines->ridge);
-  find_pieces(params->piece_sum * VISTA_STRIP_ROWS * VISTA_RIDGE_FULL, lines);
+  find_pieces((int32_t)ceil(params->piece_sum * VISTA_STRIP_ROWS * VISTA_RIDGE_FULL), lines);
   sort_pieces(lines);
   lines->count = 0;
   const int32_t pieces = lines->first_piece[lines->ridge.strips];

@@ -30,6 +30,8 @@ typedef struct vista_straight_lines {
   vista_ridge ridge;
   vista_line_piece *pieces; /* by strip, then column */
   int32_t *first_piece;     /* strips + 1 */
+  int32_t *first_of_column; /* strips * columns: the first piece in a column of some pixels of a strip, or after it */
+  int32_t columns;
   int32_t *order;           /* scratch: pieces, strongest first; then those of the line that grows */
   vista_thin_line *items; /* as far as the image tells of them */
   int32_t count;

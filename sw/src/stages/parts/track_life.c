@@ -51,7 +51,9 @@ static vista_world_hit world_hit(const vista_track_frame *f, const vista_detecti
   const double per_px_m = depth_m / f->camera->focal_px;
   vista_world_hit hit = {.along_sigma_m = slant * per_px_m * depth_m / f->camera->baseline_m * sqrt(variance_px2[2]),
                          .across_sigma_m = per_px_m * sqrt(fmax(variance_px2[0], variance_px2[1])),
-                         .t_ns = f->t_ns};
+                         .t_ns = f->t_ns,
+                         .foot_seen = detection->foot_seen,
+                         .foot_share = detection->foot_share};
   vista_frame_to_world(f->pose, p, hit.position_m);
   memcpy(hit.camera_m, f->pose->translation_m, sizeof hit.camera_m);
   return hit;

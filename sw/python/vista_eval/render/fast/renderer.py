@@ -34,7 +34,7 @@ class Samples(NamedTuple):
     depth_m: np.ndarray  # along the optical axis, inf = sky
     label: np.ndarray  # 0 = sky
     part: np.ndarray  # number of the solid, -1 = sky
-    plain: np.ndarray  # radiance as if no albedo map had any texture
+    plain: np.ndarray  # radiance as if no albedo map had any texture; of the first ray of a pixel alone
     above: np.ndarray  # whether the sky's light from above reaches it
 
 
@@ -154,13 +154,13 @@ class FastRenderer:
         sides: tuple[np.ndarray, np.ndarray],
         found: Samples,
         parts: int,
-        find_above: bool,
+        is_first: bool,
     ) -> None:
         direction = ray[hits.ray]
         point_m = origin[hits.ray] + hits.depth_m[:, None] * direction
         matter = group.matter(hits, point_m, direction, sides)
         sun = light.reached(self.groups, point_m, matter.normal, self.to_sun)
-        if find_above:
+        if is_first:
             found.above[hits.ray] = light.reached(self.groups, point_m, matter.normal, light.ABOVE)
         irradiance = light.irradiance(self.scene, matter.normal, sun, found.above[hits.ray])
         distance_m = hits.depth_m * np.sqrt(np.einsum("ij,ij->i", direction, direction))
@@ -169,7 +169,8 @@ class FastRenderer:
         found.depth_m[hits.ray] = hits.depth_m
         found.label[hits.ray] = matter.label
         found.part[hits.ray] = matter.part + parts
-        found.plain[hits.ray] = group.corner_albedo(hits) * irradiance / np.float32(np.pi)
+        if is_first:
+            found.plain[hits.ray] = matter.plain * irradiance / np.float32(np.pi)
 
 
 def changes(samples: Samples, shape: tuple[int, int]) -> np.ndarray:

@@ -30,6 +30,7 @@ class Matter:
     """What is there where rays have met surfaces."""
 
     albedo: np.ndarray  # (n,)
+    plain: np.ndarray  # (n,) albedo without maps
     normal: np.ndarray  # (n, 3) unit, towards the viewer
     label: np.ndarray  # (n,)
     part: np.ndarray  # (n,) number of the solid
@@ -49,6 +50,8 @@ class Surfaces:
             for (_, solid), outline in zip(parts, outlines, strict=True)
         ]
         self.albedo = np.concatenate([*albedo, np.zeros(0)]).astype(np.float32)  # at corners, but for maps
+        a, b, c = (self.corners_m[self.faces[:, k]] for k in range(3))
+        self.face_normal = unit_rows(np.cross(b - a, c - a))
         self.label = np.repeat(np.array([label for label, _ in parts], np.int32), counts)
         self.part = np.repeat(np.arange(len(parts), dtype=np.int32), counts)
         first = np.cumsum([0, *counts])
@@ -100,11 +103,11 @@ class Surfaces:
     ) -> Matter:
         """At `point_m` (n, 3) of the hits, seen along `ray` (n, 3). sides: how the direction of a ray changes
         over its pixel to the right and down, world."""
-        normal = self.face_normal(hits.face)
+        normal = self.face_normal[hits.face]
         row = self.row[hits.face]
         mapped = np.flatnonzero(row != NO_MAP)
-        albedo = self.corner_albedo(hits)
-        row = row[mapped]
+        plain = self.corner_albedo(hits)
+        albedo, row = plain.copy(), row[mapped]
         if len(mapped):
             du, dv = (
                 self.moved(row, footprint(side, ray[mapped], normal[mapped], hits.depth_m[mapped]))
@@ -117,11 +120,7 @@ class Surfaces:
             normal[mapped[is_round]] = bent[is_round]
         away = np.einsum("ij,ij->i", normal, ray) > 0
         normal[away] *= -1
-        return Matter(albedo, normal, self.label[hits.face], self.part[hits.face])
-
-    def face_normal(self, face: np.ndarray) -> np.ndarray:
-        a, b, c = (self.corners_m[self.faces[face, k]] for k in range(3))
-        return unit_rows(np.cross(b - a, c - a))
+        return Matter(albedo, plain, normal, self.label[hits.face], self.part[hits.face])
 
     def corner_albedo(self, hits: Hits) -> np.ndarray:
         a, b, c = (self.albedo[self.faces[hits.face, k]] for k in range(3))

@@ -1,12 +1,14 @@
 """Wires, ropes and thin tubes, drawn by the share of each pixel that they cover.
 
 A wire of 12 mm is 0.4 px wide at 30 m: a few rays a pixel would make dots of it, others for each camera. Here
-the strip between its outlines is cut by the pixel exactly. It is lit across its width, as a cylinder is.
+the strip between its outlines is cut by the pixel exactly. It is lit across its width, as a cylinder is. It
+casts no shadow.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 
@@ -20,8 +22,24 @@ from vista_eval.render.view import View
 THICKEST_M = 0.06  # diameter of what is drawn in this way
 
 
+CHANGE = 0.1  # of albedo, from one row of the map to the next: there another band of paint begins
+
+
 def is_wire(solid: Solid) -> bool:
     return isinstance(solid, Cylinder) and 2 * solid.radius_m <= THICKEST_M
+
+
+def bands(solid: Cylinder) -> list[Cylinder]:
+    """End to end, each of one albedo."""
+    rows = solid.albedo.mean(axis=1)
+    begins = np.flatnonzero(np.abs(np.diff(rows)) > CHANGE) + 1
+    start_m, step_m = np.array(solid.start_m), np.subtract(solid.end_m, solid.start_m) / len(rows)
+    ends_m = [tuple(start_m + k * step_m) for k in (0, *begins, len(rows))]
+    shades = np.split(solid.albedo, begins)
+    return [
+        replace(solid, start_m=start, end_m=end, albedo=shade)
+        for (start, end), shade in zip(pairwise(ends_m), shades, strict=True)
+    ]
 
 
 @dataclass(frozen=True)
@@ -38,7 +56,8 @@ class Drawing:
 
 class Wires:
     def __init__(self, parts: list[tuple[int, Solid]]) -> None:
-        solids = [(label, solid) for label, solid in parts if isinstance(solid, Cylinder)]
+        wires = [(label, solid) for label, solid in parts if isinstance(solid, Cylinder)]
+        solids = [(label, band) for label, solid in wires for band in bands(solid)]
         self.label = np.array([label for label, _ in solids], np.int32)
         self.start_m = np.array([solid.start_m for _, solid in solids], float).reshape(-1, 3)
         self.end_m = np.array([solid.end_m for _, solid in solids], float).reshape(-1, 3)

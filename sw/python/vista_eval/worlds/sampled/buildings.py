@@ -19,6 +19,8 @@ AT_BUILDINGS = Courses(altitude_m=(3.0, 14.0), climb_deg=(-8.0, 5.0), most_bank_
 FRONT_TEXEL_M, OTHER_TEXEL_M = 0.02, 0.04
 SLOPE_OF_ROOF = (0.35, 1.0)
 
+Range = tuple[float, float]
+
 
 def block(
     name: str,
@@ -80,12 +82,20 @@ def rectangle_m(nearest_m: tuple[float, float], width_m: float, depth_m: float, 
     return np.array([*ends, ends[1] + depth_m * back, ends[0] + depth_m * back])
 
 
-def across_the_path(here: Site, front: Sequence[walls.Wall], others: Sequence[walls.Wall], **size) -> Thing:
+def across_the_path(
+    here: Site,
+    front: Sequence[walls.Wall],
+    others: Sequence[walls.Wall],
+    *,
+    width_m: Range = (14, 45),
+    over_m: Range = (2.5, 12),
+    depth_m: Range = (7, 16),
+) -> Thing:
     """A building whose front the path meets, up to 35 degrees askew and somewhere along it."""
     rng = here.draws("building")
-    width, yaw = float(rng.uniform(*size.get("width_m", (14, 45)))), float(rng.uniform(-35, 35))
-    height = here.altitude_m + float(rng.uniform(*size.get("over_m", (2.5, 12))))
-    depth = float(rng.uniform(*size.get("depth_m", (7, 16))))
+    width, yaw = float(rng.uniform(*width_m)), float(rng.uniform(-35, 35))
+    height = here.altitude_m + float(rng.uniform(*over_m))
+    depth = float(rng.uniform(*depth_m))
     turn, off = np.radians(yaw), rng.uniform(-0.35, 0.35) * width
     middle = (float(off * np.sin(turn)), float(-off * np.cos(turn)))
     faces = [front[int(rng.integers(len(front)))], *[others[int(rng.integers(len(others)))]] * 3]

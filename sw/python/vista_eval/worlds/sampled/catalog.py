@@ -25,9 +25,14 @@ DEV = (
     Family("road_vehicle", "vehicle, low flight", "dev", movers.road_vehicle, movers.OVER_A_ROAD),
     Family("drone", "drone", "dev", movers.drone, ANY),
     Family(
-        "clear_rolling", "rolling country, no obstacle", "dev", terrain.clear_rolling, terrain.CLEAR_HEIGHT
+        "clear_rolling",
+        "rolling country, no obstacle",
+        "dev",
+        terrain.clear_rolling,
+        terrain.CLEAR_HEIGHT,
+        clear=True,
     ),
-    Family("clear_suburb", "suburb, no obstacle", "dev", clear.clear_suburb, clear.AMONG_HOUSES),
+    Family("clear_suburb", "suburb, no obstacle", "dev", clear.clear_suburb, clear.AMONG_HOUSES, clear=True),
 )
 
 TEST = (
@@ -45,11 +50,32 @@ TEST = (
     Family("crane", "crane", "test", machines.crane, ANY),
     Family("scaffolding", "scaffolding", "test", machines.scaffolding, ANY),
     Family("birds", "birds", "test", movers.birds, ANY),
-    Family("clear_crest", "over a crest, no obstacle", "test", terrain.clear_crest, terrain.CLEAR_HEIGHT),
-    Family("clear_valley", "along a valley, no obstacle", "test", terrain.clear_valley, terrain.CLEAR_HEIGHT),
-    Family("clear_wood", "ride through a wood, no obstacle", "test", trees.clear_wood, trees.RIDE),
     Family(
-        "clear_site", "between cranes and wires, no obstacle", "test", clear.clear_site, clear.AMONG_HOUSES
+        "clear_crest",
+        "over a crest, no obstacle",
+        "test",
+        terrain.clear_crest,
+        terrain.CLEAR_HEIGHT,
+        clear=True,
+    ),
+    Family(
+        "clear_valley",
+        "along a valley, no obstacle",
+        "test",
+        terrain.clear_valley,
+        terrain.CLEAR_HEIGHT,
+        clear=True,
+    ),
+    Family(
+        "clear_wood", "ride through a wood, no obstacle", "test", trees.clear_wood, trees.RIDE, clear=True
+    ),
+    Family(
+        "clear_site",
+        "between cranes and wires, no obstacle",
+        "test",
+        clear.clear_site,
+        clear.AMONG_HOUSES,
+        clear=True,
     ),
 )
 

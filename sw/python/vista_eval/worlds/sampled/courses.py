@@ -4,7 +4,8 @@ speed    3 to 25 m/s, each as likely, unless the family narrows it; the steeper 
 rate     7.5 to 15 frames/s, the one that comes nearest to 25 frames
 path     climbing or descending in 40 %, turning in 40 %, as far as the family allows: up to 45 degrees
          of bank; straight and level in what is left
-gusts    in 40 %, with a standard deviation of up to 8 % of the speed
+gusts    in 40 %, with a standard deviation of up to 2.5 % of the speed: where the flight leads
+         can still be told from how it has been flown
 end      10 to 14 m before the point (0, 0, altitude), which the path leads through along +x
 """
 
@@ -37,7 +38,7 @@ class Courses:
     most_frames: int = 28
     climb_deg: tuple[float, float] = (-10.0, 8.0)
     most_bank_deg: float = 30.0
-    most_gust: float = 0.08  # standard deviation, of the speed
+    most_gust: float = 0.025  # standard deviation, of the speed
 
     def draw(self, seed: int) -> Manoeuvre:
         rng = draws(seed, "course")

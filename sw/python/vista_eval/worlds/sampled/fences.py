@@ -7,10 +7,15 @@ import numpy as np
 from vista_eval.render.scene import Scene, thing
 from vista_eval.worlds import things, vegetation, yard
 from vista_eval.worlds.sampled.courses import LOW
-from vista_eval.worlds.sampled.grounds import BUILT_UP, OPEN_COUNTRY
+from vista_eval.worlds.sampled.grounds import COUNTRY_AND_TOWN
 from vista_eval.worlds.sampled.rods import Rods, all_of, rods
 from vista_eval.worlds.sampled.site import RURAL, URBAN, background, clutter, scene_of, site
 from vista_eval.worlds.triangles import Triangles, box, joined, placed, tube
+
+
+def posts_m(length_m: float, most_m: float) -> np.ndarray:
+    """Places along a fence, one at either end and no two farther apart than that."""
+    return np.linspace(-length_m / 2, length_m / 2, 1 + int(np.ceil(length_m / most_m)))
 
 
 def railing(length_m: float, height_m: float, rng: np.random.Generator) -> tuple[Rods, Triangles]:
@@ -19,30 +24,28 @@ def railing(length_m: float, height_m: float, rng: np.random.Generator) -> tuple
     shade = float(rng.uniform(0.04, 0.5))
     ends = [[(0, y, 0.05), (0, y, height_m)] for y in np.arange(-length_m / 2, length_m / 2, pitch)]
     rails = [box((0, 0, z), (0.03, length_m, 0.045), shade) for z in (0.15, height_m - 0.12)]
-    posts = [
-        box((0, y, height_m / 2), (0.06, 0.06, height_m), shade)
-        for y in np.arange(-length_m / 2, length_m / 2 + 0.1, 2.5)
-    ]
+    posts = [box((0, y, height_m / 2), (0.06, 0.06, height_m), shade) for y in posts_m(length_m, 2.5)]
     return rods(ends, radius, shade), joined(*rails, *posts)
 
 
 def chain_link(length_m: float, height_m: float, rng: np.random.Generator) -> tuple[Rods, Triangles]:
     """Wires of 3 mm crossing at 6 to 12 cm between posts; barbed wire on top."""
     mesh_m, shade = rng.uniform(0.06, 0.12), float(rng.uniform(0.2, 0.5))
-    starts = np.arange(-length_m / 2 - height_m, length_m / 2, mesh_m * np.sqrt(2))
-    ends = [[(0, y, 0), (0, y + height_m, height_m)] for y in starts]
-    ends += [[(0, y, height_m), (0, y + height_m, 0)] for y in starts]
+    step_m = mesh_m * np.sqrt(2)
+    starts = np.arange(step_m - length_m / 2 - height_m, length_m / 2 - 0.01, step_m)
+    ends = []
+    for y in starts:
+        low, high = max(0.0, -length_m / 2 - y), min(height_m, length_m / 2 - y)  # between the outer posts
+        ends.append([(0, y + low, low), (0, y + high, high)])
+        ends.append([(0, y + low, height_m - low), (0, y + high, height_m - high)])
     above = [[(0, -length_m / 2, z), (0, length_m / 2, z)] for z in height_m + np.array([0.0, 0.15, 0.28])]
-    posts = [
-        tube([(0, y, 0), (0, y, height_m + 0.3)], 0.035, 0.8 * shade, 8)
-        for y in np.arange(-length_m / 2, length_m / 2 + 0.1, 3.0)
-    ]
+    posts = [tube([(0, y, 0), (0, y, height_m + 0.3)], 0.035, 0.8 * shade, 8) for y in posts_m(length_m, 3.0)]
     return all_of(rods(ends, 0.0015, shade), rods(above, 0.003, shade)), joined(*posts)
 
 
 def fence(altitude_m: float, seed: int) -> Scene:
     """Pickets, rails or a hedge, 10 cm to 1 m higher than the path, up to 30 degrees askew."""
-    here = site(altitude_m, seed, LOW, (*OPEN_COUNTRY, *BUILT_UP))
+    here = site(altitude_m, seed, LOW, COUNTRY_AND_TOWN)
     rng = here.draws("fence")
     height, length = altitude_m + float(rng.uniform(0.1, 1.0)), float(rng.uniform(10, 30))
     match rng.integers(3):
@@ -58,7 +61,7 @@ def fence(altitude_m: float, seed: int) -> Scene:
 
 def steel_fence(altitude_m: float, seed: int) -> Scene:
     """Bars or chain link: mostly holes."""
-    here = site(altitude_m, seed, LOW, (*OPEN_COUNTRY, *BUILT_UP))
+    here = site(altitude_m, seed, LOW, COUNTRY_AND_TOWN)
     rng = here.draws("steel fence")
     height, length = altitude_m + float(rng.uniform(0.2, 1.2)), float(rng.uniform(8, 18))
     bars, posts = (railing if rng.random() < 0.5 else chain_link)(length, height, rng)

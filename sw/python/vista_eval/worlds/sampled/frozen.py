@@ -12,11 +12,10 @@ from vista.errors import InputError
 from vista.output import write_atomically
 
 from vista_eval.cache import digest_of
-from vista_eval.render.flight import Flight, Quality, content_of, read_marker
+from vista_eval.render.flight import Flight, content_of, read_marker
 from vista_eval.worlds.sampled.catalog import COUNT, SEED, TEST
 
 FROZEN = Path("doc/results/data/worlds-test-set.json")
-QUALITY: Quality = "full"
 
 Digests = dict[str, str]  # content by name of the flight
 
@@ -26,7 +25,7 @@ def flights_of_the_set() -> list[Flight]:
 
 
 def content_digest(flight: Flight) -> tuple[str, str]:
-    return flight.name, content_of(flight, QUALITY)
+    return flight.name, content_of(flight, "full")
 
 
 def digest_of_set(digests: Digests) -> str:

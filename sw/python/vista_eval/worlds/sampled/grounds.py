@@ -105,3 +105,4 @@ COVERS: dict[str, Cover] = {
 OPEN_COUNTRY = ("pasture", "crop", "heath", "scree", "snow", "meadow", "soil", "stubble")
 BUILT_UP = ("apron", "gravel", "pasture", "asphalt")
 WOODED = ("forest_floor", "pasture", "meadow", "heath")
+COUNTRY_AND_TOWN = tuple(dict.fromkeys((*OPEN_COUNTRY, *BUILT_UP)))

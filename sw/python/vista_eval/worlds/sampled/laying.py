@@ -9,12 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from vista_eval.render.scene import GroundStrip, HeightField, Thing, thing
-from vista_eval.worlds.ground import (
-    FINEST_TEXEL_M,
-    HORIZON_M,
-    LOWEST_RAY,
-    SAMPLES_ALONG,
-)
+from vista_eval.worlds.ground import FINEST_TEXEL_M, HORIZON_M, LOWEST_RAY
 from vista_eval.worlds.sampled.grounds import COVERS
 from vista_eval.worlds.sampled.path import Path
 
@@ -75,19 +70,20 @@ def _nodes(span_m: tuple[float, float], spacing_m: float) -> np.ndarray:
 
 
 def albedo_of(patch: Patch, cover: str, contrast: float, seed: int, relief: Relief | None) -> np.ndarray:
-    """Each texel the mean of what lies in it. Where the ground is steep the cover follows it up and is not
-    drawn out: it is laid along the profile below the path."""
+    """Each texel the mean of as many squares as it is long, or far ground would be all speckles. Where the
+    ground is steep the cover follows it up and is not drawn out: it is laid along the profile below the
+    path."""
     rows = max(2, round((patch.x_m[1] - patch.x_m[0]) / (patch.texel_m * patch.stretch)))
     columns = max(2, round((patch.y_m[1] - patch.y_m[0]) / patch.texel_m))
-    samples = min(patch.stretch, SAMPLES_ALONG)
-    x = patch.x_m[0] + (np.arange(rows * samples) + 0.5) * (patch.x_m[1] - patch.x_m[0]) / (rows * samples)
+    squares = rows * patch.stretch
+    x = patch.x_m[0] + (np.arange(squares) + 0.5) * (patch.x_m[1] - patch.x_m[0]) / squares
     y = patch.y_m[0] + (np.arange(columns) + 0.5) * (patch.y_m[1] - patch.y_m[0]) / columns
     if relief is not None:
         z = relief(x[:, None], np.zeros((1, 1)))[:, 0]
         x = x[0] + np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(x), np.diff(z)))])
     kind = COVERS[cover]
     fine = kind.albedo(x.astype(np.float32)[:, None], y.astype(np.float32)[None, :], seed)
-    albedo = fine.reshape(rows, samples, columns).mean(axis=1)
+    albedo = fine.reshape(rows, patch.stretch, columns).mean(axis=1)
     return np.clip(kind.mean + contrast * (albedo - kind.mean), 0.02, 0.9).astype(np.float32)
 
 

@@ -69,7 +69,7 @@ def crane(altitude_m: float, seed: int) -> Scene:
         )
         solids.append(things.mesh("target_load", load))
     target = thing("target", "crane", solids, target=True)
-    return scene_of(here, [target], [*clutter(here, URBAN), *background(here, ("houses", "open", "trees"))])
+    return scene_of(here, [target], around(here))
 
 
 def scaffold(length_m: float, height_m: float, rng: np.random.Generator) -> tuple[Rods, Triangles]:

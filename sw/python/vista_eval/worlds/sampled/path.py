@@ -13,7 +13,7 @@ from vista_eval.render.scene import Board, Box, Cylinder, Mesh, Panel, Solid, Sp
 STEP_M = 0.5
 AHEAD_M = 100.0  # as far as the collision volume reaches from the last frame
 # Things stand at least that far off the path, and by that share of the distance ahead of the last frame more:
-# gusts and sway turn the direction of flight by a degree.
+# gusts and sway turn the direction of flight by a degree, in one frame of a hundred by three.
 CLEAR_M, CLEAR_PER_M = 4.5, 0.03
 
 
@@ -121,10 +121,5 @@ def clear_of(path: Path, things: Iterable[Thing]) -> list[Thing]:
 
 def distance_m(thing: Thing, point_m: np.ndarray) -> float:
     """From the nearest of the thing's solids."""
-    here = Path(np.asarray(point_m, float)[None, :], np.zeros(1), 1)
-    return min(_exactly(solid, here) for solid in thing.solids)
-
-
-def _exactly(solid: Solid, here: Path) -> float:
-    points, radius_m = samples(solid)
-    return float(np.linalg.norm(points - here.points_m[0], axis=1).min()) - radius_m
+    parts = [samples(solid) for solid in thing.solids]
+    return min(float(np.linalg.norm(points - point_m, axis=1).min()) - radius_m for points, radius_m in parts)

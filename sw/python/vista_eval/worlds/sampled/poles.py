@@ -10,12 +10,10 @@ from vista_eval.render.scene import Cylinder, Panel, Scene, Solid, Thing, thing
 from vista_eval.worlds import street, things
 from vista_eval.worlds.sampled.courses import FROM_AFAR
 from vista_eval.worlds.sampled.draws import log_uniform, some_seed
-from vista_eval.worlds.sampled.grounds import BUILT_UP, OPEN_COUNTRY
+from vista_eval.worlds.sampled.grounds import COUNTRY_AND_TOWN
 from vista_eval.worlds.sampled.patterns import cloudy, laid
 from vista_eval.worlds.sampled.rods import all_of, lattice, strand
 from vista_eval.worlds.sampled.site import RURAL, URBAN, Site, background, clutter, scene_of, site
-
-COUNTRY_AND_TOWN = (*OPEN_COUNTRY, *BUILT_UP)
 
 
 def cylinder_albedo(height_m: float, girth_m: float, seed: int, kind: str) -> np.ndarray:
@@ -92,7 +90,7 @@ def pole(name: str, here: Site, rng: np.random.Generator, **more) -> Thing:
     height = here.altitude_m - foot[2] + float(rng.uniform(1, 6))
     if rng.random() < 0.25:
         return things.one(name, "pole", street.lamp_post(height, rng), foot, rng.choice([0.0, 180.0]), **more)
-    radius, kind = log_uniform(rng, 0.03, 0.3) / 1.2, str(rng.choice(["wood", "concrete", "bands", "steel"]))
+    radius, kind = log_uniform(rng, 0.03, 0.3) / 2, str(rng.choice(["wood", "concrete", "bands", "steel"]))
     lean = rng.normal(0, 0.015, 2) * height
     top = (foot[0] + lean[0], foot[1] + lean[1], foot[2] + height)
     solids: list[Solid] = [round_pole(f"{name}_pole", foot, top, radius, some_seed(rng), kind)]

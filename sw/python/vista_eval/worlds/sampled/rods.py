@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from vista_eval.render.scene import Cylinder, Solid
+from vista_eval.worlds.triangles import turned
 
 SEGMENT_M = 1.5
 
@@ -31,10 +32,9 @@ class Rods(NamedTuple):
 
     def moved(self, foot_m: ArrayLike, yaw_deg: float = 0.0) -> Rods:
         """Turned about z from x towards y, then moved."""
-        cos, sin = np.cos(np.radians(yaw_deg)), np.sin(np.radians(yaw_deg))
-        turn = np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]])
         foot = np.asarray(foot_m, float)
-        return self._replace(start_m=self.start_m @ turn.T + foot, end_m=self.end_m @ turn.T + foot)
+        start_m, end_m = (turned(ends_m, yaw_deg) + foot for ends_m in (self.start_m, self.end_m))
+        return self._replace(start_m=start_m, end_m=end_m)
 
     def lying(self) -> Rods:
         """Up becomes +y."""

@@ -4,7 +4,7 @@ every flight   noise of 1 to 2.5 grey levels, gains that agree within 3 %, up to
                of exposure, up to 25 % of vignetting, a weak veil towards the sun
 30 %           one fault besides, each as likely: noise of 2.5 to 10 grey levels; 0.8 to 2 px of defocus on
                one lens; 4 to 10 ms of exposure; gains that differ by up to 12 %; 50 % of vignetting;
-               glare; dirt on 1 to 4 % of one lens
+               glare; dirt on 1 to 4 % of one lens; rows of the right camera off by 0.1 to 0.5 px
 25 %           a fault of the poses, each as likely: 10 to 60 ms of delay; drift of up to 0.3 m/s and
                0.3 degrees/s; one to four frames without a new pose
 """
@@ -15,10 +15,11 @@ import numpy as np
 
 from vista_eval.render.navigation import NO_FAULTS, PoseFaults
 from vista_eval.render.optics import FlawedSensor
+from vista_eval.render.rig import PAPER_RIG, Rig
 from vista_eval.worlds.sampled.draws import draws, log_uniform, some_seed
 
 FAULTY, LOST = 0.3, 0.25  # shares of the flights with a fault of a camera, of the poses
-FAULTS = ("noise", "defocus", "motion", "gain", "vignetting", "glare", "dirt")
+FAULTS = ("noise", "defocus", "motion", "gain", "vignetting", "glare", "dirt", "rows")
 POSE_FAULTS = ("delay", "drift", "drop-out")
 
 
@@ -46,6 +47,13 @@ def sensor(seed: int) -> FlawedSensor:
         glare=float(rng.uniform(0.1, 0.4) if fault == "glare" else rng.uniform(0.0, 0.03)),
         dirt=(float(dirt[0]), float(dirt[1])),
     ).with_noise(noise_grey)
+
+
+def rig(seed: int) -> Rig:
+    if fault_of(seed) != "rows":
+        return PAPER_RIG
+    rng = draws(seed, "rig")
+    return PAPER_RIG.with_rows_off(float(rng.choice([-1, 1]) * rng.uniform(0.1, 0.5)))
 
 
 def pose_faults(seed: int, frames: int) -> PoseFaults:

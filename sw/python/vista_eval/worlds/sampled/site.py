@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from vista_eval.render.manoeuvre import Manoeuvre
 from vista_eval.render.motion import moved
 from vista_eval.render.scene import Mesh, Point, Scene, Thing, thing
 from vista_eval.worlds import random_scene
@@ -17,6 +18,7 @@ from vista_eval.worlds.sampled.grounds import COVERS
 from vista_eval.worlds.sampled.laying import Relief, ground
 from vista_eval.worlds.sampled.light import light
 from vista_eval.worlds.sampled.path import Path, clear_of, path_of
+from vista_eval.worlds.triangles import turned
 
 RURAL = ("broadleaf", "conifer", "poplar", "bare", "bush", "hedge", "bale", "picket fence", "rail fence")
 URBAN = ("thin post", "lamp post", "car", "van", "person", "crates", "wall", "house", "bush")
@@ -28,6 +30,7 @@ HILLS_TURN_DEG = 48.0
 class Site:
     seed: int
     altitude_m: float
+    course: Manoeuvre
     path: Path
     cover: str
     contrast: float
@@ -50,7 +53,8 @@ class Site:
 def site(altitude_m: float, seed: int, courses: Courses, covers: Sequence[str]) -> Site:
     rng = draws(seed, "cover")
     cover = str(rng.choice(list(covers)))
-    return Site(seed, altitude_m, path_of(courses.draw(seed)), cover, float(rng.uniform(0.45, 1.0)))
+    course = courses.draw(seed)
+    return Site(seed, altitude_m, course, path_of(course), cover, float(rng.uniform(0.45, 1.0)))
 
 
 def ridges(altitude_m: float, seed: int, foot_m: float = 0.0) -> list[Thing]:
@@ -59,9 +63,7 @@ def ridges(altitude_m: float, seed: int, foot_m: float = 0.0) -> list[Thing]:
     for k, yaw_deg in enumerate((0.0, -HILLS_TURN_DEG, HILLS_TURN_DEG)):
         (solid,) = hills(altitude_m, seed + k).solids
         assert isinstance(solid, Mesh)
-        cos, sin = np.cos(np.radians(yaw_deg)), np.sin(np.radians(yaw_deg))
-        turn = np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]])
-        vertices = (solid.vertices_m @ turn.T + [0.0, 0.0, foot_m]).astype(np.float32)
+        vertices = (turned(solid.vertices_m, yaw_deg) + np.array([0.0, 0.0, foot_m])).astype(np.float32)
         found.append(thing(f"hills{k}", "hills", [replace(solid, name=f"hills{k}", vertices_m=vertices)]))
     return found
 

@@ -131,7 +131,7 @@ def below_the_path(relief: Relief, here: Site, clearance_m: float) -> Relief:
 
 
 def left_free(here: Site, relief: Relief) -> Scene:
-    """Up to here the ground comes, and no farther."""
+    """Nothing is met: below the path the ground stays 0.5 to 3 m under what has to be clear."""
     clear_m = float(here.path.clear_m[-1]) + float(here.draws("clearance").uniform(0.5, 3.0))
     lower = below_the_path(relief, here, clear_m)
     there = replace(here, relief=lower)

@@ -42,7 +42,7 @@ def spans(here: Site, rng: np.random.Generator, incline_deg: float, count: int) 
     return ends, [strand(a, b, radius, sag, rng) for a, b in ends]
 
 
-def wooden_poles(name: str, here: Site, ends: list, rng: np.random.Generator) -> Triangles:
+def wooden_poles(here: Site, ends: list, rng: np.random.Generator) -> Triangles:
     """Under each end of the wires, as high as the highest."""
     parts = []
     for k in (0, 1):
@@ -67,7 +67,7 @@ def cable(altitude_m: float, seed: int) -> Scene:
     here = site(altitude_m, seed, AT_WIRES, OPEN_COUNTRY)
     rng = here.draws("cable")
     ends, wires = spans(here, rng, float(rng.uniform(-20, 20)), int(rng.integers(1, 5)))
-    holders = thing("poles", "pole", [things.mesh("poles", wooden_poles("poles", here, ends, rng))])
+    holders = thing("poles", "pole", [things.mesh("poles", wooden_poles(here, ends, rng))])
     target = thing("target", "wire", all_of(*wires).solids("target_wire"), target=True)
     return scene_of(here, [target, holders], around(here))
 

@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: Apache-2.0
+// Properties of vista_levels, inside it, for any pattern of valid and ready: each beat that is taken is offered next, with
+// its start and end; it also goes to the reducer, at the same time, exactly if a smaller level follows; levels of a frame
+// come in order, each with half the size of the one before it, as many as were asked for and are large enough; a frame
+// begins with level 0 and its own size; what waits holds still.
+//
+// Assumed of vista_frame_guard: the size is one the engine takes, and stays until the frame has left.
+
+logic             f_started = 1'b0;
+logic             f_stepped, f_waited, f_reduce_waited, f_more, f_new, f_follows, f_inside;
+logic [DataW+1:0] f_beat, f_held, f_reduce_held;
+logic [1:0]       f_level, f_held_level;      // of the level that is being taken
+logic [ColW:0]    f_width, f_held_width, f_source_width;
+logic [RowW-1:0]  f_height, f_held_height, f_source_height;
+logic [2:0]       f_levels, f_source_levels;  // of its frame
+
+assign f_more = (32'(f_level) + 1 < 32'(f_levels)) & (f_level != 2'd3) & (32'(f_width) >= 7) & (32'(f_height) >= 3);
+
+// The reference: level, size and number of levels of what is taken.
+assign f_level  = level_q;
+assign f_width  = width;
+assign f_height = height;
+assign f_levels = levels;
+
+logic [1:0]      f_last_level;   // as they were at the end of the level before
+logic [ColW:0]   f_last_width;
+logic [RowW-1:0] f_last_height;
+logic [2:0]      f_last_levels;
+
+always_ff @(posedge clk_i) begin
+  if (!rst_ni) f_started <= 1'b1;
+  f_stepped <= step;
+  f_beat    <= {level_sof, eol, first ? source_data_i : fetch_data_i};
+  f_waited  <= valid_o & ~ready_i;
+  f_held    <= {sof_o, eol_o, data_o};
+  f_held_level  <= level_o;
+  f_held_width  <= width_o;
+  f_held_height <= height_o;
+  f_reduce_waited <= reduce_valid_o & ~reduce_ready_i;
+  f_reduce_held   <= {reduce_sof_o, reduce_eol_o, reduce_data_o};
+  f_source_width  <= width_i;
+  f_source_height <= height_i;
+  f_source_levels <= levels_i;
+  if (step) f_inside <= ~level_end;
+  f_new <= step & level_end;
+  f_follows <= f_more;
+  if (step & level_end) begin
+    f_last_level  <= f_level;
+    f_last_width  <= f_width;
+    f_last_height <= f_height;
+    f_last_levels <= f_levels;
+  end
+  if (!rst_ni) begin
+    f_stepped <= 1'b0;
+    f_waited  <= 1'b0;
+    f_reduce_waited <= 1'b0;
+    f_inside  <= 1'b0;
+    f_new     <= 1'b0;
+  end
+end
+
+logic f_source_held;  // a beat of the source or of the memory that was not taken
+logic f_fetch_held;
+logic [DataW:0] f_source_beat, f_fetch_beat;
+
+always_ff @(posedge clk_i) begin
+  f_source_held <= source_valid_i & ~source_ready_o;
+  f_fetch_held  <= fetch_valid_i & ~fetch_ready_o;
+  f_source_beat <= {source_eol_i, source_data_i};
+  f_fetch_beat  <= {fetch_eol_i, fetch_data_i};
+  if (!rst_ni) begin
+    f_source_held <= 1'b0;
+    f_fetch_held  <= 1'b0;
+  end
+end
+
+`ifdef VERILATOR
+always_ff @(posedge clk_i) begin  // a bench may change the inputs between clocks
+`else
+always_comb begin
+  if (!f_started) assume (!rst_ni);
+`endif
+  if (f_started) begin
+    if (source_valid_i || (first && f_inside))
+      assume (32'(width_i) >= MinWidth && 32'(width_i) <= MaxWidth && 32'(height_i) >= MinHeight);
+    if (first && f_inside)
+      assume (width_i == f_source_width && height_i == f_source_height && levels_i == f_source_levels);
+    if (f_source_held) begin
+      assume (source_valid_i && {source_eol_i, source_data_i} == f_source_beat);
+      assume (width_i == f_source_width && height_i == f_source_height && levels_i == f_source_levels);
+    end
+    if (f_fetch_held) assume (fetch_valid_i && {fetch_eol_i, fetch_data_i} == f_fetch_beat);
+
+    // Beats.
+    assert (step == ((source_valid_i & source_ready_o) | (fetch_valid_i & fetch_ready_o)));
+    assert (!(source_ready_o & fetch_ready_o));
+    assert (valid_o == (f_stepped | f_waited) && !(f_stepped & f_waited));
+    if (f_stepped) assert ({sof_o, eol_o, data_o} == f_beat);
+    if (f_waited) begin
+      assert ({sof_o, eol_o, data_o} == f_held);
+      assert (level_o == f_held_level && width_o == f_held_width && height_o == f_held_height);
+    end
+
+    // The reducer.
+    assert ((reduce_valid_o & reduce_ready_i) == (step & f_more));
+    if (reduce_valid_o) begin
+      assert ({reduce_sof_o, reduce_eol_o, reduce_data_o} == {level_sof, eol, first ? source_data_i : fetch_data_i});
+      assert (reduce_width_o == f_width && reduce_height_o == f_height);
+    end
+    if (f_reduce_waited) assert (reduce_valid_o && {reduce_sof_o, reduce_eol_o, reduce_data_o} == f_reduce_held);
+
+    // Levels.
+    assert (level_sof == !f_inside);
+    if (f_new && f_follows) begin
+      assert (f_level == f_last_level + 2'd1 && f_levels == f_last_levels);
+      assert (32'(f_width) == (32'(f_last_width) + 1) / 2 && 32'(f_height) == (32'(f_last_height) + 1) / 2);
+    end
+    if (f_new && !f_follows) assert (f_level == '0);
+    if (level_q != '0) assert (source_ready_o == 1'b0);
+    if (level_q == '0) assert (fetch_ready_o == 1'b0);
+
+    // What makes these inductive.
+    if (!first || f_inside || source_valid_i) begin
+      assert (32'(width) >= MinWidth && 32'(width) <= MaxWidth && 32'(height) >= MinHeight);
+      assert (32'(col_q) < 32'(width) && row_q < height);
+    end
+    if (level_q != '0) assert (32'(level_q) < 32'(levels_q));
+  end
+end

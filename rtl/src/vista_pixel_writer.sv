@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: Apache-2.0
+// Sends the pixels that a filter has computed as AXI4-Stream video, behind a pipeline that cannot stop.
+//
+// A frame whose input broke off ends with its last pixel that was computed from what came. That pixel carries an end of
+// line in the wrong place, or none in the last column, so that whatever follows cuts the frame there as well. To know
+// which pixel is the last, each waits for the next one. A frame that breaks off within its first three pixels is filled
+// up to three: a follower has then taken its first one (through a buffer of two) before the next frame is offered, and
+// with it what belongs to the frame (`side_o`).
+//
+// The writer has no `ready`: `go_o` falls early enough that what is still on its way, at most `InFlight` pixels, fits.
+//
+// Latency: 4 clocks from the result behind a pixel to the pixel.
+
+module vista_pixel_writer #(
+  parameter int unsigned SideWidth = 24,
+  parameter int unsigned InFlight = 10,
+  localparam int unsigned DataW = 2 * vista_stereo_pkg::PixelW,
+  localparam int unsigned PtrW = $clog2(InFlight + 2)
+) (
+  input  logic clk_i,
+  input  logic rst_ni,
+
+  input  logic                 result_valid_i,
+  input  logic                 result_sof_i,
+  input  logic                 result_eol_i,
+  input  logic                 result_end_i,   // the last pixel of the frame
+  input  logic                 result_cut_i,   // filler after a framing error, as all that follow in the frame
+  input  logic [DataW-1:0]     result_data_i,
+  input  logic [SideWidth-1:0] result_side_i,  // of the frame, beside its first pixel
+  output logic                 go_o,
+
+  output logic                 valid_o,
+  input  logic                 ready_i,
+  output logic                 sof_o,
+  output logic                 eol_o,
+  output logic [DataW-1:0]     data_o,
+  output logic [SideWidth-1:0] side_o  // of the frame that is leaving; changes when its first pixel is offered
+);
+
+  localparam int unsigned Depth = 2 ** PtrW;
+  localparam int unsigned WordW = SideWidth + 2 + DataW;
+  localparam logic [1:0] Fewest = 2'd3;  // pixels of a frame that breaks off
+
+  // The pixel that waits for the next one.
+  logic hold_valid_q, hold_sof_q, hold_eol_q, hold_end_q;
+  logic [DataW-1:0]     hold_data_q;
+  logic [SideWidth-1:0] hold_side_q;
+  logic [1:0]           count_q;  // pixels of the frame so far, saturating
+  logic cut, load, write, write_eol;
+
+  assign cut       = result_cut_i & ~result_sof_i & (count_q == Fewest);
+  assign load      = result_valid_i & ~cut;
+  assign write     = hold_valid_q & (hold_end_q | result_valid_i);
+  assign write_eol = hold_eol_q ^ (cut & ~hold_end_q);
+
+  always_ff @(posedge clk_i) begin
+    if (load | write) hold_valid_q <= load;
+    if (load) begin
+      hold_sof_q  <= result_sof_i;
+      hold_eol_q  <= result_eol_i;
+      hold_end_q  <= result_end_i;
+      hold_data_q <= result_data_i;
+      if (result_sof_i) hold_side_q <= result_side_i;
+      if (result_sof_i) count_q <= 2'd1;
+      else if (count_q != Fewest) count_q <= count_q + 1'b1;
+    end
+    if (!rst_ni) begin
+      hold_valid_q <= 1'b0;
+      hold_end_q   <= 1'b0;
+    end
+  end
+
+  // What waits for the reader.
+  (* ram_style = "distributed" *) logic [WordW-1:0] mem[Depth];
+  logic [PtrW-1:0] write_ptr_q, read_ptr_q;
+  logic [PtrW:0]    level_q;
+  logic             read;
+  logic [WordW-1:0] head, word_q;
+
+  assign read = (level_q != '0) & (~valid_o | ready_i);
+  assign head = mem[read_ptr_q];
+
+  always_ff @(posedge clk_i) begin
+    if (write) mem[write_ptr_q] <= {hold_side_q, hold_sof_q, write_eol, hold_data_q};
+  end
+
+  always_ff @(posedge clk_i) begin
+    if (write) write_ptr_q <= write_ptr_q + 1'b1;
+    if (read) begin
+      read_ptr_q <= read_ptr_q + 1'b1;
+      word_q     <= head;
+    end
+    if (~valid_o | ready_i) valid_o <= read;
+    level_q <= level_q + (PtrW + 1)'(write) - (PtrW + 1)'(read);
+    go_o    <= 32'(level_q) < Depth - InFlight;
+    if (!rst_ni) begin
+      write_ptr_q <= '0;
+      read_ptr_q  <= '0;
+      level_q     <= '0;
+      valid_o     <= 1'b0;
+      go_o        <= 1'b0;
+    end
+  end
+
+  assign {side_o, sof_o, eol_o, data_o} = word_q;
+
+`ifdef FORMAL
+  `include "vista_pixel_writer_properties.svh"
+`endif
+
+endmodule

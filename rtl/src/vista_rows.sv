@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: Apache-2.0
+// Takes video and gives each slot beside the pixels of its column: row m, the row below it and those above.
+//
+// Framing, drain and filler are those of vista_framer: frames may follow each other without a gap, and the last row of a
+// frame needs no follower. Rows that do not exist (below the last, above the first) hold anything; the user mirrors.
+//
+// Latency: 4 clocks from a pixel to the slot of the row above it.
+
+module vista_rows #(
+  parameter int unsigned NumRows = 2,  // rows that are kept: m, m-1 ..
+  parameter int unsigned MaxWidth = 1024,
+  parameter int unsigned SideWidth = 1,
+  localparam int unsigned ColW = $clog2(MaxWidth),
+  localparam int unsigned RowW = vista_stereo_pkg::HeightW,
+  localparam int unsigned DataW = 2 * vista_stereo_pkg::PixelW
+) (
+  input  logic clk_i,
+  input  logic rst_ni,
+
+  // Taken over with the first pixel of a frame.
+  input  logic                 enable_i,
+  input  logic [ColW:0]        width_i,
+  input  logic [RowW-1:0]      height_i,
+  input  logic [SideWidth-1:0] side_i,  // whatever else belongs to the frame
+
+  input  logic             valid_i,
+  output logic             ready_o,
+  input  logic             sof_i,
+  input  logic             eol_i,
+  input  logic [DataW-1:0] data_i,
+
+  input  logic go_i,  // slots may be issued
+
+  output vista_stereo_pkg::slot_t        slot_o,
+  output logic                           odd_col_o,
+  output logic                           odd_row_o,
+  output logic [DataW-1:0]               below_o,  // row m+1
+  output logic [NumRows-1:0][DataW-1:0]  row_o,    // row m, m-1 ..
+
+  // Of the frame being stored; while the first slot of a frame is out, and for 2 clocks more, of that frame.
+  output logic [ColW:0]        width_o,
+  output logic [RowW-1:0]      height_o,
+  output logic [SideWidth-1:0] side_o,
+
+  // Events, one clock each.
+  output logic frame_start_o,
+  output logic error_early_eol_o,
+  output logic error_late_eol_o,
+  output logic error_early_sof_o,
+  output logic error_late_sof_o,
+  output logic error_size_o
+);
+
+  import vista_stereo_pkg::*;
+
+  if (MaxWidth < MinWidth || MaxWidth > LargestWidth) begin : gen_bad_width
+    $fatal(1, "MaxWidth must be 4 .. 65535");
+  end
+
+  logic head_valid, head_ready, head_sof, head_eol;
+  logic [DataW-1:0] head;
+
+  vista_skid #(
+    .Width(DataW + 2)
+  ) u_skid (
+    .clk_i,
+    .rst_ni,
+    .valid_i,
+    .ready_o,
+    .data_i  ({sof_i, eol_i, data_i}),
+    .valid_o (head_valid),
+    .ready_i (head_ready),
+    .data_o  ({head_sof, head_eol, head})
+  );
+
+  slot_t slot;
+  logic [ColW-1:0] slot_col, store_col;
+  logic            store_valid;
+  logic [DataW-1:0] store_data;
+
+  // What is built for a number of disparities and a block in the framer is for the matching only.
+  vista_framer #(
+    .NumDisparities (16),
+    .BlockSize (5),
+    .MaxWidth (MaxWidth)
+  ) u_framer (
+    .clk_i,
+    .rst_ni,
+    .enable_i,
+    .width_i,
+    .height_i,
+    .params_i         ('0),
+    .valid_i          (head_valid),
+    .ready_o          (head_ready),
+    .sof_i            (head_sof),
+    .eol_i            (head_eol),
+    .data_i           (head),
+    .go_i,
+    .slot_o           (slot),
+    .slot_col_o       (slot_col),
+    .params_o         (),
+    .store_valid_o    (store_valid),
+    .store_col_o      (store_col),
+    .store_data_o     (store_data),
+    .begin_valid_o    (),
+    .begin_last_col_o (),
+    .begin_last_row_o (),
+    .frame_start_o,
+    .error_early_eol_o,
+    .error_late_eol_o,
+    .error_early_sof_o,
+    .error_late_sof_o,
+    .error_size_o
+  );
+
+  // The framer looks at the size a clock before the first pixel is taken, and tells of it a clock after.
+  logic [ColW:0] width1_q, width2_q;
+  logic [RowW-1:0] height1_q, height2_q;
+  logic [SideWidth-1:0] side1_q;
+
+  always_ff @(posedge clk_i) begin
+    width1_q  <= width_i;
+    width2_q  <= width1_q;
+    height1_q <= height_i;
+    height2_q <= height1_q;
+    side1_q   <= side_i;
+    if (frame_start_o) begin
+      width_o  <= width2_q;
+      height_o <= height2_q;
+      side_o   <= side1_q;
+    end
+  end
+
+  // The rows come out of the store two clocks later; the arriving pixel waits for them.
+  slot_t slot1_q;
+  logic [ColW-1:0] store_col1_q, store_col2_q;
+  logic odd_col1_q, store1_q, store2_q, odd_row_q;
+  logic [DataW-1:0] below1_q;
+
+  vista_line_store #(
+    .Width (NumRows * DataW),
+    .Depth (MaxWidth)
+  ) u_lines (
+    .clk_i,
+    .clear_i      (1'b0),
+    .write_i      (store2_q),
+    .write_col_i  (store_col2_q),
+    .write_data_i ({row_o[NumRows-2:0], below_o}),
+    .read_col_i   (slot_col),
+    .read_data_o  (row_o)
+  );
+
+  assign odd_row_o = odd_row_q & ~slot_o.first_row;
+
+  always_ff @(posedge clk_i) begin
+    slot1_q      <= slot;
+    slot_o       <= slot1_q;
+    odd_col1_q   <= slot_col[0];
+    odd_col_o    <= odd_col1_q;
+    store1_q     <= store_valid;
+    store2_q     <= store1_q;
+    store_col1_q <= store_col;
+    store_col2_q <= store_col1_q;
+    below1_q     <= store_data;
+    below_o      <= below1_q;
+    if (slot_o.valid & slot_o.last_col) odd_row_q <= ~odd_row_o;
+    if (!rst_ni) begin
+      slot1_q.valid <= 1'b0;
+      slot_o.valid  <= 1'b0;
+      store1_q      <= 1'b0;
+      store2_q      <= 1'b0;
+    end
+  end
+
+endmodule

@@ -1,0 +1,65 @@
+"""Icarus Verilog, and the replay of a recorded run on the plain Verilog of `make release-rtl`."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import subprocess
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+from registers import ADDRESS_BITS
+from tools import BUILD, ROOT
+from verilated import Config
+
+sys.path.insert(0, str(ROOT / "scripts"))
+from release_rtl import default_path, release
+
+UNPACKED = ROOT / "build" / "tools" / "icarus" / "root" / "usr"  # by scripts/setup_rtl.sh
+REPLAY = ROOT / "tb" / "icarus" / "replay.v"
+
+
+def commands() -> tuple[list[str], list[str]]:
+    """How to compile and how to run."""
+    if (UNPACKED / "bin" / "iverilog").is_file():
+        library = str(UNPACKED / "lib" / "x86_64-linux-gnu" / "ivl")
+        return [str(UNPACKED / "bin" / "iverilog"), "-B", library], [
+            str(UNPACKED / "bin" / "vvp"),
+            "-M",
+            library,
+        ]
+    if shutil.which("iverilog") is None:
+        raise FileNotFoundError("iverilog is missing: run `make setup-rtl`")
+    return ["iverilog"], ["vvp"]
+
+
+@dataclass(frozen=True)
+class Replayed:
+    clocks: int
+    words: int
+    with_x: int  # clocks in which valid data held an x
+    differ: int  # clocks in which an output differed
+    text: str
+
+
+def released(config: Config) -> Path:
+    """The file of `make release-rtl`, written anew."""
+    build = (config.num_disparities, config.block_size, config.max_width)
+    path = default_path(*build)
+    release(*build, path)
+    return path
+
+
+def replay(design: Path, trace: Path) -> Replayed:
+    compiler, runner = commands()
+    program = BUILD / "release" / f"{design.stem}.vvp"
+    subprocess.run(
+        [*compiler, "-g2005", f"-DADDRESS_BITS={ADDRESS_BITS}", "-s", "replay", "-o", program, REPLAY,
+         design],
+        check=True, capture_output=True, text=True,
+    )  # fmt: skip
+    done = subprocess.run([*runner, program, f"+trace={trace}"], check=True, capture_output=True, text=True)
+    found = re.search(r"(\d+) clocks, (\d+) words, (\d+) with x, (\d+) differ", done.stdout)
+    assert found, done.stdout
+    return Replayed(*map(int, found.groups()), text=done.stdout)

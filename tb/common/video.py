@@ -1,0 +1,300 @@
+"""Video for the blocks before the engine: frames good and bad, what has to come of them, and a driver."""
+
+from __future__ import annotations
+
+import random
+from collections import deque
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+
+import numpy as np
+import numpy.typing as npt
+from cocotb.handle import SimHandleBase
+from cocotb.triggers import FallingEdge, ReadOnly
+from cocotb_helpers import package_constant
+from faults import EARLY_EOL, EARLY_SOF, LATE_EOL, LATE_SOF, SIZE, Reaction, Received, react
+from frames import beats
+from verilated import LAST, USER
+
+MIN_WIDTH, MIN_HEIGHT = package_constant("MinWidth"), package_constant("MinHeight")
+FEWEST = 3  # pixels of a frame that was cut
+SIDE_W = 8  # of what goes along with a frame
+ERRORS = {
+    "error_early_eol_o": EARLY_EOL,
+    "error_late_eol_o": LATE_EOL,
+    "error_early_sof_o": EARLY_SOF,
+    "error_late_sof_o": LATE_SOF,
+    "error_size_o": SIZE,
+}
+Beats = npt.NDArray[np.uint32]
+Images = Callable[[np.random.Generator, int, int], tuple[npt.NDArray[np.uint8], ...]]  # of height and width
+
+
+@dataclass
+class Segment:
+    """Video under one setting. Its last frame is good, so none reaches into the next."""
+
+    width: int
+    height: int
+    stream: Beats
+    enable: bool = True
+    option: int = 0  # smoothing on, number of levels
+    side: int = 0
+
+    def reaction(self, max_width: int, lost: bool) -> Reaction:
+        legal = MIN_WIDTH <= self.width <= max_width and self.height >= MIN_HEIGHT
+        if self.enable and legal:
+            return react(self.stream, self.width, self.height, lost)
+        return Reaction([], SIZE if self.enable else 0, True)
+
+
+@dataclass
+class Frame:
+    """A frame as it leaves: its pixels, and whether it ends as it should."""
+
+    width: int
+    height: int
+    pixels: list[int]  # {right, left}; -1 is not prescribed
+    whole: bool
+    level: int = 0
+    side: int = 0
+
+
+def broken(stream: Beats, width: int, rng: np.random.Generator) -> Beats:
+    """One of the faults there are, or none."""
+    at = int(rng.integers(1, min(len(stream), 6 if rng.random() < 0.2 else len(stream))))
+    kind = rng.integers(8)
+    if kind in (0, 1):  # an end of line too early, or missing
+        stream[at if kind else at - at % width + width - 1] ^= LAST
+    elif kind == 2:
+        stream[at] ^= USER
+    elif kind == 3:
+        stream[0] &= ~np.uint32(USER)
+    elif kind == 4:  # lost pixels, or the rest of the frame
+        end = at + int(rng.integers(1, 2 * width)) if rng.random() < 0.5 else None
+        stream = np.delete(stream, slice(at, end))
+    elif kind == 5:
+        stream = np.insert(stream, at, rng.integers(0, 65536, int(rng.integers(1, 2 * width)), np.uint32))
+    elif kind == 6:  # more rows than there should be
+        stream = np.concatenate([stream, stream[width : 2 * width]])
+    return stream
+
+
+def random_images(rng: np.random.Generator, height: int, width: int) -> tuple[npt.NDArray[np.uint8], ...]:
+    """Noise, or extremes only: sums at both ends of their range."""
+    if rng.integers(3) == 0:
+        return tuple((rng.integers(0, 2, (2, height, width)) * 255).astype(np.uint8))
+    return tuple(rng.integers(0, 256, (2, height, width), np.uint8))
+
+
+def random_segment(
+    rng: np.random.Generator, kind: str, max_width: int, options: int, images: Images = random_images
+) -> Segment:
+    """kind: good, faulty, illegal or disabled; options: settings there are."""
+    width = int(rng.choice([MIN_WIDTH, 5, 6, 7, max_width, rng.integers(MIN_WIDTH, max_width + 1)]))
+    height = int(rng.choice([MIN_HEIGHT, 3, 4, 5, rng.integers(MIN_HEIGHT, 20)]))
+    frames = [beats(*images(rng, height, width)) for _ in range(rng.integers(1, 5))]
+    if kind == "faulty":
+        frames = [broken(frame, width, rng) for frame in frames[:-1]] + frames[-1:]
+    if kind == "illegal":
+        width, height = [(3, height), (max_width + 1, height), (width, 1), (0, 0)][rng.integers(4)]
+    return Segment(
+        width, height, np.concatenate(frames), kind != "disabled", int(rng.integers(options)),
+        int(rng.integers(1 << SIDE_W)),
+    )  # fmt: skip
+
+
+def begun(segments: list[Segment], max_width: int) -> Iterator[tuple[Segment, Received]]:
+    lost = True
+    for segment in segments:
+        outcome = segment.reaction(max_width, lost)
+        lost = outcome.lost
+        yield from ((segment, frame) for frame in outcome.frames)
+
+
+def errors_of(segments: list[Segment], max_width: int) -> int:
+    lost, errors = True, 0
+    for segment in segments:
+        outcome = segment.reaction(max_width, lost)
+        lost, errors = outcome.lost, errors | outcome.errors
+    return errors
+
+
+def filtered(
+    frame: Frame,
+    function: Callable[[npt.NDArray[np.uint8]], npt.NDArray[np.uint8]],
+    step: int,
+    level: int = 0,
+) -> Frame:
+    """What a filter makes of a frame: pixel (x, y) of the result needs (step x + step, step y + step).
+
+    A frame that was cut is filled up to a few pixels, with which one of no more is whole."""
+    width, height, count = frame.width, frame.height, len(frame.pixels)
+    pair = np.zeros(width * height, np.int64)
+    pair[:count] = np.maximum(frame.pixels, 0)
+    pair = pair.reshape(height, width)
+    left, right = (function(plane.astype(np.uint8)).astype(np.int64) for plane in (pair & 255, pair >> 8))
+    out_height, out_width = left.shape
+    y, x = np.indices(left.shape)
+    needed = (step * y + step) * width + np.minimum(step * x + step, width - 1)
+    came = (needed < count) & (step * y + step < height) | frame.whole
+    pixels = np.where(came, left | right << 8, -1).ravel()
+    sent = len(pixels) if frame.whole else min(max(int(came.sum()), FEWEST), len(pixels))
+    return Frame(out_width, out_height, pixels[:sent].tolist(), sent == len(pixels), level, frame.side)
+
+
+def guarded(segment: Segment, received: Received) -> Frame:
+    """A frame as vista_frame_guard lets it pass."""
+    pixels = received.pixels + [-1] * (FEWEST - len(received.pixels))
+    return Frame(segment.width, segment.height, pixels, received.whole, side=segment.side)
+
+
+def sent_beats(frame: Frame) -> list[tuple[int, bool, bool]]:
+    """(pixel, start of frame, end of line); the last beat of a cut frame has its end of line wrong."""
+    last = len(frame.pixels) - 1
+    return [
+        (pixel, i == 0, (i % frame.width == frame.width - 1) ^ (i == last and not frame.whole))
+        for i, pixel in enumerate(frame.pixels)
+    ]
+
+
+@dataclass
+class Memory:
+    """The buffer beside the pyramid, of so many beats; it takes and gives at random."""
+
+    size: int
+    beats: deque[int] = field(default_factory=deque)
+    most: int = 0
+
+
+@dataclass
+class Seen:
+    """What came out, and when."""
+
+    beats: list[tuple[int, bool, bool]] = field(default_factory=list)
+    frames: list[dict[str, int]] = field(default_factory=list)  # what goes along with each
+    starts: int = 0
+    errors: int = 0
+    in_clock: list[int] = field(default_factory=list)
+    out_clock: list[int] = field(default_factory=list)
+
+
+class Driver:
+    """Offers segments at s_axis and takes at m_axis, at any pace; watches the rules of the bus."""
+
+    def __init__(self, dut: SimHandleBase, dice: random.Random, option: str, along: tuple[str, ...]) -> None:
+        self.dut, self.dice, self.option, self.along = dut, dice, option, along
+        self.side = "side_o" in along  # something goes along
+        self.memory: Memory | None = None
+        self.clock = 0
+        self.waiting: tuple[int, ...] | None = None
+        self.fetching = False
+
+    def set_up(self, segment: Segment) -> None:
+        dut = self.dut
+        dut.width_i.value, dut.height_i.value = segment.width, segment.height
+        dut.enable_i.value = segment.enable
+        if self.side:
+            dut.side_i.value = segment.side
+        if self.option:
+            getattr(dut, self.option).value = segment.option
+
+    async def run(
+        self, segments: list[Segment], offered: float, taken: float, stop_after: int | None = None
+    ) -> Seen:
+        """Until nothing has moved for long, or so many beats were taken."""
+        dut, dice, seen = self.dut, self.dice, Seen()
+        stream = np.concatenate([s.stream for s in segments]).tolist()
+        places = np.cumsum([0, *(len(s.stream) for s in segments[:-1])]).tolist()
+        firsts = dict(zip(places, segments, strict=True))
+        position, offering, idle = 0, False, 0
+        latest = self.clock + (40 * len(stream) + 2000) / min(offered, taken)
+        while idle < 400 / min(offered, taken) and (stop_after is None or position < stop_after):
+            offering = position < len(stream) and (offering or dice.random() < offered)
+            if offering and position in firsts:
+                self.set_up(firsts[position])
+            beat = stream[position] if offering else dice.randrange(1 << 16) | USER | LAST
+            ready = dice.random() < taken
+            dut.s_axis_tvalid.value, dut.s_axis_tdata.value = offering, beat & 0xFFFF
+            dut.s_axis_tuser.value, dut.s_axis_tlast.value = bool(beat & USER), bool(beat & LAST)
+            dut.m_axis_tready.value = ready
+            self._offer_memory(taken)
+            await ReadOnly()
+            if offering and dut.s_axis_tready.value:
+                position, offering, idle = position + 1, False, 0
+                seen.in_clock.append(self.clock)
+            idle += 1
+            if self._take(ready, seen):
+                idle = 0
+            self._move_memory()
+            seen.starts += int(dut.frame_start_o.value)
+            for name, bit in ERRORS.items():
+                seen.errors |= bit if getattr(dut, name).value else 0
+            await FallingEdge(dut.clk_i)
+            self.clock += 1
+            assert self.clock < latest, "it does not end"
+        dut.s_axis_tvalid.value = 0
+        if stop_after is None:
+            assert position == len(stream), "the input hung"
+        return seen
+
+    def _take(self, ready: bool, seen: Seen) -> bool:
+        dut = self.dut
+        if not dut.m_axis_tvalid.value:
+            assert self.waiting is None, "a waiting beat vanished"
+            return False
+        beat = (int(dut.m_axis_tdata.value), int(dut.m_axis_tuser.value), int(dut.m_axis_tlast.value))
+        along = {name: int(getattr(dut, name).value) for name in self.along}
+        assert self.waiting in (None, (*beat, *along.values())), "a waiting beat changed"
+        self.waiting = None if ready else (*beat, *along.values())
+        if ready:
+            seen.beats.append((beat[0], bool(beat[1]), bool(beat[2])))
+            seen.out_clock.append(self.clock)
+            if beat[1]:
+                seen.frames.append(along)
+            assert along == seen.frames[-1], "what goes along changed inside a frame"
+        return ready
+
+    def _offer_memory(self, pace: float) -> None:
+        if (memory := self.memory) is None:
+            return
+        dut, dice = self.dut, self.dice
+        room = len(memory.beats) < memory.size
+        dut.store_axis_tready.value = room and dice.random() < pace
+        self.fetching = bool(memory.beats) and (self.fetching or dice.random() < pace)
+        beat = memory.beats[0] if self.fetching else dice.randrange(1 << 18)
+        dut.fetch_axis_tvalid.value, dut.fetch_axis_tdata.value = self.fetching, beat & 0xFFFF
+        dut.fetch_axis_tuser.value, dut.fetch_axis_tlast.value = bool(beat & USER), bool(beat & LAST)
+
+    def _move_memory(self) -> None:
+        if (memory := self.memory) is None:
+            return
+        dut = self.dut
+        if self.fetching and dut.fetch_axis_tready.value:
+            memory.beats.popleft()
+            self.fetching = False
+        if dut.store_axis_tvalid.value and dut.store_axis_tready.value:
+            flags = (USER if dut.store_axis_tuser.value else 0) | (LAST if dut.store_axis_tlast.value else 0)
+            memory.beats.append(int(dut.store_axis_tdata.value) | flags)
+            memory.most = max(memory.most, len(memory.beats))
+
+
+async def reset(dut: SimHandleBase, driver: Driver) -> None:
+    dut.rst_ni.value = 0
+    for _ in range(3):
+        await FallingEdge(dut.clk_i)
+    dut.rst_ni.value = 1
+    driver.waiting, driver.fetching = None, False
+    if driver.memory:
+        driver.memory.beats.clear()
+
+
+def assert_frames(seen: Seen, frames: list[Frame], names: tuple[str, ...]) -> None:
+    """names: attributes of a frame, in the order of what goes along."""
+    expected = [beat for frame in frames for beat in sent_beats(frame)]
+    assert [beat[1:] for beat in seen.beats] == [beat[1:] for beat in expected], "framing"
+    for i, (got, wanted) in enumerate(zip(seen.beats, expected, strict=True)):
+        assert wanted[0] in (-1, got[0]), f"beat {i}: {got[0]:04x} instead of {wanted[0]:04x}"
+    assert [tuple(along.values()) for along in seen.frames] == [
+        tuple(getattr(frame, name) for name in names) for frame in frames
+    ]

