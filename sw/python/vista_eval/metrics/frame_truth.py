@@ -167,10 +167,10 @@ class SeenGround:
             hidden = (u_px < 0) | (u_px > 2 * cu) | (v_px < 0) | (v_px > 2 * cv)
             x, y, depth_m = (a[hidden].astype(np.float32) for a in (x, y, depth_m))
             aside_m, along_m = path.measure(pose, x, y, depth_m)
-            pixels = (np.rint(a[hidden]).astype(np.int32) for a in (u_px, v_px))
+            u, v = (np.rint(a[hidden]).astype(np.int32) for a in (u_px, v_px))
             labels = np.full(len(x), label, np.uint16)
             range_m = depth_m * np.sqrt(x * x + y * y + 1)
-            found.append(Points(view, *pixels, labels, depth_m, range_m, aside_m, along_m))
+            found.append(Points(view, u, v, labels, depth_m, range_m, aside_m, along_m))
         return found
 
 
@@ -214,8 +214,8 @@ def frame_truth(
     around = around.where(kept)
     real = around
     if rules.meeting:
-        ground = [label for label, thing in truth.objects.items() if not thing.standing]
-        real = around.where(~np.isin(around.label, ground))
+        lying = [label for label, thing in truth.objects.items() if not thing.standing]
+        real = around.where(~np.isin(around.label, lying))
     return FrameTruth(t_ns, world_from_camera, around, inside[kept], target, ground_m, surfaces, real)
 
 
