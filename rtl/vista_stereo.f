@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 rtl/csr/vista_stereo_csr_pkg.sv
 rtl/csr/vista_stereo_csr.sv
 -f rtl/vista_stereo_core.f

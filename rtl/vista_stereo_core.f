@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 rtl/src/vista_stereo_pkg.sv
 rtl/src/vista_skid.sv
 rtl/src/vista_line_store.sv
@@ -17,4 +18,5 @@ rtl/src/vista_right_winner.sv
 rtl/src/vista_lr_check.sv
 rtl/src/vista_result_fifo.sv
 rtl/src/vista_frame_writer.sv
+rtl/src/vista_word_packer.sv
 rtl/src/vista_stereo_core.sv

@@ -43,7 +43,8 @@ def plan() -> set[tuple[str, ...]]:
     sizes = set(itertools.product(["size"], ["even", "odd"], ["matched", "narrow", "low"]))
     stalls = {("stalls", a, b, e) for a, b in paces for e in ["good", "faulty"]}
     faults = {("fault", f.__name__) for f in FAULTS}
-    return parameters | sizes | stalls | faults
+    formats = set(itertools.product(["format"], ["wide", "narrow"], ["good", "faulty"]))
+    return parameters | sizes | stalls | faults | formats
 
 
 def run_frame(rtl: Rtl, seed: int, hit: set[tuple[str, ...]]) -> None:
@@ -55,6 +56,7 @@ def run_frame(rtl: Rtl, seed: int, hit: set[tuple[str, ...]]) -> None:
     if fault:
         frame = Frame(*random_pair(rng, "shifted", HEIGHT, WIDTH), p)
         height, width = HEIGHT, WIDTH
+    frame.narrow = bool(rng.random() < 0.3)
     stream = beats(frame.left, frame.right)
     if fault:
         stream = np.concatenate(
@@ -66,11 +68,12 @@ def run_frame(rtl: Rtl, seed: int, hit: set[tuple[str, ...]]) -> None:
         hit.add(("fault", fault.__name__))
     set_up(rtl, frame)
     reaction = react(stream, width, height)
-    count = len(reaction.frames) * width * height
+    expected = [expected_after(received, width, height, p, frame.narrow) for received in reaction.frames]
+    count = sum(map(len, expected))
     got = rtl.stream(stream, count, PACES[names[0]], PACES[names[1]], seed)
-    expected = [expected_after(received, width, height, p) for received in reaction.frames]
     assert (got.words == np.concatenate(expected)).all(), f"seed {seed}"
     rtl.write(ERRORS, 31)
+    hit.add(("format", "narrow" if frame.narrow else "wide", "faulty" if reaction.errors else "good"))
     hit.add(("stalls", *names, "faulty" if reaction.errors else "good"))
     hit.add(("parameters", p.prefilter, "unique" if p.uniqueness_ratio else "any", lr_bin(p.lr_max_diff)))
     narrow = width < CONFIG.num_disparities + CONFIG.block_size - 1

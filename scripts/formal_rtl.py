@@ -26,7 +26,9 @@ class Proof:
 
 REFERENCE = "-G NumDisparities=32 -G BlockSize=11 -G MaxWidth=1024"
 FRONT_END = "-G MaxWidth=1024 -G SideWidth=1"
+RECTIFIER = "-G MaxWidth=1024 -G NumRows=64 -G MaxPoints=2048"
 PACKAGE = "src/vista_stereo_pkg.sv"
+RECTIFY_PACKAGE = "src/vista_rectify_pkg.sv"
 
 # The framer and the frame writer are proved for frames of any size that the reference build takes, the others
 # for words so narrow that nothing depends on their width.
@@ -46,10 +48,19 @@ PROOFS = [
         "-G Width=2 -G InFlight=6",
         ("src/vista_line_store.sv", "src/vista_result_fifo.sv"),
     ),
+    Proof("vista_word_packer", 3, "", (PACKAGE, "src/vista_word_packer.sv")),
     Proof("vista_frame_writer", 3, REFERENCE, (PACKAGE, "src/vista_frame_writer.sv")),
     Proof("vista_pixel_writer", 3, "-G SideWidth=1", (PACKAGE, "src/vista_pixel_writer.sv")),
     Proof("vista_frame_guard", 4, FRONT_END, (PACKAGE, "src/vista_skid.sv", "src/vista_frame_guard.sv")),
     Proof("vista_levels", 3, FRONT_END, (PACKAGE, "src/vista_levels.sv")),
+    Proof("vista_rectify_map", 3, RECTIFIER, (PACKAGE, RECTIFY_PACKAGE, "src/vista_rectify_map.sv")),
+    Proof("vista_rectify_ring", 3, "-G MaxWidth=1024 -G NumRows=64", ("src/vista_rectify_ring.sv",)),
+    Proof(
+        "vista_rectify_rows",
+        4,
+        RECTIFIER,
+        (PACKAGE, RECTIFY_PACKAGE, "src/vista_skid.sv", "src/vista_rectify_rows.sv"),
+    ),
 ]
 
 

@@ -337,6 +337,31 @@ def rectification_table() -> str:
     return markdown("pair | median row error before, px | after, px", rows)
 
 
+def rectification_grid_table() -> str:
+    """Errors of a control grid against the exact map, and what line buffers of each depth serve."""
+
+    def errors(found: Record, digits: int) -> str:
+        return ", ".join(f"{found[key]:.{digits}f}" for key in ("mean", "p99", "max"))
+
+    def share(found: Record) -> str:
+        return f"{100 * found['share']:.1f} %" + ("" if found["accepted"] else ", refused")
+
+    cameras = figures("rectification-grid")["cameras"]
+    depths = list(cameras[0]["buffer_rows"])
+    rows = [
+        [
+            one["camera"],
+            errors(one["error_px"], 3),
+            errors(one["error_grey"], 2),
+            f"{one['rows_away'][0]:g} to {one['rows_away'][1]:g}",
+            *(share(one["buffer_rows"][depth]) for depth in depths),
+        ]
+        for one in cameras
+    ]
+    head = "camera | error, px: mean, p99, max | grey levels: mean, p99, max | rows away | "
+    return markdown(head + " | ".join(f"{depth} rows" for depth in depths), rows)
+
+
 def health_table() -> str:
     """What the checks of a run say of real pairs, as recorded and with each fault."""
 
@@ -371,6 +396,18 @@ def synthesis_table() -> str:
             f"- From {low} to {high} disparities, each takes {each[0]:.0f} LUT4 and {each[1]:.0f} sites."
         )
     return "\n".join(lines)
+
+
+def blocks_table() -> str:
+    """The blocks before the core."""
+    rows = []
+    for b in figures("synthesis")["blocks"]["list"]:
+        counts = [f"{b[key]:,}" for key in ("lut4", "sites", "ff", "block_ram", "multipliers")]
+        name = [f"`{b['block']}`", str(b["max_width_px"]), b["device"], str(b["speed_grade"])]
+        rows.append([*name, *counts, clock(b)])
+    return markdown(
+        "block | width | device | speed | LUT4 | sites | flip-flops | block RAMs | multipliers | MHz", rows
+    )
 
 
 def clock(build: Record) -> str:
@@ -524,8 +561,10 @@ TABLES: dict[str, Callable[[], str]] = {
     "flights-test": lambda: flights_table("test"),
     "throughput": throughput_table,
     "rectification": rectification_table,
+    "rectification-grid": rectification_grid_table,
     "health": health_table,
     "synthesis": synthesis_table,
+    "blocks": blocks_table,
     "coverage": coverage_table,
     "mutants": mutants_table,
     "system-model": system_model_table,
@@ -728,6 +767,7 @@ REDUCE: dict[str, Callable[[Record], Record]] = {
     "lidar": reduce_lidar,
     "evidence": lambda raw: raw,
     "health": lambda raw: raw,
+    "rectification-grid": lambda raw: raw,
     "host": lambda raw: {"sequences": raw["sequences"]},
     "street": lambda raw: raw,
     "segmentation": lambda raw: raw,

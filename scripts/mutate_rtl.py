@@ -62,6 +62,9 @@ CORE = Target(
 TARGETS = {
     "core": CORE,
     "smooth": Target("vista_smooth", (("MaxWidth", 32), ("SideWidth", 8))),
+    "rectify": Target(
+        "vista_rectify", (("MaxWidth", 40), ("NumRows", 16), ("MaxPoints", 16), ("SideWidth", 8))
+    ),
     "pyramid": Target("vista_pyramid", (("MaxWidth", 40), ("SideWidth", 8))),
 }
 LIMIT = 0.9
@@ -118,20 +121,20 @@ def caught(rtl: Rtl) -> str | None:
         elif seed % 3 == 1:
             paces = Pace(), Pace()
             stream = np.tile(stream, 3)
+        else:
+            frame.narrow = seed % 2 == 0
         height, width = frame.shape
         set_up(rtl, frame)
         reaction = react(stream, width, height, lost)
         lost = reaction.lost
-        count = len(reaction.frames) * width * height
+        expected = [expected_after(r, width, height, frame.parameters, frame.narrow) for r in reaction.frames]
+        count = sum(map(len, expected))
         got = rtl.stream(stream, count, *paces, seed, quiet=4000)
         if got.taken != len(stream) or len(got.words) != count:
             return "hangs"
-        if (
-            got.words
-            != np.concatenate([expected_after(r, width, height, frame.parameters) for r in reaction.frames])
-        ).any():
+        if (got.words != np.concatenate(expected)).any():
             return "words"
-        if (got.flags != np.tile(expected_flags(height, width), len(reaction.frames))).any():
+        if (got.flags != np.tile(expected_flags(height, width, frame.narrow), len(reaction.frames))).any():
             return "framing"
         if seed % 3 == 1 and (np.diff(got.in_clock) != 1).any():
             return "pace"

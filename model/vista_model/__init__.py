@@ -2,6 +2,7 @@
 
 from vista_model.engine import INVALID, NO_COST, Parameters, compute, compute_with_smin
 from vista_model.frontend import compute_levels, pyramid, reduce, smooth
+from vista_model.rectify import grid_shape, rectify, row_beyond, sources
 
 __all__ = [
     "INVALID",
@@ -10,7 +11,11 @@ __all__ = [
     "compute",
     "compute_levels",
     "compute_with_smin",
+    "grid_shape",
     "pyramid",
+    "rectify",
     "reduce",
+    "row_beyond",
     "smooth",
+    "sources",
 ]

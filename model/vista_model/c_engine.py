@@ -13,6 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from vista_model.engine import Image, Parameters
+from vista_model.rectify import Grid
 
 _ROOT = Path(__file__).resolve().parents[2]
 _ISAS = ("portable", "avx2", "avx512")
@@ -120,19 +121,32 @@ def prepare_reduce(image: Image, out: Image, isa: str = "auto") -> Callable[[], 
 
 
 def _prepare_front(function: Any, image: Image, out: Image, isa: str) -> Callable[[], None]:
-    ffi, lib = library()
+    c_image, c_out = _c_images(image, out)
+    return lambda: _check(function(c_image, c_out, out.strides[0], _isa(isa)))
+
+
+def _c_images(image: Image, out: Image) -> tuple[Any, Any]:
+    ffi = library()[0]
     height, width = image.shape
-    c_image = ffi.new(
-        "vista_frontend_image *", (ffi.cast("uint8_t *", image.ctypes.data), width, height, image.strides[0])
-    )
-    c_out = ffi.cast("uint8_t *", out.ctypes.data)
+    data, c_out = (ffi.cast("uint8_t *", array.ctypes.data) for array in (image, out))
+    return ffi.new("vista_frontend_image *", (data, width, height, image.strides[0])), c_out
 
-    def call() -> None:
-        status = function(c_image, c_out, out.strides[0], _isa(isa))
-        if status != lib.VISTA_ENGINE_OK:
-            raise ValueError(ffi.string(lib.vista_engine_status_name(status)).decode())
 
-    return call
+def _check(status: int) -> None:
+    ffi, lib = library()
+    if status != lib.VISTA_ENGINE_OK:
+        raise ValueError(ffi.string(lib.vista_engine_status_name(status)).decode())
+
+
+def c_grid(grid: Grid) -> Any:
+    """The C view of a control grid, which the caller keeps alive."""
+    return library()[0].from_buffer("vista_frontend_offset[]", grid)
+
+
+def prepare_rectify(image: Image, grid: Grid, out: Image) -> Callable[[], None]:
+    """The same for rectification by a control grid."""
+    c_image, c_out = _c_images(image, out)
+    return lambda: _check(library()[1].vista_frontend_rectify(c_image, c_grid(grid), c_out, out.strides[0]))
 
 
 def reduced_shape(shape: tuple[int, ...]) -> tuple[int, int]:

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Properties of vista_axil, inside it: each address that is accepted makes one request, of its own address and data, and
 // gets one response, which holds still until it is taken.
 //

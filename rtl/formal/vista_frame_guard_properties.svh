@@ -14,8 +14,8 @@ logic [DataW+1:0] f_held;
 logic [ColW:0]    f_width;     // as set the clock before
 logic [RowW-1:0]  f_height;
 
-assign f_last_x = (32'(f_x) == 32'(width_o) - 1);
-assign f_end    = (eol_o != f_last_x) | (f_last_x & (32'(f_y) == 32'(height_o) - 1));
+assign f_last_x = (f_x == last_col_o);
+assign f_end    = (eol_o != f_last_x) | (f_last_x & (f_y == last_row_o));
 
 always_ff @(posedge clk_i) begin
   if (!rst_ni) f_started <= 1'b1;
@@ -63,8 +63,8 @@ always_comb begin
 
     // What makes these inductive.
     if (active_q || hold_valid_q) begin
-      assert (32'(width_o) >= MinWidth && 32'(width_o) <= MaxWidth && 32'(height_o) >= MinHeight);
-      assert (32'(f_x) < 32'(width_o) && f_y < height_o);
+      assert (32'(last_col_o) >= MinWidth - 1 && 32'(last_col_o) < MaxWidth && 32'(last_row_o) >= MinHeight - 1);
+      assert (f_x <= last_col_o && f_y <= last_row_o);
       assert (count_q != '0 && hold_valid_q && hold_sof_q == !f_inside);
       assert (32'(count_q) == ((32'(f_count) < 3) ? 32'(f_count) + 1 : 3));
       assert (f_inside == (f_count != '0));
@@ -75,12 +75,13 @@ always_comb begin
     if (active_q) begin
       assert (hold_eol_q == f_last_x);
       assert (f_last_x ? col_q == '0 && row_q == f_y + 1'b1 : col_q == f_x + 1'b1 && row_q == f_y);
-      assert (row_q < height_o && !(f_last_x && 32'(f_y) == 32'(height_o) - 1));
+      assert (row_q <= last_row_o && !(f_last_x && f_y == last_row_o));
+      assert (last_col_q == (col_q == last_col_o));
       assert (!broken_q || count_q != 2'd3);
     end else begin
       assert (!broken_q);
     end
-    if (hold_valid_q && hold_end_q) assert ((hold_eol_q != f_last_x) ? count_q == 2'd3 : 32'(f_y) == 32'(height_o) - 1);
+    if (hold_valid_q && hold_end_q) assert ((hold_eol_q != f_last_x) ? count_q == 2'd3 : f_y == last_row_o);
     if (32'(f_count) < 3 && (active_q || hold_valid_q)) assert (f_y == '0 && 32'(f_x) == 32'(f_count));
   end
 end

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Properties of vista_frame_writer, inside it: every frame gives exactly W * H words in raster order, first and last
 // columns marked, each matched pixel with the next result and every other one invalid; no word and no result is lost or
 // doubled, and a word that waits holds still. Frames that are announced always find room.
@@ -14,9 +15,9 @@ logic [RowW-1:0] f_h, f_y;
 logic [2:0]      f_since;  // clocks since a frame was announced, saturating
 logic [1:0]      f_go, f_at;
 logic f_pending, f_follow, f_wrap, f_matchable, f_row, f_matched, f_stepped, f_follow_stepped, f_waited;
-logic f_sof, f_eol;
+logic f_sof, f_eol, f_narrow;
 logic [DisparityW+SminW-1:0] f_word;
-logic [DisparityW+SminW+1:0] f_held;
+logic [DisparityW+SminW+2:0] f_held;
 
 assign f_place     = f_n - f_open;
 assign f_pending   = (32'(f_place) < 32'(pending_q));
@@ -35,6 +36,7 @@ always_ff @(posedge clk_i) begin
     if (f_in == f_n) begin
       f_w <= begin_last_col_i;
       f_h <= begin_last_row_i;
+      f_narrow <= begin_narrow_i;
     end
   end
   if (step) begin
@@ -54,7 +56,7 @@ always_ff @(posedge clk_i) begin
   f_eol            <= (f_x == f_w);
   f_word           <= f_matched ? {result_disparity_i, result_smin_i} : {DisparityW'(Invalid), SminW'('1)};
   f_waited         <= valid_o & ~ready_i;
-  f_held           <= {sof_o, eol_o, disparity_o, smin_o};
+  f_held           <= {sof_o, eol_o, narrow_o, disparity_o, smin_o};
   if (!rst_ni) begin
     f_in             <= '0;
     f_open           <= '0;
@@ -81,7 +83,8 @@ always_comb begin
     assert (valid_o == (f_stepped | f_waited));
     assert (!(f_stepped & f_waited));
     if (f_follow_stepped) assert ({sof_o, eol_o, disparity_o, smin_o} == {f_sof, f_eol, f_word});
-    if (f_waited) assert ({sof_o, eol_o, disparity_o, smin_o} == f_held);
+    if (f_follow_stepped) assert (narrow_o == f_narrow);
+    if (f_waited) assert ({sof_o, eol_o, narrow_o, disparity_o, smin_o} == f_held);
     if (f_follow) begin
       assert (frame_end == (step & f_x == f_w & f_y == f_h));
       assert (matched_q == f_matched);
@@ -101,6 +104,8 @@ always_comb begin
     if (go_o) assert (32'(pending_q) < 3 + 32'(f_since == 3'd1));
     if (f_go[0]) assert (32'(pending_q) < 3 + 32'(f_since <= 3'd2));
     if (f_go[1]) assert (32'(pending_q) < 3 + 32'(f_since <= 3'd3));
+    if (f_pending) assert (pending_narrow_q[f_at] == f_narrow);
+    if (f_follow) assert (narrow_q == f_narrow);
     if (f_pending) assert ({pending_last_col_q[f_at], pending_last_row_q[f_at]} == {f_w, f_h});
     if (f_pending || f_follow) assert (32'(f_w) >= MinWidth - 1 && 32'(f_h) >= MinHeight - 1);
     if (busy_q) assert (x_q == f_x && y_q == f_y);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Properties of vista_framer, inside it, for any input at all: every frame that is taken begins to leave exactly once and
 // gives exactly W * H slots in raster order, with the flags of its columns and rows; slots are issued by leave of `go_i`
 // only; no pixel of a sound frame is dropped.
@@ -11,6 +12,7 @@ logic [RowW-1:0] f_height;
 logic [ColW-1:0] f_w, f_x;  // W - 1 of the frame that is followed; column of the next slot
 logic [RowW-1:0] f_h, f_y;
 logic [2:0]      f_since;  // clocks since a frame began to leave, saturating
+logic            f_narrow;
 logic            f_follow, f_wrap, f_end, f_begun, f_go, f_begin_follow, f_taken;
 logic [DataW-1:0] f_data;
 
@@ -28,6 +30,7 @@ always_ff @(posedge clk_i) begin
     if (f_in == f_n) begin
       f_w <= ColW'(f_width - 1'b1);
       f_h <= f_height - 1'b1;
+      f_narrow <= params_i.narrow;
     end
   end
   if (slot_valid) begin
@@ -86,6 +89,7 @@ always_comb begin
     if (begin_now) assert (!f_begun && f_x == 0 && 32'(f_y) <= Radius && f_since == 3'd4);
     if (f_end) assert (f_begun);
     if (f_begin_follow) assert (begin_valid_o && begin_last_col_o == f_w && begin_last_row_o == f_h);
+    if (f_begin_follow) assert (begin_narrow_o == f_narrow);
 
     // Pixels.
     if (start) assert (32'(f_width) >= MinWidth && 32'(f_width) <= MaxWidth && 32'(f_height) >= MinHeight);
@@ -99,7 +103,7 @@ always_comb begin
       assert (32'(width_less_1_q) >= MinWidth - 1 && 32'(width_less_1_q) < MaxWidth && last_row_q != 0);
       assert (col_q <= width_less_1_q && row_q <= last_row_q);
       assert (last_col_q == (col_q == width_less_1_q));
-      if (f_in - 3'd1 == f_n) assert (width_less_1_q == f_w && last_row_q == f_h);
+      if (f_in - 3'd1 == f_n) assert (width_less_1_q == f_w && last_row_q == f_h && params_o.narrow == f_narrow);
     end else begin
       assert (col_q == 0 && row_q == 0 && !last_col_q && !fill_q);
     end
@@ -110,6 +114,10 @@ always_comb begin
       assert (drain_last_col_q == (drain_col_q == match_width_less_1_q));
       assert (f_x == drain_col_q && f_y == match_last_row_q);
       assert (row_q == 0 || (row_q == 1 && col_q == 0));
+      if (drain_col_q == 0) begin
+        assert (!active_q);
+        if (f_out == f_n) assert (params_o.narrow == f_narrow);
+      end
       assert (f_begun == begun_q && (f_begun || (drain_col_q == 0 && 32'(f_y) <= Radius)));
       if (f_out == f_n) assert (match_width_less_1_q == f_w && match_last_row_q == f_h);
     end else if (row_q == 0) begin

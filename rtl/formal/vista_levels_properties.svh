@@ -10,16 +10,17 @@ logic             f_started = 1'b0;
 logic             f_stepped, f_waited, f_reduce_waited, f_more, f_new, f_follows, f_inside;
 logic [DataW+1:0] f_beat, f_held, f_reduce_held;
 logic [1:0]       f_level, f_held_level;      // of the level that is being taken
-logic [ColW:0]    f_width, f_held_width, f_source_width;
+logic [ColW:0]    f_width, f_held_width;
 logic [RowW-1:0]  f_height, f_held_height, f_source_height;
+logic [ColW-1:0]  f_source_width;
 logic [2:0]       f_levels, f_source_levels;  // of its frame
 
 assign f_more = (32'(f_level) + 1 < 32'(f_levels)) & (f_level != 2'd3) & (32'(f_width) >= 7) & (32'(f_height) >= 3);
 
 // The reference: level, size and number of levels of what is taken.
 assign f_level  = level_q;
-assign f_width  = width;
-assign f_height = height;
+assign f_width  = (ColW + 1)'(32'(end_col) + 1);
+assign f_height = RowW'(32'(end_row) + 1);
 assign f_levels = levels;
 
 logic [1:0]      f_last_level;   // as they were at the end of the level before
@@ -30,7 +31,7 @@ logic [2:0]      f_last_levels;
 always_ff @(posedge clk_i) begin
   if (!rst_ni) f_started <= 1'b1;
   f_stepped <= step;
-  f_beat    <= {level_sof, eol, first ? source_data_i : fetch_data_i};
+  f_beat    <= {level_sof, eol, first_q ? source_data_i : fetch_data_i};
   f_waited  <= valid_o & ~ready_i;
   f_held    <= {sof_o, eol_o, data_o};
   f_held_level  <= level_o;
@@ -38,8 +39,8 @@ always_ff @(posedge clk_i) begin
   f_held_height <= height_o;
   f_reduce_waited <= reduce_valid_o & ~reduce_ready_i;
   f_reduce_held   <= {reduce_sof_o, reduce_eol_o, reduce_data_o};
-  f_source_width  <= width_i;
-  f_source_height <= height_i;
+  f_source_width  <= last_col_i;
+  f_source_height <= last_row_i;
   f_source_levels <= levels_i;
   if (step) f_inside <= ~level_end;
   f_new <= step & level_end;
@@ -81,13 +82,16 @@ always_comb begin
   if (!f_started) assume (!rst_ni);
 `endif
   if (f_started) begin
-    if (source_valid_i || (first && f_inside))
-      assume (32'(width_i) >= MinWidth && 32'(width_i) <= MaxWidth && 32'(height_i) >= MinHeight);
-    if (first && f_inside)
-      assume (width_i == f_source_width && height_i == f_source_height && levels_i == f_source_levels);
+    if (source_valid_i || (first_q && f_inside)) begin
+      assume (32'(last_col_i) >= MinWidth - 1 && 32'(last_col_i) < MaxWidth);
+      assume (32'(last_row_i) >= MinHeight - 1 && last_row_i != '1);
+      assume (more_i == (levels_i > 3'd1 && 32'(last_col_i) >= 6 && 32'(last_row_i) >= 2));
+    end
+    if (first_q && f_inside)
+      assume (last_col_i == f_source_width && last_row_i == f_source_height && levels_i == f_source_levels);
     if (f_source_held) begin
       assume (source_valid_i && {source_eol_i, source_data_i} == f_source_beat);
-      assume (width_i == f_source_width && height_i == f_source_height && levels_i == f_source_levels);
+      assume (last_col_i == f_source_width && last_row_i == f_source_height && levels_i == f_source_levels);
     end
     if (f_fetch_held) assume (fetch_valid_i && {fetch_eol_i, fetch_data_i} == f_fetch_beat);
 
@@ -104,7 +108,7 @@ always_comb begin
     // The reducer.
     assert ((reduce_valid_o & reduce_ready_i) == (step & f_more));
     if (reduce_valid_o) begin
-      assert ({reduce_sof_o, reduce_eol_o, reduce_data_o} == {level_sof, eol, first ? source_data_i : fetch_data_i});
+      assert ({reduce_sof_o, reduce_eol_o, reduce_data_o} == {level_sof, eol, first_q ? source_data_i : fetch_data_i});
       assert (reduce_width_o == f_width && reduce_height_o == f_height);
     end
     if (f_reduce_waited) assert (reduce_valid_o && {reduce_sof_o, reduce_eol_o, reduce_data_o} == f_reduce_held);
@@ -120,9 +124,13 @@ always_comb begin
     if (level_q == '0) assert (fetch_ready_o == 1'b0);
 
     // What makes these inductive.
-    if (!first || f_inside || source_valid_i) begin
-      assert (32'(width) >= MinWidth && 32'(width) <= MaxWidth && 32'(height) >= MinHeight);
-      assert (32'(col_q) < 32'(width) && row_q < height);
+    assert (first_q == (level_q == '0));
+    if (!f_inside) assert (!last_col_q);
+    if (!first_q || f_inside || source_valid_i) begin
+      assert (32'(end_col) >= MinWidth - 1 && 32'(end_col) < MaxWidth);
+      assert (32'(end_row) >= MinHeight - 1 && end_row != '1);
+      assert (col_q <= end_col && row_q <= end_row && last_col_q == (col_q == end_col));
+      assert (more == f_more);
     end
     if (level_q != '0) assert (32'(level_q) < 32'(levels_q));
   end

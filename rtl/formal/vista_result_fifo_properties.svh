@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Properties of vista_result_fifo, inside it: it never overflows, and as many words leave as came.
 //
 // Assumed of the writer, as vista_stereo_core arranges it: no word comes later than InFlight - 3 clocks after `go_o` was

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Properties of vista_right_winner, inside it: the last slot comes at most D clocks after the last match. Together with
 // the fixed latencies before and behind it this bounds what is on its way when the framer is stopped
 // (`results_in_flight` of the package), which vista_result_fifo counts on.

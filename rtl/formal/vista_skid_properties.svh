@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Properties of vista_skid, inside it: words leave as they came, once each, in order; a waiting word holds still.
 //
 // f_n is any number: it starts anywhere and never changes. The f_n-th word (modulo 16) is followed through the buffer.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // When the two sides of a stream run and pause, from a seed: the same for the Verilated engine and for models of it.
 //
 // Each clock draws first for the source, unless it holds an offer or has nothing more to offer, then for the reader.

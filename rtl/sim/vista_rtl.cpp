@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Drives the Verilated engine at C++ speed: vista_rtl.h. Built by `make rtl-engine`, and by the benches with waves,
 // coverage or mutants (tb/common/verilated.py).
 
@@ -111,12 +112,12 @@ struct vista_rtl {
     auto& t = *top;
     t.eval();
     const bool word = t.m_axis_tvalid;
-    std::fprintf(record.get(), "%d %d%d%d %04x %d %d %x %d %08x %d %d %x %d | %d%d%d%d%d%d%d%d%d %08x %08x\n", t.rst_ni,
-                 t.s_axis_tvalid, t.s_axis_tuser, t.s_axis_tlast, t.s_axis_tdata, t.m_axis_tready, t.s_axil_awvalid,
-                 t.s_axil_awaddr, t.s_axil_wvalid, t.s_axil_wdata, t.s_axil_bready, t.s_axil_arvalid, t.s_axil_araddr,
-                 t.s_axil_rready, t.s_axis_tready, word, t.s_axil_awready, t.s_axil_wready, t.s_axil_bvalid,
-                 t.s_axil_arready, t.s_axil_rvalid, word && t.m_axis_tuser, word && t.m_axis_tlast, t.m_axis_tdata,
-                 t.s_axil_rdata);
+    std::fprintf(record.get(), "%d %d%d%d %04x %d %d %x %d %08x %d %d %x %d | %d%d%d%d%d%d%d%d%d%d %08x %08x\n",
+                 t.rst_ni, t.s_axis_tvalid, t.s_axis_tuser, t.s_axis_tlast, t.s_axis_tdata, t.m_axis_tready,
+                 t.s_axil_awvalid, t.s_axil_awaddr, t.s_axil_wvalid, t.s_axil_wdata, t.s_axil_bready, t.s_axil_arvalid,
+                 t.s_axil_araddr, t.s_axil_rready, t.s_axis_tready, word, t.s_axil_awready, t.s_axil_wready,
+                 t.s_axil_bvalid, t.s_axil_arready, t.s_axil_rvalid, word && t.m_axis_tuser, word && t.m_axis_tlast,
+                 t.irq_o, t.m_axis_tdata, t.s_axil_rdata);
   }
 
   bool writing_ = false, accepted_ = false;
@@ -217,6 +218,8 @@ int64_t vista_rtl_stream(vista_rtl* engine, const uint32_t* beats, int64_t num_i
 void vista_rtl_queue_write(vista_rtl* engine, int64_t after, int64_t before, uint32_t address, uint32_t data) {
   engine->queued.push_back({after, before, address, data});
 }
+
+int32_t vista_rtl_interrupt(const vista_rtl* engine) { return engine->top->irq_o; }
 
 int32_t vista_rtl_failed(const vista_rtl* engine) { return engine->context.gotError(); }
 

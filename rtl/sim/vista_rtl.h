@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* The Verilated engine behind a plain C interface: clock, registers, streams, and whole frames as a product's driver
  * would run them. One shared library per set of build parameters: `make rtl-engine D=32 B=11 W=1024`.
  *
@@ -36,6 +37,9 @@ void vista_rtl_reset(vista_rtl* engine, int32_t clocks);
 void vista_rtl_write(vista_rtl* engine, uint32_t address, uint32_t data);
 uint32_t vista_rtl_read(vista_rtl* engine, uint32_t address);
 
+/* The interrupt, 0 or 1. */
+int32_t vista_rtl_interrupt(const vista_rtl* engine);
+
 /* Offers num_in beats {last, user, data[15:0]} and takes max_out words, data and flags {last, user}. in_pace, out_pace:
  * chances in 1/1000 per clock {to stop, to go on} of a side that runs and pauses in bursts. Ends when both are done,
  * nothing was transferred for `quiet` clocks, or `max_clocks` have passed. Returns the number of words; in_clock[i] and
@@ -49,7 +53,8 @@ int64_t vista_rtl_stream(vista_rtl* engine, const uint32_t* beats, int64_t num_i
  * finished before its beat `before` is offered. Writes are made in the order in which they were queued. */
 void vista_rtl_queue_write(vista_rtl* engine, int64_t after, int64_t before, uint32_t address, uint32_t data);
 
-/* Build parameters; 0 if the registers do not answer as a VISTA engine of major version 1, else 1. */
+/* Build parameters; 0 if the registers do not answer as a VISTA engine of the major version of
+ * rtl/csr/vista_stereo_csr.h, else 1. */
 int32_t vista_rtl_identify(vista_rtl* engine, vista_rtl_build* build);
 
 /* One frame: writes the registers, streams the pair in and the words out at a pixel a clock. Images are `height` rows of

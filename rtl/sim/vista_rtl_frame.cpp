@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Whole frames through the Verilated engine, the way a product's driver runs them: registers by the generated header,
 // then one pair in and its words out. Uses nothing but the rest of vista_rtl.h.
 
@@ -32,6 +33,8 @@ void configure(vista_rtl* engine, const vista_rtl_settings& settings, int32_t wi
   vista_rtl_write(engine, ADDRESS(UNIQUENESS), FIELD(UNIQUENESS__RATIO, settings.uniqueness_ratio));
   vista_rtl_write(engine, ADDRESS(LR_CHECK),
                   FIELD(LR_CHECK__ENABLE, settings.lr_max_diff >= 0) | FIELD(LR_CHECK__MAX_DIFF, max_diff));
+  vista_rtl_write(engine, ADDRESS(OUTPUT), FIELD(OUTPUT__NARROW, 0));
+  vista_rtl_write(engine, ADDRESS(COMMIT), FIELD(COMMIT__COMMIT, 1));
   vista_rtl_write(engine, ADDRESS(CONTROL), FIELD(CONTROL__ENABLE, 1));
 }
 
@@ -49,7 +52,8 @@ extern "C" {
 
 int32_t vista_rtl_identify(vista_rtl* engine, vista_rtl_build* build) {
   if (vista_rtl_read(engine, ADDRESS(ID)) != VISTA_STEREO_CSR__ID__MAGIC_reset) return 0;
-  if (READ_FIELD(vista_rtl_read(engine, ADDRESS(VERSION)), VERSION__MAJOR) != 1) return 0;
+  if (READ_FIELD(vista_rtl_read(engine, ADDRESS(VERSION)), VERSION__MAJOR) != VISTA_STEREO_CSR__VERSION__MAJOR_reset)
+    return 0;
   const uint32_t parameters = vista_rtl_read(engine, ADDRESS(BUILD));
   const uint32_t size = vista_rtl_read(engine, ADDRESS(BUILD_SIZE));
   build->num_disparities = READ_FIELD(parameters, BUILD__NUM_DISPARITIES);
@@ -74,7 +78,8 @@ int64_t vista_rtl_compute(vista_rtl* engine, const vista_rtl_settings* settings,
                        words.data(), flags.data(), in_clock.data(), out_clock.data(), &taken);
   const bool framed = vista_rtl_read(engine, ADDRESS(ERRORS)) == 0;
   if (count != pixels || taken != pixels || !framed || vista_rtl_failed(engine)) {
-    vista_rtl_reset(engine, 1);  // whatever is left inside would come before the next frame
+    vista_rtl_write(engine, ADDRESS(CONTROL),
+                    FIELD(CONTROL__SOFT_RESET, 1));  // whatever is left inside would come before the next frame
     return -1;
   }
   // {Smin[15:0], disparity[15:0]}

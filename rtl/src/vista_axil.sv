@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // AXI4-Lite to the one-clock requests of the generated registers.
 //
 // One access at a time: a read, or a write whose address and data are both there; when both wait, they take turns. The

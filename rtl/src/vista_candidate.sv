@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // From the costs of a pixel to its candidate disparity: winner, uniqueness and sub-pixel (steps 3, 5, 7).
 //
 // The costs go two ways: through the tree of the winner, and through a delay of the time that the winner and the bound

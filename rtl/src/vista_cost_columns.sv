@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Column sums of the absolute differences, one for each disparity, and of the texture (channel D).
 //
 //   C(x, m, d) = C(x, m-1, d) + |l(x, m) - r(x-d, m)| - |l(x, m-B) - r(x-d, m-B)|

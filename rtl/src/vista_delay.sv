@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Fixed delay of a word by `Latency` clocks, without valid or enable.
 //
 // Up to 12 clocks it is made of registers, of which every logic cell has one to spare, beyond of distributed memory: a

@@ -36,9 +36,9 @@ module vista_frame_guard #(
   output logic             eol_o,
   output logic [DataW-1:0] data_o,
 
-  // Of the frame that is leaving.
-  output logic [ColW:0]        width_o,
-  output logic [RowW-1:0]      height_o,
+  // Of the frame that is leaving: W - 1, H - 1, and what goes along.
+  output logic [ColW-1:0]      last_col_o,
+  output logic [RowW-1:0]      last_row_o,
   output logic [SideWidth-1:0] side_o,
 
   // Events, one clock each.
@@ -76,21 +76,22 @@ module vista_frame_guard #(
 
   // The frame that is being taken, and its newest pixel, which waits for the next one unless it is the last.
   logic active_q, broken_q, lost_q;  // broken: but not three pixels long yet
+  logic            last_col_q;  // col_q is W - 1
   logic [ColW-1:0] col_q;
   logic [RowW-1:0] row_q;
   logic [1:0]      count_q;  // pixels so far, saturating
   logic hold_valid_q, hold_sof_q, hold_eol_q, hold_end_q;
   logic [DataW-1:0] hold_q;
   logic size_ok_q;
-  logic [ColW:0] next_width_q;  // of the size that `size_ok_q` speaks of
-  logic [RowW-1:0] next_height_q;
+  logic [ColW-1:0] next_last_col_q;  // of the size that `size_ok_q` speaks of
+  logic [RowW-1:0] next_last_row_q;
 
-  logic start, take, pad, drop, early_sof, last_col, last_row, bad_eol, enough, frame_end, free;
+  logic start, take, pad, drop, early_sof, last_row, bad_eol, enough, frame_end, free;
 
   always_ff @(posedge clk_i) begin
-    size_ok_q     <= (32'(width_i) >= MinWidth) & (32'(width_i) <= MaxWidth) & (32'(height_i) >= MinHeight);
-    next_width_q  <= width_i;
-    next_height_q <= height_i;
+    size_ok_q       <= (32'(width_i) >= MinWidth) & (32'(width_i) <= MaxWidth) & (32'(height_i) >= MinHeight);
+    next_last_col_q <= ColW'(width_i - 1'b1);
+    next_last_row_q <= height_i - 1'b1;
   end
 
   assign free      = ~hold_valid_q | ready_i;
@@ -102,11 +103,10 @@ module vista_frame_guard #(
 
   assign head_ready = start | take | drop;
 
-  assign last_col = ~start & (32'(col_q) == 32'(width_o) - 1);
-  assign last_row = (32'(row_q) == 32'(height_o) - 1);
-  assign bad_eol  = (start | take) & (head_eol != last_col);
+  assign last_row = (row_q == last_row_o);
+  assign bad_eol  = (start & head_eol) | (take & (head_eol != last_col_q));
   assign enough   = ~start & (count_q >= Fewest - 2'd1);  // with the pixel that is loaded
-  assign frame_end = ((take | pad) & enough & (bad_eol | broken_q)) | (take & last_col & last_row);
+  assign frame_end = ((take | pad) & enough & (bad_eol | broken_q)) | (take & last_col_q & last_row);
 
   assign valid_o = hold_valid_q & (hold_end_q | broken_q | (head_valid & (~head_sof | (count_q == Fewest))));
   assign sof_o   = hold_sof_q;
@@ -115,9 +115,9 @@ module vista_frame_guard #(
 
   always_ff @(posedge clk_i) begin
     if (start) begin
-      width_o  <= next_width_q;
-      height_o <= next_height_q;
-      side_o   <= side_i;
+      last_col_o <= next_last_col_q;
+      last_row_o <= next_last_row_q;
+      side_o     <= side_i;
     end
     if (start | take | pad) begin
       hold_valid_q <= 1'b1;
@@ -126,9 +126,10 @@ module vista_frame_guard #(
       hold_end_q   <= frame_end;
       if (!pad) hold_q <= head;
       count_q <= start ? 2'd1 : (count_q == Fewest) ? count_q : count_q + 1'b1;
-      col_q   <= start ? ColW'(1) : last_col ? '0 : col_q + 1'b1;
+      col_q   <= start ? ColW'(1) : last_col_q ? '0 : col_q + 1'b1;
+      last_col_q <= ~start & (col_q + 1'b1 == last_col_o);
       if (start) row_q <= '0;
-      else if (last_col) row_q <= row_q + 1'b1;
+      else if (last_col_q) row_q <= row_q + 1'b1;
     end else if (valid_o & ready_i) begin
       hold_valid_q <= 1'b0;
     end

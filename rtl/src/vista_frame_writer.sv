@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Lays out the words of each frame: results where a pixel is matched, invalid words everywhere else.
 //
 // Matched are x in D-1+r .. W-1-r and y in r .. H-1-r. A frame starts to leave when the framer says so (`begin_*_i`).
@@ -20,6 +21,7 @@ module vista_frame_writer #(
   input  logic            begin_valid_i,
   input  logic [ColW-1:0] begin_last_col_i,
   input  logic [RowW-1:0] begin_last_row_i,
+  input  logic            begin_narrow_i,
   output logic            go_o,  // room for the beginning of a further frame
 
   input  logic                         result_valid_i,
@@ -31,6 +33,7 @@ module vista_frame_writer #(
   input  logic             ready_i,
   output logic             sof_o,
   output logic             eol_o,
+  output logic             narrow_o,
   output logic signed [DisparityW-1:0] disparity_o,
   output logic [SminW-1:0] smin_o,
   output logic             frame_end_o  // the last word of a frame was handed over to `valid_o`
@@ -45,6 +48,7 @@ module vista_frame_writer #(
   // Frames that may leave. The framer is stopped one short of full; the one that is on its way still fits.
   logic [NumPending-1:0][ColW-1:0] pending_last_col_q;
   logic [NumPending-1:0][RowW-1:0] pending_last_row_q;
+  logic [NumPending-1:0]           pending_narrow_q;
   logic [1:0] pending_write_q, pending_read_q;
   logic [2:0] pending_q;
   logic open, frame_end;
@@ -53,6 +57,7 @@ module vista_frame_writer #(
     if (begin_valid_i) begin
       pending_last_col_q[pending_write_q] <= begin_last_col_i;
       pending_last_row_q[pending_write_q] <= begin_last_row_i;
+      pending_narrow_q[pending_write_q]   <= begin_narrow_i;
       pending_write_q                     <= pending_write_q + 1'b1;
     end
     if (open) pending_read_q <= pending_read_q + 1'b1;
@@ -67,7 +72,7 @@ module vista_frame_writer #(
   end
 
   // The frame that is leaving.
-  logic busy_q;
+  logic busy_q, narrow_q;
   logic [ColW-1:0] x_q, last_x_q;
   logic [RowW-1:0] y_q, last_y_q;
   logic [ColW-1:0] match_last_x_q;    // W - 1 - r
@@ -97,6 +102,7 @@ module vista_frame_writer #(
     if (frame_end) busy_q <= 1'b0;
     if (open) begin
       busy_q         <= 1'b1;
+      narrow_q       <= pending_narrow_q[pending_read_q];
       x_q            <= '0;
       y_q            <= '0;
       row_q          <= 1'b0;
@@ -113,6 +119,7 @@ module vista_frame_writer #(
       valid_o     <= step;
       sof_o       <= (x_q == '0) & (y_q == '0);
       eol_o       <= row_end;
+      narrow_o    <= narrow_q;
       disparity_o <= matched_q ? result_disparity_i : DisparityW'(Invalid);
       smin_o      <= matched_q ? result_smin_i : '1;
     end

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Turns the incoming video into slots and checks its framing.
 //
 // Row n of the raw frame and row n-1 of the frame being matched advance together, since the x-Sobel of a row needs the
@@ -48,6 +49,7 @@ module vista_framer #(
   output logic            begin_valid_o,
   output logic [ColW-1:0] begin_last_col_o,
   output logic [RowW-1:0] begin_last_row_o,
+  output logic            begin_narrow_o,
 
   output logic frame_start_o,
   output logic error_early_eol_o,
@@ -208,6 +210,7 @@ module vista_framer #(
     begin_valid_o    <= begin_now;
     begin_last_col_o <= drain_q ? match_width_less_1_q : width_less_1_q;
     begin_last_row_o <= drain_q ? match_last_row_q : last_row_q;
+    begin_narrow_o   <= params_o.narrow;  // a next frame takes its own in this very clock at the earliest
     if (slot_valid & slot_first_row) begun_q <= 1'b0;
     if (begin_now) begun_q <= 1'b1;
     if (!rst_ni) begin

@@ -18,9 +18,10 @@ module vista_levels #(
   input  logic rst_ni,
 
   // Of the frame at the source, from its first pixel to its last.
-  input  logic [ColW:0]        width_i,
-  input  logic [RowW-1:0]      height_i,
-  input  logic [2:0]           levels_i,  // 1 .. 4
+  input  logic [ColW-1:0]      last_col_i,  // W - 1
+  input  logic [RowW-1:0]      last_row_i,  // H - 1
+  input  logic                 more_i,      // a smaller level follows
+  input  logic [2:0]           levels_i,    // 1 .. 4
   input  logic [SideWidth-1:0] side_i,
 
   input  logic             source_valid_i,
@@ -56,59 +57,65 @@ module vista_levels #(
 
   import vista_stereo_pkg::*;
 
-  // A level is large enough to be followed by a smaller one.
+  // A level of at least this size is followed by one that is sent.
   localparam int unsigned FollowedWidth = 2 * MinWidth - 1;
   localparam int unsigned FollowedHeight = 2 * MinHeight - 1;
+  localparam logic [1:0] LastLevel = 2'd3;
 
-  logic [1:0] level_q;
-  logic [2:0] levels_q;
-  logic [ColW:0]   width_q;   // of a level behind the first
-  logic [RowW-1:0] height_q;
+  logic [1:0]      level_q;
+  logic            first_q;  // level_q is 0
+  logic [2:0]      levels_q;
+  logic            more_q;   // of a level behind the first, as the sizes
+  logic [ColW-1:0] end_col_q;
+  logic [RowW-1:0] end_row_q;
+  logic            last_col_q;  // col_q is that of the end of a line
   logic [ColW-1:0] col_q;
   logic [RowW-1:0] row_q;
 
-  logic first, more, valid, step, free, eol, last_col, last_row, level_end, level_sof;
+  logic more, valid, step, free, eol, last_row, level_end, level_sof;
   logic [2:0]      levels;
-  logic [ColW:0]   width;
-  logic [RowW-1:0] height;
+  logic [ColW-1:0] end_col;
+  logic [RowW-1:0] end_row;
 
-  assign first  = (level_q == '0);
-  assign levels = first ? levels_i : levels_q;
-  assign width  = first ? width_i : width_q;
-  assign height = first ? height_i : height_q;
-  assign more   = (3'(level_q) + 3'd1 < levels) & (level_q != '1) & (32'(width) >= FollowedWidth) &
-      (32'(height) >= FollowedHeight);
+  // The smaller level has ((W + 1) / 2) - 1 = (W - 1) / 2 columns but one.
+  assign levels  = first_q ? levels_i : levels_q;
+  assign more    = first_q ? more_i : more_q;
+  assign end_col = first_q ? last_col_i : end_col_q;
+  assign end_row = first_q ? last_row_i : end_row_q;
 
-  assign valid = first ? source_valid_i : fetch_valid_i;
-  assign eol   = first ? source_eol_i : fetch_eol_i;
+  assign valid = first_q ? source_valid_i : fetch_valid_i;
+  assign eol   = first_q ? source_eol_i : fetch_eol_i;
   assign free  = ~valid_o | ready_i;
   assign step  = valid & free & (~more | reduce_ready_i);
 
-  assign source_ready_o = step & first;
-  assign fetch_ready_o  = step & ~first;
+  assign source_ready_o = step & first_q;
+  assign fetch_ready_o  = step & ~first_q;
 
   assign reduce_valid_o  = valid & free & more;
   assign reduce_sof_o    = level_sof;
   assign reduce_eol_o    = eol;
-  assign reduce_data_o   = first ? source_data_i : fetch_data_i;
-  assign reduce_width_o  = width;
-  assign reduce_height_o = height;
+  assign reduce_data_o   = first_q ? source_data_i : fetch_data_i;
+  assign reduce_width_o  = (ColW + 1)'(end_col) + 1'b1;
+  assign reduce_height_o = end_row + 1'b1;
 
   assign level_sof = (col_q == '0) & (row_q == '0);
-  assign last_col  = (32'(col_q) == 32'(width) - 1);
-  assign last_row  = (32'(row_q) == 32'(height) - 1);
-  assign level_end = (eol != last_col) | (last_col & last_row);
+  assign last_row  = (row_q == end_row);
+  assign level_end = (eol != last_col_q) | (last_col_q & last_row);
 
   always_ff @(posedge clk_i) begin
     if (step) begin
-      col_q <= (level_end | last_col) ? '0 : col_q + 1'b1;
+      col_q      <= (level_end | last_col_q) ? '0 : col_q + 1'b1;
+      last_col_q <= ~level_end & (col_q + 1'b1 == end_col);
       if (level_end) row_q <= '0;
-      else if (last_col) row_q <= row_q + 1'b1;
-      if (first) levels_q <= levels_i;
+      else if (last_col_q) row_q <= row_q + 1'b1;
+      if (first_q) levels_q <= levels_i;
       if (level_end) begin
-        level_q  <= more ? level_q + 1'b1 : '0;
-        width_q  <= (ColW + 1)'((32'(width) + 1) / 2);
-        height_q <= RowW'((32'(height) + 1) / 2);
+        level_q   <= more ? level_q + 1'b1 : '0;
+        first_q   <= ~more;
+        end_col_q <= end_col >> 1;
+        end_row_q <= end_row >> 1;
+        more_q    <= (3'(level_q) + 3'd2 < levels) & (level_q < LastLevel - 2'd1) &
+            (32'(end_col) / 2 + 1 >= FollowedWidth) & (32'(end_row) / 2 + 1 >= FollowedHeight);
       end
     end
     if (free) begin
@@ -119,15 +126,17 @@ module vista_levels #(
     end
     if (step & level_sof) begin
       level_o  <= level_q;
-      width_o  <= width;
-      height_o <= height;
-      if (first) side_o <= side_i;
+      width_o  <= reduce_width_o;
+      height_o <= reduce_height_o;
+      if (first_q) side_o <= side_i;
     end
     if (!rst_ni) begin
-      level_q <= '0;
-      col_q   <= '0;
-      row_q   <= '0;
-      valid_o <= 1'b0;
+      level_q    <= '0;
+      first_q    <= 1'b1;
+      col_q      <= '0;
+      last_col_q <= 1'b0;
+      row_q      <= '0;
+      valid_o    <= 1'b0;
     end
   end
 

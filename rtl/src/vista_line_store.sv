@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A line of words in block memory, written and read at any column.
 //
 // Latency: 2 clocks from `read_col_i` to `read_data_o`. The second register keeps the slow output of a block RAM off

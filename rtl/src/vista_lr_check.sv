@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Step 6 of the contract, second half: |dL - dR(x - dL)| <= lr_max_diff, and the verdict on each pixel.
 //
 // Candidates wait in a ring until the D-1 slots after them have passed, right winners in another; both are addressed by

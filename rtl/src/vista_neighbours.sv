@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The costs beside the winner for step 7: p = S(dL - 1), n = S(dL + 1). At an end of the range the inner one is both.
 //
 // The two lie 2 apart, so one of them has d mod 4 in {0, 1}, the other in {2, 3}. Each of these *lanes* of D / 2 costs

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Step 1 of the contract: the x-Sobel of both images, or their grey values, and the texture |p - c| of the left one.
 //
 //   g(x, m) = v(x+1) - v(x-1),  v(x) = a(x, m-1) + 2 a(x, m) + a(x, m+1),  p = clamp(g, -c, c) + c

@@ -77,21 +77,29 @@ module vista_pyramid #(
   logic source_valid, source_ready, source_eol, fetch_valid, fetch_ready, fetch_eol;
   logic reduce_valid, reduce_ready, reduce_sof, reduce_eol;
   logic [DataW-1:0] source_data, fetch_data, reduce_data;
-  logic [ColW:0] source_width, reduce_width;
-  logic [RowW-1:0] source_height, reduce_height;
+  logic [ColW-1:0] source_last_col;
+  logic [ColW:0] reduce_width;
+  logic [RowW-1:0] source_last_row, reduce_height;
   logic [2:0] source_levels;
+  logic more_q, source_more;
   logic [SideWidth-1:0] source_side;
+
+  // Level 1 is sent: known a clock after the size, as the guard knows whether it is legal.
+  always_ff @(posedge clk_i) begin
+    more_q <= (levels_i > 3'd1) & ((32'(width_i) + 1) / 2 >= vista_stereo_pkg::MinWidth) &
+        ((32'(height_i) + 1) / 2 >= vista_stereo_pkg::MinHeight);
+  end
 
   vista_frame_guard #(
     .MaxWidth  (MaxWidth),
-    .SideWidth (3 + SideWidth)
+    .SideWidth (4 + SideWidth)
   ) u_guard (
     .clk_i,
     .rst_ni,
     .enable_i,
     .width_i,
     .height_i,
-    .side_i   ({levels_i, side_i}),
+    .side_i   ({more_q, levels_i, side_i}),
     .valid_i  (s_axis_tvalid),
     .ready_o  (s_axis_tready),
     .sof_i    (s_axis_tuser),
@@ -102,9 +110,9 @@ module vista_pyramid #(
     .sof_o    (),
     .eol_o    (source_eol),
     .data_o   (source_data),
-    .width_o  (source_width),
-    .height_o (source_height),
-    .side_o   ({source_levels, source_side}),
+    .last_col_o (source_last_col),
+    .last_row_o (source_last_row),
+    .side_o   ({source_more, source_levels, source_side}),
     .frame_start_o,
     .error_early_eol_o,
     .error_late_eol_o,
@@ -136,8 +144,9 @@ module vista_pyramid #(
   ) u_levels (
     .clk_i,
     .rst_ni,
-    .width_i         (source_width),
-    .height_i        (source_height),
+    .last_col_i      (source_last_col),
+    .last_row_i      (source_last_row),
+    .more_i          (source_more),
     .levels_i        (source_levels),
     .side_i          (source_side),
     .source_valid_i  (source_valid),

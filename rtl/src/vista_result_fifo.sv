@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // First-in first-out buffer of results in block memory, behind a pipeline that cannot stop.
 //
 // The writer has no `ready`: `go_o` falls early enough that what is still on its way, at most `InFlight` words, fits.

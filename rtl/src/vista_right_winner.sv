@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Step 6 of the contract, first half: the winner of each right pixel, from the costs of the left ones.
 //
 // The costs of a right pixel xr lie on a diagonal: S(xr + d, d). A chain of D registers moves with x: stage d holds the

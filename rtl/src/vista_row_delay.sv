@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Delays the prefiltered pixels by B rows: gives the word that leaves the block beside the one that enters it.
 //
 // One memory holds the last B words of each column side by side, and every slot shifts in one more: no bank multiplexer

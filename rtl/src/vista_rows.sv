@@ -105,6 +105,7 @@ module vista_rows #(
     .begin_valid_o    (),
     .begin_last_col_o (),
     .begin_last_row_o (),
+    .begin_narrow_o   (),
     .frame_start_o,
     .error_early_eol_o,
     .error_late_eol_o,

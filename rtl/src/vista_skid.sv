@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Two-entry stream buffer: cuts every combinational path between its two sides at one word a clock.
 //
 // Latency 1 clock. `ready_o` and `valid_o` come straight from registers.

@@ -1,8 +1,10 @@
+// SPDX-License-Identifier: Apache-2.0
 // The stereo engine with its buses: AXI4-Stream video in and out, AXI4-Lite registers (rtl/csr/registers.md).
 //
 //   s_axis  tdata {right[7:0], left[7:0]}, tuser start of frame, tlast end of line, one pixel pair a beat
 //   m_axis  tdata {Smin[15:0], disparity[15:0]}, framed likewise; disparity signed, 1/16 px, -16 invalid;
-//           Smin saturated, 0xFFFF for a pixel that is not matched
+//           Smin saturated, 0xFFFF for a pixel that is not matched; in the narrow format {disparity of the pixel to the
+//           right, disparity}, with -16 for the one that a row of odd width lacks
 //
 // All of one clock; `rst_ni` is synchronous and, as AXI asks, to be held low for some clocks at power-up.
 
@@ -28,7 +30,7 @@ module vista_stereo #(
 
   input  logic        s_axil_awvalid,
   output logic        s_axil_awready,
-  input  logic [5:0]  s_axil_awaddr,
+  input  logic [6:0]  s_axil_awaddr,
   input  logic [2:0]  s_axil_awprot,
   input  logic        s_axil_wvalid,
   output logic        s_axil_wready,
@@ -39,12 +41,14 @@ module vista_stereo #(
   output logic [1:0]  s_axil_bresp,
   input  logic        s_axil_arvalid,
   output logic        s_axil_arready,
-  input  logic [5:0]  s_axil_araddr,
+  input  logic [6:0]  s_axil_araddr,
   input  logic [2:0]  s_axil_arprot,
   output logic        s_axil_rvalid,
   input  logic        s_axil_rready,
   output logic [31:0] s_axil_rdata,
-  output logic [1:0]  s_axil_rresp
+  output logic [1:0]  s_axil_rresp,
+
+  output logic irq_o  // level; see INTERRUPT
 );
 
   import vista_stereo_pkg::*;
@@ -56,15 +60,17 @@ module vista_stereo #(
   vista_stereo_csr_pkg::vista_stereo_csr__out_t from_csr;
 
   logic request, request_write;
-  logic [3:0] request_address;
+  logic [4:0] request_address;
   logic [31:0] write_data, write_mask, read_data;
 
-  vista_axil u_axil (
+  vista_axil #(
+    .AddrW(5)
+  ) u_axil (
     .clk_i,
     .rst_ni,
     .awvalid_i    (s_axil_awvalid),
     .awready_o    (s_axil_awready),
-    .awaddr_i     (s_axil_awaddr[5:2]),
+    .awaddr_i     (s_axil_awaddr[6:2]),
     .wvalid_i     (s_axil_wvalid),
     .wready_o     (s_axil_wready),
     .wdata_i      (s_axil_wdata),
@@ -73,7 +79,7 @@ module vista_stereo #(
     .bready_i     (s_axil_bready),
     .arvalid_i    (s_axil_arvalid),
     .arready_o    (s_axil_arready),
-    .araddr_i     (s_axil_araddr[5:2]),
+    .araddr_i     (s_axil_araddr[6:2]),
     .rvalid_o     (s_axil_rvalid),
     .rready_i     (s_axil_rready),
     .rdata_o      (s_axil_rdata),
@@ -111,25 +117,46 @@ module vista_stereo #(
     .hwif_out             (from_csr)
   );
 
-  // A size beyond the counters is kept out of range rather than wrapped into it.
+  // Resets reach the core from a register, a clock late: what it did in the meantime is not counted.
+  logic rst_nq, core_rst_nq;
+
+  always_ff @(posedge clk_i) begin
+    rst_nq      <= rst_ni;
+    core_rst_nq <= rst_ni & ~from_csr.CONTROL.soft_reset.value;
+  end
+
+  // The set of parameters in force. The size goes first, for the framer looks at it a clock before the frame; a frame that
+  // begins then sees all of the set or nothing. A size beyond the counters is kept out of range rather than wrapped into
+  // it.
+  logic commit, commit_q, enable1_q, enable_q;
   logic [ColW:0]      width_q;
   logic [HeightW-1:0] height_q;
   params_t            params_q;
-  logic               enable_q;
+
+  assign commit = from_csr.COMMIT.commit.value | ~rst_nq;
 
   always_ff @(posedge clk_i) begin
-    enable_q <= from_csr.CONTROL.enable.value;
-    width_q  <= (from_csr.SIZE.width.value > 16'(MaxWidth)) ? '0 : (ColW + 1)'(from_csr.SIZE.width.value);
-    height_q <= (from_csr.SIZE.height.value[15:HeightW] != '0) ? '0 : HeightW'(from_csr.SIZE.height.value);
-
-    params_q.xsobel            <= from_csr.PREFILTER.xsobel.value;
-    params_q.cap               <= from_csr.PREFILTER.cap.value;
-    params_q.texture_threshold <= from_csr.TEXTURE.threshold.value;
-    params_q.uniqueness_ratio  <= (from_csr.UNIQUENESS.ratio.value > 7'(MaxRatio)) ? 7'(MaxRatio)
-                                                                                   : from_csr.UNIQUENESS.ratio.value;
-    params_q.lr_enable         <= from_csr.LR_CHECK.enable.value;
-    params_q.lr_max_diff       <= from_csr.LR_CHECK.max_diff.value;
-    if (!rst_ni) enable_q <= 1'b0;
+    commit_q <= commit;
+    if (commit) begin
+      width_q  <= (from_csr.SIZE.width.value > 16'(MaxWidth)) ? '0 : (ColW + 1)'(from_csr.SIZE.width.value);
+      height_q <= (from_csr.SIZE.height.value[15:HeightW] != '0) ? '0 : HeightW'(from_csr.SIZE.height.value);
+    end
+    if (commit_q) begin
+      params_q.xsobel            <= from_csr.PREFILTER.xsobel.value;
+      params_q.cap               <= from_csr.PREFILTER.cap.value;
+      params_q.texture_threshold <= from_csr.TEXTURE.threshold.value;
+      params_q.uniqueness_ratio  <= (from_csr.UNIQUENESS.ratio.value > 7'(MaxRatio)) ? 7'(MaxRatio)
+                                                                                     : from_csr.UNIQUENESS.ratio.value;
+      params_q.lr_enable         <= from_csr.LR_CHECK.enable.value;
+      params_q.lr_max_diff       <= from_csr.LR_CHECK.max_diff.value;
+      params_q.narrow            <= from_csr.OUTPUT.narrow.value;
+    end
+    enable1_q <= from_csr.CONTROL.enable.value;
+    enable_q  <= enable1_q;
+    if (!rst_ni) begin
+      enable1_q <= 1'b0;
+      enable_q  <= 1'b0;
+    end
   end
 
   logic stall_in_q, stall_out_q;
@@ -146,13 +173,32 @@ module vista_stereo #(
   assign to_csr.STALLS_IN.count.incr       = stall_in_q;
   assign to_csr.STALLS_OUT.count.incr      = stall_out_q;
 
+  logic frame_start, frame_end, error_early_eol, error_late_eol, error_early_sof, error_late_sof, error_size;
+
+  assign to_csr.FRAMES_IN.count.incr          = frame_start & core_rst_nq;
+  assign to_csr.FRAMES_OUT.count.incr         = frame_end & core_rst_nq;
+  assign to_csr.ERRORS.early_eol.hwset        = error_early_eol & core_rst_nq;
+  assign to_csr.ERRORS.late_eol.hwset         = error_late_eol & core_rst_nq;
+  assign to_csr.ERRORS.early_sof.hwset        = error_early_sof & core_rst_nq;
+  assign to_csr.ERRORS.late_sof.hwset         = error_late_sof & core_rst_nq;
+  assign to_csr.ERRORS.size.hwset             = error_size & core_rst_nq;
+  assign to_csr.INTERRUPT.frame_done.hwset    = frame_end & core_rst_nq;
+  assign to_csr.INTERRUPT.error.hwset         = core_rst_nq &
+      (error_early_eol | error_late_eol | error_early_sof | error_late_sof | error_size);
+
+  always_ff @(posedge clk_i) begin
+    irq_o <= (from_csr.INTERRUPT.frame_done.value & from_csr.INTERRUPT_MASK.frame_done.value) |
+        (from_csr.INTERRUPT.error.value & from_csr.INTERRUPT_MASK.error.value);
+    if (!rst_ni) irq_o <= 1'b0;
+  end
+
   vista_stereo_core #(
     .NumDisparities (NumDisparities),
     .BlockSize (BlockSize),
     .MaxWidth (MaxWidth)
   ) u_core (
     .clk_i,
-    .rst_ni,
+    .rst_ni            (core_rst_nq),
     .enable_i          (enable_q),
     .width_i           (width_q),
     .height_i          (height_q),
@@ -167,13 +213,13 @@ module vista_stereo #(
     .word_sof_o        (m_axis_tuser),
     .word_eol_o        (m_axis_tlast),
     .word_o            (m_axis_tdata),
-    .frame_start_o     (to_csr.FRAMES_IN.count.incr),
-    .frame_end_o       (to_csr.FRAMES_OUT.count.incr),
-    .error_early_eol_o (to_csr.ERRORS.early_eol.hwset),
-    .error_late_eol_o  (to_csr.ERRORS.late_eol.hwset),
-    .error_early_sof_o (to_csr.ERRORS.early_sof.hwset),
-    .error_late_sof_o  (to_csr.ERRORS.late_sof.hwset),
-    .error_size_o      (to_csr.ERRORS.size.hwset)
+    .frame_start_o     (frame_start),
+    .frame_end_o       (frame_end),
+    .error_early_eol_o (error_early_eol),
+    .error_late_eol_o  (error_late_eol),
+    .error_early_sof_o (error_early_sof),
+    .error_late_sof_o  (error_late_sof),
+    .error_size_o      (error_size)
   );
 
 endmodule

@@ -1,6 +1,8 @@
+// SPDX-License-Identifier: Apache-2.0
 // The stereo engine without registers: two streams and the parameters of a frame. See doc/design/rtl.md for the picture.
 //
-// Words out: {Smin, sign-extended disparity}, W * H of them for every frame that was begun, in raster order.
+// Words out: {Smin, sign-extended disparity} of W * H pixels for every frame that was begun, in raster order, or two
+// disparities in a word (vista_word_packer).
 // Latency: the disparity of (x, y) leaves r + 1 rows and r columns after its pixel came, plus a number of clocks that
 // depends on D only (doc/rtl.md).
 
@@ -31,7 +33,7 @@ module vista_stereo_core #(
   input  logic        word_ready_i,
   output logic        word_sof_o,
   output logic        word_eol_o,
-  output logic [31:0] word_o,  // {Smin, disparity}
+  output logic [31:0] word_o,  // {Smin, disparity}, or two disparities
 
   // Events, one clock each.
   output logic frame_start_o,
@@ -67,6 +69,7 @@ module vista_stereo_core #(
   slot_t raw_slot;
   logic [ColW-1:0] raw_col, store_col, begin_last_col;
   logic [RowW-1:0]     begin_last_row;
+  logic                begin_narrow;
   params_t             raw_params;
   logic store_valid, begin_valid;
   logic [2*PixelW-1:0] store_data;
@@ -115,6 +118,7 @@ module vista_stereo_core #(
     .begin_valid_o    (begin_valid),
     .begin_last_col_o (begin_last_col),
     .begin_last_row_o (begin_last_row),
+    .begin_narrow_o   (begin_narrow),
     .frame_start_o,
     .error_early_eol_o,
     .error_late_eol_o,
@@ -295,9 +299,11 @@ module vista_stereo_core #(
   );
 
   // Words.
-  logic queued_valid, queued_ready, word_valid, word_ready, word_sof, word_eol;
-  logic signed [DisparityW-1:0] queued_disparity, word_disparity;
-  logic [SminW-1:0] queued_smin, word_smin;
+  logic queued_valid, queued_ready, pixel_valid, pixel_ready, pixel_sof, pixel_eol, pixel_narrow;
+  logic signed [DisparityW-1:0] queued_disparity, pixel_disparity;
+  logic [SminW-1:0] queued_smin, pixel_smin;
+  logic word_valid, word_ready, word_sof, word_eol;
+  logic [31:0] word;
 
   vista_result_fifo #(
     .Width    (DisparityW + SminW),
@@ -323,18 +329,37 @@ module vista_stereo_core #(
     .begin_valid_i      (begin_valid),
     .begin_last_col_i   (begin_last_col),
     .begin_last_row_i   (begin_last_row),
+    .begin_narrow_i     (begin_narrow),
     .go_o               (writer_go),
     .result_valid_i     (queued_valid),
     .result_ready_o     (queued_ready),
     .result_disparity_i (queued_disparity),
     .result_smin_i      (queued_smin),
-    .valid_o            (word_valid),
-    .ready_i            (word_ready),
-    .sof_o              (word_sof),
-    .eol_o              (word_eol),
-    .disparity_o        (word_disparity),
-    .smin_o             (word_smin),
+    .valid_o            (pixel_valid),
+    .ready_i            (pixel_ready),
+    .sof_o              (pixel_sof),
+    .eol_o              (pixel_eol),
+    .narrow_o           (pixel_narrow),
+    .disparity_o        (pixel_disparity),
+    .smin_o             (pixel_smin),
     .frame_end_o
+  );
+
+  vista_word_packer u_word_packer (
+    .clk_i,
+    .rst_ni,
+    .valid_i     (pixel_valid),
+    .ready_o     (pixel_ready),
+    .sof_i       (pixel_sof),
+    .eol_i       (pixel_eol),
+    .narrow_i    (pixel_narrow),
+    .disparity_i (pixel_disparity),
+    .smin_i      (pixel_smin),
+    .valid_o     (word_valid),
+    .ready_i     (word_ready),
+    .sof_o       (word_sof),
+    .eol_o       (word_eol),
+    .word_o      (word)
   );
 
   vista_skid #(
@@ -344,7 +369,7 @@ module vista_stereo_core #(
     .rst_ni,
     .valid_i (word_valid),
     .ready_o (word_ready),
-    .data_i  ({word_sof, word_eol, word_smin, 16'(word_disparity)}),
+    .data_i  ({word_sof, word_eol, word}),
     .valid_o (word_valid_o),
     .ready_i (word_ready_i),
     .data_o  ({word_sof_o, word_eol_o, word_o})

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Types, widths and latencies of the stereo engine, each derived in one place.
 //
 // Vocabulary. A *slot* is one column of one row being matched: the prefiltered pixel pair (col, m) enters the costs.
@@ -24,6 +25,7 @@ package vista_stereo_pkg;
     logic [6:0]  uniqueness_ratio;   // 0 .. 100 percent
     logic        lr_enable;
     logic [7:0]  lr_max_diff;
+    logic        narrow;             // words of two disparities
   } params_t;
 
   typedef struct packed {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Step 7 of the contract: the disparity to 1/16 px from the costs beside the winner.
 //
 // With q = p + n - 2 Smin + |p - n| = 2 (max(p, n) - Smin), the fraction 256 (p - n) / q is 128 (p - n) / den,

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Step 5 of the contract: is there a d with |d - dL| > 1 and S(d) <= T?
 //
 // Latency: 2 clocks from `cost_i` and `bound_i`; `disparity_i` comes one clock before them, so the neighbourhood of dL

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The bound of step 5: T = Smin + floor(Smin * u / 100), saturated to the width of a cost.
 //
 // The division by 100 is a multiplication by R = ceil(2^30 / 100). With R * 100 = 2^30 + 76 it is exact as long as

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Sums over the block from the column sums of each channel: running sums of the last B slots.
 //
 //   S(x, m) = S(x-1, m) + C(x, m) - C(x-B, m)

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Step 3 of the contract: the disparity of smallest cost, ties to the larger one.
 //
 // A tree of comparisons, one level a clock. Leaves beyond D - 1 hold the all-ones word, which no cost reaches.

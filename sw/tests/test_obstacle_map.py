@@ -109,10 +109,338 @@ def share_of_large(extent_m: float) -> float:
     return float(np.clip((extent_m - 3.0) / 1.5, 0.0, 1.0))
 
 
-def test_what_is_large_is_met_where_its_own_points_say_and_what_is_compact_is_not() -> None:
-    """A wall seen at an angle, its middle at 40 m; a board."""
+def test_what_is_large_is_met_where_it_is_closest_to_the_path() -> None:
+    """Of a rectangle of the extent that faces the camera: from 4.5 m on there; up to 3 m half way to there,
+    uncertain by as much. Which point of its surface is first, and where its end is, adds to that."""
+    random = seeded(9)
+    for _ in range(50):
+        center, extent = random.uniform((-8, -5, 20), (8, 5, 60)), random.uniform(0.2, 20.0, 2)
+        mapper = Map()
+        item = track(center, extent=extent.tolist(), coasting=False)
+        assert mapper.update([item]) == "VISTA_OK"
+        (obstacle,), nearest = mapper.obstacles, mapper.nearest
+        middle, half = np.array(list(obstacle.position_m)), extent / 2
+        share = np.array([0.5 + 0.5 * share_of_large(side) for side in extent])
+        step = np.clip(-middle[:2], -half, half)
+        expected = middle + np.append(share * step, 0.0)
+        assert list(nearest.position_m) == pytest.approx(expected)
+        assert nearest.distance_m == pytest.approx(np.linalg.norm(expected))
+        assert nearest.time_to_collision_s == pytest.approx(expected[2] / 9.0)
+        face = np.minimum(half / math.sqrt(3.0), math.sqrt(2.0 * 2.0 * 0.1))
+        end = np.where(np.abs(middle[:2]) > half, 0.2 * half, 0.0)
+        added = np.reshape(list(nearest.covariance_m2), (3, 3)) - np.reshape(
+            list(obstacle.covariance_m2), (3, 3)
+        )
+        assert added == pytest.approx(
+            np.diag([*((1 - share) ** 2 * step**2 + face**2 + end**2), 0.0]), abs=1e-9
+        )
+
+
+def test_what_is_large_is_met_in_its_surface() -> None:
+    """Not in the middle behind it, which is that of an obstacle."""
+    for extent, behind_m in ((1.0, 0.25), (2.9, 0.25), (4.6, 0.0)):
+        mapper = Map(thickness_ratio=0.5)
+        assert mapper.update([track((0.0, 0.0, 20.0), extent=(extent, extent))]) == "VISTA_OK"
+        assert mapper.obstacles[0].distance_m == pytest.approx(20.25)
+        assert mapper.nearest.distance_m == pytest.approx(20.0 + behind_m)
+
+
+def test_parts_of_one_thing_make_it_uncertain_which_is_met_first() -> None:
+    """Posts in the way at about one range, 1.6 m apart; not what is farther away, or beside the volume."""
+    post, other = track((-0.8, 0.0, 20.0), 1, extent=(0.1, 0.1)), {"extent": (0.1, 0.1)}
+    for place, changes, apart_m in (
+        ((0.8, 0.0, 20.5), {}, 1.6),
+        ((0.8, 0.0, 24.0), {}, 0.0),
+        ((0.8, 0.0, 20.5), {"volume_window": 0}, 0.0),
+    ):
+        alone, beside = Map(), Map()
+        assert (
+            alone.update([post]) == beside.update([post, track(place, 2, **other, **changes)]) == "VISTA_OK"
+        )
+        assert beside.nearest.id == alone.nearest.id == 1
+        added = np.subtract(list(beside.nearest.covariance_m2), list(alone.nearest.covariance_m2)).reshape(
+            3, 3
+        )
+        assert added[0, 0] == pytest.approx(apart_m**2 / 3.0, rel=0.1)
+        assert np.abs(added[2]).max() == pytest.approx(0.0, abs=1e-9)
+
+
+def test_nearest_first_and_only_the_credible_collide() -> None:
+    mapper = Map()
+    tracks = [
+        track((0, 0, 60.0), 1),
+        track((0, 0, 20.0), 2, credible=False),
+        track((0, 0, 35.0), 3),
+        track((9, 0, 10.0), 4),
+        track((0, 0, -1.0), 5),
+    ]
+    assert mapper.update(tracks) == "VISTA_OK"
+    assert [o.id for o in mapper.obstacles] == [4, 2, 3, 1]
+    assert [o.in_collision_volume for o in mapper.obstacles] == [False, False, True, True]
+    assert mapper.nearest.valid
+    assert mapper.nearest.id == 3
+    assert mapper.nearest.distance_m == 35.0
+    assert mapper.nearest.time_to_collision_s == pytest.approx(35.0 / 9.0)
+    assert mapper.update(tracks[3:4]) == "VISTA_OK"
+    assert (mapper.nearest.valid, mapper.nearest.id) == (False, 0)
+
+
+@pytest.mark.parametrize(
+    ("hits", "member"),
+    [(0b111, True), (0b011, True), (0b101, True), (0b110, True), (0b001, False), (0b1000, False)],
+)
+def test_what_is_seen_is_a_member_by_two_of_three_hits(hits: int, member: bool) -> None:
+    """Wherever its centre is; while it coasts, or only edges are seen, if its disc is in the way, too."""
+    for point, in_the_way in (((0, 0, 30.0), True), ((9, 0, 30.0), False)):
+        assert in_volume(point, coasting=False, volume_window=hits) == member
+        by_disc = member and in_the_way
+        assert in_volume(point, coasting=True, volume_window=hits) == by_disc
+        assert in_volume(point, coasting=False, edges_only=True, volume_window=hits) == by_disc
+        assert in_volume(point, coasting=False, volume_window=hits & 1, hits=1) == hits & 1
+
+
+@pytest.mark.parametrize(
+    ("speed_m_s", "sigma_m_s", "entering"),
+    [(-0.9, 0.1, True), (0.9, 0.1, False), (-0.4, 0.05, False), (-0.9, 0.4, False)],
+)
+def test_what_moves_across_is_a_member_before_it_is_there(
+    speed_m_s: float, sigma_m_s: float, entering: bool
+) -> None:
+    """2.3 m beside the path, half as wide as that: it comes, goes, is too slow, or its speed is not known."""
+    covariance = np.diag([0.01] * 3 + [sigma_m_s**2, sigma_m_s**2, 1.0])
+    moves = {"velocity_m_s": [speed_m_s, 0.0, 0.0], "covariance": covariance.ravel().tolist()}
+    for point, coasting, member in (
+        ((2.8, 0, 30.0), False, entering),
+        ((2.8, 0, 30.0), True, False),
+        ((9, 0, 30.0), False, False),
+    ):
+        assert in_volume(point, coasting=coasting, volume_window=0, **moves) == member
+
+
+def test_errors_that_last_add_to_the_covariance() -> None:
+    """Along the ray by disparity and depth, across it by pixels and a share of what the width has more than
+    twice the height, both by the scatter of the detections; camera turned."""
+    turn = Rotation.from_euler("xyz", [4, -7, 3], degrees=True).as_matrix()
+    lasting = {
+        "lasting_disparity_px": 0.2,
+        "lasting_range_m": 0.3,
+        "lasting_center_px": 5.0,
+        "lasting_center_ratio": 0.4,
+        "lasting_scatter": 0.5,
+    }
+    mapper, point = Map(**lasting), np.array([3.0, -2.0, 40.0])
+    seen = track(turn @ point, sigma_m=0.1, extent=(3.0, 1.0), scatter_px2=[36.0, 16.0, 0.04])
+    assert mapper.update([seen], FORWARD, pose((0, 0, 0), turn)) == "VISTA_OK"
+    ray = point / point[2]
+    along2 = (40.0**2 / (FOCAL * BASELINE)) ** 2 * (0.2**2 + 0.1**2) + 0.3**2
+    across = 0.04**2 * np.array([5.0**2 + 3.0**2, 5.0**2 + 2.0**2, 0.0]) + [0.2**2, 0.0, 0.0]
+    expected = 0.01 * np.eye(3) + along2 * np.outer(ray, ray) + np.diag(across)
+    covariance = np.array(list(mapper.obstacles[0].covariance_m2)).reshape(3, 3)
+    assert covariance == pytest.approx(turn @ expected @ turn.T)
+
+
+def test_what_is_seen_steadily_is_more_certain() -> None:
+    """In u, v and disparity by as much as its detections scattered less than their noise would have it, down
+    to a quarter of the variance; of a few hits by a part of that."""
+    turn = Rotation.from_euler("xyz", [4, -7, 3], degrees=True).as_matrix()
+    point, none = np.array([3.0, -2.0, 40.0]), {f"lasting_{name}": 0.0 for name in LASTING}
+    from_px = jacobian(*measure(point))
+    for hits, shares in ((10, (0.5, 1.0, 0.25)), (5, (0.75, 1.0, 0.625)), (30, (0.5, 1.0, 0.25))):
+        mapper = Map(**none)
+        scatter = {"scatter_px2": [2.0, 9.0, 0.001], "expected_px2": [4.0, 4.0, 0.04]}
+        assert (
+            mapper.update([track(turn @ point, hits=hits, **scatter)], FORWARD, pose((0, 0, 0), turn))
+            == "VISTA_OK"
+        )
+        covariance = np.array(list(mapper.obstacles[0].covariance_m2)).reshape(3, 3)
+        to_px, root = np.linalg.inv(from_px), np.diag(np.sqrt(shares))
+        in_px = to_px @ turn.T @ covariance @ turn @ to_px.T
+        assert in_px == pytest.approx(root @ (0.01 * to_px @ to_px.T) @ root, rel=1e-9)
+
+
+ERRORS = {  # white noise, lasting bias and wander (Gauss-Markov, 0.8 kept) of u, v and disparity, px
+    "as assumed": ((1.0, 1.0, 0.25), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)),
+    "steady": ((0.5, 0.5, 0.12), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)),
+    "bias of the matcher": ((0.7, 0.7, 0.15), (0.5, 0.5, 0.02), (0.0, 0.0, 0.0)),
+    "region that wanders": ((0.7, 0.7, 0.12), (0.3, 0.3, 0.02), (1.0, 1.0, 0.08)),
+}
+NEES_BANDS = {  # an honest covariance has 3; the bias that is allowed for is none of what is steady
+    "as assumed": (1.3, 3.2),
+    "steady": (0.6, 1.6),
+    "bias of the matcher": (1.5, 3.6),
+    "region that wanders": (3.0, 6.6),
+}
+
+
+@pytest.mark.parametrize("kind", ERRORS)
+def test_the_covariance_is_that_of_the_errors(kind: str) -> None:
+    """Of things that stand, 40 to 20 m ahead. On average the NEES is 3 where the covariance is that of
+    the errors; it is 1.0 of what is steady, 2.1 of what is as noisy as assumed, 2.4 with the bias of the
+    matcher and 4.7 of a region that wanders."""
+    random, nees = seeded(1), []
+    white, bias, wander = (np.array(sigma) for sigma in ERRORS[kind])
+    for _ in range(60):
+        tracker, mapper, point = Tracker(), Map(), np.array([0.3, -0.2, 60.0])
+        lasting, wandered = random.normal(0, bias), random.normal(0, wander)
+        for frame in range(44):
+            place = np.array([0.0, 0.0, 0.9144 * frame])
+            wandered = 0.8 * wandered + 0.6 * random.normal(0, wander)
+            seen = detection(measure(point, place) + random.normal(0, white) + lasting + wandered)
+            assert tracker.update(0.1 * frame, [seen], place) == "VISTA_OK"
+            if frame < 22 or frame % 7:
+                continue
+            tracks = [one for one in tracker.tracks.values() if one.confirmed]
+            assert mapper.update(tracks, FORWARD, pose(place)) == "VISTA_OK"
+            obstacle = mapper.obstacles[0]
+            error = np.array(list(obstacle.position_m)) - point
+            nees.append(error @ np.linalg.solve(np.array(list(obstacle.covariance_m2)).reshape(3, 3), error))
+    low, high = NEES_BANDS[kind]
+    assert low < np.mean(nees) < high
+
+
+def test_the_middle_lies_behind_the_surface() -> None:
+    """Half of half the smaller side, uncertain by as much; of what is large, no more than of 1 m."""
+    for extent, behind_m in (((0.6, 4.0), 0.15), ((0.3, 0.2), 0.05), ((16.0, 9.0), 0.25)):
+        maps = [Map(thickness_ratio=ratio, lasting_range_m=0.0) for ratio in (0.0, 0.5)]
+        point = np.array([3.0, -4.0, 12.0])
+        for mapper in maps:
+            assert mapper.update([track(point, extent=extent)]) == "VISTA_OK"
+        bare, thick = (mapper.obstacles[0] for mapper in maps)
+        assert list(thick.position_m) == pytest.approx(point * (1.0 + behind_m / 13.0))
+        assert thick.distance_m == pytest.approx(13.0 + behind_m)
+        added = np.array(list(thick.covariance_m2)) - np.array(list(bare.covariance_m2))
+        expected = behind_m**2 * np.outer(point, point) / 12.0**2
+        assert added == pytest.approx(expected.ravel(), abs=1e-9)
+
+
+def test_what_moves_with_the_aircraft_is_not_confirmed() -> None:
+    mapper = Map()
+    verdicts = [lib.VISTA_WORLD_OPEN, lib.VISTA_WORLD_STANDS, lib.VISTA_WORLD_MOVES, lib.VISTA_WORLD_REFUTED]
+    tracks = [track((9, 0, 10.0 + k), k, world={"verdict": verdict}) for k, verdict in enumerate(verdicts)]
+    assert mapper.update(tracks) == "VISTA_OK"
+    assert [(o.world, o.confirmed) for o in mapper.obstacles] == list(
+        zip(verdicts, [True, True, True, False], strict=True)
+    )
+
+
+def test_what_is_too_near_to_match_is_a_danger() -> None:
+    """Before any track, on the flight path, at the end of the blind zone."""
+    mapper, aside = Map(), (3.0, 0.0, 4.0)
+    too_near = ffi.new("vista_blind_zone *", {"occupied": True, "range_m": 14.5})
+    assert mapper.update([track((0, 0, 30.0))], aside, None, too_near) == "VISTA_OK"
+    assert [o.id for o in mapper.obstacles] == [0, 1]
+    found, along = mapper.obstacles[0], np.array(aside) / 5.0
+    assert found.confirmed and found.in_collision_volume and found.in_blind_zone
+    assert list(found.position_m) == pytest.approx(14.5 * along)
+    variance = np.linalg.eigvalsh(np.array(list(found.covariance_m2)).reshape(3, 3))
+    assert np.sqrt(variance) == pytest.approx([2.0, 2.0, 14.5])
+    assert (mapper.nearest.id, mapper.nearest.distance_m) == (0, 14.5)
+    assert mapper.nearest.time_to_collision_s == pytest.approx(14.5 / 5.0)
+    assert mapper.update([track((0, 0, 4.0))], FORWARD, None, too_near) == "VISTA_OK"
+    assert mapper.nearest.id == 1  # nearer still, and tracked
+    too_near.occupied = False
+    assert mapper.update([], FORWARD, None, too_near) == "VISTA_OK"
+    assert not mapper.nearest.valid and mapper.obstacles == []
+
+
+@pytest.mark.parametrize("too_near_first", [False, True])
+def test_what_is_too_near_to_match_never_hides_a_track_that_is_seen(too_near_first: bool) -> None:
+    """Both are obstacles in the volume; the nearest collision is with the track while it is seen, and with
+    what may hide it while it coasts."""
+    mapper = Map()
+    too_near = ffi.new("vista_blind_zone *", {"occupied": True, "range_m": 7.3})
+    if too_near_first:
+        assert mapper.update([], FORWARD, None, too_near) == "VISTA_OK"
+    coasts, seen = track((0, 0, 20.0), 4), track((0, 0, 30.0), 5, coasting=False)
+    for tracks, nearest in (([seen], 5), ([coasts, seen], 4), ([coasts], 0), ([], 0)):
+        assert mapper.update(tracks, FORWARD, None, too_near) == "VISTA_OK"
+        assert [o.id for o in mapper.obstacles] == [0, *(t[0].id for t in tracks)]
+        assert all(o.in_collision_volume for o in mapper.obstacles)
+        assert mapper.nearest.id == nearest
+    beside = track((9.0, 0, 30.0), 6, coasting=False, volume_window=0)
+    assert mapper.update([beside], FORWARD, None, too_near) == "VISTA_OK"
+    assert mapper.nearest.id == 0  # nothing tracked is in the way
+
+
+def ground_ahead(along_m: float, **changes):
+    """A slope of 30 degrees, met 2 m below a path along z."""
+    normal = np.array([0.0, 0.5, np.sqrt(0.75)])
+    point = np.array([0.0, 2.0, along_m])
+    values = {
+        "known": True,
+        "ahead": True,
+        "confirmed": True,
+        "credible": True,
+        "steady": True,
+        "age_frames": 7,
+        "plane": {"normal": list(normal), "offset_m": float(normal @ point)},
+        "contact": {"along_m": along_m, "radius_m": 2.0, "point_m": list(point), "sine": float(normal[2])},
+        "world": {"verdict": lib.VISTA_WORLD_STANDS},
+        "sigma_m": 0.4,
+    }
+    return ffi.new("vista_terrain *", values | changes)
+
+
+def test_ground_ahead_is_an_obstacle_with_distance_and_time() -> None:
+    mapper = Map()
+    assert mapper.update([], terrain=ground_ahead(27.0)) == "VISTA_OK"
+    (found,) = mapper.obstacles
+    assert (found.id, found.kind) == (lib.VISTA_ID_GROUND, lib.VISTA_OBSTACLE_GROUND)
+    assert found.confirmed and found.in_collision_volume and found.age_frames == 7
+    assert list(found.position_m) == [0.0, 2.0, 27.0]
+    assert found.distance_m == pytest.approx(np.hypot(27.0, 2.0))
+    assert mapper.nearest.valid and mapper.nearest.id == lib.VISTA_ID_GROUND
+    assert mapper.nearest.time_to_collision_s == pytest.approx(27.0 / 9.0)
+    variance = np.array(list(found.covariance_m2)).reshape(3, 3)
+    assert np.sqrt(variance[2, 2]) == pytest.approx(0.4) and np.sqrt(variance[0, 0]) == pytest.approx(0.2)
+    for kept_off in (
+        {"credible": False},
+        {"steady": False},
+        {"world": {"verdict": lib.VISTA_WORLD_REFUTED}, "credible": False},
+    ):
+        assert mapper.update([], terrain=ground_ahead(27.0, **kept_off)) == "VISTA_OK"
+        assert not mapper.nearest.valid and len(mapper.obstacles) == 1
+    for absent in (ground_ahead(27.0, ahead=False), ground_ahead(-3.0)):
+        assert mapper.update([], terrain=absent) == "VISTA_OK"
+        assert not mapper.nearest.valid and mapper.obstacles == []
+
+
+def test_what_lies_on_the_ground_ahead_is_met_where_that_is_met() -> None:
+    """A region of the hillside itself, whose middle is before or behind the place; not what stands on it."""
+    mapper, slope = Map(), ground_ahead(40.0)
+    foot = track((0.0, 2.0 + 3.0 * np.sqrt(3.0), 37.0), 1, coasting=False)
+    behind = track((0.0, 2.0 - 3.0 * np.sqrt(3.0), 43.0), 2, coasting=False)
+    assert mapper.update([foot, behind], terrain=slope) == "VISTA_OK"
+    assert {o.id: o.in_collision_volume for o in mapper.obstacles} == {1: False, -1: True, 2: False}
+    assert mapper.nearest.id == lib.VISTA_ID_GROUND
+    pole = track((0.0, 0.0, 37.0), 3)
+    assert mapper.update([pole], terrain=slope) == "VISTA_OK"
+    assert mapper.nearest.id == 3 and all(o.in_collision_volume for o in mapper.obstacles)
+    assert mapper.update([foot], terrain=ground_ahead(40.0, credible=False)) == "VISTA_OK"
+    assert mapper.nearest.id == 1  # as long as the ground itself is not believed
+
+
+def test_a_low_pole_on_ground_ahead_keeps_its_warning() -> None:
+    """A descent of 5 degrees onto level ground 40 m ahead: far from the contact, a tenth of the distance is
+    more than the height of the pole's middle."""
+    along = np.array([0.0, np.sin(np.radians(5.0)), np.cos(np.radians(5.0))])
+    normal, point = np.array([0.0, 1.0, 0.0]), 40.0 * along + (0.0, 2.0, 0.0)
+    meadow = ground_ahead(
+        40.0,
+        plane={"normal": list(normal), "offset_m": float(normal @ point)},
+        contact={"along_m": 40.0, "radius_m": 2.0, "point_m": list(point), "sine": along[1]},
+    )
+    height_m = 3.4
+    pole = track((0.0, point[1] - 0.5 * height_m, 20.0), 4, extent=(0.3, height_m))
+    mapper = Map()
+    assert mapper.update([pole], tuple(9.0 * along), terrain=meadow) == "VISTA_OK"
+    assert mapper.nearest.id == 4 and all(o.in_collision_volume for o in mapper.obstacles)
+
+
+def test_what_is_large_is_met_where_its_own_points_say_and_what_is_compact_near_its_middle() -> None:
+    """A wall seen at an angle, its middle at 40 m; a board, half way from its middle to its edge."""
     met = {"met": True, "met_m": [0.5, 0.0, 31.0]}
-    for extent, range_m in (((12.0, 8.0), 31.0), ((1.5, 2.0), 40.0)):
+    for extent, expected in (((12.0, 8.0), met["met_m"]), ((1.5, 2.0), [0.625, 0.0, 40.0])):
         mapper = Map()
         assert mapper.update([track((1.0, 0.0, 40.0), extent=extent, **met)]) == "VISTA_OK"
         assert mapper.nearest.position_m[2] == pytest.approx(range_m)

@@ -15,7 +15,7 @@ from shared_data import SHARED_DATA
 from vista.errors import InputError
 from vista.geometry import CameraModel, Pose, RawCalibration, camera_matrix
 from vista.health.features import match_pair
-from vista.rectify import Rectifier
+from vista.rectify import Rectifier, exact_map, rectified_cameras
 from vista.sequence import Frame, open_sequence
 
 SIZE = (320, 240)
@@ -101,8 +101,8 @@ def test_the_pose_turns_with_the_axes_and_does_not_move() -> None:
 
 
 def test_no_pixel_comes_from_outside_the_raw_image() -> None:
-    rectifier = Rectifier(RAW)
-    for source, _ in (rectifier._left_map, rectifier._right_map):
+    for camera, (R, P) in zip((RAW.left, RAW.right), rectified_cameras(RAW), strict=True):
+        source, _ = exact_map(camera, R, P)
         u, v = source[..., 0], source[..., 1]  # whole parts of the raw coordinates
         assert u.min() >= -1 and u.max() < SIZE[0]
         assert v.min() >= -1 and v.max() < SIZE[1]

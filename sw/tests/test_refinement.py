@@ -13,9 +13,11 @@ TIE = -99  # of the pixel's two best regions rounding decides
 POINT_SIZE_PX = 1.5
 
 
-def prepared(stages: Stages, image: np.ndarray, label: np.ndarray) -> np.ndarray:
+def prepared(
+    stages: Stages, image: np.ndarray, label: np.ndarray, words: np.ndarray | None = None
+) -> np.ndarray:
     """region_of_pixel of cells that are labelled so."""
-    words = np.full(image.shape, INVALID, np.int16)
+    words = np.full(image.shape, INVALID, np.int16) if words is None else words
     assert stages.foveate(image, words) == "VISTA_OK"
     stages.label[:] = label
     assert stages.refine(image) == "VISTA_OK"
@@ -27,8 +29,18 @@ def neighbours(stages: Stages, node: int) -> list[int]:
     return [int(i) for i in f.head[f.tail == node]]
 
 
-def expected(stages: Stages, image: np.ndarray) -> np.ndarray:
-    """The definition in vista/refinement.h, a pixel at a time."""
+def farther(stages: Stages, word: int, node: int) -> float:
+    """What it costs a pixel of that word to join a cell that is nearer."""
+    p = stages.parameters.refinement
+    if word < 0 or stages.disparity_px[node] < 0:
+        return 0.0
+    return min(
+        max(float(stages.disparity_px[node]) - word / 16, 0.0) / p.sigma_disparity_px, p.disparity_limit
+    )
+
+
+def expected(stages: Stages, image: np.ndarray, words: np.ndarray) -> np.ndarray:
+    """The definition in stages/refinement.h, a pixel at a time."""
     f, p = stages.foveation, stages.parameters.refinement
     label = stages.label
     border = np.zeros(f.node_count, bool)
@@ -41,6 +53,7 @@ def expected(stages: Stages, image: np.ndarray) -> np.ndarray:
         for v, u in zip(*np.nonzero(f.cell_of_pixel == node), strict=True):
             costs = [
                 min(abs(float(image[v, u]) - stages.intensity[i]) / p.sigma_intensity, p.contrast_limit)
+                + farther(stages, int(words[v, u]), i)
                 + p.mixed_penalty * border[i]
                 + p.compactness
                 * ((u - f.center_u[i]) ** 2 + (v - f.center_v[i]) ** 2)
@@ -62,13 +75,17 @@ def test_pixels_join_the_cell_that_numpy_finds(size: tuple[int, int]) -> None:
         "refinement.contrast_limit": float(random.uniform(0, 6)),
         "refinement.mixed_penalty": float(random.uniform(0, 2)),
         "refinement.compactness": float(random.uniform(0, 4)),
+        "refinement.sigma_disparity_px": float(random.uniform(0.2, 3)),
+        "refinement.disparity_limit": float(random.uniform(0, 3)),
     }
     stages = Stages(camera(*size), changes)
     image = random.integers(0, 256, (size[1], size[0]), dtype=np.uint8)
     label = random.integers(NONE, 4, stages.foveation.node_count).astype(np.int32)
     label[random.random(label.size) < 0.6] = 1  # cells away from any border, too
-    found = prepared(stages, image, label)
-    wanted = expected(stages, image)
+    words = random.integers(0, 160, image.shape).astype(np.int16)
+    words[random.random(image.shape) < 0.3] = INVALID
+    found = prepared(stages, image, label, words)
+    wanted = expected(stages, image, words)
     sure = wanted != TIE
     assert np.array_equal(found[sure], wanted[sure])
     assert sure.mean() > 0.9 and np.any(found != stages.label[stages.foveation.cell_of_pixel])
@@ -86,6 +103,23 @@ def test_a_region_ends_where_the_image_does_not_where_the_cells_do() -> None:
     by_cells = label[f.cell_of_pixel]
     assert np.mean(by_cells != disc) > 0.003
     assert np.mean(found != disc) < 0.25 * np.mean(by_cells != disc)
+
+
+def test_what_is_farther_leaves_a_near_region_and_nothing_is_drawn_into_one() -> None:
+    """Words end where a thing does not: they know its background, but blocks make the thing too large."""
+    stages = Stages(camera())
+    u, v = np.meshgrid(np.arange(320), np.arange(240))
+    disc = np.hypot(u - 250, v - 90) <= 30
+    image = np.full((240, 320), 90, np.uint8)
+    words = np.where(disc, 16 * 20, 16 * 5).astype(np.int16)
+    f = stages.foveation
+    label = (np.hypot(f.center_u - 250, f.center_v - 90) <= 30).astype(np.int32)
+    found = prepared(stages, image, label, words)
+    by_cells = label[f.cell_of_pixel]
+    beyond = (by_cells == 1) & ~disc
+    assert beyond.any() and np.mean(found[beyond] == 1) < 0.3
+    flat = prepared(stages, image, label)
+    assert np.mean(found[disc] == 1) == pytest.approx(np.mean(flat[disc] == 1), abs=0.01)
 
 
 def test_without_borders_the_cells_decide() -> None:

@@ -180,6 +180,22 @@ def test_a_marking_on_plain_ground_is_no_wire() -> None:
     assert len(thin.find(image.astype(np.uint8), words)) == 1  # with the ground unknown it might be one
 
 
+def test_the_foot_of_a_line_is_its_height_above_the_ground() -> None:
+    """Of that of the camera: a post that ends on level ground, and one that hangs 30 % of it above."""
+    random = seeded(15)
+    for share in (0.0, 0.3):
+        height_m, range_m = random.uniform(4.0, 6.0), random.uniform(28.0, 40.0)
+        foot_v = int((HEIGHT - 1) / 2 + FOCAL_PX * (1.0 - share) * height_m / range_m)
+        wire = wire_at(90.0, range_m, 0.06, random.uniform(-1, 1))
+        image = with_wire(np.full((HEIGHT, WIDTH), 180.0), wire, random)
+        words = words_around(wire, 2.5, random, share=0.8)
+        image[foot_v:], words[foot_v:] = 180, round(16 * 2.5)
+        ground = (0.0, 0.0, BASELINE_M / height_m)
+        (line,) = Thin().find(image, words, ground)
+        assert line.foot_seen and line.foot_share == pytest.approx(share, abs=0.1)
+        assert not Thin().find(image, words)[0].foot_seen
+
+
 def test_horizontal_wires_cannot_be_found() -> None:
     """Along a row every place of such a wire looks the same: no words could tell its range."""
     random = seeded(10)

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 import numpy.typing as npt
-from frames import Frame, expected_words
+from frames import Frame, expected_words, packed
 from verilated import LAST, USER
 from vista_model.engine import Parameters
 
@@ -61,17 +61,17 @@ def react(beats: npt.NDArray[np.uint32], width: int, height: int, lost: bool = T
 
 
 def expected_after(
-    received: Received, width: int, height: int, parameters: Parameters
+    received: Received, width: int, height: int, parameters: Parameters, narrow: bool = False
 ) -> npt.NDArray[np.uint32]:
     """The words of a frame that may have been cut."""
     pixels = np.zeros(width * height, np.uint32)
     pixels[: len(received.pixels)] = received.pixels
     pair = pixels.reshape(height, width)
     words = expected_words(Frame((pair & 255).astype(np.uint8), (pair >> 8).astype(np.uint8), parameters))
-    if received.whole:
-        return words
-    radius = parameters.block_size // 2
-    y, x = np.divmod(np.arange(width * height), width)
-    needed = (y + radius + 1) * width + np.minimum(x + radius + parameters.num_disparities, width - 1)
-    stands = (needed < len(received.pixels)) & (y + radius + 1 < height)
-    return np.where(stands, words, np.uint32(NOTHING))
+    if not received.whole:
+        radius = parameters.block_size // 2
+        y, x = np.divmod(np.arange(width * height), width)
+        needed = (y + radius + 1) * width + np.minimum(x + radius + parameters.num_disparities, width - 1)
+        stands = (needed < len(received.pixels)) & (y + radius + 1 < height)
+        words = np.where(stands, words, np.uint32(NOTHING))
+    return packed(words.astype(np.uint16).view(np.int16).reshape(height, width)) if narrow else words

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
-from registers import LR_CHECK, PREFILTER, SIZE, TEXTURE, UNIQUENESS
+from registers import COMMIT, LR_CHECK, OUTPUT, PREFILTER, SIZE, TEXTURE, UNIQUENESS
 from verilated import LAST, USER, WORD_LAST, WORD_USER, Rtl
 from vista_model.c_engine import CEngine
-from vista_model.engine import Parameters
+from vista_model.engine import INVALID, Parameters
 
 Image = npt.NDArray[np.uint8]
 IMAGE_KINDS = ("noise", "shifted", "gradient", "repeated", "black", "saturated", "checker", "flat_patches")
@@ -22,6 +22,7 @@ class Frame:
     left: Image
     right: Image
     parameters: Parameters
+    narrow: bool = False  # words of two disparities
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -111,20 +112,28 @@ def beats(left: Image, right: Image) -> npt.NDArray[np.uint32]:
 
 
 def expected_words(frame: Frame) -> npt.NDArray[np.uint32]:
-    """What the engine has to send: {Smin saturated to 16 bits, disparity}."""
+    """What the engine has to send: {Smin saturated to 16 bits, disparity}, or two disparities in a word."""
     disparity, smin = CEngine(frame.parameters).compute(frame.left, frame.right)
+    if frame.narrow:
+        return packed(disparity)
     return (disparity.view(np.uint16) | np.minimum(smin, 0xFFFF) << 16).astype(np.uint32).ravel()
 
 
-def expected_flags(height: int, width: int) -> npt.NDArray[np.uint8]:
-    flags = np.zeros((height, width), np.uint8)
+def packed(disparity: npt.NDArray[np.int16]) -> npt.NDArray[np.uint32]:
+    """Words of two disparities."""
+    padded = np.pad(disparity, ((0, 0), (0, disparity.shape[1] % 2)), constant_values=INVALID)
+    return np.ascontiguousarray(padded).view(np.uint32).ravel()
+
+
+def expected_flags(height: int, width: int, narrow: bool = False) -> npt.NDArray[np.uint8]:
+    flags = np.zeros((height, (width + 1) // 2 if narrow else width), np.uint8)
     flags[0, 0] |= WORD_USER
     flags[:, -1] |= WORD_LAST
     return flags.ravel()
 
 
 def register_values(frame: Frame) -> dict[int, int]:
-    """By address, what a frame has in the registers from its first pixel on."""
+    """By address, what is written for a frame, the commit last."""
     height, width = frame.shape
     p = frame.parameters
     return {
@@ -133,6 +142,8 @@ def register_values(frame: Frame) -> dict[int, int]:
         TEXTURE: p.texture_threshold,
         UNIQUENESS: p.uniqueness_ratio,
         LR_CHECK: (p.lr_max_diff is not None) | (p.lr_max_diff or 0) << 8,
+        OUTPUT: int(frame.narrow),
+        COMMIT: 1,
     }
 
 

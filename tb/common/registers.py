@@ -20,6 +20,7 @@ class Field:
     reset: int | None
     writable: bool
     clears: bool
+    pulse: bool  # reads as 0
 
     @property
     def mask(self) -> int:
@@ -36,7 +37,7 @@ def registers() -> dict[str, tuple[int, tuple[Field, ...]]]:
         if isinstance(node, RegNode):
             fields = tuple(
                 Field(f.inst_name, f.low, f.high, f.get_property("reset"), f.is_sw_writable,
-                      f.get_property("onwrite") is not None)
+                      f.get_property("onwrite") is not None, f.get_property("singlepulse"))
                 for f in node.fields()
             )  # fmt: skip
             found[node.inst_name] = (node.address_offset, fields)
@@ -55,3 +56,7 @@ CONTROL, SIZE, PREFILTER, TEXTURE = (address(name) for name in ("CONTROL", "SIZE
 UNIQUENESS, LR_CHECK, ERRORS = (address(name) for name in ("UNIQUENESS", "LR_CHECK", "ERRORS"))
 FRAMES_IN, FRAMES_OUT = address("FRAMES_IN"), address("FRAMES_OUT")
 STALLS_IN, STALLS_OUT = address("STALLS_IN"), address("STALLS_OUT")
+OUTPUT, COMMIT = address("OUTPUT"), address("COMMIT")
+INTERRUPT, INTERRUPT_MASK = address("INTERRUPT"), address("INTERRUPT_MASK")
+ENABLE, SOFT_RESET = 1, 2  # of CONTROL
+FRAME_DONE, ERROR = 1, 2  # of INTERRUPT

@@ -159,6 +159,9 @@ class Rtl:
     def read(self, address: int) -> int:
         return int(self._lib.vista_rtl_read(self._handle, ctypes.c_uint32(address)))
 
+    def interrupt(self) -> bool:
+        return bool(self._lib.vista_rtl_interrupt(self._handle))
+
     def queue_write(self, after: int, before: int, address: int, data: int) -> None:
         """A write within the next `stream`: begun after so many beats were taken, done before beat `before`
         is offered."""

@@ -186,6 +186,8 @@ class Driver:
         self.dut, self.dice, self.option, self.along = dut, dice, option, along
         self.side = "side_o" in along  # something goes along
         self.memory: Memory | None = None
+        self.patience = 400  # clocks without a beat before it is over, at full pace
+        self.may_begin: Callable[[Segment], bool] = lambda segment: True
         self.clock = 0
         self.waiting: tuple[int, ...] | None = None
         self.fetching = False
@@ -209,10 +211,12 @@ class Driver:
         firsts = dict(zip(places, segments, strict=True))
         position, offering, idle = 0, False, 0
         latest = self.clock + (40 * len(stream) + 2000) / min(offered, taken)
-        while idle < 400 / min(offered, taken) and (stop_after is None or position < stop_after):
-            offering = position < len(stream) and (offering or dice.random() < offered)
-            if offering and position in firsts:
-                self.set_up(firsts[position])
+        while idle < self.patience / min(offered, taken) and (stop_after is None or position < stop_after):
+            if not offering and position < len(stream):
+                first = firsts.get(position)
+                offering = dice.random() < offered and (first is None or self.may_begin(first))
+                if offering and first is not None:
+                    self.set_up(first)
             beat = stream[position] if offering else dice.randrange(1 << 16) | USER | LAST
             ready = dice.random() < taken
             dut.s_axis_tvalid.value, dut.s_axis_tdata.value = offering, beat & 0xFFFF

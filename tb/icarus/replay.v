@@ -22,6 +22,7 @@ module replay;
   wire s_axis_tready, m_axis_tvalid, m_axis_tuser, m_axis_tlast;
   wire s_axil_awready, s_axil_wready, s_axil_bvalid, s_axil_arready, s_axil_rvalid;
   wire [31:0] m_axis_tdata, s_axil_rdata;
+  wire irq_o;
   wire [1:0] s_axil_bresp, s_axil_rresp;
 
   vista_stereo dut (
@@ -36,12 +37,13 @@ module replay;
     .s_axil_bready(s_axil_bready), .s_axil_bresp(s_axil_bresp), .s_axil_arvalid(s_axil_arvalid),
     .s_axil_arready(s_axil_arready), .s_axil_araddr(s_axil_araddr), .s_axil_arprot(3'b0),
     .s_axil_rvalid(s_axil_rvalid), .s_axil_rready(s_axil_rready), .s_axil_rdata(s_axil_rdata),
-    .s_axil_rresp(s_axil_rresp)
+    .s_axil_rresp(s_axil_rresp), .irq_o(irq_o)
   );
 
-  wire [8:0] control = {s_axis_tready, m_axis_tvalid, s_axil_awready, s_axil_wready, s_axil_bvalid, s_axil_arready,
-                        s_axil_rvalid, m_axis_tuser & m_axis_tvalid, m_axis_tlast & m_axis_tvalid};
-  reg  [8:0] wanted_control;
+  wire [9:0] control = {s_axis_tready, m_axis_tvalid, s_axil_awready, s_axil_wready, s_axil_bvalid, s_axil_arready,
+                        s_axil_rvalid, m_axis_tuser & m_axis_tvalid, m_axis_tlast & m_axis_tvalid,
+                        irq_o};
+  reg  [9:0] wanted_control;
   reg  [31:0] wanted_word, wanted_read;
   reg  [8*1024-1:0] name;
   reg  was_reset;

@@ -40,6 +40,21 @@ def test_legal_parameters_do_not(disparities: int, block: int, width: int) -> No
     assert done.returncode == 0, done.stderr
 
 
+@pytest.mark.parametrize(
+    ("parameter", "message"),
+    [("NumRows=8", "NumRows must be"), ("NumRows=48", "NumRows must be"), ("NumRows=256", "NumRows must be"),
+     ("MaxWidth=3", "MaxWidth must be"), ("MaxWidth=4097", "MaxWidth must be"), ("MaxWidth=4096", "")],
+)  # fmt: skip
+def test_rectification_is_built_with_what_it_can_do(parameter: str, message: str) -> None:
+    done = subprocess.run(
+        ["verilator", "--lint-only", *VERILATOR_FLAGS, "--top-module", "vista_rectify", f"-G{parameter}",
+         *map(str, sources("vista_frontend.f"))],
+        cwd=ROOT, env=verilator_environment(), capture_output=True, text=True,
+    )  # fmt: skip
+    assert (done.returncode != 0) == bool(message), done.stderr
+    assert message in done.stderr
+
+
 def test_illegal_parameters_stop_slang() -> None:
     with pytest.raises(RuntimeError, match="Yosys failed") as failure:
         released(Config(32, 10, 1024))

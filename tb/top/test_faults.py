@@ -7,7 +7,19 @@ import pytest
 from broken_video import FAULTS, Beats, Fault, fault_size, untouched
 from faults import EARLY_EOL, EARLY_SOF, LATE_EOL, LATE_SOF, SIZE, expected_after, react
 from frames import Frame, beats, expected_flags, expected_words, random_pair, random_parameters, set_up
-from registers import CONTROL, ERRORS, FRAMES_IN, FRAMES_OUT
+from registers import (
+    COMMIT,
+    CONTROL,
+    ENABLE,
+    ERROR,
+    ERRORS,
+    FRAME_DONE,
+    FRAMES_IN,
+    FRAMES_OUT,
+    INTERRUPT,
+    INTERRUPT_MASK,
+    SOFT_RESET,
+)
 from registers import SIZE as SIZE_REGISTER
 from verilated import Config, Pace, Rtl
 
@@ -21,16 +33,18 @@ def name(config: Config) -> str:
     return config.name
 
 
-def stream_and_check(rtl: Rtl, stream: Beats, parameters, seed: int, paces: tuple[Pace, Pace]) -> int:
+def stream_and_check(
+    rtl: Rtl, stream: Beats, parameters, seed: int, paces: tuple[Pace, Pace], narrow: bool = False
+) -> int:
     width, height = fault_size(rtl.config.num_disparities, rtl.config.block_size)
     reaction = react(stream, width, height)
-    count = len(reaction.frames) * width * height
+    expected = [expected_after(frame, width, height, parameters, narrow) for frame in reaction.frames]
+    count = sum(map(len, expected))
     got = rtl.stream(stream, count + 100, *paces, seed)
     assert got.taken == len(stream), "the input hung"
     assert len(got.words) == count
-    expected = [expected_after(frame, width, height, parameters) for frame in reaction.frames]
     assert (got.words == np.concatenate(expected)).all()
-    assert (got.flags == np.tile(expected_flags(height, width), len(reaction.frames))).all()
+    assert (got.flags == np.tile(expected_flags(height, width, narrow), len(reaction.frames))).all()
     assert rtl.read(ERRORS) == reaction.errors
     return reaction.errors
 
@@ -71,9 +85,10 @@ def test_random_faults(seed: int, config: Config) -> None:
     streams.append(beats(*random_pair(rng, "shifted", height, width)))
     with Rtl(config, seed + 1) as rtl:
         rtl.write(CONTROL, 1)
-        set_up(rtl, Frame(*random_pair(rng, "noise", height, width), parameters))
+        narrow = seed % 3 == 0
+        set_up(rtl, Frame(*random_pair(rng, "noise", height, width), parameters, narrow))
         paces = PACES[rng.integers(3)], PACES[rng.integers(3)]
-        stream_and_check(rtl, np.concatenate(streams), parameters, seed, paces)
+        stream_and_check(rtl, np.concatenate(streams), parameters, seed, paces, narrow)
 
 
 def test_every_error_bit_is_reached() -> None:
@@ -98,6 +113,7 @@ def test_frame_of_illegal_size_is_dropped(size: tuple[int, int]) -> None:
         rtl.write(CONTROL, 1)
         set_up(rtl, frame)
         rtl.write(SIZE_REGISTER, size[0] | size[1] << 16)
+        rtl.write(COMMIT, 1)
         assert rtl.stream(beats(*pair), 10, quiet=2000).taken == WIDTH * HEIGHT
         assert (rtl.read(ERRORS), rtl.read(FRAMES_IN)) == (SIZE, 0)
         set_up(rtl, frame)
@@ -135,3 +151,53 @@ def test_reset_inside_a_frame_leaves_nothing_behind(at: int) -> None:
         set_up(rtl, frame)
         got = rtl.stream(beats(frame.left, frame.right), WIDTH * HEIGHT + 50, quiet=2000)
         assert (got.words == expected_words(frame)).all()
+
+
+@pytest.mark.parametrize("config", CONFIGS, ids=name)
+@pytest.mark.parametrize("seed", range(8))
+def test_soft_reset_leaves_registers_but_no_frame(config: Config, seed: int) -> None:
+    """Anywhere in a frame, with words waiting: the next frame is right, with the parameters as they were."""
+    width, height = fault_size(config.num_disparities, config.block_size)
+    rng = np.random.default_rng(seed)
+    pair = random_pair(rng, "noise", height, width)
+    parameters = random_parameters(rng, config.num_disparities, config.block_size)
+    frame = Frame(*random_pair(rng, "shifted", height, width), parameters, narrow=bool(seed % 2))
+    expected = expected_words(frame)
+    with Rtl(config) as rtl:
+        rtl.write(CONTROL, ENABLE)
+        set_up(rtl, frame)
+        rtl.stream(beats(*pair)[: int(rng.integers(1, width * height))], int(rng.integers(50)), quiet=200)
+        rtl.write(CONTROL, ENABLE | SOFT_RESET)
+        assert rtl.read(CONTROL) == ENABLE
+        got = rtl.stream(beats(frame.left, frame.right), len(expected) + 50, quiet=2000)
+        assert len(got.words) == len(expected) and (got.words == expected).all()
+        assert [rtl.read(a) for a in (ERRORS, FRAMES_IN, FRAMES_OUT)] == [0, 2, 1]
+
+
+def test_interrupt_and_its_mask() -> None:
+    rng = np.random.default_rng(4)
+    frame = Frame(*random_pair(rng, "shifted", HEIGHT, WIDTH), random_parameters(rng, 16, 5))
+    stream, pixels = beats(frame.left, frame.right), WIDTH * HEIGHT
+    with Rtl(CONFIG) as rtl:
+        rtl.write(CONTROL, ENABLE)
+        set_up(rtl, frame)
+        rtl.stream(stream, pixels)
+        assert (rtl.read(INTERRUPT), rtl.interrupt()) == (FRAME_DONE, False)  # masked, but kept
+        rtl.write(INTERRUPT_MASK, FRAME_DONE)
+        assert rtl.interrupt()
+        rtl.write(INTERRUPT, FRAME_DONE)
+        assert (rtl.read(INTERRUPT), rtl.interrupt()) == (0, False)
+        rtl.stream(stream[:300], 10, quiet=500)
+        assert not rtl.interrupt()
+        rtl.stream(stream, 2 * pixels - 10)  # cuts the frame that was begun
+        assert rtl.read(INTERRUPT) == FRAME_DONE | ERROR
+        for mask in range(4):
+            rtl.write(INTERRUPT_MASK, mask)
+            assert rtl.interrupt() == bool(mask)
+        rtl.write(INTERRUPT, FRAME_DONE)
+        for mask in range(4):
+            rtl.write(INTERRUPT_MASK, mask)
+            assert rtl.interrupt() == bool(mask & ERROR)
+        rtl.write(INTERRUPT, ERROR)
+        assert (rtl.read(INTERRUPT), rtl.interrupt()) == (0, False)
+        assert rtl.read(ERRORS) == EARLY_SOF

@@ -1,4 +1,4 @@
-"""The FuseSoC core names the sources of the file lists, in their order."""
+"""The FuseSoC core names the sources of the file lists, in their order; every file says its license."""
 
 import re
 from pathlib import Path
@@ -20,3 +20,15 @@ def test_core_file_lists_the_sources() -> None:
 
 def test_every_source_is_listed() -> None:
     assert {f.name for f in listed()} == {f.name for f in (ROOT / "rtl").glob("*/*.sv")}
+
+
+def test_every_file_of_the_core_says_its_license() -> None:
+    """JSON has no comments."""
+    files = [file for file in (ROOT / "rtl").rglob("*") if file.is_file() and file.suffix != ".json"]
+    assert len(files) > 40
+    without = [
+        file.name
+        for file in files
+        if "SPDX-License-Identifier: Apache-2.0" not in "".join(file.read_text().splitlines()[:2])
+    ]
+    assert not without

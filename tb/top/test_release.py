@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 from broken_video import FAULTS, fault_size
-from frames import Frame, beats, random_frame, random_pair, random_parameters, set_up
+from frames import Frame, beats, expected_words, random_frame, random_pair, random_parameters, set_up
 from icarus import commands, released, replay
-from registers import CONTROL, ERRORS, FRAMES_OUT, SIZE, registers
+from registers import COMMIT, CONTROL, ERRORS, FRAMES_OUT, INTERRUPT_MASK, SIZE, registers
 from tools import ROOT
 from verilated import PACES, Config, Pace, Rtl
 
@@ -21,6 +21,7 @@ def frame_at_reset_defaults(rtl: Rtl, rng: np.random.Generator) -> None:
     """Nothing is written but the size of the frame, and that it be taken."""
     left, right = random_pair(rng, "shifted", 20, rtl.config.max_width)
     rtl.write(SIZE, left.shape[1] | left.shape[0] << 16)
+    rtl.write(COMMIT, 1)
     rtl.write(CONTROL, 1)
     assert len(rtl.stream(beats(left, right), left.size).words) == left.size
 
@@ -29,9 +30,10 @@ def frames(rtl: Rtl, rng: np.random.Generator, count: int) -> None:
     rtl.write(CONTROL, 1)
     for seed in range(count):
         frame = random_frame(rng, rtl.config.num_disparities, rtl.config.block_size, rtl.config.max_width)
+        frame.narrow = seed % 3 == 2
         paces = [PACES[i] for i in rng.integers(len(PACES), size=2)]
         set_up(rtl, frame)
-        rtl.stream(beats(frame.left, frame.right), frame.left.size, *paces, seed)
+        rtl.stream(beats(frame.left, frame.right), expected_words(frame).size, *paces, seed)
 
 
 def faulty_video(rtl: Rtl, rng: np.random.Generator) -> None:
@@ -62,6 +64,7 @@ def recorded(config: Config, trace: Path) -> None:
         rtl.record(trace)
         rtl.reset(8)
         frame_at_reset_defaults(rtl, rng)
+        rtl.write(INTERRUPT_MASK, 3)
         frames(rtl, rng, 6)
         faulty_video(rtl, rng)
         for _ in range(3):

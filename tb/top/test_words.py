@@ -19,7 +19,7 @@ from frames import (
     register_values,
     set_up,
 )
-from registers import CONTROL, ERRORS
+from registers import COMMIT, CONTROL, ERRORS
 from verilated import CONFIGS, PACES, Config, Pace, Rtl
 from vista_model.engine import Parameters
 
@@ -38,25 +38,26 @@ def name(config: Config) -> str:
 def check(rtl: Rtl, frame: Frame, pace_in: Pace, pace_out: Pace, seed: int) -> None:
     height, width = frame.shape
     set_up(rtl, frame)
-    got = rtl.stream(beats(frame.left, frame.right), height * width, pace_in, pace_out, seed)
     expected = expected_words(frame)
+    got = rtl.stream(beats(frame.left, frame.right), len(expected), pace_in, pace_out, seed)
     rerun = f"VISTA_WAVES=1 VISTA_SEED={seed} pytest tb/top/test_words.py -k 'random and {rtl.config.name}'"
     assert len(got.words) == len(expected), (
         f"{len(got.words)} of {len(expected)} words, {frame.parameters}; {rerun}"
     )
     wrong = np.flatnonzero(got.words != expected)
     if len(wrong):
-        y, x = divmod(int(wrong[0]), width)
+        y, x = divmod(int(wrong[0]), len(expected) // height)
         pytest.fail(f"{len(wrong)} words differ, the first at x {x}, y {y} of {width}x{height}: "
                     f"{got.words[wrong[0]]:08x} for {expected[wrong[0]]:08x}, {frame.parameters}; "
                     f"{rerun}")  # fmt: skip
-    assert (got.flags == expected_flags(height, width)).all(), rerun
+    assert (got.flags == expected_flags(height, width, frame.narrow)).all(), rerun
 
 
 def run_seed(rtl: Rtl, seed: int) -> None:
     rng = np.random.default_rng(seed)
     c = rtl.config
     frame = random_frame(rng, c.num_disparities, c.block_size, c.max_width)
+    frame.narrow = bool(rng.random() < 0.3)
     check(rtl, frame, PACES[rng.integers(len(PACES))], PACES[rng.integers(len(PACES))], seed)
 
 
@@ -106,7 +107,8 @@ def frames_of_any_size(rng: np.random.Generator, config: Config, count: int) -> 
         width = int(rng.choice(widths, p=[0.2, 0.2, 0.1, 0.5]))
         height = int(rng.choice(heights, p=[0.15, 0.85]))
         parameters = random_parameters(rng, config.num_disparities, config.block_size)
-        frames.append(Frame(*random_pair(rng, "shifted", height, width), parameters))
+        narrow = bool(rng.random() < 0.3)
+        frames.append(Frame(*random_pair(rng, "shifted", height, width), parameters, narrow))
     return frames
 
 
@@ -125,15 +127,62 @@ def test_frames_back_to_back_keep_their_own_size_and_parameters(config: Config, 
         for before, frame, end in zip(streams, frames[1:], ends, strict=False):
             for address, data in register_values(frame).items():
                 rtl.queue_write(int(end) - len(before) + 3, int(end), address, data)  # two wait in the buffer
-        got = rtl.stream(np.concatenate(streams), int(ends[-1]))
+        expected = [expected_words(frame) for frame in frames]
+        got = rtl.stream(np.concatenate(streams), sum(map(len, expected)))
         assert rtl.read(ERRORS) == 0
-    expected = np.concatenate([expected_words(f) for f in frames])
-    assert len(got.words) == len(expected)
-    wrong = np.flatnonzero(got.words != expected)
-    assert not len(wrong), (
-        f"{len(wrong)} words, the first in frame {np.searchsorted(ends, wrong[0], 'right')}"
-    )
+    assert len(got.words) == sum(map(len, expected))
+    wrong = np.flatnonzero(got.words != np.concatenate(expected))
+    first = np.searchsorted(np.cumsum([len(words) for words in expected]), wrong[:1], "right")
+    assert not len(wrong), f"{len(wrong)} words, the first in frame {first[0]}"
+    flags = [expected_flags(*frame.shape, frame.narrow) for frame in frames]
+    assert (got.flags == np.concatenate(flags)).all()
     # At once.
     rows = np.array([frame.shape[0] for frame in frames])
     gaps = np.diff(got.in_clock)[ends[:-1] - 1]
     assert (gaps[np.diff(ends, prepend=0)[:-1] > 40] == 1).sum() > rows.size // 4
+
+
+@pytest.mark.parametrize("config", [Config(16, 5), Config(32, 11)], ids=name)
+@pytest.mark.parametrize("seed", range(10))
+def test_parameters_take_effect_together(config: Config, seed: int) -> None:
+    """Frames follow each other at once while sets of parameters are written one register after the other, at
+    any time: each frame has all of a set that was committed, and none an older one than the frame before."""
+    rng = np.random.default_rng(seed)
+    height, width = config.block_size + 2, config.num_disparities + 2 * config.block_size
+    pairs = [random_pair(rng, "shifted", height, width) for _ in range(12)]
+    sets = [random_parameters(rng, config.num_disparities, config.block_size) for _ in range(8)]
+    with Rtl(config, seed + 1) as rtl:
+        rtl.write(CONTROL, 1)
+        set_up(rtl, Frame(*pairs[0], sets[0]))
+        written = np.sort(rng.integers(0, (len(pairs) - 2) * height * width, len(sets) - 1))
+        for parameters, beat in zip(sets[1:], written, strict=True):
+            values = register_values(Frame(*pairs[0], parameters))
+            gap = int(rng.integers(0, 40))  # beats from one register to the next
+            for i, (address, data) in enumerate(values.items()):
+                rtl.queue_write(int(beat) + i * gap, 1 << 40, address, data)
+        got = rtl.stream(np.concatenate([beats(*pair) for pair in pairs]), len(pairs) * height * width)
+    current = 0
+    for pair, words in zip(pairs, got.words.reshape(len(pairs), -1), strict=True):
+        fitting = [i for i, p in enumerate(sets) if (expected_words(Frame(*pair, p)) == words).all()]
+        assert [i for i in fitting if i >= current], f"no set from {current} on fits, {fitting} do"
+        current = min(i for i in fitting if i >= current)
+
+
+def test_registers_alone_change_nothing() -> None:
+    """What was not committed takes no effect, however many frames come."""
+    config = Config(16, 5)
+    rng = np.random.default_rng(3)
+    first, second = (random_frame(rng, 16, 5, 128) for _ in range(2))
+    with Rtl(config) as rtl:
+        rtl.write(CONTROL, 1)
+        set_up(rtl, first)
+        values = register_values(second)
+        del values[COMMIT]
+        for address, data in values.items():
+            rtl.write(address, data)
+        expected = expected_words(first)
+        for _ in range(2):
+            assert (rtl.stream(beats(first.left, first.right), len(expected)).words == expected).all()
+        rtl.write(COMMIT, 1)
+        expected = expected_words(second)
+        assert (rtl.stream(beats(second.left, second.right), len(expected)).words == expected).all()

@@ -12,7 +12,7 @@ R = B // 2
 @cocotb.parametrize(offered=[1.0, 0.4], taken=[1.0, 0.4])
 async def frames_are_laid_out(dut, offered, taken):
     random = seeded(dut)
-    await start(dut, begin_valid_i=0, result_valid_i=0, ready_i=0)
+    await start(dut, begin_valid_i=0, begin_narrow_i=0, result_valid_i=0, ready_i=0)
     sizes = [(64, 9), (4, 2), (D + 2 * R, B), (D + 2 * R - 1, 12), (40, B - 1), (33, 20)]
     expected, results = [], []
     for w, h in sizes:
@@ -21,7 +21,7 @@ async def frames_are_laid_out(dut, offered, taken):
                 matched = D - 1 + R <= x <= w - 1 - R and R <= y <= h - 1 - R
                 word = (random.randrange(-8, 1000), random.randrange(1 << 16)) if matched else (-16, 0xFFFF)
                 results += [word] if matched else []
-                expected.append((*word, x == y == 0, x == w - 1))
+                expected.append((*word, x == y == 0, x == w - 1, w % 2 == 1))
     got, ends, begun, result, offering = [], 0, 0, 0, False
     went, since = (
         [False] * 3,
@@ -34,6 +34,7 @@ async def frames_are_laid_out(dut, offered, taken):
         dut.begin_valid_i.value = begin
         if begin:
             dut.begin_last_col_i.value, dut.begin_last_row_i.value = sizes[begun][0] - 1, sizes[begun][1] - 1
+            dut.begin_narrow_i.value = sizes[begun][0] % 2
             begun += 1
         offering = offering or (result < len(results) and random.random() < offered)
         dut.result_valid_i.value = offering
@@ -45,7 +46,7 @@ async def frames_are_laid_out(dut, offered, taken):
             result, offering = result + 1, False
         if dut.valid_o.value and dut.ready_i.value:
             word = dut.disparity_o.value.to_signed(), int(dut.smin_o.value)
-            got.append((*word, bool(dut.sof_o.value), bool(dut.eol_o.value)))
+            got.append((*word, bool(dut.sof_o.value), bool(dut.eol_o.value), bool(dut.narrow_o.value)))
         ends += int(dut.frame_end_o.value)
         await FallingEdge(dut.clk_i)
     assert got == expected

@@ -13,7 +13,7 @@ from verilated import LAST, USER
 
 D, B, MAX_WIDTH = (parameter(name) for name in ("NumDisparities", "BlockSize", "MaxWidth"))
 R = B // 2
-PARAMS_W = 39
+PARAMS_W = 40
 CUT = slot_bits(cut=True)
 ERRORS = {
     "error_early_eol_o": EARLY_EOL,

@@ -19,7 +19,7 @@ def params_bits(p: Parameters) -> int:
     """The packed struct params_t."""
     fields = (
         (p.prefilter == "xsobel", 1), (p.prefilter_cap, 6), (p.texture_threshold, 16),
-        (p.uniqueness_ratio, 7), (p.lr_max_diff is not None, 1), (p.lr_max_diff or 0, 8),
+        (p.uniqueness_ratio, 7), (p.lr_max_diff is not None, 1), (p.lr_max_diff or 0, 8), (False, 1),
     )  # fmt: skip
     bits = 0
     for value, width in fields:

@@ -1,6 +1,5 @@
 /* Smoothing and pyramid, row by row: borders, sizes and strides here, the loops along x in front_steps.h. */
-#include "vista/frontend.h"
-
+#include "front_check.h"
 #include "mirror.h"
 #include "rows.h"
 
@@ -13,9 +12,8 @@ static uintptr_t extent(int32_t width, int32_t height, ptrdiff_t stride) {
   return (uintptr_t)(height - 1) * (uintptr_t)stride + (uintptr_t)width;
 }
 
-static vista_engine_status check(const vista_frontend_image *image, const uint8_t *out, int32_t out_width,
-                                 int32_t out_height, ptrdiff_t out_stride, vista_engine_isa isa) {
-  if (!vista_engine_isa_available(isa)) return VISTA_ENGINE_ERROR_ISA;
+vista_engine_status vista_front_check_memory(const vista_frontend_image *image, const uint8_t *out, int32_t out_width,
+                                             int32_t out_height, ptrdiff_t out_stride) {
   if (image->stride < image->width || out_stride < out_width) return VISTA_ENGINE_ERROR_STRIDE;
   const uintptr_t from = (uintptr_t)image->pixels, to = (uintptr_t)out;
   if (from < to + extent(out_width, out_height, out_stride) &&
@@ -24,9 +22,15 @@ static vista_engine_status check(const vista_frontend_image *image, const uint8_
   return VISTA_ENGINE_OK;
 }
 
-static vista_engine_status check_image(const vista_frontend_image *image, const uint8_t *out) {
+vista_engine_status vista_front_check_image(const vista_frontend_image *image, const uint8_t *out) {
   if (!image || !image->pixels || !out) return VISTA_ENGINE_ERROR_ARGUMENT;
   return in_range(image->width) && in_range(image->height) ? VISTA_ENGINE_OK : VISTA_ENGINE_ERROR_SIZE;
+}
+
+static vista_engine_status check(const vista_frontend_image *image, const uint8_t *out, int32_t out_width,
+                                 int32_t out_height, ptrdiff_t out_stride, vista_engine_isa isa) {
+  if (!vista_engine_isa_available(isa)) return VISTA_ENGINE_ERROR_ISA;
+  return vista_front_check_memory(image, out, out_width, out_height, out_stride);
 }
 
 /* The row that stands for row y, inside the image or not. */
@@ -36,7 +40,7 @@ static const uint8_t *row_at(const vista_frontend_image *image, int32_t y) {
 
 vista_engine_status vista_frontend_smooth(const vista_frontend_image *image, uint8_t *out, ptrdiff_t out_stride,
                                           vista_engine_isa isa) {
-  vista_engine_status status = check_image(image, out);
+  vista_engine_status status = vista_front_check_image(image, out);
   if (status == VISTA_ENGINE_OK) status = check(image, out, image->width, image->height, out_stride, isa);
   if (status != VISTA_ENGINE_OK) return status;
   const vista_row_code *code = vista_row_code_of(isa);
@@ -49,7 +53,7 @@ vista_engine_status vista_frontend_smooth(const vista_frontend_image *image, uin
 
 vista_engine_status vista_frontend_reduce(const vista_frontend_image *image, uint8_t *out, ptrdiff_t out_stride,
                                           vista_engine_isa isa) {
-  vista_engine_status status = check_image(image, out);
+  vista_engine_status status = vista_front_check_image(image, out);
   if (status != VISTA_ENGINE_OK) return status;
   const int32_t width = vista_frontend_reduced_px(image->width), height = vista_frontend_reduced_px(image->height);
   status = check(image, out, width, height, out_stride, isa);

@@ -27,7 +27,8 @@ typedef struct vista_stereo_params {
   int32_t lr_max_diff; /* Largest difference of the left and the right winner; -1: no left/right check. -1 .. 255 px. */
   vista_stereo_smooth smooth; /* Smoothing of both images before they are matched: none, or 1 2 1 in both directions. */
   int32_t levels; /* Levels of the image pyramid that are matched, each half the size of the one before. 1 .. 4. */
-  unsigned char reserved[220];
+  int32_t rectify_rows; /* Line buffer (16, 32, 64 or 128 rows) of hardware that rectifies by a control grid; 0: exact rectification. 0 .. 128 rows. */
+  unsigned char reserved[216];
 } vista_stereo_params;
 
 /* The vehicle's own motion, from poses. */
@@ -114,7 +115,9 @@ typedef struct vista_refinement_params {
   double mixed_penalty; /* Cost of a cell at a border: it may show parts of both regions. 0.0 .. 100.0. */
   double compactness; /* Cost of a pixel one cell's size away from the centre of a cell; 0: by intensity alone. 0.0 .. 100.0. */
   double sigma_intensity_noise; /* sigma_intensity is at least this many times the noise of the image. 0.0 .. 4.0 sigma of the image's noise. */
-  unsigned char reserved[216];
+  double sigma_disparity_px; /* By how much a pixel is farther than a cell that weighs as much as one sigma_intensity; a nearer one costs nothing. 0.05 .. 64.0 px. */
+  double disparity_limit; /* A larger difference in disparity weighs no more than this; 0: the disparities of pixels are not looked at. 0.0 .. 100.0 sigma_disparity_px. */
+  unsigned char reserved[200];
 } vista_refinement_params;
 
 /* Statistics of the regions and the tests that make obstacles of them (paper, section II-D). */

@@ -46,7 +46,7 @@ class Chain:
 
 
 def engine_parameters(values: parameters.Values) -> EngineParameters:
-    stereo = values["stereo"]
+    stereo = {name: value for name, value in values["stereo"].items() if name != "rectify_rows"}
     spelled = {  # what TOML has no word for, and C no type
         "lr_max_diff": None if stereo["lr_max_diff"] == LR_OFF else stereo["lr_max_diff"],
         "smooth": stereo["smooth"] == "binomial3",
@@ -70,7 +70,7 @@ def make_chain(
 ) -> Chain:
     from vista.pipeline import Pipeline  # loads libvista, which `--help` need not
 
-    rectifier = Rectifier(sequence.calibration)
+    rectifier = Rectifier(sequence.calibration, int(values["stereo"]["rectify_rows"]))
     try:
         engine = create_engine(engine_name, engine_parameters(values), threads, rtl_width_px)
         engine.check_size(rectifier.calibration.width, rectifier.calibration.height)

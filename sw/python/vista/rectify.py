@@ -1,13 +1,15 @@
-"""Rectifies raw pairs with OpenCV, so that matching pixels lie on one row."""
+"""Rectifies raw pairs, so that matching pixels lie on one row: exactly, or as hardware does it."""
 
 from __future__ import annotations
 
 import dataclasses
+from functools import partial
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from vista.control_grid import BUFFER_ROWS, Filter, by_grid, check_rows, control_grid
 from vista.errors import InputError
 from vista.geometry import Array, Calibration, CameraModel, Pose, RawCalibration
 from vista.sequence.types import Frame
@@ -30,8 +32,15 @@ class Rectifier:
     come back as they are, not resampled.
     """
 
-    def __init__(self, raw: RawCalibration) -> None:
-        """Raises InputError when the cameras make no left-right pair, or none that can be rectified."""
+    def __init__(self, raw: RawCalibration, buffer_rows: int = 0) -> None:
+        """Raises InputError when the cameras make no left-right pair, or none that can be rectified.
+
+        buffer_rows: 0 rectifies with OpenCV; otherwise a control grid does it, as in hardware whose line
+        buffer holds so many rows, and what needs more of them is refused.
+        """
+        if buffer_rows not in (0, *BUFFER_ROWS):
+            allowed = ", ".join(map(str, BUFFER_ROWS))
+            raise InputError("stereo.rectify_rows", f"must be 0 or one of {allowed}, not {buffer_rows}")
         _check_side_by_side(raw)
         self.is_passthrough = _is_rectified(raw)
         if self.is_passthrough:
@@ -40,29 +49,13 @@ class Rectifier:
                 raw.left, raw.left.matrix, -float(raw.right_from_left.translation_m[0])
             )
             return
-        size = (raw.left.width, raw.left.height)
-        # alpha = 0: zoomed until no pixel lies outside the raw images, where it would be matched as texture.
-        R_left, R_right, P_left, P_right = (
-            np.asarray(matrix, np.float64)
-            for matrix in cv2.stereoRectify(
-                raw.left.matrix,
-                np.array(raw.left.distortion),
-                raw.right.matrix,
-                np.array(raw.right.distortion),
-                size,
-                raw.right_from_left.rotation,
-                raw.right_from_left.translation_m.reshape(3, 1),
-                flags=cv2.CALIB_ZERO_DISPARITY,
-                alpha=0,
-            )[:4]
+        left, right = rectified_cameras(raw)
+        self._left, self._right = (
+            _exact(camera, R, P) if buffer_rows == 0 else _gridded(camera, R, P, buffer_rows, raw.source)
+            for camera, (R, P) in ((raw.left, left), (raw.right, right))
         )
-        zoom = P_left[0, 0] / raw.left.matrix[0, 0]
-        if not (np.all(np.isfinite([P_left, P_right])) and 1.0 / MAX_ZOOM < zoom < MAX_ZOOM):
-            raise InputError(raw.source, f"cannot be rectified: the image would be zoomed {zoom:.3g} times")
-        self._left_map = _undistort_map(raw.left, R_left, P_left, size)
-        self._right_map = _undistort_map(raw.right, R_right, P_right, size)
-        self._left_from_rectified = Pose(R_left.T)
-        self.calibration = _calibration(raw.left, P_left, float(-P_right[0, 3] / P_right[0, 0]))
+        self._left_from_rectified = Pose(left[0].T)
+        self.calibration = _calibration(raw.left, left[1], float(-right[1][0, 3] / right[1][0, 0]))
 
     def rectify(self, frame: Frame) -> Frame:
         """The rectified pair, with the pose of the rectified left camera."""
@@ -71,10 +64,35 @@ class Rectifier:
         pose = frame.world_from_camera
         return dataclasses.replace(
             frame,
-            left=_resample(frame.left, self._left_map),
-            right=_resample(frame.right, self._right_map),
+            left=self._left(frame.left),
+            right=self._right(frame.right),
             world_from_camera=None if pose is None else pose @ self._left_from_rectified,
         )
+
+
+def rectified_cameras(raw: RawCalibration) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
+    """Rotation and projection of the rectified left camera, and of the right one.
+
+    InputError when the images would be zoomed beyond reason."""
+    # alpha = 0: zoomed until no pixel lies outside the raw images, where it would be matched as texture.
+    R_left, R_right, P_left, P_right = (
+        np.asarray(matrix, np.float64)
+        for matrix in cv2.stereoRectify(
+            raw.left.matrix,
+            np.array(raw.left.distortion),
+            raw.right.matrix,
+            np.array(raw.right.distortion),
+            (raw.left.width, raw.left.height),
+            raw.right_from_left.rotation,
+            raw.right_from_left.translation_m.reshape(3, 1),
+            flags=cv2.CALIB_ZERO_DISPARITY,
+            alpha=0,
+        )[:4]
+    )
+    zoom = P_left[0, 0] / raw.left.matrix[0, 0]
+    if not (np.all(np.isfinite([P_left, P_right])) and 1.0 / MAX_ZOOM < zoom < MAX_ZOOM):
+        raise InputError(raw.source, f"cannot be rectified: the image would be zoomed {zoom:.3g} times")
+    return (R_left, P_left), (R_right, P_right)
 
 
 def _check_side_by_side(raw: RawCalibration) -> None:
@@ -115,9 +133,20 @@ def _calibration(camera: CameraModel, K: Array, baseline_m: float) -> Calibratio
     )
 
 
-def _undistort_map(camera: CameraModel, R: Array, P: Array, size: tuple[int, int]) -> Map:
+def _exact(camera: CameraModel, R: Array, P: Array) -> Filter:
+    return partial(_resample, source=exact_map(camera, R, P))
+
+
+def _gridded(camera: CameraModel, R: Array, P: Array, buffer_rows: int, source: str) -> Filter:
+    grid = control_grid(camera, R, P, source)
+    check_rows(grid, (camera.width, camera.height), buffer_rows, source)
+    return by_grid(grid)
+
+
+def exact_map(camera: CameraModel, R: Array, P: Array) -> Map:
+    """Where each rectified pixel lies in the raw image: whole pixels, and index of the fractions."""
     whole, fraction = cv2.initUndistortRectifyMap(
-        camera.matrix, np.array(camera.distortion), R, P, size, cv2.CV_16SC2
+        camera.matrix, np.array(camera.distortion), R, P, (camera.width, camera.height), cv2.CV_16SC2
     )
     return np.asarray(whole, np.int16), np.asarray(fraction, np.uint16)
 

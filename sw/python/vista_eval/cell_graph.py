@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from vista.pipeline import Pipeline, PipelineError
+from vista.pipeline import Pipeline
 
 PADDING = 16  # pixels behind the last one that whole vectors reach
 
@@ -44,29 +44,15 @@ class OpenPipeline(Pipeline):
             np.stack([self._array(center, cells, np.float32) for center in (f.center_u, f.center_v)], axis=1),
         )
 
-    def refine_boundaries(
-        self, left: NDArray[np.uint8], cell_intensity: NDArray[np.float32], region_of_cell: NDArray[np.int32]
-    ) -> NDArray[np.int32]:
+    def refine_boundaries(self, region_of_cell: NDArray[np.int32]) -> NDArray[np.int32]:
         """Region of each pixel (height, width) of any partition of the last frame's cells, drawn as the chain
-        draws its own. Raises PipelineError for an image of another size."""
+        draws its own."""
         ffi, stages = self._ffi, self._lib.vista_pipeline_look(self._pipeline)
         f, params = stages.foveation, stages.refinement_params
-        if left.shape != (f.height_px, f.width_px):
-            raise PipelineError(
-                f"an image of {left.shape[1]}x{left.shape[0]}, not {f.width_px}x{f.height_px}"
-            )
-        u, v = (self._array(pixels, left.size, np.int16) for pixels in (f.pixel_u, f.pixel_v))
-        greys = np.pad(left[v, u], (0, PADDING))
-        intensity, label = np.ascontiguousarray(cell_intensity), np.ascontiguousarray(region_of_cell)
-        cells = ffi.new(
-            "vista_cells *",
-            {
-                "intensity": ffi.cast("float *", intensity.ctypes.data),
-                "greys": ffi.cast("uint8_t *", greys.ctypes.data),
-            },
-        )
-        drawn, border = np.empty(left.shape, np.int32), np.empty(f.node_count, np.uint8)
-        listed = np.empty(left.size + PADDING, np.int32)
+        label = np.ascontiguousarray(region_of_cell)
+        shape = f.height_px, f.width_px
+        drawn, border = np.empty(shape, np.int32), np.empty(f.node_count, np.uint8)
+        listed = np.empty(drawn.size + PADDING, np.int32)
         out = ffi.new(
             "vista_refinement *",
             {
@@ -76,5 +62,5 @@ class OpenPipeline(Pipeline):
             },
         )
         c_label = ffi.cast("int32_t *", label.ctypes.data)
-        self._check(self._lib.vista_refine(f, params, cells, c_label, out))
+        self._check(self._lib.vista_refine(f, params, stages.cells, c_label, out))
         return drawn

@@ -79,7 +79,7 @@ class Detectors:
     def _reference(self, pair: TruthPair, result: Result) -> Judged:
         graph = self.pipeline.cell_graph()
         region_of_cell = merge_cells(graph.edges, graph.affinity, graph.horizontal, ReferenceParameters())
-        region_of_pixel = self.pipeline.refine_boundaries(pair.left, result.cell_intensity, region_of_cell)
+        region_of_pixel = self.pipeline.refine_boundaries(region_of_cell)
         verdicts = self.pipeline.judge_regions(result.words, region_of_cell, region_of_pixel)
         return Judged(result.words, region_of_pixel, verdicts)
 

@@ -4,6 +4,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "common/wide_vectors.h"
+
 #define REACH 2          /* px from the centre of the mask to its outer taps */
 #define BLOCK 16         /* side in px */
 #define STRIP 32         /* blocks that are treated at once */
@@ -26,7 +28,7 @@ typedef struct strip {
   uint16_t response[WIDTH], clipped[WIDTH];
 } strip;
 
-static void add_row(const uint8_t *above, ptrdiff_t stride, int32_t width, strip *s) {
+VISTA_WIDE_VECTORS static void add_row(const uint8_t *above, ptrdiff_t stride, int32_t width, strip *s) {
   const uint8_t *const middle = above + REACH * stride, *const below = middle + REACH * stride;
   for (int32_t x = 0; x < width + 2 * REACH; ++x) s->difference[x] = (int16_t)(above[x] - 2 * middle[x] + below[x]);
   for (int32_t x = 0; x < width; ++x) {
@@ -43,7 +45,7 @@ typedef struct histograms {
   int64_t all_count, clear_count;
 } histograms;
 
-static void add_blocks(const strip *s, int32_t blocks, histograms *h) {
+VISTA_WIDE_VECTORS static void add_blocks(const strip *s, int32_t blocks, histograms *h) {
   for (int32_t k = 0; k < blocks; ++k) {
     int32_t response = 0, clipped = 0;
     for (int32_t x = k * BLOCK; x < (k + 1) * BLOCK; ++x) {

@@ -40,4 +40,7 @@ double vista_plane_disparity_px(const vista_plane *plane, const vista_camera *ca
 double vista_plane_height_m(const vista_plane *plane, const vista_camera *camera, double u_px, double v_px,
                             double disparity_px);
 
+/* Of the height of the camera above the ground: what ends lower than this is not on that ground. */
+#define VISTA_FOOT_SHARE_MIN (-0.1)
+
 #endif

@@ -19,7 +19,7 @@
 #define COMPACT_M 3.0 /* sides up to this are met anywhere between their middle and the point closest to the path */
 #define LARGE_M 4.5   /* sides from this on are met in that point */
 #define END_SHARE 0.2 /* of half a side: how well its end is known */
-#define RELIEF_M 0.1 /* of a surface: the volume, which is round, may touch any point first that is met so much later */
+#define RELIEF_M 0.1 /* of a surface */
 #define SAME_RANGE_M 1.0 /* and three standard deviations: what is in the way at one range may be one thing */
 #define SQRT_3 1.7320508075688772 /* half the length of an interval over its standard deviation */
 #define DEPTH_MIN_M 0.05 /* nearer along z: behind the camera */
@@ -252,12 +252,19 @@ static vista_obstacle too_near(const vista_obstacle_map_params *params, const vi
   return obstacle;
 }
 
+static bool is_compact(const double extent_m[2]) { return fmax(extent_m[0], extent_m[1]) <= COMPACT_M; }
+
 /* From 0 for what is met between its middle and its point closest to the path to 1 for what is met in that point. */
 static double large(double extent_m) { return fmin(fmax((extent_m - COMPACT_M) / (LARGE_M - COMPACT_M), 0.0), 1.0); }
 
-/* The point of a thing that the path meets where its own points have not told, of a rectangle of its extent that faces the camera, and along both of its
- * sides the standard deviation of which one that is. The path meets a wall where it leads to; what it meets of a
- * board whose post is not seen may be its middle, its edge or the post. */
+/* The volume is round: it may touch any point of a surface first that is met so much later as the surface has relief. */
+static double face_sigma_m(double half_m, double radius_m) {
+  return fmin(half_m / SQRT_3, sqrt(2.0 * radius_m * RELIEF_M));
+}
+
+/* The point of a thing that the path meets, where its own points have not told: of a rectangle of its extent that faces the
+ * camera, and along both of its sides the standard deviation of which one that is. The path meets a wall where it leads
+ * to; what it meets of a board whose post is not seen may be its middle, its edge or the post. */
 static void move_to_path(const vista_pose *pose, const vista_flight_path *path, const double extent_m[2],
                          double radius_m, double position_m[3], double sigma_m[2]) {
   double there_m[3], offset_m[3];
@@ -269,9 +276,9 @@ static void move_to_path(const vista_pose *pose, const vista_flight_path *path, 
     for (int i = 0; i < 3; ++i) aside_m += offset_m[i] * pose->rotation[3 * i + axis];
     const double step_m = fmin(fmax(aside_m, -half_m), half_m);
     for (int i = 0; i < 3; ++i) position_m[i] += share * step_m * pose->rotation[3 * i + axis];
-    const double face_m = fmin(half_m / SQRT_3, sqrt(2.0 * radius_m * RELIEF_M));
     const double end_m = fabs(aside_m) > half_m ? END_SHARE * half_m : 0.0;
-    sigma_m[axis] = sqrt(vista_square((1.0 - share) * step_m) + vista_square(face_m) + vista_square(end_m));
+    sigma_m[axis] =
+        sqrt(vista_square((1.0 - share) * step_m) + vista_square(face_sigma_m(half_m, radius_m)) + vista_square(end_m));
   }
 }
 
@@ -291,15 +298,16 @@ static vista_nearest_collision collision_with(const vista_obstacle_map_params *p
   vista_nearest_collision nearest = {.valid = true, .id = obstacle->id};
   memcpy(nearest.position_m, obstacle->position_m, sizeof nearest.position_m);
   memcpy(nearest.covariance_m2, obstacle->covariance_m2, sizeof nearest.covariance_m2);
-  if (track != NULL) {
+  double sigma_m[2];
+  if (track != NULL && track->met && !is_compact(obstacle->extent_m)) {
+    memcpy(nearest.position_m, track->met_m, sizeof nearest.position_m);
+    for (int i = 0; i < 2; ++i) sigma_m[i] = face_sigma_m(0.5 * obstacle->extent_m[i], params->collision_radius_m);
+  } else if (track != NULL) {
     const double surface = large(fmax(obstacle->extent_m[0], obstacle->extent_m[1]));
     for (int i = 0; i < 3; ++i) nearest.position_m[i] += surface * (track->position_m[i] - obstacle->position_m[i]);
-    double sigma_m[2];
     move_to_path(&motion->pose, path, obstacle->extent_m, params->collision_radius_m, nearest.position_m, sigma_m);
-    add_across(&motion->pose, sigma_m, nearest.covariance_m2);
-    for (int i = 0; i < 3 && track->met; ++i)
-      nearest.position_m[i] += surface * (track->met_m[i] - nearest.position_m[i]);
   }
+  if (track != NULL) add_across(&motion->pose, sigma_m, nearest.covariance_m2);
   double there[3], from_camera_m[3];
   for (int i = 0; i < 3; ++i) from_camera_m[i] = nearest.position_m[i] - motion->pose.translation_m[i];
   nearest.distance_m = track != NULL ? vista_norm(from_camera_m) : obstacle->distance_m;

@@ -28,10 +28,10 @@ typedef struct vista_detection {
   bool cut_u, cut_v; /* the border of the matched image cuts the region: the extent is a lower bound
                                      along u, v; the centre is uncertain by half of it (in sigma_u_px, sigma_v_px) */
   int32_t volume_pixels; /* of the region, in the collision volume */
-  bool met;              /* by the collision volume, there: */
-  double met_camera_m[3];
   bool foot_seen;        /* as of the region */
   double foot_share;
+  bool met;              /* by the collision volume, there: */
+  double met_camera_m[3];
   vista_ellipse ellipse;
 } vista_detection;
 

@@ -39,7 +39,7 @@ static void mark_borders(const vista_graph *graph, const int32_t *label, uint8_t
 /* Cost of a pixel at (u, v) from the cell's own centre, but for contrast: at_center + per_u u + per_v v +
  * per_px2 (u^2 + v^2), the square of the distance from the candidate's centre multiplied out. */
 typedef struct candidate {
-  float intensity, at_center, per_u, per_v, per_px2;
+  float intensity, word, at_center, per_u, per_v, per_px2;
   int32_t label;
 } candidate;
 
@@ -56,6 +56,7 @@ static int32_t list_candidates(const vista_foveation *f, const vista_refinement_
     const float per_px2 = (float)params->compactness / (f->size_px[i] * f->size_px[i]);
     const float penalty = border[i] ? (float)params->mixed_penalty : 0.0f;
     out[count++] = (candidate){.intensity = cells->intensity[i],
+                               .word = cells->disparity_px[i] * VISTA_DISPARITY_SCALE,
                                .at_center = penalty + per_px2 * (u * u + v * v),
                                .per_u = -2.0f * per_px2 * u,
                                .per_v = -2.0f * per_px2 * v,
@@ -67,7 +68,7 @@ static int32_t list_candidates(const vista_foveation *f, const vista_refinement_
 
 /* Some pixels of one cell, side by side. */
 typedef struct batch {
-  float u[BATCH], v[BATCH], r2[BATCH], grey[BATCH];
+  float u[BATCH], v[BATCH], r2[BATCH], grey[BATCH], word[BATCH];
   int32_t cost[BATCH]; /* the least so far */
 } batch;
 
@@ -79,12 +80,18 @@ static inline void try_candidate(const vista_refinement_params *params, const ca
   const float limit = COST_ONE * (float)params->contrast_limit;
   const float intensity = one->intensity, at_center = COST_ONE * one->at_center;
   const float per_u = COST_ONE * one->per_u, per_v = COST_ONE * one->per_v, per_px2 = COST_ONE * one->per_px2;
+  const float per_word =
+      one->word < 0.0f ? 0.0f : COST_ONE * (float)(1.0 / (params->sigma_disparity_px * VISTA_DISPARITY_SCALE));
+  const float word = one->word, most = COST_ONE * (float)params->disparity_limit;
   const int32_t own = one->label;
   for (int32_t k = 0; k < count; ++k) {
     const float levels = fabsf(b->grey[k] - intensity) * per_level;
     const float contrast = 0.5f * (levels + limit - fabsf(levels - limit));
+    const float beyond = word - b->word[k]; /* positive: the pixel is farther than the cell */
+    const float steps = 0.5f * (beyond + fabsf(beyond)) * per_word;
+    const float step = 0.5f * (steps + most - fabsf(steps - most));
     const float distance = at_center + per_u * b->u[k] + per_v * b->v[k] + per_px2 * b->r2[k];
-    const int32_t cost = (int32_t)(contrast + distance), best = b->cost[k], old = label[k];
+    const int32_t cost = (int32_t)(contrast + step + distance), best = b->cost[k], old = label[k];
     label[k] = cost < best ? own : old;
     b->cost[k] = cost < best ? cost : best;
   }
@@ -94,7 +101,8 @@ static inline void try_candidate(const vista_refinement_params *params, const ca
  * vectors: what they hold beyond the last pixel is of no matter. */
 VISTA_WIDE_VECTORS static void solve(const vista_refinement_params *params, const candidate *candidates,
                                      int32_t candidate_count, const int16_t *us, const int16_t *vs, float center_u,
-                                     float center_v, const uint8_t *greys, int32_t pixel_count, int32_t *label) {
+                                     float center_v, const uint8_t *greys, const int16_t *words, int32_t pixel_count,
+                                     int32_t *label) {
   batch b;
   for (int32_t first = 0; first < pixel_count; first += BATCH) {
     const int32_t left = pixel_count - first < BATCH ? pixel_count - first : BATCH, count = whole_vectors(left);
@@ -103,14 +111,16 @@ VISTA_WIDE_VECTORS static void solve(const vista_refinement_params *params, cons
       b.v[k] = (float)vs[first + k] - center_v;
       b.r2[k] = b.u[k] * b.u[k] + b.v[k] * b.v[k];
       b.grey[k] = (float)greys[first + k];
+      b.word[k] = (float)(words[first + k] < 0 ? INT16_MAX : words[first + k]); /* unknown: farther than nothing */
       b.cost[k] = INT32_MAX;
     }
-    for (int32_t k = left; k < count; ++k) b.u[k] = b.v[k] = b.r2[k] = b.grey[k] = 0.0f; /* pixels of another cell */
+    for (int32_t k = left; k < count; ++k)
+      b.u[k] = b.v[k] = b.r2[k] = b.grey[k] = b.word[k] = 0.0f; /* pixels of another cell */
     for (int32_t c = 0; c < candidate_count; ++c) try_candidate(params, &candidates[c], count, &b, label + first);
   }
 }
 
-#define DRAWN 8 /* pixels at once */
+#define DRAWN 16 /* pixels at once */
 
 /* Every pixel, row by row: as its cell, or as it is listed where the cell has a border. Runs are drawn in whole vectors:
  * the next one overwrites what is too much. */
@@ -151,7 +161,7 @@ vista_status vista_refine(const vista_foveation *foveation, const vista_refineme
     const int32_t count = list_candidates(f, params, cells, label, refinement->border, node, candidates);
     const int32_t first = f->first_pixel[node];
     solve(params, candidates, count, f->pixel_u + first, f->pixel_v + first, f->center_u[node], f->center_v[node],
-          cells->greys + first, f->pixel_count[node], refinement->listed + first);
+          cells->greys + first, cells->words + first, f->pixel_count[node], refinement->listed + first);
   }
   draw(f, label, refinement->border, refinement->listed, refinement->label);
   return VISTA_OK;

@@ -2,8 +2,11 @@
  *
  * A pixel of a cell at the border of its region joins that cell, of its own and those next to it, which minimises
  *     min(|I(p) - I(cell)| / sigma_I, limit) + mixed * [cell is at a border] + compactness * |p - centre|^2 / size^2
+ *     + min(max(d(cell) - d(p), 0) / sigma_d, limit_d)    where both have a disparity
  * and takes its region: cells become superpixels where it matters (one assignment of Achanta's SLIC, with the grid
- * for its seeds). All other pixels, and those of cells of a pixel's size, have the region of their cell. */
+ * for its seeds). Block matching makes things larger than they are, never smaller: a pixel that is farther than a cell
+ * does not belong to it, while one that is nearer may well show the background. All other pixels, and those of cells
+ * of a pixel's size, have the region of their cell. */
 #ifndef VISTA_REFINEMENT_H
 #define VISTA_REFINEMENT_H
 

@@ -85,7 +85,6 @@ static void group_members(const vista_foveation *foveation, const int32_t *label
 
 /* Matching widens every thing by boundary_px at each side: a mast below a panel weighs several times what it has. Of
  * long regions only their inner pixels count, unless few are left. */
-#define FOOT_SHARE_MIN (-0.1) /* of the height of the camera: lower, the foot is not on this ground */
 #define LONG_BLOCKS 20.0
 #define MIN_INNER_SHARE 0.2
 #define OWN_SHARE 0.5 /* of the fewest inliers of a boundary, that the own pixels are at least */
@@ -127,7 +126,7 @@ static void find_foot(const vista_surfaces *surfaces, const vista_camera *camera
   const double own_px = region->disparity_px + region->slope_u * aside_px + region->slope_v * down_px;
   if (!(own_px > 0.0)) return;
   region->foot_share = 1.0 - vista_plane_disparity_px(&ground, camera, u_px, v_px) / own_px;
-  region->foot_seen = region->foot_share > FOOT_SHARE_MIN;
+  region->foot_seen = region->foot_share > VISTA_FOOT_SHARE_MIN;
 }
 
 static vista_region empty_region(int32_t label, int32_t node_count) {

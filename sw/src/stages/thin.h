@@ -44,6 +44,8 @@ typedef struct vista_thin_line {
   int32_t first_v_px, last_v_px;
   double disparity_px, disparity_slope;
   double disparity_sigma_px, disparity_slope_sigma; /* independent of each other */
+  bool foot_seen;    /* the ground is known: */
+  double foot_share; /* height of its lower end above the ground over that of the camera */
   int32_t rows;       /* with a word on the line */
   int32_t rows_apart; /* of these, whose word is nearer than those beside it */
   int32_t rows_on;    /* of these, whose word agrees with the line */

@@ -87,6 +87,8 @@ static vista_detection detection_of(const vista_thin_line *line, const vista_cam
       .sigma_disparity_px = vista_thin_sigma_px(line, nearest->v_px),
       .extent_m = {2.0 * fmax(half_px * fabs(right), HALF_WIDTH_MIN_PX) * pixel_m, 2.0 * half_px * down * pixel_m},
       .volume_pixels = (int32_t)lround(nearest->pixels),
+      .foot_seen = line->foot_seen,
+      .foot_share = line->foot_share,
       .ellipse = {.center_u_px = vista_thin_u_px(line, nearest->v_px),
                   .center_v_px = nearest->v_px,
                   .axis_a_px = half_px,

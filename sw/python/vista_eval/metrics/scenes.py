@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from functools import partial
 from time import thread_time
 
 import numpy as np
@@ -60,8 +59,7 @@ def partition_scenes(
         start_s = thread_time()
         result = pipeline.process(scene.left, levels, scene.t_ns, scene.world_from_camera, scene.up_world)
         host_ms = 1e3 * (thread_time() - start_s)
-        refine = partial(pipeline.refine_boundaries, scene.left, result.cell_intensity)
-        yield scene, Partition(result, pipeline.cell_graph(), refine, host_ms)
+        yield scene, Partition(result, pipeline.cell_graph(), pipeline.refine_boundaries, host_ms)
 
 
 def reference_regions(partition: Partition, reference: ReferenceParameters) -> Labels:

@@ -195,6 +195,15 @@ static void set_ends(const reading *r, const vista_ridge *ridge, const vista_lin
   found->last_v_px = extended(r, ridge, last, 1, share);
 }
 
+/* As of a region (region.h): a line that ends beneath the ground is not on this ground, or ends elsewhere. */
+static void find_foot(const vista_thin_view *view, const vista_camera *camera, vista_thin_line *found) {
+  if (!view->ground_found) return;
+  const double v = found->last_v_px,
+               ground_px = vista_plane_disparity_px(&view->ground, camera, vista_thin_u_px(found, v), v);
+  found->foot_share = 1.0 - ground_px / vista_thin_disparity_px(found, v);
+  found->foot_seen = found->foot_share > VISTA_FOOT_SHARE_MIN;
+}
+
 bool vista_line_depth(const vista_thin_params *params, const vista_camera *camera, const vista_thin_view *view,
                       const vista_ridge *ridge, const vista_thin_line *line, vista_line_sample *samples,
                       vista_thin_line *found) {
@@ -223,6 +232,7 @@ bool vista_line_depth(const vista_thin_params *params, const vista_camera *camer
   own.rows_level = level_rows(&r, &own);
   if (own.rows_level > params->level_share * (own.last_v_px - own.first_v_px + 1)) return false;
   if (length_m(camera, &own) < params->length_m || !stands(&r, camera, &own)) return false;
+  find_foot(view, camera, &own);
   *found = own;
   return true;
 }

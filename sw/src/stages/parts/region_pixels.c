@@ -220,6 +220,10 @@ static inline void narrow_run(const target *t, const int16_t *row, int32_t width
   int16_t copy[VISTA_WORD_BLOCK], inner[VISTA_WORD_BLOCK];
   for (int32_t i = 0; i < run.length_px; i += VISTA_WORD_BLOCK) {
     const int32_t left = run.length_px - i;
+    int16_t any = 0;
+    VISTA_BLOCK_LOOP
+    for (int32_t k = 0; k < VISTA_WORD_BLOCK; ++k) any = (int16_t)(any | (own[i + k] & -(k < left)));
+    if (any == 0) continue;
     VISTA_BLOCK_LOOP
     for (int32_t k = 0; k < VISTA_WORD_BLOCK; ++k) inner[k] = -1;
     keep_on_surface(t, vista_word_block(row, run.u_px + i - reach, width, copy), start_px, i - reach, inner);

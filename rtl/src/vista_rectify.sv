@@ -1,0 +1,418 @@
+// SPDX-License-Identifier: Apache-2.0
+// Rectification of both images by a grid of control points, part C of the contract, before everything else.
+//
+//   s_axis, m_axis  tdata {right[7:0], left[7:0]}, tuser start of frame, tlast end of line, one pixel pair a beat
+//   map_*           a new map, see vista_rectify_map; it takes effect from the next frame on
+//
+// Rows go round in a line buffer of NumRows for each camera. Row y leaves when the rows up to NumRows/2 - 1 below it are
+// there, the last rows of a frame when the frame is: so frames follow each other without a gap, and the last one needs
+// no follower. With `rectify_i` off pixels pass unchanged, with the same latency.
+//
+// A frame that is to be rectified while there is no map for its size is dropped, with `error_map_o`. Framing errors:
+// those of vista_framer. A frame that is cut ends with its last row that could be computed from what came
+// (vista_pixel_writer); everything else is dropped up to the next start of frame.
+//
+// Latency: pixel (0, y) leaves 33 clocks after the last pixel of row y + NumRows/2 - 1 came. One pixel per clock, frames
+// back to back, if they are 21 pixels wide or more; narrower ones wait for some clocks in each row.
+
+module vista_rectify #(
+  parameter int unsigned MaxWidth = 1024,
+  parameter int unsigned NumRows = 64,  // 16, 32, 64 or 128
+  parameter int unsigned MaxPoints = 2048,  // control points of a camera; rounded up to a power of two
+  parameter int unsigned SideWidth = 1,
+  localparam int unsigned ColW = $clog2(MaxWidth),
+  localparam int unsigned RowW = vista_stereo_pkg::HeightW,
+  localparam int unsigned PixelW = vista_stereo_pkg::PixelW,
+  localparam int unsigned OffsetW = vista_rectify_pkg::OffsetW
+) (
+  input  logic clk_i,
+  input  logic rst_ni,
+
+  // Taken over with the first pixel of a frame; size and rectify_i are looked at a clock before.
+  input  logic                 enable_i,
+  input  logic [ColW:0]        width_i,   // 4 .. MaxWidth
+  input  logic [RowW-1:0]      height_i,  // 2 ..
+  input  logic                 rectify_i,
+  input  logic [SideWidth-1:0] side_i,    // whatever else belongs to the frame, passed on
+
+  input  logic                s_axis_tvalid,
+  output logic                s_axis_tready,
+  input  logic [2*PixelW-1:0] s_axis_tdata,
+  input  logic                s_axis_tuser,
+  input  logic                s_axis_tlast,
+
+  output logic                m_axis_tvalid,
+  input  logic                m_axis_tready,
+  output logic [2*PixelW-1:0] m_axis_tdata,
+  output logic                m_axis_tuser,
+  output logic                m_axis_tlast,
+
+  // Of the frame that is leaving; they change when its first pixel is offered.
+  output logic [ColW:0]        width_o,
+  output logic [RowW-1:0]      height_o,
+  output logic [SideWidth-1:0] side_o,
+
+  input  logic                 map_begin_i,
+  input  logic [ColW:0]        map_width_i,
+  input  logic [RowW-1:0]      map_height_i,
+  input  logic                 map_write_i,
+  input  logic [2*OffsetW-1:0] map_data_i,  // {dy, dx}
+  input  logic                 map_commit_i,
+  output logic                 map_ready_o,
+
+  // Events, one clock each.
+  output logic map_accepted_o,
+  output logic map_refused_rows_o,  // it needs more rows than NumRows - 2
+  output logic map_refused_size_o,
+  output logic frame_start_o,
+  output logic error_map_o,
+  output logic error_early_eol_o,
+  output logic error_late_eol_o,
+  output logic error_early_sof_o,
+  output logic error_late_sof_o,
+  output logic error_size_o
+);
+
+  import vista_stereo_pkg::*;
+  import vista_rectify_pkg::*;
+
+  localparam int unsigned DataW = 2 * PixelW;
+  localparam int unsigned RingW = $clog2(NumRows);
+  localparam int unsigned NumberW = RingW + 2;
+  localparam int unsigned PointW = $clog2(MaxPoints);
+  localparam int unsigned FrameW = ColW + RowW + NumberW + 2 + SideWidth;
+  localparam int unsigned AllSideW = SideWidth + RowW + ColW + 1;
+
+  if (MaxWidth < MinWidth || MaxWidth > 4096) begin : gen_bad_width
+    $fatal(1, "MaxWidth must be 4 .. 4096");
+  end
+  if (NumRows != 16 && NumRows != 32 && NumRows != 64 && NumRows != 128) begin : gen_bad_rows
+    $fatal(1, "NumRows must be 16, 32, 64 or 128");
+  end
+
+  // The newest map, and whether it is one for the next frame. What is decided of a frame and what goes along with it
+  // are of the same moment, two clocks before the framer tells that it began.
+  logic map_valid, bank, bank1_q, bank2_q, map_ok_q, rectify1_q, rectify2_q;
+  logic [ColW:0] map_width, width1_q, width2_q;
+  logic [RowW-1:0] map_height, height1_q, height2_q;
+  logic [SideWidth-1:0] side1_q;
+
+  always_ff @(posedge clk_i) begin
+    map_ok_q   <= ~rectify_i | (map_valid & (map_width == width_i) & (map_height == height_i));
+    bank1_q    <= bank;
+    bank2_q    <= bank1_q;
+    rectify1_q <= rectify_i;
+    rectify2_q <= rectify1_q;
+    width1_q   <= width_i;
+    width2_q   <= width1_q;
+    height1_q  <= height_i;
+    height2_q  <= height1_q;
+    side1_q    <= side_i;
+  end
+
+  logic head_valid, head_ready, head_sof, head_eol;
+  logic [DataW-1:0] head;
+
+  vista_skid #(
+    .Width(DataW + 2)
+  ) u_skid (
+    .clk_i,
+    .rst_ni,
+    .valid_i (s_axis_tvalid),
+    .ready_o (s_axis_tready),
+    .data_i  ({s_axis_tuser, s_axis_tlast, s_axis_tdata}),
+    .valid_o (head_valid),
+    .ready_i (head_ready),
+    .data_o  ({head_sof, head_eol, head})
+  );
+
+  logic take_go, store_valid;
+  logic [ColW-1:0] store_col;
+  logic [DataW-1:0] store_data;
+
+  // Only the pixels that it lets pass are wanted; its slots are for the matching.
+  vista_framer #(
+    .NumDisparities (16),
+    .BlockSize (5),
+    .MaxWidth (MaxWidth)
+  ) u_framer (
+    .clk_i,
+    .rst_ni,
+    .enable_i         (enable_i & map_ok_q),
+    .width_i,
+    .height_i,
+    .params_i         ('0),
+    .valid_i          (head_valid),
+    .ready_o          (head_ready),
+    .sof_i            (head_sof),
+    .eol_i            (head_eol),
+    .data_i           (head),
+    .go_i             (take_go),
+    .slot_o           (),
+    .slot_col_o       (),
+    .params_o         (),
+    .store_valid_o    (store_valid),
+    .store_col_o      (store_col),
+    .store_data_o     (store_data),
+    .begin_valid_o    (),
+    .begin_last_col_o (),
+    .begin_last_row_o (),
+    .frame_start_o,
+    .error_early_eol_o,
+    .error_late_eol_o,
+    .error_early_sof_o,
+    .error_late_sof_o,
+    .error_size_o
+  );
+
+  always_ff @(posedge clk_i) begin
+    error_map_o <= head_valid & head_ready & head_sof & enable_i & ~map_ok_q & rst_ni;
+  end
+
+  logic [NumberW-1:0] number, free_q, needed;
+  logic frame_room, row_needed_cut;
+
+  vista_rectify_ring #(
+    .MaxWidth (MaxWidth),
+    .NumRows  (NumRows)
+  ) u_ring (
+    .clk_i,
+    .rst_ni,
+    .frame_start_i (frame_start_o),
+    .last_col_i    (ColW'(width2_q - 1'b1)),
+    .broken_i      (error_early_eol_o | error_late_eol_o | error_early_sof_o),
+    .store_valid_i (store_valid),
+    .store_col_i   (store_col),
+    .frame_room_i  (frame_room),
+    .go_o          (take_go),
+    .number_o      (number),
+    .free_i        (free_q),
+    .row_i         (needed[RingW-1:0]),
+    .cut_o         (row_needed_cut)
+  );
+
+  // Frames, from the writing of the line buffer to its reading.
+  logic frame_valid, frame_ready, frame_on, frame_bank, frame_end;
+  logic [ColW-1:0] frame_last_col;
+  logic [RowW-1:0] frame_last_row;
+  logic [NumberW-1:0] frame_base;
+  logic [SideWidth-1:0] frame_side;
+
+  vista_skid #(
+    .Width(FrameW)
+  ) u_frames (
+    .clk_i,
+    .rst_ni,
+    .valid_i (frame_start_o),
+    .ready_o (frame_room),
+    .data_i  ({ColW'(width2_q - 1'b1), height2_q - 1'b1, number, rectify2_q, bank2_q, side1_q}),
+    .valid_o (frame_valid),
+    .ready_i (frame_ready),
+    .data_o  ({frame_last_col, frame_last_row, frame_base, frame_on, frame_bank, frame_side})
+  );
+
+  logic points_on;
+  logic [StepW-1:0] points_j;
+  logic [PointW:0]  points_addr;
+  logic signed [1:0][1:0][ValueW-1:0] values;
+
+  logic row_valid, row_ready, row_first, row_last, row_cut;
+  logic [RowW-1:0] row_y, row_last_row;
+  logic [NumberW-1:0] row_base, row_free;
+  logic [ColW-1:0] row_last_col;
+  logic [SideWidth-1:0] row_side;
+
+  logic segment_valid, segment_ready;
+  logic signed [1:0][1:0][ValueW-1:0] segment_value;
+  logic signed [1:0][1:0][SlopeW-1:0] segment_slope;
+
+  vista_rectify_rows #(
+    .MaxWidth  (MaxWidth),
+    .NumRows   (NumRows),
+    .MaxPoints (MaxPoints),
+    .SideWidth (SideWidth)
+  ) u_rows (
+    .clk_i,
+    .rst_ni,
+    .frame_valid_i   (frame_valid),
+    .frame_ready_o   (frame_ready),
+    .last_col_i      (frame_last_col),
+    .last_row_i      (frame_last_row),
+    .base_i          (frame_base),
+    .on_i            (frame_on),
+    .bank_i          (frame_bank),
+    .side_i          (frame_side),
+    .frame_end_o     (frame_end),
+    .number_i        (number),
+    .needed_o        (needed),
+    .cut_i           (row_needed_cut),
+    .on_o            (points_on),
+    .j_o             (points_j),
+    .addr_o          (points_addr),
+    .value_i         (values),
+    .row_valid_o     (row_valid),
+    .row_ready_i     (row_ready),
+    .row_first_o     (row_first),
+    .row_last_o      (row_last),
+    .row_cut_o       (row_cut),
+    .row_y_o         (row_y),
+    .row_base_o      (row_base),
+    .row_last_col_o  (row_last_col),
+    .row_last_row_o  (row_last_row),
+    .row_free_o      (row_free),
+    .row_side_o      (row_side),
+    .segment_valid_o (segment_valid),
+    .segment_ready_i (segment_ready),
+    .segment_value_o (segment_value),
+    .segment_slope_o (segment_slope)
+  );
+
+  // Pixel by pixel along a row.
+  logic go, loaded_q, step, load, segment_end, row_end;
+  logic [StepW-1:0] i_q;
+  logic [ColW-1:0]  x_q;
+
+  assign step          = loaded_q & row_valid & go;
+  assign row_end       = step & (x_q == row_last_col);
+  assign segment_end   = step & ((32'(i_q) == StepPx - 1) | row_end);
+  assign load          = segment_valid & (~loaded_q | segment_end);
+  assign segment_ready = load;
+  assign row_ready     = row_end;
+
+  always_ff @(posedge clk_i) begin
+    if (load | segment_end) loaded_q <= load;
+    if (load) i_q <= '0;
+    else if (step) i_q <= i_q + 1'b1;
+    if (step) x_q <= row_end ? '0 : x_q + 1'b1;
+    if (!rst_ni) begin
+      loaded_q <= 1'b0;
+      x_q      <= '0;
+    end
+  end
+
+  // Rows are free for writing when the last of their pixels were read.
+  logic [ReadLatency-1:0][NumberW-1:0] free_delay_q;
+
+  always_ff @(posedge clk_i) begin
+    if (row_end) free_delay_q[0] <= row_free;
+    for (int unsigned i = 1; i < ReadLatency; i++) free_delay_q[i] <= free_delay_q[i-1];
+    free_q <= free_delay_q[ReadLatency-1];
+    if (!rst_ni) begin
+      free_delay_q <= '0;
+      free_q       <= '0;
+    end
+  end
+
+  logic [1:0] map_write;
+  logic [PointW:0] map_write_addr;
+  logic [2*OffsetW-1:0] map_write_data;
+
+  vista_rectify_map #(
+    .MaxWidth  (MaxWidth),
+    .NumRows   (NumRows),
+    .MaxPoints (MaxPoints)
+  ) u_map (
+    .clk_i,
+    .rst_ni,
+    .begin_i        (map_begin_i),
+    .width_i        (map_width_i),
+    .height_i       (map_height_i),
+    .write_i        (map_write_i),
+    .data_i         (map_data_i),
+    .commit_i       (map_commit_i),
+    .ready_o        (map_ready_o),
+    .accepted_o     (map_accepted_o),
+    .refused_rows_o (map_refused_rows_o),
+    .refused_size_o (map_refused_size_o),
+    .valid_o        (map_valid),
+    .bank_o         (bank),
+    .width_o        (map_width),
+    .height_o       (map_height),
+    .frame_begin_i  (frame_start_o),
+    .frame_end_i    (frame_end),
+    .write_o        (map_write),
+    .write_addr_o   (map_write_addr),
+    .write_data_o   (map_write_data)
+  );
+
+  logic [1:0][PixelW-1:0] pixels;
+
+  for (genvar i = 0; i < 2; i++) begin : gen_camera
+    vista_rectify_points #(
+      .MaxPoints(MaxPoints)
+    ) u_points (
+      .clk_i,
+      .rst_ni,
+      .write_i      (map_write[i]),
+      .write_addr_i (map_write_addr),
+      .write_data_i (map_write_data),
+      .on_i         (points_on),
+      .j_i          (points_j),
+      .addr_i       (points_addr),
+      .value_o      (values[i])
+    );
+
+    vista_rectify_sample #(
+      .MaxWidth (MaxWidth),
+      .NumRows  (NumRows)
+    ) u_sample (
+      .clk_i,
+      .write_i      (store_valid),
+      .write_row_i  (number[RingW-1:0]),
+      .write_col_i  (store_col),
+      .write_data_i (store_data[i*PixelW+:PixelW]),
+      .load_i       (load),
+      .value_i      (segment_value[i]),
+      .slope_i      (segment_slope[i]),
+      .step_i       (step),
+      .x_i          (x_q),
+      .y_i          (row_y),
+      .last_x_i     (row_last_col),
+      .last_y_i     (row_last_row),
+      .base_i       (row_base[RingW-1:0]),
+      .pixel_o      (pixels[i])
+    );
+  end
+
+  // What goes along with a pixel; what goes along with a frame is handed over halfway, since frames are longer than that.
+  localparam int unsigned Halfway = SampleLatency / 2;
+
+  logic [SampleLatency:1] valid_q, sof_q, eol_q, end_q, cut_q;
+  logic [AllSideW-1:0] side_early_q, side_late_q;
+
+  always_ff @(posedge clk_i) begin
+    valid_q <= {valid_q[SampleLatency-1:1], step};
+    sof_q   <= {sof_q[SampleLatency-1:1], row_first & (x_q == '0)};
+    eol_q   <= {eol_q[SampleLatency-1:1], row_end};
+    end_q   <= {end_q[SampleLatency-1:1], row_end & row_last};
+    cut_q  <= {cut_q[SampleLatency-1:1], row_cut};
+    if (step & row_first & (x_q == '0)) begin
+      side_early_q <= {row_side, row_last_row + 1'b1, (ColW + 1)'(row_last_col) + 1'b1};
+    end
+    if (valid_q[Halfway] & sof_q[Halfway]) side_late_q <= side_early_q;
+    if (!rst_ni) valid_q <= '0;
+  end
+
+  vista_pixel_writer #(
+    .SideWidth (AllSideW),
+    .InFlight  (SampleLatency + 3)
+  ) u_writer (
+    .clk_i,
+    .rst_ni,
+    .result_valid_i (valid_q[SampleLatency]),
+    .result_sof_i   (sof_q[SampleLatency]),
+    .result_eol_i   (eol_q[SampleLatency]),
+    .result_end_i   (end_q[SampleLatency]),
+    .result_cut_i   (cut_q[SampleLatency]),
+    .result_data_i  (pixels),
+    .result_side_i  (side_late_q),
+    .go_o           (go),
+    .valid_o        (m_axis_tvalid),
+    .ready_i        (m_axis_tready),
+    .sof_o          (m_axis_tuser),
+    .eol_o          (m_axis_tlast),
+    .data_o         (m_axis_tdata),
+    .side_o         ({side_o, height_o, width_o})
+  );
+
+endmodule

@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: Apache-2.0
+// Takes the maps of rectification, one point a write, and tells which of two banks holds the newest complete one.
+//
+// A map is loaded with `begin_i`, then a write for every control point, row by row, of the left camera and then of the
+// right one, then `commit_i`. It is checked as it comes in: a point whose dy needs a row that the line buffer does not
+// hold, a number of points that is not that of the size, or more points than there is memory for, and the commit is
+// refused: the map before it stays in force. As only a whole load can be committed, no unchecked point is ever followed.
+//
+// A map that is committed counts for the frames that begin from then on. Frames on their way keep the other bank until
+// the last of them was read; only then `ready_o` is up again, and a new load may begin. What is written while it is down
+// is lost, and so is the load.
+//
+// Latency: 1 clock from a write to the memory's; 1 from `commit_i` to the verdict.
+
+module vista_rectify_map #(
+  parameter int unsigned MaxWidth = 1024,
+  parameter int unsigned NumRows = 64,
+  parameter int unsigned MaxPoints = 2048,  // of a camera; rounded up to a power of two
+  localparam int unsigned ColW = $clog2(MaxWidth),
+  localparam int unsigned RowW = vista_stereo_pkg::HeightW,
+  localparam int unsigned PointW = $clog2(MaxPoints),
+  localparam int unsigned OffsetW = vista_rectify_pkg::OffsetW
+) (
+  input  logic clk_i,
+  input  logic rst_ni,
+
+  input  logic                 begin_i,
+  input  logic [ColW:0]        width_i,   // of the frames that the map is for, with `begin_i`
+  input  logic [RowW-1:0]      height_i,
+  input  logic                 write_i,
+  input  logic [2*OffsetW-1:0] data_i,    // {dy, dx}
+  input  logic                 commit_i,
+  output logic                 ready_o,
+
+  output logic accepted_o,      // one clock: the map is in force
+  output logic refused_rows_o,  // one clock: it needs more rows than the line buffer has
+  output logic refused_size_o,  // one clock: wrong number of points, or more than the memory holds
+
+  // The newest complete map.
+  output logic            valid_o,
+  output logic            bank_o,
+  output logic [ColW:0]   width_o,
+  output logic [RowW-1:0] height_o,
+
+  // A frame has begun; all points of the oldest one that had were read.
+  input  logic frame_begin_i,
+  input  logic frame_end_i,
+
+  output logic [1:0]           write_o,  // to the memory of each camera, the left one first
+  output logic [PointW:0]      write_addr_o,
+  output logic [2*OffsetW-1:0] write_data_o
+);
+
+  import vista_rectify_pkg::*;
+
+  localparam int signed Lowest = -int'(reach(NumRows) * Scale);
+  localparam int signed Highest = int'((reach(NumRows) + 1) * Scale) - 1;
+  localparam int unsigned PointsW = RowW - 3;  // of the control points along a side
+  localparam int unsigned CountW = 3;  // of frames on their way
+
+  // The load.
+  logic loading_q, right_q, full_q, too_far_q, wrong_q;
+  logic [PointsW-1:0] col_q, row_q, last_col_q, last_row_q;
+  logic [PointW:0] addr_q;  // with a bit for those beyond the memory
+  logic [ColW:0]   load_width_q;
+  logic [RowW-1:0] load_height_q;
+  logic take, row_end, camera_end, too_far, accepted;
+  logic signed [OffsetW-1:0] dy;
+
+  assign dy         = data_i[OffsetW+:OffsetW];
+  assign too_far    = (int'(dy) < Lowest) | (int'(dy) > Highest);
+  assign take       = write_i & ready_o & loading_q;
+  assign row_end    = (col_q == last_col_q);
+  assign camera_end = row_end & (row_q == last_row_q);
+  assign accepted   = commit_i & loading_q & full_q & ~too_far_q & ~wrong_q & ~write_i;
+
+  always_ff @(posedge clk_i) begin
+    if (take) begin
+      addr_q <= camera_end ? '0 : addr_q[PointW] ? addr_q : addr_q + 1'b1;
+      col_q     <= row_end ? '0 : col_q + 1'b1;
+      if (row_end) row_q <= camera_end ? '0 : row_q + 1'b1;
+      if (camera_end) right_q <= 1'b1;
+      if (camera_end & right_q) full_q <= 1'b1;
+      too_far_q <= too_far_q | too_far;
+      wrong_q   <= wrong_q | full_q | addr_q[PointW];
+    end
+    if (write_i & ~ready_o) loading_q <= 1'b0;
+    if (commit_i) loading_q <= 1'b0;
+    if (begin_i) begin
+      loading_q     <= ready_o & ~commit_i;
+      right_q       <= 1'b0;
+      full_q        <= 1'b0;
+      too_far_q     <= 1'b0;
+      wrong_q       <= 1'b0;
+      addr_q        <= '0;
+      col_q         <= '0;
+      row_q         <= '0;
+      last_col_q    <= PointsW'(last_point(32'(width_i)));
+      last_row_q    <= PointsW'(last_point(32'(height_i)));
+      load_width_q  <= width_i;
+      load_height_q <= height_i;
+    end
+    accepted_o     <= accepted;
+    refused_rows_o <= commit_i & loading_q & too_far_q;
+    refused_size_o <= commit_i & ~accepted & ~(loading_q & too_far_q);
+    if (!rst_ni) begin
+      loading_q      <= 1'b0;
+      accepted_o     <= 1'b0;
+      refused_rows_o <= 1'b0;
+      refused_size_o <= 1'b0;
+    end
+  end
+
+  always_ff @(posedge clk_i) begin
+    write_o      <= {2{take & ~full_q}} & {right_q, ~right_q};
+    write_addr_o <= {~bank_o, addr_q[PointW-1:0]};
+    write_data_o <= data_i;
+    if (!rst_ni) write_o <= '0;
+  end
+
+  always_ff @(posedge clk_i) begin
+    if (accepted) begin
+      valid_o  <= 1'b1;
+      bank_o   <= ~bank_o;
+      width_o  <= load_width_q;
+      height_o <= load_height_q;
+    end
+    if (!rst_ni) begin
+      valid_o <= 1'b0;
+      bank_o  <= 1'b0;
+    end
+  end
+
+  // The other bank is free once as many frames were read as were on their way a few clocks after it was left: a frame
+  // that began with it is counted by then.
+  localparam int unsigned Settle = 4;
+
+  logic [Settle-1:0] settle_q;
+  logic [CountW-1:0] frames_q, old_q, frames;
+
+  assign frames  = frames_q + CountW'(frame_begin_i) - CountW'(frame_end_i);
+  assign ready_o = (settle_q == '0) & (old_q == '0);
+
+  always_ff @(posedge clk_i) begin
+    frames_q <= frames;
+    settle_q <= {settle_q[Settle-2:0], accepted};
+    if (settle_q[Settle-1]) old_q <= frames;
+    else if (frame_end_i & (old_q != '0)) old_q <= old_q - 1'b1;
+    if (!rst_ni) begin
+      frames_q <= '0;
+      settle_q <= '0;
+      old_q    <= '0;
+    end
+  end
+
+`ifdef FORMAL
+  `include "vista_rectify_map_properties.svh"
+`endif
+
+endmodule

@@ -1,0 +1,305 @@
+"""Rectified and plain frames of any size, good and bad, at any pace, against the C model; maps, too."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import cocotb
+import numpy as np
+from cocotb.triggers import FallingEdge
+from cocotb_helpers import parameter, seeded, start
+from frames import beats
+from video import (
+    FEWEST,
+    Driver,
+    Frame,
+    Segment,
+    assert_frames,
+    begun,
+    broken,
+    errors_of,
+    random_images,
+    reset,
+)
+from vista_model import grid_shape, row_beyond
+from vista_model.c_engine import prepare_rectify
+from vista_model.rectify import reach
+
+MAX_WIDTH, ROWS, MAX_POINTS = (parameter(name) for name in ("MaxWidth", "NumRows", "MaxPoints"))
+REACH = reach(ROWS)
+BELOW = REACH + 1  # rows that must have come below the one that leaves
+ALONG, NAMES = ("width_o", "height_o", "side_o"), ("width", "height", "side")
+LARGEST = 2 * ROWS + 14  # rows of the largest frame
+LATENCY = 33  # from the last pixel of the rows that are needed to the first of the row
+VERDICTS = ("map_accepted_o", "map_refused_rows_o", "map_refused_size_o")
+ACCEPTED, ROWS_REFUSED, SIZE_REFUSED = range(3)
+
+
+@dataclass
+class Load:
+    """A map as it is written, and what has to come of it. It is committed once so many frames began."""
+
+    width: int
+    height: int
+    words: list[int]
+    verdict: int
+    after_starts: int = 0
+    hasty: bool = False  # begun whether the bank is free or not
+
+
+@dataclass
+class MapSegment(Segment):
+    """Video, and the maps that are loaded before it; the last good one of all is in force."""
+
+    grids: np.ndarray | None = None  # of both cameras, in force
+    loads: list[Load] = field(default_factory=list)
+    loads_before: int = 0  # of all segments up to this one
+    fits: bool = True
+
+
+def random_grids(rng, height, width):
+    """Of both cameras: smooth, rough or extreme, at both ends of what the line buffer reaches."""
+    shape = (2, *grid_shape(height, width), 2)
+    lowest, highest = -32 * REACH, 32 * REACH + 31
+    grids = np.empty(shape, np.int16)
+    kind = rng.integers(4)
+    if kind == 0:
+        grids[..., 0] = rng.integers(-32768, 32768, shape[:-1])
+        grids[..., 1] = rng.integers(lowest, highest + 1, shape[:-1])
+    elif kind == 1:
+        grids[..., 0] = rng.choice([-32768, 32767, 0], shape[:-1])
+        grids[..., 1] = rng.choice([lowest, highest], shape[:-1])
+    elif kind == 2:
+        grids[:] = rng.integers(-70, 71, shape)
+    else:
+        grids[..., 0] = rng.integers(-900, 901) + rng.integers(-20, 21, shape[:-1])
+        grids[..., 1] = np.clip(
+            rng.integers(lowest, highest) + rng.integers(-9, 10, shape[:-1]), lowest, highest
+        )
+    return grids
+
+
+def words_of(grids):
+    """{dy, dx} row by row, the left camera first."""
+    return (grids.view(np.uint16).astype(np.int64) @ np.array([1, 1 << 16])).ravel().tolist()
+
+
+def good_load(grids, height, width):
+    points = grids[0, ..., 0].size
+    assert all(row_beyond(grid, ROWS) is None for grid in grids)
+    return Load(width, height, words_of(grids), ACCEPTED if points <= MAX_POINTS else SIZE_REFUSED)
+
+
+def bad_load(rng, height, width):
+    """A map that must not be followed."""
+    grids = random_grids(rng, height, width)
+    kind = rng.integers(3)
+    if kind == 0 and grids[0, ..., 0].size <= MAX_POINTS:
+        place = tuple(rng.integers(0, side) for side in grids.shape[:-1])
+        grids[place][1] = rng.choice([-32 * REACH - 1, 32 * REACH + 32, -32768, 32767])
+        return Load(width, height, words_of(grids), ROWS_REFUSED)
+    words = words_of(grids)
+    count = int(rng.choice([0, 1, len(words) - 1, len(words) // 2]))
+    words = words[:count] if kind == 1 else [*words, words[0]]
+    return Load(width, height, words, SIZE_REFUSED, hasty=bool(rng.integers(2)))
+
+
+def rectified(image, grid):
+    out = np.empty_like(image)
+    prepare_rectify(np.ascontiguousarray(image), np.ascontiguousarray(grid), out)()
+    return out
+
+
+def sent(segment, frame):
+    """What leaves of a frame of which so many pixels came."""
+    width, height, came = segment.width, segment.height, len(frame.pixels)
+    pair = np.zeros(width * height, np.int64)
+    pair[:came] = frame.pixels
+    planes = [(pair >> shift & 255).astype(np.uint8).reshape(height, width) for shift in (0, 8)]
+    if segment.option:
+        planes = [rectified(plane, grid) for plane, grid in zip(planes, segment.grids, strict=True)]
+    pixels = (planes[0].astype(np.int64) | planes[1].astype(np.int64) << 8).ravel().tolist()
+    whole = came == width * height
+    if not whole:
+        known = max(came // width - BELOW, 0) * width
+        pixels = (pixels[:known] + [-1] * FEWEST)[: max(known, FEWEST)]
+    return Frame(width, height, pixels, whole, side=segment.side)
+
+
+def expected(segments):
+    """A frame without a map that fits is dropped."""
+    return [sent(segment, frame) for segment, frame in begun(segments, MAX_WIDTH)]
+
+
+def random_segments(rng, kinds):
+    """Video with the maps that it needs, some bad ones between, and frames that no map fits."""
+    segments: list[MapSegment] = []
+    newest, starts = None, 0  # size and grids of the map in force
+    for kind in kinds:
+        width = int(rng.choice([4, 5, 15, 16, 17, MAX_WIDTH, rng.integers(4, MAX_WIDTH + 1)]))
+        height = int(rng.choice([2, 3, BELOW, BELOW + 1, ROWS, rng.integers(2, LARGEST)]))
+        on, loads = bool(kind == "unfit" or rng.random() < 0.8), []
+        if kind == "unfit":
+            height = LARGEST  # which nothing else is
+        elif newest and rng.random() < 0.3:
+            height, width, _ = newest  # the map before it, again
+        elif on:
+            loads = [bad_load(rng, height, width) for _ in range(rng.integers(2))]
+            grids = random_grids(rng, height, width)
+            loads.append(good_load(grids, height, width))
+            if loads[-1].verdict == ACCEPTED:
+                newest = height, width, grids
+        fits = newest is not None and newest[:2] == (height, width)
+        frames = [beats(*random_images(rng, height, width)) for _ in range(rng.integers(1, 4))]
+        if kind == "faulty":
+            frames = [broken(frame, width, rng) for frame in frames[:-1]] + frames[-1:]
+        segment = MapSegment(
+            width, height, np.concatenate(frames), kind != "disabled", int(on), int(rng.integers(256)),
+            grids=newest[2] if fits else None, loads=loads, fits=fits or not on,
+        )  # fmt: skip
+        for load in loads:
+            load.after_starts = starts
+        segments.append(segment)
+        segment.loads_before = sum(len(s.loads) for s in segments)
+        starts += sum(1 for _ in begun(with_maps([segment]), MAX_WIDTH))
+    return segments
+
+
+def with_maps(segments):
+    """As the block takes them: a segment that no map fits as one that is disabled."""
+    return [s if s.fits else MapSegment(s.width, s.height, s.stream, False) for s in segments]
+
+
+class Loader:
+    """Writes maps at its own pace, while frames pass, and holds back the video that needs them."""
+
+    def __init__(self, dut, dice, loads, pace):
+        self.dut, self.dice, self.loads, self.pace = dut, dice, loads, pace
+        self.starts, self.done, self.unfit, self.verdicts = 0, 0, 0, []
+
+    async def clock(self):
+        dut = self.dut
+        await FallingEdge(dut.clk_i)
+        self.starts += int(dut.frame_start_o.value)
+        self.unfit += int(dut.error_map_o.value)
+        self.verdicts += [i for i, name in enumerate(VERDICTS) if getattr(dut, name).value]
+
+    async def pause(self):
+        while self.dice.random() > self.pace:
+            await self.clock()
+
+    async def run(self):
+        dut = self.dut
+        for load in self.loads:
+            await self.pause()
+            while not (load.hasty or dut.map_ready_o.value):
+                await self.clock()
+            dut.map_begin_i.value, dut.map_width_i.value, dut.map_height_i.value = 1, load.width, load.height
+            await self.clock()
+            dut.map_begin_i.value = 0
+            for word in load.words:
+                dut.map_write_i.value, dut.map_data_i.value = 1, word
+                await self.clock()
+                dut.map_write_i.value, dut.map_data_i.value = 0, self.dice.randrange(1 << 32)
+                await self.pause()
+            while self.starts < load.after_starts:
+                await self.clock()
+            await self.pause()
+            dut.map_commit_i.value = 1
+            await self.clock()
+            dut.map_commit_i.value = 0
+            self.done += 1
+        while True:
+            await self.clock()
+
+
+async def started(dut):
+    random = seeded(dut)
+    idle = "s_axis_tvalid m_axis_tready enable_i width_i height_i rectify_i side_i"
+    idle += " map_begin_i map_write_i map_commit_i"
+    await start(dut, **dict.fromkeys(idle.split(), 0))
+    driver = Driver(dut, random, "rectify_i", ALONG)
+    driver.patience = MAX_WIDTH * (LARGEST + 20)  # a frame that was cut at once is filled, and nothing leaves
+    return driver, np.random.default_rng(random.randrange(1 << 30))
+
+
+async def run(driver, segments, offered, taken, pace=0.7):
+    loader = Loader(driver.dut, driver.dice, [load for s in segments for load in s.loads], pace)
+    task = cocotb.start_soon(loader.run())
+    driver.may_begin = lambda segment: loader.done >= segment.loads_before
+    seen = await driver.run(segments, offered, taken)
+    task.cancel()
+    assert loader.verdicts == [load.verdict for load in loader.loads]
+    return seen, loader
+
+
+@cocotb.test()
+@cocotb.parametrize(offered=[1.0, 0.4], taken=[1.0, 0.4])
+async def frames_and_maps_of_any_kind(dut, offered, taken):
+    driver, rng = await started(dut)
+    kinds = [*["good"] * 16, *["faulty"] * 14, "unfit", "unfit", "disabled"]
+    rng.shuffle(kinds)
+    segments = random_segments(rng, kinds)
+    seen, loader = await run(driver, segments, offered, taken, float(rng.choice([1.0, 0.7])))
+    taken_over = with_maps(segments)
+    frames = expected(taken_over)
+    assert_frames(seen, frames, NAMES)
+    assert (seen.starts, seen.errors) == (len(frames), errors_of(taken_over, MAX_WIDTH))
+    # A frame that no map fits is told of once for every start of frame.
+    unfit = [s for s in segments if not s.fits and s.enable]
+    assert loader.unfit == sum(int((s.stream >> 16 & 1).sum()) for s in unfit)
+
+
+@cocotb.test()
+async def reset_inside_a_frame(dut):
+    """What was on its way is gone, the map too."""
+    driver, rng = await started(dut)
+    for _ in range(8):
+        segments = random_segments(rng, ["good"])
+        if not segments[0].fits:
+            continue
+        stop = int(rng.integers(1, len(segments[0].stream)))
+        loader = Loader(dut, driver.dice, segments[0].loads, 1.0)
+        task = cocotb.start_soon(loader.run())
+        driver.may_begin = lambda segment, loader=loader: loader.done >= segment.loads_before
+        await driver.run(segments, 1.0, float(rng.choice([1.0, 0.3])), stop)
+        task.cancel()
+        await reset(dut, driver)
+        assert not dut.m_axis_tvalid.value
+        before = MapSegment(segments[0].width, segments[0].height, segments[0].stream, option=1, fits=False)
+        after = random_segments(rng, ["good", "faulty", "good"])
+        for segment in after:
+            segment.loads_before = segment.loads_before if segment.loads else 0
+        seen, loader = await run(driver, [before, *after], 0.7, 0.7)
+        assert_frames(seen, expected(with_maps([before, *after])), NAMES)
+        assert loader.unfit >= 1
+
+
+@cocotb.test()
+async def one_pixel_per_clock(dut):
+    """Frames of 21 columns and more follow each other without a gap, rectified or not."""
+    driver, rng = await started(dut)
+    for width, height in ((21, 2 * ROWS), (22, ROWS + 3), (33, BELOW), (MAX_WIDTH, 5), (MAX_WIDTH, 2 * ROWS)):
+        frames = [beats(*random_images(rng, height, width)) for _ in range(6)]
+        grids = random_grids(rng, height, width)
+        loads = [good_load(grids, height, width)]
+        assert loads[0].verdict == ACCEPTED
+        segments = [
+            MapSegment(
+                width,
+                height,
+                frame,
+                option=int(i != 2),
+                side=i,
+                grids=grids,
+                loads=loads * (i == 0),
+                loads_before=1,
+            )
+            for i, frame in enumerate(frames)
+        ]
+        seen, _ = await run(driver, segments, 1.0, 1.0)
+        assert_frames(seen, expected(segments), NAMES)
+        assert set(np.diff(seen.in_clock)) == {1}, "the input waited"
+        assert set(np.diff(seen.out_clock)) == {1}, "the output had a gap"
+        needed = min(BELOW + 1, height) * width - 1  # the last pixel that the first one waits for
+        assert seen.out_clock[0] - seen.in_clock[needed] == LATENCY
