@@ -443,8 +443,8 @@ def test_what_is_large_is_met_where_its_own_points_say_and_what_is_compact_near_
     for extent, expected in (((12.0, 8.0), met["met_m"]), ((1.5, 2.0), [0.625, 0.0, 40.0])):
         mapper = Map()
         assert mapper.update([track((1.0, 0.0, 40.0), extent=extent, **met)]) == "VISTA_OK"
-        assert mapper.nearest.position_m[2] == pytest.approx(range_m)
-        assert mapper.nearest.distance_m == pytest.approx(range_m, abs=0.02)
+        assert list(mapper.nearest.position_m) == pytest.approx(expected)
+        assert mapper.nearest.distance_m == pytest.approx(np.linalg.norm(expected))
 
 
 def test_a_hillside_that_is_a_region_too_is_no_collision_of_its_own() -> None:

@@ -377,7 +377,7 @@ vista_status vista_obstacle_map_update(vista_obstacle_map *map, const vista_obst
   for (int32_t i = 0; i < track_count; ++i) {
     vista_obstacle obstacle;
     if (!obstacle_of(params, camera, &motion->pose, path, &tracks[i], &obstacle)) continue;
-    const bool touched = tracks[i].met && large(fmax(obstacle.extent_m[0], obstacle.extent_m[1])) > 0.0;
+    const bool touched = tracks[i].met && !is_compact(obstacle.extent_m);
     if (warned && (vista_terrain_bears(terrain, &obstacle, obstacle.position_m) ||
                    (touched && vista_terrain_bears(terrain, &obstacle, tracks[i].met_m))))
       obstacle.in_collision_volume = false; /* what is met of it is said */
