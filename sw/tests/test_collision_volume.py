@@ -128,10 +128,10 @@ def test_a_wall_is_met_where_a_ball_on_the_path_touches_it(lean: float, directio
 
 
 def test_a_tree_is_met_at_its_front() -> None:
-    """A crown: each block at a depth of its own, from 15 to 18 m. Its boundary says the middle."""
+    """A crown: each block at a depth of its own, from 14 to 19 m. Its boundary says the middle."""
     random, stages = seeded(5), Stages(camera(), TOLERANCES | {"region.tolerance_px": 2.0})
     mask = box((160, 120), 80, 80)
-    depth = np.kron(random.uniform(15.0, 18.0, (30, 40)), np.ones((8, 8)))
+    depth = np.kron(random.uniform(14.0, 19.0, (30, 40)), np.ones((8, 8)))
     words = words_of(np.where(mask, 200.0 / depth, -1.0), random, 0.1)
     measure(stages, words, [mask])
     assert count(stages, words)[0] > 100

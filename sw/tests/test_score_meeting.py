@@ -78,6 +78,28 @@ def test_a_slope(tmp_path: Path, slope_deg: float, climb: float) -> None:
     assert frame.ground_m == {1: frame.target.range_m}
 
 
+def test_ground_is_met_where_earlier_frames_saw_it_once_that_is_below_the_image(tmp_path: Path) -> None:
+    """Up to the last second, in which what the aircraft touches is out of view."""
+    point_m = np.array([30.0, 0.0, 10.0])
+    normal = np.array([-np.sin(np.radians(15.0)), 0.0, np.cos(np.radians(15.0))])
+    hill = disk.Surface("hill", disk.plane(point_m, normal), standing=False)
+    poses = disk.straight(22, START_M, 10.0 * AHEAD)
+    disk.write_truth(tmp_path, poses, [hill])
+    frames = flight_frames(tmp_path, STRICT)[1]
+    expected_m = ball_on_plane(point_m, normal, START_M, AHEAD, RADIUS_M)
+    below_view = 0
+    for pose, frame in zip(poses, frames, strict=True):
+        before_m = expected_m - pose.translation_m
+        if before_m[0] < 2.0:
+            continue
+        bottom_m = (disk.HEIGHT - disk.CENTER_PX[1]) / disk.FOCAL_PX * before_m[0]
+        below_view += -before_m[2] > 1.1 * bottom_m
+        assert frame.target is not None
+        assert np.linalg.norm(frame.target.reference_m - expected_m) < 0.6
+        assert frame.ground_m[1] == pytest.approx(float(np.linalg.norm(before_m)), abs=0.6)
+    assert below_view > 2
+
+
 GROUND = disk.Surface("ground", disk.plane(np.zeros(3), np.array([0.0, 0.0, 1.0])), standing=False)
 
 

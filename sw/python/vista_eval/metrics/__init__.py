@@ -38,7 +38,8 @@ Sampled flights are judged by stricter limits (rules.STRICT); what differs:
 
 flight path     leads through the true positions of the frames that follow, and goes on beyond the last one
                 (flight_path). Something that moves is in the way if it and the aircraft will meet
-met             the point that the collision volume touches first as it travels along the path (meeting)
+met             the point that the collision volume touches first as it travels along the path (meeting); of
+                ground, which lies below the image in the last second, also as earlier frames showed it
 P               of what is thin or flat and no larger than COMPACT_M its own centre; of everything else, the
                 ground included, the point where it is met. Every match has an error from P, and a NEES: of
                 what is met that of the distance along the line of sight alone, with one degree of freedom

@@ -32,6 +32,8 @@ STANDING_PIXELS = 50  # fewer: no obstacle of this frame to GOSPA
 THIN_ABOVE_PIXELS, THIN_STRIDE_PX = 4000, 3  # a wall needs no point a pixel; within BEARING_MARGIN_PX
 STILL_M = 0.1
 SURFACE_POINTS = 256  # of a standing object, for its distance from a track
+KEPT_M, KEPT_BESIDE_M = 40.0, 4.0  # ground that earlier frames showed: within this range, and of the path
+NEAREST_M = 0.2  # along the optical axis: nearer or behind, a point has no pixel
 
 
 @dataclass(frozen=True)
@@ -118,10 +120,10 @@ def flight_frames(folder: Path, rules: Rules = PAPER) -> tuple[FlightTruth, tupl
         paths: list[FlightPath] = [*true_paths(poses, truth.times_ns)]
     else:
         paths = [Straight(flight_direction(poses))] * len(poses)
-    return truth, tuple(
-        frame_truth(truth, k, pose, path, rules)
-        for k, (pose, path) in enumerate(zip(poses, paths, strict=True))
-    )
+    frames, ground = [], SeenGround()
+    for k, (pose, path) in enumerate(zip(poses, paths, strict=True)):
+        frames.append(frame_truth(truth, k, pose, path, rules, ground))
+    return truth, tuple(frames)
 
 
 def true_poses(truth: FlightTruth) -> list[Pose]:
@@ -136,11 +138,64 @@ def true_poses(truth: FlightTruth) -> list[Pose]:
     return [poses[t_ns] for t_ns in truth.times_ns]
 
 
+class SeenGround:
+    """Ground that the frames so far have shown near the path, a point a STILL_M cube: where an aircraft will
+    touch it is below the image in the last second."""
+
+    def __init__(self) -> None:
+        self._cubes: dict[int, NDArray[np.int64]] = {}  # (n, 3), by label
+
+    def add(self, truth: FlightTruth, points: Points) -> None:
+        near = points.where((points.range_m <= KEPT_M) & (points.aside_m <= KEPT_BESIDE_M))
+        for label in np.unique(near.label).tolist():
+            thing = truth.objects.get(label)
+            if thing is None or thing.standing or np.any(thing.velocity_m_s):
+                continue
+            found = np.rint(near.where(near.label == label).position_m / STILL_M).astype(np.int64)
+            before = self._cubes.get(label, np.zeros((0, 3), np.int64))
+            self._cubes[label] = np.unique(np.concatenate([before, found]), axis=0)
+
+    def outside(self, truth: FlightTruth, view: View, path: FlightPath) -> list[Points]:
+        """What of it lies outside the image, as the view would have it were the image larger."""
+        pose, (cu, cv) = view.world_from_camera, view.center_px
+        found = []
+        for label, cubes in self._cubes.items():
+            x_m, y_m, depth_m = ((cubes * STILL_M - pose.translation_m) @ pose.rotation).T
+            ahead = depth_m > NEAREST_M
+            x, y, depth_m = x_m[ahead] / depth_m[ahead], y_m[ahead] / depth_m[ahead], depth_m[ahead]
+            u_px, v_px = cu + truth.focal_px * x, cv + truth.focal_px * y
+            hidden = (u_px < 0) | (u_px > 2 * cu) | (v_px < 0) | (v_px > 2 * cv)
+            x, y, depth_m = (a[hidden].astype(np.float32) for a in (x, y, depth_m))
+            aside_m, along_m = path.measure(pose, x, y, depth_m)
+            u, v = (np.rint(a[hidden]).astype(np.int32) for a in (u_px, v_px))
+            labels = np.full(len(x), label, np.uint16)
+            range_m = depth_m * np.sqrt(x * x + y * y + 1)
+            found.append(Points(view, u, v, labels, depth_m, range_m, aside_m, along_m))
+        return found
+
+
+def joined(first: Points, others: list[Points]) -> Points:
+    names = [name for name in first.__dataclass_fields__ if name != "view"]
+    return Points(
+        first.view, *(np.concatenate([getattr(p, name) for p in (first, *others)]) for name in names)
+    )
+
+
 def frame_truth(
-    truth: FlightTruth, index: int, world_from_camera: Pose, path: FlightPath, rules: Rules = PAPER
+    truth: FlightTruth,
+    index: int,
+    world_from_camera: Pose,
+    path: FlightPath,
+    rules: Rules = PAPER,
+    ground: SeenGround | None = None,
 ) -> FrameTruth:
+    """ground: that the frames before have shown; this one's is added."""
     t_ns = truth.times_ns[index]
     points = true_points(truth, t_ns, world_from_camera, path)
+    if ground is not None and rules.meeting:
+        shown_before = ground.outside(truth, points.view, path)
+        ground.add(truth, points)
+        points = joined(points, shown_before)
     moving = points if isinstance(path, Straight) else as_they_move(truth, points, path)
     length_m = path.length_m if isinstance(path, Curved) else CYLINDER_LENGTH_M
     reach_m = CYLINDER_RADIUS_M + rules.inflation_m
@@ -159,8 +214,8 @@ def frame_truth(
     around = around.where(kept)
     real = around
     if rules.meeting:
-        ground = [label for label, thing in truth.objects.items() if not thing.standing]
-        real = around.where(~np.isin(around.label, ground))
+        lying = [label for label, thing in truth.objects.items() if not thing.standing]
+        real = around.where(~np.isin(around.label, lying))
     return FrameTruth(t_ns, world_from_camera, around, inside[kept], target, ground_m, surfaces, real)
 
 
