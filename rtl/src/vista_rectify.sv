@@ -154,7 +154,6 @@ module vista_rectify #(
     .store_valid_o    (store_valid),
     .store_col_o      (store_col),
     .store_data_o     (store_data),
-    .begin_narrow_o   (),
     .begin_valid_o    (),
     .begin_last_col_o (),
     .begin_last_row_o (),
