@@ -208,7 +208,8 @@ module vista_rectify_sample #(
     upper12_q      <= blend11_q[0];
     product13_q    <= (BlendW + FractionW)'(signed'(difference12_q)) * (BlendW + FractionW)'(fy12_q);
     upper13_q      <= upper12_q;
-    pixel_o        <= PixelW'(({upper13_q, FractionW'(0)} + product13_q + (BlendW + FractionW)'(512)) >> (2 * FractionW));
+    pixel_o        <= PixelW'(({upper13_q, FractionW'(0)} + product13_q + (BlendW + FractionW)'(512))
+                              >> (2 * FractionW));
   end
 
 endmodule
