@@ -147,6 +147,21 @@ def register_values(frame: Frame) -> dict[int, int]:
     }
 
 
+PARAMS_BITS = 40
+
+
+def params_bits(p: Parameters, narrow: bool = False) -> int:
+    """The packed struct params_t of vista_stereo_pkg."""
+    fields = (
+        (p.prefilter == "xsobel", 1), (p.prefilter_cap, 6), (p.texture_threshold, 16),
+        (p.uniqueness_ratio, 7), (p.lr_max_diff is not None, 1), (p.lr_max_diff or 0, 8), (narrow, 1),
+    )  # fmt: skip
+    bits = 0
+    for value, width in fields:
+        bits = bits << width | int(value)
+    return bits
+
+
 def set_up(rtl: Rtl, frame: Frame) -> None:
     for address, data in register_values(frame).items():
         rtl.write(address, data)

@@ -8,7 +8,7 @@ from bench_pyramid import levels_of, memory_for
 from bench_smooth import smooth
 from cocotb_helpers import parameter, seeded, start
 from faults import Received, expected_after
-from frames import IMAGE_KINDS, random_pair, random_parameters
+from frames import IMAGE_KINDS, PARAMS_BITS, params_bits, random_pair, random_parameters
 from video import Driver, begun, filtered, random_segment
 from vista_model.engine import Parameters
 
@@ -17,14 +17,7 @@ D, B, MAX_WIDTH = (parameter(name) for name in ("NumDisparities", "BlockSize", "
 
 def side_bits(smoothed: bool, p: Parameters) -> int:
     """What goes along with a frame: the switch of the smoothing above the packed struct params_t."""
-    fields = (
-        (smoothed, 1), (p.prefilter == "xsobel", 1), (p.prefilter_cap, 6), (p.texture_threshold, 16),
-        (p.uniqueness_ratio, 7), (p.lr_max_diff is not None, 1), (p.lr_max_diff or 0, 8), (False, 1),
-    )  # fmt: skip
-    bits = 0
-    for value, width in fields:
-        bits = bits << width | int(value)
-    return bits
+    return int(smoothed) << PARAMS_BITS | params_bits(p)
 
 
 def expected_words(segment, received, smoothed, parameters):

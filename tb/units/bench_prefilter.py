@@ -4,12 +4,9 @@ import cocotb
 import numpy as np
 from cocotb.triggers import FallingEdge
 from cocotb_helpers import seeded, start
+from frames import params_bits
 from slots import frame_slots
-from vista_model.engine import xsobel
-
-
-def params_bits(sobel, cap):
-    return sobel << 38 | cap << 32
+from vista_model.engine import Parameters, xsobel
 
 
 @cocotb.test()
@@ -33,6 +30,7 @@ async def rows_and_columns_of_every_border(dut):
 
     for width, height in ((4, 2), (9, 3), (32, 4), (17, 5), (12, 2)):
         sobel, cap = rng.integers(2), int(rng.choice([1, 31, 63]))
+        bits = params_bits(Parameters(prefilter="xsobel" if sobel else "none", prefilter_cap=cap))
         left, right = rng.integers(0, 256, (2, height, width), np.uint8)
         slots = {(row, col): bits for row, col, bits in frame_slots(width, height, 16, 5)}
         got.clear()
@@ -41,7 +39,7 @@ async def rows_and_columns_of_every_border(dut):
                 while rng.random() < 0.15:
                     dut.slot_i.value, dut.store_valid_i.value = 0, 0
                     await clock()
-                dut.params_i.value = params_bits(int(sobel), cap)
+                dut.params_i.value = bits
                 dut.slot_i.value = slots.get((row - 1, col), 0)
                 dut.slot_col_i.value = dut.store_col_i.value = col
                 dut.store_valid_i.value = row < height
