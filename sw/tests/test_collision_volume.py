@@ -137,8 +137,10 @@ def test_a_tree_is_met_at_its_front() -> None:
     assert count(stages, words)[0] > 100
     region = stages.regions.items[0]
     assert region.met
-    front_m = np.quantile(depth[mask], 0.05)
-    assert abs(region.met_m[2] - front_m) < 0.9 < 200 / region.disparity_px - front_m
+    # What noise of a quarter of a pixel would make nearer is taken off: 0.45 px, some 0.5 m here.
+    front_m, middle_m = np.quantile(depth[mask], 0.05), 200 / region.disparity_px
+    assert middle_m - front_m > 1.2
+    assert -0.3 < region.met_m[2] - front_m < 0.65 * (middle_m - front_m)
 
 
 def test_things_are_as_much_narrower_as_matching_widens_them() -> None:
