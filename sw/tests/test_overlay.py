@@ -184,7 +184,7 @@ def test_palette_has_no_colour_twice() -> None:
 
 
 def texts_of_headline(
-    monkeypatch: pytest.MonkeyPatch, camera: Calibration, name: str = "flight"
+    monkeypatch: pytest.MonkeyPatch, camera: Calibration, name: str = "flight", stills: bool = False
 ) -> dict[str, tuple[int, int]]:
     """The texts above the tiles of a frame with a warning, and from where to where they reach, px."""
     found = {}
@@ -199,7 +199,7 @@ def texts_of_headline(
     pipeline = DescendingPipeline(camera)
     for index in range(2):
         result = pipeline.process(left, np.full(left.shape, -16, np.int16), index, None, None)
-    Overlay(name, 32).draw(Frame(1, 1, left, left, None), result)
+    Overlay(name, 32, stills=stills).draw(Frame(1, 1, left, left, None), result)
     return found
 
 
@@ -208,6 +208,11 @@ def test_the_headline_counts_things_alone(monkeypatch: pytest.MonkeyPatch) -> No
     facts, warning = texts_of_headline(monkeypatch, CAMERA)
     assert facts == "flight   frame 1   3 obstacles   path seen to 19 m"
     assert warning == "collision: #2  19.0 m  1.9 s"
+
+
+def test_a_still_picture_has_no_flight_path(monkeypatch: pytest.MonkeyPatch) -> None:
+    facts, _ = texts_of_headline(monkeypatch, CAMERA, stills=True)
+    assert facts == "flight   picture 1   3 obstacles"
 
 
 @pytest.mark.parametrize("width", [320, 400, 640, 1226])

@@ -81,8 +81,12 @@ class Overlay:
         facts = f"{self._name}   {self._unit} {frame.index}   {things} obstacle{'s' * (things != 1)}"
         with_path = facts + f"   path seen to {result.path_seen_m:.0f} m"
         height, width = frame.left.shape
-        if text_size(with_path, _headline_scale(width, height))[0] <= width - 2 * HEADLINE_INSET_PX:
-            facts = with_path  # else it would run below the warning, which begins at the next tile
+        # Not of stills, which have no flight path, and not where it would run below the warning beside it.
+        if (
+            self._unit == "frame"
+            and text_size(with_path, _headline_scale(width, height))[0] <= width - 2 * HEADLINE_INSET_PX
+        ):
+            facts = with_path
         nearest = result.nearest_collision
         warnings = [] if health.state == State.HEALTHY else [str(health.state)]
         if nearest is not None:
