@@ -184,7 +184,11 @@ def test_palette_has_no_colour_twice() -> None:
 
 
 def texts_of_headline(
-    monkeypatch: pytest.MonkeyPatch, camera: Calibration, name: str = "flight", stills: bool = False
+    monkeypatch: pytest.MonkeyPatch,
+    camera: Calibration,
+    name: str = "flight",
+    stills: bool = False,
+    seen_m: float = 19.0,
 ) -> dict[str, tuple[int, int]]:
     """The texts above the tiles of a frame with a warning, and from where to where they reach, px."""
     found = {}
@@ -199,7 +203,9 @@ def texts_of_headline(
     pipeline = DescendingPipeline(camera)
     for index in range(2):
         result = pipeline.process(left, np.full(left.shape, -16, np.int16), index, None, None)
-    Overlay(name, 32, stills=stills).draw(Frame(1, 1, left, left, None), result)
+    Overlay(name, 32, stills=stills).draw(
+        Frame(1, 1, left, left, None), dataclasses.replace(result, path_seen_m=seen_m)
+    )
     return found
 
 
@@ -208,6 +214,14 @@ def test_the_headline_counts_things_alone(monkeypatch: pytest.MonkeyPatch) -> No
     facts, warning = texts_of_headline(monkeypatch, CAMERA)
     assert facts == "flight   frame 1   3 obstacles   path seen to 19 m"
     assert warning == "collision: #2  19.0 m  1.9 s"
+
+
+@pytest.mark.parametrize(("seen_m", "shown"), [(100.0, "19 m"), (7.0, "7 m")])
+def test_behind_the_nearest_collision_the_path_is_not_said_to_be_seen(
+    monkeypatch: pytest.MonkeyPatch, seen_m: float, shown: str
+) -> None:
+    facts, _ = texts_of_headline(monkeypatch, CAMERA, seen_m=seen_m)
+    assert facts.endswith(f"path seen to {shown}")
 
 
 def test_a_still_picture_has_no_flight_path(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -79,7 +79,9 @@ class Overlay:
     def _headline(self, frame: Frame, result: Result, health: FrameHealth) -> tuple[str, str]:
         things = sum(obstacle.is_thing for obstacle in result.obstacles)
         facts = f"{self._name}   {self._unit} {frame.index}   {things} obstacle{'s' * (things != 1)}"
-        with_path = facts + f"   path seen to {result.path_seen_m:.0f} m"
+        nearest = result.nearest_collision
+        seen_m = result.path_seen_m if nearest is None else min(result.path_seen_m, nearest.distance_m)
+        with_path = facts + f"   path seen to {seen_m:.0f} m"
         height, width = frame.left.shape
         # Not of stills, which have no flight path, and not where it would run below the warning beside it.
         if (
@@ -87,7 +89,6 @@ class Overlay:
             and text_size(with_path, _headline_scale(width, height))[0] <= width - 2 * HEADLINE_INSET_PX
         ):
             facts = with_path
-        nearest = result.nearest_collision
         warnings = [] if health.state == State.HEALTHY else [str(health.state)]
         if nearest is not None:
             warnings.insert(0, f"{self._warning}: {obstacle_name(nearest.id)}  {_distance_and_time(nearest)}")
