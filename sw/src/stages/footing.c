@@ -7,7 +7,6 @@
 
 #include "common/depth.h"
 #include "common/frame.h"
-#include "common/numbers.h"
 #include "common/parameters_check.h"
 #include "common/plane_fit.h"
 #include "common/wide_vectors.h"
@@ -118,13 +117,12 @@ vista_status vista_footing_clear(const vista_region_params *params, const vista_
   if (status == VISTA_OK) status = vista_frame_check_camera(camera);
   if (status == VISTA_OK) status = vista_frame_check_disparity(disparity, camera->width_px, camera->height_px);
   if (status != VISTA_OK || !surfaces->ground_found) return status;
-  const vista_plane ground = {surfaces->ground_px, surfaces->ground_slope_u, surfaces->ground_slope_v};
-  const double n[3] = {ground.slope_u, ground.slope_v, ground.offset / camera->focal_px};
-  const double per_m = vista_norm(n) / camera->baseline_m;
+  const vista_plane *const ground = &surfaces->ground;
+  const double per_m = vista_plane_share_per_m(ground, camera);
   for (int32_t v = 0; v < camera->height_px; ++v) {
-    const double left_px = vista_plane_disparity_px(&ground, camera, 0.0, v);
-    if (fmax(left_px, left_px + ground.slope_u * camera->width_px) <= 0.0) continue; /* above the horizon */
-    clear_row(params, camera, &ground, per_m, v, disparity->data + v * disparity->stride, regions,
+    const double left_px = vista_plane_disparity_px(ground, camera, 0.0, v);
+    if (fmax(left_px, left_px + ground->slope_u * camera->width_px) <= 0.0) continue; /* above the horizon */
+    clear_row(params, camera, ground, per_m, v, disparity->data + v * disparity->stride, regions,
               refinement->label + (ptrdiff_t)v * camera->width_px);
   }
   return VISTA_OK;

@@ -223,7 +223,6 @@ static bool at_foot(const view *w, const int32_t *label, int32_t node) {
 static void split_off_ground(const view *w, const vista_camera *camera, vista_segmentation *s) {
   const vista_foveation *const f = w->foveation;
   float *const carried_px = s->carried_px;
-  const vista_plane plane = {w->surfaces->ground_px, w->surfaces->ground_slope_u, w->surfaces->ground_slope_v};
   int32_t count = 0;
   for (int32_t i = 0; i < f->node_count; ++i) {
     if (s->label[i] >= 0 && w->surfaces->horizontal[i] && !at_foot(w, s->label, i)) s->label[i] = VISTA_NO_LABEL;
@@ -242,7 +241,8 @@ static void split_off_ground(const view *w, const vista_camera *camera, vista_se
   }
   for (int32_t i = 0; i < f->node_count; ++i) {
     if (s->label[i] < 0 || w->cells->disparity_px[i] >= 0.0f) continue;
-    const double ground = vista_plane_disparity_px(&plane, camera, (double)f->center_u[i], (double)f->center_v[i]);
+    const double ground =
+        vista_plane_disparity_px(&w->surfaces->ground, camera, (double)f->center_u[i], (double)f->center_v[i]);
     const bool cut_off = carried_px[i] < 0.0f; /* by ground that has left */
     if (cut_off || ground > (double)carried_px[i] + fmax(FOOT_PX, FOOT_SHARE * ground)) s->label[i] = VISTA_NO_LABEL;
   }
