@@ -85,11 +85,6 @@ static inline int32_t count_run(const limits *limit, bool curved, const int16_t 
   return count;
 }
 
-static double surface_px(const vista_region *region, double u_px, double v_px) {
-  return region->disparity_px + region->slope_u * (u_px - region->mean_u_px) +
-         region->slope_v * (v_px - region->mean_v_px);
-}
-
 static int32_t count_region(const vista_foveation *foveation, const vista_camera *camera, const limits *limit,
                             const vista_disparity_image *disparity, double tolerance_px, const int32_t *members,
                             int32_t member_count, const vista_region *region) {
@@ -99,7 +94,7 @@ static int32_t count_region(const vista_foveation *foveation, const vista_camera
   for (int32_t m = 0; m < member_count; ++m) {
     const int32_t node = members[m];
     const double u = (double)foveation->center_u[node], v = (double)foveation->center_v[node];
-    const float middle = (float)(VISTA_DISPARITY_SCALE * surface_px(region, u, v));
+    const float middle = (float)(VISTA_DISPARITY_SCALE * vista_region_surface_px(region, u, v));
     const float around_px = foveation->size_px[node] + 2.0f; /* from its centre to its pixels, and more */
     const float off = around_px * across_words + tolerance + 1.0f;
     if (!may_hold(limit, (float)(u - camera->center_u_px), (float)(v - camera->center_v_px), around_px, middle - off,
@@ -115,7 +110,7 @@ static int32_t count_region(const vista_foveation *foveation, const vista_camera
         continue;
       }
       const int16_t *const words = disparity->data + run.v_px * disparity->stride + run.u_px;
-      const float surface = (float)(surface_px(region, run.u_px, run.v_px) * VISTA_DISPARITY_SCALE);
+      const float surface = (float)(vista_region_surface_px(region, run.u_px, run.v_px) * VISTA_DISPARITY_SCALE);
       const float slope = (float)(region->slope_u * VISTA_DISPARITY_SCALE);
       count += limit->curved ? count_run(limit, true, words, x, y, run.length_px, surface, slope, tolerance)
                              : count_run(limit, false, words, x, y, run.length_px, surface, slope, tolerance);
@@ -167,7 +162,7 @@ static void meet(const vista_foveation *foveation, const vista_camera *camera, c
   for (int32_t m = 0; m < member_count; ++m) {
     const int32_t node = members[m];
     const double u = (double)foveation->center_u[node], v = (double)foveation->center_v[node];
-    const double surface = surface_px(region, u, v), own = (double)disparity_px[node];
+    const double surface = vista_region_surface_px(region, u, v), own = (double)disparity_px[node];
     if (!region->plain && (own <= 0.0 || fabs(own - surface) > tolerance_px)) continue;
     const double disparity = region->plain ? surface : own;
     const float word = (float)(VISTA_DISPARITY_SCALE * disparity);
@@ -195,9 +190,9 @@ static void meet(const vista_foveation *foveation, const vista_camera *camera, c
   if (!region->met) return;
   for (int i = 0; i < 4; ++i) means[i] /= area_px2;
   const double scale = camera->baseline_m / (means[2] + fmax(means[3] - MET_NOISE_PX, 0.0));
-  region->met_m[0] = scale * (means[0] - camera->center_u_px);
-  region->met_m[1] = scale * (means[1] - camera->center_v_px);
-  region->met_m[2] = scale * camera->focal_px;
+  region->met_camera_m[0] = scale * (means[0] - camera->center_u_px);
+  region->met_camera_m[1] = scale * (means[1] - camera->center_v_px);
+  region->met_camera_m[2] = scale * camera->focal_px;
 }
 
 vista_collision_volume vista_collision_volume_around(const vista_flight_path *path, const vista_pose *pose,

@@ -97,7 +97,7 @@ static void clear_row(const vista_region_params *params, const vista_camera *cam
     const vista_region *const r = &regions->items[label[first]];
     if (r->verdict != VISTA_REGION_ACCEPTED) continue;
     const double limit_m = (double)vista_limit_m(camera, (float)r->disparity_px, (float)params->ground_height_m);
-    const double surface_px = r->disparity_px + r->slope_u * (first - r->mean_u_px) + r->slope_v * (v - r->mean_v_px);
+    const double surface_px = vista_region_surface_px(r, first, v);
     const double ground_px = vista_plane_disparity_px(ground, camera, first, v);
     const double low = within(1.0 - limit_m * per_m, 1.0);
     if (stands_clear(ground_px, ground->slope_u, surface_px, r->slope_u, low, end - 1 - first)) continue;

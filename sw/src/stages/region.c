@@ -39,7 +39,7 @@ vista_status vista_regions_layout(vista_regions *regions, vista_arena *arena, co
   regions->depth_px = vista_arena_take(arena, nodes, sizeof(float));
   regions->pixels = vista_arena_take(
       arena, (size_t)foveation->width_px * (size_t)foveation->height_px + VISTA_WORD_BLOCK, sizeof(int16_t));
-  regions->bins = vista_arena_take(arena, 4 * VISTA_WORD_BINS, sizeof(uint32_t));
+  regions->bins = vista_arena_take(arena, 2 * VISTA_ALL_WORDS, sizeof(uint32_t));
   return arena->base != NULL && arena->used > arena->size ? VISTA_ERROR_MEMORY : VISTA_OK;
 }
 
