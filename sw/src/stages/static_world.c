@@ -154,3 +154,16 @@ void vista_static_world_add(const vista_tracker_params *params, const vista_worl
   accumulate(hit, world);
   judge(params, world);
 }
+
+bool vista_static_world_silent(const vista_tracker_params *params, const vista_static_world *world, int64_t t_ns) {
+  const double time_s = vista_seconds_between(world->start_t_ns, t_ns);
+  return fabs(world->travel_m) <= params->static_speed_min_m_s * time_s;
+}
+
+void vista_static_world_decide(const vista_static_world *world, bool silent, int32_t hits, int32_t needed,
+                               bool *confirmed, bool *credible) {
+  const bool open = world->verdict == VISTA_WORLD_OPEN, refuted = world->verdict == VISTA_WORLD_REFUTED;
+  const bool supported = open ? silent : !refuted;
+  *confirmed = *confirmed || hits >= needed + (open && !silent ? 1 : 0);
+  *credible = *confirmed && !refuted && (*credible || supported);
+}
