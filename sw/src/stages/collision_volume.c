@@ -15,8 +15,7 @@
 
 /* What the pixels of one run are asked, in engine words w = 16 d; straight ahead squared, so that nothing is divided. */
 typedef struct limits {
-  float
-      radius_px; /* radius / 16 B: times w the radius in the image, there: inside when |q x a| <= radius_px w - outline_px */
+  float radius_px; /* radius / 16 B, times w the radius in the image: inside when |q x a| <= radius_px w - outline_px */
   float outline_px; /* that things are widened by */
   float along; /* 16 B / length: inside when w >= along q . a */
   float a[3];
@@ -126,8 +125,7 @@ static int32_t count_region(const vista_foveation *foveation, const vista_camera
 #define MET_BINS 160 /* of the centre of the ball that touches it, along the path: from MET_FROM_M on, */
 #define MET_RATIO 0.03 /* each by that share longer */
 #define MET_FROM_M 1.0
-#define MET_NOISE_PX \
-  0.45 /* by which noise alone, of a quarter of a pixel, makes the nearest tenth of a surface nearer */
+#define MET_NOISE_PX 0.45 /* a quarter of a pixel of noise makes the nearest tenth of a surface nearer by this */
 
 /* Of one cell on the region's surface: whether the volume holds it, and where on the path the centre of the ball is that
  * touches it. */
@@ -181,8 +179,8 @@ static void meet(const vista_foveation *foveation, const vista_camera *camera, c
   double area_px2 = 0.0, means[4] = {0};
   for (int k = 0; k < MET_BINS && area_px2 < needed_px2; ++k) {
     if (!(bins[k].area_px2 > 0.0)) continue;
-    const double share =
-        fmin(1.0, (needed_px2 - area_px2) / bins[k].area_px2); /* of the last one no more than needed */
+    /* Of the last one no more than needed. */
+    const double share = fmin(1.0, (needed_px2 - area_px2) / bins[k].area_px2);
     area_px2 += share * bins[k].area_px2;
     for (int i = 0; i < 4; ++i) means[i] += share * bins[k].sums[i];
   }

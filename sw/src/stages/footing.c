@@ -12,8 +12,7 @@
 #include "common/wide_vectors.h"
 #include "stages/segmentation.h"
 
-#define BEHIND_PX \
-  1.5 /* of disparity: ground farther behind a surface is seen past a thin thing: such a pixel stays with the thing */
+#define BEHIND_PX 1.5 /* of disparity: ground farther behind a surface is seen past a thin thing, and stays with it */
 #define FIXED_BITS 12
 #define SLOPE_MAX 2.0 /* px per px */
 #define ROUNDING_PX 0.5 /* more than the fixed point is off at the end of a row */

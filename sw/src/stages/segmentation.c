@@ -118,9 +118,8 @@ static void link_free_cell(void *context, int32_t node) {
   const uint8_t *const shell = s->seeds.shell;
   const uint16_t *const role = s->role;
   while (s->step <= s->steps[node]) gather_step(w, s);
-  const bool grown =
-      w->params->solver ==
-      VISTA_SEGMENTATION_SOLVER_FOREST; /* the forest compares single links: not the sum, the strongest counts */
+  /* The forest compares single links: not their sum, the strongest counts. */
+  const bool grown = w->params->solver == VISTA_SEGMENTATION_SOLVER_FOREST;
   const bool in_shell = shell[node];
   int32_t source = 0, sink = s->seeds.seed_of_node[node] == c->seed ? 0 : sink_link(w, &s->seeds, c->seed, node);
   for (int32_t arc = first_arc[node]; arc < first_arc[node + 1]; ++arc) {
