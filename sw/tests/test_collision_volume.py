@@ -143,6 +143,19 @@ def test_a_tree_is_met_at_its_front() -> None:
     assert -0.3 < region.met_camera_m[2] - front_m < 0.65 * (middle_m - front_m)
 
 
+def test_what_is_met_is_never_behind_the_camera() -> None:
+    """Words of a third of a pixel, half a kilometre away, before a surface beyond infinity."""
+    stages = Stages(camera(), TOLERANCES)
+    mask = box((160, 120), 80, 80)
+    words = words_of(np.where(mask, 0.375, -1.0))
+    measure(stages, words, [mask])
+    region = stages.regions.items[0]
+    region.verdict = lib.VISTA_REGION_ACCEPTED
+    region.disparity_px, region.slope_u, region.slope_v = -0.05, 0.0, 0.0
+    assert count(stages, words, radius_m=20.0, length_m=1000.0)[0] > 100
+    assert not region.met
+
+
 def test_things_are_as_much_narrower_as_matching_widens_them() -> None:
     """A post from 1.6 m to 2.0 m beside the way, at 20 m."""
     stages = Stages(camera(), TOLERANCES)

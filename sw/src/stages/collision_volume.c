@@ -129,13 +129,12 @@ static int32_t count_region(const vista_foveation *foveation, const vista_camera
 
 /* Of one cell on the region's surface: whether the volume holds it, and where on the path the centre of the ball is that
  * touches it. */
-static bool touch(const vista_camera *camera, const vista_flight_path *path, double radius_m, const double u_px,
-                  double v_px, double disparity_px, double point_m[3], double *centre_m) {
+static bool touch(const vista_camera *camera, const vista_flight_path *path, double radius_m, double u_px, double v_px,
+                  double disparity_px, double *centre_m) {
   const double scale = camera->baseline_m / disparity_px;
+  const double point_m[3] = {scale * (u_px - camera->center_u_px), scale * (v_px - camera->center_v_px),
+                             scale * camera->focal_px};
   double at_m[3];
-  point_m[0] = scale * (u_px - camera->center_u_px);
-  point_m[1] = scale * (v_px - camera->center_v_px);
-  point_m[2] = scale * camera->focal_px;
   const double along_m = vista_flight_path_along(path, point_m, NULL);
   if (!(along_m > 0.0) || along_m > path->length_m) return false;
   vista_flight_path_point(path, along_m, at_m, NULL);
@@ -166,8 +165,8 @@ static void meet(const vista_foveation *foveation, const vista_camera *camera, c
     const float word = (float)(VISTA_DISPARITY_SCALE * disparity);
     if (!may_hold(limit, (float)(u - camera->center_u_px), (float)(v - camera->center_v_px), 2.0f, word, word))
       continue;
-    double point_m[3], centre_m;
-    if (!touch(camera, path, radius_m, u, v, disparity, point_m, &centre_m)) continue;
+    double centre_m;
+    if (!touch(camera, path, radius_m, u, v, disparity, &centre_m)) continue;
     const double area_px2 = vista_square((double)foveation->size_px[node]);
     const int bin = bin_of(centre_m);
     all_px2 += area_px2;
@@ -184,10 +183,12 @@ static void meet(const vista_foveation *foveation, const vista_camera *camera, c
     area_px2 += share * bins[k].area_px2;
     for (int i = 0; i < 4; ++i) means[i] += share * bins[k].sums[i];
   }
-  region->met = all_px2 >= MET_MIN_PX2;
-  if (!region->met) return;
+  if (!(all_px2 >= MET_MIN_PX2)) return;
   for (int i = 0; i < 4; ++i) means[i] /= area_px2;
-  const double scale = camera->baseline_m / (means[2] + fmax(means[3] - MET_NOISE_PX, 0.0));
+  const double met_px = means[2] + fmax(means[3] - MET_NOISE_PX, 0.0);
+  region->met = met_px > 0.0; /* of so small words a surface may be beyond infinity */
+  if (!region->met) return;
+  const double scale = camera->baseline_m / met_px;
   region->met_camera_m[0] = scale * (means[0] - camera->center_u_px);
   region->met_camera_m[1] = scale * (means[1] - camera->center_v_px);
   region->met_camera_m[2] = scale * camera->focal_px;
