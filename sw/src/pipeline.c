@@ -317,9 +317,8 @@ static vista_status run_stage(vista_pipeline *p, stage stage, passage *way) {
     }
     case STAGE_THIN: {
       const vista_surfaces *const s = &p->surfaces;
-      const vista_thin_view view = {&frame->image,   &frame->disparity,
-                                    way->noise,      (q->stereo.block_size - 1) / 2,
-                                    s->ground_found, {s->ground_px, s->ground_slope_u, s->ground_slope_v}};
+      const vista_thin_view view = {&frame->image,   &frame->disparity, way->noise, (q->stereo.block_size - 1) / 2,
+                                    s->ground_found, s->ground};
       return vista_thin_search(&q->thin, &p->camera, &view, p->thin);
     }
     case STAGE_RECONSTRUCTION: {

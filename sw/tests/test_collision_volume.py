@@ -116,7 +116,7 @@ def test_a_wall_is_met_where_a_ball_on_the_path_touches_it(lean: float, directio
     assert region.met
     center_m = (18.0 * normal[2] - RADIUS_M) / (unit @ normal)
     touched = center_m * unit + RADIUS_M * normal
-    met = np.array(list(region.met_m))
+    met = np.array(list(region.met_camera_m))
     assert abs(np.linalg.norm(met) - np.linalg.norm(touched)) < 0.7
     middle = disparity[int(region.mean_v_px), int(region.mean_u_px)]
     if lean:
@@ -140,7 +140,20 @@ def test_a_tree_is_met_at_its_front() -> None:
     # What noise of a quarter of a pixel would make nearer is taken off: 0.45 px, some 0.5 m here.
     front_m, middle_m = np.quantile(depth[mask], 0.05), 200 / region.disparity_px
     assert middle_m - front_m > 1.2
-    assert -0.3 < region.met_m[2] - front_m < 0.65 * (middle_m - front_m)
+    assert -0.3 < region.met_camera_m[2] - front_m < 0.65 * (middle_m - front_m)
+
+
+def test_what_is_met_is_never_behind_the_camera() -> None:
+    """Words of a third of a pixel, half a kilometre away, before a surface beyond infinity."""
+    stages = Stages(camera(), TOLERANCES)
+    mask = box((160, 120), 80, 80)
+    words = words_of(np.where(mask, 0.375, -1.0))
+    measure(stages, words, [mask])
+    region = stages.regions.items[0]
+    region.verdict = lib.VISTA_REGION_ACCEPTED
+    region.disparity_px, region.slope_u, region.slope_v = -0.05, 0.0, 0.0
+    assert count(stages, words, radius_m=20.0, length_m=1000.0)[0] > 100
+    assert not region.met
 
 
 def test_things_are_as_much_narrower_as_matching_widens_them() -> None:

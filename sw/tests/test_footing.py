@@ -20,9 +20,8 @@ class Foot:
         self.params = params("region", ground_height_m=GROUND_M)
         self.slope = random.uniform(-0.02, 0.02), random.uniform(0.2, 0.5)
         self.surfaces = ffi.new(
-            "vista_surfaces *", {"ground_found": True, "ground_px": random.uniform(-4, 4)}
+            "vista_surfaces *", {"ground_found": True, "ground": [random.uniform(-4, 4), *self.slope]}
         )
-        self.surfaces.ground_slope_u, self.surfaces.ground_slope_v = self.slope
         self.items = ffi.new("vista_region[]", count)
         for item in self.items:
             item.verdict = random.choice([lib.VISTA_REGION_ACCEPTED, lib.VISTA_REGION_HORIZONTAL])
@@ -47,7 +46,7 @@ class Foot:
         v, u = np.mgrid[:HEIGHT, :WIDTH]
         c = self.camera
         return (
-            self.surfaces.ground_px
+            self.surfaces.ground.offset
             + self.slope[0] * (u - c.center_u_px)
             + self.slope[1] * (v - c.center_v_px)
         )
@@ -63,7 +62,7 @@ def test_ground_leaves_and_nothing_else() -> None:
         assert foot.clear(words) == "VISTA_OK"
 
         c, v, u = foot.camera, *np.mgrid[:HEIGHT, :WIDTH]
-        normal = np.array([*foot.slope, foot.surfaces.ground_px / c.focal_px]) / c.baseline_m
+        normal = np.array([*foot.slope, foot.surfaces.ground.offset / c.focal_px]) / c.baseline_m
         low, beneath, safe = (np.zeros(before.shape, bool) for _ in range(3))
         for k in range(6):
             item = foot.items[k]

@@ -31,7 +31,7 @@ def found_px(stages: Stages) -> np.ndarray:
     s, c, f = stages.surfaces, stages.camera, stages.foveation
     assert s.ground_found
     u, v = f.center_u - c.center_u_px, f.center_v - c.center_v_px
-    return s.ground_px + s.ground_slope_u * u + s.ground_slope_v * v
+    return s.ground.offset + s.ground.slope_u * u + s.ground.slope_v * v
 
 
 def set_cells(stages: Stages, disparity_px: np.ndarray) -> None:
@@ -136,7 +136,7 @@ def test_a_frame_gives_the_same_plane_whatever_came_before() -> None:
         set_cells(stages, noisy)
         stages.find_surfaces()
         s = stages.surfaces
-        planes.append((s.ground_found, s.ground_px, s.ground_slope_u, s.ground_slope_v))
+        planes.append((s.ground_found, s.ground.offset, s.ground.slope_u, s.ground.slope_v))
     assert planes[0] == planes[1] == planes[2]
     assert planes[0][0]
 

@@ -58,7 +58,7 @@ def height_above_ground_m(stages: Stages, disparity_px: np.ndarray) -> np.ndarra
     """Of what is seen at each pixel above the plane that was found: two points on the pixel's ray."""
     s, c = stages.surfaces, stages.camera
     assert s.ground_found
-    normal = np.array([s.ground_slope_u, s.ground_slope_v, s.ground_px / c.focal_px]) / c.baseline_m
+    normal = np.array([s.ground.slope_u, s.ground.slope_v, s.ground.offset / c.focal_px]) / c.baseline_m
     depth_m = SCALE / np.maximum(disparity_px, 1e-9)
     return (1 - depth_m * (rays(c) @ normal)) / np.linalg.norm(normal)
 

@@ -178,26 +178,19 @@ def test_seeds_of_the_rest_are_the_components_of_high_affinity() -> None:
     assert found > FRAMES
 
 
-def test_a_step_is_metres_nearby_and_pixels_far_away() -> None:
+@pytest.mark.parametrize(
+    ("disparity_px", "step_px"),
+    [(25.0, 25 - 200 / 8.48), (100.0, 100 - 200 / 2.12), (4.0, 0.3)],  # at 2 m: 6 % of the range
+)
+def test_a_step_is_metres_nearby_and_pixels_far_away(disparity_px: float, step_px: float) -> None:
     """f B = 200 px m. Half a metre behind 8 m (25 px) is 1.47 px; behind 50 m (4 px) 0.04 px."""
-    stages = Stages(
-        camera(64, 48),
-        {
-            "segmentation.seed_step_px": 0.3,
-            "segmentation.seed_step_slope": 0.02,
-            "segmentation.seed_step_m": 0.48,
-        },
-    )
-
-    def step(distance_px: float, disparity_px: float) -> float:
-        section = stages.section("segmentation")
-        return lib.vista_seed_step_px(section, stages.camera, distance_px, disparity_px)
-
-    assert step(0, 25) == pytest.approx(25 - 200 / 8.48, rel=1e-4)
-    assert step(0, 100) == pytest.approx(100 - 200 / 2.12, rel=1e-4)  # at most 6 % of 2 m
-    assert step(0, 4) == pytest.approx(0.3)
-    assert step(10, 4) == pytest.approx(0.5)
-    assert step(10, 0) == pytest.approx(0.5)
+    changes = {"seed_step_px": 0.3, "seed_step_slope": 0.0, "seed_step_m": 0.48, "bridge_m": 0.0}
+    stages = Stages(camera(64, 48), {f"segmentation.{name}": value for name, value in changes.items()})
+    stages.horizontal[:] = 0
+    for share, seeds in ((0.98, 1), (1.02, 2)):
+        behind_px = disparity_px - share * step_px
+        stages.disparity_px[:] = np.where(stages.foveation.center_u < 32, disparity_px, behind_px)
+        assert len(stages.find_obstacle_seeds()) == seeds
 
 
 def test_without_disparity_there_is_no_obstacle_seed() -> None:

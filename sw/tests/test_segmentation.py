@@ -107,7 +107,7 @@ def without_ground(stages: Stages, label: np.ndarray) -> np.ndarray:
                 nearest_px[other] = nearest_px[node]
                 queue.append(other)
     u, v = f.center_u - stages.camera.center_u_px, f.center_v - stages.camera.center_v_px
-    ground_px = s.ground_px + s.ground_slope_u * u.astype(float) + s.ground_slope_v * v.astype(float)
+    ground_px = s.ground.offset + s.ground.slope_u * u.astype(float) + s.ground.slope_v * v.astype(float)
     below = ground_px > nearest_px + np.maximum(1.0, 0.05 * ground_px)
     return np.where((d < 0) & (below | (nearest_px < 0)), -1, left)
 
@@ -124,7 +124,7 @@ def random_scene(random: np.random.Generator, changes: dict[str, float]) -> Stag
     stages.horizontal[:] = (random.random(100) < random.choice([0.1, 0.3]))[patch]
     s = stages.surfaces
     s.ground_found = random.random() < 0.5
-    s.ground_px, s.ground_slope_u, s.ground_slope_v = random.uniform((-2, -0.1, 0.1), (4, 0.1, 0.8))
+    s.ground.offset, s.ground.slope_u, s.ground.slope_v = random.uniform((-2, -0.1, 0.1), (4, 0.1, 0.8))
     stages.compare()
     return stages
 
@@ -275,7 +275,7 @@ def test_a_thing_cut_out_with_the_road_before_it_loses_the_road(ground_known: bo
     stages.disparity_px[:] = known_px
     stages.horizontal[:] = road & ~bare
     s.ground_found = ground_known
-    s.ground_slope_v, s.ground_px = 0.5, board_px + 0.5 * (stages.camera.center_v_px - foot_v)
+    s.ground.slope_v, s.ground.offset = 0.5, board_px + 0.5 * (stages.camera.center_v_px - foot_v)
     stages.compare()
     stages.segment()
     assert np.all(stages.label[~road] == 0)

@@ -180,8 +180,8 @@ def test_the_ground_is_found_below_what_stands_on_it() -> None:
         s = stages.surfaces
         assert s.ground_found
         gradient = stages.camera.baseline_m / height_m * normal  # d = f B (n . ray) / h
-        assert (s.ground_slope_u, s.ground_slope_v) == pytest.approx(tuple(gradient[:2]), abs=0.01)
-        assert s.ground_px == pytest.approx(0.0, abs=0.5)
+        assert (s.ground.slope_u, s.ground.slope_v) == pytest.approx(tuple(gradient[:2]), abs=0.01)
+        assert s.ground.offset == pytest.approx(0.0, abs=0.5)
 
 
 def test_what_rises_from_the_ground_stands_and_the_noisy_ground_does_not() -> None:

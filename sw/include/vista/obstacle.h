@@ -68,17 +68,16 @@ typedef struct vista_obstacle {
   bool in_blind_zone; /* nearer than the engine matches */
   vista_world_verdict world; /* verdict of the static-world test */
   int32_t age_frames;
-  double position_m
-      [3]; /* of the thing's middle, in the world: behind the surface that is seen, see obstacle_map.thickness_ratio */
+  double position_m[3]; /* of the thing's middle, in the world; obstacle_map.thickness_ratio tells how far that is
+                           behind the surface that is seen */
   double covariance_m2[9]; /* of position_m, row-major; includes errors that last while the obstacle is in view */
   double distance_m; /* of position_m from the camera */
   double extent_m[2]; /* width, height */
   vista_ellipse ellipse; /* of this frame's detection; while coasting, the last one moved to the predicted place */
   double disparity_px; /* at the estimated position */
-  bool
-      in_collision_volume; /* it can cause a warning and is in the volume around the flight path, or about to enter it */
-  vista_obstacle_kind kind; /* of ground, position_m is the point that the volume meets first, extent_m the width of the
-                               volume there, and the height under which the slope inside it is seen */
+  bool in_collision_volume; /* it can cause a warning and is in the volume around the flight path, or about to enter */
+  vista_obstacle_kind kind; /* of ground, position_m is the point that the volume meets first, extent_m twice the width
+                               of the volume there, and the height under which that part of the slope is seen */
 } vista_obstacle;
 
 /* The nearest confirmed obstacle that meets the collision volume. */

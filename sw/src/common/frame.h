@@ -14,8 +14,8 @@ vista_status vista_frame_check_camera(const vista_camera *camera);
 /* VISTA_ERROR_NUMBER: not finite; VISTA_ERROR_RANGE: R R^T differs from I by more than 1e-3, or det R < 0. */
 vista_status vista_frame_check_pose(const vista_pose *pose);
 
-/* Images of this size. VISTA_ERROR_ARGUMENT: no pixels; VISTA_ERROR_SIZE: another size, or rows closer than the width.
- * */
+/* Images of this size. VISTA_ERROR_ARGUMENT: no pixels; VISTA_ERROR_SIZE: another size, or rows closer
+ * than the width. */
 vista_status vista_frame_check_image(const vista_image *image, int32_t width_px, int32_t height_px);
 vista_status vista_frame_check_disparity(const vista_disparity_image *disparity, int32_t width_px, int32_t height_px);
 

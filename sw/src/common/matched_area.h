@@ -2,6 +2,7 @@
 #ifndef VISTA_SRC_MATCHED_AREA_H
 #define VISTA_SRC_MATCHED_AREA_H
 
+#include <stdbool.h>
 #include <stdint.h>
 
 #include "common/numbers.h"
@@ -30,6 +31,14 @@ static inline vista_margins vista_matched_margins(const vista_matched_area *area
     rim = 2.0; /* the words at a coarser level's rim have too little support */
   }
   return (vista_margins){scale * (area->margin_left_px + rim), scale * (area->margin_px + rim)};
+}
+
+/* Whether a pixel at a disparity is inside of these margins. */
+static inline bool vista_matched_holds(const vista_matched_area *area, const vista_camera *camera, double u_px,
+                                       double v_px, double disparity_px) {
+  const vista_margins margins = vista_matched_margins(area, disparity_px);
+  return u_px >= margins.left_px && u_px <= camera->width_px - 1 - margins.other_px && v_px >= margins.other_px &&
+         v_px <= camera->height_px - 1 - margins.other_px;
 }
 
 /* VISTA_ERROR_RANGE: a number that no engine has. */

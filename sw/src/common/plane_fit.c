@@ -30,9 +30,23 @@ double vista_plane_disparity_px(const vista_plane *plane, const vista_camera *ca
   return plane->offset + plane->slope_u * (u_px - camera->center_u_px) + plane->slope_v * (v_px - camera->center_v_px);
 }
 
+/* B |n|, see the header. */
+static double normal_length(const vista_plane *plane, const vista_camera *camera) {
+  const double n[3] = {plane->slope_u, plane->slope_v, plane->offset / camera->focal_px};
+  return vista_norm(n);
+}
+
+double vista_plane_share_above(const vista_plane *plane, const vista_camera *camera, double u_px, double v_px,
+                               double disparity_px) {
+  return 1.0 - vista_plane_disparity_px(plane, camera, u_px, v_px) / disparity_px;
+}
+
+double vista_plane_share_per_m(const vista_plane *plane, const vista_camera *camera) {
+  return normal_length(plane, camera) / camera->baseline_m;
+}
+
 double vista_plane_height_m(const vista_plane *plane, const vista_camera *camera, double u_px, double v_px,
                             double disparity_px) {
-  const double n[3] = {plane->slope_u, plane->slope_v, plane->offset / camera->focal_px};
-  const double ground_px = vista_plane_disparity_px(plane, camera, u_px, v_px);
-  return (1.0 - ground_px / disparity_px) * camera->baseline_m / vista_norm(n);
+  return vista_plane_share_above(plane, camera, u_px, v_px, disparity_px) * camera->baseline_m /
+         normal_length(plane, camera);
 }

@@ -36,11 +36,12 @@ bool vista_plane_fit_solve(const vista_plane_fit *fit, vista_plane *plane);
 double vista_plane_disparity_px(const vista_plane *plane, const vista_camera *camera, double u_px, double v_px);
 
 /* A plane n . P = 1 in space has n = (slope_u, slope_v, offset / f) / B. So what is seen at a pixel with disparity d,
- * where the plane has d_g, is (1 - d_g / d) / |n| above it. */
+ * where the plane has d_g, is (1 - d_g / d) / |n| above it, and the camera is 1 / |n| above it: the height in metres,
+ * its share 1 - d_g / d of the height of the camera, and the share |n| of a metre. */
+double vista_plane_share_above(const vista_plane *plane, const vista_camera *camera, double u_px, double v_px,
+                               double disparity_px);
+double vista_plane_share_per_m(const vista_plane *plane, const vista_camera *camera);
 double vista_plane_height_m(const vista_plane *plane, const vista_camera *camera, double u_px, double v_px,
                             double disparity_px);
-
-/* Of the height of the camera above the ground: what ends lower than this is not on that ground. */
-#define VISTA_FOOT_SHARE_MIN (-0.1)
 
 #endif

@@ -9,8 +9,7 @@
  * - Sky and bare walls have no texture: it takes a contrast above the image's own noise.
  * - Texture that repeats itself within the engine's candidates, windows or railings at any range, is ambiguous, and the
  *   engine's uniqueness test rejects it. The left image alone shows that: a block of it comes back, shifted along its
- * row,
- *   after it differed from what lies between. When most of the unmatched texture does, nothing is reported.
+ *   row, after it differed from what lies between. When most of the unmatched texture does, nothing is reported.
  * By chance the engine matches up to half of what it should not: a word counts when another one agrees (agreement.h).
  */
 #ifndef VISTA_BLIND_ZONE_H

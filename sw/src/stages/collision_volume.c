@@ -15,8 +15,7 @@
 
 /* What the pixels of one run are asked, in engine words w = 16 d; straight ahead squared, so that nothing is divided. */
 typedef struct limits {
-  float
-      radius_px; /* radius / 16 B: times w the radius in the image, there: inside when |q x a| <= radius_px w - outline_px */
+  float radius_px; /* radius / 16 B, times w the radius in the image: inside when |q x a| <= radius_px w - outline_px */
   float outline_px; /* that things are widened by */
   float along; /* 16 B / length: inside when w >= along q . a */
   float a[3];
@@ -85,11 +84,6 @@ static inline int32_t count_run(const limits *limit, bool curved, const int16_t 
   return count;
 }
 
-static double surface_px(const vista_region *region, double u_px, double v_px) {
-  return region->disparity_px + region->slope_u * (u_px - region->mean_u_px) +
-         region->slope_v * (v_px - region->mean_v_px);
-}
-
 static int32_t count_region(const vista_foveation *foveation, const vista_camera *camera, const limits *limit,
                             const vista_disparity_image *disparity, double tolerance_px, const int32_t *members,
                             int32_t member_count, const vista_region *region) {
@@ -99,7 +93,7 @@ static int32_t count_region(const vista_foveation *foveation, const vista_camera
   for (int32_t m = 0; m < member_count; ++m) {
     const int32_t node = members[m];
     const double u = (double)foveation->center_u[node], v = (double)foveation->center_v[node];
-    const float middle = (float)(VISTA_DISPARITY_SCALE * surface_px(region, u, v));
+    const float middle = (float)(VISTA_DISPARITY_SCALE * vista_region_surface_px(region, u, v));
     const float around_px = foveation->size_px[node] + 2.0f; /* from its centre to its pixels, and more */
     const float off = around_px * across_words + tolerance + 1.0f;
     if (!may_hold(limit, (float)(u - camera->center_u_px), (float)(v - camera->center_v_px), around_px, middle - off,
@@ -115,7 +109,7 @@ static int32_t count_region(const vista_foveation *foveation, const vista_camera
         continue;
       }
       const int16_t *const words = disparity->data + run.v_px * disparity->stride + run.u_px;
-      const float surface = (float)(surface_px(region, run.u_px, run.v_px) * VISTA_DISPARITY_SCALE);
+      const float surface = (float)(vista_region_surface_px(region, run.u_px, run.v_px) * VISTA_DISPARITY_SCALE);
       const float slope = (float)(region->slope_u * VISTA_DISPARITY_SCALE);
       count += limit->curved ? count_run(limit, true, words, x, y, run.length_px, surface, slope, tolerance)
                              : count_run(limit, false, words, x, y, run.length_px, surface, slope, tolerance);
@@ -131,18 +125,16 @@ static int32_t count_region(const vista_foveation *foveation, const vista_camera
 #define MET_BINS 160 /* of the centre of the ball that touches it, along the path: from MET_FROM_M on, */
 #define MET_RATIO 0.03 /* each by that share longer */
 #define MET_FROM_M 1.0
-#define MET_NOISE_PX \
-  0.45 /* by which noise alone, of a quarter of a pixel, makes the nearest tenth of a surface nearer */
+#define MET_NOISE_PX 0.45 /* a quarter of a pixel of noise makes the nearest tenth of a surface nearer by this */
 
 /* Of one cell on the region's surface: whether the volume holds it, and where on the path the centre of the ball is that
  * touches it. */
-static bool touch(const vista_camera *camera, const vista_flight_path *path, double radius_m, const double u_px,
-                  double v_px, double disparity_px, double point_m[3], double *centre_m) {
+static bool touch(const vista_camera *camera, const vista_flight_path *path, double radius_m, double u_px, double v_px,
+                  double disparity_px, double *centre_m) {
   const double scale = camera->baseline_m / disparity_px;
+  const double point_m[3] = {scale * (u_px - camera->center_u_px), scale * (v_px - camera->center_v_px),
+                             scale * camera->focal_px};
   double at_m[3];
-  point_m[0] = scale * (u_px - camera->center_u_px);
-  point_m[1] = scale * (v_px - camera->center_v_px);
-  point_m[2] = scale * camera->focal_px;
   const double along_m = vista_flight_path_along(path, point_m, NULL);
   if (!(along_m > 0.0) || along_m > path->length_m) return false;
   vista_flight_path_point(path, along_m, at_m, NULL);
@@ -167,14 +159,14 @@ static void meet(const vista_foveation *foveation, const vista_camera *camera, c
   for (int32_t m = 0; m < member_count; ++m) {
     const int32_t node = members[m];
     const double u = (double)foveation->center_u[node], v = (double)foveation->center_v[node];
-    const double surface = surface_px(region, u, v), own = (double)disparity_px[node];
+    const double surface = vista_region_surface_px(region, u, v), own = (double)disparity_px[node];
     if (!region->plain && (own <= 0.0 || fabs(own - surface) > tolerance_px)) continue;
     const double disparity = region->plain ? surface : own;
     const float word = (float)(VISTA_DISPARITY_SCALE * disparity);
     if (!may_hold(limit, (float)(u - camera->center_u_px), (float)(v - camera->center_v_px), 2.0f, word, word))
       continue;
-    double point_m[3], centre_m;
-    if (!touch(camera, path, radius_m, u, v, disparity, point_m, &centre_m)) continue;
+    double centre_m;
+    if (!touch(camera, path, radius_m, u, v, disparity, &centre_m)) continue;
     const double area_px2 = vista_square((double)foveation->size_px[node]);
     const int bin = bin_of(centre_m);
     all_px2 += area_px2;
@@ -186,18 +178,20 @@ static void meet(const vista_foveation *foveation, const vista_camera *camera, c
   double area_px2 = 0.0, means[4] = {0};
   for (int k = 0; k < MET_BINS && area_px2 < needed_px2; ++k) {
     if (!(bins[k].area_px2 > 0.0)) continue;
-    const double share =
-        fmin(1.0, (needed_px2 - area_px2) / bins[k].area_px2); /* of the last one no more than needed */
+    /* Of the last one no more than needed. */
+    const double share = fmin(1.0, (needed_px2 - area_px2) / bins[k].area_px2);
     area_px2 += share * bins[k].area_px2;
     for (int i = 0; i < 4; ++i) means[i] += share * bins[k].sums[i];
   }
-  region->met = all_px2 >= MET_MIN_PX2;
-  if (!region->met) return;
+  if (!(all_px2 >= MET_MIN_PX2)) return;
   for (int i = 0; i < 4; ++i) means[i] /= area_px2;
-  const double scale = camera->baseline_m / (means[2] + fmax(means[3] - MET_NOISE_PX, 0.0));
-  region->met_m[0] = scale * (means[0] - camera->center_u_px);
-  region->met_m[1] = scale * (means[1] - camera->center_v_px);
-  region->met_m[2] = scale * camera->focal_px;
+  const double met_px = means[2] + fmax(means[3] - MET_NOISE_PX, 0.0);
+  region->met = met_px > 0.0; /* of so small words a surface may be beyond infinity */
+  if (!region->met) return;
+  const double scale = camera->baseline_m / met_px;
+  region->met_camera_m[0] = scale * (means[0] - camera->center_u_px);
+  region->met_camera_m[1] = scale * (means[1] - camera->center_v_px);
+  region->met_camera_m[2] = scale * camera->focal_px;
 }
 
 vista_collision_volume vista_collision_volume_around(const vista_flight_path *path, const vista_pose *pose,

@@ -3,8 +3,8 @@
  *
  * A pixel (x, y) from the principal point with disparity d is the point q B / d, q = (x, y, f). Straight, along a, it
  * lies in the volume when |q x a| B / d <= radius and 0 < q . a B / d <= length. Of an arc with curvature c in the
- * plane of a and n, the point (X, Y, Z) along a, n and across is in when hypot((1 - c rho) / c, Z) <= radius with c rho
- * = hypot(c X, 1 - c Y), and X > 0, atan2(c X, 1 - c Y) <= c length.
+ * plane of a and n, the point (X, Y, Z) along a, n and across is in when hypot((1 - c rho) / c, Z) <= radius with
+ * c rho = hypot(c X, 1 - c Y), and X > 0, atan2(c X, 1 - c Y) <= c length.
  *
  * Block matching widens what stands before something by up to half a block: a pixel tells of what is outline_px away.
  * So the volume's radius is smaller by outline_px Z / f.
@@ -40,10 +40,11 @@ vista_flight_path vista_collision_volume_path(const vista_collision_volume *volu
 /* VISTA_ERROR_RANGE: not finite, smaller than a millimetre, or a bend of more than a quarter of a circle. */
 vista_status vista_collision_volume_check(const vista_collision_volume *volume);
 
-/* Fills volume_pixels of the accepted regions, and of those that have any, where the volume meets them: the middle of the
- * tenth of their area in the volume that a ball of its radius, with its centre on the path, touches first. Of a tree that is
- * the side of its crown towards the aircraft, of a wall seen at an angle the part that is flown into, and neither is the
- * middle. VISTA_ERROR_SIZE: a disparity image of another size. */
+/* Fills volume_pixels of the accepted regions, and of those that have any, where the volume meets them: the middle of
+ * the tenth of their area in the volume that a ball of its radius, with its centre on the path, touches first. Of a
+ * tree that is the side of its crown towards the aircraft, of a wall seen at an angle the part that is flown into, and
+ * neither is the middle. What noise brings nearer is taken off: MET_NOISE_PX of disparity, or all that the tenth is
+ * nearer than the surface. VISTA_ERROR_SIZE: a disparity image of another size. */
 vista_status vista_collision_volume_count(const vista_foveation *foveation, const vista_region_params *params,
                                           const vista_camera *camera, const vista_collision_volume *volume,
                                           const vista_disparity_image *disparity, const vista_cells *cells,

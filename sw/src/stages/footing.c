@@ -7,14 +7,12 @@
 
 #include "common/depth.h"
 #include "common/frame.h"
-#include "common/numbers.h"
 #include "common/parameters_check.h"
 #include "common/plane_fit.h"
 #include "common/wide_vectors.h"
 #include "stages/segmentation.h"
 
-#define BEHIND_PX \
-  1.5 /* of disparity: ground farther behind a surface is seen past a thin thing: such a pixel stays with the thing */
+#define BEHIND_PX 1.5 /* of disparity: ground farther behind a surface is seen past a thin thing, and stays with it */
 #define FIXED_BITS 12
 #define SLOPE_MAX 2.0 /* px per px */
 #define ROUNDING_PX 0.5 /* more than the fixed point is off at the end of a row */
@@ -98,7 +96,7 @@ static void clear_row(const vista_region_params *params, const vista_camera *cam
     const vista_region *const r = &regions->items[label[first]];
     if (r->verdict != VISTA_REGION_ACCEPTED) continue;
     const double limit_m = (double)vista_limit_m(camera, (float)r->disparity_px, (float)params->ground_height_m);
-    const double surface_px = r->disparity_px + r->slope_u * (first - r->mean_u_px) + r->slope_v * (v - r->mean_v_px);
+    const double surface_px = vista_region_surface_px(r, first, v);
     const double ground_px = vista_plane_disparity_px(ground, camera, first, v);
     const double low = within(1.0 - limit_m * per_m, 1.0);
     if (stands_clear(ground_px, ground->slope_u, surface_px, r->slope_u, low, end - 1 - first)) continue;
@@ -118,13 +116,12 @@ vista_status vista_footing_clear(const vista_region_params *params, const vista_
   if (status == VISTA_OK) status = vista_frame_check_camera(camera);
   if (status == VISTA_OK) status = vista_frame_check_disparity(disparity, camera->width_px, camera->height_px);
   if (status != VISTA_OK || !surfaces->ground_found) return status;
-  const vista_plane ground = {surfaces->ground_px, surfaces->ground_slope_u, surfaces->ground_slope_v};
-  const double n[3] = {ground.slope_u, ground.slope_v, ground.offset / camera->focal_px};
-  const double per_m = vista_norm(n) / camera->baseline_m;
+  const vista_plane *const ground = &surfaces->ground;
+  const double per_m = vista_plane_share_per_m(ground, camera);
   for (int32_t v = 0; v < camera->height_px; ++v) {
-    const double left_px = vista_plane_disparity_px(&ground, camera, 0.0, v);
-    if (fmax(left_px, left_px + ground.slope_u * camera->width_px) <= 0.0) continue; /* above the horizon */
-    clear_row(params, camera, &ground, per_m, v, disparity->data + v * disparity->stride, regions,
+    const double left_px = vista_plane_disparity_px(ground, camera, 0.0, v);
+    if (fmax(left_px, left_px + ground->slope_u * camera->width_px) <= 0.0) continue; /* above the horizon */
+    clear_row(params, camera, ground, per_m, v, disparity->data + v * disparity->stride, regions,
               refinement->label + (ptrdiff_t)v * camera->width_px);
   }
   return VISTA_OK;

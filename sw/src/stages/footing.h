@@ -16,8 +16,8 @@
 #include "vista/status.h"
 #include "vista/types.h"
 
-/* Takes such pixels of accepted regions out of refinement->label. VISTA_ERROR_SIZE: a disparity image of another size.
- * */
+/* Takes such pixels of accepted regions out of refinement->label. VISTA_ERROR_SIZE: a disparity image
+ * of another size. */
 vista_status vista_footing_clear(const vista_region_params *params, const vista_camera *camera,
                                  const vista_disparity_image *disparity, const vista_surfaces *surfaces,
                                  const vista_regions *regions, vista_refinement *refinement);

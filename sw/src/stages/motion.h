@@ -14,8 +14,8 @@
  * followed up to where that is a miss of the collision radius, share c s^2 / 2 = radius, and for a quarter of a circle
  * at most.
  *
- * Without any pose the world is the first camera, and its motion is not known; unless the caller says that it stands.
- * */
+ * Without any pose the world is the first camera, and its motion is not known; unless the caller says
+ * that it stands. */
 #ifndef VISTA_MOTION_H
 #define VISTA_MOTION_H
 

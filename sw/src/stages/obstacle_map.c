@@ -252,19 +252,23 @@ static vista_obstacle too_near(const vista_obstacle_map_params *params, const vi
   return obstacle;
 }
 
-static bool is_compact(const double extent_m[2]) { return fmax(extent_m[0], extent_m[1]) <= COMPACT_M; }
+/* Whether its own points have told where the path meets it, and it is so large that this counts. */
+static bool is_touched(const vista_track *track, const vista_obstacle *obstacle) {
+  return track->met && fmax(obstacle->extent_m[0], obstacle->extent_m[1]) > COMPACT_M;
+}
 
 /* From 0 for what is met between its middle and its point closest to the path to 1 for what is met in that point. */
 static double large(double extent_m) { return fmin(fmax((extent_m - COMPACT_M) / (LARGE_M - COMPACT_M), 0.0), 1.0); }
 
-/* The volume is round: it may touch any point of a surface first that is met so much later as the surface has relief. */
+/* The volume is round: relief of a surface decides which of the points around the middle of the contact it touches
+ * first. */
 static double face_sigma_m(double half_m, double radius_m) {
   return fmin(half_m / SQRT_3, sqrt(2.0 * radius_m * RELIEF_M));
 }
 
-/* The point of a thing that the path meets, where its own points have not told: of a rectangle of its extent that faces the
- * camera, and along both of its sides the standard deviation of which one that is. The path meets a wall where it leads
- * to; what it meets of a board whose post is not seen may be its middle, its edge or the post. */
+/* The point of a thing that the path meets, where its own points have not told: of a rectangle of its extent that faces
+ * the camera, and along both of its sides the standard deviation of which one that is. The path meets a wall where it
+ * leads to; what it meets of a board whose post is not seen may be its middle, its edge or the post. */
 static void move_to_path(const vista_pose *pose, const vista_flight_path *path, const double extent_m[2],
                          double radius_m, double position_m[3], double sigma_m[2]) {
   double there_m[3], offset_m[3];
@@ -299,7 +303,7 @@ static vista_nearest_collision collision_with(const vista_obstacle_map_params *p
   memcpy(nearest.position_m, obstacle->position_m, sizeof nearest.position_m);
   memcpy(nearest.covariance_m2, obstacle->covariance_m2, sizeof nearest.covariance_m2);
   double sigma_m[2];
-  if (track != NULL && track->met && !is_compact(obstacle->extent_m)) {
+  if (track != NULL && is_touched(track, obstacle)) {
     memcpy(nearest.position_m, track->met_m, sizeof nearest.position_m);
     for (int i = 0; i < 2; ++i) sigma_m[i] = face_sigma_m(0.5 * obstacle->extent_m[i], params->collision_radius_m);
   } else if (track != NULL) {
@@ -377,9 +381,8 @@ vista_status vista_obstacle_map_update(vista_obstacle_map *map, const vista_obst
   for (int32_t i = 0; i < track_count; ++i) {
     vista_obstacle obstacle;
     if (!obstacle_of(params, camera, &motion->pose, path, &tracks[i], &obstacle)) continue;
-    const bool touched = tracks[i].met && !is_compact(obstacle.extent_m);
     if (warned && (vista_terrain_bears(terrain, &obstacle, obstacle.position_m) ||
-                   (touched && vista_terrain_bears(terrain, &obstacle, tracks[i].met_m))))
+                   (is_touched(&tracks[i], &obstacle) && vista_terrain_bears(terrain, &obstacle, tracks[i].met_m))))
       obstacle.in_collision_volume = false; /* what is met of it is said */
     insert(map, &obstacle);
     if (!obstacle.confirmed || !obstacle.in_collision_volume) continue;

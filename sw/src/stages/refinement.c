@@ -11,8 +11,7 @@
 
 #define MAX_CANDIDATES 8 /* a cell and its neighbours; the hub has more of these, and stays as it is */
 #define BATCH 256        /* pixels treated at once */
-#define LANES \
-  VISTA_WORD_BLOCK /* counts are rounded up to a multiple, so that loops need no remainder: lists are as long */
+#define LANES VISTA_WORD_BLOCK /* counts are rounded up to a multiple: lists are as long, and loops need no remainder */
 #define COST_ONE 65536.0f /* of the costs as whole numbers; parameters and neighbours keep a cost below 4096 */
 
 vista_status vista_refinement_layout(vista_refinement *refinement, vista_arena *arena,

@@ -21,8 +21,8 @@
 typedef struct vista_refinement {
   int32_t *label;   /* height * width: region of each pixel, VISTA_NO_LABEL where its cell has none */
   uint8_t *border;  /* node_count: next to a cell of another region; elsewhere pixels have their cell's region */
-  int32_t *
-      listed; /* region of each pixel as foveation->first_pixel lists them, and VISTA_WORD_BLOCK more; of cells with a border */
+  /* Of cells with a border: region of each pixel as foveation->first_pixel lists them, and VISTA_WORD_BLOCK more. */
+  int32_t *listed;
 } vista_refinement;
 
 vista_status vista_refinement_layout(vista_refinement *refinement, vista_arena *arena,

@@ -39,7 +39,7 @@ vista_status vista_regions_layout(vista_regions *regions, vista_arena *arena, co
   regions->depth_px = vista_arena_take(arena, nodes, sizeof(float));
   regions->pixels = vista_arena_take(
       arena, (size_t)foveation->width_px * (size_t)foveation->height_px + VISTA_WORD_BLOCK, sizeof(int16_t));
-  regions->bins = vista_arena_take(arena, 4 * VISTA_WORD_BINS, sizeof(uint32_t));
+  regions->bins = vista_arena_take(arena, 2 * VISTA_ALL_WORDS, sizeof(uint32_t));
   return arena->base != NULL && arena->used > arena->size ? VISTA_ERROR_MEMORY : VISTA_OK;
 }
 
@@ -116,17 +116,15 @@ static vista_region_verdict measure_own_pixels(const vista_region_view *w, const
 }
 
 /* The foot is that of a box with the spread of the pixels, and no lower than any of them: a few that are off do not move
- * it. What is beneath the ground is wrong, or the ground is. */
+ * it. */
 static void find_foot(const vista_surfaces *surfaces, const vista_camera *camera, vista_region *region) {
   if (!surfaces->ground_found) return;
-  const vista_plane ground = {surfaces->ground_px, surfaces->ground_slope_u, surfaces->ground_slope_v};
   const double down_px = fmin(region->max_v_px - region->mean_v_px, sqrt(3.0 * region->cov_vv_px2));
   const double aside_px = region->cov_vv_px2 > 0.0 ? region->cov_uv_px2 / region->cov_vv_px2 * down_px : 0.0;
   const double u_px = region->mean_u_px + aside_px, v_px = region->mean_v_px + down_px;
   const double own_px = region->disparity_px + region->slope_u * aside_px + region->slope_v * down_px;
-  if (!(own_px > 0.0)) return;
-  region->foot_share = 1.0 - vista_plane_disparity_px(&ground, camera, u_px, v_px) / own_px;
-  region->foot_seen = region->foot_share > VISTA_FOOT_SHARE_MIN;
+  region->foot_seen = own_px > 0.0;
+  if (region->foot_seen) region->foot_share = vista_plane_share_above(&surfaces->ground, camera, u_px, v_px, own_px);
 }
 
 static vista_region empty_region(int32_t label, int32_t node_count) {

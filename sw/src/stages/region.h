@@ -54,7 +54,7 @@ typedef struct vista_region {
   int32_t pixel_count; /* own pixels, see above; like their moments measured only if the boundary passed its tests */
   int32_t volume_pixels; /* on the surface and in the collision volume (collision_volume.h) */
   bool met;              /* the volume touches it, there: */
-  double met_m[3];       /* camera */
+  double met_camera_m[3];
   /* Moments of the own pixels: centre and covariance. */
   double mean_u_px, mean_v_px;
   double cov_uu_px2, cov_uv_px2, cov_vv_px2;
@@ -76,6 +76,12 @@ typedef struct vista_region {
   double foot_share; /* height of its foot above the ground over that of the camera: 0 stands on it, 1 is as high */
 } vista_region;
 
+/* Disparity of the region's surface at a pixel. */
+static inline double vista_region_surface_px(const vista_region *region, double u_px, double v_px) {
+  return region->disparity_px + region->slope_u * (u_px - region->mean_u_px) +
+         region->slope_v * (v_px - region->mean_v_px);
+}
+
 typedef struct vista_regions {
   vista_region *items;
   int32_t count;
@@ -86,7 +92,7 @@ typedef struct vista_regions {
   uint8_t *boundary; /* scratch, node_count */
   float *depth_px;   /* scratch, node_count: distance from the boundary, where that is within reach */
   uint8_t *own;      /* scratch, a member of one region: which of its pixels are the region's own */
-  uint32_t *bins;    /* scratch: histogram of engine words */
+  uint32_t *bins;    /* scratch: two histograms of engine words */
   int16_t *pixels;   /* scratch: a number for each pixel of one region */
 } vista_regions;
 

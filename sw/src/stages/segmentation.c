@@ -118,9 +118,8 @@ static void link_free_cell(void *context, int32_t node) {
   const uint8_t *const shell = s->seeds.shell;
   const uint16_t *const role = s->role;
   while (s->step <= s->steps[node]) gather_step(w, s);
-  const bool grown =
-      w->params->solver ==
-      VISTA_SEGMENTATION_SOLVER_FOREST; /* the forest compares single links: not the sum, the strongest counts */
+  /* The forest compares single links: not their sum, the strongest counts. */
+  const bool grown = w->params->solver == VISTA_SEGMENTATION_SOLVER_FOREST;
   const bool in_shell = shell[node];
   int32_t source = 0, sink = s->seeds.seed_of_node[node] == c->seed ? 0 : sink_link(w, &s->seeds, c->seed, node);
   for (int32_t arc = first_arc[node]; arc < first_arc[node + 1]; ++arc) {
@@ -223,7 +222,6 @@ static bool at_foot(const view *w, const int32_t *label, int32_t node) {
 static void split_off_ground(const view *w, const vista_camera *camera, vista_segmentation *s) {
   const vista_foveation *const f = w->foveation;
   float *const carried_px = s->carried_px;
-  const vista_plane plane = {w->surfaces->ground_px, w->surfaces->ground_slope_u, w->surfaces->ground_slope_v};
   int32_t count = 0;
   for (int32_t i = 0; i < f->node_count; ++i) {
     if (s->label[i] >= 0 && w->surfaces->horizontal[i] && !at_foot(w, s->label, i)) s->label[i] = VISTA_NO_LABEL;
@@ -242,7 +240,8 @@ static void split_off_ground(const view *w, const vista_camera *camera, vista_se
   }
   for (int32_t i = 0; i < f->node_count; ++i) {
     if (s->label[i] < 0 || w->cells->disparity_px[i] >= 0.0f) continue;
-    const double ground = vista_plane_disparity_px(&plane, camera, (double)f->center_u[i], (double)f->center_v[i]);
+    const double ground =
+        vista_plane_disparity_px(&w->surfaces->ground, camera, (double)f->center_u[i], (double)f->center_v[i]);
     const bool cut_off = carried_px[i] < 0.0f; /* by ground that has left */
     if (cut_off || ground > (double)carried_px[i] + fmax(FOOT_PX, FOOT_SHARE * ground)) s->label[i] = VISTA_NO_LABEL;
   }

@@ -13,7 +13,8 @@
 #define ACROSS_SIGMAS 4.0
 #define ACROSS_SLOPE_MIN 0.1 /* centres of regions drift by less */
 #define FOOT_HITS 2.5    /* fewer that tell of their foot say nothing */
-#define FOOT_ERROR 0.04  /* of the share: of the plane of the ground, and of where the region ends */
+#define FOOT_LOWEST (-0.1) /* of the share: what ends deeper beneath the ground stands on other ground, or is wrong */
+#define FOOT_ERROR 0.04  /* of the share: the plane of the ground and the end of the region are known so well */
 #define MOVES_SIGMAS 3.0
 #define FADE_HITS 100.0      /* while hovering: errors that stay must not add up to certainty */
 
@@ -49,8 +50,10 @@ static void accumulate(const vista_world_hit *hit, vista_static_world *w) {
   }
   const double s = vista_dot(w->along, c), y = vista_dot(w->along, p);
   const double weight = 1.0 / vista_square(hit->along_sigma_m), across = 1.0 / vista_square(hit->across_sigma_m);
-  w->foot_count += hit->foot_seen;
-  w->foot_share += hit->foot_seen ? hit->foot_share : 0.0;
+  if (hit->foot_seen && hit->foot_share > FOOT_LOWEST) {
+    w->foot_count += 1.0;
+    w->foot_share += hit->foot_share;
+  }
   w->hits += 1;
   w->travel_m = s;
   w->count += 1.0;
@@ -150,4 +153,17 @@ void vista_static_world_add(const vista_tracker_params *params, const vista_worl
   fade(params, travel_m - world->travel_m, world);
   accumulate(hit, world);
   judge(params, world);
+}
+
+bool vista_static_world_silent(const vista_tracker_params *params, const vista_static_world *world, int64_t t_ns) {
+  const double time_s = vista_seconds_between(world->start_t_ns, t_ns);
+  return fabs(world->travel_m) <= params->static_speed_min_m_s * time_s;
+}
+
+void vista_static_world_decide(const vista_static_world *world, bool silent, int32_t hits, int32_t needed,
+                               bool *confirmed, bool *credible) {
+  const bool open = world->verdict == VISTA_WORLD_OPEN, refuted = world->verdict == VISTA_WORLD_REFUTED;
+  const bool supported = open ? silent : !refuted;
+  *confirmed = *confirmed || hits >= needed + (open && !silent ? 1 : 0);
+  *credible = *confirmed && !refuted && (*credible || supported);
 }

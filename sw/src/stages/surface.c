@@ -33,8 +33,8 @@ double vista_plane_inclination_deg(const vista_camera *camera, const double up_c
 /* Cells on the ground's plane are ground whatever their own inclination, which noise and the edges of things upset;
  * what is well above it stands: the top of a thing may lean, but it is no surface to fly along. */
 static void compare_with_ground(const vista_foveation *f, const vista_surface_params *params,
-                                const vista_camera *camera, const vista_cells *cells, const vista_plane *plane,
-                                vista_surfaces *surfaces) {
+                                const vista_camera *camera, const vista_cells *cells, vista_surfaces *surfaces) {
+  const vista_plane *const plane = &surfaces->ground;
   for (int32_t i = 0; i < f->node_count; ++i) {
     const double d = (double)cells->disparity_px[i];
     if (d <= 0.0) continue;
@@ -62,13 +62,9 @@ vista_status vista_surfaces_compute(const vista_foveation *foveation, const vist
                             surfaces->inclination_deg);
   vista_inclination_vote(surfaces->inclination, f, params->horizontal_deg, surfaces->inclination_deg,
                          surfaces->horizontal);
-  vista_plane ground = {0};
+  surfaces->ground = (vista_plane){0};
   surfaces->ground_found = vista_find_ground_plane(f, params, camera, up_camera, cells, surfaces->inclination_deg,
-                                                   surfaces->candidates, &ground);
-  if (!surfaces->ground_found) return VISTA_OK;
-  surfaces->ground_px = ground.offset;
-  surfaces->ground_slope_u = ground.slope_u;
-  surfaces->ground_slope_v = ground.slope_v;
-  compare_with_ground(f, params, camera, cells, &ground, surfaces);
+                                                   surfaces->candidates, &surfaces->ground);
+  if (surfaces->ground_found) compare_with_ground(f, params, camera, cells, surfaces);
   return VISTA_OK;
 }

@@ -15,6 +15,7 @@
 #include <stdbool.h>
 
 #include "common/arena.h"
+#include "common/plane_fit.h"
 #include "stages/foveation.h"
 #include "vista/parameters.h"
 #include "vista/status.h"
@@ -28,8 +29,7 @@ typedef struct vista_surfaces {
   int32_t *candidates;    /* scratch, node_count */
   vista_inclination *inclination; /* scratch */
   bool ground_found;      /* there is a plane below that enough cells lie on: the ground, */
-  double ground_px;       /* its disparity at the principal point */
-  double ground_slope_u, ground_slope_v; /* and gradient, px per px */
+  vista_plane ground;     /* its disparity, in pixels from the principal point */
 } vista_surfaces;
 
 vista_status vista_surfaces_layout(vista_surfaces *surfaces, vista_arena *arena, const vista_foveation *foveation);

@@ -103,13 +103,9 @@ static bool at_anchor(const vista_terrain *t, const vista_terrain_plane *plane, 
 
 static void judge(const frame *f, vista_terrain *t) {
   const vista_tracker_params *const p = &f->params->tracker;
-  const vista_static_world *const w = &t->world;
-  const double time_s = vista_seconds_between(w->start_t_ns, f->t_ns);
-  const bool silent = w->hits > 1 && fabs(w->travel_m) <= p->static_speed_min_m_s * time_s;
-  const bool open = w->verdict == VISTA_WORLD_OPEN && !silent, refuted = w->verdict == VISTA_WORLD_REFUTED;
-  const bool supported = w->verdict == VISTA_WORLD_OPEN ? silent : !refuted;
-  t->confirmed = t->confirmed || vista_window_count(t->window, p->confirm_window) >= p->confirm_hits + (open ? 1 : 0);
-  t->credible = t->confirmed && !refuted && (t->credible || supported);
+  const bool silent = t->world.hits > 1 && vista_static_world_silent(p, &t->world, f->t_ns);
+  vista_static_world_decide(&t->world, silent, vista_window_count(t->window, p->confirm_window), p->confirm_hits,
+                            &t->confirmed, &t->credible);
 }
 
 /* Whether the place stays where it is, as the path of each frame meets the surface. */
@@ -173,10 +169,8 @@ static bool can_be_matched(const frame *f, const double point_m[3]) {
   if (!(point_m[2] > 0.0)) return false;
   double seen_px[3];
   vista_frame_measure(f->camera, point_m, seen_px, NULL);
-  const vista_margins margins = vista_matched_margins(f->matched, seen_px[2]);
-  return seen_px[2] <= f->matched->disparity_max_px && seen_px[0] >= margins.left_px &&
-         seen_px[0] < f->camera->width_px - margins.other_px && seen_px[1] >= margins.other_px &&
-         seen_px[1] < f->camera->height_px - margins.other_px;
+  return seen_px[2] <= f->matched->disparity_max_px &&
+         vista_matched_holds(f->matched, f->camera, seen_px[0], seen_px[1], seen_px[2]);
 }
 
 /* No such surface was found in this frame. It may still be seen, or be where nothing can be seen. */

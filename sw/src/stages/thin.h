@@ -5,8 +5,7 @@
  *   the image   straight thin lines, both of whose sides are brighter, or darker (parts/straight_lines.h);
  *   the words   where the block holds little else, words on the line that are nearer than those beside it, to both
  *               sides, farther away than the block reaches. They lie on one straight line in (u, v, disparity), found
- * by
- *               proposals (RANSAC): texture that is matched by chance does not.
+ *               by proposals (RANSAC): texture that is matched by chance does not.
  * A line whose sides are as near as itself is on a surface, and no thing of its own. One that lies on the plane of the
  * ground is a marking or a shadow.
  *

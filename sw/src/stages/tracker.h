@@ -21,23 +21,21 @@
  *            travel tells nothing (a still camera, hovering) once confirmed.
  * Followed   a credible track without a detection whose face shows words, most of them of its own disparity, is seen:
  *            what is near falls into several regions. Their mean corrects its range. For follow_s after its last
- * detection, or
- *            while it may be in the way until it is passed: then no region having it tells against it.
+ *            detection, or while it may be in the way until it is passed: then no region having it tells against it.
  * Held       a credible track whose face shows too few words is not blamed for hold_s: a frame without light, a part
  *            without texture. Any track is not, until own travel has moved its disparity by hold_px: half way between
- * two
- *            whole disparities the engine may find nothing of it. One that was told by its outline alone never shows
- * words: it coasts as in the blind zone. Released   words of something else, behind it or before it, are misses. Unseen
- * nearer than the engine matches (the blind zone), a track is not blamed for a miss: it coasts until it is
+ *            two whole disparities the engine may find nothing of it. One that was told by its outline alone never
+ *            shows words: it coasts as in the blind zone.
+ * Released   words of something else, behind it or before it, are misses.
+ * Unseen     nearer than the engine matches (the blind zone), a track is not blamed for a miss: it coasts until it is
  *            behind the camera or for blind_zone_s. Outside the matched part of the image, too, if it may be in the
- * way;
- *            else for out_of_view_s: what passes beside the path is of no more use.
+ *            way; else for out_of_view_s: what passes beside the path is of no more use.
  *            May be in the way: in the collision volume in one of its last three hits, and credible.
  * Duplicates two confirmed tracks, each centred within the other: the older id stays.
  * Parts      a detection, or a tentative track, that stands above or below a confirmed one that is seen, at its depth
  *            and of about its width (a trunk and its crown), is a part of that: it adds to what is in the volume, and
- * has no id. Overflow   with the table full, the least certain tentative track (fewest hits, then largest position
- * variance)
+ *            has no id.
+ * Overflow   with the table full, the least certain tentative track (fewest hits, then largest position variance)
  *            makes room for a more certain newborn; else the newborn is dropped. Either is counted. */
 #ifndef VISTA_TRACKER_H
 #define VISTA_TRACKER_H
@@ -88,8 +86,8 @@ typedef struct vista_track {
   double covariance[36];  /* of (position, velocity), row-major, symmetric; m^2, m^2/s, m^2/s^2 */
   double extent_m[2];     /* width, height */
   double extent_variance[2]; /* of the natural logarithm of extent_m */
-  double scatter_px2
-      [3]; /* mean square of what the last VISTA_SCATTER_HITS detections differed by from the prediction; u, v, d */
+  /* Of the last VISTA_SCATTER_HITS detections; u, v, d: */
+  double scatter_px2[3]; /* mean square of what they differed by from the prediction */
   double lasting_px2[3]; /* mean product of two such differences in a row: what lasts in them */
   double off_px[3];      /* the last one */
   double expected_px2[3]; /* what the noise of the detections and of the prediction would have the scatter be */

@@ -5,7 +5,7 @@
  *
  * - Cluster: words that hang together (4 neighbours, a pixel apart at most) and cover fewer than cluster_px pixels are
  *   dropped, on every level. Chance matches are small; the pattern of the cost hardly ever repeats over a whole
- * surface.
+ *   surface.
  *   What is far is small in pixels, too: a cluster that covers cluster_m2 at its distance stays from cluster_far_px on.
  *   Words first spread by gap_px into the gaps of their row: what is left of a thin thing, a post or the trunk of a
  *   tree, are small pieces that agree with each other.

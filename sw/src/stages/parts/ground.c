@@ -23,7 +23,7 @@ double vista_standing_fraction(const vista_foveation *foveation, const vista_cam
       }
     }
   }
-  vista_plane plane = {surfaces->ground_px, surfaces->ground_slope_u, surfaces->ground_slope_v};
+  vista_plane plane = surfaces->ground;
   if (fit.weight < GROUND_MIN_CELLS || !vista_plane_fit_solve(&fit, &plane)) {
     if (!surfaces->ground_found) return 1.0;
   } else if (!(vista_plane_inclination_deg(camera, up_camera, camera->center_u_px, camera->center_v_px, plane.offset,

@@ -195,13 +195,13 @@ static void set_ends(const reading *r, const vista_ridge *ridge, const vista_lin
   found->last_v_px = extended(r, ridge, last, 1, share);
 }
 
-/* As of a region (region.h): a line that ends beneath the ground is not on this ground, or ends elsewhere. */
+/* As of a region (region.h). */
 static void find_foot(const vista_thin_view *view, const vista_camera *camera, vista_thin_line *found) {
-  if (!view->ground_found) return;
-  const double v = found->last_v_px,
-               ground_px = vista_plane_disparity_px(&view->ground, camera, vista_thin_u_px(found, v), v);
-  found->foot_share = 1.0 - ground_px / vista_thin_disparity_px(found, v);
-  found->foot_seen = found->foot_share > VISTA_FOOT_SHARE_MIN;
+  const double v = found->last_v_px;
+  found->foot_seen = view->ground_found;
+  if (found->foot_seen)
+    found->foot_share =
+        vista_plane_share_above(&view->ground, camera, vista_thin_u_px(found, v), v, vista_thin_disparity_px(found, v));
 }
 
 bool vista_line_depth(const vista_thin_params *params, const vista_camera *camera, const vista_thin_view *view,

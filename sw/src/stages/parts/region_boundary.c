@@ -7,7 +7,6 @@
 #include "common/wide_vectors.h"
 #include "common/word_blocks.h"
 
-#define ALL_WORDS (UINT16_MAX + 1) /* with the negative ones */
 #define PLANE_MIN_CELLS 6     /* fewer do not tell a slope from noise */
 #define MAX_TOLERANCE_PX 32.0 /* keeps the sums of squares of one run inside 32 bits */
 
@@ -69,13 +68,13 @@ static vista_word_range count_boundary(const vista_region_view *w, vista_region 
     if (end > m) {
       const int32_t count = first_pixel[members[end - 1] + 1] - first;
       region->boundary_pixels += count;
-      add_words(w->cells->words + first, count, w->bins, w->bins + ALL_WORDS);
+      add_words(w->cells->words + first, count, w->bins, w->bins + VISTA_ALL_WORDS);
     } else {
       region->boundary_pixels += w->boundary[members[m]] ? first_pixel[members[m] + 1] - first : 0;
       ++end;
     }
   }
-  add_bins(found.least, found.most, w->bins, w->bins + ALL_WORDS);
+  add_bins(found.least, found.most, w->bins, w->bins + VISTA_ALL_WORDS);
   region->boundary_valid += found.valid;
   return found;
 }
@@ -197,17 +196,6 @@ static inline void add_block(const int16_t *restrict words, int32_t length, int3
   }
 }
 
-/* Whether no word of a cell is near the plane: from their range and the plane's over the cell, with a margin for rounding. */
-static inline bool off_plane(const vista_region_view *w, const vista_plane *plane, int32_t node) {
-  const vista_foveation *const f = w->foveation;
-  const vista_word_range range = w->cells->range[node];
-  const double unit = 1.0 / VISTA_DISPARITY_SCALE;
-  const double at = vista_plane_at(plane, (double)f->center_u[node], (double)f->center_v[node]);
-  const double off =
-      w->tolerance_px + 2.0 * unit + (fabs(plane->slope_u) + fabs(plane->slope_v)) * ((double)f->size_px[node] + 2.0);
-  return range.valid == 0 || range.most * unit < at - off || range.least * unit > at + off;
-}
-
 /* Residuals from the plane in whole engine words: integers, so that the loop is vectorised. */
 VISTA_WIDE_VECTORS static inliers boundary_inliers(const vista_region_view *w, const vista_plane *plane) {
   totals all = {0};
@@ -217,7 +205,7 @@ VISTA_WIDE_VECTORS static inliers boundary_inliers(const vista_region_view *w, c
   const bool judged = fabs(plane->slope_u) < SLOPE_MAX;
   for (int32_t m = 0; m < w->member_count; ++m) {
     const int32_t node = w->members[m];
-    if (!w->boundary[node] || (judged && off_plane(w, plane, node))) continue;
+    if (!w->boundary[node] || (judged && vista_cell_off_plane(w, plane, w->tolerance_px, node))) continue;
     const int16_t *words = w->cells->words + w->foveation->first_pixel[node];
     for (int32_t r = w->foveation->first_run[node]; r < w->foveation->first_run[node + 1]; ++r) {
       const vista_run run = w->foveation->runs[r];

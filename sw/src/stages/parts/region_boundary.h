@@ -2,6 +2,7 @@
 #ifndef VISTA_SRC_REGION_BOUNDARY_H
 #define VISTA_SRC_REGION_BOUNDARY_H
 
+#include <math.h>
 #include <stdbool.h>
 #include <stdint.h>
 
@@ -12,7 +13,8 @@
 #include "vista/parameters.h"
 #include "vista/types.h"
 
-#define VISTA_WORD_BINS (INT16_MAX + 1) /* one a word: those of coarser levels reach that far */
+#define VISTA_WORD_BINS (INT16_MAX + 1) /* one a valid word: those of coarser levels reach that far */
+#define VISTA_ALL_WORDS (UINT16_MAX + 1) /* with the negative ones, which are invalid */
 
 /* What the statistics of one region read. */
 typedef struct vista_region_view {
@@ -24,7 +26,7 @@ typedef struct vista_region_view {
   const int32_t *region_of_listed; /* a pixel of the mixed nodes, as the foveation lists them */
   const uint8_t *boundary; /* a node */
   const uint8_t *mixed;    /* a node: some of its pixels may be another region's */
-  uint32_t *bins;          /* twice as many as there are words; those of valid ones are zero between calls */
+  uint32_t *bins;          /* 2 VISTA_ALL_WORDS; those of valid words are zero between calls */
   uint8_t *own;            /* scratch, a member: which of its pixels are the region's own */
   int16_t *pixels;         /* scratch: as many as the image has, and VISTA_WORD_BLOCK more */
   const int32_t *members;
@@ -34,6 +36,18 @@ typedef struct vista_region_view {
 
 static inline double vista_plane_at(const vista_plane *plane, double u_px, double v_px) {
   return plane->offset + plane->slope_u * u_px + plane->slope_v * v_px;
+}
+
+/* Whether no word of a cell is within the tolerance of a plane, told without looking at each: from the range of the
+ * words and that of the plane over the cell, with a margin for rounding. False may mean that none is, all the same. */
+static inline bool vista_cell_off_plane(const vista_region_view *view, const vista_plane *plane, double tolerance_px,
+                                        int32_t node) {
+  const vista_foveation *const f = view->foveation;
+  const vista_word_range range = view->cells->range[node];
+  const double unit = 1.0 / VISTA_DISPARITY_SCALE, around_px = (double)f->size_px[node] + 2.0;
+  const double at = vista_plane_at(plane, (double)f->center_u[node], (double)f->center_v[node]);
+  const double off = tolerance_px + 2.0 * unit + (fabs(plane->slope_u) + fabs(plane->slope_v)) * around_px;
+  return range.valid == 0 || range.most * unit < at - off || range.least * unit > at + off;
 }
 
 /* How far a disparity may be off the surface of a region at disparity_px: by noise or by relief. */

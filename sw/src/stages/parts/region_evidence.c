@@ -3,7 +3,6 @@
 #include <math.h>
 
 #include "common/depth.h"
-#include "common/numbers.h"
 #include "common/wide_vectors.h"
 #include "common/word_blocks.h"
 #include "stages/parts/ground.h"
@@ -22,12 +21,11 @@ typedef struct word_counts {
 } word_counts;
 
 static heights heights_above(const vista_surfaces *surfaces, const vista_camera *camera, double low_m, double top_m) {
-  const double n[3] = {surfaces->ground_slope_u, surfaces->ground_slope_v, surfaces->ground_px / camera->focal_px};
-  const double per_m = vista_norm(n) / camera->baseline_m;
-  const vista_plane ground = {surfaces->ground_px, surfaces->ground_slope_u, surfaces->ground_slope_v};
-  return (heights){.offset_words = (float)(vista_plane_disparity_px(&ground, camera, 0.0, 0.0) * VISTA_DISPARITY_SCALE),
-                   .slope_u_words = (float)(surfaces->ground_slope_u * VISTA_DISPARITY_SCALE),
-                   .slope_v_words = (float)(surfaces->ground_slope_v * VISTA_DISPARITY_SCALE),
+  const vista_plane *const ground = &surfaces->ground;
+  const double per_m = vista_plane_share_per_m(ground, camera);
+  return (heights){.offset_words = (float)(vista_plane_disparity_px(ground, camera, 0.0, 0.0) * VISTA_DISPARITY_SCALE),
+                   .slope_u_words = (float)(ground->slope_u * VISTA_DISPARITY_SCALE),
+                   .slope_v_words = (float)(ground->slope_v * VISTA_DISPARITY_SCALE),
                    .low = (float)(1.0 - low_m * per_m),
                    .top = (float)(1.0 - top_m * per_m)};
 }

@@ -66,8 +66,7 @@ static double share(uint32_t bins) { return (double)vista_window_count(bins, SID
 
 static double above_ground_m(const vista_surfaces *s, const vista_camera *camera, double u_px, double v_px,
                              double disparity_px) {
-  const vista_plane ground = {s->ground_px, s->ground_slope_u, s->ground_slope_v};
-  return vista_plane_height_m(&ground, camera, u_px, v_px, disparity_px);
+  return vista_plane_height_m(&s->ground, camera, u_px, v_px, disparity_px);
 }
 
 static bool upright(const crossing *at) { return at->side == SIDE_LEFT || at->side == SIDE_RIGHT; }

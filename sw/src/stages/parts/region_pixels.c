@@ -141,27 +141,13 @@ static inline void keep_on_surface(const target *t, const int16_t *words, double
 /* Which of a cell's pixels are its region's own. */
 enum { NO_PIXEL, ALL_PIXELS, SOME_PIXELS };
 
-/* Whether all words of a cell are off the surface: from their range and the surface's over the cell, with a margin for
- * rounding. */
-static inline bool off_surface(const vista_region_view *w, const target *t, int32_t node) {
-  const vista_foveation *const f = w->foveation;
-  const vista_word_range range = w->cells->range[node];
-  if (range.valid == 0) return true;
-  if (t->facing) return range.most < t->least || range.least > t->most;
-  const double slope_u = t->plane->slope_u, slope_v = t->plane->slope_v;
-  const double at = t->plane->offset + slope_u * (double)f->center_u[node] + slope_v * (double)f->center_v[node];
-  const double off = t->tolerance_px + (fabs(slope_u) + fabs(slope_v)) * ((double)f->size_px[node] + 2.0) + 0.01;
-  return range.most * (1.0 / VISTA_DISPARITY_SCALE) < at - off ||
-         range.least * (1.0 / VISTA_DISPARITY_SCALE) > at + off;
-}
-
 /* Of a cell that has a disparity, when nothing tells but its words. Cells of a pixel's size are looked at faster than
  * judged. */
 static inline uint8_t foresee(const vista_region_view *w, const target *t, int32_t node) {
   if (node <= w->foveation->point_count) return SOME_PIXELS;
   const bool mixed = w->mixed[node] != 0;
   if (w->cells->disparity_px[node] < 0.0f) return mixed ? SOME_PIXELS : ALL_PIXELS;
-  if (off_surface(w, t, node)) return NO_PIXEL;
+  if (vista_cell_off_plane(w, t->plane, t->tolerance_px, node)) return NO_PIXEL;
   const vista_word_range range = w->cells->range[node];
   const bool all = !mixed && t->facing && range.valid == w->foveation->pixel_count[node] && range.least >= t->least &&
                    range.most <= t->most;

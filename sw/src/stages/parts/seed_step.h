@@ -18,12 +18,9 @@ static inline bool vista_standing(const vista_cells *cells, const vista_surfaces
   return cells->disparity_px[node] > 0.0f && !surfaces->horizontal[node];
 }
 
-/* Largest disparity step inside a seed between cells distance_px apart, the nearer one at disparity_px. */
-float vista_seed_step_px(const vista_segmentation_params *params, const vista_camera *camera, float distance_px,
-                         float disparity_px);
-
-/* Whether a difference in disparity is no step: at most `multiple` times vista_seed_step_px. In most cases the first
- * term tells. */
+/* Whether step_px, the difference in disparity of two cells distance_px apart of which the nearer one is at
+ * disparity_px, is no step: at most `multiple` times what a seed may step by, in pixels or in metres of depth. In most
+ * cases the first term tells. */
 static inline bool vista_seed_is_smooth(const vista_segmentation_params *params, const vista_camera *camera,
                                         float distance_px, float disparity_px, float multiple, float step_px) {
   const float flat_px = (float)params->seed_step_px + (float)params->seed_step_slope * distance_px;

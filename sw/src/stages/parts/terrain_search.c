@@ -16,9 +16,8 @@
 #define MIN_CELLS 12
 #define SEEN_MIN_PX2 60.0  /* half a matching block: less is no surface */
 #define SEEN_SHARE 0.25    /* of where it would be seen, has to have words */
-#define SEEN_AROUND \
-  0.08   /* of the contact's range, before it and behind it: the part of the ground that is looked at .. */
-#define SEEN_AROUND_M 1.2  /* .. or this */
+#define SEEN_AROUND 0.08   /* of the contact's range, before it and behind it, is looked at on the ground, or */
+#define SEEN_AROUND_M 1.2  /* this, if it is more */
 #define SEEN_BESIDE 1.25   /* radii from the path, likewise */
 #define TOLERANCE_PX 1.0
 #define TOLERANCE_SHARE 0.04

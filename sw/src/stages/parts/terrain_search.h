@@ -21,8 +21,8 @@ typedef struct vista_terrain_volume {
   double radius_m, clearance_share;
 } vista_terrain_volume;
 
-/* A plane of the world or the camera: normal . P = offset_m, the normal of unit length pointing away from the camera.
- * */
+/* A plane of the world or the camera: normal . P = offset_m, the normal of unit length pointing away
+ * from the camera. */
 typedef struct vista_terrain_plane {
   double normal[3], offset_m;
 } vista_terrain_plane;

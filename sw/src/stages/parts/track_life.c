@@ -29,16 +29,11 @@ bool vista_track_look(const vista_track_frame *f, vista_track *track, vista_trac
   vista_frame_to_camera(f->pose, track->position_m, camera_m);
   if (!isfinite(camera_m[0] + camera_m[1] + camera_m[2]) || camera_m[2] <= DEPTH_PASSED_M) return false;
   vista_track_filter_view(f->params, f->camera, f->pose, vista_seconds_between(track->hit_t_ns, f->t_ns), track, view);
-  const double u = view->measurement_px[0];
-  const double v = view->measurement_px[1];
-  const double d = view->measurement_px[2];
-  const vista_margins margins = vista_matched_margins(f->matched, d);
-  const double margin = margins.other_px;
-  track->in_view = u >= margins.left_px && u <= f->camera->width_px - 1 - margin && v >= margin &&
-                   v <= f->camera->height_px - 1 - margin;
+  const double *const at_px = view->measurement_px;
+  track->in_view = vista_matched_holds(f->matched, f->camera, at_px[0], at_px[1], at_px[2]);
   /* A sigma of doubt counts as blind: no track is blamed where the engine might not match. What left the image
    * before it came near is not blind, it is out of view. */
-  const bool near = d + sqrt(view->covariance_px2[8]) > f->matched->disparity_max_px;
+  const bool near = at_px[2] + sqrt(view->covariance_px2[8]) > f->matched->disparity_max_px;
   track->in_blind_zone = near && (track->in_view || track->in_blind_zone);
   return true;
 }
@@ -60,14 +55,9 @@ static vista_world_hit world_hit(const vista_track_frame *f, const vista_detecti
 }
 
 void vista_track_judge(const vista_track_frame *f, vista_track *track) {
-  const vista_static_world *const w = &track->world;
-  const double time_s = vista_seconds_between(w->start_t_ns, f->t_ns);
-  const bool silent = fabs(w->travel_m) <= f->params->static_speed_min_m_s * time_s;
-  const bool supported = w->verdict == VISTA_WORLD_OPEN ? silent : w->verdict != VISTA_WORLD_REFUTED;
-  const bool open = w->verdict == VISTA_WORLD_OPEN && !silent;
-  const int32_t needed = hits_needed(f->params, track) + (open ? 1 : 0);
-  track->confirmed = track->confirmed || hits_in_window(f->params, track) >= needed;
-  track->credible = track->confirmed && w->verdict != VISTA_WORLD_REFUTED && (track->credible || supported);
+  vista_static_world_decide(&track->world, vista_static_world_silent(f->params, &track->world, f->t_ns),
+                            hits_in_window(f->params, track), hits_needed(f->params, track), &track->confirmed,
+                            &track->credible);
 }
 
 static void hit(const vista_track_frame *f, const vista_detection *detection, vista_track *track) {
