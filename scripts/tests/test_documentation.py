@@ -120,12 +120,14 @@ def test_tables_are_those_of_the_figures() -> None:
 def test_a_changed_figure_changes_its_table(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     figures = make_tables.figures("engine")
     figures["engine"]["headline"]["ms"]["avx2"]["median"] = 77.77
+    figures["measured"]["commit"] = "0123abc"
     shutil.copytree(make_tables.DATA, tmp_path, dirs_exist_ok=True)
     (tmp_path / "engine.json").write_text(json.dumps(figures))
     page = (ROOT / "doc" / "results" / "engine.md").read_text()
     monkeypatch.setattr(make_tables, "DATA", tmp_path)
-    assert "77.77" not in page
-    assert "77.77" in make_tables.with_tables(page)
+    assert "77.77" not in page and "0123abc" not in page
+    made = make_tables.with_tables(page)
+    assert "77.77" in made and made.count("*Measured at commit 0123abc, ") == 2
 
 
 def test_figures_that_are_saved_for_the_first_time_have_their_tables(
