@@ -569,9 +569,9 @@ def jobs_limits_table() -> str:
 
 
 def worlds_table(split: str, name: str) -> str:
-    """One of the tables that `vista worlds` prints."""
+    """One of the tables that `vista worlds` prints, with its legend."""
     (table,) = (one for one in figures(f"worlds-{split}")["tables"] if one["name"] == name)
-    return markdown(" | ".join(table["heads"]), table["rows"])
+    return f"{markdown(' | '.join(table['heads']), table['rows'])}\n\nIn the columns are: {table['legend']}."
 
 
 def worlds_tables() -> Iterator[tuple[str, str]]:
@@ -618,7 +618,7 @@ TABLES: dict[str, dict[str, Callable[[], str]]] = {  # by the figures that they 
 def all_tables() -> dict[str, Callable[[], str]]:
     """With those of sampled worlds, of which there are as many as were measured up to now. Below each stands
     when its figures were measured."""
-    made = {
+    made: dict[str, Callable[[], str]] = {
         name: partial(with_origin, source, table)
         for source, tables in TABLES.items()
         for name, table in tables.items()
