@@ -437,13 +437,13 @@ def synthesis_table() -> str:
 def blocks_table() -> str:
     """The blocks before the core."""
     rows = []
-    for b in figures("synthesis")["blocks"]["list"]:
+    blocks = figures("synthesis")["blocks"]
+    for b in blocks["list"]:
         counts = [f"{b[key]:,}" for key in ("lut4", "sites", "ff", "block_ram", "multipliers")]
         name = [f"`{b['block']}`", str(b["max_width_px"]), b["device"], str(b["speed_grade"])]
         rows.append([*name, *counts, clock(b)])
-    return markdown(
-        "block | width | device | speed | LUT4 | sites | flip-flops | block RAMs | multipliers | MHz", rows
-    )
+    head = "block | width | device | speed | LUT4 | sites | flip-flops | block RAMs | multipliers | MHz"
+    return f"{markdown(head, rows)}\n\n*{origin(blocks['measured'])}.*"
 
 
 def clock(build: Record) -> str:
@@ -469,9 +469,12 @@ def coverage_table() -> str:
 
 def mutants_table() -> str:
     found = figures("verification")
+    front_end = found["front_end"]
     rows = [[f"the flattened core, seed {found['mutation']['seed']}", *caught(found["mutation"])]]
-    rows += [[one["modules"], *caught(one)] for one in [*found["front_end"], *found["hand_made"]]]
-    return markdown("mutants of | planted | caught", rows)
+    rows += [[one["modules"], *caught(one)] for one in [*front_end["list"], *found["hand_made"]]]
+    text = f"*{origin(found['measured'])}; smoothing and pyramid at {front_end['measured']['commit']}, "
+    text += f"{front_end['measured']['date']}.*"
+    return f"{markdown('mutants of | planted | caught', rows)}\n\n{text}"
 
 
 def caught(mutants: Record) -> list[str]:
@@ -487,7 +490,8 @@ def system_model_table() -> str:
 
 
 def headline_table() -> str:
-    """The few figures that the front page states, each with the command that gives it."""
+    """The few figures that the front page states, each with the command that gives it and the commit at which
+    it did."""
     engine, build = figures("engine")["engine"], figures("synthesis")["builds"][0]
     headline, isa = engine["headline"], engine["isa"]
     host = {name: one["stages"]["host"]["median_ms"] for name, one in figures("host")["sequences"].items()}
@@ -521,9 +525,11 @@ def headline_table() -> str:
             "lidar",
         ],
     ]
-    commands = [f"`{figures(name)['measured']['command']}`" for *_, name in rows]
-    table = [[what, measured, command] for (what, measured, _), command in zip(rows, commands, strict=True)]
-    return markdown("what | measured | command", table)
+    table = []
+    for what, found, name in rows:
+        measured = figures(name)["measured"]
+        table.append([what, found, f"`{measured['command']}`", measured["commit"]])
+    return markdown("what | measured | command | at commit", table)
 
 
 def sources_table() -> str:
@@ -563,9 +569,9 @@ def jobs_limits_table() -> str:
 
 
 def worlds_table(split: str, name: str) -> str:
-    """One of the tables that `vista worlds` prints."""
+    """One of the tables that `vista worlds` prints, with its legend."""
     (table,) = (one for one in figures(f"worlds-{split}")["tables"] if one["name"] == name)
-    return markdown(" | ".join(table["heads"]), table["rows"])
+    return f"{markdown(' | '.join(table['heads']), table['rows'])}\n\nIn the columns are: {table['legend']}."
 
 
 def worlds_tables() -> Iterator[tuple[str, str]]:
@@ -575,44 +581,60 @@ def worlds_tables() -> Iterator[tuple[str, str]]:
             yield from ((split, table["name"]) for table in figures(f"worlds-{split}")["tables"])
 
 
-TABLES: dict[str, Callable[[], str]] = {
-    "headline": headline_table,
-    "sources": sources_table,
-    "engine": engine_table,
-    "engine-sizes": engine_sizes_table,
-    "frontend": frontend_table,
-    "disparity-quality": disparity_quality_table,
-    "lidar": lidar_table,
-    "evidence": evidence_table,
-    "host": host_table,
-    "stages": stages_table,
-    "maxflow": maxflow_table,
-    "jobs": jobs_table,
-    "jobs-limits": jobs_limits_table,
-    "street": street_table,
-    "segmentation-dev": lambda: segmentation_table("dev"),
-    "segmentation-test": lambda: segmentation_table("test"),
-    "roads-partitions": partial(roads_table, ROADS_OF_PARTITIONS),
-    "roads-detection": partial(roads_table, ROADS_OF_DETECTION),
-    "scenes": scenes_table,
-    "flights-dev": lambda: flights_table("dev"),
-    "flights-test": lambda: flights_table("test"),
-    "throughput": throughput_table,
-    "rectification": rectification_table,
-    "rectification-grid": rectification_grid_table,
-    "health": health_table,
-    "synthesis": synthesis_table,
-    "blocks": blocks_table,
-    "coverage": coverage_table,
-    "mutants": mutants_table,
-    "system-model": system_model_table,
+TABLES: dict[str, dict[str, Callable[[], str]]] = {  # by the figures that they state
+    "": {  # of several, or measured in parts: these say themselves when
+        "headline": headline_table,
+        "sources": sources_table,
+        "blocks": blocks_table,
+        "mutants": mutants_table,
+    },
+    "engine": {"engine": engine_table, "engine-sizes": engine_sizes_table},
+    "frontend": {"frontend": frontend_table},
+    "disparity-quality": {"disparity-quality": disparity_quality_table},
+    "lidar": {"lidar": lidar_table},
+    "evidence": {"evidence": evidence_table},
+    "host": {"host": host_table, "stages": stages_table},
+    "maxflow": {"maxflow": maxflow_table},
+    "jobs": {"jobs": jobs_table, "jobs-limits": jobs_limits_table},
+    "street": {"street": street_table},
+    "segmentation": {
+        f"segmentation-{split}": partial(segmentation_table, split) for split in ("dev", "test")
+    },
+    "segmentation-roads": {
+        "roads-partitions": partial(roads_table, ROADS_OF_PARTITIONS),
+        "roads-detection": partial(roads_table, ROADS_OF_DETECTION),
+    },
+    "scenes": {"scenes": scenes_table},
+    "flights": {f"flights-{split}": partial(flights_table, split) for split in ("dev", "test")},
+    "throughput": {"throughput": throughput_table},
+    "rectification": {"rectification": rectification_table},
+    "rectification-grid": {"rectification-grid": rectification_grid_table},
+    "health": {"health": health_table},
+    "synthesis": {"synthesis": synthesis_table},
+    "verification": {"coverage": coverage_table, "system-model": system_model_table},
 }
 
 
 def all_tables() -> dict[str, Callable[[], str]]:
-    """With those of sampled worlds, of which there are as many as were measured up to now."""
-    worlds = {f"worlds-{split}-{name}": partial(worlds_table, split, name) for split, name in worlds_tables()}
-    return TABLES | worlds
+    """With those of sampled worlds, of which there are as many as were measured up to now. Below each stands
+    when its figures were measured."""
+    made: dict[str, Callable[[], str]] = {
+        name: partial(with_origin, source, table)
+        for source, tables in TABLES.items()
+        for name, table in tables.items()
+    }
+    for split, name in worlds_tables():
+        source = f"worlds-{split}"
+        made[f"{source}-{name}"] = partial(with_origin, source, partial(worlds_table, split, name))
+    return made
+
+
+def with_origin(source: str, table: Callable[[], str]) -> str:
+    return f"{table()}\n\n*{origin(figures(source)['measured'])}.*" if source else table()
+
+
+def origin(measured: Record) -> str:
+    return f"Measured at commit {measured['commit']}, {measured['date']}"
 
 
 def pages() -> Iterator[Path]:

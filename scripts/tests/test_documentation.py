@@ -6,6 +6,7 @@ import argparse
 import json
 import re
 import shutil
+import subprocess
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -120,12 +121,14 @@ def test_tables_are_those_of_the_figures() -> None:
 def test_a_changed_figure_changes_its_table(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     figures = make_tables.figures("engine")
     figures["engine"]["headline"]["ms"]["avx2"]["median"] = 77.77
+    figures["measured"]["commit"] = "0123abc"
     shutil.copytree(make_tables.DATA, tmp_path, dirs_exist_ok=True)
     (tmp_path / "engine.json").write_text(json.dumps(figures))
     page = (ROOT / "doc" / "results" / "engine.md").read_text()
     monkeypatch.setattr(make_tables, "DATA", tmp_path)
-    assert "77.77" not in page
-    assert "77.77" in make_tables.with_tables(page)
+    assert "77.77" not in page and "0123abc" not in page
+    made = make_tables.with_tables(page)
+    assert "77.77" in made and made.count("*Measured at commit 0123abc, ") == 2
 
 
 def test_figures_that_are_saved_for_the_first_time_have_their_tables(
@@ -134,14 +137,29 @@ def test_figures_that_are_saved_for_the_first_time_have_their_tables(
     data, page, raw = tmp_path / "data", tmp_path / "page.md", tmp_path / "raw.json"
     data.mkdir()
     page.write_text("<!-- table: worlds-test-hits -->\n<!-- end of table -->\n")
-    table = {"name": "hits", "heads": ["family", "hits"], "rows": [["bare", "77 of 88"]]}
+    table = {"name": "hits", "heads": ["family", "hits"], "rows": [["bare", "77 of 88"]], "legend": "hits: h"}
     raw.write_text(json.dumps({"rules": {}, "families": [], "tables": [table]}))
     monkeypatch.setattr(make_tables, "DATA", data)
     monkeypatch.setattr(make_tables, "pages", lambda: [page])
     save = ["--save", f"worlds-test={raw}", "--command", "vista worlds"]
     monkeypatch.setattr(sys, "argv", ["make_tables.py", *save])
     assert make_tables.main() == 0
-    assert "| bare | 77 of 88 |" in page.read_text()
+    assert "| bare | 77 of 88 |\n\nIn the columns are: hits: h." in page.read_text()
+
+
+def test_the_commits_of_figures_are_in_the_history() -> None:
+    """Not those of a branch that was rebased: nobody else has them."""
+    if run_git("rev-parse", "--is-shallow-repository") != "false":
+        pytest.skip("no history here")
+    for path in [*make_tables.DATA.glob("*.json"), make_tables.SYNTHESIS]:
+        for commit in re.findall(r'"commit": "([0-9a-f]+)"', path.read_text()):
+            assert run_git("merge-base", "--is-ancestor", commit, "HEAD") is not None, f"{path}: {commit}"
+
+
+def run_git(*arguments: str) -> str | None:
+    """None: it failed."""
+    done = subprocess.run(["git", *arguments], cwd=ROOT, capture_output=True, text=True)
+    return done.stdout.strip() if done.returncode == 0 else None
 
 
 def test_every_table_is_used() -> None:

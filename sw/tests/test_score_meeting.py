@@ -260,11 +260,18 @@ def test_what_moves_is_met_where_it_will_be(tmp_path: Path) -> None:
 # ---- judged by it ----
 
 
+TOLD_M2 = 4.0  # variance of where the wall is met; that of its middle is 1
+
+
 def fly_at_a_wall(
-    folder: Path, told_m: list[float], extent_m: float = 20.0, nearest: bool = True
+    folder: Path,
+    told_m: list[float],
+    extent_m: float = 20.0,
+    nearest: bool = True,
+    others_m: tuple[float, ...] = (),
 ) -> FlightScore:
     """A wall from 34 m on, 1 m a frame nearer; told of at told_m[k] on the path, 5 m to the left by its
-    middle."""
+    middle. others_m: how much farther than that further warnings are, of obstacles 2, 3 and so on."""
     wall = disk.Surface("wall", disk.plane(START_M + 34.0 * AHEAD, AHEAD))
     poses = disk.straight(len(told_m), START_M, 10.0 * AHEAD)
     disk.write_truth(folder, poses, (wall,))
@@ -272,18 +279,22 @@ def fly_at_a_wall(
     for k, (pose, ahead_m) in enumerate(zip(poses, told_m, strict=True)):
         place_m = pose.translation_m + ahead_m * AHEAD
         middle_m = place_m + (np.array([0.0, 5.0, 0.0]) if nearest else 0.0)
-        warning = fake_obstacle(
-            1,
-            ahead_m,
-            CAMERA,
-            position_m=middle_m,
-            covariance_m2=np.eye(3),
-            extent_m=(extent_m, extent_m),
-            in_collision_volume=True,
+        places_m = [middle_m, *(place_m + farther_m * AHEAD for farther_m in others_m)]
+        warnings = tuple(
+            fake_obstacle(
+                number,
+                ahead_m,
+                CAMERA,
+                position_m=position_m,
+                covariance_m2=np.eye(3),
+                extent_m=(extent_m, extent_m),
+                in_collision_volume=True,
+            )
+            for number, position_m in enumerate(places_m, start=1)
         )
-        told = Nearest(1, place_m, ahead_m, None, np.eye(3)) if nearest else None
+        told = Nearest(1, place_m, ahead_m, None, TOLD_M2 * np.eye(3)) if nearest else None
         times = (k, round(k * 1e9 / disk.RATE_HZ))
-        records.append(FrameRecord(*times, pose, (warning,), told, 1, 0.5, {"host": 1.0}))
+        records.append(FrameRecord(*times, pose, warnings, told, 1, 0.5, {"host": 1.0}))
     return score_records(folder, records, parameters.defaults(), STRICT)
 
 
@@ -301,8 +312,28 @@ def test_a_large_target_has_an_error_and_nees(tmp_path: Path) -> None:
         (target.reference_m - told) @ (target.reference_m - START_M - k * AHEAD) / target.range_m
         for k, (target, told) in enumerate(zip(targets, told_m, strict=True))
     ]
-    assert score.nees == pytest.approx(np.square(nearer_m).tolist(), abs=1e-6)
+    assert score.nees == pytest.approx((np.square(nearer_m) / TOLD_M2).tolist(), abs=1e-6)
     assert score.nees_dimensions == (1,) * 15
+
+
+def test_the_warning_that_is_named_is_matched_and_the_others_count_as_before(tmp_path: Path) -> None:
+    """Obstacle 2 is 0.4 m behind the one that is named and nearer to where the wall is met. One 10 m before
+    the wall is a false alarm, whether it is named itself or the right one is. Hits do not depend on what is
+    named."""
+    ranges_m = 34.0 - np.arange(15)
+    alone = fly_at_a_wall(tmp_path / "alone", list(ranges_m - 0.4))
+    assert alone.hits == alone.band_frames > 0
+    for name, named_m, others_m, matched, false in (
+        ("right", -0.4, (0.4,), 1, ()),
+        ("right of three", -0.4, (0.4, -9.6), 1, tuple(range(15))),
+        ("wrong of three", -10.0, (10.0, 9.6), 2, tuple(range(15))),
+        ("none", -0.4, (0.4,), 2, ()),
+    ):
+        told_m = list(ranges_m + named_m)
+        found = fly_at_a_wall(tmp_path / name, told_m, nearest=name != "none", others_m=others_m)
+        assert [frame.matched_id for frame in found.frames] == [matched] * 15, name
+        assert (found.hits, found.missed, found.false_alarm_frames) == (alone.hits, (), false), name
+        assert (found.errors_dz == alone.errors_dz) == (matched == 1), name
 
 
 def test_the_nees_of_what_is_met_is_that_of_the_distance() -> None:

@@ -63,9 +63,7 @@ class Nearest:
     position_m: Array  #: (3,), in the world
     distance_m: float
     time_to_collision_s: float | None  #: None: hardly closing, or not known
-    covariance_m2: (
-        Array  #: (3, 3), of the position: that of the obstacle, and of which point of it is met first
-    )
+    covariance_m2: Array  #: (3, 3), of the position: of the obstacle, and of which point of it is met first
 
 
 @dataclass(frozen=True)

@@ -41,10 +41,16 @@ flight path     leads through the true positions of the frames that follow, and 
 met             the point that the collision volume touches first as it travels along the path (meeting); of
                 ground, which lies below the image in the last second, also as earlier frames showed it
 P               of what is thin or flat and no larger than COMPACT_M its own centre; of everything else, the
-                ground included, the point where it is met. Every match has an error from P, and a NEES: of
-                what is met that of the distance along the line of sight alone, with one degree of freedom
-agrees          within max(2 dz(r), 0.5 m); of the nearest collision the position that is reported as such. A
-                warning of what has no centre of its own has to give the range of P
+                ground included, the point where it is met
+warning         the nearest collision has the position and the covariance that are reported as its own, the
+                others have those of the obstacle
+agrees          within max(2 dz(r), 0.5 m). A warning of what has no centre of its own has to give the range
+                of P
+match           of what is met, the nearest collision if it agrees; else as above. Only error and NEES are of
+                the match: a hit is a hit whichever warning agrees, and all that agree with nothing are false
+                alarms, so there is nothing to be gained by what is reported as the nearest collision
+error           |P - P^| of every match, with a NEES: of what is met that of the distance along the line of
+                sight alone, with one degree of freedom
 hit             asked for at 14.5 to 45 m, or from 3 s before impact where that is shorter: then down to half
                 of that, if that is nearer than 14.5 m
 false alarm     likewise within max(2 dz(r), 0.5 m), and 0.5 m of the volume; ground agrees only with a

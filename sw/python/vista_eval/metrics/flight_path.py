@@ -61,7 +61,7 @@ class Curved:
         return self.length_m / float(duration_s) if duration_s > 0.0 else 0.0
 
     def height_m(self, along_m: Floats) -> Floats:
-        """Of the path in the world, so far along it."""
+        """How high in the world the path is, at distances along it."""
         flown_m = np.cumsum(np.linalg.norm(np.diff(self.corners_m, axis=0), axis=1))
         return np.interp(along_m, np.concatenate([[0.0], flown_m]), self.corners_m[:, 2])
 

@@ -38,7 +38,8 @@ NEAREST_M = 0.2  # along the optical axis: nearer or behind, a point has no pixe
 
 @dataclass(frozen=True)
 class Points:
-    """Points of pixels of the exact disparity map, one an entry."""
+    """Points of pixels of the exact disparity map, one an entry; also of ground that earlier frames have
+    shown, at the pixels that a larger image would have."""
 
     view: View
     u_px: NDArray[np.int32]
@@ -120,7 +121,8 @@ def flight_frames(folder: Path, rules: Rules = PAPER) -> tuple[FlightTruth, tupl
         paths: list[FlightPath] = [*true_paths(poses, truth.times_ns)]
     else:
         paths = [Straight(flight_direction(poses))] * len(poses)
-    frames, ground = [], SeenGround()
+    ground = SeenGround() if rules.meeting else None
+    frames = []
     for k, (pose, path) in enumerate(zip(poses, paths, strict=True)):
         frames.append(frame_truth(truth, k, pose, path, rules, ground))
     return truth, tuple(frames)
@@ -186,13 +188,13 @@ def frame_truth(
     index: int,
     world_from_camera: Pose,
     path: FlightPath,
-    rules: Rules = PAPER,
-    ground: SeenGround | None = None,
+    rules: Rules,
+    ground: SeenGround | None,
 ) -> FrameTruth:
-    """ground: that the frames before have shown; this one's is added."""
+    """ground: what the frames before have shown of it, to which this frame adds; None: it does not count."""
     t_ns = truth.times_ns[index]
     points = true_points(truth, t_ns, world_from_camera, path)
-    if ground is not None and rules.meeting:
+    if ground is not None:
         shown_before = ground.outside(truth, points.view, path)
         ground.add(truth, points)
         points = joined(points, shown_before)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -97,9 +97,12 @@ class Judge:
         true one."""
         truth, rules, target = self._truth, self._rules, frame.target
         confirmed = {o.id: o for o in obstacles if o.confirmed}
+        told = None  # the one that is reported as the nearest collision, with a place of its own
+        if rules.meeting and nearest is not None and nearest.id in confirmed:
+            told = nearest.id
+            place_m, doubt_m2 = nearest.position_m, nearest.covariance_m2
+            confirmed[told] = replace(confirmed[told], position_m=place_m, covariance_m2=doubt_m2)
         positions_m = {k: carried(world_from_estimate, o.position_m) for k, o in confirmed.items()}
-        if rules.meeting and nearest is not None and nearest.id in positions_m:
-            positions_m[nearest.id] = carried(world_from_estimate, nearest.position_m)
         places = [place_of(truth, frame, o, positions_m[k]) for k, o in confirmed.items()]
         agreeing = [place.id for place in places if tells_of_target(truth, rules, place, frame)]
         warnings = {k: o for k, o in confirmed.items() if o.in_collision_volume}
@@ -110,14 +113,11 @@ class Judge:
             if not self._was_there(frame, warnings[alarm.id], positions_m[alarm.id], alarm.range_m)
         ]
         self._earlier_m = np.concatenate([self._earlier_m, frame.real.position_m[::16]])
-        told = nearest.id if rules.meeting and nearest is not None else None
         matched = self._match(frame, [k for k in agreeing if k in warnings], positions_m, told)
         error_m, nees = None, None
         if target is not None and matched is not None and matched != TOO_NEAR_ID:
-            covariance_m2 = warnings[matched].covariance_m2
-            if rules.meeting and nearest is not None and nearest.id == matched:
-                covariance_m2 = nearest.covariance_m2
-            covariance_m2 = world_from_estimate.rotation @ covariance_m2 @ world_from_estimate.rotation.T
+            turn = world_from_estimate.rotation
+            covariance_m2 = turn @ warnings[matched].covariance_m2 @ turn.T
             camera_m = frame.world_from_camera.translation_m
             error_m, nees = errors(target, positions_m[matched], covariance_m2, camera_m)
         return FrameScore(
@@ -138,13 +138,13 @@ class Judge:
     def _match(
         self, frame: FrameTruth, agreeing: list[int], positions_m: dict[int, Array], told: int | None
     ) -> int | None:
-        """One of the warnings that agree with the target: that of the frame before if it still does, else the
-        nearest to P; one without a track only if there is no other. Of what is judged by where it is met, the
-        one that says so, `told`, if it agrees."""
-        if told in agreeing and told != TOO_NEAR_ID and frame.target is not None and frame.target.met:
+        """One of the warnings that agree with the target. Where the target is judged by the point at which it
+        is met, the one that is reported as the nearest collision, `told`, goes first. Then comes that of the
+        frame before, then the nearest to P, and one without a track only if there is no other."""
+        tracks = [k for k in agreeing if k != TOO_NEAR_ID]
+        if told in tracks and frame.target is not None and frame.target.met:
             self._matched = told
             return told
-        tracks = [k for k in agreeing if k != TOO_NEAR_ID]
         if not agreeing or self._matched in tracks:
             return self._matched if agreeing else None
         if not tracks or frame.target is None:

@@ -83,9 +83,11 @@ def scores_table(families: list[FamilyScore]) -> Table:
         tuple(rows),
         "hits: frames with a warning that is right, of those in which one is asked for; missed: frames "
         "without one, nearer ones included; false: frames with a false alarm; within 2 dz: errors of at most "
-        f"2 dz or {STRICT.least_tolerance_m:g} m; NEES: average, its band; from {FIRST_DETECTION_M:.0f} m: "
-        "flights that warn from there or farther on, of those that begin there; state: frames that call "
-        "themselves degraded + blind. In brackets what holds 95 %: over flights, by bootstrap; * the exact "
+        f"2 dz or {STRICT.least_tolerance_m:g} m; NEES: average, and the band of an honest covariance around "
+        "1 (what is judged by the point where it is met) or 3 (what has a centre); "
+        f"from {FIRST_DETECTION_M:.0f} m: flights that warn from there or farther on, of those that begin "
+        "there; state: frames that call themselves degraded + blind. In brackets what holds 95 %: over "
+        "flights, by bootstrap; * the exact "
         "interval for the count of flights; fewer than three flights have none by bootstrap",
     )
 

@@ -20,8 +20,6 @@ from vista_eval.render.scene import Cylinder, Scene, Solid
 from vista_eval.render.view import View
 
 THICKEST_M = 0.06  # diameter of what is drawn in this way
-
-
 CHANGE = 0.1  # of albedo, from one row of the map to the next: there another band of paint begins
 
 
@@ -30,7 +28,7 @@ def is_wire(solid: Solid) -> bool:
 
 
 def bands(solid: Cylinder) -> list[Cylinder]:
-    """End to end, each of one albedo."""
+    """The bands of paint along a cylinder, from its start to its end."""
     rows = solid.albedo.mean(axis=1)
     begins = np.flatnonzero(np.abs(np.diff(rows)) > CHANGE) + 1
     start_m, step_m = np.array(solid.start_m), np.subtract(solid.end_m, solid.start_m) / len(rows)
