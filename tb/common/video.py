@@ -13,9 +13,10 @@ import numpy as np
 import numpy.typing as npt
 from cocotb.handle import SimHandleBase
 from cocotb.triggers import FallingEdge, ReadOnly
-from cocotb_helpers import package_constant, parameter
+from cocotb_helpers import parameter
 from faults import EARLY_EOL, EARLY_SOF, LATE_EOL, LATE_SOF, SIZE, Reaction, Received, react
 from frames import beats
+from rtl_package import package_constant
 from verilated import LAST, USER
 
 MIN_WIDTH, MIN_HEIGHT = package_constant("MinWidth"), package_constant("MinHeight")
@@ -89,6 +90,11 @@ def random_images(rng: np.random.Generator, height: int, width: int) -> tuple[np
     return tuple(rng.integers(0, 256, (2, height, width), np.uint8))
 
 
+def illegal_size(rng: np.random.Generator, width: int, height: int, max_width: int) -> tuple[int, int]:
+    """A size that no block takes, of one side or of both."""
+    return [(3, height), (max_width + 1, height), (width, 1), (0, 0)][rng.integers(4)]
+
+
 def random_segment(
     rng: np.random.Generator, kind: str, max_width: int, options: int, images: Images = random_images
 ) -> Segment:
@@ -99,7 +105,7 @@ def random_segment(
     if kind == "faulty":
         frames = [broken(frame, width, rng) for frame in frames[:-1]] + frames[-1:]
     if kind == "illegal":
-        width, height = [(3, height), (max_width + 1, height), (width, 1), (0, 0)][rng.integers(4)]
+        width, height = illegal_size(rng, width, height, max_width)
     return Segment(
         width, height, np.concatenate(frames), kind != "disabled", int(rng.integers(options)),
         int(rng.integers(1 << SIDE_W)),
@@ -189,7 +195,6 @@ class Memory:
 
     size: int
     beats: deque[int] = field(default_factory=deque)
-    most: int = 0
 
 
 @dataclass
@@ -312,7 +317,6 @@ class Driver:
         if dut.store_axis_tvalid.value and dut.store_axis_tready.value:
             flags = (USER if dut.store_axis_tuser.value else 0) | (LAST if dut.store_axis_tlast.value else 0)
             memory.beats.append(int(dut.store_axis_tdata.value) | flags)
-            memory.most = max(memory.most, len(memory.beats))
 
 
 async def reset(dut: SimHandleBase, driver: Driver) -> None:
