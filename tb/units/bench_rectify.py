@@ -266,8 +266,12 @@ async def reset_inside_a_frame(dut):
         task.cancel()
         await reset(dut, driver)
         assert not dut.m_axis_tvalid.value
-        before = MapSegment(segments[0].width, segments[0].height, segments[0].stream, option=1, fits=False)
+        width, height = segments[0].width, segments[0].height
+        before = MapSegment(width, height, segments[0].stream, option=1, fits=False)
+        # Maps are loaded while that is dropped: one of its size would be for its last frames.
         after = random_segments(rng, ["good", "faulty", "good"])
+        while any((load.width, load.height) == (width, height) for s in after for load in s.loads):
+            after = random_segments(rng, ["good", "faulty", "good"])
         for segment in after:
             segment.loads_before = segment.loads_before if segment.loads else 0
         seen, loader = await run(driver, [before, *after], 0.7, 0.7)
