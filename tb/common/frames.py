@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 from registers import COMMIT, LR_CHECK, OUTPUT, PREFILTER, SIZE, TEXTURE, UNIQUENESS
+from rtl_package import struct_bits, struct_fields
 from verilated import LAST, USER, WORD_LAST, WORD_USER, Rtl
 from vista_model.c_engine import CEngine
 from vista_model.engine import INVALID, Parameters
@@ -147,19 +148,19 @@ def register_values(frame: Frame) -> dict[int, int]:
     }
 
 
-PARAMS_BITS = 40
+_PARAMS = struct_fields("params_t")
+PARAMS_BITS = sum(_PARAMS.values())
 
 
 def params_bits(p: Parameters, narrow: bool = False) -> int:
-    """The packed struct params_t of vista_stereo_pkg."""
-    fields = (
-        (p.prefilter == "xsobel", 1), (p.prefilter_cap, 6), (p.texture_threshold, 16),
-        (p.uniqueness_ratio, 7), (p.lr_max_diff is not None, 1), (p.lr_max_diff or 0, 8), (narrow, 1),
-    )  # fmt: skip
-    bits = 0
-    for value, width in fields:
-        bits = bits << width | int(value)
-    return bits
+    """The packed struct params_t."""
+    values = {
+        "xsobel": p.prefilter == "xsobel", "cap": p.prefilter_cap, "texture_threshold": p.texture_threshold,
+        "uniqueness_ratio": p.uniqueness_ratio, "lr_enable": p.lr_max_diff is not None,
+        "lr_max_diff": p.lr_max_diff or 0, "narrow": narrow,
+    }  # fmt: skip
+    assert len(values) == len(_PARAMS), "params_t has a field that nothing here sets"
+    return struct_bits(_PARAMS, values)
 
 
 def set_up(rtl: Rtl, frame: Frame) -> None:

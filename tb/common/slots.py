@@ -4,16 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-FIELDS = (
-    "valid", "first_col", "last_col", "before_col", "early_col", "first_row", "last_row", "flat", "leave",
-    "match_row", "match", "cut",
-)  # fmt: skip
+from rtl_package import struct_bits, struct_fields
+
+_FIELDS = struct_fields("slot_t")
 
 
 def slot_bits(**fields: bool) -> int:
     """The packed struct slot_t; fields that are not named are 0."""
-    assert set(fields) <= set(FIELDS)
-    return sum(bool(fields.get(name)) << len(FIELDS) - 1 - i for i, name in enumerate(FIELDS))
+    return struct_bits(_FIELDS, fields)
 
 
 def frame_slots(

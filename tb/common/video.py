@@ -13,9 +13,10 @@ import numpy as np
 import numpy.typing as npt
 from cocotb.handle import SimHandleBase
 from cocotb.triggers import FallingEdge, ReadOnly
-from cocotb_helpers import package_constant, parameter
+from cocotb_helpers import parameter, seeded, start
 from faults import EARLY_EOL, EARLY_SOF, LATE_EOL, LATE_SOF, SIZE, Reaction, Received, react
 from frames import beats
+from rtl_package import package_constant
 from verilated import LAST, USER
 
 MIN_WIDTH, MIN_HEIGHT = package_constant("MinWidth"), package_constant("MinHeight")
@@ -62,6 +63,9 @@ class Frame:
     side: int = 0
 
 
+Expected = Callable[[list[Segment]], list[Frame]]  # what has to leave
+
+
 def broken(stream: Beats, width: int, rng: np.random.Generator) -> Beats:
     """One of the faults there are, or none."""
     at = int(rng.integers(1, min(len(stream), 6 if rng.random() < 0.2 else len(stream))))
@@ -89,6 +93,11 @@ def random_images(rng: np.random.Generator, height: int, width: int) -> tuple[np
     return tuple(rng.integers(0, 256, (2, height, width), np.uint8))
 
 
+def illegal_size(rng: np.random.Generator, width: int, height: int, max_width: int) -> tuple[int, int]:
+    """A size that no block takes, of one side or of both."""
+    return [(3, height), (max_width + 1, height), (width, 1), (0, 0)][rng.integers(4)]
+
+
 def random_segment(
     rng: np.random.Generator, kind: str, max_width: int, options: int, images: Images = random_images
 ) -> Segment:
@@ -99,7 +108,7 @@ def random_segment(
     if kind == "faulty":
         frames = [broken(frame, width, rng) for frame in frames[:-1]] + frames[-1:]
     if kind == "illegal":
-        width, height = [(3, height), (max_width + 1, height), (width, 1), (0, 0)][rng.integers(4)]
+        width, height = illegal_size(rng, width, height, max_width)
     return Segment(
         width, height, np.concatenate(frames), kind != "disabled", int(rng.integers(options)),
         int(rng.integers(1 << SIDE_W)),
@@ -189,7 +198,11 @@ class Memory:
 
     size: int
     beats: deque[int] = field(default_factory=deque)
-    most: int = 0
+
+
+def memory_for(segments: list[Segment]) -> Memory:
+    """As large as the largest level 1 and no larger."""
+    return Memory(max((s.width + 1) // 2 * ((s.height + 1) // 2) for s in segments))
 
 
 @dataclass
@@ -210,8 +223,7 @@ class Driver:
     def __init__(self, dut: SimHandleBase, dice: random.Random, option: str, along: tuple[str, ...]) -> None:
         self.dut, self.dice, self.option, self.along = dut, dice, option, along
         self.max_width = parameter("MaxWidth")
-        self.side = "side_o" in along  # something goes along
-        self.memory: Memory | None = None
+        self.memory: Memory | None = None  # of the run, if there are ports for it
         self.patience = 400  # clocks without a beat before it is over, at full pace
         self.may_begin: Callable[[Segment], bool] = lambda segment: True
         self.clock = 0
@@ -222,7 +234,7 @@ class Driver:
         dut = self.dut
         dut.width_i.value, dut.height_i.value = segment.width, segment.height
         dut.enable_i.value = segment.enable
-        if self.side:
+        if hasattr(dut, "side_i"):
             dut.side_i.value = segment.side
         if self.option:
             getattr(dut, self.option).value = segment.option
@@ -232,6 +244,8 @@ class Driver:
     ) -> Seen:
         """Until nothing has moved for long, or so many beats were taken."""
         dut, dice, seen = self.dut, self.dice, Seen()
+        if hasattr(dut, "store_axis_tready"):
+            self.memory = memory_for(segments)
         stream = np.concatenate([s.stream for s in segments]).tolist()
         places = np.cumsum([0, *(len(s.stream) for s in segments[:-1])]).tolist()
         firsts = dict(zip(places, segments, strict=True))
@@ -272,6 +286,7 @@ class Driver:
                 out.writelines(f"{name}\n" for name in bins_of(segments, self.max_width, offered, taken))
         if stop_after is None:
             assert position == len(stream), "the input hung"
+            assert not (self.memory and self.memory.beats), "a frame left something behind"
         return seen
 
     def _take(self, ready: bool, seen: Seen) -> bool:
@@ -312,7 +327,20 @@ class Driver:
         if dut.store_axis_tvalid.value and dut.store_axis_tready.value:
             flags = (USER if dut.store_axis_tuser.value else 0) | (LAST if dut.store_axis_tlast.value else 0)
             memory.beats.append(int(dut.store_axis_tdata.value) | flags)
-            memory.most = max(memory.most, len(memory.beats))
+
+
+async def started(
+    dut: SimHandleBase, option: str = "", along: tuple[str, ...] = (), idle: tuple[str, ...] = ()
+) -> tuple[Driver, np.random.Generator]:
+    """A driver, once the module is out of reset with nothing offered.
+
+    option: the port that takes the option of a segment; idle: further inputs that start with 0."""
+    dice = seeded(dut)
+    names = ["s_axis_tvalid", "m_axis_tready", "enable_i", "width_i", "height_i", *idle]
+    there = ["side_i", "store_axis_tready", "fetch_axis_tvalid"]
+    names += [name for name in [option, *there] if name and hasattr(dut, name)]
+    await start(dut, **dict.fromkeys(names, 0))
+    return Driver(dut, dice, option, along), np.random.default_rng(dice.randrange(1 << 30))
 
 
 async def reset(dut: SimHandleBase, driver: Driver) -> None:
@@ -325,12 +353,43 @@ async def reset(dut: SimHandleBase, driver: Driver) -> None:
         driver.memory.beats.clear()
 
 
-def assert_frames(seen: Seen, frames: list[Frame], names: tuple[str, ...]) -> None:
-    """names: attributes of a frame, in the order of what goes along."""
+def assert_frames(seen: Seen, frames: list[Frame]) -> None:
+    """What goes along with a frame at NAME_o is its attribute NAME."""
     expected = [beat for frame in frames for beat in sent_beats(frame)]
     assert [beat[1:] for beat in seen.beats] == [beat[1:] for beat in expected], "framing"
     for i, (got, wanted) in enumerate(zip(seen.beats, expected, strict=True)):
         assert wanted[0] in (-1, got[0]), f"beat {i}: {got[0]:04x} instead of {wanted[0]:04x}"
-    assert [tuple(along.values()) for along in seen.frames] == [
-        tuple(getattr(frame, name) for name in names) for frame in frames
-    ]
+    for along, frame in zip(seen.frames, frames, strict=True):
+        assert along == {name: getattr(frame, name.removesuffix("_o")) for name in along}
+
+
+async def check_frames_of_any_kind(
+    driver: Driver, rng: np.random.Generator, options: int, expected: Expected, offered: float, taken: float
+) -> None:
+    """Sound and faulty video, of illegal size and disabled, in any order."""
+    kinds = [*["good"] * 6, *["faulty"] * 10, "illegal", "disabled"]
+    rng.shuffle(kinds)
+    segments = [random_segment(rng, kind, driver.max_width, options) for kind in kinds]
+    seen = await driver.run(segments, offered, taken)
+    frames = expected(segments)
+    assert_frames(seen, frames)
+    starts = sum(frame.level == 0 for frame in frames)
+    assert (seen.starts, seen.errors) == (starts, errors_of(segments, driver.max_width))
+
+
+async def check_reset_inside_a_frame(
+    driver: Driver, rng: np.random.Generator, options: int, expected: Expected
+) -> None:
+    """Nothing is left of it. What comes of it after the reset is dropped, and the next frame is right."""
+    for _ in range(12):
+        before, after = (random_segment(rng, "good", driver.max_width, options) for _ in range(2))
+        stop = int(rng.integers(1, len(before.stream)))
+        await driver.run([before], 1.0, float(rng.choice([1.0, 0.3])), stop)
+        await reset(driver.dut, driver)
+        assert not driver.dut.m_axis_tvalid.value
+        rest = before.stream[stop : stop + stop % before.width]
+        rest = rest[: int(np.argmax(rest >> 16 & 1))] if (rest >> 16 & 1).any() else rest
+        after.stream = np.concatenate([rest, after.stream])
+        seen = await driver.run([after], 0.7, 0.7)
+        assert not seen.errors
+        assert_frames(seen, expected([after]))

@@ -1,84 +1,34 @@
 """Slots, stored pixels and errors of good and bad video at any pace, against common/faults.py."""
 
-from dataclasses import dataclass
-
 import cocotb
 import numpy as np
 from cocotb.triggers import FallingEdge, ReadOnly
 from cocotb_helpers import parameter, seeded, start
-from faults import EARLY_EOL, EARLY_SOF, LATE_EOL, LATE_SOF, SIZE, Reaction, react
-from frames import beats
+from faults import EARLY_EOL, EARLY_SOF, LATE_EOL, LATE_SOF, SIZE
+from frames import PARAMS_BITS, beats
 from slots import frame_slots, slot_bits
 from verilated import LAST, USER
+from video import ERRORS, Segment, broken, illegal_size
 
 D, B, MAX_WIDTH = (parameter(name) for name in ("NumDisparities", "BlockSize", "MaxWidth"))
 R = B // 2
-PARAMS_W = 40
 CUT = slot_bits(cut=True)
-ERRORS = {
-    "error_early_eol_o": EARLY_EOL,
-    "error_late_eol_o": LATE_EOL,
-    "error_early_sof_o": EARLY_SOF,
-    "error_late_sof_o": LATE_SOF,
-    "error_size_o": SIZE,
-}
-
-
-@dataclass
-class Segment:
-    """Video under one setting of the registers. Its last frame is good, so none reaches into the next."""
-
-    width: int
-    height: int
-    enabled: bool
-    params: int
-    stream: np.ndarray
-
-    @property
-    def legal(self) -> bool:
-        return 4 <= self.width <= MAX_WIDTH and self.height >= 2
-
-
-def broken(stream, width, rng):
-    """One of the faults there are, or none."""
-    at = int(rng.integers(1, len(stream)))
-    fault = rng.integers(8)
-    if fault in (0, 1):  # an end of line too early, or missing
-        end = at if fault else at - at % width + width - 1
-        stream[end] ^= LAST
-    elif fault == 2:
-        stream[at] ^= USER
-    elif fault == 3:
-        stream[0] &= ~np.uint32(USER)
-    elif fault == 4:
-        stream = np.delete(stream, slice(at, at + int(rng.integers(1, 2 * width))))
-    elif fault == 5:
-        stream = np.insert(stream, at, rng.integers(0, 65536, int(rng.integers(1, 2 * width)), np.uint32))
-    elif fault == 6:  # more rows than there should be
-        stream = np.concatenate([stream, stream[width : 2 * width]])
-    return stream
 
 
 def random_segment(rng, kind):
+    """What goes along with a frame are its parameters."""
     width = int(rng.choice([4, D - 1 + 2 * R, D + 2 * R, MAX_WIDTH, rng.integers(4, MAX_WIDTH + 1)]))
     height = int(rng.choice([2, R, R + 1, B, rng.integers(2, 2 * B)]))
     frames = [beats(*rng.integers(0, 256, (2, height, width), np.uint8)) for _ in range(rng.integers(1, 6))]
     if kind == "legal":
         frames = [broken(frame, width, rng) for frame in frames[:-1]] + frames[-1:]
     if kind == "illegal":
-        width, height = [(3, height), (MAX_WIDTH + 1, height), (width, 1), (0, 0)][rng.integers(4)]
-    return Segment(
-        width, height, kind != "disabled", int(rng.integers(1 << PARAMS_W)), np.concatenate(frames)
-    )
+        width, height = illegal_size(rng, width, height, MAX_WIDTH)
+    params = int(rng.integers(1 << PARAMS_BITS))
+    return Segment(width, height, np.concatenate(frames), kind != "disabled", side=params)
 
 
-def reaction(segment: Segment, lost: bool) -> Reaction:
-    if segment.enabled and segment.legal:
-        return react(segment.stream, segment.width, segment.height, lost)
-    return Reaction([], SIZE if segment.enabled else 0, True)
-
-
-def expected_of(segment: Segment, frames):
+def expected_of(segment, frames):
     """Slots (column, bits, begin) and stored pixels (column, params, data, None for filler) of the frames."""
     width, height = segment.width, segment.height
     slots, stores = [], []
@@ -90,7 +40,7 @@ def expected_of(segment: Segment, frames):
             begin = (width - 1, height - 1) if (row, col) == (min(R, height - 1), 0) else None
             slots.append((col, bits | CUT if cut else bits, begin))
         data = [*frame.pixels, *[None] * (width * height - came)]
-        stores += [(i % width, segment.params, pixel) for i, pixel in enumerate(data)]
+        stores += [(i % width, segment.side, pixel) for i, pixel in enumerate(data)]
     return slots, stores
 
 
@@ -116,7 +66,7 @@ async def any_video_gives_whole_frames(dut, offered, going):
     while idle < 2 * MAX_WIDTH / going:
         current = int(np.searchsorted(ends, position, "right"))
         setting = segments[int(np.searchsorted(switches, position, "right")) - 1]
-        dut.enable_i.value, dut.params_i.value = setting.enabled, setting.params
+        dut.enable_i.value, dut.params_i.value = setting.enable, setting.side
         dut.width_i.value, dut.height_i.value = setting.width, setting.height
         offering = position < len(stream) and (offering or random.random() < offered)
         go = random.random() < going
@@ -150,7 +100,7 @@ async def any_video_gives_whole_frames(dut, offered, going):
     assert position == len(stream), "the input hung"
     lost, expected_slots, expected_stores, reached = True, [], [], 0
     for i, segment in enumerate(segments):
-        outcome = reaction(segment, lost)
+        outcome = segment.reaction(MAX_WIDTH, lost)
         lost, reached = outcome.lost, reached | outcome.errors
         assert (errors[i], starts[i]) == (outcome.errors, len(outcome.frames)), f"segment {i}"
         more_slots, more_stores = expected_of(segment, outcome.frames)

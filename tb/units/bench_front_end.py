@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import cocotb
 import numpy as np
-from bench_pyramid import levels_of, memory_for
+from bench_pyramid import levels_of
 from bench_smooth import smooth
-from cocotb_helpers import parameter, seeded, start
+from cocotb_helpers import parameter
 from faults import Received, expected_after
 from frames import IMAGE_KINDS, PARAMS_BITS, params_bits, random_pair, random_parameters
-from video import Driver, begun, filtered, random_segment
+from video import begun, filtered, random_segment, started
 from vista_model.engine import Parameters
 
 D, B, MAX_WIDTH = (parameter(name) for name in ("NumDisparities", "BlockSize", "MaxWidth"))
@@ -37,12 +37,7 @@ def random_images(rng, height, width):
 @cocotb.test()
 @cocotb.parametrize(offered=[1.0, 0.5], taken=[1.0, 0.5])
 async def words_of_every_level(dut, offered, taken):
-    random = seeded(dut)
-    rng = np.random.default_rng(random.randrange(1 << 30))
-    await start(
-        dut, s_axis_tvalid=0, m_axis_tready=0, store_axis_tready=0, fetch_axis_tvalid=0, enable_i=0,
-        width_i=0, height_i=0, levels_i=0, side_i=0,
-    )  # fmt: skip
+    driver, rng = await started(dut, "levels_i")
     segments, settings = [], {}
     for _ in range(14):
         kind = str(rng.choice(["good", "faulty"], p=[0.6, 0.4]))
@@ -51,8 +46,6 @@ async def words_of_every_level(dut, offered, taken):
         segment.side = side_bits(smoothed, parameters)
         segments.append(segment)
         settings[id(segment)] = smoothed, parameters
-    driver = Driver(dut, random, "levels_i", ())
-    driver.side, driver.memory = True, memory_for(segments)
     seen = await driver.run(segments, offered, taken)
     expected = [
         words

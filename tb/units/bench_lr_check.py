@@ -2,7 +2,8 @@
 
 import cocotb
 from cocotb.triggers import FallingEdge
-from cocotb_helpers import package_constant, parameter, seeded, start
+from cocotb_helpers import parameter, seeded, start
+from rtl_package import package_constant
 
 D, COST_W, RING_W = (parameter(name) for name in ("NumDisparities", "CostW", "RingW"))
 CANDIDATE_LATENCY = (D - 1).bit_length() + sum(
