@@ -299,8 +299,10 @@ def test_the_covariance_is_that_of_the_errors(kind: str) -> None:
 
 
 def test_the_middle_lies_behind_the_surface() -> None:
-    """Half of half the smaller side, uncertain by as much; of what is large, no more than of 1 m."""
-    for extent, behind_m in (((0.6, 4.0), 0.15), ((0.3, 0.2), 0.05), ((16.0, 9.0), 0.25)):
+    """Half of half the width, uncertain by as much, as things are about as deep as they are wide; no more
+    than half the height of what is low and long, and than that of 1 m of what is large."""
+    cases = (((0.6, 4.0), 0.15), ((0.3, 0.2), 0.075), ((8.0, 0.1), 0.05), ((16.0, 9.0), 0.25))
+    for extent, behind_m in cases:
         maps = [Map(thickness_ratio=ratio, lasting_range_m=0.0) for ratio in (0.0, 0.5)]
         point = np.array([3.0, -4.0, 12.0])
         for mapper in maps:

@@ -68,9 +68,10 @@ const vista_obstacle *vista_obstacle_map_obstacles(const vista_obstacle_map *map
 
 vista_nearest_collision vista_obstacle_map_nearest(const vista_obstacle_map *map) { return map->nearest; }
 
-/* From the surface that is seen to the middle of what is behind it: nothing for a board, half its width for a ball. */
+/* From the surface that is seen to the middle of what is behind it: nothing for a board, half its width for a ball. Seen
+ * from above, things are about as deep as they are wide, however low; but a beam is not as deep as it is long. */
 static double thickness_m(const vista_obstacle_map_params *params, const vista_track *track) {
-  const double half_m = 0.5 * fmin(fmin(track->extent_m[0], track->extent_m[1]), THICK_MAX_M);
+  const double half_m = 0.5 * fmin(fmin(track->extent_m[0], LONG_RATIO * track->extent_m[1]), THICK_MAX_M);
   return params->thickness_ratio * half_m;
 }
 
