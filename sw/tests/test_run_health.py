@@ -17,6 +17,7 @@ from command_line import Vista, call
 from fake_pipeline import FakePipeline
 from numpy.typing import NDArray
 from obstacle_schema import valid_lines
+from random_seed import seeded
 from vista.health import checks
 from vista.health.features import image_motion_px, match_pair
 from vista.health.finding import Finding, FrameHealth, Reason, State
@@ -273,6 +274,23 @@ def test_an_image_without_features_has_no_matches_and_no_motion(level: int) -> N
         assert len(matches.disparity_px) == len(matches.row_error_px) == 0
         assert checks.check_pair(matches) is None
         assert checks.check_image_motion(image_motion_px(*pair)) is None
+
+
+@pytest.mark.parametrize("noise_grey", [0.0, 2.0, 4.0, 8.0, 10.0])
+def test_sensor_noise_neither_hides_motion_nor_makes_it(noise_grey: float) -> None:
+    """Three pixels a frame, and none; the check asks for 20 features and more than one pixel."""
+    random = seeded(1)
+    wide, _ = cases.texture_pair(int(random.integers(1000)), WIDTH + 3, HEIGHT)
+
+    def shown(first: int) -> NDArray[np.uint8]:
+        noise = random.normal(0.0, noise_grey, (HEIGHT, WIDTH))
+        return np.clip(np.rint(wide[:, first : first + WIDTH] + noise), 0, 255).astype(np.uint8)
+
+    moved = checks.check_image_motion(image_motion_px(shown(0), shown(3)))
+    assert moved is not None and moved.reason == Reason.MOTION_UNKNOWN
+    assert moved.text.startswith("the image moves by 3.0 px a frame, but no poses are given")
+    assert len(image_motion_px(shown(0), shown(0))) >= checks.MIN_FOLLOWED
+    assert checks.check_image_motion(image_motion_px(shown(0), shown(0))) is None
 
 
 @pytest.mark.parametrize("baseline_m", [0.003, 0.05, 0.54, 4.0, 120.0])
