@@ -307,8 +307,8 @@ static vista_status run_stage(vista_pipeline *p, stage stage, passage *way) {
       return vista_refine(&p->foveation, &p->refinement_params, &p->cells, p->segmentation.label, &p->refinement);
     case STAGE_REGIONS: {
       const vista_status status =
-          vista_regions_compute(&p->foveation, &q->region, &p->camera, up, q->surface.horizontal_deg, words, &p->cells,
-                                &p->surfaces, &p->segmentation, &p->refinement, &p->regions);
+          vista_regions_compute(&p->foveation, &q->region, &p->camera, up, q->surface.horizontal_deg, &p->matched,
+                                words, &p->cells, &p->surfaces, &p->segmentation, &p->refinement, &p->regions);
       if (status != VISTA_OK) return status;
       way->volume = vista_collision_volume_around(&way->path, &way->motion.pose, q->obstacle_map.collision_radius_m,
                                                   q->obstacle_map.outline_px);
@@ -412,5 +412,6 @@ vista_status vista_pipeline_process_sized(vista_pipeline *pipeline, const vista_
 
 vista_pipeline_stages vista_pipeline_look(const vista_pipeline *pipeline) {
   return (vista_pipeline_stages){&pipeline->foveation, &pipeline->cells,   &pipeline->surfaces,
-                                 &pipeline->affinity,  &pipeline->regions, &pipeline->refinement_params};
+                                 &pipeline->affinity,  &pipeline->regions, &pipeline->refinement_params,
+                                 &pipeline->matched};
 }

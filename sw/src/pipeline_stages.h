@@ -16,6 +16,7 @@ typedef struct vista_pipeline_stages {
   const vista_affinity *affinity;
   const vista_regions *regions;
   const vista_refinement_params *refinement_params; /* as that frame was refined, against its noise */
+  const vista_matched_area *matched;
 } vista_pipeline_stages;
 
 vista_pipeline_stages vista_pipeline_look(const vista_pipeline *pipeline);

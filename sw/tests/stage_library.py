@@ -132,6 +132,7 @@ class Stages:
 
     def __init__(self, camera, changes: dict[str, float] | None = None) -> None:
         self.camera, self.parameters = camera, parameters(changes)
+        self.matched = ffi.new("vista_matched_area *", [127.0, 0.0, 0.0, 0])  # all of the image
         self.foveation = f = Foveation(camera.width_px, camera.height_px, changes=changes)
         self._arenas: list[Arena] = []
         self.cells = self._lay_out("vista_cells", lib.vista_cells_layout)
@@ -260,6 +261,7 @@ class Stages:
             self.camera,
             up_camera,
             self.parameters.surface.horizontal_deg,
+            self.matched,
             image_struct("disparity_image", words),
             self.cells,
             self.surfaces,

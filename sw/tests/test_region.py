@@ -425,13 +425,13 @@ def test_wrong_arguments_are_refused() -> None:
 
     def compute(disparity, null: int | None = None) -> str:
         pointers = [f, stages.section("region"), stages.camera, up]
-        pointers += [image_struct("disparity_image", disparity), stages.cells, stages.surfaces]
-        pointers += [stages.segmentation, stages.refinement, stages.regions]
+        pointers += [stages.matched, image_struct("disparity_image", disparity), stages.cells]
+        pointers += [stages.surfaces, stages.segmentation, stages.refinement, stages.regions]
         if null is not None:
             pointers[null] = ffi.NULL
         return status_name(lib.vista_regions_compute(*pointers[:4], 55.0, *pointers[4:]))
 
-    for i in range(10):
+    for i in range(11):
         assert compute(words, null=i) == "VISTA_ERROR_ARGUMENT"
     assert compute(larger) == "VISTA_ERROR_SIZE"
     regions = ffi.new("vista_regions *")

@@ -32,7 +32,7 @@ class Bench:
         path = flight_path(moved)
         self.keep = (up, arena, memory)
         section, horizontal_deg = s.section, 55.0
-        regions = (self.c_words, s.cells, s.surfaces, s.segmentation, s.refinement, s.regions)
+        regions = (s.matched, self.c_words, s.cells, s.surfaces, s.segmentation, s.refinement, s.regions)
         size_and_center = (WIDTH, HEIGHT, 31.5, 23.5)
         self.calls: dict[str, tuple[str, Callable[[], int]]] = {
             "geometry": (

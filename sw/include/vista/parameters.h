@@ -130,7 +130,7 @@ typedef struct vista_region_params {
   double min_size_m; /* Smallest larger side of an obstacle. At most 6 % of the range. 0.0 .. 100.0 m. */
   double min_valid_fraction; /* A region with a smaller fraction of valid pixels cannot be judged by them: it is unknown. 0.0 .. 1.0. */
   double min_inlier_fraction; /* Edge consistency: part of the valid boundary pixels on one surface from which on the boundary speaks no more against an obstacle. 0.0 .. 1.0. */
-  double outline_fraction; /* Smallest part of its left edge, right edge and foot that has to agree on the depth of a region without disparities. 0.0 .. 1.0. */
+  double outline_fraction; /* Part of its foot, and of its upright edges or its upper edge, that has to lie on one upright surface for a region without disparities to be a plain wall. 0.0 .. 1.0. */
   double foot_m; /* The foot of such a region is within this of the ground's plane. At most 6 % of the range. 0.0 .. 10.0 m. */
   double min_height_m; /* What is lower than this above the horizontal surface that it adjoins lies on it. At most 6 % of the range. 0.01 .. 10.0 m. */
   double min_standing_fraction; /* A region of which a smaller part stands min_height_m above the ground lies on it. 0.0 .. 1.0. */

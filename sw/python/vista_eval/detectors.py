@@ -155,6 +155,7 @@ class JudgingPipeline(OpenPipeline):
                 self._c_camera,
                 ffi.new("double[3]", [0.0, -1.0, 0.0]),
                 self._parameters.surface.horizontal_deg,
+                frame.matched,
                 image,
                 frame.cells,
                 frame.surfaces,

@@ -67,9 +67,13 @@ static bool may_hold(const limits *limit, float u, float v, float around_px, flo
 }
 
 /* The pixels of a plain region lie on its surface, whatever chance matched there. */
-static inline int32_t count_plain_run(const limits *limit, bool curved, float x, float y, int32_t length, float word) {
+static inline int32_t count_plain_run(const limits *limit, bool curved, float x, float y, int32_t length,
+                                      float surface_word, float slope_words) {
   int32_t count = 0;
-  for (int32_t i = 0; i < length; ++i) count += inside(limit, curved, x + (float)i, y, word);
+  for (int32_t i = 0; i < length; ++i) {
+    const float w = surface_word + slope_words * (float)i;
+    count += (w > 0.0f) & inside(limit, curved, x + (float)i, y, w > 0.0f ? w : 1.0f);
+  }
   return count;
 }
 
@@ -102,15 +106,14 @@ static int32_t count_region(const vista_foveation *foveation, const vista_camera
     for (int32_t r = foveation->first_run[node]; r < foveation->first_run[node + 1]; ++r) {
       const vista_run run = foveation->runs[r];
       const float x = (float)(run.u_px - camera->center_u_px), y = (float)(run.v_px - camera->center_v_px);
+      const float surface = (float)(vista_region_surface_px(region, run.u_px, run.v_px) * VISTA_DISPARITY_SCALE);
+      const float slope = (float)(region->slope_u * VISTA_DISPARITY_SCALE);
       if (region->plain) {
-        const float word = (float)(region->disparity_px * VISTA_DISPARITY_SCALE);
-        count += limit->curved ? count_plain_run(limit, true, x, y, run.length_px, word)
-                               : count_plain_run(limit, false, x, y, run.length_px, word);
+        count += limit->curved ? count_plain_run(limit, true, x, y, run.length_px, surface, slope)
+                               : count_plain_run(limit, false, x, y, run.length_px, surface, slope);
         continue;
       }
       const int16_t *const words = disparity->data + run.v_px * disparity->stride + run.u_px;
-      const float surface = (float)(vista_region_surface_px(region, run.u_px, run.v_px) * VISTA_DISPARITY_SCALE);
-      const float slope = (float)(region->slope_u * VISTA_DISPARITY_SCALE);
       count += limit->curved ? count_run(limit, true, words, x, y, run.length_px, surface, slope, tolerance)
                              : count_run(limit, false, words, x, y, run.length_px, surface, slope, tolerance);
     }

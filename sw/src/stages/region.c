@@ -150,26 +150,30 @@ static vista_region_verdict measure(vista_region_view *w, const vista_camera *ca
 }
 
 /* A region without disparities inside may be plain: only its outline tells. */
-static vista_region_verdict measure_outline(vista_region_view *w, const vista_camera *camera, const int32_t *label,
+static vista_region_verdict measure_outline(vista_region_view *w, const vista_camera *camera, const double up_camera[3],
+                                            const vista_matched_area *matched, const int32_t *label,
                                             vista_region *region) {
+  vista_plane surface;
   *region = empty_region(region->label, region->node_count);
-  if (!vista_region_owns_outline(w, camera, label, region) ||
+  if (!vista_region_owns_outline(w, camera, up_camera, matched, label, region, &surface) ||
       region->boundary_inliers < fewest_inliers(w->params, camera, region->disparity_px))
     return VISTA_REGION_UNKNOWN;
-  const vista_plane facing = {.offset = region->disparity_px};
-  return measure_own_pixels(w, camera, &facing, region);
+  return measure_own_pixels(w, camera, &surface, region);
 }
 
 vista_status vista_regions_compute(const vista_foveation *foveation, const vista_region_params *params,
                                    const vista_camera *camera, const double up_camera[3], double horizontal_deg,
-                                   const vista_disparity_image *disparity, const vista_cells *cells,
-                                   const vista_surfaces *surfaces, const vista_segmentation *segmentation,
-                                   const vista_refinement *refinement, vista_regions *regions) {
-  if (foveation == NULL || params == NULL || camera == NULL || up_camera == NULL || disparity == NULL ||
-      cells == NULL || surfaces == NULL || segmentation == NULL || refinement == NULL || regions == NULL)
+                                   const vista_matched_area *matched, const vista_disparity_image *disparity,
+                                   const vista_cells *cells, const vista_surfaces *surfaces,
+                                   const vista_segmentation *segmentation, const vista_refinement *refinement,
+                                   vista_regions *regions) {
+  if (foveation == NULL || params == NULL || camera == NULL || up_camera == NULL || matched == NULL ||
+      disparity == NULL || cells == NULL || surfaces == NULL || segmentation == NULL || refinement == NULL ||
+      regions == NULL)
     return VISTA_ERROR_ARGUMENT;
   vista_status status = VISTA_CHECK_SECTION(region, params);
   if (status == VISTA_OK) status = vista_frame_check_camera(camera);
+  if (status == VISTA_OK) status = vista_matched_area_check(matched);
   if (status == VISTA_OK) status = vista_frame_check_disparity(disparity, foveation->width_px, foveation->height_px);
   if (status != VISTA_OK) return status;
   regions->count = segmentation->region_count;
@@ -200,7 +204,7 @@ vista_status vista_regions_compute(const vista_foveation *foveation, const vista
       const bool seeded = k < segmentation->obstacle_count;
       region->verdict = measure(&w, camera, up_camera, horizontal_deg, seeded, region);
       if (!seeded && (region->verdict == VISTA_REGION_UNKNOWN || region->verdict == VISTA_REGION_TOO_FEW_PIXELS))
-        region->verdict = measure_outline(&w, camera, segmentation->label, region);
+        region->verdict = measure_outline(&w, camera, up_camera, matched, segmentation->label, region);
     }
     if (region->verdict == VISTA_REGION_ACCEPTED) find_foot(surfaces, camera, region);
     regions->accepted_count += region->verdict == VISTA_REGION_ACCEPTED;

@@ -26,6 +26,7 @@
 #include <stdint.h>
 
 #include "common/arena.h"
+#include "common/matched_area.h"
 #include "stages/foveation.h"
 #include "stages/refinement.h"
 #include "stages/segmentation.h"
@@ -101,8 +102,9 @@ vista_status vista_regions_layout(vista_regions *regions, vista_arena *arena, co
 /* up_camera: unit vector against gravity in camera coordinates. cells: of these disparities. */
 vista_status vista_regions_compute(const vista_foveation *foveation, const vista_region_params *params,
                                    const vista_camera *camera, const double up_camera[3], double horizontal_deg,
-                                   const vista_disparity_image *disparity, const vista_cells *cells,
-                                   const vista_surfaces *surfaces, const vista_segmentation *segmentation,
-                                   const vista_refinement *refinement, vista_regions *regions);
+                                   const vista_matched_area *matched, const vista_disparity_image *disparity,
+                                   const vista_cells *cells, const vista_surfaces *surfaces,
+                                   const vista_segmentation *segmentation, const vista_refinement *refinement,
+                                   vista_regions *regions);
 
 #endif
