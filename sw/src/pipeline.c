@@ -125,7 +125,7 @@ static vista_status layout(vista_pipeline *p, vista_arena *arena) {
   if (status != VISTA_OK) return status;
   status = vista_team_layout(q->host.threads, arena, &p->team);
   if (status != VISTA_OK) return status;
-  p->cells.team = p->regions.team = p->refinement.team = &p->team;
+  p->words.team = p->cells.team = p->regions.team = p->refinement.team = &p->team;
   p->detections = vista_arena_take(arena, MAX_DETECTIONS, sizeof(vista_detection));
   p->verdicts = vista_arena_take(arena, (size_t)p->foveation.max_nodes, sizeof(vista_region_verdict));
   const vista_status statuses[] = {

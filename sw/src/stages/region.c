@@ -176,6 +176,15 @@ typedef struct job {
   vista_regions *regions;
 } job;
 
+static void prepare_part(void *context, int32_t part, int32_t worker) {
+  (void)worker;
+  const job *const j = context;
+  if (part == 0)
+    mark_boundary(j->foveation, j->segmentation->label, j->params->boundary_px, j->regions);
+  else
+    group_members(j->foveation, j->segmentation->label, j->regions);
+}
+
 /* The regions of the rest, of which some are the largest by far, are the last: they come first. */
 static void judge_part(void *context, int32_t part, int32_t worker) {
   const job *const j = context;
@@ -223,10 +232,9 @@ vista_status vista_regions_compute(const vista_foveation *foveation, const vista
   if (status != VISTA_OK) return status;
   regions->count = segmentation->region_count;
   regions->accepted_count = 0;
-  mark_boundary(foveation, segmentation->label, params->boundary_px, regions);
-  group_members(foveation, segmentation->label, regions);
   job j = {foveation, params,   camera,       up_camera,  horizontal_deg, disparity,
            cells,     surfaces, segmentation, refinement, regions};
+  vista_team_share(regions->team, prepare_part, &j, 2);
   vista_team_share(regions->team, judge_part, &j, regions->count);
   for (int32_t k = 0; k < regions->count; ++k)
     regions->accepted_count += regions->items[k].verdict == VISTA_REGION_ACCEPTED;
