@@ -1,7 +1,7 @@
 /* replay: runs libvista over a recording (vista run --record FILE) without Python: for targets, memory checkers and
  * profilers.
  *
- *   replay RECORDING [--frames N] [--repeat N] [--times FILE.csv]
+ *   replay RECORDING [--frames N] [--repeat N] [--threads N] [--times FILE.csv]
  *
  * stdout: one JSON line a frame with the obstacles, numbers to the last digit. stderr: times of the stages, of N
  * further runs over the recording. FILE.csv: the same frame by frame, and the processor time of each.
@@ -209,14 +209,18 @@ static void print_times(const double *times_ms, long rows, double *scratch) {
 
 typedef struct options {
   const char *path, *times;
-  long frames, repeat;
+  long frames, repeat, threads; /* 0: all frames, as many threads as were recorded */
 } options;
 
 static bool parse(int argc, char **argv, options *o) {
-  *o = (options){.frames = 0, .repeat = 1};
+  *o = (options){.repeat = 1};
   for (int i = 1; i < argc; ++i) {
-    const bool times = strcmp(argv[i], "--times") == 0, frames = strcmp(argv[i], "--frames") == 0;
-    if (!times && !frames && strcmp(argv[i], "--repeat") != 0) {
+    const bool times = strcmp(argv[i], "--times") == 0;
+    long *const target = strcmp(argv[i], "--frames") == 0    ? &o->frames
+                         : strcmp(argv[i], "--repeat") == 0  ? &o->repeat
+                         : strcmp(argv[i], "--threads") == 0 ? &o->threads
+                                                             : NULL;
+    if (!times && target == NULL) {
       if (o->path != NULL || argv[i][0] == '-') return false;
       o->path = argv[i];
       continue;
@@ -229,7 +233,7 @@ static bool parse(int argc, char **argv, options *o) {
     char *end = NULL;
     const long number = strtol(argv[i], &end, 10);
     if (*end != '\0' || number < 1 || number > 1000000) return false;
-    *(frames ? &o->frames : &o->repeat) = number;
+    *target = number;
   }
   return o->path != NULL;
 }
@@ -267,12 +271,9 @@ static vista_status step(const player *p, vista_pipeline *pipeline, vista_result
   return vista_pipeline_process(pipeline, &input, result);
 }
 
-/* All frames once, with fresh tracks; prints the results or, when there is room for them, notes the times. */
-static int play(player *p, double *times_ms) {
+/* All frames; prints the results or, when there is room for them, notes the times. */
+static int play_frames(player *p, vista_pipeline *pipeline, double *times_ms) {
   const recording *const r = p->recording;
-  vista_pipeline *pipeline;
-  const vista_status created = vista_pipeline_create(p->memory, p->bytes, &r->parameters, &r->camera, &pipeline);
-  if (created != VISTA_OK) return fail(r->path, vista_status_text(created));
   if (fseek(r->stream, r->first_frame, SEEK_SET) != 0) return fail(r->path, strerror(errno));
   for (long i = 0; i < p->frame_count; ++i) {
     if (!read_frame(r, &p->frame)) return fail(r->path, "cannot be read to its end");
@@ -292,6 +293,17 @@ static int play(player *p, double *times_ms) {
   }
   if (times_ms != NULL) return 0;
   return fflush(stdout) == 0 && !ferror(stdout) ? 0 : fail("stdout", "cannot be written");
+}
+
+/* All frames once, with fresh tracks. */
+static int play(player *p, double *times_ms) {
+  const recording *const r = p->recording;
+  vista_pipeline *pipeline;
+  const vista_status created = vista_pipeline_create(p->memory, p->bytes, &r->parameters, &r->camera, &pipeline);
+  if (created != VISTA_OK) return fail(r->path, vista_status_text(created));
+  const int exit_status = play_frames(p, pipeline, times_ms);
+  vista_pipeline_destroy(pipeline);
+  return exit_status;
 }
 
 static int measure(player *p, const options *o) {
@@ -338,9 +350,14 @@ static int replay(const recording *r, const options *o) {
 
 int main(int argc, char **argv) {
   options o;
-  if (!parse(argc, argv, &o)) return fail("usage", "replay RECORDING [--frames N] [--repeat N] [--times FILE.csv]");
+  if (!parse(argc, argv, &o))
+    return fail("usage", "replay RECORDING [--frames N] [--repeat N] [--threads N] [--times FILE.csv]");
   recording r = {.path = o.path};
   int exit_status = open_recording(&r);
+  if (exit_status == 0 && o.threads > 0 &&
+      (vista_parameters_set(&r.parameters, "host.threads", (double)o.threads) != VISTA_OK ||
+       vista_parameters_check(&r.parameters, NULL) != VISTA_OK))
+    exit_status = fail("--threads", "1 or 2");
   if (exit_status == 0) exit_status = replay(&r, &o);
   if (r.stream != NULL) (void)fclose(r.stream);
   return exit_status;

@@ -1,10 +1,13 @@
-"""The host's stages on real images: libvista in the replay program, one thread, foveation to map.
+"""The host on real images: libvista in the replay program, foveation to map, with one thread and with two.
 
 What is measured:
   street          KITTI odometry 00, 51 frames of 1226x370 as they are
   street 640x480  the middle 493x370 of the same, both images enlarged to 640x480: the size of the targets
   oak-d           11 indoor pairs of 640x480 (make demo-pairs fetches them), each judged by itself
 What is not there is left out; without any of them a synthetic flight stands in, and the table says so.
+
+The stages are those of one thread; of two, wall time of the whole and processor time of both threads together
+stand beside it. Blocks with one thread and with two take turns.
 
 The recording is played in blocks; a block is the whole sequence REPEATS times over. Processor time counts
 only this program's work; wall time, in which the stages are clocked, also counts what else the machine does.
@@ -51,6 +54,7 @@ MEDIAN_MAX_MS = {"street": 10.0, "street 640x480": 7.0}  # targets
 NODES_MIN, P99_RATIO_MAX = 5000, 2.0
 
 Image = NDArray[np.uint8]
+Samples = dict[str, NDArray[np.float64]]  # by stage: one a frame
 
 
 # ---- recordings ----
@@ -111,9 +115,10 @@ def recordings(folder: Path) -> Iterator[tuple[str, Path]]:
 # ---- measurement ----
 
 
-def play(path: Path, repeats: int, times: Path) -> tuple[dict[str, NDArray[np.float64]], list[dict]]:
+def play(path: Path, repeats: int, threads: int, times: Path) -> tuple[Samples, list[dict]]:
     """Milliseconds of every frame by stage, and the frames of one run."""
-    command = [str(REPLAY), str(path), "--repeat", str(repeats), "--times", str(times)]
+    command = [str(REPLAY), str(path), "--repeat", str(repeats), "--threads", str(threads)]
+    command += ["--times", str(times)]
     run = subprocess.run(command, capture_output=True, text=True, check=True)
     names = times.read_text().partition("\n")[0].split(",")
     table = np.loadtxt(times, delimiter=",", skiprows=1, ndmin=2)
@@ -130,29 +135,36 @@ def figures(samples_ms: NDArray[np.float64]) -> dict[str, float]:
     }
 
 
+def stage_figures(samples: list[Samples], stage: str) -> dict:
+    of_blocks = [figures(block[stage]) for block in samples]
+    spread = {
+        key: [min(block[key] for block in of_blocks), max(block[key] for block in of_blocks)]
+        for key in of_blocks[0]
+    }
+    return figures(np.concatenate([block[stage] for block in samples])) | {"spread": spread}
+
+
+def share_of_host(samples: list[Samples], stage: str) -> dict[str, float]:
+    shares = np.concatenate([block[stage] / block["host"] for block in samples])
+    share, share_p99 = np.percentile(shares, [50, 99])
+    return {"share": float(share), "share_p99": float(share_p99)}
+
+
 def measure(path: Path, blocks: int, repeats: int, folder: Path) -> dict:
-    played = [play(path, repeats, folder / "times.csv") for _ in range(blocks)]
-    samples = [block for block, _ in played]
-    frames = played[0][1]
-    host_ms = np.concatenate([block["host"] for block in samples])
-    stages = {}
-    for stage in samples[0]:
-        of_blocks = [figures(block[stage]) for block in samples]
-        spread = {
-            key: [min(block[key] for block in of_blocks), max(block[key] for block in of_blocks)]
-            for key in of_blocks[0]
-        }
-        stage_ms = np.concatenate([block[stage] for block in samples])
-        share, share_p99 = np.percentile(stage_ms / host_ms, [50, 99])
-        shares = {"share": float(share), "share_p99": float(share_p99)}
-        stages[stage] = figures(stage_ms) | shares | {"spread": spread}
+    times = folder / "times.csv"
+    played = [[play(path, repeats, threads, times) for threads in (1, 2)] for _ in range(blocks)]
+    alone, helped = ([block[k][0] for block in played] for k in (0, 1))
+    frames = played[0][0][1]
+    if any(run != frames for block in played for _, run in block):
+        raise SystemExit(f"bench_host: {path.name}: two threads give other results than one")
     return {
         "frames": len(frames),
         "blocks": blocks,
         "repeats": repeats,
         "nodes": frames[0]["cells"],
         "regions_median": float(np.median([frame["regions"] for frame in frames])),
-        "stages": stages,
+        "stages": {stage: stage_figures(alone, stage) | share_of_host(alone, stage) for stage in alone[0]},
+        "two_threads": {stage: stage_figures(helped, stage) for stage in ("host", "cpu")},
     }
 
 
@@ -189,6 +201,8 @@ def table(name: str, result: dict) -> str:
         row("processor time", stages["cpu"]),
         summary("host, wall", name, stages["host"]),
         summary("host, processor", name, stages["cpu"]),
+        summary("two threads", name, result["two_threads"]["host"]),
+        f"  {'both, processor':16s}{result['two_threads']['cpu']['median_ms']:6.2f} ms",
         f"  {'nodes':16s}{result['nodes']:6d}, target >= {NODES_MIN}",
     ]
     return "\n".join(lines) + "\n"

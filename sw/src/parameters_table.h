@@ -185,6 +185,7 @@ static const struct {
     {{"thin.level_share", "", "Largest share of the line's rows that have something beside it as near as itself: a line on a surface is no thing of its own.", VISTA_PARAMETER_FLOAT, 0.25, 0.0, 1.0, "", 0, NULL}, offsetof(vista_parameters, thin.level_share)},
     {{"thin.length_m", "m", "Shortest line.", VISTA_PARAMETER_FLOAT, 1.5, 0.0, 1000.0, "", 0, NULL}, offsetof(vista_parameters, thin.length_m)},
     {{"thin.height_m", "m", "More than half of a line stands at least this far above the ground.", VISTA_PARAMETER_FLOAT, 0.5, 0.0, 100.0, "", 0, NULL}, offsetof(vista_parameters, thin.height_m)},
+    {{"host.threads", "threads", "With 2, a second thread takes part in every frame; vista_pipeline_destroy ends it.", VISTA_PARAMETER_INT, 1, 1, 2, "", 0, NULL}, offsetof(vista_parameters, host.threads)},
 };
 
 _Static_assert(sizeof(vista_stereo_params) == 256, "stereo may not grow");
@@ -203,5 +204,6 @@ _Static_assert(sizeof(vista_health_params) == 256, "health may not grow");
 _Static_assert(sizeof(vista_words_params) == 256, "words may not grow");
 _Static_assert(sizeof(vista_terrain_params) == 256, "terrain may not grow");
 _Static_assert(sizeof(vista_thin_params) == 256, "thin may not grow");
+_Static_assert(sizeof(vista_host_params) == 256, "host may not grow");
 
 #endif

@@ -7,6 +7,7 @@
 #include "common/clock.h"
 #include "common/frame.h"
 #include "common/image_noise.h"
+#include "common/team.h"
 #include "pipeline_stages.h"
 #include "stages/affinity.h"
 #include "stages/blind_zone.h"
@@ -56,6 +57,7 @@ typedef enum stage {
 } stage;
 
 struct vista_pipeline {
+  vista_team team;
   vista_parameters parameters;
   vista_camera camera;
   vista_matched_area matched; /* by the engine, with the levels of the last frame */
@@ -79,7 +81,7 @@ struct vista_pipeline {
   vista_obstacle_map *map;
   vista_region_verdict *verdicts; /* a region */
   vista_views views;
-  double stage_ms[STAGE_COUNT];
+  double stage_ms[STAGE_COUNT], host_ms;
 };
 
 static const char *const stage_names[STAGE_COUNT] = {
@@ -121,6 +123,9 @@ static vista_status layout(vista_pipeline *p, vista_arena *arena) {
   vista_status status = vista_foveation_layout(&p->foveation, arena, &q->foveation, c->width_px, c->height_px,
                                                0.5 * (c->width_px - 1), 0.5 * (c->height_px - 1));
   if (status != VISTA_OK) return status;
+  status = vista_team_layout(q->host.threads, arena, &p->team);
+  if (status != VISTA_OK) return status;
+  p->words.team = p->cells.team = p->regions.team = p->refinement.team = &p->team;
   p->detections = vista_arena_take(arena, MAX_DETECTIONS, sizeof(vista_detection));
   p->verdicts = vista_arena_take(arena, (size_t)p->foveation.max_nodes, sizeof(vista_region_verdict));
   const vista_status statuses[] = {
@@ -189,8 +194,9 @@ vista_status vista_pipeline_create(void *memory, size_t bytes, const vista_param
   p->parameters = own_parameters(parameters);
   p->camera = *camera;
   p->matched = matched_area(&p->parameters.stereo, 1);
-  const vista_status laid = layout(p, &arena);
-  if (laid != VISTA_OK) return laid;
+  vista_status made = layout(p, &arena);
+  if (made == VISTA_OK) made = vista_team_start(&p->team);
+  if (made != VISTA_OK) return made;
   p->views = (vista_views){.width_px = camera->width_px,
                            .height_px = camera->height_px,
                            .cell_count = p->foveation.node_count,
@@ -203,6 +209,10 @@ vista_status vista_pipeline_create(void *memory, size_t bytes, const vista_param
                            .words = p->words.image.data};
   *pipeline = p;
   return VISTA_OK;
+}
+
+void vista_pipeline_destroy(vista_pipeline *pipeline) {
+  if (pipeline != NULL) vista_team_stop(&pipeline->team);
 }
 
 void vista_pipeline_reset(vista_pipeline *pipeline) {
@@ -361,17 +371,62 @@ static vista_status run_stage(vista_pipeline *p, stage stage, passage *way) {
   return VISTA_ERROR_RANGE;
 }
 
-static vista_status run_stages(vista_pipeline *p, passage *way) {
+#define LANES 2
+#define LANE_STAGES 4
+
+/* What is done one after the other; STAGE_MOTION ends a lane that is not full, as no lane but the first has it. */
+typedef struct lane {
+  stage stages[LANE_STAGES];
+} lane;
+
+/* Lanes of one step do not touch what the other one writes, so two threads may do them at once. Stages that may be
+ * alone in their step share their own work. */
+static const lane schedule[][LANES] = {
+    {{{STAGE_MOTION, STAGE_NOISE, STAGE_WORDS, STAGE_FOVEATION}}},
+    {{{STAGE_SURFACE}}, {{STAGE_AFFINITY, STAGE_HEALTH}}},
+    {{{STAGE_SEGMENTATION}}, {{STAGE_THIN, STAGE_BLIND_ZONE, STAGE_TERRAIN}}},
+    {{{STAGE_REFINEMENT, STAGE_REGIONS}}},
+    {{{STAGE_RECONSTRUCTION, STAGE_TRACKING, STAGE_MAP}}, {{STAGE_PATH_VIEW, STAGE_FOOTING}}},
+};
+
+typedef struct work {
+  vista_pipeline *pipeline;
+  passage *way;
+  const lane *lanes;
+  vista_status statuses[LANES];
   double stage_ms[STAGE_COUNT];
+} work;
+
+static void run_lane(void *context, int32_t part, int32_t worker) {
+  (void)worker;
+  work *const w = context;
+  const stage *const stages = w->lanes[part].stages;
   double last_ms = vista_clock_ms();
-  for (int k = 0; k < STAGE_COUNT; ++k) {
-    const vista_status status = run_stage(p, (stage)k, way);
-    if (status != VISTA_OK) return status;
+  w->statuses[part] = VISTA_OK;
+  for (int k = 0; k < LANE_STAGES && w->statuses[part] == VISTA_OK; ++k) {
+    if (stages[k] == STAGE_MOTION && stages != schedule[0][0].stages) return;
+    w->statuses[part] = run_stage(w->pipeline, stages[k], w->way);
     const double now_ms = vista_clock_ms();
-    stage_ms[k] = now_ms - last_ms;
+    w->stage_ms[stages[k]] = now_ms - last_ms;
     last_ms = now_ms;
   }
-  memcpy(p->stage_ms, stage_ms, sizeof stage_ms);
+}
+
+static vista_status run_stages(vista_pipeline *p, passage *way) {
+  work w = {.pipeline = p, .way = way};
+  const double start_ms = vista_clock_ms();
+  for (size_t k = 0; k < sizeof schedule / sizeof schedule[0]; ++k) {
+    w.lanes = schedule[k];
+    const int32_t lanes = w.lanes[1].stages[0] == STAGE_MOTION ? 1 : LANES;
+    if (lanes == 1)
+      run_lane(&w, 0, 0); /* its stages may share */
+    else
+      vista_team_share(&p->team, run_lane, &w, lanes);
+    const vista_status status = first_error(w.statuses, lanes);
+    if (status != VISTA_OK) return status;
+  }
+  p->host_ms = vista_clock_ms() - start_ms;
+  memcpy(p->stage_ms, w.stage_ms, sizeof p->stage_ms);
   p->motion_state = way->motion_state;
   p->views.region_count = p->regions.count;
   for (int32_t k = 0; k < p->regions.count; ++k) p->verdicts[k] = p->regions.items[k].verdict;
@@ -401,10 +456,10 @@ vista_status vista_pipeline_process_sized(vista_pipeline *pipeline, const vista_
                     .dropped_tracks = vista_tracker_dropped(p->tracker) - way.dropped_before,
                     .stage_count = STAGE_COUNT,
                     .stage_ms = p->stage_ms,
+                    .host_ms = p->host_ms,
                     .views = &p->views,
                     .path_seen_m = way.path_seen_m};
   r.obstacles = vista_obstacle_map_obstacles(p->map, &r.obstacle_count);
-  for (int k = 0; k < STAGE_COUNT; ++k) r.host_ms += p->stage_ms[k];
   memset(result, 0, result_bytes);
   memcpy(result, &r, result_bytes < sizeof r ? result_bytes : sizeof r);
   return VISTA_OK;

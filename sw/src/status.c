@@ -15,6 +15,7 @@ static const entry table[] = {
     [VISTA_ERROR_CAPACITY] = {"VISTA_ERROR_CAPACITY", "a fixed-size table is full"},
     [VISTA_ERROR_OVERFLOW] = {"VISTA_ERROR_OVERFLOW", "a sum of capacities overflows"},
     [VISTA_ERROR_ORDER] = {"VISTA_ERROR_ORDER", "timestamps do not increase"},
+    [VISTA_ERROR_THREAD] = {"VISTA_ERROR_THREAD", "the system gives no second thread"},
 };
 
 static const entry unknown = {"VISTA_ERROR_UNKNOWN", "unknown status"};

@@ -111,7 +111,7 @@ def test_fields_of_the_result(flight: list[dict]) -> None:
     assert r.stage_count == lib.vista_stage_count()
     stage_ms = [r.stage_ms[stage] for stage in range(r.stage_count)]
     assert all(t >= 0.0 for t in stage_ms)
-    assert r.host_ms == pytest.approx(sum(stage_ms))
+    assert sum(stage_ms) <= r.host_ms + 1e-6  # and the looks at the clock
     accepted = sum(verdict == lib.VISTA_REGION_ACCEPTED for verdict in flight[0]["regions"])
     assert r.accepted_count == accepted == 1
     names = [ffi.string(lib.vista_stage_name(stage)).decode() for stage in range(r.stage_count)]

@@ -133,6 +133,7 @@ def test_run_after_run_the_same_bytes(recording: Path) -> None:
     first = replay(recording)
     assert replay(recording).stdout == first.stdout
     assert replay(recording, "--repeat", 3).stdout == first.stdout
+    assert replay(recording, "--threads", 2).stdout == first.stdout
     head = "".join(first.stdout.splitlines(keepends=True)[:2])
     assert replay(recording, "--frames", 2).stdout == head
     assert replay("--frames", 1000, recording).stdout == first.stdout
@@ -149,7 +150,7 @@ def test_times_of_every_frame(tmp_path: Path, recording: Path) -> None:
     for row in rows:
         *stages, host_ms, cpu_ms = map(float, row.split(","))
         assert min(stages) >= 0.0 and cpu_ms >= 0.0
-        assert host_ms == pytest.approx(sum(stages), abs=1e-5)
+        assert sum(stages) <= host_ms + 1e-4  # and the looks at the clock
 
 
 # ---- memory ----

@@ -111,6 +111,7 @@ int main(void) {
     status = vista_pipeline_process(pipeline, &frame, &result);
     if (status == VISTA_OK) print_frame(i, &result);
   }
+  vista_pipeline_destroy(pipeline);
   free(memory);
   free(scratch);
   if (status != VISTA_OK) return fprintf(stderr, "flight: %s\n", vista_status_text(status)), EXIT_FAILURE;

@@ -276,6 +276,12 @@ typedef struct vista_thin_params {
   unsigned char reserved[112];
 } vista_thin_params;
 
+/* How the host works; no result depends on it. */
+typedef struct vista_host_params {
+  int32_t threads; /* With 2, a second thread takes part in every frame; vista_pipeline_destroy ends it. 1 .. 2 threads. */
+  unsigned char reserved[252];
+} vista_host_params;
+
 /* All parameters. vista_parameters_default makes the struct; change its members afterwards. A newer library
  * keeps its new parameters behind those of this header and in the reserved parts, and fills them in there. */
 typedef struct vista_parameters {
@@ -296,6 +302,7 @@ typedef struct vista_parameters {
   vista_words_params words;
   vista_terrain_params terrain;
   vista_thin_params thin;
+  vista_host_params host;
 } vista_parameters;
 
 /* Writes the defaults into a struct of this size. VISTA_ERROR_SIZE: it is no size of this struct. */

@@ -3,7 +3,8 @@
  * The caller provides all memory: vista_pipeline_bytes says how much vista_pipeline_create needs. Processing a frame
  * allocates nothing, keeps no pointer into the frame, and gives the same result for the same frames every time. A
  * pipeline is used by one thread at a time; any number of pipelines may run at once. In memory on large pages a frame
- * takes some 4 % less time.
+ * takes some 4 % less time. With host.threads = 2 a pipeline has a thread of its own that helps with each frame and
+ * sleeps between them; the results are the same.
  *
  * vista_parameters, vista_frame, vista_result, vista_views and vista_obstacle may get more members at their end. The
  * library is told how large the caller's are, or says how large its own are, so that a program built with an older
@@ -63,7 +64,7 @@ typedef struct vista_result {
   int64_t dropped_tracks; /* tracks, new ones included, that were dropped in this frame because the table was full */
   int32_t stage_count; /* the same as vista_stage_count() */
   const double *stage_ms; /* stage_count numbers: the time of each stage */
-  double host_ms; /* the time of all stages */
+  double host_ms; /* the time of the frame: of all stages together, or less where two threads work at once */
   const vista_views *views;
   double path_seen_m; /* how far the flight path is seen: beyond, no obstacle does not mean free space */
 } vista_result;
@@ -93,9 +94,14 @@ VISTA_API vista_status vista_pipeline_bytes(const vista_parameters *parameters, 
  * - VISTA_ERROR_RANGE: a parameter or a number of the camera is out of range.
  * - VISTA_ERROR_SIZE: images of this size are not handled.
  * - VISTA_ERROR_NUMBER: a number of the camera is not finite.
- * - VISTA_ERROR_MEMORY: there are too few bytes. */
+ * - VISTA_ERROR_MEMORY: there are too few bytes.
+ * - VISTA_ERROR_THREAD: the system gives no second thread (host.threads). */
 VISTA_API vista_status vista_pipeline_create(void *memory, size_t bytes, const vista_parameters *parameters,
                                              const vista_camera *camera, vista_pipeline **pipeline);
+
+/* Ends the second thread, if there is one: with host.threads = 2 it is called before the memory is given back or used
+ * for something else, and without it need not be. The pipeline is gone then. Null is allowed. */
+VISTA_API void vista_pipeline_destroy(vista_pipeline *pipeline);
 
 /* Forgets tracks, velocity and time, as is needed between sequences. Ids go on counting. */
 VISTA_API void vista_pipeline_reset(vista_pipeline *pipeline);

@@ -16,7 +16,8 @@ typedef enum vista_status {
   VISTA_ERROR_NUMBER,   /* a NaN or an infinity where a finite number is required */
   VISTA_ERROR_CAPACITY, /* more items than the fixed capacity of a table */
   VISTA_ERROR_OVERFLOW, /* sums of capacities exceed their integer type */
-  VISTA_ERROR_ORDER     /* timestamps that do not increase */
+  VISTA_ERROR_ORDER,    /* timestamps that do not increase */
+  VISTA_ERROR_THREAD    /* the system gives no second thread */
 } vista_status;
 
 /* The name of a status, such as "VISTA_ERROR_SIZE"; never null. */

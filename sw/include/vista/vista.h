@@ -10,6 +10,7 @@
  *     vista_frame frame = {.image = ..., .disparity = ..., .pose = ..., .t_ns = ...};
  *     vista_result result;
  *     vista_pipeline_process(pipeline, &frame, &result);
+ *   vista_pipeline_destroy(pipeline);
  *
  * Functions that can fail return a vista_status. Nothing is allocated, printed or kept in global state. */
 #ifndef VISTA_VISTA_H

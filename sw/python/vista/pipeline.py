@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import weakref
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -103,7 +104,7 @@ class Result:
     regions: int
     valid_fraction: float
     dropped_tracks: int  #: in this frame, for want of room
-    stage_ms: dict[str, float]  #: of each stage in the order of the chain, and their sum "host"
+    stage_ms: dict[str, float]  #: of each stage in the order of the chain, and of the frame: "host"
     cell_of_pixel: NDArray[np.int32]  #: (height, width): the cell under each pixel
     cell_intensity: NDArray[np.float32]  #: (cells,)
     cell_disparity_px: NDArray[np.float32]  #: (cells,); negative: none
@@ -115,6 +116,11 @@ class Result:
 
 class PipelineError(ValueError):
     """A status of libvista that is not VISTA_OK; the text is the library's."""
+
+
+def _destroy(lib: Any, pipeline: Any, memory: Any) -> None:
+    lib.vista_pipeline_destroy(pipeline)
+    del memory
 
 
 class Pipeline:
@@ -138,6 +144,8 @@ class Pipeline:
             self._lib.vista_pipeline_create(self._memory, size[0], self._parameters, self._c_camera, handle)
         )
         self._pipeline = handle[0]
+        # A second thread works in this memory, so it ends before that is given back.
+        weakref.finalize(self, _destroy, self._lib, self._pipeline, self._memory)
         self._result = self._ffi.new("vista_result *")
         self._cell_of_pixel: NDArray[np.int32] | None = None
 

@@ -315,7 +315,9 @@ vista_status vista_cells_layout(vista_cells *cells, vista_arena *arena, const vi
   const size_t pixels = (size_t)foveation->width_px * (size_t)foveation->height_px;
   cells->words = vista_arena_take(arena, pixels + VISTA_WORD_BLOCK, sizeof(int16_t));
   cells->greys = vista_arena_take(arena, pixels + VISTA_WORD_BLOCK, sizeof(uint8_t));
-  cells->of_cell = vista_arena_take(arena, (size_t)foveation->max_footprint_px + VISTA_MEDIAN_LANES, sizeof(int16_t));
+  for (int k = 0; k < VISTA_MOST_WORKERS; ++k)
+    cells->of_cell[k] =
+        vista_arena_take(arena, (size_t)foveation->max_footprint_px + VISTA_MEDIAN_LANES, sizeof(int16_t));
   return arena->base != NULL && arena->used > arena->size ? VISTA_ERROR_MEMORY : VISTA_OK;
 }
 
@@ -331,22 +333,31 @@ static inline void copy_block(const int16_t *word, const uint8_t *grey, int32_t 
   }
 }
 
+/* Some cells, one after the other. */
+typedef struct span {
+  int32_t first, end;
+} span;
+
 /* Words and grey levels, cell by cell. Runs are copied in whole blocks, mostly one: the next run overwrites what is too
- * much. */
+ * much, and the last ones of the span are copied as they are. */
 VISTA_WIDE_VECTORS static void list_pixels_of(const vista_foveation *f, const vista_image *image,
-                                              const vista_disparity_image *disparity, vista_cells *cells) {
+                                              const vista_disparity_image *disparity, span nodes, vista_cells *cells) {
   const ptrdiff_t image_stride = image->stride, disparity_stride = disparity->stride;
   const int32_t width = f->width_px;
-  int16_t *words = cells->words;
-  uint8_t *greys = cells->greys;
-  const vista_run *const end = f->runs + f->first_run[f->node_count];
-  for (const vista_run *run = f->runs; run < end; ++run) {
+  int16_t *words = cells->words + f->first_pixel[nodes.first];
+  uint8_t *greys = cells->greys + f->first_pixel[nodes.first];
+  const uint8_t *const last = cells->greys + f->first_pixel[nodes.end] - VISTA_WORD_BLOCK;
+  const vista_run *const end = f->runs + f->first_run[nodes.end];
+  for (const vista_run *run = f->runs + f->first_run[nodes.first]; run < end; ++run) {
     const int32_t length = run->length_px;
     const int16_t *const word = disparity->data + run->v_px * disparity_stride + run->u_px;
     const uint8_t *const grey = image->data + run->v_px * image_stride + run->u_px;
-    copy_block(word, grey, width - run->u_px, words, greys);
-    for (int32_t i = VISTA_WORD_BLOCK; i < length; i += VISTA_WORD_BLOCK)
-      copy_block(word + i, grey + i, width - run->u_px - i, words + i, greys + i);
+    int32_t room = greys <= last ? width - run->u_px : length;
+    copy_block(word, grey, room, words, greys);
+    for (int32_t i = VISTA_WORD_BLOCK; i < length; i += VISTA_WORD_BLOCK) {
+      room = greys + i <= last ? width - run->u_px - i : length - i;
+      copy_block(word + i, grey + i, room, words + i, greys + i);
+    }
     words += length;
     greys += length;
   }
@@ -387,6 +398,44 @@ static void set_disparity(const vista_foveation_params *params, const vista_word
   cells->disparity_px[node] = enough ? (float)median->word / VISTA_DISPARITY_SCALE : -1.0f;
 }
 
+typedef struct job {
+  const vista_foveation *foveation;
+  const vista_foveation_params *params;
+  const vista_image *image;
+  const vista_disparity_image *disparity;
+  vista_cells *cells;
+} job;
+
+static void foveate_cell(const job *j, int32_t node, int16_t *of_cell) {
+  const vista_foveation *const f = j->foveation;
+  vista_cells *const cells = j->cells;
+  const bool point = node >= 1 && node <= f->point_count;
+  const int32_t first = f->first_pixel[node], count = f->pixel_count[node];
+  if (point) {
+    int16_t words[4];
+    sample_point(f, j->image, j->disparity, node, cells, words);
+    const vista_words_median median = vista_median_of_four(words);
+    set_disparity(j->params, &median, 4, node, cells);
+    cells->range[node] = vista_range_of_words(cells->words + first, count);
+  } else {
+    cells->intensity[node] = mean_of(cells->greys + first, count);
+    const vista_words_median median = vista_median_word(cells->words + first, count, of_cell);
+    set_disparity(j->params, &median, count, node, cells);
+    cells->range[node] = median.range;
+  }
+}
+
+#define PARTS 16
+
+/* The last cells are the largest, so they come first. */
+static void foveate_part(void *context, int32_t part, int32_t worker) {
+  const job *const j = context;
+  const int32_t count = j->foveation->node_count, k = PARTS - 1 - part;
+  const span nodes = {count * k / PARTS, count * (k + 1) / PARTS};
+  list_pixels_of(j->foveation, j->image, j->disparity, nodes, j->cells);
+  for (int32_t node = nodes.first; node < nodes.end; ++node) foveate_cell(j, node, j->cells->of_cell[worker]);
+}
+
 vista_status vista_foveate(const vista_foveation *foveation, const vista_foveation_params *params,
                            const vista_image *image, const vista_disparity_image *disparity, vista_cells *cells) {
   if (foveation == NULL || params == NULL || image == NULL || disparity == NULL || cells == NULL)
@@ -395,22 +444,7 @@ vista_status vista_foveate(const vista_foveation *foveation, const vista_foveati
   if (status == VISTA_OK) status = vista_frame_check_image(image, foveation->width_px, foveation->height_px);
   if (status == VISTA_OK) status = vista_frame_check_disparity(disparity, foveation->width_px, foveation->height_px);
   if (status != VISTA_OK) return status;
-  list_pixels_of(foveation, image, disparity, cells);
-  for (int32_t node = 0; node < foveation->node_count; ++node) {
-    const bool point = node >= 1 && node <= foveation->point_count;
-    const int32_t first = foveation->first_pixel[node], count = foveation->pixel_count[node];
-    if (point) {
-      int16_t words[4];
-      sample_point(foveation, image, disparity, node, cells, words);
-      const vista_words_median median = vista_median_of_four(words);
-      set_disparity(params, &median, 4, node, cells);
-      cells->range[node] = vista_range_of_words(cells->words + first, count);
-    } else {
-      cells->intensity[node] = mean_of(cells->greys + first, count);
-      const vista_words_median median = vista_median_word(cells->words + first, count, cells->of_cell);
-      set_disparity(params, &median, count, node, cells);
-      cells->range[node] = median.range;
-    }
-  }
+  job j = {foveation, params, image, disparity, cells};
+  vista_team_share(cells->team, foveate_part, &j, PARTS);
   return VISTA_OK;
 }

@@ -15,6 +15,7 @@
 #include "common/arena.h"
 #include "common/graph.h"
 #include "common/median.h"
+#include "common/team.h"
 #include "vista/parameters.h"
 #include "vista/status.h"
 #include "vista/types.h"
@@ -58,7 +59,8 @@ typedef struct vista_cells {
   vista_word_range *range; /* of the words of the cell's own pixels */
   int16_t *words; /* the engine words as foveation->first_pixel lists pixels, and VISTA_WORD_BLOCK more */
   uint8_t *greys; /* the grey levels, listed the same way */
-  int16_t *of_cell; /* scratch: the words of one cell */
+  int16_t *of_cell[VISTA_MOST_WORKERS]; /* scratch: the words of one cell */
+  vista_team *team; /* null: the calling thread alone */
 } vista_cells;
 
 /* Whether images of this size are handled: 16 to 8192 pixels a side. */

@@ -96,12 +96,19 @@ static inline void try_candidate(const vista_refinement_params *params, const ca
   }
 }
 
-/* The pixels of a cell, as the foveation lists them: at (us, vs), with these grey levels. All arrays have room for whole
+/* The pixels of a cell, as the foveation lists them: at (us, vs), with these grey levels and words. All arrays have room for whole
  * vectors: what they hold beyond the last pixel is of no matter. */
+typedef struct cell_pixels {
+  const int16_t *us, *vs;
+  const uint8_t *greys;
+  const int16_t *words;
+} cell_pixels;
+
 VISTA_WIDE_VECTORS static void solve(const vista_refinement_params *params, const candidate *candidates,
-                                     int32_t candidate_count, const int16_t *us, const int16_t *vs, float center_u,
-                                     float center_v, const uint8_t *greys, const int16_t *words, int32_t pixel_count,
-                                     int32_t *label) {
+                                     int32_t candidate_count, const cell_pixels *pixels, float center_u, float center_v,
+                                     int32_t pixel_count, int32_t *label) {
+  const int16_t *const us = pixels->us, *const vs = pixels->vs, *const words = pixels->words;
+  const uint8_t *const greys = pixels->greys;
   batch b;
   for (int32_t first = 0; first < pixel_count; first += BATCH) {
     const int32_t left = pixel_count - first < BATCH ? pixel_count - first : BATCH, count = whole_vectors(left);
@@ -121,13 +128,27 @@ VISTA_WIDE_VECTORS static void solve(const vista_refinement_params *params, cons
 
 #define DRAWN 16 /* pixels at once */
 
-/* Every pixel, row by row: as its cell, or as it is listed where the cell has a border. Runs are drawn in whole vectors:
- * the next one overwrites what is too much. */
-VISTA_WIDE_VECTORS static void draw(const vista_foveation *f, const int32_t *restrict label,
-                                    const uint8_t *restrict border, const int32_t *restrict listed,
-                                    int32_t *restrict out) {
-  const int32_t run_count = f->first_run[f->node_count], pixels = f->width_px * f->height_px;
-  for (int32_t r = 0, p = 0; r < run_count; ++r) {
+/* The run that pixel `p` belongs to, of the runs row by row. */
+static int32_t run_at(const vista_foveation *f, int32_t p) {
+  int32_t low = 0, high = f->first_run[f->node_count];
+  while (low < high) {
+    const int32_t middle = low + (high - low) / 2;
+    if (f->end_in_rows[middle] > p)
+      high = middle;
+    else
+      low = middle + 1;
+  }
+  return low;
+}
+
+/* Every pixel of some rows: as its cell, or as it is listed where the cell has a border. Runs are drawn in whole
+ * vectors: the next one overwrites what is too much. */
+VISTA_WIDE_VECTORS static void draw(const vista_foveation *f, int32_t first_row, int32_t end_row,
+                                    const int32_t *restrict label, const uint8_t *restrict border,
+                                    const int32_t *restrict listed, int32_t *restrict out) {
+  const int32_t pixels = end_row * f->width_px;
+  int32_t p = first_row * f->width_px;
+  for (int32_t r = run_at(f, p); p < pixels; ++r) {
     const int32_t end = f->end_in_rows[r], node = f->node_in_rows[r], drawn = label[node];
     if (border[node]) {
       const int32_t *from = listed + f->listed_in_rows[r];
@@ -142,26 +163,72 @@ VISTA_WIDE_VECTORS static void draw(const vista_foveation *f, const int32_t *res
   }
 }
 
+typedef struct job {
+  const vista_foveation *foveation;
+  const vista_refinement_params *params;
+  const vista_cells *cells;
+  const int32_t *label;
+  vista_refinement *refinement;
+} job;
+
+#define PARTS 16
+
+/* The same where the list has no room for whole vectors: what is behind the part's last cell is another thread's. */
+static void solve_last(const vista_refinement_params *params, const candidate *candidates, int32_t candidate_count,
+                       const cell_pixels *pixels, float center_u, float center_v, int32_t pixel_count, int32_t *label) {
+  int32_t found[BATCH];
+  for (int32_t i = 0; i < pixel_count; i += BATCH) {
+    const int32_t count = pixel_count - i < BATCH ? pixel_count - i : BATCH;
+    const cell_pixels some = {pixels->us + i, pixels->vs + i, pixels->greys + i, pixels->words + i};
+    solve(params, candidates, candidate_count, &some, center_u, center_v, count, found);
+    memcpy(label + i, found, (size_t)count * sizeof *found);
+  }
+}
+
+static void solve_part(void *context, int32_t part, int32_t worker) {
+  (void)worker;
+  const job *const j = context;
+  const vista_foveation *const f = j->foveation;
+  const uint8_t *const border = j->refinement->border;
+  int32_t *const listed = j->refinement->listed;
+  const int32_t k = PARTS - 1 - part; /* the last cells are the largest, so they come first */
+  const int32_t first_node = f->node_count * k / PARTS, end_node = f->node_count * (k + 1) / PARTS;
+  for (int32_t node = first_node; node < end_node; ++node) {
+    if (!border[node]) continue;
+    const int32_t first = f->first_pixel[node];
+    if (node <= f->point_count) {
+      for (int32_t p = first; p < f->first_pixel[node + 1]; ++p) listed[p] = j->label[node];
+      continue;
+    }
+    candidate candidates[MAX_CANDIDATES];
+    const int32_t count = list_candidates(f, j->params, j->cells, j->label, border, node, candidates);
+    const int32_t pixels = f->pixel_count[node], room = f->first_pixel[end_node] - first;
+    const float u = f->center_u[node], v = f->center_v[node];
+    const cell_pixels all = {f->pixel_u + first, f->pixel_v + first, j->cells->greys + first, j->cells->words + first};
+    if (whole_vectors(pixels) <= room)
+      solve(j->params, candidates, count, &all, u, v, pixels, listed + first);
+    else
+      solve_last(j->params, candidates, count, &all, u, v, pixels, listed + first);
+  }
+}
+
+static void draw_part(void *context, int32_t part, int32_t worker) {
+  (void)worker;
+  const job *const j = context;
+  const int32_t height = j->foveation->height_px;
+  draw(j->foveation, height * part / PARTS, height * (part + 1) / PARTS, j->label, j->refinement->border,
+       j->refinement->listed, j->refinement->label);
+}
+
 vista_status vista_refine(const vista_foveation *foveation, const vista_refinement_params *params,
                           const vista_cells *cells, const int32_t *label, vista_refinement *refinement) {
   if (foveation == NULL || params == NULL || cells == NULL || label == NULL || refinement == NULL)
     return VISTA_ERROR_ARGUMENT;
-  const vista_foveation *const f = foveation;
   const vista_status status = VISTA_CHECK_SECTION(refinement, params);
   if (status != VISTA_OK) return status;
-  mark_borders(&f->graph, label, refinement->border);
-  for (int32_t node = 0; node < f->node_count; ++node) {
-    if (!refinement->border[node]) continue;
-    if (node <= f->point_count) {
-      for (int32_t p = f->first_pixel[node]; p < f->first_pixel[node + 1]; ++p) refinement->listed[p] = label[node];
-      continue;
-    }
-    candidate candidates[MAX_CANDIDATES];
-    const int32_t count = list_candidates(f, params, cells, label, refinement->border, node, candidates);
-    const int32_t first = f->first_pixel[node];
-    solve(params, candidates, count, f->pixel_u + first, f->pixel_v + first, f->center_u[node], f->center_v[node],
-          cells->greys + first, cells->words + first, f->pixel_count[node], refinement->listed + first);
-  }
-  draw(f, label, refinement->border, refinement->listed, refinement->label);
+  mark_borders(&foveation->graph, label, refinement->border);
+  job j = {foveation, params, cells, label, refinement};
+  vista_team_share(refinement->team, solve_part, &j, PARTS);
+  vista_team_share(refinement->team, draw_part, &j, PARTS);
   return VISTA_OK;
 }

@@ -13,6 +13,7 @@
 #include <stdint.h>
 
 #include "common/arena.h"
+#include "common/team.h"
 #include "stages/foveation.h"
 #include "vista/parameters.h"
 #include "vista/status.h"
@@ -23,6 +24,7 @@ typedef struct vista_refinement {
   uint8_t *border;  /* node_count: next to a cell of another region; elsewhere pixels have their cell's region */
   /* Of cells with a border: region of each pixel as foveation->first_pixel lists them, and VISTA_WORD_BLOCK more. */
   int32_t *listed;
+  vista_team *team; /* null: the calling thread alone */
 } vista_refinement;
 
 vista_status vista_refinement_layout(vista_refinement *refinement, vista_arena *arena,

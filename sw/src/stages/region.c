@@ -37,9 +37,11 @@ vista_status vista_regions_layout(vista_regions *regions, vista_arena *arena, co
   regions->boundary = vista_arena_take(arena, nodes, sizeof(uint8_t));
   regions->own = vista_arena_take(arena, nodes, sizeof(uint8_t));
   regions->depth_px = vista_arena_take(arena, nodes, sizeof(float));
-  regions->pixels = vista_arena_take(
-      arena, (size_t)foveation->width_px * (size_t)foveation->height_px + VISTA_WORD_BLOCK, sizeof(int16_t));
-  regions->bins = vista_arena_take(arena, 2 * VISTA_ALL_WORDS, sizeof(uint32_t));
+  for (int32_t k = 0; k < vista_team_workers(regions->team); ++k) {
+    regions->pixels[k] = vista_arena_take(
+        arena, (size_t)foveation->width_px * (size_t)foveation->height_px + VISTA_WORD_BLOCK, sizeof(int16_t));
+    regions->bins[k] = vista_arena_take(arena, 2 * VISTA_ALL_WORDS, sizeof(uint32_t));
+  }
   return arena->base != NULL && arena->used > arena->size ? VISTA_ERROR_MEMORY : VISTA_OK;
 }
 
@@ -161,6 +163,63 @@ static vista_region_verdict measure_outline(vista_region_view *w, const vista_ca
   return measure_own_pixels(w, camera, &surface, region);
 }
 
+typedef struct job {
+  const vista_foveation *foveation;
+  const vista_region_params *params;
+  const vista_camera *camera;
+  const double *up_camera;
+  double horizontal_deg;
+  const vista_matched_area *matched;
+  const vista_disparity_image *disparity;
+  const vista_cells *cells;
+  const vista_surfaces *surfaces;
+  const vista_segmentation *segmentation;
+  const vista_refinement *refinement;
+  vista_regions *regions;
+} job;
+
+static void prepare_part(void *context, int32_t part, int32_t worker) {
+  (void)worker;
+  const job *const j = context;
+  if (part == 0)
+    mark_boundary(j->foveation, j->segmentation->label, j->params->boundary_px, j->regions);
+  else
+    group_members(j->foveation, j->segmentation->label, j->regions);
+}
+
+/* The regions of the rest, of which some are the largest by far, are the last: they come first. */
+static void judge_part(void *context, int32_t part, int32_t worker) {
+  const job *const j = context;
+  vista_regions *const regions = j->regions;
+  const int32_t k = regions->count - 1 - part;
+  const int32_t first = regions->first_member[k], count = regions->first_member[k + 1] - first;
+  vista_region_view w = {j->foveation,
+                         j->params,
+                         j->disparity,
+                         j->cells,
+                         j->surfaces,
+                         j->refinement->listed,
+                         regions->boundary,
+                         j->refinement->border,
+                         regions->bins[worker],
+                         regions->own + first,
+                         regions->pixels[worker],
+                         regions->members + first,
+                         count,
+                         0.0};
+  vista_region *const region = &regions->items[k];
+  *region = empty_region(k, count);
+  if (count == 0)
+    region->verdict = VISTA_REGION_UNKNOWN;
+  else {
+    const bool seeded = k < j->segmentation->obstacle_count;
+    region->verdict = measure(&w, j->camera, j->up_camera, j->horizontal_deg, seeded, region);
+    if (!seeded && (region->verdict == VISTA_REGION_UNKNOWN || region->verdict == VISTA_REGION_TOO_FEW_PIXELS))
+      region->verdict = measure_outline(&w, j->camera, j->up_camera, j->matched, j->segmentation->label, region);
+  }
+  if (region->verdict == VISTA_REGION_ACCEPTED) find_foot(j->surfaces, j->camera, region);
+}
+
 vista_status vista_regions_compute(const vista_foveation *foveation, const vista_region_params *params,
                                    const vista_camera *camera, const double up_camera[3], double horizontal_deg,
                                    const vista_matched_area *matched, const vista_disparity_image *disparity,
@@ -178,36 +237,11 @@ vista_status vista_regions_compute(const vista_foveation *foveation, const vista
   if (status != VISTA_OK) return status;
   regions->count = segmentation->region_count;
   regions->accepted_count = 0;
-  mark_boundary(foveation, segmentation->label, params->boundary_px, regions);
-  group_members(foveation, segmentation->label, regions);
-  for (int32_t k = 0; k < regions->count; ++k) {
-    const int32_t first = regions->first_member[k], count = regions->first_member[k + 1] - first;
-    vista_region_view w = {foveation,
-                           params,
-                           disparity,
-                           cells,
-                           surfaces,
-                           refinement->listed,
-                           regions->boundary,
-                           refinement->border,
-                           regions->bins,
-                           regions->own,
-                           regions->pixels,
-                           regions->members + first,
-                           count,
-                           0.0};
-    vista_region *const region = &regions->items[k];
-    *region = empty_region(k, count);
-    if (count == 0)
-      region->verdict = VISTA_REGION_UNKNOWN;
-    else {
-      const bool seeded = k < segmentation->obstacle_count;
-      region->verdict = measure(&w, camera, up_camera, horizontal_deg, seeded, region);
-      if (!seeded && (region->verdict == VISTA_REGION_UNKNOWN || region->verdict == VISTA_REGION_TOO_FEW_PIXELS))
-        region->verdict = measure_outline(&w, camera, up_camera, matched, segmentation->label, region);
-    }
-    if (region->verdict == VISTA_REGION_ACCEPTED) find_foot(surfaces, camera, region);
-    regions->accepted_count += region->verdict == VISTA_REGION_ACCEPTED;
-  }
+  job j = {foveation, params, camera,   up_camera,    horizontal_deg, matched,
+           disparity, cells,  surfaces, segmentation, refinement,     regions};
+  vista_team_share(regions->team, prepare_part, &j, 2);
+  vista_team_share(regions->team, judge_part, &j, regions->count);
+  for (int32_t k = 0; k < regions->count; ++k)
+    regions->accepted_count += regions->items[k].verdict == VISTA_REGION_ACCEPTED;
   return VISTA_OK;
 }

@@ -27,6 +27,7 @@
 
 #include "common/arena.h"
 #include "common/matched_area.h"
+#include "common/team.h"
 #include "stages/foveation.h"
 #include "stages/refinement.h"
 #include "stages/segmentation.h"
@@ -92,11 +93,13 @@ typedef struct vista_regions {
   int32_t *queue;    /* scratch, node_count: breadth first from the boundary */
   uint8_t *boundary; /* scratch, node_count */
   float *depth_px;   /* scratch, node_count: distance from the boundary, where that is within reach */
-  uint8_t *own;      /* scratch, a member of one region: which of its pixels are the region's own */
-  uint32_t *bins;    /* scratch: two histograms of engine words */
-  int16_t *pixels;   /* scratch: a number for each pixel of one region */
+  uint8_t *own;      /* scratch, a member: which of its pixels are its region's own */
+  uint32_t *bins[VISTA_MOST_WORKERS];  /* scratch: two histograms of engine words */
+  int16_t *pixels[VISTA_MOST_WORKERS]; /* scratch: a number for each pixel of one region */
+  vista_team *team; /* null: the calling thread alone; set before the layout */
 } vista_regions;
 
+/* regions: zeroed, but for the team. */
 vista_status vista_regions_layout(vista_regions *regions, vista_arena *arena, const vista_foveation *foveation);
 
 /* up_camera: unit vector against gravity in camera coordinates. cells: of these disparities. */

@@ -19,27 +19,37 @@ int32_t vista_words_side_px(int32_t side_px, int32_t level) {
   return side_px;
 }
 
+/* For levels up to this size. */
+static void take_scratch(vista_arena *arena, int32_t width_px, int32_t height_px, vista_words_scratch *w) {
+  const size_t width = (size_t)width_px, pixels = width * (size_t)height_px;
+  w->row = vista_arena_take(arena, width + 2, sizeof(int16_t));
+  for (size_t i = 0; i < sizeof w->spread / sizeof w->spread[0]; ++i)
+    w->spread[i] = vista_arena_take(arena, width, sizeof(int16_t));
+  for (size_t i = 0; i < sizeof w->flags / sizeof w->flags[0]; ++i)
+    w->flags[i] = vista_arena_take(arena, width + 64, sizeof(uint8_t));
+  for (size_t i = 0; i < sizeof w->bits / sizeof w->bits[0]; ++i)
+    w->bits[i] = vista_arena_take(arena, width / 64 + 2, sizeof(uint64_t));
+  w->parent = vista_arena_take(arena, pixels, sizeof(int32_t));
+  w->first = vista_arena_take(arena, pixels, sizeof(uint16_t));
+  w->last = vista_arena_take(arena, pixels, sizeof(uint16_t));
+  w->first_run = vista_arena_take(arena, (size_t)height_px + 1, sizeof(int32_t));
+}
+
 vista_status vista_words_layout(vista_words *words, vista_arena *arena, int32_t width_px, int32_t height_px) {
   if (words == NULL || arena == NULL) return VISTA_ERROR_ARGUMENT;
   if (width_px < 1 || height_px < 1 || width_px > UINT16_MAX || height_px > UINT16_MAX) return VISTA_ERROR_SIZE;
-  const size_t width = (size_t)width_px, pixels = width * (size_t)height_px;
   for (int32_t k = 0; k < VISTA_MAX_LEVELS; ++k) {
     words->width_px[k] = vista_words_side_px(width_px, k);
     words->height_px[k] = vista_words_side_px(height_px, k);
     words->levels[k] =
         vista_arena_take(arena, (size_t)words->width_px[k] * (size_t)words->height_px[k], sizeof(int16_t));
   }
-  const size_t flags = sizeof words->flags / sizeof words->flags[0];
-  words->row = vista_arena_take(arena, width + 2, sizeof(int16_t));
-  for (size_t i = 0; i < sizeof words->spread / sizeof words->spread[0]; ++i)
-    words->spread[i] = vista_arena_take(arena, width, sizeof(int16_t));
-  for (size_t i = 0; i < flags; ++i) words->flags[i] = vista_arena_take(arena, width + 64, sizeof(uint8_t));
-  for (size_t i = 0; i < sizeof words->bits / sizeof words->bits[0]; ++i)
-    words->bits[i] = vista_arena_take(arena, width / 64 + 2, sizeof(uint64_t));
-  words->parent = vista_arena_take(arena, pixels, sizeof(int32_t));
-  words->first = vista_arena_take(arena, pixels, sizeof(uint16_t));
-  words->last = vista_arena_take(arena, pixels, sizeof(uint16_t));
-  words->first_run = vista_arena_take(arena, (size_t)height_px + 1, sizeof(int32_t));
+  for (int k = 0; k < VISTA_MOST_WORKERS; ++k)
+    words->merged[k] = vista_arena_take(arena, (size_t)width_px + 2, sizeof(int16_t));
+  take_scratch(arena, width_px, height_px, &words->scratch[0]);
+  words->scratch[1] = words->scratch[0];
+  if (vista_team_workers(words->team) > 1)
+    take_scratch(arena, words->width_px[1], words->height_px[1], &words->scratch[1]);
   words->image = (vista_disparity_image){words->levels[0], width_px, height_px, width_px};
   return arena->base != NULL && arena->used > arena->size ? VISTA_ERROR_MEMORY : VISTA_OK;
 }
@@ -159,7 +169,7 @@ static void join(int32_t *parent, int32_t a, int32_t b) {
 
 /* Joins the runs from `here` on with those of the row above that they touch: once for each stretch over which both go
  * on. */
-static void join_rows(vista_words *w, int32_t above, int32_t here, const uint64_t *linked_above, const uint64_t *linked,
+static void join_rows(vista_words_scratch *w, int32_t above, int32_t here, const uint64_t *linked_above, const uint64_t *linked,
                       const uint64_t *up, int32_t count) {
   uint64_t left = 0; /* whether the last pixel before these is like the one above it */
   for (int32_t i = 0; i < count; ++i) {
@@ -189,7 +199,7 @@ static int32_t needed_px(const smallest *needed, const int16_t *row, int32_t fir
   return px > needed->far_px ? (int32_t)ceil(px) : needed->far_px;
 }
 
-static void drop_small_runs(vista_words *w, int32_t width, int32_t height, const smallest *needed, int16_t *words) {
+static void drop_small_runs(vista_words_scratch *w, int32_t width, int32_t height, const smallest *needed, int16_t *words) {
   for (int32_t v = 0; v < height; ++v) {
     int16_t *const row = words + (ptrdiff_t)v * width;
     for (int32_t r = w->first_run[v]; r < w->first_run[v + 1]; ++r) {
@@ -206,7 +216,7 @@ static void drop_small_runs(vista_words *w, int32_t width, int32_t height, const
 
 /* Copies a level and drops the words of small clusters. */
 static void filter_clusters(const vista_disparity_image *in, const smallest *needed, int32_t gap_px, int16_t largest,
-                            vista_words *w, int16_t *out) {
+                            vista_words_scratch *w, int16_t *out) {
   const int32_t width = in->width_px, height = in->height_px, count = (width + 63) / 64;
   for (int i = 0; i < 3; ++i)
     for (int32_t u = width; u < 64 * count; ++u) w->flags[i][u] = 0; /* left by a wider level */
@@ -260,7 +270,7 @@ VISTA_WIDE_VECTORS static void drop_row(uint8_t *const counts[2 * REACH + 1], in
 }
 
 /* Keeps the words that lie among at least `needed` words in the 5x5 around them. */
-static void filter_support(int32_t width, int32_t height, int32_t needed, vista_words *w, int16_t *words) {
+static void filter_support(int32_t width, int32_t height, int32_t needed, vista_words_scratch *w, int16_t *words) {
   uint8_t *const valid = w->flags[2 * REACH + 1];
   for (int32_t u = 0; u < width + 2 * REACH; ++u) valid[u] = 0;
   for (int i = 0; i < 2 * REACH + 1; ++i)
@@ -295,15 +305,16 @@ VISTA_WIDE_VECTORS static void merge_row(const int16_t *restrict coarse, int16_t
   }
 }
 
-/* The finer level takes what the coarser one has to say. */
-static void merge(const vista_words_params *params, int32_t finer, int16_t beyond, vista_words *w) {
+/* Some rows of the finer level take what the coarser one has to say. row: of its width and two more. */
+static void merge_rows(const vista_words_params *params, int32_t finer, int16_t beyond, const vista_words *w,
+                       int32_t first, int32_t end, int16_t *row) {
   const int32_t coarse = finer + 1, width = w->width_px[finer], coarse_width = w->width_px[coarse];
   const double limit = 2.0 * params->contradiction_px * VISTA_DISPARITY_SCALE;
-  for (int32_t v = 0; v < w->height_px[finer]; ++v) {
+  for (int32_t v = first; v < end; ++v) {
     const int32_t nearest = (v + 1) / 2 < w->height_px[coarse] ? (v + 1) / 2 : w->height_px[coarse] - 1;
-    if (v == 0 || v % 2 == 1)
-      widen_row(w->levels[coarse] + (ptrdiff_t)nearest * coarse_width, coarse_width, beyond, width, w->row);
-    merge_row(w->row + 1, (int16_t)limit, width, w->levels[finer] + (ptrdiff_t)v * width);
+    if (v == first || v % 2 == 1)
+      widen_row(w->levels[coarse] + (ptrdiff_t)nearest * coarse_width, coarse_width, beyond, width, row);
+    merge_row(row + 1, (int16_t)limit, width, w->levels[finer] + (ptrdiff_t)v * width);
   }
 }
 
@@ -315,6 +326,55 @@ static smallest smallest_of(const vista_words_params *params, double baseline_m)
                     params->cluster_far_disparity_px * VISTA_DISPARITY_SCALE, params->cluster_m2 * px_per_m * px_per_m};
 }
 
+typedef struct job {
+  const vista_words_params *params;
+  const vista_disparity_image *disparity, *coarser;
+  int32_t levels, num_disparities;
+  smallest cluster;
+  vista_words *words;
+} job;
+
+static void filter(const job *j, int32_t level, vista_words_scratch *scratch) {
+  const vista_disparity_image *const in = level == 0 ? j->disparity : &j->coarser[level - 1];
+  filter_clusters(in, &j->cluster, j->params->gap_px, (int16_t)(INT16_MAX >> level), scratch, j->words->levels[level]);
+}
+
+/* Words of the next coarser level that are larger fill a level. */
+static int16_t fills_beyond(const job *j, int32_t finer) {
+  const int32_t largest = (j->num_disparities - 1) * VISTA_DISPARITY_SCALE; /* of level 0 */
+  return (int16_t)(finer < j->params->filling_levels ? -1 : largest >> (finer + 1));
+}
+
+/* Part 0 is level 0, part 1 all the others, the coarsest first. */
+static void filter_part(void *context, int32_t part, int32_t worker) {
+  (void)worker;
+  const job *const j = context;
+  vista_words *const w = j->words;
+  if (part == 0) {
+    filter(j, 0, &w->scratch[0]);
+    return;
+  }
+  const int32_t needed = (int32_t)ceil(j->params->support * (2 * REACH + 1) * (2 * REACH + 1) - 1e-9);
+  for (int32_t k = j->levels - 1; k > 0; --k) {
+    filter(j, k, &w->scratch[1]);
+    filter_support(w->width_px[k], w->height_px[k], needed, &w->scratch[1], w->levels[k]);
+    if (k < j->levels - 1) merge_rows(j->params, k, fills_beyond(j, k), w, 0, w->height_px[k], w->scratch[1].row);
+  }
+}
+
+#define MERGED_ROWS 32 /* of level 0 a part */
+
+static void finish_part(void *context, int32_t part, int32_t worker) {
+  const job *const j = context;
+  vista_words *const w = j->words;
+  const int32_t first = MERGED_ROWS * part, left = w->height_px[0] - first;
+  const int32_t end = first + (left < MERGED_ROWS ? left : MERGED_ROWS);
+  if (j->levels > 1) merge_rows(j->params, 0, fills_beyond(j, 0), w, first, end, w->merged[worker]);
+  int16_t *const words = w->levels[0] + (ptrdiff_t)first * w->width_px[0];
+  for (int32_t i = 0, count = (end - first) * w->width_px[0]; i < count; ++i)
+    words[i] = words[i] < 0 ? VISTA_DISPARITY_INVALID : words[i];
+}
+
 vista_status vista_words_combine(const vista_words_params *params, double baseline_m, int32_t num_disparities,
                                  const vista_disparity_image *disparity,
                                  const vista_disparity_image coarser[VISTA_COARSER_LEVELS], vista_words *words) {
@@ -324,17 +384,8 @@ vista_status vista_words_combine(const vista_words_params *params, double baseli
   if (status == VISTA_OK) status = vista_words_count_levels(words, disparity, coarser, &levels);
   if (status == VISTA_OK && !(baseline_m > 0.0)) status = VISTA_ERROR_RANGE;
   if (status != VISTA_OK) return status;
-  const smallest cluster = smallest_of(params, baseline_m);
-  const int32_t needed = (int32_t)ceil(params->support * (2 * REACH + 1) * (2 * REACH + 1) - 1e-9);
-  for (int32_t k = levels - 1; k >= 0; --k) {
-    const vista_disparity_image *const in = k == 0 ? disparity : &coarser[k - 1];
-    filter_clusters(in, &cluster, params->gap_px, (int16_t)(INT16_MAX >> k), words, words->levels[k]);
-    if (k > 0) filter_support(words->width_px[k], words->height_px[k], needed, words, words->levels[k]);
-    const int32_t largest = (num_disparities - 1) * VISTA_DISPARITY_SCALE; /* of level 0 */
-    if (k < levels - 1) merge(params, k, (int16_t)(k < params->filling_levels ? -1 : largest >> (k + 1)), words);
-  }
-  const size_t pixels = (size_t)words->width_px[0] * (size_t)words->height_px[0];
-  int16_t *const all = words->levels[0];
-  for (size_t i = 0; i < pixels; ++i) all[i] = all[i] < 0 ? VISTA_DISPARITY_INVALID : all[i];
+  job j = {params, disparity, coarser, levels, num_disparities, smallest_of(params, baseline_m), words};
+  vista_team_share(words->team, filter_part, &j, 2);
+  vista_team_share(words->team, finish_part, &j, (words->height_px[0] + MERGED_ROWS - 1) / MERGED_ROWS);
   return VISTA_OK;
 }

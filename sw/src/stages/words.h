@@ -25,28 +25,37 @@
 #include <stdint.h>
 
 #include "common/arena.h"
+#include "common/team.h"
 #include "vista/parameters.h"
 #include "vista/status.h"
 #include "vista/types.h"
 
 #define VISTA_MAX_LEVELS 4 /* 1 + VISTA_COARSER_LEVELS */
 
+/* Of one level after the other. */
+typedef struct vista_words_scratch {
+  int16_t *row;       /* of the level's width and some more */
+  int16_t *spread[3]; /* of its width each */
+  uint8_t *flags[6];
+  uint64_t *bits[4];
+  int32_t *parent; /* a run of words */
+  uint16_t *first, *last;
+  int32_t *first_run; /* a row and one more */
+} vista_words_scratch;
+
 typedef struct vista_words {
   vista_disparity_image image; /* of all levels together, what the other stages work on */
   int32_t width_px[VISTA_MAX_LEVELS], height_px[VISTA_MAX_LEVELS]; /* of each level */
   int16_t *levels[VISTA_MAX_LEVELS]; /* height * width */
-  int16_t *row;                      /* scratch: of width_px[0] and some more */
-  int16_t *spread[3];                /* scratch, width_px[0] each */
-  uint8_t *flags[6];
-  uint64_t *bits[4];
-  int32_t *parent;                   /* scratch, a run of words */
-  uint16_t *first, *last;
-  int32_t *first_run;                /* scratch, a row and one more */
+  vista_words_scratch scratch[VISTA_MOST_WORKERS]; /* of level 0, and of the coarser ones */
+  int16_t *merged[VISTA_MOST_WORKERS]; /* scratch: of width_px[0] and two more */
+  vista_team *team; /* null: the calling thread alone; set before the layout */
 } vista_words;
 
 /* Side of a level, of this side at level 0: halved and rounded up `level` times. */
 int32_t vista_words_side_px(int32_t side_px, int32_t level);
 
+/* words: zeroed, but for the team. */
 vista_status vista_words_layout(vista_words *words, vista_arena *arena, int32_t width_px, int32_t height_px);
 
 /* How many levels a frame has: the first without data ends them. VISTA_ERROR_ARGUMENT: level 0 is missing, or one
