@@ -162,6 +162,10 @@ static bool about_to_enter(const vista_obstacle_map_params *params, const vista_
   return vista_flight_path_near_disc(path, &soon, params->collision_radius_m);
 }
 
+/* A frame without a detection does not take back what was seen to move, nor do those in which nothing is matched where
+ * it is. After more of them its velocity is a guess. */
+static bool motion_is_seen(const vista_track *track) { return !track->edges_only && track->misses <= 1; }
+
 /* Without a detection: the last ellipse, moved to the predicted centre and scaled with the range. */
 static vista_ellipse ellipse_of(const vista_track *track, const double measurement_px[3], double depth_m) {
   vista_ellipse ellipse = track->ellipse;
@@ -207,10 +211,11 @@ static bool obstacle_of(const vista_obstacle_map_params *params, const vista_cam
   const bool undetected = (track->coasting || track->followed) && track->parts == 0;
   obstacle->in_collision_volume = track->credible && members >= (track->hits > 1 ? 2 : 1);
   const bool own_pixels = !undetected && !track->edges_only; /* tell whether it is a member; else its disc does */
-  if (!track->credible || own_pixels == obstacle->in_collision_volume) return true;
+  if (!track->credible || (own_pixels && obstacle->in_collision_volume)) return true;
   const vista_disc disc = disc_of(params, camera, pose, track, covariance_px2, camera_m[2]);
-  obstacle->in_collision_volume = own_pixels ? about_to_enter(params, path, track, &disc)
-                                             : vista_flight_path_near_disc(path, &disc, params->collision_radius_m);
+  obstacle->in_collision_volume = obstacle->in_collision_volume
+                                      ? vista_flight_path_near_disc(path, &disc, params->collision_radius_m)
+                                      : motion_is_seen(track) && about_to_enter(params, path, track, &disc);
   return true;
 }
 
