@@ -500,6 +500,9 @@ def headline_table() -> str:
     engine, build = figures("engine")["engine"], figures("synthesis")["builds"][0]
     headline, isa = engine["headline"], engine["isa"]
     host = {name: one["stages"]["host"]["median_ms"] for name, one in figures("host")["sequences"].items()}
+    helped = {
+        name: one["two_threads"]["host"]["median_ms"] for name, one in figures("host")["sequences"].items()
+    }
     lidar = figures("lidar")["halves"]["test"]
     pairs = {key: found["value"] for key, found in lidar["detectors"]["as configured"]["measures"].items()}
     pixels_s = build["clock_mhz"] * 1e6
@@ -518,8 +521,9 @@ def headline_table() -> str:
         ],
         [
             "host on a street, one core",
-            f"{host['street']:.0f} ms a frame of 1226x370, {host['street 640x480']:.0f} ms of 640x480 "
-            "(the paper: 100 to 200 ms)",
+            f"{host['street']:.0f} ms a frame of 1226x370, {host['street 640x480']:.0f} ms of 640x480; with "
+            f"a second thread {helped['street']:.0f} and {helped['street 640x480']:.0f} ms (the paper: 100 "
+            "to 200 ms)",
             "host",
         ],
         [

@@ -33,6 +33,7 @@ vista_status vista_regions_layout(vista_regions *regions, vista_arena *arena, co
   regions->items = vista_arena_take(arena, nodes, sizeof(vista_region));
   regions->first_member = vista_arena_take(arena, nodes + 1, sizeof(int32_t));
   regions->members = vista_arena_take(arena, nodes, sizeof(int32_t));
+  regions->order = vista_arena_take(arena, nodes, sizeof(int32_t));
   regions->queue = vista_arena_take(arena, nodes, sizeof(int32_t));
   regions->boundary = vista_arena_take(arena, nodes, sizeof(uint8_t));
   regions->own = vista_arena_take(arena, nodes, sizeof(uint8_t));
@@ -187,11 +188,27 @@ static void prepare_part(void *context, int32_t part, int32_t worker) {
     group_members(j->foveation, j->segmentation->label, j->regions);
 }
 
-/* The regions of the rest, of which some are the largest by far, are the last: they come first. */
+#define SIZES 32 /* powers of two */
+
+static int32_t size_of(const vista_regions *regions, int32_t k) {
+  const int32_t count = regions->first_member[k + 1] - regions->first_member[k];
+  int32_t size = 0;
+  while (count >> size > 1) ++size;
+  return size;
+}
+
+/* By falling size, so that no thread begins a large region when there is nothing left for the other one. */
+static void order_by_size(vista_regions *regions) {
+  int32_t places[SIZES + 1] = {0};
+  for (int32_t k = 0; k < regions->count; ++k) places[SIZES - size_of(regions, k)]++;
+  for (int32_t size = 0; size < SIZES; ++size) places[size + 1] += places[size];
+  for (int32_t k = regions->count - 1; k >= 0; --k) regions->order[--places[SIZES - size_of(regions, k)]] = k;
+}
+
 static void judge_part(void *context, int32_t part, int32_t worker) {
   const job *const j = context;
   vista_regions *const regions = j->regions;
-  const int32_t k = regions->count - 1 - part;
+  const int32_t k = regions->order[part];
   const int32_t first = regions->first_member[k], count = regions->first_member[k + 1] - first;
   vista_region_view w = {j->foveation,
                          j->params,
@@ -240,6 +257,7 @@ vista_status vista_regions_compute(const vista_foveation *foveation, const vista
   job j = {foveation, params, camera,   up_camera,    horizontal_deg, matched,
            disparity, cells,  surfaces, segmentation, refinement,     regions};
   vista_team_share(regions->team, prepare_part, &j, 2);
+  order_by_size(regions);
   vista_team_share(regions->team, judge_part, &j, regions->count);
   for (int32_t k = 0; k < regions->count; ++k)
     regions->accepted_count += regions->items[k].verdict == VISTA_REGION_ACCEPTED;

@@ -90,6 +90,7 @@ typedef struct vista_regions {
   int32_t accepted_count;
   int32_t *first_member; /* scratch: nodes of region k are members[first_member[k] .. first_member[k + 1]) */
   int32_t *members;
+  int32_t *order;    /* scratch: the regions, large ones first */
   int32_t *queue;    /* scratch, node_count: breadth first from the boundary */
   uint8_t *boundary; /* scratch, node_count */
   float *depth_px;   /* scratch, node_count: distance from the boundary, where that is within reach */

@@ -169,8 +169,8 @@ static void join(int32_t *parent, int32_t a, int32_t b) {
 
 /* Joins the runs from `here` on with those of the row above that they touch: once for each stretch over which both go
  * on. */
-static void join_rows(vista_words_scratch *w, int32_t above, int32_t here, const uint64_t *linked_above, const uint64_t *linked,
-                      const uint64_t *up, int32_t count) {
+static void join_rows(vista_words_scratch *w, int32_t above, int32_t here, const uint64_t *linked_above,
+                      const uint64_t *linked, const uint64_t *up, int32_t count) {
   uint64_t left = 0; /* whether the last pixel before these is like the one above it */
   for (int32_t i = 0; i < count; ++i) {
     const uint64_t before = up[i] << 1 | left;
@@ -199,7 +199,8 @@ static int32_t needed_px(const smallest *needed, const int16_t *row, int32_t fir
   return px > needed->far_px ? (int32_t)ceil(px) : needed->far_px;
 }
 
-static void drop_small_runs(vista_words_scratch *w, int32_t width, int32_t height, const smallest *needed, int16_t *words) {
+static void drop_small_runs(vista_words_scratch *w, int32_t width, int32_t height, const smallest *needed,
+                            int16_t *words) {
   for (int32_t v = 0; v < height; ++v) {
     int16_t *const row = words + (ptrdiff_t)v * width;
     for (int32_t r = w->first_run[v]; r < w->first_run[v + 1]; ++r) {
