@@ -222,7 +222,7 @@ def test_what_moves_across_is_a_member_before_it_is_there(
 
 
 def test_errors_that_last_add_to_the_covariance() -> None:
-    """Along the ray by disparity and depth, across it by pixels and a share of what the width has more than
+    """Along the ray by disparity, depth and the place of the foot, across it by pixels and a share of what the width has more than
     twice the height, both by the scatter of the detections; camera turned."""
     turn = Rotation.from_euler("xyz", [4, -7, 3], degrees=True).as_matrix()
     lasting = {
@@ -233,10 +233,12 @@ def test_errors_that_last_add_to_the_covariance() -> None:
         "lasting_scatter": 0.5,
     }
     mapper, point = Map(**lasting), np.array([3.0, -2.0, 40.0])
-    seen = track(turn @ point, sigma_m=0.1, extent=(3.0, 1.0), scatter_px2=[36.0, 16.0, 0.04])
+    seen = track(
+        turn @ point, sigma_m=0.1, extent=(3.0, 1.0), scatter_px2=[36.0, 16.0, 0.04], foot_sigma_m=0.7
+    )
     assert mapper.update([seen], FORWARD, pose((0, 0, 0), turn)) == "VISTA_OK"
     ray = point / point[2]
-    along2 = (40.0**2 / (FOCAL * BASELINE)) ** 2 * (0.2**2 + 0.1**2) + 0.3**2
+    along2 = (40.0**2 / (FOCAL * BASELINE)) ** 2 * (0.2**2 + 0.1**2) + 0.3**2 + 0.7**2
     across = 0.04**2 * np.array([5.0**2 + 3.0**2, 5.0**2 + 2.0**2, 0.0]) + [0.2**2, 0.0, 0.0]
     expected = 0.01 * np.eye(3) + along2 * np.outer(ray, ray) + np.diag(across)
     covariance = np.array(list(mapper.obstacles[0].covariance_m2)).reshape(3, 3)

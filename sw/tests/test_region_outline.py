@@ -87,6 +87,7 @@ def test_a_plain_wall_before_a_plain_sky_is_an_obstacle() -> None:
     region = region_at(regions, labels, where)
     assert verdict(region) == "ACCEPTED" and region.plain
     assert region.disparity_px == pytest.approx(SCALE / RANGE_M, abs=0.2)
+    assert region.foot_sigma_px == 0.0  # boundary_px is 0
     v, u = np.nonzero(where)
     assert (region.mean_u_px, region.mean_v_px) == pytest.approx((u.mean(), v.mean()), abs=5)
     assert region.pixel_count == pytest.approx(u.size, rel=0.15)
@@ -119,6 +120,24 @@ def test_a_plain_wall_may_stand_at_an_angle(degrees: int) -> None:
     assert (
         np.abs(error_px).max() < 0.08 * SCALE / RANGE_M
     )  # 8 % of the range; facing, it would be 20 and more
+
+
+def test_the_foot_is_taken_to_be_half_a_block_below_where_words_of_the_ground_end() -> None:
+    """They reach up into the wall. The true foot is anywhere from there to half a block lower."""
+    owner, disparity = landscape()
+    where = box((-2.5, 2.5), (0.0, 4.0))
+    put_plain(owner, disparity, where)
+    reached = where & np.roll(~where & (owner == GROUND), -BLOCK_PX, axis=0)
+    disparity[reached] = SCALE / RANGE_M
+    found = []
+    for boundary_px in (0, BLOCK_PX):
+        _, regions, labels = regions_of(owner, disparity, 12, **{"region.boundary_px": boundary_px})
+        found.append(region_at(regions, labels, where))
+        assert verdict(found[-1]) == "ACCEPTED" and found[-1].plain
+    slope_px = CAMERA.baseline_m / GROUND_M  # of the ground's disparity, a row
+    assert found[0].disparity_px < SCALE / RANGE_M < found[1].disparity_px
+    assert found[1].disparity_px == pytest.approx(SCALE / RANGE_M, abs=BLOCK_PX * slope_px / np.sqrt(3))
+    assert found[1].foot_sigma_px == pytest.approx(BLOCK_PX * slope_px / np.sqrt(3), rel=0.1)
 
 
 @pytest.mark.parametrize("side", [-1, 1])

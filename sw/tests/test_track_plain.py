@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 from track_library import Tracker, seen_at
 
 DT, POINT, EXTENT = 0.1, np.array([0.0, 0.0, 30.0]), (16.0, 9.0)
@@ -25,6 +26,17 @@ def test_edges_do_not_say_whether_a_plain_track_is_in_the_volume() -> None:
     assert edge.hits == 10 and edge.plain and edge.edges_only and edge.volume_window == 0b111111
     again = updated(tracker, 10, 1, POINT, plain=True, volume_pixels=0)
     assert not again.edges_only and again.volume_window == 0b1111110
+
+
+def test_the_range_is_as_uncertain_as_the_foot_that_told_it_last() -> None:
+    """While the foot is out of view, the error stays what it was in metres."""
+    tracker = Tracker()
+    disparity_px = seen_at(POINT)["disparity_px"]
+    whole = updated(tracker, 0, 6, POINT, plain=True, foot_sigma_px=0.3)
+    told_m = POINT[2] * 0.3 / disparity_px
+    assert whole.foot_sigma_m == pytest.approx(told_m)
+    assert updated(tracker, 6, 4, EDGE).foot_sigma_m == pytest.approx(told_m)
+    assert updated(tracker, 10, 1, POINT, plain=True, foot_sigma_px=0.1).foot_sigma_m < 0.5 * told_m
 
 
 def test_other_tracks_are_judged_by_every_hit() -> None:

@@ -104,7 +104,7 @@ static void steady_covariance(const vista_track *track, const vista_pose *pose, 
   vista_frame_propagate(in_world, from, covariance_m2);
 }
 
-/* Of the errors that last: along the ray by disparity and depth, across it by pixels and a share of the half extent. */
+/* Of the errors that last: along the ray by disparity and depth, and by the foot of what is told by its outline, across it by pixels and a share of the half extent. */
 static void lasting_covariance(const vista_obstacle_map_params *params, const vista_camera *camera,
                                const vista_pose *pose, const vista_track *track, const double camera_m[3],
                                double covariance_m2[9]) {
@@ -112,7 +112,8 @@ static void lasting_covariance(const vista_obstacle_map_params *params, const vi
   const double share = vista_square(params->lasting_scatter);
   const double disparity_px = sqrt(vista_square(params->lasting_disparity_px) + share * excess_px2(track, 2) +
                                    fmax(track->lasting_px2[2], 0.0));
-  const double range_m = hypot(z * z / fb * disparity_px, params->lasting_range_m + thickness_m(params, track));
+  const double own_m = hypot(z * z / fb * disparity_px, params->lasting_range_m + thickness_m(params, track));
+  const double range_m = hypot(own_m, track->foot_sigma_m);
   const double ray[3] = {camera_m[0] / z, camera_m[1] / z, 1.0};
   double in_camera[9];
   for (int i = 0; i < 3; ++i)

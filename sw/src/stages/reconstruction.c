@@ -45,6 +45,7 @@ static vista_status reconstruct(const vista_region *region, const vista_camera *
   vista_detection result = {
       .label = region->label,
       .plain = region->plain,
+      .foot_sigma_px = region->foot_sigma_px,
       .volume_pixels = region->volume_pixels,
       .foot_seen = region->foot_seen,
       .foot_share = region->foot_share,

@@ -19,7 +19,8 @@
 
 typedef struct vista_detection {
   int32_t label; /* of the region */
-  bool plain;    /* that is told by its outline alone */
+  bool plain;    /* that is told by its outline alone, */
+  double foot_sigma_px; /* and its disparity by that of its foot, which is off by this in each frame */
   double u_px, v_px, disparity_px;
   double sigma_u_px, sigma_v_px, sigma_disparity_px; /* standard deviations, independent of one another */
   double position_camera_m[3];

@@ -51,7 +51,8 @@ typedef struct vista_region_evidence {
 typedef struct vista_region {
   int32_t label;
   vista_region_verdict verdict;
-  bool plain; /* no disparity inside: a surface that faces the camera at the disparity of its outline */
+  bool plain; /* no disparity inside: the upright surface that its outline tells */
+  double foot_sigma_px; /* of the disparity of a plain one, by where its foot is: the same in each frame */
   int32_t node_count;
   int32_t pixel_count; /* own pixels, see above; like their moments measured only if the boundary passed its tests */
   int32_t volume_pixels; /* on the surface and in the collision volume (collision_volume.h) */

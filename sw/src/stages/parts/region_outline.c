@@ -9,6 +9,7 @@
 #define SIDE_BINS 32 /* of the height of the left and the right edge, and of the width of foot and top */
 #define EDGE_BINS 8  /* at least of an edge: less of it may be chance */
 #define POINTS_MIN 6 /* on one line of the plan: fewer do not tell a slope from noise */
+#define SQRT_3 1.7320508075688772 /* what is anywhere from 0 to a is off a by a / sqrt(3) */
 #define SUNK_MAX 0.1 /* of its area, below the foot: cells are coarse */
 #define INNER_BLOCKS 4.0 /* in boundary_px: what is smaller is for the most part filled with the words around it */
 
@@ -265,6 +266,7 @@ bool vista_region_owns_outline(vista_region_view *w, const vista_camera *camera,
   region->slope_u = surface->slope_u;
   region->slope_v = surface->slope_v;
   region->disparity_sigma_px = line.sigma_px;
+  region->foot_sigma_px = fabs(w->surfaces->ground.slope_v) * w->params->boundary_px / SQRT_3;
   region->boundary_inliers = (int32_t)line.weight;
   return true;
 }

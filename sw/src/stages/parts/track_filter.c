@@ -22,6 +22,10 @@ void vista_track_filter_meet(const vista_pose *pose, const vista_detection *dete
   track->met = true;
 }
 
+double vista_track_foot_sigma_m(const vista_detection *detection) {
+  return detection->position_camera_m[2] * detection->foot_sigma_px / detection->disparity_px;
+}
+
 void vista_track_filter_start(const vista_tracker_params *params, const vista_camera *camera, const vista_pose *pose,
                               const vista_detection *detection, vista_track *track) {
   *track = (vista_track){.label = detection->label,
@@ -29,6 +33,7 @@ void vista_track_filter_start(const vista_tracker_params *params, const vista_ca
                          .seen_frames = 1,
                          .window = 1,
                          .plain = detection->plain,
+                         .foot_sigma_m = vista_track_foot_sigma_m(detection),
                          .volume_window = detection->volume_pixels >= params->volume_pixels,
                          .ellipse = detection->ellipse,
                          .ellipse_depth_m = camera->focal_px * camera->baseline_m / detection->disparity_px};

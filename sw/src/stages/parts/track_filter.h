@@ -18,6 +18,9 @@ typedef struct vista_track_view {
   double half_px[2];         /* projected half width, half height */
 } vista_track_view;
 
+/* How far the range of a detection is off where its foot is: 0 unless it is told by its outline. */
+double vista_track_foot_sigma_m(const vista_detection *detection);
+
 /* Takes over where the collision volume meets the thing, as the detection shows it. */
 void vista_track_filter_meet(const vista_pose *pose, const vista_detection *detection, vista_track *track);
 

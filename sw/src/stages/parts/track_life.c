@@ -66,6 +66,7 @@ static void hit(const vista_track_frame *f, const vista_detection *detection, vi
   track->label = detection->label;
   track->edges_only = track->plain && !detection->plain;
   track->plain = track->plain || detection->plain;
+  if (detection->plain) track->foot_sigma_m = vista_track_foot_sigma_m(detection);
   if (!track->edges_only) vista_track_filter_meet(f->pose, detection, track);
   if (!track->edges_only)
     track->volume_window = track->volume_window << 1 | (detection->volume_pixels >= f->params->volume_pixels);
