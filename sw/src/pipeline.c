@@ -19,6 +19,7 @@
 #include "stages/path_view.h"
 #include "stages/reconstruction.h"
 #include "stages/refinement.h"
+#include "stages/row_edges.h"
 #include "stages/segmentation.h"
 #include "stages/surface.h"
 #include "stages/terrain.h"
@@ -316,9 +317,11 @@ static vista_status run_stage(vista_pipeline *p, stage stage, passage *way) {
     case STAGE_REFINEMENT:
       return vista_refine(&p->foveation, &p->refinement_params, &p->cells, p->segmentation.label, &p->refinement);
     case STAGE_REGIONS: {
-      const vista_status status =
+      vista_status status =
           vista_regions_compute(&p->foveation, &q->region, &p->camera, up, q->surface.horizontal_deg, &p->matched,
                                 words, &p->cells, &p->surfaces, &p->segmentation, &p->refinement, &p->regions);
+      if (status == VISTA_OK)
+        status = vista_row_edges_judge(&p->foveation, &q->region, &frame->image, &way->noise, &p->cells, &p->regions);
       if (status != VISTA_OK) return status;
       way->volume = vista_collision_volume_around(&way->path, &way->motion.pose, q->obstacle_map.collision_radius_m,
                                                   q->obstacle_map.outline_px);

@@ -21,6 +21,7 @@ from vista_eval.metrics.flight_score import FlightScore, score_records
 from vista_eval.metrics.frame_truth import FrameTruth, Target, flight_frames
 from vista_eval.metrics.judge import errors
 from vista_eval.metrics.rules import CURVATURE_UNCERTAINTY, PAPER, SPEED_MIN_M_S, STRICT, TURN_MIN_DEG_S
+from vista_eval.worlds.sampled.catalog import FAMILIES
 
 RADIUS_M = 2.0
 AHEAD = np.array([1.0, 0.0, 0.0])
@@ -202,6 +203,22 @@ def test_sway_is_no_turn() -> None:
     for path in true_paths(poses, tuple(round(t * 1e9) for t in times_s)):
         assert path.length_m == pytest.approx(100.0, abs=0.1)
         assert np.abs(path.corners_m[:, 1]).max() < 1.5
+
+
+@pytest.mark.parametrize(("family", "bank_deg"), [("fence", 0.0), ("poles", 0.0), ("road_vehicle", 2.7)])
+def test_beyond_the_last_frame_only_turns_go_on(family: str, bank_deg: float) -> None:
+    """Sampled courses that are blown about: two of them are straight, though over their last two seconds
+    they turn by 2 degrees a second, at 3.4 and 13 m/s; one turns by 3 degrees a second."""
+    course = FAMILIES[family].flight(0, 1).approach
+    assert course.bank_deg == pytest.approx(bank_deg, abs=0.05)
+    states = [course.state_at(k) for k in range(course.frames)]
+    poses = [Pose(disk.LEVEL, state.world_from_body[:3, 3]) for state in states]
+    path = true_paths(poses, tuple(state.t_ns for state in states))[-1]
+    corners_m = path.corners_m - path.corners_m[0]
+    chord = corners_m[-1] / np.linalg.norm(corners_m[-1])
+    off_m = np.linalg.norm(corners_m - np.outer(corners_m @ chord, chord), axis=1).max()
+    assert (path.length_m == pytest.approx(100.0, abs=0.1)) == (bank_deg == 0.0)
+    assert off_m > 1.0 if bank_deg else off_m < 1e-6
 
 
 def test_a_hovering_camera_looks_ahead() -> None:

@@ -77,6 +77,12 @@ class Bench:
                     f, section("region"), s.camera, up, horizontal_deg, *regions
                 ),
             ),
+            "row edges": (
+                "region.min_inliers",
+                lambda: lib.vista_row_edges_judge(
+                    f, section("region"), self.c_image, self.noise, s.cells, s.regions
+                ),
+            ),
             "collision volume": (
                 "region.tolerance_px",
                 lambda: lib.vista_collision_volume_count(
@@ -106,7 +112,7 @@ class Bench:
 
 
 NAMES = list(Bench().calls)
-TAKE_CAMERA = [name for name in NAMES if name not in ("geometry", "foveation", "refinement")]
+TAKE_CAMERA = [name for name in NAMES if name not in ("geometry", "foveation", "refinement", "row edges")]
 TAKE_WORDS = ["foveation", "regions", "collision volume", "blind zone"]
 
 

@@ -144,7 +144,8 @@ typedef struct vista_region_params {
   double odds_unseeded; /* Log-odds added to a region that grew from no disparity of its own. -100.0 .. 100.0 ln odds. */
   double odds_lean; /* Log-odds added by a surface that lies flat, 15 degrees and more beyond surface.horizontal_deg. -100.0 .. 100.0 ln odds. */
   double ground_height_m; /* Pixels of an obstacle whose word is less than this above the ground's plane are the ground at its foot. At most 6 % of the range. 0.0 .. 10.0 m. */
-  unsigned char reserved[80];
+  double row_edge_ratio; /* A region whose grey levels change at least this many times as much from row to row as along the rows is unknown: edges along the rows do not tell their disparity. 1.0 .. 1000.0. */
+  unsigned char reserved[72];
 } vista_region_params;
 
 /* Regions to detections by linear triangulation (paper, section II-D). */

@@ -2,9 +2,12 @@
 
 A straight path is the whole flight's direction of travel. A true one leads through the true positions of the
 frames that follow; beyond the last one it goes on with the speed and the turn rate of the flight's last two
-seconds. It is followed as far as the host follows its own (motion.h): for the length of the collision volume,
-up to where it has left its tangent by the collision radius over the uncertainty of its curvature, and for a
-quarter of a circle at most.
+seconds. A slow aircraft that gusts or its own sway move about seems to turn for a while: the turn goes on
+only if the last second, the last two and the last four agree that there is one, to one side.
+
+It is followed as far as the host follows its own (motion.h): for the length of the collision volume, up to
+where it has left its tangent by the collision radius over the uncertainty of its curvature, and for a quarter
+of a circle at most.
 """
 
 from __future__ import annotations
@@ -21,6 +24,8 @@ from vista_eval.metrics.rules import CURVATURE_UNCERTAINTY, SPEED_MIN_M_S, TURN_
 
 CYLINDER_RADIUS_M, CYLINDER_LENGTH_M = 2.0, 100.0
 LATEST_S = 2.0  # that speed and turn rate beyond the last frame are taken from
+AGREEING_S = (1.0, 2.0, 4.0)  # in all of which, as far as they have been flown, a turn turns
+FEWEST_POSITIONS = 2  # fewer show no turn
 TANGENT_M = 5.0  # flown, over which a path's direction is taken
 SIMPLIFIED_M = 0.01  # that corners left out are beside the path
 
@@ -137,6 +142,7 @@ def true_paths(poses: list[Pose], times_ns: tuple[int, ...]) -> list[Curved]:
 
 def _beyond(positions_m: Array, times_s: Array) -> tuple[Array, Array]:
     """Positions and times after the last frame, for the length of the collision volume; none if it stands."""
+    turns = _turns(positions_m, times_s)
     latest = times_s >= times_s[-1] - LATEST_S
     positions_m, times_s = positions_m[latest], times_s[latest]
     duration_s = float(times_s[-1] - times_s[0])
@@ -144,7 +150,7 @@ def _beyond(positions_m: Array, times_s: Array) -> tuple[Array, Array]:
     if duration_s <= 0.0 or float(np.linalg.norm(travel_m)) < SPEED_MIN_M_S * duration_s:
         return np.zeros((0, 3)), np.zeros(0)
     speed_m_s = float(np.linalg.norm(np.diff(positions_m, axis=0), axis=1).sum()) / duration_s
-    turn_rad_s = _turn_rate(positions_m, times_s)
+    turn_rad_s = _turn_rate(positions_m, times_s) if turns else np.zeros(3)
     direction = travel_m / np.linalg.norm(travel_m)  # that of the middle of the time
     direction = _turned(direction, turn_rad_s * 0.5 * duration_s)
     step_s = min(duration_s / (len(times_s) - 1), 1.0 / speed_m_s)
@@ -154,6 +160,15 @@ def _beyond(positions_m: Array, times_s: Array) -> tuple[Array, Array]:
         position_m = position_m + speed_m_s * step_s * _turned(direction, turn_rad_s * (k + 0.5) * step_s)
         found.append(position_m)
     return np.array(found), times_s[-1] + step_s * np.arange(1, steps + 1)
+
+
+def _turns(positions_m: Array, times_s: Array) -> bool:
+    rates = [
+        _turn_rate(positions_m[latest], times_s[latest])
+        for latest in (times_s >= times_s[-1] - latest_s for latest_s in AGREEING_S)
+        if np.count_nonzero(latest) > FEWEST_POSITIONS
+    ]
+    return all(float(rate @ rates[-1]) > 0.0 for rate in rates)
 
 
 def _turn_rate(positions_m: Array, times_s: Array) -> Array:
