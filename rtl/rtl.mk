@@ -70,7 +70,7 @@ build/python/vista_rtl_abi.py: rtl/sim/vista_rtl.h scripts/make_binding.py | .ve
 build/lib/libvista_rtl_%.so: $(RTL_SOURCES) $(wildcard rtl/csr/*.sv rtl/*.f) $(RTL_HARNESS) $(wildcard rtl/sim/*.h rtl/formal/*.svh) | $(RTL_TOOLS)
 	@echo "verilate $@"; rm -rf build/rtl/engine/$*; mkdir -p $(@D) build/rtl/engine/$*
 	@set -- $(subst _, ,$*); top=vista_stereo; front_end=; side=$$(( ($${3#w} + 15) / 16 + 1 )); \
-	  if [ -n "$$4" ]; then top=vista_raw_stereo; front_end="-GNumRows=$${4#r} -GMaxPoints=$$(( side * side ))"; fi; \
+	  if [ $$# = 4 ]; then top=vista_raw_stereo; front_end="-GNumRows=$${4#r} -GMaxPoints=$$(( side * side ))"; fi; \
 	  $(VERILATOR) --cc --build --quiet -j 1 -O3 --x-assign fast --x-initial unique --assert \
 	  -Wno-fatal -Wno-lint -Werror-USERFATAL -DFORMAL -Irtl/formal --top-module $$top --prefix Vvista_stereo \
 	  --Mdir build/rtl/engine/$* -CFLAGS "-fPIC -O2" -GNumDisparities=$${1#d} -GBlockSize=$${2#b} -GMaxWidth=$${3#w} \

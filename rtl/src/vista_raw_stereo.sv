@@ -80,7 +80,7 @@ module vista_raw_stereo #(
     .BlockSize (BlockSize),
     .MaxWidth  (MaxWidth),
     .NumRows   (NumRows),
-    .MaxPoints (MaxPoints)
+    .MaxPoints (2 ** $clog2(MaxPoints))
   ) u_registers (
     .clk_i,
     .rst_ni,

@@ -28,7 +28,7 @@ class Config:
     block_size: int
     max_width: int = 1024
     rows: int = 0  # of the line buffer of rectification; 0: the core without front end
-    points: int = 64  # control points of a camera
+    points: int = 64  # control points of a camera, a power of two
     coverage: bool = False
     mutants: bool = False  # of scripts/mutate_rtl.py, in place of the core
     waves: bool = "VISTA_WAVES" in os.environ  # written to build/rtl/top/NAME/waves.vcd
@@ -53,7 +53,7 @@ CONFIGS = [
     Config(16, 5), Config(16, 15), Config(16, 21, 256), Config(32, 9), Config(32, 11), Config(48, 7, 256),
     Config(64, 5), Config(64, 11),
 ]  # fmt: skip
-FRONT_END = Config(16, 5, 64, rows=16, points=48)
+FRONT_END = Config(16, 5, 64, rows=16)
 PACES = [Pace(), Pace(300, 300), Pace(50, 20), Pace(700, 100), Pace(5, 5)]
 
 
