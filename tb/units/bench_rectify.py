@@ -99,7 +99,7 @@ def expected(segments):
     return [sent(segment, frame) for segment, frame in begun(segments, MAX_WIDTH)]
 
 
-def random_segments(rng, kinds):
+def random_segments(rng, kinds, images=random_images):
     """Video with the maps that it needs, some bad ones between, and frames that no map fits."""
     segments: list[MapSegment] = []
     newest, starts = None, 0  # size and grids of the map in force
@@ -118,7 +118,7 @@ def random_segments(rng, kinds):
             if loads[-1].verdict == ACCEPTED:
                 newest = height, width, grids
         fits = newest is not None and newest[:2] == (height, width)
-        frames = [beats(*random_images(rng, height, width)) for _ in range(rng.integers(1, 4))]
+        frames = [beats(*images(rng, height, width)) for _ in range(rng.integers(1, 4))]
         if kind == "faulty":
             frames = [broken(frame, width, rng) for frame in frames[:-1]] + frames[-1:]
         segment = MapSegment(
