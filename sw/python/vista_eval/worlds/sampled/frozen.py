@@ -15,7 +15,7 @@ from vista_eval.cache import digest_of
 from vista_eval.render.flight import Flight, content_of, read_marker
 from vista_eval.worlds.sampled.catalog import COUNT, SEED, TEST
 
-FROZEN = Path("doc/results/data/worlds-test-set.json")
+FROZEN = Path("doc/results/worlds-test-set.json")
 
 Digests = dict[str, str]  # content by name of the flight
 
