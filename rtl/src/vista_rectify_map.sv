@@ -146,8 +146,8 @@ module vista_rectify_map #(
   always_ff @(posedge clk_i) begin
     frames_q <= frames;
     settle_q <= {settle_q[Settle-2:0], accepted};
-    old_q <= accepted ? frames
-                      : old_q + CountW'(frame_begin_i & (frame_bank_i != bank_o)) - CountW'(frame_end_i & (old_q != '0));
+    if (accepted) old_q <= frames;
+    else old_q <= old_q + CountW'(frame_begin_i & (frame_bank_i != bank_o)) - CountW'(frame_end_i & (old_q != '0));
     if (!rst_ni) begin
       frames_q <= '0;
       settle_q <= {Settle{keep_i}};  // the bank may have been left just before
