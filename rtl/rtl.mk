@@ -12,6 +12,7 @@ RTL_HARNESS := $(wildcard rtl/sim/*.cpp)
 D ?= 32
 B ?= 11
 W ?= 1024
+R ?= 0
 SOAK_FRAMES ?= 10000
 SOAK_CASES ?= 400
 MUTANTS ?= 50
@@ -46,6 +47,9 @@ lint-rtl: csr-check ## run Verilator -Wall and Verible, and check the generated 
 	@for d in "16 5" "32 11" "48 7" "64 21" "256 15"; do set -- $$d; \
 	  $(VERILATOR) --lint-only --quiet -Wall -GNumDisparities=$$1 -GBlockSize=$$2 --top-module vista_stereo \
 	    rtl/lint/verilator.vlt -f rtl/vista_stereo.f || exit 1; done
+	@for d in "16 5 320" "32 11 1024"; do set -- $$d; \
+	  $(VERILATOR) --lint-only --quiet -Wall -GNumDisparities=$$1 -GBlockSize=$$2 -GMaxWidth=$$3 --top-module vista_raw_stereo \
+	    rtl/lint/verilator.vlt -f rtl/vista_raw_stereo.f || exit 1; done
 	@for top in vista_smooth vista_pyramid vista_rectify; do for w in 32 1024; do \
 	  $(VERILATOR) --lint-only --quiet -Wall -GMaxWidth=$$w --top-module $$top rtl/lint/verilator.vlt \
 	    -f rtl/vista_frontend.f || exit 1; done; done
@@ -56,22 +60,26 @@ lint-rtl: csr-check ## run Verilator -Wall and Verible, and check the generated 
 test-rtl: $(RTL_TOOLS) build systemc-tests lint-rtl ## run lint and all benches of the RTL
 	@$(RTL_PYTHON) -m pytest tb
 
-# The Verilated engine as a library, for `vista run --engine rtl`: one for each set of build parameters.
-rtl-engine: build/lib/libvista_rtl_d$(D)_b$(B)_w$(W).so build/python/vista_rtl_abi.py ## build the Verilated engine for D disparities, block B and frames up to W pixels wide
+# The Verilated engine as a library, for `vista run --engine rtl`: one for each set of build parameters. With R it has the
+# front end, whose map holds the control points of a square frame as wide as the widest.
+rtl-engine: build/lib/libvista_rtl_d$(D)_b$(B)_w$(W)$(if $(filter-out 0,$(R)),_r$(R)).so build/python/vista_rtl_abi.py ## build the Verilated engine for D disparities, block B, frames up to W pixels wide, and R rows of the rectification (0: without front end)
 
 build/python/vista_rtl_abi.py: rtl/sim/vista_rtl.h scripts/make_binding.py | .venv/run.stamp
 	@$(RTL_PYTHON) scripts/make_binding.py vista_rtl_abi $< --out $@
 
 build/lib/libvista_rtl_%.so: $(RTL_SOURCES) $(wildcard rtl/csr/*.sv rtl/*.f) $(RTL_HARNESS) $(wildcard rtl/sim/*.h rtl/formal/*.svh) | $(RTL_TOOLS)
 	@echo "verilate $@"; rm -rf build/rtl/engine/$*; mkdir -p $(@D) build/rtl/engine/$*
-	@set -- $(subst _, ,$*); $(VERILATOR) --cc --build --quiet -j 1 -O3 --x-assign fast --x-initial unique --assert \
-	  -Wno-fatal -Wno-lint -Werror-USERFATAL -DFORMAL -Irtl/formal --top-module vista_stereo --Mdir build/rtl/engine/$* -CFLAGS "-fPIC -O2" \
-	  -GNumDisparities=$${1#d} -GBlockSize=$${2#b} -GMaxWidth=$${3#w} -f rtl/vista_stereo.f >build/rtl/engine/$*/build.log 2>&1 || \
+	@set -- $(subst _, ,$*); top=vista_stereo; front_end=; side=$$(( ($${3#w} + 15) / 16 + 1 )); \
+	  if [ $$# = 4 ]; then top=vista_raw_stereo; front_end="-GNumRows=$${4#r} -GMaxPoints=$$(( side * side ))"; fi; \
+	  $(VERILATOR) --cc --build --quiet -j 1 -O3 --x-assign fast --x-initial unique --assert \
+	  -Wno-fatal -Wno-lint -Werror-USERFATAL -DFORMAL -Irtl/formal --top-module $$top --prefix Vvista_stereo \
+	  --Mdir build/rtl/engine/$* -CFLAGS "-fPIC -O2" -GNumDisparities=$${1#d} -GBlockSize=$${2#b} -GMaxWidth=$${3#w} \
+	  $$front_end -f rtl/$$top.f >build/rtl/engine/$*/build.log 2>&1 || \
 	  { tail -n 20 build/rtl/engine/$*/build.log >&2; exit 1; }
 	@root=$$($(VERILATOR) --getenv VERILATOR_ROOT); \
 	  $(CXX) -std=c++17 -O2 -Wall -Wextra -Werror -fPIC -shared -Wl,-z,defs -Ibuild/rtl/engine/$* \
-	  -isystem $$root/include -isystem $$root/include/vltstd $(RTL_HARNESS) build/rtl/engine/$*/libVvista_stereo.a \
-	  build/rtl/engine/$*/libverilated.a -lpthread -o $@
+	  $(if $(findstring _r,$*),-DVISTA_FRONT_END) -isystem $$root/include -isystem $$root/include/vltstd \
+	  $(RTL_HARNESS) build/rtl/engine/$*/libVvista_stereo.a build/rtl/engine/$*/libverilated.a -lpthread -o $@
 
 release-rtl: $(RTL_TOOLS) ## write the engine for D disparities, block B and frames up to W pixels wide as one file of plain Verilog
 	@$(RTL_PYTHON) scripts/release_rtl.py $(D) $(B) $(W)

@@ -14,3 +14,4 @@ rtl/src/vista_rectify_ring.sv
 rtl/src/vista_rectify_rows.sv
 rtl/src/vista_rectify_sample.sv
 rtl/src/vista_rectify.sv
+rtl/src/vista_front_end.sv

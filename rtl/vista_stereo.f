@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-rtl/csr/vista_stereo_csr_pkg.sv
-rtl/csr/vista_stereo_csr.sv
 -f rtl/vista_stereo_core.f
-rtl/src/vista_axil.sv
+-f rtl/vista_registers.f
 rtl/src/vista_stereo.sv

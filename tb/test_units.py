@@ -43,7 +43,10 @@ UNITS: list[tuple[str, dict[str, int]]] = [
     ("vista_pyramid", {"MaxWidth": 40, "SideWidth": 8}),
     ("vista_rectify", {"MaxWidth": 40, "NumRows": 16, "MaxPoints": 16, "SideWidth": 8}),
     ("vista_rectify", {"MaxWidth": 64, "NumRows": 32, "MaxPoints": 64, "SideWidth": 8}),
-    ("front_end", {"NumDisparities": 16, "BlockSize": 5, "MaxWidth": 64}),
+    (
+        "front_end",
+        {"NumDisparities": 16, "BlockSize": 5, "MaxWidth": 64, "NumRows": 16, "MaxPoints": 64},
+    ),
 ]
 LISTS = {
     "vista_stereo": "vista_stereo.f",

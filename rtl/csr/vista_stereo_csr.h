@@ -21,7 +21,7 @@ extern "C" {
 #define VISTA_STEREO_CSR__VERSION__MINOR_bm 0xffff
 #define VISTA_STEREO_CSR__VERSION__MINOR_bp 0
 #define VISTA_STEREO_CSR__VERSION__MINOR_bw 16
-#define VISTA_STEREO_CSR__VERSION__MINOR_reset 0x0
+#define VISTA_STEREO_CSR__VERSION__MINOR_reset 0x1
 #define VISTA_STEREO_CSR__VERSION__MAJOR_bm 0xffff0000
 #define VISTA_STEREO_CSR__VERSION__MAJOR_bp 16
 #define VISTA_STEREO_CSR__VERSION__MAJOR_bw 16
@@ -116,6 +116,18 @@ extern "C" {
 #define VISTA_STEREO_CSR__ERRORS__SIZE_bp 4
 #define VISTA_STEREO_CSR__ERRORS__SIZE_bw 1
 #define VISTA_STEREO_CSR__ERRORS__SIZE_reset 0x0
+#define VISTA_STEREO_CSR__ERRORS__NO_MAP_bm 0x20
+#define VISTA_STEREO_CSR__ERRORS__NO_MAP_bp 5
+#define VISTA_STEREO_CSR__ERRORS__NO_MAP_bw 1
+#define VISTA_STEREO_CSR__ERRORS__NO_MAP_reset 0x0
+#define VISTA_STEREO_CSR__ERRORS__MAP_ROWS_bm 0x40
+#define VISTA_STEREO_CSR__ERRORS__MAP_ROWS_bp 6
+#define VISTA_STEREO_CSR__ERRORS__MAP_ROWS_bw 1
+#define VISTA_STEREO_CSR__ERRORS__MAP_ROWS_reset 0x0
+#define VISTA_STEREO_CSR__ERRORS__MAP_SIZE_bm 0x80
+#define VISTA_STEREO_CSR__ERRORS__MAP_SIZE_bp 7
+#define VISTA_STEREO_CSR__ERRORS__MAP_SIZE_bw 1
+#define VISTA_STEREO_CSR__ERRORS__MAP_SIZE_reset 0x0
 
 // reg - vista_stereo_csr::OUTPUT
 #define VISTA_STEREO_CSR__OUTPUT__NARROW_bm 0x1
@@ -172,6 +184,51 @@ extern "C" {
 #define VISTA_STEREO_CSR__COMMIT__COMMIT_bp 0
 #define VISTA_STEREO_CSR__COMMIT__COMMIT_bw 1
 #define VISTA_STEREO_CSR__COMMIT__COMMIT_reset 0x0
+#define VISTA_STEREO_CSR__COMMIT__MAP_bm 0x2
+#define VISTA_STEREO_CSR__COMMIT__MAP_bp 1
+#define VISTA_STEREO_CSR__COMMIT__MAP_bw 1
+#define VISTA_STEREO_CSR__COMMIT__MAP_reset 0x0
+
+// reg - vista_stereo_csr::BUILD_FRONT_END
+#define VISTA_STEREO_CSR__BUILD_FRONT_END__RECTIFY_ROWS_bm 0xff
+#define VISTA_STEREO_CSR__BUILD_FRONT_END__RECTIFY_ROWS_bp 0
+#define VISTA_STEREO_CSR__BUILD_FRONT_END__RECTIFY_ROWS_bw 8
+#define VISTA_STEREO_CSR__BUILD_FRONT_END__MAP_POINTS_bm 0xffff0000
+#define VISTA_STEREO_CSR__BUILD_FRONT_END__MAP_POINTS_bp 16
+#define VISTA_STEREO_CSR__BUILD_FRONT_END__MAP_POINTS_bw 16
+
+// reg - vista_stereo_csr::FRONT_END
+#define VISTA_STEREO_CSR__FRONT_END__SMOOTH_bm 0x1
+#define VISTA_STEREO_CSR__FRONT_END__SMOOTH_bp 0
+#define VISTA_STEREO_CSR__FRONT_END__SMOOTH_bw 1
+#define VISTA_STEREO_CSR__FRONT_END__SMOOTH_reset 0x0
+#define VISTA_STEREO_CSR__FRONT_END__RECTIFY_bm 0x2
+#define VISTA_STEREO_CSR__FRONT_END__RECTIFY_bp 1
+#define VISTA_STEREO_CSR__FRONT_END__RECTIFY_bw 1
+#define VISTA_STEREO_CSR__FRONT_END__RECTIFY_reset 0x0
+#define VISTA_STEREO_CSR__FRONT_END__LEVELS_bm 0x700
+#define VISTA_STEREO_CSR__FRONT_END__LEVELS_bp 8
+#define VISTA_STEREO_CSR__FRONT_END__LEVELS_bw 3
+#define VISTA_STEREO_CSR__FRONT_END__LEVELS_reset 0x1
+
+// reg - vista_stereo_csr::MAP
+#define VISTA_STEREO_CSR__MAP__BEGIN_LOAD_bm 0x1
+#define VISTA_STEREO_CSR__MAP__BEGIN_LOAD_bp 0
+#define VISTA_STEREO_CSR__MAP__BEGIN_LOAD_bw 1
+#define VISTA_STEREO_CSR__MAP__BEGIN_LOAD_reset 0x0
+#define VISTA_STEREO_CSR__MAP__READY_bm 0x2
+#define VISTA_STEREO_CSR__MAP__READY_bp 1
+#define VISTA_STEREO_CSR__MAP__READY_bw 1
+
+// reg - vista_stereo_csr::MAP_POINT
+#define VISTA_STEREO_CSR__MAP_POINT__DX_bm 0xffff
+#define VISTA_STEREO_CSR__MAP_POINT__DX_bp 0
+#define VISTA_STEREO_CSR__MAP_POINT__DX_bw 16
+#define VISTA_STEREO_CSR__MAP_POINT__DX_reset 0x0
+#define VISTA_STEREO_CSR__MAP_POINT__DY_bm 0xffff0000
+#define VISTA_STEREO_CSR__MAP_POINT__DY_bp 16
+#define VISTA_STEREO_CSR__MAP_POINT__DY_bw 16
+#define VISTA_STEREO_CSR__MAP_POINT__DY_reset 0x0
 
 // addrmap - vista_stereo_csr
 typedef struct __attribute__ ((__packed__)) {
@@ -194,10 +251,14 @@ typedef struct __attribute__ ((__packed__)) {
     uint32_t INTERRUPT;
     uint32_t INTERRUPT_MASK;
     uint32_t COMMIT;
+    uint32_t BUILD_FRONT_END;
+    uint32_t FRONT_END;
+    uint32_t MAP;
+    uint32_t MAP_POINT;
 } vista_stereo_csr_t;
 
 
-static_assert(sizeof(vista_stereo_csr_t) == 0x4c, "Packing error");
+static_assert(sizeof(vista_stereo_csr_t) == 0x5c, "Packing error");
 
 #ifdef __cplusplus
 }

@@ -86,6 +86,10 @@ module vista_stereo_csr (
         logic INTERRUPT;
         logic INTERRUPT_MASK;
         logic COMMIT;
+        logic BUILD_FRONT_END;
+        logic FRONT_END;
+        logic MAP;
+        logic MAP_POINT;
     } decoded_reg_strb_t;
     decoded_reg_strb_t decoded_reg_strb;
     logic decoded_err;
@@ -119,6 +123,10 @@ module vista_stereo_csr (
         decoded_reg_strb.INTERRUPT = cpuif_req_masked & (cpuif_addr == 7'h40);
         decoded_reg_strb.INTERRUPT_MASK = cpuif_req_masked & (cpuif_addr == 7'h44);
         decoded_reg_strb.COMMIT = cpuif_req_masked & (cpuif_addr == 7'h48);
+        decoded_reg_strb.BUILD_FRONT_END = cpuif_req_masked & (cpuif_addr == 7'h4c) & !cpuif_req_is_wr;
+        decoded_reg_strb.FRONT_END = cpuif_req_masked & (cpuif_addr == 7'h50);
+        decoded_reg_strb.MAP = cpuif_req_masked & (cpuif_addr == 7'h54);
+        decoded_reg_strb.MAP_POINT = cpuif_req_masked & (cpuif_addr == 7'h58) & cpuif_req_is_wr;
         decoded_err = '0;
     end
 
@@ -206,6 +214,18 @@ module vista_stereo_csr (
                 logic next;
                 logic load_next;
             } size;
+            struct {
+                logic next;
+                logic load_next;
+            } no_map;
+            struct {
+                logic next;
+                logic load_next;
+            } map_rows;
+            struct {
+                logic next;
+                logic load_next;
+            } map_size;
         } ERRORS;
         struct {
             struct {
@@ -270,7 +290,41 @@ module vista_stereo_csr (
                 logic next;
                 logic load_next;
             } commit;
+            struct {
+                logic next;
+                logic load_next;
+            } map;
         } COMMIT;
+        struct {
+            struct {
+                logic next;
+                logic load_next;
+            } smooth;
+            struct {
+                logic next;
+                logic load_next;
+            } rectify;
+            struct {
+                logic [2:0] next;
+                logic load_next;
+            } levels;
+        } FRONT_END;
+        struct {
+            struct {
+                logic next;
+                logic load_next;
+            } begin_load;
+        } MAP;
+        struct {
+            struct {
+                logic [15:0] next;
+                logic load_next;
+            } dx;
+            struct {
+                logic [15:0] next;
+                logic load_next;
+            } dy;
+        } MAP_POINT;
     } field_combo_t;
     field_combo_t field_combo;
 
@@ -333,6 +387,15 @@ module vista_stereo_csr (
             struct {
                 logic value;
             } size;
+            struct {
+                logic value;
+            } no_map;
+            struct {
+                logic value;
+            } map_rows;
+            struct {
+                logic value;
+            } map_size;
         } ERRORS;
         struct {
             struct {
@@ -379,7 +442,34 @@ module vista_stereo_csr (
             struct {
                 logic value;
             } commit;
+            struct {
+                logic value;
+            } map;
         } COMMIT;
+        struct {
+            struct {
+                logic value;
+            } smooth;
+            struct {
+                logic value;
+            } rectify;
+            struct {
+                logic [2:0] value;
+            } levels;
+        } FRONT_END;
+        struct {
+            struct {
+                logic value;
+            } begin_load;
+        } MAP;
+        struct {
+            struct {
+                logic [15:0] value;
+            } dx;
+            struct {
+                logic [15:0] value;
+            } dy;
+        } MAP_POINT;
     } field_storage_t;
     field_storage_t field_storage;
 
@@ -746,6 +836,84 @@ module vista_stereo_csr (
         end
     end
     assign hwif_out.ERRORS.size.value = field_storage.ERRORS.size.value;
+    // Field: vista_stereo_csr.ERRORS.no_map
+    always_comb begin
+        automatic logic [0:0] next_c;
+        automatic logic load_next_c;
+        next_c = field_storage.ERRORS.no_map.value;
+        load_next_c = '0;
+        if(decoded_reg_strb.ERRORS && decoded_req_is_wr) begin // SW write 1 clear
+            next_c = field_storage.ERRORS.no_map.value & ~(decoded_wr_data[5:5] & decoded_wr_biten[5:5]);
+            load_next_c = '1;
+        end else if(hwif_in.ERRORS.no_map.hwset) begin // HW Set
+            next_c = '1;
+            load_next_c = '1;
+        end
+        field_combo.ERRORS.no_map.next = next_c;
+        field_combo.ERRORS.no_map.load_next = load_next_c;
+    end
+    always_ff @(posedge clk) begin
+        if(~rst_n) begin
+            field_storage.ERRORS.no_map.value <= 1'h0;
+        end else begin
+            if(field_combo.ERRORS.no_map.load_next) begin
+                field_storage.ERRORS.no_map.value <= field_combo.ERRORS.no_map.next;
+            end
+        end
+    end
+    assign hwif_out.ERRORS.no_map.value = field_storage.ERRORS.no_map.value;
+    // Field: vista_stereo_csr.ERRORS.map_rows
+    always_comb begin
+        automatic logic [0:0] next_c;
+        automatic logic load_next_c;
+        next_c = field_storage.ERRORS.map_rows.value;
+        load_next_c = '0;
+        if(decoded_reg_strb.ERRORS && decoded_req_is_wr) begin // SW write 1 clear
+            next_c = field_storage.ERRORS.map_rows.value & ~(decoded_wr_data[6:6] & decoded_wr_biten[6:6]);
+            load_next_c = '1;
+        end else if(hwif_in.ERRORS.map_rows.hwset) begin // HW Set
+            next_c = '1;
+            load_next_c = '1;
+        end
+        field_combo.ERRORS.map_rows.next = next_c;
+        field_combo.ERRORS.map_rows.load_next = load_next_c;
+    end
+    always_ff @(posedge clk) begin
+        if(~rst_n) begin
+            field_storage.ERRORS.map_rows.value <= 1'h0;
+        end else begin
+            if(field_combo.ERRORS.map_rows.load_next) begin
+                field_storage.ERRORS.map_rows.value <= field_combo.ERRORS.map_rows.next;
+            end
+        end
+    end
+    assign hwif_out.ERRORS.map_rows.value = field_storage.ERRORS.map_rows.value;
+    // Field: vista_stereo_csr.ERRORS.map_size
+    always_comb begin
+        automatic logic [0:0] next_c;
+        automatic logic load_next_c;
+        next_c = field_storage.ERRORS.map_size.value;
+        load_next_c = '0;
+        if(decoded_reg_strb.ERRORS && decoded_req_is_wr) begin // SW write 1 clear
+            next_c = field_storage.ERRORS.map_size.value & ~(decoded_wr_data[7:7] & decoded_wr_biten[7:7]);
+            load_next_c = '1;
+        end else if(hwif_in.ERRORS.map_size.hwset) begin // HW Set
+            next_c = '1;
+            load_next_c = '1;
+        end
+        field_combo.ERRORS.map_size.next = next_c;
+        field_combo.ERRORS.map_size.load_next = load_next_c;
+    end
+    always_ff @(posedge clk) begin
+        if(~rst_n) begin
+            field_storage.ERRORS.map_size.value <= 1'h0;
+        end else begin
+            if(field_combo.ERRORS.map_size.load_next) begin
+                field_storage.ERRORS.map_size.value <= field_combo.ERRORS.map_size.next;
+            end
+        end
+    end
+    assign hwif_out.ERRORS.map_size.value = field_storage.ERRORS.map_size.value;
     // Field: vista_stereo_csr.OUTPUT.narrow
     always_comb begin
         automatic logic [0:0] next_c;
@@ -1001,6 +1169,174 @@ module vista_stereo_csr (
         end
     end
     assign hwif_out.COMMIT.commit.value = field_storage.COMMIT.commit.value;
+    // Field: vista_stereo_csr.COMMIT.map
+    always_comb begin
+        automatic logic [0:0] next_c;
+        automatic logic load_next_c;
+        next_c = field_storage.COMMIT.map.value;
+        load_next_c = '0;
+        if(decoded_reg_strb.COMMIT && decoded_req_is_wr) begin // SW write
+            next_c = (field_storage.COMMIT.map.value & ~decoded_wr_biten[1:1]) | (decoded_wr_data[1:1] & decoded_wr_biten[1:1]);
+            load_next_c = '1;
+        end else begin // singlepulse clears back to 0
+            next_c = '0;
+            load_next_c = '1;
+        end
+        field_combo.COMMIT.map.next = next_c;
+        field_combo.COMMIT.map.load_next = load_next_c;
+    end
+    always_ff @(posedge clk) begin
+        if(~rst_n) begin
+            field_storage.COMMIT.map.value <= 1'h0;
+        end else begin
+            if(field_combo.COMMIT.map.load_next) begin
+                field_storage.COMMIT.map.value <= field_combo.COMMIT.map.next;
+            end
+        end
+    end
+    assign hwif_out.COMMIT.map.value = field_storage.COMMIT.map.value;
+    // Field: vista_stereo_csr.FRONT_END.smooth
+    always_comb begin
+        automatic logic [0:0] next_c;
+        automatic logic load_next_c;
+        next_c = field_storage.FRONT_END.smooth.value;
+        load_next_c = '0;
+        if(decoded_reg_strb.FRONT_END && decoded_req_is_wr) begin // SW write
+            next_c = (field_storage.FRONT_END.smooth.value & ~decoded_wr_biten[0:0]) | (decoded_wr_data[0:0] & decoded_wr_biten[0:0]);
+            load_next_c = '1;
+        end
+        field_combo.FRONT_END.smooth.next = next_c;
+        field_combo.FRONT_END.smooth.load_next = load_next_c;
+    end
+    always_ff @(posedge clk) begin
+        if(~rst_n) begin
+            field_storage.FRONT_END.smooth.value <= 1'h0;
+        end else begin
+            if(field_combo.FRONT_END.smooth.load_next) begin
+                field_storage.FRONT_END.smooth.value <= field_combo.FRONT_END.smooth.next;
+            end
+        end
+    end
+    assign hwif_out.FRONT_END.smooth.value = field_storage.FRONT_END.smooth.value;
+    // Field: vista_stereo_csr.FRONT_END.rectify
+    always_comb begin
+        automatic logic [0:0] next_c;
+        automatic logic load_next_c;
+        next_c = field_storage.FRONT_END.rectify.value;
+        load_next_c = '0;
+        if(decoded_reg_strb.FRONT_END && decoded_req_is_wr) begin // SW write
+            next_c = (field_storage.FRONT_END.rectify.value & ~decoded_wr_biten[1:1]) | (decoded_wr_data[1:1] & decoded_wr_biten[1:1]);
+            load_next_c = '1;
+        end
+        field_combo.FRONT_END.rectify.next = next_c;
+        field_combo.FRONT_END.rectify.load_next = load_next_c;
+    end
+    always_ff @(posedge clk) begin
+        if(~rst_n) begin
+            field_storage.FRONT_END.rectify.value <= 1'h0;
+        end else begin
+            if(field_combo.FRONT_END.rectify.load_next) begin
+                field_storage.FRONT_END.rectify.value <= field_combo.FRONT_END.rectify.next;
+            end
+        end
+    end
+    assign hwif_out.FRONT_END.rectify.value = field_storage.FRONT_END.rectify.value;
+    // Field: vista_stereo_csr.FRONT_END.levels
+    always_comb begin
+        automatic logic [2:0] next_c;
+        automatic logic load_next_c;
+        next_c = field_storage.FRONT_END.levels.value;
+        load_next_c = '0;
+        if(decoded_reg_strb.FRONT_END && decoded_req_is_wr) begin // SW write
+            next_c = (field_storage.FRONT_END.levels.value & ~decoded_wr_biten[10:8]) | (decoded_wr_data[10:8] & decoded_wr_biten[10:8]);
+            load_next_c = '1;
+        end
+        field_combo.FRONT_END.levels.next = next_c;
+        field_combo.FRONT_END.levels.load_next = load_next_c;
+    end
+    always_ff @(posedge clk) begin
+        if(~rst_n) begin
+            field_storage.FRONT_END.levels.value <= 3'h1;
+        end else begin
+            if(field_combo.FRONT_END.levels.load_next) begin
+                field_storage.FRONT_END.levels.value <= field_combo.FRONT_END.levels.next;
+            end
+        end
+    end
+    assign hwif_out.FRONT_END.levels.value = field_storage.FRONT_END.levels.value;
+    // Field: vista_stereo_csr.MAP.begin_load
+    always_comb begin
+        automatic logic [0:0] next_c;
+        automatic logic load_next_c;
+        next_c = field_storage.MAP.begin_load.value;
+        load_next_c = '0;
+        if(decoded_reg_strb.MAP && decoded_req_is_wr) begin // SW write
+            next_c = (field_storage.MAP.begin_load.value & ~decoded_wr_biten[0:0]) | (decoded_wr_data[0:0] & decoded_wr_biten[0:0]);
+            load_next_c = '1;
+        end else begin // singlepulse clears back to 0
+            next_c = '0;
+            load_next_c = '1;
+        end
+        field_combo.MAP.begin_load.next = next_c;
+        field_combo.MAP.begin_load.load_next = load_next_c;
+    end
+    always_ff @(posedge clk) begin
+        if(~rst_n) begin
+            field_storage.MAP.begin_load.value <= 1'h0;
+        end else begin
+            if(field_combo.MAP.begin_load.load_next) begin
+                field_storage.MAP.begin_load.value <= field_combo.MAP.begin_load.next;
+            end
+        end
+    end
+    assign hwif_out.MAP.begin_load.value = field_storage.MAP.begin_load.value;
+    // Field: vista_stereo_csr.MAP_POINT.dx
+    always_comb begin
+        automatic logic [15:0] next_c;
+        automatic logic load_next_c;
+        next_c = field_storage.MAP_POINT.dx.value;
+        load_next_c = '0;
+        if(decoded_reg_strb.MAP_POINT && decoded_req_is_wr) begin // SW write
+            next_c = (field_storage.MAP_POINT.dx.value & ~decoded_wr_biten[15:0]) | (decoded_wr_data[15:0] & decoded_wr_biten[15:0]);
+            load_next_c = '1;
+        end
+        field_combo.MAP_POINT.dx.next = next_c;
+        field_combo.MAP_POINT.dx.load_next = load_next_c;
+    end
+    always_ff @(posedge clk) begin
+        if(~rst_n) begin
+            field_storage.MAP_POINT.dx.value <= 16'h0;
+        end else begin
+            if(field_combo.MAP_POINT.dx.load_next) begin
+                field_storage.MAP_POINT.dx.value <= field_combo.MAP_POINT.dx.next;
+            end
+        end
+    end
+    assign hwif_out.MAP_POINT.dx.value = field_storage.MAP_POINT.dx.value;
+    // Field: vista_stereo_csr.MAP_POINT.dy
+    always_comb begin
+        automatic logic [15:0] next_c;
+        automatic logic load_next_c;
+        next_c = field_storage.MAP_POINT.dy.value;
+        load_next_c = '0;
+        if(decoded_reg_strb.MAP_POINT && decoded_req_is_wr) begin // SW write
+            next_c = (field_storage.MAP_POINT.dy.value & ~decoded_wr_biten[31:16]) | (decoded_wr_data[31:16] & decoded_wr_biten[31:16]);
+            load_next_c = '1;
+        end
+        field_combo.MAP_POINT.dy.next = next_c;
+        field_combo.MAP_POINT.dy.load_next = load_next_c;
+    end
+    always_ff @(posedge clk) begin
+        if(~rst_n) begin
+            field_storage.MAP_POINT.dy.value <= 16'h0;
+        end else begin
+            if(field_combo.MAP_POINT.dy.load_next) begin
+                field_storage.MAP_POINT.dy.value <= field_combo.MAP_POINT.dy.next;
+            end
+        end
+    end
+    assign hwif_out.MAP_POINT.dy.value = field_storage.MAP_POINT.dy.value;
+    assign hwif_out.MAP_POINT.dy.swmod = decoded_reg_strb.MAP_POINT && decoded_req_is_wr && |(decoded_wr_biten[31:16]);
 
     //--------------------------------------------------------------------------
     // Write response
@@ -1026,7 +1362,7 @@ module vista_stereo_csr (
             readback_data_var[31:0] = 32'h56535445;
         end
         if(rd_mux_addr == 7'h4) begin
-            readback_data_var[15:0] = 16'h0;
+            readback_data_var[15:0] = 16'h1;
             readback_data_var[31:16] = 16'h2;
         end
         if(rd_mux_addr == 7'h8) begin
@@ -1065,6 +1401,9 @@ module vista_stereo_csr (
             readback_data_var[2] = field_storage.ERRORS.early_sof.value;
             readback_data_var[3] = field_storage.ERRORS.late_sof.value;
             readback_data_var[4] = field_storage.ERRORS.size.value;
+            readback_data_var[5] = field_storage.ERRORS.no_map.value;
+            readback_data_var[6] = field_storage.ERRORS.map_rows.value;
+            readback_data_var[7] = field_storage.ERRORS.map_size.value;
         end
         if(rd_mux_addr == 7'h2c) begin
             readback_data_var[0] = field_storage.OUTPUT.narrow.value;
@@ -1091,6 +1430,20 @@ module vista_stereo_csr (
         end
         if(rd_mux_addr == 7'h48) begin
             readback_data_var[0] = field_storage.COMMIT.commit.value;
+            readback_data_var[1] = field_storage.COMMIT.map.value;
+        end
+        if(rd_mux_addr == 7'h4c) begin
+            readback_data_var[7:0] = hwif_in.BUILD_FRONT_END.rectify_rows.next;
+            readback_data_var[31:16] = hwif_in.BUILD_FRONT_END.map_points.next;
+        end
+        if(rd_mux_addr == 7'h50) begin
+            readback_data_var[0] = field_storage.FRONT_END.smooth.value;
+            readback_data_var[1] = field_storage.FRONT_END.rectify.value;
+            readback_data_var[10:8] = field_storage.FRONT_END.levels.value;
+        end
+        if(rd_mux_addr == 7'h54) begin
+            readback_data_var[0] = field_storage.MAP.begin_load.value;
+            readback_data_var[1] = hwif_in.MAP.ready.next;
         end
         readback_data = readback_data_var;
         readback_done = decoded_req & ~decoded_req_is_wr;

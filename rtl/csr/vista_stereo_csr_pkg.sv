@@ -6,7 +6,7 @@ package vista_stereo_csr_pkg;
 
     localparam VISTA_STEREO_CSR_DATA_WIDTH = 32;
     localparam VISTA_STEREO_CSR_MIN_ADDR_WIDTH = 7;
-    localparam VISTA_STEREO_CSR_SIZE = 'h4c;
+    localparam VISTA_STEREO_CSR_SIZE = 'h5c;
 
     typedef struct {
         logic [8:0] next;
@@ -55,11 +55,26 @@ package vista_stereo_csr_pkg;
     } vista_stereo_csr__ERRORS__size__in_t;
 
     typedef struct {
+        logic hwset;
+    } vista_stereo_csr__ERRORS__no_map__in_t;
+
+    typedef struct {
+        logic hwset;
+    } vista_stereo_csr__ERRORS__map_rows__in_t;
+
+    typedef struct {
+        logic hwset;
+    } vista_stereo_csr__ERRORS__map_size__in_t;
+
+    typedef struct {
         vista_stereo_csr__ERRORS__early_eol__in_t early_eol;
         vista_stereo_csr__ERRORS__late_eol__in_t late_eol;
         vista_stereo_csr__ERRORS__early_sof__in_t early_sof;
         vista_stereo_csr__ERRORS__late_sof__in_t late_sof;
         vista_stereo_csr__ERRORS__size__in_t size;
+        vista_stereo_csr__ERRORS__no_map__in_t no_map;
+        vista_stereo_csr__ERRORS__map_rows__in_t map_rows;
+        vista_stereo_csr__ERRORS__map_size__in_t map_size;
     } vista_stereo_csr__ERRORS__in_t;
 
     typedef struct {
@@ -108,6 +123,27 @@ package vista_stereo_csr_pkg;
     } vista_stereo_csr__INTERRUPT__in_t;
 
     typedef struct {
+        logic [7:0] next;
+    } vista_stereo_csr__BUILD_FRONT_END__rectify_rows__in_t;
+
+    typedef struct {
+        logic [15:0] next;
+    } vista_stereo_csr__BUILD_FRONT_END__map_points__in_t;
+
+    typedef struct {
+        vista_stereo_csr__BUILD_FRONT_END__rectify_rows__in_t rectify_rows;
+        vista_stereo_csr__BUILD_FRONT_END__map_points__in_t map_points;
+    } vista_stereo_csr__BUILD_FRONT_END__in_t;
+
+    typedef struct {
+        logic next;
+    } vista_stereo_csr__MAP__ready__in_t;
+
+    typedef struct {
+        vista_stereo_csr__MAP__ready__in_t ready;
+    } vista_stereo_csr__MAP__in_t;
+
+    typedef struct {
         vista_stereo_csr__BUILD__in_t BUILD;
         vista_stereo_csr__BUILD_SIZE__in_t BUILD_SIZE;
         vista_stereo_csr__ERRORS__in_t ERRORS;
@@ -116,6 +152,8 @@ package vista_stereo_csr_pkg;
         vista_stereo_csr__STALLS_IN__in_t STALLS_IN;
         vista_stereo_csr__STALLS_OUT__in_t STALLS_OUT;
         vista_stereo_csr__INTERRUPT__in_t INTERRUPT;
+        vista_stereo_csr__BUILD_FRONT_END__in_t BUILD_FRONT_END;
+        vista_stereo_csr__MAP__in_t MAP;
     } vista_stereo_csr__in_t;
 
     typedef struct {
@@ -207,11 +245,26 @@ package vista_stereo_csr_pkg;
     } vista_stereo_csr__ERRORS__size__out_t;
 
     typedef struct {
+        logic value;
+    } vista_stereo_csr__ERRORS__no_map__out_t;
+
+    typedef struct {
+        logic value;
+    } vista_stereo_csr__ERRORS__map_rows__out_t;
+
+    typedef struct {
+        logic value;
+    } vista_stereo_csr__ERRORS__map_size__out_t;
+
+    typedef struct {
         vista_stereo_csr__ERRORS__early_eol__out_t early_eol;
         vista_stereo_csr__ERRORS__late_eol__out_t late_eol;
         vista_stereo_csr__ERRORS__early_sof__out_t early_sof;
         vista_stereo_csr__ERRORS__late_sof__out_t late_sof;
         vista_stereo_csr__ERRORS__size__out_t size;
+        vista_stereo_csr__ERRORS__no_map__out_t no_map;
+        vista_stereo_csr__ERRORS__map_rows__out_t map_rows;
+        vista_stereo_csr__ERRORS__map_size__out_t map_size;
     } vista_stereo_csr__ERRORS__out_t;
 
     typedef struct {
@@ -253,8 +306,53 @@ package vista_stereo_csr_pkg;
     } vista_stereo_csr__COMMIT__commit__out_t;
 
     typedef struct {
+        logic value;
+    } vista_stereo_csr__COMMIT__map__out_t;
+
+    typedef struct {
         vista_stereo_csr__COMMIT__commit__out_t commit;
+        vista_stereo_csr__COMMIT__map__out_t map;
     } vista_stereo_csr__COMMIT__out_t;
+
+    typedef struct {
+        logic value;
+    } vista_stereo_csr__FRONT_END__smooth__out_t;
+
+    typedef struct {
+        logic value;
+    } vista_stereo_csr__FRONT_END__rectify__out_t;
+
+    typedef struct {
+        logic [2:0] value;
+    } vista_stereo_csr__FRONT_END__levels__out_t;
+
+    typedef struct {
+        vista_stereo_csr__FRONT_END__smooth__out_t smooth;
+        vista_stereo_csr__FRONT_END__rectify__out_t rectify;
+        vista_stereo_csr__FRONT_END__levels__out_t levels;
+    } vista_stereo_csr__FRONT_END__out_t;
+
+    typedef struct {
+        logic value;
+    } vista_stereo_csr__MAP__begin_load__out_t;
+
+    typedef struct {
+        vista_stereo_csr__MAP__begin_load__out_t begin_load;
+    } vista_stereo_csr__MAP__out_t;
+
+    typedef struct {
+        logic [15:0] value;
+    } vista_stereo_csr__MAP_POINT__dx__out_t;
+
+    typedef struct {
+        logic [15:0] value;
+        logic swmod;
+    } vista_stereo_csr__MAP_POINT__dy__out_t;
+
+    typedef struct {
+        vista_stereo_csr__MAP_POINT__dx__out_t dx;
+        vista_stereo_csr__MAP_POINT__dy__out_t dy;
+    } vista_stereo_csr__MAP_POINT__out_t;
 
     typedef struct {
         vista_stereo_csr__CONTROL__out_t CONTROL;
@@ -268,5 +366,8 @@ package vista_stereo_csr_pkg;
         vista_stereo_csr__INTERRUPT__out_t INTERRUPT;
         vista_stereo_csr__INTERRUPT_MASK__out_t INTERRUPT_MASK;
         vista_stereo_csr__COMMIT__out_t COMMIT;
+        vista_stereo_csr__FRONT_END__out_t FRONT_END;
+        vista_stereo_csr__MAP__out_t MAP;
+        vista_stereo_csr__MAP_POINT__out_t MAP_POINT;
     } vista_stereo_csr__out_t;
 endpackage

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Drives the Verilated engine at C++ speed: vista_rtl.h. Built by `make rtl-engine`, and by the benches with waves,
-// coverage or mutants (tb/common/verilated.py).
+// coverage or mutants (tb/common/verilated.py). VISTA_FRONT_END: vista_raw_stereo, with the buffer of its pyramid,
+// Verilated under the name of vista_stereo.
 
 extern "C" {
 #include "vista_rtl.h"
@@ -56,6 +57,10 @@ struct vista_rtl {
     top->s_axil_awvalid = top->s_axil_wvalid = top->s_axil_arvalid = 0;
     top->s_axil_bready = top->s_axil_rready = 1;
     top->s_axil_wstrb = 15;
+#ifdef VISTA_FRONT_END
+    top->store_axis_tready = 1;
+    top->fetch_axis_tvalid = 0;
+#endif
     top->eval();
   }
 
@@ -63,12 +68,18 @@ struct vista_rtl {
   void edge() {
     Verilated::threadContextp(&context);  // there may be several engines; assertions fail in this one
     if (record) write_record();
+#ifdef VISTA_FRONT_END
+    take_levels();
+#endif
     top->clk_i = 1;
     top->eval();
 #ifdef VISTA_WAVES
     waves.dump(static_cast<uint64_t>(10 * clock));
 #endif
     top->clk_i = 0;
+#ifdef VISTA_FRONT_END
+    offer_levels();
+#endif
     top->eval();
 #ifdef VISTA_WAVES
     waves.dump(static_cast<uint64_t>(10 * clock + 5));
@@ -107,6 +118,32 @@ struct vista_rtl {
   }
 
  private:
+#ifdef VISTA_FRONT_END
+  // The buffer of the pyramid is as large as it has to be, and always prompt.
+  struct Beat {
+    uint16_t data;
+    bool user, last;
+  };
+  std::deque<Beat> levels_;
+
+  void take_levels() {
+    auto& t = *top;
+    t.eval();
+    if (t.fetch_axis_tvalid && t.fetch_axis_tready) levels_.pop_front();
+    if (t.store_axis_tvalid) levels_.push_back({t.store_axis_tdata, t.store_axis_tuser != 0, t.store_axis_tlast != 0});
+    if (!t.store_rst_no || !t.rst_ni) levels_.clear();
+  }
+
+  void offer_levels() {
+    auto& t = *top;
+    t.fetch_axis_tvalid = !levels_.empty();
+    if (levels_.empty()) return;
+    t.fetch_axis_tdata = levels_.front().data;
+    t.fetch_axis_tuser = levels_.front().user;
+    t.fetch_axis_tlast = levels_.front().last;
+  }
+#endif
+
   // Inputs and outputs just before an edge, as tb/icarus/replay.v reads them.
   void write_record() {
     auto& t = *top;

@@ -17,15 +17,20 @@ typedef struct vista_rtl_build {
   uint32_t block_size;   /* px */
   uint32_t max_width_px;
   uint32_t max_height_px;
+  uint32_t rectify_rows;  /* line buffer of rectification; 0: the core alone, without front end */
+  uint32_t map_points;    /* control points of a camera that there is memory for */
 } vista_rtl_build;
 
-/* Run-time parameters of the contract (doc/design/engine-contract.md). */
+/* Run-time parameters of the contract (doc/design/engine-contract.md). The last three need a front end. */
 typedef struct vista_rtl_settings {
   uint32_t xsobel;            /* 1: x-Sobel, 0: plain grey values */
   uint32_t prefilter_cap;     /* 1 .. 63 */
   uint32_t texture_threshold; /* 0: off; the register holds 65535, more than any sum: larger ones are set to that */
   uint32_t uniqueness_ratio;  /* 0 .. 100 percent */
   int32_t lr_max_diff;        /* -1: off; the register holds 255, the largest difference: likewise */
+  uint32_t smooth;            /* 1: both images of each level are smoothed before they are matched */
+  uint32_t levels;            /* 1 .. 4 */
+  uint32_t rectify;           /* 1: by the map that was loaded */
 } vista_rtl_settings;
 
 /* Out of reset, disabled. Every bit that reset leaves alone, memories included, starts at random by `seed`. */
@@ -57,17 +62,25 @@ void vista_rtl_queue_write(vista_rtl* engine, int64_t after, int64_t before, uin
  * rtl/csr/vista_stereo_csr.h, else 1. */
 int32_t vista_rtl_identify(vista_rtl* engine, vista_rtl_build* build);
 
+/* Loads a map of rectification for frames of this size: the control points of both cameras row by row, {dx, dy} in
+ * 1/32 px. It is in force for every frame from then on, also after a reset by vista_rtl_compute. Returns 0, or the bits of
+ * ERRORS that tell why it was refused; the map before it then stays. */
+uint32_t vista_rtl_load_map(vista_rtl* engine, const int16_t* left, const int16_t* right, int32_t width,
+                            int32_t height);
+
 /* One frame: writes the registers, streams the pair in and the words out at a pixel a clock. Images are `height` rows of
- * `width` pixels without gaps; disparity[height * width] in 1/16 px, -16: none. Returns the clocks from the first pixel
- * to the last word, or -1 when words are missing or the engine reports a framing error; it is
- * then reset, and the next frame is clean. */
+ * `width` pixels without gaps; `disparity` receives the words of all levels in 1/16 px, -16: none, level 0 first and each
+ * without gaps, of (width + 1) / 2 x (height + 1) / 2 pixels and so on. Returns the clocks from the first pixel to the
+ * last word, or -1 when words are missing, the engine reports an error, or the build has no front end for the settings;
+ * it is then reset, and the next frame is clean. */
 int64_t vista_rtl_compute(vista_rtl* engine, const vista_rtl_settings* settings, const uint8_t* left,
                           const uint8_t* right, int32_t width, int32_t height, int16_t* disparity);
 
 /* 1 once an assertion has failed, else 0; stderr tells which. What comes then is worth nothing. */
 int32_t vista_rtl_failed(const vista_rtl* engine);
 
-/* From now on all inputs and outputs are written to a file, a line a clock, for tb/icarus/replay.v; null ends it.
+/* From now on all inputs and outputs but those of the pyramid's buffer are written to a file, a line a clock, for
+ * tb/icarus/replay.v; null ends it.
  * Returns 1, or 0 when the file cannot be opened. */
 int32_t vista_rtl_record(vista_rtl* engine, const char* path);
 

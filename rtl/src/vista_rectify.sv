@@ -27,6 +27,7 @@ module vista_rectify #(
 ) (
   input  logic clk_i,
   input  logic rst_ni,
+  input  logic keep_map_i,  // of a reset: the map in force stays
 
   // Taken over with the first pixel of a frame; size and rectify_i are looked at a clock before.
   input  logic                 enable_i,
@@ -315,6 +316,7 @@ module vista_rectify #(
   ) u_map (
     .clk_i,
     .rst_ni,
+    .keep_i         (keep_map_i),
     .begin_i        (map_begin_i),
     .width_i        (map_width_i),
     .height_i       (map_height_i),
@@ -330,6 +332,7 @@ module vista_rectify #(
     .width_o        (map_width),
     .height_o       (map_height),
     .frame_begin_i  (frame_start_o),
+    .frame_bank_i   (bank2_q),
     .frame_end_i    (frame_end),
     .write_o        (map_write),
     .write_addr_o   (map_write_addr),

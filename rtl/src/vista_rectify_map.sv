@@ -8,7 +8,7 @@
 //
 // A map that is committed counts for the frames that begin from then on. Frames on their way keep the other bank until
 // the last of them was read; only then `ready_o` is up again, and a new load may begin. What is written while it is down
-// is lost, and so is the load.
+// is lost, and so is the load. A reset with `keep_i` drops the load and the frames, and the map in force stays.
 //
 // Latency: 1 clock from a write to the memory's; 1 from `commit_i` to the verdict.
 
@@ -23,6 +23,7 @@ module vista_rectify_map #(
 ) (
   input  logic clk_i,
   input  logic rst_ni,
+  input  logic keep_i,
 
   input  logic                 begin_i,
   input  logic [ColW:0]        width_i,   // of the frames that the map is for, with `begin_i`
@@ -42,8 +43,9 @@ module vista_rectify_map #(
   output logic [ColW:0]   width_o,
   output logic [RowW-1:0] height_o,
 
-  // A frame has begun; all points of the oldest one that had were read.
+  // A frame has begun, with this bank; all points of the oldest one that had were read.
   input  logic frame_begin_i,
+  input  logic frame_bank_i,
   input  logic frame_end_i,
 
   output logic [1:0]           write_o,  // to the memory of each camera, the left one first
@@ -119,20 +121,20 @@ module vista_rectify_map #(
   end
 
   always_ff @(posedge clk_i) begin
-    if (accepted) begin
+    if (accepted & rst_ni) begin
       valid_o  <= 1'b1;
       bank_o   <= ~bank_o;
       width_o  <= load_width_q;
       height_o <= load_height_q;
     end
-    if (!rst_ni) begin
+    if (!rst_ni & !keep_i) begin
       valid_o <= 1'b0;
       bank_o  <= 1'b0;
     end
   end
 
-  // The other bank is free once as many frames were read as were on their way a few clocks after it was left: a frame
-  // that began with it is counted by then.
+  // The other bank is free once the frames were read that began with it; a few clocks after it was left, the last of
+  // them is counted.
   localparam int unsigned Settle = 4;
 
   logic [Settle-1:0] settle_q;
@@ -144,11 +146,11 @@ module vista_rectify_map #(
   always_ff @(posedge clk_i) begin
     frames_q <= frames;
     settle_q <= {settle_q[Settle-2:0], accepted};
-    if (settle_q[Settle-1]) old_q <= frames;
-    else if (frame_end_i & (old_q != '0)) old_q <= old_q - 1'b1;
+    if (accepted) old_q <= frames;
+    else old_q <= old_q + CountW'(frame_begin_i & (frame_bank_i != bank_o)) - CountW'(frame_end_i & (old_q != '0));
     if (!rst_ni) begin
       frames_q <= '0;
-      settle_q <= '0;
+      settle_q <= {Settle{keep_i}};  // the bank may have been left just before
       old_q    <= '0;
     end
   end

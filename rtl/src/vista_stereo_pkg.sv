@@ -28,6 +28,35 @@ package vista_stereo_pkg;
     logic        narrow;             // words of two disparities
   } params_t;
 
+  // What the front end does with a frame.
+  typedef struct packed {
+    logic       rectify;
+    logic [2:0] levels;   // 1 .. 4
+    logic       smooth;
+  } front_end_t;
+
+  // A map of rectification on its way in; see vista_rectify_map.
+  typedef struct packed {
+    logic        begin_load;
+    logic        write;
+    logic [31:0] point;       // {dy, dx}
+    logic        commit;
+  } map_load_t;
+
+  // Events, one clock each.
+  typedef struct packed {
+    logic frame_start;
+    logic frame_end;
+    logic early_eol;
+    logic late_eol;
+    logic early_sof;
+    logic late_sof;
+    logic size;
+    logic no_map;
+    logic map_rows;
+    logic map_size;
+  } events_t;
+
   typedef struct packed {
     logic valid;
     logic first_col;   // column 0

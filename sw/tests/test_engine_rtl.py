@@ -1,9 +1,10 @@
-"""`--engine rtl`: the Verilated core gives the C model's words, and so the same obstacles, byte for byte."""
+"""`--engine rtl`: the Verilated hardware gives the C model's words, and so the same obstacles to the byte."""
 
 from __future__ import annotations
 
 import json
 import shutil
+from collections.abc import Iterable
 from dataclasses import asdict, replace
 from functools import partial
 from pathlib import Path
@@ -15,6 +16,7 @@ import sequence_cases as cases
 from command_line import Vista, assert_refused, call
 from random_seed import seeded
 from shared_data import REPOSITORY
+from vista.control_grid import BUFFER_ROWS, GridPair, by_grid
 from vista.engine import EngineParameters, StereoEngine
 from vista.engine import rtl as engine_rtl
 from vista.engine.rtl import RtlEngine
@@ -57,14 +59,25 @@ def test_words_are_the_golden_ones(index: int) -> None:
             assert rows * width <= rtl.last_clocks + width < rows * width + 200
 
 
+def assert_levels(found: Iterable[np.ndarray], wanted: list[np.ndarray]) -> None:
+    for words, reference in zip(found, wanted, strict=True):
+        np.testing.assert_array_equal(words, reference)
+
+
 @pytest.mark.parametrize("before", ["too wide", "half a frame", "words left behind"])
-def test_a_bad_frame_leaves_nothing_behind(before: str) -> None:
-    """What the engine refuses, and what somebody else left in it, fails once; the next frame is right."""
-    rtl, golden = RtlEngine(BUILD, WIDTH_PX), StereoEngine(**asdict(BUILD))
+@pytest.mark.parametrize("front_end", [False, True])
+def test_a_bad_frame_leaves_nothing_behind(before: str, front_end: bool) -> None:
+    """What the engine refuses, and what somebody else left in it, fails once; the next frame is right.
+
+    Also of the front end, in which levels wait; the map stays."""
+    parameters, grids = BUILD, None
+    if front_end:
+        parameters, grids = replace(BUILD, smooth=True, levels=3), random_grids(seeded(131), (WIDTH_PX, 20))
+    rtl, golden = RtlEngine(parameters, WIDTH_PX, grids), StereoEngine(**asdict(parameters))
     left, right = seeded(130).integers(0, 256, (2, 20, WIDTH_PX + 1), np.uint8)
     good = np.ascontiguousarray(left[:, :WIDTH_PX]), np.ascontiguousarray(right[:, :WIDTH_PX])
-    words = golden.compute(*good)
-    np.testing.assert_array_equal(rtl.compute(*good), words)
+    words = golden.compute_levels(*(rectified(*good, grids) if grids else good))
+    assert_levels(rtl.levels(*good), words)
     if before == "too wide":
         with pytest.raises(RuntimeError, match="321x20"):
             rtl._match(left, right)  # compute would refuse it
@@ -72,7 +85,7 @@ def test_a_bad_frame_leaves_nothing_behind(before: str) -> None:
         stream_part(rtl, *good, 1000 if before == "half a frame" else good[0].size)
         with pytest.raises(RuntimeError, match="320x20"):
             rtl.compute(*good)
-    np.testing.assert_array_equal(rtl.compute(*good), words)
+    assert_levels(rtl.levels(*good), words)
 
 
 def stream_part(rtl: RtlEngine, left: np.ndarray, right: np.ndarray, count: int) -> None:
@@ -89,19 +102,41 @@ def stream_part(rtl: RtlEngine, left: np.ndarray, right: np.ndarray, count: int)
     )  # fmt: skip
 
 
+def random_grids(rng: np.random.Generator, size: tuple[int, int]) -> GridPair:
+    """Of a line buffer of 16 rows: offsets of less than 2 px of both cameras."""
+    columns, rows = (-(-side // 16) + 1 for side in size)
+    left, right = rng.integers(-60, 61, (2, rows, columns, 2)).astype(np.int16)
+    return GridPair(left, right, size, BUFFER_ROWS[0])
+
+
+def rectified(left: np.ndarray, right: np.ndarray, grids: GridPair) -> tuple[np.ndarray, np.ndarray]:
+    return by_grid(grids.left)(left), by_grid(grids.right)(right)
+
+
 @pytest.mark.parametrize("smoothed", [False, True])
-def test_levels_are_the_golden_ones(smoothed: bool) -> None:
-    """The C front end before the core. 8 rows end as one: too few to be matched, and for the core."""
+@pytest.mark.parametrize("rectify", [False, True])
+def test_levels_are_the_golden_ones(smoothed: bool, rectify: bool) -> None:
+    """The front end in hardware. 8 rows end as one: too few to be matched, and to be sent."""
     parameters = replace(BUILD, smooth=smoothed, levels=4)
-    rtl, golden = RtlEngine(parameters, WIDTH_PX), StereoEngine(**asdict(parameters))
-    noise = seeded(120).integers(0, 256, (60, 146), np.uint8)
+    golden = StereoEngine(**asdict(parameters))
+    rng = seeded(120)
+    noise = rng.integers(0, 256, (60, 146), np.uint8)
     scene = cv2.GaussianBlur(noise, (0, 0), 2.0)
     for rows in (60, 8):
         left, right = scene[:rows, :140], scene[:rows, 6:]
-        found, wanted = list(rtl.levels(left, right)), golden.compute_levels(left, right)
-        assert len(found) == len(wanted) == 4
-        for words, reference in zip(found, wanted, strict=True):
-            np.testing.assert_array_equal(words, reference)
+        grids = random_grids(rng, (140, rows)) if rectify else None
+        found = list(RtlEngine(parameters, WIDTH_PX, grids).levels(left, right))
+        assert len(found) == 4
+        assert_levels(
+            found, golden.compute_levels(*(rectified(left, right, grids) if grids else (left, right)))
+        )
+
+
+def test_a_map_with_too_many_points() -> None:
+    """The build holds those of a square frame as wide as its widest, up to the next power of two."""
+    parameters = replace(BUILD, levels=2)
+    with pytest.raises(ValueError, match="the control grid has 525 points, this build of the RTL holds 512"):
+        RtlEngine(parameters, WIDTH_PX, random_grids(seeded(132), (WIDTH_PX, 384)))
 
 
 @pytest.fixture
@@ -135,6 +170,36 @@ def test_run_gives_the_same_obstacles(tmp_path: Path, config: Path, run_vista: V
     assert lines == lines_without_times(tmp_path / "golden")
     assert any(obstacle["confirmed"] for obstacle in json.loads(lines[-1])["obstacles"])
     assert json.loads((tmp_path / "rtl" / "summary.json").read_text())["engine"] == "rtl"
+
+
+def make_raw(folder: Path) -> Path:
+    """The cameras get a lens, so that the images are raw ones."""
+    matrix = "fx_px = 300.0\nfy_px = 300.0\ncx = 160.0\ncy = 120.0\n"
+    lens = "distortion = [{}, 0.0, 0.0, 0.0]\n"
+    (folder / "calibration.toml").write_text(
+        "stills = false\n"
+        f"[left]\n{matrix}{lens.format(-0.02)}[right]\n{matrix}{lens.format(-0.015)}"
+        "[right_from_left]\nrotation = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]\n"
+        "translation_m = [-0.5, 0.0, 0.0]\n"
+    )
+    return folder
+
+
+def test_run_with_the_whole_front_end_gives_the_same_obstacles(tmp_path: Path, run_vista: Vista) -> None:
+    """Raw images go into the hardware, which rectifies, smooths and reduces them as the C model does."""
+    folder = make_raw(cases.make_board_scenes(tmp_path / "pairs", 4, stills=False))
+    config = tmp_path / "c.toml"
+    config.write_text(
+        "[stereo]\nnum_disparities = 16\nblock_size = 5\n"
+        'smooth = "binomial3"\nlevels = 3\nrectify_rows = 16\n'
+    )
+    for engine in ("golden", "rtl"):
+        options = ["--engine", engine, "--rtl-width", WIDTH_PX, "--config", config, "--no-overlay"]
+        assert run_vista("run", folder, "--out", tmp_path / engine, *options)[0] == 0
+    lines = lines_without_times(tmp_path / "rtl")
+    assert lines == lines_without_times(tmp_path / "golden")
+    assert any(obstacle["confirmed"] for obstacle in json.loads(lines[-1])["obstacles"])
+    assert json.loads((tmp_path / "rtl" / "summary.json").read_text())["rectified"]
 
 
 def write_pair(folder: Path, width: int) -> tuple[Path, Path]:

@@ -9,7 +9,7 @@ from collections.abc import Iterable
 import cocotb
 from cocotb.clock import Clock
 from cocotb.handle import SimHandleBase
-from cocotb.triggers import FallingEdge
+from cocotb.triggers import FallingEdge, Timer
 
 
 def seeded(dut: SimHandleBase) -> random.Random:
@@ -29,9 +29,11 @@ async def start(dut: SimHandleBase, **idle: int) -> None:
         getattr(dut, name).value = value
     if mutant := os.environ.get("VISTA_MUTANT"):  # of scripts/mutate_rtl.py
         dut.mutsel.value = int(mutant)
-    cocotb.start_soon(Clock(dut.clk_i, 10, "ns").start())
     if hasattr(dut, "rst_ni"):
         dut.rst_ni.value = 0
+    await Timer(1, "ns")  # inputs start at random: none may change beside the first edge
+    cocotb.start_soon(Clock(dut.clk_i, 10, "ns").start())
+    if hasattr(dut, "rst_ni"):
         for _ in range(4):
             await FallingEdge(dut.clk_i)
         dut.rst_ni.value = 1

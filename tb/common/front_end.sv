@@ -1,23 +1,37 @@
-// SPDX-License-Identifier: Apache-2.0
-// The whole way of a frame, for the bench: pyramid, smoothing and the core one behind the other. What belongs to a frame
-// goes along with it, so that each level is matched with its own size and the parameters of its frame.
+// The way of a frame behind the registers, for the bench: the front end and the core. What belongs to a frame goes along
+// with it, so that each level is matched with its own size and the parameters of its frame.
 
 module front_end #(
   parameter int unsigned NumDisparities = 16,
   parameter int unsigned BlockSize = 5,
   parameter int unsigned MaxWidth = 64,
+  parameter int unsigned NumRows = 16,
+  parameter int unsigned MaxPoints = 64,
   localparam int unsigned ColW = $clog2(MaxWidth),
   localparam int unsigned RowW = vista_stereo_pkg::HeightW,
+  localparam int unsigned FrontW = $bits(vista_stereo_pkg::front_end_t),
   localparam int unsigned ParamsW = $bits(vista_stereo_pkg::params_t)
 ) (
   input  logic clk_i,
   input  logic rst_ni,
+  input  logic keep_map_i,
 
   input  logic               enable_i,
   input  logic [ColW:0]      width_i,
   input  logic [RowW-1:0]    height_i,
-  input  logic [2:0]         levels_i,
-  input  logic [ParamsW:0]   side_i,  // {smooth, parameters}
+  input  logic [FrontW-1:0]  front_end_i,  // {rectify, levels, smooth}
+  input  logic [ParamsW-1:0] side_i,       // parameters of the matching
+
+  input  logic            map_begin_i,
+  input  logic [ColW:0]   map_width_i,
+  input  logic [RowW-1:0] map_height_i,
+  input  logic            map_write_i,
+  input  logic [31:0]     map_data_i,
+  input  logic            map_commit_i,
+  output logic            map_ready_o,
+  output logic            map_accepted_o,
+  output logic            map_refused_rows_o,
+  output logic            map_refused_size_o,
 
   input  logic        s_axis_tvalid,
   output logic        s_axis_tready,
@@ -44,6 +58,7 @@ module front_end #(
   output logic        m_axis_tlast,
 
   output logic frame_start_o,
+  output logic error_map_o,
   output logic error_early_eol_o,
   output logic error_late_eol_o,
   output logic error_early_sof_o,
@@ -51,58 +66,40 @@ module front_end #(
   output logic error_size_o
 );
 
-  logic level_valid, level_ready, level_sof, level_eol, smooth, pixel_valid, pixel_ready, pixel_sof, pixel_eol;
-  logic [15:0] level_data, pixel;
-  logic [ColW:0] level_width, pixel_width;
-  logic [RowW-1:0] level_height, pixel_height;
-  logic [ParamsW-1:0] level_params, pixel_params;
+  logic pixel_valid, pixel_ready, pixel_sof, pixel_eol;
+  logic [15:0] pixel;
+  logic [ColW:0] pixel_width;
+  logic [RowW-1:0] pixel_height;
+  logic [ParamsW-1:0] pixel_params;
+  vista_stereo_pkg::events_t events;
 
-  vista_pyramid #(
-    .MaxWidth  (MaxWidth),
-    .SideWidth (ParamsW + 1)
-  ) u_pyramid (
-    .m_axis_tvalid (level_valid),
-    .m_axis_tready (level_ready),
-    .m_axis_tdata  (level_data),
-    .m_axis_tuser  (level_sof),
-    .m_axis_tlast  (level_eol),
-    .level_o       (),
-    .width_o       (level_width),
-    .height_o      (level_height),
-    .side_o        ({smooth, level_params}),
-    .*
-  );
+  assign frame_start_o      = events.frame_start;
+  assign error_map_o        = events.no_map;
+  assign error_early_eol_o  = events.early_eol;
+  assign error_late_eol_o   = events.late_eol;
+  assign error_early_sof_o  = events.early_sof;
+  assign error_late_sof_o   = events.late_sof;
+  assign error_size_o       = events.size;
+  assign map_refused_rows_o = events.map_rows;
+  assign map_refused_size_o = events.map_size;
 
-  vista_smooth #(
+  vista_front_end #(
     .MaxWidth  (MaxWidth),
+    .NumRows   (NumRows),
+    .MaxPoints (MaxPoints),
     .SideWidth (ParamsW)
-  ) u_smooth (
-    .clk_i,
-    .rst_ni,
-    .enable_i          (1'b1),
-    .width_i           (level_width),
-    .height_i          (level_height),
-    .smooth_i          (smooth),
-    .side_i            (level_params),
-    .s_axis_tvalid     (level_valid),
-    .s_axis_tready     (level_ready),
-    .s_axis_tdata      (level_data),
-    .s_axis_tuser      (level_sof),
-    .s_axis_tlast      (level_eol),
-    .m_axis_tvalid     (pixel_valid),
-    .m_axis_tready     (pixel_ready),
-    .m_axis_tdata      (pixel),
-    .m_axis_tuser      (pixel_sof),
-    .m_axis_tlast      (pixel_eol),
-    .width_o           (pixel_width),
-    .height_o          (pixel_height),
-    .side_o            (pixel_params),
-    .frame_start_o     (),
-    .error_early_eol_o (),
-    .error_late_eol_o  (),
-    .error_early_sof_o (),
-    .error_late_sof_o  (),
-    .error_size_o      ()
+  ) u_front_end (
+    .map_i         ({map_begin_i, map_write_i, map_data_i, map_commit_i}),
+    .m_axis_tvalid (pixel_valid),
+    .m_axis_tready (pixel_ready),
+    .m_axis_tdata  (pixel),
+    .m_axis_tuser  (pixel_sof),
+    .m_axis_tlast  (pixel_eol),
+    .width_o       (pixel_width),
+    .height_o      (pixel_height),
+    .side_o        (pixel_params),
+    .events_o      (events),
+    .*
   );
 
   vista_stereo_core #(

@@ -18,7 +18,7 @@ class Field:
     low: int
     high: int
     reset: int | None
-    writable: bool
+    kept: bool  # what software writes is what it reads
     clears: bool
     pulse: bool  # reads as 0
 
@@ -36,8 +36,9 @@ def registers() -> dict[str, tuple[int, tuple[Field, ...]]]:
     for node in compiler.elaborate().top.descendants(unroll=True):
         if isinstance(node, RegNode):
             fields = tuple(
-                Field(f.inst_name, f.low, f.high, f.get_property("reset"), f.is_sw_writable,
-                      f.get_property("onwrite") is not None, f.get_property("singlepulse"))
+                Field(f.inst_name, f.low, f.high, f.get_property("reset"),
+                      f.is_sw_writable and f.is_sw_readable, f.get_property("onwrite") is not None,
+                      f.get_property("singlepulse"))
                 for f in node.fields()
             )  # fmt: skip
             found[node.inst_name] = (node.address_offset, fields)
@@ -58,5 +59,10 @@ FRAMES_IN, FRAMES_OUT = address("FRAMES_IN"), address("FRAMES_OUT")
 STALLS_IN, STALLS_OUT = address("STALLS_IN"), address("STALLS_OUT")
 OUTPUT, COMMIT = address("OUTPUT"), address("COMMIT")
 INTERRUPT, INTERRUPT_MASK = address("INTERRUPT"), address("INTERRUPT_MASK")
+BUILD_FRONT_END, FRONT_END = address("BUILD_FRONT_END"), address("FRONT_END")
+MAP, MAP_POINT = address("MAP"), address("MAP_POINT")
 ENABLE, SOFT_RESET = 1, 2  # of CONTROL
 FRAME_DONE, ERROR = 1, 2  # of INTERRUPT
+NO_MAP, MAP_ROWS, MAP_SIZE = 1 << 5, 1 << 6, 1 << 7  # of ERRORS, which only a front end sets
+BEGIN_LOAD, MAP_READY = 1, 2  # of MAP
+COMMIT_SET, COMMIT_MAP = 1, 2  # of COMMIT

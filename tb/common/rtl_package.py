@@ -10,14 +10,20 @@ from tools import ROOT
 _TEXT = (ROOT / "rtl" / "src" / "vista_stereo_pkg.sv").read_text()
 
 
+def _found(pattern: str) -> str:
+    match = re.search(pattern, _TEXT)
+    assert match, f"the package has no {pattern}"
+    return match[1]
+
+
 def package_constant(name: str) -> int:
     """A number of the package."""
-    return int(re.search(rf"parameter int unsigned {name} = (\d+);", _TEXT)[1])
+    return int(_found(rf"parameter int unsigned {name} = (\d+);"))
 
 
 def struct_fields(name: str) -> dict[str, int]:
     """The widths of the fields of a packed struct, from its highest bits to its lowest."""
-    body = re.search(rf"typedef struct packed {{([^}}]*)}} {name};", _TEXT)[1]
+    body = _found(rf"typedef struct packed {{([^}}]*)}} {name};")
     members = re.findall(r"^ *logic *(?:\[(\d+):0\])? *(\w+);", body, re.M)
     return {field: int(high or 0) + 1 for high, field in members}
 

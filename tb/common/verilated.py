@@ -27,6 +27,8 @@ class Config:
     num_disparities: int
     block_size: int
     max_width: int = 1024
+    rows: int = 0  # of the line buffer of rectification; 0: the core without front end
+    points: int = 64  # control points of a camera, a power of two
     coverage: bool = False
     mutants: bool = False  # of scripts/mutate_rtl.py, in place of the core
     waves: bool = "VISTA_WAVES" in os.environ  # written to build/rtl/top/NAME/waves.vcd
@@ -34,7 +36,8 @@ class Config:
     @property
     def name(self) -> str:
         kind = "_cov" * self.coverage + "_mutants" * self.mutants + "_waves" * self.waves
-        return f"d{self.num_disparities}_b{self.block_size}_w{self.max_width}{kind}"
+        front_end = f"_r{self.rows}_p{self.points}" * bool(self.rows)
+        return f"d{self.num_disparities}_b{self.block_size}_w{self.max_width}{front_end}{kind}"
 
 
 @dataclass(frozen=True)
@@ -50,6 +53,7 @@ CONFIGS = [
     Config(16, 5), Config(16, 15), Config(16, 21, 256), Config(32, 9), Config(32, 11), Config(48, 7, 256),
     Config(64, 5), Config(64, 11),
 ]  # fmt: skip
+FRONT_END = Config(16, 5, 64, rows=16)
 PACES = [Pace(), Pace(300, 300), Pace(50, 20), Pace(700, 100), Pace(5, 5)]
 
 
@@ -63,7 +67,8 @@ def build(config: Config) -> Path:
 
 
 def _build_alone(config: Config, folder: Path) -> Path:
-    files = sources("vista_stereo.f")
+    top = "vista_raw_stereo" if config.rows else "vista_stereo"
+    files = sources(f"{top}.f")
     if config.mutants:
         files = [f for f in files if f.name != "vista_stereo_core.sv"]
         files += [
@@ -72,11 +77,13 @@ def _build_alone(config: Config, folder: Path) -> Path:
         ]
     library, stamp = folder / "engine.so", folder / "digest"
     flags = "-fPIC -O1" + " -DVISTA_COVERAGE" * config.coverage + " -DVISTA_MUTANTS" * config.mutants
+    flags += " -DVISTA_FRONT_END" * bool(config.rows)
     command = [
         "verilator", "--cc", "--build", "-j", "1", "-O3", "--x-assign", "fast", *VERILATOR_FLAGS,
-        "--top-module", "vista_stereo", "--Mdir", str(folder), "-CFLAGS", flags,
+        "--top-module", top, "--prefix", "Vvista_stereo", "--Mdir", str(folder), "-CFLAGS", flags,
         f"-GNumDisparities={config.num_disparities}", f"-GBlockSize={config.block_size}",
         f"-GMaxWidth={config.max_width}",
+        *([f"-GNumRows={config.rows}", f"-GMaxPoints={config.points}"] if config.rows else []),
         *(["--trace-vcd"] if config.waves else []),
         *(["--coverage-line", "--coverage-toggle"] if config.coverage else []),
         *map(str, files),

@@ -250,10 +250,10 @@ class Driver:
         places = np.cumsum([0, *(len(s.stream) for s in segments[:-1])]).tolist()
         firsts = dict(zip(places, segments, strict=True))
         position, offering, idle = 0, False, 0
-        latest = self.clock + (40 * len(stream) + 2000) / min(offered, taken)
         # Nothing moves while the rest of a frame that was cut is filled in.
         filling = max(min(s.width, self.max_width) * s.height for s in segments)
         quiet = self.patience / min(offered, taken) + filling
+        latest = self.clock + (40 * len(stream) + 2000) / min(offered, taken) + quiet
         while idle < quiet and (stop_after is None or position < stop_after):
             if not offering and position < len(stream):
                 first = firsts.get(position)

@@ -8,7 +8,7 @@ from tools import ROOT, sources
 
 def listed() -> list[Path]:
     """The engine, and what goes before it."""
-    return list(dict.fromkeys([*sources("vista_stereo.f"), *sources("vista_frontend.f")]))
+    return list(dict.fromkeys([*sources("vista_stereo.f"), *sources("vista_raw_stereo.f")]))
 
 
 def test_core_file_lists_the_sources() -> None:

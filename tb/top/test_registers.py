@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from registers import BUILD, BUILD_SIZE, ID, VERSION, registers
-from verilated import Config, Rtl
+from registers import BUILD, BUILD_FRONT_END, BUILD_SIZE, ID, MAP, MAP_READY, VERSION, registers
+from verilated import FRONT_END, Config, Rtl
 
-CONFIGS = [Config(16, 5), Config(32, 11)]
-BUILD_FIELDS = {BUILD, BUILD_SIZE}
+CONFIGS = [Config(16, 5), Config(32, 11), FRONT_END]
+BUILD_FIELDS = {BUILD, BUILD_SIZE, BUILD_FRONT_END, MAP}
 
 
 @pytest.mark.parametrize("config", CONFIGS, ids=lambda c: c.name)
@@ -21,6 +21,8 @@ def test_reset_values_and_build(config: Config) -> None:
         assert rtl.read(VERSION) >> 16 == 2
         assert rtl.read(BUILD) == config.num_disparities | config.block_size << 16
         assert rtl.read(BUILD_SIZE) == config.max_width | 4095 << 16
+        front_end = config.rows | config.points << 16 if config.rows else 0
+        assert (rtl.read(BUILD_FRONT_END), rtl.read(MAP)) == (front_end, MAP_READY if front_end else 0)
 
 
 def test_every_field_keeps_what_is_written_and_nothing_else_changes() -> None:
@@ -28,7 +30,7 @@ def test_every_field_keeps_what_is_written_and_nothing_else_changes() -> None:
     with Rtl(Config(16, 5)) as rtl:
         values = {address: rtl.read(address) for address, _ in registers().values()}
         for name, (address, fields) in registers().items():
-            writable = sum(f.mask for f in fields if f.writable and not f.clears and not f.pulse)
+            writable = sum(f.mask for f in fields if f.kept and not f.clears and not f.pulse)
             for data in (0xFFFFFFFF, 0, 0xA5A5A5A5, *map(int, rng.integers(0, 1 << 32, 8))):
                 rtl.write(address, data)
                 values[address] = values[address] & ~writable | data & writable

@@ -1,62 +1,120 @@
-"""Pyramid, smoothing and core in a row: the words of every level against the C model, frame upon frame."""
+"""Front end and core in a row: the words of every level against the C model; maps change between frames."""
 
 from __future__ import annotations
+
+from dataclasses import replace
 
 import cocotb
 import numpy as np
 from bench_pyramid import levels_of
+from bench_rectify import (
+    IDLE,
+    LARGEST,
+    Loader,
+    random_segments,
+    run,
+    sent,
+    with_maps,
+)
 from bench_smooth import smooth
 from cocotb_helpers import parameter
 from faults import Received, expected_after
-from frames import IMAGE_KINDS, PARAMS_BITS, params_bits, random_pair, random_parameters
-from video import begun, filtered, random_segment, started
-from vista_model.engine import Parameters
+from frames import IMAGE_KINDS, params_bits, random_pair, random_parameters
+from video import begun, errors_of, filtered, reset, started
 
 D, B, MAX_WIDTH = (parameter(name) for name in ("NumDisparities", "BlockSize", "MaxWidth"))
+RECTIFY, SMOOTH = 1 << 4, 1  # of front_end_i; the levels lie between
 
 
-def side_bits(smoothed: bool, p: Parameters) -> int:
-    """What goes along with a frame: the switch of the smoothing above the packed struct params_t."""
-    return int(smoothed) << PARAMS_BITS | params_bits(p)
+def received(frame):
+    """A frame that leaves a block, as the next one takes it."""
+    return Received([max(pixel, 0) for pixel in frame.pixels], frame.whole)
 
 
-def expected_words(segment, received, smoothed, parameters):
-    """Words of all levels of a frame; a cut one is cut in each level where its smoothed pixels end."""
+def expected_words(segment, frame, parameters):
+    """Of all levels of a frame; one that is cut is cut in each block where what came ends."""
+    option = segment.option
+    straight = sent(replace(segment, option=option & RECTIFY), frame)
     words = []
-    for level in levels_of(segment, received):
-        frame = filtered(level, smooth if smoothed else (lambda image: image), 1)
-        pixels = Received([max(pixel, 0) for pixel in frame.pixels], frame.whole)
-        words.append(expected_after(pixels, frame.width, frame.height, parameters))
+    for level in levels_of(replace(segment, option=option >> 1 & 7), received(straight)):
+        pixels = filtered(level, smooth if option & SMOOTH else (lambda image: image), 1)
+        words.append(expected_after(received(pixels), pixels.width, pixels.height, parameters))
     return words
 
 
-def random_images(rng, height, width):
-    return random_pair(rng, str(rng.choice(IMAGE_KINDS)), height, width)
+def random_video(rng, kinds):
+    """Segments with maps, as for the rectification alone, and switches and parameters of their own."""
+    segments = random_segments(rng, kinds, lambda r, h, w: random_pair(r, str(r.choice(IMAGE_KINDS)), h, w))
+    settings = {}
+    for segment in segments:
+        parameters = random_parameters(rng, D, B)
+        segment.option = segment.option * RECTIFY | int(rng.integers(5)) << 1 | int(rng.integers(2))
+        segment.side = params_bits(parameters)
+        settings[id(segment)] = parameters
+    return segments, settings
+
+
+def assert_words(seen, expected):
+    got = np.array([beat[0] for beat in seen.beats], np.uint32)
+    assert len(got) == sum(map(len, expected))
+    parts = np.split(got, np.cumsum([len(words) for words in expected])[:-1])
+    for i, (words, part) in enumerate(zip(expected, parts, strict=True)):
+        differing = np.flatnonzero(words != part)
+        assert not len(differing), f"level image {i}: {len(differing)} of {len(words)} words differ"
+
+
+def words_of(segments, settings):
+    """What leaves of the video; settings belong to the segments of the same place."""
+    taken = with_maps(segments)
+    parameters = {id(t): settings[id(s)] for s, t in zip(segments, taken, strict=True)}
+    return [
+        words
+        for segment, frame in begun(taken, MAX_WIDTH)
+        for words in expected_words(segment, frame, parameters[id(segment)])
+    ]
+
+
+async def started_front_end(dut):
+    driver, rng = await started(dut, "front_end_i", (), IDLE)
+    # A frame that was cut at once is filled in every block in turn, and nothing leaves.
+    driver.patience = 4 * MAX_WIDTH * (LARGEST + 20)
+    return driver, rng
 
 
 @cocotb.test()
 @cocotb.parametrize(offered=[1.0, 0.5], taken=[1.0, 0.5])
 async def words_of_every_level(dut, offered, taken):
-    driver, rng = await started(dut, "levels_i")
-    segments, settings = [], {}
-    for _ in range(14):
-        kind = str(rng.choice(["good", "faulty"], p=[0.6, 0.4]))
-        segment = random_segment(rng, kind, MAX_WIDTH, 5, random_images)
-        smoothed, parameters = bool(rng.integers(2)), random_parameters(rng, D, B)
-        segment.side = side_bits(smoothed, parameters)
-        segments.append(segment)
-        settings[id(segment)] = smoothed, parameters
-    seen = await driver.run(segments, offered, taken)
-    expected = [
-        words
-        for s, frame in begun(segments, MAX_WIDTH)
-        for words in expected_words(s, frame, *settings[id(s)])
-    ]
-    got = np.array([beat[0] for beat in seen.beats], np.uint32)
-    assert len(got) == sum(map(len, expected))
-    for i, (words, part) in enumerate(
-        zip(expected, np.split(got, np.cumsum([len(w) for w in expected])[:-1]), strict=True)
-    ):
-        differing = np.flatnonzero(words != part)
-        assert not len(differing), f"level image {i}: {len(differing)} of {len(words)} words differ"
-    assert (got >> 16 != 0xFFFF).any(), "nothing was matched"
+    """Sound and faulty video of changing size, with switches, levels, parameters and maps of its own each."""
+    driver, rng = await started_front_end(dut)
+    kinds = [*["good"] * 9, *["faulty"] * 5, "unfit", "disabled"]
+    rng.shuffle(kinds)
+    segments, settings = random_video(rng, kinds)
+    seen, loader = await run(driver, segments, offered, taken, float(rng.choice([1.0, 0.7])))
+    expected = words_of(segments, settings)
+    assert_words(seen, expected)
+    assert seen.errors == errors_of(with_maps(segments), MAX_WIDTH)
+    unfit = [s for s in segments if not s.fits and s.enable]
+    assert loader.unfit == sum(int((s.stream >> 16 & 1).sum()) for s in unfit)
+
+
+@cocotb.test()
+async def soft_reset_keeps_the_map(dut):
+    """Anywhere in a frame, with levels in the buffer; the map in force counts for the next frame."""
+    driver, rng = await started_front_end(dut)
+    for _ in range(4):
+        segments, settings = random_video(rng, ["good"])
+        (segment,) = segments
+        if not segment.fits:
+            continue
+        stop = int(rng.integers(1, len(segment.stream)))
+        loader = Loader(dut, driver.dice, segment.loads, 1.0)
+        task = cocotb.start_soon(loader.run())
+        driver.may_begin = lambda segment, loader=loader: loader.done >= segment.loads_before
+        await driver.run(segments, 1.0, float(rng.choice([1.0, 0.3])), stop)
+        task.cancel()
+        dut.keep_map_i.value = 1
+        await reset(dut, driver)
+        dut.keep_map_i.value = 0
+        segment.loads, segment.loads_before = [], 0
+        seen, _ = await run(driver, segments, 0.7, 0.7)
+        assert_words(seen, words_of(segments, settings))

@@ -9,6 +9,7 @@ import numpy as np
 from cocotb.triggers import FallingEdge
 from cocotb_helpers import parameter
 from frames import beats
+from maps import random_grids, rectified, words_of
 from video import (
     FEWEST,
     Frame,
@@ -21,14 +22,14 @@ from video import (
     reset,
     started,
 )
-from vista_model import grid_shape, row_beyond
-from vista_model.c_engine import prepare_rectify
+from vista_model import row_beyond
 from vista_model.rectify import reach
 
 MAX_WIDTH, ROWS, MAX_POINTS = (parameter(name) for name in ("MaxWidth", "NumRows", "MaxPoints"))
 REACH = reach(ROWS)
 BELOW = REACH + 1  # rows that must have come below the one that leaves
 ALONG = ("width_o", "height_o", "side_o")
+IDLE = ("map_begin_i", "map_write_i", "map_commit_i", "keep_map_i")
 LARGEST = 2 * ROWS + 14  # rows of the largest frame
 LATENCY = 33  # from the last pixel of the rows that are needed to the first of the row
 VERDICTS = ("map_accepted_o", "map_refused_rows_o", "map_refused_size_o")
@@ -57,33 +58,6 @@ class MapSegment(Segment):
     fits: bool = True
 
 
-def random_grids(rng, height, width):
-    """Of both cameras: smooth, rough or extreme, at both ends of what the line buffer reaches."""
-    shape = (2, *grid_shape(height, width), 2)
-    lowest, highest = -32 * REACH, 32 * REACH + 31
-    grids = np.empty(shape, np.int16)
-    kind = rng.integers(4)
-    if kind == 0:
-        grids[..., 0] = rng.integers(-32768, 32768, shape[:-1])
-        grids[..., 1] = rng.integers(lowest, highest + 1, shape[:-1])
-    elif kind == 1:
-        grids[..., 0] = rng.choice([-32768, 32767, 0], shape[:-1])
-        grids[..., 1] = rng.choice([lowest, highest], shape[:-1])
-    elif kind == 2:
-        grids[:] = rng.integers(-70, 71, shape)
-    else:
-        grids[..., 0] = rng.integers(-900, 901) + rng.integers(-20, 21, shape[:-1])
-        grids[..., 1] = np.clip(
-            rng.integers(lowest, highest) + rng.integers(-9, 10, shape[:-1]), lowest, highest
-        )
-    return grids
-
-
-def words_of(grids):
-    """{dy, dx} row by row, the left camera first."""
-    return (grids.view(np.uint16).astype(np.int64) @ np.array([1, 1 << 16])).ravel().tolist()
-
-
 def good_load(grids, height, width):
     points = grids[0, ..., 0].size
     assert all(row_beyond(grid, ROWS) is None for grid in grids)
@@ -92,7 +66,7 @@ def good_load(grids, height, width):
 
 def bad_load(rng, height, width):
     """A map that must not be followed."""
-    grids = random_grids(rng, height, width)
+    grids = random_grids(rng, ROWS, height, width)
     kind = rng.integers(3)
     if kind == 0 and grids[0, ..., 0].size <= MAX_POINTS:
         place = tuple(rng.integers(0, side) for side in grids.shape[:-1])
@@ -102,12 +76,6 @@ def bad_load(rng, height, width):
     count = int(rng.choice([0, 1, len(words) - 1, len(words) // 2]))
     words = words[:count] if kind == 1 else [*words, words[0]]
     return Load(width, height, words, SIZE_REFUSED, hasty=bool(rng.integers(2)))
-
-
-def rectified(image, grid):
-    out = np.empty_like(image)
-    prepare_rectify(np.ascontiguousarray(image), np.ascontiguousarray(grid), out)()
-    return out
 
 
 def sent(segment, frame):
@@ -131,7 +99,7 @@ def expected(segments):
     return [sent(segment, frame) for segment, frame in begun(segments, MAX_WIDTH)]
 
 
-def random_segments(rng, kinds):
+def random_segments(rng, kinds, images=random_images):
     """Video with the maps that it needs, some bad ones between, and frames that no map fits."""
     segments: list[MapSegment] = []
     newest, starts = None, 0  # size and grids of the map in force
@@ -145,12 +113,12 @@ def random_segments(rng, kinds):
             height, width, _ = newest  # the map before it, again
         elif on:
             loads = [bad_load(rng, height, width) for _ in range(rng.integers(2))]
-            grids = random_grids(rng, height, width)
+            grids = random_grids(rng, ROWS, height, width)
             loads.append(good_load(grids, height, width))
             if loads[-1].verdict == ACCEPTED:
                 newest = height, width, grids
         fits = newest is not None and newest[:2] == (height, width)
-        frames = [beats(*random_images(rng, height, width)) for _ in range(rng.integers(1, 4))]
+        frames = [beats(*images(rng, height, width)) for _ in range(rng.integers(1, 4))]
         if kind == "faulty":
             frames = [broken(frame, width, rng) for frame in frames[:-1]] + frames[-1:]
         segment = MapSegment(
@@ -214,7 +182,7 @@ class Loader:
 
 
 async def started_without_map(dut):
-    driver, rng = await started(dut, "rectify_i", ALONG, ("map_begin_i", "map_write_i", "map_commit_i"))
+    driver, rng = await started(dut, "rectify_i", ALONG, IDLE)
     driver.patience = MAX_WIDTH * (LARGEST + 20)  # a frame that was cut at once is filled, and nothing leaves
     return driver, rng
 
@@ -281,7 +249,7 @@ async def one_pixel_per_clock(dut):
     driver, rng = await started_without_map(dut)
     for width, height in ((21, 2 * ROWS), (22, ROWS + 3), (33, BELOW), (MAX_WIDTH, 5), (MAX_WIDTH, 2 * ROWS)):
         frames = [beats(*random_images(rng, height, width)) for _ in range(6)]
-        grids = random_grids(rng, height, width)
+        grids = random_grids(rng, ROWS, height, width)
         loads = [good_load(grids, height, width)]
         assert loads[0].verdict == ACCEPTED
         segments = [

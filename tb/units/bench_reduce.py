@@ -24,8 +24,9 @@ LATENCY = 12
 
 
 def reduce(image):
+    image = np.ascontiguousarray(image)  # which the call needs alive
     out = np.empty(reduced_shape(image.shape), np.uint8)
-    prepare_reduce(np.ascontiguousarray(image), out)()
+    prepare_reduce(image, out)()
     return out
 
 

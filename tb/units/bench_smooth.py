@@ -25,8 +25,9 @@ LATENCY = 9
 
 
 def smooth(image):
+    image = np.ascontiguousarray(image)  # which the call needs alive
     out = np.empty_like(image)
-    prepare_smooth(np.ascontiguousarray(image), out)()
+    prepare_smooth(image, out)()
     return out
 
 

@@ -43,6 +43,7 @@ class Chain:
     rectifier: Rectifier
     engine: Engine
     pipeline: HostPipeline
+    engine_rectifies: bool = False  # the engine takes raw images
 
 
 def engine_parameters(values: parameters.Values) -> EngineParameters:
@@ -72,7 +73,8 @@ def make_chain(
 
     rectifier = Rectifier(sequence.calibration, int(values["stereo"]["rectify_rows"]))
     try:
-        engine = create_engine(engine_name, engine_parameters(values), threads, rtl_width_px)
+        grids = rectifier.grids if engine_name == "rtl" else None
+        engine = create_engine(engine_name, engine_parameters(values), threads, rtl_width_px, grids)
         engine.check_size(rectifier.calibration.width, rectifier.calibration.height)
     except (TypeError, ValueError) as error:
         raise InputError(f"engine {engine_name}", str(error)) from None
@@ -81,7 +83,7 @@ def make_chain(
         pipeline = Pipeline(camera, values)
     except ValueError as error:
         raise InputError(sequence.name, f"images of {camera.width}x{camera.height} px: {error}") from None
-    return Chain(sequence, rectifier, engine, pipeline)
+    return Chain(sequence, rectifier, engine, pipeline, grids is not None)
 
 
 @dataclass(frozen=True)
@@ -103,7 +105,8 @@ def run_frame(chain: Chain, files: FrameFiles) -> Step:
     with clock.stage("rectify"):
         frame = chain.rectifier.rectify(raw)
     with clock.stage("stereo"):
-        levels = list(chain.engine.levels(frame.left, frame.right))
+        matched = raw if chain.engine_rectifies else frame
+        levels = list(chain.engine.levels(matched.left, matched.right))
     if chain.sequence.stills:
         chain.pipeline.reset()
     result = chain.pipeline.process(

