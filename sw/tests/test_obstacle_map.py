@@ -222,8 +222,8 @@ def test_what_moves_across_is_a_member_before_it_is_there(
 
 
 def test_errors_that_last_add_to_the_covariance() -> None:
-    """Along the ray by disparity, depth and the place of the foot, across it by pixels and a share of what the width has more than
-    twice the height, both by the scatter of the detections; camera turned."""
+    """Along the ray by disparity, depth and the place of the foot; across it by pixels and a share of what
+    the width has more than twice the height; both by the scatter of the detections; camera turned."""
     turn = Rotation.from_euler("xyz", [4, -7, 3], degrees=True).as_matrix()
     lasting = {
         "lasting_disparity_px": 0.2,
