@@ -231,8 +231,8 @@ def test_a_plain_wall_that_is_held_is_met_where_it_was_met_last(
 
 
 def test_errors_that_last_add_to_the_covariance() -> None:
-    """Along the ray by disparity, depth and the place of the foot, across it by pixels and a share of what the
-    width has more than twice the height, both by the scatter of the detections; camera turned."""
+    """Along the ray by disparity, depth and the place of the foot, across it by pixels and a share of what
+    the width has more than twice the height, both by the scatter of the detections; camera turned."""
     turn = Rotation.from_euler("xyz", [4, -7, 3], degrees=True).as_matrix()
     lasting = {
         "lasting_disparity_px": 0.2,
