@@ -221,9 +221,22 @@ def test_what_moves_across_is_a_member_before_it_is_there(
         assert in_volume(point, volume_window=0, **state, **moves) == member
 
 
+@pytest.mark.parametrize(
+    ("changes", "member"),
+    [({}, True), ({"plain": False}, False), ({"met": False}, False), ({"volume_window": 0b100}, False)],
+)
+def test_a_plain_wall_that_is_held_is_met_where_it_was_met_last(
+    changes: dict[str, object], member: bool
+) -> None:
+    """Its middle is 9 m beside the path, and half its known width is 5 m: the rest had left the image."""
+    values = {"extent": (10.0, 13.0), "plain": True, "met": True, "met_m": [0.3, 0.5, 30.0]}
+    assert in_volume((-9, 0, 30.0), **(values | changes)) == member
+    assert not in_volume((-9, 0, 30.0), **(values | {"met_m": [-4.5, 0.0, 30.0]} | changes))
+
+
 def test_errors_that_last_add_to_the_covariance() -> None:
-    """Along the ray by disparity, depth and the place of the foot; across it by pixels and a share of what
-    the width has more than twice the height; both by the scatter of the detections; camera turned."""
+    """Along the ray by disparity, depth and the place of the foot, across it by pixels and a share of what
+    the width has more than twice the height, both by the scatter of the detections; camera turned."""
     turn = Rotation.from_euler("xyz", [4, -7, 3], degrees=True).as_matrix()
     lasting = {
         "lasting_disparity_px": 0.2,

@@ -167,6 +167,17 @@ static bool about_to_enter(const vista_obstacle_map_params *params, const vista_
  * it is. After more of them its velocity is a guess. */
 static bool motion_is_seen(const vista_track *track) { return !track->edges_only && track->misses <= 1; }
 
+/* Of a plain wall that fills the view, only the part in the image had a middle and an extent: while it is held, the path
+ * meets it where it met it last, as long as it leads there. */
+static bool still_met(const vista_obstacle_map_params *params, const vista_flight_path *path, const vista_track *track,
+                      int32_t members) {
+  if (!track->plain || !track->met || members < 2) return false;
+  double there_m[3], off_m[3];
+  vista_flight_path_nearest(path, track->met_m, there_m);
+  for (int i = 0; i < 3; ++i) off_m[i] = track->met_m[i] - there_m[i];
+  return vista_norm(off_m) <= params->collision_radius_m;
+}
+
 /* Without a detection: the last ellipse, moved to the predicted centre and scaled with the range. */
 static vista_ellipse ellipse_of(const vista_track *track, const double measurement_px[3], double depth_m) {
   vista_ellipse ellipse = track->ellipse;
@@ -215,7 +226,8 @@ static bool obstacle_of(const vista_obstacle_map_params *params, const vista_cam
   if (!track->credible || (own_pixels && obstacle->in_collision_volume)) return true;
   const vista_disc disc = disc_of(params, camera, pose, track, covariance_px2, camera_m[2]);
   obstacle->in_collision_volume = obstacle->in_collision_volume
-                                      ? vista_flight_path_near_disc(path, &disc, params->collision_radius_m)
+                                      ? vista_flight_path_near_disc(path, &disc, params->collision_radius_m) ||
+                                            still_met(params, path, track, members)
                                       : motion_is_seen(track) && about_to_enter(params, path, track, &disc);
   return true;
 }
