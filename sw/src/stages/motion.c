@@ -8,7 +8,7 @@
 #include "common/numbers.h"
 #include "common/parameters_check.h"
 
-#define PATH_S 1.0     /* the slower time constant, that tells whether the velocity turns */
+#define PATH_S 1.0 /* the slower time constant, that tells whether the velocity turns, and of long turns how fast */
 #define NOISE_SIGMAS 3.0
 #define FEWEST 4 /* differences that tell their own scatter */
 #define STRAIGHT_RAD_S 1e-6
@@ -84,6 +84,7 @@ static void follow(const vista_motion_params *p, const vista_pose *pose, int64_t
       s->velocity_m_s[i] += weight * (difference - s->velocity_m_s[i]);
       s->turn_rate_rad_s[i] += weight * (rotation[i] / dt_s - s->turn_rate_rad_s[i]);
       s->slow_velocity_m_s[i] += slowly * (difference - s->slow_velocity_m_s[i]);
+      s->slow_turn_rate_rad_s[i] += slowly * (rotation[i] / dt_s - s->slow_turn_rate_rad_s[i]);
       velocity2 += vista_square(difference - s->velocity_m_s[i]) / 3.0;
       turn2 += vista_square(rotation[i] / dt_s - s->turn_rate_rad_s[i]) / 3.0;
     }
@@ -97,6 +98,7 @@ static void follow(const vista_motion_params *p, const vista_pose *pose, int64_t
     s->lag_s = (1.0 - weight) * (s->lag_s + dt_s);
     s->slow_lag_s = (1.0 - slowly) * (s->slow_lag_s + dt_s);
     s->averaged = vista_square(1.0 - weight) * s->averaged + vista_square(weight);
+    s->slow_averaged = vista_square(1.0 - slowly) * s->slow_averaged + vista_square(slowly);
     s->last_dt_s = dt_s;
     s->differences += s->differences < INT32_MAX;
     s->rates_known = true;
@@ -171,29 +173,40 @@ static void cross(const double a[3], const double b[3], double product[3]) {
   for (int i = 0; i < 3; ++i) product[i] = a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3];
 }
 
-/* How the path turns, rad/s, orthogonal to `direction`: as the camera does, as far as the velocity allows for it, less what
- * may be noise. */
+/* Of a turn rate of the camera what is orthogonal to `direction`, as far as the velocity's turn `path` allows for it,
+ * less what may be noise; `averaged`: its variance over that of a single difference. */
+static void likely_turn(const vista_motion_params *p, const vista_motion_state *s, const vista_motion *motion,
+                        const double rate_rad_s[3], double averaged, const double path[3], double slack,
+                        double turn[3]) {
+  const double along_rad_s = vista_dot(rate_rad_s, motion->direction);
+  double beyond[3];
+  for (int i = 0; i < 3; ++i) {
+    turn[i] = rate_rad_s[i] - along_rad_s * motion->direction[i];
+    beyond[i] = turn[i] - path[i];
+  }
+  const double excess = fmax(0.0, 1.0 - slack / fmax(vista_norm(beyond), STRAIGHT_RAD_S));
+  for (int i = 0; i < 3; ++i) turn[i] -= excess * beyond[i];
+  const double noise =
+      fmax(NOISE_SIGMAS * sqrt(s->turn_variance * averaged), p->path_turn_min_deg_s * VISTA_RADIANS_PER_DEGREE);
+  const double kept = fmax(0.0, 1.0 - vista_square(noise / fmax(vista_norm(turn), STRAIGHT_RAD_S)));
+  for (int i = 0; i < 3; ++i) turn[i] *= kept;
+}
+
+/* How the path turns, rad/s, orthogonal to `direction`: as the camera does. What turns slowly and for long is told by
+ * the slower mean, of which the camera's own sway is a smaller part. */
 static void path_turn_rate(const vista_motion_params *p, const vista_motion_state *s, const vista_motion *motion,
                            double turn[3]) {
   const double apart_s = s->slow_lag_s - s->lag_s;
   const double slow_m_s = vista_norm(s->slow_velocity_m_s), fast_m_s = vista_norm(s->velocity_m_s);
   memset(turn, 0, 3 * sizeof *turn);
   if (!(apart_s > 0.0) || !(fmin(slow_m_s, fast_m_s) > 0.0) || s->differences < FEWEST) return;
-  double path[3], beyond[3];
+  double path[3], slow[3];
   cross(s->slow_velocity_m_s, s->velocity_m_s, path);
-  const double along_rad_s = vista_dot(s->turn_rate_rad_s, motion->direction);
-  for (int i = 0; i < 3; ++i) {
-    path[i] /= slow_m_s * fast_m_s * apart_s;
-    turn[i] = s->turn_rate_rad_s[i] - along_rad_s * motion->direction[i];
-    beyond[i] = turn[i] - path[i];
-  }
+  for (int i = 0; i < 3; ++i) path[i] /= slow_m_s * fast_m_s * apart_s;
   const double slack = NOISE_SIGMAS * sqrt(s->velocity_variance * s->averaged) / (fast_m_s * apart_s);
-  const double excess = fmax(0.0, 1.0 - slack / fmax(vista_norm(beyond), STRAIGHT_RAD_S));
-  for (int i = 0; i < 3; ++i) turn[i] -= excess * beyond[i];
-  const double noise =
-      fmax(NOISE_SIGMAS * sqrt(s->turn_variance * s->averaged), p->path_turn_min_deg_s * VISTA_RADIANS_PER_DEGREE);
-  const double kept = fmax(0.0, 1.0 - vista_square(noise / fmax(vista_norm(turn), STRAIGHT_RAD_S)));
-  for (int i = 0; i < 3; ++i) turn[i] *= kept;
+  likely_turn(p, s, motion, s->turn_rate_rad_s, s->averaged, path, slack, turn);
+  likely_turn(p, s, motion, s->slow_turn_rate_rad_s, s->slow_averaged, path, slack, slow);
+  if (vista_norm(slow) > vista_norm(turn)) memcpy(turn, slow, sizeof slow);
 }
 
 vista_flight_path vista_motion_path(const vista_motion_params *params, const vista_motion_state *state,

@@ -9,7 +9,8 @@
  * placed by the old one has lost its meaning (`restarted`).
  *
  * Path: what is flown next, for the collision volume. It bends as the turn rate says, if the velocity turns as well: a
- * camera may look about on a straight path. What the poses' noise explains, or less than path_turn_min_deg_s, is
+ * camera may look about on a straight path. A turn that is slow and lasts is told by the mean over a longer time, in which
+ * the camera's own sway counts less. What the poses' noise explains, or less than path_turn_min_deg_s, is
  * straight. Nobody keeps to an arc for long: with c its curvature, uncertain by a share path_uncertainty, it is
  * followed up to where that is a miss of the collision radius, share c s^2 / 2 = radius, and for a quarter of a circle
  * at most.
@@ -55,6 +56,8 @@ typedef struct vista_motion_state {
   int32_t refused_count; /* in a row that agree with each other; the last one of them: */
   int64_t refused_t_ns;
   vista_pose refused_at;
+  double slow_turn_rate_rad_s[3]; /* the same turn rate, smoothed over PATH_S */
+  double slow_averaged;           /* its variance over that of a difference */
 } vista_motion_state;
 
 /* On an error nothing is changed. VISTA_ERROR_ORDER: the time is not after that of the last frame, which is judged
