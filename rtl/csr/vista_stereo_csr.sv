@@ -1434,7 +1434,7 @@ module vista_stereo_csr (
         end
         if(rd_mux_addr == 7'h4c) begin
             readback_data_var[7:0] = hwif_in.BUILD_FRONT_END.rectify_rows.next;
-            readback_data_var[31:16] = hwif_in.BUILD_FRONT_END.map_points.next;
+            readback_data_var[31:8] = hwif_in.BUILD_FRONT_END.map_points.next;
         end
         if(rd_mux_addr == 7'h50) begin
             readback_data_var[0] = field_storage.FRONT_END.smooth.value;

@@ -127,7 +127,7 @@ package vista_stereo_csr_pkg;
     } vista_stereo_csr__BUILD_FRONT_END__rectify_rows__in_t;
 
     typedef struct {
-        logic [15:0] next;
+        logic [23:0] next;
     } vista_stereo_csr__BUILD_FRONT_END__map_points__in_t;
 
     typedef struct {

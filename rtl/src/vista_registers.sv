@@ -196,7 +196,7 @@ module vista_registers #(
   assign to_csr.BUILD_SIZE.max_width.next         = 16'(MaxWidth);
   assign to_csr.BUILD_SIZE.max_height.next        = 16'(RowW'('1));
   assign to_csr.BUILD_FRONT_END.rectify_rows.next = 8'(NumRows);
-  assign to_csr.BUILD_FRONT_END.map_points.next   = 16'(MaxPoints);
+  assign to_csr.BUILD_FRONT_END.map_points.next   = 24'(MaxPoints);
   assign to_csr.MAP.ready.next                    = map_ready_i;
   assign to_csr.STALLS_IN.count.incr              = stall_in_q;
   assign to_csr.STALLS_OUT.count.incr             = stall_out_q;

@@ -21,7 +21,7 @@ def test_reset_values_and_build(config: Config) -> None:
         assert rtl.read(VERSION) >> 16 == 2
         assert rtl.read(BUILD) == config.num_disparities | config.block_size << 16
         assert rtl.read(BUILD_SIZE) == config.max_width | 4095 << 16
-        front_end = config.rows | config.points << 16 if config.rows else 0
+        front_end = config.rows | config.points << 8 if config.rows else 0
         assert (rtl.read(BUILD_FRONT_END), rtl.read(MAP)) == (front_end, MAP_READY if front_end else 0)
 
 
