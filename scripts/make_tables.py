@@ -340,6 +340,20 @@ def flights_table(split: str) -> str:
     return markdown(head, rows)
 
 
+def flights_noise_table() -> str:
+    rows = []
+    for level in figures("flights")["sensor_noise"]:
+        row = [f"{level['grey_levels']:.0f}"]
+        for group in sorted(level["groups"], key=lambda found: found["split"], reverse=True):
+            state = f"{group['degraded_frames']} + {group['unseeing_frames']} of {group['frames']}"
+            row += [f"{group['hits']}/{group['band_frames']}", str(group["false_alarm_frames"]), state]
+        rows.append(row)
+    columns = [
+        f"{split}: {what}" for split in ("test", "dev") for what in ("hits", "false", "degraded + blind")
+    ]
+    return markdown(" | ".join(["grey levels", *columns]), rows)
+
+
 def nees(values: list[float] | None) -> str:
     return "" if values is None else f"{values[0]:.1f} ({values[1]:.1f} to {values[2]:.1f})"
 
@@ -614,7 +628,10 @@ TABLES: dict[str, dict[str, Callable[[], str]]] = {  # by the figures that they 
         "roads-detection": partial(roads_table, ROADS_OF_DETECTION),
     },
     "scenes": {"scenes": scenes_table},
-    "flights": {f"flights-{split}": partial(flights_table, split) for split in ("dev", "test")},
+    "flights": {
+        **{f"flights-{split}": partial(flights_table, split) for split in ("dev", "test")},
+        "flights-noise": flights_noise_table,
+    },
     "throughput": {"throughput": throughput_table},
     "rectification": {"rectification": rectification_table},
     "rectification-grid": {"rectification-grid": rectification_grid_table},
@@ -745,12 +762,16 @@ def reduce_flights(raw: Record) -> Record:
         )
         return {key: rounded(found[key]) for key in keys} | {"nees": consistency(found["consistency"])}
 
+    def of_noise(found: Record) -> Record:
+        keys = ("split", "frames", "hits", "band_frames", "false_alarm_frames", "degraded_frames")
+        return {key: found[key] for key in (*keys, "unseeing_frames")}
+
     host = [score["host_ms"] for score in raw["flights"]]
     alone = raw["stereo_alone"]
     noisy = {found["split"]: {key: found[key] for key in ("hits", "band_frames", "false_alarm_frames")}
              for found in raw["pose_noise"]["groups"]}  # fmt: skip
     return {
-        "groups": [group(found) for found in raw["groups"] if found["split"] == "test"],
+        "groups": [group(found) for found in raw["groups"]],
         "flights": [flight(score) for score in raw["flights"]],
         "stereo_alone": alone
         and {
@@ -761,6 +782,10 @@ def reduce_flights(raw: Record) -> Record:
             "false_alarm_frames": alone["ours"]["alarms"],
         },
         "pose_noise": noisy,
+        "sensor_noise": [
+            {"grey_levels": level["grey_levels"], "groups": [of_noise(found) for found in level["groups"]]}
+            for level in [{"grey_levels": 0.0, "groups": raw["groups"]}, *raw["sensor_noise"]]
+        ],
         "host_ms": {"least": round(min(host), 1), "largest": round(max(host), 1)},
     }
 
