@@ -201,6 +201,18 @@ def test_a_camera_that_looks_about_does_not_bend_the_path() -> None:
     assert stage.path(motion).curvature_1_m == 0.0
 
 
+def test_wind_that_pushes_the_aircraft_aside_does_not_bend_the_path() -> None:
+    """3 m/s, to and fro by 0.1 m/s within 5 s, while the camera keeps its heading but for 0.4 degrees a second."""
+    for phase in seeded(7).uniform(0.0, 2.0 * math.pi, 20):
+        stage = Motion()
+        for frame in range(40):
+            swing = 2.0 * math.pi / 5.0 * 0.1 * frame + phase
+            yaw = Rotation.from_rotvec([0.0, math.radians(0.3) * math.sin(swing), 0.0]).as_matrix()
+            aside_m = -0.1 * 5.0 / (2.0 * math.pi) * math.cos(swing)
+            path = stage.path(stage.update(0.1 * frame, pose((aside_m, 0, 0.3 * frame), yaw)))
+            assert path.curvature_1_m == 0.0
+
+
 def test_what_stands_or_hardly_moves_has_a_straight_path() -> None:
     for speed_m_s in (0.0, 0.3):
         stage, motion = flown_circle(2.0, speed_m_s)

@@ -184,11 +184,14 @@ static void likely_turn(const vista_motion_params *p, const vista_motion_state *
     turn[i] = rate_rad_s[i] - along_rad_s * motion->direction[i];
     beyond[i] = turn[i] - path[i];
   }
+  const double of_camera_rad_s = vista_norm(turn);
   const double excess = fmax(0.0, 1.0 - slack / fmax(vista_norm(beyond), STRAIGHT_RAD_S));
   for (int i = 0; i < 3; ++i) turn[i] -= excess * beyond[i];
   const double noise =
       fmax(NOISE_SIGMAS * sqrt(s->turn_variance * averaged), p->path_turn_min_deg_s * VISTA_RADIANS_PER_DEGREE);
-  const double kept = fmax(0.0, 1.0 - vista_square(noise / fmax(vista_norm(turn), STRAIGHT_RAD_S)));
+  /* A velocity that sways where the camera does not turn bends no path. */
+  const double told_rad_s = fmax(fmin(of_camera_rad_s, vista_norm(turn)), STRAIGHT_RAD_S);
+  const double kept = fmax(0.0, 1.0 - vista_square(noise / told_rad_s));
   for (int i = 0; i < 3; ++i) turn[i] *= kept;
 }
 
