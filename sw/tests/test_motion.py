@@ -202,7 +202,7 @@ def test_a_camera_that_looks_about_does_not_bend_the_path() -> None:
 
 
 def test_wind_that_pushes_the_aircraft_aside_does_not_bend_the_path() -> None:
-    """3 m/s, and to and fro by 0.1 m/s within 5 s. The camera keeps its heading but for 0.4 degrees a second."""
+    """3 m/s, and to and fro by 0.1 m/s within 5 s. The camera's heading sways by 0.4 degrees a second."""
     for phase in seeded(7).uniform(0.0, 2.0 * math.pi, 20):
         stage = Motion()
         for frame in range(40):
