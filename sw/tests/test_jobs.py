@@ -158,6 +158,11 @@ if __name__ == "__main__":
 """
 
 
+def heed_interruption() -> None:
+    """A shell lets what it starts in the background ignore SIGINT, and children inherit that."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+
+
 @pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGINT])
 def test_who_is_ended_leaves_whole_results_and_no_process(number: signal.Signals, tmp_path: Path) -> None:
     notes, kept, program = tmp_path / "notes", tmp_path / "kept", tmp_path / "program.py"
@@ -165,7 +170,12 @@ def test_who_is_ended_leaves_whole_results_and_no_process(number: signal.Signals
     program.write_text(PROGRAM)
     paths = os.pathsep.join([str(Path(job_examples.__file__).parent), os.environ.get("PYTHONPATH", "")])
     command = [sys.executable, str(program), str(notes), str(kept), *map(str, SEEDS)]
-    process = subprocess.Popen(command, env=os.environ | {"PYTHONPATH": paths}, stderr=subprocess.DEVNULL)
+    process = subprocess.Popen(
+        command,
+        env=os.environ | {"PYTHONPATH": paths},
+        stderr=subprocess.DEVNULL,
+        preexec_fn=heed_interruption,
+    )
     wait_for_attempt(notes, SEEDS[3])
     process.send_signal(number)
     assert process.wait(timeout=60) != 0
