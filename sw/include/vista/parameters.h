@@ -213,7 +213,7 @@ typedef struct vista_obstacle_map_params {
   double closing_min_m_s; /* No time to collision is given for what closes slower than this. 0.0 .. 100.0 m/s. */
   double outline_px; /* Pixels by which matching widens a thing to each side: so much nearer to the path has a pixel to be, to be in the collision volume. 0.0 .. 100.0 px. */
   double lasting_scatter; /* The same in u, v and disparity, as a share of the scatter of its detections beyond what noise explains: a region that wanders may be wrong for long. 0.0 .. 10.0. */
-  double thickness_ratio; /* The middle of a thing lies this share of half its width, or of its height if that is less, behind the surface that is seen, uncertain by as much: 0 for a board, 1 for a ball. 0.0 .. 1.0. */
+  double thickness_ratio; /* The middle of a thing lies this share of half its width behind the surface that is seen, uncertain by as much: 0 for a board, 1 for a ball. Its width counts up to twice its height, and up to 1 m. 0.0 .. 1.0. */
   double seen_min_fraction; /* The flight path is seen as far as this share of the collision volume's cross-section has disparities in regions that could be judged. 0.0 .. 1.0. */
   double approach_s; /* What moves across the flight path is in the collision volume as soon as it will be within this time. 0.0 .. 60.0 s. */
   unsigned char reserved[152];

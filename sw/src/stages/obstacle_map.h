@@ -6,8 +6,8 @@
  * the thing is in view: the matcher's bias, a region that wanders (what its detections have in common from one to the
  * next), the end of a long thing that the region lacks. That part is added to the filter's covariance,
  * J diag(lasting^2) J^T as in reconstruction, not fed into it.
- * Position: of the middle, thickness_ratio of half the width, or of the height if that is less, behind the surface
- * that is seen; uncertain by as much.
+ * Position: of the middle, thickness_ratio of half the width behind the surface that is seen, uncertain by as much.
+ * What is long and low is no deeper than twice its height, and what is large no deeper than 1 m.
  * Too near to match (blind_zone.h): an obstacle without a track, id 0, on the flight path somewhere within the
  * blind zone, as wide as the volume. It is given at the far end of the zone, with the zone's length as uncertainty. It
  * never hides a track: while one in the volume is seen in this frame, the view is not blocked, and the nearest
