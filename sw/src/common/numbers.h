@@ -8,6 +8,7 @@
 
 #define VISTA_RADIANS_PER_DEGREE 0.017453292519943295769
 #define VISTA_DEGREES_PER_RADIAN 57.295779513082320877
+#define VISTA_SQRT_3 1.7320508075688772 /* half the length of an interval over its standard deviation */
 
 /* fmaxf and fminf are calls, and these are asked often. */
 static inline float vista_larger(float a, float b) { return a > b ? a : b; }
@@ -18,6 +19,10 @@ static inline double vista_square(double value) { return value * value; }
 static inline double vista_dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
 static inline double vista_norm(const double a[3]) { return sqrt(vista_dot(a, a)); }
+
+static inline void vista_cross(const double a[3], const double b[3], double product[3]) {
+  for (int i = 0; i < 3; ++i) product[i] = a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3];
+}
 
 /* Finite, too; neither holds for a NaN. */
 static inline bool vista_positive(double value) { return isfinite(value) && value > 0.0; }

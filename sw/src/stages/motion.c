@@ -169,10 +169,6 @@ vista_status vista_motion_update(const vista_motion_params *params, const vista_
   return VISTA_OK;
 }
 
-static void cross(const double a[3], const double b[3], double product[3]) {
-  for (int i = 0; i < 3; ++i) product[i] = a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3];
-}
-
 /* Of a turn rate of the camera what is orthogonal to `direction`, as far as the velocity's turn `path` allows for it,
  * less what may be noise; `averaged`: its variance over that of a single difference. */
 static void likely_turn(const vista_motion_params *p, const vista_motion_state *s, const vista_motion *motion,
@@ -204,7 +200,7 @@ static void path_turn_rate(const vista_motion_params *p, const vista_motion_stat
   memset(turn, 0, 3 * sizeof *turn);
   if (!(apart_s > 0.0) || !(fmin(slow_m_s, fast_m_s) > 0.0) || s->differences < FEWEST) return;
   double path[3], slow[3];
-  cross(s->slow_velocity_m_s, s->velocity_m_s, path);
+  vista_cross(s->slow_velocity_m_s, s->velocity_m_s, path);
   for (int i = 0; i < 3; ++i) path[i] /= slow_m_s * fast_m_s * apart_s;
   const double slack = NOISE_SIGMAS * sqrt(s->velocity_variance * s->averaged) / (fast_m_s * apart_s);
   likely_turn(p, s, motion, s->turn_rate_rad_s, s->averaged, path, slack, turn);
@@ -222,7 +218,7 @@ vista_flight_path vista_motion_path(const vista_motion_params *params, const vis
     return path;
   double turn[3], normal[3];
   path_turn_rate(params, state, motion, turn);
-  cross(turn, motion->direction, normal);
+  vista_cross(turn, motion->direction, normal);
   const double rate = vista_norm(normal);
   if (!(rate > STRAIGHT_RAD_S)) return path;
   /* What is smoothed lags behind: the direction is that of a moment ago. */

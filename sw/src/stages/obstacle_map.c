@@ -21,7 +21,6 @@
 #define END_SHARE 0.2 /* of half a side: how well its end is known */
 #define RELIEF_M 0.1 /* of a surface */
 #define SAME_RANGE_M 1.0 /* and three standard deviations: what is in the way at one range may be one thing */
-#define SQRT_3 1.7320508075688772 /* half the length of an interval over its standard deviation */
 #define DEPTH_MIN_M 0.05 /* nearer along z: behind the camera */
 
 static const char *const kind_names[VISTA_OBSTACLE_KIND_COUNT] = {
@@ -282,7 +281,7 @@ static double large(double extent_m) { return fmin(fmax((extent_m - COMPACT_M) /
 /* The volume is round: relief of a surface decides which of the points around the middle of the contact it touches
  * first. */
 static double face_sigma_m(double half_m, double radius_m) {
-  return fmin(half_m / SQRT_3, sqrt(2.0 * radius_m * RELIEF_M));
+  return fmin(half_m / VISTA_SQRT_3, sqrt(2.0 * radius_m * RELIEF_M));
 }
 
 /* The point of a thing that the path meets, where its own points have not told: of a rectangle of its extent that faces
@@ -359,7 +358,7 @@ static void allow_for_parts(const vista_pose *pose, const vista_obstacle *obstac
     for (int axis = 0; axis < 2; ++axis) {
       double apart_m = 0.0;
       for (int i = 0; i < 3; ++i) apart_m += (o->position_m[i] - nearest->position_m[i]) * pose->rotation[3 * i + axis];
-      sigma_m[axis] = fmax(sigma_m[axis], fabs(apart_m) / SQRT_3);
+      sigma_m[axis] = fmax(sigma_m[axis], fabs(apart_m) / VISTA_SQRT_3);
     }
   }
   add_across(pose, sigma_m, nearest->covariance_m2);

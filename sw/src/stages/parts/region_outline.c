@@ -4,12 +4,13 @@
 
 #include "common/bits.h"
 #include "common/depth.h"
+#include "common/numbers.h"
+#include "stages/parts/seed_step.h"
 #include "stages/parts/upright_plane.h"
 
 #define SIDE_BINS 32 /* of the height of the left and the right edge, and of the width of foot and top */
 #define EDGE_BINS 8  /* at least of an edge: less of it may be chance */
 #define POINTS_MIN 6 /* on one line of the plan: fewer do not tell a slope from noise */
-#define SQRT_3 1.7320508075688772 /* what is anywhere from 0 to a is off a by a / sqrt(3) */
 #define SUNK_MAX 0.1 /* of its area, below the foot: cells are coarse */
 #define INNER_BLOCKS 4.0 /* in boundary_px: what is smaller is for the most part filled with the words around it */
 
@@ -86,10 +87,6 @@ static bool on_ground(const vista_region_view *w, int32_t node) {
   return w->cells->disparity_px[node] > 0.0f && w->surfaces->horizontal[node];
 }
 
-static bool stands(const vista_region_view *w, int32_t node) {
-  return w->cells->disparity_px[node] > 0.0f && !w->surfaces->horizontal[node];
-}
-
 /* ---- which upright surface ---- */
 
 #define POINT_BINS (VISTA_PLAN_POINTS / SIDE_COUNT) /* of a side: what is in one is a point of the plan */
@@ -136,7 +133,8 @@ static int32_t find_points(const vista_region_view *w, const vista_plan *plan, c
         continue;
       }
       for (int k = 0; k < 2; ++k)
-        if (stands(w, at.nodes[k])) add_point(plan, &at, extent, (double)w->cells->disparity_px[at.nodes[k]], &sums);
+        if (vista_standing(w->cells, w->surfaces, at.nodes[k]))
+          add_point(plan, &at, extent, (double)w->cells->disparity_px[at.nodes[k]], &sums);
     }
   }
   int32_t count = 0;
@@ -266,7 +264,8 @@ bool vista_region_owns_outline(vista_region_view *w, const vista_camera *camera,
   region->slope_u = surface->slope_u;
   region->slope_v = surface->slope_v;
   region->disparity_sigma_px = line.sigma_px;
-  region->foot_sigma_px = fabs(w->surfaces->ground.slope_v) * w->params->boundary_px / SQRT_3;
+  /* Words of the ground reach anywhere from 0 to boundary_px up into what is plain. */
+  region->foot_sigma_px = fabs(w->surfaces->ground.slope_v) * w->params->boundary_px / VISTA_SQRT_3;
   region->boundary_inliers = (int32_t)line.weight;
   return true;
 }

@@ -14,10 +14,7 @@ bool vista_plan_of(const vista_camera *camera, const double up_camera[3], vista_
   const double level = sqrt(1.0 - steep * steep);
   plan->camera = camera;
   for (int i = 0; i < 3; ++i) plan->ahead[i] = ((i == 2) - steep * up_camera[i]) / level;
-  for (int i = 0; i < 3; ++i) { /* ahead x up */
-    const int j = (i + 1) % 3, k = (i + 2) % 3;
-    plan->right[i] = plan->ahead[j] * up_camera[k] - plan->ahead[k] * up_camera[j];
-  }
+  vista_cross(plan->ahead, up_camera, plan->right);
   return true;
 }
 
@@ -84,11 +81,8 @@ static bool refine(const vista_plan_point *points, int32_t count, double toleran
   if (!(variance > 0.0)) return false;
   line->slope = (tk / n - t / n * k / n) / variance;
   line->offset = k / n - line->slope * t / n;
-  line->t_mean = t / n;
-  line->t_variance = variance;
   line->weight = n;
   line->count = used;
-  line->mean_px = r / n;
   line->sigma_px = sqrt(fmax(rr / n - vista_square(r / n), 0.0));
   return true;
 }

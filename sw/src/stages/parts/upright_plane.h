@@ -27,9 +27,9 @@ typedef struct vista_plan_point {
 
 typedef struct vista_plan_line {
   double slope, offset;
-  int32_t count;                     /* of the points on it */
-  double t_mean, t_variance;         /* of its points, weighted */
-  double mean_px, sigma_px, weight; /* of their residuals */
+  int32_t count;   /* of the points on it */
+  double weight;   /* their sum */
+  double sigma_px; /* scatter of their disparities about it */
 } vista_plan_line;
 
 /* False: the camera looks up or down too steeply for a plan. */
