@@ -346,20 +346,21 @@ VISTA_WIDE_VECTORS static void list_pixels_of(const vista_foveation *f, const vi
   const int32_t width = f->width_px;
   int16_t *words = cells->words + f->first_pixel[nodes.first];
   uint8_t *greys = cells->greys + f->first_pixel[nodes.first];
-  const uint8_t *const last = cells->greys + f->first_pixel[nodes.end] - VISTA_WORD_BLOCK;
+  int32_t left = f->first_pixel[nodes.end] - f->first_pixel[nodes.first]; /* pixels of the span */
   const vista_run *const end = f->runs + f->first_run[nodes.end];
   for (const vista_run *run = f->runs + f->first_run[nodes.first]; run < end; ++run) {
     const int32_t length = run->length_px;
     const int16_t *const word = disparity->data + run->v_px * disparity_stride + run->u_px;
     const uint8_t *const grey = image->data + run->v_px * image_stride + run->u_px;
-    int32_t room = greys <= last ? width - run->u_px : length;
+    int32_t room = left >= VISTA_WORD_BLOCK ? width - run->u_px : length;
     copy_block(word, grey, room, words, greys);
     for (int32_t i = VISTA_WORD_BLOCK; i < length; i += VISTA_WORD_BLOCK) {
-      room = greys + i <= last ? width - run->u_px - i : length - i;
+      room = left - i >= VISTA_WORD_BLOCK ? width - run->u_px - i : length - i;
       copy_block(word + i, grey + i, room, words + i, greys + i);
     }
     words += length;
     greys += length;
+    left -= length;
   }
 }
 

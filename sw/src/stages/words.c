@@ -22,7 +22,6 @@ int32_t vista_words_side_px(int32_t side_px, int32_t level) {
 /* For levels up to this size. */
 static void take_scratch(vista_arena *arena, int32_t width_px, int32_t height_px, vista_words_scratch *w) {
   const size_t width = (size_t)width_px, pixels = width * (size_t)height_px;
-  w->row = vista_arena_take(arena, width + 2, sizeof(int16_t));
   for (size_t i = 0; i < sizeof w->spread / sizeof w->spread[0]; ++i)
     w->spread[i] = vista_arena_take(arena, width, sizeof(int16_t));
   for (size_t i = 0; i < sizeof w->flags / sizeof w->flags[0]; ++i)
@@ -45,7 +44,7 @@ vista_status vista_words_layout(vista_words *words, vista_arena *arena, int32_t 
         vista_arena_take(arena, (size_t)words->width_px[k] * (size_t)words->height_px[k], sizeof(int16_t));
   }
   for (int k = 0; k < VISTA_MOST_WORKERS; ++k)
-    words->merged[k] = vista_arena_take(arena, (size_t)width_px + 2, sizeof(int16_t));
+    words->coarse_row[k] = vista_arena_take(arena, (size_t)width_px + 2, sizeof(int16_t));
   take_scratch(arena, width_px, height_px, &words->scratch[0]);
   words->scratch[1] = words->scratch[0];
   if (vista_team_workers(words->team) > 1)
@@ -348,7 +347,6 @@ static int16_t fills_beyond(const job *j, int32_t finer) {
 
 /* Part 0 is level 0, part 1 all the others, the coarsest first. */
 static void filter_part(void *context, int32_t part, int32_t worker) {
-  (void)worker;
   const job *const j = context;
   vista_words *const w = j->words;
   if (part == 0) {
@@ -359,7 +357,7 @@ static void filter_part(void *context, int32_t part, int32_t worker) {
   for (int32_t k = j->levels - 1; k > 0; --k) {
     filter(j, k, &w->scratch[1]);
     filter_support(w->width_px[k], w->height_px[k], needed, &w->scratch[1], w->levels[k]);
-    if (k < j->levels - 1) merge_rows(j->params, k, fills_beyond(j, k), w, 0, w->height_px[k], w->scratch[1].row);
+    if (k < j->levels - 1) merge_rows(j->params, k, fills_beyond(j, k), w, 0, w->height_px[k], w->coarse_row[worker]);
   }
 }
 
@@ -370,7 +368,7 @@ static void finish_part(void *context, int32_t part, int32_t worker) {
   vista_words *const w = j->words;
   const int32_t first = MERGED_ROWS * part, left = w->height_px[0] - first;
   const int32_t end = first + (left < MERGED_ROWS ? left : MERGED_ROWS);
-  if (j->levels > 1) merge_rows(j->params, 0, fills_beyond(j, 0), w, first, end, w->merged[worker]);
+  if (j->levels > 1) merge_rows(j->params, 0, fills_beyond(j, 0), w, first, end, w->coarse_row[worker]);
   int16_t *const words = w->levels[0] + (ptrdiff_t)first * w->width_px[0];
   for (int32_t i = 0, count = (end - first) * w->width_px[0]; i < count; ++i)
     words[i] = words[i] < 0 ? VISTA_DISPARITY_INVALID : words[i];

@@ -32,10 +32,9 @@
 
 #define VISTA_MAX_LEVELS 4 /* 1 + VISTA_COARSER_LEVELS */
 
-/* Of one level after the other. */
+/* What finding the clusters of a level takes; of one level after the other. */
 typedef struct vista_words_scratch {
-  int16_t *row;       /* of the level's width and some more */
-  int16_t *spread[3]; /* of its width each */
+  int16_t *spread[3]; /* of the width of the level each */
   uint8_t *flags[6];
   uint64_t *bits[4];
   int32_t *parent; /* a run of words */
@@ -47,8 +46,8 @@ typedef struct vista_words {
   vista_disparity_image image; /* of all levels together, what the other stages work on */
   int32_t width_px[VISTA_MAX_LEVELS], height_px[VISTA_MAX_LEVELS]; /* of each level */
   int16_t *levels[VISTA_MAX_LEVELS]; /* height * width */
-  vista_words_scratch scratch[VISTA_MOST_WORKERS]; /* of level 0, and of the coarser ones */
-  int16_t *merged[VISTA_MOST_WORKERS]; /* scratch: of width_px[0] and two more */
+  vista_words_scratch scratch[2]; /* of level 0, and of the coarser ones; the same memory for a thread alone */
+  int16_t *coarse_row[VISTA_MOST_WORKERS]; /* scratch: width_px[0] words and two more */
   vista_team *team; /* null: the calling thread alone; set before the layout */
 } vista_words;
 
