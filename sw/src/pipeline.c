@@ -377,19 +377,20 @@ static vista_status run_stage(vista_pipeline *p, stage stage, passage *way) {
 #define LANES 2
 #define LANE_STAGES 4
 
-/* What is done one after the other; STAGE_MOTION ends a lane that is not full, as no lane but the first has it. */
+/* Stages that are done one after the other. */
 typedef struct lane {
+  int count;
   stage stages[LANE_STAGES];
 } lane;
 
-/* Lanes of one step do not touch what the other one writes, so two threads may do them at once. Stages that may be
- * alone in their step share their own work. */
+/* The steps of a frame. No lane of a step touches what the other lane writes, so two threads may do them at once. In a
+ * step of one lane the stages may share their own work between the threads. */
 static const lane schedule[][LANES] = {
-    {{{STAGE_MOTION, STAGE_NOISE, STAGE_WORDS, STAGE_FOVEATION}}},
-    {{{STAGE_SURFACE}}, {{STAGE_AFFINITY, STAGE_HEALTH}}},
-    {{{STAGE_SEGMENTATION}}, {{STAGE_THIN, STAGE_BLIND_ZONE, STAGE_TERRAIN}}},
-    {{{STAGE_REFINEMENT, STAGE_REGIONS}}},
-    {{{STAGE_RECONSTRUCTION, STAGE_TRACKING, STAGE_MAP}}, {{STAGE_PATH_VIEW, STAGE_FOOTING}}},
+    {{4, {STAGE_MOTION, STAGE_NOISE, STAGE_WORDS, STAGE_FOVEATION}}},
+    {{1, {STAGE_SURFACE}}, {2, {STAGE_AFFINITY, STAGE_HEALTH}}},
+    {{1, {STAGE_SEGMENTATION}}, {3, {STAGE_THIN, STAGE_BLIND_ZONE, STAGE_TERRAIN}}},
+    {{2, {STAGE_REFINEMENT, STAGE_REGIONS}}},
+    {{3, {STAGE_RECONSTRUCTION, STAGE_TRACKING, STAGE_MAP}}, {2, {STAGE_PATH_VIEW, STAGE_FOOTING}}},
 };
 
 typedef struct work {
@@ -403,14 +404,13 @@ typedef struct work {
 static void run_lane(void *context, int32_t part, int32_t worker) {
   (void)worker;
   work *const w = context;
-  const stage *const stages = w->lanes[part].stages;
+  const lane *const l = &w->lanes[part];
   double last_ms = vista_clock_ms();
   w->statuses[part] = VISTA_OK;
-  for (int k = 0; k < LANE_STAGES && w->statuses[part] == VISTA_OK; ++k) {
-    if (stages[k] == STAGE_MOTION && stages != schedule[0][0].stages) return;
-    w->statuses[part] = run_stage(w->pipeline, stages[k], w->way);
+  for (int k = 0; k < l->count && w->statuses[part] == VISTA_OK; ++k) {
+    w->statuses[part] = run_stage(w->pipeline, l->stages[k], w->way);
     const double now_ms = vista_clock_ms();
-    w->stage_ms[stages[k]] = now_ms - last_ms;
+    w->stage_ms[l->stages[k]] = now_ms - last_ms;
     last_ms = now_ms;
   }
 }
@@ -420,12 +420,8 @@ static vista_status run_stages(vista_pipeline *p, passage *way) {
   const double start_ms = vista_clock_ms();
   for (size_t k = 0; k < sizeof schedule / sizeof schedule[0]; ++k) {
     w.lanes = schedule[k];
-    const int32_t lanes = w.lanes[1].stages[0] == STAGE_MOTION ? 1 : LANES;
-    if (lanes == 1)
-      run_lane(&w, 0, 0); /* its stages may share */
-    else
-      vista_team_share(&p->team, run_lane, &w, lanes);
-    const vista_status status = first_error(w.statuses, lanes);
+    vista_team_share(&p->team, run_lane, &w, w.lanes[1].count > 0 ? LANES : 1);
+    const vista_status status = first_error(w.statuses, LANES);
     if (status != VISTA_OK) return status;
   }
   p->host_ms = vista_clock_ms() - start_ms;

@@ -38,8 +38,8 @@ vista_status vista_team_start(vista_team *team);
 void vista_team_stop(vista_team *team);
 
 /* Does parts 0 .. count - 1, each once, and returns when all are done. They are begun in this order, the longest one
- * should come first. A part that calls this again does the parts of that call alone. team: null is the calling thread
- * alone. */
+ * should come first. A job of one part is no job to share: that part may share its own work. A part of a job of more
+ * that calls this again does the parts of that call alone. team: null is the calling thread alone. */
 void vista_team_share(vista_team *team, vista_part do_part, void *context, int32_t count);
 
 #endif
