@@ -58,8 +58,8 @@ vista_status vista_parameters_init(vista_parameters *parameters, size_t bytes) {
   return VISTA_OK;
 }
 
-/* The first parameter from `offset` to `end` that is out of range, or -1. start: where offset 0 would be. Limits that are
- * parameters have to be good themselves, so they come second. */
+/* The first parameter from `offset` to `end` that is out of range, or -1. start: where offset 0 would be. Limits that
+ * are parameters have to be good themselves, so they come second. */
 static int32_t find_culprit(const unsigned char *start, size_t offset, size_t end) {
   for (int pass = 0; pass < 2; ++pass)
     for (int32_t i = 0; i < COUNT; ++i) {

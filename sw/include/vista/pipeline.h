@@ -69,8 +69,8 @@ typedef struct vista_result {
   double path_seen_m; /* how far the flight path is seen: beyond, no obstacle does not mean free space */
 } vista_result;
 
-/* Returns the obstacle with this index, 0 .. obstacle_count - 1. Indexing result->obstacles does the same as long as header and
- * library are of one version. */
+/* Returns the obstacle with this index, 0 .. obstacle_count - 1. Indexing result->obstacles does the same as long as
+ * header and library are of one version. */
 static inline const vista_obstacle *vista_result_obstacle(const vista_result *result, int32_t index) {
   const char *const first = (const char *)result->obstacles;
   return (const vista_obstacle *)(const void *)(first + (ptrdiff_t)index * result->obstacle_bytes);

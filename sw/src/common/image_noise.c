@@ -18,8 +18,8 @@
 #define CLIPPED_SHARE 8  /* a block with more than one clipped pixel in so many is clipped */
 #define FEWEST_SHARE 16  /* fewer blocks that are not: all count */
 /* sigma over that quantile of the mean absolute response: sqrt(pi / 2) / 6 for one normal response (the mask's gain is
- * 6), and 1.12 for pure noise, whose quietest fifth of blocks is so much too quiet. Texture makes up for half of that in
- * most images: the middle of both. */
+ * 6), and 1.12 for pure noise, whose quietest fifth of blocks is so much too quiet. Texture makes up for half of that
+ * in most images: the middle of both. */
 #define SIGMA_PER_RESPONSE (1.2533 / 6.0 * 1.06)
 
 /* A row of blocks; sums over its columns, which compilers turn into vectors. */

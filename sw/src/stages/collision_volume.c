@@ -13,7 +13,7 @@
 #define SMALLEST_M 1e-3 /* of the volume: what is asked in words fits a float */
 #define TURN_MAX_RAD 1.571 /* a quarter of a circle, and rounding */
 
-/* What the pixels of one run are asked, in engine words w = 16 d; straight ahead squared, so that nothing is divided. */
+/* What the pixels of a run are asked, in engine words w = 16 d; straight ahead squared, so that nothing is divided. */
 typedef struct limits {
   float radius_px; /* radius / 16 B, times w the radius in the image: inside when |q x a| <= radius_px w - outline_px */
   float outline_px; /* that things are widened by */
@@ -51,9 +51,9 @@ static inline int32_t inside(const limits *limit, bool curved, float u, float v,
   return curved ? inside_arc(limit, u, v, word) : inside_straight(limit, u, v, word);
 }
 
-/* Whether a word from `least` to `most` may be inside anywhere within around_px of (u, v): a bound with a margin, so that
- * whole cells are passed over and the count is the same. No point of the volume is farther than length_m + radius_m, and
- * the arc leaves its tangent by c x^2 at most, x along the tangent. */
+/* Whether a word from `least` to `most` may be inside anywhere within around_px of (u, v): a bound with a margin, so
+ * that whole cells are passed over and the count is the same. No point of the volume is farther than length_m +
+ * radius_m, and the arc leaves its tangent by c x^2 at most, x along the tangent. */
 static bool may_hold(const limits *limit, float u, float v, float around_px, float least, float most) {
   if (most <= 0.0f) return false;
   const float along = u * limit->a[0] + v * limit->a[1] + limit->focal_px * limit->a[2];
@@ -130,8 +130,8 @@ static int32_t count_region(const vista_foveation *foveation, const vista_camera
 #define MET_FROM_M 1.0
 #define MET_NOISE_PX 0.45 /* a quarter of a pixel of noise makes the nearest tenth of a surface nearer by this */
 
-/* Of one cell on the region's surface: whether the volume holds it, and where on the path the centre of the ball is that
- * touches it. */
+/* Of one cell on the region's surface: whether the volume holds it, and where on the path the centre of the ball is
+ * that touches it. */
 static bool touch(const vista_camera *camera, const vista_flight_path *path, double radius_m, double u_px, double v_px,
                   double disparity_px, double *centre_m) {
   const double scale = camera->baseline_m / disparity_px;

@@ -76,7 +76,8 @@ static int32_t end_of_stretch(const int32_t *label, int32_t first, int32_t width
 }
 
 /* Whether at both ends of a stretch, and so all along it, the ground is farther than any word that is near the surface:
- * then none of its pixels is the ground's, as in most stretches. low: see stretch, of which the rounding is allowed for. */
+ * then none of its pixels is the ground's, as in most stretches. low: see stretch, of which the rounding is allowed
+ * for. */
 static inline bool stands_clear(double ground_px, double ground_slope, double surface_px, double surface_slope,
                                 double low, double last) {
   const double least_px = surface_px - BEHIND_PX - ROUNDING_PX;

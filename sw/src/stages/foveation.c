@@ -59,14 +59,15 @@ static int32_t max_footprint_px(const grid *g) {
   return (int32_t)fmin(fmax(outer * outer, hub * hub) + 4.0, (double)g->width_px * g->height_px + 4.0);
 }
 
-/* A row crosses every ring's circle at most twice, and the rays of one half of the sectors once; that of the hub, too. */
+/* A row crosses every ring's circle, and that of the hub, at most twice, and the rays of half the sectors once. */
 static int32_t max_runs(const grid *g) {
   const int32_t crossings = 2 * (g->ring_count + 1) + g->sector_count / 2 + 2;
   return (crossings < g->width_px ? crossings + 1 : g->width_px) * g->height_px;
 }
 
-/* Most pixels share the cell of the one before. Whether one surely does is a few products with the borders of that cell,
- * where grid_cell takes three transcendental functions. What is near a border is left to grid_cell: both agree. */
+/* Most pixels share the cell of the one before. Whether one surely does is a few products with the borders of that
+ * cell, where grid_cell takes three transcendental functions. What is near a border is left to grid_cell: both
+ * agree. */
 #define MOST_RINGS 512 /* of 256 sectors around a hub of a pixel there are 382 in the largest image */
 #define NEAR 1e-6      /* of the radius, relative; from a ray, pixels */
 

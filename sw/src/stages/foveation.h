@@ -40,7 +40,7 @@ typedef struct vista_foveation {
   const int32_t *node_of_grid;     /* ring_count * sector_count: node or -1 */
   const int32_t *first_run;        /* node_count + 1: runs of node i are runs[first_run[i] .. first_run[i+1]) */
   const vista_run *runs;
-  /* The same runs row by row: where each ends in cell_of_pixel, its node, where its pixels begin when listed (below). */
+  /* The runs row by row: where each ends in cell_of_pixel, its node, where its pixels begin when listed (below). */
   const int32_t *end_in_rows, *node_in_rows, *listed_in_rows;
   const int32_t *pixel_count; /* node_count: pixels owned; may be 0 for point cells */
   const int32_t *first_pixel; /* node_count + 1: where the pixels of node i begin when they are listed run by run */

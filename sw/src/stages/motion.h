@@ -9,11 +9,11 @@
  * placed by the old one has lost its meaning (`restarted`).
  *
  * Path: what is flown next, for the collision volume. It bends as the turn rate says, if the velocity turns as well: a
- * camera may look about on a straight path, and wind may push an aircraft aside that keeps its heading. A turn that is slow and lasts is told by the mean over a longer time, in which
- * the camera's own sway counts less. What the poses' noise explains, or less than path_turn_min_deg_s, is
- * straight. Nobody keeps to an arc for long: with c its curvature, uncertain by a share path_uncertainty, it is
- * followed up to where that is a miss of the collision radius, share c s^2 / 2 = radius, and for a quarter of a circle
- * at most.
+ * camera may look about on a straight path, and wind may push an aircraft aside that keeps its heading. A turn that is
+ * slow and lasts is told by the mean over a longer time, in which the camera's own sway counts less. What the poses'
+ * noise explains, or less than path_turn_min_deg_s, is straight. Nobody keeps to an arc for long: with c its curvature,
+ * uncertain by a share path_uncertainty, it is followed up to where that is a miss of the collision radius,
+ * share c s^2 / 2 = radius, and for a quarter of a circle at most.
  *
  * Without any pose the world is the first camera, and its motion is not known; unless the caller says
  * that it stands. */

@@ -67,8 +67,8 @@ const vista_obstacle *vista_obstacle_map_obstacles(const vista_obstacle_map *map
 
 vista_nearest_collision vista_obstacle_map_nearest(const vista_obstacle_map *map) { return map->nearest; }
 
-/* From the surface that is seen to the middle of what is behind it: nothing for a board, half its width for a ball. Seen
- * from above, things are about as deep as they are wide, however low; but a beam is not as deep as it is long. */
+/* From the surface that is seen to the middle of what is behind it: nothing for a board, half its width for a ball.
+ * Seen from above, things are about as deep as they are wide, however low; but a beam is not as deep as it is long. */
 static double thickness_m(const vista_obstacle_map_params *params, const vista_track *track) {
   const double half_m = 0.5 * fmin(fmin(track->extent_m[0], LONG_RATIO * track->extent_m[1]), THICK_MAX_M);
   return params->thickness_ratio * half_m;
@@ -103,7 +103,8 @@ static void steady_covariance(const vista_track *track, const vista_pose *pose, 
   vista_frame_propagate(in_world, from, covariance_m2);
 }
 
-/* Of the errors that last: along the ray by disparity and depth, and by the foot of what is told by its outline, across it by pixels and a share of the half extent. */
+/* Of the errors that last: along the ray by disparity and depth, and by the foot of what is told by its outline; across
+ * it by pixels and a share of the half extent. */
 static void lasting_covariance(const vista_obstacle_map_params *params, const vista_camera *camera,
                                const vista_pose *pose, const vista_track *track, const double camera_m[3],
                                double covariance_m2[9]) {
@@ -166,8 +167,8 @@ static bool about_to_enter(const vista_obstacle_map_params *params, const vista_
  * it is. After more of them its velocity is a guess. */
 static bool motion_is_seen(const vista_track *track) { return !track->edges_only && track->misses <= 1; }
 
-/* Of a plain wall that fills the view, only the part in the image had a middle and an extent: while it is held, the path
- * meets it where it met it last, as long as it leads there. */
+/* Of a plain wall that fills the view, only the part in the image had a middle and an extent: while it is held, the
+ * path meets it where it met it last, as long as it leads there. */
 static bool still_met(const vista_obstacle_map_params *params, const vista_flight_path *path, const vista_track *track,
                       int32_t members) {
   if (!track->plain || !track->met || members < 2) return false;

@@ -19,8 +19,8 @@
 
 typedef struct vista_detection {
   int32_t label; /* of the region */
-  bool plain;    /* that is told by its outline alone, */
-  double foot_sigma_px; /* and its disparity by that of its foot, which is off by this in each frame */
+  bool plain;    /* the region is told by its outline alone */
+  double foot_sigma_px; /* of the disparity of a plain one, by where its foot is: the same in each frame */
   double u_px, v_px, disparity_px;
   double sigma_u_px, sigma_v_px, sigma_disparity_px; /* standard deviations, independent of one another */
   double position_camera_m[3];
@@ -29,9 +29,9 @@ typedef struct vista_detection {
   bool cut_u, cut_v; /* the border of the matched image cuts the region: the extent is a lower bound
                                      along u, v; the centre is uncertain by half of it (in sigma_u_px, sigma_v_px) */
   int32_t volume_pixels; /* of the region, in the collision volume */
-  bool foot_seen;        /* as of the region */
+  bool foot_seen; /* as of the region */
   double foot_share;
-  bool met;              /* by the collision volume, there: */
+  bool met; /* by the collision volume, there: */
   double met_camera_m[3];
   vista_ellipse ellipse;
 } vista_detection;

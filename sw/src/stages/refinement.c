@@ -96,8 +96,8 @@ static inline void try_candidate(const vista_refinement_params *params, const ca
   }
 }
 
-/* The pixels of a cell, as the foveation lists them: at (us, vs), with these grey levels and words. All arrays have room for whole
- * vectors: what they hold beyond the last pixel is of no matter. */
+/* The pixels of a cell, as the foveation lists them: at (us, vs), with these grey levels and words. All arrays have
+ * room for whole vectors: what they hold beyond the last pixel is of no matter. */
 typedef struct cell_pixels {
   const int16_t *us, *vs;
   const uint8_t *greys;
@@ -173,7 +173,7 @@ typedef struct job {
 
 #define PARTS 16
 
-/* The same where the list has no room for whole vectors: what is behind the part's last cell is another thread's. */
+/* Solves a cell where the list has no room for whole vectors: behind the part's last cell it is another thread's. */
 static void solve_last(const vista_refinement_params *params, const candidate *candidates, int32_t candidate_count,
                        const cell_pixels *pixels, float center_u, float center_v, int32_t pixel_count, int32_t *label) {
   int32_t found[BATCH];

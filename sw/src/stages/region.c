@@ -118,8 +118,8 @@ static vista_region_verdict measure_own_pixels(const vista_region_view *w, const
   return VISTA_REGION_ACCEPTED;
 }
 
-/* The foot is that of a box with the spread of the pixels, and no lower than any of them: a few that are off do not move
- * it. */
+/* The foot is that of a box with the spread of the pixels, and no lower than any of them: a few that are off do not
+ * move it. */
 static void find_foot(const vista_surfaces *surfaces, const vista_camera *camera, vista_region *region) {
   if (!surfaces->ground_found) return;
   const double down_px = fmin(region->max_v_px - region->mean_v_px, sqrt(3.0 * region->cov_vv_px2));

@@ -89,7 +89,7 @@ typedef struct vista_regions {
   vista_region *items;
   int32_t count;
   int32_t accepted_count;
-  int32_t *first_member; /* scratch: nodes of region k are members[first_member[k] .. first_member[k + 1]) */
+  int32_t *first_member; /* nodes of region k are members[first_member[k] .. first_member[k + 1]) */
   int32_t *members;
   int32_t *order;    /* scratch: the regions, large ones first */
   int32_t *queue;    /* scratch, node_count: breadth first from the boundary */

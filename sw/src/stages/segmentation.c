@@ -61,8 +61,8 @@ static int32_t sink_link(const view *w, const vista_seeds *seeds, int32_t seed, 
 /* What a node is to the cut at hand. LINKED: the flow has come to a free one. */
 enum { NOT_REACHED, SOURCE, SINK, FREE, LINKED, CUT_OUT };
 
-/* Breadth first from the seed, one step further: takes what touches the cells of the last step into the cut, unless it is
- * in it already or in none any more. Cells of other seeds and those after the last step can only be on T's side. */
+/* Breadth first from the seed, one step further: takes what touches the cells of the last step into the cut, unless it
+ * is in it already or in none any more. Cells of other seeds and those after the last step can only be on T's side. */
 static void gather_step(const view *w, vista_segmentation *s) {
   const int32_t *const first_arc = w->foveation->graph.first_arc, *const head = w->foveation->graph.head;
   const int32_t *const seed_of_node = s->seeds.seed_of_node;

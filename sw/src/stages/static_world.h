@@ -62,9 +62,9 @@ void vista_static_world_add(const vista_tracker_params *params, const vista_worl
 /* Whether own travel since the first hit is too little to tell anything, as while hovering. */
 bool vista_static_world_silent(const vista_tracker_params *params, const vista_static_world *world, int64_t t_ns);
 
-/* Life of what is tested (tracker.h). It is confirmed, for good, at `needed` of its last hits, and at one more while the
- * test is open and not silent. It is credible once it is confirmed and held to stand or to move, or the test is silent,
- * and until it is refuted. */
+/* Life of what is tested (tracker.h). It is confirmed, for good, at `needed` of its last hits, and at one more while
+ * the test is open and not silent. It is credible once it is confirmed and held to stand or to move, or the test is
+ * silent, and until it is refuted. */
 void vista_static_world_decide(const vista_static_world *world, bool silent, int32_t hits, int32_t needed,
                                bool *confirmed, bool *credible);
 

@@ -69,8 +69,8 @@ static double range_sigma_m(const frame *f, const double point_m[3]) {
   return vista_norm(camera_m) * fmax(camera_m[2], 0.0) / (f->camera->focal_px * f->camera->baseline_m) * MATCHING_PX;
 }
 
-/* The surface moves along its normal by the error of the range times the sine of the line of sight on it, and the contact
- * by as much over that of the path; the path's own direction is as uncertain as the attitude. */
+/* The surface moves along its normal by the error of the range times the sine of the line of sight on it, and the
+ * contact by as much over that of the path; the path's own direction is as uncertain as the attitude. */
 static double contact_sigma_m(const frame *f, const vista_terrain_plane *plane, const vista_terrain_contact *contact) {
   double sight_m[3];
   for (int i = 0; i < 3; ++i) sight_m[i] = contact->point_m[i] - f->pose->translation_m[i];

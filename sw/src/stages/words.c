@@ -284,7 +284,7 @@ static void filter_support(int32_t width, int32_t height, int32_t needed, vista_
 
 /* ---- two levels ---- */
 
-/* The words of a row of the coarser level that are above `beyond`, over the pixels of the finer one and in its units. */
+/* The words of a row of the coarser level above `beyond`, over the pixels of the finer one and in its units. */
 static void widen_row(const int16_t *restrict coarse, int32_t coarse_width, int16_t beyond, int32_t width,
                       int16_t *restrict out) {
   for (int32_t i = 0; i < coarse_width; ++i) { /* pixel i is the nearest to pixels 2 i - 1 and 2 i */

@@ -89,7 +89,8 @@ static inline float tolerance_px(float ground_px) { return fmaxf(TOLERANCE_PX, T
 #define BLOCK 64 /* cells between two looks at whether a proposal can still win */
 
 /* The cells that judge proposals, side by side: loops over them become vectors. The largest cells, which lie outermost,
- * come first, so that a proposal that cannot win is soon dropped. The last block is filled up with cells of no weight. */
+ * come first, so that a proposal that cannot win is soon dropped. The last block is filled up with cells of no
+ * weight. */
 typedef struct jury {
   float u_px[MAX_SCORED], v_px[MAX_SCORED], disparity_px[MAX_SCORED], area_px2[MAX_SCORED], vote_px2[MAX_SCORED];
   float vote_from_px2[MAX_SCORED / BLOCK + 1]; /* of a block and those after it, at most */

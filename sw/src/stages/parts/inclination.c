@@ -10,8 +10,8 @@
 #define LEAST_CELLS 5.0 /* that a plane is fitted to */
 #define UNKNOWN (-1.0f)
 
-/* Values of cells on the grid: a row a ring, its ends repeated beyond either end, so that the neighbours of the cells of a
- * ring lie in rows, too. Where there is no cell a value is UNKNOWN. */
+/* Values of cells on the grid: a row a ring, its ends repeated beyond either end, so that the neighbours of the cells
+ * of a ring lie in rows, too. Where there is no cell a value is UNKNOWN. */
 struct vista_inclination {
   int32_t margin, stride; /* of a row */
   float *center_u, *center_v, *value;

@@ -180,8 +180,8 @@ static int32_t extended(const reading *r, const vista_ridge *ridge, int32_t agre
   return blocks * -log(1.0 - fmin(seen, 0.95)) > END_ODDS ? agreed : end;
 }
 
-/* From the first to the last row whose words agree, and on as far as the image shows the line. Rows that are alone do not
- * count. */
+/* From the first to the last row whose words agree, and on as far as the image shows the line. Rows that are alone do
+ * not count. */
 static void set_ends(const reading *r, const vista_ridge *ridge, const vista_line_sample *samples, int32_t count,
                      double reach, vista_thin_line *found) {
   int32_t seen = 0, first = found->first_v_px, last = found->last_v_px;

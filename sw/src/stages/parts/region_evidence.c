@@ -64,8 +64,8 @@ static inline void count_block(const heights *h, const int16_t *restrict words, 
 /* What all words of a cell have in common. */
 typedef enum kind { KIND_MIXED, KIND_BELOW, KIND_STANDING, KIND_TOP } kind; /* words of 0 are none: mixed */
 
-/* From the cell's words' range and the ground's over the cell, with a margin for rounding: surely what word by word would
- * tell. Cells of a pixel's size are counted faster than they are judged. */
+/* From the cell's words' range and the ground's over the cell, with a margin for rounding: surely what word by word
+ * would tell. Cells of a pixel's size are counted faster than they are judged. */
 static inline kind kind_of_cell(const vista_region_view *w, const heights *h, int32_t node) {
   const vista_foveation *const f = w->foveation;
   const vista_word_range range = w->cells->range[node];

@@ -108,8 +108,8 @@ static void add_point(const vista_plan *plan, const crossing *at, const box *ext
   sum->weight += at->length_px;
 }
 
-/* The disparity of the ground where the surface meets it: that of the cell there, moved along the plane. Its words reach
- * boundary_px up into what is plain. */
+/* The disparity of the ground where the surface meets it: that of the cell there, moved along the plane. Its words
+ * reach boundary_px up into what is plain. */
 static double ground_px(const vista_region_view *w, const crossing *at) {
   const vista_plane *const ground = &w->surfaces->ground;
   const vista_foveation *const f = w->foveation;
@@ -214,7 +214,7 @@ static bool has_left(const vista_region_params *params, const agreement *a, side
   return bits(a->left_image[side]) >= params->outline_fraction * SIDE_BINS;
 }
 
-/* It has a foot, and something of it is seen to stand: its upper edge, or all the upright edges that are in the image. */
+/* It has a foot, and something of it is seen to stand: its upper edge, or all upright edges that are in the image. */
 static bool is_wall(const vista_region_params *params, const agreement *a) {
   const int32_t foot = bits(a->seen[SIDE_FOOT]);
   if (foot <= params->outline_fraction * bits(a->visible[SIDE_FOOT])) return false;

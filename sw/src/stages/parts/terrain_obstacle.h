@@ -14,8 +14,8 @@
 bool vista_terrain_obstacle(const vista_camera *camera, const vista_pose *pose, const vista_flight_path *path,
                             const vista_terrain *terrain, vista_obstacle *obstacle);
 
-/* Whether something that shows at this point is a part of the ground that the path meets: a hillside may be a region, too,
- * and its middle is not where it is met. */
+/* Whether something that shows at this point is a part of the ground that the path meets: a hillside may be a region,
+ * too, and its middle is not where it is met. */
 bool vista_terrain_bears(const vista_terrain *terrain, const vista_obstacle *obstacle, const double point_m[3]);
 
 #endif

@@ -57,8 +57,8 @@ static double area_px2(const vista_terrain_view *w, int32_t node) {
   return (double)w->foveation->size_px[node] * (double)w->foveation->size_px[node];
 }
 
-/* How far a ball on the path reaches beyond the plane, metres, with its centre at centre_m along the path. What sweeps the
- * volume touches a slope with the point that is nearest to it, and not with the one that is lowest. */
+/* How far a ball on the path reaches beyond the plane, metres, with its centre at centre_m along the path. What sweeps
+ * the volume touches a slope with the point that is nearest to it, and not with the one that is lowest. */
 static double depth_m(const vista_flight_path *path, const vista_terrain_plane *plane, double centre_m,
                       vista_terrain_contact *at) {
   double at_m[3], direction[3];

@@ -18,7 +18,7 @@ typedef struct vista_track_view {
   double half_px[2];         /* projected half width, half height */
 } vista_track_view;
 
-/* How far the range of a detection is off where its foot is: 0 unless it is told by its outline. */
+/* Standard deviation of the range of a detection by where its foot is: 0 unless its outline alone tells it. */
 double vista_track_foot_sigma_m(const vista_detection *detection);
 
 /* Takes over where the collision volume meets the thing, as the detection shows it. */

@@ -129,9 +129,9 @@ static bool in_the_way(const vista_track *track) {
 }
 
 /* Where nothing is matched. Sharp textures are matched where their disparity is about a whole number, and may be lost
- * half way to the next: then the track is waited for until its disparity has moved on by hold_px, if that takes no longer
- * than follow_s. By the aircraft's own travel, that is: a chance match that seems to fly along would be waited for for
- * ever. */
+ * half way to the next: then the track is waited for until its disparity has moved on by hold_px, if that takes no
+ * longer than follow_s. By the aircraft's own travel, that is: a chance match that seems to fly along would be waited
+ * for for ever. */
 static bool may_be_held(const vista_track_frame *f, const vista_track *track) {
   if (track->credible && track->plain) return true;
   const double unseen_s = vista_seconds_between(track->seen_t_ns, f->t_ns);

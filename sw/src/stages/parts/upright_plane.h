@@ -1,9 +1,10 @@
 /* Surfaces that stand upright, such as walls: in a plan of the scene each is a straight line. Internal to libvista.
  *
- * Along a horizontal line of the plan at azimuth t = tan(angle), from straight ahead to the right, the inverse of the
- * distance ahead is k = slope t + offset on such a line, whatever the height; in units of k = d / s of a pixel with
- * disparity d, where s is the share of its line of sight that points straight ahead, in pixels. So an upright edge is one
- * point of the plan, and the foot of a wall on the ground is as good as its upper edge. */
+ * The plan is seen from above. What a pixel shows is there at an azimuth t, the tangent of the angle to the right of
+ * straight ahead, and at a distance z ahead, both horizontal. On an upright surface 1 / z is a straight line over t,
+ * whatever the height: k = B / z = slope t + offset, with the baseline B. A pixel of disparity d has k = d / s, where s
+ * is the part of its line of sight (u - c_u, v - c_v, f) that points straight ahead, in pixels. So an upright edge is
+ * one point of the plan, and the foot of a wall on the ground is as good as its upper edge. */
 #ifndef VISTA_SRC_UPRIGHT_PLANE_H
 #define VISTA_SRC_UPRIGHT_PLANE_H
 
@@ -21,7 +22,8 @@ typedef struct vista_plan {
 } vista_plan;
 
 typedef struct vista_plan_point {
-  double t, k, ahead_px; /* ahead_px = s: from k to disparities */
+  double t, k;
+  double ahead_px; /* s: a disparity is k s */
   double weight;
 } vista_plan_point;
 
@@ -35,10 +37,11 @@ typedef struct vista_plan_line {
 /* False: the camera looks up or down too steeply for a plan. */
 bool vista_plan_of(const vista_camera *camera, const double up_camera[3], vista_plan *plan);
 
-/* False: the line of sight leads backwards or straight up. */
+/* False: the line of sight leads backwards, or steeply up or down. */
 bool vista_plan_place(const vista_plan *plan, double u_px, double v_px, double disparity_px, vista_plan_point *point);
 
-/* The line that has most of the points within tolerance_px, weighted; false: no two are apart. */
+/* The line that has most of the weight of the points within tolerance_px of disparity. False: all of the points have
+ * about one azimuth. */
 bool vista_plan_fit(const vista_plan_point *points, int32_t count, double tolerance_px, vista_plan_line *line);
 
 /* As a surface of disparities over pixels from (0, 0). */
