@@ -117,9 +117,8 @@ def test_a_plain_wall_may_stand_at_an_angle(degrees: int) -> None:
     region = region_at(regions, labels, where)
     assert verdict(region) == "ACCEPTED" and region.plain
     error_px = surface_px(region, where) - surface[where]
-    assert (
-        np.abs(error_px).max() < 0.08 * SCALE / RANGE_M
-    )  # 8 % of the range; facing, it would be 20 and more
+    # 8 % of the range; facing, it would be 20 and more
+    assert np.abs(error_px).max() < 0.08 * SCALE / RANGE_M
 
 
 def test_the_foot_is_taken_to_be_half_a_block_below_where_words_of_the_ground_end() -> None:

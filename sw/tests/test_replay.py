@@ -147,10 +147,13 @@ def test_times_of_every_frame(tmp_path: Path, recording: Path) -> None:
     head, *rows = (tmp_path / "times.csv").read_text().splitlines()
     assert head == STAGES
     assert len(rows) == 4 * 3
+    between_ms = []
     for row in rows:
         *stages, host_ms, cpu_ms = map(float, row.split(","))
         assert min(stages) >= 0.0 and cpu_ms >= 0.0
-        assert sum(stages) <= host_ms + 1e-4  # and the looks at the clock
+        between_ms.append(host_ms - sum(stages))
+    # Rounded numbers; the looks at the clock, and in some frame nothing else that runs meanwhile.
+    assert -1e-4 <= min(between_ms) < 0.05
 
 
 # ---- memory ----

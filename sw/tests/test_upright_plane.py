@@ -50,9 +50,8 @@ def test_an_upright_surface_is_found_among_outliers(roll_deg: float, pitch_deg: 
     surface = lib.vista_plan_surface(plan, line)
     rows, columns = np.mgrid[: CAMERA.height_px, : CAMERA.width_px]
     found = surface.offset + surface.slope_u * columns + surface.slope_v * rows
-    assert (
-        np.abs(found - truth).max() < 0.5
-    )  # 45 points of 0.1 px; at the corners, beyond all of them, some 0.05
+    # 45 points of 0.1 px; at the corners, beyond all of them, some 0.05
+    assert np.abs(found - truth).max() < 0.5
 
 
 def test_points_of_one_azimuth_tell_no_line() -> None:
