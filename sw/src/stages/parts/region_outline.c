@@ -153,9 +153,10 @@ static int32_t find_points(const vista_region_view *w, const vista_plan *plan, c
 /* ---- what of the outline agrees with it ---- */
 
 typedef struct agreement {
-  uint32_t visible[SIDE_COUNT],
-      seen[SIDE_COUNT]; /* bins of each side: that could be matched, that lie on the surface */
-  uint32_t left_image[SIDE_COUNT];                /* where the region goes on beyond what is matched */
+  /* Bins of each side: */
+  uint32_t visible[SIDE_COUNT];    /* that could be matched */
+  uint32_t seen[SIDE_COUNT];       /* that lie on the surface */
+  uint32_t left_image[SIDE_COUNT]; /* where the region goes on beyond what is matched */
 } agreement;
 
 /* How many words of a cell lie on the surface. */
