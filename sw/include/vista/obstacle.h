@@ -114,8 +114,7 @@ typedef struct vista_motion {
   double velocity_m_s[3]; /* in the world */
   double turn_rate_rad_s[3]; /* axis times rate, in the world */
   double speed_m_s;
-  double
-      direction[3]; /* of flight, unit length, in the world: along the velocity if it is known, else the optical axis */
+  double direction[3]; /* of flight, unit length, world: along the velocity if it is known, else the optical axis */
   double drift_m; /* standard deviation that this frame adds to the position while the last motion goes on */
 } vista_motion;
 

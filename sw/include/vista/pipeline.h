@@ -46,8 +46,7 @@ typedef struct vista_views {
   const int32_t *region_of_cell; /* cell_count: -1 without one */
   const int32_t *region_of_pixel; /* height * width: -1 without one; boundaries follow the image */
   const vista_region_verdict *verdict_of_region; /* region_count */
-  const int16_t
-      *words; /* height * width: the disparity of each pixel, from all levels; 1/16 px, negative without one */
+  const int16_t *words; /* height * width: the disparity of each pixel in 1/16 px, of all levels; negative: none */
 } vista_views;
 
 /* The output of one frame. Its pointers lead into the memory of the pipeline and are valid until the next frame. */

@@ -7,6 +7,7 @@
 #include "common/agreement.h"
 #include "common/frame.h"
 #include "common/median.h"
+#include "common/numbers.h"
 #include "common/parameters_check.h"
 
 #define ROW_STEP 2 /* neighbouring rows say the same */
@@ -49,16 +50,15 @@ static double contrast_of(const vista_foveation *foveation, const vista_cells *c
     squares += weight * grey * grey;
   }
   const double mean = sum / pixels;
-  const double of_noise =
-      noise->sigma * noise->sigma * foveation->node_count / pixels; /* a cell of n pixels: sigma^2 / n */
+  const double of_noise = vista_square(noise->sigma) * foveation->node_count / pixels; /* of n pixels: sigma^2 / n */
   return sqrt(fmax(squares / pixels - mean * mean - of_noise, 0.0));
 }
 
 typedef struct counted_words {
   int64_t image;                 /* valid ones */
   int64_t matched, matched_area; /* valid ones in the matched area, and its pixels */
-  int64_t agreeing,
-      asked; /* those that another one agrees with, where both neighbours in question are in the area too */
+  /* Where both neighbours in question are in the area, too: */
+  int64_t agreeing, asked; /* valid ones that another one agrees with, and the pixels */
 } counted_words;
 
 static double share(int64_t part, int64_t whole) { return whole > 0 ? (double)part / (double)whole : 0.0; }
