@@ -1,4 +1,4 @@
-"""Front end and core in a row: the words of every level against the C model; maps change between frames."""
+"""Front end and core in a row: the words of every level against the models; maps change between frames."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ from bench_rectify import (
     sent,
     with_maps,
 )
-from bench_smooth import smooth
 from cocotb_helpers import parameter
 from faults import Received, expected_after
 from frames import IMAGE_KINDS, params_bits, random_pair, random_parameters
 from video import begun, errors_of, filtered, reset, started
+from vista_model import smooth
 
 D, B, MAX_WIDTH = (parameter(name) for name in ("NumDisparities", "BlockSize", "MaxWidth"))
 RECTIFY, SMOOTH = 1 << 4, 1  # of front_end_i; the levels lie between

@@ -1,4 +1,4 @@
-"""Rectified and plain frames of any size, good and bad, at any pace, against the C model; maps, too."""
+"""Rectified and plain frames of any size, good and bad, at any pace, against the numpy model; maps, too."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 from cocotb.triggers import FallingEdge
 from cocotb_helpers import parameter
 from frames import beats
-from maps import random_grids, rectified, words_of
+from maps import random_grids, words_of
 from video import (
     FEWEST,
     Frame,
@@ -22,7 +22,7 @@ from video import (
     reset,
     started,
 )
-from vista_model import row_beyond
+from vista_model import rectify, row_beyond
 from vista_model.rectify import reach
 
 MAX_WIDTH, ROWS, MAX_POINTS = (parameter(name) for name in ("MaxWidth", "NumRows", "MaxPoints"))
@@ -85,7 +85,7 @@ def sent(segment, frame):
     pair[:came] = frame.pixels
     planes = [(pair >> shift & 255).astype(np.uint8).reshape(height, width) for shift in (0, 8)]
     if segment.option:
-        planes = [rectified(plane, grid) for plane, grid in zip(planes, segment.grids, strict=True)]
+        planes = [rectify(plane, grid) for plane, grid in zip(planes, segment.grids, strict=True)]
     pixels = (planes[0].astype(np.int64) | planes[1].astype(np.int64) << 8).ravel().tolist()
     whole = came == width * height
     if not whole:
