@@ -99,12 +99,12 @@ def expected(segments):
     return [sent(segment, frame) for segment, frame in begun(segments, MAX_WIDTH)]
 
 
-def random_segments(rng, kinds, images=random_images):
+def random_segments(rng, kinds, images=random_images, widths=(4, 5, 15, 16, 17)):
     """Video with the maps that it needs, some bad ones between, and frames that no map fits."""
     segments: list[MapSegment] = []
     newest, starts = None, 0  # size and grids of the map in force
     for kind in kinds:
-        width = int(rng.choice([4, 5, 15, 16, 17, MAX_WIDTH, rng.integers(4, MAX_WIDTH + 1)]))
+        width = int(rng.choice([*widths, MAX_WIDTH, rng.integers(4, MAX_WIDTH + 1)]))
         height = int(rng.choice([2, 3, BELOW, BELOW + 1, ROWS, rng.integers(2, LARGEST)]))
         on, loads = bool(kind == "unfit" or rng.random() < 0.8), []
         if kind == "unfit":
