@@ -220,8 +220,6 @@ async def reset_inside_a_frame(dut):
     driver, rng = await started_without_map(dut)
     for _ in range(8):
         segments = random_segments(rng, ["good"])
-        if not segments[0].fits:
-            continue
         stop = int(rng.integers(1, len(segments[0].stream)))
         loader = Loader(dut, driver.dice, segments[0].loads, 1.0)
         task = cocotb.start_soon(loader.run())
