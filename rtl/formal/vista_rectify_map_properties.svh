@@ -47,14 +47,7 @@ always_ff @(posedge clk_i) begin
 end
 
 `ifdef VERILATOR
-// A bench may change the inputs between clocks, and a clock that starts at random may give some modules an edge more:
-// what is around this one is reset once the second clock of a reset has passed.
-logic f_settled = 1'b0;
-
-always_ff @(posedge clk_i) begin
-  if (!rst_ni) f_settled <= f_started;
-end
-
+`include "vista_settled.svh"
 always_ff @(posedge clk_i) if (f_settled) begin
 `else
 always_comb begin

@@ -80,8 +80,7 @@ int64_t vista_rtl_compute(vista_rtl* engine, const vista_rtl_settings* settings,
 int32_t vista_rtl_failed(const vista_rtl* engine);
 
 /* From now on all inputs and outputs but those of the pyramid's buffer are written to a file, a line a clock, for
- * tb/icarus/replay.v; null ends it.
- * Returns 1, or 0 when the file cannot be opened. */
+ * tb/icarus/replay.v; null ends it. Returns 1, or 0 when the file cannot be opened. */
 int32_t vista_rtl_record(vista_rtl* engine, const char* path);
 
 /* Of the builds that the benches make (tb/common/verilated.py); nothing happens in others. */

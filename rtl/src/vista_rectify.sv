@@ -27,7 +27,7 @@ module vista_rectify #(
 ) (
   input  logic clk_i,
   input  logic rst_ni,
-  input  logic keep_map_i,  // of a reset: the map in force stays
+  input  logic keep_map_i,  // 1: a reset leaves the map in force as it is
 
   // Taken over with the first pixel of a frame; size and rectify_i are looked at a clock before.
   input  logic                 enable_i,

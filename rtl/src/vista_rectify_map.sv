@@ -43,7 +43,7 @@ module vista_rectify_map #(
   output logic [ColW:0]   width_o,
   output logic [RowW-1:0] height_o,
 
-  // A frame has begun, with this bank; all points of the oldest one that had were read.
+  // A frame has begun, with this bank; all points of the oldest frame inside were read.
   input  logic frame_begin_i,
   input  logic frame_bank_i,
   input  logic frame_end_i,

@@ -36,7 +36,7 @@ module vista_registers #(
 
   output logic irq_o,  // level; see INTERRUPT
 
-  // Of everything behind the registers: a reset, soft or not, and whether the map in force stays.
+  // The reset of everything behind the registers, soft or not; `keep_map_o`: it leaves the map in force as it is.
   output logic rst_no,
   output logic keep_map_o,
 

@@ -1,14 +1,12 @@
-"""Maps of rectification for the benches: random control grids, their words, and what becomes of an image."""
+"""Maps of rectification for the benches: random control grids and their words."""
 
 from __future__ import annotations
 
 import numpy as np
 import numpy.typing as npt
 from vista_model import grid_shape
-from vista_model.c_engine import prepare_rectify
 from vista_model.rectify import reach
 
-Image = npt.NDArray[np.uint8]
 Grids = npt.NDArray[np.int16]  # camera, row and column of the control point, (dx, dy)
 
 
@@ -38,10 +36,3 @@ def words_of(grids: Grids) -> list[int]:
     """{dy, dx} row by row, the left camera first."""
     words = grids.view(np.uint16).astype(np.int64) @ np.array([1, 1 << 16])
     return [int(word) for word in words.ravel()]
-
-
-def rectified(image: Image, grid: npt.NDArray[np.int16]) -> Image:
-    image, grid = np.ascontiguousarray(image), np.ascontiguousarray(grid)  # which the call needs alive
-    out = np.empty_like(image)
-    prepare_rectify(image, grid, out)()
-    return out

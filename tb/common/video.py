@@ -349,8 +349,6 @@ async def reset(dut: SimHandleBase, driver: Driver) -> None:
         await FallingEdge(dut.clk_i)
     dut.rst_ni.value = 1
     driver.waiting, driver.fetching = None, False
-    if driver.memory:
-        driver.memory.beats.clear()
 
 
 def assert_frames(seen: Seen, frames: list[Frame]) -> None:

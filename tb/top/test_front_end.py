@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 import pytest
@@ -16,7 +16,7 @@ from frames import (
     random_parameters,
     register_values,
 )
-from maps import Grids, random_grids, rectified, words_of
+from maps import Grids, random_grids, words_of
 from registers import (
     BEGIN_LOAD,
     COMMIT,
@@ -39,13 +39,15 @@ from registers import (
     SOFT_RESET,
 )
 from registers import FRONT_END as FRONT_END_REGISTER
+from rtl_package import package_constant
 from verilated import FRONT_END, PACES, Pace, Rtl
-from vista_model.c_engine import prepare_reduce, prepare_smooth, reduced_shape
+from vista_model import Parameters, pyramid, rectify, smooth
 from vista_model.rectify import reach
 
 CONFIG = FRONT_END
 ROWS = CONFIG.rows
 D, B = CONFIG.num_disparities, CONFIG.block_size
+SMALLEST = package_constant("MinHeight"), package_constant("MinWidth")  # level that is sent
 
 
 @dataclass
@@ -54,7 +56,7 @@ class RawFrame:
 
     left: np.ndarray
     right: np.ndarray
-    parameters: object = field(repr=False)
+    parameters: Parameters
     smooth: bool = False
     levels: int = 1
     grids: Grids | None = None  # rectified by them
@@ -72,15 +74,14 @@ class RawFrame:
         """What the core matches, level by level."""
         pair = [self.left, self.right]
         if self.grids is not None:
-            pair = [rectified(image, grid) for image, grid in zip(pair, self.grids, strict=True)]
+            pair = [rectify(image, grid) for image, grid in zip(pair, self.grids, strict=True)]
         frames = []
-        for level in range(self.levels):
-            if level:
-                pair = [through(prepare_reduce, image, reduced_shape(image.shape)) for image in pair]
-            if pair[0].shape[0] < 2 or pair[0].shape[1] < 4:
+        for level in zip(*(pyramid(image, self.levels) for image in pair), strict=True):
+            if (np.array(level[0].shape) < SMALLEST).any():
                 break
-            sides = [through(prepare_smooth, image, image.shape) for image in pair] if self.smooth else pair
-            frames.append(Frame(sides[0], sides[1], self.parameters, self.narrow))
+            sides = map(smooth, level) if self.smooth else level
+            left, right = map(np.ascontiguousarray, sides)  # as the C model asks
+            frames.append(Frame(left, right, self.parameters, self.narrow))
         return frames
 
     def words(self) -> np.ndarray:
@@ -99,12 +100,6 @@ class RawFrame:
         if loads:
             writes += map_writes(self.grids)
         return [*writes, (COMMIT, COMMIT_SET | COMMIT_MAP * loads)]
-
-
-def through(prepare, image: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
-    image, out = np.ascontiguousarray(image), np.empty(shape, np.uint8)
-    prepare(image, out)()
-    return out
 
 
 def map_writes(grids: Grids) -> list[tuple[int, int]]:

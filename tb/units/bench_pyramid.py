@@ -1,9 +1,8 @@
-"""All levels of frames of any size, good and bad, at any pace, against the C model; a memory beside them."""
+"""All levels of frames of any size, good and bad, at any pace, against the numpy model; with a memory."""
 
 from __future__ import annotations
 
 import cocotb
-from bench_reduce import reduce
 from cocotb_helpers import parameter
 from frames import beats
 from video import (
@@ -19,6 +18,7 @@ from video import (
     random_images,
     started,
 )
+from vista_model import reduce
 
 MAX_WIDTH = parameter("MaxWidth")
 MAX_LEVELS = 4

@@ -1,4 +1,4 @@
-"""Half-size frames of any size, good and bad, at any pace, against the C model."""
+"""Half-size frames of any size, good and bad, at any pace, against the numpy model."""
 
 from __future__ import annotations
 
@@ -17,17 +17,10 @@ from video import (
     random_images,
     started,
 )
-from vista_model.c_engine import prepare_reduce, reduced_shape
+from vista_model import reduce
 
 MAX_WIDTH = parameter("MaxWidth")
 LATENCY = 12
-
-
-def reduce(image):
-    image = np.ascontiguousarray(image)  # which the call needs alive
-    out = np.empty(reduced_shape(image.shape), np.uint8)
-    prepare_reduce(image, out)()
-    return out
 
 
 def expected(segments):

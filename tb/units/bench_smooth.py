@@ -1,4 +1,4 @@
-"""Smoothed and plain frames of any size, good and bad, at any pace, against the C model."""
+"""Smoothed and plain frames of any size, good and bad, at any pace, against the numpy model."""
 
 from __future__ import annotations
 
@@ -17,18 +17,11 @@ from video import (
     random_images,
     started,
 )
-from vista_model.c_engine import prepare_smooth
+from vista_model import smooth
 
 MAX_WIDTH = parameter("MaxWidth")
 ALONG = ("width_o", "height_o", "side_o")
 LATENCY = 9
-
-
-def smooth(image):
-    image = np.ascontiguousarray(image)  # which the call needs alive
-    out = np.empty_like(image)
-    prepare_smooth(image, out)()
-    return out
 
 
 def expected(segments):
