@@ -318,26 +318,26 @@ def flights_table(split: str) -> str:
                     nees(flight.get("nees")),
                 ]
             )
-    for group in found["groups"]:
-        if group["split"] == split:
-            rows.append(
-                [
-                    f"**{group['flights']} flights, {group['frames']} frames**",
-                    "",
-                    "",
-                    f"**{group['hits']}/{group['band_frames']}**",
-                    f"**{group['false_alarm_frames']}**",
-                    f"**{group['median_dz']:.2f}**",
-                    "",
-                    "",
-                    nees(group["nees"]),
-                ]
-            )
+    (group,) = (one for one in found["groups"] if one["split"] == split)
+    rows.append(
+        [
+            f"**{group['flights']} flights, {group['frames']} frames**",
+            "",
+            "",
+            f"**{group['hits']}/{group['band_frames']}**",
+            f"**{group['false_alarm_frames']}**",
+            f"**{group['median_dz']:.2f}**",
+            "",
+            "",
+            nees(group["nees"]),
+        ]
+    )
     head = (
         "flight | tracked from, m | warned from, m | hits, 14.5 to 45 m | frames with a false alarm | "
         "median error, dz | RMS, ft (companion paper) | error at 50 ft, ft | NEES (95 % band)"
     )
-    return markdown(head, rows)
+    within = f"{100 * group['within_2dz']:.0f} % of the {group['matched_frames']} frames with a warning of the target"
+    return f"{markdown(head, rows)}\n\nThe position is within 2 dz in {within}."
 
 
 def flights_noise_table() -> str:
