@@ -208,7 +208,8 @@ def test_sway_is_no_turn() -> None:
 
 def test_beyond_the_last_frame_only_turns_go_on() -> None:
     """Sampled courses that are blown about, of which the aircraft's bank tells whether they turn. Without
-    the rule a straight one in five would go on in a turn, and be up to 12 m off after 45 m."""
+    the rule a straight one in five would go on in a turn, and be up to 12 m off after 45 m. It is
+    not always right: with seeds 9 to 40, 7 of 251 straight courses go on in a turn (57 without it)."""
     straight = turning = 0
     for family, number in product((one for one in FAMILIES.values() if one.split == "dev"), range(1, 9)):
         course = family.flight(0, number).approach
