@@ -44,8 +44,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_engine(
         parser,
         "golden: the engine's C model; rtl: the engine in SystemVerilog, simulated, with its front end "
-        "where that is needed, and the same words; about half a second for a frame of 640x480; opencv: "
-        "StereoBM, for comparison",
+        "where that is needed, and the same words, at seconds a frame; opencv: StereoBM, for comparison",
     )
     parser.add_argument(
         "--rtl-width",
