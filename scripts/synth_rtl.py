@@ -24,7 +24,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT / "tb" / "common"))
-from make_tables import SYNTHESIS, as_text, measured  # noqa: E402
+from measured_figures import SYNTHESIS, as_text, measured  # noqa: E402
 from rtl_package import struct_fields  # noqa: E402
 from tools import sources  # noqa: E402
 from vista_eval.cache import digest_of  # noqa: E402

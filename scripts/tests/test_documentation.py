@@ -18,6 +18,7 @@ sys.path.insert(0, str(ROOT / "scripts"))
 
 import make_pages  # noqa: E402
 import make_tables  # noqa: E402
+import measured_figures  # noqa: E402
 from vista import cli  # noqa: E402
 
 FOLDERS = ("rtl", "model", "sw", "tb", "scripts", "doc")
@@ -119,13 +120,13 @@ def test_tables_are_those_of_the_figures() -> None:
 
 
 def test_a_changed_figure_changes_its_table(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    figures = make_tables.figures("engine")
+    figures = measured_figures.figures("engine")
     figures["engine"]["headline"]["ms"]["avx2"]["median"] = 77.77
     figures["measured"]["commit"] = "0123abc"
-    shutil.copytree(make_tables.DATA, tmp_path, dirs_exist_ok=True)
+    shutil.copytree(measured_figures.DATA, tmp_path, dirs_exist_ok=True)
     (tmp_path / "engine.json").write_text(json.dumps(figures))
     page = (ROOT / "doc" / "results" / "engine.md").read_text()
-    monkeypatch.setattr(make_tables, "DATA", tmp_path)
+    monkeypatch.setattr(measured_figures, "DATA", tmp_path)
     assert "77.77" not in page and "0123abc" not in page
     made = make_tables.with_tables(page)
     assert "77.77" in made and made.count("*Measured at commit 0123abc, ") == 2
@@ -139,7 +140,7 @@ def test_figures_that_are_saved_for_the_first_time_have_their_tables(
     page.write_text("<!-- table: worlds-test-hits -->\n<!-- end of table -->\n")
     table = {"name": "hits", "heads": ["family", "hits"], "rows": [["bare", "77 of 88"]], "legend": "hits: h"}
     raw.write_text(json.dumps({"rules": {}, "families": [], "tables": [table]}))
-    monkeypatch.setattr(make_tables, "DATA", data)
+    monkeypatch.setattr(measured_figures, "DATA", data)
     monkeypatch.setattr(make_tables, "pages", lambda: [page])
     save = ["--save", f"worlds-test={raw}", "--command", "vista worlds"]
     monkeypatch.setattr(sys, "argv", ["make_tables.py", *save])
@@ -151,7 +152,7 @@ def test_the_commits_of_figures_are_in_the_history() -> None:
     """Not those of a branch that was rebased: nobody else has them."""
     if run_git("rev-parse", "--is-shallow-repository") != "false":
         pytest.skip("no history here")
-    for path in [*make_tables.DATA.glob("*.json"), make_tables.SYNTHESIS]:
+    for path in measured_figures.figure_files():
         for commit in re.findall(r'"commit": "([0-9a-f]+)"', path.read_text()):
             assert run_git("merge-base", "--is-ancestor", commit, "HEAD") is not None, f"{path}: {commit}"
 

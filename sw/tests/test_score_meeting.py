@@ -4,6 +4,7 @@ walls, slopes and wires, from straight and turning paths, and something that mov
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import product
 from pathlib import Path
 
 import numpy as np
@@ -205,20 +206,30 @@ def test_sway_is_no_turn() -> None:
         assert np.abs(path.corners_m[:, 1]).max() < 1.5
 
 
-@pytest.mark.parametrize(("family", "bank_deg"), [("fence", 0.0), ("poles", 0.0), ("road_vehicle", 2.7)])
-def test_beyond_the_last_frame_only_turns_go_on(family: str, bank_deg: float) -> None:
-    """Sampled courses that are blown about: two of them are straight, though over their last two seconds
-    they turn by 2 degrees a second, at 3.4 and 13 m/s; one turns by 3 degrees a second."""
-    course = FAMILIES[family].flight(0, 1).approach
-    assert course.bank_deg == pytest.approx(bank_deg, abs=0.05)
-    states = [course.state_at(k) for k in range(course.frames)]
-    poses = [Pose(disk.LEVEL, state.world_from_body[:3, 3]) for state in states]
-    path = true_paths(poses, tuple(state.t_ns for state in states))[-1]
-    corners_m = path.corners_m - path.corners_m[0]
-    chord = corners_m[-1] / np.linalg.norm(corners_m[-1])
-    off_m = np.linalg.norm(corners_m - np.outer(corners_m @ chord, chord), axis=1).max()
-    assert (path.length_m == pytest.approx(100.0, abs=0.1)) == (bank_deg == 0.0)
-    assert off_m > 1.0 if bank_deg else off_m < 1e-6
+def test_beyond_the_last_frame_only_turns_go_on() -> None:
+    """Sampled courses that are blown about, of which the aircraft's bank tells whether they turn. Without
+    the rule a straight one in five would go on in a turn, and be up to 12 m off after 45 m. It is
+    not always right: with seeds 9 to 40, 7 of 251 straight courses go on in a turn (57 without it)."""
+    straight = turning = 0
+    for family, number in product((one for one in FAMILIES.values() if one.split == "dev"), range(1, 9)):
+        course = family.flight(0, number).approach
+        states = [course.state_at(k) for k in range(course.frames)]
+        poses = [Pose(disk.LEVEL, state.world_from_body[:3, 3]) for state in states]
+        path = true_paths(poses, tuple(state.t_ns for state in states))[-1]
+        ahead_m = path.corners_m - path.corners_m[0]
+        chord = ahead_m[-1] / np.linalg.norm(ahead_m[-1])
+        off_m = np.linalg.norm(ahead_m - np.outer(ahead_m @ chord, chord), axis=1).max()
+        name = f"{family.name}, seed {number}"
+        if course.bank_deg != 0.0:
+            turning += int(off_m > 0.1)
+            continue
+        straight += 1
+        assert off_m < 1e-6, name
+        about_frames = 45.0 / path.speed_m_s * course.rate_hz * np.linspace(0.8, 1.2, 41)
+        later = (course.state_at(course.frames - 1 + k) for k in about_frames)
+        later_m = np.array([state.world_from_body[:3, 3] for state in later]) - path.corners_m[0]
+        assert np.linalg.norm(later_m - 45.0 * chord, axis=1).min() < RADIUS_M, name
+    assert (straight, turning) == (59, 42)  # of 45, three of which turn by less than what counts
 
 
 def test_a_hovering_camera_looks_ahead() -> None:

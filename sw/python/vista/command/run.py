@@ -43,8 +43,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder for the results")
     add_engine(
         parser,
-        "golden: the engine's C model; rtl: the SystemVerilog core, simulated, with the same words at "
-        "half a second a frame; opencv: StereoBM, for comparison",
+        "golden: the engine's C model; rtl: the engine in SystemVerilog, simulated, with its front end "
+        "where that is needed, and the same words, at seconds a frame; opencv: StereoBM, for comparison",
     )
     parser.add_argument(
         "--rtl-width",

@@ -2,8 +2,9 @@
 
 A straight path is the whole flight's direction of travel. A true one leads through the true positions of the
 frames that follow; beyond the last one it goes on with the speed and the turn rate of the flight's last two
-seconds. A slow aircraft that gusts or its own sway move about seems to turn for a while: the turn goes on
-only if the last second, the last two and the last four agree that there is one, to one side.
+seconds. An aircraft that gusts or its own sway move about seems to turn for a while, the more so the slower
+it flies: the turn goes on only if the last second, the last two and the last four agree that there is one, to
+one side.
 
 It is followed as far as the host follows its own (motion.h): for the length of the collision volume, up to
 where it has left its tangent by the collision radius over the uncertainty of its curvature, and for a quarter
@@ -25,7 +26,7 @@ from vista_eval.metrics.rules import CURVATURE_UNCERTAINTY, SPEED_MIN_M_S, TURN_
 CYLINDER_RADIUS_M, CYLINDER_LENGTH_M = 2.0, 100.0
 LATEST_S = 2.0  # that speed and turn rate beyond the last frame are taken from
 AGREEING_S = (1.0, 2.0, 4.0)  # in all of which, as far as they have been flown, a turn turns
-FEWEST_POSITIONS = 2  # fewer show no turn
+FEWEST_POSITIONS = 3  # fewer tell nothing of a turn
 TANGENT_M = 5.0  # flown, over which a path's direction is taken
 SIMPLIFIED_M = 0.01  # that corners left out are beside the path
 
@@ -163,10 +164,11 @@ def _beyond(positions_m: Array, times_s: Array) -> tuple[Array, Array]:
 
 
 def _turns(positions_m: Array, times_s: Array) -> bool:
+    """Whether the flight ends in a turn. Where fewer seconds were flown, the longer times are all of them."""
     rates = [
         _turn_rate(positions_m[latest], times_s[latest])
         for latest in (times_s >= times_s[-1] - latest_s for latest_s in AGREEING_S)
-        if np.count_nonzero(latest) > FEWEST_POSITIONS
+        if np.count_nonzero(latest) >= FEWEST_POSITIONS
     ]
     return all(float(rate @ rates[-1]) > 0.0 for rate in rates)
 
