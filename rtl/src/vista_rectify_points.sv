@@ -68,10 +68,13 @@ module vista_rectify_points #(
     upper4_q <= upper3_q;
     for (int unsigned i = 0; i < 2; i++) begin
       difference4_q[i] <= DifferenceW'(signed'(point[i*OffsetW+:OffsetW])) - DifferenceW'(signed'(upper3_q[i]));
-      product5_q[i]    <= (DifferenceW + StepW)'(signed'(difference4_q[i])) *
-          (DifferenceW + StepW)'(signed'({1'b0, on ? j : StepW'(0)}));
-      upper5_q[i]      <= on ? upper4_q[i] : '0;
-      value_o[i]       <= ValueW'(signed'({upper5_q[i], StepW'(0)})) + ValueW'(signed'(product5_q[i]));
+      product5_q[i] <= (DifferenceW + StepW)'(signed'(difference4_q[i])) * (DifferenceW + StepW)'(signed'({1'b0, j}));
+      upper5_q[i]   <= upper4_q[i];
+      value_o[i]    <= ValueW'(signed'({upper5_q[i], StepW'(0)})) + ValueW'(signed'(product5_q[i]));
+      if (!on) begin  // nor may what the memory holds be multiplied: before the first map nobody knows what that is
+        product5_q[i] <= '0;
+        upper5_q[i]   <= '0;
+      end
     end
   end
 
