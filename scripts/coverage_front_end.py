@@ -1,14 +1,18 @@
-"""Coverage of the blocks before the core: line, toggle and the plan of doc/design/verification.md.
+"""Coverage of the blocks before the core, and of them with the core: line, toggle and the plan of
+doc/design/verification.md.
 
-Runs the cocotb benches of smoothing and pyramid, each with further seeds until every bin of the plan was hit
-(or a limit is reached), then reads Verilator's counts as scripts/coverage_rtl.py does.
+Runs the cocotb bench of each with further seeds until every bin of the plan was hit (or a limit is reached),
+then reads Verilator's counts as scripts/coverage_rtl.py does. `--of` runs one alone.
 """
 
 from __future__ import annotations
 
+import argparse
 import itertools
 import os
 import sys
+from collections.abc import Iterable
+from dataclasses import dataclass
 
 from coverage_rtl import LIMITS, ROOT, percentages
 
@@ -17,36 +21,64 @@ from cocotb_tools.runner import get_runner  # noqa: E402
 from tools import BUILD, VERILATOR_FLAGS, sources, verilator_environment  # noqa: E402
 
 MOST_SEEDS = 20
-# Parameters, and how many settings there are: smoothing off and on; 0 to 5 levels.
-BLOCKS = {
-    "vista_smooth": ({"MaxWidth": 32, "SideWidth": 8}, 2),
-    "vista_pyramid": ({"MaxWidth": 40, "SideWidth": 8}, 6),
-}
 ENDS = ["whole", "first", "top", "cut"]
 
 
-def plan(options: int) -> set[str]:
+@dataclass(frozen=True)
+class Block:
+    """A module, how it is built, the values that its option takes, and bins that only it has."""
+
+    top: str
+    parameters: dict[str, int]
+    options: Iterable[int]
+    further: frozenset[str] = frozenset()
+
+
+def product(*parts: Iterable[str]) -> frozenset[str]:
+    return frozenset(" ".join(names) for names in itertools.product(*parts))
+
+
+MAPS = product(["map"], ["accepted", "rows", "size"], ["video", "quiet"]) | {"map unfit"}
+LEVELS = product(["level"], "0123", ["whole", "cut"])
+RECTIFY, SMOOTH = 16, 1  # of the option of the whole front end; the levels lie between
+BLOCKS = [
+    Block("vista_smooth", {"MaxWidth": 32, "SideWidth": 8}, range(2)),
+    Block("vista_pyramid", {"MaxWidth": 40, "SideWidth": 8}, range(6)),
+    Block("vista_rectify", {"MaxWidth": 40, "NumRows": 16, "MaxPoints": 16, "SideWidth": 8}, range(2), MAPS),
+    Block(
+        "front_end",
+        {"NumDisparities": 16, "BlockSize": 5, "MaxWidth": 64, "NumRows": 16, "MaxPoints": 64},
+        [r | levels << 1 | s for r in (0, RECTIFY) for levels in range(5) for s in (0, SMOOTH)],
+        MAPS | LEVELS,
+    ),
+]
+
+
+def plan(block: Block) -> frozenset[str]:
     """The bins of a block."""
     paces = ["always", "pauses"]
-    bins = itertools.chain(
-        itertools.product(["size"], ["smallest", "widest", "even", "odd"], ["smallest", "even", "odd"]),
-        itertools.product(["end"], ["whole", "cut"], map(str, range(options))),
-        itertools.product(["pace"], paces, paces, ENDS),
+    return (
+        product(["size"], ["smallest", "widest", "even", "odd"], ["smallest", "even", "odd"])
+        | product(["end"], ["whole", "cut"], map(str, block.options))
+        | product(["pace"], paces, paces, ENDS)
+        | block.further
     )
-    return {" ".join(parts) for parts in bins}
 
 
-def cover(top: str, parameters: dict[str, int], options: int) -> bool:
+def cover(block: Block) -> bool:
     """Whether a block falls short of a limit."""
+    top, parameters = block.top, block.parameters
     folder = BUILD / "coverage" / top
     folder.mkdir(parents=True, exist_ok=True)
+    harness = (ROOT / "tb" / "common").glob(f"{top}.sv")  # what is of the benches
     runner = get_runner("verilator")
     runner.build(
-        sources=sources("vista_frontend.f"), hdl_toplevel=top, parameters=parameters, build_dir=folder,
+        sources=[*sources("vista_frontend.f"), *harness], hdl_toplevel=top, parameters=parameters,
+        build_dir=folder,
         build_args=[*VERILATOR_FLAGS, "--coverage-line", "--coverage-toggle", "-CFLAGS", "-O1"],
         log_file=folder.with_suffix(".log"),
     )  # fmt: skip
-    hits, data, wanted = folder / "bins.txt", folder / "all.dat", plan(options)
+    hits, data, wanted = folder / "bins.txt", folder / "all.dat", plan(block)
     hits.write_text("")
     data.write_text("")
     seed, hit = 0, set[str]()
@@ -76,8 +108,11 @@ def cover(top: str, parameters: dict[str, int], options: int) -> bool:
 
 
 def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--of", choices=[block.top for block in BLOCKS], help="default: all")
+    args = parser.parse_args()
     os.environ.update(verilator_environment(), COCOTB_LOG_LEVEL="WARNING")
-    sys.exit(any([cover(top, *settings) for top, settings in BLOCKS.items()]))
+    sys.exit(any([cover(block) for block in BLOCKS if args.of in (None, block.top)]))
 
 
 if __name__ == "__main__":

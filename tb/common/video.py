@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import random
 from collections import deque
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -154,6 +154,13 @@ def bins_of(segments: list[Segment], max_width: int, offered: float, taken: floa
     return bins
 
 
+def hit(bins: Iterable[str]) -> None:
+    """Tells scripts/coverage_front_end.py, if it asks, of bins that a run has hit."""
+    if file := os.environ.get("VISTA_BINS"):
+        with Path(file).open("a") as out:
+            out.writelines(f"{name}\n" for name in bins)
+
+
 def filtered(
     frame: Frame,
     function: Callable[[npt.NDArray[np.uint8]], npt.NDArray[np.uint8]],
@@ -281,10 +288,8 @@ class Driver:
             self.clock += 1
             assert self.clock < latest, "it does not end"
         dut.s_axis_tvalid.value = 0
-        if (file := os.environ.get("VISTA_BINS")) and stop_after is None:  # of scripts/coverage_front_end.py
-            with Path(file).open("a") as out:
-                out.writelines(f"{name}\n" for name in bins_of(segments, self.max_width, offered, taken))
         if stop_after is None:
+            hit(bins_of(segments, self.max_width, offered, taken))
             assert position == len(stream), "the input hung"
             assert not (self.memory and self.memory.beats), "a frame left something behind"
         return seen

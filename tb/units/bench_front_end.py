@@ -14,12 +14,11 @@ from bench_rectify import (
     random_segments,
     run,
     sent,
-    with_maps,
 )
 from cocotb_helpers import parameter
 from faults import Received, expected_after
 from frames import IMAGE_KINDS, params_bits, random_pair, random_parameters
-from video import begun, errors_of, filtered, reset, started
+from video import begun, errors_of, filtered, hit, reset, started
 from vista_model import smooth
 
 D, B, MAX_WIDTH = (parameter(name) for name in ("NumDisparities", "BlockSize", "MaxWidth"))
@@ -38,6 +37,7 @@ def expected_words(segment, frame, parameters):
     straight = sent(replace(segment, option=option & RECTIFY), frame)
     words = []
     for level in levels_of(replace(segment, option=option >> 1 & 7), received(straight)):
+        hit([f"level {level.level} {'whole' if level.whole else 'cut'}"])
         pixels = filtered(level, smooth if option & SMOOTH else (lambda image: image), 1)
         words.append(expected_after(received(pixels), pixels.width, pixels.height, parameters))
     return words
@@ -71,12 +71,10 @@ def assert_words(seen, expected):
 
 def words_of(segments, settings):
     """What leaves of the video; settings belong to the segments of the same place."""
-    taken = with_maps(segments)
-    parameters = {id(t): settings[id(s)] for s, t in zip(segments, taken, strict=True)}
     return [
         words
-        for segment, frame in begun(taken, MAX_WIDTH)
-        for words in expected_words(segment, frame, parameters[id(segment)])
+        for segment, frame in begun(segments, MAX_WIDTH)
+        for words in expected_words(segment, frame, settings[id(segment)])
     ]
 
 
@@ -92,7 +90,7 @@ async def started_front_end(dut):
 async def words_of_every_level(dut, offered, taken):
     """Sound and faulty video of changing size, with switches, levels, parameters and maps of its own each."""
     driver, rng = await started_front_end(dut)
-    kinds = [*["good"] * 9, *["faulty"] * 5, "unfit", "disabled"]
+    kinds = [*["good"] * 9, *["faulty"] * 5, "unfit", "disabled", "illegal"]
     expected = []
     while not any((words >> 16 != 0xFFFF).any() for words in expected):  # frames may all be too low to match
         rng.shuffle(kinds)
@@ -100,9 +98,8 @@ async def words_of_every_level(dut, offered, taken):
         expected = words_of(segments, settings)
     seen, loader = await run(driver, segments, offered, taken, float(rng.choice([1.0, 0.7])))
     assert_words(seen, expected)
-    taken_over = with_maps(segments)
-    starts = len(list(begun(taken_over, MAX_WIDTH)))
-    assert (seen.starts, seen.errors) == (starts, errors_of(taken_over, MAX_WIDTH))
+    starts = len(list(begun(segments, MAX_WIDTH)))
+    assert (seen.starts, seen.errors) == (starts, errors_of(segments, MAX_WIDTH))
     unfit = [s for s in segments if not s.fits and s.enable]
     assert loader.unfit == sum(int((s.stream >> 16 & 1).sum()) for s in unfit)
 

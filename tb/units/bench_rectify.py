@@ -8,6 +8,7 @@ import cocotb
 import numpy as np
 from cocotb.triggers import FallingEdge
 from cocotb_helpers import parameter
+from faults import Reaction
 from frames import beats
 from maps import random_grids, words_of
 from video import (
@@ -18,6 +19,8 @@ from video import (
     begun,
     broken,
     errors_of,
+    hit,
+    illegal_size,
     random_images,
     reset,
     started,
@@ -34,6 +37,7 @@ LARGEST = 2 * ROWS + 14  # rows of the largest frame
 LATENCY = 33  # from the last pixel of the rows that are needed to the first of the row
 VERDICTS = ("map_accepted_o", "map_refused_rows_o", "map_refused_size_o")
 ACCEPTED, ROWS_REFUSED, SIZE_REFUSED = range(3)
+BINS = ("accepted", "rows", "size")  # of the coverage plan, by verdict
 
 
 @dataclass
@@ -56,6 +60,10 @@ class MapSegment(Segment):
     loads: list[Load] = field(default_factory=list)
     loads_before: int = 0  # of all segments up to this one
     fits: bool = True
+
+    def reaction(self, max_width: int, lost: bool) -> Reaction:
+        """Video that no map fits is dropped, as while the block is disabled."""
+        return super().reaction(max_width, lost) if self.fits else Reaction([], 0, True)
 
 
 def good_load(grids, height, width):
@@ -95,18 +103,17 @@ def sent(segment, frame):
 
 
 def expected(segments):
-    """A frame without a map that fits is dropped."""
     return [sent(segment, frame) for segment, frame in begun(segments, MAX_WIDTH)]
 
 
 def random_segments(rng, kinds, images=random_images, widths=(4, 5, 15, 16, 17)):
-    """Video with the maps that it needs, some bad ones between, and frames that no map fits."""
+    """Video with the maps that it needs, some bad ones between, frames that no map fits, illegal sizes."""
     segments: list[MapSegment] = []
     newest, starts = None, 0  # size and grids of the map in force
     for kind in kinds:
         width = int(rng.choice([*widths, MAX_WIDTH, rng.integers(4, MAX_WIDTH + 1)]))
         height = int(rng.choice([2, 3, BELOW, BELOW + 1, ROWS, rng.integers(2, LARGEST)]))
-        on, loads = bool(kind == "unfit" or rng.random() < 0.8), []
+        on, loads = kind == "unfit" or (kind != "illegal" and bool(rng.random() < 0.8)), []
         if kind == "unfit":
             height = LARGEST  # which nothing else is
         elif newest and rng.random() < 0.3:
@@ -121,6 +128,8 @@ def random_segments(rng, kinds, images=random_images, widths=(4, 5, 15, 16, 17))
         frames = [beats(*images(rng, height, width)) for _ in range(rng.integers(1, 4))]
         if kind == "faulty":
             frames = [broken(frame, width, rng) for frame in frames[:-1]] + frames[-1:]
+        if kind == "illegal":
+            width, height = illegal_size(rng, width, height, MAX_WIDTH)
         segment = MapSegment(
             width, height, np.concatenate(frames), kind != "disabled", int(on), int(rng.integers(256)),
             grids=newest[2] if fits else None, loads=loads, fits=fits or not on,
@@ -129,13 +138,8 @@ def random_segments(rng, kinds, images=random_images, widths=(4, 5, 15, 16, 17))
             load.after_starts = starts
         segments.append(segment)
         segment.loads_before = sum(len(s.loads) for s in segments)
-        starts += sum(1 for _ in begun(with_maps([segment]), MAX_WIDTH))
+        starts += sum(1 for _ in begun([segment], MAX_WIDTH))
     return segments
-
-
-def with_maps(segments):
-    """As the block takes them: a segment that no map fits as one that is disabled."""
-    return [s if s.fits else MapSegment(s.width, s.height, s.stream, False) for s in segments]
 
 
 class Loader:
@@ -173,6 +177,8 @@ class Loader:
             while self.starts < load.after_starts:
                 await self.clock()
             await self.pause()
+            video = dut.s_axis_tvalid.value and dut.s_axis_tready.value
+            hit([f"map {BINS[load.verdict]} {'video' if video else 'quiet'}"])
             dut.map_commit_i.value = 1
             await self.clock()
             dut.map_commit_i.value = 0
@@ -201,17 +207,17 @@ async def run(driver, segments, offered, taken, pace=0.7):
 @cocotb.parametrize(offered=[1.0, 0.4], taken=[1.0, 0.4])
 async def frames_and_maps_of_any_kind(dut, offered, taken):
     driver, rng = await started_without_map(dut)
-    kinds = [*["good"] * 16, *["faulty"] * 14, "unfit", "unfit", "disabled"]
+    kinds = [*["good"] * 16, *["faulty"] * 14, "unfit", "unfit", "disabled", "illegal", "illegal"]
     rng.shuffle(kinds)
     segments = random_segments(rng, kinds)
     seen, loader = await run(driver, segments, offered, taken, float(rng.choice([1.0, 0.7])))
-    taken_over = with_maps(segments)
-    frames = expected(taken_over)
+    frames = expected(segments)
     assert_frames(seen, frames)
-    assert (seen.starts, seen.errors) == (len(frames), errors_of(taken_over, MAX_WIDTH))
+    assert (seen.starts, seen.errors) == (len(frames), errors_of(segments, MAX_WIDTH))
     # A frame that no map fits is told of once for every start of frame.
     unfit = [s for s in segments if not s.fits and s.enable]
     assert loader.unfit == sum(int((s.stream >> 16 & 1).sum()) for s in unfit)
+    hit(["map unfit"] * bool(loader.unfit))
 
 
 @cocotb.test()
@@ -237,7 +243,7 @@ async def reset_inside_a_frame(dut):
         for segment in after:
             segment.loads_before = segment.loads_before if segment.loads else 0
         seen, loader = await run(driver, [before, *after], 0.7, 0.7)
-        assert_frames(seen, expected(with_maps([before, *after])))
+        assert_frames(seen, expected([before, *after]))
         assert loader.unfit >= 1
 
 
