@@ -13,6 +13,7 @@ D ?= 32
 B ?= 11
 W ?= 1024
 R ?= 0
+P ?= 2048
 SOAK_FRAMES ?= 10000
 SOAK_CASES ?= 400
 MUTANTS ?= 50
@@ -81,8 +82,8 @@ build/lib/libvista_rtl_%.so: $(RTL_SOURCES) $(wildcard rtl/csr/*.sv rtl/*.f) $(R
 	  $(if $(findstring _r,$*),-DVISTA_FRONT_END) -isystem $$root/include -isystem $$root/include/vltstd \
 	  $(RTL_HARNESS) build/rtl/engine/$*/libVvista_stereo.a build/rtl/engine/$*/libverilated.a -lpthread -o $@
 
-release-rtl: $(RTL_TOOLS) ## write the engine for D disparities, block B and frames up to W pixels wide as one file of plain Verilog
-	@$(RTL_PYTHON) scripts/release_rtl.py $(D) $(B) $(W)
+release-rtl: $(RTL_TOOLS) ## write the engine for D disparities, block B and frames up to W pixels wide as one file of plain Verilog; with R rows of the rectification and P control points of a camera, the engine with its front end
+	@$(RTL_PYTHON) scripts/release_rtl.py $(D) $(B) $(W) --rows $(R) --points $(P)
 
 synth: $(RTL_TOOLS) ## synthesise, place and route for ECP5, and write resources and clock to rtl/synth/results.json
 	@$(RTL_PYTHON) scripts/synth_rtl.py --save
@@ -92,13 +93,13 @@ synth: $(RTL_TOOLS) ## synthesise, place and route for ECP5, and write resources
 formal: $(RTL_TOOLS) ## prove the properties of handshakes and buffers by k-induction
 	@$(RTL_PYTHON) scripts/formal_rtl.py
 
-soak: $(RTL_TOOLS) build systemc-tests ## compare the RTL with SOAK_CASES of the SystemC engine and SOAK_FRAMES of the C model; continues where it stopped
+soak: $(RTL_TOOLS) build systemc-tests ## compare the RTL with SOAK_CASES of the SystemC engine and SOAK_FRAMES each of core and front end with the models; continues where it stopped
 	@$(RTL_PYTHON) scripts/soak_system_model.py --cases $(SOAK_CASES)
-	@$(RTL_PYTHON) scripts/soak_rtl.py --frames $(SOAK_FRAMES)
+	@for of in core front_end; do $(RTL_PYTHON) scripts/soak_rtl.py --of $$of --frames $(SOAK_FRAMES) || exit 1; done
 
 coverage-rtl: $(RTL_TOOLS) build ## measure line, branch, toggle and functional coverage of the RTL
 	@$(RTL_PYTHON) scripts/coverage_rtl.py
 	@$(RTL_PYTHON) scripts/coverage_front_end.py
 
 mutate: $(RTL_TOOLS) build ## plant MUTANTS random mutants into the core and each block before it, and count those that the benches catch
-	@for of in core smooth pyramid; do $(RTL_PYTHON) scripts/mutate_rtl.py --of $$of --mutants $(MUTANTS) || exit 1; done
+	@for of in core smooth rectify pyramid; do $(RTL_PYTHON) scripts/mutate_rtl.py --of $$of --mutants $(MUTANTS) || exit 1; done

@@ -1,8 +1,9 @@
 """Writes one build of the engine as a single file of plain Verilog: make release-rtl.
 
-The sources are SystemVerilog that only the slang front end parses. The file has one module, vista_stereo,
-with the build parameters worked in, and is read by Yosys' own front end, Icarus Verilog and what else knows
-Verilog-2005. Nothing is optimised: memories are inferred from it as from the sources.
+The sources are SystemVerilog that only the slang front end parses. The file has one top module, vista_stereo
+or with its front end vista_raw_stereo, with the build parameters worked in, and is read by Yosys' own front
+end, Icarus Verilog and what else knows Verilog-2005. Nothing is optimised: memories are inferred from it as
+from the sources.
 """
 
 from __future__ import annotations
@@ -10,6 +11,7 @@ from __future__ import annotations
 import argparse
 import subprocess
 import sys
+from dataclasses import dataclass
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -18,7 +20,7 @@ from tools import BUILD, sources  # noqa: E402
 
 HEADER = """\
 // SPDX-License-Identifier: Apache-2.0
-// Stereo engine of VISTA {version}: {disparities} disparities, block {block}, frames up to {width} px wide.
+// Stereo engine of VISTA {version}: {build}.
 // Written by `make release-rtl` from the SystemVerilog of rtl/; see doc/rtl.md.
 
 """
@@ -27,8 +29,8 @@ SCRIPT = """\
 from pyosys import libyosys as ys
 design = ys.Design()
 for command in '''
-read_slang --top vista_stereo {parameters} {files}
-hierarchy -check -top vista_stereo
+read_slang --top {top} {parameters} {files}
+hierarchy -check -top {top}
 proc
 opt_clean
 select -set enables t:$memwr_v2 %ci1:+[EN] %ci1 t:$mux %i
@@ -46,24 +48,51 @@ write_verilog body.v
 """
 
 
-def default_path(disparities: int, block: int, width: int) -> Path:
-    return BUILD / "release" / f"vista_stereo_d{disparities}_b{block}_w{width}.v"
+@dataclass(frozen=True)
+class Build:
+    """What is worked into the file."""
+
+    disparities: int
+    block: int  # px
+    width: int  # px
+    rows: int = 0  # of the line buffer of rectification; 0: the core without front end
+    points: int = 0  # control points of a camera
+
+    @property
+    def top(self) -> str:
+        return "vista_raw_stereo" if self.rows else "vista_stereo"
+
+    @property
+    def parameters(self) -> dict[str, int]:
+        core = {"NumDisparities": self.disparities, "BlockSize": self.block, "MaxWidth": self.width}
+        return core | ({"NumRows": self.rows, "MaxPoints": self.points} if self.rows else {})
+
+    @property
+    def path(self) -> Path:
+        """Where the file goes unless it is told."""
+        front_end = f"_r{self.rows}_p{self.points}" * bool(self.rows)
+        name = f"{self.top}_d{self.disparities}_b{self.block}_w{self.width}{front_end}.v"
+        return BUILD / "release" / name
+
+    def __str__(self) -> str:
+        core = f"{self.disparities} disparities, block {self.block}, frames up to {self.width} px wide"
+        front_end = f", with front end: {self.rows} rows, {self.points} control points of a camera"
+        return core + front_end * bool(self.rows)
 
 
-def release(disparities: int, block: int, width: int, out: Path) -> None:
+def release(build: Build, out: Path) -> None:
     folder = out.parent / f"{out.stem}.parts"
     folder.mkdir(parents=True, exist_ok=True)
-    parameters = f"-G NumDisparities={disparities} -G BlockSize={block} -G MaxWidth={width}"
-    files = " ".join(map(str, sources("vista_stereo.f")))
-    (folder / "write.py").write_text(SCRIPT.format(parameters=parameters, files=files))
+    parameters = " ".join(f"-G {name}={value}" for name, value in build.parameters.items())
+    files = " ".join(map(str, sources(f"{build.top}.f")))
+    (folder / "write.py").write_text(SCRIPT.format(top=build.top, parameters=parameters, files=files))
     with (folder / "yosys.log").open("w") as log:
         command = [str(ROOT / ".venv" / "bin" / "python"), "write.py"]
         code = subprocess.run(command, cwd=folder, stdout=log, stderr=log).returncode
     if code:
         raise RuntimeError(f"Yosys failed, see {folder}/yosys.log")
     version = (ROOT / "VERSION").read_text().strip()
-    header = HEADER.format(version=version, disparities=disparities, block=block, width=width)
-    out.write_text(header + (folder / "body.v").read_text())
+    out.write_text(HEADER.format(version=version, build=build) + (folder / "body.v").read_text())
 
 
 def main() -> None:
@@ -71,12 +100,14 @@ def main() -> None:
     parser.add_argument("disparities", type=int)
     parser.add_argument("block", type=int, help="px")
     parser.add_argument("width", type=int, help="px")
-    parser.add_argument("--out", type=Path, help="default: build/rtl/release/vista_stereo_dD_bB_wW.v")
+    parser.add_argument("--rows", type=int, default=0, help="of the rectification; 0: no front end")
+    parser.add_argument("--points", type=int, default=2048, help="control points of a camera, with --rows")
+    parser.add_argument("--out", type=Path, help="default: its own name in build/rtl/release")
     args = parser.parse_args()
-    build = (args.disparities, args.block, args.width)
-    out = args.out or default_path(*build)
+    build = Build(args.disparities, args.block, args.width, args.rows, args.points if args.rows else 0)
+    out = args.out or build.path
     try:
-        release(*build, out)
+        release(build, out)
     except RuntimeError as error:
         sys.exit(f"release-rtl: {error}")
     print(out)

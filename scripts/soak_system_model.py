@@ -16,7 +16,7 @@ sys.path[:0] = [str(ROOT / p) for p in ("tb/common", "model", "build/python")]
 from soak import soak  # noqa: E402
 from system_model import check_case, random_case  # noqa: E402
 from tools import BUILD, sources  # noqa: E402
-from verilated import Rtl  # noqa: E402
+from verilated import CONFIGS, Rtl  # noqa: E402
 from vista_eval.jobs import add_place, chosen_place, exit_on_failure  # noqa: E402
 
 CASES_EACH_JOB = 10
@@ -40,7 +40,7 @@ def main() -> None:
     args = parser.parse_args()
     place, kept = chosen_place(args), BUILD / "soak_system_model"
     with exit_on_failure():
-        cases = soak(check, digest(), args.cases, CASES_EACH_JOB, place, kept)
+        cases = soak(check, CONFIGS, digest(), args.cases, CASES_EACH_JOB, place, kept)
     print(f"{cases} cases, 0 differences between the SystemC engine and the RTL")
 
 

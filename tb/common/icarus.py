@@ -14,7 +14,7 @@ from tools import BUILD, ROOT
 from verilated import Config
 
 sys.path.insert(0, str(ROOT / "scripts"))
-from release_rtl import default_path, release
+from release_rtl import Build, release
 
 UNPACKED = ROOT / "build" / "tools" / "icarus" / "root" / "usr"  # by scripts/setup_rtl.sh
 REPLAY = ROOT / "tb" / "icarus" / "replay.v"
@@ -43,20 +43,25 @@ class Replayed:
     text: str
 
 
+def build_of(config: Config) -> Build:
+    points = config.points if config.rows else 0
+    return Build(config.num_disparities, config.block_size, config.max_width, config.rows, points)
+
+
 def released(config: Config) -> Path:
     """The file of `make release-rtl`, written anew."""
-    build = (config.num_disparities, config.block_size, config.max_width)
-    path = default_path(*build)
-    release(*build, path)
-    return path
+    build = build_of(config)
+    release(build, build.path)
+    return build.path
 
 
-def replay(design: Path, trace: Path) -> Replayed:
+def replay(config: Config, design: Path, trace: Path) -> Replayed:
     compiler, runner = commands()
     program = BUILD / "release" / f"{design.stem}.vvp"
+    front_end = ["-DFRONT_END"] if config.rows else []
     subprocess.run(
-        [*compiler, "-g2005", f"-DADDRESS_BITS={ADDRESS_BITS}", "-s", "replay", "-o", program, REPLAY,
-         design],
+        [*compiler, "-g2005", f"-DADDRESS_BITS={ADDRESS_BITS}", *front_end, "-s", "replay", "-o", program,
+         REPLAY, design],
         check=True, capture_output=True, text=True,
     )  # fmt: skip
     done = subprocess.run([*runner, program, f"+trace={trace}"], check=True, capture_output=True, text=True)

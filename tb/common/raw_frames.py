@@ -1,0 +1,140 @@
+"""Raw pairs for the engine with its front end: what is written for them, and the words of every level."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from frames import (
+    IMAGE_KINDS,
+    Frame,
+    beats,
+    expected_flags,
+    expected_words,
+    random_pair,
+    random_parameters,
+    register_values,
+)
+from maps import Grids, random_grids, words_of
+from registers import BEGIN_LOAD, COMMIT, COMMIT_MAP, COMMIT_SET, MAP, MAP_POINT, MAP_ROWS, MAP_SIZE, SIZE
+from registers import FRONT_END as FRONT_END_REGISTER
+from rtl_package import package_constant
+from verilated import FRONT_END, Config, Pace, Rtl
+from vista_model import Parameters, pyramid, rectify, smooth
+from vista_model.rectify import reach
+
+SMALLEST = package_constant("MinHeight"), package_constant("MinWidth")  # level that is sent
+
+
+@dataclass
+class RawFrame:
+    """A raw pair, and what the front end and the core are to do with it."""
+
+    left: np.ndarray
+    right: np.ndarray
+    parameters: Parameters
+    smooth: bool = False
+    levels: int = 1
+    grids: Grids | None = None  # rectified by them
+    narrow: bool = False
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        return self.left.shape  # type: ignore[return-value]
+
+    @property
+    def stream(self) -> np.ndarray:
+        return beats(self.left, self.right)
+
+    def matched(self) -> list[Frame]:
+        """What the core matches, level by level."""
+        pair = [self.left, self.right]
+        if self.grids is not None:
+            pair = [rectify(image, grid) for image, grid in zip(pair, self.grids, strict=True)]
+        frames = []
+        for level in zip(*(pyramid(image, self.levels) for image in pair), strict=True):
+            if (np.array(level[0].shape) < SMALLEST).any():
+                break
+            sides = map(smooth, level) if self.smooth else level
+            left, right = map(np.ascontiguousarray, sides)  # as the C model asks
+            frames.append(Frame(left, right, self.parameters, self.narrow))
+        return frames
+
+    def words(self) -> np.ndarray:
+        return np.concatenate([expected_words(frame) for frame in self.matched()])
+
+    def flags(self) -> np.ndarray:
+        return np.concatenate([expected_flags(*frame.shape, self.narrow) for frame in self.matched()])
+
+    def writes(self, load_map: bool = True) -> list[tuple[int, int]]:
+        """Registers and values, the commit last: of the set, and of the map if there is a new one."""
+        values = register_values(Frame(self.left, self.right, self.parameters, self.narrow))
+        del values[COMMIT]
+        values[FRONT_END_REGISTER] = self.smooth | (self.grids is not None) << 1 | self.levels << 8
+        writes = list(values.items())
+        loads = load_map and self.grids is not None
+        if loads:
+            writes += map_writes(self.grids)
+        return [*writes, (COMMIT, COMMIT_SET | COMMIT_MAP * loads)]
+
+
+def map_writes(grids: Grids) -> list[tuple[int, int]]:
+    """Of the size in SIZE."""
+    return [(MAP, BEGIN_LOAD), *((MAP_POINT, word) for word in words_of(grids))]
+
+
+def random_raw_frame(
+    rng: np.random.Generator, least_rows: int = 2, most_rows: int = 44, config: Config = FRONT_END
+) -> RawFrame:
+    disparities, block = config.num_disparities, config.block_size
+    narrowest = disparities + block - 1
+    widths = [rng.integers(4, narrowest), narrowest, rng.integers(narrowest, config.max_width + 1)]
+    width = int(rng.choice(widths, p=[0.15, 0.1, 0.75]))
+    height = int(rng.integers(least_rows, most_rows))
+    return RawFrame(
+        *random_pair(rng, str(rng.choice(IMAGE_KINDS)), height, width),
+        random_parameters(rng, disparities, block),
+        smooth=bool(rng.integers(2)),
+        levels=int(rng.integers(1, 5)),
+        grids=random_grids(rng, config.rows, height, width) if rng.random() < 0.6 else None,
+        narrow=bool(rng.random() < 0.3),
+    )
+
+
+def written(rtl: Rtl, writes: list[tuple[int, int]]) -> None:
+    for address, data in writes:
+        rtl.write(address, data)
+
+
+def check(
+    rtl: Rtl,
+    frame: RawFrame,
+    paces: tuple[Pace, Pace] = (Pace(), Pace()),
+    seed: int = 1,
+    quiet: int = 6000,
+) -> None:
+    """The words of the models come, and after them nothing for so many clocks."""
+    expected = frame.words()
+    got = rtl.stream(frame.stream, len(expected) + 10, *paces, seed, quiet)
+    assert got.taken == frame.left.size, "the input hung"
+    assert len(got.words) == len(expected)
+    assert (got.words == expected).all()
+    assert (got.flags == frame.flags()).all()
+
+
+def refusals(rng: np.random.Generator, grids: Grids) -> list[tuple[list[tuple[int, int]], int]]:
+    """Loads that a FRONT_END does not take, and the bit of each."""
+    points = map_writes(grids)
+    far = grids.copy()
+    far[tuple(rng.integers(0, side) for side in far.shape[:-1])][1] = rng.choice(
+        [-32 * reach(FRONT_END.rows) - 1, 32 * (reach(FRONT_END.rows) + 1)]
+    )
+    # Of 64 x 300 pixels: 5 x 20 control points, and there is memory for 64 of them.
+    too_many = [(SIZE, 64 | 300 << 16), *map_writes(random_grids(rng, FRONT_END.rows, 300, 64))]
+    return [
+        (map_writes(far), MAP_ROWS),
+        (points[:-1], MAP_SIZE),
+        ([*points, points[-1]], MAP_SIZE),
+        (points[1:], MAP_SIZE),
+        (too_many, MAP_SIZE),
+    ]
