@@ -82,7 +82,7 @@ build/lib/libvista_rtl_%.so: $(RTL_SOURCES) $(wildcard rtl/csr/*.sv rtl/*.f) $(R
 	  $(if $(findstring _r,$*),-DVISTA_FRONT_END) -isystem $$root/include -isystem $$root/include/vltstd \
 	  $(RTL_HARNESS) build/rtl/engine/$*/libVvista_stereo.a build/rtl/engine/$*/libverilated.a -lpthread -o $@
 
-release-rtl: $(RTL_TOOLS) ## write the engine for D disparities, block B and frames up to W pixels wide as one file of plain Verilog; with R rows of the rectification and P control points of a camera, the engine with its front end
+release-rtl: $(RTL_TOOLS) ## write the engine for D disparities, block B and frames up to W pixels wide as one file of plain Verilog; with R rows of the rectification, also its front end, for P control points a camera
 	@$(RTL_PYTHON) scripts/release_rtl.py $(D) $(B) $(W) --rows $(R) --points $(P)
 
 synth: $(RTL_TOOLS) ## synthesise, place and route for ECP5, and write resources and clock to rtl/synth/results.json

@@ -26,11 +26,11 @@ ENDS = ["whole", "first", "top", "cut"]
 
 @dataclass(frozen=True)
 class Block:
-    """A module, how it is built, the values that its option takes, and bins that only it has."""
+    """A module, how it is built, its settings, and bins that only it has."""
 
     top: str
     parameters: dict[str, int]
-    options: Iterable[int]
+    settings: Iterable[str]
     further: frozenset[str] = frozenset()
 
 
@@ -40,15 +40,14 @@ def product(*parts: Iterable[str]) -> frozenset[str]:
 
 MAPS = product(["map"], ["accepted", "rows", "size"], ["video", "quiet"]) | {"map unfit"}
 LEVELS = product(["level"], "0123", ["whole", "cut"])
-RECTIFY, SMOOTH = 16, 1  # of the option of the whole front end; the levels lie between
 BLOCKS = [
-    Block("vista_smooth", {"MaxWidth": 32, "SideWidth": 8}, range(2)),
-    Block("vista_pyramid", {"MaxWidth": 40, "SideWidth": 8}, range(6)),
-    Block("vista_rectify", {"MaxWidth": 40, "NumRows": 16, "MaxPoints": 16, "SideWidth": 8}, range(2), MAPS),
+    Block("vista_smooth", {"MaxWidth": 32, "SideWidth": 8}, "01"),
+    Block("vista_pyramid", {"MaxWidth": 40, "SideWidth": 8}, "012345"),
+    Block("vista_rectify", {"MaxWidth": 40, "NumRows": 16, "MaxPoints": 16, "SideWidth": 8}, "01", MAPS),
     Block(
         "front_end",
         {"NumDisparities": 16, "BlockSize": 5, "MaxWidth": 64, "NumRows": 16, "MaxPoints": 64},
-        [r | levels << 1 | s for r in (0, RECTIFY) for levels in range(5) for s in (0, SMOOTH)],
+        product(["rectify0", "rectify1"], ["pyramid0", "pyramid1"], ["smooth0", "smooth1"]),
         MAPS | LEVELS,
     ),
 ]
@@ -59,7 +58,7 @@ def plan(block: Block) -> frozenset[str]:
     paces = ["always", "pauses"]
     return (
         product(["size"], ["smallest", "widest", "even", "odd"], ["smallest", "even", "odd"])
-        | product(["end"], ["whole", "cut"], map(str, block.options))
+        | product(["end"], ["whole", "cut"], block.settings)
         | product(["pace"], paces, paces, ENDS)
         | block.further
     )

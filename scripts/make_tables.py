@@ -462,12 +462,14 @@ def coverage_table() -> str:
 
 def mutants_table() -> str:
     found = figures("verification")
-    front_end = found["front_end"]
     rows = [[f"the flattened core, seed {found['mutation']['seed']}", *caught(found["mutation"])]]
-    rows += [[one["modules"], *caught(one)] for one in [*front_end["list"], *found["hand_made"]]]
-    text = f"*{origin(found['measured'])}; smoothing and pyramid at {front_end['measured']['commit']}, "
-    text += f"{front_end['measured']['date']}.*"
-    return f"{markdown('mutants of | planted | caught', rows)}\n\n{text}"
+    rows += [[one["modules"], *caught(one)] for one in [*found["front_end"], *found["hand_made"]]]
+    later = [
+        f"{one['modules'].split()[0].rstrip(',')} at {one['measured']['commit']}, {one['measured']['date']}"
+        for one in found["front_end"]
+    ]
+    text = "; ".join([origin(found["measured"]), *later])
+    return f"{markdown('mutants of | planted | caught', rows)}\n\n*{text}.*"
 
 
 def caught(mutants: Record) -> list[str]:

@@ -43,6 +43,7 @@ class Segment:
     enable: bool = True
     option: int = 0  # smoothing on, number of levels
     side: int = 0
+    setting: str = ""  # what the coverage plan calls the option, if that is not its number
 
     def reaction(self, max_width: int, lost: bool) -> Reaction:
         legal = MIN_WIDTH <= self.width <= max_width and self.height >= MIN_HEIGHT
@@ -150,7 +151,11 @@ def bins_of(segments: list[Segment], max_width: int, offered: float, taken: floa
             if count <= segment.width
             else "cut"
         )
-        bins |= {f"size {width} {height}", f"end {end} {segment.option}", f"pace {' '.join(paces)} {end}"}
+        bins |= {
+            f"size {width} {height}",
+            f"end {end} {segment.setting or segment.option}",
+            f"pace {' '.join(paces)} {end}",
+        }
     return bins
 
 

@@ -54,7 +54,9 @@ def random_video(rng, kinds):
     settings = {}
     for segment in segments:
         parameters = random_parameters(rng, D, B)
-        segment.option = segment.option * RECTIFY | int(rng.integers(5)) << 1 | int(rng.integers(2))
+        rectified, levels, smoothed = segment.option, int(rng.integers(5)), int(rng.integers(2))
+        segment.option = rectified * RECTIFY | levels << 1 | smoothed
+        segment.setting = f"rectify{rectified} pyramid{int(levels > 1)} smooth{smoothed}"
         segment.side = params_bits(parameters)
         settings[id(segment)] = parameters
     return segments, settings
