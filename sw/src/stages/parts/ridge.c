@@ -8,7 +8,9 @@
 
 #define SCALE_BITS 8
 #define MOST_LEVELS 63 /* of a step: what is more counts as much */
-#define FINE_LEAN 14 /* what leans more is wider along a row: every other lean does */
+/* What leans more is wider along a row: beyond the one every other lean does, beyond the other every fourth. */
+#define FINE_LEAN 14
+#define COARSE_LEAN 36
 
 void vista_ridge_layout(vista_ridge *ridge, vista_arena *arena, int32_t width_px, int32_t height_px) {
   const int32_t strips = height_px / VISTA_STRIP_ROWS, row = width_px + 2 * VISTA_RIDGE_PAD;
@@ -77,11 +79,16 @@ static void keep_best(const int8_t *restrict sum, int32_t width, int8_t lean, ui
   }
 }
 
+static int step_from(int lean) {
+  if (lean < -COARSE_LEAN || lean >= COARSE_LEAN) return 4;
+  return lean < -FINE_LEAN || lean >= FINE_LEAN ? 2 : 1;
+}
+
 void vista_ridge_sum(vista_ridge *ridge, int32_t strip) {
   memset(ridge->best, 0, (size_t)ridge->width_px);
   memset(ridge->lean, 0, (size_t)ridge->width_px);
   const int8_t *const first = ridge->value + strip * VISTA_STRIP_ROWS * ridge->row + VISTA_RIDGE_PAD;
-  for (int lean = -VISTA_STRIP_LEAN; lean <= VISTA_STRIP_LEAN; lean += lean < -FINE_LEAN || lean >= FINE_LEAN ? 2 : 1) {
+  for (int lean = -VISTA_STRIP_LEAN; lean <= VISTA_STRIP_LEAN; lean += step_from(lean)) {
     int32_t shift[VISTA_STRIP_ROWS];
     for (int r = 0; r < VISTA_STRIP_ROWS; ++r) /* rounded, from the middle of the strip */
       shift[r] = r * ridge->row + (int32_t)floor(lean * (r - 0.5 * (VISTA_STRIP_ROWS - 1)) / VISTA_STRIP_ROWS + 0.5);

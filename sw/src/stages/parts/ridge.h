@@ -14,7 +14,7 @@
 #define VISTA_RIDGE_REACH 5 /* px to both sides: lines up to about 8 px wide along a row */
 #define VISTA_RIDGE_FULL 7 /* of a pixel; 16 of them fit an int8_t */
 #define VISTA_STRIP_ROWS 16 /* over which a line is summed up */
-#define VISTA_STRIP_LEAN 36 /* columns that it passes at most on the way: 24 degrees from the horizontal */
+#define VISTA_STRIP_LEAN 56 /* columns that it passes at most on the way: 16 degrees from the horizontal */
 #define VISTA_RIDGE_PAD 32 /* columns of zeros to both sides */
 
 typedef struct vista_ridge {
