@@ -184,7 +184,7 @@ static void follow_sway(const vista_motion_params *p, const vista_motion *motion
   const double slow_m_s = vista_norm(s->slow_velocity_m_s), fast_m_s = vista_norm(s->velocity_m_s);
   if (s->differences < FEWEST || !(fmin(slow_m_s, fast_m_s) > 0.0)) return;
   double turn[3], bend[3], off2 = 0.0;
-  path_turn_rate(p, s, motion, turn);
+  (void)path_turn_rate(p, s, motion, turn);
   vista_cross(turn, motion->direction, bend);
   const double agreement = vista_dot(s->slow_velocity_m_s, s->velocity_m_s) / (slow_m_s * fast_m_s);
   for (int i = 0; i < 3; ++i) {
