@@ -163,13 +163,3 @@ def test_extents_average_and_one_wrong_region_does_not_resize_a_track() -> None:
     assert before[1] > after[1] > before[1] / 1.6
     tracker.update(4.1, [seen_at(point, extent=(0.5, 0.5), cut=(True, True))])
     assert list(tracker.tracks[1].extent_m) == after  # cut by the border: a lower bound that is met
-
-
-def test_a_track_that_has_become_all_of_a_facade_soon_has_its_size() -> None:
-    """It began as a small part of it."""
-    tracker, point = Tracker(), (0.0, 0.0, 40.0)
-    for frame in range(6):
-        tracker.update(0.1 * frame, [seen_at(point, extent=(2.0, 1.5))])
-    for frame in range(6, 10):
-        tracker.update(0.1 * frame, [seen_at(point, extent=(30.0, 15.0))])
-    assert list(tracker.tracks[1].extent_m) == pytest.approx([30.0, 15.0], rel=0.2)

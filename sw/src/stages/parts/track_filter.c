@@ -209,7 +209,6 @@ static void update_extent(const vista_tracker_params *params, const vista_detect
     const double gain = track->extent_variance[i] / variance;
     track->extent_m[i] *= exp(gain * fmin(clip, fmax(-clip, difference)));
     track->extent_variance[i] *= 1.0 - gain;
-    if (difference > clip) track->extent_variance[i] += clip * clip; /* two in a row tell that it has grown */
   }
 }
 
