@@ -277,6 +277,35 @@ def test_after_frames_without_a_pose_the_velocity_is_right() -> None:
         assert after.known and after.velocity_known and after.drift_m == 0.0
 
 
+def test_a_pose_that_repeats_in_flight_is_an_old_one() -> None:
+    """A navigation filter that has no new pose gives the last one again. The aircraft flies on."""
+    stage = Motion()
+    times = 0.1 * np.arange(20)
+    fly(stage, times)
+    for frame in range(20, 24):
+        motion = stage.update(0.1 * frame, pose(FORWARD * times[-1]))
+        assert source(motion) == "CARRIED_ON" and not motion.known
+        assert place(motion) == pytest.approx(FORWARD * 0.1 * frame)
+    motion = stage.update(2.4, pose(FORWARD * 2.4))
+    assert source(motion) == "POSE" and list(motion.velocity_m_s) == pytest.approx(FORWARD)
+
+
+def test_a_pose_that_repeats_for_long_is_believed() -> None:
+    """From a second on the vehicle stands; it is not carried on any more, nor again."""
+    stage = Motion()
+    times = 0.1 * np.arange(20)
+    fly(stage, times)
+    sources = [source(stage.update(0.1 * frame, pose(FORWARD * times[-1]))) for frame in range(20, 60)]
+    assert sources[:9] == ["CARRIED_ON"] * 9 and set(sources[10:]) == {"POSE"}
+    motion = stage.update(6.0, pose(FORWARD * times[-1]))
+    assert motion.speed_m_s < 0.1 and place(motion) == pytest.approx(FORWARD * times[-1])
+
+
+def test_a_pose_that_repeats_while_the_vehicle_stands_is_a_pose() -> None:
+    stage = Motion()
+    assert {source(stage.update(0.1 * frame, pose((1, 2, 3)))) for frame in range(20)} == {"POSE"}
+
+
 def test_without_any_pose_motion_is_not_known() -> None:
     stage = Motion()
     for t_s in (0.0, 1.0, 2.0):

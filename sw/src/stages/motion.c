@@ -15,6 +15,7 @@
 #define FEWEST 4 /* differences that tell their own scatter */
 #define DOUBT_SHARE 0.5 /* of a turn that may be noise: anything between none and all of it, in the mean */
 #define STRAIGHT_RAD_S 1e-6
+#define REPEATED_S 1.0 /* for which a pose that stays the same counts as an old one */
 #define QUARTER_RAD 1.57079632679489661923
 #define FARTHEST_M 1e8 /* from the origin: beyond it a double no longer tells what lies beside the camera */
 
@@ -47,6 +48,19 @@ static bool reachable(const vista_motion_params *p, const vista_pose *from, int6
 
 static bool imaginable(const vista_pose *pose) { return vista_norm(pose->translation_m) <= FARTHEST_M; }
 
+static bool same(const vista_pose *a, const vista_pose *b) {
+  bool all = true;
+  for (int i = 0; i < 3; ++i) all &= a->translation_m[i] == b->translation_m[i];
+  for (int i = 0; i < 9; ++i) all &= a->rotation[i] == b->rotation[i];
+  return all;
+}
+
+/* Whether this is the last pose once more, while the vehicle moves. */
+static bool is_old(const vista_motion_params *p, const vista_pose *pose, int64_t t_ns, const vista_motion_state *s) {
+  if (!s->posed || !s->rates_known || s->repeats || !same(pose, &s->posed_at)) return false;
+  return vista_norm(s->velocity_m_s) > p->speed_min_m_s && vista_seconds_between(s->posed_t_ns, t_ns) <= REPEATED_S;
+}
+
 /* Of the rotation to R^T: axis times angle, in world. */
 static void rotation_between(const double from[9], const double to[9], double vector[3]) {
   double r[9];
@@ -76,6 +90,7 @@ static double weight_of(double dt_s, double tau_s) { return tau_s > 0.0 ? 1.0 - 
 
 /* v += (1 - exp(-dt / tau)) (dp / dt - v), and the turn rate likewise. */
 static void follow(const vista_motion_params *p, const vista_pose *pose, int64_t t_ns, vista_motion_state *s) {
+  s->repeats = s->posed && same(pose, &s->posed_at);
   if (s->posed) {
     const double dt_s = vista_seconds_between(s->posed_t_ns, t_ns), tau_s = p->velocity_smoothing_s;
     const double weight = s->rates_known ? weight_of(dt_s, tau_s) : 1.0;
@@ -204,7 +219,8 @@ vista_status vista_motion_update(const vista_motion_params *params, const vista_
   vista_motion m = {.source = VISTA_MOTION_POSE};
   const double dt_s = s->started ? vista_seconds_between(s->t_ns, input->t_ns) : 0.0;
   if (!s->started) s->pose = vista_frame_still;
-  const vista_pose *const pose = input->pose;
+  const bool old = input->pose != NULL && is_old(params, input->pose, input->t_ns, s);
+  const vista_pose *const pose = old ? NULL : input->pose;
   if (pose == NULL)
     m.source = input->stationary ? VISTA_MOTION_STANDS : s->posed ? VISTA_MOTION_CARRIED_ON : VISTA_MOTION_UNTOLD;
   else if (!imaginable(pose) || (s->posed && !reachable(params, &s->posed_at, s->posed_t_ns, pose, input->t_ns)))

@@ -4,6 +4,9 @@
  * without a pose is carried on from the frame before: by the velocity that the caller states, else by the last known
  * one, and by the last turn rate. So one missing pose moves nothing: tracks stay where they are in the world.
  *
+ * A pose that repeats the last one to the bit while the vehicle moves is an old one: nothing stops within a frame, and
+ * no new one has come. So it counts as missing, for a second; then the vehicle does stand.
+ *
  * A pose that is farther from the last one than speed_max_m_s reaches is refused, and the frame carried on likewise.
  * When restart_poses of them in a row agree with each other, the source means it: the world goes on there. Whatever was
  * placed by the old one has lost its meaning (`restarted`).
@@ -48,6 +51,7 @@ typedef struct vista_motion_state {
   bool posed;       /* one was accepted: */
   int64_t posed_t_ns;
   vista_pose posed_at;
+  bool repeats;     /* the last one was accepted though it repeats the one before */
   bool rates_known; /* from two accepted poses: */
   double velocity_m_s[3], turn_rate_rad_s[3]; /* world, smoothed */
   double slow_velocity_m_s[3]; /* the same velocity, smoothed over PATH_S */
