@@ -175,21 +175,40 @@ def test_a_long_slow_bend_is_known_though_the_camera_sways() -> None:
     assert max(found[22:]) < 1.3 / 200.0
 
 
+def test_a_path_that_may_be_bending_is_not_believed_for_long() -> None:
+    """A slow bend that has just begun to be seen: sway hides it, and the path still seems straight."""
+    lengths_m, off_m = [], []
+    for phases in seeded(8).uniform(0.0, 2.0 * math.pi, (20, 3)):
+        stage = Motion()
+        for frame in range(14):
+            t_s = 0.13 * frame
+            position, turned = circle(200.0, 8.0, t_s)
+            sway_rad = 0.006 * np.sin(np.array([4.1, 5.5, 3.3]) * t_s + phases)
+            sway = Rotation.from_rotvec(sway_rad).as_matrix()
+            path = stage.path(stage.update(t_s, pose(position, turned @ sway)))
+            if frame >= 6:
+                lengths_m.append(path.length_m)
+                off_m.append(0.5 * abs(1.0 / 200.0 - path.curvature_1_m) * path.length_m**2)
+    assert np.mean(lengths_m) < 70.0 and np.median(off_m) < 4.0  # as if straight: 100 m and 25 m
+
+
 @pytest.mark.parametrize("speed_m_s", [3.0, 12.0])
 @pytest.mark.parametrize("seed", range(5))
 def test_a_straight_flight_with_noisy_poses_stays_straight(speed_m_s: float, seed: int) -> None:
     """Noise of each pose, and an error that drifts as that of a navigation filter. Now and then a slight
     bend is seen; never one that leaves the collision volume within 20 m."""
     random, stage = seeded(seed), Motion()
-    drift, turned_m = np.zeros(3), []
+    drift, turned_m, lengths_m = np.zeros(3), [], []
     for frame in range(120):
         drift = 0.99 * drift + random.normal(0, math.radians(0.3 * 0.14), 3)
         attitude = Rotation.from_rotvec(drift + random.normal(0, math.radians(0.05), 3)).as_matrix()
         position = np.array([0.0, 0.0, 0.1 * speed_m_s * frame]) + random.normal(0, 0.01, 3)
         path = stage.path(stage.update(0.1 * frame, pose(position, attitude)))
         turned_m.append(0.5 * path.curvature_1_m * 20.0**2)
+        lengths_m.append(path.length_m)
     assert np.mean(np.array(turned_m) == 0.0) > 0.9
     assert max(turned_m) < 2.0
+    assert np.median(lengths_m) == 100.0
 
 
 def test_a_camera_that_looks_about_does_not_bend_the_path() -> None:

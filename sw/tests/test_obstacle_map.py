@@ -471,11 +471,14 @@ def test_what_is_large_is_met_where_its_own_points_say_and_what_is_compact_near_
 def test_a_hillside_that_is_a_region_too_is_no_collision_of_its_own() -> None:
     """Its middle is far off the plane that the ground is met on; where the path meets it is not."""
     slope = ground_ahead(30.0)
-    hill = track((4.0, -9.0, 38.0), 5, extent=(40.0, 25.0), met=True, met_m=[0.3, 1.7, 30.2])
-    mapper = Map()
-    assert mapper.update([hill], terrain=slope) == "VISTA_OK"
-    assert mapper.nearest.id == lib.VISTA_ID_GROUND
-    assert [o.id for o in mapper.obstacles if o.in_collision_volume] == [lib.VISTA_ID_GROUND]
+    met = {"met": True, "met_m": [0.3, 1.7, 30.2]}
+    hill = track((4.0, -9.0, 38.0), 5, extent=(40.0, 25.0), **met)
+    grown = track((4.0, -9.0, 38.0), 5, extent=(2.0, 1.5), ellipse=[100.0, 120.0, 390.0, 160.0, 0.0], **met)
+    for seen in (hill, grown):  # of a small part of the slope the track has just become all of it
+        mapper = Map()
+        assert mapper.update([seen], terrain=slope) == "VISTA_OK"
+        assert mapper.nearest.id == lib.VISTA_ID_GROUND
+        assert [o.id for o in mapper.obstacles if o.in_collision_volume] == [lib.VISTA_ID_GROUND]
 
 
 def test_what_is_too_near_never_hides_ground_that_is_seen() -> None:

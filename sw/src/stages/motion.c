@@ -11,6 +11,7 @@
 #define PATH_S 1.0 /* the slower time constant, that tells whether the velocity turns, and of long turns how fast */
 #define NOISE_SIGMAS 3.0
 #define FEWEST 4 /* differences that tell their own scatter */
+#define DOUBT_SHARE 0.5 /* of a turn that may be noise: anything between none and all of it, in the mean */
 #define STRAIGHT_RAD_S 1e-6
 #define QUARTER_RAD 1.57079632679489661923
 #define FARTHEST_M 1e8 /* from the origin: beyond it a double no longer tells what lies beside the camera */
@@ -191,14 +192,26 @@ static void likely_turn(const vista_motion_params *p, const vista_motion_state *
   for (int i = 0; i < 3; ++i) turn[i] *= kept;
 }
 
+/* Of the slower turn rate of the camera what the velocity's turn confirms, as far as `turn` does not have it: it may be
+ * noise, or a turn that has just begun. */
+static double doubtful_turn(const vista_motion_state *s, const vista_motion *motion, const double path[3],
+                            const double turn[3]) {
+  double slow[3];
+  const double along_rad_s = vista_dot(s->slow_turn_rate_rad_s, motion->direction);
+  for (int i = 0; i < 3; ++i) slow[i] = s->slow_turn_rate_rad_s[i] - along_rad_s * motion->direction[i];
+  const double slow_rad_s = fmax(vista_norm(slow), STRAIGHT_RAD_S);
+  return fmax(fmin(slow_rad_s, vista_dot(path, slow) / slow_rad_s) - vista_norm(turn), 0.0);
+}
+
 /* How the path turns, rad/s, orthogonal to `direction`: as the camera does. What turns slowly and for long is told by
- * the slower mean, of which the camera's own sway is a smaller part. */
-static void path_turn_rate(const vista_motion_params *p, const vista_motion_state *s, const vista_motion *motion,
-                           double turn[3]) {
+ * the slower mean, of which the camera's own sway is a smaller part. Returns by how much more it may turn, which does
+ * not stand out from noise. */
+static double path_turn_rate(const vista_motion_params *p, const vista_motion_state *s, const vista_motion *motion,
+                             double turn[3]) {
   const double apart_s = s->slow_lag_s - s->lag_s;
   const double slow_m_s = vista_norm(s->slow_velocity_m_s), fast_m_s = vista_norm(s->velocity_m_s);
   memset(turn, 0, 3 * sizeof *turn);
-  if (!(apart_s > 0.0) || !(fmin(slow_m_s, fast_m_s) > 0.0) || s->differences < FEWEST) return;
+  if (!(apart_s > 0.0) || !(fmin(slow_m_s, fast_m_s) > 0.0) || s->differences < FEWEST) return 0.0;
   double path[3], slow[3];
   vista_cross(s->slow_velocity_m_s, s->velocity_m_s, path);
   for (int i = 0; i < 3; ++i) path[i] /= slow_m_s * fast_m_s * apart_s;
@@ -206,6 +219,7 @@ static void path_turn_rate(const vista_motion_params *p, const vista_motion_stat
   likely_turn(p, s, motion, s->turn_rate_rad_s, s->averaged, path, slack, turn);
   likely_turn(p, s, motion, s->slow_turn_rate_rad_s, s->slow_averaged, path, slack, slow);
   if (vista_norm(slow) > vista_norm(turn)) memcpy(turn, slow, sizeof slow);
+  return doubtful_turn(s, motion, path, turn);
 }
 
 vista_flight_path vista_motion_path(const vista_motion_params *params, const vista_motion_state *state,
@@ -217,7 +231,8 @@ vista_flight_path vista_motion_path(const vista_motion_params *params, const vis
       motion->source == VISTA_MOTION_STANDS)
     return path;
   double turn[3], normal[3];
-  path_turn_rate(params, state, motion, turn);
+  const double doubt_1_m = path_turn_rate(params, state, motion, turn) / motion->speed_m_s;
+  if (doubt_1_m > 0.0) path.length_m = fmin(length_m, sqrt(2.0 * radius_m / (DOUBT_SHARE * doubt_1_m)));
   vista_cross(turn, motion->direction, normal);
   const double rate = vista_norm(normal);
   if (!(rate > STRAIGHT_RAD_S)) return path;
@@ -230,6 +245,6 @@ vista_flight_path vista_motion_path(const vista_motion_params *params, const vis
   }
   path.curvature_1_m = rate / motion->speed_m_s;
   const double believed_m = sqrt(2.0 * radius_m / (params->path_uncertainty * path.curvature_1_m));
-  path.length_m = fmin(length_m, fmin(believed_m, QUARTER_RAD / path.curvature_1_m));
+  path.length_m = fmin(path.length_m, fmin(believed_m, QUARTER_RAD / path.curvature_1_m));
   return path;
 }

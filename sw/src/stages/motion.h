@@ -13,7 +13,8 @@
  * slow and lasts is told by the mean over a longer time, in which the camera's own sway counts less. What the poses'
  * noise explains, or less than path_turn_min_deg_s, is straight. Nobody keeps to an arc for long: with c its curvature,
  * uncertain by a share path_uncertainty, it is followed up to where that is a miss of the collision radius,
- * share c s^2 / 2 = radius, and for a quarter of a circle at most.
+ * share c s^2 / 2 = radius, and for a quarter of a circle at most. Likewise what camera and velocity turn by alike, but
+ * by too little to stand out from noise: a path that may be bending is straight only up to where that matters.
  *
  * Without any pose the world is the first camera, and its motion is not known; unless the caller says
  * that it stands. */
