@@ -232,6 +232,22 @@ def test_wind_that_pushes_the_aircraft_aside_does_not_bend_the_path() -> None:
             assert path.curvature_1_m == 0.0
 
 
+def test_how_well_the_direction_is_known_is_what_it_swayed_by() -> None:
+    """A sway of 1 degree up and down within 5 s, whatever its phase; steady flight, straight or in a bend."""
+    swing, sway = 2.0 * math.pi / 5.0, math.radians(1.0)
+    for phase in seeded(8).uniform(0.0, 2.0 * math.pi, 20):
+        stage, told_rad = Motion(), []
+        for frame in range(60):
+            t_s = 0.1 * frame
+            up_m = -12.0 * sway / swing * math.cos(swing * t_s + phase)
+            path = stage.path(stage.update(t_s, pose((0.0, up_m, 12.0 * t_s))))
+            told_rad.append(path.sigma_rad)
+        assert sway / 3.0 < np.mean(told_rad[20:]) < 1.5 * sway
+    steady = Motion()
+    for flown, motion in ((steady, fly(steady, np.arange(20) * 0.1)), flown_circle(60.0, 12.0)):
+        assert math.radians(0.05) < flown.path(motion).sigma_rad < math.radians(0.3)
+
+
 def test_what_stands_or_hardly_moves_has_a_straight_path() -> None:
     for speed_m_s in (0.0, 0.3):
         stage, motion = flown_circle(2.0, speed_m_s)

@@ -18,6 +18,8 @@
  * uncertain by a share path_uncertainty, it is followed up to where that is a miss of the collision radius,
  * share c s^2 / 2 = radius, and for a quarter of a circle at most. Likewise what camera and velocity turn by alike, but
  * by too little to stand out from noise: a path that may be bending is straight only up to where that matters.
+ * How well its direction is known is measured: gusts and the camera's own sway move the velocity of the last moments
+ * about its mean over a longer time, and over the next 15 to 40 m the path leaves it by PATH_SWAY times as much.
  *
  * Without any pose the world is the first camera, and its motion is not known; unless the caller says
  * that it stands. */
@@ -63,6 +65,8 @@ typedef struct vista_motion_state {
   vista_pose refused_at;
   double slow_turn_rate_rad_s[3]; /* the same turn rate, smoothed over PATH_S */
   double slow_averaged;           /* its variance over that of a difference */
+  double
+      sway2; /* rad^2, each axis: mean square of the angle between velocity_m_s and slow_velocity_m_s, less the turn */
 } vista_motion_state;
 
 /* On an error nothing is changed. VISTA_ERROR_ORDER: the time is not after that of the last frame, which is judged
