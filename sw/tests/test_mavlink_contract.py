@@ -1,0 +1,345 @@
+"""What autopilots make of our messages, by rules from their public sources; and known mistakes."""
+
+from __future__ import annotations
+
+import copy
+import math
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+from autopilot_rules import UNKNOWN, ArduPilot, Px4
+from mavlink_link import MS, START_NS, Aircraft, Link, Thing, columns, of_kind
+from random_seed import seeded
+
+LEVEL_M = 12.0
+CLEAR = 4001
+PX4 = [pytest.param(72, 5, id="72 bins"), pytest.param(36, 10, id="36 bins")]
+
+
+def milliseconds(link: Link) -> float:
+    return (link.now_ns - START_NS) / MS
+
+
+def turned(bearing_deg: float) -> Aircraft:
+    return Aircraft((10.0, -5.0, 200.0), (0.0, 0.0, float(round(bearing_deg / 30) * 30)))
+
+
+def view(link: Link, *things: Thing, health: str = "healthy") -> None:
+    """A frame of a camera that sees 30 degrees to each side."""
+    assert link.update(list(things), columns(-30, 30), health) == "VISTA_OK"
+
+
+def deliver(link: Link, receiver: Px4 | ArduPilot, milliseconds_later: float = 0.0) -> None:
+    for message in link.step(milliseconds_later):
+        receiver.receive(message, milliseconds(link))
+
+
+# ---- PX4 ----
+
+
+@pytest.mark.parametrize("bins, sector_deg", PX4)
+def test_px4_finds_an_obstacle_in_each_direction(bins: int, sector_deg: int) -> None:
+    for index in range(bins):
+        bearing_deg = index * 360.0 / bins
+        aircraft = turned(bearing_deg)
+        link, px4 = Link("px4", aircraft, {"sector_deg": sector_deg}), Px4(bins)
+        view(link, Thing(aircraft.at_bearing(bearing_deg, LEVEL_M)))
+        deliver(link, px4)
+        distances = px4.look(milliseconds(link))
+        assert [k for k, d in enumerate(distances) if d < CLEAR] == [index]
+        assert distances[index] == pytest.approx(100 * LEVEL_M, abs=10)
+        assert px4.warnings == 0
+
+
+@pytest.mark.parametrize("bins, sector_deg", PX4)
+def test_px4_may_move_where_it_was_seen_to_be_clear_and_nowhere_else(bins: int, sector_deg: int) -> None:
+    link, px4 = Link("px4", changes={"sector_deg": sector_deg}), Px4(bins)
+    view(link)
+    deliver(link, px4)
+    now_ms = milliseconds(link)
+    for bearing_deg in range(-180, 180):
+        if abs(bearing_deg) <= 20:
+            assert px4.may_move(bearing_deg, now_ms)
+        elif abs(bearing_deg) >= 40:
+            assert not px4.may_move(bearing_deg, now_ms)
+
+
+def test_older_px4_reads_every_second_sector_of_72() -> None:
+    """Why there are sectors of 10 degrees."""
+    aircraft = turned(5.0)
+    link, px4 = Link("px4", aircraft), Px4(36)
+    view(link, Thing(aircraft.at_bearing(5.0, LEVEL_M)))
+    deliver(link, px4)
+    assert not [d for d in px4.look(milliseconds(link)) if d < CLEAR]
+
+
+@pytest.mark.parametrize("how", ["blind", "no frames", "no messages"])
+def test_px4_stops_within_a_second_when_the_view_is_lost(how: str) -> None:
+    link, px4 = Link("px4"), Px4()
+    view(link)
+    deliver(link, px4)
+    assert px4.may_move(0.0, milliseconds(link))
+    for _ in range(85):
+        if how == "blind":
+            link.now_ns += MS
+            view(link, health="blind")
+        if how == "no messages":
+            link.now_ns += 10 * MS
+        else:
+            deliver(link, px4, 9.0 if how == "blind" else 10.0)
+    assert not px4.may_move(0.0, milliseconds(link))
+    assert set(px4.look(milliseconds(link))) == {UNKNOWN}
+
+
+def test_px4_keeps_its_data_between_seldom_frames() -> None:
+    link, px4 = Link("px4"), Px4()
+    for k in range(300):
+        if k % 25 == 0:
+            view(link)
+        deliver(link, px4, 10.0)
+        assert px4.may_move(0.0, milliseconds(link))
+
+
+# ---- ArduPilot ----
+
+
+def test_ardupilot_finds_a_point_in_each_direction_and_layer() -> None:
+    for bearing_deg in range(0, 360, 5):
+        for height_m in (-14.0, -5.0, 0.0, 5.0, 14.0):
+            aircraft = Aircraft((0.0, 0.0, 77.0), (0.0, 0.0, float(bearing_deg)))
+            link, ardupilot = Link("ardupilot", aircraft), ArduPilot()
+            view(link, Thing(aircraft.at_bearing(bearing_deg, LEVEL_M, height_m), height_m=0.1))
+            deliver(link, ardupilot)
+            elevation_deg = math.degrees(math.atan2(height_m, LEVEL_M))
+            face = ArduPilot.face(elevation_deg, bearing_deg)
+            assert list(ardupilot.faces) == [face]
+            assert ardupilot.faces[face] == pytest.approx(math.hypot(LEVEL_M, height_m), abs=0.15)
+
+
+def test_ardupilot_has_all_points_of_a_frame_and_none_of_the_one_before() -> None:
+    random = seeded(1)
+    link, ardupilot = Link("ardupilot", Aircraft(mount_deg=(0.0, 0.0, 90.0))), ArduPilot()
+    for _ in range(50):
+        bearings = random.uniform(30.0, 150.0, random.integers(0, 8))
+        distances = np.sort(random.uniform(5.0, 30.0, len(bearings)))
+        things = [
+            Thing(link.aircraft.at_bearing(bearing, distance), width_m=0.0, id=k + 1)
+            for k, (bearing, distance) in enumerate(zip(bearings, distances, strict=True))
+        ]
+        view(link, *things)
+        deliver(link, ardupilot)
+        expected: dict[tuple[int, int], float] = {}
+        for bearing, distance in zip(bearings, distances, strict=True):
+            face = ArduPilot.face(0.0, bearing)
+            expected[face] = min(distance, expected.get(face, math.inf))
+        assert ardupilot.faces == pytest.approx(expected, rel=1e-5)
+        assert ardupilot.healthy(milliseconds(link))
+        link.now_ns += 50 * MS
+
+
+def test_ardupilot_forgets_what_is_gone_and_stays_healthy() -> None:
+    link, ardupilot = Link("ardupilot"), ArduPilot()
+    view(link, Thing(np.array([0.0, 0.0, LEVEL_M])))
+    deliver(link, ardupilot)
+    assert ardupilot.faces
+    link.now_ns += 50 * MS
+    view(link)
+    deliver(link, ardupilot)
+    assert not ardupilot.faces and ardupilot.healthy(milliseconds(link))
+
+
+def test_ardupilot_is_unhealthy_within_a_second_when_the_view_is_lost() -> None:
+    link, ardupilot = Link("ardupilot"), ArduPilot()
+    view(link, Thing(np.array([0.0, 0.0, LEVEL_M])))
+    for _ in range(90):
+        deliver(link, ardupilot, 10.0)
+    assert not ardupilot.healthy(milliseconds(link))
+
+
+def test_why_ardupilot_is_not_sent_unknown_sectors() -> None:
+    """They keep it healthy with what it had: an obstacle that is gone, or one that has come since."""
+    link, ardupilot = Link("px4"), ArduPilot()
+    view(link, Thing(np.array([0.0, 0.0, LEVEL_M])))
+    deliver(link, ardupilot)
+    for _ in range(200):
+        deliver(link, ardupilot, 10.0)  # no frames: all unknown
+    assert ardupilot.healthy(milliseconds(link)) and ardupilot.faces
+
+
+# ---- loss and reordering ----
+
+
+@pytest.mark.parametrize("bins, sector_deg", PX4)
+def test_loss_and_reordering_never_make_px4_believe_what_is_not(bins: int, sector_deg: int) -> None:
+    """A third lost, the others up to 80 ms late, out of order: nothing is believed for a second more."""
+    random = seeded(2)
+    for _ in range(5):
+        link, px4 = Link("px4", changes={"sector_deg": sector_deg}), Px4(bins)
+        on_the_way: list[tuple[float, int, Any]] = []
+        near_ms = -math.inf  # when the obstacle came
+        for k in range(400):
+            now_ms = milliseconds(link)
+            if k == 200:
+                near_ms = now_ms
+            if k % 5 == 0:
+                view(link, *([Thing(np.array([0.0, 0.0, 5.0]))] if k >= 200 else []))
+            for message in link.step(10.0):
+                if random.random() > 0.33:
+                    on_the_way.append((now_ms + random.uniform(0.0, 80.0), len(on_the_way), message))
+            arrived = sorted(entry for entry in on_the_way if entry[0] <= now_ms)
+            on_the_way = [entry for entry in on_the_way if entry[0] > now_ms]
+            for _, _, message in arrived:
+                px4.receive(message, now_ms)
+            if now_ms > near_ms + 1000.0 and k >= 200:
+                assert px4.look(now_ms)[0] in (UNKNOWN, *range(480, 501))
+
+
+def test_reordered_points_leave_no_obstacle_of_old() -> None:
+    """Points of two frames arrive mixed: once a frame has arrived in order, only its points are there."""
+    random = seeded(3)
+    for _ in range(50):
+        link, ardupilot = Link("ardupilot"), ArduPilot()
+        frames = []
+        for bearing in (-20.0, 20.0, 0.0):
+            things = [Thing(link.aircraft.at_bearing(bearing, 5.0 + k), width_m=0.0) for k in range(3)]
+            view(link, *things)
+            frames.append(of_kind(link.poll(), "OBSTACLE_DISTANCE_3D"))
+            link.now_ns += 50 * MS
+        mixed = frames[0] + frames[1]
+        random.shuffle(mixed)
+        for message in mixed:
+            if random.random() > 0.3:
+                ardupilot.receive(message, milliseconds(link))
+        for message in frames[2]:
+            ardupilot.receive(message, milliseconds(link))
+        assert list(ardupilot.faces.values()) == [pytest.approx(5.0, abs=1e-3)]
+
+
+# ---- the mistakes of others: reference messages, and that the rules tell them from ours ----
+
+Mistake = Callable[[Any], None]
+
+
+def yaw_90(message: Any) -> None:
+    """x to the right and y ahead, as in a frame of ENU."""
+    message.distances = message.distances[18:] + message.distances[:18]
+
+
+def mirrored(message: Any) -> None:
+    """Angles that count to the left, as those of ROS."""
+    message.distances = message.distances[:1] + message.distances[:0:-1]
+
+
+def halves_swapped(message: Any) -> None:
+    """From the left edge of the view instead of from ahead."""
+    message.distances = message.distances[36:] + message.distances[:36]
+
+
+def offset_of_the_wrong_sign(message: Any) -> None:
+    message.angle_offset = -message.angle_offset
+
+
+def global_frame(message: Any) -> None:
+    """The default of the field: north aligned."""
+    message.frame = 0
+
+
+def clear_for_unknown(message: Any) -> None:
+    message.distances = [CLEAR if d == UNKNOWN else d for d in message.distances]
+
+
+def zero_for_unknown(message: Any) -> None:
+    message.distances = [0 if d == UNKNOWN else d for d in message.distances]
+
+
+def metres(message: Any) -> None:
+    message.distances = [d if d >= CLEAR else d // 100 for d in message.distances]
+
+
+def map_of(messages: list[Any]) -> list[int]:
+    px4 = Px4()
+    for message in messages:
+        px4.receive(message, 0.0)
+    return px4.look(0.0)
+
+
+@pytest.mark.parametrize(
+    "mistake",
+    [
+        yaw_90, mirrored, halves_swapped, offset_of_the_wrong_sign, global_frame, clear_for_unknown,
+        zero_for_unknown, metres,
+    ],
+)  # fmt: skip
+def test_a_known_mistake_is_not_ours(mistake: Mistake) -> None:
+    """An obstacle 35 degrees to the right, in a view that is turned by 40: each mistake gives another map."""
+    aircraft = Aircraft((0.0, 0.0, 123.0), (0.0, 0.0, 40.0))
+    link = Link("px4", aircraft, {"angle_offset_deg": -45.0})
+    view(link, Thing(aircraft.at_bearing(35.0, LEVEL_M)))
+    ours = of_kind(link.poll(), "OBSTACLE_DISTANCE")
+    truth = [UNKNOWN] * 72
+    for sector in range(3, 14):  # whole sectors within 10 to 70 degrees
+        truth[sector] = CLEAR
+    truth[7] = 1195
+    assert map_of(ours) == truth
+    wrong = copy.deepcopy(ours)
+    for message in wrong:
+        mistake(message)
+    assert map_of(wrong) != truth
+
+
+def test_zero_is_never_a_distance() -> None:
+    for thing in (
+        Thing(np.zeros(3)),
+        Thing(np.array([0.0, 0.0, 1e-9])),
+        Thing(np.array([0.0, 0.0, 0.05]), width_m=3.0),
+        Thing(np.array([0.0, 0.0, 9.0]), id=0),  # too near to match
+    ):
+        link = Link("px4")
+        view(link, thing)
+        message = link.one("OBSTACLE_DISTANCE")
+        assert min(message.distances) == message.min_distance == 30
+        link, ardupilot = Link("ardupilot"), ArduPilot()
+        view(link, thing)
+        deliver(link, ardupilot)
+        if np.any(thing.position_camera_m):
+            assert min(ardupilot.faces.values()) == pytest.approx(0.3)
+
+
+def test_points_grouped_wrongly_would_lose_obstacles() -> None:
+    """A time of its own for each point leaves the last one only; one for all frames never forgets."""
+    link = Link("ardupilot")
+    view(
+        link,
+        *(Thing(link.aircraft.at_bearing(b, LEVEL_M), id=k) for k, b in enumerate((-50.0, 0.0, 50.0), 1)),
+    )
+    points = of_kind(link.poll(), "OBSTACLE_DISTANCE_3D")
+
+    def faces(messages: list[Any]) -> int:
+        ardupilot = ArduPilot()
+        for message in messages:
+            ardupilot.receive(message, 0.0)
+        return len(ardupilot.faces)
+
+    assert faces(points) == 3
+    apart = copy.deepcopy(points)
+    for k, message in enumerate(apart):
+        message.time_boot_ms += k
+    assert faces(apart) == 1
+
+
+def test_frames_within_a_millisecond_are_told_apart() -> None:
+    link = Link("ardupilot")
+    stamps = []
+    for k in range(3):
+        link.update([Thing(np.array([0.0, 0.0, 9.0]))], t_ns=START_NS + 1000 * k)
+        stamps += [m.time_boot_ms for m in of_kind(link.step(50.0), "OBSTACLE_DISTANCE_3D")]
+    assert len(set(stamps)) == 3
+
+
+def test_a_repeated_frame_keeps_its_time() -> None:
+    link = Link("ardupilot")
+    link.update([Thing(np.array([0.0, 0.0, 9.0]))])
+    stamps = [m.time_boot_ms for _ in range(25) for m in of_kind(link.step(10.0), "OBSTACLE_DISTANCE_3D")]
+    assert len(stamps) >= 3 and len(set(stamps)) == 1
