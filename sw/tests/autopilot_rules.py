@@ -1,7 +1,7 @@
 """What autopilots do with distances, written anew from what their public sources and documentation say.
 
-Px4: src/lib/collision_prevention of PX4-Autopilot, with a map of 72 bins (newer: what of the message overlaps
-a bin) or of 36 (older: the message is read at the angle of each bin).
+Px4: src/lib/collision_prevention of PX4-Autopilot, with a map of 72 bins, or of 36 in older versions; the
+message is asked what of it overlaps a bin, or in older versions what it says at the angle of each bin.
 ArduPilot: AP_Proximity_MAV.cpp of libraries/AP_Proximity, of 4.1 and later.
 Only what a sender has to know is here. No autopilot was run: these are readings of text.
 """
@@ -21,9 +21,10 @@ BODY_FRD = 12
 
 @dataclass
 class Px4:
-    """The map of collision prevention, in the body; `bins` 72 or 36."""
+    """The map of collision prevention, in the body. overlapping: always with 72 bins."""
 
     bins: int = 72
+    overlapping: bool = False
     distances: list[int] = field(default_factory=list)
 
     def __post_init__(self) -> None:
@@ -49,7 +50,7 @@ class Px4:
     def _numbers(self, index: int, increment: float, offset_deg: float) -> list[int]:
         """Those of the message that concern a bin."""
         width = 360.0 / self.bins
-        if self.bins == 36:
+        if self.bins == 36 and not self.overlapping:
             angle = np.float32((index * width - offset_deg) % 360.0)
             return [math.ceil(angle * np.float32(np.float32(1.0) / np.float32(increment)))]
         numbers = []

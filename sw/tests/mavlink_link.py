@@ -7,14 +7,17 @@ from typing import Any
 
 import numpy as np
 from pymavlink.dialects.v20 import ardupilotmega as dialect
-from stage_arena import ffi, lib, status_name
+from stage_arena import default_parameters, ffi, lib, status_name
 
 MS = 1_000_000
 UNKNOWN = 65535
 FIRST_DEG = lib.VISTA_DIRECTIONS_FIRST_DEG
 COLUMNS = lib.VISTA_DIRECTIONS
 HEALTH = {"healthy": 0, "degraded": 1, "blind": 2}
-AUTOPILOT = {"px4": lib.VISTA_MAVLINK_PX4, "ardupilot": lib.VISTA_MAVLINK_ARDUPILOT}
+AUTOPILOT = {
+    "px4": lib.VISTA_MAVLINK_AUTOPILOT_PX4,
+    "ardupilot": lib.VISTA_MAVLINK_AUTOPILOT_ARDUPILOT,
+}
 START_NS = 1000 * MS
 
 
@@ -81,14 +84,15 @@ class Link:
     now_ns: int = START_NS
 
     def __post_init__(self) -> None:
-        config = ffi.new("vista_mavlink_config *")
-        config[0] = lib.vista_mavlink_config_default(AUTOPILOT[self.autopilot])
-        config.body_from_camera = self.aircraft.body_from_camera.ravel().tolist()
+        self.parameters = default_parameters()
+        params = self.parameters.mavlink
+        params.autopilot = AUTOPILOT[self.autopilot]
+        for name, angle_deg in zip(("roll", "pitch", "yaw"), self.aircraft.mount_deg, strict=True):
+            setattr(params, f"mount_{name}_deg", (angle_deg + 180.0) % 360.0 - 180.0)
         for name, value in self.changes.items():
-            setattr(config, name, value)
+            setattr(params, name, value)
         self.c = ffi.new("vista_mavlink *")
-        self.status = status_name(lib.vista_mavlink_start(self.c, config))
-        self.config = config
+        self.status = status_name(lib.vista_mavlink_start(self.c, ffi.addressof(params)))
         self.decoder = dialect.MAVLink(None)
         self.raw: list[bytes] = []
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 import math
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -12,10 +13,15 @@ import pytest
 from autopilot_rules import UNKNOWN, ArduPilot, Px4
 from mavlink_link import MS, START_NS, Aircraft, Link, Thing, columns, of_kind
 from random_seed import seeded
+from stage_arena import lib
 
 LEVEL_M = 12.0
 CLEAR = 4001
-PX4 = [pytest.param(72, 5, id="72 bins"), pytest.param(36, 10, id="36 bins")]
+PX4 = [
+    pytest.param(Px4, lib.VISTA_MAVLINK_SECTORS_72, id="72 bins"),
+    pytest.param(partial(Px4, 36, overlapping=True), lib.VISTA_MAVLINK_SECTORS_36, id="36 bins"),
+    pytest.param(partial(Px4, 36), lib.VISTA_MAVLINK_SECTORS_36, id="36 bins, older"),
+]
 
 
 def milliseconds(link: Link) -> float:
@@ -39,12 +45,13 @@ def deliver(link: Link, receiver: Px4 | ArduPilot, milliseconds_later: float = 0
 # ---- PX4 ----
 
 
-@pytest.mark.parametrize("bins, sector_deg", PX4)
-def test_px4_finds_an_obstacle_in_each_direction(bins: int, sector_deg: int) -> None:
+@pytest.mark.parametrize("make, sectors", PX4)
+def test_px4_finds_an_obstacle_in_each_direction(make: Callable[[], Px4], sectors: int) -> None:
+    bins = make().bins
     for index in range(bins):
         bearing_deg = index * 360.0 / bins
         aircraft = turned(bearing_deg)
-        link, px4 = Link("px4", aircraft, {"sector_deg": sector_deg}), Px4(bins)
+        link, px4 = Link("px4", aircraft, {"sectors": sectors}), make()
         view(link, Thing(aircraft.at_bearing(bearing_deg, LEVEL_M)))
         deliver(link, px4)
         distances = px4.look(milliseconds(link))
@@ -53,9 +60,11 @@ def test_px4_finds_an_obstacle_in_each_direction(bins: int, sector_deg: int) -> 
         assert px4.warnings == 0
 
 
-@pytest.mark.parametrize("bins, sector_deg", PX4)
-def test_px4_may_move_where_it_was_seen_to_be_clear_and_nowhere_else(bins: int, sector_deg: int) -> None:
-    link, px4 = Link("px4", changes={"sector_deg": sector_deg}), Px4(bins)
+@pytest.mark.parametrize("make, sectors", PX4)
+def test_px4_may_move_where_it_was_seen_to_be_clear_and_nowhere_else(
+    make: Callable[[], Px4], sectors: int
+) -> None:
+    link, px4 = Link("px4", changes={"sectors": sectors}), make()
     view(link)
     deliver(link, px4)
     now_ms = milliseconds(link)
@@ -171,12 +180,14 @@ def test_why_ardupilot_is_not_sent_unknown_sectors() -> None:
 # ---- loss and reordering ----
 
 
-@pytest.mark.parametrize("bins, sector_deg", PX4)
-def test_loss_and_reordering_never_make_px4_believe_what_is_not(bins: int, sector_deg: int) -> None:
+@pytest.mark.parametrize("make, sectors", PX4)
+def test_loss_and_reordering_never_make_px4_believe_what_is_not(
+    make: Callable[[], Px4], sectors: int
+) -> None:
     """A third lost, the others up to 80 ms late, out of order: nothing is believed for a second more."""
     random = seeded(2)
     for _ in range(5):
-        link, px4 = Link("px4", changes={"sector_deg": sector_deg}), Px4(bins)
+        link, px4 = Link("px4", changes={"sectors": sectors}), make()
         on_the_way: list[tuple[float, int, Any]] = []
         near_ms = -math.inf  # when the obstacle came
         for k in range(400):

@@ -20,6 +20,7 @@ from mavlink_link import (
     of_kind,
 )
 from random_seed import seeded
+from stage_arena import lib
 
 HEADINGS_DEG = range(0, 360, 45)
 ATTITUDES_DEG = [(0.0, 0.0), (20.0, -10.0), (-15.0, 25.0)]  # roll, pitch
@@ -157,7 +158,7 @@ def test_the_offset_is_where_sector_zero_is(offset_deg: float) -> None:
 def test_36_sectors_of_ten_degrees() -> None:
     for sector in range(36):
         aircraft = Aircraft(mount_deg=(0.0, 0.0, 10.0 * sector))
-        link = Link("px4", aircraft, {"sector_deg": 10})
+        link = Link("px4", aircraft, {"sectors": lib.VISTA_MAVLINK_SECTORS_36})
         link.update([Thing(np.array([0.0, 0.0, LEVEL_M]))], columns(-30, 30))
         message = link.one("OBSTACLE_DISTANCE")
         assert message.increment == 10

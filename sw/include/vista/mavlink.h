@@ -1,19 +1,18 @@
 /* What the autopilot is told, as MAVLink 2 messages: where obstacles are, where it is clear, and how far to trust that.
  *
- *   vista_mavlink_config config = vista_mavlink_config_default(VISTA_MAVLINK_PX4);
- *   vista_mavlink_mount(0.0, 0.0, 0.0, config.body_from_camera);
+ *   vista_parameters parameters = vista_parameters_default();
  *   vista_mavlink link;
- *   vista_mavlink_start(&link, &config);
+ *   vista_mavlink_start(&link, &parameters.mavlink);
  *   for each frame:
  *     vista_mavlink_update(&link, &frame);
  *   every 10 ms:
  *     while (vista_mavlink_next(&link, now_ns, bytes, sizeof bytes, &count) == VISTA_OK && count > 0)
  *       send bytes[0 .. count - 1];
  *
- * The body frame is FRD: x forward, y to the right, z down. Sectors are level and turn with the heading: sector k is
- * `sector_deg` wide, its middle `angle_offset_deg + k * sector_deg` to the right of forward. A sector holds the
- * distance of the nearest obstacle that reaches into it, within half_height_m of the camera's height; else it is clear
- * (max + 1) where the camera saw so up to max_distance_m in all of it, in a healthy frame; else unknown.
+ * The body frame is FRD: x forward, y to the right, z down. Sectors are level and turn with the heading; that number k
+ * is a 72nd or a 36th of the circle wide, its middle angle_offset_deg + k * width to the right of forward. A sector holds
+ * the distance of the nearest obstacle that reaches into it, within half_height_m of the camera's height; else it is
+ * clear (max + 1) where the camera saw so up to max_distance_m in all of it, in a healthy frame; else unknown.
  *
  * PX4 is sent OBSTACLE_DISTANCE, and is told that all is unknown when the frame is blind or none came for stale_s.
  * ArduPilot is sent OBSTACLE_DISTANCE_3D; it has no word for unknown, and takes silence for it, so distances cease
@@ -27,40 +26,16 @@
 #include "vista/api.h"
 #include "vista/directions.h"
 #include "vista/obstacle.h"
+#include "vista/parameters.h"
 #include "vista/pipeline.h"
 #include "vista/status.h"
 
 VISTA_BEGIN
 
-#define VISTA_MAVLINK_SECTORS 72
+#define VISTA_MAVLINK_MOST_SECTORS 72
 #define VISTA_MAVLINK_POINTS 32 /* of OBSTACLE_DISTANCE_3D in a frame */
 #define VISTA_MAVLINK_BYTES 280 /* the longest frame of MAVLink 2 */
 #define VISTA_MAVLINK_UNKNOWN 65535 /* in a sector; max_distance + 1 is clear */
-
-/* Whose rules the messages follow. */
-typedef enum vista_mavlink_autopilot { VISTA_MAVLINK_PX4 = 0, VISTA_MAVLINK_ARDUPILOT } vista_mavlink_autopilot;
-
-/* How the camera hangs, and what to send. */
-typedef struct vista_mavlink_config {
-  vista_mavlink_autopilot autopilot;
-  uint8_t system_id; /* that of the aircraft */
-  uint8_t component_id; /* of the detector: 196, obstacle avoidance */
-  double body_from_camera[9]; /* rotation, row-major: p_body = R p_camera */
-  double min_distance_m; /* what is nearer is reported at this distance, never at 0 */
-  double max_distance_m; /* what is farther is not reported; at most 655 m */
-  double half_height_m; /* of the slice around the camera's height that sectors are about */
-  int32_t sector_deg; /* 5: 72 sectors; 10: 36, for PX4 versions that read every second one only */
-  double angle_offset_deg; /* of sector 0: a multiple of sector_deg, -180 .. 180 */
-  double stale_s; /* a frame is too old to tell anything after this time */
-} vista_mavlink_config;
-
-/* The default: a camera that looks forward, 0.3 to 40 m, half a height of 2 m, 72 sectors from straight ahead, stale
- * after 0.3 s. */
-VISTA_API vista_mavlink_config vista_mavlink_config_default(vista_mavlink_autopilot autopilot);
-
-/* The rotation of a camera that hangs in the aircraft turned by these angles: first by yaw to the right, then by pitch
- * upwards, then by roll to the right. With zeros it looks forward, its rows level. */
-VISTA_API void vista_mavlink_mount(double roll_deg, double pitch_deg, double yaw_deg, double body_from_camera[9]);
 
 /* An obstacle as the camera sees it: an upright board that faces the camera. */
 typedef struct vista_mavlink_obstacle {
@@ -94,7 +69,7 @@ typedef struct vista_mavlink_state {
   int64_t t_ns;
   vista_health_state health;
   char reason[32];
-  uint16_t distance_cm[VISTA_MAVLINK_SECTORS];
+  uint16_t distance_cm[VISTA_MAVLINK_MOST_SECTORS];
   int32_t point_count;
   double points_body_m[VISTA_MAVLINK_POINTS][3];
   int32_t point_ids[VISTA_MAVLINK_POINTS];
@@ -104,7 +79,8 @@ typedef struct vista_mavlink_state {
 
 /* A link to one autopilot, in memory of the caller. Its members are the library's own. */
 typedef struct vista_mavlink {
-  vista_mavlink_config config;
+  vista_mavlink_params params;
+  double body_from_camera[9]; /* rotation, row-major */
   vista_mavlink_state state;
   bool has_frame, fresh, collision_due, sent_any, alive, told, pointed;
   uint8_t sequence;
@@ -113,9 +89,8 @@ typedef struct vista_mavlink {
   uint32_t boot_ms; /* of the frame that was last sent to ArduPilot */
 } vista_mavlink;
 
-/* Begins a link. VISTA_ERROR_NUMBER, VISTA_ERROR_RANGE: of a member of the configuration; body_from_camera is no
- * rotation. */
-VISTA_API vista_status vista_mavlink_start(vista_mavlink *link, const vista_mavlink_config *config);
+/* Begins a link. VISTA_ERROR_RANGE: a parameter, or angle_offset_deg is no multiple of a sector. */
+VISTA_API vista_status vista_mavlink_start(vista_mavlink *link, const vista_mavlink_params *params);
 
 /* Takes over what a frame found, and keeps no pointer into it. Obstacles with a number that is not finite are left out,
  * and the frame counts as degraded. VISTA_ERROR_ORDER: the time is not after that of the frame before;

@@ -2,9 +2,9 @@
 #include <string.h>
 
 #include "common/frame.h"
+#include "common/parameters_check.h"
 #include "mavlink/messages.h"
 #include "mavlink/sectors.h"
-#include "mavlink/wire.h"
 #include "vista/mavlink.h"
 
 #define MS 1000000LL
@@ -14,58 +14,16 @@
 #define TEXT_AGAIN_NS (10 * SECOND)
 #define TEXT_LEAST_NS SECOND
 
-vista_mavlink_config vista_mavlink_config_default(vista_mavlink_autopilot autopilot) {
-  vista_mavlink_config config = {.autopilot = autopilot,
-                                 .system_id = 1,
-                                 .component_id = MAV_COMP_ID_OBSTACLE_AVOIDANCE,
-                                 .min_distance_m = 0.3,
-                                 .max_distance_m = 40.0,
-                                 .half_height_m = 2.0,
-                                 .sector_deg = 5,
-                                 .angle_offset_deg = 0.0,
-                                 .stale_s = 0.3};
-  vista_mavlink_mount(0.0, 0.0, 0.0, config.body_from_camera);
-  return config;
-}
-
-/* Columns: where the camera's x, y and z point in the body. */
-void vista_mavlink_mount(double roll_deg, double pitch_deg, double yaw_deg, double body_from_camera[9]) {
-  if (body_from_camera == NULL) return;
-  const double radian = acos(-1.0) / 180.0;
-  const double cr = cos(radian * roll_deg), sr = sin(radian * roll_deg);
-  const double cp = cos(radian * pitch_deg), sp = sin(radian * pitch_deg);
-  const double cy = cos(radian * yaw_deg), sy = sin(radian * yaw_deg);
-  const double x[3] = {cy * sp * sr - sy * cr, sy * sp * sr + cy * cr, cp * sr};
-  const double y[3] = {cy * sp * cr + sy * sr, sy * sp * cr - cy * sr, cp * cr};
-  const double z[3] = {cy * cp, sy * cp, -sp};
-  for (int i = 0; i < 3; ++i) {
-    body_from_camera[3 * i] = x[i];
-    body_from_camera[3 * i + 1] = y[i];
-    body_from_camera[3 * i + 2] = z[i];
-  }
-}
-
-static vista_status check(const vista_mavlink_config *c) {
-  vista_pose mount = {{0}, {0}};
-  memcpy(mount.rotation, c->body_from_camera, sizeof mount.rotation);
-  const vista_status status = vista_frame_check_pose(&mount);
+vista_status vista_mavlink_start(vista_mavlink *link, const vista_mavlink_params *params) {
+  if (link == NULL || params == NULL) return VISTA_ERROR_ARGUMENT;
+  const vista_status status = VISTA_CHECK_SECTION(mavlink, params);
   if (status != VISTA_OK) return status;
-  if (!isfinite(c->min_distance_m + c->max_distance_m + c->half_height_m + c->angle_offset_deg + c->stale_s))
-    return VISTA_ERROR_NUMBER;
-  const bool good = (c->autopilot == VISTA_MAVLINK_PX4 || c->autopilot == VISTA_MAVLINK_ARDUPILOT) &&
-                    c->system_id > 0 && c->component_id > 0 && c->min_distance_m >= 0.01 &&
-                    c->max_distance_m >= c->min_distance_m + 0.1 && c->max_distance_m <= 655.0 &&
-                    c->half_height_m >= 0.0 && (c->sector_deg == 5 || c->sector_deg == 10) &&
-                    fabs(c->angle_offset_deg) <= 180.0 && fmod(c->angle_offset_deg, c->sector_deg) == 0.0 &&
-                    c->stale_s >= 0.05 && c->stale_s <= 0.5;
-  return good ? VISTA_OK : VISTA_ERROR_RANGE;
-}
-
-vista_status vista_mavlink_start(vista_mavlink *link, const vista_mavlink_config *config) {
-  if (link == NULL || config == NULL) return VISTA_ERROR_ARGUMENT;
-  const vista_status status = check(config);
-  if (status == VISTA_OK) *link = (vista_mavlink){.config = *config};
-  return status;
+  if (fmod(params->angle_offset_deg, vista_mavlink_sector_deg(params)) != 0.0 ||
+      params->min_distance_m > params->max_distance_m)
+    return VISTA_ERROR_RANGE;
+  *link = (vista_mavlink){.params = *params};
+  vista_mavlink_mount(params, link->body_from_camera);
+  return VISTA_OK;
 }
 
 static void keep_reason(const char *reason, vista_mavlink_state *state) {
@@ -85,11 +43,11 @@ vista_status vista_mavlink_update(vista_mavlink *link, const vista_mavlink_frame
   s->t_ns = frame->t_ns;
   s->health = frame->health;
   keep_reason(frame->reason, s);
-  if (!vista_mavlink_place(&link->config, frame, s) && s->health == VISTA_HEALTH_HEALTHY) {
+  if (!vista_mavlink_place(link, frame) && s->health == VISTA_HEALTH_HEALTHY) {
     s->health = VISTA_HEALTH_DEGRADED;
     keep_reason("a number is not finite", s);
-    for (int k = 0; k < VISTA_MAVLINK_SECTORS; ++k)
-      if (s->distance_cm[k] > lround(100.0 * link->config.max_distance_m)) s->distance_cm[k] = VISTA_MAVLINK_UNKNOWN;
+    for (int k = 0; k < VISTA_MAVLINK_MOST_SECTORS; ++k)
+      if (s->distance_cm[k] > lround(100.0 * link->params.max_distance_m)) s->distance_cm[k] = VISTA_MAVLINK_UNKNOWN;
   }
   link->has_frame = link->fresh = true;
   link->collision_due = s->collision.valid && s->collision.time_s > 0.0 && s->health != VISTA_HEALTH_BLIND;
@@ -101,7 +59,7 @@ static vista_mavlink_condition condition_of(const vista_mavlink *link) {
                                                       [VISTA_HEALTH_DEGRADED] = CONDITION_DEGRADED,
                                                       [VISTA_HEALTH_BLIND] = CONDITION_BLIND};
   if (!link->has_frame) return CONDITION_NONE;
-  if ((double)link->now_ns - (double)link->state.t_ns > 1e9 * link->config.stale_s) return CONDITION_LOST;
+  if ((double)link->now_ns - (double)link->state.t_ns > 1e9 * link->params.stale_s) return CONDITION_LOST;
   return of_health[link->state.health];
 }
 
@@ -119,7 +77,7 @@ static int32_t begin_points(vista_mavlink *link, uint8_t *bytes) {
 static int32_t write_distances(vista_mavlink *link, vista_mavlink_condition condition, uint8_t *bytes) {
   const bool counts = condition == CONDITION_HEALTHY || condition == CONDITION_DEGRADED;
   int32_t count = 0;
-  if (link->config.autopilot == VISTA_MAVLINK_PX4)
+  if (link->params.autopilot == VISTA_MAVLINK_AUTOPILOT_PX4)
     count = vista_mavlink_write_sectors(link, counts, bytes);
   else if (counts)
     count = begin_points(link, bytes);

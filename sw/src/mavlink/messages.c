@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "mavlink/frame.h"
+#include "mavlink/sectors.h"
 #include "mavlink/wire.h"
 
 #define HIGH_THREAT_S 5.0
@@ -17,7 +18,8 @@
 _Static_assert(VISTA_MAVLINK_HEADER + WIRE_PAYLOAD_MAX + 2 <= VISTA_MAVLINK_BYTES, "the longest message has room");
 
 static int32_t close(vista_mavlink *link, uint32_t id, uint8_t crc_extra, int32_t payload_bytes, uint8_t *bytes) {
-  const vista_mavlink_sender sender = {link->config.system_id, link->config.component_id, link->sequence++};
+  const vista_mavlink_sender sender = {(uint8_t)link->params.system_id, (uint8_t)link->params.component_id,
+                                       link->sequence++};
   return vista_mavlink_close(&sender, id, crc_extra, payload_bytes, bytes);
 }
 
@@ -80,17 +82,17 @@ int32_t vista_mavlink_write_collision(vista_mavlink *link, uint8_t *bytes) {
 }
 
 int32_t vista_mavlink_write_sectors(vista_mavlink *link, bool counts, uint8_t *bytes) {
-  const vista_mavlink_config *const c = &link->config;
+  const vista_mavlink_params *const c = &link->params;
   wire_obstacle_distance message = {
       .time_usec = (uint64_t)((counts ? link->state.t_ns : link->now_ns) / 1000),
       .sensor_type = MAV_DISTANCE_SENSOR_UNKNOWN,
-      .increment = (uint8_t)c->sector_deg,
+      .increment = (uint8_t)lround(vista_mavlink_sector_deg(c)),
       .min_distance = (uint16_t)lround(100.0 * c->min_distance_m),
       .max_distance = (uint16_t)lround(100.0 * c->max_distance_m),
       .angle_offset = (float)c->angle_offset_deg,
       .frame = MAV_FRAME_BODY_FRD,
   };
-  for (int k = 0; k < VISTA_MAVLINK_SECTORS; ++k)
+  for (int k = 0; k < VISTA_MAVLINK_MOST_SECTORS; ++k)
     message.distances[k] = counts ? link->state.distance_cm[k] : VISTA_MAVLINK_UNKNOWN;
   return WRITE(link, OBSTACLE_DISTANCE, obstacle_distance, message, bytes);
 }
@@ -98,7 +100,7 @@ int32_t vista_mavlink_write_sectors(vista_mavlink *link, bool counts, uint8_t *b
 int32_t vista_mavlink_write_point(vista_mavlink *link, int32_t number, uint8_t *bytes) {
   const vista_mavlink_state *const s = &link->state;
   const bool nothing = number >= s->point_count;
-  const double beyond_m[3] = {link->config.max_distance_m + 1.0, 0.0, 0.0};
+  const double beyond_m[3] = {link->params.max_distance_m + 1.0, 0.0, 0.0};
   const double *const point_m = nothing ? beyond_m : s->points_body_m[number];
   const wire_obstacle_distance_3d message = {
       .time_boot_ms = link->boot_ms,
@@ -108,8 +110,8 @@ int32_t vista_mavlink_write_point(vista_mavlink *link, int32_t number, uint8_t *
       .x = (float)point_m[0],
       .y = (float)point_m[1],
       .z = (float)point_m[2],
-      .min_distance = (float)(0.99 * link->config.min_distance_m), /* a point at it is not below it, rounded */
-      .max_distance = (float)link->config.max_distance_m,
+      .min_distance = (float)(0.99 * link->params.min_distance_m), /* a point at it is not below it, rounded */
+      .max_distance = (float)link->params.max_distance_m,
   };
   return WRITE(link, OBSTACLE_DISTANCE_3D, obstacle_distance_3d, message, bytes);
 }

@@ -40,32 +40,31 @@ static bool make_level(const double body_from_camera[9], const vista_directions 
 
 /* ---- clear or unknown ---- */
 
-static int32_t sector_count(const vista_mavlink_config *config) { return 360 / config->sector_deg; }
-
 /* The number of the sector with this azimuth, not yet between 0 and the count. */
-static int32_t sector_at(const vista_mavlink_config *config, double azimuth_deg) {
-  return (int32_t)floor((azimuth_deg - config->angle_offset_deg) / config->sector_deg + 0.5);
+static int32_t sector_at(const vista_mavlink_params *params, double azimuth_deg) {
+  return (int32_t)floor((azimuth_deg - params->angle_offset_deg) / vista_mavlink_sector_deg(params) + 0.5);
 }
 
 static int32_t wrapped(int32_t number, int32_t count) { return ((number % count) + count) % count; }
 
 /* Free where every column that reaches into the sector is. */
-static void mark_clear(const vista_mavlink_config *config, const level *axes, const vista_directions *directions,
+static void mark_clear(const vista_mavlink_params *params, const level *axes, const vista_directions *directions,
                        uint16_t *distance_cm) {
   static const double axis[3] = {0.0, 0.0, 1.0}; /* of the camera */
   const double along = dot(axis, axes->ahead), aside = dot(axis, axes->right);
   if (!(along * along + aside * aside >= LEVEL_MIN * LEVEL_MIN)) return;
   const double camera_deg = DEG * atan2(aside, along);
-  const uint16_t clear = (uint16_t)(lround(100.0 * config->max_distance_m) + 1);
-  for (int32_t sector = 0; sector < sector_count(config); ++sector) {
-    const double middle_deg = config->angle_offset_deg + sector * config->sector_deg;
-    const double from_deg = remainder(middle_deg - camera_deg, 360.0) - 0.5 * config->sector_deg;
+  const uint16_t clear = (uint16_t)(lround(100.0 * params->max_distance_m) + 1);
+  const double width_deg = vista_mavlink_sector_deg(params);
+  for (int32_t sector = 0; sector < vista_mavlink_sector_count(params); ++sector) {
+    const double middle_deg = params->angle_offset_deg + sector * width_deg;
+    const double from_deg = remainder(middle_deg - camera_deg, 360.0) - 0.5 * width_deg;
     const double first = floor(from_deg - VISTA_DIRECTIONS_FIRST_DEG + EDGE_DEG);
-    const double last = ceil(from_deg + config->sector_deg - VISTA_DIRECTIONS_FIRST_DEG - EDGE_DEG) - 1.0;
+    const double last = ceil(from_deg + width_deg - VISTA_DIRECTIONS_FIRST_DEG - EDGE_DEG) - 1.0;
     if (first < 0.0 || last >= VISTA_DIRECTIONS) continue;
     bool is_free = true;
     for (int32_t k = (int32_t)first; k <= (int32_t)last; ++k)
-      is_free = is_free && (double)directions->free_m[k] >= config->max_distance_m;
+      is_free = is_free && (double)directions->free_m[k] >= params->max_distance_m;
     if (is_free) distance_cm[sector] = clear;
   }
 }
@@ -78,7 +77,7 @@ typedef struct place {
   double distance_m, half_deg; /* level distance, and half the width as it is seen */
 } place;
 
-static place place_of(const vista_mavlink_config *config, const level *axes, const vista_mavlink_obstacle *obstacle) {
+static place place_of(const vista_mavlink_params *params, const level *axes, const vista_mavlink_obstacle *obstacle) {
   const double *const p = obstacle->position_camera_m;
   const double width_m = fmax(obstacle->width_m, 0.0), height_m = fmax(obstacle->height_m, 0.0);
   place at = {.along_m = dot(p, axes->ahead), .aside_m = dot(p, axes->right)};
@@ -86,8 +85,8 @@ static place place_of(const vista_mavlink_config *config, const level *axes, con
   at.low_m = middle_m - 0.5 * height_m;
   at.high_m = middle_m + 0.5 * height_m;
   const double depth_m = fmin(THICKNESS * fmin(width_m, 2.0 * height_m), THICKNESS_MAX_M);
-  at.distance_m = fmax(obstacle->id == VISTA_ID_TOO_NEAR ? 0.0 : level_m - depth_m, config->min_distance_m);
-  at.half_deg = fmin(DEG * atan2(0.5 * width_m, fmax(level_m, config->min_distance_m)), 90.0);
+  at.distance_m = fmax(obstacle->id == VISTA_ID_TOO_NEAR ? 0.0 : level_m - depth_m, params->min_distance_m);
+  at.half_deg = fmin(DEG * atan2(0.5 * width_m, fmax(level_m, params->min_distance_m)), 90.0);
   if (level_m > 0.0) {
     at.along_m *= at.distance_m / level_m;
     at.aside_m *= at.distance_m / level_m;
@@ -95,24 +94,25 @@ static place place_of(const vista_mavlink_config *config, const level *axes, con
   return at;
 }
 
-static void mark_obstacle(const vista_mavlink_config *config, const place *at, uint16_t *distance_cm) {
-  if (at->low_m > config->half_height_m || at->high_m < -config->half_height_m) return;
-  if (!(at->distance_m < config->max_distance_m)) return;
+static void mark_obstacle(const vista_mavlink_params *params, const place *at, uint16_t *distance_cm) {
+  if (at->low_m > params->half_height_m || at->high_m < -params->half_height_m) return;
+  if (!(at->distance_m < params->max_distance_m)) return;
   const double azimuth_deg = DEG * atan2(at->aside_m, at->along_m);
   /* PX4 takes a distance of max_distance for none. */
-  const double most_cm = fmax(lround(100.0 * config->max_distance_m) - 1.0, 1.0);
+  const double most_cm = fmax(lround(100.0 * params->max_distance_m) - 1.0, 1.0);
   const uint16_t cm = (uint16_t)fmax(fmin(floor(100.0 * at->distance_m), most_cm), 1.0);
   const double reach_deg = fmax(at->half_deg - EDGE_DEG, 0.0);
-  const int32_t first = sector_at(config, azimuth_deg - reach_deg), last = sector_at(config, azimuth_deg + reach_deg);
+  const int32_t first = sector_at(params, azimuth_deg - reach_deg), last = sector_at(params, azimuth_deg + reach_deg);
   for (int32_t k = first; k <= last; ++k) {
-    uint16_t *const sector = &distance_cm[wrapped(k, sector_count(config))];
+    uint16_t *const sector = &distance_cm[wrapped(k, vista_mavlink_sector_count(params))];
     if (cm < *sector) *sector = cm;
   }
 }
 
 /* Of a board, points at the height that is nearest to the camera's: its middle and both sides. */
-static void add_points(const vista_mavlink_config *config, const level *axes, const place *at, int32_t id,
-                       vista_mavlink_state *state) {
+static void add_points(vista_mavlink *link, const level *axes, const place *at, int32_t id) {
+  const vista_mavlink_params *const params = &link->params;
+  vista_mavlink_state *const state = &link->state;
   const double height_m = fmin(fmax(0.0, at->low_m), at->high_m);
   const double level_m = hypot(at->along_m, at->aside_m);
   const int32_t sides = (int32_t)fmin(floor(at->half_deg / POINT_STEP_DEG), POINTS_A_SIDE);
@@ -125,9 +125,9 @@ static void add_points(const vista_mavlink_config *config, const level *axes, co
     for (int i = 0; i < 3; ++i)
       point_m[i] = along_m * axes->ahead[i] + aside_m * axes->right[i] + height_m * axes->up[i];
     const double length_m = sqrt(dot(point_m, point_m));
-    if (!(length_m > 0.0) || length_m >= config->max_distance_m) continue;
-    const double scale = fmax(length_m, config->min_distance_m) / length_m;
-    for (int i = 0; i < 3; ++i) body_m[i] = scale * dot(config->body_from_camera + 3 * i, point_m);
+    if (!(length_m > 0.0) || length_m >= params->max_distance_m) continue;
+    const double scale = fmax(length_m, params->min_distance_m) / length_m;
+    for (int i = 0; i < 3; ++i) body_m[i] = scale * dot(link->body_from_camera + 3 * i, point_m);
     state->point_ids[state->point_count++] = id;
   }
 }
@@ -145,9 +145,25 @@ static void miss(const level *axes, vista_mavlink_state *state) {
   state->miss_vertical_m = fabs(dot(nearest_m, axes->up));
 }
 
-bool vista_mavlink_place(const vista_mavlink_config *config, const vista_mavlink_frame *frame,
-                         vista_mavlink_state *state) {
-  for (int k = 0; k < VISTA_MAVLINK_SECTORS; ++k) state->distance_cm[k] = VISTA_MAVLINK_UNKNOWN;
+/* Columns: where the camera's x, y and z point in the body. */
+void vista_mavlink_mount(const vista_mavlink_params *params, double body_from_camera[9]) {
+  const double roll = params->mount_roll_deg / DEG, pitch = params->mount_pitch_deg / DEG;
+  const double yaw = params->mount_yaw_deg / DEG;
+  const double cr = cos(roll), sr = sin(roll), cp = cos(pitch), sp = sin(pitch), cy = cos(yaw), sy = sin(yaw);
+  const double x[3] = {cy * sp * sr - sy * cr, sy * sp * sr + cy * cr, cp * sr};
+  const double y[3] = {cy * sp * cr + sy * sr, sy * sp * cr - cy * sr, cp * cr};
+  const double z[3] = {cy * cp, sy * cp, -sp};
+  for (int i = 0; i < 3; ++i) {
+    body_from_camera[3 * i] = x[i];
+    body_from_camera[3 * i + 1] = y[i];
+    body_from_camera[3 * i + 2] = z[i];
+  }
+}
+
+bool vista_mavlink_place(vista_mavlink *link, const vista_mavlink_frame *frame) {
+  const vista_mavlink_params *const params = &link->params;
+  vista_mavlink_state *const state = &link->state;
+  for (int k = 0; k < VISTA_MAVLINK_MOST_SECTORS; ++k) state->distance_cm[k] = VISTA_MAVLINK_UNKNOWN;
   state->point_count = 0;
   state->collision = frame->collision;
   const vista_mavlink_collision *const c = &frame->collision;
@@ -155,22 +171,22 @@ bool vista_mavlink_place(const vista_mavlink_config *config, const vista_mavlink
   level axes;
   const double *const up = frame->directions.up_camera;
   const bool up_good = !frame->directions.up_known || (finite3(up) && fabs(dot(up, up) - 1.0) < 1e-3);
-  if (!up_good || !make_level(config->body_from_camera, &frame->directions, &axes)) {
+  if (!up_good || !make_level(link->body_from_camera, &frame->directions, &axes)) {
     state->collision.valid = false;
     return up_good;
   }
   if (!all_finite) state->collision.valid = false;
   if (state->collision.valid) miss(&axes, state);
-  if (frame->health == VISTA_HEALTH_HEALTHY) mark_clear(config, &axes, &frame->directions, state->distance_cm);
+  if (frame->health == VISTA_HEALTH_HEALTHY) mark_clear(params, &axes, &frame->directions, state->distance_cm);
   for (int32_t k = 0; k < frame->obstacle_count; ++k) {
     const vista_mavlink_obstacle *const obstacle = &frame->obstacles[k];
     const bool good = finite3(obstacle->position_camera_m) && isfinite(obstacle->width_m + obstacle->height_m);
     all_finite = all_finite && good;
     if (!good) continue;
-    const place at = place_of(config, &axes, obstacle);
+    const place at = place_of(params, &axes, obstacle);
     if (!isfinite(at.distance_m)) continue;
-    mark_obstacle(config, &at, state->distance_cm);
-    add_points(config, &axes, &at, obstacle->id, state);
+    mark_obstacle(params, &at, state->distance_cm);
+    add_points(link, &axes, &at, obstacle->id);
   }
   return all_finite;
 }

@@ -4,9 +4,19 @@
 
 #include "vista/mavlink.h"
 
-/* Fills distances, points, and how far the collision misses by, of the state, from a frame. Returns whether every
- * number of it was finite; what was not is left out. */
-bool vista_mavlink_place(const vista_mavlink_config *config, const vista_mavlink_frame *frame,
-                         vista_mavlink_state *state);
+/* The camera's rotation in the body, from its mount. */
+void vista_mavlink_mount(const vista_mavlink_params *params, double body_from_camera[9]);
+
+static inline int32_t vista_mavlink_sector_count(const vista_mavlink_params *params) {
+  return params->sectors == VISTA_MAVLINK_SECTORS_36 ? 36 : 72;
+}
+
+static inline double vista_mavlink_sector_deg(const vista_mavlink_params *params) {
+  return 360.0 / vista_mavlink_sector_count(params);
+}
+
+/* Fills distances, points, and how far the collision misses by, of the link's state, from a frame. Returns whether
+ * every number of it was finite; what was not is left out. */
+bool vista_mavlink_place(vista_mavlink *link, const vista_mavlink_frame *frame);
 
 #endif
