@@ -1,6 +1,6 @@
 # Fuzz targets of the C libraries, for the top Makefile: libFuzzer where there is a clang, else gcc over the corpus.
 
-FUZZ_TARGETS := engine pipeline recording
+FUZZ_TARGETS := engine pipeline recording mavlink
 FUZZ_SECONDS ?= 600
 FUZZ := build/fuzz
 FUZZ_CLANG := build/tools/clang/command# an empty file: there is none
@@ -15,7 +15,7 @@ comma := ,
 
 .PHONY: fuzz fuzz-targets
 
-fuzz: fuzz-targets .venv/test.stamp ## fuzz the engine, the pipeline and the reader of recordings for FUZZ_SECONDS=600 each
+fuzz: fuzz-targets .venv/test.stamp ## fuzz the engine, the pipeline, the reader of recordings and MAVLink for FUZZ_SECONDS=600 each
 	@$(PYTHON) scripts/run_fuzz.py --seconds $(FUZZ_SECONDS) $(FUZZ_TARGETS)
 
 fuzz-targets: $(FUZZ_TARGETS:%=$(FUZZ)/%)
@@ -32,6 +32,7 @@ $(FUZZ)/obj/sw/apps/replay.o: FUZZ_CFLAGS += -Dmain=replay_main
 
 $(FUZZ)/engine: $(FUZZ_ENGINE)
 $(FUZZ)/pipeline: $(FUZZ_VISTA)
+$(FUZZ)/mavlink: $(FUZZ_VISTA)
 $(FUZZ)/recording: $(FUZZ_VISTA) $(FUZZ)/obj/sw/apps/replay.o
 $(FUZZ_TARGETS:%=$(FUZZ)/%): $(FUZZ)/%: $(FUZZ)/obj/sw/fuzz/fuzz_%.o sw/fuzz/run_corpus.c
 	@echo "ld $@"; $(FUZZ_CC) $(FUZZ_CFLAGS) $(filter %.o,$^) $(FUZZ_DRIVER) -lm -o $@

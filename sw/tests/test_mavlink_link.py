@@ -6,8 +6,10 @@ import math
 
 import numpy as np
 import pytest
+from board_flight import WORLD_FROM_CAMERA, board_flight
 from mavlink_link import (
     MS,
+    START_NS,
     UNKNOWN,
     Aircraft,
     Link,
@@ -17,6 +19,7 @@ from mavlink_link import (
     obstacle_sectors,
     of_kind,
 )
+from pipeline_library import Pipeline
 from random_seed import seeded
 from stage_arena import ffi, lib, status_name
 
@@ -25,13 +28,13 @@ DISTANCES = {"px4": "OBSTACLE_DISTANCE", "ardupilot": "OBSTACLE_DISTANCE_3D"}
 
 
 def fly(
-    link: Link, seconds: float, frame_ms: float, poll_ms: float = 10.0, **frame
+    link: Link, seconds: float, frame_ms: float, poll_ms: float = 10.0, things=(AHEAD,), **frame
 ) -> list[tuple[float, object]]:
     """(seconds, message) of a time in which a frame comes every frame_ms."""
     sent, start_ns, next_ms = [], link.now_ns, 0.0
     while (passed_ms := (link.now_ns - start_ns) / MS) < 1000 * seconds:
         if passed_ms >= next_ms:
-            assert link.update([AHEAD], 100.0, **frame) == "VISTA_OK"
+            assert link.update(list(things), 100.0, **frame) == "VISTA_OK"
             next_ms += frame_ms
         sent += [(passed_ms / 1000, message) for message in link.step(poll_ms)]
     return sent
@@ -80,16 +83,23 @@ def test_px4_is_told_unknown_when_blind_and_when_frames_cease() -> None:
     assert np.diff([t for t, _ in ceased]).max() <= 0.1
 
 
-def test_ardupilot_hears_nothing_when_blind_or_when_frames_cease() -> None:
+def test_ardupilot_hears_nothing_when_nothing_is_known() -> None:
     """It keeps what it was told last as long as anything comes, and has no word for unknown."""
     link = Link("ardupilot")
     fly(link, 0.5, 50.0)
-    blind = fly(link, 1.0, 50.0, health="blind")
+    blind = fly(link, 1.0, 50.0, things=[], health="blind")
     assert all(t < 0.05 for t in times_of(blind, "OBSTACLE_DISTANCE_3D"))
     assert len(times_of(blind, "HEARTBEAT")) >= 1
     fly(link, 0.5, 50.0)
     ceased = [k * 0.01 for k in range(200) for m in link.step(10.0) if m.id == 11037]
     assert max(ceased) <= 0.3
+
+
+def test_ardupilot_goes_on_hearing_of_obstacles_that_are_held_while_blind() -> None:
+    """Silence would make it stop avoiding them."""
+    link = Link("ardupilot")
+    blind = fly(link, 1.0, 50.0, health="blind")
+    assert np.diff(times_of(blind, "OBSTACLE_DISTANCE_3D")).max() <= 0.1
 
 
 def test_before_the_first_frame_nothing_is_known() -> None:
@@ -190,10 +200,10 @@ def test_without_a_time_there_is_no_collision(time_s: float) -> None:
     assert not of_kind(link.poll(), "COLLISION")
 
 
-def test_a_blind_frame_has_no_collision() -> None:
+def test_a_blind_frame_still_warns_of_what_was_seen_before() -> None:
     link = Link("px4")
     link.update([], health="blind", collision={"valid": True, "id": 1, "time_s": 2.0})
-    assert not of_kind(link.poll(), "COLLISION")
+    assert link.one("COLLISION").time_to_minimum_delta == 2.0
 
 
 # ---- what is refused ----
@@ -256,3 +266,51 @@ def test_frames_of_a_link_are_numbered_without_a_gap() -> None:
     fly(link, 3.0, 50.0)
     numbers = [data[4] for data in link.raw]
     assert numbers == [k % 256 for k in range(len(numbers))] and len(numbers) > 50
+
+
+@pytest.mark.parametrize("number", [lib.VISTA_ID_TOO_NEAR, 1])
+@pytest.mark.parametrize("far_m", [1e200, 1.7e308])
+def test_what_is_absurdly_far_is_nowhere(number: int, far_m: float) -> None:
+    link = Link("px4")
+    assert link.update([Thing(np.array([far_m, 0.0, far_m]), id=number)], health="degraded") == "VISTA_OK"
+    distances = set(link.one("OBSTACLE_DISTANCE").distances)
+    assert distances <= {UNKNOWN, 30}  # what is too near to match may be in any direction
+
+
+# ---- from a result of the pipeline ----
+
+
+def test_a_frame_of_a_result_has_its_obstacles_in_the_camera() -> None:
+    pipeline = Pipeline()
+    flight = board_flight()
+    pipeline.fly(flight)
+    directions = ffi.new("vista_directions *")
+    assert status_name(lib.vista_pipeline_directions(pipeline.handle, directions)) == "VISTA_OK"
+    room = ffi.new("vista_mavlink_obstacle[]", 8)
+    frame = ffi.new("vista_mavlink_frame *")
+    result = pipeline.result
+    status = lib.vista_mavlink_frame_of(result, directions, START_NS, room, len(room), frame)
+    assert status_name(status) == "VISTA_OK"
+    confirmed = [o for o in result.obstacles[0 : result.obstacle_count] if o.confirmed]
+    assert frame.obstacle_count == len(confirmed) >= 1
+    position_m = flight[-1].position_m
+    for mine, theirs in zip(room, confirmed, strict=False):
+        expected_m = WORLD_FROM_CAMERA.T @ (np.array(list(theirs.position_m)) - position_m)
+        np.testing.assert_allclose(list(mine.position_camera_m), expected_m, atol=1e-9)
+        assert (mine.id, mine.width_m, mine.height_m) == (theirs.id, *theirs.extent_m)
+    assert frame.collision.valid and frame.collision.id == result.nearest_collision.id
+    velocity_m_s = WORLD_FROM_CAMERA.T @ np.array(list(result.motion.velocity_m_s))
+    np.testing.assert_allclose(list(frame.collision.velocity_camera_m_s), velocity_m_s, atol=1e-9)
+    link = Link("px4")
+    assert status_name(lib.vista_mavlink_update(link.c, frame)) == "VISTA_OK"
+    ahead_cm = link.one("OBSTACLE_DISTANCE").distances[0]
+    assert ahead_cm == pytest.approx(100 * np.linalg.norm(list(room[0].position_camera_m)), abs=60)
+
+
+def test_more_obstacles_than_room_leaves_the_farthest_out() -> None:
+    pipeline = Pipeline()
+    pipeline.fly(board_flight())
+    frame = ffi.new("vista_mavlink_frame *")
+    arguments = pipeline.result, ffi.new("vista_directions *"), START_NS, ffi.NULL, 0, frame
+    assert status_name(lib.vista_mavlink_frame_of(*arguments)) == "VISTA_OK"
+    assert frame.obstacle_count == 0

@@ -16,7 +16,7 @@
  *
  * PX4 is sent OBSTACLE_DISTANCE, and is told that all is unknown when the frame is blind or none came for stale_s.
  * ArduPilot is sent OBSTACLE_DISTANCE_3D; it has no word for unknown, and takes silence for it, so distances cease
- * then. Both are sent HEARTBEAT, COLLISION and STATUSTEXT. doc/autopilot.md says more. */
+ * then, except that a blind frame's obstacles are sent on: tracks that are held. Both are sent HEARTBEAT, COLLISION and STATUSTEXT. doc/autopilot.md says more. */
 #ifndef VISTA_MAVLINK_H
 #define VISTA_MAVLINK_H
 

@@ -50,7 +50,7 @@ vista_status vista_mavlink_update(vista_mavlink *link, const vista_mavlink_frame
       if (s->distance_cm[k] > lround(100.0 * link->params.max_distance_m)) s->distance_cm[k] = VISTA_MAVLINK_UNKNOWN;
   }
   link->has_frame = link->fresh = true;
-  link->collision_due = s->collision.valid && s->collision.time_s > 0.0 && s->health != VISTA_HEALTH_BLIND;
+  link->collision_due = s->collision.valid && s->collision.time_s > 0.0;
   return VISTA_OK;
 }
 
@@ -76,10 +76,11 @@ static int32_t begin_points(vista_mavlink *link, uint8_t *bytes) {
 
 static int32_t write_distances(vista_mavlink *link, vista_mavlink_condition condition, uint8_t *bytes) {
   const bool counts = condition == CONDITION_HEALTHY || condition == CONDITION_DEGRADED;
+  const bool held = condition == CONDITION_BLIND && link->state.point_count > 0; /* tracks that are carried on */
   int32_t count = 0;
   if (link->params.autopilot == VISTA_MAVLINK_AUTOPILOT_PX4)
     count = vista_mavlink_write_sectors(link, counts, bytes);
-  else if (counts)
+  else if (counts || held)
     count = begin_points(link, bytes);
   link->sent_ns = link->now_ns;
   link->sent_any = true;

@@ -184,7 +184,7 @@ bool vista_mavlink_place(vista_mavlink *link, const vista_mavlink_frame *frame) 
     all_finite = all_finite && good;
     if (!good) continue;
     const place at = place_of(params, &axes, obstacle);
-    if (!isfinite(at.distance_m)) continue;
+    if (!isfinite(at.distance_m + at.along_m + at.aside_m)) continue; /* of numbers near the largest there are */
     mark_obstacle(params, &at, state->distance_cm);
     add_points(link, &axes, &at, obstacle->id);
   }
