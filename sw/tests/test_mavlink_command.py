@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import json
 import os
 import signal
@@ -333,7 +334,7 @@ def damage(value: Any, odd: list[Any], random: np.random.Generator) -> None:
     elif isinstance(value, dict) and random.random() < 0.2:
         del value[key]
     else:
-        value[key] = odd[random.integers(len(odd))]
+        value[key] = copy.deepcopy(odd[random.integers(len(odd))])
 
 
 def test_a_serial_line_that_is_unplugged_is_waited_for(monkeypatch: pytest.MonkeyPatch) -> None:
