@@ -19,6 +19,8 @@ AUTOPILOT = {
     "ardupilot": lib.VISTA_MAVLINK_AUTOPILOT_ARDUPILOT,
 }
 START_NS = 1000 * MS
+LEVEL_M = 12.0  # of what most tests look at
+CLEAR = 4001  # the default of mavlink.max_distance_m
 
 
 def rotation(roll_deg: float, pitch_deg: float, yaw_deg: float) -> np.ndarray:
@@ -168,3 +170,17 @@ def columns(first_deg: float, last_deg: float, free_m: float = 100.0) -> np.ndar
     """Free between two azimuths from where the camera looks."""
     left = FIRST_DEG + np.arange(COLUMNS)
     return np.where((left >= first_deg) & (left + 1 <= last_deg), free_m, 0.0)
+
+
+def view(link: Link, *things: Thing, health: str = "healthy") -> None:
+    """A frame of a camera that sees 30 degrees to each side."""
+    assert link.update(list(things), columns(-30, 30), health) == "VISTA_OK"
+
+
+def deliver(link: Link, receiver: Any, milliseconds_later: float = 0.0) -> None:
+    for message in link.step(milliseconds_later):
+        receiver.receive(message, milliseconds(link))
+
+
+def milliseconds(link: Link) -> float:
+    return (link.now_ns - START_NS) / MS

@@ -1,8 +1,7 @@
-"""What autopilots make of our messages, by rules from their public sources; and known mistakes."""
+"""What autopilots make of our messages, by rules from their public sources."""
 
 from __future__ import annotations
 
-import copy
 import math
 from collections.abc import Callable
 from functools import partial
@@ -11,12 +10,10 @@ from typing import Any
 import numpy as np
 import pytest
 from autopilot_rules import UNKNOWN, ArduPilot, Px4
-from mavlink_link import MS, START_NS, Aircraft, Link, Thing, columns, of_kind
+from mavlink_link import CLEAR, LEVEL_M, MS, Aircraft, Link, Thing, deliver, milliseconds, of_kind, view
 from random_seed import seeded
 from stage_arena import lib
 
-LEVEL_M = 12.0
-CLEAR = 4001
 PX4 = [
     pytest.param(Px4, lib.VISTA_MAVLINK_SECTORS_72, id="72 bins"),
     pytest.param(partial(Px4, 36, overlapping=True), lib.VISTA_MAVLINK_SECTORS_36, id="36 bins"),
@@ -24,22 +21,8 @@ PX4 = [
 ]
 
 
-def milliseconds(link: Link) -> float:
-    return (link.now_ns - START_NS) / MS
-
-
 def turned(bearing_deg: float) -> Aircraft:
     return Aircraft((10.0, -5.0, 200.0), (0.0, 0.0, float(round(bearing_deg / 30) * 30)))
-
-
-def view(link: Link, *things: Thing, health: str = "healthy") -> None:
-    """A frame of a camera that sees 30 degrees to each side."""
-    assert link.update(list(things), columns(-30, 30), health) == "VISTA_OK"
-
-
-def deliver(link: Link, receiver: Px4 | ArduPilot, milliseconds_later: float = 0.0) -> None:
-    for message in link.step(milliseconds_later):
-        receiver.receive(message, milliseconds(link))
 
 
 # ---- PX4 ----
@@ -226,131 +209,3 @@ def test_reordered_points_leave_no_obstacle_of_old() -> None:
         for message in frames[2]:
             ardupilot.receive(message, milliseconds(link))
         assert list(ardupilot.faces.values()) == [pytest.approx(5.0, abs=1e-3)]
-
-
-# ---- the mistakes of others: reference messages, and that the rules tell them from ours ----
-
-Mistake = Callable[[Any], None]
-
-
-def yaw_90(message: Any) -> None:
-    """x to the right and y ahead, as in a frame of ENU."""
-    message.distances = message.distances[18:] + message.distances[:18]
-
-
-def mirrored(message: Any) -> None:
-    """Angles that count to the left, as those of ROS."""
-    message.distances = message.distances[:1] + message.distances[:0:-1]
-
-
-def halves_swapped(message: Any) -> None:
-    """From the left edge of the view instead of from ahead."""
-    message.distances = message.distances[36:] + message.distances[:36]
-
-
-def offset_of_the_wrong_sign(message: Any) -> None:
-    message.angle_offset = -message.angle_offset
-
-
-def global_frame(message: Any) -> None:
-    """The default of the field: north aligned."""
-    message.frame = 0
-
-
-def clear_for_unknown(message: Any) -> None:
-    message.distances = [CLEAR if d == UNKNOWN else d for d in message.distances]
-
-
-def zero_for_unknown(message: Any) -> None:
-    message.distances = [0 if d == UNKNOWN else d for d in message.distances]
-
-
-def metres(message: Any) -> None:
-    message.distances = [d if d >= CLEAR else d // 100 for d in message.distances]
-
-
-def map_of(messages: list[Any]) -> list[int]:
-    px4 = Px4()
-    for message in messages:
-        px4.receive(message, 0.0)
-    return px4.look(0.0)
-
-
-@pytest.mark.parametrize(
-    "mistake",
-    [
-        yaw_90, mirrored, halves_swapped, offset_of_the_wrong_sign, global_frame, clear_for_unknown,
-        zero_for_unknown, metres,
-    ],
-)  # fmt: skip
-def test_a_known_mistake_is_not_ours(mistake: Mistake) -> None:
-    """An obstacle 35 degrees to the right, in a view that is turned by 40: each mistake gives another map."""
-    aircraft = Aircraft((0.0, 0.0, 123.0), (0.0, 0.0, 40.0))
-    link = Link("px4", aircraft, {"angle_offset_deg": -45.0})
-    view(link, Thing(aircraft.at_bearing(35.0, LEVEL_M)))
-    ours = of_kind(link.poll(), "OBSTACLE_DISTANCE")
-    truth = [UNKNOWN] * 72
-    for sector in range(3, 14):  # whole sectors within 10 to 70 degrees
-        truth[sector] = CLEAR
-    truth[7] = 1195
-    assert map_of(ours) == truth
-    wrong = copy.deepcopy(ours)
-    for message in wrong:
-        mistake(message)
-    assert map_of(wrong) != truth
-
-
-def test_zero_is_never_a_distance() -> None:
-    for thing in (
-        Thing(np.zeros(3)),
-        Thing(np.array([0.0, 0.0, 1e-9])),
-        Thing(np.array([0.0, 0.0, 0.05]), width_m=3.0),
-        Thing(np.array([0.0, 0.0, 9.0]), id=0),  # too near to match
-    ):
-        link = Link("px4")
-        view(link, thing)
-        message = link.one("OBSTACLE_DISTANCE")
-        assert min(message.distances) == message.min_distance == 30
-        link, ardupilot = Link("ardupilot"), ArduPilot()
-        view(link, thing)
-        deliver(link, ardupilot)
-        if np.any(thing.position_camera_m):
-            assert min(ardupilot.faces.values()) == pytest.approx(0.3)
-
-
-def test_points_grouped_wrongly_would_lose_obstacles() -> None:
-    """A time of its own for each point leaves the last one only; one for all frames never forgets."""
-    link = Link("ardupilot")
-    view(
-        link,
-        *(Thing(link.aircraft.at_bearing(b, LEVEL_M), id=k) for k, b in enumerate((-50.0, 0.0, 50.0), 1)),
-    )
-    points = of_kind(link.poll(), "OBSTACLE_DISTANCE_3D")
-
-    def faces(messages: list[Any]) -> int:
-        ardupilot = ArduPilot()
-        for message in messages:
-            ardupilot.receive(message, 0.0)
-        return len(ardupilot.faces)
-
-    assert faces(points) == 3
-    apart = copy.deepcopy(points)
-    for k, message in enumerate(apart):
-        message.time_boot_ms += k
-    assert faces(apart) == 1
-
-
-def test_frames_within_a_millisecond_are_told_apart() -> None:
-    link = Link("ardupilot")
-    stamps = []
-    for k in range(3):
-        link.update([Thing(np.array([0.0, 0.0, 9.0]))], t_ns=START_NS + 1000 * k)
-        stamps += [m.time_boot_ms for m in of_kind(link.step(50.0), "OBSTACLE_DISTANCE_3D")]
-    assert len(set(stamps)) == 3
-
-
-def test_a_repeated_frame_keeps_its_time() -> None:
-    link = Link("ardupilot")
-    link.update([Thing(np.array([0.0, 0.0, 9.0]))])
-    stamps = [m.time_boot_ms for _ in range(25) for m in of_kind(link.step(10.0), "OBSTACLE_DISTANCE_3D")]
-    assert len(stamps) >= 3 and len(set(stamps)) == 1

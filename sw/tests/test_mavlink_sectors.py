@@ -122,6 +122,21 @@ def test_width_fills_the_sectors_that_it_reaches_into() -> None:
     assert clear_sectors(message) and not clear_sectors(message) & set(obstacle_sectors(message))
 
 
+def test_the_point_that_the_path_meets_is_told_too() -> None:
+    """Of a wall at an angle, whose middle is 20 m away and aside."""
+    collision = {"valid": True, "id": 3, "position_camera_m": [0.0, 0.5, 8.0], "time_s": 1.0}
+    wall = Thing(np.array([14.0, 0.0, 14.0]), width_m=6.0, height_m=6.0, id=3)
+    link = Link("px4")
+    link.update([wall], collision=collision)
+    found = obstacle_sectors(link.one("OBSTACLE_DISTANCE"))
+    assert found.pop(0) == 800
+    assert set(found) == {7, 8, 9, 10, 11} and min(found.values()) > 1900
+    link = Link("ardupilot")
+    link.update([wall], collision=collision)
+    first = of_kind(link.poll(), "OBSTACLE_DISTANCE_3D")[0]
+    assert (first.x, first.y, first.z, first.obstacle_id) == (8.0, 0.0, 0.5, 3)
+
+
 def test_the_nearest_of_a_sector_is_told() -> None:
     things = [Thing(np.array([0.0, 0.0, z]), id=k) for k, z in enumerate((9.0, 20.0, 7.0), start=1)]
     for order in itertools.permutations(things):

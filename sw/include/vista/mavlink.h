@@ -16,7 +16,8 @@
  *
  * PX4 is sent OBSTACLE_DISTANCE, and is told that all is unknown when the frame is blind or none came for stale_s.
  * ArduPilot is sent OBSTACLE_DISTANCE_3D; it has no word for unknown, and takes silence for it, so distances cease
- * then, except that a blind frame's obstacles are sent on: tracks that are held. Both are sent HEARTBEAT, COLLISION and STATUSTEXT. doc/autopilot.md says more. */
+ * then, except that a blind frame's obstacles are sent on: tracks that are held. Both are sent HEARTBEAT, COLLISION and
+ * STATUSTEXT. doc/autopilot.md says more. */
 #ifndef VISTA_MAVLINK_H
 #define VISTA_MAVLINK_H
 
@@ -44,7 +45,8 @@ typedef struct vista_mavlink_obstacle {
   double width_m, height_m;
 } vista_mavlink_obstacle;
 
-/* The collision that is nearest. */
+/* The collision that is nearest. Its point counts as an obstacle, too: of a wall that is seen at an angle it is nearer
+ * than the middle. */
 typedef struct vista_mavlink_collision {
   bool valid;
   int32_t id;

@@ -132,6 +132,13 @@ static void add_points(vista_mavlink *link, const level *axes, const place *at, 
   }
 }
 
+static void add_obstacle(vista_mavlink *link, const level *axes, const vista_mavlink_obstacle *obstacle) {
+  const place at = place_of(&link->params, axes, obstacle);
+  if (!isfinite(at.distance_m + at.along_m + at.aside_m)) return; /* numbers near the largest there are */
+  mark_obstacle(&link->params, &at, link->state.distance_cm);
+  add_points(link, axes, &at, obstacle->id);
+}
+
 /* Where the collision's point comes nearest: level and vertical distance. Without a velocity it is met. */
 static void miss(const level *axes, vista_mavlink_state *state) {
   const vista_mavlink_collision *const c = &state->collision;
@@ -178,15 +185,16 @@ bool vista_mavlink_place(vista_mavlink *link, const vista_mavlink_frame *frame) 
   if (!all_finite) state->collision.valid = false;
   if (state->collision.valid) miss(&axes, state);
   if (frame->health == VISTA_HEALTH_HEALTHY) mark_clear(params, &axes, &frame->directions, state->distance_cm);
+  if (state->collision.valid) {
+    vista_mavlink_obstacle met = {.id = c->id};
+    memcpy(met.position_camera_m, c->position_camera_m, sizeof met.position_camera_m);
+    add_obstacle(link, &axes, &met);
+  }
   for (int32_t k = 0; k < frame->obstacle_count; ++k) {
     const vista_mavlink_obstacle *const obstacle = &frame->obstacles[k];
     const bool good = finite3(obstacle->position_camera_m) && isfinite(obstacle->width_m + obstacle->height_m);
     all_finite = all_finite && good;
-    if (!good) continue;
-    const place at = place_of(params, &axes, obstacle);
-    if (!isfinite(at.distance_m + at.along_m + at.aside_m)) continue; /* of numbers near the largest there are */
-    mark_obstacle(params, &at, state->distance_cm);
-    add_points(link, &axes, &at, obstacle->id);
+    if (good) add_obstacle(link, &axes, obstacle);
   }
   return all_finite;
 }
