@@ -181,13 +181,18 @@ def test_chance_matches_on_a_line_are_no_wire() -> None:
     assert Thin().find(image, words) == []
 
 
-def test_texture_and_foliage_hold_no_wires() -> None:
-    """A near thing full of texture, with words that scatter as those of leaves do."""
+def test_texture_and_foliage_hold_hardly_any_wire() -> None:
+    """Near things full of texture, with words that scatter as those of leaves do. By chance such a relief has a
+    straight ridge along an edge of the image in one of a hundred (three of the seeds 0 to 299); in more than three of
+    twenty that is less than once in 20,000 runs."""
     random = seeded(8)
-    image = np.clip(textured(random, 45.0), 0, 255).astype(np.uint8)
-    depth = cv2.GaussianBlur(random.normal(size=(HEIGHT, WIDTH)), (0, 0), 6.0)
-    words = np.rint(16 * (20.0 + 3.0 * depth / depth.std())).astype(np.int16)
-    assert Thin().find(image, words) == []
+    with_lines = 0
+    for _ in range(20):
+        image = np.clip(textured(random, 45.0), 0, 255).astype(np.uint8)
+        depth = cv2.GaussianBlur(random.normal(size=(HEIGHT, WIDTH)), (0, 0), 6.0)
+        words = np.rint(16 * (20.0 + 3.0 * depth / depth.std())).astype(np.int16)
+        with_lines += len(Thin().find(image, words)) > 0
+    assert with_lines <= 3
 
 
 def test_a_marking_on_plain_ground_is_no_wire() -> None:
