@@ -134,6 +134,22 @@ def test_nobody_need_listen(tmp_path: Path, run_vista: Vista) -> None:
     assert (status, err) == (0, "") and "3 frames" in out
 
 
+def test_a_receiver_that_comes_later_is_reached() -> None:
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as free:
+        free.bind(("127.0.0.1", 0))
+        address = free.getsockname()
+    transport = open_transport(f"udp:{address[0]}:{address[1]}")
+    for _ in range(3):
+        transport.send(b"to nobody")
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as receiver:
+        receiver.bind(address)
+        receiver.settimeout(10.0)
+        transport.send(b"lost")  # that nobody listened may be told only now
+        transport.send(b"found")
+        assert receiver.recv(100) in (b"lost", b"found")
+    transport.close()
+
+
 def test_an_interruption_ends_it(tmp_path: Path) -> None:
     file = write_lines(tmp_path / "obstacles.jsonl", [line(k, t_ns=10**11 * k) for k in range(3)])
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as receiver:
