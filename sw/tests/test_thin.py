@@ -182,9 +182,9 @@ def test_chance_matches_on_a_line_are_no_wire() -> None:
 
 
 def test_texture_and_foliage_hold_hardly_any_wire() -> None:
-    """Near things full of texture, with words that scatter as those of leaves do. By chance such a relief has a
-    straight ridge along an edge of the image in one of a hundred (three of the seeds 0 to 299); in more than three of
-    twenty that is less than once in 20,000 runs."""
+    """Near things full of texture, with words that scatter as those of leaves do. By chance one such relief
+    in a hundred has a straight ridge along an edge of the image (seeds 0 to 299: three). More than three of
+    twenty have one in less than one of 20,000 runs."""
     random = seeded(8)
     with_lines = 0
     for _ in range(20):
