@@ -117,7 +117,7 @@ class Link:
         frame.t_ns = self.now_ns if t_ns is None else t_ns
         frame.health, frame.obstacles, frame.obstacle_count = HEALTH[health], items, len(things)
         frame.directions.up_known = up_known
-        frame.directions.up_camera = self.aircraft.up_camera.tolist()
+        frame.directions.up_camera = self.aircraft.up_camera.tolist() if up_known else [0.0, -1.0, 0.0]
         frame.directions.free_m = np.broadcast_to(np.float32(free_m), COLUMNS).tolist()
         reason = ffi.new("char[]", more.pop("reason", "").encode())
         frame.reason = reason
@@ -126,21 +126,24 @@ class Link:
         assert not more
         return status_name(lib.vista_mavlink_update(self.c, frame))
 
+    def next(self) -> Any:
+        """One message, decoded; None when nothing is due."""
+        count, room = ffi.new("int32_t *"), ffi.new("uint8_t[]", lib.VISTA_MAVLINK_BYTES)
+        assert status_name(lib.vista_mavlink_next(self.c, self.now_ns, room, len(room), count)) == "VISTA_OK"
+        if count[0] == 0:
+            return None
+        data = bytes(ffi.buffer(room, count[0]))
+        self.raw.append(data)
+        (decoded,) = self.decoder.parse_buffer(data)
+        return decoded
+
     def poll(self) -> list[Any]:
-        """Everything that is due now, decoded."""
+        """Everything that is due now."""
         messages = []
-        count, bytes_ = ffi.new("int32_t *"), ffi.new("uint8_t[]", lib.VISTA_MAVLINK_BYTES)
-        for _ in range(100):
-            status = lib.vista_mavlink_next(self.c, self.now_ns, bytes_, len(bytes_), count)
-            assert status_name(status) == "VISTA_OK"
-            if count[0] == 0:
-                return messages
-            data = bytes(ffi.buffer(bytes_, count[0]))
-            self.raw.append(data)
-            decoded = self.decoder.parse_buffer(data)
-            assert decoded is not None and len(decoded) == 1
-            messages += decoded
-        raise AssertionError("it never stops")
+        while (message := self.next()) is not None:
+            messages.append(message)
+            assert len(messages) < 100
+        return messages
 
     def step(self, milliseconds: float) -> list[Any]:
         self.now_ns += round(milliseconds * MS)

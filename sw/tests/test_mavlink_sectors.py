@@ -113,6 +113,13 @@ def test_without_a_known_up_the_aircraft_counts_as_level() -> None:
     assert list(obstacle_sectors(link.one("OBSTACLE_DISTANCE"))) == [18]
 
 
+@pytest.mark.parametrize("pitch_deg, clear", [(0.0, True), (-2.0, True), (-5.0, False), (20.0, False)])
+def test_without_a_known_up_only_a_level_camera_sees_what_is_clear(pitch_deg: float, clear: bool) -> None:
+    link = Link("px4", Aircraft(mount_deg=(0.0, pitch_deg, 0.0)))
+    link.update([], columns(-30, 30), up_known=False)
+    assert bool(clear_sectors(link.one("OBSTACLE_DISTANCE"))) == clear
+
+
 def test_width_fills_the_sectors_that_it_reaches_into() -> None:
     """A board of 10 m at 10 m spans 26.6 degrees to each side: sectors -5 to 5."""
     link = Link()

@@ -10,7 +10,7 @@
 #define MS 1000000LL
 #define SECOND (1000 * MS)
 #define REPEAT_NS (80 * MS)  /* the same again, without a new frame: 10 Hz with time to spare */
-#define LEAST_NS (40 * MS)   /* between distances: a frame that comes sooner waits, or gives way to the next */
+#define LEAST_NS (30 * MS)   /* between distances: a frame that comes sooner waits, or gives way to the next */
 #define TEXT_AGAIN_NS (10 * SECOND)
 #define TEXT_LEAST_NS SECOND
 
@@ -49,6 +49,8 @@ vista_status vista_mavlink_update(vista_mavlink *link, const vista_mavlink_frame
     for (int k = 0; k < VISTA_MAVLINK_MOST_SECTORS; ++k)
       if (s->distance_cm[k] > lround(100.0 * link->params.max_distance_m)) s->distance_cm[k] = VISTA_MAVLINK_UNKNOWN;
   }
+  if (link->burst_next < link->burst_count) link->sent_any = false; /* the rest of it is gone: the new frame at once */
+  link->burst_next = link->burst_count = 0;
   link->has_frame = link->fresh = true;
   link->collision_due = s->collision.valid && s->collision.time_s > 0.0;
   return VISTA_OK;

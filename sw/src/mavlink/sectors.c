@@ -5,6 +5,7 @@
 
 #define PI 3.14159265358979323846
 #define DEG (180.0 / PI)
+#define SAME_UP 0.9986 /* cosine of 3 degrees */
 #define LEVEL_MIN 0.1 /* sine between forward and vertical: an aircraft that stands on its tail has no heading */
 #define THICKNESS 0.25 /* of the width: how far the middle is behind the surface that is seen (obstacle_map), */
 #define THICKNESS_MAX_M 0.25 /* at most */
@@ -51,6 +52,8 @@ static int32_t wrapped(int32_t number, int32_t count) { return ((number % count)
 static void mark_clear(const vista_mavlink_params *params, const level *axes, const vista_directions *directions,
                        uint16_t *distance_cm) {
   static const double axis[3] = {0.0, 0.0, 1.0}; /* of the camera */
+  /* The camera looked for free directions with an up of its own: where none is known, that is not the aircraft's. */
+  if (!(dot(axes->up, directions->up_camera) >= SAME_UP)) return;
   const double along = dot(axis, axes->ahead), aside = dot(axis, axes->right);
   if (!(along * along + aside * aside >= LEVEL_MIN * LEVEL_MIN)) return;
   const double camera_deg = DEG * atan2(aside, along);

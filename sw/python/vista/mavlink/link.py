@@ -17,6 +17,8 @@ HEALTH = {
     State.BLIND: "VISTA_HEALTH_BLIND",
 }
 
+LEVEL = (0.0, -1.0, 0.0)  # up, in a camera of which nothing is known
+
 
 class Link:
     """Every time is in nanoseconds of one clock, which starts at 0 or later and never goes back."""
@@ -44,8 +46,8 @@ class Link:
         frame.health = getattr(self._lib, HEALTH[sighting.health])
         frame.obstacles, frame.obstacle_count = boards, len(sighting.obstacles)
         frame.directions.free_m = sighting.free_m.tolist()
-        if sighting.up_camera is not None:
-            frame.directions.up_known, frame.directions.up_camera = True, sighting.up_camera
+        frame.directions.up_known = sighting.up_camera is not None
+        frame.directions.up_camera = sighting.up_camera or LEVEL
         if sighting.collision is not None:
             to = frame.collision
             to.valid, to.id, to.time_s = True, sighting.collision.id, sighting.collision.time_s
