@@ -17,6 +17,8 @@
 #define VISTA_VISTA_H
 
 #include "vista/api.h"
+#include "vista/directions.h"
+#include "vista/mavlink.h"
 #include "vista/obstacle.h"
 #include "vista/parameters.h"
 #include "vista/pipeline.h"
