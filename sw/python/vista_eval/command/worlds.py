@@ -56,7 +56,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--no-controls",
         action="store_true",
-        help="score the detector alone, without what is flown and segmented beside it, which takes longest",
+        help="score the detector alone, without what is flown and segmented beside it",
+    )
+    parser.add_argument(
+        "--no-sweep",
+        action="store_true",
+        help="leave out stereo alone with the host's tracker at each of its thresholds, which takes longest",
     )
     add_sensor_noise(parser)
     add_place(parser)
@@ -84,7 +89,9 @@ def execute(arguments: argparse.Namespace) -> int:
     from vista_eval.score_worlds import EVERYTHING, NOTHING, score_worlds, write_worlds  # loads libvista
 
     beside = NOTHING if arguments.no_controls else EVERYTHING
-    beside = replace(beside, noise_grey=tuple(arguments.noise))
+    beside = replace(
+        beside, noise_grey=tuple(arguments.noise), sweep=None if arguments.no_sweep else beside.sweep
+    )
     worlds = score_worlds(folders, values, beside, place)
     if judged is not None:  # before anybody sees a figure
         log_scoring(judged, worlds, values)
