@@ -88,8 +88,9 @@ $(BUILD)/lib/libvista_engine.so: native ;@:
 install: native ## install libraries, headers and programs into PREFIX (default /usr/local), below DESTDIR
 	@DESTDIR=$(DESTDIR) $(CMAKE) --install $(BUILD) --prefix $(PREFIX)
 
-generate: .venv/run.stamp ## write generated sources and tables anew, after a change of parameters.toml or of measured figures
+generate: .venv/run.stamp ## write generated sources and tables anew, after a change of parameters.toml, of rtl/board/wire.toml or of measured figures
 	@$(PYTHON) scripts/make_parameters.py sw/parameters.toml sw/include/vista/parameters.h sw/src/parameters_table.h
+	@$(PYTHON) scripts/make_wire.py rtl/board/wire.toml sw/src/board/wire.h rtl/board/wire.md
 	@$(PYTHON) scripts/make_tables.py
 
 # ---- checks ----
@@ -105,6 +106,7 @@ test-python: build systemc-tests .venv/jobs.stamp $(RTL_TOOLS)
 
 drift: .venv/run.stamp ## check that generated sources and tables equal what their generators write
 	@$(PYTHON) scripts/make_parameters.py sw/parameters.toml sw/include/vista/parameters.h sw/src/parameters_table.h --check
+	@$(PYTHON) scripts/make_wire.py rtl/board/wire.toml sw/src/board/wire.h rtl/board/wire.md --check
 	@$(PYTHON) scripts/make_tables.py --check
 
 lint: lint-python lint-c lint-rtl ## run ruff, clang-format, Verilator -Wall and Verible

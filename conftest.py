@@ -17,7 +17,7 @@ NATIVE_PATHS = (
 )
 # What `make check` leaves out: simulations of the RTL, renderings, installations, and long runs.
 SLOW = """
-    cache cli dataset_command demo engine_rtl figures flight flights_command fuzz health_real jobs
+    board cache cli dataset_command demo engine_rtl figures flight flights_command fuzz health_real jobs
     jobs_cluster measured_pairs obstacle_schema real_sequence report run_health scenes score_flight
     static_world street throughput
 """
