@@ -3,7 +3,6 @@
 #include <stddef.h>
 
 #include "board/request.h"
-#include "common/numbers.h"
 #include "vista_stereo_csr.h"
 
 #define ADDRESS(name) ((uint32_t)offsetof(vista_stereo_csr_t, name))
@@ -152,8 +151,8 @@ static vista_status write_all(vista_board *board, const register_value *list, in
 }
 
 vista_status session_set_up(vista_board *board, const vista_board_settings *settings) {
-  const int32_t texture = vista_smaller(settings->texture_threshold, MAX_TEXTURE);
-  const int32_t max_diff = settings->lr_max_diff < 0 ? 0 : vista_smaller(settings->lr_max_diff, MAX_DIFF_PX);
+  const int32_t texture = settings->texture_threshold < MAX_TEXTURE ? settings->texture_threshold : MAX_TEXTURE;
+  const int32_t max_diff = settings->lr_max_diff < MAX_DIFF_PX ? settings->lr_max_diff : MAX_DIFF_PX;
   const register_value before[] = {
       {ADDRESS(CONTROL), FIELD(CONTROL__SOFT_RESET, 1)},
       {ADDRESS(ERRORS), ~0u},
@@ -161,7 +160,8 @@ vista_status session_set_up(vista_board *board, const vista_board_settings *sett
       {ADDRESS(PREFILTER), FIELD(PREFILTER__XSOBEL, settings->xsobel) | FIELD(PREFILTER__CAP, settings->prefilter_cap)},
       {ADDRESS(TEXTURE), FIELD(TEXTURE__THRESHOLD, texture)},
       {ADDRESS(UNIQUENESS), FIELD(UNIQUENESS__RATIO, settings->uniqueness_ratio)},
-      {ADDRESS(LR_CHECK), FIELD(LR_CHECK__ENABLE, settings->lr_max_diff >= 0) | FIELD(LR_CHECK__MAX_DIFF, max_diff)},
+      {ADDRESS(LR_CHECK),
+       FIELD(LR_CHECK__ENABLE, settings->lr_max_diff >= 0) | FIELD(LR_CHECK__MAX_DIFF, max_diff < 0 ? 0 : max_diff)},
       {ADDRESS(OUTPUT), FIELD(OUTPUT__NARROW, 1)},
       {ADDRESS(FRONT_END), FIELD(FRONT_END__SMOOTH, settings->smooth) | FIELD(FRONT_END__LEVELS, settings->levels) |
                                FIELD(FRONT_END__RECTIFY, rectifies(settings))},
