@@ -143,15 +143,44 @@ def test_a_tree_is_met_at_its_front() -> None:
     assert -0.3 < region.met_camera_m[2] - front_m < 0.65 * (middle_m - front_m)
 
 
+@pytest.mark.parametrize("disparity_px", [8.0, 12.0])
+def test_the_range_at_which_a_thing_is_met_is_as_good_as_its_sigma_says(disparity_px: float) -> None:
+    """Boards with noise of 0.1 to 0.2 px, and crowns before them, 6 m wide and 1.2 m deep, with leaves. What
+    is met is the mean of the 20 pixels that a ball on the path touches first."""
+    random, half_m = seeded(6), 3.0
+    stages = Stages(camera(), TOLERANCES)
+    depth_m = 200.0 / disparity_px
+    v, u = np.mgrid[:240, :320]
+    across_m = (np.stack([u, v]) - np.reshape([160, 120], (2, 1, 1))) * depth_m / stages.camera.focal_px
+    aside_m = np.linalg.norm(across_m, axis=0)
+    disc = aside_m <= half_m
+    nees: dict[str, list[float]] = {"board": [], "crown": []}
+    for _ in range(6):
+        leaves_m = np.kron(random.uniform(0.0, 0.3, (60, 80)), np.ones((4, 4)))
+        crown_m = 1.2 * np.sqrt(np.maximum(1.0 - (aside_m / half_m) ** 2, 0.0)) - leaves_m
+        for name, front_m in (("board", np.zeros_like(crown_m)), ("crown", crown_m)):
+            surface_m = depth_m - front_m
+            words = words_of(np.where(disc, 200.0 / surface_m, -1.0), random, random.uniform(0.1, 0.2))
+            measure(stages, words, [disc])
+            assert count(stages, words, length_m=60.0)[0] > 100
+            region, inside = stages.regions.items[0], disc & (aside_m <= RADIUS_M)
+            touches_m = (surface_m - np.sqrt(np.maximum(RADIUS_M**2 - aside_m**2, 0.0)))[inside]
+            true_m = surface_m[inside][np.argsort(touches_m)[:20]].mean()
+            nees[name].append(((region.met_camera_m[2] - true_m) / region.met_sigma_m) ** 2)
+    for name, values in nees.items():
+        assert np.mean(values) < 3.0 and max(values) < 9.0, (name, values)
+
+
 def test_what_is_met_is_never_behind_the_camera() -> None:
-    """Words of a third of a pixel, half a kilometre away, before a surface beyond infinity."""
+    """Words of a quarter of a pixel, 800 m away, before a surface beyond infinity, within the noise."""
     stages = Stages(camera(), TOLERANCES)
     mask = box((160, 120), 80, 80)
-    words = words_of(np.where(mask, 0.375, -1.0))
+    words = words_of(np.where(mask, 0.25, -1.0))
     measure(stages, words, [mask])
     region = stages.regions.items[0]
     region.verdict = lib.VISTA_REGION_ACCEPTED
     region.disparity_px, region.slope_u, region.slope_v = -0.05, 0.0, 0.0
+    region.disparity_sigma_px = 0.2
     assert count(stages, words, radius_m=20.0, length_m=1000.0)[0] > 100
     assert not region.met
 

@@ -175,21 +175,40 @@ def test_a_long_slow_bend_is_known_though_the_camera_sways() -> None:
     assert max(found[22:]) < 1.3 / 200.0
 
 
+def test_a_path_that_may_be_bending_is_not_believed_for_long() -> None:
+    """A slow bend that has just begun to be seen: sway hides it, and the path still seems straight."""
+    lengths_m, off_m = [], []
+    for phases in seeded(8).uniform(0.0, 2.0 * math.pi, (20, 3)):
+        stage = Motion()
+        for frame in range(14):
+            t_s = 0.13 * frame
+            position, turned = circle(200.0, 8.0, t_s)
+            sway_rad = 0.006 * np.sin(np.array([4.1, 5.5, 3.3]) * t_s + phases)
+            sway = Rotation.from_rotvec(sway_rad).as_matrix()
+            path = stage.path(stage.update(t_s, pose(position, turned @ sway)))
+            if frame >= 6:
+                lengths_m.append(path.length_m)
+                off_m.append(0.5 * abs(1.0 / 200.0 - path.curvature_1_m) * path.length_m**2)
+    assert np.mean(lengths_m) < 70.0 and np.median(off_m) < 4.0  # as if straight: 100 m and 25 m
+
+
 @pytest.mark.parametrize("speed_m_s", [3.0, 12.0])
 @pytest.mark.parametrize("seed", range(5))
 def test_a_straight_flight_with_noisy_poses_stays_straight(speed_m_s: float, seed: int) -> None:
     """Noise of each pose, and an error that drifts as that of a navigation filter. Now and then a slight
     bend is seen; never one that leaves the collision volume within 20 m."""
     random, stage = seeded(seed), Motion()
-    drift, turned_m = np.zeros(3), []
+    drift, turned_m, lengths_m = np.zeros(3), [], []
     for frame in range(120):
         drift = 0.99 * drift + random.normal(0, math.radians(0.3 * 0.14), 3)
         attitude = Rotation.from_rotvec(drift + random.normal(0, math.radians(0.05), 3)).as_matrix()
         position = np.array([0.0, 0.0, 0.1 * speed_m_s * frame]) + random.normal(0, 0.01, 3)
         path = stage.path(stage.update(0.1 * frame, pose(position, attitude)))
         turned_m.append(0.5 * path.curvature_1_m * 20.0**2)
+        lengths_m.append(path.length_m)
     assert np.mean(np.array(turned_m) == 0.0) > 0.9
     assert max(turned_m) < 2.0
+    assert np.median(lengths_m) == 100.0
 
 
 def test_a_camera_that_looks_about_does_not_bend_the_path() -> None:
@@ -211,6 +230,22 @@ def test_wind_that_pushes_the_aircraft_aside_does_not_bend_the_path() -> None:
             aside_m = -0.1 * 5.0 / (2.0 * math.pi) * math.cos(swing)
             path = stage.path(stage.update(0.1 * frame, pose((aside_m, 0, 0.3 * frame), yaw)))
             assert path.curvature_1_m == 0.0
+
+
+def test_how_well_the_direction_is_known_is_what_it_swayed_by() -> None:
+    """A sway of 1 degree up and down within 5 s, whatever its phase; steady flight, straight or in a bend."""
+    swing, sway = 2.0 * math.pi / 5.0, math.radians(1.0)
+    for phase in seeded(8).uniform(0.0, 2.0 * math.pi, 20):
+        stage, told_rad = Motion(), []
+        for frame in range(60):
+            t_s = 0.1 * frame
+            up_m = -12.0 * sway / swing * math.cos(swing * t_s + phase)
+            path = stage.path(stage.update(t_s, pose((0.0, up_m, 12.0 * t_s))))
+            told_rad.append(path.sigma_rad)
+        assert sway / 3.0 < np.mean(told_rad[20:]) < 1.5 * sway
+    steady = Motion()
+    for flown, motion in ((steady, fly(steady, np.arange(20) * 0.1)), flown_circle(60.0, 12.0)):
+        assert math.radians(0.05) < flown.path(motion).sigma_rad < math.radians(0.3)
 
 
 def test_what_stands_or_hardly_moves_has_a_straight_path() -> None:
@@ -240,6 +275,35 @@ def test_after_frames_without_a_pose_the_velocity_is_right() -> None:
         assert list(before.velocity_m_s) == pytest.approx(FORWARD)
         assert list(after.velocity_m_s) == pytest.approx(FORWARD)
         assert after.known and after.velocity_known and after.drift_m == 0.0
+
+
+def test_a_pose_that_repeats_in_flight_is_an_old_one() -> None:
+    """A navigation filter that has no new pose gives the last one again. The aircraft flies on."""
+    stage = Motion()
+    times = 0.1 * np.arange(20)
+    fly(stage, times)
+    for frame in range(20, 24):
+        motion = stage.update(0.1 * frame, pose(FORWARD * times[-1]))
+        assert source(motion) == "CARRIED_ON" and not motion.known
+        assert place(motion) == pytest.approx(FORWARD * 0.1 * frame)
+    motion = stage.update(2.4, pose(FORWARD * 2.4))
+    assert source(motion) == "POSE" and list(motion.velocity_m_s) == pytest.approx(FORWARD)
+
+
+def test_a_pose_that_repeats_for_long_is_believed() -> None:
+    """From a second on the vehicle stands; it is not carried on any more, nor again."""
+    stage = Motion()
+    times = 0.1 * np.arange(20)
+    fly(stage, times)
+    sources = [source(stage.update(0.1 * frame, pose(FORWARD * times[-1]))) for frame in range(20, 60)]
+    assert sources[:9] == ["CARRIED_ON"] * 9 and set(sources[10:]) == {"POSE"}
+    motion = stage.update(6.0, pose(FORWARD * times[-1]))
+    assert motion.speed_m_s < 0.1 and place(motion) == pytest.approx(FORWARD * times[-1])
+
+
+def test_a_pose_that_repeats_while_the_vehicle_stands_is_a_pose() -> None:
+    stage = Motion()
+    assert {source(stage.update(0.1 * frame, pose((1, 2, 3)))) for frame in range(20)} == {"POSE"}
 
 
 def test_without_any_pose_motion_is_not_known() -> None:

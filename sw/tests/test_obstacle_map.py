@@ -468,14 +468,55 @@ def test_what_is_large_is_met_where_its_own_points_say_and_what_is_compact_near_
         assert mapper.nearest.distance_m == pytest.approx(np.linalg.norm(expected))
 
 
+def test_what_began_as_a_part_is_met_where_its_own_points_say() -> None:
+    """The extent of a track follows slowly: it is that of a window, 11 m below the path; its last region is
+    the whole facade."""
+    facade = {"ellipse": [320.0, 240.0, 300.0, 200.0, 0.0], "ellipse_depth_m": 40.0}  # 24 m wide
+    values = {"extent": (0.9, 0.8), "met": True, "met_m": [0.5, 0.0, 39.0]}
+    for changes, expected in (({}, [0.0, 10.8, 40.0]), (facade, values["met_m"])):
+        mapper = Map()
+        assert mapper.update([track((0.0, 11.0, 40.0), coasting=False, **values, **changes)]) == "VISTA_OK"
+        assert list(mapper.nearest.position_m) == pytest.approx(expected)
+
+
+def test_what_its_own_points_tell_has_their_range_and_their_doubt_of_it() -> None:
+    """Not those of the filter of its middle; across the line of sight the covariance is that of the thing.
+    The range of a plain wall is told by its outline. Which point of a face is met first adds to either."""
+    random, face = seeded(11), np.diag([2.0 * 2.0 * 0.1, 2.0 * 2.0 * 0.1, 0.0])
+    for _ in range(50):
+        met_m, sigma_m = random.uniform((-4, -3, 10), (4, 3, 60)), float(random.uniform(0.05, 2.0))
+        sight, told = met_m / np.linalg.norm(met_m), {}
+        across = np.eye(3) - np.outer(sight, sight)
+        for plain in (False, True):
+            wall = track(
+                met_m + np.array([1.0, 1.0, 2.0]),
+                sigma_m=0.5,
+                extent=(12.0, 8.0),
+                met=True,
+                met_m=met_m.tolist(),
+                met_sigma_m=sigma_m,
+                plain=plain,
+            )
+            mapper = Map()
+            assert mapper.update([wall]) == "VISTA_OK"
+            told[plain] = np.reshape(list(mapper.nearest.covariance_m2), (3, 3)) - face
+            of_thing = np.reshape(list(mapper.obstacles[0].covariance_m2), (3, 3))
+        assert sight @ told[False] @ sight == pytest.approx(sigma_m**2, rel=1e-6)
+        assert across @ told[False] @ across == pytest.approx(across @ of_thing @ across, abs=1e-9)
+        assert told[True] == pytest.approx(of_thing, abs=1e-9)
+
+
 def test_a_hillside_that_is_a_region_too_is_no_collision_of_its_own() -> None:
     """Its middle is far off the plane that the ground is met on; where the path meets it is not."""
     slope = ground_ahead(30.0)
-    hill = track((4.0, -9.0, 38.0), 5, extent=(40.0, 25.0), met=True, met_m=[0.3, 1.7, 30.2])
-    mapper = Map()
-    assert mapper.update([hill], terrain=slope) == "VISTA_OK"
-    assert mapper.nearest.id == lib.VISTA_ID_GROUND
-    assert [o.id for o in mapper.obstacles if o.in_collision_volume] == [lib.VISTA_ID_GROUND]
+    met = {"met": True, "met_m": [0.3, 1.7, 30.2]}
+    hill = track((4.0, -9.0, 38.0), 5, extent=(40.0, 25.0), **met)
+    grown = track((4.0, -9.0, 38.0), 5, extent=(2.0, 1.5), ellipse=[100.0, 120.0, 390.0, 160.0, 0.0], **met)
+    for seen in (hill, grown):  # of a small part of the slope the track has just become all of it
+        mapper = Map()
+        assert mapper.update([seen], terrain=slope) == "VISTA_OK"
+        assert mapper.nearest.id == lib.VISTA_ID_GROUND
+        assert [o.id for o in mapper.obstacles if o.in_collision_volume] == [lib.VISTA_ID_GROUND]
 
 
 def test_what_is_too_near_never_hides_ground_that_is_seen() -> None:

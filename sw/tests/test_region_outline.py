@@ -150,6 +150,19 @@ def test_an_edge_outside_of_the_image_tells_nothing(side: int) -> None:
     assert np.abs(surface_px(region, where) - SCALE / RANGE_M).max() < 0.5
 
 
+@pytest.mark.parametrize(("right_m", "expected"), [(2.5, "ACCEPTED"), (30.0, "UNKNOWN")])
+def test_a_ragged_foot_needs_both_upright_edges(right_m: float, expected: str) -> None:
+    """Two fifths of the foot are where words of the ground end by chance. The one edge in the image may be
+    that of a tree which stands beside a field."""
+    owner, disparity = landscape()
+    where = box((-2.0, right_m), (0.0, 4.0))
+    put_plain(owner, disparity, where)
+    ragged = box((-2.0, right_m), (-1.0, 0.0)) & (np.arange(owner.shape[1]) % 60 < 27)
+    owner[ragged], disparity[ragged] = WALL, -1.0
+    _, regions, labels = regions_of(owner, disparity, 13)
+    assert verdict(region_at(regions, labels, where)) == expected
+
+
 def test_without_any_edge_nothing_tells_a_wall_from_haze() -> None:
     owner, disparity = landscape()
     where = box((-30.0, 30.0), (0.0, 4.0))

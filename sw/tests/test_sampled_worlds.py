@@ -13,7 +13,7 @@ from vista_eval.cache import content_sha256
 from vista_eval.render.flight import Flight
 from vista_eval.render.motion import moves, solids_at
 from vista_eval.render.rig import LEFT
-from vista_eval.render.scene import GroundStrip, HeightField, Scene, Thing, bounds_m
+from vista_eval.render.scene import Cylinder, GroundStrip, HeightField, Scene, Thing, bounds_m
 from vista_eval.render.trajectory import Course
 from vista_eval.worlds.sampled import buildings, laying
 from vista_eval.worlds.sampled.catalog import COUNT, DEV, FAMILIES, SEED, TEST
@@ -188,6 +188,19 @@ def test_what_moves_is_in_view_and_then_in_the_way(name: str) -> None:
         assert is_in_view(flight, target)
         if moves(target):
             assert missed_m(flight.approach, target) < IN_THE_WAY_M
+
+
+def test_steep_wires_are_thin_and_steep() -> None:
+    """From end to end; within 3 s before it is met the wire is 20 m away."""
+    for number in seeded(3).integers(1 << 20, size=8):
+        flight = FAMILIES["steep_wire"].flight(int(number), 0)
+        scene = flight.scene(flight.approach.altitude_m, flight.seed)
+        (target,) = [thing for thing in scene.things if thing.target]
+        pieces = [solid for solid in target.solids if isinstance(solid, Cylinder)]
+        step = np.subtract(pieces[-1].end_m, pieces[0].start_m)
+        assert 0.5 - 1e-6 <= abs(step[2]) / np.linalg.norm(step) <= 1.0
+        assert all(0.008 <= 2 * piece.radius_m <= 0.030 for piece in pieces)
+        assert 3.0 * flight.approach.speed_m_s > 20.0
 
 
 def test_the_same_seed_makes_the_same_flight_and_another_another() -> None:

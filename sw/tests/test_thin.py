@@ -42,9 +42,9 @@ def textured(random: np.random.Generator, sigma: float = 25.0) -> np.ndarray:
 
 @pytest.mark.parametrize("behind_px", [NOTHING, 12.0])
 def test_a_wire_is_found_where_it_is(behind_px: float) -> None:
-    """Any angle of 30 degrees and more, thin as half a pixel, before plain sky or a plain wall behind."""
+    """Any angle of 20 degrees and more, thin as half a pixel, before plain sky or a plain wall behind."""
     random = seeded(1)
-    angle = random.uniform(31.0, 149.0)
+    angle = random.uniform(20.0, 160.0)
     wire = wire_at(angle, random.uniform(12.0, 25.0), 0.015, random.uniform(-1, 1), random.uniform(-1, 1))
     image = with_wire(np.full((HEIGHT, WIDTH), 180.0), wire, random)
     found = Thin().find(image, words_around(wire, behind_px, random, share=0.7))
@@ -92,6 +92,16 @@ def test_any_contrast_in_range_finds_a_strong_wire(contrast: float) -> None:
     assert len(Thin(contrast=contrast).find(image, words_around(wire, NOTHING, random))) == 1
 
 
+def test_a_strong_wire_is_found_at_any_lean() -> None:
+    """2 to 5 px wide, it adds up in full along many leans, of which only those in the middle lead on."""
+    random = seeded(18)
+    for angle in random.uniform(32.0, 148.0, 4):
+        wire = wire_at(angle, 15.0, random.uniform(0.03, 0.07), grey=20.0)
+        image = with_wire(np.full((HEIGHT, WIDTH), 190.0), wire, random)
+        (line,) = Thin().find(image, words_around(wire, NOTHING, random))
+        assert off_line(line, wire)[0] < 1.5
+
+
 def test_a_few_right_words_before_texture_are_enough() -> None:
     """Most blocks that hold the wire see what is behind it."""
     random = seeded(3)
@@ -128,6 +138,22 @@ def test_what_continues_a_post_behind_it_is_not_of_the_post() -> None:
     assert top - 8 <= found[0].first_v_px < top + 100 and found[0].last_v_px > top + 100
 
 
+@pytest.mark.parametrize("near", [False, True])
+def test_a_wire_goes_on_before_trees_until_something_is_as_near(near: bool) -> None:
+    """Downward, where all words are of what is behind it: as far again as words told of it. Something as near
+    as the wire ends it: it is tied to that."""
+    random = seeded(17)
+    wire = wire_at(random.uniform(40.0, 140.0), random.uniform(15.0, 30.0), 0.02)
+    image = with_wire(np.full((HEIGHT, WIDTH), 180.0), wire, random)
+    below = int(random.integers(150, 220))
+    words = words_around(wire, NOTHING, random)
+    behind_px = float(FOCAL_PX * BASELINE_M / wire.middle_m[2]) if near else random.uniform(3.0, 10.0)
+    words[below:] = words_around(wire, behind_px, random, share=0.0)[below:]
+    (line,) = Thin().find(image, words)
+    assert abs(line.last_v_px - (below if near else 2 * below)) <= 24
+    assert off_line(line, wire)[0] < 1.5
+
+
 def test_a_line_on_a_surface_is_no_thing() -> None:
     """What is beside it is as near: a mullion, a joint, a painted line."""
     random = seeded(5)
@@ -155,13 +181,18 @@ def test_chance_matches_on_a_line_are_no_wire() -> None:
     assert Thin().find(image, words) == []
 
 
-def test_texture_and_foliage_hold_no_wires() -> None:
-    """A near thing full of texture, with words that scatter as those of leaves do."""
+def test_texture_and_foliage_hold_hardly_any_wire() -> None:
+    """Near things full of texture, with words that scatter as those of leaves do. By chance one such relief
+    in a hundred has a straight ridge along an edge of the image (seeds 0 to 299: three). More than three of
+    twenty have one in less than one of 20,000 runs."""
     random = seeded(8)
-    image = np.clip(textured(random, 45.0), 0, 255).astype(np.uint8)
-    depth = cv2.GaussianBlur(random.normal(size=(HEIGHT, WIDTH)), (0, 0), 6.0)
-    words = np.rint(16 * (20.0 + 3.0 * depth / depth.std())).astype(np.int16)
-    assert Thin().find(image, words) == []
+    with_lines = 0
+    for _ in range(20):
+        image = np.clip(textured(random, 45.0), 0, 255).astype(np.uint8)
+        depth = cv2.GaussianBlur(random.normal(size=(HEIGHT, WIDTH)), (0, 0), 6.0)
+        words = np.rint(16 * (20.0 + 3.0 * depth / depth.std())).astype(np.int16)
+        with_lines += len(Thin().find(image, words)) > 0
+    assert with_lines <= 3
 
 
 def test_a_marking_on_plain_ground_is_no_wire() -> None:
@@ -202,7 +233,7 @@ def test_the_foot_of_a_line_is_its_height_above_the_ground() -> None:
 def test_horizontal_wires_cannot_be_found() -> None:
     """Along a row every place of such a wire looks the same: no words could tell its range."""
     random = seeded(10)
-    wire = wire_at(random.uniform(-20.0, 20.0), 15.0, 0.03)
+    wire = wire_at(random.uniform(-10.0, 10.0), 15.0, 0.03)
     image = with_wire(np.full((HEIGHT, WIDTH), 180.0), wire, random)
     u, v = grid()
     near = np.abs(wire.offset_px(u, v)) < 6

@@ -39,6 +39,22 @@ def test_the_range_is_as_uncertain_as_the_foot_that_told_it_last() -> None:
     assert updated(tracker, 10, 1, POINT, plain=True, foot_sigma_px=0.1).foot_sigma_m < 0.5 * told_m
 
 
+def test_where_a_plain_track_is_met_stays_there_without_detections() -> None:
+    """Its range was told nearer and nearer, as if it moved; other things go on moving."""
+    for plain in (True, False):
+        tracker = Tracker()
+        for frame in range(8):
+            point = np.array([0.0, 0.0, 30.0 + 0.1 * frame])
+            met = {"met": True, "met_camera_m": point.tolist(), "met_sigma_m": 0.3, "plain": plain}
+            assert tracker.update(DT * frame, [seen_at(point, extent=EXTENT) | met]) == "VISTA_OK"
+        before = tracker.tracks[1]
+        met_m, moves_m_s = np.array(list(before.met_m)), before.velocity_m_s[2]
+        assert moves_m_s > 0.1 and before.met_sigma_m == pytest.approx(0.3)
+        assert tracker.update(DT * 8, []) == "VISTA_OK"
+        moved_m = np.array(list(tracker.tracks[1].met_m)) - met_m
+        assert moved_m == pytest.approx([0.0, 0.0, 0.0 if plain else DT * moves_m_s], abs=1e-6)
+
+
 def test_other_tracks_are_judged_by_every_hit() -> None:
     tracker = Tracker()
     updated(tracker, 0, 6, POINT)

@@ -7,6 +7,7 @@
 #include "common/numbers.h"
 
 #define CHORDS_MAX 64
+#define CURVATURE_SIGMA 0.25
 #define SAGITTA_M 0.01 /* between a chord and its arc: c l^2 / 8 */
 
 double vista_flight_path_along(const vista_flight_path *path, const double point_m[3], double direction[3]) {
@@ -40,6 +41,13 @@ double vista_flight_path_distance(const vista_flight_path *path, const double po
   vista_flight_path_nearest(path, point_m, nearest_m);
   for (int i = 0; i < 3; ++i) nearest_m[i] -= point_m[i];
   return vista_norm(nearest_m);
+}
+
+double vista_flight_path_sigma_m(const vista_flight_path *path, double along_m, const double axis[3]) {
+  const double c = path->curvature_1_m, ahead = vista_dot(path->direction, axis);
+  const double inwards = c > 0.0 ? vista_dot(path->normal, axis) : 0.0;
+  const double swayed_m = along_m * path->sigma_rad * sqrt(fmax(1.0 - ahead * ahead, 0.0));
+  return hypot(swayed_m, 0.5 * CURVATURE_SIGMA * c * along_m * along_m * inwards);
 }
 
 bool vista_flight_path_near_disc(const vista_flight_path *path, const vista_disc *disc, double radius_m) {

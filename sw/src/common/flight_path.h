@@ -12,6 +12,7 @@ typedef struct vista_flight_path {
   double normal[3];    /* towards the centre of the arc, unit length, orthogonal to direction; unused if straight */
   double curvature_1_m; /* not negative; 0: straight */
   double length_m;      /* along the path, at most a quarter of a circle */
+  double sigma_rad;     /* of the direction, each axis */
 } vista_flight_path;
 
 /* Along the path to where it comes closest to the point, negative behind its start; and unless null, the direction
@@ -24,6 +25,10 @@ double vista_flight_path_distance(const vista_flight_path *path, const double po
 
 /* The point of the path at along_m from its start, and unless null, the direction there. */
 void vista_flight_path_point(const vista_flight_path *path, double along_m, double point_m[3], double direction[3]);
+
+/* How far the aircraft may be off the path along a unit vector when it has flown along_m of it: one standard deviation.
+ * Gusts and its own sway turn it to any side, and nobody keeps to an arc: of its curvature a quarter is uncertain. */
+double vista_flight_path_sigma_m(const vista_flight_path *path, double along_m, const double axis[3]);
 
 /* Whether the disc comes within radius_m of the path, up to 1 cm: an arc is taken for a chain of chords. */
 bool vista_flight_path_near_disc(const vista_flight_path *path, const vista_disc *disc, double radius_m);

@@ -1,5 +1,6 @@
 #include "stages/collision_volume.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdbool.h>
 #include <stddef.h>
@@ -123,12 +124,19 @@ static int32_t count_region(const vista_foveation *foveation, const vista_camera
 
 /* ---- where it is met ---- */
 
-#define MET_SHARE 0.1 /* of the area in the volume: what is touched first */
+#define MET_SHARE 0.1 /* of the area in the volume: what is touched first, */
+#define MET_SKIPPED 0.02 /* but for this, which may be wrong */
 #define MET_MIN_PX2 8.0 /* or this, against single wrong words */
 #define MET_BINS 160 /* of the centre of the ball that touches it, along the path: from MET_FROM_M on, */
 #define MET_RATIO 0.03 /* each by that share longer */
 #define MET_FROM_M 1.0
-#define MET_NOISE_PX 0.45 /* a quarter of a pixel of noise makes the nearest tenth of a surface nearer by this */
+#define MET_NOISE_SIGMAS 1.6 /* by which noise alone makes what is touched first of a surface nearer */
+#define MET_NOISE_MAX_PX 0.2 /* of the words: more is relief */
+#define MET_DEEPEST_M 4.0 /* from a surface to the front of the thing; nor is that more than half its size */
+#define MET_SIGMA_PX 0.1 /* of the matcher, as long as the thing is in view */
+#define MET_NOISE_DOUBT 1.0 /* of what is taken off for noise: it may be relief */
+#define MET_RELIEF_M 0.1 /* of a surface */
+#define MET_RELIEF_SHARE 0.2 /* of how deep the front is: how far the foremost branch reaches beyond it */
 
 /* Of one cell on the region's surface: whether the volume holds it, and where on the path the centre of the ball is
  * that touches it. */
@@ -151,19 +159,78 @@ static int bin_of(double centre_m) {
   return (int)fmin(fmax(log(fmax(centre_m, MET_FROM_M) / MET_FROM_M) / log1p(MET_RATIO), 0.0), MET_BINS - 1);
 }
 
+/* How much nearer than its surface a region's cells may be: by half its size, which its moments tell. */
+static double front_px(const vista_camera *camera, const vista_region *region) {
+  const double depth_m = camera->focal_px * camera->baseline_m / region->disparity_px;
+  const double half_px = 2.0 * sqrt(fmax(fmin(region->cov_uu_px2, region->cov_vv_px2), 0.0));
+  const double front_m = fmin(fmin(half_px * depth_m / camera->focal_px, MET_DEEPEST_M), 0.5 * depth_m);
+  return region->disparity_px * front_m / (depth_m - front_m);
+}
+
+typedef struct touched {
+  double area_px2;
+  double u_px, v_px, surface_px, nearer_px; /* the surface's disparity there, and what the cells are nearer */
+} touched;
+
+static void add_touched(touched *sum, const touched *more, double share) {
+  sum->area_px2 += share * more->area_px2;
+  sum->u_px += share * more->u_px;
+  sum->v_px += share * more->v_px;
+  sum->surface_px += share * more->surface_px;
+  sum->nearer_px += share * more->nearer_px;
+}
+
+/* Means over the area from skipped_px2 to needed_px2, nearest first. */
+static touched first_touched(const touched bins[MET_BINS], double skipped_px2, double needed_px2) {
+  touched sum = {0};
+  double before_px2 = 0.0;
+  for (int k = 0; k < MET_BINS && before_px2 < needed_px2; ++k) {
+    if (!(bins[k].area_px2 > 0.0)) continue;
+    const double after_px2 = before_px2 + bins[k].area_px2;
+    const double kept_px2 = fmin(after_px2, needed_px2) - fmax(before_px2, skipped_px2);
+    if (kept_px2 > 0.0) add_touched(&sum, &bins[k], kept_px2 / bins[k].area_px2);
+    before_px2 = after_px2;
+  }
+  const double scale = 1.0 / sum.area_px2;
+  return (touched){sum.area_px2, scale * sum.u_px, scale * sum.v_px, scale * sum.surface_px, scale * sum.nearer_px};
+}
+
+/* The point itself, and how well its range is known. */
+static void place(const vista_camera *camera, const vista_flight_path *path, const touched *first,
+                  vista_region *region) {
+  const double noise_px = MET_NOISE_SIGMAS * fmin(region->disparity_sigma_px, MET_NOISE_MAX_PX);
+  const double relief_px =
+      first->nearer_px > noise_px ? sqrt(vista_square(first->nearer_px) - vista_square(noise_px)) : 0.0;
+  const double met_px = first->surface_px + relief_px;
+  region->met = met_px > 0.0; /* of so small words a surface may be beyond infinity */
+  if (!region->met) return;
+  const double scale = camera->baseline_m / met_px, depth_m = scale * camera->focal_px;
+  region->met_camera_m[0] = scale * (first->u_px - camera->center_u_px);
+  region->met_camera_m[1] = scale * (first->v_px - camera->center_v_px);
+  region->met_camera_m[2] = depth_m;
+  const double taken_px = fmax(first->nearer_px, 0.0) - relief_px;
+  const double words_m = depth_m / met_px * hypot(MET_SIGMA_PX, MET_NOISE_DOUBT * taken_px);
+  const double front_m = depth_m * relief_px / fmax(first->surface_px, 0.5 * met_px);
+  const double relief_m = hypot(MET_RELIEF_M, MET_RELIEF_SHARE * front_m);
+  const double gradient = hypot(region->slope_u, region->slope_v);
+  const double downhill[3] = {region->slope_u / fmax(gradient, DBL_MIN), region->slope_v / fmax(gradient, DBL_MIN),
+                              0.0};
+  const double aside_m = depth_m / camera->baseline_m * gradient * vista_flight_path_sigma_m(path, depth_m, downhill);
+  region->met_sigma_m = hypot(hypot(words_m, relief_m), aside_m);
+}
+
 /* The middle of what the ball touches first of a region, cell by cell. */
 static void meet(const vista_foveation *foveation, const vista_camera *camera, const limits *limit,
                  const vista_flight_path *path, double radius_m, const float *disparity_px, double tolerance_px,
                  const int32_t *members, int32_t member_count, vista_region *region) {
-  struct {
-    double area_px2, sums[4]; /* of the area times u, v, the surface's disparity there, and what the cell is nearer */
-  } bins[MET_BINS] = {{0}};
+  touched bins[MET_BINS] = {{0}};
+  const double nearest_px = fmax(tolerance_px, front_px(camera, region));
   double all_px2 = 0.0;
   for (int32_t m = 0; m < member_count; ++m) {
     const int32_t node = members[m];
     const double u = (double)foveation->center_u[node], v = (double)foveation->center_v[node];
     const double surface = vista_region_surface_px(region, u, v), own = (double)disparity_px[node];
-    if (!region->plain && (own <= 0.0 || fabs(own - surface) > tolerance_px)) continue;
+    if (!region->plain && (own <= 0.0 || own < surface - tolerance_px || own > surface + nearest_px)) continue;
     const double disparity = region->plain ? surface : own;
     const float word = (float)(VISTA_DISPARITY_SCALE * disparity);
     if (!may_hold(limit, (float)(u - camera->center_u_px), (float)(v - camera->center_v_px), 2.0f, word, word))
@@ -171,43 +238,31 @@ static void meet(const vista_foveation *foveation, const vista_camera *camera, c
     double centre_m;
     if (!touch(camera, path, radius_m, u, v, disparity, &centre_m)) continue;
     const double area_px2 = vista_square((double)foveation->size_px[node]);
-    const int bin = bin_of(centre_m);
+    const touched cell = {1.0, u, v, surface, disparity - surface};
     all_px2 += area_px2;
-    bins[bin].area_px2 += area_px2;
-    const double values[4] = {u, v, surface, disparity - surface};
-    for (int i = 0; i < 4; ++i) bins[bin].sums[i] += area_px2 * values[i];
-  }
-  const double needed_px2 = fmax(MET_SHARE * all_px2, MET_MIN_PX2);
-  double area_px2 = 0.0, means[4] = {0};
-  for (int k = 0; k < MET_BINS && area_px2 < needed_px2; ++k) {
-    if (!(bins[k].area_px2 > 0.0)) continue;
-    /* Of the last one no more than needed. */
-    const double share = fmin(1.0, (needed_px2 - area_px2) / bins[k].area_px2);
-    area_px2 += share * bins[k].area_px2;
-    for (int i = 0; i < 4; ++i) means[i] += share * bins[k].sums[i];
+    add_touched(&bins[bin_of(centre_m)], &cell, area_px2);
   }
   if (!(all_px2 >= MET_MIN_PX2)) return;
-  for (int i = 0; i < 4; ++i) means[i] /= area_px2;
-  const double met_px = means[2] + fmax(means[3] - MET_NOISE_PX, 0.0);
-  region->met = met_px > 0.0; /* of so small words a surface may be beyond infinity */
-  if (!region->met) return;
-  const double scale = camera->baseline_m / met_px;
-  region->met_camera_m[0] = scale * (means[0] - camera->center_u_px);
-  region->met_camera_m[1] = scale * (means[1] - camera->center_v_px);
-  region->met_camera_m[2] = scale * camera->focal_px;
+  const double needed_px2 = fmax(MET_SHARE * all_px2, MET_MIN_PX2);
+  const touched first = first_touched(bins, fmin(MET_SKIPPED * all_px2, 0.5 * needed_px2), needed_px2);
+  place(camera, path, &first, region);
 }
 
 vista_collision_volume vista_collision_volume_around(const vista_flight_path *path, const vista_pose *pose,
                                                      double radius_m, double outline_px) {
-  vista_collision_volume volume = {
-      .radius_m = radius_m, .outline_px = outline_px, .length_m = path->length_m, .curvature_1_m = path->curvature_1_m};
+  vista_collision_volume volume = {.radius_m = radius_m,
+                                   .outline_px = outline_px,
+                                   .length_m = path->length_m,
+                                   .curvature_1_m = path->curvature_1_m,
+                                   .sigma_rad = path->sigma_rad};
   vista_frame_direction_to_camera(pose, path->direction, volume.direction_camera);
   vista_frame_direction_to_camera(pose, path->normal, volume.normal_camera);
   return volume;
 }
 
 vista_flight_path vista_collision_volume_path(const vista_collision_volume *volume) {
-  vista_flight_path path = {.curvature_1_m = volume->curvature_1_m, .length_m = volume->length_m};
+  vista_flight_path path = {
+      .curvature_1_m = volume->curvature_1_m, .length_m = volume->length_m, .sigma_rad = volume->sigma_rad};
   memcpy(path.direction, volume->direction_camera, sizeof path.direction);
   memcpy(path.normal, volume->normal_camera, sizeof path.normal);
   return path;

@@ -28,6 +28,7 @@ typedef struct vista_collision_volume {
   double normal_camera[3]; /* towards the centre of the arc, unit length, orthogonal to the direction */
   double outline_px;       /* that things seem wider than they are, to each side: the volume is narrower by as much */
   double curvature_1_m;    /* 0: straight; at most a quarter of a circle over length_m */
+  double sigma_rad;        /* of the direction, each axis */
 } vista_collision_volume;
 
 /* The volume around a path, in the camera of that pose. */
@@ -43,8 +44,11 @@ vista_status vista_collision_volume_check(const vista_collision_volume *volume);
 /* Fills volume_pixels of the accepted regions, and of those that have any, where the volume meets them: the middle of
  * the tenth of their area in the volume that a ball of its radius, with its centre on the path, touches first. Of a
  * tree that is the side of its crown towards the aircraft, of a wall seen at an angle the part that is flown into, and
- * neither is the middle. What noise brings nearer is taken off: MET_NOISE_PX of disparity, or all that the tenth is
- * nearer than the surface. VISTA_ERROR_SIZE: a disparity image of another size. */
+ * neither is the middle. Cells nearer than the surface are its relief, up to half the size of the thing. What noise
+ * brings nearer is taken off, as independent errors are: of the squares, so that a crown is met at its leaves and a
+ * noisy wall in its surface. met_sigma_m is of the range: by the matcher, by what was taken off, by the relief, and by
+ * the slope of the surface times how far the aircraft may leave the path.
+ * VISTA_ERROR_SIZE: a disparity image of another size. */
 vista_status vista_collision_volume_count(const vista_foveation *foveation, const vista_region_params *params,
                                           const vista_camera *camera, const vista_collision_volume *volume,
                                           const vista_disparity_image *disparity, const vista_cells *cells,

@@ -10,8 +10,12 @@
 
 #define PATH_S 1.0 /* the slower time constant, that tells whether the velocity turns, and of long turns how fast */
 #define NOISE_SIGMAS 3.0
+#define PATH_SWAY 2.2 /* measured on 35 sampled flights */
+#define PATH_SIGMA_MIN_DEG 0.1
 #define FEWEST 4 /* differences that tell their own scatter */
+#define DOUBT_SHARE 0.5 /* of a turn that may be noise: anything between none and all of it, in the mean */
 #define STRAIGHT_RAD_S 1e-6
+#define REPEATED_S 1.0 /* for which a pose that stays the same counts as an old one */
 #define QUARTER_RAD 1.57079632679489661923
 #define FARTHEST_M 1e8 /* from the origin: beyond it a double no longer tells what lies beside the camera */
 
@@ -44,6 +48,19 @@ static bool reachable(const vista_motion_params *p, const vista_pose *from, int6
 
 static bool imaginable(const vista_pose *pose) { return vista_norm(pose->translation_m) <= FARTHEST_M; }
 
+static bool same(const vista_pose *a, const vista_pose *b) {
+  bool all = true;
+  for (int i = 0; i < 3; ++i) all &= a->translation_m[i] == b->translation_m[i];
+  for (int i = 0; i < 9; ++i) all &= a->rotation[i] == b->rotation[i];
+  return all;
+}
+
+/* Whether this is the last pose once more, while the vehicle moves. */
+static bool is_old(const vista_motion_params *p, const vista_pose *pose, int64_t t_ns, const vista_motion_state *s) {
+  if (!s->posed || !s->rates_known || s->repeats || !same(pose, &s->posed_at)) return false;
+  return vista_norm(s->velocity_m_s) > p->speed_min_m_s && vista_seconds_between(s->posed_t_ns, t_ns) <= REPEATED_S;
+}
+
 /* Of the rotation to R^T: axis times angle, in world. */
 static void rotation_between(const double from[9], const double to[9], double vector[3]) {
   double r[9];
@@ -73,6 +90,7 @@ static double weight_of(double dt_s, double tau_s) { return tau_s > 0.0 ? 1.0 - 
 
 /* v += (1 - exp(-dt / tau)) (dp / dt - v), and the turn rate likewise. */
 static void follow(const vista_motion_params *p, const vista_pose *pose, int64_t t_ns, vista_motion_state *s) {
+  s->repeats = s->posed && same(pose, &s->posed_at);
   if (s->posed) {
     const double dt_s = vista_seconds_between(s->posed_t_ns, t_ns), tau_s = p->velocity_smoothing_s;
     const double weight = s->rates_known ? weight_of(dt_s, tau_s) : 1.0;
@@ -124,6 +142,73 @@ static void carry_on(const double velocity_m_s[3], double dt_s, vista_motion_sta
   turn(s->pose.rotation, s->turn_rate_rad_s, dt_s);
 }
 
+/* Of a turn rate of the camera what is orthogonal to `direction`, as far as the velocity's turn `path` allows for it,
+ * less what may be noise; `averaged`: its variance over that of a single difference. */
+static void likely_turn(const vista_motion_params *p, const vista_motion_state *s, const vista_motion *motion,
+                        const double rate_rad_s[3], double averaged, const double path[3], double slack,
+                        double turn[3]) {
+  const double along_rad_s = vista_dot(rate_rad_s, motion->direction);
+  double beyond[3];
+  for (int i = 0; i < 3; ++i) {
+    turn[i] = rate_rad_s[i] - along_rad_s * motion->direction[i];
+    beyond[i] = turn[i] - path[i];
+  }
+  const double of_camera_rad_s = vista_norm(turn);
+  const double excess = fmax(0.0, 1.0 - slack / fmax(vista_norm(beyond), STRAIGHT_RAD_S));
+  for (int i = 0; i < 3; ++i) turn[i] -= excess * beyond[i];
+  const double noise =
+      fmax(NOISE_SIGMAS * sqrt(s->turn_variance * averaged), p->path_turn_min_deg_s * VISTA_RADIANS_PER_DEGREE);
+  /* A velocity that sways where the camera does not turn bends no path. */
+  const double told_rad_s = fmax(fmin(of_camera_rad_s, vista_norm(turn)), STRAIGHT_RAD_S);
+  const double kept = fmax(0.0, 1.0 - vista_square(noise / told_rad_s));
+  for (int i = 0; i < 3; ++i) turn[i] *= kept;
+}
+
+/* Of the slower turn rate of the camera what the velocity's turn confirms, as far as `turn` does not have it: it may be
+ * noise, or a turn that has just begun. */
+static double doubtful_turn(const vista_motion_state *s, const vista_motion *motion, const double path[3],
+                            const double turn[3]) {
+  double slow[3];
+  const double along_rad_s = vista_dot(s->slow_turn_rate_rad_s, motion->direction);
+  for (int i = 0; i < 3; ++i) slow[i] = s->slow_turn_rate_rad_s[i] - along_rad_s * motion->direction[i];
+  const double slow_rad_s = fmax(vista_norm(slow), STRAIGHT_RAD_S);
+  return fmax(fmin(slow_rad_s, vista_dot(path, slow) / slow_rad_s) - vista_norm(turn), 0.0);
+}
+
+/* How the path turns, rad/s, orthogonal to `direction`: as the camera does. What turns slowly and for long is told by
+ * the slower mean, of which the camera's own sway is a smaller part. Returns by how much more it may turn, which does
+ * not stand out from noise. */
+static double path_turn_rate(const vista_motion_params *p, const vista_motion_state *s, const vista_motion *motion,
+                             double turn[3]) {
+  const double apart_s = s->slow_lag_s - s->lag_s;
+  const double slow_m_s = vista_norm(s->slow_velocity_m_s), fast_m_s = vista_norm(s->velocity_m_s);
+  memset(turn, 0, 3 * sizeof *turn);
+  if (!(apart_s > 0.0) || !(fmin(slow_m_s, fast_m_s) > 0.0) || s->differences < FEWEST) return 0.0;
+  double path[3], slow[3];
+  vista_cross(s->slow_velocity_m_s, s->velocity_m_s, path);
+  for (int i = 0; i < 3; ++i) path[i] /= slow_m_s * fast_m_s * apart_s;
+  const double slack = NOISE_SIGMAS * sqrt(s->velocity_variance * s->averaged) / (fast_m_s * apart_s);
+  likely_turn(p, s, motion, s->turn_rate_rad_s, s->averaged, path, slack, turn);
+  likely_turn(p, s, motion, s->slow_turn_rate_rad_s, s->slow_averaged, path, slack, slow);
+  if (vista_norm(slow) > vista_norm(turn)) memcpy(turn, slow, sizeof slow);
+  return doubtful_turn(s, motion, path, turn);
+}
+
+/* What the velocity of the last moments is off its mean over a longer time, and no turn of the path explains. */
+static void follow_sway(const vista_motion_params *p, const vista_motion *motion, double dt_s, vista_motion_state *s) {
+  const double slow_m_s = vista_norm(s->slow_velocity_m_s), fast_m_s = vista_norm(s->velocity_m_s);
+  if (s->differences < FEWEST || !(fmin(slow_m_s, fast_m_s) > 0.0)) return;
+  double turn[3], bend[3], off2 = 0.0;
+  (void)path_turn_rate(p, s, motion, turn);
+  vista_cross(turn, motion->direction, bend);
+  const double agreement = vista_dot(s->slow_velocity_m_s, s->velocity_m_s) / (slow_m_s * fast_m_s);
+  for (int i = 0; i < 3; ++i) {
+    const double aside = agreement * s->velocity_m_s[i] / fast_m_s - s->slow_velocity_m_s[i] / slow_m_s;
+    off2 += 0.5 * vista_square(aside - (s->slow_lag_s - s->lag_s) * bend[i]);
+  }
+  s->sway2 += fmax(weight_of(dt_s, PATH_S), 1.0 / (s->differences - FEWEST + 1)) * (off2 - s->sway2);
+}
+
 vista_status vista_motion_update(const vista_motion_params *params, const vista_motion_input *input,
                                  vista_motion_state *state, vista_motion *motion) {
   if (params == NULL || input == NULL || state == NULL || motion == NULL) return VISTA_ERROR_ARGUMENT;
@@ -134,7 +219,8 @@ vista_status vista_motion_update(const vista_motion_params *params, const vista_
   vista_motion m = {.source = VISTA_MOTION_POSE};
   const double dt_s = s->started ? vista_seconds_between(s->t_ns, input->t_ns) : 0.0;
   if (!s->started) s->pose = vista_frame_still;
-  const vista_pose *const pose = input->pose;
+  const bool old = input->pose != NULL && is_old(params, input->pose, input->t_ns, s);
+  const vista_pose *const pose = old ? NULL : input->pose;
   if (pose == NULL)
     m.source = input->stationary ? VISTA_MOTION_STANDS : s->posed ? VISTA_MOTION_CARRIED_ON : VISTA_MOTION_UNTOLD;
   else if (!imaginable(pose) || (s->posed && !reachable(params, &s->posed_at, s->posed_t_ns, pose, input->t_ns)))
@@ -165,47 +251,9 @@ vista_status vista_motion_update(const vista_motion_params *params, const vista_
   const bool moves = m.speed_m_s > 0.0 && m.speed_m_s >= params->speed_min_m_s;
   for (int i = 0; i < 3; ++i) /* below the smallest speed the velocity is mostly noise; z: optical axis */
     m.direction[i] = moves ? velocity_m_s[i] / m.speed_m_s : m.pose.rotation[3 * i + 2];
+  if (m.source == VISTA_MOTION_POSE && moves) follow_sway(params, &m, dt_s, s);
   *motion = m;
   return VISTA_OK;
-}
-
-/* Of a turn rate of the camera what is orthogonal to `direction`, as far as the velocity's turn `path` allows for it,
- * less what may be noise; `averaged`: its variance over that of a single difference. */
-static void likely_turn(const vista_motion_params *p, const vista_motion_state *s, const vista_motion *motion,
-                        const double rate_rad_s[3], double averaged, const double path[3], double slack,
-                        double turn[3]) {
-  const double along_rad_s = vista_dot(rate_rad_s, motion->direction);
-  double beyond[3];
-  for (int i = 0; i < 3; ++i) {
-    turn[i] = rate_rad_s[i] - along_rad_s * motion->direction[i];
-    beyond[i] = turn[i] - path[i];
-  }
-  const double of_camera_rad_s = vista_norm(turn);
-  const double excess = fmax(0.0, 1.0 - slack / fmax(vista_norm(beyond), STRAIGHT_RAD_S));
-  for (int i = 0; i < 3; ++i) turn[i] -= excess * beyond[i];
-  const double noise =
-      fmax(NOISE_SIGMAS * sqrt(s->turn_variance * averaged), p->path_turn_min_deg_s * VISTA_RADIANS_PER_DEGREE);
-  /* A velocity that sways where the camera does not turn bends no path. */
-  const double told_rad_s = fmax(fmin(of_camera_rad_s, vista_norm(turn)), STRAIGHT_RAD_S);
-  const double kept = fmax(0.0, 1.0 - vista_square(noise / told_rad_s));
-  for (int i = 0; i < 3; ++i) turn[i] *= kept;
-}
-
-/* How the path turns, rad/s, orthogonal to `direction`: as the camera does. What turns slowly and for long is told by
- * the slower mean, of which the camera's own sway is a smaller part. */
-static void path_turn_rate(const vista_motion_params *p, const vista_motion_state *s, const vista_motion *motion,
-                           double turn[3]) {
-  const double apart_s = s->slow_lag_s - s->lag_s;
-  const double slow_m_s = vista_norm(s->slow_velocity_m_s), fast_m_s = vista_norm(s->velocity_m_s);
-  memset(turn, 0, 3 * sizeof *turn);
-  if (!(apart_s > 0.0) || !(fmin(slow_m_s, fast_m_s) > 0.0) || s->differences < FEWEST) return;
-  double path[3], slow[3];
-  vista_cross(s->slow_velocity_m_s, s->velocity_m_s, path);
-  for (int i = 0; i < 3; ++i) path[i] /= slow_m_s * fast_m_s * apart_s;
-  const double slack = NOISE_SIGMAS * sqrt(s->velocity_variance * s->averaged) / (fast_m_s * apart_s);
-  likely_turn(p, s, motion, s->turn_rate_rad_s, s->averaged, path, slack, turn);
-  likely_turn(p, s, motion, s->slow_turn_rate_rad_s, s->slow_averaged, path, slack, slow);
-  if (vista_norm(slow) > vista_norm(turn)) memcpy(turn, slow, sizeof slow);
 }
 
 vista_flight_path vista_motion_path(const vista_motion_params *params, const vista_motion_state *state,
@@ -213,11 +261,13 @@ vista_flight_path vista_motion_path(const vista_motion_params *params, const vis
   vista_flight_path path = {.length_m = length_m};
   memcpy(path.start_m, motion->pose.translation_m, sizeof path.start_m);
   memcpy(path.direction, motion->direction, sizeof path.direction);
+  path.sigma_rad = fmax(PATH_SWAY * sqrt(state->sway2), PATH_SIGMA_MIN_DEG * VISTA_RADIANS_PER_DEGREE);
   if (!state->rates_known || !(motion->speed_m_s > 0.0) || motion->speed_m_s < params->speed_min_m_s ||
       motion->source == VISTA_MOTION_STANDS)
     return path;
   double turn[3], normal[3];
-  path_turn_rate(params, state, motion, turn);
+  const double doubt_1_m = path_turn_rate(params, state, motion, turn) / motion->speed_m_s;
+  if (doubt_1_m > 0.0) path.length_m = fmin(length_m, sqrt(2.0 * radius_m / (DOUBT_SHARE * doubt_1_m)));
   vista_cross(turn, motion->direction, normal);
   const double rate = vista_norm(normal);
   if (!(rate > STRAIGHT_RAD_S)) return path;
@@ -230,6 +280,6 @@ vista_flight_path vista_motion_path(const vista_motion_params *params, const vis
   }
   path.curvature_1_m = rate / motion->speed_m_s;
   const double believed_m = sqrt(2.0 * radius_m / (params->path_uncertainty * path.curvature_1_m));
-  path.length_m = fmin(length_m, fmin(believed_m, QUARTER_RAD / path.curvature_1_m));
+  path.length_m = fmin(path.length_m, fmin(believed_m, QUARTER_RAD / path.curvature_1_m));
   return path;
 }

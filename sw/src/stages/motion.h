@@ -4,6 +4,9 @@
  * without a pose is carried on from the frame before: by the velocity that the caller states, else by the last known
  * one, and by the last turn rate. So one missing pose moves nothing: tracks stay where they are in the world.
  *
+ * A pose that repeats the last one to the bit while the vehicle moves is an old one: nothing stops within a frame, and
+ * no new one has come. So it counts as missing, for a second; then the vehicle does stand.
+ *
  * A pose that is farther from the last one than speed_max_m_s reaches is refused, and the frame carried on likewise.
  * When restart_poses of them in a row agree with each other, the source means it: the world goes on there. Whatever was
  * placed by the old one has lost its meaning (`restarted`).
@@ -13,7 +16,10 @@
  * slow and lasts is told by the mean over a longer time, in which the camera's own sway counts less. What the poses'
  * noise explains, or less than path_turn_min_deg_s, is straight. Nobody keeps to an arc for long: with c its curvature,
  * uncertain by a share path_uncertainty, it is followed up to where that is a miss of the collision radius,
- * share c s^2 / 2 = radius, and for a quarter of a circle at most.
+ * share c s^2 / 2 = radius, and for a quarter of a circle at most. Likewise what camera and velocity turn by alike, but
+ * by too little to stand out from noise: a path that may be bending is straight only up to where that matters.
+ * How well its direction is known is measured: gusts and the camera's own sway move the velocity of the last moments
+ * about its mean over a longer time, and over the next 15 to 40 m the path leaves it by PATH_SWAY times as much.
  *
  * Without any pose the world is the first camera, and its motion is not known; unless the caller says
  * that it stands. */
@@ -45,6 +51,7 @@ typedef struct vista_motion_state {
   bool posed;       /* one was accepted: */
   int64_t posed_t_ns;
   vista_pose posed_at;
+  bool repeats;     /* the last one was accepted though it repeats the one before */
   bool rates_known; /* from two accepted poses: */
   double velocity_m_s[3], turn_rate_rad_s[3]; /* world, smoothed */
   double slow_velocity_m_s[3]; /* the same velocity, smoothed over PATH_S */
@@ -58,6 +65,8 @@ typedef struct vista_motion_state {
   vista_pose refused_at;
   double slow_turn_rate_rad_s[3]; /* the same turn rate, smoothed over PATH_S */
   double slow_averaged;           /* its variance over that of a difference */
+  double
+      sway2; /* rad^2, each axis: mean square of the angle between velocity_m_s and slow_velocity_m_s, less the turn */
 } vista_motion_state;
 
 /* On an error nothing is changed. VISTA_ERROR_ORDER: the time is not after that of the last frame, which is judged

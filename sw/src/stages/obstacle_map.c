@@ -271,9 +271,13 @@ static vista_obstacle too_near(const vista_obstacle_map_params *params, const vi
   return obstacle;
 }
 
-/* Whether its own points have told where the path meets it, and it is so large that this counts. */
-static bool is_touched(const vista_track *track, const vista_obstacle *obstacle) {
-  return track->met && fmax(obstacle->extent_m[0], obstacle->extent_m[1]) > COMPACT_M;
+/* Whether its own points have told where the path meets it, and it is so large that this counts: by its extent, or by
+ * its last detection, which an extent that began as that of a part takes long to follow. */
+static bool is_touched(const vista_camera *camera, const vista_track *track) {
+  double half_px[2];
+  vista_ellipse_half_box(&track->ellipse, &half_px[0], &half_px[1]);
+  const double seen_m = 2.0 * fmax(half_px[0], half_px[1]) * track->ellipse_depth_m / camera->focal_px;
+  return track->met && fmax(fmax(track->extent_m[0], track->extent_m[1]), seen_m) > COMPACT_M;
 }
 
 /* From 0 for what is met between its middle and its point closest to the path to 1 for what is met in that point. */
@@ -314,16 +318,29 @@ static void add_across(const vista_pose *pose, const double sigma_m[2], double c
         covariance_m2[3 * i + j] += vista_square(sigma_m[axis]) * r[3 * i + axis] * r[3 * j + axis];
 }
 
+/* Where a thing's own points tell where it is met, they tell its range, too, and not the filter of its middle. */
+static void set_along_sight(const vista_pose *pose, const double point_m[3], double sigma_m, double covariance_m2[9]) {
+  double sight[3], from[9], across[9];
+  for (int i = 0; i < 3; ++i) sight[i] = point_m[i] - pose->translation_m[i];
+  const double range_m = vista_norm(sight);
+  for (int i = 0; i < 3; ++i) sight[i] /= range_m;
+  for (int i = 0; i < 9; ++i) across[i] = (i % 4 == 0) - sight[i / 3] * sight[i % 3];
+  memcpy(from, covariance_m2, sizeof from);
+  vista_frame_propagate(across, from, covariance_m2);
+  for (int i = 0; i < 9; ++i) covariance_m2[i] += vista_square(sigma_m) * sight[i / 3] * sight[i % 3];
+}
+
 /* track: NULL for what has none and stands. What is large is met in its surface, not in the middle behind it. */
-static vista_nearest_collision collision_with(const vista_obstacle_map_params *params, const vista_obstacle *obstacle,
-                                              const vista_track *track, const vista_flight_path *path,
-                                              const vista_motion *motion) {
+static vista_nearest_collision collision_with(const vista_obstacle_map_params *params, const vista_camera *camera,
+                                              const vista_obstacle *obstacle, const vista_track *track,
+                                              const vista_flight_path *path, const vista_motion *motion) {
   vista_nearest_collision nearest = {.valid = true, .id = obstacle->id};
   memcpy(nearest.position_m, obstacle->position_m, sizeof nearest.position_m);
   memcpy(nearest.covariance_m2, obstacle->covariance_m2, sizeof nearest.covariance_m2);
   double sigma_m[2];
-  if (track != NULL && is_touched(track, obstacle)) {
+  if (track != NULL && is_touched(camera, track)) {
     memcpy(nearest.position_m, track->met_m, sizeof nearest.position_m);
+    if (!track->plain) set_along_sight(&motion->pose, track->met_m, track->met_sigma_m, nearest.covariance_m2);
     for (int i = 0; i < 2; ++i) sigma_m[i] = face_sigma_m(0.5 * obstacle->extent_m[i], params->collision_radius_m);
   } else if (track != NULL) {
     const double surface = large(fmax(obstacle->extent_m[0], obstacle->extent_m[1]));
@@ -395,18 +412,18 @@ vista_status vista_obstacle_map_update(vista_obstacle_map *map, const vista_obst
       terrain != NULL && terrain->ahead && vista_terrain_obstacle(camera, &motion->pose, path, terrain, &ground);
   const bool warned = ahead && ground.confirmed && ground.in_collision_volume;
   if (ahead) insert(map, &ground);
-  if (warned) map->nearest = collision_with(params, &ground, NULL, path, motion);
+  if (warned) map->nearest = collision_with(params, camera, &ground, NULL, path, motion);
   bool shown = warned && !ground.coasting; /* by the nearest collision: it is seen, beyond what would hide it */
   for (int32_t i = 0; i < track_count; ++i) {
     vista_obstacle obstacle;
     if (!obstacle_of(params, camera, &motion->pose, path, &tracks[i], &obstacle)) continue;
     if (warned && (vista_terrain_bears(terrain, &obstacle, obstacle.position_m) ||
-                   (is_touched(&tracks[i], &obstacle) && vista_terrain_bears(terrain, &obstacle, tracks[i].met_m))))
+                   (is_touched(camera, &tracks[i]) && vista_terrain_bears(terrain, &obstacle, tracks[i].met_m))))
       obstacle.in_collision_volume = false; /* what is met of it is said */
     insert(map, &obstacle);
     if (!obstacle.confirmed || !obstacle.in_collision_volume) continue;
     shown |= !obstacle.coasting;
-    const vista_nearest_collision met = collision_with(params, &obstacle, &tracks[i], path, motion);
+    const vista_nearest_collision met = collision_with(params, camera, &obstacle, &tracks[i], path, motion);
     if (!map->nearest.valid || met.distance_m < map->nearest.distance_m) map->nearest = met;
   }
   allow_for_parts(&motion->pose, map->obstacles, map->count, &map->nearest);
@@ -414,6 +431,6 @@ vista_status vista_obstacle_map_update(vista_obstacle_map *map, const vista_obst
   const vista_obstacle obstacle = too_near(params, camera, path, blind_zone->range_m);
   insert(map, &obstacle);
   if (!shown && !(map->nearest.valid && map->nearest.distance_m < obstacle.distance_m))
-    map->nearest = collision_with(params, &obstacle, NULL, path, motion);
+    map->nearest = collision_with(params, camera, &obstacle, NULL, path, motion);
   return VISTA_OK;
 }

@@ -24,7 +24,8 @@
  * its line of sight and would put misses into the volume; it is reported in the covariance instead.
  * Nearest collision: the place that the path meets. Of what is large it is where the words of its region touch the
  * volume (collision_volume.h); where they have not told, and of what is small, it is put together from the middle and
- * the extent. Its covariance is that of the obstacle, and of which point of it, or of its parts, is met first. */
+ * the extent. Its covariance is that of the obstacle, and of which point of it, or of its parts, is met first; along the
+ * line of sight that of those words, where they have told. */
 #ifndef VISTA_OBSTACLE_MAP_H
 #define VISTA_OBSTACLE_MAP_H
 

@@ -51,6 +51,7 @@ static vista_status reconstruct(const vista_region *region, const vista_camera *
       .foot_share = region->foot_share,
       .met = region->met,
       .met_camera_m = {region->met_camera_m[0], region->met_camera_m[1], region->met_camera_m[2]},
+      .met_sigma_m = region->met_sigma_m,
       .u_px = region->mean_u_px,
       .v_px = region->mean_v_px,
       .disparity_px = region->disparity_px,

@@ -33,6 +33,7 @@ typedef struct vista_detection {
   double foot_share;
   bool met; /* by the collision volume, there: */
   double met_camera_m[3];
+  double met_sigma_m; /* of its range */
   vista_ellipse ellipse;
 } vista_detection;
 

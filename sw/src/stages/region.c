@@ -12,6 +12,7 @@
 #include "stages/parts/region_evidence.h"
 #include "stages/parts/region_outline.h"
 #include "stages/parts/region_pixels.h"
+#include "stages/parts/sliver.h"
 
 static const char *const verdict_names[VISTA_REGION_VERDICT_COUNT] = {
     [VISTA_REGION_ACCEPTED] = "ACCEPTED",
@@ -103,7 +104,7 @@ static vista_region_verdict measure_own_pixels(const vista_region_view *w, const
                                                const vista_plane *surface, vista_region *region) {
   vista_region_find_pixels(w, surface, region);
   const double fewest = OWN_SHARE * fewest_inliers(w->params, camera, region->disparity_px);
-  if (region->pixel_count < fewest) return VISTA_REGION_TOO_FEW_PIXELS; /* a sliver at the edge of something */
+  if (region->pixel_count < fewest || vista_region_is_sliver(w, region)) return VISTA_REGION_TOO_FEW_PIXELS;
   const double longer_px = 4.0 * sqrt(fmax(region->cov_uu_px2, region->cov_vv_px2));
   if (longer_px > LONG_BLOCKS * w->params->boundary_px) {
     const vista_region all = *region;

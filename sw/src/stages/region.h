@@ -58,6 +58,7 @@ typedef struct vista_region {
   int32_t volume_pixels; /* on the surface and in the collision volume (collision_volume.h) */
   bool met;              /* the volume touches it, there: */
   double met_camera_m[3];
+  double met_sigma_m; /* of the range of that point, an error that lasts */
   /* Moments of the own pixels: centre and covariance. */
   double mean_u_px, mean_v_px;
   double cov_uu_px2, cov_uv_px2, cov_vv_px2;

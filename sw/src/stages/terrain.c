@@ -70,13 +70,15 @@ static double range_sigma_m(const frame *f, const double point_m[3]) {
 }
 
 /* The surface moves along its normal by the error of the range times the sine of the line of sight on it, and the
- * contact by as much over that of the path; the path's own direction is as uncertain as the attitude. */
+ * contact by as much over that of the path; the attitude's error turns the surface, and the aircraft may leave the
+ * path. */
 static double contact_sigma_m(const frame *f, const vista_terrain_plane *plane, const vista_terrain_contact *contact) {
   double sight_m[3];
   for (int i = 0; i < 3; ++i) sight_m[i] = contact->point_m[i] - f->pose->translation_m[i];
   const double range_m = vista_norm(sight_m), sine = vista_dot(plane->normal, sight_m) / range_m;
   const double turned_m = contact->along_m * f->params->tracker.attitude_sigma_deg * VISTA_RADIANS_PER_DEGREE;
-  return hypot(range_sigma_m(f, contact->point_m) * sine, turned_m) / fmax(contact->sine, f->sine_min);
+  const double off_m = hypot(turned_m, vista_flight_path_sigma_m(&f->in_world.path, contact->along_m, plane->normal));
+  return hypot(range_sigma_m(f, contact->point_m) * sine, off_m) / fmax(contact->sine, f->sine_min);
 }
 
 static vista_world_hit world_hit(const frame *f, const double point_m[3]) {

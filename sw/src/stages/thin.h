@@ -11,7 +11,7 @@
  *
  * The limit of two cameras side by side: along a row of the image a horizontal line looks the same everywhere, so its
  * disparity cannot be seen. For a line at an angle a from the horizontal, rows that are misaligned by e px shift its
- * disparity by e / tan(a). Lines below 30 degrees are not looked for. */
+ * disparity by e / tan(a). Lines below 16 degrees are not looked for. */
 #ifndef VISTA_THIN_H
 #define VISTA_THIN_H
 

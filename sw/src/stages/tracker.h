@@ -79,6 +79,7 @@ typedef struct vista_track {
                              those of edges only, which do not tell what is between them, are left out */
   bool met;               /* the collision volume touched it in one of its hits; there: */
   double met_m[3];        /* world */
+  double met_sigma_m;     /* of its range */
   int64_t hit_t_ns;    /* last detection */
   int64_t seen_t_ns;   /* last detection, or frame in which it was followed */
   int64_t visible_t_ns; /* last frame in which it could be seen */

@@ -138,13 +138,16 @@ static double length_m(const vista_camera *camera, const vista_thin_line *line) 
   return vista_norm(along);
 }
 
+/* Whether something beside the line is as near as it, or nearer. */
+static bool is_level(const reading *r, const vista_thin_line *found, int32_t v) {
+  const double side = beside(r, v);
+  return side >= 0.0 && side > vista_thin_disparity_px(found, v) - r->params->apart_px;
+}
+
 /* Rows with something beside the line that is as near as it, or nearer. */
 static int32_t level_rows(const reading *r, const vista_thin_line *found) {
   int32_t level = 0;
-  for (int32_t v = found->first_v_px; v <= found->last_v_px; ++v) {
-    const double side = beside(r, v);
-    level += side >= 0.0 && side > vista_thin_disparity_px(found, v) - r->params->apart_px;
-  }
+  for (int32_t v = found->first_v_px; v <= found->last_v_px; ++v) level += is_level(r, found, v);
   return level;
 }
 
@@ -180,10 +183,29 @@ static int32_t extended(const reading *r, const vista_ridge *ridge, int32_t agre
   return blocks * -log(1.0 - fmin(seen, 0.95)) > END_ODDS ? agreed : end;
 }
 
+/* A wire does not end in mid-air: where words and ridge are lost before trees or a facade, it goes on downward as far as
+ * pieces of the image's line were linked, and no farther than it is long so far, until the ground or something beside
+ * it is as near as it. Upward it does not: a pole may end there. */
+static int32_t continued(const reading *r, const vista_camera *camera, const vista_thin_line *found) {
+  const vista_thin_view *const view = r->view;
+  const int32_t as_long = 2 * found->last_v_px - found->first_v_px;
+  const int32_t limit = as_long < r->line->last_v_px ? as_long : r->line->last_v_px;
+  int32_t level = 0, run = 0, end = found->last_v_px;
+  for (int32_t v = end + 1; v <= limit && run < VISTA_STRIP_ROWS; ++v) {
+    const double u = vista_thin_u_px(r->line, v), d = vista_thin_disparity_px(found, v);
+    if (!(d > 0.0) || (view->ground_found && vista_plane_height_m(&view->ground, camera, u, v, d) <= 0.0)) break;
+    run = is_level(r, found, v) ? run + 1 : 0;
+    level += run > 0;
+    end = v;
+  }
+  if (run == VISTA_STRIP_ROWS) end -= run, level -= run;
+  return level > r->params->level_share * (end - found->last_v_px) ? found->last_v_px : end;
+}
+
 /* From the first to the last row whose words agree, and on as far as the image shows the line. Rows that are alone do
  * not count. */
-static void set_ends(const reading *r, const vista_ridge *ridge, const vista_line_sample *samples, int32_t count,
-                     double reach, vista_thin_line *found) {
+static void set_ends(const reading *r, const vista_camera *camera, const vista_ridge *ridge,
+                     const vista_line_sample *samples, int32_t count, double reach, vista_thin_line *found) {
   int32_t seen = 0, first = found->first_v_px, last = found->last_v_px;
   for (int32_t i = 0; i < count && seen < END_ROWS; ++i)
     if (agrees(found, &samples[i], reach) && ++seen == END_ROWS) first = (int32_t)samples[i].v_px;
@@ -193,6 +215,7 @@ static void set_ends(const reading *r, const vista_ridge *ridge, const vista_lin
   const double share = found->rows_on / fmax(rows_with_words(r, first, last), 1.0);
   found->first_v_px = extended(r, ridge, first, -1, share);
   found->last_v_px = extended(r, ridge, last, 1, share);
+  found->last_v_px = continued(r, camera, found);
 }
 
 /* As of a region (region.h). */
@@ -226,7 +249,7 @@ bool vista_line_depth(const vista_thin_params *params, const vista_camera *camer
   for (int k = 0; k < 2; ++k) own.rows_on = refine(samples, own.rows_apart, reach, &own);
   if (own.rows_on < fmax(fewest, 2 * END_ROWS) || own.rows_on < params->agree_share * own.rows_apart) return false;
   if (own.rows_on < params->rows_sure && own.rows_on < params->word_share * own.rows) return false;
-  set_ends(&r, ridge, samples, own.rows_apart, reach, &own);
+  set_ends(&r, camera, ridge, samples, own.rows_apart, reach, &own);
   if (!(vista_thin_disparity_px(&own, own.first_v_px) > 0.0) || !(vista_thin_disparity_px(&own, own.last_v_px) > 0.0))
     return false;
   own.rows_level = level_rows(&r, &own);

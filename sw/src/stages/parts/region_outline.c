@@ -11,6 +11,7 @@
 #define SIDE_BINS 32 /* of the height of the left and the right edge, and of the width of foot and top */
 #define EDGE_BINS 8  /* at least of an edge: less of it may be chance */
 #define POINTS_MIN 6 /* on one line of the plan: fewer do not tell a slope from noise */
+#define OPEN_FOOT 0.67 /* of the foot of what only one upright edge tells: fields have .63 at most, walls .75 */
 #define SUNK_MAX 0.1 /* of its area, below the foot: cells are coarse */
 #define INNER_BLOCKS 4.0 /* in boundary_px: what is smaller is for the most part filled with the words around it */
 
@@ -215,13 +216,17 @@ static bool has_left(const vista_region_params *params, const agreement *a, side
   return bits(a->left_image[side]) >= params->outline_fraction * SIDE_BINS;
 }
 
-/* It has a foot, and something of it is seen to stand: its upper edge, or all upright edges that are in the image. */
+/* It has a foot, and something of it is seen to stand: its upper edge, or all upright edges that are in the image. One
+ * such edge may be that of a tree beside a field whose far side is lost in noise. The words of a field end anywhere;
+ * the foot of a wall is a line. */
 static bool is_wall(const vista_region_params *params, const agreement *a) {
-  const int32_t foot = bits(a->seen[SIDE_FOOT]);
-  if (foot <= params->outline_fraction * bits(a->visible[SIDE_FOOT])) return false;
+  const int32_t foot = bits(a->seen[SIDE_FOOT]), of_foot = bits(a->visible[SIDE_FOOT]);
+  if (foot <= params->outline_fraction * of_foot) return false;
   if (agrees(params, a, SIDE_TOP)) return true;
   const bool left = agrees(params, a, SIDE_LEFT), right = agrees(params, a, SIDE_RIGHT);
-  return (left && right) || (left && has_left(params, a, SIDE_RIGHT)) || (right && has_left(params, a, SIDE_LEFT));
+  if (left && right) return true;
+  const bool open = (left && has_left(params, a, SIDE_RIGHT)) || (right && has_left(params, a, SIDE_LEFT));
+  return open && foot >= fmax(OPEN_FOOT, params->outline_fraction) * of_foot;
 }
 
 /* Share of the region's area where the surface would be in the ground. */

@@ -21,7 +21,7 @@
  * surface such that
  * - more than outline_fraction of what is visible of the region's foot lies on it, within foot_m of the ground's plane;
  * - at least that share of its upper edge lies on it, or of its left and of its right edge; one of these two may be
- *   outside of what is matched;
+ *   outside of what is matched, if two thirds of the foot lie on it;
  * - it reaches min_height_m above the ground's plane, and hardly beneath it.
  * Then the region becomes plain and *surface is that surface, over pixels from (0, 0). The disparity and the boundary
  * statistics of the region are those of the outline on it, in pixels along it. Arcs to cells of the same label are

@@ -138,20 +138,17 @@ static inline void keep_on_surface(const target *t, const int16_t *words, double
   }
 }
 
-/* Which of a cell's pixels are its region's own. */
-enum { NO_PIXEL, ALL_PIXELS, SOME_PIXELS };
-
 /* Of a cell that has a disparity, when nothing tells but its words. Cells of a pixel's size are looked at faster than
  * judged. */
 static inline uint8_t foresee(const vista_region_view *w, const target *t, int32_t node) {
-  if (node <= w->foveation->point_count) return SOME_PIXELS;
+  if (node <= w->foveation->point_count) return VISTA_SOME_PIXELS;
   const bool mixed = w->mixed[node] != 0;
-  if (w->cells->disparity_px[node] < 0.0f) return mixed ? SOME_PIXELS : ALL_PIXELS;
-  if (vista_cell_off_plane(w, t->plane, t->tolerance_px, node)) return NO_PIXEL;
+  if (w->cells->disparity_px[node] < 0.0f) return mixed ? VISTA_SOME_PIXELS : VISTA_ALL_PIXELS;
+  if (vista_cell_off_plane(w, t->plane, t->tolerance_px, node)) return VISTA_NO_PIXEL;
   const vista_word_range range = w->cells->range[node];
   const bool all = !mixed && t->facing && range.valid == w->foveation->pixel_count[node] && range.least >= t->least &&
                    range.most <= t->most;
-  return all ? ALL_PIXELS : SOME_PIXELS;
+  return all ? VISTA_ALL_PIXELS : VISTA_SOME_PIXELS;
 }
 
 /* Which of a block's pixels the image gives to a region. */
@@ -241,8 +238,8 @@ VISTA_WIDE_VECTORS static moments find_pixels(const vista_region_view *w, const 
   for (int32_t m = 0; m < w->member_count; ++m) {
     const int32_t node = w->members[m], count = f->pixel_count[node];
     w->own[m] = foresee(w, t, node);
-    if (w->own[m] == ALL_PIXELS) add_whole_cell(f, node, &sum);
-    if (w->own[m] == SOME_PIXELS) {
+    if (w->own[m] == VISTA_ALL_PIXELS) add_whole_cell(f, node, &sum);
+    if (w->own[m] == VISTA_SOME_PIXELS) {
       mark_cell(w, t, label, node, own);
       memset(own + count, 0, VISTA_WORD_BLOCK * sizeof *own);
       add_cell(f, node, own, &sum);
@@ -260,10 +257,10 @@ VISTA_WIDE_VECTORS static moments keep_inner_pixels(const vista_region_view *w, 
   for (int32_t m = 0; m < w->member_count; ++m) {
     const int32_t node = w->members[m], count = f->pixel_count[node];
     const bool narrowed = reach > 0 && w->cells->disparity_px[node] >= 0.0f;
-    if (w->own[m] == ALL_PIXELS && !narrowed) add_whole_cell(f, node, &sum);
-    if (w->own[m] == SOME_PIXELS || (w->own[m] == ALL_PIXELS && narrowed)) {
+    if (w->own[m] == VISTA_ALL_PIXELS && !narrowed) add_whole_cell(f, node, &sum);
+    if (w->own[m] == VISTA_SOME_PIXELS || (w->own[m] == VISTA_ALL_PIXELS && narrowed)) {
       int16_t next[VISTA_WORD_BLOCK]; /* marks of the next cell, hidden from the sums over whole blocks */
-      if (w->own[m] == ALL_PIXELS) memset(own, 0xff, (size_t)count * sizeof *own);
+      if (w->own[m] == VISTA_ALL_PIXELS) memset(own, 0xff, (size_t)count * sizeof *own);
       if (narrowed) narrow_cell(w, t, reach, node, own);
       memcpy(next, own + count, sizeof next);
       memset(own + count, 0, sizeof next);

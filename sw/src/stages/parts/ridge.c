@@ -8,7 +8,9 @@
 
 #define SCALE_BITS 8
 #define MOST_LEVELS 63 /* of a step: what is more counts as much */
-#define FINE_LEAN 14 /* what leans more is wider along a row: every other lean does */
+/* What leans more is wider along a row: beyond the one every other lean does, beyond the other every fourth. */
+#define FINE_LEAN 14
+#define COARSE_LEAN 36
 
 void vista_ridge_layout(vista_ridge *ridge, vista_arena *arena, int32_t width_px, int32_t height_px) {
   const int32_t strips = height_px / VISTA_STRIP_ROWS, row = width_px + 2 * VISTA_RIDGE_PAD;
@@ -20,6 +22,7 @@ void vista_ridge_layout(vista_ridge *ridge, vista_arena *arena, int32_t width_px
                          .value = vista_arena_take(arena, (size_t)strips * VISTA_STRIP_ROWS * (size_t)row, 1),
                          .best = vista_arena_take(arena, width, 1),
                          .lean = vista_arena_take(arena, width, 1),
+                         .last_lean = vista_arena_take(arena, width, 1),
                          .sum = vista_arena_take(arena, width, 1)};
 }
 
@@ -63,25 +66,34 @@ static void add_rows(const uint8_t *restrict first, const int32_t shift[restrict
   }
 }
 
+/* The first and the last lean with the largest sum; by masks, because compilers turn three choices into branches. */
 VISTA_WIDE_VECTORS
 static void keep_best(const int8_t *restrict sum, int32_t width, int8_t lean, uint8_t *restrict best,
-                      int8_t *restrict leans) {
+                      int8_t *restrict first, int8_t *restrict last) {
   for (int32_t u = 0; u < width; ++u) {
     const uint8_t size = (uint8_t)(sum[u] < 0 ? -sum[u] : sum[u]);
-    leans[u] = size > best[u] ? lean : leans[u];
+    const int8_t more = (int8_t)-(size > best[u]), less = (int8_t)-(size < best[u]);
+    first[u] = (int8_t)((lean & more) | (first[u] & ~more));
+    last[u] = (int8_t)((lean & ~less) | (last[u] & less));
     best[u] = size > best[u] ? size : best[u];
   }
+}
+
+static int step_from(int lean) {
+  if (lean < -COARSE_LEAN || lean >= COARSE_LEAN) return 4;
+  return lean < -FINE_LEAN || lean >= FINE_LEAN ? 2 : 1;
 }
 
 void vista_ridge_sum(vista_ridge *ridge, int32_t strip) {
   memset(ridge->best, 0, (size_t)ridge->width_px);
   memset(ridge->lean, 0, (size_t)ridge->width_px);
   const int8_t *const first = ridge->value + strip * VISTA_STRIP_ROWS * ridge->row + VISTA_RIDGE_PAD;
-  for (int lean = -VISTA_STRIP_LEAN; lean <= VISTA_STRIP_LEAN; lean += lean < -FINE_LEAN || lean >= FINE_LEAN ? 2 : 1) {
+  for (int lean = -VISTA_STRIP_LEAN; lean <= VISTA_STRIP_LEAN; lean += step_from(lean)) {
     int32_t shift[VISTA_STRIP_ROWS];
     for (int r = 0; r < VISTA_STRIP_ROWS; ++r) /* rounded, from the middle of the strip */
       shift[r] = r * ridge->row + (int32_t)floor(lean * (r - 0.5 * (VISTA_STRIP_ROWS - 1)) / VISTA_STRIP_ROWS + 0.5);
     add_rows((const uint8_t *)first, shift, ridge->width_px, (uint8_t *)ridge->sum);
-    keep_best(ridge->sum, ridge->width_px, (int8_t)lean, ridge->best, ridge->lean);
+    keep_best(ridge->sum, ridge->width_px, (int8_t)lean, ridge->best, ridge->lean, ridge->last_lean);
   }
+  for (int32_t u = 0; u < ridge->width_px; ++u) ridge->lean[u] = (int8_t)((ridge->lean[u] + ridge->last_lean[u]) / 2);
 }

@@ -14,7 +14,7 @@
 #define VISTA_RIDGE_REACH 5 /* px to both sides: lines up to about 8 px wide along a row */
 #define VISTA_RIDGE_FULL 7 /* of a pixel; 16 of them fit an int8_t */
 #define VISTA_STRIP_ROWS 16 /* over which a line is summed up */
-#define VISTA_STRIP_LEAN 28 /* columns that it passes at most on the way: 30 degrees from the horizontal */
+#define VISTA_STRIP_LEAN 56 /* columns that it passes at most on the way: 16 degrees from the horizontal */
 #define VISTA_RIDGE_PAD 32 /* columns of zeros to both sides */
 
 typedef struct vista_ridge {
@@ -23,7 +23,9 @@ typedef struct vista_ridge {
   int32_t row; /* values from one row to the next */
   int8_t *value; /* strips * VISTA_STRIP_ROWS rows */
   uint8_t *best; /* width: of the strip that was summed up last, the largest sum over all leans, without its sign */
-  int8_t *lean; /* width: of that sum, in columns to the right per VISTA_STRIP_ROWS rows downward */
+  int8_t *lean; /* width: of that sum, in columns to the right per VISTA_STRIP_ROWS rows downward; the middle of all
+                 * leans with it: a line that is strong and wide adds up in full along several */
+  int8_t *last_lean; /* scratch, width */
   int8_t *sum; /* scratch, width: along one lean */
 } vista_ridge;
 

@@ -29,7 +29,7 @@ void vista_straight_lines_layout(vista_straight_lines *lines, vista_arena *arena
   lines->count = 0;
 }
 
-/* The largest of the columns around; of equal ones the first. */
+/* The largest of the columns around; of equal ones the first, which stands for all of them. */
 static bool is_peak(const vista_ridge *ridge, int32_t u) {
   const uint8_t own = ridge->best[u];
   for (int32_t k = u - APART_PX; k <= u + APART_PX; ++k) {
@@ -37,6 +37,13 @@ static bool is_peak(const vista_ridge *ridge, int32_t u) {
     if (ridge->best[k] > own || (ridge->best[k] == own && k < u)) return false;
   }
   return true;
+}
+
+/* The middle of the equal ones from a peak on. */
+static int32_t middle_of(const vista_ridge *ridge, int32_t peak) {
+  int32_t last = peak;
+  while (last + 1 < ridge->width_px && last < peak + APART_PX && ridge->best[last + 1] == ridge->best[peak]) ++last;
+  return (peak + last) / 2;
 }
 
 static void find_pieces(int32_t threshold, vista_straight_lines *lines) {
@@ -50,9 +57,11 @@ static void find_pieces(int32_t threshold, vista_straight_lines *lines) {
       const int32_t next = (column + 1) * COLUMN_PX, end = next < ridge->width_px ? next : ridge->width_px;
       first[column] = count;
       for (int32_t u = column * COLUMN_PX; u < end && count < VISTA_PIECES_MAX; ++u)
-        if (ridge->best[u] >= threshold && is_peak(ridge, u))
+        if (ridge->best[u] >= threshold && is_peak(ridge, u)) {
+          const int32_t middle = middle_of(ridge, u);
           lines->pieces[count++] = (vista_line_piece){
-              .u_px = (int16_t)u, .lean = ridge->lean[u], .sum = ridge->best[u], .strip = (int16_t)strip};
+              .u_px = (int16_t)middle, .lean = ridge->lean[middle], .sum = ridge->best[u], .strip = (int16_t)strip};
+        }
     }
   }
   lines->first_piece[ridge->strips] = count;
@@ -90,7 +99,7 @@ static int32_t next_piece(const vista_straight_lines *lines, int32_t strip, doub
   double nearest_px = LINK_PX;
   if (u > lines->ridge.width_px + LINK_PX) return -1;
   const int32_t *const first = lines->first_of_column + strip * lines->columns;
-  for (int32_t i = first[column_of(u - LINK_PX)]; i < lines->first_piece[strip + 1]; ++i) {
+  for (int32_t i = first[column_of(u - LINK_PX - APART_PX)]; i < lines->first_piece[strip + 1]; ++i) {
     const vista_line_piece *const piece = &lines->pieces[i];
     if (piece->u_px > u + LINK_PX) break;
     const double off_px = fabs(piece->u_px - u);

@@ -19,6 +19,7 @@ void vista_track_filter_meet(const vista_pose *pose, const vista_detection *dete
   vista_frame_to_world(pose, detection->met_camera_m, met_m);
   const double weight = track->met ? MET_WEIGHT : 1.0;
   for (int i = 0; i < 3; ++i) track->met_m[i] += weight * (met_m[i] - track->met_m[i]);
+  track->met_sigma_m += weight * (detection->met_sigma_m - track->met_sigma_m);
   track->met = true;
 }
 
@@ -63,7 +64,8 @@ void vista_track_filter_predict(const vista_tracker_params *params, double dt_s,
   double *p = track->covariance;
   const double q = params->acceleration_psd_m2_s3;
   for (int i = 0; i < 3; ++i) track->position_m[i] += dt_s * track->velocity_m_s[i];
-  for (int i = 0; i < 3; ++i) track->met_m[i] += dt_s * track->velocity_m_s[i];
+  if (!track->plain) /* a wall stands: what its velocity seems to be is a bias that changes on the way */
+    for (int i = 0; i < 3; ++i) track->met_m[i] += dt_s * track->velocity_m_s[i];
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 6; ++j) p[6 * i + j] += dt_s * p[6 * (i + 3) + j]; /* F P */
   for (int i = 0; i < 6; ++i)
