@@ -55,6 +55,16 @@ def camera(flags: int = 0, extra: bytes = b"") -> bytes:
     return struct.pack("<BHHB", flags, 48, 32, 30) + extra
 
 
+def link(params: bytes, obstacles: int) -> bytes:
+    """Two frames, 50 ms apart, of things ahead; health and clock as they come."""
+    metres = [struct.pack("<BH", 1, 32768 + 256 * x) for x in (1, 2, 0, 0, 12)]
+    things = b"".join(struct.pack("<i", k + 1) + b"".join(metres) for k in range(obstacles))
+    frame = (
+        bytes([0, 1, 0, obstacles]) + things + bytes([1, 1, 1, 60]) + metres[4] + bytes([1]) + 7 * metres[0]
+    )
+    return params + (struct.pack("<HBB", 2500, 1, 1) + frame) * 2
+
+
 def seeds() -> dict[str, bytes]:
     approach = [bytes([0x01, 0x00]) + scene(1, 1, 200 + 12 * i, 40) for i in range(4)]
     lost_pose = [*approach[:2], bytes([0x00]) + scene(1, 1, 230, 40), approach[3]]
@@ -73,6 +83,9 @@ def seeds() -> dict[str, bytes]:
         "pipeline/stride of 0": pipeline(
             camera(), [bytes([0x02, 0x03]) + scene(1, 1, 200, 40) + struct.pack("<HH", 8, 11)]
         ),
+        "mavlink/px4": link(bytes([1, 1]), 2),
+        "mavlink/ardupilot": link(bytes([0, 0]) + struct.pack("<BH", 1, 32768 + 256) + bytes([1, 1]), 30),
+        "mavlink/anything": bytes(range(256)) * 4,
         "recording/approach": recording(32, 24, 3, True, 12.0),
         "recording/stills": recording(20, 16, 2, False, 8.0, stills=1),
         "recording/center at 1e12": recording(16, 16, 1, True, 1e12),

@@ -1,6 +1,6 @@
 # Fuzz targets of the C libraries, for the top Makefile: libFuzzer where there is a clang, else gcc over the corpus.
 
-FUZZ_TARGETS := engine pipeline recording
+FUZZ_TARGETS := engine pipeline recording mavlink
 FUZZ_SECONDS ?= 600
 FUZZ := build/fuzz
 FUZZ_CLANG := build/tools/clang/command# an empty file: there is none
@@ -11,11 +11,14 @@ FUZZ_CFLAGS = -g -O1 -std=c17 -fno-omit-frame-pointer -fno-sanitize-recover=all 
 FUZZ_DRIVER = $(if $(FUZZ_HAS_CLANG),-fsanitize=fuzzer,sw/fuzz/run_corpus.c)
 FUZZ_ENGINE := $(patsubst %.c,$(FUZZ)/obj/%.o,$(wildcard model/c/src/*.c))
 FUZZ_VISTA := $(patsubst %.c,$(FUZZ)/obj/%.o,$(wildcard sw/src/*.c sw/src/*/*.c sw/src/*/*/*.c))
+# What a link needs; of all of libvista the fuzzer would see a small part only.
+FUZZ_MAVLINK := $(patsubst %.c,$(FUZZ)/obj/%.o,$(wildcard sw/src/mavlink/*.c) \
+  sw/src/parameters.c sw/src/status.c sw/src/common/frame.c sw/src/common/median.c sw/src/stages/health.c)
 comma := ,
 
 .PHONY: fuzz fuzz-targets
 
-fuzz: fuzz-targets .venv/test.stamp ## fuzz the engine, the pipeline and the reader of recordings for FUZZ_SECONDS=600 each
+fuzz: fuzz-targets .venv/test.stamp ## fuzz the engine, the pipeline, the reader of recordings and MAVLink for FUZZ_SECONDS=600 each
 	@$(PYTHON) scripts/run_fuzz.py --seconds $(FUZZ_SECONDS) $(FUZZ_TARGETS)
 
 fuzz-targets: $(FUZZ_TARGETS:%=$(FUZZ)/%)
@@ -32,6 +35,7 @@ $(FUZZ)/obj/sw/apps/replay.o: FUZZ_CFLAGS += -Dmain=replay_main
 
 $(FUZZ)/engine: $(FUZZ_ENGINE)
 $(FUZZ)/pipeline: $(FUZZ_VISTA)
+$(FUZZ)/mavlink: $(FUZZ_MAVLINK)
 $(FUZZ)/recording: $(FUZZ_VISTA) $(FUZZ)/obj/sw/apps/replay.o
 $(FUZZ_TARGETS:%=$(FUZZ)/%): $(FUZZ)/%: $(FUZZ)/obj/sw/fuzz/fuzz_%.o sw/fuzz/run_corpus.c
 	@echo "ld $@"; $(FUZZ_CC) $(FUZZ_CFLAGS) $(filter %.o,$^) $(FUZZ_DRIVER) -lm -o $@

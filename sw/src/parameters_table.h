@@ -12,6 +12,8 @@ static const char *const affinity_form_choices[] = {"product", "sum"};
 static const char *const affinity_flow_encoding_choices[] = {"exponential", "linear"};
 static const char *const segmentation_solver_choices[] = {"cut", "forest"};
 static const char *const thin_find_choices[] = {"off", "on"};
+static const char *const mavlink_autopilot_choices[] = {"px4", "ardupilot"};
+static const char *const mavlink_sectors_choices[] = {"72", "36"};
 
 static const struct {
   vista_parameter info;
@@ -187,6 +189,18 @@ static const struct {
     {{"thin.length_m", "m", "Shortest line.", VISTA_PARAMETER_FLOAT, 1.5, 0.0, 1000.0, "", 0, NULL}, offsetof(vista_parameters, thin.length_m)},
     {{"thin.height_m", "m", "More than half of a line stands at least this far above the ground.", VISTA_PARAMETER_FLOAT, 0.5, 0.0, 100.0, "", 0, NULL}, offsetof(vista_parameters, thin.height_m)},
     {{"host.threads", "threads", "With 2, a second thread takes part in every frame; vista_pipeline_destroy ends it.", VISTA_PARAMETER_INT, 1, 1, 2, "", 0, NULL}, offsetof(vista_parameters, host.threads)},
+    {{"mavlink.autopilot", "", "Whose rules the messages follow: OBSTACLE_DISTANCE with unknown sectors, or OBSTACLE_DISTANCE_3D and silence.", VISTA_PARAMETER_CHOICE, 0, 0, 1, "", 2, mavlink_autopilot_choices}, offsetof(vista_parameters, mavlink.autopilot)},
+    {{"mavlink.system_id", "", "That of the aircraft.", VISTA_PARAMETER_INT, 1, 1, 255, "", 0, NULL}, offsetof(vista_parameters, mavlink.system_id)},
+    {{"mavlink.component_id", "", "Of the detector; 196 is obstacle avoidance.", VISTA_PARAMETER_INT, 196, 1, 255, "", 0, NULL}, offsetof(vista_parameters, mavlink.component_id)},
+    {{"mavlink.mount_roll_deg", "deg", "How the left camera hangs in the aircraft, turned by yaw first, then by pitch, then by roll. Roll: to the right.", VISTA_PARAMETER_FLOAT, 0.0, -180.0, 180.0, "", 0, NULL}, offsetof(vista_parameters, mavlink.mount_roll_deg)},
+    {{"mavlink.mount_pitch_deg", "deg", "Upwards from level.", VISTA_PARAMETER_FLOAT, 0.0, -90.0, 90.0, "", 0, NULL}, offsetof(vista_parameters, mavlink.mount_pitch_deg)},
+    {{"mavlink.mount_yaw_deg", "deg", "To the right from forward.", VISTA_PARAMETER_FLOAT, 0.0, -180.0, 180.0, "", 0, NULL}, offsetof(vista_parameters, mavlink.mount_yaw_deg)},
+    {{"mavlink.min_distance_m", "m", "What is nearer, or too near to match, is reported at this distance, never at 0.", VISTA_PARAMETER_FLOAT, 0.3, 0.05, 100.0, "mavlink.max_distance_m", 0, NULL}, offsetof(vista_parameters, mavlink.min_distance_m)},
+    {{"mavlink.max_distance_m", "m", "What is farther is not reported. Clear means: seen to be free up to here, which is at most obstacle_map.collision_length_m.", VISTA_PARAMETER_FLOAT, 40.0, 1.0, 655.0, "", 0, NULL}, offsetof(vista_parameters, mavlink.max_distance_m)},
+    {{"mavlink.half_height_m", "m", "Sectors are about what reaches into the slice so far above and below the height of the camera.", VISTA_PARAMETER_FLOAT, 2.0, 0.0, 1000.0, "", 0, NULL}, offsetof(vista_parameters, mavlink.half_height_m)},
+    {{"mavlink.sectors", "", "Of 5 degrees, or of 10 for versions of PX4 whose own map has 36: of 72 these read every second one only.", VISTA_PARAMETER_CHOICE, 0, 0, 1, "", 2, mavlink_sectors_choices}, offsetof(vista_parameters, mavlink.sectors)},
+    {{"mavlink.angle_offset_deg", "deg", "Where the middle of sector 0 is, to the right from forward: a multiple of a sector. Some receivers ignore it.", VISTA_PARAMETER_FLOAT, 0.0, -180.0, 180.0, "", 0, NULL}, offsetof(vista_parameters, mavlink.angle_offset_deg)},
+    {{"mavlink.stale_s", "s", "A frame that is older tells nothing any more.", VISTA_PARAMETER_FLOAT, 0.3, 0.05, 0.5, "", 0, NULL}, offsetof(vista_parameters, mavlink.stale_s)},
 };
 
 _Static_assert(sizeof(vista_stereo_params) == 256, "stereo may not grow");
@@ -206,5 +220,6 @@ _Static_assert(sizeof(vista_words_params) == 256, "words may not grow");
 _Static_assert(sizeof(vista_terrain_params) == 256, "terrain may not grow");
 _Static_assert(sizeof(vista_thin_params) == 256, "thin may not grow");
 _Static_assert(sizeof(vista_host_params) == 256, "host may not grow");
+_Static_assert(sizeof(vista_mavlink_params) == 256, "mavlink may not grow");
 
 #endif

@@ -13,6 +13,7 @@
 #include "stages/blind_zone.h"
 #include "stages/collision_volume.h"
 #include "stages/footing.h"
+#include "stages/free_view.h"
 #include "stages/health.h"
 #include "stages/motion.h"
 #include "stages/obstacle_map.h"
@@ -83,6 +84,8 @@ struct vista_pipeline {
   vista_region_verdict *verdicts; /* a region */
   vista_views views;
   double stage_ms[STAGE_COUNT], host_ms;
+  double up_camera[3]; /* in the last frame */
+  bool processed, up_known;
 };
 
 static const char *const stage_names[STAGE_COUNT] = {
@@ -238,14 +241,15 @@ static vista_status check_frame(const vista_pipeline *p, const vista_frame *fram
   return status == VISTA_OK && frame->up_world != NULL ? check_up(frame->up_world) : status;
 }
 
-/* Up in camera coordinates: R^T up_world. Without any pose nothing tells how the camera hangs: level. */
-static void up_in_camera(const vista_motion *motion, const double *up_world, double up[3]) {
+/* Up in camera coordinates: R^T up_world. Without any pose nothing tells how the camera hangs: level, and false. */
+static bool up_in_camera(const vista_motion *motion, const double *up_world, double up[3]) {
   static const double level[3] = {0.0, -1.0, 0.0};
-  const bool unknown = up_world == NULL || (motion->source == VISTA_MOTION_UNTOLD);
-  if (unknown)
-    memcpy(up, level, sizeof level);
-  else
+  const bool known = up_world != NULL && motion->source != VISTA_MOTION_UNTOLD;
+  if (known)
     vista_frame_direction_to_camera(&motion->pose, up_world, up);
+  else
+    memcpy(up, level, sizeof level);
+  return known;
 }
 
 /* What one frame leads to on its way through the stages. */
@@ -259,6 +263,7 @@ typedef struct passage {
   vista_health health;
   double valid_fraction;
   double up_camera[3];
+  bool up_known;
   double path_seen_m;
   int32_t detection_count;
   int64_t dropped_before; /* tracks, in earlier frames */
@@ -290,7 +295,7 @@ static vista_status run_stage(vista_pipeline *p, stage stage, passage *way) {
       const vista_motion_input input = {frame->pose, frame->velocity_m_s, frame->stationary, frame->t_ns};
       const vista_status status = vista_motion_update(&q->motion, &input, &way->motion_state, &way->motion);
       if (status != VISTA_OK) return status;
-      up_in_camera(&way->motion, frame->up_world, way->up_camera);
+      way->up_known = up_in_camera(&way->motion, frame->up_world, way->up_camera);
       way->path = vista_motion_path(&q->motion, &way->motion_state, &way->motion, q->obstacle_map.collision_length_m,
                                     q->obstacle_map.collision_radius_m);
       return VISTA_OK;
@@ -418,6 +423,7 @@ static void run_lane(void *context, int32_t part, int32_t worker) {
 static vista_status run_stages(vista_pipeline *p, passage *way) {
   work w = {.pipeline = p, .way = way};
   const double start_ms = vista_clock_ms();
+  p->processed = false;
   for (size_t k = 0; k < sizeof schedule / sizeof schedule[0]; ++k) {
     w.lanes = schedule[k];
     vista_team_share(&p->team, run_lane, &w, w.lanes[1].count > 0 ? LANES : 1);
@@ -427,6 +433,9 @@ static vista_status run_stages(vista_pipeline *p, passage *way) {
   p->host_ms = vista_clock_ms() - start_ms;
   memcpy(p->stage_ms, w.stage_ms, sizeof p->stage_ms);
   p->motion_state = way->motion_state;
+  memcpy(p->up_camera, way->up_camera, sizeof p->up_camera);
+  p->up_known = way->up_known;
+  p->processed = true;
   p->views.region_count = p->regions.count;
   for (int32_t k = 0; k < p->regions.count; ++k) p->verdicts[k] = p->regions.items[k].verdict;
   return VISTA_OK;
@@ -462,6 +471,17 @@ vista_status vista_pipeline_process_sized(vista_pipeline *pipeline, const vista_
   memset(result, 0, result_bytes);
   memcpy(result, &r, result_bytes < sizeof r ? result_bytes : sizeof r);
   return VISTA_OK;
+}
+
+vista_status vista_pipeline_directions(const vista_pipeline *pipeline, vista_directions *directions) {
+  if (pipeline == NULL || directions == NULL) return VISTA_ERROR_ARGUMENT;
+  const vista_pipeline *const p = pipeline;
+  *directions = (vista_directions){.up_camera = {0.0, -1.0, 0.0}};
+  if (!p->processed) return VISTA_OK;
+  memcpy(directions->up_camera, p->up_camera, sizeof directions->up_camera);
+  directions->up_known = p->up_known;
+  return vista_free_view(&p->parameters.obstacle_map, &p->camera, &p->matched, &p->words.image, p->refinement.label,
+                         &p->regions, directions);
 }
 
 vista_pipeline_stages vista_pipeline_look(const vista_pipeline *pipeline) {

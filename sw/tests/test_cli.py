@@ -61,7 +61,8 @@ def test_run_writes_what_interfaces_promise(tmp_path: Path, run_vista: Vista, ma
     assert [line["frame"] for line in lines] == list(range(cases.FRAMES))
     first = lines[1]
     keys = ["version", "frame", "t_ns", "processing_ms", "regions", "valid_fraction", "motion", "health"]
-    assert list(first) == [*keys, "obstacles", "nearest_collision", "path_seen_m"]
+    more = ["obstacles", "nearest_collision", "path_seen_m", "velocity_camera_m_s", "directions"]
+    assert list(first) == keys + more
     assert first["version"] == 2
     obstacle_keys = ["id", "confirmed", "age_frames", "position_m", "position_camera_m", "covariance_m2"]
     obstacle_keys += [
@@ -76,7 +77,14 @@ def test_run_writes_what_interfaces_promise(tmp_path: Path, run_vista: Vista, ma
     ]
     assert list(first["obstacles"][0]) == obstacle_keys
     assert list(first["obstacles"][0]["ellipse_px"]) == ["center", "axes", "angle_deg"]
-    nearest_keys = ["id", "position_m", "covariance_m2", "distance_m", "time_to_collision_s"]
+    nearest_keys = [
+        "id",
+        "position_m",
+        "position_camera_m",
+        "covariance_m2",
+        "distance_m",
+        "time_to_collision_s",
+    ]
     assert list(first["nearest_collision"]) == nearest_keys
     assert lines[0]["nearest_collision"] is None
 

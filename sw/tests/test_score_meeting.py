@@ -19,7 +19,7 @@ from vista.pipeline import Nearest
 from vista_eval.dataset.truth import TrueObject
 from vista_eval.metrics.flight_path import true_paths
 from vista_eval.metrics.flight_score import FlightScore, score_records
-from vista_eval.metrics.frame_truth import FrameTruth, Target, flight_frames
+from vista_eval.metrics.frame_truth import FrameTruth, Target, flight_frames, unique_rows
 from vista_eval.metrics.judge import errors
 from vista_eval.metrics.rules import CURVATURE_UNCERTAINTY, PAPER, SPEED_MIN_M_S, STRICT, TURN_MIN_DEG_S
 from vista_eval.worlds.sampled.catalog import FAMILIES
@@ -209,7 +209,8 @@ def test_sway_is_no_turn() -> None:
 def test_beyond_the_last_frame_only_turns_go_on() -> None:
     """Sampled courses that are blown about, of which the aircraft's bank tells whether they turn. Without
     the rule a straight one in five would go on in a turn, and be up to 12 m off after 45 m. It is
-    not always right: with seeds 9 to 40, 7 of 251 straight courses go on in a turn (57 without it)."""
+    not always right: with seeds 9 to 40 of the families but steep_wire, 7 of 251 straight courses go on in a
+    turn (57 without it)."""
     straight = turning = 0
     for family, number in product((one for one in FAMILIES.values() if one.split == "dev"), range(1, 9)):
         course = family.flight(0, number).approach
@@ -229,7 +230,15 @@ def test_beyond_the_last_frame_only_turns_go_on() -> None:
         later = (course.state_at(course.frames - 1 + k) for k in about_frames)
         later_m = np.array([state.world_from_body[:3, 3] for state in later]) - path.corners_m[0]
         assert np.linalg.norm(later_m - 45.0 * chord, axis=1).min() < RADIUS_M, name
-    assert (straight, turning) == (59, 42)  # of 45, three of which turn by less than what counts
+    assert (straight, turning) == (64, 45)  # of 48, three of which turn by less than what counts
+
+
+def test_rows_that_differ_are_kept_in_their_order() -> None:
+    random = seeded(4)
+    cubes = random.integers(-9, 9, (5000, 3)) + random.integers(-(2**19), 2**19, 3)
+    corners = np.array([[-(2**20)] * 3, [2**20 - 1] * 3])
+    for rows in (cubes, corners, cubes[:0]):
+        assert np.array_equal(unique_rows(rows), np.unique(rows, axis=0))
 
 
 def test_a_hovering_camera_looks_ahead() -> None:

@@ -283,6 +283,29 @@ typedef struct vista_host_params {
   unsigned char reserved[252];
 } vista_host_params;
 
+/* Whose rules the messages follow: OBSTACLE_DISTANCE with unknown sectors, or OBSTACLE_DISTANCE_3D and silence. */
+typedef enum vista_mavlink_autopilot { VISTA_MAVLINK_AUTOPILOT_PX4, VISTA_MAVLINK_AUTOPILOT_ARDUPILOT } vista_mavlink_autopilot;
+
+/* Of 5 degrees, or of 10 for versions of PX4 whose own map has 36: of 72 these read every second one only. */
+typedef enum vista_mavlink_sectors { VISTA_MAVLINK_SECTORS_72, VISTA_MAVLINK_SECTORS_36 } vista_mavlink_sectors;
+
+/* What an autopilot is told: vista mavlink, vista/mavlink.h. */
+typedef struct vista_mavlink_params {
+  vista_mavlink_autopilot autopilot; /* Whose rules the messages follow: OBSTACLE_DISTANCE with unknown sectors, or OBSTACLE_DISTANCE_3D and silence. */
+  int32_t system_id; /* That of the aircraft. 1 .. 255. */
+  int32_t component_id; /* Of the detector; 196 is obstacle avoidance. 1 .. 255. */
+  double mount_roll_deg; /* How the left camera hangs in the aircraft, turned by yaw first, then by pitch, then by roll. Roll: to the right. -180.0 .. 180.0 deg. */
+  double mount_pitch_deg; /* Upwards from level. -90.0 .. 90.0 deg. */
+  double mount_yaw_deg; /* To the right from forward. -180.0 .. 180.0 deg. */
+  double min_distance_m; /* What is nearer, or too near to match, is reported at this distance, never at 0. 0.05 .. 100.0 m. At most max_distance_m. */
+  double max_distance_m; /* What is farther is not reported. Clear means: seen to be free up to here, which is at most obstacle_map.collision_length_m. 1.0 .. 655.0 m. */
+  double half_height_m; /* Sectors are about what reaches into the slice so far above and below the height of the camera. 0.0 .. 1000.0 m. */
+  vista_mavlink_sectors sectors; /* Of 5 degrees, or of 10 for versions of PX4 whose own map has 36: of 72 these read every second one only. */
+  double angle_offset_deg; /* Where the middle of sector 0 is, to the right from forward: a multiple of a sector. Some receivers ignore it. -180.0 .. 180.0 deg. */
+  double stale_s; /* A frame that is older tells nothing any more. 0.05 .. 0.5 s. */
+  unsigned char reserved[168];
+} vista_mavlink_params;
+
 /* All parameters. vista_parameters_default makes the struct; change its members afterwards. A newer library
  * keeps its new parameters behind those of this header and in the reserved parts, and fills them in there. */
 typedef struct vista_parameters {
@@ -304,6 +327,7 @@ typedef struct vista_parameters {
   vista_terrain_params terrain;
   vista_thin_params thin;
   vista_host_params host;
+  vista_mavlink_params mavlink;
 } vista_parameters;
 
 /* Writes the defaults into a struct of this size. VISTA_ERROR_SIZE: it is no size of this struct. */

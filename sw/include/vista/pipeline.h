@@ -17,6 +17,7 @@
 #include <stdint.h>
 
 #include "vista/api.h"
+#include "vista/directions.h"
 #include "vista/obstacle.h"
 #include "vista/parameters.h"
 #include "vista/status.h"
@@ -121,6 +122,10 @@ static inline vista_status vista_pipeline_process(vista_pipeline *pipeline, cons
                                                   vista_result *result) {
   return vista_pipeline_process_sized(pipeline, frame, sizeof *frame, result, sizeof *result);
 }
+
+/* Which directions were free in the last frame. It is no stage of a frame: who does not ask has no cost. Without a frame
+ * since the pipeline was made nothing is free. */
+VISTA_API vista_status vista_pipeline_directions(const vista_pipeline *pipeline, vista_directions *directions);
 
 VISTA_END
 

@@ -20,6 +20,8 @@
 
 #include "vista/api.h"
 #include "vista/board.h"
+#include "vista/directions.h"
+#include "vista/mavlink.h"
 #include "vista/obstacle.h"
 #include "vista/parameters.h"
 #include "vista/pipeline.h"

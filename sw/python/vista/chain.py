@@ -17,7 +17,7 @@ from vista.sequence import Frame, FrameFiles, Sequence
 
 if TYPE_CHECKING:
     from vista.geometry import Array, Pose
-    from vista.pipeline import Result
+    from vista.pipeline import Motion, Result
 
 
 class HostPipeline(Protocol):
@@ -128,5 +128,12 @@ def run_frame(chain: Chain, files: FrameFiles) -> Step:
         result.dropped_tracks,
         result.motion.known,
         result.path_seen_m,
+        velocity_camera_m_s=_in_camera(result.motion),
+        directions=result.directions,
     )
     return Step(raw, frame, levels, result, record)
+
+
+def _in_camera(motion: Motion) -> Array | None:
+    """The velocity."""
+    return None if motion.velocity_m_s is None else motion.pose.rotation.T @ motion.velocity_m_s

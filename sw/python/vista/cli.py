@@ -26,6 +26,7 @@ GROUP = "vista.commands"
 COMMANDS = (
     "run",
     "disparity",
+    "mavlink",
     "flights",
     "worlds",
     "figures",

@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from vista.geometry import Pose
+from vista.geometry import Array, Pose
 from vista.health.finding import FrameHealth
 
 if TYPE_CHECKING:
-    from vista.pipeline import Nearest, Obstacle
+    from vista.pipeline import Directions, Nearest, Obstacle
 
 
 @dataclass(frozen=True)
@@ -31,6 +31,8 @@ class FrameRecord:
     motion_known: bool = False
     path_seen_m: float = 0.0  # beyond, no obstacle does not mean free space
     health: FrameHealth = field(default_factory=FrameHealth)  # empty where no checks are made
+    velocity_camera_m_s: Array | None = None  # (3,); None: not known
+    directions: Directions | None = None  # that are free
 
 
 @dataclass

@@ -13,7 +13,7 @@ from vista.geometry import Pose
 from vista.history import FrameRecord
 
 if TYPE_CHECKING:
-    from vista.pipeline import Nearest, Obstacle
+    from vista.pipeline import Directions, Nearest, Obstacle
 
 VERSION = 2  # of the lines
 
@@ -24,6 +24,7 @@ PIXELS = 2
 DISPARITY_PX = 3
 DEGREES = 1
 SECONDS = 2
+UNIT = 5  # components of a unit vector
 
 
 def schema_text() -> str:
@@ -52,8 +53,10 @@ def obstacle_line(record: FrameRecord, all_tracks: bool = False) -> str:
             for obstacle in record.obstacles
             if obstacle.confirmed or all_tracks
         ],
-        "nearest_collision": None if nearest is None else _nearest(nearest),
+        "nearest_collision": None if nearest is None else _nearest(nearest, camera_from_world),
         "path_seen_m": _rounded(record.path_seen_m, METRES),
+        "velocity_camera_m_s": _rounded_or_none(record.velocity_camera_m_s, METRES),
+        "directions": None if record.directions is None else _directions(record.directions),
     }
     return json.dumps(line, allow_nan=False)
 
@@ -84,15 +87,33 @@ def _obstacle(obstacle: Obstacle, camera_from_world: Pose) -> dict[str, Any]:
     }
 
 
-def _nearest(nearest: Nearest) -> dict[str, Any]:
+def _nearest(nearest: Nearest, camera_from_world: Pose) -> dict[str, Any]:
     time_s = nearest.time_to_collision_s
+    with np.errstate(invalid="ignore"):
+        position_camera_m = camera_from_world.apply(nearest.position_m)
     return {
         "id": int(nearest.id),
         "position_m": _rounded(nearest.position_m, METRES),
+        "position_camera_m": _rounded(position_camera_m, METRES),
         "covariance_m2": _rounded(nearest.covariance_m2, SQUARE_METRES),
         "distance_m": _rounded(nearest.distance_m, METRES),
         "time_to_collision_s": None if time_s is None else _rounded(time_s, SECONDS),
     }
+
+
+def _directions(directions: Directions) -> dict[str, Any]:
+    """Without the columns at both ends that are not free."""
+    free = np.flatnonzero(directions.free_m)
+    first, end = (int(free[0]), int(free[-1]) + 1) if len(free) else (0, 0)
+    return {
+        "up_camera": _rounded_or_none(directions.up_camera, UNIT),
+        "first_deg": directions.FIRST_DEG + first,
+        "free_m": _rounded(directions.free_m[first:end], METRES),
+    }
+
+
+def _rounded_or_none(value: Any, digits: int) -> Any:
+    return None if value is None else _rounded(value, digits)
 
 
 def _rounded(value: Any, digits: int) -> Any:

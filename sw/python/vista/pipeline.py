@@ -93,6 +93,16 @@ class Health:
 
 
 @dataclass(frozen=True)
+class Directions:
+    """Which level directions are free: columns of one degree, from where the camera looks to the right."""
+
+    up_camera: Array | None  #: (3,), unit vector against gravity; None: not known, -y is taken for it
+    free_m: NDArray[np.float32]  #: how far nothing stands there: (columns,), the first FIRST_DEG from ahead
+
+    FIRST_DEG = -90  # as vista/directions.h has it
+
+
+@dataclass(frozen=True)
 class Result:
     """The output of one frame."""
 
@@ -112,6 +122,7 @@ class Result:
     region_of_pixel: NDArray[np.int32]  #: (height, width); -1: none; boundaries follow the image
     verdict_of_region: list[str]
     words: NDArray[np.int16]  #: (height, width): the disparities of all levels together; negative: none
+    directions: Directions | None = None  #: None: of a stand-in of a test
 
 
 class PipelineError(ValueError):
@@ -245,7 +256,14 @@ class Pipeline:
             region_of_pixel=self._array(views.region_of_pixel, pixels, np.int32).reshape(shape),
             verdict_of_region=verdicts,
             words=self._array(views.words, pixels, np.int16).reshape(shape),
+            directions=self._directions(),
         )
+
+    def _directions(self) -> Directions:
+        c = self._ffi.new("vista_directions *")
+        self._check(self._lib.vista_pipeline_directions(self._pipeline, c))
+        up_camera = np.array(list(c.up_camera)) if c.up_known else None
+        return Directions(up_camera, self._array(c.free_m, self._lib.VISTA_DIRECTIONS, np.float32))
 
 
 def c_parameters(ffi: Any, lib: Any, values: parameters.Values) -> Any:

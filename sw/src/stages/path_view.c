@@ -5,26 +5,10 @@
 
 #include "common/frame.h"
 #include "common/parameters_check.h"
+#include "stages/parts/told.h"
 
 #define STATIONS 20          /* along the path */
 #define SAMPLES_A_RADIUS 8  /* rows, and columns, that are looked at */
-
-static bool is_judged(vista_region_verdict verdict) {
-  return verdict == VISTA_REGION_ACCEPTED || verdict == VISTA_REGION_HORIZONTAL || verdict == VISTA_REGION_TOO_FAR ||
-         verdict == VISTA_REGION_TOO_SMALL;
-}
-
-typedef struct view {
-  const vista_disparity_image *disparity;
-  const int32_t *region_of_pixel;
-  const vista_regions *regions;
-} view;
-
-static bool tells(const view *v, int32_t u, int32_t row) {
-  const int32_t region = v->region_of_pixel[row * v->disparity->width_px + u];
-  if (region < 0 || region >= v->regions->count || !is_judged(v->regions->items[region].verdict)) return false;
-  return v->disparity->data[row * v->disparity->stride + u] > 0 || v->regions->items[region].plain;
-}
 
 typedef struct span {
   int32_t first, last;
@@ -37,7 +21,7 @@ static span between(double middle, double reach, double first, double last) {
 }
 
 /* Share of a disc's image that tells of it; 0 where nothing of it is matched. */
-static double told_fraction(const view *v, const vista_camera *camera, const vista_matched_area *matched,
+static double told_fraction(const vista_told *v, const vista_camera *camera, const vista_matched_area *matched,
                             const double center_m[3], double radius_m) {
   if (!(center_m[2] > 0.0)) return 0.0;
   const double scale = camera->focal_px / center_m[2], radius_px = scale * radius_m;
@@ -50,7 +34,7 @@ static double told_fraction(const view *v, const vista_camera *camera, const vis
     const double half_px = sqrt(fmax(0.0, radius_px * radius_px - (row - w) * (row - w)));
     const span columns = between(u, half_px, margins.left_px, camera->width_px - 1 - margins.other_px);
     for (int32_t column = columns.first; column <= columns.last; column += (int32_t)step) {
-      told += tells(v, column, row);
+      told += vista_told_region(v, column, row) != NULL;
       ++all;
     }
   }
@@ -69,7 +53,7 @@ vista_status vista_path_view(const vista_obstacle_map_params *params, const vist
   if (status == VISTA_OK) status = vista_matched_area_check(matched);
   if (status == VISTA_OK) status = vista_frame_check_disparity(disparity, camera->width_px, camera->height_px);
   if (status != VISTA_OK) return status;
-  const view v = {disparity, region_of_pixel, regions};
+  const vista_told v = {disparity, region_of_pixel, regions};
   const double nearest_m = camera->focal_px * camera->baseline_m / matched->disparity_max_px;
   *seen_m = 0.0;
   for (int k = 1; k <= STATIONS; ++k) {

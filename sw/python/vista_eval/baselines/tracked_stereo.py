@@ -35,7 +35,7 @@ from vista_eval.fly import flight_digest, open_flight
 from vista_eval.metrics.flight_path import CYLINDER_RADIUS_M
 from vista_eval.metrics.flight_score import blind_depth_m
 from vista_eval.metrics.frame_truth import flight_frames, still_surfaces
-from vista_eval.metrics.judge import FrameScore, Judge
+from vista_eval.metrics.judge import FrameScore, Judge, Shown
 from vista_eval.metrics.rules import STRICT
 
 
@@ -95,7 +95,8 @@ def tracked_outcomes(folder: Path, values: parameters.Values, sweep: Sweep = FUL
     words_of = ThresholdedWords(values, sweep)
     settings = list(product(range(len(words_of.settings)), sweep.pixels))
     trackers = [ClusterTracker(stages) for _ in settings]
-    judges = [Judge(truth, blind_depth_m(truth, values), still_m, STRICT) for _ in settings]
+    blind_m, shown = blind_depth_m(truth, values), Shown(truth)
+    judges = [Judge(truth, blind_m, still_m, STRICT, shown) for _ in settings]
     scores: list[list[FrameScore]] = [[] for _ in settings]
     by_time = {frame.t_ns: frame for frame in frames}
     for files in sequence.frames:

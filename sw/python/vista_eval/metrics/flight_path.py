@@ -84,32 +84,33 @@ class Curved:
 
     def beside(self, points_m: Floats, origin_m: Array) -> tuple[Floats, Floats]:
         """Metres beside the path and along it, of (n, 3) points given from an origin; infinite and 0 of what
-        lies outside of the box, along the axes of the world, that holds whatever is within REACH_M of the
-        path's corners and chords."""
+        lies farther than REACH_M, along each axis of the world, from every chord."""
         corners_m = (self.corners_m - origin_m).astype(np.float32)
         aside_m = np.full(len(points_m), np.inf, np.float32)
         along_m = np.zeros(len(points_m), np.float32)
-        around = np.flatnonzero(
-            np.all(points_m >= corners_m.min(axis=0) - REACH_M, axis=1)
-            & np.all(points_m <= corners_m.max(axis=0) + REACH_M, axis=1)
-        )
-        points_m = points_m[around]
+        near = (points_m >= corners_m.min(axis=0) - REACH_M) & (points_m <= corners_m.max(axis=0) + REACH_M)
+        around = np.flatnonzero(near.all(axis=1))
+        axis = int(np.argmax(np.ptp(corners_m, axis=0)))  # along it each chord has a slice of what is around
+        around = around[np.argsort(points_m[around, axis])]
+        places_m = points_m[around, axis]
         flown_m = 0.0
         for k, (start_m, end_m) in enumerate(pairwise(corners_m)):
             length_m = float(np.linalg.norm(end_m - start_m))
             if length_m == 0.0:
                 continue
+            low_m, high_m = sorted((start_m[axis], end_m[axis]))
+            here = around[slice(*np.searchsorted(places_m, (low_m - REACH_M, high_m + REACH_M)))]
             direction = (end_m - start_m) / length_m
-            offset_m = points_m - start_m
+            offset_m = points_m[here] - start_m
             on_chord_m = np.clip(
                 offset_m @ direction,
                 -np.inf if k == 0 else 0.0,
                 np.inf if k == len(corners_m) - 2 else length_m,
             )
             distance_m = np.linalg.norm(offset_m - on_chord_m[:, np.newaxis] * direction, axis=1)
-            nearer = distance_m < aside_m[around]
-            aside_m[around[nearer]] = distance_m[nearer]
-            along_m[around[nearer]] = flown_m + on_chord_m[nearer]
+            nearer = distance_m < aside_m[here]
+            aside_m[here[nearer]] = distance_m[nearer]
+            along_m[here[nearer]] = flown_m + on_chord_m[nearer]
             flown_m += length_m
         return aside_m, along_m
 

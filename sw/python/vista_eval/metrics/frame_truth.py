@@ -140,6 +140,12 @@ def true_poses(truth: FlightTruth) -> list[Pose]:
     return [poses[t_ns] for t_ns in truth.times_ns]
 
 
+def unique_rows(cubes: NDArray[np.int64]) -> NDArray[np.int64]:
+    """np.unique(cubes, axis=0) of (n, 3) numbers between -2^20 and 2^20 - 1, many times as fast."""
+    packed = np.unique((cubes + (1 << 20)) @ np.array([1 << 42, 1 << 21, 1]))
+    return np.stack([packed >> 42, packed >> 21, packed], axis=1) % (1 << 21) - (1 << 20)
+
+
 class SeenGround:
     """Ground that the frames so far have shown near the path, a point a STILL_M cube: where an aircraft will
     touch it is below the image in the last second."""
@@ -155,7 +161,7 @@ class SeenGround:
                 continue
             found = np.rint(near.where(near.label == label).position_m / STILL_M).astype(np.int64)
             before = self._cubes.get(label, np.zeros((0, 3), np.int64))
-            self._cubes[label] = np.unique(np.concatenate([before, found]), axis=0)
+            self._cubes[label] = unique_rows(np.concatenate([before, found]))
 
     def outside(self, truth: FlightTruth, view: View, path: FlightPath) -> list[Points]:
         """What of it lies outside the image, as the view would have it were the image larger."""

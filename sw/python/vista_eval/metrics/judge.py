@@ -71,17 +71,36 @@ class FrameScore:
         return self.range_m is not None and self.range_m < self.asked_m[1] and self.matched_id is None
 
 
+class Shown:
+    """All points of the frame that was asked for last."""
+
+    def __init__(self, truth: FlightTruth) -> None:
+        self._truth = truth
+        self._of: tuple[int, Points] | None = None
+
+    def by(self, frame: FrameTruth) -> Points:
+        if self._of is None or self._of[0] != frame.t_ns:
+            self._of = frame.t_ns, true_points(self._truth, frame.t_ns, frame.world_from_camera, ANYWHERE)
+        return self._of[1]
+
+
 class Judge:
     """Of one flight, frame after frame: what has left the image is judged by what was seen before."""
 
     def __init__(
-        self, truth: FlightTruth, blind_depth_m: float, still_m: Array | None = None, rules: Rules = PAPER
+        self,
+        truth: FlightTruth,
+        blind_depth_m: float,
+        still_m: Array | None = None,
+        rules: Rules = PAPER,
+        shown: Shown | None = None,
     ) -> None:
         """blind_depth_m: nearer along the optical axis nothing is matched; still_m: (n, 3) surfaces around
-        the path that any frame of the flight shows."""
+        the path that any frame of the flight shows; shown: for several judges of one flight to share."""
         self._truth = truth
         self._rules = rules
         self._still_m = np.zeros((0, 3)) if still_m is None else still_m
+        self._shown = Shown(truth) if shown is None else shown
         self._blind_depth_m = blind_depth_m
         self._earlier_m = np.zeros((0, 3))
         self._matched: int | None = None
@@ -109,7 +128,7 @@ class Judge:
         warned = [place for place in places if place.id in warnings]
         alarms = [
             alarm
-            for alarm in false_alarms(truth, rules, frame, self._still_m, warned)
+            for alarm in false_alarms(truth, rules, frame, self._still_m, self._shown, warned)
             if not self._was_there(frame, warnings[alarm.id], positions_m[alarm.id], alarm.range_m)
         ]
         self._earlier_m = np.concatenate([self._earlier_m, frame.real.position_m[::16]])
@@ -184,7 +203,7 @@ def tells_of_ground(truth: FlightTruth, rules: Rules, frame: FrameTruth, place: 
 
 
 def false_alarms(
-    truth: FlightTruth, rules: Rules, frame: FrameTruth, still_m: Array, places: list[Warned]
+    truth: FlightTruth, rules: Rules, frame: FrameTruth, still_m: Array, shown: Shown, places: list[Warned]
 ) -> list[FalseAlarm]:
     suspects = [place for place in places if not agrees(truth, rules, place, frame.real)]
     if suspects:
@@ -196,7 +215,7 @@ def false_alarms(
         ]
     if not suspects:
         return []
-    everything = true_points(truth, frame.t_ns, frame.world_from_camera, ANYWHERE)
+    everything = shown.by(frame)
     return [FalseAlarm(s.id, s.range_m, ghost=not agrees(truth, rules, s, everything)) for s in suspects]
 
 
@@ -220,15 +239,25 @@ def seen_from(truth: FlightTruth, world_from_camera: Pose, position_m: Array) ->
 
 def agrees(truth: FlightTruth, rules: Rules, place: Warned, points: Points | Seen) -> bool:
     """Whether one of the points lies at the place's bearing and range."""
-    beyond_m = points.range_m - place.range_m
+    here = between(points.u_px, place.u_px, max(place.half_u_px, BEARING_MARGIN_PX))
+    here = here[between(points.v_px[here], place.v_px, max(place.half_v_px, BEARING_MARGIN_PX))]
+    beyond_m = points.range_m[here] - place.range_m
     tolerated_m = tolerance_m(truth, rules, place.range_m)
-    found: NDArray[np.bool_] = (
-        (np.abs(points.u_px - place.u_px) <= max(place.half_u_px, BEARING_MARGIN_PX))
-        & (np.abs(points.v_px - place.v_px) <= max(place.half_v_px, BEARING_MARGIN_PX))
-        & (beyond_m <= tolerated_m)
-        & ((beyond_m >= -tolerated_m) | place.up_to)
-    )
+    found: NDArray[np.bool_] = (beyond_m <= tolerated_m) & ((beyond_m >= -tolerated_m) | place.up_to)
     return bool(found.any())
+
+
+def between(values: NDArray[Any], middle: float, half: float) -> NDArray[np.intp]:
+    """Which of the values are at most `half` from the middle. Whole numbers are compared as such, which takes
+    an eighth of the time."""
+    low, high = middle - half, middle + half
+    if not low <= high:  # not a number
+        return np.zeros(0, np.intp)
+    if values.dtype.kind == "i":
+        least, most = np.iinfo(values.dtype).min, np.iinfo(values.dtype).max
+        bounds = np.clip([np.ceil(low), np.floor(high)], least, most).astype(values.dtype)
+        return np.flatnonzero((values >= bounds[0]) & (values <= bounds[1]))
+    return np.flatnonzero((values >= low) & (values <= high))
 
 
 def tolerance_m(truth: FlightTruth, rules: Rules, range_m: float) -> float:

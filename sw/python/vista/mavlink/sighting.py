@@ -1,0 +1,156 @@
+"""What one frame found and an autopilot is told of, from a line of obstacles.jsonl."""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vista.errors import InputError
+from vista.health.finding import State
+from vista.obstacle_line import VERSION
+from vista.result_folder import OBSTACLES
+from vista.sequence.text import check_increasing, read_text
+
+FIRST_DEG, COLUMNS = -90, 180  # as vista/directions.h has them
+TIME_END_NS = 2**62
+FARTHEST_M = 1e6
+
+
+@dataclass(frozen=True)
+class Board:
+    """An obstacle as the camera sees it."""
+
+    id: int
+    position_camera_m: tuple[float, float, float]
+    width_m: float
+    height_m: float
+
+
+@dataclass(frozen=True)
+class Collision:
+    """The nearest one."""
+
+    id: int
+    position_camera_m: tuple[float, float, float]
+    velocity_camera_m_s: tuple[float, float, float]  # zeros: not known
+    time_s: float  # from the time of the frame; 0: not known
+
+
+@dataclass(frozen=True)
+class Sighting:
+    """A frame; numbers that were not finite are NaN."""
+
+    t_ns: int
+    health: State
+    reason: str
+    obstacles: tuple[Board, ...]  # confirmed ones
+    up_camera: tuple[float, float, float] | None
+    free_m: NDArray[np.float32]  # (COLUMNS,)
+    collision: Collision | None
+
+
+def read_sightings(path: Path) -> list[Sighting]:
+    """Of a result folder of `vista run`, or of its obstacles.jsonl. InputError names the line."""
+    file = path / OBSTACLES if path.is_dir() else path
+    sightings: list[Sighting] = []
+    for number, text in enumerate(read_text(file).splitlines(), start=1):
+        culprit = f"{file}:{number}"
+        sighting = sighting_of(culprit, text)
+        check_increasing(culprit, sightings[-1].t_ns if sightings else None, sighting.t_ns)
+        sightings.append(sighting)
+    if not sightings:
+        raise InputError(file, "holds no frame")
+    return sightings
+
+
+def sighting_of(culprit: str, text: str) -> Sighting:
+    try:
+        line = json.loads(text)
+        if not isinstance(line, dict) or line.get("version") != VERSION:
+            raise InputError(culprit, f"not a line of obstacles.jsonl in version {VERSION}")
+        if "directions" not in line:
+            raise InputError(culprit, "has no directions: run vista run again, with this version")
+        return _sighting(line)
+    except (ValueError, RecursionError):
+        raise InputError(culprit, "not a whole line of JSON, or a number out of range") from None
+    except (AttributeError, KeyError, IndexError, TypeError, OverflowError) as error:
+        raise InputError(culprit, f"not as obstacles.schema.json says: {error!r}") from None
+
+
+def _sighting(line: dict[str, Any]) -> Sighting:
+    reasons = line["health"]["reasons"]
+    up_camera, free_m = _directions(line["directions"])
+    return Sighting(
+        _integer(line["t_ns"], 0, TIME_END_NS),
+        State(line["health"]["state"]),
+        str(reasons[0]) if reasons else "",
+        tuple(_board(o) for o in line["obstacles"] if o["confirmed"]),
+        up_camera,
+        free_m,
+        _collision(line),
+    )
+
+
+def _board(obstacle: dict[str, Any]) -> Board:
+    width_m, height_m = (_number(x) for x in obstacle["extent_m"])
+    return Board(_id(obstacle["id"]), _point(obstacle["position_camera_m"]), width_m, height_m)
+
+
+def _collision(line: dict[str, Any]) -> Collision | None:
+    nearest, velocity = line["nearest_collision"], line["velocity_camera_m_s"]
+    if nearest is None:
+        return None
+    time_s = nearest["time_to_collision_s"]
+    return Collision(
+        _id(nearest["id"]),
+        _point(nearest["position_camera_m"]),
+        (0.0, 0.0, 0.0) if velocity is None else _point(velocity),
+        0.0 if time_s is None else _number(time_s),
+    )
+
+
+def _directions(
+    directions: dict[str, Any] | None,
+) -> tuple[tuple[float, float, float] | None, NDArray[np.float32]]:
+    free_m = np.zeros(COLUMNS, np.float32)
+    if directions is None:
+        return None, free_m
+    given = [_number(x) for x in directions["free_m"]]
+    first = _integer(directions["first_deg"], FIRST_DEG, FIRST_DEG + COLUMNS) - FIRST_DEG
+    if first + len(given) > COLUMNS:
+        raise OverflowError("more free_m than columns")
+    free_m[first : first + len(given)] = np.clip(np.nan_to_num(given, nan=0.0), 0.0, FARTHEST_M)
+    up_camera = directions["up_camera"]
+    return None if up_camera is None else _point(up_camera), free_m
+
+
+def _point(values: Any) -> tuple[float, float, float]:
+    x, y, z = (_number(value) for value in values)
+    return x, y, z
+
+
+def _number(value: Any) -> float:
+    """null stands for a number that was not finite."""
+    if value is None:
+        return math.nan
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise TypeError(f"{value!r} is no number")
+    return float(value)
+
+
+def _id(value: Any) -> int:
+    return _integer(value, -(2**31), 2**31)
+
+
+def _integer(value: Any, first: int, end: int) -> int:
+    if isinstance(value, bool) or not isinstance(value, int):
+        raise TypeError(f"{value!r} is no integer")
+    if not first <= value < end:
+        raise OverflowError(f"{value} is out of range")
+    return value
