@@ -203,6 +203,7 @@ def test_run_gives_the_same_obstacles(
     assert run_vista("run", folder, "--out", tmp_path / "golden", *options)[0] == 0
     with simulated(program, *FAULTS) as board:
         options += ["--engine", "board", "--address", f"127.0.0.1:{board.port}"]
+        options += ["--board-timeout", 60]
         assert run_vista("run", folder, "--out", tmp_path / "board", *options)[0] == 0
     lines = lines_without_times(tmp_path / "board")
     assert lines == lines_without_times(tmp_path / "golden")

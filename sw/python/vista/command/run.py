@@ -24,6 +24,7 @@ from vista import parameters
 from vista.chain import Chain, fitted_to, make_chain
 from vista.command.arguments import add_config, add_engine, load_parameters, positive
 from vista.engine import REMOTE_ENGINES
+from vista.engine.board import DEFAULT_TIMEOUT_S
 from vista.engine.rtl import DEFAULT_WIDTH_PX
 from vista.errors import EXIT_INTERRUPTED, EXIT_OK, InputError
 from vista.health.summary import problem_lines, summarize_health
@@ -50,6 +51,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         REMOTE_ENGINES,
     )
     parser.add_argument("--address", metavar="HOST[:PORT]", help="where the board is, for --engine board")
+    parser.add_argument(
+        "--board-timeout",
+        type=positive,
+        default=DEFAULT_TIMEOUT_S,
+        metavar="S",
+        help="how long the board may be silent, or work at a frame (default 2; a simulated one needs more)",
+    )
     parser.add_argument(
         "--rtl-width",
         type=positive,
@@ -107,7 +115,13 @@ def execute(arguments: argparse.Namespace) -> int:
     values = fitted_to(sequence, values)
     frames = select_frames(sequence, arguments.frames)
     chain = make_chain(
-        sequence, arguments.engine, values, arguments.threads, arguments.rtl_width, arguments.address
+        sequence,
+        arguments.engine,
+        values,
+        arguments.threads,
+        arguments.rtl_width,
+        arguments.address,
+        arguments.board_timeout,
     )
     candidates = chain.engine.parameters.num_disparities
     camera = chain.rectifier.calibration

@@ -14,7 +14,7 @@ from vista.engine.contract import Disparity, EngineParameters, Image, check_imag
 from vista.engine.golden import StereoEngine
 from vista.errors import InputError
 
-DEFAULT_TIMEOUT_MS = 2000
+DEFAULT_TIMEOUT_S = 2
 
 
 def parse_address(text: str, default_port: int) -> tuple[str, int]:
@@ -37,7 +37,7 @@ class BoardEngine:
         parameters: EngineParameters,
         address: str,
         grids: GridPair | None = None,
-        timeout_ms: int = DEFAULT_TIMEOUT_MS,
+        timeout_ms: int = 1000 * DEFAULT_TIMEOUT_S,
     ) -> None:
         self.parameters = StereoEngine(**asdict(parameters)).parameters  # one judge of the contract's ranges
         self._ffi, self._lib = native.load("vista")

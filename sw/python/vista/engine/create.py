@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import asdict
 
 from vista.control_grid import GridPair
-from vista.engine.board import BoardEngine
+from vista.engine.board import DEFAULT_TIMEOUT_S, BoardEngine
 from vista.engine.contract import Engine, EngineParameters
 from vista.engine.golden import StereoEngine
 from vista.engine.opencv import OpenCvEngine
@@ -23,12 +23,14 @@ def create_engine(
     rtl_width_px: int | None = None,
     grids: GridPair | None = None,
     address: str | None = None,
+    board_timeout_s: int = DEFAULT_TIMEOUT_S,
 ) -> Engine:
     """The engine called golden (C model), opencv, rtl or board; ValueError for what it cannot do.
 
     rtl_width_px: widest image of the RTL build to use, None for that of the reference build.
     grids: what rtl and board rectify raw images by.
     address: HOST[:PORT] of the board.
+    board_timeout_s: how long it may be silent, or work at one frame.
     """
     if name == "golden":
         return StereoEngine(**asdict(parameters), threads=threads)
@@ -37,5 +39,5 @@ def create_engine(
     if name == "rtl":
         return RtlEngine(parameters, rtl_width_px or DEFAULT_WIDTH_PX, grids)
     if name == "board" and address is not None:
-        return BoardEngine(parameters, address, grids)
+        return BoardEngine(parameters, address, grids, 1000 * board_timeout_s)
     raise ValueError(f"engine must be one of {', '.join((*ENGINES, *REMOTE_ENGINES))}, not {name!r}")
