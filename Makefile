@@ -38,6 +38,7 @@ help: ## list the targets
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
 
 include rtl/rtl.mk
+include rtl/board/board.mk
 include model/systemc/systemc.mk
 include sw/fuzz/fuzz.mk
 
@@ -88,9 +89,10 @@ $(BUILD)/lib/libvista_engine.so: native ;@:
 install: native ## install libraries, headers and programs into PREFIX (default /usr/local), below DESTDIR
 	@DESTDIR=$(DESTDIR) $(CMAKE) --install $(BUILD) --prefix $(PREFIX)
 
-generate: .venv/test.stamp ## write generated sources and tables anew, after a change of parameters.toml or of measured figures
+generate: .venv/test.stamp ## write generated sources and tables anew, after a change of parameters.toml, of rtl/board/wire.toml or of measured figures
 	@$(PYTHON) scripts/make_parameters.py sw/parameters.toml sw/include/vista/parameters.h sw/src/parameters_table.h
 	@$(PYTHON) scripts/make_mavlink.py sw/src/mavlink/wire.h
+	@$(PYTHON) scripts/make_wire.py rtl/board/wire.toml sw/src/board/wire.h rtl/board/wire.md
 	@$(PYTHON) scripts/make_tables.py
 
 # ---- checks ----
@@ -98,14 +100,15 @@ generate: .venv/test.stamp ## write generated sources and tables anew, after a c
 check: lint types build systemc-tests .venv/jobs.stamp ## check style and types and run the fast tests: under a minute, to be run often
 	@$(PYTHON) -m pytest -n $(WORKERS) -m "not slow"
 
-test: lint types drift docs build systemc-tests fuzz-targets .venv/jobs.stamp $(RTL_TOOLS) ## check everything that has to hold: lint, types, all tests, those of the C code under sanitizers, fuzz targets, documentation
+test: lint types drift docs build systemc-tests fuzz-targets .venv/jobs.stamp $(BOARD_TOOLS) ## check everything that has to hold: lint, types, all tests, those of the C code under sanitizers, fuzz targets, documentation
 	@scripts/test_all.sh $(WORKERS)
 
-test-python: build systemc-tests .venv/jobs.stamp $(RTL_TOOLS)
+test-python: build systemc-tests .venv/jobs.stamp $(BOARD_TOOLS)
 	@$(PYTHON) -m pytest -n $(WORKERS)
 
 drift: .venv/test.stamp ## check that generated sources and tables equal what their generators write
 	@$(PYTHON) scripts/make_parameters.py sw/parameters.toml sw/include/vista/parameters.h sw/src/parameters_table.h --check
+	@$(PYTHON) scripts/make_wire.py rtl/board/wire.toml sw/src/board/wire.h rtl/board/wire.md --check
 	@$(PYTHON) scripts/make_mavlink.py sw/src/mavlink/wire.h --check
 	@$(PYTHON) scripts/make_tables.py --check
 
@@ -121,7 +124,7 @@ lint-c: .venv/test.stamp
 types: build .venv/jobs.stamp ## run mypy: the product strictly, the rest as far as it is typed
 	@.venv/bin/mypy
 
-coverage: build systemc-tests .venv/jobs.stamp $(RTL_TOOLS) ## measure what the tests cover of C and Python: a table by folder, and build/coverage/index.html
+coverage: build systemc-tests .venv/jobs.stamp $(BOARD_TOOLS) ## measure what the tests cover of C and Python: a table by folder, and build/coverage/index.html
 	@scripts/coverage.sh $(WORKERS)
 
 test-asan: build .venv/test.stamp ## run the tests of the C code under ASan and UBSan

@@ -17,9 +17,9 @@ NATIVE_PATHS = (
 )
 # What `make check` leaves out: simulations of the RTL, renderings, installations, and long runs.
 SLOW = """
-    cache cli dataset_command demo engine_rtl figures flight flights_command fuzz health_real jobs
-    jobs_cluster mavlink_command measured_pairs obstacle_schema real_sequence report run_health
-    scenes score_flight static_world street throughput
+    board board_sim cache cli dataset_command demo engine_board engine_rtl figures flight
+    flights_command fuzz health_real jobs jobs_cluster mavlink_command measured_pairs obstacle_schema
+    real_sequence report run_health scenes score_flight static_world street throughput
 """
 SLOW_PATHS = (
     "tb",

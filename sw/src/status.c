@@ -16,6 +16,11 @@ static const entry table[] = {
     [VISTA_ERROR_OVERFLOW] = {"VISTA_ERROR_OVERFLOW", "a sum of capacities overflows"},
     [VISTA_ERROR_ORDER] = {"VISTA_ERROR_ORDER", "timestamps do not increase"},
     [VISTA_ERROR_THREAD] = {"VISTA_ERROR_THREAD", "the system gives no second thread"},
+    [VISTA_ERROR_ADDRESS] = {"VISTA_ERROR_ADDRESS", "the host has no address, or the system gives no socket"},
+    [VISTA_ERROR_NO_ANSWER] = {"VISTA_ERROR_NO_ANSWER", "the board does not answer"},
+    [VISTA_ERROR_BOARD] = {"VISTA_ERROR_BOARD", "the board speaks another protocol, or holds no engine that is known"},
+    [VISTA_ERROR_SESSION] = {"VISTA_ERROR_SESSION", "the board was restarted, or another client took it"},
+    [VISTA_ERROR_FRAME] = {"VISTA_ERROR_FRAME", "the board did not finish the frame"},
 };
 
 static const entry unknown = {"VISTA_ERROR_UNKNOWN", "unknown status"};

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable
+from pathlib import Path
 
 import pytest
 from vista.cli import main
@@ -27,3 +29,13 @@ def assert_refused(outcome: Outcome, text: str) -> None:
     assert (status, out) == (2, "")
     assert err.startswith("vista: ") and err.count("\n") == 1
     assert text in err
+
+
+def lines_without_times(folder: Path) -> list[str]:
+    """The bytes of obstacles.jsonl with nothing but the value of processing_ms taken out."""
+    lines = []
+    for line in (folder / "obstacles.jsonl").read_text().splitlines():
+        time = f'"processing_ms": {json.dumps(json.loads(line)["processing_ms"])}'
+        assert line.count(time) == 1
+        lines.append(line.replace(time, '"processing_ms": 0'))
+    return lines

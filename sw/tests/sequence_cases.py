@@ -125,3 +125,16 @@ def make_asl(root: Path, frames: int = FRAMES) -> Path:
     rows = "".join(f"{ASL_START_NS + t},0,0,{t / 1e9:.6f},1,0,0,0\n" for t in samples_ns)
     (truth / "data.csv").write_text("#timestamp, p_RS_R_x [m], ...\n" + rows)
     return root
+
+
+def make_raw(folder: Path) -> Path:
+    """The cameras get a lens, so that the images are raw ones."""
+    matrix = "fx_px = 300.0\nfy_px = 300.0\ncx = 160.0\ncy = 120.0\n"
+    lens = "distortion = [{}, 0.0, 0.0, 0.0]\n"
+    (folder / "calibration.toml").write_text(
+        "stills = false\n"
+        f"[left]\n{matrix}{lens.format(-0.02)}[right]\n{matrix}{lens.format(-0.015)}"
+        "[right_from_left]\nrotation = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]\n"
+        "translation_m = [-0.5, 0.0, 0.0]\n"
+    )
+    return folder

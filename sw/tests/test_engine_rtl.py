@@ -13,7 +13,7 @@ import cv2
 import numpy as np
 import pytest
 import sequence_cases as cases
-from command_line import Vista, assert_refused, call
+from command_line import Vista, assert_refused, call, lines_without_times
 from random_seed import seeded
 from shared_data import REPOSITORY
 from vista.control_grid import BUFFER_ROWS, GridPair, by_grid
@@ -151,16 +151,6 @@ def run_vista(capsys: pytest.CaptureFixture[str]) -> Vista:
     return partial(call, capsys)
 
 
-def lines_without_times(folder: Path) -> list[str]:
-    """The bytes of obstacles.jsonl with nothing but the value of processing_ms taken out."""
-    lines = []
-    for line in (folder / "obstacles.jsonl").read_text().splitlines():
-        time = f'"processing_ms": {json.dumps(json.loads(line)["processing_ms"])}'
-        assert line.count(time) == 1
-        lines.append(line.replace(time, '"processing_ms": 0'))
-    return lines
-
-
 def test_run_gives_the_same_obstacles(tmp_path: Path, config: Path, run_vista: Vista) -> None:
     folder = cases.make_board_scenes(tmp_path / "pairs", 4, stills=False)
     for engine in ("golden", "rtl"):
@@ -172,22 +162,9 @@ def test_run_gives_the_same_obstacles(tmp_path: Path, config: Path, run_vista: V
     assert json.loads((tmp_path / "rtl" / "summary.json").read_text())["engine"] == "rtl"
 
 
-def make_raw(folder: Path) -> Path:
-    """The cameras get a lens, so that the images are raw ones."""
-    matrix = "fx_px = 300.0\nfy_px = 300.0\ncx = 160.0\ncy = 120.0\n"
-    lens = "distortion = [{}, 0.0, 0.0, 0.0]\n"
-    (folder / "calibration.toml").write_text(
-        "stills = false\n"
-        f"[left]\n{matrix}{lens.format(-0.02)}[right]\n{matrix}{lens.format(-0.015)}"
-        "[right_from_left]\nrotation = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]\n"
-        "translation_m = [-0.5, 0.0, 0.0]\n"
-    )
-    return folder
-
-
 def test_run_with_the_whole_front_end_gives_the_same_obstacles(tmp_path: Path, run_vista: Vista) -> None:
     """Raw images go into the hardware, which rectifies, smooths and reduces them as the C model does."""
-    folder = make_raw(cases.make_board_scenes(tmp_path / "pairs", 4, stills=False))
+    folder = cases.make_raw(cases.make_board_scenes(tmp_path / "pairs", 4, stills=False))
     config = tmp_path / "c.toml"
     config.write_text(
         "[stereo]\nnum_disparities = 16\nblock_size = 5\n"

@@ -12,11 +12,14 @@
  *     vista_pipeline_process(pipeline, &frame, &result);
  *   vista_pipeline_destroy(pipeline);
  *
+ * A stereo engine on a board is reached by vista/board.h.
+ *
  * Functions that can fail return a vista_status. Nothing is allocated, printed or kept in global state. */
 #ifndef VISTA_VISTA_H
 #define VISTA_VISTA_H
 
 #include "vista/api.h"
+#include "vista/board.h"
 #include "vista/directions.h"
 #include "vista/mavlink.h"
 #include "vista/obstacle.h"

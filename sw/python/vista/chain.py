@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vista import parameters
-from vista.engine import LR_OFF, Engine, EngineParameters, create_engine
+from vista.engine import LR_OFF, RECTIFYING_ENGINES, Engine, EngineParameters, create_engine
+from vista.engine.board import DEFAULT_TIMEOUT_S
 from vista.errors import InputError
 from vista.history import FrameRecord, StageClock
 from vista.rectify import Rectifier
@@ -68,13 +69,17 @@ def make_chain(
     values: parameters.Values,
     threads: int,
     rtl_width_px: int | None = None,
+    address: str | None = None,
+    board_timeout_s: int = DEFAULT_TIMEOUT_S,
 ) -> Chain:
     from vista.pipeline import Pipeline  # loads libvista, which `--help` need not
 
     rectifier = Rectifier(sequence.calibration, int(values["stereo"]["rectify_rows"]))
     try:
-        grids = rectifier.grids if engine_name == "rtl" else None
-        engine = create_engine(engine_name, engine_parameters(values), threads, rtl_width_px, grids)
+        grids = rectifier.grids if engine_name in RECTIFYING_ENGINES else None
+        engine = create_engine(
+            engine_name, engine_parameters(values), threads, rtl_width_px, grids, address, board_timeout_s
+        )
         engine.check_size(rectifier.calibration.width, rectifier.calibration.height)
     except (TypeError, ValueError) as error:
         raise InputError(f"engine {engine_name}", str(error)) from None

@@ -19,8 +19,9 @@ def add_config(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def add_engine(parser: argparse.ArgumentParser, help_text: str) -> None:
-    parser.add_argument("--engine", choices=ENGINES, default="golden", help=f"{help_text} (default golden)")
+def add_engine(parser: argparse.ArgumentParser, help_text: str, others: tuple[str, ...] = ()) -> None:
+    choices = (*ENGINES, *others)
+    parser.add_argument("--engine", choices=choices, default="golden", help=f"{help_text} (default golden)")
 
 
 def load_parameters(path: Path | None, engine_name: str) -> parameters.Values:

@@ -23,6 +23,8 @@ import numpy as np
 from vista import parameters
 from vista.chain import Chain, fitted_to, make_chain
 from vista.command.arguments import add_config, add_engine, load_parameters, positive
+from vista.engine import REMOTE_ENGINES
+from vista.engine.board import DEFAULT_TIMEOUT_S
 from vista.engine.rtl import DEFAULT_WIDTH_PX
 from vista.errors import EXIT_INTERRUPTED, EXIT_OK, InputError
 from vista.health.summary import problem_lines, summarize_health
@@ -44,7 +46,17 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_engine(
         parser,
         "golden: the engine's C model; rtl: the engine in SystemVerilog, simulated, with its front end "
-        "where that is needed, and the same words, at seconds a frame; opencv: StereoBM, for comparison",
+        "where that is needed, and the same words, at seconds a frame; opencv: StereoBM, for comparison; "
+        "board: the same hardware on a board, at --address",
+        REMOTE_ENGINES,
+    )
+    parser.add_argument("--address", metavar="HOST[:PORT]", help="where the board is, for --engine board")
+    parser.add_argument(
+        "--board-timeout",
+        type=positive,
+        default=DEFAULT_TIMEOUT_S,
+        metavar="S",
+        help="how long the board may be silent, or work at a frame (default 2; a simulated one needs more)",
     )
     parser.add_argument(
         "--rtl-width",
@@ -95,12 +107,22 @@ def milliseconds(text: str) -> float:
 
 
 def execute(arguments: argparse.Namespace) -> int:
+    if (arguments.engine in REMOTE_ENGINES) != (arguments.address is not None):
+        raise InputError("--address", "goes with --engine board, and that with it")
     values = load_parameters(arguments.config, arguments.engine)
     folder = ResultFolder(arguments.out)
     sequence = open_sequence(arguments.sequence, arguments.pair_tolerance_ms)
     values = fitted_to(sequence, values)
     frames = select_frames(sequence, arguments.frames)
-    chain = make_chain(sequence, arguments.engine, values, arguments.threads, arguments.rtl_width)
+    chain = make_chain(
+        sequence,
+        arguments.engine,
+        values,
+        arguments.threads,
+        arguments.rtl_width,
+        arguments.address,
+        arguments.board_timeout,
+    )
     candidates = chain.engine.parameters.num_disparities
     camera = chain.rectifier.calibration
     overlay = None if arguments.no_overlay else Overlay(sequence.name, candidates, camera, sequence.stills)

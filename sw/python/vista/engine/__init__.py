@@ -7,8 +7,9 @@ Images are uint8, height x width, rectified, left is the reference. Disparities 
 left image, -16 where there is none. doc/design/engine-contract.md defines them to the bit.
 """
 
+from vista.engine.board import BoardEngine
 from vista.engine.contract import INVALID, LR_OFF, SCALE, Disparity, Engine, EngineParameters, Image
-from vista.engine.create import ENGINES, create_engine
+from vista.engine.create import ENGINES, RECTIFYING_ENGINES, REMOTE_ENGINES, create_engine
 from vista.engine.golden import StereoEngine
 from vista.engine.opencv import OpenCvEngine
 from vista.engine.rtl import RtlEngine
@@ -17,7 +18,10 @@ __all__ = [
     "ENGINES",
     "INVALID",
     "LR_OFF",
+    "RECTIFYING_ENGINES",
+    "REMOTE_ENGINES",
     "SCALE",
+    "BoardEngine",
     "Disparity",
     "Engine",
     "EngineParameters",

@@ -1,0 +1,25 @@
+# SPDX-License-Identifier: Apache-2.0
+# Targets of the board, for the top Makefile.
+
+BOARD_TOOLS := .venv/board.stamp $(RTL_TOOLS)
+BOARD_SOURCES := $(wildcard rtl/board/*.py rtl/board/*.toml rtl/board/gateware/*.py)
+BOARD_HARNESS := $(wildcard rtl/board/sim/*.cpp)
+BOARD_BUILD = d$(D)_b$(B)_w$(W)_r$(if $(filter-out 0,$(R)),$(R),64)
+
+.PHONY: board-sim
+
+.venv/board.stamp: $(REQUIREMENTS)/board.txt .venv/test.stamp
+	@$(SETUP) board
+
+board-sim: build/board/$(BOARD_BUILD)/board-sim ## build the simulated board for D disparities, block B, frames up to W pixels wide, and R rows of the rectification (0: 64)
+	@echo "start it with: $< --port 22099"
+
+build/board/%/board-sim: $(BOARD_SOURCES) $(BOARD_HARNESS) $(wildcard rtl/board/sim/*.h) $(RTL_SOURCES) $(wildcard rtl/csr/*.sv rtl/*.f rtl/formal/*.svh) | $(BOARD_TOOLS)
+	@echo "verilate $@"; rm -rf build/board/$*; mkdir -p build/board/$*
+	@set -- $(subst _, ,$*); side=$$(( ($${3#w} + 15) / 16 + 1 )); \
+	  PYTHONPATH=rtl/board $(RTL_PYTHON) -m gateware.simulated build/board/$* $${1#d} $${2#b} $${3#w} $${4#r} $$(( side * side ))
+	@$(VERILATOR) --cc --exe --build --quiet -j 1 -O3 --x-assign fast --x-initial unique --assert \
+	  -Wno-fatal -Wno-lint -Werror-USERFATAL -DFORMAL -Irtl/formal --top-module board --prefix Vboard \
+	  --Mdir build/board/$*/verilated -CFLAGS "-std=c++17 -I$(CURDIR)/rtl/board/sim" -MAKEFLAGS "OPT_FAST=-O1" \
+	  -f rtl/vista_raw_stereo.f build/board/$*/board.v $(BOARD_HARNESS) -o $(CURDIR)/$@ >build/board/$*/build.log 2>&1 || \
+	  { tail -n 20 build/board/$*/build.log >&2; exit 1; }

@@ -1,0 +1,61 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The memory of a board: LiteDRAM without a processor, which is why the chip is initialised here."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from litedram.core import LiteDRAMCore
+from litedram.init import get_sdram_phy_init_sequence
+from litex.gen import LiteXModule
+from migen import FSM, Array, If, NextState, NextValue, Signal
+
+# Where things lie, in words of 32 bits, and how many bits of address they take.
+WORDS_OUT_BITS = 19  # the words of a frame: slot 0, slot 1
+PIXELS_BASE, PIXELS_BITS = 2 << WORDS_OUT_BITS, 18  # the pixels of a frame: slot 0, slot 1
+PYRAMID_BASE_BYTES, PYRAMID_BYTES = 6 << 20, 1 << 20  # the buffer of the pyramid
+
+COMMAND_GAP = 16  # clocks between two commands of the initialisation, more than any chip asks for
+
+
+class BoardMemory(LiteXModule):
+    """get_port as of LiteDRAM's crossbar; `ready` once the chip may be used."""
+
+    def __init__(self, phy: Any, module: Any, clk_freq: float, quick_start: bool = False) -> None:
+        self.core = core = LiteDRAMCore(phy, module.geom_settings, module.timing_settings, clk_freq)
+        self.get_port = core.crossbar.get_port
+        self.ready = Signal()
+
+        sequence, _ = get_sdram_phy_init_sequence(phy.settings, module.timing_settings)
+        waits = [COMMAND_GAP + (0 if quick_start else delay) for *_, delay in sequence]
+        step, wait = Signal(max=len(sequence) + 1), Signal(max=max(waits) + 1)
+        first = core.dfii.ext_dfi.phases[0]
+        pins = [("CS", first.cs_n), ("RAS", first.ras_n), ("CAS", first.cas_n), ("WE", first.we_n)]
+        self.comb += [core.dfii.ext_dfi_sel.eq(~self.ready), first.cke.eq(1), first.reset_n.eq(1)]
+        self.comb += [pin.eq(1) for _, pin in pins]
+        self.comb += [
+            first.address.eq(Array([address for _, address, *_ in sequence])[step]),
+            first.bank.eq(Array([bank for _, _, bank, *_ in sequence])[step]),
+        ]
+        self.fsm = fsm = FSM(reset_state="COMMAND")
+        fsm.act(
+            "COMMAND",
+            *(pin.eq(Array([_without(name, entry[3]) for entry in sequence])[step]) for name, pin in pins),
+            NextValue(wait, Array(waits)[step]),
+            NextState("WAIT"),
+        )
+        fsm.act(
+            "WAIT",
+            NextValue(wait, wait - 1),
+            If(
+                wait == 0,
+                NextValue(step, step + 1),
+                If(step == len(sequence) - 1, NextState("READY")).Else(NextState("COMMAND")),
+            ),
+        )
+        fsm.act("READY", self.ready.eq(1))
+
+
+def _without(name: str, command: str) -> int:
+    """1 unless the command, which is text for C, pulls this pin."""
+    return int(f"DFII_COMMAND_{name}" not in command.split("|"))

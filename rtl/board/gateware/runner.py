@@ -1,0 +1,125 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Takes whole frames from memory through the engine, and their words back to memory."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from litedram.frontend.dma import LiteDRAMDMAReader, LiteDRAMDMAWriter
+from litex.gen import LiteXModule
+from migen import FSM, C, Cat, If, Mux, NextState, NextValue, Signal
+
+from gateware.memory import PIXELS_BASE, PIXELS_BITS, WORDS_OUT_BITS
+from gateware.slots import STATES, Slots
+
+READ_AHEAD = 64  # words
+
+
+class Runner(LiteXModule):
+    """One frame at a time. width, height, chunks_in, words_out: of the session. `restart`, for a clock,
+    begins a session: the frame that is being matched is finished, and counts for nothing; `busy` tells that
+    one is being matched.
+
+    If the engine stops for 2**patience_bits clocks, the frame fails, and so do all others until `restart`:
+    what is left in the engine would come before their words."""
+
+    def __init__(self, memory: Any, slots: Slots, engine: Any, patience_bits: int) -> None:
+        self.width, self.height = Signal(16), Signal(16)
+        self.chunks_in, self.words_out = Signal(16), Signal(32)
+        self.restart, self.busy = Signal(), Signal()
+        # Those of the frame on its way, which may be one of the session before.
+        session = {name: getattr(self, name) for name in ("width", "height", "chunks_in", "words_out")}
+        own = {name: Signal.like(value, name=f"own_{name}") for name, value in session.items()}
+
+        self.reader = reader = LiteDRAMDMAReader(memory.get_port("read"), READ_AHEAD, fifo_buffered=True)
+        self.writer = writer = LiteDRAMDMAWriter(memory.get_port("write"))
+        slot, next_slot, abandoned, stuck = Signal(), Signal(), Signal(), Signal()
+        asked, came, wanted = (Signal(PIXELS_BITS + 1, name=name) for name in ("asked", "came", "wanted"))
+        stored = Signal(WORDS_OUT_BITS + 1)
+        column, row, half, drain = Signal(16), Signal(16), Signal(), Signal()
+        patience = Signal(patience_bits)
+        running = Signal()
+
+        pixel, last_column, last_row, all_sent = Signal(), Signal(), Signal(), Signal()
+        self.comb += [
+            wanted.eq(Cat(C(0, 8), own["chunks_in"])),
+            last_column.eq(column == own["width"] - 1),
+            last_row.eq(row == own["height"] - 1),
+            all_sent.eq((row == own["height"]) | drain),
+            # Two pixels to a word, until all are sent; the filling of the last chunk is dropped.
+            engine.pixels.valid.eq(running & reader.source.valid & ~all_sent),
+            If(half, engine.pixels.data.eq(reader.source.data[16:])).Else(
+                engine.pixels.data.eq(reader.source.data[:16])
+            ),
+            engine.pixels.first.eq((row == 0) & (column == 0)),
+            engine.pixels.last.eq(last_column),
+            pixel.eq(engine.pixels.valid & engine.pixels.ready),
+            reader.source.ready.eq(running & (all_sent | (pixel & (half | (last_row & last_column))))),
+            reader.sink.valid.eq(running & (asked != wanted)),
+            reader.sink.address.eq(PIXELS_BASE + (slot << PIXELS_BITS) + asked),
+            # Words beyond those of a frame are dropped.
+            writer.sink.valid.eq(running & engine.words.valid & (stored != own["words_out"])),
+            writer.sink.address.eq((slot << WORDS_OUT_BITS) + stored),
+            writer.sink.data.eq(engine.words.data),
+            engine.words.ready.eq(writer.sink.ready | ~running | (stored == own["words_out"])),
+        ]
+        self.sync += [
+            If(reader.sink.valid & reader.sink.ready, asked.eq(asked + 1)),
+            If(reader.source.valid & reader.source.ready, came.eq(came + 1), half.eq(0)),
+            If(
+                pixel,
+                If(~reader.source.ready, half.eq(1)),
+                column.eq(column + 1),
+                If(last_column, column.eq(0), row.eq(row + 1)),
+            ),
+            If(writer.sink.valid & writer.sink.ready, stored.eq(stored + 1)),
+            If(
+                ~running | pixel | (engine.words.valid & engine.words.ready),
+                patience.eq(0),
+            ).Else(patience.eq(patience + 1)),
+            If(self.restart, abandoned.eq(1), stuck.eq(0)),
+        ]
+
+        change = slots.by_runner
+        self.comb += change.slot.eq(Mux(running | self.busy, slot, next_slot))
+        self.fsm = fsm = FSM(reset_state="IDLE")
+        fsm.act(
+            "IDLE",
+            NextValue(abandoned, 0),
+            *(NextValue(own[name], value) for name, value in session.items()),
+            NextValue(next_slot, ~next_slot),
+            NextValue(slot, next_slot),
+            *(NextValue(counter, 0) for counter in (asked, came, stored, column, row, half, drain)),
+            If(
+                ~self.restart & (slots.state[next_slot] == STATES["full"]),
+                change.enable.eq(1),
+                change.state.eq(STATES["running"]),
+                NextState("RUN"),
+            ),
+        )
+        fsm.act(
+            "RUN",
+            running.eq(1),
+            self.busy.eq(1),
+            If((stored == own["words_out"]) & (came == wanted), NextState("FINISH")),
+            If(
+                (patience == 2**patience_bits - 1) | stuck,
+                NextValue(stuck, 1),
+                NextValue(drain, 1),
+                NextState("DRAIN"),
+            ),
+        )
+        fsm.act("DRAIN", running.eq(1), self.busy.eq(1), If(came == wanted, NextState("FINISH")))
+        fsm.act(
+            "FINISH",
+            self.busy.eq(1),
+            If(
+                ~abandoned & ~self.restart,
+                change.enable.eq(1),
+                change.state.eq(STATES["done"]),
+                If(drain, change.state.eq(STATES["failed"])),
+            ),
+            # The client of a new session waits for this end, and then resets the engine.
+            If(abandoned, NextValue(stuck, 0)),
+            NextState("IDLE"),
+        )

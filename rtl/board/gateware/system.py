@@ -1,0 +1,57 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What is on a board beside its pins: the engine, its memory, and UDP on any Ethernet PHY of LiteEth."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from liteeth.common import eth_udp_user_description
+from liteeth.core import LiteEthUDPIPCore
+from litex.gen import LiteXModule
+from litex.soc.interconnect.packet import PacketFIFO
+from wire import CONSTANTS
+
+from gateware.engine import Build, Engine
+from gateware.memory import BoardMemory
+from gateware.packets import PacketBuffer
+from gateware.runner import Runner
+from gateware.server import Server
+from gateware.slots import Slots
+
+# Replies that wait: two, of at most 261 words each. LiteX's PacketFIFO counts a packet more than once whose
+# last word finds it full, so there is room for more than can come.
+REPLIES, REPLY_WORDS = 2, 1024
+
+
+class BoardSystem(LiteXModule):
+    """One clock, `sys`, and those of the Ethernet PHY."""
+
+    def __init__(
+        self,
+        build: Build,
+        sdram_phy: Any,
+        sdram_module: Any,
+        ethernet_phy: Any,
+        clk_freq: float,
+        mac_address: int,
+        ip_address: str,
+        quick_start: bool = False,
+        patience_bits: int = 20,  # 17 ms at 60 MHz
+    ) -> None:
+        self.memory = BoardMemory(sdram_phy, sdram_module, clk_freq, quick_start)
+        self.network = LiteEthUDPIPCore(
+            ethernet_phy, mac_address, ip_address, int(clk_freq), dw=32, with_sys_datapath=True
+        )
+        self.packets = PacketBuffer()
+        self.slots = Slots()
+        self.engine = Engine(self.memory, build)
+        self.runner = Runner(self.memory, self.slots, self.engine, patience_bits)
+        self.server = Server(self.packets, self.memory, self.slots, self.engine, self.runner)
+        port = self.network.udp.crossbar.get_port(CONSTANTS["PORT"], dw=32)
+        # A reply leaves once all of it is there: memory may be late, and an Ethernet frame cannot pause.
+        self.replies = PacketFIFO(eth_udp_user_description(32), REPLY_WORDS, REPLIES - 1, buffered=True)
+        self.comb += [
+            port.source.connect(self.packets.sink),
+            self.server.source.connect(self.replies.sink),
+            self.replies.source.connect(port.sink),
+        ]

@@ -1,0 +1,166 @@
+"""A stereo engine on a board, reached over UDP: it rectifies, reduces, smooths and matches raw pairs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import asdict
+from typing import Any
+
+import numpy as np
+
+from vista import native
+from vista.control_grid import GridPair
+from vista.engine.contract import Disparity, EngineParameters, Image, check_images
+from vista.engine.golden import StereoEngine
+from vista.errors import InputError
+
+DEFAULT_TIMEOUT_S = 2
+
+
+def parse_address(text: str, default_port: int) -> tuple[str, int]:
+    """HOST or HOST:PORT; ValueError otherwise."""
+    host, colon, port = text.partition(":")
+    if not host or (colon and not (port.isdecimal() and 1 <= int(port) <= 65535)):
+        raise ValueError(f"{text!r} is not HOST or HOST:PORT")
+    return host, int(port) if colon else default_port
+
+
+class BoardEngine:
+    """The client of libvista (vista/board.h). grids: the map that raw images are rectified by.
+
+    InputError, in one line, when nobody answers, the board was built with other parameters, or a frame is
+    lost. A board that was restarted in between is set up again, and the frame is sent once more.
+    """
+
+    def __init__(
+        self,
+        parameters: EngineParameters,
+        address: str,
+        grids: GridPair | None = None,
+        timeout_ms: int = 1000 * DEFAULT_TIMEOUT_S,
+    ) -> None:
+        self.parameters = StereoEngine(**asdict(parameters)).parameters  # one judge of the contract's ranges
+        self._ffi, self._lib = native.load("vista")
+        host, port = parse_address(address, self._lib.VISTA_BOARD_PORT)
+        self._culprit = f"board {host}:{port}"
+        self._grids, self._timeout_ms = grids, timeout_ms
+        self._size: tuple[int, int] | None = None  # of the session's pairs; None: no session
+        self._memory = self._ffi.new("char[]", self._lib.vista_board_bytes())
+        handle = self._ffi.new("vista_board **")
+        self._check(
+            self._lib.vista_board_connect(
+                self._memory, len(self._memory), host.encode(), port, timeout_ms, handle
+            )
+        )
+        self._board = self._ffi.gc(handle[0], self._lib.vista_board_disconnect)
+        self._build = self._ffi.new("vista_board_build *")
+        self._check(self._lib.vista_board_identify(self._board, self._build))
+        self._check_build()
+
+    def check_size(self, width_px: int, height_px: int) -> None:
+        """Begins a session for frames of this size."""
+        if self._size == (width_px, height_px):
+            return
+        most = self._build
+        if width_px > most.max_width_px or width_px * height_px > most.max_pixels:
+            raise ValueError(
+                f"images are {width_px}x{height_px} px, the board takes {most.max_width_px} px in a row and "
+                f"{most.max_pixels} in all"
+            )
+        self._configure(width_px, height_px)
+
+    def compute(self, left: Image, right: Image) -> Disparity:
+        """The words of level 0."""
+        return next(self.levels(left, right))
+
+    def levels(self, left: Image, right: Image) -> Iterator[Disparity]:
+        """The words of one level after the other, level 0 first; each in 1/16 px of its own pixels."""
+        check_images(left, right)
+        height, width = left.shape
+        self.check_size(width, height)
+        left, right = np.ascontiguousarray(left), np.ascontiguousarray(right)
+        try:
+            words = self._frame(left, right)
+        except _SessionLostError:
+            self._configure(width, height)
+            words = self._frame(left, right)
+        return iter(self._split(words, left.shape))
+
+    def _check_build(self) -> None:
+        wanted, found = self.parameters, self._build
+        if (found.num_disparities, found.block_size) != (wanted.num_disparities, wanted.block_size):
+            raise InputError(
+                self._culprit,
+                f"was built for {found.num_disparities} disparities and blocks of {found.block_size} px, "
+                f"stereo asks for {wanted.num_disparities} and {wanted.block_size}",
+            )
+        rows = self._grids.buffer_rows if self._grids else 0
+        if rows > found.rectify_rows:
+            raise InputError(
+                self._culprit,
+                f"was built with {found.rectify_rows} rows to rectify, stereo.rectify_rows asks for {rows}",
+            )
+
+    def _configure(self, width_px: int, height_px: int) -> None:
+        parameters, buffer = self.parameters, self._ffi.from_buffer
+        settings: dict[str, Any] = {
+            "width_px": width_px,
+            "height_px": height_px,
+            "xsobel": parameters.prefilter == "xsobel",
+            "prefilter_cap": parameters.prefilter_cap,
+            "texture_threshold": parameters.texture_threshold,
+            "uniqueness_ratio": parameters.uniqueness_ratio,
+            "lr_max_diff": parameters.lr_number,
+            "smooth": parameters.smooth,
+            "levels": parameters.levels,
+        }
+        grids = []
+        if self._grids is not None:
+            grids = [
+                buffer("int16_t[]", np.ascontiguousarray(grid))
+                for grid in (self._grids.left, self._grids.right)
+            ]
+            settings |= {"left_map": grids[0], "right_map": grids[1]}
+        self._size = None
+        self._check(
+            self._lib.vista_board_configure(self._board, self._ffi.new("vista_board_settings *", settings))
+        )
+        self._size = (width_px, height_px)
+
+    def _frame(self, left: Image, right: Image) -> Disparity:
+        buffer = self._ffi.from_buffer
+        words = np.empty(self._lib.vista_board_words(self._board), np.int16)
+        pixels = buffer("uint8_t[]", left), buffer("uint8_t[]", right)
+        self._check(self._lib.vista_board_submit(self._board, *pixels, left.shape[1]), "the frame is lost: ")
+        self._check(
+            self._lib.vista_board_collect(self._board, buffer("int16_t[]", words), words.size),
+            "the frame is lost: ",
+        )
+        return words
+
+    def _split(self, words: Disparity, shape: tuple[int, ...]) -> list[Disparity]:
+        levels = []
+        for _ in range(self.parameters.levels):
+            count = shape[0] * shape[1]
+            levels.append(words[:count].reshape(shape))
+            words, shape = words[count:], ((shape[0] + 1) // 2, (shape[1] + 1) // 2)
+        return levels
+
+    def _check(self, status: int, consequence: str = "") -> None:
+        lib = self._lib
+        if status == lib.VISTA_OK:
+            return
+        if status == lib.VISTA_ERROR_SESSION and consequence:
+            raise _SessionLostError
+        texts = {
+            lib.VISTA_ERROR_ADDRESS: "the name has no address",
+            lib.VISTA_ERROR_NO_ANSWER: f"no answer within {self._timeout_ms / 1000:g} s",
+            lib.VISTA_ERROR_CAPACITY: "the map needs more rows than its line buffer has",
+            lib.VISTA_ERROR_SIZE: "has no room for images or for a map of this size",
+        }
+        text = texts.get(status) or self._ffi.string(lib.vista_status_text(status)).decode()
+        raise InputError(self._culprit, consequence + text)
+
+
+class _SessionLostError(Exception):
+    """The board was restarted, or another client took it."""

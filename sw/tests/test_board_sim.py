@@ -1,0 +1,210 @@
+"""The client against the board itself, Verilated: engine, memory, Ethernet, and a link that loses."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import signal
+import socket
+import subprocess
+from collections.abc import Iterator
+from contextlib import contextmanager
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+import pytest
+import sequence_cases as cases
+import wire
+from command_line import Vista, call, lines_without_times
+from random_seed import seeded
+from shared_data import REPOSITORY
+from test_board import SETTINGS, BoardError, Client, golden, lib, random_pair, random_settings
+from vista.engine.rtl import VERILATOR
+
+PROGRAM = Path("build/board/d16_b5_w320_r16/board-sim")
+TIMEOUT_MS = 20000
+FAULTS = ["--drop", "0.01", "--double", "0.01", "--damage", "0.01"]
+
+pytestmark = pytest.mark.skipif(
+    not (REPOSITORY / VERILATOR).is_file() or not (REPOSITORY / ".venv" / "board.stamp").is_file()
+    or shutil.which("make") is None,
+    reason="LiteX and Verilator are not set up: make board-sim",
+)  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def program() -> Path:
+    command = ["make", "--no-print-directory", str(PROGRAM)]
+    done = subprocess.run(command, cwd=REPOSITORY, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    return REPOSITORY / PROGRAM
+
+
+class Simulation:
+    """A running simulation; it ends with its input."""
+
+    def __init__(self, program: Path, *options: str) -> None:
+        self.process = subprocess.Popen(
+            [program, *options], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+        )
+        assert self.process.stdout is not None
+        self.port = int(self.process.stdout.readline())
+
+    def end(self) -> int:
+        self.process.communicate()
+        return self.process.returncode
+
+
+@contextmanager
+def simulated(program: Path, *options: str) -> Iterator[Simulation]:
+    board = Simulation(program, *options)
+    try:
+        yield board
+    finally:
+        status = board.end()
+    assert status == 0
+
+
+@contextmanager
+def connected(board: Simulation, timeout_ms: int = TIMEOUT_MS) -> Iterator[Client]:
+    client = Client(board.port, timeout_ms)
+    try:
+        yield client
+    finally:
+        lib.vista_board_disconnect(client.board)
+
+
+def small_settings(rng: np.random.Generator) -> dict:
+    """Of any kind, but not wider than the build, and with few pixels."""
+    while True:
+        settings = random_settings(rng)
+        if settings["width_px"] * settings["height_px"] < 6000:
+            return settings
+
+
+@pytest.mark.parametrize("faults", [[], FAULTS])
+def test_words_are_the_golden_ones(program: Path, faults: list[str]) -> None:
+    """Settings, sizes and maps change from session to session; every frame is answered."""
+    rng = seeded(2400)
+    options = [*faults, "--seed", str(rng.integers(1 << 30))]
+    with simulated(program, *options) as board, connected(board) as client:
+        for _ in range(4):
+            settings = small_settings(rng)
+            client.configure(settings)
+            pairs = [random_pair(rng, settings) for _ in range(4)]
+            client.submit(*pairs[0])
+            for pair, following in zip(pairs, [*pairs[1:], None], strict=True):
+                if following is not None:
+                    client.submit(*following)
+                np.testing.assert_array_equal(client.collect(), golden(settings, *pair))
+        assert (client.counts.frames, client.counts.lost) == (16, 0)
+
+
+def test_the_build_is_what_the_registers_say(program: Path) -> None:
+    with simulated(program) as board, connected(board) as client:
+        build = client.build()
+        assert (build.num_disparities, build.block_size, build.max_width_px) == (16, 5, 320)
+        assert (build.rectify_rows, build.map_points) == (16, 512)
+
+
+def test_service_resumes_after_the_cable_was_pulled(program: Path) -> None:
+    """The board hears nothing in the middle of a frame, for longer than the client waits."""
+    rng = seeded(2410)
+    settings = SETTINGS | {"levels": 2}
+    with simulated(program) as board, connected(board, timeout_ms=3000) as client:
+        client.configure(settings)
+        first, second = random_pair(rng, settings), random_pair(rng, settings)
+        client.submit(*first)
+        board.process.send_signal(signal.SIGSTOP)
+        with pytest.raises(BoardError, match="NO_ANSWER"):
+            client.collect()
+        board.process.send_signal(signal.SIGCONT)
+        client.submit(*second)
+        np.testing.assert_array_equal(client.collect(), golden(settings, *second))
+
+
+def test_a_board_that_was_switched_off_and_on_says_so(program: Path) -> None:
+    rng = seeded(2411)
+    pair = random_pair(rng, SETTINGS)
+    with simulated(program) as board:
+        client = Client(board.port, TIMEOUT_MS)
+        client.configure(SETTINGS)
+        client.submit(*pair)
+    with simulated(program, "--port", str(board.port)):
+        with pytest.raises(BoardError, match="SESSION"):
+            client.collect()
+        client.configure(SETTINGS)
+        client.submit(*pair)
+        np.testing.assert_array_equal(client.collect(), golden(SETTINGS, *pair))
+    lib.vista_board_disconnect(client.board)
+
+
+def test_a_second_client_takes_the_board_over(program: Path) -> None:
+    rng = seeded(2412)
+    pair = random_pair(rng, SETTINGS)
+    with simulated(program) as board, connected(board) as first, connected(board) as second:
+        first.configure(SETTINGS)
+        first.submit(*pair)
+        second.configure(SETTINGS | {"levels": 2})
+        with pytest.raises(BoardError, match="SESSION"):
+            first.collect()
+        second.submit(*pair)
+        np.testing.assert_array_equal(second.collect(), golden(SETTINGS | {"levels": 2}, *pair))
+
+
+def test_a_frame_that_the_engine_does_not_finish_is_lost(program: Path) -> None:
+    """The engine is switched off behind the client's back: it drops the pixels, and gives no words. All
+    frames are lost until the client begins a session: what is left in the engine could pass for theirs."""
+    rng = seeded(2413)
+    pair = random_pair(rng, SETTINGS)
+    with simulated(program) as board, connected(board) as client:
+        client.configure(SETTINGS)
+        client.submit(*pair)
+        np.testing.assert_array_equal(client.collect(), golden(SETTINGS, *pair))
+        for value in (0, 1):
+            write_register(board.port, CONTROL, value)
+            client.submit(*pair)
+            with pytest.raises(BoardError, match="ERROR_FRAME"):
+                client.collect()
+        client.configure(SETTINGS)
+        client.submit(*pair)
+        np.testing.assert_array_equal(client.collect(), golden(SETTINGS, *pair))
+
+
+CONTROL = 0x10  # rtl/csr/registers.md
+
+
+def write_register(port: int, address: int, value: int) -> None:
+    """As somebody who has overheard the session."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as link:
+        link.connect(("127.0.0.1", port))
+        link.settimeout(TIMEOUT_MS / 1000)
+        link.send(wire.packet({"kind": wire.REQUESTS["status"], "token": 1}))
+        header, body = wire.parse(link.recv(2048))
+        number = wire.parse_payload("status", body)["last_write"] + 1
+        place = {"session": header["session"], "frame": number, "index": address, "count": 1}
+        link.send(wire.packet({"kind": wire.REQUESTS["write"], "token": 2} | place, wire.to_bytes([value])))
+        assert wire.parse_payload("status", wire.parse(link.recv(2048))[1])["last_write"] == number
+
+
+def test_run_gives_the_same_obstacles(
+    program: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Raw images over a link with faults; the board rectifies, smooths and reduces them."""
+    run_vista: Vista = partial(call, capsys)
+    folder = cases.make_raw(cases.make_board_scenes(tmp_path / "pairs", 4, stills=False))
+    config = tmp_path / "c.toml"
+    config.write_text(
+        "[stereo]\nnum_disparities = 16\nblock_size = 5\n"
+        'smooth = "binomial3"\nlevels = 3\nrectify_rows = 16\n'
+    )
+    options = ["--config", config, "--no-overlay"]
+    assert run_vista("run", folder, "--out", tmp_path / "golden", *options)[0] == 0
+    with simulated(program, *FAULTS) as board:
+        options += ["--engine", "board", "--address", f"127.0.0.1:{board.port}"]
+        options += ["--board-timeout", 60]
+        assert run_vista("run", folder, "--out", tmp_path / "board", *options)[0] == 0
+    lines = lines_without_times(tmp_path / "board")
+    assert lines == lines_without_times(tmp_path / "golden")
+    assert any(obstacle["confirmed"] for obstacle in json.loads(lines[-1])["obstacles"])
