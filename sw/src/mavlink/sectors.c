@@ -3,8 +3,9 @@
 #include <math.h>
 #include <string.h>
 
-#define PI 3.14159265358979323846
-#define DEG (180.0 / PI)
+#include "common/numbers.h"
+
+#define DEG VISTA_DEGREES_PER_RADIAN
 #define SAME_UP 0.9986 /* cosine of 3 degrees */
 #define LEVEL_MIN 0.1 /* sine between forward and vertical: an aircraft that stands on its tail has no heading */
 #define THICKNESS 0.25 /* of the width: how far the middle is behind the surface that is seen (obstacle_map), */
@@ -19,23 +20,18 @@ typedef struct level {
   double ahead[3], right[3], up[3];
 } level;
 
-static double dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-
 static bool finite3(const double a[3]) { return isfinite(a[0]) && isfinite(a[1]) && isfinite(a[2]); }
 
 /* The row of body_from_camera is that axis of the body, in the camera. */
 static bool make_level(const double body_from_camera[9], const vista_directions *directions, level *axes) {
   const double *const forward = body_from_camera, *const down = body_from_camera + 6;
   for (int i = 0; i < 3; ++i) axes->up[i] = directions->up_known ? directions->up_camera[i] : -down[i];
-  const double rise = dot(forward, axes->up);
+  const double rise = vista_dot(forward, axes->up);
   for (int i = 0; i < 3; ++i) axes->ahead[i] = forward[i] - rise * axes->up[i];
-  const double length = sqrt(dot(axes->ahead, axes->ahead));
+  const double length = vista_norm(axes->ahead);
   if (!(length >= LEVEL_MIN)) return false;
   for (int i = 0; i < 3; ++i) axes->ahead[i] /= length;
-  const double *const f = axes->ahead, *const u = axes->up;
-  axes->right[0] = f[1] * u[2] - f[2] * u[1];
-  axes->right[1] = f[2] * u[0] - f[0] * u[2];
-  axes->right[2] = f[0] * u[1] - f[1] * u[0];
+  vista_cross(axes->ahead, axes->up, axes->right);
   return true;
 }
 
@@ -53,8 +49,8 @@ static void mark_clear(const vista_mavlink_params *params, const level *axes, co
                        uint16_t *distance_cm) {
   static const double axis[3] = {0.0, 0.0, 1.0}; /* of the camera */
   /* The camera looked for free directions with an up of its own: where none is known, that is not the aircraft's. */
-  if (!(dot(axes->up, directions->up_camera) >= SAME_UP)) return;
-  const double along = dot(axis, axes->ahead), aside = dot(axis, axes->right);
+  if (!(vista_dot(axes->up, directions->up_camera) >= SAME_UP)) return;
+  const double along = vista_dot(axis, axes->ahead), aside = vista_dot(axis, axes->right);
   if (!(along * along + aside * aside >= LEVEL_MIN * LEVEL_MIN)) return;
   const double camera_deg = DEG * atan2(aside, along);
   const uint16_t clear = (uint16_t)(lround(100.0 * params->max_distance_m) + 1);
@@ -83,8 +79,8 @@ typedef struct place {
 static place place_of(const vista_mavlink_params *params, const level *axes, const vista_mavlink_obstacle *obstacle) {
   const double *const p = obstacle->position_camera_m;
   const double width_m = fmax(obstacle->width_m, 0.0), height_m = fmax(obstacle->height_m, 0.0);
-  place at = {.along_m = dot(p, axes->ahead), .aside_m = dot(p, axes->right)};
-  const double level_m = hypot(at.along_m, at.aside_m), middle_m = dot(p, axes->up);
+  place at = {.along_m = vista_dot(p, axes->ahead), .aside_m = vista_dot(p, axes->right)};
+  const double level_m = hypot(at.along_m, at.aside_m), middle_m = vista_dot(p, axes->up);
   at.low_m = middle_m - 0.5 * height_m;
   at.high_m = middle_m + 0.5 * height_m;
   const double depth_m = fmin(THICKNESS * fmin(width_m, 2.0 * height_m), THICKNESS_MAX_M);
@@ -127,10 +123,10 @@ static void add_points(vista_mavlink *link, const level *axes, const place *at, 
     double point_m[3], *const body_m = state->points_body_m[state->point_count];
     for (int i = 0; i < 3; ++i)
       point_m[i] = along_m * axes->ahead[i] + aside_m * axes->right[i] + height_m * axes->up[i];
-    const double length_m = sqrt(dot(point_m, point_m));
+    const double length_m = vista_norm(point_m);
     if (!(length_m > 0.0) || length_m >= params->max_distance_m) continue;
     const double scale = fmax(length_m, params->min_distance_m) / length_m;
-    for (int i = 0; i < 3; ++i) body_m[i] = scale * dot(link->body_from_camera + 3 * i, point_m);
+    for (int i = 0; i < 3; ++i) body_m[i] = scale * vista_dot(link->body_from_camera + 3 * i, point_m);
     state->point_ids[state->point_count++] = id;
   }
 }
@@ -146,13 +142,13 @@ static void add_obstacle(vista_mavlink *link, const level *axes, const vista_mav
 static void miss(const level *axes, vista_mavlink_state *state) {
   const vista_mavlink_collision *const c = &state->collision;
   const double *const v = c->velocity_camera_m_s, *const p = c->position_camera_m;
-  const double square = dot(v, v);
+  const double square = vista_dot(v, v);
   state->miss_horizontal_m = state->miss_vertical_m = 0.0;
   if (!(square > 0.0)) return;
   double nearest_m[3];
-  for (int i = 0; i < 3; ++i) nearest_m[i] = p[i] - dot(p, v) / square * v[i];
-  state->miss_horizontal_m = hypot(dot(nearest_m, axes->ahead), dot(nearest_m, axes->right));
-  state->miss_vertical_m = fabs(dot(nearest_m, axes->up));
+  for (int i = 0; i < 3; ++i) nearest_m[i] = p[i] - vista_dot(p, v) / square * v[i];
+  state->miss_horizontal_m = hypot(vista_dot(nearest_m, axes->ahead), vista_dot(nearest_m, axes->right));
+  state->miss_vertical_m = fabs(vista_dot(nearest_m, axes->up));
 }
 
 /* Columns: where the camera's x, y and z point in the body. */
@@ -180,7 +176,7 @@ bool vista_mavlink_place(vista_mavlink *link, const vista_mavlink_frame *frame) 
   bool all_finite = !c->valid || (finite3(c->position_camera_m) && finite3(c->velocity_camera_m_s));
   level axes;
   const double *const up = frame->directions.up_camera;
-  const bool up_good = !frame->directions.up_known || (finite3(up) && fabs(dot(up, up) - 1.0) < 1e-3);
+  const bool up_good = !frame->directions.up_known || (finite3(up) && fabs(vista_dot(up, up) - 1.0) < 1e-3);
   if (!up_good || !make_level(link->body_from_camera, &frame->directions, &axes)) {
     state->collision.valid = false;
     return up_good;
