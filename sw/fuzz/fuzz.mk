@@ -27,7 +27,7 @@ $(FUZZ_CLANG): scripts/setup_clang.sh scripts/debian_packages.sh scripts/require
 	@scripts/setup_clang.sh
 
 $(FUZZ)/obj/%.o: %.c $(FUZZ_CLANG)
-	@mkdir -p $(@D); $(FUZZ_CC) $(FUZZ_CFLAGS) -Isw/include -Isw/src -Imodel/c/include -MMD -MP -c $< -o $@
+	@mkdir -p $(@D); $(FUZZ_CC) $(FUZZ_CFLAGS) -Isw/include -Isw/src -Imodel/c/include -Irtl/csr -MMD -MP -c $< -o $@
 
 # With all checks, their inlined kernels take clang a minute each.
 $(FUZZ)/obj/model/c/src/rows_avx%.o: FUZZ_CFLAGS += -fno-sanitize=undefined,float-cast-overflow
