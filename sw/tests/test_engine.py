@@ -177,7 +177,7 @@ def test_bad_images(left, right, error, text):
 @pytest.mark.parametrize(
     ("name", "values", "text"),
     [
-        ("sgm", {}, "engine must be one of golden, rtl, opencv, not 'sgm'"),
+        ("sgm", {}, "engine must be one of golden, rtl, opencv, board, not 'sgm'"),
         ("opencv", {}, "engine opencv: lr_max_diff must be off"),
         ("opencv", {"prefilter": "none", "lr_max_diff": None}, "engine opencv: prefilter must be xsobel"),
     ],
