@@ -52,7 +52,9 @@ class BoardEngine:
                 self._memory, len(self._memory), host.encode(), port, timeout_ms, handle
             )
         )
-        self._board = self._ffi.gc(handle[0], self._lib.vista_board_disconnect)
+        memory, disconnect = self._memory, self._lib.vista_board_disconnect
+        # The destructor holds the memory: what an object refers to is freed in any order.
+        self._board = self._ffi.gc(handle[0], lambda board, memory=memory: disconnect(board))
         self._build = self._ffi.new("vista_board_build *")
         self._check(self._lib.vista_board_identify(self._board, self._build))
         self._check_build()
