@@ -134,7 +134,6 @@ static int32_t count_region(const vista_foveation *foveation, const vista_camera
 #define MET_NOISE_MAX_PX 0.2 /* of the words: more is relief */
 #define MET_DEEPEST_M 4.0 /* from a surface to the front of the thing; nor is that more than half its size */
 #define MET_SIGMA_PX 0.1 /* of the matcher, as long as the thing is in view */
-#define MET_NOISE_DOUBT 1.0 /* of what is taken off for noise: it may be relief */
 #define MET_RELIEF_M 0.1 /* of a surface */
 #define MET_RELIEF_SHARE 0.2 /* of how deep the front is: how far the foremost branch reaches beyond it */
 
@@ -208,8 +207,8 @@ static void place(const vista_camera *camera, const vista_flight_path *path, con
   region->met_camera_m[0] = scale * (first->u_px - camera->center_u_px);
   region->met_camera_m[1] = scale * (first->v_px - camera->center_v_px);
   region->met_camera_m[2] = depth_m;
-  const double taken_px = fmax(first->nearer_px, 0.0) - relief_px;
-  const double words_m = depth_m / met_px * hypot(MET_SIGMA_PX, MET_NOISE_DOUBT * taken_px);
+  const double taken_px = fmax(first->nearer_px, 0.0) - relief_px; /* for noise: it may be relief */
+  const double words_m = depth_m / met_px * hypot(MET_SIGMA_PX, taken_px);
   const double front_m = depth_m * relief_px / fmax(first->surface_px, 0.5 * met_px);
   const double relief_m = hypot(MET_RELIEF_M, MET_RELIEF_SHARE * front_m);
   const double gradient = hypot(region->slope_u, region->slope_v);

@@ -65,8 +65,7 @@ typedef struct vista_motion_state {
   vista_pose refused_at;
   double slow_turn_rate_rad_s[3]; /* the same turn rate, smoothed over PATH_S */
   double slow_averaged;           /* its variance over that of a difference */
-  double
-      sway2; /* rad^2, each axis: mean square of the angle between velocity_m_s and slow_velocity_m_s, less the turn */
+  double sway2; /* rad^2, each axis: mean square of the angle between the two velocities, less the turn */
 } vista_motion_state;
 
 /* On an error nothing is changed. VISTA_ERROR_ORDER: the time is not after that of the last frame, which is judged
