@@ -4,6 +4,8 @@
 #include <stdbool.h>
 #include <stddef.h>
 
+#include "common/numbers.h"
+
 #define MAX_SIDE_PX 1e6
 #define LARGEST 1e6 /* focal length in pixels, baseline in metres: products of these fit a float */
 
@@ -60,6 +62,12 @@ vista_status vista_frame_check_disparity(const vista_disparity_image *disparity,
 void vista_frame_direction_to_camera(const vista_pose *pose, const double world[3], double camera[3]) {
   for (int i = 0; i < 3; ++i)
     camera[i] = pose->rotation[i] * world[0] + pose->rotation[3 + i] * world[1] + pose->rotation[6 + i] * world[2];
+}
+
+void vista_frame_level_axes(const double up_camera[3], double ahead[3], double right[3]) {
+  const double steep = up_camera[2], level = sqrt(1.0 - steep * steep);
+  for (int i = 0; i < 3; ++i) ahead[i] = ((i == 2) - steep * up_camera[i]) / level;
+  vista_cross(ahead, up_camera, right);
 }
 
 void vista_frame_to_camera(const vista_pose *pose, const double world_m[3], double camera_m[3]) {

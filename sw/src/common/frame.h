@@ -24,6 +24,10 @@ void vista_frame_to_camera(const vista_pose *pose, const double world_m[3], doub
 void vista_frame_direction_to_camera(const vista_pose *pose, const double world[3], double camera[3]);
 void vista_frame_to_world(const vista_pose *pose, const double camera_m[3], double world_m[3]);
 
+/* Horizontal axes of a camera that does not look straight up or down, in the camera: ahead along the optical axis, and
+ * to the right. Up: unit length, in the camera. */
+void vista_frame_level_axes(const double up_camera[3], double ahead[3], double right[3]);
+
 /* R C R^T, 3x3 row-major, exactly symmetric. */
 void vista_frame_covariance_to_world(const vista_pose *pose, const double covariance_camera[9],
                                      double covariance_world[9]);

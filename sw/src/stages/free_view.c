@@ -2,18 +2,17 @@
 
 #include <math.h>
 #include <stddef.h>
+#include <string.h>
 
 #include "common/frame.h"
+#include "common/numbers.h"
 #include "common/parameters_check.h"
 #include "stages/parts/told.h"
 
 #define STATIONS 20
 #define SAMPLES 9 /* of a station, from the bottom to the top */
-#define LEVEL_MIN \
-  0.2 /* sine between camera axis and vertical: a camera that looks up or down sees no level direction */
+#define LEVEL_MIN 0.2 /* sine of camera axis and vertical: a camera that looks up or down sees no level direction */
 #define NEARER 0.9 /* than the station by this: before it */
-
-#define PI 3.14159265358979323846
 
 typedef struct view {
   vista_told told;
@@ -24,15 +23,9 @@ typedef struct view {
 } view;
 
 static bool make_axes(view *v, const double up[3]) {
-  const double length = sqrt(1.0 - up[2] * up[2]);
-  if (!(length >= LEVEL_MIN)) return false;
-  for (int i = 0; i < 3; ++i) {
-    v->up[i] = up[i];
-    v->ahead[i] = ((i == 2) - up[2] * up[i]) / length;
-  }
-  v->right[0] = v->ahead[1] * up[2] - v->ahead[2] * up[1];
-  v->right[1] = v->ahead[2] * up[0] - v->ahead[0] * up[2];
-  v->right[2] = v->ahead[0] * up[1] - v->ahead[1] * up[0];
+  if (!(sqrt(1.0 - up[2] * up[2]) >= LEVEL_MIN)) return false;
+  memcpy(v->up, up, sizeof v->up);
+  vista_frame_level_axes(up, v->ahead, v->right);
   return true;
 }
 
@@ -88,7 +81,7 @@ vista_status vista_free_view(const vista_obstacle_map_params *params, const vist
   if (!make_axes(&v, directions->up_camera)) return VISTA_OK;
   const double nearest_m = camera->focal_px * camera->baseline_m / matched->disparity_max_px;
   for (int column = 0; column < VISTA_DIRECTIONS; ++column) {
-    const double azimuth = (VISTA_DIRECTIONS_FIRST_DEG + column + 0.5) * PI / 180.0;
+    const double azimuth = (VISTA_DIRECTIONS_FIRST_DEG + column + 0.5) * VISTA_RADIANS_PER_DEGREE;
     double direction[3];
     for (int i = 0; i < 3; ++i) direction[i] = cos(azimuth) * v.ahead[i] + sin(azimuth) * v.right[i];
     for (int k = 1; k <= STATIONS; ++k) {

@@ -2,6 +2,7 @@
 
 #include <math.h>
 
+#include "common/frame.h"
 #include "common/numbers.h"
 
 #define STEEP_MAX 0.9 /* sine of the camera's pitch */
@@ -9,12 +10,9 @@
 #define PASSES 3      /* of least squares, after the search */
 
 bool vista_plan_of(const vista_camera *camera, const double up_camera[3], vista_plan *plan) {
-  const double steep = up_camera[2];
-  if (!(fabs(steep) < STEEP_MAX)) return false;
-  const double level = sqrt(1.0 - steep * steep);
+  if (!(fabs(up_camera[2]) < STEEP_MAX)) return false;
   plan->camera = camera;
-  for (int i = 0; i < 3; ++i) plan->ahead[i] = ((i == 2) - steep * up_camera[i]) / level;
-  vista_cross(plan->ahead, up_camera, plan->right);
+  vista_frame_level_axes(up_camera, plan->ahead, plan->right);
   return true;
 }
 
