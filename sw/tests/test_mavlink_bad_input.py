@@ -38,6 +38,20 @@ def test_a_bad_target_takes_one_line(target: str, tmp_path: Path, run_vista: Vis
     assert_refused(run_vista("mavlink", file, "--to", target), target)
 
 
+@pytest.mark.parametrize(
+    "device, reason",
+    [
+        ("/no/such/Device", "no such file or directory"),
+        ("/no/such/Device:57600", "no such file or directory"),
+        ("/dev/null", "cannot be set up as a serial line"),
+    ],
+)
+def test_a_bad_device_is_named_once(device: str, reason: str, tmp_path: Path, run_vista: Vista) -> None:
+    file = write_lines(tmp_path / "obstacles.jsonl", [line(0)])
+    _, _, err = run_vista("mavlink", file, "--to", f"serial:{device}")
+    assert err == f"vista: serial:{device}: {reason}\n"
+
+
 BAD_LINES: dict[str, tuple[Any, str]] = {
     "no JSON": ("{", "not a whole line of JSON"),
     "a list": ("[]", "version 2"),
