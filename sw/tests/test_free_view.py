@@ -12,6 +12,7 @@ from pipeline_library import Pipeline
 from random_seed import seeded
 from stage_arena import ffi, lib, status_name
 from stage_library import INVALID, camera, image_struct, parameters
+from vista.pipeline import Directions
 
 WIDTH, HEIGHT, FOCAL_PX, BASELINE_M = 640, 480, 500.0, 0.5
 RADIUS_M, LENGTH_M = 2.0, 100.0
@@ -147,6 +148,10 @@ def test_a_flight_at_a_board_is_free_beside_it_and_not_through_it() -> None:
     assert max(seen.free_m) > 20.0
     pipeline.fly([replace(last, words=np.full_like(last.words, INVALID))])
     assert not any(directions_of(pipeline).free_m)
+
+
+def test_python_and_c_agree_on_the_columns() -> None:
+    assert (Directions.FIRST_DEG, Directions.COLUMNS) == (FIRST_DEG, lib.VISTA_DIRECTIONS)
 
 
 def test_null_is_refused() -> None:

@@ -38,18 +38,32 @@ def test_a_bad_target_takes_one_line(target: str, tmp_path: Path, run_vista: Vis
     assert_refused(run_vista("mavlink", file, "--to", target), target)
 
 
+@pytest.mark.parametrize(
+    "device, reason",
+    [
+        ("/no/such/Device", "no such file or directory"),
+        ("/no/such/Device:57600", "no such file or directory"),
+        ("/dev/null", "cannot be set up as a serial line"),
+    ],
+)
+def test_a_bad_device_is_named_once(device: str, reason: str, tmp_path: Path, run_vista: Vista) -> None:
+    file = write_lines(tmp_path / "obstacles.jsonl", [line(0)])
+    _, _, err = run_vista("mavlink", file, "--to", f"serial:{device}")
+    assert err == f"vista: serial:{device}: {reason}\n"
+
+
 BAD_LINES: dict[str, tuple[Any, str]] = {
     "no JSON": ("{", "not a whole line of JSON"),
     "a list": ("[]", "version 2"),
     "a number": ("7", "version 2"),
     "version 1": (line(1, version=1), "version 2"),
     "without directions": ({k: v for k, v in line(1).items() if k != "directions"}, "run vista run again"),
-    "without health": ({k: v for k, v in line(1).items() if k != "health"}, "'health'"),
-    "unknown health": (line(1, health={"state": "fine", "reasons": []}), "JSON"),
+    "without health": ({k: v for k, v in line(1).items() if k != "health"}, "says: no 'health'"),
+    "unknown health": (line(1, health={"state": "fine", "reasons": []}), "says: 'fine' is not"),
     "time of old": (line(1, t_ns=5), "time does not increase"),
     "time below 0": (line(1, t_ns=-5), "out of range"),
     "time of text": (line(1, t_ns="5"), "is no integer"),
-    "position of two": (line(1, obstacles=[obstacle(1, [0.0, 1.0])]), "JSON"),
+    "position of two": (line(1, obstacles=[obstacle(1, [0.0, 1.0])]), "(expected 3, got 2)"),
     "position of text": (line(1, obstacles=[obstacle(1, ["a", 1.0, 2.0])]), "is no number"),
     "huge id": (line(1, obstacles=[obstacle(2**40, [0.0, 1.0, 2.0])]), "out of range"),
     "too many columns": (

@@ -238,6 +238,20 @@ def test_a_serial_line_that_is_unplugged_is_waited_for(monkeypatch: pytest.Monke
     line_.close()
 
 
+@pytest.mark.parametrize("baud", ["", ":57600"])
+def test_a_device_may_have_colons_in_its_name(baud: str, tmp_path: Path) -> None:
+    """As those in /dev/serial/by-path have."""
+    controller, terminal = os.openpty()
+    device = tmp_path / "pci-0000:00:14.0-usb-0:2:1.0-port0"
+    device.symlink_to(os.ttyname(terminal))
+    line_ = open_transport(f"serial:{device}{baud}")
+    line_.send(b"first")
+    assert os.read(controller, 100) == b"first"
+    line_.close()
+    os.close(controller)
+    os.close(terminal)
+
+
 def test_what_a_real_run_found_is_in_its_sector(tmp_path: Path, run_vista: Vista) -> None:
     """A board straight ahead, from the images to the message."""
     folder = cases.make_board_scenes(tmp_path / "pairs", 5, stills=False)

@@ -97,9 +97,9 @@ class Directions:
     """Which level directions are free: columns of one degree, from where the camera looks to the right."""
 
     up_camera: Array | None  #: (3,), unit vector against gravity; None: not known, -y is taken for it
-    free_m: NDArray[np.float32]  #: how far nothing stands there: (columns,), the first FIRST_DEG from ahead
+    free_m: NDArray[np.float32]  #: how far nothing stands there: (COLUMNS,), the first FIRST_DEG from ahead
 
-    FIRST_DEG = -90  # as vista/directions.h has it
+    FIRST_DEG, COLUMNS = -90, 180  # as vista/directions.h has them
 
 
 @dataclass(frozen=True)

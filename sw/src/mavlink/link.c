@@ -18,9 +18,7 @@ vista_status vista_mavlink_start(vista_mavlink *link, const vista_mavlink_params
   if (link == NULL || params == NULL) return VISTA_ERROR_ARGUMENT;
   const vista_status status = VISTA_CHECK_SECTION(mavlink, params);
   if (status != VISTA_OK) return status;
-  if (fmod(params->angle_offset_deg, vista_mavlink_sector_deg(params)) != 0.0 ||
-      params->min_distance_m > params->max_distance_m)
-    return VISTA_ERROR_RANGE;
+  if (fmod(params->angle_offset_deg, vista_mavlink_sector_deg(params)) != 0.0) return VISTA_ERROR_RANGE;
   *link = (vista_mavlink){.params = *params};
   vista_mavlink_mount(params, link->body_from_camera);
   return VISTA_OK;
@@ -46,8 +44,6 @@ vista_status vista_mavlink_update(vista_mavlink *link, const vista_mavlink_frame
   if (!vista_mavlink_place(link, frame) && s->health == VISTA_HEALTH_HEALTHY) {
     s->health = VISTA_HEALTH_DEGRADED;
     keep_reason("a number is not finite", s);
-    for (int k = 0; k < VISTA_MAVLINK_MOST_SECTORS; ++k)
-      if (s->distance_cm[k] > lround(100.0 * link->params.max_distance_m)) s->distance_cm[k] = VISTA_MAVLINK_UNKNOWN;
   }
   if (link->burst_next < link->burst_count) link->sent_any = false; /* the rest of it is gone: the new frame at once */
   link->burst_next = link->burst_count = 0;

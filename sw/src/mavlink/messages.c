@@ -88,7 +88,7 @@ int32_t vista_mavlink_write_sectors(vista_mavlink *link, bool counts, uint8_t *b
       .sensor_type = MAV_DISTANCE_SENSOR_UNKNOWN,
       .increment = (uint8_t)lround(vista_mavlink_sector_deg(c)),
       .min_distance = (uint16_t)lround(100.0 * c->min_distance_m),
-      .max_distance = (uint16_t)lround(100.0 * c->max_distance_m),
+      .max_distance = vista_mavlink_max_cm(c),
       .angle_offset = (float)c->angle_offset_deg,
       .frame = MAV_FRAME_BODY_FRD,
   };

@@ -44,7 +44,7 @@ static int32_t sector_at(const vista_mavlink_params *params, double azimuth_deg)
 
 static int32_t wrapped(int32_t number, int32_t count) { return ((number % count) + count) % count; }
 
-/* Free where every column that reaches into the sector is. */
+/* Sectors that nothing reaches into, where every column is free. */
 static void mark_clear(const vista_mavlink_params *params, const level *axes, const vista_directions *directions,
                        uint16_t *distance_cm) {
   static const double axis[3] = {0.0, 0.0, 1.0}; /* of the camera */
@@ -53,18 +53,16 @@ static void mark_clear(const vista_mavlink_params *params, const level *axes, co
   const double along = vista_dot(axis, axes->ahead), aside = vista_dot(axis, axes->right);
   if (!(along * along + aside * aside >= LEVEL_MIN * LEVEL_MIN)) return;
   const double camera_deg = DEG * atan2(aside, along);
-  const uint16_t clear = (uint16_t)(lround(100.0 * params->max_distance_m) + 1);
   const double width_deg = vista_mavlink_sector_deg(params);
   for (int32_t sector = 0; sector < vista_mavlink_sector_count(params); ++sector) {
     const double middle_deg = params->angle_offset_deg + sector * width_deg;
     const double from_deg = remainder(middle_deg - camera_deg, 360.0) - 0.5 * width_deg;
     const double first = floor(from_deg - VISTA_DIRECTIONS_FIRST_DEG + EDGE_DEG);
     const double last = ceil(from_deg + width_deg - VISTA_DIRECTIONS_FIRST_DEG - EDGE_DEG) - 1.0;
-    if (first < 0.0 || last >= VISTA_DIRECTIONS) continue;
-    bool is_free = true;
-    for (int32_t k = (int32_t)first; k <= (int32_t)last; ++k)
-      is_free = is_free && (double)directions->free_m[k] >= params->max_distance_m;
-    if (is_free) distance_cm[sector] = clear;
+    bool is_free = first >= 0.0 && last < VISTA_DIRECTIONS && distance_cm[sector] == VISTA_MAVLINK_UNKNOWN;
+    for (int32_t k = (int32_t)first; is_free && k <= (int32_t)last; ++k)
+      is_free = (double)directions->free_m[k] >= params->max_distance_m;
+    if (is_free) distance_cm[sector] = (uint16_t)(vista_mavlink_max_cm(params) + 1);
   }
 }
 
@@ -98,7 +96,7 @@ static void mark_obstacle(const vista_mavlink_params *params, const place *at, u
   if (!(at->distance_m < params->max_distance_m)) return;
   const double azimuth_deg = DEG * atan2(at->aside_m, at->along_m);
   /* PX4 takes a distance of max_distance for none. */
-  const double most_cm = fmax(lround(100.0 * params->max_distance_m) - 1.0, 1.0);
+  const double most_cm = fmax(vista_mavlink_max_cm(params) - 1.0, 1.0);
   const uint16_t cm = (uint16_t)fmax(fmin(floor(100.0 * at->distance_m), most_cm), 1.0);
   const double reach_deg = fmax(at->half_deg - EDGE_DEG, 0.0);
   const int32_t first = sector_at(params, azimuth_deg - reach_deg), last = sector_at(params, azimuth_deg + reach_deg);
@@ -182,9 +180,8 @@ bool vista_mavlink_place(vista_mavlink *link, const vista_mavlink_frame *frame) 
     return up_good;
   }
   if (!all_finite) state->collision.valid = false;
-  if (state->collision.valid) miss(&axes, state);
-  if (frame->health == VISTA_HEALTH_HEALTHY) mark_clear(params, &axes, &frame->directions, state->distance_cm);
   if (state->collision.valid) {
+    miss(&axes, state);
     vista_mavlink_obstacle met = {.id = c->id};
     memcpy(met.position_camera_m, c->position_camera_m, sizeof met.position_camera_m);
     add_obstacle(link, &axes, &met);
@@ -195,5 +192,7 @@ bool vista_mavlink_place(vista_mavlink *link, const vista_mavlink_frame *frame) 
     all_finite = all_finite && good;
     if (good) add_obstacle(link, &axes, obstacle);
   }
+  if (all_finite && frame->health == VISTA_HEALTH_HEALTHY)
+    mark_clear(params, &axes, &frame->directions, state->distance_cm);
   return all_finite;
 }

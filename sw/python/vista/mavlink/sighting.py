@@ -14,10 +14,10 @@ from numpy.typing import NDArray
 from vista.errors import InputError
 from vista.health.finding import State
 from vista.obstacle_line import VERSION
+from vista.pipeline import Directions
 from vista.result_folder import OBSTACLES
 from vista.sequence.text import check_increasing, read_text
 
-FIRST_DEG, COLUMNS = -90, 180  # as vista/directions.h has them
 TIME_END_NS = 2**62
 FARTHEST_M = 1e6
 
@@ -51,7 +51,7 @@ class Sighting:
     reason: str
     obstacles: tuple[Board, ...]  # confirmed ones
     up_camera: tuple[float, float, float] | None
-    free_m: NDArray[np.float32]  # (COLUMNS,)
+    free_m: NDArray[np.float32]  # of every column, as in vista.pipeline.Directions
     collision: Collision | None
 
 
@@ -72,15 +72,17 @@ def read_sightings(path: Path) -> list[Sighting]:
 def sighting_of(culprit: str, text: str) -> Sighting:
     try:
         line = json.loads(text)
-        if not isinstance(line, dict) or line.get("version") != VERSION:
-            raise InputError(culprit, f"not a line of obstacles.jsonl in version {VERSION}")
-        if "directions" not in line:
-            raise InputError(culprit, "has no directions: run vista run again, with this version")
-        return _sighting(line)
     except (ValueError, RecursionError):
-        raise InputError(culprit, "not a whole line of JSON, or a number out of range") from None
-    except (AttributeError, KeyError, IndexError, TypeError, OverflowError) as error:
-        raise InputError(culprit, f"not as obstacles.schema.json says: {error!r}") from None
+        raise InputError(culprit, "not a whole line of JSON") from None
+    if not isinstance(line, dict) or line.get("version") != VERSION:
+        raise InputError(culprit, f"not a line of obstacles.jsonl in version {VERSION}")
+    if "directions" not in line:
+        raise InputError(culprit, "has no directions: run vista run again, with this version")
+    try:
+        return _sighting(line)
+    except (AttributeError, LookupError, TypeError, ValueError, OverflowError) as error:
+        problem = f"no {error}" if isinstance(error, KeyError) else str(error)
+        raise InputError(culprit, f"not as obstacles.schema.json says: {problem}") from None
 
 
 def _sighting(line: dict[str, Any]) -> Sighting:
@@ -118,12 +120,13 @@ def _collision(line: dict[str, Any]) -> Collision | None:
 def _directions(
     directions: dict[str, Any] | None,
 ) -> tuple[tuple[float, float, float] | None, NDArray[np.float32]]:
-    free_m = np.zeros(COLUMNS, np.float32)
+    free_m = np.zeros(Directions.COLUMNS, np.float32)
     if directions is None:
         return None, free_m
     given = [_number(x) for x in directions["free_m"]]
-    first = _integer(directions["first_deg"], FIRST_DEG, FIRST_DEG + COLUMNS) - FIRST_DEG
-    if first + len(given) > COLUMNS:
+    start, end = Directions.FIRST_DEG, Directions.FIRST_DEG + Directions.COLUMNS
+    first = _integer(directions["first_deg"], start, end) - start
+    if first + len(given) > Directions.COLUMNS:
         raise OverflowError("more free_m than columns")
     free_m[first : first + len(given)] = np.clip(np.nan_to_num(given, nan=0.0), 0.0, FARTHEST_M)
     up_camera = directions["up_camera"]

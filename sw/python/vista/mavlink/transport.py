@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import os
 import socket
 from time import monotonic
 from typing import Protocol
@@ -34,11 +35,10 @@ def open_transport(target: str) -> Transport:
         if host and port.isdecimal() and 0 < int(port) < 65536:
             return Udp(target, host.strip("[]"), int(port))
     elif kind == "serial" and rest:
-        device, _, baud = rest.rpartition(":")
+        device, _, baud = rest.rpartition(":")  # devices in /dev/serial/by-path have colons of their own
         if device and baud.isdecimal() and int(baud) > 0:
             return SerialLine(target, device, int(baud))
-        if not device:
-            return SerialLine(target, rest, DEFAULT_BAUD)
+        return SerialLine(target, rest, DEFAULT_BAUD)
     raise InputError(target, "is neither udp:HOST:PORT nor serial:DEVICE[:BAUD]")
 
 
@@ -107,7 +107,6 @@ class SerialLine:
 
 
 def _reason(error: OSError | ValueError) -> str:
-    """SerialException is an OSError whose text names the device once more."""
-    text = str(error)
-    strerror = getattr(error, "strerror", None)
-    return (strerror or text.rpartition(": ")[2] or text).lower()
+    """The system's own words: pyserial's name the device once more."""
+    number = error.errno if isinstance(error, OSError) else None
+    return "cannot be set up as a serial line" if number is None else os.strerror(number).lower()
