@@ -27,6 +27,7 @@ COMMANDS = (
     "run",
     "disparity",
     "mavlink",
+    "calibrate",
     "flights",
     "worlds",
     "figures",
