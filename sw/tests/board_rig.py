@@ -23,6 +23,7 @@ from vista.rectify import rectified_cameras
 Array = NDArray[np.float64]
 SAMPLES = 2  # of a pixel, each way
 TEXTURE_PX_PER_SQUARE = 96
+NEWTON_STEPS = 7
 WALL = 95.0
 
 
@@ -94,7 +95,7 @@ def rays(camera: CameraModel, u: Array, v: Array) -> Array:
         rd = np.hypot(xd, yd)
         grow = np.tan(np.minimum(rd, 1.45)) / np.maximum(rd, 1e-12)
         x, y = xd * grow, yd * grow
-    for _ in range(5):
+    for _ in range(NEWTON_STEPS):
         step = 1e-6
         fx, fy = distort(camera, x, y)
         ax, ay = distort(camera, x + step, y)

@@ -27,6 +27,8 @@ from board_rig import (
 )
 from command_line import assert_refused, call
 from vista.calibration.board import find_board, parse_board
+from vista.calibration.pictures import Picture as CalibrationPicture
+from vista.calibration.views import find_views
 from vista.geometry import RawCalibration
 from vista.sequence.pairs import read_calibration
 
@@ -333,6 +335,21 @@ def test_folders_left_and_right(chessboards: Path, tmp_path: Path, capsys: pytes
 
 
 # ---- finding corners ----
+
+
+@pytest.mark.parametrize("legacy", [False, True])
+def test_charuco_boards_of_before_and_after_opencv_4_6(legacy: bool) -> None:
+    """Both are found, and their corners have the same places."""
+    rig, board = pinhole_rig((320, 240)), parse_board("charuco:5x4:60:44")
+    printed = replace(board, legacy=legacy)
+    random = np.random.default_rng(3)
+    poses = board_poses(rig, board, 3, random, 20.0, 0.5)
+    pairs = render_pairs(rig, printed, poses, random)
+    found = find_views([CalibrationPicture(str(i), *pair) for i, pair in enumerate(pairs)], board)
+    assert len(found.views) >= 2
+    for view in found.views:
+        true_px = seen_px(rig.left, poses[int(view.name)], board.points_m)[view.ids]
+        assert np.abs(view.left_px - true_px).max() < 1.0
 
 
 @pytest.mark.parametrize(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import itertools
 import tomllib
 from dataclasses import replace
@@ -375,6 +376,23 @@ def test_bad_files(name: str, tmp_path: Path, capsys: pytest.CaptureFixture) -> 
     out = tmp_path / "out"
     assert_refused(call(capsys, "calibrate", *sources, "--to", "toml", "--out", out), message)
     assert not out.exists()
+
+
+@pytest.mark.parametrize("kind", PINHOLE_FORMATS)
+def test_damaged_files_are_read_or_refused(kind: str, tmp_path: Path) -> None:
+    """A byte lost, changed or doubled somewhere: a calibration or InputError, never another exception."""
+    random = seeded(15)
+    files = write_rig(random_rig(body=kind in ("toml", "euroc", "kalibr")), kind, Options())
+    write_files(tmp_path, files)
+    paths = [tmp_path / name for name in sorted(files)]
+    whole = paths[0].read_bytes()
+    for _ in range(40):
+        at = int(random.integers(len(whole)))
+        new = [b"", bytes([int(random.integers(256))]), whole[at : at + 1] * 2][int(random.integers(3))]
+        paths[0].write_bytes(whole[:at] + new + whole[at + 1 :])
+        with contextlib.suppress(InputError):
+            _, rig = read_rig(paths, Options())
+            assert np.isfinite(rig.right_from_left.translation_m).all()
 
 
 def test_what_a_format_cannot_hold_is_refused(tmp_path: Path) -> None:

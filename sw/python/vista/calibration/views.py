@@ -52,12 +52,12 @@ class Found:
     left_only: int = 0
     right_only: int = 0
     shown: Picture | None = None  # the pair with the largest board, for the report
-    legacy: bool = False  # the ChArUco board is of the older kind
 
 
 def find_views(pictures: Iterable[Picture], board: Board) -> Found:
     """Raises InputError when no picture shows the board, and says what is there instead, if anything."""
     found = Found()
+    asked = board
     first: list[Picture] = []
     largest = 0.0
     for picture in pictures:
@@ -65,6 +65,7 @@ def find_views(pictures: Iterable[Picture], board: Board) -> Found:
         found.size = picture.size
         if not (found.views or found.left_only or found.right_only):
             first = [*first[-HINT_PICTURES + 1 :], picture]
+            board = _printed_board(picture, asked)
         view = _view(picture, board, found)
         if view is None:
             continue
@@ -73,8 +74,17 @@ def find_views(pictures: Iterable[Picture], board: Board) -> Found:
         if area > largest:
             largest, found.shown = area, picture
     if not (found.views or found.left_only or found.right_only):
-        raise _not_found(board, first, found.pictures)
+        raise _not_found(asked, first, found.pictures)
     return found
+
+
+def _printed_board(picture: Picture, board: Board) -> Board:
+    """With an even number of rows, a ChArUco board of before OpenCV 4.6 starts with a white square, not with
+    a black one: that one, if it is what is there."""
+    if not board.markers or board.rows % 2 or find_board(picture.left, board) is not None:
+        return board
+    older = replace(board, legacy=True)
+    return board if find_board(picture.left, older) is None else older
 
 
 def _view(picture: Picture, board: Board, found: Found) -> View | None:
