@@ -98,11 +98,11 @@ def door(shade: float) -> Triangles:
     return joined(leaf, gap, *bars)
 
 
-def container(long_m: float, rng: np.random.Generator) -> Triangles:
-    """From the origin along y, its front in x = 0; painted in one shade."""
-    shade = log_uniform(rng, 0.04, 0.6)
+def container(long_m: float, rng: np.random.Generator, owner: float | None) -> Triangles:
+    """From the origin along y, its front in x = 0; painted in one shade. `owner`: its shade, without names."""
+    shade = owner or log_uniform(rng, 0.04, 0.6)
     long_side = joined(sheet(long_m, shade, rng), frame(long_m, shade))
-    if rng.random() < 0.5:
+    if owner is None and rng.random() < 0.5:
         long_side = joined(long_side, sign(long_m, shade, rng))
     end = joined(sheet(WIDE_M, shade, rng) if rng.random() < 0.5 else door(shade), frame(WIDE_M, shade))
     back = placed(joined(sheet(long_m, shade, rng), frame(long_m, shade)), (WIDE_M, long_m, 0), 180)
@@ -112,6 +112,8 @@ def container(long_m: float, rng: np.random.Generator) -> Triangles:
 
 
 def built(stack: Stack, rng: np.random.Generator) -> Triangles:
+    """Of one owner in half of the stacks."""
+    owner = log_uniform(rng, 0.1, 0.6) if rng.random() < 0.5 else None
     parts = []
     for column, levels in enumerate(stack.levels):
         for row in range(stack.rows):
@@ -122,7 +124,7 @@ def built(stack: Stack, rng: np.random.Generator) -> Triangles:
                     column * (stack.long_m + GAP_M) + jitter[1],
                     level * HIGH_M,
                 )
-                parts.append(placed(container(stack.long_m, rng), foot))
+                parts.append(placed(container(stack.long_m, rng, owner), foot))
     return joined(*parts)
 
 
