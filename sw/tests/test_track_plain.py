@@ -55,6 +55,17 @@ def test_where_a_plain_track_is_met_stays_there_without_detections() -> None:
         assert moved_m == pytest.approx([0.0, 0.0, 0.0 if plain else DT * moves_m_s], abs=1e-6)
 
 
+def test_a_line_is_met_where_it_is_and_not_where_a_region_around_it_was() -> None:
+    """Such as the bar between two panes: an earlier region took in the panes, and told of their surface."""
+    tracker = Tracker()
+    met = {"met": True, "met_camera_m": [0.5, 0.0, 28.0], "met_sigma_m": 0.3}
+    assert updated(tracker, 0, 6, POINT, **met).met
+    assert updated(tracker, 6, 1, POINT).met  # a region without a cell that tells
+    assert not updated(tracker, 7, 1, POINT, line=True).met
+    again = updated(tracker, 8, 1, POINT, **met)
+    assert again.met and list(again.met_m) == pytest.approx([0.5, 0.0, 28.0])
+
+
 def test_other_tracks_are_judged_by_every_hit() -> None:
     tracker = Tracker()
     updated(tracker, 0, 6, POINT)

@@ -14,6 +14,7 @@ static double extent_noise(const vista_tracker_params *params, const vista_detec
 }
 
 void vista_track_filter_meet(const vista_pose *pose, const vista_detection *detection, vista_track *track) {
+  if (detection->line) track->met = false; /* it is met where it is; an earlier region told of a surface around it */
   if (!detection->met) return;
   double met_m[3];
   vista_frame_to_world(pose, detection->met_camera_m, met_m);

@@ -99,7 +99,7 @@ def door(shade: float) -> Triangles:
 
 
 def container(long_m: float, rng: np.random.Generator, owner: float | None) -> Triangles:
-    """From the origin along y, its front in x = 0; painted in one shade. `owner`: its shade, without names."""
+    """From the origin along y, its front in x = 0; painted in one shade. `owner`: its shade, no names."""
     shade = owner or log_uniform(rng, 0.04, 0.6)
     long_side = joined(sheet(long_m, shade, rng), frame(long_m, shade))
     if owner is None and rng.random() < 0.5:
