@@ -224,10 +224,10 @@ static bool is_wall(const vista_region_params *params, const agreement *a) {
   const int32_t foot = bits(a->seen[SIDE_FOOT]), of_foot = bits(a->visible[SIDE_FOOT]);
   if (foot <= params->outline_fraction * of_foot) return false;
   if (agrees(params, a, SIDE_TOP, 1.0)) return true;
+  if (agrees(params, a, SIDE_LEFT, 1.0) && agrees(params, a, SIDE_RIGHT, 1.0)) return true;
   const double share = foot >= WHOLE_FOOT * of_foot ? 0.5 : 1.0;
-  const bool left = agrees(params, a, SIDE_LEFT, share), right = agrees(params, a, SIDE_RIGHT, share);
-  if (left && right) return true;
-  const bool open = (left && has_left(params, a, SIDE_RIGHT)) || (right && has_left(params, a, SIDE_LEFT));
+  const bool open = (agrees(params, a, SIDE_LEFT, share) && has_left(params, a, SIDE_RIGHT)) ||
+                    (agrees(params, a, SIDE_RIGHT, share) && has_left(params, a, SIDE_LEFT));
   return open && foot >= fmax(OPEN_FOOT, params->outline_fraction) * of_foot;
 }
 
