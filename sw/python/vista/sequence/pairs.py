@@ -59,7 +59,7 @@ def recognises(folder: Path) -> bool:
 def open_folder(folder: Path) -> Sequence:
     pairs = _find_pairs(folder)
     path = folder / "calibration.toml"
-    table = _read_table(path)
+    table = read_table(path)
     calibration = read_calibration(path, table, read_size(pairs[0][0]))
     times_path, poses_path = folder / "times.csv", folder / "poses.csv"
     times_ns = [index * FRAME_PERIOD_NS for index in range(len(pairs))]
@@ -102,7 +102,7 @@ def _find_pairs(folder: Path) -> list[tuple[Path, Path]]:
     return pairs
 
 
-def _read_table(path: Path) -> dict[str, Any]:
+def read_table(path: Path) -> dict[str, Any]:
     try:
         return tomllib.loads(read_text(path))
     except tomllib.TOMLDecodeError as error:
