@@ -25,6 +25,12 @@ class Recording:
     def rate_hz(self) -> float:
         return 1e9 / (self.frames[1].t_ns - self.frames[0].t_ns)
 
+    @property
+    def values(self) -> dict[str, float]:
+        """The numbers of the calibration."""
+        lines = (line.split(" = ") for line in self.calibration.removesuffix(UP).splitlines())
+        return {key: float(value) for key, value in lines}
+
 
 def record_flight(folder: Path, frames: int = 20) -> Recording:
     """A flight towards a sign, also as a folder in the EuRoC layout."""
@@ -107,8 +113,7 @@ def write_kitti(root: Path, recording: Recording) -> Path:
         assert pose is not None
         rows = np.column_stack([pose.rotation, pose.translation_m]).ravel()
         poses.append(" ".join(repr(float(value)) for value in rows) + "\n")
-    values = dict(line.split(" = ") for line in recording.calibration.splitlines())
-    focal, cx, cy, baseline = (float(values[key]) for key in ("focal_px", "cx", "cy", "baseline_m"))
+    focal, cx, cy, baseline = (recording.values[key] for key in ("focal_px", "cx", "cy", "baseline_m"))
     lines = (
         f"{k}: {focal} 0 {cx} {x} 0 {focal} {cy} 0 0 0 1 0\n"
         for k, x in (("P0", 0), ("P1", -focal * baseline))

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 import source_cases as cases
+from bag_cases import write_bag
 from command_line import call, lines_without_times
 from source_cases import Recording
 
@@ -82,6 +83,21 @@ def any_two_videos(tmp_path: Path, recording: Recording) -> Written:
     return left, "--right", right, "--calibration", calibration, *timed(tmp_path, recording)
 
 
+def bag(tmp_path: Path, recording: Recording, kind: str, poses: str, compressed: bool = False) -> Written:
+    name = "flight.bag" if kind == "ros1" else "flight"
+    path = write_bag(tmp_path / name, recording, kind, poses, compressed)
+    return (path, "--pose-frame", "camera") if poses == "pose" else (path,)
+
+
+def lone_mcap(tmp_path: Path, recording: Recording) -> Written:
+    """One file without metadata.yaml, and the poses elsewhere."""
+    folder = write_bag(tmp_path / "flight", recording, "mcap", "none")
+    (file,) = folder.glob("*.mcap")
+    calibration = tmp_path / "rig.toml"
+    calibration.write_text(recording.calibration)
+    return file, "--calibration", calibration, *posed(tmp_path, recording)
+
+
 SOURCES: dict[str, Callable[[Path, Recording], Written]] = {
     "pairs and a TUM trajectory": pairs,
     "KITTI odometry": kitti,
@@ -90,6 +106,12 @@ SOURCES: dict[str, Callable[[Path, Recording], Written]] = {
     "video, at a rate": video_at_rate,
     "two videos": two_videos,
     "two videos of any name": any_two_videos,
+    "ROS 1 bag": partial(bag, kind="ros1", poses="odometry"),
+    "ROS 1 bag, compressed images, poses by tf": partial(bag, kind="ros1", poses="tf", compressed=True),
+    "ROS 2 bag, sqlite3": partial(bag, kind="sqlite3", poses="tf"),
+    "ROS 2 bag, sqlite3, compressed images": partial(bag, kind="sqlite3", poses="odometry", compressed=True),
+    "ROS 2 bag, MCAP, poses of the camera": partial(bag, kind="mcap", poses="pose"),
+    "MCAP file": lone_mcap,
 }
 
 

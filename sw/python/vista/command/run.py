@@ -5,6 +5,7 @@ SEQUENCE is a folder or a file:
   KITTI odometry  sequences/NN with image_0, image_1, calib.txt, times.txt, optionally ../../poses/NN.txt
   pairs           NAME_left.EXT, NAME_right.EXT and calibration.toml, optionally times.csv and poses.csv
   video           side by side, one above the other, or NAME_left.EXT and NAME_right.EXT; calibration.toml
+  ROS bag         a bag of ROS 1, the folder of a bag of ROS 2, or an MCAP file
 
 DIR receives obstacles.jsonl (one line per frame), frames/ (pictures), summary.json and report.html.
 """

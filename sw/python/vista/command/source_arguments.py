@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 
 from vista.command.arguments import not_negative
-from vista.sequence.options import SPLITS, Options
+from vista.sequence.options import FRAME_OF_LEFT_CAMERA, NO_POSES, SPLITS, Options
 
 
 def add_source(parser: argparse.ArgumentParser) -> None:
@@ -46,6 +46,19 @@ def add_source(parser: argparse.ArgumentParser) -> None:
     group.add_argument(
         "--start", metavar="S", help="time of a video's first frame, in seconds on the clock of the poses"
     )
+    group.add_argument("--left-topic", metavar="TOPIC", help="left images of a bag")
+    group.add_argument("--right-topic", metavar="TOPIC", help="right images of a bag")
+    group.add_argument(
+        "--pose-topic",
+        metavar="TOPIC",
+        help=f"poses of a bag: odometry, poses, transforms or tf; {NO_POSES}: do without",
+    )
+    group.add_argument(
+        "--pose-frame",
+        metavar="NAME",
+        help="frame of reference whose poses the topic holds, where it does not say so; "
+        f"{FRAME_OF_LEFT_CAMERA}: that of the left camera",
+    )
 
 
 def milliseconds(text: str) -> float:
@@ -67,6 +80,10 @@ def source_options(arguments: argparse.Namespace) -> Options:
         calibration=arguments.calibration,
         poses=arguments.poses,
         pair_tolerance_ms=arguments.pair_tolerance_ms,
+        left_topic=arguments.left_topic,
+        right_topic=arguments.right_topic,
+        pose_topic=arguments.pose_topic,
+        pose_frame=arguments.pose_frame,
         right=arguments.right,
         split=arguments.split,
         rate=arguments.rate,

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Protocol
 
 from vista.errors import InputError
-from vista.sequence import asl, kitti, pairs, tum, video
+from vista.sequence import asl, bag, kitti, pairs, tum, video
 from vista.sequence.image import read_grey
 from vista.sequence.options import Options, refuse_others
 from vista.sequence.text import printable
@@ -32,7 +32,7 @@ class Layout(Protocol):
         """Without poses of its own if the options bring some."""
 
 
-LAYOUTS: tuple[Layout, ...] = (video, asl, kitti, pairs)
+LAYOUTS: tuple[Layout, ...] = (video, bag, asl, kitti, pairs)
 
 
 def open_sequence(path: str | Path, options: Options = Options()) -> Sequence:  # noqa: B008
@@ -60,7 +60,7 @@ def _layout_of(source: Path) -> Layout:
         if layout.recognises(source):
             return layout
     if not source.is_dir():
-        raise InputError(source, "neither a folder nor a video")
+        raise InputError(source, "neither a folder nor a video nor a bag")
     if not any(source.iterdir()):
         raise InputError(source, "empty folder")
     if (source / "sequences").is_dir():

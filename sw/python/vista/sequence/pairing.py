@@ -41,7 +41,8 @@ def pair_by_time(
         raise InputError(culprit, f"no right image within {tolerance_ns / 1e6:g} ms of any left one")
     apart_ns = [abs(right_ns[right] - left_ns[left]) for left, right in found]
     alone = len(left_ns) + len(right_ns) - 2 * len(found)
-    return Pairs(tuple(found), _notes(apart_ns, alone, len(left_ns) + len(right_ns), tolerance_ns))
+    notes = _notes(apart_ns, alone, len(left_ns) + len(right_ns), tolerance_ns)
+    return Pairs(tuple(found), (*notes, *_notes_on_drops(left_ns)))
 
 
 def default_tolerance_ns(times_ns: Sequence[int]) -> int:
@@ -67,3 +68,14 @@ def _notes(apart_ns: list[int], alone: int, images: int, tolerance_ns: int) -> t
         within = f"within {tolerance_ns / 1e6:g} ms"
         notes.append(f"{alone} of {images} images have no partner {within} and are left out")
     return tuple(notes)
+
+
+def _notes_on_drops(times_ns: Sequence[int]) -> tuple[str, ...]:
+    """Of the left camera: pairs that were never recorded."""
+    gaps_ns = np.diff(times_ns)
+    if len(gaps_ns) < 2:
+        return ()
+    period_ns = float(np.median(gaps_ns))
+    dropped = int(np.sum(np.rint(gaps_ns / period_ns) - 1, where=gaps_ns > period_ns))
+    of_all = f"{dropped} of {len(times_ns) + dropped}"
+    return (f"the left images have gaps: {of_all} were dropped before the recording",) if dropped else ()

@@ -6,6 +6,7 @@ from bisect import bisect_left
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Protocol
 
 import numpy as np
 
@@ -31,6 +32,15 @@ def make_sample(culprit: str, t_ns: int, position_m: Array, quaternion: Array) -
     return Sample(t_ns, position_m, quaternion / norm)
 
 
+class PoseSource(Protocol):
+    """Poses in the world at any time, or at some."""
+
+    def at(self, t_ns: int) -> Pose | None: ...
+
+    def span(self) -> str:
+        """Which time it covers, for messages: "it has ..."."""
+
+
 class Trajectory:
     """world_from_body between samples: positions linearly, rotations by slerp. Times strictly increase."""
 
@@ -41,6 +51,9 @@ class Trajectory:
     def span(self) -> str:
         return f"it has {_span(self._times_ns)}"
 
+    def first(self) -> Pose:
+        return _pose(self._samples[0])
+
     def at(self, t_ns: int) -> Pose | None:
         """None outside the samples: nothing is extrapolated."""
         if not self._times_ns or not self._times_ns[0] <= t_ns <= self._times_ns[-1]:
@@ -48,12 +61,16 @@ class Trajectory:
         after = bisect_left(self._times_ns, t_ns)
         second = self._samples[after]
         if second.t_ns == t_ns:
-            return Pose(rotation_from_quaternion(second.quaternion), second.position_m)
+            return _pose(second)
         first = self._samples[after - 1]
         fraction = (t_ns - first.t_ns) / (second.t_ns - first.t_ns)
         quaternion = slerp(first.quaternion, second.quaternion, fraction)
         position_m = np.asarray((1.0 - fraction) * first.position_m + fraction * second.position_m)
         return Pose(rotation_from_quaternion(quaternion), position_m)
+
+
+def _pose(sample: Sample) -> Pose:
+    return Pose(rotation_from_quaternion(sample.quaternion), sample.position_m)
 
 
 def _span(times_ns: list[int]) -> str:
@@ -62,7 +79,7 @@ def _span(times_ns: list[int]) -> str:
 
 def with_poses(
     frames: Iterable[FrameFiles],
-    trajectory: Trajectory,
+    trajectory: PoseSource,
     source: str | Path,
     body_from_left: Pose | None = None,
 ) -> tuple[tuple[FrameFiles, ...], tuple[str, ...]]:
