@@ -25,7 +25,8 @@ from vista import parameters
 from vista.chain import make_chain
 from vista.command.arguments import add_config, add_engine, load_parameters, positive
 from vista.command.mavlink import sent_messages
-from vista.command.run import counted, frame_range, milliseconds, select_frames
+from vista.command.run import counted, frame_range, select_frames
+from vista.command.source_arguments import add_source, source_options
 from vista.errors import EXIT_INTERRUPTED, EXIT_OK, InputError
 from vista.interruption import Interruption
 from vista.live.camera import Cameras
@@ -36,7 +37,8 @@ from vista.live.source import Replay, Source
 from vista.mavlink.link import Link
 from vista.mavlink.transport import open_transport
 from vista.sequence import Sequence, open_sequence
-from vista.sequence.pairs import read_calibration, read_table
+from vista.sequence.options import refuse_others
+from vista.sequence.pairs import read_calibration_file
 from vista.sequence.text import finite
 
 PAGE_PORT = 8642
@@ -44,23 +46,13 @@ PAIR_TOLERANCE_MS = 5.0
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument(
-        "sequence", type=Path, nargs="?", metavar="SEQUENCE", help="folder of the recording, if no camera"
-    )
+    add_source(parser, needed=False)
     parser.add_argument(
         "--camera",
         nargs="+",
         metavar="DEVICE",
-        help="left and right camera, or one that delivers both views side by side",
-    )
-    parser.add_argument(
-        "--calibration", type=Path, metavar="FILE", help="calibration.toml of the cameras, for --camera"
-    )
-    parser.add_argument(
-        "--pair-tolerance-ms",
-        type=milliseconds,
-        metavar="MS",
-        help=f"how far two pictures of a pair may lie apart, for --camera (default {PAIR_TOLERANCE_MS:g})",
+        help="in place of SEQUENCE: left and right camera, or one that delivers both views side by side; "
+        f"takes --calibration, and --pair-tolerance-ms (default {PAIR_TOLERANCE_MS:g})",
     )
     parser.add_argument("--to", metavar="TARGET", help="the autopilot: udp:HOST:PORT or serial:DEVICE[:BAUD]")
     parser.add_argument(
@@ -130,30 +122,21 @@ def check_source(arguments: argparse.Namespace) -> None:
     """Raises InputError for options that would be ignored."""
     if (arguments.sequence is None) == (arguments.camera is None):
         raise InputError("vista live", "takes SEQUENCE or --camera")
-    of_camera = {"--calibration": arguments.calibration, "--pair-tolerance-ms": arguments.pair_tolerance_ms}
-    of_sequence = {
-        "--repeat": arguments.repeat or None,
-        "--speed": None if arguments.speed == 1.0 else arguments.speed,
-        "--frames": arguments.frames,
-    }
     if arguments.camera is None:
-        refuse(of_camera, "goes with --camera")
         return
-    refuse(of_sequence, "goes with a recording, not with --camera")
+    refuse_others(source_options(arguments), "camera", frozenset({"calibration", "pair_tolerance_ms"}))
+    of_recording = {"repeat": False, "speed": 1.0, "frames": None, "poses": None}
+    for name, unsaid in of_recording.items():
+        if getattr(arguments, name) != unsaid:
+            raise InputError(f"--{name}", "goes with a recording, not with --camera")
     if len(arguments.camera) > 2:
         raise InputError("--camera", f"takes one device or two, not {len(arguments.camera)}")
     if arguments.calibration is None:
-        raise InputError("--camera", "needs --calibration FILE")
-
-
-def refuse(options: dict[str, Any], reason: str) -> None:
-    for name, value in options.items():
-        if value is not None:
-            raise InputError(name, reason)
+        raise InputError("--camera", "needs --calibration FILE.toml")
 
 
 def open_replay(arguments: argparse.Namespace) -> tuple[Sequence, Source]:
-    recorded = open_sequence(arguments.sequence)
+    recorded = open_sequence(arguments.sequence, source_options(arguments))
     if recorded.stills:
         raise InputError(arguments.sequence, "stills, which show unrelated scenes: use vista run")
     frames = select_frames(recorded, arguments.frames)
@@ -164,8 +147,8 @@ def open_camera(arguments: argparse.Namespace, open_ones: ExitStack) -> tuple[Se
     tolerance_ms = arguments.pair_tolerance_ms
     cameras = Cameras(arguments.camera, PAIR_TOLERANCE_MS if tolerance_ms is None else tolerance_ms)
     open_ones.callback(cameras.close)
-    calibration = read_calibration(arguments.calibration, read_table(arguments.calibration), cameras.size)
-    return Sequence(" and ".join(arguments.camera), "camera", calibration, ()), cameras
+    described = read_calibration_file(arguments.calibration, cameras.size)
+    return Sequence(" and ".join(arguments.camera), "camera", described.calibration, ()), cameras
 
 
 def make_listeners(
