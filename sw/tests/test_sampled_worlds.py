@@ -216,7 +216,7 @@ def test_rows_stand_close_beside_the_path_but_where_it_is_met() -> None:
         here = site(course.altitude_m, int(number), rows.BETWEEN_ROWS, OPEN_COUNTRY)
         aside_m, apart_m = float(random.choice([-1, 1]) * random.uniform(1.5, 4.0)), random.uniform(6.0, 13.0)
         places = list(rows.row(here, aside_m, apart_m, 0.3, random))
-        assert len(places) >= 6
+        assert len(places) >= 3
         assert [place.outermost for place in places].count(True) == 2
         for place in places:
             assert abs(place.x_m) >= rows.UNOBSTRUCTED_M
