@@ -235,6 +235,12 @@ def test_a_plain_wall_that_is_held_is_met_where_it_was_met_last(
     assert not in_volume((-9, 0, 30.0), **(values | {"met_m": [-4.5, 0.0, 30.0]} | changes))
 
 
+@pytest.mark.parametrize(("misses", "member"), [(0, True), (2, True), (3, False)])
+def test_where_something_else_is_seen_for_long_nothing_is_warned_of(misses: int, member: bool) -> None:
+    """Until the track is given up: a fragment of a thing that another track follows drifts beside it."""
+    assert in_volume((0.0, 0.0, 30.0), coasting=True, misses=misses) == member
+
+
 def flier(across_m_s: float, meets_s: float, miss_m: float = 0.0, sigma_m: float = 0.1, **changes) -> bool:
     """Whether what crosses is in the volume; it would pass `miss_m` from the aircraft, `meets_s` from now."""
     velocity = [across_m_s, 0.0, -2.0]

@@ -15,6 +15,7 @@
 #define STEADY_MIN 0.25 /* of the variance: ten hits tell no more */
 #define ACROSS_M_S 0.5
 #define ACROSS_SIGMAS 3.0
+#define MISSES_MAX 2 /* in a row, of something that is still warned of: something else is seen there */
 #define MEET_M_S 1.0
 #define MEET_SIGMAS 5.0
 #define MEET_HITS 6
@@ -269,7 +270,7 @@ static bool obstacle_of(const vista_obstacle_map_params *params, const vista_cam
   for (int i = 0; i < 9; ++i) obstacle->covariance_m2[i] += lasting_m2[i];
   obstacle->disparity_px = measurement_px[2];
   obstacle->ellipse = ellipse_of(track, measurement_px, camera_m[2]);
-  const int32_t members = vista_window_count(track->volume_window, 3);
+  const int32_t members = track->misses > MISSES_MAX ? 0 : vista_window_count(track->volume_window, 3);
   const bool undetected = (track->coasting || track->followed) && track->parts == 0;
   obstacle->in_collision_volume = track->credible && members >= (track->hits > 1 ? 2 : 1);
   const bool own_pixels = !undetected && !track->edges_only; /* tell whether it is a member; else its disc does */
