@@ -331,8 +331,7 @@ static vista_status run_stage(vista_pipeline *p, stage stage, passage *way) {
       if (status == VISTA_OK)
         status = vista_row_edges_judge(&p->foveation, &q->region, &frame->image, &way->noise, &p->cells, &p->regions);
       if (status != VISTA_OK) return status;
-      way->volume = vista_collision_volume_around(&way->path, &way->motion.pose, q->obstacle_map.collision_radius_m,
-                                                  q->obstacle_map.outline_px);
+      way->volume = vista_collision_volume_around(&q->obstacle_map, &way->path, &way->motion.pose);
       return vista_collision_volume_count(&p->foveation, &q->region, &p->camera, &way->volume, words, &p->cells,
                                           &p->regions);
     }

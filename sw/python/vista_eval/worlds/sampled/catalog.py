@@ -15,6 +15,8 @@ from vista_eval.worlds.sampled import (
     machines,
     movers,
     poles,
+    rows,
+    small_movers,
     smooth_fronts,
     steep_wires,
     terrain,
@@ -43,6 +45,10 @@ DEV = (
     Family("fence", "fence or hedge, low flight", "dev", fences.fence, LOW),
     Family("road_vehicle", "vehicle, low flight", "dev", movers.road_vehicle, movers.OVER_A_ROAD),
     Family("drone", "drone", "dev", movers.drone, ANY),
+    Family("rows", "between rows of posts and trees", "dev", rows.rows, rows.BETWEEN_ROWS),
+    Family(
+        "small_movers", "small things that fly", "dev", small_movers.small_movers, small_movers.IN_THE_AIR
+    ),
     Family(
         "clear_rolling",
         "rolling country, no obstacle",
