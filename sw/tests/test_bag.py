@@ -250,19 +250,28 @@ def test_a_raw_pair_comes_back_from_what_ros_makes_of_it() -> None:
     np.testing.assert_array_equal(rectified.right_from_left.rotation, np.eye(3))
 
 
+@pytest.mark.parametrize(
+    ("model", "count", "lens"), [("equidistant", 4, "fisheye"), ("rational_polynomial", 8, "pinhole")]
+)
+def test_other_lenses_of_camera_info(model: str, count: int, lens: str) -> None:
+    info = info_of(EYE, np.full(count, 0.1), np.eye(3), P_EYE, distortion_model=model)
+    left = pair_from_camera_info(info, info, ("left", "right"), (False, False)).left
+    assert (left.lens, left.distortion) == (lens, (0.1,) * count)
+
+
 EYE, P_EYE = np.array([[100.0, 0, 50], [0, 100, 50], [0, 0, 1]]), np.eye(3, 4) * 100
 CAMERAS: dict[str, tuple[SimpleNamespace, str]] = {
     "not calibrated": (
         info_of(np.zeros((3, 3)), np.zeros(5), np.eye(3), P_EYE),
         "right: .* is not calibrated",
     ),
-    "fisheye": (
-        info_of(EYE, np.full(4, 0.1), np.eye(3), P_EYE, distortion_model="equidistant"),
-        "right: distortion 'equidistant' is not read; plumb_bob is",
+    "another lens": (
+        info_of(EYE, np.full(4, 0.1), np.eye(3), P_EYE, distortion_model="kannala_brandt"),
+        "right: distortion 'kannala_brandt' with 4 numbers; known are plumb_bob, rational_poly",
     ),
     "more coefficients": (
-        info_of(EYE, np.full(8, 0.1), np.eye(3), P_EYE, distortion_model="rational_polynomial"),
-        "right: distortion 'rational_polynomial' is not read",
+        info_of(EYE, np.full(12, 0.1), np.eye(3), P_EYE, distortion_model="rational_polynomial"),
+        "right: distortion 'rational_polynomial' with 12 numbers",
     ),
     "no rotation": (info_of(EYE, np.zeros(5), np.zeros((3, 3)), P_EYE), "right: R is not a rotation matrix"),
     "NaN": (

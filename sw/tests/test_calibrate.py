@@ -303,8 +303,8 @@ def make_video(path: Path, frames: list[np.ndarray]) -> None:
     [
         (lambda folder: folder / "missing", "no such file or folder"),
         (lambda folder: folder, "holds no pairs"),
-        (lambda folder: written(folder / "a.txt", b"text"), "neither a folder nor a video"),
-        (lambda folder: written(folder / "a.mp4", b"no video"), "cannot be read as a video"),
+        (lambda folder: written(folder / "a.txt", b"text"), "neither a folder nor a video ("),
+        (lambda folder: written(folder / "a.mp4", b"no video"), "not readable as a video"),
         (lambda folder: written(folder / "a_left.png", b"").parent, "its right image is missing"),
         (lambda folder: written(folder / "left" / "a.png", b"").parents[1], "holds no pairs"),
     ],

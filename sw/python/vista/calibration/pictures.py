@@ -4,23 +4,23 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from vista.errors import InputError
+from vista.sequence import video
 from vista.sequence.image import EXTENSIONS, read_grey
+from vista.sequence.options import Options, refuse_others
+from vista.sequence.types import read_image
 
 Grey = NDArray[np.uint8]
 
-VIDEO_EXTENSIONS = (".avi", ".m4v", ".mkv", ".mov", ".mp4", ".mpg", ".webm")
 SIDE_FOLDERS = (("left", "right"), ("image_0", "image_1"), ("cam0/data", "cam1/data"), ("cam0", "cam1"))
 SIDE_IN_NAME = re.compile(r"^(.*?)(left|right)(.*)$", re.IGNORECASE)
-VIDEO_STEP_S = 0.4  # between the frames of a video that are looked at: a hand moves a board slowly
-DEFAULT_RATE_HZ = 30.0  # of a video whose container does not say
+VIDEO_STEP_NS = 400_000_000  # between the frames of a video that are looked at: a hand moves a board slowly
 
 
 @dataclass(frozen=True)
@@ -37,15 +37,15 @@ class Picture:
         return self.left.shape[1], self.left.shape[0]
 
 
-def read_pictures(sources: list[Path]) -> Iterator[Picture]:
-    """Pairs from folders, from one video that shows both cameras side by side, or from two videos.
+def read_pictures(sources: list[Path], options: Options) -> Iterator[Picture]:
+    """Pairs from folders, or from one or two videos (vista.sequence.video), of which the options say more.
 
     Raises InputError for what cannot be read, and when the size changes."""
     for source in sources:
         if not source.exists():
             raise InputError(source, "no such file or folder")
     first: Picture | None = None
-    for picture in _pictures(sources):
+    for picture in _pictures(sources, options):
         if picture.left.shape != picture.right.shape:
             sizes = [f"{image.shape[1]}x{image.shape[0]}" for image in (picture.left, picture.right)]
             raise InputError(picture.name, f"the left image is {sizes[0]}, the right one {sizes[1]}")
@@ -56,18 +56,19 @@ def read_pictures(sources: list[Path]) -> Iterator[Picture]:
         yield picture
 
 
-def _pictures(sources: list[Path]) -> Iterator[Picture]:
+def _pictures(sources: list[Path], options: Options) -> Iterator[Picture]:
     videos = [source for source in sources if source.is_file()]
+    refuse_others(options, "pictures" if not videos else video.NAME, video.TAKES if videos else frozenset())
     if not videos:
         for folder in sources:
             yield from _folder_pictures(folder)
         return
+    for file in videos:
+        if not video.recognises(file):
+            raise InputError(file, f"neither a folder nor a video ({', '.join(sorted(video.EXTENSIONS))})")
     if len(videos) < len(sources) or len(videos) > 2:
-        raise InputError(videos[0], "name folders, or one video (side by side), or two (left and right)")
-    for video in videos:
-        if video.suffix.lower() not in VIDEO_EXTENSIONS:
-            raise InputError(video, f"neither a folder nor a video ({', '.join(VIDEO_EXTENSIONS)})")
-    yield from video_pictures(videos)
+        raise InputError(videos[0], "name folders, or one video, or two (left and right)")
+    yield from _video_pictures(videos, options)
 
 
 # ---- folders ----
@@ -113,42 +114,12 @@ def _paired(folder: Path, left: dict[str, Path], right: dict[str, Path]) -> list
 # ---- videos ----
 
 
-def video_pictures(files: list[Path]) -> Iterator[Picture]:
-    """Some frames a second of one video with both cameras side by side, or of a left and a right one."""
-    captures = [_open_video(file) for file in files]
-    rate_hz = captures[0].get(cv2.CAP_PROP_FPS)
-    step = max(1, round(VIDEO_STEP_S * (rate_hz if 1.0 <= rate_hz <= 1000.0 else DEFAULT_RATE_HZ)))
-    index = 0
-    while all(capture.grab() for capture in captures):
-        if index % step == 0:
-            images = [_grey(capture) for capture in captures]
-            if any(image is None for image in images):
-                break
-            yield _picture(f"{files[0]} frame {index}", [image for image in images if image is not None])
-        index += 1
-    if index == 0:
-        raise InputError(files[0], "no frame of this video can be read")
-
-
-def _open_video(file: Path) -> cv2.VideoCapture:
-    capture = cv2.VideoCapture(str(file))
-    if not capture.isOpened():
-        raise InputError(file, "cannot be read as a video")
-    return capture
-
-
-def _grey(capture: cv2.VideoCapture) -> Grey | None:
-    read, image = capture.retrieve()
-    if not read:
-        return None
-    return np.asarray(image if image.ndim == 2 else cv2.cvtColor(image, cv2.COLOR_BGR2GRAY), np.uint8)
-
-
-def _picture(name: str, images: list[Grey]) -> Picture:
-    if len(images) == 2:
-        return Picture(name, images[0], images[1])
-    half = images[0].shape[1] // 2
-    if 2 * half != images[0].shape[1]:
-        raise InputError(name, f"a width of {images[0].shape[1]} px cannot hold two cameras side by side")
-    left, right = (np.ascontiguousarray(images[0][:, side : side + half]) for side in (0, half))
-    return Picture(name, left, right)
+def _video_pictures(files: list[Path], options: Options) -> Iterator[Picture]:
+    """Some frames a second."""
+    if len(files) == 2:
+        options = replace(options, right=files[1])
+    last_ns = None
+    for frame in video.open_images(files[0], options).frames:
+        if last_ns is None or frame.t_ns - last_ns >= VIDEO_STEP_NS:
+            last_ns = frame.t_ns
+            yield Picture(str(frame.left), read_image(frame.left), read_image(frame.right))

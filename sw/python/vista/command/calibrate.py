@@ -2,7 +2,7 @@
 
 With --board, SOURCE shows the board to both cameras at once, some 15 to 30 times in different places:
   folders     NAME_left.EXT and NAME_right.EXT, or equal names in the folders left and right
-  one video   with both cameras side by side
+  one video   with both cameras side by side or one above the other
   two videos  of the left and of the right camera, which start at the same moment
 FOLDER then holds calibration.toml, which `vista run` reads, and report.html, which says how good it is and
 what to photograph next.
@@ -35,9 +35,11 @@ from vista.calibration.pictures import Picture, read_pictures
 from vista.calibration.report import render_report
 from vista.calibration.rig import rig_of
 from vista.calibration.solve import LENSES
+from vista.command.source_arguments import add_video
 from vista.errors import EXIT_OK, InputError
 from vista.geometry import Lens
 from vista.output import make_folder, write_atomically
+from vista.sequence.options import Options as SourceOptions
 from vista.sequence.text import printable
 
 UNITS_M = {"m": 1.0, "cm": 0.01, "mm": 0.001}
@@ -68,6 +70,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--size", type=size, metavar="WxH", help="of the images, for files that do not say it"
     )
+    add_video(parser)
 
 
 def size(text: str) -> tuple[int, int]:
@@ -94,7 +97,8 @@ def execute(arguments: argparse.Namespace) -> int:
     if arguments.board is None:
         return convert(arguments, options)
     board = parse_board(arguments.board)
-    made = calibrate(_with_progress(read_pictures(arguments.sources)), board, arguments.lens or "pinhole")
+    pictures = read_pictures(arguments.sources, SourceOptions(split=arguments.split, rate=arguments.rate))
+    made = calibrate(_with_progress(pictures), board, arguments.lens or "pinhole")
     rig = rig_of(made.raw)
     files = write_rig(rig, "toml", options)
     if arguments.to is not None:
@@ -106,6 +110,9 @@ def execute(arguments: argparse.Namespace) -> int:
 
 
 def convert(arguments: argparse.Namespace, options: Options) -> int:
+    for option in ("split", "rate"):
+        if getattr(arguments, option) is not None:
+            raise InputError(f"--{option}", "is for pictures of a board, which --board describes")
     name, rig = read_rig(arguments.sources, options)
     target = arguments.to or "toml"
     files = write_rig(rig, target, options)

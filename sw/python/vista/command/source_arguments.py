@@ -43,14 +43,7 @@ def add_source(parser: argparse.ArgumentParser, needed: bool = True) -> None:
         "two videos, bags (default: a tenth of the frame period, at most 5)",
     )
     group.add_argument("--right", type=Path, metavar="VIDEO", help="the right camera's video, of two")
-    group.add_argument(
-        "--split",
-        choices=SPLITS,
-        help="how one video holds both images, left or upper half the left one (default: as its shape tells)",
-    )
-    group.add_argument(
-        "--rate", type=frames_per_second, metavar="HZ", help="frames a second, in place of a video's times"
-    )
+    add_video(group)
     group.add_argument(
         "--start", metavar="S", help="time of a video's first frame, in seconds on the clock of the poses"
     )
@@ -66,6 +59,17 @@ def add_source(parser: argparse.ArgumentParser, needed: bool = True) -> None:
         metavar="NAME",
         help="frame of reference whose poses the topic holds, where it does not say so; "
         f"{FRAME_OF_LEFT_CAMERA}: that of the left camera",
+    )
+
+
+def add_video(group: argparse._ArgumentGroup | argparse.ArgumentParser) -> None:
+    group.add_argument(
+        "--split",
+        choices=SPLITS,
+        help="how one video holds both images, left or upper half the left one (default: as its shape tells)",
+    )
+    group.add_argument(
+        "--rate", type=frames_per_second, metavar="HZ", help="frames a second, in place of a video's times"
     )
 
 

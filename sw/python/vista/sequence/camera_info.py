@@ -11,10 +11,16 @@ from typing import Any
 import numpy as np
 
 from vista.errors import InputError
-from vista.geometry import Array, CameraModel, Pose, RawCalibration, is_rotation
+from vista.geometry import Array, CameraModel, Lens, Pose, RawCalibration, is_rotation, trimmed_distortion
 
-MODELS = ("plumb_bob", "rational_polynomial", "")  # an empty one goes with no distortion
-PLUMB_BOB = 5  # coefficients
+# What the distortion models are, and how many coefficients each has at most.
+MODELS: dict[str, tuple[Lens, int]] = {
+    "plumb_bob": ("pinhole", 5),
+    "rational_polynomial": ("pinhole", 8),
+    "": ("pinhole", 5),  # goes with no distortion
+    "equidistant": ("fisheye", 4),
+    "fisheye": ("fisheye", 4),
+}
 
 
 def pair_from_camera_info(
@@ -31,7 +37,7 @@ def pair_from_camera_info(
         K = P[:, :3] if done else _matrix(info, "k", (3, 3), name)
         if not (K[0, 0] > 0.0 and K[1, 1] > 0.0 and P[0, 0] > 0.0 and P[1, 1] > 0.0):
             raise InputError(name, "the camera is not calibrated: no positive focal lengths in K and P")
-        cameras.append(CameraModel(*size, K, (0.0,) * 4 if done else _distortion(info, name)))
+        cameras.append(CameraModel(*size, K) if done else CameraModel(*size, K, *_distortion(info, name)))
         rotations.append(R)
         offsets.append(np.array([P[0, 3] / P[0, 0], P[1, 3] / P[1, 1], 0.0]))
     rotation = rotations[1].T @ rotations[0]
@@ -61,12 +67,16 @@ def _size(info: Any, culprit: str) -> tuple[int, int]:
     return int(info.width), int(info.height)
 
 
-def _distortion(info: Any, culprit: str) -> tuple[float, ...]:
+def _distortion(info: Any, culprit: str) -> tuple[tuple[float, ...], Lens]:
     values = np.asarray(_field(info, "d"), np.float64)
     if not np.all(np.isfinite(values)):
         raise InputError(culprit, "D holds a number that is not finite")
-    if not np.any(values):
-        return (0.0,) * 4
-    if info.distortion_model not in MODELS or len(values) < 4 or np.any(values[PLUMB_BOB:]):
-        raise InputError(culprit, f"distortion {info.distortion_model!r} is not read; plumb_bob is")
-    return tuple(float(value) for value in values[:PLUMB_BOB])
+    lens, most = MODELS.get(info.distortion_model, ("pinhole", 0))
+    if lens == "pinhole" and not np.any(values):
+        return (0.0,) * 4, lens
+    if most == 0 or len(values) < 4 or np.any(values[most:]):
+        known = ", ".join(name for name in MODELS if name)
+        raise InputError(
+            culprit, f"distortion {info.distortion_model!r} with {len(values)} numbers; known are {known}"
+        )
+    return trimmed_distortion(values[:most], lens), lens

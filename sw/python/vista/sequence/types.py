@@ -65,8 +65,13 @@ class Sequence:
         return Frame(files.index, files.t_ns, left, right, files.world_from_camera)
 
 
+def read_image(source: Path | StoredImage) -> NDArray[np.uint8]:
+    """HxW grey, of a file or of an image inside one."""
+    return read_grey(source) if isinstance(source, Path) else source.read_grey()
+
+
 def _read_sized(path: Path | StoredImage, camera: CameraModel) -> NDArray[np.uint8]:
-    image = read_grey(path) if isinstance(path, Path) else path.read_grey()
+    image = read_image(path)
     height, width = image.shape
     if (width, height) != (camera.width, camera.height):
         raise InputError(

@@ -52,14 +52,19 @@ class Images:
     notes: tuple[str, ...] = ()
 
 
-def open_source(path: Path, options: Options) -> Sequence:
+def open_images(path: Path, options: Options) -> Images:
+    """What the video shows, without a calibration."""
     right_path = _path_of_right(path, options)
-    images = _of_one(path, options) if right_path is None else _of_two(path, right_path, options)
+    return _of_one(path, options) if right_path is None else _of_two(path, right_path, options)
+
+
+def open_source(path: Path, options: Options) -> Sequence:
+    images = open_images(path, options)
     calibration_path = options.calibration or path.parent / "calibration.toml"
     described = read_calibration_file(calibration_path, images.size)
     if described.stills:
         raise InputError(calibration_path, f"stills = true does not go with {path}, a video")
-    name = path.stem.removesuffix("_left") if right_path else path.stem
+    name = path.stem.removesuffix("_left") if _path_of_right(path, options) else path.stem
     return Sequence(name, NAME, described.calibration, images.frames, described.up_world, images.notes)
 
 

@@ -6,63 +6,61 @@ camera's projection matrix, -focal length times baseline.
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import numpy as np
 
-from vista.calibration.formats.common import (
-    File,
-    Options,
-    Table,
-    dump_yaml,
-    floats,
-    intrinsics_of,
-    make_camera,
-    make_pose,
-)
-from vista.calibration.rig import Rig
+from vista.calibration.formats.common import File, Options, Table, dump_yaml, floats
+from vista.calibration.rig import Rig, rig_of
 from vista.errors import InputError
-from vista.geometry import Array, CameraModel, Lens, Pose
+from vista.geometry import Array, CameraModel
 from vista.rectify import rectified_cameras
+from vista.sequence.camera_info import pair_from_camera_info
 from vista.sequence.yaml_file import image_size, number, numbers, text_of
 
 FILES = (2,)
 HAS_UNIT = False
 HELP = "the files of both cameras"
-LENS_OF: dict[str, Lens] = {
-    "plumb_bob": "pinhole",
-    "rational_polynomial": "pinhole",
-    "equidistant": "fisheye",
-    "fisheye": "fisheye",
-}
 KEYS = {  # as a file of camera_calibration, as a message of ROS 1, of ROS 2
-    "K": ("camera_matrix", "K", "k"),
-    "D": ("distortion_coefficients", "D", "d"),
-    "R": ("rectification_matrix", "R", "r"),
-    "P": ("projection_matrix", "P", "p"),
+    "k": ("camera_matrix", "K", "k"),
+    "d": ("distortion_coefficients", "D", "d"),
+    "r": ("rectification_matrix", "R", "r"),
+    "p": ("projection_matrix", "P", "p"),
 }
-COUNTS = {"K": {9}, "D": None, "R": {9}, "P": {12}}
+COUNTS = {"k": {9}, "d": None, "r": {9}, "p": {12}}
 
 
 def recognises(table: Table) -> bool:
-    return all(any(key in table for key in KEYS[name]) for name in ("K", "P"))
+    return all(any(key in table for key in KEYS[name]) for name in ("k", "p"))
 
 
 def read(files: list[File], options: Options) -> Rig:
     """The files may come in either order: the right one is that with the baseline."""
-    found = [{name: _values(file, name) for name in KEYS} for file in files]
-    shifts = [np.array(one["P"]).reshape(3, 4)[0, 3] for one in found]
+    infos = [_info_of(file) for file in files]
+    shifts = [info.p[3] for info in infos]
     if (shifts[0] == 0.0) == (shifts[1] == 0.0):
         raise InputError(
             files[0].path, "the projection matrices are not those of a pair: one has the baseline"
         )
-    order = (0, 1) if shifts[0] == 0.0 else (1, 0)
-    left, right = (_camera(files[i], found[i]) for i in order)
-    R1, R2 = (_rotation(files[i], found[i]) for i in order)
-    P2 = np.array(found[order[1]]["P"]).reshape(3, 4)
-    if not (P2[0, 0] > 0.0 and P2[0, 3] < 0.0):
-        raise InputError(files[order[1]].path, "its projection matrix puts the right camera on the left")
-    baseline_m = -P2[0, 3] / P2[0, 0]
-    # Both in the rectified frame of the left camera.
-    return Rig(left, right, Pose(R1), Pose(R2, np.array([baseline_m, 0.0, 0.0])))
+    left, right = (0, 1) if shifts[0] == 0.0 else (1, 0)
+    names = (str(files[left].path), str(files[right].path))
+    return rig_of(pair_from_camera_info(infos[left], infos[right], names, (False, False)))
+
+
+def _info_of(file: File) -> SimpleNamespace:
+    """As a message of ROS 2 has it; such a file is of whole images."""
+    path, table = file.path, file.table
+    keys = ("image_width", "image_height") if "image_width" in table else ("width", "height")
+    width, height = image_size(path, [number(path, table, key) for key in keys])
+    return SimpleNamespace(
+        width=width,
+        height=height,
+        distortion_model=text_of(path, table, "distortion_model"),
+        **{name: _values(file, name) for name in KEYS},
+        roi=SimpleNamespace(x_offset=0, y_offset=0, width=0, height=0),
+        binning_x=0,
+        binning_y=0,
+    )
 
 
 def _values(file: File, name: str) -> list[float]:
@@ -70,22 +68,6 @@ def _values(file: File, name: str) -> list[float]:
         if key in file.table:
             return numbers(file.path, file.table, key, COUNTS[name])
     raise InputError(file.path, f"{KEYS[name][0]} is missing")
-
-
-def _rotation(file: File, found: dict[str, list[float]]) -> Array:
-    return make_pose(
-        file.path, "rectification_matrix", np.array(found["R"]).reshape(3, 3), np.zeros(3)
-    ).rotation
-
-
-def _camera(file: File, found: dict[str, list[float]]) -> CameraModel:
-    path, table = file.path, file.table
-    keys = ("image_width", "image_height") if "image_width" in table else ("width", "height")
-    size = image_size(path, [number(path, table, key) for key in keys])
-    name = text_of(path, table, "distortion_model")
-    if name not in LENS_OF:
-        raise InputError(path, f"distortion_model {name} is not known, only {', '.join(LENS_OF)}")
-    return make_camera(path, size, intrinsics_of(path, found["K"]), found["D"], LENS_OF[name])
 
 
 def write(rig: Rig, options: Options) -> dict[str, str]:
