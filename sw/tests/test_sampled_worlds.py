@@ -196,6 +196,16 @@ def test_what_moves_is_in_view_and_then_in_the_way(name: str) -> None:
             assert missed_m(flight.approach, target) < IN_THE_WAY_M
 
 
+@pytest.mark.parametrize("name", ["containers", "smooth_front"])
+def test_large_fronts_are_higher_than_the_path(name: str) -> None:
+    for number in seeded(4).integers(1 << 20, size=4):
+        flight = FAMILIES[name].flight(int(number), 0)
+        scene = flight.scene(flight.approach.altitude_m, flight.seed)
+        (target,) = [thing for thing in scene.things if thing.target]
+        top_m = max(float(bounds_m(solid)[1][2]) for solid in target.solids)
+        assert top_m > flight.approach.altitude_m + 0.8 and target.width_m > 2.4
+
+
 def test_steep_wires_are_thin_and_steep() -> None:
     """From end to end; within 3 s before it is met the wire is 20 m away."""
     for number in seeded(3).integers(1 << 20, size=8):

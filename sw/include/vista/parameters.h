@@ -227,7 +227,8 @@ typedef struct vista_health_params {
   double blind_fraction; /* With less than this it is blind. 0.0 .. 1.0. At most degraded_fraction. */
   double contrast_min; /* It is blind, too, when the standard deviation of the cells' grey levels is smaller, without what is left of the image's noise. 0.0 .. 255.0 grey levels. */
   double noise_min; /* An image with more noise than this is noisy: chance matches part of it, and only disparities that agree with others count. 0.0 .. 255.0 grey levels. */
-  unsigned char reserved[224];
+  double ground_fraction; /* A frame is degraded, too, when less than this of what is below the horizon has a disparity where the flight leads to, as wide as the collision volume 30 m ahead: something that cannot be matched hides the ground. 0: never. 0.0 .. 1.0. */
+  unsigned char reserved[216];
 } vista_health_params;
 
 /* The words of all pyramid levels, filtered and put together (extension of the paper). */

@@ -90,6 +90,7 @@ static vista_detection detection_of(const vista_thin_line *line, const vista_cam
       .volume_pixels = (int32_t)lround(nearest->pixels),
       .foot_seen = line->foot_seen,
       .foot_share = line->foot_share,
+      .line = true,
       .ellipse = {.center_u_px = vista_thin_u_px(line, nearest->v_px),
                   .center_v_px = nearest->v_px,
                   .axis_a_px = half_px,

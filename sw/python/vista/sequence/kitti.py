@@ -10,15 +10,19 @@ import numpy as np
 from vista.errors import InputError
 from vista.geometry import Array, CameraModel, Pose, RawCalibration, is_rotation
 from vista.sequence.image import EXTENSIONS, read_size
+from vista.sequence.options import Options
 from vista.sequence.text import check_increasing, data_lines, finite_row, seconds_ns
 from vista.sequence.types import FrameFiles, Sequence
+
+NAME = "KITTI odometry"
+TAKES: frozenset[str] = frozenset()
 
 
 def recognises(folder: Path) -> bool:
     return (folder / "image_0").is_dir()
 
 
-def open_folder(folder: Path) -> Sequence:
+def open_source(folder: Path, options: Options) -> Sequence:
     left_images = sorted(p for p in (folder / "image_0").iterdir() if p.suffix.lower() in EXTENSIONS)
     if not left_images:
         raise InputError(folder / "image_0", "holds no images")
@@ -32,7 +36,7 @@ def open_folder(folder: Path) -> Sequence:
     number = folder.resolve().name
     poses_path = folder / ".." / ".." / "poses" / f"{number}.txt"
     poses: list[Pose] | list[None] = [None] * len(left_images)
-    if poses_path.exists():
+    if options.poses is None and poses_path.exists():
         poses = read_poses(poses_path)
         _check_count(poses_path, "poses", len(poses), len(left_images))
 
@@ -42,7 +46,7 @@ def open_folder(folder: Path) -> Sequence:
     )
     calibration = read_calibration(folder / "calib.txt", read_size(left_images[0]))
     name = f"{folder.resolve().parent.parent.name}/{number}"
-    return Sequence(name, "KITTI odometry", calibration, tuple(frames))
+    return Sequence(name, NAME, calibration, tuple(frames))
 
 
 def _check_count(path: Path, what: str, count: int, frames: int) -> None:

@@ -35,6 +35,7 @@ from __future__ import annotations
 
 import math
 import tomllib
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -43,43 +44,52 @@ import numpy as np
 from vista.errors import InputError
 from vista.geometry import Array, CameraModel, Pose, RawCalibration, camera_matrix, is_rotation
 from vista.sequence.image import EXTENSIONS, read_size
+from vista.sequence.options import Options
 from vista.sequence.tables import read_poses, read_times
 from vista.sequence.text import read_text
-from vista.sequence.trajectory import UNIT_TOLERANCE
+from vista.sequence.trajectory import UNIT_TOLERANCE, with_poses
 from vista.sequence.types import FrameFiles, Sequence
 
 FRAME_PERIOD_NS = 100_000_000
 OF_SEQUENCE = ("stills", "up_world")  # keys of either form of calibration.toml
 
 
+NAME = "pairs"
+TAKES = frozenset({"calibration"})
+
+
+@dataclass(frozen=True)
+class Described:
+    """What calibration.toml says."""
+
+    calibration: RawCalibration
+    up_world: Array | None
+    stills: bool
+
+
 def recognises(folder: Path) -> bool:
-    return (folder / "calibration.toml").exists() or any(_images(folder, "_left"))
+    return folder.is_dir() and ((folder / "calibration.toml").exists() or any(_images(folder, "_left")))
 
 
-def open_folder(folder: Path) -> Sequence:
+def open_source(folder: Path, options: Options) -> Sequence:
     pairs = _find_pairs(folder)
-    path = folder / "calibration.toml"
-    table = _read_table(path)
-    calibration = read_calibration(path, table, read_size(pairs[0][0]))
+    described = read_calibration_file(
+        options.calibration or folder / "calibration.toml", read_size(pairs[0][0])
+    )
     times_path, poses_path = folder / "times.csv", folder / "poses.csv"
     times_ns = [index * FRAME_PERIOD_NS for index in range(len(pairs))]
     if times_path.exists():
         times_ns = read_times(times_path, [left.stem.removesuffix("_left") for left, _ in pairs])
-    elif poses_path.exists():
-        raise InputError(times_path, "no such file: poses.csv needs the times of the pairs")
-    trajectory = read_poses(poses_path) if poses_path.exists() else None
-    frames = []
-    for index, (t_ns, (left, right)) in enumerate(sorted(zip(times_ns, pairs, strict=True))):
-        pose = trajectory.at(t_ns) if trajectory else None
-        if pose is not None or trajectory is None:
-            frames.append(FrameFiles(index, t_ns, left, right, pose))
-    if not frames:
-        raise InputError(poses_path, f"covers the time of none of the {len(pairs)} frames")
-    left_out = len(pairs) - len(frames)
-    notes = (f"{left_out} of {len(pairs)} frames lie outside the time of {poses_path}",) if left_out else ()
-    up_world = _direction(path, table, "up_world")
-    stills = _flag(path, table, "stills")
-    return Sequence(folder.resolve().name, "pairs", calibration, tuple(frames), up_world, notes, stills)
+    elif poses_path.exists() or options.poses is not None:
+        asking = options.poses or "poses.csv"
+        raise InputError(times_path, f"no such file: {asking} needs the times of the pairs")
+    in_order = sorted(zip(times_ns, pairs, strict=True))
+    frames = tuple(FrameFiles(index, t_ns, *pair, None) for index, (t_ns, pair) in enumerate(in_order))
+    notes: tuple[str, ...] = ()
+    if options.poses is None and poses_path.exists():
+        frames, notes = with_poses(frames, read_poses(poses_path), poses_path)
+    name, stills = folder.resolve().name, described.stills
+    return Sequence(name, NAME, described.calibration, frames, described.up_world, notes, stills)
 
 
 def _images(folder: Path, side: str) -> list[Path]:
@@ -124,6 +134,13 @@ def _direction(path: Path, table: dict[str, Any], key: str) -> Array | None:
     if abs(length - 1.0) > UNIT_TOLERANCE:
         raise InputError(path, f"{key} must have the length 1")
     return np.asarray(direction / length)
+
+
+def read_calibration_file(path: Path, size: tuple[int, int]) -> Described:
+    """size: (width, height) of the images."""
+    table = _read_table(path)
+    calibration = read_calibration(path, table, size)
+    return Described(calibration, _direction(path, table, "up_world"), _flag(path, table, "stills"))
 
 
 def read_calibration(path: Path, table: dict[str, Any], size: tuple[int, int]) -> RawCalibration:

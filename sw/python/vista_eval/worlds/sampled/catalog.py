@@ -10,12 +10,14 @@ from __future__ import annotations
 from vista_eval.worlds.sampled import (
     buildings,
     clear,
+    containers,
     fences,
     machines,
     movers,
     poles,
     rows,
     small_movers,
+    smooth_fronts,
     steep_wires,
     terrain,
     trees,
@@ -32,6 +34,10 @@ DEV = (
     Family("plain_wall", "plain wall", "dev", buildings.plain_wall, buildings.AT_BUILDINGS),
     Family("repeated_windows", "repeated windows", "dev", buildings.repeated_windows, buildings.AT_BUILDINGS),
     Family("stone_house", "textured house", "dev", buildings.stone_house, buildings.AT_BUILDINGS),
+    Family("containers", "stacked containers", "dev", containers.containers, containers.AT_STACKS),
+    Family(
+        "smooth_front", "panes or painted steel", "dev", smooth_fronts.smooth_front, smooth_fronts.AT_FRONTS
+    ),
     Family("leafy", "leafy tree", "dev", trees.leafy, trees.AMONG_TREES),
     Family("poles", "pole or sign", "dev", poles.poles, FROM_AFAR),
     Family("cable", "wires between poles", "dev", wires.cable, wires.AT_WIRES),
