@@ -33,7 +33,7 @@ def recording() -> Recording:
         Frame(index, t_ns, *cases.texture_pair(index), Pose(np.eye(3), np.array([float(index), 0.0, 0.0])))
         for index, t_ns in enumerate(TIMES_NS)
     ]
-    return Recording(frames, cases.PAIR_CALIBRATION + UP)
+    return Recording(frames, cases.RIG, UP)
 
 
 def write_images(
@@ -313,6 +313,7 @@ def positions(sequence: Sequence) -> np.ndarray:
     return np.array([files.world_from_camera.translation_m for files in sequence.frames])
 
 
+UP_NOTE = "; up is taken to be the z axis of their world"
 ALONG_X = np.array([[index, 0.0, 0.0] for index in range(FRAMES)])
 MOUNT = np.array([0.5, 0.0, 0.1])
 
@@ -323,13 +324,13 @@ def test_poses_of_the_body_go_through_tf(tmp_path: Path, recording: Recording) -
     expected = Rotation.from_quat(QUATERNION_WXYZ, scalar_first=True).as_matrix()
     np.testing.assert_allclose(sequence.frames[2].world_from_camera.rotation, expected, atol=1e-12)
     np.testing.assert_array_equal(sequence.up_world, [0, 0, 1])
-    assert sequence.notes[1] == "poses are those of base_link in /odometry"
+    assert sequence.notes[1] == "poses are those of base_link in /odometry" + UP_NOTE
 
 
 def test_poses_by_tf_do_not_jump_with_the_map(tmp_path: Path, recording: Recording) -> None:
     sequence = open_sequence(write_flight(tmp_path / "bag", recording, "/tf", "/tf_static"))
     np.testing.assert_allclose(positions(sequence), ALONG_X + MOUNT, atol=1e-7)
-    assert sequence.notes[1] == "poses are those of left_optical in odom, by tf"
+    assert sequence.notes[1] == "poses are those of left_optical in odom, by tf" + UP_NOTE
 
 
 def test_poses_of_a_named_frame(tmp_path: Path, recording: Recording) -> None:

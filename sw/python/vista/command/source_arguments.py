@@ -17,8 +17,8 @@ def add_source(parser: argparse.ArgumentParser) -> None:
         "--calibration",
         type=Path,
         metavar="FILE.toml",
-        help="calibration of a video, of stills or of a bag (default: calibration.toml beside the images, or "
-        "camera_info of the bag)",
+        help="calibration of pairs, stills, a video or a bag (default: calibration.toml beside the images, "
+        "or what the data set or the bag says)",
     )
     group.add_argument(
         "--poses",
@@ -78,6 +78,7 @@ def frames_per_second(text: str) -> float:
 def source_options(arguments: argparse.Namespace) -> Options:
     return Options(
         calibration=arguments.calibration,
+        first_frame=(arguments.frames or (0, None))[0],
         poses=arguments.poses,
         pair_tolerance_ms=arguments.pair_tolerance_ms,
         left_topic=arguments.left_topic,

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Protocol
 
 from vista.errors import InputError
-from vista.sequence import asl, bag, kitti, pairs, tum, video
+from vista.sequence import asl, bag, kitti, kitti_stereo, middlebury, pairs, tum, video
 from vista.sequence.image import read_grey
 from vista.sequence.options import Options, refuse_others
 from vista.sequence.text import printable
@@ -32,7 +32,7 @@ class Layout(Protocol):
         """Without poses of its own if the options bring some."""
 
 
-LAYOUTS: tuple[Layout, ...] = (video, bag, asl, kitti, pairs)
+LAYOUTS: tuple[Layout, ...] = (video, bag, asl, kitti_stereo, kitti, middlebury, pairs)
 
 
 def open_sequence(path: str | Path, options: Options = Options()) -> Sequence:  # noqa: B008
@@ -65,6 +65,8 @@ def _layout_of(source: Path) -> Layout:
         raise InputError(source, "empty folder")
     if (source / "sequences").is_dir():
         raise InputError(source, "holds several KITTI sequences; name one, such as sequences/00")
+    if (source / "training").is_dir():
+        raise InputError(source, "holds the parts of KITTI stereo; name one, such as training")
     raise InputError(
         source,
         "no sequence recognised: expected mav0/ (EuRoC ASL), image_0/ and calib.txt (KITTI odometry), "
