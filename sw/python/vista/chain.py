@@ -107,6 +107,11 @@ def run_frame(chain: Chain, files: FrameFiles) -> Step:
     clock = StageClock()
     with clock.stage("read"):
         raw = chain.sequence.read(files)
+    return process_frame(chain, raw, clock)
+
+
+def process_frame(chain: Chain, raw: Frame, clock: StageClock) -> Step:
+    """What follows once a frame has been read; clock: with the time that this took, if that counts."""
     with clock.stage("rectify"):
         frame = chain.rectifier.rectify(raw)
     with clock.stage("stereo"):
@@ -119,7 +124,7 @@ def run_frame(chain: Chain, files: FrameFiles) -> Step:
     )
 
     stage_ms = clock.stage_ms | result.stage_ms
-    stage_ms["total"] = sum(stage_ms[name] for name in ("read", "rectify", "stereo", "host"))
+    stage_ms["total"] = sum(stage_ms.get(name, 0.0) for name in ("read", "rectify", "stereo", "host"))
     record = FrameRecord(
         frame.index,
         frame.t_ns,

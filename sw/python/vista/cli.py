@@ -25,6 +25,7 @@ GROUP = "vista.commands"
 # In the order of the help.
 COMMANDS = (
     "run",
+    "live",
     "disparity",
     "mavlink",
     "flights",

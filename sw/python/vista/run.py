@@ -29,6 +29,19 @@ class Outputs:
     all_tracks: bool = False  # write tracks that are not confirmed, too
 
 
+class Announcer:
+    """Prints each kind of problem on stderr when a check finds it for the first time."""
+
+    def __init__(self) -> None:
+        self._announced: set[str] = set()
+
+    def announce(self, record: FrameRecord) -> None:
+        for finding in record.health.findings:
+            if finding.reason not in self._announced:
+                self._announced.add(finding.reason)
+                tqdm.write(f"vista: frame {record.index}: {finding.state}: {finding.text}", file=sys.stderr)
+
+
 def run_frames(
     chain: Chain,
     frames: Sequence[FrameFiles],
@@ -43,14 +56,11 @@ def run_frames(
     Raises InputError for an image that cannot be read; what is in the folder stays valid.
     """
     monitor = HealthMonitor(chain.sequence)
-    announced: set[str] = set()
+    announcer = Announcer()
     for files in tqdm(frames, desc=chain.sequence.name, unit="frame", disable=None):
         record = _run_frame(chain, files, monitor, outputs)
         records.append(record)
-        for finding in record.health.findings:
-            if finding.reason not in announced:
-                announced.add(finding.reason)
-                tqdm.write(f"vista: frame {record.index}: {finding.state}: {finding.text}", file=sys.stderr)
+        announcer.announce(record)
         if interruption.requested:
             return
 

@@ -9,9 +9,17 @@ from vista.command.arguments import not_negative
 from vista.sequence.options import FRAME_OF_LEFT_CAMERA, NO_POSES, SPLITS, Options
 
 
-def add_source(parser: argparse.ArgumentParser) -> None:
-    """SEQUENCE, and the options of single layouts; `source_options` has what the user said."""
-    parser.add_argument("sequence", type=Path, metavar="SEQUENCE", help="folder or file of the sequence")
+def add_source(parser: argparse.ArgumentParser, needed: bool = True) -> None:
+    """SEQUENCE, and the options of single layouts; `source_options` has what the user said.
+
+    needed: otherwise SEQUENCE may be left out, and is None then."""
+    parser.add_argument(
+        "sequence",
+        type=Path,
+        nargs=None if needed else "?",
+        metavar="SEQUENCE",
+        help="folder or file of the sequence",
+    )
     group = parser.add_argument_group("what the source does not say itself")
     group.add_argument(
         "--calibration",
