@@ -16,6 +16,8 @@ from vista.sequence.types import Frame, FrameFiles, Sequence
 
 __all__ = ["Frame", "FrameFiles", "Options", "Sequence", "open_sequence", "read_grey"]
 
+ODOMETRY_NOTE = "poses are estimated from the images (--poses odometry): they drift, and may be wrong"
+
 
 class Layout(Protocol):
     """A module of this package."""
@@ -45,9 +47,11 @@ def open_sequence(path: str | Path, options: Options = Options()) -> Sequence:  
     layout = _layout_of(source)
     refuse_others(options, layout.NAME, layout.TAKES)
     sequence = layout.open_source(source, options)
+    if sequence.stills and not options.of_source:
+        raise InputError("--poses", f"does not go with {source}, which shows unrelated scenes")
+    if options.odometry:
+        sequence = replace(sequence, odometry=True, notes=(*sequence.notes, ODOMETRY_NOTE))
     if options.poses is not None:
-        if sequence.stills:
-            raise InputError("--poses", f"does not go with {source}, which shows unrelated scenes")
         frames, notes = with_poses(sequence.frames, tum.read_trajectory(options.poses), options.poses)
         sequence = replace(sequence, frames=frames, notes=sequence.notes + notes)
     return replace(sequence, name=printable(sequence.name))

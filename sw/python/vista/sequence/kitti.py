@@ -36,7 +36,7 @@ def open_source(folder: Path, options: Options) -> Sequence:
     number = folder.resolve().name
     poses_path = folder / ".." / ".." / "poses" / f"{number}.txt"
     poses: list[Pose] | list[None] = [None] * len(left_images)
-    if options.poses is None and poses_path.exists():
+    if options.of_source and poses_path.exists():
         poses = read_poses(poses_path)
         _check_count(poses_path, "poses", len(poses), len(left_images))
 
