@@ -82,6 +82,23 @@ def rotation_from_quaternion(quaternion: Array) -> Array:
     )
 
 
+def quaternion_from_rotation(rotation: Array) -> Array:
+    """Unit quaternion (w, x, y, z) of a 3x3 rotation, found from the largest of its components."""
+    r = rotation
+    if np.trace(r) > 0:
+        w = np.sqrt(1 + np.trace(r)) / 2
+        return np.array([w, *(np.array([r[2, 1] - r[1, 2], r[0, 2] - r[2, 0], r[1, 0] - r[0, 1]]) / (4 * w))])
+    i = int(np.argmax(np.diag(r)))
+    j, k = (i + 1) % 3, (i + 2) % 3
+    largest = np.sqrt(1 + r[i, i] - r[j, j] - r[k, k]) / 2
+    found = np.zeros(4)
+    found[1 + i] = largest
+    found[[0, 1 + j, 1 + k]] = np.array([r[k, j] - r[j, k], r[j, i] + r[i, j], r[k, i] + r[i, k]]) / (
+        4 * largest
+    )
+    return found
+
+
 def slerp(first: Array, second: Array, fraction: float) -> Array:
     """Unit quaternion at `fraction` of the shorter way from first to second (Shoemake 1985)."""
     cosine = float(first @ second)

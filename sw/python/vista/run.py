@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 from tqdm import tqdm
 
@@ -15,8 +16,11 @@ from vista.interruption import Interruption
 from vista.obstacle_line import obstacle_line
 from vista.recording import Recorder
 from vista.report.overlay import Overlay
-from vista.result_folder import ResultFolder
+from vista.result_folder import ResultFolder, encoded
 from vista.sequence import FrameFiles
+
+if TYPE_CHECKING:
+    from vista.bag.writer import BagWriter
 
 
 @dataclass(frozen=True)
@@ -27,6 +31,7 @@ class Outputs:
     overlay: Overlay | None  # None: no pictures
     recorder: Recorder | None
     all_tracks: bool = False  # write tracks that are not confirmed, too
+    bag: BagWriter | None = None
 
 
 class Announcer:
@@ -73,9 +78,11 @@ def _run_frame(chain: Chain, files: FrameFiles, monitor: HealthMonitor, outputs:
     with clock.stage("output"):
         if outputs.recorder is not None:
             outputs.recorder.write(step.frame, step.levels)
-        picture = None
+        jpeg = None
         if outputs.overlay is not None:
-            picture = outputs.overlay.draw(step.frame, step.result, record.health)
-        outputs.folder.write_frame(files.index, obstacle_line(record, outputs.all_tracks), picture)
+            jpeg = encoded(outputs.overlay.draw(step.frame, step.result, record.health))
+        if outputs.bag is not None:
+            outputs.bag.write(step, record, jpeg)
+        outputs.folder.write_frame(files.index, obstacle_line(record, outputs.all_tracks), jpeg)
     record.stage_ms.update(clock.stage_ms)
     return record

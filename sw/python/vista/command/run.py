@@ -20,7 +20,7 @@ import sys
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import asdict
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -42,6 +42,9 @@ from vista.result_folder import ResultFolder
 from vista.run import Outputs, run_frames
 from vista.sequence import FrameFiles, Sequence, open_sequence
 from vista.version import commit, version
+
+if TYPE_CHECKING:
+    from vista.bag.writer import BagWriter
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -80,6 +83,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--record", type=Path, metavar="FILE", help="record what the host receives, for replay in C"
+    )
+    parser.add_argument(
+        "--bag",
+        type=Path,
+        metavar="DIR",
+        help="write a bag of ROS 2 (MCAP) with images, disparities, obstacles, poses and diagnostics",
     )
     parser.add_argument("--no-overlay", action="store_true", help="draw no pictures, which saves time")
     parser.add_argument(
@@ -121,8 +130,12 @@ def execute(arguments: argparse.Namespace) -> int:
     interruption = Interruption()
     outcome: dict[str, Any] = {}
     try:
-        with interruption.watch(), open_recorder(arguments.record, chain, values) as recorder:
-            outputs = Outputs(folder, overlay, recorder, arguments.all_tracks)
+        with (
+            interruption.watch(),
+            open_recorder(arguments.record, chain, values) as recorder,
+            open_bag(arguments.bag, chain) as bag,
+        ):
+            outputs = Outputs(folder, overlay, recorder, arguments.all_tracks, bag)
             run_frames(chain, frames, outputs, records, interruption)
     except InputError as error:
         outcome["error"] = str(error)
@@ -147,6 +160,17 @@ def open_recorder(
     if path is None:
         return nullcontext()
     return Recorder(path, chain.sequence, chain.rectifier.calibration, values)
+
+
+def open_bag(path: Path | None, chain: Chain) -> AbstractContextManager[BagWriter | None]:
+    if path is None:
+        return nullcontext()
+    try:
+        from vista.bag.writer import BagWriter  # its library is an extra
+    except ModuleNotFoundError:
+        raise InputError("--bag needs the extra [bags]", "pip install 'vista[bags]'") from None
+    candidates = chain.engine.parameters.num_disparities
+    return BagWriter(path, chain.rectifier.calibration, candidates, chain.sequence.up_world)
 
 
 def select_frames(sequence: Sequence, wanted: tuple[int, int | None] | None) -> tuple[FrameFiles, ...]:

@@ -13,20 +13,18 @@ from threading import Condition, Lock, Thread
 from typing import Any
 from urllib.parse import urlsplit
 
-import cv2
-
 from vista.chain import Chain
 from vista.errors import InputError
 from vista.live.loop import Seen, Totals
 from vista.report.overlay import Overlay, draw_obstacles
 from vista.report.page import fill_template
+from vista.result_folder import encoded
 
 HOST = "127.0.0.1"
 NAMES = ("127.0.0.1", "localhost")  # a page of elsewhere that resolves its own name to us is refused
 LEAST_S = 0.1  # between two states: people read no faster
 ALIVE_S = 0.5  # a state is sent again after so long, so that the page sees how old it is
 RATE_FRAMES = 60
-JPEG_QUALITY = 85
 POLICY = "; ".join(
     (
         "default-src 'none'",
@@ -127,7 +125,7 @@ class LivePage:
                 drawn = self._overlay.draw(step.frame, result, seen.record.health)
             else:
                 drawn = draw_obstacles(step.frame.left, result.obstacles, result.nearest_collision)
-        return bytes(cv2.imencode(".jpg", drawn, [cv2.IMWRITE_JPEG_QUALITY, JPEG_QUALITY])[1])
+        return encoded(drawn)
 
     def newest_ns(self) -> int | None:
         """When the newest frame was exposed."""
