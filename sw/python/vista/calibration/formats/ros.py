@@ -20,19 +20,14 @@ from vista.calibration.formats.common import (
 )
 from vista.calibration.rig import Rig
 from vista.errors import InputError
-from vista.geometry import Array, CameraModel, Lens, Pose
+from vista.geometry import Array, CameraModel, Pose
 from vista.rectify import rectified_cameras
+from vista.sequence.camera_info import LENS_OF
 from vista.sequence.yaml_file import image_size, number, numbers, text_of
 
 FILES = (2,)
 HAS_UNIT = False
 HELP = "the files of both cameras"
-LENS_OF: dict[str, Lens] = {
-    "plumb_bob": "pinhole",
-    "rational_polynomial": "pinhole",
-    "equidistant": "fisheye",
-    "fisheye": "fisheye",
-}
 KEYS = {  # as a file of camera_calibration, as a message of ROS 1, of ROS 2
     "K": ("camera_matrix", "K", "k"),
     "D": ("distortion_coefficients", "D", "d"),
