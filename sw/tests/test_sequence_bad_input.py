@@ -110,9 +110,9 @@ ASL = {
         r"sensor\.yaml: intrinsics holds a bad",
     ),
     "zero focal length": (replace(CAM1_SENSOR, "[120.0", "[0.0"), r"sensor\.yaml: .*must be positive"),
-    "fisheye": (
-        replace(CAM1_SENSOR, "radial-tangential", "equidistant"),
-        r"sensor\.yaml: distortion_model is not",
+    "other lens": (
+        replace(CAM1_SENSOR, "radial-tangential", "fov"),
+        r"sensor\.yaml: distortion_model is neither",
     ),
     "no rotation": (replace(CAM1_SENSOR, "[1.0", "[2.0"), r"sensor\.yaml: T_BS does not hold a rotation"),
     "T_BS too short": (

@@ -28,6 +28,7 @@ COMMANDS = (
     "live",
     "disparity",
     "mavlink",
+    "calibrate",
     "flights",
     "worlds",
     "figures",

@@ -8,11 +8,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+Lens = Literal["pinhole", "fisheye"]
 
 
 @dataclass(frozen=True)
@@ -48,12 +50,17 @@ class Calibration:
 
 @dataclass(frozen=True)
 class CameraModel:
-    """One camera as calibrated: pinhole with radial-tangential distortion (OpenCV's k1, k2, p1, p2[, k3])."""
+    """One camera as calibrated.
+
+    lens: pinhole has radial-tangential distortion (OpenCV's k1, k2, p1, p2[, k3]); fisheye is the equidistant
+    lens of cv2.fisheye, which Kalibr and ROS know too: theta (1 + k1 theta^2 + ... + k4 theta^8).
+    """
 
     width: int
     height: int
     matrix: Array  # 3x3, px
     distortion: tuple[float, ...] = (0.0, 0.0, 0.0, 0.0)
+    lens: Lens = "pinhole"
 
 
 @dataclass(frozen=True)

@@ -9,21 +9,22 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import cv2
 import numpy as np
 
 from vista.errors import InputError
-from vista.geometry import CameraModel, Pose, RawCalibration, camera_matrix, is_rotation
+from vista.geometry import CameraModel, Lens, Pose, RawCalibration, camera_matrix, is_rotation
 from vista.sequence.options import Options
 from vista.sequence.pairing import pair_by_time
-from vista.sequence.text import check_increasing, data_lines, finite_row, read_text, timestamp_ns
+from vista.sequence.text import check_increasing, data_lines, finite_row, timestamp_ns
 from vista.sequence.trajectory import Sample, Trajectory, make_sample, with_poses
 from vista.sequence.types import FrameFiles, Sequence
+from vista.sequence.yaml_file import numbers, read_table
 
 NAME = "EuRoC ASL"
 TAKES = frozenset({"pair_tolerance_ms"})
 POSES = Path("state_groundtruth_estimate0/data.csv")
 UP_WORLD = np.array([0.0, 0.0, 1.0])  # the data set's reference frame R is aligned with gravity
+LENS_OF: dict[str, Lens] = {"radial-tangential": "pinhole", "radtan": "pinhole", "equidistant": "fisheye"}
 
 
 def recognises(folder: Path) -> bool:
@@ -43,7 +44,7 @@ def open_source(folder: Path, options: Options) -> Sequence:
         for at, partner in pairs.indices
     )
     notes, up_world = pairs.notes, None
-    if options.poses is None and (root / POSES).exists():
+    if options.of_source and (root / POSES).exists():
         frames, left_out = with_poses(frames, read_trajectory(root / POSES), root / POSES, body_from_left)
         notes, up_world = notes + left_out, UP_WORLD
     right_from_left = body_from_right.inverse() @ body_from_left
@@ -53,47 +54,21 @@ def open_source(folder: Path, options: Options) -> Sequence:
 
 def read_sensor(path: Path) -> tuple[CameraModel, Pose]:
     """Camera and body_from_camera (T_BS) of a sensor.yaml."""
-    text = read_text(path)
-    if not text.startswith("%YAML"):
-        text = "%YAML:1.0\n" + text  # OpenCV knows the format by this line
-    try:
-        storage = cv2.FileStorage(text, cv2.FILE_STORAGE_READ | cv2.FILE_STORAGE_MEMORY)
-    except (cv2.error, SystemError):
-        raise InputError(path, "not readable as YAML") from None
-
-    width, height = (int(value) for value in _numbers(path, storage, "resolution", {2}))
-    fx, fy, cx, cy = _numbers(path, storage, "intrinsics", {4})
-    distortion = tuple(_numbers(path, storage, "distortion_coefficients", {4, 5}))
-    model = storage.getNode("distortion_model")
-    if not model.isString() or model.string() not in ("radial-tangential", "radtan"):
-        raise InputError(path, "distortion_model is not radial-tangential")
+    table = read_table(path)
+    width, height = (int(value) for value in numbers(path, table, "resolution", {2}))
+    fx, fy, cx, cy = numbers(path, table, "intrinsics", {4})
+    lens = LENS_OF.get(str(table.get("distortion_model")))
+    if lens is None:
+        raise InputError(path, "distortion_model is neither radial-tangential nor equidistant")
+    counts = {4} if lens == "fisheye" else {4, 5}
+    distortion = tuple(numbers(path, table, "distortion_coefficients", counts))
     if width < 1 or height < 1 or fx <= 0.0 or fy <= 0.0:
         raise InputError(path, "resolution and focal lengths must be positive")
-    T_BS = np.array(_numbers(path, storage, "T_BS", {16})).reshape(4, 4)
+    T_BS = np.array(numbers(path, table, "T_BS", {16})).reshape(4, 4)
     if not is_rotation(T_BS[:3, :3]):
         raise InputError(path, "T_BS does not hold a rotation")
-    return CameraModel(width, height, camera_matrix(fx, fy, cx, cy), distortion), Pose(
-        T_BS[:3, :3], T_BS[:3, 3]
-    )
-
-
-def _numbers(path: Path, storage: cv2.FileStorage, key: str, counts: set[int]) -> list[float]:
-    node = storage.getNode(key)
-    if node.isMap():  # T_BS: {cols, rows, data}
-        node = node.getNode("data")
-    if not node.isSeq():
-        raise InputError(path, f"{key} is missing or no list of numbers")
-    items = [node.at(i) for i in range(node.size())]
-    if not all(item.isInt() or item.isReal() for item in items):
-        raise InputError(path, f"{key} holds a bad number")
-    values = [item.real() for item in items]
-    if not np.all(np.isfinite(values)):
-        raise InputError(path, f"{key} holds a number that is not finite")
-    if len(values) not in counts:
-        raise InputError(
-            path, f"{key} holds {len(values)} numbers, expected {' or '.join(map(str, sorted(counts)))}"
-        )
-    return values
+    camera = CameraModel(width, height, camera_matrix(fx, fy, cx, cy), distortion, lens)
+    return camera, Pose(T_BS[:3, :3], T_BS[:3, 3])
 
 
 def _read_image_list(camera: Path) -> dict[int, Path]:
