@@ -14,7 +14,8 @@ from rosbags.rosbag2 import StoragePlugin
 from rosbags.rosbag2 import Writer as Writer2
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from source_cases import QUATERNION_WXYZ, Recording
-from vista.geometry import Pose
+from vista.geometry import CameraModel, Pose
+from vista.rectify import Rectifier, rectified_cameras
 from vista.sequence import Frame
 
 KINDS = ("ros1", "sqlite3", "mcap")
@@ -86,12 +87,12 @@ def compressed_image(bag: BagWriter, t_ns: int, pixels: np.ndarray, extension: s
 
 
 def camera_info(bag: BagWriter, frame: Frame, recording: Recording, side: str, **changed: Any) -> Any:
-    """Of a rectified camera."""
-    values = recording.values
-    focal, baseline_m = values["focal_px"], values["baseline_m"]
-    offset = -focal * baseline_m if side == "right" else 0.0
-    K = [focal, 0, values["cx"], 0, focal, values["cy"], 0, 0, 1]
-    P = [focal, 0, values["cx"], offset, 0, focal, values["cy"], 0, 0, 0, 1, 0]
+    """As ROS's calibration program writes it."""
+    (R, P), *_ = rectified_cameras(recording.raw)[:: 1 if side == "left" else -1]
+    camera: CameraModel = getattr(recording.raw, side)
+    if Rectifier(recording.raw).is_passthrough:
+        offset = camera.matrix[0, 0] * recording.raw.right_from_left.translation_m[0] * (side == "right")
+        R, P = np.eye(3), np.column_stack([camera.matrix, [offset, 0.0, 0.0]])
     roi = bag.make(
         "sensor_msgs/msg/RegionOfInterest", x_offset=0, y_offset=0, height=0, width=0, do_rectify=False
     )
@@ -101,10 +102,10 @@ def camera_info(bag: BagWriter, frame: Frame, recording: Recording, side: str, *
         "height": height,
         "width": width,
         "distortion_model": "plumb_bob",
-        "d": np.zeros(5),
-        "k": np.array(K, np.float64),
-        "r": np.eye(3).ravel(),
-        "p": np.array(P, np.float64),
+        "d": np.array([*camera.distortion, 0.0]),
+        "k": camera.matrix.ravel(),
+        "r": R.ravel(),
+        "p": P.ravel(),
         "binning_x": 0,
         "binning_y": 0,
         "roi": roi,

@@ -9,6 +9,8 @@ import cv2
 import numpy as np
 from flight_on_disk import write_flight
 from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+from vista.geometry import CameraModel, RawCalibration
 from vista.sequence import Frame, open_sequence
 
 LOSSLESS = cv2.VideoWriter_fourcc(*"FFV1")
@@ -19,29 +21,34 @@ UP = "up_world = [0.0, 0.0, 1.0]\n"
 @dataclass(frozen=True)
 class Recording:
     frames: list[Frame]
-    calibration: str  # calibration.toml
+    raw: RawCalibration
+    up: str = ""  # of calibration.toml
 
     @property
     def rate_hz(self) -> float:
         return 1e9 / (self.frames[1].t_ns - self.frames[0].t_ns)
 
     @property
-    def values(self) -> dict[str, float]:
-        """The numbers of the calibration."""
-        lines = (line.split(" = ") for line in self.calibration.removesuffix(UP).splitlines())
-        return {key: float(value) for key, value in lines}
+    def calibration(self) -> str:
+        """calibration.toml, with all digits."""
+        motion = self.raw.right_from_left
+        return (
+            f"{self.up}{_camera('left', self.raw.left)}{_camera('right', self.raw.right)}[right_from_left]\n"
+            f"rotation = {motion.rotation.ravel().tolist()}\n"
+            f"translation_m = {motion.translation_m.tolist()}\n"
+        )
+
+
+def _camera(name: str, model: CameraModel) -> str:
+    (fx, _, cx), (_, fy, cy) = model.matrix[:2].tolist()
+    numbers = f"fx_px = {fx}\nfy_px = {fy}\ncx = {cx}\ncy = {cy}\n"
+    return f"[{name}]\n{numbers}distortion = {list(model.distortion)}\n"
 
 
 def record_flight(folder: Path, frames: int = 20) -> Recording:
     """A flight towards a sign, also as a folder in the EuRoC layout."""
     sequence = open_sequence(write_flight(folder, frames=frames, last_range_m=14.0))
-    camera = sequence.calibration.left
-    baseline_m = -float(sequence.calibration.right_from_left.translation_m[0])
-    calibration = (
-        f"focal_px = {camera.matrix[0, 0]}\ncx = {camera.matrix[0, 2]}\ncy = {camera.matrix[1, 2]}\n"
-        f"baseline_m = {baseline_m}\n{UP}"
-    )
-    return Recording([sequence.read(files) for files in sequence.frames], calibration)
+    return Recording([sequence.read(files) for files in sequence.frames], sequence.calibration, UP)
 
 
 def seconds(t_ns: int) -> str:
@@ -50,12 +57,12 @@ def seconds(t_ns: int) -> str:
 
 def write_trajectory(path: Path, recording: Recording) -> Path:
     """In the TUM format."""
-    w, x, y, z = QUATERNION_WXYZ
     lines = []
     for frame in recording.frames:
         assert frame.world_from_camera is not None
         position = " ".join(repr(float(value)) for value in frame.world_from_camera.translation_m)
-        lines.append(f"{seconds(frame.t_ns)} {position} {x} {y} {z} {w}\n")
+        x, y, z, w = Rotation.from_matrix(frame.world_from_camera.rotation).as_quat().tolist()
+        lines.append(f"{seconds(frame.t_ns)} {position} {x!r} {y!r} {z!r} {w!r}\n")
     path.write_text("# timestamp tx ty tz qx qy qz qw\n" + "".join(lines))
     return path
 
@@ -90,7 +97,7 @@ def write_two_videos(folder: Path, recording: Recording) -> Path:
 
 def write_pairs(folder: Path, recording: Recording) -> Path:
     """With times.csv, without poses."""
-    folder.mkdir()
+    folder.mkdir(parents=True)
     rows = []
     for index, frame in enumerate(recording.frames):
         for side in ("left", "right"):
@@ -113,10 +120,10 @@ def write_kitti(root: Path, recording: Recording) -> Path:
         assert pose is not None
         rows = np.column_stack([pose.rotation, pose.translation_m]).ravel()
         poses.append(" ".join(repr(float(value)) for value in rows) + "\n")
-    focal, cx, cy, baseline = (recording.values[key] for key in ("focal_px", "cx", "cy", "baseline_m"))
+    focal, cx, cy = (float(recording.raw.left.matrix[at]) for at in ((0, 0), (0, 2), (1, 2)))
     lines = (
         f"{k}: {focal} 0 {cx} {x} 0 {focal} {cy} 0 0 0 1 0\n"
-        for k, x in (("P0", 0), ("P1", -focal * baseline))
+        for k, x in (("P0", 0), ("P1", focal * float(recording.raw.right_from_left.translation_m[0])))
     )
     (folder / "calib.txt").write_text("".join(lines))
     (folder / "times.txt").write_text("".join(f"{seconds(frame.t_ns)}\n" for frame in recording.frames))

@@ -33,7 +33,7 @@ def recording() -> Recording:
         Frame(index, t_ns, *cases.texture_pair(index), Pose(np.eye(3), np.array([float(index), 0.0, 0.0])))
         for index, t_ns in enumerate(TIMES_NS)
     ]
-    return Recording(frames, cases.PAIR_CALIBRATION + UP)
+    return Recording(frames, cases.RIG, UP)
 
 
 def write_images(
@@ -250,13 +250,23 @@ def test_a_raw_pair_comes_back_from_what_ros_makes_of_it() -> None:
     np.testing.assert_array_equal(rectified.right_from_left.rotation, np.eye(3))
 
 
-@pytest.mark.parametrize(
-    ("model", "count", "lens"), [("equidistant", 4, "fisheye"), ("rational_polynomial", 8, "pinhole")]
-)
-def test_other_lenses_of_camera_info(model: str, count: int, lens: str) -> None:
-    info = info_of(EYE, np.full(count, 0.1), np.eye(3), P_EYE, distortion_model=model)
-    left = pair_from_camera_info(info, info, ("left", "right"), (False, False)).left
-    assert (left.lens, left.distortion) == (lens, (0.1,) * count)
+LENSES = [
+    ("plumb_bob", [0.1, 0.2, 0.3, 0.4, 0.5], "pinhole", 5),
+    ("plumb_bob", [0.0] * 5, "pinhole", 4),
+    ("", [], "pinhole", 4),
+    ("rational_polynomial", [0.1] * 8, "pinhole", 8),
+    ("rational_polynomial", [0.1] * 5 + [0.0] * 3, "pinhole", 5),
+    ("equidistant", [0.1, 0.2, 0.3, 0.4], "fisheye", 4),
+    ("equidistant", [0.0] * 4, "fisheye", 4),
+]
+
+
+@pytest.mark.parametrize(("model", "distortion", "lens", "count"), LENSES)
+def test_lenses(model: str, distortion: list[float], lens: str, count: int) -> None:
+    info = info_of(EYE, np.array(distortion), np.eye(3), P_EYE, distortion_model=model)
+    camera = pair_from_camera_info(info, info, ("left", "right"), (False, False)).left
+    assert camera.lens == lens
+    assert camera.distortion == tuple(distortion[:count]) if distortion else (0.0,) * 4
 
 
 EYE, P_EYE = np.array([[100.0, 0, 50], [0, 100, 50], [0, 0, 1]]), np.eye(3, 4) * 100
@@ -266,12 +276,16 @@ CAMERAS: dict[str, tuple[SimpleNamespace, str]] = {
         "right: .* is not calibrated",
     ),
     "another lens": (
-        info_of(EYE, np.full(4, 0.1), np.eye(3), P_EYE, distortion_model="kannala_brandt"),
-        "right: distortion 'kannala_brandt' with 4 numbers; known are plumb_bob, rational_poly",
+        info_of(EYE, np.full(4, 0.1), np.eye(3), P_EYE, distortion_model="double_sphere"),
+        "right: distortion 'double_sphere' is not one of plumb_bob, rational_polynomial, equidistant, ",
     ),
     "more coefficients": (
-        info_of(EYE, np.full(12, 0.1), np.eye(3), P_EYE, distortion_model="rational_polynomial"),
-        "right: distortion 'rational_polynomial' with 12 numbers",
+        info_of(EYE, np.full(14, 0.1), np.eye(3), P_EYE, distortion_model="rational_polynomial"),
+        "right: D holds 14 numbers; rational_polynomial has 4 or 5 or 8",
+    ),
+    "fewer": (
+        info_of(EYE, np.full(2, 0.1), np.eye(3), P_EYE, distortion_model="equidistant"),
+        "right: D holds 2 numbers; equidistant has 4",
     ),
     "no rotation": (info_of(EYE, np.zeros(5), np.zeros((3, 3)), P_EYE), "right: R is not a rotation matrix"),
     "NaN": (
@@ -322,6 +336,7 @@ def positions(sequence: Sequence) -> np.ndarray:
     return np.array([files.world_from_camera.translation_m for files in sequence.frames])
 
 
+UP_NOTE = "; up is taken to be the z axis of their world"
 ALONG_X = np.array([[index, 0.0, 0.0] for index in range(FRAMES)])
 MOUNT = np.array([0.5, 0.0, 0.1])
 
@@ -332,13 +347,13 @@ def test_poses_of_the_body_go_through_tf(tmp_path: Path, recording: Recording) -
     expected = Rotation.from_quat(QUATERNION_WXYZ, scalar_first=True).as_matrix()
     np.testing.assert_allclose(sequence.frames[2].world_from_camera.rotation, expected, atol=1e-12)
     np.testing.assert_array_equal(sequence.up_world, [0, 0, 1])
-    assert sequence.notes[1] == "poses are those of base_link in /odometry"
+    assert sequence.notes[1] == "poses are those of base_link in /odometry" + UP_NOTE
 
 
 def test_poses_by_tf_do_not_jump_with_the_map(tmp_path: Path, recording: Recording) -> None:
     sequence = open_sequence(write_flight(tmp_path / "bag", recording, "/tf", "/tf_static"))
     np.testing.assert_allclose(positions(sequence), ALONG_X + MOUNT, atol=1e-7)
-    assert sequence.notes[1] == "poses are those of left_optical in odom, by tf"
+    assert sequence.notes[1] == "poses are those of left_optical in odom, by tf" + UP_NOTE
 
 
 def test_poses_of_a_named_frame(tmp_path: Path, recording: Recording) -> None:

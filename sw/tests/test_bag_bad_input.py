@@ -25,7 +25,7 @@ START_NS = 1_700_000_000_000_000_000
 FRAMES = [
     Frame(index, START_NS + index * 50_000_000, *cases.texture_pair(index), Pose()) for index in range(4)
 ]
-RECORDING = Recording(FRAMES, cases.PAIR_CALIBRATION)
+RECORDING = Recording(FRAMES, cases.RIG)
 
 
 def write(path: Path, kind: str) -> tuple[Path, Path]:

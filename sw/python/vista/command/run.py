@@ -4,6 +4,8 @@ SEQUENCE is a folder or a file:
   EuRoC ASL       mav0/cam0, cam1 and optionally state_groundtruth_estimate0
   KITTI odometry  sequences/NN with image_0, image_1, calib.txt, times.txt, optionally ../../poses/NN.txt
   pairs           NAME_left.EXT, NAME_right.EXT and calibration.toml, optionally times.csv and poses.csv
+  KITTI stereo    training or testing of 2012 or 2015; each pair is judged by itself
+  Middlebury      a scene: im0, im1 and calib.txt, or im2, im6 (view1, view5) and calibration.toml
   video           side by side, one above the other, or NAME_left.EXT and NAME_right.EXT; calibration.toml
   ROS bag         a bag of ROS 1, the folder of a bag of ROS 2, or an MCAP file
 

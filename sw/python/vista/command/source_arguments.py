@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 
 from vista.command.arguments import not_negative
-from vista.sequence.options import FRAME_OF_LEFT_CAMERA, NO_POSES, SPLITS, Options
+from vista.sequence.options import BY_ODOMETRY, FRAME_OF_LEFT_CAMERA, NO_POSES, SPLITS, Options
 
 
 def add_source(parser: argparse.ArgumentParser, needed: bool = True) -> None:
@@ -25,15 +25,15 @@ def add_source(parser: argparse.ArgumentParser, needed: bool = True) -> None:
         "--calibration",
         type=Path,
         metavar="FILE.toml",
-        help="calibration of a video, of stills or of a bag (default: calibration.toml beside the images, or "
-        "camera_info of the bag)",
+        help="calibration of pairs, stills, a video or a bag (default: calibration.toml beside the images, "
+        "or what the data set or the bag says)",
     )
     group.add_argument(
         "--poses",
         type=Path,
-        metavar="FILE",
+        metavar=f"FILE|{BY_ODOMETRY}",
         help="poses of the left camera, `t x y z qx qy qz qw` a line as in the TUM RGB-D benchmark, in place "
-        "of those that the source may have",
+        f"of those that the source may have; {BY_ODOMETRY}: estimated from the images, which drifts",
     )
     group.add_argument(
         "--pair-tolerance-ms",
@@ -88,9 +88,12 @@ def frames_per_second(text: str) -> float:
 
 
 def source_options(arguments: argparse.Namespace) -> Options:
+    by_odometry = arguments.poses == Path(BY_ODOMETRY)
     return Options(
         calibration=arguments.calibration,
-        poses=arguments.poses,
+        first_frame=(arguments.frames or (0, None))[0],
+        poses=None if by_odometry else arguments.poses,
+        odometry=by_odometry,
         pair_tolerance_ms=arguments.pair_tolerance_ms,
         left_topic=arguments.left_topic,
         right_topic=arguments.right_topic,

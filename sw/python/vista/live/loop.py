@@ -92,7 +92,7 @@ class LiveLoop:
             return True
         if not shot.continues or shot.frame.t_ns < before.frame.t_ns:
             self.totals.restarts += 1
-            self.chain.pipeline.reset()
+            self.chain.reset()
             self._monitor = HealthMonitor(self.chain.sequence)
             return True
         if shot.frame.t_ns == before.frame.t_ns or same_images(shot, before):

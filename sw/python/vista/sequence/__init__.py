@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Protocol
 
 from vista.errors import InputError
-from vista.sequence import asl, bag, kitti, pairs, tum, video
+from vista.sequence import asl, bag, kitti, kitti_stereo, middlebury, pairs, tum, video
 from vista.sequence.image import read_grey
 from vista.sequence.options import Options, refuse_others
 from vista.sequence.text import printable
@@ -15,6 +15,8 @@ from vista.sequence.trajectory import with_poses
 from vista.sequence.types import Frame, FrameFiles, Sequence
 
 __all__ = ["Frame", "FrameFiles", "Options", "Sequence", "open_sequence", "read_grey"]
+
+ODOMETRY_NOTE = "poses are estimated from the images (--poses odometry): they drift, and may be wrong"
 
 
 class Layout(Protocol):
@@ -32,7 +34,7 @@ class Layout(Protocol):
         """Without poses of its own if the options bring some."""
 
 
-LAYOUTS: tuple[Layout, ...] = (video, bag, asl, kitti, pairs)
+LAYOUTS: tuple[Layout, ...] = (video, bag, asl, kitti_stereo, kitti, middlebury, pairs)
 
 
 def open_sequence(path: str | Path, options: Options = Options()) -> Sequence:  # noqa: B008
@@ -45,9 +47,11 @@ def open_sequence(path: str | Path, options: Options = Options()) -> Sequence:  
     layout = _layout_of(source)
     refuse_others(options, layout.NAME, layout.TAKES)
     sequence = layout.open_source(source, options)
+    if sequence.stills and not options.of_source:
+        raise InputError("--poses", f"does not go with {source}, which shows unrelated scenes")
+    if options.odometry:
+        sequence = replace(sequence, odometry=True, notes=(*sequence.notes, ODOMETRY_NOTE))
     if options.poses is not None:
-        if sequence.stills:
-            raise InputError("--poses", f"does not go with {source}, which shows unrelated scenes")
         frames, notes = with_poses(sequence.frames, tum.read_trajectory(options.poses), options.poses)
         sequence = replace(sequence, frames=frames, notes=sequence.notes + notes)
     return replace(sequence, name=printable(sequence.name))
@@ -65,6 +69,8 @@ def _layout_of(source: Path) -> Layout:
         raise InputError(source, "empty folder")
     if (source / "sequences").is_dir():
         raise InputError(source, "holds several KITTI sequences; name one, such as sequences/00")
+    if (source / "training").is_dir():
+        raise InputError(source, "holds the parts of KITTI stereo; name one, such as training")
     raise InputError(
         source,
         "no sequence recognised: expected mav0/ (EuRoC ASL), image_0/ and calib.txt (KITTI odometry), "

@@ -44,7 +44,7 @@ def open_source(folder: Path, options: Options) -> Sequence:
         for at, partner in pairs.indices
     )
     notes, up_world = pairs.notes, None
-    if options.poses is None and (root / POSES).exists():
+    if options.of_source and (root / POSES).exists():
         frames, left_out = with_poses(frames, read_trajectory(root / POSES), root / POSES, body_from_left)
         notes, up_world = notes + left_out, UP_WORLD
     right_from_left = body_from_right.inverse() @ body_from_left

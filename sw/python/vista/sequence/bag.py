@@ -61,11 +61,12 @@ def open_source(path: Path, options: Options) -> Sequence:
     )
     described = _calibration(bag, names, left, options)
     notes = (f"images are {names[0]} and {names[1]}", *left.notes, *right.notes, *pairs.notes)
-    poses = read_poses(bag, left.frame_id, options) if options.poses is None else None
+    poses = read_poses(bag, left.frame_id, options) if options.of_source else None
     up_world = described.up_world
     if poses is not None:
         frames, left_out = with_poses(frames, poses.poses, poses.name)
-        notes += (poses.note, *left_out)
+        up = "" if up_world is not None else "; up is taken to be the z axis of their world"
+        notes += (poses.note + up, *left_out)
         up_world = UP_WORLD if up_world is None else up_world
     return Sequence(path.resolve().stem, NAME, described.calibration, frames, up_world, notes)
 

@@ -11,16 +11,15 @@ from typing import Any
 import numpy as np
 
 from vista.errors import InputError
-from vista.geometry import Array, CameraModel, Lens, Pose, RawCalibration, is_rotation, trimmed_distortion
+from vista.geometry import Array, CameraModel, Lens, Pose, RawCalibration, is_rotation
 
-# What the distortion models are, and how many coefficients each has at most.
-MODELS: dict[str, tuple[Lens, int]] = {
-    "plumb_bob": ("pinhole", 5),
-    "rational_polynomial": ("pinhole", 8),
-    "": ("pinhole", 5),  # goes with no distortion
-    "equidistant": ("fisheye", 4),
-    "fisheye": ("fisheye", 4),
+LENS_OF: dict[str, Lens] = {
+    "plumb_bob": "pinhole",
+    "rational_polynomial": "pinhole",
+    "equidistant": "fisheye",
+    "fisheye": "fisheye",
 }
+COUNTS: dict[Lens, tuple[int, ...]] = {"pinhole": (4, 5, 8), "fisheye": (4,)}  # of coefficients
 
 
 def pair_from_camera_info(
@@ -37,7 +36,7 @@ def pair_from_camera_info(
         K = P[:, :3] if done else _matrix(info, "k", (3, 3), name)
         if not (K[0, 0] > 0.0 and K[1, 1] > 0.0 and P[0, 0] > 0.0 and P[1, 1] > 0.0):
             raise InputError(name, "the camera is not calibrated: no positive focal lengths in K and P")
-        cameras.append(CameraModel(*size, K) if done else CameraModel(*size, K, *_distortion(info, name)))
+        cameras.append(CameraModel(*size, K) if done else _camera(info, size, K, name))
         rotations.append(R)
         offsets.append(np.array([P[0, 3] / P[0, 0], P[1, 3] / P[1, 1], 0.0]))
     rotation = rotations[1].T @ rotations[0]
@@ -67,16 +66,22 @@ def _size(info: Any, culprit: str) -> tuple[int, int]:
     return int(info.width), int(info.height)
 
 
-def _distortion(info: Any, culprit: str) -> tuple[tuple[float, ...], Lens]:
+def _camera(info: Any, size: tuple[int, int], K: Array, culprit: str) -> CameraModel:
+    """As it is, before rectification."""
     values = np.asarray(_field(info, "d"), np.float64)
     if not np.all(np.isfinite(values)):
         raise InputError(culprit, "D holds a number that is not finite")
-    lens, most = MODELS.get(info.distortion_model, ("pinhole", 0))
-    if lens == "pinhole" and not np.any(values):
-        return (0.0,) * 4, lens
-    if most == 0 or len(values) < 4 or np.any(values[most:]):
-        known = ", ".join(name for name in MODELS if name)
+    if len(values) == 0 or (info.distortion_model == "" and not np.any(values)):  # no lens is stated
+        return CameraModel(*size, K)
+    lens = LENS_OF.get(info.distortion_model)
+    if lens is None:
+        raise InputError(culprit, f"distortion {info.distortion_model!r} is not one of {', '.join(LENS_OF)}")
+    counts = COUNTS[lens]
+    count = next((count for count in counts if not np.any(values[count:])), counts[-1])
+    known = " or ".join(map(str, counts))
+    if len(values) < count or np.any(values[count:]):
         raise InputError(
-            culprit, f"distortion {info.distortion_model!r} with {len(values)} numbers; known are {known}"
+            culprit,
+            f"D holds {len(values)} numbers; {info.distortion_model} has {known}",
         )
-    return trimmed_distortion(values[:most], lens), lens
+    return CameraModel(*size, K, tuple(float(value) for value in values[:count]), lens)

@@ -9,6 +9,7 @@ from vista.errors import InputError
 
 FRAME_OF_LEFT_CAMERA = "camera"  # as pose_frame: the poses are those of the left camera itself
 NO_POSES = "none"  # as pose_topic
+BY_ODOMETRY = "odometry"  # in place of a file of poses
 
 
 @dataclass(frozen=True)
@@ -16,6 +17,7 @@ class Options:
     """None: not said. Each name is that of an option of the command line, with an underscore for a hyphen."""
 
     calibration: Path | None = None  #: calibration.toml, where it does not lie beside the images
+    odometry: bool = False  #: estimate the poses from the images
     poses: Path | None = None  #: trajectory of the left camera, in the format of the TUM RGB-D benchmark
     pair_tolerance_ms: float | None = None  #: how far the times of left and right image may lie apart
     first_frame: int = 0  #: the first that is wanted: KITTI stereo has a calibration for each pair
@@ -28,9 +30,14 @@ class Options:
     pose_topic: str | None = None
     pose_frame: str | None = None  #: the frame of reference whose poses a topic holds that does not say it
 
+    @property
+    def of_source(self) -> bool:
+        """The poses are those that the source has."""
+        return self.poses is None and not self.odometry
+
 
 SIDE_BY_SIDE, TOP_BOTTOM = SPLITS = ("side-by-side", "top-bottom")
-OF_EVERY_SOURCE = {"poses", "first_frame"}
+OF_EVERY_SOURCE = {"poses", "odometry", "first_frame"}
 
 
 def refuse_others(options: Options, layout: str, taken: frozenset[str]) -> None:

@@ -49,7 +49,7 @@ import numpy as np
 from vista.errors import InputError
 from vista.geometry import Array, CameraModel, Lens, Pose, RawCalibration, camera_matrix, is_rotation
 from vista.sequence.image import EXTENSIONS, read_size
-from vista.sequence.options import Options
+from vista.sequence.options import BY_ODOMETRY, Options
 from vista.sequence.tables import read_poses, read_times
 from vista.sequence.text import read_text
 from vista.sequence.trajectory import UNIT_TOLERANCE, with_poses
@@ -87,13 +87,13 @@ def open_source(folder: Path, options: Options) -> Sequence:
     times_ns = [index * FRAME_PERIOD_NS for index in range(len(pairs))]
     if times_path.exists():
         times_ns = read_times(times_path, [left.stem.removesuffix("_left") for left, _ in pairs])
-    elif poses_path.exists() or options.poses is not None:
-        asking = options.poses or "poses.csv"
+    elif poses_path.exists() or not options.of_source:
+        asking = BY_ODOMETRY if options.odometry else options.poses or "poses.csv"
         raise InputError(times_path, f"no such file: {asking} needs the times of the pairs")
     in_order = sorted(zip(times_ns, pairs, strict=True))
     frames = tuple(FrameFiles(index, t_ns, *pair, None) for index, (t_ns, pair) in enumerate(in_order))
     notes: tuple[str, ...] = ()
-    if options.poses is None and poses_path.exists():
+    if options.of_source and poses_path.exists():
         frames, notes = with_poses(frames, read_poses(poses_path), poses_path)
     name, stills = folder.resolve().name, described.stills
     return Sequence(name, NAME, described.calibration, frames, described.up_world, notes, stills)

@@ -57,6 +57,7 @@ class Sequence:
     up_world: Array | None = None  #: unit vector against gravity in the world frame, where the layout says it
     notes: tuple[str, ...] = ()  #: what the reader left out, for the user to know
     stills: bool = False  #: the frames show unrelated scenes: each is judged by itself, nothing is tracked
+    odometry: bool = False  #: there are no poses, and they are to be estimated from the images
 
     def read(self, files: FrameFiles) -> Frame:
         """Reads both images. Raises InputError naming the image that is unreadable or of another size."""
