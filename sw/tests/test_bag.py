@@ -270,6 +270,15 @@ def test_lenses(model: str, distortion: list[float], lens: str, count: int) -> N
 
 
 EYE, P_EYE = np.array([[100.0, 0, 50], [0, 100, 50], [0, 0, 1]]), np.eye(3, 4) * 100
+
+
+def test_zeros_of_a_lens_without_a_name_are_none() -> None:
+    """As drivers publish whose cameras are rectified, or not calibrated."""
+    left = info_of(EYE, np.zeros(5), np.eye(3), P_EYE, distortion_model="")
+    raw = pair_from_camera_info(left, left, ("left", "right"), (False, False))
+    assert raw.left.distortion == (0.0,) * 4
+
+
 CAMERAS: dict[str, tuple[SimpleNamespace, str]] = {
     "not calibrated": (
         info_of(np.zeros((3, 3)), np.zeros(5), np.eye(3), P_EYE),

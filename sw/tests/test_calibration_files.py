@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 import sequence_cases as cases
 import yaml
-from board_rig import fisheye_rig, pinhole_rig
+from board_rig import exact_row_errors_px, fisheye_rig, seen_px
 from command_line import assert_refused, call
 from random_seed import seeded
 from scipy.spatial.transform import Rotation
@@ -24,7 +24,8 @@ from vista.calibration.rig import Rig, rig_of
 from vista.command.calibrate import write_files
 from vista.errors import InputError
 from vista.geometry import CameraModel, Pose, camera_matrix
-from vista.rectify import Rectifier
+from vista.lens import rectified_points
+from vista.rectify import Rectifier, rectified_cameras
 from vista.sequence import open_sequence
 from vista.sequence.pairs import read_calibration
 
@@ -404,16 +405,14 @@ def test_what_a_format_cannot_hold_is_refused(tmp_path: Path) -> None:
         write_rig(rig_of(fisheye_rig()), "boofcv", Options())
 
 
-def test_lenses_of_the_rig_differ_from_a_pinhole() -> None:
-    """What the tests above compare is not nothing."""
-    assert pinhole_rig().left.distortion != fisheye_rig().left.distortion
+def test_options_of_pictures_are_refused(tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
+    arguments = ("calibrate", tmp_path, "--rate", 10, "--out", tmp_path / "out")
+    assert_refused(call(capsys, *arguments), "--rate: is for pictures of a board")
 
 
 @pytest.mark.parametrize("buffer_rows", [0, 128])
 def test_fisheyes_are_rectified(buffer_rows: int) -> None:
     """No pixel from outside, rows in line; by OpenCV's map and by the control grid of the hardware."""
-    from board_rig import exact_row_errors_px
-
     rig = fisheye_rig((320, 240))
     rectifier = Rectifier(rig, buffer_rows)
     assert np.abs(exact_row_errors_px(rig, rig)).max() < 1e-4
@@ -421,3 +420,20 @@ def test_fisheyes_are_rectified(buffer_rows: int) -> None:
     assert calibration.baseline_m == pytest.approx(np.linalg.norm(rig.right_from_left.translation_m))
     assert calibration.focal_px == pytest.approx(rig.left.matrix[0, 0], rel=0.1)
     assert not rectifier.is_passthrough
+
+
+def test_disparities_of_fisheyes_tell_the_distance() -> None:
+    """As those of pinholes: focal length x baseline / depth along the rectified axis."""
+    rig = fisheye_rig()
+    (R, P), right = rectified_cameras(rig)
+    calibration = Rectifier(rig).calibration
+    points_m = np.array([[0.4, -0.3, 2.0], [-1.5, 1.0, 4.0], [3.0, 0.5, 9.0], [0.0, 0.0, 60.0]])
+    left_px = rectified_points(rig.left, seen_px(rig.left, Pose(), points_m), R, P)
+    right_px = rectified_points(rig.right, seen_px(rig.right, rig.right_from_left, points_m), *right)
+    depths_m = (points_m @ R.T)[:, 2]
+    expected_px = calibration.focal_px * calibration.baseline_m / depths_m
+    np.testing.assert_allclose(left_px[:, 0] - right_px[:, 0], expected_px, atol=1e-5)
+    ahead = points_m @ R.T
+    np.testing.assert_allclose(
+        left_px[:, 0], calibration.cx + calibration.focal_px * ahead[:, 0] / depths_m, atol=1e-5
+    )

@@ -7,7 +7,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import Literal
 
@@ -72,15 +71,6 @@ class RawCalibration:
     right: CameraModel
     right_from_left: Pose
     source: str  # the file it was read from, for messages
-
-
-def trimmed_distortion(values: Iterable[float], lens: Lens) -> tuple[float, ...]:
-    """4, 5 or 8 coefficients, without zeros at the end that only fill the places of a longer model."""
-    kept = [float(value) for value in values]
-    while lens == "pinhole" and len(kept) > 4 and kept[-1] == 0.0:
-        kept.pop()
-    places = next((count for count in (4, 5, 8) if len(kept) <= count), len(kept))
-    return (*kept, *[0.0] * (places - len(kept)))
 
 
 def camera_matrix(fx: float, fy: float, cx: float, cy: float) -> Array:

@@ -10,7 +10,7 @@ import numpy as np
 import yaml
 
 from vista.errors import InputError
-from vista.geometry import Array, CameraModel, Lens, Pose, camera_matrix, is_rotation, trimmed_distortion
+from vista.geometry import Array, CameraModel, Lens, Pose, camera_matrix, is_rotation
 
 Table = dict[str, Any]
 
@@ -44,14 +44,18 @@ def make_camera(
 
 
 def _known_distortion(path: Path, values: list[float], lens: Lens) -> tuple[float, ...]:
-    kept = trimmed_distortion(values, lens)
-    if lens == "fisheye" and len(values) != 4:
-        raise InputError(path, f"a fisheye lens has 4 numbers of distortion, not {len(values)}")
-    if len(kept) > 8:
-        raise InputError(
-            path, f"distortion of {len(kept)} numbers; known are k1, k2, p1, p2[, k3[, k4, k5, k6]]"
-        )
-    return kept
+    """Without zeros at the end that only fill the places of a longer model."""
+    if lens == "fisheye":
+        if len(values) != 4:
+            raise InputError(path, f"a fisheye lens has 4 numbers of distortion, not {len(values)}")
+        return tuple(values)
+    kept = list(values)
+    while len(kept) > 4 and kept[-1] == 0.0:
+        kept.pop()
+    for count in (4, 5, 8):
+        if len(kept) <= count:
+            return (*kept, *[0.0] * (count - len(kept)))
+    raise InputError(path, f"distortion of {len(kept)} numbers; known are k1, k2, p1, p2[, k3[, k4, k5, k6]]")
 
 
 def intrinsics_of(path: Path, matrix: list[float]) -> tuple[float, float, float, float]:
