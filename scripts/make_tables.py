@@ -374,6 +374,7 @@ CALIBRATION = {  # what a calibration found against the truth, with the names th
     "rows_before_px": "rows before (px)",
     "exact_rows_px": "rows after (px)",
     "exact_rows_worst_px": "worst (px)",
+    "far_disparity_px": "disparity (px)",
 }
 
 

@@ -23,6 +23,7 @@ from board_rig import (
     Conditions,
     board_poses,
     exact_row_errors_px,
+    far_disparities_px,
     fisheye_rig,
     pinhole_rig,
     render_pairs,
@@ -91,7 +92,7 @@ def measure(case: Case, seed: int) -> dict[str, float]:
     focal = [abs(float(a.matrix[i, i] / b.matrix[i, i]) - 1.0) for a, b in cameras for i in (0, 1)]
     center_px = [np.linalg.norm(a.matrix[:2, 2] - b.matrix[:2, 2]) for a, b in cameras]
     baselines = [float(np.linalg.norm(raw.right_from_left.translation_m)) for raw in (found, true)]
-    errors_px = exact_row_errors_px(found, true)
+    errors_px, far_px = exact_row_errors_px(found, true), far_disparities_px(found, true)
     return {
         "views": len(made.solution.views),
         "reprojection_px": made.solution.rms_px(),
@@ -103,6 +104,7 @@ def measure(case: Case, seed: int) -> dict[str, float]:
         "rows_after_px": made.after.rms_px,
         "exact_rows_px": float(np.sqrt(np.mean(errors_px**2))),
         "exact_rows_worst_px": float(np.abs(errors_px).max()),
+        "far_disparity_px": float(np.sqrt(np.mean(far_px**2))),
         "seconds": seconds,
     }
 

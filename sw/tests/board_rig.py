@@ -262,21 +262,29 @@ def seen_px(camera: CameraModel, camera_from_points: Pose, points_m: Array) -> A
 
 
 def exact_row_errors_px(found: RawCalibration, rig: RawCalibration) -> Array:
-    """Row errors of points 2 m to 100 m away, all over the image, seen by the true rig and rectified with
-    what was found; of those points that both rectified images show."""
+    """v_right - v_left of points 2 m to 100 m away, all over the image."""
+    return np.concatenate(
+        [rectified_differences_px(found, rig, depth_m)[:, 1] for depth_m in (2.0, 5.0, 100.0)]
+    )
+
+
+def far_disparities_px(found: RawCalibration, rig: RawCalibration) -> Array:
+    """Of what is so far away that its disparity should be 0: what is missing there is missing everywhere."""
+    return -rectified_differences_px(found, rig, 1e7)[:, 0]
+
+
+def rectified_differences_px(found: RawCalibration, rig: RawCalibration, depth_m: float) -> Array:
+    """(points, 2) of the right image minus those of the left one: seen by the true rig, rectified with what
+    was found; of those points that both rectified images show."""
     left, right = rectified_cameras(found)
     width, height = rig.left.width, rig.left.height
     grid = np.meshgrid(np.linspace(2, width - 3, 25), np.linspace(2, height - 3, 19))
-    directions = rays(rig.left, grid[0].ravel(), grid[1].ravel())
-    errors = []
-    for depth_m in (2.0, 5.0, 100.0):
-        points_m = directions * depth_m
-        left_px = rectified_points(found.left, seen_px(rig.left, Pose(), points_m), *left)
-        right_px = rectified_points(found.right, seen_px(rig.right, rig.right_from_left, points_m), *right)
-        both = np.concatenate([left_px, right_px], axis=1)
-        inside = (both >= 0).all(axis=1) & (both < [width, height, width, height]).all(axis=1)
-        errors.append((right_px - left_px)[inside, 1])
-    return np.concatenate(errors)
+    points_m = rays(rig.left, grid[0].ravel(), grid[1].ravel()) * depth_m
+    left_px = rectified_points(found.left, seen_px(rig.left, Pose(), points_m), *left)
+    right_px = rectified_points(found.right, seen_px(rig.right, rig.right_from_left, points_m), *right)
+    both = np.concatenate([left_px, right_px], axis=1)
+    inside = (both >= 0).all(axis=1) & (both < [width, height, width, height]).all(axis=1)
+    return np.asarray((right_px - left_px)[inside])
 
 
 def turn_deg(found: RawCalibration, rig: RawCalibration) -> float:

@@ -17,6 +17,7 @@ from board_rig import (
     Picture,
     board_poses,
     exact_row_errors_px,
+    far_disparities_px,
     fisheye_rig,
     photograph,
     pinhole_rig,
@@ -72,6 +73,7 @@ def assert_close(found: RawCalibration, rig: RawCalibration, focal: float, cente
     errors_px = exact_row_errors_px(found, rig)
     assert np.sqrt(np.mean(errors_px**2)) < 0.1
     assert np.abs(errors_px).max() < 0.4
+    assert np.sqrt(np.mean(far_disparities_px(found, rig) ** 2)) < 0.4
 
 
 def test_a_chessboard_before_pinholes(
