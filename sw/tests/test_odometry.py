@@ -142,6 +142,16 @@ def test_it_is_said_wherever_results_are(tmp_path: Path, capsys: pytest.CaptureF
     assert {line["motion"] for line in lines} == {"unknown"}
 
 
+def test_live_says_it_too(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    source_cases.record_flight(tmp_path / "flight", frames=3)
+    lines = tmp_path / "lines.jsonl"
+    status, _, err = call(
+        capsys, "live", tmp_path / "flight", "--no-page", "--out", lines, "--poses", "odometry"
+    )
+    assert status == 0
+    assert err.startswith("flight: note: poses are estimated from the images (--poses odometry): they drift")
+
+
 def test_where_it_makes_no_sense(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     stills = cases.make_board_scenes(tmp_path / "stills", 2, stills=True)
     pairs = cases.make_board_scenes(tmp_path / "pairs", 2, stills=False)

@@ -24,11 +24,11 @@ from vista.version import version
 GROUP = "vista.commands"
 # In the order of the help.
 COMMANDS = (
+    "calibrate",
     "run",
     "live",
     "disparity",
     "mavlink",
-    "calibrate",
     "flights",
     "worlds",
     "figures",

@@ -103,6 +103,8 @@ def execute(arguments: argparse.Namespace) -> int:
     values = load_parameters(arguments.config, arguments.engine)
     with ExitStack() as open_ones:
         recorded, source = open_camera(arguments, open_ones) if arguments.camera else open_replay(arguments)
+        for note in recorded.notes:
+            print(f"{recorded.name}: note: {note}", file=sys.stderr)
         chain = make_chain(recorded, arguments.engine, values, arguments.threads)
         loop = LiveLoop(chain, source)
         listeners, autopilot = make_listeners(arguments, values, loop, open_ones)

@@ -74,5 +74,6 @@ def _layout_of(source: Path) -> Layout:
     raise InputError(
         source,
         "no sequence recognised: expected mav0/ (EuRoC ASL), image_0/ and calib.txt (KITTI odometry), "
-        "or NAME_left.EXT, NAME_right.EXT and calibration.toml",
+        "NAME_left.EXT, NAME_right.EXT and calibration.toml, one scene of KITTI stereo or Middlebury, a bag; "
+        "name a video itself",
     )

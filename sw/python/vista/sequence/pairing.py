@@ -42,7 +42,7 @@ def pair_by_time(
     apart_ns = [abs(right_ns[right] - left_ns[left]) for left, right in found]
     alone = len(left_ns) + len(right_ns) - 2 * len(found)
     notes = _notes(apart_ns, alone, len(left_ns) + len(right_ns), tolerance_ns)
-    return Pairs(tuple(found), (*notes, *_notes_on_drops(left_ns)))
+    return Pairs(tuple(found), (*notes, *notes_on_drops(left_ns)))
 
 
 def default_tolerance_ns(times_ns: Sequence[int]) -> int:
@@ -70,7 +70,7 @@ def _notes(apart_ns: list[int], alone: int, images: int, tolerance_ns: int) -> t
     return tuple(notes)
 
 
-def _notes_on_drops(times_ns: Sequence[int]) -> tuple[str, ...]:
+def notes_on_drops(times_ns: Sequence[int]) -> tuple[str, ...]:
     """Of the left camera: pairs that were never recorded."""
     gaps_ns = np.diff(times_ns)
     if len(gaps_ns) < 2:

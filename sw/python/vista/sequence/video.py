@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from vista.errors import InputError
 from vista.sequence.options import SIDE_BY_SIDE, TOP_BOTTOM, Options
-from vista.sequence.pairing import pair_by_time
+from vista.sequence.pairing import notes_on_drops, pair_by_time
 from vista.sequence.pairs import read_calibration_file
 from vista.sequence.text import seconds_ns
 from vista.sequence.types import FrameFiles, Sequence
@@ -82,12 +82,13 @@ def _of_one(path: Path, options: Options) -> Images:
         raise InputError("--pair-tolerance-ms", f"does not go with {path}, whose images share their times")
     video = VideoFile(path)
     left, right = _halves(video, options.split)
+    times_ns = _times_ns(video, options)
     frames = (
         FrameFiles(at, t_ns, VideoImage(video, at, left), VideoImage(video, at, right), None)
-        for at, t_ns in enumerate(_times_ns(video, options))
+        for at, t_ns in enumerate(times_ns)
     )
     height, width = video.read_grey(0)[left].shape
-    return Images(tuple(frames), (width, height))
+    return Images(tuple(frames), (width, height), notes_on_drops(times_ns))
 
 
 def _of_two(left: Path, right: Path, options: Options) -> Images:
