@@ -6,8 +6,9 @@ namespace vista {
 namespace {
 
 // doc/rtl.md, "Front end": clocks from the last row that a row needs to its first pixel, before each smaller level, and
-// from the last pixel that smoothing needs to the smoothed one.
-constexpr int64_t kRowClocks = 33, kLevelClocks = 16, kSmoothClocks = 9, kSmoothAhead = 2;
+// from the last pixel that smoothing needs, when it enters the pyramid, to the smoothed one.
+constexpr int64_t kRowClocks = 33, kLevelClocks = 16, kPyramidClocks = 2, kSmoothClocks = 9 + kPyramidClocks;
+constexpr int64_t kSmoothAhead = 2;
 constexpr int64_t kSlack = 8;  // pixels that registers hold
 
 }  // namespace

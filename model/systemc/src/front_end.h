@@ -1,7 +1,8 @@
 // The front end of the engine (rtl/src/vista_front_end.sv) in time: rectification with its line buffer, the levels of the
 // pyramid one after the other, through a buffer in memory, and smoothing. At most a pixel a clock enters and leaves.
 //
-// What lies between its blocks are counts, not registers: the clock of a single pixel may be a few off that of the RTL.
+// What lies between its blocks are counts, not registers: the clocks of a frame are those of the RTL
+// (tb/top/test_front_end_model.py), that of a single pixel may be a few off.
 #ifndef VISTA_SYSTEM_FRONT_END_H
 #define VISTA_SYSTEM_FRONT_END_H
 
