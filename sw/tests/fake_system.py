@@ -97,5 +97,5 @@ def _output(config: SystemConfig, frames: list, period_ns: float, readout_ns: fl
         },
         "lanes": lanes,
         "memory": {"utilisation": len(kept) * memory_ns(config) / total_ns},
-        "host": {"utilisation": host, "rectify_utilisation": 0.0},
+        "host": {"utilisation": host, "link_utilisation": None, "rectify_utilisation": 0.0},
     }  # fmt: skip

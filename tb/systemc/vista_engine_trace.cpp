@@ -64,7 +64,7 @@ vista::Pace pace(char* const* arguments) {
 
 void trace(const vista::Configuration& c, const vista::Pace& in, const vista::Pace& out, std::ofstream& file) {
   const int width = static_cast<int>(c.width_px), height = static_cast<int>(c.height_px);
-  vista::Engine engine("engine", c.build(), {width, height});
+  vista::Engine engine("engine", c.build(), {{width, height}});
   Streams streams("streams", static_cast<size_t>(c.frames * c.pixels()), in, out, static_cast<uint64_t>(c.seed));
   engine.pixels(streams);
   engine.words(streams);

@@ -116,6 +116,10 @@ const std::vector<Key>& keys() {
       integer("uniqueness_percent", &C::uniqueness_percent, 0, 100),
       real("engine_clock_hz", &C::engine_clock_hz, 1e3, 10e9),
       integer("lanes", &C::lanes, 1, 8),
+      integer("rectify_rows", &C::rectify_rows, 0, 128),
+      integer("levels", &C::levels, 1, 4),
+      real("link_bytes_s", &C::link_bytes_s, 1e3, 1e12, true),
+      real("link_round_trip_ns", &C::link_round_trip_ns, 0, 1e9),
       real("camera_rate_hz", &C::camera_rate_hz, 0.01, 10000, true),
       real("camera_pixel_clock_hz", &C::camera_pixel_clock_hz, 1e3, 10e9),
       integer("camera_horizontal_blanking_px", &C::camera_horizontal_blanking_px, 0, 100000),
@@ -175,6 +179,14 @@ void check(const Configuration& c) {
   if (c.camera_rate_hz > fastest)
     throw ConfigurationError("camera_rate_hz", brief(c.camera_rate_hz) + " is above " + brief(fastest) +
                                                    ", what camera_pixel_clock_hz and the blanking allow");
+  if (c.rectify_rows != 0 && (c.rectify_rows < 16 || (c.rectify_rows & (c.rectify_rows - 1)) != 0))
+    throw ConfigurationError("rectify_rows", "neither 0 nor 16, 32, 64 or 128");
+  if (c.levels > 1 && c.rectify_rows == 0) throw ConfigurationError("levels", "more than 1 needs rectify_rows");
+  if (c.rectify_rows != 0 && c.compute_words)
+    throw ConfigurationError("compute_words", "on, but only times are known of the front end (rectify_rows)");
+  if (c.has_board() && c.lanes > 1) throw ConfigurationError("lanes", "a board (link_bytes_s) has one");
+  if (c.has_board() && !c.rectify_ms.empty())
+    throw ConfigurationError("rectify_ms", "a board (link_bytes_s) gets its pairs unrectified");
   if (c.left_images.empty() != c.right_images.empty())
     throw ConfigurationError(c.left_images.empty() ? "left_images" : "right_images", "missing beside the other side");
   if (!c.words_out.empty() && !c.compute_words) throw ConfigurationError("words_out", "needs compute_words = on");
@@ -214,6 +226,23 @@ std::vector<std::pair<std::string, std::string>> listed(const Configuration& c) 
   std::vector<std::pair<std::string, std::string>> items;
   for (const Key& key : keys()) items.emplace_back(key.name, key.show(c));
   return items;
+}
+
+std::vector<clocks::Size> Configuration::level_sizes() const {
+  constexpr int kLeastWidth = 4, kLeastHeight = 2;  // that the engine takes
+  std::vector<clocks::Size> sizes;
+  clocks::Size size{static_cast<int>(width_px), static_cast<int>(height_px)};
+  for (int64_t level = 0; level < levels && size.width >= kLeastWidth && size.height >= kLeastHeight; ++level) {
+    sizes.push_back(size);
+    size = {(size.width + 1) / 2, (size.height + 1) / 2};
+  }
+  return sizes;
+}
+
+int64_t Configuration::result_px() const {
+  int64_t sum = 0;
+  for (const clocks::Size& size : level_sizes()) sum += static_cast<int64_t>(size.width) * size.height;
+  return sum;
 }
 
 clocks::Build Configuration::build() const {

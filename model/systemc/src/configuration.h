@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "clocks/framer.h"
 #include "clocks/latency.h"
 extern "C" {
 #include "vista/engine.h"
@@ -37,6 +38,8 @@ struct Configuration {
   int64_t prefilter_cap = 31, texture_threshold = 10, uniqueness_percent = 15;
   double engine_clock_hz = 100e6;
   int64_t lanes = 1;
+  int64_t rectify_rows = 0, levels = 1;  // of the front end in hardware; no rows: without front end
+  double link_bytes_s = 0, link_round_trip_ns = 0;  // to a board; no bytes: the camera feeds its memory
 
   double camera_rate_hz = 60, camera_pixel_clock_hz = 27e6;
   int64_t camera_horizontal_blanking_px = 160, camera_vertical_blanking_lines = 45;
@@ -58,6 +61,9 @@ struct Configuration {
   bool compute_words = true;
 
   int64_t pixels() const { return width_px * height_px; }
+  bool has_board() const { return link_bytes_s > 0; }
+  std::vector<clocks::Size> level_sizes() const;  // of those that are matched
+  int64_t result_px() const;                      // of all levels
   clocks::Build build() const;
   vista_engine_params engine_parameters() const;
   double line_ns() const;     // of the camera, blanking included

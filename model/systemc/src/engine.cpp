@@ -2,9 +2,11 @@
 
 namespace vista {
 
-Engine::Engine(const sc_core::sc_module_name& name, const clocks::Build& build, const clocks::Size& size)
-    : sc_module(name), clocks_(build), pixels_per_frame_(static_cast<int64_t>(size.width) * size.height) {
-  clocks_.set_size(size);
+Engine::Engine(const sc_core::sc_module_name& name, const clocks::Build& build, const std::vector<clocks::Size>& levels)
+    : sc_module(name), clocks_(build), levels_(levels) {
+  for (const clocks::Size& size : levels_)
+    level_ends_.push_back(pixels_per_frame_ += static_cast<int64_t>(size.width) * size.height);
+  clocks_.set_size(levels_[0]);
   SC_HAS_PROCESS(Engine);
   SC_THREAD(run);
 }
@@ -39,7 +41,11 @@ void Engine::step(bool pixel_valid) {
     FrameClocks& frame = of_pixel();
     if (pixels_taken_ == 0) frame.first_pixel = clock_;
     pixels->pixel_taken(clock_);
-    if (++pixels_taken_ == pixels_per_frame_) {
+    if (++pixels_taken_ == level_ends_[level_in_]) {
+      level_in_ = (level_in_ + 1) % levels_.size();
+      clocks_.set_size(levels_[level_in_]);
+    }
+    if (pixels_taken_ == pixels_per_frame_) {
       frame.last_pixel = clock_;
       pixels_taken_ = 0;
       ++frame_in_;

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <deque>
 #include <systemc>
+#include <vector>
 
 #include "clocks/engine_clocks.h"
 #include "stream.h"
@@ -24,7 +25,8 @@ class Engine : public sc_core::sc_module {
   sc_core::sc_port<PixelSource> pixels;
   sc_core::sc_port<WordSink> words;
 
-  Engine(const sc_core::sc_module_name& name, const clocks::Build& build, const clocks::Size& size);
+  // levels: the sizes of a frame's levels, which come one after the other.
+  Engine(const sc_core::sc_module_name& name, const clocks::Build& build, const std::vector<clocks::Size>& levels);
 
   // Frame n of those this engine took, complete once its last word was taken.
   const FrameClocks& frame(size_t n) const { return frames_[n]; }
@@ -36,7 +38,10 @@ class Engine : public sc_core::sc_module {
   FrameClocks& of_pixel();
 
   clocks::EngineClocks clocks_;
-  int64_t pixels_per_frame_;
+  std::vector<clocks::Size> levels_;
+  int64_t pixels_per_frame_ = 0;  // of all levels
+  std::vector<int64_t> level_ends_;  // in pixels from the beginning of the frame
+  size_t level_in_ = 0;
   int64_t clock_ = 0, clocks_busy_ = 0;
   int64_t pixels_taken_ = 0, words_taken_ = 0;  // of the frame under way
   size_t frame_in_ = 0, frame_out_ = 0;

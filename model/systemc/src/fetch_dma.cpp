@@ -17,7 +17,9 @@ FetchDma::FetchDma(const sc_core::sc_module_name& name, const Configuration& c, 
       edges_(c.engine_clock_hz),
       word_engine_(c.engine_parameters(), static_cast<int>(c.width_px), static_cast<int>(c.height_px)),
       compute_words_(c.compute_words),
+      one_at_a_time_(c.has_board()),
       pixels_(c.pixels()),
+      result_px_(c.result_px()),
       burst_px_(c.burst_bytes),
       fifo_px_(c.dma_fifo_bytes / 2),
       left_(static_cast<size_t>(c.pixels())),
@@ -41,6 +43,7 @@ void FetchDma::run() {
     entry.fetch_start = now_ps();
     result_dma_.expect(job(pair, *result));
     fetch(pair);
+    while (one_at_a_time_ && entry.result_end < 0) sc_core::wait(results_.changed());
     pairs_.release(pair);
   }
 }
@@ -51,7 +54,7 @@ ResultDma::Job FetchDma::job(const Buffer& pair, Buffer& result) {
   master_.peek(pair.address, left_.data(), pixels_);
   master_.peek(pair.address + pixels_, right_.data(), pixels_);
   return {&result, compute_words_ ? word_engine_.compute(left_.data(), right_.data())
-                                  : std::vector<uint32_t>(static_cast<size_t>(pixels_))};
+                                  : std::vector<uint32_t>(static_cast<size_t>(result_px_))};
 }
 
 void FetchDma::fetch(const Buffer& pair) {

@@ -43,8 +43,8 @@ class FetchDma : public sc_core::sc_module, public PixelSource {
   FrameLog& log_;
   ClockEdges edges_;
   WordEngine word_engine_;
-  bool compute_words_;
-  int64_t pixels_, burst_px_, fifo_px_;
+  bool compute_words_, one_at_a_time_;  // the next frame begins when all words of this one are in memory
+  int64_t pixels_, result_px_, burst_px_, fifo_px_;
   std::vector<uint8_t> left_, right_;  // of the frame being fetched, by looking ahead
   std::deque<Burst> arriving_;
   sc_core::sc_event arrival_;

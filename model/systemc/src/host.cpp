@@ -66,7 +66,7 @@ void Host::run() {
 }
 
 void Host::read(const Buffer& result) {
-  std::vector<uint8_t> bytes(static_cast<size_t>(configuration_.pixels() * configuration_.result_bytes_px));
+  std::vector<uint8_t> bytes(static_cast<size_t>(configuration_.result_px() * configuration_.result_bytes_px));
   const int64_t burst = configuration_.burst_bytes, size = static_cast<int64_t>(bytes.size());
   int64_t done = now_ps();
   for (int64_t first = 0; first < size; first += burst)

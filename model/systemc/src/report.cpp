@@ -149,6 +149,7 @@ std::string memory(const Memory& m) {
 std::string host(const System& s) {
   return json_object(
       {{"utilisation", ratio(s.host.busy_ps(), now_ps())},
+       {"link_utilisation", s.link ? ratio(s.link->busy_ps(), now_ps()) : std::string("null")},
        {"rectify_utilisation", s.rectifier ? ratio(s.rectifier->busy_ps(), now_ps()) : std::string("null")}});
 }
 

@@ -14,7 +14,7 @@ ResultDma::ResultDma(const sc_core::sc_module_name& name, const Configuration& c
       results_(results),
       log_(log),
       edges_(c.engine_clock_hz),
-      pixels_(c.pixels()),
+      pixels_(c.result_px()),
       bytes_per_word_(c.result_bytes_px),
       burst_words_(c.burst_bytes / c.result_bytes_px),
       fifo_words_(c.dma_fifo_bytes / c.result_bytes_px) {

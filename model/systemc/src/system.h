@@ -15,9 +15,11 @@
 #include "engine.h"
 #include "fetch_dma.h"
 #include "frame_log.h"
+#include "front_end.h"
 #include "host.h"
 #include "host_core.h"
 #include "images.h"
+#include "link.h"
 #include "memory.h"
 #include "rectifier.h"
 #include "result_dma.h"
@@ -26,6 +28,7 @@ namespace vista {
 
 struct Lane {
   std::unique_ptr<Engine> engine;
+  std::unique_ptr<FrontEnd> front_end;  // null: none
   std::unique_ptr<ResultDma> result_dma;
   std::unique_ptr<FetchDma> fetch_dma;
 };
@@ -39,10 +42,14 @@ class System : public sc_core::sc_module {
   const Configuration configuration;
   FrameLog log;
   const Images images;
-  Memory memory;
+  Memory memory;  // of the engine
+  std::unique_ptr<Memory> host_memory;  // null: the same
   BufferPool captured;
+  std::unique_ptr<BufferPool> received;  // on a board; null: none
   std::unique_ptr<BufferPool> rectified;  // null: pairs come rectified
   BufferPool results;
+  std::unique_ptr<BufferPool> fetched;  // from a board; null: none
+  std::unique_ptr<Link> link;
   HostCore host_core, rectify_core;  // the second only with two cores
   Camera camera;
   CaptureDma capture_dma;
@@ -53,6 +60,8 @@ class System : public sc_core::sc_module {
 
  private:
   std::vector<Lane> make_lanes();
+  std::unique_ptr<Link> make_link();
+  Memory& memory_of_host() { return host_memory ? *host_memory : memory; }
 };
 
 }  // namespace vista

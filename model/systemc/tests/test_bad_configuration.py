@@ -43,6 +43,13 @@ BAD = [
     ("left_images", "left_images = /nowhere\nright_images = /nowhere"),
     ("right_images", "left_images = /nowhere"),
     ("words_out", "words_out = /nowhere/words"),
+    ("rectify_rows", "rectify_rows = 48\ncompute_words = off"),
+    ("levels", "levels = 2"),
+    ("levels", "levels = 5"),
+    ("compute_words", "rectify_rows = 16"),
+    ("link_bytes_s", "link_bytes_s = 10"),
+    ("lanes", "lanes = 2\nlink_bytes_s = 1e8"),
+    ("rectify_ms", "rectify_ms = 1\nlink_bytes_s = 1e8"),
 ]
 
 

@@ -6,8 +6,10 @@ from __future__ import annotations
 from typing import Any
 
 from litedram.core import LiteDRAMCore
+from litedram.frontend.dma import LiteDRAMDMAReader, LiteDRAMDMAWriter
 from litedram.init import get_sdram_phy_init_sequence
 from litex.gen import LiteXModule
+from litex.soc.interconnect import stream
 from migen import FSM, Array, If, NextState, NextValue, Signal
 
 # Where things lie, in words of 32 bits, and how many bits of address they take.
@@ -54,6 +56,34 @@ class BoardMemory(LiteXModule):
             ),
         )
         fsm.act("READY", self.ready.eq(1))
+
+
+class Reader(LiteXModule):
+    """LiteDRAM's reader behind registers: the way through the crossbar and back takes most of a clock."""
+
+    def __init__(self, memory: Any, read_ahead: int, fifo_buffered: bool = False) -> None:
+        self.dma = dma = LiteDRAMDMAReader(memory.get_port("read"), read_ahead, fifo_buffered)
+        self.registers = registers = _registers_before(dma.sink)
+        self.comb += registers.source.connect(dma.sink)
+        self.sink, self.source = registers.sink, dma.source
+
+
+class Writer(LiteXModule):
+    """The same of its writer. idle: all that was taken has entered the crossbar, so that whatever is read
+    from now on comes after it."""
+
+    def __init__(self, memory: Any) -> None:
+        self.dma = dma = LiteDRAMDMAWriter(memory.get_port("write"))
+        self.registers = registers = _registers_before(dma.sink)
+        self.sink, self.idle = registers.sink, Signal()
+        inside = Signal(2)
+        taken, gone = self.sink.valid & self.sink.ready, dma.sink.valid & dma.sink.ready
+        self.comb += [registers.source.connect(dma.sink), self.idle.eq(inside == 0)]
+        self.sync += inside.eq(inside + taken - gone)
+
+
+def _registers_before(sink: Any) -> stream.Buffer:
+    return stream.Buffer(sink.description, pipe_valid=True, pipe_ready=True)
 
 
 def _without(name: str, command: str) -> int:

@@ -5,11 +5,10 @@ from __future__ import annotations
 
 from typing import Any
 
-from litedram.frontend.dma import LiteDRAMDMAReader, LiteDRAMDMAWriter
 from litex.gen import LiteXModule
 from migen import FSM, C, Cat, If, Mux, NextState, NextValue, Signal
 
-from gateware.memory import PIXELS_BASE, PIXELS_BITS, WORDS_OUT_BITS
+from gateware.memory import PIXELS_BASE, PIXELS_BITS, WORDS_OUT_BITS, Reader, Writer
 from gateware.slots import STATES, Slots
 
 READ_AHEAD = 64  # words
@@ -31,8 +30,8 @@ class Runner(LiteXModule):
         session = {name: getattr(self, name) for name in ("width", "height", "chunks_in", "words_out")}
         own = {name: Signal.like(value, name=f"own_{name}") for name, value in session.items()}
 
-        self.reader = reader = LiteDRAMDMAReader(memory.get_port("read"), READ_AHEAD, fifo_buffered=True)
-        self.writer = writer = LiteDRAMDMAWriter(memory.get_port("write"))
+        self.reader = reader = Reader(memory, READ_AHEAD, fifo_buffered=True)
+        self.writer = writer = Writer(memory)
         slot, next_slot, abandoned, stuck = Signal(), Signal(), Signal(), Signal()
         asked, came, wanted = (Signal(PIXELS_BITS + 1, name=name) for name in ("asked", "came", "wanted"))
         stored = Signal(WORDS_OUT_BITS + 1)
@@ -101,7 +100,7 @@ class Runner(LiteXModule):
             "RUN",
             running.eq(1),
             self.busy.eq(1),
-            If((stored == own["words_out"]) & (came == wanted), NextState("FINISH")),
+            If((stored == own["words_out"]) & (came == wanted) & writer.idle, NextState("FINISH")),
             If(
                 (patience == 2**patience_bits - 1) | stuck,
                 NextValue(stuck, 1),

@@ -6,14 +6,13 @@ from __future__ import annotations
 from typing import Any
 
 import wire
-from litedram.frontend.dma import LiteDRAMDMAReader, LiteDRAMDMAWriter
 from liteeth.common import eth_udp_user_description
 from litex.gen import LiteXModule
 from litex.soc.interconnect import stream
 from migen import FSM, Array, C, Case, Cat, If, Mux, NextState, NextValue, Signal
 from wire import BITMAP_WORDS, CHUNK_WORDS, CONSTANTS, HEADER, HEADER_WORDS, PAYLOAD, REPLIES, REQUESTS
 
-from gateware.memory import PIXELS_BASE, PIXELS_BITS, WORDS_OUT_BITS
+from gateware.memory import PIXELS_BASE, PIXELS_BITS, WORDS_OUT_BITS, Reader, Writer
 from gateware.packets import LAST_BYTE, PACKET_WORDS, PacketBuffer
 from gateware.slots import BITMAP_BITS, SLOTS, STATES, Slots
 
@@ -33,8 +32,8 @@ class Server(LiteXModule):
     def __init__(self, packets: PacketBuffer, memory: Any, slots: Slots, engine: Any, runner: Any) -> None:
         self.source = source = stream.Endpoint(eth_udp_user_description(32))
 
-        self.reader = reader = LiteDRAMDMAReader(memory.get_port("read"), READ_AHEAD)
-        self.writer = writer = LiteDRAMDMAWriter(memory.get_port("write"))
+        self.reader = reader = Reader(memory, READ_AHEAD)
+        self.writer = writer = Writer(memory)
 
         session, last_write = Signal(32), Signal(32)
         header = Array(Signal(32, name=f"header_{i}") for i in range(HEADER_WORDS))
@@ -269,9 +268,11 @@ class Server(LiteXModule):
             writer.sink.valid.eq(~bit),
             writer.sink.address.eq(PIXELS_BASE + Cat(C(0, 8), index[: PIXELS_BITS - 8], slot) + position),
             writer.sink.data.eq(packets.data),
-            If((position == CHUNK_WORDS - 1) & writer.sink.ready, NextState("MARK")),
+            If((position == CHUNK_WORDS - 1) & writer.sink.ready, NextState("STORED")),
             If(bit, *after_pixels),
         )
+        # The last chunk makes the frame whole, and it is read at once.
+        fsm.act("STORED", slots.row_address.eq(row_address), If(writer.idle, NextState("MARK")))
         now_full = Signal()
         self.comb += now_full.eq(slots.chunks[slot] + 1 == runner.chunks_in)
         fsm.act(

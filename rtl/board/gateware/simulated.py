@@ -15,31 +15,32 @@ from liteeth.common import eth_phy_description
 from litex.gen import LiteXModule
 from litex.gen.fhdl import verilog
 from litex.soc.interconnect import stream
-from migen import ClockDomain, ClockSignal, ResetSignal, Signal
+from migen import ClockDomain, ResetSignal, Signal
 
 from gateware.engine import Build
 from gateware.system import BoardSystem
 
-CLK_FREQ = 60e6
+CLK_FREQ = 45e6
 MAC_ADDRESS = 0x0256_5354_4501
 IP_ADDRESS = "192.168.1.50"
 
 
 class SimulatedPhy(LiteXModule):
-    """Bytes of Ethernet frames from preamble to check sum, a clock each; one without `valid` ends a frame."""
+    """Bytes of Ethernet frames from preamble to check sum, a clock `eth_clk` each; one without `valid` ends a
+    frame."""
 
     dw = 8
 
-    def __init__(self) -> None:
+    def __init__(self, eth_clk: Signal) -> None:
         self.rx_valid, self.rx_data = Signal(), Signal(8)
         self.tx_valid, self.tx_data = Signal(), Signal(8)
         self.sink = sink = stream.Endpoint(eth_phy_description(8))
         self.source = source = stream.Endpoint(eth_phy_description(8))
         self.cd_eth_rx, self.cd_eth_tx = ClockDomain("eth_rx"), ClockDomain("eth_tx")
         for domain in (self.cd_eth_rx, self.cd_eth_tx):
-            self.comb += [domain.clk.eq(ClockSignal("sys")), domain.rst.eq(ResetSignal("sys"))]
+            self.comb += [domain.clk.eq(eth_clk), domain.rst.eq(ResetSignal("sys"))]
         last_valid, last_data = Signal(), Signal(8)
-        self.sync += [last_valid.eq(self.rx_valid), last_data.eq(self.rx_data)]
+        self.sync.eth_rx += [last_valid.eq(self.rx_valid), last_data.eq(self.rx_data)]
         self.comb += [
             source.valid.eq(last_valid),
             source.data.eq(last_data),
@@ -53,10 +54,10 @@ class SimulatedPhy(LiteXModule):
 
 class Simulated(LiteXModule):
     def __init__(self, build: Build) -> None:
-        self.clk, self.rst = Signal(name="clk"), Signal(name="rst")
+        self.clk, self.rst, self.eth_clk = Signal(name="clk"), Signal(name="rst"), Signal(name="eth_clk")
         self.cd_sys = ClockDomain("sys")
         self.comb += [self.cd_sys.clk.eq(self.clk), self.cd_sys.rst.eq(self.rst)]
-        self.phy = phy = SimulatedPhy()
+        self.phy = phy = SimulatedPhy(self.eth_clk)
         module = M12L64322A(CLK_FREQ, "1:1")
         self.sdram = SDRAMPHYModel(module, data_width=32, clk_freq=CLK_FREQ)
         self.board = BoardSystem(
@@ -75,11 +76,13 @@ class Simulated(LiteXModule):
             inside = getattr(phy, name)
             pin = self.pins[name] = Signal(len(inside), name=name)
             self.comb += inside.eq(pin) if name.startswith("rx") else pin.eq(inside)
+        busy = self.pins["busy"] = Signal(name="busy")  # a frame is being matched
+        self.comb += busy.eq(self.board.runner.busy)
 
 
 def main(folder: Path, numbers: list[int]) -> None:
     board = Simulated(Build(*numbers))
-    ios = {board.clk, board.rst, *board.pins.values()}
+    ios = {board.clk, board.rst, board.eth_clk, *board.pins.values()}
     verilog.convert(board, ios, name="board").write(str(folder / "board.v"))
 
 

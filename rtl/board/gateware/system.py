@@ -22,6 +22,9 @@ from gateware.slots import Slots
 # last word finds it full, so there is room for more than can come.
 REPLIES, REPLY_WORDS = 2, 1024
 
+# From one clock to the other: as many as one piece of distributed memory holds, for the sake of 125 MHz.
+CROSSING_WORDS = 16
+
 
 class BoardSystem(LiteXModule):
     """One clock, `sys`, and those of the Ethernet PHY."""
@@ -36,11 +39,18 @@ class BoardSystem(LiteXModule):
         mac_address: int,
         ip_address: str,
         quick_start: bool = False,
-        patience_bits: int = 20,  # 17 ms at 60 MHz
+        patience_bits: int = 20,  # 23 ms at 45 MHz
     ) -> None:
         self.memory = BoardMemory(sdram_phy, sdram_module, clk_freq, quick_start)
         self.network = LiteEthUDPIPCore(
-            ethernet_phy, mac_address, ip_address, int(clk_freq), dw=32, with_sys_datapath=True
+            ethernet_phy,
+            mac_address,
+            ip_address,
+            int(clk_freq),
+            dw=32,
+            with_sys_datapath=True,
+            tx_cdc_depth=CROSSING_WORDS,
+            rx_cdc_depth=CROSSING_WORDS,
         )
         self.packets = PacketBuffer()
         self.slots = Slots()

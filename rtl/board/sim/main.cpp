@@ -2,10 +2,11 @@
 // The simulated board on a UDP port of the loopback interface. What comes there reaches the board's PHY as an Ethernet
 // frame of one host, from preamble to check sum, and what the board sends to that host leaves the port.
 //
-//   board-sim [--port N] [--drop P] [--double P] [--damage P] [--seed N]
+//   board-sim [--port N] [--drop P] [--double P] [--damage P] [--seed N] [--clocks FILE]
 //
 // P: the share of packets, of both directions, that the link drops, doubles, or damages by a bit on the way to the board.
-// Prints the port once it is open, and runs until its input ends.
+// Prints the port once it is open, and runs until its input ends. FILE gets, for each frame that was matched, the clock
+// in which the engine began with it and the one in which it had ended.
 
 #include <arpa/inet.h>
 #include <poll.h>
@@ -28,6 +29,7 @@
 
 namespace {
 
+constexpr int kClockMhz = 45, kEthernetMhz = 125;
 constexpr int kGapClocks = 12, kPollEvery = 64;
 constexpr int kIdleClocks = 30000;  // without a packet, after which the simulation waits for one
 
@@ -35,6 +37,7 @@ struct Options {
   int port = 0;
   double drop = 0, twice = 0, damage = 0;
   unsigned seed = 1;
+  std::string clocks;  // a path, empty: none
 };
 
 Options parse(int argc, char** argv) {
@@ -52,6 +55,8 @@ Options parse(int argc, char** argv) {
       options.damage = value;
     else if (name == "--seed")
       options.seed = static_cast<unsigned>(value);
+    else if (name == "--clocks")
+      options.clocks = argv[i + 1];
     else
       std::fprintf(stderr, "board-sim: unknown option %s\n", argv[i]), std::exit(2);
   }
@@ -83,19 +88,22 @@ class Simulation {
     board_->rst = 1;
     for (int i = 0; i < 20; ++i) clock();
     board_->rst = 0;
+    if (!options.clocks.empty() && !(frames_ = std::fopen(options.clocks.c_str(), "w"))) {
+      std::perror("board-sim: --clocks");
+      std::exit(2);
+    }
   }
+  ~Simulation() {
+    if (frames_) std::fclose(frames_);
+  }
+  Simulation(const Simulation&) = delete;
+  Simulation& operator=(const Simulation&) = delete;
 
   void run() {
     for (;;) {
       if (clocks_ % kPollEvery == 0) receive();
-      drive();
       clock();
-      if (board_->tx_valid) {
-        from_board_.push_back(board_->tx_data);
-      } else if (!from_board_.empty()) {
-        answer(from_board_);
-        from_board_.clear();
-      }
+      if (frames_) watch_engine();
       if (clocks_ - active_ > kIdleClocks && !sleep()) return;
     }
   }
@@ -109,6 +117,30 @@ class Simulation {
     board_->clk = 1;
     board_->eval();
     ++clocks_;
+    for (ethernet_phase_ += kEthernetMhz; ethernet_phase_ >= kClockMhz; ethernet_phase_ -= kClockMhz) ethernet_clock();
+  }
+
+  void ethernet_clock() {
+    drive();
+    board_->eth_clk = 0;
+    board_->eval();
+    board_->eth_clk = 1;
+    board_->eval();
+    if (board_->tx_valid) {
+      from_board_.push_back(board_->tx_data);
+    } else if (!from_board_.empty()) {
+      answer(from_board_);
+      from_board_.clear();
+    }
+  }
+
+  void watch_engine() {
+    if (board_->busy == busy_) return;
+    busy_ = board_->busy;
+    if (busy_)
+      begun_ = clocks_;
+    else
+      std::fprintf(frames_, "%lld %lld\n", static_cast<long long>(begun_), static_cast<long long>(clocks_));
   }
 
   // Waits for a packet; false when the input has ended.
@@ -190,8 +222,11 @@ class Simulation {
   std::deque<Bytes> to_board_;
   Bytes from_board_;
   size_t sent_ = 0;
-  int gap_ = 0;
+  int gap_ = 0, ethernet_phase_ = 0;
   int64_t clocks_ = 0, active_ = 0;
+  std::FILE* frames_ = nullptr;
+  bool busy_ = false;
+  int64_t begun_ = 0;
 };
 
 }  // namespace

@@ -59,7 +59,7 @@ def assess(
     simulator: Simulator, preset: str | None, config: SystemConfig, clock: Clock, host: HostTimes
 ) -> Answer:
     config = replace(config, rectify_ms=host.rectify_ms, host_stage_ms=host.stage_ms)
-    run = simulator.run(replace(config, compute_words=True))
+    run = simulator.run(replace(config, compute_words=config.rectify_rows == 0))
     limited, needed = limit(simulator, config), clock_needed(simulator, config)
     return Answer(preset, config, clock, host, run, figures(run), limited, needed)
 

@@ -23,6 +23,7 @@ Faster = Callable[[SystemConfig, float], SystemConfig]
 STAGES: dict[str, Faster] = {
     "engine": SystemConfig.faster_engine,
     "memory": SystemConfig.faster_memory,
+    "link": SystemConfig.faster_link,
     "host": SystemConfig.faster_host,
 }
 
@@ -71,7 +72,8 @@ def limit(simulator: Simulator, config: SystemConfig) -> Limit:
     faster = {
         name: rate_hz(fastest_run(simulator, change(config, 2.0)))
         for name, change in STAGES.items()
-        if name != "host" or config.host_stage_ms or config.rectify_ms
+        if (name != "host" or config.host_stage_ms or config.rectify_ms)
+        and (name != "link" or config.has_board)
     }
     best = max(faster, key=lambda name: faster[name])
     return Limit(base, best if faster[best] >= GAIN * base else busiest(run), faster)

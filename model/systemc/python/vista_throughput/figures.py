@@ -97,6 +97,11 @@ def _stages(run: Run) -> list[Stage]:
         stage("wait for the host", spans_ms(run, "result_end_ns", "host_start_ns")),
         stage("host", spans_ms(run, "host_start_ns", "host_end_ns"), host["utilisation"]),
         Stage("memory port", float("nan"), float("nan"), memory),
+        *(
+            [Stage("link", float("nan"), float("nan"), host["link_utilisation"])]
+            if run.config.has_board
+            else []
+        ),
     ]
 
 
@@ -108,12 +113,13 @@ def _percentiles(values: np.ndarray) -> tuple[float, float]:
 
 
 def busiest(run: Run) -> str:
-    """Of engine, memory and host."""
+    """Of engine, memory, link and host."""
     output = run.output
     return max(
         {
             "engine": max(lane["utilisation"] for lane in output["lanes"]),
             "memory": output["memory"]["utilisation"],
+            "link": output["host"]["link_utilisation"] or 0.0,
             "host": max(output["host"]["utilisation"], output["host"]["rectify_utilisation"] or 0.0),
         }.items(),
         key=lambda item: item[1],

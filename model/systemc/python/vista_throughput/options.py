@@ -73,6 +73,30 @@ OPTIONS = (
         "that of the build as placed and routed",
     ),
     Option("--lanes", "lanes", count, "N", "number of engines side by side; each takes whole frames"),
+    Option(
+        "--rectify-rows",
+        "rectify_rows",
+        count,
+        "N",
+        "rows of the line buffer of a front end in hardware: 16, 32, 64 or 128",
+        "no front end",
+    ),
+    Option("--levels", "levels", count, "N", "levels of the pyramid that are matched, 1 to 4"),
+    Option(
+        "--link",
+        "link_bytes_s",
+        quantity,
+        "BYTES/S",
+        "bytes per second, each way, of the link to a board",
+        "the camera feeds the memory of the engine",
+    ),
+    Option(
+        "--round-trip",
+        "link_round_trip_ns",
+        quantity,
+        "NS",
+        "nanoseconds that network and host take for a question and its answer",
+    ),
     Option("--camera-rate", "camera_rate_hz", quantity, "HZ", "frames per second of the camera"),
     Option(
         "--pixel-clock",
@@ -157,7 +181,8 @@ def configure(arguments: argparse.Namespace) -> tuple[SystemConfig, Clock]:
         reason = f"{config.width_px} px, the engine is built for {config.max_width_px}: name --build-width"
         raise InputError("--width", reason)
     if "engine_clock_hz" in values:
-        clock = Clock(config.engine_clock_hz, "as given", None)
+        origin = "as given" if arguments.engine_clock_hz is not None else "of the bitstream"
+        clock = Clock(config.engine_clock_hz, origin, None)
     else:
         clock = routed_clock(config.disparities, config.block_px, config.max_width_px)
     # A little more than the rate takes: the exact quotient may round to just below the rate.

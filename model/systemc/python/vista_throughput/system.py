@@ -21,12 +21,19 @@ class SystemConfig:
     max_width_px: int = 1024  # the engine is built for
     engine_clock_hz: float = 100e6
     lanes: int = 1
+    rectify_rows: int = 0  # of the front end in hardware; 0: none, the host does its work
+    levels: int = 1  # of the pyramid, matched one after the other
+    link_bytes_s: float = 0.0  # each way, to a board; 0: the camera feeds the engine's memory
+    link_round_trip_ns: float = 0.0  # of network and host, beside the time of the packets
     camera_rate_hz: float = 60.0
     camera_pixel_clock_hz: float = DEFAULT_PIXEL_CLOCK_HZ
     camera_horizontal_blanking_px: int = 160
     camera_vertical_blanking_lines: int = 45
     memory_bandwidth_bytes_s: float = 1.6e9
     memory_latency_ns: float = 100.0
+    memory_burst_overhead_ns: float = 0.0
+    burst_bytes: int = 256
+    dma_fifo_bytes: int = 4096
     result_bytes_px: int = 2  # disparities; 4: with Smin, which the host does not read
     buffers: int = 3
     buffer_policy: str = "latest"
@@ -36,6 +43,10 @@ class SystemConfig:
     compute_words: bool = False
     rectify_ms: Samples = ()
     host_stage_ms: Mapping[str, Samples] = field(default_factory=dict)  # in the order in which they run
+
+    @property
+    def has_board(self) -> bool:
+        return self.link_bytes_s > 0
 
     @property
     def readout_pixel_clocks(self) -> int:
@@ -68,6 +79,14 @@ class SystemConfig:
             self,
             memory_bandwidth_bytes_s=self.memory_bandwidth_bytes_s * factor,
             memory_latency_ns=self.memory_latency_ns / factor,
+            memory_burst_overhead_ns=self.memory_burst_overhead_ns / factor,
+        )
+
+    def faster_link(self, factor: float) -> SystemConfig:
+        return replace(
+            self,
+            link_bytes_s=self.link_bytes_s * factor,
+            link_round_trip_ns=self.link_round_trip_ns / factor,
         )
 
     def faster_engine(self, factor: float) -> SystemConfig:

@@ -15,6 +15,10 @@ def table(answer: Answer) -> str:
 def _system(answer: Answer) -> list[str]:
     c = answer.config
     lanes = f"{c.lanes} engines" if c.lanes > 1 else "1 engine"
+    if c.rectify_rows:
+        lanes += f" with front end, {c.levels} level" + "s" * (c.levels > 1)
+    if c.has_board:
+        lanes += f", link {8 * c.link_bytes_s / 1e9:g} Gbit/s"
     return [
         f"{answer.preset or 'system'}: {c.width_px}x{c.height_px}, {c.disparities} disparities, block "
         f"{c.block_px}; camera {c.camera_rate_hz:g} Hz, pixel clock {c.camera_pixel_clock_hz / 1e6:.4g} MHz",

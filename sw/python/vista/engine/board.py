@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import asdict
-from typing import Any
 
 import numpy as np
 
@@ -12,6 +11,7 @@ from vista import native
 from vista.control_grid import GridPair
 from vista.engine.contract import Disparity, EngineParameters, Image, check_images
 from vista.engine.golden import StereoEngine
+from vista.engine.hardware import level_shapes, settings_of, split_levels
 from vista.errors import InputError
 
 DEFAULT_TIMEOUT_S = 2
@@ -86,7 +86,7 @@ class BoardEngine:
         except _SessionLostError:
             self._configure(width, height)
             words = self._frame(left, right)
-        return iter(self._split(words, left.shape))
+        return iter(split_levels(words, level_shapes(left.shape, self.parameters.levels)))
 
     def _check_build(self) -> None:
         wanted, found = self.parameters, self._build
@@ -104,18 +104,8 @@ class BoardEngine:
             )
 
     def _configure(self, width_px: int, height_px: int) -> None:
-        parameters, buffer = self.parameters, self._ffi.from_buffer
-        settings: dict[str, Any] = {
-            "width_px": width_px,
-            "height_px": height_px,
-            "xsobel": parameters.prefilter == "xsobel",
-            "prefilter_cap": parameters.prefilter_cap,
-            "texture_threshold": parameters.texture_threshold,
-            "uniqueness_ratio": parameters.uniqueness_ratio,
-            "lr_max_diff": parameters.lr_number,
-            "smooth": parameters.smooth,
-            "levels": parameters.levels,
-        }
+        buffer = self._ffi.from_buffer
+        settings = settings_of(self.parameters) | {"width_px": width_px, "height_px": height_px}
         grids = []
         if self._grids is not None:
             grids = [
@@ -139,14 +129,6 @@ class BoardEngine:
             "the frame is lost: ",
         )
         return words
-
-    def _split(self, words: Disparity, shape: tuple[int, ...]) -> list[Disparity]:
-        levels = []
-        for _ in range(self.parameters.levels):
-            count = shape[0] * shape[1]
-            levels.append(words[:count].reshape(shape))
-            words, shape = words[count:], ((shape[0] + 1) // 2, (shape[1] + 1) // 2)
-        return levels
 
     def _check(self, status: int, consequence: str = "") -> None:
         lib = self._lib

@@ -21,6 +21,7 @@ from vista import native
 from vista.control_grid import BUFFER_ROWS, GridPair
 from vista.engine.contract import Disparity, EngineParameters, Image, check_images
 from vista.engine.golden import StereoEngine
+from vista.engine.hardware import level_shapes, settings_of, split_levels
 
 DEFAULT_WIDTH_PX = 1024  # of the reference build (doc/rtl.md)
 MIN_WIDTH_PX, MIN_HEIGHT_PX = 4, 2  # doc/rtl.md, Instantiate
@@ -62,16 +63,7 @@ class RtlEngine:
         self._ffi, self._lib = native.load_as(f"vista_rtl_{build}", "vista_rtl", _make)
         self._settings = self._ffi.new(
             "vista_rtl_settings *",
-            {
-                "xsobel": parameters.prefilter == "xsobel",
-                "prefilter_cap": parameters.prefilter_cap,
-                "texture_threshold": parameters.texture_threshold,
-                "uniqueness_ratio": parameters.uniqueness_ratio,
-                "lr_max_diff": parameters.lr_number,
-                "smooth": parameters.smooth,
-                "levels": parameters.levels,
-                "rectify": grids is not None,
-            },
+            settings_of(parameters) | {"rectify": grids is not None},
         )
         self._engine = self._ffi.gc(self._lib.vista_rtl_create(_SEED), self._lib.vista_rtl_destroy)
         self._build = self._ffi.new("vista_rtl_build *")
@@ -118,11 +110,8 @@ class RtlEngine:
     def _match(self, left: Image, right: Image) -> list[Disparity]:
         """All levels, in one pass through the hardware."""
         left, right = np.ascontiguousarray(left), np.ascontiguousarray(right)
-        shapes = [left.shape]
-        while len(shapes) < self.parameters.levels:
-            shapes.append(((shapes[-1][0] + 1) // 2, (shapes[-1][1] + 1) // 2))
-        sizes = [height * width for height, width in shapes]
-        words = np.empty(sum(sizes), np.int16)
+        shapes = level_shapes(left.shape, self.parameters.levels)
+        words = np.empty(sum(height * width for height, width in shapes), np.int16)
         buffer = self._ffi.from_buffer
         height, width = left.shape
         self.last_clocks = self._lib.vista_rtl_compute(
@@ -136,8 +125,7 @@ class RtlEngine:
         )
         if self.last_clocks < 0:
             raise RuntimeError(f"the RTL did not send all words of a {width}x{height} frame")
-        parts = np.split(words, np.cumsum(sizes)[:-1])
-        return [part.reshape(shape) for part, shape in zip(parts, shapes, strict=True)]
+        return split_levels(words, shapes)
 
     def check_size(self, width_px: int, height_px: int) -> None:
         most = self._build

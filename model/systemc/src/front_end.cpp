@@ -1,0 +1,103 @@
+#include "front_end.h"
+
+#include <algorithm>
+
+namespace vista {
+namespace {
+
+// doc/rtl.md, "Front end": clocks from the last row that a row needs to its first pixel, before each smaller level, and
+// from the last pixel that smoothing needs, when it enters the pyramid, to the smoothed one.
+constexpr int64_t kRowClocks = 33, kLevelClocks = 16, kPyramidClocks = 2, kSmoothClocks = 9 + kPyramidClocks;
+constexpr int64_t kSmoothAhead = 2;
+constexpr int64_t kSlack = 8;  // pixels that registers hold
+
+}  // namespace
+
+FrontEnd::FrontEnd(const sc_core::sc_module_name& name, const Configuration& c, Memory& memory, int64_t address)
+    : sc_module(name), height_(c.height_px), rows_(c.rectify_rows), buffer_("levels", c, memory, address) {
+  for (const clocks::Size& size : c.level_sizes()) {
+    level_width_.push_back(size.width);
+    level_px_.push_back(static_cast<int64_t>(size.width) * size.height);
+  }
+}
+
+void FrontEnd::go_on(Place& place) const {
+  if (++place.pixel < pixels(place)) return;
+  place.pixel = 0;
+  if (++place.level < static_cast<int64_t>(level_px_.size())) return;
+  place.level = 0;
+  ++place.frame;
+}
+
+bool FrontEnd::pixel_valid(int64_t clock) {
+  advance(clock);
+  // Smoothing needs a row and two pixels more, or all that its level has.
+  const int64_t needed = std::min(width(smoothed_) + kSmoothAhead, pixels(smoothed_) - 1 - smoothed_.pixel);
+  return passed_ > left_ + needed && passed_clocks_[static_cast<size_t>(needed)] + kSmoothClocks <= clock;
+}
+
+void FrontEnd::pixel_taken(int64_t) {
+  go_on(smoothed_);
+  ++left_;
+  passed_clocks_.pop_front();
+}
+
+int64_t FrontEnd::next_pixel(int64_t clock) {
+  while (!pixel_valid(clock)) {
+    if (empty()) {
+      clock = std::max(clock, raw->next_pixel(clock));
+      clock_ = std::max(clock_, clock - 1);
+    }
+    if (!pixel_valid(clock)) ++clock;
+  }
+  return clock;
+}
+
+void FrontEnd::advance(int64_t clock) {
+  while (clock_ < clock) {
+    ++clock_;
+    pass_pyramid(clock_);
+    take_raw(clock_);
+  }
+}
+
+// The line buffer holds the rows that the row which leaves needs, and two more.
+void FrontEnd::take_raw(int64_t clock) {
+  const int64_t leaving = pyramid_.frame * height_ + (pyramid_.level == 0 ? pyramid_.pixel / level_width_[0] : height_);
+  if (raw_px_ / level_width_[0] >= leaving + rows_ / 2 + 2 || !raw->pixel_valid(clock)) return;
+  raw->pixel_taken(clock);
+  ++raw_px_;
+}
+
+// Row y needs the rows down to y + rows / 2 - 1, as far as the frame has them.
+bool FrontEnd::rectified(int64_t clock) {
+  const int64_t y = pyramid_.pixel / level_width_[0], row = pyramid_.frame * height_ + y;
+  const int64_t needed = pyramid_.frame * height_ + std::min(y + rows_ / 2, height_);
+  if (raw_px_ < needed * level_width_[0]) return false;
+  if (row_ != row) {
+    row_ = row;
+    row_clock_ = clock - 1;
+  }
+  // Later rows were made ready while the one before left.
+  return y > 0 || clock >= row_clock_ + kRowClocks;
+}
+
+void FrontEnd::pass_pyramid(int64_t clock) {
+  if (passed_ - left_ > width(smoothed_) + kSmoothAhead + kSmoothClocks + kSlack) return;
+  const bool more = pyramid_.level + 1 < static_cast<int64_t>(level_px_.size());
+  if (more && !buffer_.has_room(clock)) return;
+  if (pyramid_.level == 0 ? !rectified(clock) : clock < level_clock_ + kLevelClocks || !buffer_.take(clock)) return;
+  passed_clocks_.push_back(clock);
+  ++passed_;
+  if (more) {
+    // A pixel of the smaller level for every second one of every second row, the last rows at the end.
+    const size_t next = static_cast<size_t>(pyramid_.level) + 1;
+    const int64_t done = pyramid_.pixel + 1, all = pixels(pyramid_), lag = 2 * width(pyramid_) + 4;
+    const int64_t stored = done == all ? level_px_[next] : std::max<int64_t>(0, done - lag) * level_px_[next] / all;
+    buffer_.store(clock, stored, done == all);
+  }
+  if (pyramid_.pixel + 1 == pixels(pyramid_)) level_clock_ = clock;
+  go_on(pyramid_);
+}
+
+}  // namespace vista

@@ -1,0 +1,86 @@
+"""The front end in hardware, and a board behind a link."""
+
+from __future__ import annotations
+
+import pytest
+from simulation import delivered, simulate
+
+W, H = 160, 120
+SIDE = {"width_px": W, "height_px": H, "max_width_px": 160, "camera_rate_hz": 0, "camera_pixel_clock_hz": 1e6,
+        "camera_horizontal_blanking_px": 0, "camera_vertical_blanking_lines": 0,
+        "compute_words": "off", "result_bytes_px": 2, "frames": 6}  # fmt: skip
+FAST_MEMORY = {"memory_bandwidth_bytes_s": 1e12, "memory_latency_ns": 0}
+CLOCK_HZ = 10e6
+
+
+def clocks(**keys: object) -> list[float]:
+    """From the first burst that is fetched to the last word in memory, of each frame."""
+    output = simulate(**SIDE, engine_clock_hz=CLOCK_HZ, **keys)
+    return [(f["result_end_ns"] - f["fetch_start_ns"]) * CLOCK_HZ / 1e9 for f in delivered(output)]
+
+
+@pytest.mark.parametrize("rows", [16, 32, 64, 128])
+def test_rectification_delays_a_frame_by_half_its_line_buffer(rows: int) -> None:
+    """And by its own pixels and those of smoothing, which do not depend on it."""
+    plain, delayed = clocks(**FAST_MEMORY)[1], clocks(**FAST_MEMORY, rectify_rows=rows)[1]
+    more = delayed - plain - min(rows // 2, H) * W
+    assert W < more < W + 60
+
+
+def test_levels_take_their_pixels_more() -> None:
+    one, two, three = (clocks(**FAST_MEMORY, rectify_rows=16, levels=n)[1] for n in (1, 2, 3))
+    pixels = (W // 2) * (H // 2)
+    # The last rows of a smaller level are shorter, and before it there are 16 clocks.
+    assert abs(two - one - pixels) < 8 * W
+    assert abs(three - two - pixels / 4) < 4 * W
+
+
+def test_the_buffer_of_the_pyramid_is_stored_and_fetched_once() -> None:
+    output = simulate(**SIDE, engine_clock_hz=CLOCK_HZ, rectify_rows=16, levels=3, **FAST_MEMORY)
+    traffic = {master["name"]: master["bytes"] for master in output["memory"]["masters"]}
+    levels = (W // 2) * (H // 2) + (W // 4) * (H // 4)
+    assert traffic["store"] == traffic["levels"] == 4 * levels * len(delivered(output))
+    assert traffic["result0"] == 2 * (W * H + levels) * len(delivered(output))
+
+
+def test_slow_memory_slows_levels_and_not_the_single_level() -> None:
+    """Just enough for pixels and words, which are 4 bytes a clock; the pyramid wants more."""
+    memory = {"memory_bandwidth_bytes_s": 4.4 * CLOCK_HZ, "burst_bytes": 64, "dma_fifo_bytes": 256}
+    free, tight = (clocks(rectify_rows=16, **m)[1] for m in (FAST_MEMORY, memory))
+    assert tight < 1.02 * free
+    free, tight = (clocks(rectify_rows=16, levels=3, **m)[1] for m in (FAST_MEMORY, memory))
+    assert tight > 1.1 * free
+
+
+BOARD = SIDE | FAST_MEMORY | {"engine_clock_hz": 60e6, "camera_pixel_clock_hz": 20e6, "rectify_rows": 16,
+                              "frames": 200}  # fmt: skip
+
+
+def rate_hz(**keys: object) -> float:
+    ends = [frame["host_end_ns"] for frame in delivered(simulate(**BOARD | keys))][2:-2]
+    return 1e9 * (len(ends) - 1) / (ends[-1] - ends[0])
+
+
+def test_a_slow_link_sets_the_rate() -> None:
+    """A frame crosses it twice, 1024 bytes in a packet of 1110, and the client does one thing at a time."""
+    link_bytes_s = 5e6
+    packets = 2 * -(-2 * W * H // 1024)
+    assert rate_hz(link_bytes_s=link_bytes_s) == pytest.approx(link_bytes_s / (packets * 1110), rel=0.05)
+    assert rate_hz(link_bytes_s=1e9) > 5 * rate_hz(link_bytes_s=link_bytes_s)
+
+
+def test_a_slow_engine_sets_the_rate() -> None:
+    """It works at one frame at a time: its latency counts."""
+    frame = (H + 8 + 1) * W
+    assert rate_hz(link_bytes_s=1e9, engine_clock_hz=1e6) == pytest.approx(1e6 / frame, rel=0.05)
+
+
+def test_credits_make_a_round_trip_cost() -> None:
+    assert rate_hz(link_bytes_s=125e6, link_round_trip_ns=500e3) < 0.5 * rate_hz(link_bytes_s=125e6)
+
+
+def test_every_frame_is_delivered_or_dropped_with_a_reason() -> None:
+    output = simulate(**BOARD | {"link_bytes_s": 5e6})
+    totals = output["totals"]
+    assert totals["dropped"] == sum(totals["drops"].values()) > 0
+    assert len(delivered(output)) == totals["delivered"] > 0
