@@ -86,6 +86,21 @@ native: .venv/build.stamp ## build only the native libraries and the C programs
 # For what make itself links to the engine.
 $(BUILD)/lib/libvista_engine.so: native ;@:
 
+# The programs for AArch64 lie in build/aarch64/bin; qemu runs them.
+AARCH64 := build/aarch64
+.PHONY: aarch64 test-aarch64
+aarch64: .venv/build.stamp ## build libraries and programs for AArch64 (64-bit ARM) into build/aarch64
+	@scripts/setup_aarch64.sh
+	@$(CMAKE) -S . -B $(AARCH64) -G Ninja -DCMAKE_MAKE_PROGRAM=$(CURDIR)/.venv/bin/ninja \
+	  -DCMAKE_SYSTEM_NAME=Linux -DCMAKE_SYSTEM_PROCESSOR=aarch64 -DCMAKE_C_COMPILER=$(CURDIR)/build/tools/aarch64/gcc \
+	  -DCMAKE_C_FLAGS_RELEASE="$(CFLAGS)" -DVISTA_DEVELOPER=ON >/dev/null
+	@$(CMAKE) --build $(AARCH64)
+	@build/tools/aarch64/gcc $(CFLAGS) -std=c17 -Wall -Wextra -Werror -Imodel/c/include model/tests/words.c \
+	  -o $(AARCH64)/bin/words $(AARCH64)/lib/libvista_engine.a
+
+test-aarch64: aarch64 build .venv/test.stamp ## compare engine and host on AArch64, emulated, with this machine
+	@VISTA_AARCH64_WORDS=10000000 $(PYTHON) -m pytest -s model/tests/test_aarch64.py sw/tests/test_replay_aarch64.py
+
 install: native ## install libraries, headers and programs into PREFIX (default /usr/local), below DESTDIR
 	@DESTDIR=$(DESTDIR) $(CMAKE) --install $(BUILD) --prefix $(PREFIX)
 

@@ -17,8 +17,9 @@ NATIVE_PATHS = (
 )
 # What `make check` leaves out: simulations of the RTL, renderings, installations, and long runs.
 SLOW = """
-    board board_sim cache cli dataset_command demo engine_board engine_rtl figures flight
-    flights_command fuzz health_real jobs jobs_cluster mavlink_command measured_pairs obstacle_schema
+    replay_aarch64 board board_sim cache cli dataset_command demo engine_board engine_rtl figures flight
+    flights_command fuzz health_real jobs jobs_cluster live_camera live_command
+    live_loop live_parts mavlink_command measured_pairs obstacle_schema
     real_sequence report run_health scenes score_flight static_world street throughput
 """
 SLOW_PATHS = (

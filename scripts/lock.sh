@@ -8,7 +8,7 @@ export CUSTOM_COMPILE_COMMAND="make lock"
 for set_name in ${*:-pip build run test bench rtl docs jobs board}; do # each after those that constrain it
   echo "locking $set_name"
   case $set_name in
-    run) sources=(../../pyproject.toml --extra flights --constraint build.txt) ;; # a checkout has the extra
+    run) sources=(../../pyproject.toml --extra bags --extra flights --constraint build.txt) ;; # a checkout has these extras
     *) sources=("$set_name.in") ;;
   esac
   $tools/bin/pip-compile --quiet --generate-hashes --allow-unsafe --strip-extras --no-emit-index-url \

@@ -366,6 +366,25 @@ def rectification_table() -> str:
     return markdown("pair | median row error before, px | after, px", rows)
 
 
+CALIBRATION = {  # what a calibration found against the truth, with the names that the table gives it
+    "focal_percent": "focal length (%)",
+    "center_px": "principal point (px)",
+    "baseline_percent": "baseline (%)",
+    "turn_deg": "turn (degrees)",
+    "rows_before_px": "rows before (px)",
+    "exact_rows_px": "rows after (px)",
+    "exact_rows_worst_px": "worst (px)",
+}
+
+
+def calibration_table() -> str:
+    def ends(row: Record, key: str) -> str:
+        return span([float(f"{value:.2g}") for value in row[key]])
+
+    rows = [[row["case"], *(ends(row, key) for key in CALIBRATION)] for row in figures("calibration")["rows"]]
+    return markdown(" | ".join(["case", *CALIBRATION.values()]), rows)
+
+
 def rectification_grid_table() -> str:
     """Errors of a control grid against the exact map, and what line buffers of each depth serve."""
 
@@ -633,6 +652,7 @@ TABLES: dict[str, dict[str, Callable[[], str]]] = {  # by the figures that they 
     "throughput": {"throughput": throughput_table},
     "rectification": {"rectification": rectification_table},
     "rectification-grid": {"rectification-grid": rectification_grid_table},
+    "calibration": {"calibration": calibration_table},
     "health": {"health": health_table},
     "synthesis": {"synthesis": synthesis_table},
     "verification": {"coverage": coverage_table, "system-model": system_model_table},

@@ -217,6 +217,7 @@ REDUCE: dict[str, Callable[[Record], Record]] = {
     "evidence": lambda raw: raw,
     "health": lambda raw: raw,
     "rectification-grid": lambda raw: raw,
+    "calibration": lambda raw: raw,
     "host": lambda raw: {"sequences": raw["sequences"]},
     "street": lambda raw: raw,
     "segmentation": lambda raw: raw,

@@ -16,7 +16,7 @@ from vista_model.engine import Image, Parameters
 from vista_model.rectify import Grid
 
 _ROOT = Path(__file__).resolve().parents[2]
-_ISAS = ("portable", "avx2", "avx512")
+_ISAS = ("portable", "avx2", "avx512", "neon")
 
 
 @functools.cache

@@ -310,9 +310,12 @@ static vista_status run_stage(vista_pipeline *p, stage stage, passage *way) {
                                  frame->coarser, &p->words);
     case STAGE_FOVEATION:
       return vista_foveate(&p->foveation, &q->foveation, &frame->image, words, &p->cells);
-    case STAGE_HEALTH:
+    case STAGE_HEALTH: {
+      const vista_ahead ahead = {&p->camera, &way->motion.pose, &way->path, way->up_known ? up : NULL,
+                                 q->obstacle_map.collision_radius_m};
       return vista_health_judge(&q->health, &p->foveation, &p->matched, &p->cells, &way->noise, words, &way->motion,
-                                &way->health, &way->valid_fraction);
+                                &ahead, &way->health, &way->valid_fraction);
+    }
     case STAGE_SURFACE:
       return vista_surfaces_compute(&p->foveation, &q->surface, &p->camera, up, &p->cells, &p->surfaces);
     case STAGE_AFFINITY:
@@ -328,8 +331,7 @@ static vista_status run_stage(vista_pipeline *p, stage stage, passage *way) {
       if (status == VISTA_OK)
         status = vista_row_edges_judge(&p->foveation, &q->region, &frame->image, &way->noise, &p->cells, &p->regions);
       if (status != VISTA_OK) return status;
-      way->volume = vista_collision_volume_around(&way->path, &way->motion.pose, q->obstacle_map.collision_radius_m,
-                                                  q->obstacle_map.outline_px);
+      way->volume = vista_collision_volume_around(&q->obstacle_map, &way->path, &way->motion.pose);
       return vista_collision_volume_count(&p->foveation, &q->region, &p->camera, &way->volume, words, &p->cells,
                                           &p->regions);
     }

@@ -1,4 +1,4 @@
-"""Small synthetic sequences in the three layouts, for tests to use or to damage."""
+"""Small synthetic sequences in three layouts, for tests to use or to damage."""
 
 from __future__ import annotations
 
@@ -7,12 +7,16 @@ from pathlib import Path
 import cv2
 import numpy as np
 from numpy.typing import NDArray
+from vista.geometry import CameraModel, Pose, RawCalibration, camera_matrix
 
 WIDTH, HEIGHT = 160, 120
 FRAMES = 4
 FOCAL_PX, CX, CY, BASELINE_M = 120.0, 80.0, 60.0, 0.25
 DISPARITY_PX = 6
 
+MATRIX = camera_matrix(FOCAL_PX, FOCAL_PX, CX, CY)
+CAMERA = CameraModel(WIDTH, HEIGHT, MATRIX)
+RIG = RawCalibration(CAMERA, CAMERA, Pose(np.eye(3), np.array([-BASELINE_M, 0.0, 0.0])), "rig")
 PAIR_CALIBRATION = f"focal_px = {FOCAL_PX}\ncx = {CX}\ncy = {CY}\nbaseline_m = {BASELINE_M}\n"
 
 

@@ -195,6 +195,24 @@ def test_things_are_as_much_narrower_as_matching_widens_them() -> None:
     assert counts[0] > counts[1] > counts[2] == 0
 
 
+def test_far_ahead_the_volume_is_narrower_by_what_is_uncertain_of_the_path() -> None:
+    """A board 16 m wide at 20 m. What is left of the volume's cross-section is the square of what is left of
+    its radius, and no less than a quarter; of an arc the curvature is uncertain, too."""
+    stages = Stages(camera(), TOLERANCES)
+    mask = box((160, 120), 80, 80)
+    words = words_of(np.where(mask, 10.0, -1.0))
+    measure(stages, words, [mask])
+    (whole,) = count(stages, words, path_sigmas=0.0, sigma_rad=0.02)
+    for sigmas, sigma_rad, left in ((1.0, 0.02, 0.8), (2.0, 0.02, 0.6), (0.5, 0.04, 0.8), (3.0, 0.2, 0.5)):
+        (found,) = count(stages, words, path_sigmas=sigmas, sigma_rad=sigma_rad)
+        assert found / whole == pytest.approx(left**2, rel=0.1)
+    arc = {"normal_camera": [1.0, 0.0, 0.0], "curvature_1_m": 0.01}
+    (whole,) = count(stages, words, **arc)
+    (found,) = count(stages, words, path_sigmas=1.0, sigma_rad=0.02, **arc)
+    left_m = RADIUS_M - np.hypot(20.0 * 0.02, 0.25 * 0.01 * 20.0**2 / 2.0)
+    assert found / whole == pytest.approx((left_m / RADIUS_M) ** 2, rel=0.1)
+
+
 def test_a_wall_beside_the_way_is_out_though_its_middle_would_reach_in() -> None:
     """3 m to the right, from 6 m to 30 m ahead: as a disc of its size it would be in the way."""
     stages = Stages(camera(), TOLERANCES)

@@ -131,7 +131,7 @@ def test_opencv_on_images_too_small_to_be_matched(pair):
         ({"levels": 5}, ValueError, "levels must be from 1 to 4, not 5"),
         ({"levels": True}, TypeError, "levels must be an integer, not True"),
         ({"threads": 0}, ValueError, "threads must be from 1 to 256, not 0"),
-        ({"isa": "mmx"}, ValueError, "isa must be one of auto, portable, avx2, avx512, not 'mmx'"),
+        ({"isa": "mmx"}, ValueError, "isa must be one of auto, portable, avx2, avx512, neon, not 'mmx'"),
     ],
 )
 def test_bad_parameter(values, error, text):

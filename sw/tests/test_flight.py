@@ -10,12 +10,12 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
-from vista.geometry import rotation_from_quaternion
+from vista.geometry import quaternion_from_rotation, rotation_from_quaternion
 from vista.sequence import open_sequence
 from vista_eval.dataset.layout import image_path
 from vista_eval.render.flight import Flight, is_complete, prepare, render_flight
 from vista_eval.render.rig import LEFT, RIGHT, Rig
-from vista_eval.render.trajectory import quaternion_wxyz, rotation_from_angles
+from vista_eval.render.trajectory import rotation_from_angles
 from vista_eval.render.view import View
 from vista_eval.worlds.demo import SIGN_AT_30_FT_S
 from vista_eval.worlds.meadow_flights import sign_site
@@ -106,7 +106,9 @@ def test_the_reader_gets_the_poses_that_were_flown(rendered: Path) -> None:
 def test_quaternions_are_those_of_the_rotations() -> None:
     for angles in ((0.0, 0.0, 0.0), (2.0, -3.0, 40.0), (-10.0, 5.0, -120.0)):
         rotation = rotation_from_angles(*angles)
-        np.testing.assert_allclose(rotation_from_quaternion(quaternion_wxyz(rotation)), rotation, atol=1e-12)
+        np.testing.assert_allclose(
+            rotation_from_quaternion(quaternion_from_rotation(rotation)), rotation, atol=1e-12
+        )
 
 
 def test_a_seed_gives_the_same_bytes_and_another_one_others(rendered: Path, tmp_path: Path) -> None:

@@ -7,9 +7,9 @@ import math
 import numpy as np
 import pytest
 from random_seed import seed_of
-from vista.geometry import rotation_from_quaternion
+from vista.geometry import quaternion_from_rotation, rotation_from_quaternion
 from vista_eval.render.manoeuvre import GRAVITY_M_S2, Gusts, Manoeuvre
-from vista_eval.render.trajectory import Approach, Course, quaternion_wxyz, rotation_from_angles
+from vista_eval.render.trajectory import Approach, Course, rotation_from_angles
 
 STEP = 1e-3  # frames
 
@@ -127,4 +127,6 @@ def test_quaternions_of_half_turns_too() -> None:
     turns = [(0, 0, 180), (180, 0, 0), (0, 180, 0), (45, 0, 179.9), *random.uniform(-180, 180, (50, 3))]
     for angles in turns:
         rotation = rotation_from_angles(*angles)
-        np.testing.assert_allclose(rotation_from_quaternion(quaternion_wxyz(rotation)), rotation, atol=1e-9)
+        np.testing.assert_allclose(
+            rotation_from_quaternion(quaternion_from_rotation(rotation)), rotation, atol=1e-9
+        )

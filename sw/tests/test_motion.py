@@ -244,8 +244,16 @@ def test_how_well_the_direction_is_known_is_what_it_swayed_by() -> None:
             told_rad.append(path.sigma_rad)
         assert sway / 3.0 < np.mean(told_rad[20:]) < 1.5 * sway
     steady = Motion()
-    for flown, motion in ((steady, fly(steady, np.arange(20) * 0.1)), flown_circle(60.0, 12.0)):
+    for flown, motion in ((steady, fly(steady, np.arange(40) * 0.1)), flown_circle(60.0, 12.0)):
         assert math.radians(0.05) < flown.path(motion).sigma_rad < math.radians(0.3)
+
+
+def test_a_direction_that_was_watched_for_a_moment_only_is_less_certain() -> None:
+    """Steady flight: by half a degree and more in the first half second, by a fifth of one after 3 s."""
+    for frames, least_deg, most_deg in ((5, 0.5, 0.9), (15, 0.2, 0.5), (31, 0.1, 0.2)):
+        stage = Motion()
+        sigma_rad = stage.path(fly(stage, np.arange(frames) * 0.1)).sigma_rad
+        assert least_deg <= math.degrees(sigma_rad) <= most_deg
 
 
 def test_what_stands_or_hardly_moves_has_a_straight_path() -> None:

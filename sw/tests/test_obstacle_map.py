@@ -28,6 +28,7 @@ from track_library import (
 
 NAN = float("nan")
 FORWARD = (0.0, 0.0, 9.0)
+EXACT = {"thickness_ratio": 0.0, "path_sigmas": 0.0}  # what is seen is the middle, and the path is certain
 LASTING = ("disparity_px", "range_m", "center_px", "center_ratio", "scatter")
 
 
@@ -36,7 +37,7 @@ class Map:
         out = ffi.new("vista_obstacle_map **")
         self._arena = Arena(lambda arena: lib.vista_obstacle_map_layout(max_tracks, arena, out))
         assert self._arena.status == lib.VISTA_OK
-        self.handle, self.params = out[0], params("obstacle_map", **{"thickness_ratio": 0.0} | changes)
+        self.handle, self.params = out[0], params("obstacle_map", **EXACT | changes)
         self.camera = camera()
 
     def update(
@@ -232,6 +233,35 @@ def test_a_plain_wall_that_is_held_is_met_where_it_was_met_last(
     values = {"extent": (10.0, 13.0), "plain": True, "met": True, "met_m": [0.3, 0.5, 30.0]}
     assert in_volume((-9, 0, 30.0), **(values | changes)) == member
     assert not in_volume((-9, 0, 30.0), **(values | {"met_m": [-4.5, 0.0, 30.0]} | changes))
+
+
+@pytest.mark.parametrize(("misses", "member"), [(0, True), (2, True), (3, False)])
+def test_where_something_else_is_seen_for_long_nothing_is_warned_of(misses: int, member: bool) -> None:
+    """Until the track is given up: a fragment of a thing that another track follows drifts beside it."""
+    assert in_volume((0.0, 0.0, 30.0), coasting=True, misses=misses) == member
+
+
+def flier(across_m_s: float, meets_s: float, miss_m: float = 0.0, sigma_m: float = 0.1, **changes) -> bool:
+    """Whether what crosses is in the volume; it would pass `miss_m` from the aircraft, `meets_s` from now."""
+    velocity = [across_m_s, 0.0, -2.0]
+    position = (miss_m - across_m_s * meets_s, 0.0, (FORWARD[2] + 2.0) * meets_s)
+    values = {"coasting": False, "volume_window": 0, "velocity_m_s": velocity} | changes
+    return in_volume(position, sigma_m=sigma_m, **values)
+
+
+def test_what_flies_and_will_be_met_is_a_member_long_before_it_is_there() -> None:
+    """Never at the side of the path where the aircraft is now, and always at the same bearing."""
+    standing = {"foot_count": 5.0, "foot_share": 0.2}
+    hanging = {"foot_count": 5.0, "foot_share": 2.0}
+    assert flier(3.0, 2.5) and flier(-3.0, 2.5) and flier(3.0, 2.5, world=hanging)
+    assert not flier(3.0, 2.5, miss_m=3.0) and not flier(3.0, 2.5, miss_m=-3.0)
+    assert not flier(3.0, 4.0)  # later than is asked for
+    assert flier(1.2, 2.5, miss_m=-1.2)
+    assert not flier(0.9, 2.5, miss_m=-1.2)  # may be no motion at all
+    assert not flier(3.0, 2.5, sigma_m=0.8)  # and so may this
+    assert not flier(3.0, 2.5, hits=5)
+    assert not flier(3.0, 2.5, world=standing)
+    assert not flier(3.0, 2.5, misses=2, coasting=True)
 
 
 def test_errors_that_last_add_to_the_covariance() -> None:
@@ -721,8 +751,8 @@ def on_bend(along_m: float, aside_m: float = 0.0) -> tuple[float, float, float]:
     return BEND_M - radius_m * math.cos(angle), 0.0, radius_m * math.sin(angle)
 
 
-def bend(position, **keywords) -> Map:
-    mapper = Map()
+def bend(position, changes=None, **keywords) -> Map:
+    mapper = Map(**(changes or {}))
     arc = {"normal": (1.0, 0.0, 0.0), "curvature_1_m": 1.0 / BEND_M, "length_m": 25.0}
     assert mapper.update([track(position, extent=(0.2, 1.0), **keywords)], **arc) == "VISTA_OK"
     return mapper
@@ -736,6 +766,14 @@ def test_a_post_on_the_arc_is_in_the_way_and_one_beside_it_is_not(along_m: float
     assert bend(on_bend(along_m, 1.7)).nearest.valid and bend(on_bend(along_m, -1.7)).nearest.valid
     assert not bend(on_bend(along_m, 2.6)).nearest.valid
     assert not bend(on_bend(along_m, -2.6)).nearest.valid
+
+
+def test_what_coasts_far_along_a_bend_has_to_be_nearer_to_it() -> None:
+    """Its curvature may be a quarter more or less: 24 m on, half a sigma of that is 1.2 m."""
+    narrower = {"path_sigmas": 0.5}
+    assert not bend(on_bend(24.0, 1.7), narrower).nearest.valid
+    assert bend(on_bend(24.0, 0.7), narrower).nearest.valid
+    assert bend(on_bend(6.0, 1.7), narrower).nearest.valid
 
 
 def test_straight_ahead_of_a_bend_is_the_outside() -> None:

@@ -126,6 +126,28 @@ def test_a_wall_at_an_angle_is_measured_along_its_plane() -> None:
         assert region.boundary_inliers == pytest.approx(np.count_nonzero(on_wall), rel=0.02)
 
 
+def test_a_gap_between_two_things_is_no_surface_from_one_to_the_other() -> None:
+    """Words at both of its edges, half a block of what stands on either side, and none between them. A wall
+    at an angle with as few words in all, spread over it, is one."""
+    random = seeded(3)
+    for _ in range(10):
+        half, near_px, far_px = int(random.integers(18, 30)), random.uniform(16, 24), random.uniform(6, 10)
+        mask = box((160, 120), half, 40)
+        u = np.arange(320)[None, :]
+        edges = np.abs(u - 160) > half - 7
+        two = words_of(np.where(mask & edges, np.where(u < 160, far_px, near_px), -1.0), random, 0.1)
+        slanted_px = far_px + (near_px - far_px) * (u - 160 + half) / (2 * half)
+        seen = random.permuted(np.tile(edges[0, 160 - half : 161 + half], (240, 1)), axis=1)
+        spread = np.zeros_like(mask)
+        spread[:, 160 - half : 161 + half] = seen
+        wall = words_of(np.where(mask & spread, slanted_px, -1.0), random, 0.1)
+        stages = Stages(camera(), TOLERANCES)
+        (gap,) = measure(stages, two, [mask])
+        assert gap.slope_u == 0.0
+        (region,) = measure(stages, wall, [mask])
+        assert region.slope_u == pytest.approx((near_px - far_px) / (2 * half), rel=0.2)
+
+
 def test_the_plane_is_refined_by_the_mean_of_the_boundary() -> None:
     """Skewed noise: the cells' medians stay on the wall, three tenths of the pixels lie 0.8 px nearer."""
     random = seeded(14)

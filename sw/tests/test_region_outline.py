@@ -163,6 +163,26 @@ def test_a_ragged_foot_needs_both_upright_edges(right_m: float, expected: str) -
     assert verdict(region_at(regions, labels, where)) == expected
 
 
+@pytest.mark.parametrize(
+    ("kept", "whole_foot", "expected"),
+    [(0.4, True, "ACCEPTED"), (0.4, False, "UNKNOWN"), (0.1, True, "UNKNOWN")],
+)
+def test_a_whole_foot_makes_up_for_an_edge_of_which_noise_left_little(
+    kept: float, whole_foot: bool, expected: str
+) -> None:
+    """Words of the lower part of the one edge in the image are left; the other edge is outside of it."""
+    owner, disparity = landscape()
+    where = box((-2.0, 30.0), (0.0, 4.0))
+    put_plain(owner, disparity, where)
+    lost = box((-3.0, -1.0), (4.0 * kept, 5.0))
+    disparity[lost] = -1.0
+    if not whole_foot:
+        ragged = box((-2.0, 30.0), (-1.0, 0.0)) & (np.arange(owner.shape[1]) % 60 < 18)
+        owner[ragged], disparity[ragged] = WALL, -1.0
+    _, regions, labels = regions_of(owner, disparity, 14)
+    assert verdict(region_at(regions, labels, where)) == expected
+
+
 def test_without_any_edge_nothing_tells_a_wall_from_haze() -> None:
     owner, disparity = landscape()
     where = box((-30.0, 30.0), (0.0, 4.0))

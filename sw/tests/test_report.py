@@ -22,7 +22,7 @@ from vista.pipeline import ID_GROUND, ID_TOO_NEAR, Nearest
 from vista.report import run_report as report
 from vista.report.overlay import panel_tiles
 from vista.report.run_report import level_axes, render_report
-from vista.result_folder import ResultFolder
+from vista.result_folder import ResultFolder, encoded
 
 CAMERA = Calibration(160, 120, 120.0, 80.0, 60.0, 0.25)
 VOID = {"meta", "img", "input", "br"}
@@ -101,7 +101,7 @@ def render(folder: Path, records: list[FrameRecord], noise: bool = False, stills
         picture = np.full((top + height, left + width, 3), 8 * record.index % 256, np.uint8)
         if noise:
             picture = rng.integers(0, 256, (900, 1600, 3), np.uint8)
-        results.write_frame(record.index, "{}", picture)
+        results.write_frame(record.index, "{}", encoded(picture))
     results.close()
     page = render_report(make_summary(records, stills), records, results)
     results.write_report(page)

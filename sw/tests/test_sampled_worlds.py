@@ -15,11 +15,13 @@ from vista_eval.render.motion import moves, solids_at
 from vista_eval.render.rig import LEFT
 from vista_eval.render.scene import Cylinder, GroundStrip, HeightField, Scene, Thing, bounds_m
 from vista_eval.render.trajectory import Course
-from vista_eval.worlds.sampled import buildings, laying
+from vista_eval.worlds.sampled import buildings, laying, rows, small_movers
 from vista_eval.worlds.sampled.catalog import COUNT, DEV, FAMILIES, SEED, TEST
 from vista_eval.worlds.sampled.family import Family
+from vista_eval.worlds.sampled.grounds import OPEN_COUNTRY
 from vista_eval.worlds.sampled.path import Path as FlownPath
 from vista_eval.worlds.sampled.path import distance_m, nearness_m, path_of, samples
+from vista_eval.worlds.sampled.site import site
 
 IN_THE_WAY_M = 1.0  # of the path, half the radius of the collision volume
 BESIDE_M = 2.0  # what is not the target keeps out of the collision volume before it
@@ -108,9 +110,13 @@ def the_target_is_in_the_way_and_only_that(family: Family, flight: Flight, scene
         elif not is_ground(thing):
             met = around(path, IN_THE_WAY_M, -8.0, 8.0)
             assert min(nearness_m(solid, met) for solid in thing.solids) < 0.0
+    if family.name == "rows":  # they stand close to the path, some of them within the volume
+        return
     before = around(path, BESIDE_M, -200.0, 200.0 if family.clear else -2.0)
     for thing in scene.things:
-        if not thing.target and not is_ground(thing) and thing.kind != "bird":  # the flock is met as a whole
+        if not (
+            thing.target or is_ground(thing) or thing.kind in ("bird", "gull")
+        ):  # flocks are met as a whole
             assert min(nearness_m(solid, before) for solid in thing.solids) > 0.0, thing.name
 
 
@@ -178,7 +184,7 @@ def level_ground_fills_the_view(flight: Flight, scene: Scene) -> None:
         )
 
 
-@pytest.mark.parametrize("name", ["drone", "road_vehicle", "birds"])
+@pytest.mark.parametrize("name", ["drone", "road_vehicle", "birds", "small_movers"])
 def test_what_moves_is_in_view_and_then_in_the_way(name: str) -> None:
     """However slowly the aircraft flies."""
     for number in seeded(2).integers(1 << 20, size=8):
@@ -188,6 +194,16 @@ def test_what_moves_is_in_view_and_then_in_the_way(name: str) -> None:
         assert is_in_view(flight, target)
         if moves(target):
             assert missed_m(flight.approach, target) < IN_THE_WAY_M
+
+
+@pytest.mark.parametrize("name", ["containers", "smooth_front"])
+def test_large_fronts_are_higher_than_the_path(name: str) -> None:
+    for number in seeded(4).integers(1 << 20, size=4):
+        flight = FAMILIES[name].flight(int(number), 0)
+        scene = flight.scene(flight.approach.altitude_m, flight.seed)
+        (target,) = [thing for thing in scene.things if thing.target]
+        top_m = max(float(bounds_m(solid)[1][2]) for solid in target.solids)
+        assert top_m > flight.approach.altitude_m + 0.8 and target.width_m > 2.4
 
 
 def test_steep_wires_are_thin_and_steep() -> None:
@@ -201,6 +217,39 @@ def test_steep_wires_are_thin_and_steep() -> None:
         assert 0.5 - 1e-6 <= abs(step[2]) / np.linalg.norm(step) <= 1.0
         assert all(0.008 <= 2 * piece.radius_m <= 0.030 for piece in pieces)
         assert 3.0 * flight.approach.speed_m_s > 20.0
+
+
+def test_rows_stand_close_beside_the_path_but_where_it_is_met() -> None:
+    random = seeded(4)
+    for number in random.integers(1 << 20, size=6):
+        course = rows.BETWEEN_ROWS.draw(int(number))
+        here = site(course.altitude_m, int(number), rows.BETWEEN_ROWS, OPEN_COUNTRY)
+        aside_m, apart_m = float(random.choice([-1, 1]) * random.uniform(1.5, 4.0)), random.uniform(6.0, 13.0)
+        places = list(rows.row(here, aside_m, apart_m, 0.3, random))
+        assert len(places) >= 3
+        assert [place.outermost for place in places].count(True) == 2
+        for place in places:
+            assert abs(place.x_m) >= rows.UNOBSTRUCTED_M
+            assert place.y_m - here.path.y_m(place.x_m) == pytest.approx(aside_m, abs=0.3)
+
+
+def test_small_movers_are_small_and_move() -> None:
+    random = seeded(5)
+    for number in random.integers(1 << 20, size=12):
+        course = small_movers.IN_THE_AIR.draw(int(number))
+        here = site(course.altitude_m, int(number), small_movers.IN_THE_AIR, OPEN_COUNTRY)
+        along, across, _ = small_movers.velocity_m_s(here, 15.0, random)
+        assert along <= 0.0 < np.hypot(along, across) <= 15.0
+        assert abs(across) <= small_movers.MOST_BEARING * (course.speed_m_s - along) + 1e-9
+        for build in (
+            small_movers.kite,
+            small_movers.balloon,
+            small_movers.model_aircraft,
+            small_movers.gull,
+        ):
+            size_m = random.uniform(*small_movers.SIZE_M)
+            sides_m = np.ptp(build(size_m, random).vertices_m, axis=0)
+            assert 0.7 * size_m < sides_m.max() < 2.2 * size_m
 
 
 def test_the_same_seed_makes_the_same_flight_and_another_another() -> None:

@@ -110,9 +110,9 @@ ASL = {
         r"sensor\.yaml: intrinsics holds a bad",
     ),
     "zero focal length": (replace(CAM1_SENSOR, "[120.0", "[0.0"), r"sensor\.yaml: .*must be positive"),
-    "fisheye": (
-        replace(CAM1_SENSOR, "radial-tangential", "equidistant"),
-        r"sensor\.yaml: distortion_model is not",
+    "other lens": (
+        replace(CAM1_SENSOR, "radial-tangential", "fov"),
+        r"sensor\.yaml: distortion_model is neither",
     ),
     "no rotation": (replace(CAM1_SENSOR, "[1.0", "[2.0"), r"sensor\.yaml: T_BS does not hold a rotation"),
     "T_BS too short": (
@@ -243,12 +243,12 @@ def test_messages_are_one_line(tmp_path: Path, make) -> None:
 
 
 def test_folders_that_are_no_sequence(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="nowhere: no such folder"):
+    with pytest.raises(InputError, match="nowhere: no such file or folder"):
         open_sequence(tmp_path / "nowhere")
     with pytest.raises(InputError, match="empty folder"):
         open_sequence(tmp_path)
     (tmp_path / "file").write_text("x")
-    with pytest.raises(InputError, match="file: not a folder"):
+    with pytest.raises(InputError, match="file: neither a folder nor a video nor a bag"):
         open_sequence(tmp_path / "file")
     with pytest.raises(InputError, match="no sequence recognised"):
         open_sequence(tmp_path)

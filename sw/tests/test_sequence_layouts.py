@@ -11,7 +11,7 @@ import sequence_cases as cases
 from scipy.spatial.transform import Rotation, Slerp
 from vista.geometry import rotation_from_quaternion, slerp
 from vista.rectify import Rectifier
-from vista.sequence import Sequence, open_sequence, read_grey
+from vista.sequence import Options, Sequence, open_sequence, read_grey
 from vista.sequence.image import read_size
 
 MAKERS = {"EuRoC ASL": cases.make_asl, "KITTI odometry": cases.make_kitti, "pairs": cases.make_pairs}
@@ -190,13 +190,13 @@ def test_left_and_right_times_may_differ_within_a_tolerance(tmp_path: Path) -> N
         "2 of 3 pairs have images of two times; they differ by up to 5 ms",
         "2 of 8 images have no partner within 5 ms and are left out",
     )
-    assert len(open_sequence(folder, pair_tolerance_ms=6).frames) == 4
-    assert len(open_sequence(folder, pair_tolerance_ms=0).frames) == 1
+    assert len(open_sequence(folder, Options(pair_tolerance_ms=6)).frames) == 4
+    assert len(open_sequence(folder, Options(pair_tolerance_ms=0)).frames) == 1
 
 
 def test_an_image_pairs_with_its_nearest_only(tmp_path: Path) -> None:
     folder = cases.make_asl(tmp_path)
     shift_right_times(folder, 40_000_000, 40_000_000, 40_000_000, 40_000_000)
-    pairs = [(f.left.stem, f.right.stem) for f in open_sequence(folder, pair_tolerance_ms=45).frames]
+    pairs = [(f.left.stem, f.right.stem) for f in open_sequence(folder, Options(pair_tolerance_ms=45)).frames]
     times = [str(cases.ASL_START_NS + index * cases.ASL_PERIOD_NS) for index in range(4)]
     assert pairs == list(zip(times[1:], times[:-1], strict=True))

@@ -13,7 +13,7 @@ from pipeline_library import CALIBRATION, Frame, Pipeline
 from random_seed import seeded
 from stage_arena import ffi, lib, status_name
 from stage_library import Stages, camera, image_struct
-from track_library import matched, motion, params
+from track_library import flight_path, matched, motion, params
 from vista import StereoEngine
 from vista.geometry import Pose
 from vista.pipeline import Pipeline as PythonPipeline
@@ -39,9 +39,15 @@ def words(fraction: float) -> np.ndarray:
     return image
 
 
-def judge(image: np.ndarray, disparity: np.ndarray, *, how=None, area=None, **changes: float):
-    """Status, state, reasons, the struct, and the valid fraction of the image."""
+def judge(
+    image: np.ndarray, disparity: np.ndarray, *, how=None, area=None, up=None, radius_m=2.0, **changes: float
+):
+    """Status, state, reasons, the struct, and the valid fraction. up: in the camera, if known."""
     stages = Stages(camera(WIDTH, HEIGHT))
+    how = how or motion()
+    path, lens = flight_path(how), camera(WIDTH, HEIGHT)
+    above = ffi.NULL if up is None else ffi.new("double[3]", list(up))
+    ahead = ffi.new("vista_ahead *", [lens, ffi.addressof(how, "pose"), path, above, radius_m])
     assert stages.foveate(image, disparity) == "VISTA_OK"
     health, fraction, noise = ffi.new("vista_health *"), ffi.new("double *"), ffi.new("vista_image_noise *")
     lib.vista_image_noise_measure(image_struct("image", image), noise)
@@ -52,7 +58,8 @@ def judge(image: np.ndarray, disparity: np.ndarray, *, how=None, area=None, **ch
         stages.cells,
         noise,
         image_struct("disparity_image", disparity),
-        how or motion(),
+        how,
+        ahead,
         health,
         fraction,
     )
@@ -145,6 +152,54 @@ def test_noise_that_hides_what_there_is_to_see(sigma: float, states: set[str]) -
     found = judge(left, engine.compute(left, right))
     assert found[1] in states
     assert ("noise" in found[2]) == (found[1] != "healthy")
+
+
+LEVEL = (0.0, -1.0, 0.0)
+
+
+def hidden(columns: slice, rows: slice, share: float = 0.0) -> np.ndarray:
+    """Disparities everywhere but in a part of the image, where only that share of the pixels has one."""
+    disparity, random = words(1.0), seeded(6)
+    part = disparity[rows, columns]
+    part[random.random(part.shape) >= share] = -16
+    return disparity
+
+
+EVERYWHERE, AHEAD = slice(None), slice(52, 108)
+BELOW, ABOVE = slice(HEIGHT // 2, HEIGHT), slice(0, HEIGHT // 2)
+
+
+@pytest.mark.parametrize(
+    ("part", "velocity", "up", "reasons"),
+    [
+        ((AHEAD, BELOW), None, LEVEL, ["ground_unseen"]),
+        ((AHEAD, BELOW, 0.1), None, LEVEL, ["ground_unseen"]),  # what chance finds on a plain wall
+        ((AHEAD, BELOW, 0.4), None, LEVEL, []),  # ground with little texture
+        ((AHEAD, BELOW), None, None, []),  # nobody knows where the horizon is
+        ((AHEAD, BELOW), (4.0, 0.0, 30.0), LEVEL, []),  # flown past, to the right
+        ((slice(110, WIDTH), BELOW), (4.0, 0.0, 30.0), LEVEL, ["ground_unseen"]),
+        ((EVERYWHERE, ABOVE), None, LEVEL, []),  # sky
+        ((EVERYWHERE, BELOW), None, (0.0, -0.8, 0.6), []),  # the horizon is below the view
+        ((AHEAD, EVERYWHERE), (30.0, 0.0, 0.1), LEVEL, []),  # flown out of the view
+    ],
+)
+def test_something_that_cannot_be_matched_hides_the_ground_ahead(
+    part: tuple, velocity: tuple | None, up: tuple | None, reasons: list[str]
+) -> None:
+    """However much is seen beside it."""
+    disparity = hidden(*part)
+    found = judge(textured(), disparity, how=motion(velocity=velocity), up=up, ground_fraction=0.2)
+    assert found[:3] == ("VISTA_OK", "degraded" if reasons else "healthy", reasons)
+    assert judge(textured(), disparity, how=motion(velocity=velocity), up=up, ground_fraction=0.0)[2] == []
+
+
+def test_in_noise_the_ground_counts_where_disparities_agree() -> None:
+    random = seeded(7)
+    chance = np.where(random.random((HEIGHT, WIDTH)) < 0.4, random.integers(0, 31 * 16, (HEIGHT, WIDTH)), -16)
+    disparity = words(1.0)
+    disparity[BELOW] = chance[BELOW]
+    assert judge(textured(), disparity, up=LEVEL)[2] == []
+    assert judge(textured(8.0), disparity, up=LEVEL)[2] == ["ground_unseen"]
 
 
 def test_every_reason_has_a_name_and_a_text() -> None:

@@ -83,6 +83,7 @@ def test_volume_pixels_are_those_within_the_radius() -> None:
     assert found.volume_pixels == pytest.approx(160, abs=3)
     assert found.extent_m[1] == pytest.approx(2 * RADIUS_M, abs=0.1) and found.extent_m[0] < 0.1
     assert found.ellipse.angle_deg == pytest.approx(90.0, abs=0.1)
+    assert found.line and not found.met
 
 
 @pytest.mark.parametrize(

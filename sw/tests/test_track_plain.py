@@ -55,6 +55,20 @@ def test_where_a_plain_track_is_met_stays_there_without_detections() -> None:
         assert moved_m == pytest.approx([0.0, 0.0, 0.0 if plain else DT * moves_m_s], abs=1e-6)
 
 
+def test_a_line_is_met_where_it_is_and_not_where_a_region_around_it_was() -> None:
+    """Such as the bar between two panes: an earlier region took in the panes, and told of their surface."""
+    disparity_px = seen_at(POINT)["disparity_px"]
+    limit_m = POINT[2] * disparity_px / (disparity_px + 1.5)
+    for met_m, holds in ((limit_m + 0.3, True), (limit_m - 0.3, False)):
+        tracker = Tracker()
+        met = {"met": True, "met_camera_m": [0.5, 0.0, met_m], "met_sigma_m": 0.3}
+        assert updated(tracker, 0, 6, POINT, **met).met
+        assert updated(tracker, 6, 1, POINT).met  # a region without a cell that tells
+        assert updated(tracker, 7, 1, POINT, line=True).met == holds
+        again = updated(tracker, 8, 1, POINT, **met)
+        assert again.met and list(again.met_m) == pytest.approx([0.5, 0.0, met_m], abs=0.01)
+
+
 def test_other_tracks_are_judged_by_every_hit() -> None:
     tracker = Tracker()
     updated(tracker, 0, 6, POINT)

@@ -6,7 +6,8 @@
  *   group_min, group_pad (a group with the lanes from `first` up at 65535, the others 0), group_or, group_equal and
  *   group_at_most (masks, bit d),
  *   group_top (the uppermost lane), group_up (every lane moves up by one, the lowest comes from `below`'s uppermost),
- *   group_pick (a where low <= high, else b), group_cost_change (see there). */
+ *   group_pick (a where low <= high, else b), group_cost_change (see there);
+ * and includes items_x86.h or items_neon.h. */
 #ifndef VISTA_ENGINE_MATCH_GROUP_H
 #define VISTA_ENGINE_MATCH_GROUP_H
 
@@ -14,88 +15,32 @@
  * another and no vector is read while its items are still being written: a strip stays in the first-level cache. */
 enum { STRIP = 32, MAX_GROUPS = VISTA_ENGINE_MAX_DISPARITIES / LANES };
 
-VISTA_INLINE __m256i load_vector(const void *at) { return _mm256_load_si256((const __m256i *)at); }
-
-/* From two vectors of partial minima, those of `a` in the even lanes and those of `b` in the odd ones. */
-VISTA_INLINE __m256i merge_smallest(__m256i a, __m256i b) {
-  return _mm256_min_epu16(_mm256_unpacklo_epi16(a, b), _mm256_unpackhi_epi16(a, b));
-}
-
-/* The smallest cost of each of 8 pixels of `lanes` costs. */
-VISTA_INLINE __m128i smallest_of_8(const uint16_t *costs, int lanes) {
-  __m256i partial[8];
-  for (int i = 0; i < 8; ++i) {
-    partial[i] = load_vector(costs + i * lanes);
-    for (int d = 16; d < lanes; d += 16) partial[i] = _mm256_min_epu16(partial[i], load_vector(costs + i * lanes + d));
-  }
-  const __m256i even = merge_smallest(merge_smallest(partial[0], partial[4]), merge_smallest(partial[2], partial[6]));
-  const __m256i odd = merge_smallest(merge_smallest(partial[1], partial[5]), merge_smallest(partial[3], partial[7]));
-  const __m256i halves = merge_smallest(even, odd);
-  return _mm_min_epu16(_mm256_castsi256_si128(halves), _mm256_extracti128_si256(halves, 1));
-}
-
-/* Smin + floor(Smin*u/100) of 8 pixels. u/100 in 16 bits of fraction, rounded down, is less than 2^-16 too small: the
- * product misses at most one, and then leaves a remainder of 100 or more. Costs are below 65534, padding above. */
-VISTA_INLINE __m128i limits_of_8(__m128i least, uint32_t ratio) {
-  const __m128i fraction = _mm_set1_epi16((short)(ratio == 100 ? 65535 : ratio * 65536 / 100));
-  const __m128i share = _mm_mulhi_epu16(least, fraction);
-  const __m128i rest =
-      _mm_sub_epi16(_mm_mullo_epi16(least, _mm_set1_epi16((short)ratio)), _mm_mullo_epi16(share, _mm_set1_epi16(100)));
-  const __m128i missed = _mm_cmpgt_epi16(rest, _mm_set1_epi16(99));
-  const __m128i limit = _mm_adds_epu16(least, _mm_sub_epi16(share, missed));
-  return _mm_min_epu16(limit, _mm_set1_epi16(-2));
-}
-
-/* Every item twice, so that one item of 32 bits fills a group. */
-VISTA_INLINE void store_twice(uint32_t *at, __m128i items) {
-  _mm_store_si128((__m128i *)(void *)at, _mm_unpacklo_epi16(items, items));
-  _mm_store_si128((__m128i *)(void *)(at + 4), _mm_unpackhi_epi16(items, items));
-}
-
-/* 8 items of 32 bits, each from 0 to 255, as bytes. */
-VISTA_INLINE void store_bytes(uint8_t *at, __m256i items) {
-  const __m128i words = _mm_packus_epi32(_mm256_castsi256_si128(items), _mm256_extracti128_si256(items, 1));
-  _mm_storel_epi64((__m128i *)(void *)at, _mm_packus_epi16(words, words));
-}
-
-/* The number of the highest one of each item that is not 0. From the exponent of a float: of half the item, lest it be
- * negative, and without its second bit, lest it be rounded up. */
-VISTA_INLINE __m256i highest_bits(__m256i items) {
-  const __m256i half = _mm256_srli_epi32(items, 1);
-  const __m256i top = _mm256_andnot_si256(_mm256_srli_epi32(half, 1), half);
-  const __m256i exponent = _mm256_srli_epi32(_mm256_castps_si256(_mm256_cvtepi32_ps(top)), 23);
-  return _mm256_max_epi32(_mm256_sub_epi32(exponent, _mm256_set1_epi32(126)), _mm256_setzero_si256());
-}
-
 /* Where the costs of a strip equal the smallest, and where they are within the limit of step 5: bit d of group g. */
 typedef struct strip_masks {
   uint32_t equal[MAX_GROUPS][STRIP], close[MAX_GROUPS][STRIP];
 } strip_masks __attribute__((aligned(32)));
 
 /* dL of 8 pixels: the highest d that is equal to the smallest. */
-VISTA_INLINE __m256i best_of_8(const strip_masks *masks, int groups, int i) {
-  __m256i bits = load_vector(masks->equal[0] + i), first = _mm256_setzero_si256();
+VISTA_INLINE items8 best_of_8(const strip_masks *masks, int groups, int i) {
+  items8 bits = items_load(masks->equal[0] + i), first = items_fill(0);
   for (int g = 1; g < groups; ++g) {
-    const __m256i equal = load_vector(masks->equal[g] + i);
-    const __m256i none = _mm256_cmpeq_epi32(equal, _mm256_setzero_si256());
-    bits = _mm256_blendv_epi8(equal, bits, none);
-    first = _mm256_blendv_epi8(_mm256_set1_epi32(LANES * g), first, none);
+    const items8 equal = items_load(masks->equal[g] + i), none = items_zero(equal);
+    bits = items_pick(none, bits, equal);
+    first = items_pick(none, first, items_fill(LANES * g));
   }
-  return _mm256_add_epi32(first, highest_bits(bits));
+  return items_add(first, highest_bits(bits));
 }
 
 /* Step 5 for 8 pixels: 1 where no d but dL and its neighbours is within the limit. The three neighbouring bits may lie
- * across the ends of a group; shifts out of 0..31 give 0. */
-VISTA_INLINE __m256i unique_of_8(const strip_masks *masks, int groups, int i, __m256i best) {
-  const __m256i three = _mm256_set1_epi32(7);
-  __m256i rivals = _mm256_setzero_si256();
+ * across the ends of a group. */
+VISTA_INLINE items8 unique_of_8(const strip_masks *masks, int groups, int i, items8 best) {
+  const items8 three = items_fill(7);
+  items8 rivals = items_fill(0);
   for (int g = 0; g < groups; ++g) {
-    const __m256i second = _mm256_set1_epi32(LANES * g + 1);
-    const __m256i near = _mm256_or_si256(_mm256_sllv_epi32(three, _mm256_sub_epi32(best, second)),
-                                         _mm256_srlv_epi32(three, _mm256_sub_epi32(second, best)));
-    rivals = _mm256_or_si256(rivals, _mm256_andnot_si256(near, load_vector(masks->close[g] + i)));
+    const items8 near = items_shift(three, items_sub(best, items_fill(LANES * g + 1)));
+    rivals = items_or(rivals, items_without(items_load(masks->close[g] + i), near));
   }
-  return _mm256_and_si256(_mm256_cmpeq_epi32(rivals, _mm256_setzero_si256()), _mm256_set1_epi32(1));
+  return items_and(items_zero(rivals), items_fill(1));
 }
 
 /* Steps 3 and 5, and what step 7 needs, for the pixels of a strip from x on. Always a whole strip: rows have room for
@@ -108,10 +53,10 @@ VISTA_INLINE void pick_winners(const vista_winner_row *winner, const uint16_t *c
   uint64_t around[STRIP] __attribute__((aligned(32)));
   strip_masks masks;
   for (int i = 0; i < STRIP; i += 8) {
-    const __m128i least = smallest_of_8(costs + i * lanes, lanes);
+    const words8 least = smallest_of_8(costs + i * lanes, lanes);
     store_twice(leasts + i, least);
     store_twice(limits + i, limits_of_8(least, ratio));
-    _mm256_storeu_si256((__m256i *)(void *)(winner->cost + x + i), _mm256_cvtepu16_epi32(least));
+    items_store(winner->cost + x + i, items_widen(least));
   }
 #pragma GCC unroll 8
   for (int i = 0; i < STRIP; ++i) {
@@ -123,17 +68,16 @@ VISTA_INLINE void pick_winners(const vista_winner_row *winner, const uint16_t *c
     }
   }
   for (int i = 0; i < STRIP; i += 8) {
-    const __m256i best = best_of_8(&masks, groups, i);
-    _mm256_store_si256((__m256i *)(void *)(bests + i), best);
+    const items8 best = best_of_8(&masks, groups, i);
+    items_store(bests + i, best);
     store_bytes(winner->best + x + i, best);
-    store_bytes(winner->unique + x + i, ratio == 0 ? _mm256_set1_epi32(1) : unique_of_8(&masks, groups, i, best));
+    store_bytes(winner->unique + x + i, ratio == 0 ? items_fill(1) : unique_of_8(&masks, groups, i, best));
   }
 #pragma GCC unroll 8
   for (int i = 0; i < STRIP; ++i) /* S(dL-1) .. S(dL+2) */
     memcpy(around + i, costs + i * lanes + bests[i] - 1, sizeof *around);
   for (int i = 0; i < STRIP; i += 4) { /* both neighbours at once, each then 32 bits wide */
-    const __m256i both = _mm256_and_si256(load_vector(around + i), _mm256_set1_epi64x(0x0000FFFF0000FFFF));
-    _mm256_storeu_si256((__m256i *)(void *)(winner->around + 2 * (x + i)), both);
+    items_store(winner->around + 2 * (x + i), items_and(items_load(around + i), items_fill(0xFFFF)));
   }
 }
 

@@ -32,7 +32,9 @@ vista_engine_status vista_engine_validate(const vista_engine_params *params) {
 }
 
 vista_engine_isa vista_engine_isa_best(void) {
-#ifdef VISTA_ROWS_X86
+#if defined(VISTA_ROWS_NEON)
+  return VISTA_ENGINE_ISA_NEON;
+#elif defined(VISTA_ROWS_X86)
   if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512vl"))
     return VISTA_ENGINE_ISA_AVX512;
   if (__builtin_cpu_supports("avx2")) return VISTA_ENGINE_ISA_AVX2;
@@ -41,11 +43,16 @@ vista_engine_isa vista_engine_isa_best(void) {
 }
 
 int vista_engine_isa_available(vista_engine_isa isa) {
-  return (int)isa >= 0 && (int)isa <= (int)vista_engine_isa_best();
+  const vista_engine_isa best = vista_engine_isa_best();
+  if (isa == VISTA_ENGINE_ISA_AUTO || isa == VISTA_ENGINE_ISA_PORTABLE || isa == best) return 1;
+  return isa == VISTA_ENGINE_ISA_AVX2 && best == VISTA_ENGINE_ISA_AVX512;
 }
 
 const vista_row_code *vista_row_code_of(vista_engine_isa isa) {
   const vista_engine_isa taken = isa == VISTA_ENGINE_ISA_AUTO ? vista_engine_isa_best() : isa;
+#ifdef VISTA_ROWS_NEON
+  if (taken == VISTA_ENGINE_ISA_NEON) return &vista_rows_neon;
+#endif
 #ifdef VISTA_ROWS_X86
   if (taken == VISTA_ENGINE_ISA_AVX512) return &vista_rows_avx512;
   if (taken == VISTA_ENGINE_ISA_AVX2) return &vista_rows_avx2;

@@ -74,9 +74,13 @@ typedef struct vista_row_code {
 const vista_row_code *vista_row_code_of(vista_engine_isa isa);
 
 extern const vista_row_code vista_rows_portable;
+void vista_match_16(const vista_match_job *job); /* `match` in vectors for 16 lanes, costs of 16 bits */
+#if defined(__aarch64__) && defined(__ARM_NEON) && defined(__GNUC__) && __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__
+#define VISTA_ROWS_NEON 1
+extern const vista_row_code vista_rows_neon;
+#endif
 #if defined(__x86_64__) && defined(__GNUC__)
 #define VISTA_ROWS_X86 1
-void vista_match_16(const vista_match_job *job); /* `match` of AVX2 and AVX-512 for 16 lanes, costs of 16 bits */
 extern const vista_row_code vista_rows_avx2;
 extern const vista_row_code vista_rows_avx512;
 #endif

@@ -1,7 +1,22 @@
-/* D 16 on AVX2: a group is one vector. */
+/* D 16: half a group of the others. */
 #include "rows.h"
 
-#ifdef VISTA_ROWS_X86
+#ifdef VISTA_ROWS_NEON
+#include <string.h>
+
+#include "vista/engine.h"
+
+#define VISTA_TARGET
+#define VISTA_INLINE static inline __attribute__((always_inline))
+
+#define VECTORS 2
+#include "group_neon.h"
+#include "match_group.h"
+
+void vista_match_16(const vista_match_job *job) { match_modes(job, 1); }
+#endif
+
+#ifdef VISTA_ROWS_X86 /* AVX2: a group is one vector */
 #include <immintrin.h>
 #include <string.h>
 
@@ -65,6 +80,7 @@ VISTA_INLINE group group_cost_change(uint8_t left_in, uint8_t left_out, const ui
   return _mm256_cvtepi8_epi16(_mm_sub_epi8(enters, leaves));
 }
 
+#include "items_x86.h"
 #include "match_group.h"
 
 VISTA_TARGET void vista_match_16(const vista_match_job *job) { match_modes(job, 1); }

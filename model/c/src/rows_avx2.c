@@ -111,6 +111,7 @@ VISTA_INLINE group group_cost_change(uint8_t left_in, uint8_t left_out, const ui
                  _mm256_cvtepi8_epi16(_mm256_extracti128_si256(change, 1))};
 }
 
+#include "items_x86.h"
 #include "match_sizes.h"
 
 #define VISTA_ROW_CODE vista_rows_avx2

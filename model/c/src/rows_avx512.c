@@ -53,6 +53,7 @@ VISTA_INLINE group group_cost_change(uint8_t left_in, uint8_t left_out, const ui
   return _mm512_cvtepi8_epi16(_mm256_sub_epi8(enters, leaves));
 }
 
+#include "items_x86.h"
 #include "match_sizes.h"
 
 #define VISTA_ROW_CODE vista_rows_avx512

@@ -134,6 +134,7 @@ typedef enum vista_health_reason {
   VISTA_HEALTH_MOTION_UNKNOWN, /* no pose, after others */
   VISTA_HEALTH_POSE_JUMP, /* the pose was refused, or believed anew: motion.restarted */
   VISTA_HEALTH_NOISE, /* noise above health.noise_min, and too few disparities that another one agrees with */
+  VISTA_HEALTH_GROUND_UNSEEN, /* fewer than health.ground_fraction where the flight leads to, below the horizon */
   VISTA_HEALTH_REASON_COUNT
 } vista_health_reason;
 

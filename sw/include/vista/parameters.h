@@ -216,7 +216,9 @@ typedef struct vista_obstacle_map_params {
   double thickness_ratio; /* The middle of a thing lies this share of half its width behind the surface that is seen, uncertain by as much: 0 for a board, 1 for a ball. Its width counts up to twice its height, and up to 1 m. 0.0 .. 1.0. */
   double seen_min_fraction; /* The flight path is seen as far as this share of the collision volume's cross-section has disparities in regions that could be judged. 0.0 .. 1.0. */
   double approach_s; /* What moves across the flight path is in the collision volume as soon as it will be within this time. 0.0 .. 60.0 s. */
-  unsigned char reserved[152];
+  double meet_s; /* What flies and moves across the flight path is in the collision volume as soon as it and the aircraft will meet within this time. 0.0 .. 60.0 s. */
+  double path_sigmas; /* The collision volume is narrower by so many standard deviations of how far the aircraft may leave its path, down to half its radius: what is beside its rim far ahead is passed as often as not. 0.0 .. 10.0 sigma of the flight path. */
+  unsigned char reserved[136];
 } vista_obstacle_map_params;
 
 /* When a view tells too little. */
@@ -225,7 +227,8 @@ typedef struct vista_health_params {
   double blind_fraction; /* With less than this it is blind. 0.0 .. 1.0. At most degraded_fraction. */
   double contrast_min; /* It is blind, too, when the standard deviation of the cells' grey levels is smaller, without what is left of the image's noise. 0.0 .. 255.0 grey levels. */
   double noise_min; /* An image with more noise than this is noisy: chance matches part of it, and only disparities that agree with others count. 0.0 .. 255.0 grey levels. */
-  unsigned char reserved[224];
+  double ground_fraction; /* A frame is degraded, too, when less than this of what is below the horizon has a disparity where the flight leads to, as wide as the collision volume 30 m ahead: something that cannot be matched hides the ground. 0: never. 0.0 .. 1.0. */
+  unsigned char reserved[216];
 } vista_health_params;
 
 /* The words of all pyramid levels, filtered and put together (extension of the paper). */

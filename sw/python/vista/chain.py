@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
@@ -13,12 +13,15 @@ from vista.engine import LR_OFF, RECTIFYING_ENGINES, Engine, EngineParameters, c
 from vista.engine.board import DEFAULT_TIMEOUT_S
 from vista.errors import InputError
 from vista.history import FrameRecord, StageClock
+from vista.odometry import StereoOdometry
 from vista.rectify import Rectifier
 from vista.sequence import Frame, FrameFiles, Sequence
 
 if TYPE_CHECKING:
     from vista.geometry import Array, Pose
     from vista.pipeline import Motion, Result
+
+TIMED = ("read", "rectify", "stereo", "odometry", "host")  # what the total of a frame is made of
 
 
 class HostPipeline(Protocol):
@@ -45,6 +48,13 @@ class Chain:
     engine: Engine
     pipeline: HostPipeline
     engine_rectifies: bool = False  # the engine takes raw images
+    odometry: StereoOdometry | None = None  # where the poses come from, if not from the sequence
+
+    def reset(self) -> None:
+        """What comes next does not continue what came before."""
+        self.pipeline.reset()
+        if self.odometry is not None:
+            self.odometry.reset()
 
 
 def engine_parameters(values: parameters.Values) -> EngineParameters:
@@ -88,7 +98,8 @@ def make_chain(
         pipeline = Pipeline(camera, values)
     except ValueError as error:
         raise InputError(sequence.name, f"images of {camera.width}x{camera.height} px: {error}") from None
-    return Chain(sequence, rectifier, engine, pipeline, grids is not None)
+    odometry = StereoOdometry(camera) if sequence.odometry else None
+    return Chain(sequence, rectifier, engine, pipeline, grids is not None, odometry)
 
 
 @dataclass(frozen=True)
@@ -107,19 +118,27 @@ def run_frame(chain: Chain, files: FrameFiles) -> Step:
     clock = StageClock()
     with clock.stage("read"):
         raw = chain.sequence.read(files)
+    return process_frame(chain, raw, clock)
+
+
+def process_frame(chain: Chain, raw: Frame, clock: StageClock) -> Step:
+    """What follows once a frame has been read; clock: with the time that this took, if that counts."""
     with clock.stage("rectify"):
         frame = chain.rectifier.rectify(raw)
     with clock.stage("stereo"):
         matched = raw if chain.engine_rectifies else frame
         levels = list(chain.engine.levels(matched.left, matched.right))
+    if chain.odometry is not None:
+        with clock.stage("odometry"):
+            frame = replace(frame, world_from_camera=chain.odometry.update(frame.left, levels[0]))
     if chain.sequence.stills:
-        chain.pipeline.reset()
+        chain.reset()
     result = chain.pipeline.process(
         frame.left, levels, frame.t_ns, frame.world_from_camera, chain.sequence.up_world
     )
 
     stage_ms = clock.stage_ms | result.stage_ms
-    stage_ms["total"] = sum(stage_ms[name] for name in ("read", "rectify", "stereo", "host"))
+    stage_ms["total"] = sum(stage_ms.get(name, 0.0) for name in TIMED)
     record = FrameRecord(
         frame.index,
         frame.t_ns,

@@ -24,7 +24,9 @@ from vista.version import version
 GROUP = "vista.commands"
 # In the order of the help.
 COMMANDS = (
+    "calibrate",
     "run",
+    "live",
     "disparity",
     "mavlink",
     "flights",

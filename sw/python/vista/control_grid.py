@@ -29,20 +29,20 @@ class GridPair:
 
 
 def control_grid(camera: CameraModel, R: Array, P: Array, source: str) -> Grid:
-    """Samples the exact map of cv2.initUndistortRectifyMap at the control points, some beyond the image.
+    """Samples the exact map at the control points, some beyond the image.
 
     R, P: of the rectified camera, as cv2.stereoRectify gives them.
     source: the file of the calibration. InputError when a source is too far away for the grid's numbers.
     """
     import cv2  # slow to load; not all who name a grid make one
 
+    from vista.lens import rectifying_map
+
     _, lib = native.load("vista_engine")
     step = lib.VISTA_FRONTEND_GRID_STEP_PX
     sides = (lib.vista_frontend_grid_points(side) for side in (camera.width, camera.height))
     width, height = (step * (points - 1) + 1 for points in sides)
-    source_px = cv2.initUndistortRectifyMap(
-        camera.matrix, np.array(camera.distortion), R, P, (width, height), cv2.CV_32FC1
-    )
+    source_px = rectifying_map(camera, R, P, (width, height), cv2.CV_32FC1)
     own_px = np.meshgrid(np.arange(0, width, step), np.arange(0, height, step))
     offsets_px = np.stack(source_px, -1)[::step, ::step].astype(np.float64) - np.stack(own_px, -1)
     offsets = np.rint(offsets_px * lib.VISTA_FRONTEND_GRID_SCALE)

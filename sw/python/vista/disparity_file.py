@@ -23,9 +23,11 @@ Words = NDArray[np.int16]
 FORMATS = (".png", ".pfm", ".npy")
 
 
-def check_format(path: Path) -> None:
-    if path.suffix.lower() not in FORMATS:
-        raise InputError(path, f"disparity files end in {', '.join(FORMATS)}")
+def check_format(path: Path, also: tuple[str, ...] = ()) -> None:
+    """also: further endings that the caller knows. Raises InputError."""
+    known = (*FORMATS, *also)
+    if path.suffix.lower() not in known:
+        raise InputError(path, f"disparity files end in {', '.join(known)}")
 
 
 def write_disparity(path: Path, words: Words) -> None:

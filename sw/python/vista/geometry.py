@@ -8,11 +8,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+Lens = Literal["pinhole", "fisheye"]
 
 
 @dataclass(frozen=True)
@@ -48,12 +50,17 @@ class Calibration:
 
 @dataclass(frozen=True)
 class CameraModel:
-    """One camera as calibrated: pinhole with radial-tangential distortion (OpenCV's k1, k2, p1, p2[, k3])."""
+    """One camera as calibrated.
+
+    lens: pinhole has radial-tangential distortion (OpenCV's k1, k2, p1, p2[, k3]); fisheye is the equidistant
+    lens of cv2.fisheye, which Kalibr and ROS know too: theta (1 + k1 theta^2 + ... + k4 theta^8).
+    """
 
     width: int
     height: int
     matrix: Array  # 3x3, px
     distortion: tuple[float, ...] = (0.0, 0.0, 0.0, 0.0)
+    lens: Lens = "pinhole"
 
 
 @dataclass(frozen=True)
@@ -80,6 +87,23 @@ def rotation_from_quaternion(quaternion: Array) -> Array:
             [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
         ]
     )
+
+
+def quaternion_from_rotation(rotation: Array) -> Array:
+    """Unit quaternion (w, x, y, z) of a 3x3 rotation, found from the largest of its components."""
+    r = rotation
+    if np.trace(r) > 0:
+        w = np.sqrt(1 + np.trace(r)) / 2
+        return np.array([w, *(np.array([r[2, 1] - r[1, 2], r[0, 2] - r[2, 0], r[1, 0] - r[0, 1]]) / (4 * w))])
+    i = int(np.argmax(np.diag(r)))
+    j, k = (i + 1) % 3, (i + 2) % 3
+    largest = np.sqrt(1 + r[i, i] - r[j, j] - r[k, k]) / 2
+    found = np.zeros(4)
+    found[1 + i] = largest
+    found[[0, 1 + j, 1 + k]] = np.array([r[k, j] - r[j, k], r[j, i] + r[i, j], r[k, i] + r[i, k]]) / (
+        4 * largest
+    )
+    return found
 
 
 def slerp(first: Array, second: Array, fraction: float) -> Array:

@@ -86,7 +86,7 @@ class Health:
     state: str  #: healthy, degraded, blind
     reasons: tuple[
         str, ...
-    ]  #: few_disparities, no_disparities, no_contrast, motion_unknown, pose_jump, noise
+    ]  #: few_disparities, no_disparities, no_contrast, motion_unknown, pose_jump, noise, ground_unseen
     texts: tuple[str, ...]  #: the same in words
     matched_fraction: float  #: of the pixels where the engine can find a disparity, those that have one
     contrast: float  #: standard deviation of the cells, grey levels

@@ -11,7 +11,9 @@ from numpy.typing import NDArray
 
 from vista.control_grid import BUFFER_ROWS, Filter, Grid, GridPair, by_grid, check_rows, control_grid
 from vista.errors import InputError
+from vista.fisheye import rectified_fisheyes
 from vista.geometry import Array, Calibration, CameraModel, Pose, RawCalibration
+from vista.lens import rectifying_map
 from vista.sequence.types import Frame
 
 Map = tuple[
@@ -79,6 +81,8 @@ def rectified_cameras(raw: RawCalibration) -> tuple[tuple[Array, Array], tuple[A
     """Rotation and projection of the rectified left camera, and of the right one.
 
     InputError when the images would be zoomed beyond reason."""
+    if "fisheye" in (raw.left.lens, raw.right.lens):
+        return rectified_fisheyes(raw)
     # alpha = 0: zoomed until no pixel lies outside the raw images, where it would be matched as texture.
     R_left, R_right, P_left, P_right = (
         np.asarray(matrix, np.float64)
@@ -123,7 +127,8 @@ def _is_rectified(raw: RawCalibration) -> bool:
     tolerance_rad = tolerance_px / float(left.matrix[0, 0])
     off_axis = np.abs(motion.translation_m[1:]) / abs(motion.translation_m[0])
     return bool(
-        not any(left.distortion)
+        left.lens == right.lens == "pinhole"
+        and not any(left.distortion)
         and not any(right.distortion)
         and np.allclose(left.matrix, right.matrix, rtol=0.0, atol=tolerance_px)
         and abs(left.matrix[0, 0] - left.matrix[1, 1]) <= tolerance_px
@@ -150,9 +155,7 @@ def _fitting_grid(camera: CameraModel, R: Array, P: Array, buffer_rows: int, sou
 
 def exact_map(camera: CameraModel, R: Array, P: Array) -> Map:
     """Where each rectified pixel lies in the raw image: whole pixels, and index of the fractions."""
-    whole, fraction = cv2.initUndistortRectifyMap(
-        camera.matrix, np.array(camera.distortion), R, P, (camera.width, camera.height), cv2.CV_16SC2
-    )
+    whole, fraction = rectifying_map(camera, R, P, (camera.width, camera.height), cv2.CV_16SC2)
     return np.asarray(whole, np.int16), np.asarray(fraction, np.uint16)
 
 

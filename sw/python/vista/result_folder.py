@@ -22,6 +22,11 @@ FRAME_PICTURE = re.compile(r"\d{6,}\.jpg")
 JPEG_QUALITY = 88
 
 
+def encoded(picture: NDArray[np.uint8]) -> bytes:
+    """As JPEG."""
+    return bytes(cv2.imencode(".jpg", picture, [cv2.IMWRITE_JPEG_QUALITY, JPEG_QUALITY])[1])
+
+
 class ResultFolder:
     def __init__(self, path: Path) -> None:
         """Raises InputError when the path is a file, or a folder that holds anything but results."""
@@ -36,12 +41,11 @@ class ResultFolder:
                 path, f"holds other files ({foreign}); name a new folder, or one of an earlier run"
             )
 
-    def write_frame(self, index: int, line: str, picture: NDArray[np.uint8] | None) -> None:
+    def write_frame(self, index: int, line: str, jpeg: bytes | None) -> None:
         """The frame's picture, then its line: a line says that all of its frame is there."""
         lines = self._lines or self._create()
-        if picture is not None:
-            jpeg = cv2.imencode(".jpg", picture, [cv2.IMWRITE_JPEG_QUALITY, JPEG_QUALITY])[1]
-            write_atomically(self.frame_path(index), jpeg.tobytes())
+        if jpeg is not None:
+            write_atomically(self.frame_path(index), jpeg)
         lines.write_line(line)
 
     def frame_path(self, index: int) -> Path:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 from tqdm import tqdm
 
@@ -15,8 +16,11 @@ from vista.interruption import Interruption
 from vista.obstacle_line import obstacle_line
 from vista.recording import Recorder
 from vista.report.overlay import Overlay
-from vista.result_folder import ResultFolder
+from vista.result_folder import ResultFolder, encoded
 from vista.sequence import FrameFiles
+
+if TYPE_CHECKING:
+    from vista.bag.writer import BagWriter
 
 
 @dataclass(frozen=True)
@@ -27,6 +31,20 @@ class Outputs:
     overlay: Overlay | None  # None: no pictures
     recorder: Recorder | None
     all_tracks: bool = False  # write tracks that are not confirmed, too
+    bag: BagWriter | None = None
+
+
+class Announcer:
+    """Prints each kind of problem on stderr when a check finds it for the first time."""
+
+    def __init__(self) -> None:
+        self._announced: set[str] = set()
+
+    def announce(self, record: FrameRecord) -> None:
+        for finding in record.health.findings:
+            if finding.reason not in self._announced:
+                self._announced.add(finding.reason)
+                tqdm.write(f"vista: frame {record.index}: {finding.state}: {finding.text}", file=sys.stderr)
 
 
 def run_frames(
@@ -43,14 +61,11 @@ def run_frames(
     Raises InputError for an image that cannot be read; what is in the folder stays valid.
     """
     monitor = HealthMonitor(chain.sequence)
-    announced: set[str] = set()
+    announcer = Announcer()
     for files in tqdm(frames, desc=chain.sequence.name, unit="frame", disable=None):
         record = _run_frame(chain, files, monitor, outputs)
         records.append(record)
-        for finding in record.health.findings:
-            if finding.reason not in announced:
-                announced.add(finding.reason)
-                tqdm.write(f"vista: frame {record.index}: {finding.state}: {finding.text}", file=sys.stderr)
+        announcer.announce(record)
         if interruption.requested:
             return
 
@@ -63,9 +78,11 @@ def _run_frame(chain: Chain, files: FrameFiles, monitor: HealthMonitor, outputs:
     with clock.stage("output"):
         if outputs.recorder is not None:
             outputs.recorder.write(step.frame, step.levels)
-        picture = None
+        jpeg = None
         if outputs.overlay is not None:
-            picture = outputs.overlay.draw(step.frame, step.result, record.health)
-        outputs.folder.write_frame(files.index, obstacle_line(record, outputs.all_tracks), picture)
+            jpeg = encoded(outputs.overlay.draw(step.frame, step.result, record.health))
+        if outputs.bag is not None:
+            outputs.bag.write(step, record, jpeg)
+        outputs.folder.write_frame(files.index, obstacle_line(record, outputs.all_tracks), jpeg)
     record.stage_ms.update(clock.stage_ms)
     return record

@@ -7,7 +7,6 @@
 #include "common/numbers.h"
 
 #define CHORDS_MAX 64
-#define CURVATURE_SIGMA 0.25
 #define SAGITTA_M 0.01 /* between a chord and its arc: c l^2 / 8 */
 
 double vista_flight_path_along(const vista_flight_path *path, const double point_m[3], double direction[3]) {
@@ -47,7 +46,13 @@ double vista_flight_path_sigma_m(const vista_flight_path *path, double along_m, 
   const double c = path->curvature_1_m, ahead = vista_dot(path->direction, axis);
   const double inwards = c > 0.0 ? vista_dot(path->normal, axis) : 0.0;
   const double swayed_m = along_m * path->sigma_rad * sqrt(fmax(1.0 - ahead * ahead, 0.0));
-  return hypot(swayed_m, 0.5 * CURVATURE_SIGMA * c * along_m * along_m * inwards);
+  return hypot(swayed_m, 0.5 * VISTA_CURVATURE_SIGMA * c * along_m * along_m * inwards);
+}
+
+double vista_flight_path_likely_radius_m(const vista_flight_path *path, double along_m, double radius_m,
+                                         double sigmas) {
+  const double bent_m = VISTA_CURVATURE_SIGMA * 0.5 * path->curvature_1_m * along_m * along_m;
+  return fmax(radius_m - sigmas * hypot(along_m * path->sigma_rad, bent_m), VISTA_LIKELY_RADIUS_MIN * radius_m);
 }
 
 bool vista_flight_path_near_disc(const vista_flight_path *path, const vista_disc *disc, double radius_m) {

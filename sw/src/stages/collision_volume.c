@@ -22,15 +22,19 @@ typedef struct limits {
   float a[3];
   float focal_px;
   float length_m, radius_m, words_m; /* words_m = 16 B: times q / w the point */
+  float doubt_rad; /* of the direction: the volume is narrower by that much of the way */
   bool curved; /* what follows is of an arc alone */
   float n[3];
   float curvature, cosine, sine_m; /* of the turn over the length, the sine over the curvature */
+  float bend_doubt_1_m; /* of half the curvature */
 } limits;
 
 static inline int32_t inside_straight(const limits *limit, float u, float v, float word) {
   const float along = u * limit->a[0] + v * limit->a[1] + limit->focal_px * limit->a[2];
   const float across2 = u * u + v * v + limit->focal_px * limit->focal_px - along * along;
-  const float reach = limit->radius_px * word - limit->outline_px;
+  const float whole = limit->radius_px * word, least = (float)VISTA_LIKELY_RADIUS_MIN * whole;
+  const float likely = whole - limit->doubt_rad * along;
+  const float reach = (likely > least ? likely : least) - limit->outline_px;
   return (along > 0.0f) & (word >= limit->along * along) & (reach >= 0.0f) & (reach * reach >= across2);
 }
 
@@ -43,7 +47,10 @@ static inline int32_t inside_arc(const limits *limit, float u, float v, float wo
   const float all2 = scale * scale * (u * u + v * v + limit->focal_px * limit->focal_px), plane2 = x * x + y * y;
   const float s = limit->curvature * plane2 - 2.0f * y, square = 1.0f + limit->curvature * s;
   const float aside = s / (1.0f + sqrtf(square > 0.0f ? square : 0.0f));
-  const float reach = limit->radius_m - limit->outline_px * scale;
+  const float doubt2 =
+      x * x * (limit->doubt_rad * limit->doubt_rad) + x * x * x * x * (limit->bend_doubt_1_m * limit->bend_doubt_1_m);
+  const float likely = limit->radius_m - sqrtf(doubt2), least = (float)VISTA_LIKELY_RADIUS_MIN * limit->radius_m;
+  const float reach = (likely > least ? likely : least) - limit->outline_px * scale;
   return (x > 0.0f) & (reach >= 0.0f) & (aside * aside + all2 - plane2 <= reach * reach) &
          (x * limit->cosine <= (1.0f - limit->curvature * y) * limit->sine_m);
 }
@@ -247,10 +254,11 @@ static void meet(const vista_foveation *foveation, const vista_camera *camera, c
   place(camera, path, &first, region);
 }
 
-vista_collision_volume vista_collision_volume_around(const vista_flight_path *path, const vista_pose *pose,
-                                                     double radius_m, double outline_px) {
-  vista_collision_volume volume = {.radius_m = radius_m,
-                                   .outline_px = outline_px,
+vista_collision_volume vista_collision_volume_around(const vista_obstacle_map_params *params,
+                                                     const vista_flight_path *path, const vista_pose *pose) {
+  vista_collision_volume volume = {.radius_m = params->collision_radius_m,
+                                   .outline_px = params->outline_px,
+                                   .path_sigmas = params->path_sigmas,
                                    .length_m = path->length_m,
                                    .curvature_1_m = path->curvature_1_m,
                                    .sigma_rad = path->sigma_rad};
@@ -270,6 +278,7 @@ vista_flight_path vista_collision_volume_path(const vista_collision_volume *volu
 vista_status vista_collision_volume_check(const vista_collision_volume *volume) {
   const bool good = volume->radius_m >= SMALLEST_M && volume->length_m >= SMALLEST_M &&
                     isfinite(volume->radius_m + volume->length_m + volume->outline_px) && volume->outline_px >= 0.0 &&
+                    isfinite(volume->path_sigmas * volume->sigma_rad) && volume->path_sigmas >= 0.0 &&
                     volume->curvature_1_m >= 0.0 && volume->curvature_1_m * volume->length_m <= TURN_MAX_RAD;
   return good ? VISTA_OK : VISTA_ERROR_RANGE;
 }
@@ -290,19 +299,22 @@ vista_status vista_collision_volume_count(const vista_foveation *foveation, cons
   const double *const a = volume->direction_camera, *const n = volume->normal_camera;
   const double turn = volume->curvature_1_m * volume->length_m;
   const vista_flight_path path = vista_collision_volume_path(volume);
-  const limits limit = {.radius_px = (float)(volume->radius_m / words),
-                        .outline_px = (float)volume->outline_px,
-                        .along = (float)(words / volume->length_m),
-                        .a = {(float)a[0], (float)a[1], (float)a[2]},
-                        .focal_px = (float)camera->focal_px,
-                        .length_m = (float)volume->length_m,
-                        .radius_m = (float)volume->radius_m,
-                        .words_m = (float)words,
-                        .curved = volume->curvature_1_m > 0.0,
-                        .n = {(float)n[0], (float)n[1], (float)n[2]},
-                        .curvature = (float)volume->curvature_1_m,
-                        .cosine = (float)cos(turn),
-                        .sine_m = (float)(volume->curvature_1_m > 0.0 ? sin(turn) / volume->curvature_1_m : 0.0)};
+  const limits limit = {
+      .radius_px = (float)(volume->radius_m / words),
+      .outline_px = (float)volume->outline_px,
+      .along = (float)(words / volume->length_m),
+      .a = {(float)a[0], (float)a[1], (float)a[2]},
+      .focal_px = (float)camera->focal_px,
+      .doubt_rad = (float)(volume->path_sigmas * volume->sigma_rad),
+      .bend_doubt_1_m = (float)(volume->path_sigmas * 0.5 * VISTA_CURVATURE_SIGMA * volume->curvature_1_m),
+      .length_m = (float)volume->length_m,
+      .radius_m = (float)volume->radius_m,
+      .words_m = (float)words,
+      .curved = volume->curvature_1_m > 0.0,
+      .n = {(float)n[0], (float)n[1], (float)n[2]},
+      .curvature = (float)volume->curvature_1_m,
+      .cosine = (float)cos(turn),
+      .sine_m = (float)(volume->curvature_1_m > 0.0 ? sin(turn) / volume->curvature_1_m : 0.0)};
   for (int32_t k = 0; k < regions->count; ++k) {
     vista_region *const region = &regions->items[k];
     if (region->verdict != VISTA_REGION_ACCEPTED) continue;

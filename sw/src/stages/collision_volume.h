@@ -7,7 +7,9 @@
  * c rho = hypot(c X, 1 - c Y), and X > 0, atan2(c X, 1 - c Y) <= c length.
  *
  * Block matching widens what stands before something by up to half a block: a pixel tells of what is outline_px away.
- * So the volume's radius is smaller by outline_px Z / f.
+ * So the volume's radius is smaller by outline_px Z / f. Where the aircraft will be is uncertain, too, the more so the
+ * farther ahead: what is beside the rim of the volume there is passed as often as not. So the radius is smaller by
+ * path_sigmas standard deviations of that, down to half of it.
  *
  * Every pixel of a region's cells that lies on its surface is asked, at its own disparity, whichever side of its border
  * the image puts it on: a street's wall, seen at an angle, passes the aircraft wherever its middle is; a pole that
@@ -29,11 +31,12 @@ typedef struct vista_collision_volume {
   double outline_px;       /* that things seem wider than they are, to each side: the volume is narrower by as much */
   double curvature_1_m;    /* 0: straight; at most a quarter of a circle over length_m */
   double sigma_rad;        /* of the direction, each axis */
+  double path_sigmas;      /* of the path, by which the volume is narrower */
 } vista_collision_volume;
 
 /* The volume around a path, in the camera of that pose. */
-vista_collision_volume vista_collision_volume_around(const vista_flight_path *path, const vista_pose *pose,
-                                                     double radius_m, double outline_px);
+vista_collision_volume vista_collision_volume_around(const vista_obstacle_map_params *params,
+                                                     const vista_flight_path *path, const vista_pose *pose);
 
 /* The path in the middle of the volume, in the coordinates of the camera. */
 vista_flight_path vista_collision_volume_path(const vista_collision_volume *volume);

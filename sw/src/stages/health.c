@@ -24,6 +24,7 @@ static const entry reasons[VISTA_HEALTH_REASON_COUNT] = {
     {"motion_unknown", "the pose is missing: positions rest on the last known motion", 0},
     {"pose_jump", "the pose jumped farther than the vehicle can have moved", 0},
     {"noise", "the noise of the images leaves few disparities that chance does not explain", 0},
+    {"ground_unseen", "hardly anything below the horizon where the flight leads to has a disparity", 0},
 };
 
 static const char *const state_names[VISTA_HEALTH_STATE_COUNT] = {"healthy", "degraded", "blind"};
@@ -91,9 +92,10 @@ static counted_words count(const vista_matched_area *matched, bool noisy, const 
 vista_status vista_health_judge(const vista_health_params *params, const vista_foveation *foveation,
                                 const vista_matched_area *matched, const vista_cells *cells,
                                 const vista_image_noise *noise, const vista_disparity_image *disparity,
-                                const vista_motion *motion, vista_health *health, double *valid_fraction) {
+                                const vista_motion *motion, const vista_ahead *ahead, vista_health *health,
+                                double *valid_fraction) {
   if (params == NULL || foveation == NULL || matched == NULL || cells == NULL || noise == NULL || disparity == NULL ||
-      motion == NULL || health == NULL || valid_fraction == NULL)
+      motion == NULL || ahead == NULL || health == NULL || valid_fraction == NULL)
     return VISTA_ERROR_ARGUMENT;
   vista_status status = VISTA_CHECK_SECTION(health, params);
   if (status == VISTA_OK) status = vista_matched_area_check(matched);
@@ -114,6 +116,7 @@ vista_status vista_health_judge(const vista_health_params *params, const vista_f
       [VISTA_HEALTH_MOTION_UNKNOWN] = motion->source == VISTA_MOTION_CARRIED_ON,
       [VISTA_HEALTH_POSE_JUMP] = motion->source == VISTA_MOTION_REFUSED || motion->restarted,
       [VISTA_HEALTH_NOISE] = noisy && agreeing < params->degraded_fraction,
+      [VISTA_HEALTH_GROUND_UNSEEN] = vista_ground_view(ahead, matched, noisy, disparity) < params->ground_fraction,
   };
   for (int k = 0; k < VISTA_HEALTH_REASON_COUNT; ++k) {
     if (!holds[k]) continue;

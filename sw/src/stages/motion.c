@@ -12,6 +12,8 @@
 #define NOISE_SIGMAS 3.0
 #define PATH_SWAY 2.2 /* measured on 35 sampled flights */
 #define PATH_SIGMA_MIN_DEG 0.1
+#define UNSEEN_SWAY_DEG 0.8 /* of the direction, before any of it is seen: measured on 56 sampled flights */
+#define UNSEEN_SWAY_S 1.5   /* in which most of it has shown */
 #define FEWEST 4 /* differences that tell their own scatter */
 #define DOUBT_SHARE 0.5 /* of a turn that may be noise: anything between none and all of it, in the mean */
 #define STRAIGHT_RAD_S 1e-6
@@ -118,6 +120,7 @@ static void follow(const vista_motion_params *p, const vista_pose *pose, int64_t
     s->averaged = vista_square(1.0 - weight) * s->averaged + vista_square(weight);
     s->slow_averaged = vista_square(1.0 - slowly) * s->slow_averaged + vista_square(slowly);
     s->last_dt_s = dt_s;
+    s->known_s += dt_s;
     s->differences += s->differences < INT32_MAX;
     s->rates_known = true;
   }
@@ -265,6 +268,9 @@ vista_flight_path vista_motion_path(const vista_motion_params *params, const vis
   if (!state->rates_known || !(motion->speed_m_s > 0.0) || motion->speed_m_s < params->speed_min_m_s ||
       motion->source == VISTA_MOTION_STANDS)
     return path;
+  /* Who has been watched for a moment only may sway by more than has been seen. */
+  const double unseen_deg = UNSEEN_SWAY_DEG * exp(-state->known_s / UNSEEN_SWAY_S);
+  path.sigma_rad = hypot(path.sigma_rad, unseen_deg * VISTA_RADIANS_PER_DEGREE);
   double turn[3], normal[3];
   const double doubt_1_m = path_turn_rate(params, state, motion, turn) / motion->speed_m_s;
   if (doubt_1_m > 0.0) path.length_m = fmin(length_m, sqrt(2.0 * radius_m / (DOUBT_SHARE * doubt_1_m)));

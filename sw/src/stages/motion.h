@@ -56,6 +56,7 @@ typedef struct vista_motion_state {
   double velocity_m_s[3], turn_rate_rad_s[3]; /* world, smoothed */
   double slow_velocity_m_s[3]; /* the same velocity, smoothed over PATH_S */
   int32_t differences; /* that these are means of */
+  double known_s; /* for how long */
   double velocity_variance, turn_variance; /* of a single difference around the smoothed one, each axis */
   double lag_s, slow_lag_s; /* how far the smoothed values lag behind the last difference: less in the first second */
   double averaged; /* the variance of the smoothed rates over that of a difference */

@@ -15,6 +15,13 @@
 #define STEADY_MIN 0.25 /* of the variance: ten hits tell no more */
 #define ACROSS_M_S 0.5
 #define ACROSS_SIGMAS 3.0
+#define MISSES_MAX 2 /* in a row, of something that is still warned of: something else is seen there */
+#define MEET_M_S 1.0
+#define MEET_SIGMAS 5.0
+#define MEET_HITS 6
+#define MEET_STEPS 60
+#define FOOT_HITS 2.5 /* fewer that tell of their foot say nothing */
+#define FOOT_STANDS 0.15
 #define THICK_MAX_M 1.0 /* larger things are walls and the like: what their sides are, tells nothing of their depth */
 #define COMPACT_M 3.0 /* sides up to this are met anywhere between their middle and the point closest to the path */
 #define LARGE_M 4.5   /* sides from this on are met in that point */
@@ -129,6 +136,13 @@ static void lasting_covariance(const vista_obstacle_map_params *params, const vi
   vista_frame_covariance_to_world(pose, in_camera, covariance_m2);
 }
 
+/* Of the collision volume, where that is: as narrow as its pixels are asked for (collision_volume.h). */
+static double likely_radius_m(const vista_obstacle_map_params *params, const vista_flight_path *path,
+                              const double position_m[3]) {
+  const double along_m = fmin(fmax(vista_flight_path_along(path, position_m, NULL), 0.0), path->length_m);
+  return vista_flight_path_likely_radius_m(path, along_m, params->collision_radius_m, params->path_sigmas);
+}
+
 /* Facing the camera, half the extent inflated by the standard deviation of the bearing: sigma_u Z / f across. */
 static vista_disc disc_of(const vista_obstacle_map_params *params, const vista_camera *camera, const vista_pose *pose,
                           const vista_track *track, const double covariance_px2[9], double depth_m) {
@@ -163,6 +177,42 @@ static bool about_to_enter(const vista_obstacle_map_params *params, const vista_
   return vista_flight_path_near_disc(path, &soon, params->collision_radius_m);
 }
 
+/* Whether its region's foot hangs in the air: nothing else tells as surely that a thing flies. */
+static bool seen_to_stand(const vista_track *track) {
+  const vista_static_world *const w = &track->world;
+  return w->foot_count >= FOOT_HITS && w->foot_share <= FOOT_STANDS * w->foot_count;
+}
+
+/* Whether a thing that flies and the aircraft will meet, both going on as they do. Of what may only seem to move more is
+ * asked than of what is about to enter the volume: a faster and a more certain motion, more hits. Where both will be is
+ * the less certain the later that is, so the volume is as much narrower. */
+static bool will_meet(const vista_obstacle_map_params *params, const vista_flight_path *path, double speed_m_s,
+                      const vista_track *track) {
+  const double *const p = track->covariance;
+  if (track->hits < MEET_HITS || track->plain || seen_to_stand(track)) return false;
+  double ahead[3], across[3], variance = 0.0;
+  (void)vista_flight_path_along(path, track->position_m, ahead);
+  const double along_m_s = vista_dot(track->velocity_m_s, ahead);
+  for (int i = 0; i < 3; ++i) {
+    across[i] = track->velocity_m_s[i] - along_m_s * ahead[i];
+    variance += p[7 * (i + 3)] * (1.0 - vista_square(ahead[i]));
+  }
+  const double speed2 = vista_dot(across, across);
+  if (speed2 <= vista_square(MEET_M_S) || speed2 <= vista_square(MEET_SIGMAS) * variance) return false;
+  for (int k = 0; k <= MEET_STEPS; ++k) {
+    const double t_s = params->meet_s * k / MEET_STEPS, along_m = speed_m_s * t_s;
+    if (along_m > path->length_m) return false;
+    double there_m[3], off_m[3];
+    vista_flight_path_point(path, along_m, there_m, NULL);
+    for (int i = 0; i < 3; ++i) off_m[i] = track->position_m[i] + t_s * track->velocity_m_s[i] - there_m[i];
+    const double doubt_m = params->path_sigmas * t_s * sqrt(0.5 * variance);
+    const double likely_m =
+        vista_flight_path_likely_radius_m(path, along_m, params->collision_radius_m, params->path_sigmas) - doubt_m;
+    if (vista_norm(off_m) <= fmax(likely_m, VISTA_LIKELY_RADIUS_MIN * params->collision_radius_m)) return true;
+  }
+  return false;
+}
+
 /* A frame without a detection does not take back what was seen to move, nor do those in which nothing is matched where
  * it is. After more of them its velocity is a guess. */
 static bool motion_is_seen(const vista_track *track) { return !track->edges_only && track->misses <= 1; }
@@ -192,7 +242,8 @@ static vista_ellipse ellipse_of(const vista_track *track, const double measureme
 
 /* False: behind the camera. */
 static bool obstacle_of(const vista_obstacle_map_params *params, const vista_camera *camera, const vista_pose *pose,
-                        const vista_flight_path *path, const vista_track *track, vista_obstacle *obstacle) {
+                        const vista_flight_path *path, double speed_m_s, const vista_track *track,
+                        vista_obstacle *obstacle) {
   double camera_m[3], measurement_px[3], jacobian_camera[9], jacobian[9], covariance_px2[9];
   vista_frame_to_camera(pose, track->position_m, camera_m);
   if (!(camera_m[2] > DEPTH_MIN_M)) return false;
@@ -219,16 +270,18 @@ static bool obstacle_of(const vista_obstacle_map_params *params, const vista_cam
   for (int i = 0; i < 9; ++i) obstacle->covariance_m2[i] += lasting_m2[i];
   obstacle->disparity_px = measurement_px[2];
   obstacle->ellipse = ellipse_of(track, measurement_px, camera_m[2]);
-  const int32_t members = vista_window_count(track->volume_window, 3);
+  const int32_t members = track->misses > MISSES_MAX ? 0 : vista_window_count(track->volume_window, 3);
   const bool undetected = (track->coasting || track->followed) && track->parts == 0;
   obstacle->in_collision_volume = track->credible && members >= (track->hits > 1 ? 2 : 1);
   const bool own_pixels = !undetected && !track->edges_only; /* tell whether it is a member; else its disc does */
   if (!track->credible || (own_pixels && obstacle->in_collision_volume)) return true;
   const vista_disc disc = disc_of(params, camera, pose, track, covariance_px2, camera_m[2]);
-  obstacle->in_collision_volume = obstacle->in_collision_volume
-                                      ? vista_flight_path_near_disc(path, &disc, params->collision_radius_m) ||
-                                            still_met(params, path, track, members)
-                                      : motion_is_seen(track) && about_to_enter(params, path, track, &disc);
+  obstacle->in_collision_volume =
+      obstacle->in_collision_volume
+          ? vista_flight_path_near_disc(path, &disc, likely_radius_m(params, path, disc.center_m)) ||
+                still_met(params, path, track, members)
+          : motion_is_seen(track) &&
+                (about_to_enter(params, path, track, &disc) || will_meet(params, path, speed_m_s, track));
   return true;
 }
 
@@ -416,7 +469,7 @@ vista_status vista_obstacle_map_update(vista_obstacle_map *map, const vista_obst
   bool shown = warned && !ground.coasting; /* by the nearest collision: it is seen, beyond what would hide it */
   for (int32_t i = 0; i < track_count; ++i) {
     vista_obstacle obstacle;
-    if (!obstacle_of(params, camera, &motion->pose, path, &tracks[i], &obstacle)) continue;
+    if (!obstacle_of(params, camera, &motion->pose, path, motion->speed_m_s, &tracks[i], &obstacle)) continue;
     if (warned && (vista_terrain_bears(terrain, &obstacle, obstacle.position_m) ||
                    (is_touched(camera, &tracks[i]) && vista_terrain_bears(terrain, &obstacle, tracks[i].met_m))))
       obstacle.in_collision_volume = false; /* what is met of it is said */

@@ -34,6 +34,7 @@ typedef struct vista_detection {
   bool met; /* by the collision volume, there: */
   double met_camera_m[3];
   double met_sigma_m; /* of its range */
+  bool line;          /* a thin one, no region */
   vista_ellipse ellipse;
 } vista_detection;
 

@@ -38,7 +38,7 @@ typedef struct approach {
 } approach;
 
 static approach approach_of(const vista_thin_line *line, const vista_camera *camera, const vista_flight_path *path,
-                            double radius_m, const vista_reconstruction_params *params) {
+                            const vista_collision_volume *volume, const vista_reconstruction_params *params) {
   approach a = {.distance_m = INFINITY};
   for (int32_t v = line->first_v_px; v <= line->last_v_px; ++v) {
     if (!is_certain(line, params, v)) continue;
@@ -46,6 +46,7 @@ static approach approach_of(const vista_thin_line *line, const vista_camera *cam
     point_at(line, camera, v, point_m);
     const double along_m = vista_flight_path_along(path, point_m, NULL);
     const double distance_m = vista_flight_path_distance(path, point_m);
+    const double radius_m = vista_flight_path_likely_radius_m(path, along_m, volume->radius_m, volume->path_sigmas);
     if (along_m > 0.0 && along_m <= path->length_m && distance_m <= radius_m) a.pixels += hypot(1.0, line->slope);
     if (distance_m >= a.distance_m) continue;
     a.found = along_m > 0.0;
@@ -89,6 +90,7 @@ static vista_detection detection_of(const vista_thin_line *line, const vista_cam
       .volume_pixels = (int32_t)lround(nearest->pixels),
       .foot_seen = line->foot_seen,
       .foot_share = line->foot_share,
+      .line = true,
       .ellipse = {.center_u_px = vista_thin_u_px(line, nearest->v_px),
                   .center_v_px = nearest->v_px,
                   .axis_a_px = half_px,
@@ -135,7 +137,7 @@ vista_status vista_thin_reconstruct(const vista_thin_line *lines, int32_t line_c
   if (status != VISTA_OK) return status;
   const vista_flight_path path = vista_collision_volume_path(volume);
   for (int32_t i = 0; i < line_count; ++i) {
-    const approach nearest = approach_of(&lines[i], camera, &path, volume->radius_m, params);
+    const approach nearest = approach_of(&lines[i], camera, &path, volume, params);
     if (!nearest.found || nearest.distance_m > REACH_RADII * volume->radius_m) continue;
     const int32_t others = without_bands(&lines[i], nearest.pixels > 0.0, detections, *detection_count);
     if (nearest.pixels == 0.0 && others < *detection_count) continue;

@@ -53,7 +53,8 @@ typedef enum vista_engine_isa {
   VISTA_ENGINE_ISA_AUTO = 0,
   VISTA_ENGINE_ISA_PORTABLE,
   VISTA_ENGINE_ISA_AVX2,
-  VISTA_ENGINE_ISA_AVX512
+  VISTA_ENGINE_ISA_AVX512,
+  VISTA_ENGINE_ISA_NEON /* of AArch64 */
 } vista_engine_isa;
 
 /* The parameters of the contract. */

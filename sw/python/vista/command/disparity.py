@@ -1,9 +1,11 @@
-"""Match one rectified pair and write its disparity image.
+"""Match one rectified pair and write its disparity image, or the points that it stands for.
 
 The ending of FILE chooses the format:
   .png  KITTI: 16 bits, 256 per pixel of disparity; 0 is invalid
   .pfm  32-bit float, pixels of disparity; +infinity is invalid
   .npy  16-bit integer, 16 per pixel of disparity; negative is invalid
+  .jpg  colours for people: near is red, far is blue, invalid is dark; with --calibration a scale in metres
+  .ply  point cloud in metres, x to the right, y down, z forward; takes --calibration
 """
 
 from __future__ import annotations
@@ -12,11 +14,20 @@ import argparse
 from pathlib import Path
 
 from vista.command.arguments import add_engine, positive
-from vista.disparity_file import check_format, write_disparity
-from vista.engine import EngineParameters, create_engine
+from vista.disparity_file import Words, check_format, write_disparity
+from vista.engine import EngineParameters, Image, create_engine
 from vista.errors import EXIT_OK, InputError
+from vista.geometry import Calibration
+from vista.output import write_atomically
+from vista.point_cloud import SUFFIX as PLY
+from vista.point_cloud import points_of, write_ply
+from vista.rectify import Rectifier
+from vista.report.overlay import draw_disparity
+from vista.result_folder import encoded
 from vista.sequence import read_grey
+from vista.sequence.pairs import read_calibration_file
 
+PICTURE = ".jpg"
 DEFAULTS = EngineParameters()
 
 
@@ -24,6 +35,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("left", type=Path, metavar="LEFT", help="left image: PNG, JPEG, PGM or PPM")
     parser.add_argument("right", type=Path, metavar="RIGHT", help="right image of the same size")
     parser.add_argument("--out", type=Path, required=True, metavar="FILE", help="disparity file to write")
+    parser.add_argument(
+        "--calibration", type=Path, metavar="FILE.toml", help="calibration of the pair, for .jpg and .ply"
+    )
     add_engine(parser, "the same as for vista run; opencv needs --lr off")
     parser.add_argument("--rtl-width", type=positive, metavar="PX", help="the same as for vista run")
     add_number(
@@ -67,7 +81,7 @@ def lr_max_diff(text: str) -> int | None:
 
 
 def execute(arguments: argparse.Namespace) -> int:
-    check_format(arguments.out)
+    check_out(arguments.out, arguments.calibration)
     parameters = EngineParameters(
         num_disparities=arguments.disparities,
         block_size=arguments.block,
@@ -89,5 +103,37 @@ def execute(arguments: argparse.Namespace) -> int:
         words = engine.compute(left, right)
     except ValueError as error:
         raise InputError(arguments.left, str(error)) from None
-    write_disparity(arguments.out, words)
+    camera = None if arguments.calibration is None else read_camera(arguments.calibration, left)
+    write(arguments.out, words, left, camera, arguments.disparities)
     return EXIT_OK
+
+
+def check_out(path: Path, calibration: Path | None) -> None:
+    """Raises InputError before any work is done."""
+    suffix = path.suffix.lower()
+    if suffix not in (PICTURE, PLY):
+        check_format(path, also=(PICTURE, PLY))
+        if calibration is not None:
+            raise InputError("--calibration", f"goes with {PICTURE} and {PLY}")
+    elif suffix == PLY and calibration is None:
+        raise InputError(path, "a point cloud needs --calibration")
+
+
+def read_camera(path: Path, left: Image) -> Calibration:
+    """Raises InputError for cameras whose images would have to be rectified first."""
+    height, width = left.shape
+    rectifier = Rectifier(read_calibration_file(path, (width, height)).calibration)
+    if not rectifier.is_passthrough:
+        raise InputError(path, "is of cameras that are not rectified: use vista run")
+    return rectifier.calibration
+
+
+def write(path: Path, words: Words, left: Image, camera: Calibration | None, disparities: int) -> None:
+    suffix = path.suffix.lower()
+    if suffix == PICTURE:
+        focal_baseline_px_m = None if camera is None else camera.focal_px * camera.baseline_m
+        write_atomically(path, encoded(draw_disparity(words, disparities, focal_baseline_px_m)))
+    elif suffix == PLY and camera is not None:
+        write_ply(path, points_of(words, left, camera))
+    else:
+        write_disparity(path, words)

@@ -14,6 +14,7 @@ from __future__ import annotations
 import argparse
 import sys
 import time
+from collections import Counter
 from pathlib import Path
 
 from vista.command.arguments import add_config
@@ -53,6 +54,9 @@ def execute(arguments: argparse.Namespace) -> int:
 
 
 def summary(sent: Sent, transport: Transport, autopilot: str, target: str) -> str:
-    counts = ", ".join(f"{count} {name}" for name, count in sorted(sent.messages.items()))
-    lost = f", {transport.lost} of them lost" if transport.lost else ""
-    return f"{sent.frames} frames to {autopilot} at {target}: {counts}{lost}"
+    return f"{sent.frames} frames to {autopilot} at {target}: {sent_messages(sent.messages, transport)}"
+
+
+def sent_messages(messages: Counter[str], transport: Transport) -> str:
+    counts = ", ".join(f"{count} {name}" for name, count in sorted(messages.items()))
+    return counts + (f", {transport.lost} of them lost" if transport.lost else "")

@@ -1,9 +1,13 @@
 """Run the whole chain on a recorded stereo sequence.
 
-SEQUENCE is a folder in one of three layouts:
+SEQUENCE is a folder or a file:
   EuRoC ASL       mav0/cam0, cam1 and optionally state_groundtruth_estimate0
   KITTI odometry  sequences/NN with image_0, image_1, calib.txt, times.txt, optionally ../../poses/NN.txt
   pairs           NAME_left.EXT, NAME_right.EXT and calibration.toml, optionally times.csv and poses.csv
+  KITTI stereo    training or testing of 2012 or 2015; each pair is judged by itself
+  Middlebury      a scene: im0, im1 and calib.txt, or im2, im6 (view1, view5) and calibration.toml
+  video           side by side, one above the other, or NAME_left.EXT and NAME_right.EXT; calibration.toml
+  ROS bag         a bag of ROS 1, the folder of a bag of ROS 2, or an MCAP file
 
 DIR receives obstacles.jsonl (one line per frame), frames/ (pictures), summary.json and report.html.
 """
@@ -16,13 +20,14 @@ import sys
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import asdict
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from vista import parameters
 from vista.chain import Chain, fitted_to, make_chain
 from vista.command.arguments import add_config, add_engine, load_parameters, positive
+from vista.command.source_arguments import add_source, source_options
 from vista.engine import REMOTE_ENGINES
 from vista.engine.board import DEFAULT_TIMEOUT_S
 from vista.engine.rtl import DEFAULT_WIDTH_PX
@@ -36,12 +41,14 @@ from vista.report.run_report import render_report
 from vista.result_folder import ResultFolder
 from vista.run import Outputs, run_frames
 from vista.sequence import FrameFiles, Sequence, open_sequence
-from vista.sequence.text import finite
 from vista.version import commit, version
+
+if TYPE_CHECKING:
+    from vista.bag.writer import BagWriter
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("sequence", type=Path, metavar="SEQUENCE", help="folder of the sequence")
+    add_source(parser)
     parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder for the results")
     add_engine(
         parser,
@@ -78,11 +85,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--record", type=Path, metavar="FILE", help="record what the host receives, for replay in C"
     )
     parser.add_argument(
-        "--pair-tolerance-ms",
-        type=milliseconds,
-        metavar="MS",
-        help="how far the times of left and right image may lie apart in the EuRoC layout (default: a tenth "
-        "of the frame period, at most 5)",
+        "--bag",
+        type=Path,
+        metavar="DIR",
+        help="write a bag of ROS 2 (MCAP) with images, disparities, obstacles, poses and diagnostics",
     )
     parser.add_argument("--no-overlay", action="store_true", help="draw no pictures, which saves time")
     parser.add_argument(
@@ -99,19 +105,12 @@ def frame_range(text: str) -> tuple[int, int | None]:
     return int(first or 0), int(last) if last else None
 
 
-def milliseconds(text: str) -> float:
-    number = finite("--pair-tolerance-ms", text)
-    if not 0.0 <= number <= 1e6:
-        raise argparse.ArgumentTypeError(f"{text} is not from 0 to 1000000 ms")
-    return number
-
-
 def execute(arguments: argparse.Namespace) -> int:
     if (arguments.engine in REMOTE_ENGINES) != (arguments.address is not None):
         raise InputError("--address", "goes with --engine board, and that with it")
     values = load_parameters(arguments.config, arguments.engine)
     folder = ResultFolder(arguments.out)
-    sequence = open_sequence(arguments.sequence, arguments.pair_tolerance_ms)
+    sequence = open_sequence(arguments.sequence, source_options(arguments))
     values = fitted_to(sequence, values)
     frames = select_frames(sequence, arguments.frames)
     chain = make_chain(
@@ -131,8 +130,12 @@ def execute(arguments: argparse.Namespace) -> int:
     interruption = Interruption()
     outcome: dict[str, Any] = {}
     try:
-        with interruption.watch(), open_recorder(arguments.record, chain, values) as recorder:
-            outputs = Outputs(folder, overlay, recorder, arguments.all_tracks)
+        with (
+            interruption.watch(),
+            open_recorder(arguments.record, chain, values) as recorder,
+            open_bag(arguments.bag, chain) as bag,
+        ):
+            outputs = Outputs(folder, overlay, recorder, arguments.all_tracks, bag)
             run_frames(chain, frames, outputs, records, interruption)
     except InputError as error:
         outcome["error"] = str(error)
@@ -157,6 +160,17 @@ def open_recorder(
     if path is None:
         return nullcontext()
     return Recorder(path, chain.sequence, chain.rectifier.calibration, values)
+
+
+def open_bag(path: Path | None, chain: Chain) -> AbstractContextManager[BagWriter | None]:
+    if path is None:
+        return nullcontext()
+    try:
+        from vista.bag.writer import BagWriter  # its library is an extra
+    except ModuleNotFoundError:
+        raise InputError("--bag needs the extra [bags]", "pip install 'vista[bags]'") from None
+    candidates = chain.engine.parameters.num_disparities
+    return BagWriter(path, chain.rectifier.calibration, candidates, chain.sequence.up_world)
 
 
 def select_frames(sequence: Sequence, wanted: tuple[int, int | None] | None) -> tuple[FrameFiles, ...]:

@@ -30,7 +30,7 @@ class StereoEngine(LevelEngine):
     :param smooth: smooth both images before matching
     :param levels: number of pyramid levels; `compute` gives the words of the first level, `compute_levels` a
         list with those of every level
-    :param isa: ``auto``, ``portable``, ``avx2`` or ``avx512``; the words do not depend on it
+    :param isa: ``auto``, ``portable``, ``avx2``, ``avx512`` or ``neon``; the words do not depend on it
     """
 
     def __init__(
@@ -154,5 +154,5 @@ class StereoEngine(LevelEngine):
 
 
 def _isas(lib: Any) -> dict[str, int]:
-    names = ("auto", "portable", "avx2", "avx512")
+    names = ("auto", "portable", "avx2", "avx512", "neon")
     return {name: getattr(lib, f"VISTA_ENGINE_ISA_{name.upper()}") for name in names}

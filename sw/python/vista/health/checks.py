@@ -23,6 +23,7 @@ from vista.health.finding import Finding, Reason, State
 BASELINE_M = (0.01, 5.0)
 CENTER_OFFSET = 0.12  # of the principal point from the centre of the image, as a share of its side
 FIELD_OF_VIEW_DEG = (15.0, 130.0)  # horizontal
+FISHEYE_FIELD_OF_VIEW_DEG = (30.0, 240.0)
 
 
 def check_baseline(calibration: RawCalibration) -> Finding | None:
@@ -58,8 +59,11 @@ def _camera_problem(camera: CameraModel) -> str | None:
         return (
             f"principal point ({cx:.0f}, {cy:.0f}), far from the centre of {camera.width}x{camera.height} px"
         )
-    view_deg = 2.0 * math.degrees(math.atan(0.5 * camera.width / float(camera.matrix[0, 0])))
-    if not FIELD_OF_VIEW_DEG[0] <= view_deg <= FIELD_OF_VIEW_DEG[1]:
+    half = 0.5 * camera.width / float(camera.matrix[0, 0])  # of the width, in focal lengths
+    is_fisheye = camera.lens == "fisheye"
+    view_deg = 2.0 * math.degrees(half if is_fisheye else math.atan(half))
+    lowest, highest = FISHEYE_FIELD_OF_VIEW_DEG if is_fisheye else FIELD_OF_VIEW_DEG
+    if not lowest <= view_deg <= highest:
         return f"field of view {view_deg:.0f} degrees wide"
     return None
 

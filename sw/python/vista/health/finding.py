@@ -31,6 +31,7 @@ class Reason(StrEnum):
     NO_DISPARITIES = "no_disparities"
     POSE_JUMP = "pose_jump"
     NOISE = "noise"
+    GROUND_UNSEEN = "ground_unseen"
 
 
 @dataclass(frozen=True)

@@ -24,7 +24,8 @@ class HealthMonitor:
         calibration = sequence.calibration
         self.of_run = _present(checks.check_baseline(calibration), checks.check_calibration(calibration))
         self._stills = sequence.stills
-        self._watch_motion = not sequence.stills and not any(f.world_from_camera for f in sequence.frames)
+        told = sequence.stills or sequence.odometry or any(f.world_from_camera for f in sequence.frames)
+        self._watch_motion = not told
         self._before: Frame | None = None
         self._pair: Finding | None = None
         self._motion: Finding | None = None

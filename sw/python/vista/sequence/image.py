@@ -36,7 +36,11 @@ def read_grey(path: Path) -> NDArray[np.uint8]:
     Raises InputError: missing, truncated, damaged, not PNG/JPEG/PGM/PPM, above 8 bits a channel, or with a
     side above MAX_SIDE_PX. 16-bit images are not scaled: which bits hold the picture is not in the file.
     """
-    data = _read_bytes(path)
+    return decode_grey(path, _read_bytes(path))
+
+
+def decode_grey(path: Path | str, data: bytes) -> NDArray[np.uint8]:
+    """As read_grey, of the content of a file; path: for messages."""
     header = check_container(path, data)
     if header.bits > 8:
         raise InputError(path, f"{header.bits} bits a channel; convert the image to 8 bits first")
@@ -67,7 +71,7 @@ def _read_bytes(path: Path) -> bytes:
         raise InputError(path, (error.strerror or "cannot be read").lower()) from None
 
 
-def check_container(path: Path, data: bytes) -> Header:
+def check_container(path: Path | str, data: bytes) -> Header:
     """Header of a whole PNG, JPEG, PGM or PPM; raises InputError for anything else."""
     if not data:
         raise InputError(path, "empty file")
@@ -89,7 +93,7 @@ def check_container(path: Path, data: bytes) -> Header:
 PNG_SIGNATURE = b"\x89PNG\r\n\x1a\n"
 
 
-def _check_png(path: Path, data: bytes) -> Header:
+def _check_png(path: Path | str, data: bytes) -> Header:
     """PNG specification, section 5: length, type, data, CRC over type and data; IHDR first, IEND last."""
     view = memoryview(data)
     header = None
@@ -117,7 +121,7 @@ JPEG_FRAME_HEADERS = frozenset(range(0xC0, 0xD0)) - {0xC4, 0xC8, 0xCC}  # SOF0..
 JPEG_SCAN_END = re.compile(rb"\xff[^\x00\xff\xd0-\xd7]")  # a marker that is no stuffing, fill or restart
 
 
-def _check_jpeg(path: Path, data: bytes) -> Header:
+def _check_jpeg(path: Path | str, data: bytes) -> Header:
     """ITU-T T.81, annex B: marker segments, entropy-coded data after each SOS, EOI last."""
     header = None
     at = 2
@@ -146,7 +150,7 @@ def _check_jpeg(path: Path, data: bytes) -> Header:
 PNM_HEADER = re.compile(rb"P([56])(?:\s|#[^\n]*\n)+(\d+)(?:\s|#[^\n]*\n)+(\d+)(?:\s|#[^\n]*\n)+(\d+)\s")
 
 
-def _check_pnm(path: Path, data: bytes) -> Header:
+def _check_pnm(path: Path | str, data: bytes) -> Header:
     """Netpbm's pgm(5) and ppm(5), binary."""
     match = PNM_HEADER.match(data[:4096])
     if match is None:

@@ -10,15 +10,19 @@ import numpy as np
 from vista.errors import InputError
 from vista.geometry import Array, CameraModel, Pose, RawCalibration, is_rotation
 from vista.sequence.image import EXTENSIONS, read_size
+from vista.sequence.options import Options
 from vista.sequence.text import check_increasing, data_lines, finite_row, seconds_ns
 from vista.sequence.types import FrameFiles, Sequence
+
+NAME = "KITTI odometry"
+TAKES: frozenset[str] = frozenset()
 
 
 def recognises(folder: Path) -> bool:
     return (folder / "image_0").is_dir()
 
 
-def open_folder(folder: Path) -> Sequence:
+def open_source(folder: Path, options: Options) -> Sequence:
     left_images = sorted(p for p in (folder / "image_0").iterdir() if p.suffix.lower() in EXTENSIONS)
     if not left_images:
         raise InputError(folder / "image_0", "holds no images")
@@ -32,7 +36,7 @@ def open_folder(folder: Path) -> Sequence:
     number = folder.resolve().name
     poses_path = folder / ".." / ".." / "poses" / f"{number}.txt"
     poses: list[Pose] | list[None] = [None] * len(left_images)
-    if poses_path.exists():
+    if options.of_source and poses_path.exists():
         poses = read_poses(poses_path)
         _check_count(poses_path, "poses", len(poses), len(left_images))
 
@@ -42,7 +46,7 @@ def open_folder(folder: Path) -> Sequence:
     )
     calibration = read_calibration(folder / "calib.txt", read_size(left_images[0]))
     name = f"{folder.resolve().parent.parent.name}/{number}"
-    return Sequence(name, "KITTI odometry", calibration, tuple(frames))
+    return Sequence(name, NAME, calibration, tuple(frames))
 
 
 def _check_count(path: Path, what: str, count: int, frames: int) -> None:
@@ -50,23 +54,27 @@ def _check_count(path: Path, what: str, count: int, frames: int) -> None:
         raise InputError(path, f"{count} {what} for {frames} frames")
 
 
-def read_calibration(path: Path, size: tuple[int, int]) -> RawCalibration:
-    """P0 and P1 map the left camera's frame to pixels: P1 = K1 [I | t], t = (-baseline_m, 0, 0)."""
+def read_calibration(
+    path: Path, size: tuple[int, int], keys: tuple[str, str] = ("P0", "P1")
+) -> RawCalibration:
+    """P0 and P1 map the left camera's frame to pixels: P1 = K1 [I | t], t = (-baseline_m, 0, 0). keys: their
+    names in the file."""
     projections: dict[str, Array] = {}
     for culprit, line in data_lines(path):
         key, _, numbers = line.partition(":")
-        if key in ("P0", "P1"):
+        if key in keys:
             projections[key] = np.array(finite_row(culprit, numbers.split(), 12)).reshape(3, 4)
             _check_intrinsics(culprit, projections[key])
-    for key in ("P0", "P1"):
+    for key in keys:
         if key not in projections:
             raise InputError(path, f"{key} is missing")
-    K0, K1 = projections["P0"][:, :3], projections["P1"][:, :3]
-    translation_m = np.linalg.solve(K1, projections["P1"][:, 3]) - np.linalg.solve(
-        K0, projections["P0"][:, 3]
-    )
+    P0, P1 = (projections[key] for key in keys)
+    K0, K1 = P0[:, :3], P1[:, :3]
+    translation_m = np.linalg.solve(K1, P1[:, 3]) - np.linalg.solve(K0, P0[:, 3])
     if translation_m[0] >= 0.0:
-        raise InputError(path, f"baseline is {-translation_m[0] + 0.0:g} m, must be positive (P1 against P0)")
+        raise InputError(
+            path, f"baseline is {-translation_m[0] + 0.0:g} m, must be positive ({keys[1]} against {keys[0]})"
+        )
     return RawCalibration(
         CameraModel(*size, K0), CameraModel(*size, K1), Pose(np.eye(3), translation_m), str(path)
     )

@@ -16,10 +16,15 @@ and for cameras as calibrated, which are then rectified (cv2.stereoCalibrate's K
     fy_px = 526.920
     cx = 312.451
     cy = 247.402
-    distortion = [-0.36254, 0.17533, 0.0, 0.0]   # k1, k2, p1, p2[, k3]; may be left out
+    distortion = [-0.36254, 0.17533, 0.0, 0.0]   # k1, k2, p1, p2[, k3[, k4, k5, k6]]; may be left out
+    lens = "pinhole"      # may be left out; "fisheye" has k1 to k4 of cv2.fisheye
     [right_from_left]     # p_right = rotation p_left + translation_m
     rotation = [1.0, 0.0, 0.0,  0.0, 1.0, 0.0,  0.0, 0.0, 1.0]
     translation_m = [-0.12, 0.0, 0.0]
+
+size_px = [640, 480] before the first table may say what images it belongs to; others are refused.
+[body_from_left] and [body_from_right] with rotation and translation_m may say where the cameras are on the
+vehicle, for other programs (vista calibrate); they have to agree with [right_from_left].
 
 Optional files (tables.py): times.csv gives each pair its time, and the frames come in the order of the times;
 without it the pairs come in the order of their names, ten a second. poses.csv gives poses of the left camera;
@@ -35,51 +40,63 @@ from __future__ import annotations
 
 import math
 import tomllib
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 
 from vista.errors import InputError
-from vista.geometry import Array, CameraModel, Pose, RawCalibration, camera_matrix, is_rotation
+from vista.geometry import Array, CameraModel, Lens, Pose, RawCalibration, camera_matrix, is_rotation
 from vista.sequence.image import EXTENSIONS, read_size
+from vista.sequence.options import BY_ODOMETRY, Options
 from vista.sequence.tables import read_poses, read_times
 from vista.sequence.text import read_text
-from vista.sequence.trajectory import UNIT_TOLERANCE
+from vista.sequence.trajectory import UNIT_TOLERANCE, with_poses
 from vista.sequence.types import FrameFiles, Sequence
 
 FRAME_PERIOD_NS = 100_000_000
-OF_SEQUENCE = ("stills", "up_world")  # keys of either form of calibration.toml
+OF_SEQUENCE = ("stills", "up_world", "size_px")  # keys of either form of calibration.toml
+OF_BODY = ("body_from_left", "body_from_right")
+BODY_TOLERANCE = 1e-6
+
+
+NAME = "pairs"
+TAKES = frozenset({"calibration"})
+
+
+@dataclass(frozen=True)
+class Described:
+    """What calibration.toml says."""
+
+    calibration: RawCalibration
+    up_world: Array | None
+    stills: bool
 
 
 def recognises(folder: Path) -> bool:
-    return (folder / "calibration.toml").exists() or any(_images(folder, "_left"))
+    return folder.is_dir() and ((folder / "calibration.toml").exists() or any(_images(folder, "_left")))
 
 
-def open_folder(folder: Path) -> Sequence:
+def open_source(folder: Path, options: Options) -> Sequence:
     pairs = _find_pairs(folder)
-    path = folder / "calibration.toml"
-    table = _read_table(path)
-    calibration = read_calibration(path, table, read_size(pairs[0][0]))
+    described = read_calibration_file(
+        options.calibration or folder / "calibration.toml", read_size(pairs[0][0])
+    )
     times_path, poses_path = folder / "times.csv", folder / "poses.csv"
     times_ns = [index * FRAME_PERIOD_NS for index in range(len(pairs))]
     if times_path.exists():
         times_ns = read_times(times_path, [left.stem.removesuffix("_left") for left, _ in pairs])
-    elif poses_path.exists():
-        raise InputError(times_path, "no such file: poses.csv needs the times of the pairs")
-    trajectory = read_poses(poses_path) if poses_path.exists() else None
-    frames = []
-    for index, (t_ns, (left, right)) in enumerate(sorted(zip(times_ns, pairs, strict=True))):
-        pose = trajectory.at(t_ns) if trajectory else None
-        if pose is not None or trajectory is None:
-            frames.append(FrameFiles(index, t_ns, left, right, pose))
-    if not frames:
-        raise InputError(poses_path, f"covers the time of none of the {len(pairs)} frames")
-    left_out = len(pairs) - len(frames)
-    notes = (f"{left_out} of {len(pairs)} frames lie outside the time of {poses_path}",) if left_out else ()
-    up_world = _direction(path, table, "up_world")
-    stills = _flag(path, table, "stills")
-    return Sequence(folder.resolve().name, "pairs", calibration, tuple(frames), up_world, notes, stills)
+    elif poses_path.exists() or not options.of_source:
+        asking = BY_ODOMETRY if options.odometry else options.poses or "poses.csv"
+        raise InputError(times_path, f"no such file: {asking} needs the times of the pairs")
+    in_order = sorted(zip(times_ns, pairs, strict=True))
+    frames = tuple(FrameFiles(index, t_ns, *pair, None) for index, (t_ns, pair) in enumerate(in_order))
+    notes: tuple[str, ...] = ()
+    if options.of_source and poses_path.exists():
+        frames, notes = with_poses(frames, read_poses(poses_path), poses_path)
+    name, stills = folder.resolve().name, described.stills
+    return Sequence(name, NAME, described.calibration, frames, described.up_world, notes, stills)
 
 
 def _images(folder: Path, side: str) -> list[Path]:
@@ -102,7 +119,7 @@ def _find_pairs(folder: Path) -> list[tuple[Path, Path]]:
     return pairs
 
 
-def _read_table(path: Path) -> dict[str, Any]:
+def read_table(path: Path) -> dict[str, Any]:
     try:
         return tomllib.loads(read_text(path))
     except tomllib.TOMLDecodeError as error:
@@ -126,8 +143,19 @@ def _direction(path: Path, table: dict[str, Any], key: str) -> Array | None:
     return np.asarray(direction / length)
 
 
+def read_calibration_file(path: Path, size: tuple[int, int]) -> Described:
+    """size: (width, height) of the images."""
+    table = read_table(path)
+    calibration = read_calibration(path, table, size)
+    return Described(calibration, _direction(path, table, "up_world"), _flag(path, table, "stills"))
+
+
 def read_calibration(path: Path, table: dict[str, Any], size: tuple[int, int]) -> RawCalibration:
     """Either form of calibration.toml; size: (width, height) of the images."""
+    own_size = read_size_px(path, table)
+    if own_size is not None and own_size != size:
+        own, images = ("{}x{}".format(*one) for one in (own_size, size))
+        raise InputError(path, f"is for images of {own} px, these have {images}")
     return _read_raw(path, table, size) if "left" in table else _read_rectified(path, table, size)
 
 
@@ -141,24 +169,59 @@ def _read_rectified(path: Path, table: dict[str, Any], size: tuple[int, int]) ->
 
 
 def _read_raw(path: Path, table: dict[str, Any], size: tuple[int, int]) -> RawCalibration:
-    _refuse_unknown(path, table, {"left", "right", "right_from_left", *OF_SEQUENCE})
+    _refuse_unknown(path, table, {"left", "right", "right_from_left", *OF_BODY, *OF_SEQUENCE})
     left = _read_camera(path, _table(path, table, "left"), size)
     right = _read_camera(path, _table(path, table, "right"), size)
-    motion = _table(path, table, "right_from_left")
+    right_from_left = _read_pose(path, table, "right_from_left")
+    body = read_body_poses(path, table)
+    if body is not None:
+        expected = body[1].inverse() @ body[0]
+        apart = [
+            np.abs(expected.rotation - right_from_left.rotation),
+            np.abs(expected.translation_m - right_from_left.translation_m),
+        ]
+        if max(float(differences.max()) for differences in apart) > BODY_TOLERANCE:
+            raise InputError(path, "body_from_left and body_from_right do not agree with right_from_left")
+    return RawCalibration(left, right, right_from_left, str(path))
+
+
+def read_size_px(path: Path, table: dict[str, Any]) -> tuple[int, int] | None:
+    """The size of the images that the calibration is for, if it says so."""
+    if "size_px" not in table:
+        return None
+    width, height = _numbers(path, table, "size_px", {2})
+    if not (width >= 1.0 and height >= 1.0 and width.is_integer() and height.is_integer()):
+        raise InputError(path, "size_px must hold two whole numbers")
+    return int(width), int(height)
+
+
+def read_body_poses(path: Path, table: dict[str, Any]) -> tuple[Pose, Pose] | None:
+    """body_from_left and body_from_right, if the file has them."""
+    if not any(key in table for key in OF_BODY):
+        return None
+    left, right = (_read_pose(path, table, key) for key in OF_BODY)
+    return left, right
+
+
+def _read_pose(path: Path, table: dict[str, Any], key: str) -> Pose:
+    motion = _table(path, table, key)
     rotation = np.array(_numbers(path, motion, "rotation", {9})).reshape(3, 3)
     if not is_rotation(rotation):
         raise InputError(path, "rotation is not a rotation matrix")
-    translation_m = np.array(_numbers(path, motion, "translation_m", {3}))
-    return RawCalibration(left, right, Pose(rotation, translation_m), str(path))
+    return Pose(rotation, np.array(_numbers(path, motion, "translation_m", {3})))
 
 
 def _read_camera(path: Path, table: dict[str, Any], size: tuple[int, int]) -> CameraModel:
-    _refuse_unknown(path, table, {"fx_px", "fy_px", "cx", "cy", "distortion"})
+    _refuse_unknown(path, table, {"fx_px", "fy_px", "cx", "cy", "distortion", "lens"})
+    lens = table.get("lens", "pinhole")
+    if lens not in get_args(Lens):
+        raise InputError(path, f"lens must be {' or '.join(get_args(Lens))}, not {lens!r}")
     fx, fy = _positive(path, table, "fx_px"), _positive(path, table, "fy_px")
     matrix = camera_matrix(fx, fy, _number(path, table, "cx"), _number(path, table, "cy"))
     if "distortion" not in table:
-        return CameraModel(*size, matrix)
-    return CameraModel(*size, matrix, tuple(_numbers(path, table, "distortion", {4, 5})))
+        return CameraModel(*size, matrix, lens=lens)
+    counts = {4} if lens == "fisheye" else {4, 5, 8}
+    return CameraModel(*size, matrix, tuple(_numbers(path, table, "distortion", counts)), lens)
 
 
 def _refuse_unknown(path: Path, table: dict[str, Any], known: set[str]) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,14 +14,24 @@ from vista.geometry import Array, CameraModel, Pose, RawCalibration
 from vista.sequence.image import read_grey
 
 
+class StoredImage(Protocol):
+    """An image inside a larger file, such as a video."""
+
+    def __str__(self) -> str:
+        """The file, and which image of it, for messages."""
+
+    def read_grey(self) -> NDArray[np.uint8]:
+        """HxW; raises InputError for an image that cannot be read."""
+
+
 @dataclass(frozen=True)
 class FrameFiles:
-    """Where the files of one frame are. Nothing has been read yet."""
+    """Where the images of one frame are. Nothing has been read yet."""
 
     index: int  #: in the sequence, from 0
     t_ns: int
-    left: Path
-    right: Path
+    left: Path | StoredImage
+    right: Path | StoredImage
     world_from_camera: Pose | None  #: of the left camera; None: the sequence has no poses
 
 
@@ -40,12 +51,13 @@ class Sequence:
     """A recorded sequence: its calibration and where its frames are."""
 
     name: str
-    layout: str  #: "EuRoC ASL", "KITTI odometry" or "pairs"
+    layout: str  #: its name in the documentation, such as "EuRoC ASL"
     calibration: RawCalibration
     frames: tuple[FrameFiles, ...]  #: times strictly increase; all with a pose or none
     up_world: Array | None = None  #: unit vector against gravity in the world frame, where the layout says it
     notes: tuple[str, ...] = ()  #: what the reader left out, for the user to know
     stills: bool = False  #: the frames show unrelated scenes: each is judged by itself, nothing is tracked
+    odometry: bool = False  #: there are no poses, and they are to be estimated from the images
 
     def read(self, files: FrameFiles) -> Frame:
         """Reads both images. Raises InputError naming the image that is unreadable or of another size."""
@@ -54,11 +66,11 @@ class Sequence:
         return Frame(files.index, files.t_ns, left, right, files.world_from_camera)
 
 
-def _read_sized(path: Path, camera: CameraModel) -> NDArray[np.uint8]:
-    image = read_grey(path)
+def _read_sized(path: Path | StoredImage, camera: CameraModel) -> NDArray[np.uint8]:
+    image = read_grey(path) if isinstance(path, Path) else path.read_grey()
     height, width = image.shape
     if (width, height) != (camera.width, camera.height):
         raise InputError(
-            path, f"image is {width}x{height}, the calibration says {camera.width}x{camera.height}"
+            str(path), f"image is {width}x{height}, the calibration says {camera.width}x{camera.height}"
         )
     return image

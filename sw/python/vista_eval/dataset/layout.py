@@ -5,10 +5,11 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
+from vista.geometry import quaternion_from_rotation
 
 from vista_eval.dataset.files import write_text
 from vista_eval.render.rig import LEFT, RIGHT, Rig
-from vista_eval.render.trajectory import BodyState, quaternion_wxyz
+from vista_eval.render.trajectory import BodyState
 
 POSE_COLUMNS = (
     "#timestamp, p_RS_R_x [m], p_RS_R_y [m], p_RS_R_z [m], q_RS_w [], q_RS_x [], q_RS_y [], q_RS_z [], "
@@ -41,7 +42,10 @@ def sensor_yaml(rig: Rig, camera: int, rate_hz: float) -> list[str]:
 
 
 def pose_line(state: BodyState) -> str:
-    position, quaternion = state.world_from_body[:3, 3], quaternion_wxyz(state.world_from_body[:3, :3])
+    position, quaternion = (
+        state.world_from_body[:3, 3],
+        quaternion_from_rotation(state.world_from_body[:3, :3]),
+    )
     numbers = [*position, *quaternion, *state.velocity_world_m_s, *np.zeros(6)]
     return ",".join([str(state.t_ns), *(f"{number:.9f}" for number in numbers)])
 

@@ -95,20 +95,3 @@ class Approach:
         drift_m_s = (self.sway_scale * sway_rate(terms, sway_s) for terms in (LATERAL_M, VERTICAL_M))
         velocity_m_s = np.array([self.speed_m_s, *drift_m_s])
         return BodyState(START_NS + round(frame / self.rate_hz * 1e9), pose, velocity_m_s)
-
-
-def quaternion_wxyz(rotation: np.ndarray) -> np.ndarray:
-    """Unit quaternion of a rotation, found from the largest of its components."""
-    r = rotation
-    if np.trace(r) > 0:
-        w = math.sqrt(1 + np.trace(r)) / 2
-        return np.array([w, *(np.array([r[2, 1] - r[1, 2], r[0, 2] - r[2, 0], r[1, 0] - r[0, 1]]) / (4 * w))])
-    i = int(np.argmax(np.diag(r)))
-    j, k = (i + 1) % 3, (i + 2) % 3
-    largest = math.sqrt(1 + r[i, i] - r[j, j] - r[k, k]) / 2
-    found = np.zeros(4)
-    found[1 + i] = largest
-    found[[0, 1 + j, 1 + k]] = np.array([r[k, j] - r[j, k], r[j, i] + r[i, j], r[k, i] + r[i, k]]) / (
-        4 * largest
-    )
-    return found

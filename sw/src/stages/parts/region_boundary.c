@@ -8,6 +8,8 @@
 #include "common/word_blocks.h"
 
 #define PLANE_MIN_CELLS 6     /* fewer do not tell a slope from noise */
+#define SPAN_TOLERANCES 4.0 /* a plane that spans fewer has no middle to be seen */
+#define MIDDLE_SHARE 0.25   /* of the area that the middle third of a plane has if it is seen evenly */
 #define MAX_TOLERANCE_PX 32.0 /* keeps the sums of squares of one run inside 32 bits */
 
 double vista_region_tolerance_px(const vista_region_params *params, const vista_camera *camera, double disparity_px) {
@@ -152,6 +154,28 @@ static double area_on(const vista_region_view *w, const vista_plane *plane) {
   return area;
 }
 
+/* Whether a plane that spans several tolerances is seen between its ends, too. A gap between two things has words at
+ * its edges only, half a block of either thing, and a plane leads through both. */
+static bool seen_throughout(const vista_region_view *w, const vista_plane *plane) {
+  double low = INFINITY, high = -INFINITY, all = 0.0, between = 0.0;
+  for (int pass = 0; pass < 2; ++pass)
+    for (int32_t m = 0; m < w->member_count; ++m) {
+      const int32_t node = w->members[m];
+      const double size = (double)w->foveation->size_px[node], d = (double)w->cells->disparity_px[node];
+      const double expected = plane->offset + plane->slope_u * (double)w->foveation->center_u[node] +
+                              plane->slope_v * (double)w->foveation->center_v[node];
+      if (d < 0.0 || fabs(d - expected) > w->tolerance_px) continue;
+      if (pass == 0) {
+        low = fmin(low, d);
+        high = fmax(high, d);
+        all += size * size;
+      } else if (fabs(2.0 * d - low - high) <= (high - low) / 3.0) {
+        between += size * size;
+      }
+    }
+  return high - low < SPAN_TOLERANCES * w->tolerance_px || 3.0 * between >= MIDDLE_SHARE * all;
+}
+
 #define SLOPE_MAX 8.0
 #define FIXED_BITS 12 /* of a sixteenth of a pixel */
 
@@ -241,7 +265,7 @@ bool vista_region_measure_boundary(vista_region_view *w, const vista_camera *cam
     if (range_px >= w->tolerance_px) /* a slope that the noise cannot make */
       region->inclination_deg = vista_plane_inclination_deg(camera, up_camera, u, v, vista_plane_at(&plane, u, v),
                                                             plane.slope_u, plane.slope_v);
-    if (area_on(w, &plane) > 1.1 * area_on(w, surface)) {
+    if (area_on(w, &plane) > 1.1 * area_on(w, surface) && seen_throughout(w, &plane)) {
       *surface = plane;
       in = boundary_inliers(w, &plane);
     }

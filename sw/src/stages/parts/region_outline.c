@@ -12,6 +12,7 @@
 #define EDGE_BINS 8  /* at least of an edge: less of it may be chance */
 #define POINTS_MIN 6 /* on one line of the plan: fewer do not tell a slope from noise */
 #define OPEN_FOOT 0.67 /* of the foot of what only one upright edge tells: fields have .63 at most, walls .75 */
+#define WHOLE_FOOT 0.8 /* with so much of it, half as much of that edge will do: in noise its words are lost first */
 #define SUNK_MAX 0.1 /* of its area, below the foot: cells are coarse */
 #define INNER_BLOCKS 4.0 /* in boundary_px: what is smaller is for the most part filled with the words around it */
 
@@ -207,9 +208,9 @@ static agreement compare(const vista_region_view *w, const vista_camera *camera,
   return found;
 }
 
-static bool agrees(const vista_region_params *params, const agreement *a, side side) {
+static bool agrees(const vista_region_params *params, const agreement *a, side side, double share) {
   const int32_t seen = bits(a->seen[side]);
-  return seen >= EDGE_BINS && seen >= params->outline_fraction * bits(a->visible[side]);
+  return seen >= share * EDGE_BINS && seen >= share * params->outline_fraction * bits(a->visible[side]);
 }
 
 static bool has_left(const vista_region_params *params, const agreement *a, side side) {
@@ -222,10 +223,11 @@ static bool has_left(const vista_region_params *params, const agreement *a, side
 static bool is_wall(const vista_region_params *params, const agreement *a) {
   const int32_t foot = bits(a->seen[SIDE_FOOT]), of_foot = bits(a->visible[SIDE_FOOT]);
   if (foot <= params->outline_fraction * of_foot) return false;
-  if (agrees(params, a, SIDE_TOP)) return true;
-  const bool left = agrees(params, a, SIDE_LEFT), right = agrees(params, a, SIDE_RIGHT);
-  if (left && right) return true;
-  const bool open = (left && has_left(params, a, SIDE_RIGHT)) || (right && has_left(params, a, SIDE_LEFT));
+  if (agrees(params, a, SIDE_TOP, 1.0)) return true;
+  if (agrees(params, a, SIDE_LEFT, 1.0) && agrees(params, a, SIDE_RIGHT, 1.0)) return true;
+  const double share = foot >= WHOLE_FOOT * of_foot ? 0.5 : 1.0;
+  const bool open = (agrees(params, a, SIDE_LEFT, share) && has_left(params, a, SIDE_RIGHT)) ||
+                    (agrees(params, a, SIDE_RIGHT, share) && has_left(params, a, SIDE_LEFT));
   return open && foot >= fmax(OPEN_FOOT, params->outline_fraction) * of_foot;
 }
 

@@ -6,6 +6,7 @@
 #include "common/numbers.h"
 
 #define MET_WEIGHT 0.4 /* of a new detection's point that the path meets: it is a mean over a few frames */
+#define MET_LINE_PX 1.5 /* of disparity, that a line and what is met around it may differ by */
 #define EXTENT_CLIP_SIGMA 3.0 /* one wrong region must not resize a track */
 
 static double extent_noise(const vista_tracker_params *params, const vista_detection *detection) {
@@ -13,7 +14,16 @@ static double extent_noise(const vista_tracker_params *params, const vista_detec
          vista_square(detection->sigma_disparity_px / detection->disparity_px);
 }
 
+/* A line is met where it is. What an earlier region told around it holds no longer when that is at another range. */
+static bool contradicts(const vista_pose *pose, const vista_detection *line, const double met_m[3]) {
+  double camera_m[3];
+  vista_frame_to_camera(pose, met_m, camera_m);
+  const double met_px = line->disparity_px * line->position_camera_m[2] / camera_m[2];
+  return !(camera_m[2] > 0.0) || fabs(met_px - line->disparity_px) > MET_LINE_PX;
+}
+
 void vista_track_filter_meet(const vista_pose *pose, const vista_detection *detection, vista_track *track) {
+  if (track->met && detection->line && contradicts(pose, detection, track->met_m)) track->met = false;
   if (!detection->met) return;
   double met_m[3];
   vista_frame_to_world(pose, detection->met_camera_m, met_m);

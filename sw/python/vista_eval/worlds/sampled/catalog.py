@@ -10,10 +10,14 @@ from __future__ import annotations
 from vista_eval.worlds.sampled import (
     buildings,
     clear,
+    containers,
     fences,
     machines,
     movers,
     poles,
+    rows,
+    small_movers,
+    smooth_fronts,
     steep_wires,
     terrain,
     trees,
@@ -30,6 +34,10 @@ DEV = (
     Family("plain_wall", "plain wall", "dev", buildings.plain_wall, buildings.AT_BUILDINGS),
     Family("repeated_windows", "repeated windows", "dev", buildings.repeated_windows, buildings.AT_BUILDINGS),
     Family("stone_house", "textured house", "dev", buildings.stone_house, buildings.AT_BUILDINGS),
+    Family("containers", "stacked containers", "dev", containers.containers, containers.AT_STACKS),
+    Family(
+        "smooth_front", "panes or painted steel", "dev", smooth_fronts.smooth_front, smooth_fronts.AT_FRONTS
+    ),
     Family("leafy", "leafy tree", "dev", trees.leafy, trees.AMONG_TREES),
     Family("poles", "pole or sign", "dev", poles.poles, FROM_AFAR),
     Family("cable", "wires between poles", "dev", wires.cable, wires.AT_WIRES),
@@ -37,6 +45,10 @@ DEV = (
     Family("fence", "fence or hedge, low flight", "dev", fences.fence, LOW),
     Family("road_vehicle", "vehicle, low flight", "dev", movers.road_vehicle, movers.OVER_A_ROAD),
     Family("drone", "drone", "dev", movers.drone, ANY),
+    Family("rows", "between rows of posts and trees", "dev", rows.rows, rows.BETWEEN_ROWS),
+    Family(
+        "small_movers", "small things that fly", "dev", small_movers.small_movers, small_movers.IN_THE_AIR
+    ),
     Family(
         "clear_rolling",
         "rolling country, no obstacle",

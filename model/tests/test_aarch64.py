@@ -1,0 +1,50 @@
+"""The engine compiled for AArch64, under qemu: the words of this machine. `make test-aarch64` builds it."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import pytest
+from vista_model import Parameters
+from vista_model.c_engine import CEngine, c_params
+
+ROOT = Path(__file__).parents[2]
+RUN, PROGRAM = ROOT / "build/tools/aarch64/run", ROOT / "build/aarch64/bin/words"
+WORDS = int(os.environ.get("VISTA_AARCH64_WORDS", "500000"))  # to compare at least with each instruction set
+ISAS = ("neon", "portable")
+
+pytestmark = pytest.mark.skipif(not PROGRAM.exists(), reason="not built for AArch64: make test-aarch64")
+
+
+def record(left: np.ndarray, right: np.ndarray, parameters: Parameters, isa: str) -> bytes:
+    """What words.c reads for a pair."""
+    p = c_params(parameters, isa)
+    height, width = left.shape
+    head = [width, height, p.num_disparities, p.block_size, p.prefilter, p.prefilter_cap, p.texture_threshold]
+    head += [p.uniqueness_ratio, p.lr_max_diff, p.isa]
+    return np.array(head, "<i4").tobytes() + left.tobytes() + right.tobytes()
+
+
+def test_random_words(rng, random_pair, random_parameters) -> None:
+    pairs, count = [], 0
+    while count < WORDS:
+        parameters = random_parameters()
+        height = int(rng.integers(1, 100))
+        width = parameters.num_disparities + int(rng.integers(0, 300))
+        pairs.append((*random_pair(height, width), parameters))
+        count += height * width
+    asked = b"".join(record(*pair, isa) for pair in pairs for isa in ISAS)
+    answer = subprocess.run([RUN, PROGRAM], input=asked, capture_output=True, check=True).stdout
+    at = 0
+    for left, right, parameters in pairs:
+        words, smin = CEngine(parameters).compute(left, right)
+        for isa in ISAS:
+            for wanted in (words.astype("<i2"), smin.astype("<u4")):
+                got = np.frombuffer(answer, wanted.dtype, wanted.size, at).reshape(wanted.shape)
+                np.testing.assert_array_equal(got, wanted, f"{isa} {parameters} {left.shape}")
+                at += wanted.nbytes
+    assert at == len(answer)
+    print(f"{count} words with each of {ISAS}, 0 differ")

@@ -1,0 +1,140 @@
+"""Calibrate a pair of cameras from pictures of a board, or convert calibration files.
+
+With --board, SOURCE shows the board to both cameras at once, some 15 to 30 times in different places:
+  folders     NAME_left.EXT and NAME_right.EXT, or equal names in the folders left and right
+  one video   with both cameras side by side
+  two videos  of the left and of the right camera, which start at the same moment
+FOLDER then holds calibration.toml, which `vista run` reads, and report.html, which says how good it is and
+what to photograph next.
+
+Without --board, SOURCE is a calibration, which is recognised by its keys and written as --to says:
+  toml    calibration.toml                  opencv  one file, or intrinsics.yml and extrinsics.yml
+  ros     camera_info of both cameras       euroc   sensor.yaml of the left and of the right camera
+  kalibr  camchain.yaml                     boofcv  stereo.yaml
+
+BOARD is one of:
+  chessboard:COLSxROWS:SQUARE_MM                        COLS and ROWS count inner corners
+  charuco:COLSxROWS:SQUARE_MM:MARKER_MM[:DICTIONARY]    COLS and ROWS count squares; such as 4X4_250
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+
+from tqdm import tqdm
+
+from vista.calibration.advice import advice
+from vista.calibration.board import parse_board
+from vista.calibration.calibrate import Calibrated, calibrate
+from vista.calibration.formats import FORMATS, read_rig, write_rig
+from vista.calibration.formats.common import Options
+from vista.calibration.pictures import Picture, read_pictures
+from vista.calibration.report import render_report
+from vista.calibration.rig import rig_of
+from vista.calibration.solve import LENSES
+from vista.errors import EXIT_OK, InputError
+from vista.geometry import Lens
+from vista.output import make_folder, write_atomically
+from vista.sequence.text import printable
+
+UNITS_M = {"m": 1.0, "cm": 0.01, "mm": 0.001}
+REPORT = "report.html"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "sources", type=Path, nargs="+", metavar="SOURCE", help="pictures, or calibration files"
+    )
+    parser.add_argument("--out", type=Path, required=True, metavar="FOLDER", help="folder to write into")
+    parser.add_argument("--board", metavar="BOARD", help="what the pictures show, see above")
+    parser.add_argument(
+        "--lens",
+        choices=LENSES,
+        help="of both cameras: pinhole (the default) has the distortion k1, k2, p1, p2, pinhole5 k3 as well, "
+        "fisheye is for lenses wider than about 100 degrees",
+    )
+    parser.add_argument(
+        "--to", choices=tuple(FORMATS), help="format to write (with --board: besides calibration.toml)"
+    )
+    parser.add_argument(
+        "--unit",
+        choices=tuple(UNITS_M),
+        default="m",
+        help="of lengths in files of opencv and boofcv (default m)",
+    )
+    parser.add_argument(
+        "--size", type=size, metavar="WxH", help="of the images, for files that do not say it"
+    )
+
+
+def size(text: str) -> tuple[int, int]:
+    width, _, height = text.lower().partition("x")
+    if not (
+        width.isascii()
+        and width.isdigit()
+        and height.isascii()
+        and height.isdigit()
+        and int(width)
+        and int(height)
+    ):
+        raise argparse.ArgumentTypeError(f"{text!r} is no size such as 640x480")
+    return int(width), int(height)
+
+
+def execute(arguments: argparse.Namespace) -> int:
+    if arguments.out.exists() and not arguments.out.is_dir():
+        raise InputError(arguments.out, "not a folder")
+    lens: Lens | None = None
+    if arguments.lens is not None:
+        lens = "fisheye" if arguments.lens == "fisheye" else "pinhole"
+    options = Options(UNITS_M[arguments.unit], arguments.size, lens)
+    if arguments.board is None:
+        return convert(arguments, options)
+    board = parse_board(arguments.board)
+    made = calibrate(_with_progress(read_pictures(arguments.sources)), board, arguments.lens or "pinhole")
+    rig = rig_of(made.raw)
+    files = write_rig(rig, "toml", options)
+    if arguments.to is not None:
+        files |= write_rig(rig, arguments.to, options)
+    files[REPORT] = render_report(made, printable(str(arguments.sources[0])))
+    write_files(arguments.out, files)
+    print_result(made, arguments.out)
+    return EXIT_OK
+
+
+def convert(arguments: argparse.Namespace, options: Options) -> int:
+    name, rig = read_rig(arguments.sources, options)
+    target = arguments.to or "toml"
+    files = write_rig(rig, target, options)
+    write_files(arguments.out, files)
+    print(f"{name} -> {target}: {', '.join(str(arguments.out / file) for file in files)}")
+    return EXIT_OK
+
+
+def write_files(folder: Path, files: dict[str, str]) -> None:
+    """All texts are there before the first file is written."""
+    for name, text in files.items():
+        path = folder / name
+        make_folder(path.parent)
+        write_atomically(path, text)
+
+
+def _with_progress(pictures: Iterable[Picture]) -> Iterator[Picture]:
+    yield from tqdm(
+        pictures, desc="looking for the board", unit=" pairs", leave=False, disable=not sys.stderr.isatty()
+    )
+
+
+def print_result(made: Calibrated, folder: Path) -> None:
+    solution, found = made.solution, made.found
+    print(
+        f"{len(solution.views)} views of {found.pictures} pairs used, {len(made.left_out)} left out; "
+        f"reprojection error {solution.rms_px():.2f} px, row error "
+        f"{made.before.rms_px:.2f} -> {made.after.rms_px:.2f} px"
+    )
+    for sentence in advice(made):
+        print(f"next: {sentence}")
+    print(f"calibration: {folder / 'calibration.toml'}, report: {folder / REPORT}")

@@ -1,0 +1,203 @@
+"""Detect obstacles while the frames come, show them on a page, and tell an autopilot.
+
+SEQUENCE is a recording, as `vista run` takes it; it is played as fast as it was taken. --camera takes two
+cameras in its place, or one that delivers both views side by side. Of the frames that have come the newest is
+processed: when the machine falls behind, older ones are dropped, and nothing queues up. The page is at
+http://127.0.0.1:8642/ and can be seen on this machine alone. Ctrl-C ends the run.
+
+DEVICE is a number or a path of V4L2 (0, /dev/video0), an address (rtsp://...) or a pipeline of GStreamer, as
+far as the installed OpenCV knows them.
+
+TARGET is one of:
+  udp:HOST:PORT         where the autopilot, its simulator or a MAVLink router listens
+  serial:DEVICE[:BAUD]  a serial line to it, such as serial:/dev/ttyUSB0:921600
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from contextlib import ExitStack
+from pathlib import Path
+from typing import Any
+
+from vista import parameters
+from vista.chain import make_chain
+from vista.command.arguments import add_config, add_engine, load_parameters, positive
+from vista.command.mavlink import sent_messages
+from vista.command.run import counted, frame_range, select_frames
+from vista.command.source_arguments import add_source, source_options
+from vista.errors import EXIT_INTERRUPTED, EXIT_OK, InputError
+from vista.interruption import Interruption
+from vista.live.camera import Cameras
+from vista.live.listeners import Autopilot, Lines
+from vista.live.loop import Listener, LiveLoop, Totals
+from vista.live.page import LivePage
+from vista.live.source import Replay, Source
+from vista.mavlink.link import Link
+from vista.mavlink.transport import open_transport
+from vista.sequence import Sequence, open_sequence
+from vista.sequence.options import refuse_others
+from vista.sequence.pairs import read_calibration_file
+from vista.sequence.text import finite
+
+PAGE_PORT = 8642
+PAIR_TOLERANCE_MS = 5.0
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    add_source(parser, needed=False)
+    parser.add_argument(
+        "--camera",
+        nargs="+",
+        metavar="DEVICE",
+        help="in place of SEQUENCE: left and right camera, or one that delivers both views side by side; "
+        f"takes --calibration, and --pair-tolerance-ms (default {PAIR_TOLERANCE_MS:g})",
+    )
+    parser.add_argument("--to", metavar="TARGET", help="the autopilot: udp:HOST:PORT or serial:DEVICE[:BAUD]")
+    parser.add_argument(
+        "--out",
+        type=Path,
+        metavar="FILE",
+        help="write a line for each frame, as those of obstacles.jsonl; - is stdout",
+    )
+    parser.add_argument(
+        "--page",
+        type=port,
+        default=PAGE_PORT,
+        metavar="PORT",
+        help=f"port of the page (default {PAGE_PORT}; 0: a free one)",
+    )
+    parser.add_argument("--no-page", action="store_true", help="serve no page")
+    parser.add_argument("--repeat", action="store_true", help="begin again after the last frame")
+    parser.add_argument(
+        "--speed",
+        type=speed,
+        default=1.0,
+        metavar="X",
+        help="play it X times as fast (default 1)",
+    )
+    parser.add_argument("--frames", type=frame_range, metavar="A:B", help="play frames A to B - 1 alone")
+    add_engine(parser, "golden: the engine's C model; opencv: StereoBM, for comparison")
+    parser.add_argument(
+        "--threads", type=positive, default=1, metavar="N", help="threads of the engine (default 1)"
+    )
+    add_config(parser)
+
+
+def port(text: str) -> int:
+    if not text.isdecimal() or int(text) > 65535:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a port, 0 to 65535")
+    return int(text)
+
+
+def speed(text: str) -> float:
+    number = finite("--speed", text)
+    if not 0.01 <= number <= 100.0:
+        raise argparse.ArgumentTypeError(f"{text} is not from 0.01 to 100")
+    return number
+
+
+def execute(arguments: argparse.Namespace) -> int:
+    check_source(arguments)
+    values = load_parameters(arguments.config, arguments.engine)
+    with ExitStack() as open_ones:
+        recorded, source = open_camera(arguments, open_ones) if arguments.camera else open_replay(arguments)
+        for note in recorded.notes:
+            print(f"{recorded.name}: note: {note}", file=sys.stderr)
+        chain = make_chain(recorded, arguments.engine, values, arguments.threads)
+        loop = LiveLoop(chain, source)
+        listeners, autopilot = make_listeners(arguments, values, loop, open_ones)
+        interruption = Interruption()
+        try:
+            with interruption.watch():
+                loop.run(listeners, lambda: interruption.requested)
+        finally:
+            print(closing_lines(recorded.name, loop.totals, autopilot, arguments.to), file=sys.stderr)
+    if interruption.requested:
+        print("vista: interrupted", file=sys.stderr)
+        return EXIT_INTERRUPTED
+    return EXIT_OK
+
+
+def check_source(arguments: argparse.Namespace) -> None:
+    """Raises InputError for options that would be ignored."""
+    if (arguments.sequence is None) == (arguments.camera is None):
+        raise InputError("vista live", "takes SEQUENCE or --camera")
+    if arguments.camera is None:
+        return
+    refuse_others(source_options(arguments), "camera", frozenset({"calibration", "pair_tolerance_ms"}))
+    of_recording = {"repeat": False, "speed": 1.0, "frames": None, "poses": None}
+    for name, unsaid in of_recording.items():
+        if getattr(arguments, name) != unsaid:
+            raise InputError(f"--{name}", "goes with a recording, not with --camera")
+    if len(arguments.camera) > 2:
+        raise InputError("--camera", f"takes one device or two, not {len(arguments.camera)}")
+    if arguments.calibration is None:
+        raise InputError("--camera", "needs --calibration FILE.toml")
+
+
+def open_replay(arguments: argparse.Namespace) -> tuple[Sequence, Source]:
+    recorded = open_sequence(arguments.sequence, source_options(arguments))
+    if recorded.stills:
+        raise InputError(arguments.sequence, "stills, which show unrelated scenes: use vista run")
+    frames = select_frames(recorded, arguments.frames)
+    return recorded, Replay(recorded, frames, arguments.speed, arguments.repeat)
+
+
+def open_camera(arguments: argparse.Namespace, open_ones: ExitStack) -> tuple[Sequence, Source]:
+    tolerance_ms = arguments.pair_tolerance_ms
+    cameras = Cameras(arguments.camera, PAIR_TOLERANCE_MS if tolerance_ms is None else tolerance_ms)
+    open_ones.callback(cameras.close)
+    described = read_calibration_file(arguments.calibration, cameras.size)
+    return Sequence(" and ".join(arguments.camera), "camera", described.calibration, ()), cameras
+
+
+def make_listeners(
+    arguments: argparse.Namespace, values: parameters.Values, loop: LiveLoop, open_ones: ExitStack
+) -> tuple[list[Listener], Autopilot | None]:
+    """What was asked for, the most urgent first; `open_ones` closes them."""
+    listeners: list[Listener] = []
+    autopilot = None
+    if arguments.to is not None:
+        autopilot = Autopilot(Link(values), open_transport(arguments.to))
+        open_ones.callback(autopilot.close)
+        listeners.append(autopilot)
+    if arguments.out is not None:
+        lines = Lines(arguments.out)
+        open_ones.callback(lines.close)
+        listeners.append(lines)
+    if not arguments.no_page:
+        page = LivePage(arguments.page, loop.chain, loop.totals, lambda: link_facts(autopilot, arguments.to))
+        open_ones.callback(page.close)
+        listeners.append(page)
+        print(f"vista: {page.address}", file=sys.stderr)
+    return listeners, autopilot
+
+
+def link_facts(autopilot: Autopilot | None, target: str | None) -> dict[str, Any]:
+    if autopilot is None:
+        return {"autopilot": None}
+    latency = autopilot.latency
+    facts = {
+        "target": target,
+        "sent": autopilot.messages.total(),
+        "lost": autopilot.transport.lost,
+        "median_ms": latency.percentile_ms(50.0),
+        "p99_ms": latency.percentile_ms(99.0),
+    }
+    return {"autopilot": facts}
+
+
+def closing_lines(name: str, totals: Totals, autopilot: Autopilot | None, target: str | None) -> str:
+    left_out = [f"{totals.dropped} dropped for newer ones", f"{totals.duplicates} duplicates"]
+    if totals.restarts:
+        left_out.append(counted(totals.restarts, "restart"))
+    lines = [
+        f"{name}: {counted(totals.processed, 'frame')} processed, {', '.join(left_out)}",
+        f"{name}: from the exposure to the result {totals.latency.summary()}",
+    ]
+    if autopilot is not None:
+        sent = sent_messages(autopilot.messages, autopilot.transport)
+        lines.append(f"{target}: from the exposure to the message {autopilot.latency.summary()}; {sent}")
+    return "\n".join(lines)

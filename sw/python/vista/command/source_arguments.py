@@ -1,0 +1,102 @@
+"""Arguments about the source of the images: what its files do not say themselves."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from vista.command.arguments import not_negative
+from vista.sequence.options import BY_ODOMETRY, FRAME_OF_LEFT_CAMERA, NO_POSES, SPLITS, Options
+
+
+def add_source(parser: argparse.ArgumentParser, needed: bool = True) -> None:
+    """SEQUENCE, and the options of single layouts; `source_options` has what the user said.
+
+    needed: otherwise SEQUENCE may be left out, and is None then."""
+    parser.add_argument(
+        "sequence",
+        type=Path,
+        nargs=None if needed else "?",
+        metavar="SEQUENCE",
+        help="folder or file of the sequence",
+    )
+    group = parser.add_argument_group("what the source does not say itself")
+    group.add_argument(
+        "--calibration",
+        type=Path,
+        metavar="FILE.toml",
+        help="calibration of pairs, stills, a video or a bag (default: calibration.toml beside the images, "
+        "or what the data set or the bag says)",
+    )
+    group.add_argument(
+        "--poses",
+        type=Path,
+        metavar=f"FILE|{BY_ODOMETRY}",
+        help="poses of the left camera, `t x y z qx qy qz qw` a line as in the TUM RGB-D benchmark, in place "
+        f"of those that the source may have; {BY_ODOMETRY}: estimated from the images, which drifts",
+    )
+    group.add_argument(
+        "--pair-tolerance-ms",
+        type=milliseconds,
+        metavar="MS",
+        help="how far the times of left and right image may lie apart where each has its own: EuRoC layout, "
+        "two videos, bags (default: a tenth of the frame period, at most 5)",
+    )
+    group.add_argument("--right", type=Path, metavar="VIDEO", help="the right camera's video, of two")
+    group.add_argument(
+        "--split",
+        choices=SPLITS,
+        help="how one video holds both images, left or upper half the left one (default: as its shape tells)",
+    )
+    group.add_argument(
+        "--rate", type=frames_per_second, metavar="HZ", help="frames a second, in place of a video's times"
+    )
+    group.add_argument(
+        "--start", metavar="S", help="time of a video's first frame, in seconds on the clock of the poses"
+    )
+    group.add_argument("--left-topic", metavar="TOPIC", help="left images of a bag")
+    group.add_argument("--right-topic", metavar="TOPIC", help="right images of a bag")
+    group.add_argument(
+        "--pose-topic",
+        metavar="TOPIC",
+        help=f"poses of a bag: odometry, poses, transforms or tf; {NO_POSES}: do without",
+    )
+    group.add_argument(
+        "--pose-frame",
+        metavar="NAME",
+        help="frame of reference whose poses the topic holds, where it does not say so; "
+        f"{FRAME_OF_LEFT_CAMERA}: that of the left camera",
+    )
+
+
+def milliseconds(text: str) -> float:
+    number = not_negative(text)
+    if number > 1e6:
+        raise argparse.ArgumentTypeError(f"{text} is not from 0 to 1000000 ms")
+    return number
+
+
+def frames_per_second(text: str) -> float:
+    number = not_negative(text)
+    if not 1e-3 <= number <= 1e5:
+        raise argparse.ArgumentTypeError(f"{text} is not from 0.001 to 100000 frames per second")
+    return number
+
+
+def source_options(arguments: argparse.Namespace) -> Options:
+    by_odometry = arguments.poses == Path(BY_ODOMETRY)
+    return Options(
+        calibration=arguments.calibration,
+        first_frame=(arguments.frames or (0, None))[0],
+        poses=None if by_odometry else arguments.poses,
+        odometry=by_odometry,
+        pair_tolerance_ms=arguments.pair_tolerance_ms,
+        left_topic=arguments.left_topic,
+        right_topic=arguments.right_topic,
+        pose_topic=arguments.pose_topic,
+        pose_frame=arguments.pose_frame,
+        right=arguments.right,
+        split=arguments.split,
+        rate=arguments.rate,
+        start=arguments.start,
+    )

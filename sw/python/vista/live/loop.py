@@ -1,0 +1,121 @@
+"""The loop of a live run: of the frames that have come the newest is processed, and no queue grows."""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from threading import Event, Thread
+from typing import Protocol
+
+import numpy as np
+
+from vista.chain import Chain, Step, process_frame
+from vista.health.monitor import HealthMonitor
+from vista.history import FrameRecord, StageClock
+from vista.live.latency import Latencies
+from vista.live.latest import Latest
+from vista.live.source import Shot, Source
+from vista.obstacle_line import obstacle_line
+from vista.run import Announcer
+
+POLL_S = 0.1
+
+
+@dataclass(frozen=True)
+class Seen:
+    """A frame that went through the chain."""
+
+    step: Step
+    record: FrameRecord  # with the health that the checks found
+    line: str  # of obstacles.jsonl
+    exposed_ns: int  # on time.monotonic_ns()
+
+
+class Listener(Protocol):
+    """Takes each frame once it is done, in the thread of the loop: without delay."""
+
+    def take(self, seen: Seen) -> None: ...
+
+
+class Totals:
+    """Of the run so far. Written by the loop alone."""
+
+    def __init__(self, source: Source, queue: Latest[Shot]) -> None:
+        self.processed = 0
+        self.duplicates = 0  # both images as they were in the frame before: a camera that hangs
+        self.restarts = 0  # another flight, or a clock that went back
+        self.latency = Latencies()  # from the exposure until every listener has what was found
+        self._source, self._queue = source, queue
+
+    @property
+    def dropped(self) -> int:
+        """Frames that gave way to newer ones."""
+        return self._queue.dropped + self._source.skipped
+
+
+class LiveLoop:
+    def __init__(self, chain: Chain, source: Source) -> None:
+        self.chain, self._source = chain, source
+        self._queue: Latest[Shot] = Latest()
+        self.totals = Totals(source, self._queue)
+        self._monitor, self._announcer = HealthMonitor(chain.sequence), Announcer()
+        self._before: Shot | None = None
+
+    def run(self, listeners: Sequence[Listener], interrupted: Callable[[], bool]) -> None:
+        """Until the source ends or `interrupted` says so. Raises what the source raises."""
+        stopped = Event()
+        reader = Thread(target=self._read, args=(stopped,), name="source", daemon=True)
+        reader.start()
+        try:
+            while not interrupted() and not self._queue.ended:
+                shot = self._queue.take(POLL_S)
+                if shot is not None and self._is_new(shot):
+                    self._process(shot, listeners)
+        finally:
+            stopped.set()
+            reader.join(5.0 * POLL_S)  # a camera that hangs is not waited for
+
+    def _read(self, stopped: Event) -> None:
+        try:
+            for shot in self._source.shots(stopped):
+                self._queue.put(shot)
+            self._queue.close()
+        except BaseException as error:  # whatever it is, the loop must hear of it
+            self._queue.close(error)
+
+    def _is_new(self, shot: Shot) -> bool:
+        """Whether it says anything that the frame before did not; tracks of another flight are forgotten."""
+        before, self._before = self._before, shot
+        if before is None:
+            return True
+        if not shot.continues or shot.frame.t_ns < before.frame.t_ns:
+            self.totals.restarts += 1
+            self.chain.reset()
+            self._monitor = HealthMonitor(self.chain.sequence)
+            return True
+        if shot.frame.t_ns == before.frame.t_ns or same_images(shot, before):
+            self.totals.duplicates += 1
+            # The moment that counts is the one at which the images were new.
+            self._before = before
+            return False
+        return True
+
+    def _process(self, shot: Shot, listeners: Sequence[Listener]) -> None:
+        step = process_frame(self.chain, shot.frame, StageClock())
+        record = replace(step.record, health=self._monitor.check(step.raw, step.frame, step.result.health))
+        seen = Seen(step, record, obstacle_line(record), shot.exposed_ns)
+        for listener in listeners:
+            listener.take(seen)
+        self.totals.processed += 1
+        self.totals.latency.add(1e-6 * (time.monotonic_ns() - shot.exposed_ns))
+        self._announcer.announce(record)
+        sys.stderr.flush()
+
+
+def same_images(one: Shot, other: Shot) -> bool:
+    """Bit for bit: the noise of a camera that works sees to it that no two frames are."""
+    return np.array_equal(one.frame.left, other.frame.left) and np.array_equal(
+        one.frame.right, other.frame.right
+    )

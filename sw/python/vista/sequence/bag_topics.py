@@ -1,0 +1,94 @@
+"""Which topics of a bag hold the left and the right images, the calibration and the poses.
+
+What the user does not name is guessed where only one choice is possible; otherwise the error lists them.
+"""
+
+from __future__ import annotations
+
+from vista.errors import InputError
+from vista.sequence.bag_file import Bag
+from vista.sequence.options import NO_POSES, Options
+
+IMAGES = ("sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage")
+CAMERA_INFO = "sensor_msgs/msg/CameraInfo"
+ODOMETRY = "nav_msgs/msg/Odometry"
+POSES = ("geometry_msgs/msg/PoseStamped", "geometry_msgs/msg/PoseWithCovarianceStamped")
+TRANSFORM = "geometry_msgs/msg/TransformStamped"
+TRANSFORMS = ("tf2_msgs/msg/TFMessage", "tf/msg/tfMessage")
+SIDES = (
+    ("left", "right"),
+    ("Left", "Right"),
+    ("cam0", "cam1"),
+    ("cam_0", "cam_1"),
+    ("camera0", "camera1"),
+    ("camera_0", "camera_1"),
+    ("infra1", "infra2"),
+)
+
+
+def image_topics(bag: Bag, options: Options) -> tuple[str, str]:
+    known = bag.topics(*IMAGES)
+    named = options.left_topic, options.right_topic
+    if None not in named:
+        left, right = (_known(bag, topic, known, "image") for topic in named if topic is not None)
+        if left == right:
+            raise InputError("--right-topic", f"{right} is the left topic, too")
+        return left, right
+    pairs = [
+        pair for pair in _pairs(known) if all(n in (None, of) for n, of in zip(named, pair, strict=True))
+    ]
+    if len(pairs) != 1:
+        reason = (
+            "several pairs of images" if pairs else "no topics of a left and a right image are recognised"
+        )
+        listed = ", ".join(known) or "none"
+        raise InputError(
+            bag.path, f"{reason}; choose --left-topic and --right-topic; its image topics: {listed}"
+        )
+    return pairs[0]
+
+
+def camera_info_topics(bag: Bag, images: tuple[str, str]) -> tuple[str, str] | None:
+    """Beside the images, or else the only pair that there is."""
+    known = bag.topics(CAMERA_INFO)
+    beside = [f"{base_name(topic).rpartition('/')[0]}/camera_info" for topic in images]
+    if beside[0] != beside[1] and all(topic in known for topic in beside):
+        return beside[0], beside[1]
+    pairs = _pairs(known)
+    return pairs[0] if len(pairs) == 1 else None
+
+
+def pose_topic(bag: Bag, options: Options) -> str | None:
+    """None: no topic is nothing but poses; transforms may still tell them."""
+    known = bag.topics(ODOMETRY, *POSES, TRANSFORM)
+    if options.pose_topic is not None:
+        return _known(bag, options.pose_topic, known + bag.topics(*TRANSFORMS), "pose")
+    if len(known) > 1:
+        raise InputError(
+            bag.path,
+            f"several topics of poses: {', '.join(known)}; choose --pose-topic ({NO_POSES}: no poses)",
+        )
+    return known[0] if known else None
+
+
+def base_name(topic: str) -> str:
+    """Of the image topic that a compressed one belongs to."""
+    return topic.removesuffix("/compressed")
+
+
+def _pairs(topics: list[str]) -> list[tuple[str, str]]:
+    """Two topics that differ in the name of the side alone."""
+    pairs = []
+    for topic in topics:
+        for left, right in SIDES:
+            before, found, after = topic.rpartition(left)
+            if found and (partner := before + right + after) in topics:
+                pairs.append((topic, partner))
+    return pairs
+
+
+def _known(bag: Bag, topic: str, known: list[str], what: str) -> str:
+    if topic not in known:
+        listed = ", ".join(known) or "none"
+        raise InputError(bag.path, f"has no {what} topic {topic}; its {what} topics: {listed}")
+    return topic
