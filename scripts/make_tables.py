@@ -459,6 +459,28 @@ def blocks_table() -> str:
     return f"{markdown(head, rows)}\n\n*{origin(blocks['measured'])}.*"
 
 
+def board_table() -> str:
+    """What the bitstream takes of the chip, and its clocks."""
+    board = figures("synthesis")["board"]
+    names = {
+        "sites": "LUT4 places",
+        "ff": "flip-flops",
+        "block_ram": "block RAMs",
+        "multipliers": "multipliers",
+        "pll": "PLLs",
+    }
+    rows = []
+    for key, name in names.items():
+        used, available = board[key], board["available"][key]
+        rows.append([name, f"{used:,} of {available:,} ({100 * used / available:.0f} %)"])
+    for found in board["clocks"]:
+        rows.append(
+            [f"clock of {found['name']}", f"{found['needed_mhz']:g} MHz, reaches {found['reached_mhz']:g}"]
+        )
+    table = markdown(f"{board['board']}, {board['device']}-{board['speed_grade']} | used", rows)
+    return f"{table}\n\n*{origin(board['measured'])}.*"
+
+
 def clock(build: Record) -> str:
     if build["clock_mhz"] is None:
         return "not routed"
@@ -604,6 +626,7 @@ TABLES: dict[str, dict[str, Callable[[], str]]] = {  # by the figures that they 
         "headline": headline_table,
         "sources": sources_table,
         "blocks": blocks_table,
+        "board": board_table,
         "mutants": mutants_table,
     },
     "engine": {"engine": engine_table, "engine-sizes": engine_sizes_table},

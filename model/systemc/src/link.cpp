@@ -26,7 +26,7 @@ Link::Link(const sc_core::sc_module_name& name, const Configuration& c, const Li
       from_host_("from_host", ends.host, kFetchRank),
       to_host_("to_host", ends.host, kResultRank),
       to_board_("to_board", ends.board, kCaptureRank),
-      from_board_("from_board", ends.board, kHostRank) {
+      from_board_("from_board", ends.board, kCaptureRank) {
   SC_HAS_PROCESS(Link);
   SC_THREAD(run);
 }

@@ -181,7 +181,7 @@ def configure(arguments: argparse.Namespace) -> tuple[SystemConfig, Clock]:
         reason = f"{config.width_px} px, the engine is built for {config.max_width_px}: name --build-width"
         raise InputError("--width", reason)
     if "engine_clock_hz" in values:
-        origin = "as given" if arguments.engine_clock_hz is not None else "of the bitstream"
+        origin = "as given" if arguments.engine_clock_hz is not None else "of the board"
         clock = Clock(config.engine_clock_hz, origin, None)
     else:
         clock = routed_clock(config.disparities, config.block_px, config.max_width_px)

@@ -16,31 +16,32 @@ class Preset:
     values: dict[str, Any]  # of SystemConfig
 
 
-# Of a burst of 16 words on the board, fitted to the Verilated system (doc/results/rtl.md).
-MEMORY_LATENCY_CLOCKS, MEMORY_OVERHEAD_CLOCKS = 10, 4
+# Of a burst of eight words on the board: what rows, turnarounds and refreshes cost, fitted to the Verilated
+# board (doc/results/rtl.md).
+MEMORY_LATENCY_CLOCKS, MEMORY_OVERHEAD_CLOCKS = 10, 1.5
 WORD_BYTES = 4  # of the memory of the board, a word a clock
 
 
-def _board() -> dict[str, Any]:
-    """The Colorlight i9 as `make bitstream` builds it, its memory as LiteDRAM drives it."""
-    built = synthesis.board()
-    clock_hz = 1e6 * built["clocks"][0]["needed_mhz"] if built else 60e6
-    return {
-        "width_px": 640,
-        "height_px": 480,
-        "disparities": 32,
-        "max_width_px": 640,
-        "engine_clock_hz": clock_hz,
-        "rectify_rows": 32,
-        "levels": 3,
-        "camera_rate_hz": 30.0,
-        "link_bytes_s": 125e6,
-        "memory_bandwidth_bytes_s": WORD_BYTES * clock_hz,
-        "memory_latency_ns": 1e9 * MEMORY_LATENCY_CLOCKS / clock_hz,
-        "memory_burst_overhead_ns": 1e9 * MEMORY_OVERHEAD_CLOCKS / clock_hz,
-        "burst_bytes": 64,
-        "dma_fifo_bytes": 256,
-    }
+BOARD_CLOCK_HZ = 45e6  # MHZ of rtl/board/board.mk
+
+# The Colorlight i9 as `make bitstream` builds it, its memory as LiteDRAM drives it.
+BOARD: dict[str, Any] = {
+    "width_px": 640,
+    "height_px": 480,
+    "disparities": 32,
+    "max_width_px": 640,
+    "engine_clock_hz": BOARD_CLOCK_HZ,
+    "rectify_rows": 32,
+    "levels": 3,
+    "camera_rate_hz": 30.0,
+    "link_bytes_s": 125e6,
+    "memory_bandwidth_bytes_s": WORD_BYTES * BOARD_CLOCK_HZ,
+    "memory_latency_ns": 1e9 * MEMORY_LATENCY_CLOCKS / BOARD_CLOCK_HZ,
+    "memory_burst_overhead_ns": 1e9 * MEMORY_OVERHEAD_CLOCKS / BOARD_CLOCK_HZ,
+    "memory_arbitration": "priority",
+    "burst_bytes": 32,
+    "dma_fifo_bytes": 256,
+}
 
 
 PRESETS = {
@@ -54,7 +55,7 @@ PRESETS = {
     ),
     "board": Preset(
         "640x480 over gigabit Ethernet to a Colorlight i9, three levels, a 30 Hz camera at the host",
-        _board(),
+        BOARD,
     ),
     "hd": Preset(
         "1920x1080 at 30 Hz, 64 disparities",

@@ -6,7 +6,6 @@ import functools
 import json
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from vista.errors import InputError
 
@@ -55,23 +54,10 @@ def parse(text: str) -> tuple[Build, ...]:
 @functools.cache
 def builds() -> tuple[Build, ...]:
     """The builds that this checkout records; none where there is no checkout."""
-    text = _results()
-    return () if text is None else parse(text)
-
-
-@functools.cache
-def board() -> dict[str, Any] | None:
-    """The bitstream that this checkout records (`make bitstream`); None where there is none."""
-    text = _results()
-    found: dict[str, Any] | None = None if text is None else json.loads(text).get("board")
-    return found
-
-
-def _results() -> str | None:
     for parent in Path(__file__).resolve().parents:
         if (parent / RESULTS).is_file():
-            return (parent / RESULTS).read_text()
-    return None
+            return parse((parent / RESULTS).read_text())
+    return ()
 
 
 def find(disparities: int, block_px: int, max_width_px: int | None = None) -> Build | None:

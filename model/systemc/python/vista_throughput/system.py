@@ -36,6 +36,7 @@ class SystemConfig:
     dma_fifo_bytes: int = 4096
     result_bytes_px: int = 2  # disparities; 4: with Smin, which the host does not read
     buffers: int = 3
+    memory_arbitration: str = "round_robin"
     buffer_policy: str = "latest"
     host_cores: int = 1
     frames: int = 100
