@@ -1,4 +1,4 @@
-"""The SystemC model of the front end beside the Verilated one: clocks of frames of any size, all levels."""
+"""The front end of the SystemC model beside the Verilated one: clocks of frames of any size, all levels."""
 
 from __future__ import annotations
 
