@@ -62,7 +62,7 @@ def through_the_board(config: SystemConfig, frames: int) -> list[tuple[int, int]
     """The clocks in which the engine began with each frame and had ended."""
     with tempfile.TemporaryDirectory() as folder:
         clocks = Path(folder) / "clocks"
-        command = [program_of(config), "--clocks", clocks]
+        command = [str(program_of(config)), "--clocks", str(clocks)]
         with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as board:
             assert board.stdout is not None
             send_and_fetch(int(board.stdout.readline()), config, frames)
