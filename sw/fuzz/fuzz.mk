@@ -13,7 +13,8 @@ FUZZ_ENGINE := $(patsubst %.c,$(FUZZ)/obj/%.o,$(wildcard model/c/src/*.c))
 FUZZ_VISTA := $(patsubst %.c,$(FUZZ)/obj/%.o,$(wildcard sw/src/*.c sw/src/*/*.c sw/src/*/*/*.c))
 # What a link needs; of all of libvista the fuzzer would see a small part only.
 FUZZ_MAVLINK := $(patsubst %.c,$(FUZZ)/obj/%.o,$(wildcard sw/src/mavlink/*.c) \
-  sw/src/parameters.c sw/src/status.c sw/src/common/frame.c sw/src/common/median.c sw/src/stages/health.c)
+  sw/src/parameters.c sw/src/status.c sw/src/common/frame.c sw/src/common/median.c sw/src/stages/ground_view.c \
+  sw/src/common/disc.c sw/src/common/flight_path.c sw/src/stages/health.c)
 comma := ,
 
 .PHONY: fuzz fuzz-targets
