@@ -268,7 +268,7 @@ BAD_OPTIONS = {
     "--host-ms 5,0": "argument --host-ms: '0' is not a number above 0",
     "--host-ms 5,nan": "argument --host-ms: 'nan' is not",
     "--host-ms 5 --sequence x": "not allowed with argument --host-ms",
-    "--sequence missing": "missing: no such folder",
+    "--sequence missing": "missing: no such file or folder",
     "--out taken --host-ms 5": "taken: holds other files (a.txt)",
     "--out taken/a.txt --host-ms 5": "taken/a.txt: not a folder",
 }
