@@ -264,6 +264,21 @@ def test_what_flies_and_will_be_met_is_a_member_long_before_it_is_there() -> Non
     assert not flier(3.0, 2.5, misses=2, coasting=True)
 
 
+def test_only_the_doubt_of_the_motion_across_the_path_counts() -> None:
+    """What flies has a velocity that is uncertain along the path alone, which is oblique to the world's axes."""
+    turn = Rotation.from_euler("y", 45.0, degrees=True).as_matrix()
+    along = turn @ (0.0, 0.0, 1.0)
+    covariance = 0.01 * np.eye(6)
+    covariance[3:, 3:] += 2.0**2 * np.outer(along, along)
+    values = {
+        "coasting": False,
+        "volume_window": 0,
+        "velocity_m_s": list(turn @ (3.0, 0.0, -2.0)),
+        "covariance": covariance.ravel().tolist(),
+    }
+    assert in_volume(turn @ (-7.5, 0.0, 27.5), tuple(turn @ FORWARD), pose((0, 0, 0), turn), **values)
+
+
 def test_errors_that_last_add_to_the_covariance() -> None:
     """Along the ray by disparity, depth and the place of the foot, across it by pixels and a share of what
     the width has more than twice the height, both by the scatter of the detections; camera turned."""

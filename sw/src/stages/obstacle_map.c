@@ -157,19 +157,27 @@ static vista_disc disc_of(const vista_obstacle_map_params *params, const vista_c
   return disc;
 }
 
+/* The part of a track's velocity that is across a direction (of length 1), and its variance summed over the axes: the
+ * trace of (I - d d^T) P (I - d d^T), with P the covariance of the velocity. */
+static double velocity_across(const vista_track *track, const double direction[3], double across_m_s[3]) {
+  const double *const p = track->covariance;
+  const double along_m_s = vista_dot(track->velocity_m_s, direction);
+  double variance = 0.0;
+  for (int i = 0; i < 3; ++i) {
+    across_m_s[i] = track->velocity_m_s[i] - along_m_s * direction[i];
+    variance += p[7 * (i + 3)];
+    for (int j = 0; j < 3; ++j) variance -= direction[i] * direction[j] * p[6 * (i + 3) + j + 3];
+  }
+  return variance;
+}
+
 /* Whether a thing that is seen to move across the path will soon be in the volume. The speed across is asked for as the
  * tracker asks for it: above what regions that change make up, and three standard deviations. */
 static bool about_to_enter(const vista_obstacle_map_params *params, const vista_flight_path *path,
                            const vista_track *track, const vista_disc *disc) {
-  const double *const p = track->covariance;
-  double there[3], across[3], variance = 0.0;
+  double there[3], across[3];
   vista_flight_path_along(path, track->position_m, there);
-  const double along_m_s = vista_dot(track->velocity_m_s, there);
-  for (int i = 0; i < 3; ++i) {
-    across[i] = track->velocity_m_s[i] - along_m_s * there[i];
-    variance += p[7 * (i + 3)];
-    for (int j = 0; j < 3; ++j) variance -= there[i] * there[j] * p[6 * (i + 3) + j + 3];
-  }
+  const double variance = velocity_across(track, there, across);
   const double speed2 = vista_dot(across, across);
   if (speed2 <= vista_square(ACROSS_M_S) || speed2 <= vista_square(ACROSS_SIGMAS) * variance) return false;
   vista_disc soon = *disc;
@@ -188,15 +196,10 @@ static bool seen_to_stand(const vista_track *track) {
  * the less certain the later that is, so the volume is as much narrower. */
 static bool will_meet(const vista_obstacle_map_params *params, const vista_flight_path *path, double speed_m_s,
                       const vista_track *track) {
-  const double *const p = track->covariance;
   if (track->hits < MEET_HITS || track->plain || seen_to_stand(track)) return false;
-  double ahead[3], across[3], variance = 0.0;
+  double ahead[3], across[3];
   (void)vista_flight_path_along(path, track->position_m, ahead);
-  const double along_m_s = vista_dot(track->velocity_m_s, ahead);
-  for (int i = 0; i < 3; ++i) {
-    across[i] = track->velocity_m_s[i] - along_m_s * ahead[i];
-    variance += p[7 * (i + 3)] * (1.0 - vista_square(ahead[i]));
-  }
+  const double variance = velocity_across(track, ahead, across);
   const double speed2 = vista_dot(across, across);
   if (speed2 <= vista_square(MEET_M_S) || speed2 <= vista_square(MEET_SIGMAS) * variance) return false;
   for (int k = 0; k <= MEET_STEPS; ++k) {
