@@ -195,7 +195,8 @@ def test_a_camera_that_is_lost_and_found_in_a_run(video: Path, calibration: Path
 BAD = [
     ((), "takes SEQUENCE or --camera"),
     (("--camera", "0"), "needs --calibration FILE.toml"),
-    (("--camera", "0", "1", "2"), "takes one device or two"),
+    (("--camera", "0", "1", "2", "--calibration", "CALIBRATION"), "takes one device or two"),
+    (("here", "--camera-size", "640x480"), "--camera-size: goes with --camera"),
     (("--camera", "/dev/video99", "--calibration", "CALIBRATION"), "/dev/video99: no camera"),
     (("--camera", "0", "--repeat"), "--repeat: goes with a recording"),
     (("--camera", "0", "--right", "x.avi", "--calibration", "CALIBRATION"), "--right: does not go with"),

@@ -265,7 +265,7 @@ def test_what_flies_and_will_be_met_is_a_member_long_before_it_is_there() -> Non
 
 
 def test_only_the_doubt_of_the_motion_across_the_path_counts() -> None:
-    """What flies has a velocity that is uncertain along the path alone, which is oblique to the world's axes."""
+    """The velocity is uncertain along the path alone, which is oblique to the axes of the world."""
     turn = Rotation.from_euler("y", 45.0, degrees=True).as_matrix()
     along = turn @ (0.0, 0.0, 1.0)
     covariance = 0.01 * np.eye(6)

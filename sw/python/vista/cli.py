@@ -24,6 +24,7 @@ from vista.version import version
 GROUP = "vista.commands"
 # In the order of the help.
 COMMANDS = (
+    "record",
     "calibrate",
     "run",
     "live",

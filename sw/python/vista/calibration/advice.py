@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from vista.calibration.board import Points
 from vista.calibration.calibrate import Calibrated
 from vista.calibration.measure import coverage, distances_m, normals, spread_deg
 from vista.geometry import Array
@@ -40,9 +41,9 @@ def advice(made: Calibrated) -> list[str]:
             "and check that both images of a pair are taken at one moment."
         )
     for side in ("left", "right"):
-        empty = _empty_zones(made, side)
+        empty = empty_zones(corners(made, side), made.found.size)
         if empty:
-            found.append(f"Show the board in the {_listed(empty)} of the {side} image: no corners lie there.")
+            found.append(f"Show the board in the {listed(empty)} of the {side} image: no corners lie there.")
     spread = spread_deg(normals(poses))
     if spread < GOOD_SPREAD_DEG:
         found.append(
@@ -73,8 +74,9 @@ def covered_share(made: Calibrated, side: str) -> float:
     return float(np.mean(coverage(corners(made, side), made.found.size) > 0))
 
 
-def _empty_zones(made: Calibrated, side: str) -> list[str]:
-    counts = coverage(corners(made, side), made.found.size, (3, 3))
+def empty_zones(corners_px: Points, size: tuple[int, int]) -> list[str]:
+    """Of the nine zones of an image those in which hardly a corner lies."""
+    counts = coverage(corners_px, size, (3, 3))
     return [
         f"{ROWS[row]} {COLUMNS[column]}"
         for row in range(3)
@@ -83,5 +85,5 @@ def _empty_zones(made: Calibrated, side: str) -> list[str]:
     ]
 
 
-def _listed(names: list[str]) -> str:
+def listed(names: list[str]) -> str:
     return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"

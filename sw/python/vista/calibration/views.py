@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from vista.calibration.board import MIN_CORNERS, Board, Points, aligned, find_board
+from vista.calibration.board import MIN_CORNERS, Board, Points, Sighting, aligned, find_board
 from vista.calibration.pictures import Grey, Picture
 from vista.errors import InputError
 
@@ -65,8 +65,13 @@ def find_views(pictures: Iterable[Picture], board: Board) -> Found:
         found.size = picture.size
         if not (found.views or found.left_only or found.right_only):
             first = [*first[-HINT_PICTURES + 1 :], picture]
-            board = _printed_board(picture, asked)
-        view = _view(picture, board, found)
+            board = printed_board(picture, asked)
+        left, right = find_board(picture.left, board), find_board(picture.right, board)
+        if left is None or right is None:
+            found.left_only += left is not None
+            found.right_only += right is not None
+            continue
+        view = _common(picture.name, left, right, board)
         if view is None:
             continue
         found.views.append(view)
@@ -78,7 +83,7 @@ def find_views(pictures: Iterable[Picture], board: Board) -> Found:
     return found
 
 
-def _printed_board(picture: Picture, board: Board) -> Board:
+def printed_board(picture: Picture, board: Board) -> Board:
     """With an even number of rows, a ChArUco board of before OpenCV 4.6 starts with a white square, not with
     a black one: that one, if it is what is there."""
     if not board.markers or board.rows % 2 or find_board(picture.left, board) is not None:
@@ -87,18 +92,20 @@ def _printed_board(picture: Picture, board: Board) -> Board:
     return board if find_board(picture.left, older) is None else older
 
 
-def _view(picture: Picture, board: Board, found: Found) -> View | None:
+def view_of(picture: Picture, board: Board) -> View | None:
+    """None: not enough of the board is in both images."""
     left, right = find_board(picture.left, board), find_board(picture.right, board)
-    if left is None or right is None:
-        found.left_only += left is not None
-        found.right_only += right is not None
-        return None
+    return None if left is None or right is None else _common(picture.name, left, right, board)
+
+
+def _common(name: str, left: Sighting, right: Sighting, board: Board) -> View | None:
+    """The corners that both images show, if they are enough for a pose."""
     right = aligned(right, left, board)
     ids, in_left, in_right = np.intersect1d(left.ids, right.ids, return_indices=True)
     columns = board.grid[0]
     if len(ids) < MIN_CORNERS or len(set(ids // columns)) < 2 or len(set(ids % columns)) < 2:
         return None
-    return View(picture.name, ids, left.points_px[in_left], right.points_px[in_right])
+    return View(name, ids, left.points_px[in_left], right.points_px[in_right])
 
 
 # ---- choice ----
@@ -106,7 +113,7 @@ def _view(picture: Picture, board: Board, found: Found) -> View | None:
 
 def spread_views(views: list[View], board: Board, size: tuple[int, int]) -> list[View]:
     """At most MAX_VIEWS, each as different as can be from those before it, in the order of the recording."""
-    places = np.array([_place(view, board, size) for view in views])
+    places = np.array([place_of(view, board, size) for view in views])
     chosen = [int(np.argmin(np.linalg.norm(places - places.mean(axis=0), axis=1)))]
     distance = np.linalg.norm(places - places[chosen[0]], axis=1)
     while len(chosen) < min(MAX_VIEWS, len(views)):
@@ -118,19 +125,24 @@ def spread_views(views: list[View], board: Board, size: tuple[int, int]) -> list
     return [views[index] for index in sorted(chosen)]
 
 
-def _place(view: View, board: Board, size: tuple[int, int]) -> Points:
+def place_of(view: View, board: Board, size: tuple[int, int]) -> Points:
     """Where the board is in the left image, how large, and how it is tilted; each about 0 to 1."""
-    extent_m = np.array(board.extent_m)
-    plane = board.points_m[view.ids, :2] / extent_m - 0.5
-    found, _ = cv2.findHomography(plane, view.left_px / np.array(size))
-    if found is None:
+    H = board_homography(view, board, size)
+    if H is None:
         return np.append(view.left_px.mean(axis=0) / size, [0.0, 0.0, 0.0])
-    H = np.asarray(found, np.float64) / found[2, 2]
     center = H[:2, 2]
     across, down = H[:2, 0] - center * H[2, 0], H[:2, 1] - center * H[2, 1]
     size_share = np.sqrt(abs(across[0] * down[1] - across[1] * down[0]))
     place = np.array([*center, 1.5 * size_share, H[2, 0], H[2, 1]], np.float64)
     return np.asarray(np.clip(place, -1.0, 2.0))
+
+
+def board_homography(view: View, board: Board, size: tuple[int, int]) -> Points | None:
+    """From the board, 1 wide and high with its middle at 0, to the left image, of width and height 1.
+    The last entry is 1. None: the corners do not tell it."""
+    plane = board.points_m[view.ids, :2] / np.array(board.extent_m) - 0.5
+    found, _ = cv2.findHomography(plane, view.left_px / np.array(size))
+    return None if found is None else np.asarray(found, np.float64) / found[2, 2]
 
 
 # ---- nothing found ----

@@ -4,6 +4,9 @@ With --board, SOURCE shows the board to both cameras at once, some 15 to 30 time
   folders     NAME_left.EXT and NAME_right.EXT, or equal names in the folders left and right
   one video   with both cameras side by side or one above the other
   two videos  of the left and of the right camera, which start at the same moment
+  --camera    in place of SOURCE: cameras that run. Pairs in which the board is held still in a new place are
+              kept in the folder pictures of FOLDER; lines say what to show next. It ends when nothing is
+              missing, or with Ctrl-C
 FOLDER then holds calibration.toml, which `vista run` reads, and report.html, which says how good it is and
 what to photograph next.
 
@@ -22,34 +25,44 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Iterable, Iterator
+from contextlib import closing
 from pathlib import Path
 
 from tqdm import tqdm
 
 from vista.calibration.advice import advice
-from vista.calibration.board import parse_board
+from vista.calibration.board import Board, parse_board
 from vista.calibration.calibrate import Calibrated, calibrate
+from vista.calibration.collect import Collector
 from vista.calibration.formats import FORMATS, read_rig, write_rig
 from vista.calibration.formats.common import Options
 from vista.calibration.pictures import Picture, read_pictures
 from vista.calibration.report import render_report
 from vista.calibration.rig import rig_of
 from vista.calibration.solve import LENSES
-from vista.command.source_arguments import add_video
+from vista.command.arguments import image_size
+from vista.command.source_arguments import add_camera, add_pair_tolerance, add_video, open_cameras
 from vista.errors import EXIT_OK, InputError
 from vista.geometry import Lens
+from vista.interruption import Interruption
+from vista.live.camera import Cameras
+from vista.live.latest import Latest
+from vista.live.recorder import PairFolder
+from vista.live.source import Shot, newest_shots
 from vista.output import make_folder, write_atomically
 from vista.sequence.options import Options as SourceOptions
 from vista.sequence.text import printable
 
 UNITS_M = {"m": 1.0, "cm": 0.01, "mm": 0.001}
-REPORT = "report.html"
+REPORT, PICTURES = "report.html", "pictures"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
-        "sources", type=Path, nargs="+", metavar="SOURCE", help="pictures, or calibration files"
+        "sources", type=Path, nargs="*", metavar="SOURCE", help="pictures, or calibration files"
     )
+    add_camera(parser, "left and right camera, or one that delivers both views side by side", required=False)
+    add_pair_tolerance(parser)
     parser.add_argument("--out", type=Path, required=True, metavar="FOLDER", help="folder to write into")
     parser.add_argument("--board", metavar="BOARD", help="what the pictures show, see above")
     parser.add_argument(
@@ -64,49 +77,72 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--unit",
         choices=tuple(UNITS_M),
-        default="m",
         help="of lengths in files of opencv and boofcv (default m)",
     )
     parser.add_argument(
-        "--size", type=size, metavar="WxH", help="of the images, for files that do not say it"
+        "--size", type=image_size, metavar="WxH", help="of the images, for files that do not say it"
     )
     add_video(parser)
-
-
-def size(text: str) -> tuple[int, int]:
-    width, _, height = text.lower().partition("x")
-    if not (
-        width.isascii()
-        and width.isdigit()
-        and height.isascii()
-        and height.isdigit()
-        and int(width)
-        and int(height)
-    ):
-        raise argparse.ArgumentTypeError(f"{text!r} is no size such as 640x480")
-    return int(width), int(height)
 
 
 def execute(arguments: argparse.Namespace) -> int:
     if arguments.out.exists() and not arguments.out.is_dir():
         raise InputError(arguments.out, "not a folder")
+    _check_source(arguments)
     lens: Lens | None = None
     if arguments.lens is not None:
         lens = "fisheye" if arguments.lens == "fisheye" else "pinhole"
-    options = Options(UNITS_M[arguments.unit], arguments.size, lens)
+    options = Options(UNITS_M[arguments.unit or "m"], arguments.size, lens)
     if arguments.board is None:
         return convert(arguments, options)
     board = parse_board(arguments.board)
-    pictures = read_pictures(arguments.sources, SourceOptions(split=arguments.split, rate=arguments.rate))
-    made = calibrate(_with_progress(pictures), board, arguments.lens or "pinhole")
+    pictures: Iterable[Picture]
+    if arguments.camera is None:
+        name = printable(str(arguments.sources[0]))
+        given = read_pictures(arguments.sources, SourceOptions(split=arguments.split, rate=arguments.rate))
+        pictures = _with_progress(given)
+    else:
+        name = printable(" and ".join(arguments.camera))
+        with closing(open_cameras(arguments)) as cameras:
+            pictures = collect(cameras, board, PairFolder(arguments.out / PICTURES, None))
+    made = calibrate(pictures, board, arguments.lens or "pinhole")
     rig = rig_of(made.raw)
     files = write_rig(rig, "toml", options)
     if arguments.to is not None:
         files |= write_rig(rig, arguments.to, options)
-    files[REPORT] = render_report(made, printable(str(arguments.sources[0])))
+    files[REPORT] = render_report(made, name)
     write_files(arguments.out, files)
     print_result(made, arguments.out)
     return EXIT_OK
+
+
+def _check_source(arguments: argparse.Namespace) -> None:
+    """Raises InputError for options that would be ignored."""
+    if bool(arguments.sources) == (arguments.camera is not None):
+        raise InputError("vista calibrate", "takes SOURCE or --camera")
+    if arguments.camera is not None and arguments.board is None:
+        raise InputError("--camera", "needs --board")
+    of_cameras, of_files = ("camera_size", "pair_tolerance_ms"), ("split", "rate", "unit", "size")
+    for name in of_cameras if arguments.camera is None else of_files:
+        if getattr(arguments, name) is not None:
+            reason = f"{'goes' if arguments.camera is None else 'does not go'} with --camera"
+            raise InputError(f"--{name.replace('_', '-')}", reason)
+
+
+def collect(cameras: Cameras, board: Board, folder: PairFolder) -> list[Picture]:
+    """The pictures that were kept; they are also in the folder. Until nothing is missing, or Ctrl-C."""
+    collector, queue, interruption = Collector(board), Latest[Shot](), Interruption()
+    asked = ""
+    with closing(folder), interruption.watch():
+        for shot in newest_shots(cameras, queue, lambda: interruption.requested or collector.full):
+            if collector.look(Picture(str(shot.frame.index), shot.frame.left, shot.frame.right)):
+                name = folder.write(shot)
+                print(f"{len(collector.kept)} kept ({name})", file=sys.stderr)
+            missing = next(collector.missing(), "Nothing is missing.")
+            if missing != asked:
+                print(missing, file=sys.stderr, flush=True)
+                asked = missing
+    return collector.kept
 
 
 def convert(arguments: argparse.Namespace, options: Options) -> int:

@@ -26,10 +26,10 @@ from vista.chain import make_chain
 from vista.command.arguments import add_config, add_engine, load_parameters, positive
 from vista.command.mavlink import sent_messages
 from vista.command.run import counted, frame_range, select_frames
-from vista.command.source_arguments import add_source, source_options
+from vista.command.source_arguments import add_camera, add_source, open_cameras, source_options
 from vista.errors import EXIT_INTERRUPTED, EXIT_OK, InputError
 from vista.interruption import Interruption
-from vista.live.camera import Cameras
+from vista.live.camera import PAIR_TOLERANCE_MS
 from vista.live.listeners import Autopilot, Lines
 from vista.live.loop import Listener, LiveLoop, Totals
 from vista.live.page import LivePage
@@ -42,18 +42,13 @@ from vista.sequence.pairs import read_calibration_file
 from vista.sequence.text import finite
 
 PAGE_PORT = 8642
-PAIR_TOLERANCE_MS = 5.0
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_source(parser, needed=False)
-    parser.add_argument(
-        "--camera",
-        nargs="+",
-        metavar="DEVICE",
-        help="in place of SEQUENCE: left and right camera, or one that delivers both views side by side; "
-        f"takes --calibration, and --pair-tolerance-ms (default {PAIR_TOLERANCE_MS:g})",
-    )
+    what = "in place of SEQUENCE: left and right camera, or one that delivers both views side by side"
+    takes = f"takes --calibration, and --pair-tolerance-ms (default {PAIR_TOLERANCE_MS:g})"
+    add_camera(parser, f"{what}; {takes}", required=False)
     parser.add_argument("--to", metavar="TARGET", help="the autopilot: udp:HOST:PORT or serial:DEVICE[:BAUD]")
     parser.add_argument(
         "--out",
@@ -125,14 +120,14 @@ def check_source(arguments: argparse.Namespace) -> None:
     if (arguments.sequence is None) == (arguments.camera is None):
         raise InputError("vista live", "takes SEQUENCE or --camera")
     if arguments.camera is None:
+        if arguments.camera_size is not None:
+            raise InputError("--camera-size", "goes with --camera, not with a recording")
         return
     refuse_others(source_options(arguments), "camera", frozenset({"calibration", "pair_tolerance_ms"}))
     of_recording = {"repeat": False, "speed": 1.0, "frames": None, "poses": None}
     for name, unsaid in of_recording.items():
         if getattr(arguments, name) != unsaid:
             raise InputError(f"--{name}", "goes with a recording, not with --camera")
-    if len(arguments.camera) > 2:
-        raise InputError("--camera", f"takes one device or two, not {len(arguments.camera)}")
     if arguments.calibration is None:
         raise InputError("--camera", "needs --calibration FILE.toml")
 
@@ -146,8 +141,7 @@ def open_replay(arguments: argparse.Namespace) -> tuple[Sequence, Source]:
 
 
 def open_camera(arguments: argparse.Namespace, open_ones: ExitStack) -> tuple[Sequence, Source]:
-    tolerance_ms = arguments.pair_tolerance_ms
-    cameras = Cameras(arguments.camera, PAIR_TOLERANCE_MS if tolerance_ms is None else tolerance_ms)
+    cameras = open_cameras(arguments)
     open_ones.callback(cameras.close)
     described = read_calibration_file(arguments.calibration, cameras.size)
     return Sequence(" and ".join(arguments.camera), "camera", described.calibration, ()), cameras

@@ -5,7 +5,9 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from vista.command.arguments import not_negative
+from vista.command.arguments import image_size, not_negative
+from vista.errors import InputError
+from vista.live.camera import PAIR_TOLERANCE_MS, Cameras, Capture
 from vista.sequence.options import BY_ODOMETRY, FRAME_OF_LEFT_CAMERA, NO_POSES, SPLITS, Options
 
 
@@ -70,6 +72,41 @@ def add_video(group: argparse._ArgumentGroup | argparse.ArgumentParser) -> None:
     )
     group.add_argument(
         "--rate", type=frames_per_second, metavar="HZ", help="frames a second, in place of a video's times"
+    )
+
+
+def add_camera(parser: argparse.ArgumentParser | argparse._ArgumentGroup, what: str, required: bool) -> None:
+    """--camera and --camera-size; `open_cameras` opens them, and takes --pair-tolerance-ms as well.
+
+    what: the help of --camera."""
+    parser.add_argument("--camera", nargs="+", metavar="DEVICE", required=required, help=what)
+    parser.add_argument(
+        "--camera-size",
+        type=image_size,
+        metavar="WxH",
+        help="of the pictures that a device is to deliver; of one with both views side by side, of both "
+        "together (default: the size that it comes up with)",
+    )
+
+
+def add_pair_tolerance(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--pair-tolerance-ms",
+        type=milliseconds,
+        metavar="MS",
+        help=f"how far the pictures of two cameras may lie apart (default {PAIR_TOLERANCE_MS:g})",
+    )
+
+
+def open_cameras(arguments: argparse.Namespace) -> Cameras:
+    """Raises InputError for devices that do not open or deliver."""
+    if len(arguments.camera) > 2:
+        raise InputError("--camera", f"takes one device or two, not {len(arguments.camera)}")
+    tolerance_ms = arguments.pair_tolerance_ms
+    return Cameras(
+        arguments.camera,
+        PAIR_TOLERANCE_MS if tolerance_ms is None else tolerance_ms,
+        lambda name: Capture(name, arguments.camera_size),
     )
 
 

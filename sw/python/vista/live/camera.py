@@ -22,6 +22,7 @@ from vista.errors import InputError
 from vista.live.source import Shot
 from vista.sequence import Frame
 
+PAIR_TOLERANCE_MS = 5.0  # unless stated otherwise
 REOPEN_S = 1.0
 PAIR_S = 1.0  # after so long without a pair, say why
 FAILURES = 3  # readings in a row: some drivers lose one
@@ -41,13 +42,26 @@ class Device(Protocol):
 
 
 class Capture:
-    """A device of OpenCV. Raises InputError when it does not open."""
+    """A device of OpenCV. Raises InputError when it does not open, or has no pictures of the size."""
 
-    def __init__(self, name: str) -> None:
+    def __init__(self, name: str, size: tuple[int, int] | None = None) -> None:
+        """size: (width, height) of its pictures; None: as it comes up."""
         self._capture = cv2.VideoCapture(int(name) if name.isdecimal() else name)
         if not self._capture.isOpened():
             raise InputError(name, "no camera that OpenCV can open")
+        if size is not None:
+            self._ask_for(name, size)
         self._capture.set(cv2.CAP_PROP_BUFFERSIZE, 1)  # older pictures are of no use; not all drivers listen
+
+    def _ask_for(self, name: str, size: tuple[int, int]) -> None:
+        """A driver may take the nearest size that it has, and says so afterwards."""
+        sides = (cv2.CAP_PROP_FRAME_WIDTH, cv2.CAP_PROP_FRAME_HEIGHT)
+        for side, pixels in zip(sides, size, strict=True):
+            self._capture.set(side, pixels)
+        given = [round(self._capture.get(side)) for side in sides]
+        if tuple(given) != size:
+            self.close()
+            raise InputError(name, "delivers {}x{} px, not {}x{}".format(*given, *size))
 
     def read(self) -> Image | None:
         there, picture = self._capture.read()

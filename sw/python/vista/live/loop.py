@@ -6,7 +6,6 @@ import sys
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from threading import Event, Thread
 from typing import Protocol
 
 import numpy as np
@@ -16,11 +15,9 @@ from vista.health.monitor import HealthMonitor
 from vista.history import FrameRecord, StageClock
 from vista.live.latency import Latencies
 from vista.live.latest import Latest
-from vista.live.source import Shot, Source
+from vista.live.source import Shot, Source, newest_shots
 from vista.obstacle_line import obstacle_line
 from vista.run import Announcer
-
-POLL_S = 0.1
 
 
 @dataclass(frozen=True)
@@ -65,25 +62,9 @@ class LiveLoop:
 
     def run(self, listeners: Sequence[Listener], interrupted: Callable[[], bool]) -> None:
         """Until the source ends or `interrupted` says so. Raises what the source raises."""
-        stopped = Event()
-        reader = Thread(target=self._read, args=(stopped,), name="source", daemon=True)
-        reader.start()
-        try:
-            while not interrupted() and not self._queue.ended:
-                shot = self._queue.take(POLL_S)
-                if shot is not None and self._is_new(shot):
-                    self._process(shot, listeners)
-        finally:
-            stopped.set()
-            reader.join(5.0 * POLL_S)  # a camera that hangs is not waited for
-
-    def _read(self, stopped: Event) -> None:
-        try:
-            for shot in self._source.shots(stopped):
-                self._queue.put(shot)
-            self._queue.close()
-        except BaseException as error:  # whatever it is, the loop must hear of it
-            self._queue.close(error)
+        for shot in newest_shots(self._source, self._queue, interrupted):
+            if self._is_new(shot):
+                self._process(shot, listeners)
 
     def _is_new(self, shot: Shot) -> bool:
         """Whether it says anything that the frame before did not; tracks of another flight are forgotten."""

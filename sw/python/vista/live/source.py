@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from threading import Event
+from threading import Event, Thread
 from typing import Protocol
 
 from vista import sequence
+from vista.live.latest import Latest
 from vista.sequence import Frame, FrameFiles
 
 BETWEEN_PASSES_NS = 1_000_000_000
+POLL_S = 0.1
 
 
 @dataclass(frozen=True)
@@ -32,6 +34,31 @@ class Source(Protocol):
         """Blocks until the next frame is there. Ends when there are no more, or soon after `stopped`.
         Raises InputError for a frame that cannot be read."""
         ...
+
+
+def newest_shots(source: Source, queue: Latest[Shot], interrupted: Callable[[], bool]) -> Iterator[Shot]:
+    """Of the shots that have come the newest, each time that one is asked for; a thread takes them all.
+    Until the source ends or `interrupted` says so. Raises what the source raises."""
+    stopped = Event()
+
+    def read() -> None:
+        try:
+            for shot in source.shots(stopped):
+                queue.put(shot)
+            queue.close()
+        except BaseException as error:  # whatever it is, who waits must hear of it
+            queue.close(error)
+
+    reader = Thread(target=read, name="source", daemon=True)
+    reader.start()
+    try:
+        while not interrupted() and not queue.ended:
+            shot = queue.take(POLL_S)
+            if shot is not None:
+                yield shot
+    finally:
+        stopped.set()
+        reader.join(5.0 * POLL_S)  # a camera that hangs is not waited for
 
 
 class Replay:

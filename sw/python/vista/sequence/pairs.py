@@ -55,6 +55,7 @@ from vista.sequence.text import read_text
 from vista.sequence.trajectory import UNIT_TOLERANCE, with_poses
 from vista.sequence.types import FrameFiles, Sequence
 
+CALIBRATION, TIMES = "calibration.toml", "times.csv"
 FRAME_PERIOD_NS = 100_000_000
 OF_SEQUENCE = ("stills", "up_world", "size_px")  # keys of either form of calibration.toml
 OF_BODY = ("body_from_left", "body_from_right")
@@ -75,15 +76,13 @@ class Described:
 
 
 def recognises(folder: Path) -> bool:
-    return folder.is_dir() and ((folder / "calibration.toml").exists() or any(_images(folder, "_left")))
+    return folder.is_dir() and ((folder / CALIBRATION).exists() or any(_images(folder, "_left")))
 
 
 def open_source(folder: Path, options: Options) -> Sequence:
     pairs = _find_pairs(folder)
-    described = read_calibration_file(
-        options.calibration or folder / "calibration.toml", read_size(pairs[0][0])
-    )
-    times_path, poses_path = folder / "times.csv", folder / "poses.csv"
+    described = read_calibration_file(options.calibration or folder / CALIBRATION, read_size(pairs[0][0]))
+    times_path, poses_path = folder / TIMES, folder / "poses.csv"
     times_ns = [index * FRAME_PERIOD_NS for index in range(len(pairs))]
     if times_path.exists():
         times_ns = read_times(times_path, [left.stem.removesuffix("_left") for left, _ in pairs])
