@@ -70,7 +70,7 @@ class Board:
 
     def charuco(self) -> cv2.aruco.CharucoBoard:
         board = cv2.aruco.CharucoBoard(
-            (self.columns, self.rows), self.square_m, self.marker_m, _dictionary(self.dictionary)
+            (self.columns, self.rows), self.square_m, self.marker_m, known_dictionary(self.dictionary)
         )
         board.setLegacyPattern(self.legacy)
         return board
@@ -107,7 +107,7 @@ def parse_board(text: str) -> Board:
     dictionary = fields[3] if len(fields) == 4 else DEFAULT_DICTIONARY
     dictionary = dictionary.upper().removeprefix("DICT_")
     markers = columns * rows // 2
-    known = len(_dictionary(dictionary).bytesList)
+    known = len(known_dictionary(dictionary).bytesList)
     if markers > known:
         raise InputError("--board", f"has {markers} markers, the dictionary {dictionary} only {known}")
     return Board(columns, rows, square_m, marker_m, dictionary)
@@ -128,7 +128,7 @@ def dictionaries() -> list[str]:
     return sorted(name.removeprefix("DICT_") for name in dir(cv2.aruco) if name.startswith("DICT_"))
 
 
-def _dictionary(name: str) -> Any:
+def known_dictionary(name: str) -> Any:
     if name not in dictionaries():
         raise InputError("--board", f"unknown dictionary {name!r}; known: {', '.join(dictionaries())}")
     return cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, f"DICT_{name}"))

@@ -37,6 +37,7 @@ from vista.calibration.collect import Collector
 from vista.calibration.formats import FORMATS, read_rig, write_rig
 from vista.calibration.formats.common import Options
 from vista.calibration.pictures import Picture, read_pictures
+from vista.calibration.print_board import board_svg
 from vista.calibration.report import render_report
 from vista.calibration.rig import rig_of
 from vista.calibration.solve import LENSES
@@ -63,8 +64,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     add_camera(parser, "left and right camera, or one that delivers both views side by side", required=False)
     add_pair_tolerance(parser)
-    parser.add_argument("--out", type=Path, required=True, metavar="FOLDER", help="folder to write into")
+    parser.add_argument("--out", type=Path, metavar="FOLDER", help="folder to write into")
     parser.add_argument("--board", metavar="BOARD", help="what the pictures show, see above")
+    parser.add_argument(
+        "--print",
+        type=Path,
+        metavar="FILE.svg",
+        help="draw the board for a printer, in its true size, and end",
+    )
     parser.add_argument(
         "--lens",
         choices=LENSES,
@@ -86,6 +93,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def execute(arguments: argparse.Namespace) -> int:
+    if arguments.print is not None:
+        if arguments.board is None:
+            raise InputError("--print", "needs --board")
+        write_atomically(arguments.print, board_svg(parse_board(arguments.board)))
+        return EXIT_OK
+    if arguments.out is None:
+        raise InputError("--out", "is missing")
     if arguments.out.exists() and not arguments.out.is_dir():
         raise InputError(arguments.out, "not a folder")
     _check_source(arguments)
