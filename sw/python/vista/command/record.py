@@ -62,7 +62,7 @@ def execute(arguments: argparse.Namespace) -> int:
                 record(cameras, queue, folder, arguments, interruption)
         finally:
             folder.close()
-            left_out = f"{queue.dropped} left out, since the disk was too slow"
+            left_out = f"{queue.dropped} left out, since they came faster than they could be written"
             alone = f"{cameras.skipped} pictures without a partner"
             print(f"{arguments.out}: {counted(folder.pairs, 'pair')}; {left_out}; {alone}", file=sys.stderr)
     if interruption.requested:
