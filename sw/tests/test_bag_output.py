@@ -15,8 +15,7 @@ from command_line import Vista, assert_refused, call, lines_without_times
 from mcap.reader import make_reader
 from mcap_ros2.decoder import DecoderFactory
 from random_seed import seeded
-from vista.bag.views import level_world
-from vista.geometry import Pose, quaternion_from_rotation, rotation_from_quaternion
+from vista.geometry import Pose, level_world, quaternion_from_rotation, rotation_from_quaternion
 
 UP = "up_world = [0.0, 0.0, 1.0]\n"
 

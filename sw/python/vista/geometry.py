@@ -124,3 +124,28 @@ def slerp(first: Array, second: Array, fraction: float) -> Array:
 def is_rotation(matrix: Array, tolerance: float = 1e-3) -> bool:
     """Orthonormal and right-handed; the tolerance admits files that print four digits."""
     return bool(np.allclose(matrix @ matrix.T, np.eye(3), atol=tolerance) and np.linalg.det(matrix) > 0.0)
+
+
+# ---- worlds and cameras of others ----
+
+FORWARD_LEFT_UP = np.array(
+    [[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]]
+)  # from x right, y down, z ahead
+
+
+def level_world(up_world: Array | None, first: Pose) -> Array:
+    """The rotation into a world whose z is up: the least one where up is known, else the first camera is
+    level and looks along x."""
+    if up_world is None:
+        return FORWARD_LEFT_UP @ first.rotation.T
+    axis, cosine = np.cross(up_world, (0.0, 0.0, 1.0)), float(up_world[2])
+    if np.linalg.norm(axis) < 1e-9:
+        return np.eye(3) if cosine > 0.0 else np.diag([1.0, -1.0, -1.0])
+    K = np.array([[0.0, -axis[2], axis[1]], [axis[2], 0.0, -axis[0]], [-axis[1], axis[0], 0.0]])
+    return np.asarray(np.eye(3) + K + K @ K / (1.0 + cosine))
+
+
+def turned(covariance_m2: Array, camera_from_world: Pose) -> Array:
+    """A covariance of the world in the frame of the camera."""
+    rotation = camera_from_world.rotation
+    return rotation @ covariance_m2 @ rotation.T

@@ -21,6 +21,7 @@ from vista.sequence import FrameFiles
 
 if TYPE_CHECKING:
     from vista.bag.writer import BagWriter
+    from vista.rerun_log import RerunLog
 
 
 @dataclass(frozen=True)
@@ -32,6 +33,7 @@ class Outputs:
     recorder: Recorder | None
     all_tracks: bool = False  # write tracks that are not confirmed, too
     bag: BagWriter | None = None
+    rerun: RerunLog | None = None
 
 
 class Announcer:
@@ -83,6 +85,8 @@ def _run_frame(chain: Chain, files: FrameFiles, monitor: HealthMonitor, outputs:
             jpeg = encoded(outputs.overlay.draw(step.frame, step.result, record.health))
         if outputs.bag is not None:
             outputs.bag.write(step, record, jpeg)
+        if outputs.rerun is not None:
+            outputs.rerun.write(step, record, jpeg)
         outputs.folder.write_frame(files.index, obstacle_line(record, outputs.all_tracks), jpeg)
     record.stage_ms.update(clock.stage_ms)
     return record

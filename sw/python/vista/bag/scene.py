@@ -9,7 +9,7 @@ import numpy as np
 
 from vista.bag.foxglove import PACKAGE, SCENE_UPDATE
 from vista.bag.types import CAMERA, Messages
-from vista.geometry import Array, Pose
+from vista.geometry import Array, Pose, turned
 from vista.history import FrameRecord
 from vista.pipeline import Nearest, Obstacle
 from vista.report.labels import obstacle_name
@@ -148,8 +148,3 @@ class Scene:
     def _colour(self, rgb: tuple[float, float, float], alpha: float) -> Any:
         r, g, b = rgb
         return self._messages.make(f"{PACKAGE}Color", r=r, g=g, b=b, a=alpha)
-
-
-def turned(covariance_m2: Array, camera_from_world: Pose) -> Array:
-    rotation = camera_from_world.rotation
-    return rotation @ covariance_m2 @ rotation.T

@@ -15,9 +15,6 @@ from vista.history import FrameRecord
 
 INVALID_PX = -1.0
 LEVELS = {State.HEALTHY: 0, State.DEGRADED: 1, State.BLIND: 2}  # diagnostic_msgs: OK, WARN, ERROR
-FORWARD_LEFT_UP = np.array(
-    [[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]]
-)  # from x right, y down, z ahead
 
 
 def image(messages: Messages, t_ns: int, pixels: NDArray[Any], encoding: str) -> Any:
@@ -90,18 +87,6 @@ def picture(messages: Messages, t_ns: int, jpeg: bytes) -> Any:
         format="jpeg",
         data=np.frombuffer(jpeg, np.uint8),
     )
-
-
-def level_world(up_world: Array | None, first: Pose) -> Array:
-    """The rotation into a world whose z is up: the least one where up is known, else the first camera is
-    level and looks along x."""
-    if up_world is None:
-        return FORWARD_LEFT_UP @ first.rotation.T
-    axis, cosine = np.cross(up_world, (0.0, 0.0, 1.0)), float(up_world[2])
-    if np.linalg.norm(axis) < 1e-9:
-        return np.eye(3) if cosine > 0.0 else np.diag([1.0, -1.0, -1.0])
-    K = np.array([[0.0, -axis[2], axis[1]], [axis[2], 0.0, -axis[0]], [-axis[1], axis[0], 0.0]])
-    return np.asarray(np.eye(3) + K + K @ K / (1.0 + cosine))
 
 
 def odometry(messages: Messages, t_ns: int, world_from_camera: Pose, velocity_m_s: Array | None) -> Any:

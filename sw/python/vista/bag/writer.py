@@ -16,7 +16,7 @@ from vista.bag.scene import Scene
 from vista.bag.types import Messages
 from vista.chain import Step
 from vista.errors import InputError
-from vista.geometry import Array, Calibration, Pose
+from vista.geometry import Array, Calibration, Pose, level_world
 from vista.history import FrameRecord
 from vista.output import unwritable
 
@@ -102,7 +102,7 @@ class BagWriter:
 
     def _levelled(self, pose: Pose) -> Pose:
         if self._level is None:
-            self._level = views.level_world(self._up_world, pose)
+            self._level = level_world(self._up_world, pose)
         return Pose(self._level) @ pose
 
     def _write(self, topic: str, t_ns: int, message: Any) -> None:

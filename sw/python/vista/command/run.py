@@ -45,6 +45,7 @@ from vista.version import commit, version
 
 if TYPE_CHECKING:
     from vista.bag.writer import BagWriter
+    from vista.rerun_log import RerunLog
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -90,6 +91,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="DIR",
         help="write a bag of ROS 2 (MCAP) with images, disparities, obstacles, poses and diagnostics",
     )
+    parser.add_argument(
+        "--rerun",
+        metavar="FILE.rrd",
+        help="write a recording for Rerun's viewer; rerun+http://127.0.0.1:9876/proxy sends it to a viewer "
+        "that runs on this machine",
+    )
     parser.add_argument("--no-overlay", action="store_true", help="draw no pictures, which saves time")
     parser.add_argument(
         "--all-tracks",
@@ -134,8 +141,9 @@ def execute(arguments: argparse.Namespace) -> int:
             interruption.watch(),
             open_recorder(arguments.record, chain, values) as recorder,
             open_bag(arguments.bag, chain) as bag,
+            open_rerun(arguments.rerun, chain) as rerun,
         ):
-            outputs = Outputs(folder, overlay, recorder, arguments.all_tracks, bag)
+            outputs = Outputs(folder, overlay, recorder, arguments.all_tracks, bag, rerun)
             run_frames(chain, frames, outputs, records, interruption)
     except InputError as error:
         outcome["error"] = str(error)
@@ -171,6 +179,17 @@ def open_bag(path: Path | None, chain: Chain) -> AbstractContextManager[BagWrite
         raise InputError("--bag needs the extra [bags]", "pip install 'vista[bags]'") from None
     candidates = chain.engine.parameters.num_disparities
     return BagWriter(path, chain.rectifier.calibration, candidates, chain.sequence.up_world)
+
+
+def open_rerun(target: str | None, chain: Chain) -> AbstractContextManager[RerunLog | None]:
+    if target is None:
+        return nullcontext()
+    try:
+        from vista.rerun_log import RerunLog  # its library is an extra
+    except ModuleNotFoundError:
+        raise InputError("--rerun needs the extra [rerun]", "pip install 'vista[rerun]'") from None
+    place = target if "://" in target else Path(target)
+    return RerunLog(place, chain.sequence.name, chain.rectifier.calibration, chain.sequence.up_world)
 
 
 def select_frames(sequence: Sequence, wanted: tuple[int, int | None] | None) -> tuple[FrameFiles, ...]:
