@@ -17,7 +17,6 @@ from vista.history import FrameRecord, StageClock
 from vista.live.latency import Latencies
 from vista.live.latest import Latest
 from vista.live.source import Shot, Source
-from vista.obstacle_line import obstacle_line
 from vista.run import Announcer
 
 POLL_S = 0.1
@@ -29,7 +28,6 @@ class Seen:
 
     step: Step
     record: FrameRecord  # with the health that the checks found
-    line: str  # of obstacles.jsonl
     exposed_ns: int  # on time.monotonic_ns()
 
 
@@ -105,7 +103,7 @@ class LiveLoop:
     def _process(self, shot: Shot, listeners: Sequence[Listener]) -> None:
         step = process_frame(self.chain, shot.frame, StageClock())
         record = replace(step.record, health=self._monitor.check(step.raw, step.frame, step.result.health))
-        seen = Seen(step, record, obstacle_line(record), shot.exposed_ns)
+        seen = Seen(step, record, shot.exposed_ns)
         for listener in listeners:
             listener.take(seen)
         self.totals.processed += 1
