@@ -204,6 +204,14 @@ def test_record_holds_what_the_host_received(tmp_path: Path, run_vista: Vista) -
         at += 2 * level.size
 
 
+def test_a_recording_needs_the_name_of_a_file(tmp_path: Path, run_vista: Vista) -> None:
+    folder, taken = cases.make_pairs(tmp_path / "pairs"), tmp_path / "taken"
+    taken.mkdir()
+    ran = run_vista("run", folder, "--out", tmp_path / "out", "--record", taken)
+    assert_refused(ran, f"{taken}: is a folder")
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["pairs", "taken"]
+
+
 @pytest.mark.parametrize("engine", ["golden", "opencv"])
 @pytest.mark.parametrize("smooth", ["off", "binomial3"])
 def test_smoothing_of_a_config(tmp_path: Path, run_vista: Vista, engine: str, smooth: str) -> None:

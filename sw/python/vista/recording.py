@@ -46,6 +46,8 @@ class Recorder:
         self._part = path.with_name(f".{path.name}.part")
         self._up_world = sequence.up_world
         self._levels = values["stereo"]["levels"]
+        if path.is_dir():
+            raise InputError(path, "is a folder; name a file for the recording")
         try:
             self._stream = self._part.open("wb")
         except OSError as error:
@@ -91,10 +93,13 @@ class Recorder:
     def __exit__(
         self, kind: type[BaseException] | None, value: BaseException | None, trace: TracebackType | None
     ) -> None:
-        self._stream.close()
-        if self._frames > 0 and (kind is None or issubclass(kind, InputError)):
-            self._part.replace(self._path)
-        else:
+        try:
+            self._stream.close()
+            if self._frames > 0 and (kind is None or issubclass(kind, InputError)):
+                self._part.replace(self._path)
+        except OSError as error:
+            raise unwritable(self._path, error) from None
+        finally:
             self._part.unlink(missing_ok=True)
 
     def _write(self, data: bytes) -> None:
