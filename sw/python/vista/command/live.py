@@ -18,6 +18,7 @@ from __future__ import annotations
 import argparse
 import sys
 from contextlib import ExitStack
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -29,7 +30,7 @@ from vista.command.run import counted, frame_range, select_frames
 from vista.command.source_arguments import add_source, source_options
 from vista.errors import EXIT_INTERRUPTED, EXIT_OK, InputError
 from vista.interruption import Interruption
-from vista.live.camera import Cameras
+from vista.live.camera import Cameras, Capture
 from vista.live.listeners import Autopilot, Lines
 from vista.live.loop import Listener, LiveLoop, Totals
 from vista.live.page import LivePage
@@ -38,7 +39,7 @@ from vista.mavlink.link import Link
 from vista.mavlink.transport import open_transport
 from vista.sequence import Sequence, open_sequence
 from vista.sequence.options import refuse_others
-from vista.sequence.pairs import read_calibration_file
+from vista.sequence.pairs import read_calibration_file, read_size_px, read_table
 from vista.sequence.text import finite
 
 PAGE_PORT = 8642
@@ -147,7 +148,14 @@ def open_replay(arguments: argparse.Namespace) -> tuple[Sequence, Source]:
 
 def open_camera(arguments: argparse.Namespace, open_ones: ExitStack) -> tuple[Sequence, Source]:
     tolerance_ms = arguments.pair_tolerance_ms
-    cameras = Cameras(arguments.camera, PAIR_TOLERANCE_MS if tolerance_ms is None else tolerance_ms)
+    asked = read_size_px(arguments.calibration, read_table(arguments.calibration))
+    if asked is not None and len(arguments.camera) == 1:
+        asked = 2 * asked[0], asked[1]  # both views side by side
+    cameras = Cameras(
+        arguments.camera,
+        PAIR_TOLERANCE_MS if tolerance_ms is None else tolerance_ms,
+        partial(Capture, size=asked),
+    )
     open_ones.callback(cameras.close)
     described = read_calibration_file(arguments.calibration, cameras.size)
     return Sequence(" and ".join(arguments.camera), "camera", described.calibration, ()), cameras
@@ -163,13 +171,15 @@ def make_listeners(
         autopilot = Autopilot(Link(values), open_transport(arguments.to))
         open_ones.callback(autopilot.close)
         listeners.append(autopilot)
-    if arguments.out is not None:
-        lines = Lines(arguments.out)
-        open_ones.callback(lines.close)
-        listeners.append(lines)
+    page = None
     if not arguments.no_page:
         page = LivePage(arguments.page, loop.chain, loop.totals, lambda: link_facts(autopilot, arguments.to))
         open_ones.callback(page.close)
+    if arguments.out is not None:  # last: it empties a file that is there
+        lines = Lines(arguments.out)
+        open_ones.callback(lines.close)
+        listeners.append(lines)
+    if page is not None:
         listeners.append(page)
         print(f"vista: {page.address}", file=sys.stderr)
     return listeners, autopilot
