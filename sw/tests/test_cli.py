@@ -207,9 +207,13 @@ def test_record_holds_what_the_host_received(tmp_path: Path, run_vista: Vista) -
 def test_a_recording_needs_the_name_of_a_file(tmp_path: Path, run_vista: Vista) -> None:
     folder, taken = cases.make_pairs(tmp_path / "pairs"), tmp_path / "taken"
     taken.mkdir()
-    ran = run_vista("run", folder, "--out", tmp_path / "out", "--record", taken)
-    assert_refused(ran, f"{taken}: is a folder")
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["pairs", "taken"]
+    pipe = tmp_path / "pipe"
+    os.mkfifo(pipe)
+    for path in (taken, pipe):  # as root, even /dev/null could be replaced by a file
+        ran = run_vista("run", folder, "--out", tmp_path / "out", "--record", path)
+        assert_refused(ran, f"{path}: cannot be written: it exists and is no file")
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["pairs", "pipe", "taken"]
+    assert pipe.is_fifo()
 
 
 @pytest.mark.parametrize("engine", ["golden", "opencv"])

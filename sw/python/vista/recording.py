@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 from vista import parameters
 from vista.errors import InputError
 from vista.geometry import Calibration
-from vista.output import unwritable
+from vista.output import check_replaceable, unwritable
 from vista.sequence import Frame, Sequence
 
 MAGIC = b"VISTAREC"
@@ -46,8 +46,7 @@ class Recorder:
         self._part = path.with_name(f".{path.name}.part")
         self._up_world = sequence.up_world
         self._levels = values["stereo"]["levels"]
-        if path.is_dir():
-            raise InputError(path, "is a folder; name a file for the recording")
+        check_replaceable(path)
         try:
             self._stream = self._part.open("wb")
         except OSError as error:
