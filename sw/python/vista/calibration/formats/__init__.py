@@ -43,7 +43,7 @@ def read_rig(paths: list[Path], options: Options) -> tuple[str, Rig]:
     if len(files) not in module.FILES:
         expected = " or ".join(map(str, module.FILES))
         raise InputError(
-            paths[0], f"{len(files)} files of the format {name}, expected {expected}: {module.HELP}"
+            paths[0], f"files of the format {name}: {len(files)}, expected {expected}: {module.HELP}"
         )
     rig: Rig = module.read(files, options)
     _check(rig, paths[-1], name)
