@@ -20,13 +20,13 @@ def recording(
 ) -> bytes:
     """A thing in the middle that comes nearer, over words that grow downwards."""
     content = (
-        HEADER.pack(MAGIC, VERSION, width, height, 2, 90.0, width / 2, center_px, 0.5, stills, 0)
+        HEADER.pack(MAGIC, VERSION, width, height, 2, 90.0, width / 2, center_px, 0.5, 0)
         + PARAMETER.pack(b"region.min_inliers", b"", 8.0)
         + PARAMETER.pack(b"foveation.sector_count", b"", 32.0)
     )
     for frame in range(frames):
         pose = (*EYE, 0, 0, 0.5 * frame) if has_pose else 12 * (0.0,)
-        content += FRAME.pack(10**9 + 10**8 * frame, has_pose, 1, *pose, 0, -1.0, 0)
+        content += FRAME.pack(10**9 + 10**8 * frame, stills, has_pose, 1, *pose, 0, -1.0, 0)
         thing = [
             [abs(2 * u - width) < width // 2 and 4 < v < height - 4 for u in range(width)]
             for v in range(height)

@@ -23,17 +23,16 @@
 #include "vista/vista.h"
 
 #define MAGIC "VISTAREC"
-#define VERSION 3
+#define VERSION 4
 #define NAME_BYTES 48
 #define CHOICE_BYTES 32
-#define FRAME_HEAD_BYTES 136 /* t_ns, has_pose, has_up, pose, up_world */
+#define FRAME_HEAD_BYTES 140 /* t_ns, anew, has_pose, has_up, pose, up_world */
 
 typedef struct recording {
   const char *path;
   FILE *stream;
   vista_camera camera;
   vista_parameters parameters;
-  uint32_t stills; /* the frames are unrelated: no tracking from one to the next */
   uint32_t coarser_levels;
   size_t words; /* of all levels of a frame */
   long first_frame; /* offset of the first frame */
@@ -42,6 +41,7 @@ typedef struct recording {
 
 typedef struct frame_buffer {
   int64_t t_ns;
+  uint32_t anew; /* the host forgets what came before */
   uint32_t has_pose, has_up;
   vista_pose pose;
   double up_world[3];
@@ -115,20 +115,19 @@ static int open_recording(recording *r) {
   char magic[8];
   uint32_t numbers[4]; /* version, width, height, parameter count */
   double camera[4];
-  uint32_t flags[2]; /* stills, coarser levels */
+  uint32_t coarser_levels;
   r->stream = fopen(r->path, "rb");
   if (r->stream == NULL) return fail(r->path, strerror(errno));
   if (!read_exactly(r->stream, magic, sizeof magic) || memcmp(magic, MAGIC, sizeof magic) != 0)
     return fail(r->path, "not a recording");
   if (!read_exactly(r->stream, numbers, sizeof numbers) || !read_exactly(r->stream, camera, sizeof camera) ||
-      !read_exactly(r->stream, flags, sizeof flags))
+      !read_exactly(r->stream, &coarser_levels, sizeof coarser_levels))
     return fail(r->path, "cut off in the header");
   if (numbers[0] != VERSION) return fail(r->path, "recorded by another version of vista: record it again");
   if (numbers[1] > 8192 || numbers[2] > 8192) return fail(r->path, "images larger than 8192x8192");
   r->camera = (vista_camera){(int32_t)numbers[1], (int32_t)numbers[2], camera[0], camera[1], camera[2], camera[3]};
-  r->stills = flags[0];
-  if (flags[1] > VISTA_COARSER_LEVELS) return fail(r->path, "more levels than are handled");
-  r->coarser_levels = flags[1];
+  if (coarser_levels > VISTA_COARSER_LEVELS) return fail(r->path, "more levels than are handled");
+  r->coarser_levels = coarser_levels;
   r->words = count_words(r);
   const int exit_status = read_parameters(r, numbers[3]);
   return exit_status != 0 ? exit_status : count_frames(r);
@@ -137,6 +136,7 @@ static int open_recording(recording *r) {
 static bool read_frame(const recording *r, frame_buffer *frame) {
   const size_t pixels = (size_t)r->camera.width_px * (size_t)r->camera.height_px;
   return read_exactly(r->stream, &frame->t_ns, sizeof frame->t_ns) &&
+         read_exactly(r->stream, &frame->anew, sizeof frame->anew) &&
          read_exactly(r->stream, &frame->has_pose, sizeof frame->has_pose) &&
          read_exactly(r->stream, &frame->has_up, sizeof frame->has_up) &&
          read_exactly(r->stream, frame->pose.rotation, sizeof frame->pose.rotation) &&
@@ -267,7 +267,7 @@ static vista_status step(const player *p, vista_pipeline *pipeline, vista_result
     input.coarser[k] = coarser_level(finer);
     finer = &input.coarser[k];
   }
-  if (p->recording->stills) vista_pipeline_reset(pipeline);
+  if (p->frame.anew) vista_pipeline_reset(pipeline);
   return vista_pipeline_process(pipeline, &input, result);
 }
 

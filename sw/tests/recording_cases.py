@@ -51,6 +51,6 @@ def record(
         for index, source in enumerate(sources):
             pose = None if stills else Pose(WORLD_FROM_CAMERA, source.position_m)
             recorder.write(
-                Frame(index, source.t_ns, source.left, source.left, pose), levels_of(source, levels)
+                Frame(index, source.t_ns, source.left, source.left, pose), levels_of(source, levels), stills
             )
     return path

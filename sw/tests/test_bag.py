@@ -108,6 +108,24 @@ def test_messages_recorded_at_one_time_and_out_of_order(tmp_path: Path, recordin
     assert sequence.notes[1:] == (repeated, repeated.replace("left/image", "right/image"))
 
 
+def test_a_message_that_is_left_out_shares_its_time_of_recording(
+    tmp_path: Path, recording: Recording
+) -> None:
+    """Going back starts with it."""
+    with bag_writer(tmp_path / "flight.bag", "ros1") as bag:
+        for index, late_ns in ((0, 0), (1, 0), (1, 9), (2, 9), (3, 9)):  # the second of frame 1 is left out
+            for side, topic in (("left", LEFT), ("right", RIGHT)):
+                frame = recording.frames[index]
+                bag.write(topic, START_NS + late_ns, bags.raw_image(bag, frame.t_ns, getattr(frame, side)))
+                info = bags.camera_info(bag, frame, recording, side)
+                bag.write(f"/stereo/{side}/camera_info", START_NS + late_ns, info)
+    sequence = open_sequence(tmp_path / "flight.bag")
+    for index in (3, 2, 3, 2, 0):
+        np.testing.assert_array_equal(
+            sequence.read(sequence.frames[index]).left, cases.texture_pair(index)[0]
+        )
+
+
 def test_left_and_right_are_paired_and_drops_counted(tmp_path: Path, recording: Recording, kind: str) -> None:
     """Left without frame 2; right without frame 1, frame 3 is 3 ms late, frame 4 is 8 ms late."""
     path = tmp_path / ("flight.bag" if kind == "ros1" else "flight")
@@ -150,6 +168,18 @@ def test_topics_are_chosen_where_several_fit(tmp_path: Path, recording: Recordin
         open_sequence(path, Options(left_topic="/nose", right_topic=RIGHT))
     with pytest.raises(InputError, match=r"--right-topic: /stereo/left/image_raw is the left topic, too"):
         open_sequence(path, Options(left_topic=LEFT, right_topic=LEFT))
+
+
+def test_the_calibration_of_another_pair_is_not_taken(tmp_path: Path, recording: Recording) -> None:
+    rear = "/rear/left/image_raw", "/rear/right/image_raw"
+    with bag_writer(tmp_path / "flight.bag", "ros1") as bag:
+        write_pair(bag, recording)
+        for side, topic in zip(("left", "right"), rear, strict=True):
+            for frame in recording.frames:
+                bag.write(topic, frame.t_ns, bags.raw_image(bag, frame.t_ns, getattr(frame, side)))
+    with pytest.raises(InputError, match=f"no camera_info beside {rear[0]} and {rear[1]}"):
+        open_sequence(tmp_path / "flight.bag", Options(left_topic=rear[0], right_topic=rear[1]))
+    assert len(open_sequence(tmp_path / "flight.bag", Options(left_topic=LEFT)).frames) == FRAMES
 
 
 @pytest.mark.parametrize(

@@ -164,6 +164,16 @@ def test_nothing_is_half_written(tmp_path: Path, board: Path, run_vista: Vista) 
     assert [p.name for p in tmp_path.iterdir() if p.name.startswith(".")] == []
 
 
+def test_a_time_that_ros_cannot_hold(tmp_path: Path, run_vista: Vista) -> None:
+    pairs = cases.make_pairs(tmp_path / "pairs")
+    rows = [f"scene{k:02d},{2**31 - 2 + k}" for k in range(cases.FRAMES)]
+    (pairs / "times.csv").write_text("\n".join(["name,t_s", *rows]))
+    status, _, err = run_vista("run", pairs, "--out", tmp_path / "out", "--bag", tmp_path / "bag")
+    assert status == 2 and err.count("\n") == 1
+    assert err.endswith("--bag: the time 2147483648 s is beyond those of ROS, which end at 2147483648 s\n")
+    assert len(messages(tmp_path / "bag", "/vista/obstacles")) == 2  # the frames before
+
+
 def test_the_extra_is_named_where_it_is_missing(
     tmp_path: Path, board: Path, run_vista: Vista, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -258,6 +258,7 @@ def test_a_board_that_stays_is_refused(
         ("chessboard:9x6:nan", "a side must be 1 to 2000 mm"),
         ("charuco:9x6:30:30", "smaller than its squares"),
         ("charuco:9x6:30:20:9X9", "unknown dictionary '9X9'"),
+        ("charuco:3x3:30:20", "3x3 squares have 4 corners between them, at least 8 are needed"),
         ("charuco:20x20:30:20:4X4_50", "has 200 markers, the dictionary 4X4_50 only 50"),
     ],
 )

@@ -177,11 +177,11 @@ def test_record_holds_what_the_host_received(tmp_path: Path, run_vista: Vista) -
     record = tmp_path / "flight.rec"
     assert run_vista("run", folder, "--out", tmp_path / "out", "--record", record)[0] == 0
     data = record.read_bytes()
-    magic, version, width, height, parameter_count, *camera, stills, coarser = HEADER.unpack_from(data)
-    assert (magic, version, width, height) == (b"VISTAREC", 3, cases.WIDTH, cases.HEIGHT)
+    magic, version, width, height, parameter_count, *camera, coarser = HEADER.unpack_from(data)
+    assert (magic, version, width, height) == (b"VISTAREC", 4, cases.WIDTH, cases.HEIGHT)
     assert camera == [cases.FOCAL_PX, cases.CX, cases.CY, cases.BASELINE_M]
     pixels = width * height
-    assert (stills, coarser) == (0, vista.parameters.defaults()["stereo"]["levels"] - 1)
+    assert coarser == vista.parameters.defaults()["stereo"]["levels"] - 1
     recorded = [PARAMETER.unpack_from(data, HEADER.size + i * PARAMETER.size) for i in range(parameter_count)]
     texts = [[text.rstrip(b"\0").decode() for text in row[:2]] for row in recorded]
     found = {name: choice or number for (name, choice), (_, _, number) in zip(texts, recorded, strict=True)}
@@ -191,8 +191,8 @@ def test_record_holds_what_the_host_received(tmp_path: Path, run_vista: Vista) -
     first_frame = HEADER.size + parameter_count * PARAMETER.size
     assert len(data) == first_frame + cases.FRAMES * frame_bytes
     at = first_frame + 2 * frame_bytes
-    t_ns, has_pose, has_up, *numbers = FRAME.unpack_from(data, at)
-    assert (t_ns, has_pose, has_up) == (200_000_000, 1, 0)
+    t_ns, anew, has_pose, has_up, *numbers = FRAME.unpack_from(data, at)
+    assert (t_ns, anew, has_pose, has_up) == (200_000_000, 0, 1, 0)
     assert numbers == [1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 2, 0, 0, 0]
     left, right = cases.texture_pair(2)
     seen = np.frombuffer(data, np.uint8, pixels, at + FRAME.size).reshape(height, width)
@@ -202,6 +202,18 @@ def test_record_holds_what_the_host_received(tmp_path: Path, run_vista: Vista) -
         words = np.frombuffer(data, "<i2", level.size, at).reshape(level.shape)
         np.testing.assert_array_equal(words, level)
         at += 2 * level.size
+
+
+def test_a_recording_needs_the_name_of_a_file(tmp_path: Path, run_vista: Vista) -> None:
+    folder, taken = cases.make_pairs(tmp_path / "pairs"), tmp_path / "taken"
+    taken.mkdir()
+    pipe = tmp_path / "pipe"
+    os.mkfifo(pipe)
+    for path in (taken, pipe):  # as root, even /dev/null could be replaced by a file
+        ran = run_vista("run", folder, "--out", tmp_path / "out", "--record", path)
+        assert_refused(ran, f"{path}: cannot be written: it exists and is no file")
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["pairs", "pipe", "taken"]
+    assert pipe.is_fifo()
 
 
 @pytest.mark.parametrize("engine", ["golden", "opencv"])
@@ -245,7 +257,9 @@ def test_stills_are_judged_one_by_one(
     else:
         assert [board["confirmed"] for board in boards] == [False, False, False, True]
         assert len({board["id"] for board in boards}) == 1
-    assert HEADER.unpack_from(record.read_bytes())[9] == stills
+    data = record.read_bytes()
+    first = HEADER.size + PARAMETER.size * HEADER.unpack_from(data)[4]
+    assert FRAME.unpack_from(data, first)[1] == stills
     summary = json.loads((tmp_path / "out" / "summary.json").read_text())
     assert summary["parameters"]["tracker"]["confirm_hits"] == (1 if stills else 4)
     printed = capsys.readouterr().out

@@ -119,6 +119,62 @@ def test_pictures_of_different_moments_are_no_pair() -> None:
     assert cameras.skipped >= 2 and cameras.skipped > 3 * len(pairs)
 
 
+def test_cameras_that_never_agree_are_named(capsys: pytest.CaptureFixture[str]) -> None:
+    cameras = cameras_of({"left": Virtual(), "right": Virtual(0.025)}, tolerance_ms=1.0)
+    stopped = Event()
+    Timer(3.5, stopped.set).start()
+    assert not list(cameras.shots(stopped))
+    assert capsys.readouterr().err == "vista: left and right: no two pictures within 1 ms\n"
+
+
+def test_a_camera_that_comes_back_with_another_size_is_named(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(live_camera, "REOPEN_S", 0.05)
+    opened = [Virtual(pictures=4), Virtual(shape=(4, 8)), Virtual()]
+    cameras = Cameras(["both"], 5.0, lambda _: opened.pop(0).open())
+    stopped = Event()
+    for count, _ in enumerate(cameras.shots(stopped), start=1):
+        if count == 6:
+            stopped.set()
+    lines = capsys.readouterr().err.splitlines()
+    assert lines == [
+        "vista: both: lost; trying to open it again",
+        "vista: both: back",
+        "vista: both: delivers 8x4 px, before 6x4 px; trying to open it again",
+        "vista: both: back",
+    ]
+
+
+def test_a_device_is_asked_for_the_size_of_the_calibration(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, run_vista: Vista
+) -> None:
+    """One that does not listen is refused."""
+    asked = {}
+
+    class Stubborn:
+        def __init__(self, name: str | int) -> None: ...
+
+        def isOpened(self) -> bool:  # noqa: N802 - as OpenCV has it
+            return True
+
+        def set(self, key: int, value: float) -> None:
+            asked[key] = value
+
+        def read(self) -> tuple[bool, NDArray[np.uint8]]:
+            return True, np.zeros((48, 64, 3), np.uint8)
+
+        def release(self) -> None: ...
+
+    monkeypatch.setattr(cv2, "VideoCapture", Stubborn)
+    path = tmp_path / "calibration.toml"
+    path.write_text(f"size_px = [{cases.WIDTH}, {cases.HEIGHT}]\n{cases.PAIR_CALIBRATION}")
+    ran = run_vista("live", "--no-page", "--camera", "0", "--calibration", path)
+    assert_refused(ran, f"{path}: is for images of {cases.WIDTH}x{cases.HEIGHT} px, these have 32x48")
+    assert asked[cv2.CAP_PROP_FRAME_WIDTH] == 2 * cases.WIDTH
+    assert asked[cv2.CAP_PROP_FRAME_HEIGHT] == cases.HEIGHT
+
+
 def test_a_camera_that_was_unplugged_is_found_again(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -138,7 +194,7 @@ def test_a_camera_that_was_unplugged_is_found_again(
 
 def test_cameras_of_two_sizes_are_refused_and_closed() -> None:
     devices = {"left": Virtual(), "right": Virtual(shape=(4, 8))}
-    with pytest.raises(InputError, match="right: delivers 8x4 px, left 6x4"):
+    with pytest.raises(InputError, match="right: delivers 8x4 px, left 6x4 px"):
         cameras_of(devices)
     assert [device.closed for device in devices.values()] == [1, 1]
     with pytest.raises(InputError, match="no two views"):
@@ -198,6 +254,7 @@ BAD = [
     (("--camera", "0", "1", "2", "--calibration", "CALIBRATION"), "takes one device or two"),
     (("here", "--camera-size", "640x480"), "--camera-size: goes with --camera"),
     (("--camera", "/dev/video99", "--calibration", "CALIBRATION"), "/dev/video99: no camera"),
+    (("--camera", "99999999999999", "--calibration", "CALIBRATION"), "99999999999999: no camera"),
     (("--camera", "0", "--repeat"), "--repeat: goes with a recording"),
     (("--camera", "0", "--right", "x.avi", "--calibration", "CALIBRATION"), "--right: does not go with"),
 ]

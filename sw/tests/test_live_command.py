@@ -89,12 +89,17 @@ def test_bad_arguments_take_one_line(
     assert_refused(run_vista("live", flight, "--no-page", *arguments), text)
 
 
-def test_a_port_in_use_is_named(flight: Path, run_vista: Vista) -> None:
+def test_a_port_in_use_is_named(tmp_path: Path, flight: Path, run_vista: Vista) -> None:
+    """Before the lines of an earlier run are given up."""
+    lines = tmp_path / "lines.jsonl"
+    lines.write_text("of an earlier run")
     with socket.socket() as other:
         other.bind(("127.0.0.1", 0))
         other.listen()
         port = other.getsockname()[1]
-        assert_refused(run_vista("live", flight, "--page", port), f"--page {port}: address already in use")
+        ran = run_vista("live", flight, "--page", port, "--out", lines)
+    assert_refused(ran, f"--page {port}: address already in use")
+    assert lines.read_text() == "of an earlier run"
 
 
 def test_stills_are_refused(tmp_path: Path, run_vista: Vista) -> None:

@@ -17,7 +17,7 @@ from random_seed import seeded
 from vista import parameters
 from vista.errors import InputError
 from vista.mavlink.link import Link
-from vista.mavlink.sighting import sighting_of
+from vista.mavlink.sighting import sighting_of_line
 
 
 @pytest.fixture
@@ -137,7 +137,7 @@ def test_any_damage_of_a_line_is_refused_or_sent_as_valid_messages() -> None:
             at = random.integers(len(text))
             text = text[:at] + chr(random.integers(32, 127)) + text[at + 1 :]
         try:
-            sighting = sighting_of("here", text)
+            sighting = sighting_of_line("here", text)
         except InputError as error:
             assert "\n" not in str(error)
             continue

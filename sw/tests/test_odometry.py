@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import json
+import subprocess
 from pathlib import Path
 
+import cv2
 import numpy as np
 import pytest
 import sequence_cases as cases
@@ -12,7 +14,7 @@ import source_cases
 from command_line import assert_refused, call
 from numpy.typing import NDArray
 from shared_data import SHARED_DATA
-from vista import parameters
+from vista import native, parameters
 from vista.chain import make_chain, process_frame
 from vista.geometry import Calibration, Pose
 from vista.history import StageClock
@@ -112,10 +114,56 @@ def test_no_pose_is_guessed_and_the_reference_waits() -> None:
     assert found_again is not None and odometry.restarts == 0
     for _ in range(LOST_FRAMES):
         assert odometry.update(picture(1), WORDS) is None
-    assert odometry.restarts == 1
     anew = odometry.update(picture(1), WORDS)
     assert anew is not None
     np.testing.assert_array_equal(anew.translation_m, 0.0)
+    assert odometry.restarts == 1
+    odometry.reset()
+    assert odometry.update(picture(), WORDS) is not None and odometry.restarts == 1  # nothing went on
+
+
+# ---- when it begins anew ----
+
+
+def lost_flight(folder: Path) -> Path:
+    """20 frames at 10 m/s; in six of them the cameras see nothing."""
+    pairs = source_cases.write_pairs(folder, source_cases.record_flight(folder.with_name("recorded")))
+    for path in sorted(pairs.glob("*_left.*"))[8:14] + sorted(pairs.glob("*_right.*"))[8:14]:
+        dark = np.zeros_like(cv2.imread(str(path), cv2.IMREAD_GRAYSCALE))
+        cv2.imwrite(str(path), dark)
+    return pairs
+
+
+def test_the_host_begins_anew_with_it(tmp_path: Path) -> None:
+    """Else the way from the last pose to the first of the new world is taken for motion."""
+    sequence = open_sequence(lost_flight(tmp_path / "flight"), Options(odometry=True))
+    chain = make_chain(sequence, "golden", parameters.defaults(), 1)
+    steps = [process_frame(chain, sequence.read(files), StageClock()) for files in sequence.frames]
+    assert [step.raw.index for step in steps if step.anew] == [14]
+    assert steps[7].result.motion.velocity_m_s is not None
+    assert steps[14].result.motion.velocity_m_s is None and not steps[14].result.motion.restarted
+    ids = [{o.id for o in step.result.obstacles if o.kind == "thing"} for step in steps]
+    assert ids[7] and ids[16] and not set.union(*ids[:14]) & set.union(*ids[14:])
+    velocity_m_s = steps[-1].result.motion.velocity_m_s
+    assert velocity_m_s is not None
+    np.testing.assert_allclose(velocity_m_s, [0.0, 0.0, 10.0], atol=2.0)
+
+
+def test_a_recording_of_it_is_replayed_alike(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    record, out = tmp_path / "flight.rec", tmp_path / "out"
+    run = ("run", lost_flight(tmp_path / "flight"), "--no-overlay", "--all-tracks", "--out", out)
+    status, _, err = call(capsys, *run, "--poses", "odometry", "--record", record)
+    assert status == 0
+    assert "frame 14: degraded: odometry lost its way and began anew; all tracks were dropped" in err
+    replayed = subprocess.run(
+        [native.build_folder() / "bin" / "replay", record], capture_output=True, text=True, check=True
+    )
+    lines = [json.loads(line) for line in replayed.stdout.splitlines()]
+    written = [json.loads(line) for line in (out / "obstacles.jsonl").read_text().splitlines()]
+    assert [[o["id"] for o in line["obstacles"]] for line in lines] == [
+        [o["id"] for o in line["obstacles"]] for line in written
+    ]
+    assert "pose_jump" in written[14]["health"]["reasons"]
 
 
 # ---- never unasked ----

@@ -202,7 +202,7 @@ def refused(*arguments: object) -> str:
 def header(**changes: object) -> bytes:
     fields = {
         "magic": b"VISTAREC",
-        "version": 3,
+        "version": 4,
         "width": CALIBRATION.width,
         "height": CALIBRATION.height,
         "parameters": cases.PARAMETER_COUNT,
@@ -210,8 +210,7 @@ def header(**changes: object) -> bytes:
         "cx": CALIBRATION.cx,
         "cy": CALIBRATION.cy,
         "baseline_m": CALIBRATION.baseline_m,
-        "stills": 0,
-        "reserved": 0,
+        "coarser_levels": 0,
     }
     assert not changes.keys() - fields.keys()
     return HEADER.pack(*(fields | changes).values())
@@ -245,7 +244,7 @@ def test_cut_off_recordings(tmp_path: Path, recording: Path, kept: int) -> None:
 
 BAD_HEADERS = {
     "magic": ({"magic": b"VISTAREX"}, "not a recording"),
-    "version 1": ({"version": 1}, "recorded by another version of vista"),
+    "version 3": ({"version": 3}, "recorded by another version of vista"),
     "version 2^31": ({"version": 1 << 31}, "recorded by another version of vista"),
     "width 0": ({"width": 0}, "cut off in a frame"),
     "width 15": ({"width": 15}, "cut off in a frame"),
@@ -313,8 +312,8 @@ def poke(at: int, content: bytes) -> Callable[[bytearray], None]:
 SECOND_FRAME = cases.FRAMES_AT + cases.FRAME_BYTES
 BAD_FRAMES = {
     "time stands still": (poke(SECOND_FRAME, struct.pack("<q", scene.START_NS)), "do not increase"),
-    "NaN in the pose": (poke(SECOND_FRAME + 16, struct.pack("<d", float("nan"))), "a number is not finite"),
-    "zeros as rotation": (poke(SECOND_FRAME + 16, bytes(72)), "range"),
+    "NaN in the pose": (poke(SECOND_FRAME + 20, struct.pack("<d", float("nan"))), "a number is not finite"),
+    "zeros as rotation": (poke(SECOND_FRAME + 20, bytes(72)), "range"),
 }
 
 

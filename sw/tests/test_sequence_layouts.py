@@ -48,6 +48,22 @@ def test_kitti_times_and_poses(tmp_path: Path) -> None:
     np.testing.assert_array_equal(frames[3].world_from_camera.translation_m, [0, 0, 3])
 
 
+def test_kitti_in_colour(tmp_path: Path) -> None:
+    """The poses are those of the grey left camera, 6 cm to the right of the one in colour."""
+    folder = cases.make_kitti(tmp_path)
+    for grey, colour in (("image_0", "image_2"), ("image_1", "image_3")):
+        (folder / grey).rename(folder / colour)
+    rows = {"P0": 0.0, "P1": -60.0, "P2": 0.06 * cases.FOCAL_PX, "P3": (0.06 - 0.4) * cases.FOCAL_PX}
+    of_camera = f"0 {cases.FOCAL_PX} {cases.CY} 0 0 0 1 0\n"
+    lines = (f"{key}: {cases.FOCAL_PX} 0 {cases.CX} {offset} {of_camera}" for key, offset in rows.items())
+    (folder / "calib.txt").write_text("".join(lines))
+    sequence = open_sequence(folder)
+    np.testing.assert_allclose(sequence.calibration.right_from_left.translation_m, [-0.4, 0.0, 0.0])
+    for index, frame in enumerate(sequence.frames):
+        assert frame.world_from_camera is not None
+        np.testing.assert_allclose(frame.world_from_camera.translation_m, [-0.06, 0.0, index], atol=1e-12)
+
+
 @pytest.mark.parametrize("make", [cases.make_kitti, cases.make_asl])
 def test_poses_are_optional(tmp_path: Path, make) -> None:
     folder = make(tmp_path)

@@ -111,6 +111,7 @@ class Step:
     levels: list[NDArray[np.int16]]  # the words of each
     result: Result
     record: FrameRecord
+    anew: bool  # the host forgot what came before: a still, or odometry that lost its way
 
 
 def run_frame(chain: Chain, files: FrameFiles) -> Step:
@@ -128,11 +129,14 @@ def process_frame(chain: Chain, raw: Frame, clock: StageClock) -> Step:
     with clock.stage("stereo"):
         matched = raw if chain.engine_rectifies else frame
         levels = list(chain.engine.levels(matched.left, matched.right))
+    anew = chain.sequence.stills
     if chain.odometry is not None:
+        restarts = chain.odometry.restarts
         with clock.stage("odometry"):
             frame = replace(frame, world_from_camera=chain.odometry.update(frame.left, levels[0]))
-    if chain.sequence.stills:
-        chain.reset()
+        anew = anew or chain.odometry.restarts > restarts
+    if anew:
+        chain.pipeline.reset()
     result = chain.pipeline.process(
         frame.left, levels, frame.t_ns, frame.world_from_camera, chain.sequence.up_world
     )
@@ -154,7 +158,7 @@ def process_frame(chain: Chain, raw: Frame, clock: StageClock) -> Step:
         velocity_camera_m_s=_in_camera(result.motion),
         directions=result.directions,
     )
-    return Step(raw, frame, levels, result, record)
+    return Step(raw, frame, levels, result, record, anew)
 
 
 def _in_camera(motion: Motion) -> Array | None:

@@ -12,7 +12,7 @@ import numpy as np
 
 from vista.errors import InputError
 from vista.geometry import Array, CameraModel, RawCalibration, camera_matrix
-from vista.lens import rectifying_map
+from vista.lens import rectified_points, rectifying_map
 
 MAX_MAGNIFICATION = 4.0
 MAGNIFICATION_STEP = 1.02
@@ -55,8 +55,8 @@ def _matrix(
     """The middle of the rectified images shows what the middles of the raw ones show, on average."""
     axes = []
     for camera, R in zip(cameras, rotations, strict=True):
-        center = np.array([[[(camera.width - 1) / 2.0, (camera.height - 1) / 2.0]]])
-        ray = cv2.fisheye.undistortPoints(center, camera.matrix, np.array(camera.distortion)).ravel()
+        center = np.array([[(camera.width - 1) / 2.0, (camera.height - 1) / 2.0]])
+        ray = rectified_points(camera, center, np.eye(3), np.eye(3)).ravel()
         x, y, z = R @ np.append(ray, 1.0)
         if not z > MAX_ANGLE_COS:
             raise InputError(source, "cannot be rectified: the cameras look along their baseline")

@@ -121,6 +121,13 @@ def slerp(first: Array, second: Array, fraction: float) -> Array:
     return blended / np.linalg.norm(blended)
 
 
+def poses_agree(one: Pose, other: Pose, tolerance: float) -> bool:
+    """tolerance: of every number of the rotation, and of the translation in metres."""
+    turned = np.abs(one.rotation - other.rotation).max()
+    moved = np.abs(one.translation_m - other.translation_m).max()
+    return bool(max(turned, moved) <= tolerance)
+
+
 def is_rotation(matrix: Array, tolerance: float = 1e-3) -> bool:
     """Orthonormal and right-handed; the tolerance admits files that print four digits."""
     return bool(np.allclose(matrix @ matrix.T, np.eye(3), atol=tolerance) and np.linalg.det(matrix) > 0.0)

@@ -34,6 +34,11 @@ class FrameRecord:
     velocity_camera_m_s: Array | None = None  # (3,); None: not known
     directions: Directions | None = None  # that are free
 
+    def in_camera(self, position_m: Array) -> Array:
+        """A position in the world, (3,), in the frame of the camera. What is not finite stays so."""
+        with np.errstate(invalid="ignore"):
+            return (self.world_from_camera or Pose()).inverse().apply(position_m)
+
 
 @dataclass
 class StageClock:

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vista.geometry import Pose
 from vista.history import FrameRecord
 
 if TYPE_CHECKING:
@@ -33,13 +32,17 @@ def schema_text() -> str:
 
 
 def obstacle_line(record: FrameRecord, all_tracks: bool = False) -> str:
-    """JSON without line break; a number that is not finite becomes null.
+    """The fields as JSON without line break."""
+    return json.dumps(obstacle_fields(record, all_tracks), allow_nan=False)
+
+
+def obstacle_fields(record: FrameRecord, all_tracks: bool = False) -> dict[str, Any]:
+    """What the line of a frame holds; a number that is not finite becomes None.
 
     all_tracks: also the tracks that are not confirmed.
     """
     nearest = record.nearest_collision
-    camera_from_world = (record.world_from_camera or Pose()).inverse()
-    line = {
+    return {
         "version": VERSION,
         "frame": record.index,
         "t_ns": record.t_ns,
@@ -49,28 +52,23 @@ def obstacle_line(record: FrameRecord, all_tracks: bool = False) -> str:
         "motion": "known" if record.motion_known else "unknown",
         "health": {"state": record.health.state, "reasons": record.health.reasons},
         "obstacles": [
-            _obstacle(obstacle, camera_from_world)
-            for obstacle in record.obstacles
-            if obstacle.confirmed or all_tracks
+            _obstacle(obstacle, record) for obstacle in record.obstacles if obstacle.confirmed or all_tracks
         ],
-        "nearest_collision": None if nearest is None else _nearest(nearest, camera_from_world),
+        "nearest_collision": None if nearest is None else _nearest(nearest, record),
         "path_seen_m": _rounded(record.path_seen_m, METRES),
         "velocity_camera_m_s": _rounded_or_none(record.velocity_camera_m_s, METRES),
         "directions": None if record.directions is None else _directions(record.directions),
     }
-    return json.dumps(line, allow_nan=False)
 
 
-def _obstacle(obstacle: Obstacle, camera_from_world: Pose) -> dict[str, Any]:
+def _obstacle(obstacle: Obstacle, record: FrameRecord) -> dict[str, Any]:
     ellipse = obstacle.ellipse
-    with np.errstate(invalid="ignore"):  # a position that is not finite stays so
-        position_camera_m = camera_from_world.apply(obstacle.position_m)
     return {
         "id": int(obstacle.id),
         "confirmed": bool(obstacle.confirmed),
         "age_frames": int(obstacle.age_frames),
         "position_m": _rounded(obstacle.position_m, METRES),
-        "position_camera_m": _rounded(position_camera_m, METRES),
+        "position_camera_m": _rounded(record.in_camera(obstacle.position_m), METRES),
         "covariance_m2": _rounded(obstacle.covariance_m2, SQUARE_METRES),
         "distance_m": _rounded(obstacle.distance_m, METRES),
         "extent_m": _rounded(obstacle.extent_m, METRES),
@@ -87,14 +85,12 @@ def _obstacle(obstacle: Obstacle, camera_from_world: Pose) -> dict[str, Any]:
     }
 
 
-def _nearest(nearest: Nearest, camera_from_world: Pose) -> dict[str, Any]:
+def _nearest(nearest: Nearest, record: FrameRecord) -> dict[str, Any]:
     time_s = nearest.time_to_collision_s
-    with np.errstate(invalid="ignore"):
-        position_camera_m = camera_from_world.apply(nearest.position_m)
     return {
         "id": int(nearest.id),
         "position_m": _rounded(nearest.position_m, METRES),
-        "position_camera_m": _rounded(position_camera_m, METRES),
+        "position_camera_m": _rounded(record.in_camera(nearest.position_m), METRES),
         "covariance_m2": _rounded(nearest.covariance_m2, SQUARE_METRES),
         "distance_m": _rounded(nearest.distance_m, METRES),
         "time_to_collision_s": None if time_s is None else _rounded(time_s, SECONDS),

@@ -55,31 +55,39 @@ class StereoOdometry:
         self._matrix = camera_matrix(camera.focal_px, camera.focal_px, camera.cx, camera.cy)
         self._reference: Reference | None = None
         self._lost = 0
+        self._begun = False
         self.restarts = 0  #: how often the world began anew, because the motion was lost for too long
 
     def reset(self) -> None:
         """What comes next does not continue what came before."""
-        self._reference, self._lost = None, 0
+        self._reference, self._lost, self._begun = None, 0, False
 
     def update(self, image: Grey, words: NDArray[np.int16]) -> Pose | None:
         """image, words: the rectified left image and its disparities in 1/16 px, negative where it has none.
 
-        None: this image could not be placed. After LOST_FRAMES of them in a row the world begins anew."""
+        None: this image could not be placed. After LOST_FRAMES of them in a row the world begins anew, with
+        the next image that can be a reference: what the poses before it told is of no use then."""
         if self._reference is None:
-            self._reference = self._make_reference(image, words, Pose())
-            return Pose() if self._reference is not None else None
+            return self._begin(image, words)
         found = self._locate(self._reference, image)
         if found is None:
             self._lost += 1
             if self._lost >= LOST_FRAMES:
                 self._reference, self._lost = None, 0
-                self.restarts += 1
             return None
         self._lost = 0
         pose, kept = found
         if kept < KEEP_SHARE:
             self._reference = self._make_reference(image, words, pose) or self._reference
         return pose
+
+    def _begin(self, image: Grey, words: NDArray[np.int16]) -> Pose | None:
+        self._reference = self._make_reference(image, words, Pose())
+        if self._reference is None:
+            return None
+        self.restarts += self._begun
+        self._begun = True
+        return Pose()
 
     def _make_reference(self, image: Grey, words: NDArray[np.int16], pose: Pose) -> Reference | None:
         """None: too few corners with a disparity."""

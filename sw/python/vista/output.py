@@ -22,8 +22,18 @@ def make_folder(path: Path) -> None:
         raise unwritable(path, error) from None
 
 
+def check_replaceable(path: Path) -> None:
+    """Raises InputError where a rename would put a file in the place of a folder, a device or a pipe."""
+    try:
+        if path.exists() and not path.is_file():
+            raise InputError(path, "cannot be written: it exists and is no file")
+    except OSError as error:
+        raise unwritable(path, error) from None
+
+
 def write_atomically(path: Path, data: bytes | str) -> None:
     """Writes beside the target, then renames. Raises InputError when the target cannot be written."""
+    check_replaceable(path)
     content = data.encode(errors="replace") if isinstance(data, str) else data
     temporary = None
     try:

@@ -1,11 +1,10 @@
 """Recordings of what the host receives, for the replay program in C (little-endian, no padding).
 
-    header  char[8] "VISTAREC", uint32 version = 3, uint32 width, uint32 height, uint32 parameter count,
-            double focal_px, cx, cy, baseline_m, uint32 stills (1: the frames are unrelated),
-            uint32 coarser levels (0: level 0 only)
+    header  char[8] "VISTAREC", uint32 version = 4, uint32 width, uint32 height, uint32 parameter count,
+            double focal_px, cx, cy, baseline_m, uint32 coarser levels (0: level 0 only)
     parameter  char[48] "section.name", char[32] name of a choice (empty: a number), both zero-padded,
             double value (0 for a choice)
-    frame   int64 t_ns, uint32 has_pose, uint32 has_up,
+    frame   int64 t_ns, uint32 anew (1: the host forgets what came before), uint32 has_pose, uint32 has_up,
             double rotation[9], translation_m[3] (world_from_camera; zeros without a pose),
             double up_world[3] (zeros without),
             uint8 left[height][width], int16 disparity[height][width] (1/16 px, negative = invalid),
@@ -27,14 +26,14 @@ from numpy.typing import NDArray
 from vista import parameters
 from vista.errors import InputError
 from vista.geometry import Calibration
-from vista.output import unwritable
+from vista.output import check_replaceable, unwritable
 from vista.sequence import Frame, Sequence
 
 MAGIC = b"VISTAREC"
-VERSION = 3
-HEADER = struct.Struct("<8s4I4d2I")
+VERSION = 4
+HEADER = struct.Struct("<8s4I4dI")
 PARAMETER = struct.Struct("<48s32sd")
-FRAME = struct.Struct("<q2I9d3d3d")
+FRAME = struct.Struct("<q3I9d3d3d")
 
 
 class Recorder:
@@ -47,6 +46,7 @@ class Recorder:
         self._part = path.with_name(f".{path.name}.part")
         self._up_world = sequence.up_world
         self._levels = values["stereo"]["levels"]
+        check_replaceable(path)
         try:
             self._stream = self._part.open("wb")
         except OSError as error:
@@ -62,7 +62,6 @@ class Recorder:
                 camera.cx,
                 camera.cy,
                 camera.baseline_m,
-                sequence.stills,
                 self._levels - 1,
             )
         )
@@ -71,8 +70,9 @@ class Recorder:
             self._write(PARAMETER.pack(name.encode(), choice.encode(), number))
         self._frames = 0
 
-    def write(self, frame: Frame, levels: Levels[NDArray[np.int16]]) -> None:
-        """frame: rectified; levels: the words of each. Raises InputError when the file cannot be written."""
+    def write(self, frame: Frame, levels: Levels[NDArray[np.int16]], anew: bool) -> None:
+        """frame: rectified; levels: the words of each; anew: the host was reset before it. Raises InputError
+        when the file cannot be written."""
         if len(levels) != self._levels:
             raise ValueError(f"{len(levels)} levels in a recording of {self._levels}")
         pose, up = frame.world_from_camera, self._up_world
@@ -81,7 +81,7 @@ class Recorder:
             numbers[:9], numbers[9:12] = pose.rotation.ravel(), pose.translation_m
         if up is not None:
             numbers[12:] = up
-        head = FRAME.pack(frame.t_ns, pose is not None, up is not None, *numbers)
+        head = FRAME.pack(frame.t_ns, anew, pose is not None, up is not None, *numbers)
         words = b"".join(level.astype("<i2", copy=False).tobytes() for level in levels)
         self._write(head + frame.left.tobytes() + words)
         self._frames += 1
@@ -92,10 +92,13 @@ class Recorder:
     def __exit__(
         self, kind: type[BaseException] | None, value: BaseException | None, trace: TracebackType | None
     ) -> None:
-        self._stream.close()
-        if self._frames > 0 and (kind is None or issubclass(kind, InputError)):
-            self._part.replace(self._path)
-        else:
+        try:
+            self._stream.close()
+            if self._frames > 0 and (kind is None or issubclass(kind, InputError)):
+                self._part.replace(self._path)
+        except OSError as error:
+            raise unwritable(self._path, error) from None
+        finally:
             self._part.unlink(missing_ok=True)
 
     def _write(self, data: bytes) -> None:

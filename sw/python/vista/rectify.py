@@ -44,7 +44,7 @@ class Rectifier:
         if buffer_rows not in (0, *BUFFER_ROWS):
             allowed = ", ".join(map(str, BUFFER_ROWS))
             raise InputError("stereo.rectify_rows", f"must be 0 or one of {allowed}, not {buffer_rows}")
-        _check_side_by_side(raw)
+        check_side_by_side(raw)
         self.grids: GridPair | None = None
         self.is_passthrough = _is_rectified(raw)
         if self.is_passthrough:
@@ -104,7 +104,8 @@ def rectified_cameras(raw: RawCalibration) -> tuple[tuple[Array, Array], tuple[A
     return (R_left, P_left), (R_right, P_right)
 
 
-def _check_side_by_side(raw: RawCalibration) -> None:
+def check_side_by_side(raw: RawCalibration) -> None:
+    """Raises InputError for cameras that make no left-right pair."""
     # The right camera's centre in the left camera's frame: c = -R^T t.
     centre_m = raw.right_from_left.inverse().translation_m
     if not np.any(centre_m):

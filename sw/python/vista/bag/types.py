@@ -8,12 +8,14 @@ import numpy as np
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from vista.bag.foxglove import DEFINITIONS, PACKAGE
+from vista.errors import InputError
 from vista.geometry import Array, quaternion_from_rotation
 
 WORLD = "world"  # REP 103: z is up
 CAMERA = "left_camera_optical"  # x to the right, y down, z forward
 NS = 1_000_000_000
 NO_ROTATION = np.eye(3)
+END_S = 2**31  # what a time of ROS can hold
 
 
 def make_typestore() -> Any:
@@ -35,6 +37,11 @@ class Messages:
         return self.store.types[type_name](**fields)
 
     def time(self, t_ns: int) -> Any:
+        """Raises InputError for a time that ROS has no room for."""
+        if t_ns // NS >= END_S:
+            raise InputError(
+                "--bag", f"the time {t_ns // NS} s is beyond those of ROS, which end at {END_S} s"
+            )
         return self.make("builtin_interfaces/msg/Time", sec=t_ns // NS, nanosec=t_ns % NS)
 
     def header(self, t_ns: int, frame_id: str = CAMERA) -> Any:

@@ -50,7 +50,7 @@ def advice(made: Calibrated) -> list[str]:
             f"Tilt the board more: the directions that it faced are within {spread:.0f} degrees; "
             "20 to 45 degrees to the left, right, up and down are good."
         )
-    distances = distances_m(poses)
+    distances = distances_m(poses, made.board)
     if distances.max() < GOOD_DISTANCE_RATIO * distances.min():
         found.append(
             f"Hold the board nearer and farther: it was {distances.min():.2f} to {distances.max():.2f} m "

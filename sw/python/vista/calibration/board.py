@@ -101,6 +101,10 @@ def parse_board(text: str) -> Board:
     square_m = 1e-3 * _length_mm(fields[1])
     if kind == "chessboard":
         return Board(columns, rows, square_m)
+    corners = (columns - 1) * (rows - 1)
+    if corners < MIN_CORNERS:
+        reason = f"{columns}x{rows} squares have {corners} corners between them"
+        raise InputError("--board", f"{reason}, at least {MIN_CORNERS} are needed")
     marker_m = 1e-3 * _length_mm(fields[2])
     if marker_m >= square_m:
         raise InputError("--board", "the markers of a ChArUco board are smaller than its squares")

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from vista.calibration.board import Points
+from vista.calibration.board import Board, Points
 from vista.calibration.views import View
 from vista.geometry import Array, Pose, RawCalibration
 from vista.lens import rectified_points
@@ -60,5 +60,7 @@ def spread_deg(directions: Array) -> float:
     return float(np.degrees(np.arccos(np.clip(directions @ directions.T, -1.0, 1.0)).max()))
 
 
-def distances_m(poses: list[Pose]) -> Array:
-    return np.array([np.linalg.norm(pose.translation_m) for pose in poses])
+def distances_m(poses: list[Pose], board: Board) -> Array:
+    """(views,) from the left camera to the middle of the board."""
+    middle_m = board.points_m.mean(axis=0)
+    return np.array([np.linalg.norm(pose.apply(middle_m)) for pose in poses])

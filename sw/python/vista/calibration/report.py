@@ -48,7 +48,7 @@ def render_report(made: Calibrated, title: str) -> str:
 def _facts(made: Calibrated) -> str:
     found, used = made.found, len(made.solution.views)
     poses = made.solution.left_from_board
-    distances = distances_m(poses)
+    distances = distances_m(poses, made.board)
     return (
         f"{made.board.describe()}; {found.pictures} pairs of {found.size[0]}x{found.size[1]} px, the board "
         f"in both images of {len(found.views)} (only left {found.left_only}, only right {found.right_only}); "
@@ -89,16 +89,12 @@ def _camera(side: str, camera: CameraModel, made: Calibrated) -> Data:
         "height": camera.height,
         "points": [(round(float(u), 1), round(float(v), 1)) for u, v in points_px[::step]],
         "covered": f"{100 * covered_share(made, side):.0f}",
-        "rms": f"{_rms(solution.left_errors_px if side == 'left' else solution.right_errors_px):.3f}",
+        "rms": f"{solution.rms_of_px(side):.3f}",
         "focal": f"{K[0, 0]:.2f}, {K[1, 1]:.2f}",
         "center": f"{K[0, 2]:.2f}, {K[1, 2]:.2f}",
         "lens": camera.lens,
         "distortion": ", ".join(f"{value:.5g}" for value in camera.distortion),
     }
-
-
-def _rms(values: list[float]) -> float:
-    return float(np.sqrt(np.mean(np.square(values))))
 
 
 def _views(made: Calibrated) -> list[Data]:
@@ -109,7 +105,7 @@ def _views(made: Calibrated) -> list[Data]:
         solution.right_errors_px,
         row_errors(solution.views, None).of_views_px,
         made.after.of_views_px,
-        distances_m(solution.left_from_board),
+        distances_m(solution.left_from_board, made.board),
         strict=True,
     )
     names = ("left", "right", "before", "after", "distance")

@@ -35,9 +35,14 @@ class Solution:
     right_errors_px: list[float]
 
     def rms_px(self) -> float:
-        weights = [len(view.ids) for view in self.views]
-        squares = np.square(self.left_errors_px) + np.square(self.right_errors_px)
-        return float(np.sqrt(np.average(squares / 2.0, weights=weights)))
+        """Of all corners of both cameras."""
+        return float(np.hypot(self.rms_of_px("left"), self.rms_of_px("right")) / np.sqrt(2.0))
+
+    def rms_of_px(self, side: str) -> float:
+        """Of all corners of one camera."""
+        errors_px = self.left_errors_px if side == "left" else self.right_errors_px
+        corners = [len(view.ids) for view in self.views]
+        return float(np.sqrt(np.average(np.square(errors_px), weights=corners)))
 
 
 def solve_pair(
@@ -77,7 +82,7 @@ def _without(
             left_out[view.name] = f"{error_px:.2f} px in {where}"
     kept = [view for view, is_bad in zip(views, bad, strict=True) if not is_bad]
     if len(kept) < MIN_VIEWS:
-        name, reason = max(left_out.items(), key=lambda item: item[1])
+        name, reason = max(left_out.items(), key=lambda item: float(item[1].partition(" ")[0]))
         raise InputError(
             "views",
             f"only {len(kept)} of {total} agree with each other, at least {MIN_VIEWS} are needed "

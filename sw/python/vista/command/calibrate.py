@@ -51,6 +51,8 @@ from vista.live.latest import Latest
 from vista.live.recorder import PairFolder
 from vista.live.source import Shot, newest_shots
 from vista.output import make_folder, write_atomically
+from vista.sequence import video
+from vista.sequence.image import EXTENSIONS
 from vista.sequence.options import Options as SourceOptions
 from vista.sequence.text import printable
 
@@ -109,6 +111,9 @@ def execute(arguments: argparse.Namespace) -> int:
     options = Options(UNITS_M[arguments.unit or "m"], arguments.size, lens)
     if arguments.board is None:
         return convert(arguments, options)
+    if arguments.size is not None:
+        raise InputError("--size", "is for calibration files that do not say it; pictures do")
+    check_unit(arguments, "pictures")
     board = parse_board(arguments.board)
     pictures: Iterable[Picture]
     if arguments.camera is None:
@@ -163,12 +168,27 @@ def convert(arguments: argparse.Namespace, options: Options) -> int:
     for option in ("split", "rate"):
         if getattr(arguments, option) is not None:
             raise InputError(f"--{option}", "is for pictures of a board, which --board describes")
+    for source in arguments.sources:
+        if source.is_dir() or source.suffix.lower() in EXTENSIONS or video.recognises(source):
+            raise InputError(source, "pictures need --board, which says what they show")
     name, rig = read_rig(arguments.sources, options)
+    check_unit(arguments, name)
+    if arguments.lens is not None and name != "opencv":
+        raise InputError("--lens", f"goes with --board and with files of opencv; those of {name} say it")
     target = arguments.to or "toml"
     files = write_rig(rig, target, options)
     write_files(arguments.out, files)
     print(f"{name} -> {target}: {', '.join(str(arguments.out / file) for file in files)}")
     return EXIT_OK
+
+
+def check_unit(arguments: argparse.Namespace, source: str) -> None:
+    """Raises InputError for a unit of lengths that nothing is in."""
+    target = arguments.to or "toml"
+    with_unit = [name for name, module in FORMATS.items() if module.HAS_UNIT]
+    if arguments.unit is not None and not {source, target} & set(with_unit):
+        others = " and ".join(dict.fromkeys((source, target)))
+        raise InputError("--unit", f"goes with {' and '.join(with_unit)}, not with {others}")
 
 
 def write_files(folder: Path, files: dict[str, str]) -> None:

@@ -38,7 +38,7 @@ from vista.mavlink.link import Link
 from vista.mavlink.transport import open_transport
 from vista.sequence import Sequence, open_sequence
 from vista.sequence.options import refuse_others
-from vista.sequence.pairs import read_calibration_file
+from vista.sequence.pairs import read_calibration_file, read_size_px, read_table
 from vista.sequence.text import finite
 
 PAGE_PORT = 8642
@@ -141,7 +141,10 @@ def open_replay(arguments: argparse.Namespace) -> tuple[Sequence, Source]:
 
 
 def open_camera(arguments: argparse.Namespace, open_ones: ExitStack) -> tuple[Sequence, Source]:
-    cameras = open_cameras(arguments)
+    asked = read_size_px(arguments.calibration, read_table(arguments.calibration))
+    if asked is not None and len(arguments.camera) == 1:
+        asked = 2 * asked[0], asked[1]  # both views side by side
+    cameras = open_cameras(arguments, asked)
     open_ones.callback(cameras.close)
     described = read_calibration_file(arguments.calibration, cameras.size)
     return Sequence(" and ".join(arguments.camera), "camera", described.calibration, ()), cameras
@@ -157,13 +160,15 @@ def make_listeners(
         autopilot = Autopilot(Link(values), open_transport(arguments.to))
         open_ones.callback(autopilot.close)
         listeners.append(autopilot)
-    if arguments.out is not None:
-        lines = Lines(arguments.out)
-        open_ones.callback(lines.close)
-        listeners.append(lines)
+    page = None
     if not arguments.no_page:
         page = LivePage(arguments.page, loop.chain, loop.totals, lambda: link_facts(autopilot, arguments.to))
         open_ones.callback(page.close)
+    if arguments.out is not None:  # last: it empties a file that is there
+        lines = Lines(arguments.out)
+        open_ones.callback(lines.close)
+        listeners.append(lines)
+    if page is not None:
         listeners.append(page)
         print(f"vista: {page.address}", file=sys.stderr)
     return listeners, autopilot

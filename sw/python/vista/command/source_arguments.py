@@ -98,16 +98,24 @@ def add_pair_tolerance(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def open_cameras(arguments: argparse.Namespace) -> Cameras:
-    """Raises InputError for devices that do not open or deliver."""
+def open_cameras(arguments: argparse.Namespace, size: tuple[int, int] | None = None) -> Cameras:
+    """size: of the pictures of a device, where --camera-size does not say it. Raises InputError for devices
+    that do not open or deliver."""
     if len(arguments.camera) > 2:
         raise InputError("--camera", f"takes one device or two, not {len(arguments.camera)}")
     tolerance_ms = arguments.pair_tolerance_ms
-    return Cameras(
+    cameras = Cameras(
         arguments.camera,
         PAIR_TOLERANCE_MS if tolerance_ms is None else tolerance_ms,
-        lambda name: Capture(name, arguments.camera_size),
+        lambda name: Capture(name, arguments.camera_size or size),
     )
+    width, height = cameras.size
+    delivered = width * (1 if len(arguments.camera) > 1 else 2), height
+    if arguments.camera_size not in (None, delivered):
+        cameras.close()
+        sizes = "delivers {}x{} px, not {}x{}".format(*delivered, *arguments.camera_size)
+        raise InputError(arguments.camera[0], sizes)
+    return cameras
 
 
 def milliseconds(text: str) -> float:

@@ -14,6 +14,9 @@ if TYPE_CHECKING:
 
 FEATURES = 400
 PERIOD = 20  # frames from one matching of features to the next, while nothing is wrong
+LOST_ITS_WAY = Finding(
+    Reason.POSE_JUMP, State.DEGRADED, "odometry lost its way and began anew; all tracks were dropped"
+)
 SUDDEN_LOSS = 0.5  # of the matched share since the last matching: match features at once
 
 
@@ -32,8 +35,9 @@ class HealthMonitor:
         self._frames = 0
         self._checked_fraction = 0.0
 
-    def check(self, raw: Frame, frame: Frame, host: Health) -> FrameHealth:
-        """raw: as read; frame: rectified; host: what libvista says of the same frame."""
+    def check(self, raw: Frame, frame: Frame, host: Health, anew: bool = False) -> FrameHealth:
+        """raw: as read; frame: rectified; host: what libvista says of the same frame; anew: it was told to
+        forget what came before."""
         shown = (
             checks.check_contrast("left", raw.left)
             or checks.check_contrast("right", raw.right)
@@ -43,7 +47,8 @@ class HealthMonitor:
         motion = self._check_motion(frame) if self._watch_motion else None
         self._before = frame
         self._frames += 1
-        found = self.of_run + _present(shown, pair, motion)
+        lost = LOST_ITS_WAY if anew and not self._stills else None
+        found = self.of_run + _present(shown, pair, motion, lost)
         named = {finding.reason for finding in found}
         return FrameHealth(found + tuple(f for f in findings_of_host(host) if f.reason not in named))
 

@@ -27,6 +27,7 @@ REOPEN_S = 1.0
 PAIR_S = 1.0  # after so long without a pair, say why
 FAILURES = 3  # readings in a row: some drivers lose one
 JOIN_S = 1.0
+NOT_OPENED = "no camera that OpenCV can open: not there, or in use"
 
 Image = NDArray[np.uint8]
 
@@ -42,26 +43,20 @@ class Device(Protocol):
 
 
 class Capture:
-    """A device of OpenCV. Raises InputError when it does not open, or has no pictures of the size."""
+    """A device of OpenCV. Raises InputError when it does not open."""
 
     def __init__(self, name: str, size: tuple[int, int] | None = None) -> None:
-        """size: (width, height) of its pictures; None: as it comes up."""
-        self._capture = cv2.VideoCapture(int(name) if name.isdecimal() else name)
+        """size: (width, height) to ask for; not every device listens. None: as it comes up."""
+        try:
+            self._capture = cv2.VideoCapture(int(name) if name.isdecimal() else name)
+        except cv2.error:  # such as a number that is none of a device
+            raise InputError(name, NOT_OPENED) from None
         if not self._capture.isOpened():
-            raise InputError(name, "no camera that OpenCV can open")
+            raise InputError(name, NOT_OPENED)
         if size is not None:
-            self._ask_for(name, size)
+            self._capture.set(cv2.CAP_PROP_FRAME_WIDTH, size[0])
+            self._capture.set(cv2.CAP_PROP_FRAME_HEIGHT, size[1])
         self._capture.set(cv2.CAP_PROP_BUFFERSIZE, 1)  # older pictures are of no use; not all drivers listen
-
-    def _ask_for(self, name: str, size: tuple[int, int]) -> None:
-        """A driver may take the nearest size that it has, and says so afterwards."""
-        sides = (cv2.CAP_PROP_FRAME_WIDTH, cv2.CAP_PROP_FRAME_HEIGHT)
-        for side, pixels in zip(sides, size, strict=True):
-            self._capture.set(side, pixels)
-        given = [round(self._capture.get(side)) for side in sides]
-        if tuple(given) != size:
-            self.close()
-            raise InputError(name, "delivers {}x{} px, not {}x{}".format(*given, *size))
 
     def read(self) -> Image | None:
         there, picture = self._capture.read()
@@ -123,13 +118,19 @@ class Cameras:
         for thread in threads:
             thread.start()
         try:
-            index = 0
+            index, said = 0, False
             while not stopped.is_set():
+                skipped = self.skipped
                 pair = self._pair(stopped)
                 if pair is not None:
                     left, right, taken_ns = pair
                     yield Shot(Frame(index, taken_ns, left, right, None), taken_ns)
                     index += 1
+                elif not said and self.skipped > skipped + 1 and not stopped.is_set():
+                    tell(
+                        " and ".join(self._names), f"no two pictures within {1e-6 * self._tolerance_ns:g} ms"
+                    )
+                said = pair is None and (said or self.skipped > skipped + 1)
         finally:
             for thread in threads:
                 thread.join(JOIN_S)  # one that hangs in its driver is left behind
@@ -180,36 +181,46 @@ class Cameras:
             failures += 1
             if device is None or failures >= FAILURES:
                 failures = 0
-                self._reopen(k, stopped)
+                self._reopen(k, stopped, image)
 
-    def _reopen(self, k: int, stopped: Event) -> None:
+    def _reopen(self, k: int, stopped: Event, image: Image | None) -> None:
+        """image: what it delivers instead of pictures of its size, if anything."""
         device, self._devices[k] = self._devices[k], None
         if device is not None:
             device.close()
-            print(f"vista: {self._names[k]}: lost; trying to open it again", file=sys.stderr, flush=True)
+            reason = (
+                "lost" if image is None else f"delivers {extent(image.shape)}, before {extent(self._shape)}"
+            )
+            tell(self._names[k], f"{reason}; trying to open it again")
         if stopped.wait(REOPEN_S):
             return
         try:
             self._devices[k] = self._open(self._names[k])
         except InputError:
             return
-        print(f"vista: {self._names[k]}: back", file=sys.stderr, flush=True)
+        tell(self._names[k], "back")
 
     def _open_all(self) -> tuple[int, int]:
         """The shape of the pictures of each device."""
-        shapes = []
+        shapes: list[tuple[int, int]] = []
         for name in self._names:
             device = self._open(name)
             self._devices.append(device)
             image = device.read()
             if image is None:
                 raise InputError(name, "delivers no picture")
-            shapes.append(image.shape)
-        (height, width), (height_too, width_too) = shapes[0], shapes[-1]
-        if (height, width) != (height_too, width_too):
-            raise InputError(
-                self._names[-1], f"delivers {width_too}x{height_too} px, {self._names[0]} {width}x{height}"
-            )
-        if len(shapes) == 1 and width % 2:
-            raise InputError(self._names[0], f"delivers {width}x{height} px, no two views side by side")
-        return height, width
+            shapes.append((image.shape[0], image.shape[1]))
+        if shapes[0] != shapes[-1]:
+            others = f"{self._names[0]} {extent(shapes[0])}"
+            raise InputError(self._names[-1], f"delivers {extent(shapes[-1])}, {others}")
+        if len(shapes) == 1 and shapes[0][1] % 2:
+            raise InputError(self._names[0], f"delivers {extent(shapes[0])}, no two views side by side")
+        return shapes[0]
+
+
+def extent(shape: tuple[int, ...]) -> str:
+    return f"{shape[1]}x{shape[0]} px"
+
+
+def tell(name: str, text: str) -> None:
+    print(f"vista: {name}: {text}", file=sys.stderr, flush=True)

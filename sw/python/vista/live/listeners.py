@@ -15,6 +15,7 @@ from vista.mavlink.link import Link
 from vista.mavlink.replay import NAMES
 from vista.mavlink.sighting import sighting_of
 from vista.mavlink.transport import Transport
+from vista.obstacle_line import obstacle_line
 from vista.output import LineFile
 
 POLL_S = 0.005
@@ -29,11 +30,14 @@ class Lines:
         self._over = False
 
     def take(self, seen: Seen) -> None:
+        if self._over:
+            return
+        line = obstacle_line(seen.record)
         if self._file is None:
-            print(seen.line, flush=True)
-        elif not self._over:
+            print(line, flush=True)
+        else:
             try:
-                self._file.write_line(seen.line)
+                self._file.write_line(line)
             except InputError as error:
                 self._over = True
                 print(f"vista: {error}; the run goes on without it", file=sys.stderr)
@@ -60,7 +64,7 @@ class Autopilot:
 
     def take(self, seen: Seen) -> None:
         """Raises what ended the thread."""
-        sighting = sighting_of(f"frame {seen.record.index}", seen.line)
+        sighting = sighting_of(seen.record)
         with self._changed:
             if self._error is not None:
                 raise self._error

@@ -16,7 +16,6 @@ from vista.history import FrameRecord, StageClock
 from vista.live.latency import Latencies
 from vista.live.latest import Latest
 from vista.live.source import Shot, Source, newest_shots
-from vista.obstacle_line import obstacle_line
 from vista.run import Announcer
 
 
@@ -26,7 +25,6 @@ class Seen:
 
     step: Step
     record: FrameRecord  # with the health that the checks found
-    line: str  # of obstacles.jsonl
     exposed_ns: int  # on time.monotonic_ns()
 
 
@@ -85,8 +83,9 @@ class LiveLoop:
 
     def _process(self, shot: Shot, listeners: Sequence[Listener]) -> None:
         step = process_frame(self.chain, shot.frame, StageClock())
-        record = replace(step.record, health=self._monitor.check(step.raw, step.frame, step.result.health))
-        seen = Seen(step, record, obstacle_line(record), shot.exposed_ns)
+        health = self._monitor.check(step.raw, step.frame, step.result.health, step.anew)
+        record = replace(step.record, health=health)
+        seen = Seen(step, record, shot.exposed_ns)
         for listener in listeners:
             listener.take(seen)
         self.totals.processed += 1

@@ -16,6 +16,7 @@ from urllib.parse import urlsplit
 from vista.chain import Chain
 from vista.errors import InputError
 from vista.live.loop import Seen, Totals
+from vista.obstacle_line import obstacle_fields
 from vista.report.overlay import Overlay, draw_obstacles
 from vista.report.page import fill_template
 from vista.result_folder import encoded
@@ -110,7 +111,7 @@ class LivePage:
                 "age_ms": 1e-6 * (time.monotonic_ns() - seen.exposed_ns),
                 "stage_ms": seen.record.stage_ms,
                 "reasons": [finding.text for finding in seen.record.health.findings],
-                "line": json.loads(seen.line),
+                "line": obstacle_fields(seen.record),
             }
         return state | self._facts()
 

@@ -1,4 +1,4 @@
-"""What one frame found and an autopilot is told of, from a line of obstacles.jsonl."""
+"""What one frame found and an autopilot is told of: from its record, or from a line of obstacles.jsonl."""
 
 from __future__ import annotations
 
@@ -12,9 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vista.errors import InputError
+from vista.geometry import Array
 from vista.health.finding import State
+from vista.history import FrameRecord
 from vista.obstacle_line import VERSION
-from vista.pipeline import Directions
+from vista.pipeline import Directions, Nearest
 from vista.result_folder import OBSTACLES
 from vista.sequence.text import check_increasing, read_text
 
@@ -61,7 +63,7 @@ def read_sightings(path: Path) -> list[Sighting]:
     sightings: list[Sighting] = []
     for number, text in enumerate(read_text(file).splitlines(), start=1):
         culprit = f"{file}:{number}"
-        sighting = sighting_of(culprit, text)
+        sighting = sighting_of_line(culprit, text)
         check_increasing(culprit, sightings[-1].t_ns if sightings else None, sighting.t_ns)
         sightings.append(sighting)
     if not sightings:
@@ -69,7 +71,45 @@ def read_sightings(path: Path) -> list[Sighting]:
     return sightings
 
 
-def sighting_of(culprit: str, text: str) -> Sighting:
+def sighting_of(record: FrameRecord) -> Sighting:
+    """Of a frame that is there. From its line comes the same, rounded as the line is."""
+    reasons, directions, nearest = record.health.reasons, record.directions, record.nearest_collision
+    up_camera = None if directions is None else directions.up_camera
+    return Sighting(
+        record.t_ns,
+        record.health.state,
+        str(reasons[0]) if reasons else "",
+        tuple(
+            Board(int(o.id), _vector(record.in_camera(o.position_m)), *o.extent_m)
+            for o in record.obstacles
+            if o.confirmed
+        ),
+        None if up_camera is None else _vector(up_camera),
+        _clipped(np.zeros(Directions.COLUMNS) if directions is None else directions.free_m),
+        None if nearest is None else _collision_of(nearest, record),
+    )
+
+
+def _collision_of(nearest: Nearest, record: FrameRecord) -> Collision:
+    velocity_m_s = record.velocity_camera_m_s
+    return Collision(
+        int(nearest.id),
+        _vector(record.in_camera(nearest.position_m)),
+        (0.0, 0.0, 0.0) if velocity_m_s is None else _vector(velocity_m_s),
+        nearest.time_to_collision_s or 0.0,
+    )
+
+
+def _vector(values: Array) -> tuple[float, float, float]:
+    x, y, z = values.tolist()
+    return x, y, z
+
+
+def _clipped(free_m: Any) -> NDArray[np.float32]:
+    return np.asarray(np.clip(np.nan_to_num(free_m, nan=0.0, posinf=0.0), 0.0, FARTHEST_M), np.float32)
+
+
+def sighting_of_line(culprit: str, text: str) -> Sighting:
     try:
         line = json.loads(text)
     except (ValueError, RecursionError):
@@ -128,7 +168,7 @@ def _directions(
     first = _integer(directions["first_deg"], start, end) - start
     if first + len(given) > Directions.COLUMNS:
         raise OverflowError("more free_m than columns")
-    free_m[first : first + len(given)] = np.clip(np.nan_to_num(given, nan=0.0), 0.0, FARTHEST_M)
+    free_m[first : first + len(given)] = _clipped(given)
     up_camera = directions["up_camera"]
     return None if up_camera is None else _point(up_camera), free_m
 

@@ -73,7 +73,7 @@ def _layout_of(source: Path) -> Layout:
         raise InputError(source, "holds the parts of KITTI stereo; name one, such as training")
     raise InputError(
         source,
-        "no sequence recognised: expected mav0/ (EuRoC ASL), image_0/ and calib.txt (KITTI odometry), "
-        "NAME_left.EXT, NAME_right.EXT and calibration.toml, one scene of KITTI stereo or Middlebury, a bag; "
-        "name a video itself",
+        "no sequence recognised: expected mav0/ (EuRoC ASL), image_0/ or image_2/ and calib.txt (KITTI "
+        "odometry), NAME_left.EXT, NAME_right.EXT and calibration.toml, one scene of KITTI stereo or "
+        "Middlebury, a bag; name a video itself",
     )

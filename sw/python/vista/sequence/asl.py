@@ -18,7 +18,7 @@ from vista.sequence.pairing import pair_by_time
 from vista.sequence.text import check_increasing, data_lines, finite_row, timestamp_ns
 from vista.sequence.trajectory import Sample, Trajectory, make_sample, with_poses
 from vista.sequence.types import FrameFiles, Sequence
-from vista.sequence.yaml_file import numbers, read_table
+from vista.sequence.yaml_file import image_size, numbers, read_table
 
 NAME = "EuRoC ASL"
 TAKES = frozenset({"pair_tolerance_ms"})
@@ -55,15 +55,18 @@ def open_source(folder: Path, options: Options) -> Sequence:
 def read_sensor(path: Path) -> tuple[CameraModel, Pose]:
     """Camera and body_from_camera (T_BS) of a sensor.yaml."""
     table = read_table(path)
-    width, height = (int(value) for value in numbers(path, table, "resolution", {2}))
+    width, height = image_size(path, numbers(path, table, "resolution", {2}))
+    model = table.get("camera_model", "pinhole")
+    if model != "pinhole":
+        raise InputError(path, f"camera_model {model} is not known, only pinhole")
     fx, fy, cx, cy = numbers(path, table, "intrinsics", {4})
     lens = LENS_OF.get(str(table.get("distortion_model")))
     if lens is None:
         raise InputError(path, "distortion_model is neither radial-tangential nor equidistant")
     counts = {4} if lens == "fisheye" else {4, 5}
     distortion = tuple(numbers(path, table, "distortion_coefficients", counts))
-    if width < 1 or height < 1 or fx <= 0.0 or fy <= 0.0:
-        raise InputError(path, "resolution and focal lengths must be positive")
+    if fx <= 0.0 or fy <= 0.0:
+        raise InputError(path, "focal lengths must be positive")
     T_BS = np.array(numbers(path, table, "T_BS", {16})).reshape(4, 4)
     if not is_rotation(T_BS[:3, :3]):
         raise InputError(path, "T_BS does not hold a rotation")

@@ -49,11 +49,13 @@ class ImageTopic:
         self._bag = Bag(path)  # of its own: two topics are read in turns
         self.frame_id = ""
         entries: dict[int, Entry] = {}
+        self._first: dict[int, int] = {}  # number of the first message of each time of recording
         count = 0
         for recorded_ns, message in self._bag.messages(topic):
             t_ns = stamp_ns(message.header)
             self.frame_id = message.header.frame_id
             entries.setdefault(t_ns, Entry(t_ns, recorded_ns, count))
+            self._first.setdefault(recorded_ns, count)
             count += 1
         if len(entries) < 2 < count:
             raise InputError(self.name, "the headers of its messages have no times")
@@ -70,8 +72,7 @@ class ImageTopic:
         entry = self.entries[index]
         if entry.number < self._next:
             self._messages = self._bag.messages(self.topic, entry.recorded_ns)
-            same = (other.number for other in self.entries if other.recorded_ns == entry.recorded_ns)
-            self._next = min(same)
+            self._next = self._first[entry.recorded_ns]
         for _, message in self._messages:
             self._next += 1
             if self._next > entry.number:

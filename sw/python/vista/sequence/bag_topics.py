@@ -49,13 +49,18 @@ def image_topics(bag: Bag, options: Options) -> tuple[str, str]:
 
 
 def camera_info_topics(bag: Bag, images: tuple[str, str]) -> tuple[str, str] | None:
-    """Beside the images, or else the only pair that there is."""
+    """Beside the images, or else the only pair that there is, unless it is beside other images."""
     known = bag.topics(CAMERA_INFO)
-    beside = [f"{base_name(topic).rpartition('/')[0]}/camera_info" for topic in images]
+    beside = [_info_beside(topic) for topic in images]
     if beside[0] != beside[1] and all(topic in known for topic in beside):
         return beside[0], beside[1]
     pairs = _pairs(known)
-    return pairs[0] if len(pairs) == 1 else None
+    of_others = {_info_beside(topic) for topic in bag.topics(*IMAGES)} - set(beside)
+    return pairs[0] if len(pairs) == 1 and not of_others & set(pairs[0]) else None
+
+
+def _info_beside(image: str) -> str:
+    return f"{base_name(image).rpartition('/')[0]}/camera_info"
 
 
 def pose_topic(bag: Bag, options: Options) -> str | None:

@@ -1,5 +1,6 @@
-"""KITTI odometry layout: the folder sequences/NN with image_0, image_1, calib.txt and times.txt; poses in
-../../poses/NN.txt (optional): left-camera poses, 3x4 row-major."""
+"""KITTI odometry layout: the folder sequences/NN with image_0, image_1 (grey) or else image_2, image_3
+(colour), calib.txt and times.txt; poses of the camera of image_0 in ../../poses/NN.txt (optional), 3x4
+row-major."""
 
 from __future__ import annotations
 
@@ -16,17 +17,21 @@ from vista.sequence.types import FrameFiles, Sequence
 
 NAME = "KITTI odometry"
 TAKES: frozenset[str] = frozenset()
+# Folders of the left and the right images, and their projections in calib.txt.
+CAMERAS = (("image_0", "image_1", "P0", "P1"), ("image_2", "image_3", "P2", "P3"))
 
 
 def recognises(folder: Path) -> bool:
-    return (folder / "image_0").is_dir()
+    in_colour = (folder / "image_2").is_dir() and (folder / "calib.txt").is_file()
+    return in_colour or (folder / "image_0").is_dir()
 
 
 def open_source(folder: Path, options: Options) -> Sequence:
-    left_images = sorted(p for p in (folder / "image_0").iterdir() if p.suffix.lower() in EXTENSIONS)
+    left, right, *keys = next(camera for camera in CAMERAS if (folder / camera[0]).is_dir())
+    left_images = sorted(p for p in (folder / left).iterdir() if p.suffix.lower() in EXTENSIONS)
     if not left_images:
-        raise InputError(folder / "image_0", "holds no images")
-    right_images = [folder / "image_1" / path.name for path in left_images]
+        raise InputError(folder / left, "holds no images")
+    right_images = [folder / right / path.name for path in left_images]
     for path in right_images:
         if not path.is_file():
             raise InputError(path, "no such file: the right image is missing")
@@ -37,14 +42,15 @@ def open_source(folder: Path, options: Options) -> Sequence:
     poses_path = folder / ".." / ".." / "poses" / f"{number}.txt"
     poses: list[Pose] | list[None] = [None] * len(left_images)
     if options.of_source and poses_path.exists():
-        poses = read_poses(poses_path)
+        grey_from_left = _grey_from_left(folder / "calib.txt", keys[0])
+        poses = [pose @ grey_from_left for pose in read_poses(poses_path)]
         _check_count(poses_path, "poses", len(poses), len(left_images))
 
     frames = (
         FrameFiles(index, *of_frame)
         for index, of_frame in enumerate(zip(times_ns, left_images, right_images, poses, strict=True))
     )
-    calibration = read_calibration(folder / "calib.txt", read_size(left_images[0]))
+    calibration = read_calibration(folder / "calib.txt", read_size(left_images[0]), (keys[0], keys[1]))
     name = f"{folder.resolve().parent.parent.name}/{number}"
     return Sequence(name, NAME, calibration, tuple(frames))
 
@@ -59,18 +65,9 @@ def read_calibration(
 ) -> RawCalibration:
     """P0 and P1 map the left camera's frame to pixels: P1 = K1 [I | t], t = (-baseline_m, 0, 0). keys: their
     names in the file."""
-    projections: dict[str, Array] = {}
-    for culprit, line in data_lines(path):
-        key, _, numbers = line.partition(":")
-        if key in keys:
-            projections[key] = np.array(finite_row(culprit, numbers.split(), 12)).reshape(3, 4)
-            _check_intrinsics(culprit, projections[key])
-    for key in keys:
-        if key not in projections:
-            raise InputError(path, f"{key} is missing")
-    P0, P1 = (projections[key] for key in keys)
+    P0, P1 = _projections(path, keys)
     K0, K1 = P0[:, :3], P1[:, :3]
-    translation_m = np.linalg.solve(K1, P1[:, 3]) - np.linalg.solve(K0, P0[:, 3])
+    translation_m = _place_m(P1) - _place_m(P0)
     if translation_m[0] >= 0.0:
         raise InputError(
             path, f"baseline is {-translation_m[0] + 0.0:g} m, must be positive ({keys[1]} against {keys[0]})"
@@ -78,6 +75,28 @@ def read_calibration(
     return RawCalibration(
         CameraModel(*size, K0), CameraModel(*size, K1), Pose(np.eye(3), translation_m), str(path)
     )
+
+
+def _projections(path: Path, keys: tuple[str, ...]) -> list[Array]:
+    found: dict[str, Array] = {}
+    for culprit, line in data_lines(path):
+        key, _, numbers = line.partition(":")
+        if key in keys:
+            found[key] = np.array(finite_row(culprit, numbers.split(), 12)).reshape(3, 4)
+            _check_intrinsics(culprit, found[key])
+    for key in keys:
+        if key not in found:
+            raise InputError(path, f"{key} is missing")
+    return [found[key] for key in keys]
+
+
+def _place_m(P: Array) -> Array:
+    """t of P = K [I | t]: from the camera of image_0, to which the poses belong, to this one."""
+    return np.asarray(np.linalg.solve(P[:, :3], P[:, 3]))
+
+
+def _grey_from_left(path: Path, key: str) -> Pose:
+    return Pose(np.eye(3), -_place_m(_projections(path, (key,))[0]))
 
 
 def _check_intrinsics(culprit: str, P: Array) -> None:

@@ -47,7 +47,16 @@ from typing import Any, get_args
 import numpy as np
 
 from vista.errors import InputError
-from vista.geometry import Array, CameraModel, Lens, Pose, RawCalibration, camera_matrix, is_rotation
+from vista.geometry import (
+    Array,
+    CameraModel,
+    Lens,
+    Pose,
+    RawCalibration,
+    camera_matrix,
+    is_rotation,
+    poses_agree,
+)
 from vista.sequence.image import EXTENSIONS, read_size
 from vista.sequence.options import BY_ODOMETRY, Options
 from vista.sequence.tables import read_poses, read_times
@@ -173,14 +182,8 @@ def _read_raw(path: Path, table: dict[str, Any], size: tuple[int, int]) -> RawCa
     right = _read_camera(path, _table(path, table, "right"), size)
     right_from_left = _read_pose(path, table, "right_from_left")
     body = read_body_poses(path, table)
-    if body is not None:
-        expected = body[1].inverse() @ body[0]
-        apart = [
-            np.abs(expected.rotation - right_from_left.rotation),
-            np.abs(expected.translation_m - right_from_left.translation_m),
-        ]
-        if max(float(differences.max()) for differences in apart) > BODY_TOLERANCE:
-            raise InputError(path, "body_from_left and body_from_right do not agree with right_from_left")
+    if body is not None and not poses_agree(body[1].inverse() @ body[0], right_from_left, BODY_TOLERANCE):
+        raise InputError(path, "body_from_left and body_from_right do not agree with right_from_left")
     return RawCalibration(left, right, right_from_left, str(path))
 
 

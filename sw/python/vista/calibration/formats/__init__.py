@@ -15,6 +15,7 @@ from vista.calibration.formats.common import File, Options
 from vista.calibration.rig import Rig
 from vista.errors import InputError
 from vista.health.checks import BASELINE_M
+from vista.rectify import check_side_by_side
 from vista.sequence.pairs import read_table as read_toml
 from vista.sequence.yaml_file import read_table as read_yaml
 
@@ -42,10 +43,13 @@ def read_rig(paths: list[Path], options: Options) -> tuple[str, Rig]:
     if len(files) not in module.FILES:
         expected = " or ".join(map(str, module.FILES))
         raise InputError(
-            paths[0], f"{len(files)} files of the format {name}, expected {expected}: {module.HELP}"
+            paths[0], f"files of the format {name}: {len(files)}, expected {expected}: {module.HELP}"
         )
     rig: Rig = module.read(files, options)
     _check(rig, paths[-1], name)
+    if options.size not in (None, (rig.left.width, rig.left.height)):
+        size = f"{rig.left.width}x{rig.left.height}"
+        raise InputError("--size", f"the images are {size} px, as {paths[0]} says")
     return name, rig
 
 
@@ -66,8 +70,7 @@ def _check(rig: Rig, path: Path, name: str) -> None:
         raise InputError(
             path, f"the baseline is {baseline_m:g} m, expected {lowest:g} to {highest:g} m{unit}"
         )
-    if (rig.left.width, rig.left.height) != (rig.right.width, rig.right.height):
-        raise InputError(path, "the left and the right image differ in size")
+    check_side_by_side(rig.raw(str(path)))
 
 
 def write_rig(rig: Rig, name: str, options: Options) -> dict[str, str]:

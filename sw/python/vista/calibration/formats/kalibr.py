@@ -18,12 +18,13 @@ from vista.calibration.formats.common import (
 )
 from vista.calibration.rig import Rig
 from vista.errors import InputError
-from vista.geometry import CameraModel, Lens, Pose
+from vista.geometry import CameraModel, Lens, Pose, poses_agree
 from vista.sequence.yaml_file import image_size, numbers, table_of, text_of
 
 FILES = (1,)
 HAS_UNIT = False
 HELP = "one camchain.yaml"
+IMU_TOLERANCE = 1e-3  # m, and of the numbers of a rotation: such files are edited by hand
 LENS_OF: dict[str, Lens] = {"radtan": "pinhole", "none": "pinhole", "equidistant": "fisheye"}
 
 
@@ -33,6 +34,8 @@ def recognises(table: Table) -> bool:
 
 def read(files: list[File], options: Options) -> Rig:
     path, table = files[0].path, files[0].table
+    if "cam2" in table:
+        raise InputError(path, "is a chain of more than two cameras; keep the pair, as cam0 and cam1")
     cameras = [table_of(path, table, name) for name in ("cam0", "cam1")]
     left, right = (_read_camera(path, camera) for camera in cameras)
     right_from_left = matrix_pose(path, "T_cn_cnm1", numbers(path, cameras[1], "T_cn_cnm1", {16}))
@@ -42,6 +45,8 @@ def read(files: list[File], options: Options) -> Rig:
         matrix_pose(path, "T_cam_imu", numbers(path, camera, "T_cam_imu", {16})).inverse()
         for camera in cameras
     )
+    if not poses_agree(from_right.inverse() @ from_left, right_from_left, IMU_TOLERANCE):
+        raise InputError(path, "T_cam_imu of both cameras do not agree with T_cn_cnm1")
     return Rig(left, right, from_left, from_right, is_body=True)
 
 

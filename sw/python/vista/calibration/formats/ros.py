@@ -6,6 +6,7 @@ camera's projection matrix, -focal length times baseline.
 
 from __future__ import annotations
 
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -16,7 +17,7 @@ from vista.errors import InputError
 from vista.geometry import Array, CameraModel
 from vista.rectify import rectified_cameras
 from vista.sequence.camera_info import pair_from_camera_info
-from vista.sequence.yaml_file import image_size, number, numbers, text_of
+from vista.sequence.yaml_file import image_size, number, numbers, table_of, text_of
 
 FILES = (2,)
 HAS_UNIT = False
@@ -48,8 +49,9 @@ def read(files: list[File], options: Options) -> Rig:
 
 
 def _info_of(file: File) -> SimpleNamespace:
-    """As a message of ROS 2 has it; such a file is of whole images."""
+    """As a message of ROS 2 has it; what is not stated of binning and the region of interest is 0."""
     path, table = file.path, file.table
+    roi = table_of(path, table, "roi") if "roi" in table else {}
     keys = ("image_width", "image_height") if "image_width" in table else ("width", "height")
     width, height = image_size(path, [number(path, table, key) for key in keys])
     return SimpleNamespace(
@@ -57,10 +59,13 @@ def _info_of(file: File) -> SimpleNamespace:
         height=height,
         distortion_model=text_of(path, table, "distortion_model"),
         **{name: _values(file, name) for name in KEYS},
-        roi=SimpleNamespace(x_offset=0, y_offset=0, width=0, height=0),
-        binning_x=0,
-        binning_y=0,
+        roi=SimpleNamespace(**_counts(path, roi, ("x_offset", "y_offset", "width", "height"))),
+        **_counts(path, table, ("binning_x", "binning_y")),
     )
+
+
+def _counts(path: Path, table: Table, keys: tuple[str, ...]) -> dict[str, float]:
+    return {key: number(path, table, key) if key in table else 0.0 for key in keys}
 
 
 def _values(file: File, name: str) -> list[float]:
