@@ -74,7 +74,9 @@ def _run_frame(chain: Chain, files: FrameFiles, monitor: HealthMonitor, outputs:
     clock = StageClock()
     step = run_frame(chain, files)
     with clock.stage("checks"):  # neither this nor the output is part of the total
-        record = replace(step.record, health=monitor.check(step.raw, step.frame, step.result.health))
+        record = replace(
+            step.record, health=monitor.check(step.raw, step.frame, step.result.health, step.record.alignment)
+        )
     with clock.stage("output"):
         if outputs.recorder is not None:
             outputs.recorder.write(step.frame, step.levels)

@@ -104,7 +104,8 @@ class LiveLoop:
 
     def _process(self, shot: Shot, listeners: Sequence[Listener]) -> None:
         step = process_frame(self.chain, shot.frame, StageClock())
-        record = replace(step.record, health=self._monitor.check(step.raw, step.frame, step.result.health))
+        health = self._monitor.check(step.raw, step.frame, step.result.health, step.record.alignment)
+        record = replace(step.record, health=health)
         seen = Seen(step, record, obstacle_line(record), shot.exposed_ns)
         for listener in listeners:
             listener.take(seen)
