@@ -44,6 +44,7 @@ struct vista_alignment {
   double unexplained_s;         /* how long there has been texture without agreement */
   bool beyond;
   bool was_unexplained;
+  int32_t good_pairs;           /* in a row, that agree with what is known, up to SUDDEN_PAIRS */
   bool wide;                    /* look for features in all rows: the last pair did not agree with what is known */
 };
 
@@ -98,7 +99,7 @@ void vista_alignment_reset(vista_alignment *a) {
   a->started = a->beyond = a->was_unexplained = false;
   a->known = (belief){.covariance = uncertainty(&a->rows, START_PX)};
   a->sudden = (belief){0};
-  a->sudden_pairs = a->pairs = 0;
+  a->sudden_pairs = a->pairs = a->good_pairs = 0;
   a->unexplained_s = 0.0;
   a->wide = true;
   a->matches.digests[0] = a->matches.digests[1] = 0;
@@ -169,13 +170,14 @@ static bool wait_and_see(vista_alignment *a, const belief *fit) {
   a->sudden_pairs = SUDDEN_PAIRS; /* goes on being asked while it is beyond the limits */
   if (!believe(a, &after)) return false;
   a->sudden_pairs = 0;
-  a->pairs = SUDDEN_PAIRS;
+  a->pairs = a->good_pairs = SUDDEN_PAIRS;
   return true;
 }
 
-/* Features that should be found in one place, and do not agree. */
+/* Features that should be found in one place, and neither agree nor lie near their rows. */
 static bool is_unexplained(const vista_row_matches *m, const vista_row_fit *fit) {
-  return !m->frozen && !fit->agreed && m->features - m->ambiguous >= TEXTURE_FEATURES;
+  const bool near_rows = fit->agreed && fit->row_error_px <= USABLE_ROWS_PX;
+  return !m->frozen && !near_rows && m->features - m->ambiguous >= TEXTURE_FEATURES;
 }
 
 /* Returns whether the pair agrees with what is known afterwards. */
@@ -187,6 +189,18 @@ static bool take(vista_alignment *a, const vista_row_fit *fit, const vista_turn 
   if (a->pairs < SUDDEN_PAIRS) ++a->pairs;
   const belief both = joined(&a->known, &found);
   return believe(a, &both);
+}
+
+/* How long there has been no agreement. Texture that repeats itself may agree by chance: what was lost is found again
+ * when as many pairs agree as are asked for a sudden turn. */
+static void watch(vista_alignment *a, bool measured, bool unexplained, double passed_s) {
+  if (unexplained) {
+    a->good_pairs = 0;
+    if (a->was_unexplained) a->unexplained_s += passed_s;
+  }
+  if (measured && a->good_pairs < SUDDEN_PAIRS) ++a->good_pairs;
+  const bool is_lost = a->unexplained_s >= a->parameters.lost_s;
+  if (is_lost ? a->good_pairs == SUDDEN_PAIRS : measured) a->unexplained_s = 0.0;
 }
 
 /* What the next pair is rectified for: another turn only where that moves rows, and is no noise. */
@@ -223,13 +237,12 @@ vista_status vista_alignment_update(vista_alignment *a, const vista_image *left,
   vista_row_matches_find(left, right, noise.sigma, a->wide, &a->matches);
   const vista_row_fit fit = vista_row_fit_make(&a->camera, a->matches.matches, a->matches.count);
   const bool measured = fit.agreed && take(a, &fit, applied);
-  const bool unexplained = is_unexplained(&a->matches, &fit);
-  if (unexplained && a->was_unexplained) a->unexplained_s += passed_s;
-  if (fit.agreed) a->unexplained_s = 0.0;
+  const bool unexplained = !measured && is_unexplained(&a->matches, &fit);
+  watch(a, measured, unexplained, passed_s);
   a->was_unexplained = unexplained;
   a->wide = !measured;
 
-  const bool lost = a->unexplained_s >= a->parameters.lost_s;
+  const bool lost = a->unexplained_s >= a->parameters.lost_s && !a->beyond;
   const vista_turn next = a->beyond || lost ? *applied : correction(a, applied);
   *result =
       (vista_alignment_result){.state = lost        ? VISTA_ALIGNMENT_LOST
