@@ -14,6 +14,7 @@ static const char *const segmentation_solver_choices[] = {"cut", "forest"};
 static const char *const thin_find_choices[] = {"off", "on"};
 static const char *const mavlink_autopilot_choices[] = {"px4", "ardupilot"};
 static const char *const mavlink_sectors_choices[] = {"72", "36"};
+static const char *const alignment_correct_choices[] = {"off", "on"};
 
 static const struct {
   vista_parameter info;
@@ -204,6 +205,12 @@ static const struct {
     {{"mavlink.sectors", "", "Of 5 degrees, or of 10 for versions of PX4 whose own map has 36: of 72 these read every second one only.", VISTA_PARAMETER_CHOICE, 0, 0, 1, "", 2, mavlink_sectors_choices}, offsetof(vista_parameters, mavlink.sectors)},
     {{"mavlink.angle_offset_deg", "deg", "Where the middle of sector 0 is, to the right from forward: a multiple of a sector. Some receivers ignore it.", VISTA_PARAMETER_FLOAT, 0.0, -180.0, 180.0, "", 0, NULL}, offsetof(vista_parameters, mavlink.angle_offset_deg)},
     {{"mavlink.stale_s", "s", "A frame that is older tells nothing any more.", VISTA_PARAMETER_FLOAT, 0.3, 0.05, 0.5, "", 0, NULL}, offsetof(vista_parameters, mavlink.stale_s)},
+    {{"alignment.correct", "", "Whether the right image is rectified anew when its rows no longer match those of the left one.", VISTA_PARAMETER_CHOICE, 0, 0, 1, "", 2, alignment_correct_choices}, offsetof(vista_parameters, alignment.correct)},
+    {{"alignment.pitch_max_deg", "deg", "A larger turn about the camera's x axis is not corrected: an alarm is raised. A vertical shift counts as pitch.", VISTA_PARAMETER_FLOAT, 1.0, 0.05, 2.0, "", 0, NULL}, offsetof(vista_parameters, alignment.pitch_max_deg)},
+    {{"alignment.roll_max_deg", "deg", "The same of a turn about the optical axis.", VISTA_PARAMETER_FLOAT, 1.0, 0.05, 2.0, "", 0, NULL}, offsetof(vista_parameters, alignment.roll_max_deg)},
+    {{"alignment.step_px", "px", "The correction is changed when that moves rows by more than this, root mean square over the image: below, a calibration is left as it is.", VISTA_PARAMETER_FLOAT, 0.15, 0.02, 2.0, "", 0, NULL}, offsetof(vista_parameters, alignment.step_px)},
+    {{"alignment.drift_deg", "deg", "Standard deviation of how far pitch and roll drift in a second: smaller values average for longer. Sudden turns are followed whatever it is.", VISTA_PARAMETER_FLOAT, 0.002, 0.0, 1.0, "", 0, NULL}, offsetof(vista_parameters, alignment.drift_deg)},
+    {{"alignment.lost_s", "s", "The alarm is raised, too, when the images have texture but their rows agree on no turn for so long.", VISTA_PARAMETER_FLOAT, 1.0, 0.1, 60.0, "", 0, NULL}, offsetof(vista_parameters, alignment.lost_s)},
 };
 
 _Static_assert(sizeof(vista_stereo_params) == 256, "stereo may not grow");
@@ -224,5 +231,6 @@ _Static_assert(sizeof(vista_terrain_params) == 256, "terrain may not grow");
 _Static_assert(sizeof(vista_thin_params) == 256, "thin may not grow");
 _Static_assert(sizeof(vista_host_params) == 256, "host may not grow");
 _Static_assert(sizeof(vista_mavlink_params) == 256, "mavlink may not grow");
+_Static_assert(sizeof(vista_alignment_params) == 256, "alignment may not grow");
 
 #endif

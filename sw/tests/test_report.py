@@ -14,6 +14,7 @@ import pytest
 from fake_pipeline import FakePipeline, fake_ground, fake_obstacle, fake_too_near
 from vista.command.run import path_seen
 from vista.geometry import Calibration, Pose
+from vista.health.alignment_summary import summarize_alignment
 from vista.health.finding import Finding, FrameHealth, Reason, State
 from vista.health.summary import summarize_health
 from vista.history import FrameRecord, stage_statistics
@@ -79,6 +80,7 @@ def make_summary(records: list[FrameRecord], stills: bool = False) -> dict:
         "command": "vista run <here>",
         "stills": stills,
         "health": summarize_health(records),
+        "alignment": summarize_alignment(records),
         "sequence": "a <flight> & more",
         "layout": "pairs",
         "notes": ["a note"],

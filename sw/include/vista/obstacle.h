@@ -135,6 +135,8 @@ typedef enum vista_health_reason {
   VISTA_HEALTH_POSE_JUMP, /* the pose was refused, or believed anew: motion.restarted */
   VISTA_HEALTH_NOISE, /* noise above health.noise_min, and too few disparities that another one agrees with */
   VISTA_HEALTH_GROUND_UNSEEN, /* fewer than health.ground_fraction where the flight leads to, below the horizon */
+  VISTA_HEALTH_ALIGNMENT_LOST, /* the cameras are turned against each other by more than is corrected, or unknown: given
+                                  by vista_alignment_judge, not by the pipeline */
   VISTA_HEALTH_REASON_COUNT
 } vista_health_reason;
 

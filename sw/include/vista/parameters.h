@@ -309,6 +309,20 @@ typedef struct vista_mavlink_params {
   unsigned char reserved[168];
 } vista_mavlink_params;
 
+/* Whether the right image is rectified anew when its rows no longer match those of the left one. */
+typedef enum vista_alignment_correct { VISTA_ALIGNMENT_CORRECT_OFF, VISTA_ALIGNMENT_CORRECT_ON } vista_alignment_correct;
+
+/* Correction of the right camera's turn against its calibration, in flight, from the rows of matched features. */
+typedef struct vista_alignment_params {
+  vista_alignment_correct correct; /* Whether the right image is rectified anew when its rows no longer match those of the left one. */
+  double pitch_max_deg; /* A larger turn about the camera's x axis is not corrected: an alarm is raised. A vertical shift counts as pitch. 0.05 .. 2.0 deg. */
+  double roll_max_deg; /* The same of a turn about the optical axis. 0.05 .. 2.0 deg. */
+  double step_px; /* The correction is changed when that moves rows by more than this, root mean square over the image: below, a calibration is left as it is. 0.02 .. 2.0 px. */
+  double drift_deg; /* Standard deviation of how far pitch and roll drift in a second: smaller values average for longer. Sudden turns are followed whatever it is. 0.0 .. 1.0 deg. */
+  double lost_s; /* The alarm is raised, too, when the images have texture but their rows agree on no turn for so long. 0.1 .. 60.0 s. */
+  unsigned char reserved[208];
+} vista_alignment_params;
+
 /* All parameters. vista_parameters_default makes the struct; change its members afterwards. A newer library
  * keeps its new parameters behind those of this header and in the reserved parts, and fills them in there. */
 typedef struct vista_parameters {
@@ -331,6 +345,7 @@ typedef struct vista_parameters {
   vista_thin_params thin;
   vista_host_params host;
   vista_mavlink_params mavlink;
+  vista_alignment_params alignment;
 } vista_parameters;
 
 /* Writes the defaults into a struct of this size. VISTA_ERROR_SIZE: it is no size of this struct. */

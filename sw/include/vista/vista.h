@@ -18,6 +18,7 @@
 #ifndef VISTA_VISTA_H
 #define VISTA_VISTA_H
 
+#include "vista/alignment.h"
 #include "vista/api.h"
 #include "vista/board.h"
 #include "vista/directions.h"

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Protocol, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vista import parameters
+from vista.correction import Correction, RectifyingEngine
 from vista.engine import LR_OFF, RECTIFYING_ENGINES, Engine, EngineParameters, create_engine
 from vista.engine.board import DEFAULT_TIMEOUT_S
 from vista.errors import InputError
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
     from vista.geometry import Array, Pose
     from vista.pipeline import Motion, Result
 
-TIMED = ("read", "rectify", "stereo", "odometry", "host")  # what the total of a frame is made of
+TIMED = ("read", "rectify", "stereo", "alignment", "odometry", "host")  # what the total of a frame is made of
 
 
 class HostPipeline(Protocol):
@@ -49,12 +50,15 @@ class Chain:
     pipeline: HostPipeline
     engine_rectifies: bool = False  # the engine takes raw images
     odometry: StereoOdometry | None = None  # where the poses come from, if not from the sequence
+    correction: Correction | None = None  # of the calibration, in flight
 
     def reset(self) -> None:
         """What comes next does not continue what came before."""
         self.pipeline.reset()
         if self.odometry is not None:
             self.odometry.reset()
+        if self.correction is not None:
+            self.correction.reset()
 
 
 def engine_parameters(values: parameters.Values) -> EngineParameters:
@@ -99,7 +103,11 @@ def make_chain(
     except ValueError as error:
         raise InputError(sequence.name, f"images of {camera.width}x{camera.height} px: {error}") from None
     odometry = StereoOdometry(camera) if sequence.odometry else None
-    return Chain(sequence, rectifier, engine, pipeline, grids is not None, odometry)
+    correction = None
+    if values["alignment"]["correct"] == "on" and not sequence.stills:  # stills have no time to agree in
+        rectifying = cast(RectifyingEngine, engine) if grids is not None else None
+        correction = Correction(rectifier, values, rectifying)
+    return Chain(sequence, rectifier, engine, pipeline, grids is not None, odometry, correction)
 
 
 @dataclass(frozen=True)
@@ -130,6 +138,10 @@ def process_frame(chain: Chain, raw: Frame, clock: StageClock) -> Step:
         matched = raw if chain.engine_rectifies else frame
         levels = list(chain.engine.levels(matched.left, matched.right))
     anew = chain.sequence.stills
+    alignment = None
+    if chain.correction is not None:
+        with clock.stage("alignment"):
+            alignment = chain.correction.update(frame)
     if chain.odometry is not None:
         restarts = chain.odometry.restarts
         with clock.stage("odometry"):
@@ -157,6 +169,7 @@ def process_frame(chain: Chain, raw: Frame, clock: StageClock) -> Step:
         result.path_seen_m,
         velocity_camera_m_s=_in_camera(result.motion),
         directions=result.directions,
+        alignment=alignment,
     )
     return Step(raw, frame, levels, result, record, anew)
 

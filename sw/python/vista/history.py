@@ -14,6 +14,7 @@ from vista.geometry import Array, Pose
 from vista.health.finding import FrameHealth
 
 if TYPE_CHECKING:
+    from vista.alignment import Alignment
     from vista.pipeline import Directions, Nearest, Obstacle
 
 
@@ -33,6 +34,7 @@ class FrameRecord:
     health: FrameHealth = field(default_factory=FrameHealth)  # empty where no checks are made
     velocity_camera_m_s: Array | None = None  # (3,); None: not known
     directions: Directions | None = None  # that are free
+    alignment: Alignment | None = None  # of the cameras against each other; None: not looked at
 
     def in_camera(self, position_m: Array) -> Array:
         """A position in the world, (3,), in the frame of the camera. What is not finite stays so."""

@@ -9,6 +9,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from vista.alignment import Turn
 from vista.control_grid import BUFFER_ROWS, Filter, Grid, GridPair, by_grid, check_rows, control_grid
 from vista.errors import InputError
 from vista.fisheye import rectified_fisheyes
@@ -33,6 +34,7 @@ class Rectifier:
     is_passthrough: the input is rectified already (no distortion, equal cameras, aligned rows); frames then
     come back as they are, not resampled.
     grids: what rectifies them, if control grids do.
+    applied: the turn of the right camera against its calibration that right images are rectified for.
     """
 
     def __init__(self, raw: RawCalibration, buffer_rows: int = 0) -> None:
@@ -46,27 +48,52 @@ class Rectifier:
             raise InputError("stereo.rectify_rows", f"must be 0 or one of {allowed}, not {buffer_rows}")
         check_side_by_side(raw)
         self.grids: GridPair | None = None
+        self.applied = Turn()
+        self._source = raw.source
+        self._left: Filter = _unchanged
+        self._right: Filter = _unchanged
         self.is_passthrough = _is_rectified(raw)
         if self.is_passthrough:
             self._left_from_rectified = Pose()
             self.calibration = _calibration(
                 raw.left, raw.left.matrix, -float(raw.right_from_left.translation_m[0])
             )
+            self._right_camera = (raw.right, np.eye(3), raw.right.matrix)
             return
         left, right = rectified_cameras(raw)
         cameras = ((raw.left, *left), (raw.right, *right))
+        self._right_camera = cameras[1]
         if buffer_rows == 0:
             self._left, self._right = (_exact(camera, R, P) for camera, R, P in cameras)
         else:
             grids = [_fitting_grid(camera, R, P, buffer_rows, raw.source) for camera, R, P in cameras]
             self.grids = GridPair(grids[0], grids[1], (raw.left.width, raw.left.height), buffer_rows)
             self._left, self._right = (by_grid(grid) for grid in grids)
+            self._calibrated = grids[1]
         self._left_from_rectified = Pose(left[0].T)
         self.calibration = _calibration(raw.left, left[1], float(-right[1][0, 3] / right[1][0, 0]))
 
+    def align(self, turn: Turn) -> None:
+        """From now on rectifies the right images of a camera that has turned like this.
+
+        InputError, and nothing has changed, when the line buffer has too few rows for it."""
+        if self.grids is None:
+            camera, R, P = self._right_camera
+            untouched = self.is_passthrough and turn == Turn()
+            self._right = _unchanged if untouched else _exact(camera, turn.rotation().T @ R, P)
+        else:
+            try:
+                grid = turn.grid(self.calibration, self._calibrated)
+            except ValueError as error:
+                raise InputError(self._source, f"no control grid for the turn: {error}") from None
+            check_rows(grid, self.grids.size, self.grids.buffer_rows, self._source)
+            self.grids = dataclasses.replace(self.grids, right=grid)
+            self._right = by_grid(grid)
+        self.applied = turn
+
     def rectify(self, frame: Frame) -> Frame:
         """The rectified pair, with the pose of the rectified left camera."""
-        if self.is_passthrough:
+        if self.is_passthrough and self.applied == Turn():
             return frame
         pose = frame.world_from_camera
         return dataclasses.replace(
@@ -142,6 +169,10 @@ def _calibration(camera: CameraModel, K: Array, baseline_m: float) -> Calibratio
     return Calibration(
         camera.width, camera.height, float(K[0, 0]), float(K[0, 2]), float(K[1, 2]), baseline_m
     )
+
+
+def _unchanged(image: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    return image
 
 
 def _exact(camera: CameraModel, R: Array, P: Array) -> Filter:

@@ -76,9 +76,8 @@ def _run_frame(chain: Chain, files: FrameFiles, monitor: HealthMonitor, outputs:
     clock = StageClock()
     step = run_frame(chain, files)
     with clock.stage("checks"):  # neither this nor the output is part of the total
-        record = replace(
-            step.record, health=monitor.check(step.raw, step.frame, step.result.health, step.anew)
-        )
+        health = monitor.check(step.raw, step.frame, step.result.health, step.record.alignment, step.anew)
+        record = replace(step.record, health=health)
     with clock.stage("output"):
         if outputs.recorder is not None:
             outputs.recorder.write(step.frame, step.levels, step.anew)

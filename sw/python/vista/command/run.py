@@ -32,6 +32,7 @@ from vista.engine import REMOTE_ENGINES
 from vista.engine.board import DEFAULT_TIMEOUT_S
 from vista.engine.rtl import DEFAULT_WIDTH_PX
 from vista.errors import EXIT_INTERRUPTED, EXIT_OK, InputError
+from vista.health.alignment_summary import summarize_alignment
 from vista.health.summary import problem_lines, summarize_health
 from vista.history import FrameRecord, stage_statistics
 from vista.interruption import Interruption
@@ -217,6 +218,7 @@ def make_summary(
         "stills": chain.sequence.stills,
         "frames": len(records),
         "health": summarize_health(records),
+        "alignment": summarize_alignment(records),
         "engine": engine_name,
         "camera": asdict(chain.rectifier.calibration),
         "rectified": not chain.rectifier.is_passthrough,

@@ -71,6 +71,12 @@ class BoardEngine:
             )
         self._configure(width_px, height_px)
 
+    def load_map(self, grids: GridPair) -> None:
+        """Rectifies by another map of the same size from now on; the board begins another session for it."""
+        self._grids = grids
+        if self._size is not None:
+            self._configure(*self._size)
+
     def compute(self, left: Image, right: Image) -> Disparity:
         """The words of level 0."""
         return next(self.levels(left, right))

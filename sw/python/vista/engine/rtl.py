@@ -83,7 +83,7 @@ class RtlEngine:
             raise ImportError(f"libvista_rtl_{build}.so holds another build: delete it")
         if grids is not None:
             self.check_size(*grids.size)
-            self._load_map(grids)
+            self.load_map(grids)
 
     def compute(self, left: Image, right: Image) -> Disparity:
         """The words of level 0."""
@@ -95,7 +95,8 @@ class RtlEngine:
         self.check_size(left.shape[1], left.shape[0])
         return iter(self._match(left, right))
 
-    def _load_map(self, grids: GridPair) -> None:
+    def load_map(self, grids: GridPair) -> None:
+        """Rectifies by another map of the same size from now on."""
         left, right = np.ascontiguousarray(grids.left), np.ascontiguousarray(grids.right)
         buffer = self._ffi.from_buffer
         refused = self._lib.vista_rtl_load_map(

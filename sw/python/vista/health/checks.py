@@ -14,6 +14,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from vista.alignment import Alignment
+from vista.alignment import State as AlignmentState
 from vista.geometry import CameraModel, RawCalibration
 from vista.health.features import Grey, PairMatches
 from vista.health.finding import Finding, Reason, State
@@ -130,6 +132,20 @@ def check_pair(matches: PairMatches) -> Finding | None:
 def _unrelated(text: str) -> Finding:
     question = "do left and right image, in this order, show one moment?"
     return Finding(Reason.MOMENTS_DIFFER, State.BLIND, f"{text}: {question}")
+
+
+# ---- of the alignment of the cameras ----
+
+
+def check_alignment(alignment: Alignment) -> Finding | None:
+    """The right camera has turned by an angle that can be corrected; libvista has judged it."""
+    if alignment.health == State.HEALTHY:
+        return None
+    text = "the images have texture, but their rows agree on no turn of the right camera"
+    if alignment.state == AlignmentState.BEYOND:
+        text = "the right camera has turned against its calibration by more than is corrected"
+    question = "has a camera moved?"
+    return Finding(Reason.ALIGNMENT_LOST, alignment.health, f"{text}: {question}")
 
 
 # ---- of the motion ----

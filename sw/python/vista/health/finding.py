@@ -32,6 +32,7 @@ class Reason(StrEnum):
     POSE_JUMP = "pose_jump"
     NOISE = "noise"
     GROUND_UNSEEN = "ground_unseen"
+    ALIGNMENT_LOST = "alignment_lost"
 
 
 @dataclass(frozen=True)

@@ -10,6 +10,7 @@ from vista.health.finding import Finding, FrameHealth, Reason, State
 from vista.sequence import Frame, Sequence
 
 if TYPE_CHECKING:
+    from vista.alignment import Alignment
     from vista.pipeline import Health
 
 FEATURES = 400
@@ -35,9 +36,16 @@ class HealthMonitor:
         self._frames = 0
         self._checked_fraction = 0.0
 
-    def check(self, raw: Frame, frame: Frame, host: Health, anew: bool = False) -> FrameHealth:
-        """raw: as read; frame: rectified; host: what libvista says of the same frame; anew: it was told to
-        forget what came before."""
+    def check(
+        self,
+        raw: Frame,
+        frame: Frame,
+        host: Health,
+        alignment: Alignment | None = None,
+        anew: bool = False,
+    ) -> FrameHealth:
+        """raw: as read; frame: rectified; host: what libvista says of the same frame; alignment: of the
+        cameras, where that is looked at; anew: the host was told to forget what came before."""
         shown = (
             checks.check_contrast("left", raw.left)
             or checks.check_contrast("right", raw.right)
@@ -45,10 +53,11 @@ class HealthMonitor:
         )
         pair = None if shown else self._check_pair(frame, host.matched_fraction)
         motion = self._check_motion(frame) if self._watch_motion else None
+        aligned = None if alignment is None else checks.check_alignment(alignment)
         self._before = frame
         self._frames += 1
         lost = LOST_ITS_WAY if anew and not self._stills else None
-        found = self.of_run + _present(shown, pair, motion, lost)
+        found = self.of_run + _present(shown, aligned, pair, motion, lost)
         named = {finding.reason for finding in found}
         return FrameHealth(found + tuple(f for f in findings_of_host(host) if f.reason not in named))
 

@@ -83,8 +83,10 @@ class LiveLoop:
 
     def _process(self, shot: Shot, listeners: Sequence[Listener]) -> None:
         step = process_frame(self.chain, shot.frame, StageClock())
-        health = self._monitor.check(step.raw, step.frame, step.result.health, step.anew)
-        record = replace(step.record, health=health)
+        found = self._monitor.check(
+            step.raw, step.frame, step.result.health, step.record.alignment, step.anew
+        )
+        record = replace(step.record, health=found)
         seen = Seen(step, record, shot.exposed_ns)
         for listener in listeners:
             listener.take(seen)

@@ -13,6 +13,7 @@ from threading import Condition, Lock, Thread
 from typing import Any
 from urllib.parse import urlsplit
 
+from vista.alignment import Alignment
 from vista.chain import Chain
 from vista.errors import InputError
 from vista.live.loop import Seen, Totals
@@ -112,6 +113,7 @@ class LivePage:
                 "stage_ms": seen.record.stage_ms,
                 "reasons": [finding.text for finding in seen.record.health.findings],
                 "line": obstacle_fields(seen.record),
+                "alignment": alignment_facts(seen.record.alignment),
             }
         return state | self._facts()
 
@@ -131,6 +133,19 @@ class LivePage:
     def newest_ns(self) -> int | None:
         """When the newest frame was exposed."""
         return None if self._seen is None else self._seen.exposed_ns
+
+
+def alignment_facts(alignment: Alignment | None) -> dict[str, Any] | None:
+    """The turn of the right camera that is corrected; None: it is not looked at."""
+    if alignment is None:
+        return None
+    turn = alignment.correction
+    return {
+        "state": alignment.state,
+        "pitch_deg": turn.pitch_deg,
+        "roll_deg": turn.roll_deg,
+        "row_error_px": alignment.row_error_px,
+    }
 
 
 def rate_hz(done_s: tuple[float, ...], now_s: float) -> float:

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vista.geometry import Pose
+from vista.health.alignment_summary import alignment_card
 from vista.health.finding import Reason, State
 from vista.history import FrameRecord
 from vista.report.labels import obstacle_name
@@ -238,6 +239,8 @@ def make_cards(summary: Data, records: list[FrameRecord]) -> list[tuple[str, str
             (str(summary["obstacles_confirmed"]), "obstacles tracked", "confirmed over several frames"),
             (str(len(hits)), "frames with a collision warning", _remark(summary, hits)),
         ]
+    if summary["alignment"] is not None:
+        cards.append(alignment_card(summary))
     rate = 1e3 / max(total["median"], 1e-3)
     return [
         *cards,

@@ -55,7 +55,7 @@ def fly(detector: Detector, sequence: Sequence, records: list[FrameRecord], obst
     monitor = HealthMonitor(sequence)
     for files in sequence.frames:
         step = run_frame(chain, files)
-        health = monitor.check(step.raw, step.frame, step.result.health, step.anew)
+        health = monitor.check(step.raw, step.frame, step.result.health, step.record.alignment, step.anew)
         obstacles |= {obstacle.id for obstacle in step.record.obstacles if obstacle.is_thing}
         records.append(replace(step.record, health=health, obstacles=()))
 

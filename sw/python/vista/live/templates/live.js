@@ -49,7 +49,9 @@ function figures() {
   say("nearest", nearest ? metres(nearest.distance_m) : "none");
   say("nearest_at", nearest && nearest.time_to_collision_s !== null ? `in ${nearest.time_to_collision_s.toFixed(1)} s` : "\u00a0");
   say("path", metres(Math.min(state.line.path_seen_m, nearest?.distance_m ?? Infinity)));
-  say("frame", `frame ${state.frame}`);
+  const turn = state.alignment, degrees = (x) => `${x < 0 ? "" : "+"}${x.toFixed(2)}°`;
+  const aligned = turn ? `; right camera corrected by ${degrees(turn.pitch_deg)} in pitch, ${degrees(turn.roll_deg)} in roll` : "";
+  say("frame", `frame ${state.frame}${aligned}`);
 }
 
 function table() {

@@ -1,0 +1,192 @@
+"""How fast the rows match again after the right camera has turned, and what that costs.
+
+usage: alignment.py OUT.json [--figure PNG] [FLIGHT ...]
+
+Recordings are those of sw/tests/test_alignment_real.py, and rendered flights whose folders are given. They
+are played at 25 pairs/s, forwards and backwards; the right images are turned after 0.8 s. What is measured is
+not what corrects: the rows of SIFT features over all recordings of a group, with their median and 90th
+percentile."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+import time
+from collections import defaultdict
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
+
+import turned_camera as turned
+from test_alignment_real import RECORDINGS
+from turned_camera import degrees
+from vista.alignment import Alignment, Estimator, Turn
+from vista.geometry import Calibration
+from vista.rectify import Rectifier
+from vista.sequence import open_sequence
+
+BEFORE, AFTER = 20, 51  # frames
+TIMES_S = (0.0, 0.5, 1.0, 2.0)
+LOOKED_AT = (-2, 0, 2, 4, 5, 6, 8, 12, 16, 25, 38, 50)  # frames from the turn on
+FEATURES = 1000
+RATIO = 0.6  # of the distance of the best descriptor to that of the second best
+ROW_LIMIT_PX = 20.0  # what lies farther apart is taken for a false match
+CASES = {
+    "no turn": Turn(),
+    "pitch 0.5": degrees(0.5, 0.0),
+    "roll 0.5": degrees(0.0, 0.5),
+    "both 0.5": degrees(-0.5, 0.5),
+    "pitch 3": degrees(3.0, 0.0),
+}
+
+
+@dataclass(frozen=True)
+class Recording:
+    group: str
+    camera: Calibration
+    pairs: turned.Pairs
+
+
+def recording(group: str, place: Path) -> Recording:
+    sequence = open_sequence(place)
+    rectifier, last = Rectifier(sequence.calibration), len(sequence.frames) - 1
+
+    @cache
+    def pair(index: int) -> tuple[turned.Grey, turned.Grey]:
+        frame = rectifier.rectify(sequence.read(sequence.frames[index]))
+        return frame.left, frame.right
+
+    def played(k: int) -> tuple[turned.Grey, turned.Grey]:
+        return pair(last - abs(last - k % (2 * last)))
+
+    return Recording(group, rectifier.calibration, played)
+
+
+@dataclass(frozen=True)
+class Measured:
+    rows_px: np.ndarray  # of SIFT features, without the sign
+    alignment: Alignment | None
+    applied: Turn
+    cost_ms: float
+
+
+def sift_rows_px(left: turned.Grey, right: turned.Grey) -> np.ndarray:
+    """How far apart in rows features lie that have a disparity from 0 to a fifth of the width."""
+    sift, matcher = cv2.SIFT.create(FEATURES), cv2.BFMatcher()
+    points, words = zip(*(sift.detectAndCompute(image, None) for image in (left, right)), strict=True)
+    pairs = matcher.knnMatch(*words, k=2)
+    best = [pair[0] for pair in pairs if len(pair) == 2 and pair[0].distance < RATIO * pair[1].distance]
+    shifts = np.array([np.subtract(points[0][m.queryIdx].pt, points[1][m.trainIdx].pt) for m in best])
+    disparity_px, rows_px = shifts.reshape(-1, 2).T
+    plausible = (disparity_px > -2.0) & (disparity_px < left.shape[1] / 5) & (np.abs(rows_px) < ROW_LIMIT_PX)
+    return np.abs(rows_px[plausible])
+
+
+def fly(one: Recording, turn: Turn, corrects: bool, wanted: tuple[int, ...]) -> dict[int, Measured]:
+    """The wanted frames, counted from the turn on."""
+    estimator, applied = Estimator(one.camera), Turn()
+    found: dict[int, Measured] = {}
+    for k in range(BEFORE + AFTER):
+        left, right = one.pairs(k)
+        right = turned.seen(right, one.camera, turn if k >= BEFORE else Turn(), applied)
+        start_s = time.perf_counter()
+        alignment = estimator.update(left, right, 1 + round(1e9 * k / turned.RATE_HZ), applied)
+        cost_ms = 1e3 * (time.perf_counter() - start_s)
+        if k - BEFORE in wanted:
+            rows_px = sift_rows_px(left, right)
+            found[k - BEFORE] = Measured(rows_px, alignment, applied, cost_ms)
+        if corrects:
+            applied = alignment.correction
+    return found
+
+
+def percentiles(measured: list[Measured]) -> list[float] | None:
+    """Median and 90th."""
+    rows_px = np.concatenate([one.rows_px for one in measured])
+    if len(rows_px) < 100:
+        return None
+    return [round(float(value), 3) for value in np.percentile(rows_px, [50, 90])]
+
+
+def measure(recordings: list[Recording]) -> list[dict[str, Any]]:
+    """A row for each group and case."""
+    rows = []
+    for group in dict.fromkeys(one.group for one in recordings):
+        of_group = [one for one in recordings if one.group == group]
+        for case, turn in CASES.items():
+            runs = [fly(one, turn, True, LOOKED_AT) for one in of_group]
+            series = {k: percentiles([run[k] for run in runs]) for k in runs[0]}
+            at_end = [run[max(run)] for run in runs]
+            row = {
+                "group": group,
+                "recordings": len(runs),
+                "case": case,
+                "rows_px": {f"{t:g}": series[int(t * turned.RATE_HZ)] for t in TIMES_S},
+                "series": series,
+                "alarms": sum(one.alignment.health != "healthy" for one in at_end if one.alignment),
+                "corrected": sum(one.applied != Turn() for one in at_end),
+                "cost_ms": round(float(np.median([one.cost_ms for run in runs for one in run.values()])), 2),
+            }
+            if case == "no turn":
+                plain = [fly(one, turn, False, LOOKED_AT[-1:]) for one in of_group]
+                row["rows_uncorrected_px"] = percentiles([run[LOOKED_AT[-1]] for run in plain])
+            rows.append(row)
+            print(group, case, row["rows_px"], "alarms", row["alarms"], flush=True)
+    return rows
+
+
+def draw(rows: list[dict[str, Any]], path: Path) -> None:
+    """The median row error over time, a panel for each group."""
+    import matplotlib as mpl
+    from matplotlib.figure import Figure
+    from vista.report.plots import ACCENT, GOOD, MUTED, STYLE, WARNING
+
+    colours = dict(zip(list(CASES)[1:4], (ACCENT, WARNING, GOOD), strict=True))
+    groups: dict[str, list[dict[str, Any]]] = defaultdict(list)
+    for row in rows:
+        groups[row["group"]].append(row)
+    with mpl.rc_context(STYLE):
+        figure = Figure((3.2 * len(groups), 3.0), layout="constrained")
+        for axes, (group, of_group) in zip(
+            figure.subplots(1, len(groups), sharey=True, squeeze=False)[0], groups.items(), strict=True
+        ):
+            for row in of_group:
+                if row["case"] in colours:
+                    points = [
+                        (k / turned.RATE_HZ, px[0]) for k, px in row["series"].items() if px is not None
+                    ]
+                    axes.plot(
+                        *zip(*points, strict=True), ".-", color=colours[row["case"]], label=row["case"] + "°"
+                    )
+            axes.axhline(0.2, color=MUTED, linestyle="--", linewidth=1.0)
+            axes.set(title=group, xlabel="time after the turn (s)", yscale="log", ylim=(0.05, 20.0))
+        figure.axes[0].set_ylabel("row error, median (px)")
+        figure.axes[0].legend(frameon=False)
+        figure.savefig(path, dpi=110)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("out", type=Path)
+    parser.add_argument("flights", type=Path, nargs="*")
+    parser.add_argument("--figure", type=Path)
+    options = parser.parse_intermixed_args()
+    recordings = [recording(name, place) for name, (place, _) in RECORDINGS.items() if place.is_dir()]
+    recordings += [recording("rendered flights", flight) for flight in options.flights]
+    rows = measure(recordings)
+    if options.figure:
+        draw(rows, options.figure)
+    for row in rows:
+        del row["series"]
+    options.out.write_text(json.dumps({"rows": rows}, indent=1) + "\n")
+
+
+if __name__ == "__main__":
+    main()

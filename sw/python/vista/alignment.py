@@ -1,0 +1,155 @@
+"""How far the right camera has turned against its calibration: libvista estimates it (vista/alignment.h)."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vista import native, parameters
+from vista.geometry import Array, Calibration
+from vista.health.finding import State as Health
+
+Grid = NDArray[np.int16]
+
+
+@dataclass(frozen=True)
+class Turn:
+    """Of the right camera against its calibration: positive pitch looks up, positive roll lowers the right
+    side. A vertical shift counts as pitch."""
+
+    pitch_rad: float = 0.0
+    roll_rad: float = 0.0
+
+    @property
+    def pitch_deg(self) -> float:
+        return math.degrees(self.pitch_rad)
+
+    @property
+    def roll_deg(self) -> float:
+        return math.degrees(self.roll_rad)
+
+    def rotation(self) -> Array:
+        """(3, 3): from the rectified right camera as calibrated to the one that has turned."""
+        ffi, lib = native.load("vista")
+        rotation = ffi.new("double[9]")
+        lib.vista_turn_rotation(ffi.new("vista_turn *", (self.pitch_rad, self.roll_rad)), rotation)
+        return np.array(list(rotation)).reshape(3, 3)
+
+    def grid(self, camera: Calibration, calibrated: Grid) -> Grid:
+        """The control grid of the right camera, from that of its calibration; ValueError where its numbers do
+        not hold it."""
+        ffi, lib = native.load("vista")
+        calibrated = np.ascontiguousarray(calibrated)
+        turned = np.empty_like(calibrated)
+        rows, columns, _ = calibrated.shape
+        status = lib.vista_turn_grid(
+            ffi.new("vista_turn *", (self.pitch_rad, self.roll_rad)),
+            _c_camera(ffi, camera),
+            ffi.from_buffer("int16_t[]", calibrated),
+            columns,
+            rows,
+            ffi.from_buffer("int16_t[]", turned),
+        )
+        if status != lib.VISTA_OK:
+            raise ValueError(ffi.string(lib.vista_status_text(status)).decode())
+        return turned
+
+
+class State(StrEnum):
+    """What is known of the turn after a pair, as vista/alignment.h has it, in the same order."""
+
+    HELD = "held"
+    MEASURED = "measured"
+    BEYOND = "beyond"
+    LOST = "lost"
+
+
+@dataclass(frozen=True)
+class Alignment:
+    """The outcome of one pair."""
+
+    state: State
+    correction: Turn  # what the right image of the next pair is to be rectified for
+    changed: bool  # whether that is another turn than that of this pair
+    estimate: Turn
+    health: Health  # of this frame, as far as the alignment goes
+    row_error_px: float | None  # median distance of features from their rows; None: too few agree
+    row_error_90_px: float | None  # 90th percentile
+    features: int
+    matched: int
+    agreeing: int
+
+
+class Estimator:
+    """For one pair of cameras."""
+
+    def __init__(self, camera: Calibration, values: parameters.Values | None = None) -> None:
+        """ValueError for images that are too small."""
+        from vista.pipeline import c_parameters
+
+        self._ffi, self._lib = ffi, lib = native.load("vista")
+        c_values = c_parameters(ffi, lib, values or parameters.defaults())
+        c_camera = _c_camera(ffi, camera)
+        size = ffi.new("size_t *")
+        self._check(lib.vista_alignment_bytes(c_values, c_camera, size))
+        self._memory = ffi.new("unsigned char[]", size[0])
+        handle = ffi.new("vista_alignment **")
+        self._check(lib.vista_alignment_create(self._memory, size[0], c_values, c_camera, handle))
+        self._alignment = handle[0]
+        self._result = ffi.new("vista_alignment_result *")
+
+    def reset(self) -> None:
+        """Forgets everything but the calibration."""
+        self._lib.vista_alignment_reset(self._alignment)
+
+    def update(
+        self, left: NDArray[np.uint8], right: NDArray[np.uint8], t_ns: int, applied: Turn
+    ) -> Alignment:
+        """A rectified pair; applied: what its right image was rectified for. ValueError for images of another
+        size and times that do not increase."""
+        ffi, r = self._ffi, self._result
+        images = [np.ascontiguousarray(image) for image in (left, right)]
+        c_images = [
+            ffi.new(
+                "vista_image *", (ffi.from_buffer("uint8_t[]", image), *image.shape[::-1], image.shape[1])
+            )
+            for image in images
+        ]
+        turn = ffi.new("vista_turn *", (applied.pitch_rad, applied.roll_rad))
+        self._check(self._lib.vista_alignment_update(self._alignment, *c_images, t_ns, turn, r))
+        return Alignment(
+            state=list(State)[r.state],
+            correction=_turn(r.correction),
+            changed=r.changed,
+            estimate=_turn(r.estimate),
+            health=self._health(),
+            row_error_px=r.row_error_px if r.rows_known else None,
+            row_error_90_px=r.row_error_90_px if r.rows_known else None,
+            features=r.features,
+            matched=r.matched,
+            agreeing=r.agreeing,
+        )
+
+    def _health(self) -> Health:
+        health = self._ffi.new("vista_health *")
+        self._lib.vista_alignment_judge(self._result, health)
+        name = self._lib.vista_health_state_name(health.state)
+        return Health(self._ffi.string(name).decode())
+
+    def _check(self, status: int) -> None:
+        if status != self._lib.VISTA_OK:
+            raise ValueError(self._ffi.string(self._lib.vista_status_text(status)).decode())
+
+
+def _turn(c: Any) -> Turn:
+    return Turn(c.pitch_rad, c.roll_rad)
+
+
+def _c_camera(ffi: Any, camera: Calibration) -> Any:
+    values = (camera.width, camera.height, camera.focal_px, camera.cx, camera.cy, camera.baseline_m)
+    return ffi.new("vista_camera *", values)

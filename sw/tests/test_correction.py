@@ -1,0 +1,227 @@
+"""The calibration is corrected in flight: right images are rectified for the turn that was found, by OpenCV
+and by control grids, and a run tells of it."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+import turned_camera as turned
+from command_line import Vista, call
+from obstacle_schema import valid_lines
+from random_seed import seeded
+from sequence_cases import write_image
+from test_control_grid import WIDE, rig
+from test_rectify import RAW, blob_centre, draw_spheres
+from turned_camera import degrees
+from vista import parameters
+from vista.alignment import State, Turn
+from vista.chain import make_chain, process_frame
+from vista.control_grid import GridPair, control_grid
+from vista.correction import Correction
+from vista.geometry import Calibration, CameraModel, Pose, RawCalibration, camera_matrix
+from vista.health.finding import Reason
+from vista.health.finding import State as Health
+from vista.history import StageClock
+from vista.rectify import Rectifier, rectified_cameras
+from vista.sequence import Frame, Sequence
+
+ON = "[alignment]\ncorrect = 'on'\n"
+CAMERA = Calibration(320, 240, 300.0, 159.5, 119.5, 0.25)
+TURN = degrees(0.7, -0.6)
+
+
+# ---- the map ----
+
+
+@pytest.mark.parametrize("buffer_rows", [0, 128])
+def test_a_camera_that_has_turned_is_rectified_to_where_it_was(buffer_rows: int) -> None:
+    """The turn is about the axes of the rectified camera, in the raw images of a lens."""
+    _, (R, P) = rectified_cameras(RAW)
+    turn_of_rays = R.T @ TURN.rotation() @ R
+    right_from_left = Pose(turn_of_rays, np.zeros(3)) @ RAW.right_from_left
+    places_m = np.array([(x, y, 4.0) for x in (-1.2, 0.0, 0.9) for y in (-0.9, 0.1, 0.8)])
+    rectifier = Rectifier(RAW, buffer_rows)
+    rectifier.align(TURN)
+    for place_m in places_m:
+        image = draw_spheres(RAW.right, right_from_left, place_m[np.newaxis])
+        found = rectifier.rectify(Frame(0, 0, image, image, None)).right
+        x, y, z = P[:, :3] @ R @ RAW.right_from_left.apply(place_m)
+        u, v = x / z, y / z
+        assert blob_centre(found, u, v) == pytest.approx((u, v), abs=0.15)
+    rectifier.align(Turn())
+    np.testing.assert_array_equal(
+        rectifier.rectify(Frame(0, 0, image, image, None)).right,
+        Rectifier(RAW, buffer_rows).rectify(Frame(0, 0, image, image, None)).right,
+    )
+
+
+def test_the_grid_of_a_turn_is_that_of_the_camera_that_has_turned() -> None:
+    """Up to the bend of the map between control points, and two roundings."""
+    _, (R, P) = rectified_cameras(WIDE)
+    random, camera = seeded(1), Rectifier(WIDE).calibration
+    calibrated = control_grid(WIDE.right, R, P, "")
+    np.testing.assert_array_equal(Turn().grid(camera, calibrated), calibrated)
+    bend = sum(np.abs(np.diff(calibrated.astype(int), 2, axis)).max() / 8 for axis in (0, 1))
+    for _ in range(20):
+        turn = degrees(*random.uniform(-1.0, 1.0, 2))
+        exact = control_grid(WIDE.right, turn.rotation().T @ R, P, "")
+        off = np.abs(turn.grid(camera, calibrated).astype(int) - exact)[1:-2, 1:-2]
+        assert off.max() <= bend + 1
+
+
+def test_a_rectified_pair_is_not_resampled_without_a_turn() -> None:
+    raw = RawCalibration(*[pinhole()] * 2, Pose(np.eye(3), np.array([-0.25, 0.0, 0.0])), "")
+    rectifier = Rectifier(raw)
+    left, right = turned.textured_flight(CAMERA, seeded(2))(0)
+    frame = Frame(0, 0, left, turned.seen(right, CAMERA, TURN), None)
+    assert rectifier.rectify(frame) is frame
+    rectifier.align(TURN)
+    aligned = rectifier.rectify(frame)
+    assert aligned.left is left
+    inner = (slice(20, -20), slice(20, -20))
+    assert np.abs(aligned.right[inner].astype(int) - right[inner]).mean() < 2.0
+    assert np.abs(frame.right[inner].astype(int) - right[inner]).mean() > 5.0
+    rectifier.align(Turn())
+    assert rectifier.rectify(frame) is frame
+
+
+def pinhole() -> CameraModel:
+    return CameraModel(CAMERA.width, CAMERA.height, camera_matrix(300.0, 300.0, CAMERA.cx, CAMERA.cy))
+
+
+class Hardware:
+    """An engine that rectifies."""
+
+    def __init__(self) -> None:
+        self.maps: list[GridPair] = []
+
+    def load_map(self, grids: GridPair) -> None:
+        self.maps.append(grids)
+
+
+def test_an_engine_that_rectifies_is_given_the_map() -> None:
+    rectifier, engine = Rectifier(WIDE, 128), Hardware()
+    before, pairs = rectifier.grids, turned.textured_flight(rectifier.calibration, seeded(3))
+    correction = Correction(rectifier, parameters.defaults(), engine)
+    for k in range(12):
+        left, right = pairs(k)
+        right = turned.seen(right, rectifier.calibration, degrees(0.3, 0.0), rectifier.applied)
+        correction.update(Frame(k, 1 + 40_000_000 * k, left, right, None))
+    assert len(engine.maps) >= 1
+    assert engine.maps[-1] == rectifier.grids
+    assert engine.maps[-1].left is before.left
+    assert rectifier.applied.pitch_deg == pytest.approx(0.3, abs=0.03)
+    correction.reset()
+    assert rectifier.applied == Turn()
+    np.testing.assert_array_equal(engine.maps[-1].right, before.right)
+
+
+def test_a_turn_that_the_line_buffer_does_not_reach_raises_the_alarm() -> None:
+    """The rig needs all of its 32 rows already."""
+    rectifier, engine = Rectifier(rig(0.0, 0.0, 0.4), 32), Hardware()
+    grid, camera = rectifier.grids.right, rectifier.calibration
+    pairs, turn = turned.textured_flight(camera, seeded(4)), degrees(-0.5, 0.0)
+    correction = Correction(rectifier, parameters.defaults(), engine)
+    for k in range(12):
+        left, right = pairs(k)
+        frame = Frame(k, 1 + 40_000_000 * k, left, turned.seen(right, camera, turn), None)
+        found = correction.update(frame)
+    assert (found.state, found.health, found.changed) == (State.BEYOND, Health.BLIND, False)
+    assert rectifier.applied == Turn()
+    assert rectifier.grids.right is grid
+    assert engine.maps == []
+
+
+# ---- a run ----
+
+
+@pytest.fixture
+def run_vista(capsys: pytest.CaptureFixture[str]) -> Vista:
+    return partial(call, capsys)
+
+
+def make_flight(folder: Path, turn: Turn, first: int, frames: int) -> Path:
+    """A flight at 25 frames/s, in which the right camera turns with frame `first`."""
+    pairs = turned.textured_flight(CAMERA, seeded(5))
+    folder.mkdir()
+    (folder / "calibration.toml").write_text("focal_px = 300.0\ncx = 159.5\ncy = 119.5\nbaseline_m = 0.25\n")
+    rows = []
+    for k in range(frames):
+        left, right = pairs(k)
+        write_image(folder / f"{k:04d}_left.png", left)
+        write_image(folder / f"{k:04d}_right.png", turned.seen(right, CAMERA, turn if k >= first else Turn()))
+        rows.append(f"{k:04d},{40_000_000 * k}\n")
+    (folder / "times.csv").write_text("name,t_ns\n" + "".join(rows))
+    return folder
+
+
+def test_a_run_corrects_a_turn_in_flight_and_says_so(tmp_path: Path, run_vista: Vista) -> None:
+    folder = make_flight(tmp_path / "flight", degrees(0.5, 0.0), 10, 40)
+    (tmp_path / "on.toml").write_text(ON)
+    valid = {}
+    for name, options in (("on", ["--config", tmp_path / "on.toml"]), ("off", [])):
+        out = tmp_path / name
+        status, _, _ = run_vista("run", folder, "--out", out, "--no-overlay", *options)
+        assert status == 0
+        lines = valid_lines(out)
+        assert all(Reason.ALIGNMENT_LOST not in line["health"]["reasons"] for line in lines)
+        valid[name] = np.mean([line["valid_fraction"] for line in lines[25:]])
+        alignment = json.loads((out / "summary.json").read_text())["alignment"]
+        if name == "off":
+            assert alignment is None
+            continue
+        assert alignment["pitch_deg"] == pytest.approx(0.5, abs=0.03)
+        assert alignment["roll_deg"] == pytest.approx(0.0, abs=0.05)
+        assert alignment["row_error_px"] < 0.3 and alignment["changes"] >= 1
+        assert sum(alignment["frames"].values()) == 40
+        assert "corrected at the end" in (out / "report.html").read_text()
+    assert valid["on"] > 1.5 * valid["off"]
+
+
+def test_a_run_raises_the_alarm_when_a_turn_is_too_large(tmp_path: Path, run_vista: Vista) -> None:
+    folder, out = make_flight(tmp_path / "flight", degrees(3.0, 0.0), 10, 50), tmp_path / "out"
+    (tmp_path / "on.toml").write_text(ON)
+    status, stdout, stderr = run_vista(
+        "run", folder, "--out", out, "--no-overlay", "--config", tmp_path / "on.toml"
+    )
+    assert status == 0
+    told = [line["frame"] for line in valid_lines(out) if "alignment_lost" in line["health"]["reasons"]]
+    assert told and 10 < told[0] <= 40 and told[-1] == 49
+    assert "has a camera moved?" in stdout and "has a camera moved?" in stderr
+
+
+def test_another_flight_begins_with_the_calibration(tmp_path: Path) -> None:
+    raw = RawCalibration(*[pinhole()] * 2, Pose(np.eye(3), np.array([-0.25, 0.0, 0.0])), "")
+    sequence = Sequence("two flights", "pairs", raw, ())
+    values = parameters.defaults()
+    values["alignment"] = values["alignment"] | {"correct": "on"}
+    chain = make_chain(sequence, "golden", values, 1)
+    pairs = turned.textured_flight(CAMERA, seeded(6))
+    for k in range(8):
+        left, right = pairs(k)
+        right = turned.seen(right, CAMERA, degrees(0.5, 0.0))
+        step = process_frame(chain, Frame(k, 40_000_000 * k, left, right, None), StageClock())
+        assert "alignment" in step.record.stage_ms
+    assert chain.rectifier.applied != Turn()
+    chain.reset()
+    assert chain.rectifier.applied == Turn()
+    left, right = pairs(0)
+    step = process_frame(chain, Frame(0, 0, left, right, None), StageClock())
+    assert step.record.alignment.row_error_px < 0.3
+    assert make_chain(replace(sequence, stills=True), "golden", values, 1).correction is None
+    assert make_chain(sequence, "golden", parameters.defaults(), 1).correction is None
+
+
+def test_the_picture_says_nothing_of_what_cv2_makes_of_a_homography() -> None:
+    """The tests' own images: a homography of the rays is what the library's rotation means."""
+    turn, place = degrees(0.8, 0.5), np.array([0.2, -0.1, 1.0])
+    seen = turned.homography(CAMERA, turn) @ np.array([159.5 + 300 * 0.2, 119.5 - 300 * 0.1, 1.0])
+    axis = cv2.Rodrigues(np.array([turn.pitch_rad, 0.0, turn.roll_rad]))[0]
+    x, y, z = axis.T @ place  # the camera turns one way, what it sees the other
+    assert seen[:2] / seen[2] == pytest.approx((159.5 + 300 * x / z, 119.5 + 300 * y / z), abs=1e-6)

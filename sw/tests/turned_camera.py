@@ -1,0 +1,102 @@
+"""Pairs whose right camera has turned against its calibration, and the loop that corrects it, for tests."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+from vista import parameters
+from vista.alignment import Alignment, Estimator, Turn
+from vista.geometry import Calibration, camera_matrix
+
+Grey = NDArray[np.uint8]
+Pairs = Callable[[int], tuple[Grey, Grey]]  # number of a frame -> rectified pair of cameras as calibrated
+RATE_HZ = 25.0
+
+
+def degrees(pitch: float, roll: float) -> Turn:
+    return Turn(math.radians(pitch), math.radians(roll))
+
+
+def homography(camera: Calibration, turn: Turn) -> NDArray[np.float64]:
+    """From pixels of the right camera as calibrated to those of the one that has turned."""
+    K = camera_matrix(camera.focal_px, camera.focal_px, camera.cx, camera.cy)
+    return np.asarray(K @ turn.rotation() @ np.linalg.inv(K), np.float64)
+
+
+def seen(right: Grey, camera: Calibration, turn: Turn, applied: Turn | None = None) -> Grey:
+    """What a camera that has turned shows in place of `right`, after it was rectified for `applied`."""
+    there = np.linalg.inv(homography(camera, turn)) @ homography(camera, applied or Turn())
+    if np.allclose(there / there[2, 2], np.eye(3), atol=1e-12):
+        return right
+    flags = cv2.INTER_CUBIC | cv2.WARP_INVERSE_MAP
+    moved = cv2.warpPerspective(right, there, right.shape[::-1], flags=flags, borderMode=cv2.BORDER_REPLICATE)
+    return np.asarray(moved, np.uint8)
+
+
+def rows_left_px(camera: Calibration, turn: Turn, applied: Turn) -> NDArray[np.float64]:
+    """By how much rows are really off, all over the image, once it is rectified for `applied`."""
+    v, u = np.mgrid[0 : camera.height : 16, 0 : camera.width : 16].astype(float)
+    points = (
+        np.stack([u, v, np.ones_like(u)], -1)
+        @ (np.linalg.inv(homography(camera, applied)) @ homography(camera, turn)).T
+    )
+    return np.abs(points[..., 1] / points[..., 2] - v).ravel()
+
+
+@dataclass(frozen=True)
+class Corrected:
+    """A frame, and how its right image was rectified."""
+
+    t_s: float
+    applied: Turn
+    turn: Turn
+    alignment: Alignment
+
+
+def corrected(
+    camera: Calibration,
+    pairs: Pairs,
+    turn_at: Callable[[int], Turn],
+    frames: int,
+    values: parameters.Values | None = None,
+    change: Callable[[int, Grey, Grey], tuple[Grey, Grey]] | None = None,
+) -> Iterator[Corrected]:
+    """The loop of a run. change: what becomes of the images after all."""
+    estimator, applied = Estimator(camera, values), Turn()
+    for k in range(frames):
+        left, right = pairs(k)
+        turn = turn_at(k)
+        right = seen(right, camera, turn, applied)
+        if change is not None:
+            left, right = change(k, left, right)
+        found = estimator.update(left, right, round(1e9 * (1.0 + k / RATE_HZ)), applied)
+        yield Corrected(k / RATE_HZ, applied, turn, found)
+        applied = found.correction
+
+
+def textured_flight(camera: Calibration, random: np.random.Generator, speed_px: int = 3) -> Pairs:
+    """Texture, slanted like ground below and like a wall above, that moves by so many pixels a frame."""
+    height, width = camera.height, camera.width
+    wide = width + 400
+    canvas = sum(
+        weight * cv2.GaussianBlur(random.normal(size=(height, wide)), (0, 0), sigma) * sigma
+        for sigma, weight in ((1.5, 60.0), (4.0, 120.0), (12.0, 120.0))
+    )
+    canvas = np.clip(128.0 + canvas, 0, 255).astype(np.float32)
+    v, u = np.mgrid[:height, :width].astype(np.float32)
+    disparity = np.where(v > 0.5 * height, 4.0 + 0.15 * (v - 0.5 * height), 10.0 + 0.02 * u).astype(
+        np.float32
+    )
+
+    def pair(k: int) -> tuple[Grey, Grey]:
+        start = 150 + speed_px * k % 200
+        right = np.rint(canvas[:, start : start + width]).astype(np.uint8)
+        left = cv2.remap(canvas, u - disparity + start, v, cv2.INTER_CUBIC)
+        return np.clip(np.rint(left), 0, 255).astype(np.uint8), right
+
+    return pair
