@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from measured_figures import ROOT, SYNTHESIS, as_text, measured
+from nextpnr_report import critical_path
 from synth_rtl import BIN, call
 from tools import sources
 
@@ -86,6 +87,7 @@ def place_and_route(folder: Path, seed: int) -> dict[str, Any]:
                 "name": clock_name(name),
                 "needed_mhz": round(found["constraint"], 1),
                 "reached_mhz": round(found["achieved"], 1),
+                "critical_path": critical_path(report, name),
             }
             for name, found in report["fmax"].items()
         ],

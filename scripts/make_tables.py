@@ -22,6 +22,7 @@ from itertools import pairwise
 from pathlib import Path
 
 from measured_figures import REDUCE, ROOT, STATISTICS, Record, figure_files, figures, file_of, save
+from nextpnr_report import sentence
 
 MARKED = re.compile(r"(<!-- table: ([a-z-]+) -->\n).*?(<!-- end of table -->)", re.DOTALL)
 
@@ -436,7 +437,7 @@ def synthesis_table() -> str:
         "disparities | block | width | device | speed | LUT4 | sites | flip-flops | block RAMs | "
         "multipliers | MHz: median (range)"
     )
-    lines = [markdown(head, rows), ""]
+    lines = [with_slowest_paths(head, rows, builds), ""]
     slow = sorted((b for b in builds if b["speed_grade"] == 6), key=lambda b: b["disparities"])
     for one, next_one in pairwise(slow):
         low, high = one["disparities"], next_one["disparities"]
@@ -456,7 +457,19 @@ def blocks_table() -> str:
         name = [f"`{b['block']}`", str(b["max_width_px"]), b["device"], str(b["speed_grade"])]
         rows.append([*name, *counts, clock(b)])
     head = "block | width | device | speed | LUT4 | sites | flip-flops | block RAMs | multipliers | MHz"
-    return f"{markdown(head, rows)}\n\n*{origin(blocks['measured'])}.*"
+    return f"{with_slowest_paths(head, rows, blocks['list'])}\n\n*{origin(blocks['measured'])}.*"
+
+
+def with_slowest_paths(head: str, rows: list[list[str]], builds: list[Record]) -> str:
+    """The table with one more column, if that is known of a build."""
+    if any(b.get("critical_path") for b in builds):
+        head += " | slowest path"
+        rows = [[*row, slowest_path(b)] for row, b in zip(rows, builds, strict=True)]
+    return markdown(head, rows)
+
+
+def slowest_path(found: Record) -> str:
+    return sentence(path) if (path := found.get("critical_path")) else ""
 
 
 def board_table() -> str:
@@ -474,9 +487,8 @@ def board_table() -> str:
         used, available = board[key], board["available"][key]
         rows.append([name, f"{used:,} of {available:,} ({100 * used / available:.0f} %)"])
     for found in board["clocks"]:
-        rows.append(
-            [f"clock of {found['name']}", f"{found['needed_mhz']:g} MHz, reaches {found['reached_mhz']:g}"]
-        )
+        reached = f"{found['needed_mhz']:g} MHz, reaches {found['reached_mhz']:g}"
+        rows.append([f"clock of {found['name']}", ": ".join(filter(None, [reached, slowest_path(found)]))])
     table = markdown(f"{board['board']}, {board['device']}-{board['speed_grade']} | used", rows)
     return f"{table}\n\n*{origin(board['measured'])}.*"
 

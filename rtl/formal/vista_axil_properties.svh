@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Properties of vista_axil, inside it: each address that is accepted makes one request, of its own address and data, and
-// gets one response, which holds still until it is taken.
+// gets one response, which holds still until it is taken: that to a read a clock after the request, that to a write three.
 //
 // Assumed of the bus, as AXI has it: what is offered stays until it is accepted.
 
@@ -9,6 +9,7 @@ logic f_aw_waited, f_w_waited, f_ar_waited, f_b_due, f_r_due;
 logic [AddrW-1:0] f_awaddr, f_araddr;
 logic [StrobeW+DataW-1:0] f_wdata;
 logic [DataW-1:0] f_read;
+logic [1:0] f_early;  // the two clocks after the request of a write
 
 always_ff @(posedge clk_i) begin
   if (!rst_ni) f_started <= 1'b1;
@@ -23,7 +24,9 @@ always_ff @(posedge clk_i) begin
   if (request_o & write_o) f_b_due <= 1'b1;
   if (request_o & ~write_o) f_r_due <= 1'b1;
   if (request_o) f_read <= read_data_i;
+  f_early <= {f_early[0], request_o & write_o};
   if (!rst_ni) begin
+    f_early <= '0;
     f_b_due <= 1'b0;
     f_r_due <= 1'b0;
   end
@@ -45,11 +48,12 @@ always_comb begin
     if (awready_o) assert (awvalid_i && wvalid_i && address_o == awaddr_i && write_data_o == wdata_i);
     if (arready_o) assert (arvalid_i && address_o == araddr_i);
     for (int i = 0; i < StrobeW; i++) if (awready_o) assert (write_mask_o[i*8+:8] == {8{wstrb_i[i]}});
-    assert (bvalid_o == f_b_due && rvalid_o == f_r_due && !(request_o & (bvalid_o | rvalid_o)));
+    assert (bvalid_o == (f_b_due & ~|f_early) && rvalid_o == f_r_due && !(request_o & (f_b_due | f_r_due)));
     if (rvalid_o) assert (rdata_o == f_read);
 
     // What makes these inductive.
-    assert (state_q == Idle || state_q == Request || state_q == Respond);
+    assert (state_q <= Respond);
+    assert (f_early == {state_q == Settle, state_q == Apply} && (f_early == '0 || (f_b_due && write_q)));
     if (state_q == Request) assert (write_q ? f_aw_waited && f_w_waited : f_ar_waited);
     if (state_q == Request && write_q) assert (address_q == f_awaddr && {strobe_q, write_data_q} == f_wdata);
     if (state_q == Request && !write_q) assert (address_q == f_araddr);

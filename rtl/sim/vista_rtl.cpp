@@ -220,6 +220,8 @@ int64_t vista_rtl_stream(vista_rtl* engine, const uint32_t* beats, int64_t num_i
   int64_t taken = 0, words = 0, idle = 0;
   bool offered = false;
   for (int64_t n = 0; n < max_clocks && (words < max_out || taken < num_in || !e.queued.empty()) && idle < quiet; ++n) {
+    // A beat that waits for a write is offered in the clock of its response.
+    e.step_writes(taken);
     if (!offered && taken < num_in && !e.waits_for_write(taken) && in.step(random)) {
       offered = true;
       t.s_axis_tdata = beats[taken] & 0xFFFF;
@@ -228,7 +230,6 @@ int64_t vista_rtl_stream(vista_rtl* engine, const uint32_t* beats, int64_t num_i
     }
     t.s_axis_tvalid = offered;
     t.m_axis_tready = out.step(random) && words < max_out;
-    e.step_writes(taken);
     t.eval();
     ++idle;
     if (offered && t.s_axis_tready) {

@@ -4,9 +4,11 @@
 // One access at a time: a read, or a write whose address and data are both there; when both wait, they take turns. The
 // request is issued from registers, so that what stands between it and the registers' enables, all over the chip, is
 // their address decoder alone. Every request is answered in its own clock (no stalls, no errors: the generator is told
-// so), which also accepts the address.
+// so), which also accepts the address. The response to a write waits until everything behind the registers obeys it
+// (vista_registers), so that what is sent after the response is treated as the write says.
 //
-// Latency: 2 clocks from the address to its acceptance, 1 more to the response.
+// Latency: 2 clocks from the address to its acceptance; from there 1 clock to the response to a read, 3 to that to a
+// write.
 
 module vista_axil #(
   parameter int unsigned AddrW = 4,  // of words: without the two bits that number the bytes of one
@@ -40,9 +42,11 @@ module vista_axil #(
   input  logic [DataW-1:0]  read_data_i    // beside the request
 );
 
-  typedef enum logic [1:0] {
+  typedef enum logic [2:0] {
     Idle,
     Request,
+    Apply,
+    Settle,
     Respond
   } state_e;
 
@@ -67,9 +71,11 @@ module vista_axil #(
         strobe_q     <= wstrb_i;
       end
       Request: begin
-        state_q <= Respond;
+        state_q <= write_q ? Apply : Respond;
         rdata_o <= read_data_i;
       end
+      Apply: state_q <= Settle;
+      Settle: state_q <= Respond;
       Respond: if (write_q ? bready_i : rready_i) state_q <= Idle;
       default: state_q <= Idle;
     endcase

@@ -1,0 +1,67 @@
+"""A frame whose first pixel is offered in the clock of the response to a write finds the write done."""
+
+from __future__ import annotations
+
+import os
+
+import numpy as np
+import pytest
+from frames import random_frame
+from raw_frames import RawFrame, random_raw_frame, written
+from registers import CONTROL, ENABLE, ERRORS, FRAMES_IN, SOFT_RESET
+from verilated import FRONT_END, PACES, Config, Pace, Rtl
+
+CONFIGS = [Config(16, 5), FRONT_END]
+LAST = ["commit", "enable", "soft reset"]  # the write that the frame is right behind
+SEEDS = [int(os.environ["VISTA_SEED"])] if "VISTA_SEED" in os.environ else range(12)
+
+
+def random_one(rng: np.random.Generator, config: Config) -> RawFrame:
+    if config.rows:
+        return random_raw_frame(rng, config=config)
+    frame = random_frame(rng, config.num_disparities, config.block_size, config.max_width)
+    return RawFrame(frame.left, frame.right, frame.parameters, narrow=bool(rng.integers(2)))
+
+
+def right_behind(rtl: Rtl, rng: np.random.Generator, last: str, seed: int) -> None:
+    """A frame is being taken, whole if the last write is the commit; the writes come, and the next frame."""
+    before, frame = random_one(rng, rtl.config), random_one(rng, rtl.config)
+    rtl.write(CONTROL, ENABLE)
+    written(rtl, before.writes())
+    rtl.write(CONTROL, ENABLE if last != "enable" else 0)
+    sent = before.stream[: int(rng.integers(before.left.size + 1))] if last != "commit" else before.stream
+    writes = frame.writes()
+    if last == "soft reset" and rng.integers(2):
+        writes.append((CONTROL, ENABLE | SOFT_RESET))
+    elif last == "soft reset":
+        writes.insert(0, (CONTROL, ENABLE | SOFT_RESET))
+    elif last == "enable":
+        writes.append((CONTROL, ENABLE))
+    for address, data in writes:
+        rtl.queue_write(len(sent), len(sent), address, data)
+    begun = rtl.read(FRAMES_IN)
+    stream = np.concatenate([sent, frame.stream])
+    expected, flags = frame.words(), frame.flags()
+    most = len(before.words()) + len(expected) + 10
+    paces = Pace(), PACES[rng.integers(len(PACES))]
+    got = rtl.stream(stream, most, *paces, seed, quiet=6000)
+    assert got.taken == len(stream), "the input hung"
+    assert len(got.words) >= len(expected), "the frame is lost"
+    assert (got.words[-len(expected) :] == expected).all()
+    assert (got.flags[-len(expected) :] == flags).all()
+    if last == "commit":
+        assert (got.words[: -len(expected)] == before.words()).all()
+    assert rtl.read(FRAMES_IN) - begun == {"commit": 2, "enable": 1, "soft reset": 1 + (len(sent) > 0)}[last]
+    assert rtl.read(ERRORS) == 0
+
+
+@pytest.mark.parametrize("config", CONFIGS, ids=lambda config: config.name)
+@pytest.mark.parametrize("last", LAST)
+@pytest.mark.parametrize("seed", SEEDS)
+def test_a_frame_right_behind_a_write(config: Config, last: str, seed: int) -> None:
+    rng = np.random.default_rng([seed, LAST.index(last)])
+    rerun = f"VISTA_SEED={seed} pytest tb/top/test_behind_writes.py -k '{config.name} and {last}'"
+    with Rtl(config, seed + 1) as rtl:
+        for trial in range(6):
+            print(f"trial {trial}; {rerun}")
+            right_behind(rtl, rng, last, seed)
