@@ -387,6 +387,27 @@ def calibration_table() -> str:
     return markdown(" | ".join(["case", *CALIBRATION.values()]), rows)
 
 
+def alignment_table() -> str:
+    """Rows over time after a turn: median and 90th percentile."""
+
+    def rows_of(px: list[float] | None) -> str:
+        return "" if px is None else f"{px[0]:.2f}, {px[1]:.2f}"
+
+    found = figures("alignment")["rows"]
+    times = list(found[0]["rows_px"])
+    rows = [
+        [
+            f"{row['group']} ({row['recordings']})",
+            row["case"],
+            *(rows_of(row["rows_px"][time]) for time in times),
+            f"{row['alarms']} of {row['recordings']}",
+        ]
+        for row in found
+    ]
+    head = " | ".join(f"{time} s (px)" for time in times)
+    return markdown(f"recordings | turn (degrees) | {head} | alarms", rows)
+
+
 def rectification_grid_table() -> str:
     """Errors of a control grid against the exact map, and what line buffers of each depth serve."""
 
@@ -666,6 +687,7 @@ TABLES: dict[str, dict[str, Callable[[], str]]] = {  # by the figures that they 
     "rectification": {"rectification": rectification_table},
     "rectification-grid": {"rectification-grid": rectification_grid_table},
     "calibration": {"calibration": calibration_table},
+    "alignment": {"alignment": alignment_table},
     "health": {"health": health_table},
     "synthesis": {"synthesis": synthesis_table},
     "verification": {"coverage": coverage_table, "system-model": system_model_table},

@@ -218,6 +218,7 @@ REDUCE: dict[str, Callable[[Record], Record]] = {
     "health": lambda raw: raw,
     "rectification-grid": lambda raw: raw,
     "calibration": lambda raw: raw,
+    "alignment": lambda raw: raw,
     "host": lambda raw: {"sequences": raw["sequences"]},
     "street": lambda raw: raw,
     "segmentation": lambda raw: raw,

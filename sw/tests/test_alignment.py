@@ -17,7 +17,7 @@ from vista.geometry import Calibration
 from vista.health.finding import State as Health
 
 CAMERA = Calibration(640, 480, 500.0, 319.5, 239.5, 0.3)
-BEFORE, AFTER = 20, 50  # frames: 2 s after the turn
+BEFORE, AFTER = 10, 36  # frames: 1.4 s after the turn
 JUMPS = {"pitch": (0.5, 0.0), "roll": (0.0, 0.5), "both": (0.5, -0.5), "the other way": (-0.5, 0.5)}
 
 
@@ -72,16 +72,16 @@ def test_noise_of_six_grey_levels_does_not_matter(name: str) -> None:
 
 def test_a_second_turn_the_other_way_is_followed_too() -> None:
     pairs = turned.textured_flight(CAMERA, seeded(3))
-    turns = [Turn()] * 20 + [degrees(0.4, 0.3)] * 40 + [degrees(-0.3, -0.2)] * 40
+    turns = [Turn()] * 10 + [degrees(0.4, 0.3)] * 15 + [degrees(-0.3, -0.2)] * 15
     frames = list(turned.corrected(CAMERA, pairs, turns.__getitem__, len(turns)))
-    assert_rows_match(frames[59])
-    assert_rows_match(frames[99])
+    assert_rows_match(frames[24])
+    assert_rows_match(frames[39])
 
 
 def test_a_slow_drift_is_followed() -> None:
-    """0.15 degrees in 12 s: the correction follows in steps."""
+    """0.1 degrees in 8 s: the correction follows in steps."""
     pairs = turned.textured_flight(CAMERA, seeded(4))
-    frames = list(turned.corrected(CAMERA, pairs, lambda k: degrees(0.0005 * k, 0.0), 300))
+    frames = list(turned.corrected(CAMERA, pairs, lambda k: degrees(0.0005 * k, 0.0), 200))
     for frame in frames:
         assert_rows_match(frame, 0.35)
     assert any(frame.alignment.changed for frame in frames)
@@ -121,20 +121,20 @@ def test_a_turn_beyond_the_limits_raises_the_alarm(pitch: float, roll: float) ->
 def test_the_alarm_ends_when_the_camera_is_back() -> None:
     pairs = turned.textured_flight(CAMERA, seeded(6))
     frames = list(
-        turned.corrected(CAMERA, pairs, lambda k: degrees(3.0, 0.0) if 20 <= k < 70 else Turn(), 80)
+        turned.corrected(CAMERA, pairs, lambda k: degrees(3.0, 0.0) if 10 <= k < 40 else Turn(), 50)
     )
-    assert frames[69].alignment.health == Health.BLIND
-    assert frames[79].alignment.health == Health.HEALTHY
+    assert frames[39].alignment.health == Health.BLIND
+    assert frames[49].alignment.health == Health.HEALTHY
 
 
 def test_the_limits_are_those_of_the_parameters() -> None:
     values = parameters.defaults()
     values["alignment"] = values["alignment"] | {"pitch_max_deg": 0.3}
     pairs = turned.textured_flight(CAMERA, seeded(7))
-    frames = list(turned.corrected(CAMERA, pairs, lambda _: degrees(0.4, 0.0), 40, values))
+    frames = list(turned.corrected(CAMERA, pairs, lambda _: degrees(0.4, 0.0), 12, values))
     assert frames[-1].alignment.state == State.BEYOND
     values["alignment"]["pitch_max_deg"] = 0.5
-    frames = list(turned.corrected(CAMERA, pairs, lambda _: degrees(0.4, 0.0), 40, values))
+    frames = list(turned.corrected(CAMERA, pairs, lambda _: degrees(0.4, 0.0), 12, values))
     assert_rows_match(frames[-1])
 
 
@@ -175,17 +175,17 @@ def unrelated_noise(k: int, left: Grey, right: Grey) -> tuple[Grey, Grey]:
 @pytest.mark.parametrize("nothing", [flat, stripes, tiles, unrelated_noise], ids=lambda f: f.__name__)
 def test_nothing_changes_where_there_is_too_little_to_see(nothing) -> None:
     """Neither without any correction, nor with one that was found before."""
-    frames = run(Turn(), nothing, 60)
+    frames = run(Turn(), nothing, 30)
     assert {frame.applied for frame in frames} == {Turn()}
     assert {frame.alignment.state for frame in frames} == {State.HELD}
 
     def later(k: int, left: Grey, right: Grey) -> tuple[Grey, Grey]:
-        return nothing(k, left, right) if k >= 50 else (left, right)
+        return nothing(k, left, right) if k >= 30 else (left, right)
 
-    frames = run(degrees(0.5, 0.5), later, 120)
-    kept = frames[50].applied
-    assert_rows_match(frames[50])
-    assert {frame.applied for frame in frames[50:]} == {kept}
+    frames = run(degrees(0.5, 0.5), later, 70)
+    kept = frames[30].applied
+    assert_rows_match(frames[30])
+    assert {frame.applied for frame in frames[30:]} == {kept}
     assert {frame.alignment.health for frame in frames} == {Health.HEALTHY}
 
 

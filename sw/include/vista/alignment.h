@@ -11,8 +11,8 @@
  *
  * A feature at the normalized place (x, y) of the right image, down and to the right from the principal point, whose
  * camera has pitched and rolled by small angles, lies pitch (1 + y^2) - roll x focal lengths below its row. Pitch and
- * roll are what is estimated. A vertical shift of the camera or of its image looks like pitch. Yaw moves rows by x y
- * alone, which says little of it, and is not corrected.
+ * roll are what is estimated. A vertical shift of the image looks like pitch. Yaw moves rows by x y alone, which says
+ * little of it, and is not corrected.
  *
  * In each pair up to 128 features are looked for in all rows up to the largest turn away, without knowing their
  * disparities. Features that fit in two places count for nothing. A robust fit has to be agreed on by most of the others;

@@ -315,7 +315,7 @@ typedef enum vista_alignment_correct { VISTA_ALIGNMENT_CORRECT_OFF, VISTA_ALIGNM
 /* Correction of the right camera's turn against its calibration, in flight, from the rows of matched features. */
 typedef struct vista_alignment_params {
   vista_alignment_correct correct; /* Whether the right image is rectified anew when its rows no longer match those of the left one. */
-  double pitch_max_deg; /* A larger turn about the camera's x axis is not corrected: an alarm is raised. A vertical shift counts as pitch. 0.05 .. 2.0 deg. */
+  double pitch_max_deg; /* A larger turn about the camera's x axis is not corrected: an alarm is raised. A vertical shift of its image counts as pitch. 0.05 .. 2.0 deg. */
   double roll_max_deg; /* The same of a turn about the optical axis. 0.05 .. 2.0 deg. */
   double step_px; /* The correction is changed when that moves rows by more than this, root mean square over the image: below, a calibration is left as it is. 0.02 .. 2.0 px. */
   double drift_deg; /* Standard deviation of how far pitch and roll drift in a second: smaller values average for longer. Sudden turns are followed whatever it is. 0.0 .. 1.0 deg. */

@@ -20,7 +20,7 @@ Grid = NDArray[np.int16]
 @dataclass(frozen=True)
 class Turn:
     """Of the right camera against its calibration: positive pitch looks up, positive roll lowers the right
-    side. A vertical shift counts as pitch."""
+    side. A vertical shift of its image counts as pitch."""
 
     pitch_rad: float = 0.0
     roll_rad: float = 0.0

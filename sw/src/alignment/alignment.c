@@ -48,11 +48,13 @@ struct vista_alignment {
   bool wide;                    /* look for features in all rows: the last pair did not agree with what is known */
 };
 
+/* How far the largest turn moves a row; no farther than the image is high. */
 static double reach_px(const vista_alignment_params *params, const vista_camera *camera) {
   const double corner_u = fmax(camera->center_u_px, camera->width_px - camera->center_u_px);
   const double y = fmax(camera->center_v_px, camera->height_px - camera->center_v_px) / camera->focal_px;
-  return VISTA_RADIANS_PER_DEGREE *
-         (params->pitch_max_deg * camera->focal_px * (1.0 + 0.5 * y * y) + params->roll_max_deg * corner_u);
+  const double px_per_radian =
+      params->pitch_max_deg * camera->focal_px * (1.0 + 0.5 * y * y) + params->roll_max_deg * corner_u;
+  return fmin(VISTA_RADIANS_PER_DEGREE * px_per_radian, camera->height_px);
 }
 
 static vista_status check(const vista_parameters *parameters, const vista_camera *camera) {
