@@ -29,6 +29,7 @@ COMMANDS = (
     "live",
     "disparity",
     "mavlink",
+    "prepare",
     "flights",
     "worlds",
     "figures",

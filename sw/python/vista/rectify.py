@@ -33,6 +33,8 @@ class Rectifier:
     is_passthrough: the input is rectified already (no distortion, equal cameras, aligned rows); frames then
     come back as they are, not resampled.
     grids: what rectifies them, if control grids do.
+    maps: of the left and the right image, if whole maps do.
+    left_from_rectified: the rotation of the rectified left camera in the raw one.
     """
 
     def __init__(self, raw: RawCalibration, buffer_rows: int = 0) -> None:
@@ -46,9 +48,10 @@ class Rectifier:
             raise InputError("stereo.rectify_rows", f"must be 0 or one of {allowed}, not {buffer_rows}")
         _check_side_by_side(raw)
         self.grids: GridPair | None = None
+        self.maps: tuple[Map, ...] = ()
         self.is_passthrough = _is_rectified(raw)
         if self.is_passthrough:
-            self._left_from_rectified = Pose()
+            self.left_from_rectified = Pose()
             self.calibration = _calibration(
                 raw.left, raw.left.matrix, -float(raw.right_from_left.translation_m[0])
             )
@@ -56,12 +59,13 @@ class Rectifier:
         left, right = rectified_cameras(raw)
         cameras = ((raw.left, *left), (raw.right, *right))
         if buffer_rows == 0:
-            self._left, self._right = (_exact(camera, R, P) for camera, R, P in cameras)
+            self.maps = tuple(exact_map(camera, R, P) for camera, R, P in cameras)
+            self._left, self._right = (_by_map(source) for source in self.maps)
         else:
             grids = [_fitting_grid(camera, R, P, buffer_rows, raw.source) for camera, R, P in cameras]
             self.grids = GridPair(grids[0], grids[1], (raw.left.width, raw.left.height), buffer_rows)
             self._left, self._right = (by_grid(grid) for grid in grids)
-        self._left_from_rectified = Pose(left[0].T)
+        self.left_from_rectified = Pose(left[0].T)
         self.calibration = _calibration(raw.left, left[1], float(-right[1][0, 3] / right[1][0, 0]))
 
     def rectify(self, frame: Frame) -> Frame:
@@ -73,7 +77,7 @@ class Rectifier:
             frame,
             left=self._left(frame.left),
             right=self._right(frame.right),
-            world_from_camera=None if pose is None else pose @ self._left_from_rectified,
+            world_from_camera=None if pose is None else pose @ self.left_from_rectified,
         )
 
 
@@ -143,8 +147,8 @@ def _calibration(camera: CameraModel, K: Array, baseline_m: float) -> Calibratio
     )
 
 
-def _exact(camera: CameraModel, R: Array, P: Array) -> Filter:
-    return partial(_resample, source=exact_map(camera, R, P))
+def _by_map(source: Map) -> Filter:
+    return partial(_resample, source=source)
 
 
 def _fitting_grid(camera: CameraModel, R: Array, P: Array, buffer_rows: int, source: str) -> Grid:
