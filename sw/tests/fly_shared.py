@@ -18,7 +18,7 @@ from vista.geometry import Pose
 from vista.sequence import Frame, open_sequence
 from vista.shared_frames import SharedFrames
 
-WAIT_S = 60.0
+WAIT_S = 20.0
 PERIOD_NS = 100_000_000
 
 
