@@ -101,6 +101,16 @@ aarch64: .venv/build.stamp ## build libraries and programs for AArch64 (64-bit A
 test-aarch64: aarch64 build .venv/test.stamp ## compare engine and host on AArch64, emulated, with this machine
 	@VISTA_AARCH64_WORDS=10000000 $(PYTHON) -m pytest -s model/tests/test_aarch64.py sw/tests/test_replay_aarch64.py
 
+# Linked with all that it needs: build/fly/bin/vista-fly runs wherever it is copied to.
+FLY := build/fly
+.PHONY: fly-package
+fly-package: .venv/build.stamp ## build vista-fly without shared libraries into build/fly/bin, and its Debian package into build/fly
+	@$(CMAKE) -S . -B $(FLY) -G Ninja -DCMAKE_MAKE_PROGRAM=$(CURDIR)/.venv/bin/ninja -DCMAKE_C_COMPILER=$(CC) \
+	  -DCMAKE_C_FLAGS_RELEASE="$(CFLAGS)" -DCMAKE_INSTALL_PREFIX=/usr -DVISTA_STATIC=ON -DVISTA_DEVELOPER=ON >/dev/null
+	@$(CMAKE) --build $(FLY)
+	@cd $(FLY) && $(CURDIR)/.venv/bin/cpack >cpack.log || { cat cpack.log; exit 1; }
+	@ls $(FLY)/*.deb
+
 install: native ## install libraries, headers and programs into PREFIX (default /usr/local), below DESTDIR
 	@DESTDIR=$(DESTDIR) $(CMAKE) --install $(BUILD) --prefix $(PREFIX)
 
