@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import contextlib
+import os
+import pty
 import signal
 import socket
 import time
+import tty
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass, field
@@ -206,3 +210,30 @@ def test_without_its_poses_motion_is_unknown(flight: Flight, autopilot: Autopilo
         assert (line["motion"], line["health"]["state"]) == ("unknown", "degraded")
         assert line["health"]["reasons"] == ["motion_unknown"]
         assert line["velocity_camera_m_s"] is None
+
+
+def test_a_serial_line(flight: Flight) -> None:
+    """A pseudo terminal: messages arrive whole, and poses are heard."""
+    name, (far, near) = ring_name(), pty.openpty()
+    os.set_blocking(far, False)
+    tty.setraw(near)  # else it echoes what is written before the program has opened it
+    flight.lines.unlink(missing_ok=True)
+    decoder, link = dialect.MAVLink(None), dialect.MAVLink(None, srcSystem=1, srcComponent=1)
+    kinds: Counter[str] = Counter()
+    options = ["--poses", "mavlink", "--to", f"serial:{os.ttyname(near)}:115200", "--out", flight.lines]
+    with shared_ring(name) as ring, flying("--rig", flight.rig, "--shared", name, *options):
+        for k in range(30):
+            boot_ms = 1000 + 50 * k
+            os.write(
+                far, dialect.MAVLink_attitude_quaternion_message(boot_ms, 1, 0, 0, 0, 0, 0, 0).pack(link)
+            )
+            os.write(far, dialect.MAVLink_local_position_ned_message(boot_ms, 0, 0, 0, 0, 0, 0).pack(link))
+            flight.put(ring, k)
+            time.sleep(0.05)
+            with contextlib.suppress(BlockingIOError):
+                kinds.update(m.get_type() for m in decoder.parse_buffer(os.read(far, 65536)) or [])
+        lines = flight.wait(5)
+    os.close(far)
+    os.close(near)
+    assert kinds["OBSTACLE_DISTANCE"] > 5 and kinds["HEARTBEAT"] >= 1 and "BAD_DATA" not in kinds
+    assert [line["motion"] for line in lines].count("known") >= 3
