@@ -1,4 +1,4 @@
-"""vista-fly for other processors, emulated, finds what it finds on this one: `make fly-package ARCH=armhf`."""
+"""vista-fly for other processors, emulated, finds what it finds on this one (make fly-package ARCH=...)."""
 
 from __future__ import annotations
 

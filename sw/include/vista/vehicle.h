@@ -30,12 +30,14 @@ VISTA_BEGIN
 #define VISTA_VEHICLE_KEPT 64 /* messages of each kind: a second and more at the usual rates */
 #define VISTA_VEHICLE_FRAME_BYTES 300
 
+/* What an ATTITUDE_QUATERNION says. */
 typedef struct vista_vehicle_attitude {
   int64_t boot_ns; /* on the autopilot's clock */
   double quaternion[4]; /* w, x, y, z: from the body, FRD, to NED */
   double rate_rad_s[3]; /* in the body */
 } vista_vehicle_attitude;
 
+/* What a LOCAL_POSITION_NED says. */
 typedef struct vista_vehicle_position {
   int64_t boot_ns;
   double position_m[3], velocity_m_s[3]; /* NED */
