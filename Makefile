@@ -90,7 +90,7 @@ $(BUILD)/lib/libvista_engine.so: native ;@:
 AARCH64 := build/aarch64
 .PHONY: aarch64 test-aarch64
 aarch64: .venv/build.stamp ## build libraries and programs for AArch64 (64-bit ARM) into build/aarch64
-	@scripts/setup_aarch64.sh
+	@scripts/setup_cross.sh aarch64
 	@$(CMAKE) -S . -B $(AARCH64) -G Ninja -DCMAKE_MAKE_PROGRAM=$(CURDIR)/.venv/bin/ninja \
 	  -DCMAKE_SYSTEM_NAME=Linux -DCMAKE_SYSTEM_PROCESSOR=aarch64 -DCMAKE_C_COMPILER=$(CURDIR)/build/tools/aarch64/gcc \
 	  -DCMAKE_C_FLAGS_RELEASE="$(CFLAGS)" -DVISTA_DEVELOPER=ON >/dev/null
@@ -100,6 +100,24 @@ aarch64: .venv/build.stamp ## build libraries and programs for AArch64 (64-bit A
 
 test-aarch64: aarch64 build .venv/test.stamp ## compare engine and host on AArch64, emulated, with this machine
 	@VISTA_AARCH64_WORDS=10000000 $(PYTHON) -m pytest -s model/tests/test_aarch64.py sw/tests/test_replay_aarch64.py
+
+# Linked with all that it needs: bin/vista-fly runs wherever it is copied to. ARCH=aarch64, armhf or riscv64: of another
+# processor, in a folder of its own, where build/tools/ARCH/run emulates it.
+ARCH ?=
+FLY := build/fly$(ARCH:%=-%)
+FLY_SYSTEM_armhf := arm
+FLY_DEBIAN_aarch64 := arm64
+FLY_CROSS = -DCMAKE_SYSTEM_NAME=Linux -DCMAKE_SYSTEM_PROCESSOR=$(or $(FLY_SYSTEM_$(ARCH)),$(ARCH)) \
+  -DVISTA_DEBIAN_ARCHITECTURE=$(or $(FLY_DEBIAN_$(ARCH)),$(ARCH))
+.PHONY: fly-package
+fly-package: .venv/build.stamp ## build vista-fly without shared libraries into build/fly/bin, and its Debian package (ARCH=aarch64, armhf, riscv64: build/fly-ARCH)
+	@$(if $(ARCH),scripts/setup_cross.sh $(ARCH))
+	@$(CMAKE) -S . -B $(FLY) -G Ninja -DCMAKE_MAKE_PROGRAM=$(CURDIR)/.venv/bin/ninja \
+	  -DCMAKE_C_COMPILER=$(if $(ARCH),$(CURDIR)/build/tools/$(ARCH)/gcc,$(CC)) $(if $(ARCH),$(FLY_CROSS)) \
+	  -DCMAKE_C_FLAGS_RELEASE="$(CFLAGS)" -DCMAKE_INSTALL_PREFIX=/usr -DVISTA_STATIC=ON -DVISTA_DEVELOPER=ON >/dev/null
+	@$(CMAKE) --build $(FLY)
+	@cd $(FLY) && $(CURDIR)/.venv/bin/cpack >cpack.log || { cat cpack.log; exit 1; }
+	@ls $(FLY)/*.deb
 
 install: native ## install libraries, headers and programs into PREFIX (default /usr/local), below DESTDIR
 	@DESTDIR=$(DESTDIR) $(CMAKE) --install $(BUILD) --prefix $(PREFIX)

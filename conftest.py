@@ -13,6 +13,7 @@ ROOT = Path(__file__).parent
 NATIVE_PATHS = (
     "model/systemc/tests",
     "model/tests/test_c_engine.py",
+    "sw/tests/test_fly_",
     *(f"sw/tests/test_{name}.py" for name in ("engine", "real_sequence", "replay", "street")),
 )
 # What `make check` leaves out: simulations of the RTL, renderings, installations, and long runs.

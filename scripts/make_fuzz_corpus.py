@@ -10,6 +10,9 @@ import struct
 import sys
 from pathlib import Path
 
+from pymavlink.dialects.v20 import ardupilotmega as dialect
+from vista.flight_files import RIG_HEAD
+from vista.flight_files import VERSION as RIG_VERSION
 from vista.recording import FRAME, HEADER, MAGIC, PARAMETER, VERSION
 
 EYE = (1.0, 0, 0, 0, 1.0, 0, 0, 0, 1.0)
@@ -65,6 +68,28 @@ def link(params: bytes, obstacles: int) -> bytes:
     return params + (struct.pack("<HBB", 2500, 1, 1) + frame) * 2
 
 
+def rig(kind: int) -> bytes:
+    """16x16 px, rectified by nothing, by a map or by a control grid."""
+    head = RIG_HEAD.pack(b"VISTARIG", RIG_VERSION, 16, 16, kind, 0, 0, 90.0, 8.0, 8.0, 0.5, *EYE)
+    tables = (
+        b"",
+        struct.pack("<2h", 3, -5) * 256 + struct.pack("<H", 777) * 256,
+        struct.pack("<2h", 40, -9) * 4,
+    )
+    return head + 2 * tables[kind]
+
+
+def heard() -> bytes:
+    """Half a second of an autopilot, in pieces."""
+    link = dialect.MAVLink(None, srcSystem=1, srcComponent=1)
+    content = b""
+    for boot_ms in range(1000, 1500, 50):
+        data = dialect.MAVLink_attitude_quaternion_message(boot_ms, 1, 0, 0, 0, 0, 0.1, 0).pack(link)
+        data += dialect.MAVLink_local_position_ned_message(boot_ms, 1, 2, 3, 4, 5, 6).pack(link)
+        content += struct.pack("<2H", len(data), 2500) + bytes(data) + struct.pack("<H", 20)
+    return content
+
+
 def seeds() -> dict[str, bytes]:
     approach = [bytes([0x01, 0x00]) + scene(1, 1, 200 + 12 * i, 40) for i in range(4)]
     lost_pose = [*approach[:2], bytes([0x00]) + scene(1, 1, 230, 40), approach[3]]
@@ -86,6 +111,11 @@ def seeds() -> dict[str, bytes]:
         "mavlink/px4": link(bytes([1, 1]), 2),
         "mavlink/ardupilot": link(bytes([0, 0]) + struct.pack("<BH", 1, 32768 + 256) + bytes([1, 1]), 30),
         "mavlink/anything": bytes(range(256)) * 4,
+        "fly/configuration": b"\0# text\n[stereo]\nblock_size = 9\n\n[mavlink]\nstale_s = 1.5e-1\n",
+        "fly/passthrough": b"\1" + rig(0),
+        "fly/map": b"\1" + rig(1),
+        "fly/grid": b"\1" + rig(2),
+        "fly/autopilot": b"\2" + heard(),
         "recording/approach": recording(32, 24, 3, True, 12.0),
         "recording/stills": recording(20, 16, 2, False, 8.0, stills=1),
         "recording/center at 1e12": recording(16, 16, 1, True, 1e12),

@@ -1,6 +1,6 @@
 # Fuzz targets of the C libraries, for the top Makefile: libFuzzer where there is a clang, else gcc over the corpus.
 
-FUZZ_TARGETS := engine pipeline recording mavlink
+FUZZ_TARGETS := engine pipeline recording mavlink fly
 FUZZ_SECONDS ?= 600
 FUZZ := build/fuzz
 FUZZ_CLANG := build/tools/clang/command# an empty file: there is none
@@ -19,7 +19,7 @@ comma := ,
 
 .PHONY: fuzz fuzz-targets
 
-fuzz: fuzz-targets .venv/test.stamp ## fuzz the engine, the pipeline, the reader of recordings and MAVLink for FUZZ_SECONDS=600 each
+fuzz: fuzz-targets .venv/test.stamp ## fuzz the engine, the pipeline, the reader of recordings, MAVLink and what vista-fly reads for FUZZ_SECONDS=600 each
 	@$(PYTHON) scripts/run_fuzz.py --seconds $(FUZZ_SECONDS) $(FUZZ_TARGETS)
 
 fuzz-targets: $(FUZZ_TARGETS:%=$(FUZZ)/%)
@@ -34,7 +34,10 @@ $(FUZZ)/obj/%.o: %.c $(FUZZ_CLANG)
 $(FUZZ)/obj/model/c/src/rows_avx%.o: FUZZ_CFLAGS += -fno-sanitize=undefined,float-cast-overflow
 $(FUZZ)/obj/sw/apps/replay.o: FUZZ_CFLAGS += -Dmain=replay_main
 
+$(FUZZ)/obj/sw/apps/fly/%.o: FUZZ_CFLAGS += -D_GNU_SOURCE
+
 $(FUZZ)/engine: $(FUZZ_ENGINE)
+$(FUZZ)/fly: $(FUZZ_ENGINE) $(FUZZ_VISTA) $(patsubst %,$(FUZZ)/obj/sw/apps/fly/%.o,config problem rig)
 $(FUZZ)/pipeline: $(FUZZ_VISTA)
 $(FUZZ)/mavlink: $(FUZZ_MAVLINK)
 $(FUZZ)/recording: $(FUZZ_VISTA) $(FUZZ)/obj/sw/apps/replay.o

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 import run_fuzz
 
-RUNS = {"engine": 200, "pipeline": 120, "recording": 200, "mavlink": 2000}
+RUNS = {"engine": 200, "pipeline": 120, "recording": 200, "mavlink": 2000, "fly": 2000}
 
 pytestmark = pytest.mark.skipif(
     not all((run_fuzz.FUZZ / target).is_file() for target in RUNS),

@@ -22,7 +22,8 @@ typedef enum vista_status {
   VISTA_ERROR_NO_ANSWER, /* a board is silent */
   VISTA_ERROR_BOARD,    /* a board speaks another protocol, or holds no engine that is known */
   VISTA_ERROR_SESSION,  /* a board was restarted, or another client took it */
-  VISTA_ERROR_FRAME     /* a board did not finish a frame */
+  VISTA_ERROR_FRAME,    /* a board did not finish a frame */
+  VISTA_ERROR_SHARED    /* the system gives no shared memory */
 } vista_status;
 
 /* The name of a status, such as "VISTA_ERROR_SIZE"; never null. */

@@ -30,6 +30,7 @@ COMMANDS = (
     "live",
     "disparity",
     "mavlink",
+    "prepare",
     "flights",
     "worlds",
     "figures",

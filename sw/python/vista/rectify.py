@@ -35,6 +35,8 @@ class Rectifier:
     come back as they are, not resampled.
     grids: what rectifies them, if control grids do.
     applied: the turn of the right camera against its calibration that right images are rectified for.
+    maps: of the left and the right image, if whole maps do.
+    left_from_rectified: the rotation of the rectified left camera in the raw one.
     """
 
     def __init__(self, raw: RawCalibration, buffer_rows: int = 0) -> None:
@@ -48,13 +50,14 @@ class Rectifier:
             raise InputError("stereo.rectify_rows", f"must be 0 or one of {allowed}, not {buffer_rows}")
         check_side_by_side(raw)
         self.grids: GridPair | None = None
+        self.maps: tuple[Map, ...] = ()
         self.applied = Turn()
         self._source = raw.source
         self._left: Filter = _unchanged
         self._right: Filter = _unchanged
         self.is_passthrough = _is_rectified(raw)
         if self.is_passthrough:
-            self._left_from_rectified = Pose()
+            self.left_from_rectified = Pose()
             self.calibration = _calibration(
                 raw.left, raw.left.matrix, -float(raw.right_from_left.translation_m[0])
             )
@@ -64,13 +67,14 @@ class Rectifier:
         cameras = ((raw.left, *left), (raw.right, *right))
         self._right_camera = cameras[1]
         if buffer_rows == 0:
-            self._left, self._right = (_exact(camera, R, P) for camera, R, P in cameras)
+            self.maps = tuple(exact_map(camera, R, P) for camera, R, P in cameras)
+            self._left, self._right = (_by_map(source) for source in self.maps)
         else:
             grids = [_fitting_grid(camera, R, P, buffer_rows, raw.source) for camera, R, P in cameras]
             self.grids = GridPair(grids[0], grids[1], (raw.left.width, raw.left.height), buffer_rows)
             self._left, self._right = (by_grid(grid) for grid in grids)
             self._calibrated = grids[1]
-        self._left_from_rectified = Pose(left[0].T)
+        self.left_from_rectified = Pose(left[0].T)
         self.calibration = _calibration(raw.left, left[1], float(-right[1][0, 3] / right[1][0, 0]))
 
     def align(self, turn: Turn) -> None:
@@ -80,7 +84,7 @@ class Rectifier:
         if self.grids is None:
             camera, R, P = self._right_camera
             untouched = self.is_passthrough and turn == Turn()
-            self._right = _unchanged if untouched else _exact(camera, turn.rotation().T @ R, P)
+            self._right = _unchanged if untouched else _by_map(exact_map(camera, turn.rotation().T @ R, P))
         else:
             try:
                 grid = turn.grid(self.calibration, self._calibrated)
@@ -100,7 +104,7 @@ class Rectifier:
             frame,
             left=self._left(frame.left),
             right=self._right(frame.right),
-            world_from_camera=None if pose is None else pose @ self._left_from_rectified,
+            world_from_camera=None if pose is None else pose @ self.left_from_rectified,
         )
 
 
@@ -175,8 +179,8 @@ def _unchanged(image: NDArray[np.uint8]) -> NDArray[np.uint8]:
     return image
 
 
-def _exact(camera: CameraModel, R: Array, P: Array) -> Filter:
-    return partial(_resample, source=exact_map(camera, R, P))
+def _by_map(source: Map) -> Filter:
+    return partial(_resample, source=source)
 
 
 def _fitting_grid(camera: CameraModel, R: Array, P: Array, buffer_rows: int, source: str) -> Grid:

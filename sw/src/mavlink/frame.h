@@ -5,6 +5,10 @@
 #include <stdint.h>
 
 #define VISTA_MAVLINK_HEADER 10
+#define VISTA_MAVLINK_CRC_START 0xFFFF
+
+/* CRC-16/MCRF4XX, which MAVLink calls X.25, with one more byte. */
+uint16_t vista_mavlink_add_to_crc(uint16_t crc, uint8_t byte);
 
 /* Who sends, and the number of the frame. */
 typedef struct vista_mavlink_sender {

@@ -1,0 +1,48 @@
+/* The link to the autopilot, in a thread of its own: it hears of us 10 times a second whatever the frames do, and we of
+ * the vehicle's motion. */
+#ifndef VISTA_FLY_AUTOPILOT_H
+#define VISTA_FLY_AUTOPILOT_H
+
+#include <pthread.h>
+#include <stdatomic.h>
+
+#include "detector.h"
+#include "latency.h"
+#include "problem.h"
+#include "transport.h"
+#include "vista/mavlink.h"
+#include "vista/vehicle.h"
+
+#define AUTOPILOT_OBSTACLES 64
+
+typedef struct autopilot {
+  pthread_t thread;
+  bool running;
+  pthread_mutex_t lock; /* of link, vehicle and latency */
+  vista_mavlink link;
+  vista_vehicle vehicle;
+  transport way;
+  latency told; /* from the exposure until the first distances that tell of it are handed over */
+  int64_t untold_ns; /* when the frame was exposed that no message has told of; 0: none */
+  int64_t sent;
+  atomic_bool stopped;
+  atomic_llong alive_ns;
+} autopilot;
+
+/* a: of zeros. */
+bool autopilot_open(autopilot *a, const char *target, int listen_port, int64_t delay_ns,
+                    const vista_mavlink_params *params, problem *p);
+bool autopilot_start(autopilot *a, problem *p);
+
+/* What a frame found that was exposed at that moment. */
+void autopilot_tell(autopilot *a, const detection *found, int64_t exposed_ns);
+
+/* Where the camera was at a moment, as far as the autopilot has said. speed_max_m_s: a faster vehicle has no velocity. */
+void autopilot_place(autopilot *a, int64_t exposed_ns, double speed_max_m_s, placement *where);
+
+/* Ends the thread. */
+void autopilot_stop(autopilot *a);
+
+void autopilot_close(autopilot *a);
+
+#endif

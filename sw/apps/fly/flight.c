@@ -1,0 +1,170 @@
+#include "flight.h"
+
+#include <inttypes.h>
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "clock.h"
+#include "config.h"
+
+#define TAKE_NS (100 * FLY_MS)
+
+static bool open_source(flight *f, problem *p) {
+  const options *const o = &f->options;
+  source *const s = &f->source;
+  s->box = &f->box;
+  s->width_px = f->rig.camera.width_px;
+  s->height_px = f->rig.camera.height_px;
+  if (!mailbox_make(&f->box, s->width_px * s->height_px, o->all_frames)) return problem_say(p, "rig", "out of memory");
+  if (o->recording != NULL) return source_open_recording(s, o->recording, &f->rig, o->repeat, p);
+  if (o->shared != NULL) return source_open_shared(s, o->shared, &f->rig, p);
+  return source_open_cameras(s, o->camera, o->camera_count, (int64_t)(o->pair_tolerance_ms * FLY_MS), &f->rig, p);
+}
+
+bool flight_open(flight *f, const options *o, problem *p) {
+  f->options = *o;
+  f->lines.file = f->autopilot.way.file = -1;
+  f->parameters = vista_parameters_default();
+  if (o->config != NULL && !config_read(o->config, &f->parameters, p)) return false;
+  if (!rig_read(o->rig, &f->rig, p)) return false;
+  if (!detector_make(&f->detector, &f->rig, &f->parameters, p)) return false;
+  if (!open_source(f, p)) return false;
+  if (o->to != NULL && !autopilot_open(&f->autopilot, o->to, o->listen_port, (int64_t)(o->pose_delay_ms * FLY_MS),
+                                       &f->parameters.mavlink, p))
+    return false;
+  return lines_open(&f->lines, o->out, p);
+}
+
+/* ---- the thread of the source ---- */
+
+static void *read_frames(void *context) {
+  source *const s = context;
+  (void)s->kind->run(s);
+  atomic_store(&s->alive_ns, INT64_MAX); /* it has ended, and stands still for good */
+  mailbox_close(s->box);
+  return NULL;
+}
+
+/* ---- the loop ---- */
+
+/* Whether a frame says anything that the one before did not; tracks of another flight are forgotten. */
+static bool is_new(flight *f, const shot *s, const shot *before) {
+  const size_t pixels = (size_t)f->box.pixels;
+  if (before == NULL) return true;
+  if (!s->continues || s->t_ns < before->t_ns) {
+    ++f->restarts;
+    detector_reset(&f->detector);
+    return true;
+  }
+  if (f->options.all_frames) return true;
+  if (s->t_ns != before->t_ns &&
+      (memcmp(s->left, before->left, pixels) != 0 || memcmp(s->right, before->right, pixels) != 0))
+    return true;
+  ++f->duplicates;
+  mailbox_forget(&f->box); /* the moment that counts is the one at which the images were new */
+  return false;
+}
+
+static placement place_of(flight *f, const shot *s) {
+  placement where = {.has_pose = s->has_pose, .has_up = s->has_up};
+  if (f->options.poses_from_mavlink) {
+    autopilot_place(&f->autopilot, s->exposed_ns, f->parameters.motion.speed_max_m_s, &where);
+    return where;
+  }
+  if (s->has_pose) where.pose = rig_rectified_pose(&f->rig, &s->pose);
+  memcpy(where.up_world, s->up_world, sizeof where.up_world);
+  return where;
+}
+
+static void say(const problem *p, const char *more) { dprintf(STDERR_FILENO, "vista-fly: %s%s\n", p->line, more); }
+
+/* A frame that the detector refuses, as one with an impossible pose, ends the tracks and not the flight. */
+static bool detect(flight *f, const shot *s, detection *found) {
+  problem p;
+  if (detector_match(&f->detector, s, &p)) {
+    placement where = place_of(f, s);
+    if (detector_judge(&f->detector, s, &where, found, &p)) return true;
+  }
+  if (f->refused++ == 0) say(&p, "; tracks are forgotten and the flight goes on");
+  detector_reset(&f->detector);
+  return false;
+}
+
+static void write_line(flight *f, const shot *s, const detection *found) {
+  size_t bytes = 0;
+  problem p;
+  if (f->lines.file < 0) return;
+  if (vista_line_write(&found->result, &found->directions, &found->health, s->index, s->t_ns, f->line, sizeof f->line,
+                       &bytes) != VISTA_OK)
+    return;
+  if (!lines_write(&f->lines, f->line, bytes, &p)) say(&p, "; the flight goes on without it");
+}
+
+static void process(flight *f, const shot *s) {
+  detection found;
+  if (!detect(f, s, &found)) return;
+  if (f->options.to != NULL) autopilot_tell(&f->autopilot, &found, s->exposed_ns);
+  write_line(f, s, &found);
+  ++f->processed;
+  latency_add(&f->latency, fly_now_ns() - s->exposed_ns);
+}
+
+static void watch(flight *f) {
+  const int64_t now_ns = fly_now_ns();
+  atomic_store(&f->alive_ns, now_ns);
+  atomic_store(&f->source.alive_ns, now_ns);
+  guard_open(&f->guard, (int64_t)(f->options.watchdog_s * FLY_SECOND));
+  guard_watch(&f->guard, "detection", &f->alive_ns);
+  if (!f->options.all_frames) guard_watch(&f->guard, "the source", &f->source.alive_ns);
+  if (f->options.to != NULL) guard_watch(&f->guard, "the autopilot's link", &f->autopilot.alive_ns);
+}
+
+bool flight_run(flight *f, const atomic_bool *interrupted, problem *p) {
+  pthread_t reader;
+  if (f->options.to != NULL && !autopilot_start(&f->autopilot, p)) return false;
+  watch(f);
+  if (!guard_start(&f->guard, p)) return false;
+  if (pthread_create(&reader, NULL, read_frames, &f->source) != 0) return problem_say(p, "system", "gives no thread");
+  while (!atomic_load(interrupted) && !mailbox_ended(&f->box)) {
+    const shot *before = NULL;
+    const shot *const s = mailbox_take(&f->box, TAKE_NS, &before);
+    atomic_store(&f->alive_ns, fly_now_ns());
+    if (s != NULL && is_new(f, s, before)) process(f, s);
+  }
+  atomic_store(&f->source.stopped, true);
+  mailbox_close(&f->box);
+  (void)pthread_join(reader, NULL); /* the guard ends the program if it hangs */
+  if (f->options.to != NULL) autopilot_stop(&f->autopilot);
+  guard_close(&f->guard);
+  *p = f->source.problem;
+  return p->line[0] == '\0';
+}
+
+void flight_close(flight *f) {
+  if (f->options.to != NULL) autopilot_close(&f->autopilot);
+  lines_close(&f->lines);
+  if (f->source.kind != NULL) f->source.kind->close(&f->source);
+  mailbox_free(&f->box);
+  detector_free(&f->detector);
+  rig_free(&f->rig);
+}
+
+static void print_latency(const char *what, const char *of, const latency *l) {
+  dprintf(STDERR_FILENO, "%s: %s %.1f ms (p99 %.1f, most %.1f)", what, of, latency_percentile_ms(l, 50.0),
+          latency_percentile_ms(l, 99.0), l->most_ms);
+}
+
+void flight_print(flight *f) {
+  const int64_t dropped = mailbox_dropped(&f->box) + atomic_load(&f->source.skipped);
+  dprintf(STDERR_FILENO,
+          "vista-fly: %" PRId64 " frames processed, %" PRId64 " dropped for newer ones, %" PRId64
+          " duplicates, %" PRId64 " restarts, %" PRId64 " refused\n",
+          f->processed, dropped, f->duplicates, f->restarts, f->refused);
+  print_latency("vista-fly", "from the exposure to the result", &f->latency);
+  dprintf(STDERR_FILENO, "\n");
+  if (f->options.to == NULL) return;
+  print_latency(f->options.to, "from the exposure to the message", &f->autopilot.told);
+  dprintf(STDERR_FILENO, "; %" PRId64 " messages sent, %" PRId64 " of them lost\n", f->autopilot.sent,
+          f->autopilot.way.lost);
+}

@@ -1,0 +1,41 @@
+/* The loop: of the frames that have come the newest is processed, told of and written, until the source ends. */
+#ifndef VISTA_FLY_FLIGHT_H
+#define VISTA_FLY_FLIGHT_H
+
+#include "autopilot.h"
+#include "detector.h"
+#include "guard.h"
+#include "latency.h"
+#include "lines.h"
+#include "mailbox.h"
+#include "options.h"
+#include "source.h"
+
+typedef struct flight {
+  options options;
+  vista_parameters parameters;
+  rig rig;
+  mailbox box;
+  source source;
+  detector detector;
+  autopilot autopilot; /* with --to */
+  guard guard;
+  lines lines;
+  char line[VISTA_LINE_BYTES];
+  atomic_llong alive_ns;
+  int64_t processed, duplicates, restarts, refused;
+  latency latency; /* from the exposure until it is told of and written */
+} flight;
+
+/* Takes all memory. On a problem it may be half open; flight_close is called in any case. */
+bool flight_open(flight *f, const options *o, problem *p);
+
+/* Until the source ends or *interrupted. False: the source failed. */
+bool flight_run(flight *f, const atomic_bool *interrupted, problem *p);
+
+void flight_close(flight *f);
+
+/* What came and how long it took, on stderr. */
+void flight_print(flight *f);
+
+#endif

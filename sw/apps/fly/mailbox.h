@@ -1,0 +1,60 @@
+/* A queue of one frame between the thread of a source and that which detects: what was not taken in time gives way to
+ * what is newer. All memory is taken when it is made. */
+#ifndef VISTA_FLY_MAILBOX_H
+#define VISTA_FLY_MAILBOX_H
+
+#include <pthread.h>
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "vista/types.h"
+
+/* A raw pair that was taken. */
+typedef struct shot {
+  int64_t index;
+  int64_t t_ns;       /* counts for the motion of things, on the source's own clock */
+  int64_t exposed_ns; /* the same moment on CLOCK_MONOTONIC */
+  bool continues; /* false: what came before was another flight */
+  bool has_pose, has_up;
+  vista_pose pose; /* of the raw left camera in the world */
+  double up_world[3];
+  uint8_t *left, *right; /* height * width, in memory of the mailbox */
+} shot;
+
+typedef struct mailbox {
+  pthread_mutex_t lock;
+  pthread_cond_t changed;
+  shot shots[4]; /* one that is written, one that waits, the one that is worked on, and the one before it */
+  int writing, waiting, taken, before;
+  bool full, closed;
+  bool patient; /* put waits until the frame before was taken */
+  int64_t dropped;
+  int32_t pixels;
+} mailbox;
+
+/* False: out of memory. */
+bool mailbox_make(mailbox *box, int32_t pixels, bool patient);
+void mailbox_free(mailbox *box);
+
+/* The frame to be written next. For the source alone. */
+shot *mailbox_blank(mailbox *box);
+
+/* Hands it over. */
+void mailbox_put(mailbox *box);
+
+/* No more frames come; also ends waiting. */
+void mailbox_close(mailbox *box);
+
+/* The newest frame, which stays valid until the next is taken. *before: the one that was taken before it, null at the
+ * first. Null: none came within the time, or none comes any more. */
+const shot *mailbox_take(mailbox *box, int64_t timeout_ns, const shot **before);
+
+/* The frame that was taken last says nothing new: the one before it counts as the last one. */
+void mailbox_forget(mailbox *box);
+
+/* Closed, and nothing is left to take. */
+bool mailbox_ended(mailbox *box);
+
+int64_t mailbox_dropped(mailbox *box);
+
+#endif

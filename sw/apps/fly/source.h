@@ -1,0 +1,45 @@
+/* Where raw pairs come from: a recording of `vista prepare`, shared memory, or cameras. A source is opened, run in a
+ * thread of its own, and closed. While it runs it takes no memory. */
+#ifndef VISTA_FLY_SOURCE_H
+#define VISTA_FLY_SOURCE_H
+
+#include <stdatomic.h>
+#include <stdint.h>
+
+#include "mailbox.h"
+#include "problem.h"
+#include "rig.h"
+
+typedef struct source source;
+
+/* What each kind of source does. */
+typedef struct source_kind {
+  /* Puts frames into the mailbox until it ends or `stopped`. False: it failed, and the problem says why. */
+  bool (*run)(source *s);
+  void (*close)(source *s);
+} source_kind;
+
+struct source {
+  const source_kind *kind;
+  mailbox *box;
+  int32_t width_px, height_px;
+  bool has_poses; /* some frame may have one */
+  atomic_bool stopped;
+  atomic_llong alive_ns; /* when the thread of the source last did something */
+  atomic_llong skipped; /* frames that the source left out itself */
+  problem problem;
+  void *own; /* of the kind */
+};
+
+/* A file of frames, as fast as it was taken, or with a patient mailbox as fast as it is taken from. repeat: begins again
+ * after the last frame. */
+bool source_open_recording(source *s, const char *path, const rig *r, bool repeat, problem *p);
+
+/* Frames that another process shares, as vista/shared_frames.h describes. It may come later, and go and come back. */
+bool source_open_shared(source *s, const char *name, const rig *r, problem *p);
+
+/* Cameras of V4L2: one whose picture holds both views side by side, or a left and a right one. */
+bool source_open_cameras(source *s, const char *const *devices, int count, int64_t tolerance_ns, const rig *r,
+                         problem *p);
+
+#endif

@@ -1,0 +1,237 @@
+"""vista-fly finds in a recording what `vista run` finds, but for the times. Bad files are refused."""
+
+from __future__ import annotations
+
+import struct
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import pytest
+import sequence_cases as cases
+from command_line import assert_refused, call
+from flight_on_disk import write_flight
+from fly_process import SANITIZED, fly, prepare, timeless
+from shared_data import SHARED_DATA
+from vista.cli import main
+
+EUROC, KITTI = SHARED_DATA / "euroc_v101", SHARED_DATA / "kitti_odometry" / "sequences" / "00"
+
+
+def compare(folder: Path, sequence: Path, config: str = "", frames: int = 12) -> list[str]:
+    """Lines of both programs, which have to be equal."""
+    (folder / "my.toml").write_text(config)
+    options = ["--config", str(folder / "my.toml"), "--frames", f"0:{frames}"]
+    assert main(["run", str(sequence), "--out", str(folder / "run"), "--no-overlay", *options]) == 0
+    played = prepare(folder / "fly", sequence, *options)
+    run = fly(*played, "--config", folder / "my.toml", "--all-frames", "--out", folder / "lines.jsonl")
+    assert run.returncode == 0, run.stderr
+    lines = timeless(folder / "lines.jsonl")
+    assert lines == timeless(folder / "run" / "obstacles.jsonl")
+    assert f"{len(lines)} frames processed, 0 dropped" in run.stderr
+    return lines
+
+
+def test_a_flight(tmp_path: Path) -> None:
+    lines = compare(tmp_path, write_flight(tmp_path / "flight", frames=20), frames=20)
+    assert len(lines) == 20
+    assert any('"confirmed": true' in line for line in lines)  # something to compare
+    assert any('"time_to_collision_s": ' in line for line in lines)
+
+
+@pytest.mark.parametrize(
+    "config",
+    [
+        "",
+        "[stereo]\nrectify_rows = 128\n",
+        '[stereo]\nsmooth = "binomial3"\nlevels = 2\nlr_max_diff = -1\nprefilter = "none"\n'
+        "[host]\nthreads = 2\n",
+    ],
+    ids=["map", "grid", "engine"],
+)
+@pytest.mark.skipif(not EUROC.is_dir(), reason="EuRoC V1_01 is not there")
+def test_raw_images_of_a_room(tmp_path: Path, config: str) -> None:
+    compare(tmp_path, EUROC, config, 6)
+
+
+@pytest.mark.skipif(not KITTI.is_dir(), reason="KITTI odometry 00 is not there")
+def test_a_street(tmp_path: Path) -> None:
+    compare(tmp_path, KITTI, frames=8)
+
+
+def test_distorted_images(tmp_path: Path) -> None:
+    """Without the shared data too: a lens whose map leads beyond the image."""
+    flight = cases.make_raw(cases.make_flown_pairs(tmp_path / "flight", 5))
+    compare(tmp_path, flight)
+
+
+# ---- prepare ----
+
+
+def test_a_rig_of_cameras(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    pairs = cases.make_flown_pairs(tmp_path / "flight", 2)
+    prepare(tmp_path / "whole", pairs)
+    calibration = pairs / "calibration.toml"
+    size = "x".join(map(str, struct.unpack_from("<2I", (tmp_path / "whole" / "rig.vista").read_bytes(), 12)))
+    options = ["--calibration", calibration, "--size", size, "--out", tmp_path / "cameras"]
+    assert call(capsys, "prepare", *options)[0] == 0
+    assert [file.name for file in (tmp_path / "cameras").iterdir()] == ["rig.vista"]
+    rigs = [(tmp_path / name / "rig.vista").read_bytes() for name in ("cameras", "whole")]
+    assert rigs[0] == rigs[1]
+
+
+@pytest.mark.parametrize(
+    "arguments, text",
+    [
+        ([], "takes SEQUENCE, or --calibration and --size"),
+        (["--size", "640"], "'640' is not WIDTHxHEIGHT"),
+        (["flight", "--size", "64x64"], "goes with cameras"),
+        (["flight", "--poses", "odometry"], "not estimated"),
+    ],
+)
+def test_prepare_refuses(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], arguments: list[str], text: str
+) -> None:
+    flight = cases.make_flown_pairs(tmp_path / "flight", 2)
+    named = [flight if argument == "flight" else argument for argument in arguments]
+    assert_refused(call(capsys, "prepare", *named, "--out", tmp_path / "out"), text)
+    assert not (tmp_path / "out").exists()
+
+
+def test_an_image_that_cannot_be_read_leaves_nothing(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    flight = cases.make_flown_pairs(tmp_path / "flight", 3)
+    (flight / "scene02_left.png").write_bytes(b"no image")
+    assert_refused(call(capsys, "prepare", flight, "--out", tmp_path / "out"), "scene02_left.png")
+    assert list((tmp_path / "out").iterdir()) == []
+
+
+# ---- bad files ----
+
+
+@pytest.fixture(scope="module")
+def prepared(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("prepared")
+    prepare(folder, cases.make_raw(cases.make_flown_pairs(folder / "flight", 2)))
+    return folder
+
+
+def refused(run: subprocess.CompletedProcess[str], text: str) -> None:
+    assert (run.returncode, run.stdout) == (2, "")
+    assert run.stderr.startswith("vista-fly: ") and run.stderr.count("\n") == 1
+    assert text in run.stderr
+
+
+def with_bytes(source: Path, target: Path, at: int, data: bytes) -> Path:
+    content = bytearray(source.read_bytes())
+    content[at : at + len(data)] = data
+    target.write_bytes(content)
+    return target
+
+
+@pytest.mark.parametrize(
+    "name, at, data, text",
+    [
+        ("rig", 0, b"NO", "no rig of vista prepare"),
+        ("rig", 8, b"\x07", "another version"),
+        ("rig", 12, b"\x00\x00\x00\x00", "damaged"),
+        ("rig", 20, b"\x09", "damaged"),
+        ("rig", 32, struct.pack("<d", np.nan), "not finite"),
+        ("rig", -2, b"\xff\xff", "damaged"),  # a fraction
+        ("frames", 0, b"NO", "no frames of vista prepare"),
+        ("frames", 8, b"\x07", "another version"),
+        ("frames", 12, b"\x10\x00\x00\x00", "the rig says"),
+        ("frames", 64, struct.pack("<d", np.inf), "a pose is not finite"),
+    ],
+)
+def test_damaged_files_take_one_line(
+    tmp_path: Path, prepared: Path, name: str, at: int, data: bytes, text: str
+) -> None:
+    source = prepared / f"{name}.vista"
+    at = at if at >= 0 else source.stat().st_size + at
+    files = {"rig": prepared / "rig.vista", "frames": prepared / "frames.vista"}
+    files[name] = with_bytes(source, tmp_path / "bad.vista", at, data)
+    run = fly("--rig", files["rig"], "--recording", files["frames"], "--all-frames")
+    if "pose" in text:  # in flight: what came before was done
+        assert run.returncode == 2 and text in run.stderr
+    else:
+        refused(run, text)
+
+
+@pytest.mark.parametrize("name", ["rig", "frames"])
+@pytest.mark.parametrize("share", [0.0, 0.0001, 0.5, 0.9999])
+def test_files_that_are_cut_off(tmp_path: Path, prepared: Path, name: str, share: float) -> None:
+    files = {"rig": prepared / "rig.vista", "frames": prepared / "frames.vista"}
+    content = files[name].read_bytes()
+    files[name] = tmp_path / "short.vista"
+    files[name].write_bytes(content[: int(share * len(content))])
+    refused(fly("--rig", files["rig"], "--recording", files["frames"]), "short.vista: ")
+
+
+@pytest.mark.parametrize(
+    "arguments, text",
+    [
+        (["--recording", "x"], "--rig: is needed"),
+        (["--rig", "x"], "takes one of --camera, --shared and --recording"),
+        (["--rig", "x", "--recording", "x", "--shared", "x"], "takes one of"),
+        (["--rig", "/nowhere", "--recording", "x"], "/nowhere: no such file or directory"),
+        (["--wrong"], "--wrong: no such option"),
+        (["--watchdog", "0"], "--watchdog: 0 is not from 0.5 to 3600"),
+        (["--rig"], "--rig: takes a value"),
+        (["--rig", "x", "--shared", "y", "--repeat"], "--repeat: goes with --recording"),
+        (["--rig", "x", "--shared", "y", "--poses", "mavlink"], "needs --to"),
+        (["--rig", "x", "--shared", "y", "--poses", "gps"], "is mavlink or source"),
+        (["--rig", "x", "--shared", "y", "--listen", "1.5", "--to", "udp:127.0.0.1:1"], "no port"),
+        (["--rig", "x", "--camera", "a", "b", "c"], "takes one device or two"),
+    ],
+)
+def test_bad_arguments_take_one_line(arguments: list[str], text: str) -> None:
+    refused(fly(*arguments), text)
+
+
+@pytest.mark.parametrize(
+    "target, text",
+    [
+        ("udp:127.0.0.1", "is neither"),
+        ("udp:127.0.0.1:0", "is neither"),
+        ("udp:autopilot:14550", "no numeric address"),
+        ("serial:", "is neither"),
+        ("serial:/dev/null", "inappropriate ioctl"),
+        ("serial:/dev/nothing:57600", "no such file"),
+        ("serial:/dev/null:12345", "no speed of a serial line"),
+    ],
+)
+def test_bad_targets_take_one_line(prepared: Path, target: str, text: str) -> None:
+    files = ["--rig", prepared / "rig.vista", "--recording", prepared / "frames.vista"]
+    refused(fly(*files, "--to", target), text)
+
+
+def test_a_rig_for_other_rows_is_refused(tmp_path: Path, prepared: Path) -> None:
+    (tmp_path / "my.toml").write_text("[stereo]\nrectify_rows = 32\n")
+    files = ["--rig", prepared / "rig.vista", "--recording", prepared / "frames.vista"]
+    refused(fly(*files, "--config", tmp_path / "my.toml"), "the rig was prepared with 0")
+
+
+def test_help_and_version() -> None:
+    assert fly("--help").stdout.startswith("usage: vista-fly")
+    assert fly("--version").stdout.startswith("vista-fly 0.")
+
+
+@pytest.mark.skipif(SANITIZED, reason="a sanitized program takes memory of its own")
+def test_a_disk_that_is_full_ends_the_file_and_not_the_flight(tmp_path: Path, prepared: Path) -> None:
+    files = ["--rig", prepared / "rig.vista", "--recording", prepared / "frames.vista"]
+    run = fly(*files, "--all-frames", "--out", "/dev/full")
+    assert run.returncode == 0
+    assert "/dev/full: no space left on device; the flight goes on without it" in run.stderr
+    assert "2 frames processed" in run.stderr
+
+
+def test_a_line_that_was_cut_off_is_taken_away(tmp_path: Path, prepared: Path) -> None:
+    files = ["--rig", prepared / "rig.vista", "--recording", prepared / "frames.vista", "--all-frames"]
+    out = tmp_path / "lines.jsonl"
+    assert fly(*files, "--out", out).returncode == 0
+    whole = timeless(out)
+    out.write_text(out.read_text() + '{"version": 2, "fra')
+    assert fly(*files, "--out", out).returncode == 0
+    assert timeless(out) == whole + whole
