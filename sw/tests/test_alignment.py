@@ -127,6 +127,18 @@ def test_the_alarm_ends_when_the_camera_is_back() -> None:
     assert frames[49].alignment.health == Health.HEALTHY
 
 
+def test_a_pair_that_agrees_by_chance_does_not_end_the_alarm() -> None:
+    pairs = turned.textured_flight(CAMERA, seeded(15))
+    frames = list(
+        turned.corrected(
+            CAMERA, pairs, lambda k: degrees(3.0, 0.0) if k >= 10 and k not in (40, 44) else Turn(), 48
+        )
+    )
+    assert frames[40].alignment.agreeing > 0
+    assert frames[40].alignment.health == Health.DEGRADED  # its rows are right, but who knows of the next
+    assert {frame.alignment.state for frame in frames[39:]} == {State.LOST}
+
+
 def test_the_limits_are_those_of_the_parameters() -> None:
     values = parameters.defaults()
     values["alignment"] = values["alignment"] | {"pitch_max_deg": 0.3}
