@@ -19,7 +19,8 @@ NATIVE_PATHS = (
 # What `make check` leaves out: simulations of the RTL, renderings, installations, and long runs.
 SLOW = """
     replay_aarch64 board board_sim cache calibrate cli dataset_command demo engine_board engine_rtl figures
-    flight flights_command fuzz health_real jobs jobs_cluster live_camera live_command
+    flight flights_command fly_camera fly_cross fly_mavlink fly_program fly_shared fuzz
+    health_real jobs jobs_cluster live_camera live_command
     live_loop live_parts mavlink_command measured_pairs obstacle_schema
     real_sequence report run_health scenes score_flight static_world street throughput
 """

@@ -48,7 +48,7 @@ def prefix(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_what_is_installed(prefix: Path) -> None:
     found = {str(path.relative_to(prefix)) for path in prefix.rglob("*") if not path.is_dir()}
     headers = [*REPOSITORY.glob("sw/include/vista/*.h"), *REPOSITORY.glob("model/c/include/vista/*.h")]
-    expected = {f"include/vista/{header.name}" for header in headers} | {"bin/replay"}
+    expected = {f"include/vista/{header.name}" for header in headers} | {"bin/replay", "bin/vista-fly"}
     for library, soname in SONAMES.items():
         expected |= {
             f"lib/{library}.a", f"lib/{library}.so", f"lib/{soname}", f"lib/{library}.so.{VERSION}"
