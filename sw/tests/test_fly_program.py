@@ -151,7 +151,7 @@ def count_allocations(counter: Path, target: Path, *arguments: object) -> int:
 @pytest.mark.skipif(SANITIZED, reason="AddressSanitizer replaces malloc itself")
 @pytest.mark.skipif(shutil.which("gcc") is None, reason="gcc is not installed")
 def test_frames_allocate_nothing(flight: Flight, tmp_path: Path) -> None:
-    """200 frames take what 20 take, with lines, messages, and a watchdog."""
+    """Ten passes over the frames take what one takes, with lines, messages, and a watchdog."""
     counter, target = tmp_path / "count_allocations.so", tmp_path / "count"
     source = Path(__file__).with_name("count_allocations.c")
     command = ["gcc", "-std=c17", "-O1", "-fPIC", "-fno-builtin", "-shared", str(source), "-o", str(counter)]
