@@ -75,7 +75,7 @@ static bool read_stream(const char *path, FILE *stream, rig *r, problem *p) {
   memcpy(r->left_from_rectified, head.left_from_rectified, sizeof r->left_from_rectified);
   const size_t bytes = 2 * table_bytes(&head);
   if (bytes > 0 && (r->memory = malloc(bytes)) == NULL) return problem_say(p, path, "out of memory");
-  set_tables(r, &head);
+  if (bytes > 0) set_tables(r, &head); /* what is rectified already has none */
   if ((bytes > 0 && fread(r->memory, bytes, 1, stream) != 1) || fgetc(stream) != EOF)
     return problem_say(p, path, "damaged");
   return check_fractions(path, r, p);
