@@ -95,7 +95,7 @@ def record(path: Path, folder: Path, size: tuple[int, int] | None = None) -> Pat
     with Recorder(path, sequence, camera, values) as recorder:
         for frame in frames_of(sequence, rectifier):
             seen = frame if size is None else enlarged(frame, columns, size)
-            recorder.write(seen, list(engine.levels(seen.left, seen.right)))
+            recorder.write(seen, list(engine.levels(seen.left, seen.right)), sequence.stills)
     return path
 
 
