@@ -37,7 +37,7 @@ def scene(width: int, height: int) -> tuple[np.ndarray, np.ndarray]:
     """A slanted textured plane with flat patches, so that valid and invalid pixels both occur."""
     rng = np.random.default_rng(20)
     texture = cv2.GaussianBlur(rng.integers(0, 256, (height, width + 64), dtype=np.uint8), (0, 0), 1.6)
-    texture = cv2.normalize(texture, None, 0, 255, cv2.NORM_MINMAX)
+    texture = cv2.normalize(texture, np.empty_like(texture), 0, 255, cv2.NORM_MINMAX)
     for x, y in rng.integers(0, (width, height), (12, 2)):
         texture[y : y + height // 8, x : x + width // 8] = 128
     shifts = np.linspace(4, 14, height).astype(int)
@@ -114,7 +114,7 @@ def check_cost(repetitions: int) -> dict:
     """The engine alone, in the modes that StereoBM does not have."""
     left, right = scene(*HEADLINE_SIZE)
     words = np.empty(left.shape, np.int16)
-    calls = {
+    calls: dict[str, Callable[[], object]] = {
         "check off": CEngine(HEADLINE).prepare(left, right, words),
         "check on": CEngine(replace(HEADLINE, lr_max_diff=1)).prepare(left, right, words),
         "no prefilter": CEngine(replace(HEADLINE, prefilter="none")).prepare(left, right, words),

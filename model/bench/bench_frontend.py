@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import argparse
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -41,27 +41,27 @@ def prepare_levels(
     """The C calls that give the words of so many levels, on arrays that are ready."""
     calls: list[Callable[[], None]] = []
     arrays: list[np.ndarray] = []
-    pair = left, right
+    pair: Sequence[np.ndarray] = (left, right)
     for level in range(levels):
         if level > 0:
             smaller = [np.empty(reduced_shape(image.shape), np.uint8) for image in pair]
             calls += [prepare_reduce(image, out, isa) for image, out in zip(pair, smaller, strict=True)]
             arrays += smaller
             pair = smaller
-        matched = pair
+        matched: Sequence[np.ndarray] = pair
         if smoothed:
             matched = [np.empty_like(image) for image in pair]
             arrays += matched
             calls += [prepare_smooth(image, out, isa) for image, out in zip(pair, matched, strict=True)]
         words = np.empty(matched[0].shape, np.int16)
         arrays.append(words)
-        calls.append(CEngine(parameters, isa).prepare(*matched, words))
+        calls.append(CEngine(parameters, isa).prepare(matched[0], matched[1], words))
     return in_turn(calls, arrays)
 
 
 def compare(isa: str, repetitions: int) -> dict:
     """Levels against one level, turn by turn, and the filters alone beside OpenCV's, on both images."""
-    pair = scene(*HEADLINE_SIZE)
+    pair = left, right = scene(*HEADLINE_SIZE)
     smooth = [np.empty_like(image) for image in pair]
     small = [np.empty(reduced_shape(image.shape), np.uint8) for image in pair]
     opencv_smooth, opencv_small = ([np.empty_like(image) for image in images] for images in (smooth, small))
@@ -75,10 +75,10 @@ def compare(isa: str, repetitions: int) -> dict:
     }
     for check, lr_max_diff in (("", None), (", check", 1)):
         parameters = replace(HEADLINE, lr_max_diff=lr_max_diff)
-        calls["1 level" + check] = prepare_levels(*pair, parameters, isa, 1, False)
-        calls["3 levels" + check] = prepare_levels(*pair, parameters, isa, 3, False)
-        calls["1 level, smoothed" + check] = prepare_levels(*pair, parameters, isa, 1, True)
-        calls["3 levels, smoothed" + check] = prepare_levels(*pair, parameters, isa, 3, True)
+        calls["1 level" + check] = prepare_levels(left, right, parameters, isa, 1, False)
+        calls["3 levels" + check] = prepare_levels(left, right, parameters, isa, 3, False)
+        calls["1 level, smoothed" + check] = prepare_levels(left, right, parameters, isa, 1, True)
+        calls["3 levels, smoothed" + check] = prepare_levels(left, right, parameters, isa, 3, True)
     times = by_turns_ms(calls, repetitions)
     np.testing.assert_array_equal(smooth, opencv_smooth)
     np.testing.assert_array_equal(small, opencv_small)

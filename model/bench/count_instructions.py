@@ -22,7 +22,7 @@ WIDTH, HEIGHT = 320, 60
 
 def instructions(asked: bytes) -> int:
     """qemu writes a line for each."""
-    command = [RUN, "-singlestep", "-d", "exec,nochain", "-D", "/dev/stderr", PROGRAM]
+    command = [str(RUN), "-singlestep", "-d", "exec,nochain", "-D", "/dev/stderr", str(PROGRAM)]
     with subprocess.Popen(
         command, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE
     ) as process:

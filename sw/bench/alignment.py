@@ -80,7 +80,7 @@ def sift_rows_px(left: turned.Grey, right: turned.Grey) -> np.ndarray:
     """How far apart in rows features lie that have a disparity from 0 to a fifth of the width."""
     sift, matcher = cv2.SIFT.create(FEATURES), cv2.BFMatcher()
     points, words = zip(*(sift.detectAndCompute(image, None) for image in (left, right)), strict=True)
-    pairs = matcher.knnMatch(*words, k=2)
+    pairs = matcher.knnMatch(words[0], words[1], k=2)
     best = [pair[0] for pair in pairs if len(pair) == 2 and pair[0].distance < RATIO * pair[1].distance]
     shifts = np.array([np.subtract(points[0][m.queryIdx].pt, points[1][m.trainIdx].pt) for m in best])
     disparity_px, rows_px = shifts.reshape(-1, 2).T

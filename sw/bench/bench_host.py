@@ -77,7 +77,8 @@ def frames_of(sequence: Sequence, rectifier: Rectifier) -> Iterator[Frame]:
 
 def enlarged(frame: Frame, columns: slice, size: tuple[int, int]) -> Frame:
     def one(image: Image) -> Image:
-        return cv2.resize(np.ascontiguousarray(image[:, columns]), size, interpolation=cv2.INTER_LINEAR)
+        cut = np.ascontiguousarray(image[:, columns])
+        return cv2.resize(cut, size, interpolation=cv2.INTER_LINEAR).astype(np.uint8, copy=False)
 
     return replace(frame, left=one(frame.left), right=one(frame.right))
 

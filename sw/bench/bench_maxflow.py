@@ -20,6 +20,7 @@ import time
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from typing import TypeVar
 
 import cv2
 import numpy as np
@@ -47,10 +48,11 @@ except ImportError:
     peer = None
 
 SEED = 11
+Result = TypeVar("Result")
 RECURSIVE_CORES = 40
 
 
-def timed_ms(call: Callable[[], object]) -> tuple[float, object]:
+def timed_ms(call: Callable[[], Result]) -> tuple[float, Result]:
     start = time.thread_time_ns()
     result = call()
     return (time.thread_time_ns() - start) / 1e6, result
@@ -162,7 +164,7 @@ def main() -> None:
 
     images = [("synthetic image", synthetic_image(SEED))]
     images += [
-        (name, cv2.imread(str(path), cv2.IMREAD_GRAYSCALE).astype(float)) for name, path in real_images()
+        (name, np.asarray(cv2.imread(str(path), cv2.IMREAD_GRAYSCALE), float)) for name, path in real_images()
     ]
     if peer is None:
         print("peer absent: PyMaxflow is not installed (scripts/setup.sh bench); libvista alone")

@@ -52,7 +52,7 @@ def strong_rig() -> RawCalibration:
         matrix[0, 0] *= 0.72
         matrix[1, 1] *= 0.72
         lenses.append(replace(camera, matrix=matrix, distortion=k))
-    turn = cv2.Rodrigues(np.radians([1.2, -1.5, 1.6]))[0]
+    turn = np.asarray(cv2.Rodrigues(np.radians([1.2, -1.5, 1.6]))[0], np.float64)
     motion = replace(rig.right_from_left, rotation=turn, translation_m=np.array([-0.2, 0.004, 0.006]))
     return replace(rig, left=lenses[0], right=lenses[1], right_from_left=motion)
 

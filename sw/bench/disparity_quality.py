@@ -21,7 +21,7 @@ import cv2
 import numpy as np
 from vista import parameters
 from vista.chain import engine_parameters
-from vista.engine import Disparity, Image, StereoEngine
+from vista.engine import Image, StereoEngine
 from vista.geometry import Calibration
 from vista.pipeline import Pipeline
 from vista_eval.dataset.stereo_pair import split_of
@@ -82,7 +82,7 @@ def host_words(smooth: bool) -> Callable[[Image, Image], dict[str, Pixels]]:
 
 def opencv(name: str, matcher: cv2.StereoMatcher) -> Callable[[Image, Image], dict[str, Pixels]]:
     def match(left: Image, right: Image) -> dict[str, Pixels]:
-        words: Disparity = matcher.compute(left, right)
+        words = matcher.compute(left, right).astype(np.int16, copy=False)
         return {name: at_full_size(words, 0, left.shape)}
 
     return match
@@ -117,8 +117,15 @@ def semi_global_matcher(mode: int) -> cv2.StereoSGBM:
     )
 
 
+def read_image(path: Path, flags: int) -> np.ndarray:
+    image = cv2.imread(str(path), flags)
+    if image is None:
+        raise SystemExit(f"disparity_quality: cannot read {path}")
+    return image
+
+
 def read_truth(path: Path) -> Pixels:
-    units = cv2.imread(str(path), cv2.IMREAD_UNCHANGED)
+    units = read_image(path, cv2.IMREAD_UNCHANGED)
     return np.where(units == 0, np.nan, units / KITTI_UNITS_PER_PX)
 
 
@@ -140,7 +147,7 @@ def evaluate(folder: Path, half: str | None) -> dict[str, dict[str, Quality]]:
     if not names:
         raise SystemExit(f"disparity_quality: no pairs with measured disparities in {folder}")
     for name in names:
-        left, right = (cv2.imread(str(folder / f"image_{i}" / name), cv2.IMREAD_GRAYSCALE) for i in (0, 1))
+        left, right = (read_image(folder / f"image_{i}" / name, cv2.IMREAD_GRAYSCALE) for i in (0, 1))
         truth = read_truth(folder / "disp_noc" / name)
         near = truth > DISPARITIES - 1
         for match in methods:
@@ -155,7 +162,9 @@ def table(results: dict[str, dict[str, Quality]]) -> str:
     def interval(share: Share) -> str:
         return f"{share.value:.3f} ({share.low:.3f} .. {share.high:.3f})"
 
-    rows = [("", "density", "bad-3", "density in range", "bad-3", "density near", "bad-3")]
+    rows: list[tuple[str, ...]] = [
+        ("", "density", "bad-3", "density in range", "bad-3", "density near", "bad-3")
+    ]
     for method, parts in results.items():
         cells = [interval(parts["all"].density), interval(parts["all"].bad)]
         for part in ("in range", "near"):

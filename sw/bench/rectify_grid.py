@@ -72,7 +72,7 @@ def measure(name: str, sequence: Sequence) -> Iterator[dict[str, object]]:
         rectify = by_grid(grid)
         images = [getattr(pair, side) for pair in pairs]
         exact = [
-            cv2.remap(image, exact_px, None, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+            cv2.remap(image, exact_px, np.empty(0), cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
             for image in images
         ]
         grey = np.abs(np.stack([rectify(image) for image in images]).astype(np.int16) - np.stack(exact))

@@ -44,12 +44,21 @@ class Around:
     def parameters(self) -> EngineParameters:
         return self.engine.parameters
 
+    def check_size(self, width_px: int, height_px: int) -> None:
+        self.engine.check_size(width_px, height_px)
+
+    def compute(self, left: Image, right: Image) -> Disparity:
+        return next(self.levels(left, right))
+
     def levels(self, left: Image, right: Image) -> Iterator[Disparity]:
         return map(self.after, self.engine.levels(self.before(left), self.before(right)))
 
 
 def smoothed(engine: Engine) -> Engine:
-    return Around(engine, before=lambda image: cv2.GaussianBlur(image, (0, 0), 1.2))
+    def before(image: Image) -> Image:
+        return cv2.GaussianBlur(image, (0, 0), 1.2).astype(np.uint8, copy=False)
+
+    return Around(engine, before=before)
 
 
 def eroded(engine: Engine) -> Engine:

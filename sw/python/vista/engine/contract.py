@@ -48,7 +48,8 @@ class EngineParameters:
 class Engine(Protocol):
     """What the rest of the chain knows of an engine."""
 
-    parameters: EngineParameters
+    @property
+    def parameters(self) -> EngineParameters: ...
 
     def check_size(self, width_px: int, height_px: int) -> None:
         """ValueError for images that it does not take."""
