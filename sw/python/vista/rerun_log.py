@@ -21,7 +21,6 @@ from vista.history import FrameRecord
 from vista.output import unwritable
 from vista.report.labels import obstacle_name
 
-VIEWER = "rerun+http://127.0.0.1:9876/proxy"  # where a viewer listens unless told otherwise
 LOOPBACK = ("127.0.0.1", "localhost", "::1")
 CAMERA = "world/camera"
 RED, YELLOW = (255, 60, 60), (255, 215, 30)
