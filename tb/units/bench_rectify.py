@@ -116,8 +116,8 @@ def random_segments(rng, kinds, images=random_images, widths=(4, 5, 15, 16, 17))
         on, loads = kind == "unfit" or (kind != "illegal" and bool(rng.random() < 0.8)), []
         if kind == "unfit":
             height = LARGEST  # which nothing else is
-        elif kind != "illegal" and not on and rng.random() < 0.3:
-            width, height = int(rng.integers(4, 17)), int(rng.integers(128, 301))  # no map reaches so far
+        elif kind != "illegal" and not on and rng.random() < 0.15:
+            width, height = int(rng.integers(4, 7)), int(2 ** rng.uniform(7, 12))  # no map reaches so far
         elif newest and rng.random() < 0.3:
             height, width, _ = newest  # the map before it, again
         elif on:
