@@ -4,7 +4,7 @@
 //   C(x, m, d) = C(x, m-1, d) + |l(x, m) - r(x-d, m)| - |l(x, m-B) - r(x-d, m-B)|
 //
 // kept in one memory of a word per column. Row 0 of a frame starts from zero, and nothing leaves before row B. Columns
-// x < d meet right pixels of the row before; no matched block contains them, and the sums over the block leave them out.
+// x < d meet right pixels of the row held; no matched block contains them, and the sums over the block leave them out.
 //
 // |a - b| of the difference e with sign s is (e ^ s) + s: the exclusive or costs logic, the two `+ s` ride on the
 // carry inputs of the two additions that follow. With E entering and L leaving,
@@ -107,7 +107,8 @@ module vista_cost_columns #(
     carry_q[NumDisparities] <= 1'b0;
   end
 
-  // 4: the new sums, written back one clock later. Clearing at the output of the memory costs no logic.
+  // 4: the new sums, written back one clock later. They start from zero here and not in the register of the memory, so
+  // that a block RAM can have that one inside. Row 0 gains at most 2**PixelW - 1: the bits above are zero without an adder.
   logic [NumDisparities:0][ColumnW-1:0] stored_q;
 
   vista_line_store #(
@@ -115,7 +116,7 @@ module vista_cost_columns #(
     .Depth     (MaxWidth)
   ) u_sums (
     .clk_i,
-    .clear_i      (slot2_q.first_row),
+    .clear_i      (1'b0),
     .write_i      (slot_o.valid),
     .write_col_i  (col4_q),
     .write_data_i (column_o),
@@ -124,11 +125,16 @@ module vista_cost_columns #(
   );
 
   for (genvar c = 0; c <= NumDisparities; c++) begin : gen_column
+    logic [ColumnW-1:0] held;
     logic [ColumnW:0] sum;
 
-    assign sum = {stored_q[c], 1'b1} + {ColumnW'($signed(delta_q[c])), carry_q[c]};
+    assign held = {stored_q[c][ColumnW-1:PixelW], stored_q[c][PixelW-1:0] & {PixelW{~slot3_q.first_row}}};
+    assign sum  = {held, 1'b1} + {ColumnW'($signed(delta_q[c])), carry_q[c]};
 
-    always_ff @(posedge clk_i) column_o[c] <= sum[ColumnW:1];
+    always_ff @(posedge clk_i) begin
+      column_o[c] <= sum[ColumnW:1];
+      if (slot3_q.first_row) column_o[c][ColumnW-1:PixelW] <= '0;
+    end
   end
 
 endmodule
