@@ -38,6 +38,7 @@ UNITS: list[tuple[str, dict[str, int]]] = [
     ("vista_frame_writer", {"NumDisparities": 16, "BlockSize": 5, "MaxWidth": 64}),
     ("vista_word_packer", {}),
     ("vista_stereo", {"NumDisparities": 16, "BlockSize": 5, "MaxWidth": 128}),
+    ("vista_registers", {"NumDisparities": 16, "BlockSize": 5, "MaxWidth": 128}),
     ("vista_smooth", {"MaxWidth": 32, "SideWidth": 8}),
     ("vista_reduce", {"MaxWidth": 32}),
     ("vista_pyramid", {"MaxWidth": 40, "SideWidth": 8}),
@@ -49,7 +50,7 @@ UNITS: list[tuple[str, dict[str, int]]] = [
     ),
 ]
 LISTS = {
-    "vista_stereo": "vista_stereo.f",
+    **dict.fromkeys(("vista_stereo", "vista_registers"), "vista_stereo.f"),
     **dict.fromkeys(
         ("vista_smooth", "vista_reduce", "vista_pyramid", "vista_rectify", "front_end"), "vista_frontend.f"
     ),
@@ -109,18 +110,43 @@ def test_unit(module: str, parameters: dict[str, int], monkeypatch: pytest.Monke
     assert "<failure" not in text and "<error" not in text, f"see {folder}/run.log"
 
 
+def planted(files: list[Path], module: str, right: str, wrong: str, folder: Path) -> list[Path]:
+    """These files, of which that of a module is a copy with a fault."""
+    (source,) = (file for file in files if file.stem == module)
+    text = source.read_text()
+    assert text.count(right) == 1
+    copy = folder / source.name
+    copy.write_text(text.replace(right, wrong))
+    return [copy if file == source else file for file in files]
+
+
 @pytest.mark.parametrize(("module", "right", "wrong"), PLANTED, ids=[module for module, *_ in PLANTED])
 def test_assertions_stop_the_simulation(
     module: str, right: str, wrong: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Of overflow, handshake and states. Without a fault the benches above pass with the same assertions."""
-    (source,) = (file for file in sources("vista_stereo_core.f") if file.stem == module)
-    text = source.read_text()
-    assert text.count(right) == 1
-    planted = tmp_path / source.name
-    planted.write_text(text.replace(right, wrong))
-    files = [planted if file == source else file for file in sources("vista_stereo_core.f")]
+    files = planted(files_of(module), module, right, wrong, tmp_path)
     parameters = next(values for name, values in UNITS if name == module)
     with pytest.raises((RuntimeError, SystemExit)):
         run_unit(module, parameters, files, tmp_path / "build", monkeypatch)
     assert f"Assertion failed in {module}" in (tmp_path / "build" / "run.log").read_text()
+
+
+# Responses to writes that come a clock too early, and two.
+EARLY = [
+    ("Apply: state_q <= Settle;", "Apply: state_q <= Respond;"),
+    ("write_q ? Apply : Respond", "Respond"),
+]
+
+
+@pytest.mark.parametrize(("right", "wrong"), EARLY, ids=["a_clock", "two_clocks"])
+def test_a_response_that_comes_before_its_write_has_taken_effect_is_noticed(
+    right: str, wrong: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """By the bench: without the properties of the bus, which would stop the simulation first."""
+    files = planted(files_of("vista_registers"), "vista_axil", right, wrong, tmp_path)
+    files = planted(files, "vista_axil", '`include "vista_axil_properties.svh"', "", tmp_path)
+    parameters = next(values for name, values in UNITS if name == "vista_registers")
+    with pytest.raises((RuntimeError, SystemExit)):
+        run_unit("vista_registers", parameters, files, tmp_path / "build", monkeypatch)
+    assert "AssertionError: after" in (tmp_path / "build" / "run.log").read_text()
