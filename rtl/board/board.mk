@@ -3,7 +3,8 @@
 
 BOARD_TOOLS := .venv/board.stamp $(RTL_TOOLS)
 BOARD_SOURCES := $(wildcard rtl/board/*.py rtl/board/*.toml rtl/board/gateware/*.py)
-BOARD_HARNESS := $(wildcard rtl/board/sim/*.cpp)
+BOARD_WIRE := $(addprefix rtl/board/sim/,simulation.cpp ethernet.cpp simulation.h ethernet.h)
+comma := ,
 BOARD_BUILD = d$(D)_b$(B)_w$(W)_r$(if $(filter-out 0,$(R)),$(R),64)
 
 # For the Colorlight i9, unless others are given: what fits on its LFE5U-45F.
@@ -13,7 +14,7 @@ ADDRESS ?= 192.168.1.50
 BITSTREAM = --disparities $(D) --block $(B) --width $(call given,W,640) --rows $(call given,R,32) \
   --points $(call given,P,1271) --mhz $(MHZ) --address $(ADDRESS)
 
-.PHONY: board-sim bitstream
+.PHONY: board-sim board-clocks bitstream
 
 .venv/board.stamp: $(REQUIREMENTS)/board.txt $(REQUIREMENTS)/litex_boards.txt scripts/setup_board.sh .venv/test.stamp
 	@scripts/setup_board.sh
@@ -24,12 +25,29 @@ bitstream: $(BOARD_TOOLS) ## build the bitstream for a Colorlight i9 with the gi
 board-sim: build/board/$(BOARD_BUILD)/board-sim ## build the simulated board for D disparities, block B, frames up to W pixels wide, and R rows of the rectification (0: 64)
 	@echo "start it with: $< --port 22099"
 
-build/board/%/board-sim: $(BOARD_SOURCES) $(BOARD_HARNESS) $(wildcard rtl/board/sim/*.h) $(RTL_SOURCES) $(wildcard rtl/csr/*.sv rtl/*.f rtl/formal/*.svh) | $(BOARD_TOOLS)
-	@echo "verilate $@"; rm -rf build/board/$*; mkdir -p build/board/$*
+board-clocks: build/board/$(BOARD_BUILD)/board-clocks ## build the simulated board together with its client, to count clocks; D, B, W and R as of board-sim
+	@echo "start it with: $< WIDTH HEIGHT LEVELS FRAMES"
+
+# The gateware as a library, and the programs around it. libvista is that of `make build`.
+BOARD_GATEWARE = build/board/%/verilated/libVboard.a
+.PRECIOUS: $(BOARD_GATEWARE)
+
+$(BOARD_GATEWARE): $(BOARD_SOURCES) $(RTL_SOURCES) $(wildcard rtl/csr/*.sv rtl/*.f rtl/formal/*.svh) | $(BOARD_TOOLS)
+	@echo "verilate build/board/$*"; rm -rf build/board/$*; mkdir -p build/board/$*
 	@set -- $(subst _, ,$*); side=$$(( ($${3#w} + 15) / 16 + 1 )); \
 	  PYTHONPATH=rtl/board $(RTL_PYTHON) -m gateware.simulated build/board/$* $${1#d} $${2#b} $${3#w} $${4#r} $$(( side * side ))
-	@$(VERILATOR) --cc --exe --build --quiet -j 1 -O3 --x-assign fast --x-initial unique --assert \
+	@$(VERILATOR) --cc --build --quiet -j 1 -O3 --x-assign fast --x-initial unique --assert \
 	  -Wno-fatal -Wno-lint -Werror-USERFATAL -DFORMAL -Irtl/formal --top-module board --prefix Vboard \
-	  --Mdir build/board/$*/verilated -CFLAGS "-std=c++17 -I$(CURDIR)/rtl/board/sim" -MAKEFLAGS "OPT_FAST=-O1" \
-	  -f rtl/vista_raw_stereo.f build/board/$*/board.v $(BOARD_HARNESS) -o $(CURDIR)/$@ >build/board/$*/build.log 2>&1 || \
+	  --Mdir $(@D) -CFLAGS -std=c++17 -MAKEFLAGS "OPT_FAST=-O1" \
+	  -f rtl/vista_raw_stereo.f build/board/$*/board.v >build/board/$*/build.log 2>&1 || \
 	  { tail -n 20 build/board/$*/build.log >&2; exit 1; }
+
+compile_board = root=$$($(VERILATOR) --getenv VERILATOR_ROOT); $(CXX) -std=c++17 -O2 -Wall -Wextra -Werror -o $@ \
+  -Irtl/board/sim -Isw/include -Imodel/c/include -isystem $(@D)/verilated -isystem $$root/include -isystem $$root/include/vltstd \
+  $(filter %.cpp,$^) $(@D)/verilated/libVboard.a $(@D)/verilated/libverilated.a -pthread
+
+build/board/%/board-sim: rtl/board/sim/main.cpp $(BOARD_WIRE) $(BOARD_GATEWARE)
+	@$(compile_board)
+
+build/board/%/board-clocks: rtl/board/sim/client_time.cpp $(BOARD_WIRE) $(BOARD_GATEWARE) build/lib/libvista.a
+	@$(compile_board) build/lib/libvista.a -lm $(addprefix -Wl$(comma)--wrap=,clock_gettime nanosleep poll recv send)

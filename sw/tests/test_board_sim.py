@@ -10,6 +10,7 @@ import subprocess
 from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import partial
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -23,6 +24,7 @@ from test_board import SETTINGS, BoardError, Client, golden, lib, random_pair, r
 from vista.engine.rtl import VERILATOR
 
 PROGRAM = Path("build/board/d16_b5_w320_r16/board-sim")
+CLOCKS = PROGRAM.with_name("board-clocks")
 TIMEOUT_MS = 20000
 FAULTS = ["--drop", "0.01", "--double", "0.01", "--damage", "0.01"]
 
@@ -33,12 +35,16 @@ pytestmark = pytest.mark.skipif(
 )  # fmt: skip
 
 
-@pytest.fixture(scope="module")
-def program() -> Path:
-    command = ["make", "--no-print-directory", str(PROGRAM)]
+def made(program: Path) -> Path:
+    command = ["make", "--no-print-directory", str(program)]
     done = subprocess.run(command, cwd=REPOSITORY, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
-    return REPOSITORY / PROGRAM
+    return REPOSITORY / program
+
+
+@pytest.fixture(scope="module")
+def program() -> Path:
+    return made(PROGRAM)
 
 
 class Simulation:
@@ -170,6 +176,22 @@ def test_a_frame_that_the_engine_does_not_finish_is_lost(program: Path) -> None:
         client.configure(SETTINGS)
         client.submit(*pair)
         np.testing.assert_array_equal(client.collect(), golden(SETTINGS, *pair))
+
+
+def test_clocks_are_counted_in_one_time() -> None:
+    """Whatever else the machine does, frames take the same clocks; a slower host makes them come later."""
+
+    def clocks(*more: int) -> list[list[int]]:
+        command = [made(CLOCKS), *map(str, (90, 60, 2, 4, *more))]
+        lines = subprocess.run(command, capture_output=True, text=True, check=True).stdout.splitlines()
+        return [[int(number) for number in line.split()] for line in lines]
+
+    found = clocks()
+    assert found == clocks()
+    assert len(found) == 4
+    assert all(end - begin > 90 * 60 for begin, end in found)
+    assert found == sorted(found) and all(end < begin for (_, end), (begin, _) in pairwise(found))
+    assert clocks(200_000)[-1][0] > found[-1][0] + 10 * 45 * 200  # of more questions than ten
 
 
 CONTROL = 0x10  # rtl/csr/registers.md
