@@ -514,6 +514,41 @@ def board_table() -> str:
     return f"{table}\n\n*{origin(board['measured'])}.*"
 
 
+def board_clocks_table() -> str:
+    def compared(row: Record, key: str) -> list[str]:
+        board, model = row["board"][key], row["model"][key]
+        return [f"{board:,}", f"{model:,} ({100 * (model / board - 1):+.1f} %)"]
+
+    rows = []
+    for row in figures("board-clocks")["rows"]:
+        rates = [f"{row[side]:.1f}" for side in ("board_rate_hz", "model_rate_hz")]
+        clocks = [*compared(row, "period_clocks"), *compared(row, "engine_clocks")]
+        rows.append([row["size"], str(row["levels"]), *clocks, *rates])
+    head = (
+        "size | levels | clocks from frame to frame: board | model | "
+        "clocks at work at a frame: board | model | frames/s: board | model"
+    )
+    return markdown(head, rows)
+
+
+def board_soak_table() -> str:
+    found = figures("board-soak")
+    packets = found["packets"]
+    numbers = {
+        "frames sent": found["frames"],
+        "answered": found["answered"],
+        "reported lost": found["lost"],
+        "words compared": found["words"],
+        "of which with a disparity": found["matched_words"],
+        "words that differ": found["differing_words"],
+        "packets": packets["packets"],
+        "dropped": packets["dropped"],
+        "doubled": packets["doubled"],
+        "chunks of pixels sent again": found["chunks_sent_again"],
+    }
+    return markdown("through the simulated system | count", [[k, f"{n:,}"] for k, n in numbers.items()])
+
+
 def clock(build: Record) -> str:
     if build["clock_mhz"] is None:
         return "not routed"
@@ -684,6 +719,8 @@ TABLES: dict[str, dict[str, Callable[[], str]]] = {  # by the figures that they 
         "flights-noise": flights_noise_table,
     },
     "throughput": {"throughput": throughput_table},
+    "board-clocks": {"board-clocks": board_clocks_table},
+    "board-soak": {"board-soak": board_soak_table},
     "rectification": {"rectification": rectification_table},
     "rectification-grid": {"rectification-grid": rectification_grid_table},
     "calibration": {"calibration": calibration_table},

@@ -228,6 +228,8 @@ REDUCE: dict[str, Callable[[Record], Record]] = {
     "flights": reduce_flights,
     "scenes": reduce_scenes,
     "throughput": reduce_throughput,
+    "board-clocks": lambda raw: raw,
+    "board-soak": lambda raw: raw,
     **{f"worlds-{split}": reduce_worlds for split in ("dev", "test")},
 }
 

@@ -45,6 +45,7 @@ struct Configuration {
   int64_t camera_horizontal_blanking_px = 160, camera_vertical_blanking_lines = 45;
 
   double memory_bandwidth_bytes_s = 1.6e9, memory_latency_ns = 100, memory_burst_overhead_ns = 0;
+  double memory_turnaround_ns = 0, memory_read_time_ns = 0, memory_write_time_ns = 0;
   bool memory_priority = false;  // else round robin
   int64_t burst_bytes = 256, dma_fifo_bytes = 4096, capture_fifo_bytes = 16384;
   double background_bytes_s = 0;

@@ -8,7 +8,8 @@ namespace {
 
 // rtl/board/wire.toml and rtl/board/gateware/server.py.
 constexpr int64_t kChunkBytes = 1024, kHeaderBytes = 20, kStatusBytes = 176, kCredits = 7, kAskEvery = 3;
-constexpr int64_t kFetchChunks = 32;  // sw/src/board/words.c
+constexpr int64_t kFetchChunks = 32, kPauseNs = 200000;  // sw/src/board/words.c
+constexpr int64_t kQuestionsOfSlot = 2;  // sw/src/board/request.c: what is in the slot, and to give it up
 constexpr int64_t kWordBytes = 4;  // of the board's memory
 // Preamble, Ethernet, IP, UDP, check sum, gap between two packets.
 constexpr int64_t kPacketBytes = 8 + 14 + 20 + 8 + 4 + 12;
@@ -37,14 +38,20 @@ void Link::run() {
     Buffer* const at_host = !room && ends_.results.any_waiting() ? ends_.fetched.begin_writing(-1) : nullptr;
     const int64_t begin = now_ps();
     if (room) {
+      for (int64_t i = 0; i < kQuestionsOfSlot; ++i) ask();
       send(*ends_.captured.begin_reading(), *room);
       ++frames_;
     } else if (at_host) {
       fetch(*ends_.results.begin_reading(), *at_host);
       --frames_;
+    } else if (frames_ > 0) {  // the client waits for the first of them
+      ask();
+      if (!ends_.results.any_waiting()) wait_until(now_ps() + from_ns(kPauseNs).value());
+      continue;
     } else {
       sc_core::wait(ends_.captured.changed() | ends_.received.changed() | ends_.results.changed() |
                     ends_.fetched.changed());
+      continue;
     }
     busy_ps_ += now_ps() - begin;
   }
@@ -68,6 +75,12 @@ int64_t Link::wire_ps(int64_t payload_bytes) const {
 
 int64_t Link::clocks_ps(int64_t clocks) const {
   return static_cast<int64_t>(static_cast<double>(clocks) * 1e12 / configuration_.engine_clock_hz);
+}
+
+// A request of a header alone, and its answer, which is a status.
+void Link::ask() {
+  wait_until(now_ps() + wire_ps(kHeaderBytes) + clocks_ps(kPacketClocks + kStatusClocks) + wire_ps(kStatusBytes) +
+             from_ns(configuration_.link_round_trip_ns).value());
 }
 
 // A packet leaves when those before it have left, and while no more than the credits are not known to have arrived.

@@ -32,6 +32,7 @@ class Link : public sc_core::sc_module {
 
  private:
   void run();
+  void ask();
   void send(Buffer& pair, Buffer& received);
   void fetch(Buffer& result, Buffer& fetched);
   template <class Burst>

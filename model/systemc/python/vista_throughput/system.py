@@ -32,6 +32,9 @@ class SystemConfig:
     memory_bandwidth_bytes_s: float = 1.6e9
     memory_latency_ns: float = 100.0
     memory_burst_overhead_ns: float = 0.0
+    memory_turnaround_ns: float = 0.0
+    memory_read_time_ns: float = 0.0
+    memory_write_time_ns: float = 0.0
     burst_bytes: int = 256
     dma_fifo_bytes: int = 4096
     result_bytes_px: int = 2  # disparities; 4: with Smin, which the host does not read
@@ -81,6 +84,9 @@ class SystemConfig:
             memory_bandwidth_bytes_s=self.memory_bandwidth_bytes_s * factor,
             memory_latency_ns=self.memory_latency_ns / factor,
             memory_burst_overhead_ns=self.memory_burst_overhead_ns / factor,
+            memory_turnaround_ns=self.memory_turnaround_ns / factor,
+            memory_read_time_ns=self.memory_read_time_ns / factor,
+            memory_write_time_ns=self.memory_write_time_ns / factor,
         )
 
     def faster_link(self, factor: float) -> SystemConfig:
