@@ -31,11 +31,13 @@ class Config:
     points: int = 64  # control points of a camera, a power of two
     coverage: bool = False
     mutants: bool = False  # of scripts/mutate_rtl.py, in place of the core
+    netlist: bool = False  # of synthesis, in place of the sources
     waves: bool = "VISTA_WAVES" in os.environ  # written to build/rtl/top/NAME/waves.vcd
 
     @property
     def name(self) -> str:
-        kind = "_cov" * self.coverage + "_mutants" * self.mutants + "_waves" * self.waves
+        kind = "_cov" * self.coverage + "_mutants" * self.mutants + "_net" * self.netlist
+        kind += "_waves" * self.waves
         front_end = f"_r{self.rows}_p{self.points}" * bool(self.rows)
         return f"d{self.num_disparities}_b{self.block_size}_w{self.max_width}{front_end}{kind}"
 
@@ -76,14 +78,22 @@ def _build_alone(config: Config, folder: Path) -> Path:
             BUILD / "mutate" / "vista_stereo_core" / "mutants.v",
             Path(__file__).with_name("mutants_core.sv"),
         ]
+    if config.netlist:
+        from netlist import write_netlist  # needs the tools of synthesis
+
+        files = write_netlist(config.num_disparities, config.block_size, config.max_width)
     library, stamp = folder / "engine.so", folder / "digest"
-    flags = "-fPIC -O1" + " -DVISTA_COVERAGE" * config.coverage + " -DVISTA_MUTANTS" * config.mutants
+    flags = "-fPIC -O0" if config.netlist else "-fPIC -O1"
+    flags += " -DVISTA_COVERAGE" * config.coverage
+    flags += " -DVISTA_MUTANTS" * (config.mutants or config.netlist)
     flags += " -DVISTA_FRONT_END" * bool(config.rows)
     command = [
         "verilator", "--cc", "--build", "-j", "1", "-O3", "--x-assign", "fast", *VERILATOR_FLAGS,
         "--top-module", top, "--prefix", "Vvista_stereo", "--Mdir", str(folder), "-CFLAGS", flags,
-        f"-GNumDisparities={config.num_disparities}", f"-GBlockSize={config.block_size}",
-        f"-GMaxWidth={config.max_width}",
+        *([] if config.netlist else [
+            f"-GNumDisparities={config.num_disparities}", f"-GBlockSize={config.block_size}",
+            f"-GMaxWidth={config.max_width}",
+        ]),
         *([f"-GNumRows={config.rows}", f"-GMaxPoints={config.points}"] if config.rows else []),
         *(["--trace-vcd"] if config.waves else []),
         *(["--coverage-line", "--coverage-toggle"] if config.coverage else []),
