@@ -11,8 +11,7 @@ import sys
 from pathlib import Path
 
 from pymavlink.dialects.v20 import ardupilotmega as dialect
-from vista.flight_files import RIG_HEAD
-from vista.flight_files import VERSION as RIG_VERSION
+from vista.flight_files import RIG_HEAD, RIG_VERSION
 from vista.recording import FRAME, HEADER, MAGIC, PARAMETER, VERSION
 
 EYE = (1.0, 0, 0, 0, 1.0, 0, 0, 0, 1.0)
@@ -70,7 +69,9 @@ def link(params: bytes, obstacles: int) -> bytes:
 
 def rig(kind: int) -> bytes:
     """16x16 px, rectified by nothing, by a map or by a control grid."""
-    head = RIG_HEAD.pack(b"VISTARIG", RIG_VERSION, 16, 16, kind, 0, 0, 90.0, 8.0, 8.0, 0.5, *EYE)
+    rectified, lens = (90.0, 8.0, 8.0, 0.5), (0.1, -0.02, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    raw = (90.0, 91.0, 8.0, 7.5, *lens, *EYE, int(kind == 2))
+    head = RIG_HEAD.pack(b"VISTARIG", RIG_VERSION, 16, 16, kind, 0, 0, *rectified, *EYE, *raw)
     tables = (
         b"",
         struct.pack("<2h", 3, -5) * 256 + struct.pack("<H", 777) * 256,

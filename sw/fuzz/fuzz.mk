@@ -42,7 +42,8 @@ $(FUZZ)/obj/sw/apps/replay.o: FUZZ_CFLAGS += -Dmain=replay_main
 $(FUZZ)/obj/sw/apps/fly/%.o: FUZZ_CFLAGS += -D_GNU_SOURCE
 
 $(FUZZ)/engine: $(FUZZ_ENGINE)
-$(FUZZ)/fly: $(FUZZ_PLAIN_ENGINE) $(FUZZ_MAVLINK) $(patsubst %,$(FUZZ)/obj/sw/apps/fly/%.o,config problem rig)
+$(FUZZ)/fly: $(FUZZ_PLAIN_ENGINE) $(FUZZ_MAVLINK) $(FUZZ)/obj/sw/src/alignment/turn.o \
+  $(FUZZ)/obj/sw/src/alignment/turn_map.o $(patsubst %,$(FUZZ)/obj/sw/apps/fly/%.o,config problem rig)
 $(FUZZ)/pipeline: $(FUZZ_VISTA)
 $(FUZZ)/mavlink: $(FUZZ_MAVLINK)
 $(FUZZ)/recording: $(FUZZ_VISTA) $(FUZZ)/obj/sw/apps/replay.o

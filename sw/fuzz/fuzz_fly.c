@@ -26,6 +26,20 @@ static void read_config(const fuzz_input *input) {
     abort();
 }
 
+/* What the correction makes of a rig. */
+static void turn(const rig *r, const uint8_t *raw, uint8_t *out) {
+  const size_t pixels = (size_t)r->camera.width_px * (size_t)r->camera.height_px;
+  int16_t *const whole = fuzz_allocate(2 * pixels * sizeof *whole);
+  uint16_t *const fraction = fuzz_allocate(pixels * sizeof *fraction);
+  const vista_turn turn = {0.01, -0.02};
+  if (vista_turn_map(&turn, &r->camera, &r->right, 0, r->camera.height_px, whole, fraction) == VISTA_OK) {
+    rig_rectify(r, &(rig_table){.whole = whole, .fraction = fraction}, raw, out);
+    if (out[0] != 7 || out[pixels - 1] != 7) abort();
+  }
+  free(fraction);
+  free(whole);
+}
+
 static void read_rig(const fuzz_input *input) {
   char path[64];
   problem p = {0};
@@ -38,9 +52,10 @@ static void read_rig(const fuzz_input *input) {
     uint8_t *const raw = fuzz_allocate(pixels), *const out = fuzz_allocate(pixels);
     memset(raw, 7, pixels);
     for (int side = 0; side < 2 && pixels <= RIG_MOST_PX; ++side) {
-      rig_rectify(&r, side, raw, out);
+      rig_rectify(&r, &r.tables[side], raw, out);
       if (out[0] != 7 || out[pixels - 1] != 7) abort(); /* of an even image whatever the map says */
     }
+    if (pixels <= RIG_MOST_PX) turn(&r, raw, out);
     free(out);
     free(raw);
     rig_free(&r);

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from vista import native
 from vista.cli import main
+from vista.flight_files import FRAMES_HEAD
 
 VISTA_FLY = native.build_folder() / "bin" / "vista-fly"
 SANITIZED = "asan" in os.environ.get("LD_PRELOAD", "")
@@ -37,9 +38,48 @@ def prepare(folder: Path, sequence: Path, *options: object) -> list[object]:
     return ["--rig", folder / "rig.vista", "--recording", folder / "frames.vista"]
 
 
+def compare(
+    folder: Path, sequence: Path, config: str = "", frames: int = 12
+) -> tuple[list[str], subprocess.CompletedProcess[str]]:
+    """Lines of `vista run` and of vista-fly, which have to be equal, and what vista-fly said."""
+    (folder / "my.toml").write_text(config)
+    options = ["--config", str(folder / "my.toml"), "--frames", f"0:{frames}"]
+    assert main(["run", str(sequence), "--out", str(folder / "run"), "--no-overlay", *options]) == 0
+    played = prepare(folder / "fly", sequence, *options)
+    run = fly(*played, "--config", folder / "my.toml", "--all-frames", "--out", folder / "lines.jsonl")
+    assert run.returncode == 0, run.stderr
+    lines = timeless(folder / "lines.jsonl")
+    others = timeless(folder / "run" / "obstacles.jsonl")
+    assert len(lines) == len(others)
+    for line, other in zip(lines, others, strict=True):
+        assert line == other
+    assert f"{len(lines)} frames processed, 0 dropped" in run.stderr
+    return lines, run
+
+
 def timeless(file: Path) -> list[str]:
     """Lines without the value of processing_ms."""
     lines = file.read_text().splitlines()
     replaced = [re.subn(r'"processing_ms": [0-9.e-]+, ', "", line) for line in lines]
     assert all(count == 1 for _, count in replaced)
     return [line for line, _ in replaced]
+
+
+def allocations_of_one_pass_and_ten(
+    folder: Path, played: list[object], *options: object
+) -> tuple[list[int], subprocess.CompletedProcess[str]]:
+    """Over the frames of a recording, and the run of the ten. Each pass is a flight of its own: its times
+    begin anew, and what was known is forgotten."""
+    counter, target, long = (folder / name for name in ("count_allocations.so", "count", "long.vista"))
+    source = Path(__file__).with_name("count_allocations.c")
+    command = ["gcc", "-std=c17", "-O1", "-fPIC", "-fno-builtin", "-shared", str(source), "-o", str(counter)]
+    subprocess.run([*command, "-ldl"], check=True, timeout=60)
+    content = Path(str(played[3])).read_bytes()
+    long.write_bytes(content + 9 * content[FRAMES_HEAD.size :])
+    counts = []
+    for recording in (played[3], long):
+        arguments = [*played[:2], "--recording", recording, "--all-frames", *options]
+        run = fly(*arguments, LD_PRELOAD=str(counter), COUNT_ALLOCATIONS=str(target))
+        assert run.returncode == 0, run.stderr
+        counts.append(int(target.read_text()))
+    return counts, run

@@ -15,16 +15,16 @@ import turned_camera as turned
 from command_line import Vista, call
 from obstacle_schema import valid_lines
 from random_seed import seeded
-from sequence_cases import write_image
 from test_control_grid import WIDE, rig
 from test_rectify import RAW, blob_centre, draw_spheres
 from turned_camera import degrees
+from turned_recordings import CAMERA, write_turned_pairs
 from vista import parameters
 from vista.alignment import State, Turn
 from vista.chain import make_chain, process_frame
 from vista.control_grid import GridPair, control_grid
 from vista.correction import Correction
-from vista.geometry import Calibration, CameraModel, Pose, RawCalibration, camera_matrix
+from vista.geometry import CameraModel, Pose, RawCalibration, camera_matrix
 from vista.health.finding import Reason
 from vista.health.finding import State as Health
 from vista.history import StageClock
@@ -32,7 +32,6 @@ from vista.rectify import Rectifier, rectified_cameras
 from vista.sequence import Frame, Sequence
 
 ON = "[alignment]\ncorrect = 'on'\n"
-CAMERA = Calibration(320, 240, 300.0, 159.5, 119.5, 0.25)
 TURN = degrees(0.7, -0.6)
 
 
@@ -47,14 +46,14 @@ def test_a_camera_that_has_turned_is_rectified_to_where_it_was(buffer_rows: int)
     right_from_left = Pose(turn_of_rays, np.zeros(3)) @ RAW.right_from_left
     places_m = np.array([(x, y, 4.0) for x in (-1.2, 0.0, 0.9) for y in (-0.9, 0.1, 0.8)])
     rectifier = Rectifier(RAW, buffer_rows)
-    rectifier.align(TURN)
+    turned.align(rectifier, TURN)
     for place_m in places_m:
         image = draw_spheres(RAW.right, right_from_left, place_m[np.newaxis])
         found = rectifier.rectify(Frame(0, 0, image, image, None)).right
         x, y, z = P[:, :3] @ R @ RAW.right_from_left.apply(place_m)
         u, v = x / z, y / z
         assert blob_centre(found, u, v) == pytest.approx((u, v), abs=0.15)
-    rectifier.align(Turn())
+    rectifier.align(Turn(), None)
     np.testing.assert_array_equal(
         rectifier.rectify(Frame(0, 0, image, image, None)).right,
         Rectifier(RAW, buffer_rows).rectify(Frame(0, 0, image, image, None)).right,
@@ -64,14 +63,15 @@ def test_a_camera_that_has_turned_is_rectified_to_where_it_was(buffer_rows: int)
 def test_the_grid_of_a_turn_is_that_of_the_camera_that_has_turned() -> None:
     """Up to the bend of the map between control points, and two roundings."""
     _, (R, P) = rectified_cameras(WIDE)
-    random, camera = seeded(1), Rectifier(WIDE).calibration
+    random = seeded(1)
     calibrated = control_grid(WIDE.right, R, P, "")
-    np.testing.assert_array_equal(Turn().grid(camera, calibrated), calibrated)
+    rectifier = Rectifier(WIDE, 128)
+    np.testing.assert_array_equal(turned.turned_grid(rectifier, Turn()), calibrated)
     bend = sum(np.abs(np.diff(calibrated.astype(int), 2, axis)).max() / 8 for axis in (0, 1))
     for _ in range(20):
         turn = degrees(*random.uniform(-1.0, 1.0, 2))
         exact = control_grid(WIDE.right, turn.rotation().T @ R, P, "")
-        off = np.abs(turn.grid(camera, calibrated).astype(int) - exact)[1:-2, 1:-2]
+        off = np.abs(turned.turned_grid(rectifier, turn).astype(int) - exact)[1:-2, 1:-2]
         assert off.max() <= bend + 1
 
 
@@ -81,13 +81,13 @@ def test_a_rectified_pair_is_not_resampled_without_a_turn() -> None:
     left, right = turned.textured_flight(CAMERA, seeded(2))(0)
     frame = Frame(0, 0, left, turned.seen(right, CAMERA, TURN), None)
     assert rectifier.rectify(frame) is frame
-    rectifier.align(TURN)
+    turned.align(rectifier, TURN)
     aligned = rectifier.rectify(frame)
     assert aligned.left is left
     inner = (slice(20, -20), slice(20, -20))
     assert np.abs(aligned.right[inner].astype(int) - right[inner]).mean() < 2.0
     assert np.abs(frame.right[inner].astype(int) - right[inner]).mean() > 5.0
-    rectifier.align(Turn())
+    rectifier.align(Turn(), None)
     assert rectifier.rectify(frame) is frame
 
 
@@ -146,23 +146,8 @@ def run_vista(capsys: pytest.CaptureFixture[str]) -> Vista:
     return partial(call, capsys)
 
 
-def make_flight(folder: Path, turn: Turn, first: int, frames: int) -> Path:
-    """A flight at 25 frames/s, in which the right camera turns with frame `first`."""
-    pairs = turned.textured_flight(CAMERA, seeded(5))
-    folder.mkdir()
-    (folder / "calibration.toml").write_text("focal_px = 300.0\ncx = 159.5\ncy = 119.5\nbaseline_m = 0.25\n")
-    rows = []
-    for k in range(frames):
-        left, right = pairs(k)
-        write_image(folder / f"{k:04d}_left.png", left)
-        write_image(folder / f"{k:04d}_right.png", turned.seen(right, CAMERA, turn if k >= first else Turn()))
-        rows.append(f"{k:04d},{40_000_000 * k}\n")
-    (folder / "times.csv").write_text("name,t_ns\n" + "".join(rows))
-    return folder
-
-
 def test_a_run_corrects_a_turn_in_flight_and_says_so(tmp_path: Path, run_vista: Vista) -> None:
-    folder = make_flight(tmp_path / "flight", degrees(0.5, 0.0), 10, 40)
+    folder = write_turned_pairs(tmp_path / "flight", degrees(0.5, 0.0), 10, 40)
     (tmp_path / "on.toml").write_text(ON)
     valid = {}
     for name, options in (("on", ["--config", tmp_path / "on.toml"]), ("off", [])):
@@ -185,7 +170,7 @@ def test_a_run_corrects_a_turn_in_flight_and_says_so(tmp_path: Path, run_vista: 
 
 
 def test_a_run_raises_the_alarm_when_a_turn_is_too_large(tmp_path: Path, run_vista: Vista) -> None:
-    folder, out = make_flight(tmp_path / "flight", degrees(3.0, 0.0), 10, 50), tmp_path / "out"
+    folder, out = write_turned_pairs(tmp_path / "flight", degrees(3.0, 0.0), 10, 50), tmp_path / "out"
     (tmp_path / "on.toml").write_text(ON)
     status, stdout, stderr = run_vista(
         "run", folder, "--out", out, "--no-overlay", "--config", tmp_path / "on.toml"

@@ -6,14 +6,13 @@ import os
 import shutil
 import signal
 import socket
-import subprocess
 import threading
 import time
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from fly_process import SANITIZED, fly, prepare, timeless
+from fly_process import SANITIZED, allocations_of_one_pass_and_ten, prepare, timeless
 from fly_shared import Flight, flying, ring_name, shared_ring
 from random_seed import seeded
 from shared_data import REPOSITORY
@@ -142,38 +141,13 @@ def test_it_begins_again_with_another_flight(flight: Flight, tmp_path: Path) -> 
 # ---- memory ----
 
 
-def count_allocations(counter: Path, target: Path, *arguments: object) -> int:
-    run = fly(*arguments, LD_PRELOAD=str(counter), COUNT_ALLOCATIONS=str(target))
-    assert run.returncode == 0, run.stderr
-    return int(target.read_text())
-
-
 @pytest.mark.skipif(SANITIZED, reason="AddressSanitizer replaces malloc itself")
 @pytest.mark.skipif(shutil.which("gcc") is None, reason="gcc is not installed")
 def test_frames_allocate_nothing(flight: Flight, tmp_path: Path) -> None:
     """Ten passes over the frames take what one takes, with lines, messages, and a watchdog."""
-    counter, target = tmp_path / "count_allocations.so", tmp_path / "count"
-    source = Path(__file__).with_name("count_allocations.c")
-    command = ["gcc", "-std=c17", "-O1", "-fPIC", "-fno-builtin", "-shared", str(source), "-o", str(counter)]
-    subprocess.run([*command, "-ldl"], check=True, timeout=60)
     played = prepare(tmp_path, flight.lines.parent / "flight")
-    long = tmp_path / "long.vista"
-    content = played[3].read_bytes()  # type: ignore[attr-defined]
-    frames = content[48:]
-    long.write_bytes(content + 9 * frames)
-    counts = []
-    for recording in (played[3], long):
-        options = [
-            "--recording",
-            recording,
-            "--all-frames",
-            "--to",
-            "udp:127.0.0.1:9",
-            "--out",
-            tmp_path / "lines",
-        ]
-        # Each pass over the file is a flight of its own: its times begin anew, and tracks are forgotten.
-        counts.append(count_allocations(counter, target, *played[:2], *options))
+    options = ["--to", "udp:127.0.0.1:9", "--out", tmp_path / "lines"]
+    counts, _ = allocations_of_one_pass_and_ten(tmp_path, played, *options)
     assert counts[0] == counts[1] >= 6  # the program, a rig, frames, the pipeline: the counter counts
     assert len((tmp_path / "lines").read_text().splitlines()) == 11 * 10
 

@@ -11,29 +11,14 @@ import pytest
 import sequence_cases as cases
 from command_line import assert_refused, call
 from flight_on_disk import write_flight
-from fly_process import SANITIZED, fly, prepare, timeless
+from fly_process import SANITIZED, compare, fly, prepare, timeless
 from shared_data import SHARED_DATA
-from vista.cli import main
 
 EUROC, KITTI = SHARED_DATA / "euroc_v101", SHARED_DATA / "kitti_odometry" / "sequences" / "00"
 
 
-def compare(folder: Path, sequence: Path, config: str = "", frames: int = 12) -> list[str]:
-    """Lines of both programs, which have to be equal."""
-    (folder / "my.toml").write_text(config)
-    options = ["--config", str(folder / "my.toml"), "--frames", f"0:{frames}"]
-    assert main(["run", str(sequence), "--out", str(folder / "run"), "--no-overlay", *options]) == 0
-    played = prepare(folder / "fly", sequence, *options)
-    run = fly(*played, "--config", folder / "my.toml", "--all-frames", "--out", folder / "lines.jsonl")
-    assert run.returncode == 0, run.stderr
-    lines = timeless(folder / "lines.jsonl")
-    assert lines == timeless(folder / "run" / "obstacles.jsonl")
-    assert f"{len(lines)} frames processed, 0 dropped" in run.stderr
-    return lines
-
-
 def test_a_flight(tmp_path: Path) -> None:
-    lines = compare(tmp_path, write_flight(tmp_path / "flight", frames=20), frames=20)
+    lines, _ = compare(tmp_path, write_flight(tmp_path / "flight", frames=20), frames=20)
     assert len(lines) == 20
     assert any('"confirmed": true' in line for line in lines)  # something to compare
     assert any('"time_to_collision_s": ' in line for line in lines)
@@ -138,6 +123,8 @@ def with_bytes(source: Path, target: Path, at: int, data: bytes) -> Path:
         ("rig", 12, b"\x00\x00\x00\x00", "damaged"),
         ("rig", 20, b"\x09", "damaged"),
         ("rig", 32, struct.pack("<d", np.nan), "not finite"),
+        ("rig", 232, struct.pack("<d", np.nan), "damaged"),  # the rotation of the right camera
+        ("rig", 304, b"\x07", "damaged"),  # its lens
         ("rig", -2, b"\xff\xff", "damaged"),  # a fraction
         ("frames", 0, b"NO", "no frames of vista prepare"),
         ("frames", 8, b"\x07", "another version"),

@@ -9,9 +9,12 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 from numpy.typing import NDArray
-from vista import parameters
-from vista.alignment import Alignment, Estimator, Turn
+from vista import native, parameters
+from vista.alignment import Alignment, Estimator, Turn, c_camera
+from vista.control_grid import Grid
+from vista.correction import c_raw_camera
 from vista.geometry import Calibration, camera_matrix
+from vista.rectify import Map, Rectifier
 
 Grey = NDArray[np.uint8]
 Pairs = Callable[[int], tuple[Grey, Grey]]  # number of a frame -> rectified pair of cameras as calibrated
@@ -36,6 +39,50 @@ def seen(right: Grey, camera: Calibration, turn: Turn, applied: Turn | None = No
     flags = cv2.INTER_CUBIC | cv2.WARP_INVERSE_MAP
     moved = cv2.warpPerspective(right, there, right.shape[::-1], flags=flags, borderMode=cv2.BORDER_REPLICATE)
     return np.asarray(moved, np.uint8)
+
+
+def turned_map(rectifier: Rectifier, turn: Turn) -> Map:
+    """The whole map of the right camera, as libvista makes it."""
+    ffi, lib = native.load("vista")
+    camera = rectifier.calibration
+    whole = np.empty((camera.height, camera.width, 2), np.int16)
+    fraction = np.empty((camera.height, camera.width), np.uint16)
+    status = lib.vista_turn_map(
+        ffi.new("vista_turn *", (turn.pitch_rad, turn.roll_rad)),
+        c_camera(ffi, camera),
+        c_raw_camera(ffi, rectifier.right),
+        0,
+        camera.height,
+        ffi.from_buffer("int16_t[]", whole),
+        ffi.from_buffer("uint16_t[]", fraction),
+    )
+    assert status == lib.VISTA_OK
+    return whole, fraction
+
+
+def turned_grid(rectifier: Rectifier, turn: Turn) -> Grid:
+    """The control grid of the right camera, from that of its calibration."""
+    ffi, lib = native.load("vista")
+    assert rectifier.grids is not None
+    calibrated = np.ascontiguousarray(rectifier.grids.right)
+    turned = np.empty_like(calibrated)
+    rows, columns, _ = calibrated.shape
+    status = lib.vista_turn_grid(
+        ffi.new("vista_turn *", (turn.pitch_rad, turn.roll_rad)),
+        c_camera(ffi, rectifier.calibration),
+        ffi.from_buffer("int16_t[]", calibrated),
+        columns,
+        rows,
+        ffi.from_buffer("int16_t[]", turned),
+    )
+    assert status == lib.VISTA_OK
+    return turned
+
+
+def align(rectifier: Rectifier, turn: Turn) -> None:
+    """Rectifies right images for it from now on."""
+    make = turned_map if rectifier.grids is None else turned_grid
+    rectifier.align(turn, make(rectifier, turn))
 
 
 def rows_left_px(camera: Calibration, turn: Turn, applied: Turn) -> NDArray[np.float64]:

@@ -73,18 +73,25 @@ bool detector_make(detector *d, const rig *r, const vista_parameters *parameters
   d->scratch = d->memory;
   (void)lay_out(d, (unsigned char *)d->memory + d->scratch_bytes);
   status = vista_pipeline_create((unsigned char *)d->memory + head, all - head, parameters, &r->camera, &d->pipeline);
-  return status == VISTA_OK || problem_say(p, "rig", "%s", vista_status_text(status));
+  if (status != VISTA_OK) return problem_say(p, "rig", "%s", vista_status_text(status));
+  return aligner_make(&d->aligner, r, parameters, p);
 }
 
 void detector_free(detector *d) {
   vista_pipeline_destroy(d->pipeline);
+  aligner_free(&d->aligner);
   free(d->memory);
   *d = (detector){0};
 }
 
-void detector_reset(detector *d) {
+void detector_forget(detector *d) {
   vista_pipeline_reset(d->pipeline);
   d->placed = false;
+}
+
+void detector_reset(detector *d) {
+  detector_forget(d);
+  aligner_reset(&d->aligner);
 }
 
 /* ---- matching ---- */
@@ -115,8 +122,9 @@ static vista_engine_status match_level(detector *d, int32_t level, int32_t width
 }
 
 bool detector_match(detector *d, const shot *s, problem *p) {
-  rig_rectify(d->rig, 0, s->left, d->images[0][0]);
-  rig_rectify(d->rig, 1, s->right, d->images[1][0]);
+  const rig_table right = aligner_table(&d->aligner);
+  rig_rectify(d->rig, &d->rig->tables[0], s->left, d->images[0][0]);
+  rig_rectify(d->rig, &right, s->right, d->images[1][0]);
   int32_t width = d->rig->camera.width_px, height = d->rig->camera.height_px;
   for (int32_t level = 0; level < d->levels; ++level) {
     const vista_engine_status status = match_level(d, level, width, height);
@@ -142,11 +150,15 @@ static double contrast(const uint8_t *image, int32_t width, int32_t height) {
   return sqrt(fmax(0.0, squares / count - sum / count * (sum / count)));
 }
 
+static void add_of_library(vista_line_health *h, const vista_health *health) {
+  vista_line_health found;
+  vista_line_health_of(health, &found);
+  for (int32_t k = 0; k < found.reason_count; ++k) vista_line_health_add(h, found.state, found.reasons[k]);
+}
+
 /* The checks of vista.health that need no features, in their order, then the library's own. */
 static void check(const detector *d, const shot *s, const placement *where, detection *found) {
   const int32_t width = d->rig->camera.width_px, height = d->rig->camera.height_px;
-  vista_line_health of_library;
-  vista_line_health_of(&found->result.health, &of_library);
   vista_line_health *const h = &found->health;
   *h = (vista_line_health){.state = VISTA_HEALTH_HEALTHY};
   if (d->rig->findings & RIG_BASELINE_IMPLAUSIBLE)
@@ -156,9 +168,11 @@ static void check(const detector *d, const shot *s, const placement *where, dete
     vista_line_health_add(h, VISTA_HEALTH_BLIND, "no_contrast");
   else if (memcmp(s->left, s->right, (size_t)width * (size_t)height) == 0)
     vista_line_health_add(h, VISTA_HEALTH_BLIND, "images_identical");
+  vista_health of_cameras = {0};
+  vista_alignment_judge(&d->aligner.found, &of_cameras);
+  add_of_library(h, &of_cameras);
   if (!where->has_pose && !d->placed) vista_line_health_add(h, VISTA_HEALTH_DEGRADED, "motion_unknown");
-  for (int32_t k = 0; k < of_library.reason_count; ++k)
-    vista_line_health_add(h, of_library.state, of_library.reasons[k]);
+  add_of_library(h, &found->result.health);
 }
 
 bool detector_judge(detector *d, const shot *s, const placement *where, detection *found, problem *p) {
@@ -176,7 +190,8 @@ bool detector_judge(detector *d, const shot *s, const placement *where, detectio
     height = vista_frontend_reduced_px(height);
     frame.coarser[level - 1] = (vista_disparity_image){d->words[level], width, height, width};
   }
-  vista_status status = vista_pipeline_process(d->pipeline, &frame, &found->result);
+  vista_status status = aligner_take(&d->aligner, d->images[0][0], d->images[1][0], s->t_ns);
+  if (status == VISTA_OK) status = vista_pipeline_process(d->pipeline, &frame, &found->result);
   if (status == VISTA_OK) status = vista_pipeline_directions(d->pipeline, &found->directions);
   if (status != VISTA_OK) return failed(p, "frame", vista_status_text(status));
   d->placed = d->placed || where->has_pose;

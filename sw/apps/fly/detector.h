@@ -5,6 +5,7 @@
 
 #include <stddef.h>
 
+#include "aligner.h"
 #include "mailbox.h"
 #include "problem.h"
 #include "rig.h"
@@ -25,6 +26,7 @@ typedef struct detector {
   vista_engine_params engine;
   int32_t levels;
   bool smooth;
+  aligner aligner;
   vista_pipeline *pipeline;
   bool placed; /* a frame had a pose since the last reset */
   void *memory, *scratch;
@@ -46,6 +48,9 @@ void detector_free(detector *d);
 
 /* What comes next does not continue what came before. */
 void detector_reset(detector *d);
+
+/* Forgets the tracks alone: the cameras are as they were. */
+void detector_forget(detector *d);
 
 /* Rectifies and matches a pair; then detector_judge is called. Between them the pose may still arrive. */
 bool detector_match(detector *d, const shot *s, problem *p);

@@ -9,6 +9,7 @@
 #include "config.h"
 
 #define TAKE_NS (100 * FLY_MS)
+#define DEGREES_PER_RADIAN 57.295779513082320877
 
 static bool open_source(flight *f, problem *p) {
   const options *const o = &f->options;
@@ -87,7 +88,7 @@ static bool detect(flight *f, const shot *s, detection *found) {
     if (detector_judge(&f->detector, s, &where, found, &p)) return true;
   }
   if (f->refused++ == 0) say(&p, "; tracks are forgotten and the flight goes on");
-  detector_reset(&f->detector);
+  detector_forget(&f->detector);
   return false;
 }
 
@@ -155,6 +156,15 @@ static void print_latency(const char *what, const char *of, const latency *l) {
           latency_percentile_ms(l, 99.0), l->most_ms);
 }
 
+static void print_alignment(const aligner *a) {
+  const vista_turn *const turn = &a->found.correction;
+  if (a->correction == NULL) return;
+  dprintf(STDERR_FILENO,
+          "vista-fly: the right camera corrected by %+.3f degrees in pitch, %+.3f in roll at the end; changed %" PRId64
+          " times\n",
+          DEGREES_PER_RADIAN * turn->pitch_rad, DEGREES_PER_RADIAN * turn->roll_rad, a->changes);
+}
+
 void flight_print(flight *f) {
   const int64_t dropped = mailbox_dropped(&f->box) + atomic_load(&f->source.skipped);
   dprintf(STDERR_FILENO,
@@ -163,6 +173,7 @@ void flight_print(flight *f) {
           f->processed, dropped, f->duplicates, f->restarts, f->refused);
   print_latency("vista-fly", "from the exposure to the result", &f->latency);
   dprintf(STDERR_FILENO, "\n");
+  print_alignment(&f->detector.aligner);
   if (f->options.to == NULL) return;
   print_latency(f->options.to, "from the exposure to the message", &f->autopilot.told);
   dprintf(STDERR_FILENO, "; %" PRId64 " messages sent, %" PRId64 " of them lost\n", f->autopilot.sent,

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define VERSION 1
+#define VERSION 2
 #define SCALE 32 /* of fractions: units a pixel */
 #define MOST_PX 8192
 #define MAGIC "VISTARIG"
@@ -15,6 +15,9 @@ typedef struct rig_head {
   char magic[8];
   uint32_t version, width_px, height_px, kind, rectify_rows, findings;
   double focal_px, center_u_px, center_v_px, baseline_m, left_from_rectified[9];
+  double right_focal_u_px, right_focal_v_px, right_center_u_px, right_center_v_px;
+  double right_distortion[VISTA_DISTORTION_MOST], rectified_from_right[9];
+  uint64_t right_lens;
 } rig_head;
 
 static size_t table_bytes(const rig_head *head) {
@@ -23,7 +26,7 @@ static size_t table_bytes(const rig_head *head) {
   const size_t rows = (size_t)vista_frontend_grid_points((int32_t)head->height_px);
   switch ((rig_kind)head->kind) {
     case RIG_MAP:
-      return pixels * (sizeof(rig_offset) + sizeof(uint16_t));
+      return pixels * 3 * sizeof(int16_t);
     case RIG_GRID:
       return columns * rows * sizeof(vista_frontend_offset);
     default:
@@ -38,8 +41,10 @@ static bool check_head(const char *path, const rig_head *head, problem *p) {
       head->width_px >= 16 && head->width_px <= MOST_PX && head->height_px >= 16 && head->height_px <= MOST_PX;
   if (!sized || head->kind > RIG_GRID || head->rectify_rows > 128) return problem_say(p, path, "damaged");
   for (int k = 0; k < 9; ++k)
-    if (!(fabs(head->left_from_rectified[k]) <= 1.001)) return problem_say(p, path, "damaged");
-  return true; /* the numbers of the camera are the pipeline's to check */
+    if (!(fabs(head->left_from_rectified[k]) <= 1.001 && fabs(head->rectified_from_right[k]) <= 1.001))
+      return problem_say(p, path, "damaged");
+  if (head->right_lens >= VISTA_LENS_COUNT) return problem_say(p, path, "damaged");
+  return true; /* the numbers of the cameras are the library's to check */
 }
 
 static void set_tables(rig *r, const rig_head *head) {
@@ -47,10 +52,10 @@ static void set_tables(rig *r, const rig_head *head) {
   for (int side = 0; side < 2; ++side) {
     unsigned char *const at = (unsigned char *)r->memory + (size_t)side * table_bytes(head);
     if (r->kind == RIG_GRID) {
-      r->tables[side].grid = (const vista_frontend_offset *)(const void *)at;
+      r->tables[side].grid = (const int16_t *)(const void *)at;
     } else if (r->kind == RIG_MAP) {
-      r->tables[side].whole = (const rig_offset *)(const void *)at;
-      r->tables[side].fraction = (const uint16_t *)(const void *)(at + pixels * sizeof(rig_offset));
+      r->tables[side].whole = (const int16_t *)(const void *)at;
+      r->tables[side].fraction = (const uint16_t *)(const void *)(at + 2 * pixels * sizeof(int16_t));
     }
   }
 }
@@ -73,6 +78,15 @@ static bool read_stream(const char *path, FILE *stream, rig *r, problem *p) {
              .rectify_rows = (int32_t)head.rectify_rows,
              .findings = head.findings};
   memcpy(r->left_from_rectified, head.left_from_rectified, sizeof r->left_from_rectified);
+  r->right = (vista_raw_camera){(vista_lens)head.right_lens,
+                                head.right_focal_u_px,
+                                head.right_focal_v_px,
+                                head.right_center_u_px,
+                                head.right_center_v_px,
+                                {0},
+                                {0}};
+  memcpy(r->right.distortion, head.right_distortion, sizeof r->right.distortion);
+  memcpy(r->right.rectified_from_raw, head.rectified_from_right, sizeof r->right.rectified_from_raw);
   const size_t bytes = 2 * table_bytes(&head);
   if (bytes > 0 && (r->memory = malloc(bytes)) == NULL) return problem_say(p, path, "out of memory");
   if (bytes > 0) set_tables(r, &head); /* what is rectified already has none */
@@ -98,7 +112,7 @@ static void follow_map(const rig *r, const rig_table *table, const uint8_t *raw,
   const int32_t width = r->camera.width_px, right = width - 1, bottom = r->camera.height_px - 1;
   const int32_t pixels = width * r->camera.height_px;
   for (int32_t k = 0; k < pixels; ++k) {
-    const int32_t u = table->whole[k].u, v = table->whole[k].v;
+    const int32_t u = table->whole[2 * (ptrdiff_t)k], v = table->whole[2 * (ptrdiff_t)k + 1];
     const int32_t fu = table->fraction[k] % SCALE, fv = table->fraction[k] / SCALE;
     const int32_t u0 = inside(u, right), u1 = inside(u + 1, right);
     const uint8_t *const upper = raw + (ptrdiff_t)inside(v, bottom) * width;
@@ -108,13 +122,13 @@ static void follow_map(const rig *r, const rig_table *table, const uint8_t *raw,
   }
 }
 
-void rig_rectify(const rig *r, int side, const uint8_t *raw, uint8_t *out) {
+void rig_rectify(const rig *r, const rig_table *table, const uint8_t *raw, uint8_t *out) {
   const int32_t width = r->camera.width_px, height = r->camera.height_px;
   const vista_frontend_image image = {raw, width, height, width};
-  if (r->kind == RIG_MAP)
-    follow_map(r, &r->tables[side], raw, out);
-  else if (r->kind == RIG_GRID)
-    (void)vista_frontend_rectify(&image, r->tables[side].grid, out, width);
+  if (table->whole != NULL)
+    follow_map(r, table, raw, out);
+  else if (table->grid != NULL)
+    (void)vista_frontend_rectify(&image, (const vista_frontend_offset *)(const void *)table->grid, out, width);
   else
     memcpy(out, raw, (size_t)width * (size_t)height);
 }

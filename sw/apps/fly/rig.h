@@ -7,6 +7,7 @@
 #include <stdint.h>
 
 #include "problem.h"
+#include "vista/correction.h"
 #include "vista/frontend.h"
 #include "vista/types.h"
 
@@ -15,16 +16,8 @@
 
 typedef enum rig_kind { RIG_PASSTHROUGH = 0, RIG_MAP, RIG_GRID } rig_kind;
 
-typedef struct rig_offset {
-  int16_t u, v;
-} rig_offset;
-
-/* How one camera's images are rectified. */
-typedef struct rig_table {
-  const rig_offset *whole; /* of a map: height * width pixels of the source */
-  const uint16_t *fraction; /* of a map: 32 * v + u in 1/32 px */
-  const vista_frontend_offset *grid; /* of a control grid */
-} rig_table;
+/* How one camera's images are rectified: by a map, by a control grid, or not at all. */
+typedef vista_right_table rig_table;
 
 typedef struct rig {
   vista_camera camera; /* rectified; raw images have its size */
@@ -32,15 +25,16 @@ typedef struct rig {
   int32_t rectify_rows;
   uint32_t findings;
   double left_from_rectified[9]; /* the rotation of the rectified left camera in the raw one */
-  rig_table tables[2]; /* left, right */
+  vista_raw_camera right; /* as calibrated */
+  rig_table tables[2]; /* left, right: as calibrated */
   void *memory; /* of the tables */
 } rig;
 
 /* Reads a rig and checks all of it: no table leads outside of what it may. */
 bool rig_read(const char *path, rig *r, problem *p);
 
-/* The rectified image of a raw one without gaps between its rows; side: 0 left, 1 right. */
-void rig_rectify(const rig *r, int side, const uint8_t *raw, uint8_t *out);
+/* The rectified image of a raw one without gaps between its rows. */
+void rig_rectify(const rig *r, const rig_table *table, const uint8_t *raw, uint8_t *out);
 
 /* The pose of the rectified left camera from that of the raw one. */
 vista_pose rig_rectified_pose(const rig *r, const vista_pose *raw);

@@ -86,8 +86,9 @@ VISTA_API vista_status vista_alignment_update(vista_alignment *alignment, const 
                                               const vista_image *right, int64_t t_ns, const vista_turn *applied,
                                               vista_alignment_result *result);
 
-/* Adds what a pair says to the health of its frame: in the states BEYOND and LOST the reason VISTA_HEALTH_ALIGNMENT_LOST,
- * degraded where rows are known to be off by at most 2 px, else blind. */
+/* Adds what a pair says to the health of its frame: in the states BEYOND and LOST the reason
+ * VISTA_HEALTH_ALIGNMENT_LOST, otherwise VISTA_HEALTH_ROWS_MISALIGNED where rows are known to be off by more than 1 px.
+ * The frame is degraded where rows are known to be off by at most 2 px, else blind. */
 VISTA_API void vista_alignment_judge(const vista_alignment_result *result, vista_health *health);
 
 /* The row-major rotation from the rectified right camera as calibrated to the one that has turned: it is what has to be

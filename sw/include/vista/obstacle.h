@@ -137,6 +137,7 @@ typedef enum vista_health_reason {
   VISTA_HEALTH_GROUND_UNSEEN, /* fewer than health.ground_fraction where the flight leads to, below the horizon */
   VISTA_HEALTH_ALIGNMENT_LOST, /* the cameras are turned against each other by more than is corrected, or unknown: given
                                   by vista_alignment_judge, not by the pipeline */
+  VISTA_HEALTH_ROWS_MISALIGNED, /* matching features lie apart in rows: given by vista_alignment_judge, too */
   VISTA_HEALTH_REASON_COUNT
 } vista_health_reason;
 

@@ -12,9 +12,9 @@
  *     vista_pipeline_process(pipeline, &frame, &result);
  *   vista_pipeline_destroy(pipeline);
  *
- * A stereo engine on a board is reached by vista/board.h. vista/line.h writes results as JSON, vista/mavlink.h tells an
- * autopilot of them, vista/vehicle.h hears from it where the vehicle is, and vista/shared_frames.h hands pairs to the
- * program vista-fly.
+ * A stereo engine on a board is reached by vista/board.h. vista/correction.h keeps the cameras aligned, vista/line.h
+ * writes results as JSON, vista/mavlink.h tells an autopilot of them, vista/vehicle.h hears from it where the vehicle is,
+ * and vista/shared_frames.h hands pairs to the program vista-fly.
  *
  * Functions that can fail return a vista_status. Nothing is allocated, printed or kept in global state. */
 #ifndef VISTA_VISTA_H
@@ -23,6 +23,7 @@
 #include "vista/alignment.h"
 #include "vista/api.h"
 #include "vista/board.h"
+#include "vista/correction.h"
 #include "vista/directions.h"
 #include "vista/line.h"
 #include "vista/mavlink.h"

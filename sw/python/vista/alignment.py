@@ -14,8 +14,6 @@ from vista import native, parameters
 from vista.geometry import Array, Calibration
 from vista.health.finding import State as Health
 
-Grid = NDArray[np.int16]
-
 
 @dataclass(frozen=True)
 class Turn:
@@ -39,25 +37,6 @@ class Turn:
         rotation = ffi.new("double[9]")
         lib.vista_turn_rotation(ffi.new("vista_turn *", (self.pitch_rad, self.roll_rad)), rotation)
         return np.array(list(rotation)).reshape(3, 3)
-
-    def grid(self, camera: Calibration, calibrated: Grid) -> Grid:
-        """The control grid of the right camera, from that of its calibration; ValueError where its numbers do
-        not hold it."""
-        ffi, lib = native.load("vista")
-        calibrated = np.ascontiguousarray(calibrated)
-        turned = np.empty_like(calibrated)
-        rows, columns, _ = calibrated.shape
-        status = lib.vista_turn_grid(
-            ffi.new("vista_turn *", (self.pitch_rad, self.roll_rad)),
-            _c_camera(ffi, camera),
-            ffi.from_buffer("int16_t[]", calibrated),
-            columns,
-            rows,
-            ffi.from_buffer("int16_t[]", turned),
-        )
-        if status != lib.VISTA_OK:
-            raise ValueError(ffi.string(lib.vista_status_text(status)).decode())
-        return turned
 
 
 class State(StrEnum):
@@ -94,12 +73,12 @@ class Estimator:
 
         self._ffi, self._lib = ffi, lib = native.load("vista")
         c_values = c_parameters(ffi, lib, values or parameters.defaults())
-        c_camera = _c_camera(ffi, camera)
+        camera_c = c_camera(ffi, camera)
         size = ffi.new("size_t *")
-        self._check(lib.vista_alignment_bytes(c_values, c_camera, size))
+        self._check(lib.vista_alignment_bytes(c_values, camera_c, size))
         self._memory = ffi.new("unsigned char[]", size[0])
         handle = ffi.new("vista_alignment **")
-        self._check(lib.vista_alignment_create(self._memory, size[0], c_values, c_camera, handle))
+        self._check(lib.vista_alignment_create(self._memory, size[0], c_values, camera_c, handle))
         self._alignment = handle[0]
         self._result = ffi.new("vista_alignment_result *")
 
@@ -112,44 +91,49 @@ class Estimator:
     ) -> Alignment:
         """A rectified pair; applied: what its right image was rectified for. ValueError for images of another
         size and times that do not increase."""
-        ffi, r = self._ffi, self._result
-        images = [np.ascontiguousarray(image) for image in (left, right)]
-        c_images = [
-            ffi.new(
-                "vista_image *", (ffi.from_buffer("uint8_t[]", image), *image.shape[::-1], image.shape[1])
-            )
-            for image in images
-        ]
-        turn = ffi.new("vista_turn *", (applied.pitch_rad, applied.roll_rad))
-        self._check(self._lib.vista_alignment_update(self._alignment, *c_images, t_ns, turn, r))
-        return Alignment(
-            state=list(State)[r.state],
-            correction=_turn(r.correction),
-            changed=r.changed,
-            estimate=_turn(r.estimate),
-            health=self._health(),
-            row_error_px=r.row_error_px if r.rows_known else None,
-            row_error_90_px=r.row_error_90_px if r.rows_known else None,
-            features=r.features,
-            matched=r.matched,
-            agreeing=r.agreeing,
-        )
-
-    def _health(self) -> Health:
-        health = self._ffi.new("vista_health *")
-        self._lib.vista_alignment_judge(self._result, health)
-        name = self._lib.vista_health_state_name(health.state)
-        return Health(self._ffi.string(name).decode())
+        turn = self._ffi.new("vista_turn *", (applied.pitch_rad, applied.roll_rad))
+        images = c_images(self._ffi, left, right)
+        status = self._lib.vista_alignment_update(self._alignment, *images, t_ns, turn, self._result)
+        self._check(status)
+        return outcome(self._ffi, self._lib, self._result)
 
     def _check(self, status: int) -> None:
         if status != self._lib.VISTA_OK:
             raise ValueError(self._ffi.string(self._lib.vista_status_text(status)).decode())
 
 
+def c_images(ffi: Any, *images: NDArray[np.uint8]) -> list[Any]:
+    """vista_image of each; they keep the pixels."""
+    whole = [np.ascontiguousarray(image) for image in images]
+    return [
+        ffi.new("vista_image *", (ffi.from_buffer("uint8_t[]", image), *image.shape[::-1], image.shape[1]))
+        for image in whole
+    ]
+
+
+def outcome(ffi: Any, lib: Any, result: Any) -> Alignment:
+    """Of a vista_alignment_result."""
+    health = ffi.new("vista_health *")
+    lib.vista_alignment_judge(result, health)
+    return Alignment(
+        state=list(State)[result.state],
+        correction=_turn(result.correction),
+        changed=result.changed,
+        estimate=_turn(result.estimate),
+        health=Health(ffi.string(lib.vista_health_state_name(health.state)).decode()),
+        row_error_px=result.row_error_px if result.rows_known else None,
+        row_error_90_px=result.row_error_90_px if result.rows_known else None,
+        features=result.features,
+        matched=result.matched,
+        agreeing=result.agreeing,
+    )
+
+
 def _turn(c: Any) -> Turn:
     return Turn(c.pitch_rad, c.roll_rad)
 
 
-def _c_camera(ffi: Any, camera: Calibration) -> Any:
+def c_camera(ffi: Any, camera: Calibration) -> Any:
+    """vista_camera."""
     values = (camera.width, camera.height, camera.focal_px, camera.cx, camera.cy, camera.baseline_m)
     return ffi.new("vista_camera *", values)

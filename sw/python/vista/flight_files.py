@@ -1,8 +1,10 @@
 """What vista-fly takes along instead of Python: a rig, and frames (little-endian, no padding).
 
-rig     char[8] "VISTARIG", uint32 version = 1, width, height, kind (0: pairs come rectified, 1: a map,
+rig     char[8] "VISTARIG", uint32 version = 2, width, height, kind (0: pairs come rectified, 1: a map,
         2: a control grid), rectify_rows, findings (bit 0: baseline_implausible, 1: calibration_misfit),
         double focal_px, cx, cy, baseline_m (rectified), left_from_rectified[9] (row-major rotation);
+        of the raw right camera double fx, fy, cx, cy, distortion[8], rectified_from_right[9] (rotation),
+        uint64 lens (0: pinhole, 1: fisheye), as vista/correction.h has them;
         then for the left and for the right camera, with a map: int16 (u, v)[height][width], whole pixels of
         the source, uint16 fraction[height][width], 32 * v + u in 1/32 px; with a grid: int16 (dx, dy)
         of each control point (doc/design/engine-contract.md)
@@ -25,9 +27,9 @@ from vista.output import unwritable
 from vista.rectify import Rectifier
 from vista.sequence import FrameFiles, Sequence
 
-VERSION = 1
+RIG_VERSION, FRAMES_VERSION = 2, 1
 RIG, FRAMES = "rig.vista", "frames.vista"  # names of the files
-RIG_HEAD = struct.Struct("<8s6I4d9d")
+RIG_HEAD = struct.Struct("<8s6I4d9d4d8d9dQ")
 FRAMES_HEAD = struct.Struct("<8s4I3d")
 FRAME_HEAD = struct.Struct("<q2I9d3d")
 PASSTHROUGH, MAP, GRID = range(3)
@@ -38,7 +40,7 @@ def rig_bytes(recorded: Sequence, rectify_rows: int) -> bytes:
     """recorded: its calibration counts, and no frame of it. Raises InputError as Rectifier does."""
     rectifier = Rectifier(recorded.calibration, rectify_rows)
     found = {finding.reason for finding in HealthMonitor(recorded).of_run}
-    camera = rectifier.calibration
+    camera, right = rectifier.calibration, rectifier.right
     if rectifier.is_passthrough:
         kind, tables = PASSTHROUGH, b""
     elif rectifier.grids is not None:
@@ -54,7 +56,7 @@ def rig_bytes(recorded: Sequence, rectify_rows: int) -> bytes:
         )
     head = RIG_HEAD.pack(
         b"VISTARIG",
-        VERSION,
+        RIG_VERSION,
         camera.width,
         camera.height,
         kind,
@@ -65,6 +67,10 @@ def rig_bytes(recorded: Sequence, rectify_rows: int) -> bytes:
         camera.cy,
         camera.baseline_m,
         *rectifier.left_from_rectified.rotation.ravel(),
+        *right.intrinsics_px,
+        *right.distortion,
+        *right.rectified_from_raw.ravel(),
+        right.lens,
     )
     return head + tables
 
@@ -72,7 +78,9 @@ def rig_bytes(recorded: Sequence, rectify_rows: int) -> bytes:
 def frames_head(recorded: Sequence) -> bytes:
     camera, up = recorded.calibration.left, recorded.up_world
     numbers = np.zeros(3) if up is None else up
-    return FRAMES_HEAD.pack(b"VISTAFRM", VERSION, camera.width, camera.height, up is not None, *numbers)
+    return FRAMES_HEAD.pack(
+        b"VISTAFRM", FRAMES_VERSION, camera.width, camera.height, up is not None, *numbers
+    )
 
 
 def frame_bytes(recorded: Sequence, files: FrameFiles) -> bytes:

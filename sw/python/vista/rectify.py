@@ -21,10 +21,37 @@ Map = tuple[
     NDArray[np.int16], NDArray[np.uint16]
 ]  # cv2's fixed-point form: faster, and the same on every machine
 
+LENSES = ("pinhole", "fisheye")  # as vista_lens numbers them
+DISTORTION_MOST = 8  # numbers of a lens in C
+
 MAX_ZOOM = (
     4.0  # what rectification may crop to or shrink by; more comes from a wrong number in the calibration
 )
 MIN_COS_BETWEEN_AXES = 0.5  # optical axes within 60 degrees: else the two views hardly overlap
+
+
+@dataclasses.dataclass(frozen=True)
+class RawCamera:
+    """One camera as calibrated, with the rotation of its rectification; vista_raw_camera in C."""
+
+    model: CameraModel
+    rectified_from_raw: Array  # (3, 3)
+
+    @property
+    def intrinsics_px(self) -> tuple[float, float, float, float]:
+        """fx, fy, cx, cy."""
+        K = self.model.matrix
+        return float(K[0, 0]), float(K[1, 1]), float(K[0, 2]), float(K[1, 2])
+
+    @property
+    def distortion(self) -> list[float]:
+        """All numbers that C has room for."""
+        given = list(self.model.distortion)
+        return given + [0.0] * (DISTORTION_MOST - len(given))
+
+    @property
+    def lens(self) -> int:
+        return LENSES.index(self.model.lens)
 
 
 class Rectifier:
@@ -35,7 +62,8 @@ class Rectifier:
     come back as they are, not resampled.
     grids: what rectifies them, if control grids do.
     applied: the turn of the right camera against its calibration that right images are rectified for.
-    maps: of the left and the right image, if whole maps do.
+    maps: of the left and the right image as calibrated, if whole maps do.
+    right: the right camera as calibrated.
     left_from_rectified: the rotation of the rectified left camera in the raw one.
     """
 
@@ -50,60 +78,59 @@ class Rectifier:
             raise InputError("stereo.rectify_rows", f"must be 0 or one of {allowed}, not {buffer_rows}")
         check_side_by_side(raw)
         self.grids: GridPair | None = None
+        self._calibrated: GridPair | None = None
         self.maps: tuple[Map, ...] = ()
         self.applied = Turn()
         self._source = raw.source
         self._left: Filter = _unchanged
         self._right: Filter = _unchanged
+        self._turned: Filter | None = None  # in place of the right one
         self.is_passthrough = _is_rectified(raw)
         if self.is_passthrough:
             self.left_from_rectified = Pose()
             self.calibration = _calibration(
                 raw.left, raw.left.matrix, -float(raw.right_from_left.translation_m[0])
             )
-            self._right_camera = (raw.right, np.eye(3), raw.right.matrix)
+            self.right = RawCamera(raw.right, np.eye(3))
             return
         left, right = rectified_cameras(raw)
         cameras = ((raw.left, *left), (raw.right, *right))
-        self._right_camera = cameras[1]
+        self.right = RawCamera(raw.right, right[0])
         if buffer_rows == 0:
             self.maps = tuple(exact_map(camera, R, P) for camera, R, P in cameras)
             self._left, self._right = (_by_map(source) for source in self.maps)
         else:
             grids = [_fitting_grid(camera, R, P, buffer_rows, raw.source) for camera, R, P in cameras]
-            self.grids = GridPair(grids[0], grids[1], (raw.left.width, raw.left.height), buffer_rows)
+            size = raw.left.width, raw.left.height
+            self.grids = self._calibrated = GridPair(grids[0], grids[1], size, buffer_rows)
             self._left, self._right = (by_grid(grid) for grid in grids)
-            self._calibrated = grids[1]
         self.left_from_rectified = Pose(left[0].T)
         self.calibration = _calibration(raw.left, left[1], float(-right[1][0, 3] / right[1][0, 0]))
 
-    def align(self, turn: Turn) -> None:
-        """From now on rectifies the right images of a camera that has turned like this.
+    def align(self, turn: Turn, table: Map | Grid | None) -> None:
+        """From now on rectifies right images by the table, which is for a camera that has turned like this.
+        None: by that of the calibration.
 
         InputError, and nothing has changed, when the line buffer has too few rows for it."""
-        if self.grids is None:
-            camera, R, P = self._right_camera
-            untouched = self.is_passthrough and turn == Turn()
-            self._right = _unchanged if untouched else _by_map(exact_map(camera, turn.rotation().T @ R, P))
+        if isinstance(table, tuple):
+            self._turned = _by_map(table)
+        elif table is not None and self.grids is not None:
+            check_rows(table, self.grids.size, self.grids.buffer_rows, self._source)
+            self.grids = dataclasses.replace(self.grids, right=table)
+            self._turned = by_grid(table)
         else:
-            try:
-                grid = turn.grid(self.calibration, self._calibrated)
-            except ValueError as error:
-                raise InputError(self._source, f"no control grid for the turn: {error}") from None
-            check_rows(grid, self.grids.size, self.grids.buffer_rows, self._source)
-            self.grids = dataclasses.replace(self.grids, right=grid)
-            self._right = by_grid(grid)
+            self.grids, self._turned = self._calibrated, None
         self.applied = turn
 
     def rectify(self, frame: Frame) -> Frame:
         """The rectified pair, with the pose of the rectified left camera."""
-        if self.is_passthrough and self.applied == Turn():
+        if self.is_passthrough and self._turned is None:
             return frame
         pose = frame.world_from_camera
         return dataclasses.replace(
             frame,
             left=self._left(frame.left),
-            right=self._right(frame.right),
+            right=(self._turned or self._right)(frame.right),
             world_from_camera=None if pose is None else pose @ self.left_from_rectified,
         )
 

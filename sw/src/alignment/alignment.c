@@ -19,6 +19,7 @@
 #define SUDDEN_RAD 0.02        /* how large one may be; what the pairs do not show of it stays as it was */
 #define SIGNIFICANT 9.0        /* squared distance in standard deviations of a correction from none */
 #define STEP_S_MOST 1.0        /* of drift between two pairs */
+#define ALIGNED_ROWS_PX 1.0    /* the median row error of a pair that is aligned is less */
 #define USABLE_ROWS_PX 2.0     /* with more, hardly anything is matched */
 #define TEXTURE_FEATURES 24    /* with fewer, images show too little to lose the rows in */
 
@@ -264,9 +265,11 @@ vista_status vista_alignment_update(vista_alignment *a, const vista_image *left,
 }
 
 void vista_alignment_judge(const vista_alignment_result *result, vista_health *health) {
-  if (result->state != VISTA_ALIGNMENT_BEYOND && result->state != VISTA_ALIGNMENT_LOST) return;
+  const bool alarm = result->state == VISTA_ALIGNMENT_BEYOND || result->state == VISTA_ALIGNMENT_LOST;
+  const bool apart = result->rows_known && result->row_error_px > ALIGNED_ROWS_PX;
   const bool usable = result->rows_known && result->row_error_px <= USABLE_ROWS_PX;
   const vista_health_state state = usable ? VISTA_HEALTH_DEGRADED : VISTA_HEALTH_BLIND;
-  health->reasons |= UINT32_C(1) << VISTA_HEALTH_ALIGNMENT_LOST;
+  if (!alarm && !apart) return;
+  health->reasons |= UINT32_C(1) << (alarm ? VISTA_HEALTH_ALIGNMENT_LOST : VISTA_HEALTH_ROWS_MISALIGNED);
   if (health->state < state) health->state = state;
 }

@@ -26,6 +26,7 @@ static const entry reasons[VISTA_HEALTH_REASON_COUNT] = {
     {"noise", "the noise of the images leaves few disparities that chance does not explain", 0},
     {"ground_unseen", "hardly anything below the horizon where the flight leads to has a disparity", 0},
     {"alignment_lost", "the right camera has turned by more than is corrected, or by an angle that cannot be found", 1},
+    {"rows_misaligned", "matching features lie apart in rows", 0},
 };
 
 static const char *const state_names[VISTA_HEALTH_STATE_COUNT] = {"healthy", "degraded", "blind"};

@@ -138,9 +138,12 @@ def _unrelated(text: str) -> Finding:
 
 
 def check_alignment(alignment: Alignment) -> Finding | None:
-    """The right camera has turned by an angle that can be corrected; libvista has judged it."""
+    """Rows match, or the camera that has turned can be corrected; libvista has judged it."""
     if alignment.health == State.HEALTHY:
         return None
+    if alignment.state not in (AlignmentState.BEYOND, AlignmentState.LOST):
+        text = f"matching features lie {alignment.row_error_px:.1f} px apart in rows: has a camera moved?"
+        return Finding(Reason.ROWS_MISALIGNED, alignment.health, text)
     text = "the images have texture, but their rows agree on no turn of the right camera"
     if alignment.state == AlignmentState.BEYOND:
         text = "the right camera has turned against its calibration by more than is corrected"

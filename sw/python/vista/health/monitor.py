@@ -51,7 +51,12 @@ class HealthMonitor:
             or checks.check_contrast("right", raw.right)
             or checks.check_identical(raw.left, raw.right)
         )
-        pair = None if shown else self._check_pair(frame, host.matched_fraction)
+        if alignment is not None and alignment.row_error_px is not None:
+            # What agrees on a turn of the camera has been matched, at one moment and in the right order.
+            pair = self._pair = None
+            self._checked_fraction = host.matched_fraction
+        else:
+            pair = None if shown else self._check_pair(frame, host.matched_fraction)
         motion = self._check_motion(frame) if self._watch_motion else None
         aligned = None if alignment is None else checks.check_alignment(alignment)
         self._before = frame
