@@ -53,12 +53,12 @@ def test_a_line_needs_its_room() -> None:
     health, length = ffi.new("vista_line_health *"), ffi.new("size_t *")
     c_result.motion.pose.rotation = [1, 0, 0, 0, 1, 0, 0, 0, 1]
     room = ffi.new("char[]", b"\x55" * 4000)
-    assert lib.vista_line_write(c_result, directions, health, 3, 5, room, 4000, length) == lib.VISTA_OK
+    assert lib.vista_line_write(c_result, directions, health, 3, 5, False, room, 4000, length) == lib.VISTA_OK
     needed = length[0] + 1
     assert json.loads(ffi.string(room))["t_ns"] == 5
     for capacity in (needed, needed - 1, needed // 2, 1, 0):
         room = ffi.new("char[]", b"\x55" * 4000)
-        status = lib.vista_line_write(c_result, directions, health, 3, 5, room, capacity, length)
+        status = lib.vista_line_write(c_result, directions, health, 3, 5, False, room, capacity, length)
         assert status_name(status) == ("VISTA_OK" if capacity == needed else "VISTA_ERROR_MEMORY")
         assert bytes(ffi.buffer(room))[capacity:4000] == b"\x55" * (4000 - capacity)
 
@@ -72,3 +72,25 @@ def test_reasons_are_named_once_and_the_worse_state_counts() -> None:
     for name in names:
         lib.vista_line_health_add(health, lib.VISTA_HEALTH_DEGRADED, name)
     assert (health.state, health.reason_count) == (lib.VISTA_HEALTH_BLIND, lib.VISTA_LINE_REASONS)
+
+
+def test_a_frame_without_directions_says_so() -> None:
+    c_result, length = ffi.new("vista_result *"), ffi.new("size_t *")
+    room, health = ffi.new("char[]", 4000), ffi.new("vista_line_health *")
+    c_result.motion.pose.rotation = [1, 0, 0, 0, 1, 0, 0, 0, 1]
+    status = lib.vista_line_write(c_result, ffi.NULL, health, 3, 5, False, room, 4000, length)
+    assert status == lib.VISTA_OK
+    assert json.loads(ffi.string(room))["directions"] is None
+
+
+def test_tracks_that_are_not_confirmed_are_written_when_asked_for() -> None:
+    c_result, length = ffi.new("vista_result *"), ffi.new("size_t *")
+    room, health = ffi.new("char[]", 4000), ffi.new("vista_line_health *")
+    c_result.motion.pose.rotation = [1, 0, 0, 0, 1, 0, 0, 0, 1]
+    obstacles = ffi.new("vista_obstacle[]", [{"id": 1, "confirmed": True}, {"id": 2}])
+    c_result.obstacles, c_result.obstacle_count = obstacles, 2
+    c_result.obstacle_bytes = ffi.sizeof("vista_obstacle")
+    for all_tracks, ids in ((False, [1]), (True, [1, 2])):
+        status = lib.vista_line_write(c_result, ffi.NULL, health, 3, 5, all_tracks, room, 4000, length)
+        assert status == lib.VISTA_OK
+        assert [o["id"] for o in json.loads(ffi.string(room))["obstacles"]] == ids

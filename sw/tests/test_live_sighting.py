@@ -36,7 +36,7 @@ def record(rng: np.random.Generator, **changes: object) -> FrameRecord:
     nearest = Nearest(3, rng.normal(0.0, 20.0, 3), 9.0, float(rng.uniform(0.1, 9.0)), np.eye(3))
     free_m = np.where(rng.random(Directions.COLUMNS) < 0.5, 0.0, rng.uniform(0.0, 80.0, Directions.COLUMNS))
     made = FrameRecord(7, 70, pose, tuple(obstacles), nearest, 3, 0.5, {"host": 1.0}, health=HEALTH)
-    made = replace(made, velocity_camera_m_s=rng.normal(0.0, 5.0, 3))
+    made = replace(made, velocity_m_s=rng.normal(0.0, 5.0, 3))
     made = replace(made, directions=Directions(pose.rotation[0], free_m.astype(np.float32)))
     return replace(made, **changes)
 
@@ -66,13 +66,13 @@ def assert_alike(one: Sighting, other: Sighting, atol: float) -> None:
 NOTHING_KNOWN = {
     "world_from_camera": None,
     "nearest_collision": None,
-    "velocity_camera_m_s": None,
+    "velocity_m_s": None,
     "directions": None,
     "health": FrameHealth(),
 }
 
 
-@pytest.mark.parametrize("changes", [{}, NOTHING_KNOWN, {"velocity_camera_m_s": None}, {"obstacles": ()}])
+@pytest.mark.parametrize("changes", [{}, NOTHING_KNOWN, {"velocity_m_s": None}, {"obstacles": ()}])
 def test_a_line_tells_the_same_to_its_last_digit(changes: dict[str, object]) -> None:
     told = record(seeded(2401), **changes)
     assert_alike(sighting_of(told), sighting_of_line("line", obstacle_line(told)), 0.6e-3)

@@ -96,8 +96,8 @@ static void write_line(flight *f, const shot *s, const detection *found) {
   size_t bytes = 0;
   problem p;
   if (f->lines.file < 0) return;
-  if (vista_line_write(&found->result, &found->directions, &found->health, s->index, s->t_ns, f->line, sizeof f->line,
-                       &bytes) != VISTA_OK)
+  if (vista_line_write(&found->result, &found->directions, &found->health, s->index, s->t_ns, false, f->line,
+                       sizeof f->line, &bytes) != VISTA_OK)
     return;
   if (!lines_write(&f->lines, f->line, bytes, &p)) say(&p, "; the flight goes on without it");
 }

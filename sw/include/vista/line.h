@@ -1,7 +1,7 @@
-/* A frame as a line of JSON, as obstacles.jsonl of `vista run` has it; obstacles.schema.json describes it.
+/* A frame as a line of JSON: a line of obstacles.jsonl, which obstacles.schema.json describes.
  *
- * Numbers are rounded as there, and written as Python writes them: what vista-fly writes and what `vista run` writes of
- * the same frame are the same, byte by byte, but for the time of processing. */
+ * Numbers are rounded below what the measurements carry, and written as Python writes them. `vista run`, `vista live` and
+ * vista-fly all write their lines with it. */
 #ifndef VISTA_LINE_H
 #define VISTA_LINE_H
 
@@ -17,7 +17,8 @@
 
 VISTA_BEGIN
 
-#define VISTA_LINE_BYTES 262144 /* enough for the line of any frame */
+#define VISTA_LINE_VERSION 2    /* "version" of the lines */
+#define VISTA_LINE_BYTES 262144 /* enough for the line of any frame without tracks that are not confirmed */
 #define VISTA_LINE_REASONS 16
 
 /* What is found wrong with a frame, with what a caller has found besides. */
@@ -34,10 +35,11 @@ VISTA_API void vista_line_health_of(const vista_health *health, vista_line_healt
 VISTA_API void vista_line_health_add(vista_line_health *found, vista_health_state state, const char *reason);
 
 /* Writes the line of a frame of this number, with its line break and a zero behind it. *length: bytes before the zero.
- * VISTA_ERROR_MEMORY: they have no room; VISTA_LINE_BYTES are always enough. */
+ * directions: null where they are not known. all_tracks: also those that are not confirmed. VISTA_ERROR_MEMORY: they have
+ * no room; VISTA_LINE_BYTES are always enough for confirmed ones. */
 VISTA_API vista_status vista_line_write(const vista_result *result, const vista_directions *directions,
-                                        const vista_line_health *health, int64_t frame, int64_t t_ns, char *text,
-                                        size_t capacity, size_t *length);
+                                        const vista_line_health *health, int64_t frame, int64_t t_ns, bool all_tracks,
+                                        char *text, size_t capacity, size_t *length);
 
 VISTA_END
 

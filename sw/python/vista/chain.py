@@ -20,7 +20,7 @@ from vista.sequence import Frame, FrameFiles, Sequence
 
 if TYPE_CHECKING:
     from vista.geometry import Array, Pose
-    from vista.pipeline import Motion, Result
+    from vista.pipeline import Result
 
 TIMED = ("read", "rectify", "stereo", "alignment", "odometry", "host")  # what the total of a frame is made of
 
@@ -167,13 +167,8 @@ def process_frame(chain: Chain, raw: Frame, clock: StageClock) -> Step:
         result.dropped_tracks,
         result.motion.known,
         result.path_seen_m,
-        velocity_camera_m_s=_in_camera(result.motion),
+        velocity_m_s=result.motion.velocity_m_s,
         directions=result.directions,
         alignment=alignment,
     )
     return Step(raw, frame, levels, result, record, anew)
-
-
-def _in_camera(motion: Motion) -> Array | None:
-    """The velocity."""
-    return None if motion.velocity_m_s is None else motion.pose.rotation.T @ motion.velocity_m_s

@@ -32,9 +32,15 @@ class FrameRecord:
     motion_known: bool = False
     path_seen_m: float = 0.0  # beyond, no obstacle does not mean free space
     health: FrameHealth = field(default_factory=FrameHealth)  # empty where no checks are made
-    velocity_camera_m_s: Array | None = None  # (3,); None: not known
+    velocity_m_s: Array | None = None  # (3,), in the world; None: not known
     directions: Directions | None = None  # that are free
     alignment: Alignment | None = None  # of the cameras against each other; None: not looked at
+
+    @property
+    def velocity_camera_m_s(self) -> Array | None:
+        """The same in the frame of the camera."""
+        pose = self.world_from_camera or Pose()
+        return None if self.velocity_m_s is None else pose.rotation.T @ self.velocity_m_s
 
     def in_camera(self, position_m: Array) -> Array:
         """A position in the world, (3,), in the frame of the camera. What is not finite stays so."""

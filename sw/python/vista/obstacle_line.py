@@ -1,29 +1,23 @@
-"""One line of obstacles.jsonl: the obstacle map of a frame as JSON, described in obstacles.schema.json."""
+"""One line of obstacles.jsonl: the obstacle map of a frame as JSON, described in obstacles.schema.json.
+
+libvista writes it (vista/line.h), here as in vista-fly."""
 
 from __future__ import annotations
 
 import json
 import math
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from vista import native
+from vista.geometry import Pose
 from vista.history import FrameRecord
 
 if TYPE_CHECKING:
     from vista.pipeline import Directions, Nearest, Obstacle
-
-VERSION = 2  # of the lines
-
-# Digits after the point: below what the measurements carry, and enough for any unit test of a user's.
-METRES = 3
-SQUARE_METRES = 6
-PIXELS = 2
-DISPARITY_PX = 3
-DEGREES = 1
-SECONDS = 2
-UNIT = 5  # components of a unit vector
 
 
 def schema_text() -> str:
@@ -31,89 +25,102 @@ def schema_text() -> str:
     return Path(__file__).with_name("obstacles.schema.json").read_text(encoding="utf-8")
 
 
+def version() -> int:
+    """Of the lines."""
+    return int(native.load("vista")[1].VISTA_LINE_VERSION)
+
+
+def obstacle_fields(record: FrameRecord) -> dict[str, Any]:
+    """What the line of a frame holds; a number that is not finite is None."""
+    fields: dict[str, Any] = json.loads(obstacle_line(record))
+    return fields
+
+
 def obstacle_line(record: FrameRecord, all_tracks: bool = False) -> str:
-    """The fields as JSON without line break."""
-    return json.dumps(obstacle_fields(record, all_tracks), allow_nan=False)
+    """The fields as JSON without line break. all_tracks: also the tracks that are not confirmed."""
+    ffi, lib = native.load("vista")
+    kept, result = _result(ffi, lib, record)
+    names = [ffi.new("char[]", str(reason).encode()) for reason in record.health.reasons]
+    state = _numbers("health_state")[str(record.health.state)]
+    health = ffi.new("vista_line_health *", (state, len(names), names))
+    directions = ffi.NULL if record.directions is None else _directions(ffi, record.directions)
+    capacity, length = int(lib.VISTA_LINE_BYTES), ffi.new("size_t *")
+    while True:
+        text = ffi.new("char[]", capacity)
+        about = (record.index, record.t_ns, all_tracks)
+        status = lib.vista_line_write(result, directions, health, *about, text, capacity, length)
+        if status != lib.VISTA_ERROR_MEMORY:
+            break
+        capacity *= 2
+    if status != lib.VISTA_OK:
+        raise ValueError(ffi.string(lib.vista_status_text(status)).decode())
+    del kept
+    return bytes(ffi.buffer(text, length[0] - 1)).decode()
 
 
-def obstacle_fields(record: FrameRecord, all_tracks: bool = False) -> dict[str, Any]:
-    """What the line of a frame holds; a number that is not finite becomes None.
+@cache
+def _numbers(enum: str) -> dict[str, int]:
+    """Names of the values of a C enum, such as world_verdict, and the values."""
+    ffi, lib = native.load("vista")
+    name_of = getattr(lib, f"vista_{enum}_name")
+    count = getattr(lib, f"VISTA_{enum.upper()}_COUNT")
+    return {ffi.string(name_of(k)).decode(): k for k in range(count)}
 
-    all_tracks: also the tracks that are not confirmed.
-    """
-    nearest = record.nearest_collision
+
+def _result(ffi: Any, lib: Any, record: FrameRecord) -> tuple[Any, Any]:
+    """vista_result, as far as the line asks for it, and what it points to."""
+    obstacles = ffi.new("vista_obstacle[]", len(record.obstacles))
+    for target, obstacle in zip(obstacles, record.obstacles, strict=True):
+        _fill(ffi, target, obstacle)
+    result, pose = ffi.new("vista_result *"), record.world_from_camera
+    result.obstacles, result.obstacle_count = obstacles, len(record.obstacles)
+    result.obstacle_bytes = ffi.sizeof("vista_obstacle")
+    if record.nearest_collision is not None:
+        result.nearest_collision = _nearest(record.nearest_collision)
+    motion = result.motion
+    motion.known, motion.velocity_known = record.motion_known, record.velocity_m_s is not None
+    motion.source = lib.VISTA_MOTION_UNTOLD if pose is None else lib.VISTA_MOTION_POSE
+    pose = pose or Pose()
+    motion.pose.rotation, motion.pose.translation_m = _list(pose.rotation), _list(pose.translation_m)
+    if record.velocity_m_s is not None:
+        motion.velocity_m_s = _list(record.velocity_m_s)
+    result.valid_fraction, result.region_count = record.valid_fraction, record.regions
+    result.host_ms, result.path_seen_m = record.stage_ms["host"], record.path_seen_m
+    return obstacles, result
+
+
+def _fill(ffi: Any, target: Any, obstacle: Obstacle) -> None:
+    e = obstacle.ellipse
+    target.id, target.age_frames = int(obstacle.id), int(obstacle.age_frames)
+    target.confirmed, target.coasting = bool(obstacle.confirmed), bool(obstacle.coasting)
+    target.world = _numbers("world_verdict")[obstacle.world]
+    target.kind = _numbers("obstacle_kind")[obstacle.kind]
+    target.position_m, target.covariance_m2 = _list(obstacle.position_m), _list(obstacle.covariance_m2)
+    target.distance_m, target.extent_m = obstacle.distance_m, _list(obstacle.extent_m)
+    target.ellipse.center_u_px, target.ellipse.center_v_px = e.center_u, e.center_v
+    target.ellipse.axis_a_px, target.ellipse.axis_b_px = e.axis_a, e.axis_b
+    target.ellipse.angle_deg, target.disparity_px = e.angle_deg, obstacle.disparity_px
+    target.in_collision_volume = bool(obstacle.in_collision_volume)
+
+
+def _nearest(nearest: Nearest) -> dict[str, Any]:
+    seconds = nearest.time_to_collision_s
     return {
-        "version": VERSION,
-        "frame": record.index,
-        "t_ns": record.t_ns,
-        "processing_ms": _rounded(record.stage_ms["host"], 3),
-        "regions": record.regions,
-        "valid_fraction": _rounded(record.valid_fraction, 4),
-        "motion": "known" if record.motion_known else "unknown",
-        "health": {"state": record.health.state, "reasons": record.health.reasons},
-        "obstacles": [
-            _obstacle(obstacle, record) for obstacle in record.obstacles if obstacle.confirmed or all_tracks
-        ],
-        "nearest_collision": None if nearest is None else _nearest(nearest, record),
-        "path_seen_m": _rounded(record.path_seen_m, METRES),
-        "velocity_camera_m_s": _rounded_or_none(record.velocity_camera_m_s, METRES),
-        "directions": None if record.directions is None else _directions(record.directions),
-    }
-
-
-def _obstacle(obstacle: Obstacle, record: FrameRecord) -> dict[str, Any]:
-    ellipse = obstacle.ellipse
-    return {
-        "id": int(obstacle.id),
-        "confirmed": bool(obstacle.confirmed),
-        "age_frames": int(obstacle.age_frames),
-        "position_m": _rounded(obstacle.position_m, METRES),
-        "position_camera_m": _rounded(record.in_camera(obstacle.position_m), METRES),
-        "covariance_m2": _rounded(obstacle.covariance_m2, SQUARE_METRES),
-        "distance_m": _rounded(obstacle.distance_m, METRES),
-        "extent_m": _rounded(obstacle.extent_m, METRES),
-        "ellipse_px": {
-            "center": _rounded((ellipse.center_u, ellipse.center_v), PIXELS),
-            "axes": _rounded((ellipse.axis_a, ellipse.axis_b), PIXELS),
-            "angle_deg": _rounded(ellipse.angle_deg, DEGREES),
-        },
-        "disparity_px": _rounded(obstacle.disparity_px, DISPARITY_PX),
-        "in_collision_volume": bool(obstacle.in_collision_volume),
-        "coasting": bool(obstacle.coasting),
-        "world": obstacle.world.lower(),
-        "kind": obstacle.kind,
-    }
-
-
-def _nearest(nearest: Nearest, record: FrameRecord) -> dict[str, Any]:
-    time_s = nearest.time_to_collision_s
-    return {
+        "valid": True,
         "id": int(nearest.id),
-        "position_m": _rounded(nearest.position_m, METRES),
-        "position_camera_m": _rounded(record.in_camera(nearest.position_m), METRES),
-        "covariance_m2": _rounded(nearest.covariance_m2, SQUARE_METRES),
-        "distance_m": _rounded(nearest.distance_m, METRES),
-        "time_to_collision_s": None if time_s is None else _rounded(time_s, SECONDS),
+        "position_m": _list(nearest.position_m),
+        "distance_m": nearest.distance_m,
+        "time_to_collision_s": math.nan if seconds is None else seconds,
+        "covariance_m2": _list(nearest.covariance_m2),
     }
 
 
-def _directions(directions: Directions) -> dict[str, Any]:
-    """Without the columns at both ends that are not free."""
-    free = np.flatnonzero(directions.free_m)
-    first, end = (int(free[0]), int(free[-1]) + 1) if len(free) else (0, 0)
-    return {
-        "up_camera": _rounded_or_none(directions.up_camera, UNIT),
-        "first_deg": directions.FIRST_DEG + first,
-        "free_m": _rounded(directions.free_m[first:end], METRES),
-    }
+def _directions(ffi: Any, directions: Directions) -> Any:
+    c = ffi.new("vista_directions *", {"free_m": directions.free_m.tolist()})
+    if directions.up_camera is not None:
+        c.up_known, c.up_camera = True, _list(directions.up_camera)
+    return c
 
 
-def _rounded_or_none(value: Any, digits: int) -> Any:
-    return None if value is None else _rounded(value, digits)
-
-
-def _rounded(value: Any, digits: int) -> Any:
-    if np.ndim(value) > 0:
-        return [_rounded(item, digits) for item in value]
-    number = float(value)
-    return round(number, digits) + 0.0 if math.isfinite(number) else None
+def _list(values: Any) -> list[float]:
+    return [float(value) for value in np.ravel(values)]

@@ -7,7 +7,7 @@
 #include "common/frame.h"
 #include "line/json.h"
 
-#define VERSION 2 /* of the lines; vista.obstacle_line has it too, and its digits */
+/* Digits behind the point: below what the measurements carry. */
 #define METRES 3
 #define SQUARE_METRES 6
 #define PIXELS 2
@@ -114,13 +114,13 @@ static void put_health(vista_json *json, const vista_line_health *health) {
   vista_json_put(json, "]}");
 }
 
-static void put_obstacles(vista_json *json, const vista_pose *pose, const vista_result *result) {
+static void put_obstacles(vista_json *json, const vista_pose *pose, const vista_result *result, bool all_tracks) {
   put_key(json, "obstacles");
   vista_json_put(json, "[");
   bool first = true;
   for (int32_t k = 0; k < result->obstacle_count; ++k) {
     const vista_obstacle *const o = vista_result_obstacle(result, k);
-    if (!o->confirmed) continue;
+    if (!o->confirmed && !all_tracks) continue;
     if (!first) vista_json_put(json, ", ");
     put_obstacle(json, pose, o);
     first = false;
@@ -156,10 +156,14 @@ static void put_velocity(vista_json *json, const vista_motion *motion) {
 /* Without the columns at both ends that are not free. */
 static void put_directions(vista_json *json, const vista_directions *directions) {
   int32_t first = 0, end = VISTA_DIRECTIONS;
+  put_key(json, "directions");
+  if (directions == NULL) {
+    vista_json_put(json, "null");
+    return;
+  }
   while (first < end && directions->free_m[first] == 0.0F) ++first;
   while (end > first && directions->free_m[end - 1] == 0.0F) --end;
   if (first == end) first = end = 0;
-  put_key(json, "directions");
   vista_json_put(json, "{\"up_camera\": ");
   if (directions->up_known)
     vista_json_put_numbers(json, directions->up_camera, 3, UNIT);
@@ -177,16 +181,15 @@ static void put_directions(vista_json *json, const vista_directions *directions)
 }
 
 vista_status vista_line_write(const vista_result *result, const vista_directions *directions,
-                              const vista_line_health *health, int64_t frame, int64_t t_ns, char *text, size_t capacity,
-                              size_t *length) {
-  if (result == NULL || directions == NULL || health == NULL || text == NULL || length == NULL)
-    return VISTA_ERROR_ARGUMENT;
+                              const vista_line_health *health, int64_t frame, int64_t t_ns, bool all_tracks, char *text,
+                              size_t capacity, size_t *length) {
+  if (result == NULL || health == NULL || text == NULL || length == NULL) return VISTA_ERROR_ARGUMENT;
   if (capacity == 0) return VISTA_ERROR_MEMORY;
   vista_json json = {text, capacity, 0, false};
   const vista_pose *const pose =
       result->motion.source == VISTA_MOTION_UNTOLD ? &vista_frame_still : &result->motion.pose;
   vista_json_put(&json, "{\"version\": ");
-  vista_json_put_integer(&json, VERSION);
+  vista_json_put_integer(&json, VISTA_LINE_VERSION);
   put_key(&json, "frame");
   vista_json_put_integer(&json, frame);
   put_key(&json, "t_ns");
@@ -200,7 +203,7 @@ vista_status vista_line_write(const vista_result *result, const vista_directions
   put_key(&json, "motion");
   vista_json_put_name(&json, result->motion.known ? "known" : "unknown");
   put_health(&json, health);
-  put_obstacles(&json, pose, result);
+  put_obstacles(&json, pose, result, all_tracks);
   put_nearest(&json, pose, &result->nearest_collision);
   put_key(&json, "path_seen_m");
   vista_json_put_number(&json, result->path_seen_m, METRES);

@@ -15,7 +15,7 @@ from vista.errors import InputError
 from vista.geometry import Array
 from vista.health.finding import State
 from vista.history import FrameRecord
-from vista.obstacle_line import VERSION
+from vista.obstacle_line import version
 from vista.pipeline import Directions, Nearest
 from vista.result_folder import OBSTACLES
 from vista.sequence.text import check_increasing, read_text
@@ -114,8 +114,8 @@ def sighting_of_line(culprit: str, text: str) -> Sighting:
         line = json.loads(text)
     except (ValueError, RecursionError):
         raise InputError(culprit, "not a whole line of JSON") from None
-    if not isinstance(line, dict) or line.get("version") != VERSION:
-        raise InputError(culprit, f"not a line of obstacles.jsonl in version {VERSION}")
+    if not isinstance(line, dict) or line.get("version") != version():
+        raise InputError(culprit, f"not a line of obstacles.jsonl in version {version()}")
     if "directions" not in line:
         raise InputError(culprit, "has no directions: run vista run again, with this version")
     try:
