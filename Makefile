@@ -83,8 +83,8 @@ native: .venv/build.stamp ## build only the native libraries and the C programs
 	  -DVISTA_PYTHON=ON $(DEVELOPER:%=-DVISTA_DEVELOPER=%) >/dev/null
 	@$(CMAKE) --build $(BUILD)
 
-# For what make itself links to the engine.
-$(BUILD)/lib/libvista_engine.so: native ;@:
+# For what make itself links.
+$(BUILD)/lib/libvista_engine.so build/lib/libvista.a: native ;@:
 
 # The programs for AArch64 lie in build/aarch64/bin; qemu runs them.
 AARCH64 := build/aarch64
