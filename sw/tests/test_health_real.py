@@ -13,6 +13,7 @@ import real_pairs as real
 from numpy.typing import NDArray
 from shared_data import REPOSITORY, SHARED_DATA
 from vista import StereoEngine, parameters
+from vista.alignment import Estimator, Turn
 from vista.chain import engine_parameters
 from vista.health.finding import FrameHealth, Reason, State
 from vista.health.monitor import HealthMonitor
@@ -117,6 +118,30 @@ def test_each_fault_is_found_in_real_pairs(tmp_path: Path, name: str, fault: str
     found = list(judged(open_recording(name, tmp_path), COUNT, change))
     assert len(found) > 0
     assert all(reason in health.reasons and health.state == State.BLIND for health in found)
+
+
+ALIGNED = [name for name in RECORDINGS if name != "KITTI 2012"]  # half of whose pairs are kept for results
+
+
+@pytest.mark.parametrize("fault", [None, *list(FAULTS)[:3]])
+@pytest.mark.parametrize("name", ALIGNED)
+def test_the_alignment_knows_the_rows_of_pairs_that_belong_together(
+    tmp_path: Path, name: str, fault: str | None
+) -> None:
+    """Where it does, features are not matched a second time; where it does not, they are, to say why."""
+    if (name, fault) in NOTHING_TO_FIND:
+        pytest.skip("another moment looks the same")
+    sequence = open_recording(name, tmp_path)
+    rectifier = Rectifier(sequence.calibration)
+    for index in range(min(COUNT, len(sequence.frames))):
+        frame = rectifier.rectify(read(sequence, index, FAULTS[fault][0] if fault else None))
+        found = Estimator(rectifier.calibration).update(frame.left, frame.right, 1, Turn())
+        if fault is None:
+            assert found.row_error_px is not None and found.health == State.HEALTHY
+        elif FAULTS[fault][1] == Reason.ROWS_MISALIGNED:
+            assert found.row_error_px is not None and found.health == State.BLIND
+        else:
+            assert found.row_error_px is None
 
 
 def scaled(sequence: Sequence, factor: float) -> Sequence:

@@ -23,7 +23,12 @@ FLOW_CLOSURE_PX = 0.5  # a feature that is followed there and back has to arrive
 
 @dataclass(frozen=True)
 class PairMatches:
-    """Features of the left image that were found in the right one."""
+    """Features of the left image that were found in the right one.
+
+    The alignment (vista/alignment.h) matches features as well, of pairs whose cameras are nearly aligned: at
+    disparities from 0 on, near their rows. It cannot tell swapped images from another moment or from a large
+    turn. These features are looked for in the whole image, where the alignment knows no rows or is off.
+    """
 
     candidates: int  # pairs of descriptors that are each other's best match
     disparity_px: NDArray[np.float64]  # u_left - u_right of those candidates whose surroundings agree
