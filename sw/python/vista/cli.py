@@ -28,6 +28,7 @@ COMMANDS = (
     "calibrate",
     "run",
     "live",
+    "ros",
     "disparity",
     "mavlink",
     "prepare",

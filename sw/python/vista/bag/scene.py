@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import json
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from vista.bag.foxglove import PACKAGE, SCENE_UPDATE
-from vista.bag.types import CAMERA, Messages
+from vista.bag.types import Messages
 from vista.geometry import Array, Pose, turned
 from vista.history import FrameRecord
 from vista.pipeline import Nearest, Obstacle
@@ -18,6 +19,41 @@ RED, YELLOW, WHITE = (1.0, 0.2, 0.2), (1.0, 0.85, 0.1), (1.0, 1.0, 1.0)
 BOX_DEPTH_M = 0.3  # an obstacle is a board that faces the camera
 LEAST_M = 0.05  # what is thinner is not to be seen
 NEAREST = "nearest collision"
+
+
+@dataclass(frozen=True)
+class Board:
+    """How an obstacle is drawn, in the frame of reference of the camera."""
+
+    obstacle: Obstacle
+    position_m: Array  # of its centre
+    size_m: tuple[float, float, float]
+    colour: tuple[float, float, float]
+    text: str
+    text_position_m: Array  # above it
+
+
+def boards(record: FrameRecord) -> list[Board]:
+    """Of the confirmed obstacles."""
+    camera_from_world = (record.world_from_camera or Pose()).inverse()
+    return [
+        _board(obstacle, camera_from_world)
+        for obstacle in record.obstacles
+        if obstacle.confirmed and np.all(np.isfinite(obstacle.position_m))
+    ]
+
+
+def _board(obstacle: Obstacle, camera_from_world: Pose) -> Board:
+    position_m = camera_from_world.apply(obstacle.position_m)
+    width_m, height_m = (max(extent_m, LEAST_M) for extent_m in obstacle.extent_m)
+    return Board(
+        obstacle,
+        position_m,
+        (width_m, height_m, BOX_DEPTH_M),
+        RED if obstacle.in_collision_volume else YELLOW,
+        f"{obstacle_name(obstacle.id)} {obstacle.distance_m:.1f} m",
+        position_m - (0.0, 0.5 * height_m + 0.3, 0.0),
+    )
 
 
 class Scene:
@@ -30,11 +66,7 @@ class Scene:
     def update(self, record: FrameRecord) -> Any:
         """Confirmed obstacles in the frame of reference of the camera, and what is met first."""
         camera_from_world = (record.world_from_camera or Pose()).inverse()
-        entities = [
-            self._entity(record.t_ns, obstacle, camera_from_world)
-            for obstacle in record.obstacles
-            if obstacle.confirmed and np.all(np.isfinite(obstacle.position_m))
-        ]
+        entities = [self._entity(record.t_ns, board, camera_from_world) for board in boards(record)]
         nearest = record.nearest_collision
         if nearest is not None and np.all(np.isfinite(nearest.position_m)):
             entities.append(self._nearest(record.t_ns, nearest, camera_from_world))
@@ -48,12 +80,9 @@ class Scene:
         self._shown = shown
         return self._messages.make(SCENE_UPDATE, deletions=deletions, entities=entities)
 
-    def _entity(self, t_ns: int, obstacle: Obstacle, camera_from_world: Pose) -> Any:
-        position_m = camera_from_world.apply(obstacle.position_m)
+    def _entity(self, t_ns: int, board: Board, camera_from_world: Pose) -> Any:
+        obstacle = board.obstacle
         covariance_m2 = turned(obstacle.covariance_m2, camera_from_world)
-        colour = RED if obstacle.in_collision_volume else YELLOW
-        size_m = (*(max(extent_m, LEAST_M) for extent_m in obstacle.extent_m), BOX_DEPTH_M)
-        name = obstacle_name(obstacle.id)
         figures = {
             "id": obstacle.id,
             "kind": obstacle.kind,
@@ -63,14 +92,13 @@ class Scene:
             "age_frames": obstacle.age_frames,
             "covariance_m2": np.round(covariance_m2, 6).ravel().tolist(),
         }
-        above_m = position_m - (0.0, 0.5 * size_m[1] + 0.3, 0.0)
         return self._make(
             t_ns,
-            name,
+            obstacle_name(obstacle.id),
             figures,
-            cubes=[self._cube(position_m, size_m, colour)],
-            spheres=self._ellipsoid(position_m, covariance_m2, colour),
-            texts=[self._text(above_m, f"{name} {obstacle.distance_m:.1f} m")],
+            cubes=[self._cube(board.position_m, board.size_m, board.colour)],
+            spheres=self._ellipsoid(board.position_m, covariance_m2, board.colour),
+            texts=[self._text(board.text_position_m, board.text)],
         )
 
     def _nearest(self, t_ns: int, nearest: Nearest, camera_from_world: Pose) -> Any:
@@ -101,7 +129,7 @@ class Scene:
         return self._messages.make(
             f"{PACKAGE}SceneEntity",
             timestamp=self._messages.time(t_ns),
-            frame_id=CAMERA,
+            frame_id=self._messages.camera_frame,
             id=name,
             lifetime=self._messages.make("builtin_interfaces/msg/Duration", sec=0, nanosec=0),
             frame_locked=True,

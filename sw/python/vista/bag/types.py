@@ -29,8 +29,10 @@ def make_typestore() -> Any:
 class Messages:
     """Makes messages by the names of their types."""
 
-    def __init__(self) -> None:
+    def __init__(self, camera_frame: str = CAMERA) -> None:
+        """camera_frame: the name of the left camera's frame of reference."""
         self.store = make_typestore()
+        self.camera_frame = camera_frame
 
     def make(self, type_name: str, /, **fields: Any) -> Any:
         """type_name: such as sensor_msgs/msg/Image; every field has to be given."""
@@ -44,7 +46,9 @@ class Messages:
             )
         return self.make("builtin_interfaces/msg/Time", sec=t_ns // NS, nanosec=t_ns % NS)
 
-    def header(self, t_ns: int, frame_id: str = CAMERA) -> Any:
+    def header(self, t_ns: int, frame_id: str | None = None) -> Any:
+        """frame_id: None is the left camera's."""
+        frame_id = self.camera_frame if frame_id is None else frame_id
         return self.make("std_msgs/msg/Header", stamp=self.time(t_ns), frame_id=frame_id)
 
     def point(self, position_m: Any) -> Any:

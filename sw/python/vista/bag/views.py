@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from vista.bag.types import CAMERA, WORLD, Messages
+from vista.bag.types import WORLD, Messages
 from vista.engine import SCALE
 from vista.geometry import Array, Calibration, Pose
 from vista.health.finding import State
@@ -80,6 +80,27 @@ def disparity(
     )
 
 
+def cloud(messages: Messages, t_ns: int, points_m: NDArray[np.float32]) -> Any:
+    """points_m: (N, 3), in the frame of the camera."""
+    fields = [
+        messages.make("sensor_msgs/msg/PointField", name=name, offset=4 * k, datatype=7, count=1)  # FLOAT32
+        for k, name in enumerate("xyz")
+    ]
+    data = points_m.astype("<f4").tobytes()
+    return messages.make(
+        "sensor_msgs/msg/PointCloud2",
+        header=messages.header(t_ns),
+        height=1,
+        width=len(points_m),
+        fields=fields,
+        is_bigendian=False,
+        point_step=12,
+        row_step=len(data),
+        data=np.frombuffer(data, np.uint8),
+        is_dense=True,
+    )
+
+
 def picture(messages: Messages, t_ns: int, jpeg: bytes) -> Any:
     return messages.make(
         "sensor_msgs/msg/CompressedImage",
@@ -100,7 +121,7 @@ def odometry(messages: Messages, t_ns: int, world_from_camera: Pose, velocity_m_
     return messages.make(
         "nav_msgs/msg/Odometry",
         header=messages.header(t_ns, WORLD),
-        child_frame_id=CAMERA,
+        child_frame_id=messages.camera_frame,
         pose=messages.make("geometry_msgs/msg/PoseWithCovariance", pose=pose, covariance=nothing),
         twist=messages.make("geometry_msgs/msg/TwistWithCovariance", twist=twist, covariance=nothing),
     )
@@ -110,7 +131,7 @@ def transform(messages: Messages, t_ns: int, world_from_camera: Pose) -> Any:
     stamped = messages.make(
         "geometry_msgs/msg/TransformStamped",
         header=messages.header(t_ns, WORLD),
-        child_frame_id=CAMERA,
+        child_frame_id=messages.camera_frame,
         transform=messages.make(
             "geometry_msgs/msg/Transform",
             translation=messages.vector(world_from_camera.translation_m),
@@ -124,17 +145,21 @@ def diagnostics(messages: Messages, record: FrameRecord) -> Any:
     """Health with its reasons, and the times of the stages."""
     values = {f"{name}_ms": f"{value:.3f}" for name, value in record.stage_ms.items()}
     values |= {"valid_fraction": f"{record.valid_fraction:.4f}", "path_seen_m": f"{record.path_seen_m:.3f}"}
-    status = messages.make(
+    text = "; ".join(finding.text for finding in record.health.findings) or str(record.health.state)
+    return status(messages, record.t_ns, record.health.state, text, values)
+
+
+def status(messages: Messages, t_ns: int, state: State, text: str, values: dict[str, str]) -> Any:
+    """What diagnostics hold about one moment."""
+    told = messages.make(
         "diagnostic_msgs/msg/DiagnosticStatus",
-        level=LEVELS[record.health.state],
+        level=LEVELS[state],
         name="vista",
-        message="; ".join(finding.text for finding in record.health.findings) or str(record.health.state),
+        message=text,
         hardware_id="",
         values=[
             messages.make("diagnostic_msgs/msg/KeyValue", key=key, value=value)
             for key, value in values.items()
         ],
     )
-    return messages.make(
-        "diagnostic_msgs/msg/DiagnosticArray", header=messages.header(record.t_ns), status=[status]
-    )
+    return messages.make("diagnostic_msgs/msg/DiagnosticArray", header=messages.header(t_ns), status=[told])

@@ -28,7 +28,10 @@ class Shot:
 class Source(Protocol):
     """A camera, or what stands for one."""
 
-    skipped: int  # frames that the source itself left out because it came too late with them
+    @property
+    def skipped(self) -> int:
+        """Frames that the source itself left out, as because it came too late with them."""
+        ...
 
     def shots(self, stopped: Event) -> Iterator[Shot]:
         """Blocks until the next frame is there. Ends when there are no more, or soon after `stopped`.

@@ -17,7 +17,7 @@ from vista.sequence.asl import UP_WORLD
 from vista.sequence.bag_file import STORAGES, Bag
 from vista.sequence.bag_images import ImageTopic
 from vista.sequence.bag_poses import read_poses
-from vista.sequence.bag_topics import CAMERA_INFO, base_name, camera_info_topics, image_topics
+from vista.sequence.bag_topics import CAMERA_INFO, camera_info_topics, image_topics, names_rectified
 from vista.sequence.camera_info import pair_from_camera_info
 from vista.sequence.options import Options
 from vista.sequence.pairing import pair_by_time
@@ -89,8 +89,8 @@ def _calibration(bag: Bag, names: tuple[str, str], left: ImageTopic, options: Op
 
 
 def _of_camera_info(bag: Bag, topics: tuple[str, str], images: tuple[str, str]) -> RawCalibration:
-    """By the names of ROS, rectified images are image_rect, image_rect_color."""
     infos = [next(bag.messages(topic))[1] for topic in topics]
     culprits = f"{bag.path}, topic {topics[0]}", f"{bag.path}, topic {topics[1]}"
-    rectified = tuple("rect" in base_name(topic).rpartition("/")[2] for topic in images)
-    return pair_from_camera_info(infos[0], infos[1], culprits, (rectified[0], rectified[1]))
+    return pair_from_camera_info(
+        infos[0], infos[1], culprits, (names_rectified(images[0]), names_rectified(images[1]))
+    )

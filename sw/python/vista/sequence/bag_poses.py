@@ -97,7 +97,7 @@ def _by_topic(bag: Bag, topic: str, transforms: Transforms, camera: str, named_b
     bodies = set()
     for number, (_, message) in enumerate(bag.messages(topic)):
         t_ns = stamp_ns(message.header)
-        samples[t_ns] = sample_of(f"{name}, message {number}", t_ns, _pose_in(message))
+        samples[t_ns] = sample_of(f"{name}, message {number}", t_ns, pose_in(message))
         bodies.add(str(getattr(message, "child_frame_id", "")).lstrip("/"))
     body = named_body or (bodies.pop() if len(bodies) == 1 else "")
     if not body:
@@ -118,7 +118,7 @@ def _by_topic(bag: Bag, topic: str, transforms: Transforms, camera: str, named_b
     return BagPoses(poses, name, f"poses are those of {body} in {topic}")
 
 
-def _pose_in(message: Any) -> Any:
+def pose_in(message: Any) -> Any:
     """Odometry and PoseWithCovarianceStamped have it one step deeper."""
     if hasattr(message, "transform"):
         return message.transform

@@ -81,6 +81,11 @@ def base_name(topic: str) -> str:
     return topic.removesuffix("/compressed")
 
 
+def names_rectified(topic: str) -> bool:
+    """Whether the images are rectified: by the names of ROS they are image_rect, image_rect_color then."""
+    return "rect" in base_name(topic).rpartition("/")[2]
+
+
 def _pairs(topics: list[str]) -> list[tuple[str, str]]:
     """Two topics that differ in the name of the side alone."""
     pairs = []

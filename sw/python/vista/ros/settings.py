@@ -1,0 +1,66 @@
+"""The parameters of the node."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from rclpy.exceptions import ParameterException
+from rclpy.parameter import Parameter
+
+from vista import parameters
+from vista.command.arguments import load_parameters
+from vista.engine import ENGINES
+from vista.errors import InputError
+from vista.geometry import Pose
+from vista.sequence.trajectory import Trajectory, make_sample
+
+POSES = ("none", "topic", "odometry")
+
+
+@dataclass(frozen=True)
+class Settings:
+    engine: str
+    threads: int
+    values: parameters.Values
+    tolerance_ms: float | None
+    poses: str
+    body_from_camera: Pose | None
+
+
+def read_settings(node: Any) -> Settings:
+    """Declares them. Raises InputError."""
+    try:
+        return _declared(node)
+    except ParameterException as error:
+        raise InputError("--ros-args", str(error)) from None
+
+
+def _declared(node: Any) -> Settings:
+    def declare(name: str, default: Any) -> Any:
+        return node.declare_parameter(name, default).value
+
+    engine, threads = declare("engine", "golden"), declare("threads", 1)
+    config, poses = declare("config", ""), declare("poses", "none")
+    tolerance_ms = declare("pair_tolerance_ms", Parameter.Type.DOUBLE)
+    mounting = declare("body_from_camera", Parameter.Type.DOUBLE_ARRAY)
+    for name, value, choices in (("engine", engine, ENGINES), ("poses", poses, POSES)):
+        if value not in choices:
+            raise InputError(f"parameter {name}", f"{value!r} is none of {', '.join(choices)}")
+    if threads < 1:
+        raise InputError("parameter threads", f"{threads} is not a positive number")
+    if tolerance_ms is not None and not 0.0 <= tolerance_ms <= 1e6:
+        raise InputError("parameter pair_tolerance_ms", f"{tolerance_ms:g} is not from 0 to 1000000 ms")
+    values = load_parameters(Path(config) if config else None, engine)
+    body_from_camera = None if mounting is None else _pose("parameter body_from_camera", mounting)
+    return Settings(engine, threads, values, tolerance_ms, poses, body_from_camera)
+
+
+def _pose(culprit: str, numbers: Any) -> Pose:
+    """Of x y z qx qy qz qw."""
+    if len(numbers) != 7 or not np.all(np.isfinite(numbers)):
+        raise InputError(culprit, "is not seven numbers: x y z (m), and the quaternion qx qy qz qw")
+    x, y, z, w = numbers[3:]
+    return Trajectory([make_sample(culprit, 0, np.array(numbers[:3]), np.array([w, x, y, z]))]).first()
