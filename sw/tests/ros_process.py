@@ -109,9 +109,9 @@ class Bridge(Process):
         data = base64.b64encode(STORE.serialize_cdr(message, kind)).decode()
         self._say(publish=topic, type=kind, data=data)
 
-    def wait_for(self, topic: str, count: int) -> None:
-        """Messages in all."""
-        self._await(lambda: len(self.heard[topic]) >= count)
+    def wait_for(self, topic: str, count: int, counts: Callable[[Any], bool] = lambda _: True) -> None:
+        """Messages in all that count."""
+        self._await(lambda: sum(map(counts, self.heard[topic])) >= count)
 
     def wait_until(self, topic: str, condition: Callable[[Any], bool]) -> None:
         self._await(lambda: any(map(condition, self.heard[topic])))
