@@ -27,6 +27,7 @@ VISTA_BEGIN
 #define VISTA_CORRECTION_PARTS 4
 #define VISTA_DISTORTION_MOST 8
 
+/* The model of a lens, by what its coefficients mean. */
 typedef enum vista_lens {
   VISTA_LENS_PINHOLE = 0, /* OpenCV's k1, k2, p1, p2, k3, k4, k5, k6 */
   VISTA_LENS_FISHEYE, /* k1 to k4 of cv2.fisheye: theta (1 + k1 theta^2 + ... + k4 theta^8) */
