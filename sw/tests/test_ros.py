@@ -328,6 +328,13 @@ def test_bad_parameters(tmp_path: Path, parameter: str) -> None:
     assert process.errors[-1].startswith(BAD_PARAMETERS[parameter])
 
 
+def test_a_parameter_that_is_not_known(tmp_path: Path) -> None:
+    with running_node(tmp_path, "-p", "conifg:=x", "-p", "use_sim_time:=true") as process:
+        process.says("parameter conifg is ignored; known: engine, threads, config")
+        assert process.stop() == 0
+    assert "use_sim_time is ignored" not in "".join(process.errors)
+
+
 def test_it_opens_nothing_beyond_the_loopback(node: Process, camera: Camera) -> None:
     """By the sockets that Linux says it has: 127.0.0.1, and 239.255.0.1, by which participants meet."""
     addresses = set()

@@ -43,7 +43,7 @@ def run(ros_arguments: list[str]) -> int:
 def _node(ros_arguments: list[str]) -> Iterator[Any]:
     try:
         rclpy.init(args=["--ros-args", *ros_arguments], signal_handler_options=SignalHandlerOptions.NO)
-        node = rclpy.create_node("vista")
+        node = rclpy.create_node("vista", automatically_declare_parameters_from_overrides=True)
     except Exception as error:  # of rcl, of rclpy or of the middleware
         raise InputError("--ros-args", str(error)[:300]) from None
     try:

@@ -17,6 +17,8 @@ from vista.errors import InputError
 from vista.geometry import Pose
 from vista.sequence.trajectory import Trajectory, make_sample
 
+NAMES = ("engine", "threads", "config", "poses", "pair_tolerance_ms", "body_from_camera")
+OF_EVERY_NODE = ("use_sim_time", "start_type_description_service")
 POSES = ("none", "topic", "odometry")
 
 
@@ -31,11 +33,21 @@ class Settings:
 
 
 def read_settings(node: Any) -> Settings:
-    """Declares them. Raises InputError."""
+    """Declares them; the node has to hold whatever was set. Raises InputError."""
     try:
+        _warn_of_others(node)
         return _declared(node)
     except ParameterException as error:
         raise InputError("--ros-args", str(error)) from None
+
+
+def _warn_of_others(node: Any) -> None:
+    """A name that was mistyped would be ignored else. What is known is declared anew, with its type."""
+    for name in node.list_parameters([], 0).names:
+        if name in NAMES or name.startswith("qos_overrides."):
+            node.undeclare_parameter(name)
+        elif name not in OF_EVERY_NODE:
+            node.get_logger().warning(f"parameter {name} is ignored; known: {', '.join(NAMES)}")
 
 
 def _declared(node: Any) -> Settings:
