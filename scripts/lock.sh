@@ -13,7 +13,7 @@ for set_name in ${*:-pip build run test bench rtl docs jobs board ros}; do # eac
   esac
   if [ "$set_name" = ros ]; then # for Python 3.12, with what has no wheel left out
     readonly ros_tools=../../build/lock-tools-3.12
-    [ -x $ros_tools/bin/pip-compile ] || { python3.12 -m venv $ros_tools && $ros_tools/bin/pip install --quiet pip-tools==7.6.2; }
+    [ -x $ros_tools/bin/pip-compile ] || { python=$(../find_python312.sh) && "$python" -m venv $ros_tools && $ros_tools/bin/pip install --quiet pip-tools==7.6.2; }
     $ros_tools/bin/pip-compile --quiet --generate-hashes --unsafe-package empy --strip-extras --no-emit-index-url \
       --no-emit-trusted-host --no-emit-find-links --pip-args='--only-binary :all: --no-binary empy' \
       --output-file ros.txt ros.in

