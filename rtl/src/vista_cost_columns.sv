@@ -108,7 +108,7 @@ module vista_cost_columns #(
   end
 
   // 4: the new sums, written back one clock later. They start from zero here and not in the register of the memory, so
-  // that a block RAM can have that one inside. Row 0 gains at most 2**PixelW - 1: the bits above are zero without an adder.
+  // that a block RAM can have that one inside.
   logic [NumDisparities:0][ColumnW-1:0] stored_q;
 
   vista_line_store #(
@@ -128,13 +128,10 @@ module vista_cost_columns #(
     logic [ColumnW-1:0] held;
     logic [ColumnW:0] sum;
 
-    assign held = {stored_q[c][ColumnW-1:PixelW], stored_q[c][PixelW-1:0] & {PixelW{~slot3_q.first_row}}};
+    assign held = stored_q[c] & {ColumnW{~slot3_q.first_row}};
     assign sum  = {held, 1'b1} + {ColumnW'($signed(delta_q[c])), carry_q[c]};
 
-    always_ff @(posedge clk_i) begin
-      column_o[c] <= sum[ColumnW:1];
-      if (slot3_q.first_row) column_o[c][ColumnW-1:PixelW] <= '0;
-    end
+    always_ff @(posedge clk_i) column_o[c] <= sum[ColumnW:1];
   end
 
 endmodule
