@@ -4,7 +4,7 @@
 //   C(x, m, d) = C(x, m-1, d) + |l(x, m) - r(x-d, m)| - |l(x, m-B) - r(x-d, m-B)|
 //
 // kept in one memory of a word per column. Row 0 of a frame starts from zero, and nothing leaves before row B. Columns
-// x < d meet right pixels of the row held; no matched block contains them, and the sums over the block leave them out.
+// x < d meet right pixels of the row before; no matched block contains them, and the sums over the block leave them out.
 //
 // |a - b| of the difference e with sign s is (e ^ s) + s: the exclusive or costs logic, the two `+ s` ride on the
 // carry inputs of the two additions that follow. With E entering and L leaving,
