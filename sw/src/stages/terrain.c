@@ -110,6 +110,8 @@ static void judge(const frame *f, vista_terrain *t) {
                             &t->confirmed, &t->credible);
 }
 
+static double steady_m(const vista_terrain_contact *contact) { return fmax(STEADY_SHARE * contact->along_m, STEADY_M); }
+
 /* Whether the place stays where it is, as the path of each frame meets the surface. */
 static void watch(const frame *f, vista_terrain *t) {
   if (!t->ahead) return;
@@ -129,8 +131,10 @@ static void watch(const frame *f, vista_terrain *t) {
   }
   t->wander_m2 += weight * (vista_square(vista_dot(off_m, direction)) - t->wander_m2);
   t->place_t_ns = f->t_ns;
-  const bool grazing = c->sine < sin(GRAZING_DEG * VISTA_RADIANS_PER_DEGREE);
-  t->steady = t->wander_m2 <= vista_square(fmax(STEADY_SHARE * c->along_m, STEADY_M)) &&
+  /* Of what is warned of already, an angle that crosses the limit says nothing new. */
+  const bool warned = t->credible && t->steady;
+  const bool grazing = !warned && c->sine < sin(GRAZING_DEG * VISTA_RADIANS_PER_DEGREE);
+  t->steady = t->wander_m2 <= vista_square(steady_m(c)) &&
               !(grazing && vista_seconds_between(t->first_t_ns, f->t_ns) < STEADY_S);
 }
 
@@ -198,10 +202,20 @@ static void miss(const frame *f, vista_terrain *t) {
   if (t->misses > f->params->tracker.miss_max || t->window == 0) vista_terrain_reset(t);
 }
 
+static bool in_view(const frame *f, const vista_terrain_contact *contact) {
+  double point_m[3];
+  vista_frame_to_camera(f->pose, contact->point_m, point_m);
+  return can_be_matched(f, point_m);
+}
+
+/* A contact out of view is extrapolated from what is seen elsewhere: what is found has to be where a credible one was.
+ */
 static bool same_surface(const frame *f, const vista_terrain *t, const vista_terrain_contact *contact) {
   vista_terrain_contact before;
   if (!vista_terrain_meet(&f->in_world, &t->plane, 0.0, &before)) return false;
-  return fabs(before.along_m - contact->along_m) <= fmax(SAME_M, SAME_SHARE * contact->along_m);
+  const bool seen = !t->credible || (in_view(f, &before) && in_view(f, contact));
+  const double apart_m = fabs(before.along_m - contact->along_m);
+  return apart_m <= (seen ? fmax(SAME_M, SAME_SHARE * contact->along_m) : steady_m(contact));
 }
 
 static void update(const frame *f, vista_terrain *t) {
