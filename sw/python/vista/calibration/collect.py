@@ -9,9 +9,17 @@ import numpy as np
 from vista.calibration.advice import GOOD_DISTANCE_RATIO, GOOD_VIEWS, empty_zones, listed
 from vista.calibration.board import Board, Points
 from vista.calibration.pictures import Picture
-from vista.calibration.views import MAX_VIEWS, View, board_homography, place_of, printed_board, view_of
+from vista.calibration.views import (
+    MAX_VIEWS,
+    MIN_APART,
+    View,
+    board_homography,
+    place_of,
+    printed_board,
+    view_of,
+)
 
-NEW_PLACE = 0.12  # distance of two views in the space of `place_of`: twice that of views that are used
+NEW_PLACE = 2 * MIN_APART  # distance of two views in the space of `place_of`: all that are kept can be used
 STILL_PX = 1.0  # that corners may move between two pictures 640 px wide: a moving board is blurred, and
 # two cameras see it at two moments
 TILT = 0.25  # by what share the distance grows across a board as wide as the image; some 15 to 20 degrees
@@ -31,6 +39,7 @@ class Collector:
         self._board, self._found_kind = board, False
         self._views: list[View] = []
         self._places: list[Points] = []
+        self._tilts: list[Points] = []
         self._before: View | None = None
 
     def look(self, picture: Picture) -> bool:
@@ -50,6 +59,7 @@ class Collector:
         self.kept.append(picture)
         self._views.append(view)
         self._places.append(place)
+        self._tilts.append(_tilt(view, self._board, picture.size))
         return True
 
     @property
@@ -70,7 +80,7 @@ class Collector:
             zones = empty_zones(corners, size)
             if zones:
                 yield f"Show the board in the {listed(zones[:1])} of the {side} image."
-        tilts = np.array([_tilt(view, self._board, size) for view in self._views])
+        tilts = np.array(self._tilts)
         for axis, sense, sentence in TILTS:
             if np.max(sense * tilts[:, axis]) < TILT:
                 yield sentence
