@@ -63,8 +63,10 @@ def make_bumblebee2(folder: Path, scenes: list[str]) -> Path:
 
 
 def make_kitti2012(folder: Path, size: tuple[int, int]) -> Path:
-    """The pairs of images of that size."""
+    """The pairs of images of that size with an even number; the others are kept for results."""
     for left in sorted((SHARED_DATA / "kitti2012" / "image_0").iterdir()):
+        if int(left.stem.split("_")[0]) % 2:
+            continue
         image = read_grey(left)
         if image.shape[::-1] == size:
             cases.write_image(folder / f"{left.stem}_left.png", image)
