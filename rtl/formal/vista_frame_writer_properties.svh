@@ -23,7 +23,7 @@ assign f_place     = f_n - f_open;
 assign f_pending   = (32'(f_place) < 32'(pending_q));
 assign f_at        = pending_read_q + f_place[1:0];
 assign f_follow    = busy_q & (f_open - 4'd1 == f_n);
-assign f_wrap      = f_follow ? (f_x == f_w) : row_end;
+assign f_wrap      = f_follow ? (f_x == f_w) : row_end_q;
 assign f_matchable = (32'(f_w) >= FirstX + Radius) & (32'(f_h) >= 2 * Radius);
 assign f_row       = f_matchable & (32'(f_y) >= Radius) & (32'(f_y) + Radius <= 32'(f_h));
 assign f_matched   = f_row & (32'(f_x) >= FirstX) & (32'(f_x) + Radius <= 32'(f_w));
@@ -114,6 +114,14 @@ always_comb begin
       assert (last_x_q == f_w && last_y_q == f_h && f_x <= f_w && f_y <= f_h);
       assert (match_last_x_q == f_w - ColW'(Radius) && match_last_y_q == f_h - RowW'(Radius));
       assert (matchable_q == f_matchable && row_q == f_row);
+      assert (row_end_q == (f_x == f_w));
+      assert (before_match_q == (32'(f_x) == FirstX - 1));
+      assert (last_match_q == (f_x != 0 && f_x == match_last_x_q));
+      if (f_x != 0) begin
+        assert (last_row_q == (f_y == f_h));
+        assert (before_match_row_q == (32'(f_y) == Radius - 1));
+        assert (last_match_row_q == (f_y == match_last_y_q));
+      end
     end
   end
 end

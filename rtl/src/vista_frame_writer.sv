@@ -79,32 +79,47 @@ module vista_frame_writer #(
   logic [RowW-1:0] match_last_y_q;
   logic            matchable_q;       // there are matched pixels
   logic row_q, matched_q;  // the row has some, the pixel is one
-  logic step, row_end;
+  // Comparisons, made when x_q and y_q are, since they decide about every word: the column is W - 1, the one before
+  // the first match, the last match; the row likewise.
+  logic row_end_q, before_match_q, last_match_q;
+  logic last_row_q, before_match_row_q, last_match_row_q;
+  logic step;
+  logic [ColW-1:0] next_x;
 
   assign open = (pending_q != '0) & (~busy_q | frame_end);
 
   assign step           = busy_q & (~valid_o | ready_i) & (~matched_q | result_valid_i);
   assign result_ready_o = busy_q & (~valid_o | ready_i) & matched_q;
-  assign row_end        = (x_q == last_x_q);
-  assign frame_end      = step & row_end & (y_q == last_y_q);
+  assign frame_end      = step & row_end_q & last_row_q;
+  assign next_x         = x_q + 1'b1;
 
   always_ff @(posedge clk_i) begin
     if (step) begin
-      x_q <= row_end ? '0 : x_q + 1'b1;
-      if (row_end) begin
+      x_q            <= row_end_q ? '0 : next_x;
+      row_end_q      <= ~row_end_q & (next_x == last_x_q);
+      before_match_q <= ~row_end_q & (32'(next_x) == FirstX - 1);
+      last_match_q   <= ~row_end_q & (next_x == match_last_x_q);
+      if (row_end_q) begin
         y_q <= y_q + 1'b1;
-        if (32'(y_q) == Radius - 1) row_q <= matchable_q;
-        else if (y_q == match_last_y_q) row_q <= 1'b0;
+        if (before_match_row_q) row_q <= matchable_q;
+        else if (last_match_row_q) row_q <= 1'b0;
       end
-      if (32'(x_q) == FirstX - 1) matched_q <= row_q;
-      else if (x_q == match_last_x_q) matched_q <= 1'b0;
+      if (before_match_q) matched_q <= row_q;
+      else if (last_match_q) matched_q <= 1'b0;
     end
+    // A row has MinWidth columns or more: these are a clock late in the first one, and asked for in the last one.
+    last_row_q         <= (y_q == last_y_q);
+    before_match_row_q <= (32'(y_q) == Radius - 1);
+    last_match_row_q   <= (y_q == match_last_y_q);
     if (frame_end) busy_q <= 1'b0;
     if (open) begin
       busy_q         <= 1'b1;
       narrow_q       <= pending_narrow_q[pending_read_q];
       x_q            <= '0;
       y_q            <= '0;
+      row_end_q      <= 1'b0;
+      before_match_q <= 1'b0;
+      last_match_q   <= 1'b0;
       row_q          <= 1'b0;
       matched_q      <= 1'b0;
       last_x_q       <= pending_last_col_q[pending_read_q];
@@ -118,7 +133,7 @@ module vista_frame_writer #(
     if (~valid_o | ready_i) begin
       valid_o     <= step;
       sof_o       <= (x_q == '0) & (y_q == '0);
-      eol_o       <= row_end;
+      eol_o       <= row_end_q;
       narrow_o    <= narrow_q;
       disparity_o <= matched_q ? result_disparity_i : DisparityW'(Invalid);
       smin_o      <= matched_q ? result_smin_i : '1;

@@ -70,6 +70,7 @@ module vista_framer #(
   logic last_col_q;  // col_q is W - 1
   logic [ColW-1:0] col_q, width_less_1_q;
   logic [RowW-1:0] row_q, last_row_q;
+  logic in_first_row_q, in_last_row_q;  // row_q is 0, is H - 1: `ready_o` and the frame's end do without comparing
   logic            size_ok_q;
   logic [ColW-1:0] next_width_less_1_q;  // of the size that `size_ok_q` speaks of
   logic [RowW-1:0] next_last_row_q;
@@ -80,7 +81,7 @@ module vista_framer #(
   logic [RowsW-1:0] rows_q;  // rows matched so far, saturating at B
   logic match_wide_q;  // wide enough for a row to have matched pixels
 
-  logic head_sof, blocked, start, take, fill, step, last_row, frame_end, drop;
+  logic head_sof, blocked, start, take, fill, step, frame_end, drop;
   logic bad_eol;
 
   always_ff @(posedge clk_i) begin
@@ -93,7 +94,7 @@ module vista_framer #(
 
   // The slots of the drain and those of a row below the first cannot run at once. Only a frame narrower than the one
   // before it ever waits here.
-  assign blocked = drain_q & (row_q != '0);
+  assign blocked = drain_q & ~in_first_row_q;
 
   assign start = ~active_q & head_sof & enable_i & size_ok_q & go_i;
   assign take  = active_q & ~fill_q & valid_i & ~sof_i & go_i & ~blocked;
@@ -103,8 +104,7 @@ module vista_framer #(
 
   assign ready_o = start | take | drop;
 
-  assign last_row  = (row_q == last_row_q);
-  assign frame_end = step & last_col_q & last_row;
+  assign frame_end = step & last_col_q & in_last_row_q;
   assign bad_eol   = (start | take) & (eol_i != last_col_q);
 
   always_ff @(posedge clk_i) begin
@@ -117,7 +117,11 @@ module vista_framer #(
     if (step) begin
       col_q      <= last_col_q ? '0 : col_q + 1'b1;
       last_col_q <= ~start & (col_q + 1'b1 == width_less_1_q);
-      if (last_col_q) row_q <= last_row ? '0 : row_q + 1'b1;
+      if (last_col_q) begin
+        row_q          <= in_last_row_q ? '0 : row_q + 1'b1;
+        in_first_row_q <= in_last_row_q;
+        in_last_row_q  <= ~in_last_row_q & (row_q + 1'b1 == last_row_q);
+      end
     end
     if (bad_eol | (active_q & ~fill_q & head_sof)) fill_q <= 1'b1;
     if (frame_end) begin
@@ -130,12 +134,14 @@ module vista_framer #(
     if (bad_eol | (drop & ~active_q)) lost_q <= 1'b1;
 
     if (!rst_ni) begin
-      active_q   <= 1'b0;
-      fill_q     <= 1'b0;
-      lost_q     <= 1'b1;
-      last_col_q <= 1'b0;
-      col_q      <= '0;
-      row_q      <= '0;
+      active_q       <= 1'b0;
+      fill_q         <= 1'b0;
+      lost_q         <= 1'b1;
+      last_col_q     <= 1'b0;
+      in_first_row_q <= 1'b1;
+      in_last_row_q  <= 1'b0;
+      col_q          <= '0;
+      row_q          <= '0;
     end
   end
 
@@ -145,7 +151,7 @@ module vista_framer #(
   logic [RowsW-1:0] rows;
   slot_t           slot_d;
 
-  assign slot_valid     = drain_q ? go_i : step & (row_q != '0);
+  assign slot_valid     = drain_q ? go_i : step & ~in_first_row_q;
   assign slot_col       = drain_q ? drain_col_q : col_q;
   assign slot_first_row = ~drain_q & (32'(row_q) == 1);
   assign slot_last_col  = drain_q ? drain_last_col_q : last_col_q;
