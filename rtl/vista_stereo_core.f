@@ -17,6 +17,7 @@ rtl/src/vista_candidate.sv
 rtl/src/vista_right_winner.sv
 rtl/src/vista_lr_check.sv
 rtl/src/vista_result_fifo.sv
+rtl/src/vista_frame_positions.sv
 rtl/src/vista_frame_writer.sv
 rtl/src/vista_word_packer.sv
 rtl/src/vista_stereo_core.sv

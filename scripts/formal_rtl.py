@@ -30,8 +30,8 @@ RECTIFIER = "-G MaxWidth=1024 -G NumRows=64 -G MaxPoints=2048"
 PACKAGE = "src/vista_stereo_pkg.sv"
 RECTIFY_PACKAGE = "src/vista_rectify_pkg.sv"
 
-# The framer and the frame writer are proved for frames of any size that the reference build takes, the others
-# for words so narrow that nothing depends on their width.
+# The framer and the positions of the frame writer are proved for frames of any size that the reference build
+# takes, the others for words so narrow that nothing depends on their width.
 PROOFS = [
     Proof("vista_skid", 4, "-G Width=4", ("src/vista_skid.sv",)),
     Proof("vista_axil", 3, "", ("src/vista_axil.sv",)),
@@ -49,7 +49,13 @@ PROOFS = [
         ("src/vista_line_store.sv", "src/vista_result_fifo.sv"),
     ),
     Proof("vista_word_packer", 3, "", (PACKAGE, "src/vista_word_packer.sv")),
-    Proof("vista_frame_writer", 3, REFERENCE, (PACKAGE, "src/vista_frame_writer.sv")),
+    Proof("vista_frame_positions", 3, REFERENCE, (PACKAGE, "src/vista_frame_positions.sv")),
+    Proof(
+        "vista_frame_writer",
+        4,
+        "-G NumDisparities=16 -G BlockSize=5 -G MaxWidth=32",
+        (PACKAGE, "src/vista_skid.sv", "src/vista_frame_positions.sv", "src/vista_frame_writer.sv"),
+    ),
     Proof("vista_pixel_writer", 3, "-G SideWidth=1", (PACKAGE, "src/vista_pixel_writer.sv")),
     Proof("vista_frame_guard", 4, FRONT_END, (PACKAGE, "src/vista_skid.sv", "src/vista_frame_guard.sv")),
     Proof("vista_levels", 3, FRONT_END, (PACKAGE, "src/vista_levels.sv")),

@@ -101,6 +101,8 @@ always_comb begin
     // What makes these inductive.
     assert (in_first_row_q == (row_q == 0));
     assert (in_last_row_q == (active_q && row_q == last_row_q));
+    assert (last_pixel_q == (last_col_q & in_last_row_q));
+    assert (admit_q == (enable_q & size_ok_q));
     assert (f_in - f_out == {2'b0, active_q} + {2'b0, drain_q});
     if (active_q) begin
       assert (32'(width_less_1_q) >= MinWidth - 1 && 32'(width_less_1_q) < MaxWidth && last_row_q != 0);

@@ -2,17 +2,17 @@
 // Properties of vista_word_packer, inside it: no pixel is lost or doubled, a word that waits holds still, and a narrow word
 // holds the pixel before and this one.
 //
-// Assumed of vista_frame_writer, and proved there but for the format: a pixel that waits holds still, and a row keeps its
-// format.
+// Assumed of vista_frame_writer, and proved there and of vista_frame_positions: a pixel that waits holds still, a row keeps
+// its format, and pixels complete their words as they should.
 
 logic f_started = 1'b0;
 logic f_first, f_first_sof;  // a first pixel of a pair has come, and not the second
 logic f_waited_in, f_waited_out;
 logic [DisparityW-1:0]       f_disparity;
-logic [DisparityW+SminW+2:0] f_in, f_held_in;
+logic [DisparityW+SminW+3:0] f_in, f_held_in;
 logic [33:0] f_out, f_held_out;
 
-assign f_in  = {sof_i, eol_i, narrow_i, disparity_i, smin_i};
+assign f_in  = {sof_i, eol_i, narrow_i, complete_i, disparity_i, smin_i};
 assign f_out = {sof_o, eol_o, word_o};
 
 always_ff @(posedge clk_i) begin
@@ -43,6 +43,7 @@ always_comb begin
   if (f_started) begin
     if (f_waited_in) assume (valid_i && f_in == f_held_in);
     if (f_first && valid_i) assume (narrow_i && !sof_i);
+    if (valid_i) assume (complete_i == (!narrow_i || f_first || eol_i));
     if (f_waited_out) assert (valid_o && f_out == f_held_out);
     if (valid_o) begin
       assert (valid_i && eol_o == eol_i && sof_o == (f_first ? f_first_sof : sof_i));

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Lays out the words of each frame: results where a pixel is matched, invalid words everywhere else.
 //
-// Matched are x in D-1+r .. W-1-r and y in r .. H-1-r. A frame starts to leave when the framer says so (`begin_*_i`).
-// From then on the words of the border follow by themselves, so the last rows of a frame need no further input.
+// A frame starts to leave when the framer says so (`begin_*_i`). From then on the words of the border follow by
+// themselves, so the last rows of a frame need no further input. Positions are counted ahead of the words, so that what
+// holds a word back does not reach the counters in the same clock.
 //
-// Latency: 1 clock from a result to `valid_o`.
+// Latency: 1 clock from a result to `valid_o`; 4 clocks from `begin_valid_i` to the first word.
 
 module vista_frame_writer #(
   parameter int unsigned NumDisparities = 32,
@@ -34,6 +35,7 @@ module vista_frame_writer #(
   output logic             sof_o,
   output logic             eol_o,
   output logic             narrow_o,
+  output logic             complete_o,    // a word of the frame's format
   output logic signed [DisparityW-1:0] disparity_o,
   output logic [SminW-1:0] smin_o,
   output logic             frame_end_o  // the last word of a frame was handed over to `valid_o`
@@ -41,107 +43,63 @@ module vista_frame_writer #(
 
   import vista_stereo_pkg::*;
 
-  localparam int unsigned Radius = BlockSize / 2;
-  localparam int unsigned FirstX = NumDisparities - 1 + Radius;
-  localparam int unsigned NumPending = 4;
+  logic counted_valid, counted_ready, counted_sof, counted_eol, counted_last, counted_narrow, counted_complete;
+  logic counted_matched;
+  logic place_valid, sof, eol, last, narrow, complete, matched;
+  logic free, step;
 
-  // Frames that may leave. The framer is stopped one short of full; the one that is on its way still fits.
-  logic [NumPending-1:0][ColW-1:0] pending_last_col_q;
-  logic [NumPending-1:0][RowW-1:0] pending_last_row_q;
-  logic [NumPending-1:0]           pending_narrow_q;
-  logic [1:0] pending_write_q, pending_read_q;
-  logic [2:0] pending_q;
-  logic open, frame_end;
+  vista_frame_positions #(
+    .NumDisparities (NumDisparities),
+    .BlockSize (BlockSize),
+    .MaxWidth (MaxWidth)
+  ) u_positions (
+    .clk_i,
+    .rst_ni,
+    .begin_valid_i,
+    .begin_last_col_i,
+    .begin_last_row_i,
+    .begin_narrow_i,
+    .go_o,
+    .valid_o   (counted_valid),
+    .ready_i   (counted_ready),
+    .sof_o     (counted_sof),
+    .eol_o     (counted_eol),
+    .last_o    (counted_last),
+    .narrow_o  (counted_narrow),
+    .complete_o(counted_complete),
+    .matched_o (counted_matched)
+  );
 
-  always_ff @(posedge clk_i) begin
-    if (begin_valid_i) begin
-      pending_last_col_q[pending_write_q] <= begin_last_col_i;
-      pending_last_row_q[pending_write_q] <= begin_last_row_i;
-      pending_narrow_q[pending_write_q]   <= begin_narrow_i;
-      pending_write_q                     <= pending_write_q + 1'b1;
-    end
-    if (open) pending_read_q <= pending_read_q + 1'b1;
-    pending_q <= pending_q + 3'(begin_valid_i) - 3'(open);
-    go_o      <= 32'(pending_q) < NumPending - 1;
-    if (!rst_ni) begin
-      pending_write_q <= '0;
-      pending_read_q  <= '0;
-      pending_q       <= '0;
-      go_o            <= 1'b0;
-    end
-  end
+  vista_skid #(
+    .Width(6)
+  ) u_place_skid (
+    .clk_i,
+    .rst_ni,
+    .valid_i (counted_valid),
+    .ready_o (counted_ready),
+    .data_i  ({counted_sof, counted_eol, counted_last, counted_narrow, counted_complete, counted_matched}),
+    .valid_o (place_valid),
+    .ready_i (step),
+    .data_o  ({sof, eol, last, narrow, complete, matched})
+  );
 
-  // The frame that is leaving.
-  logic busy_q, narrow_q;
-  logic [ColW-1:0] x_q, last_x_q;
-  logic [RowW-1:0] y_q, last_y_q;
-  logic [ColW-1:0] match_last_x_q;    // W - 1 - r
-  logic [RowW-1:0] match_last_y_q;
-  logic            matchable_q;       // there are matched pixels
-  logic row_q, matched_q;  // the row has some, the pixel is one
-  // Comparisons, made when x_q and y_q are, since they decide about every word: the column is W - 1, the one before
-  // the first match, the last match; the row likewise.
-  logic row_end_q, before_match_q, last_match_q;
-  logic last_row_q, before_match_row_q, last_match_row_q;
-  logic step;
-  logic [ColW-1:0] next_x;
-
-  assign open = (pending_q != '0) & (~busy_q | frame_end);
-
-  assign step           = busy_q & (~valid_o | ready_i) & (~matched_q | result_valid_i);
-  assign result_ready_o = busy_q & (~valid_o | ready_i) & matched_q;
-  assign frame_end      = step & row_end_q & last_row_q;
-  assign next_x         = x_q + 1'b1;
+  assign free           = ~valid_o | ready_i;
+  assign step           = place_valid & free & (~matched | result_valid_i);
+  assign result_ready_o = place_valid & free & matched;
 
   always_ff @(posedge clk_i) begin
-    if (step) begin
-      x_q            <= row_end_q ? '0 : next_x;
-      row_end_q      <= ~row_end_q & (next_x == last_x_q);
-      before_match_q <= ~row_end_q & (32'(next_x) == FirstX - 1);
-      last_match_q   <= ~row_end_q & (next_x == match_last_x_q);
-      if (row_end_q) begin
-        y_q <= y_q + 1'b1;
-        if (before_match_row_q) row_q <= matchable_q;
-        else if (last_match_row_q) row_q <= 1'b0;
-      end
-      if (before_match_q) matched_q <= row_q;
-      else if (last_match_q) matched_q <= 1'b0;
-    end
-    // A row has MinWidth columns or more: these are a clock late in the first one, and asked for in the last one.
-    last_row_q         <= (y_q == last_y_q);
-    before_match_row_q <= (32'(y_q) == Radius - 1);
-    last_match_row_q   <= (y_q == match_last_y_q);
-    if (frame_end) busy_q <= 1'b0;
-    if (open) begin
-      busy_q         <= 1'b1;
-      narrow_q       <= pending_narrow_q[pending_read_q];
-      x_q            <= '0;
-      y_q            <= '0;
-      row_end_q      <= 1'b0;
-      before_match_q <= 1'b0;
-      last_match_q   <= 1'b0;
-      row_q          <= 1'b0;
-      matched_q      <= 1'b0;
-      last_x_q       <= pending_last_col_q[pending_read_q];
-      last_y_q       <= pending_last_row_q[pending_read_q];
-      match_last_x_q <= pending_last_col_q[pending_read_q] - ColW'(Radius);
-      match_last_y_q <= pending_last_row_q[pending_read_q] - RowW'(Radius);
-      matchable_q    <= (32'(pending_last_col_q[pending_read_q]) >= FirstX + Radius) &
-          (32'(pending_last_row_q[pending_read_q]) >= 2 * Radius);
-    end
-
-    if (~valid_o | ready_i) begin
+    if (free) begin
       valid_o     <= step;
-      sof_o       <= (x_q == '0) & (y_q == '0);
-      eol_o       <= row_end_q;
-      narrow_o    <= narrow_q;
-      disparity_o <= matched_q ? result_disparity_i : DisparityW'(Invalid);
-      smin_o      <= matched_q ? result_smin_i : '1;
+      sof_o       <= sof;
+      eol_o       <= eol;
+      narrow_o    <= narrow;
+      complete_o  <= complete;
+      disparity_o <= matched ? result_disparity_i : DisparityW'(Invalid);
+      smin_o      <= matched ? result_smin_i : '1;
     end
-    frame_end_o <= frame_end;
+    frame_end_o <= step & last;
 
     if (!rst_ni) begin
-      busy_q      <= 1'b0;
       valid_o     <= 1'b0;
       frame_end_o <= 1'b0;
     end

@@ -24,7 +24,7 @@ module vista_framer #(
   input  logic clk_i,
   input  logic rst_ni,
 
-  input  logic                      enable_i,
+  input  logic                      enable_i,  // as the size, a clock before a frame that it is to hold for
   input  logic [ColW:0]             width_i,
   input  logic [RowW-1:0]           height_i,
   input  vista_stereo_pkg::params_t params_i,
@@ -67,11 +67,11 @@ module vista_framer #(
 
   // Frame being stored.
   logic active_q, fill_q, lost_q;
-  logic last_col_q;  // col_q is W - 1
+  logic last_col_q, last_pixel_q;  // col_q is W - 1; and row_q is H - 1
   logic [ColW-1:0] col_q, width_less_1_q;
   logic [RowW-1:0] row_q, last_row_q;
   logic in_first_row_q, in_last_row_q;  // row_q is 0, is H - 1: `ready_o` and the frame's end do without comparing
-  logic            size_ok_q;
+  logic enable_q, size_ok_q, admit_q;  // a next frame is taken if enabled and of a size that fits
   logic [ColW-1:0] next_width_less_1_q;  // of the size that `size_ok_q` speaks of
   logic [RowW-1:0] next_last_row_q;
   // Frame being matched: one row behind.
@@ -82,10 +82,14 @@ module vista_framer #(
   logic match_wide_q;  // wide enough for a row to have matched pixels
 
   logic head_sof, blocked, start, take, fill, step, frame_end, drop;
-  logic bad_eol;
+  logic bad_eol, size_ok;
+
+  assign size_ok = (32'(width_i) >= MinWidth) & (32'(width_i) <= MaxWidth) & (32'(height_i) >= MinHeight);
 
   always_ff @(posedge clk_i) begin
-    size_ok_q <= (32'(width_i) >= MinWidth) & (32'(width_i) <= MaxWidth) & (32'(height_i) >= MinHeight);
+    enable_q            <= enable_i;
+    size_ok_q           <= size_ok;
+    admit_q             <= enable_i & size_ok;
     next_width_less_1_q <= ColW'(width_i - 1'b1);
     next_last_row_q     <= height_i - 1'b1;
   end
@@ -96,15 +100,15 @@ module vista_framer #(
   // before it ever waits here.
   assign blocked = drain_q & ~in_first_row_q;
 
-  assign start = ~active_q & head_sof & enable_i & size_ok_q & go_i;
+  assign start = ~active_q & head_sof & admit_q & go_i;
   assign take  = active_q & ~fill_q & valid_i & ~sof_i & go_i & ~blocked;
   assign fill  = active_q & fill_q & go_i & ~blocked;
   assign step  = start | take | fill;
-  assign drop  = valid_i & (active_q ? fill_q & ~sof_i : ~sof_i | ~enable_i | ~size_ok_q);
+  assign drop  = valid_i & (active_q ? fill_q & ~sof_i : ~sof_i | ~admit_q);
 
   assign ready_o = start | take | drop;
 
-  assign frame_end = step & last_col_q & in_last_row_q;
+  assign frame_end = step & last_pixel_q;
   assign bad_eol   = (start | take) & (eol_i != last_col_q);
 
   always_ff @(posedge clk_i) begin
@@ -117,6 +121,7 @@ module vista_framer #(
     if (step) begin
       col_q      <= last_col_q ? '0 : col_q + 1'b1;
       last_col_q <= ~start & (col_q + 1'b1 == width_less_1_q);
+      last_pixel_q <= ~start & in_last_row_q & (col_q + 1'b1 == width_less_1_q);
       if (last_col_q) begin
         row_q          <= in_last_row_q ? '0 : row_q + 1'b1;
         in_first_row_q <= in_last_row_q;
@@ -138,6 +143,7 @@ module vista_framer #(
       fill_q         <= 1'b0;
       lost_q         <= 1'b1;
       last_col_q     <= 1'b0;
+      last_pixel_q   <= 1'b0;
       in_first_row_q <= 1'b1;
       in_last_row_q  <= 1'b0;
       col_q          <= '0;
@@ -230,8 +236,8 @@ module vista_framer #(
     error_early_eol_o <= bad_eol & eol_i;
     error_late_eol_o  <= bad_eol & ~eol_i;
     error_early_sof_o <= active_q & ~fill_q & head_sof;
-    error_late_sof_o  <= ~active_q & valid_i & ~sof_i & enable_i & ~lost_q;
-    error_size_o      <= ~active_q & head_sof & enable_i & ~size_ok_q;
+    error_late_sof_o  <= ~active_q & valid_i & ~sof_i & enable_q & ~lost_q;
+    error_size_o      <= ~active_q & head_sof & enable_q & ~size_ok_q;
     if (!rst_ni) begin
       frame_start_o     <= 1'b0;
       error_early_eol_o <= 1'b0;

@@ -93,22 +93,24 @@ module vista_rectify #(
 
   // The newest map, and whether it is one for the next frame. What is decided of a frame and what goes along with it
   // are of the same moment, two clocks before the framer tells that it began.
-  logic map_valid, bank, bank1_q, bank2_q, map_ok_q, rectify1_q, rectify2_q;
+  logic map_valid, bank, bank1_q, bank2_q, map_ok, map_refused_q, rectify1_q, rectify2_q;
   logic [ColW:0] map_width, width1_q, width2_q;
   logic [RowW-1:0] map_height, height1_q, height2_q;
   logic [SideWidth-1:0] side1_q;
 
+  assign map_ok = ~rectify_i | (map_valid & (map_width == width_i) & (map_height == height_i));
+
   always_ff @(posedge clk_i) begin
-    map_ok_q   <= ~rectify_i | (map_valid & (map_width == width_i) & (map_height == height_i));
-    bank1_q    <= bank;
-    bank2_q    <= bank1_q;
-    rectify1_q <= rectify_i;
-    rectify2_q <= rectify1_q;
-    width1_q   <= width_i;
-    width2_q   <= width1_q;
-    height1_q  <= height_i;
-    height2_q  <= height1_q;
-    side1_q    <= side_i;
+    map_refused_q <= enable_i & ~map_ok;
+    bank1_q       <= bank;
+    bank2_q       <= bank1_q;
+    rectify1_q    <= rectify_i;
+    rectify2_q    <= rectify1_q;
+    width1_q      <= width_i;
+    width2_q      <= width1_q;
+    height1_q     <= height_i;
+    height2_q     <= height1_q;
+    side1_q       <= side_i;
   end
 
   logic head_valid, head_ready, head_sof, head_eol;
@@ -139,7 +141,7 @@ module vista_rectify #(
   ) u_framer (
     .clk_i,
     .rst_ni,
-    .enable_i         (enable_i & map_ok_q),
+    .enable_i         (enable_i & map_ok),
     .width_i,
     .height_i,
     .params_i         ('0),
@@ -168,7 +170,7 @@ module vista_rectify #(
   );
 
   always_ff @(posedge clk_i) begin
-    error_map_o <= head_valid & head_ready & head_sof & enable_i & ~map_ok_q & rst_ni;
+    error_map_o <= head_valid & head_ready & head_sof & map_refused_q & rst_ni;
   end
 
   logic [NumberW-1:0] number, free_q, needed;

@@ -299,7 +299,7 @@ module vista_stereo_core #(
   );
 
   // Words.
-  logic queued_valid, queued_ready, pixel_valid, pixel_ready, pixel_sof, pixel_eol, pixel_narrow;
+  logic queued_valid, queued_ready, pixel_valid, pixel_ready, pixel_sof, pixel_eol, pixel_narrow, pixel_complete;
   logic signed [DisparityW-1:0] queued_disparity, pixel_disparity;
   logic [SminW-1:0] queued_smin, pixel_smin;
   logic word_valid, word_ready, word_sof, word_eol;
@@ -340,6 +340,7 @@ module vista_stereo_core #(
     .sof_o              (pixel_sof),
     .eol_o              (pixel_eol),
     .narrow_o           (pixel_narrow),
+    .complete_o         (pixel_complete),
     .disparity_o        (pixel_disparity),
     .smin_o             (pixel_smin),
     .frame_end_o
@@ -353,6 +354,7 @@ module vista_stereo_core #(
     .sof_i       (pixel_sof),
     .eol_i       (pixel_eol),
     .narrow_i    (pixel_narrow),
+    .complete_i  (pixel_complete),
     .disparity_i (pixel_disparity),
     .smin_i      (pixel_smin),
     .valid_o     (word_valid),

@@ -7,7 +7,7 @@
 //
 // A multiplier may lie far from the logic around it. It has registers of its own on both sides, which can go with it.
 //
-// Latency: 4 clocks from `smin_i`; `ratio_i` has to stand from 16 clocks before it on.
+// Latency: 4 clocks from `smin_i`; `ratio_i` has to stand from 17 clocks before it on.
 
 module vista_uniqueness_bound #(
   parameter int unsigned CostW = 15
@@ -29,6 +29,7 @@ module vista_uniqueness_bound #(
   logic [6:0] ratio_q;
   logic [GainW-2:0] product_q;
   logic [GainW-1:0] product, gain_q;
+  logic [GainW-1:0] gain1_q;  // beside the multipliers, whose registers have no enable that follows the steps
 
   assign product = {product_q, 1'b0} + (ratio_q[6] ? Reciprocal : '0);
 
@@ -56,9 +57,10 @@ module vista_uniqueness_bound #(
   assign bound = {1'b0, smin3_q} + {1'b0, margin3_q};
 
   always_ff @(posedge clk_i) begin
+    gain1_q   <= gain_q;
     smin1_q   <= smin_i;
-    low2_q    <= (CostW + Half)'(smin1_q) * (CostW + Half)'(gain_q[Half-1:0]);
-    high2_q   <= (CostW + GainW - Half)'(smin1_q) * (CostW + GainW - Half)'(gain_q[GainW-1:Half]);
+    low2_q    <= (CostW + Half)'(smin1_q) * (CostW + Half)'(gain1_q[Half-1:0]);
+    high2_q   <= (CostW + GainW - Half)'(smin1_q) * (CostW + GainW - Half)'(gain1_q[GainW-1:Half]);
     smin2_q   <= smin1_q;
     smin3_q   <= smin2_q;
     margin3_q <= sum[CostW+Half-1:Half];

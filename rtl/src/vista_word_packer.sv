@@ -5,7 +5,8 @@
 //   narrow  {disparity of pixel 2n + 1, disparity of pixel 2n}; in a row of odd width the last word holds one pixel, and
 //           Invalid above it
 //
-// The format of a frame comes with its words and holds for all of them.
+// The format of a frame comes with its words and holds for all of them. So does what completes a word: any pixel of a wide
+// one, the second of a narrow one, or the last of its row. Whether a pixel is taken depends on that and `ready_i` alone.
 //
 // Latency: none; the first pixel of a pair waits for the second one.
 
@@ -21,6 +22,7 @@ module vista_word_packer #(
   input  logic                         sof_i,
   input  logic                         eol_i,
   input  logic                         narrow_i,
+  input  logic                         complete_i,
   input  logic signed [DisparityW-1:0] disparity_i,
   input  logic [SminW-1:0]             smin_i,
 
@@ -33,14 +35,13 @@ module vista_word_packer #(
 
   import vista_stereo_pkg::*;
 
-  logic held_q, held_sof_q, complete;
+  logic held_q, held_sof_q;
   logic [15:0] disparity, held_disparity_q;
 
   assign disparity = 16'(disparity_i);
-  assign complete  = ~narrow_i | held_q | eol_i;
-  assign ready_o   = ready_i | ~complete;
+  assign ready_o   = ready_i | ~complete_i;
 
-  assign valid_o = valid_i & complete;
+  assign valid_o = valid_i & complete_i;
   assign sof_o   = held_q ? held_sof_q : sof_i;
   assign eol_o   = eol_i;
   assign word_o  = ~narrow_i ? {smin_i, disparity}
@@ -48,7 +49,7 @@ module vista_word_packer #(
                              : {16'(Invalid), disparity};
 
   always_ff @(posedge clk_i) begin
-    if (valid_i & ready_o) held_q <= ~complete;
+    if (valid_i & ready_o) held_q <= ~complete_i;
     if (~held_q) begin
       held_sof_q       <= sof_i;
       held_disparity_q <= disparity;

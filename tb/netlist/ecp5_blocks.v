@@ -5,7 +5,7 @@
 // 36 bits are written and read through the pins of both ports. A word that is read while it is written comes out
 // inverted, as in vista_line_store. A netlist that asks for anything else stops the simulation.
 //
-// MULT18X18D without registers: an unsigned product.
+// MULT18X18D: an unsigned product, without registers or with those before and behind it, on one clock.
 //
 // LUT4_CHANGED inverts its output while it is the chosen one.
 
@@ -89,15 +89,39 @@ module MULT18X18D (
     input A17, A16, A15, A14, A13, A12, A11, A10, A9, A8, A7, A6, A5, A4, A3, A2, A1, A0,
     input B17, B16, B15, B14, B13, B12, B11, B10, B9, B8, B7, B6, B5, B4, B3, B2, B1, B0,
     input C17, C16, C15, C14, C13, C12, C11, C10, C9, C8, C7, C6, C5, C4, C3, C2, C1, C0,
-    input SIGNEDA, SIGNEDB, SOURCEA, SOURCEB,
+    input SIGNEDA, SIGNEDB, SOURCEA, SOURCEB, CLK0, CE0, RST0,
     output P35, P34, P33, P32, P31, P30, P29, P28, P27, P26, P25, P24, P23, P22, P21, P20, P19, P18, P17, P16, P15,
       P14, P13, P12, P11, P10, P9, P8, P7, P6, P5, P4, P3, P2, P1, P0
 );
+  parameter REG_INPUTA_CLK = "NONE";
+  parameter REG_INPUTA_CE = "CE0";
+  parameter REG_INPUTA_RST = "RST0";
+  parameter REG_INPUTB_CLK = "NONE";
+  parameter REG_INPUTB_CE = "CE0";
+  parameter REG_INPUTB_RST = "RST0";
+  parameter REG_OUTPUT_CLK = "NONE";
+  parameter REG_OUTPUT_CE = "CE0";
+  parameter REG_OUTPUT_RST = "RST0";
+
+  localparam REGISTERS = REG_OUTPUT_CLK == "CLK0";
+  localparam KNOWN = REG_INPUTA_CLK == REG_OUTPUT_CLK && REG_INPUTB_CLK == REG_OUTPUT_CLK &&
+      (REGISTERS || REG_OUTPUT_CLK == "NONE");
+
   wire [17:0] a =
       {A17, A16, A15, A14, A13, A12, A11, A10, A9, A8, A7, A6, A5, A4, A3, A2, A1, A0};
   wire [17:0] b =
       {B17, B16, B15, B14, B13, B12, B11, B10, B9, B8, B7, B6, B5, B4, B3, B2, B1, B0};
-  wire [35:0] product = {18'b0, a} * {18'b0, b};
+  reg [17:0] a_register, b_register;
+  reg [35:0] register;
+  wire [35:0] product = REGISTERS ? register : {18'b0, a} * {18'b0, b};
+
+  always @(posedge CLK0) begin
+    a_register <= a;
+    b_register <= b;
+    register   <= {18'b0, a_register} * {18'b0, b_register};
+    if (!KNOWN || {CE0, RST0} != 2'b10) $error("a multiplier is used in a way that its model does not know");
+  end
+
   assign {P35, P34, P33, P32, P31, P30, P29, P28, P27, P26, P25, P24, P23, P22, P21, P20, P19, P18, P17, P16, P15,
           P14, P13, P12, P11, P10, P9, P8, P7, P6, P5, P4, P3, P2, P1, P0} =
       product;

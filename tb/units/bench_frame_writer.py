@@ -21,7 +21,8 @@ async def frames_are_laid_out(dut, offered, taken):
                 matched = D - 1 + R <= x <= w - 1 - R and R <= y <= h - 1 - R
                 word = (random.randrange(-8, 1000), random.randrange(1 << 16)) if matched else (-16, 0xFFFF)
                 results += [word] if matched else []
-                expected.append((*word, x == y == 0, x == w - 1, w % 2 == 1))
+                narrow, end = w % 2 == 1, x == w - 1
+                expected.append((*word, x == y == 0, end, narrow, not narrow or x % 2 == 1 or end))
     got, ends, begun, result, offering = [], 0, 0, 0, False
     went, since = (
         [False] * 3,
@@ -46,7 +47,8 @@ async def frames_are_laid_out(dut, offered, taken):
             result, offering = result + 1, False
         if dut.valid_o.value and dut.ready_i.value:
             word = dut.disparity_o.value.to_signed(), int(dut.smin_o.value)
-            got.append((*word, bool(dut.sof_o.value), bool(dut.eol_o.value), bool(dut.narrow_o.value)))
+            flags = (dut.sof_o, dut.eol_o, dut.narrow_o, dut.complete_o)
+            got.append((*word, *(bool(flag.value) for flag in flags)))
         ends += int(dut.frame_end_o.value)
         await FallingEdge(dut.clk_i)
     assert got == expected

@@ -6,7 +6,7 @@ from cocotb_helpers import parameter, seeded, start
 
 COST_W = parameter("CostW")
 TOP = (1 << COST_W) - 1
-LATENCY, RATIO_LEAD = 4, 16
+LATENCY, RATIO_LEAD = 4, 17
 
 
 @cocotb.test()

@@ -9,15 +9,17 @@ from cocotb_helpers import seeded, start
 @cocotb.parametrize(offered=[1.0, 0.4], taken=[1.0, 0.4])
 async def pixels_are_packed(dut, offered, taken):
     random = seeded(dut)
-    await start(dut, valid_i=0, ready_i=0, sof_i=0, eol_i=0, narrow_i=0, disparity_i=0, smin_i=0)
+    signals = ("valid", "ready", "sof", "eol", "narrow", "complete", "disparity", "smin")
+    await start(dut, **{f"{name}_i": 0 for name in signals})
     pixels, expected = [], []
     for width, height, narrow in ((4, 2, 1), (5, 3, 1), (5, 2, 0), (1, 2, 1), (9, 4, 1), (8, 1, 0)):
         for y in range(height):
             row = [(random.randrange(-8, 4096), random.randrange(1 << 16)) for _ in range(width)]
             for x, (disparity, smin) in enumerate(row):
-                pixels.append((disparity, smin, x == y == 0, x == width - 1, narrow))
+                eol = x == width - 1
+                pixels.append((disparity, smin, x == y == 0, eol, narrow, not narrow or x % 2 or eol))
                 if not narrow:
-                    expected.append((smin << 16 | disparity & 0xFFFF, x == y == 0, x == width - 1))
+                    expected.append((smin << 16 | disparity & 0xFFFF, x == y == 0, eol))
             for x in range(0, width * narrow, 2):
                 upper = row[x + 1][0] if x + 1 < width else -16
                 word = (upper & 0xFFFF) << 16 | row[x][0] & 0xFFFF
@@ -27,9 +29,10 @@ async def pixels_are_packed(dut, offered, taken):
         offering = offering or (at < len(pixels) and random.random() < offered)
         dut.valid_i.value = offering
         if offering:
-            disparity, smin, sof, eol, narrow = pixels[at]
+            disparity, smin, sof, eol, narrow, complete = pixels[at]
             dut.disparity_i.value, dut.smin_i.value = disparity, smin
             dut.sof_i.value, dut.eol_i.value, dut.narrow_i.value = sof, eol, narrow
+            dut.complete_i.value = complete
         dut.ready_i.value = random.random() < taken
         await ReadOnly()
         if offering and dut.ready_o.value:

@@ -1,4 +1,4 @@
-"""Registers behind a block RAM are moved into it exactly if it can hold them."""
+"""Registers beside block RAMs and multipliers are moved into them exactly if they can hold them."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
-from output_registers import move_output_registers
+from cell_registers import move_registers
 
 Record = dict[str, Any]
 
@@ -45,7 +45,7 @@ def module() -> Record:
 
 def test_registers_are_inside_and_each_bit_keeps_its_place() -> None:
     made = module()
-    assert move_output_registers(made) == 1
+    assert move_registers(made) == (1, 0)
     ram = made["cells"].pop("ram")
     assert not made["cells"]
     assert (ram["connections"]["DOB0"], ram["connections"]["DOB1"]) == ([20], [21])
@@ -75,11 +75,54 @@ def changed(cell: str, part: str, key: str, value: object) -> Record:
     ],
 )
 def test_what_does_not_fit_stays(made: Record) -> None:
-    assert move_output_registers(made) == 0
+    assert move_registers(made) == (0, 0)
     assert len(made["cells"]) == 3
 
 
 def test_a_bit_that_goes_elsewhere_too_stays() -> None:
     made = module()
     made["ports"]["out"]["bits"] = [21, 20, 11]
-    assert move_output_registers(made) == 0
+    assert move_registers(made) == (0, 0)
+
+
+def product() -> Record:
+    """A multiplier of 1 x 1 bits between registers, the first of which leads elsewhere too."""
+    pins = [f"{operand}{bit}" for operand in "AB" for bit in range(18)]
+    inputs = {key: ["0"] for key in pins} | {"A0": [20], "B0": [21]}
+    multiplier: Record = {
+        "type": "MULT18X18D",
+        "parameters": {},
+        "port_directions": dict.fromkeys(pins, "input") | {"P0": "output", "P1": "output"},
+        "connections": inputs | {"P0": [30], "P1": [31]},
+    }
+    cells = {"mult": multiplier, "a": register(10, 20), "b": register(11, 21), "p": register(30, 40)}
+    return {"ports": {"out": {"direction": "output", "bits": [40, 20]}}, "cells": cells}
+
+
+def test_a_multiplier_takes_registers_from_both_sides() -> None:
+    made = product()
+    assert move_registers(made) == (0, 1)
+    mult = made["cells"]["mult"]
+    assert made["cells"].keys() == {"mult", "a"}
+    assert [mult["connections"][pin] for pin in ("A0", "B0", "P0", "CLK0")] == [[10], [11], [40], [2]]
+    assert {mult["parameters"][f"REG_{stage}_CLK"] for stage in ("INPUTA", "INPUTB", "OUTPUT")} == {"CLK0"}
+
+
+@pytest.mark.parametrize(
+    ("cell", "part", "key", "value"),
+    [
+        ("a", "parameters", "CEMUX", "CE"),
+        ("b", "connections", "CLK", [3]),
+        ("p", "parameters", "REGSET", "SET"),
+        ("p", "connections", "DI", [29]),  # the product leaves without a register
+        ("mult", "connections", "B0", [12]),  # from no register
+        ("mult", "parameters", "REG_OUTPUT_CLK", "CLK0"),
+    ],
+)
+def test_a_multiplier_keeps_what_does_not_fit(cell: str, part: str, key: str, value: object) -> None:
+    made = product()
+    made["cells"][cell][part][key] = value
+    if value == [29]:
+        made["ports"]["out"]["bits"] = [40, 20, 30]
+    assert move_registers(made) == (0, 0)
+    assert len(made["cells"]) == 4
