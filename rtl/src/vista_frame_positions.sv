@@ -4,7 +4,7 @@
 // Matched are x in D-1+r .. W-1-r and y in r .. H-1-r. A frame starts to leave when the framer says so (`begin_*_i`);
 // from then on one position a clock follows by itself.
 //
-// Latency: 2 clocks from `begin_valid_i` to `valid_o`.
+// Latency: 3 clocks from `begin_valid_i` to `valid_o`.
 
 module vista_frame_positions #(
   parameter int unsigned NumDisparities = 32,

@@ -5,7 +5,7 @@
 // themselves, so the last rows of a frame need no further input. Positions are counted ahead of the words, so that what
 // holds a word back does not reach the counters in the same clock.
 //
-// Latency: 1 clock from a result to `valid_o`; 4 clocks from `begin_valid_i` to the first word.
+// Latency: 1 clock from a result to `valid_o`; 5 clocks from `begin_valid_i` to the first word.
 
 module vista_frame_writer #(
   parameter int unsigned NumDisparities = 32,
