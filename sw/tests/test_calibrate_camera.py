@@ -136,7 +136,10 @@ def test_bad_options_take_one_line(run_vista: Vista, tmp_path: Path) -> None:
         ((), "takes SOURCE or --camera"),
         (("--camera", "0"), "--camera: needs --board"),
         (("--camera", "0", "--board", BOARD, "--rate", "3"), "--rate: does not go with --camera"),
-        (("pictures", "--board", BOARD, "--camera-size", "4x4"), "--camera-size: goes with --camera"),
+        (
+            ("pictures", "--board", BOARD, "--size-px", "4x4"),
+            "--size-px: is for cameras, and calibration files",
+        ),
         (("--camera", "99", "--board", BOARD), "99: no camera that OpenCV can open"),
     ):
         assert_refused(run_vista("calibrate", *given, "--out", tmp_path / "out"), text)

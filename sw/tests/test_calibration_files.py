@@ -147,9 +147,9 @@ def test_the_two_files_of_opencvs_sample(tmp_path: Path) -> None:
             storage.write(key, values[key])
         storage.release()
     files = [tmp_path / "intrinsics.yml", tmp_path / "extrinsics.yml"]
-    with pytest.raises(InputError, match="does not say the size of the images: give --size"):
+    with pytest.raises(InputError, match="does not say the size of the images: give --size-px"):
         read_rig(files, Options())
-    assert_same(read_rig(files, Options(size=(640, 480)))[1], rig)
+    assert_same(read_rig(files, Options(size_px=(640, 480)))[1], rig)
 
 
 def test_ros_messages_in_either_order(tmp_path: Path) -> None:

@@ -99,7 +99,7 @@ def test_another_model_of_euroc_is_refused(tmp_path: Path) -> None:
 # ---- options that would be ignored ----
 
 IGNORED = [
-    (("--size", "320x240"), "--size: the images are 640x480 px, as "),
+    (("--size-px", "320x240"), "--size-px: the images are 640x480 px, as "),
     (("--unit", "mm"), "--unit: goes with opencv and boofcv, not with kalibr and toml"),
     (("--lens", "fisheye"), "--lens: goes with --board and with files of opencv; those of kalibr say it"),
 ]
@@ -117,13 +117,13 @@ def test_options_that_a_format_does_not_take_are_refused(
 
 def test_the_unit_counts_where_either_file_has_one(tmp_path: Path, capsys: Capture) -> None:
     (file,) = written(tmp_path, "kalibr", random_rig())
-    arguments = ("calibrate", file, "--to", "opencv", "--unit", "mm", "--size", "640x480")
+    arguments = ("calibrate", file, "--to", "opencv", "--unit", "mm", "--size-px", "640x480")
     assert call(capsys, *arguments, "--out", tmp_path / "out")[0] == 0
     storage = cv2.FileStorage(str(tmp_path / "out/stereo.yml"), cv2.FILE_STORAGE_READ)
     assert 100.0 < np.linalg.norm(storage.getNode("T").mat()) < 140.0
 
 
-@pytest.mark.parametrize(("option", "value"), [("--size", "640x480"), ("--unit", "mm")])
+@pytest.mark.parametrize(("option", "value"), [("--size-px", "640x480"), ("--unit", "mm")])
 def test_options_of_files_are_refused_for_pictures(
     option: str, value: str, tmp_path: Path, capsys: Capture
 ) -> None:

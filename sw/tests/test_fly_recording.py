@@ -58,7 +58,7 @@ def test_a_rig_of_cameras(tmp_path: Path, capsys: pytest.CaptureFixture[str]) ->
     prepare(tmp_path / "whole", pairs)
     calibration = pairs / "calibration.toml"
     size = "x".join(map(str, struct.unpack_from("<2I", (tmp_path / "whole" / "rig.vista").read_bytes(), 12)))
-    options = ["--calibration", calibration, "--size", size, "--out", tmp_path / "cameras"]
+    options = ["--calibration", calibration, "--size-px", size, "--out", tmp_path / "cameras"]
     assert call(capsys, "prepare", *options)[0] == 0
     assert [file.name for file in (tmp_path / "cameras").iterdir()] == ["rig.vista"]
     rigs = [(tmp_path / name / "rig.vista").read_bytes() for name in ("cameras", "whole")]
@@ -68,9 +68,9 @@ def test_a_rig_of_cameras(tmp_path: Path, capsys: pytest.CaptureFixture[str]) ->
 @pytest.mark.parametrize(
     "arguments, text",
     [
-        ([], "takes SEQUENCE, or --calibration and --size"),
-        (["--size", "640"], "'640' is not WIDTHxHEIGHT"),
-        (["flight", "--size", "64x64"], "goes with cameras"),
+        ([], "takes SEQUENCE, or --calibration and --size-px"),
+        (["--size-px", "640"], "'640' is no size such as 640x480"),
+        (["flight", "--size-px", "64x64"], "goes with cameras"),
         (["flight", "--poses", "odometry"], "not estimated"),
     ],
 )

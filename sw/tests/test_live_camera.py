@@ -86,7 +86,7 @@ def test_one_camera_shows_both_views() -> None:
             return picture
 
     cameras = cameras_of({"both": Halves(shape=(4, 12))})
-    assert cameras.size == (6, 4)
+    assert cameras.size_px == (6, 4)
     for shot in take(cameras, 3):
         assert np.all(shot.frame.left == 10) and np.all(shot.frame.right == 20)
         assert shot.frame.left.shape == SHAPE
@@ -252,7 +252,7 @@ BAD = [
     ((), "takes SEQUENCE or --camera"),
     (("--camera", "0"), "needs --calibration FILE.toml"),
     (("--camera", "0", "1", "2", "--calibration", "CALIBRATION"), "takes one device or two"),
-    (("here", "--camera-size", "640x480"), "--camera-size: goes with --camera"),
+    (("here", "--size-px", "640x480"), "--size-px: goes with --camera"),
     (("--camera", "/dev/video99", "--calibration", "CALIBRATION"), "/dev/video99: no camera"),
     (("--camera", "99999999999999", "--calibration", "CALIBRATION"), "99999999999999: no camera"),
     (("--camera", "0", "--repeat"), "--repeat: goes with a recording"),

@@ -112,8 +112,8 @@ def test_interrupted_it_is_whole(tmp_path: Path, number: signal.Signals) -> None
     ("given", "text"),
     [
         (("--camera", "99"), "99: no camera that OpenCV can open"),
-        (("--camera", "CAMERA", "--camera-size", "640x480"), "delivers 128x48 px, not 640x480"),
-        (("--camera", "CAMERA", "--camera-size", "640"), "'640' is no size such as 640x480"),
+        (("--camera", "CAMERA", "--size-px", "640x480"), "delivers images of 64x48 px, not 640x480"),
+        (("--camera", "CAMERA", "--size-px", "640"), "'640' is no size such as 640x480"),
         (("--camera", "CAMERA", "--calibration", "missing.toml"), "missing.toml"),
         (("--camera", "CAMERA", "--duration", "-1"), "'-1' is not a number from 0 on"),
         (("--camera", "CAMERA", "CAMERA", "CAMERA"), "takes one device or two"),

@@ -54,8 +54,8 @@ def image_size(text: str) -> tuple[int, int]:
         and width.isdigit()
         and height.isascii()
         and height.isdigit()
-        and int(width)
-        and int(height)
+        and 0 < int(width) <= 8192  # as libvista's images
+        and 0 < int(height) <= 8192
     ):
-        raise argparse.ArgumentTypeError(f"{text!r} is no size such as 640x480")
+        raise argparse.ArgumentTypeError(f"{text!r} is no size such as 640x480, of 1 to 8192 px a side")
     return int(width), int(height)

@@ -41,8 +41,14 @@ from vista.calibration.print_board import board_svg
 from vista.calibration.report import render_report
 from vista.calibration.rig import rig_of
 from vista.calibration.solve import LENSES
-from vista.command.arguments import image_size
-from vista.command.source_arguments import add_camera, add_pair_tolerance, add_video, open_cameras
+from vista.command.source_arguments import (
+    ASKED_SIZE,
+    add_camera,
+    add_pair_tolerance,
+    add_size_px,
+    add_video,
+    open_cameras,
+)
 from vista.errors import EXIT_OK, InputError
 from vista.geometry import Lens
 from vista.interruption import Interruption
@@ -88,9 +94,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         choices=tuple(UNITS_M),
         help="of lengths in files of opencv and boofcv (default m)",
     )
-    parser.add_argument(
-        "--size", type=image_size, metavar="WxH", help="of the images, for files that do not say it"
-    )
+    add_size_px(parser, f"for files that do not say it; or {ASKED_SIZE}")
     add_video(parser)
 
 
@@ -108,11 +112,11 @@ def execute(arguments: argparse.Namespace) -> int:
     lens: Lens | None = None
     if arguments.lens is not None:
         lens = "fisheye" if arguments.lens == "fisheye" else "pinhole"
-    options = Options(UNITS_M[arguments.unit or "m"], arguments.size, lens)
+    options = Options(UNITS_M[arguments.unit or "m"], arguments.size_px, lens)
     if arguments.board is None:
         return convert(arguments, options)
-    if arguments.size is not None:
-        raise InputError("--size", "is for calibration files that do not say it; pictures do")
+    if arguments.size_px is not None and arguments.camera is None:
+        raise InputError("--size-px", "is for cameras, and calibration files that do not say it; pictures do")
     check_unit(arguments, "pictures")
     board = parse_board(arguments.board)
     pictures: Iterable[Picture]
@@ -141,7 +145,7 @@ def _check_source(arguments: argparse.Namespace) -> None:
         raise InputError("vista calibrate", "takes SOURCE or --camera")
     if arguments.camera is not None and arguments.board is None:
         raise InputError("--camera", "needs --board")
-    of_cameras, of_files = ("camera_size", "pair_tolerance_ms"), ("split", "rate", "unit", "size")
+    of_cameras, of_files = ("pair_tolerance_ms",), ("split", "rate", "unit")
     for name in of_cameras if arguments.camera is None else of_files:
         if getattr(arguments, name) is not None:
             reason = f"{'goes' if arguments.camera is None else 'does not go'} with --camera"

@@ -26,7 +26,13 @@ from vista.chain import make_chain
 from vista.command.arguments import add_config, add_engine, load_parameters, positive
 from vista.command.mavlink import sent_messages
 from vista.command.run import counted, frame_range, select_frames
-from vista.command.source_arguments import add_camera, add_source, open_cameras, source_options
+from vista.command.source_arguments import (
+    add_camera,
+    add_size_px,
+    add_source,
+    open_cameras,
+    source_options,
+)
 from vista.errors import EXIT_INTERRUPTED, EXIT_OK, InputError
 from vista.interruption import Interruption
 from vista.live.camera import PAIR_TOLERANCE_MS
@@ -49,6 +55,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     what = "in place of SEQUENCE: left and right camera, or one that delivers both views side by side"
     takes = f"takes --calibration, and --pair-tolerance-ms (default {PAIR_TOLERANCE_MS:g})"
     add_camera(parser, f"{what}; {takes}", required=False)
+    add_size_px(parser)
     parser.add_argument("--to", metavar="TARGET", help="the autopilot: udp:HOST:PORT or serial:DEVICE[:BAUD]")
     parser.add_argument(
         "--out",
@@ -120,8 +127,8 @@ def check_source(arguments: argparse.Namespace) -> None:
     if (arguments.sequence is None) == (arguments.camera is None):
         raise InputError("vista live", "takes SEQUENCE or --camera")
     if arguments.camera is None:
-        if arguments.camera_size is not None:
-            raise InputError("--camera-size", "goes with --camera, not with a recording")
+        if arguments.size_px is not None:
+            raise InputError("--size-px", "goes with --camera, not with a recording")
         return
     refuse_others(source_options(arguments), "camera", frozenset({"calibration", "pair_tolerance_ms"}))
     of_recording = {"repeat": False, "speed": 1.0, "frames": None, "poses": None}
@@ -142,11 +149,9 @@ def open_replay(arguments: argparse.Namespace) -> tuple[Sequence, Source]:
 
 def open_camera(arguments: argparse.Namespace, open_ones: ExitStack) -> tuple[Sequence, Source]:
     asked = read_size_px(arguments.calibration, read_table(arguments.calibration))
-    if asked is not None and len(arguments.camera) == 1:
-        asked = 2 * asked[0], asked[1]  # both views side by side
     cameras = open_cameras(arguments, asked)
     open_ones.callback(cameras.close)
-    described = read_calibration_file(arguments.calibration, cameras.size)
+    described = read_calibration_file(arguments.calibration, cameras.size_px)
     return Sequence(" and ".join(arguments.camera), "camera", described.calibration, ()), cameras
 
 

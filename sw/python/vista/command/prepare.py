@@ -2,7 +2,7 @@
 
 SEQUENCE is a recording, as `vista run` takes it: its rig (the rectified cameras, and how their images are
 rectified) goes to DIR/rig.vista, its frames to DIR/frames.vista. Cameras need a rig alone: for them give
---calibration and --size in place of SEQUENCE.
+--calibration and --size-px in place of SEQUENCE.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from tqdm import tqdm
 
 from vista.command.arguments import add_config
 from vista.command.run import counted, frame_range, select_frames
-from vista.command.source_arguments import add_source, source_options
+from vista.command.source_arguments import add_size_px, add_source, source_options
 from vista.errors import EXIT_OK, InputError
 from vista.flight_files import FRAMES, RIG, rig_bytes, write_frames
 from vista.interruption import Interruption
@@ -28,16 +28,9 @@ from vista.sequence.pairs import read_calibration_file
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_source(parser, needed=False)
     parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder to write to")
-    parser.add_argument("--size", type=image_size, metavar="WxH", help="of the images of one camera, px")
+    add_size_px(parser, "for cameras")
     parser.add_argument("--frames", type=frame_range, metavar="A:B", help="write frames A to B - 1 alone")
     add_config(parser)
-
-
-def image_size(text: str) -> tuple[int, int]:
-    width, _, height = text.partition("x")
-    if not (width.isdecimal() and height.isdecimal() and 0 < int(width) <= 8192 and 0 < int(height) <= 8192):
-        raise argparse.ArgumentTypeError(f"{text!r} is not WIDTHxHEIGHT, 1 to 8192 px a side")
-    return int(width), int(height)
 
 
 def execute(arguments: argparse.Namespace) -> int:
@@ -63,15 +56,15 @@ def uninterrupted(frames: list[FrameFiles], name: str, interruption: Interruptio
 def opened(arguments: argparse.Namespace) -> tuple[Sequence, list[FrameFiles]]:
     """Raises InputError for a source that does not open, and for options that would be ignored."""
     if arguments.sequence is not None:
-        if arguments.size is not None:
-            raise InputError("--size", "goes with cameras, not with a recording")
+        if arguments.size_px is not None:
+            raise InputError("--size-px", "goes with cameras, not with a recording")
         recorded = open_sequence(arguments.sequence, source_options(arguments))
         if recorded.stills:
             raise InputError(arguments.sequence, "stills, which show unrelated scenes: use vista run")
         if recorded.odometry:
             raise InputError("--poses", "are not estimated from images by vista-fly")
         return recorded, list(select_frames(recorded, arguments.frames))
-    if arguments.calibration is None or arguments.size is None:
-        raise InputError("vista prepare", "takes SEQUENCE, or --calibration and --size")
-    described = read_calibration_file(arguments.calibration, arguments.size)
+    if arguments.calibration is None or arguments.size_px is None:
+        raise InputError("vista prepare", "takes SEQUENCE, or --calibration and --size-px")
+    described = read_calibration_file(arguments.calibration, arguments.size_px)
     return Sequence("cameras", "camera", described.calibration, ()), []

@@ -20,7 +20,13 @@ from tqdm import tqdm
 
 from vista.command.arguments import not_negative
 from vista.command.run import counted
-from vista.command.source_arguments import add_camera, add_pair_tolerance, frames_per_second, open_cameras
+from vista.command.source_arguments import (
+    add_camera,
+    add_pair_tolerance,
+    add_size_px,
+    frames_per_second,
+    open_cameras,
+)
 from vista.errors import EXIT_INTERRUPTED, EXIT_OK
 from vista.interruption import Interruption
 from vista.live.camera import Cameras
@@ -32,6 +38,7 @@ from vista.sequence.pairs import read_calibration_file
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_camera(parser, "left and right camera, or one that delivers both views side by side", required=True)
+    add_size_px(parser)
     add_pair_tolerance(parser)
     parser.add_argument("--out", type=Path, required=True, metavar="FOLDER", help="new folder to write into")
     parser.add_argument(
@@ -54,7 +61,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def execute(arguments: argparse.Namespace) -> int:
     with closing(open_cameras(arguments)) as cameras:
         if arguments.calibration is not None:
-            read_calibration_file(arguments.calibration, cameras.size)
+            read_calibration_file(arguments.calibration, cameras.size_px)
         folder = PairFolder(arguments.out, arguments.calibration)
         interruption, queue = Interruption(), Latest[Shot]()
         try:

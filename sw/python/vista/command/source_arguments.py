@@ -10,6 +10,8 @@ from vista.errors import InputError
 from vista.live.camera import PAIR_TOLERANCE_MS, Cameras, Capture
 from vista.sequence.options import BY_ODOMETRY, FRAME_OF_LEFT_CAMERA, NO_POSES, SPLITS, Options
 
+ASKED_SIZE = "which is asked of the devices (default: what they come up with)"
+
 
 def add_source(parser: argparse.ArgumentParser, needed: bool = True) -> None:
     """SEQUENCE, and the options of single layouts; `source_options` has what the user said.
@@ -76,16 +78,14 @@ def add_video(group: argparse._ArgumentGroup | argparse.ArgumentParser) -> None:
 
 
 def add_camera(parser: argparse.ArgumentParser | argparse._ArgumentGroup, what: str, required: bool) -> None:
-    """--camera and --camera-size; `open_cameras` opens them, and takes --pair-tolerance-ms as well.
-
-    what: the help of --camera."""
+    """`open_cameras` opens them, and takes --size-px and --pair-tolerance-ms as well. what: the help."""
     parser.add_argument("--camera", nargs="+", metavar="DEVICE", required=required, help=what)
+
+
+def add_size_px(parser: argparse.ArgumentParser, why: str = ASKED_SIZE) -> None:
+    """What calibration.toml calls size_px."""
     parser.add_argument(
-        "--camera-size",
-        type=image_size,
-        metavar="WxH",
-        help="of the pictures that a device is to deliver; of one with both views side by side, of both "
-        "together (default: the size that it comes up with)",
+        "--size-px", type=image_size, metavar="WxH", help=f"of the images of one camera, {why}"
     )
 
 
@@ -98,22 +98,22 @@ def add_pair_tolerance(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def open_cameras(arguments: argparse.Namespace, size: tuple[int, int] | None = None) -> Cameras:
-    """size: of the pictures of a device, where --camera-size does not say it. Raises InputError for devices
+def open_cameras(arguments: argparse.Namespace, size_px: tuple[int, int] | None = None) -> Cameras:
+    """size_px: of the images of one camera, where --size-px does not say it. Raises InputError for devices
     that do not open or deliver."""
     if len(arguments.camera) > 2:
         raise InputError("--camera", f"takes one device or two, not {len(arguments.camera)}")
-    tolerance_ms = arguments.pair_tolerance_ms
+    tolerance_ms, device_px = arguments.pair_tolerance_ms, arguments.size_px or size_px
+    if device_px is not None and len(arguments.camera) == 1:
+        device_px = 2 * device_px[0], device_px[1]  # both views side by side
     cameras = Cameras(
         arguments.camera,
         PAIR_TOLERANCE_MS if tolerance_ms is None else tolerance_ms,
-        lambda name: Capture(name, arguments.camera_size or size),
+        lambda name: Capture(name, device_px),
     )
-    width, height = cameras.size
-    delivered = width * (1 if len(arguments.camera) > 1 else 2), height
-    if arguments.camera_size not in (None, delivered):
+    if arguments.size_px not in (None, cameras.size_px):
         cameras.close()
-        sizes = "delivers {}x{} px, not {}x{}".format(*delivered, *arguments.camera_size)
+        sizes = "delivers images of {}x{} px, not {}x{}".format(*cameras.size_px, *arguments.size_px)
         raise InputError(arguments.camera[0], sizes)
     return cameras
 

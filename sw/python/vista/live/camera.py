@@ -45,17 +45,17 @@ class Device(Protocol):
 class Capture:
     """A device of OpenCV. Raises InputError when it does not open."""
 
-    def __init__(self, name: str, size: tuple[int, int] | None = None) -> None:
-        """size: (width, height) to ask for; not every device listens. None: as it comes up."""
+    def __init__(self, name: str, size_px: tuple[int, int] | None = None) -> None:
+        """size_px: (width, height) to ask for; not every device listens. None: as it comes up."""
         try:
             self._capture = cv2.VideoCapture(int(name) if name.isdecimal() else name)
         except cv2.error:  # such as a number that is none of a device
             raise InputError(name, NOT_OPENED) from None
         if not self._capture.isOpened():
             raise InputError(name, NOT_OPENED)
-        if size is not None:
-            self._capture.set(cv2.CAP_PROP_FRAME_WIDTH, size[0])
-            self._capture.set(cv2.CAP_PROP_FRAME_HEIGHT, size[1])
+        if size_px is not None:
+            self._capture.set(cv2.CAP_PROP_FRAME_WIDTH, size_px[0])
+            self._capture.set(cv2.CAP_PROP_FRAME_HEIGHT, size_px[1])
         self._capture.set(cv2.CAP_PROP_BUFFERSIZE, 1)  # older pictures are of no use; not all drivers listen
 
     def read(self) -> Image | None:
@@ -100,7 +100,7 @@ class Cameras:
             raise
 
     @property
-    def size(self) -> tuple[int, int]:
+    def size_px(self) -> tuple[int, int]:
         """(width, height) of the image of one camera."""
         height, width = self._shape
         return width // (1 if len(self._names) > 1 else 2), height
@@ -159,7 +159,7 @@ class Cameras:
         return pictures
 
     def _views(self, taken: list[Picture]) -> tuple[Image, Image, int]:
-        width = self.size[0]
+        width = self.size_px[0]
         left, right = taken[0].image, taken[-1].image
         if len(taken) == 1:
             left, right = left[:, :width], right[:, width:]

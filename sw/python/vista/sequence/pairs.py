@@ -151,35 +151,35 @@ def _direction(path: Path, table: dict[str, Any], key: str) -> Array | None:
     return np.asarray(direction / length)
 
 
-def read_calibration_file(path: Path, size: tuple[int, int]) -> Described:
-    """size: (width, height) of the images."""
+def read_calibration_file(path: Path, size_px: tuple[int, int]) -> Described:
+    """size_px: (width, height) of the images."""
     table = read_table(path)
-    calibration = read_calibration(path, table, size)
+    calibration = read_calibration(path, table, size_px)
     return Described(calibration, _direction(path, table, "up_world"), _flag(path, table, "stills"))
 
 
-def read_calibration(path: Path, table: dict[str, Any], size: tuple[int, int]) -> RawCalibration:
-    """Either form of calibration.toml; size: (width, height) of the images."""
+def read_calibration(path: Path, table: dict[str, Any], size_px: tuple[int, int]) -> RawCalibration:
+    """Either form of calibration.toml; size_px: (width, height) of the images."""
     own_size = read_size_px(path, table)
-    if own_size is not None and own_size != size:
-        own, images = ("{}x{}".format(*one) for one in (own_size, size))
+    if own_size is not None and own_size != size_px:
+        own, images = ("{}x{}".format(*one) for one in (own_size, size_px))
         raise InputError(path, f"is for images of {own} px, these have {images}")
-    return _read_raw(path, table, size) if "left" in table else _read_rectified(path, table, size)
+    return _read_raw(path, table, size_px) if "left" in table else _read_rectified(path, table, size_px)
 
 
-def _read_rectified(path: Path, table: dict[str, Any], size: tuple[int, int]) -> RawCalibration:
+def _read_rectified(path: Path, table: dict[str, Any], size_px: tuple[int, int]) -> RawCalibration:
     _refuse_unknown(path, table, {"focal_px", "cx", "cy", "baseline_m", *OF_SEQUENCE})
     focal_px = _positive(path, table, "focal_px")
     baseline_m = _positive(path, table, "baseline_m")
     matrix = camera_matrix(focal_px, focal_px, _number(path, table, "cx"), _number(path, table, "cy"))
-    camera = CameraModel(*size, matrix)
+    camera = CameraModel(*size_px, matrix)
     return RawCalibration(camera, camera, Pose(np.eye(3), np.array([-baseline_m, 0.0, 0.0])), str(path))
 
 
-def _read_raw(path: Path, table: dict[str, Any], size: tuple[int, int]) -> RawCalibration:
+def _read_raw(path: Path, table: dict[str, Any], size_px: tuple[int, int]) -> RawCalibration:
     _refuse_unknown(path, table, {"left", "right", "right_from_left", *OF_BODY, *OF_SEQUENCE})
-    left = _read_camera(path, _table(path, table, "left"), size)
-    right = _read_camera(path, _table(path, table, "right"), size)
+    left = _read_camera(path, _table(path, table, "left"), size_px)
+    right = _read_camera(path, _table(path, table, "right"), size_px)
     right_from_left = _read_pose(path, table, "right_from_left")
     body = read_body_poses(path, table)
     if body is not None and not poses_agree(body[1].inverse() @ body[0], right_from_left, BODY_TOLERANCE):
@@ -213,7 +213,7 @@ def _read_pose(path: Path, table: dict[str, Any], key: str) -> Pose:
     return Pose(rotation, np.array(_numbers(path, motion, "translation_m", {3})))
 
 
-def _read_camera(path: Path, table: dict[str, Any], size: tuple[int, int]) -> CameraModel:
+def _read_camera(path: Path, table: dict[str, Any], size_px: tuple[int, int]) -> CameraModel:
     _refuse_unknown(path, table, {"fx_px", "fy_px", "cx", "cy", "distortion", "lens"})
     lens = table.get("lens", "pinhole")
     if lens not in get_args(Lens):
@@ -221,9 +221,9 @@ def _read_camera(path: Path, table: dict[str, Any], size: tuple[int, int]) -> Ca
     fx, fy = _positive(path, table, "fx_px"), _positive(path, table, "fy_px")
     matrix = camera_matrix(fx, fy, _number(path, table, "cx"), _number(path, table, "cy"))
     if "distortion" not in table:
-        return CameraModel(*size, matrix, lens=lens)
+        return CameraModel(*size_px, matrix, lens=lens)
     counts = {4} if lens == "fisheye" else {4, 5, 8}
-    return CameraModel(*size, matrix, tuple(_numbers(path, table, "distortion", counts)), lens)
+    return CameraModel(*size_px, matrix, tuple(_numbers(path, table, "distortion", counts)), lens)
 
 
 def _refuse_unknown(path: Path, table: dict[str, Any], known: set[str]) -> None:

@@ -47,9 +47,9 @@ def read_rig(paths: list[Path], options: Options) -> tuple[str, Rig]:
         )
     rig: Rig = module.read(files, options)
     _check(rig, paths[-1], name)
-    if options.size not in (None, (rig.left.width, rig.left.height)):
+    if options.size_px not in (None, (rig.left.width, rig.left.height)):
         size = f"{rig.left.width}x{rig.left.height}"
-        raise InputError("--size", f"the images are {size} px, as {paths[0]} says")
+        raise InputError("--size-px", f"the images are {size} px, as {paths[0]} says")
     return name, rig
 
 

@@ -26,7 +26,7 @@ class Options:
     """What some formats do not say."""
 
     unit_m: float = 1.0  # of lengths
-    size: tuple[int, int] | None = None  # of the images
+    size_px: tuple[int, int] | None = None  # of the images
     lens: Lens | None = None
 
 

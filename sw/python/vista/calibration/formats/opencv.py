@@ -38,9 +38,9 @@ def read(files: list[File], options: Options) -> Rig:
     table = {key: value for file in files for key, value in file.table.items()}
     path = files[0].path
     found = {key: _find(files, key, names) for key, names in NAMES.items()}
-    size = _size(files[0], table) or options.size
+    size = _size(files[0], table) or options.size_px
     if size is None:
-        raise InputError(path, "does not say the size of the images: give --size WIDTHxHEIGHT")
+        raise InputError(path, "does not say the size of the images: give --size-px WIDTHxHEIGHT")
     lens: Lens = options.lens or ("fisheye" if table.get("distortion_model") == "fisheye" else "pinhole")
     left, right = (
         make_camera(path, size, intrinsics_of(path, found[f"K{i}"]), found[f"D{i}"], lens) for i in (1, 2)

@@ -19,10 +19,10 @@ def recognises(table: Table) -> bool:
 
 def read(files: list[File], options: Options) -> Rig:
     path, table = files[0].path, files[0].table
-    size = read_size_px(path, table) or options.size
+    size = read_size_px(path, table) or options.size_px
     if size is None:
         raise InputError(
-            path, "does not say the size of the images: add size_px = [WIDTH, HEIGHT], or give --size"
+            path, "does not say the size of the images: add size_px = [WIDTH, HEIGHT], or give --size-px"
         )
     raw = read_calibration(path, table, size)
     body = read_body_poses(path, table)
