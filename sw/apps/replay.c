@@ -124,7 +124,8 @@ static int open_recording(recording *r) {
       !read_exactly(r->stream, &coarser_levels, sizeof coarser_levels))
     return fail(r->path, "cut off in the header");
   if (numbers[0] != VERSION) return fail(r->path, "recorded by another version of vista: record it again");
-  if (numbers[1] > 8192 || numbers[2] > 8192) return fail(r->path, "images larger than 8192x8192");
+  if (numbers[1] > VISTA_MOST_IMAGE_PX || numbers[2] > VISTA_MOST_IMAGE_PX)
+    return fail(r->path, "images larger than 8192x8192");
   r->camera = (vista_camera){(int32_t)numbers[1], (int32_t)numbers[2], camera[0], camera[1], camera[2], camera[3]};
   if (coarser_levels > VISTA_COARSER_LEVELS) return fail(r->path, "more levels than are handled");
   r->coarser_levels = coarser_levels;

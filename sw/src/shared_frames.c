@@ -12,8 +12,6 @@
 #include "common/frame.h"
 
 #define NAME_BYTES 64
-#define LEAST_PX 16
-#define MOST_PX 8192
 #define ALIGNMENT 64
 
 _Static_assert(sizeof(vista_shared_head) == 64, "the head has the size that readers know");
@@ -28,7 +26,9 @@ vista_status vista_shared_frames_create(vista_shared_frames *ring, const char *n
   const size_t length = strlen(name);
   if (length == 0 || length > NAME_BYTES || strspn(name, alphabet) != length || name[0] == '.')
     return VISTA_ERROR_RANGE;
-  if (width_px < LEAST_PX || width_px > MOST_PX || height_px < LEAST_PX || height_px > MOST_PX) return VISTA_ERROR_SIZE;
+  if (width_px < VISTA_LEAST_IMAGE_PX || width_px > VISTA_MOST_IMAGE_PX || height_px < VISTA_LEAST_IMAGE_PX ||
+      height_px > VISTA_MOST_IMAGE_PX)
+    return VISTA_ERROR_SIZE;
   const size_t slot = VISTA_SHARED_PIXELS + 2 * (size_t)width_px * (size_t)height_px;
   const size_t slot_bytes = (slot + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT;
   ring->bytes = sizeof(vista_shared_head) + VISTA_SHARED_SLOTS * slot_bytes;

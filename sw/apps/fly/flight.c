@@ -9,7 +9,6 @@
 #include "config.h"
 
 #define TAKE_NS (100 * FLY_MS)
-#define DEGREES_PER_RADIAN 57.295779513082320877
 
 static bool open_source(flight *f, problem *p) {
   const options *const o = &f->options;
@@ -162,7 +161,7 @@ static void print_alignment(const aligner *a) {
   dprintf(STDERR_FILENO,
           "vista-fly: the right camera corrected by %+.3f degrees in pitch, %+.3f in roll at the end; changed %" PRId64
           " times\n",
-          DEGREES_PER_RADIAN * turn->pitch_rad, DEGREES_PER_RADIAN * turn->roll_rad, a->changes);
+          VISTA_DEGREES_PER_RADIAN * turn->pitch_rad, VISTA_DEGREES_PER_RADIAN * turn->roll_rad, a->changes);
 }
 
 void flight_print(flight *f) {

@@ -8,7 +8,6 @@
 
 #define VERSION 2
 #define SCALE 32 /* of fractions: units a pixel */
-#define MOST_PX 8192
 #define MAGIC "VISTARIG"
 
 typedef struct rig_head {
@@ -37,8 +36,8 @@ static size_t table_bytes(const rig_head *head) {
 static bool check_head(const char *path, const rig_head *head, problem *p) {
   if (memcmp(head->magic, MAGIC, sizeof head->magic) != 0) return problem_say(p, path, "no rig of vista prepare");
   if (head->version != VERSION) return problem_say(p, path, "made by another version of vista: prepare it again");
-  const bool sized =
-      head->width_px >= 16 && head->width_px <= MOST_PX && head->height_px >= 16 && head->height_px <= MOST_PX;
+  const bool sized = head->width_px >= VISTA_LEAST_IMAGE_PX && head->width_px <= VISTA_MOST_IMAGE_PX &&
+                     head->height_px >= VISTA_LEAST_IMAGE_PX && head->height_px <= VISTA_MOST_IMAGE_PX;
   if (!sized || head->kind > RIG_GRID || head->rectify_rows > 128) return problem_say(p, path, "damaged");
   for (int k = 0; k < 9; ++k)
     if (!(fabs(head->left_from_rectified[k]) <= 1.001 && fabs(head->rectified_from_right[k]) <= 1.001))

@@ -11,6 +11,13 @@
 
 #include "vista/word.h" /* VISTA_DISPARITY_SCALE, VISTA_DISPARITY_INVALID */
 
+#define VISTA_RADIANS_PER_DEGREE 0.017453292519943295769
+#define VISTA_DEGREES_PER_RADIAN 57.295779513082320877
+
+/* The images that are handled, pixels a side. */
+#define VISTA_LEAST_IMAGE_PX 16
+#define VISTA_MOST_IMAGE_PX 8192
+
 /* An 8-bit grey image. */
 typedef struct vista_image {
   const uint8_t *data; /* row-major */

@@ -6,8 +6,8 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#define VISTA_RADIANS_PER_DEGREE 0.017453292519943295769
-#define VISTA_DEGREES_PER_RADIAN 57.295779513082320877
+#include "vista/types.h"
+
 #define VISTA_SQRT_3 1.7320508075688772 /* half the length of an interval over its standard deviation */
 
 /* fmaxf and fminf are calls, and these are asked often. */

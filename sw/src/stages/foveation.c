@@ -226,7 +226,8 @@ static int32_t list_edges(const grid *g, const int32_t *node_of_grid, int32_t *e
 }
 
 bool vista_foveation_handles(int32_t width_px, int32_t height_px) {
-  return width_px >= 16 && height_px >= 16 && width_px <= 8192 && height_px <= 8192;
+  return width_px >= VISTA_LEAST_IMAGE_PX && height_px >= VISTA_LEAST_IMAGE_PX && width_px <= VISTA_MOST_IMAGE_PX &&
+         height_px <= VISTA_MOST_IMAGE_PX;
 }
 
 vista_status vista_foveation_layout(vista_foveation *foveation, vista_arena *arena,

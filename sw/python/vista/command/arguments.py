@@ -54,7 +54,7 @@ def image_size(text: str) -> tuple[int, int]:
         and width.isdigit()
         and height.isascii()
         and height.isdigit()
-        and 0 < int(width) <= 8192  # as libvista's images
+        and 0 < int(width) <= 8192  # VISTA_MOST_IMAGE_PX
         and 0 < int(height) <= 8192
     ):
         raise argparse.ArgumentTypeError(f"{text!r} is no size such as 640x480, of 1 to 8192 px a side")
