@@ -16,8 +16,8 @@ from itertools import pairwise, product
 from pathlib import Path
 from typing import Any
 
-from board_client import program_of
 from measured_figures import as_text
+from simulated_board import program_of
 from vista_throughput.presets import PRESETS
 from vista_throughput.simulate import Run, Simulator, find_program
 from vista_throughput.system import SystemConfig

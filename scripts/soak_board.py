@@ -19,11 +19,12 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-from board_client import BoardError, Client, program_of, running
 from measured_figures import ROOT, as_text
 from PIL import Image
+from simulated_board import program_of, running
 from vista.control_grid import by_grid
 from vista.engine import EngineParameters, StereoEngine
+from vista.engine.board import BoardClient, BoardError
 
 sys.path[:0] = [str(ROOT / p) for p in ("tb/common", "model", "build/python")]
 from frames import IMAGE_KINDS, random_pair, random_parameters  # noqa: E402
@@ -44,19 +45,19 @@ class Session:
         self.parameters = EngineParameters(
             **drawn, smooth=bool(rng.integers(2)), levels=int(rng.integers(1, 5))
         )
-        self.grids: Grids | None = random_grids(rng, ROWS, *shape) if rng.random() < 2 / 3 else None
+        self.grids: Grids | tuple[()] = random_grids(rng, ROWS, *shape) if rng.random() < 2 / 3 else ()
 
     def words(self, pair: Pair) -> npt.NDArray[np.int16]:
         """Of the C model."""
         left, right = pair
-        if self.grids is not None:
+        if len(self.grids):
             left, right = (by_grid(grid)(image) for grid, image in zip(self.grids, pair, strict=True))
         levels = StereoEngine(**asdict(self.parameters)).compute_levels(left, right)
         return np.concatenate([words.ravel() for words in levels])
 
     def __str__(self) -> str:
         parts = [f"{self.parameters.levels} levels", "smoothed" * self.parameters.smooth]
-        return ", ".join(filter(None, [*parts, "rectified" * (self.grids is not None)]))
+        return ", ".join(filter(None, [*parts, "rectified" * bool(len(self.grids))]))
 
 
 class Totals:
@@ -90,7 +91,7 @@ def kitti_crop(folder: Path) -> Pair:
     return found[0], found[1]
 
 
-def session_of_pairs(client: Client, session: Session, pairs: list[Pair], totals: Totals) -> None:
+def session_of_pairs(client: BoardClient, session: Session, pairs: list[Pair], totals: Totals) -> None:
     """Two frames are on the board, but for the first and the last. A frame that the client gives up is lost;
     the session is then begun again for those that follow."""
     height, width = pairs[0][0].shape
@@ -113,28 +114,28 @@ def session_of_pairs(client: Client, session: Session, pairs: list[Pair], totals
 
 def run(port: int, args: argparse.Namespace, totals: Totals) -> Any:
     rng = np.random.default_rng(args.seed)
-    with Client(port, TIMEOUT_MS) as client:
-        left_over = args.frames
-        crop = kitti_crop(args.kitti) if args.kitti else None
-        while left_over > 0 or crop:
-            begin = time.monotonic()
-            if crop:
-                pairs, crop = [crop], None
-            else:
-                pairs = [
-                    textured_pair(rng)
-                    for _ in range(min(left_over, int(rng.integers(1, FRAMES_EACH_SESSION + 1))))
-                ]
-                left_over -= len(pairs)
-            session = Session(rng, pairs[0][0].shape)
-            session_of_pairs(client, session, pairs, totals)
-            seconds = (time.monotonic() - begin) / len(pairs)
-            print(
-                f"{totals.sent} frames, {totals.sent - totals.answered} lost, "
-                f"{totals.differing} differing words; {session}: {seconds:.0f} s a frame",
-                flush=True,
-            )
-        return client.counts
+    client = BoardClient("127.0.0.1", port, TIMEOUT_MS)
+    left_over = args.frames
+    crop = kitti_crop(args.kitti) if args.kitti else None
+    while left_over > 0 or crop:
+        begin = time.monotonic()
+        if crop:
+            pairs, crop = [crop], None
+        else:
+            pairs = [
+                textured_pair(rng)
+                for _ in range(min(left_over, int(rng.integers(1, FRAMES_EACH_SESSION + 1))))
+            ]
+            left_over -= len(pairs)
+        session = Session(rng, pairs[0][0].shape)
+        session_of_pairs(client, session, pairs, totals)
+        seconds = (time.monotonic() - begin) / len(pairs)
+        print(
+            f"{totals.sent} frames, {totals.sent - totals.answered} lost, "
+            f"{totals.differing} differing words; {session}: {seconds:.0f} s a frame",
+            flush=True,
+        )
+    return client.counts
 
 
 def main() -> int:

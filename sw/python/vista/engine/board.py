@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from dataclasses import asdict
+from typing import Any
 
 import numpy as np
 
 from vista import native
-from vista.control_grid import GridPair
+from vista.control_grid import Grid, GridPair
 from vista.engine.contract import Disparity, EngineParameters, Image, check_images
 from vista.engine.golden import StereoEngine
 from vista.engine.hardware import level_shapes, settings_of, split_levels
@@ -25,8 +27,68 @@ def parse_address(text: str, default_port: int) -> tuple[str, int]:
     return host, int(port) if colon else default_port
 
 
+class BoardError(Exception):
+    """A status of vista/board.h that is not VISTA_OK; the text is the library's."""
+
+    def __init__(self, status: int, text: str) -> None:
+        super().__init__(text)
+        self.status = status
+
+
+class BoardClient:
+    """The client of libvista (vista/board.h), call by call. BoardError for whatever fails."""
+
+    def __init__(self, host: str, port: int, timeout_ms: int) -> None:
+        self._ffi, self._lib = native.load("vista")
+        memory = self._ffi.new("char[]", self._lib.vista_board_bytes())
+        disconnect = self._lib.vista_board_disconnect
+        handle = self._ffi.new("vista_board **")
+        self._check(
+            self._lib.vista_board_connect(memory, len(memory), host.encode(), port, timeout_ms, handle)
+        )
+        # The destructor holds the memory: what an object refers to is freed in any order.
+        self._board = self._ffi.gc(handle[0], lambda board, memory=memory: disconnect(board))
+
+    def identify(self) -> Any:
+        """vista_board_build."""
+        build = self._ffi.new("vista_board_build *")
+        self._check(self._lib.vista_board_identify(self._board, build))
+        return build
+
+    def configure(
+        self, parameters: EngineParameters, width_px: int, height_px: int, grids: Iterable[Grid] = ()
+    ) -> None:
+        """Begins a session. grids: of the left and the right camera, or none."""
+        settings = settings_of(parameters) | {"width_px": width_px, "height_px": height_px}
+        maps = [self._ffi.from_buffer("int16_t[]", np.ascontiguousarray(grid)) for grid in grids]
+        settings |= dict(zip(("left_map", "right_map"), maps, strict=False))
+        self._check(
+            self._lib.vista_board_configure(self._board, self._ffi.new("vista_board_settings *", settings))
+        )
+
+    def submit(self, left: Image, right: Image) -> None:
+        pixels = [self._ffi.from_buffer("uint8_t[]", np.ascontiguousarray(image)) for image in (left, right)]
+        self._check(self._lib.vista_board_submit(self._board, *pixels, left.shape[1]))
+
+    def collect(self) -> Disparity:
+        """The words of all levels, one after the other."""
+        words = np.empty(self._lib.vista_board_words(self._board), np.int16)
+        buffer = self._ffi.from_buffer("int16_t[]", words)
+        self._check(self._lib.vista_board_collect(self._board, buffer, words.size))
+        return words
+
+    @property
+    def counts(self) -> Any:
+        """vista_board_counts."""
+        return self._lib.vista_board_count(self._board)
+
+    def _check(self, status: int) -> None:
+        if status != self._lib.VISTA_OK:
+            raise BoardError(status, self._ffi.string(self._lib.vista_status_text(status)).decode())
+
+
 class BoardEngine:
-    """The client of libvista (vista/board.h). grids: the map that raw images are rectified by.
+    """The engine behind a BoardClient. grids: the map that raw images are rectified by.
 
     InputError, in one line, when nobody answers, the board was built with other parameters, or a frame is
     lost. A board that was restarted in between is set up again, and the frame is sent once more.
@@ -40,23 +102,14 @@ class BoardEngine:
         timeout_ms: int = 1000 * DEFAULT_TIMEOUT_S,
     ) -> None:
         self.parameters = StereoEngine(**asdict(parameters)).parameters  # one judge of the contract's ranges
-        self._ffi, self._lib = native.load("vista")
+        _, self._lib = native.load("vista")
         host, port = parse_address(address, self._lib.VISTA_BOARD_PORT)
         self._culprit = f"board {host}:{port}"
         self._grids, self._timeout_ms = grids, timeout_ms
         self._size: tuple[int, int] | None = None  # of the session's pairs; None: no session
-        self._memory = self._ffi.new("char[]", self._lib.vista_board_bytes())
-        handle = self._ffi.new("vista_board **")
-        self._check(
-            self._lib.vista_board_connect(
-                self._memory, len(self._memory), host.encode(), port, timeout_ms, handle
-            )
-        )
-        memory, disconnect = self._memory, self._lib.vista_board_disconnect
-        # The destructor holds the memory: what an object refers to is freed in any order.
-        self._board = self._ffi.gc(handle[0], lambda board, memory=memory: disconnect(board))
-        self._build = self._ffi.new("vista_board_build *")
-        self._check(self._lib.vista_board_identify(self._board, self._build))
+        with self._reported():
+            self._client = BoardClient(host, port, timeout_ms)
+            self._build = self._client.identify()
         self._check_build()
 
     def check_size(self, width_px: int, height_px: int) -> None:
@@ -86,12 +139,14 @@ class BoardEngine:
         check_images(left, right)
         height, width = left.shape
         self.check_size(width, height)
-        left, right = np.ascontiguousarray(left), np.ascontiguousarray(right)
-        try:
-            words = self._frame(left, right)
-        except _SessionLostError:
-            self._configure(width, height)
-            words = self._frame(left, right)
+        with self._reported("the frame is lost: "):
+            try:
+                words = self._frame(left, right)
+            except BoardError as error:
+                if error.status != self._lib.VISTA_ERROR_SESSION:
+                    raise
+                self._configure(width, height)
+                words = self._frame(left, right)
         return iter(split_levels(words, level_shapes(left.shape, self.parameters.levels)))
 
     def _check_build(self) -> None:
@@ -110,47 +165,27 @@ class BoardEngine:
             )
 
     def _configure(self, width_px: int, height_px: int) -> None:
-        buffer = self._ffi.from_buffer
-        settings = settings_of(self.parameters) | {"width_px": width_px, "height_px": height_px}
-        grids = []
-        if self._grids is not None:
-            grids = [
-                buffer("int16_t[]", np.ascontiguousarray(grid))
-                for grid in (self._grids.left, self._grids.right)
-            ]
-            settings |= {"left_map": grids[0], "right_map": grids[1]}
+        grids = (self._grids.left, self._grids.right) if self._grids is not None else ()
         self._size = None
-        self._check(
-            self._lib.vista_board_configure(self._board, self._ffi.new("vista_board_settings *", settings))
-        )
+        with self._reported():
+            self._client.configure(self.parameters, width_px, height_px, grids)
         self._size = (width_px, height_px)
 
     def _frame(self, left: Image, right: Image) -> Disparity:
-        buffer = self._ffi.from_buffer
-        words = np.empty(self._lib.vista_board_words(self._board), np.int16)
-        pixels = buffer("uint8_t[]", left), buffer("uint8_t[]", right)
-        self._check(self._lib.vista_board_submit(self._board, *pixels, left.shape[1]), "the frame is lost: ")
-        self._check(
-            self._lib.vista_board_collect(self._board, buffer("int16_t[]", words), words.size),
-            "the frame is lost: ",
-        )
-        return words
+        self._client.submit(left, right)
+        return self._client.collect()
 
-    def _check(self, status: int, consequence: str = "") -> None:
-        lib = self._lib
-        if status == lib.VISTA_OK:
-            return
-        if status == lib.VISTA_ERROR_SESSION and consequence:
-            raise _SessionLostError
-        texts = {
-            lib.VISTA_ERROR_ADDRESS: "the name has no address",
-            lib.VISTA_ERROR_NO_ANSWER: f"no answer within {self._timeout_ms / 1000:g} s",
-            lib.VISTA_ERROR_CAPACITY: "the map needs more rows than its line buffer has",
-            lib.VISTA_ERROR_SIZE: "has no room for images or for a map of this size",
-        }
-        text = texts.get(status) or self._ffi.string(lib.vista_status_text(status)).decode()
-        raise InputError(self._culprit, consequence + text)
-
-
-class _SessionLostError(Exception):
-    """The board was restarted, or another client took it."""
+    @contextmanager
+    def _reported(self, consequence: str = "") -> Iterator[None]:
+        """What fails becomes an InputError."""
+        try:
+            yield
+        except BoardError as error:
+            lib = self._lib
+            texts = {
+                lib.VISTA_ERROR_ADDRESS: "the name has no address",
+                lib.VISTA_ERROR_NO_ANSWER: f"no answer within {self._timeout_ms / 1000:g} s",
+                lib.VISTA_ERROR_CAPACITY: "the map needs more rows than its line buffer has",
+                lib.VISTA_ERROR_SIZE: "has no room for images or for a map of this size",
+            }
+            raise InputError(self._culprit, consequence + texts.get(error.status, str(error))) from None
