@@ -451,3 +451,55 @@ def test_frames_outside_the_poses_are_left_out(tmp_path: Path, recording: Record
     sequence = open_sequence(path)
     assert [files.index for files in sequence.frames] == [1, 2, 3]
     assert sequence.notes[-1] == f"2 of 5 frames lie outside the time of {path}, topic /odometry"
+
+
+def write_restarted(path: Path, recording: Recording, at_ns: int, jump_m: float, back_ns: int = 0) -> Path:
+    """Odometry of the camera that is 30 m away and moves 1 m a frame; from at_ns on it lies jump_m behind."""
+    with bag_writer(path, "mcap") as bag:
+        write_pair(bag, recording)
+        for t_ns in range(START_NS - PERIOD_NS // 2, TIMES_NS[-1] + PERIOD_NS, PERIOD_NS // 2):
+            behind = t_ns >= at_ns
+            place_m = np.array([30.0 + (t_ns - START_NS) / PERIOD_NS - jump_m * behind, 0.0, 0.0])
+            message = bags.odometry(bag, t_ns - back_ns * behind, place_m, bags.CAMERA)
+            bag.write("/odometry", t_ns, message)
+    return path
+
+
+def test_odometry_that_begins_anew_is_said_and_not_mixed(tmp_path: Path, recording: Recording) -> None:
+    at_ns = TIMES_NS[2] + PERIOD_NS // 2
+    sequence = open_sequence(write_restarted(tmp_path / "bag", recording, at_ns, 32.5))
+    assert [files.anew for files in sequence.frames] == [False, False, False, True, False]
+    expected = 30.0 + np.arange(FRAMES) - np.array([0.0, 0.0, 0.0, 32.5, 32.5])
+    np.testing.assert_allclose(positions(sequence)[:, 0], expected, atol=1e-7)
+    said = f"which began anew at another place at {1e-9 * at_ns:.3f} s: all tracks are dropped there"
+    assert said in sequence.notes[1]
+
+
+def test_no_frame_lies_between_the_places(tmp_path: Path, recording: Recording) -> None:
+    """The frame between the last message before and the first one after has no pose that means anything."""
+    path = tmp_path / "bag"
+    with bag_writer(path, "mcap") as bag:
+        write_pair(bag, recording)
+        for index in (0, 1, 3, 4):
+            place_m = np.array([100.0 if index < 2 else 0.0, 0.0, 0.0])
+            bag.write("/odometry", TIMES_NS[index], bags.odometry(bag, TIMES_NS[index], place_m, bags.CAMERA))
+    sequence = open_sequence(path)
+    assert [(files.index, files.anew) for files in sequence.frames] == [
+        (0, False),
+        (1, False),
+        (3, True),
+        (4, False),
+    ]
+    assert sequence.notes[-1] == f"1 of 5 frames lie outside the time of {path}, topic /odometry"
+
+
+def test_a_correction_is_no_restart(tmp_path: Path, recording: Recording) -> None:
+    sequence = open_sequence(write_restarted(tmp_path / "bag", recording, TIMES_NS[2], 1.5))
+    assert not any(files.anew for files in sequence.frames)
+    assert "anew" not in sequence.notes[1]
+
+
+def test_odometry_whose_time_goes_back_is_refused(tmp_path: Path, recording: Recording) -> None:
+    path = write_restarted(tmp_path / "bag", recording, TIMES_NS[3], 33.0, back_ns=2_000_000_000)
+    with pytest.raises(InputError, match=r"topic /odometry, message 7: its time goes back by 2\.0 s"):
+        open_sequence(path)

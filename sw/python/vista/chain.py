@@ -119,7 +119,7 @@ class Step:
     levels: list[NDArray[np.int16]]  # the words of each
     result: Result
     record: FrameRecord
-    anew: bool  # the host forgot what came before: a still, or odometry that lost its way
+    anew: bool  # the host forgot what came before: a still, or poses that began anew
 
 
 def run_frame(chain: Chain, files: FrameFiles) -> Step:
@@ -127,17 +127,18 @@ def run_frame(chain: Chain, files: FrameFiles) -> Step:
     clock = StageClock()
     with clock.stage("read"):
         raw = chain.sequence.read(files)
-    return process_frame(chain, raw, clock)
+    return process_frame(chain, raw, clock, files.anew)
 
 
-def process_frame(chain: Chain, raw: Frame, clock: StageClock) -> Step:
-    """What follows once a frame has been read; clock: with the time that this took, if that counts."""
+def process_frame(chain: Chain, raw: Frame, clock: StageClock, anew: bool = False) -> Step:
+    """What follows once a frame has been read; clock: with the time that this took, if that counts; anew: its
+    pose does not continue those before."""
     with clock.stage("rectify"):
         frame = chain.rectifier.rectify(raw)
     with clock.stage("stereo"):
         matched = raw if chain.engine_rectifies else frame
         levels = list(chain.engine.levels(matched.left, matched.right))
-    anew = chain.sequence.stills
+    anew = anew or chain.sequence.stills
     alignment = None
     if chain.correction is not None:
         with clock.stage("alignment"):

@@ -15,9 +15,7 @@ if TYPE_CHECKING:
 
 FEATURES = 400
 PERIOD = 20  # frames from one matching of features to the next, while nothing is wrong
-LOST_ITS_WAY = Finding(
-    Reason.POSE_JUMP, State.DEGRADED, "odometry lost its way and began anew; all tracks were dropped"
-)
+BEGAN_ANEW = Finding(Reason.POSE_JUMP, State.DEGRADED, "the poses began anew; all tracks were dropped")
 SUDDEN_LOSS = 0.5  # of the matched share since the last matching: match features at once
 
 
@@ -61,7 +59,7 @@ class HealthMonitor:
         aligned = None if alignment is None else checks.check_alignment(alignment)
         self._before = frame
         self._frames += 1
-        lost = LOST_ITS_WAY if anew and not self._stills else None
+        lost = BEGAN_ANEW if anew and not self._stills else None
         found = self.of_run + _present(shown, aligned, pair, motion, lost)
         named = {finding.reason for finding in found}
         return FrameHealth(found + tuple(f for f in findings_of_host(host) if f.reason not in named))

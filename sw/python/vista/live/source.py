@@ -93,11 +93,14 @@ class Replay:
         later_ns = passes * self._pass_ns
         passed_ns = (f.t_ns - self._frames[0].t_ns + later_ns for f in self._frames)
         due_ns = [start_ns + int(passed / self._speed) for passed in passed_ns]
+        continues = passes == 0
         for k, files in enumerate(self._frames):
+            continues = continues and not files.anew
             if k + 1 < len(due_ns) and time.monotonic_ns() >= due_ns[k + 1]:
                 self.skipped += 1
                 continue
             frame = self._recorded.read(files)
             if stopped.wait(max(1e-9 * (due_ns[k] - time.monotonic_ns()), 0.0)):
                 return
-            yield Shot(replace(frame, t_ns=frame.t_ns + later_ns), due_ns[k], continues=k > 0 or passes == 0)
+            yield Shot(replace(frame, t_ns=frame.t_ns + later_ns), due_ns[k], continues)
+            continues = True

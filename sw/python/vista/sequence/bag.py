@@ -5,7 +5,8 @@ The times are those of the headers. Left and right images are paired by them.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -66,9 +67,19 @@ def open_source(path: Path, options: Options) -> Sequence:
     if poses is not None:
         frames, left_out = with_poses(frames, poses.poses, poses.name)
         up = "" if up_world is not None else "; up is taken to be the z axis of their world"
+        frames = tuple(_marked(frames, poses.anew_ns))
         notes += (poses.note + up, *left_out)
         up_world = UP_WORLD if up_world is None else up_world
     return Sequence(path.resolve().stem, NAME, described.calibration, frames, up_world, notes)
+
+
+def _marked(frames: Iterable[FrameFiles], anew_ns: tuple[int, ...]) -> Iterator[FrameFiles]:
+    """The first frame since the poses began anew says so."""
+    before_ns: int | None = None
+    for files in frames:
+        since_ns = files.t_ns if before_ns is None else before_ns
+        yield replace(files, anew=any(since_ns < t_ns <= files.t_ns for t_ns in anew_ns))
+        before_ns = files.t_ns
 
 
 def _calibration(bag: Bag, names: tuple[str, str], left: ImageTopic, options: Options) -> Described:

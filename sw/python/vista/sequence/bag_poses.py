@@ -8,8 +8,12 @@ World frames of ROS have z up (REP 103). Where tf has several, `odom` is taken, 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
+import numpy as np
+
+from vista import parameters
 from vista.errors import InputError
 from vista.geometry import Pose
 from vista.sequence.bag_file import Bag
@@ -20,6 +24,9 @@ from vista.sequence.trajectory import PoseSource, Sample, Trajectory
 from vista.sequence.transforms import Transforms, sample_of, trajectory_of
 
 CONTINUOUS_WORLD = "odom"
+LATE_NS = 1_000_000_000  # no message is overtaken by others for so long
+CORRECTION_M = 2.0
+SAID = 3  # restarts that a note names
 
 
 @dataclass(frozen=True)
@@ -27,6 +34,7 @@ class BagPoses:
     poses: PoseSource
     name: str  # for messages
     note: str
+    anew_ns: tuple[int, ...] = ()  # when they began anew, at another place
 
 
 @dataclass(frozen=True)
@@ -52,8 +60,11 @@ class ByTopic:
     transforms: Transforms
     body: str
     camera: str
+    gaps_ns: tuple[tuple[int, int], ...] = ()  # where they began anew: the times around it
 
     def at(self, t_ns: int) -> Pose | None:
+        if any(before_ns < t_ns < after_ns for before_ns, after_ns in self.gaps_ns):
+            return None
         world_from_body = self.world_from_body.at(t_ns)
         body_from_camera = self.transforms.at(self.body, self.camera, t_ns)
         if world_from_body is None or body_from_camera is None:
@@ -94,9 +105,16 @@ def _by_transforms(bag: Bag, topic: str | None, transforms: Transforms, camera: 
 def _by_topic(bag: Bag, topic: str, transforms: Transforms, camera: str, named_body: str | None) -> BagPoses:
     name = f"{bag.path}, topic {topic}"
     samples: dict[int, Sample] = {}
-    bodies = set()
+    bodies, newest_ns = set(), 0
     for number, (_, message) in enumerate(bag.messages(topic)):
         t_ns = stamp_ns(message.header)
+        newest_ns = max(newest_ns, t_ns)
+        if newest_ns - t_ns > LATE_NS:
+            raise InputError(
+                f"{name}, message {number}",
+                f"its time goes back by {1e-9 * (newest_ns - t_ns):.1f} s: the poses of two runs; "
+                f"choose --pose-topic ({NO_POSES}: no poses)",
+            )
         samples[t_ns] = sample_of(f"{name}, message {number}", t_ns, pose_in(message))
         bodies.add(str(getattr(message, "child_frame_id", "")).lstrip("/"))
     body = named_body or (bodies.pop() if len(bodies) == 1 else "")
@@ -114,8 +132,26 @@ def _by_topic(bag: Bag, topic: str, transforms: Transforms, camera: str, named_b
             f"holds poses of {body!r}, and tf does not say where the camera's frame {camera!r} is on it; "
             f"choose --pose-frame, or --pose-topic {NO_POSES}",
         )
-    poses = ByTopic(trajectory_of(samples.values()), transforms, body, camera)
-    return BagPoses(poses, name, f"poses are those of {body} in {topic}")
+    gaps_ns = restarts(samples)
+    poses = ByTopic(trajectory_of(samples.values()), transforms, body, camera, gaps_ns)
+    note, anew_ns = f"poses are those of {body} in {topic}", tuple(after_ns for _, after_ns in gaps_ns)
+    if anew_ns:
+        times = ", ".join(f"{1e-9 * t_ns:.3f} s" for t_ns in anew_ns[:SAID])
+        more = ", ..." if len(anew_ns) > SAID else ""
+        note += f", which began anew at another place at {times}{more}: all tracks are dropped there"
+    return BagPoses(poses, name, note, anew_ns)
+
+
+def restarts(samples: dict[int, Sample]) -> tuple[tuple[int, int], ...]:
+    """Neighbouring times between which the place jumps. The detector refuses such a jump between frames, but
+    frames may be too far apart to show it. A correction of a filter is no restart."""
+    speed_m_s = float(parameters.defaults()["motion"]["speed_max_m_s"])
+
+    def jumps(before_ns: int, after_ns: int) -> bool:
+        way_m = np.linalg.norm(samples[after_ns].position_m - samples[before_ns].position_m)
+        return bool(way_m > CORRECTION_M + 1e-9 * speed_m_s * (after_ns - before_ns))
+
+    return tuple(times_ns for times_ns in pairwise(sorted(samples)) if jumps(*times_ns))
 
 
 def pose_in(message: Any) -> Any:

@@ -33,6 +33,7 @@ class FrameFiles:
     left: Path | StoredImage
     right: Path | StoredImage
     world_from_camera: Pose | None  #: of the left camera; None: the sequence has no poses
+    anew: bool = False  #: the poses began anew since the frame before: what that one told is of no use
 
 
 @dataclass(frozen=True)
