@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from dataclasses import replace
 from pathlib import Path
 from threading import Event, Thread
 
@@ -112,6 +113,17 @@ def test_a_recording_that_repeats_goes_on_in_time(tmp_path: Path) -> None:
     assert exposed_ns == sorted(set(exposed_ns))
     anew = [k for k, shot in enumerate(shots) if not shot.continues]
     assert anew and all(shots[k].frame.index <= shots[k - 1].frame.index for k in anew)
+
+
+def test_poses_that_begin_anew_do_not_continue_though_their_frame_is_skipped(tmp_path: Path) -> None:
+    recorded = open_sequence(cases.make_flown_pairs(tmp_path / "flight", 8))
+    frames = [replace(files, anew=files.index == 4) for files in recorded.frames]
+    frames[4:7] = [replace(files, t_ns=frames[3].t_ns + k) for k, files in enumerate(frames[4:7], start=1)]
+    shots = list(Replay(recorded, frames).shots(Event()))
+    shown = [shot.frame.index for shot in shots]
+    assert 4 not in shown  # it gave way to those of the same moment
+    first = next(index for index in shown if index > 4)
+    assert [shot.frame.index for shot in shots if not shot.continues] == [first]
 
 
 def test_a_stop_ends_the_wait_for_a_frame(tmp_path: Path) -> None:
