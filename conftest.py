@@ -22,7 +22,8 @@ SLOW = """
     flight flights_command fly_camera fly_cross fly_mavlink fly_program fly_shared fuzz
     health_real jobs jobs_cluster live_camera live_command
     live_loop live_parts mavlink_command measured_pairs obstacle_schema
-    real_sequence report ros run_health scenes score_flight static_world street throughput
+    real_sequence report ros_faults ros_process ros_run run_health scenes score_flight static_world street
+    throughput
 """
 SLOW_PATHS = (
     "tb",

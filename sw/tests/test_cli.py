@@ -536,10 +536,11 @@ def test_config_prints_what_run_reads(tmp_path: Path, run_vista: Vista) -> None:
 
 
 def test_help_says_the_exit_statuses(run_vista: Vista) -> None:
-    for arguments in (["--help"], ["run", "--help"], ["disparity", "--help"], ["config", "--help"]):
+    for arguments in (["--help"], *([name, "--help"] for name in ("run", "disparity", "config", "ros"))):
         status, stdout, _ = run_vista(*arguments)
         assert status == 0
         assert "exit status" in stdout and "130" in stdout
+        assert ("0    ended by Ctrl-C or SIGTERM" in stdout) == (arguments[0] == "ros")
 
 
 # ---- version, names of files, start ----

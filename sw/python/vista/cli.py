@@ -95,7 +95,7 @@ def add_command(commands: argparse._SubParsersAction[Parser], point: EntryPoint,
         point.name,
         help=summary,
         description=module.__doc__,
-        epilog=EPILOG,
+        epilog=getattr(module, "EPILOG", EPILOG),  # where its statuses mean something else
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     module.add_arguments(parser)

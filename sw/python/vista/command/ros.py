@@ -13,8 +13,7 @@ those of any node, by what follows --ros-args:
   body_from_camera   [x, y, z, qx, qy, qz, qw]: the left camera on the body whose poses the topic holds
   pair_tolerance_ms  how far the times of a pair may lie apart (default: a tenth of the period, at most 5)
 
-It needs ROS 2 with rclpy: source its setup.bash, or `make ros-env` in a checkout. Ctrl-C ends it, with
-status 0.
+It needs ROS 2 with rclpy: source its setup.bash, or `make ros-env` in a checkout.
 """
 
 from __future__ import annotations
@@ -22,6 +21,15 @@ from __future__ import annotations
 import argparse
 
 from vista.errors import InputError
+from vista.interruption import stopping_at_once
+
+# A node runs until it is told to end, which is no failure.
+EPILOG = """\
+exit status:
+  0    ended by Ctrl-C or SIGTERM
+  2    ROS 2 is missing, or an argument or a parameter is wrong; one line on stderr names the culprit
+  130  Ctrl-C while ROS 2 is being loaded; a second Ctrl-C or SIGTERM ends the program at once, by the signal
+"""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -31,11 +39,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def execute(arguments: argparse.Namespace) -> int:
-    try:
-        import rclpy  # noqa: F401
-    except ImportError as error:
-        reason = f"ROS 2 with rclpy is not here ({error}): source its setup.bash, or `make ros-env`"
-        raise InputError("vista ros", reason) from None
-    from vista.ros.node import run
+    with stopping_at_once():
+        try:
+            import rclpy  # noqa: F401
+        except ImportError as error:
+            reason = f"ROS 2 with rclpy is not here ({error}): source its setup.bash, or `make ros-env`"
+            raise InputError("vista ros", reason) from None
+        from vista.ros.node import run
 
     return run(arguments.ros_args)
