@@ -21,14 +21,18 @@ BEFORE, AFTER = 10, 36  # frames: 1.4 s after the turn
 JUMPS = {"pitch": (0.5, 0.0), "roll": (0.0, 0.5), "both": (0.5, -0.5), "the other way": (-0.5, 0.5)}
 
 
-def run(
-    turn: Turn, change=None, frames: int = BEFORE + AFTER, camera: Calibration = CAMERA
-) -> list[Corrected]:
-    """The turn comes suddenly after BEFORE frames."""
-    pairs = turned.textured_flight(camera, seeded(1))
-    return list(
-        turned.corrected(camera, pairs, lambda k: turn if k >= BEFORE else Turn(), frames, change=change)
-    )
+def run(turn: Turn, change=None, frames: int = BEFORE + AFTER, scene=None) -> list[Corrected]:
+    """The turn comes suddenly after BEFORE frames. scene: what is there, in place of the flight; change: what
+    becomes of the images."""
+    flight = turned.textured_flight(CAMERA, seeded(1))
+
+    def pairs(k: int) -> tuple[Grey, Grey]:
+        return flight(k) if scene is None else scene(k, *flight(k))
+
+    def turn_at(k: int) -> Turn:
+        return turn if k >= BEFORE else Turn()
+
+    return list(turned.corrected(CAMERA, pairs, turn_at, frames, change=change))
 
 
 def noisy(sigma: float):
@@ -43,8 +47,8 @@ def noisy(sigma: float):
     return change
 
 
-def assert_rows_match(frame: Corrected, median_px: float = 0.2) -> None:
-    off_px = turned.rows_left_px(CAMERA, frame.turn, frame.applied)
+def assert_rows_match(frame: Corrected, turn: Turn, median_px: float = 0.2) -> None:
+    off_px = turned.rows_left_px(CAMERA, turn, frame.applied)
     assert np.median(off_px) < median_px, (frame.applied, np.median(off_px))
     assert np.percentile(off_px, 90) < 2 * median_px
 
@@ -54,10 +58,11 @@ def assert_rows_match(frame: Corrected, median_px: float = 0.2) -> None:
 
 @pytest.mark.parametrize("name", JUMPS)
 def test_rows_match_again_soon_after_a_sudden_turn(name: str) -> None:
-    frames = run(degrees(*JUMPS[name]))
-    assert np.median(turned.rows_left_px(CAMERA, frames[BEFORE].turn, frames[BEFORE].applied)) > 1.0
+    turn = degrees(*JUMPS[name])
+    frames = run(turn)
+    assert np.median(turned.rows_left_px(CAMERA, turn, frames[BEFORE].applied)) > 1.0
     for frame in frames[BEFORE + 12 :]:  # 0.5 s
-        assert_rows_match(frame)
+        assert_rows_match(frame, turn)
         assert frame.alignment.state == State.MEASURED
         assert frame.alignment.row_error_px < 0.2
         assert frame.alignment.health == Health.HEALTHY
@@ -69,25 +74,25 @@ def test_rows_match_again_soon_after_a_sudden_turn(name: str) -> None:
 
 @pytest.mark.parametrize("name", ["pitch", "roll"])
 def test_noise_of_six_grey_levels_does_not_matter(name: str) -> None:
-    frames = run(degrees(*JUMPS[name]), noisy(6.0))
-    for frame in frames[BEFORE + 25 :]:
-        assert_rows_match(frame)
+    turn = degrees(*JUMPS[name])
+    for frame in run(turn, noisy(6.0))[BEFORE + 25 :]:
+        assert_rows_match(frame, turn)
 
 
 def test_a_second_turn_the_other_way_is_followed_too() -> None:
     pairs = turned.textured_flight(CAMERA, seeded(3))
     turns = [Turn()] * 10 + [degrees(0.4, 0.3)] * 15 + [degrees(-0.3, -0.2)] * 15
     frames = list(turned.corrected(CAMERA, pairs, turns.__getitem__, len(turns)))
-    assert_rows_match(frames[24])
-    assert_rows_match(frames[39])
+    for k in (24, 39):
+        assert_rows_match(frames[k], turns[k])
 
 
 def test_a_slow_drift_is_followed() -> None:
     """0.1 degrees in 8 s: the correction follows in steps."""
     pairs = turned.textured_flight(CAMERA, seeded(4))
     frames = list(turned.corrected(CAMERA, pairs, lambda k: degrees(0.0005 * k, 0.0), 200))
-    for frame in frames:
-        assert_rows_match(frame, 0.35)
+    for k, frame in enumerate(frames):
+        assert_rows_match(frame, degrees(0.0005 * k, 0.0), 0.35)
     assert any(frame.alignment.changed for frame in frames)
 
 
@@ -151,7 +156,7 @@ def test_the_limits_are_those_of_the_parameters() -> None:
     assert frames[-1].alignment.state == State.BEYOND
     values["alignment"]["pitch_max_deg"] = 0.5
     frames = list(turned.corrected(CAMERA, pairs, lambda _: degrees(0.4, 0.0), 12, values))
-    assert_rows_match(frames[-1])
+    assert_rows_match(frames[-1], degrees(0.4, 0.0))
 
 
 # ---- too little to see ----
@@ -188,19 +193,24 @@ def unrelated_noise(k: int, left: Grey, right: Grey) -> tuple[Grey, Grey]:
     )
 
 
-@pytest.mark.parametrize("nothing", [flat, stripes, tiles, unrelated_noise], ids=lambda f: f.__name__)
-def test_nothing_changes_where_there_is_too_little_to_see(nothing) -> None:
+SEEN = {"scene": (stripes, tiles), "change": (flat, unrelated_noise)}
+
+
+@pytest.mark.parametrize(
+    ("where", "nothing"), [(where, nothing) for where, all_of in SEEN.items() for nothing in all_of]
+)
+def test_nothing_changes_where_there_is_too_little_to_see(where: str, nothing) -> None:
     """Neither without any correction, nor with one that was found before."""
-    frames = run(Turn(), nothing, 30)
+    frames = run(Turn(), frames=30, **{where: nothing})
     assert {frame.applied for frame in frames} == {Turn()}
     assert {frame.alignment.state for frame in frames} == {State.HELD}
 
     def later(k: int, left: Grey, right: Grey) -> tuple[Grey, Grey]:
         return nothing(k, left, right) if k >= 30 else (left, right)
 
-    frames = run(degrees(0.5, 0.5), later, 70)
+    frames = run(degrees(0.5, 0.5), frames=70, **{where: later})
     kept = frames[30].applied
-    assert_rows_match(frames[30])
+    assert_rows_match(frames[30], degrees(0.5, 0.5))
     assert {frame.applied for frame in frames[30:]} == {kept}
     assert {frame.alignment.health for frame in frames[25:]} == {Health.HEALTHY}
 

@@ -24,7 +24,7 @@ from vista.alignment import State, Turn
 from vista.chain import make_chain, process_frame
 from vista.control_grid import GridPair, control_grid
 from vista.correction import Correction
-from vista.geometry import CameraModel, Pose, RawCalibration, camera_matrix
+from vista.geometry import Pose
 from vista.health.finding import Reason
 from vista.health.finding import State as Health
 from vista.history import StageClock
@@ -76,8 +76,7 @@ def test_the_grid_of_a_turn_is_that_of_the_camera_that_has_turned() -> None:
 
 
 def test_a_rectified_pair_is_not_resampled_without_a_turn() -> None:
-    raw = RawCalibration(*[pinhole()] * 2, Pose(np.eye(3), np.array([-0.25, 0.0, 0.0])), "")
-    rectifier = Rectifier(raw)
+    rectifier = Rectifier(turned.rectified_rig(CAMERA))
     left, right = turned.textured_flight(CAMERA, seeded(2))(0)
     frame = Frame(0, 0, left, turned.seen(right, CAMERA, TURN), None)
     assert rectifier.rectify(frame) is frame
@@ -89,10 +88,6 @@ def test_a_rectified_pair_is_not_resampled_without_a_turn() -> None:
     assert np.abs(frame.right[inner].astype(int) - right[inner]).mean() > 5.0
     rectifier.align(Turn(), None)
     assert rectifier.rectify(frame) is frame
-
-
-def pinhole() -> CameraModel:
-    return CameraModel(CAMERA.width, CAMERA.height, camera_matrix(300.0, 300.0, CAMERA.cx, CAMERA.cy))
 
 
 class Hardware:
@@ -182,8 +177,7 @@ def test_a_run_raises_the_alarm_when_a_turn_is_too_large(tmp_path: Path, run_vis
 
 
 def test_another_flight_begins_with_the_calibration(tmp_path: Path) -> None:
-    raw = RawCalibration(*[pinhole()] * 2, Pose(np.eye(3), np.array([-0.25, 0.0, 0.0])), "")
-    sequence = Sequence("two flights", "pairs", raw, ())
+    sequence = Sequence("two flights", "pairs", turned.rectified_rig(CAMERA), ())
     values = parameters.defaults()
     values["alignment"] = values["alignment"] | {"correct": "on"}
     chain = make_chain(sequence, "golden", values, 1)

@@ -1,4 +1,4 @@
-"""Pairs whose right camera has turned against its calibration, and the loop that corrects it, for tests."""
+"""Pairs whose right camera has turned against its calibration, and a run that corrects it, for tests."""
 
 from __future__ import annotations
 
@@ -10,14 +10,15 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 from vista import native, parameters
-from vista.alignment import Alignment, Estimator, Turn, c_camera
+from vista.alignment import Alignment, Turn, c_camera
 from vista.control_grid import Grid
-from vista.correction import c_raw_camera
-from vista.geometry import Calibration, camera_matrix
+from vista.correction import Correction, c_raw_camera
+from vista.geometry import Calibration, CameraModel, Pose, RawCalibration, camera_matrix
 from vista.rectify import Map, Rectifier
+from vista.sequence import Frame
 
 Grey = NDArray[np.uint8]
-Pairs = Callable[[int], tuple[Grey, Grey]]  # number of a frame -> rectified pair of cameras as calibrated
+Pairs = Callable[[int], tuple[Grey, Grey]]  # number of a frame -> left and right image
 RATE_HZ = 25.0
 
 
@@ -99,10 +100,30 @@ def rows_left_px(camera: Calibration, turn: Turn, applied: Turn) -> NDArray[np.f
 class Corrected:
     """A frame, and how its right image was rectified."""
 
-    t_s: float
+    frame: Frame  # rectified
     applied: Turn
-    turn: Turn
     alignment: Alignment
+
+
+def time_ns(frame: int) -> int:
+    return round(1e9 * (1.0 + frame / RATE_HZ))
+
+
+def flown(
+    rectifier: Rectifier, pairs: Pairs, frames: int, values: parameters.Values | None = None
+) -> Iterator[Corrected]:
+    """What the chain of a run does with raw pairs, as far as the correction goes."""
+    correction = Correction(rectifier, values or parameters.defaults())
+    for k in range(frames):
+        frame, applied = rectifier.rectify(Frame(k, time_ns(k), *pairs(k), None)), rectifier.applied
+        yield Corrected(frame, applied, correction.update(frame))
+
+
+def rectified_rig(camera: Calibration) -> RawCalibration:
+    """Of cameras whose pairs come rectified."""
+    K = camera_matrix(camera.focal_px, camera.focal_px, camera.cx, camera.cy)
+    one = CameraModel(camera.width, camera.height, K)
+    return RawCalibration(one, one, Pose(np.eye(3), np.array([-camera.baseline_m, 0.0, 0.0])), "")
 
 
 def corrected(
@@ -113,17 +134,14 @@ def corrected(
     values: parameters.Values | None = None,
     change: Callable[[int, Grey, Grey], tuple[Grey, Grey]] | None = None,
 ) -> Iterator[Corrected]:
-    """The loop of a run. change: what becomes of the images after all."""
-    estimator, applied = Estimator(camera, values), Turn()
-    for k in range(frames):
+    """Of rectified pairs. change: what else becomes of the images before they are read."""
+
+    def taken(k: int) -> tuple[Grey, Grey]:
         left, right = pairs(k)
-        turn = turn_at(k)
-        right = seen(right, camera, turn, applied)
-        if change is not None:
-            left, right = change(k, left, right)
-        found = estimator.update(left, right, round(1e9 * (1.0 + k / RATE_HZ)), applied)
-        yield Corrected(k / RATE_HZ, applied, turn, found)
-        applied = found.correction
+        right = seen(right, camera, turn_at(k))
+        return (left, right) if change is None else change(k, left, right)
+
+    return flown(Rectifier(rectified_rig(camera)), taken, frames, values)
 
 
 def textured_flight(camera: Calibration, random: np.random.Generator, speed_px: int = 3) -> Pairs:

@@ -83,18 +83,19 @@ def places(rectifier: Rectifier, turn: Turn) -> Array:
     return np.asarray((seen[:, :2] / seen[:, 2:]).reshape(camera.height, camera.width, 2), np.float64)
 
 
-def turned_raw(image: Grey, rectifier: Rectifier, turn: Turn) -> Grey:
-    """What the raw right camera shows once it has turned."""
+def turned_places(rectifier: Rectifier, turn: Turn) -> Array:
+    """(height, width, 2): what each pixel of the raw right camera shows, after it has turned, as a place in
+    the raw image as calibrated."""
     raw, camera = rectifier.right, rectifier.calibration
-    rays = (places(rectifier, turn).reshape(-1, 2) - [camera.cx, camera.cy]) / camera.focal_px
+    there = places(rectifier, turn)
+    rays = (there.reshape(-1, 2) - [camera.cx, camera.cy]) / camera.focal_px
     points = np.column_stack([rays, np.ones(len(rays))])
-    there = project(raw.model, Pose(raw.rectified_from_raw.T), points)
-    return sampled(image, there.reshape(*image.shape, 2))
+    return project(raw.model, Pose(raw.rectified_from_raw.T), points).reshape(there.shape)
 
 
 def sampled(image: Grey, at: Array) -> Grey:
-    maps = [at[..., k].astype(np.float32) for k in range(2)]
-    return np.asarray(cv2.remap(image, *maps, cv2.INTER_CUBIC, borderMode=cv2.BORDER_REPLICATE), np.uint8)
+    u, v = (at[..., k].astype(np.float32) for k in range(2))
+    return np.asarray(cv2.remap(image, u, v, cv2.INTER_CUBIC, borderMode=cv2.BORDER_REPLICATE), np.uint8)
 
 
 def read(path: Path) -> Grey:
@@ -124,7 +125,7 @@ def write_turned_kitti(source: Path, root: Path, turn: Turn, first: int, frames:
 
 def write_turned_asl(source: Path, root: Path, turn: Turn, first: int, frames: int) -> Path:
     """source: of the EuRoC layout, of a vehicle that stands still. Played there and back, 20 frames/s."""
-    rectifier = Rectifier(open_sequence(source).calibration)
+    at = turned_places(Rectifier(open_sequence(source).calibration), turn)
     names = [sorted((source / "mav0" / f"cam{side}" / "data").iterdir()) for side in range(2)]
     last, period_ns = len(names[0]) - 1, 50_000_000
     start_ns = int(names[0][0].stem)
@@ -138,7 +139,7 @@ def write_turned_asl(source: Path, root: Path, turn: Turn, first: int, frames: i
         for k, t_ns in enumerate(times_ns):
             image = read(names[side][last - abs(last - k % (2 * last))])
             if side == 1 and k >= first:
-                image = turned_raw(image, rectifier, turn)
+                image = sampled(image, at)
             write_image(camera / "data" / f"{t_ns}.png", image)
     truth = Path("mav0") / "state_groundtruth_estimate0"
     (root / truth).mkdir()
