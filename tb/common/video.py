@@ -210,6 +210,8 @@ class Memory:
 
     size: int
     beats: deque[int] = field(default_factory=deque)
+    stored: list[int] = field(default_factory=list)  # all that came, in order
+    left: list[int] = field(default_factory=list)  # of the smaller levels, at the output
 
 
 def memory_for(segments: list[Segment]) -> Memory:
@@ -297,6 +299,9 @@ class Driver:
             hit(bins_of(segments, self.max_width, offered, taken))
             assert position == len(stream), "the input hung"
             assert not (self.memory and self.memory.beats), "a frame left something behind"
+        if self.memory is not None:  # also marks that the pyramid does not look at when they come back
+            stored = self.memory.stored[: len(self.memory.left)]
+            assert self.memory.left == stored, "a level left other than it was stored"
         return seen
 
     def _take(self, ready: bool, seen: Seen) -> bool:
@@ -314,6 +319,8 @@ class Driver:
             if beat[1]:
                 seen.frames.append(along)
             assert along == seen.frames[-1], "what goes along changed inside a frame"
+            if self.memory is not None and along.get("level_o"):
+                self.memory.left.append(beat[0] | USER * beat[1] | LAST * beat[2])
         return ready
 
     def _offer_memory(self, pace: float) -> None:
@@ -336,7 +343,9 @@ class Driver:
             self.fetching = False
         if dut.store_axis_tvalid.value and dut.store_axis_tready.value:
             flags = (USER if dut.store_axis_tuser.value else 0) | (LAST if dut.store_axis_tlast.value else 0)
-            memory.beats.append(int(dut.store_axis_tdata.value) | flags)
+            beat = int(dut.store_axis_tdata.value) | flags
+            memory.beats.append(beat)
+            memory.stored.append(beat)
 
 
 async def started(
