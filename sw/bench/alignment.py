@@ -150,10 +150,10 @@ def map_ms(recordings: list[Recording]) -> dict[str, float]:
     return found
 
 
-def percentiles(of_recordings: list[np.ndarray]) -> list[float] | None:
-    """Median and 90th."""
+def percentiles(of_recordings: list[np.ndarray], least: int = 100) -> list[float] | None:
+    """Median and 90th, of so many features at least."""
     rows_px = np.concatenate(of_recordings)
-    if len(rows_px) < 100:
+    if len(rows_px) < least:
         return None
     return [round(float(value), 3) for value in np.percentile(rows_px, [50, 90])]
 
@@ -161,7 +161,7 @@ def percentiles(of_recordings: list[np.ndarray]) -> list[float] | None:
 def short_of_aim_px(recordings: list[Recording], measured: list[Measured]) -> dict[str, float | None]:
     """Median row errors of the recordings that have more than the aim; None: too few features."""
     medians_px = {
-        one.name: percentiles([of_it.rows_px]) for one, of_it in zip(recordings, measured, strict=True)
+        one.name: percentiles([of_it.rows_px], 20) for one, of_it in zip(recordings, measured, strict=True)
     }
     return {
         name: None if px is None else px[0] for name, px in medians_px.items() if px is None or px[0] > AIM_PX
