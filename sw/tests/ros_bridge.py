@@ -3,7 +3,7 @@
 It runs in the environment of ROS 2 (scripts/setup_ros.sh) and knows nothing of VISTA. It takes lines of JSON,
 {"publish": TOPIC, "type": TYPE, "data": base64 of CDR} and {"hear": TOPIC, "type": TYPE}, and answers
 {"matched": TOPIC} once somebody is at the other end. What it hears is decoded by ROS 2's own types, and
-encoded again: {"heard": TOPIC, "data": base64 of CDR}.
+encoded again: {"heard": TOPIC, "data": base64 of CDR}. It ends with its input.
 """
 
 from __future__ import annotations
@@ -12,11 +12,14 @@ import base64
 import importlib
 import json
 import sys
+import threading
 import time
 from typing import Any
 
 import rclpy
 from rclpy.serialization import serialize_message
+
+SAYING = threading.Lock()
 
 
 def message_class(name: str) -> Any:
@@ -25,7 +28,8 @@ def message_class(name: str) -> Any:
 
 
 def say(**what: str) -> None:
-    print(json.dumps(what), flush=True)
+    with SAYING:  # two threads do
+        print(json.dumps(what), flush=True)
 
 
 class Bridge:
@@ -35,8 +39,6 @@ class Bridge:
         self._publishers: dict[str, Any] = {}
 
     def serve(self) -> None:
-        import threading
-
         threading.Thread(target=rclpy.spin, args=(self._node,), daemon=True).start()
         for line in sys.stdin:
             told = json.loads(line)
@@ -44,6 +46,7 @@ class Bridge:
                 self._hear(told["hear"], told["type"])
             else:
                 self._publish(told["publish"], told["type"], base64.b64decode(told["data"]))
+        rclpy.shutdown()
 
     def _hear(self, topic: str, kind: str) -> None:
         def heard(message: Any) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import json
 import os
+import re
 import signal
 import subprocess
 import time
@@ -72,6 +73,26 @@ class Process:
             reader.join(READY_S)
         return status
 
+    def end(self) -> None:
+        """Without a kill if it can be: a process that is killed leaves its shared memory behind, 64 MiB."""
+        if self.process.poll() is None:
+            self.ask_to_end()
+        try:
+            self.process.wait(READY_S)
+        except subprocess.TimeoutExpired:
+            self.process.kill()
+            self.process.wait()
+
+    def ask_to_end(self) -> None:
+        self.process.send_signal(signal.SIGINT)
+
+    def kill(self) -> list[Path]:
+        """Returns the shared memory that it leaves behind, and that of those it talked to."""
+        maps = Path(f"/proc/{self.process.pid}/maps").read_text()
+        self.process.kill()
+        self.process.wait()
+        return [Path(name) for name in set(re.findall(r"/dev/shm/fastdds_\w+", maps))]
+
     def says(self, text: str) -> None:
         """Waits for a line on stderr that holds the text."""
         until(lambda: any(text in line for line in list(self.errors)), lambda: f"{text!r}: {self.errors}")
@@ -92,6 +113,10 @@ class Bridge(Process):
         self.heard: dict[str, list[Any]] = {}
         self._types: dict[str, str] = {}
         self._matched: set[str] = set()
+
+    def ask_to_end(self) -> None:
+        assert self.process.stdin is not None
+        self.process.stdin.close()
 
     def hear(self, topic: str, kind: str) -> None:
         """Returns once the node publishes there."""
@@ -146,8 +171,7 @@ def running_node(folder: Path, *ros_arguments: str) -> Iterator[Process]:
     try:
         yield node
     finally:
-        node.process.kill()
-        node.process.wait()
+        node.end()
 
 
 @contextmanager
@@ -156,5 +180,4 @@ def running_bridge(folder: Path) -> Iterator[Bridge]:
     try:
         yield bridge
     finally:
-        bridge.process.kill()
-        bridge.process.wait()
+        bridge.end()

@@ -16,6 +16,7 @@ BAD_PARAMETERS = {
     "engine:=magic": "vista: parameter engine: 'magic' is none of golden, rtl, opencv",
     "threads:=many": "vista: --ros-args: ",
     "poses:=perhaps": "vista: parameter poses: 'perhaps' is none of none, topic, odometry",
+    "image_transport:=theora": "vista: parameter image_transport: 'theora' is none of raw, compressed",
     "config:=/no/such.toml": "vista: /no/such.toml: no such file",
     "body_from_camera:=[1.0, 2.0]": "vista: parameter body_from_camera: is not seven numbers",
     "pair_tolerance_ms:=-1.0": "vista: parameter pair_tolerance_ms: -1 is not from 0 to 1000000 ms",
