@@ -19,7 +19,8 @@ from vista.sequence import Frame
 class Camera:
     """Two cameras that a test publishes, one pair after the other."""
 
-    def __init__(self, bridge: Bridge) -> None:
+    def __init__(self, bridge: Bridge, compressed: bool = False) -> None:
+        self._compressed = compressed
         self.bridge, self.t_ns, self._count = bridge, 1_700_000_000_000_000_000, 0
         self._recording = Recording([], cases.RIG)
 
@@ -36,20 +37,28 @@ class Camera:
         message = bags.raw_image(MAKE, self.t_ns + later_ns, pixels, encoding)
         self.bridge.publish(f"/{side}/image_rect", message)
 
+    def compressed_image(self, side: str, bytes_missing: int = 0) -> None:
+        """A JPEG; bytes_missing: at its end."""
+        pixels = cases.texture_pair(self._count)[side == "right"]
+        message = bags.compressed_image(MAKE, self.t_ns, pixels, ".jpg")
+        message.data = message.data[: len(message.data) - bytes_missing]
+        self.bridge.publish(f"/{side}/image_rect/compressed", message)
+
     def pair(self, **of_right: Any) -> None:
         self._count += 1
         self.t_ns += 50_000_000
-        self.image("left")
-        self.image("right", **of_right)
+        image = self.compressed_image if self._compressed else self.image
+        image("left")
+        image("right", **of_right)
 
 
 @contextmanager
-def running_camera(folder: Path) -> Iterator[Camera]:
+def running_camera(folder: Path, compressed: bool = False) -> Iterator[Camera]:
     """Of a node that runs, and has found obstacles, or none, in one pair."""
     with running_bridge(folder) as bridge:
         bridge.hear("/vista/obstacles_json", "std_msgs/msg/String")
         bridge.hear("/diagnostics", "diagnostic_msgs/msg/DiagnosticArray")
-        camera = Camera(bridge)
+        camera = Camera(bridge, compressed)
         camera.info("left")
         camera.info("right")
         camera.pair()

@@ -52,6 +52,18 @@ def test_encodings(node: Process, camera: Camera, encoding: str) -> None:
     assert_goes_on(camera, node)
 
 
+def test_a_damaged_jpeg_is_one_line(tmp_path: Path) -> None:
+    with (
+        running_node(tmp_path, "-p", "image_transport:=compressed") as node,
+        running_camera(tmp_path, compressed=True) as camera,
+    ):
+        text = "/right/image_rect/compressed: "
+        camera.pair(bytes_missing=10)
+        node.says(text)
+        camera.bridge.wait_until("/diagnostics", lambda message: text in message.status[0].message)
+        assert_goes_on(camera, node)
+
+
 def test_times_that_do_not_agree(node: Process, camera: Camera) -> None:
     text = "/right/image_rect: no image within 5 ms of any of /left/image_rect"
     until(lambda: camera.pair(later_ns=20_000_000) or any(text in line for line in node.errors))
@@ -90,7 +102,7 @@ def test_no_camera_info(tmp_path: Path, node: Process) -> None:
 
 
 def test_a_publisher_that_is_killed(tmp_path: Path, node: Process, camera: Camera) -> None:
-    camera.bridge.process.kill()
+    left_behind = camera.bridge.kill()
     node.says("nothing comes on /left/image_rect, /right/image_rect")
     with running_bridge(tmp_path) as bridge:
         bridge.hear("/vista/obstacles_json", "std_msgs/msg/String")
@@ -98,6 +110,8 @@ def test_a_publisher_that_is_killed(tmp_path: Path, node: Process, camera: Camer
         again.t_ns = camera.t_ns
         again.pair()
         assert_goes_on(again, node)
+    for segment in left_behind:
+        segment.unlink(missing_ok=True)
 
 
 def test_a_subscriber_hears_nothing_but_health_when_nothing_comes(tmp_path: Path, node: Process) -> None:

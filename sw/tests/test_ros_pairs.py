@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from types import SimpleNamespace
 
+import cv2
 import numpy as np
 import pytest
 from random_seed import seeded
+from vista.errors import InputError
 from vista.ros.pairs import HELD, LEFT, RIGHT, LivePairs, TopicImage
 from vista.sequence.pairing import pair_by_time
 
@@ -145,3 +147,25 @@ def test_an_image_knows_its_time_its_topic_and_its_pixels() -> None:
     vars(taken.message).update(content)
     assert (taken.t_ns, str(taken)) == (START_NS + 7, "/right")
     np.testing.assert_array_equal(taken.read_grey(), pixels)
+
+
+@pytest.mark.parametrize(("extension", "within"), [(".png", 0), (".jpg", 4)])
+def test_a_compressed_image_is_decoded(extension: str, within: int) -> None:
+    v, u = np.indices((48, 64))
+    pixels = (2 * u + v).astype(np.uint8)
+    found = compressed(cv2.imencode(extension, pixels)[1].tobytes()).read_grey()
+    assert np.abs(found.astype(int) - pixels).max() <= within
+
+
+@pytest.mark.parametrize("content", [b"", b"no image", None])
+def test_a_compressed_image_that_is_damaged_is_refused(content: bytes | None) -> None:
+    """None: the end is missing."""
+    whole = cv2.imencode(".jpg", np.zeros((48, 64), np.uint8))[1].tobytes()
+    with pytest.raises(InputError, match=r"^/right: "):
+        compressed(whole[:-10] if content is None else content).read_grey()
+
+
+def compressed(content: bytes) -> TopicImage:
+    taken = image(RIGHT, START_NS)
+    vars(taken.message).update(format="mono8; jpeg compressed", data=np.frombuffer(content, np.uint8))
+    return taken

@@ -47,6 +47,12 @@ def flight(folder: Path, _run_vista: Vista) -> Path:
     return bags.write_bag(folder / "bag", record_flight(folder / "flight", frames=8), "mcap")
 
 
+def compressed(folder: Path, _run_vista: Vista) -> Path:
+    """The same images as PNG."""
+    recording = record_flight(folder / "flight", frames=8)
+    return bags.write_bag(folder / "bag", recording, "mcap", poses="none", compressed=True)
+
+
 def rectified(folder: Path, run_vista: Vista) -> Path:
     """Without poses."""
     pairs = write_pairs(folder / "pairs", record_flight(folder / "flight", frames=8))
@@ -73,6 +79,7 @@ def kitti(folder: Path, run_vista: Vista) -> Path:
 
 RECORDINGS = {
     "flight": (flight, "image_raw", (*RAW, "-r", "odometry:=/odometry", "-p", "poses:=topic", "-p", MOUNTED)),
+    "compressed": (compressed, "image_raw/compressed", (*RAW, "-p", "image_transport:=compressed")),
     "rectified": (rectified, "image_rect", STEREO),
     "euroc": (euroc, "image_raw", (*RAW, "-p", "threads:=2")),
     "kitti": (kitti, "image_rect", (*STEREO, "-r", "odometry:=/vista/odometry", "-p", "poses:=topic")),

@@ -11,6 +11,7 @@ those of any node, by what follows --ros-args:
   engine, threads    as those of `vista live`
   poses              none (default), topic: those of the topic odometry, odometry: estimated from the images
   body_from_camera   [x, y, z, qx, qy, qz, qw]: the left camera on the body whose poses the topic holds
+  image_transport    raw (default), compressed: images come on TOPIC/compressed, as PNG or JPEG
   pair_tolerance_ms  how far the times of a pair may lie apart (default: a tenth of the period, at most 5)
 
 It needs ROS 2 with rclpy: source its setup.bash, or `make ros-env` in a checkout.

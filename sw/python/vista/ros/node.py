@@ -25,7 +25,11 @@ from vista.ros.publisher import TYPES, Publisher
 from vista.ros.settings import Settings, read_settings
 from vista.ros.stereo import Names, StereoTopics
 
-IMAGE, INFO, ODOMETRY = "sensor_msgs/msg/Image", "sensor_msgs/msg/CameraInfo", "nav_msgs/msg/Odometry"
+INFO, ODOMETRY = "sensor_msgs/msg/CameraInfo", "nav_msgs/msg/Odometry"
+IMAGES = {  # by the name of the transport: what follows the name of the topic, and the type
+    "raw": ("", "sensor_msgs/msg/Image"),
+    "compressed": ("/compressed", "sensor_msgs/msg/CompressedImage"),
+}
 QUEUE = 10  # messages that a slow reader has not fetched
 SPIN_S = 0.05
 WATCH_S = 1.0
@@ -79,9 +83,9 @@ def _source(node: Any, settings: Settings, store: Any, spin: Callable[[], object
         [f"{side}/{name}" for side in ("left", "right")] for name in ("image_rect", "camera_info")
     )
     resolve = node.resolve_topic_name
-    names = Names(
-        (resolve(images[LEFT]), resolve(images[RIGHT])), (resolve(infos[LEFT]), resolve(infos[RIGHT]))
-    )
+    ending, kind = IMAGES[settings.transport]
+    images = [resolve(name) + ending for name in images]  # that of the raw images is remapped
+    names = Names((images[LEFT], images[RIGHT]), (resolve(infos[LEFT]), resolve(infos[RIGHT])))
     poses = None
     if settings.poses == "topic":
         poses = LivePoses(resolve("odometry"), settings.body_from_camera)
@@ -89,7 +93,7 @@ def _source(node: Any, settings: Settings, store: Any, spin: Callable[[], object
     tell = node.get_logger().warning
     source = StereoTopics(names, spin, tell, pairs, poses, settings.poses == "odometry")
     for side in (LEFT, RIGHT):
-        _subscribe(node, store, IMAGE, images[side], partial(source.take_image, side))
+        _subscribe(node, store, kind, images[side], partial(source.take_image, side))
         _subscribe(node, store, INFO, infos[side], partial(source.take_info, side))
     if poses is not None:
         _subscribe(node, store, ODOMETRY, "odometry", source.take_odometry)

@@ -19,7 +19,7 @@ LEFT, RIGHT = 0, 1
 
 @dataclass(frozen=True)
 class TopicImage:
-    """A sensor_msgs/Image that came."""
+    """A sensor_msgs/Image or a sensor_msgs/CompressedImage that came."""
 
     topic: str
     message: Any

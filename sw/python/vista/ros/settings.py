@@ -17,9 +17,10 @@ from vista.errors import InputError
 from vista.geometry import Pose
 from vista.sequence.trajectory import Trajectory, make_sample
 
-NAMES = ("engine", "threads", "config", "poses", "pair_tolerance_ms", "body_from_camera")
+NAMES = ("engine", "threads", "config", "poses", "pair_tolerance_ms", "body_from_camera", "image_transport")
 OF_EVERY_NODE = ("use_sim_time", "start_type_description_service")
 POSES = ("none", "topic", "odometry")
+TRANSPORTS = ("raw", "compressed")  # as image_transport names them
 
 
 @dataclass(frozen=True)
@@ -30,6 +31,7 @@ class Settings:
     tolerance_ms: float | None
     poses: str
     body_from_camera: Pose | None
+    transport: str
 
 
 def read_settings(node: Any) -> Settings:
@@ -56,9 +58,15 @@ def _declared(node: Any) -> Settings:
 
     engine, threads = declare("engine", "golden"), declare("threads", 1)
     config, poses = declare("config", ""), declare("poses", "none")
+    transport = declare("image_transport", "raw")
     tolerance_ms = declare("pair_tolerance_ms", Parameter.Type.DOUBLE)
     mounting = declare("body_from_camera", Parameter.Type.DOUBLE_ARRAY)
-    for name, value, choices in (("engine", engine, ENGINES), ("poses", poses, POSES)):
+    chosen = {
+        "engine": (engine, ENGINES),
+        "poses": (poses, POSES),
+        "image_transport": (transport, TRANSPORTS),
+    }
+    for name, (value, choices) in chosen.items():
         if value not in choices:
             raise InputError(f"parameter {name}", f"{value!r} is none of {', '.join(choices)}")
     if threads < 1:
@@ -67,7 +75,7 @@ def _declared(node: Any) -> Settings:
         raise InputError("parameter pair_tolerance_ms", f"{tolerance_ms:g} is not from 0 to 1000000 ms")
     values = load_parameters(Path(config) if config else None, engine)
     body_from_camera = None if mounting is None else _pose("parameter body_from_camera", mounting)
-    return Settings(engine, threads, values, tolerance_ms, poses, body_from_camera)
+    return Settings(engine, threads, values, tolerance_ms, poses, body_from_camera, transport)
 
 
 def _pose(culprit: str, numbers: Any) -> Pose:

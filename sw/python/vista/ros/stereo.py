@@ -84,7 +84,7 @@ class StereoTopics:
             self._calibration = pair_from_camera_info(left, right, self._names.infos, rectified)
 
     def take_image(self, side: int, message: Any) -> None:
-        """A sensor_msgs/Image."""
+        """A sensor_msgs/Image or a sensor_msgs/CompressedImage."""
         topic, before = self._names.images[side], self._last[side]
         number = 0 if before is None else before.number + 1
         image = TopicImage(topic, message, number, time.monotonic_ns())
