@@ -388,10 +388,15 @@ def calibration_table() -> str:
 
 
 def alignment_table() -> str:
-    """Rows over time after a turn: median and 90th percentile."""
+    """Rows over time after a turn: median and 90th percentile; and how many recordings reach the aim."""
 
     def rows_of(px: list[float] | None) -> str:
         return "" if px is None else f"{px[0]:.2f}, {px[1]:.2f}"
+
+    def reached(row: Record) -> str:
+        count = row["recordings"]
+        known = row["rows_px"][times[-1]] is not None
+        return f"{count - len(row['short_px'])} of {count}" if known else ""
 
     found = figures("alignment")["rows"]
     times = list(found[0]["rows_px"])
@@ -400,12 +405,13 @@ def alignment_table() -> str:
             f"{row['group']} ({row['recordings']})",
             row["case"],
             *(rows_of(row["rows_px"][time]) for time in times),
+            reached(row),
             f"{row['alarms']} of {row['recordings']}",
         ]
         for row in found
     ]
     head = " | ".join(f"{time} s (px)" for time in times)
-    return markdown(f"recordings | turn (degrees) | {head} | alarms", rows)
+    return markdown(f"recordings | turn (degrees) | {head} | 0.2 px at {times[-1]} s | alarms", rows)
 
 
 def rectification_grid_table() -> str:
