@@ -196,6 +196,16 @@ def test_what_moves_is_in_view_and_then_in_the_way(name: str) -> None:
             assert missed_m(flight.approach, target) < IN_THE_WAY_M
 
 
+@pytest.mark.parametrize("number", [1297, 1770, 2539, 655191])
+def test_what_is_met_in_a_turn_is_in_view(number: int) -> None:
+    """Slow aircraft whose turn took the target out of the image while only the path bounded its bearing."""
+    flight = FAMILIES["small_movers"].flight(number, 0)
+    scene = flight.scene(flight.approach.altitude_m, flight.seed)
+    (target,) = [thing for thing in scene.things if thing.target]
+    assert is_in_view(flight, target)
+    assert missed_m(flight.approach, target) < IN_THE_WAY_M
+
+
 @pytest.mark.parametrize("name", ["containers", "smooth_front"])
 def test_large_fronts_are_higher_than_the_path(name: str) -> None:
     for number in seeded(4).integers(1 << 20, size=4):

@@ -25,6 +25,7 @@ IN_THE_AIR = Courses(
 )
 SIZE_M, SPEED_M_S = (0.4, 1.5), (2.0, 15.0)
 MOST_BEARING = 0.24  # tangent, of what comes: it stays in view
+MOST_OFF_AXIS = 0.28  # tangent, in the last frame: from there to the edge, 0.32, is room for its place to vary
 
 
 def kite(size_m: float, rng: np.random.Generator) -> Triangles:
@@ -89,8 +90,17 @@ def velocity_m_s(here: Site, fastest_m_s: float, rng: np.random.Generator) -> np
     """Head on or across, or anything between; so that it stays in view until it is met."""
     speed, turn = log_uniform(rng, SPEED_M_S[0], fastest_m_s), rng.uniform(0, np.pi / 2)
     along, across = -speed * np.cos(turn), float(rng.choice([-1, 1])) * speed * np.sin(turn)
-    most = MOST_BEARING * (here.course.speed_m_s - along)
-    return np.array([along, np.clip(across, -most, most), 0.0])
+    closing = here.course.speed_m_s - along
+    axis = bearing_of_the_axis(here)
+    bearings = np.clip([axis - MOST_OFF_AXIS, axis + MOST_OFF_AXIS], -MOST_BEARING, MOST_BEARING)
+    return np.array([along, np.clip(across, *(-closing * bearings[::-1])), 0.0])
+
+
+def bearing_of_the_axis(here: Site) -> float:
+    """Tangent of the bearing, from the end of the path, of what is straight ahead in the last frame: a slow
+    aircraft in a turn looks elsewhere than where it goes."""
+    pose = here.course.state_at(here.course.frames - 1).world_from_body
+    return float(pose[1, 0] / pose[0, 0] + pose[1, 3] / here.course.last_range_m)
 
 
 def small_movers(altitude_m: float, seed: int) -> Scene:
