@@ -14,9 +14,11 @@ import json
 import sys
 import threading
 import time
+from contextlib import suppress
 from typing import Any
 
 import rclpy
+from rclpy.executors import ExternalShutdownException
 from rclpy.serialization import serialize_message
 
 SAYING = threading.Lock()
@@ -39,7 +41,8 @@ class Bridge:
         self._publishers: dict[str, Any] = {}
 
     def serve(self) -> None:
-        threading.Thread(target=rclpy.spin, args=(self._node,), daemon=True).start()
+        listening = threading.Thread(target=self._listen)
+        listening.start()
         for line in sys.stdin:
             told = json.loads(line)
             if "hear" in told:
@@ -47,6 +50,12 @@ class Bridge:
             else:
                 self._publish(told["publish"], told["type"], base64.b64decode(told["data"]))
         rclpy.shutdown()
+        listening.join()  # a node that is gone while its thread still waits ends the process by abort()
+        self._node.destroy_node()
+
+    def _listen(self) -> None:
+        with suppress(ExternalShutdownException):
+            rclpy.spin(self._node)
 
     def _hear(self, topic: str, kind: str) -> None:
         def heard(message: Any) -> None:
