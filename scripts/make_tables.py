@@ -624,7 +624,7 @@ def headline_table() -> str:
         ],
         [
             "stereo engine in an LFE5U-25F, 32 disparities",
-            f"one pixel a clock at {build['clock_mhz']:.0f} MHz: {pixels_s / (640 * 480):.0f} frames/s "
+            f"one pixel a clock at {build['clock_mhz']:.1f} MHz: {pixels_s / (640 * 480):.0f} frames/s "
             f"at 640x480; {build['lut4']:,} LUT4",
             "synthesis",
         ],

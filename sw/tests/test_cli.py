@@ -17,6 +17,7 @@ from functools import partial
 from pathlib import Path
 
 import cv2
+import interrupted
 import numpy as np
 import pytest
 import sequence_cases as cases
@@ -600,19 +601,7 @@ def test_an_image_that_is_too_large_is_called_so(tmp_path: Path, capsys: pytest.
 
 @pytest.mark.parametrize("module", ["cv2", "numpy", "vista.report.overlay", "tqdm"])
 def test_an_interruption_while_modules_load_ends_with_one_line(module: str) -> None:
-    program = f"""
-import os, signal, sys
-
-class Interrupting:
-    def find_spec(self, name, path=None, target=None):
-        if name == {module!r}:
-            os.kill(os.getpid(), signal.SIGINT)
-
-sys.meta_path.insert(0, Interrupting())
-from vista.__main__ import main
-sys.argv = ["vista", "run", "missing", "--out", "missing"]
-sys.exit(main())
-"""
+    program = interrupted.while_loading(module, "run", "missing", "--out", "missing")
     run = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=60)
     assert (run.returncode, run.stdout, run.stderr) == (130, "", "vista: interrupted\n")
 

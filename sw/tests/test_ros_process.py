@@ -6,6 +6,7 @@ import signal
 from contextlib import nullcontext
 from pathlib import Path
 
+import interrupted
 import pytest
 from ros_camera import running_camera
 from ros_process import Process, needs_ros, running_node, until
@@ -73,19 +74,7 @@ def test_a_signal_ends_it_with_status_0(tmp_path: Path, number: signal.Signals, 
 
 @pytest.mark.parametrize("module", ["rclpy", "vista.ros.node", "rclpy.executors"])
 def test_an_interruption_while_it_loads_ends_with_one_line(tmp_path: Path, module: str) -> None:
-    program = f"""
-import os, signal, sys
-
-class Interrupting:
-    def find_spec(self, name, path=None, target=None):
-        if name == {module!r}:
-            os.kill(os.getpid(), signal.SIGINT)
-
-sys.meta_path.insert(0, Interrupting())
-from vista.__main__ import main
-sys.argv = ["vista", "ros"]
-sys.exit(main())
-"""
+    program = interrupted.while_loading(module, "ros")
     loading = Process(tmp_path, "-c", program)
     assert loading.process.wait(60.0) == 130
     until(lambda: bool(loading.errors))
