@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Cells of an ECP5 for the simulation of netlists: those that Yosys has no models of, and one that can fail.
 //
-// DP16KD as Yosys maps the memories of the engine: port A writes words of 18 bits and port B reads them, or words of
-// 36 bits are written and read through the pins of both ports. A word that is read while it is written comes out
+// DP16KD as Yosys maps the memories of the engine: port A writes words of 9 or 18 bits and port B reads them, or words
+// of 36 bits are written and read through the pins of both ports. A word that is read while it is written comes out
 // inverted, as in vista_line_store. A netlist that asks for anything else stops the simulation.
 //
 // MULT18X18D: an unsigned product, without registers or with those before and behind it, on one clock.
@@ -38,7 +38,9 @@ module DP16KD (
   parameter GSR = "ENABLED";
 
   localparam WIDE = DATA_WIDTH_A == 36;
-  localparam KNOWN = DATA_WIDTH_A == DATA_WIDTH_B && (DATA_WIDTH_A == 18 || DATA_WIDTH_A == 36) &&
+  localparam NARROW = DATA_WIDTH_A == 9;
+  localparam BYTES = DATA_WIDTH_A / 9;  // of 9 bits, in a word
+  localparam KNOWN = DATA_WIDTH_A == DATA_WIDTH_B && (NARROW || DATA_WIDTH_A == 18 || WIDE) &&
       REGMODE_A == "NOREG" && (REGMODE_B == "NOREG" || (REGMODE_B == "OUTREG" && !WIDE)) &&
       CLKAMUX == "CLKA" && CLKBMUX == "CLKB" && CSDECODE_A == "0b000" && CSDECODE_B == "0b000";
 
@@ -53,27 +55,30 @@ module DP16KD (
       {DIB17, DIB16, DIB15, DIB14, DIB13, DIB12, DIB11, DIB10, DIB9, DIB8, DIB7, DIB6, DIB5, DIB4, DIB3, DIB2, DIB1,
        DIB0};
 
-  wire [9:0] write_word = WIDE ? {1'b0, write_address[13:5]} : write_address[13:4];
-  wire [9:0] read_word = WIDE ? {1'b0, read_address[13:5]} : read_address[13:4];
-  wire [3:0] parts = WIDE ? write_address[3:0] : {2'b00, write_address[1:0]};  // of 9 bits each, to be written
+  wire [10:0] write_byte = write_address[13:3] & ~(BYTES - 1);  // the first one of the word
+  wire [10:0] read_byte = read_address[13:3] & ~(BYTES - 1);
+  wire [3:0] parts = WIDE ? write_address[3:0] : NARROW ? 4'b1 : {2'b00, write_address[1:0]};  // bytes to be written
   wire write = CEA & WEA & |parts;
   wire [35:0] data = {data_b, data_a};
   wire [5:0] others = {CSA2, CSA1, CSA0, CSB2, CSB1, CSB0};
 
-  reg [35:0] mem[0:1023];
+  reg [8:0] mem[0:2047];
   reg [35:0] array, register;
   wire [35:0] out = REGMODE_B == "OUTREG" ? register : array;
-  integer i;
+  integer i, j;
 
   always @(posedge CLKA) begin
-    if (write) for (i = 0; i < 4; i = i + 1) if (parts[i]) mem[write_word][9*i+:9] <= data[9*i+:9];
+    if (write) for (i = 0; i < BYTES; i = i + 1) if (parts[i]) mem[write_byte+i] <= data[9*i+:9];
     if (!KNOWN || {others, RSTA, RSTB, WEB, OCEB} != 10'b1)
       $error("a block RAM is used in a way that its model does not know");
   end
 
   always @(posedge CLKB) begin
     register <= array;
-    if (CEB) array <= (write && write_word == read_word) ? ~mem[read_word] : mem[read_word];
+    if (CEB) begin
+      for (j = 0; j < BYTES; j = j + 1)
+        array[9*j+:9] <= (write && write_byte == read_byte) ? ~mem[read_byte+j] : mem[read_byte+j];
+    end
   end
 
   // The upper half of a word of 36 bits leaves at port B, as one of 18 bits does.
