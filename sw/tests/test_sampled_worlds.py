@@ -196,7 +196,7 @@ def test_what_moves_is_in_view_and_then_in_the_way(name: str) -> None:
             assert missed_m(flight.approach, target) < IN_THE_WAY_M
 
 
-@pytest.mark.parametrize("number", [1297, 1770, 2539, 655191])
+@pytest.mark.parametrize("number", [1297, 1770, 2539, 79782, 655191])
 def test_what_is_met_in_a_turn_is_in_view(number: int) -> None:
     """Slow aircraft whose turn took the target out of the image while only the path bounded its bearing."""
     flight = FAMILIES["small_movers"].flight(number, 0)

@@ -25,7 +25,9 @@ IN_THE_AIR = Courses(
 )
 SIZE_M, SPEED_M_S = (0.4, 1.5), (2.0, 15.0)
 MOST_BEARING = 0.24  # tangent, of what comes: it stays in view
-MOST_OFF_AXIS = 0.28  # tangent, in the last frame: from there to the edge, 0.32, is room for its place to vary
+MOST_OFF_AXIS = 0.31  # tangent, in the last frame; the edge of the image is at 0.32
+PLACE_M = 0.4  # its place varies by so much to either side
+CAMERA_M = 0.25  # half a baseline, and a little: from the body to a camera
 
 
 def kite(size_m: float, rng: np.random.Generator) -> Triangles:
@@ -91,8 +93,8 @@ def velocity_m_s(here: Site, fastest_m_s: float, rng: np.random.Generator) -> np
     speed, turn = log_uniform(rng, SPEED_M_S[0], fastest_m_s), rng.uniform(0, np.pi / 2)
     along, across = -speed * np.cos(turn), float(rng.choice([-1, 1])) * speed * np.sin(turn)
     closing = here.course.speed_m_s - along
-    axis = bearing_of_the_axis(here)
-    bearings = np.clip([axis - MOST_OFF_AXIS, axis + MOST_OFF_AXIS], -MOST_BEARING, MOST_BEARING)
+    axis, most = bearing_of_the_axis(here), MOST_OFF_AXIS - (PLACE_M + CAMERA_M) / here.course.last_range_m
+    bearings = np.clip([axis - most, axis + most], -MOST_BEARING, MOST_BEARING)
     return np.array([along, np.clip(across, *(-closing * bearings[::-1])), 0.0])
 
 
@@ -120,7 +122,7 @@ def small_movers(altitude_m: float, seed: int) -> Scene:
         shape = build(size_m, rng)
         return things.one(name, build.__name__, shape, place_m, yaw_deg, velocity_m_s=moving, **more)
 
-    aside_m = beside_m(here, moving[1], moving[0]) + float(rng.uniform(-0.4, 0.4))
+    aside_m = beside_m(here, moving[1], moving[0]) + float(rng.uniform(-PLACE_M, PLACE_M))
     place = np.array([0.0, aside_m, altitude_m + float(rng.uniform(-0.5, 0.5))])
     flock = int(rng.integers(3, 11)) if build is gull else 0
     others = [one(f"gull{k}", place + rng.normal(0, 1, 3) * [4, 3, 1.2] + [3, 0, 0]) for k in range(flock)]
