@@ -61,7 +61,7 @@ def through(rig: Rig, name: str, folder: Path, options: Options = Options()) -> 
     return again
 
 
-def assert_same(first: Rig, second: Rig, tolerance: float = 1e-14) -> None:
+def assert_same(first: Rig, second: Rig, tolerance: float = 4e-15) -> None:
     for a, b in ((first.left, second.left), (first.right, second.right)):
         assert (a.width, a.height, a.lens) == (b.width, b.height, b.lens)
         np.testing.assert_array_equal(a.matrix, b.matrix)

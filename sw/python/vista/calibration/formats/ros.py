@@ -76,13 +76,25 @@ def _values(file: File, name: str) -> list[float]:
 
 
 def write(rig: Rig, options: Options) -> dict[str, str]:
-    (R_left, P_left), (_, P_right) = rectified_cameras(rig.raw("--to ros"))
-    # The same as OpenCV's but for its last digits, of which the motion is computed again.
-    R_right = R_left @ rig.right_from_left.rotation.T
+    (_, P_left), (R_right, P_right) = rectified_cameras(rig.raw("--to ros"))
+    R_right = _with_first_row(R_right, rig.right_from_left.translation_m * np.sign(P_right[0, 3]))
+    R_left = R_right @ rig.right_from_left.rotation
     return {
         "left.yaml": _info("left", rig.left, R_left, P_left),
         "right.yaml": _info("right", rig.right, R_right, P_right),
     }
+
+
+def _with_first_row(R: Array, axis: Array) -> Array:
+    """A rotation next to R whose first row has exactly the direction of an axis.
+
+    The motion between the cameras is computed from the matrices again. OpenCV turns the cameras by
+    an angle it has from a cosine, which leaves only some 13 digits of the direction of the baseline.
+    """
+    x = axis / np.linalg.norm(axis)
+    y = R[1] - (R[1] @ x) * x
+    y /= np.linalg.norm(y)
+    return np.stack([x, y, np.cross(x, y)])
 
 
 def _info(side: str, camera: CameraModel, R: Array, P: Array) -> str:
