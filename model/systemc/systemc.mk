@@ -7,12 +7,13 @@ SYSTEMC_SOURCES := $(wildcard model/systemc/src/*.cpp)
 SYSTEMC_OBJECTS := $(SYSTEMC_SOURCES:%.cpp=$(BUILD)/obj/%.o)
 SYSTEMC_LATENCY := $(BUILD)/include/vista_stereo_latency.h
 SYSTEMC_TRACE := $(BUILD)/bin/vista_engine_trace# its engine alone, for tb/top/test_system_model.py
+SYSTEMC_SDRAM_TRACE := $(BUILD)/bin/vista_sdram_trace# the memory of its board, for tb/top/test_sdram_model.py
 
 .PHONY: systemc systemc-tests
 
 systemc: $(BUILD)/bin/vista_system ## build the SystemC model of a whole system, build/bin/vista_system
 
-systemc-tests: systemc $(SYSTEMC_TRACE)
+systemc-tests: systemc $(SYSTEMC_TRACE) $(SYSTEMC_SDRAM_TRACE)
 
 $(SYSTEMC_STAMP): scripts/setup_systemc.sh scripts/requirements/systemc.txt
 	@$(call need,g++)scripts/setup_systemc.sh
@@ -44,6 +45,10 @@ $(BUILD)/bin/vista_system: $(BUILD)/obj/model/systemc/apps/vista_system.o $(SYST
 
 $(SYSTEMC_TRACE): $(BUILD)/obj/tb/systemc/vista_engine_trace.o $(SYSTEMC_OBJECTS) $(BUILD)/lib/libvista_engine.so
 	$(SYSTEMC_LINK)
+
+$(SYSTEMC_SDRAM_TRACE): $(BUILD)/obj/tb/systemc/vista_sdram_trace.o
+	@echo "ld $@"; mkdir -p $(@D)
+	@g++ $(SANITIZE) $^ -o $@
 
 .SECONDARY: # keep the objects of the programs
 -include $(shell find $(BUILD)/obj -name '*.d' 2>/dev/null)

@@ -49,6 +49,8 @@ class BufferPool {
     return buffer;
   }
 
+  int64_t number(const Buffer& buffer) const { return &buffer - buffers_.data(); }
+
   void release(Buffer& buffer) { move(buffer, Buffer::State::kFree); }
 
   const sc_core::sc_event& changed() const { return changed_; }

@@ -120,6 +120,7 @@ const std::vector<Key>& keys() {
       integer("levels", &C::levels, 1, 4),
       real("link_bytes_s", &C::link_bytes_s, 1e3, 1e12, true),
       real("link_round_trip_ns", &C::link_round_trip_ns, 0, 1e9),
+      real("memory_clock_hz", &C::memory_clock_hz, 1e6, 1e9, true),
       real("camera_rate_hz", &C::camera_rate_hz, 0.01, 10000, true),
       real("camera_pixel_clock_hz", &C::camera_pixel_clock_hz, 1e3, 10e9),
       integer("camera_horizontal_blanking_px", &C::camera_horizontal_blanking_px, 0, 100000),
@@ -127,9 +128,6 @@ const std::vector<Key>& keys() {
       real("memory_bandwidth_bytes_s", &C::memory_bandwidth_bytes_s, 1e3, 1e13),
       real("memory_latency_ns", &C::memory_latency_ns, 0, 1e6),
       real("memory_burst_overhead_ns", &C::memory_burst_overhead_ns, 0, 1e6),
-      real("memory_turnaround_ns", &C::memory_turnaround_ns, 0, 1e6),
-      real("memory_read_time_ns", &C::memory_read_time_ns, 0, 1e6),
-      real("memory_write_time_ns", &C::memory_write_time_ns, 0, 1e6),
       choice("memory_arbitration", &C::memory_priority, "priority", "round_robin"),
       integer("burst_bytes", &C::burst_bytes, 16, 4096),
       integer("dma_fifo_bytes", &C::dma_fifo_bytes, 32, 1 << 20),
@@ -187,6 +185,8 @@ void check(const Configuration& c) {
   if (c.levels > 1 && c.rectify_rows == 0) throw ConfigurationError("levels", "more than 1 needs rectify_rows");
   if (c.rectify_rows != 0 && c.compute_words)
     throw ConfigurationError("compute_words", "on, but only times are known of the front end (rectify_rows)");
+  if (c.has_board() != (c.memory_clock_hz > 0))
+    throw ConfigurationError("memory_clock_hz", "of a board (link_bytes_s): a board has one, nothing else has");
   if (c.has_board() && c.lanes > 1) throw ConfigurationError("lanes", "a board (link_bytes_s) has one");
   if (c.has_board() && !c.rectify_ms.empty())
     throw ConfigurationError("rectify_ms", "a board (link_bytes_s) gets its pairs unrectified");
@@ -240,6 +240,14 @@ std::vector<clocks::Size> Configuration::level_sizes() const {
     size = {(size.width + 1) / 2, (size.height + 1) / 2};
   }
   return sizes;
+}
+
+// Narrow words go two by two, and a row ends with a whole word: doc/rtl.md, OUTPUT.
+int64_t Configuration::result_words() const {
+  int64_t sum = 0;
+  for (const clocks::Size& size : level_sizes())
+    sum += static_cast<int64_t>(result_bytes_px == 2 ? (size.width + 1) / 2 : size.width) * size.height;
+  return sum;
 }
 
 int64_t Configuration::result_px() const {

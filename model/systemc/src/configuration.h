@@ -40,12 +40,12 @@ struct Configuration {
   int64_t lanes = 1;
   int64_t rectify_rows = 0, levels = 1;  // of the front end in hardware; no rows: without front end
   double link_bytes_s = 0, link_round_trip_ns = 0;  // to a board; no bytes: the camera feeds its memory
+  double memory_clock_hz = 0;                       // of the SDRAM of a board
 
   double camera_rate_hz = 60, camera_pixel_clock_hz = 27e6;
   int64_t camera_horizontal_blanking_px = 160, camera_vertical_blanking_lines = 45;
 
   double memory_bandwidth_bytes_s = 1.6e9, memory_latency_ns = 100, memory_burst_overhead_ns = 0;
-  double memory_turnaround_ns = 0, memory_read_time_ns = 0, memory_write_time_ns = 0;
   bool memory_priority = false;  // else round robin
   int64_t burst_bytes = 256, dma_fifo_bytes = 4096, capture_fifo_bytes = 16384;
   double background_bytes_s = 0;
@@ -65,6 +65,7 @@ struct Configuration {
   bool has_board() const { return link_bytes_s > 0; }
   std::vector<clocks::Size> level_sizes() const;  // of those that are matched
   int64_t result_px() const;                      // of all levels
+  int64_t result_words() const;                   // of 32 bits, in which the engine sends them
   clocks::Build build() const;
   vista_engine_params engine_parameters() const;
   double line_ns() const;     // of the camera, blanking included

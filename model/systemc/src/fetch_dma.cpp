@@ -4,9 +4,14 @@
 #include <cstring>
 
 namespace vista {
+namespace {
+
+constexpr int64_t kChunkPixels = 512;  // of a board: rtl/board/wire.toml
+
+}  // namespace
 
 FetchDma::FetchDma(const sc_core::sc_module_name& name, const Configuration& c, int lane, Memory& memory,
-                   BufferPool& pairs, BufferPool& results, ResultDma& result_dma, FrameLog& log)
+                   BufferPool& pairs, BufferPool& results, ResultDma& result_dma, FrameLog& log, BoardReader* board)
     : sc_module(name),
       lane_(lane),
       master_("fetch" + std::to_string(lane), memory, kFetchRank),
@@ -23,7 +28,8 @@ FetchDma::FetchDma(const sc_core::sc_module_name& name, const Configuration& c, 
       burst_px_(c.burst_bytes),
       fifo_px_(c.dma_fifo_bytes / 2),
       left_(static_cast<size_t>(c.pixels())),
-      right_(left_.size()) {
+      right_(left_.size()),
+      board_(board) {
   SC_HAS_PROCESS(FetchDma);
   SC_THREAD(run);
 }
@@ -42,7 +48,10 @@ void FetchDma::run() {
     entry.lane = lane_;
     entry.fetch_start = now_ps();
     result_dma_.expect(job(pair, *result));
-    fetch(pair);
+    if (board_)
+      fetch_on_board(pair);
+    else
+      fetch(pair);
     while (one_at_a_time_ && entry.result_end < 0) sc_core::wait(results_.changed());
     pairs_.release(pair);
   }
@@ -76,8 +85,30 @@ void FetchDma::fetch(const Buffer& pair) {
   }
 }
 
+// Two pixels to a word, and whole chunks; what fills the last one is dropped, a word a clock.
+void FetchDma::fetch_on_board(const Buffer& pair) {
+  const int64_t words = (pixels_ + kChunkPixels - 1) / kChunkPixels * (kChunkPixels / 2);
+  left_px_ = pixels_;
+  board_->read(BoardMemory::pixels_of(pairs_.number(pair)), words);
+  sent_.pop();
+  for (int64_t filling = words - (pixels_ + 1) / 2; filling > 0; --filling) {
+    while (board_->came().empty()) sc_core::wait(board_->arrival());
+    wait_until(board_->came().front());
+    board_->came().pop_front();
+    board_->taken(now_ps());
+  }
+}
+
 bool FetchDma::pixel_valid(int64_t clock) {
   if (offered_ > 0) return true;
+  if (board_) {
+    if (left_px_ == 0) return false;
+    if (board_->came().empty()) wait_until(edges_.ps(clock));
+    if (board_->came().empty() || board_->came().front() > edges_.ps(clock)) return false;
+    board_->came().pop_front();
+    offered_ = std::min<int64_t>(2, left_px_);
+    return true;
+  }
   if (arriving_.empty()) wait_until(edges_.ps(clock));
   if (arriving_.empty() || arriving_.front().clock > clock) return false;
   offered_ = offered_burst_ = arriving_.front().pixels;
@@ -86,10 +117,19 @@ bool FetchDma::pixel_valid(int64_t clock) {
 }
 
 void FetchDma::pixel_taken(int64_t clock) {
+  if (board_) {
+    if (--offered_ == 0) board_->taken(edges_.ps(clock));
+    if (--left_px_ == 0) sent_.push(edges_.ps(clock), 0);
+    return;
+  }
   if (--offered_ == 0) taken_.push(edges_.ps(clock), offered_burst_);
 }
 
 int64_t FetchDma::next_pixel(int64_t clock) {
+  if (board_) {
+    while (left_px_ == 0 || board_->came().empty()) sc_core::wait(board_->arrival());
+    return std::max(clock, edges_.at_or_after(board_->came().front()));
+  }
   while (arriving_.empty()) sc_core::wait(arrival_);
   return std::max(clock, arriving_.front().clock);
 }

@@ -13,8 +13,9 @@ constexpr int64_t kSlack = 8;  // pixels that registers hold
 
 }  // namespace
 
-FrontEnd::FrontEnd(const sc_core::sc_module_name& name, const Configuration& c, Memory& memory, int64_t address)
-    : sc_module(name), height_(c.height_px), rows_(c.rectify_rows), buffer_("levels", c, memory, address) {
+FrontEnd::FrontEnd(const sc_core::sc_module_name& name, const Configuration& c, Memory& memory, int64_t address,
+                   BoardMemory* board)
+    : sc_module(name), height_(c.height_px), rows_(c.rectify_rows), buffer_("levels", c, memory, address, board) {
   for (const clocks::Size& size : c.level_sizes()) {
     level_width_.push_back(size.width);
     level_px_.push_back(static_cast<int64_t>(size.width) * size.height);
@@ -83,6 +84,7 @@ bool FrontEnd::rectified(int64_t clock) {
 }
 
 void FrontEnd::pass_pyramid(int64_t clock) {
+  buffer_.edge(clock);
   if (passed_ - left_ > width(smoothed_) + kSmoothAhead + kSmoothClocks + kSlack) return;
   const bool more = pyramid_.level + 1 < static_cast<int64_t>(level_px_.size());
   if (more && !buffer_.has_room(clock)) return;
@@ -93,7 +95,9 @@ void FrontEnd::pass_pyramid(int64_t clock) {
     // A pixel of the smaller level for every second one of every second row, the last rows at the end.
     const size_t next = static_cast<size_t>(pyramid_.level) + 1;
     const int64_t done = pyramid_.pixel + 1, all = pixels(pyramid_), lag = 2 * width(pyramid_) + 4;
-    const int64_t stored = done == all ? level_px_[next] : std::max<int64_t>(0, done - lag) * level_px_[next] / all;
+    const int64_t past = std::max<int64_t>(0, done - lag), row = past / width(pyramid_),
+                  column = past % width(pyramid_);
+    const int64_t stored = done == all ? level_px_[next] : row / 2 * level_width_[next] + (row % 2 ? column / 2 : 0);
     buffer_.store(clock, stored, done == all);
   }
   if (pyramid_.pixel + 1 == pixels(pyramid_)) level_clock_ = clock;

@@ -21,7 +21,8 @@ class FrontEnd : public sc_core::sc_module, public PixelSource {
  public:
   sc_core::sc_port<PixelSource> raw;
 
-  FrontEnd(const sc_core::sc_module_name& name, const Configuration& configuration, Memory& memory, int64_t address);
+  FrontEnd(const sc_core::sc_module_name& name, const Configuration& configuration, Memory& memory, int64_t address,
+           BoardMemory* board);
 
   bool pixel_valid(int64_t clock) override;
   void pixel_taken(int64_t clock) override;

@@ -8,6 +8,7 @@
 #include <systemc>
 #include <vector>
 
+#include "board_memory.h"
 #include "configuration.h"
 #include "memory.h"
 #include "timing.h"
@@ -16,21 +17,31 @@ namespace vista {
 
 class LevelBuffer : public sc_core::sc_module {
  public:
-  LevelBuffer(const sc_core::sc_module_name& name, const Configuration& c, Memory& memory, int64_t address)
+  LevelBuffer(const sc_core::sc_module_name& name, const Configuration& c, Memory& memory, int64_t address,
+              BoardMemory* board)
       : sc_module(name),
         to_("store", memory, kResultRank),
         from_("levels", memory, kFetchRank),
         address_(address),
         edges_(c.engine_clock_hz),
         burst_px_(c.burst_bytes / kBytes),
-        fifo_px_(c.dma_fifo_bytes / kBytes) {
+        fifo_px_(c.dma_fifo_bytes / kBytes),
+        board_(board) {
     SC_HAS_PROCESS(LevelBuffer);
     SC_THREAD(write);
     SC_THREAD(read);
   }
 
+  // Comes before all others in each clock: pixels on their way to a board's memory, one a clock.
+  void edge(int64_t clock) {
+    if (waiting_px_ == 0 || !board_->store.has_room(edges_.ps(clock))) return;
+    --waiting_px_;
+    board_->store.write(edges_.ps(clock), BoardMemory::kLevels + stored_px_++ % BoardMemory::kLevelWords);
+  }
+
   // Whether another pixel may be stored in this clock.
   bool has_room(int64_t clock) {
+    if (board_) return waiting_px_ < kWaitingPixels;
     if (held_px_ < fifo_px_) return true;
     wait_until(edges_.ps(clock));
     written_.drain(edges_.ps(clock), [&](int64_t px) { held_px_ -= px; });
@@ -39,6 +50,11 @@ class LevelBuffer : public sc_core::sc_module {
 
   // So many pixels of a level are stored by now; `end`: and it is whole.
   void store(int64_t clock, int64_t px, bool end) {
+    if (board_) {
+      waiting_px_ += px - level_px_;
+      level_px_ = end ? 0 : px;
+      return;
+    }
     held_px_ += px - level_px_;
     fill_px_ += px - level_px_;
     level_px_ = end ? 0 : px;
@@ -48,6 +64,14 @@ class LevelBuffer : public sc_core::sc_module {
 
   // Takes a pixel, if there is one in this clock.
   bool take(int64_t clock) {
+    if (board_) {
+      std::deque<int64_t>& came = board_->levels.came();
+      if (came.empty()) wait_until(edges_.ps(clock));
+      if (came.empty() || came.front() > edges_.ps(clock)) return false;
+      came.pop_front();
+      board_->levels.taken(edges_.ps(clock));
+      return true;
+    }
     if (offered_px_ == 0) {
       if (arriving_.empty()) wait_until(edges_.ps(clock));
       if (arriving_.empty() || arriving_.front().clock > clock) return false;
@@ -60,6 +84,7 @@ class LevelBuffer : public sc_core::sc_module {
 
  private:
   static constexpr int64_t kBytes = 4;
+  static constexpr int64_t kWaitingPixels = 4;  // registers of the pyramid
   struct Burst {
     int64_t clock, px;
   };
@@ -93,6 +118,8 @@ class LevelBuffer : public sc_core::sc_module {
   TimedQueue<int64_t> filled_, written_, stored_, taken_;
   std::deque<Burst> arriving_;
   int64_t offered_px_ = 0, offered_burst_px_ = 0;
+  BoardMemory* board_;  // null: not on a board
+  int64_t waiting_px_ = 0, stored_px_ = 0;
 };
 
 }  // namespace vista

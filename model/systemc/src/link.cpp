@@ -10,12 +10,12 @@ namespace {
 constexpr int64_t kChunkBytes = 1024, kHeaderBytes = 20, kStatusBytes = 176, kCredits = 7, kAskEvery = 3;
 constexpr int64_t kFetchChunks = 32, kPauseNs = 200000;  // sw/src/board/words.c
 constexpr int64_t kQuestionsOfSlot = 2;  // sw/src/board/request.c: what is in the slot, and to give it up
-constexpr int64_t kWordBytes = 4;  // of the board's memory
+constexpr int64_t kWordBytes = 4, kChunkWords = kChunkBytes / kWordBytes;  // of the board's memory
 // Preamble, Ethernet, IP, UDP, check sum, gap between two packets.
 constexpr int64_t kPacketBytes = 8 + 14 + 20 + 8 + 4 + 12;
-// Of the server, beside a clock for each word: to read a packet's header and to look at its place; to reply with a status,
-// with words.
-constexpr int64_t kPacketClocks = 15, kStatusClocks = 44, kReplyClocks = 24;
+// Of the server, beside the words of a chunk: to read a packet's header and to look at its place; to reply with a status;
+// from one reply of words to the next.
+constexpr int64_t kPacketClocks = 15, kStatusClocks = 44, kReplyClocks = 1;
 constexpr int64_t kReplies = 2;  // that wait for the wire
 
 }  // namespace
@@ -57,16 +57,29 @@ void Link::run() {
   }
 }
 
-// The server takes a clock for each word of a chunk, or as long as memory does.
-template <class Burst>
-int64_t Link::in_bursts(int64_t bytes, Burst burst) {
-  int64_t done = now_ps();
-  for (int64_t first = 0; first < bytes; first += configuration_.burst_bytes) {
-    const int64_t begin = now_ps(), count = std::min(configuration_.burst_bytes, bytes - first);
-    done = burst(first, count);
-    wait_until(begin + clocks_ps(count / kWordBytes));
+// The server puts a word into memory a clock, if there is room, and goes on when all are inside.
+void Link::store(int64_t address, int64_t words) {
+  const ClockEdges& edges = ends_.board_times.edges;
+  BoardWriter& writer = ends_.board_times.from_host;
+  int64_t clock = edges.at_or_after(now_ps());
+  for (int64_t word = 0; word < words; ++clock) {
+    wait_until(edges.ps(clock));
+    if (writer.has_room(edges.ps(clock))) writer.write(edges.ps(clock), address + word++);
   }
-  return done;
+  while (!writer.idle()) sc_core::wait(writer.emptied());
+}
+
+// Words are asked for before the header of their reply leaves, which takes them as they come.
+void Link::load(int64_t address, int64_t words) {
+  BoardReader& reader = ends_.board_times.to_host;
+  reader.read(address, words);
+  wait_until(now_ps() + clocks_ps(kHeaderBytes / kWordBytes));
+  for (int64_t word = 0; word < words; ++word) {
+    while (reader.came().empty()) sc_core::wait(reader.arrival());
+    wait_until(reader.came().front());
+    reader.came().pop_front();
+    reader.taken(now_ps());
+  }
 }
 
 int64_t Link::wire_ps(int64_t payload_bytes) const {
@@ -88,6 +101,7 @@ void Link::send(Buffer& pair, Buffer& received) {
   const int64_t bytes = 2 * configuration_.pixels(), round_trip = from_ns(configuration_.link_round_trip_ns).value();
   std::vector<uint8_t> data(static_cast<size_t>(bytes));
   wait_until(from_host_.read(pair.address, data.data(), bytes));
+  const int64_t address = BoardMemory::pixels_of(ends_.received.number(received));
   int64_t wire = now_ps(), known = 0, asked = 0;  // packets that were answered, and of the last one that asks
   std::deque<std::pair<int64_t, int64_t>> answers;  // when the host knows of how many
   for (int64_t packet = 0, first = 0; first < bytes; ++packet, first += kChunkBytes) {
@@ -98,17 +112,15 @@ void Link::send(Buffer& pair, Buffer& received) {
     }
     wire += wire_ps(kChunkBytes + kHeaderBytes);
     wait_until(wire);
-    const int64_t count = std::min(kChunkBytes, bytes - first);
-    in_bursts(count, [&](int64_t at, int64_t burst) {
-      return to_board_.write(received.address + first + at, data.data() + first + at, burst);
-    });
+    store(address + packet * kChunkWords, kChunkWords);
     wait_until(now_ps() + clocks_ps(kPacketClocks));
-    const bool ask = packet + 1 - asked == kAskEvery || packet + 1 - known == kCredits || first + count == bytes;
+    const bool ask = packet + 1 - asked == kAskEvery || packet + 1 - known == kCredits || first + kChunkBytes >= bytes;
     if (!ask) continue;
     asked = packet + 1;
     wait_until(now_ps() + clocks_ps(kStatusClocks));
     answers.emplace_back(now_ps() + wire_ps(kStatusBytes) + round_trip, asked);
   }
+  to_board_.poke(received.address, data.data(), bytes);
   wait_until(answers.back().first);
   received.frame = pair.frame;
   ends_.captured.release(pair);
@@ -117,11 +129,10 @@ void Link::send(Buffer& pair, Buffer& received) {
 
 // Chunks are asked for by the dozen; replies wait for the wire, and the server for room among them.
 void Link::fetch(Buffer& result, Buffer& fetched) {
-  const int64_t bytes = configuration_.result_bytes_px * configuration_.result_px();
-  const int64_t round_trip = from_ns(configuration_.link_round_trip_ns).value();
-  std::vector<uint8_t> data(static_cast<size_t>(bytes));
+  const int64_t round_trip = from_ns(configuration_.link_round_trip_ns).value(), words = configuration_.result_words();
+  const int64_t address = BoardMemory::words_of(ends_.results.number(result));
   std::deque<int64_t> leaving;
-  for (int64_t packet = 0, first = 0; first < bytes; ++packet, first += kChunkBytes) {
+  for (int64_t packet = 0; packet * kChunkWords < words; ++packet) {
     if (packet % kFetchChunks == 0) {
       if (!leaving.empty()) wait_until(leaving.back());
       leaving.clear();
@@ -131,14 +142,14 @@ void Link::fetch(Buffer& result, Buffer& fetched) {
       wait_until(leaving.front());
       leaving.pop_front();
     }
-    const int64_t count = std::min(kChunkBytes, bytes - first);
-    wait_until(in_bursts(count, [&](int64_t at, int64_t burst) {
-      return from_board_.read(result.address + first + at, data.data() + first + at, burst);
-    }));
+    load(address + packet * kChunkWords, kChunkWords);
     wait_until(now_ps() + clocks_ps(kReplyClocks));
     const int64_t wire_free = leaving.empty() ? now_ps() : std::max(now_ps(), leaving.back());
     leaving.push_back(wire_free + wire_ps(kChunkBytes + kHeaderBytes));
   }
+  std::vector<uint8_t> data(static_cast<size_t>(configuration_.result_bytes_px * configuration_.result_px()));
+  const int64_t bytes = static_cast<int64_t>(data.size());
+  from_board_.peek(result.address, data.data(), bytes);
   wait_until(leaving.back());
   wait_until(to_host_.write(fetched.address, data.data(), bytes));
   fetched.frame = result.frame;

@@ -8,6 +8,7 @@
 #include <systemc>
 #include <vector>
 
+#include "board_memory.h"
 #include "buffer_pool.h"
 #include "configuration.h"
 #include "memory.h"
@@ -18,6 +19,7 @@ namespace vista {
 // Of its two ends, memory of the host and of the board.
 struct LinkEnds {
   Memory &host, &board;
+  BoardMemory& board_times;
   BufferPool &captured, &received;  // pairs at the host, and on the board
   BufferPool &results, &fetched;  // words on the board, and at the host
 };
@@ -35,8 +37,8 @@ class Link : public sc_core::sc_module {
   void ask();
   void send(Buffer& pair, Buffer& received);
   void fetch(Buffer& result, Buffer& fetched);
-  template <class Burst>
-  int64_t in_bursts(int64_t bytes, Burst burst);
+  void store(int64_t address, int64_t words);  // addresses of words on the board
+  void load(int64_t address, int64_t words);
   int64_t wire_ps(int64_t payload_bytes) const;
   int64_t clocks_ps(int64_t clocks) const;
 

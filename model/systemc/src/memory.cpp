@@ -13,12 +13,8 @@ Memory::Memory(const sc_core::sc_module_name& name, const Configuration& c, int6
       bytes_(static_cast<size_t>(bytes)),
       ps_per_byte_(1e12 / c.memory_bandwidth_bytes_s),
       overhead_ps_(c.memory_burst_overhead_ns * 1e3),
-      turnaround_ps_(c.memory_turnaround_ns * 1e3),
       latency_(from_ns(c.memory_latency_ns)),
-      by_priority_(c.memory_priority),
-      by_direction_(c.memory_read_time_ns > 0 || c.memory_write_time_ns > 0),
-      read_time_ps_(from_ns(c.memory_read_time_ns).value()),
-      write_time_ps_(from_ns(c.memory_write_time_ns).value()) {
+      by_priority_(c.memory_priority) {
   port.register_b_transport(this, &Memory::b_transport);
   port.register_transport_dbg(this, &Memory::transport_dbg);
   SC_HAS_PROCESS(Memory);
@@ -38,7 +34,6 @@ void Memory::b_transport(int id, tlm::tlm_generic_payload& burst, sc_core::sc_ti
   const int64_t asked = now_ps();
   if (taken_) {
     waiting_[master].waits = true;
-    waiting_[master].writes = burst.is_write();
     sc_core::wait(waiting_[master].granted);
     waiting_[master].waits = false;
   }
@@ -47,14 +42,8 @@ void Memory::b_transport(int id, tlm::tlm_generic_payload& burst, sc_core::sc_ti
   MasterCounts& counts = masters_[master];
   counts.waited_ps += now_ps() - asked;
   if (!copy(burst)) return;
-  const bool turns = burst.is_write() != writing_;
-  if (turns) {
-    writing_ = burst.is_write();
-    turned_ps_ = now_ps();
-  }
-  const double lost_ps = overhead_ps_ + (turns ? turnaround_ps_ : 0);
   // Rounded up, so that no more than the bandwidth is ever served.
-  const int64_t occupied = static_cast<int64_t>(std::ceil(lost_ps + ps_per_byte_ * burst.get_data_length()));
+  const int64_t occupied = static_cast<int64_t>(std::ceil(overhead_ps_ + ps_per_byte_ * burst.get_data_length()));
   counts.bytes += burst.get_data_length();
   ++counts.bursts;
   busy_ps_ += occupied;
@@ -85,20 +74,11 @@ void Memory::release() {
 }
 
 int Memory::next_waiting() const {
-  if (!by_direction_) return next_waiting([](const Waiting&) { return true; });
-  const int same = next_waiting([this](const Waiting& w) { return w.writes == writing_; });
-  const int other = next_waiting([this](const Waiting& w) { return w.writes != writing_; });
-  const bool over = now_ps() - turned_ps_ >= (writing_ ? write_time_ps_ : read_time_ps_);
-  return other >= 0 && (over || same < 0) ? other : same;
-}
-
-template <class Counts>
-int Memory::next_waiting(Counts counts) const {
   const int n = static_cast<int>(masters_.size());
   int best = -1;
   for (int turn = 1; turn <= n; ++turn) {  // from the one after the last served
     const int id = (last_ + turn) % n;
-    if (!waiting_[static_cast<size_t>(id)].waits || !counts(waiting_[static_cast<size_t>(id)])) continue;
+    if (!waiting_[static_cast<size_t>(id)].waits) continue;
     if (!by_priority_) return id;
     if (best < 0 || masters_[static_cast<size_t>(id)].rank < masters_[static_cast<size_t>(best)].rank) best = id;
   }
@@ -136,6 +116,12 @@ void fill(tlm::tlm_generic_payload& payload, tlm::tlm_command command, int64_t a
 void Master::peek(int64_t address, uint8_t* data, int64_t bytes) {
   tlm::tlm_generic_payload payload;
   fill(payload, tlm::TLM_READ_COMMAND, address, data, bytes);
+  socket_->transport_dbg(payload);
+}
+
+void Master::poke(int64_t address, const uint8_t* data, int64_t bytes) {
+  tlm::tlm_generic_payload payload;
+  fill(payload, tlm::TLM_WRITE_COMMAND, address, const_cast<uint8_t*>(data), bytes);
   socket_->transport_dbg(payload);
 }
 

@@ -1,6 +1,5 @@
 // One memory port behind TLM-2.0: every burst takes the bus for overhead + bytes / bandwidth, alone; then its latency,
-// while others have the bus. Waiting masters are served in turn, or by priority. With a time for reads and one for writes, as controllers of
-// SDRAM have, those of one direction are served until none of them waits or their time is over; then the others.
+// while others have the bus. Waiting masters are served in turn, or by priority.
 #ifndef VISTA_SYSTEM_MEMORY_H
 #define VISTA_SYSTEM_MEMORY_H
 
@@ -46,26 +45,20 @@ class Memory : public sc_core::sc_module {
   int next_waiting() const;
 
   struct Waiting {
-    bool waits = false, writes = false;
+    bool waits = false;
     sc_core::sc_event granted;
   };
 
   std::vector<uint8_t> bytes_;
-  double ps_per_byte_, overhead_ps_, turnaround_ps_;
+  double ps_per_byte_, overhead_ps_;
   sc_core::sc_time latency_;
-  bool by_priority_, by_direction_;
-  int64_t read_time_ps_, write_time_ps_;
+  bool by_priority_;
   std::deque<MasterCounts> masters_;
   std::deque<Waiting> waiting_;
   bool taken_ = false;
   int last_ = 0;
-  bool writing_ = false;  // the direction, and since when
-  int64_t turned_ps_ = 0;
   int64_t busy_ps_ = 0;
   sc_core::sc_event released_;
-
-  template <class Counts>
-  int next_waiting(Counts counts) const;
 };
 
 // Ranks of the masters for arbitration by priority: who cannot wait comes first.
@@ -79,8 +72,9 @@ class Master {
   // Suspends until the bus is granted; returns when the burst is complete, in ps of simulated time.
   int64_t write(int64_t address, const uint8_t* data, int64_t bytes);
   int64_t read(int64_t address, uint8_t* data, int64_t bytes);
-  // Looks without taking time.
+  // Look, and change, without taking time.
   void peek(int64_t address, uint8_t* data, int64_t bytes);
+  void poke(int64_t address, const uint8_t* data, int64_t bytes);
 
  private:
   int64_t transport(tlm::tlm_command command, int64_t address, uint8_t* data, int64_t bytes);

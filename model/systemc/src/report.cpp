@@ -130,6 +130,7 @@ std::string lanes(const System& s) {
   return json_list(values);
 }
 
+template <class Memory>
 std::string memory(const Memory& m) {
   std::vector<std::string> masters;
   int64_t bytes = 0;
@@ -185,8 +186,9 @@ void write_report(const System& s, std::ostream& out) {
   out << "{\"version\": 1,\n \"config\": " << configuration(s.configuration)
       << ",\n \"camera\": " << camera(s.configuration) << ",\n \"engine\": " << engine(s.configuration)
       << ",\n \"frames\": " << json_list(frames, ",\n  ") << ",\n \"totals\": " << totals(s)
-      << ",\n \"lanes\": " << lanes(s) << ",\n \"memory\": " << memory(s.memory) << ",\n \"host\": " << host(s)
-      << ",\n \"buffers\": " << buffers(s) << "}\n";
+      << ",\n \"lanes\": " << lanes(s)
+      << ",\n \"memory\": " << (s.board_memory ? memory(*s.board_memory) : memory(s.memory))
+      << ",\n \"host\": " << host(s) << ",\n \"buffers\": " << buffers(s) << "}\n";
 }
 
 }  // namespace vista

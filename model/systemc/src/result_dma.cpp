@@ -5,9 +5,14 @@
 #include <utility>
 
 namespace vista {
+namespace {
+
+constexpr int64_t kBoardWordBytes = 4;
+
+}  // namespace
 
 ResultDma::ResultDma(const sc_core::sc_module_name& name, const Configuration& c, int lane, const Engine& engine,
-                     Memory& memory, BufferPool& results, FrameLog& log)
+                     Memory& memory, BufferPool& results, FrameLog& log, BoardWriter* board)
     : sc_module(name),
       engine_(engine),
       master_("result" + std::to_string(lane), memory, kResultRank),
@@ -17,7 +22,9 @@ ResultDma::ResultDma(const sc_core::sc_module_name& name, const Configuration& c
       pixels_(c.result_px()),
       bytes_per_word_(c.result_bytes_px),
       burst_words_(c.burst_bytes / c.result_bytes_px),
-      fifo_words_(c.dma_fifo_bytes / c.result_bytes_px) {
+      fifo_words_(c.dma_fifo_bytes / c.result_bytes_px),
+      board_(board),
+      levels_(c.level_sizes()) {
   SC_HAS_PROCESS(ResultDma);
   SC_THREAD(run);
 }
@@ -28,6 +35,7 @@ void ResultDma::expect(Job job) {
 }
 
 bool ResultDma::word_ready(int64_t clock) {
+  if (board_) return !completes_word() || board_->has_room(edges_.ps(clock));
   const auto leaves = [&](int64_t words) { held_words_ -= words; };
   if (held_words_ < fifo_words_) return true;
   wait_until(edges_.ps(clock));
@@ -36,6 +44,10 @@ bool ResultDma::word_ready(int64_t clock) {
 }
 
 void ResultDma::word_taken(int64_t clock) {
+  if (board_) {
+    word_on_board(clock);
+    return;
+  }
   ++held_words_;
   ++burst_fill_;
   if (++frame_fill_ == pixels_) frame_fill_ = 0;
@@ -44,6 +56,21 @@ void ResultDma::word_taken(int64_t clock) {
   burst_fill_ = 0;
   written_.drain(edges_.ps(clock), [&](int64_t words) { held_words_ -= words; });
   high_water_words_ = std::max(high_water_words_, held_words_);
+}
+
+// As Configuration::result_words counts.
+bool ResultDma::completes_word() const {
+  return bytes_per_word_ == kBoardWordBytes || column_ % 2 == 1 || column_ + 1 == levels_[level_].width;
+}
+
+void ResultDma::word_on_board(int64_t clock) {
+  if (completes_word()) board_->write(edges_.ps(clock), address_++);
+  if (++column_ < levels_[level_].width) return;
+  column_ = 0;
+  if (++row_ < levels_[level_].height) return;
+  row_ = 0;
+  level_ = (level_ + 1) % levels_.size();
+  if (level_ == 0) filled_.push(edges_.ps(clock), pixels_);
 }
 
 void ResultDma::run() {
@@ -60,6 +87,13 @@ void ResultDma::run() {
 }
 
 void ResultDma::write(const Job& job) {
+  if (board_) {
+    address_ = BoardMemory::words_of(results_.number(*job.buffer));
+    filled_.pop();
+    while (!board_->idle()) sc_core::wait(board_->emptied());
+    master_.poke(job.buffer->address, reinterpret_cast<const uint8_t*>(job.words.data()), pixels_ * bytes_per_word_);
+    return;
+  }
   std::vector<uint8_t> bytes(static_cast<size_t>(burst_words_ * bytes_per_word_));
   int64_t done = 0;
   for (int64_t first = 0; first < pixels_;) {

@@ -7,6 +7,7 @@
 #include <systemc>
 #include <vector>
 
+#include "board_memory.h"
 #include "buffer_pool.h"
 #include "configuration.h"
 #include "engine.h"
@@ -24,7 +25,7 @@ class ResultDma : public sc_core::sc_module, public WordSink {
   };
 
   ResultDma(const sc_core::sc_module_name& name, const Configuration& configuration, int lane, const Engine& engine,
-            Memory& memory, BufferPool& results, FrameLog& log);
+            Memory& memory, BufferPool& results, FrameLog& log, BoardWriter* board);
 
   // Announces the next frame of this lane.
   void expect(Job job);
@@ -36,6 +37,8 @@ class ResultDma : public sc_core::sc_module, public WordSink {
 
  private:
   void run();
+  bool completes_word() const;  // of a board's memory, with the next one of the engine
+  void word_on_board(int64_t clock);
   void write(const Job& job);
 
   const Engine& engine_;
@@ -51,6 +54,11 @@ class ResultDma : public sc_core::sc_module, public WordSink {
   int64_t held_words_ = 0;       // as the engine sees it
   int64_t burst_fill_ = 0, frame_fill_ = 0, high_water_words_ = 0;
   size_t frames_ = 0;  // written
+  BoardWriter* board_;  // null: not on a board
+  int64_t address_ = 0;  // of the next word on a board
+  std::vector<clocks::Size> levels_;
+  size_t level_ = 0;
+  int64_t column_ = 0, row_ = 0;
 };
 
 }  // namespace vista

@@ -53,6 +53,7 @@ System::System(const sc_core::sc_module_name& name, const Configuration& c, std:
       log(c.frames),
       images(c),
       memory("memory", c, memory_bytes(c)),
+      board_memory(c.has_board() ? std::make_unique<BoardMemory>("board_memory", c) : nullptr),
       host_memory(memory_at_host(c)),
       captured(count(c), pair_bytes(c), 0, c.latest, Drop::kReplaced, log),
       received(received_pool(c, log)),
@@ -75,7 +76,7 @@ System::System(const sc_core::sc_module_name& name, const Configuration& c, std:
 std::unique_ptr<Link> System::make_link() {
   if (!host_memory) return nullptr;
   return std::make_unique<Link>("link", configuration,
-                                LinkEnds{*host_memory, memory, captured, *received, results, *fetched});
+                                LinkEnds{*host_memory, memory, *board_memory, captured, *received, results, *fetched});
 }
 
 std::vector<Lane> System::make_lanes() {
@@ -86,11 +87,13 @@ std::vector<Lane> System::make_lanes() {
     Lane& lane = made[static_cast<size_t>(i)];
     const std::string n = std::to_string(i);
     lane.engine = std::make_unique<Engine>(("engine" + n).c_str(), c.build(), c.level_sizes());
-    lane.result_dma = std::make_unique<ResultDma>(("result_dma" + n).c_str(), c, i, *lane.engine, memory, results, log);
-    lane.fetch_dma =
-        std::make_unique<FetchDma>(("fetch_dma" + n).c_str(), c, i, memory, pairs, results, *lane.result_dma, log);
+    lane.result_dma = std::make_unique<ResultDma>(("result_dma" + n).c_str(), c, i, *lane.engine, memory, results, log,
+                                                  board_memory ? &board_memory->words : nullptr);
+    lane.fetch_dma = std::make_unique<FetchDma>(("fetch_dma" + n).c_str(), c, i, memory, pairs, results,
+                                                *lane.result_dma, log, board_memory ? &board_memory->pixels : nullptr);
     if (c.rectify_rows > 0) {
-      lane.front_end = std::make_unique<FrontEnd>(("front_end" + n).c_str(), c, memory, level_address(c));
+      lane.front_end =
+          std::make_unique<FrontEnd>(("front_end" + n).c_str(), c, memory, level_address(c), board_memory.get());
       lane.front_end->raw(*lane.fetch_dma);
       lane.engine->pixels(*lane.front_end);
     } else {

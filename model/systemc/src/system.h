@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "background.h"
+#include "board_memory.h"
 #include "buffer_pool.h"
 #include "camera.h"
 #include "capture_dma.h"
@@ -43,6 +44,7 @@ class System : public sc_core::sc_module {
   FrameLog log;
   const Images images;
   Memory memory;  // of the engine
+  std::unique_ptr<BoardMemory> board_memory;  // the times of that of a board; null: none
   std::unique_ptr<Memory> host_memory;  // null: the same
   BufferPool captured;
   std::unique_ptr<BufferPool> received;  // on a board; null: none

@@ -25,8 +25,9 @@ BAD = [
     ("memory_bandwidth_bytes_s", "memory_bandwidth_bytes_s = 0"),
     ("memory_bandwidth_bytes_s", "memory_bandwidth_bytes_s = inf"),
     ("memory_arbitration", "memory_arbitration = fair"),
-    ("memory_turnaround_ns", "memory_turnaround_ns = -1"),
-    ("memory_read_time_ns", "memory_read_time_ns = 2e6"),
+    ("memory_clock_hz", "memory_clock_hz = 1e8"),
+    ("memory_clock_hz", "link_bytes_s = 1e8"),
+    ("memory_clock_hz", "memory_clock_hz = 1e4\nlink_bytes_s = 1e8"),
     ("burst_bytes", "burst_bytes = 48"),
     ("dma_fifo_bytes", "dma_fifo_bytes = 256"),
     ("camera_rate_hz", "camera_rate_hz = 65"),
@@ -50,8 +51,8 @@ BAD = [
     ("levels", "levels = 5"),
     ("compute_words", "rectify_rows = 16"),
     ("link_bytes_s", "link_bytes_s = 10"),
-    ("lanes", "lanes = 2\nlink_bytes_s = 1e8"),
-    ("rectify_ms", "rectify_ms = 1\nlink_bytes_s = 1e8"),
+    ("lanes", "lanes = 2\nlink_bytes_s = 1e8\nmemory_clock_hz = 1e8"),
+    ("rectify_ms", "rectify_ms = 1\nlink_bytes_s = 1e8\nmemory_clock_hz = 1e8"),
 ]
 
 

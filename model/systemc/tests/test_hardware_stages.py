@@ -52,8 +52,8 @@ def test_slow_memory_slows_levels_and_not_the_single_level() -> None:
     assert tight > 1.1 * free
 
 
-BOARD = SIDE | FAST_MEMORY | {"engine_clock_hz": 60e6, "camera_pixel_clock_hz": 20e6, "rectify_rows": 16,
-                              "frames": 200}  # fmt: skip
+BOARD = SIDE | {"engine_clock_hz": 60e6, "memory_clock_hz": 240e6, "camera_pixel_clock_hz": 20e6,
+                "rectify_rows": 16, "frames": 200}  # fmt: skip
 
 
 def rate_hz(**keys: object) -> float:
@@ -84,3 +84,22 @@ def test_every_frame_is_delivered_or_dropped_with_a_reason() -> None:
     totals = output["totals"]
     assert totals["dropped"] == sum(totals["drops"].values()) > 0
     assert len(delivered(output)) == totals["delivered"] > 0
+
+
+def test_every_word_goes_through_the_memory_of_a_board_as_often_as_it_must() -> None:
+    """Two pixels to a word, and two narrow disparities; rows of an odd width end with a whole word."""
+    odd = BOARD | {"width_px": 150, "levels": 2, "link_bytes_s": 125e6, "frames": 20}
+    output = simulate(**odd)
+    frames, pixels = len(delivered(output)), 150 * H
+    traffic = {master["name"]: master["bytes"] / 4 for master in output["memory"]["masters"]}
+    chunks = -(-pixels // 512)
+    words = 75 * H + 38 * (H // 2)
+    assert traffic["store"] == traffic["levels"] == frames * 75 * (H // 2)
+    assert traffic["from_host"] == traffic["fetch0"] == frames * chunks * 256
+    assert traffic["result0"] == frames * words
+    assert traffic["to_host"] == frames * -(-words // 256) * 256
+
+
+def test_a_slow_memory_slows_a_board() -> None:
+    board = {"link_bytes_s": 1e9, "levels": 3, "engine_clock_hz": 45e6}
+    assert rate_hz(**board, memory_clock_hz=30e6) < 0.9 * rate_hz(**board, memory_clock_hz=120e6)

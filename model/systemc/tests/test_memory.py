@@ -65,20 +65,6 @@ def test_priority_keeps_the_capture_from_waiting() -> None:
     assert each["priority"] <= 2 * 256 / 60e6 * 1e9  # the burst under way, and one of its own
 
 
-def test_a_turn_of_direction_costs_and_times_for_reads_and_writes_make_them_rare() -> None:
-    turnaround_ns, keys = 500, {"memory_bandwidth_bytes_s": 60e6, "background_bytes_s": 60e6}
-
-    def turns_of_bursts(**times: float) -> float:
-        memory = simulate(memory_turnaround_ns=turnaround_ns, **keys, **times)["memory"]
-        turns = (memory["busy_ns"] - memory["bytes"] * 1e9 / 60e6) / turnaround_ns
-        assert turns == pytest.approx(round(turns), abs=0.1)
-        return turns / sum(m["bursts"] for m in memory["masters"])
-
-    one_by_one = turns_of_bursts()
-    some, many = (turns_of_bursts(memory_read_time_ns=t, memory_write_time_ns=t) for t in (10e3, 40e3))
-    assert one_by_one > 1.2 * some > 1.2 * 1.2 * many > 0
-
-
 def test_background_alone_takes_what_it_asks_for() -> None:
     output = simulate(background_bytes_s=50e6)
     asked = 50e6 * output["totals"]["simulated_ns"] / 1e9

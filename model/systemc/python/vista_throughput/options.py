@@ -97,6 +97,14 @@ OPTIONS = (
         "NS",
         "nanoseconds that network and host take for a question and its answer",
     ),
+    Option(
+        "--memory-clock",
+        "memory_clock_hz",
+        quantity,
+        "HZ",
+        "clock of the SDRAM of a board, whose bandwidth and latency follow from it",
+        "that of the engine",
+    ),
     Option("--camera-rate", "camera_rate_hz", quantity, "HZ", "frames per second of the camera"),
     Option(
         "--pixel-clock",
@@ -125,14 +133,14 @@ OPTIONS = (
         "memory_bandwidth_bytes_s",
         quantity,
         "BYTES/S",
-        "bytes per second of the memory, reads and writes together",
+        "bytes per second of the memory, reads and writes together; not of a board",
     ),
     Option(
         "--memory-latency",
         "memory_latency_ns",
         quantity,
         "NS",
-        "nanoseconds from the end of a burst to its data",
+        "nanoseconds from the end of a burst to its data; not of a board",
     ),
     Option(
         "--result-bytes",
@@ -156,6 +164,9 @@ OPTIONS = (
 )
 
 
+BUS = ("memory_bandwidth_bytes_s", "memory_latency_ns")  # what the memory of a board does not have
+
+
 def add_options(parser: argparse.ArgumentParser) -> None:
     defaults = SystemConfig()
     for option in OPTIONS:
@@ -177,6 +188,7 @@ def configure(arguments: argparse.Namespace) -> tuple[SystemConfig, Clock]:
     given = {option.key: getattr(arguments, option.key) for option in OPTIONS}
     values |= {key: value for key, value in given.items() if value is not None}
     config = SystemConfig(**values)
+    _check_memory(config, given)
     if config.width_px > config.max_width_px:
         reason = f"{config.width_px} px, the engine is built for {config.max_width_px}: name --build-width"
         raise InputError("--width", reason)
@@ -196,4 +208,15 @@ def configure(arguments: argparse.Namespace) -> tuple[SystemConfig, Clock]:
         )
     else:
         config = replace(config, camera_pixel_clock_hz=max(config.camera_pixel_clock_hz, least_hz))
-    return replace(config, engine_clock_hz=clock.hz), clock
+    config = replace(config, engine_clock_hz=clock.hz)
+    if config.has_board and config.memory_clock_hz == 0:
+        config = replace(config, memory_clock_hz=clock.hz)
+    return config, clock
+
+
+def _check_memory(config: SystemConfig, given: dict[str, Any]) -> None:
+    if not config.has_board and config.memory_clock_hz:
+        raise InputError("--memory-clock", "is that of a board: name its --link, or --memory-bandwidth")
+    for option in OPTIONS:
+        if config.has_board and option.key in BUS and given[option.key] is not None:
+            raise InputError(option.name, "the memory of a board is an SDRAM: name its --memory-clock")

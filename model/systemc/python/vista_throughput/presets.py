@@ -17,21 +17,6 @@ class Preset:
 
 
 BOARD_CLOCK_HZ = 45e6  # MHZ of rtl/board/board.mk
-CLOCK_NS = 1e9 / BOARD_CLOCK_HZ
-
-# The memory of the board as LiteDRAM 2024.12 drives the M12L64322A. Clocks are counted in LiteDRAM's source.
-WORD_BYTES = 4  # a word a clock
-QUEUE_WORDS = 8  # cmd_buffer_depth: what a bank takes of one master before another has its turn
-READ_TIME_CLOCKS, WRITE_TIME_CLOCKS = 32, 16  # read_time and write_time, while the others wait
-# Multiplexer: after reads a clock to see that there are none and read_latency - 1 of RTW; after writes a
-# clock, and WTR until tWTR + tCCD have passed. The mean of 4 and 3.
-TURNAROUND_CLOCKS = 3.5
-# A master that comes to its next row waits for its lock on the bank before (2), a grant of the next (1), and
-# that one's queue (2), precharge and activation (2).
-ROW_WORDS, ROW_CLOCKS = 256, 7
-# Every tREFI: grants of all banks, precharge, tRP, tRFC, and activations.
-REFRESH_INTERVAL_CLOCKS, REFRESH_CLOCKS = 703, 12
-MEMORY_LATENCY_CLOCKS = 10
 
 # The Colorlight i9 as `make bitstream` builds it, its memory as LiteDRAM drives it.
 BOARD: dict[str, Any] = {
@@ -44,14 +29,7 @@ BOARD: dict[str, Any] = {
     "levels": 3,
     "camera_rate_hz": 30.0,
     "link_bytes_s": 125e6,
-    "memory_bandwidth_bytes_s": WORD_BYTES * BOARD_CLOCK_HZ * (1 - REFRESH_CLOCKS / REFRESH_INTERVAL_CLOCKS),
-    "memory_latency_ns": MEMORY_LATENCY_CLOCKS * CLOCK_NS,
-    "memory_burst_overhead_ns": ROW_CLOCKS * QUEUE_WORDS / ROW_WORDS * CLOCK_NS,
-    "memory_turnaround_ns": TURNAROUND_CLOCKS * CLOCK_NS,
-    "memory_read_time_ns": READ_TIME_CLOCKS * CLOCK_NS,
-    "memory_write_time_ns": WRITE_TIME_CLOCKS * CLOCK_NS,
-    "burst_bytes": WORD_BYTES * QUEUE_WORDS,
-    "dma_fifo_bytes": 256,
+    "memory_clock_hz": BOARD_CLOCK_HZ,
 }
 
 

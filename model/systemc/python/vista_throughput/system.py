@@ -25,6 +25,7 @@ class SystemConfig:
     levels: int = 1  # of the pyramid, matched one after the other
     link_bytes_s: float = 0.0  # each way, to a board; 0: the camera feeds the engine's memory
     link_round_trip_ns: float = 0.0  # of network and host, beside the time of the packets
+    memory_clock_hz: float = 0.0  # of the SDRAM of a board, to which nothing else of memory applies
     camera_rate_hz: float = 60.0
     camera_pixel_clock_hz: float = DEFAULT_PIXEL_CLOCK_HZ
     camera_horizontal_blanking_px: int = 160
@@ -32,9 +33,6 @@ class SystemConfig:
     memory_bandwidth_bytes_s: float = 1.6e9
     memory_latency_ns: float = 100.0
     memory_burst_overhead_ns: float = 0.0
-    memory_turnaround_ns: float = 0.0
-    memory_read_time_ns: float = 0.0
-    memory_write_time_ns: float = 0.0
     burst_bytes: int = 256
     dma_fifo_bytes: int = 4096
     result_bytes_px: int = 2  # disparities; 4: with Smin, which the host does not read
@@ -84,9 +82,7 @@ class SystemConfig:
             memory_bandwidth_bytes_s=self.memory_bandwidth_bytes_s * factor,
             memory_latency_ns=self.memory_latency_ns / factor,
             memory_burst_overhead_ns=self.memory_burst_overhead_ns / factor,
-            memory_turnaround_ns=self.memory_turnaround_ns / factor,
-            memory_read_time_ns=self.memory_read_time_ns / factor,
-            memory_write_time_ns=self.memory_write_time_ns / factor,
+            memory_clock_hz=self.memory_clock_hz * factor,
         )
 
     def faster_link(self, factor: float) -> SystemConfig:

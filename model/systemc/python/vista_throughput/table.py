@@ -19,11 +19,14 @@ def _system(answer: Answer) -> list[str]:
         lanes += f" with front end, {c.levels} level" + "s" * (c.levels > 1)
     if c.has_board:
         lanes += f", link {8 * c.link_bytes_s / 1e9:g} Gbit/s"
+    memory = f"{c.memory_bandwidth_bytes_s / 1e9:.4g} GB/s"
+    if c.has_board:
+        memory = f"SDRAM at {c.memory_clock_hz / 1e6:.4g} MHz"
     return [
         f"{answer.preset or 'system'}: {c.width_px}x{c.height_px}, {c.disparities} disparities, block "
         f"{c.block_px}; camera {c.camera_rate_hz:g} Hz, pixel clock {c.camera_pixel_clock_hz / 1e6:.4g} MHz",
         f"{lanes} at {c.engine_clock_hz / 1e6:.4g} MHz ({answer.clock.origin})",
-        f"memory {c.memory_bandwidth_bytes_s / 1e9:.4g} GB/s, {c.buffers} buffers; host {answer.host.origin}",
+        f"memory {memory}, {c.buffers} buffers; host {answer.host.origin}",
     ]
 
 

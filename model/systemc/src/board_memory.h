@@ -1,0 +1,144 @@
+// The SDRAM of a board, and the gateware's ways to it (rtl/board/gateware/memory.py): clocks/sdram.h between queues of
+// words. Only times pass here; the bytes themselves lie in a Memory.
+#ifndef VISTA_SYSTEM_BOARD_MEMORY_H
+#define VISTA_SYSTEM_BOARD_MEMORY_H
+
+#include <array>
+#include <cstdint>
+#include <deque>
+#include <systemc>
+
+#include "clocks/sdram.h"
+#include "configuration.h"
+#include "memory.h"
+#include "timing.h"
+
+namespace vista {
+
+class BoardMemory;
+
+// What lies between a port of the memory and its user. Times are those of clock edges, and may lie ahead of the
+// kernel's. A word that enters a queue at an edge is seen by what is behind it a clock later.
+class BoardPort {
+ public:
+  explicit BoardPort(BoardMemory& memory) : memory_(memory) {}
+  virtual ~BoardPort() = default;
+
+ protected:
+  friend class BoardMemory;
+  // Of the clock that begins at `now`.
+  virtual clocks::Sdram::Command command(int64_t now) = 0;
+  virtual void accepted(int64_t now) = 0;
+  virtual void served(int64_t clock) = 0;
+  virtual void edge(int64_t now) = 0;  // after what was accepted and served
+  virtual bool quiet() const = 0;
+
+  BoardMemory& memory_;
+  int64_t words_ = 0, waited_clocks_ = 0;
+};
+
+// LiteDRAM's DMA reader. `ahead`: words that it holds or has asked for; `queue`: addresses in registers before it, or 0;
+// `late`: clocks beside those of the controller until a word can be taken.
+class BoardReader : public BoardPort {
+ public:
+  BoardReader(BoardMemory& memory, int64_t ahead, size_t queue, int late)
+      : BoardPort(memory), ahead_(ahead), queue_(queue), late_(late) {}
+
+  // Words are asked for from now on, one a clock.
+  void read(int64_t address, int64_t words);
+  // When words that came can be taken, in order; the user takes them out.
+  std::deque<int64_t>& came() { return came_; }
+  const sc_core::sc_event& arrival() const { return arrival_; }
+  void taken(int64_t ps) { taken_.push_back(ps); }
+
+ private:
+  clocks::Sdram::Command command(int64_t now) override;
+  void accepted(int64_t now) override;
+  void served(int64_t clock) override;
+  void edge(int64_t now) override;
+  bool quiet() const override { return wanted_.empty() && addresses_.empty(); }
+
+  struct Range {
+    int64_t address, words;
+  };
+  int64_t next_address();
+
+  int64_t ahead_, held_ = 0;
+  size_t queue_;
+  int late_;
+  std::deque<Range> wanted_;
+  std::deque<std::pair<int64_t, int64_t>> addresses_;  // and when they entered
+  std::deque<int64_t> came_, taken_;
+  sc_core::sc_event arrival_;
+};
+
+// LiteDRAM's DMA writer behind a queue.
+class BoardWriter : public BoardPort {
+ public:
+  BoardWriter(BoardMemory& memory, size_t queue) : BoardPort(memory), queue_(queue) {}
+
+  // Whether a word can be written in the clock that begins then. Suspends until the kernel is there, if need be.
+  bool has_room(int64_t ps);
+  void write(int64_t ps, int64_t address);
+  bool idle() const { return addresses_.empty(); }  // all words have been accepted
+  const sc_core::sc_event& emptied() const { return emptied_; }
+  void follow(BoardReader& reader) { follower_ = &reader; }  // reads each word that was accepted
+
+ private:
+  static constexpr size_t kData = 16;  // words that wait for the chip
+
+  clocks::Sdram::Command command(int64_t now) override;
+  void accepted(int64_t now) override;
+  void served(int64_t clock) override { leaving_.push_back(clock + clocks::Sdram::kWriteClocks); }
+  void edge(int64_t) override {}
+  bool quiet() const override { return addresses_.empty(); }
+
+  size_t queue_, data_ = 0;
+  std::deque<std::pair<int64_t, int64_t>> addresses_;  // and when they entered
+  std::deque<int64_t> leaving_;
+  BoardReader* follower_ = nullptr;
+  sc_core::sc_event emptied_;
+};
+
+class BoardMemory : public sc_core::sc_module {
+ public:
+  BoardMemory(const sc_core::sc_module_name& name, const Configuration& configuration);
+
+  // The buffer of the pyramid, the engine's pixels and words, and the server, as the gateware makes them.
+  BoardWriter store;
+  BoardReader levels, pixels;
+  BoardWriter words;
+  BoardReader to_host;
+  BoardWriter from_host;
+
+  // Where things lie, in words: memory.py.
+  static int64_t words_of(int64_t slot) { return slot << kWordsBits; }
+  static int64_t pixels_of(int64_t slot) { return (2 << kWordsBits) + (slot << kPixelsBits); }
+  static constexpr int64_t kLevels = (6 << 20) / 4, kLevelWords = (1 << 20) / 4;
+
+  const ClockEdges edges;
+
+  std::deque<MasterCounts> masters() const;
+  int64_t busy_ps() const { return edges.ps(busy_clocks_); }
+
+ private:
+  friend class BoardReader;
+  friend class BoardWriter;
+  static constexpr int64_t kWordsBits = 19, kPixelsBits = 18;
+
+  void wake();
+  void step();
+  int64_t clock_now() const { return edges.at_or_after(now_ps() + 1) - 1; }
+  int64_t middle_of(int64_t clock) const { return (edges.ps(clock) + edges.ps(clock + 1)) / 2; }
+
+  clocks::Sdram sdram_;
+  std::array<BoardPort*, clocks::Sdram::kPorts> ports_;
+  bool awake_ = false;
+  int64_t clock_ = 0;  // that is stepped next
+  int64_t busy_clocks_ = 0;
+  sc_core::sc_event tick_;
+};
+
+}  // namespace vista
+
+#endif
