@@ -6,7 +6,7 @@ namespace vista {
 
 void BoardReader::read(int64_t address, int64_t words) {
   wanted_.push_back({address, words});
-  memory_.wake();
+  coming_ += words;
 }
 
 int64_t BoardReader::next_address() {
@@ -17,7 +17,7 @@ int64_t BoardReader::next_address() {
 }
 
 clocks::Sdram::Command BoardReader::command(int64_t now) {
-  for (; !taken_.empty() && taken_.front() < now; taken_.pop_front()) --held_;
+  for (; !left_.empty() && left_.front() < now; left_.pop_front()) --held_;
   if (queue_ == 0 && addresses_.empty() && !wanted_.empty()) addresses_.emplace_back(-1, next_address());
   if (held_ >= ahead_ || addresses_.empty() || addresses_.front().first >= now) return {};
   return {true, false, addresses_.front().second};
@@ -29,22 +29,44 @@ void BoardReader::accepted(int64_t) {
 }
 
 void BoardReader::served(int64_t clock) {
+  --coming_;
   came_.push_back(memory_.edges.ps(clock + clocks::Sdram::kReadClocks + late_));
-  arrival_.notify(sc_core::SC_ZERO_TIME);
+  if (!drains_) return;
+  left_.push_back(came_.back());
+  if (coming_ > 0) came_.pop_back();
 }
 
 void BoardReader::edge(int64_t now) {
   if (queue_ > 0 && !wanted_.empty() && addresses_.size() < queue_) addresses_.emplace_back(now, next_address());
 }
 
+bool BoardReader::take(int64_t ps) {
+  if (came_.empty()) memory_.advance(ps);
+  if (came_.empty() || came_.front() > ps) return false;
+  came_.pop_front();
+  return true;
+}
+
+void BoardReader::wait_for_all() {
+  while (coming_ > 0) memory_.pass(coming_);
+  wait_until(came_.front());
+  came_.clear();
+}
+
 bool BoardWriter::has_room(int64_t ps) {
-  if (!addresses_.empty()) wait_until(ps);
+  if (!addresses_.empty()) memory_.advance(ps);
   return addresses_.size() < queue_;
 }
 
-void BoardWriter::write(int64_t ps, int64_t address) {
-  addresses_.emplace_back(ps, address);
-  memory_.wake();
+void BoardWriter::write(int64_t ps, int64_t address) { addresses_.emplace_back(ps, address); }
+
+void BoardWriter::write_all(int64_t address, int64_t words) {
+  next_address_ = address;
+  words_left_ = words;
+}
+
+void BoardWriter::wait_until_idle() {
+  while (!quiet()) memory_.pass(std::max<int64_t>(1, words_left_));
 }
 
 clocks::Sdram::Command BoardWriter::command(int64_t now) {
@@ -57,36 +79,49 @@ void BoardWriter::accepted(int64_t) {
   if (follower_) follower_->read(addresses_.front().second, 1);
   addresses_.pop_front();
   ++data_;
-  if (addresses_.empty()) emptied_.notify(sc_core::SC_ZERO_TIME);
+}
+
+void BoardWriter::edge(int64_t now) {
+  if (words_left_ == 0 || addresses_.size() >= queue_) return;
+  addresses_.emplace_back(now, next_address_++);
+  --words_left_;
 }
 
 BoardMemory::BoardMemory(const sc_core::sc_module_name& name, const Configuration& c)
     : sc_module(name),
       store(*this, 16),
-      levels(*this, 16 + 16, 0, 2),
-      pixels(*this, 64, 2, 2),
+      levels(*this, 16 + 16, 0, 2, false),
+      pixels(*this, 64, 2, 2, false),
       words(*this, 2),
-      to_host(*this, 32, 2, 1),
+      to_host(*this, 32, 2, 1, true),
       from_host(*this, 2),
       edges(c.memory_clock_hz),
       sdram_(c.memory_clock_hz),
       ports_{&store, &levels, &pixels, &words, &to_host, &from_host} {
   store.follow(levels);
-  SC_HAS_PROCESS(BoardMemory);
-  SC_METHOD(step);
-  dont_initialize();
-  sensitive << tick_;
 }
 
-void BoardMemory::wake() {
-  if (awake_) return;
-  awake_ = true;
-  const int64_t now = clock_now(), next = now_ps() <= middle_of(now) ? now : now + 1;
-  if (next > clock_) {
-    sdram_.rest(next - clock_);
-    clock_ = next;
+void BoardMemory::advance(int64_t ps) {
+  if (ps > now_ps() && sc_core::sc_time_to_pending_activity() <= from_ps(ps - now_ps())) wait_until(ps);
+  while (edges.ps(clock_ + 1) <= ps) {
+    if (quiet()) {
+      const int64_t clocks = std::max<int64_t>(1, edges.at_or_after(ps) - 1 - clock_);
+      sdram_.rest(clocks);
+      clock_ += clocks;
+    } else {
+      step();
+    }
   }
-  tick_.notify(from_ps(std::max<int64_t>(0, middle_of(clock_) - now_ps())));
+}
+
+void BoardMemory::pass(int64_t clocks) {
+  const int64_t then = edges.ps(edges.at_or_after(now_ps()) + clocks);
+  wait_until(then);
+  advance(then);
+}
+
+bool BoardMemory::quiet() const {
+  return sdram_.quiet() && std::all_of(ports_.begin(), ports_.end(), [](const BoardPort* p) { return p->quiet(); });
 }
 
 void BoardMemory::step() {
@@ -100,20 +135,14 @@ void BoardMemory::step() {
     else if (commands[i].valid)
       ++ports_[i]->waited_clocks_;
   }
-  bool quiet = sdram_.quiet();
   if (sdram_.served() >= 0) {
     BoardPort& port = *ports_[static_cast<size_t>(sdram_.served())];
     port.served(clock_);
     ++port.words_;
     ++busy_clocks_;
   }
-  for (BoardPort* port : ports_) {
-    port->edge(now);
-    quiet = quiet && port->quiet();
-  }
+  for (BoardPort* port : ports_) port->edge(now);
   ++clock_;
-  awake_ = !quiet;
-  if (awake_) tick_.notify(from_ps(middle_of(clock_) - now_ps()));
 }
 
 std::deque<MasterCounts> BoardMemory::masters() const {

@@ -38,18 +38,20 @@ class BoardPort {
 };
 
 // LiteDRAM's DMA reader. `ahead`: words that it holds or has asked for; `queue`: addresses in registers before it, or 0;
-// `late`: clocks beside those of the controller until a word can be taken.
+// `late`: clocks beside those of the controller until a word can be taken; `drains`: words are taken as they come.
 class BoardReader : public BoardPort {
  public:
-  BoardReader(BoardMemory& memory, int64_t ahead, size_t queue, int late)
-      : BoardPort(memory), ahead_(ahead), queue_(queue), late_(late) {}
+  BoardReader(BoardMemory& memory, int64_t ahead, size_t queue, int late, bool drains)
+      : BoardPort(memory), ahead_(ahead), queue_(queue), late_(late), drains_(drains) {}
 
-  // Words are asked for from now on, one a clock.
+  // Words are asked for from now on, one a clock. `advance` has to come before.
   void read(int64_t address, int64_t words);
-  // When words that came can be taken, in order; the user takes them out.
-  std::deque<int64_t>& came() { return came_; }
-  const sc_core::sc_event& arrival() const { return arrival_; }
-  void taken(int64_t ps) { taken_.push_back(ps); }
+  // Takes a word, if there is one then. Suspends the caller as BoardMemory::advance does.
+  bool take(int64_t ps);
+  // Of a word that was taken before: it leaves then.
+  void leave(int64_t ps) { left_.push_back(ps); }
+  // Suspends the caller until all words that were asked for have come, of one that drains.
+  void wait_for_all();
 
  private:
   clocks::Sdram::Command command(int64_t now) override;
@@ -68,8 +70,9 @@ class BoardReader : public BoardPort {
   int late_;
   std::deque<Range> wanted_;
   std::deque<std::pair<int64_t, int64_t>> addresses_;  // and when they entered
-  std::deque<int64_t> came_, taken_;
-  sc_core::sc_event arrival_;
+  bool drains_;
+  int64_t coming_ = 0;  // words that were asked for and have not come
+  std::deque<int64_t> came_, left_;
 };
 
 // LiteDRAM's DMA writer behind a queue.
@@ -77,11 +80,13 @@ class BoardWriter : public BoardPort {
  public:
   BoardWriter(BoardMemory& memory, size_t queue) : BoardPort(memory), queue_(queue) {}
 
-  // Whether a word can be written in the clock that begins then. Suspends until the kernel is there, if need be.
+  // Whether a word can be written in the clock that begins then. Suspends the caller as BoardMemory::advance does.
   bool has_room(int64_t ps);
   void write(int64_t ps, int64_t address);
-  bool idle() const { return addresses_.empty(); }  // all words have been accepted
-  const sc_core::sc_event& emptied() const { return emptied_; }
+  // Words are written from now on, one a clock if there is room. `advance` has to come before.
+  void write_all(int64_t address, int64_t words);
+  // Suspends the caller until all words have been accepted.
+  void wait_until_idle();
   void follow(BoardReader& reader) { follower_ = &reader; }  // reads each word that was accepted
 
  private:
@@ -90,14 +95,14 @@ class BoardWriter : public BoardPort {
   clocks::Sdram::Command command(int64_t now) override;
   void accepted(int64_t now) override;
   void served(int64_t clock) override { leaving_.push_back(clock + clocks::Sdram::kWriteClocks); }
-  void edge(int64_t) override {}
-  bool quiet() const override { return addresses_.empty(); }
+  void edge(int64_t now) override;
+  bool quiet() const override { return addresses_.empty() && words_left_ == 0; }
 
   size_t queue_, data_ = 0;
   std::deque<std::pair<int64_t, int64_t>> addresses_;  // and when they entered
   std::deque<int64_t> leaving_;
+  int64_t next_address_ = 0, words_left_ = 0;  // of `write_all`
   BoardReader* follower_ = nullptr;
-  sc_core::sc_event emptied_;
 };
 
 class BoardMemory : public sc_core::sc_module {
@@ -118,6 +123,12 @@ class BoardMemory : public sc_core::sc_module {
 
   const ClockEdges edges;
 
+  // All clocks that are over then. Suspends the caller, unless no other process can do anything before: nothing that is
+  // simulated may come before what another process still has to say.
+  void advance(int64_t ps);
+  // So many clocks from now.
+  void pass(int64_t clocks);
+
   std::deque<MasterCounts> masters() const;
   int64_t busy_ps() const { return edges.ps(busy_clocks_); }
 
@@ -126,17 +137,13 @@ class BoardMemory : public sc_core::sc_module {
   friend class BoardWriter;
   static constexpr int64_t kWordsBits = 19, kPixelsBits = 18;
 
-  void wake();
   void step();
-  int64_t clock_now() const { return edges.at_or_after(now_ps() + 1) - 1; }
-  int64_t middle_of(int64_t clock) const { return (edges.ps(clock) + edges.ps(clock + 1)) / 2; }
+  bool quiet() const;
 
   clocks::Sdram sdram_;
   std::array<BoardPort*, clocks::Sdram::kPorts> ports_;
-  bool awake_ = false;
   int64_t clock_ = 0;  // that is stepped next
   int64_t busy_clocks_ = 0;
-  sc_core::sc_event tick_;
 };
 
 }  // namespace vista

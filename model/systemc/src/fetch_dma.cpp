@@ -11,7 +11,7 @@ constexpr int64_t kChunkPixels = 512;  // of a board: rtl/board/wire.toml
 }  // namespace
 
 FetchDma::FetchDma(const sc_core::sc_module_name& name, const Configuration& c, int lane, Memory& memory,
-                   BufferPool& pairs, BufferPool& results, ResultDma& result_dma, FrameLog& log, BoardReader* board)
+                   BufferPool& pairs, BufferPool& results, ResultDma& result_dma, FrameLog& log, BoardMemory* board)
     : sc_module(name),
       lane_(lane),
       master_("fetch" + std::to_string(lane), memory, kFetchRank),
@@ -88,24 +88,22 @@ void FetchDma::fetch(const Buffer& pair) {
 // Two pixels to a word, and whole chunks; what fills the last one is dropped, a word a clock.
 void FetchDma::fetch_on_board(const Buffer& pair) {
   const int64_t words = (pixels_ + kChunkPixels - 1) / kChunkPixels * (kChunkPixels / 2);
+  board_->advance(now_ps());
+  board_->pixels.read(BoardMemory::pixels_of(pairs_.number(pair)), words);
   left_px_ = pixels_;
-  board_->read(BoardMemory::pixels_of(pairs_.number(pair)), words);
+  arrival_.notify(sc_core::SC_ZERO_TIME);
   sent_.pop();
-  for (int64_t filling = words - (pixels_ + 1) / 2; filling > 0; --filling) {
-    while (board_->came().empty()) sc_core::wait(board_->arrival());
-    wait_until(board_->came().front());
-    board_->came().pop_front();
-    board_->taken(now_ps());
+  for (int64_t filling = words - (pixels_ + 1) / 2; filling > 0; board_->pass(1)) {
+    if (!board_->pixels.take(now_ps())) continue;
+    board_->pixels.leave(now_ps());
+    --filling;
   }
 }
 
 bool FetchDma::pixel_valid(int64_t clock) {
   if (offered_ > 0) return true;
   if (board_) {
-    if (left_px_ == 0) return false;
-    if (board_->came().empty()) wait_until(edges_.ps(clock));
-    if (board_->came().empty() || board_->came().front() > edges_.ps(clock)) return false;
-    board_->came().pop_front();
+    if (left_px_ == 0 || !board_->pixels.take(edges_.ps(clock))) return false;
     offered_ = std::min<int64_t>(2, left_px_);
     return true;
   }
@@ -118,7 +116,7 @@ bool FetchDma::pixel_valid(int64_t clock) {
 
 void FetchDma::pixel_taken(int64_t clock) {
   if (board_) {
-    if (--offered_ == 0) board_->taken(edges_.ps(clock));
+    if (--offered_ == 0) board_->pixels.leave(edges_.ps(clock));
     if (--left_px_ == 0) sent_.push(edges_.ps(clock), 0);
     return;
   }
@@ -127,8 +125,8 @@ void FetchDma::pixel_taken(int64_t clock) {
 
 int64_t FetchDma::next_pixel(int64_t clock) {
   if (board_) {
-    while (left_px_ == 0 || board_->came().empty()) sc_core::wait(board_->arrival());
-    return std::max(clock, edges_.at_or_after(board_->came().front()));
+    while (left_px_ == 0) sc_core::wait(arrival_);
+    return std::max(clock, edges_.at_or_after(now_ps()));
   }
   while (arriving_.empty()) sc_core::wait(arrival_);
   return std::max(clock, arriving_.front().clock);

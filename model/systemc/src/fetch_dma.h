@@ -21,7 +21,7 @@ namespace vista {
 class FetchDma : public sc_core::sc_module, public PixelSource {
  public:
   FetchDma(const sc_core::sc_module_name& name, const Configuration& configuration, int lane, Memory& memory,
-           BufferPool& pairs, BufferPool& results, ResultDma& result_dma, FrameLog& log, BoardReader* board);
+           BufferPool& pairs, BufferPool& results, ResultDma& result_dma, FrameLog& log, BoardMemory* board);
 
   bool pixel_valid(int64_t clock) override;
   void pixel_taken(int64_t clock) override;
@@ -53,7 +53,7 @@ class FetchDma : public sc_core::sc_module, public PixelSource {
   TimedQueue<int64_t> taken_;  // pixels of bursts that the engine has used up
   int64_t offered_ = 0, offered_burst_ = 0;  // px left of the burst being taken, and in it at first
   int64_t claimed_px_ = 0, high_water_px_ = 0;
-  BoardReader* board_;  // null: not on a board
+  BoardMemory* board_;  // null: not on a board
   int64_t left_px_ = 0;  // of the frame on a board, that were not offered yet
   TimedQueue<int64_t> sent_;  // frames of a board
 };

@@ -65,11 +65,8 @@ class LevelBuffer : public sc_core::sc_module {
   // Takes a pixel, if there is one in this clock.
   bool take(int64_t clock) {
     if (board_) {
-      std::deque<int64_t>& came = board_->levels.came();
-      if (came.empty()) wait_until(edges_.ps(clock));
-      if (came.empty() || came.front() > edges_.ps(clock)) return false;
-      came.pop_front();
-      board_->levels.taken(edges_.ps(clock));
+      if (!board_->levels.take(edges_.ps(clock))) return false;
+      board_->levels.leave(edges_.ps(clock));
       return true;
     }
     if (offered_px_ == 0) {

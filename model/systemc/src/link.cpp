@@ -59,27 +59,16 @@ void Link::run() {
 
 // The server puts a word into memory a clock, if there is room, and goes on when all are inside.
 void Link::store(int64_t address, int64_t words) {
-  const ClockEdges& edges = ends_.board_times.edges;
-  BoardWriter& writer = ends_.board_times.from_host;
-  int64_t clock = edges.at_or_after(now_ps());
-  for (int64_t word = 0; word < words; ++clock) {
-    wait_until(edges.ps(clock));
-    if (writer.has_room(edges.ps(clock))) writer.write(edges.ps(clock), address + word++);
-  }
-  while (!writer.idle()) sc_core::wait(writer.emptied());
+  ends_.board_times.advance(now_ps());
+  ends_.board_times.from_host.write_all(address, words);
+  ends_.board_times.from_host.wait_until_idle();
 }
 
-// Words are asked for before the header of their reply leaves, which takes them as they come.
+// Words are asked for before the header of their reply leaves, and come later than it.
 void Link::load(int64_t address, int64_t words) {
-  BoardReader& reader = ends_.board_times.to_host;
-  reader.read(address, words);
-  wait_until(now_ps() + clocks_ps(kHeaderBytes / kWordBytes));
-  for (int64_t word = 0; word < words; ++word) {
-    while (reader.came().empty()) sc_core::wait(reader.arrival());
-    wait_until(reader.came().front());
-    reader.came().pop_front();
-    reader.taken(now_ps());
-  }
+  ends_.board_times.advance(now_ps());
+  ends_.board_times.to_host.read(address, words);
+  ends_.board_times.to_host.wait_for_all();
 }
 
 int64_t Link::wire_ps(int64_t payload_bytes) const {

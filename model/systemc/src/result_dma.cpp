@@ -12,7 +12,7 @@ constexpr int64_t kBoardWordBytes = 4;
 }  // namespace
 
 ResultDma::ResultDma(const sc_core::sc_module_name& name, const Configuration& c, int lane, const Engine& engine,
-                     Memory& memory, BufferPool& results, FrameLog& log, BoardWriter* board)
+                     Memory& memory, BufferPool& results, FrameLog& log, BoardMemory* board)
     : sc_module(name),
       engine_(engine),
       master_("result" + std::to_string(lane), memory, kResultRank),
@@ -35,7 +35,7 @@ void ResultDma::expect(Job job) {
 }
 
 bool ResultDma::word_ready(int64_t clock) {
-  if (board_) return !completes_word() || board_->has_room(edges_.ps(clock));
+  if (board_) return !completes_word() || board_->words.has_room(edges_.ps(clock));
   const auto leaves = [&](int64_t words) { held_words_ -= words; };
   if (held_words_ < fifo_words_) return true;
   wait_until(edges_.ps(clock));
@@ -64,7 +64,7 @@ bool ResultDma::completes_word() const {
 }
 
 void ResultDma::word_on_board(int64_t clock) {
-  if (completes_word()) board_->write(edges_.ps(clock), address_++);
+  if (completes_word()) board_->words.write(edges_.ps(clock), address_++);
   if (++column_ < levels_[level_].width) return;
   column_ = 0;
   if (++row_ < levels_[level_].height) return;
@@ -90,7 +90,7 @@ void ResultDma::write(const Job& job) {
   if (board_) {
     address_ = BoardMemory::words_of(results_.number(*job.buffer));
     filled_.pop();
-    while (!board_->idle()) sc_core::wait(board_->emptied());
+    board_->words.wait_until_idle();
     master_.poke(job.buffer->address, reinterpret_cast<const uint8_t*>(job.words.data()), pixels_ * bytes_per_word_);
     return;
   }

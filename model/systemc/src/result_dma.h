@@ -25,7 +25,7 @@ class ResultDma : public sc_core::sc_module, public WordSink {
   };
 
   ResultDma(const sc_core::sc_module_name& name, const Configuration& configuration, int lane, const Engine& engine,
-            Memory& memory, BufferPool& results, FrameLog& log, BoardWriter* board);
+            Memory& memory, BufferPool& results, FrameLog& log, BoardMemory* board);
 
   // Announces the next frame of this lane.
   void expect(Job job);
@@ -54,7 +54,7 @@ class ResultDma : public sc_core::sc_module, public WordSink {
   int64_t held_words_ = 0;       // as the engine sees it
   int64_t burst_fill_ = 0, frame_fill_ = 0, high_water_words_ = 0;
   size_t frames_ = 0;  // written
-  BoardWriter* board_;  // null: not on a board
+  BoardMemory* board_;  // null: not on a board
   int64_t address_ = 0;  // of the next word on a board
   std::vector<clocks::Size> levels_;
   size_t level_ = 0;

@@ -88,9 +88,9 @@ std::vector<Lane> System::make_lanes() {
     const std::string n = std::to_string(i);
     lane.engine = std::make_unique<Engine>(("engine" + n).c_str(), c.build(), c.level_sizes());
     lane.result_dma = std::make_unique<ResultDma>(("result_dma" + n).c_str(), c, i, *lane.engine, memory, results, log,
-                                                  board_memory ? &board_memory->words : nullptr);
+                                                  board_memory.get());
     lane.fetch_dma = std::make_unique<FetchDma>(("fetch_dma" + n).c_str(), c, i, memory, pairs, results,
-                                                *lane.result_dma, log, board_memory ? &board_memory->pixels : nullptr);
+                                                *lane.result_dma, log, board_memory.get());
     if (c.rectify_rows > 0) {
       lane.front_end =
           std::make_unique<FrontEnd>(("front_end" + n).c_str(), c, memory, level_address(c), board_memory.get());

@@ -23,7 +23,7 @@ inline void wait_until(int64_t ps) {
 class ClockEdges {
  public:
   explicit ClockEdges(double hz) : period_ps_(1e12 / hz) {}
-  int64_t ps(int64_t edge) const { return std::llround(static_cast<double>(edge) * period_ps_); }
+  int64_t ps(int64_t edge) const { return static_cast<int64_t>(static_cast<double>(edge) * period_ps_ + 0.5); }
   int64_t at_or_after(int64_t ps_time) const {
     int64_t edge = static_cast<int64_t>(static_cast<double>(ps_time) / period_ps_);
     while (edge > 0 && ps(edge - 1) >= ps_time) --edge;

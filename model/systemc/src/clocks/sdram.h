@@ -137,28 +137,20 @@ inline void Sdram::rest(int64_t clocks) {
 
 inline void Sdram::route(const std::array<Command, kPorts>& commands, const std::array<bool, kBanks>& locked) {
   accepted_.fill(false);
-  // A port whose commands are still in one bank has to wait with those for another.
-  const auto wants = [&](int port, size_t bank) {
-    const Command& command = commands[static_cast<size_t>(port)];
-    if (!command.valid || static_cast<size_t>(command.address / kRowWords % kBanks) != bank) return false;
+  std::array<unsigned, kBanks> wanting{};  // a bit for each port
+  for (size_t port = 0; port < kPorts; ++port) {
+    if (!commands[port].valid) continue;
+    const size_t bank = static_cast<size_t>(commands[port].address / kRowWords % kBanks);
+    // A port whose commands are still in one bank has to wait with those for another.
+    bool waits = false;
     for (size_t other = 0; other < kBanks; ++other)
-      if (other != bank && locked[other] && banks_[other].port == port) return false;
-    return true;
-  };
-  std::array<int, kBanks> port_next;
-  for (size_t b = 0; b < kBanks; ++b) {
-    Bank& bank = banks_[b];
-    port_next[b] = bank.port;
-    if (wants(bank.port, b))
-      accepted_[static_cast<size_t>(bank.port)] = bank.queued < kQueue;
-    else if (!locked[b])
-      port_next[b] = next_in_turn(bank.port, kPorts, [&](int port) { return wants(port, b); });
+      waits = waits || (other != bank && locked[other] && banks_[other].port == static_cast<int>(port));
+    if (!waits) wanting[bank] |= 1U << port;
   }
   for (size_t b = 0; b < kBanks; ++b) {
     Bank& bank = banks_[b];
-    const Command& command = commands[static_cast<size_t>(bank.port)];
-    const bool enters =
-        accepted_[static_cast<size_t>(bank.port)] && static_cast<size_t>(command.address / kRowWords % kBanks) == b;
+    const bool wants = (wanting[b] >> bank.port & 1U) != 0;
+    const bool enters = wants && bank.queued < kQueue;
     // The queue's oldest goes on into the buffer, unless that is taken; it is served, if at all, before.
     if (bank.queued > 0 && !bank.buffered) {
       bank.buffer = bank.next();
@@ -167,11 +159,14 @@ inline void Sdram::route(const std::array<Command, kPorts>& commands, const std:
       --bank.queued;
     }
     if (enters) {
+      const Command& command = commands[static_cast<size_t>(bank.port)];
+      accepted_[static_cast<size_t>(bank.port)] = true;
       bank.queue[static_cast<size_t>((bank.first + bank.queued) % kQueue)] = {command.address / (kRowWords * kBanks),
                                                                               command.writes};
       ++bank.queued;
     }
-    bank.port = port_next[b];
+    if (!wants && !locked[b] && wanting[b] != 0)
+      bank.port = next_in_turn(bank.port, kPorts, [&](int port) { return (wanting[b] >> port & 1U) != 0; });
   }
 }
 
