@@ -91,7 +91,7 @@ void Link::send(Buffer& pair, Buffer& received) {
   std::vector<uint8_t> data(static_cast<size_t>(bytes));
   wait_until(from_host_.read(pair.address, data.data(), bytes));
   const int64_t address = BoardMemory::pixels_of(ends_.received.number(received));
-  int64_t wire = now_ps(), known = 0, asked = 0;  // packets that were answered, and of the last one that asks
+  int64_t wire = now_ps(), known = 0;  // packets that were answered
   std::deque<std::pair<int64_t, int64_t>> answers;  // when the host knows of how many
   for (int64_t packet = 0, first = 0; first < bytes; ++packet, first += kChunkBytes) {
     while (packet - known >= kCredits) {
@@ -103,11 +103,10 @@ void Link::send(Buffer& pair, Buffer& received) {
     wait_until(wire);
     store(address + packet * kChunkWords, kChunkWords);
     wait_until(now_ps() + clocks_ps(kPacketClocks));
-    const bool ask = packet + 1 - asked == kAskEvery || packet + 1 - known == kCredits || first + kChunkBytes >= bytes;
-    if (!ask) continue;
-    asked = packet + 1;
+    const int64_t on_the_way = packet + 1 - known;
+    if (on_the_way % kAskEvery != 0 && on_the_way != kCredits && first + kChunkBytes < bytes) continue;
     wait_until(now_ps() + clocks_ps(kStatusClocks));
-    answers.emplace_back(now_ps() + wire_ps(kStatusBytes) + round_trip, asked);
+    answers.emplace_back(now_ps() + wire_ps(kStatusBytes) + round_trip, packet + 1);
   }
   to_board_.poke(received.address, data.data(), bytes);
   wait_until(answers.back().first);
