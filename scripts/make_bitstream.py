@@ -135,7 +135,7 @@ def main() -> None:
         "--address", type=address_of, default="192.168.1.50", help="IPv4 address of the board (192.168.1.50)"
     )
     parser.add_argument(
-        "--seeds", type=int, nargs="+", default=[1, 2, 3], help="of the placer, in this order"
+        "--seeds", type=int, nargs="+", default=[2, 3, 1], help="of the placer, in this order (2 3 1)"
     )
     parser.add_argument(
         "--give-up",
