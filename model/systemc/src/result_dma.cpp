@@ -86,22 +86,28 @@ void ResultDma::run() {
   }
 }
 
+// As they lie in memory: little endian, the disparity comes first.
+std::vector<uint8_t> ResultDma::bytes_of(const Job& job, int64_t first, int64_t count) const {
+  std::vector<uint8_t> bytes(static_cast<size_t>(count * bytes_per_word_));
+  for (int64_t i = 0; i < count; ++i)
+    std::memcpy(bytes.data() + i * bytes_per_word_, &job.words[static_cast<size_t>(first + i)],
+                static_cast<size_t>(bytes_per_word_));
+  return bytes;
+}
+
 void ResultDma::write(const Job& job) {
   if (board_) {
     address_ = BoardMemory::words_of(results_.number(*job.buffer));
     filled_.pop();
     board_->words.wait_until_idle();
-    master_.poke(job.buffer->address, reinterpret_cast<const uint8_t*>(job.words.data()), pixels_ * bytes_per_word_);
+    master_.poke(job.buffer->address, bytes_of(job, 0, pixels_).data(), pixels_ * bytes_per_word_);
     return;
   }
-  std::vector<uint8_t> bytes(static_cast<size_t>(burst_words_ * bytes_per_word_));
   int64_t done = 0;
   for (int64_t first = 0; first < pixels_;) {
     const int64_t count = filled_.pop();
-    for (int64_t i = 0; i < count; ++i)  // little endian: the disparity comes first
-      std::memcpy(bytes.data() + i * bytes_per_word_, &job.words[static_cast<size_t>(first + i)],
-                  static_cast<size_t>(bytes_per_word_));
-    done = master_.write(job.buffer->address + first * bytes_per_word_, bytes.data(), count * bytes_per_word_);
+    done = master_.write(job.buffer->address + first * bytes_per_word_, bytes_of(job, first, count).data(),
+                         count * bytes_per_word_);
     written_.push(done, count);
     first += count;
   }

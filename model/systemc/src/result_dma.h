@@ -40,6 +40,7 @@ class ResultDma : public sc_core::sc_module, public WordSink {
   bool completes_word() const;  // of a board's memory, with the next one of the engine
   void word_on_board(int64_t clock);
   void write(const Job& job);
+  std::vector<uint8_t> bytes_of(const Job& job, int64_t first, int64_t count) const;
 
   const Engine& engine_;
   Master master_;

@@ -103,3 +103,14 @@ def test_every_word_goes_through_the_memory_of_a_board_as_often_as_it_must() -> 
 def test_a_slow_memory_slows_a_board() -> None:
     board = {"link_bytes_s": 1e9, "levels": 3, "engine_clock_hz": 45e6}
     assert rate_hz(**board, memory_clock_hz=30e6) < 0.9 * rate_hz(**board, memory_clock_hz=120e6)
+
+
+@pytest.mark.parametrize("result_bytes", [2, 4])
+def test_a_board_changes_no_word(result_bytes: int) -> None:
+    """Of a build without front end, the words of which are known."""
+    plain = BOARD | {"rectify_rows": 0, "compute_words": "on", "result_bytes_px": result_bytes, "frames": 12}
+    alone = plain | {"memory_clock_hz": 0, "camera_pixel_clock_hz": 1e6}
+    crc = {f["frame"]: f["words_crc32"] for f in delivered(simulate(**alone))}
+    found = delivered(simulate(**plain, link_bytes_s=125e6))
+    assert len(found) > 2 and len(crc) == 12
+    assert all(f["words_crc32"] == crc[f["frame"]] for f in found)
