@@ -264,6 +264,8 @@ BAD_OPTIONS = {
     "--width 1025": "--width: 1025 px, the engine is built for 1024: name --build-width",
     "--preset paper": "argument --preset: invalid choice: 'paper'",
     "--disparities 48": "--clock: name one: of 48 disparities, block 11, none was routed; 32 (block 11)",
+    "--preset board --memory-bandwidth 1e9": "--memory-bandwidth: the memory of a board is an SDRAM",
+    "--preset acadia --memory-clock 1e8": "--memory-clock: is that of a board: name its --link",
     "--camera-rate 61 --pixel-clock 25.2e6": "--camera-rate: 61 Hz; --pixel-clock and blanking allow 60",
     "--host-ms 5,0": "argument --host-ms: '0' is not a number above 0",
     "--host-ms 5,nan": "argument --host-ms: 'nan' is not",

@@ -104,13 +104,11 @@ BoardMemory::BoardMemory(const sc_core::sc_module_name& name, const Configuratio
 void BoardMemory::advance(int64_t ps) {
   if (ps > now_ps() && sc_core::sc_time_to_pending_activity() <= from_ps(ps - now_ps())) wait_until(ps);
   while (edges.ps(clock_ + 1) <= ps) {
-    if (quiet()) {
-      const int64_t clocks = std::max<int64_t>(1, edges.at_or_after(ps) - 1 - clock_);
-      sdram_.rest(clocks);
-      clock_ += clocks;
-    } else {
-      step();
-    }
+    if (step() || !nobody_asks()) continue;
+    const int64_t clocks = std::min(edges.at_or_after(ps) - 1 - clock_, sdram_.clocks_to_rest());
+    if (clocks <= 0) continue;
+    sdram_.rest(clocks);
+    clock_ += clocks;
   }
 }
 
@@ -120,14 +118,18 @@ void BoardMemory::pass(int64_t clocks) {
   advance(then);
 }
 
-bool BoardMemory::quiet() const {
-  return sdram_.quiet() && std::all_of(ports_.begin(), ports_.end(), [](const BoardPort* p) { return p->quiet(); });
+bool BoardMemory::nobody_asks() const {
+  return std::all_of(ports_.begin(), ports_.end(), [](const BoardPort* p) { return p->quiet(); });
 }
 
-void BoardMemory::step() {
+bool BoardMemory::step() {
   const int64_t now = edges.ps(clock_);
   std::array<clocks::Sdram::Command, clocks::Sdram::kPorts> commands;
-  for (size_t i = 0; i < commands.size(); ++i) commands[i] = ports_[i]->command(now);
+  bool works = false;
+  for (size_t i = 0; i < commands.size(); ++i) {
+    commands[i] = ports_[i]->command(now);
+    works = works || commands[i].valid;
+  }
   sdram_.edge(commands);
   for (size_t i = 0; i < commands.size(); ++i) {
     if (sdram_.accepted(static_cast<int>(i)))
@@ -143,6 +145,7 @@ void BoardMemory::step() {
   }
   for (BoardPort* port : ports_) port->edge(now);
   ++clock_;
+  return works || sdram_.served() >= 0;
 }
 
 std::deque<MasterCounts> BoardMemory::masters() const {

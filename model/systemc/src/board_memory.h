@@ -137,8 +137,8 @@ class BoardMemory : public sc_core::sc_module {
   friend class BoardWriter;
   static constexpr int64_t kWordsBits = 19, kPixelsBits = 18;
 
-  void step();
-  bool quiet() const;
+  bool step();  // whether a port asked for something or was served
+  bool nobody_asks() const;
 
   clocks::Sdram sdram_;
   std::array<BoardPort*, clocks::Sdram::kPorts> ports_;

@@ -53,8 +53,8 @@ class Sdram {
   bool accepted(int port) const { return accepted_[static_cast<size_t>(port)]; }
   int served() const { return served_; }
 
-  bool quiet() const;  // no command is inside
-  // Clocks without any command pass, which only the refresher counts; `quiet` must hold.
+  // How many clocks without any command would only be counted, and to count them.
+  int64_t clocks_to_rest() const;
   void rest(int64_t clocks);
 
  private:
@@ -78,6 +78,7 @@ class Sdram {
     int64_t precharge_from = 0, written_from = 0, activate_from = 0;  // clocks
 
     bool locked() const { return queued > 0 || buffered; }
+    bool rests() const { return !locked() && state == State::kRegular && wait == 0; }
     const Entry& next() const { return queue[static_cast<size_t>(first)]; }
   };
   enum class Direction { kRead, kWrite, kReadToWrite, kWriteToRead, kRefresh };
@@ -114,25 +115,17 @@ int Sdram::next_in_turn(int last, int count, Wants wants) {
   return last;
 }
 
-inline bool Sdram::quiet() const {
+inline int64_t Sdram::clocks_to_rest() const {
   for (const Bank& bank : banks_)
-    if (bank.locked() || bank.state != Bank::State::kRegular || bank.wait > 0) return false;
-  return refresh_ == Refresh::kIdle && !refresh_due_ &&
-         (direction_ == Direction::kRead || direction_ == Direction::kWrite);
+    if (!bank.rests()) return 0;
+  const bool settled = direction_ == Direction::kRead || direction_ == Direction::kWrite;
+  return settled && refresh_ == Refresh::kIdle && !refresh_due_ ? until_refresh_ : 0;
 }
 
 inline void Sdram::rest(int64_t clocks) {
   clock_ += clocks;
-  direction_clocks_ += static_cast<int>(clocks < kReadTime ? clocks : kReadTime);
-  if (clocks < until_refresh_) {
-    until_refresh_ -= static_cast<int>(clocks);
-    return;
-  }
-  // It was refreshed, at least once: all rows are closed, and reads come first.
-  until_refresh_ =
-      timing_.refresh_interval - 1 - static_cast<int>((clocks - until_refresh_) % timing_.refresh_interval);
-  for (Bank& bank : banks_) bank.opened = false;
-  direction_ = Direction::kRead;
+  direction_clocks_ += static_cast<int>(clocks);
+  until_refresh_ -= static_cast<int>(clocks);
 }
 
 inline void Sdram::route(const std::array<Command, kPorts>& commands, const std::array<bool, kBanks>& locked) {
@@ -280,7 +273,7 @@ inline void Sdram::edge(const std::array<Command, kPorts>& commands) {
   std::array<Kind, kBanks> kinds;
   bool reads = false, writes = false;
   for (size_t b = 0; b < kBanks; ++b) {
-    kinds[b] = command_of(banks_[b]);
+    kinds[b] = banks_[b].rests() ? Kind::kNone : command_of(banks_[b]);
     reads = reads || kinds[b] == Kind::kRead;
     writes = writes || kinds[b] == Kind::kWrite;
   }
@@ -315,7 +308,9 @@ inline void Sdram::edge(const std::array<Command, kPorts>& commands) {
   advance_refresh();
   direction_clocks_ = direction == direction_ ? direction_clocks_ + 1 : 0;
   direction_ = direction;
-  for (size_t b = 0; b < kBanks; ++b) advance(banks_[b], kinds[b], done && static_cast<int>(b) == working, refreshing);
+  for (size_t b = 0; b < kBanks; ++b)
+    if (refreshing || !banks_[b].rests())
+      advance(banks_[b], kinds[b], done && static_cast<int>(b) == working, refreshing);
   route(commands, locked);
   ++clock_;
 }
