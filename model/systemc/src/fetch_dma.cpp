@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <cstring>
 
+#include "board/wire.h"
+
 namespace vista {
 namespace {
 
-constexpr int64_t kChunkPixels = 512;  // of a board: rtl/board/wire.toml
+constexpr int64_t kChunkPixels = WIRE_CHUNK_BYTES / 2;  // of a board
 
 }  // namespace
 

@@ -3,19 +3,24 @@
 #include <algorithm>
 #include <deque>
 
+#include "board/wire.h"
+
 namespace vista {
 namespace {
 
-// rtl/board/wire.toml and rtl/board/gateware/server.py.
-constexpr int64_t kChunkBytes = 1024, kHeaderBytes = 20, kStatusBytes = 176, kCredits = 7, kAskEvery = 3;
-constexpr int64_t kFetchChunks = 32, kPauseNs = 200000;  // sw/src/board/words.c
-constexpr int64_t kQuestionsOfSlot = 2;  // sw/src/board/request.c: what is in the slot, and to give it up
-constexpr int64_t kWordBytes = 4, kChunkWords = kChunkBytes / kWordBytes;  // of the board's memory
+constexpr int64_t kWordBytes = 4;
+constexpr int64_t kChunkBytes = WIRE_CHUNK_BYTES, kChunkWords = kChunkBytes / kWordBytes;
+constexpr int64_t kHeaderWords = WIRE_HEADER_WORDS, kHeaderBytes = kWordBytes * kHeaderWords;
+constexpr int64_t kStatusWords = kHeaderWords + WIRE_STATUS_WORDS + WIRE_MAX_CHUNKS_IN / 32;
+constexpr int64_t kStatusBytes = kWordBytes * kStatusWords;
+// rtl/board/gateware/server.py; sw/src/board/pixels.c, words.c and request.c: what is in the slot, and to give it up.
+constexpr int64_t kCredits = 7, kAskEvery = 3;
+constexpr int64_t kFetchChunks = 32, kPauseNs = 200000, kQuestionsOfSlot = 2;
 // Preamble, Ethernet, IP, UDP, check sum, gap between two packets.
 constexpr int64_t kPacketBytes = 8 + 14 + 20 + 8 + 4 + 12;
 // Of the server, beside the words of a chunk: to read a packet's header and to look at its place; to reply with a status;
 // from one reply of words to the next.
-constexpr int64_t kPacketClocks = 15, kStatusClocks = 44, kReplyClocks = 1;
+constexpr int64_t kPacketClocks = 15, kStatusClocks = kStatusWords + 1, kReplyClocks = 1;
 constexpr int64_t kReplies = 2;  // that wait for the wire
 
 }  // namespace

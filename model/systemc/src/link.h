@@ -8,6 +8,7 @@
 #include <systemc>
 #include <vector>
 
+#include "board/wire.h"
 #include "board_memory.h"
 #include "buffer_pool.h"
 #include "configuration.h"
@@ -26,7 +27,7 @@ struct LinkEnds {
 
 class Link : public sc_core::sc_module {
  public:
-  static constexpr int64_t kFrames = 2;  // on the board
+  static constexpr int64_t kFrames = WIRE_SLOTS;  // on the board
 
   Link(const sc_core::sc_module_name& name, const Configuration& configuration, const LinkEnds& ends);
 
