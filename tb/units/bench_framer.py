@@ -52,8 +52,9 @@ async def any_video_gives_whole_frames(dut, offered, going):
     kinds = [*["legal"] * 32, *["illegal"] * 4, *["disabled"] * 4]
     random.shuffle(kinds)
     segments = [random_segment(rng, kind) for kind in kinds]
-    # The size is looked at a clock before the frame.
-    await start(dut, width_i=segments[0].width, height_i=segments[0].height, enable_i=0, valid_i=0, go_i=0)
+    # Size and switch are looked at a clock before the frame.
+    first = segments[0]
+    await start(dut, width_i=first.width, height_i=first.height, enable_i=first.enable, valid_i=0, go_i=0)
     stream = np.concatenate([s.stream for s in segments]).tolist()
     ends = np.cumsum([len(s.stream) for s in segments])
     # The registers of a segment may be written once the last frame before it was begun.
