@@ -58,7 +58,7 @@ class Build:
 REFERENCE = Build(32, 11, 1024, "25k")
 TABLE = [
     REFERENCE,
-    Build(64, 11, 1024, "45k", seeds=(1, 2)),
+    Build(64, 11, 1024, "45k"),
     Build(32, 11, 1024, "25k", speed=8),
 ]
 SLOW = [Build(128, 11, 1024, "85k", seeds=(1,))]  # routing takes hours: --all
