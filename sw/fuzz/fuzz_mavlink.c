@@ -48,6 +48,8 @@ static void update(fuzz_input *input, vista_mavlink *link, int64_t t_ns) {
   const uint8_t free_from = fuzz_byte(input) % VISTA_DIRECTIONS;
   for (int k = free_from; k < VISTA_DIRECTIONS; ++k) frame.directions.free_m[k] = 655.0f;
   frame.directions.free_m[free_from] = (float)number(input);
+  for (int k = fuzz_byte(input) % VISTA_DIRECTIONS; k < VISTA_DIRECTIONS; k += 1 + fuzz_byte(input) % 8)
+    frame.directions.blocked_m[k] = (float)number(input);
   frame.collision.valid = fuzz_byte(input) % 2;
   frame.collision.time_s = number(input);
   for (int i = 0; i < 3; ++i) {

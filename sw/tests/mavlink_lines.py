@@ -15,6 +15,8 @@ def line(frame: int, **changes: Any) -> dict[str, Any]:
     """A frame of a healthy flight at 10 m/s: one thing ahead, free to both sides of it."""
     z_m = 30.0 - 0.5 * frame
     free_m = [100.0] * 29 + [25.0, 25.0] + [100.0] * 29
+    blocked_m = [0.0] * 29 + [z_m, z_m] + [0.0] * 29
+    directions = {"up_camera": [0.0, -1.0, 0.0], "first_deg": -30, "free_m": free_m, "blocked_m": blocked_m}
     content: dict[str, Any] = {
         "version": 2,
         "frame": frame,
@@ -35,7 +37,7 @@ def line(frame: int, **changes: Any) -> dict[str, Any]:
         },
         "path_seen_m": 50.0,
         "velocity_camera_m_s": [0.0, 0.0, 10.0],
-        "directions": {"up_camera": [0.0, -1.0, 0.0], "first_deg": -30, "free_m": free_m},
+        "directions": directions,
     }
     content |= changes
     return content

@@ -105,9 +105,10 @@ class Link:
         health: str = "healthy",
         t_ns: int | None = None,
         up_known: bool = True,
+        blocked_m: float | np.ndarray = 0.0,
         **more: Any,
     ) -> str:
-        """free_m: of every column, or 180 of them. t_ns: now, unless given."""
+        """free_m, blocked_m: of every column, or 180 of them. t_ns: now, unless given."""
         things = things or []
         frame = ffi.new("vista_mavlink_frame *")
         items = ffi.new("vista_mavlink_obstacle[]", max(len(things), 1))
@@ -119,6 +120,7 @@ class Link:
         frame.directions.up_known = up_known
         frame.directions.up_camera = self.aircraft.up_camera.tolist() if up_known else [0.0, -1.0, 0.0]
         frame.directions.free_m = np.broadcast_to(np.float32(free_m), COLUMNS).tolist()
+        frame.directions.blocked_m = np.broadcast_to(np.float32(blocked_m), COLUMNS).tolist()
         reason = ffi.new("char[]", more.pop("reason", "").encode())
         frame.reason = reason
         for name, value in more.pop("collision", {}).items():

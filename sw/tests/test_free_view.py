@@ -22,10 +22,14 @@ middles_deg = FIRST_DEG + np.arange(lib.VISTA_DIRECTIONS) + 0.5
 HALF_VIEW_DEG = np.degrees(np.arctan(0.5 * (WIDTH - 1) / FOCAL_PX))
 
 
-def free_m(
+def free_m(words: np.ndarray, *args, **changes) -> np.ndarray:
+    return seen(words, *args, **changes)[0]
+
+
+def seen(
     words: np.ndarray, verdicts=("HORIZONTAL",), regions=None, up=LEVEL, **changes: float
-) -> np.ndarray:
-    """regions: the number of each pixel's, all of them of the first unless given."""
+) -> tuple[np.ndarray, np.ndarray]:
+    """free_m and blocked_m. regions: the number of each pixel's, all of them of the first unless given."""
     height, width = words.shape
     known = parameters(CHANGES | {f"obstacle_map.{name}": value for name, value in changes.items()})
     items = ffi.new("vista_region[]", len(verdicts))
@@ -43,7 +47,7 @@ def free_m(
         directions,
     )
     assert status_name(status) == "VISTA_OK"
-    return np.array(list(directions.free_m))
+    return np.array(list(directions.free_m)), np.array(list(directions.blocked_m))
 
 
 def rays() -> np.ndarray:
@@ -85,7 +89,7 @@ def test_a_board_ends_what_is_free_in_its_columns() -> None:
         azimuth_deg = np.degrees(np.arctan2(rays()[..., 0], rays()[..., 2]))
         board = (azimuth_deg >= first) & (azimuth_deg <= last)
         words = np.where(board, word_at(z_m), 16).astype(np.int16)
-        found = free_m(words, ("TOO_FAR", "ACCEPTED"), board)
+        found, blocked_m = seen(words, ("TOO_FAR", "ACCEPTED"), board)
         # Disparities tell of depth along the axis; of what is a tenth behind a station nothing is told.
         depth_m = z_m / np.cos(np.radians(middles_deg))
         behind = (middles_deg > first + 0.2) & (middles_deg < last - 0.2)
@@ -95,6 +99,26 @@ def test_a_board_ends_what_is_free_in_its_columns() -> None:
             (middles_deg < first - 0.2) | (middles_deg > last + 0.2)
         )
         assert (found[beside] == LENGTH_M).all()
+        np.testing.assert_allclose(blocked_m[behind], depth_m[behind], rtol=0.04)
+        assert not blocked_m[beside].any()
+
+
+@pytest.mark.parametrize("aside_m", [3.0, -6.0])
+def test_a_wall_along_the_path_blocks_each_column_where_it_is(aside_m: float) -> None:
+    """Upright, at all heights; with words as an engine has them, in sixteenths of a pixel."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        scale = aside_m / rays()[..., 0]
+    z_m = scale * rays()[..., 2]
+    on_wall = (scale > 0.0) & (z_m < 60.0)
+    words = np.where(on_wall, np.round(16 * FOCAL_PX * BASELINE_M / np.where(on_wall, z_m, 1.0)), 16)
+    _, blocked_m = seen(words.astype(np.int16), ("TOO_FAR", "ACCEPTED"), on_wall)
+    azimuth_deg = middles_deg * np.sign(aside_m)
+    within = (azimuth_deg > 7.0) & (azimuth_deg < HALF_VIEW_DEG - 1.0)
+    truth_m = abs(aside_m / np.sin(np.radians(middles_deg)))
+    within &= (truth_m < 50.0) & (truth_m > 6.0)
+    assert within.sum() > 10
+    np.testing.assert_allclose(blocked_m[within], truth_m[within], rtol=0.02)
+    assert not blocked_m[middles_deg * aside_m < 0.0].any()
 
 
 @pytest.mark.parametrize("roll_deg, pitch_deg", [(0.0, 0.0), (20.0, -8.0), (-30.0, 5.0), (0.0, 12.0)])
@@ -140,14 +164,15 @@ def test_a_flight_at_a_board_is_free_beside_it_and_not_through_it() -> None:
     *ahead, last = board_flight()[:4]
     pipeline = Pipeline()
     before = directions_of(pipeline)
-    assert not before.up_known and not any(before.free_m)
+    assert not before.up_known and not any(before.free_m) and not any(before.blocked_m)
     pipeline.fly(ahead)
-    seen = directions_of(pipeline)
-    assert seen.up_known
-    np.testing.assert_allclose(list(seen.up_camera), WORLD_FROM_CAMERA.T @ UP_WORLD, atol=1e-9)
-    assert max(seen.free_m) > 20.0
+    at_board = directions_of(pipeline)
+    assert at_board.up_known
+    np.testing.assert_allclose(list(at_board.up_camera), WORLD_FROM_CAMERA.T @ UP_WORLD, atol=1e-9)
+    assert max(at_board.free_m) > 20.0 and max(at_board.blocked_m) > 20.0
     pipeline.fly([replace(last, words=np.full_like(last.words, INVALID))])
-    assert not any(directions_of(pipeline).free_m)
+    unseen = directions_of(pipeline)
+    assert not any(unseen.free_m) and not any(unseen.blocked_m)
 
 
 def test_python_and_c_agree_on_the_columns() -> None:

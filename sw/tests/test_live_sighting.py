@@ -34,10 +34,13 @@ def record(rng: np.random.Generator, **changes: object) -> FrameRecord:
         for k in (1, 2, 3)
     ]
     nearest = Nearest(3, rng.normal(0.0, 20.0, 3), 9.0, float(rng.uniform(0.1, 9.0)), np.eye(3))
-    free_m = np.where(rng.random(Directions.COLUMNS) < 0.5, 0.0, rng.uniform(0.0, 80.0, Directions.COLUMNS))
+    shape = 2, Directions.COLUMNS
+    free_m, blocked_m = np.where(rng.random(shape) < 0.5, 0.0, rng.uniform(0.0, 80.0, shape)).astype(
+        np.float32
+    )
     made = FrameRecord(7, 70, pose, tuple(obstacles), nearest, 3, 0.5, {"host": 1.0}, health=HEALTH)
     made = replace(made, velocity_m_s=rng.normal(0.0, 5.0, 3))
-    made = replace(made, directions=Directions(pose.rotation[0], free_m.astype(np.float32)))
+    made = replace(made, directions=Directions(pose.rotation[0], free_m, blocked_m))
     return replace(made, **changes)
 
 
@@ -47,10 +50,12 @@ def assert_alike(one: Sighting, other: Sighting, atol: float) -> None:
     for a, b in zip(one.obstacles, other.obstacles, strict=True):
         np.testing.assert_allclose(a.position_camera_m, b.position_camera_m, atol=atol)
         assert (a.width_m, a.height_m) == pytest.approx((b.width_m, b.height_m), abs=atol)
-    np.testing.assert_allclose(one.free_m, other.free_m, atol=atol)
-    assert (one.up_camera is None) == (other.up_camera is None)
-    if one.up_camera is not None and other.up_camera is not None:
-        np.testing.assert_allclose(one.up_camera, other.up_camera, atol=atol)
+    seen, other_seen = one.directions, other.directions
+    np.testing.assert_allclose(seen.free_m, other_seen.free_m, atol=atol)
+    np.testing.assert_allclose(seen.blocked_m, other_seen.blocked_m, atol=atol)
+    assert (seen.up_camera is None) == (other_seen.up_camera is None)
+    if seen.up_camera is not None and other_seen.up_camera is not None:
+        np.testing.assert_allclose(seen.up_camera, other_seen.up_camera, atol=atol)
     assert (one.collision is None) == (other.collision is None)
     if one.collision is not None and other.collision is not None:
         assert one.collision.id == other.collision.id
@@ -83,7 +88,7 @@ def test_what_is_not_finite_is_told_as_in_a_line() -> None:
     lost = replace(told.obstacles[0], position_m=np.array([1.0, np.nan, np.inf]))
     free_m = np.full(Directions.COLUMNS, np.inf, np.float32)
     free_m[3] = np.nan
-    told = replace(told, obstacles=(lost,), directions=Directions(None, free_m))
+    told = replace(told, obstacles=(lost,), directions=Directions(None, free_m, np.roll(free_m, 9)))
     assert_alike(sighting_of(told), sighting_of_line("line", obstacle_line(told)), 0.6e-3)
 
 

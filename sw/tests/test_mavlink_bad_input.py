@@ -70,6 +70,10 @@ BAD_LINES: dict[str, tuple[Any, str]] = {
         line(1, directions={"up_camera": None, "first_deg": 60, "free_m": [1.0] * 40}),
         "more free_m than columns",
     ),
+    "without blocked distances": (
+        line(1, directions={"up_camera": None, "first_deg": 0, "free_m": [1.0]}),
+        "says: no 'blocked_m'",
+    ),
     "obstacles of text": (line(1, obstacles="none"), "schema"),
     "deep": ("[" * 100_000, "JSON"),
 }  # fmt: skip

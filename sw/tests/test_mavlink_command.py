@@ -257,7 +257,7 @@ def test_what_a_real_run_found_is_in_its_sector(tmp_path: Path, run_vista: Vista
     folder = cases.make_board_scenes(tmp_path / "pairs", 5, stills=False)
     assert run_vista("run", folder, "--out", tmp_path / "out", "--no-overlay")[0] == 0
     last = read_sightings(tmp_path / "out")[-1]
-    assert last.obstacles and last.free_m.max() > 0.0
+    assert last.obstacles and last.directions.free_m.max() > 0.0
     link, decoder = Link(parameters.defaults()), dialect.MAVLink(None)
     link.update(last, 10**9)
     messages = [decoded for data in link.due(10**9) for decoded in decoder.parse_buffer(data)]

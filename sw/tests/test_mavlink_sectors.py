@@ -227,3 +227,70 @@ def test_an_aircraft_on_its_tail_has_no_sectors() -> None:
     link = Link("px4", aircraft)
     link.update([Thing(np.array([0.0, 0.0, 10.0]))], 100.0)
     assert set(link.one("OBSTACLE_DISTANCE").distances) == {UNKNOWN}
+
+
+MIDDLES_DEG = FIRST_DEG + np.arange(COLUMNS) + 0.5
+
+
+def wall(aside_m: float, first_deg: float, last_deg: float) -> tuple[Thing, np.ndarray]:
+    """A wall along the path, so far to the right, as a board at its middle; and where it blocks columns."""
+    azimuths = np.radians([first_deg, last_deg])
+    depth_m = float(np.mean(aside_m / np.tan(azimuths)))
+    across_m = depth_m * np.tan(azimuths)
+    board = Thing(
+        np.array([across_m.mean(), 0.0, depth_m]), width_m=float(np.ptp(across_m)), height_m=6.0, id=3
+    )
+    inside = (first_deg < MIDDLES_DEG) & (last_deg > MIDDLES_DEG)
+    return board, np.where(inside, aside_m / np.sin(np.radians(np.where(inside, MIDDLES_DEG, 90.0))), 0.0)
+
+
+@pytest.mark.parametrize("mount_deg", [0.0, 90.0, -135.0])
+def test_a_wall_at_an_angle_is_as_near_as_it_is_seen_in_each_sector(mount_deg: float) -> None:
+    """5 m beside the path, from 10 to 35 degrees. Its far half is no nearer than its middle is."""
+    board, blocked_m = wall(5.0, 10.0, 35.0)
+    middle_m = np.hypot(*board.position_camera_m[[0, 2]]) - 0.25
+    link = Link("px4", Aircraft(mount_deg=(0.0, 0.0, mount_deg)))
+    link.update([board], blocked_m=blocked_m)
+    found = obstacle_sectors(link.one("OBSTACLE_DISTANCE"))
+    turn = round(mount_deg / 5)
+    assert {(k - turn) % 72 for k in found} == set(range(2, 8))
+    for sector in range(2, 8):
+        told_m = found[(sector + turn) % 72] / 100
+        left_deg, right_deg = max(5.0 * sector - 2.5, 10.0), min(5.0 * sector + 2.5, 35.0)
+        nearest_m, at_middle_m = 5.0 / np.sin(np.radians([right_deg, 0.5 * (left_deg + right_deg)]))
+        assert min(nearest_m, middle_m) - 0.1 <= told_m <= min(at_middle_m, middle_m) + 0.1
+    link = Link("ardupilot", Aircraft(mount_deg=(0.0, 0.0, mount_deg)))
+    link.update([board], blocked_m=blocked_m)
+    turned = link.aircraft.body_from_camera.T
+    for point in of_kind(link.poll(), "OBSTACLE_DISTANCE_3D"):
+        x_m, _, z_m = turned @ [point.x, point.y, point.z]
+        assert x_m <= 5.1 and z_m <= 5.0 / np.tan(np.radians(10.0))
+
+
+def test_other_things_do_not_bring_an_obstacle_nearer() -> None:
+    """What blocks beyond it, far before it, or beside it; and a pole before a wall is the pole's own."""
+    board = Thing(np.array([0.0, 0.0, 20.0]), width_m=2.0, height_m=2.0)
+    for blocked_m in (
+        np.full(COLUMNS, 30.0),
+        np.full(COLUMNS, 12.0),
+        np.where(np.abs(MIDDLES_DEG) < 4.0, 0.0, 18.0),
+        np.full(COLUMNS, np.nan),
+        np.full(COLUMNS, -19.0),
+    ):
+        alone, other = Link(), Link()
+        alone.update([board])
+        other.update([board], blocked_m=blocked_m)
+        found = other.one("OBSTACLE_DISTANCE").distances
+        assert found == alone.one("OBSTACLE_DISTANCE").distances
+    pole = Thing(np.array([0.0, 0.0, 20.0]), width_m=0.2, height_m=2.0)
+    link = Link()
+    link.update([pole], blocked_m=18.0)
+    assert obstacle_sectors(link.one("OBSTACLE_DISTANCE")) == pytest.approx({0: 1995}, abs=1)
+
+
+def test_where_up_is_not_known_columns_of_a_tilted_camera_tell_nothing_of_an_obstacle() -> None:
+    for pitch_deg, nearer in ((0.0, True), (-5.0, False)):
+        link = Link("px4", Aircraft(mount_deg=(0.0, pitch_deg, 0.0)))
+        link.update([Thing(np.array([0.0, 0.0, 20.0]), width_m=4.0)], blocked_m=17.0, up_known=False)
+        found = obstacle_sectors(link.one("OBSTACLE_DISTANCE"))
+        assert (min(found.values()) == 1700) == nearer

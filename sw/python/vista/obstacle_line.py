@@ -116,7 +116,8 @@ def _nearest(nearest: Nearest) -> dict[str, Any]:
 
 
 def _directions(ffi: Any, directions: Directions) -> Any:
-    c = ffi.new("vista_directions *", {"free_m": directions.free_m.tolist()})
+    columns = {"free_m": directions.free_m.tolist(), "blocked_m": directions.blocked_m.tolist()}
+    c = ffi.new("vista_directions *", columns)
     if directions.up_camera is not None:
         c.up_known, c.up_camera = True, _list(directions.up_camera)
     return c

@@ -98,6 +98,7 @@ class Directions:
 
     up_camera: Array | None  #: (3,), unit vector against gravity; None: not known, -y is taken for it
     free_m: NDArray[np.float32]  #: how far nothing stands there: (COLUMNS,), the first FIRST_DEG from ahead
+    blocked_m: NDArray[np.float32]  #: where what ends it stands; 0: nothing is seen there
 
     FIRST_DEG, COLUMNS = -90, 180  # as vista/directions.h has them
 
@@ -263,7 +264,10 @@ class Pipeline:
         c = self._ffi.new("vista_directions *")
         self._check(self._lib.vista_pipeline_directions(self._pipeline, c))
         up_camera = np.array(list(c.up_camera)) if c.up_known else None
-        return Directions(up_camera, self._array(c.free_m, self._lib.VISTA_DIRECTIONS, np.float32))
+        free_m, blocked_m = (
+            self._array(columns, Directions.COLUMNS, np.float32) for columns in (c.free_m, c.blocked_m)
+        )
+        return Directions(up_camera, free_m, blocked_m)
 
 
 def c_parameters(ffi: Any, lib: Any, values: parameters.Values) -> Any:

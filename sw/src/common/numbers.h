@@ -24,6 +24,17 @@ static inline void vista_cross(const double a[3], const double b[3], double prod
   for (int i = 0; i < 3; ++i) product[i] = a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3];
 }
 
+/* Of a few numbers, which it sorts. */
+static inline double vista_lower_median(double *values, int32_t count) {
+  for (int32_t k = 1; k < count; ++k) {
+    const double value = values[k];
+    int32_t at = k;
+    for (; at > 0 && values[at - 1] > value; --at) values[at] = values[at - 1];
+    values[at] = value;
+  }
+  return values[(count - 1) / 2];
+}
+
 /* Finite, too; neither holds for a NaN. */
 static inline bool vista_positive(double value) { return isfinite(value) && value > 0.0; }
 static inline bool vista_not_negative(double value) { return isfinite(value) && value >= 0.0; }

@@ -153,7 +153,21 @@ static void put_velocity(vista_json *json, const vista_motion *motion) {
   vista_json_put_numbers(json, velocity_camera_m_s, 3, METRES);
 }
 
-/* Without the columns at both ends that are not free. */
+static void put_columns(vista_json *json, const char *key, const float *metres, int32_t first, int32_t end) {
+  put_key(json, key);
+  vista_json_put(json, "[");
+  for (int32_t k = first; k < end; ++k) {
+    if (k > first) vista_json_put(json, ", ");
+    vista_json_put_number(json, (double)metres[k], METRES);
+  }
+  vista_json_put(json, "]");
+}
+
+static bool tells_nothing(const vista_directions *directions, int32_t column) {
+  return directions->free_m[column] == 0.0F && directions->blocked_m[column] == 0.0F;
+}
+
+/* Without the columns at both ends of which nothing is known. */
 static void put_directions(vista_json *json, const vista_directions *directions) {
   int32_t first = 0, end = VISTA_DIRECTIONS;
   put_key(json, "directions");
@@ -161,8 +175,8 @@ static void put_directions(vista_json *json, const vista_directions *directions)
     vista_json_put(json, "null");
     return;
   }
-  while (first < end && directions->free_m[first] == 0.0F) ++first;
-  while (end > first && directions->free_m[end - 1] == 0.0F) --end;
+  while (first < end && tells_nothing(directions, first)) ++first;
+  while (end > first && tells_nothing(directions, end - 1)) --end;
   if (first == end) first = end = 0;
   vista_json_put(json, "{\"up_camera\": ");
   if (directions->up_known)
@@ -171,13 +185,9 @@ static void put_directions(vista_json *json, const vista_directions *directions)
     vista_json_put(json, "null");
   put_key(json, "first_deg");
   vista_json_put_integer(json, VISTA_DIRECTIONS_FIRST_DEG + first);
-  put_key(json, "free_m");
-  vista_json_put(json, "[");
-  for (int32_t k = first; k < end; ++k) {
-    if (k > first) vista_json_put(json, ", ");
-    vista_json_put_number(json, (double)directions->free_m[k], METRES);
-  }
-  vista_json_put(json, "]}");
+  put_columns(json, "free_m", directions->free_m, first, end);
+  put_columns(json, "blocked_m", directions->blocked_m, first, end);
+  vista_json_put(json, "}");
 }
 
 vista_status vista_line_write(const vista_result *result, const vista_directions *directions,

@@ -31,7 +31,8 @@ static bool make_axes(view *v, const double up[3]) {
 
 typedef enum sight { OUTSIDE, DARK, BLOCKED, OPEN } sight;
 
-static sight look_at(const view *v, const double point_m[3]) {
+/* nearer: how much nearer than the point its line of sight ends, of 1; for BLOCKED only. */
+static sight look_at(const view *v, const double point_m[3], double *nearer) {
   const vista_camera *const c = v->camera;
   if (!(point_m[2] > 0.0)) return OUTSIDE;
   const double scale = c->focal_px / point_m[2];
@@ -44,20 +45,27 @@ static sight look_at(const view *v, const double point_m[3]) {
   if (region->verdict != VISTA_REGION_ACCEPTED) return OPEN;
   const int16_t word = v->told.disparity->data[row * v->told.disparity->stride + column];
   const double own_px = region->plain ? vista_region_surface_px(region, u, w) : (double)word / VISTA_DISPARITY_SCALE;
-  return NEARER * own_px > disparity_px ? BLOCKED : OPEN;
+  if (!(NEARER * own_px > disparity_px)) return OPEN;
+  *nearer = disparity_px / own_px;
+  return BLOCKED;
 }
 
-static bool is_free(const view *v, const double direction[3], double distance_m) {
+/* blocked_m: where the direction ends, if this station is not free because of what stands before it; else as it was. */
+static bool is_free(const view *v, const double direction[3], double distance_m, float *blocked_m) {
   int32_t counts[4] = {0};
+  double nearer[SAMPLES];
   for (int k = 0; k < SAMPLES; ++k) {
     const double height_m = v->radius_m * ((2.0 * k + 1.0) / SAMPLES - 1.0);
     double point_m[3];
     for (int i = 0; i < 3; ++i) point_m[i] = distance_m * direction[i] + height_m * v->up[i];
-    ++counts[look_at(v, point_m)];
+    ++counts[look_at(v, point_m, &nearer[counts[BLOCKED]])];
   }
-  const double inside = SAMPLES - counts[OUTSIDE];
-  return inside > 0.0 && counts[OPEN] + counts[BLOCKED] >= v->least * inside &&
-         (counts[BLOCKED] == 0 || counts[BLOCKED] < v->least * inside);
+  const double inside = SAMPLES - counts[OUTSIDE], least = v->least * inside;
+  if (counts[BLOCKED] > 0 && counts[BLOCKED] >= least) {
+    *blocked_m = (float)(distance_m * vista_lower_median(nearer, counts[BLOCKED]));
+    return false;
+  }
+  return inside > 0.0 && counts[OPEN] + counts[BLOCKED] >= least;
 }
 
 vista_status vista_free_view(const vista_obstacle_map_params *params, const vista_camera *camera,
@@ -77,7 +85,8 @@ vista_status vista_free_view(const vista_obstacle_map_params *params, const vist
             .matched = matched,
             .radius_m = params->collision_radius_m,
             .least = params->seen_min_fraction};
-  for (int column = 0; column < VISTA_DIRECTIONS; ++column) directions->free_m[column] = 0.0f;
+  for (int column = 0; column < VISTA_DIRECTIONS; ++column)
+    directions->free_m[column] = directions->blocked_m[column] = 0.0f;
   if (!make_axes(&v, directions->up_camera)) return VISTA_OK;
   const double nearest_m = camera->focal_px * camera->baseline_m / matched->disparity_max_px;
   for (int column = 0; column < VISTA_DIRECTIONS; ++column) {
@@ -88,7 +97,7 @@ vista_status vista_free_view(const vista_obstacle_map_params *params, const vist
       const double distance_m = params->collision_length_m * k / STATIONS;
       /* Nearer than anything is matched the view is as good as at the nearest range. */
       if (distance_m < nearest_m && k < STATIONS) continue;
-      if (!is_free(&v, direction, distance_m)) break;
+      if (!is_free(&v, direction, distance_m, &directions->blocked_m[column])) break;
       directions->free_m[column] = (float)distance_m;
     }
   }

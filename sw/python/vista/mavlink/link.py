@@ -45,9 +45,10 @@ class Link:
         frame.t_ns, frame.reason = t_ns, reason
         frame.health = getattr(self._lib, HEALTH[sighting.health])
         frame.obstacles, frame.obstacle_count = boards, len(sighting.obstacles)
-        frame.directions.free_m = sighting.free_m.tolist()
-        frame.directions.up_known = sighting.up_camera is not None
-        frame.directions.up_camera = sighting.up_camera or LEVEL
+        seen = sighting.directions
+        frame.directions.free_m, frame.directions.blocked_m = seen.free_m.tolist(), seen.blocked_m.tolist()
+        frame.directions.up_known = seen.up_camera is not None
+        frame.directions.up_camera = LEVEL if seen.up_camera is None else seen.up_camera.tolist()
         if sighting.collision is not None:
             to = frame.collision
             to.valid, to.id, to.time_s = True, sighting.collision.id, sighting.collision.time_s

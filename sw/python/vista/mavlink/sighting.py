@@ -52,8 +52,7 @@ class Sighting:
     health: State
     reason: str
     obstacles: tuple[Board, ...]  # confirmed ones
-    up_camera: tuple[float, float, float] | None
-    free_m: NDArray[np.float32]  # of every column, as in vista.pipeline.Directions
+    directions: Directions
     collision: Collision | None
 
 
@@ -74,7 +73,6 @@ def read_sightings(path: Path) -> list[Sighting]:
 def sighting_of(record: FrameRecord) -> Sighting:
     """Of a frame that is there. From its line comes the same, rounded as the line is."""
     reasons, directions, nearest = record.health.reasons, record.directions, record.nearest_collision
-    up_camera = None if directions is None else directions.up_camera
     return Sighting(
         record.t_ns,
         record.health.state,
@@ -84,8 +82,9 @@ def sighting_of(record: FrameRecord) -> Sighting:
             for o in record.obstacles
             if o.confirmed
         ),
-        None if up_camera is None else _vector(up_camera),
-        _clipped(np.zeros(Directions.COLUMNS) if directions is None else directions.free_m),
+        _nothing_seen()
+        if directions is None
+        else Directions(directions.up_camera, _clipped(directions.free_m), _clipped(directions.blocked_m)),
         None if nearest is None else _collision_of(nearest, record),
     )
 
@@ -105,8 +104,12 @@ def _vector(values: Array) -> tuple[float, float, float]:
     return x, y, z
 
 
-def _clipped(free_m: Any) -> NDArray[np.float32]:
-    return np.asarray(np.clip(np.nan_to_num(free_m, nan=0.0, posinf=0.0), 0.0, FARTHEST_M), np.float32)
+def _nothing_seen() -> Directions:
+    return Directions(None, *np.zeros((2, Directions.COLUMNS), np.float32))
+
+
+def _clipped(distances_m: Any) -> NDArray[np.float32]:
+    return np.asarray(np.clip(np.nan_to_num(distances_m, nan=0.0, posinf=0.0), 0.0, FARTHEST_M), np.float32)
 
 
 def sighting_of_line(culprit: str, text: str) -> Sighting:
@@ -127,14 +130,12 @@ def sighting_of_line(culprit: str, text: str) -> Sighting:
 
 def _sighting(line: dict[str, Any]) -> Sighting:
     reasons = line["health"]["reasons"]
-    up_camera, free_m = _directions(line["directions"])
     return Sighting(
         _integer(line["t_ns"], 0, TIME_END_NS),
         State(line["health"]["state"]),
         str(reasons[0]) if reasons else "",
         tuple(_board(o) for o in line["obstacles"] if o["confirmed"]),
-        up_camera,
-        free_m,
+        _directions(line["directions"]),
         _collision(line),
     )
 
@@ -157,20 +158,27 @@ def _collision(line: dict[str, Any]) -> Collision | None:
     )
 
 
-def _directions(
-    directions: dict[str, Any] | None,
-) -> tuple[tuple[float, float, float] | None, NDArray[np.float32]]:
-    free_m = np.zeros(Directions.COLUMNS, np.float32)
-    if directions is None:
-        return None, free_m
-    given = [_number(x) for x in directions["free_m"]]
+def _directions(line: dict[str, Any] | None) -> Directions:
+    if line is None:
+        return _nothing_seen()
+    up_camera = line["up_camera"]
+    return Directions(
+        None if up_camera is None else np.array(_point(up_camera)),
+        _columns(line, "free_m"),
+        _columns(line, "blocked_m"),
+    )
+
+
+def _columns(line: dict[str, Any], name: str) -> NDArray[np.float32]:
+    """Of every column there is; the line has only those of which something is known."""
+    given = [_number(x) for x in line[name]]
     start, end = Directions.FIRST_DEG, Directions.FIRST_DEG + Directions.COLUMNS
-    first = _integer(directions["first_deg"], start, end) - start
+    first = _integer(line["first_deg"], start, end) - start
     if first + len(given) > Directions.COLUMNS:
-        raise OverflowError("more free_m than columns")
-    free_m[first : first + len(given)] = _clipped(given)
-    up_camera = directions["up_camera"]
-    return None if up_camera is None else _point(up_camera), free_m
+        raise OverflowError(f"more {name} than columns")
+    distances_m = np.zeros(Directions.COLUMNS, np.float32)
+    distances_m[first : first + len(given)] = _clipped(given)
+    return distances_m
 
 
 def _point(values: Any) -> tuple[float, float, float]:
