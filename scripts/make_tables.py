@@ -468,7 +468,8 @@ def synthesis_table() -> str:
     older = [b for b in builds if "commit" in b]
     for b in older:
         lines.append(f"- The row of {b['disparities']} disparities was measured at commit {b['commit']}.")
-    made = [b for b in builds if b["speed_grade"] == 6 and b not in older]
+    alike = [b for b in builds if all(b[key] == builds[0][key] for key in ("speed_grade", "max_width_px"))]
+    made = [b for b in alike if b not in older]
     slow = sorted(made, key=lambda b: b["disparities"])
     for one, next_one in pairwise(slow):
         low, high = one["disparities"], next_one["disparities"]

@@ -60,6 +60,7 @@ TABLE = [
     REFERENCE,
     Build(64, 11, 1024, "45k"),
     Build(32, 11, 1024, "25k", speed=8),
+    Build(64, 11, 2048, "85k"),
 ]
 SLOW = [Build(128, 11, 1024, "85k", seeds=(1,))]  # routing takes hours: --all
 
@@ -265,7 +266,8 @@ def call(
 
 def steps(results: dict[Build, Result]) -> Iterator[tuple[tuple[int, Result], tuple[int, Result]]]:
     """From each number of disparities to the next larger one, each with its result."""
-    sizes = {b.disparities: r for b, r in results.items() if b.speed == REFERENCE.speed}
+    alike = {b: r for b, r in results.items() if (b.speed, b.width) == (REFERENCE.speed, REFERENCE.width)}
+    sizes = {b.disparities: r for b, r in alike.items()}
     return pairwise(sorted(sizes.items()))
 
 
