@@ -10,11 +10,11 @@ FUZZ_CFLAGS = -g -O1 -std=c17 -fno-omit-frame-pointer -fno-sanitize-recover=all 
   -fsanitize=address,undefined,float-cast-overflow$(if $(FUZZ_HAS_CLANG),$(comma)fuzzer-no-link)
 FUZZ_DRIVER = $(if $(FUZZ_HAS_CLANG),-fsanitize=fuzzer,sw/fuzz/run_corpus.c)
 FUZZ_ENGINE := $(patsubst %.c,$(FUZZ)/obj/%.o,$(wildcard model/c/src/*.c))
-FUZZ_VISTA := $(patsubst %.c,$(FUZZ)/obj/%.o,$(wildcard sw/src/*.c sw/src/*/*.c sw/src/*/*/*.c))
+FUZZ_VISTA := $(patsubst %.c,$(FUZZ)/obj/%.o,$(shell find sw/src -name '*.c'))
 # What a link needs; of all of libvista the fuzzer would see a small part only.
-FUZZ_MAVLINK := $(patsubst %.c,$(FUZZ)/obj/%.o,$(wildcard sw/src/mavlink/*.c) \
-  sw/src/parameters.c sw/src/status.c sw/src/common/frame.c sw/src/common/median.c sw/src/stages/ground_view.c \
-  sw/src/common/disc.c sw/src/common/flight_path.c sw/src/stages/health.c)
+FUZZ_MAVLINK := $(patsubst %.c,$(FUZZ)/obj/%.o,$(wildcard sw/src/link/mavlink/*.c) \
+  sw/src/common/parameters.c sw/src/common/status.c sw/src/common/frame.c sw/src/common/median.c sw/src/health/ground_view.c \
+  sw/src/common/disc.c sw/src/common/flight_path.c sw/src/health/health.c)
 # The engine has a target of its own: in that of vista-fly it is neither checked nor counted as reached.
 FUZZ_PLAIN_ENGINE := $(patsubst %.c,$(FUZZ)/plain/%.o,$(wildcard model/c/src/*.c))
 comma := ,
@@ -42,8 +42,8 @@ $(FUZZ)/obj/sw/apps/replay.o: FUZZ_CFLAGS += -Dmain=replay_main
 $(FUZZ)/obj/sw/apps/fly/%.o: FUZZ_CFLAGS += -D_GNU_SOURCE
 
 $(FUZZ)/engine: $(FUZZ_ENGINE)
-$(FUZZ)/fly: $(FUZZ_PLAIN_ENGINE) $(FUZZ_MAVLINK) $(FUZZ)/obj/sw/src/alignment/turn.o \
-  $(FUZZ)/obj/sw/src/alignment/turn_map.o $(patsubst %,$(FUZZ)/obj/sw/apps/fly/%.o,config problem rig)
+$(FUZZ)/fly: $(FUZZ_PLAIN_ENGINE) $(FUZZ_MAVLINK) $(FUZZ)/obj/sw/src/align/turn.o \
+  $(FUZZ)/obj/sw/src/align/turn_map.o $(patsubst %,$(FUZZ)/obj/sw/apps/fly/%.o,config problem rig)
 $(FUZZ)/pipeline: $(FUZZ_VISTA)
 $(FUZZ)/mavlink: $(FUZZ_MAVLINK)
 $(FUZZ)/recording: $(FUZZ_VISTA) $(FUZZ)/obj/sw/apps/replay.o

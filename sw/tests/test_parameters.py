@@ -19,7 +19,7 @@ from vista.errors import InputError
 GENERATOR = REPOSITORY / "scripts" / "make_parameters.py"
 TOML = REPOSITORY / "sw" / "parameters.toml"
 HEADER = REPOSITORY / "sw" / "include" / "vista" / "parameters.h"
-TABLE = REPOSITORY / "sw" / "src" / "parameters_table.h"
+TABLE = REPOSITORY / "sw" / "src" / "common" / "parameters_table.h"
 
 ENTRIES = {
     f"{section}.{name}": entry

@@ -142,7 +142,7 @@ def test_python_gives_the_same_numbers(flight: list[dict]) -> None:
         assert result.cell_disparity_px.tobytes() == expected["disparity_px"]
         assert result.region_of_cell.tobytes() == expected["label"]
         drawn = pipeline.refine_boundaries(result.region_of_cell)
-        left = result.region_of_pixel != drawn  # pixels of the ground that stages/footing.h takes out
+        left = result.region_of_pixel != drawn  # pixels of the ground that region/footing.h takes out
         assert np.all(result.region_of_pixel[left] == -1)
         assert {result.verdict_of_region[k] for k in np.unique(drawn[left])} <= {"ACCEPTED"}
         nearest = expected["nearest_collision"]

@@ -40,7 +40,7 @@ def farther(stages: Stages, word: int, node: int) -> float:
 
 
 def expected(stages: Stages, image: np.ndarray, words: np.ndarray) -> np.ndarray:
-    """The definition in stages/refinement.h, a pixel at a time."""
+    """The definition in cut/refinement.h, a pixel at a time."""
     f, p = stages.foveation, stages.parameters.refinement
     label = stages.label
     border = np.zeros(f.node_count, bool)

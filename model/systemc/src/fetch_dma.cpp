@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstring>
 
-#include "board/wire.h"
+#include "link/board/wire.h"
 
 namespace vista {
 namespace {

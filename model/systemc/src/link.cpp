@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <deque>
 
-#include "board/wire.h"
+#include "link/board/wire.h"
 
 namespace vista {
 namespace {
@@ -13,7 +13,7 @@ constexpr int64_t kChunkBytes = WIRE_CHUNK_BYTES, kChunkWords = kChunkBytes / kW
 constexpr int64_t kHeaderWords = WIRE_HEADER_WORDS, kHeaderBytes = kWordBytes * kHeaderWords;
 constexpr int64_t kStatusWords = kHeaderWords + WIRE_STATUS_WORDS + WIRE_MAX_CHUNKS_IN / 32;
 constexpr int64_t kStatusBytes = kWordBytes * kStatusWords;
-// rtl/board/gateware/server.py; sw/src/board/pixels.c, words.c and request.c: what is in the slot, and to give it up.
+// rtl/board/gateware/server.py; sw/src/link/board/pixels.c, words.c and request.c: what is in the slot, and to give it up.
 constexpr int64_t kCredits = 7, kAskEvery = 3;
 constexpr int64_t kFetchChunks = 32, kPauseNs = 200000, kQuestionsOfSlot = 2;
 // Preamble, Ethernet, IP, UDP, check sum, gap between two packets.

@@ -8,10 +8,10 @@
 #include <systemc>
 #include <vector>
 
-#include "board/wire.h"
 #include "board_memory.h"
 #include "buffer_pool.h"
 #include "configuration.h"
+#include "link/board/wire.h"
 #include "memory.h"
 #include "timing.h"
 

@@ -4,7 +4,7 @@
 
 #include <stdbool.h>
 
-#include "stages/region.h"
+#include "perceive/region/region.h"
 #include "vista/obstacle.h"
 #include "vista/status.h"
 

@@ -1,7 +1,7 @@
 """The checks, each a function of what it judges: a Finding where something is wrong, else None.
 
 They judge what libvista is not told of: the right image, the calibration, whether the camera moves. What can
-be judged of the left image, the disparities and the poses, libvista judges itself (sw/src/stages/health.h).
+be judged of the left image, the disparities and the poses, libvista judges itself (sw/src/health/health.h).
 
 The limits lie between what real recordings show and what damaged ones show; sw/tests/test_health_real.py
 measures both.

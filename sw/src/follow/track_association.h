@@ -1,0 +1,38 @@
+/* Which detection belongs to which track: the global assignments, described in tracker.h. */
+#ifndef VISTA_TRACK_ASSOCIATION_H
+#define VISTA_TRACK_ASSOCIATION_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "common/arena.h"
+#include "follow/track_filter.h"
+#include "follow/tracker.h"
+#include "perceive/region/reconstruction.h"
+#include "vista/status.h"
+
+typedef struct vista_track_association vista_track_association;
+
+vista_status vista_track_association_layout(int32_t max_tracks, int32_t max_detections, vista_arena *arena,
+                                            vista_track_association **association);
+
+/* detection_of_track: track_count entries, -1 = none. */
+void vista_track_associate(vista_track_association *association, const vista_tracker_params *params,
+                           const vista_camera *camera, const vista_pose *pose, const vista_track *tracks,
+                           const vista_track_view *views, int32_t track_count, const vista_detection *detections,
+                           int32_t detection_count, int32_t *detection_of_track);
+
+/* Of the last call: whether a track took its detection as one of changed shape; the detection, not taken by any, where
+ * a track seen once may have moved to, or -1; whether a detection was taken. */
+bool vista_track_association_reshaped(const vista_track_association *association, int32_t track);
+int32_t vista_track_association_moved_to(const vista_track_association *association, int32_t track);
+bool vista_track_association_claimed(const vista_track_association *association, int32_t detection);
+
+/* Whether the inner one is centred within the outer one's extent and at its depth. */
+bool vista_track_within(const vista_tracker_params *params, const vista_track_view *inner,
+                        const vista_track_view *outer);
+
+/* Whether one stands on the other: at one depth, of about one width, the narrower above or below the wider. */
+bool vista_track_stacked(const vista_tracker_params *params, const vista_track_view *a, const vista_track_view *b);
+
+#endif

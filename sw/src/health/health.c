@@ -1,0 +1,130 @@
+#include "health/health.h"
+
+#include <math.h>
+#include <stdbool.h>
+#include <stddef.h>
+
+#include "common/agreement.h"
+#include "common/frame.h"
+#include "common/median.h"
+#include "common/numbers.h"
+#include "common/parameters_check.h"
+
+#define ROW_STEP 2 /* neighbouring rows say the same */
+
+typedef struct entry {
+  const char *name, *text;
+  uint32_t blinding; /* 1: what has this reason is blind */
+} entry;
+
+static const entry reasons[VISTA_HEALTH_REASON_COUNT] = {
+    {"few_disparities", "few pixels have a disparity", 0},
+    {"no_disparities", "hardly any pixel has a disparity", 1},
+    {"no_contrast", "the image is hardly more than one grey level", 1},
+    {"motion_unknown", "the pose is missing: positions rest on the last known motion", 0},
+    {"pose_jump", "the pose jumped farther than the vehicle can have moved", 0},
+    {"noise", "the noise of the images leaves few disparities that chance does not explain", 0},
+    {"ground_unseen", "hardly anything below the horizon where the flight leads to has a disparity", 0},
+    {"alignment_lost", "the right camera has turned by more than is corrected, or by an angle that cannot be found", 1},
+    {"rows_misaligned", "matching features lie apart in rows", 0},
+};
+
+static const char *const state_names[VISTA_HEALTH_STATE_COUNT] = {"healthy", "degraded", "blind"};
+
+const char *vista_health_state_name(vista_health_state state) {
+  return (unsigned)state < VISTA_HEALTH_STATE_COUNT ? state_names[state] : "unknown";
+}
+
+const char *vista_health_reason_name(vista_health_reason reason) {
+  return (unsigned)reason < VISTA_HEALTH_REASON_COUNT ? reasons[reason].name : "unknown";
+}
+
+const char *vista_health_reason_text(vista_health_reason reason) {
+  return (unsigned)reason < VISTA_HEALTH_REASON_COUNT ? reasons[reason].text : "unknown reason";
+}
+
+/* Standard deviation of the cells' grey levels, by the pixels that they own, without the noise that is left in them. */
+static double contrast_of(const vista_foveation *foveation, const vista_cells *cells, const vista_image_noise *noise) {
+  double pixels = 0.0, sum = 0.0, squares = 0.0;
+  for (int32_t i = 0; i < foveation->node_count; ++i) {
+    const double weight = foveation->pixel_count[i], grey = (double)cells->intensity[i];
+    pixels += weight;
+    sum += weight * grey;
+    squares += weight * grey * grey;
+  }
+  const double mean = sum / pixels;
+  const double of_noise = vista_square(noise->sigma) * foveation->node_count / pixels; /* of n pixels: sigma^2 / n */
+  return sqrt(fmax(squares / pixels - mean * mean - of_noise, 0.0));
+}
+
+typedef struct counted_words {
+  int64_t image;                 /* valid ones */
+  int64_t matched, matched_area; /* valid ones in the matched area, and its pixels */
+  /* Where both neighbours in question are in the area, too: */
+  int64_t agreeing, asked; /* valid ones that another one agrees with, and the pixels */
+} counted_words;
+
+static double share(int64_t part, int64_t whole) { return whole > 0 ? (double)part / (double)whole : 0.0; }
+
+static int32_t count_agreeing(const int16_t *words, int32_t count, int32_t distance) {
+  int32_t sum = 0;
+  for (int32_t u = 0; u < count; ++u) sum += vista_word_agrees(words, u, distance);
+  return sum;
+}
+
+/* noisy: agreement is asked for, else none is. */
+static counted_words count(const vista_matched_area *matched, bool noisy, const vista_disparity_image *disparity) {
+  const int32_t margin = (int32_t)matched->margin_px, first = (int32_t)matched->margin_left_px;
+  const int32_t end = disparity->width_px - margin, distance = vista_agreement_distance(matched);
+  counted_words sum = {0};
+  for (int32_t v = 0; v < disparity->height_px; ++v) {
+    const int16_t *const row = disparity->data + v * disparity->stride;
+    sum.image += vista_count_valid(row, disparity->width_px);
+    if (v < margin || v >= disparity->height_px - margin || first >= end) continue;
+    sum.matched += vista_count_valid(row + first, end - first);
+    sum.matched_area += end - first;
+    const int32_t asked = end - first - 2 * distance;
+    if (!noisy || (v - margin) % ROW_STEP != 0 || asked <= 0) continue;
+    sum.agreeing += count_agreeing(row + first + distance, asked, distance);
+    sum.asked += asked;
+  }
+  return sum;
+}
+
+vista_status vista_health_judge(const vista_health_params *params, const vista_foveation *foveation,
+                                const vista_matched_area *matched, const vista_cells *cells,
+                                const vista_image_noise *noise, const vista_disparity_image *disparity,
+                                const vista_motion *motion, const vista_ahead *ahead, vista_health *health,
+                                double *valid_fraction) {
+  if (params == NULL || foveation == NULL || matched == NULL || cells == NULL || noise == NULL || disparity == NULL ||
+      motion == NULL || ahead == NULL || health == NULL || valid_fraction == NULL)
+    return VISTA_ERROR_ARGUMENT;
+  vista_status status = VISTA_CHECK_SECTION(health, params);
+  if (status == VISTA_OK) status = vista_matched_area_check(matched);
+  if (status == VISTA_OK) status = vista_frame_check_disparity(disparity, foveation->width_px, foveation->height_px);
+  if (status != VISTA_OK) return status;
+  const bool noisy = noise->sigma > params->noise_min;
+  const counted_words words = count(matched, noisy, disparity);
+  *valid_fraction = (double)words.image / ((double)disparity->width_px * disparity->height_px);
+  vista_health h = {.matched_fraction = share(words.matched, words.matched_area),
+                    .contrast = contrast_of(foveation, cells, noise)};
+  const double agreeing = noisy ? share(words.agreeing, words.asked) : h.matched_fraction;
+  const bool none = fmin(h.matched_fraction, agreeing) < params->blind_fraction;
+  const bool few = h.matched_fraction < params->degraded_fraction;
+  const bool holds[VISTA_HEALTH_REASON_COUNT] = {
+      [VISTA_HEALTH_FEW_DISPARITIES] = few && !none,
+      [VISTA_HEALTH_NO_DISPARITIES] = none,
+      [VISTA_HEALTH_NO_CONTRAST] = h.contrast < params->contrast_min,
+      [VISTA_HEALTH_MOTION_UNKNOWN] = motion->source == VISTA_MOTION_CARRIED_ON,
+      [VISTA_HEALTH_POSE_JUMP] = motion->source == VISTA_MOTION_REFUSED || motion->restarted,
+      [VISTA_HEALTH_NOISE] = noisy && agreeing < params->degraded_fraction,
+      [VISTA_HEALTH_GROUND_UNSEEN] = vista_ground_view(ahead, matched, noisy, disparity) < params->ground_fraction,
+  };
+  for (int k = 0; k < VISTA_HEALTH_REASON_COUNT; ++k) {
+    if (!holds[k]) continue;
+    h.reasons |= UINT32_C(1) << k;
+    if (h.state != VISTA_HEALTH_BLIND) h.state = reasons[k].blinding ? VISTA_HEALTH_BLIND : VISTA_HEALTH_DEGRADED;
+  }
+  *health = h;
+  return VISTA_OK;
+}

@@ -1,0 +1,19 @@
+/* Settings of a session as the registers of the engine, which rtl/csr/registers.md describes. */
+#ifndef VISTA_BOARD_SESSION_H
+#define VISTA_BOARD_SESSION_H
+
+#include "link/board/connection.h"
+
+/* What vista_board_identify does. */
+vista_status session_identify(vista_board *board, vista_board_build *build);
+
+/* Whether the settings are in range, and fit this build. */
+vista_status session_check(const vista_board_settings *settings, const vista_board_build *build);
+
+/* Takes the board over for frames of board->layout. */
+vista_status session_open(vista_board *board, const vista_board_settings *settings);
+
+/* Writes the registers of an open session, and loads the map. */
+vista_status session_set_up(vista_board *board, const vista_board_settings *settings);
+
+#endif

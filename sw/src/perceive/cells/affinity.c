@@ -1,0 +1,154 @@
+#include "perceive/cells/affinity.h"
+
+#include <math.h>
+#include <stdbool.h>
+#include <string.h>
+
+#include "common/depth.h"
+#include "common/frame.h"
+#include "common/numbers.h"
+#include "common/parameters_check.h"
+#include "common/wide_vectors.h"
+
+vista_status vista_affinity_layout(vista_affinity *affinity, vista_arena *arena, const vista_foveation *foveation) {
+  if (affinity == NULL || arena == NULL || foveation == NULL) return VISTA_ERROR_ARGUMENT;
+  const size_t arcs = (size_t)foveation->graph.arc_count;
+  affinity->weight = vista_arena_take(arena, arcs, sizeof(float));
+  affinity->capacity = vista_arena_take(arena, arcs, sizeof(int32_t));
+  affinity->intensity_capacity = vista_arena_take(arena, arcs, sizeof(int32_t));
+  return arena->base != NULL && arena->used > arena->size ? VISTA_ERROR_MEMORY : VISTA_OK;
+}
+
+int32_t vista_flow_encode(const vista_affinity_params *params, double affinity) {
+  const double flow = params->flow_encoding == VISTA_AFFINITY_FLOW_ENCODING_LINEAR
+                          ? params->flow_scale * (affinity + 1.0) / 2.0
+                          : params->flow_scale * pow(params->flow_constant, (affinity - 1.0) / 2.0);
+  return flow < 1.0 ? 1 : (int32_t)lround(flow);
+}
+
+/* The exponential encoding as a power of two, 2^(offset + slope w). */
+typedef struct exponential {
+  double offset, slope;
+} exponential;
+
+/* 2^x within 1e-10 of it, for -1000 < x < 1000: the series of e^(r ln 2) for |r| <= 1/2 times a whole power. */
+static inline double power_of_two(double x) {
+  const int32_t whole = (int32_t)(x + 1024.5) - 1024;
+  const double y = (x - whole) * 0.69314718055994531;
+  const double fraction =
+      1.0 +
+      y * (1.0 + y * (1.0 / 2 +
+                      y * (1.0 / 6 +
+                           y * (1.0 / 24 + y * (1.0 / 120 + y * (1.0 / 720 + y * (1.0 / 5040 + y * (1.0 / 40320))))))));
+  const uint64_t bits = (uint64_t)(1023 + whole) << 52;
+  double scale;
+  memcpy(&scale, &bits, sizeof scale);
+  return fraction * scale;
+}
+
+#define EDGES 256 /* that are treated at once, side by side */
+
+/* What an affinity is made of. */
+typedef struct edges {
+  float grey_step[EDGES], disparity_a[EDGES], disparity_b[EDGES], distance_px[EDGES];
+  float intensity_exponent[EDGES], disparity_exponent[EDGES]; /* of equation 4; the second negative: not known */
+  float weight[EDGES], intensity_weight[EDGES];
+  int32_t capacity[EDGES], intensity_capacity[EDGES];
+} edges;
+
+static inline float exponent(float difference, float mu, float sigma) {
+  const float excess = vista_larger(fabsf(difference), mu) - mu;
+  return excess * excess / (2.0f * sigma * sigma);
+}
+
+static void gather(const vista_foveation *f, const vista_cells *cells, int32_t first, int32_t count, edges *e) {
+  for (int32_t k = 0; k < count; ++k) {
+    const int32_t arc = f->graph.edge_arc[first + k], a = f->graph.head[f->graph.reverse[arc]], b = f->graph.head[arc];
+    e->grey_step[k] = cells->intensity[a] - cells->intensity[b];
+    e->disparity_a[k] = cells->disparity_px[a];
+    e->disparity_b[k] = cells->disparity_px[b];
+    e->distance_px[k] = f->arc_distance_px[arc];
+  }
+}
+
+VISTA_WIDE_VECTORS static void find_exponents(const vista_affinity_params *params, const vista_camera *camera,
+                                              int32_t count, edges *e) {
+  const float mu_i = (float)params->mu_intensity, sigma_i = (float)params->sigma_intensity;
+  const float mu_px = (float)params->mu_disparity_px, slope = (float)params->mu_disparity_slope;
+  const float sigma_d = (float)params->sigma_disparity_px, mu_depth_m = (float)params->mu_depth_m;
+  for (int32_t k = 0; k < count; ++k) {
+    const float a = e->disparity_a[k], b = e->disparity_b[k];
+    const float mu_d =
+        vista_larger(vista_depth_step_px(camera, vista_larger(a, b), mu_depth_m), mu_px + slope * e->distance_px[k]);
+    const float known = exponent(a - b, mu_d, sigma_d);
+    e->intensity_exponent[k] = exponent(e->grey_step[k], mu_i, sigma_i);
+    e->disparity_exponent[k] = a >= 0.0f && b >= 0.0f ? known : -1.0f;
+  }
+}
+
+static void weigh(const vista_affinity_params *params, int32_t count, edges *e) {
+  const float alpha = (float)params->alpha_intensity;
+  const bool sum = params->form == VISTA_AFFINITY_FORM_SUM;
+  for (int32_t k = 0; k < count; ++k) {
+    const float exponent_i = e->intensity_exponent[k], exponent_d = e->disparity_exponent[k];
+    const float of_intensity = exponent_i == 0.0f ? 1.0f : expf(-exponent_i);
+    e->intensity_weight[k] = e->weight[k] = of_intensity;
+    if (exponent_d >= 0.0f && sum)
+      e->weight[k] = alpha * of_intensity + (1.0f - alpha) * expf(-exponent_d);
+    else if (exponent_d > 0.0f)
+      e->weight[k] = expf(-exponent_i - exponent_d);
+  }
+}
+
+#define UNSURE (-1)
+
+/* vista_flow_encode of the exponential encoding without pow(); UNSURE where the fast power might round to the other
+ * side. */
+VISTA_WIDE_VECTORS static void encode_fast(const exponential *curve, const float *restrict weight, int32_t count,
+                                           int32_t *restrict capacity) {
+  const double offset = curve->offset, slope = curve->slope;
+  for (int32_t k = 0; k < count; ++k) {
+    const double flow = power_of_two(offset + slope * (double)weight[k]);
+    const int32_t rounded = (int32_t)(flow + 0.5), at_least_one = rounded < 1 ? 1 : rounded;
+    capacity[k] = fabs(flow - rounded) < 0.5 - 1e-4 ? at_least_one : UNSURE;
+  }
+}
+
+static void encode(const vista_affinity_params *params, const exponential *curve, const float *weight, int32_t count,
+                   int32_t *capacity) {
+  const bool fast = params->flow_encoding == VISTA_AFFINITY_FLOW_ENCODING_EXPONENTIAL;
+  if (fast) encode_fast(curve, weight, count, capacity);
+  for (int32_t k = 0; k < count; ++k)
+    if (!fast || capacity[k] == UNSURE) capacity[k] = vista_flow_encode(params, (double)weight[k]);
+}
+
+static void scatter(const vista_graph *graph, int32_t first, int32_t count, const edges *e, vista_affinity *affinity) {
+  for (int32_t k = 0; k < count; ++k) {
+    const int32_t arc = graph->edge_arc[first + k], sister = graph->reverse[arc];
+    affinity->weight[arc] = affinity->weight[sister] = e->weight[k];
+    affinity->capacity[arc] = affinity->capacity[sister] = e->capacity[k];
+    affinity->intensity_capacity[arc] = affinity->intensity_capacity[sister] = e->intensity_capacity[k];
+  }
+}
+
+vista_status vista_affinity_compute(const vista_foveation *foveation, const vista_affinity_params *params,
+                                    const vista_camera *camera, const vista_cells *cells, vista_affinity *affinity) {
+  if (foveation == NULL || params == NULL || camera == NULL || cells == NULL || affinity == NULL)
+    return VISTA_ERROR_ARGUMENT;
+  vista_status status = VISTA_CHECK_SECTION(affinity, params);
+  if (status == VISTA_OK) status = vista_frame_check_camera(camera);
+  if (status != VISTA_OK) return status;
+  const double doublings = 0.5 * log2(params->flow_constant);
+  const exponential curve = {log2(params->flow_scale) - doublings, doublings};
+  edges e;
+  for (int32_t first = 0; first < foveation->graph.edge_count; first += EDGES) {
+    const int32_t left = foveation->graph.edge_count - first, count = left < EDGES ? left : EDGES;
+    gather(foveation, cells, first, count, &e);
+    find_exponents(params, camera, count, &e);
+    weigh(params, count, &e);
+    encode(params, &curve, e.weight, count, e.capacity);
+    encode(params, &curve, e.intensity_weight, count, e.intensity_capacity);
+    scatter(&foveation->graph, first, count, &e, affinity);
+  }
+  return VISTA_OK;
+}

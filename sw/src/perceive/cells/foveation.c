@@ -1,0 +1,453 @@
+#include "perceive/cells/foveation.h"
+
+#include <math.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <string.h>
+
+#include "common/frame.h"
+#include "common/median.h"
+#include "common/numbers.h"
+#include "common/parameters_check.h"
+#include "common/wide_vectors.h"
+#include "common/word_blocks.h"
+
+/* A cell whose inscribed circle is narrower than a pixel's diagonal may hold no pixel centre at all. */
+#define POINT_SIZE_PX 1.5
+
+static const double two_pi = 6.283185307179586;
+
+typedef struct grid {
+  int32_t width_px, height_px, ring_count, sector_count;
+  double center_u_px, center_v_px, rho_0_px;
+} grid;
+
+/* Ring and sector of a point; ring -1 is the hub. */
+static int32_t grid_cell(const grid *g, double u_px, double v_px) {
+  const double du = u_px - g->center_u_px, dv = v_px - g->center_v_px;
+  const double rho = hypot(du, dv);
+  if (rho < g->rho_0_px) return -1;
+  const double step = two_pi / g->sector_count;
+  double theta = atan2(dv, du);
+  if (theta < 0.0) theta += two_pi;
+  int32_t ring = (int32_t)floor(log(rho / g->rho_0_px) / step);
+  int32_t sector = (int32_t)floor(theta / step);
+  if (ring >= g->ring_count) ring = g->ring_count - 1;
+  if (sector >= g->sector_count) sector = 0; /* theta rounded up to 2 pi */
+  return ring * g->sector_count + sector;
+}
+
+static grid make_grid(const vista_foveation_params *params, int32_t width_px, int32_t height_px, double center_u_px,
+                      double center_v_px) {
+  const double far_u = fmax(center_u_px, width_px - 1 - center_u_px);
+  const double far_v = fmax(center_v_px, height_px - 1 - center_v_px);
+  const double step = two_pi / params->sector_count;
+  const double rings = floor(log(fmax(hypot(far_u, far_v) / params->rho_0_px, 1.0)) / step) + 1.0;
+  return (grid){width_px, height_px, (int32_t)rings, params->sector_count, center_u_px, center_v_px, params->rho_0_px};
+}
+
+static double ring_radius_px(const grid *g, double ring) { return g->rho_0_px * exp(ring * two_pi / g->sector_count); }
+
+static bool inside(int32_t width_px, int32_t height_px, double u_px, double v_px) {
+  return u_px >= 0.0 && v_px >= 0.0 && u_px <= width_px - 1 && v_px <= height_px - 1;
+}
+
+/* Bound on the pixels of one cell: the hub or an outermost cell, a pixel of margin all round. */
+static int32_t max_footprint_px(const grid *g) {
+  const double outer = ring_radius_px(g, g->ring_count) * two_pi / g->sector_count + 2.0;
+  const double hub = 2.0 * g->rho_0_px + 2.0;
+  return (int32_t)fmin(fmax(outer * outer, hub * hub) + 4.0, (double)g->width_px * g->height_px + 4.0);
+}
+
+/* A row crosses every ring's circle, and that of the hub, at most twice, and the rays of half the sectors once. */
+static int32_t max_runs(const grid *g) {
+  const int32_t crossings = 2 * (g->ring_count + 1) + g->sector_count / 2 + 2;
+  return (crossings < g->width_px ? crossings + 1 : g->width_px) * g->height_px;
+}
+
+/* Most pixels share the cell of the one before. Whether one surely does is a few products with the borders of that
+ * cell, where grid_cell takes three transcendental functions. What is near a border is left to grid_cell: both
+ * agree. */
+#define MOST_RINGS 512 /* of 256 sectors around a hub of a pixel there are 382 in the largest image */
+#define NEAR 1e-6      /* of the radius, relative; from a ray, pixels */
+
+typedef struct borders {
+  double rho2[MOST_RINGS + 1];                              /* squared radii between the rings */
+  double ray_u[VISTA_MOST_SECTORS + 1], ray_v[VISTA_MOST_SECTORS + 1]; /* directions between the sectors */
+} borders;
+
+static void find_borders(const grid *g, borders *b) {
+  for (int32_t ring = 0; ring <= g->ring_count; ++ring)
+    b->rho2[ring] = ring_radius_px(g, ring) * ring_radius_px(g, ring);
+  for (int32_t sector = 0; sector <= g->sector_count; ++sector) {
+    b->ray_u[sector] = cos(sector * two_pi / g->sector_count);
+    b->ray_v[sector] = sin(sector * two_pi / g->sector_count);
+  }
+}
+
+static bool surely_inside(const borders *b, int32_t ring, int32_t sector, double du, double dv) {
+  const double rho2 = du * du + dv * dv;
+  if (ring < 0) return rho2 < b->rho2[0] * (1.0 - NEAR);
+  return rho2 > b->rho2[ring] * (1.0 + NEAR) && rho2 < b->rho2[ring + 1] * (1.0 - NEAR) &&
+         b->ray_u[sector] * dv - b->ray_v[sector] * du > NEAR &&
+         b->ray_v[sector + 1] * du - b->ray_u[sector + 1] * dv > NEAR;
+}
+
+typedef struct arrays {
+  int32_t *cell_of_pixel, *node_of_grid, *first_run, *pixel_count, *first_pixel, *edges, *end_in_rows, *node_in_rows,
+      *listed_in_rows;
+  int16_t *pixel_u, *pixel_v;
+  vista_run *runs;
+  float *center_u, *center_v, *size_px;
+} arrays;
+
+/* Numbers the cells that hold a pixel or have their centre inside the image. */
+static void number_nodes(vista_foveation *f, const grid *g, arrays *a) {
+  const int32_t grid_count = g->ring_count * g->sector_count;
+  borders b;
+  find_borders(g, &b);
+  int32_t cell = -1, ring = -1, sector = 0;
+  for (int32_t v = 0; v < g->height_px; ++v) {
+    int32_t *const row = a->cell_of_pixel + (ptrdiff_t)v * g->width_px;
+    for (int32_t u = 0; u < g->width_px; ++u) {
+      if (!surely_inside(&b, ring, sector, u - g->center_u_px, v - g->center_v_px)) {
+        cell = grid_cell(g, u, v);
+        ring = cell < 0 ? -1 : cell / g->sector_count;
+        sector = cell < 0 ? 0 : cell % g->sector_count;
+        if (cell >= 0) a->node_of_grid[cell] = 1;
+      }
+      row[u] = cell;
+    }
+  }
+  a->center_u[0] = (float)g->center_u_px;
+  a->center_v[0] = (float)g->center_v_px;
+  a->size_px[0] = (float)(2.0 * g->rho_0_px);
+  f->node_count = 1;
+  f->point_count = 0;
+  const double step = two_pi / g->sector_count;
+  for (cell = 0; cell < grid_count; ++cell) {
+    const double rho = ring_radius_px(g, cell / g->sector_count + 0.5);
+    const double theta = (cell % g->sector_count + 0.5) * step;
+    const double u = g->center_u_px + rho * cos(theta), v = g->center_v_px + rho * sin(theta);
+    const bool exists = a->node_of_grid[cell] == 1 || inside(g->width_px, g->height_px, u, v);
+    a->node_of_grid[cell] = exists ? f->node_count : -1;
+    if (!exists) continue;
+    a->center_u[f->node_count] = (float)u;
+    a->center_v[f->node_count] = (float)v;
+    a->size_px[f->node_count] = (float)(rho * step);
+    if (rho * step < POINT_SIZE_PX) f->point_count = f->node_count;
+    f->node_count++;
+  }
+}
+
+/* False: there are more than fit, which the geometry rules out. */
+static bool sort_runs(vista_foveation *f, const grid *g, arrays *a) {
+  for (int pass = 0; pass < 2; ++pass) { /* counting sort by node: count, then place */
+    for (int32_t v = 0; v < g->height_px; ++v) {
+      for (int32_t u = 0; u < g->width_px;) {
+        int32_t *const row = a->cell_of_pixel + (size_t)v * (size_t)g->width_px;
+        const int32_t node = pass == 0 ? (row[u] < 0 ? 0 : a->node_of_grid[row[u]]) : row[u];
+        int32_t end = u;
+        const int32_t same = row[u];
+        while (end < g->width_px && row[end] == same) {
+          if (pass == 0) row[end] = node;
+          end++;
+        }
+        if (pass == 0) {
+          a->first_run[node + 1]++;
+          a->pixel_count[node] += end - u;
+        } else {
+          a->runs[a->first_run[node]++] = (vista_run){u, v, end - u};
+        }
+        u = end;
+      }
+    }
+    if (pass == 0)
+      for (int32_t i = 0; i < f->node_count; ++i) a->first_run[i + 1] += a->first_run[i];
+    if (pass == 0 && a->first_run[f->node_count] > max_runs(g)) return false;
+  }
+  for (int32_t i = f->node_count; i > 0; --i) a->first_run[i] = a->first_run[i - 1];
+  a->first_run[0] = 0;
+  return true;
+}
+
+static void list_pixels(const vista_foveation *f, arrays *a) {
+  int32_t pixel = 0;
+  for (int32_t node = 0; node < f->node_count; ++node) {
+    a->first_pixel[node] = pixel;
+    for (int32_t r = a->first_run[node]; r < a->first_run[node + 1]; ++r) {
+      for (int32_t i = 0; i < a->runs[r].length_px; ++i, ++pixel) {
+        a->pixel_u[pixel] = (int16_t)(a->runs[r].u_px + i);
+        a->pixel_v[pixel] = (int16_t)a->runs[r].v_px;
+      }
+    }
+  }
+  a->first_pixel[f->node_count] = pixel;
+}
+
+/* The runs of a cell come in the order of their rows, so the next one of a cell is the next of its list. */
+static void list_rows(const vista_foveation *f, arrays *a) {
+  int32_t run = 0, first_u = 0;
+  for (int32_t v = 0; v < f->height_px; ++v, first_u = 0) {
+    const int32_t *const row = a->cell_of_pixel + (ptrdiff_t)v * f->width_px;
+    for (int32_t u = 0; u < f->width_px; ++u) {
+      if (u + 1 < f->width_px && row[u + 1] == row[u]) continue;
+      a->end_in_rows[run] = v * f->width_px + u + 1;
+      a->listed_in_rows[run] = a->first_pixel[row[u]];
+      a->first_pixel[row[u]] += u + 1 - first_u;
+      a->node_in_rows[run++] = row[u];
+      first_u = u + 1;
+    }
+  }
+  for (int32_t node = f->node_count; node > 0; --node) a->first_pixel[node] = a->first_pixel[node - 1];
+  a->first_pixel[0] = 0;
+}
+
+static int32_t list_edges(const grid *g, const int32_t *node_of_grid, int32_t *edges) {
+  int32_t count = 0;
+  const int32_t sectors = g->sector_count;
+  for (int32_t ring = 0; ring < g->ring_count; ++ring) {
+    for (int32_t sector = 0; sector < sectors; ++sector) {
+      const int32_t node = node_of_grid[ring * sectors + sector];
+      if (node < 0) continue;
+      const int32_t neighbours[2] = {
+          ring == 0 ? 0 : node_of_grid[(ring - 1) * sectors + sector],
+          node_of_grid[ring * sectors + (sector + 1) % sectors],
+      };
+      for (int k = 0; k < 2; ++k) {
+        if (neighbours[k] < 0) continue;
+        edges[2 * count] = neighbours[k];
+        edges[2 * count + 1] = node;
+        count++;
+      }
+    }
+  }
+  return count;
+}
+
+bool vista_foveation_handles(int32_t width_px, int32_t height_px) {
+  return width_px >= VISTA_LEAST_IMAGE_PX && height_px >= VISTA_LEAST_IMAGE_PX && width_px <= VISTA_MOST_IMAGE_PX &&
+         height_px <= VISTA_MOST_IMAGE_PX;
+}
+
+vista_status vista_foveation_layout(vista_foveation *foveation, vista_arena *arena,
+                                    const vista_foveation_params *params, int32_t width_px, int32_t height_px,
+                                    double center_u_px, double center_v_px) {
+  if (foveation == NULL || arena == NULL || params == NULL) return VISTA_ERROR_ARGUMENT;
+  if (VISTA_CHECK_SECTION(foveation, params) != VISTA_OK) return VISTA_ERROR_RANGE;
+  if (!vista_foveation_handles(width_px, height_px)) return VISTA_ERROR_SIZE;
+  if (!inside(width_px, height_px, center_u_px, center_v_px)) return VISTA_ERROR_RANGE;
+  const grid g = make_grid(params, width_px, height_px, center_u_px, center_v_px);
+  if (g.ring_count > MOST_RINGS || g.sector_count > VISTA_MOST_SECTORS) return VISTA_ERROR_RANGE;
+
+  const size_t pixels = (size_t)width_px * (size_t)height_px;
+  const int32_t max_nodes = g.ring_count * g.sector_count + 1;
+  const int32_t max_edges = 2 * max_nodes;
+  arrays a = {
+      .cell_of_pixel = vista_arena_take(arena, pixels, sizeof(int32_t)),
+      .node_of_grid = vista_arena_take(arena, (size_t)max_nodes, sizeof(int32_t)),
+      .first_run = vista_arena_take(arena, (size_t)max_nodes + 1, sizeof(int32_t)),
+      .pixel_count = vista_arena_take(arena, (size_t)max_nodes, sizeof(int32_t)),
+      .first_pixel = vista_arena_take(arena, (size_t)max_nodes + 1, sizeof(int32_t)),
+      .pixel_u = vista_arena_take(arena, pixels + VISTA_WORD_BLOCK, sizeof(int16_t)),
+      .pixel_v = vista_arena_take(arena, pixels + VISTA_WORD_BLOCK, sizeof(int16_t)),
+      .end_in_rows = vista_arena_take(arena, (size_t)max_runs(&g), sizeof(int32_t)),
+      .node_in_rows = vista_arena_take(arena, (size_t)max_runs(&g), sizeof(int32_t)),
+      .listed_in_rows = vista_arena_take(arena, (size_t)max_runs(&g), sizeof(int32_t)),
+      .edges = vista_arena_take(arena, 2 * (size_t)max_edges, sizeof(int32_t)),
+      .runs = vista_arena_take(arena, (size_t)max_runs(&g), sizeof(vista_run)),
+      .center_u = vista_arena_take(arena, (size_t)max_nodes, sizeof(float)),
+      .center_v = vista_arena_take(arena, (size_t)max_nodes, sizeof(float)),
+      .size_px = vista_arena_take(arena, (size_t)max_nodes, sizeof(float)),
+  };
+  float *const distance = vista_arena_take(arena, 2 * (size_t)max_edges, sizeof(float));
+  *foveation = (vista_foveation){
+      .width_px = width_px,
+      .height_px = height_px,
+      .ring_count = g.ring_count,
+      .sector_count = g.sector_count,
+      .max_nodes = max_nodes,
+      .max_footprint_px = max_footprint_px(&g),
+      .center_u_px = center_u_px,
+      .center_v_px = center_v_px,
+      .rho_0_px = g.rho_0_px,
+  };
+  if (arena->base == NULL) return vista_graph_build(&foveation->graph, arena, max_nodes, NULL, max_edges);
+  if (arena->used > arena->size) return VISTA_ERROR_MEMORY;
+
+  number_nodes(foveation, &g, &a);
+  if (!sort_runs(foveation, &g, &a)) return VISTA_ERROR_MEMORY;
+  list_pixels(foveation, &a);
+  list_rows(foveation, &a);
+  const int32_t edge_count = list_edges(&g, a.node_of_grid, a.edges);
+  foveation->cell_of_pixel = a.cell_of_pixel;
+  foveation->node_of_grid = a.node_of_grid;
+  foveation->first_run = a.first_run;
+  foveation->runs = a.runs;
+  foveation->pixel_count = a.pixel_count;
+  foveation->end_in_rows = a.end_in_rows;
+  foveation->node_in_rows = a.node_in_rows;
+  foveation->listed_in_rows = a.listed_in_rows;
+  foveation->first_pixel = a.first_pixel;
+  foveation->pixel_u = a.pixel_u;
+  foveation->pixel_v = a.pixel_v;
+  foveation->center_u = a.center_u;
+  foveation->center_v = a.center_v;
+  foveation->size_px = a.size_px;
+  foveation->arc_distance_px = distance;
+  const vista_status status = vista_graph_build(&foveation->graph, arena, foveation->node_count, a.edges, edge_count);
+  if (status != VISTA_OK) return status;
+  const vista_graph *const graph = &foveation->graph;
+  for (int32_t i = 0; i < graph->node_count; ++i) {
+    for (int32_t arc = graph->first_arc[i]; arc < graph->first_arc[i + 1]; ++arc) {
+      const int32_t j = graph->head[arc];
+      distance[arc] = hypotf(a.center_u[i] - a.center_u[j], a.center_v[i] - a.center_v[j]);
+    }
+  }
+  return VISTA_OK;
+}
+
+vista_status vista_cells_layout(vista_cells *cells, vista_arena *arena, const vista_foveation *foveation) {
+  if (cells == NULL || arena == NULL || foveation == NULL) return VISTA_ERROR_ARGUMENT;
+  const size_t node_count = (size_t)foveation->max_nodes;
+  cells->intensity = vista_arena_take(arena, node_count, sizeof(float));
+  cells->disparity_px = vista_arena_take(arena, node_count, sizeof(float));
+  cells->valid_fraction = vista_arena_take(arena, node_count, sizeof(float));
+  cells->range = vista_arena_take(arena, node_count, sizeof(vista_word_range));
+  const size_t pixels = (size_t)foveation->width_px * (size_t)foveation->height_px;
+  cells->words = vista_arena_take(arena, pixels + VISTA_WORD_BLOCK, sizeof(int16_t));
+  cells->greys = vista_arena_take(arena, pixels + VISTA_WORD_BLOCK, sizeof(uint8_t));
+  for (int k = 0; k < VISTA_MOST_WORKERS; ++k)
+    cells->of_cell[k] =
+        vista_arena_take(arena, (size_t)foveation->max_footprint_px + VISTA_MEDIAN_LANES, sizeof(int16_t));
+  return arena->base != NULL && arena->used > arena->size ? VISTA_ERROR_MEMORY : VISTA_OK;
+}
+
+/* A block of words and grey levels, or as much of it as there is to the right edge of the image. */
+static inline void copy_block(const int16_t *word, const uint8_t *grey, int32_t room_px, int16_t *words,
+                              uint8_t *greys) {
+  if (room_px >= VISTA_WORD_BLOCK) {
+    memcpy(words, word, VISTA_WORD_BLOCK * sizeof *words);
+    memcpy(greys, grey, VISTA_WORD_BLOCK * sizeof *greys);
+  } else {
+    memcpy(words, word, (size_t)room_px * sizeof *words);
+    memcpy(greys, grey, (size_t)room_px * sizeof *greys);
+  }
+}
+
+/* Some cells, one after the other. */
+typedef struct span {
+  int32_t first, end;
+} span;
+
+/* Words and grey levels, cell by cell. Runs are copied in whole blocks, mostly one: the next run overwrites what is too
+ * much, and the last ones of the span are copied as they are. */
+VISTA_WIDE_VECTORS static void list_pixels_of(const vista_foveation *f, const vista_image *image,
+                                              const vista_disparity_image *disparity, span nodes, vista_cells *cells) {
+  const ptrdiff_t image_stride = image->stride, disparity_stride = disparity->stride;
+  const int32_t width = f->width_px;
+  int16_t *words = cells->words + f->first_pixel[nodes.first];
+  uint8_t *greys = cells->greys + f->first_pixel[nodes.first];
+  int32_t left = f->first_pixel[nodes.end] - f->first_pixel[nodes.first]; /* pixels of the span */
+  const vista_run *const end = f->runs + f->first_run[nodes.end];
+  for (const vista_run *run = f->runs + f->first_run[nodes.first]; run < end; ++run) {
+    const int32_t length = run->length_px;
+    const int16_t *const word = disparity->data + run->v_px * disparity_stride + run->u_px;
+    const uint8_t *const grey = image->data + run->v_px * image_stride + run->u_px;
+    int32_t room = left >= VISTA_WORD_BLOCK ? width - run->u_px : length;
+    copy_block(word, grey, room, words, greys);
+    for (int32_t i = VISTA_WORD_BLOCK; i < length; i += VISTA_WORD_BLOCK) {
+      room = left - i >= VISTA_WORD_BLOCK ? width - run->u_px - i : length - i;
+      copy_block(word + i, grey + i, room, words + i, greys + i);
+    }
+    words += length;
+    greys += length;
+    left -= length;
+  }
+}
+
+static float limited(float x, float most) { return vista_smaller(vista_larger(x, 0.0f), most); }
+
+/* Cells under a pixel: intensity by bilinear interpolation, disparity from the 2x2 pixels around the centre. At the
+ * image's edge a cell that holds a pixel may have its centre beyond it: there the edge is sampled. */
+static void sample_point(const vista_foveation *f, const vista_image *image, const vista_disparity_image *disparity,
+                         int32_t node, vista_cells *cells, int16_t words[4]) {
+  const float center_u = limited(f->center_u[node], (float)(f->width_px - 1));
+  const float center_v = limited(f->center_v[node], (float)(f->height_px - 1));
+  int32_t u = (int32_t)center_u, v = (int32_t)center_v;
+  if (u > f->width_px - 2) u = f->width_px - 2;
+  if (v > f->height_px - 2) v = f->height_px - 2;
+  const float s = center_u - (float)u, t = center_v - (float)v;
+  const uint8_t *const p = image->data + v * image->stride + u;
+  const uint8_t *const q = p + image->stride;
+  cells->intensity[node] = (1 - t) * ((1 - s) * p[0] + s * p[1]) + t * ((1 - s) * q[0] + s * q[1]);
+  const int16_t *const d = disparity->data + v * disparity->stride + u;
+  words[0] = d[0];
+  words[1] = d[1];
+  words[2] = d[disparity->stride];
+  words[3] = d[disparity->stride + 1];
+}
+
+VISTA_WIDE_VECTORS static float mean_of(const uint8_t *greys, int32_t count) {
+  uint32_t sum = 0;
+  for (int32_t i = 0; i < count; ++i) sum += greys[i];
+  return (float)sum / (float)count;
+}
+
+static void set_disparity(const vista_foveation_params *params, const vista_words_median *median, int32_t count,
+                          int32_t node, vista_cells *cells) {
+  cells->valid_fraction[node] = (float)median->range.valid / (float)count;
+  const bool enough = median->range.valid > 0 && cells->valid_fraction[node] >= (float)params->min_valid_fraction;
+  cells->disparity_px[node] = enough ? (float)median->word / VISTA_DISPARITY_SCALE : -1.0f;
+}
+
+typedef struct job {
+  const vista_foveation *foveation;
+  const vista_foveation_params *params;
+  const vista_image *image;
+  const vista_disparity_image *disparity;
+  vista_cells *cells;
+} job;
+
+static void foveate_cell(const job *j, int32_t node, int16_t *of_cell) {
+  const vista_foveation *const f = j->foveation;
+  vista_cells *const cells = j->cells;
+  const bool point = node >= 1 && node <= f->point_count;
+  const int32_t first = f->first_pixel[node], count = f->pixel_count[node];
+  if (point) {
+    int16_t words[4];
+    sample_point(f, j->image, j->disparity, node, cells, words);
+    const vista_words_median median = vista_median_of_four(words);
+    set_disparity(j->params, &median, 4, node, cells);
+    cells->range[node] = vista_range_of_words(cells->words + first, count);
+  } else {
+    cells->intensity[node] = mean_of(cells->greys + first, count);
+    const vista_words_median median = vista_median_word(cells->words + first, count, of_cell);
+    set_disparity(j->params, &median, count, node, cells);
+    cells->range[node] = median.range;
+  }
+}
+
+#define PARTS 16
+
+/* The last cells are the largest, so they come first. */
+static void foveate_part(void *context, int32_t part, int32_t worker) {
+  const job *const j = context;
+  const int32_t count = j->foveation->node_count, k = PARTS - 1 - part;
+  const span nodes = {count * k / PARTS, count * (k + 1) / PARTS};
+  list_pixels_of(j->foveation, j->image, j->disparity, nodes, j->cells);
+  for (int32_t node = nodes.first; node < nodes.end; ++node) foveate_cell(j, node, j->cells->of_cell[worker]);
+}
+
+vista_status vista_foveate(const vista_foveation *foveation, const vista_foveation_params *params,
+                           const vista_image *image, const vista_disparity_image *disparity, vista_cells *cells) {
+  if (foveation == NULL || params == NULL || image == NULL || disparity == NULL || cells == NULL)
+    return VISTA_ERROR_ARGUMENT;
+  vista_status status = VISTA_CHECK_SECTION(foveation, params);
+  if (status == VISTA_OK) status = vista_frame_check_image(image, foveation->width_px, foveation->height_px);
+  if (status == VISTA_OK) status = vista_frame_check_disparity(disparity, foveation->width_px, foveation->height_px);
+  if (status != VISTA_OK) return status;
+  job j = {foveation, params, image, disparity, cells};
+  vista_team_share(cells->team, foveate_part, &j, PARTS);
+  return VISTA_OK;
+}

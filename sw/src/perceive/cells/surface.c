@@ -1,0 +1,70 @@
+#include "perceive/cells/surface.h"
+
+#include <math.h>
+#include <stdbool.h>
+
+#include "common/depth.h"
+#include "common/frame.h"
+#include "common/numbers.h"
+#include "common/parameters_check.h"
+#include "common/plane_fit.h"
+#include "perceive/cells/ground_plane.h"
+#include "perceive/cells/inclination.h"
+
+vista_status vista_surfaces_layout(vista_surfaces *surfaces, vista_arena *arena, const vista_foveation *foveation) {
+  if (surfaces == NULL || arena == NULL || foveation == NULL) return VISTA_ERROR_ARGUMENT;
+  surfaces->inclination_deg = vista_arena_take(arena, (size_t)foveation->max_nodes, sizeof(float));
+  surfaces->horizontal = vista_arena_take(arena, (size_t)foveation->max_nodes, sizeof(uint8_t));
+  surfaces->candidates = vista_arena_take(arena, (size_t)foveation->max_nodes, sizeof(int32_t));
+  return vista_inclination_layout(foveation, arena, &surfaces->inclination);
+}
+
+double vista_plane_inclination_deg(const vista_camera *camera, const double up_camera[3], double u_px, double v_px,
+                                   double disparity_px, double slope_u, double slope_v) {
+  const double at_center =
+      disparity_px - slope_u * (u_px - camera->center_u_px) - slope_v * (v_px - camera->center_v_px);
+  const double n[3] = {slope_u, slope_v, at_center / camera->focal_px};
+  const double norm = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+  if (!(norm > 0.0)) return NAN;
+  const double along = fabs(n[0] * up_camera[0] + n[1] * up_camera[1] + n[2] * up_camera[2]) / norm;
+  return asin(fmin(along, 1.0)) * VISTA_DEGREES_PER_RADIAN;
+}
+
+/* Cells on the ground's plane are ground whatever their own inclination, which noise and the edges of things upset;
+ * what is well above it stands: the top of a thing may lean, but it is no surface to fly along. */
+static void compare_with_ground(const vista_foveation *f, const vista_surface_params *params,
+                                const vista_camera *camera, const vista_cells *cells, vista_surfaces *surfaces) {
+  const vista_plane *const plane = &surfaces->ground;
+  for (int32_t i = 0; i < f->node_count; ++i) {
+    const double d = (double)cells->disparity_px[i];
+    if (d <= 0.0) continue;
+    const double u = (double)f->center_u[i], v = (double)f->center_v[i];
+    const double ground = vista_plane_disparity_px(plane, camera, u, v);
+    if (d < ground - params->ground_step_px) continue;
+    const double step_m = (double)vista_limit_m(camera, (float)d, (float)params->ground_step_m);
+    const bool stands = d >= ground + params->ground_step_px && vista_plane_height_m(plane, camera, u, v, d) >= step_m;
+    surfaces->horizontal[i] = !stands;
+  }
+}
+
+vista_status vista_surfaces_compute(const vista_foveation *foveation, const vista_surface_params *params,
+                                    const vista_camera *camera, const double up_camera[3], const vista_cells *cells,
+                                    vista_surfaces *surfaces) {
+  if (foveation == NULL || params == NULL || camera == NULL || up_camera == NULL || cells == NULL || surfaces == NULL)
+    return VISTA_ERROR_ARGUMENT;
+  vista_status status = VISTA_CHECK_SECTION(surface, params);
+  if (status == VISTA_OK) status = vista_frame_check_camera(camera);
+  if (status != VISTA_OK) return status;
+  const vista_foveation *const f = foveation;
+  surfaces->inclination_deg[0] = -1.0f;
+  surfaces->horizontal[0] = 0;
+  vista_inclination_measure(surfaces->inclination, f, params->lever_px, camera, up_camera, cells,
+                            surfaces->inclination_deg);
+  vista_inclination_vote(surfaces->inclination, f, params->horizontal_deg, surfaces->inclination_deg,
+                         surfaces->horizontal);
+  surfaces->ground = (vista_plane){0};
+  surfaces->ground_found = vista_find_ground_plane(f, params, camera, up_camera, cells, surfaces->inclination_deg,
+                                                   surfaces->candidates, &surfaces->ground);
+  if (surfaces->ground_found) compare_with_ground(f, params, camera, cells, surfaces);
+  return VISTA_OK;
+}

@@ -1,0 +1,47 @@
+/* Inclination of the surface under each cell.
+ *
+ * On a plane the disparity is affine in the pixel, d = d_0 + g_u (u - c_u) + g_v (v - c_v), because
+ * 1 / Z = n . (x, y, 1) for a plane n . P = 1; hence the normal in camera coordinates is n ~ (g_u, g_v, d_0 / f),
+ * d_0 being the plane's disparity at the principal point. The gradient is fitted by least squares to the cells
+ * around; with the up direction given, the lean from the vertical is asin(|n . up| / |n|).
+ *
+ * Ground, roads and water are surfaces to fly along: their pixels are matched well and their boundary is consistent,
+ * so neither a matching threshold nor edge consistency tells them from obstacles. Their inclination does.
+ * The ground's plane is the best of many candidate planes (parts/ground_plane.h); it may be absent. Where it is known,
+ * height above it overrides a cell's own inclination: on the plane is ground, well above it stands. */
+#ifndef VISTA_SURFACE_H
+#define VISTA_SURFACE_H
+
+#include <stdbool.h>
+
+#include "common/arena.h"
+#include "common/plane_fit.h"
+#include "perceive/cells/foveation.h"
+#include "vista/parameters.h"
+#include "vista/status.h"
+#include "vista/types.h"
+
+typedef struct vista_inclination vista_inclination; /* stages/parts/inclination.h */
+
+typedef struct vista_surfaces {
+  float *inclination_deg; /* node_count: 0 upright .. 90 horizontal; negative: unknown */
+  uint8_t *horizontal;    /* node_count: 1 on the ground, or where most cells around lean more than horizontal_deg */
+  int32_t *candidates;    /* scratch, node_count */
+  vista_inclination *inclination; /* scratch */
+  bool ground_found;      /* there is a plane below that enough cells lie on: the ground, */
+  vista_plane ground;     /* its disparity, in pixels from the principal point */
+} vista_surfaces;
+
+vista_status vista_surfaces_layout(vista_surfaces *surfaces, vista_arena *arena, const vista_foveation *foveation);
+
+/* up_camera: unit vector against gravity in camera coordinates; level camera: (0, -1, 0). */
+vista_status vista_surfaces_compute(const vista_foveation *foveation, const vista_surface_params *params,
+                                    const vista_camera *camera, const double up_camera[3], const vista_cells *cells,
+                                    vista_surfaces *surfaces);
+
+/* Lean from the vertical, degrees, of the plane with disparity disparity_px and gradient (slope_u, slope_v) at a
+ * pixel; NaN if the plane is degenerate. */
+double vista_plane_inclination_deg(const vista_camera *camera, const double up_camera[3], double u_px, double v_px,
+                                   double disparity_px, double slope_u, double slope_v);
+
+#endif

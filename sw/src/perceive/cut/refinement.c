@@ -1,0 +1,234 @@
+#include "perceive/cut/refinement.h"
+
+#include <math.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <string.h>
+
+#include "common/parameters_check.h"
+#include "common/wide_vectors.h"
+#include "common/word_blocks.h"
+
+#define MAX_CANDIDATES 8 /* a cell and its neighbours; the hub has more of these, and stays as it is */
+#define BATCH 256        /* pixels treated at once */
+#define LANES VISTA_WORD_BLOCK /* counts are rounded up to a multiple: lists are as long, and loops need no remainder */
+#define COST_ONE 65536.0f /* of the costs as whole numbers; parameters and neighbours keep a cost below 4096 */
+
+vista_status vista_refinement_layout(vista_refinement *refinement, vista_arena *arena,
+                                     const vista_foveation *foveation) {
+  if (refinement == NULL || arena == NULL || foveation == NULL) return VISTA_ERROR_ARGUMENT;
+  const size_t pixels = (size_t)foveation->width_px * (size_t)foveation->height_px;
+  refinement->label = vista_arena_take(arena, pixels, sizeof(int32_t));
+  refinement->listed = vista_arena_take(arena, pixels + LANES, sizeof(int32_t));
+  refinement->border = vista_arena_take(arena, (size_t)foveation->max_nodes, sizeof(uint8_t));
+  return arena->base != NULL && arena->used > arena->size ? VISTA_ERROR_MEMORY : VISTA_OK;
+}
+
+static int32_t whole_vectors(int32_t count) { return (count + LANES - 1) & -LANES; }
+
+static void mark_borders(const vista_graph *graph, const int32_t *label, uint8_t *border) {
+  for (int32_t i = 0; i < graph->node_count; ++i) {
+    bool differs = false;
+    for (int32_t arc = graph->first_arc[i]; arc < graph->first_arc[i + 1]; ++arc)
+      differs |= label[graph->head[arc]] != label[i];
+    border[i] = differs;
+  }
+}
+
+/* Cost of a pixel at (u, v) from the cell's own centre, but for contrast: at_center + per_u u + per_v v +
+ * per_px2 (u^2 + v^2), the square of the distance from the candidate's centre multiplied out. */
+typedef struct candidate {
+  float intensity, word, at_center, per_u, per_v, per_px2;
+  int32_t label;
+} candidate;
+
+/* The cell itself first, so that it keeps what is as near to another one. */
+static int32_t list_candidates(const vista_foveation *f, const vista_refinement_params *params,
+                               const vista_cells *cells, const int32_t *label, const uint8_t *border, int32_t node,
+                               candidate out[MAX_CANDIDATES]) {
+  const int32_t first = f->graph.first_arc[node], end = f->graph.first_arc[node + 1];
+  int32_t count = 0;
+  for (int32_t arc = first - 1; arc < end && count < MAX_CANDIDATES; ++arc) {
+    const int32_t i = arc < first ? node : f->graph.head[arc];
+    if (i == 0) continue; /* the hub's size says nothing of how far it reaches */
+    const float u = f->center_u[i] - f->center_u[node], v = f->center_v[i] - f->center_v[node];
+    const float per_px2 = (float)params->compactness / (f->size_px[i] * f->size_px[i]);
+    const float penalty = border[i] ? (float)params->mixed_penalty : 0.0f;
+    out[count++] = (candidate){.intensity = cells->intensity[i],
+                               .word = cells->disparity_px[i] * VISTA_DISPARITY_SCALE,
+                               .at_center = penalty + per_px2 * (u * u + v * v),
+                               .per_u = -2.0f * per_px2 * u,
+                               .per_v = -2.0f * per_px2 * v,
+                               .per_px2 = per_px2,
+                               .label = label[i]};
+  }
+  return count;
+}
+
+/* Some pixels of one cell, side by side. */
+typedef struct batch {
+  float u[BATCH], v[BATCH], r2[BATCH], grey[BATCH], word[BATCH];
+  int32_t cost[BATCH]; /* the least so far */
+} batch;
+
+/* Of equal costs the first candidate's counts. Without a comparison of floats, which would cost more:
+ * 2 min(a, b) = a + b - |a - b|. */
+static inline void try_candidate(const vista_refinement_params *params, const candidate *one, int32_t count,
+                                 batch *restrict b, int32_t *restrict label) {
+  const float per_level = COST_ONE * (float)(1.0 / params->sigma_intensity);
+  const float limit = COST_ONE * (float)params->contrast_limit;
+  const float intensity = one->intensity, at_center = COST_ONE * one->at_center;
+  const float per_u = COST_ONE * one->per_u, per_v = COST_ONE * one->per_v, per_px2 = COST_ONE * one->per_px2;
+  const float per_word =
+      one->word < 0.0f ? 0.0f : COST_ONE * (float)(1.0 / (params->sigma_disparity_px * VISTA_DISPARITY_SCALE));
+  const float word = one->word, most = COST_ONE * (float)params->disparity_limit;
+  const int32_t own = one->label;
+  for (int32_t k = 0; k < count; ++k) {
+    const float levels = fabsf(b->grey[k] - intensity) * per_level;
+    const float contrast = 0.5f * (levels + limit - fabsf(levels - limit));
+    const float beyond = word - b->word[k]; /* positive: the pixel is farther than the cell */
+    const float steps = 0.5f * (beyond + fabsf(beyond)) * per_word;
+    const float step = 0.5f * (steps + most - fabsf(steps - most));
+    const float distance = at_center + per_u * b->u[k] + per_v * b->v[k] + per_px2 * b->r2[k];
+    const int32_t cost = (int32_t)(contrast + step + distance), best = b->cost[k], old = label[k];
+    label[k] = cost < best ? own : old;
+    b->cost[k] = cost < best ? cost : best;
+  }
+}
+
+/* The pixels of a cell, as the foveation lists them: at (us, vs), with these grey levels and words. All arrays have
+ * room for whole vectors: what they hold beyond the last pixel is of no matter. */
+typedef struct cell_pixels {
+  const int16_t *us, *vs;
+  const uint8_t *greys;
+  const int16_t *words;
+} cell_pixels;
+
+VISTA_WIDE_VECTORS static void solve(const vista_refinement_params *params, const candidate *candidates,
+                                     int32_t candidate_count, const cell_pixels *pixels, float center_u, float center_v,
+                                     int32_t pixel_count, int32_t *label) {
+  const int16_t *const us = pixels->us, *const vs = pixels->vs, *const words = pixels->words;
+  const uint8_t *const greys = pixels->greys;
+  batch b;
+  for (int32_t first = 0; first < pixel_count; first += BATCH) {
+    const int32_t left = pixel_count - first < BATCH ? pixel_count - first : BATCH, count = whole_vectors(left);
+    for (int32_t k = 0; k < count; ++k) {
+      b.u[k] = (float)us[first + k] - center_u;
+      b.v[k] = (float)vs[first + k] - center_v;
+      b.r2[k] = b.u[k] * b.u[k] + b.v[k] * b.v[k];
+      b.grey[k] = (float)greys[first + k];
+      b.word[k] = (float)(words[first + k] < 0 ? INT16_MAX : words[first + k]); /* unknown: farther than nothing */
+      b.cost[k] = INT32_MAX;
+    }
+    for (int32_t k = left; k < count; ++k)
+      b.u[k] = b.v[k] = b.r2[k] = b.grey[k] = b.word[k] = 0.0f; /* pixels of another cell */
+    for (int32_t c = 0; c < candidate_count; ++c) try_candidate(params, &candidates[c], count, &b, label + first);
+  }
+}
+
+#define DRAWN 16 /* pixels at once */
+
+/* The run that pixel `p` belongs to, of the runs row by row. */
+static int32_t run_at(const vista_foveation *f, int32_t p) {
+  int32_t low = 0, high = f->first_run[f->node_count];
+  while (low < high) {
+    const int32_t middle = low + (high - low) / 2;
+    if (f->end_in_rows[middle] > p)
+      high = middle;
+    else
+      low = middle + 1;
+  }
+  return low;
+}
+
+/* Every pixel of some rows: as its cell, or as it is listed where the cell has a border. Runs are drawn in whole
+ * vectors: the next one overwrites what is too much. */
+VISTA_WIDE_VECTORS static void draw(const vista_foveation *f, int32_t first_row, int32_t end_row,
+                                    const int32_t *restrict label, const uint8_t *restrict border,
+                                    const int32_t *restrict listed, int32_t *restrict out) {
+  const int32_t pixels = end_row * f->width_px;
+  int32_t p = first_row * f->width_px;
+  for (int32_t r = run_at(f, p); p < pixels; ++r) {
+    const int32_t end = f->end_in_rows[r], node = f->node_in_rows[r], drawn = label[node];
+    if (border[node]) {
+      const int32_t *from = listed + f->listed_in_rows[r];
+      for (; p < end && p + DRAWN <= pixels; p += DRAWN, from += DRAWN) memcpy(out + p, from, DRAWN * sizeof *out);
+      for (; p < end; ++p) out[p] = *from++;
+    } else {
+      for (; p < end && p + DRAWN <= pixels; p += DRAWN)
+        for (int32_t k = 0; k < DRAWN; ++k) out[p + k] = drawn;
+      for (; p < end; ++p) out[p] = drawn;
+    }
+    p = end;
+  }
+}
+
+typedef struct job {
+  const vista_foveation *foveation;
+  const vista_refinement_params *params;
+  const vista_cells *cells;
+  const int32_t *label;
+  vista_refinement *refinement;
+} job;
+
+#define PARTS 16
+
+/* Solves a cell where the list has no room for whole vectors: behind the part's last cell it is another thread's. */
+static void solve_last(const vista_refinement_params *params, const candidate *candidates, int32_t candidate_count,
+                       const cell_pixels *pixels, float center_u, float center_v, int32_t pixel_count, int32_t *label) {
+  int32_t found[BATCH];
+  for (int32_t i = 0; i < pixel_count; i += BATCH) {
+    const int32_t count = pixel_count - i < BATCH ? pixel_count - i : BATCH;
+    const cell_pixels some = {pixels->us + i, pixels->vs + i, pixels->greys + i, pixels->words + i};
+    solve(params, candidates, candidate_count, &some, center_u, center_v, count, found);
+    memcpy(label + i, found, (size_t)count * sizeof *found);
+  }
+}
+
+static void solve_part(void *context, int32_t part, int32_t worker) {
+  (void)worker;
+  const job *const j = context;
+  const vista_foveation *const f = j->foveation;
+  const uint8_t *const border = j->refinement->border;
+  int32_t *const listed = j->refinement->listed;
+  const int32_t k = PARTS - 1 - part; /* the last cells are the largest, so they come first */
+  const int32_t first_node = f->node_count * k / PARTS, end_node = f->node_count * (k + 1) / PARTS;
+  for (int32_t node = first_node; node < end_node; ++node) {
+    if (!border[node]) continue;
+    const int32_t first = f->first_pixel[node];
+    if (node <= f->point_count) {
+      for (int32_t p = first; p < f->first_pixel[node + 1]; ++p) listed[p] = j->label[node];
+      continue;
+    }
+    candidate candidates[MAX_CANDIDATES];
+    const int32_t count = list_candidates(f, j->params, j->cells, j->label, border, node, candidates);
+    const int32_t pixels = f->pixel_count[node], room = f->first_pixel[end_node] - first;
+    const float u = f->center_u[node], v = f->center_v[node];
+    const cell_pixels all = {f->pixel_u + first, f->pixel_v + first, j->cells->greys + first, j->cells->words + first};
+    if (whole_vectors(pixels) <= room)
+      solve(j->params, candidates, count, &all, u, v, pixels, listed + first);
+    else
+      solve_last(j->params, candidates, count, &all, u, v, pixels, listed + first);
+  }
+}
+
+static void draw_part(void *context, int32_t part, int32_t worker) {
+  (void)worker;
+  const job *const j = context;
+  const int32_t height = j->foveation->height_px;
+  draw(j->foveation, height * part / PARTS, height * (part + 1) / PARTS, j->label, j->refinement->border,
+       j->refinement->listed, j->refinement->label);
+}
+
+vista_status vista_refine(const vista_foveation *foveation, const vista_refinement_params *params,
+                          const vista_cells *cells, const int32_t *label, vista_refinement *refinement) {
+  if (foveation == NULL || params == NULL || cells == NULL || label == NULL || refinement == NULL)
+    return VISTA_ERROR_ARGUMENT;
+  const vista_status status = VISTA_CHECK_SECTION(refinement, params);
+  if (status != VISTA_OK) return status;
+  mark_borders(&foveation->graph, label, refinement->border);
+  job j = {foveation, params, cells, label, refinement};
+  vista_team_share(refinement->team, solve_part, &j, PARTS);
+  vista_team_share(refinement->team, draw_part, &j, PARTS);
+  return VISTA_OK;
+}

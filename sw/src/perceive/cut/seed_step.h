@@ -1,0 +1,37 @@
+/* What seeds are made of: standing cells, joined where the disparity steps little. Internal to libvista. */
+#ifndef VISTA_SRC_SEED_STEP_H
+#define VISTA_SRC_SEED_STEP_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "common/depth.h"
+#include "common/disjoint_sets.h"
+#include "common/numbers.h"
+#include "perceive/cells/foveation.h"
+#include "perceive/cells/surface.h"
+#include "perceive/cut/seeds.h"
+#include "vista/parameters.h"
+#include "vista/types.h"
+
+static inline bool vista_standing(const vista_cells *cells, const vista_surfaces *surfaces, int32_t node) {
+  return cells->disparity_px[node] > 0.0f && !surfaces->horizontal[node];
+}
+
+/* Whether step_px, the difference in disparity of two cells distance_px apart of which the nearer one is at
+ * disparity_px, is no step: at most `multiple` times what a seed may step by, in pixels or in metres of depth. In most
+ * cases the first term tells. */
+static inline bool vista_seed_is_smooth(const vista_segmentation_params *params, const vista_camera *camera,
+                                        float distance_px, float disparity_px, float multiple, float step_px) {
+  const float flat_px = (float)params->seed_step_px + (float)params->seed_step_slope * distance_px;
+  return step_px <= multiple * flat_px ||
+         step_px <= multiple * vista_depth_step_px(camera, disparity_px, (float)params->seed_step_m);
+}
+
+/* Makes one set of those of nodes a and b. */
+static inline void vista_seeds_join(vista_seeds *seeds, int32_t a, int32_t b) {
+  const int32_t gone = vista_sets_join(seeds->parent, a, b);
+  if (gone >= 0) seeds->area_px2[seeds->parent[gone]] += seeds->area_px2[gone];
+}
+
+#endif

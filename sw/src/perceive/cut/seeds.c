@@ -1,0 +1,150 @@
+#include "perceive/cut/seeds.h"
+
+#include <math.h>
+#include <stdbool.h>
+#include <stddef.h>
+
+#include "common/disjoint_sets.h"
+#include "common/frame.h"
+#include "common/parameters_check.h"
+#include "perceive/cut/seed_extent.h"
+#include "perceive/cut/seed_step.h"
+#include "vista/types.h"
+
+#define WORD_BINS (INT16_MAX + 1) /* one a word */
+
+vista_status vista_seeds_layout(vista_seeds *seeds, vista_arena *arena, const vista_foveation *foveation) {
+  if (seeds == NULL || arena == NULL || foveation == NULL) return VISTA_ERROR_ARGUMENT;
+  const size_t nodes = (size_t)foveation->max_nodes;
+  seeds->seed_of_node = vista_arena_take(arena, nodes, sizeof(int32_t));
+  seeds->first_member = vista_arena_take(arena, nodes + 1, sizeof(int32_t));
+  seeds->members = vista_arena_take(arena, nodes, sizeof(int32_t));
+  seeds->min_disparity_px = vista_arena_take(arena, nodes, sizeof(float));
+  seeds->max_disparity_px = vista_arena_take(arena, nodes, sizeof(float));
+  seeds->parent = vista_arena_take(arena, nodes, sizeof(int32_t));
+  seeds->order = vista_arena_take(arena, nodes, sizeof(int32_t));
+  seeds->queue = vista_arena_take(arena, nodes, sizeof(int32_t));
+  seeds->reached_from = vista_arena_take(arena, nodes, sizeof(int32_t));
+  seeds->seed_of_root = vista_arena_take(arena, nodes, sizeof(int32_t));
+  seeds->bins = vista_arena_take(arena, WORD_BINS, sizeof(int32_t));
+  seeds->area_px2 = vista_arena_take(arena, nodes, sizeof(float));
+  seeds->shell = vista_arena_take(arena, nodes, sizeof(uint8_t));
+  seeds->length_px = vista_arena_take(arena, nodes, sizeof(float));
+  return arena->base != NULL && arena->used > arena->size ? VISTA_ERROR_MEMORY : VISTA_OK;
+}
+
+/* Each node in `order` that is the first of a large enough set opens a seed; the others follow their root. */
+static void number_seeds(vista_seeds *seeds, int32_t node_count, const int32_t *order, int32_t order_count,
+                         double min_area_px2) {
+  int32_t *const seed_of_root = seeds->seed_of_root;
+  for (int32_t i = 0; i < node_count; ++i) {
+    seeds->seed_of_node[i] = VISTA_NO_SEED;
+    seed_of_root[i] = VISTA_NO_SEED;
+  }
+  seeds->count = 0;
+  for (int32_t k = 0; k < order_count; ++k) {
+    const int32_t root = vista_sets_find(seeds->parent, order[k]);
+    if (seeds->area_px2[root] < (float)min_area_px2) continue;
+    if (seed_of_root[root] == VISTA_NO_SEED) seed_of_root[root] = seeds->count++;
+    seeds->seed_of_node[order[k]] = seed_of_root[root];
+  }
+  for (int32_t k = 0; k <= seeds->count; ++k) seeds->first_member[k] = 0;
+  for (int32_t k = 0; k < order_count; ++k) {
+    const int32_t seed = seeds->seed_of_node[order[k]];
+    if (seed != VISTA_NO_SEED) seeds->first_member[seed + 1]++;
+  }
+  for (int32_t k = 0; k < seeds->count; ++k) seeds->first_member[k + 1] += seeds->first_member[k];
+  for (int32_t k = 0; k < order_count; ++k) { /* members keep the order; first_member is put back below */
+    const int32_t seed = seeds->seed_of_node[order[k]];
+    if (seed != VISTA_NO_SEED) seeds->members[seeds->first_member[seed]++] = order[k];
+  }
+  for (int32_t k = seeds->count; k > 0; --k) seeds->first_member[k] = seeds->first_member[k - 1];
+  seeds->first_member[0] = 0;
+}
+
+/* Files may hold words that no engine writes: those count as the largest. */
+static int32_t word_bin(const vista_cells *cells, int32_t node) {
+  const int32_t word = (int32_t)(cells->disparity_px[node] * VISTA_DISPARITY_SCALE);
+  return word < WORD_BINS ? word : WORD_BINS - 1;
+}
+
+/* Standing cells by falling disparity: a counting sort, stable in the node number. */
+static int32_t sort_nearest_first(const vista_cells *cells, const vista_surfaces *surfaces, int32_t node_count,
+                                  int32_t *bins, int32_t *order) {
+  for (int32_t b = 0; b < WORD_BINS; ++b) bins[b] = 0;
+  for (int32_t i = 0; i < node_count; ++i)
+    if (vista_standing(cells, surfaces, i)) bins[word_bin(cells, i)]++;
+  int32_t count = 0;
+  for (int32_t b = WORD_BINS - 1; b >= 0; --b) {
+    const int32_t in_bin = bins[b];
+    bins[b] = count;
+    count += in_bin;
+  }
+  for (int32_t i = 0; i < node_count; ++i)
+    if (vista_standing(cells, surfaces, i)) order[bins[word_bin(cells, i)]++] = i;
+  return count;
+}
+
+vista_status vista_seeds_of_obstacles(const vista_foveation *foveation, const vista_segmentation_params *params,
+                                      const vista_camera *camera, const vista_cells *cells,
+                                      const vista_surfaces *surfaces, vista_seeds *seeds) {
+  if (foveation == NULL || params == NULL || camera == NULL || cells == NULL || surfaces == NULL || seeds == NULL)
+    return VISTA_ERROR_ARGUMENT;
+  vista_status status = VISTA_CHECK_SECTION(segmentation, params);
+  if (status == VISTA_OK) status = vista_frame_check_camera(camera);
+  if (status != VISTA_OK) return status;
+  const vista_graph *const graph = &foveation->graph;
+  for (int32_t i = 0; i < graph->node_count; ++i) {
+    seeds->parent[i] = i;
+    seeds->area_px2[i] = foveation->size_px[i] * foveation->size_px[i];
+  }
+  const float *const d = cells->disparity_px;
+  for (int32_t i = 0; i < graph->node_count; ++i) {
+    if (!vista_standing(cells, surfaces, i)) continue;
+    for (int32_t arc = graph->first_arc[i]; arc < graph->first_arc[i + 1]; ++arc) {
+      const int32_t j = graph->head[arc];
+      if (j < i || !vista_standing(cells, surfaces, j)) continue;
+      if (vista_seed_is_smooth(params, camera, foveation->arc_distance_px[arc], vista_larger(d[i], d[j]), 1.0f,
+                               fabsf(d[i] - d[j])))
+        vista_seeds_join(seeds, i, j);
+    }
+  }
+  vista_seeds_bridge(foveation, params, camera, cells, surfaces, seeds);
+  const int32_t count = sort_nearest_first(cells, surfaces, graph->node_count, seeds->bins, seeds->order);
+  number_seeds(seeds, graph->node_count, seeds->order, count, params->seed_area_px2);
+  for (int32_t k = 0; k < seeds->count; ++k) {
+    const int32_t first = seeds->first_member[k], last = seeds->first_member[k + 1] - 1;
+    const int32_t trim = (last - first) / 20; /* members run from near to far */
+    seeds->max_disparity_px[k] = cells->disparity_px[seeds->members[first + trim]];
+    seeds->min_disparity_px[k] = cells->disparity_px[seeds->members[last - trim]];
+  }
+  vista_seeds_find_shell(foveation, params, camera, cells, seeds);
+  return VISTA_OK;
+}
+
+vista_status vista_seeds_of_rest(const vista_foveation *foveation, const vista_segmentation_params *params,
+                                 const vista_affinity *affinity, const vista_surfaces *surfaces, const int32_t *label,
+                                 vista_seeds *seeds) {
+  if (foveation == NULL || params == NULL || affinity == NULL || surfaces == NULL || label == NULL || seeds == NULL)
+    return VISTA_ERROR_ARGUMENT;
+  if (VISTA_CHECK_SECTION(segmentation, params) != VISTA_OK) return VISTA_ERROR_RANGE;
+  const vista_graph *const graph = &foveation->graph;
+  int32_t count = 0;
+  for (int32_t i = 0; i < graph->node_count; ++i) {
+    seeds->parent[i] = i;
+    seeds->shell[i] = 0;
+    seeds->area_px2[i] = foveation->size_px[i] * foveation->size_px[i];
+    if (label[i] < 0) seeds->order[count++] = i;
+  }
+  for (int32_t i = 0; i < graph->node_count; ++i) {
+    if (label[i] >= 0) continue;
+    for (int32_t arc = graph->first_arc[i]; arc < graph->first_arc[i + 1]; ++arc) {
+      const int32_t j = graph->head[arc];
+      if (j < i || label[j] >= 0 || surfaces->horizontal[i] != surfaces->horizontal[j]) continue;
+      if (affinity->weight[arc] >= (float)params->rest_affinity) vista_seeds_join(seeds, i, j);
+    }
+  }
+  number_seeds(seeds, graph->node_count, seeds->order, count, params->rest_area_px2);
+  for (int32_t k = 0; k < seeds->count; ++k) seeds->min_disparity_px[k] = seeds->max_disparity_px[k] = -1.0f;
+  return VISTA_OK;
+}

@@ -1,0 +1,261 @@
+#include "perceive/line/line_depth.h"
+
+#include <math.h>
+#include <stddef.h>
+
+#include "common/numbers.h"
+#include "vista/word.h"
+
+#define PROPOSALS 64
+#define LEVER_PX 16.0        /* at least, between the two rows of a proposal */
+#define PREFILTER_PX 1       /* by which the Sobel mask widens the block */
+#define CLEAR_PX 4.0         /* between what a block at a side sees and the middle of the line */
+#define SIDE_STEP_PX 4.0     /* to the second word of a side */
+#define ASIDE_PX 2           /* a word may lie so far beside the line */
+#define ROWS_PER_BLOCK 11.0  /* words of so many rows share their errors */
+#define END_ROWS 4           /* whose words agree at each end of a line */
+#define END_ODDS 3.0         /* natural logarithm: beyond, words would be of the line if it went on */
+#define BIAS_PX 0.15         /* error of all words of a line */
+#define ROW_ERROR_PX 0.1     /* by which the rows of the two images are off */
+
+/* What the loops over the rows share. */
+typedef struct reading {
+  const vista_thin_params *params;
+  const vista_thin_view *view;
+  const vista_thin_line *line;
+  double side_px; /* along the row to where a block no longer holds the line */
+} reading;
+
+/* Negative without one. */
+static double word_at(const vista_thin_view *view, int32_t u, int32_t v) {
+  const vista_disparity_image *const words = view->words;
+  if (u < 0 || u >= words->width_px) return -1.0;
+  const int16_t word = words->data[v * words->stride + u];
+  return word < 0 ? -1.0 : (double)word / VISTA_DISPARITY_SCALE;
+}
+
+/* The nearest of the words beside the line; negative without any. */
+static double beside(const reading *r, int32_t v) {
+  const double u = vista_thin_u_px(r->line, v);
+  double nearest = -1.0;
+  for (int side = -1; side <= 1; side += 2)
+    for (int k = 0; k < 2; ++k)
+      nearest = fmax(nearest, word_at(r->view, (int32_t)lround(u + side * (r->side_px + k * SIDE_STEP_PX)), v));
+  return nearest;
+}
+
+/* Negative without one; `apart`: nearer than what is beside it. */
+static double on_line(const reading *r, int32_t v, double side, bool *apart) {
+  const int32_t u = (int32_t)lround(vista_thin_u_px(r->line, v));
+  const int32_t places[3] = {u, u - ASIDE_PX, u + ASIDE_PX};
+  double any = -1.0;
+  *apart = false;
+  for (int k = 0; k < 3 && !*apart; ++k) {
+    const double word = word_at(r->view, places[k], v);
+    if (word <= 0.0) continue;
+    *apart = side < 0.0 || word >= side + r->params->apart_px;
+    if (*apart || any < 0.0) any = word;
+  }
+  return any;
+}
+
+/* Rows that agree with d = at + slope (v - v0). */
+static int32_t agreeing(const vista_line_sample *samples, int32_t count, float v0, float at, float slope, float reach) {
+  int32_t on = 0;
+  for (int32_t i = 0; i < count; ++i)
+    on += fabsf(samples[i].disparity_px - at - slope * (samples[i].v_px - v0)) <= reach;
+  return on;
+}
+
+/* The proposal that most samples agree with; the two of each are chosen by a fixed sequence. */
+static int32_t propose(const vista_line_sample *samples, int32_t count, float v0, float reach, float *at,
+                       float *slope) {
+  uint32_t random = 1;
+  int32_t most = 0;
+  for (int k = 0; k < PROPOSALS; ++k) {
+    random = random * 1664525u + 1013904223u;
+    const vista_line_sample *const a = &samples[(random >> 8) % (uint32_t)count];
+    random = random * 1664525u + 1013904223u;
+    const vista_line_sample *const b = &samples[(random >> 8) % (uint32_t)count];
+    if (fabsf(a->v_px - b->v_px) < (float)LEVER_PX) continue;
+    const float g = (b->disparity_px - a->disparity_px) / (b->v_px - a->v_px);
+    const float d = a->disparity_px + g * (v0 - a->v_px);
+    const int32_t on = agreeing(samples, count, v0, d, g, reach);
+    if (on <= most) continue;
+    most = on;
+    *at = d;
+    *slope = g;
+  }
+  return most;
+}
+
+/* Least squares over the samples that agree with what *found says; their number. */
+static int32_t refine(const vista_line_sample *samples, int32_t count, double reach, vista_thin_line *found) {
+  double n = 0.0, t = 0.0, d = 0.0, tt = 0.0, td = 0.0, dd = 0.0;
+  for (int32_t i = 0; i < count; ++i) {
+    const double time = samples[i].v_px - found->v_px, word = samples[i].disparity_px;
+    if (fabs(word - found->disparity_px - found->disparity_slope * time) > reach) continue;
+    n += 1.0, t += time, d += word, tt += time * time, td += time * word, dd += word * word;
+  }
+  const double spread = tt - t * t / n, along = td - t * d / n;
+  if (n < 2.0 || !(spread > 0.0)) return 0;
+  const double slope = along / spread, residual = fmax(dd - d * d / n - slope * along, 0.0) / n;
+  const double rows = fmax(n / ROWS_PER_BLOCK, 1.0);
+  found->disparity_slope = slope;
+  found->disparity_sigma_px = sqrt(vista_square(BIAS_PX) + vista_square(ROW_ERROR_PX * found->slope) + residual / rows);
+  found->disparity_slope_sigma = sqrt((residual + vista_square(BIAS_PX)) / rows / (spread / n));
+  /* Moved to the middle of the samples, where level and slope do not depend on each other. */
+  found->u_px += found->slope * (t / n);
+  found->v_px += t / n;
+  found->disparity_px = d / n;
+  return (int32_t)n;
+}
+
+/* Whether most of the line that is seen stands above the ground by at least the given height. */
+static bool stands(const reading *r, const vista_camera *camera, const vista_thin_line *found) {
+  const vista_thin_view *const view = r->view;
+  if (!view->ground_found) return true;
+  int32_t above = 0;
+  for (int32_t v = found->first_v_px; v <= found->last_v_px; ++v) {
+    const double d = vista_thin_disparity_px(found, v);
+    above += d > 0.0 &&
+             vista_plane_height_m(&view->ground, camera, vista_thin_u_px(r->line, v), v, d) >= r->params->height_m;
+  }
+  return 2 * above > found->last_v_px - found->first_v_px + 1;
+}
+
+/* Length in metres of the part of the line between two rows. */
+static double length_m(const vista_camera *camera, const vista_thin_line *line) {
+  double ends_m[2][3];
+  const double rows[2] = {line->first_v_px, line->last_v_px};
+  for (int k = 0; k < 2; ++k) {
+    const double d = fmax(vista_thin_disparity_px(line, rows[k]), 1e-3), per_px = camera->baseline_m / d;
+    ends_m[k][0] = (line->u_px + line->slope * (rows[k] - line->v_px) - camera->center_u_px) * per_px;
+    ends_m[k][1] = (rows[k] - camera->center_v_px) * per_px;
+    ends_m[k][2] = camera->focal_px * per_px;
+  }
+  const double along[3] = {ends_m[1][0] - ends_m[0][0], ends_m[1][1] - ends_m[0][1], ends_m[1][2] - ends_m[0][2]};
+  return vista_norm(along);
+}
+
+/* Whether something beside the line is as near as it, or nearer. */
+static bool is_level(const reading *r, const vista_thin_line *found, int32_t v) {
+  const double side = beside(r, v);
+  return side >= 0.0 && side > vista_thin_disparity_px(found, v) - r->params->apart_px;
+}
+
+/* Rows with something beside the line that is as near as it, or nearer. */
+static int32_t level_rows(const reading *r, const vista_thin_line *found) {
+  int32_t level = 0;
+  for (int32_t v = found->first_v_px; v <= found->last_v_px; ++v) level += is_level(r, found, v);
+  return level;
+}
+
+static int32_t take_samples(const reading *r, vista_line_sample *samples, vista_thin_line *found) {
+  int32_t count = 0;
+  for (int32_t v = found->first_v_px; v <= found->last_v_px; ++v) {
+    bool apart;
+    const double word = on_line(r, v, beside(r, v), &apart);
+    found->rows += word > 0.0;
+    if (apart) samples[count++] = (vista_line_sample){(float)v, (float)word};
+  }
+  return count;
+}
+
+static bool agrees(const vista_thin_line *found, const vista_line_sample *sample, double reach) {
+  return fabs(sample->disparity_px - vista_thin_disparity_px(found, sample->v_px)) <= reach;
+}
+
+/* Rows from one to another, in either order, with any word on the line. */
+static int32_t rows_with_words(const reading *r, int32_t from, int32_t to) {
+  int32_t rows = 0;
+  bool apart;
+  for (int32_t v = from < to ? from : to; v <= (from < to ? to : from); ++v) rows += on_line(r, v, -1.0, &apart) > 0.0;
+  return rows;
+}
+
+/* On from the last row whose words agree as far as the image shows the line. What continues it there may be the edge of
+ * something behind, such as a row of windows above a post: if so, words are of that. Of the rows between the agreeing
+ * ends the share `seen` shows words of the line; that by chance none of so many would, is unlikely. */
+static int32_t extended(const reading *r, const vista_ridge *ridge, int32_t agreed, int32_t step, double seen) {
+  const int32_t end = vista_straight_line_end(ridge, r->line, agreed, step);
+  const double blocks = (end == agreed ? 0 : rows_with_words(r, agreed + step, end)) / ROWS_PER_BLOCK;
+  return blocks * -log(1.0 - fmin(seen, 0.95)) > END_ODDS ? agreed : end;
+}
+
+/* A wire does not end in mid-air: where words and ridge are lost before trees or a facade, it goes on downward as far as
+ * pieces of the image's line were linked, and no farther than it is long so far, until the ground or something beside
+ * it is as near as it. Upward it does not: a pole may end there. */
+static int32_t continued(const reading *r, const vista_camera *camera, const vista_thin_line *found) {
+  const vista_thin_view *const view = r->view;
+  const int32_t as_long = 2 * found->last_v_px - found->first_v_px;
+  const int32_t limit = as_long < r->line->last_v_px ? as_long : r->line->last_v_px;
+  int32_t level = 0, run = 0, end = found->last_v_px;
+  for (int32_t v = end + 1; v <= limit && run < VISTA_STRIP_ROWS; ++v) {
+    const double u = vista_thin_u_px(r->line, v), d = vista_thin_disparity_px(found, v);
+    if (!(d > 0.0) || (view->ground_found && vista_plane_height_m(&view->ground, camera, u, v, d) <= 0.0)) break;
+    run = is_level(r, found, v) ? run + 1 : 0;
+    level += run > 0;
+    end = v;
+  }
+  if (run == VISTA_STRIP_ROWS) end -= run, level -= run;
+  return level > r->params->level_share * (end - found->last_v_px) ? found->last_v_px : end;
+}
+
+/* From the first to the last row whose words agree, and on as far as the image shows the line. Rows that are alone do
+ * not count. */
+static void set_ends(const reading *r, const vista_camera *camera, const vista_ridge *ridge,
+                     const vista_line_sample *samples, int32_t count, double reach, vista_thin_line *found) {
+  int32_t seen = 0, first = found->first_v_px, last = found->last_v_px;
+  for (int32_t i = 0; i < count && seen < END_ROWS; ++i)
+    if (agrees(found, &samples[i], reach) && ++seen == END_ROWS) first = (int32_t)samples[i].v_px;
+  seen = 0;
+  for (int32_t i = count - 1; i >= 0 && seen < END_ROWS; --i)
+    if (agrees(found, &samples[i], reach) && ++seen == END_ROWS) last = (int32_t)samples[i].v_px;
+  const double share = found->rows_on / fmax(rows_with_words(r, first, last), 1.0);
+  found->first_v_px = extended(r, ridge, first, -1, share);
+  found->last_v_px = extended(r, ridge, last, 1, share);
+  found->last_v_px = continued(r, camera, found);
+}
+
+/* As of a region (region.h). */
+static void find_foot(const vista_thin_view *view, const vista_camera *camera, vista_thin_line *found) {
+  const double v = found->last_v_px;
+  found->foot_seen = view->ground_found;
+  if (found->foot_seen)
+    found->foot_share =
+        vista_plane_share_above(&view->ground, camera, vista_thin_u_px(found, v), v, vista_thin_disparity_px(found, v));
+}
+
+bool vista_line_depth(const vista_thin_params *params, const vista_camera *camera, const vista_thin_view *view,
+                      const vista_ridge *ridge, const vista_thin_line *line, vista_line_sample *samples,
+                      vista_thin_line *found) {
+  const double radius = view->block_radius_px + PREFILTER_PX;
+  const reading r = {params, view, line, radius * (1.0 + fabs(line->slope)) + CLEAR_PX};
+  const int32_t rows = line->last_v_px - line->first_v_px + 1;
+  vista_thin_line own = {.u_px = line->u_px,
+                         .v_px = line->v_px,
+                         .slope = line->slope,
+                         .first_v_px = line->first_v_px,
+                         .last_v_px = line->last_v_px};
+  own.rows_apart = take_samples(&r, samples, &own);
+  const double fewest = fmax(params->rows_min, params->row_share * rows);
+  if (own.rows_apart < fewest) return false;
+  float at = 0.0f, slope = 0.0f;
+  const float reach = (float)params->agree_px;
+  if (propose(samples, own.rows_apart, (float)own.v_px, reach, &at, &slope) < fewest) return false;
+  own.disparity_px = at;
+  own.disparity_slope = slope;
+  for (int k = 0; k < 2; ++k) own.rows_on = refine(samples, own.rows_apart, reach, &own);
+  if (own.rows_on < fmax(fewest, 2 * END_ROWS) || own.rows_on < params->agree_share * own.rows_apart) return false;
+  if (own.rows_on < params->rows_sure && own.rows_on < params->word_share * own.rows) return false;
+  set_ends(&r, camera, ridge, samples, own.rows_apart, reach, &own);
+  if (!(vista_thin_disparity_px(&own, own.first_v_px) > 0.0) || !(vista_thin_disparity_px(&own, own.last_v_px) > 0.0))
+    return false;
+  own.rows_level = level_rows(&r, &own);
+  if (own.rows_level > params->level_share * (own.last_v_px - own.first_v_px + 1)) return false;
+  if (length_m(camera, &own) < params->length_m || !stands(&r, camera, &own)) return false;
+  find_foot(view, camera, &own);
+  *found = own;
+  return true;
+}

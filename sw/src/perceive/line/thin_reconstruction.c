@@ -1,0 +1,151 @@
+#include "perceive/line/thin_reconstruction.h"
+
+#include <math.h>
+#include <stdbool.h>
+#include <stddef.h>
+
+#include "common/flight_path.h"
+#include "common/frame.h"
+#include "common/numbers.h"
+#include "common/parameters_check.h"
+
+#define REACH_RADII 2.0    /* of the collision volume */
+#define ACROSS_SIGMA_PX 0.7
+#define ALONG_SIGMA_RAD 0.01 /* by which the direction of flight wanders: where on the line it leads to */
+#define DEPTH_SIGMA_MAX 0.1 /* share of the disparity: where the line is less certain, it says nothing */
+#define HALF_WIDTH_MIN_PX 1.0
+#define BAND_OFF_PX 5.0    /* from the line to the middle of a band */
+#define BAND_SIGMA_PX 6.5  /* standard deviation of a band's pixels across the line: of whole blocks that hold it */
+#define BAND_STEP_PX 1.0   /* between the disparities */
+
+static bool is_certain(const vista_thin_line *line, const vista_reconstruction_params *params, double v) {
+  const double d = vista_thin_disparity_px(line, v);
+  return d >= params->disparity_min_px && vista_thin_sigma_px(line, v) <= DEPTH_SIGMA_MAX * d;
+}
+
+static void point_at(const vista_thin_line *line, const vista_camera *camera, double v, double point_m[3]) {
+  const double per_px = camera->baseline_m / vista_thin_disparity_px(line, v);
+  point_m[0] = (vista_thin_u_px(line, v) - camera->center_u_px) * per_px;
+  point_m[1] = (v - camera->center_v_px) * per_px;
+  point_m[2] = camera->focal_px * per_px;
+}
+
+/* Where a line comes closest to the path, and how much of it is in the volume. */
+typedef struct approach {
+  bool found;
+  double v_px, distance_m, point_m[3];
+  double pixels; /* in the volume */
+} approach;
+
+static approach approach_of(const vista_thin_line *line, const vista_camera *camera, const vista_flight_path *path,
+                            const vista_collision_volume *volume, const vista_reconstruction_params *params) {
+  approach a = {.distance_m = INFINITY};
+  for (int32_t v = line->first_v_px; v <= line->last_v_px; ++v) {
+    if (!is_certain(line, params, v)) continue;
+    double point_m[3];
+    point_at(line, camera, v, point_m);
+    const double along_m = vista_flight_path_along(path, point_m, NULL);
+    const double distance_m = vista_flight_path_distance(path, point_m);
+    const double radius_m = vista_flight_path_likely_radius_m(path, along_m, volume->radius_m, volume->path_sigmas);
+    if (along_m > 0.0 && along_m <= path->length_m && distance_m <= radius_m) a.pixels += hypot(1.0, line->slope);
+    if (distance_m >= a.distance_m) continue;
+    a.found = along_m > 0.0;
+    a.v_px = v;
+    a.distance_m = distance_m;
+    for (int i = 0; i < 3; ++i) a.point_m[i] = point_m[i];
+  }
+  return a;
+}
+
+/* Rows of the line within the radius of the point. */
+static double rows_around(const vista_thin_line *line, const vista_camera *camera, const approach *nearest,
+                          double radius_m, const vista_reconstruction_params *params) {
+  double rows = 0.0;
+  for (int32_t v = line->first_v_px; v <= line->last_v_px; ++v) {
+    if (!is_certain(line, params, v)) continue;
+    double offset_m[3];
+    point_at(line, camera, v, offset_m);
+    for (int i = 0; i < 3; ++i) offset_m[i] -= nearest->point_m[i];
+    rows += vista_norm(offset_m) <= radius_m;
+  }
+  return rows;
+}
+
+static vista_detection detection_of(const vista_thin_line *line, const vista_camera *camera, const approach *nearest,
+                                    double rows, int32_t label) {
+  const double d = vista_thin_disparity_px(line, nearest->v_px), pixel_m = camera->baseline_m / d;
+  const double length = hypot(1.0, line->slope), down = 1.0 / length, right = line->slope / length;
+  const double along_sigma_px = ALONG_SIGMA_RAD * camera->focal_px;
+  const double half_px = fmax(0.5 * rows * length, HALF_WIDTH_MIN_PX);
+  const double angle_deg = atan2(down, right) * VISTA_DEGREES_PER_RADIAN;
+  vista_detection result = {
+      .label = label,
+      .u_px = vista_thin_u_px(line, nearest->v_px),
+      .v_px = nearest->v_px,
+      .disparity_px = d,
+      .sigma_u_px = hypot(ACROSS_SIGMA_PX, along_sigma_px * right),
+      .sigma_v_px = hypot(ACROSS_SIGMA_PX, along_sigma_px * down),
+      .sigma_disparity_px = vista_thin_sigma_px(line, nearest->v_px),
+      .extent_m = {2.0 * fmax(half_px * fabs(right), HALF_WIDTH_MIN_PX) * pixel_m, 2.0 * half_px * down * pixel_m},
+      .volume_pixels = (int32_t)lround(nearest->pixels),
+      .foot_seen = line->foot_seen,
+      .foot_share = line->foot_share,
+      .line = true,
+      .ellipse = {.center_u_px = vista_thin_u_px(line, nearest->v_px),
+                  .center_v_px = nearest->v_px,
+                  .axis_a_px = half_px,
+                  .axis_b_px = HALF_WIDTH_MIN_PX,
+                  .angle_deg = angle_deg > 90.0 ? angle_deg - 180.0 : angle_deg}};
+  vista_triangulate(camera, &result);
+  return result;
+}
+
+/* Whether a detection is what matching makes of the line. */
+static bool is_band(const vista_thin_line *line, const vista_detection *detection) {
+  const double v = detection->v_px, across = 1.0 / hypot(1.0, line->slope);
+  const double off_px = across * (detection->u_px - vista_thin_u_px(line, v));
+  const double turn = atan2(1.0, line->slope) - detection->ellipse.angle_deg / VISTA_DEGREES_PER_RADIAN;
+  const double sigma_px =
+      0.5 * hypot(detection->ellipse.axis_a_px * sin(turn), detection->ellipse.axis_b_px * cos(turn));
+  const double step_px = detection->disparity_px - vista_thin_disparity_px(line, v);
+  return v >= line->first_v_px && v <= line->last_v_px && fabs(off_px) <= BAND_OFF_PX && sigma_px <= BAND_SIGMA_PX &&
+         fabs(step_px) <= fmax(BAND_STEP_PX, 3.0 * vista_thin_sigma_px(line, v));
+}
+
+/* The number of those that are no bands of the line; if told to, only they are left, in their order. */
+static int32_t without_bands(const vista_thin_line *line, bool remove, vista_detection *detections, int32_t count) {
+  int32_t kept = 0;
+  for (int32_t i = 0; i < count; ++i) {
+    if (is_band(line, &detections[i])) continue;
+    if (remove) detections[kept] = detections[i];
+    ++kept;
+  }
+  return kept;
+}
+
+vista_status vista_thin_reconstruct(const vista_thin_line *lines, int32_t line_count, const vista_camera *camera,
+                                    const vista_collision_volume *volume, const vista_reconstruction_params *params,
+                                    int32_t first_label, vista_detection *detections, int32_t capacity,
+                                    int32_t *detection_count) {
+  if (camera == NULL || volume == NULL || params == NULL || detection_count == NULL ||
+      (lines == NULL && line_count != 0) || (detections == NULL && capacity != 0))
+    return VISTA_ERROR_ARGUMENT;
+  if (line_count < 0 || *detection_count < 0 || *detection_count > capacity) return VISTA_ERROR_SIZE;
+  vista_status status = VISTA_CHECK_SECTION(reconstruction, params);
+  if (status == VISTA_OK) status = vista_frame_check_camera(camera);
+  if (status == VISTA_OK) status = vista_collision_volume_check(volume);
+  if (status != VISTA_OK) return status;
+  const vista_flight_path path = vista_collision_volume_path(volume);
+  for (int32_t i = 0; i < line_count; ++i) {
+    const approach nearest = approach_of(&lines[i], camera, &path, volume, params);
+    if (!nearest.found || nearest.distance_m > REACH_RADII * volume->radius_m) continue;
+    const int32_t others = without_bands(&lines[i], nearest.pixels > 0.0, detections, *detection_count);
+    if (nearest.pixels == 0.0 && others < *detection_count) continue;
+    *detection_count = others;
+    if (*detection_count == capacity) return VISTA_ERROR_CAPACITY;
+    const double rows = rows_around(&lines[i], camera, &nearest, volume->radius_m, params);
+    detections[*detection_count] = detection_of(&lines[i], camera, &nearest, rows, first_label + i);
+    ++*detection_count;
+  }
+  return VISTA_OK;
+}

@@ -1,0 +1,148 @@
+#include "perceive/region/region_evidence.h"
+
+#include <math.h>
+
+#include "common/depth.h"
+#include "common/wide_vectors.h"
+#include "common/word_blocks.h"
+#include "perceive/region/ground.h"
+
+#define LEAN_SPAN_DEG 15.0 /* from a lean that begins to count to one that counts in full */
+
+/* A word stands h above the ground's plane when (1 - g / w) B / |n| >= h (plane_fit.h), so when w (1 - h |n| / B) >= g
+ * with g the plane's word at the pixel: one multiplication, and nothing is divided. */
+typedef struct heights {
+  float offset_words, slope_u_words, slope_v_words; /* of the ground's plane, from pixel (0, 0) */
+  float low, top;                                   /* 1 - h |n| / B for min_height_m and top_height_m */
+} heights;
+
+typedef struct word_counts {
+  int32_t pixels, valid, standing, top;
+} word_counts;
+
+static heights heights_above(const vista_surfaces *surfaces, const vista_camera *camera, double low_m, double top_m) {
+  const vista_plane *const ground = &surfaces->ground;
+  const double per_m = vista_plane_share_per_m(ground, camera);
+  return (heights){.offset_words = (float)(vista_plane_disparity_px(ground, camera, 0.0, 0.0) * VISTA_DISPARITY_SCALE),
+                   .slope_u_words = (float)(ground->slope_u * VISTA_DISPARITY_SCALE),
+                   .slope_v_words = (float)(ground->slope_v * VISTA_DISPARITY_SCALE),
+                   .low = (float)(1.0 - low_m * per_m),
+                   .top = (float)(1.0 - top_m * per_m)};
+}
+
+#define BYTE_MAX 255
+
+/* Counts lane by lane, three bytes in each: they are put together when a byte may be full, and at the end. */
+typedef struct lane_counts {
+  uint32_t lanes[VISTA_WORD_BLOCK];
+  int32_t blocks;
+} lane_counts;
+
+static inline void add_lanes(lane_counts *counts, word_counts *sum) {
+  for (int32_t i = 0; i < VISTA_WORD_BLOCK; ++i) {
+    sum->valid += (int32_t)(counts->lanes[i] & BYTE_MAX);
+    sum->standing += (int32_t)(counts->lanes[i] >> 8 & BYTE_MAX);
+    sum->top += (int32_t)(counts->lanes[i] >> 16);
+  }
+  *counts = (lane_counts){0};
+}
+
+/* Of the first `length` pixels of a block. */
+static inline void count_block(const heights *h, const int16_t *restrict words, const int16_t *restrict us,
+                               const int16_t *restrict vs, int32_t length, uint32_t *restrict lanes) {
+  const float offset_words = h->offset_words, slope_u = h->slope_u_words, slope_v = h->slope_v_words;
+  const float low = h->low, top = h->top;
+  VISTA_BLOCK_LOOP
+  for (int32_t i = 0; i < VISTA_WORD_BLOCK; ++i) {
+    const float word = (float)words[i], at = offset_words + slope_u * (float)us[i] + slope_v * (float)vs[i];
+    const uint32_t is_valid = (words[i] > 0) & (i < length);
+    const uint32_t stands = word * low >= at, is_top = word * top >= at;
+    lanes[i] += -is_valid & (1 | stands << 8 | is_top << 16);
+  }
+}
+
+/* What all words of a cell have in common. */
+typedef enum kind { KIND_MIXED, KIND_BELOW, KIND_STANDING, KIND_TOP } kind; /* words of 0 are none: mixed */
+
+/* From the cell's words' range and the ground's over the cell, with a margin for rounding: surely what word by word
+ * would tell. Cells of a pixel's size are counted faster than they are judged. */
+static inline kind kind_of_cell(const vista_region_view *w, const heights *h, int32_t node) {
+  const vista_foveation *const f = w->foveation;
+  const vista_word_range range = w->cells->range[node];
+  if (node <= f->point_count || range.least == 0 || !(h->low > 0.0f) || !(h->top > 0.0f)) return KIND_MIXED;
+  const float slope_u = h->slope_u_words, slope_v = h->slope_v_words;
+  const float across = fabsf(slope_u) + fabsf(slope_v), around_px = f->size_px[node] + 2.0f;
+  const float margin = 0.01f + 1e-5f * (fabsf(h->offset_words) + across * (float)(f->width_px + f->height_px));
+  const float off = across * around_px + margin;
+  const float at = h->offset_words + slope_u * f->center_u[node] + slope_v * f->center_v[node];
+  const float least = (float)range.least, most = (float)range.most;
+  if (least * h->top >= at + off) return KIND_TOP;
+  if (most * h->low < at - off) return KIND_BELOW;
+  return least * h->low >= at + off && most * h->top < at - off ? KIND_STANDING : KIND_MIXED;
+}
+
+/* Stretch by stretch of neighbouring cells. */
+VISTA_WIDE_VECTORS static word_counts count_words(const vista_region_view *w, const heights *h) {
+  const int32_t *const first_pixel = w->foveation->first_pixel, *const members = w->members;
+  word_counts sum = {0};
+  lane_counts counts = {0};
+  kind all, of_next = kind_of_cell(w, h, members[0]);
+  for (int32_t m = 0, next; m < w->member_count; m = next) {
+    const int32_t first = first_pixel[members[m]];
+    all = of_next;
+    next = m + 1;
+    of_next = next < w->member_count ? kind_of_cell(w, h, members[next]) : KIND_MIXED;
+    if (all != KIND_MIXED) {
+      const int32_t valid = w->cells->range[members[m]].valid;
+      sum.pixels += first_pixel[members[m] + 1] - first;
+      sum.valid += valid;
+      sum.standing += all >= KIND_STANDING ? valid : 0;
+      sum.top += all == KIND_TOP ? valid : 0;
+      continue;
+    }
+    while (next < w->member_count && members[next] == members[next - 1] + 1 && of_next == KIND_MIXED) {
+      ++next;
+      of_next = next < w->member_count ? kind_of_cell(w, h, members[next]) : KIND_MIXED;
+    }
+    const int32_t end = first_pixel[members[next - 1] + 1];
+    sum.pixels += end - first;
+    for (int32_t p = first; p < end; p += VISTA_WORD_BLOCK) {
+      count_block(h, w->cells->words + p, w->foveation->pixel_u + p, w->foveation->pixel_v + p, end - p, counts.lanes);
+      if (++counts.blocks == BYTE_MAX) add_lanes(&counts, &sum);
+    }
+  }
+  add_lanes(&counts, &sum);
+  return sum;
+}
+
+static double share(double part, double whole) { return whole > 0.0 ? part / whole : 0.0; }
+
+void vista_region_weigh(const vista_region_view *w, const vista_camera *camera, const double up_camera[3],
+                        double horizontal_deg, bool seeded, vista_region *region) {
+  const vista_region_params *const p = w->params;
+  const double low_m = (double)vista_limit_m(camera, (float)region->disparity_px, (float)p->min_height_m);
+  const double top_m = low_m * p->top_height_m / p->min_height_m;
+  const heights h = heights_above(w->surfaces, camera, low_m, top_m);
+  const word_counts words = count_words(w, &h);
+  vista_region_evidence *const e = &region->evidence;
+  region->valid_fraction = share(words.valid, words.pixels);
+  if (w->surfaces->ground_found) {
+    region->standing_fraction = share(words.standing, words.valid);
+    region->top_fraction = share(words.top, words.valid);
+  } else {
+    region->standing_fraction = vista_standing_fraction(w->foveation, camera, w->cells, w->surfaces, up_camera,
+                                                        horizontal_deg, w->members, w->member_count, low_m);
+    region->top_fraction = region->standing_fraction;
+  }
+  const double size_m = sqrt((double)words.pixels) * camera->baseline_m / fmax(region->disparity_px, 1.0);
+  e->height = p->odds_standing * region->standing_fraction + p->odds_top * region->top_fraction;
+  const double consistent = share(region->boundary_inliers, region->boundary_valid);
+  const bool enough = consistent >= p->min_inlier_fraction; /* which may be zero */
+  e->boundary = enough ? 0.0 : p->odds_boundary * (1.0 - consistent / p->min_inlier_fraction);
+  e->support = p->odds_support * share(region->boundary_valid, region->boundary_pixels);
+  e->size = p->odds_size * log10(fmax(size_m, 0.05));
+  e->origin = seeded ? 0.0 : p->odds_unseeded;
+  const double lean_deg = isnan(region->inclination_deg) ? 0.0 : region->inclination_deg;
+  e->lean = p->odds_lean * fmin(fmax((lean_deg - horizontal_deg) / LEAN_SPAN_DEG, 0.0), 1.0);
+  e->sum = p->odds_prior + e->height + e->boundary + e->support + e->size + e->lean + e->origin;
+}

@@ -1,0 +1,21 @@
+/* The ground that the path meets as an obstacle of the map, internal to libvista. */
+#ifndef VISTA_SRC_TERRAIN_OBSTACLE_H
+#define VISTA_SRC_TERRAIN_OBSTACLE_H
+
+#include <stdbool.h>
+
+#include "common/flight_path.h"
+#include "perceive/terrain/terrain.h"
+#include "vista/obstacle.h"
+#include "vista/types.h"
+
+/* Of ground that is ahead: uncertain along the path, and across it by a share of the radius. False: the place is behind
+ * the camera. */
+bool vista_terrain_obstacle(const vista_camera *camera, const vista_pose *pose, const vista_flight_path *path,
+                            const vista_terrain *terrain, vista_obstacle *obstacle);
+
+/* Whether something that shows at this point is a part of the ground that the path meets: a hillside may be a region,
+ * too, and its middle is not where it is met. */
+bool vista_terrain_bears(const vista_terrain *terrain, const vista_obstacle *obstacle, const double point_m[3]);
+
+#endif

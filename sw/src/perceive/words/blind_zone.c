@@ -1,0 +1,173 @@
+#include "perceive/words/blind_zone.h"
+
+#include <math.h>
+#include <stddef.h>
+#include <stdlib.h>
+
+#include "common/agreement.h"
+#include "common/bits.h"
+#include "common/frame.h"
+#include "common/numbers.h"
+#include "common/parameters_check.h"
+#include "common/wide_vectors.h"
+
+#define ROW_STEP 2 /* neighbouring rows say the same */
+
+/* The search for texture that repeats itself, which only a frame in question takes. */
+#define REPEAT_ROWS 12      /* rows that are searched, over the height of the disc */
+#define REPEAT_SHIFT_PX 63  /* farthest shift */
+#define REPEAT_LINES 3      /* of a block that are compared: its first, middle and last */
+#define REPEAT_COLUMNS 256  /* columns that are treated at once */
+#define REPEAT_RADIUS_PX 15 /* of a block; engines have 2 to 10 */
+#define REPEAT_SHARE 10 /* a block is back when it differs by less than 3 tenths of what it differed by in between */
+#define REPEAT_PARTS 3
+#define REPEAT_SIGNAL 3     /* what it differed by is at least so many times what noise alone makes */
+#define NOISE_DIFFERENCE 1.128 /* mean difference of two pixels, in sigmas of normal noise */
+
+typedef struct counts {
+  int64_t pixels, textured, unmatched;
+} counts;
+
+/* The columns of one row of the disc whose neighbours, a block to both sides, can have words as well. */
+typedef struct span {
+  int32_t v, first, last; /* none: first > last */
+} span;
+
+VISTA_WIDE_VECTORS static void count_row(const uint8_t *grey, const int16_t *words, int32_t first, int32_t last,
+                                         int32_t block, int32_t contrast, counts *sum) {
+  int32_t textured = 0, unmatched = 0;
+  for (int32_t u = first; u <= last; ++u) {
+    const int32_t has_texture = abs(grey[u + 1] - grey[u - 1]) >= contrast;
+    textured += has_texture;
+    unmatched += has_texture & !vista_word_agrees(words, u, block);
+  }
+  sum->pixels += last - first + 1;
+  sum->textured += textured;
+  sum->unmatched += unmatched;
+}
+
+/* The disc around the principal point, within the matched part of the image. */
+typedef struct disc_view {
+  const vista_camera *camera;
+  double radius_px, left, right;
+  int32_t v_first, v_last, block;
+} disc_view;
+
+static disc_view view_of(const vista_camera *camera, const vista_matched_area *matched, double radius_px) {
+  const int32_t block = vista_agreement_distance(matched);
+  const double bottom = camera->height_px - 1 - matched->margin_px;
+  return (disc_view){.camera = camera,
+                     .radius_px = radius_px,
+                     .left = matched->margin_left_px + block,
+                     .right = camera->width_px - 1 - matched->margin_px - block,
+                     .v_first = (int32_t)ceil(fmax(camera->center_v_px - radius_px, matched->margin_px)),
+                     .v_last = (int32_t)floor(fmin(camera->center_v_px + radius_px, bottom)),
+                     .block = block};
+}
+
+static span span_at(const disc_view *disc, int32_t v) {
+  const double dv = v - disc->camera->center_v_px;
+  const double half = sqrt(fmax(disc->radius_px * disc->radius_px - dv * dv, 0.0));
+  return (span){.v = v,
+                .first = (int32_t)ceil(fmax(disc->camera->center_u_px - half, disc->left)),
+                .last = (int32_t)floor(fmin(disc->camera->center_u_px + half, disc->right))};
+}
+
+static counts count_disc(const disc_view *disc, int32_t contrast, const vista_image *image,
+                         const vista_disparity_image *disparity) {
+  counts sum = {0};
+  for (int32_t v = disc->v_first; v <= disc->v_last; v += ROW_STEP) {
+    const span row = span_at(disc, v);
+    if (row.first > row.last) continue;
+    count_row(image->data + v * image->stride, disparity->data + v * disparity->stride, row.first, row.last,
+              disc->block, contrast, &sum);
+  }
+  return sum;
+}
+
+/* Marks which of `count` blocks, centred in this row from column `first` on, come back within `shifts` px to the left:
+ * they differ from what lies there by little, after they differed from what lies between by much. noise: what two
+ * equal blocks differ by. */
+static void find_repeats(const vista_image *image, int32_t v, int32_t first, int32_t count, int32_t radius,
+                         int32_t shifts, int32_t noise, uint8_t repeats[REPEAT_COLUMNS]) {
+  uint16_t difference[REPEAT_COLUMNS + 2 * REPEAT_RADIUS_PX];
+  uint16_t most[REPEAT_COLUMNS] = {0};
+  for (int32_t k = 0; k < count; ++k) repeats[k] = 0;
+  for (int32_t shift = 1; shift <= shifts; ++shift) {
+    for (int32_t line = 0; line < REPEAT_LINES; ++line) {
+      const uint8_t *const here = image->data + (v + (line - 1) * radius) * image->stride + first - radius;
+      const uint8_t *const there = here - shift;
+      for (int32_t k = 0; k < count + 2 * radius; ++k) {
+        const int16_t step = (int16_t)(here[k] - there[k]);
+        difference[k] = (uint16_t)((line == 0 ? 0 : difference[k]) + (step < 0 ? -step : step));
+      }
+    }
+    uint16_t block[REPEAT_COLUMNS] = {0}; /* at most 3 * 31 * 255 */
+    for (int32_t i = 0; i <= 2 * radius; ++i)
+      for (int32_t k = 0; k < count; ++k) block[k] = (uint16_t)(block[k] + difference[k + i]);
+    for (int32_t k = 0; k < count; ++k) {
+      const bool signal = most[k] > REPEAT_SIGNAL * noise;
+      repeats[k] |= signal & ((block[k] - noise) * REPEAT_SHARE < (most[k] - noise) * REPEAT_PARTS);
+      most[k] = block[k] > most[k] ? block[k] : most[k];
+    }
+  }
+}
+
+/* Of the textured pixels without a match, the share whose surroundings repeat within the engine's candidates. */
+static double repeated_fraction(const disc_view *disc, const vista_matched_area *matched, int32_t contrast,
+                                const vista_image_noise *noise, const vista_image *image,
+                                const vista_disparity_image *disparity) {
+  const int32_t radius = (int32_t)fmin(matched->margin_px, REPEAT_RADIUS_PX);
+  const int32_t shifts = (int32_t)fmin(fmin(matched->disparity_max_px, REPEAT_SHIFT_PX), disc->left - radius);
+  const int32_t block_noise = (int32_t)(NOISE_DIFFERENCE * noise->sigma * REPEAT_LINES * (2 * radius + 1));
+  const int32_t step = (disc->v_last - disc->v_first) / REPEAT_ROWS + 1;
+  int64_t unmatched = 0, repeated = 0;
+  for (int32_t v = disc->v_first + step / 2; v <= disc->v_last; v += step) {
+    const span row = span_at(disc, v);
+    const uint8_t *const grey = image->data + v * image->stride;
+    const int16_t *const words = disparity->data + v * disparity->stride;
+    for (int32_t first = row.first; first <= row.last; first += REPEAT_COLUMNS) {
+      const int32_t count = row.last - first < REPEAT_COLUMNS ? row.last - first + 1 : REPEAT_COLUMNS;
+      uint8_t repeats[REPEAT_COLUMNS];
+      find_repeats(image, v, first, count, radius, shifts, block_noise, repeats);
+      for (int32_t k = 0; k < count; ++k) {
+        const int32_t u = first + k;
+        const bool counts = abs(grey[u + 1] - grey[u - 1]) >= contrast && !vista_word_agrees(words, u, disc->block);
+        unmatched += counts;
+        repeated += counts && repeats[k];
+      }
+    }
+  }
+  return unmatched > 0 ? (double)repeated / (double)unmatched : 0.0;
+}
+
+vista_status vista_blind_zone_update(const vista_blind_zone_params *params, const vista_camera *camera,
+                                     const vista_matched_area *matched, double radius_m, const vista_image *image,
+                                     const vista_image_noise *noise, const vista_disparity_image *disparity,
+                                     vista_blind_zone *blind_zone) {
+  if (params == NULL || camera == NULL || matched == NULL || image == NULL || noise == NULL || disparity == NULL ||
+      blind_zone == NULL)
+    return VISTA_ERROR_ARGUMENT;
+  vista_status status = VISTA_CHECK_SECTION(blind_zone, params);
+  if (status == VISTA_OK) status = vista_frame_check_camera(camera);
+  if (status == VISTA_OK) status = vista_matched_area_check(matched);
+  if (status == VISTA_OK && !vista_positive(radius_m)) status = VISTA_ERROR_RANGE;
+  if (status == VISTA_OK) status = vista_frame_check_image(image, camera->width_px, camera->height_px);
+  if (status == VISTA_OK) status = vista_frame_check_disparity(disparity, camera->width_px, camera->height_px);
+  if (status != VISTA_OK) return status;
+  vista_blind_zone *const s = blind_zone;
+  const double radius_px = radius_m * matched->disparity_max_px / camera->baseline_m;
+  const disc_view disc = view_of(camera, matched, radius_px);
+  const int32_t contrast = (int32_t)ceil(vista_image_noise_threshold(noise, params->contrast, params->contrast_noise));
+  const counts sum = count_disc(&disc, contrast, image, disparity);
+  s->range_m = camera->focal_px * camera->baseline_m / matched->disparity_max_px;
+  s->textured_fraction = sum.pixels > 0 ? (double)sum.textured / (double)sum.pixels : 0.0;
+  s->unmatched_fraction = sum.textured > 0 ? (double)sum.unmatched / (double)sum.textured : 0.0;
+  const bool in_question =
+      s->textured_fraction >= params->textured_fraction && s->unmatched_fraction >= params->unmatched_fraction;
+  s->repeated_fraction = in_question ? repeated_fraction(&disc, matched, contrast, noise, image, disparity) : 0.0;
+  const bool now = in_question && s->repeated_fraction < params->repeated_fraction;
+  s->window = s->window << 1 | (uint32_t)now;
+  s->occupied = vista_window_count(s->window, params->confirm_window) >= params->confirm_hits;
+  return VISTA_OK;
+}

@@ -1,0 +1,70 @@
+#include "space/path_view.h"
+
+#include <math.h>
+#include <stddef.h>
+
+#include "common/frame.h"
+#include "common/parameters_check.h"
+#include "space/told.h"
+
+#define STATIONS 20          /* along the path */
+#define SAMPLES_A_RADIUS 8  /* rows, and columns, that are looked at */
+
+typedef struct span {
+  int32_t first, last;
+} span;
+
+/* From `middle - reach` to `middle + reach`, cut to first .. last; of numbers that may be beyond any int32_t. */
+static span between(double middle, double reach, double first, double last) {
+  const double low = ceil(fmax(middle - reach, first)), high = floor(fmin(middle + reach, last));
+  return low <= high ? (span){(int32_t)low, (int32_t)high} : (span){0, -1};
+}
+
+/* Share of a disc's image that tells of it; 0 where nothing of it is matched. */
+static double told_fraction(const vista_told *v, const vista_camera *camera, const vista_matched_area *matched,
+                            const double center_m[3], double radius_m) {
+  if (!(center_m[2] > 0.0)) return 0.0;
+  const double scale = camera->focal_px / center_m[2], radius_px = scale * radius_m;
+  const double u = camera->center_u_px + scale * center_m[0], w = camera->center_v_px + scale * center_m[1];
+  const vista_margins margins = vista_matched_margins(matched, scale * camera->baseline_m);
+  const double step = fmax(1.0, floor(radius_px / SAMPLES_A_RADIUS));
+  const span rows = between(w, radius_px, margins.other_px, camera->height_px - 1 - margins.other_px);
+  int32_t told = 0, all = 0;
+  for (int32_t row = rows.first; row <= rows.last; row += (int32_t)step) {
+    const double half_px = sqrt(fmax(0.0, radius_px * radius_px - (row - w) * (row - w)));
+    const span columns = between(u, half_px, margins.left_px, camera->width_px - 1 - margins.other_px);
+    for (int32_t column = columns.first; column <= columns.last; column += (int32_t)step) {
+      told += vista_told_region(v, column, row) != NULL;
+      ++all;
+    }
+  }
+  return all > 0 ? (double)told / all : 0.0;
+}
+
+vista_status vista_path_view(const vista_obstacle_map_params *params, const vista_camera *camera,
+                             const vista_matched_area *matched, const vista_flight_path *path, const vista_pose *pose,
+                             const vista_disparity_image *disparity, const int32_t *region_of_pixel,
+                             const vista_regions *regions, double *seen_m) {
+  if (params == NULL || camera == NULL || matched == NULL || path == NULL || pose == NULL || disparity == NULL ||
+      region_of_pixel == NULL || regions == NULL || seen_m == NULL)
+    return VISTA_ERROR_ARGUMENT;
+  vista_status status = VISTA_CHECK_SECTION(obstacle_map, params);
+  if (status == VISTA_OK) status = vista_frame_check_camera(camera);
+  if (status == VISTA_OK) status = vista_matched_area_check(matched);
+  if (status == VISTA_OK) status = vista_frame_check_disparity(disparity, camera->width_px, camera->height_px);
+  if (status != VISTA_OK) return status;
+  const vista_told v = {disparity, region_of_pixel, regions};
+  const double nearest_m = camera->focal_px * camera->baseline_m / matched->disparity_max_px;
+  *seen_m = 0.0;
+  for (int k = 1; k <= STATIONS; ++k) {
+    const double along_m = path->length_m * k / STATIONS;
+    double point_m[3], center_m[3];
+    vista_flight_path_point(path, along_m, point_m, NULL);
+    vista_frame_to_camera(pose, point_m, center_m);
+    /* Nearer than anything is matched the view through the disc is as good as at the nearest range. */
+    if (along_m < nearest_m && k < STATIONS) continue;
+    if (told_fraction(&v, camera, matched, center_m, params->collision_radius_m) < params->seen_min_fraction) break;
+    *seen_m = along_m;
+  }
+  return VISTA_OK;
+}
