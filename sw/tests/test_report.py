@@ -185,12 +185,64 @@ def test_blind_frames_are_never_called_clear(tmp_path: Path) -> None:
         dataclasses.replace(record, nearest_collision=None) for record in make_records(6, blind=range(2, 4))
     ]
     page = render(tmp_path / "out", records)
-    assert "Blind in 2 of 6 frames, from frame 2." in page
+    assert "In 2 of 6 frames, from frame 2:" in page
+    assert "the view was blind in 2 of 6 frames." in page
     assert "The image is black. That nothing is found there does not mean free space." in page
     assert "nothing was found in the collision volume" not in page
     assert not re.search(r"\bclear\b", re.sub(r"<script.*", "", page, flags=re.DOTALL))
     states = [frame["state"] for frame in data_of(page)["frames"]]
     assert states == ["healthy"] * 2 + ["blind"] * 2 + ["healthy"] * 2
+
+
+VERDICT = re.compile(r'<p id="verdict">(.*?)</p>')
+
+
+def test_the_page_begins_with_its_verdict(tmp_path: Path) -> None:
+    page = render(tmp_path / "out", make_records(6))
+    assert VERDICT.search(page)[1] == (
+        "3 obstacles tracked; 5 of 6 frames warn of a collision, the nearest #2 at 15.0 m in frame 5; "
+        "the view was healthy in all 6 frames."
+    )
+    assert page.index('id="verdict"') < page.index('class="cards"')
+    nothing = [dataclasses.replace(record, nearest_collision=None) for record in make_records(6)]
+    assert (
+        "3 obstacles tracked, none in the collision volume, which was seen to "
+        in VERDICT.search(render(tmp_path / "none", nothing))[1]
+    )
+    stills = render(tmp_path / "stills", make_records(3, poses=False), stills=True)
+    assert (
+        "9 obstacles found; 2 of 3 pictures show one in the collision volume, " in VERDICT.search(stills)[1]
+    )
+
+
+def test_what_is_seen_in_blind_frames_is_counted_nowhere(tmp_path: Path) -> None:
+    """The verdict, the figures at the top, the frames, the strip, the plots and the table agree."""
+    records = make_records(6, blind=range(3, 6))
+    page, data = render(tmp_path / "out", records), data_of(render(tmp_path / "again", records))
+    assert "2 of 6 frames warn of a collision" in VERDICT.search(page)[1]
+    assert "<b>2</b><span>frames with a collision warning</span>" in page
+    assert "collision warning (2)" in page
+    assert [bool(frame["hit"]) for frame in data["frames"]] == [False, True, True, False, False, False]
+    assert [len(track["points"]) for track in data["tracks"]] == [3, 3, 3]
+
+
+def test_the_card_the_table_and_the_plot_show_the_same_tracks(tmp_path: Path) -> None:
+    """No row of the table is hidden in a box of its own, and what is no obstacle is said to be none."""
+    records = make_records(2, crowd=25)
+    page = render(tmp_path / "out", records)
+    assert "<h2>28 tracked obstacles</h2>" in page
+    assert len(re.findall(r'<tr data-key="', page)) == len(data_of(page)["tracks"]) == 28
+    assert not re.search(r"\.rows\s*{[^}]*(max-height|overflow)", page)
+    page = render(tmp_path / "ground", with_ground_ahead(make_records(2)))
+    assert "<h2>3 tracked obstacles, and what has no track: " in page
+
+
+@pytest.mark.parametrize(("engine", "name"), report.ENGINES.items())
+def test_engine_and_views_have_plain_names(tmp_path: Path, engine: str, name: str) -> None:
+    summary, records = make_summary(make_records(1)) | {"engine": engine}, make_records(1)
+    page = render_report(summary, records, ResultFolder(tmp_path))
+    assert f"· {name}," in page and "golden" not in page
+    assert "<h1>Obstacles in a &lt;flight&gt; &amp; more</h1>" in page
 
 
 def test_unknown_motion_is_said(tmp_path: Path) -> None:

@@ -182,16 +182,47 @@ def test_every_fault_is_named_wherever_results_are(tmp_path: Path, run_vista: Vi
     assert (problem["state"], problem["frames"], problem["first_frame"]) == (state, len(frames), frames[0])
     assert text in problem["text"]
     assert health["state"] == state
-    if state == State.BLIND:
-        assert f"blind in {len(frames)} of {FRAMES} frames" in stdout
-        assert "does not mean free space" in stdout
+    share = f"all {FRAMES} frames" if frames == ALL else f"{len(frames)} of {FRAMES} frames"
+    assert f"the view was {state} in {share}: " in stdout
+    assert ("does not mean free space" in stdout) == (state == State.BLIND)
+
+
+def test_a_pair_that_is_swapped_and_has_no_poses_is_blind_and_nothing_else(
+    tmp_path: Path, run_vista: Vista
+) -> None:
+    """What is found in blind frames is neither counted as an obstacle nor as a warning; the health is one
+    line, and the lesser problem does not call the same frames degraded."""
+    folder, out = make_kitti(tmp_path / "flight"), tmp_path / "out"
+    swap(folder)
+    (tmp_path / "flight/poses/00.txt").unlink()
+    _, stdout, _ = run_vista("run", folder, "--out", out, "--no-overlay")
+    assert any(line["nearest_collision"] for line in valid_lines(out))
+    summary = json.loads((out / "summary.json").read_text())
+    assert (summary["frames_with_collision"], summary["obstacles_confirmed"]) == (0, 0)
+    figures, health, report = stdout.splitlines()
+    assert "6 frames, 0 obstacles tracked, 0 frames with a collision warning" in figures
+    assert "the view was blind in all 6 frames: " in health and "are left and right swapped?" in health
+    assert "also motion_unknown" in health and "degraded" not in stdout
+    page = Path(report.removeprefix("report: ")).read_text()
+    assert "Nothing can be said of obstacles: the view was blind in all 6 frames." in page
+
+
+def test_a_recording_without_poses_is_told_how_to_have_them_estimated(
+    tmp_path: Path, run_vista: Vista
+) -> None:
+    folder, out = make_kitti(tmp_path / "flight"), tmp_path / "out"
+    (tmp_path / "flight/poses/00.txt").unlink()
+    _, stdout, stderr = run_vista("run", folder, "--out", out, "--no-overlay")
+    for said in (stdout, stderr):
+        assert "--poses odometry estimates poses from the images" in said
 
 
 def test_nothing_is_said_of_a_sequence_without_fault(tmp_path: Path, run_vista: Vista) -> None:
     out = tmp_path / "out"
     status, stdout, stderr = run_vista("run", make_kitti(tmp_path / "flight"), "--out", out, "--no-overlay")
     assert (status, stderr) == (0, "")
-    assert len(stdout.splitlines()) == 2
+    assert stdout.splitlines()[1].endswith("the view was healthy in all 6 frames")
+    assert len(stdout.splitlines()) == 3
     assert [line["health"] for line in valid_lines(out)] == [{"state": "healthy", "reasons": []}] * FRAMES
     assert {line["motion"] for line in valid_lines(out)} == {"known"}
     summary = json.loads((out / "summary.json").read_text())
@@ -247,7 +278,8 @@ def test_what_libvista_says_is_passed_on(tmp_path: Path, capsys: pytest.CaptureF
     assert [line["motion"] for line in lines] == ["known", "known", "unknown", "known", "known", "known"]
     assert [line["health"]["state"] for line in lines if line["health"]["reasons"]] == ["degraded", "blind"]
     assert len(stderr.splitlines()) == 3
-    assert "degraded in 1 of 6 frames, from frame 2: the pose jumped" in stdout
+    assert "the view was blind in 1 of 6 frames and degraded in 1 of 6 frames: the left image" in stdout
+    assert "pose_jump" in stdout.splitlines()[-2]
 
 
 def test_the_worst_finding_gives_the_state() -> None:

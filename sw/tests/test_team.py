@@ -193,7 +193,9 @@ def test_the_thread_sleeps_between_frames() -> None:
 def test_no_data_race(tmp_path: Path) -> None:
     """The replay program under ThreadSanitizer."""
     sources = [str(path) for path in sorted((REPOSITORY / "sw/src").rglob("*.c"))]
-    includes = [f"-I{REPOSITORY / folder}" for folder in ("sw/include", "sw/src", "model/c/include", "rtl/csr")]
+    includes = [
+        f"-I{REPOSITORY / folder}" for folder in ("sw/include", "sw/src", "model/c/include", "rtl/csr")
+    ]
     program = tmp_path / "replay"
     command = ["gcc", "-std=c17", "-O1", "-g", "-fsanitize=thread", "-ffp-contract=off", *includes]
     command += [str(REPOSITORY / "sw/apps/replay.c"), *sources, "-o", str(program), "-lm"]

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from vista.geometry import Array, Pose
-from vista.health.finding import FrameHealth
+from vista.health.finding import FrameHealth, State
 
 if TYPE_CHECKING:
     from vista.alignment import Alignment
@@ -35,6 +35,21 @@ class FrameRecord:
     velocity_m_s: Array | None = None  # (3,), in the world; None: not known
     directions: Directions | None = None  # that are free
     alignment: Alignment | None = None  # of the cameras against each other; None: not looked at
+
+    @property
+    def blind(self) -> bool:
+        """Whether the view told nothing: obstacles and warnings of such a frame are not counted."""
+        return self.health.state == State.BLIND
+
+    @property
+    def warning(self) -> Nearest | None:
+        """The nearest collision, unless the view is blind."""
+        return None if self.blind else self.nearest_collision
+
+    @property
+    def things(self) -> list[Obstacle]:
+        """Obstacles with a confirmed track, unless the view is blind."""
+        return [] if self.blind else [obstacle for obstacle in self.obstacles if obstacle.is_thing]
 
     @property
     def velocity_camera_m_s(self) -> Array | None:

@@ -25,7 +25,7 @@ from vista import parameters
 from vista.chain import make_chain
 from vista.command.arguments import add_config, add_engine, load_parameters, positive
 from vista.command.mavlink import sent_messages
-from vista.command.run import counted, frame_range, select_frames
+from vista.command.run import frame_range, select_frames
 from vista.command.source_arguments import (
     add_camera,
     add_size_px,
@@ -42,6 +42,7 @@ from vista.live.page import LivePage
 from vista.live.source import Replay, Source
 from vista.mavlink.link import Link
 from vista.mavlink.transport import open_transport
+from vista.report.labels import counted
 from vista.sequence import Sequence, open_sequence
 from vista.sequence.options import refuse_others
 from vista.sequence.pairs import read_calibration_file, read_size_px, read_table

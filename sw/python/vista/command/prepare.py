@@ -14,13 +14,14 @@ from pathlib import Path
 from tqdm import tqdm
 
 from vista.command.arguments import add_config
-from vista.command.run import counted, frame_range, select_frames
+from vista.command.run import frame_range, select_frames
 from vista.command.source_arguments import add_size_px, add_source, source_options
 from vista.errors import EXIT_OK, InputError
 from vista.flight_files import FRAMES, RIG, rig_bytes, write_frames
 from vista.interruption import Interruption
 from vista.output import make_folder, write_atomically
 from vista.parameters import load
+from vista.report.labels import counted
 from vista.sequence import FrameFiles, Sequence, open_sequence
 from vista.sequence.pairs import read_calibration_file
 

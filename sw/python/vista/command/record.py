@@ -19,7 +19,6 @@ from pathlib import Path
 from tqdm import tqdm
 
 from vista.command.arguments import not_negative
-from vista.command.run import counted
 from vista.command.source_arguments import (
     add_camera,
     add_pair_tolerance,
@@ -33,6 +32,7 @@ from vista.live.camera import Cameras
 from vista.live.latest import Latest
 from vista.live.recorder import PairFolder
 from vista.live.source import Shot, newest_shots
+from vista.report.labels import counted
 from vista.sequence.pairs import read_calibration_file
 
 

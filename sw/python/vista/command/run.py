@@ -33,10 +33,11 @@ from vista.engine.board import DEFAULT_TIMEOUT_S
 from vista.engine.rtl import DEFAULT_WIDTH_PX
 from vista.errors import EXIT_INTERRUPTED, EXIT_OK, InputError
 from vista.health.alignment_summary import summarize_alignment
-from vista.health.summary import problem_lines, summarize_health
+from vista.health.summary import health_sentence, summarize_health
 from vista.history import FrameRecord, stage_statistics
 from vista.interruption import Interruption
 from vista.recording import Recorder
+from vista.report.labels import counted
 from vista.report.overlay import Overlay
 from vista.report.run_report import render_report
 from vista.result_folder import ResultFolder
@@ -207,7 +208,7 @@ def select_frames(sequence: Sequence, wanted: tuple[int, int | None] | None) -> 
 def make_summary(
     chain: Chain, engine_name: str, values: parameters.Values, records: list[FrameRecord]
 ) -> dict[str, Any]:
-    things = {obstacle.id for record in records for obstacle in record.obstacles if obstacle.is_thing}
+    things = {obstacle.id for record in records for obstacle in record.things}
     return {
         "version": version(),
         "commit": commit(),
@@ -224,10 +225,11 @@ def make_summary(
         "rectified": not chain.rectifier.is_passthrough,
         "obstacles_confirmed": len(things),
         "tracks_dropped": sum(record.dropped_tracks for record in records),
-        "frames_with_collision": sum(record.nearest_collision is not None for record in records),
+        "frames_with_collision": sum(record.warning is not None for record in records),
         "frames_with_ground_ahead": sum(
             o.kind == "ground" and o.confirmed and o.in_collision_volume
             for record in records
+            if not record.blind
             for o in record.obstacles
         ),
         "path_seen_m": path_seen(records),
@@ -243,7 +245,7 @@ def path_seen(records: list[FrameRecord]) -> dict[str, float]:
 
 
 def closing_lines(summary: dict[str, Any], report: Path) -> str:
-    """What is printed at the end of a run: notes, problems, what was found, and where the report is."""
+    """What is printed at the end of a run: notes, what was found, its health, and where the report is."""
     host, frames = summary["stages_ms"]["host"], summary["frames"]
     found = f"{counted(summary['obstacles_confirmed'], 'obstacle')} tracked"
     warned = f"{counted(summary['frames_with_collision'], 'frame')} with a collision warning"
@@ -252,16 +254,7 @@ def closing_lines(summary: dict[str, Any], report: Path) -> str:
         hits = summary["frames_with_collision"]
         stills = counted(frames, "still")
         figures = f"{stills}, each judged alone: {hits} with something in the collision volume"
-    blind = summary["health"]["frames"]["blind"]
     lines = [f"note: {note}" for note in summary["notes"]]
-    lines += problem_lines(summary["health"], frames)
     lines.append(f"{figures}, host {host['median']:.1f} ms (p99 {host['p99']:.1f})")
-    if blind:
-        lines.append(
-            f"blind in {blind} of {frames} frames: that nothing was found there does not mean free space"
-        )
+    lines.append(health_sentence(summary["health"], "still" if summary["stills"] else "frame"))
     return "\n".join([f"{summary['sequence']}: {line}" for line in lines] + [f"report: {report}"])
-
-
-def counted(count: int, noun: str) -> str:
-    return f"{count} {noun}{'s' * (count != 1)}"

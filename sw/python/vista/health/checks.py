@@ -162,4 +162,5 @@ def check_image_motion(motion_px: NDArray[np.float64]) -> Finding | None:
     if len(motion_px) < MIN_FOLLOWED or (median_px := float(np.median(motion_px))) <= MOVING_PX:
         return None
     text = f"the image moves by {median_px:.1f} px a frame, but no poses are given"
-    return Finding(Reason.MOTION_UNKNOWN, State.DEGRADED, f"{text}: tracks and warnings mean little")
+    advice = "tracks and warnings mean little; --poses odometry estimates poses from the images"
+    return Finding(Reason.MOTION_UNKNOWN, State.DEGRADED, f"{text}: {advice}")

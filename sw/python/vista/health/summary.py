@@ -34,10 +34,35 @@ def summarize_health(records: list[FrameRecord]) -> dict[str, Any]:
     }
 
 
-def problem_lines(health: dict[str, Any], frames: int) -> list[str]:
-    """A line for each problem of a run of so many frames."""
-    return [
-        f"{problem['state']} in {problem['frames']} of {frames} frames, "
-        f"from frame {problem['first_frame']}: {problem['text']}"
-        for problem in health["problems"]
-    ]
+def health_sentence(health: dict[str, Any], unit: str = "frame") -> str:
+    """One line on the health of a run: the frames of each state, and the causes of the worst."""
+    said = states_sentence(health, unit)
+    problems = worst_problems(health)
+    if not problems:
+        return said
+    causes = [problem["text"] for problem in problems if problem["state"] == health["state"]]
+    lesser = [str(problem["reason"]) for problem in problems if problem["state"] != health["state"]]
+    parts = [*causes, *([f"also {', '.join(lesser)}"] if lesser else [])]
+    if health["frames"][State.BLIND]:
+        parts.append("nothing found there does not mean free space")
+    return f"{said}: {'; '.join(parts)}"
+
+
+def states_sentence(health: dict[str, Any], unit: str = "frame") -> str:
+    """In how many frames the view was healthy, degraded or blind."""
+    total = sum(health["frames"].values())
+    state_counts = [(state, health["frames"][state]) for state in reversed(State)]
+    named = [(state, count) for state, count in state_counts if count and state != State.HEALTHY]
+    said = " and ".join(f"{state} in {_share(count, total, unit)}" for state, count in named)
+    return f"the view was {said or f'healthy in {_share(total, total, unit)}'}"
+
+
+def worst_problems(health: dict[str, Any]) -> list[dict[str, Any]]:
+    """The problems of a run, those that blind first, then by the number of their frames."""
+    return sorted(health["problems"], key=lambda p: (p["state"] != State.BLIND, -p["frames"]))
+
+
+def _share(count: int, total: int, unit: str) -> str:
+    if count < total:
+        return f"{count} of {total} {unit}s"
+    return f"all {total} {unit}s" if total > 1 else f"the only {unit}"

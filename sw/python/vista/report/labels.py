@@ -19,6 +19,11 @@ def obstacle_name(obstacle_id: int) -> str:
     return NAME_WITHOUT_TRACK.get(obstacle_id, f"#{obstacle_id}")
 
 
+def counted(count: int, noun: str) -> str:
+    """The count before its noun, which is in the plural unless it is one."""
+    return f"{count} {noun}{'s' * (count != 1)}"
+
+
 def text_scale(rows: int, columns: int) -> float:
     """Scale of OpenCV's font: it grows with the picture, so that a wide one can be shown small."""
     return 0.5 * min(max(rows / 480.0, columns / 800.0, 0.8), 2.5)

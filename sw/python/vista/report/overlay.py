@@ -2,7 +2,7 @@
 
     left image, obstacles | disparity
     ----------------------+----------
-    foveated image        | regions
+    log-polar cells       | regions of the cut
 
 Obstacles on the collision course are red ellipses; the nearest of them is drawn thicker and is labelled with
 its distance and the time left. Other tracked obstacles are yellow, and tracks that are not confirmed yet are
@@ -71,15 +71,15 @@ class Overlay:
         tiles = [
             draw_obstacles(frame.left, result.obstacles, result.nearest_collision),
             draw_disparity(result.words, self._num_disparities, self._focal_baseline_px_m),
-            _caption(_coloured(foveated), "foveated image"),
+            _caption(_coloured(foveated), "log-polar cells"),
             draw_regions(frame.left, result.region_of_pixel, colours, result.verdict_of_region),
         ]
         return _stack(self._headline(frame, result, health), tiles)
 
     def _headline(self, frame: Frame, result: Result, health: FrameHealth) -> tuple[str, str]:
-        things = sum(obstacle.is_thing for obstacle in result.obstacles)
+        things = 0 if health.state == State.BLIND else sum(o.is_thing for o in result.obstacles)
         facts = f"{self._name}   {self._unit} {frame.index}   {things} obstacle{'s' * (things != 1)}"
-        nearest = result.nearest_collision
+        nearest = None if health.state == State.BLIND else result.nearest_collision
         seen_m = result.path_seen_m if nearest is None else min(result.path_seen_m, nearest.distance_m)
         with_path = facts + f"   path seen to {seen_m:.0f} m"
         height, width = frame.left.shape
@@ -200,7 +200,7 @@ def draw_regions(
     grey = cv2.multiply(left, grey_share[labels], scale=1.0 / 255.0)
     picture = np.asarray(cv2.add(cv2.cvtColor(grey, cv2.COLOR_GRAY2BGR), tint[labels]), np.uint8)
     picture[_borders(labels)] = INK
-    return _caption(picture, f"{len(accepted)} regions, {accepted.sum()} accepted (full colour)")
+    return _caption(picture, f"{len(accepted)} regions of the cut, {accepted.sum()} accepted (full colour)")
 
 
 def _coloured(grey: NDArray[np.uint8]) -> Picture:

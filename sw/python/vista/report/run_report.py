@@ -18,8 +18,9 @@ from numpy.typing import NDArray
 from vista.geometry import Pose
 from vista.health.alignment_summary import alignment_card
 from vista.health.finding import Reason, State
+from vista.health.summary import states_sentence, worst_problems
 from vista.history import FrameRecord
-from vista.report.labels import obstacle_name
+from vista.report.labels import NAME_WITHOUT_TRACK, counted, obstacle_name
 from vista.report.overlay import panel_tiles
 from vista.report.page import fill_template
 from vista.result_folder import ResultFolder
@@ -33,6 +34,13 @@ PICTURE_WIDTH_PX = 1400
 NO_FREE_SPACE = "That nothing is found there does not mean free space."
 TOTAL_HINT = "total = read + rectify + stereo + host, without checks and output (pictures, files)."
 
+ENGINES = {
+    "golden": "C model of the engine",
+    "rtl": "engine in SystemVerilog, simulated",
+    "opencv": "StereoBM of OpenCV",
+    "board": "engine on a board",
+}
+
 Data = dict[str, Any]
 
 
@@ -43,11 +51,14 @@ def render_report(summary: Data, records: list[FrameRecord], folder: ResultFolde
         "run_report.html.j2",
         summary=summary,
         data=data,
+        engine=ENGINES[summary["engine"]],
+        verdict=verdict(summary, records),
         alerts=alerts(summary),
         cards=make_cards(summary, records),
         steps=sum("uri" in frame for frame in data["frames"]) or len(records),
         keys=strip_keys(records),
         table=picture_table(records) if summary["stills"] else track_table(data["tracks"], data["frames"]),
+        tracks_head=tracks_head(data["tracks"]),
         total_hint=TOTAL_HINT,
     )
 
@@ -57,7 +68,7 @@ def report_data(summary: Data, records: list[FrameRecord], pictures: dict[int, s
     camera, stills = summary["camera"], summary["stills"]
     tiles = panel_tiles(camera["width"], camera["height"])
     across, ahead = level_axes([record.world_from_camera or Pose() for record in records])
-    warned = [place for place, record in enumerate(records) if record.nearest_collision]
+    warned = [place for place, record in enumerate(records) if record.warning]
     stages = list(dict.fromkeys(name for record in records for name in record.stage_ms))
     known = all(record.motion_known for record in records)
     return {
@@ -80,7 +91,7 @@ def report_data(summary: Data, records: list[FrameRecord], pictures: dict[int, s
 def _frame(
     record: FrameRecord, start_ns: int, stages: list[str], plane: tuple[int, int], picture: str | None
 ) -> Data:
-    nearest = record.nearest_collision
+    nearest = record.warning
     camera_m = (record.world_from_camera or Pose()).translation_m
     frame: Data = {
         "n": record.index,
@@ -88,7 +99,7 @@ def _frame(
         "state": record.health.state,
         "why": " ".join(_sentence(finding.text) for finding in record.health.findings),
         "known": record.motion_known,
-        "obstacles": sum(obstacle.is_thing for obstacle in record.obstacles),
+        "obstacles": len(record.things),
         "valid": round(100 * record.valid_fraction, 1),
         "seen": _number(record.path_seen_m),
         "camera": [_number(camera_m[axis]) for axis in plane],
@@ -124,13 +135,13 @@ def _stage(name: str, records: list[FrameRecord]) -> Data:
 
 
 def _tracks(records: list[FrameRecord], across: int, ahead: int) -> list[Data]:
-    """Tracks from their confirmation on, longest-lived first."""
+    """Tracks from their confirmation on, longest-lived first; what a blind frame shows is no part of them."""
     seen: dict[int, list[tuple[int, Obstacle]]] = defaultdict(list)
     for place, record in enumerate(records):
-        for obstacle in record.obstacles:
+        for obstacle in () if record.blind else record.obstacles:
             if obstacle.confirmed:
                 seen[obstacle.id].append((place, obstacle))
-    hits = {record.nearest_collision.id for record in records if record.nearest_collision}
+    hits = {record.warning.id for record in records if record.warning}
     tracks = [
         {
             "id": track_id,
@@ -174,22 +185,46 @@ def _number(value: Any) -> float:
 # ---- what the page says in words ----
 
 
+def verdict(summary: Data, records: list[FrameRecord]) -> str:
+    """The run in one sentence: what was seen, the nearest warning, and whether the view was healthy."""
+    unit = "picture" if summary["stills"] else "frame"
+    states = states_sentence(summary["health"], unit)
+    if all(record.blind for record in records):
+        return f"Nothing can be said of obstacles: {states}."
+    count = counted(obstacle_count(summary, records), "obstacle")
+    found = f"{count} {'found' if summary['stills'] else 'tracked'}"
+    warned = [(record.warning, record.index) for record in records if record.warning]
+    if not warned:
+        path_m = summary["path_seen_m"]["median"]
+        return f"{found}, none in the collision volume, which was seen to {path_m:.0f} m; {states}."
+    nearest, index = min(warned, key=lambda one: one[0].distance_m)
+    share = f"{len(warned)} of {len(records)} {unit}s"
+    where = f"{obstacle_name(nearest.id)} at {nearest.distance_m:.1f} m in {unit} {index}"
+    what = "show one in the collision volume" if summary["stills"] else "warn of a collision"
+    return f"{found}; {share} {what}, the nearest {where}; {states}."
+
+
+def obstacle_count(summary: Data, records: list[FrameRecord]) -> int:
+    """How many obstacles the report counts: those of each picture, or the tracks of a flight."""
+    return (
+        sum(len(record.things) for record in records) if summary["stills"] else summary["obstacles_confirmed"]
+    )
+
+
 def alerts(summary: Data) -> list[Data]:
     """What is wrong with the run, worst first, for the top of the page."""
     health, frames = summary["health"], summary["frames"]
     unit = "picture" if summary["stills"] else "frame"
-    found: list[Data] = []
-    for problem in sorted(health["problems"], key=lambda problem: problem["state"] != State.BLIND):
-        state = str(problem["state"]).capitalize()
-        first = not found and problem["state"] == State.BLIND
-        found.append(
-            {
-                "kind": str(problem["state"]),
-                "head": f"{state} in {problem['frames']} of {frames} {unit}s, "
-                f"from {unit} {problem['first_frame']}.",
-                "text": _sentence(problem["text"]) + f" {NO_FREE_SPACE}" * first,
-            }
-        )
+    found: list[Data] = [
+        {
+            "kind": str(problem["state"]),
+            "head": f"In {problem['frames']} of {frames} {unit}s, from {unit} {problem['first_frame']}:",
+            "text": _sentence(problem["text"]),
+        }
+        for problem in worst_problems(health)
+    ]
+    if health["frames"][State.BLIND]:
+        found[0]["text"] += f" {NO_FREE_SPACE}"
     unknown = frames - health["frames_with_known_motion"]
     told = any(problem["reason"] == Reason.MOTION_UNKNOWN for problem in health["problems"])
     if unknown and not summary["stills"] and not told:
@@ -212,7 +247,7 @@ def strip_keys(records: list[FrameRecord]) -> list[tuple[str, str]]:
     """(class, text) of the colours in the strip below the slider."""
     states = [record.health.state for record in records]
     counts = {
-        "hit": (sum(record.nearest_collision is not None for record in records), "collision warning"),
+        "hit": (sum(record.warning is not None for record in records), "collision warning"),
         "blind": (states.count(State.BLIND), "blind: nothing found does not mean free space"),
         "degraded": (states.count(State.DEGRADED), "degraded"),
         "unknown": (sum(not record.motion_known for record in records), "own motion unknown"),
@@ -224,19 +259,19 @@ def make_cards(summary: Data, records: list[FrameRecord]) -> list[tuple[str, str
     """(value, name, remark) of the figures at the top of the page."""
     stages, stills = summary["stages_ms"], summary["stills"]
     host, stereo, total = stages["host"], stages["stereo"], stages["total"]
-    hits = [record for record in records if record.nearest_collision]
+    hits = [record for record in records if record.warning]
     duration_s = (records[-1].t_ns - records[0].t_ns) / 1e9
-    found = sum(obstacle.is_thing for record in records for obstacle in record.obstacles)
+    found = str(obstacle_count(summary, records))
     if stills:
         cards = [
             (str(len(records)), "unrelated pictures", "each judged by itself"),
-            (str(found), "obstacles found", "in all pictures together, at first sight"),
+            (found, "obstacles found", "in all pictures together, at first sight"),
             (str(len(hits)), "pictures with an obstacle ahead", _remark(summary, hits)),
         ]
     else:
         cards = [
             (str(len(records)), "frames", f"{duration_s:.1f} s of recording"),
-            (str(summary["obstacles_confirmed"]), "obstacles tracked", "confirmed over several frames"),
+            (found, "obstacles tracked", "confirmed over several frames"),
             (str(len(hits)), "frames with a collision warning", _remark(summary, hits)),
         ]
     if summary["alignment"] is not None:
@@ -258,17 +293,24 @@ def _remark(summary: Data, hits: list[FrameRecord]) -> str:
     """Of the warnings. Blind is never called clear."""
     blind, unit = summary["health"]["frames"][State.BLIND], "picture" if summary["stills"] else "frame"
     if blind:
-        return f"but blind in {blind} {unit}s: that does not mean free space"
+        return f"those in which the view was blind, {blind}, left out"
     if not hits:
         median_m = summary["path_seen_m"]["median"]
         return f"nothing was found in the collision volume, seen to {median_m:.0f} m in half of the {unit}s"
-    nearest = hits[0].nearest_collision
+    nearest = hits[0].warning
     if summary["stills"] or nearest is None:
         return "within the collision volume along the optical axis"
     return f"first at {nearest.distance_m:.1f} m, frame {hits[0].index}"
 
 
 # ---- tables ----
+
+
+def tracks_head(tracks: list[Data]) -> str:
+    """How many obstacles the table of the tracks lists, and what else is in it."""
+    others = [track["name"] for track in tracks if track["id"] in NAME_WITHOUT_TRACK]
+    also = f", and what has no track: {', '.join(others)}" if others else ""
+    return f"{counted(len(tracks) - len(others), 'tracked obstacle')}{also}"
 
 
 def track_table(tracks: list[Data], frames: list[Data]) -> Data:
@@ -305,8 +347,8 @@ def picture_table(records: list[FrameRecord]) -> Data:
     heads = ["picture", "obstacles", "nearest (m)", "ahead (m)", "valid (%)", "regions", "host (ms)", "view"]
     rows = []
     for place, record in enumerate(records):
-        distances_m = [obstacle.distance_m for obstacle in record.obstacles if obstacle.is_thing]
-        hit = record.nearest_collision
+        distances_m = [obstacle.distance_m for obstacle in record.things]
+        hit = record.warning
         cells = [
             _cell(record.index),
             _cell(len(distances_m)),
@@ -343,7 +385,7 @@ def embedded_pictures(records: list[FrameRecord], folder: ResultFolder) -> dict[
     MAX_PICTURES they are evenly spaced, and the first with a warning is among them."""
     present = [place for place, record in enumerate(records) if folder.frame_path(record.index).is_file()]
     evenly = np.linspace(0, len(present) - 1, min(len(present), MAX_PICTURES)).round().astype(int)
-    warned = [place for place in present if records[place].nearest_collision]
+    warned = [place for place in present if records[place].warning]
     chosen = sorted({*(present[k] for k in evenly), *warned[:1]})
     uris = {}
     for place in chosen:

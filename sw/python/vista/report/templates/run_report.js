@@ -396,9 +396,6 @@ function table(id, current, choose) {
     if (current() === last) return;
     last = current();
     for (const row of rows) row.setAttribute("aria-selected", String(key(row) === last));
-    const chosen = rows.find((row) => key(row) === last), box = host.parentElement;
-    if (chosen && (chosen.offsetTop < box.scrollTop + 30 || chosen.offsetTop + 30 > box.scrollTop + box.clientHeight))
-      box.scrollTop = chosen.offsetTop - box.clientHeight / 2; // within its box: the page stays where it is
   };
   views.push({ draw() {}, mark });
 }
