@@ -83,23 +83,23 @@ build/lib/libvista_rtl_%.so: $(RTL_SOURCES) $(wildcard rtl/csr/*.sv rtl/*.f) $(R
 	  $(RTL_HARNESS) build/rtl/engine/$*/libVvista_stereo.a build/rtl/engine/$*/libverilated.a -lpthread -o $@
 
 release-rtl: $(RTL_TOOLS) ## write the engine for D disparities, block B and frames up to W pixels wide as one file of plain Verilog; with R rows of the rectification, also its front end, for P control points a camera
-	@$(RTL_PYTHON) scripts/release_rtl.py $(D) $(B) $(W) --rows $(R) --points $(P)
+	@$(RTL_PYTHON) rtl/flow/release_rtl.py $(D) $(B) $(W) --rows $(R) --points $(P)
 
 synth: $(RTL_TOOLS) ## synthesise, place and route for ECP5, and write resources and clock to rtl/synth/results.json
-	@$(RTL_PYTHON) scripts/synth_rtl.py --save
-	@$(RTL_PYTHON) scripts/synth_rtl.py --blocks --save
+	@$(RTL_PYTHON) rtl/flow/synth_rtl.py --save
+	@$(RTL_PYTHON) rtl/flow/synth_rtl.py --blocks --save
 	@$(RTL_PYTHON) scripts/make_tables.py
 
 formal: $(RTL_TOOLS) ## prove the properties of handshakes and buffers by k-induction
-	@$(RTL_PYTHON) scripts/formal_rtl.py
+	@$(RTL_PYTHON) rtl/flow/formal_rtl.py
 
 soak: $(RTL_TOOLS) build systemc-tests ## compare the RTL with SOAK_CASES of the SystemC engine and SOAK_FRAMES each of core and front end with the models; continues where it stopped
-	@$(RTL_PYTHON) scripts/soak_system_model.py --cases $(SOAK_CASES)
-	@for of in core front_end; do $(RTL_PYTHON) scripts/soak_rtl.py --of $$of --frames $(SOAK_FRAMES) || exit 1; done
+	@$(RTL_PYTHON) rtl/flow/soak_system_model.py --cases $(SOAK_CASES)
+	@for of in core front_end; do $(RTL_PYTHON) rtl/flow/soak_rtl.py --of $$of --frames $(SOAK_FRAMES) || exit 1; done
 
 coverage-rtl: $(RTL_TOOLS) build ## measure line, branch, toggle and functional coverage of the RTL
-	@$(RTL_PYTHON) scripts/coverage_rtl.py
-	@$(RTL_PYTHON) scripts/coverage_front_end.py
+	@$(RTL_PYTHON) rtl/flow/coverage_rtl.py
+	@$(RTL_PYTHON) rtl/flow/coverage_front_end.py
 
 mutate: $(RTL_TOOLS) build ## plant MUTANTS random mutants into the core and each block before it, and count those that the benches catch
-	@for of in core smooth rectify pyramid; do $(RTL_PYTHON) scripts/mutate_rtl.py --of $$of --mutants $(MUTANTS) || exit 1; done
+	@for of in core smooth rectify pyramid; do $(RTL_PYTHON) rtl/flow/mutate_rtl.py --of $$of --mutants $(MUTANTS) || exit 1; done

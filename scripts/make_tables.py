@@ -22,6 +22,8 @@ from itertools import pairwise
 from pathlib import Path
 
 from measured_figures import REDUCE, ROOT, STATISTICS, Record, figure_files, figures, file_of, save
+
+sys.path.insert(0, str(ROOT / "rtl" / "flow"))
 from nextpnr_report import sentence
 
 MARKED = re.compile(r"(<!-- table: ([a-z-]+) -->\n).*?(<!-- end of table -->)", re.DOTALL)

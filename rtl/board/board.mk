@@ -20,7 +20,7 @@ BITSTREAM = --disparities $(D) --block $(B) --width $(call given,W,640) --rows $
 	@scripts/setup_board.sh
 
 bitstream: $(BOARD_TOOLS) ## build the bitstream for a Colorlight i9 with the given IPv4 ADDRESS, at MHZ
-	@$(RTL_PYTHON) scripts/make_bitstream.py $(BITSTREAM)
+	@$(RTL_PYTHON) rtl/flow/make_bitstream.py $(BITSTREAM)
 
 board-sim: build/board/$(BOARD_BUILD)/board-sim ## build the simulated board for D disparities, block B, frames up to W pixels wide, and R rows of the rectification (0: 64)
 	@echo "start it with: $< --port 22099"

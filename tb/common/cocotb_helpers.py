@@ -27,7 +27,7 @@ async def start(dut: SimHandleBase, **idle: int) -> None:
     """Sets the inputs given, runs the clock and resets. Benches drive and look at the falling edge."""
     for name, value in idle.items():
         getattr(dut, name).value = value
-    if mutant := os.environ.get("VISTA_MUTANT"):  # of scripts/mutate_rtl.py
+    if mutant := os.environ.get("VISTA_MUTANT"):  # of rtl/flow/mutate_rtl.py
         dut.mutsel.value = int(mutant)
     if hasattr(dut, "rst_ni"):
         dut.rst_ni.value = 0

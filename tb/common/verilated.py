@@ -30,7 +30,7 @@ class Config:
     rows: int = 0  # of the line buffer of rectification; 0: the core without front end
     points: int = 64  # control points of a camera, a power of two
     coverage: bool = False
-    mutants: bool = False  # of scripts/mutate_rtl.py, in place of the core
+    mutants: bool = False  # of rtl/flow/mutate_rtl.py, in place of the core
     netlist: bool = False  # of synthesis, in place of the sources
     waves: bool = "VISTA_WAVES" in os.environ  # written to build/rtl/top/NAME/waves.vcd
 

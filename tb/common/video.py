@@ -160,7 +160,7 @@ def bins_of(segments: list[Segment], max_width: int, offered: float, taken: floa
 
 
 def hit(bins: Iterable[str]) -> None:
-    """Tells scripts/coverage_front_end.py, if it asks, of bins that a run has hit."""
+    """Tells rtl/flow/coverage_front_end.py, if it asks, of bins that a run has hit."""
     if file := os.environ.get("VISTA_BINS"):
         with Path(file).open("a") as out:
             out.writelines(f"{name}\n" for name in bins)

@@ -11,16 +11,19 @@ from __future__ import annotations
 import argparse
 import statistics
 import subprocess
+import sys
 from dataclasses import replace
 from itertools import pairwise, product
 from pathlib import Path
 from typing import Any
 
-from measured_figures import as_text
 from simulated_board import program_of
 from vista_throughput.presets import PRESETS
 from vista_throughput.simulate import Run, Simulator, find_program
 from vista_throughput.system import SystemConfig
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "scripts"))
+from measured_figures import as_text
 
 FRAMES = 6  # through the board, the first and the last of which do not count
 

@@ -17,10 +17,8 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from measured_figures import ROOT, SYNTHESIS, as_text, measured
 from nextpnr_report import critical_path
-from synth_rtl import BIN, PLACER, call
-from tools import sources
+from synth_rtl import BIN, PLACER, ROOT, SYNTHESIS, as_text, call, measured, sources
 
 DEVICE, SPEED, PACKAGE = "45k", 6, "CABGA381"
 # Of the build: what fits on the board, and what each is.
@@ -116,7 +114,7 @@ def pack(folder: Path, bitstream: Path) -> None:
 def save(found: dict[str, Any]) -> None:
     content = json.loads(SYNTHESIS.read_text())
     SYNTHESIS.write_text(
-        as_text(content | {"board": {"measured": measured("scripts/make_bitstream.py --save")} | found})
+        as_text(content | {"board": {"measured": measured("rtl/flow/make_bitstream.py --save")} | found})
         + "\n"
     )
 

@@ -11,7 +11,7 @@ import hashlib
 import sys
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parents[1]
+ROOT = Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(ROOT / p) for p in ("tb/common", "model", "build/python")]
 from soak import soak  # noqa: E402
 from system_model import check_case, random_case  # noqa: E402

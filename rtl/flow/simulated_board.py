@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from measured_figures import ROOT
+ROOT = Path(__file__).resolve().parents[2]
 
 
 @dataclass

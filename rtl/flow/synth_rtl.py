@@ -23,8 +23,8 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
-ROOT = Path(__file__).resolve().parents[1]
-sys.path.insert(0, str(ROOT / "tb" / "common"))
+ROOT = Path(__file__).resolve().parents[2]
+sys.path[:0] = [str(ROOT / p) for p in ("tb/common", "scripts")]
 from carry_gates import fold_gates  # noqa: E402
 from cell_registers import move_registers  # noqa: E402
 from measured_figures import SYNTHESIS, as_text, measured  # noqa: E402
@@ -296,7 +296,7 @@ def save(records: list[dict[str, object]]) -> None:
 
 def save_blocks(records: list[dict[str, object]]) -> None:
     content = json.loads(SYNTHESIS.read_text())
-    found = {"measured": measured("scripts/synth_rtl.py --blocks --save"), "list": records}
+    found = {"measured": measured("rtl/flow/synth_rtl.py --blocks --save"), "list": records}
     SYNTHESIS.write_text(as_text(content | {"blocks": found}) + "\n")
 
 

@@ -2,7 +2,7 @@
 doc/design/verification.md.
 
 Runs the cocotb bench of each with further seeds until every bin of the plan was hit (or a limit is reached),
-then reads Verilator's counts as scripts/coverage_rtl.py does. `--of` runs one alone.
+then reads Verilator's counts as rtl/flow/coverage_rtl.py does. `--of` runs one alone.
 """
 
 from __future__ import annotations

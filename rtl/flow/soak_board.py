@@ -19,16 +19,17 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-from measured_figures import ROOT, as_text
 from PIL import Image
 from simulated_board import program_of, running
 from vista.control_grid import by_grid
 from vista.engine import EngineParameters, StereoEngine
 from vista.engine.board import BoardClient, BoardError
 
-sys.path[:0] = [str(ROOT / p) for p in ("tb/common", "model", "build/python")]
+ROOT = Path(__file__).resolve().parents[2]
+sys.path[:0] = [str(ROOT / p) for p in ("scripts", "tb/common", "model", "build/python")]
 from frames import IMAGE_KINDS, random_pair, random_parameters  # noqa: E402
 from maps import Grids, random_grids  # noqa: E402
+from measured_figures import as_text  # noqa: E402
 
 DISPARITIES, BLOCK_PX, WIDTH_PX, HEIGHT_PX, ROWS = 32, 11, 640, 480, 32
 TIMEOUT_MS = 1_200_000  # a busy machine may let the simulation stand still for minutes

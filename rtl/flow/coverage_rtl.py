@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-ROOT = Path(__file__).resolve().parents[1]
+ROOT = Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(ROOT / p) for p in ("tb/common", "model", "build/python")]
 from broken_video import FAULTS, fault_size  # noqa: E402
 from faults import expected_after, react  # noqa: E402
