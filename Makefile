@@ -83,11 +83,17 @@ lock: ## pin the packages of scripts/requirements/*.in anew, with hashes
 
 build: .venv/run.stamp native ## build the native libraries, the C programs and the Python bindings
 
+# What vista-fly reads Motion JPEG with.
+JPEG := build/tools/jpeg
+JPEG_ROOT = $(if $(shell test -d $(JPEG)/root && echo fetched),$(CURDIR)/$(JPEG)/root)
+$(JPEG)/stamp: scripts/setup_jpeg.sh scripts/debian_packages.sh scripts/requirements/jpeg.txt
+	@scripts/setup_jpeg.sh
+
 # CMake compiles what has changed since; the flags are given anew each time, for they may have changed too.
-native: .venv/build.stamp ## build only the native libraries and the C programs
+native: .venv/build.stamp $(JPEG)/stamp ## build only the native libraries and the C programs
 	@$(call need,$(CC))$(CMAKE) -S . -B $(BUILD) -G Ninja -DCMAKE_MAKE_PROGRAM=$(CURDIR)/.venv/bin/ninja \
 	  -DCMAKE_C_COMPILER=$(CC) -DCMAKE_C_FLAGS_RELEASE="$(CFLAGS) $(SANITIZE)" -DPython_EXECUTABLE=$(CURDIR)/$(PYTHON) \
-	  -DVISTA_PYTHON=ON $(DEVELOPER:%=-DVISTA_DEVELOPER=%) >/dev/null
+	  -DVISTA_JPEG=$(JPEG_ROOT) -DVISTA_PYTHON=ON $(DEVELOPER:%=-DVISTA_DEVELOPER=%) >/dev/null
 	@$(CMAKE) --build $(BUILD)
 
 # For what make itself links.
@@ -117,10 +123,11 @@ FLY_DEBIAN_aarch64 := arm64
 FLY_CROSS = -DCMAKE_SYSTEM_NAME=Linux -DCMAKE_SYSTEM_PROCESSOR=$(or $(FLY_SYSTEM_$(ARCH)),$(ARCH)) \
   -DVISTA_DEBIAN_ARCHITECTURE=$(or $(FLY_DEBIAN_$(ARCH)),$(ARCH))
 .PHONY: fly-package
-fly-package: .venv/build.stamp ## build vista-fly without shared libraries into build/fly/bin, and its Debian package (ARCH=aarch64, armhf, riscv64: build/fly-ARCH)
+fly-package: .venv/build.stamp $(JPEG)/stamp ## build vista-fly without shared libraries into build/fly/bin, and its Debian package (ARCH=aarch64, armhf, riscv64: build/fly-ARCH)
 	@$(if $(ARCH),scripts/setup_cross.sh $(ARCH))
 	@$(CMAKE) -S . -B $(FLY) -G Ninja -DCMAKE_MAKE_PROGRAM=$(CURDIR)/.venv/bin/ninja \
 	  -DCMAKE_C_COMPILER=$(if $(ARCH),$(CURDIR)/build/tools/$(ARCH)/gcc,$(CC)) $(if $(ARCH),$(FLY_CROSS)) \
+	  -DVISTA_JPEG=$(JPEG_ROOT) \
 	  -DCMAKE_C_FLAGS_RELEASE="$(CFLAGS)" -DCMAKE_INSTALL_PREFIX=/usr -DVISTA_STATIC=ON -DVISTA_DEVELOPER=ON >/dev/null
 	@$(CMAKE) --build $(FLY)
 	@cd $(FLY) && $(CURDIR)/.venv/bin/cpack >cpack.log || { cat cpack.log; exit 1; }

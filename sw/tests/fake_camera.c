@@ -2,7 +2,8 @@
  *
  * Such a file holds pictures of $FAKE_BYTES each, and the camera delivers them one after the other, again and again, at
  * $FAKE_HZ. $FAKE_FORMAT: its pixel format, $FAKE_WIDTH and $FAKE_HEIGHT: the only size that it has, $FAKE_STRIDE: bytes
- * a row. While the file FILE.gone exists, the camera is unplugged; with FILE.mute it delivers nothing. */
+ * a row. With $FAKE_SLOW_HZ it offers MJPG besides, at $FAKE_HZ, and its other format at this rate. While the
+ * file FILE.gone exists, the camera is unplugged; with FILE.mute it delivers nothing. */
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <errno.h>
@@ -129,9 +130,18 @@ int ioctl(int file, unsigned long request, ...) {
       return 0;
     case VIDIOC_ENUM_FMT: {
       struct v4l2_fmtdesc *const d = argument;
-      const uint32_t offered[] = {V4L2_PIX_FMT_MJPEG, fourcc};
-      if (d->index > 1) return errno = EINVAL, -1;
+      const uint32_t offered[] = {fourcc, V4L2_PIX_FMT_MJPEG};
+      if (d->index > (number("FAKE_SLOW_HZ") > 0)) return errno = EINVAL, -1;
       d->pixelformat = offered[d->index];
+      return 0;
+    }
+    case VIDIOC_ENUM_FRAMEINTERVALS: {
+      struct v4l2_frmivalenum *const f = argument;
+      const long slow_hz = number("FAKE_SLOW_HZ");
+      if (slow_hz == 0 || f->index > 0) return errno = EINVAL, -1;
+      f->type = V4L2_FRMIVAL_TYPE_DISCRETE;
+      f->discrete.numerator = 1;
+      f->discrete.denominator = (uint32_t)(f->pixel_format == V4L2_PIX_FMT_MJPEG ? number("FAKE_HZ") : slow_hz);
       return 0;
     }
     case VIDIOC_S_FMT: {

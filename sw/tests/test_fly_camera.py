@@ -13,10 +13,11 @@ from collections.abc import Callable
 from itertools import pairwise
 from pathlib import Path
 
+import cv2
 import numpy as np
 import pytest
 from flight_on_disk import HEIGHT, WIDTH
-from fly_process import SANITIZED, fly, prepare
+from fly_process import SANITIZED, VISTA_FLY, fly, prepare
 from fly_shared import Flight, flying
 from numpy.typing import NDArray
 
@@ -25,6 +26,7 @@ pytestmark = [
     pytest.mark.skipif(shutil.which("gcc") is None, reason="gcc is not installed"),
 ]
 
+READS_JPEG = b"JPEG" in VISTA_FLY.read_bytes()
 CAPTURE, STREAMING = 0x1, 0x04000000
 Image = NDArray[np.uint8]
 
@@ -135,6 +137,39 @@ def test_formats(
     assert (
         np.abs(times_ns % 100_000_000 - 50_000_000) > 49_000_000
     ).all()  # whole periods, of the driver's times
+
+
+JPEG_BYTES = 1 << 18
+
+
+def compressed(image: Image) -> Image:
+    """JPEG of grey pictures in a space of fixed size, as a driver's buffer is."""
+    data = cv2.imencode(".jpg", image, [cv2.IMWRITE_JPEG_QUALITY, 90])[1]
+    return np.pad(data.ravel(), (0, JPEG_BYTES - data.size)).reshape(1, -1)
+
+
+def decompressed(image: Image) -> Image:
+    return np.asarray(cv2.imdecode(compressed(image).ravel(), cv2.IMREAD_GRAYSCALE), np.uint8)
+
+
+@pytest.mark.parametrize("both", [False, True])
+@pytest.mark.skipif(not READS_JPEG, reason="this vista-fly is built without libjpeg")
+def test_motion_jpeg(
+    tmp_path: Path, flight: Flight, library: Path, both: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A camera with its full rate in MJPG alone is as good as one that delivers the decoded pictures."""
+    shown = {}
+    for kind, pack in {"decoded": decompressed, "compressed": compressed}.items():
+        monkeypatch.setitem(FORMATS, kind, ("GREY", pack))
+        (tmp_path / kind).mkdir()
+        files, told = cameras(tmp_path / kind, flight, library, kind, both)
+        told |= {"FAKE_SLOW_HZ": "5"} if kind == "compressed" else {}
+        flight.lines.unlink(missing_ok=True)
+        with flying("--rig", flight.rig, "--camera", *files, "--out", flight.lines, **told):
+            lines = flight.wait(18)
+        shown[kind] = {line["valid_fraction"] for line in lines}
+    assert len(shown["decoded"]) == len(flight.frames)
+    assert shown["compressed"] == shown["decoded"]
 
 
 def test_a_camera_that_is_unplugged(

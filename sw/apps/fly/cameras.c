@@ -7,6 +7,7 @@
 
 #include "clock.h"
 #include "device.h"
+#include "jpeg.h"
 #include "source.h"
 
 #define POLL_MS 100
@@ -49,11 +50,11 @@ static void look(source *s, eye *e) {
   if (e->device.file < 0) return;
   const device_news news = device_take(&e->device, e->picture, right, &e->taken_ns, &older);
   const int64_t now_ns = fly_now_ns();
-  if (news == DEVICE_PICTURE) {
+  if (news == DEVICE_PICTURE || news == DEVICE_DAMAGED) {
     atomic_fetch_add(&s->skipped, older + e->has_picture); /* one that waited for the other camera gives way */
-    e->has_picture = true;
-    e->heard_ns = now_ns;
+    e->has_picture = news == DEVICE_PICTURE;
   }
+  if (news == DEVICE_PICTURE) e->heard_ns = now_ns;
   if (news == DEVICE_LOST || now_ns - e->heard_ns > SILENT_NS) lose(e);
 }
 
@@ -101,9 +102,30 @@ static void close_cameras(source *s) {
   cameras *const c = s->own;
   for (int k = 0; c != NULL && k < c->count; ++k) {
     device_close(&c->eyes[k].device);
+    free(c->eyes[k].device.scratch);
     free(c->eyes[k].picture);
   }
   free(c);
+}
+
+static bool open_eye(eye *e, const char *name, bool both, const vista_camera *camera, problem *p) {
+  const int32_t width_px = (both ? 2 : 1) * camera->width_px;
+  const size_t scratch_bytes = jpeg_scratch_bytes(width_px);
+  *e = (eye){.device = {.name = name, .file = -1, .both = both}};
+  e->device.width_px = camera->width_px;
+  e->device.height_px = camera->height_px;
+  e->picture = malloc(2 * (size_t)camera->width_px * (size_t)camera->height_px);
+  if (scratch_bytes > 0) e->device.scratch = malloc(scratch_bytes);
+  e->device.scratch_bytes = scratch_bytes;
+  const bool enough = e->picture != NULL && (scratch_bytes == 0 || e->device.scratch != NULL);
+  if (!enough) (void)problem_say(p, name, "out of memory");
+  if (enough && device_open(&e->device, p)) {
+    e->heard_ns = fly_now_ns();
+    return true;
+  }
+  free(e->device.scratch);
+  free(e->picture);
+  return false;
 }
 
 bool source_open_cameras(source *s, const char *const *devices, int count, int64_t tolerance_ns, const rig *r,
@@ -114,16 +136,7 @@ bool source_open_cameras(source *s, const char *const *devices, int count, int64
   s->kind = &kind;
   s->own = c;
   c->tolerance_ns = tolerance_ns;
-  for (; c->count < count; ++c->count) {
-    eye *const e = &c->eyes[c->count];
-    e->device = (device){devices[c->count], -1, count == 1, r->camera.width_px, r->camera.height_px, NULL, 0, 0, {{0}}};
-    e->picture = malloc(2 * (size_t)s->box->pixels);
-    if (e->picture == NULL || !device_open(&e->device, p)) {
-      free(e->picture);
-      e->picture = NULL;
-      return e->device.file >= 0 || p->line[0] != '\0' ? false : problem_say(p, devices[c->count], "out of memory");
-    }
-    e->heard_ns = fly_now_ns();
-  }
+  for (; c->count < count; ++c->count)
+    if (!open_eye(&c->eyes[c->count], devices[c->count], count == 1, &r->camera, p)) return false;
   return true;
 }

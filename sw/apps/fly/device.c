@@ -9,14 +9,17 @@
 #include <unistd.h>
 
 #include "clock.h"
+#include "jpeg.h"
 
 #define OLDEST_NS (10 * FLY_SECOND) /* a time further back is none of this clock */
 
-/* The most wanted first. Planes of colour lie behind the luma. */
+#define MOST_INTERVALS 64
+
+/* Those that cost least come first. Planes of colour lie behind the luma. */
 static const device_layout layouts[] = {
     {V4L2_PIX_FMT_Y8I, 2, 0, true},   {V4L2_PIX_FMT_GREY, 1, 0, false},   {V4L2_PIX_FMT_NV12, 1, 0, false},
     {V4L2_PIX_FMT_NV21, 1, 0, false}, {V4L2_PIX_FMT_YUV420, 1, 0, false}, {V4L2_PIX_FMT_YVU420, 1, 0, false},
-    {V4L2_PIX_FMT_YUYV, 2, 0, false}, {V4L2_PIX_FMT_UYVY, 2, 1, false},
+    {V4L2_PIX_FMT_YUYV, 2, 0, false}, {V4L2_PIX_FMT_UYVY, 2, 1, false},   {V4L2_PIX_FMT_MJPEG, 0, 0, false},
 };
 
 static int control(int file, unsigned long request, void *argument) {
@@ -33,16 +36,49 @@ static bool offers(int file, uint32_t pixel_format) {
   return false;
 }
 
-static bool choose_layout(device *d, problem *p) {
-  d->layout = NULL;
-  for (size_t k = 0; k < sizeof layouts / sizeof layouts[0] && d->layout == NULL; ++k)
-    if ((d->both || !layouts[k].interleaved) && offers(d->file, layouts[k].pixel_format)) d->layout = &layouts[k];
-  return d->layout != NULL ||
-         problem_say(p, d->name, "offers neither GREY, Y8I, NV12, NV21, YU12, YV12, YUYV nor UYVY");
+static int32_t layout_width(const device *d, const device_layout *layout) {
+  return d->width_px * (d->both && !layout->interleaved ? 2 : 1);
 }
 
-/* Of its picture. */
-static int32_t picture_width(const device *d) { return d->width_px * (d->both && !d->layout->interleaved ? 2 : 1); }
+/* The width of its picture. */
+static int32_t picture_width(const device *d) { return layout_width(d, d->layout); }
+
+/* The highest rate at which a layout comes in pictures of our size; 0 where the driver does not say. */
+static double highest_rate_hz(const device *d, const device_layout *layout) {
+  struct v4l2_frmivalenum interval = {.pixel_format = layout->pixel_format,
+                                      .width = (uint32_t)layout_width(d, layout),
+                                      .height = (uint32_t)d->height_px};
+  double highest_hz = 0.0;
+  for (; interval.index < MOST_INTERVALS && control(d->file, VIDIOC_ENUM_FRAMEINTERVALS, &interval) == 0;
+       ++interval.index) {
+    const bool discrete = interval.type == V4L2_FRMIVAL_TYPE_DISCRETE;
+    const struct v4l2_fract shortest = discrete ? interval.discrete : interval.stepwise.min;
+    if (shortest.numerator > 0 && shortest.denominator > highest_hz * shortest.numerator)
+      highest_hz = (double)shortest.denominator / shortest.numerator;
+    if (!discrete) break; /* one answer tells all */
+  }
+  return highest_hz;
+}
+
+static bool can_take(const device *d, const device_layout *layout) {
+  return (d->both || !layout->interleaved) && (layout->step > 0 || d->scratch != NULL) &&
+         offers(d->file, layout->pixel_format);
+}
+
+/* Cameras on USB often have their full rate in compressed pictures alone. */
+static bool choose_layout(device *d, problem *p) {
+  double best_hz = 0.0;
+  d->layout = NULL;
+  for (size_t k = 0; k < sizeof layouts / sizeof layouts[0]; ++k) {
+    if (!can_take(d, &layouts[k])) continue;
+    const double rate_hz = highest_rate_hz(d, &layouts[k]);
+    if (d->layout != NULL && rate_hz <= best_hz) continue;
+    d->layout = &layouts[k];
+    best_hz = rate_hz;
+  }
+  return d->layout != NULL || problem_say(p, d->name, "offers neither GREY, Y8I, NV12, NV21, YU12, YV12, YUYV, UYVY%s",
+                                          d->scratch != NULL ? " nor MJPG" : "; this vista-fly cannot read MJPG");
+}
 
 static bool set_format(device *d, problem *p) {
   struct v4l2_format format = {.type = V4L2_BUF_TYPE_VIDEO_CAPTURE};
@@ -57,7 +93,7 @@ static bool set_format(device *d, problem *p) {
                        d->height_px);
   if (pix->pixelformat != d->layout->pixel_format) return problem_say(p, d->name, "does not keep to its formats");
   const size_t least = (size_t)picture_width(d) * (size_t)d->layout->step;
-  d->row_bytes = pix->bytesperline > least ? pix->bytesperline : least;
+  d->row_bytes = d->layout->step > 0 && pix->bytesperline > least ? pix->bytesperline : least;
   return true;
 }
 
@@ -116,11 +152,18 @@ static void copy_view(const device *d, const unsigned char *picture, size_t firs
   }
 }
 
-static void copy_picture(const device *d, const unsigned char *picture, uint8_t *left, uint8_t *right) {
+/* Returns whether there was a whole picture in the buffer. */
+static bool take_picture(const device *d, const struct v4l2_buffer *buffer, uint8_t *left, uint8_t *right) {
+  const unsigned char *const picture = d->buffers[buffer->index].start;
+  if (d->layout->step == 0)
+    return buffer->bytesused <= d->buffers[buffer->index].bytes &&
+           jpeg_decode(picture, buffer->bytesused, picture_width(d), d->height_px, d->both ? 2 : 1, d->scratch,
+                       d->scratch_bytes, left, right);
   const size_t step = (size_t)d->layout->step, first = (size_t)d->layout->first;
   copy_view(d, picture, first, step, left);
   if (right != NULL)
     copy_view(d, picture, d->layout->interleaved ? 1 : first + step * (size_t)d->width_px, step, right);
+  return true;
 }
 
 static int64_t time_of(const struct v4l2_buffer *buffer) {
@@ -153,9 +196,12 @@ device_news device_take(device *d, uint8_t *left, uint8_t *right, int64_t *taken
   struct v4l2_buffer buffer;
   const device_news news = newest(d, &buffer, older);
   if (news != DEVICE_PICTURE) return news;
-  *taken_ns = time_of(&buffer);
-  copy_picture(d, d->buffers[buffer.index].start, left, right);
-  return control(d->file, VIDIOC_QBUF, &buffer) == 0 ? DEVICE_PICTURE : DEVICE_LOST;
+  const int64_t stamp_ns = time_of(&buffer);
+  const bool whole = take_picture(d, &buffer, left, right);
+  if (whole) *taken_ns = stamp_ns;
+  *older += !whole;
+  if (control(d->file, VIDIOC_QBUF, &buffer) != 0) return DEVICE_LOST;
+  return whole ? DEVICE_PICTURE : DEVICE_DAMAGED;
 }
 
 void device_close(device *d) {

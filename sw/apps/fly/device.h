@@ -13,7 +13,7 @@
 /* How the luma of both views, or of one, lies in a picture. */
 typedef struct device_layout {
   uint32_t pixel_format; /* of V4L2 */
-  int32_t step, first; /* bytes from one pixel of a row to the next, and to the first */
+  int32_t step, first; /* bytes from one pixel of a row to the next, and to the first; 0: it is compressed */
   bool interleaved; /* left and right take turns */
 } device_layout;
 
@@ -22,8 +22,10 @@ typedef struct device {
   int file; /* -1: closed */
   bool both; /* its picture holds both views */
   int32_t width_px, height_px; /* of one view */
+  void *scratch; /* to decode compressed pictures in: jpeg_scratch_bytes of the picture; null: none are taken */
+  size_t scratch_bytes;
   const device_layout *layout;
-  size_t row_bytes;
+  size_t row_bytes; /* 0 of compressed pictures */
   int buffer_count;
   struct {
     unsigned char *start;
@@ -31,11 +33,12 @@ typedef struct device {
   } buffers[DEVICE_BUFFERS];
 } device;
 
-/* Opens a device and starts its stream, in the first of the layouts that it offers. name, both and the size are set by
- * the caller. */
+/* Opens a device and starts its stream, in the layout that comes at the highest rate; of several, in the one that costs
+ * least. name, both, the size and the scratch are set by the caller. */
 bool device_open(device *d, problem *p);
 
-typedef enum device_news { DEVICE_NOTHING = 0, DEVICE_PICTURE, DEVICE_LOST } device_news;
+/* DAMAGED: what came was no whole picture, and what was in left and right is gone. */
+typedef enum device_news { DEVICE_NOTHING = 0, DEVICE_PICTURE, DEVICE_DAMAGED, DEVICE_LOST } device_news;
 
 /* Takes the newest picture that is there, without waiting. left and right: what to write to; right is null of a camera
  * with one view. *taken_ns: when it was taken, on CLOCK_MONOTONIC. *older: pictures that were passed over. */
