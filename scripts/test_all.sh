@@ -9,7 +9,7 @@ VISTA_RUN=${VISTA_RUN:-$(git rev-parse HEAD 2>/dev/null || true)}
 export VISTA_RUN
 
 status=0
-.venv/bin/python -m pytest -n "$1" --max-worker-restart=0 2>&1 | tee build/test.log || status=1
+.venv/bin/python -m pytest -n "$1" --max-worker-restart=0 --durations=25 2>&1 | tee build/test.log || status=1
 echo "again under AddressSanitizer and UndefinedBehaviorSanitizer: build/test-asan.log"
 scripts/test_sanitized.sh >build/test-asan.log 2>&1 || { status=1; cat build/test-asan.log; }
 

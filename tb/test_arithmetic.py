@@ -3,7 +3,10 @@
 import re
 
 import numpy as np
+import pytest
 from tools import ROOT
+
+pytestmark = pytest.mark.slow
 
 
 def test_division_by_hundred_is_exact() -> None:

@@ -9,6 +9,8 @@ import pytest
 from cocotb_tools.runner import get_runner
 from tools import BUILD, VERILATOR_FLAGS, sources, verilator_environment
 
+pytestmark = pytest.mark.slow
+
 # Registers and memories that reset leaves alone start at random, not at zero.
 RANDOM_START = ["+verilator+rand+reset+2", f"+verilator+seed+{os.environ.get('VISTA_SEED', 1)}"]
 UNITS: list[tuple[str, dict[str, int]]] = [

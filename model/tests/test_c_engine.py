@@ -10,6 +10,8 @@ import pytest
 from vista_model import INVALID, NO_COST, Parameters, compute_with_smin
 from vista_model.c_engine import CEngine, aligned_bytes, c_params, isas, library
 
+pytestmark = pytest.mark.native
+
 _VECTOR_EDGES = [1, 15, 16, 17, 31, 32, 33, 47, 63, 64, 65]
 
 

@@ -15,6 +15,8 @@ import sequence_cases as cases
 from shared_data import REPOSITORY
 from vista.sequence.image import read_grey
 
+pytestmark = pytest.mark.slow
+
 VERSION = (REPOSITORY / "VERSION").read_text().strip()
 EXAMPLES = REPOSITORY / "sw" / "examples"
 TOOLS = REPOSITORY / ".venv" / "bin"

@@ -12,6 +12,8 @@ from pathlib import Path
 import pytest
 from shared_data import REPOSITORY
 
+pytestmark = pytest.mark.slow
+
 MAKE = shutil.which("make")
 
 

@@ -17,6 +17,8 @@ import sequence_cases as cases
 from shared_data import REPOSITORY
 from vista import parameters
 
+pytestmark = pytest.mark.slow
+
 VERSION = (REPOSITORY / "VERSION").read_text().strip()
 PYTHON = REPOSITORY / ".venv" / "bin" / "python"
 LIBRARIES = ("vista", "vista_engine", "vista_stages")

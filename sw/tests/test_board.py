@@ -17,6 +17,8 @@ from vista import native
 from vista.control_grid import by_grid
 from vista.engine import StereoEngine
 
+pytestmark = pytest.mark.slow
+
 ffi, lib = native.load("vista")
 
 Settings = dict[str, Any]

@@ -24,6 +24,8 @@ from vista_eval.cache import (
     to_json,
 )
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture
 def ask(tmp_path: Path) -> Callable[..., list[int]]:

@@ -33,6 +33,8 @@ from vista.calibration.views import find_views
 from vista.geometry import RawCalibration
 from vista.sequence.pairs import read_calibration
 
+pytestmark = pytest.mark.slow
+
 CHESSBOARD = "chessboard:9x6:50"
 CHARUCO = "charuco:9x6:60:44:5X5_250"
 COUNT = 14

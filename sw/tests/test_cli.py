@@ -32,6 +32,8 @@ from vista.cli import main
 from vista.disparity_file import read_disparity
 from vista.recording import FRAME, HEADER, PARAMETER
 
+pytestmark = pytest.mark.slow
+
 MAKERS = [cases.make_asl, cases.make_kitti, cases.make_pairs]
 RESULTS = {"obstacles.jsonl", "summary.json", "report.html", "frames"}
 TESTS = Path(__file__).resolve().parent

@@ -16,6 +16,8 @@ from fake_pipeline import DescendingPipeline
 from vista import parameters
 from vista.errors import EXIT_OK, InputError
 
+pytestmark = pytest.mark.slow
+
 fsspec = pytest.importorskip("fsspec", reason="no fsspec: make setup-jobs")
 parquet = pytest.importorskip("pyarrow.parquet", reason="no pyarrow: make setup-jobs")
 

@@ -9,11 +9,14 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import pytest
 from vista.cli import main
 from vista_eval.render.flight import Flight, render_flight
 from vista_eval.render.rig import LEFT
 from vista_eval.worlds.demo import SIGN_AT_30_FT_S
 from vista_eval.worlds.meadow_flights import sign_site
+
+pytestmark = pytest.mark.slow
 
 ROOT = Path(__file__).parents[2]
 FRAMES = 9

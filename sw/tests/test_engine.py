@@ -13,6 +13,8 @@ from vista import native, parameters
 from vista.engine import EngineParameters, OpenCvEngine, StereoEngine, create_engine
 from vista_model import INVALID, Parameters, compute_levels, compute_with_smin, smooth
 
+pytestmark = pytest.mark.native
+
 
 @pytest.fixture
 def pair():

@@ -16,6 +16,8 @@ from random_seed import seeded
 from vista.engine import BoardEngine, EngineParameters, StereoEngine
 from vista.errors import InputError
 
+pytestmark = pytest.mark.slow
+
 CONFIG = "[stereo]\nnum_disparities = 16\nblock_size = 5\n"
 FRONT_END = 'smooth = "binomial3"\nlevels = 3\nrectify_rows = 16\n'
 

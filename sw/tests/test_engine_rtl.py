@@ -24,10 +24,13 @@ from vista.engine.rtl import RtlEngine
 BUILD = EngineParameters(num_disparities=16, block_size=5)
 WIDTH_PX = 320  # small: it is Verilated within the test
 
-pytestmark = pytest.mark.skipif(
-    not (REPOSITORY / engine_rtl.VERILATOR).is_file() or shutil.which("make") is None,
-    reason="Verilator is not set up: make setup-rtl",
-)
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(
+        not (REPOSITORY / engine_rtl.VERILATOR).is_file() or shutil.which("make") is None,
+        reason="Verilator is not set up: make setup-rtl",
+    ),
+]
 
 
 def random_parameters(rng: np.random.Generator) -> EngineParameters:

@@ -24,6 +24,8 @@ from vista_eval.figures.segmentation import various
 from vista_eval.figures.stereo_threshold import correctness, shade
 from vista_eval.metrics.flight_score import FOOT_M
 
+pytestmark = pytest.mark.slow
+
 WALL_TARGET = replace(disk.WALL, target=True, center_m=(0.0, 0.0, 5.0))
 
 

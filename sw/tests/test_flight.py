@@ -21,6 +21,8 @@ from vista_eval.worlds.demo import SIGN_AT_30_FT_S
 from vista_eval.worlds.meadow_flights import sign_site
 from vista_eval.worlds.things import SIGN_HEIGHT_M, SIGN_WIDTH_M
 
+pytestmark = pytest.mark.slow
+
 SMALL_RIG = Rig(width_px=160, height_px=120, focal_px=250.0, baseline_m=0.4572)
 SHORT = replace(SIGN_AT_30_FT_S, rig=SMALL_RIG, approach=replace(SIGN_AT_30_FT_S.approach, frames=2))
 

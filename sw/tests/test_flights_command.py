@@ -16,6 +16,8 @@ from vista_eval.command import flights as command
 from vista_eval.fly import Disturbance
 from vista_eval.metrics.flight_score import score_flight
 
+pytestmark = pytest.mark.slow
+
 FREE = "free"
 
 

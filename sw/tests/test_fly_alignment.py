@@ -19,6 +19,8 @@ from turned_recordings import RAW, write_turned_asl, write_turned_kitti, write_t
 from vista.alignment import Turn
 from vista.flight_files import FRAMES_HEAD
 
+pytestmark = pytest.mark.native
+
 EUROC, KITTI = SHARED_DATA / "euroc_v101", SHARED_DATA / "kitti_odometry" / "sequences" / "00"
 ON = '[alignment]\ncorrect = "on"\n'
 FRAMES, FIRST = 30, 8

@@ -22,6 +22,8 @@ from fly_shared import Flight, flying
 from numpy.typing import NDArray
 
 pytestmark = [
+    pytest.mark.native,
+    pytest.mark.slow,
     pytest.mark.skipif(SANITIZED, reason="preloading comes before AddressSanitizer"),
     pytest.mark.skipif(shutil.which("gcc") is None, reason="gcc is not installed"),
 ]

@@ -10,6 +10,8 @@ from random_seed import seeded
 from vista import parameters
 from vista.errors import InputError
 
+pytestmark = pytest.mark.native
+
 
 def problem_of(file: Path) -> str | None:
     """What vista-fly says of a configuration; None: it goes on to the rig, which is not there."""

@@ -10,6 +10,8 @@ from flight_on_disk import write_flight
 from fly_process import environment, fly, prepare, timeless
 from shared_data import REPOSITORY
 
+pytestmark = [pytest.mark.native, pytest.mark.slow]
+
 
 @pytest.mark.parametrize("processor", ["aarch64", "armhf", "riscv64"])
 def test_the_same_lines(tmp_path: Path, processor: str) -> None:

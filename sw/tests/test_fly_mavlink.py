@@ -26,6 +26,8 @@ from pymavlink.dialects.v20 import ardupilotmega as dialect
 from vista.geometry import quaternion_from_rotation
 from vista.shared_frames import SharedFrames
 
+pytestmark = [pytest.mark.native, pytest.mark.slow]
+
 UNKNOWN = 65535
 SILENCE_S = 0.5
 NED_FROM_WORLD = np.diag([1.0, -1.0, -1.0])  # world: x ahead, y left, z up

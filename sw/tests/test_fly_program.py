@@ -17,6 +17,8 @@ from fly_shared import Flight, flying, ring_name, shared_ring
 from random_seed import seeded
 from shared_data import REPOSITORY
 
+pytestmark = [pytest.mark.native, pytest.mark.slow]
+
 UNIT = REPOSITORY / "sw" / "apps" / "fly" / "vista-fly.service"
 
 

@@ -14,6 +14,8 @@ from flight_on_disk import write_flight
 from fly_process import SANITIZED, compare, fly, prepare, timeless
 from shared_data import SHARED_DATA
 
+pytestmark = pytest.mark.native
+
 EUROC, KITTI = SHARED_DATA / "euroc_v101", SHARED_DATA / "kitti_odometry" / "sequences" / "00"
 
 

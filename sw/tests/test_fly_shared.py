@@ -17,6 +17,8 @@ from random_seed import seeded
 from vista.errors import InputError
 from vista.shared_frames import SharedFrames
 
+pytestmark = [pytest.mark.native, pytest.mark.slow]
+
 
 @pytest.fixture(scope="module")
 def flight(tmp_path_factory: pytest.TempPathFactory) -> Flight:

@@ -9,10 +9,13 @@ import run_fuzz
 
 RUNS = {"engine": 200, "pipeline": 120, "recording": 200, "mavlink": 2000, "fly": 2000}
 
-pytestmark = pytest.mark.skipif(
-    not all((run_fuzz.FUZZ / target).is_file() for target in RUNS),
-    reason="the fuzz targets are not built: make fuzz-targets",
-)
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(
+        not all((run_fuzz.FUZZ / target).is_file() for target in RUNS),
+        reason="the fuzz targets are not built: make fuzz-targets",
+    ),
+]
 
 
 @pytest.mark.parametrize("target", RUNS)

@@ -21,6 +21,8 @@ from vista.pipeline import Pipeline
 from vista.rectify import Rectifier
 from vista.sequence import Frame, Sequence, open_sequence
 
+pytestmark = pytest.mark.slow
+
 OAK_D = REPOSITORY / "build" / "demo" / "oak-d"
 
 # Where each recording is, and how it becomes a sequence in a folder.

@@ -21,6 +21,8 @@ from vista_eval.cache import digest_of, to_json
 from vista_eval.jobs import ATTEMPTS, HERE, Failure, Job, Place, jobs_of, outcomes, run
 from vista_eval.jobs.progress import MOST_LINES, Progress
 
+pytestmark = pytest.mark.slow
+
 TWO = Place(2)
 SEEDS = range(12)
 

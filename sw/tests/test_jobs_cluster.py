@@ -21,6 +21,8 @@ from test_jobs import SEEDS, attempts_in, contents, kept_jobs, wait_for_attempt
 from vista.errors import EXIT_INPUT, EXIT_OK
 from vista_eval.jobs import HERE, Failure, Job, Place, exit_on_failure, jobs_of, outcomes, run
 
+pytestmark = pytest.mark.slow
+
 pytest.importorskip("distributed", reason="no Dask: make setup-jobs")
 
 

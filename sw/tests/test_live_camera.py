@@ -20,6 +20,8 @@ from vista.live import camera as live_camera
 from vista.live.camera import Cameras, Capture
 from vista.live.source import Shot
 
+pytestmark = pytest.mark.slow
+
 SHAPE = (4, 6)
 PERIOD_S = 0.05
 

@@ -19,6 +19,8 @@ from live_process import READY_S, running, until
 from obstacle_schema import VALIDATOR
 from pymavlink.dialects.v20 import ardupilotmega as dialect
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture
 def run_vista(capsys: pytest.CaptureFixture[str]) -> Vista:

@@ -16,6 +16,8 @@ from vista.live.loop import LiveLoop, Seen
 from vista.live.source import Shot
 from vista.sequence import Frame, open_sequence
 
+pytestmark = pytest.mark.slow
+
 
 class Notebook:
     def __init__(self, duration_s: float = 0.0) -> None:

@@ -17,6 +17,8 @@ from vista.live.latest import Latest
 from vista.live.source import Replay, Shot
 from vista.sequence import open_sequence
 
+pytestmark = pytest.mark.slow
+
 
 def test_the_newest_item_is_taken_and_older_ones_are_counted() -> None:
     queue: Latest[int] = Latest()

@@ -28,6 +28,8 @@ from vista.mavlink.replay import Clock, replay
 from vista.mavlink.sighting import Sighting, read_sightings
 from vista.mavlink.transport import open_transport
 
+pytestmark = pytest.mark.slow
+
 LINES = [line(k) for k in range(30)]
 
 

@@ -18,6 +18,8 @@ from vista_eval.detectors import ALONE, OURS, REFERENCE, SGBM, Detectors
 from vista_eval.metrics.segmentation import matched_area
 from vista_eval.metrics.standing_points import street_points
 
+pytestmark = pytest.mark.slow
+
 CAMERA = Calibration(640, 240, 400.0, 320.0, 90.0, 0.5)
 CALIB = "P0: 400 0 320 0 0 400 90 0 0 0 1 0\nP1: 400 0 320 -200 0 400 90 0 0 0 1 0\n"
 

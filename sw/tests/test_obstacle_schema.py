@@ -21,6 +21,8 @@ from vista.health.finding import Reason, State
 from vista.obstacle_line import schema_text
 from vista.sequence import open_sequence
 
+pytestmark = pytest.mark.slow
+
 STREET = SHARED_DATA / "kitti_odometry" / "sequences" / "00"
 
 

@@ -18,7 +18,11 @@ REPLAY = native.build_folder() / "bin" / "replay"
 FRAMES = 12
 NODES_MIN = 5000  # what the host has to segment at 60 Hz
 
-pytestmark = pytest.mark.skipif(not STREET.is_dir(), reason="KITTI odometry 00 is not there")
+pytestmark = [
+    pytest.mark.native,
+    pytest.mark.slow,
+    pytest.mark.skipif(not STREET.is_dir(), reason="KITTI odometry 00 is not there"),
+]
 
 
 def run_street(folder: Path) -> tuple[str, Path]:

@@ -20,6 +20,8 @@ from vista.geometry import Pose
 from vista.pipeline import Pipeline, Result
 from vista.recording import FRAME, HEADER, PARAMETER
 
+pytestmark = pytest.mark.native
+
 REPLAY = native.build_folder() / "bin" / "replay"
 STAGES = (
     "motion,noise,words,foveation,health,surface,affinity,segmentation,refinement,regions,thin,reconstruction,tracking,"

@@ -19,7 +19,10 @@ RUN, PROGRAM = REPOSITORY / "build/tools/aarch64/run", REPOSITORY / "build/aarch
 STREET = SHARED_DATA / "kitti_odometry" / "sequences" / "00"
 TOLERANCE = 1e-9  # relative: the mathematical functions of two C libraries differ in the last digit
 
-pytestmark = pytest.mark.skipif(not PROGRAM.exists(), reason="not built for AArch64: make test-aarch64")
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(not PROGRAM.exists(), reason="not built for AArch64: make test-aarch64"),
+]
 
 
 def frames(*command: object) -> list[dict[str, Any]]:

@@ -25,6 +25,8 @@ from vista.report.overlay import panel_tiles
 from vista.report.run_report import level_axes, render_report
 from vista.result_folder import ResultFolder, encoded
 
+pytestmark = pytest.mark.slow
+
 CAMERA = Calibration(160, 120, 120.0, 80.0, 60.0, 0.25)
 VOID = {"meta", "img", "input", "br"}
 

@@ -10,7 +10,7 @@ import pytest
 from ros_camera import Camera, assert_goes_on, running_camera
 from ros_process import Process, needs_ros, running_bridge, running_node, until
 
-pytestmark = needs_ros
+pytestmark = [pytest.mark.slow, needs_ros]
 
 
 @pytest.fixture

@@ -11,7 +11,7 @@ import pytest
 from ros_camera import running_camera
 from ros_process import Process, needs_ros, running_node, until
 
-pytestmark = needs_ros
+pytestmark = [pytest.mark.slow, needs_ros]
 
 BAD_PARAMETERS = {
     "engine:=magic": "vista: parameter engine: 'magic' is none of golden, rtl, opencv",

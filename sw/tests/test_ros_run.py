@@ -20,7 +20,7 @@ from vista import parameters
 from vista.chain import make_chain, run_frame
 from vista.sequence import Sequence, open_sequence
 
-pytestmark = needs_ros
+pytestmark = [pytest.mark.slow, needs_ros]
 
 LINES, DISPARITY = "/stereo/vista/obstacles_json", "/stereo/disparity"
 MARKERS, POINTS = "/stereo/vista/markers", "/stereo/vista/points"

@@ -23,6 +23,8 @@ from vista.health.features import image_motion_px, match_pair
 from vista.health.finding import Finding, FrameHealth, Reason, State
 from vista.sequence import read_grey
 
+pytestmark = pytest.mark.slow
+
 FRAMES = 6
 WIDTH, HEIGHT = 320, 240
 CALIBRATION = "focal_px = 240.0\ncx = 160.0\ncy = 120.0\nbaseline_m = 0.25\n"

@@ -14,6 +14,8 @@ from vista_eval.worlds.catalog import FLIGHTS
 from vista_eval.worlds.meadow_flights import FIRST_X_M, LAST_X_M
 from vista_eval.worlds.random_scene import FARTHEST_M, random_scene
 
+pytestmark = pytest.mark.slow
+
 CYLINDER_RADIUS_M, CYLINDER_LENGTH_M = 2.0, 100.0
 SWAY_M = 0.5  # of the aircraft about its path, and more
 

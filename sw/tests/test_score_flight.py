@@ -21,6 +21,8 @@ from vista_eval.metrics.flight_score import FOOT_M, FlightScore, score_records
 from vista_eval.metrics.frame_truth import Points, flight_frames, thinned
 from vista_eval.pose_noise import ATTITUDE_SIGMA_DEG, POSITION_SIGMA_M, noisy_poses
 
+pytestmark = pytest.mark.slow
+
 FRAMES, LAST_RANGE_M = 45, 10.0  # ranges 54, 53, ... 10 m: 14.5 to 45 m are frames 9 to 39
 BAND = range(9, 40)
 

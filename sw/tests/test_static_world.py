@@ -11,6 +11,8 @@ from random_seed import seeded
 from stage_arena import ffi, lib
 from track_library import BASELINE, Tracker, detection, measure, seen_at
 
+pytestmark = pytest.mark.slow
+
 DT = 0.1
 RUNS = 100
 SIGN = np.array([0.3, -0.2, 88.0])

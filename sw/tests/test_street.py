@@ -24,7 +24,11 @@ from vista_eval.metrics.street import (
 )
 
 SEQUENCE = SHARED_DATA / "kitti_odometry" / "sequences" / "00"
-pytestmark = pytest.mark.skipif(not SEQUENCE.is_dir(), reason=f"no {SEQUENCE}")
+pytestmark = [
+    pytest.mark.native,
+    pytest.mark.slow,
+    pytest.mark.skipif(not SEQUENCE.is_dir(), reason=f"no {SEQUENCE}"),
+]
 
 THINGS = (
     Thing("parked car, left behind", 3.3, 12.9, 3, 6),

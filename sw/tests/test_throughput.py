@@ -27,6 +27,8 @@ from vista_throughput.options import OPTIONS
 from vista_throughput.presets import PRESETS, Clock
 from vista_throughput.system import SystemConfig
 
+pytestmark = pytest.mark.slow
+
 PIXELS = 640 * 480
 HOST = {"host_stage_ms": {"cut": (4.0,), "track": (2.0,)}}  # 167 frames/s
 RESULTS = {"throughput.json", "report.html", "timeline.png", "sweep.png"}

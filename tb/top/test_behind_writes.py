@@ -11,6 +11,8 @@ from raw_frames import RawFrame, random_raw_frame, written
 from registers import CONTROL, ENABLE, ERRORS, FRAMES_IN, SOFT_RESET
 from verilated import FRONT_END, PACES, Config, Pace, Rtl
 
+pytestmark = pytest.mark.slow
+
 CONFIGS = [Config(16, 5), FRONT_END]
 LAST = ["commit", "enable", "soft reset"]  # the write that the frame is right behind
 SEEDS = [int(os.environ["VISTA_SEED"])] if "VISTA_SEED" in os.environ else range(12)

@@ -10,6 +10,8 @@ from icarus import released
 from tools import ROOT, VERILATOR_FLAGS, sources, verilator_environment
 from verilated import Config
 
+pytestmark = pytest.mark.slow
+
 ILLEGAL = [
     (0, 11, 1024, "NumDisparities"), (8, 11, 1024, "NumDisparities"), (40, 11, 1024, "NumDisparities"),
     (272, 11, 1024, "NumDisparities"),

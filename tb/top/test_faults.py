@@ -23,6 +23,8 @@ from registers import (
 from registers import SIZE as SIZE_REGISTER
 from verilated import Config, Pace, Rtl
 
+pytestmark = pytest.mark.slow
+
 CONFIGS = [Config(16, 5), Config(32, 11), Config(48, 7, 256), Config(64, 5)]
 CONFIG = CONFIGS[0]  # for what does not depend on the build
 WIDTH, HEIGHT = fault_size(CONFIG.num_disparities, CONFIG.block_size)

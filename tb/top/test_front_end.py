@@ -28,6 +28,8 @@ from registers import (
 )
 from verilated import FRONT_END, PACES, Pace, Rtl
 
+pytestmark = pytest.mark.slow
+
 CONFIG = FRONT_END
 ROWS = CONFIG.rows
 D, B = CONFIG.num_disparities, CONFIG.block_size

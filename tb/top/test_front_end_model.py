@@ -14,6 +14,8 @@ from registers import CONTROL, ENABLE
 from tools import ROOT
 from verilated import FRONT_END, Rtl
 
+pytestmark = pytest.mark.slow
+
 PROGRAM = ROOT / "build" / "bin" / "vista_system"
 CLOCK_HZ = 60e6
 SEEDS = [int(os.environ["VISTA_SEED"])] if "VISTA_SEED" in os.environ else range(3)

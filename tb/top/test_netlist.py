@@ -5,10 +5,13 @@ from __future__ import annotations
 import os
 
 import numpy as np
+import pytest
 from frames import beats, expected_flags, expected_words, random_frame, set_up
 from netlist import CHANGED
 from registers import CONTROL, ENABLE, ERRORS
 from verilated import PACES, Config, Rtl
+
+pytestmark = pytest.mark.slow
 
 CONFIG = Config(16, 5, netlist=True)
 FRAMES = 40

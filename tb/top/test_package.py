@@ -3,7 +3,10 @@
 import re
 from pathlib import Path
 
+import pytest
 from tools import ROOT, sources
+
+pytestmark = pytest.mark.slow
 
 
 def listed() -> list[Path]:

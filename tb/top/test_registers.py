@@ -7,6 +7,8 @@ import pytest
 from registers import BUILD, BUILD_FRONT_END, BUILD_SIZE, ID, MAP, MAP_READY, VERSION, registers
 from verilated import FRONT_END, Config, Rtl
 
+pytestmark = pytest.mark.slow
+
 CONFIGS = [Config(16, 5), Config(32, 11), FRONT_END]
 BUILD_FIELDS = {BUILD, BUILD_SIZE, BUILD_FRONT_END, MAP}
 

@@ -28,6 +28,8 @@ from registers import (
 from tools import ROOT
 from verilated import FRONT_END, PACES, Config, Pace, Rtl
 
+pytestmark = pytest.mark.slow
+
 CONFIGS = [Config(16, 5, 64), Config(32, 9, 96), FRONT_END]
 QUIET = 1200  # clocks; frames here never pause for longer, and each of them is simulated in four states, too
 

@@ -13,6 +13,8 @@ import numpy as np
 import pytest
 from tools import ROOT
 
+pytestmark = pytest.mark.slow
+
 TRACE = ROOT / "build" / "bin" / "vista_sdram_trace"
 CLOCK_HZ = 45e6
 PORTS, ROW_WORDS, BANKS = 6, 256, 4

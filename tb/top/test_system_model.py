@@ -10,6 +10,8 @@ from frames import Frame, random_pair, random_parameters
 from system_model import Case, Traced, check_case, random_case, trace_model
 from verilated import CONFIGS, Config, Pace, Rtl
 
+pytestmark = pytest.mark.slow
+
 CASES = 3  # of each build
 
 

@@ -8,6 +8,8 @@ from frames import Frame, beats, expected_words, random_parameters, set_up
 from registers import CONTROL, FRAMES_IN, FRAMES_OUT, STALLS_IN, STALLS_OUT
 from verilated import Config, Pace, Rtl
 
+pytestmark = pytest.mark.slow
+
 CONFIGS = [Config(16, 5), Config(32, 11), Config(64, 11)]
 FRAMES = 5
 PIPELINE = {16: 55, 32: 63, 64: 95}  # clocks, as in doc/rtl.md

@@ -23,6 +23,8 @@ from registers import COMMIT, CONTROL, ERRORS
 from verilated import CONFIGS, PACES, Config, Pace, Rtl
 from vista_model.engine import Parameters
 
+pytestmark = pytest.mark.slow
+
 MAIN = Config(32, 11)
 FRAMES = 200
 EUROC = (

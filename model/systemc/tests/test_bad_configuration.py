@@ -8,6 +8,8 @@ from pathlib import Path
 import pytest
 from simulation import PROGRAM, run
 
+pytestmark = pytest.mark.native
+
 BAD = [
     ("engine_clock_hz", "engine_clock_hz = 0"),
     ("engine_clock_hz", "engine_clock_hz = nan"),

@@ -7,6 +7,8 @@ from typing import Any
 import pytest
 from simulation import delivered, simulate
 
+pytestmark = pytest.mark.native
+
 
 def rate_hz(output: dict[str, Any]) -> float:
     """Of the frames delivered, start-up left out."""

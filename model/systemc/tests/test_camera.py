@@ -5,6 +5,8 @@ from __future__ import annotations
 import pytest
 from simulation import SMALL, delivered, simulate
 
+pytestmark = pytest.mark.native
+
 
 def test_frames_come_at_the_rate() -> None:
     starts = [frame["capture_start_ns"] for frame in simulate()["frames"]]

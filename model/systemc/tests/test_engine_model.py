@@ -12,6 +12,8 @@ from simulation import ROOT, delivered, simulate
 from vista_model.c_engine import CEngine
 from vista_model.engine import Parameters
 
+pytestmark = pytest.mark.native
+
 
 def pipeline_clocks() -> dict[int, int]:
     """By number of disparities, of the table in doc/rtl.md."""

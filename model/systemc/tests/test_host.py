@@ -5,6 +5,8 @@ from __future__ import annotations
 import pytest
 from simulation import SMALL, delivered, run, simulate
 
+pytestmark = pytest.mark.native
+
 STAGES = {"first": [0.1, 0.2, 0.3, 0.4], "second": [0.01, 0.02, 0.03, 0.04]}
 
 

@@ -7,6 +7,8 @@ from typing import Any
 import pytest
 from simulation import SMALL, delivered, simulate
 
+pytestmark = pytest.mark.native
+
 PIXELS = SMALL["width_px"] * SMALL["height_px"]
 
 

@@ -13,6 +13,8 @@ from simulation import simulate
 from vista_model.c_engine import CEngine
 from vista_model.engine import Parameters
 
+pytestmark = pytest.mark.native
+
 FRAMES, IMAGES = 12, 5
 STEPS = [
     "capture_start_ns", "capture_end_ns", "rectify_start_ns", "rectify_end_ns", "fetch_start_ns",
