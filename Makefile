@@ -49,7 +49,7 @@ setup: .venv/run.stamp ## install the pinned Python packages and the command .ve
 .venv/build.stamp: $(REQUIREMENTS)/build.txt $(SETUP)
 	@$(SETUP) build
 
-.venv/run.stamp: $(REQUIREMENTS)/run.txt pyproject.toml VERSION .venv/build.stamp
+.venv/run.stamp: $(REQUIREMENTS)/run.txt pyproject.toml sw/eval/pyproject.toml VERSION .venv/build.stamp
 	@$(SETUP) run
 
 .venv/test.stamp: $(REQUIREMENTS)/test.txt .venv/run.stamp

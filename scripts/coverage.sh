@@ -14,7 +14,7 @@ find "$VISTA_BUILD" -name '*.gcda' -delete
 
 # Tests that fail are named, but do not keep the others from being counted. The benches of the RTL: make coverage-rtl.
 tests=("$@")
-[ $# -gt 0 ] || tests=(model sw/tests)
+[ $# -gt 0 ] || tests=(model sw/tests sw/eval/tests)
 .venv/bin/coverage run --parallel-mode --concurrency=multiprocessing,thread -m pytest -n "$processes" "${tests[@]}" ||
   echo "coverage: not all tests passed" >&2
 .venv/bin/coverage combine --quiet

@@ -8,7 +8,10 @@ export CUSTOM_COMPILE_COMMAND="make lock"
 for set_name in ${*:-pip build run test bench rtl docs jobs board ros}; do # each after those that constrain it
   echo "locking $set_name"
   case $set_name in
-    run) sources=(../../pyproject.toml --extra bags --extra flights --constraint build.txt) ;; # a checkout has these extras
+    run) # what a checkout has: the product with an extra, and the evaluation, without the product itself
+      python3 -c 'import tomllib; print(*tomllib.load(open("../../sw/eval/pyproject.toml", "rb"))["project"]["dependencies"], sep="\n")' |
+        grep -v '^vista-stereo' >../../build/lock-tools/eval.in
+      sources=(../../pyproject.toml ../../build/lock-tools/eval.in --extra bags --constraint build.txt) ;;
     *) sources=("$set_name.in") ;;
   esac
   if [ "$set_name" = ros ]; then # for Python 3.12, with what has no wheel left out

@@ -97,8 +97,8 @@ echo "setup: installing the $(grep -c '^[a-z].*==' "$requirements") pinned packa
 .venv/bin/python -m pip install --disable-pip-version-check --no-input --require-hashes \
   --requirement "$requirements" | progress || fail "pip could not install $requirements (see above)"
 if [ "$set_name" = run ]; then
-  .venv/bin/python -m pip install --disable-pip-version-check --quiet --no-deps --no-build-isolation --editable . ||
-    fail "pip could not install vista itself into .venv (see above)"
+  .venv/bin/python -m pip install --disable-pip-version-check --quiet --no-deps --no-build-isolation --editable . \
+    --editable sw/eval || fail "pip could not install vista itself into .venv (see above)"
 fi
 echo "$PWD" >.venv/place
 rm .venv/installing

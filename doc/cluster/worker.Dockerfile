@@ -4,7 +4,7 @@ RUN apt-get update && apt-get install --yes --no-install-recommends gcc g++ make
 COPY . /vista
 WORKDIR /vista
 RUN python3 -m venv /tools && /tools/bin/pip install --require-hashes --requirement scripts/requirements/build.txt \
-    && /tools/bin/pip wheel --no-deps --no-build-isolation --wheel-dir /wheels .
+    && /tools/bin/pip wheel --no-deps --no-build-isolation --wheel-dir /wheels . sw/eval
 
 FROM debian:12
 RUN apt-get update && apt-get install --yes --no-install-recommends python3 python3-venv && rm -rf /var/lib/apt/lists/*

@@ -21,7 +21,7 @@ pytestmark = pytest.mark.slow
 
 VERSION = (REPOSITORY / "VERSION").read_text().strip()
 PYTHON = REPOSITORY / ".venv" / "bin" / "python"
-LIBRARIES = ("vista", "vista_engine", "vista_stages")
+LIBRARIES = ("vista", "vista_engine")
 
 # Notes every file of the checkout that Python opens or that is mapped into the process; the packages that
 # vista depends on are borrowed from the checkout's .venv.
@@ -107,15 +107,15 @@ def test_what_the_wheel_holds(wheel: Path) -> None:
         fields = Parser().parsestr(archive.read(metadata).decode())
     assert wheel.name.startswith(f"vista-{VERSION}-py3-none-")
     tops = {name.partition("/")[0] for name in names}
-    assert tops == {"vista", "vista_eval", "vista_throughput", f"vista-{VERSION}.dist-info"}
+    assert tops == {"vista", "vista_throughput", f"vista-{VERSION}.dist-info"}
     assert {"vista/parameters.toml", "vista/report/templates/page.css"} <= names
     for library in LIBRARIES:
         assert {f"vista/_lib/lib{library}.so", f"vista/_lib/{library}_abi.py"} <= names
+    assert not any("vista_stages" in name for name in names), "the stages are for tests and the evaluation"
     assert fields["Version"] == VERSION
     needed, extras = fields.get_all("Requires-Dist", []), fields.get_all("Provides-Extra", [])
     assert all("==" not in text.partition(";")[0] for text in needed), "exact versions are for the lock file"
-    assert {"flights", "throughput"} <= set(extras)
-    assert all("extra ==" in text for text in needed if text.startswith("mitsuba"))
+    assert {"bags", "throughput"} <= set(extras)
 
 
 def test_config(environment: Environment) -> None:
@@ -153,16 +153,21 @@ def test_run(environment: Environment) -> None:
     assert (environment.folder / "out" / "report.html").stat().st_size > 10_000
 
 
-@pytest.mark.parametrize("command", ["flights", "throughput"])
-def test_a_command_of_an_extra_is_known(environment: Environment, command: str) -> None:
-    done = environment.vista(command, "--help")
+def test_a_command_of_an_extra_is_known(environment: Environment) -> None:
+    done = environment.vista("throughput", "--help")
     assert done.returncode == 0, done.stderr
-    assert done.stdout.startswith(f"usage: vista {command}")
+    assert done.stdout.startswith("usage: vista throughput")
+
+
+def test_a_command_of_the_evaluation_is_named_with_its_distribution(environment: Environment) -> None:
+    done = environment.vista("flights", "DIR")
+    line = "vista: flights needs vista-stereo-eval: pip install 'vista-stereo-eval'\n"
+    assert (done.returncode, done.stderr) == (2, line)
 
 
 def test_the_environment_is_one_of_its_own(environment: Environment) -> None:
     """Or the tests above would show nothing."""
-    text = "import vista, vista_eval, sys; print(vista.__file__, vista_eval.__file__, sys.prefix)"
+    text = "import vista, vista_throughput, sys; print(vista.__file__, vista_throughput.__file__, sys.prefix)"
     python = environment.folder / "env" / "bin" / "python"
     done = subprocess.run(
         [python, "-c", text], cwd=environment.folder, capture_output=True, text=True, timeout=60

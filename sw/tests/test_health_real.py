@@ -1,5 +1,5 @@
 """The limits of the checks on real pairs: as recorded they are healthy, and each fault is found in them.
-sw/bench/health_limits.py measures the same on more frames."""
+sw/eval/bench/health_limits.py measures the same on more frames."""
 
 from __future__ import annotations
 

@@ -40,13 +40,11 @@ COMMANDS = (
     "throughput",
     "config",
 )  # as the help has them
-EXTRA_OF = {
-    "flights": "flights",
-    "worlds": "flights",
-    "figures": "flights",
-    "scenes": "flights",
-    "dataset": "dataset",
-    "throughput": "throughput",
+# What pip installs for a command that the product alone has not.
+DISTRIBUTION_OF = {
+    **dict.fromkeys(("flights", "worlds", "figures", "scenes"), "vista-stereo-eval"),
+    "dataset": "vista-stereo-eval[dataset]",
+    "throughput": "vista[throughput]",
 }
 EPILOG = """\
 exit status:
@@ -117,12 +115,12 @@ def summary_of(point: EntryPoint) -> str | None:
 
 
 def missing(name: str, reason: str = "") -> InputError:
-    """Of a command, or of what it imports; reason: what Python says of that."""
-    extra = EXTRA_OF.get(name)
-    if extra is None:
+    """Say which distribution a command is missing with; reason: what Python says of what it imports."""
+    distribution = DISTRIBUTION_OF.get(name)
+    if distribution is None:
         return InputError(f"{name} is not installed whole", reason or "install vista anew")
     because = f" ({reason})" if reason else ""
-    return InputError(f"{name} needs the extra [{extra}]", f"pip install 'vista[{extra}]'{because}")
+    return InputError(f"{name} needs {distribution}", f"pip install '{distribution}'{because}")
 
 
 def named_command(arguments: list[str]) -> str | None:

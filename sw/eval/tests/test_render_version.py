@@ -2,7 +2,7 @@
 test asks.
 
 The renderer's code, as the cache sees it, and the libraries that draw are recorded in rendered_code.json.
-To record them anew: python sw/tests/test_render_version.py --accept
+To record them anew: python sw/eval/tests/test_render_version.py --accept
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ ADVICE = """\
 {what}. Frames rendered before are still taken for good.
 If pictures or truth change: raise in vista_eval/render/version.py RENDER_VERSION (by path tracing) or
 FAST_RENDER_VERSION (by casting rays), or both; they will be rendered anew.
-In either case record the code: .venv/bin/python sw/tests/test_render_version.py --accept"""
+In either case record the code: .venv/bin/python sw/eval/tests/test_render_version.py --accept"""
 
 
 def as_it_is() -> dict[str, Any]:

@@ -18,7 +18,7 @@ from vista_eval.worlds.meadow_flights import sign_site
 
 pytestmark = pytest.mark.slow
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[3]
 FRAMES = 9
 
 

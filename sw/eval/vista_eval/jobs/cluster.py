@@ -15,7 +15,9 @@ from vista.errors import InputError
 try:
     from distributed import Client, KilledWorker, as_completed, get_worker
 except ModuleNotFoundError:
-    raise InputError("--cluster", "needs the extra [cluster]: pip install 'vista[cluster]'") from None
+    raise InputError(
+        "--cluster", "needs the extra [cluster]: pip install 'vista-stereo-eval[cluster]'"
+    ) from None
 
 from vista_eval.cache import PACKAGES, code_digest
 from vista_eval.jobs.job import Failure, Job, Outcome, attempt

@@ -1,7 +1,7 @@
 """Which pictures the renderer makes. To be raised when they change: frames of another version are made anew.
 
-A change of the renderer's code alone deletes no frames. The test sw/tests/test_render_version.py notices it
-and asks which of the two it is.
+A change of the renderer's code alone deletes no frames. The test sw/eval/tests/test_render_version.py notices
+it and asks which of the two it is.
 """
 
 RENDER_VERSION = 1  # of the paper's flights, by path tracing

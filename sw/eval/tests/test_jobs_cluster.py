@@ -162,5 +162,5 @@ def test_a_cluster_without_dask_names_the_extra(
     monkeypatch.setitem(sys.modules, "distributed", None)
     monkeypatch.delitem(sys.modules, "vista_eval.jobs.cluster", raising=False)
     arguments = ("scenes", str(tmp_path), "--count", "2", "--cluster", "tcp://127.0.0.1:1")
-    line = "--cluster: needs the extra [cluster]: pip install 'vista[cluster]'"
+    line = "--cluster: needs the extra [cluster]: pip install 'vista-stereo-eval[cluster]'"
     assert_refused(call_vista(capsys, *arguments), line)

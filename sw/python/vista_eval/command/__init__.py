@@ -1,1 +1,0 @@
-"""The commands of the extra [flights], one module each."""
