@@ -1,9 +1,10 @@
 """Calibration of a rendered rig whose lenses are exactly known, and of what cannot be calibrated.
 
-The rendered pictures are the same in every run; figures for more of them are in doc/calibration.md."""
+The rendered pictures are the same in every run; doc/results/calibration.md has figures for more of them."""
 
 from __future__ import annotations
 
+import re
 import tomllib
 from dataclasses import replace
 from pathlib import Path
@@ -84,9 +85,42 @@ def test_a_chessboard_before_pinholes(
     out = tmp_path / "out"
     status, printed, _ = call(capsys, "calibrate", chessboards, "--board", CHESSBOARD, "--out", out)
     assert status == 0
-    assert "views of 14 pairs used" in printed
+    assert_every_pair_is_accounted_for(printed)
     assert sorted(path.name for path in out.iterdir()) == ["calibration.toml", "report.html"]
     assert_close(read(out, pinhole_rig()), pinhole_rig(), 0.002, 1.5)
+
+
+def assert_every_pair_is_accounted_for(printed: str) -> None:
+    """Those that were used and those that were not are all that there are."""
+    used, pairs = map(int, re.search(r"^(\d+) views of (\d+) pairs used", printed).groups())
+    unused = re.search(r"^pairs that were not used: (.*)$", printed, re.MULTILINE)
+    counts = re.findall(r"(?:^|; )(\d+) ", unused[1]) if unused else []
+    assert used + sum(map(int, counts)) == pairs
+
+
+def test_every_pair_that_is_not_used_is_accounted_for(
+    chessboards: Path, tmp_path: Path, capsys: pytest.CaptureFixture
+) -> None:
+    """One image without the board, a pair without it, and a pair that is there twice."""
+    folder = tmp_path / "pictures"
+    copy(chessboards, folder)
+    names = sorted(folder.glob("*_left.png"))
+    wall = np.full((480, 640), 95, np.uint8)
+    right = [name.with_name(name.name.replace("left", "right")) for name in names]
+    for path in (names[2], names[4], right[4]):
+        cv2.imwrite(str(path), wall)
+    for source, side in ((names[6], "left"), (right[6], "right")):
+        (folder / f"900_{side}.png").write_bytes(source.read_bytes())
+    arguments = ("calibrate", folder, "--board", CHESSBOARD, "--out", tmp_path / "out")
+    _, printed, _ = call(capsys, *arguments)
+    for reason in (
+        "1 like others",
+        "1 with the board in the right image only",
+        "1 with the board in neither image",
+    ):
+        assert reason in printed
+        assert reason in (tmp_path / "out/report.html").read_text()
+    assert_every_pair_is_accounted_for(printed)
 
 
 def test_parts_of_a_charuco_board_before_fisheyes(
@@ -136,7 +170,8 @@ def test_a_view_of_two_moments_is_left_out(
     cv2.imwrite(str(late[3]), moved)
     status, printed, _ = call(capsys, "calibrate", folder, "--board", CHESSBOARD, "--out", tmp_path / "out")
     assert status == 0
-    assert ", 1 left out" in printed
+    assert "1 in disagreement with the others" in printed
+    assert_every_pair_is_accounted_for(printed)
     assert late[3].name.replace("right", "left") in (tmp_path / "out" / "report.html").read_text()
     assert_close(read(tmp_path / "out", pinhole_rig()), pinhole_rig(), 0.002, 1.5)
 
@@ -184,14 +219,22 @@ def test_pictures_that_make_no_pair_are_refused(
     assert not out.exists()
 
 
-def test_a_wrong_count_is_named(chessboards: Path, tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
+@pytest.mark.parametrize("count", ["10x7", "8x5", "9x5", "8x6", "5x8"])
+def test_a_wrong_count_is_answered_by_one_that_works(
+    count: str, chessboards: Path, tmp_path: Path, capsys: pytest.CaptureFixture
+) -> None:
+    """Whether squares were counted or corners were missed; a part of the board may have that count."""
     few = tmp_path / "few"
     few.mkdir()
-    for path in chessboards.glob("00[0-2]_*.png"):
+    for path in chessboards.glob("00[0-9]_*.png"):
         (few / path.name).write_bytes(path.read_bytes())
-    arguments = ("calibrate", few, "--board", "chessboard:10x7:50", "--out", tmp_path / "out")
-    assert_refused(call(capsys, *arguments), "a chessboard of 9x6 inner corners is there")
+    arguments = ("calibrate", few, "--out", tmp_path / "out", "--board")
+    outcome = call(capsys, *arguments, f"chessboard:{count}:50")
+    assert_refused(outcome, "a chessboard of 9x6 inner corners is there")
     assert not (tmp_path / "out").exists()
+    advised = re.search(r"--board (chessboard:\S+)", outcome[2])[1]
+    assert advised == CHESSBOARD
+    assert call(capsys, *arguments, advised)[0] == 0
 
 
 @pytest.mark.parametrize(

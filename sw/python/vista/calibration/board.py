@@ -164,6 +164,17 @@ def _find_chessboard(image: Grey, board: Board) -> Sighting | None:
     return Sighting(np.arange(len(points_px)), _handed(points_px, board.grid))
 
 
+def chessboard_grid(image: Grey) -> tuple[int, int] | None:
+    """Columns and rows of inner corners, the larger number first, of a chessboard of any size; None: there is
+    none."""
+    flags = cv2.CALIB_CB_LARGER | cv2.CALIB_CB_NORMALIZE_IMAGE
+    found, _, cells = cv2.findChessboardCornersSBWithMeta(image, (SIDES[0], SIDES[0]), flags)
+    if not found:
+        return None
+    rows, columns = sorted(cells.shape)
+    return columns, rows
+
+
 def _refined(image: Grey, points_px: Points, grid: tuple[int, int]) -> Points:
     columns, rows = grid
     net = points_px.reshape(rows, columns, 2)

@@ -9,7 +9,7 @@ from vista.calibration.board import MIN_CORNERS, Board, Sighting, aligned
 from vista.calibration.measure import RowErrors, normals, row_errors, spread_deg
 from vista.calibration.pictures import Picture
 from vista.calibration.solve import Solution, solve_pair
-from vista.calibration.views import MIN_VIEWS, Found, View, find_views, spread_views
+from vista.calibration.views import MIN_VIEWS, Found, View, find_views, other_board, spread_views
 from vista.errors import InputError
 from vista.geometry import RawCalibration
 from vista.rectify import Rectifier
@@ -32,11 +32,26 @@ class Calibrated:
     after: RowErrors
     check: RowErrors | None  # of views that the calibration was not made with, if there are any
 
+    def unused(self) -> list[str]:
+        """Why pairs are not among the views that were used: a count and a reason each, every pair once."""
+        found = self.found
+        likes = len(found.views) - len(self.solution.views) - len(self.left_out)
+        shown = len(found.views) + found.left_only + found.right_only + found.few_common
+        counts = {
+            "in disagreement with the others": len(self.left_out),
+            "like others that were used": likes,
+            "with the board in the left image only": found.left_only,
+            "with the board in the right image only": found.right_only,
+            f"with fewer than {MIN_CORNERS} corners in common": found.few_common,
+            "with the board in neither image": found.pictures - shown,
+        }
+        return [f"{count} {reason}" for reason, count in counts.items() if count]
+
 
 def calibrate(pictures: Iterable[Picture], board: Board, lens: str) -> Calibrated:
     """Raises InputError for what cannot be calibrated."""
     found = find_views(pictures, board)
-    _check_enough(found)
+    _check_enough(found, board)
     chosen = spread_views(found.views, board, found.size)
     if len(chosen) < MIN_VIEWS:
         reason = f"the {len(found.views)} that show the board in both images are nearly the same"
@@ -65,20 +80,22 @@ def calibrate(pictures: Iterable[Picture], board: Board, lens: str) -> Calibrate
     )
 
 
-def _check_enough(found: Found) -> None:
+def _check_enough(found: Found, board: Board) -> None:
     count = len(found.views)
     if count >= MIN_VIEWS:
         return
     if count == 0 and (found.left_only or found.right_only):
         seen = f"the left camera sees it in {found.left_only}, the right one in {found.right_only}"
         raise InputError(
-            "views", f"no pair shows the board in both images ({seen} of {found.pictures} pairs)"
+            "views",
+            f"no pair shows the board in both images ({seen} of {found.pictures} pairs)"
+            f"{other_board(board, found.without)}",
         )
     raise InputError(
         "views",
         f"{count} of {found.pictures} pairs show at least {MIN_CORNERS} corners of the board in both images, "
         f"at least {MIN_VIEWS} are needed (left image only: "
-        f"{found.left_only}, right image only: {found.right_only})",
+        f"{found.left_only}, right image only: {found.right_only}){other_board(board, found.without)}",
     )
 
 

@@ -50,10 +50,9 @@ def _facts(made: Calibrated) -> str:
     poses = made.solution.left_from_board
     distances = distances_m(poses, made.board)
     return (
-        f"{made.board.describe()}; {found.pictures} pairs of {found.size[0]}x{found.size[1]} px, the board "
-        f"in both images of {len(found.views)} (only left {found.left_only}, only right {found.right_only}); "
-        f"{used} views used, {distances.min():.2f} to {distances.max():.2f} m away, facing directions within "
-        f"{spread_deg(normals(poses)):.0f} degrees"
+        f"{made.board.describe()}; {found.pictures} pairs of {found.size[0]}x{found.size[1]} px, of which "
+        f"{'; '.join([f'{used} were used', *made.unused()])}; the board was {distances.min():.2f} to "
+        f"{distances.max():.2f} m away and faced directions within {spread_deg(normals(poses)):.0f} degrees"
     )
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 
@@ -9,14 +10,14 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from vista.calibration.board import MIN_CORNERS, Board, Points, Sighting, aligned, find_board
+from vista.calibration.board import MIN_CORNERS, Board, Points, Sighting, aligned, chessboard_grid, find_board
 from vista.calibration.pictures import Grey, Picture
 from vista.errors import InputError
 
 MAX_VIEWS = 30  # more make the fit slow and hardly better
 MIN_VIEWS = 8
 MIN_APART = 0.06  # of two views in the space of `_place`; nearer ones say the same twice
-HINT_PICTURES = 3  # that are searched for another board when the named one is in none
+HINT_PICTURES = 3  # that are searched for another board when hardly any shows the named one
 # The smaller ones hold the first markers of these.
 LARGEST_DICTIONARIES = (
     "4X4_1000",
@@ -51,6 +52,8 @@ class Found:
     views: list[View] = field(default_factory=list)
     left_only: int = 0
     right_only: int = 0
+    few_common: int = 0  # both images show the board, but hardly the same corners
+    without: list[Picture] = field(default_factory=list)  # the last few pairs that are no view
     shown: Picture | None = None  # the pair with the largest board, for the report
 
 
@@ -58,28 +61,32 @@ def find_views(pictures: Iterable[Picture], board: Board) -> Found:
     """Raises InputError when no picture shows the board, and says what is there instead, if anything."""
     found = Found()
     asked = board
-    first: list[Picture] = []
     largest = 0.0
     for picture in pictures:
         found.pictures += 1
         found.size = picture.size
         if not (found.views or found.left_only or found.right_only):
-            first = [*first[-HINT_PICTURES + 1 :], picture]
             board = printed_board(picture, asked)
         left, right = find_board(picture.left, board), find_board(picture.right, board)
-        if left is None or right is None:
+        view = None
+        if left is not None and right is not None:
+            view = _common(picture.name, left, right, board)
+            found.few_common += view is None
+        else:
             found.left_only += left is not None
             found.right_only += right is not None
-            continue
-        view = _common(picture.name, left, right, board)
         if view is None:
+            found.without = [*found.without[-HINT_PICTURES + 1 :], picture]
             continue
         found.views.append(view)
         area = float(np.prod(np.ptp(view.left_px, axis=0)))
         if area > largest:
             largest, found.shown = area, picture
     if not (found.views or found.left_only or found.right_only):
-        raise _not_found(asked, first, found.pictures)
+        if found.pictures == 0:
+            raise InputError("--board", "there are no pictures")
+        reason = f"none of {found.pictures} pairs shows a {asked}"
+        raise InputError("--board", reason + other_board(asked, found.without))
     return found
 
 
@@ -148,25 +155,20 @@ def board_homography(view: View, board: Board, size: tuple[int, int]) -> Points 
 # ---- nothing found ----
 
 
-def _not_found(board: Board, pictures: list[Picture], count: int) -> InputError:
-    if count == 0:
-        return InputError("--board", "there are no pictures")
+def other_board(board: Board, pictures: list[Picture]) -> str:
+    """The end of a message that says what the pictures show in place of the board, if that is known."""
     images = [image for picture in pictures for image in (picture.left, picture.right)]
-    reason = f"none of {count} pairs shows a {board}"
-    other = _other_charuco(board, images) if board.markers else _other_chessboard(board, images)
-    return InputError("--board", f"{reason}{other}")
+    return _other_charuco(board, images) if board.markers else _other_chessboard(board, images)
 
 
 def _other_chessboard(board: Board, images: list[Grey]) -> str:
-    """A board of one row or column less or more, or one that was counted in squares."""
-    steps = [(-1, -1), (-1, 0), (0, -1), (1, 0), (0, 1), (1, 1), (-2, -1), (-1, -2)]
-    for columns, rows in [(board.columns + i, board.rows + j) for i, j in steps]:
-        if min(columns, rows) < 3:
-            continue
-        other = replace(board, columns=columns, rows=rows)
-        if any(find_board(image, other) is not None for image in images):
-            return f", but a {other} is there: count the points where four squares meet, not the squares"
-    return ""
+    """The chessboard that most images show, if it has another count of corners than the named one."""
+    grids = Counter(grid for image in images if (grid := chessboard_grid(image)) is not None)
+    if not grids or (seen := grids.most_common(1)[0][0]) == tuple(sorted(board.grid, reverse=True)):
+        return ""
+    columns, rows = seen
+    option = f"--board chessboard:{columns}x{rows}:{1e3 * board.square_m:g}"
+    return f", but a {replace(board, columns=columns, rows=rows)} is there, which is {option}"
 
 
 def _other_charuco(board: Board, images: list[Grey]) -> str:

@@ -212,10 +212,12 @@ def _with_progress(pictures: Iterable[Picture]) -> Iterator[Picture]:
 def print_result(made: Calibrated, folder: Path) -> None:
     solution, found = made.solution, made.found
     print(
-        f"{len(solution.views)} views of {found.pictures} pairs used, {len(made.left_out)} left out; "
+        f"{len(solution.views)} views of {found.pictures} pairs used; "
         f"reprojection error {solution.rms_px():.2f} px, row error "
         f"{made.before.rms_px:.2f} -> {made.after.rms_px:.2f} px"
     )
+    if unused := made.unused():
+        print(f"pairs that were not used: {'; '.join(unused)}")
     for sentence in advice(made):
         print(f"next: {sentence}")
     print(f"calibration: {folder / 'calibration.toml'}, report: {folder / REPORT}")
