@@ -14,7 +14,7 @@ import numpy as np
 
 ROOT = Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(ROOT / "model"), str(ROOT / "model/tests"), str(ROOT / "build/python")]
-from test_aarch64 import ISAS, PROGRAM, RUN, record  # noqa: E402
+from aarch64_program import ISAS, PROGRAM, RUN, record  # noqa: E402
 from vista_model import Parameters  # noqa: E402
 
 WIDTH, HEIGHT = 320, 60

@@ -4,28 +4,15 @@ from __future__ import annotations
 
 import os
 import subprocess
-from pathlib import Path
 
 import numpy as np
 import pytest
-from vista_model import Parameters
-from vista_model.c_engine import CEngine, c_params
+from aarch64_program import ISAS, PROGRAM, RUN, record
+from vista_model.c_engine import CEngine
 
-ROOT = Path(__file__).parents[2]
-RUN, PROGRAM = ROOT / "build/tools/aarch64/run", ROOT / "build/aarch64/bin/words"
 WORDS = int(os.environ.get("VISTA_AARCH64_WORDS", "500000"))  # to compare at least with each instruction set
-ISAS = ("neon", "portable")
 
 pytestmark = pytest.mark.skipif(not PROGRAM.exists(), reason="not built for AArch64: make test-aarch64")
-
-
-def record(left: np.ndarray, right: np.ndarray, parameters: Parameters, isa: str) -> bytes:
-    """What words.c reads for a pair."""
-    p = c_params(parameters, isa)
-    height, width = left.shape
-    head = [width, height, p.num_disparities, p.block_size, p.prefilter, p.prefilter_cap, p.texture_threshold]
-    head += [p.uniqueness_ratio, p.lr_max_diff, p.isa]
-    return np.array(head, "<i4").tobytes() + left.tobytes() + right.tobytes()
 
 
 def test_random_words(rng, random_pair, random_parameters) -> None:

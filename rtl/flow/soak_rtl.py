@@ -14,11 +14,11 @@ import sys
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-sys.path[:0] = [str(ROOT / p) for p in ("tb/common", "tb/top", "model", "build/python")]
+sys.path[:0] = [str(ROOT / p) for p in ("tb/common", "model", "build/python")]
+from frames import run_seed  # noqa: E402
+from raw_frames import back_to_back, one_after_the_other  # noqa: E402
 from registers import ERRORS  # noqa: E402
 from soak import soak  # noqa: E402
-from test_front_end import back_to_back, one_after_the_other  # noqa: E402
-from test_words import run_seed  # noqa: E402
 from tools import BUILD, sources  # noqa: E402
 from verilated import CONFIGS, FRONT_ENDS, Rtl  # noqa: E402
 from vista_eval.jobs import add_place, chosen_place, exit_on_failure  # noqa: E402

@@ -14,8 +14,10 @@ from pathlib import Path
 import cv2
 import numpy as np
 from numpy.typing import NDArray
+from random_seed import seeded
 from scipy.spatial.transform import Rotation
 from vista.calibration.board import Board
+from vista.calibration.rig import Rig
 from vista.geometry import CameraModel, Pose, RawCalibration, camera_matrix
 from vista.lens import rectified_points
 from vista.rectify import rectified_cameras
@@ -291,3 +293,22 @@ def turn_deg(found: RawCalibration, rig: RawCalibration) -> float:
     """Between the motion that was found and the true one."""
     apart = found.right_from_left.rotation @ rig.right_from_left.rotation.T
     return float(np.degrees(np.linalg.norm(cv2.Rodrigues(apart)[0])))
+
+
+def random_rig(lens: str = "pinhole", coefficients: int = 4, body: bool = False) -> Rig:
+    random = seeded(14)
+
+    def camera() -> CameraModel:
+        K = camera_matrix(*random.uniform([400.0, 400.0, 300.0, 220.0], [600.0, 600.0, 340.0, 260.0]))
+        distortion = random.normal(0.0, 0.02, coefficients)
+        return CameraModel(640, 480, K, tuple(float(value) for value in distortion), lens)
+
+    def pose(spread: float, shift_m: np.ndarray) -> Pose:
+        turn = Rotation.from_rotvec(random.normal(0.0, spread, 3)).as_matrix()
+        return Pose(turn, shift_m + random.normal(0.0, 1e-3, 3))
+
+    right_from_left = pose(0.01, np.array([-0.12, 0.0, 0.0]))
+    if not body:
+        return Rig(camera(), camera(), right_from_left, Pose())
+    body_from_left = pose(1.0, np.array([0.02, -0.06, 0.01]))
+    return Rig(camera(), camera(), body_from_left, body_from_left @ right_from_left.inverse(), is_body=True)

@@ -17,10 +17,10 @@ import numpy as np
 import pytest
 import sequence_cases as cases
 import wire
+from board_client import SETTINGS, BoardError, Client, golden, lib, random_pair, random_settings
 from command_line import Vista, call, lines_without_times
 from random_seed import seeded
 from shared_data import REPOSITORY
-from test_board import SETTINGS, BoardError, Client, golden, lib, random_pair, random_settings
 from vista.engine.rtl import VERILATOR
 
 PROGRAM = Path("build/board/d16_b5_w320_r16/board-sim")

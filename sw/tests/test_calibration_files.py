@@ -13,17 +13,16 @@ import numpy as np
 import pytest
 import sequence_cases as cases
 import yaml
-from board_rig import exact_row_errors_px, fisheye_rig, seen_px
+from board_rig import exact_row_errors_px, fisheye_rig, random_rig, seen_px
 from command_line import assert_refused, call
 from random_seed import seeded
-from scipy.spatial.transform import Rotation
 from shared_data import SHARED_DATA
 from vista.calibration.formats import FORMATS, read_rig, write_rig
 from vista.calibration.formats.common import Options
 from vista.calibration.rig import Rig, rig_of
 from vista.command.calibrate import write_files
 from vista.errors import InputError
-from vista.geometry import CameraModel, Pose, camera_matrix
+from vista.geometry import Pose
 from vista.lens import rectified_points
 from vista.rectify import Rectifier, rectified_cameras
 from vista.sequence import open_sequence
@@ -31,25 +30,6 @@ from vista.sequence.pairs import read_calibration
 
 PINHOLE_FORMATS = list(FORMATS)
 FISHEYE_FORMATS = [name for name in FORMATS if name != "boofcv"]
-
-
-def random_rig(lens: str = "pinhole", coefficients: int = 4, body: bool = False) -> Rig:
-    random = seeded(14)
-
-    def camera() -> CameraModel:
-        K = camera_matrix(*random.uniform([400.0, 400.0, 300.0, 220.0], [600.0, 600.0, 340.0, 260.0]))
-        distortion = random.normal(0.0, 0.02, coefficients)
-        return CameraModel(640, 480, K, tuple(float(value) for value in distortion), lens)
-
-    def pose(spread: float, shift_m: np.ndarray) -> Pose:
-        turn = Rotation.from_rotvec(random.normal(0.0, spread, 3)).as_matrix()
-        return Pose(turn, shift_m + random.normal(0.0, 1e-3, 3))
-
-    right_from_left = pose(0.01, np.array([-0.12, 0.0, 0.0]))
-    if not body:
-        return Rig(camera(), camera(), right_from_left, Pose())
-    body_from_left = pose(1.0, np.array([0.02, -0.06, 0.01]))
-    return Rig(camera(), camera(), body_from_left, body_from_left @ right_from_left.inverse(), is_body=True)
 
 
 def through(rig: Rig, name: str, folder: Path, options: Options = Options()) -> Rig:  # noqa: B008

@@ -13,9 +13,8 @@ import cv2
 import numpy as np
 import pytest
 import yaml
-from board_rig import exact_row_errors_px, fisheye_rig
+from board_rig import exact_row_errors_px, fisheye_rig, random_rig
 from command_line import assert_refused, call
-from test_calibration_files import random_rig
 from vista.calibration.board import parse_board
 from vista.calibration.formats import read_rig, write_rig
 from vista.calibration.formats.common import Options

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from random_seed import seeded
+from region_cases import TOLERANCES, box, measure
 from stage_arena import ffi, lib, status_name
 from stage_library import Stages, camera, image_struct, plane_disparity, rays, words_of
-from test_region import TOLERANCES, box, measure
 
 RADIUS_M, LENGTH_M = 2.0, 30.0
 

@@ -11,32 +11,16 @@ import pytest
 import sequence_cases as cases
 from numpy.typing import NDArray
 from random_seed import seeded
-from scipy.spatial.transform import Rotation
+from raw_rigs import WIDE, rig
+from raw_rigs import WIDE_SIZE as SIZE
 from vista import parameters
 from vista.chain import make_chain, run_frame
 from vista.control_grid import BUFFER_ROWS, by_grid, control_grid
 from vista.errors import InputError
-from vista.geometry import CameraModel, Pose, RawCalibration, camera_matrix
+from vista.geometry import CameraModel, camera_matrix
 from vista.rectify import Rectifier, rectified_cameras
 from vista.sequence import Frame, open_sequence
 from vista_model import rectify, row_beyond, sources
-
-SIZE = (640, 400)
-
-
-def rig(k1: float, k2: float, tilt_deg: float) -> RawCalibration:
-    """Two cameras of a wide lens, slightly different, turned against each other."""
-    distortion = k1, k2, 2e-4, -3e-4
-    turn = Rotation.from_euler("xyz", [tilt_deg, -0.8, 0.5], degrees=True).as_matrix()
-    return RawCalibration(
-        CameraModel(*SIZE, camera_matrix(330.0, 331.0, 317.0, 203.0), distortion),
-        CameraModel(*SIZE, camera_matrix(332.0, 331.0, 323.0, 198.0), distortion),
-        Pose(turn, turn @ np.array([-0.15, 0.001, 0.0])),
-        "wide.toml",
-    )
-
-
-WIDE = rig(-0.28, 0.07, 0.4)
 
 
 def exact_sources_px(camera: CameraModel, R: NDArray[np.float64], P: NDArray[np.float64]) -> NDArray:

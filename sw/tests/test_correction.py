@@ -15,8 +15,7 @@ import turned_camera as turned
 from command_line import Vista, call
 from obstacle_schema import valid_lines
 from random_seed import seeded
-from test_control_grid import WIDE, rig
-from test_rectify import RAW, blob_centre, draw_spheres
+from raw_rigs import RAW, WIDE, blob_centre, draw_spheres, rig
 from turned_camera import degrees
 from turned_recordings import CAMERA, write_turned_pairs
 from vista import parameters

@@ -10,10 +10,10 @@ import time
 from pathlib import Path
 
 import pytest
+from fake_autopilot import Autopilot
 from fly_process import SANITIZED, allocations_of_one_pass_and_ten, compare, fly, prepare, timeless
 from fly_shared import flying
 from shared_data import SHARED_DATA
-from test_fly_mavlink import Autopilot
 from turned_camera import degrees
 from turned_recordings import RAW, write_turned_asl, write_turned_kitti, write_turned_pairs
 from vista.alignment import Turn

@@ -11,13 +11,12 @@ import time
 import tty
 from collections import Counter
 from collections.abc import Iterator
-from dataclasses import dataclass, field
 from pathlib import Path
-from threading import Event, Thread
 from typing import Any
 
 import numpy as np
 import pytest
+from fake_autopilot import Autopilot
 from flight_on_disk import WORLD_FROM_CAMERA
 from fly_process import fly, prepare
 from fly_shared import PERIOD_NS, Flight, flying, ring_name, shared_ring
@@ -31,57 +30,6 @@ pytestmark = [pytest.mark.native, pytest.mark.slow]
 UNKNOWN = 65535
 SILENCE_S = 0.5
 NED_FROM_WORLD = np.diag([1.0, -1.0, -1.0])  # world: x ahead, y left, z up
-
-
-@dataclass
-class Autopilot:
-    """Listens on a port of its own, and answers to whom it has heard of."""
-
-    port: int = 0
-    times_s: dict[str, list[float]] = field(default_factory=dict)
-    messages: list[tuple[float, Any]] = field(default_factory=list)
-
-    def __post_init__(self) -> None:
-        self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-        self.socket.bind(("127.0.0.1", self.port))
-        self.socket.settimeout(0.05)
-        self.port = self.socket.getsockname()[1]
-        self.address: tuple[str, int] | None = None
-        self.link = dialect.MAVLink(None, srcSystem=1, srcComponent=1)
-        self._stopped, self._decoder = Event(), dialect.MAVLink(None)
-        self._thread = Thread(target=self._listen, daemon=True)
-        self._thread.start()
-
-    def close(self) -> None:
-        self._stopped.set()
-        self._thread.join()
-        self.socket.close()
-
-    def _listen(self) -> None:
-        while not self._stopped.is_set():
-            try:
-                data, self.address = self.socket.recvfrom(4096)
-            except TimeoutError:
-                continue
-            now_s = time.monotonic()
-            for message in self._decoder.parse_buffer(data) or []:
-                self.messages.append((now_s, message))
-                self.times_s.setdefault(message.get_type(), []).append(now_s)
-
-    @property
-    def target(self) -> str:
-        return f"udp:127.0.0.1:{self.port}"
-
-    @property
-    def counts(self) -> Counter[str]:
-        return Counter({name: len(times) for name, times in self.times_s.items()})
-
-    def of_kind(self, kind: str) -> list[tuple[float, Any]]:
-        return [(t_s, message) for t_s, message in self.messages if message.get_type() == kind]
-
-    def send(self, message: Any) -> None:
-        if self.address is not None:
-            self.socket.sendto(message.pack(self.link), self.address)
 
 
 @pytest.fixture

@@ -9,6 +9,8 @@ import numpy as np
 import pytest
 import sequence_cases as cases
 from numpy.typing import NDArray
+from raw_rigs import RAW, blob_centre, draw_spheres
+from raw_rigs import RAW_SIZE as SIZE
 from real_pairs import make_bumblebee2
 from scipy.spatial.transform import Rotation
 from shared_data import SHARED_DATA
@@ -17,17 +19,6 @@ from vista.geometry import CameraModel, Pose, RawCalibration, camera_matrix
 from vista.health.features import match_pair
 from vista.rectify import Rectifier, exact_map, rectified_cameras
 from vista.sequence import Frame, open_sequence
-
-SIZE = (320, 240)
-
-RAW = RawCalibration(
-    CameraModel(*SIZE, camera_matrix(262.0, 263.0, 156.0, 123.0), (-0.36, 0.17, 0.001, -0.0005)),
-    CameraModel(*SIZE, camera_matrix(264.0, 265.0, 160.0, 122.0), (-0.35, 0.16, 0.0, 0.0)),
-    Pose(
-        Rotation.from_euler("xyz", [0.6, -0.9, 0.4], degrees=True).as_matrix(), np.array([-0.2, 0.002, 0.003])
-    ),
-    "synthetic",
-)
 
 
 def needs(name: str) -> Path:
@@ -40,29 +31,6 @@ def row_errors_px(left: NDArray[np.uint8], right: NDArray[np.uint8]) -> NDArray[
     errors = match_pair(left, right, features=3000).near_rows()
     assert len(errors) > 100
     return errors
-
-
-def draw_spheres(
-    camera: CameraModel, camera_from_left: Pose, centres_m: NDArray[np.float64]
-) -> NDArray[np.uint8]:
-    """Small bright blobs where the camera, distortion included, sees the points."""
-    rotation = cv2.Rodrigues(camera_from_left.rotation)[0]
-    points, _ = cv2.projectPoints(
-        centres_m, rotation, camera_from_left.translation_m, camera.matrix, np.array(camera.distortion)
-    )
-    v, u = np.mgrid[: camera.height, : camera.width]
-    image = np.zeros((camera.height, camera.width))
-    for x, y in points[:, 0]:
-        image += 250.0 * np.exp(-((u - x) ** 2 + (v - y) ** 2) / (2.0 * 2.0**2))
-    return np.clip(image, 0, 255).astype(np.uint8)
-
-
-def blob_centre(image: NDArray[np.uint8], u: float, v: float) -> tuple[float, float]:
-    """Centroid within 7 px of (u, v)."""
-    u0, v0 = round(u), round(v)
-    patch = image[v0 - 7 : v0 + 8, u0 - 7 : u0 + 8].astype(float)
-    offset = np.arange(-7, 8)
-    return u0 + (patch.sum(0) @ offset) / patch.sum(), v0 + (patch.sum(1) @ offset) / patch.sum()
 
 
 def test_points_come_to_lie_where_the_rectified_camera_sees_them() -> None:

@@ -11,105 +11,18 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from fake_pipeline import FakePipeline, fake_ground, fake_obstacle, fake_too_near
-from vista.command.run import path_seen
-from vista.geometry import Calibration, Pose
-from vista.health.alignment_summary import summarize_alignment
-from vista.health.finding import Finding, FrameHealth, Reason, State
-from vista.health.summary import summarize_health
+from report_cases import make_records, make_summary, render, with_ground_ahead
+from vista.geometry import Pose
 from vista.history import FrameRecord, stage_statistics
 from vista.obstacle_line import obstacle_line
-from vista.pipeline import ID_GROUND, ID_TOO_NEAR, Nearest
+from vista.pipeline import ID_GROUND, ID_TOO_NEAR
 from vista.report import run_report as report
-from vista.report.overlay import panel_tiles
 from vista.report.run_report import level_axes, render_report
-from vista.result_folder import ResultFolder, encoded
+from vista.result_folder import ResultFolder
 
 pytestmark = pytest.mark.slow
 
-CAMERA = Calibration(160, 120, 120.0, 80.0, 60.0, 0.25)
 VOID = {"meta", "img", "input", "br"}
-
-
-BLIND = FrameHealth((Finding(next(iter(Reason)), State.BLIND, "The image is black."),))
-
-
-def make_records(
-    frames: int, poses: bool = True, blind: range = range(0), crowd: int = 0
-) -> list[FrameRecord]:
-    """crowd: so many tracks more that stand close together."""
-    pipeline = FakePipeline(CAMERA)
-    image, words = np.zeros((120, 160), np.uint8), np.full((120, 160), 64, np.int16)
-    records = []
-    for index in range(frames):
-        result = pipeline.process(image, words, index, None, None)
-        many = [fake_obstacle(10 + k, 60.0 + 0.1 * k, CAMERA) for k in range(crowd)]
-        pose = Pose(np.eye(3), np.array([0.0, 0.0, float(index)])) if poses else None
-        stage_ms = {"read": 1.0, "rectify": 0.5, "stereo": 3.0, **result.stage_ms, "total": 10.0}
-        records.append(
-            FrameRecord(
-                index,
-                index * 100_000_000,
-                pose,
-                (*result.obstacles, *many),
-                result.nearest_collision,
-                result.regions,
-                result.valid_fraction,
-                stage_ms,
-                motion_known=poses,
-                health=BLIND if index in blind else FrameHealth(),
-            )
-        )
-    return records
-
-
-def with_ground_ahead(records: list[FrameRecord]) -> list[FrameRecord]:
-    """The ground is what is met first, and something is too near to match; neither has a track."""
-    ground, too_near = fake_ground(CAMERA, 9.0), fake_too_near(CAMERA)
-    nearest = Nearest(ID_GROUND, ground.position_m, 9.0, 1.5, ground.covariance_m2)
-    return [
-        dataclasses.replace(
-            record, obstacles=(*record.obstacles, ground, too_near), nearest_collision=nearest
-        )
-        for record in records
-    ]
-
-
-def make_summary(records: list[FrameRecord], stills: bool = False) -> dict:
-    return {
-        "version": "1.2.3",
-        "commit": "0123abc",
-        "command": "vista run <here>",
-        "stills": stills,
-        "health": summarize_health(records),
-        "alignment": summarize_alignment(records),
-        "sequence": "a <flight> & more",
-        "layout": "pairs",
-        "notes": ["a note"],
-        "frames": len(records),
-        "engine": "golden",
-        "camera": {"width": 160, "height": 120, "focal_px": 120.0, "baseline_m": 0.25},
-        "rectified": False,
-        "obstacles_confirmed": 3,
-        "path_seen_m": path_seen(records),
-        "parameters": {"stereo": {"num_disparities": 32, "block_size": 11}},
-        "stages_ms": stage_statistics(records),
-    }
-
-
-def render(folder: Path, records: list[FrameRecord], noise: bool = False, stills: bool = False) -> str:
-    results = ResultFolder(folder)
-    rng = np.random.default_rng(0)
-    left, top, width, height = panel_tiles(CAMERA.width, CAMERA.height)[-1]
-    for record in records:
-        picture = np.full((top + height, left + width, 3), 8 * record.index % 256, np.uint8)
-        if noise:
-            picture = rng.integers(0, 256, (900, 1600, 3), np.uint8)
-        results.write_frame(record.index, "{}", encoded(picture))
-    results.close()
-    page = render_report(make_summary(records, stills), records, results)
-    results.write_report(page)
-    return page
 
 
 def data_of(page: str) -> dict:

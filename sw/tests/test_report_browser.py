@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 from browser import Page, needs_browser
-from test_report import make_records, render, with_ground_ahead
+from report_cases import make_records, render, with_ground_ahead
 
 pytestmark = needs_browser
 WIDTHS_PX = (375, 800, 1300)

@@ -6,9 +6,9 @@ import cv2
 import numpy as np
 import pytest
 from random_seed import seeded
+from region_cases import TOLERANCES, box, measure, verdict
 from stage_arena import ffi, lib, status_name
 from stage_library import Stages, camera, image_struct, words_of
-from test_region import TOLERANCES, box, measure, verdict
 
 RATIO, NOISE = 6.0, 2.0
 WHERE = box((160, 100), 70, 12)

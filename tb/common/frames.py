@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 from registers import COMMIT, LR_CHECK, OUTPUT, PREFILTER, SIZE, TEXTURE, UNIQUENESS
 from rtl_package import struct_bits, struct_fields
-from verilated import LAST, USER, WORD_LAST, WORD_USER, Rtl
+from verilated import LAST, PACES, USER, WORD_LAST, WORD_USER, Pace, Rtl
 from vista_model.c_engine import CEngine
 from vista_model.engine import INVALID, Parameters
 
@@ -166,3 +166,29 @@ def params_bits(p: Parameters, narrow: bool = False) -> int:
 def set_up(rtl: Rtl, frame: Frame) -> None:
     for address, data in register_values(frame).items():
         rtl.write(address, data)
+
+
+def check(rtl: Rtl, frame: Frame, pace_in: Pace, pace_out: Pace, seed: int) -> None:
+    height, width = frame.shape
+    set_up(rtl, frame)
+    expected = expected_words(frame)
+    got = rtl.stream(beats(frame.left, frame.right), len(expected), pace_in, pace_out, seed)
+    rerun = f"VISTA_WAVES=1 VISTA_SEED={seed} pytest tb/top/test_words.py -k 'random and {rtl.config.name}'"
+    assert len(got.words) == len(expected), (
+        f"{len(got.words)} of {len(expected)} words, {frame.parameters}; {rerun}"
+    )
+    wrong = np.flatnonzero(got.words != expected)
+    if len(wrong):
+        y, x = divmod(int(wrong[0]), len(expected) // height)
+        raise AssertionError(f"{len(wrong)} words differ, the first at x {x}, y {y} of {width}x{height}: "
+                    f"{got.words[wrong[0]]:08x} for {expected[wrong[0]]:08x}, {frame.parameters}; "
+                    f"{rerun}")  # fmt: skip
+    assert (got.flags == expected_flags(height, width, frame.narrow)).all(), rerun
+
+
+def run_seed(rtl: Rtl, seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    c = rtl.config
+    frame = random_frame(rng, c.num_disparities, c.block_size, c.max_width)
+    frame.narrow = bool(rng.random() < 0.3)
+    check(rtl, frame, PACES[rng.integers(len(PACES))], PACES[rng.integers(len(PACES))], seed)

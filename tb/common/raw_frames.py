@@ -16,10 +16,21 @@ from frames import (
     register_values,
 )
 from maps import Grids, random_grids, words_of
-from registers import BEGIN_LOAD, COMMIT, COMMIT_MAP, COMMIT_SET, MAP, MAP_POINT, MAP_ROWS, MAP_SIZE, SIZE
+from registers import (
+    BEGIN_LOAD,
+    COMMIT,
+    COMMIT_MAP,
+    COMMIT_SET,
+    MAP,
+    MAP_POINT,
+    MAP_READY,
+    MAP_ROWS,
+    MAP_SIZE,
+    SIZE,
+)
 from registers import FRONT_END as FRONT_END_REGISTER
 from rtl_package import package_constant
-from verilated import FRONT_END, Config, Pace, Rtl
+from verilated import FRONT_END, PACES, Config, Pace, Rtl
 from vista_model import Parameters, pyramid, rectify, smooth
 from vista_model.rectify import reach
 
@@ -138,3 +149,42 @@ def refusals(rng: np.random.Generator, grids: Grids) -> list[tuple[list[tuple[in
         (points[1:], MAP_SIZE),
         (too_many, MAP_SIZE),
     ]
+
+
+def one_after_the_other(rtl: Rtl, seed: int, count: int) -> int:
+    """Sizes, switches, levels and maps change from frame to frame; each is through before the next.
+
+    Returns how many level images left."""
+    rng = np.random.default_rng(seed)
+    levels = 0
+    for number in range(count):
+        frame = random_raw_frame(rng, config=rtl.config)
+        assert rtl.read(MAP) == MAP_READY
+        written(rtl, frame.writes())
+        check(rtl, frame, (PACES[rng.integers(len(PACES))], PACES[rng.integers(len(PACES))]), number)
+        levels += len(frame.matched())
+    return levels
+
+
+def back_to_back(rtl: Rtl, seed: int, count: int) -> None:
+    """Set and map of a frame are written while the one before streams, and count from one frame to the next.
+
+    A bank is free once the frame before the one that streams was read: a row more on than the buffer has."""
+    rng = np.random.default_rng(100 + seed)
+    rows = rtl.config.rows
+    frames = [random_raw_frame(rng, rows + 4, rows + 28, rtl.config) for _ in range(count)]
+    ends = np.cumsum([frame.left.size for frame in frames])
+    written(rtl, frames[0].writes())
+    for before, frame, end in zip(frames, frames[1:], ends, strict=False):
+        begun = int(end) - before.left.size + (rows + 1) * before.shape[1]
+        for address, data in frame.writes():
+            rtl.queue_write(begun, int(end), address, data)
+    expected = [frame.words() for frame in frames]
+    stream = np.concatenate([frame.stream for frame in frames])
+    paces = (Pace(), Pace()) if seed % 2 else (Pace(), PACES[rng.integers(len(PACES))])
+    got = rtl.stream(stream, sum(map(len, expected)), *paces, seed)
+    assert len(got.words) == sum(map(len, expected))
+    wrong = np.flatnonzero(got.words != np.concatenate(expected))
+    first = np.searchsorted(np.cumsum([len(words) for words in expected]), wrong[:1], "right")
+    assert not len(wrong), f"{len(wrong)} words, the first in frame {first[0]}"
+    assert (got.flags == np.concatenate([frame.flags() for frame in frames])).all()

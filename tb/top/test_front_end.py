@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from frames import random_pair, random_parameters
 from maps import random_grids
-from raw_frames import RawFrame, check, random_raw_frame, refusals, written
+from raw_frames import RawFrame, back_to_back, check, one_after_the_other, random_raw_frame, refusals, written
 from registers import (
     COMMIT,
     COMMIT_MAP,
@@ -20,13 +20,11 @@ from registers import (
     FRAMES_IN,
     FRAMES_OUT,
     INTERRUPT,
-    MAP,
-    MAP_READY,
     NO_MAP,
     SIZE,
     SOFT_RESET,
 )
-from verilated import FRONT_END, PACES, Pace, Rtl
+from verilated import FRONT_END, Rtl
 
 pytestmark = pytest.mark.slow
 
@@ -36,45 +34,6 @@ D, B = CONFIG.num_disparities, CONFIG.block_size
 
 
 SEEDS = [int(os.environ["VISTA_SEED"])] if "VISTA_SEED" in os.environ else range(6)
-
-
-def one_after_the_other(rtl: Rtl, seed: int, count: int) -> int:
-    """Sizes, switches, levels and maps change from frame to frame; each is through before the next.
-
-    Returns how many level images left."""
-    rng = np.random.default_rng(seed)
-    levels = 0
-    for number in range(count):
-        frame = random_raw_frame(rng, config=rtl.config)
-        assert rtl.read(MAP) == MAP_READY
-        written(rtl, frame.writes())
-        check(rtl, frame, (PACES[rng.integers(len(PACES))], PACES[rng.integers(len(PACES))]), number)
-        levels += len(frame.matched())
-    return levels
-
-
-def back_to_back(rtl: Rtl, seed: int, count: int) -> None:
-    """Set and map of a frame are written while the one before streams, and count from one frame to the next.
-
-    A bank is free once the frame before the one that streams was read: a row more on than the buffer has."""
-    rng = np.random.default_rng(100 + seed)
-    rows = rtl.config.rows
-    frames = [random_raw_frame(rng, rows + 4, rows + 28, rtl.config) for _ in range(count)]
-    ends = np.cumsum([frame.left.size for frame in frames])
-    written(rtl, frames[0].writes())
-    for before, frame, end in zip(frames, frames[1:], ends, strict=False):
-        begun = int(end) - before.left.size + (rows + 1) * before.shape[1]
-        for address, data in frame.writes():
-            rtl.queue_write(begun, int(end), address, data)
-    expected = [frame.words() for frame in frames]
-    stream = np.concatenate([frame.stream for frame in frames])
-    paces = (Pace(), Pace()) if seed % 2 else (Pace(), PACES[rng.integers(len(PACES))])
-    got = rtl.stream(stream, sum(map(len, expected)), *paces, seed)
-    assert len(got.words) == sum(map(len, expected))
-    wrong = np.flatnonzero(got.words != np.concatenate(expected))
-    first = np.searchsorted(np.cumsum([len(words) for words in expected]), wrong[:1], "right")
-    assert not len(wrong), f"{len(wrong)} words, the first in frame {first[0]}"
-    assert (got.flags == np.concatenate([frame.flags() for frame in frames])).all()
 
 
 @pytest.mark.parametrize("seed", SEEDS)
