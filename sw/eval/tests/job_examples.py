@@ -5,11 +5,15 @@ from __future__ import annotations
 import os
 import signal
 import time
+from collections import Counter
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from vista.errors import InputError
+from vista_eval.cache import digest_of
+from vista_eval.jobs import Job
 
 
 def rows_of(seed: int) -> dict[str, Any]:
@@ -74,3 +78,28 @@ def fails(seed: int) -> int:
 
 def not_to_be_sent(seed: int) -> Any:
     return (lambda: seed) if seed == 1 else seed
+
+
+SEEDS = range(12)
+
+
+def kept_jobs(work, seeds=SEEDS) -> list[Job]:
+    return [Job(f"seed {seed}", partial(work, seed), digest_of(f"{seed}")) for seed in seeds]
+
+
+def contents(folder: Path) -> dict[str, bytes]:
+    return {str(path.relative_to(folder)): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+
+
+def attempts_in(folder: Path) -> Counter[int]:
+    return Counter(int(path.name.split("_")[0]) for path in folder.iterdir())
+
+
+def wait_for_attempt(folder: Path, seed: int) -> int:
+    """Until the job has begun; the process that it runs in."""
+    until_s = time.monotonic() + 60.0
+    while time.monotonic() < until_s:
+        for path in folder.glob(f"{seed}_*"):
+            return int(path.name.split("_")[1])
+        time.sleep(0.01)
+    raise AssertionError(f"job {seed} never began")

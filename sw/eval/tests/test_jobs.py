@@ -10,43 +10,20 @@ import subprocess
 import sys
 import threading
 import time
-from collections import Counter
 from functools import partial
 from pathlib import Path
 
 import job_examples
 import pytest
+from job_examples import SEEDS, attempts_in, contents, kept_jobs, wait_for_attempt
 from vista.errors import EXIT_INPUT, EXIT_JOBS, JobsError
-from vista_eval.cache import digest_of, to_json
+from vista_eval.cache import to_json
 from vista_eval.jobs import ATTEMPTS, HERE, Failure, Job, Place, jobs_of, outcomes, run
 from vista_eval.jobs.progress import MOST_LINES, Progress
 
 pytestmark = pytest.mark.slow
 
 TWO = Place(2)
-SEEDS = range(12)
-
-
-def kept_jobs(work, seeds=SEEDS) -> list[Job]:
-    return [Job(f"seed {seed}", partial(work, seed), digest_of(f"{seed}")) for seed in seeds]
-
-
-def contents(folder: Path) -> dict[str, bytes]:
-    return {str(path.relative_to(folder)): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
-
-
-def attempts_in(folder: Path) -> Counter[int]:
-    return Counter(int(path.name.split("_")[0]) for path in folder.iterdir())
-
-
-def wait_for_attempt(folder: Path, seed: int) -> int:
-    """Until the job has begun; the process that it runs in."""
-    until_s = time.monotonic() + 60.0
-    while time.monotonic() < until_s:
-        for path in folder.glob(f"{seed}_*"):
-            return int(path.name.split("_")[1])
-        time.sleep(0.01)
-    raise AssertionError(f"job {seed} never began")
 
 
 def is_running(pid: int) -> bool:

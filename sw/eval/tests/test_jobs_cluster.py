@@ -17,7 +17,7 @@ import sequence_cases as cases
 from command_line import assert_refused
 from command_line import call as call_vista
 from dask_cluster import Cluster
-from test_jobs import SEEDS, attempts_in, contents, kept_jobs, wait_for_attempt
+from job_examples import SEEDS, attempts_in, contents, kept_jobs, wait_for_attempt
 from vista.errors import EXIT_INPUT, EXIT_OK
 from vista_eval.jobs import HERE, Failure, Job, Place, exit_on_failure, jobs_of, outcomes, run
 
