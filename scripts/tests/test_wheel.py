@@ -105,9 +105,9 @@ def test_what_the_wheel_holds(wheel: Path) -> None:
         names = set(archive.namelist())
         [metadata] = [name for name in names if name.endswith(".dist-info/METADATA")]
         fields = Parser().parsestr(archive.read(metadata).decode())
-    assert wheel.name.startswith(f"vista-{VERSION}-py3-none-")
+    assert wheel.name.startswith(f"vista_stereo-{VERSION}-py3-none-")
     tops = {name.partition("/")[0] for name in names}
-    assert tops == {"vista", "vista_throughput", f"vista-{VERSION}.dist-info"}
+    assert tops == {"vista", "vista_throughput", f"vista_stereo-{VERSION}.dist-info"}
     assert {"vista/parameters.toml", "vista/report/templates/page.css"} <= names
     for library in LIBRARIES:
         assert {f"vista/_lib/lib{library}.so", f"vista/_lib/{library}_abi.py"} <= names

@@ -114,7 +114,7 @@ def test_without_the_extra(
     bag, _ = write(tmp_path, "ros1")
     for name in ("rosbags.highlevel", "rosbags.typesys"):
         monkeypatch.setitem(__import__("sys").modules, name, None)
-    message = f"{bag}: reading bags needs the extra [bags]: pip install 'vista[bags]'"
+    message = f"{bag}: reading bags needs the extra [bags]: pip install 'vista-stereo[bags]'"
     assert_refused(call(capsys, "run", bag, "--out", tmp_path / "out"), message)
 
 

@@ -19,7 +19,7 @@ import cv2
 
 from vista.errors import EXIT_INPUT, EXIT_INTERRUPTED, EXIT_OK, InputError, JobsError
 from vista.interruption import stopping_at_once
-from vista.version import version
+from vista.version import DISTRIBUTION, version
 
 GROUP = "vista.commands"
 # In the order of the help.
@@ -44,7 +44,7 @@ COMMANDS = (
 DISTRIBUTION_OF = {
     **dict.fromkeys(("flights", "worlds", "figures", "scenes"), "vista-stereo-eval"),
     "dataset": "vista-stereo-eval[dataset]",
-    "throughput": "vista[throughput]",
+    "throughput": f"{DISTRIBUTION}[throughput]",
 }
 EPILOG = """\
 exit status:
@@ -118,7 +118,7 @@ def missing(name: str, reason: str = "") -> InputError:
     """Say which distribution a command is missing with; reason: what Python says of what it imports."""
     distribution = DISTRIBUTION_OF.get(name)
     if distribution is None:
-        return InputError(f"{name} is not installed whole", reason or "install vista anew")
+        return InputError(f"{name} is not installed whole", reason or f"install {DISTRIBUTION} anew")
     because = f" ({reason})" if reason else ""
     return InputError(f"{name} needs {distribution}", f"pip install '{distribution}'{because}")
 

@@ -7,12 +7,19 @@ from importlib import metadata
 
 from vista.native import CHECKOUT
 
+DISTRIBUTION = "vista-stereo"  # in the package index, where `vista` is somebody else's
+
+
+def installing(extra: str) -> str:
+    """The command that installs VISTA with an extra."""
+    return f"pip install '{DISTRIBUTION}[{extra}]'"
+
 
 def version() -> str:
     """The file VERSION of a checkout, which may be newer than its installation, or the package's own."""
     if CHECKOUT:
         return (CHECKOUT / "VERSION").read_text(encoding="utf-8").strip()
-    return metadata.version("vista")
+    return metadata.version(DISTRIBUTION)
 
 
 def commit() -> str | None:

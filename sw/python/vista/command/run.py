@@ -43,7 +43,7 @@ from vista.report.run_report import render_report
 from vista.result_folder import ResultFolder
 from vista.run import Outputs, run_frames
 from vista.sequence import FrameFiles, Sequence, open_sequence
-from vista.version import commit, version
+from vista.version import commit, installing, version
 
 if TYPE_CHECKING:
     from vista.bag.writer import BagWriter
@@ -178,7 +178,7 @@ def open_bag(path: Path | None, chain: Chain) -> AbstractContextManager[BagWrite
     try:
         from vista.bag.writer import BagWriter  # its library is an extra
     except ModuleNotFoundError:
-        raise InputError("--bag needs the extra [bags]", "pip install 'vista[bags]'") from None
+        raise InputError("--bag needs the extra [bags]", installing("bags")) from None
     candidates = chain.engine.parameters.num_disparities
     return BagWriter(path, chain.rectifier.calibration, candidates, chain.sequence.up_world)
 
@@ -189,7 +189,7 @@ def open_rerun(target: str | None, chain: Chain) -> AbstractContextManager[Rerun
     try:
         from vista.rerun_log import RerunLog  # its library is an extra
     except ModuleNotFoundError:
-        raise InputError("--rerun needs the extra [rerun]", "pip install 'vista[rerun]'") from None
+        raise InputError("--rerun needs the extra [rerun]", installing("rerun")) from None
     place = target if "://" in target else Path(target)
     return RerunLog(place, chain.sequence.name, chain.rectifier.calibration, chain.sequence.up_world)
 

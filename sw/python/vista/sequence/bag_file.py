@@ -8,12 +8,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from vista.errors import InputError
+from vista.version import installing
 
 if TYPE_CHECKING:
     from rosbags.highlevel import AnyReader
 
 STORAGES = (".db3", ".mcap")  # of ROS 2
-EXTRA = "reading bags needs the extra [bags]: pip install 'vista[bags]'"
 
 
 class Bag:
@@ -55,7 +55,7 @@ def reported(path: Path, topic: str | None = None) -> Iterator[None]:
     except InputError:
         raise
     except ModuleNotFoundError:
-        raise InputError(path, EXTRA) from None
+        raise InputError(path, f"reading bags needs the extra [bags]: {installing('bags')}") from None
     except Exception as error:
         where = path if topic is None else f"{path}, topic {topic}"
         text = " ".join(str(error).split())[:200] or type(error).__name__
