@@ -46,10 +46,8 @@ def shot(index: int, left: NDArray[np.uint8], right: NDArray[np.uint8]) -> Shot:
 def test_what_is_recorded_is_read_again(tmp_path: Path) -> None:
     random = np.random.default_rng(5)
     images = random.integers(0, 256, (4, 2, 48, 64), np.uint8)
-    given = tmp_path / "given.toml"
-    given.write_text(CALIBRATION)
     before_ns = time.time_ns()
-    folder = PairFolder(tmp_path / "pairs", given)
+    folder = PairFolder(tmp_path / "pairs", CALIBRATION)
     shots = [shot(k, left, right) for k, (left, right) in enumerate(images)]
     assert [folder.write(one) for one in shots] == ["000000", "000001", "000002", "000003"]
     folder.close()

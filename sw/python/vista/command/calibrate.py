@@ -52,10 +52,9 @@ from vista.command.source_arguments import (
 from vista.errors import EXIT_OK, InputError
 from vista.geometry import Lens
 from vista.interruption import Interruption
-from vista.live.camera import Cameras
 from vista.live.latest import Latest
 from vista.live.recorder import PairFolder
-from vista.live.source import Shot, newest_shots
+from vista.live.source import Shot, Source, newest_shots
 from vista.output import make_folder, write_atomically
 from vista.sequence import video
 from vista.sequence.image import EXTENSIONS
@@ -152,7 +151,7 @@ def _check_source(arguments: argparse.Namespace) -> None:
             raise InputError(f"--{name.replace('_', '-')}", reason)
 
 
-def collect(cameras: Cameras, board: Board, folder: PairFolder) -> list[Picture]:
+def collect(cameras: Source, board: Board, folder: PairFolder) -> list[Picture]:
     """The pictures that were kept; they are also in the folder. Until nothing is missing, or Ctrl-C."""
     collector, queue, interruption = Collector(board), Latest[Shot](), Interruption()
     asked = ""

@@ -6,7 +6,7 @@ processed: when the machine falls behind, older ones are dropped, and nothing qu
 http://127.0.0.1:8642/ and can be seen on this machine alone. Ctrl-C ends the run.
 
 DEVICE is a number or a path of V4L2 (0, /dev/video0), an address (rtsp://...) or a pipeline of GStreamer, as
-far as the installed OpenCV knows them.
+far as the installed OpenCV knows them; or oak[:SERIAL] or realsense[:SERIAL], which need no --calibration.
 
 TARGET is one of:
   udp:HOST:PORT         where the autopilot, its simulator or a MAVLink router listens
@@ -40,6 +40,7 @@ from vista.live.listeners import Autopilot, Lines
 from vista.live.loop import Listener, LiveLoop, Totals
 from vista.live.page import LivePage
 from vista.live.source import Replay, Source
+from vista.live.stereo_camera import StereoCamera, is_stereo_camera
 from vista.mavlink.link import Link
 from vista.mavlink.transport import open_transport
 from vista.report.labels import counted
@@ -136,7 +137,7 @@ def check_source(arguments: argparse.Namespace) -> None:
     for name, unsaid in of_recording.items():
         if getattr(arguments, name) != unsaid:
             raise InputError(f"--{name}", "goes with a recording, not with --camera")
-    if arguments.calibration is None:
+    if arguments.calibration is None and not is_stereo_camera(arguments.camera[0]):
         raise InputError("--camera", "needs --calibration FILE.toml")
 
 
@@ -149,11 +150,15 @@ def open_replay(arguments: argparse.Namespace) -> tuple[Sequence, Source]:
 
 
 def open_camera(arguments: argparse.Namespace, open_ones: ExitStack) -> tuple[Sequence, Source]:
-    asked = read_size_px(arguments.calibration, read_table(arguments.calibration))
+    path = arguments.calibration
+    asked = None if path is None else read_size_px(path, read_table(path))
     cameras = open_cameras(arguments, asked)
     open_ones.callback(cameras.close)
-    described = read_calibration_file(arguments.calibration, cameras.size_px)
-    return Sequence(" and ".join(arguments.camera), "camera", described.calibration, ()), cameras
+    if path is None and isinstance(cameras, StereoCamera):
+        calibration = cameras.calibration
+    else:
+        calibration = read_calibration_file(path, cameras.size_px).calibration
+    return Sequence(" and ".join(arguments.camera), "camera", calibration, ()), cameras
 
 
 def make_listeners(

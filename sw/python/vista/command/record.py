@@ -5,7 +5,8 @@ day; poses of another recorder can be added as poses.csv. When the disk is too s
 counted. Ctrl-C ends the recording.
 
 DEVICE is a number or a path of V4L2 (0, /dev/video0), an address (rtsp://...) or a pipeline of GStreamer, as
-far as the installed OpenCV knows them.
+far as the installed OpenCV knows them; or oak[:SERIAL] or realsense[:SERIAL], whose own calibration is put
+beside the pairs unless --calibration names another.
 """
 
 from __future__ import annotations
@@ -18,6 +19,8 @@ from pathlib import Path
 
 from tqdm import tqdm
 
+from vista.calibration.formats.toml import written
+from vista.calibration.rig import rig_of
 from vista.command.arguments import not_negative
 from vista.command.source_arguments import (
     add_camera,
@@ -32,6 +35,7 @@ from vista.live.camera import Cameras
 from vista.live.latest import Latest
 from vista.live.recorder import PairFolder
 from vista.live.source import Shot, newest_shots
+from vista.live.stereo_camera import StereoCamera
 from vista.report.labels import counted
 from vista.sequence.pairs import read_calibration_file
 
@@ -62,7 +66,7 @@ def execute(arguments: argparse.Namespace) -> int:
     with closing(open_cameras(arguments)) as cameras:
         if arguments.calibration is not None:
             read_calibration_file(arguments.calibration, cameras.size_px)
-        folder = PairFolder(arguments.out, arguments.calibration)
+        folder = PairFolder(arguments.out, calibration_text(arguments.calibration, cameras))
         interruption, queue = Interruption(), Latest[Shot]()
         try:
             with interruption.watch():
@@ -78,8 +82,15 @@ def execute(arguments: argparse.Namespace) -> int:
     return EXIT_OK
 
 
+def calibration_text(path: Path | None, cameras: Cameras | StereoCamera) -> str | None:
+    """The calibration.toml to put beside the pairs, if there is one."""
+    if path is not None:
+        return path.read_text(encoding="utf-8")
+    return written(rig_of(cameras.calibration)) if isinstance(cameras, StereoCamera) else None
+
+
 def record(
-    cameras: Cameras,
+    cameras: Cameras | StereoCamera,
     queue: Latest[Shot],
     folder: PairFolder,
     arguments: argparse.Namespace,

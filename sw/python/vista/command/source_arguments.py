@@ -8,6 +8,7 @@ from pathlib import Path
 from vista.command.arguments import image_size, not_negative
 from vista.errors import InputError
 from vista.live.camera import PAIR_TOLERANCE_MS, Cameras, Capture
+from vista.live.stereo_camera import StereoCamera, is_stereo_camera
 from vista.sequence.options import BY_ODOMETRY, FRAME_OF_LEFT_CAMERA, NO_POSES, SPLITS, Options
 
 ASKED_SIZE = "which is asked of the devices (default: what they come up with)"
@@ -98,11 +99,19 @@ def add_pair_tolerance(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def open_cameras(arguments: argparse.Namespace, size_px: tuple[int, int] | None = None) -> Cameras:
+def open_cameras(
+    arguments: argparse.Namespace, size_px: tuple[int, int] | None = None
+) -> Cameras | StereoCamera:
     """size_px: of the images of one camera, where --size-px does not say it. Raises InputError for devices
     that do not open or deliver."""
     if len(arguments.camera) > 2:
         raise InputError("--camera", f"takes one device or two, not {len(arguments.camera)}")
+    if is_stereo_camera(arguments.camera[0]):
+        if len(arguments.camera) > 1:
+            raise InputError(arguments.camera[1], f"{arguments.camera[0]} delivers both views by itself")
+        if arguments.pair_tolerance_ms is not None:
+            raise InputError("--pair-tolerance-ms", f"{arguments.camera[0]} pairs its pictures by itself")
+        return StereoCamera(arguments.camera[0], arguments.size_px or size_px)
     tolerance_ms, device_px = arguments.pair_tolerance_ms, arguments.size_px or size_px
     if device_px is not None and len(arguments.camera) == 1:
         device_px = 2 * device_px[0], device_px[1]  # both views side by side

@@ -20,14 +20,14 @@ FAST = [cv2.IMWRITE_PNG_COMPRESSION, 1]  # more takes longer than there is betwe
 class PairFolder:
     """NNNNNN_left.png, NNNNNN_right.png and times.csv, which names a pair once both images are there."""
 
-    def __init__(self, path: Path, calibration: Path | None) -> None:
-        """calibration: a calibration.toml that is put beside the pairs. Raises InputError for a folder that
-        holds anything, and for one that cannot be written."""
+    def __init__(self, path: Path, calibration: str | None) -> None:
+        """calibration: the text of a calibration.toml that is put beside the pairs. Raises InputError for a
+        folder that holds anything, and for one that cannot be written."""
         if path.exists() and (not path.is_dir() or any(path.iterdir())):
             raise InputError(path, "not an empty folder: name one that is new")
         make_folder(path)
         if calibration is not None:
-            write_atomically(path / CALIBRATION, calibration.read_bytes())
+            write_atomically(path / CALIBRATION, calibration.encode())
         self._path, self.pairs = path, 0
         self._times: LineFile | None = None
         # Cameras are timed by a clock that never leaps; poses from elsewhere count by the clock of the day.

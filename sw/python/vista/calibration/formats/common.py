@@ -31,7 +31,7 @@ class Options:
 
 
 def make_camera(
-    path: Path,
+    path: Path | str,
     size: tuple[int, int],
     K: tuple[float, float, float, float],
     distortion: list[float],
@@ -43,7 +43,7 @@ def make_camera(
     return CameraModel(*size, camera_matrix(*K), _known_distortion(path, distortion, lens), lens)
 
 
-def _known_distortion(path: Path, values: list[float], lens: Lens) -> tuple[float, ...]:
+def _known_distortion(path: Path | str, values: list[float], lens: Lens) -> tuple[float, ...]:
     """Without zeros at the end that only fill the places of a longer model."""
     if lens == "fisheye":
         if len(values) != 4:

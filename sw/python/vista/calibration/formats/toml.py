@@ -32,6 +32,11 @@ def read(files: list[File], options: Options) -> Rig:
 
 
 def write(rig: Rig, options: Options) -> dict[str, str]:
+    return {"calibration.toml": written(rig)}
+
+
+def written(rig: Rig) -> str:
+    """The text of calibration.toml."""
     tables = [
         f"size_px = [{rig.left.width}, {rig.left.height}]\n",
         _camera("left", rig.left),
@@ -44,7 +49,7 @@ def write(rig: Rig, options: Options) -> dict[str, str]:
             _pose("body_from_left", rig.frame_from_left),
             _pose("body_from_right", rig.frame_from_right),
         ]
-    return {"calibration.toml": "\n".join(tables)}
+    return "\n".join(tables)
 
 
 def _camera(name: str, camera: CameraModel) -> str:
