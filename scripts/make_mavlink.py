@@ -130,7 +130,7 @@ def head_lines(message: Any, fields: list[Any]) -> list[str]:
 
 
 def received_text(message: Any) -> str:
-    """Of the fields that every version of the message has; none of them is an array."""
+    """Writes the fields that every version of the message has; none of them is an array."""
     name, lines, at = message.name.lower(), [], 0
     fields = message.ordered_fields[: len(message.ordered_fields) - len(extensions(message))]
     for field in fields:

@@ -745,8 +745,8 @@ TABLES: dict[str, dict[str, Callable[[], str]]] = {  # by the figures that they 
 
 
 def all_tables() -> dict[str, Callable[[], str]]:
-    """With those of sampled worlds, of which there are as many as were measured up to now. Below each stands
-    when its figures were measured."""
+    """Names all tables, with those of sampled worlds, of which there are as many as were measured up to now.
+    Below each stands when its figures were measured."""
     made: dict[str, Callable[[], str]] = {
         name: partial(with_origin, source, table)
         for source, tables in TABLES.items()

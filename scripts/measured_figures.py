@@ -182,7 +182,7 @@ def reduce_throughput(raw: Record) -> Record:
 
 
 def reduce_lidar(raw: Record) -> Record:
-    """Without what belongs to single pairs."""
+    """Leaves out what belongs to single pairs."""
     halves = {
         half: {
             "pairs": found["pairs"],
@@ -197,7 +197,7 @@ def reduce_lidar(raw: Record) -> Record:
 
 
 def reduce_worlds(raw: Record) -> Record:
-    """Without the single flights."""
+    """Leaves out the single flights."""
     return {"rules": raw["rules"], "families": rounded_all(raw["families"]), "tables": raw["tables"]}
 
 

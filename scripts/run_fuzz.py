@@ -65,7 +65,7 @@ def fuzz(target: str, *limits: str) -> tuple[Outcome, str]:
 
 
 def read_outcome(target: str, failed: bool, text: str) -> Outcome:
-    """Of what libFuzzer prints."""
+    """Reads what libFuzzer prints."""
 
     def last(pattern: str) -> int:
         found = re.findall(pattern, text)

@@ -100,7 +100,8 @@ class FailingCamera:
 
 
 class Receiver:
-    """Of MAVLink, which is there for a while and then is not; it judges each message when it comes."""
+    """A receiver of MAVLink, which is there for a while and then is not; it judges each message when it
+    comes."""
 
     def __init__(self, camera: FailingCamera, stale_s: float, seed: int) -> None:
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as free:

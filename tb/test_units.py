@@ -126,7 +126,8 @@ def planted(files: list[Path], module: str, right: str, wrong: str, folder: Path
 def test_assertions_stop_the_simulation(
     module: str, right: str, wrong: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Of overflow, handshake and states. Without a fault the benches above pass with the same assertions."""
+    """Assertions of overflow, handshake and states. Without a fault the benches above pass with the same
+    assertions."""
     files = planted(files_of(module), module, right, wrong, tmp_path)
     parameters = next(values for name, values in UNITS if name == module)
     with pytest.raises((RuntimeError, SystemExit)):
@@ -145,7 +146,7 @@ EARLY = [
 def test_a_response_that_comes_before_its_write_has_taken_effect_is_noticed(
     right: str, wrong: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """By the bench: without the properties of the bus, which would stop the simulation first."""
+    """The bench notices it without the properties of the bus, which would stop the simulation first."""
     files = planted(files_of("vista_registers"), "vista_axil", right, wrong, tmp_path)
     files = planted(files, "vista_axil", '`include "vista_axil_properties.svh"', "", tmp_path)
     parameters = next(values for name, values in UNITS if name == "vista_registers")

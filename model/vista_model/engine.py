@@ -87,7 +87,7 @@ def costs(left: Image, right: Image, parameters: Parameters) -> Ints:
 
 
 def last_smallest(S: Ints) -> Ints:
-    """Along the first axis, the index of the smallest; ties go to the larger."""
+    """The index of the smallest along the first axis; ties go to the larger."""
     return (len(S) - 1 - np.argmin(S[::-1], axis=0)).astype(np.int32)
 
 

@@ -35,7 +35,7 @@ def offsets(grid: Grid, height: int, width: int) -> Ints:
 
 
 def sources(grid: Grid, height: int, width: int) -> tuple[Ints, Ints]:
-    """Where every pixel is taken from, X and Y in 1/32 px, inside the image."""
+    """Places that the pixels are taken from, X and Y in 1/32 px, inside the image."""
     offset = offsets(grid, height, width)
     x = np.arange(width, dtype=np.int32)[None, :] * SCALE + offset[..., 0]
     y = np.arange(height, dtype=np.int32)[:, None] * SCALE + offset[..., 1]

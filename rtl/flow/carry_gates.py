@@ -30,7 +30,8 @@ def fold_gates(module: dict[str, Any]) -> int:
 
 
 def fold(adder: Cell, bit: str, cells: dict[str, Cell], gates: dict[int, str], loads: Loads) -> bool:
-    """Into one bit of a carry chain, if one of its operands comes from a gate that nothing else needs."""
+    """Moves a gate into one bit of a carry chain, if one of its operands comes from a gate that nothing else
+    needs."""
     pins, init = adder["connections"], f"INIT{bit}"
     if int(adder["parameters"][init], 2) != ADDITION or (pins[f"C{bit}"], pins[f"D{bit}"]) != (["0"], ["1"]):
         return False

@@ -47,7 +47,7 @@ def loads_of(module: dict[str, Any]) -> Loads:
 
 
 def move(ram: Cell, side: str, cells: dict[str, Cell], loads: Loads) -> bool:
-    """Into one port of a block RAM, if all that it drives are such registers."""
+    """Moves registers into one port of a block RAM, if all that it drives are such registers."""
     connections, parameters = ram["connections"], ram["parameters"]
     outputs = [f"DO{side}{bit}" for bit in range(WIDEST)]
     used = {pin: loads[bit] for pin in outputs for bit in connections.get(pin, []) if loads[bit]}
@@ -72,8 +72,9 @@ def move(ram: Cell, side: str, cells: dict[str, Cell], loads: Loads) -> bool:
 
 
 def move_both(multiplier: Cell, module: dict[str, Any]) -> bool:
-    """Into a multiplier, if registers of one clock are before all of its bits and behind all that are used.
-    With those of one side alone, nextpnr would leave the way through the multiplier out of its timing."""
+    """Moves registers into a multiplier, if those of one clock are before all of its bits and behind all that
+    are used. With those of one side alone, nextpnr would leave the way through the multiplier out of its
+    timing."""
     cells, pins, parameters = module["cells"], multiplier["connections"], multiplier["parameters"]
     loads = loads_of(module)
     drivers = {

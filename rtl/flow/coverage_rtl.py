@@ -87,7 +87,7 @@ def run_frame(rtl: Rtl, seed: int, hit: set[tuple[str, ...]]) -> None:
 
 
 def percentages(data: Path) -> dict[str, tuple[float, int, list[str]]]:
-    """Per kind: covered percent, points waived, points left uncovered."""
+    """The coverage of each kind: percent, points waived, points left uncovered."""
     waivers = [
         re.compile(line.split(" :: ")[0])
         for line in (ROOT / "tb/coverage_waivers.txt").read_text().splitlines()

@@ -173,7 +173,7 @@ def failing_test(target: Target, number: int) -> str | None:
 
 
 def verdict_of(target: Target, number: int) -> str:
-    """Of one mutant; 0 is the netlist without a mutation."""
+    """The verdict on one mutant; 0 is the netlist without a mutation."""
     if target != CORE:
         return failing_test(target, number) or SURVIVES
     with Rtl(CONFIG) as rtl:

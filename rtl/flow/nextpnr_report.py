@@ -12,8 +12,8 @@ KIND = re.compile(r"(_(?=[A-Z][A-Z0-9]{2,})|\$).*")
 
 
 def critical_path(report: Record, clock: str) -> Record:
-    """From one register to the next of the clock of this name: the ends, its length with the set-up time, and
-    how much of that are wires. Empty if nothing lies between two registers of the clock."""
+    """The slowest path from one register to the next of the clock of this name: the ends, its length with the
+    set-up time, and how much of that are wires. Empty if nothing lies between two registers of the clock."""
     paths = [
         found["path"]
         for found in report["critical_paths"]
@@ -40,7 +40,8 @@ def length_ns(path: list[Record]) -> float:
 
 
 def signal(cell: str) -> str:
-    """Of a flattened netlist: the instances it lies in, and the signal if that has a name."""
+    """The place of a cell in a flattened netlist: the instances it lies in, and the signal if that has a
+    name."""
     return KIND.sub("", cell).rstrip(".") or "logic"
 
 

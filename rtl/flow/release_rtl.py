@@ -69,7 +69,7 @@ class Build:
 
     @property
     def path(self) -> Path:
-        """Where the file goes unless it is told."""
+        """The place of the file unless it is told."""
         front_end = f"_r{self.rows}_p{self.points}" * bool(self.rows)
         name = f"{self.top}_d{self.disparities}_b{self.block}_w{self.width}{front_end}.v"
         return BUILD / "release" / name

@@ -49,7 +49,7 @@ class Session:
         self.grids: Grids | tuple[()] = random_grids(rng, ROWS, *shape) if rng.random() < 2 / 3 else ()
 
     def words(self, pair: Pair) -> npt.NDArray[np.int16]:
-        """Of the C model."""
+        """Words of the C model."""
         left, right = pair
         if len(self.grids):
             left, right = (by_grid(grid)(image) for grid, image in zip(self.grids, pair, strict=True))

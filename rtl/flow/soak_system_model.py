@@ -23,7 +23,7 @@ CASES_EACH_JOB = 10
 
 
 def digest() -> str:
-    """Of both sides."""
+    """The digest of both sides."""
     model = [f for side in ("systemc", "c") for f in sorted((ROOT / "model" / side).rglob("*.[ch]*"))]
     files = [*sources("vista_stereo.f"), *model]
     return hashlib.sha256(b"".join(f.read_bytes() for f in files)).hexdigest()

@@ -98,7 +98,8 @@ SETTINGS = f"synth_ecp5; gates in carry chains; registers of cells; --freq 110 {
 
 @dataclass(frozen=True)
 class Result:
-    """Of one build; `mhz` by seed; `path`: the slowest one, of the seed whose clock is the (low) median."""
+    """The result of one build; `mhz` by seed; `path`: the slowest one, of the seed whose clock is the (low)
+    median."""
 
     lut4: int  # of the netlist: logic, carry and memory
     sites: int  # taken once packed: nextpnr adds cells that lead into and out of every carry chain
@@ -120,7 +121,7 @@ class Result:
         return f"{self.median:.1f} ({low:.1f} .. {high:.1f}, {len(self.mhz)} seeds)"
 
     def record(self) -> dict[str, object]:
-        """As rtl/synth/results.json has it."""
+        """The record that rtl/synth/results.json has."""
         used: dict[str, object] = {
             "lut4": self.lut4,
             "sites": self.sites,
@@ -265,7 +266,7 @@ def call(
 
 
 def steps(results: dict[Build, Result]) -> Iterator[tuple[tuple[int, Result], tuple[int, Result]]]:
-    """From each number of disparities to the next larger one, each with its result."""
+    """Pairs each number of disparities with the next larger one, each with its result."""
     alike = {b: r for b, r in results.items() if (b.speed, b.width) == (REFERENCE.speed, REFERENCE.width)}
     sizes = {b.disparities: r for b, r in alike.items()}
     return pairwise(sorted(sizes.items()))

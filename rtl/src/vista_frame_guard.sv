@@ -36,7 +36,7 @@ module vista_frame_guard #(
   output logic             eol_o,
   output logic [DataW-1:0] data_o,
 
-  // Of the frame that is leaving: W - 1, H - 1, and what goes along.
+  // The frame that is leaving: W - 1, H - 1, and what goes along.
   output logic [ColW-1:0]      last_col_o,
   output logic [RowW-1:0]      last_row_o,
   output logic [SideWidth-1:0] side_o,

@@ -17,7 +17,7 @@ module vista_levels #(
   input  logic clk_i,
   input  logic rst_ni,
 
-  // Of the frame at the source, from its first pixel to its last.
+  // Properties of the frame at the source, from its first pixel to its last.
   input  logic [ColW-1:0]      last_col_i,  // W - 1
   input  logic [RowW-1:0]      last_row_i,  // H - 1
   input  logic                 more_i,      // a smaller level follows
@@ -48,7 +48,7 @@ module vista_levels #(
   output logic             eol_o,
   output logic [DataW-1:0] data_o,
 
-  // Of the level that is leaving; they change when its first pixel is offered.
+  // Properties of the level that is leaving; they change when its first pixel is offered.
   output logic [1:0]           level_o,
   output logic [ColW:0]        width_o,
   output logic [RowW-1:0]      height_o,

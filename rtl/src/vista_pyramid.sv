@@ -59,7 +59,7 @@ module vista_pyramid #(
   output logic             m_axis_tuser,
   output logic             m_axis_tlast,
 
-  // Of the level that is leaving; they change when its first pixel is offered.
+  // Properties of the level that is leaving; they change when its first pixel is offered.
   output logic [1:0]           level_o,
   output logic [ColW:0]        width_o,
   output logic [RowW-1:0]      height_o,

@@ -48,7 +48,7 @@ module vista_rectify #(
   output logic                m_axis_tuser,
   output logic                m_axis_tlast,
 
-  // Of the frame that is leaving; they change when its first pixel is offered.
+  // Properties of the frame that is leaving; they change when its first pixel is offered.
   output logic [ColW:0]        width_o,
   output logic [RowW-1:0]      height_o,
   output logic [SideWidth-1:0] side_o,

@@ -40,7 +40,7 @@ module vista_rectify_rows #(
   output logic [NumberW-1:0] needed_o,  // the number of the last row that the next row needs
   input  logic               cut_i,     // that row has filler in it
 
-  // To the control points, and their values.
+  // Requests to the control points, and their values.
   output logic             on_o,
   output logic [StepW-1:0] j_o,
   output logic [PointW:0]  addr_o,

@@ -2,8 +2,9 @@
 // The registers behind AXI4-Lite (rtl/csr/registers.md), and what they make of them: the set of parameters in force, the
 // resets of what is behind them, maps on their way in, counters, errors and the interrupt.
 //
-// A write has taken effect when its response comes, 3 clocks after its request: a soft reset is over then, and the enable
-// and the set in force are those that the first pixel of a frame meets which is offered in the clock of the response.
+// A write has taken effect when its response comes, 3 clocks after its request. A soft reset is over by then. A frame
+// whose first pixel is offered in the clock of the response is already subject to what was written: the enable bit, and
+// the set of parameters that was committed.
 
 module vista_registers #(
   parameter int unsigned NumDisparities = 32,

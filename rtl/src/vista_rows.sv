@@ -37,7 +37,7 @@ module vista_rows #(
   output logic [DataW-1:0]               below_o,  // row m+1
   output logic [NumRows-1:0][DataW-1:0]  row_o,    // row m, m-1 ..
 
-  // Of the frame being stored; while the first slot of a frame is out, and for 2 clocks more, of that frame.
+  // Properties of the frame being stored; while the first slot of a frame is out, and for 2 clocks more, of that one.
   output logic [ColW:0]        width_o,
   output logic [RowW-1:0]      height_o,
   output logic [SideWidth-1:0] side_o,

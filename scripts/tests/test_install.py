@@ -25,7 +25,7 @@ BINDINGS = {"vista": "vista_abi", "vista_engine": "vista_engine_abi"}
 
 
 def run(*command: object, cwd: Path, **variables: str) -> subprocess.CompletedProcess[str]:
-    """In an environment that names no library and no outer make."""
+    """Runs a command in an environment that names no library and no outer make."""
     environment = {"PATH": os.environ["PATH"], "HOME": os.environ.get("HOME", "/")} | variables
     arguments = [str(part) for part in command]
     return subprocess.run(arguments, cwd=cwd, env=environment, capture_output=True, text=True, timeout=300)

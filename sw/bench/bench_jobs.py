@@ -49,7 +49,7 @@ def measured(work: Callable[[], Any], pids: dict[str, int]) -> dict[str, float]:
 
 
 def per_job_ms(place: Place, count: int, pids: dict[str, int]) -> dict[str, float]:
-    """From the difference of many jobs and a few, so that the start does not count."""
+    """Times a job by the difference of many jobs and a few, so that the start does not count."""
     few = count // 10
     work = [partial(run, jobs_of(job_examples.small_row, range(n)), place) for n in (few, count)]
     work[0]()  # modules are loaded
@@ -58,7 +58,7 @@ def per_job_ms(place: Place, count: int, pids: dict[str, int]) -> dict[str, floa
 
 
 def start_ms() -> float:
-    """Of two processes that come at the same time."""
+    """Times two processes that come at the same time."""
     spent = measured(partial(run, jobs_of(job_examples.small_row, range(2)), Place(2)), {})
     return round(1e3 * spent["wall"], 0)
 
@@ -71,7 +71,7 @@ def kept_ms(count: int) -> dict[str, float]:
 
 
 def look_ms() -> float:
-    """Of one file of a recording on a local disk."""
+    """Times the look at one file of a recording on a local disk."""
     with tempfile.TemporaryDirectory() as folder:
         for k in range(FILES):
             Path(folder, f"{k:06d}_left.png").write_bytes(b"x")

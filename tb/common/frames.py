@@ -134,7 +134,7 @@ def expected_flags(height: int, width: int, narrow: bool = False) -> npt.NDArray
 
 
 def register_values(frame: Frame) -> dict[int, int]:
-    """By address, what is written for a frame, the commit last."""
+    """Values that are written for a frame, by address, the commit last."""
     height, width = frame.shape
     p = frame.parameters
     return {

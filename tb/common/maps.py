@@ -11,7 +11,7 @@ Grids = npt.NDArray[np.int16]  # camera, row and column of the control point, (d
 
 
 def random_grids(rng: np.random.Generator, buffer_rows: int, height: int, width: int) -> Grids:
-    """Of both cameras: smooth, rough or extreme, at both ends of what the line buffer reaches."""
+    """Draws grids of both cameras: smooth, rough or extreme, at both ends of what the line buffer reaches."""
     shape = (2, *grid_shape(height, width), 2)
     lowest, highest = -32 * reach(buffer_rows), 32 * reach(buffer_rows) + 31
     grids = np.empty(shape, np.int16)

@@ -90,7 +90,7 @@ class RawFrame:
 
 
 def map_writes(grids: Grids) -> list[tuple[int, int]]:
-    """Of the size in SIZE."""
+    """Writes that load the maps of the size in SIZE."""
     return [(MAP, BEGIN_LOAD), *((MAP_POINT, word) for word in words_of(grids))]
 
 

@@ -1,4 +1,4 @@
-"""Where the simulator is, and the sources of the engine."""
+"""Places of the simulator and of the sources of the engine."""
 
 from __future__ import annotations
 

@@ -215,7 +215,7 @@ class Memory:
 
 
 def memory_for(segments: list[Segment]) -> Memory:
-    """As large as the largest level 1 and no larger."""
+    """Makes a memory as large as the largest level 1 and no larger."""
     return Memory(max((s.width + 1) // 2 * ((s.height + 1) // 2) for s in segments))
 
 
@@ -256,7 +256,7 @@ class Driver:
     async def run(
         self, segments: list[Segment], offered: float, taken: float, stop_after: int | None = None
     ) -> Seen:
-        """Until nothing has moved for long, or so many beats were taken."""
+        """Runs until nothing has moved for long, or so many beats were taken."""
         dut, dice, seen = self.dut, self.dice, Seen()
         if hasattr(dut, "store_axis_tready"):
             self.memory = memory_for(segments)

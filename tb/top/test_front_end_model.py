@@ -22,7 +22,7 @@ SEEDS = [int(os.environ["VISTA_SEED"])] if "VISTA_SEED" in os.environ else range
 
 
 def model_clocks(width: int, height: int, levels: int) -> int:
-    """From the first pixel that is asked for to the last word, with memory that is never late."""
+    """Clocks from the first pixel that is asked for to the last word, with memory that is never late."""
     settings = {
         "width_px": width, "height_px": height, "disparities": FRONT_END.num_disparities,
         "block_px": FRONT_END.block_size, "max_width_px": FRONT_END.max_width,

@@ -20,7 +20,7 @@ SEEN = 0.75  # of the inverted cells, at least
 
 
 def differing_words(rtl: Rtl, seed: int) -> int:
-    """Of one random frame, at random paces; a word that is missing differs."""
+    """Counts differing words of one random frame, at random paces; a word that is missing differs."""
     rng = np.random.default_rng(seed)
     frame = random_frame(rng, CONFIG.num_disparities, CONFIG.block_size, LARGEST)
     frame.narrow = bool(rng.random() < 0.3)

@@ -76,7 +76,8 @@ def reset_inside_a_frame(rtl: Rtl, rng: np.random.Generator) -> None:
 
 
 def raw_frames(rtl: Rtl, rng: np.random.Generator, count: int) -> None:
-    """Through the whole front end: size, switches, levels, parameters and map of each are its own."""
+    """Drives raw frames through the whole front end: size, switches, levels, parameters and map of each are
+    its own."""
     rtl.write(CONTROL, ENABLE)
     for seed in range(count):
         frame = random_raw_frame(rng)
@@ -165,7 +166,7 @@ def test_release_gives_the_same_in_every_clock_and_no_x(config: Config, tmp_path
     ids=["core", "front_end"],
 )
 def test_reference_build_is_read_by_yosys_and_icarus(config: Config, memories: int, tmp_path: Path) -> None:
-    """By Yosys' own front end, not by slang; what it reads has no open ends and all of the memories."""
+    """Yosys' own front end reads it, not slang; what it reads has no open ends and all of the memories."""
     design, top = released(config), build_of(config).top
     script = f"proc; check -assert; memory_collect; select -assert-count {memories} t:$mem_v2"
     read = f"read_verilog {design.name}; hierarchy -check -top {top}; {script}"

@@ -58,7 +58,7 @@ def test_frames_back_to_back_take_one_clock_a_pixel(config: Config, odd: int) ->
 
 
 def test_a_stall_delays_words_but_loses_no_pace() -> None:
-    """Beyond the clocks in which the reader pauses, words wait no longer than they do without pauses."""
+    """Words wait, beyond the clocks in which the reader pauses, no longer than they do without pauses."""
     config = Config(16, 5)
     rng = np.random.default_rng(5)
     frame = Frame(*rng.integers(0, 256, (2, 40, 200), np.uint8), random_parameters(rng, 16, 5))

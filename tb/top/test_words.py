@@ -76,7 +76,7 @@ def test_frame_as_wide_as_the_memories(max_width: int) -> None:
 
 
 def frames_of_any_size(rng: np.random.Generator, config: Config, count: int) -> list[Frame]:
-    """From 4x2 pixels on, each with parameters of its own."""
+    """Draws frames from 4x2 pixels on, each with parameters of its own."""
     narrowest = config.num_disparities + 2 * (config.block_size // 2)
     frames = []
     for _ in range(count):

@@ -32,7 +32,7 @@ def received(frame):
 
 
 def expected_words(segment, frame, parameters):
-    """Of all levels of a frame; one that is cut is cut in each block where what came ends."""
+    """Words of all levels of a frame; one that is cut is cut in each block where what came ends."""
     option = segment.option
     straight = sent(replace(segment, option=option & RECTIFY), frame)
     words = []

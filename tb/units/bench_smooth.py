@@ -25,7 +25,8 @@ LATENCY = 9
 
 
 def expected(segments):
-    """With smoothing off a frame passes as it is, but is cut where smoothed pixels would end."""
+    """Frames that are expected. One with smoothing off passes as it is, but is cut where smoothed pixels
+    would end."""
     return [
         filtered(
             Frame(s.width, s.height, frame.pixels, frame.whole, side=s.side),

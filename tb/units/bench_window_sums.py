@@ -35,7 +35,7 @@ async def sums_of(dut, columns, pause, upset=None):
 
 
 def expected(columns):
-    """Of the columns from FIRST on."""
+    """Sums of the columns from FIRST on."""
     blocks = np.lib.stride_tricks.sliding_window_view(columns, B, 1).sum(-1)
     return blocks[:, FIRST - (B - 1) :]
 

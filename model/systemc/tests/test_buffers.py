@@ -11,7 +11,7 @@ pytestmark = pytest.mark.native
 
 
 def rate_hz(output: dict[str, Any]) -> float:
-    """Of the frames delivered, start-up left out."""
+    """The rate of the frames delivered, start-up left out."""
     ends = [f["host_end_ns"] for f in delivered(output)][2:]
     return 1e9 * (len(ends) - 1) / (ends[-1] - ends[0])
 

@@ -16,7 +16,7 @@ pytestmark = pytest.mark.native
 
 
 def pipeline_clocks() -> dict[int, int]:
-    """By number of disparities, of the table in doc/rtl.md."""
+    """Clocks by number of disparities, of the table in doc/rtl.md."""
     text = (ROOT / "doc" / "rtl.md").read_text()
     row = re.search(r"\*\*in all\*\*, D = ([\d, ]+) \| \*\*([\d, ]+)\*\*", text)
     assert row

@@ -16,7 +16,7 @@ CLOCK_HZ = 10e6
 
 
 def clocks(**keys: object) -> list[float]:
-    """From the first burst that is fetched to the last word in memory, of each frame."""
+    """Clocks from the first burst that is fetched to the last word in memory, of each frame."""
     output = simulate(**SIDE, engine_clock_hz=CLOCK_HZ, **keys)
     return [(f["result_end_ns"] - f["fetch_start_ns"]) * CLOCK_HZ / 1e9 for f in delivered(output)]
 
@@ -109,7 +109,7 @@ def test_a_slow_memory_slows_a_board() -> None:
 
 @pytest.mark.parametrize("result_bytes", [2, 4])
 def test_a_board_changes_no_word(result_bytes: int) -> None:
-    """Of a build without front end, the words of which are known."""
+    """Compares a build without front end, the words of which are known."""
     plain = BOARD | {"rectify_rows": 0, "compute_words": "on", "result_bytes_px": result_bytes, "frames": 12}
     alone = plain | {"memory_clock_hz": 0, "camera_pixel_clock_hz": 1e6}
     crc = {f["frame"]: f["words_crc32"] for f in delivered(simulate(**alone))}

@@ -11,7 +11,7 @@ import pytest
 
 
 def seeds(monkeypatch: pytest.MonkeyPatch, reached_mhz: dict[int, float | None]) -> None:
-    """In place of place and route: what each seed reaches of 45 MHz; None: it does not come to an end."""
+    """Replaces place and route: what each seed reaches of 45 MHz; None: it does not come to an end."""
 
     def place_and_route(folder: Path, seed: int, timeout_s: float) -> dict[str, Any]:
         reached = reached_mhz[seed]

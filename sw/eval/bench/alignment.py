@@ -112,7 +112,7 @@ def fly(one: Recording, turn: Turn) -> dict[int, Measured]:
 
 
 def uncorrected_rows_px(one: Recording) -> np.ndarray:
-    """Without any turn, of the last frame that is looked at."""
+    """Rows of the last frame that is looked at, without any turn."""
     frame = Rectifier(one.calibration).rectify(Frame(0, 0, *one.pairs(BEFORE + LOOKED_AT[-1]), None))
     return sift_rows_px(frame.left, frame.right)
 

@@ -89,7 +89,7 @@ def opencv(name: str, matcher: cv2.StereoMatcher) -> Callable[[Image, Image], di
 
 
 def block_matcher(check: bool) -> cv2.StereoBM:
-    """With the parameters of the engine; its own left/right check on or off."""
+    """A block matcher with the parameters of the engine; its own left/right check on or off."""
     stereo = engine_parameters(parameters.defaults())
     matcher = cv2.StereoBM.create(DISPARITIES, stereo.block_size)
     matcher.setPreFilterType(cv2.STEREO_BM_PREFILTER_XSOBEL)
@@ -130,7 +130,7 @@ def read_truth(path: Path) -> Pixels:
 
 
 def evaluate(folder: Path, half: str | None) -> dict[str, dict[str, Quality]]:
-    """By method: of all measured pixels, of those that level 0 can see, and of those nearer."""
+    """Quality by method: of all measured pixels, of those that level 0 can see, and of those nearer."""
     methods = [
         vista_levels(smooth=False),
         vista_levels(smooth=True),

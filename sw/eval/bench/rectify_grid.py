@@ -47,7 +47,8 @@ def summary(errors: NDArray[np.float64], digits: int) -> dict[str, float]:
 
 
 def served(grid: Grid, height: int, width: int) -> dict[str, dict[str, float | bool]]:
-    """By rows of a line buffer: the share of pixels that it serves, and whether it takes the whole grid."""
+    """The service of line buffers, by their rows: the share of pixels that it serves, and whether it takes
+    the whole grid."""
     y = sources(grid, height, width)[1] // SCALE - np.arange(height)[:, None]
     return {
         str(rows): {

@@ -63,7 +63,7 @@ def judge(detectors: Detectors, pair: TruthPair, points: Points) -> Counts:
 
 
 def measure(source: PairSource) -> dict[str, Counts] | None:
-    """By what is left out; None: the pair shows no road."""
+    """Counts by what is left out; None: the pair shows no road."""
     pair = source.read()
     points = points_of(LIDAR, pair)
     if points is None:

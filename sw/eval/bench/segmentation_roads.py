@@ -166,7 +166,7 @@ def of_partitions(scores: list[PartitionScore], shipped: list[PartitionScore]) -
 
 
 def of_quotient(part: str, whole: str, rows: list[Counts], shipped: list[Counts]) -> Figure:
-    """Of the sums over flights or pairs."""
+    """The quotient of the sums over flights or pairs."""
     counts = np.array([[[row[part], row[whole]] for row in both] for both in (rows, shipped)], np.float64)
     drawn = np.random.default_rng(0).multinomial(len(rows), np.full(len(rows), 1.0 / len(rows)), RESAMPLES)
     with np.errstate(invalid="ignore", divide="ignore"):

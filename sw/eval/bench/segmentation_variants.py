@@ -158,7 +158,7 @@ def measured_row(folder: Path, name: str) -> dict[str, Any]:
 
 
 def baseline_rows(folder: Path) -> list[dict[str, Any]]:
-    """Of the reference methods and of the grid's own limit."""
+    """Rows of the reference methods and of the grid's own limit."""
     found: dict[str, dict[str, Any]] = {}
     for split in SPLITS:
         scenes = read_scenes(folder, split)

@@ -83,8 +83,8 @@ VISTA_API void vista_correction_reset(vista_correction *correction);
 VISTA_API vista_status vista_correction_update(vista_correction *correction, const vista_image *left,
                                                const vista_image *right, int64_t t_ns, vista_alignment_result *result);
 
-/* After an update that changed the table: what rectifies cannot follow it, as a line buffer that has too few rows. The
- * table is that of before, and the state VISTA_ALIGNMENT_BEYOND. */
+/* Takes back the table that an update has changed, because what rectifies cannot follow it, such as a line buffer that
+ * has too few rows. The table is that of before, and the state VISTA_ALIGNMENT_BEYOND. */
 VISTA_API void vista_correction_refuse(vista_correction *correction, vista_alignment_result *result);
 
 /* How the right image of the next pair is to be rectified; valid until the update after the next. */

@@ -91,7 +91,7 @@ typedef struct vista_nearest_collision {
   double covariance_m2[9]; /* of position_m, row-major: that of the obstacle, and of which point of it is met first */
 } vista_nearest_collision;
 
-/* Where the camera's pose in this frame comes from. */
+/* The source of the camera's pose in this frame. */
 typedef enum vista_motion_source {
   VISTA_MOTION_UNTOLD = 0, /* no pose so far: the world is the camera of the first frame */
   VISTA_MOTION_POSE, /* the frame has a pose */

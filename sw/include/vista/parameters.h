@@ -221,7 +221,7 @@ typedef struct vista_obstacle_map_params {
   unsigned char reserved[136];
 } vista_obstacle_map_params;
 
-/* When a view tells too little. */
+/* Limits below which a view tells too little. */
 typedef struct vista_health_params {
   double degraded_fraction; /* A frame is degraded when less than this of the pixels that can be matched has a disparity; in a noisy image one that another one, a block away, agrees with. 0.0 .. 1.0. */
   double blind_fraction; /* With less than this it is blind. 0.0 .. 1.0. At most degraded_fraction. */
@@ -245,7 +245,7 @@ typedef struct vista_words_params {
   unsigned char reserved[192];
 } vista_words_params;
 
-/* Where the flight path meets the ground (extension of the paper). */
+/* Ground that the flight path meets (extension of the paper). */
 typedef struct vista_terrain_params {
   double lean_min_deg; /* A surface below the path that leans more than this from the vertical is ground; steeper ones are things that stand. 0.0 .. 90.0 deg. */
   double angle_min_deg; /* The path meets the ground when it descends on it at this angle at least; at less it is flown along. 0.1 .. 90.0 deg. */
@@ -289,7 +289,7 @@ typedef struct vista_host_params {
 /* Whose rules the messages follow: OBSTACLE_DISTANCE with unknown sectors, or OBSTACLE_DISTANCE_3D and silence. */
 typedef enum vista_mavlink_autopilot { VISTA_MAVLINK_AUTOPILOT_PX4, VISTA_MAVLINK_AUTOPILOT_ARDUPILOT } vista_mavlink_autopilot;
 
-/* Of 5 degrees, or of 10 for versions of PX4 whose own map has 36: of 72 these read every second one only. */
+/* 72 sectors of 5 degrees, or 36 of 10 for versions of PX4 whose own map has 36: of 72 these read every second one only. */
 typedef enum vista_mavlink_sectors { VISTA_MAVLINK_SECTORS_72, VISTA_MAVLINK_SECTORS_36 } vista_mavlink_sectors;
 
 /* What an autopilot is told: vista mavlink, vista/mavlink.h. */
@@ -303,7 +303,7 @@ typedef struct vista_mavlink_params {
   double min_distance_m; /* What is nearer, or too near to match, is reported at this distance, never at 0. 0.05 .. 100.0 m. At most max_distance_m. */
   double max_distance_m; /* What is farther is not reported. Clear means: seen to be free up to here, which is at most obstacle_map.collision_length_m. 1.0 .. 655.0 m. */
   double half_height_m; /* Sectors are about what reaches into the slice so far above and below the height of the camera. 0.0 .. 1000.0 m. */
-  vista_mavlink_sectors sectors; /* Of 5 degrees, or of 10 for versions of PX4 whose own map has 36: of 72 these read every second one only. */
+  vista_mavlink_sectors sectors; /* 72 sectors of 5 degrees, or 36 of 10 for versions of PX4 whose own map has 36: of 72 these read every second one only. */
   double angle_offset_deg; /* Where the middle of sector 0 is, to the right from forward: a multiple of a sector. Some receivers ignore it. -180.0 .. 180.0 deg. */
   double stale_s; /* A frame that is older tells nothing any more. 0.05 .. 0.5 s. */
   unsigned char reserved[168];

@@ -28,7 +28,7 @@ VISTA_BEGIN
 #define VISTA_SHARED_SLOTS 3
 #define VISTA_SHARED_PIXELS 192 /* where the images begin in a slot */
 
-/* At the beginning of the memory. */
+/* The beginning of the memory. */
 typedef struct vista_shared_head {
   char magic[8]; /* "VISTASHM" */
   uint32_t version, width_px, height_px, slot_bytes;

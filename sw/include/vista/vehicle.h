@@ -43,7 +43,7 @@ typedef struct vista_vehicle_position {
   double position_m[3], velocity_m_s[3]; /* NED */
 } vista_vehicle_position;
 
-/* In memory of the caller. Its members are the library's own. */
+/* What is known of the vehicle's motion, in memory of the caller. Its members are the library's own. */
 typedef struct vista_vehicle {
   double body_from_camera[9];
   int32_t system_id;

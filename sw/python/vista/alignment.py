@@ -17,8 +17,8 @@ from vista.health.finding import State as Health
 
 @dataclass(frozen=True)
 class Turn:
-    """Of the right camera against its calibration: positive pitch looks up, positive roll lowers the right
-    side. A vertical shift of its image counts as pitch."""
+    """The turn of the right camera against its calibration: positive pitch looks up, positive roll lowers the
+    right side. A vertical shift of its image counts as pitch."""
 
     pitch_rad: float = 0.0
     roll_rad: float = 0.0
@@ -65,7 +65,7 @@ class Alignment:
 
 
 class Estimator:
-    """For one pair of cameras."""
+    """Finds the turn of the right camera of one pair, from one pair of images to the next."""
 
     def __init__(self, camera: Calibration, values: parameters.Values | None = None) -> None:
         """ValueError for images that are too small."""
@@ -112,7 +112,7 @@ def c_images(ffi: Any, *images: NDArray[np.uint8]) -> list[Any]:
 
 
 def outcome(ffi: Any, lib: Any, result: Any) -> Alignment:
-    """Of a vista_alignment_result."""
+    """Reads a vista_alignment_result."""
     health = ffi.new("vista_health *")
     lib.vista_alignment_judge(result, health)
     return Alignment(

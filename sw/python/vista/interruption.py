@@ -12,7 +12,8 @@ from typing import Any
 
 @contextmanager
 def stopping_at_once() -> Iterator[None]:
-    """While modules load: there, the exception of a Ctrl-C could be taken for a module that fails to load."""
+    """Ends the process at Ctrl-C while modules load, where an exception could be taken for a module that
+    fails."""
     before = signal.signal(signal.SIGINT, _stop)
     try:
         yield

@@ -13,7 +13,7 @@ from vista.geometry import Array, CameraModel, Pose
 def rectifying_map(
     camera: CameraModel, R: Array, P: Array, size: tuple[int, int], kind: int
 ) -> tuple[Any, Any]:
-    """Where each pixel of the rectified image lies in the raw one: cv2.initUndistortRectifyMap of the lens.
+    """The place of each pixel of the rectified image in the raw one: cv2.initUndistortRectifyMap of the lens.
 
     kind: cv2.CV_16SC2 or cv2.CV_32FC1."""
     make = cv2.fisheye.initUndistortRectifyMap if camera.lens == "fisheye" else cv2.initUndistortRectifyMap

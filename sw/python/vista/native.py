@@ -16,7 +16,8 @@ CHECKOUT = _ROOT if _PACKAGE == _ROOT / "sw" / "python" / "vista" else None  # t
 
 
 def build_folder() -> Path:
-    """Of the checkout. VISTA_BUILD names another for what is built otherwise, as for the sanitizers."""
+    """The build folder of the checkout. VISTA_BUILD names another for what is built otherwise, as for the
+    sanitizers."""
     return _ROOT / os.environ.get("VISTA_BUILD", "build")
 
 
@@ -38,12 +39,12 @@ def load_as(name: str, binding: str, make: Callable[[Path, str], None]) -> tuple
 
 
 def library_path(name: str) -> Path:
-    """Of lib<name>.so as load() finds it; ImportError when it has not been built."""
+    """The path of lib<name>.so as load() finds it; ImportError when it has not been built."""
     return _find(name, name, build_folder())[0]
 
 
 def program_path(name: str) -> Path:
-    """Of a program of a checkout; ImportError when it has not been built."""
+    """The path of a program of a checkout; ImportError when it has not been built."""
     path = build_folder() / "bin" / name
     if not (CHECKOUT and path.is_file()):
         raise ImportError(f"the program {name} is not built: it needs a checkout of VISTA and `make systemc`")

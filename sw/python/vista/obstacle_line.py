@@ -26,7 +26,7 @@ def schema_text() -> str:
 
 
 def version() -> int:
-    """Of the lines."""
+    """The version of the lines."""
     return int(native.load("vista")[1].VISTA_LINE_VERSION)
 
 

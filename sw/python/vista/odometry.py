@@ -136,7 +136,7 @@ class StereoOdometry:
 def _follow(
     before: Grey, now: Grey, pixels: NDArray[np.float32]
 ) -> tuple[NDArray[np.float32], NDArray[np.bool_]]:
-    """Where the pixels are now, and of which that is sure: followed back, they arrive where they started."""
+    """Follows the pixels, and says of which that is sure: followed back, they arrive where they started."""
     follow = partial(
         cv2.calcOpticalFlowPyrLK,
         nextPts=None,

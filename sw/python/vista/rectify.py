@@ -108,7 +108,7 @@ class Rectifier:
         self.calibration = _calibration(raw.left, left[1], float(-right[1][0, 3] / right[1][0, 0]))
 
     def align(self, turn: Turn, table: Map | Grid | None) -> None:
-        """From now on rectifies right images by the table, which is for a camera that has turned like this.
+        """Rectifies right images by the table from now on, which is for a camera that has turned like this.
         None: by that of the calibration.
 
         InputError, and nothing has changed, when the line buffer has too few rows for it."""
@@ -217,7 +217,7 @@ def _fitting_grid(camera: CameraModel, R: Array, P: Array, buffer_rows: int, sou
 
 
 def exact_map(camera: CameraModel, R: Array, P: Array) -> Map:
-    """Where each rectified pixel lies in the raw image: whole pixels, and index of the fractions."""
+    """The place of each rectified pixel in the raw image: whole pixels, and index of the fractions."""
     whole, fraction = rectifying_map(camera, R, P, (camera.width, camera.height), cv2.CV_16SC2)
     return np.asarray(whole, np.int16), np.asarray(fraction, np.uint16)
 

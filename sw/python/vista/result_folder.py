@@ -23,7 +23,7 @@ JPEG_QUALITY = 88
 
 
 def encoded(picture: NDArray[np.uint8]) -> bytes:
-    """As JPEG."""
+    """Encodes a picture as JPEG."""
     return bytes(cv2.imencode(".jpg", picture, [cv2.IMWRITE_JPEG_QUALITY, JPEG_QUALITY])[1])
 
 

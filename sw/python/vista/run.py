@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Outputs:
-    """Where the results of each frame go."""
+    """Receivers of the results of each frame."""
 
     folder: ResultFolder
     overlay: Overlay | None  # None: no pictures

@@ -49,7 +49,7 @@ class SharedFrames:
         self._lib.vista_shared_frames_destroy(self._ring)
 
     def _image(self, image: NDArray[np.uint8]) -> tuple[Any, Any]:
-        """In C, and what it points to."""
+        """Makes the image for C, and what it points to."""
         pixels = self._ffi.from_buffer("uint8_t[]", np.ascontiguousarray(image, np.uint8))
         height, width = image.shape
         return self._ffi.new("vista_image *", (pixels, width, height, width)), pixels

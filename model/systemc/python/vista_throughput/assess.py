@@ -48,7 +48,8 @@ class Answer:
 
 @dataclass(frozen=True)
 class Sweeps:
-    """By clock, of this build; by disparities, at this clock; by disparities, each at its routed clock."""
+    """Rates by clock, of this build; by disparities, at this clock; by disparities, each at its routed
+    clock."""
 
     clock: list[Point]
     disparities: list[Point]

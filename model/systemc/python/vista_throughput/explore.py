@@ -111,7 +111,7 @@ def engine_rate_hz(simulator: Simulator, config: SystemConfig) -> float:
 
 
 def clock_needed(simulator: Simulator, config: SystemConfig) -> ClockNeeded | None:
-    """For the camera's rate, host left out; None if memory does not let any clock do it."""
+    """The clock that the camera's rate needs, host left out; None if memory does not let any clock do it."""
 
     def rate(clock_hz: float) -> float:
         return engine_rate_hz(simulator, replace(config, engine_clock_hz=clock_hz))

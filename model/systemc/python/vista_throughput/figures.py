@@ -113,7 +113,7 @@ def _percentiles(values: np.ndarray) -> tuple[float, float]:
 
 
 def busiest(run: Run) -> str:
-    """Of engine, memory, link and host."""
+    """Names which of engine, memory, link and host is busiest."""
     output = run.output
     return max(
         {

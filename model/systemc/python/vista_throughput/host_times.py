@@ -44,7 +44,7 @@ class HostTimes:
 
 
 def synthetic_host_times(width_px: int, height_px: int, engine: EngineParameters, seed: int) -> HostTimes:
-    """On frames drawn for it, of any size."""
+    """Measures the host on frames drawn for it, of any size."""
     frames = scene.synthetic_frames(width_px, height_px, MAX_FRAMES // 2 + WARM_UP_FRAMES, seed)
     stage_ms = _measure(frames, scene.calibration(width_px, height_px), engine, np.array([0.0, -1.0, 0.0]))
     count = len(next(iter(stage_ms.values())))
@@ -52,7 +52,7 @@ def synthetic_host_times(width_px: int, height_px: int, engine: EngineParameters
 
 
 def sequence_host_times(path: Path, width_px: int, height_px: int, engine: EngineParameters) -> HostTimes:
-    """On the first frames of a sequence. Raises InputError when its size is another one."""
+    """Measures the host on the first frames of a sequence. Raises InputError when its size is another one."""
     sequence = open_sequence(path)
     rectifier = Rectifier(sequence.calibration)
     size = rectifier.calibration.width, rectifier.calibration.height

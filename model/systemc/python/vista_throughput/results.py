@@ -20,7 +20,8 @@ JSON, PAGE, TIMELINE, SWEEP = "throughput.json", "report.html", "timeline.png", 
 
 
 def check_folder(folder: Path) -> None:
-    """Before minutes are spent. Raises InputError for a file, or a folder that holds anything else."""
+    """Checks the folder before minutes are spent. Raises InputError for a file, or a folder that holds
+    anything else."""
     if not folder.exists():
         return
     if not folder.is_dir():

@@ -52,12 +52,12 @@ class SystemConfig:
 
     @property
     def readout_pixel_clocks(self) -> int:
-        """Of one frame, blanking included."""
+        """Pixel clocks of one frame, blanking included."""
         columns = self.width_px + self.camera_horizontal_blanking_px
         return columns * (self.height_px + self.camera_vertical_blanking_lines)
 
     def text(self) -> str:
-        """As build/bin/vista_system reads it."""
+        """The text that build/bin/vista_system reads."""
         lines = []
         for name in (f.name for f in fields(self) if f.name not in ("rectify_ms", "host_stage_ms")):
             value = getattr(self, name)

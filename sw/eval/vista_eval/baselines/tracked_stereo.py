@@ -146,7 +146,7 @@ class ThresholdedWords:
     def clusters(
         self, stages: Stages, moved: Moved, pair: Frame
     ) -> Iterator[tuple[Disparity, Any, list[int]]]:
-        """Of each setting: words, clusters as regions, pixels of each."""
+        """Yields for each setting its words, their clusters as regions, and the pixels of each cluster."""
         inside = InVolume(stages, moved)
         for engine in self._engines:
             words, smin = engine.compute_with_smin(pair.left, pair.right)

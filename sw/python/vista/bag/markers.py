@@ -20,7 +20,7 @@ Triple = tuple[float, float, float]
 
 
 def markers(messages: Messages, record: FrameRecord) -> Any:
-    """Of the confirmed obstacles; those of the frame before are deleted."""
+    """Makes markers of the confirmed obstacles; those of the frame before are deleted."""
     made = [_marker(messages, record.t_ns, 0, action=DELETEALL)]
     for number, board in enumerate(boards(record)):
         made.append(

@@ -34,7 +34,7 @@ class Board:
 
 
 def boards(record: FrameRecord) -> list[Board]:
-    """Of the confirmed obstacles."""
+    """Makes a board for each confirmed obstacle."""
     camera_from_world = (record.world_from_camera or Pose()).inverse()
     return [
         _board(obstacle, camera_from_world)
@@ -146,7 +146,7 @@ class Scene:
     def _ellipsoid(
         self, position_m: Array, covariance_m2: Array, colour: tuple[float, float, float]
     ) -> list[Any]:
-        """Of one sigma; none where there is no covariance."""
+        """Makes the ellipsoid of one sigma; none where there is no covariance."""
         if not np.all(np.isfinite(covariance_m2)):
             return []
         variances_m2, axes = np.linalg.eigh(covariance_m2)

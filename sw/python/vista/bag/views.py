@@ -32,7 +32,7 @@ def image(messages: Messages, t_ns: int, pixels: NDArray[Any], encoding: str) ->
 
 
 def camera_info(messages: Messages, t_ns: int, camera: Calibration, right: bool) -> Any:
-    """Of a rectified camera: P of the right one tells the baseline."""
+    """Describes a rectified camera: P of the right one tells the baseline."""
     f, cx, cy = camera.focal_px, camera.cx, camera.cy
     roi = messages.make(
         "sensor_msgs/msg/RegionOfInterest", x_offset=0, y_offset=0, height=0, width=0, do_rectify=False

@@ -75,7 +75,7 @@ def covered_share(made: Calibrated, side: str) -> float:
 
 
 def empty_zones(corners_px: Points, size: tuple[int, int]) -> list[str]:
-    """Of the nine zones of an image those in which hardly a corner lies."""
+    """Names those of the nine zones of an image in which hardly a corner lies."""
     counts = coverage(corners_px, size, (3, 3))
     return [
         f"{ROWS[row]} {COLUMNS[column]}"

@@ -1,4 +1,4 @@
-"""From pictures of a board to the calibration of a pair, or to the reason why there is none."""
+"""The calibration of a pair from pictures of a board, or the reason why there is none."""
 
 from __future__ import annotations
 

@@ -92,7 +92,8 @@ class Collector:
 
 
 def _tilt(view: View, board: Board, size: tuple[int, int]) -> Points:
-    """By what share the distance of the board grows across and down the image, over the image's width."""
+    """The share by which the distance of the board grows across and down the image, over the image's
+    width."""
     H = board_homography(view, board, size)
     if H is None:
         return np.zeros(2)

@@ -35,11 +35,11 @@ class Solution:
     right_errors_px: list[float]
 
     def rms_px(self) -> float:
-        """Of all corners of both cameras."""
+        """The error of all corners of both cameras."""
         return float(np.hypot(self.rms_of_px("left"), self.rms_of_px("right")) / np.sqrt(2.0))
 
     def rms_of_px(self, side: str) -> float:
-        """Of all corners of one camera."""
+        """The error of all corners of one camera."""
         errors_px = self.left_errors_px if side == "left" else self.right_errors_px
         corners = [len(view.ids) for view in self.views]
         return float(np.sqrt(np.average(np.square(errors_px), weights=corners)))
@@ -143,7 +143,7 @@ def _solve_camera(
 
 
 def _first_guess(size: tuple[int, int]) -> Array:
-    """Of a fisheye lens: 120 degrees across."""
+    """A fisheye lens that sees 120 degrees across."""
     focal_px = size[0] / np.radians(120.0)
     return camera_matrix(focal_px, focal_px, (size[0] - 1) / 2.0, (size[1] - 1) / 2.0)
 

@@ -91,8 +91,8 @@ def find_views(pictures: Iterable[Picture], board: Board) -> Found:
 
 
 def printed_board(picture: Picture, board: Board) -> Board:
-    """With an even number of rows, a ChArUco board of before OpenCV 4.6 starts with a white square, not with
-    a black one: that one, if it is what is there."""
+    """The board as it was printed: before OpenCV 4.6, a ChArUco board with an even number of rows started
+    with a white square, not with a black one."""
     if not board.markers or board.rows % 2 or find_board(picture.left, board) is not None:
         return board
     older = replace(board, legacy=True)
@@ -119,7 +119,8 @@ def _common(name: str, left: Sighting, right: Sighting, board: Board) -> View | 
 
 
 def spread_views(views: list[View], board: Board, size: tuple[int, int]) -> list[View]:
-    """At most MAX_VIEWS, each as different as can be from those before it, in the order of the recording."""
+    """Chooses at most MAX_VIEWS, each as different as can be from those before it, in the order of the
+    recording."""
     places = np.array([place_of(view, board, size) for view in views])
     chosen = [int(np.argmin(np.linalg.norm(places - places.mean(axis=0), axis=1)))]
     distance = np.linalg.norm(places - places[chosen[0]], axis=1)
@@ -133,7 +134,7 @@ def spread_views(views: list[View], board: Board, size: tuple[int, int]) -> list
 
 
 def place_of(view: View, board: Board, size: tuple[int, int]) -> Points:
-    """Where the board is in the left image, how large, and how it is tilted; each about 0 to 1."""
+    """The place of the board in the left image, its size and its tilt; each about 0 to 1."""
     H = board_homography(view, board, size)
     if H is None:
         return np.append(view.left_px.mean(axis=0) / size, [0.0, 0.0, 0.0])
@@ -145,8 +146,8 @@ def place_of(view: View, board: Board, size: tuple[int, int]) -> Points:
 
 
 def board_homography(view: View, board: Board, size: tuple[int, int]) -> Points | None:
-    """From the board, 1 wide and high with its middle at 0, to the left image, of width and height 1.
-    The last entry is 1. None: the corners do not tell it."""
+    """Maps the board, 1 wide and high with its middle at 0, to the left image, of width and height 1. The
+    last entry is 1. None: the corners do not tell it."""
     plane = board.points_m[view.ids, :2] / np.array(board.extent_m) - 0.5
     found, _ = cv2.findHomography(plane, view.left_px / np.array(size))
     return None if found is None else np.asarray(found, np.float64) / found[2, 2]

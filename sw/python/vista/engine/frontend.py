@@ -40,7 +40,7 @@ class FrontEnd:
 
 
 def c_front_end(isa: int = 0) -> FrontEnd:
-    """By libvista_engine; isa: one of its VISTA_ENGINE_ISA_*, auto by default."""
+    """Makes the front end of libvista_engine; isa: one of its VISTA_ENGINE_ISA_*, auto by default."""
     ffi, lib = native.load("vista_engine")
 
     def reduced_shape(shape: tuple[int, int]) -> tuple[int, int]:

@@ -10,7 +10,7 @@ from vista.engine.contract import Disparity, EngineParameters
 
 
 def settings_of(parameters: EngineParameters) -> dict[str, Any]:
-    """As both vista_rtl_settings and vista_board_settings name them."""
+    """The parameters as both vista_rtl_settings and vista_board_settings name them."""
     return {
         "xsobel": parameters.prefilter == "xsobel",
         "prefilter_cap": parameters.prefilter_cap,

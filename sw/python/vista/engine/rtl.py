@@ -31,7 +31,7 @@ _SEED = 1  # of what reset leaves alone: any gives the same words
 
 
 def buffer_rows(parameters: EngineParameters, grids: GridPair | None) -> int:
-    """Of the rectification in the build that is needed; 0: the core alone."""
+    """Rows of the rectification's buffer in the build that is needed; 0: the core alone."""
     if grids is not None:
         return grids.buffer_rows
     return BUFFER_ROWS[0] if parameters.smooth or parameters.levels > 1 else 0

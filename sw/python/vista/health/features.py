@@ -91,7 +91,7 @@ def _square(image: Grey, u: int, v: int, radius: int) -> Grey | None:
 
 
 def _peak(before: float, best: float, after: float) -> float:
-    """Where the parabola through three values has its maximum, from the middle one."""
+    """The place of the maximum of the parabola through three values, from the middle one."""
     return 0.5 * float(before - after) / float(before - 2.0 * best + after)
 
 
@@ -108,6 +108,6 @@ def image_motion_px(before: Grey, after: Grey) -> NDArray[np.float64]:
 
 
 def _follow(before: Grey, after: Grey, points: NDArray[Any]) -> tuple[NDArray[Any], NDArray[Any]]:
-    """Where the points are in the other image, and whether they were found."""
+    """Finds the points in the other image, and says which were found."""
     moved, found, _ = cv2.calcOpticalFlowPyrLK(before, after, points, np.empty_like(points))
     return moved, found

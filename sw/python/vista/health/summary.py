@@ -49,7 +49,7 @@ def health_sentence(health: dict[str, Any], unit: str = "frame") -> str:
 
 
 def states_sentence(health: dict[str, Any], unit: str = "frame") -> str:
-    """In how many frames the view was healthy, degraded or blind."""
+    """Says in how many frames the view was healthy, degraded or blind."""
     total = sum(health["frames"].values())
     state_counts = [(state, health["frames"][state]) for state in reversed(State)]
     named = [(state, count) for state, count in state_counts if count and state != State.HEALTHY]

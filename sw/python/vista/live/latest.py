@@ -9,7 +9,7 @@ Item = TypeVar("Item")
 
 
 class Latest(Generic[Item]):
-    """Between a thread that puts and one that takes."""
+    """Holds the newest item, between a thread that puts and one that takes."""
 
     def __init__(self) -> None:
         self.dropped = 0  # items that were never taken

@@ -35,7 +35,7 @@ class Listener(Protocol):
 
 
 class Totals:
-    """Of the run so far. Written by the loop alone."""
+    """Counts of the run so far. Written by the loop alone."""
 
     def __init__(self, source: Source, queue: Latest[Shot]) -> None:
         self.processed = 0
@@ -59,7 +59,7 @@ class LiveLoop:
         self._before: Shot | None = None
 
     def run(self, listeners: Sequence[Listener], interrupted: Callable[[], bool]) -> None:
-        """Until the source ends or `interrupted` says so. Raises what the source raises."""
+        """Runs until the source ends or `interrupted` says so. Raises what the source raises."""
         for shot in newest_shots(self._source, self._queue, interrupted):
             if self._is_new(shot):
                 self._process(shot, listeners)

@@ -81,8 +81,8 @@ class LivePage:
         self._server.server_close()
 
     def wait(self, shown_ns: int | None) -> bool:
-        """Until there is another frame than this one, or it is time to say that there is none. False: the run
-        is over."""
+        """Waits until there is another frame than this one, or it is time to say that there is none. False:
+        the run is over."""
         with self._changed:
             self._changed.wait_for(lambda: self._over or self.newest_ns() != shown_ns, ALIVE_S)
             return not self._over
@@ -131,7 +131,7 @@ class LivePage:
         return encoded(drawn)
 
     def newest_ns(self) -> int | None:
-        """When the newest frame was exposed."""
+        """The time at which the newest frame was exposed."""
         return None if self._seen is None else self._seen.exposed_ns
 
 
@@ -149,7 +149,7 @@ def alignment_facts(alignment: Alignment | None) -> dict[str, Any] | None:
 
 
 def rate_hz(done_s: tuple[float, ...], now_s: float) -> float:
-    """Of the last frames; it falls while none comes."""
+    """The rate of the last frames; it falls while none comes."""
     return (len(done_s) - 1) / (now_s - done_s[0]) if len(done_s) > 1 and now_s > done_s[0] else 0.0
 
 

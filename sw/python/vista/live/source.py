@@ -1,4 +1,4 @@
-"""Where the frames of a live run come from: each is handed over when it is exposed, not before."""
+"""Sources of the frames of a live run: each is handed over when it is exposed, not before."""
 
 from __future__ import annotations
 
@@ -40,8 +40,8 @@ class Source(Protocol):
 
 
 def newest_shots(source: Source, queue: Latest[Shot], interrupted: Callable[[], bool]) -> Iterator[Shot]:
-    """Of the shots that have come the newest, each time that one is asked for; a thread takes them all.
-    Until the source ends or `interrupted` says so. Raises what the source raises."""
+    """Gives the newest of the shots that have come, each time that one is asked for; a thread takes them all.
+    Ends when the source ends or `interrupted` says so. Raises what the source raises."""
     stopped = Event()
 
     def read() -> None:

@@ -23,7 +23,7 @@ NAMES = {
 
 @dataclass
 class Clock:
-    """Of the machine, or of a test."""
+    """The clock of the machine, or of a test."""
 
     now_ns: Callable[[], int]
     sleep_ns: Callable[[int], None]

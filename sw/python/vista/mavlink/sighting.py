@@ -57,7 +57,7 @@ class Sighting:
 
 
 def read_sightings(path: Path) -> list[Sighting]:
-    """Of a result folder of `vista run`, or of its obstacles.jsonl. InputError names the line."""
+    """Reads a result folder of `vista run`, or of its obstacles.jsonl. InputError names the line."""
     file = path / OBSTACLES if path.is_dir() else path
     sightings: list[Sighting] = []
     for number, text in enumerate(read_text(file).splitlines(), start=1):
@@ -71,7 +71,7 @@ def read_sightings(path: Path) -> list[Sighting]:
 
 
 def sighting_of(record: FrameRecord) -> Sighting:
-    """Of a frame that is there. From its line comes the same, rounded as the line is."""
+    """Makes what an autopilot is told of a frame. Its line gives the same, rounded as the line is."""
     reasons, directions, nearest = record.health.reasons, record.directions, record.nearest_collision
     return Sighting(
         record.t_ns,
@@ -170,7 +170,7 @@ def _directions(line: dict[str, Any] | None) -> Directions:
 
 
 def _columns(line: dict[str, Any], name: str) -> NDArray[np.float32]:
-    """Of every column there is; the line has only those of which something is known."""
+    """The values of all columns; the line has only those of which something is known."""
     given = [_number(x) for x in line[name]]
     start, end = Directions.FIRST_DEG, Directions.FIRST_DEG + Directions.COLUMNS
     first = _integer(line["first_deg"], start, end) - start

@@ -1,4 +1,4 @@
-"""Where MAVLink goes: UDP, or a serial line. A receiver that is lost is waited for; nothing queues up."""
+"""Transports of MAVLink: UDP, or a serial line. A receiver that is lost is waited for; nothing queues up."""
 
 from __future__ import annotations
 

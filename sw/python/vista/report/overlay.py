@@ -41,7 +41,7 @@ Box = tuple[int, int, int, int]  # left, top, width, height
 
 
 def panel_tiles(width: int, height: int) -> list[Box]:
-    """Where the four tiles lie in the picture of a frame of this size, below the bar with the headline."""
+    """Places of the four tiles in the picture of a frame of this size, below the bar with the headline."""
     bar = _bar_height(width, height)
     return [((k % 2) * (width + GAP_PX), bar + (k // 2) * (height + GAP_PX), width, height) for k in range(4)]
 

@@ -290,7 +290,7 @@ def make_cards(summary: Data, records: list[FrameRecord]) -> list[tuple[str, str
 
 
 def _remark(summary: Data, hits: list[FrameRecord]) -> str:
-    """Of the warnings. Blind is never called clear."""
+    """The remark below the count of warnings. Blind is never called clear."""
     blind, unit = summary["health"]["frames"][State.BLIND], "picture" if summary["stills"] else "frame"
     if blind:
         return f"those in which the view was blind, {blind}, left out"
@@ -400,7 +400,7 @@ def embedded_pictures(records: list[FrameRecord], folder: ResultFolder) -> dict[
 
 
 def _scaled_jpeg(picture: NDArray[Any], limit_bytes: int) -> bytes:
-    """At most PICTURE_WIDTH_PX wide; then quality, then size give way until the limit holds."""
+    """Encodes it at most PICTURE_WIDTH_PX wide; then quality, then size give way until the limit holds."""
     scale = min(1.0, PICTURE_WIDTH_PX / picture.shape[1])
     while True:
         scaled = cv2.resize(picture, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA)

@@ -36,7 +36,7 @@ WATCH_S = 1.0
 
 
 def run(ros_arguments: list[str]) -> int:
-    """Until a signal ends it. ros_arguments: what follows --ros-args. Raises InputError."""
+    """Runs the node until a signal ends it. ros_arguments: what follows --ros-args. Raises InputError."""
     interruption = Interruption()
     with interruption.watch(), _node(ros_arguments) as node:
         _serve(node, read_settings(node), lambda: interruption.requested)
@@ -61,7 +61,7 @@ def _node(ros_arguments: list[str]) -> Iterator[Any]:
 
 
 def message_class(type_name: str) -> Any:
-    """Of rclpy; type_name: such as sensor_msgs/msg/Image."""
+    """Finds a class of messages for rclpy; type_name: such as sensor_msgs/msg/Image."""
     package, _, name = type_name.split("/")
     return getattr(importlib.import_module(f"{package}.msg"), name)
 
@@ -78,7 +78,7 @@ def _subscribe(node: Any, store: Any, kind: str, topic: str, take: Callable[[Any
 
 
 def _source(node: Any, settings: Settings, store: Any, spin: Callable[[], object]) -> StereoTopics:
-    """With its subscriptions."""
+    """Makes the source with its subscriptions."""
     images, infos = (
         [f"{side}/{name}" for side in ("left", "right")] for name in ("image_rect", "camera_info")
     )

@@ -44,8 +44,8 @@ class Publisher:
         return time.monotonic_ns() - self._published_ns > SILENT_NS
 
     def describe(self, camera: Calibration, candidates: int, frame_id: str) -> None:
-        """Of the frames that follow. camera: rectified; candidates: number of disparities; frame_id: the name
-        of the camera's frame of reference."""
+        """Describes the frames that follow. camera: rectified; candidates: number of disparities; frame_id:
+        the name of the camera's frame of reference."""
         self._camera, self._candidates = camera, candidates
         self._messages.camera_frame = frame_id
 
@@ -67,7 +67,7 @@ class Publisher:
         self._published_ns = time.monotonic_ns()
 
     def tell_blind(self, t_ns: int, text: str) -> None:
-        """In the diagnostics: there is no frame to judge by. t_ns: on the clock of ROS."""
+        """Says in the diagnostics that there is no frame to judge by. t_ns: on the clock of ROS."""
         self._publish(DIAGNOSTICS, views.status(self._messages, t_ns, State.BLIND, text, {}))
 
     def _wanted(self, topic: str) -> bool:

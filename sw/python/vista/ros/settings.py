@@ -79,7 +79,7 @@ def _declared(node: Any) -> Settings:
 
 
 def _pose(culprit: str, numbers: Any) -> Pose:
-    """Of x y z qx qy qz qw."""
+    """The pose that x y z qx qy qz qw state."""
     if len(numbers) != 7 or not np.all(np.isfinite(numbers)):
         raise InputError(culprit, "is not seven numbers: x y z (m), and the quaternion qx qy qz qw")
     x, y, z, w = numbers[3:]

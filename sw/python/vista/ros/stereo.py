@@ -153,7 +153,7 @@ class StereoTopics:
         return None
 
     def refuse(self, error: InputError) -> None:
-        """Of what `sequence` gave: it waits for another calibration."""
+        """Drops what `sequence` gave, and waits for another calibration."""
         self._blame("camera_info", str(error))
         self._calibration = None
 

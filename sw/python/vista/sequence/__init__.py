@@ -31,7 +31,7 @@ class Layout(Protocol):
     def recognises(self, path: Path, /) -> bool: ...
 
     def open_source(self, path: Path, options: Options, /) -> Sequence:
-        """Without poses of its own if the options bring some."""
+        """Opens the source, without poses of its own if the options bring some."""
 
 
 LAYOUTS: tuple[Layout, ...] = (video, bag, asl, kitti_stereo, kitti, middlebury, pairs)

@@ -83,7 +83,7 @@ def _marked(frames: Iterable[FrameFiles], anew_ns: tuple[int, ...]) -> Iterator[
 
 
 def _calibration(bag: Bag, names: tuple[str, str], left: ImageTopic, options: Options) -> Described:
-    """Of calibration.toml where the user names one, else of camera_info."""
+    """The calibration of calibration.toml where the user names one, else of camera_info."""
     if options.calibration is not None:
         height, width = left.read_grey(0).shape
         described = read_calibration_file(options.calibration, (width, height))

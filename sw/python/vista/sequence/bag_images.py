@@ -68,7 +68,7 @@ class ImageTopic:
         self._next = count  # number of the message that comes next
 
     def read_grey(self, index: int) -> NDArray[np.uint8]:
-        """Of entries[index]."""
+        """Reads entries[index]."""
         entry = self.entries[index]
         if entry.number < self._next:
             self._messages = self._bag.messages(self.topic, entry.recorded_ns)

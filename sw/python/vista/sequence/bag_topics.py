@@ -49,7 +49,7 @@ def image_topics(bag: Bag, options: Options) -> tuple[str, str]:
 
 
 def camera_info_topics(bag: Bag, images: tuple[str, str]) -> tuple[str, str] | None:
-    """Beside the images, or else the only pair that there is, unless it is beside other images."""
+    """The topics beside the images, or else the only pair that there is, unless it is beside other images."""
     known = bag.topics(CAMERA_INFO)
     beside = [_info_beside(topic) for topic in images]
     if beside[0] != beside[1] and all(topic in known for topic in beside):
@@ -77,7 +77,7 @@ def pose_topic(bag: Bag, options: Options) -> str | None:
 
 
 def base_name(topic: str) -> str:
-    """Of the image topic that a compressed one belongs to."""
+    """The image topic that a compressed one belongs to."""
     return topic.removesuffix("/compressed")
 
 

@@ -67,7 +67,7 @@ def _size(info: Any, culprit: str) -> tuple[int, int]:
 
 
 def _camera(info: Any, size: tuple[int, int], K: Array, culprit: str) -> CameraModel:
-    """As it is, before rectification."""
+    """The camera as it is, before rectification."""
     values = np.asarray(_field(info, "d"), np.float64)
     if not np.all(np.isfinite(values)):
         raise InputError(culprit, "D holds a number that is not finite")

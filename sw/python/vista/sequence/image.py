@@ -40,7 +40,7 @@ def read_grey(path: Path) -> NDArray[np.uint8]:
 
 
 def decode_grey(path: Path | str, data: bytes) -> NDArray[np.uint8]:
-    """As read_grey, of the content of a file; path: for messages."""
+    """Does what read_grey does, with the content of a file; path: for messages."""
     header = check_container(path, data)
     if header.bits > 8:
         raise InputError(path, f"{header.bits} bits a channel; convert the image to 8 bits first")

@@ -71,7 +71,7 @@ def _notes(apart_ns: list[int], alone: int, images: int, tolerance_ns: int) -> t
 
 
 def notes_on_drops(times_ns: Sequence[int]) -> tuple[str, ...]:
-    """Of the left camera: pairs that were never recorded."""
+    """Notes on pairs that were never recorded, by the times of the left camera."""
     gaps_ns = np.diff(times_ns)
     if len(gaps_ns) < 2:
         return ()

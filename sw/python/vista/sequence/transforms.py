@@ -72,7 +72,7 @@ def trajectory_of(samples: Any) -> Trajectory:
 
 
 def sample_of(culprit: str, t_ns: int, transform: Any) -> Sample:
-    """Of a geometry_msgs/Transform or a geometry_msgs/Pose."""
+    """Reads a geometry_msgs/Transform or a geometry_msgs/Pose."""
     place = transform.translation if hasattr(transform, "translation") else transform.position
     turn = transform.rotation if hasattr(transform, "rotation") else transform.orientation
     position_m = np.array([place.x, place.y, place.z], np.float64)

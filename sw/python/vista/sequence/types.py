@@ -26,7 +26,7 @@ class StoredImage(Protocol):
 
 @dataclass(frozen=True)
 class FrameFiles:
-    """Where the images of one frame are. Nothing has been read yet."""
+    """The places of the images of one frame. Nothing has been read yet."""
 
     index: int  #: in the sequence, from 0
     t_ns: int

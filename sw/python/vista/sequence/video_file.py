@@ -41,7 +41,7 @@ class VideoFile:
         return width, height
 
     def times_ns(self) -> list[int]:
-        """Of the frames, from 0 at the start of the file, as the container has them."""
+        """Times of the frames, from 0 at the start of the file, as the container has them."""
         if not self._timed:
             raise InputError(self.path, "has no times that increase; give the frames per second, --rate")
         return [round(1e6 * ms) for ms in self._times_ms]
@@ -75,7 +75,8 @@ class VideoFile:
         return capture
 
     def _packet_times_ms(self) -> list[float]:
-        """In the order of showing, without decoding the frames. Sets how many frames the container states."""
+        """Times in the order of showing, without decoding the frames. Sets how many frames the container
+        states."""
         capture = self._open()
         stated, rate = capture.get(cv2.CAP_PROP_FRAME_COUNT), capture.get(cv2.CAP_PROP_FPS)
         self._stated_ms = 1e3 * stated / rate if stated > 0.0 and rate > 0.0 else 0.0

@@ -5,20 +5,21 @@
  * constraint says that a true object boundary has smoothly varying disparity; everything here about disparity is
  * taken from the valid pixels under boundary nodes, with robust statistics: the far side pollutes boundary cells.
  *
- * Figure and ground: a depth edge belongs to the nearer of its sides, and block matching widens that side by half a
- * block. A region that grew from no disparity of its own (segmentation->obstacle_count) is often the background of what
- * stands before it: what few words it has are its neighbours', so it is unknown; unless it is plain: its left edge, its
- * right edge and the ground it stands on agree on one depth (parts/region_outline.h).
+ * Figure and ground: a depth edge belongs to the nearer of its two sides, and block matching widens that side by half
+ * a block. A region that grew from no disparity of its own (segmentation->obstacle_count) is therefore often the
+ * background of what stands before it. Its few words are those of its neighbours, so its verdict is unknown. A plain
+ * region is the exception: its left edge, its right edge and the ground that it stands on agree on one depth
+ * (region_outline.h).
  *
  * Two surfaces compete for each region: facing the camera, d = mode of the boundary pixels, and a plane,
  * d = a + slope_u u + slope_v v, fitted to the region's cells; the plane has to explain a tenth more of their area.
  * Edge consistency is judged on the residuals from the winner: a wall seen at an angle varies smoothly, too. It is one
  * piece of the evidence that is summed as log-odds (vista_region_evidence).
  *
- * Size and centre are those of the region's own pixels: of its cells those that the image gives to it, too
- * (refinement.h), and that lie on the surface or in cells without disparity; at a thin post most of a cell's
- * pixels belong to the background. Of long regions only those pixels on the surface whose like is found boundary_px to
- * the left and to the right: matching widens a mast to a multiple. */
+ * Size and centre are measured on the region's own pixels: the pixels of its cells that the outline in the image gives
+ * to it as well (refinement.h), and that lie on its surface or in cells without disparity. At a thin post most pixels of
+ * a cell belong to the background. In a long region a pixel on the surface counts only if pixels like it are found
+ * boundary_px to its left and to its right, because matching widens a mast to a multiple of its width. */
 #ifndef VISTA_REGION_H
 #define VISTA_REGION_H
 

@@ -44,7 +44,7 @@ def make_camera(
 
 
 def _known_distortion(path: Path | str, values: list[float], lens: Lens) -> tuple[float, ...]:
-    """Without zeros at the end that only fill the places of a longer model."""
+    """Drops zeros at the end that only fill the places of a longer model."""
     if lens == "fisheye":
         if len(values) != 4:
             raise InputError(path, f"a fisheye lens has 4 numbers of distortion, not {len(values)}")
@@ -80,7 +80,7 @@ def make_pose(path: Path, key: str, rotation: Array, translation_m: Array) -> Po
 
 
 def matrix_pose(path: Path, key: str, values: list[float]) -> Pose:
-    """Of a 4x4 matrix, row by row."""
+    """The pose that a 4x4 matrix states, row by row."""
     T = np.array(values).reshape(4, 4)
     return make_pose(path, key, T[:3, :3], T[:3, 3])
 

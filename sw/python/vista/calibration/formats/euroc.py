@@ -31,7 +31,7 @@ def read(files: list[File], options: Options) -> Rig:
 
 
 def write(rig: Rig, options: Options) -> dict[str, str]:
-    """Without a vehicle, its frame is that of the left camera."""
+    """Writes one file for each camera. The frame of a rig without a vehicle is that of the left camera."""
     poses = (Pose(), rig.left_from_right)
     if rig.is_body:
         poses = (rig.frame_from_left, rig.frame_from_right)

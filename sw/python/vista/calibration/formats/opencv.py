@@ -68,7 +68,7 @@ def _size(file: File, table: Table) -> tuple[int, int] | None:
 
 
 def write(rig: Rig, options: Options) -> dict[str, str]:
-    """With the rectification, for programs that do not compute it themselves."""
+    """Writes the rectification, too, for programs that do not compute it themselves."""
     motion = rig.right_from_left
     scale = round(1.0 / options.unit_m)
     (R1, P1), (R2, P2) = rectified_cameras(rig.raw("--to opencv"))

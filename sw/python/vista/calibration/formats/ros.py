@@ -49,7 +49,7 @@ def read(files: list[File], options: Options) -> Rig:
 
 
 def _info_of(file: File) -> SimpleNamespace:
-    """As a message of ROS 2 has it; what is not stated of binning and the region of interest is 0."""
+    """The fields of a message of ROS 2; what is not stated of binning and the region of interest is 0."""
     path, table = file.path, file.table
     roi = table_of(path, table, "roi") if "roi" in table else {}
     keys = ("image_width", "image_height") if "image_width" in table else ("width", "height")
