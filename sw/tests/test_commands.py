@@ -12,7 +12,7 @@ from command_line import call as call_vista
 from vista import cli
 from vista_eval.command import flights
 
-SLOW_TO_LOAD = ("matplotlib", "mitsuba", "vista_eval", "vista_throughput")
+SLOW_TO_LOAD = ("matplotlib", "embreex", "vista_eval", "vista_throughput")
 
 
 @pytest.fixture
@@ -73,9 +73,9 @@ def test_a_dependency_that_is_missing_names_the_distribution(
     run_vista: Vista, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def execute(_: object) -> int:
-        raise ModuleNotFoundError("No module named 'mitsuba'", name="mitsuba")
+        raise ModuleNotFoundError("No module named 'embreex'", name="embreex")
 
     monkeypatch.setattr(flights, "execute", execute)
     outcome = run_vista("flights", "DIR")
     assert_refused(outcome, "flights needs vista-stereo-eval: pip install 'vista-stereo-eval'")
-    assert "mitsuba" in outcome[2]
+    assert "embreex" in outcome[2]

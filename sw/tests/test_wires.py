@@ -7,10 +7,10 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from random_seed import seed_of
-from vista_eval.render.fast.renderer import FastRenderer
-from vista_eval.render.fast.strips import below
+from vista_eval.render.renderer import Renderer
 from vista_eval.render.rig import LEFT, Rig
-from vista_eval.render.scene import Board, Cylinder, Scene, thing
+from vista_eval.render.scene import Cylinder, Scene, board, thing
+from vista_eval.render.strips import below
 
 RIG = Rig(width_px=160, height_px=120, focal_px=1000.0, baseline_m=0.4572)
 BLACK, GREY = np.zeros((2, 2), np.float32), np.full((2, 2), 0.5, np.float32)
@@ -40,7 +40,7 @@ def dark(*things_m: tuple[tuple[float, float, float], ...], radius_m: float = 0.
 
 
 def cover(scene: Scene, x_m: float = -30.0) -> np.ndarray:
-    return 1 - FastRenderer(scene, RIG).radiance(pose_at(x_m)) / SKY
+    return 1 - Renderer(scene, RIG).radiance(pose_at(x_m)) / SKY
 
 
 @pytest.mark.parametrize("angle_deg", [0.0, 3.0, 30.0, 45.0, 77.0, 90.0])
@@ -101,7 +101,7 @@ def test_two_wires_hide_parts_of_each_other() -> None:
 def test_the_truth_has_the_wire_where_the_middle_of_a_pixel_shows_it() -> None:
     """Of 12 mm at 30 m 0.4 of all rows, or of all columns; its depth is that of its surface."""
     points = ((0.0, -4.0, -0.7), (0.0, 4.0, 0.9))
-    renderer = FastRenderer(dark(points), RIG)
+    renderer = Renderer(dark(points), RIG)
     view = renderer.view(pose_at(-30.0))
     shown = view.label == 1
     assert shown.sum() / RIG.width_px == pytest.approx(0.4 * np.hypot(1, 0.2), abs=0.03)
@@ -112,14 +112,14 @@ def test_the_truth_has_the_wire_where_the_middle_of_a_pixel_shows_it() -> None:
 
 
 def test_a_board_hides_the_wire_behind_it_and_not_the_one_before_it() -> None:
-    board = thing("board", "sign", [Board("board", (0.0, 0.2286, 0.0), 2.0, 20.0, GREY)])
+    sign = thing("board", "sign", [board("board", (0.0, 0.2286, 0.0), 2.0, 20.0, GREY)])
     for x_m, hidden in ((5.0, True), (-5.0, False)):
         wires = dark(((x_m, -8.0, 0.0), (x_m, 8.0, 0.0)))
-        scene = Scene((*wires.things, board), wires.to_sun, sky="overcast")
-        view = FastRenderer(scene, RIG).view(pose_at(-30.0))
+        scene = Scene((*wires.things, sign), wires.to_sun, sky="overcast")
+        view = Renderer(scene, RIG).view(pose_at(-30.0))
         with_wire, without = (
-            FastRenderer(each, RIG).radiance(pose_at(-30.0))
-            for each in (scene, Scene((board,), wires.to_sun, sky="overcast"))
+            Renderer(each, RIG).radiance(pose_at(-30.0))
+            for each in (scene, Scene((sign,), wires.to_sun, sky="overcast"))
         )
         over_board = np.abs(with_wire - without)[:, 70:90]
         assert (over_board.max() == 0) == hidden
@@ -133,7 +133,7 @@ def test_a_wire_is_lit_like_the_cylinder_that_it_is() -> None:
         (thing("wire", "wire", [wire]),), (-1.0, 0.0, 0.0), fill_irradiance=0.0, overcast_radiance=0
     )
     scene = Scene(scene.things, scene.to_sun, 4.0, 0.0, "overcast", 0.0)
-    lines = FastRenderer(scene, RIG).radiance(pose_at(-30.0)).sum(axis=1)
+    lines = Renderer(scene, RIG).radiance(pose_at(-30.0)).sum(axis=1)
     width_px = RIG.focal_px * 0.04 / 30.0
     np.testing.assert_allclose(lines, width_px * np.pi / 4 * 0.5 * 4.0 / np.pi, rtol=0.02)
 
@@ -158,7 +158,7 @@ def test_a_painted_wire_keeps_its_bands() -> None:
     shades = np.repeat([[0.8], [0.1]], 8, axis=0).astype(np.float32)
     rod = Cylinder("rod", (0.0, 0.0, -1.0), (0.0, 0.0, 1.0), 0.02, shades)
     scene = Scene((thing("rod", "pole", [rod]),), to_sun=(-1.0, 0.0, 0.0), sky="overcast")
-    renderer = FastRenderer(scene, RIG)
+    renderer = Renderer(scene, RIG)
     radiance, seen = renderer.radiance(pose_at(-10.0)), renderer.view(pose_at(-10.0)).label == 1
     middle = int(np.median(np.nonzero(seen)[1]))
     above, below_it = radiance[10:55, middle], radiance[65:110, middle]

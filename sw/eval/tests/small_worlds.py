@@ -8,8 +8,8 @@ from typing import Literal
 import numpy as np
 from vista_eval.render.flight import Flight
 from vista_eval.render.rig import Rig
-from vista_eval.render.scene import Board, Scene, thing
-from vista_eval.worlds.sampled.courses import Courses
+from vista_eval.render.scene import Scene, board, thing
+from vista_eval.worlds.courses import Courses
 from vista_eval.worlds.sampled.family import Family
 
 SMALL_RIG = Rig(width_px=160, height_px=120, focal_px=250.0, baseline_m=0.4572)
@@ -17,8 +17,8 @@ SMALL_RIG = Rig(width_px=160, height_px=120, focal_px=250.0, baseline_m=0.4572)
 
 def one_board(altitude_m: float, seed: int) -> Scene:
     albedo = np.random.default_rng(seed).uniform(0.1, 0.7, (40, 40)).astype(np.float32)
-    board = Board("board", (0.0, 0.0, altitude_m), 6.0, 6.0, albedo)
-    return Scene((thing("board", "sign", [board], target=True),), to_sun=(-0.6, 0.3, 0.7))
+    front = board("board", (0.0, 0.0, altitude_m), 6.0, 6.0, albedo)
+    return Scene((thing("board", "sign", [front], target=True),), to_sun=(-0.6, 0.3, 0.7))
 
 
 class SmallFamily(Family):

@@ -13,10 +13,10 @@ import pytest
 from vista.geometry import quaternion_from_rotation, rotation_from_quaternion
 from vista.sequence import open_sequence
 from vista_eval.dataset.layout import image_path
+from vista_eval.render.course import rotation_from_angles
 from vista_eval.render.flight import Flight, is_complete, prepare, render_flight
-from vista_eval.render.rig import LEFT, RIGHT, Rig
-from vista_eval.render.trajectory import rotation_from_angles
-from vista_eval.render.view import View
+from vista_eval.render.renderer import Renderer
+from vista_eval.render.rig import LEFT, RIGHT, Rig, View
 from vista_eval.worlds.demo import SIGN_AT_30_FT_S
 from vista_eval.worlds.meadow_flights import sign_site
 from vista_eval.worlds.things import SIGN_HEIGHT_M, SIGN_WIDTH_M
@@ -52,12 +52,10 @@ def above_the_pole(view: View, rig: Rig, pose: np.ndarray) -> np.ndarray:
 def test_the_sign_is_where_the_truth_projects_it() -> None:
     """Centre of the sign's pixels in both images against its projection, and their disparity against f B / Z.
     Edges fall on whole pixels, which moves a centre by up to half of one; over frames that averages out."""
-    from vista_eval.render.renderer import Renderer
-
     rig = replace(SMALL_RIG, width_px=320, height_px=240, focal_px=1000.0)
     flight = replace(SIGN_AT_30_FT_S, rig=rig)
     scene = sign_site(flight.approach.altitude_m, flight.seed)
-    renderer = Renderer(scene, rig, rays=1)
+    renderer = Renderer(scene, rig)
     center_world = np.array([*scene.things[0].center_m, 1.0])
     errors_px = []
     for frame in range(20, 40, 2):
@@ -79,10 +77,8 @@ def test_the_sign_is_where_the_truth_projects_it() -> None:
 
 
 def test_the_ground_lies_at_its_depth() -> None:
-    from vista_eval.render.renderer import Renderer
-
     scene = sign_site(SHORT.approach.altitude_m, SHORT.seed)
-    renderer = Renderer(scene, SMALL_RIG, rays=1)
+    renderer = Renderer(scene, SMALL_RIG)
     pose = camera_poses(SHORT, 0)[LEFT]
     truth = renderer.view(pose)
     v, u = np.nonzero(truth.label == 2)

@@ -35,7 +35,7 @@ def pose_at(height_m: float) -> np.ndarray:
 
 
 def test_what_is_seen_lies_on_the_surface() -> None:
-    renderer, pose = Renderer(scene_of(hill(np.full((4, 4), 0.5))), RIG, rays=1), pose_at(12.0)
+    renderer, pose = Renderer(scene_of(hill(np.full((4, 4), 0.5))), RIG), pose_at(12.0)
     view = renderer.view(pose)
     shown = view.world_points_m(RIG, pose)[view.label == 1]
     assert len(shown) > 3000
@@ -47,8 +47,8 @@ def test_rows_of_the_albedo_run_along_x_and_columns_along_y() -> None:
     """One white texel of 6 m by 3 m on black: where it is bright, and where it is not."""
     albedo = np.zeros((10, 20), np.float32)
     albedo[3, 12] = 1.0  # x 18 to 24, y 6 to 9
-    renderer, pose = Renderer(scene_of(hill(albedo)), RIG, rays=1), pose_at(12.0)
-    bright = (renderer.radiance(pose, seed=1) > 0.5) & (renderer.view(pose).label == 1)
+    renderer, pose = Renderer(scene_of(hill(albedo)), RIG), pose_at(12.0)
+    bright = (renderer.radiance(pose) > 0.5) & (renderer.view(pose).label == 1)
     shown = renderer.view(pose).world_points_m(RIG, pose)[bright]
     assert len(shown) > 20
     # Between the middles of texels the albedo changes linearly: it is 0 a texel away.
@@ -58,8 +58,8 @@ def test_rows_of_the_albedo_run_along_x_and_columns_along_y() -> None:
 
 def test_the_light_depends_on_the_slope() -> None:
     sun = replace(scene_of(hill(np.full((4, 4), 0.5))), fill_irradiance=0.0)
-    renderer, pose = Renderer(sun, RIG, rays=1), pose_at(12.0)
-    seen = renderer.radiance(pose, seed=1)[renderer.view(pose).label == 1]
+    renderer, pose = Renderer(sun, RIG), pose_at(12.0)
+    seen = renderer.radiance(pose)[renderer.view(pose).label == 1]
     cosine = 1 / np.sqrt(1 + SLOPE**2 + (SLOPE / 2) ** 2)
     assert np.median(seen) == pytest.approx(0.5 / np.pi * sun.sun_irradiance * cosine, rel=1e-3)
 

@@ -10,15 +10,13 @@ import numpy as np
 import pytest
 from vista.sequence import open_sequence
 from vista_eval.dataset.truth import read_truth
+from vista_eval.render.course import NO_FAULTS, START_NS, Course, Gusts, PoseFaults, recorded_states
 from vista_eval.render.flight import Flight, content_of, render_flight
-from vista_eval.render.manoeuvre import Gusts, Manoeuvre
-from vista_eval.render.navigation import NO_FAULTS, PoseFaults, recorded_states
 from vista_eval.render.optics import FlawedSensor
 from vista_eval.render.rig import LEFT, Rig
-from vista_eval.render.scene import Board, Scene, thing
-from vista_eval.render.trajectory import START_NS
+from vista_eval.render.scene import Scene, board, thing
 
-COURSE = Manoeuvre(6.0, 12.0, 15.0, 20, 10.0, climb_deg=5.0, bank_deg=20.0, gusts=Gusts(1.0, 3))
+COURSE = Course(6.0, 12.0, 15.0, 20, 10.0, climb_deg=5.0, bank_deg=20.0, gusts=Gusts(1.0, 3))
 TRUE = [COURSE.state_at(frame) for frame in range(20)]
 
 
@@ -62,9 +60,9 @@ def test_lost_poses_are_the_last_one_again() -> None:
         assert recorded[frame].t_ns == START_NS + round(frame * 1e8)
 
 
-def board(altitude_m: float, _: int) -> Scene:
+def one_board(altitude_m: float, _: int) -> Scene:
     grey = np.full((4, 4), 0.5, np.float32)
-    sign = thing("board", "sign", [Board("board", (0.0, 0.0, altitude_m), 3.0, 3.0, grey)], target=True)
+    sign = thing("board", "sign", [board("board", (0.0, 0.0, altitude_m), 3.0, 3.0, grey)], target=True)
     return Scene((sign,), to_sun=(-0.6, 0.4, 0.7))
 
 
@@ -73,10 +71,9 @@ FLIGHT = Flight(
     "poses that drift, a lens that is dirty",
     "dev",
     replace(COURSE, frames=3),
-    board,
+    one_board,
     Rig(96, 72, 150.0, 0.4572),
     FlawedSensor(defocus_px=(0.5, 0.8), exposure_s=0.01, vignetting=0.2, glare=0.1, dirt=(0.0, 0.05)),
-    renderer="fast",
     pose_faults=PoseFaults(delay_s=0.1, drift_m_s=1.0),
 )
 

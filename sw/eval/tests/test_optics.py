@@ -8,14 +8,12 @@ import cv2
 import numpy as np
 import pytest
 from random_seed import seed_of
-from vista_eval.render.flight import Flight
-from vista_eval.render.frame import exposure_of
+from vista_eval.render.course import Course, rotation_from_angles
+from vista_eval.render.flight import Flight, exposure_of
 from vista_eval.render.optics import Exposure, FlawedSensor, dirt, image_motion_px, through_lens
-from vista_eval.render.rig import LEFT, RIGHT, Rig
+from vista_eval.render.rig import LEFT, RIGHT, Rig, View
 from vista_eval.render.scene import Scene
 from vista_eval.render.sensor import Sensor, expose
-from vista_eval.render.trajectory import Approach, rotation_from_angles
-from vista_eval.render.view import View
 
 RIG = Rig(width_px=320, height_px=240, focal_px=500.0, baseline_m=0.4572)
 SHAPE = RIG.height_px, RIG.width_px
@@ -167,7 +165,7 @@ class EmptyScene:
 
 def test_the_shutter_opens_on_the_course_that_is_flown() -> None:
     """Of a flight of 20 frames only the last 5 are flown: its first frame is the sixteenth of the whole."""
-    whole = Approach(6.0, 10.0, last_range_m=20.0, frames=20, rate_hz=10.0, sway_scale=0.0)
+    whole = Course(6.0, 10.0, last_range_m=20.0, frames=20, rate_hz=10.0, sway_scale=0.0)
     flight = Flight("f", "f", "dev", whole, lambda altitude_m, seed: EmptyScene.scene, rig=RIG)
     flown, lens = replace(whole, frames=5), FlawedSensor(exposure_s=0.01)
     exposure = exposure_of(EmptyScene(), flight, lens, flown, LEFT, 0)

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from random_seed import seeded
 from vista_eval.render.rig import PAPER_RIG, RIGHT
+from vista_eval.worlds.grounds import COUNTRY_AND_TOWN
 from vista_eval.worlds.sampled import fences, movers, poles, sensors
-from vista_eval.worlds.sampled.grounds import COUNTRY_AND_TOWN
 
 FLIGHTS = 2000
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from random_seed import seeded
 from vista_eval.metrics.rules import STRICT
-from vista_eval.render.manoeuvre import Manoeuvre
+from vista_eval.render.course import Course
 from vista_eval.worlds.sampled.catalog import FAMILIES
 
 LATEST_S = 0.6  # of the flight, from which a detector may take the direction of flight
@@ -13,7 +13,7 @@ MISSED_M = 2.0  # radius of the collision volume
 FLIGHTS = 20  # of each family
 
 
-def misses_m(course: Manoeuvre) -> list[float]:
+def misses_m(course: Course) -> list[float]:
     """Of each frame in which a hit is asked for: how far the latest velocity, extended to x = 0 along the
     manoeuvre in still air, misses the point that the flight meets."""
     near_m, far_m = STRICT.band_m(course.speed_m_s)
@@ -27,7 +27,7 @@ def misses_m(course: Manoeuvre) -> list[float]:
     return found
 
 
-def blown_m(course: Manoeuvre, frame: float) -> np.ndarray:
+def blown_m(course: Course, frame: float) -> np.ndarray:
     """Off the path in still air."""
     place_m: np.ndarray = course.state_at(frame).world_from_body[:3, 3]
     return place_m - course.path_m(course.before_meeting_s(frame))

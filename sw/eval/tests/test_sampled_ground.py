@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from random_seed import seeded
-from vista_eval.worlds.sampled.grounds import COVERS
-from vista_eval.worlds.sampled.laying import MOST_STRETCH, Patch, albedo_of
+from vista_eval.worlds.grounds import COVERS
+from vista_eval.worlds.laying import MOST_STRETCH, Patch, albedo_of
 
 TEXEL_M = 0.05
 FINE_M = 0.025

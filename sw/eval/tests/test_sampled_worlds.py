@@ -10,18 +10,19 @@ import numpy as np
 import pytest
 from random_seed import seeded
 from vista_eval.cache import content_sha256
+from vista_eval.render.course import Course
 from vista_eval.render.flight import Flight
 from vista_eval.render.motion import moves, solids_at
 from vista_eval.render.rig import LEFT
 from vista_eval.render.scene import Cylinder, GroundStrip, HeightField, Scene, Thing, bounds_m
-from vista_eval.render.trajectory import Course
-from vista_eval.worlds.sampled import buildings, laying, rows, small_movers
+from vista_eval.worlds import laying
+from vista_eval.worlds.grounds import OPEN_COUNTRY
+from vista_eval.worlds.path import Path as FlownPath
+from vista_eval.worlds.path import distance_m, nearness_m, path_of, samples
+from vista_eval.worlds.sampled import buildings, rows, small_movers
 from vista_eval.worlds.sampled.catalog import COUNT, DEV, FAMILIES, SEED, TEST
 from vista_eval.worlds.sampled.family import Family
-from vista_eval.worlds.sampled.grounds import OPEN_COUNTRY
-from vista_eval.worlds.sampled.path import Path as FlownPath
-from vista_eval.worlds.sampled.path import distance_m, nearness_m, path_of, samples
-from vista_eval.worlds.sampled.site import site
+from vista_eval.worlds.site import site
 
 IN_THE_WAY_M = 1.0  # of the path, half the radius of the collision volume
 BESIDE_M = 2.0  # what is not the target keeps out of the collision volume before it

@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-import cv2
 import numpy as np
 import pytest
-from vista_eval.render.renderer import Renderer
-from vista_eval.render.rig import LEFT, PAPER_RIG
+from vista_eval.render.flight import Flight
 from vista_eval.render.scene import Mesh, Scene, Solid, Thing, bounds_m
-from vista_eval.render.trajectory import rotation_from_angles
-from vista_eval.worlds import ground, landscape, street
+from vista_eval.worlds import grounds, street
 from vista_eval.worlds.catalog import FLIGHTS
+from vista_eval.worlds.labelled import FARTHEST_M, labelled
 from vista_eval.worlds.meadow_flights import FIRST_X_M, LAST_X_M
-from vista_eval.worlds.random_scene import FARTHEST_M, random_scene
 
 pytestmark = pytest.mark.slow
 
@@ -23,7 +20,9 @@ SWAY_M = 0.5  # of the aircraft about its path, and more
 @pytest.fixture
 def plain_surfaces(monkeypatch: pytest.MonkeyPatch) -> None:
     """Paints ground and walls grey: their textures take most of a scene's time and none of its shape."""
-    monkeypatch.setattr(ground, "KINDS", dict.fromkeys(ground.KINDS, lambda x, y, seed: 0.0 * (x + y) + 0.2))
+    grey = grounds.Cover(lambda x, y, seed: 0.0 * (x + y) + 0.2, 0.2)
+    for cover in grounds.COVERS:
+        monkeypatch.setitem(grounds.COVERS, cover, grey)
 
     def grey_wall(width_m: float, height_m: float, *_: object, texel_m: float = street.TEXEL_M) -> np.ndarray:
         return np.full((round(height_m / texel_m), round(width_m / texel_m)), 0.4, np.float32)
@@ -93,47 +92,25 @@ def same(a: Scene, b: Scene) -> bool:
     return all(s.albedo.shape == t.albedo.shape and (s.albedo == t.albedo).all() for s, t in pairs)
 
 
-def test_a_seed_fixes_a_random_scene() -> None:
-    scene, view = random_scene(11)
-    again, view_again = random_scene(11)
-    assert view == view_again and same(scene, again)
-    other, view_of_other = random_scene(12)
-    assert view != view_of_other and not same(scene, other)
+def scene_of(flight: Flight) -> Scene:
+    return flight.scene(flight.approach.altitude_m, flight.seed)
+
+
+def test_a_seed_fixes_a_labelled_scene() -> None:
+    assert labelled(11) == labelled(11) != labelled(12)
+    scene, again, other = (scene_of(labelled(seed)) for seed in (11, 11, 12))
+    assert same(scene, again) and not same(scene, other)
 
 
 @pytest.mark.usefixtures("plain_surfaces")
-def test_random_scenes_hold_standing_things_within_range() -> None:
+def test_labelled_scenes_hold_standing_things_within_range() -> None:
     kinds: set[str] = set()
     for seed in range(12):
-        scene, view = random_scene(seed)
+        scene = scene_of(labelled(seed))
         check_things(scene)
         near = [thing for thing in scene.things if thing.standing and thing.center_m[0] < FARTHEST_M + 10]
         kinds |= {thing.kind for thing in near}
         assert 2 <= len([thing for thing in near if bounds_m(thing.solids[0])[0][0] < FARTHEST_M]) <= 7, seed
-        assert 2.5 <= view.altitude_m <= 9
+        assert 2.5 <= labelled(seed).approach.altitude_m <= 9
         assert any(thing.kind == "hills" for thing in scene.things), seed
     assert len(kinds) >= 10
-
-
-def darkest_sky(scene: Scene, altitude_m: float, roll_deg: float, pitch_deg: float) -> float:
-    """Least radiance where a pixel and its neighbours show nothing but sky, as a share of the median."""
-    pose = np.eye(4)
-    pose[:3, :3] = rotation_from_angles(roll_deg, pitch_deg, 0.0)
-    pose[2, 3] = altitude_m
-    renderer, camera = Renderer(scene, PAPER_RIG, rays=1), pose @ PAPER_RIG.body_from_camera(LEFT)
-    sky = renderer.view(camera).label == 0
-    inner = cv2.erode(sky.astype(np.uint8), np.ones((3, 3), np.uint8)) > 0
-    radiance = renderer.radiance(camera, seed=0)[inner]
-    return float(radiance.min() / np.median(radiance))
-
-
-@pytest.mark.usefixtures("plain_surfaces")
-@pytest.mark.parametrize(
-    "altitude_m, roll_deg, pitch_deg", [(2.5, 3.0, -1.5), (9.0, -3.0, 2.0), (6.0, 0.0, 0.4)]
-)
-def test_hills_hide_the_sky_below_the_horizon(altitude_m: float, roll_deg: float, pitch_deg: float) -> None:
-    """It is black there; without hills it does show."""
-    open_country = (ground.ground("soil", altitude_m, 0.0, 0.0, 1),)
-    for things, hidden in ((open_country, False), ((*open_country, landscape.hills(altitude_m, 1)), True)):
-        darkest = darkest_sky(Scene(things, to_sun=(-0.6, 0.4, 0.7)), altitude_m, roll_deg, pitch_deg)
-        assert darkest > 0.3 if hidden else darkest < 0.1, (hidden, darkest)

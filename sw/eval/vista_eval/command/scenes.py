@@ -105,7 +105,10 @@ def score_scenes(arguments: argparse.Namespace, values: Values, place: Place) ->
 
 
 def render_scene(folder: Path, quality: Quality, seed: int) -> None:
-    from vista_eval.worlds.labelled import render_labelled  # Mitsuba takes a second to load
+    from vista_eval.render.flight import render_flight
+    from vista_eval.worlds.labelled import labelled  # loads what draws, which `--help` need not
 
     keep_to_one_core()
-    render_labelled(seed, folder, quality)
+    flight = labelled(seed)
+    for _ in render_flight(flight, folder / flight.name, quality):
+        pass

@@ -8,8 +8,8 @@ import numpy as np
 from vista.geometry import quaternion_from_rotation
 
 from vista_eval.dataset.files import write_text
+from vista_eval.render.course import BodyState
 from vista_eval.render.rig import LEFT, RIGHT, Rig
-from vista_eval.render.trajectory import BodyState
 
 POSE_COLUMNS = (
     "#timestamp, p_RS_R_x [m], p_RS_R_y [m], p_RS_R_z [m], q_RS_w [], q_RS_x [], q_RS_y [], q_RS_z [], "

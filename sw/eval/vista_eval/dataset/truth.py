@@ -22,10 +22,9 @@ from vista.errors import InputError
 from vista.geometry import Array, Pose
 
 from vista_eval.dataset.files import write_image, write_text
-from vista_eval.render.rig import LEFT, Rig
+from vista_eval.render.course import BodyState
+from vista_eval.render.rig import LEFT, Rig, View
 from vista_eval.render.scene import Scene, Thing
-from vista_eval.render.trajectory import BodyState
-from vista_eval.render.view import View
 
 # ---- format ----
 

@@ -10,27 +10,29 @@ from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
+import numpy as np
+
 from vista_eval.cache import code_digest, content_sha256
-from vista_eval.dataset.files import write_text
-from vista_eval.dataset.layout import write_sequence
-from vista_eval.dataset.truth import TRUTH, VERSION, flight_truth
-from vista_eval.render.navigation import NO_FAULTS, PoseFaults, recorded_states
-from vista_eval.render.rig import PAPER_RIG, Rig
+from vista_eval.dataset.files import write_image, write_text
+from vista_eval.dataset.layout import image_path, write_sequence
+from vista_eval.dataset.truth import TRUTH, VERSION, flight_truth, truth_path, write_frame_truth
+from vista_eval.render.course import NO_FAULTS, BodyState, Course, PoseFaults, recorded_states
+from vista_eval.render.optics import Exposure, FlawedSensor, through_lens
+from vista_eval.render.rig import LEFT, PAPER_RIG, RIGHT, Rig
 from vista_eval.render.scene import Scene
-from vista_eval.render.sensor import Sensor
-from vista_eval.render.trajectory import Approach, BodyState, Course
-from vista_eval.render.version import FAST_RENDER_VERSION, RENDER_VERSION
+from vista_eval.render.sensor import Sensor, expose
 
 if TYPE_CHECKING:
-    from vista_eval.render.frame import SceneRenderer
+    from vista_eval.render.renderer import Renderer
 
+# To be raised when the pictures of the same scene change: flights of another version are rendered anew, and
+# none of them is in the frozen set any more.
+PICTURES = ("fast", 4), 4  # version of the renderer, rays that a pixel gets besides the first
 MARKER = "content.json"
 Quality = Literal["full", "quick"]
-Renderers = Literal["path", "fast"]  # with Mitsuba, or by casting rays for depth and shadows only
 
 QUICK_FIRST_RANGE_M = 66.0
 QUICK_FRAMES = 60
-RAYS: dict[Quality, int] = {"full": 4, "quick": 1}
 
 
 @dataclass(frozen=True)
@@ -44,14 +46,13 @@ class Flight:
     sensor: Sensor = field(default_factory=Sensor)
     seed: int = 1
     family: str = ""  # of sampled worlds: the kind of content, scored by itself
-    renderer: Renderers = "path"
     pose_faults: PoseFaults = NO_FAULTS
 
 
 def approach_of(flight: Flight, quality: Quality) -> Course:
     """Quick: only the end of the flight."""
     whole = flight.approach
-    if quality == "full" or flight.renderer == "fast" or whole.frames == 1 or not isinstance(whole, Approach):
+    if quality == "full":
         return whole
     step_m = whole.speed_m_s / whole.rate_hz
     near_enough = int((QUICK_FIRST_RANGE_M - whole.last_range_m) / step_m) + 1
@@ -79,28 +80,28 @@ def about(flight: Flight) -> dict:
     }
 
 
-def sources_of(flight: Flight, quality: Quality) -> str:
-    """A digest that is quickly made, without the scene: equal means that the flight's content is."""
-    maker = code_digest(flight.scene.__module__)
-    return content_sha256(version_of(flight), maker, flight, approach_of(flight, quality), RAYS[quality])
-
-
-def version_of(flight: Flight) -> object:
-    return RENDER_VERSION if flight.renderer == "path" else ("fast", FAST_RENDER_VERSION)
-
-
 @lru_cache(maxsize=1)
 def scene_of(flight: Flight) -> Scene:
     return flight.scene(flight.approach.altitude_m, flight.seed)
 
 
+# ---- what a folder holds ----
+
+
+def sources_of(flight: Flight, quality: Quality) -> str:
+    """A digest that is quickly made, without the scene: equal means that the flight's content is."""
+    maker = code_digest(flight.scene.__module__)
+    return content_sha256(PICTURES, maker, flight, approach_of(flight, quality))
+
+
 def content_of(flight: Flight, quality: Quality) -> str:
     """What stands for every byte of a rendered flight: geometry and albedo of its scene, its parameters, and
     the version of the renderer. A change elsewhere, in another flight's scene say, leaves it as it is."""
+    version, rays = PICTURES
     return content_sha256(
-        version_of(flight),
+        version,
         scene_of(flight),
-        (states_of(flight, quality), flight.rig, flight.sensor, RAYS[quality], flight.seed),
+        (states_of(flight, quality), flight.rig, flight.sensor, rays, flight.seed),
         *([] if flight.pose_faults == NO_FAULTS else [flight.pose_faults]),
     )
 
@@ -136,7 +137,7 @@ def is_complete(flight: Flight, out: Path, quality: Quality = "full") -> bool:
 def prepare(flight: Flight, out: Path, quality: Quality = "full") -> None:
     """Empties a folder that another flight was rendered to.
 
-    Raises OSError if it holds anything else, or frames of another quality, which may have taken a night.
+    Raises OSError if it holds anything else, or frames of another quality, which may have taken long.
     """
     if holds(flight, out, quality):
         return
@@ -151,15 +152,7 @@ def prepare(flight: Flight, out: Path, quality: Quality = "full") -> None:
     write_text(out / MARKER, [json.dumps({"quality": quality, **digests})])
 
 
-def renderer_of(flight: Flight, quality: Quality) -> SceneRenderer:
-    # Both libraries take a second to load: not for a flight that is complete.
-    if flight.renderer == "fast":
-        from vista_eval.render.fast.renderer import FastRenderer
-
-        return FastRenderer(scene_of(flight), flight.rig)
-    from vista_eval.render.renderer import Renderer
-
-    return Renderer(scene_of(flight), flight.rig, RAYS[quality])
+# ---- rendering ----
 
 
 def render_flight(flight: Flight, out: Path, quality: Quality = "full") -> Iterator[int]:
@@ -171,17 +164,55 @@ def render_flight(flight: Flight, out: Path, quality: Quality = "full") -> Itera
         yield from range(frames_of(flight, quality))
         return
     prepare(flight, out, quality)
-    from vista_eval.render.frame import frame_paths, render_frame
-
     approach, rig, states = approach_of(flight, quality), flight.rig, states_of(flight, quality)
     scene = scene_of(flight)
     renderer = None
     for frame, state in enumerate(states):
         if not all(path.exists() for path in frame_paths(out, state.t_ns)):
-            renderer = renderer or renderer_of(flight, quality)
+            renderer = renderer or renderer_of(flight)
             renderer.move_to(approach.before_last_s(frame))
             render_frame(renderer, flight, approach, frame, out)
         yield frame
     write_sequence(out, rig, recorded_states(approach, flight.pose_faults), approach.rate_hz)
     truth = flight_truth(out, about(flight), scene, rig, states, approach.before_last_s(0))
     write_text(out / TRUTH, [json.dumps(truth)])
+
+
+def renderer_of(flight: Flight) -> Renderer:
+    from vista_eval.render.renderer import Renderer  # Embree takes a moment, and a complete flight needs none
+
+    return Renderer(scene_of(flight), flight.rig)
+
+
+def frame_paths(flight: Path, t_ns: int) -> list[Path]:
+    images = [image_path(flight, camera, t_ns) for camera in (LEFT, RIGHT)]
+    return [*images, *(truth_path(flight, kind, t_ns) for kind in ("disparity", "label", "objects"))]
+
+
+def render_frame(renderer: Renderer, flight: Flight, course: Course, frame: int, out: Path) -> None:
+    """Writes what `out` lacks of the frame and its truth. course: as it is flown."""
+    rig, state = flight.rig, course.state_at(frame)
+    for camera in (LEFT, RIGHT):
+        path = image_path(out, camera, state.t_ns)
+        if not path.exists():
+            pose = state.world_from_body @ rig.body_from_mounted_camera(camera)
+            radiance = renderer.radiance(pose) * renderer.scene.exposure
+            if isinstance(flight.sensor, FlawedSensor):
+                exposure = exposure_of(renderer, flight, flight.sensor, course, camera, frame)
+                radiance = through_lens(flight.sensor, radiance, exposure)
+            write_image(path, expose(flight.sensor, radiance, camera, (flight.seed, frame, camera)))
+    if not all(path.exists() for path in frame_paths(out, state.t_ns)):
+        pose = state.world_from_body @ rig.body_from_camera(LEFT)
+        write_frame_truth(out, state.t_ns, renderer.view(pose), len(renderer.scene.things), rig, pose)
+
+
+def exposure_of(
+    renderer: Renderer, flight: Flight, lens: FlawedSensor, course: Course, camera: int, frame: int
+) -> Exposure:
+    half = lens.exposure_s * course.rate_hz / 2
+    mount: np.ndarray = flight.rig.body_from_mounted_camera(camera)
+    opens, pose, closes = (
+        course.state_at(frame + offset).world_from_body @ mount for offset in (-half, 0.0, half)
+    )
+    depth_m = renderer.view(pose).depth_m
+    return Exposure(flight.rig, camera, opens, pose, closes, depth_m, renderer.scene.to_sun, flight.seed)

@@ -1,201 +1,176 @@
-"""Renders radiance, exact depth and labels of a scene from a camera pose with Mitsuba 3.
+"""Renders radiance, depth and labels of a scene from a camera pose by casting rays with Embree.
 
-Light comes from three directions, the sun and two weaker ones for the sky, rendered one after the other:
-nothing is left to chance but where in the pixel a ray falls, so a few rays a pixel leave no speckle that the
-cameras would not share. (Mitsuba picks one light at random per ray, and its `aov` integrator takes time in
-proportion to the number of shapes: hence one scene a light, and labels as emitted radiance.)
+One ray goes through the middle of each pixel; it decides the truth. Pixels where the surface or its light
+changes get four more at fixed places, and the albedo is averaged over what the pixel covers. Nothing is left
+to chance, so the cameras share what they see. Thin round things are drawn by the share of a pixel that they
+cover (`wires`).
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from functools import cached_property, reduce
+from functools import lru_cache
 from typing import NamedTuple
 
 import cv2
-import mitsuba as mi
 import numpy as np
 
+from vista_eval.render import light
 from vista_eval.render.motion import is_static, moves, solids_at
-from vista_eval.render.rig import Rig
-from vista_eval.render.scene import Haze, Scene, Solid
-from vista_eval.render.shapes import Surface, Transform, glowing_surface, lit_surface, shapes_of
-from vista_eval.render.view import View
+from vista_eval.render.rig import Rig, View
+from vista_eval.render.scene import Scene
+from vista_eval.render.surfaces import Hits, Surfaces, unit_rows
+from vista_eval.render.wires import Wires, is_wire
 
-# From behind the aircraft and above, half of the fill each, so that no visible face is quite dark.
-FILL_DIRECTIONS = ((0.75, -0.55, -0.45), (0.65, 0.60, -0.50))
-SKY_RADIANCE_SCALE = 6.0  # Mitsuba's sky in units of ours
-GREY_OF_RGB = np.array([0.30, 0.45, 0.25])  # a sensor without a colour filter
-SKY_REDUCTION = 8  # the sky is smooth
-NEAR_CLIP_M = 0.1  # Mitsuba measures distances from the near plane
-# Mitsuba's camera looks along +z with +x to the left and +y up.
-CAMERA_FROM_MITSUBA = np.diag([-1.0, -1.0, 1.0, 1.0])
+# Places in a pixel: on each row and each column of a grid of eight there is at most one.
+OFF_CENTER_PX = ((-0.125, -0.375), (0.375, -0.125), (0.125, 0.375), (-0.375, 0.125))
+CHANGE = 0.03  # of radiance without albedo maps: pixels that differ by more get more rays
 
 
-def unit(vector: tuple[float, float, float]) -> np.ndarray:
-    return np.array(vector) / np.linalg.norm(vector)
+class Samples(NamedTuple):
+    """One ray an entry."""
+
+    radiance: np.ndarray
+    depth_m: np.ndarray  # along the optical axis, inf = sky
+    label: np.ndarray  # 0 = sky
+    part: np.ndarray  # number of the solid, -1 = sky
+    plain: np.ndarray  # radiance as if no albedo map had any texture; of the first ray of a pixel alone
+    above: np.ndarray  # whether the sky's light from above reaches it
 
 
-def pixels(scene: mi.Scene, sensor: mi.Sensor, integrator: mi.Integrator, seed: int) -> np.ndarray:
-    return np.array(mi.render(scene, sensor=sensor, integrator=integrator, seed=mi.UInt32(seed)))
-
-
-def through_haze(haze: Haze, surface: np.ndarray, cover: np.ndarray, distance_m: np.ndarray) -> np.ndarray:
-    """Radiance of surfaces that cover a share of each pixel, and the haze before them.
-
-    A pixel with the sky at its centre and a surface at its rim takes the distance from its neighbours.
-    """
-    nearest_m = cv2.erode(distance_m, np.ones((3, 3)))
-    clear = np.exp(-haze.extinction_per_m * np.where(np.isinf(distance_m), nearest_m, distance_m))
-    return surface * clear + haze.airlight * (1 - clear) * cover
-
-
-def lamps(scene: Scene, rays: int) -> list[tuple[dict, int]]:
-    """Directional lights, strongest first, with their rays a pixel: one if less than half the strongest."""
-    fill = [(scene.fill_irradiance / 2, unit(direction)) for direction in FILL_DIRECTIONS]
-    lights = sorted([(scene.sun_irradiance, -unit(scene.to_sun)), *fill], key=lambda light: -light[0])
-    strongest = lights[0][0]
-    return [
-        (
-            {"type": "directional", "direction": list(direction), "irradiance": irradiance},
-            rays if irradiance >= strongest / 2 else 1,
-        )
-        for irradiance, direction in lights
-    ]
-
-
-class Part(NamedTuple):
-    label: int
-    solid: Solid
-    moves: bool
+class Picture(NamedTuple):
+    radiance: np.ndarray  # (H, W)
+    view: View
 
 
 class Renderer:
-    """A scene, seen from any pose at any time. `rays` a pixel: a square number."""
+    """A scene, seen from any pose at any time."""
 
-    def __init__(self, scene: Scene, rig: Rig, rays: int = 4):
-        self.scene = scene
-        self.rig = rig
-        self.rays = rays
-        self.standing: dict[tuple[str, str], list[mi.Shape]] = {}
-        self.surfaces = {solid.name: lit_surface(solid) for solid in scene.solids}
-        if len(self.surfaces) < len(scene.solids):
-            raise ValueError("two solids of the scene have one name")
-        # Light is sampled, surfaces are not: rays that leave a surface by chance would meet neither lamp.
-        self.direct = mi.load_dict({"type": "direct", "emitter_samples": 1, "bsdf_samples": 0})
+    def __init__(self, scene: Scene, rig: Rig) -> None:
+        self.scene, self.rig = scene, rig
+        self.to_sun = light.unit(scene.to_sun)
+        standing = [
+            (label, solid)
+            for label, thing in enumerate(scene.things, start=1)
+            if not moves(thing)
+            for solid in thing.solids
+        ]
+        self.standing = Surfaces([part for part in standing if not is_wire(part[1])])
+        self.wires = Wires([part for part in standing if is_wire(part[1])])
+        self.pictures = lru_cache(maxsize=2)(self.draw)
         self.move_to(0.0)
 
     def move_to(self, t_s: float) -> None:
         """Things go where they are `t_s` after the last frame."""
-        if is_static(self.scene) and hasattr(self, "parts"):
-            return
-        for name in ("lit", "glowing"):
-            self.__dict__.pop(name, None)
-        self.parts = [
-            Part(label, solid, moves(thing))
-            for label, thing in enumerate(self.scene.things, start=1)
-            for solid in solids_at(thing, t_s)
-        ]
+        self.pictures.cache_clear()
+        self.groups = [self.standing]
+        if not is_static(self.scene):
+            moving = [
+                (label, solid)
+                for label, thing in enumerate(self.scene.things, start=1)
+                if moves(thing)
+                for solid in solids_at(thing, t_s)
+            ]
+            self.groups.append(Surfaces(moving))
 
-    def shapes(
-        self, look: str, surface: Callable[[Part], Surface], backwards: bool = False
-    ) -> list[mi.Shape]:
-        """Of all parts; those that stay where they are, are made once for each look."""
-        shapes = []
-        for part in self.parts:
-            key = look, part.solid.name
-            if part.moves or key not in self.standing:
-                self.standing[key] = shapes_of(part.solid, surface(part), backwards)
-            shapes += self.standing[key]
-        return shapes
-
-    @cached_property
-    def lit(self) -> list[tuple[mi.Scene, int]]:
-        """A scene for each light, and its rays a pixel."""
-        shapes = self.shapes("lit", lambda part: self.surfaces[part.solid.name])
-        return [(self.load(shapes, lamp), rays) for lamp, rays in lamps(self.scene, self.rays)]
-
-    @staticmethod
-    def load(shapes: list[mi.Shape], *lamp: dict) -> mi.Scene:
-        numbered = {f"part{n}": part for n, part in enumerate([*shapes, *lamp])}
-        return mi.load_dict({"type": "scene", **numbered})
-
-    @cached_property
-    def glowing(self) -> tuple[mi.Scene, mi.Scene]:
-        """Every solid emits its label, so that what a camera sees directly is the label. Light leaves one
-        side of a surface only: the second scene emits inwards, for meshes and panels seen from behind."""
-        outwards, inwards = (
-            self.shapes(look, lambda part: glowing_surface(part.label), backwards=look == "inwards")
-            for look in ("outwards", "inwards")
-        )
-        return self.load(outwards), self.load(inwards)
-
-    @cached_property
-    def blue_sky(self) -> mi.Scene:
-        to_sun = list(unit(self.scene.to_sun))
-        sky = {"type": "sunsky", "sun_direction": to_sun, "sun_scale": 0.0, "turbidity": 4.0}
-        return mi.load_dict({"type": "scene", "sky": sky})
-
-    def sensor(self, world_from_camera: np.ndarray, rays: int, reduction: int = 1) -> mi.Sensor:
-        """One ray goes through the pixel's centre, more are spread over the pixel."""
-        film = {
-            "type": "hdrfilm",
-            "width": self.rig.width_px // reduction,
-            "height": self.rig.height_px // reduction,
-            "rfilter": {"type": "box"},
-            "pixel_format": "rgba",
-            "component_format": "float32",
-        }
-        return mi.load_dict(
-            {
-                "type": "perspective",
-                "fov": self.rig.horizontal_fov_deg,
-                "fov_axis": "x",
-                "near_clip": NEAR_CLIP_M,
-                "far_clip": 10000.0,
-                "to_world": Transform(world_from_camera @ CAMERA_FROM_MITSUBA),
-                "film": film,
-                "sampler": {"type": "stratified", "sample_count": rays, "jitter": rays > 1},
-            }
-        )
-
-    def radiance(self, world_from_camera: np.ndarray, seed: int) -> np.ndarray:
+    def radiance(self, world_from_camera: np.ndarray) -> np.ndarray:
         """(H, W) float32."""
-        lit = [
-            pixels(scene, self.sensor(world_from_camera, rays), self.direct, seed) for scene, rays in self.lit
-        ]
-        surface, cover = reduce(np.add, (each[..., 0] for each in lit)), lit[0][..., 3]
-        if self.scene.haze:
-            surface = through_haze(self.scene.haze, surface, cover, self.distance_m(world_from_camera))
-        return (surface + (1 - cover) * self.sky(world_from_camera)).astype(np.float32)
-
-    def sky(self, world_from_camera: np.ndarray) -> np.ndarray | float:
-        if self.scene.haze:  # of which there is more before the sky than anything shines through
-            return self.scene.haze.airlight
-        if self.scene.sky == "overcast":
-            return self.scene.overcast_radiance
-        small = self.sensor(world_from_camera, 1, SKY_REDUCTION)
-        sky = pixels(self.blue_sky, small, self.direct, seed=0)[..., :3] @ GREY_OF_RGB * SKY_RADIANCE_SCALE
-        return cv2.resize(sky, (self.rig.width_px, self.rig.height_px), interpolation=cv2.INTER_LINEAR)
-
-    def distance_m(self, world_from_camera: np.ndarray) -> np.ndarray:
-        """(H, W) along the ray through each pixel's centre, inf = sky."""
-        sensor = self.sensor(world_from_camera, 1)
-        seen = pixels(self.lit[0][0], sensor, mi.load_dict({"type": "depth"}), seed=0)
-        return np.where(seen[..., 3] > 0, seen[..., 0] + NEAR_CLIP_M / self.forward(), np.inf)
+        return self.pictures(world_from_camera.tobytes()).radiance
 
     def view(self, world_from_camera: np.ndarray) -> View:
-        sensor, seen = self.sensor(world_from_camera, 1), mi.load_dict({"type": "path", "max_depth": 1})
-        depth_m = self.distance_m(world_from_camera) * self.forward()
-        outwards, inwards = self.glowing
-        glow = pixels(outwards, sensor, seen, seed=0)[..., 0]
-        dark = (glow == 0) & np.isfinite(depth_m)
-        if np.any(dark):
-            glow[dark] = pixels(inwards, sensor, seen, seed=0)[dark, 0]
-        return View(depth_m.astype(np.float32), np.rint(glow).astype(np.int32))
+        return self.pictures(world_from_camera.tobytes()).view
 
-    def forward(self) -> np.ndarray:
-        """(H, W) cosine between each pixel's ray and the optical axis."""
-        (cu, cv), f = self.rig.center_px, self.rig.focal_px
-        v, u = np.mgrid[0 : self.rig.height_px, 0 : self.rig.width_px]
-        return 1 / np.sqrt(1 + ((u - cu) / f) ** 2 + ((v - cv) / f) ** 2)
+    def draw(self, pose: bytes) -> Picture:
+        world_from_camera = np.frombuffer(pose).reshape(4, 4)
+        shape = self.rig.height_px, self.rig.width_px
+        v, u = (index.ravel() for index in np.indices(shape))
+        middle = self.cast(world_from_camera, u, v)
+        radiance = middle.radiance.copy()
+        more = np.flatnonzero(changes(middle, shape))
+        for du, dv in OFF_CENTER_PX:
+            beside = self.cast(world_from_camera, u[more] + du, v[more] + dv, middle.above[more])
+            radiance[more] += beside.radiance
+        radiance[more] /= 1 + len(OFF_CENTER_PX)
+        seen = View(middle.depth_m.reshape(shape), middle.label.reshape(shape))
+        drawn = self.wires.drawn(self.scene, self.groups, self.rig, world_from_camera, seen)
+        return Picture(drawn.over(radiance.reshape(shape)), drawn.view)
+
+    def cast(
+        self,
+        world_from_camera: np.ndarray,
+        u_px: np.ndarray,
+        v_px: np.ndarray,
+        above: np.ndarray | None = None,
+    ) -> Samples:
+        """Rays through points of the image. above: what is known of the sky's light there."""
+        rotation, focal = world_from_camera[:3, :3], self.rig.focal_px
+        cu, cv = self.rig.center_px
+        right, down = (u_px - cu)[:, None] / focal, (v_px - cv)[:, None] / focal
+        # Of length 1 along the optical axis.
+        ray = (right * rotation[:, 0] + down * rotation[:, 1] + rotation[:, 2]).astype(np.float32)
+        origin = np.repeat(world_from_camera[None, :3, 3].astype(np.float32), len(ray), axis=0)
+        sides = (rotation[:, 0] / focal).astype(np.float32), (rotation[:, 1] / focal).astype(np.float32)
+        count = len(ray)
+        found = Samples(
+            np.zeros(count, np.float32),
+            np.full(count, np.inf, np.float32),
+            np.zeros(count, np.int32),
+            np.full(count, -1, np.int32),
+            np.zeros(count, np.float32),
+            np.ones(count, bool) if above is None else above,
+        )
+        parts = 0
+        for group, hits in zip(self.groups, self.nearest(origin, ray), strict=True):
+            self.shade(group, hits, origin, ray, sides, found, parts, above is None)
+            parts += group.parts
+        sky = np.flatnonzero(found.part < 0)
+        found.radiance[sky] = light.sky_radiance(self.scene, unit_rows(ray[sky]))
+        found.plain[sky] = found.radiance[sky]
+        return found
+
+    def nearest(self, origin: np.ndarray, ray: np.ndarray) -> list[Hits]:
+        """What of each group the rays meet first of all."""
+        met = [group.met(origin, ray) for group in self.groups]
+        nearest_m = np.full(len(ray), np.inf, np.float32)
+        for hits in met:
+            nearest_m[hits.ray] = np.minimum(nearest_m[hits.ray], hits.depth_m)
+        kept = [hits.depth_m <= nearest_m[hits.ray] for hits in met]
+        return [Hits(*(each[first] for each in hits)) for hits, first in zip(met, kept, strict=True)]
+
+    def shade(
+        self,
+        group: Surfaces,
+        hits: Hits,
+        origin: np.ndarray,
+        ray: np.ndarray,
+        sides: tuple[np.ndarray, np.ndarray],
+        found: Samples,
+        parts: int,
+        is_first: bool,
+    ) -> None:
+        direction = ray[hits.ray]
+        point_m = origin[hits.ray] + hits.depth_m[:, None] * direction
+        matter = group.matter(hits, point_m, direction, sides)
+        sun = light.reached(self.groups, point_m, matter.normal, self.to_sun)
+        if is_first:
+            found.above[hits.ray] = light.reached(self.groups, point_m, matter.normal, light.ABOVE)
+        irradiance = light.irradiance(self.scene, matter.normal, sun, found.above[hits.ray])
+        distance_m = hits.depth_m * np.sqrt(np.einsum("ij,ij->i", direction, direction))
+        radiance = matter.albedo * irradiance / np.float32(np.pi)
+        found.radiance[hits.ray] = light.through_air(self.scene.haze, radiance, distance_m)
+        found.depth_m[hits.ray] = hits.depth_m
+        found.label[hits.ray] = matter.label
+        found.part[hits.ray] = matter.part + parts
+        if is_first:
+            found.plain[hits.ray] = matter.plain * irradiance / np.float32(np.pi)
+
+
+def changes(samples: Samples, shape: tuple[int, int]) -> np.ndarray:
+    """(H W,) where a pixel or a neighbour of it shows another solid, or other light, than the next one."""
+    plain, part = samples.plain.reshape(shape), samples.part.reshape(shape)
+    found = np.zeros(shape, np.uint8)
+    for axis in (0, 1):
+        differ = (np.abs(np.diff(plain, axis=axis)) > CHANGE) | (np.diff(part, axis=axis) != 0)
+        first, second = (slice(None, -1), slice(1, None))
+        found[(first, slice(None)) if axis == 0 else (slice(None), first)] |= differ
+        found[(second, slice(None)) if axis == 0 else (slice(None), second)] |= differ
+    return cv2.dilate(found, np.ones((3, 3), np.uint8)).ravel() > 0

@@ -1,4 +1,4 @@
-"""The stereo rig: two identical, row-aligned pinhole cameras."""
+"""The stereo rig: two identical, row-aligned pinhole cameras, and what their pixels see."""
 
 from __future__ import annotations
 
@@ -64,3 +64,18 @@ class Rig:
 
 # 12 mm lens on 12 um pixels; f*B = 457.2 px*m, one disparity at 457.2 m and 32 at 14.3 m as in the paper.
 PAPER_RIG = Rig(width_px=640, height_px=480, focal_px=1000.0, baseline_m=0.4572)
+
+
+@dataclass(frozen=True)
+class View:
+    """What the middle of each pixel sees."""
+
+    depth_m: np.ndarray  # (H, W) float32, along the optical axis; inf = sky
+    label: np.ndarray  # (H, W) int32, k = the scene's k-th thing counted from 1; 0 = sky
+
+    def world_points_m(self, rig: Rig, world_from_camera: np.ndarray) -> np.ndarray:
+        """(H, W, 3); the sky's are not finite."""
+        (cu, cv), f = rig.center_px, rig.focal_px
+        v, u = np.mgrid[0 : rig.height_px, 0 : rig.width_px]
+        rays = np.stack([(u - cu) / f, (v - cv) / f, np.ones(u.shape)], axis=-1)
+        return rays @ world_from_camera[:3, :3].T * self.depth_m[..., None] + world_from_camera[:3, 3]

@@ -12,26 +12,6 @@ Point = tuple[float, float, float]
 
 
 @dataclass(frozen=True)
-class Box:
-    name: str
-    center_m: Point
-    size_m: Point  # along its own x, y, z
-    albedo: np.ndarray = field(repr=False, compare=False)
-    yaw_deg: float = 0.0
-
-
-@dataclass(frozen=True)
-class Board:
-    """A flat upright rectangle facing -x, towards the approaching aircraft."""
-
-    name: str
-    center_m: Point
-    width_m: float
-    height_m: float
-    albedo: np.ndarray = field(repr=False, compare=False)
-
-
-@dataclass(frozen=True)
 class Cylinder:
     name: str
     start_m: Point
@@ -108,7 +88,7 @@ class HeightField:
         return pairs.reshape(-1, 3)
 
 
-Solid = Box | Board | Cylinder | Sphere | GroundStrip | Panel | Mesh | HeightField
+Solid = Cylinder | Sphere | GroundStrip | Panel | Mesh | HeightField
 
 
 @dataclass(frozen=True)
@@ -151,7 +131,7 @@ class Scene:
     to_sun: Point  # direction, world
     sun_irradiance: float = 4.2  # perpendicular to the light
     fill_irradiance: float = 1.1  # stands for the sky's light, from behind the aircraft
-    sky: Literal["blue", "overcast"] = "blue"  # overcast: uniform, without any texture
+    sky: Literal["blue", "clouds", "overcast"] = "blue"  # overcast: uniform, without any texture
     overcast_radiance: float = 0.9
     haze: Haze | None = None
     exposure: float = 1.0  # times the sensor's own; above 1 clips what is bright
@@ -161,15 +141,14 @@ class Scene:
         return tuple(solid for thing in self.things for solid in thing.solids)
 
 
+def board(name: str, center_m: Point, width_m: float, height_m: float, albedo: np.ndarray) -> Panel:
+    """An upright panel that faces -x, towards the approaching aircraft."""
+    return Panel(name, center_m, (0.0, -width_m / 2, 0.0), (0.0, 0.0, -height_m / 2), albedo)
+
+
 def bounds_m(solid: Solid) -> tuple[np.ndarray, np.ndarray]:
     """Lowest and highest corner of the solid's bounding box along the world's axes."""
     match solid:
-        case Box():
-            cos, sin = abs(np.cos(np.radians(solid.yaw_deg))), abs(np.sin(np.radians(solid.yaw_deg)))
-            x, y, z = (side / 2 for side in solid.size_m)
-            center, half = np.array(solid.center_m), np.array([cos * x + sin * y, sin * x + cos * y, z])
-        case Board():
-            center, half = np.array(solid.center_m), np.array([0.0, solid.width_m / 2, solid.height_m / 2])
         case Cylinder():
             ends = np.array([solid.start_m, solid.end_m])
             axis = (ends[1] - ends[0]) / np.linalg.norm(ends[1] - ends[0])

@@ -98,3 +98,14 @@ def foamcore(albedo: float, seed: int, texels: tuple[int, int] = (230, 51)) -> n
     board += 0.05 * tape
     edge = np.minimum.reduce([x * columns, y * columns, columns - 1 - x * columns, rows - 1 - y * columns])
     return np.clip(np.where(edge < 1, 0.35, board), 0.01, 0.9).astype(np.float32)
+
+
+def tarpaulin(width_m: float, length_m: float, albedo: float, seed: int, texel_m: float = 0.02) -> np.ndarray:
+    """Woven sheet with folds, seams and a hem; rows along its length."""
+    y, x = np.mgrid[0 : round(length_m / texel_m), 0 : round(width_m / texel_m)].astype(np.float32) * texel_m
+    folds = np.sin(2 * np.pi * (y + 0.25 * noise(x, y, 1.7, seed)) / 1.0) ** 8
+    sheet = albedo * (1 + 0.5 * layered(x, y, {1.3: 0.5, 0.4: 0.5, 0.1: 0.35}, seed + 1) + 0.25 * folds)
+    hem = (np.minimum(x, width_m - x) < 0.08) | (np.minimum(y, length_m - y) < 0.08)
+    return cv2.GaussianBlur(
+        np.clip(np.where(hem, 0.55 * sheet, sheet), 0.03, 0.9).astype(np.float32), (3, 3), 0.6
+    )

@@ -9,9 +9,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Literal
 
+from vista_eval.render.course import FOOT_M, Course
 from vista_eval.render.flight import Flight
 from vista_eval.render.scene import Scene
-from vista_eval.render.trajectory import FOOT_M, Approach
 from vista_eval.worlds import meadow_flights as meadow
 from vista_eval.worlds import street_flights as street
 
@@ -28,9 +28,9 @@ LAST_RANGE_M = 14.0
 CLOSE_FIRST_RANGE_M, CLOSE_LAST_RANGE_M = 55.0, 4.0
 
 
-def approach(first_m: float, last_m: float, speed_m_s: float, seed: int, altitude_m: float) -> Approach:
+def approach(first_m: float, last_m: float, speed_m_s: float, seed: int, altitude_m: float) -> Course:
     frames = round((first_m - last_m) * RATE_HZ / speed_m_s) + 1
-    return Approach(altitude_m, speed_m_s, last_m, frames, RATE_HZ, sway_phase_s=7.3 * seed)
+    return Course(altitude_m, speed_m_s, last_m, frames, RATE_HZ, sway_phase_s=7.3 * seed)
 
 
 def flight(

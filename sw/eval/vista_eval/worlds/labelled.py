@@ -1,97 +1,87 @@
-"""Render labelled single scenes: python -m vista_eval.worlds.labelled OUT_DIR
+"""Single scenes drawn at random, which the segmentation is tuned and scored on.
 
-The segmentation is tuned and scored on them. Each is a flight of one frame, scene_NNNN of seed NNNN; even
-seeds are the group dev.
-"""
+Each is a flight of one frame, scene_NNNN of seed NNNN; even seeds are the group dev."""
 
 from __future__ import annotations
 
-import argparse
-import sys
-from dataclasses import dataclass
-from functools import lru_cache
-from pathlib import Path
+from dataclasses import replace
 
 import numpy as np
-from tqdm import tqdm
 
-from vista_eval.render.flight import Flight, Quality, is_complete, render_flight
-from vista_eval.render.scene import Scene
-from vista_eval.render.trajectory import START_NS, BodyState, rotation_from_angles
-from vista_eval.worlds.random_scene import Viewpoint, random_scene
+from vista_eval.render.course import Course
+from vista_eval.render.flight import Flight
+from vista_eval.render.scene import Scene, Thing, bounds_m
+from vista_eval.worlds import things
+from vista_eval.worlds.draws import draws, some_seed
+from vista_eval.worlds.grounds import COUNTRY_AND_TOWN, COVERS
+from vista_eval.worlds.laying import ground
+from vista_eval.worlds.light import light
+from vista_eval.worlds.path import path_of
+from vista_eval.worlds.site import Site, background
+from vista_eval.worlds.standing import NEAREST_M, STANDING, Place
 
-SCENES = 160
-
-
-@lru_cache(maxsize=1)
-def drawn(seed: int) -> tuple[Scene, Viewpoint]:
-    return random_scene(seed)
-
-
-@dataclass(frozen=True)
-class Still:
-    """An approach of one frame, from where the scene of this seed is to be seen."""
-
-    seed: int
-    frames: int = 1
-    rate_hz: float = 10.0
-    speed_m_s: float = 0.0
-    last_range_m: float = 0.0
-
-    @property
-    def altitude_m(self) -> float:
-        return drawn(self.seed)[1].altitude_m
-
-    def before_last_s(self, _: float) -> float:
-        return 0.0
-
-    def state_at(self, _: float) -> BodyState:
-        view = drawn(self.seed)[1]
-        pose = np.eye(4)
-        pose[:3, :3] = rotation_from_angles(view.roll_deg, view.pitch_deg, 0.0)
-        pose[2, 3] = view.altitude_m
-        return BodyState(START_NS, pose, np.zeros(3))
+FARTHEST_M = 90.0
+MOST_TRIES = 30
+LAST_RANGE_M = 0.1  # the camera stands where the scene begins
 
 
-def scene_of_seed(_: float, seed: int) -> Scene:
-    return drawn(seed)[0]
+def plan_radius_m(thing: Thing) -> tuple[np.ndarray, float]:
+    """Middle and radius of a circle on the ground around the thing."""
+    lows, highs = zip(*(bounds_m(solid) for solid in thing.solids), strict=True)
+    low, high = np.min(lows, axis=0)[:2], np.max(highs, axis=0)[:2]
+    return (low + high) / 2, float(np.linalg.norm(high - low)) / 2
 
 
-def labelled(seed: int) -> Flight:
-    name = f"scene_{seed:04d}"
-    return Flight(
-        name,
-        f"random scene {seed}",
-        "test" if seed % 2 else "dev",
-        Still(seed),
-        scene_of_seed,
-        seed=seed,
+def standing_things(count: int, altitude_m: float, seed: int) -> list[Thing]:
+    """`count` things in view that do not stand in each other."""
+    rng = np.random.default_rng((seed, 1))
+    kinds = list(STANDING)
+    often = np.array([STANDING[kind][0] for kind in kinds])
+    placed: list[Thing] = []
+    unique = {"sign", "pole"}  # one name each
+    for attempt in range(MOST_TRIES):
+        if len(placed) == count:
+            break
+        kind = kinds[rng.choice(len(kinds), p=often / often.sum())]
+        if kind in unique and any(thing.kind == kind for thing in placed):
+            continue
+        _, nearest, build = STANDING[kind]
+        # As many at each distance as at its double.
+        x = nearest * (FARTHEST_M / nearest) ** rng.uniform(0, 1)
+        y = x * rng.uniform(-0.27, 0.27)
+        place = Place(f"{kind}{attempt}", (x, y, 0.0), altitude_m, some_seed(rng))
+        thing = build(place, rng)
+        middle, radius = plan_radius_m(thing)
+        circles = (plan_radius_m(other) for other in placed)
+        apart = all(np.linalg.norm(middle - m) > 0.8 * (radius + r) for m, r in circles)
+        if apart and middle[0] - radius > 0.7 * NEAREST_M:
+            placed.append(thing)
+    return placed
+
+
+def course_of(seed: int) -> Course:
+    rng = draws(seed, "view")
+    altitude_m, climb_deg, phase_s = (float(rng.uniform(*span)) for span in ((2.5, 9), (-3, 1.5), (0, 1000)))
+    return Course(
+        altitude_m, 10.0, LAST_RANGE_M, 1, 10.0, climb_deg=climb_deg, sway_phase_s=phase_s, sway_scale=2.0
     )
 
 
-def render_labelled(seed: int, out: Path, quality: Quality = "full") -> None:
-    """Renders out/scene_NNNN if it is not there. Raises OSError where `render_flight` does."""
-    flight = labelled(seed)
-    if not is_complete(flight, out / flight.name, quality):
-        list(render_flight(flight, out / flight.name, quality))
+def labelled_scene(altitude_m: float, seed: int) -> Scene:
+    """2 to 7 standing things at 12 to 90 m before the camera."""
+    rng = draws(seed, "scene")
+    cover, contrast = str(rng.choice(COUNTRY_AND_TOWN)), float(rng.uniform(0.3, 0.9))
+    course = replace(course_of(seed), frames=9)  # the ground is laid along a path
+    here = Site(seed, altitude_m, course, path_of(course), cover, contrast)
+    scenery = [ground(here.path, altitude_m, cover, contrast, seed, None, False), *background(here)]
+    if rng.random() < 0.25:
+        x, width, length = rng.uniform([15, 2, 3], [45, 5, 8])
+        place, shade = (x, x * rng.uniform(-0.2, 0.2)), rng.choice([0.06, 0.3, 0.7])
+        scenery.append(things.tarpaulin("tarpaulin", place, width, length, rng.uniform(0, 180), shade, seed))
+    standing = standing_things(int(rng.integers(2, 8)), altitude_m, seed)
+    return Scene((*standing, *scenery), **light(seed, COVERS[cover].mean))
 
 
-def main() -> int:
-    parser = argparse.ArgumentParser(prog="vista_eval.worlds.labelled", description=__doc__)
-    parser.add_argument("out", type=Path, metavar="OUT_DIR")
-    parser.add_argument("--count", type=int, default=SCENES, help=f"seeds 0 to count - 1 (default {SCENES})")
-    arguments = parser.parse_args()
-    try:
-        for seed in tqdm(range(arguments.count), desc="rendering the scenes", unit="scene"):
-            render_labelled(seed, arguments.out)
-    except OSError as error:
-        print(f"vista_eval.worlds.labelled: {error}", file=sys.stderr)
-        return 2
-    except KeyboardInterrupt:
-        print("interrupted; the next run goes on from here", file=sys.stderr)
-        return 130
-    return 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())
+def labelled(seed: int) -> Flight:
+    name, title = f"scene_{seed:04d}", f"random scene {seed}"
+    return Flight(name, title, "test" if seed % 2 else "dev", course_of(seed), labelled_scene, seed=seed)

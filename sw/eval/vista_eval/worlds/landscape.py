@@ -71,12 +71,8 @@ HILLS_ROWS = 9
 
 
 def hills(altitude_m: float, seed: int) -> Thing:
-    """A wooded ridge across the view, 14 to 22 m higher than the camera: 9 to 15 pixels above the horizon.
-
-    Mitsuba's sky is black below the horizon, and `render` takes it from one ray in eight pixels: without a
-    ridge, black shows where the ground ends and up to 8 pixels above. It is no higher, so that what stands
-    against the sky still does.
-    """
+    """A wooded ridge across the view, 14 to 22 m higher than the camera: 9 to 15 pixels above the horizon, so
+    that what stands against the sky still does."""
     rng = np.random.default_rng((seed, 12))
     y = np.arange(-HILLS_HALF_WIDTH_M, HILLS_HALF_WIDTH_M, HILLS_TREE_M)
     waves = [np.sin(2 * np.pi * (y / length + rng.uniform())) for length in (910.0, 370.0, 140.0)]

@@ -10,10 +10,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from vista_eval.render.scene import Haze, Scene, Sway, Thing
+from vista_eval.render.course import Course
+from vista_eval.render.scene import Haze, Scene, Sway, Thing, thing
 from vista_eval.worlds import street, things, vegetation, vehicle, yard
-from vista_eval.worlds.ground import ground
 from vista_eval.worlds.landscape import forest, hills, tree_row
+from vista_eval.worlds.laying import ground
+from vista_eval.worlds.path import path_of
 
 FIRST_X_M, LAST_X_M = -92.0, -8.0
 AFTERNOON_SUN = (-0.62, 0.48, 0.62)  # over the aircraft's left shoulder
@@ -32,12 +34,17 @@ BALES = (
 )
 
 
+def level_ground(cover: str, altitude_m: float, seed: int) -> Thing:
+    course = Course(altitude_m, LAST_X_M - FIRST_X_M, -LAST_X_M, 2, 1.0, sway_scale=0.0)
+    return ground(path_of(course), altitude_m, cover, 0.5, seed, None, False)
+
+
 def country(
     altitude_m: float, seed: int, kind: str = "meadow", sway: Sway | None = None
 ) -> tuple[Thing, ...]:
     """Ground, a line of trees 100 m behind the target, forest behind it."""
     trees = tree_row((98.0, 130.0), 75.0, seed, sway=sway)
-    return ground(kind, altitude_m, FIRST_X_M, LAST_X_M, seed), trees, forest(185.0, seed)
+    return level_ground(kind, altitude_m, seed), trees, forest(185.0, seed)
 
 
 def bales(seed: int) -> list[Thing]:
@@ -57,10 +64,10 @@ def tarpaulins(seed: int) -> list[Thing]:
     ]
 
 
-def gantry(seed: int) -> Thing:
+def gantry() -> Thing:
     """Spans the path behind the target, its wire far above it."""
-    shape = street.gantry(18.0, 14.0)
-    return things.one("gantry", "gantry", shape, (GANTRY_X_M, 0.0, 0.0))
+    shape = street.gantry(18.0, 14.0).moved((GANTRY_X_M, 0.0, 0.0))
+    return thing("gantry", "gantry", shape.solids("gantry"))
 
 
 def paper_site(target: Thing, altitude_m: float, seed: int) -> Scene:
@@ -73,7 +80,7 @@ def paper_site(target: Thing, altitude_m: float, seed: int) -> Scene:
             parked("car0", "car", 17.0, -8.0, 62.0, 0.55, seed),
             parked("car1", "car", 38.0, 13.0, 130.0, 0.08, seed + 1),
             parked("van", "van", 28.0, -17.0, 80.0, 0.7, seed),
-            gantry(seed),
+            gantry(),
             *tarpaulins(seed),
         ),
         to_sun=AFTERNOON_SUN,
@@ -110,7 +117,7 @@ def pole_site_in_shade(altitude_m: float, seed: int) -> Scene:
 
 def overcast_sign(altitude_m: float, seed: int) -> Scene:
     """White sign before a white sky without any texture; the mown field reaches to the horizon."""
-    field = ground("stubble", altitude_m, FIRST_X_M, LAST_X_M, seed)
+    field = level_ground("stubble", altitude_m, seed)
     everything = (things.sign(altitude_m, seed), field, *bales(seed))
     scene = Scene(everything, to_sun=(0.0, 0.0, 1.0), sky="overcast")
     return replace(scene, sun_irradiance=0.5, fill_irradiance=2.2, overcast_radiance=0.62, exposure=1.4)

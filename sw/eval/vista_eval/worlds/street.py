@@ -8,6 +8,7 @@ import cv2
 import numpy as np
 
 from vista_eval.render.textures import layered, smoothstep
+from vista_eval.worlds.rods import Rods, all_of, rods
 from vista_eval.worlds.triangles import Triangles, box, joined, tube
 
 FLOOR_M = 3.1
@@ -157,21 +158,15 @@ def banded_post(height_m: float, radius_m: float, low: float, high: float, band_
     return joined(*parts)
 
 
-def gantry(span_m: float, height_m: float, wire_sag_m: float = 1.0) -> Triangles:
+def gantry(span_m: float, height_m: float, wire_sag_m: float = 1.0) -> Rods:
     """Two lattice towers along y, `span_m` apart, with a wire from top to top."""
-    parts = []
+    legs, across, step = [], [], 1.5
     for y in (-span_m / 2, span_m / 2):
-        legs = [(sx * 0.5, y + sy * 0.5) for sx in (-1, 1) for sy in (-1, 1)]
-        parts += [tube([(a, b, 0), (a, b, height_m)], 0.06, 0.3, 6) for a, b in legs]
-        step = 1.5
+        a, b, c, d = ((sx * 0.5, y + sy * 0.5) for sx in (-1, 1) for sy in (-1, 1))
+        legs += [[(*leg, 0), (*leg, height_m)] for leg in (a, b, c, d)]
         for z in np.arange(0, height_m - step, step):
-            for (a, b), (c, d) in (
-                (legs[0], legs[1]),
-                (legs[2], legs[3]),
-                (legs[0], legs[2]),
-                (legs[1], legs[3]),
-            ):
-                parts.append(tube([(a, b, z), (c, d, z + step)], 0.03, 0.28, 4, closed=False))
+            across += [[(*low, z), (*high, z + step)] for low, high in ((a, b), (c, d), (a, c), (b, d))]
     t = np.linspace(-1, 1, 25)
     wire = np.stack([0 * t, t * span_m / 2, height_m - wire_sag_m * (1 - t**2)], 1)
-    return joined(*parts, tube(wire, 0.012, 0.1, 4, closed=False))
+    spans = np.stack([wire[:-1], wire[1:]], axis=1)
+    return all_of(rods(legs, 0.06, 0.3), rods(across, 0.03, 0.28), rods(spans, 0.012, 0.1))

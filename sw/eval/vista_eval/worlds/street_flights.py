@@ -6,9 +6,8 @@ import numpy as np
 
 from vista_eval.render.scene import Scene, Thing
 from vista_eval.worlds import street, things, vehicle
-from vista_eval.worlds.ground import ground
 from vista_eval.worlds.landscape import forest, tree_row
-from vista_eval.worlds.meadow_flights import FIRST_X_M, LAST_X_M, country, parked
+from vista_eval.worlds.meadow_flights import country, level_ground, parked
 
 # A window pitch of 3 m shifts the disparity of a facade 120 m away to that of a thing 15 to 40 m away.
 ALIASING = street.FacadeStyle(3.0, (1.5, 1.6), 0.42, 0.7, bricks=False, grain=0.4, variety=0.15)
@@ -79,7 +78,7 @@ def street_furniture(seed: int, clear_of_m: float = 4.5) -> list[Thing]:
 def town(altitude_m: float, seed: int, style: street.FacadeStyle | None = None) -> list[Thing]:
     """A street of houses 9.5 m to either side, closed by a facade beyond the collision cylinder."""
     return [
-        ground("asphalt", altitude_m, FIRST_X_M, LAST_X_M, seed),
+        level_ground("asphalt", altitude_m, seed),
         *terrace(1, 9.5, (-80.0, 95.0), style, seed),
         *terrace(-1, 9.5, (-84.0, 95.0), style, seed),
         block_across(125.0, 40.0, 5, ALIASING, seed),
@@ -107,7 +106,7 @@ def urban(altitude_m: float, seed: int) -> Scene:
 def yard_before_block(altitude_m: float, seed: int) -> list[Thing]:
     """A gravel yard that ends at a long facade with a window every 3 m."""
     return [
-        ground("gravel", altitude_m, FIRST_X_M, LAST_X_M, seed),
+        level_ground("gravel", altitude_m, seed),
         block_across(BEYOND_CYLINDER_X_M, 62.0, 6, ALIASING, seed),
         parked("car0", "car", 30.0, -11.0, 85.0, 0.6, seed),
         parked("car1", "car", 34.0, 8.0, 95.0, 0.1, seed + 1),
@@ -147,7 +146,7 @@ def clear_lane(altitude_m: float, seed: int) -> Scene:
                 things.tree(f"tree{len(trees)}", form, foot, height, int(rng.integers(1 << 30)), 0.26)
             )
     far = tree_row((118.0, 135.0), 60.0, seed)
-    scenery = (ground("soil", altitude_m, FIRST_X_M, LAST_X_M, seed), far, forest(185.0, seed))
+    scenery = (level_ground("soil", altitude_m, seed), far, forest(185.0, seed))
     return Scene((*trees, *scenery), to_sun=(-0.35, 0.45, 0.82), exposure=1.3)
 
 

@@ -6,9 +6,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from vista_eval.render import textures
-from vista_eval.render.scene import Board, Cylinder, Mesh, Panel, Solid, Sway, Thing, thing
+from vista_eval.render.scene import Cylinder, Mesh, Panel, Solid, Sway, Thing, board, thing
 from vista_eval.worlds import street
-from vista_eval.worlds.ground import tarpaulin_texture
 from vista_eval.worlds.triangles import Triangles, placed
 from vista_eval.worlds.vegetation import TREES, crown, crown_clumps
 
@@ -163,7 +162,7 @@ def overhead_board(
 ) -> Thing:
     """A sign board over a road, on two posts."""
     size = (2 * (half_span_m - 1.0), height_m)
-    board = Board(f"{name}_board", (x_m, 0.0, middle_m), *size, textures.printed_sign(*size, seed, 60))
+    print_ = textures.printed_sign(*size, seed, 60)
     top = middle_m + height_m / 2
     posts = [
         Cylinder(
@@ -173,7 +172,8 @@ def overhead_board(
     ]
     ends = (x_m + 0.15, half_span_m, top - 0.2), (x_m + 0.15, -half_span_m, top - 0.2)
     beam = Cylinder(f"{name}_beam", *ends, 0.08, textures.paint(0.3, seed))
-    return thing(name, "board", [board, *posts, beam], **more)
+    front = board(f"{name}_board", (x_m, 0.0, middle_m), *size, print_)
+    return thing(name, "board", [front, *posts, beam], **more)
 
 
 def tarpaulin(
@@ -184,7 +184,7 @@ def tarpaulin(
     ahead = np.array([np.cos(turn), np.sin(turn), 0.0])
     right = np.array([ahead[1], -ahead[0], 0.0])
     center = np.array([*np.asarray(center_m, float)[:2], 0.03])
-    albedos = tarpaulin_texture(width_m, length_m, albedo, seed)
+    albedos = textures.tarpaulin(width_m, length_m, albedo, seed)
     panel = Panel(name, tuple(center), tuple(right * width_m / 2), tuple(ahead * length_m / 2), albedos)
     return thing(name, "tarpaulin", [panel], standing=False)
 
@@ -205,7 +205,7 @@ def sign(altitude_m: float, seed: int, x_m: float = 0.0, y_m: float = 0.0) -> Th
     behind = x_m + 2 * radius
     top_m = altitude_m + SIGN_HEIGHT_M / 2
     solids = (
-        Board("sign_board", center, SIGN_WIDTH_M, SIGN_HEIGHT_M, print_),
+        board("sign_board", center, SIGN_WIDTH_M, SIGN_HEIGHT_M, print_),
         Cylinder("sign_pole", (behind, y_m, 0.0), (behind, y_m, top_m), radius, textures.paint(0.35, seed)),
     )
     return Thing("sign", "sign", solids, True, center, SIGN_WIDTH_M, SIGN_HEIGHT_M, target=True)
@@ -214,8 +214,8 @@ def sign(altitude_m: float, seed: int, x_m: float = 0.0, y_m: float = 0.0) -> Th
 def foamcore_pole(altitude_m: float, seed: int, x_m: float = 0.0, y_m: float = 0.0) -> Thing:
     """The paper's "pole": black foamcore 90 in x 20 in, upright on a stand, its middle at `altitude_m`."""
     center = (x_m, y_m, altitude_m)
-    board = Board("pole_board", center, POLE_WIDTH_M, POLE_HEIGHT_M, textures.foamcore(0.035, seed))
+    front = board("pole_board", center, POLE_WIDTH_M, POLE_HEIGHT_M, textures.foamcore(0.035, seed))
     behind = x_m + 2 * STAND_RADIUS_M
     foot, top = (behind, y_m, 0.0), (behind, y_m, altitude_m + 0.3 * POLE_HEIGHT_M)
     stand = Cylinder("pole_stand", foot, top, STAND_RADIUS_M, textures.paint(0.3, seed))
-    return Thing("pole", "pole", (board, stand), True, center, POLE_WIDTH_M, POLE_HEIGHT_M, target=True)
+    return Thing("pole", "pole", (front, stand), True, center, POLE_WIDTH_M, POLE_HEIGHT_M, target=True)

@@ -7,12 +7,11 @@ from collections.abc import Sequence
 import numpy as np
 
 from vista_eval.render.scene import Panel, Scene, Solid, Thing, thing
-from vista_eval.worlds import things
-from vista_eval.worlds.sampled import walls
-from vista_eval.worlds.sampled.courses import Courses
-from vista_eval.worlds.sampled.draws import some_seed
-from vista_eval.worlds.sampled.grounds import BUILT_UP
-from vista_eval.worlds.sampled.site import URBAN, Site, background, clutter, scene_of, site
+from vista_eval.worlds import things, walls
+from vista_eval.worlds.courses import Courses
+from vista_eval.worlds.draws import some_seed
+from vista_eval.worlds.grounds import BUILT_UP
+from vista_eval.worlds.site import URBAN, Site, background, clutter, scene_of, site
 from vista_eval.worlds.triangles import box, joined, polygon
 
 AT_BUILDINGS = Courses(altitude_m=(3.0, 14.0), climb_deg=(-8.0, 5.0), most_bank_deg=20.0)

@@ -7,6 +7,7 @@ that development needs has a family of its own in dev, and one of other content 
 
 from __future__ import annotations
 
+from vista_eval.worlds.courses import ANY, FROM_AFAR, LOW
 from vista_eval.worlds.sampled import (
     buildings,
     clear,
@@ -23,7 +24,6 @@ from vista_eval.worlds.sampled import (
     trees,
     wires,
 )
-from vista_eval.worlds.sampled.courses import ANY, FROM_AFAR, LOW
 from vista_eval.worlds.sampled.family import Family
 
 COUNT, SEED = 7, 1  # flights of each family, and the set that is frozen

@@ -5,14 +5,14 @@ from __future__ import annotations
 import numpy as np
 
 from vista_eval.render.scene import Scene, Thing, thing
-from vista_eval.worlds.sampled import walls
+from vista_eval.worlds import walls
+from vista_eval.worlds.courses import Courses
+from vista_eval.worlds.draws import log_uniform
+from vista_eval.worlds.grounds import BUILT_UP
+from vista_eval.worlds.rods import all_of, lattice, strand
 from vista_eval.worlds.sampled.buildings import block, rectangle_m
-from vista_eval.worlds.sampled.courses import Courses
-from vista_eval.worlds.sampled.draws import log_uniform
-from vista_eval.worlds.sampled.grounds import BUILT_UP
 from vista_eval.worlds.sampled.machines import tower_crane
-from vista_eval.worlds.sampled.rods import all_of, lattice, strand
-from vista_eval.worlds.sampled.site import RURAL, URBAN, Site, background, clutter, scene_of, site
+from vista_eval.worlds.site import RURAL, URBAN, Site, background, clutter, scene_of, site
 
 AMONG_HOUSES = Courses(altitude_m=(5.0, 12.0), climb_deg=(0.0, 4.0), most_bank_deg=20.0)
 FACES = (walls.plain, walls.windows, walls.lived_in, walls.dark_glass, walls.corrugated, *walls.TEXTURED)

@@ -9,10 +9,10 @@ import numpy as np
 
 from vista_eval.render.scene import Scene, Thing, thing
 from vista_eval.worlds import things
-from vista_eval.worlds.sampled.courses import Courses
-from vista_eval.worlds.sampled.draws import log_uniform
-from vista_eval.worlds.sampled.grounds import BUILT_UP
-from vista_eval.worlds.sampled.site import URBAN, Site, background, clutter, scene_of, site
+from vista_eval.worlds.courses import Courses
+from vista_eval.worlds.draws import log_uniform
+from vista_eval.worlds.grounds import BUILT_UP
+from vista_eval.worlds.site import URBAN, Site, background, clutter, scene_of, site
 from vista_eval.worlds.triangles import Triangles, box, joined, placed
 
 AT_STACKS = Courses(altitude_m=(2.8, 9.5), climb_deg=(-4.0, 4.0), most_bank_deg=15.0)

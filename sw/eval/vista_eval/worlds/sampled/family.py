@@ -8,8 +8,8 @@ from typing import Literal
 
 from vista_eval.render.flight import Flight
 from vista_eval.render.scene import Scene
-from vista_eval.worlds.sampled.courses import Courses
-from vista_eval.worlds.sampled.draws import seed_of
+from vista_eval.worlds.courses import Courses
+from vista_eval.worlds.draws import seed_of
 from vista_eval.worlds.sampled.sensors import pose_faults, rig, sensor
 
 Split = Literal["dev", "test"]
@@ -38,7 +38,6 @@ class Family:
             sensor=sensor(own),
             seed=own,
             family=self.name,
-            renderer="fast",
             pose_faults=pose_faults(own, course.frames),
         )
 

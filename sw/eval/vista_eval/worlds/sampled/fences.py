@@ -6,10 +6,10 @@ import numpy as np
 
 from vista_eval.render.scene import Scene, thing
 from vista_eval.worlds import things, vegetation, yard
-from vista_eval.worlds.sampled.courses import LOW
-from vista_eval.worlds.sampled.grounds import COUNTRY_AND_TOWN
-from vista_eval.worlds.sampled.rods import Rods, all_of, rods
-from vista_eval.worlds.sampled.site import RURAL, URBAN, background, clutter, scene_of, site
+from vista_eval.worlds.courses import LOW
+from vista_eval.worlds.grounds import COUNTRY_AND_TOWN
+from vista_eval.worlds.rods import Rods, all_of, rods
+from vista_eval.worlds.site import RURAL, URBAN, background, clutter, scene_of, site
 from vista_eval.worlds.triangles import Triangles, box, joined, placed, tube
 
 

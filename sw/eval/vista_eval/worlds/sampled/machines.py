@@ -9,13 +9,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from vista_eval.render.scene import Scene, Solid, Thing, thing
-from vista_eval.worlds import things
-from vista_eval.worlds.sampled import walls
+from vista_eval.worlds import things, walls
+from vista_eval.worlds.courses import ANY
+from vista_eval.worlds.grounds import BUILT_UP
+from vista_eval.worlds.rods import Rods, all_of, lattice, rods, strand
 from vista_eval.worlds.sampled.buildings import block, rectangle_m
-from vista_eval.worlds.sampled.courses import ANY
-from vista_eval.worlds.sampled.grounds import BUILT_UP
-from vista_eval.worlds.sampled.rods import Rods, all_of, lattice, rods, strand
-from vista_eval.worlds.sampled.site import URBAN, Site, background, clutter, scene_of, site
+from vista_eval.worlds.site import URBAN, Site, background, clutter, scene_of, site
 from vista_eval.worlds.triangles import Triangles, box, joined, placed, tube
 
 

@@ -6,10 +6,10 @@ import numpy as np
 
 from vista_eval.render.scene import Scene, Thing
 from vista_eval.worlds import things, vehicle
-from vista_eval.worlds.sampled.courses import ANY, Courses
-from vista_eval.worlds.sampled.draws import log_uniform
-from vista_eval.worlds.sampled.grounds import BUILT_UP, COUNTRY_AND_TOWN, OPEN_COUNTRY
-from vista_eval.worlds.sampled.site import RURAL, URBAN, Site, background, clutter, scene_of, site
+from vista_eval.worlds.courses import ANY, Courses
+from vista_eval.worlds.draws import log_uniform
+from vista_eval.worlds.grounds import BUILT_UP, COUNTRY_AND_TOWN, OPEN_COUNTRY
+from vista_eval.worlds.site import RURAL, URBAN, Site, background, clutter, scene_of, site
 from vista_eval.worlds.triangles import Triangles, box, joined, lump, placed
 
 OVER_A_ROAD = Courses(altitude_m=(1.2, 2.4), speed_m_s=(3.0, 15.0), climb_deg=(-3.0, 0.0), most_bank_deg=10.0)

@@ -8,12 +8,12 @@ import numpy as np
 from vista_eval.render import textures
 from vista_eval.render.scene import Cylinder, Panel, Scene, Solid, Thing, thing
 from vista_eval.worlds import street, things
-from vista_eval.worlds.sampled.courses import FROM_AFAR
-from vista_eval.worlds.sampled.draws import log_uniform, some_seed
-from vista_eval.worlds.sampled.grounds import COUNTRY_AND_TOWN
-from vista_eval.worlds.sampled.patterns import cloudy, laid
-from vista_eval.worlds.sampled.rods import all_of, lattice, strand
-from vista_eval.worlds.sampled.site import RURAL, URBAN, Site, background, clutter, scene_of, site
+from vista_eval.worlds.courses import FROM_AFAR
+from vista_eval.worlds.draws import log_uniform, some_seed
+from vista_eval.worlds.grounds import COUNTRY_AND_TOWN
+from vista_eval.worlds.patterns import cloudy, laid
+from vista_eval.worlds.rods import all_of, lattice, strand
+from vista_eval.worlds.site import RURAL, URBAN, Site, background, clutter, scene_of, site
 
 
 def cylinder_albedo(height_m: float, girth_m: float, seed: int, kind: str) -> np.ndarray:

@@ -10,12 +10,12 @@ import numpy as np
 
 from vista_eval.render.scene import Scene, Thing, thing
 from vista_eval.worlds import street, things
-from vista_eval.worlds.sampled.courses import Courses
-from vista_eval.worlds.sampled.draws import log_uniform, some_seed
-from vista_eval.worlds.sampled.grounds import OPEN_COUNTRY
+from vista_eval.worlds.courses import Courses
+from vista_eval.worlds.draws import log_uniform, some_seed
+from vista_eval.worlds.grounds import OPEN_COUNTRY
+from vista_eval.worlds.rods import Rods, all_of, strand
 from vista_eval.worlds.sampled.poles import round_pole
-from vista_eval.worlds.sampled.rods import Rods, all_of, strand
-from vista_eval.worlds.sampled.site import Site, background, scene_of, site
+from vista_eval.worlds.site import Site, background, scene_of, site
 
 BETWEEN_ROWS = Courses(
     altitude_m=(3.0, 8.0),

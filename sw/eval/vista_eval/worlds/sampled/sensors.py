@@ -13,10 +13,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from vista_eval.render.navigation import NO_FAULTS, PoseFaults
+from vista_eval.render.course import NO_FAULTS, PoseFaults
 from vista_eval.render.optics import FlawedSensor
 from vista_eval.render.rig import PAPER_RIG, Rig
-from vista_eval.worlds.sampled.draws import draws, log_uniform, some_seed
+from vista_eval.worlds.draws import draws, log_uniform, some_seed
 
 FAULTY, LOST = 0.3, 0.25  # shares of the flights with a fault of a camera, of the poses
 FAULTS = ("noise", "defocus", "motion", "gain", "vignetting", "glare", "dirt", "rows")

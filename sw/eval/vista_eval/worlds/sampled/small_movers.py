@@ -9,11 +9,11 @@ import numpy as np
 
 from vista_eval.render.scene import Scene, Thing
 from vista_eval.worlds import things
-from vista_eval.worlds.sampled.courses import Courses
-from vista_eval.worlds.sampled.draws import log_uniform
-from vista_eval.worlds.sampled.grounds import COUNTRY_AND_TOWN
+from vista_eval.worlds.courses import Courses
+from vista_eval.worlds.draws import log_uniform
+from vista_eval.worlds.grounds import COUNTRY_AND_TOWN
 from vista_eval.worlds.sampled.movers import beside_m
-from vista_eval.worlds.sampled.site import RURAL, Site, background, clutter, scene_of, site
+from vista_eval.worlds.site import RURAL, Site, background, clutter, scene_of, site
 from vista_eval.worlds.triangles import Triangles, box, joined, lump, polygon, tube
 
 IN_THE_AIR = Courses(

@@ -7,11 +7,11 @@ import numpy as np
 
 from vista_eval.render.scene import Cylinder, Scene, Solid, Thing, thing
 from vista_eval.worlds import things
-from vista_eval.worlds.sampled.courses import Courses
-from vista_eval.worlds.sampled.draws import log_uniform, some_seed
-from vista_eval.worlds.sampled.grounds import BUILT_UP
-from vista_eval.worlds.sampled.patterns import cloudy, laid
-from vista_eval.worlds.sampled.site import URBAN, Site, background, clutter, scene_of, site
+from vista_eval.worlds.courses import Courses
+from vista_eval.worlds.draws import log_uniform, some_seed
+from vista_eval.worlds.grounds import BUILT_UP
+from vista_eval.worlds.patterns import cloudy, laid
+from vista_eval.worlds.site import URBAN, Site, background, clutter, scene_of, site
 from vista_eval.worlds.triangles import Triangles, box, joined, placed
 
 AT_FRONTS = Courses(altitude_m=(3.0, 13.0), climb_deg=(-6.0, 5.0), most_bank_deg=20.0)

@@ -7,15 +7,15 @@ import numpy as np
 
 from vista_eval.render.scene import Scene, Solid, Sphere, Thing, thing
 from vista_eval.render.textures import paint
+from vista_eval.worlds import walls
+from vista_eval.worlds.courses import Courses
+from vista_eval.worlds.draws import log_uniform, some_seed
+from vista_eval.worlds.grounds import COUNTRY_AND_TOWN
 from vista_eval.worlds.landscape import tree_row
-from vista_eval.worlds.sampled import walls
+from vista_eval.worlds.rods import Rods, lattice, point, strand
 from vista_eval.worlds.sampled.buildings import block, rectangle_m
-from vista_eval.worlds.sampled.courses import Courses
-from vista_eval.worlds.sampled.draws import log_uniform, some_seed
-from vista_eval.worlds.sampled.grounds import COUNTRY_AND_TOWN
 from vista_eval.worlds.sampled.poles import round_pole
-from vista_eval.worlds.sampled.rods import Rods, lattice, point, strand
-from vista_eval.worlds.sampled.site import RURAL, Site, background, clutter, scene_of, site
+from vista_eval.worlds.site import RURAL, Site, background, clutter, scene_of, site
 
 # So fast that a range of 20 m is less than 3 s before the wire is met, where a hit is asked for.
 AT_STEEP_WIRES = Courses(

@@ -11,12 +11,12 @@ import numpy as np
 
 from vista_eval.render.scene import Scene, Thing
 from vista_eval.render.textures import noise, smoothstep
+from vista_eval.worlds.courses import Courses
+from vista_eval.worlds.draws import some_seed
+from vista_eval.worlds.grounds import OPEN_COUNTRY
 from vista_eval.worlds.landscape import HILLS_FOOT_X_M
-from vista_eval.worlds.sampled.courses import Courses
-from vista_eval.worlds.sampled.draws import some_seed
-from vista_eval.worlds.sampled.grounds import OPEN_COUNTRY
-from vista_eval.worlds.sampled.laying import Relief
-from vista_eval.worlds.sampled.site import RURAL, Site, clutter, ridges, scene_of, site
+from vista_eval.worlds.laying import Relief
+from vista_eval.worlds.site import RURAL, Site, clutter, ridges, scene_of, site
 
 SLOPE_DEG = (5.0, 40.0)
 # A shallow slope is flown along so low that a gust would set the aircraft down.

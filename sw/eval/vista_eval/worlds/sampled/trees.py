@@ -8,11 +8,11 @@ import numpy as np
 
 from vista_eval.render.scene import Scene, Thing
 from vista_eval.worlds import things
-from vista_eval.worlds.sampled.courses import FROM_AFAR, Courses
-from vista_eval.worlds.sampled.draws import log_uniform, some_seed
-from vista_eval.worlds.sampled.grounds import OPEN_COUNTRY, WOODED
-from vista_eval.worlds.sampled.path import clear_of, distance_m
-from vista_eval.worlds.sampled.site import RURAL, Site, background, clutter, scene_of, site
+from vista_eval.worlds.courses import FROM_AFAR, Courses
+from vista_eval.worlds.draws import log_uniform, some_seed
+from vista_eval.worlds.grounds import OPEN_COUNTRY, WOODED
+from vista_eval.worlds.path import clear_of, distance_m
+from vista_eval.worlds.site import RURAL, Site, background, clutter, scene_of, site
 from vista_eval.worlds.triangles import Triangles, joined
 from vista_eval.worlds.vegetation import bark, crown
 

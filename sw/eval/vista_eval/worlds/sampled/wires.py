@@ -7,11 +7,11 @@ import numpy as np
 from vista_eval.render.scene import Scene, Sphere, Thing, thing
 from vista_eval.render.textures import paint
 from vista_eval.worlds import things
-from vista_eval.worlds.sampled.courses import Courses
-from vista_eval.worlds.sampled.draws import log_uniform, some_seed
-from vista_eval.worlds.sampled.grounds import OPEN_COUNTRY
-from vista_eval.worlds.sampled.rods import Rods, all_of, point, strand
-from vista_eval.worlds.sampled.site import RURAL, Site, background, clutter, scene_of, site
+from vista_eval.worlds.courses import Courses
+from vista_eval.worlds.draws import log_uniform, some_seed
+from vista_eval.worlds.grounds import OPEN_COUNTRY
+from vista_eval.worlds.rods import Rods, all_of, point, strand
+from vista_eval.worlds.site import RURAL, Site, background, clutter, scene_of, site
 from vista_eval.worlds.triangles import Triangles, box, joined, tube
 
 AT_WIRES = Courses(altitude_m=(5.0, 13.0), climb_deg=(-6.0, 6.0), most_bank_deg=20.0)

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from vista_eval.render.scene import Board, Box, Cylinder, GroundStrip, HeightField, Mesh, Panel, Solid, Sphere
+from vista_eval.render.scene import Cylinder, GroundStrip, HeightField, Mesh, Panel, Solid, Sphere
 
 FLATNESS_M = 0.0005  # a round thing is at most this far from its triangles
 SIDES = (12, 96)  # of a round thing, at least and at most
@@ -24,9 +24,6 @@ class Outline(NamedTuple):
 
 def outline_of(solid: Solid) -> Outline:
     match solid:
-        case Board():
-            right, down = np.array([0, -solid.width_m / 2, 0]), np.array([0, 0, -solid.height_m / 2])
-            return rectangle(np.array(solid.center_m), right, down)
         case Panel():
             return rectangle(*map(np.array, (solid.center_m, solid.half_right_m, solid.half_down_m)))
         case GroundStrip():
@@ -38,8 +35,6 @@ def outline_of(solid: Solid) -> Outline:
             row, column = np.meshgrid(np.linspace(0, 1, rows), np.linspace(0, 1, columns), indexing="ij")
             place = np.stack([column, row], axis=-1).reshape(-1, 2)
             return Outline(solid.vertices_m(), solid.faces(), place)
-        case Box():
-            return box(solid)
         case Cylinder():
             return cylinder(solid)
         case Sphere():
@@ -63,17 +58,6 @@ def joined(parts: list[Outline]) -> Outline:
         np.concatenate([part.place for part in parts]),
         np.concatenate(round_ones) if len(round_ones) == len(parts) else None,
     )
-
-
-def box(solid: Box) -> Outline:
-    """The whole map on each side; on upright sides its first row is the upper edge."""
-    cos, sin = math.cos(math.radians(solid.yaw_deg)), math.sin(math.radians(solid.yaw_deg))
-    axes = np.array([[cos, sin, 0], [-sin, cos, 0], [0, 0, 1]]) * (np.array(solid.size_m) / 2)[:, None]
-    x, y, z = axes
-    center = np.array(solid.center_m)
-    upright = [(-x, -y), (x, y), (-y, x), (y, -x)]  # outwards, to the right as seen from there
-    sides = [rectangle(center + out, right, -z) for out, right in upright]
-    return joined([*sides, rectangle(center + z, y, x), rectangle(center - z, y, x)])
 
 
 def sides_of(radius_m: float) -> int:

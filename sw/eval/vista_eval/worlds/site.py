@@ -7,17 +7,17 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from vista_eval.render.manoeuvre import Manoeuvre
+from vista_eval.render.course import Course
 from vista_eval.render.motion import moved
 from vista_eval.render.scene import Mesh, Point, Scene, Thing, thing
-from vista_eval.worlds import random_scene
+from vista_eval.worlds.courses import Courses
+from vista_eval.worlds.draws import draws, log_uniform, some_seed
+from vista_eval.worlds.grounds import COVERS
 from vista_eval.worlds.landscape import far_houses, forest, hills, tree_row
-from vista_eval.worlds.sampled.courses import Courses
-from vista_eval.worlds.sampled.draws import draws, log_uniform, some_seed
-from vista_eval.worlds.sampled.grounds import COVERS
-from vista_eval.worlds.sampled.laying import Relief, ground
-from vista_eval.worlds.sampled.light import light
-from vista_eval.worlds.sampled.path import Path, clear_of, path_of
+from vista_eval.worlds.laying import Relief, ground
+from vista_eval.worlds.light import light
+from vista_eval.worlds.path import Path, clear_of, path_of
+from vista_eval.worlds.standing import STANDING, Place
 from vista_eval.worlds.triangles import turned
 
 RURAL = ("broadleaf", "conifer", "poplar", "bare", "bush", "hedge", "bale", "picket fence", "rail fence")
@@ -30,7 +30,7 @@ HILLS_TURN_DEG = 48.0
 class Site:
     seed: int
     altitude_m: float
-    course: Manoeuvre
+    course: Course
     path: Path
     cover: str
     contrast: float
@@ -94,8 +94,8 @@ def clutter(site: Site, kinds: Sequence[str], most: int = 14) -> list[Thing]:
         foot = site.foot_m(x, y)
         # The makers take the range for the distance along x, which decides how fine they are.
         range_m = float(np.clip(max(x + 12.0, 3 * abs(y)), 12.0, 90.0))
-        place = random_scene.Site(f"{kind}{k}", (range_m, *foot[1:]), site.altitude_m, some_seed(rng))
-        _, _, build = random_scene.STANDING[kind]
+        place = Place(f"{kind}{k}", (range_m, *foot[1:]), site.altitude_m, some_seed(rng))
+        _, _, build = STANDING[kind]
         found.append(shifted(build(place, rng), (x - range_m, 0.0, 0.0)))
     return found
 

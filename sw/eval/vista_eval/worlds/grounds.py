@@ -1,4 +1,4 @@
-"""What the ground is covered with, beside the kinds of `vista_eval.worlds.ground`."""
+"""What the ground is covered with."""
 
 from __future__ import annotations
 
@@ -8,10 +8,9 @@ from typing import NamedTuple
 import numpy as np
 
 from vista_eval.render import textures
-from vista_eval.render.textures import smoothstep
-from vista_eval.worlds import ground as paper_ground
-from vista_eval.worlds.sampled.draws import draws
-from vista_eval.worlds.sampled.patterns import cloudy, laid, litter, spread, stones
+from vista_eval.render.textures import layered, noise, smoothstep
+from vista_eval.worlds.draws import draws
+from vista_eval.worlds.patterns import cloudy, laid, litter, spread, stones
 
 Albedo = Callable[[np.ndarray, np.ndarray, int], np.ndarray]  # of x, y in metres and seed
 
@@ -19,6 +18,56 @@ Albedo = Callable[[np.ndarray, np.ndarray, int], np.ndarray]  # of x, y in metre
 class Cover(NamedTuple):
     albedo: Albedo
     mean: float
+
+
+def asphalt(x_m: np.ndarray, y_m: np.ndarray, seed: int) -> np.ndarray:
+    """A road along x, 7 m wide, with lines, worn tracks, cracks, patches; kerb, pavement, then grass."""
+    grain = layered(x_m, y_m, {9.0: 0.03, 2.1: 0.025, 0.5: 0.02, 0.11: 0.02, 0.045: 0.03}, seed)
+    worn = 0.03 * np.exp(-(((np.abs(np.abs(y_m) - 1.75) - 0.75) / 0.3) ** 2))
+    crack = np.abs(layered(x_m, y_m, {3.9: 1.0, 1.0: 0.4, 0.2: 0.1}, seed + 3)) < 0.006
+    patch = noise(np.floor(x_m / 2.5) * 2.5, np.floor(y_m / 1.7) * 1.7, 4.1, seed + 4)
+    patched = smoothstep(0.30, 0.31, patch)
+    road = 0.15 + grain + worn - 0.07 * crack - 0.05 * patched
+    chips = 0.75 + 0.5 * layered(x_m, y_m, {0.3: 0.4, 0.06: 0.5}, seed + 5)
+    dashes = (np.abs(y_m) < 0.07) & (np.mod(x_m, 9.0) < 4.0)
+    edges = np.abs(np.abs(y_m) - 3.3) < 0.06
+    road = np.where(dashes | edges, 0.6 * chips, road)
+    slabs = (np.mod(x_m, 0.5) < 0.015) | (np.mod(np.abs(y_m) - 3.65, 0.5) < 0.015)
+    shade = noise(np.floor(x_m / 0.5) * 0.5, np.floor(y_m / 0.5) * 0.5, 0.37, seed + 6)
+    paving = np.where(slabs, 0.12, 0.33 + 0.12 * shade + grain)
+    kerb = 0.42 + grain
+    beside = np.where(np.abs(y_m) < 3.65, kerb, paving)
+    beside = np.where(np.abs(y_m) < 6.3, beside, textures.ground(x_m, y_m, seed + 7))
+    return np.clip(np.where(np.abs(y_m) < 3.5, road, beside), 0.03, 0.9).astype(np.float32)
+
+
+def soil(x_m: np.ndarray, y_m: np.ndarray, seed: int) -> np.ndarray:
+    """A harrowed field: clods, furrows askew to the flight, stones."""
+    clods = layered(x_m, y_m, {13.0: 0.06, 1.7: 0.05, 0.42: 0.09, 0.17: 0.12, 0.07: 0.08}, seed)
+    cos, sin = np.cos(seed * 0.7), np.sin(seed * 0.7)
+    bent = 0.6 * noise(x_m, y_m, 9.0, seed + 2)
+    furrows = 0.035 * np.sin(2 * np.pi * (cos * x_m + sin * y_m + bent) / 0.75)
+    stones = smoothstep(0.36, 0.40, noise(x_m, y_m, 0.14, seed + 3))
+    return np.clip(0.2 + clods + furrows + 0.2 * stones, 0.03, 0.8).astype(np.float32)
+
+
+def gravel(x_m: np.ndarray, y_m: np.ndarray, seed: int) -> np.ndarray:
+    """Stones of 3 to 10 cm, tracks of wheels, weeds."""
+    stones = layered(x_m, y_m, {0.11: 0.22, 0.06: 0.24, 0.3: 0.10, 2.7: 0.07, 17.0: 0.08}, seed)
+    wheel = np.exp(
+        -(((np.abs(y_m - 0.08 * x_m - 4 * noise(x_m, 0.0 * y_m, 40.0, seed + 1)) - 0.8) / 0.3) ** 2)
+    )
+    weeds = smoothstep(0.22, 0.34, layered(x_m, y_m, {5.0: 0.6, 0.9: 0.5, 0.3: 0.2}, seed + 2))
+    return np.clip(0.38 + stones + 0.07 * wheel - 0.22 * weeds, 0.04, 0.9).astype(np.float32)
+
+
+def stubble(x_m: np.ndarray, y_m: np.ndarray, seed: int) -> np.ndarray:
+    """A mown field: rows of straw, swaths."""
+    cos, sin = np.cos(seed * 1.3), np.sin(seed * 1.3)
+    across = -sin * x_m + cos * y_m + 0.3 * noise(x_m, y_m, 11.0, seed + 1)
+    straw = layered(x_m, y_m, {7.0: 0.07, 0.9: 0.08, 0.25: 0.12, 0.09: 0.16}, seed)
+    rows = 0.05 * np.sin(2 * np.pi * across / 0.3) + 0.06 * np.sin(2 * np.pi * across / 6.0)
+    return np.clip(0.38 + straw + rows, 0.05, 0.85).astype(np.float32)
 
 
 def pasture(x_m: np.ndarray, y_m: np.ndarray, seed: int) -> np.ndarray:
@@ -100,7 +149,11 @@ COVERS: dict[str, Cover] = {
     "forest_floor": Cover(forest_floor, 0.18),
     "apron": Cover(apron, 0.37),
     "snow": Cover(snow, 0.55),
-    **{name: Cover(paper_ground.KINDS[name], paper_ground.MEAN_ALBEDO[name]) for name in paper_ground.KINDS},
+    "meadow": Cover(textures.ground, 0.25),
+    "asphalt": Cover(asphalt, 0.22),
+    "soil": Cover(soil, 0.22),
+    "gravel": Cover(gravel, 0.36),
+    "stubble": Cover(stubble, 0.38),
 }
 OPEN_COUNTRY = ("pasture", "crop", "heath", "scree", "snow", "meadow", "soil", "stubble")
 BUILT_UP = ("apron", "gravel", "pasture", "asphalt")

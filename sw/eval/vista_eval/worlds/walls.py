@@ -8,8 +8,8 @@ import numpy as np
 
 from vista_eval.render.textures import smoothstep
 from vista_eval.worlds import street
-from vista_eval.worlds.sampled.draws import draws, log_uniform
-from vista_eval.worlds.sampled.patterns import cloudy, laid, spread, stones
+from vista_eval.worlds.draws import draws, log_uniform
+from vista_eval.worlds.patterns import cloudy, laid, spread, stones
 
 Wall = Callable[[float, float, int, float], np.ndarray]  # width, height in metres, seed, texel in metres
 

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 
-from vista_eval.render.fast.surfaces import Surfaces
 from vista_eval.render.scene import Haze, Scene
+from vista_eval.render.surfaces import Surfaces
+from vista_eval.render.textures import layered, smoothstep
 
 # The sky's light comes from all sides, more from above, and a part of it from one direction, above and
 # behind the aircraft, with shadows: what stands is darker below, and so is the ground beneath it.
@@ -14,6 +17,12 @@ ABOVE = np.array([-0.45, 0.10, 0.89]) / np.linalg.norm([-0.45, 0.10, 0.89])
 OFF_SURFACE_M = 0.002  # where rays for shadows begin
 HORIZON, ZENITH, AROUND_SUN = 0.85, 0.40, 0.5  # radiance of a blue sky
 SUN_GLOW = 12.0  # how closely its glow surrounds the sun
+# Fair-weather clouds: how high they float, waves in their outline, and how bright they are in a sky that they
+# leave darker, as a camera shows it that is exposed for the ground.
+CLOUDS_M, CLOUD_WAVES_M = 1100.0, {3100.0: 0.8, 1300.0: 0.6, 560.0: 0.35, 240.0: 0.2, 100.0: 0.12}
+CLOUD, BETWEEN_CLOUDS = 0.72, 0.52
+CLOUD_SEED = 5
+LOWEST_CLOUD = 0.012  # sine of the elevation; lower ones are lost in the haze
 
 
 def unit(vector: tuple[float, float, float] | np.ndarray) -> np.ndarray:
@@ -65,4 +74,25 @@ def sky_radiance(scene: Scene, direction: np.ndarray) -> np.ndarray:
         return np.full(len(direction), scene.overcast_radiance, np.float32)
     up = np.sqrt(np.maximum(direction[:, 2], 0))
     glow = np.exp(SUN_GLOW * (direction @ unit(scene.to_sun) - 1))
-    return (HORIZON + (ZENITH - HORIZON) * up + AROUND_SUN * glow).astype(np.float32)
+    clear = HORIZON + (ZENITH - HORIZON) * up + AROUND_SUN * glow
+    if scene.sky == "clouds":
+        clear *= BETWEEN_CLOUDS
+        dense = cloud(direction)
+        clear += smoothstep(-0.02, 0.3, dense) * (CLOUD - 0.3 * np.clip(dense - 0.25, 0, 1) - clear)
+    return clear.astype(np.float32)
+
+
+def cloud(direction: np.ndarray) -> np.ndarray:
+    """(n,) how dense the clouds are along unit vectors: more than 0 where there are any."""
+    up = np.maximum(direction[:, 2], LOWEST_CLOUD)
+    place_m = CLOUDS_M * direction[:, :2] / up[:, None]
+    rows = [layered(x_m, y_m, CLOUD_WAVES_M, CLOUD_SEED) for x_m, y_m in chunks(place_m)]
+    dense = np.concatenate([*rows, np.zeros((0, 1))])[:, 0]
+    return np.asarray(dense * smoothstep(LOWEST_CLOUD, 5 * LOWEST_CLOUD, direction[:, 2]))
+
+
+def chunks(place_m: np.ndarray) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+    """Columns of x and of y, no longer than OpenCV takes them."""
+    for first in range(0, len(place_m), 2**14):
+        x_m, y_m = place_m[first : first + 2**14].T[:, :, None]
+        yield x_m, y_m

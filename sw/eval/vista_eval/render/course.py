@@ -1,31 +1,63 @@
-"""Courses that climb, descend, turn and are blown about."""
+"""The course of an aircraft: straight, climbing, turning, blown about, with a helicopter's sway; and what a
+navigation filter with faults records of it."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
+import cv2
 import numpy as np
 
-from vista_eval.render.trajectory import (
-    LATERAL_M,
-    PITCH_DEG,
-    ROLL_DEG,
-    START_NS,
-    VERTICAL_M,
-    YAW_DEG,
-    BodyState,
-    rotation_from_angles,
-    sway,
-    sway_rate,
-)
-
+FOOT_M = 0.3048
 GRAVITY_M_S2 = 9.81
+START_NS = 1_600_000_000_000_000_000
+
+Terms = tuple[tuple[float, float, float], ...]  # amplitude, frequency in Hz, phase in rad
+
+# Sway. Incommensurable, so that no two frames see the same.
+ROLL_DEG: Terms = ((0.6, 0.31, 0.4), (0.2, 1.3, 1.9))
+PITCH_DEG: Terms = ((0.35, 0.23, 2.1), (0.15, 1.7, 0.3))
+YAW_DEG: Terms = ((0.4, 0.17, 1.0), (0.1, 0.9, 2.6))
+LATERAL_M: Terms = ((0.06, 0.21, 0.7),)
+VERTICAL_M: Terms = ((0.04, 0.27, 1.6),)
+
 GUST_HZ = (0.13, 0.37, 0.83, 1.7)  # of each axis, a little off for each seed
 GUST_SHARES = (0.75, 0.5, 0.35, 0.25)  # of the standard deviation; their squares sum to 1
 GUST_TURN_DEG_PER_M_S = (1.6, 0.7, 0.9)  # roll, pitch, yaw that a gust of 1 m/s from aside or below makes
 
-Terms = tuple[tuple[float, float, float], ...]  # amplitude, frequency in Hz, phase
+
+@dataclass(frozen=True)
+class BodyState:
+    t_ns: int
+    world_from_body: np.ndarray  # 4x4
+    velocity_world_m_s: np.ndarray  # (3,)
+
+
+def sway(terms: Terms, t_s: float) -> float:
+    return sum(a * math.sin(2 * math.pi * hz * t_s + phase) for a, hz, phase in terms)
+
+
+def sway_rate(terms: Terms, t_s: float) -> float:
+    return sum(a * 2 * math.pi * hz * math.cos(2 * math.pi * hz * t_s + phase) for a, hz, phase in terms)
+
+
+def sway_integral(terms: Terms, t_s: float) -> float:
+    return sum(-a * math.cos(2 * math.pi * hz * t_s + phase) / (2 * math.pi * hz) for a, hz, phase in terms)
+
+
+def rotation_from_angles(roll_deg: float, pitch_deg: float, yaw_deg: float) -> np.ndarray:
+    """R = Rz(yaw) Ry(pitch) Rx(roll), body axes forward, left, up: positive pitch is nose down."""
+    (cr, cp, cy), (sr, sp, sy) = (
+        [f(math.radians(a)) for a in (roll_deg, pitch_deg, yaw_deg)] for f in (math.cos, math.sin)
+    )
+    return np.array(
+        [
+            [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
+            [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
+            [-sp, cp * sr, cp * cr],
+        ]
+    )
 
 
 @dataclass(frozen=True)
@@ -49,7 +81,8 @@ class Gusts:
 
     def drift_m(self, t_s: float) -> np.ndarray:
         """The wind's way from time 0 on."""
-        return np.array([carried(self.terms(axis), t_s) - carried(self.terms(axis), 0) for axis in range(3)])
+        terms = [self.terms(axis) for axis in range(3)]
+        return np.array([sway_integral(each, t_s) - sway_integral(each, 0) for each in terms])
 
     def turn_deg(self, t_s: float) -> np.ndarray:
         """Roll, pitch and yaw of an aircraft in them: from wind from the left it rolls to the right, from
@@ -58,14 +91,9 @@ class Gusts:
         return np.array(GUST_TURN_DEG_PER_M_S) * [-aside, up, -aside]
 
 
-def carried(terms: Terms, t_s: float) -> float:
-    """The integral of `sway`."""
-    return sum(-a * math.cos(2 * math.pi * hz * t_s + phase) / (2 * math.pi * hz) for a, hz, phase in terms)
-
-
 @dataclass(frozen=True)
-class Manoeuvre:
-    """A climb, a descent or a coordinated turn at constant speed, or a straight flight, that goes through
+class Course:
+    """A straight flight, a climb, a descent or a coordinated turn at constant speed, that goes through
     (0, 0, altitude) along +x, but for gusts and sway."""
 
     altitude_m: float  # where the path meets x = 0
@@ -76,7 +104,7 @@ class Manoeuvre:
     climb_deg: float = 0.0  # of the path against the horizon; less than 0: a descent
     bank_deg: float = 0.0  # more than 0: the left wing is up, the turn goes to the right, towards -y
     gusts: Gusts = Gusts()
-    sway_phase_s: float = 0.0
+    sway_phase_s: float = 0.0  # lets flights differ
     sway_scale: float = 1.0
 
     @property
@@ -85,7 +113,8 @@ class Manoeuvre:
         return -GRAVITY_M_S2 * math.tan(math.radians(self.bank_deg)) / self.speed_m_s
 
     def before_last_s(self, frame: float) -> float:
-        """Time from the last frame, at most 0."""
+        """Time from the last frame, at most 0. Sway and gusts are counted from there, so that a shorter
+        course is the end of a longer one."""
         return (frame - self.frames + 1) / self.rate_hz
 
     def before_meeting_s(self, frame: float) -> float:
@@ -105,13 +134,8 @@ class Manoeuvre:
     def direction(self, t_s: float) -> np.ndarray:
         """(3,) unit vector of flight through the air."""
         heading, climb = self.turn_rate_rad_s * t_s, math.radians(self.climb_deg)
-        return np.array(
-            [
-                math.cos(heading) * math.cos(climb),
-                math.sin(heading) * math.cos(climb),
-                math.sin(climb),
-            ]
-        )
+        level = math.cos(climb)
+        return np.array([math.cos(heading) * level, math.sin(heading) * level, math.sin(climb)])
 
     def state_at(self, frame: float) -> BodyState:
         t_s = self.before_meeting_s(frame)
@@ -128,3 +152,40 @@ class Manoeuvre:
         pose[:3, 3] = self.path_m(t_s) + self.gusts.drift_m(t_s) + offset_m
         velocity_m_s = self.speed_m_s * self.direction(t_s) + self.gusts.wind_m_s(t_s) + drift_m_s
         return BodyState(START_NS + round(frame / self.rate_hz * 1e9), pose, velocity_m_s)
+
+
+@dataclass(frozen=True)
+class PoseFaults:
+    """What is wrong with the recorded poses. The truth keeps what was flown."""
+
+    delay_s: float = 0.0  # each frame gets the pose of that long before
+    drift_m_s: float = 0.0  # of the position, horizontally, from the first frame on
+    drift_deg_s: float = 0.0  # of the attitude, about one axis
+    lost: tuple[tuple[int, int], ...] = ()  # first frame and number of frames that repeat the pose before
+    seed: int = 1  # of the drift's direction and axis
+
+
+NO_FAULTS = PoseFaults()
+
+
+def recorded_states(course: Course, faults: PoseFaults) -> list[BodyState]:
+    """One a frame, at the frame's time."""
+    states = [drifted(course, faults, frame) for frame in range(course.frames)]
+    for first, count in faults.lost:
+        for frame in range(max(first, 1), min(first + count, len(states))):
+            states[frame] = replace(states[frame - 1], t_ns=states[frame].t_ns)
+    return states
+
+
+def drifted(course: Course, faults: PoseFaults, frame: int) -> BodyState:
+    state = course.state_at(frame - faults.delay_s * course.rate_hz)
+    random = np.random.default_rng(faults.seed)
+    heading = random.uniform(0, 2 * np.pi)
+    axis = random.standard_normal(3)
+    axis /= np.linalg.norm(axis)
+    drift_m_s = faults.drift_m_s * np.array([np.cos(heading), np.sin(heading), 0.0])
+    age_s = frame / course.rate_hz
+    pose = state.world_from_body.copy()
+    pose[:3, :3] = pose[:3, :3] @ cv2.Rodrigues(axis * np.radians(faults.drift_deg_s) * age_s)[0]
+    pose[:3, 3] += drift_m_s * age_s
+    return BodyState(course.state_at(frame).t_ns, pose, state.velocity_world_m_s + drift_m_s)

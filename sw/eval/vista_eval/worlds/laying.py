@@ -9,12 +9,14 @@ from typing import NamedTuple
 import numpy as np
 
 from vista_eval.render.scene import GroundStrip, HeightField, Thing, thing
-from vista_eval.worlds.ground import FINEST_TEXEL_M, HORIZON_M, LOWEST_RAY
-from vista_eval.worlds.sampled.grounds import COVERS
-from vista_eval.worlds.sampled.path import Path
+from vista_eval.worlds.grounds import COVERS
+from vista_eval.worlds.path import Path
 
 Relief = Callable[[np.ndarray, np.ndarray], np.ndarray]  # heights in metres of world x and y
 
+LOWEST_RAY = 0.30  # down over ahead, of the lowest image row at 3 degrees nose down
+HORIZON_M = 1500.0
+FINEST_TEXEL_M = 0.02  # below a moving camera, for the sake of memory
 NODE_M = 1.0  # spacing of heights; each further ring has them COARSER times as far apart
 RINGS_M, COARSER = (80.0, 320.0), 4
 TEXEL_PER_RANGE = 1.6e-3  # a pixel of the paper's rig sees 1e-3 of the range

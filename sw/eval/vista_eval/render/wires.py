@@ -12,12 +12,11 @@ from itertools import pairwise
 
 import numpy as np
 
-from vista_eval.render.fast import light
-from vista_eval.render.fast.strips import STRIPS, Pieces, Straight, pieces_of
-from vista_eval.render.fast.surfaces import Surfaces
-from vista_eval.render.rig import Rig
+from vista_eval.render import light
+from vista_eval.render.rig import Rig, View
 from vista_eval.render.scene import Cylinder, Scene, Solid
-from vista_eval.render.view import View
+from vista_eval.render.strips import STRIPS, Pieces, Straight, pieces_of
+from vista_eval.render.surfaces import Surfaces
 
 THICKEST_M = 0.06  # diameter of what is drawn in this way
 CHANGE = 0.1  # of albedo, from one row of the map to the next: there another band of paint begins

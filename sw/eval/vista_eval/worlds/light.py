@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from vista_eval.render.scene import Haze
-from vista_eval.worlds.sampled.draws import draws, log_uniform
+from vista_eval.worlds.draws import draws, log_uniform
 
 SHARES = {"sun": 0.45, "overcast": 0.25, "low sun": 0.15, "haze": 0.15}
 EXTINCTION_AT_VISIBILITY = 3.9

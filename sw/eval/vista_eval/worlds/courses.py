@@ -15,8 +15,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from vista_eval.render.manoeuvre import GRAVITY_M_S2, Gusts, Manoeuvre
-from vista_eval.worlds.sampled.draws import draws, some_seed
+from vista_eval.render.course import GRAVITY_M_S2, Course, Gusts
+from vista_eval.worlds.draws import draws, some_seed
 
 RATES_HZ = (7.5, 10.0, 12.5, 15.0)
 LAST_RANGE_M = (10.0, 14.0)
@@ -40,7 +40,7 @@ class Courses:
     most_bank_deg: float = 30.0
     most_gust: float = 0.025  # standard deviation, of the speed
 
-    def draw(self, seed: int) -> Manoeuvre:
+    def draw(self, seed: int) -> Course:
         rng = draws(seed, "course")
         altitude, last = float(rng.uniform(*self.altitude_m)), float(rng.uniform(*LAST_RANGE_M))
         bank = float(rng.uniform(-1, 1)) * self.most_bank_deg if rng.random() < TURNS else 0.0
@@ -57,7 +57,7 @@ class Courses:
         way_m = last + frames * speed / rate
         steepest = max(0.0, altitude - LEAST_HEIGHT_M - 0.1) / way_m
         gust = float(rng.uniform(0, self.most_gust)) * speed if rng.random() < GUSTS else 0.0
-        course = Manoeuvre(
+        course = Course(
             altitude,
             speed,
             last,
@@ -74,7 +74,7 @@ class Courses:
         return course
 
 
-def lowest_m(course: Manoeuvre) -> float:
+def lowest_m(course: Course) -> float:
     return float(min(course.state_at(k).world_from_body[2, 3] for k in range(course.frames)))
 
 

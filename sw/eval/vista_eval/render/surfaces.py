@@ -9,8 +9,8 @@ import numpy as np
 from embreex.mesh_construction import TriangleMesh  # type: ignore[import-untyped]
 from embreex.rtcore_scene import EmbreeScene  # type: ignore[import-untyped]
 
-from vista_eval.render.fast.albedo_maps import AlbedoMaps
-from vista_eval.render.fast.outlines import Outline, joined, outline_of
+from vista_eval.render.albedo_maps import AlbedoMaps
+from vista_eval.render.outlines import Outline, joined, outline_of
 from vista_eval.render.scene import Mesh, Solid
 
 NO_MAP = -1

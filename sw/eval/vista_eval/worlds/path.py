@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from vista_eval.render.manoeuvre import Manoeuvre
-from vista_eval.render.scene import Board, Box, Cylinder, Mesh, Panel, Solid, Sphere, Thing, bounds_m
+from vista_eval.render.course import Course
+from vista_eval.render.scene import Cylinder, Mesh, Panel, Solid, Sphere, Thing, bounds_m
 
 STEP_M = 0.5
 AHEAD_M = 100.0  # as far as the collision volume reaches from the last frame
@@ -32,7 +32,7 @@ class Path:
         return float(np.interp(x_m, self.points_m[:, 0], self.points_m[:, 1]))
 
 
-def path_of(course: Manoeuvre) -> Path:
+def path_of(course: Course) -> Path:
     """Flown, and AHEAD_M further as the manoeuvre goes on in still air."""
     flown = np.array([course.state_at(k).world_from_body[:3, 3] for k in range(course.frames)])
     begin_s = -course.last_range_m / course.speed_m_s
@@ -61,13 +61,6 @@ def samples(solid: Solid) -> tuple[np.ndarray, float]:
         case Panel():
             center = np.array(solid.center_m)
             return _flat(center, np.array(solid.half_right_m), np.array(solid.half_down_m)), 0.0
-        case Board():
-            half = np.array([0, solid.width_m / 2, 0]), np.array([0, 0, solid.height_m / 2])
-            return _flat(np.array(solid.center_m), *half), 0.0
-        case Box():
-            low, high = bounds_m(solid)
-            grid = [np.linspace(a, b, 2 + int((b - a) / STEP_M)) for a, b in zip(low, high, strict=True)]
-            return np.stack(np.meshgrid(*grid), axis=-1).reshape(-1, 3), 0.0
         case _:
             raise TypeError(f"{solid.name}: ground, which is beside no path")
 
