@@ -41,11 +41,14 @@ class BagWriter:
         more = {"seq": 0} if self._is1 else {}
         return self.make("std_msgs/msg/Header", stamp=stamp, frame_id=frame_id, **more)
 
+    def connect(self, topic: str, msgtype: str) -> None:
+        """Announces a topic, which may stay empty."""
+        self._connections[topic] = self._writer.add_connection(topic, msgtype, typestore=self._store)
+
     def write(self, topic: str, recorded_ns: int, message: Any) -> None:
         msgtype = message.__msgtype__
         if topic not in self._connections:
-            added = self._writer.add_connection(topic, msgtype, typestore=self._store)
-            self._connections[topic] = added
+            self.connect(topic, msgtype)
         serialize = self._store.serialize_ros1 if self._is1 else self._store.serialize_cdr
         self._writer.write(self._connections[topic], recorded_ns, serialize(message, msgtype))
 

@@ -237,6 +237,23 @@ def test_bad_poses(tmp_path: Path, capsys: pytest.CaptureFixture[str], name: str
     assert_refused(call(capsys, "run", path, "--out", tmp_path / "out"), text)
 
 
+def test_topics_that_hold_nothing_are_named_as_empty(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A recorder that subscribed to cameras which never spoke leaves such a bag."""
+    path = tmp_path / "flight.bag"
+    with bag_writer(path, "ros1") as bag:
+        for side in ("left", "right"):
+            bag.connect(f"/stereo/{side}/image_raw", "sensor_msgs/msg/Image")
+        bag.write("/odometry", START_NS, bags.odometry(bag, START_NS, np.zeros(3)))
+    text = "its image topics: /stereo/left/image_raw (empty), /stereo/right/image_raw (empty)"
+    assert_refused(call(capsys, "run", path, "--out", tmp_path / "out"), text)
+    chosen = ("--left-topic", LEFT, "--right-topic", LEFT.replace("left", "right"))
+    assert_refused(
+        call(capsys, "run", path, "--out", tmp_path / "out", *chosen), f"no image topic {LEFT}; {text}"
+    )
+
+
 def test_missing_topics(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = tmp_path / "flight.bag"
     with bag_writer(path, "ros1") as bag:

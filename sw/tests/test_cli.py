@@ -588,6 +588,8 @@ def test_folders_whose_names_are_not_utf8(tmp_path: Path, options: list[str]) ->
     assert run.returncode == 0, run.stderr
     assert run.stdout.startswith("fl\N{REPLACEMENT CHARACTER}ght: 2 frames")
     assert {path.name for path in Path(os.fsdecode(out)).iterdir()} == RESULTS
+    report = run.stdout.splitlines()[-1].removeprefix("report: ")  # as it is, into a shell
+    assert subprocess.run(["bash", "-c", f"test -s {report}"], timeout=60).returncode == 0
     refused = run_program(b"run", out, b"--out", out)
     assert refused.returncode == 2 and refused.stderr.count("\n") == 1
 

@@ -252,6 +252,13 @@ def test_folders_that_are_no_sequence(tmp_path: Path) -> None:
         open_sequence(tmp_path / "file")
     with pytest.raises(InputError, match="no sequence recognised"):
         open_sequence(tmp_path)
+    (tmp_path / "my films").mkdir()
+    for name in ("b.mp4", "a.avi"):
+        (tmp_path / "my films" / name).write_bytes(b"")
+    with pytest.raises(
+        InputError, match=r"holds 2 videos and no pictures; name one, such as '.*/my films/a.avi'"
+    ):
+        open_sequence(tmp_path / "my films")
     cases.make_kitti(tmp_path)
     with pytest.raises(InputError, match="sequences/00"):
         open_sequence(tmp_path)

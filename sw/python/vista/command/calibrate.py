@@ -59,7 +59,7 @@ from vista.output import make_folder, write_atomically
 from vista.sequence import video
 from vista.sequence.image import EXTENSIONS
 from vista.sequence.options import Options as SourceOptions
-from vista.sequence.text import printable
+from vista.sequence.text import printable, shell_quoted
 
 UNITS_M = {"m": 1.0, "cm": 0.01, "mm": 0.001}
 REPORT, PICTURES = "report.html", "pictures"
@@ -181,7 +181,7 @@ def convert(arguments: argparse.Namespace, options: Options) -> int:
     target = arguments.to or "toml"
     files = write_rig(rig, target, options)
     write_files(arguments.out, files)
-    print(f"{name} -> {target}: {', '.join(str(arguments.out / file) for file in files)}")
+    print(f"{name} -> {target}: {', '.join(shell_quoted(arguments.out / file) for file in files)}")
     return EXIT_OK
 
 
@@ -219,4 +219,6 @@ def print_result(made: Calibrated, folder: Path) -> None:
         print(f"pairs that were not used: {'; '.join(unused)}")
     for sentence in advice(made):
         print(f"next: {sentence}")
-    print(f"calibration: {folder / 'calibration.toml'}, report: {folder / REPORT}")
+    print(
+        f"calibration: {shell_quoted(folder / 'calibration.toml')}, report: {shell_quoted(folder / REPORT)}"
+    )

@@ -43,6 +43,7 @@ from vista.report.run_report import render_report
 from vista.result_folder import ResultFolder
 from vista.run import Outputs, run_frames
 from vista.sequence import FrameFiles, Sequence, open_sequence
+from vista.sequence.text import shell_quoted
 from vista.version import commit, installing, version
 
 if TYPE_CHECKING:
@@ -257,4 +258,6 @@ def closing_lines(summary: dict[str, Any], report: Path) -> str:
     lines = [f"note: {note}" for note in summary["notes"]]
     lines.append(f"{figures}, host {host['median']:.1f} ms (p99 {host['p99']:.1f})")
     lines.append(health_sentence(summary["health"], "still" if summary["stills"] else "frame"))
-    return "\n".join([f"{summary['sequence']}: {line}" for line in lines] + [f"report: {report}"])
+    return "\n".join(
+        [f"{summary['sequence']}: {line}" for line in lines] + [f"report: {shell_quoted(report)}"]
+    )

@@ -10,7 +10,7 @@ from vista.errors import InputError
 from vista.sequence import asl, bag, kitti, kitti_stereo, middlebury, pairs, tum, video
 from vista.sequence.image import read_grey
 from vista.sequence.options import Options, refuse_others
-from vista.sequence.text import printable
+from vista.sequence.text import printable, shell_quoted
 from vista.sequence.trajectory import with_poses
 from vista.sequence.types import Frame, FrameFiles, Sequence
 
@@ -67,6 +67,9 @@ def _layout_of(source: Path) -> Layout:
         raise InputError(source, "neither a folder nor a video nor a bag")
     if not any(source.iterdir()):
         raise InputError(source, "empty folder")
+    if videos := sorted(path.name for path in source.iterdir() if video.recognises(path)):
+        named = shell_quoted(source / videos[0])
+        raise InputError(source, f"holds {len(videos)} videos and no pictures; name one, such as {named}")
     if (source / "sequences").is_dir():
         raise InputError(source, "holds several KITTI sequences; name one, such as sequences/00")
     if (source / "training").is_dir():

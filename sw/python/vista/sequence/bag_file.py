@@ -23,15 +23,18 @@ class Bag:
         self.path = path
         with reported(path):
             self._reader = _open(_storage_of(path))
-        self.types = {
-            connection.topic: connection.msgtype
-            for connection in self._reader.connections
-            if connection.msgcount != 0
-        }
+        connections = self._reader.connections
+        self.types = {one.topic: one.msgtype for one in connections if one.msgcount != 0}
+        self._empty = {one.topic: one.msgtype for one in connections if one.topic not in self.types}
 
     def topics(self, *types: str) -> list[str]:
         """Those with messages of one of the types, such as sensor_msgs/msg/Image."""
         return sorted(topic for topic, of_topic in self.types.items() if of_topic in types)
+
+    def listed(self, *types: str) -> str:
+        """The topics of these types for a message to people, with those that hold nothing."""
+        empty = sorted(topic for topic, of_topic in self._empty.items() if of_topic in types)
+        return ", ".join([*self.topics(*types), *(f"{topic} (empty)" for topic in empty)]) or "none"
 
     def messages(self, topic: str, start_ns: int | None = None) -> Iterator[tuple[int, Any]]:
         """(time of recording, message) in the order of recording; start_ns: from this time on.

@@ -30,7 +30,7 @@ def image_topics(bag: Bag, options: Options) -> tuple[str, str]:
     known = bag.topics(*IMAGES)
     named = options.left_topic, options.right_topic
     if None not in named:
-        left, right = (_known(bag, topic, known, "image") for topic in named if topic is not None)
+        left, right = (_known(bag, topic, IMAGES, "image") for topic in named if topic is not None)
         if left == right:
             raise InputError("--right-topic", f"{right} is the left topic, too")
         return left, right
@@ -41,10 +41,8 @@ def image_topics(bag: Bag, options: Options) -> tuple[str, str]:
         reason = (
             "several pairs of images" if pairs else "no topics of a left and a right image are recognised"
         )
-        listed = ", ".join(known) or "none"
-        raise InputError(
-            bag.path, f"{reason}; choose --left-topic and --right-topic; its image topics: {listed}"
-        )
+        advice = "; choose --left-topic and --right-topic" if known else ""
+        raise InputError(bag.path, f"{reason}{advice}; its image topics: {bag.listed(*IMAGES)}")
     return pairs[0]
 
 
@@ -65,9 +63,10 @@ def _info_beside(image: str) -> str:
 
 def pose_topic(bag: Bag, options: Options) -> str | None:
     """None: no topic is nothing but poses; transforms may still tell them."""
-    known = bag.topics(ODOMETRY, *POSES, TRANSFORM)
+    types = (ODOMETRY, *POSES, TRANSFORM)
+    known = bag.topics(*types)
     if options.pose_topic is not None:
-        return _known(bag, options.pose_topic, known + bag.topics(*TRANSFORMS), "pose")
+        return _known(bag, options.pose_topic, (*types, *TRANSFORMS), "pose")
     if len(known) > 1:
         raise InputError(
             bag.path,
@@ -97,8 +96,8 @@ def _pairs(topics: list[str]) -> list[tuple[str, str]]:
     return pairs
 
 
-def _known(bag: Bag, topic: str, known: list[str], what: str) -> str:
-    if topic not in known:
-        listed = ", ".join(known) or "none"
+def _known(bag: Bag, topic: str, types: tuple[str, ...], what: str) -> str:
+    if topic not in bag.topics(*types):
+        listed = bag.listed(*types)
         raise InputError(bag.path, f"has no {what} topic {topic}; its {what} topics: {listed}")
     return topic

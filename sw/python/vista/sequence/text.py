@@ -4,16 +4,29 @@ from __future__ import annotations
 
 import math
 import os
+import shlex
+import string
 from collections.abc import Iterator
 from decimal import Decimal
 from pathlib import Path
 
 from vista.errors import InputError
 
+PLAIN = string.ascii_letters + string.digits + "/._-+@%,:= "
+
 
 def printable(name: str) -> str:
     """The name of a file with a replacement character for every byte that is not UTF-8."""
     return os.fsencode(name).decode("utf-8", "replace")
+
+
+def shell_quoted(path: str | Path) -> str:
+    """The path as a shell takes it, whatever its bytes are; one without special characters stays as it is."""
+    raw = os.fsencode(path)
+    try:
+        return shlex.quote(raw.decode())
+    except UnicodeDecodeError:
+        return "$'" + "".join(chr(byte) if chr(byte) in PLAIN else f"\\x{byte:02x}" for byte in raw) + "'"
 
 
 def read_text(path: Path) -> str:
