@@ -122,6 +122,42 @@ def check_cost(repetitions: int) -> dict:
     return {name: spread(samples) for name, samples in by_turns_ms(calls, repetitions).items()}
 
 
+def table_of_isas(headline: dict) -> dict:
+    def cell(times: dict[str, float], digits: int) -> str:
+        return f"{times['median']:.{digits}f} ({times['p10']:.{digits}f} to {times['p90']:.{digits}f})"
+
+    return {
+        "name": "engine",
+        "heads": ["instruction set", "ms: median (10th to 90th percentile)", "times as fast as StereoBM"],
+        "rows": [
+            [name, cell(times, 2), cell(headline["ratio"][name], 1)]
+            for name, times in headline["ms"].items()
+            if name != "opencv"
+        ],
+    }
+
+
+def table_of_sizes(isa: str, results: list[dict]) -> dict:
+    disparities = sorted({row["num_disparities"] for row in results})
+    cells: dict[str, list[str]] = {}
+    for row in results:
+        ms, ratio = row["ms"][isa]["median"], row["ratio"][isa]["median"]
+        cells.setdefault(f"{row['width']}x{row['height']}", []).append(f"{ms:.3g} ({ratio:.1f})")
+    return {
+        "name": "engine-sizes",
+        "heads": [f"{isa}: ms (times as fast)", *(f"{count} disparities" for count in disparities)],
+        "rows": [[size, *values] for size, values in cells.items()],
+    }
+
+
+def front_page(isa: str, headline: dict) -> list[str]:
+    return [
+        "stereo engine in C, 640x480, 32 disparities, one thread",
+        f"{headline['ms'][isa]['median']:.1f} ms, {headline['ratio'][isa]['median']:.1f} times as "
+        "fast as OpenCV's StereoBM with the same words",
+    ]
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--repetitions", type=int, default=21)
@@ -156,7 +192,12 @@ def main() -> None:
         "table": table,
         "engine_ms": alone,
     }
-    options.out.write_text(json.dumps({"engine": result}, indent=1) + "\n")
+    content = {
+        "headline": front_page(best, headline),
+        "tables": [table_of_isas(headline), table_of_sizes(best, table)],
+        "figures": {"engine": result},
+    }
+    options.out.write_text(json.dumps(content, indent=1) + "\n")
 
 
 if __name__ == "__main__":

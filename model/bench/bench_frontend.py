@@ -104,6 +104,21 @@ def front_end_rows(result: dict) -> list[str]:
     return rows
 
 
+def table_of(results: list[dict]) -> dict:
+    names = {"smooth": "smoothing; ratio to `GaussianBlur`", "reduce": "level 1; ratio to `pyrDown`"}
+    names |= {name: name for name in results[0]["ms"] if "level" in name}
+
+    def cell(one: dict, name: str) -> str:
+        text, ratio = f"{one['ms'][name]['median']:.2f}", one["ratio"].get(name)
+        return text + (f"; {ratio['median']:.2f} ({ratio['p10']:.2f} to {ratio['p90']:.2f})" if ratio else "")
+
+    return {
+        "name": "frontend",
+        "heads": ["ms; ratio to one level", *(one["isa"] for one in results)],
+        "rows": [[text, *(cell(one, name) for one in results)] for name, text in names.items()],
+    }
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--repetitions", type=int, default=63)
@@ -117,7 +132,8 @@ def main() -> None:
     for result in results:
         print("\n".join(front_end_rows(result)))
     options.out.parent.mkdir(parents=True, exist_ok=True)
-    options.out.write_text(json.dumps({"opencv": cv2.__version__, "isas": results}, indent=1) + "\n")
+    content = {"tables": [table_of(results)], "figures": {"opencv": cv2.__version__, "isas": results}}
+    options.out.write_text(json.dumps(content, indent=1) + "\n")
 
 
 if __name__ == "__main__":

@@ -23,7 +23,7 @@ from vista_throughput.simulate import Run, Simulator, find_program
 from vista_throughput.system import SystemConfig
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "scripts"))
-from measured_figures import as_text
+from make_tables import as_text
 
 FRAMES = 6  # through the board, the first and the last of which do not count
 
@@ -85,6 +85,26 @@ def row(
     }
 
 
+def table_of(rows: list[dict[str, Any]]) -> dict[str, Any]:
+    def compared(row: dict[str, Any], key: str) -> list[str]:
+        board, model = row["board"][key], row["model"][key]
+        return [f"{board:,}", f"{model:,} ({100 * (model / board - 1):+.1f} %)"]
+
+    cells = []
+    for row in rows:
+        rates = [f"{row[side]:.1f}" for side in ("board_rate_hz", "model_rate_hz")]
+        clocks = [*compared(row, "period_clocks"), *compared(row, "engine_clocks")]
+        cells.append([row["size"], str(row["levels"]), *clocks, *rates])
+    heads = [
+        "size",
+        "levels",
+        "clocks from frame to frame: board",
+        "model",
+        "clocks at work at a frame: board",
+    ]
+    return {"name": "board-clocks", "heads": [*heads, "model", "frames/s: board", "model"], "rows": cells}
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
@@ -102,7 +122,7 @@ def main() -> None:
         rows.append(row(levels, board, model, config))
         print(as_text(rows[-1]), flush=True)
     if args.out:
-        args.out.write_text(as_text({"rows": rows}) + "\n")
+        args.out.write_text(as_text({"tables": [table_of(rows)], "figures": {"rows": rows}}) + "\n")
 
 
 if __name__ == "__main__":

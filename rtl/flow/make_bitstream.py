@@ -17,6 +17,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
+import synthesis_tables
 from nextpnr_report import critical_path
 from synth_rtl import BIN, PLACER, ROOT, SYNTHESIS, as_text, call, measured, sources
 
@@ -113,10 +114,8 @@ def pack(folder: Path, bitstream: Path) -> None:
 
 def save(found: dict[str, Any]) -> None:
     content = json.loads(SYNTHESIS.read_text())
-    SYNTHESIS.write_text(
-        as_text(content | {"board": {"measured": measured("rtl/flow/make_bitstream.py --save")} | found})
-        + "\n"
-    )
+    board = {"measured": measured("rtl/flow/make_bitstream.py --save")} | found
+    synthesis_tables.write(content | {"board": board})
 
 
 def address_of(text: str) -> str:

@@ -28,8 +28,8 @@ from vista.engine.board import BoardClient, BoardError
 ROOT = Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(ROOT / p) for p in ("scripts", "tb/common", "model", "build/python")]
 from frames import IMAGE_KINDS, random_pair, random_parameters  # noqa: E402
+from make_tables import as_text  # noqa: E402
 from maps import Grids, random_grids  # noqa: E402
-from measured_figures import as_text  # noqa: E402
 
 DISPARITIES, BLOCK_PX, WIDTH_PX, HEIGHT_PX, ROWS = 32, 11, 640, 480, 32
 TIMEOUT_MS = 1_200_000  # a busy machine may let the simulation stand still for minutes
@@ -139,6 +139,24 @@ def run(port: int, args: argparse.Namespace, totals: Totals) -> Any:
     return client.counts
 
 
+def table_of(found: dict[str, Any]) -> dict[str, Any]:
+    packets = found["packets"]
+    numbers = {
+        "frames sent": found["frames"],
+        "answered": found["answered"],
+        "reported lost": found["lost"],
+        "words compared": found["words"],
+        "of which with a disparity": found["matched_words"],
+        "words that differ": found["differing_words"],
+        "packets": packets["packets"],
+        "dropped": packets["dropped"],
+        "doubled": packets["doubled"],
+        "chunks of pixels sent again": found["chunks_sent_again"],
+    }
+    rows = [[name, f"{number:,}"] for name, number in numbers.items()]
+    return {"name": "board-soak", "heads": ["through the simulated system", "count"], "rows": rows}
+
+
 def main() -> int:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
@@ -168,7 +186,7 @@ def main() -> int:
         "chunks_received_again": counts.chunks_received_again,
         "retries": counts.retries,
     }
-    args.out.write_text(as_text(found) + "\n")
+    args.out.write_text(as_text({"tables": [table_of(found)], "figures": found}) + "\n")
     print(as_text(found))
     return int(totals.differing > 0)
 

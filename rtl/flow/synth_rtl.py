@@ -25,9 +25,10 @@ from typing import Any
 
 ROOT = Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(ROOT / p) for p in ("tb/common", "scripts")]
+import synthesis_tables  # noqa: E402
 from carry_gates import fold_gates  # noqa: E402
 from cell_registers import move_registers  # noqa: E402
-from measured_figures import SYNTHESIS, as_text, measured  # noqa: E402
+from make_tables import SYNTHESIS, as_text, measured  # noqa: E402
 from nextpnr_report import critical_path  # noqa: E402
 from rtl_package import struct_fields  # noqa: E402
 from tools import sources  # noqa: E402
@@ -291,14 +292,13 @@ def save(records: list[dict[str, object]]) -> None:
     kept = json.loads(SYNTHESIS.read_text()) if SYNTHESIS.is_file() else {"builds": []}
     older = [{"commit": kept["measured"]["commit"]} | one for one in kept["builds"]]
     builds = {tuple(one[key] for key in BUILD_KEYS): one for one in [*older, *records]}
-    content = kept | {"measured": measured("make synth"), "builds": list(builds.values())}
-    SYNTHESIS.write_text(as_text(content) + "\n")
+    synthesis_tables.write(kept | {"measured": measured("make synth"), "builds": list(builds.values())})
 
 
 def save_blocks(records: list[dict[str, object]]) -> None:
     content = json.loads(SYNTHESIS.read_text())
     found = {"measured": measured("rtl/flow/synth_rtl.py --blocks --save"), "list": records}
-    SYNTHESIS.write_text(as_text(content | {"blocks": found}) + "\n")
+    synthesis_tables.write(content | {"blocks": found})
 
 
 def misses(results: dict[Build, Result]) -> list[str]:

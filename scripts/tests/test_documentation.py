@@ -20,7 +20,6 @@ sys.path.insert(0, str(ROOT / "scripts"))
 
 import make_pages  # noqa: E402
 import make_tables  # noqa: E402
-import measured_figures  # noqa: E402
 from vista import cli  # noqa: E402
 
 FOLDERS = ("rtl", "model", "sw", "tb", "scripts", "doc")
@@ -122,15 +121,15 @@ def test_tables_are_those_of_the_figures() -> None:
 
 
 def test_a_changed_figure_changes_its_table(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    figures = measured_figures.figures("engine")
-    figures["engine"]["headline"]["ms"]["avx2"]["median"] = 77.77
-    figures["measured"]["commit"] = "0123abc"
-    shutil.copytree(measured_figures.DATA, tmp_path, dirs_exist_ok=True)
-    (tmp_path / "engine.json").write_text(json.dumps(figures))
+    shutil.copytree(make_tables.DATA, tmp_path, dirs_exist_ok=True)
+    content = json.loads((tmp_path / "engine.json").read_text())
+    content["tables"][0]["rows"][0][1] = "77.77"
+    content["measured"]["commit"] = "0123abc"
+    (tmp_path / "engine.json").write_text(json.dumps(content))
     page = (ROOT / "doc" / "results" / "engine.md").read_text()
-    monkeypatch.setattr(measured_figures, "DATA", tmp_path)
+    monkeypatch.setattr(make_tables, "DATA", tmp_path)
     assert "77.77" not in page and "0123abc" not in page
-    made = make_tables.with_tables(page)
+    made = make_tables.with_tables(page, make_tables.measured_tables())
     assert "77.77" in made and made.count("*Measured at commit 0123abc, ") == 2
 
 
@@ -139,22 +138,39 @@ def test_figures_that_are_saved_for_the_first_time_have_their_tables(
 ) -> None:
     data, page, raw = tmp_path / "data", tmp_path / "page.md", tmp_path / "raw.json"
     data.mkdir()
-    page.write_text("<!-- table: worlds-test-hits -->\n<!-- end of table -->\n")
-    table = {"name": "hits", "heads": ["family", "hits"], "rows": [["bare", "77 of 88"]], "legend": "hits: h"}
-    raw.write_text(json.dumps({"rules": {}, "families": [], "tables": [table]}))
-    monkeypatch.setattr(measured_figures, "DATA", data)
+    page.write_text("<!-- table: hits -->\n<!-- end of table -->\n")
+    table = {
+        "name": "hits",
+        "heads": ["family", "hits"],
+        "rows": [["bare", "77 of 88"]],
+        "legend": "H: h.",
+    }
+    raw.write_text(json.dumps({"figures": {"hits": 77}, "tables": [table], "flights": ["left out"]}))
+    monkeypatch.setattr(make_tables, "DATA", data)
     monkeypatch.setattr(make_tables, "pages", lambda: [page])
     save = ["--save", f"worlds-test={raw}", "--command", "vista worlds"]
     monkeypatch.setattr(sys, "argv", ["make_tables.py", *save])
     assert make_tables.main() == 0
-    assert "| bare | 77 of 88 |\n\nIn the columns are: hits: h." in page.read_text()
+    assert "| bare | 77 of 88 |\n\nHits: h.\n\n*Measured at commit" in page.read_text()
+    assert set(json.loads((data / "worlds-test.json").read_text())) == {"measured", "figures", "tables"}
+
+
+def test_the_parts_that_are_not_measured_now_stay(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(make_tables, "DATA", tmp_path)
+    raw = tmp_path / "raw"
+    for rows in ([["`vga` 60 Hz", "1"], ["`hd`", "2"]], [["`vga`", "3"]]):
+        table = {"name": "rates", "heads": ["preset", "rate"], "rows": rows, "parts": True}
+        raw.write_text(json.dumps({"tables": [table]}))
+        make_tables.save("rates", raw, "vista throughput")
+    (table,) = make_tables.tables_of(tmp_path / "rates.json")
+    assert table["rows"] == [["`hd`", "2"], ["`vga`", "3"]]
 
 
 def test_the_commits_of_figures_are_in_the_history() -> None:
     """Not those of a branch that was rebased: nobody else has them."""
     if run_git("rev-parse", "--is-shallow-repository") != "false":
         pytest.skip("no history here")
-    for path in measured_figures.figure_files():
+    for path in make_tables.figure_files():
         for commit in re.findall(r'"commit": "([0-9a-f]+)"', path.read_text()):
             assert run_git("merge-base", "--is-ancestor", commit, "HEAD") is not None, f"{path}: {commit}"
 
@@ -166,10 +182,8 @@ def run_git(*arguments: str) -> str | None:
 
 
 def test_every_table_is_used() -> None:
-    used = {
-        table for page in make_tables.pages() for _, table, _ in make_tables.MARKED.findall(page.read_text())
-    }
-    assert used == set(make_tables.all_tables())
+    found = [found for page in make_tables.pages() for found in make_tables.MARKED.findall(page.read_text())]
+    assert {name for _, name, *_ in found} == {"headline", "sources", *make_tables.measured_tables()}
 
 
 # ---- generated pages ----

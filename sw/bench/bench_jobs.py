@@ -28,9 +28,11 @@ from dask_cluster import Cluster
 from vista_eval.cache import digest_of
 from vista_eval.jobs import HERE, Job, Place, jobs_of, run
 from vista_eval.recordings.storage import content_of
+from vista_eval.report.table import Table, fixed, write_measurement
 
 FILES = 2000
 MANY = 20  # times as many jobs where they cost little
+WORKERS = 1000  # of a cluster that the costs of a job are reckoned up for
 
 
 def cpu_s(pid: int) -> float:
@@ -88,6 +90,32 @@ def on_cluster(count: int) -> dict[str, Any]:
     return {"per_job_ms": found}
 
 
+def table_of_places(found: dict[str, Any]) -> Table:
+    """Wall times only where no start of a process is in them."""
+    rows = []
+    for place in ("in this process", "two processes", "Dask, two workers"):
+        ms = found[place]["per_job_ms"]
+        rows.append((place, *(fixed(ms.get(name), 2) for name in ("asking", "scheduler", "worker"))))
+    heads = ("processor time per job, ms", "process that asks", "scheduler", "one of the workers")
+    return Table("jobs", heads, rows)
+
+
+def table_of_limits(found: dict[str, Any]) -> Table:
+    """What follows for a cluster from the costs of one job."""
+    cluster, rows_ms = found["Dask, two workers"]["per_job_ms"], found["rows_ms"]
+    busiest_ms = max(cluster["scheduler"], cluster["asking"] + rows_ms["keep"])
+    rows = [
+        ("jobs per second that the scheduler or the process that asks can take", f"{1e3 / busiest_ms:.0f}"),
+        (
+            f"mean length of a job at which {WORKERS:,} workers take a quarter of that",
+            f"{4 * WORKERS * busiest_ms / 1e3:.0f} s",
+        ),
+        ("to look at a file of a recording on a local disk", f"{rows_ms['look at a file']:.3f} ms"),
+        ("to find the row of a recording kept", f"{rows_ms['find']:.3f} ms"),
+    ]
+    return Table("jobs-limits", ("what", "figure"), rows)
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
@@ -102,8 +130,7 @@ def main() -> None:
         "Dask, two workers": on_cluster(count),
         "rows_ms": kept_ms(count) | {"look at a file": look_ms()},
     }
-    arguments.out.parent.mkdir(parents=True, exist_ok=True)
-    arguments.out.write_text(json.dumps(found, indent=1) + "\n")
+    write_measurement(arguments.out, [table_of_places(found), table_of_limits(found)], found)
     print(json.dumps(found, indent=1))
 
 

@@ -14,7 +14,7 @@ those of the peer to "vista S".
 from __future__ import annotations
 
 import argparse
-import json
+import statistics
 import sys
 import time
 from collections.abc import Callable
@@ -39,6 +39,7 @@ from graph_cases import (  # noqa: E402
     synthetic_image,
 )
 from shared_data import SHARED_DATA  # noqa: E402
+from vista_eval.report.table import Table, span, write_measurement  # noqa: E402
 
 STREET = SHARED_DATA / "kitti_odometry" / "sequences" / "00"
 
@@ -156,6 +157,52 @@ def print_row(row: dict) -> None:
     print(text, flush=True)
 
 
+def grouped(rows: list[dict]) -> dict:
+    """The least and the largest figures of the graphs of each kind, and the means of all."""
+    groups: dict[str, list[dict]] = {}
+    for row in rows:
+        groups.setdefault(row["name"].rpartition(", ")[2], []).append(row)
+
+    def ends(values: list[float]) -> list[float]:
+        return [round(min(values), 2), round(max(values), 2)]
+
+    means = {
+        key: round(statistics.geometric_mean(row[key] for row in rows), 2)
+        for key in ("ratio_flow", "ratio_whole")
+    }
+    return {
+        "groups": [
+            {
+                "graphs": name,
+                "vista_ms": ends([row["vista"]["median_ms"] for row in members]),
+                **{key: ends([row[key] for row in members]) for key in means},
+            }
+            for name, members in groups.items()
+        ],
+        "geometric_mean": means | {"rows": len(rows)},
+    }
+
+
+def table_of(found: dict) -> Table:
+    keys, mean = ("vista_ms", "ratio_flow", "ratio_whole"), found["geometric_mean"]
+    rows = [(group["graphs"], *(span(group[key]) for key in keys)) for group in found["groups"]]
+    rows.append(
+        (
+            f"geometric mean of {mean['rows']} graphs",
+            "",
+            f"{mean['ratio_flow']:g}",
+            f"{mean['ratio_whole']:g}",
+        )
+    )
+    heads = (
+        "graphs",
+        "libvista: whole call, ms",
+        "PyMaxflow's `maxflow()` alone, times as long",
+        "PyMaxflow with construction, times as long",
+    )
+    return Table("maxflow", heads, rows)
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description="Time the max-flow of libvista beside PyMaxflow.")
     parser.add_argument("--repetitions", type=int, default=21)
@@ -188,8 +235,8 @@ def main() -> None:
         for key in ("ratio_flow", "ratio_whole"):
             ratios = [row[key] for row in rows]
             print(f"{key}: geometric mean {np.exp(np.mean(np.log(ratios))):.2f}, least {min(ratios):.2f}")
-    options.out.parent.mkdir(parents=True, exist_ok=True)
-    options.out.write_text(json.dumps({"bench": "maxflow", "rows": rows}, indent=1) + "\n")
+    found = grouped(rows) if peer else {}
+    write_measurement(options.out, [table_of(found)] if peer else [], found, rows=rows)
 
 
 if __name__ == "__main__":

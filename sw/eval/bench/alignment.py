@@ -11,7 +11,6 @@ is within the aim at the end."""
 from __future__ import annotations
 
 import argparse
-import json
 import sys
 import time
 from collections import defaultdict
@@ -35,6 +34,7 @@ from vista.correction import Correction
 from vista.geometry import RawCalibration
 from vista.rectify import Rectifier
 from vista.sequence import Frame, open_sequence
+from vista_eval.report.table import Table, write_measurement
 
 BEFORE, AFTER = 20, 51  # frames
 TIMES_S = (0.0, 0.5, 1.0, 2.0)
@@ -224,6 +224,33 @@ def draw(rows: list[dict[str, Any]], path: Path) -> None:
         figure.savefig(path, dpi=110)
 
 
+def table_of(rows: list[dict[str, Any]]) -> Table:
+    """Rows over time after a turn: median and 90th percentile; and how many recordings reach the aim."""
+    times = list(rows[0]["rows_px"])
+
+    def rows_of(px: list[float] | None) -> str:
+        return "" if px is None else f"{px[0]:.2f}, {px[1]:.2f}"
+
+    def reached(row: dict[str, Any]) -> str:
+        if row["rows_px"][times[-1]] is None:
+            return ""
+        return f"{row['recordings'] - len(row['short_px'])} of {row['recordings']}"
+
+    cells = [
+        (
+            f"{row['group']} ({row['recordings']})",
+            row["case"],
+            *(rows_of(row["rows_px"][time]) for time in times),
+            reached(row),
+            f"{row['alarms']} of {row['recordings']}",
+        )
+        for row in rows
+    ]
+    after = (f"{time} s (px)" for time in times)
+    heads = ("recordings", "turn (degrees)", *after, f"{AIM_PX:g} px at {times[-1]} s", "alarms")
+    return Table("alignment", heads, cells)
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("out", type=Path)
@@ -237,9 +264,8 @@ def main() -> None:
         draw(rows, options.figure)
     for row in rows:
         del row["series"]
-    options.out.write_text(
-        json.dumps({"rows": rows, "cost_ms": cost, "map_ms": map_ms(recordings)}, indent=1) + "\n"
-    )
+    found = {"rows": rows, "cost_ms": cost, "map_ms": map_ms(recordings)}
+    write_measurement(options.out, [table_of(rows)], found)
 
 
 if __name__ == "__main__":

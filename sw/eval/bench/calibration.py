@@ -7,7 +7,6 @@ rigs, boards and renderer are those of sw/tests/board_rig.py."""
 
 from __future__ import annotations
 
-import json
 import sys
 import time
 from dataclasses import dataclass, replace
@@ -33,6 +32,7 @@ from vista.calibration.board import parse_board
 from vista.calibration.calibrate import calibrate
 from vista.calibration.pictures import Picture
 from vista.geometry import RawCalibration
+from vista_eval.report.table import Table, span, write_measurement
 
 PAIRS = 24
 CHESSBOARD, CHARUCO = "chessboard:9x6:50", "charuco:9x6:60:44:5X5_250"
@@ -109,6 +109,26 @@ def measure(case: Case, seed: int) -> dict[str, float]:
     }
 
 
+STATED = {  # in the documentation: what a calibration found against the truth
+    "focal_percent": "focal length (%)",
+    "center_px": "principal point (px)",
+    "baseline_percent": "baseline (%)",
+    "turn_deg": "turn (degrees)",
+    "rows_before_px": "rows before (px)",
+    "exact_rows_px": "rows after (px)",
+    "exact_rows_worst_px": "worst (px)",
+    "far_disparity_px": "disparity (px)",
+}
+
+
+def table_of(rows: list[dict[str, Any]]) -> Table:
+    cells = [
+        (row["case"], *(span([float(f"{value:.2g}") for value in row[key]]) for key in STATED))
+        for row in rows
+    ]
+    return Table("calibration", ("case", *STATED.values()), cells)
+
+
 def main(out: Path, sets: int) -> None:
     rows: list[dict[str, Any]] = []
     for case in CASES:
@@ -117,7 +137,7 @@ def main(out: Path, sets: int) -> None:
         rounded = {key: [float(f"{value:.3g}") for value in ends] for key, ends in ranges.items()}
         rows.append({"case": case.name, "sets": sets, "pairs": PAIRS, **rounded})
         print(rows[-1], flush=True)
-    out.write_text(json.dumps({"rows": rows}, indent=1) + "\n")
+    write_measurement(out, [table_of(rows)], {"rows": rows})
 
 
 if __name__ == "__main__":

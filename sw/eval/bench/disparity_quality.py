@@ -16,6 +16,7 @@ from collections import defaultdict
 from collections.abc import Callable
 from dataclasses import asdict
 from pathlib import Path
+from typing import Any
 
 import cv2
 import numpy as np
@@ -35,7 +36,7 @@ from vista_eval.metrics.disparity_quality import (
     quality,
 )
 from vista_eval.metrics.standing_points import Share
-from vista_eval.report.text_table import aligned
+from vista_eval.report.table import Table, aligned, fixed, with_interval, write_measurement
 
 DISPARITIES = 64
 LEVELS = 4
@@ -173,6 +174,15 @@ def table(results: dict[str, dict[str, Quality]]) -> str:
     return aligned(rows, {})
 
 
+def table_of(methods: dict[str, dict[str, Any]]) -> Table:
+    rows = []
+    for method, parts in methods.items():
+        near = [fixed(parts["near"][key]["value"], 3) for key in ("density", "bad")]
+        rows.append((method, *(with_interval(parts["all"][key]) for key in ("density", "bad")), *near))
+    heads = ("method", "density", "bad-3", "density of near pixels", "bad-3 of these")
+    return Table("disparity-quality", heads, rows)
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("folder", type=Path, metavar="FOLDER")
@@ -183,7 +193,6 @@ def main() -> None:
     pairs = next(iter(results.values()))["all"].pairs
     print(f"{pairs} pairs, {DISPARITIES} candidates; in range: up to {DISPARITIES - 1} px, near: more")
     print(table(results))
-    options.out.parent.mkdir(parents=True, exist_ok=True)
     exact = {method: {part: asdict(one) for part, one in parts.items()} for method, parts in results.items()}
     methods = json.loads(json.dumps(exact), parse_float=lambda digits: round(float(digits), 6))
     settings = parameters.defaults()["words"]
@@ -196,7 +205,7 @@ def main() -> None:
         "opencv": cv2.__version__,
         "methods": methods,
     }
-    options.out.write_text(json.dumps(document, indent=1) + "\n")
+    write_measurement(options.out, [table_of(methods)], document)
 
 
 if __name__ == "__main__":

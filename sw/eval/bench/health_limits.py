@@ -6,11 +6,11 @@ The recordings and faults are those of sw/tests/test_health_real.py."""
 
 from __future__ import annotations
 
-import json
 import sys
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -22,12 +22,18 @@ from vista.health.features import match_pair
 from vista.health.monitor import FEATURES
 from vista.rectify import Rectifier
 from vista.sequence import Sequence
+from vista_eval.report.table import Table, span, write_measurement
 
 COUNT = 51  # frames of each recording, at most
-MEASURES = ("agreeing_share", "row_error_px", "row_spread_px", "negative_share")
+MEASURES = {
+    "agreeing_share": "features that agree (share)",
+    "row_error_px": "row error (px)",
+    "row_spread_px": "scatter of rows (px)",
+    "negative_share": "negative (share)",
+}
 
 
-def measure(name: str, folder: Path) -> Iterator[dict[str, object]]:
+def measure(name: str, folder: Path) -> Iterator[dict[str, Any]]:
     """A row for each fault: in how many frames each reason was given, and the ranges of what was measured."""
     sequence = real.open_recording(name, folder)
     rectifier = Rectifier(sequence.calibration)
@@ -65,6 +71,16 @@ def ranges(measured: np.ndarray) -> dict[str, list[float]]:
     }
 
 
+def table_of(rows: list[dict[str, Any]]) -> Table:
+    cells = []
+    for row in rows:
+        reasons = ", ".join(f"`{name}` {count}" for name, count in row["reasons"].items()) or "none"
+        ranges = (span(row.get(name)) for name in MEASURES)
+        cells.append((row["recording"], row["fault"], str(row["frames"]), reasons, *ranges))
+    heads = ("recording", "fault", "frames", "reasons and frames", *MEASURES.values())
+    return Table("health", heads, cells)
+
+
 def main(out: Path) -> None:
     with tempfile.TemporaryDirectory() as folder:
         rows = [
@@ -73,7 +89,7 @@ def main(out: Path) -> None:
             if place.is_dir()
             for row in measure(name, Path(folder) / name.replace(" ", "_"))
         ]
-    out.write_text(json.dumps({"rows": rows}, indent=1) + "\n")
+    write_measurement(out, [table_of(rows)], {"rows": rows})
 
 
 if __name__ == "__main__":

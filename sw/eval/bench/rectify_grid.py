@@ -8,11 +8,11 @@ The recordings are EuRoC V1_01 and the Bumblebee2 pairs of the shared data."""
 
 from __future__ import annotations
 
-import json
 import sys
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import cv2
 import numpy as np
@@ -27,6 +27,7 @@ from vista.control_grid import BUFFER_ROWS, by_grid, control_grid
 from vista.geometry import Array, CameraModel
 from vista.rectify import rectified_cameras
 from vista.sequence import Sequence, open_sequence
+from vista_eval.report.table import Table, write_measurement
 from vista_model import row_beyond, sources
 from vista_model.rectify import SCALE, Grid, reach
 
@@ -59,7 +60,7 @@ def served(grid: Grid, height: int, width: int) -> dict[str, dict[str, float | b
     }
 
 
-def measure(name: str, sequence: Sequence) -> Iterator[dict[str, object]]:
+def measure(name: str, sequence: Sequence) -> Iterator[dict[str, Any]]:
     raw = sequence.calibration
     count = min(MAX_PAIRS, len(sequence.frames))
     chosen = [sequence.frames[i * len(sequence.frames) // count] for i in range(count)]
@@ -89,6 +90,30 @@ def measure(name: str, sequence: Sequence) -> Iterator[dict[str, object]]:
         }
 
 
+def table_of(cameras: list[dict[str, Any]]) -> Table:
+    """Errors of a control grid against the exact map, and what line buffers of each depth serve."""
+
+    def errors(found: dict[str, float], digits: int) -> str:
+        return ", ".join(f"{found[key]:.{digits}f}" for key in ("mean", "p99", "max"))
+
+    def share(found: dict[str, Any]) -> str:
+        return f"{100 * found['share']:.1f} %" + ("" if found["accepted"] else ", refused")
+
+    depths = list(cameras[0]["buffer_rows"])
+    rows = [
+        (
+            one["camera"],
+            errors(one["error_px"], 3),
+            errors(one["error_grey"], 2),
+            f"{one['rows_away'][0]:g} to {one['rows_away'][1]:g}",
+            *(share(one["buffer_rows"][depth]) for depth in depths),
+        )
+        for one in cameras
+    ]
+    heads = ("camera", "error, px: mean, p99, max", "grey levels: mean, p99, max", "rows away")
+    return Table("rectification-grid", (*heads, *(f"{depth} rows" for depth in depths)), rows)
+
+
 def main(out: Path) -> None:
     with tempfile.TemporaryDirectory() as folder:
         recordings = {
@@ -96,7 +121,7 @@ def main(out: Path) -> None:
             "Bumblebee2": make_bumblebee2(Path(folder), SCENES),
         }
         rows = [row for name, place in recordings.items() for row in measure(name, open_sequence(place))]
-    out.write_text(json.dumps({"cameras": rows}, indent=1) + "\n")
+    write_measurement(out, [table_of(rows)], {"cameras": rows})
 
 
 if __name__ == "__main__":

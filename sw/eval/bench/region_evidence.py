@@ -10,7 +10,6 @@ the pairs of one half; parameters were chosen on the half named dev. --out is fo
 from __future__ import annotations
 
 import argparse
-import json
 from dataclasses import asdict
 from pathlib import Path
 
@@ -20,7 +19,7 @@ from vista_eval.detectors import Detectors
 from vista_eval.jobs import add_place, chosen_place, exit_on_failure, jobs_of, run
 from vista_eval.measured_pairs import LIDAR, PairSource, detectors_for, find_sources, points_of
 from vista_eval.metrics.standing_points import MEASURES, Counts, Judged, Points, count_points, shares
-from vista_eval.report.text_table import aligned
+from vista_eval.report.table import Table, fixed, write_measurement
 
 Changes = dict[str, dict[str, float]]
 
@@ -77,6 +76,11 @@ def name_of(source: PairSource) -> str:
     return source.name
 
 
+def table_of(variants: dict[str, dict[str, dict[str, float]]]) -> Table:
+    rows = [(name, *(fixed(row[key]["value"], 3) for key in MEASURES)) for name, row in variants.items()]
+    return Table("evidence", ("detector", *MEASURES), rows)
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
@@ -96,10 +100,9 @@ def main() -> None:
         }
         for name in LEFT_OUT
     }
-    args.out.parent.mkdir(parents=True, exist_ok=True)
-    args.out.write_text(json.dumps({"half": args.half, "variants": rows}, indent=1) + "\n")
-    table = [(name, *(f"{row[key]['value']:.3f}" for key in MEASURES)) for name, row in rows.items()]
-    print(aligned([("", *MEASURES), *table], {}))
+    table = table_of(rows)
+    write_measurement(args.out, [table], {"half": args.half, "variants": rows})
+    print(table.as_text())
 
 
 if __name__ == "__main__":

@@ -26,7 +26,7 @@ from vista.mavlink.sighting import Board, Sighting
 from vista.pipeline import Directions, Pipeline
 from vista_eval.dataset.stereo_pair import TruthPair
 from vista_eval.measured_pairs import LIDAR, find_sources
-from vista_eval.report.text_table import aligned
+from vista_eval.report.table import aligned
 
 WIDTH_DEG = 5.0
 POINTS_MIN = 30  # of a sector
@@ -113,7 +113,7 @@ def main() -> None:
     for name, chosen in (("all", judged), (f"told otherwise by {CHANGED:.0%}", changed)):
         table.append(row(f"{name}: boards", board_m[chosen], truth_m[chosen]))
         table.append(row(f"{name}: as seen", seen_m[chosen], truth_m[chosen]))
-    print(aligned(table, {}))
+    print(aligned(table))
 
 
 if __name__ == "__main__":

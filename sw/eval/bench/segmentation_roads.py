@@ -20,7 +20,6 @@ over the scenes. --out also writes the figures, for
 from __future__ import annotations
 
 import argparse
-import json
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
@@ -39,9 +38,9 @@ from vista_eval.metrics.flight_score import score_records
 from vista_eval.metrics.flight_segmentation import pool
 from vista_eval.metrics.rules import STRICT
 from vista_eval.metrics.scenes import partition_scenes, score_cut
-from vista_eval.metrics.segmentation import STATISTICS, PartitionScore, difference_interval
+from vista_eval.metrics.segmentation import STATED, STATISTICS, PartitionScore, difference_interval
 from vista_eval.metrics.standing_points import MEASURES, Counts, Judged, count_points
-from vista_eval.report.text_table import aligned
+from vista_eval.report.table import Table, aligned, fixed, write_measurement
 
 DEV, STRIDE = "dev", 4
 SHIPPED = "as shipped"
@@ -55,10 +54,17 @@ ROADS: dict[str, Changes] = {
     "block 7": {"stereo": {"block_size": 7}},
     "seed step 0.25 px": {"segmentation": {"seed_step_px": 0.25}},
 }
-OF_SEGMENTATION = ("iou_median", "iou_mean", "found", "boundary_recall", "undersegmentation", "regions")
 OF_LIDAR = ("recall", "on surface", "wrong", "road", "cylinder")
 RESAMPLES = 2000
 PARTS = ("scenes", "frames", "flights", "lidar")
+OF_PARTITIONS = dict.fromkeys(("iou_median", "iou_mean", "boundary_recall", "undersegmentation"), 3)
+TABLES: dict[str, dict[str, dict[str, int]]] = {  # of the documentation: parts, their figures, and the digits
+    "roads-partitions": {part: OF_PARTITIONS for part in ("scenes", "frames")},
+    "roads-detection": {
+        "flights": {"hits": 2, "false": 0},
+        "lidar": dict.fromkeys(("recall", "wrong", "road", "cylinder"), 3),
+    },
+}
 
 
 @dataclass(frozen=True)
@@ -161,7 +167,7 @@ def figure(value: float, interval: tuple[float, float] | None) -> Figure:
 def of_partitions(scores: list[PartitionScore], shipped: list[PartitionScore]) -> dict[str, Figure]:
     return {
         key: figure(STATISTICS[key](scores), difference_interval(scores, shipped, STATISTICS[key]))
-        for key in OF_SEGMENTATION
+        for key in STATED
     }
 
 
@@ -206,18 +212,32 @@ def row_of(variant: str, found: dict[str, Measured], shipped: dict[str, Measured
     return row
 
 
-def cell(found: Figure) -> str:
-    whole = found["value"] == int(found["value"]) and abs(found["value"]) > 1
-    text = f"{found['value']:.0f}" if whole else f"{found['value']:.3f}"
+def cell(found: Figure, digits: int = 3) -> str:
+    """A figure, and the ends of the interval of its difference to what is shipped."""
+    text = f"{found['value']:.{digits}f}"
     if "low" not in found or (found["low"], found["high"]) == (0.0, 0.0):
         return text
-    return f"{text} [{found['low']:+.3f} {found['high']:+.3f}]"
+    return f"{text} ({found['low']:+.{digits}f} to {found['high']:+.{digits}f})"
+
+
+def table_of(name: str, rows: list[dict[str, Any]]) -> Table:
+    columns = [(part, key, digits) for part, keys in TABLES[name].items() for key, digits in keys.items()]
+    cells = [
+        (
+            row["variant"],
+            *(cell(row[part][key], digits) if part in row else "" for part, key, digits in columns),
+            fixed(row["host_ms"], 1),
+        )
+        for row in rows
+    ]
+    names = (f"{part}: {STATED[key]}" if key in STATED else key for part, key, _ in columns)
+    return Table(name, ("road", *names, "host ms"), cells)
 
 
 def print_table(rows: list[dict[str, Any]], part: str) -> None:
     heads = list(rows[0][part])
     lines = [(row["variant"], *(cell(row[part][head]) for head in heads)) for row in rows]
-    print(aligned([(part, *heads), *lines], {}))
+    print(aligned([(part, *heads), *lines]))
 
 
 def main() -> None:
@@ -249,7 +269,8 @@ def main() -> None:
     print("host ms: " + ", ".join(f"{row['variant']} {row['host_ms']}" for row in rows))
     if arguments.out is not None:
         counts = {part: len(one.entries) for part, one in found[SHIPPED].items()}
-        arguments.out.write_text(json.dumps({"counts": counts, "variants": rows}, indent=1) + "\n")
+        tables = [table_of(name, rows) for name in TABLES]
+        write_measurement(arguments.out, tables, {"counts": counts, "variants": rows})
 
 
 if __name__ == "__main__":

@@ -12,7 +12,6 @@ vista_eval.metrics.segmentation defines them. --out also writes the figures, for
 from __future__ import annotations
 
 import argparse
-import json
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from functools import partial
@@ -27,9 +26,8 @@ from vista_eval.dataset.scenes import LabelledScene, read_scenes
 from vista_eval.dataset.truth import SPLITS
 from vista_eval.jobs import Job, add_place, chosen_place, exit_on_failure, jobs_of, run
 from vista_eval.metrics.scenes import Partition, partition_scenes, score_cells, score_cut, score_scene
-from vista_eval.metrics.segmentation import STATISTICS, PartitionScore
-
-COLUMNS = ("iou_median", "iou_mean", "found", "boundary_recall", "undersegmentation", "regions")
+from vista_eval.metrics.segmentation import STATED, STATISTICS, PartitionScore, stated
+from vista_eval.report.table import Table, fixed, write_measurement
 
 
 @dataclass(frozen=True)
@@ -137,7 +135,7 @@ VARIANTS = {
 
 
 def figures(scores: list[PartitionScore]) -> dict[str, float]:
-    return {key: round(float(STATISTICS[key](scores)), 3) for key in COLUMNS}
+    return {key: round(float(STATISTICS[key](scores)), 3) for key in STATED}
 
 
 def measure(variant: Variant, scenes: list[LabelledScene]) -> tuple[list[PartitionScore], float]:
@@ -168,9 +166,12 @@ def baseline_rows(folder: Path) -> list[dict[str, Any]]:
     return [{"variant": name, **row, "host_ms": None} for name, row in found.items()]
 
 
-def print_row(row: dict[str, Any]) -> None:
-    halves = "  ".join(" ".join(f"{row[split][key]:7.3f}" for key in COLUMNS) for split in SPLITS)
-    print(f"{row['variant']:48s} {halves}")
+def table_of(rows: list[dict[str, Any]], split: str) -> Table:
+    cells = [
+        (row["variant"], *(stated(key, row[split][key]) for key in STATED), fixed(row["host_ms"], 1))
+        for row in rows
+    ]
+    return Table(f"segmentation-{split}", ("variant", *STATED.values(), "host ms"), cells)
 
 
 def counts_of(folder: Path) -> dict[str, dict[str, int]]:
@@ -196,12 +197,12 @@ def main() -> None:
     ]
     with exit_on_failure():
         *rows, baselines = run(jobs, chosen_place(arguments), "measure", "variant")
-    print(f"for {' and '.join(SPLITS)}: {', '.join(COLUMNS)}")
-    for row in [*rows, *baselines]:
-        print_row(row)
+    rows += baselines
+    tables = [table_of(rows, split) for split in SPLITS]
+    for split, table in zip(SPLITS, tables, strict=True):
+        print(f"{split}:\n{table.as_text()}\n")
     if arguments.out is not None:
-        found = {"scenes": counts_of(arguments.folder), "variants": [*rows, *baselines]}
-        arguments.out.write_text(json.dumps(found, indent=1) + "\n")
+        write_measurement(arguments.out, tables, {"scenes": counts_of(arguments.folder), "variants": rows})
 
 
 if __name__ == "__main__":

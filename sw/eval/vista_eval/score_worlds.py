@@ -3,8 +3,7 @@ families."""
 
 from __future__ import annotations
 
-import json
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from functools import partial
 from pathlib import Path
 
@@ -21,7 +20,8 @@ from vista_eval.metrics.flight_score import score_records
 from vista_eval.metrics.flight_segmentation import segment_cached
 from vista_eval.metrics.rules import STRICT
 from vista_eval.metrics.world_score import WorldScore, family_scores
-from vista_eval.report.world_tables import as_text, tables
+from vista_eval.report.table import rounded, write_measurement
+from vista_eval.report.world_tables import tables
 from vista_eval.report.worlds_page import render_worlds
 
 
@@ -80,13 +80,9 @@ def write_worlds(
     """Writes NAME.json and NAME.html into the folder that holds those of the flights; the tables as text."""
     families = family_scores(worlds)
     made = tables(families)
-    content = {
-        "rules": asdict(STRICT),
-        "parameters": values,
-        "families": [asdict(family) for family in families],
-        "tables": [asdict(table) for table in made],
-        "flights": [asdict(world) for world in worlds],
-    }
-    write_atomically(folder / f"{name}.json", json.dumps(content, indent=1, allow_nan=False) + "\n")
+    figures = {"rules": asdict(STRICT), "families": rounded([asdict(family) for family in families], 3)}
+    flights = [asdict(world) for world in worlds]
+    named = [replace(table, name=f"{name}-{table.name}") for table in made]
+    write_measurement(folder / f"{name}.json", named, figures, flights=flights, parameters=values)
     write_atomically(folder / f"{name}.html", render_worlds(folder, worlds, values))
-    return "\n\n".join(as_text(table) for table in made)
+    return "\n\n".join(table.as_text() for table in made)

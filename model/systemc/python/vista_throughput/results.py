@@ -35,7 +35,8 @@ def check_folder(folder: Path) -> None:
 def write_results(folder: Path, answer: Answer, swept: Sweeps, simulations: int) -> Path:
     """Everything is made before the first file is written. Returns the page's path."""
     timeline, sweep = plots.timeline(answer), plots.sweep_plot(answer, swept)
-    content = json.dumps(as_json(answer, swept), indent=1, allow_nan=False) + "\n"
+    found = as_json(answer, swept)
+    content = json.dumps({"tables": [stated(found)]} | found, indent=1, allow_nan=False) + "\n"
     page = _render(answer, timeline.svg, sweep.svg, simulations)
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -46,6 +47,24 @@ def write_results(folder: Path, answer: Answer, swept: Sweeps, simulations: int)
     write_atomically(folder / SWEEP, sweep.png)
     write_atomically(folder / PAGE, page)
     return folder / PAGE
+
+
+def stated(found: dict[str, Any]) -> dict[str, Any]:
+    """The row of the documentation's table; those of other presets stay when it is taken over."""
+    system, figures, needed, limit = (found[key] for key in ("system", "figures", "clock_needed", "limit"))
+    clock_mhz, needed_mhz = (round(hz / 1e6, 2) for hz in (system["engine_clock_hz"], needed["clock_hz"]))
+    row = {
+        "preset": f"`{found['preset']}`",
+        "camera": f"{system['width_px']}x{system['height_px']}, {system['camera_rate_hz']:g} Hz",
+        "engine": f"{system['disparities']} disparities, {clock_mhz:.1f} MHz",
+        "frames dropped": f"{figures['dropped']} of {figures['delivered'] + figures['dropped']}",
+        "first pixel to obstacle map, ms: median (99th percentile)": f"{figures['latency_p50_ms']:.1f} "
+        f"({figures['latency_p99_ms']:.1f})",
+        "maximum rate with a faster camera, frames/s": f"{limit['rate_hz']:.0f}, "
+        f"limited by the {limit['stage']}",
+        "clock that the camera needs, MHz": f"{needed_mhz:.3g}, 1/{clock_mhz / needed_mhz:.1f} of the clock",
+    }
+    return {"name": "throughput", "heads": list(row), "rows": [list(row.values())], "parts": True}
 
 
 def _render(answer: Answer, timeline: str, sweep: str, simulations: int) -> str:

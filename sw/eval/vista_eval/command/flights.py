@@ -10,7 +10,6 @@ The scores are printed. DIR receives flights.json, which has every figure, and r
 from __future__ import annotations
 
 import argparse
-import json
 from collections.abc import Callable
 from dataclasses import asdict
 from functools import partial
@@ -35,7 +34,9 @@ from vista_eval.metrics.flight_segmentation import table as segmentation_table
 from vista_eval.metrics.goals import Goal, goal_line, goals
 from vista_eval.metrics.group import group_score, table
 from vista_eval.report.filmstrip import filmstrip
+from vista_eval.report.flight_tables import stated
 from vista_eval.report.flights_page import FlightPage, render_flights
+from vista_eval.report.table import rounded, write_measurement
 
 if TYPE_CHECKING:
     from vista_eval.render.flight import Flight, Quality
@@ -181,7 +182,15 @@ def write_scores(
     reached: list[Goal],
     values: parameters.Values,
 ) -> None:
-    content = {
+    figures = {
+        "groups": groups(scores),
+        "pose_noise": groups(noisy),
+        "sensor_noise": [
+            {"grey_levels": grey, "groups": groups(scored)}
+            for grey, scored in {0.0: scores, **sensed}.items()
+        ],
+    }
+    content: dict[str, Any] = {
         "parameters": values,
         "flights": [summary(score) for score in scores],
         "groups": groups(scores),
@@ -194,7 +203,7 @@ def write_scores(
             for grey, scored in sensed.items()
         ],
     }
-    write_atomically(path, json.dumps(content, indent=1, allow_nan=False) + "\n")
+    write_measurement(path, stated(scores, sensed), rounded(figures, 2), **content)
 
 
 def groups(scores: list[FlightScore]) -> list[dict[str, Any]]:

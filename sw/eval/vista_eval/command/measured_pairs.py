@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-import json
 from functools import partial
 from pathlib import Path
 
 from vista import parameters
 from vista.errors import InputError
-from vista.output import make_folder, write_atomically
+from vista.output import write_atomically
 
 from vista_eval.detectors import OURS
 from vista_eval.jobs import Place, jobs_of, run
-from vista_eval.measured_pairs import MeasuredPair, find_sources, look, measure
+from vista_eval.measured_pairs import LIDAR, MeasuredPair, find_sources, look, measure
 from vista_eval.report import pairs_page
+from vista_eval.report.table import write_measurement
 
 
 def measure_folder(kind: str, folder: Path, out: Path, values: parameters.Values, place: Place) -> None:
@@ -31,9 +31,12 @@ def measure_folder(kind: str, folder: Path, out: Path, values: parameters.Values
         picture = pairs_page.draw_pair(pair, points, judged, values["stereo"]["num_disparities"])
         title = f"{one.name} ({one.split}): recall {pairs_page.recall_of(one):.2f}"
         pictures.append(pairs_page.encode(title, pairs_page.caption(one), picture))
-    make_folder(out)
-    content = json.dumps(pairs_page.as_json(kind, measured, values), indent=1)
-    write_atomically(out / f"{kind}.json", content + "\n")
+    content = pairs_page.as_json(kind, measured, values)
+    halves = content["halves"]
+    stated = [pairs_page.stated(halves)] if kind == LIDAR else []
+    headline = pairs_page.front_page(halves["test"]) if kind == LIDAR and "test" in halves else None
+    figures = {"halves": pairs_page.compact(halves)}
+    write_measurement(out / f"{kind}.json", stated, figures, headline, **content)
     report = out / f"{kind}.html"
     write_atomically(report, pairs_page.render_page(kind, measured, tables, pictures))
     print("\n".join(pairs_page.lines(tables)))

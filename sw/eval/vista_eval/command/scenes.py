@@ -16,7 +16,6 @@ receives lidar.json or dense.json (every figure) and a page that shows the worst
 from __future__ import annotations
 
 import argparse
-import json
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -83,6 +82,7 @@ def score_scenes(arguments: argparse.Namespace, values: Values, place: Place) ->
     from vista_eval.dataset.scenes import read_scenes
     from vista_eval.metrics.scenes import partition_scenes, score_scene
     from vista_eval.report import scenes_page as report  # loads libvista, which `--help` need not
+    from vista_eval.report.table import write_measurement
 
     if not arguments.no_render:
         seeds = range(arguments.seed, arguments.seed + arguments.count)
@@ -96,8 +96,9 @@ def score_scenes(arguments: argparse.Namespace, values: Values, place: Place) ->
     summary = report.halves(scored)
     lines = report.table(summary)
     host_ms = float(np.median([s.partition.host_ms for s in scored]))
-    content = json.dumps(report.as_json(scored, summary, values, host_ms), indent=1)
-    write_atomically(arguments.folder / SCORES, content + "\n")
+    content = report.as_json(scored, summary, values, host_ms)
+    stated = [report.stated(summary["test"])] if "test" in summary else []
+    write_measurement(arguments.folder / SCORES, stated, content["halves"], **content)
     write_atomically(arguments.folder / REPORT, report.render_page(scored, lines))
     print("\n".join(lines))
     print(f"host {host_ms:.1f} ms; report: {arguments.folder / REPORT}")

@@ -22,7 +22,7 @@ from vista_eval.fly import flight_digest
 from vista_eval.metrics.intervals import MIN_FLIGHTS
 from vista_eval.metrics.scenes import CUT, REFERENCES, partition_scenes, score_cut, score_scene
 from vista_eval.metrics.segmentation import STATISTICS, PartitionScore, Thing, ThingScore, difference_interval
-from vista_eval.report.text_table import aligned
+from vista_eval.report.table import aligned
 
 STRIDE = 8  # frames
 COMPARED = (*REFERENCES, FOREST)  # with the cut

@@ -10,7 +10,7 @@ from vista_eval.dataset.truth import SPLITS
 from vista_eval.metrics.consistency import Consistency, consistency
 from vista_eval.metrics.flight_score import FlightScore
 from vista_eval.metrics.rules import HIT_RANGE, NEAR
-from vista_eval.report.text_table import aligned
+from vista_eval.report.table import aligned
 
 
 @dataclass(frozen=True)

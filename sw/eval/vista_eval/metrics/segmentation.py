@@ -211,6 +211,20 @@ STATISTICS: dict[str, Statistic] = {
 }
 
 
+STATED = {  # in tables, with the names that they give them
+    "iou_median": "IoU median",
+    "iou_mean": "IoU mean",
+    "found": "IoU > 0.5",
+    "boundary_recall": "boundary recall",
+    "undersegmentation": "under-segmentation",
+    "regions": "regions",
+}
+
+
+def stated(key: str, value: float) -> str:
+    return f"{value:.0f}" if key == "regions" else f"{value:.3f}"
+
+
 def interval(scores: list[PartitionScore], statistic: Statistic, seed: int = 0) -> tuple[float, float]:
     """95 % interval of statistic(scores): bootstrap that draws whole scenes, or whatever a score is of."""
     values = statistic.resampled(scores, _draws(len(scores), seed))

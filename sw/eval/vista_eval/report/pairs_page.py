@@ -20,6 +20,7 @@ from vista_eval.detectors import OURS
 from vista_eval.measured_pairs import DENSE, MeasuredPair
 from vista_eval.metrics import standing_points as standing
 from vista_eval.metrics.standing_points import MEASURES, Counts, Judged, Points, Share, fates, shares
+from vista_eval.report.table import Table, with_interval
 
 ROAD_ONLY = ("road", "cylinder")  # measures of scenes with a road
 TITLES = {
@@ -124,6 +125,39 @@ def as_json(kind: str, measured: list[MeasuredPair], values: parameters.Values) 
         "without_road": [m.name for m in measured if m.counts is None],
         "pairs": [{"name": m.name, "split": m.split, "counts": m.counts} for m in measured],
         "parameters": values,
+    }
+
+
+def stated(halves: dict[str, Any]) -> Table:
+    """What the documentation has of pairs with LiDAR."""
+    keys = (*MEASURES, *standing.TOO_NEAR)
+    rows = [
+        (f"{half}, {one['pairs']} pairs", name, *(with_interval(of["measures"][key]) for key in keys))
+        for half, one in halves.items()
+        for name, of in one["detectors"].items()
+    ]
+    return Table("lidar", ("half", "detector", *keys), rows)
+
+
+def front_page(half: dict[str, Any]) -> tuple[str, str]:
+    share = {key: one["value"] for key, one in half["detectors"][OURS]["measures"].items()}
+    return f"{half['pairs']} real street pairs with LiDAR that nothing was chosen on", (
+        f"{share['recall']:.0%} of the points that stand are found, {share['cylinder']:.0%} of those within "
+        f"2 m of the optical axis; {share['road']:.1%} of the road's points are taken for obstacles"
+    )
+
+
+def compact(halves: dict[str, Any]) -> dict[str, Any]:
+    """Without the distances."""
+    return {
+        half: {
+            "pairs": one["pairs"],
+            "detectors": {
+                name: {key: of[key] for key in ("measures", "verdicts")}
+                for name, of in one["detectors"].items()
+            },
+        }
+        for half, one in halves.items()
     }
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from vista.report.page import fill_template
 
 from vista_eval.recordings.examine import Row
-from vista_eval.report.text_table import aligned
+from vista_eval.report.table import aligned
 
 SHOWN, PRINTED = 500, 10
 HEADING = (
@@ -38,7 +38,7 @@ def render_page(prefix: str, ordered: list[Row]) -> str:
 
 def closing_lines(ordered: list[Row]) -> list[str]:
     """The worst, and the totals."""
-    table = aligned([HEADING, *map(cells, ordered[:PRINTED])], {})
+    table = aligned([HEADING, *map(cells, ordered[:PRINTED])])
     return [table, "", ", ".join(f"{value} {name}" for name, value in totals(ordered).items())]
 
 

@@ -15,7 +15,8 @@ from vista.report.palette import WHITE, distinct_colours
 
 from vista_eval.dataset.truth import SPLITS
 from vista_eval.metrics.scenes import CUT, REFERENCES, ScoredScene, reference_regions
-from vista_eval.metrics.segmentation import STATISTICS, LabelledView, difference_interval
+from vista_eval.metrics.segmentation import STATED, STATISTICS, LabelledView, difference_interval
+from vista_eval.report.table import Table, span
 
 SHOWN = 6  # scenes at either end
 HEADINGS = {
@@ -87,6 +88,15 @@ def table(summary: dict[str, Half]) -> list[str]:
 
 def number(key: str, value: float) -> str:
     return f"{value:.0f}" if key == "regions" else f"{value:.3f}"
+
+
+def stated(half: Half) -> Table:
+    """What the documentation has of the half that nothing was chosen on."""
+    rows = [
+        (name, *(span([round(end, 2) + 0.0 for end in ends[key]]) for key in STATED))
+        for name, ends in half.intervals.items()
+    ]
+    return Table("scenes", ("cut minus", *STATED.values()), rows)
 
 
 def as_json(

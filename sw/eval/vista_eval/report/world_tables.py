@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from vista_eval.controls import FOREST
 from vista_eval.detectors import OURS
 from vista_eval.metrics.comparison import describe
@@ -14,19 +12,10 @@ from vista_eval.metrics.intervals import Share
 from vista_eval.metrics.rules import STRICT
 from vista_eval.metrics.scenes import CUT, REFERENCES
 from vista_eval.metrics.world_score import ControlScore, FamilyScore
-from vista_eval.report.text_table import aligned
+from vista_eval.report.table import Table
 
 REFERENCE = next(iter(REFERENCES))
 FOREST_SIGN = "cut - forest"
-
-
-@dataclass(frozen=True)
-class Table:
-    name: str
-    title: str
-    heads: tuple[str, ...]
-    rows: tuple[tuple[str, ...], ...]
-    legend: str
 
 
 def tables(families: list[FamilyScore]) -> list[Table]:
@@ -78,17 +67,17 @@ def scores_table(families: list[FamilyScore]) -> Table:
         )
     return Table(
         "scores",
-        "By family",
         heads,
-        tuple(rows),
-        "hits: frames with a warning that is right, of those in which one is asked for; missed: frames "
-        "without one, nearer ones included; false: frames with a false alarm; within 2 dz: errors of at most "
-        f"2 dz or {STRICT.least_tolerance_m:g} m; NEES: average, and the band of an honest covariance around "
-        "1 (what is judged by the point where it is met) or 3 (what has a centre); "
+        rows,
+        "In the columns are: hits: frames with a warning that is right, of those in which one is asked for; "
+        "missed: frames without one, nearer ones included; false: frames with a false alarm; within 2 dz: "
+        f"errors of at most 2 dz or {STRICT.least_tolerance_m:g} m; NEES: average, and the band of an honest "
+        "covariance around 1 (what is judged by the point where it is met) or 3 (what has a centre); "
         f"from {FIRST_DETECTION_M:.0f} m: flights that warn from there or farther on, of those that begin "
         "there; state: frames that call themselves degraded + blind. In brackets what holds 95 %: over "
-        "flights, by bootstrap; * the exact "
-        "interval for the count of flights; fewer than three flights have none by bootstrap",
+        "flights, by bootstrap; * the exact interval for the count of flights; fewer than three flights have "
+        "none by bootstrap.",
+        "By family",
     )
 
 
@@ -103,24 +92,23 @@ def controls_table(families: list[FamilyScore]) -> Table:
         rows.append(tuple(cells))
     return Table(
         "controls",
-        "Beside it, in the same host",
         ("family", *controls),
-        tuple(rows),
-        "hits of the frames in which one is asked for, frames missed, frames with a false alarm",
+        rows,
+        "In the columns are: hits of the frames in which one is asked for, frames missed, frames with a "
+        "false alarm.",
+        "Beside it, in the same host",
     )
 
 
 def noise_table(families: list[FamilyScore]) -> Table:
-    rows = tuple(
-        (family.name, *(noise_cell(score) for score in family.noisy.values())) for family in families
-    )
+    rows = [(family.name, *(noise_cell(score) for score in family.noisy.values())) for family in families]
     return Table(
         "noise",
-        "With sensor noise added",
         ("family", *(f"{grey:g} grey levels" for grey in families[0].noisy)),
         rows,
-        "hits of the frames in which one is asked for, frames with a false alarm, frames that call "
-        "themselves degraded + blind",
+        "In the columns are: hits of the frames in which one is asked for, frames with a false alarm, frames "
+        "that call themselves degraded + blind.",
+        "With sensor noise added",
     )
 
 
@@ -154,11 +142,11 @@ def segmentation_table(families: list[FamilyScore]) -> Table:
         rows.append(tuple(cells))
     return Table(
         "segmentation",
-        "Segmentation: the cut beside a forest grown from its own seeds",
         tuple(heads),
-        tuple(rows),
-        "every eighth frame, each by itself; in brackets what holds 95 % over flights, and of the difference "
-        "over the same flights (bootstrap)",
+        rows,
+        "In the columns are: every eighth frame, each by itself; in brackets what holds 95 % over flights, "
+        "and of the difference over the same flights (bootstrap).",
+        "Segmentation: the cut beside a forest grown from its own seeds",
     )
 
 
@@ -182,15 +170,16 @@ def stereo_table(families: list[FamilyScore]) -> Table:
         )
     return Table(
         "stereo",
-        "Stereo alone with the same M of N and static-world test",
         (
             "family",
             "ours: missed, false",
             "thresholds with fewer misses",
             "fewest misses at no more false alarms",
         ),
-        tuple(rows),
-        "frames missed, frames with a false alarm; of the thresholds only those with no more false alarms",
+        rows,
+        "In the columns are: frames missed, frames with a false alarm; of the thresholds only those with no "
+        "more false alarms.",
+        "Stereo alone with the same M of N and static-world test",
     )
 
 
@@ -205,7 +194,3 @@ def share_text(share: Share | None) -> str:
 
 def between(interval: tuple[float, float] | None, sign: str = "") -> str:
     return "" if interval is None else f" ({interval[0]:{sign}.2f} to {interval[1]:{sign}.2f})"
-
-
-def as_text(table: Table) -> str:
-    return f"{table.title}\n{aligned([table.heads, *table.rows], {})}\n{table.legend}"
