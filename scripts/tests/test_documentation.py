@@ -151,7 +151,7 @@ def test_figures_that_are_saved_for_the_first_time_have_their_tables(
     save = ["--save", f"worlds-test={raw}", "--command", "vista worlds"]
     monkeypatch.setattr(sys, "argv", ["make_tables.py", *save])
     assert make_tables.main() == 0
-    assert "| bare | 77 of 88 |\n\nHits: h.\n\n*Measured at commit" in page.read_text()
+    assert "| bare | 77 of 88 |\n\nH: h.\n\n*Measured at commit" in page.read_text()
     assert set(json.loads((data / "worlds-test.json").read_text())) == {"measured", "figures", "tables"}
 
 

@@ -80,4 +80,6 @@ def span(values: Sequence[float] | None, unit: str = "") -> str:
 
 
 def with_interval(share: dict[str, Any]) -> str:
+    if share["value"] is None:
+        return ""
     return f"{share['value']:.3f} ({share['low']:.3f} to {share['high']:.3f})"
