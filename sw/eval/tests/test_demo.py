@@ -13,7 +13,7 @@ import pytest
 from vista.cli import main
 from vista_eval.render.flight import Flight, render_flight
 from vista_eval.render.rig import LEFT
-from vista_eval.worlds.demo import SIGN_AT_30_FT_S
+from vista_eval.worlds.farm import SIGN_AT_30_FT_S
 
 pytestmark = pytest.mark.slow
 

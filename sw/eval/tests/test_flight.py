@@ -17,7 +17,7 @@ from vista_eval.render.course import rotation_from_angles
 from vista_eval.render.flight import Flight, is_complete, prepare, render_flight
 from vista_eval.render.renderer import Renderer
 from vista_eval.render.rig import LEFT, RIGHT, Rig, View
-from vista_eval.worlds.demo import SIGN_AT_30_FT_S
+from vista_eval.worlds.farm import SIGN_AT_30_FT_S
 from vista_eval.worlds.meadow_flights import sign_site
 from vista_eval.worlds.things import SIGN_HEIGHT_M, SIGN_WIDTH_M
 

@@ -164,20 +164,17 @@ def render_flight(flight: Flight, out: Path, quality: Quality = "full") -> Itera
         yield from range(frames_of(flight, quality))
         return
     prepare(flight, out, quality)
-    approach, rig, states = approach_of(flight, quality), flight.rig, states_of(flight, quality)
-    scene = scene_of(flight)
-    renderer = None
-    for frame, state in enumerate(states):
-        if not all(path.exists() for path in frame_paths(out, state.t_ns)):
-            renderer = renderer or renderer_of(flight)
-            renderer.move_to(approach.before_last_s(frame))
-            render_frame(renderer, flight, approach, frame, out)
+    approach, states = approach_of(flight, quality), states_of(flight, quality)
+    for frame in range(approach.frames):
+        render_frame(flight, out, quality, frame)
         yield frame
-    write_sequence(out, rig, recorded_states(approach, flight.pose_faults), approach.rate_hz)
-    truth = flight_truth(out, about(flight), scene, rig, states, approach.before_last_s(0))
+    write_sequence(out, flight.rig, recorded_states(approach, flight.pose_faults), approach.rate_hz)
+    first_s = approach.before_last_s(0)
+    truth = flight_truth(out, about(flight), scene_of(flight), flight.rig, states, first_s)
     write_text(out / TRUTH, [json.dumps(truth)])
 
 
+@lru_cache(maxsize=1)
 def renderer_of(flight: Flight) -> Renderer:
     from vista_eval.render.renderer import Renderer  # Embree takes a moment, and a complete flight needs none
 
@@ -189,9 +186,14 @@ def frame_paths(flight: Path, t_ns: int) -> list[Path]:
     return [*images, *(truth_path(flight, kind, t_ns) for kind in ("disparity", "label", "objects"))]
 
 
-def render_frame(renderer: Renderer, flight: Flight, course: Course, frame: int, out: Path) -> None:
-    """Writes what `out` lacks of the frame and its truth. course: as it is flown."""
-    rig, state = flight.rig, course.state_at(frame)
+def render_frame(flight: Flight, out: Path, quality: Quality, frame: int) -> None:
+    """Writes what `out` lacks of the frame and its truth."""
+    course, rig = approach_of(flight, quality), flight.rig
+    state = course.state_at(frame)
+    if all(path.exists() for path in frame_paths(out, state.t_ns)):
+        return
+    renderer = renderer_of(flight)
+    renderer.move_to(course.before_last_s(frame))
     for camera in (LEFT, RIGHT):
         path = image_path(out, camera, state.t_ns)
         if not path.exists():
@@ -201,9 +203,8 @@ def render_frame(renderer: Renderer, flight: Flight, course: Course, frame: int,
                 exposure = exposure_of(renderer, flight, flight.sensor, course, camera, frame)
                 radiance = through_lens(flight.sensor, radiance, exposure)
             write_image(path, expose(flight.sensor, radiance, camera, (flight.seed, frame, camera)))
-    if not all(path.exists() for path in frame_paths(out, state.t_ns)):
-        pose = state.world_from_body @ rig.body_from_camera(LEFT)
-        write_frame_truth(out, state.t_ns, renderer.view(pose), len(renderer.scene.things), rig, pose)
+    pose = state.world_from_body @ rig.body_from_camera(LEFT)
+    write_frame_truth(out, state.t_ns, renderer.view(pose), len(renderer.scene.things), rig, pose)
 
 
 def exposure_of(

@@ -120,9 +120,7 @@ def tower(altitude_m: float, seed: int) -> Scene:
     kind = str(rng.choice(["steel", "steel", "concrete", "bands"]))
     body = round_pole("target_tower", foot, top, radius, some_seed(rng), kind)
     return scene_of(
-        here,
-        [thing("target", "tower", [body], target=True)],
-        [*clutter(here, URBAN), *background(here)],
+        here, [thing("target", "tower", [body], target=True)], [*clutter(here, URBAN), *background(here)]
     )
 
 

@@ -144,8 +144,7 @@ def clear_rolling(altitude_m: float, seed: int) -> Scene:
     rng = here.draws("rolling")
     long_m, high_m, wave_seed = rng.uniform(40, 120), rng.uniform(1.5, 6.0), some_seed(rng)
     return left_free(
-        here,
-        lambda x, y: high_m * noise(x, y, long_m / 2, wave_seed) + 0.5 * bumps(x, y, wave_seed + 2),
+        here, lambda x, y: high_m * noise(x, y, long_m / 2, wave_seed) + 0.5 * bumps(x, y, wave_seed + 2)
     )
 
 
