@@ -13,6 +13,7 @@ let timer = null;
 
 const byId = (id) => document.getElementById(id);
 const now = () => frames[steps[step]];
+const least = (items, cost) => items.reduce((best, item) => (cost(item) < cost(best) ? item : best));
 const metres = (value) => (value < 10 ? value.toFixed(1) : value.toFixed(0)) + " m";
 
 function node(tag, attributes, parent, text) {
@@ -32,10 +33,8 @@ function show(position) {
 }
 
 function showFrame(k) { // the step next to this frame
-  let best = 0;
-  steps.forEach((frame, position) => { if (Math.abs(frame - k) < Math.abs(steps[best] - k)) best = position; });
   stop();
-  show(best);
+  show(steps.indexOf(least(steps, (frame) => Math.abs(frame - k))));
 }
 
 function select(id) {
@@ -43,7 +42,7 @@ function select(id) {
   const track = trackOf.get(id);
   if (track && !track.points.some((point) => point[0] === steps[step])) { // go where it can be seen
     const seen = track.points.map((point) => point[0]).filter((k) => steps.includes(k));
-    if (seen.length) showFrame(seen.reduce((a, b) => (Math.abs(b - steps[step]) < Math.abs(a - steps[step]) ? b : a)));
+    if (seen.length) showFrame(least(seen, (k) => Math.abs(k - steps[step])));
   }
   for (const view of views) { view.draw(); view.mark(); }
 }
@@ -240,13 +239,11 @@ function chart(id, { title, x: xName, y: yName, series, height, equal = false, l
     });
     for (const value of ticks(x0, x1, (area.right - area.left) / 70)) {
       const px = toPx(value, y0)[0];
-      node("line", { x1: px, x2: px, y1: area.top, y2: area.bottom }, axes);
-      node("text", { x: px, y: area.bottom + 15, "text-anchor": "middle" }, axes, value);
+      rule(axes, true, px, [area.top, area.bottom], value, "middle", px, area.bottom + 15);
     }
     for (const value of ticks(y0, y1, (area.bottom - area.top) / 38)) {
       const py = toPx(x0, value)[1];
-      node("line", { x1: area.left, x2: area.right, y1: py, y2: py }, axes);
-      node("text", { x: area.left - 6, y: py + 4, "text-anchor": "end" }, axes, value);
+      rule(axes, false, py, [area.left, area.right], value, "end", area.left - 6, py + 4);
     }
     node("text", { x: (area.left + area.right) / 2, y: tall - 4, "text-anchor": "middle", class: "name" }, axes, xName);
     node("text", { transform: `translate(11 ${(area.top + area.bottom) / 2}) rotate(-90)`, "text-anchor": "middle", class: "name" }, axes, yName);
@@ -289,45 +286,35 @@ function chart(id, { title, x: xName, y: yName, series, height, equal = false, l
     }
   }
 
-  function nearestPoint(x, y) {
-    let best = null, reach = Infinity;
-    for (const point of points) {
-      const [px, py] = toPx(point.x, point.y), distance = Math.hypot(px - x, py - y);
-      if (distance < reach) [best, reach] = [point, distance];
-    }
-    return reach < 40 ? best : null;
-  }
-
-  function nearestTrack(x, y) { // whose line passes within a finger's width
-    let best = null, reach = 20;
-    for (const { id: track, points: own } of series) {
-      if (track === undefined) continue;
-      const at = own.map((point) => toPx(point[0], point[1]));
-      at.forEach(([bx, by], k) => {
-        const [ax, ay] = at[Math.max(k - 1, 0)], long = (bx - ax) ** 2 + (by - ay) ** 2;
-        const share = long ? Math.min(Math.max(((x - ax) * (bx - ax) + (y - ay) * (by - ay)) / long, 0), 1) : 0;
-        const distance = Math.hypot(ax + share * (bx - ax) - x, ay + share * (by - ay) - y);
-        if (distance < reach) [best, reach] = [track, distance];
-      });
-    }
-    return best;
+  function fromLine(own, x, y) { // the distance to the line through these points, px
+    const at = own.map((point) => toPx(point[0], point[1]));
+    return Math.min(...at.map(([bx, by], k) => {
+      const [ax, ay] = at[Math.max(k - 1, 0)], long = (bx - ax) ** 2 + (by - ay) ** 2;
+      const share = long ? Math.min(Math.max(((x - ax) * (bx - ax) + (y - ay) * (by - ay)) / long, 0), 1) : 0;
+      return Math.hypot(ax + share * (bx - ax) - x, ay + share * (by - ay) - y);
+    }));
   }
 
   follow(picture, (x, y) => {
-    if (equal) {
-      const point = nearestPoint(x, y);
-      if (point) showFrame(point.frame);
-      return;
-    }
-    let best = 0;
-    frames.forEach((frame, k) => { if (Math.abs(toPx(frame.t, 0)[0] - x) < Math.abs(toPx(frames[best].t, 0)[0] - x)) best = k; });
-    showFrame(best);
-  }, (x, y) => {
-    const track = nearestTrack(x, y);
-    if (track !== null || selected !== null) select(track);
+    if (!equal) return showFrame(frames.indexOf(least(frames, (frame) => Math.abs(toPx(frame.t, 0)[0] - x))));
+    const away = (point) => { const [px, py] = toPx(point.x, point.y); return Math.hypot(px - x, py - y); };
+    const point = least(points, away);
+    if (away(point) < 40) showFrame(point.frame);
+  }, (x, y) => { // within a finger's width
+    const near = series.filter((one) => one.id !== undefined && fromLine(one.points, x, y) < 20);
+    if (near.length || selected !== null) select(near.length ? least(near, (one) => fromLine(one.points, x, y)).id : null);
   });
-  views.push({ draw, mark });
-  new ResizeObserver(() => { draw(); mark(); }).observe(host);
+  addChart(host, { draw, mark });
+}
+
+function addChart(host, view) { // a view that is drawn anew with each change of its size
+  views.push(view);
+  new ResizeObserver(() => { view.draw(); view.mark(); }).observe(host);
+}
+
+function rule(axes, vertical, at, [from, to], text, anchor, x, y) { // a line of the grid with its number
+  node("line", vertical ? { x1: at, x2: at, y1: from, y2: to } : { x1: from, x2: to, y1: at, y2: at }, axes);
+  node("text", { x, y, "text-anchor": anchor }, axes, text);
 }
 
 const dim = (track) => (selected !== null && track !== undefined && track !== selected ? "dim " : "");
@@ -346,10 +333,7 @@ function stageChart() {
     picture.style.height = bottom + 36 + "px";
     picture.replaceChildren();
     const axes = node("g", { class: "axes" }, picture);
-    for (const value of ticks(0, most, (width - left) / 60)) {
-      node("line", { x1: toPx(value), x2: toPx(value), y1: 0, y2: bottom }, axes);
-      node("text", { x: toPx(value), y: bottom + 15, "text-anchor": "middle" }, axes, value);
-    }
+    for (const value of ticks(0, most, (width - left) / 60)) rule(axes, true, toPx(value), [0, bottom], value, "middle", toPx(value), bottom + 15);
     node("text", { x: (left + width) / 2, y: bottom + 32, "text-anchor": "middle", class: "name" }, axes, "ms per " + data.unit);
     rows.forEach((row, k) => {
       const y = k * pitch + pitch / 2, box = node("g", { class: ["host", "total"].includes(row.name) ? "box sum" : "box" }, picture);
@@ -368,8 +352,7 @@ function stageChart() {
       if (value !== null) node("circle", { cx: toPx(value), cy: k * pitch + pitch / 2, r: 4 }, marks);
     });
   }
-  views.push({ draw, mark });
-  new ResizeObserver(() => { draw(); mark(); }).observe(host);
+  addChart(host, { draw, mark });
 }
 
 // ---- tables: a click on a heading sorts, a click on a row selects ----
