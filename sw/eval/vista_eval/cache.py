@@ -71,7 +71,7 @@ def to_json(value: Any) -> Any:
 
 
 def digest_of(*parts: str | Path) -> str:
-    """Of texts, and of what files hold."""
+    """The digest of texts, and of what files hold."""
     digest = hashlib.sha256()
     for part in parts:
         digest.update(part.read_bytes() if isinstance(part, Path) else part.encode())
@@ -79,7 +79,8 @@ def digest_of(*parts: str | Path) -> str:
 
 
 def content_sha256(*values: object) -> str:
-    """Of everything that the values are made of: arrays, dataclasses, sequences, names of functions."""
+    """The digest of everything that the values are made of: arrays, dataclasses, sequences, names of
+    functions."""
     digest = hashlib.sha256()
     _feed(digest, values)
     return digest.hexdigest()
@@ -104,7 +105,7 @@ def _feed(digest: hashlib._Hash, value: object) -> None:
 
 
 def flight_files(folder: Path) -> Iterator[str | Path]:
-    """For a digest: the images of a flight by name, size and time, its calibration and poses by content."""
+    """Parts of a flight's digest: the images by name, size and time, its calibration and poses by content."""
     for camera in ("cam0", "cam1"):
         for image in sorted((folder / "mav0" / camera / "data").iterdir()):
             yield f"{image.name} {image.stat().st_size} {image.stat().st_mtime_ns}"
@@ -118,7 +119,8 @@ Roots = tuple[tuple[str, Path], ...]  # of packages: name, folder
 
 
 def code_digest(entry: str, roots: Roots | None = None) -> str:
-    """Of the code that a module runs: its own and what it imports of our packages, wherever that lies."""
+    """The digest of the code that a module runs: its own and what it imports of our packages, wherever that
+    lies."""
     return digest_of(*sorted(code_of(entry, roots).values()))
 
 

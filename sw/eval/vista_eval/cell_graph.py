@@ -28,7 +28,7 @@ class OpenPipeline(Pipeline):
     library = "vista_stages"
 
     def cell_graph(self) -> CellGraph:
-        """Of the last frame that was processed."""
+        """The graph of the last frame that was processed."""
         stages = self._lib.vista_pipeline_look(self._pipeline)
         f = stages.foveation
         arcs, cells = f.graph.arc_count, f.node_count

@@ -109,7 +109,7 @@ class TruthEngine:
 
 
 def true_words(disparity_px: NDArray[np.float32], level: int, num_disparities: int) -> Disparity:
-    """Of a level of the pyramid; disparity_px: at level 0, 0 without a surface."""
+    """Words of a level of the pyramid without error; disparity_px: at level 0, 0 without a surface."""
     every = 1 << level
     words = np.rint(SCALE * disparity_px[::every, ::every] / every)
     valid = (words > 0) & (words <= SCALE * (num_disparities - 1))

@@ -42,7 +42,7 @@ def at_first_sight(values: parameters.Values) -> parameters.Values:
 
 
 class Detectors:
-    """For pairs of one camera."""
+    """Detectors of the pairs of one camera."""
 
     def __init__(self, camera: Calibration, values: parameters.Values) -> None:
         stereo = engine_parameters(values)
@@ -55,7 +55,7 @@ class Detectors:
         self.pipeline = JudgingPipeline(camera, at_first_sight(values))
 
     def judge(self, pair: TruthPair) -> dict[str, Judged]:
-        """By detector."""
+        """Judgements by detector."""
         result = self.process(pair, self.levels(pair))
         return {
             OURS: Judged(result.words, result.region_of_pixel, result.verdict_of_region),

@@ -64,7 +64,8 @@ def fly(sequence: Sequence, values: parameters.Values, engine: Engine | None = N
 
 
 def judged(step: Step) -> FrameRecord:
-    """With what the host says of the view; what a run checks besides is right by construction here."""
+    """The record with what the host says of the view; what a run checks besides is right by construction
+    here."""
     return replace(step.record, health=FrameHealth(findings_of_host(step.result.health)))
 
 
@@ -86,7 +87,7 @@ def fly_cached(
 
 
 def records_name(disturbance: Disturbance = UNDISTURBED) -> str:
-    """Of the file in the flight's folder that keeps them."""
+    """The name of the file in the flight's folder that keeps them."""
     if disturbance.image_grey > 0.0:
         return f"records_noise_{disturbance.image_grey:g}.json"
     return "records_noisy.json" if disturbance.poses else "records.json"

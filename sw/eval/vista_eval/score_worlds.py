@@ -69,7 +69,7 @@ def score_world(folder: Path, values: parameters.Values, beside: Beside = EVERYT
 def score_worlds(
     folders: list[Path], values: parameters.Values, beside: Beside = EVERYTHING, place: Place = HERE
 ) -> list[WorldScore]:
-    """Of the flights in these folders."""
+    """Scores the flights in these folders."""
     work = partial(score_world, values=values, beside=beside)
     return run(jobs_of(work, folders, lambda folder: folder.name), place, "score", "flight")
 

@@ -53,7 +53,8 @@ class Cluster:
 
 @dataclass(frozen=True)
 class Outcome:
-    """Of one flight at one texture, uniqueness and SAD; clusters of any size decide about every `pixels`."""
+    """The outcome of one flight at one texture, uniqueness and SAD; clusters of any size decide about every
+    `pixels`."""
 
     texture: int
     uniqueness: int

@@ -41,7 +41,7 @@ from vista_eval.metrics.rules import STRICT
 
 @dataclass(frozen=True)
 class TrackedOutcome:
-    """Of one flight at one threshold; all in frames."""
+    """The outcome of one flight at one threshold; all in frames."""
 
     threshold: Threshold
     asked: int
@@ -52,8 +52,8 @@ class TrackedOutcome:
 
 @dataclass(frozen=True)
 class Sweep:
-    """Of the thresholds of `stereo_alone`, with the uniqueness of its best one, without what never
-    decides."""
+    """The thresholds of `stereo_alone` that are tried, with the uniqueness of its best one, without what
+    never decides."""
 
     textures: tuple[int, ...] = (0, 100, 300, 1000, 2000)
     uniquenesses: tuple[int, ...] = (5, 15, 20, 30)

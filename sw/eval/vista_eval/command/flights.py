@@ -112,7 +112,7 @@ def execute(arguments: argparse.Namespace) -> int:
 
 
 def untuned(scores: list[FlightScore]) -> list[FlightScore]:
-    """Of the flights that parameters were not chosen on."""
+    """The scores of the flights that parameters were not chosen on."""
     return [score for score in scores if score.split == "test"]
 
 
@@ -147,7 +147,7 @@ def sensor_noise_title(grey: float) -> str:
 
 
 def score_all(works: dict[str, Work], folders: list[Path], place: Place) -> dict[str, list[Any]]:
-    """By title of the work: its result of each flight, in their order."""
+    """Results of each flight, in their order, by the title of the work."""
     jobs = [
         Job(f"{folder.name}, {title}", partial(work, folder))
         for title, work in works.items()
@@ -224,7 +224,7 @@ def list_flights() -> None:
 
 
 def chosen_names(folder: Path, only: list[str], held_only: bool) -> list[str]:
-    """Of the catalogue, in its order, and of what the folder holds beside it."""
+    """Names of the catalogue, in its order, and of what the folder holds beside it."""
     held = [path.parent.name for path in sorted(folder.glob(f"*/{TRUTH}"))]
     known = held if held_only else list(dict.fromkeys([*catalogue(), *held]))
     unknown = [name for name in only if name not in known]

@@ -28,7 +28,7 @@ class TruthPair:
 
 
 def split_of(index: int) -> str:
-    """Of the pair at this place among the sorted names: dev at even ones, test at odd ones."""
+    """The split of the pair at this place among the sorted names: dev at even ones, test at odd ones."""
     return SPLITS[index % 2]
 
 

@@ -50,7 +50,8 @@ def disparity_words(depth_m: np.ndarray, rig: Rig) -> np.ndarray:
 
 
 def objects_in_view(view: View, rig: Rig, world_from_camera: np.ndarray) -> list[dict]:
-    """Per label in the image: pixels, mean world position of their points, bounding box u0 v0 u1 v1."""
+    """Things by their label in the image: pixels, mean world position of their points, bounding box u0 v0 u1
+    v1."""
     v, u = np.nonzero(view.label)
     label = view.label[v, u]
     points = view.world_points_m(rig, world_from_camera)[v, u]

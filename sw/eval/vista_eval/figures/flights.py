@@ -35,8 +35,8 @@ def draw(truths: list[FlightTruth], values: parameters.Values) -> Figure:
 
 
 def the_four(truths: list[FlightTruth]) -> list[FlightTruth]:
-    """In the companion's order, sign at 10 and 30 ft/s, pole at 30 and 10: the flight of that name (sign_10),
-    else the longest like it, else the first with a target."""
+    """The flights in the companion's order, sign at 10 and 30 ft/s, pole at 30 and 10: the one of that name
+    (sign_10), else the longest like it, else the first with a target."""
     found = []
     for kind, speed_ft_s in COMPANION_RMS_FT:
         alike = [

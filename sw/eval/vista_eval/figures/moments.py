@@ -27,7 +27,7 @@ class Moment:
 
 
 def read_flights(folder: Path) -> list[FlightTruth]:
-    """By name. Raises InputError where there is none."""
+    """Reads flights in the order of their names. Raises InputError where there is none."""
     truths = [read_truth(path.parent) for path in sorted(folder.glob(f"*/{TRUTH}"))]
     if not truths:
         raise InputError(folder, "holds no flights; `vista flights` renders them")

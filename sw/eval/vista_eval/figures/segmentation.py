@@ -36,7 +36,7 @@ def draw(truths: list[FlightTruth], values: parameters.Values) -> Figure:
 
 
 def various(truths: list[FlightTruth]) -> list[FlightTruth]:
-    """As many as there is room for, of as many kinds of target as there are."""
+    """Chooses as many as there is room for, of as many kinds of target as there are."""
     by_kind: dict[str, list[FlightTruth]] = {}
     for truth in truths:
         kind = truth.targets[0].kind if truth.targets else "none"

@@ -25,7 +25,7 @@ WRONG_PX = 1.0
 
 
 def draw(truths: list[FlightTruth], values: parameters.Values) -> Figure:
-    """Of the flight whose sky the low threshold fills most."""
+    """Draws the flight whose sky the low threshold fills most."""
     truth, frame, low = max(
         (low_threshold(truth, values) for truth in truths), key=lambda found: sky_matched(*found)
     )

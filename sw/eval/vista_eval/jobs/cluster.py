@@ -88,15 +88,15 @@ def of_one_connection(client: Client, waiting: dict[int, Job]) -> Iterator[tuple
 
 
 def failure_of(job: Job, error: BaseException) -> Failure:
-    """Of a job that Dask gave up."""
+    """The failure of a job that Dask gave up."""
     if isinstance(error, KilledWorker):
         return Failure(job.name, f"its worker died, {error.allowed_failures + 1} times in all")
     return Failure(job.name, " ".join(f"{type(error).__name__}: {error}".split()))
 
 
 def attempt_there(job: Job, code: tuple[str, str] | None) -> Outcome:
-    """On a worker. Results are kept under the digest of the code of the process that asks: a worker with
-    other code must not add to them."""
+    """Attempts a job on a worker. Results are kept under the digest of the code of the process that asks: a
+    worker with other code must not add to them."""
     with ONE_AT_A_TIME:
         if code is not None and code_digest(code[0]) != code[1]:
             return Failure(job.name, f"worker {get_worker().address} has another version of {code[0]}")

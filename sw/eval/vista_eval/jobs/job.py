@@ -77,7 +77,7 @@ def attempt_pickled(name: str, pickled: bytes) -> bytes:
 
 
 def described(error: BaseException) -> str:
-    """In one line, with the place in the code."""
+    """The error in one line, with the place in the code."""
     place = traceback.extract_tb(error.__traceback__)[-1]
     where = f"{Path(place.filename).name}:{place.lineno}"
     return " ".join(f"{type(error).__name__} at {where}: {error}".split())

@@ -1,4 +1,4 @@
-"""Where jobs run, as the command line says it."""
+"""The place where jobs run, as the command line says it."""
 
 from __future__ import annotations
 

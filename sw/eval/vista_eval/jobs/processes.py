@@ -104,7 +104,7 @@ def read(worker: Worker) -> Outcome | None:
 
 
 def end_of(worker: Worker) -> str:
-    """Of a worker that died."""
+    """The end of a worker that died, in words."""
     worker.connection.close()
     worker.process.join()
     code = worker.process.exitcode or 0

@@ -63,8 +63,8 @@ def outcomes(
 
 @contextmanager
 def exit_on_failure() -> Iterator[None]:
-    """For programs of their own: a line has named each job that failed, or names the scheduler that does not
-    answer, and the exit status says it too."""
+    """Ends a program of its own when jobs fail: a line has named each job that failed, or names the scheduler
+    that does not answer, and the exit status says it too."""
     try:
         yield
     except InputError as error:

@@ -11,7 +11,8 @@ def is_worker() -> bool:
 
 
 def keep_to_one_core() -> None:
-    """In a worker, for the path tracer, which otherwise starts a thread for each core of the machine."""
+    """Keeps a worker to one core, for libraries that otherwise start a thread for each core of the
+    machine."""
     if is_worker():
         import drjit
 

@@ -49,7 +49,7 @@ def consistency(series: Sequence[tuple[ArrayLike, ArrayLike]]) -> Consistency | 
 
 
 def effective_samples(series: Array) -> float:
-    """At least 1."""
+    """The number of independent samples that the series is worth, at least 1."""
     count = len(series)
     deviation = series - series.mean()
     variance = float(deviation @ deviation)

@@ -36,7 +36,7 @@ def at_full_size(words: Disparity, level: int, shape: tuple[int, int]) -> Pixels
 
 
 def finest(levels: Sequence[Pixels]) -> Pixels:
-    """Of each pixel the disparity of the first level that has one."""
+    """The disparity of the first level that has one, for each pixel."""
     chosen = levels[0]
     for level in levels[1:]:
         chosen = np.where(np.isnan(chosen), level, chosen)
@@ -67,6 +67,6 @@ class Quality:
 
 
 def quality(counts: Sequence[Counts]) -> Quality:
-    """Of many pairs, every pixel counting the same; intervals over whole pairs."""
+    """The quality of many pairs, every pixel counting the same; intervals over whole pairs."""
     wanted = {"density": ("valid", "measured"), "bad": ("bad", "valid")}
     return Quality(**shares([asdict(one) for one in counts], wanted), pairs=len(counts))

@@ -1,4 +1,4 @@
-"""Where the aircraft flies from a frame on, and what lies how far along and beside that path.
+"""The path that the aircraft flies from a frame on, and what lies how far along and beside it.
 
 A straight path is the whole flight's direction of travel. A true one leads through the true positions of the
 frames that follow; beyond the last one it goes on with the speed and the turn rate of the flight's last two
@@ -35,7 +35,7 @@ Floats = NDArray[np.floating]
 
 @dataclass(frozen=True)
 class Straight:
-    """From the camera along a direction, without end."""
+    """A path from the camera along a direction, without end."""
 
     direction: Array  # unit vector, world
 
@@ -62,7 +62,7 @@ class Curved:
 
     @property
     def speed_m_s(self) -> float:
-        """Over its whole length; 0 of a camera that stands."""
+        """The mean speed over its whole length; 0 of a camera that stands."""
         duration_s = self.times_s[-1] - self.times_s[0]
         return self.length_m / float(duration_s) if duration_s > 0.0 else 0.0
 
@@ -192,7 +192,7 @@ def _turned(direction: Array, rotation: Array) -> Array:
 
 
 def _followed(corners_m: Array, times_s: Array) -> Curved:
-    """Up to where the host gives up following it."""
+    """The path up to where the host gives up following it."""
     flown_m = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(corners_m, axis=0), axis=1))])
     tangent = np.array([np.interp(TANGENT_M, flown_m, along) for along in corners_m.T]) - corners_m[0]
     tangent /= np.linalg.norm(tangent)

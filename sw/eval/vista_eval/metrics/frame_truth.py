@@ -129,7 +129,7 @@ def flight_frames(folder: Path, rules: Rules = PAPER) -> tuple[FlightTruth, tupl
 
 
 def true_poses(truth: FlightTruth) -> list[Pose]:
-    """Of the left camera, of each frame: those that the truth tells, else those of the recording."""
+    """Poses of the left camera in each frame: those that the truth tells, else those of the recording."""
     if truth.poses is not None:
         return list(truth.poses)
     frames = open_sequence(truth.folder).frames
@@ -261,7 +261,8 @@ def as_they_move(truth: FlightTruth, points: Points, path: Curved) -> Points:
 
 
 def ground_contacts(truth: FlightTruth, path: Curved, inside: Points, everything: Points) -> dict[int, float]:
-    """Of what does not stand and is in the way: the range where the collision volume first meets it."""
+    """Ranges of what does not stand and is in the way: the range where the collision volume first meets
+    it."""
     found = {}
     for label in np.unique(inside.label).tolist():
         thing = truth.objects.get(label)
@@ -276,7 +277,7 @@ def ground_contacts(truth: FlightTruth, path: Curved, inside: Points, everything
 def meeting_point(
     path: Curved, inside: Points, everything: Points, label: int, standing: bool
 ) -> Array | None:
-    """Where the collision volume first meets a thing; None: with too few pixels to tell."""
+    """The point where the collision volume first meets a thing; None: too few pixels to tell."""
     shown = inside.where(inside.label == label)
     radius_m = CYLINDER_RADIUS_M
     if not standing:

@@ -56,7 +56,7 @@ def share_of_frames(counts: list[tuple[int, int]], seed: int = 0) -> Share | Non
 
 
 def clopper_pearson(part: int, whole: int) -> tuple[float, float]:
-    """Of a probability of which `part` of `whole` independent trials are known."""
+    """The interval of a probability of which `part` of `whole` independent trials are known."""
     tail = (1.0 - LEVEL) / 2.0
     low = 0.0 if part == 0 else _bisect(lambda p: 1.0 - _at_most(part - 1, whole, p) - tail)
     high = 1.0 if part == whole else _bisect(lambda p: tail - _at_most(part, whole, p))
@@ -64,7 +64,8 @@ def clopper_pearson(part: int, whole: int) -> tuple[float, float]:
 
 
 def _at_most(count: int, trials: int, probability: float) -> float:
-    """By logarithms: of a thousand trials the binomial coefficients alone are beyond what a float holds."""
+    """The probability of at most so many, by logarithms: of a thousand trials the binomial coefficients alone
+    are beyond what a float holds."""
     whole, hit, miss = lgamma(trials + 1), log(probability), log1p(-probability)
     return sum(
         exp(whole - lgamma(k + 1) - lgamma(trials - k + 1) + k * hit + (trials - k) * miss)

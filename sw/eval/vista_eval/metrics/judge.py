@@ -25,7 +25,7 @@ TOO_NEAR_ID = 0  # no track: something is too near to match, somewhere up to the
 
 @dataclass(frozen=True)
 class Warned:
-    """Where something reports a danger: a box in px of the left image, and its range from the camera."""
+    """A report of a danger: a box in px of the left image, and its range from the camera."""
 
     id: int
     u_px: float
@@ -85,7 +85,7 @@ class Shown:
 
 
 class Judge:
-    """Of one flight, frame after frame: what has left the image is judged by what was seen before."""
+    """Judges one flight, frame after frame: what has left the image is judged by what was seen before."""
 
     def __init__(
         self,

@@ -1,4 +1,4 @@
-"""Where a collision volume that travels along a path first meets a surface.
+"""The point where a collision volume that travels along a path first meets a surface.
 
 The volume is what a ball of the collision radius sweeps, its centre on the path: it touches the point that
 lies `along` the path and `aside` of it when its centre is at along - sqrt(radius^2 - aside^2). A wall across
@@ -32,8 +32,8 @@ def contact(aside_m: Floats, along_m: Floats, radius_m: float, count: int) -> ND
 
 
 def ground_radius_m(aside_m: Floats, along_m: Floats, drop_m: Floats, radius_m: float) -> float:
-    """Of the ball, for the ground whose points these are: all that are seen; drop_m: how much lower than the
-    path each is."""
+    """The radius of the ball for the ground whose points these are: all that are seen; drop_m: how much lower
+    than the path each is."""
     ahead = along_m > 0.0
     if not ahead.any():
         return radius_m

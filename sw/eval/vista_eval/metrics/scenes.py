@@ -69,7 +69,8 @@ def reference_regions(partition: Partition, reference: ReferenceParameters) -> L
 
 
 def cut_regions(partition: Partition) -> Labels:
-    """Of the cut, as the reference's: before the host takes the ground at the foot of obstacles out."""
+    """Regions of the cut, to be compared with the reference's: before the host takes the ground at the foot
+    of obstacles out."""
     return partition.refine(partition.result.region_of_cell)
 
 
@@ -89,7 +90,7 @@ def score_cut(scene: LabelledScene, partition: Partition) -> PartitionScore:
 
 
 def score_cells(scene: LabelledScene, partition: Partition) -> PartitionScore:
-    """Of the cut's regions as cells draw them."""
+    """Scores the cut's regions as cells draw them."""
     result = partition.result
     return score_regions(scene, partition, result.region_of_cell[result.cell_of_pixel])
 
@@ -101,7 +102,7 @@ class ScoredScene:
     scores: dict[str, PartitionScore]  # by partition: cut, reference methods, grid limit
 
     def mean_iou(self) -> float:
-        """Of the cut; a scene without a thing to find comes last."""
+        """The mean IoU of the cut; a scene without a thing to find comes last."""
         ious = [thing.iou for thing in self.scores[CUT].things]
         return float(np.mean(ious)) if ious else float("inf")
 

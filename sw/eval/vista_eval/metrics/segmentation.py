@@ -99,7 +99,8 @@ def inner_boundary(mask: Mask) -> Mask:
 
 
 def distance_to_boundary_px(region: Labels) -> NDArray[np.float32]:
-    """From every pixel to the next that borders on another region; large where there is but one region."""
+    """The distance from every pixel to the next that borders on another region; large where there is but one
+    region."""
     inside = np.ones(region.shape, np.uint8)
     across = region[:, 1:] != region[:, :-1]
     along = region[1:] != region[:-1]

@@ -180,8 +180,8 @@ HALVES = ("nearer half", "farther half")
 
 
 def dense_points(disparity_px: NDArray[np.float32], area: tuple[slice, slice], largest_px: float) -> Points:
-    """Of a scene without a road, seen against walls: every point is part of a surface that one would hit, so
-    all stand. Bands: nearer and farther than the median disparity of the scene."""
+    """Points of a scene without a road, seen against walls: every point is part of a surface that one would
+    hit, so all stand. Bands: nearer and farther than the median disparity of the scene."""
     v, u = true_pixels(disparity_px, area)
     truth_px = disparity_px[v, u].astype(np.float64)
     too_near, none = truth_px > largest_px, np.zeros(len(v), np.bool_)
@@ -254,7 +254,7 @@ def region_planes(words: NDArray[np.int16], region: NDArray[np.int32], regions: 
 
 @dataclass(frozen=True)
 class PointFates:
-    """Of each of the points, one an entry."""
+    """The fate of each point, one an entry."""
 
     verdict: NDArray[np.str_]
     accepted: Mask
@@ -362,7 +362,7 @@ def shares(pairs: list[Counts], wanted: dict[str, tuple[str, str]], seed: int = 
 
 
 def verdict_names(pairs: list[Counts]) -> list[str]:
-    """Of all verdicts that any standing point met, the most frequent first."""
+    """Names of all verdicts that any standing point met, the most frequent first."""
     total: dict[str, int] = {}
     for counts in pairs:
         for name, number in counts.items():

@@ -56,7 +56,7 @@ def ids_at(thing: Thing, result: Result, away_m: float) -> set[int]:
 
 
 def ids_by_frame(thing: Thing, results: list[Result], path_m: Array) -> list[set[int]]:
-    """Of the frames in which the thing is in view."""
+    """Ids in the frames in which the thing is in view."""
     return [ids_at(thing, results[i], thing.z_m - path_m[i, 2]) for i in thing.frames]
 
 
@@ -108,7 +108,8 @@ def warnings_beside_the_path(results: list[Result], path_m: Array) -> list[Aside
 
 
 def last_direction(path_m: Array) -> Array:
-    """Of travel, at the end of the path: from the last position that lies STRAIGHT_M before it."""
+    """The direction of travel at the end of the path: from the last position that lies STRAIGHT_M before
+    it."""
     away_m = np.linalg.norm(path_m - path_m[-1], axis=1)
     before = np.flatnonzero(away_m >= STRAIGHT_M)
     step = path_m[-1] - path_m[before[-1] if len(before) else 0]
@@ -138,6 +139,6 @@ def warned_frames(results: list[Result]) -> int:
 
 
 def coasting_share(results: list[Result]) -> float:
-    """Of the confirmed obstacle-frames, those in which the obstacle was not seen; NaN without any."""
+    """The share of the confirmed obstacle-frames in which the obstacle was not seen; NaN without any."""
     confirmed = [o.coasting for result in results for o in result.obstacles if o.confirmed]
     return float(np.mean(confirmed)) if confirmed else float("nan")

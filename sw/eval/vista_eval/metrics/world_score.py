@@ -40,7 +40,7 @@ class WorldScore:
 
 @dataclass(frozen=True)
 class ControlScore:
-    """Of one control over the flights of a family."""
+    """The score of one control over the flights of a family."""
 
     frames: int
     hits: Share | None  # of the frames in which one is asked for

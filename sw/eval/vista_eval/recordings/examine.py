@@ -27,7 +27,8 @@ class Detector:
     values: parameters.Values
 
     def digest(self) -> str | None:
-        """Of what decides what it finds. None: nothing tells whether the simulated core has changed."""
+        """The digest of what decides what it finds. None: nothing tells whether the simulated core has
+        changed."""
         if self.engine == "rtl":
             return None
         values = str(sorted(parameters.flat(self.values).items()))

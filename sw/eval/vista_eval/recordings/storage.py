@@ -1,4 +1,4 @@
-"""Where recordings are: a folder or a prefix of an object store, through fsspec."""
+"""The storage of recordings: a folder or a prefix of an object store, through fsspec."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def open_prefix(prefix: str) -> tuple[AbstractFileSystem, str]:
 
 
 def absolute(prefix: str) -> str:
-    """As workers with another working directory find it."""
+    """The prefix as workers with another working directory find it."""
     files, root = open_prefix(prefix)
     return root if isinstance(files, LocalFileSystem) else prefix
 
@@ -73,7 +73,7 @@ def _below(files: AbstractFileSystem, folder: str, seen: set[str], depth: int = 
 
 
 def is_recording(names: set[str]) -> bool:
-    """By the names in a folder; a trace of one of the layouts is enough."""
+    """Tells a recording by the names in a folder; a trace of one of the layouts is enough."""
     if names & {"mav0", "image_0", "image_1", "calib.txt", "calibration.toml"}:
         return True
     return any(
@@ -103,7 +103,7 @@ def stamp_of(info: Info) -> str:
 
 
 def files_of(files: AbstractFileSystem, folder: str) -> dict[str, Info]:
-    """By their paths relative to the folder. KITTI has the poses of a sequence beside that."""
+    """Files by their paths relative to the folder. KITTI has the poses of a sequence beside that."""
     local = isinstance(files, LocalFileSystem)
     found = dict(_local_files(folder) if local else files.find(folder, detail=True))
     poses = posixpath.normpath(f"{folder}/../../poses/{posixpath.basename(folder)}.txt")
@@ -113,7 +113,7 @@ def files_of(files: AbstractFileSystem, folder: str) -> dict[str, Info]:
 
 
 def _local_files(folder: str) -> Iterator[tuple[str, Info]]:
-    """Through links, too, which fsspec does not follow."""
+    """Lists files, also through links, which fsspec does not follow."""
     seen = set()
     for place, folders, names in os.walk(folder, followlinks=True):
         real = os.path.realpath(place)

@@ -20,7 +20,8 @@ def halvings(albedo: np.ndarray) -> list[np.ndarray]:
 
 
 class AlbedoMaps:
-    """Of all solids, one behind the other. Where a map is read: columns and rows as shares of its size."""
+    """The maps of all solids, one behind the other. Where a map is read: columns and rows as shares of its
+    size."""
 
     def __init__(self, albedos: list[np.ndarray]) -> None:
         chains = [halvings(albedo) for albedo in albedos]

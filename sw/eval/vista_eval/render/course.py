@@ -109,7 +109,7 @@ class Course:
 
     @property
     def turn_rate_rad_s(self) -> float:
-        """About world z, to the left. The wings carry the weight and bend the path."""
+        """The rate about world z, to the left. The wings carry the weight and bend the path."""
         return -GRAVITY_M_S2 * math.tan(math.radians(self.bank_deg)) / self.speed_m_s
 
     def before_last_s(self, frame: float) -> float:

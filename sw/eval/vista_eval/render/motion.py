@@ -33,7 +33,8 @@ def is_trunk(solid: Solid) -> bool:
 
 
 def sway_m(sway: Sway, solid: Solid, t_s: float) -> np.ndarray:
-    """To and fro, mostly across the flight; every solid in its own phase and a little off the frequency."""
+    """The sway to and fro, mostly across the flight; every solid in its own phase and a little off the
+    frequency."""
     own = crc32(solid.name.encode()) / 2**32
     phase = 2 * math.pi * (own + (0.85 + 0.3 * own) * sway.frequency_hz * t_s)
     return sway.amplitude_m * np.array(

@@ -122,7 +122,7 @@ def veil(exposure: Exposure) -> np.ndarray:
 
 
 def ghosts(rig: Rig, sun: np.ndarray) -> np.ndarray:
-    """On the line from the sun's image through the middle of the picture."""
+    """Draws ghosts on the line from the sun's image through the middle of the picture."""
     v, u = np.mgrid[0 : rig.height_px, 0 : rig.width_px]
     center = np.array(rig.center_px)
     to_sun = rig.project(sun) - center

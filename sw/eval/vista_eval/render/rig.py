@@ -35,7 +35,8 @@ class Rig:
         return 2 * math.degrees(math.atan2(self.width_px / 2, self.focal_px))
 
     def with_rows_off(self, rows_px: float) -> Rig:
-        """With the right camera's rows off by so many in the middle; more than 0: its picture lies lower."""
+        """The rig with the right camera's rows off by so many in the middle; more than 0: its picture lies
+        lower."""
         return replace(self, right_pitch_deg=math.degrees(math.atan(rows_px / self.focal_px)))
 
     def body_from_camera(self, camera: int) -> np.ndarray:

@@ -117,7 +117,8 @@ class Sway:
 
 @dataclass(frozen=True)
 class Haze:
-    """Over d metres of air radiance L becomes L exp(-e d) + airlight (1 - exp(-e d)), e the extinction."""
+    """The haze of the air: over d metres radiance L becomes L exp(-e d) + airlight (1 - exp(-e d)), e the
+    extinction."""
 
     extinction_per_m: float  # 3.9 / meteorological visibility
     airlight: float  # radiance

@@ -16,7 +16,8 @@ class Sensor:
     exposure: float = 1.0  # radiance to a fraction of the full well
 
     def with_noise(self, grey_levels: float) -> Self:
-        """With noise of that standard deviation in the dark; what is bright has shot noise besides."""
+        """The sensor with noise of that standard deviation in the dark; what is bright has shot noise
+        besides."""
         return replace(self, read_noise_e=grey_levels * self.full_well_e / 255)
 
 

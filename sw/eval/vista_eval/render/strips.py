@@ -76,7 +76,7 @@ def pieces_of(rig: Rig, wires: Straight) -> Pieces:
 def covered(
     rig: Rig, u: np.ndarray, v: np.ndarray, wire: np.ndarray, wires: Straight, ends_px: np.ndarray
 ) -> Pieces:
-    """Of pixels and wires that may meet, those that do."""
+    """Those of the pixels and wires that may meet that do meet."""
     step = ends_px[:, 1] - ends_px[:, 0]
     length = np.maximum(np.hypot(*step.T), 1e-9)
     along = (step / length[:, None])[wire]

@@ -17,7 +17,7 @@ NO_MAP = -1
 
 
 class Hits(NamedTuple):
-    """Where some of the rays meet a surface; one an entry."""
+    """Places where some of the rays meet a surface; one an entry."""
 
     ray: np.ndarray  # its index among the rays
     depth_m: np.ndarray  # in units of the ray's direction
@@ -65,7 +65,8 @@ class Surfaces:
             TriangleMesh(self.scene, self.corners_m, self.faces)
 
     def place_maps(self) -> None:
-        """For each face with a map: how places in it follow from points in the world, and its normals."""
+        """Works out, for each face with a map, how places in it follow from points in the world, and its
+        normals."""
         size = sum(len(outline.faces) for _, outline in self.mapped)
         self.row = np.full(len(self.faces), NO_MAP, np.int32)
         self.map_of = np.zeros(size, np.int32)
@@ -101,8 +102,8 @@ class Surfaces:
     def matter(
         self, hits: Hits, point_m: np.ndarray, ray: np.ndarray, sides: tuple[np.ndarray, np.ndarray]
     ) -> Matter:
-        """At `point_m` (n, 3) of the hits, seen along `ray` (n, 3). sides: how the direction of a ray changes
-        over its pixel to the right and down, world."""
+        """The matter at `point_m` (n, 3) of the hits, seen along `ray` (n, 3). sides: how the direction of a
+        ray changes over its pixel to the right and down, world."""
         normal = self.face_normal[hits.face]
         row = self.row[hits.face]
         mapped = np.flatnonzero(row != NO_MAP)
@@ -137,7 +138,7 @@ class Surfaces:
 
 
 def place_of_point(outline: Outline) -> tuple[np.ndarray, np.ndarray]:
-    """For each face the matrix (2, 3) and the offset that turn a point on it into its place in the map."""
+    """The matrix (2, 3) and the offset of each face that turn a point on it into its place in the map."""
     a, b, c = (outline.vertices_m[outline.faces[:, k]] for k in range(3))
     pa, pb, pc = (outline.place[outline.faces[:, k]] for k in range(3))
     edges = np.stack([b - a, c - a], axis=2)  # (M, 3, 2)

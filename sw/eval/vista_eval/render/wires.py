@@ -66,7 +66,7 @@ class Wires:
         return pieces_of(rig, Straight(start_m, end_m, self.radius_m))
 
     def drawn(self, scene: Scene, groups: list[Surfaces], rig: Rig, pose: np.ndarray, view: View) -> Drawing:
-        """Where nothing stands before them. view: without wires."""
+        """Draws the wires where nothing stands before them. view: without wires."""
         pieces = self.pieces(rig, pose)
         pieces = pieces.where(pieces.depth_m < view.depth_m.ravel()[pieces.pixel])
         pieces = pieces.where(np.argsort(-pieces.depth_m, kind="stable"))
@@ -80,7 +80,7 @@ class Wires:
         return Drawing(cover.reshape(shape), radiance.reshape(shape), self.seen(pieces, view))
 
     def seen(self, pieces: Pieces, view: View) -> View:
-        """With the wires that the pixels' middles show; pieces: the farthest first."""
+        """The view with the wires that the pixels' middles show; pieces: the farthest first."""
         depth_m, label = view.depth_m.copy(), view.label.copy()
         middle = pieces.where((np.abs(pieces.across) <= 1) & pieces.within)
         bulge_m = self.radius_m[middle.wire] * np.sqrt(1 - middle.across**2)

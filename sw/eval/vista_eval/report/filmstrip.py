@@ -43,7 +43,7 @@ def filmstrip(truth: FlightTruth, score: FlightScore, records: list[FrameRecord]
 
 
 def spread(frames: list[int], count: int) -> list[int]:
-    """At most `count` of them, first and last included."""
+    """Chooses at most `count` of them, first and last included."""
     chosen = np.linspace(0, len(frames) - 1, min(count, len(frames))).round().astype(int)
     return [frames[k] for k in dict.fromkeys(chosen.tolist())]
 

@@ -74,7 +74,7 @@ def plot_comparison(figure: Figure, comparison: Comparison) -> None:
 
 @svg_plot(6.4, 4.4)
 def plot_detection(figure: Figure, scores: list[FlightScore]) -> None:
-    """From where to where each target was in the way, and in which frames it was warned of."""
+    """Plots from where to where each target was in the way, and in which frames it was warned of."""
     axes = figure.subplots()
     aimed = [score for score in scores if score.hit_rate is not None]
     for row, score in enumerate(aimed):

@@ -101,7 +101,7 @@ def sign_site_at_noon(altitude_m: float, seed: int) -> Scene:
 
 
 def before_hills(scene: Scene, altitude_m: float, seed: int) -> Scene:
-    """For sites whose tree line leaves some of the horizon in view."""
+    """Puts hills behind sites whose tree line leaves some of the horizon in view."""
     return replace(scene, things=(*scene.things, hills(altitude_m, seed)))
 
 
@@ -260,7 +260,7 @@ def clear_meadow(altitude_m: float, seed: int) -> Scene:
 
 
 def clear_fences(altitude_m: float, seed: int) -> Scene:
-    """Over fences and hedges, well below the path."""
+    """A flight over fences and hedges, well below the path."""
     rng = np.random.default_rng((seed, 11))
     rows: list[Thing] = []
     for k, x in enumerate((-48.0, -25.0, -4.0, 18.0, 40.0)):

@@ -113,6 +113,6 @@ def clear_of(path: Path, things: Iterable[Thing]) -> list[Thing]:
 
 
 def distance_m(thing: Thing, point_m: np.ndarray) -> float:
-    """From the nearest of the thing's solids."""
+    """The distance from the nearest of the thing's solids."""
     parts = [samples(solid) for solid in thing.solids]
     return min(float(np.linalg.norm(points - point_m, axis=1).min()) - radius_m for points, radius_m in parts)

@@ -110,7 +110,7 @@ def laid(tile: Tile, x_m: np.ndarray, y_m: np.ndarray, period_m: float, turn_rad
 
 
 def _wrapped(index: np.ndarray, size: int) -> np.ndarray:
-    """From between -size and 2 * size."""
+    """Wraps an index that is between -size and 2 * size."""
     index = index.astype(np.float32, copy=False)
     return np.asarray(np.where(index < 0, index + size, np.where(index >= size, index - size, index)))
 

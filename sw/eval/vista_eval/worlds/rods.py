@@ -37,7 +37,7 @@ class Rods(NamedTuple):
         return self._replace(start_m=start_m, end_m=end_m)
 
     def lying(self) -> Rods:
-        """Up becomes +y."""
+        """The same rods lying: up becomes +y."""
         return self._replace(start_m=self.start_m[:, [0, 2, 1]], end_m=self.end_m[:, [0, 2, 1]])
 
 

@@ -83,7 +83,7 @@ def background(site: Site, kinds: Sequence[str] = ("trees", "forest", "houses", 
 
 
 def clutter(site: Site, kinds: Sequence[str], most: int = 14) -> list[Thing]:
-    """Up to `most` things at 3 to 35 m beside the path and up to 100 m beyond its end."""
+    """Puts up to `most` things at 3 to 35 m beside the path and up to 100 m beyond its end."""
     rng = site.draws("clutter")
     first_m = site.path.points_m[0, 0]
     found: list[Thing] = []

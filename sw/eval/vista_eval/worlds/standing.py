@@ -17,7 +17,7 @@ PIXEL_PER_RANGE = 1e-3  # of the paper's rig
 
 @dataclass(frozen=True)
 class Place:
-    """Where a thing is to stand and how fine its detail has to be."""
+    """The place where a thing is to stand, and how fine its detail has to be."""
 
     name: str
     foot_m: tuple[float, float, float]

@@ -87,7 +87,7 @@ def town(altitude_m: float, seed: int, style: street.FacadeStyle | None = None) 
 
 
 def clear_street(altitude_m: float, seed: int) -> Scene:
-    """Between houses, nothing in the way."""
+    """A flight between houses, nothing in the way."""
     return Scene((*town(altitude_m, seed), *street_furniture(seed)), to_sun=STREET_SUN, exposure=1.2)
 
 
@@ -151,7 +151,7 @@ def clear_lane(altitude_m: float, seed: int) -> Scene:
 
 
 def van_in_the_way(altitude_m: float, seed: int) -> Scene:
-    """For a flight at 2.6 m, about as low as the van is high: it crosses slowly from the right."""
+    """A flight at 2.6 m, about as low as the van is high: it crosses slowly from the right."""
     rng = np.random.default_rng((seed, 27))
     target = things.one(
         "van", "van", vehicle.van(0.6, rng), (0.0, 0.3, 0.0), 90.0, target=True, velocity_m_s=(0.0, 0.8, 0.0)

@@ -97,7 +97,7 @@ def conifer(height_m: float, spread_m: float, rng: np.random.Generator, tuft_m: 
 
 
 def bare_tree(height_m: float, spread_m: float, rng: np.random.Generator, tuft_m: float = 0.2) -> Triangles:
-    """Without leaves: limbs that part in two, five times."""
+    """A tree without leaves: limbs that part in two, five times."""
     parts: list[Triangles] = []
 
     def grow(foot: Points, direction: Points, length: float, radius: float, left: int) -> None:
@@ -129,7 +129,7 @@ def bush(height_m: float, spread_m: float, rng: np.random.Generator, tuft_m: flo
 
 
 def hedge(length_m: float, height_m: float, rng: np.random.Generator, depth_m: float = 0.8) -> Triangles:
-    """Along y, trimmed to a box."""
+    """A hedge along y, trimmed to a box."""
     size = np.array([depth_m, length_m, height_m])
     core = box((0, 0, height_m / 2 - 0.04), size - [0.16, 0.1, 0.08], CORE_ALBEDO)
     areas = np.array([size[1] * size[2], size[0] * size[1], size[0] * size[2]])

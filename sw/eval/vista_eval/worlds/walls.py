@@ -15,7 +15,7 @@ Wall = Callable[[float, float, int, float], np.ndarray]  # width, height in metr
 
 
 def _grid(width_m: float, height_m: float, texel_m: float) -> tuple[np.ndarray, np.ndarray]:
-    """Across (1, M) and height above the foot (N, 1)."""
+    """Coordinates across (1, M) and height above the foot (N, 1)."""
     rows, columns = max(2, round(height_m / texel_m)), max(2, round(width_m / texel_m))
     y = (np.arange(columns, dtype=np.float32) + 0.5)[None, :] * texel_m
     z = (rows - 0.5 - np.arange(rows, dtype=np.float32))[:, None] * texel_m

@@ -30,7 +30,8 @@ def block(
     pitched: bool = False,
     **more,
 ) -> Thing:
-    """On four feet (4, 2), seen from outside from left to right, the first face nearest. `faces`: of each."""
+    """A block on four feet (4, 2), seen from outside from left to right, the first face nearest. `faces`: of
+    each."""
     feet = np.column_stack([corners_m, np.zeros(4)])
     solids: list[Solid] = []
     for k, face in enumerate(faces):

@@ -19,7 +19,7 @@ FACES = (walls.plain, walls.windows, walls.lived_in, walls.dark_glass, walls.cor
 
 
 def houses_beside(here: Site, rng: np.random.Generator) -> list[Thing]:
-    """Along both sides, 8 to 25 m off, at any angle."""
+    """Houses along both sides, 8 to 25 m off, at any angle."""
     found = []
     for k, x in enumerate(np.arange(here.path.points_m[0, 0] + 10, 110, 13.0)):
         for side in (-1, 1):
@@ -42,7 +42,7 @@ def clear_suburb(altitude_m: float, seed: int) -> Scene:
 
 
 def wires_above(here: Site, rng: np.random.Generator) -> list[Thing]:
-    """Across the path, high above it, between lattice masts."""
+    """Wires across the path, high above it, between lattice masts."""
     found = []
     for k in range(int(rng.integers(1, 4))):
         x, half = float(rng.uniform(-40, 70)), float(rng.uniform(16, 40))

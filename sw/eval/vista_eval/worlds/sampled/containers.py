@@ -99,7 +99,8 @@ def door(shade: float) -> Triangles:
 
 
 def container(long_m: float, rng: np.random.Generator, owner: float | None) -> Triangles:
-    """From the origin along y, its front in x = 0; painted in one shade. `owner`: its shade, no names."""
+    """A container from the origin along y, its front in x = 0; painted in one shade. `owner`: its shade, no
+    names."""
     shade = owner or log_uniform(rng, 0.04, 0.6)
     long_side = joined(sheet(long_m, shade, rng), frame(long_m, shade))
     if owner is None and rng.random() < 0.5:
@@ -112,7 +113,7 @@ def container(long_m: float, rng: np.random.Generator, owner: float | None) -> T
 
 
 def built(stack: Stack, rng: np.random.Generator) -> Triangles:
-    """Of one owner in half of the stacks."""
+    """Builds a stack, of one owner in half of the cases."""
     owner = log_uniform(rng, 0.1, 0.6) if rng.random() < 0.5 else None
     parts = []
     for column, levels in enumerate(stack.levels):
@@ -150,7 +151,7 @@ def across(here: Site) -> Thing:
 
 
 def beside(here: Site) -> list[Thing]:
-    """Up to three lower or higher stacks along the path."""
+    """Adds up to three lower or higher stacks along the path."""
     rng = here.draws("lane")
     found = []
     for k in range(int(rng.integers(0, 4))):

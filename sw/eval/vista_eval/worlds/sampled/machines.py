@@ -93,7 +93,7 @@ def scaffold(length_m: float, height_m: float, rng: np.random.Generator) -> tupl
 
 
 def scaffolding(altitude_m: float, seed: int) -> Scene:
-    """Before a front, or free-standing, met head-on or up to 30 degrees askew."""
+    """Scaffolding before a front, or free-standing, met head-on or up to 30 degrees askew."""
     here = site(altitude_m, seed, ANY, BUILT_UP)
     rng = here.draws("scaffolding")
     length, yaw = float(rng.uniform(12, 30)), float(rng.uniform(-30, 30))

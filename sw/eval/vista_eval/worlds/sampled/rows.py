@@ -38,7 +38,7 @@ class Place(NamedTuple):
 def row(
     here: Site, aside_m: float, apart_m: float, jitter_m: float, rng: np.random.Generator
 ) -> Iterator[Place]:
-    """Along the path, at that distance from it (negative: right), but for the place of what is met."""
+    """Places along the path, at that distance from it (negative: right), but for the place of what is met."""
     along = np.arange(here.path.points_m[0, 0] + BEHIND_M + rng.uniform(0, apart_m), BEYOND_M, apart_m)
     for x in along:
         if abs(x) < UNOBSTRUCTED_M:

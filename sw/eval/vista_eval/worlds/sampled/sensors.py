@@ -24,7 +24,7 @@ POSE_FAULTS = ("delay", "drift", "drop-out")
 
 
 def fault_of(seed: int) -> str:
-    """Of the cameras; empty: none."""
+    """The fault of the cameras; empty: none."""
     rng = draws(seed, "fault")
     return str(rng.choice(FAULTS)) if rng.random() < FAULTY else ""
 

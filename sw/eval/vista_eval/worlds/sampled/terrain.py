@@ -88,7 +88,7 @@ def valley_side(altitude_m: float, seed: int) -> Scene:
 
 
 def ridge(altitude_m: float, seed: int) -> Scene:
-    """Up at 10 to 40 degrees to a crest 1 to 10 m above the path, and down behind."""
+    """A ridge up at 10 to 40 degrees to a crest 1 to 10 m above the path, and down behind."""
     here = site(altitude_m, seed, OVER_SLOPE, OPEN_COUNTRY)
     rng = here.draws("ridge")
     rise, over_m, askew = np.tan(np.radians(rng.uniform(10, 40))), rng.uniform(1, 10), rng.uniform(-0.4, 0.4)
@@ -157,7 +157,7 @@ def clear_crest(altitude_m: float, seed: int) -> Scene:
 
 
 def clear_valley(altitude_m: float, seed: int) -> Scene:
-    """Along a valley whose sides rise at 15 to 40 degrees far above the path."""
+    """A flight along a valley whose sides rise at 15 to 40 degrees far above the path."""
     here = site(altitude_m, seed, CLEAR_HEIGHT, OPEN_COUNTRY)
     rng = here.draws("valley")
     rises, wave_seed = np.tan(np.radians(rng.uniform(15, 40, 2))), some_seed(rng)

@@ -43,7 +43,7 @@ def spans(here: Site, rng: np.random.Generator, incline_deg: float, count: int) 
 
 
 def wooden_poles(here: Site, ends: list, rng: np.random.Generator) -> Triangles:
-    """Under each end of the wires, as high as the highest."""
+    """Poles under each end of the wires, as high as the highest."""
     parts = []
     for k in (0, 1):
         tops = np.array([pair[k] for pair in ends])
