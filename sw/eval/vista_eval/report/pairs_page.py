@@ -148,7 +148,7 @@ def front_page(half: dict[str, Any]) -> tuple[str, str]:
 
 
 def compact(halves: dict[str, Any]) -> dict[str, Any]:
-    """Without the distances."""
+    """Leaves out the distances."""
     return {
         half: {
             "pairs": one["pairs"],
