@@ -87,7 +87,10 @@ def without(folder: Path, *missing: str) -> str:
 
 @pytest.mark.parametrize(
     ("missing", "goals"),
-    [("gcc", ["native", "-o", ".venv/build.stamp"]), ("g++", ["build/tools/systemc/ldflags"])],
+    [
+        ("gcc", ["native", "-o", ".venv/build.stamp", "-o", "build/tools/jpeg/stamp"]),
+        ("g++", ["build/tools/systemc/ldflags"]),
+    ],
 )
 def test_a_missing_compiler_is_named(checkout: Path, tmp_path: Path, missing: str, goals: list[str]) -> None:
     (checkout / ".venv" / "build.stamp").touch()

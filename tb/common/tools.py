@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import fcntl
+import hashlib
 import os
+from collections.abc import Callable, Iterable
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -31,6 +34,27 @@ def verilator_environment() -> dict[str, str]:
         "OBJCACHE": str(Path(__file__).with_name("object_cache.sh")),
         "VISTA_OBJECTS": str(BUILD / "objects"),
     }
+
+
+def digest_of(files: Iterable[Path], *texts: str) -> str:
+    """Names what is made of these files with these texts, such as a command."""
+    parts = [file.read_bytes() for file in files] + [text.encode() for text in texts]
+    return hashlib.sha256(b"".join(hashlib.sha256(part).digest() for part in parts)).hexdigest()
+
+
+def made_once(product: Path, folder: Path, digest: str, make: Callable[[], None]) -> Path:
+    """The product, which `make` makes if it was not made of the same: the digest is kept in the folder.
+
+    One process makes it while the others wait."""
+    folder.mkdir(parents=True, exist_ok=True)
+    stamp = folder / "digest"
+    with (folder / "lock").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        if not (product.is_file() and stamp.is_file() and stamp.read_text() == digest):
+            stamp.unlink(missing_ok=True)
+            make()
+            stamp.write_text(digest)
+    return product
 
 
 def sources(file_list: str) -> list[Path]:

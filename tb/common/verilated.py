@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import ctypes
-import fcntl
 import functools
-import hashlib
 import os
 import subprocess
 from dataclasses import dataclass
@@ -13,9 +11,13 @@ from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
-from tools import BUILD, ROOT, VERILATOR_FLAGS, sources, verilator_environment
+from tools import BUILD, ROOT, VERILATOR_FLAGS, digest_of, made_once, sources, verilator_environment
 
 HARNESS = ROOT / "rtl" / "sim" / "vista_rtl.cpp"
+# The core with the mutants of rtl/flow/mutate_rtl.py.
+MUTANTS = [
+    BUILD / "mutate" / "vista_stereo_core" / "mutants.v", Path(__file__).with_name("mutants_core.sv"),
+]  # fmt: skip
 USER, LAST = 1 << 16, 1 << 17  # of a beat
 WORD_USER, WORD_LAST = 1, 2  # of the flags of a word
 
@@ -61,28 +63,29 @@ PACES = [Pace(), Pace(300, 300), Pace(50, 20), Pace(700, 100), Pace(5, 5)]
 
 
 def build(config: Config) -> Path:
-    """The shared library of a configuration, built anew when a source has changed. One process builds it."""
+    """The shared library of a configuration, built anew when a source has changed."""
     folder = BUILD / "top" / config.name
-    folder.mkdir(parents=True, exist_ok=True)
-    with (folder / "lock").open("w") as lock:
-        fcntl.flock(lock, fcntl.LOCK_EX)
-        return _build_alone(config, folder)
+    files = sources("vista_raw_stereo.f" if config.rows else "vista_stereo.f")
+    others = [*(ROOT / "rtl" / "formal").glob("*.svh"), *HARNESS.parent.glob("*.[ch]*"), Path(__file__)]
+    if config.netlist:
+        from netlist import MAKERS  # needs the tools of synthesis
+
+        others += MAKERS
+    if config.mutants:
+        others += MUTANTS
+    digest = digest_of([*files, *sorted(others)], repr(config), repr(VERILATOR_FLAGS))
+    return made_once(folder / "engine.so", folder, digest, functools.partial(_build, config, files, folder))
 
 
-def _build_alone(config: Config, folder: Path) -> Path:
-    top = "vista_raw_stereo" if config.rows else "vista_stereo"
-    files = sources(f"{top}.f")
+def _build(config: Config, files: list[Path], folder: Path) -> None:
     if config.mutants:
         files = [f for f in files if f.name != "vista_stereo_core.sv"]
-        files += [
-            BUILD / "mutate" / "vista_stereo_core" / "mutants.v",
-            Path(__file__).with_name("mutants_core.sv"),
-        ]
+        files += MUTANTS
     if config.netlist:
-        from netlist import write_netlist  # needs the tools of synthesis
+        from netlist import write_netlist
 
         files = write_netlist(config.num_disparities, config.block_size, config.max_width)
-    library, stamp = folder / "engine.so", folder / "digest"
+    top = "vista_raw_stereo" if config.rows else "vista_stereo"
     flags = "-fPIC -O0" if config.netlist else "-fPIC -O1"
     flags += " -DVISTA_COVERAGE" * config.coverage
     flags += " -DVISTA_MUTANTS" * (config.mutants or config.netlist)
@@ -99,11 +102,6 @@ def _build_alone(config: Config, folder: Path) -> Path:
         *(["--coverage-line", "--coverage-toggle"] if config.coverage else []),
         *map(str, files),
     ]  # fmt: skip
-    properties = sorted((ROOT / "rtl" / "formal").glob("*.svh"))
-    inputs = [*files, *properties, HARNESS, HARNESS.with_suffix(".h"), HARNESS.with_name("stall_pattern.h")]
-    digest = hashlib.sha256(b"".join(f.read_bytes() for f in inputs) + repr(command).encode()).hexdigest()
-    if library.is_file() and stamp.is_file() and stamp.read_text() == digest:
-        return library
     environment = verilator_environment()
     _run(command, environment, folder)
     root = _run(["verilator", "--getenv", "VERILATOR_ROOT"], environment, folder).strip()
@@ -111,11 +109,10 @@ def _build_alone(config: Config, folder: Path) -> Path:
         "g++", "-std=c++17", "-shared", *flags.split(), f"-I{folder}", f"-I{root}/include",
         f"-I{root}/include/vltstd",
         str(HARNESS), str(folder / "libVvista_stereo.a"), str(folder / "libverilated.a"),
-        "-lpthread", "-o", str(library), *([f'-DVISTA_WAVES="{folder}/waves.vcd"'] if config.waves else []),
+        "-lpthread", "-o", str(folder / "engine.so"),
+        *([f'-DVISTA_WAVES="{folder}/waves.vcd"'] if config.waves else []),
     ]  # fmt: skip
     _run(link, environment, folder)
-    stamp.write_text(digest)
-    return library
 
 
 def _run(command: list[str], environment: dict[str, str], folder: Path) -> str:

@@ -119,12 +119,13 @@ def test_code_that_is_imported_counts_wherever_it_lies(copied: Roots, entry: str
         modules
     )
     for module in modules:
-        file = file_of(module, copied)
-        text = file.read_text()
-        file.write_text(text + "\nADDED = 1\n")
-        assert digest_anew(entry, copied) != before, module
-        file.write_text(text)
-    assert digest_anew(entry, copied) == before
+        with file_of(module, copied).open("a") as file:
+            file.write("\nADDED = 1\n")
+    code_of.cache_clear()
+    changed = code_of(entry, copied)
+    assert set(changed) == set(modules)
+    assert {module for module in modules if changed[module] == modules[module]} == set()
+    assert code_digest(entry, copied) != before
 
 
 def test_modules_that_are_not_imported_do_not_count(copied: Roots) -> None:
