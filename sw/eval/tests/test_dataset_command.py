@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +16,9 @@ from command_line import call as call_vista
 from fake_pipeline import DescendingPipeline
 from vista import parameters
 from vista.errors import EXIT_OK, InputError
+from vista.health.finding import Finding, FrameHealth, Reason, State
+from vista.history import FrameRecord
+from vista.pipeline import Nearest
 
 pytestmark = pytest.mark.slow
 
@@ -54,6 +58,15 @@ def rows_in(out: Path) -> list[dict[str, Any]]:
     table = parquet.read_table(out / "recordings.parquet")
     assert table.schema.equals(SCHEMA)
     return table.to_pylist()
+
+
+def test_a_warning_of_a_blind_frame_does_not_count() -> None:
+    blind = FrameHealth((Finding(Reason.LEFT_RIGHT_SWAPPED, State.BLIND, "swapped"),))
+    nearest = Nearest(1, np.zeros(3), 9.0, None, np.eye(3))
+    stage_ms = {"host": 1.0, "total": 2.0}
+    seen = FrameRecord(0, 0, None, (), nearest, 0, 0.5, stage_ms)
+    row = module.figures([seen, replace(seen, index=1, health=blind)])
+    assert (row["frames_warned"], row["frames_blind"], row["nearest_warning_m"]) == (1, 1, 9.0)
 
 
 def without_times(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:

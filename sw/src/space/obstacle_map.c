@@ -12,22 +12,22 @@
 #include "perceive/terrain/terrain_obstacle.h"
 
 #define LONG_RATIO 2.0 /* a side longer than this many times the other one is that of a long thing */
-#define STEADY_MIN 0.25 /* of the variance: ten hits tell no more */
+#define STEADY_MIN 0.25 /* the share of the variance that is left at least: more than ten hits tell no more */
 #define ACROSS_M_S 0.5
 #define ACROSS_SIGMAS 3.0
-#define MISSES_MAX 2 /* in a row, of something that is still warned of: something else is seen there */
+#define MISSES_MAX 2 /* misses in a row, with something else in its place, up to which a thing is warned of */
 #define MEET_M_S 1.0
 #define MEET_SIGMAS 5.0
 #define MEET_HITS 6
 #define MEET_STEPS 60
-#define FOOT_HITS 2.5 /* fewer that tell of their foot say nothing */
+#define FOOT_HITS 2.5 /* hits in which a foot was looked for: fewer say nothing of whether the thing stands */
 #define FOOT_STANDS 0.15
-#define THICK_MAX_M 1.0 /* larger things are walls and the like: what their sides are, tells nothing of their depth */
+#define THICK_MAX_M 1.0 /* larger things are walls and the like, whose sides tell nothing of their depth */
 #define COMPACT_M 3.0 /* sides up to this are met anywhere between their middle and the point closest to the path */
 #define LARGE_M 4.5   /* sides from this on are met in that point */
-#define END_SHARE 0.2 /* of half a side: how well its end is known */
-#define RELIEF_M 0.1 /* of a surface */
-#define SAME_RANGE_M 1.0 /* and three standard deviations: what is in the way at one range may be one thing */
+#define END_SHARE 0.2 /* uncertainty of the end of a side, as a share of half the side */
+#define RELIEF_M 0.1 /* unevenness of a surface */
+#define SAME_RANGE_M 1.0 /* difference in range, beside three sigmas, up to which two obstacles may be one thing */
 #define DEPTH_MIN_M 0.05 /* nearer along z: behind the camera */
 
 static const char *const kind_names[VISTA_OBSTACLE_KIND_COUNT] = {
@@ -185,7 +185,8 @@ static bool about_to_enter(const vista_obstacle_map_params *params, const vista_
   return vista_flight_path_near_disc(path, &soon, params->collision_radius_m);
 }
 
-/* Whether its region's foot hangs in the air: nothing else tells as surely that a thing flies. */
+/* Whether the thing stands: the foot of its region was hardly ever seen to hang in the air. Nothing else tells as surely
+ * that a thing flies. */
 static bool seen_to_stand(const vista_track *track) {
   const vista_static_world *const w = &track->world;
   return w->foot_count >= FOOT_HITS && w->foot_share <= FOOT_STANDS * w->foot_count;
@@ -336,7 +337,7 @@ static bool is_touched(const vista_camera *camera, const vista_track *track) {
   return track->met && fmax(fmax(track->extent_m[0], track->extent_m[1]), seen_m) > COMPACT_M;
 }
 
-/* From 0 for what is met between its middle and its point closest to the path to 1 for what is met in that point. */
+/* Share from 0, for what is met between its middle and its point closest to the path, to 1, for what is met in it. */
 static double large(double extent_m) { return fmin(fmax((extent_m - COMPACT_M) / (LARGE_M - COMPACT_M), 0.0), 1.0); }
 
 /* The volume is round: relief of a surface decides which of the points around the middle of the contact it touches
@@ -374,7 +375,8 @@ static void add_across(const vista_pose *pose, const double sigma_m[2], double c
         covariance_m2[3 * i + j] += vista_square(sigma_m[axis]) * r[3 * i + axis] * r[3 * j + axis];
 }
 
-/* Where a thing's own points tell where it is met, they tell its range, too, and not the filter of its middle. */
+/* Replaces the variance along the line of sight by that of the range of the thing's own points. It is for things whose
+ * points tell where they are met: the range then comes from these points, and not from the filter of the middle. */
 static void set_along_sight(const vista_pose *pose, const double point_m[3], double sigma_m, double covariance_m2[9]) {
   double sight[3], from[9], across[9];
   for (int i = 0; i < 3; ++i) sight[i] = point_m[i] - pose->translation_m[i];

@@ -57,8 +57,9 @@ def fly(detector: Detector, sequence: Sequence, records: list[FrameRecord], obst
     for files in sequence.frames:
         step = run_frame(chain, files)
         health = monitor.check(step.raw, step.frame, step.result.health, step.record.alignment, step.anew)
-        obstacles |= {obstacle.id for obstacle in step.record.obstacles if obstacle.is_thing}
-        records.append(replace(step.record, health=health, obstacles=()))
+        record = replace(step.record, health=health)
+        obstacles |= {obstacle.id for obstacle in record.things}
+        records.append(replace(record, obstacles=()))
 
 
 def row_of(sequence: Sequence | None, records: list[FrameRecord], obstacles: set[int]) -> Row:
@@ -76,7 +77,7 @@ def row_of(sequence: Sequence | None, records: list[FrameRecord], obstacles: set
 
 def figures(records: list[FrameRecord]) -> Row:
     health = summarize_health(records)
-    warned = [record.nearest_collision.distance_m for record in records if record.nearest_collision]
+    warned = [record.warning.distance_m for record in records if record.warning]
     times_ms = stage_statistics(records)
     return {
         "frames_examined": len(records),
