@@ -15,7 +15,7 @@ FUZZ_VISTA := $(patsubst %.c,$(FUZZ)/obj/%.o,$(shell find sw/src -name '*.c' 2>/
 FUZZ_MAVLINK := $(patsubst %.c,$(FUZZ)/obj/%.o,$(wildcard sw/src/link/mavlink/*.c) \
   sw/src/common/parameters.c sw/src/common/status.c sw/src/common/frame.c sw/src/common/median.c sw/src/health/ground_view.c \
   sw/src/common/disc.c sw/src/common/flight_path.c sw/src/health/health.c)
-# The engine has a target of its own: in that of vista-fly it is neither checked nor counted as reached.
+# The engine has a target of its own: in the others it is neither checked nor counted as reached.
 FUZZ_PLAIN_ENGINE := $(patsubst %.c,$(FUZZ)/plain/%.o,$(wildcard model/c/src/*.c))
 comma := ,
 
@@ -43,10 +43,11 @@ $(FUZZ)/obj/sw/apps/fly/%.o: FUZZ_CFLAGS += -D_GNU_SOURCE
 
 $(FUZZ)/engine: $(FUZZ_ENGINE)
 $(FUZZ)/fly: $(FUZZ_PLAIN_ENGINE) $(FUZZ_MAVLINK) $(FUZZ)/obj/sw/src/align/turn.o \
-  $(FUZZ)/obj/sw/src/align/turn_map.o $(patsubst %,$(FUZZ)/obj/sw/apps/fly/%.o,config problem rig)
-$(FUZZ)/pipeline: $(FUZZ_VISTA)
+  $(FUZZ)/obj/sw/src/align/turn_map.o $(FUZZ)/obj/sw/src/rig/rig.o \
+  $(patsubst %,$(FUZZ)/obj/sw/apps/fly/%.o,config problem rig)
+$(FUZZ)/pipeline: $(FUZZ_PLAIN_ENGINE) $(FUZZ_VISTA)
 $(FUZZ)/mavlink: $(FUZZ_MAVLINK)
-$(FUZZ)/recording: $(FUZZ_VISTA) $(FUZZ)/obj/sw/apps/replay.o
+$(FUZZ)/recording: $(FUZZ_PLAIN_ENGINE) $(FUZZ_VISTA) $(FUZZ)/obj/sw/apps/replay.o
 $(FUZZ_TARGETS:%=$(FUZZ)/%): $(FUZZ)/%: $(FUZZ)/obj/sw/fuzz/fuzz_%.o sw/fuzz/run_corpus.c
 	@echo "ld $@"; $(FUZZ_CC) $(FUZZ_CFLAGS) $(filter %.o,$^) $(FUZZ_DRIVER) -lm -o $@
 

@@ -26,14 +26,21 @@ static void read_config(const fuzz_input *input) {
     abort();
 }
 
+static void rectify(const vista_camera *camera, const vista_right_table *table, const uint8_t *raw, uint8_t *out) {
+  const vista_image image = {raw, camera->width_px, camera->height_px, camera->width_px};
+  if (vista_rectify(camera, table, &image, out) != VISTA_OK) abort();
+}
+
 /* What the correction makes of a rig. */
 static void turn(const rig *r, const uint8_t *raw, uint8_t *out) {
-  const size_t pixels = (size_t)r->camera.width_px * (size_t)r->camera.height_px;
+  const vista_camera *const camera = &r->cameras.camera;
+  const size_t pixels = (size_t)camera->width_px * (size_t)camera->height_px;
   int16_t *const whole = fuzz_allocate(2 * pixels * sizeof *whole);
   uint16_t *const fraction = fuzz_allocate(pixels * sizeof *fraction);
   const vista_turn turn = {0.01, -0.02};
-  if (vista_turn_map(&turn, &r->camera, &r->right, 0, r->camera.height_px, whole, fraction) == VISTA_OK) {
-    rig_rectify(r, &(rig_table){.whole = whole, .fraction = fraction}, raw, out);
+  const vista_right_table table = {.whole = whole, .fraction = fraction};
+  if (vista_turn_map(&turn, camera, &r->cameras.right, 0, camera->height_px, whole, fraction) == VISTA_OK) {
+    rectify(camera, &table, raw, out);
     if (out[0] != 7 || out[pixels - 1] != 7) abort();
   }
   free(fraction);
@@ -48,11 +55,12 @@ static void read_rig(const fuzz_input *input) {
   if (file < 0 || write(file, input->data, input->size) != (ssize_t)input->size) abort();
   (void)snprintf(path, sizeof path, "/proc/self/fd/%d", file);
   if (rig_read(path, &r, &p)) {
-    const size_t pixels = (size_t)r.camera.width_px * (size_t)r.camera.height_px;
+    const vista_camera *const camera = &r.cameras.camera;
+    const size_t pixels = (size_t)camera->width_px * (size_t)camera->height_px;
     uint8_t *const raw = fuzz_allocate(pixels), *const out = fuzz_allocate(pixels);
     memset(raw, 7, pixels);
     for (int side = 0; side < 2 && pixels <= RIG_MOST_PX; ++side) {
-      rig_rectify(&r, &r.tables[side], raw, out);
+      rectify(camera, &r.cameras.tables[side], raw, out);
       if (out[0] != 7 || out[pixels - 1] != 7) abort(); /* of an even image whatever the map says */
     }
     if (pixels <= RIG_MOST_PX) turn(&r, raw, out);

@@ -192,7 +192,8 @@ def test_the_thread_sleeps_between_frames() -> None:
 @pytest.mark.skipif("asan" in os.environ.get("LD_PRELOAD", ""), reason="built for another sanitizer")
 def test_no_data_race(tmp_path: Path) -> None:
     """The replay program under ThreadSanitizer."""
-    sources = [str(path) for path in sorted((REPOSITORY / "sw/src").rglob("*.c"))]
+    folders = (REPOSITORY / "sw/src", REPOSITORY / "model/c/src")
+    sources = [str(path) for folder in folders for path in sorted(folder.rglob("*.c"))]
     includes = [
         f"-I{REPOSITORY / folder}" for folder in ("sw/include", "sw/src", "model/c/include", "rtl/csr")
     ]

@@ -65,7 +65,7 @@ bool autopilot_start(autopilot *a, problem *p) {
   return a->running || problem_say(p, "system", "gives no thread");
 }
 
-void autopilot_tell(autopilot *a, const detection *found, int64_t exposed_ns) {
+void autopilot_tell(autopilot *a, const vista_detector_result *found, int64_t exposed_ns) {
   vista_mavlink_obstacle obstacles[AUTOPILOT_OBSTACLES];
   vista_mavlink_frame frame;
   if (vista_mavlink_frame_of(&found->result, &found->directions, exposed_ns, obstacles, AUTOPILOT_OBSTACLES, &frame) !=

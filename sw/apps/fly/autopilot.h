@@ -6,14 +6,21 @@
 #include <pthread.h>
 #include <stdatomic.h>
 
-#include "detector.h"
 #include "latency.h"
 #include "problem.h"
 #include "transport.h"
+#include "vista/detector.h"
 #include "vista/mavlink.h"
 #include "vista/vehicle.h"
 
 #define AUTOPILOT_OBSTACLES 64
+
+/* Where the camera is at the time of a frame. Members as in vista_detector_place. */
+typedef struct placement {
+  bool has_pose, has_up, has_velocity;
+  vista_pose pose; /* of the rectified left camera */
+  double up_world[3], velocity_m_s[3];
+} placement;
 
 typedef struct autopilot {
   pthread_t thread;
@@ -35,7 +42,7 @@ bool autopilot_open(autopilot *a, const char *target, int listen_port, int64_t d
 bool autopilot_start(autopilot *a, problem *p);
 
 /* What a frame found that was exposed at that moment. */
-void autopilot_tell(autopilot *a, const detection *found, int64_t exposed_ns);
+void autopilot_tell(autopilot *a, const vista_detector_result *found, int64_t exposed_ns);
 
 /* Where the camera was at a moment, as far as the autopilot has said. speed_max_m_s: a faster vehicle has no velocity. */
 void autopilot_place(autopilot *a, int64_t exposed_ns, double speed_max_m_s, placement *where);

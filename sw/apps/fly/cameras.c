@@ -108,13 +108,13 @@ static void close_cameras(source *s) {
   free(c);
 }
 
-static bool open_eye(eye *e, const char *name, bool both, const vista_camera *camera, problem *p) {
-  const int32_t width_px = (both ? 2 : 1) * camera->width_px;
+static bool open_eye(eye *e, const char *name, bool both, const source *s, problem *p) {
+  const int32_t width_px = (both ? 2 : 1) * s->width_px;
   const size_t scratch_bytes = jpeg_scratch_bytes(width_px);
   *e = (eye){.device = {.name = name, .file = -1, .both = both}};
-  e->device.width_px = camera->width_px;
-  e->device.height_px = camera->height_px;
-  e->picture = malloc(2 * (size_t)camera->width_px * (size_t)camera->height_px);
+  e->device.width_px = s->width_px;
+  e->device.height_px = s->height_px;
+  e->picture = malloc(2 * (size_t)s->width_px * (size_t)s->height_px);
   if (scratch_bytes > 0) e->device.scratch = malloc(scratch_bytes);
   e->device.scratch_bytes = scratch_bytes;
   const bool enough = e->picture != NULL && (scratch_bytes == 0 || e->device.scratch != NULL);
@@ -128,8 +128,7 @@ static bool open_eye(eye *e, const char *name, bool both, const vista_camera *ca
   return false;
 }
 
-bool source_open_cameras(source *s, const char *const *devices, int count, int64_t tolerance_ns, const rig *r,
-                         problem *p) {
+bool source_open_cameras(source *s, const char *const *devices, int count, int64_t tolerance_ns, problem *p) {
   static const source_kind kind = {run, close_cameras};
   cameras *const c = calloc(1, sizeof *c);
   if (c == NULL) return problem_say(p, devices[0], "out of memory");
@@ -137,6 +136,6 @@ bool source_open_cameras(source *s, const char *const *devices, int count, int64
   s->own = c;
   c->tolerance_ns = tolerance_ns;
   for (; c->count < count; ++c->count)
-    if (!open_eye(&c->eyes[c->count], devices[c->count], count == 1, &r->camera, p)) return false;
+    if (!open_eye(&c->eyes[c->count], devices[c->count], count == 1, s, p)) return false;
   return true;
 }

@@ -2,24 +2,47 @@
 
 #include <inttypes.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
 #include <unistd.h>
 
 #include "clock.h"
 #include "config.h"
 
 #define TAKE_NS (100 * FLY_MS)
+#define LARGE_PAGE_BYTES ((size_t)1 << 21)
 
 static bool open_source(flight *f, problem *p) {
   const options *const o = &f->options;
   source *const s = &f->source;
   s->box = &f->box;
-  s->width_px = f->rig.camera.width_px;
-  s->height_px = f->rig.camera.height_px;
+  s->width_px = f->rig.cameras.camera.width_px;
+  s->height_px = f->rig.cameras.camera.height_px;
   if (!mailbox_make(&f->box, s->width_px * s->height_px, o->all_frames)) return problem_say(p, "rig", "out of memory");
-  if (o->recording != NULL) return source_open_recording(s, o->recording, &f->rig, o->repeat, p);
-  if (o->shared != NULL) return source_open_shared(s, o->shared, &f->rig, p);
-  return source_open_cameras(s, o->camera, o->camera_count, (int64_t)(o->pair_tolerance_ms * FLY_MS), &f->rig, p);
+  if (o->recording != NULL) return source_open_recording(s, o->recording, o->repeat, p);
+  if (o->shared != NULL) return source_open_shared(s, o->shared, p);
+  return source_open_cameras(s, o->camera, o->camera_count, (int64_t)(o->pair_tolerance_ms * FLY_MS), p);
+}
+
+/* On large pages, which are there before the first frame. */
+static bool open_detector(flight *f, problem *p) {
+  const vista_detector_options options = {.every_pair = f->options.all_frames};
+  size_t bytes = 0;
+  if (f->parameters.stereo.rectify_rows != f->rig.cameras.rectify_rows)
+    return problem_say(p, "stereo.rectify_rows", "is %d, the rig was prepared with %d",
+                       f->parameters.stereo.rectify_rows, f->rig.cameras.rectify_rows);
+  vista_status status = vista_detector_bytes(&f->parameters, &f->rig.cameras, &options, &bytes);
+  if (status != VISTA_OK) return problem_say(p, "rig", "%s", vista_status_text(status));
+  const size_t all = (bytes + LARGE_PAGE_BYTES - 1) / LARGE_PAGE_BYTES * LARGE_PAGE_BYTES;
+  f->memory = aligned_alloc(LARGE_PAGE_BYTES, all);
+  if (f->memory == NULL) return problem_say(p, "rig", "out of memory");
+#if defined(MADV_HUGEPAGE)
+  (void)madvise(f->memory, all, MADV_HUGEPAGE); /* without them it works, too */
+#endif
+  memset(f->memory, 0, all);
+  status = vista_detector_create(f->memory, all, &f->parameters, &f->rig.cameras, &options, &f->detector);
+  return status == VISTA_OK || problem_say(p, "rig", "%s", vista_status_text(status));
 }
 
 bool flight_open(flight *f, const options *o, problem *p) {
@@ -28,8 +51,7 @@ bool flight_open(flight *f, const options *o, problem *p) {
   f->parameters = vista_parameters_default();
   if (o->config != NULL && !config_read(o->config, &f->parameters, p)) return false;
   if (!rig_read(o->rig, &f->rig, p)) return false;
-  if (!detector_make(&f->detector, &f->rig, &f->parameters, p)) return false;
-  if (!open_source(f, p)) return false;
+  if (!open_detector(f, p) || !open_source(f, p)) return false;
   if (o->to != NULL && !autopilot_open(&f->autopilot, o->to, o->listen_port, (int64_t)(o->pose_delay_ms * FLY_MS),
                                        &f->parameters.mavlink, p))
     return false;
@@ -48,22 +70,19 @@ static void *read_frames(void *context) {
 
 /* ---- the loop ---- */
 
-/* Whether a frame says anything that the one before did not; tracks of another flight are forgotten. */
-static bool is_new(flight *f, const shot *s, const shot *before) {
-  const size_t pixels = (size_t)f->box.pixels;
-  if (before == NULL) return true;
-  if (!s->continues || s->t_ns < before->t_ns) {
-    ++f->restarts;
-    detector_reset(&f->detector);
-    return true;
-  }
-  if (f->options.all_frames) return true;
-  if (s->t_ns != before->t_ns &&
-      (memcmp(s->left, before->left, pixels) != 0 || memcmp(s->right, before->right, pixels) != 0))
-    return true;
-  ++f->duplicates;
-  mailbox_forget(&f->box); /* the moment that counts is the one at which the images were new */
-  return false;
+/* Whether a frame is to be judged: not one that repeats what was seen before. */
+static vista_status take(flight *f, const shot *s, bool *judged) {
+  const int32_t width = f->source.width_px, height = f->source.height_px;
+  const vista_detector_pair pair = {.left = {s->left, width, height, width},
+                                    .right = {s->right, width, height, width},
+                                    .t_ns = s->t_ns,
+                                    .restarts = !s->continues};
+  vista_novelty novelty = VISTA_PAIR_NEW;
+  const vista_status status = vista_detector_take(f->detector, &pair, &novelty);
+  f->restarts += novelty == VISTA_PAIR_RESTARTED;
+  f->duplicates += novelty == VISTA_PAIR_REPEATED;
+  *judged = novelty != VISTA_PAIR_REPEATED;
+  return status;
 }
 
 static placement place_of(flight *f, const shot *s) {
@@ -72,38 +91,50 @@ static placement place_of(flight *f, const shot *s) {
     autopilot_place(&f->autopilot, s->exposed_ns, f->parameters.motion.speed_max_m_s, &where);
     return where;
   }
-  if (s->has_pose) where.pose = rig_rectified_pose(&f->rig, &s->pose);
+  if (s->has_pose) where.pose = vista_rig_rectified_pose(&f->rig.cameras, &s->pose);
   memcpy(where.up_world, s->up_world, sizeof where.up_world);
   return where;
 }
 
 static void say(const problem *p, const char *more) { dprintf(STDERR_FILENO, "vista-fly: %s%s\n", p->line, more); }
 
+/* The pose may arrive while the pair is matched. */
+static vista_status judge(flight *f, const shot *s, vista_detector_result *found) {
+  const vista_status status = vista_detector_match(f->detector, NULL);
+  if (status != VISTA_OK) return status;
+  const placement where = place_of(f, s);
+  const vista_detector_place place = {.pose = where.has_pose ? &where.pose : NULL,
+                                      .up_world = where.has_up ? where.up_world : NULL,
+                                      .velocity_m_s = where.has_velocity ? where.velocity_m_s : NULL};
+  return vista_detector_judge(f->detector, &place, found);
+}
+
 /* A frame that the detector refuses, as one with an impossible pose, ends the tracks and not the flight. */
-static bool detect(flight *f, const shot *s, detection *found) {
+static bool detect(flight *f, const shot *s, vista_detector_result *found) {
+  bool judged = false;
+  vista_status status = take(f, s, &judged);
+  if (status == VISTA_OK && judged) status = judge(f, s, found);
+  if (status == VISTA_OK) return judged;
   problem p;
-  if (detector_match(&f->detector, s, &p)) {
-    placement where = place_of(f, s);
-    if (detector_judge(&f->detector, s, &where, found, &p)) return true;
-  }
+  (void)problem_say(&p, "frame", "%s", vista_status_text(status));
   if (f->refused++ == 0) say(&p, "; tracks are forgotten and the flight goes on");
-  detector_forget(&f->detector);
+  vista_detector_forget(f->detector);
   return false;
 }
 
-static void write_line(flight *f, const shot *s, const detection *found) {
+static void write_line(flight *f, const shot *s, const vista_detector_result *found) {
   size_t bytes = 0;
   problem p;
   if (f->lines.file < 0) return;
-  if (vista_line_write(&found->result, &found->directions, &found->health, s->index, s->t_ns, false, f->line,
-                       sizeof f->line, &bytes) != VISTA_OK)
-    return;
+  if (vista_detector_write_line(found, s->index, s->t_ns, false, f->line, sizeof f->line, &bytes) != VISTA_OK) return;
   if (!lines_write(&f->lines, f->line, bytes, &p)) say(&p, "; the flight goes on without it");
 }
 
 static void process(flight *f, const shot *s) {
-  detection found;
+  vista_detector_result found;
   if (!detect(f, s, &found)) return;
+  f->aligned = found.alignment;
+  f->alignments += found.alignment.changed;
   if (f->options.to != NULL) autopilot_tell(&f->autopilot, &found, s->exposed_ns);
   write_line(f, s, &found);
   ++f->processed;
@@ -127,10 +158,9 @@ bool flight_run(flight *f, const atomic_bool *interrupted, problem *p) {
   if (!guard_start(&f->guard, p)) return false;
   if (pthread_create(&reader, NULL, read_frames, &f->source) != 0) return problem_say(p, "system", "gives no thread");
   while (!atomic_load(interrupted) && !mailbox_ended(&f->box)) {
-    const shot *before = NULL;
-    const shot *const s = mailbox_take(&f->box, TAKE_NS, &before);
+    const shot *const s = mailbox_take(&f->box, TAKE_NS);
     atomic_store(&f->alive_ns, fly_now_ns());
-    if (s != NULL && is_new(f, s, before)) process(f, s);
+    if (s != NULL) process(f, s);
   }
   atomic_store(&f->source.stopped, true);
   mailbox_close(&f->box);
@@ -146,7 +176,8 @@ void flight_close(flight *f) {
   lines_close(&f->lines);
   if (f->source.kind != NULL) f->source.kind->close(&f->source);
   mailbox_free(&f->box);
-  detector_free(&f->detector);
+  vista_detector_destroy(f->detector);
+  free(f->memory);
   rig_free(&f->rig);
 }
 
@@ -155,13 +186,13 @@ static void print_latency(const char *what, const char *of, const latency *l) {
           latency_percentile_ms(l, 99.0), l->most_ms);
 }
 
-static void print_alignment(const aligner *a) {
-  const vista_turn *const turn = &a->found.correction;
-  if (a->correction == NULL) return;
+static void print_alignment(const flight *f) {
+  const vista_turn *const turn = &f->aligned.correction;
+  if (f->parameters.alignment.correct != VISTA_ALIGNMENT_CORRECT_ON) return;
   dprintf(STDERR_FILENO,
           "vista-fly: the right camera corrected by %+.3f degrees in pitch, %+.3f in roll at the end; changed %" PRId64
           " times\n",
-          VISTA_DEGREES_PER_RADIAN * turn->pitch_rad, VISTA_DEGREES_PER_RADIAN * turn->roll_rad, a->changes);
+          VISTA_DEGREES_PER_RADIAN * turn->pitch_rad, VISTA_DEGREES_PER_RADIAN * turn->roll_rad, f->alignments);
 }
 
 void flight_print(flight *f) {
@@ -172,7 +203,7 @@ void flight_print(flight *f) {
           f->processed, dropped, f->duplicates, f->restarts, f->refused);
   print_latency("vista-fly", "from the exposure to the result", &f->latency);
   dprintf(STDERR_FILENO, "\n");
-  print_alignment(&f->detector.aligner);
+  print_alignment(f);
   if (f->options.to == NULL) return;
   print_latency(f->options.to, "from the exposure to the message", &f->autopilot.told);
   dprintf(STDERR_FILENO, "; %" PRId64 " messages sent, %" PRId64 " of them lost\n", f->autopilot.sent,

@@ -3,13 +3,14 @@
 #define VISTA_FLY_FLIGHT_H
 
 #include "autopilot.h"
-#include "detector.h"
 #include "guard.h"
 #include "latency.h"
 #include "lines.h"
 #include "mailbox.h"
 #include "options.h"
+#include "rig.h"
 #include "source.h"
+#include "vista/detector.h"
 
 typedef struct flight {
   options options;
@@ -17,7 +18,10 @@ typedef struct flight {
   rig rig;
   mailbox box;
   source source;
-  detector detector;
+  vista_detector *detector;
+  void *memory; /* of the detector */
+  vista_alignment_result aligned; /* of the newest pair */
+  int64_t alignments;             /* how often the correction changed */
   autopilot autopilot; /* with --to */
   guard guard;
   lines lines;

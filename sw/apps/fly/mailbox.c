@@ -7,23 +7,22 @@
 
 bool mailbox_make(mailbox *box, int32_t pixels, bool patient) {
   pthread_condattr_t attributes;
-  *box = (mailbox){.patient = patient, .pixels = pixels, .writing = 0, .waiting = 1, .taken = 2, .before = 3};
+  *box = (mailbox){.patient = patient, .pixels = pixels, .writing = 0, .waiting = 1, .taken = 2};
   (void)pthread_condattr_init(&attributes);
   (void)pthread_condattr_setclock(&attributes, CLOCK_MONOTONIC);
   (void)pthread_mutex_init(&box->lock, NULL);
   (void)pthread_cond_init(&box->changed, &attributes);
   (void)pthread_condattr_destroy(&attributes);
-  for (int k = 0; k < 4; ++k) {
+  for (int k = 0; k < 3; ++k) {
     box->shots[k].left = calloc(2, (size_t)pixels);
     if (box->shots[k].left == NULL) return false;
     box->shots[k].right = box->shots[k].left + pixels;
-    box->shots[k].index = -1;
   }
   return true;
 }
 
 void mailbox_free(mailbox *box) {
-  for (int k = 0; k < 4; ++k) free(box->shots[k].left);
+  for (int k = 0; k < 3; ++k) free(box->shots[k].left);
   (void)pthread_cond_destroy(&box->changed);
   (void)pthread_mutex_destroy(&box->lock);
 }
@@ -56,7 +55,7 @@ void mailbox_close(mailbox *box) {
   (void)pthread_mutex_unlock(&box->lock);
 }
 
-const shot *mailbox_take(mailbox *box, int64_t timeout_ns, const shot **before) {
+const shot *mailbox_take(mailbox *box, int64_t timeout_ns) {
   struct timespec until;
   (void)clock_gettime(CLOCK_MONOTONIC, &until);
   const int64_t end_ns = until.tv_nsec + timeout_ns;
@@ -67,21 +66,12 @@ const shot *mailbox_take(mailbox *box, int64_t timeout_ns, const shot **before) 
   while (!box->full && !box->closed && late == 0) late = pthread_cond_timedwait(&box->changed, &box->lock, &until);
   const bool there = box->full;
   if (there) {
-    swap(&box->taken, &box->before);
     swap(&box->taken, &box->waiting);
     box->full = false;
     (void)pthread_cond_broadcast(&box->changed);
   }
   (void)pthread_mutex_unlock(&box->lock);
-  if (!there) return NULL;
-  *before = box->shots[box->before].index >= 0 ? &box->shots[box->before] : NULL;
-  return &box->shots[box->taken];
-}
-
-void mailbox_forget(mailbox *box) {
-  (void)pthread_mutex_lock(&box->lock);
-  swap(&box->taken, &box->before);
-  (void)pthread_mutex_unlock(&box->lock);
+  return there ? &box->shots[box->taken] : NULL;
 }
 
 bool mailbox_ended(mailbox *box) {

@@ -24,8 +24,8 @@ typedef struct shot {
 typedef struct mailbox {
   pthread_mutex_t lock;
   pthread_cond_t changed;
-  shot shots[4]; /* one that is written, one that waits, the one that is worked on, and the one before it */
-  int writing, waiting, taken, before;
+  shot shots[3]; /* one that is written, one that waits, and the one that is worked on */
+  int writing, waiting, taken;
   bool full, closed;
   bool patient; /* put waits until the frame before was taken */
   int64_t dropped;
@@ -45,12 +45,9 @@ void mailbox_put(mailbox *box);
 /* No more frames come; also ends waiting. */
 void mailbox_close(mailbox *box);
 
-/* The newest frame, which stays valid until the next is taken. *before: the one that was taken before it, null at the
- * first. Null: none came within the time, or none comes any more. */
-const shot *mailbox_take(mailbox *box, int64_t timeout_ns, const shot **before);
-
-/* The frame that was taken last says nothing new: the one before it counts as the last one. */
-void mailbox_forget(mailbox *box);
+/* The newest frame, which stays valid until the next is taken. Null: none came within the time, or none comes any
+ * more. */
+const shot *mailbox_take(mailbox *box, int64_t timeout_ns);
 
 /* Closed, and nothing is left to take. */
 bool mailbox_ended(mailbox *box);

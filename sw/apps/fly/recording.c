@@ -48,13 +48,13 @@ static bool count_frames(recording *r, const char *path, problem *p) {
   return bytes % frame_bytes == 0 || problem_say(p, path, "cut off in a frame");
 }
 
-static bool read_head(recording *r, const char *path, const rig *rig, problem *p) {
+static bool read_head(recording *r, const source *s, const char *path, problem *p) {
   if (fread(&r->head, sizeof r->head, 1, r->stream) != 1 || memcmp(r->head.magic, MAGIC, sizeof r->head.magic) != 0)
     return problem_say(p, path, "no frames of vista prepare");
   if (r->head.version != VERSION) return problem_say(p, path, "made by another version of vista: prepare it again");
-  if (r->head.width_px != (uint32_t)rig->camera.width_px || r->head.height_px != (uint32_t)rig->camera.height_px)
+  if (r->head.width_px != (uint32_t)s->width_px || r->head.height_px != (uint32_t)s->height_px)
     return problem_say(p, path, "images are %ux%u, the rig says %dx%d", r->head.width_px, r->head.height_px,
-                       rig->camera.width_px, rig->camera.height_px);
+                       s->width_px, s->height_px);
   return count_frames(r, path, p);
 }
 
@@ -113,7 +113,7 @@ static void close_recording(source *s) {
   free(r);
 }
 
-bool source_open_recording(source *s, const char *path, const rig *rig, bool repeat, problem *p) {
+bool source_open_recording(source *s, const char *path, bool repeat, problem *p) {
   static const source_kind kind = {run, close_recording};
   recording *const r = calloc(1, sizeof *r);
   if (r == NULL) return problem_say(p, path, "out of memory");
@@ -125,5 +125,5 @@ bool source_open_recording(source *s, const char *path, const rig *rig, bool rep
   r->stream = fopen(path, "rb");
   if (r->stream == NULL) return problem_errno(p, path, errno);
   (void)setvbuf(r->stream, r->buffer, _IOFBF, sizeof r->buffer);
-  return read_head(r, path, rig, p);
+  return read_head(r, s, path, p);
 }

@@ -6,9 +6,15 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "vista/frontend.h"
+
 #define VERSION 2
 #define SCALE 32 /* of fractions: units a pixel */
 #define MAGIC "VISTARIG"
+#define BASELINE_IMPLAUSIBLE 1u /* in findings */
+#define CALIBRATION_MISFIT 2u
+
+typedef enum rig_kind { RIG_PASSTHROUGH = 0, RIG_MAP, RIG_GRID } rig_kind;
 
 typedef struct rig_head {
   char magic[8];
@@ -50,42 +56,46 @@ static void set_tables(rig *r, const rig_head *head) {
   const size_t pixels = (size_t)head->width_px * head->height_px;
   for (int side = 0; side < 2; ++side) {
     unsigned char *const at = (unsigned char *)r->memory + (size_t)side * table_bytes(head);
-    if (r->kind == RIG_GRID) {
-      r->tables[side].grid = (const int16_t *)(const void *)at;
-    } else if (r->kind == RIG_MAP) {
-      r->tables[side].whole = (const int16_t *)(const void *)at;
-      r->tables[side].fraction = (const uint16_t *)(const void *)(at + 2 * pixels * sizeof(int16_t));
+    vista_right_table *const table = &r->cameras.tables[side];
+    if (head->kind == RIG_GRID) {
+      table->grid = (const int16_t *)(const void *)at;
+    } else if (head->kind == RIG_MAP) {
+      table->whole = (const int16_t *)(const void *)at;
+      table->fraction = (const uint16_t *)(const void *)(at + 2 * pixels * sizeof(int16_t));
     }
   }
 }
 
 static bool check_fractions(const char *path, const rig *r, problem *p) {
-  const size_t pixels = (size_t)r->camera.width_px * (size_t)r->camera.height_px;
-  for (int side = 0; side < 2 && r->kind == RIG_MAP; ++side)
-    for (size_t k = 0; k < pixels; ++k)
-      if (r->tables[side].fraction[k] >= SCALE * SCALE) return problem_say(p, path, "damaged");
+  const size_t pixels = (size_t)r->cameras.camera.width_px * (size_t)r->cameras.camera.height_px;
+  for (int side = 0; side < 2; ++side)
+    for (size_t k = 0; r->cameras.tables[side].fraction != NULL && k < pixels; ++k)
+      if (r->cameras.tables[side].fraction[k] >= SCALE * SCALE) return problem_say(p, path, "damaged");
   return true;
+}
+
+static vista_rig rig_of(const rig_head *head) {
+  vista_rig r = {.camera = {(int32_t)head->width_px, (int32_t)head->height_px, head->focal_px, head->center_u_px,
+                            head->center_v_px, head->baseline_m},
+                 .rectify_rows = (int32_t)head->rectify_rows,
+                 .right = {.lens = (vista_lens)head->right_lens,
+                           .focal_u_px = head->right_focal_u_px,
+                           .focal_v_px = head->right_focal_v_px,
+                           .center_u_px = head->right_center_u_px,
+                           .center_v_px = head->right_center_v_px}};
+  memcpy(r.left_from_rectified, head->left_from_rectified, sizeof r.left_from_rectified);
+  memcpy(r.right.distortion, head->right_distortion, sizeof r.right.distortion);
+  memcpy(r.right.rectified_from_raw, head->rectified_from_right, sizeof r.right.rectified_from_raw);
+  if (head->findings & BASELINE_IMPLAUSIBLE) r.baseline_problem = "the baseline is not that of a vehicle";
+  if (head->findings & CALIBRATION_MISFIT) r.calibration_problem = "the calibration does not fit the images";
+  return r;
 }
 
 static bool read_stream(const char *path, FILE *stream, rig *r, problem *p) {
   rig_head head;
   if (fread(&head, sizeof head, 1, stream) != 1) return problem_say(p, path, "no rig of vista prepare");
   if (!check_head(path, &head, p)) return false;
-  *r = (rig){.camera = {(int32_t)head.width_px, (int32_t)head.height_px, head.focal_px, head.center_u_px,
-                        head.center_v_px, head.baseline_m},
-             .kind = (rig_kind)head.kind,
-             .rectify_rows = (int32_t)head.rectify_rows,
-             .findings = head.findings};
-  memcpy(r->left_from_rectified, head.left_from_rectified, sizeof r->left_from_rectified);
-  r->right = (vista_raw_camera){(vista_lens)head.right_lens,
-                                head.right_focal_u_px,
-                                head.right_focal_v_px,
-                                head.right_center_u_px,
-                                head.right_center_v_px,
-                                {0},
-                                {0}};
-  memcpy(r->right.distortion, head.right_distortion, sizeof r->right.distortion);
-  memcpy(r->right.rectified_from_raw, head.rectified_from_right, sizeof r->right.rectified_from_raw);
+  r->cameras = rig_of(&head);
   const size_t bytes = 2 * table_bytes(&head);
   if (bytes > 0 && (r->memory = malloc(bytes)) == NULL) return problem_say(p, path, "out of memory");
   if (bytes > 0) set_tables(r, &head); /* what is rectified already has none */
@@ -102,46 +112,6 @@ bool rig_read(const char *path, rig *r, problem *p) {
   (void)fclose(stream);
   if (!done) rig_free(r);
   return done;
-}
-
-static int32_t inside(int32_t value, int32_t last) { return value < 0 ? 0 : value > last ? last : value; }
-
-/* As cv2.remap with bilinear interpolation and a replicated border. */
-static void follow_map(const rig *r, const rig_table *table, const uint8_t *raw, uint8_t *out) {
-  const int32_t width = r->camera.width_px, right = width - 1, bottom = r->camera.height_px - 1;
-  const int32_t pixels = width * r->camera.height_px;
-  for (int32_t k = 0; k < pixels; ++k) {
-    const int32_t u = table->whole[2 * (ptrdiff_t)k], v = table->whole[2 * (ptrdiff_t)k + 1];
-    const int32_t fu = table->fraction[k] % SCALE, fv = table->fraction[k] / SCALE;
-    const int32_t u0 = inside(u, right), u1 = inside(u + 1, right);
-    const uint8_t *const upper = raw + (ptrdiff_t)inside(v, bottom) * width;
-    const uint8_t *const lower = raw + (ptrdiff_t)inside(v + 1, bottom) * width;
-    const int32_t a = (SCALE - fu) * upper[u0] + fu * upper[u1], b = (SCALE - fu) * lower[u0] + fu * lower[u1];
-    out[k] = (uint8_t)(((SCALE - fv) * a + fv * b + SCALE * SCALE / 2) / (SCALE * SCALE));
-  }
-}
-
-void rig_rectify(const rig *r, const rig_table *table, const uint8_t *raw, uint8_t *out) {
-  const int32_t width = r->camera.width_px, height = r->camera.height_px;
-  const vista_frontend_image image = {raw, width, height, width};
-  if (table->whole != NULL)
-    follow_map(r, table, raw, out);
-  else if (table->grid != NULL)
-    (void)vista_frontend_rectify(&image, (const vista_frontend_offset *)(const void *)table->grid, out, width);
-  else
-    memcpy(out, raw, (size_t)width * (size_t)height);
-}
-
-vista_pose rig_rectified_pose(const rig *r, const vista_pose *raw) {
-  vista_pose pose = *raw;
-  if (r->kind == RIG_PASSTHROUGH) return pose;
-  for (int row = 0; row < 3; ++row)
-    for (int column = 0; column < 3; ++column) {
-      double sum = 0.0;
-      for (int k = 0; k < 3; ++k) sum += raw->rotation[3 * row + k] * r->left_from_rectified[3 * k + column];
-      pose.rotation[3 * row + column] = sum;
-    }
-  return pose;
 }
 
 void rig_free(rig *r) {

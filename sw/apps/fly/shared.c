@@ -144,9 +144,8 @@ static void close_shared(source *s) {
   free(s->own);
 }
 
-bool source_open_shared(source *s, const char *name, const rig *rig, problem *p) {
+bool source_open_shared(source *s, const char *name, problem *p) {
   static const source_kind kind = {run, close_shared};
-  (void)rig;
   if (name[0] == '\0' || name[0] == '.' || strlen(name) > NAME_BYTES || strchr(name, '/') != NULL)
     return problem_say(p, "--shared", "is no name of shared memory: %s", name);
   shared *const r = calloc(1, sizeof *r);

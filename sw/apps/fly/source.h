@@ -8,7 +8,6 @@
 
 #include "mailbox.h"
 #include "problem.h"
-#include "rig.h"
 
 typedef struct source source;
 
@@ -33,13 +32,12 @@ struct source {
 
 /* A file of frames, as fast as it was taken, or with a patient mailbox as fast as it is taken from. repeat: begins again
  * after the last frame. */
-bool source_open_recording(source *s, const char *path, const rig *r, bool repeat, problem *p);
+bool source_open_recording(source *s, const char *path, bool repeat, problem *p);
 
 /* Frames that another process shares, as vista/shared_frames.h describes. It may come later, and go and come back. */
-bool source_open_shared(source *s, const char *name, const rig *r, problem *p);
+bool source_open_shared(source *s, const char *name, problem *p);
 
 /* Cameras of V4L2: one whose picture holds both views side by side, or a left and a right one. */
-bool source_open_cameras(source *s, const char *const *devices, int count, int64_t tolerance_ns, const rig *r,
-                         problem *p);
+bool source_open_cameras(source *s, const char *const *devices, int count, int64_t tolerance_ns, problem *p);
 
 #endif

@@ -1,17 +1,21 @@
-/* libvista: obstacles from stereo disparities. This is the header to include; it includes the others.
+/* libvista: obstacles from image pairs. This is the header to include; it includes the others.
  *
  *   vista_parameters parameters = vista_parameters_default();
- *   vista_camera camera = {...};
+ *   vista_rig rig = {.camera = {...}};
+ *   vista_detector_options options = {0};
  *   size_t bytes;
- *   vista_pipeline_bytes(&parameters, &camera, &bytes);
- *   vista_pipeline *pipeline;
- *   vista_pipeline_create(malloc(bytes), bytes, &parameters, &camera, &pipeline);
- *   for each frame:
- *     vista_frame frame = {.image = ..., .disparity = ..., .pose = ..., .t_ns = ...};
- *     vista_result result;
- *     vista_pipeline_process(pipeline, &frame, &result);
- *   vista_pipeline_destroy(pipeline);
+ *   vista_detector_bytes(&parameters, &rig, &options, &bytes);
+ *   vista_detector *detector;
+ *   vista_detector_create(malloc(bytes), bytes, &parameters, &rig, &options, &detector);
+ *   for each pair of images:
+ *     vista_detector_pair pair = {.left = ..., .right = ..., .t_ns = ...};
+ *     vista_detector_place place = {.pose = ...};
+ *     vista_novelty novelty;
+ *     vista_detector_result result;
+ *     vista_detector_process(detector, &pair, &place, &novelty, &result);
+ *   vista_detector_destroy(detector);
  *
+ * vista/pipeline.h is the same without the images' way to disparities, for those that come from elsewhere.
  * A stereo engine on a board is reached by vista/board.h. vista/correction.h keeps the cameras aligned, vista/line.h
  * writes results as JSON, vista/mavlink.h tells an autopilot of them, vista/vehicle.h hears from it where the vehicle is,
  * and vista/shared_frames.h hands pairs to the program vista-fly.
@@ -24,12 +28,14 @@
 #include "vista/api.h"
 #include "vista/board.h"
 #include "vista/correction.h"
+#include "vista/detector.h"
 #include "vista/directions.h"
 #include "vista/line.h"
 #include "vista/mavlink.h"
 #include "vista/obstacle.h"
 #include "vista/parameters.h"
 #include "vista/pipeline.h"
+#include "vista/rig.h"
 #include "vista/shared_frames.h"
 #include "vista/status.h"
 #include "vista/types.h"

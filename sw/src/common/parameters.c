@@ -113,3 +113,11 @@ vista_status vista_parameters_get(const vista_parameters *parameters, const char
   *value = read((const unsigned char *)parameters + offset_of(index), index);
   return VISTA_OK;
 }
+
+vista_parameters vista_parameters_own(const vista_parameters *parameters) {
+  vista_parameters own = vista_parameters_default();
+  const size_t common = parameters->struct_bytes < sizeof own ? parameters->struct_bytes : sizeof own;
+  memcpy(&own, parameters, common);
+  own.struct_bytes = sizeof own;
+  return own;
+}

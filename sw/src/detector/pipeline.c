@@ -7,6 +7,7 @@
 #include "common/clock.h"
 #include "common/frame.h"
 #include "common/image_noise.h"
+#include "common/parameters_check.h"
 #include "common/team.h"
 #include "detector/pipeline_stages.h"
 #include "follow/motion.h"
@@ -158,20 +159,11 @@ static vista_status check(const vista_parameters *parameters, const vista_camera
   return vista_frame_check_camera(camera);
 }
 
-/* Of a caller with another header: what it has, and the defaults of the rest. */
-static vista_parameters own_parameters(const vista_parameters *parameters) {
-  vista_parameters own = vista_parameters_default();
-  const size_t common = parameters->struct_bytes < sizeof own ? parameters->struct_bytes : sizeof own;
-  memcpy(&own, parameters, common);
-  own.struct_bytes = sizeof own;
-  return own;
-}
-
 vista_status vista_pipeline_bytes(const vista_parameters *parameters, const vista_camera *camera, size_t *bytes) {
   if (parameters == NULL || camera == NULL || bytes == NULL) return VISTA_ERROR_ARGUMENT;
   vista_status status = check(parameters, camera);
   if (status != VISTA_OK) return status;
-  vista_pipeline trial = {.parameters = own_parameters(parameters), .camera = *camera};
+  vista_pipeline trial = {.parameters = vista_parameters_own(parameters), .camera = *camera};
   vista_arena arena = {0};
   (void)vista_arena_take(&arena, 1, sizeof trial);
   status = layout(&trial, &arena);
@@ -195,7 +187,7 @@ vista_status vista_pipeline_create(void *memory, size_t bytes, const vista_param
   vista_arena arena = {.base = memory, .size = bytes};
   vista_pipeline *const p = vista_arena_take(&arena, 1, sizeof *p);
   if (p == NULL) return VISTA_ERROR_MEMORY;
-  p->parameters = own_parameters(parameters);
+  p->parameters = vista_parameters_own(parameters);
   p->camera = *camera;
   p->matched = matched_area(&p->parameters.stereo, 1);
   vista_status made = layout(p, &arena);
