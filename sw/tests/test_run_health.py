@@ -207,6 +207,7 @@ def test_a_pair_that_is_swapped_and_has_no_poses_is_blind_and_nothing_else(
     assert "also motion_unknown" in health and "degraded" not in stdout
     page = Path(report.removeprefix("report: ")).read_text()
     assert "Nothing can be said of obstacles: the view was blind in all 6 frames." in page
+    assert "are left and right swapped? That nothing is found there" in page
 
 
 def test_a_recording_without_poses_is_told_how_to_have_them_estimated(

@@ -240,7 +240,7 @@ def alerts(summary: Data) -> list[Data]:
 
 
 def _sentence(text: str) -> str:
-    return text[:1].upper() + text[1:].rstrip(".") + "."
+    return text[:1].upper() + text[1:].rstrip(".") + "." * (not text.endswith("?"))
 
 
 def strip_keys(records: list[FrameRecord]) -> list[tuple[str, str]]:
