@@ -32,7 +32,7 @@ VISTA_INLINE items8 items_shift(items8 a, items8 by) {
   return _mm256_or_si256(_mm256_sllv_epi32(a, by), _mm256_srlv_epi32(a, back));
 }
 
-/* From two vectors of partial minima, those of `a` in the even lanes and those of `b` in the odd ones. */
+/* Merges two vectors of partial minima, those of `a` in the even lanes and those of `b` in the odd ones. */
 VISTA_INLINE __m256i merge_smallest(__m256i a, __m256i b) {
   return _mm256_min_epu16(_mm256_unpacklo_epi16(a, b), _mm256_unpackhi_epi16(a, b));
 }

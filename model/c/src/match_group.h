@@ -15,7 +15,8 @@
  * another and no vector is read while its items are still being written: a strip stays in the first-level cache. */
 enum { STRIP = 32, MAX_GROUPS = VISTA_ENGINE_MAX_DISPARITIES / LANES };
 
-/* Where the costs of a strip equal the smallest, and where they are within the limit of step 5: bit d of group g. */
+/* Masks of where the costs of a strip equal the smallest, and where they are within the limit of step 5: bit d of
+ * group g. */
 typedef struct strip_masks {
   uint32_t equal[MAX_GROUPS][STRIP], close[MAX_GROUPS][STRIP];
 } strip_masks __attribute__((aligned(32)));

@@ -10,7 +10,7 @@ typedef struct offset {
   int32_t x, y;
 } offset;
 
-/* Between two control points of a column, times STEP; j rows below the upper one. */
+/* The offset between two control points of a column, times STEP; j rows below the upper one. */
 static offset between_rows(const vista_frontend_offset *upper, int32_t columns, int32_t j) {
   const vista_frontend_offset *lower = upper + columns;
   return (offset){(STEP - j) * upper->dx + j * lower->dx, (STEP - j) * upper->dy + j * lower->dy};

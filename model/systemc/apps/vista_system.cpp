@@ -78,7 +78,7 @@ int sc_main(int argc, char* argv[]) {
   return 0;
 }
 
-// In place of the library's: without its banner, which would stand before every error line.
+// Replaces the library's main: without its banner, which would stand before every error line.
 int main(int argc, char* argv[]) {
   setenv("SYSTEMC_DISABLE_COPYRIGHT_MESSAGE", "1", 1);
   return sc_core::sc_elab_and_sim(argc, argv);

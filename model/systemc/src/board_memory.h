@@ -26,7 +26,7 @@ class BoardPort {
 
  protected:
   friend class BoardMemory;
-  // Of the clock that begins at `now`.
+  // The command of the clock that begins at `now`.
   virtual clocks::Sdram::Command command(int64_t now) = 0;
   virtual void accepted(int64_t now) = 0;
   virtual void served(int64_t clock) = 0;
@@ -48,7 +48,7 @@ class BoardReader : public BoardPort {
   void read(int64_t address, int64_t words);
   // Takes a word, if there is one then. Suspends the caller as BoardMemory::advance does.
   bool take(int64_t ps);
-  // Of a word that was taken before: it leaves then.
+  // Notes when a word that was taken before leaves.
   void leave(int64_t ps) { left_.push_back(ps); }
   // Suspends the caller until all words that were asked for have come, of one that drains.
   void wait_for_all();
@@ -116,7 +116,7 @@ class BoardMemory : public sc_core::sc_module {
   BoardReader to_host;
   BoardWriter from_host;
 
-  // Where things lie, in words: memory.py.
+  // Places of things, in words: memory.py.
   static int64_t words_of(int64_t slot) { return slot << kWordsBits; }
   static int64_t pixels_of(int64_t slot) { return (2 << kWordsBits) + (slot << kPixelsBits); }
   static constexpr int64_t kLevels = (6 << 20) / 4, kLevelWords = (1 << 20) / 4;

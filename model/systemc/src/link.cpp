@@ -18,8 +18,8 @@ constexpr int64_t kCredits = 7, kAskEvery = 3;
 constexpr int64_t kFetchChunks = 32, kPauseNs = 200000, kQuestionsOfSlot = 2;
 // Preamble, Ethernet, IP, UDP, check sum, gap between two packets.
 constexpr int64_t kPacketBytes = 8 + 14 + 20 + 8 + 4 + 12;
-// Of the server, beside the words of a chunk: to read a packet's header and to look at its place; to reply with a status;
-// from one reply of words to the next.
+// Clocks of the server, beside the words of a chunk: to read a packet's header and to look at its place; to reply with
+// a status; from one reply of words to the next.
 constexpr int64_t kPacketClocks = 15, kStatusClocks = kStatusWords + 1, kReplyClocks = 1;
 constexpr int64_t kReplies = 2;  // that wait for the wire
 

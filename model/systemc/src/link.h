@@ -17,7 +17,7 @@
 
 namespace vista {
 
-// Of its two ends, memory of the host and of the board.
+// Memory of its two ends, that of the host and of the board.
 struct LinkEnds {
   Memory &host, &board;
   BoardMemory& board_times;

@@ -58,7 +58,7 @@ void ResultDma::word_taken(int64_t clock) {
   high_water_words_ = std::max(high_water_words_, held_words_);
 }
 
-// As Configuration::result_words counts.
+// Whether a word is complete, as Configuration::result_words counts.
 bool ResultDma::completes_word() const {
   return bytes_per_word_ == kBoardWordBytes || column_ % 2 == 1 || column_ + 1 == levels_[level_].width;
 }
@@ -86,7 +86,7 @@ void ResultDma::run() {
   }
 }
 
-// As they lie in memory: little endian, the disparity comes first.
+// The bytes as they lie in memory: little endian, the disparity comes first.
 std::vector<uint8_t> ResultDma::bytes_of(const Job& job, int64_t first, int64_t count) const {
   std::vector<uint8_t> bytes(static_cast<size_t>(count * bytes_per_word_));
   for (int64_t i = 0; i < count; ++i)

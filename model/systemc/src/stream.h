@@ -13,7 +13,7 @@ class PixelSource : virtual public sc_core::sc_interface {
   // tvalid. Asked once a clock; once true it stays so until the pixel is taken.
   virtual bool pixel_valid(int64_t clock) = 0;
   virtual void pixel_taken(int64_t clock) = 0;
-  // When none is valid and the engine rests: the clock to go on with, `clock` itself or when the next pixel comes.
+  // The clock to go on with when none is valid and the engine rests: `clock` itself or when the next pixel comes.
   virtual int64_t next_pixel(int64_t clock) = 0;
 };
 

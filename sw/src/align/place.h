@@ -16,7 +16,8 @@ typedef struct vista_place {
   float sigma_v;  /* of dv */
 } vista_place;
 
-/* From a place that is right within 2 pixels. False: it does not converge, leaves the image, or does not look alike. */
+/* Refines a place that is right within 2 pixels. False: it does not converge, leaves the image, or does not look
+ * alike. */
 bool vista_place_refine(const vista_level *left, const vista_level *right, vista_place *place);
 
 #endif

@@ -74,7 +74,7 @@ VISTA_WIDE_VECTORS static void widen(const vista_level *level, float *grey) {
   for (ptrdiff_t k = 0; k < count; ++k) grey[k] = level->pixels[k];
 }
 
-/* Of the tile whose first pixel is each pixel of the right image. */
+/* Measures the spread of the tile that begins at each pixel of the right image. */
 VISTA_WIDE_VECTORS static void measure_spread(const vista_level *right, int32_t *sums, float *spread) {
   const int32_t width = right->width_px, last = width - TILE;
   int32_t *const plain = sums, *const squares = sums + width;
@@ -154,7 +154,7 @@ static found_place best_of(const float *scores, int32_t columns, int32_t rows) {
   return best;
 }
 
-/* Where the tile is in the right image. False: nowhere, or nothing tells where. */
+/* Finds the tile in the right image. False: nowhere, or nothing tells where. */
 static bool search(vista_row_matches *m, int32_t reach_rows, int32_t u0, int32_t v0, vista_place *place) {
   const vista_level *const left = &m->quarter[0], *const right = &m->quarter[1];
   const int32_t width = left->width_px;

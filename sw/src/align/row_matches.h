@@ -38,7 +38,7 @@ typedef struct vista_row_matches {
   float *scores;            /* scratch: correlation at every place of a search */
   uint64_t digests[2];      /* of the last pair's images at a quarter of the size */
   uint32_t turn;            /* which tiles come first when there are too many */
-  /* Of the last pair: */
+  /* Results of the last pair: */
   bool frozen;              /* an image is as it was in the pair before: nothing was looked for */
   int32_t features, count;
   int32_t ambiguous; /* features that look alike in two places */

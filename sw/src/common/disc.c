@@ -44,7 +44,7 @@ static double distance_at(const vista_disc *disc, const vista_line_segment *segm
   return vista_disc_point_distance(disc, point_m);
 }
 
-/* Where the segment comes closest to a point. */
+/* The place on the segment that is closest to a point. */
 static double closest(const vista_line_segment *segment, const double point_m[3]) {
   const double offset[3] = {point_m[0] - segment->start_m[0], point_m[1] - segment->start_m[1],
                             point_m[2] - segment->start_m[2]};

@@ -18,8 +18,8 @@ typedef struct vista_flight_path {
   double sigma_rad;     /* of the direction, each axis */
 } vista_flight_path;
 
-/* Along the path to where it comes closest to the point, negative behind its start; and unless null, the direction
- * there. Not beyond a quarter of a circle past the end. */
+/* The length along the path to where it comes closest to the point, negative behind its start; and unless null, the
+ * direction there. Not beyond a quarter of a circle past the end. */
 double vista_flight_path_along(const vista_flight_path *path, const double point_m[3], double direction[3]);
 
 /* The nearest point of the path, its ends included; and how far it is. */

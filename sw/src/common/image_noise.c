@@ -39,7 +39,7 @@ VISTA_WIDE_VECTORS static void add_row(const uint8_t *above, ptrdiff_t stride, i
   }
 }
 
-/* Of the mean absolute response of blocks: all of them, and those that are not clipped. */
+/* Histograms of the mean absolute response of blocks: all of them, and those that are not clipped. */
 typedef struct histograms {
   uint32_t all[BINS], clear[BINS];
   int64_t all_count, clear_count;

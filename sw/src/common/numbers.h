@@ -24,7 +24,7 @@ static inline void vista_cross(const double a[3], const double b[3], double prod
   for (int i = 0; i < 3; ++i) product[i] = a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3];
 }
 
-/* Of a few numbers, which it sorts. */
+/* The lower median of a few numbers, which it sorts. */
 static inline double vista_lower_median(double *values, int32_t count) {
   for (int32_t k = 1; k < count; ++k) {
     const double value = values[k];

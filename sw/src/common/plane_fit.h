@@ -32,7 +32,7 @@ double vista_plane_fit_spread(const vista_plane_fit *fit, const vista_plane *pla
 /* False when the points do not span a plane. */
 bool vista_plane_fit_solve(const vista_plane_fit *fit, vista_plane *plane);
 
-/* Of a plane of disparities in pixels from the principal point: that at a pixel. */
+/* The disparity at a pixel of a plane that is given in pixels from the principal point. */
 double vista_plane_disparity_px(const vista_plane *plane, const vista_camera *camera, double u_px, double v_px);
 
 /* A plane n . P = 1 in space has n = (slope_u, slope_v, offset / f) / B. So what is seen at a pixel with disparity d,

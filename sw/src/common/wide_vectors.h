@@ -1,4 +1,4 @@
-/* For loops over pixels that compilers turn into vectors, internal to libvista. */
+/* Marks of loops over pixels that compilers turn into vectors, internal to libvista. */
 #ifndef VISTA_SRC_WIDE_VECTORS_H
 #define VISTA_SRC_WIDE_VECTORS_H
 

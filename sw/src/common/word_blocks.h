@@ -10,7 +10,7 @@
 
 #define VISTA_WORD_BLOCK 16
 
-/* Before a loop over a block: GCC unrolls so short a loop, and then finds no vector in it. */
+/* Stands before a loop over a block: GCC unrolls so short a loop, and then finds no vector in it. */
 #if defined(__GNUC__) && !defined(__clang__)
 #define VISTA_BLOCK_LOOP _Pragma("GCC unroll 1")
 #else

@@ -16,7 +16,7 @@ typedef struct vista_track_evidence {
   double disparity_px, sigma_disparity_px; /* ITSELF: mean of those words, and its standard deviation */
 } vista_track_evidence;
 
-/* Of the words within the track's projected extent. disparity == NULL: something else. */
+/* Judges the words within the track's projected extent. disparity == NULL: something else. */
 vista_track_evidence vista_track_look_for(const vista_camera *camera, const vista_matched_area *matched,
                                           const vista_disparity_image *disparity, const vista_track_view *view);
 

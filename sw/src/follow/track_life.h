@@ -28,7 +28,7 @@ void vista_track_start(const vista_track_frame *frame, const vista_detection *de
 /* What the track looks like now; false when it has been passed (or is lost to infinity). */
 bool vista_track_look(const vista_track_frame *frame, vista_track *track, vista_track_view *view);
 
-/* From here on the track, seen once, is one that moves; its view anew. */
+/* Makes the track, seen once, one that moves, and its view anew. */
 void vista_track_set_moving(const vista_track_frame *frame, vista_track *track, vista_track_view *view);
 
 /* The detection is the track's; `reshaped`: by its place within the track only. */

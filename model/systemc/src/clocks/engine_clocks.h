@@ -20,7 +20,7 @@ class EngineClocks {
     for (int i = 0; i < kResetClocks; ++i) edge(false, false);
   }
 
-  // Of the frames that start from now on.
+  // Sets the size of the frames that start from now on.
   void set_size(const Size& size) { framer_.set_size(size); }
 
   // The engine's side of both handshakes. Registers drive them, so they hold for the clock whatever the other side does.
@@ -45,7 +45,7 @@ class EngineClocks {
     begin_size_ = framer.begin_size;
   }
 
-  // Without a pixel, no clock changes anything: clocks may be left out.
+  // Whether no clock changes anything without a pixel: clocks may be left out.
   bool quiet() const {
     return go_ && !pixels_.valid() && !framer_.draining() && !slot_.valid && !begin_ && matching_.empty() &&
            results_.empty() && writer_.waits() && !words_.valid();

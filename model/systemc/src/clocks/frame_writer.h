@@ -93,7 +93,7 @@ class FrameWriter {
     const bool step = places_.valid() && free && (!matched_ || result);
     const bool places_ready = places_.ready();
 
-    // As vista_skid moves its words.
+    // Words move as in vista_skid.
     if (!places_.valid() || step) {
       matched_ = places_ready ? positions_.matched() : spilled_matched_;
     }

@@ -24,7 +24,7 @@ class Framer {
         radius_(build.radius()),
         first_match_col_(build.num_disparities - 1 + 2 * build.radius()) {}
 
-  // Of the frames that start from now on.
+  // Sets the size of the frames that start from now on.
   void set_size(const Size& size) { next_ = size; }
 
   // What this clock does, given its inputs; `edge` then does it.

@@ -23,7 +23,7 @@ constexpr int ceil_log2(int n) {
   return bits;
 }
 
-// From a slot to the vertical sums of its column, and from those of the next column to the prefiltered pixels.
+// Clocks from a slot to the vertical sums of its column, and from those of the next column to the prefiltered pixels.
 constexpr int kVerticalLatency = 3;
 constexpr int kGradientLatency = 3;
 static_assert(kVerticalLatency + 1 + kGradientLatency == kPrefilterLatency);
@@ -31,7 +31,7 @@ static_assert(kVerticalLatency + 1 + kGradientLatency == kPrefilterLatency);
 constexpr int kFifoAhead = 4;  // words in registers behind the memory of the result FIFO
 constexpr int kPendingFrames = 4;  // that the frame writer remembers
 
-// From prefiltered pixels to their costs.
+// Clocks from prefiltered pixels to their costs.
 constexpr int kCostLatency = kDelayLatency + kColumnLatency + kWindowLatency;
 
 constexpr int candidate_latency(int num_disparities) {

@@ -1,4 +1,4 @@
-// From a slot to its result: the stages that never stop (rtl/src/vista_stereo_core.sv, vista_right_winner.sv,
+// The way from a slot to its result: the stages that never stop (rtl/src/vista_stereo_core.sv, vista_right_winner.sv,
 // vista_lr_check.sv). What stays to be told of them is when results come: D-1 slots after the slot of the pixel.
 #ifndef VISTA_CLOCKS_MATCHING_H
 #define VISTA_CLOCKS_MATCHING_H

@@ -11,7 +11,7 @@
 
 namespace vista::clocks {
 
-// Of the M12L64322A, in clocks, each counted from one command to the next that may follow.
+// Timing of the M12L64322A, in clocks, each counted from one command to the next that may follow.
 struct SdramTiming {
   explicit SdramTiming(double hz)
       : precharge(clocks(15, hz)),
@@ -48,8 +48,8 @@ class Sdram {
   // A rising edge with the commands before it.
   void edge(const std::array<Command, kPorts>& commands);
 
-  // In the clock that this edge ended: the ports whose commands were taken, and the one whose word the chip was told
-  // to read or to write; -1: none.
+  // What happened in the clock that this edge ended: the ports whose commands were taken, and the one whose word the
+  // chip was told to read or to write; -1: none.
   bool accepted(int port) const { return accepted_[static_cast<size_t>(port)]; }
   int served() const { return served_; }
 

@@ -1,4 +1,4 @@
-/* Where the words of a frame lie: in the stream of disparities that a board sends, and in the caller's memory. */
+/* The places of the words of a frame: in the stream of disparities that a board sends, and in the caller's memory. */
 #ifndef VISTA_BOARD_FRAME_LAYOUT_H
 #define VISTA_BOARD_FRAME_LAYOUT_H
 

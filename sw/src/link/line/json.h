@@ -17,10 +17,11 @@ void vista_json_put(vista_json *json, const char *text);
 void vista_json_put_integer(vista_json *json, int64_t value);
 void vista_json_put_bool(vista_json *json, bool value);
 
-/* In quotes; of plain ASCII without any. */
+/* Writes a name in quotes; it is of plain ASCII without any. */
 void vista_json_put_name(vista_json *json, const char *name);
 
-/* As round(value, digits) of Python, 1 .. 6 digits behind the point; null for what is not finite. */
+/* Writes a number as round(value, digits) of Python does, 1 .. 6 digits behind the point; null for what is not
+ * finite. */
 void vista_json_put_number(vista_json *json, double value, int digits);
 
 /* A list of numbers. */

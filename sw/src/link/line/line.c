@@ -167,7 +167,7 @@ static bool tells_nothing(const vista_directions *directions, int32_t column) {
   return directions->free_m[column] == 0.0F && directions->blocked_m[column] == 0.0F;
 }
 
-/* Without the columns at both ends of which nothing is known. */
+/* Writes the directions without the columns at both ends of which nothing is known. */
 static void put_directions(vista_json *json, const vista_directions *directions) {
   int32_t first = 0, end = VISTA_DIRECTIONS;
   put_key(json, "directions");

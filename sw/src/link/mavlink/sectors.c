@@ -145,7 +145,7 @@ static void mark_obstacle(const vista_mavlink_params *params, const level *axes,
   }
 }
 
-/* Of a board, points at the height that is nearest to the camera's: its middle and both sides. */
+/* Adds points of a board at the height that is nearest to the camera's: its middle and both sides. */
 static void add_points(vista_mavlink *link, const level *axes, const place *at, int32_t id) {
   const vista_mavlink_params *const params = &link->params;
   vista_mavlink_state *const state = &link->state;
@@ -182,7 +182,7 @@ static void add_obstacle(vista_mavlink *link, const level *axes, const vista_mav
   add_points(link, axes, &at, obstacle->id);
 }
 
-/* Where the collision's point comes nearest: level and vertical distance. Without a velocity it is met. */
+/* The place where the collision's point comes nearest: level and vertical distance. Without a velocity it is met. */
 static void miss(const level *axes, vista_mavlink_state *state) {
   const vista_mavlink_collision *const c = &state->collision;
   const double *const v = c->velocity_camera_m_s, *const p = c->position_camera_m;

@@ -1,4 +1,4 @@
-/* Where obstacles are, seen from the aircraft: in level sectors around it, and as points of the body frame. */
+/* Places of obstacles, seen from the aircraft: in level sectors around it, and as points of the body frame. */
 #ifndef VISTA_SRC_MAVLINK_SECTORS_H
 #define VISTA_SRC_MAVLINK_SECTORS_H
 

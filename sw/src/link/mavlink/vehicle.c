@@ -121,7 +121,7 @@ static void turned(const double q[4], const double rate_rad_s[3], double seconds
   out[3] = q[0] * z + q[1] * y - q[2] * x + q[3] * w;
 }
 
-/* On the shorter way from a to b (Shoemake 1985). */
+/* Interpolates on the shorter way from a to b (Shoemake 1985). */
 static void slerp(const double a[4], const double b[4], double share, double out[4]) {
   double cosine = a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3], length = 0.0;
   const double sign = cosine < 0.0 ? -1.0 : 1.0;
@@ -162,7 +162,7 @@ static bool attitude_at(const vista_vehicle *v, int64_t t_ns, double q[4]) {
   return gap_ns <= GAP_NS;
 }
 
-/* Between two messages the cubic that has their positions and velocities (Hermite). */
+/* Interpolates between two messages by the cubic that has their positions and velocities (Hermite). */
 static bool position_at(const vista_vehicle *v, int64_t t_ns, double position_m[3], double velocity_m_s[3]) {
   const int32_t k = before(t_ns, v->position_count, position_ns, v);
   if (k < 0) return false;

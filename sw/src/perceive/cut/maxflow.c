@@ -280,8 +280,9 @@ static vista_status check_capacities(const search *s) {
   return s->arc_bits > VISTA_MAXFLOW_ARC_CAPACITY_MAX ? VISTA_ERROR_OVERFLOW : VISTA_OK;
 }
 
-/* When the S tree has no active node, its side of the cut is final, however far the T tree has come; only the labels of
- * the sink side need a T tree that grows. Where nearly every node has a link to T, that would be most of the work. */
+/* Grows both trees. When the S tree has no active node, its side of the cut is final, however far the T tree has
+ * come; only the labels of the sink side need a T tree that grows. Where nearly every node has a link to T, that would
+ * be most of the work. */
 static void grow_trees(search *s) {
   while (s->active_count > 0 && check_capacities(s) == VISTA_OK) {
     const int32_t v = pop_active(s);

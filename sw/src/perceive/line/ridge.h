@@ -1,4 +1,5 @@
-/* Where an image is a thin line that is no nearer to horizontal than vista_ridge's sums look for; internal to libvista.
+/* Pixels where an image is a thin line that is no nearer to horizontal than vista_ridge's sums look for; internal to
+ * libvista.
  *
  * A pixel is on a ridge when it is brighter, or darker, than both pixels VISTA_RIDGE_REACH beside it along its row; the
  * smaller of the two steps counts. An edge has one side that does not differ, so it is none. In units of one seventh of

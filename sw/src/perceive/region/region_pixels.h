@@ -10,12 +10,12 @@
  * marks. */
 enum { VISTA_NO_PIXEL, VISTA_ALL_PIXELS, VISTA_SOME_PIXELS };
 
-/* Of the pixels that the image gives to the region those on its surface; of cells without a disparity all that the
- * image gives. view->pixels marks them. */
+/* Finds, of the pixels that the image gives to the region, those on its surface; of cells without a disparity all
+ * that the image gives. view->pixels marks them. */
 void vista_region_find_pixels(const vista_region_view *view, const vista_plane *surface, vista_region *region);
 
-/* Of the pixels that were found last those whose like is on the surface boundary_px to the left and to the right, too;
- * of cells without a disparity all. */
+/* Keeps, of the pixels that were found last, those whose like is on the surface boundary_px to the left and to the
+ * right, too; of cells without a disparity all. */
 void vista_region_keep_inner_pixels(const vista_region_view *view, const vista_plane *surface, vista_region *region);
 
 #endif

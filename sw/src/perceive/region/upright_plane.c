@@ -36,7 +36,7 @@ static double support(const vista_plan_point *points, int32_t count, double tole
   return sum;
 }
 
-/* Through each two points: there are few. */
+/* Tries the line through each two points: there are few. */
 static bool search(const vista_plan_point *points, int32_t count, double tolerance_px, vista_plan_line *line) {
   double least = INFINITY, most = -INFINITY, best = 0.0;
   for (int32_t i = 0; i < count; ++i) {

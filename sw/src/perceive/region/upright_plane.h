@@ -44,7 +44,7 @@ bool vista_plan_place(const vista_plan *plan, double u_px, double v_px, double d
  * about one azimuth. */
 bool vista_plan_fit(const vista_plan_point *points, int32_t count, double tolerance_px, vista_plan_line *line);
 
-/* As a surface of disparities over pixels from (0, 0). */
+/* The line as a surface of disparities over pixels from (0, 0). */
 vista_plane vista_plan_surface(const vista_plan *plan, const vista_plan_line *line);
 
 #endif
