@@ -171,7 +171,7 @@ def table(results: dict[str, dict[str, Quality]]) -> str:
         for part in ("in range", "near"):
             cells += [f"{parts[part].density.value:.3f}", f"{parts[part].bad.value:.3f}"]
         rows.append((method, *cells))
-    return aligned(rows, {})
+    return aligned(rows)
 
 
 def table_of(methods: dict[str, dict[str, Any]]) -> Table:

@@ -17,9 +17,9 @@ from vista import parameters
 from vista_eval.dataset.stereo_pair import TruthPair
 from vista_eval.detectors import Detectors
 from vista_eval.jobs import add_place, chosen_place, exit_on_failure, jobs_of, run
-from vista_eval.measured_pairs import LIDAR, PairSource, detectors_for, find_sources, points_of
 from vista_eval.metrics.standing_points import MEASURES, Counts, Judged, Points, count_points, shares
 from vista_eval.report.table import Table, fixed, write_measurement
+from vista_eval.suites.pairs import LIDAR, PairSource, detectors_for, find_sources, points_of
 
 Changes = dict[str, dict[str, float]]
 

@@ -25,8 +25,8 @@ from vista.mavlink.link import Link
 from vista.mavlink.sighting import Board, Sighting
 from vista.pipeline import Directions, Pipeline
 from vista_eval.dataset.stereo_pair import TruthPair
-from vista_eval.measured_pairs import LIDAR, find_sources
 from vista_eval.report.table import aligned
+from vista_eval.suites.pairs import LIDAR, find_sources
 
 WIDTH_DEG = 5.0
 POINTS_MIN = 30  # of a sector

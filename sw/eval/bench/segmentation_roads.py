@@ -33,7 +33,6 @@ from vista_eval.dataset.scenes import LabelledScene, read_scene, read_scenes
 from vista_eval.dataset.truth import TRUTH, read_truth
 from vista_eval.detectors import OURS
 from vista_eval.jobs import add_place, chosen_place, exit_on_failure, jobs_of, run
-from vista_eval.measured_pairs import LIDAR, detectors_for, find_sources, points_of
 from vista_eval.metrics.flight_score import score_records
 from vista_eval.metrics.flight_segmentation import pool
 from vista_eval.metrics.rules import STRICT
@@ -41,6 +40,7 @@ from vista_eval.metrics.scenes import partition_scenes, score_cut
 from vista_eval.metrics.segmentation import STATED, STATISTICS, PartitionScore, difference_interval
 from vista_eval.metrics.standing_points import MEASURES, Counts, Judged, count_points
 from vista_eval.report.table import Table, aligned, fixed, write_measurement
+from vista_eval.suites.pairs import LIDAR, detectors_for, find_sources, points_of
 
 DEV, STRIDE = "dev", 4
 SHIPPED = "as shipped"

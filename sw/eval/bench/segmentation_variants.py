@@ -160,7 +160,7 @@ def baseline_rows(folder: Path) -> list[dict[str, Any]]:
     found: dict[str, dict[str, Any]] = {}
     for split in SPLITS:
         scenes = read_scenes(folder, split)
-        scored = [score_scene(*pair).scores for pair in partition_scenes(scenes, parameters.defaults())]
+        scored = [score_scene(*pair) for pair in partition_scenes(scenes, parameters.defaults())]
         for name in list(scored[0])[1:]:
             found.setdefault(name, {})[split] = figures([scores[name] for scores in scored])
     return [{"variant": name, **row, "host_ms": None} for name, row in found.items()]

@@ -18,9 +18,11 @@ from vista_eval.baselines.stereo_alone import label_clusters
 from vista_eval.baselines.tracked_stereo import InVolume, Sweep, tracked_cached
 from vista_eval.controls import CONTROLS, FOREST, PERFECT, control_cached, true_words
 from vista_eval.detectors import OURS, SGBM
+from vista_eval.jobs import HERE
 from vista_eval.metrics.flight_score import score_records
 from vista_eval.metrics.rules import STRICT
-from vista_eval.score_worlds import Beside, score_worlds, write_worlds
+from vista_eval.score import score
+from vista_eval.suites.worlds import Beside, Worlds, score_world
 
 CAMERA = Calibration(disk.WIDTH, disk.HEIGHT, disk.FOCAL_PX, disk.CU, disk.CV, disk.BASELINE_M)
 FRAMES = 14
@@ -126,7 +128,7 @@ def test_the_forest_is_another_partition(flight: Path, tmp_path: Path) -> None:
     assert [record.regions for record in ours] != [record.regions for record in forest]
 
 
-def test_worlds_of_a_folder(flight: Path) -> None:
+def test_worlds_of_a_folder(flight: Path, capsys: pytest.CaptureFixture) -> None:
     """Two flights of one family, with everything beside them; then one of them is made to fail."""
     values = parameters.defaults()
     twin = flight.parent / "twin"
@@ -135,9 +137,11 @@ def test_worlds_of_a_folder(flight: Path) -> None:
         path = folder / "truth.json"
         path.write_text(path.read_text().replace('"split"', '"family": "signs", "split"'))
     beside = Beside(controls=(PERFECT,), sweep=SMALL, noise_grey=(2.0,))
-    worlds = score_worlds([flight, twin], values, beside)
+    suite = Worlds([flight, twin], beside, "worlds")
+    score(suite, flight.parent, values, HERE)
+    text = capsys.readouterr().out
+    worlds = [score_world(folder, values, beside) for folder in (flight, twin)]  # of what is kept
     assert [(world.name, world.family) for world in worlds] == [("sign", "signs"), ("twin", "signs")]
-    text = write_worlds(flight.parent, worlds, values)
     for title in ("By family", "in the same host", "Stereo alone", "sensor noise", "Segmentation"):
         assert title in text
     page = (flight.parent / "worlds.html").read_text()
@@ -145,5 +149,4 @@ def test_worlds_of_a_folder(flight: Path) -> None:
     failing = replace(worlds[0].scores[OURS], missed=(3, 4), false_alarm_frames=(4, 5))
     passing = replace(worlds[1].scores[OURS], missed=(), false_alarm_frames=())
     made = [replace(w, scores=w.scores | {OURS: s}) for w, s in zip(worlds, (failing, passing), strict=True)]
-    write_worlds(flight.parent, made, values, "failing")
-    assert "Frames that fail: 3, in 1 flights." in (flight.parent / "failing.html").read_text()
+    assert "Frames that fail: 3, in 1 flights." in suite.scoring(made, values).page.render()

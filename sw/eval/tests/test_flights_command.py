@@ -12,9 +12,9 @@ import pytest
 from vista import parameters
 from vista.cli import main
 from vista_eval import fly
-from vista_eval.command import flights as command
 from vista_eval.fly import Disturbance
 from vista_eval.metrics.flight_score import score_flight
+from vista_eval.suites import flights as command
 
 pytestmark = pytest.mark.slow
 
@@ -43,9 +43,9 @@ def test_the_table_has_both_groups_and_the_noise(printed: str) -> None:
     assert re.search(r"^sign +\d", printed, re.M)
     assert re.search(rf"^{FREE} ", printed, re.M)
     assert printed.count("= dev: 1 flights") == printed.count("= test: 1 flights") == 4
-    assert "with pose noise:" in printed
-    assert "with sensor noise of 4 grey levels:" in printed
-    assert "with sensor noise of 40 grey levels:" in printed
+    assert "\nWith poses as of a navigation filter: 0.1 m, 0.3 degrees, drifting\n" in printed
+    assert "\nWith sensor noise of 4 grey levels\n" in printed
+    assert "\nWith sensor noise of 40 grey levels\n" in printed
     assert "stereo alone, 540 thresholds over 2 flights" in printed
     assert re.search(r"^segmentation +things +IoU median, cut", printed, re.M)
 

@@ -90,7 +90,7 @@ def test_what_a_flight_from_nearby_misses_is_told() -> None:
     assert (hits.reached, hits.met) == ("1 of 1 flights; begins nearer: close from 40.0 m 22/26", True)
     assert goal([close], "error at 50 ft").met
     assert goal([close], "|P - P^|").met
-    assert re.search("close +36.0 +36.0 +22/26 +4 ", table([close]))
+    assert re.search("close +36.0 +36.0 +22/26 +4 ", table([close]).as_text())
 
 
 def test_what_comes_into_the_way_later_is_asked_for() -> None:

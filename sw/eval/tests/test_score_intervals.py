@@ -7,7 +7,7 @@ import pytest
 from random_seed import seeded
 from scipy.stats import beta
 from vista_eval.metrics.intervals import clopper_pearson, share_of_flights, share_of_frames
-from vista_eval.report.world_tables import share_text
+from vista_eval.suites.world_tables import share_text
 
 
 @pytest.mark.parametrize("whole", [1, 7, 40])

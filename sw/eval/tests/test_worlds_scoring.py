@@ -12,13 +12,16 @@ from command_line import Vista, assert_refused, call
 from small_worlds import small_families
 from vista import parameters
 from vista.errors import InputError
-from vista_eval import score_worlds
+from vista_eval import score as scoring
 from vista_eval.command import worlds as command
 from vista_eval.detectors import OURS
 from vista_eval.metrics import scoring_log
 from vista_eval.metrics.flight_score import FlightScore
 from vista_eval.metrics.scoring_log import LOG
 from vista_eval.metrics.world_score import WorldScore
+from vista_eval.report.page import Page
+from vista_eval.report.table import Table
+from vista_eval.suites import worlds as suite
 from vista_eval.worlds.sampled import catalog, frozen
 
 COUNT = 2
@@ -63,7 +66,9 @@ def three_hits(folder: Path, **_: object) -> WorldScore:
 @pytest.fixture
 def flights(tmp_path: Path, checkout: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.setattr(command, "render", render_nothing)
-    monkeypatch.setattr(score_worlds, "score_world", three_hits)
+    monkeypatch.setattr(suite, "score_world", three_hits)
+    monkeypatch.setattr(suite, "tables", lambda _: [Table("made up", (), [("the figures",)])])
+    monkeypatch.setattr(suite, "page", lambda *_: Page("", "", []))
     return tmp_path / "flights"
 
 
@@ -90,13 +95,12 @@ def test_a_scoring_is_logged_before_its_figures_are_seen(
     """Else a scoring that is stopped as it writes its report would leave no trace."""
     seen: list[int] = []
 
-    def write(*_: object) -> str:
+    def write(*_: object, **__: object) -> None:
         seen.append(len(lines(frozen_set)))
         if breaks:
             raise InputError(flights, "No space left on device")
-        return "the figures"
 
-    monkeypatch.setattr(score_worlds, "write_worlds", write)
+    monkeypatch.setattr(scoring, "write_measurement", write)
     status, out, _ = score(vista, flights)
     assert status == (2 if breaks else 0)
     assert breaks or out.index("logged:") < out.index("the figures")
@@ -113,7 +117,7 @@ def test_the_test_set_is_rendered_without_a_scoring(
 ) -> None:
     """Nothing is flown, nothing is logged, and nothing of results is printed or written."""
     flown: list[Path] = []
-    monkeypatch.setattr(score_worlds, "score_world", lambda folder, **_: flown.append(folder))
+    monkeypatch.setattr(suite, "score_world", lambda folder, **_: flown.append(folder))
     status, out, _ = vista("worlds", flights, "--split", "test", "--render-only", "--jobs", 1)
     assert status == 0 and not flown and lines(checkout) == []
     assert sorted(path.name for path in flights.iterdir()) == FLIGHTS
@@ -138,7 +142,6 @@ def test_the_set_is_frozen_anew_until_it_is_scored(
     assert vista(*freeze)[0] == 0
     assert frozen.read_frozen(frozen_set) == first
 
-    monkeypatch.setattr(score_worlds, "write_worlds", lambda *_: "")
     assert score(vista, flights)[0] == 0
     status, out, _ = vista(*freeze)
     assert status == 0 and "all as they were frozen" in out
@@ -181,11 +184,8 @@ def test_other_flights_are_not_scored(frozen_set: Path, flights: Path) -> None:
         command.before_a_scoring(folders)
 
 
-def test_every_scoring_adds_a_line(
-    frozen_set: Path, flights: Path, vista: Vista, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_every_scoring_adds_a_line(frozen_set: Path, flights: Path, vista: Vista) -> None:
     """With the parameters that were used."""
-    monkeypatch.setattr(score_worlds, "write_worlds", lambda *_: "")
     assert [score(vista, flights)[0] for _ in range(2)] == [0, 0]
     first, second = lines(frozen_set)
     assert first["parameters"] == second["parameters"] and first["previous"] != second["previous"]

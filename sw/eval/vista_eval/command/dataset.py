@@ -36,16 +36,16 @@ def execute(arguments: argparse.Namespace) -> int:
     # fsspec and pyarrow are of an extra, and take a moment, for which `--help` need not wait.
     from vista_eval.recordings.examine import Detector
     from vista_eval.recordings.examine_all import examine_all
+    from vista_eval.recordings.page import closing_lines, page
     from vista_eval.recordings.storage import absolute
     from vista_eval.recordings.table import worst_first, write_table
-    from vista_eval.report.recordings_page import closing_lines, render_page
 
     detector = Detector(arguments.engine, load_parameters(arguments.config, arguments.engine))
     place, out = chosen_place(arguments), arguments.out
     rows = examine_all(detector, absolute(arguments.prefix), place, out / ROWS)
     write_table(out / TABLE, rows)
     ordered = worst_first(rows)
-    write_atomically(out / REPORT, render_page(arguments.prefix, ordered))
+    write_atomically(out / REPORT, page(arguments.prefix, ordered).render())
     print("\n".join(closing_lines(ordered)))
     print(f"table: {out / TABLE}\nreport: {out / REPORT}")
     return EXIT_OK

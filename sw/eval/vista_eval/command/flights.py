@@ -10,39 +10,20 @@ The scores are printed. DIR receives flights.json, which has every figure, and r
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable
-from dataclasses import asdict
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from tqdm import tqdm
-from vista import parameters
 from vista.command.arguments import add_config, load_parameters
 from vista.errors import EXIT_OK, InputError
-from vista.output import write_atomically
 
-from vista_eval.baselines.stereo_alone import Outcome, outcomes_cached
 from vista_eval.command.arguments import add_quality, add_sensor_noise
-from vista_eval.dataset.truth import SPLITS, TRUTH, read_truth
-from vista_eval.fly import UNDISTURBED, Disturbance, fly_cached, records_name
-from vista_eval.jobs import Job, Place, add_place, chosen_place, is_worker, jobs_of, keep_to_one_core, run
-from vista_eval.metrics.comparison import Comparison, compare, comparison_line
-from vista_eval.metrics.flight_score import FlightScore, score_records, summary
-from vista_eval.metrics.flight_segmentation import FlightSegmentation, rows, segment_cached
-from vista_eval.metrics.flight_segmentation import table as segmentation_table
-from vista_eval.metrics.goals import Goal, goal_line, goals
-from vista_eval.metrics.group import group_score, table
-from vista_eval.report.filmstrip import filmstrip
-from vista_eval.report.flight_tables import stated
-from vista_eval.report.flights_page import FlightPage, render_flights
-from vista_eval.report.table import rounded, write_measurement
+from vista_eval.dataset.truth import TRUTH
+from vista_eval.jobs import add_place, chosen_place, is_worker, jobs_of, keep_to_one_core, run
 
 if TYPE_CHECKING:
     from vista_eval.render.flight import Flight, Quality
-
-SCORES, REPORT = "flights.json", "report.html"
-Work = Callable[[Path], Any]
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -86,130 +67,19 @@ def execute(arguments: argparse.Namespace) -> int:
         run(jobs_of(partial(render, folder, arguments.quality), names), place, "render", "flight")
     if arguments.render_only:
         return EXIT_OK
-    folders = [folder / name for name in names]
-    found = score_all(works_of(arguments, values), folders, place)
-    scores, segmented = found["fly"], found["segmentation"]
-    noisy, alone = found.get("pose noise", []), found.get("stereo alone", [])
-    sensed = {grey: found[sensor_noise_title(grey)] for grey in arguments.noise}
-    comparison = compare(scores, alone) if alone else None
-    against_stereo = comparison_untuned(scores, alone) if alone else None
-    reached = goals(untuned(scores), untuned(noisy), against_stereo)
-    print(table(scores))
-    if noisy:
-        print("\nwith pose noise:\n" + table(noisy))
-    for grey, scored in sensed.items():
-        print(f"\nwith sensor noise of {grey:g} grey levels:\n" + table(scored))
-    if comparison is not None:
-        print("\n" + comparison_line(comparison))
-    print("\n" + segmentation_table(segmented) + "\n")
-    print("\n".join(goal_line(goal) for goal in reached))
-    write_scores(arguments.folder / SCORES, scores, noisy, sensed, segmented, comparison, reached, values)
-    pages = [flight_page(values, flight) for flight in zip(folders, scores, strict=True)]
-    page = render_flights(pages, noisy, sensed, segmented, comparison, reached, values)
-    write_atomically(arguments.folder / REPORT, page)
-    print(f"\nreport: {arguments.folder / REPORT}")
+    from vista_eval.score import score
+    from vista_eval.suites.flights import Flights  # loads libvista, which `--help` need not
+
+    suite = Flights(
+        [folder / name for name in names],
+        arguments.pose_noise,
+        tuple(arguments.noise),
+        arguments.seed,
+        not arguments.no_baseline,
+        arguments.fly_again,
+    )
+    score(suite, arguments.folder, values, place)
     return EXIT_OK
-
-
-def untuned(scores: list[FlightScore]) -> list[FlightScore]:
-    """The scores of the flights that parameters were not chosen on."""
-    return [score for score in scores if score.split == "test"]
-
-
-def comparison_untuned(scores: list[FlightScore], alone: list[list[Outcome]]) -> Comparison | None:
-    theirs = [one for score, one in zip(scores, alone, strict=True) if score.split == "test"]
-    return compare(untuned(scores), theirs) if theirs else None
-
-
-def flight_page(values: parameters.Values, flight: tuple[Path, FlightScore]) -> FlightPage:
-    folder, score = flight
-    records = fly_cached(folder, values, folder / records_name())
-    truth = read_truth(folder)
-    return FlightPage(score, truth.focal_baseline_px_m, filmstrip(truth, score, records))
-
-
-def works_of(arguments: argparse.Namespace, values: parameters.Values) -> dict[str, Work]:
-    """What is made of every flight, by title."""
-    flown = partial(fly_and_score, values, anew=arguments.fly_again)
-    works: dict[str, Work] = {"fly": partial(flown, UNDISTURBED)}
-    if arguments.pose_noise:
-        works["pose noise"] = partial(flown, Disturbance(poses=True, seed=arguments.seed))
-    for grey in arguments.noise:
-        disturbance = Disturbance(image_grey=grey, seed=arguments.seed)
-        works[sensor_noise_title(grey)] = partial(flown, disturbance)
-    if not arguments.no_baseline:
-        works["stereo alone"] = partial(stereo_alone, values)
-    return works | {"segmentation": partial(segment, values)}
-
-
-def sensor_noise_title(grey: float) -> str:
-    return f"sensor noise {grey:g}"
-
-
-def score_all(works: dict[str, Work], folders: list[Path], place: Place) -> dict[str, list[Any]]:
-    """Results of each flight, in their order, by the title of the work."""
-    jobs = [
-        Job(f"{folder.name}, {title}", partial(work, folder))
-        for title, work in works.items()
-        for folder in folders
-    ]
-    results = iter(run(jobs, place, "score"))
-    return {title: [next(results) for _ in folders] for title in works}
-
-
-def fly_and_score(
-    values: parameters.Values, disturbance: Disturbance, folder: Path, anew: bool = False
-) -> FlightScore:
-    records = fly_cached(folder, values, folder / records_name(disturbance), disturbance, anew)
-    return score_records(folder, records, values)
-
-
-def segment(values: parameters.Values, folder: Path) -> FlightSegmentation:
-    return segment_cached(folder, values, folder / "segmentation.json")
-
-
-def stereo_alone(values: parameters.Values, folder: Path) -> list[Outcome]:
-    return outcomes_cached(folder, values, folder / "stereo_alone.json")
-
-
-def write_scores(
-    path: Path,
-    scores: list[FlightScore],
-    noisy: list[FlightScore],
-    sensed: dict[float, list[FlightScore]],
-    segmented: list[FlightSegmentation],
-    comparison: Comparison | None,
-    reached: list[Goal],
-    values: parameters.Values,
-) -> None:
-    figures = {
-        "groups": groups(scores),
-        "pose_noise": groups(noisy),
-        "sensor_noise": [
-            {"grey_levels": grey, "groups": groups(scored)}
-            for grey, scored in {0.0: scores, **sensed}.items()
-        ],
-    }
-    content: dict[str, Any] = {
-        "parameters": values,
-        "flights": [summary(score) for score in scores],
-        "groups": groups(scores),
-        "goals": [asdict(goal) for goal in reached],
-        "segmentation": [asdict(row) for row in rows(segmented) if row.things],
-        "stereo_alone": comparison and asdict(comparison),
-        "pose_noise": {"flights": [summary(score) for score in noisy], "groups": groups(noisy)},
-        "sensor_noise": [
-            {"grey_levels": grey, "flights": [summary(score) for score in scored], "groups": groups(scored)}
-            for grey, scored in sensed.items()
-        ],
-    }
-    write_measurement(path, stated(scores, sensed), rounded(figures, 2), **content)
-
-
-def groups(scores: list[FlightScore]) -> list[dict[str, Any]]:
-    members = {split: [score for score in scores if score.split == split] for split in SPLITS}
-    found = [group_score(split, flights) for split, flights in members.items() if flights]
-    return [asdict(group) | {"hit_rate": group.hit_rate} for group in found]
 
 
 def catalogue() -> dict[str, Flight]:

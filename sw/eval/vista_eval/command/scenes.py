@@ -20,20 +20,15 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import numpy as np
-from tqdm import tqdm
 from vista.command.arguments import add_config, load_parameters, positive
 from vista.errors import EXIT_OK, InputError
-from vista.output import write_atomically
-from vista.parameters import Values
 
 from vista_eval.command.arguments import add_quality
-from vista_eval.jobs import Place, add_place, chosen_place, jobs_of, keep_to_one_core, run
+from vista_eval.jobs import add_place, chosen_place, jobs_of, keep_to_one_core, run
 
 if TYPE_CHECKING:
     from vista_eval.render.flight import Quality
 
-SCORES, REPORT = "scenes.json", "scenes.html"
 COUNT = 160
 PAIRS_FOLDER = Path("measured-pairs")
 
@@ -63,45 +58,25 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def execute(arguments: argparse.Namespace) -> int:
     values = load_parameters(arguments.config, "golden")
     place = chosen_place(arguments)
-    measured = {"lidar": arguments.lidar, "dense": arguments.dense}
-    if any(measured.values()):
-        from vista_eval.command.measured_pairs import (
-            measure_folder,
-        )  # loads libvista, which `--help` need not
+    from vista_eval.score import score
+    from vista_eval.suites.pairs import Pairs
+    from vista_eval.suites.scenes import Scenes  # loads libvista, which `--help` need not
 
-        for kind, folder in measured.items():
-            if folder is not None:
-                measure_folder(kind, folder, arguments.folder or PAIRS_FOLDER, values, place)
+    measured = {"lidar": arguments.lidar, "dense": arguments.dense}
+    for kind, folder in measured.items():
+        if folder is not None:
+            suite = Pairs(kind, place.known_to_all(folder))
+            score(suite, arguments.folder or PAIRS_FOLDER, values, place)
+    if any(measured.values()):
         return EXIT_OK
     if arguments.folder is None:
         raise InputError("DIR", "the folder of the scenes is missing; or name --lidar or --dense")
-    return score_scenes(arguments, values, place)
-
-
-def score_scenes(arguments: argparse.Namespace, values: Values, place: Place) -> int:
-    from vista_eval.dataset.scenes import read_scenes
-    from vista_eval.metrics.scenes import partition_scenes, score_scene
-    from vista_eval.report import scenes_page as report  # loads libvista, which `--help` need not
-    from vista_eval.report.table import write_measurement
-
+    folder = place.known_to_all(arguments.folder)
     if not arguments.no_render:
         seeds = range(arguments.seed, arguments.seed + arguments.count)
-        render = partial(render_scene, place.known_to_all(arguments.folder), arguments.quality)
+        render = partial(render_scene, folder, arguments.quality)
         run(jobs_of(render, seeds, "scene_{:04d}".format), place, "render", "scene")
-    scenes = read_scenes(arguments.folder)
-    pairs = tqdm(
-        partition_scenes(scenes, values), desc="score", total=len(scenes), unit="scene", disable=None
-    )
-    scored = [score_scene(scene, partition) for scene, partition in pairs]
-    summary = report.halves(scored)
-    lines = report.table(summary)
-    host_ms = float(np.median([s.partition.host_ms for s in scored]))
-    content = report.as_json(scored, summary, values, host_ms)
-    stated = [report.stated(summary["test"])] if "test" in summary else []
-    write_measurement(arguments.folder / SCORES, stated, content["halves"], **content)
-    write_atomically(arguments.folder / REPORT, report.render_page(scored, lines))
-    print("\n".join(lines))
-    print(f"host {host_ms:.1f} ms; report: {arguments.folder / REPORT}")
+    score(Scenes(folder), arguments.folder, values, place)
     return EXIT_OK
 
 

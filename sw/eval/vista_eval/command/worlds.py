@@ -86,18 +86,21 @@ def execute(arguments: argparse.Namespace) -> int:
         return EXIT_OK
     folders = [folder / name_of(key) for key in keys]
     judged = before_a_scoring(folders) if arguments.split == "test" else None
-    from vista_eval.score_worlds import EVERYTHING, NOTHING, score_worlds, write_worlds  # loads libvista
+    from vista_eval.score import score
+    from vista_eval.suites.worlds import (  # loads libvista, which `--help` need not
+        EVERYTHING,
+        NOTHING,
+        Worlds,
+    )
 
     beside = NOTHING if arguments.no_controls else EVERYTHING
     beside = replace(
         beside, noise_grey=tuple(arguments.noise), sweep=None if arguments.no_sweep else beside.sweep
     )
-    worlds = score_worlds(folders, values, beside, place)
-    if judged is not None:  # before anybody sees a figure
-        log_scoring(judged, worlds, values)
-    name = f"worlds-{arguments.split}"
-    print(write_worlds(arguments.folder, worlds, values, name))
-    print(f"\nreport: {arguments.folder / f'{name}.html'}, figures: {arguments.folder / f'{name}.json'}")
+    suite = Worlds(folders, beside, f"worlds-{arguments.split}")
+    if judged is not None:
+        suite = replace(suite, before_shown=partial(log_scoring, judged))
+    score(suite, arguments.folder, values, place)
     return EXIT_OK
 
 

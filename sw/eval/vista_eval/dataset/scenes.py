@@ -33,12 +33,19 @@ class LabelledScene:
     view: LabelledView
 
 
-def read_scenes(folder: Path, split: str | None = None) -> list[LabelledScene]:
-    """Every scene_* of a folder, of one split if that is given, in the order of their names."""
-    scenes = [read_scene(truth.parent) for truth in sorted(folder.glob(f"scene_*/{TRUTH}"))]
-    chosen = [scene for scene in scenes if split in (None, scene.split)]
+def scene_folders(folder: Path) -> list[Path]:
+    """Every scene_* of a folder, in the order of their names. Raises InputError where there is none."""
+    found = [truth.parent for truth in sorted(folder.glob(f"scene_*/{TRUTH}"))]
+    if not found:
+        raise InputError(folder, "holds no labelled scenes")
+    return found
+
+
+def read_scenes(folder: Path, split: str) -> list[LabelledScene]:
+    """The scenes of a folder that are of one split."""
+    chosen = [scene for scene in map(read_scene, scene_folders(folder)) if scene.split == split]
     if not chosen:
-        raise InputError(folder, f"holds no labelled scenes{f' of the {split} half' if split else ''}")
+        raise InputError(folder, f"holds no labelled scenes of the {split} half")
     return chosen
 
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from vista_eval.baselines.stereo_alone import Outcome, Threshold, sweep
 from vista_eval.metrics.flight_score import FlightScore
+from vista_eval.report.table import Table
 
 
 @dataclass(frozen=True)
@@ -56,29 +57,32 @@ def compare(scores: list[FlightScore], alone: list[list[Outcome]]) -> Comparison
     )
 
 
-def comparison_line(comparison: Comparison) -> str:
-    fewest_missed = min(comparison.alone, key=lambda p: (p.missed, p.alarms))
-    fewest_alarms = min(comparison.alone, key=lambda p: (p.alarms, p.missed))
-    best = min(comparison.alone, key=lambda p: p.missed + p.alarms)
-    ours = comparison.ours
-    return (
-        f"stereo alone, {len(comparison.alone)} thresholds over {comparison.flights} flights: "
-        f"{len(comparison.beating) or 'none'} with fewer misses and fewer false alarms than ours "
-        f"({ours.missed} of {comparison.near_frames} frames missed, {ours.alarms} of {comparison.frames} "
-        f"with a false alarm), {len(comparison.equalling) or 'none'} with no more of either.\n"
-        f"  fewest misses: {counts(fewest_missed)}\n"
-        f"  fewest false alarms: {counts(fewest_alarms)}\n"
-        f"  smallest sum: {counts(best)}"
+def table(comparison: Comparison) -> Table:
+    alone, ours = comparison.alone, comparison.ours
+    chosen = {
+        "ours": ours,
+        "fewest misses": min(alone, key=lambda p: (p.missed, p.alarms)),
+        "fewest false alarms": min(alone, key=lambda p: (p.alarms, p.missed)),
+        "smallest sum": min(alone, key=lambda p: p.missed + p.alarms),
+    }
+    rows = [(name, f"{p.missed}", f"{p.alarms}", describe(p.threshold)) for name, p in chosen.items()]
+    heads = (
+        f"stereo alone, {len(alone)} thresholds over {comparison.flights} flights",
+        f"missed, of {comparison.near_frames} frames",
+        f"false alarm, of {comparison.frames}",
+        "threshold",
     )
-
-
-def counts(point: Point) -> str:
-    return f"{point.missed} missed, {point.alarms} false ({describe(point.threshold)})"
+    legend = (
+        f"{len(comparison.beating) or 'none'} of the thresholds with fewer misses and fewer false alarms "
+        "than "
+        f"ours, {len(comparison.equalling) or 'none'} with no more of either"
+    )
+    return Table("stereo-alone", heads, rows, legend, "Beside stereo alone")
 
 
 def describe(threshold: Threshold | None) -> str:
     if threshold is None:
-        return "ours"
+        return ""
     return (
         f"texture {threshold.texture}, uniqueness {threshold.uniqueness} %, SAD {threshold.sad:g}, "
         f"{threshold.pixels} px"

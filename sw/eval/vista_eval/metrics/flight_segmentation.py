@@ -21,8 +21,17 @@ from vista_eval.dataset.truth import SPLITS, TRUTH, read_truth
 from vista_eval.fly import flight_digest
 from vista_eval.metrics.intervals import MIN_FLIGHTS
 from vista_eval.metrics.scenes import CUT, REFERENCES, partition_scenes, score_cut, score_scene
-from vista_eval.metrics.segmentation import STATISTICS, PartitionScore, Thing, ThingScore, difference_interval
-from vista_eval.report.table import aligned
+from vista_eval.metrics.segmentation import (
+    BOUNDARY_PX,
+    FAR_M,
+    NEAR_M,
+    STATISTICS,
+    PartitionScore,
+    Thing,
+    ThingScore,
+    difference_interval,
+)
+from vista_eval.report.table import Table
 
 STRIDE = 8  # frames
 COMPARED = (*REFERENCES, FOREST)  # with the cut
@@ -51,7 +60,7 @@ def segment_flight(folder: Path, values: parameters.Values) -> FlightSegmentatio
     truth = read_truth(folder)
     scenes = [read_scene(folder, k) for k in range(0, len(truth.times_ns), STRIDE)]
     scored = [score_scene(scene, partition) for scene, partition in partition_scenes(scenes, values)]
-    pooled = {name: pool([one.scores[name] for one in scored]) for name in (CUT, *REFERENCES)}
+    pooled = {name: pool([one[name] for one in scored]) for name in (CUT, *REFERENCES)}
     grown = partition_scenes(scenes, with_forest(values))
     pooled[FOREST] = pool([score_cut(scene, partition) for scene, partition in grown])
     return FlightSegmentation(truth.name, truth.split, len(scenes), pooled)
@@ -135,11 +144,15 @@ def interval_text(row: SegmentationRow) -> str:
     )
 
 
-def table(flights: list[FlightSegmentation]) -> str:
-    lines = [("segmentation", *heads())]
-    below: dict[int, list[str]] = {}
+def table(flights: list[FlightSegmentation]) -> Table:
+    lines: list[tuple[str, ...]] = []
     for row in rows(flights):
         lines.append((row.name, *cells(row)))
         if row.intervals:
-            below[len(lines) - 1] = [f"  95 % over flights: {interval_text(row)}"]
-    return aligned(lines, below)
+            lines.append((f"  95 % over flights: {interval_text(row)}",))
+    legend = (
+        f"Frames {STRIDE} apart, each by itself; standing things at {NEAR_M:g} to {FAR_M:g} m. "
+        f"Boundary recall within {BOUNDARY_PX:g} px or one cell."
+    )
+    title = "Segmentation: the cut beside merging without a cut"
+    return Table("segmentation", ("segmentation", *heads()), lines, legend, title)

@@ -7,8 +7,9 @@ from dataclasses import dataclass, replace
 
 from vista_eval.metrics.comparison import Comparison
 from vista_eval.metrics.flight_score import FIRST_DETECTION_M, FlightScore
-from vista_eval.metrics.group import group_score, nees, number, percent, share
+from vista_eval.metrics.group import group_score, nees, percent, share
 from vista_eval.metrics.rules import HIT_RANGE, HIT_RANGE_M
+from vista_eval.report.table import Table, fixed
 
 AIMED_KINDS = ("sign", "pole")  # the paper's obstacles
 HIT_RATE, WITHIN_2DZ, MEDIAN_DZ = 0.95, 0.95, 0.5
@@ -50,7 +51,7 @@ def goals(scores: list[FlightScore], noisy: list[FlightScore], comparison: Compa
         ),
         Goal(
             f"median |P - P^| below {MEDIAN_DZ} dz(r)",
-            number(group.median_dz, 2) or "no samples",
+            fixed(group.median_dz, 2) or "no samples",
             None if group.median_dz is None else group.median_dz < MEDIAN_DZ,
         ),
         _each(
@@ -150,6 +151,7 @@ def _noise_goal(scores: list[FlightScore], noisy: list[FlightScore]) -> Goal:
     )
 
 
-def goal_line(goal: Goal) -> str:
-    mark = {True: "met  ", False: "SHORT", None: "-    "}[goal.met]
-    return f"{mark} {goal.demand}: {goal.reached}"
+def table(reached: list[Goal]) -> Table:
+    marks = {True: "met  ", False: "SHORT", None: "-    "}
+    lines = [(f"{marks[goal.met]} {goal.demand}: {goal.reached}",) for goal in reached]
+    return Table("goals", (), lines, title="What the flights not tuned on have to show")

@@ -10,7 +10,7 @@ from vista_eval.dataset.truth import SPLITS
 from vista_eval.metrics.consistency import Consistency, consistency
 from vista_eval.metrics.flight_score import FlightScore
 from vista_eval.metrics.rules import HIT_RANGE, NEAR
-from vista_eval.report.table import aligned
+from vista_eval.report.table import Table, fixed
 
 
 @dataclass(frozen=True)
@@ -68,21 +68,21 @@ def group_score(split: str, flights: list[FlightScore]) -> GroupScore:
 
 # Column head and what stands in it, of a flight.
 COLUMNS = (
-    ("tracked from, m", lambda s: number(s.tracked_from_m, 1)),
-    ("warned from, m", lambda s: number(s.first_detection_m, 1)),
+    ("tracked from, m", lambda s: fixed(s.tracked_from_m, 1)),
+    ("warned from, m", lambda s: fixed(s.first_detection_m, 1)),
     ("hits", lambda s: share(s.hits, s.band_frames)),
     ("missed", lambda s: str(len(s.missed)) if any(f.range_m is not None for f in s.frames) else ""),
     ("false", lambda s: counts(len(s.false_alarm_frames), s.false_alarm_obstacles)),
     ("2dz %", lambda s: percent(s.within_2dz)),
-    ("med dz", lambda s: number(s.median_dz, 2)),
+    ("med dz", lambda s: fixed(s.median_dz, 2)),
     ("RMS ft", lambda s: beside(s.rms_ft, s.companion_rms_ft)),
-    ("50ft ft", lambda s: number(s.error_at_50_ft, 1)),
+    ("50ft ft", lambda s: fixed(s.error_at_50_ft, 1)),
     ("ids", lambda s: str(s.id_switches) if s.matched_frames else ""),
-    ("GOSPA m", lambda s: number(s.gospa_m, 1)),
+    ("GOSPA m", lambda s: fixed(s.gospa_m, 1)),
     ("NEES", lambda s: nees(s.consistency)),
     ("blind", lambda s: share(s.blind_reported, s.blind_frames)),
     ("state", lambda s: states(s.degraded_frames, s.unseeing_frames)),
-    ("host ms", lambda s: number(s.host_ms, 1)),
+    ("host ms", lambda s: fixed(s.host_ms, 1)),
 )
 LEGEND = (
     "tracked, warned from: range of the target in the first frame that has it as an obstacle, as a warning, "
@@ -93,16 +93,15 @@ LEGEND = (
 )
 
 
-def table(flights: list[FlightScore]) -> str:
-    """Text, one line a flight, by group."""
-    rows = [("flight", *(head for head, _ in COLUMNS))]
-    below: dict[int, list[str]] = {}
+def table(flights: list[FlightScore], title: str = "Scores", legend: str = LEGEND) -> Table:
+    """A row for each flight, by group; below each group its totals."""
+    rows: list[tuple[str, ...]] = []
     for split in SPLITS:
         members = [flight for flight in flights if flight.split == split]
         rows += [(flight.name, *(cell(flight) for _, cell in COLUMNS)) for flight in members]
         if members:
-            below[len(rows) - 1] = [group_line(group_score(split, members)), ""]
-    return f"{aligned(rows, below)}\n{LEGEND}"
+            rows.append((group_line(group_score(split, members)),))
+    return Table("scores", ("flight", *(head for head, _ in COLUMNS)), rows, legend, title)
 
 
 def group_line(group: GroupScore) -> str:
@@ -112,7 +111,7 @@ def group_line(group: GroupScore) -> str:
         f"{percent(group.worst_hit_rate) or '-'} %), missed {group.missed_frames}, false alarms "
         f"{group.false_alarm_frames} frames of {group.false_alarm_obstacles} obstacles "
         f"({group.ghost_frames} with nothing there), within 2 dz {percent(group.within_2dz) or '-'} %, "
-        f"median {number(group.median_dz, 2) or '-'} dz, id switches {group.id_switches}, "
+        f"median {fixed(group.median_dz, 2) or '-'} dz, id switches {group.id_switches}, "
         f"NEES {nees(group.consistency) or '-'}, "
         f"blind {share(group.blind_reported, group.blind_frames) or '-'}, "
         f"calls itself degraded + blind in {states(group.degraded_frames, group.unseeing_frames) or 'no'} "
@@ -120,12 +119,8 @@ def group_line(group: GroupScore) -> str:
     )
 
 
-def number(value: float | None, digits: int) -> str:
-    return "" if value is None else f"{value:.{digits}f}"
-
-
 def beside(value: float | None, other: float | None) -> str:
-    return number(value, 1) + ("" if other is None else f"/{other}")
+    return fixed(value, 1) + ("" if other is None else f"/{other}")
 
 
 def percent(value: float | None) -> str:

@@ -6,7 +6,6 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from time import thread_time
 
-import numpy as np
 from vista import parameters
 from vista.chain import engine_parameters
 from vista.engine import Engine, create_engine
@@ -95,21 +94,9 @@ def score_cells(scene: LabelledScene, partition: Partition) -> PartitionScore:
     return score_regions(scene, partition, result.region_of_cell[result.cell_of_pixel])
 
 
-@dataclass(frozen=True)
-class ScoredScene:
-    scene: LabelledScene
-    partition: Partition
-    scores: dict[str, PartitionScore]  # by partition: cut, reference methods, grid limit
-
-    def mean_iou(self) -> float:
-        """The mean IoU of the cut; a scene without a thing to find comes last."""
-        ious = [thing.iou for thing in self.scores[CUT].things]
-        return float(np.mean(ious)) if ious else float("inf")
-
-
-def score_scene(scene: LabelledScene, partition: Partition) -> ScoredScene:
+def score_scene(scene: LabelledScene, partition: Partition) -> dict[str, PartitionScore]:
+    """By partition: cut, reference methods, grid limit."""
     regions = {CUT: cut_regions(partition)}
     regions |= {name: reference_regions(partition, reference) for name, reference in REFERENCES.items()}
     regions[GRID] = grid_regions(scene, partition)
-    scores = {name: score_regions(scene, partition, region) for name, region in regions.items()}
-    return ScoredScene(scene, partition, scores)
+    return {name: score_regions(scene, partition, region) for name, region in regions.items()}

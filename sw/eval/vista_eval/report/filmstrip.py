@@ -2,41 +2,32 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import cv2
 import numpy as np
 from vista.history import FrameRecord
-from vista.report.overlay import Picture, draw_obstacles
+from vista.report.overlay import Picture as Pixels
+from vista.report.overlay import draw_obstacles
 from vista.report.palette import WHITE
 from vista.sequence import read_grey
 
 from vista_eval.dataset.truth import FlightTruth
 from vista_eval.metrics.flight_score import FlightScore
 from vista_eval.metrics.judge import FrameScore
+from vista_eval.report.page import Picture, as_jpeg
 
 EVEN_FRAMES, FAILING_FRAMES = 5, 6
-WIDTH_PX, JPEG_QUALITY = 420, 72
+WIDTH_PX, QUALITY = 420, 72
 
 
-@dataclass(frozen=True)
-class Still:
-    frame: int
-    caption: str
-    failing: bool
-    jpeg: bytes
-
-
-def filmstrip(truth: FlightTruth, score: FlightScore, records: list[FrameRecord]) -> list[Still]:
+def filmstrip(truth: FlightTruth, score: FlightScore, records: list[FrameRecord]) -> list[Picture]:
     by_time = {record.t_ns: record for record in records}
     failing = spread([k for k, f in enumerate(score.frames) if f.missed or f.false_alarms], FAILING_FRAMES)
     even = spread(list(range(len(score.frames))), EVEN_FRAMES)
     return [
-        Still(
-            k,
-            caption(score.frames[k]),
+        Picture(
+            f"frame {k}: {caption(score.frames[k])}",
+            as_jpeg(reduced(draw_still(truth, k, by_time[score.frames[k].t_ns])), QUALITY),
             score.frames[k].missed or bool(score.frames[k].false_alarms),
-            _jpeg(draw_still(truth, k, by_time[score.frames[k].t_ns])),
         )
         for k in sorted({*even, *failing})
     ]
@@ -61,7 +52,7 @@ def caption(frame: FrameScore) -> str:
     return ", ".join(parts)
 
 
-def draw_still(truth: FlightTruth, index: int, record: FrameRecord) -> Picture:
+def draw_still(truth: FlightTruth, index: int, record: FrameRecord) -> Pixels:
     """Obstacles as the chain has them; a thin white box around what is seen of each target."""
     left = read_grey(truth.folder / "mav0" / "cam0" / "data" / f"{record.t_ns}.png")
     picture = draw_obstacles(left, list(record.obstacles), record.nearest_collision)
@@ -73,7 +64,6 @@ def draw_still(truth: FlightTruth, index: int, record: FrameRecord) -> Picture:
     return picture
 
 
-def _jpeg(picture: Picture) -> bytes:
+def reduced(picture: Pixels) -> Pixels:
     scale = min(1.0, WIDTH_PX / picture.shape[1])
-    scaled = cv2.resize(picture, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA)
-    return cv2.imencode(".jpg", scaled, [cv2.IMWRITE_JPEG_QUALITY, JPEG_QUALITY])[1].tobytes()
+    return np.asarray(cv2.resize(picture, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA), np.uint8)

@@ -18,21 +18,27 @@ from vista.output import make_folder, write_atomically
 class Table:
     name: str
     heads: tuple[str, ...]
-    rows: Sequence[tuple[str, ...]]
+    rows: Sequence[tuple[str, ...]]  # one cell alone: a line across all columns
     legend: str = ""  # a text below it
     title: str = ""
 
     def as_text(self) -> str:
-        return "\n".join(filter(None, [self.title, aligned([self.heads, *self.rows]), self.legend]))
+        heads = [self.heads] if self.heads else []
+        return "\n".join(filter(None, [self.title, aligned([*heads, *self.rows]), self.legend]))
+
+    def is_text(self, column: int) -> bool:
+        """A column of words, which begin at the left."""
+        cells = [row[column] for row in self.rows if len(row) > 1]
+        return not any(cell[:1].isdigit() for cell in cells) and any(cell[:1].isalpha() for cell in cells)
 
 
-def aligned(rows: Sequence[tuple[str, ...]], below: dict[int, list[str]] | None = None) -> str:
-    """First column to the left, the others to the right; below: whole lines after a row, by its index."""
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+def aligned(rows: Sequence[tuple[str, ...]]) -> str:
+    """First column to the left, the others to the right. A row of one cell is a line across all columns."""
+    widths = [max(map(len, column)) for column in zip(*(row for row in rows if len(row) > 1), strict=True)]
     lines = []
-    for k, row in enumerate(rows):
-        cells = [row[0].ljust(widths[0]), *map(str.rjust, row[1:], widths[1:])]
-        lines += ["  ".join(cells).rstrip(), *(below or {}).get(k, [])]
+    for row in rows:
+        cells = row if len(row) == 1 else (row[0].ljust(widths[0]), *map(str.rjust, row[1:], widths[1:]))
+        lines.append("  ".join(cells).rstrip())
     return "\n".join(lines)
 
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from vista.report.page import fill_template
 
 from vista_eval.recordings.examine import Row
-from vista_eval.report.table import aligned
+from vista_eval.report.page import Page, Section
+from vista_eval.report.table import Table
 
 SHOWN, PRINTED = 500, 10
 HEADING = (
@@ -24,22 +24,25 @@ HEADING = (
 )
 
 
-def render_page(prefix: str, ordered: list[Row]) -> str:
-    return fill_template(
-        "recordings.html.j2",
-        package="vista_eval.report",
-        prefix=prefix,
-        cards=[{"name": name, "value": value} for name, value in totals(ordered).items()],
-        heading=HEADING,
-        rows=[{"cells": cells(row), "failed": row["error"] is not None} for row in ordered[:SHOWN]],
-        left_out=len(ordered[SHOWN:]),
+def page(prefix: str, ordered: list[Row]) -> Page:
+    more = len(ordered[SHOWN:])
+    facts = ", ".join(f"{value} {name}" for name, value in totals(ordered).items())
+    text = (
+        "Worst first: what could not be read to its end, then by the share of frames that are blind, "
+        "degraded, "
+        f"with a collision warning.{f' {more} more are in the table recordings.parquet.' if more else ''}"
     )
+    return Page(prefix, facts, [Section("Recordings", [table(ordered[:SHOWN])], text)])
 
 
 def closing_lines(ordered: list[Row]) -> list[str]:
     """The worst, and the totals."""
-    table = aligned([HEADING, *map(cells, ordered[:PRINTED])])
-    return [table, "", ", ".join(f"{value} {name}" for name, value in totals(ordered).items())]
+    worst = table(ordered[:PRINTED]).as_text()
+    return [worst, "", ", ".join(f"{value} {name}" for name, value in totals(ordered).items())]
+
+
+def table(rows: list[Row]) -> Table:
+    return Table("recordings", HEADING, [cells(row) for row in rows])
 
 
 def totals(rows: list[Row]) -> dict[str, Any]:

@@ -7,12 +7,12 @@ from vista_eval.detectors import OURS
 from vista_eval.metrics.comparison import describe
 from vista_eval.metrics.flight_score import FIRST_DETECTION_M
 from vista_eval.metrics.flight_segmentation import SHOWN
-from vista_eval.metrics.group import nees, number, states
+from vista_eval.metrics.group import nees, states
 from vista_eval.metrics.intervals import Share
 from vista_eval.metrics.rules import STRICT
 from vista_eval.metrics.scenes import CUT, REFERENCES
 from vista_eval.metrics.world_score import ControlScore, FamilyScore
-from vista_eval.report.table import Table
+from vista_eval.report.table import Table, fixed
 
 REFERENCE = next(iter(REFERENCES))
 FOREST_SIGN = "cut - forest"
@@ -59,7 +59,7 @@ def scores_table(families: list[FamilyScore]) -> Table:
                 str(ours.alarm_frames),
                 share_text(ours.alarm_flights),
                 share_text(ours.within_2dz),
-                number(ours.median_dz, 2),
+                fixed(ours.median_dz, 2),
                 nees(ours.consistency),
                 share_text(ours.first_far),
                 states(ours.degraded_frames, ours.blind_frames),

@@ -1,37 +1,207 @@
-"""Measures of real pairs -> tables, JSON, and one page that shows the worst."""
+"""Real pairs with measured truth through every detector: `vista scenes --lidar` and `--dense`."""
 
 from __future__ import annotations
 
-import base64
-from dataclasses import asdict
+from dataclasses import asdict, dataclass, replace
+from functools import lru_cache, partial
+from pathlib import Path
 from typing import Any
 
 import cv2
 import numpy as np
+from markupsafe import Markup
 from numpy.typing import NDArray
 from vista import parameters
+from vista.chain import engine_parameters
+from vista.errors import InputError
+from vista.geometry import Calibration
 from vista.report.overlay import draw_disparity
-from vista.report.page import fill_template
 from vista.report.palette import INK, WHITE
 
+from vista_eval.dataset.dense_stereo import find_scenes, read_scene
+from vista_eval.dataset.kitti_stereo import PairFiles, find_pairs, read_pair
 from vista_eval.dataset.stereo_pair import TruthPair
 from vista_eval.dataset.truth import SPLITS
-from vista_eval.detectors import OURS
-from vista_eval.measured_pairs import DENSE, MeasuredPair
+from vista_eval.detectors import OURS, Detectors
+from vista_eval.jobs import Job, jobs_of
 from vista_eval.metrics import standing_points as standing
-from vista_eval.metrics.standing_points import MEASURES, Counts, Judged, Points, Share, fates, shares
+from vista_eval.metrics.segmentation import matched_area
+from vista_eval.metrics.standing_points import (
+    MEASURES,
+    Counts,
+    Judged,
+    Points,
+    Share,
+    count_points,
+    dense_points,
+    fates,
+    shares,
+    street_points,
+)
+from vista_eval.report.page import Page, Picture, Section, as_jpeg
 from vista_eval.report.table import Table, with_interval
+from vista_eval.score import Scoring
+
+LIDAR, DENSE = "lidar", "dense"
+
+
+@dataclass(frozen=True)
+class PairSource:
+    """One pair on disk; picklable."""
+
+    kind: str  # LIDAR or DENSE
+    name: str
+    split: str
+    files: Any
+
+    def read(self) -> TruthPair:
+        return read_pair(self.files) if self.kind == LIDAR else read_scene(self.files, self.split)
+
+
+@dataclass(frozen=True)
+class MeasuredPair:
+    name: str
+    split: str
+    counts: dict[str, Counts] | None  # by detector; None: no road was found
+
+
+def find_sources(kind: str, folder: Path) -> list[PairSource]:
+    """Raises InputError for a folder that holds no such pairs."""
+    if kind == LIDAR:
+        files: list[PairFiles] = find_pairs(folder)
+        return [PairSource(kind, one.name, one.split, one) for one in files]
+    return [PairSource(kind, path.name, split, path) for path, split in find_scenes(folder)]
+
+
+def points_of(kind: str, pair: TruthPair) -> Points | None:
+    """Those that the shipped engine can match, whatever is measured."""
+    stereo = engine_parameters(parameters.defaults())
+    height, width = pair.left.shape
+    area = matched_area(height, width, stereo.num_disparities, stereo.block_size)
+    largest_px = stereo.num_disparities - 1.0
+    if kind == LIDAR:
+        return street_points(pair.camera, pair.disparity_px, area, largest_px)
+    return dense_points(pair.disparity_px, area, largest_px)
+
+
+def measure(values: parameters.Values, source: PairSource) -> MeasuredPair:
+    pair = source.read()
+    points = points_of(source.kind, pair)
+    if points is None:
+        return MeasuredPair(source.name, source.split, None)
+    judged = detectors_for(pair, values).judge(pair)
+    counts = {name: count_points(points, one) for name, one in judged.items()}
+    return MeasuredPair(source.name, source.split, counts)
+
+
+def look(values: parameters.Values, source: PairSource, detector: str) -> tuple[TruthPair, Points, Judged]:
+    """One pair once more, for its picture."""
+    pair = source.read()
+    points = points_of(source.kind, pair)
+    assert points is not None
+    return pair, points, detectors_for(pair, values).judge(pair)[detector]
+
+
+def detectors_for(pair: TruthPair, values: parameters.Values) -> Detectors:
+    try:
+        return _of_camera(pair.camera, _Same(values))
+    except ValueError as error:
+        raise InputError(pair.name, str(error)) from None
+
+
+class _Same:
+    """Parameters as a key: equal if all values are."""
+
+    def __init__(self, values: parameters.Values) -> None:
+        self.values = values
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _Same) and self.values == other.values
+
+    def __hash__(self) -> int:
+        return 0
+
+
+@lru_cache(maxsize=8)  # KITTI has images of five sizes
+def _of_camera(camera: Calibration, same: _Same) -> Detectors:
+    return Detectors(camera, same.values)
+
+
+# ---- all pairs ----
 
 ROAD_ONLY = ("road", "cylinder")  # measures of scenes with a road
 TITLES = {
     "lidar": "street pairs with LiDAR: what stands, and what becomes of it",
     "dense": "indoor pairs with dense truth: what is seen, and what becomes of it",
 }
+HALVES = (
+    "Pairs in even places of the sorted names are the group dev, on which parameters may be chosen; those in "
+    "odd "
+    "places are the group test. In brackets: 95 % of a bootstrap over pairs."
+)
 FACTS = {
     "lidar": "Standing points: LiDAR pixels 0.5 m or more above the road, 5 to 45 m away.",
     "dense": "No road and no scale: every measured pixel counts as standing. Distances: nearer and farther "
     "than the median disparity of the scene.",
 }
+
+
+@dataclass(frozen=True)
+class Pairs:
+    kind: str  # LIDAR or DENSE
+    folder: Path
+
+    @property
+    def name(self) -> str:
+        return self.kind
+
+    @property
+    def page_name(self) -> str:
+        return f"{self.kind}.html"
+
+    def jobs(self, values: parameters.Values) -> list[Job]:
+        return jobs_of(
+            partial(measure, values), find_sources(self.kind, self.folder), lambda source: source.name
+        )
+
+    def scoring(self, results: list[MeasuredPair], values: parameters.Values) -> Scoring:
+        if not any(one.counts is not None for one in results):
+            raise InputError(self.folder, "no pair shows a road")
+        shown, content = tables(self.kind, results), as_json(self.kind, results, values)
+        halves = content["halves"]
+        without = [one.name for one in results if one.counts is None]
+        sections = [Section(table.title, [replace(table, title="")]) for table in shown]
+        if without:
+            sections.insert(0, Section("Not measured", text=f"No road was found in {', '.join(without)}."))
+        lidar = self.kind == LIDAR
+        return Scoring(
+            shown,
+            Page(
+                f"{len(results)} {TITLES[self.kind]}",
+                f"{FACTS[self.kind]} {HALVES}",
+                [*sections, self._worst(results, values)],
+                (standing.__doc__ or "").strip(),
+                values,
+                wide=True,
+            ),
+            content,
+            [documented(halves)] if lidar else [],
+            {"halves": compact(halves)},
+            front_page(halves["test"]) if lidar and "test" in halves else None,
+        )
+
+    def _worst(self, results: list[MeasuredPair], values: parameters.Values) -> Section:
+        sources, pictures = {one.name: one for one in find_sources(self.kind, self.folder)}, []
+        for one in worst(results):
+            pair, points, judged = look(values, sources[one.name], OURS)
+            drawn = draw_pair(pair, points, judged, values["stereo"]["num_disparities"])
+            title = f"{one.name} ({one.split}): recall {recall_of(one):.2f}; {caption(one)}"
+            pictures.append(Picture(title, as_jpeg(drawn)))
+        text = (
+            "Top: standing points by what becomes of them; middle: the regions by their verdict; bottom: the "
+            "disparities. "
+        )
+        return Section("The worst pairs", text=Markup.escape(text) + legend(), pictures=pictures)
 
 
 def measures_of(kind: str) -> dict[str, tuple[str, str]]:
@@ -44,34 +214,32 @@ def by_half(measured: list[MeasuredPair]) -> dict[str, list[dict[str, Counts]]]:
     return {split: counts for split, counts in halves.items() if counts}
 
 
-Cells = tuple[str, ...]
-
-
-def tables(kind: str, measured: list[MeasuredPair]) -> list[tuple[str, list[Cells]]]:
-    """(title, rows), the first row the heading."""
+def tables(kind: str, measured: list[MeasuredPair]) -> list[Table]:
+    """Three of each half: by detector, by distance, by verdict."""
     result = []
     for split, half in by_half(measured).items():
         measures = measures_of(kind)
         whole = measures | standing.TOO_NEAR
         ours = [counts[OURS] for counts in half]
         points = sum(counts["standing"] for counts in ours)
-        rows: list[Cells] = [("", *whole)]
+        rows: list[tuple[str, ...]] = []
         for name in half[0]:
             found = shares([counts[name] for counts in half], whole)
             rows.append((name, *(written(found[key]) for key in whole)))
-        result.append((f"{split}: {len(half)} pairs, {points} standing points", rows))
-        rows = [(f"{OURS}, by distance", *measures)]
+        title = f"{split}: {len(half)} pairs, {points} standing points"
+        result.append(Table("detectors", ("", *whole), rows, title=title))
+        rows = []
         for band in bands(ours):
             found = shares(ours, standing.in_band(measures, band))
             rows.append((band, *(written(found[key]) for key in measures)))
-        result.append((f"{split}: by distance", rows))
-        names = bands(ours)
-        rows = [("standing points by verdict", "all", *names)]
+        result.append(Table("distances", (OURS, *measures), rows, title=f"{split}: by distance"))
+        names, rows = bands(ours), []
         verdicts = standing.verdict_measures(ours)
         columns = [shares(ours, standing.in_band(verdicts, band)) for band in (None, *names)]
         for verdict in verdicts:
             rows.append((verdict.lower().replace("_", " "), *(written(c[verdict]) for c in columns)))
-        result.append((f"{split}: by verdict", rows))
+        heads = ("standing points", "all", *names)
+        result.append(Table("verdicts", heads, rows, title=f"{split}: by verdict"))
     return result
 
 
@@ -83,20 +251,6 @@ def written(share: Share) -> str:
     if not np.isfinite(share.value):
         return ""
     return f"{share.value:.3f} ({share.low:.3f} .. {share.high:.3f})"
-
-
-def lines(tables: list[tuple[str, list[Cells]]]) -> list[str]:
-    """Markdown."""
-    result = []
-    for title, rows in tables:
-        result += [
-            f"**{title}**",
-            "",
-            "| " + " | ".join(rows[0]) + " |",
-            "|---|" + "---|" * (len(rows[0]) - 1),
-        ]
-        result += ["| " + " | ".join(row) + " |" for row in rows[1:]] + [""]
-    return result
 
 
 def as_json(kind: str, measured: list[MeasuredPair], values: parameters.Values) -> dict[str, Any]:
@@ -128,7 +282,7 @@ def as_json(kind: str, measured: list[MeasuredPair], values: parameters.Values) 
     }
 
 
-def stated(halves: dict[str, Any]) -> Table:
+def documented(halves: dict[str, Any]) -> Table:
     """What the documentation has of pairs with LiDAR."""
     keys = (*MEASURES, *standing.TOO_NEAR)
     rows = [
@@ -170,7 +324,7 @@ def found(counts: list[Counts], wanted: dict[str, tuple[str, str]]) -> dict[str,
 
 # ---- pictures ----
 
-Picture = NDArray[np.uint8]
+Pixels = NDArray[np.uint8]
 SHOWN, LEAST_POINTS = 8, 500
 COLOURS = {  # BGR, of the standing points by what becomes of them
     "ACCEPTED": (80, 230, 60),
@@ -193,9 +347,8 @@ def recall_of(measured: MeasuredPair) -> float:
     return counts["recalled"] / counts["standing"]
 
 
-def draw_pair(pair: TruthPair, points: Points, judged: Judged, num_disparities: int) -> Picture:
-    """Draws above the points by their fate, and below the regions, accepted ones tinted, and the
-    disparities."""
+def draw_pair(pair: TruthPair, points: Points, judged: Judged, num_disparities: int) -> Pixels:
+    """Above: the points by their fate; below: the regions, accepted ones tinted, and the disparities."""
     fate = fates(points, judged)
     picture = cv2.cvtColor(pair.left, cv2.COLOR_GRAY2BGR) // 2
     colour = np.array([COLOURS.get(v, OTHER) for v in fate.verdict], np.uint8).reshape(-1, 3)
@@ -207,7 +360,7 @@ def draw_pair(pair: TruthPair, points: Points, judged: Judged, num_disparities: 
     return np.vstack([picture, draw_verdicts(pair, judged), draw_disparity(judged.words, num_disparities)])
 
 
-def draw_verdicts(pair: TruthPair, judged: Judged) -> Picture:
+def draw_verdicts(pair: TruthPair, judged: Judged) -> Pixels:
     colours = np.array([*(COLOURS.get(v, OTHER) for v in judged.verdict_of_region), INK], np.uint8)
     label = judged.region_of_pixel
     picture = (cv2.cvtColor(pair.left, cv2.COLOR_GRAY2BGR) // 2 + colours[label] // 3).astype(np.uint8)
@@ -218,21 +371,15 @@ def draw_verdicts(pair: TruthPair, judged: Judged) -> Picture:
     return picture
 
 
-def legend() -> list[dict[str, str]]:
+def legend() -> Markup:
     entries = {
         "accepted, at the depth of its region": COLOURS["ACCEPTED"],
         "accepted, at another depth": AT_ANOTHER_DEPTH,
     }
     entries |= {n.lower().replace("_", " "): c for n, c in COLOURS.items() if n != "ACCEPTED"}
     entries |= {"any other verdict": OTHER, "road inside an accepted region": ROAD_HIT}
-    return [{"name": name, "colour": f"rgb({r}, {g}, {b})"} for name, (b, g, r) in entries.items()]
-
-
-def encode(title: str, text: str, picture: Picture) -> dict[str, str]:
-    done, jpeg = cv2.imencode(".jpg", picture, [cv2.IMWRITE_JPEG_QUALITY, 75])
-    assert done
-    uri = "data:image/jpeg;base64," + base64.b64encode(jpeg.tobytes()).decode()
-    return {"title": title, "text": text, "uri": uri}
+    swatch = Markup('<span class="swatch" style="background: rgb({2}, {1}, {0})"></span>{3}')
+    return Markup("").join(swatch.format(*colour, name) for name, colour in entries.items())
 
 
 def caption(measured: MeasuredPair) -> str:
@@ -241,23 +388,3 @@ def caption(measured: MeasuredPair) -> str:
     verdicts = {v: counts[f"verdict {v}"] / counts["standing"] for v in standing.verdict_names([counts])}
     parts = ", ".join(f"{v.lower().replace('_', ' ')} {share:.0%}" for v, share in verdicts.items())
     return f"{counts['standing']} standing points: {parts}"
-
-
-def render_page(
-    kind: str,
-    measured: list[MeasuredPair],
-    written_tables: list[tuple[str, list[Cells]]],
-    pictures: list[dict[str, str]],
-) -> str:
-    return fill_template(
-        "pairs.html.j2",
-        package="vista_eval.report",
-        pairs=len(measured),
-        title=TITLES[kind],
-        facts=FACTS[kind],
-        tables=[{"title": title, "heading": rows[0], "rows": rows[1:]} for title, rows in written_tables],
-        legend=legend(),
-        pictures=pictures,
-        without_road=[m.name for m in measured if m.counts is None],
-        definitions=(standing.__doc__ or "").strip(),
-    )
