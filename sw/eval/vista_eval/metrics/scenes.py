@@ -95,7 +95,7 @@ def score_cells(scene: LabelledScene, partition: Partition) -> PartitionScore:
 
 
 def score_scene(scene: LabelledScene, partition: Partition) -> dict[str, PartitionScore]:
-    """By partition: cut, reference methods, grid limit."""
+    """Scores by partition: cut, reference methods, grid limit."""
     regions = {CUT: cut_regions(partition)}
     regions |= {name: reference_regions(partition, reference) for name, reference in REFERENCES.items()}
     regions[GRID] = grid_regions(scene, partition)
