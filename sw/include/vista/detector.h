@@ -73,7 +73,7 @@ typedef struct vista_detector_matched {
   int32_t levels;
 } vista_detector_matched;
 
-/* The place and time of the camera in a pair. Members that are left out stand for "not known"; see vista_frame. */
+/* The place and the motion of the camera at the time of a pair. Members that are left out stand for "not known"; see vista_frame. */
 typedef struct vista_detector_place {
   const vista_pose *pose; /* of the rectified left camera; vista_rig_rectified_pose makes it from that of the raw one */
   const double *up_world, *velocity_m_s; /* 3 numbers each */
