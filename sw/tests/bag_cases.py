@@ -25,7 +25,7 @@ CAMERA, BODY, ODOM = "left_optical", "base_link", "odom"
 
 
 class BagWriter:
-    """Of one kind; `make` builds messages of its types."""
+    """Writes a bag of one kind; `make` builds messages of its types."""
 
     def __init__(self, writer: Any, store: Any, is1: bool) -> None:
         self._writer, self._store, self._is1 = writer, store, is1
@@ -90,7 +90,7 @@ def compressed_image(bag: BagWriter, t_ns: int, pixels: np.ndarray, extension: s
 
 
 def camera_info(bag: BagWriter, frame: Frame, recording: Recording, side: str, **changed: Any) -> Any:
-    """As ROS's calibration program writes it."""
+    """The camera_info that ROS's calibration program writes."""
     (R, P), *_ = rectified_cameras(recording.raw)[:: 1 if side == "left" else -1]
     camera: CameraModel = getattr(recording.raw, side)
     if Rectifier(recording.raw).is_passthrough:

@@ -35,7 +35,7 @@ class BoardFrame:
 
     @property
     def board_distance_m(self) -> float:
-        """From the camera to the board's plane, along the flight."""
+        """The distance from the camera to the board's plane, along the flight."""
         return BOARD_X_M - float(self.position_m[0])
 
 

@@ -72,7 +72,7 @@ def fisheye_rig(size: tuple[int, int] = (640, 480)) -> RawCalibration:
 
 
 def distort(camera: CameraModel, x: Array, y: Array) -> tuple[Array, Array]:
-    """Where the lens brings the tangents of the angles of a ray, before the camera matrix."""
+    """The places to which the lens brings the tangents of the angles of a ray, before the camera matrix."""
     r2 = x * x + y * y
     if camera.lens == "fisheye":
         r = np.sqrt(r2)
@@ -271,7 +271,8 @@ def exact_row_errors_px(found: RawCalibration, rig: RawCalibration) -> Array:
 
 
 def far_disparities_px(found: RawCalibration, rig: RawCalibration) -> Array:
-    """Of what is so far away that its disparity should be 0: what is missing there is missing everywhere."""
+    """Disparities of what is so far away that they should be 0: what is missing there is missing
+    everywhere."""
     return -rectified_differences_px(found, rig, 1e7)[:, 0]
 
 
@@ -290,7 +291,7 @@ def rectified_differences_px(found: RawCalibration, rig: RawCalibration, depth_m
 
 
 def turn_deg(found: RawCalibration, rig: RawCalibration) -> float:
-    """Between the motion that was found and the true one."""
+    """The angle between the motion that was found and the true one."""
     apart = found.right_from_left.rotation @ rig.right_from_left.rotation.T
     return float(np.degrees(np.linalg.norm(cv2.Rodrigues(apart)[0])))
 

@@ -14,7 +14,7 @@ BYTES_PX = 8  # captured, fetched, and the result
 
 @dataclass
 class FakeSimulator:
-    """In place of vista_throughput.simulate.Simulator."""
+    """Stands for vista_throughput.simulate.Simulator."""
 
     program: object = None
     option_of_key: dict[str, str] = field(default_factory=dict)

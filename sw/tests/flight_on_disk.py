@@ -37,7 +37,7 @@ WALL = Board("wall", "facade", (6.0, -5.5, 4.0), (3.0, 8.0))  # beside the path
 
 
 def camera_m(frame: int, frames: int, last_range_m: float) -> np.ndarray:
-    """Of the left camera; the last frame is last_range_m before x = 0."""
+    """The place of the left camera; the last frame is last_range_m before x = 0."""
     x = -last_range_m - SPEED_M_S / RATE_HZ * (frames - 1 - frame)
     return np.array([x, 0.0, ALTITUDE_M])
 

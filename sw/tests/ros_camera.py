@@ -54,7 +54,7 @@ class Camera:
 
 @contextmanager
 def running_camera(folder: Path, compressed: bool = False) -> Iterator[Camera]:
-    """Of a node that runs, and has found obstacles, or none, in one pair."""
+    """The camera of a node that runs, and has found obstacles, or none, in one pair."""
     with running_bridge(folder) as bridge:
         bridge.hear("/vista/obstacles_json", "std_msgs/msg/String")
         bridge.hear("/diagnostics", "diagnostic_msgs/msg/DiagnosticArray")

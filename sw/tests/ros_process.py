@@ -74,7 +74,8 @@ class Process:
         return status
 
     def end(self) -> None:
-        """Without a kill if it can be: a process that is killed leaves its shared memory behind, 64 MiB."""
+        """Ends the process without a kill if it can: one that is killed leaves its shared memory behind, 64
+        MiB."""
         if self.process.poll() is None:
             self.ask_to_end()
         try:

@@ -1,4 +1,4 @@
-"""Where real imagery for tests lies: VISTA_SHARED_DATA, else beside the checkout."""
+"""The place of real imagery for tests: VISTA_SHARED_DATA, else beside the checkout."""
 
 from __future__ import annotations
 

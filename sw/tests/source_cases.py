@@ -56,7 +56,7 @@ def seconds(t_ns: int) -> str:
 
 
 def write_trajectory(path: Path, recording: Recording) -> Path:
-    """In the TUM format."""
+    """Writes a trajectory in the TUM format."""
     lines = []
     for frame in recording.frames:
         assert frame.world_from_camera is not None
@@ -96,7 +96,7 @@ def write_two_videos(folder: Path, recording: Recording) -> Path:
 
 
 def write_pairs(folder: Path, recording: Recording) -> Path:
-    """With times.csv, without poses."""
+    """Writes pairs with times.csv, without poses."""
     folder.mkdir(parents=True)
     rows = []
     for index, frame in enumerate(recording.frames):

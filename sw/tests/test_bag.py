@@ -46,7 +46,7 @@ def write_images(
     times_ns: Iterable[int] = TIMES_NS,
     message: Callable[..., object] = bags.raw_image,
 ) -> None:
-    """With camera_info beside them; the number of a frame is that of its time."""
+    """Writes images with camera_info beside them; the number of a frame is that of its time."""
     for t_ns in times_ns:
         frame = recording.frames[round((t_ns - START_NS) / PERIOD_NS)]
         bag.write(topic, t_ns, message(bag, t_ns, getattr(frame, side)))

@@ -42,7 +42,7 @@ def board(tmp_path: Path) -> Path:
 
 
 def messages(bag: Path, topic: str) -> list[Any]:
-    """Through the readers of MCAP's own project, which know nothing of rosbags."""
+    """Messages as the readers of MCAP's own project give them, which know nothing of rosbags."""
     (file,) = bag.glob("*.mcap")
     with file.open("rb") as stream:
         reader = make_reader(stream, decoder_factories=[DecoderFactory()])

@@ -106,7 +106,7 @@ def stream_part(rtl: RtlEngine, left: np.ndarray, right: np.ndarray, count: int)
 
 
 def random_grids(rng: np.random.Generator, size: tuple[int, int]) -> GridPair:
-    """Of a line buffer of 16 rows: offsets of less than 2 px of both cameras."""
+    """Grids for a line buffer of 16 rows: offsets of less than 2 px of both cameras."""
     columns, rows = (-(-side // 16) + 1 for side in size)
     left, right = rng.integers(-60, 61, (2, rows, columns, 2)).astype(np.int16)
     return GridPair(left, right, size, BUFFER_ROWS[0])

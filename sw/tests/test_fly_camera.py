@@ -49,7 +49,7 @@ def flight(tmp_path_factory: pytest.TempPathFactory) -> Flight:
 
 @pytest.fixture(scope="module")
 def fractions(flight: Flight) -> list[float]:
-    """Of each frame."""
+    """The fraction of each frame."""
     folder = flight.lines.parent
     played = prepare(folder / "played", folder / "flight")
     run = fly(*played, "--all-frames", "--out", "-")
@@ -63,7 +63,7 @@ def grey(image: Image) -> Image:
 
 
 def nv12(image: Image) -> Image:
-    """With planes of colour behind the luma."""
+    """A picture with planes of colour behind the luma."""
     return np.vstack([image, np.full((image.shape[0] // 2, image.shape[1]), 77, np.uint8)])
 
 
@@ -80,7 +80,7 @@ def padded(image: Image) -> Image:
 
 
 def interleaved(image: Image) -> Image:
-    """Of both views side by side."""
+    """A picture of both views side by side."""
     left, right = image[:, :WIDTH], image[:, WIDTH:]
     return np.stack([left, right], -1).reshape(len(image), -1)
 

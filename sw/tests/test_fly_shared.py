@@ -66,7 +66,8 @@ def test_a_ring_that_comes_later_and_one_that_is_made_anew(flight: Flight) -> No
 
 
 def produce(name: str, count: int) -> None:
-    """In a process of its own, as fast as it can: each image has one grey level, with which its time goes."""
+    """Writes in a process of its own, as fast as it can: each image has one grey level, with which its time
+    goes."""
     ring = SharedFrames(name, WIDTH, HEIGHT)
     for k in range(1, count + 1):
         left = np.full((HEIGHT, WIDTH), k % 256, np.uint8)

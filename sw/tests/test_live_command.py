@@ -138,7 +138,7 @@ def test_the_page_is_served_to_this_machine(flight: Path) -> None:
 
 
 def other_address() -> str:
-    """Of this machine, or of the loopback interface where it has no other."""
+    """Another address of this machine, or of the loopback interface where it has no other."""
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
         try:
             probe.connect(("192.0.2.1", 9))

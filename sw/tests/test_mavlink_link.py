@@ -1,4 +1,4 @@
-"""When a link sends what: rates, silence, staleness, health, collisions."""
+"""The moments at which a link sends what: rates, silence, staleness, health, collisions."""
 
 from __future__ import annotations
 

@@ -25,7 +25,7 @@ def mirrored(message: Any) -> None:
 
 
 def halves_swapped(message: Any) -> None:
-    """From the left edge of the view instead of from ahead."""
+    """Counts from the left edge of the view instead of from ahead."""
     message.distances = message.distances[36:] + message.distances[:36]
 
 

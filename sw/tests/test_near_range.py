@@ -19,7 +19,7 @@ BOARD_M = (1.6, 1.2)  # width, height
 
 
 def texture(random: np.random.Generator, height: int, width: int) -> np.ndarray:
-    """Of all scales, so that every level finds something."""
+    """A texture of all scales, so that every level finds something."""
     layers = [
         cv2.resize(random.random((height >> k, width >> k)), (width, height), interpolation=cv2.INTER_CUBIC)
         for k in range(6)

@@ -47,7 +47,7 @@ def test_it_opens_nothing_beyond_the_loopback(tmp_path: Path) -> None:
 
 
 def addresses_of(pid: int) -> set[str]:
-    """Of its sockets, as Linux writes them."""
+    """Addresses of its sockets, as Linux writes them."""
     links = [link for link in Path(f"/proc/{pid}/fd").iterdir() if link.is_symlink()]
     inodes = {link.readlink().name for link in links if str(link.readlink()).startswith("socket:")}
     addresses = set()

@@ -54,7 +54,7 @@ def compressed(folder: Path, _run_vista: Vista) -> Path:
 
 
 def rectified(folder: Path, run_vista: Vista) -> Path:
-    """Without poses."""
+    """A rectified recording without poses."""
     pairs = write_pairs(folder / "pairs", record_flight(folder / "flight", frames=8))
     assert run_vista("run", pairs, "--out", folder / "made", "--bag", folder / "bag")[0] == 0
     return folder / "bag"

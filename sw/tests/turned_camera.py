@@ -27,7 +27,7 @@ def degrees(pitch: float, roll: float) -> Turn:
 
 
 def homography(camera: Calibration, turn: Turn) -> NDArray[np.float64]:
-    """From pixels of the right camera as calibrated to those of the one that has turned."""
+    """Maps pixels of the right camera as calibrated to those of the one that has turned."""
     K = camera_matrix(camera.focal_px, camera.focal_px, camera.cx, camera.cy)
     return np.asarray(K @ turn.rotation() @ np.linalg.inv(K), np.float64)
 
@@ -87,7 +87,7 @@ def align(rectifier: Rectifier, turn: Turn) -> None:
 
 
 def rows_left_px(camera: Calibration, turn: Turn, applied: Turn) -> NDArray[np.float64]:
-    """By how much rows are really off, all over the image, once it is rectified for `applied`."""
+    """The error of the rows, which is known, all over the image once it is rectified for `applied`."""
     v, u = np.mgrid[0 : camera.height : 16, 0 : camera.width : 16].astype(float)
     points = (
         np.stack([u, v, np.ones_like(u)], -1)
@@ -120,7 +120,7 @@ def flown(
 
 
 def rectified_rig(camera: Calibration) -> RawCalibration:
-    """Of cameras whose pairs come rectified."""
+    """The rig of cameras whose pairs come rectified."""
     K = camera_matrix(camera.focal_px, camera.focal_px, camera.cx, camera.cy)
     one = CameraModel(camera.width, camera.height, K)
     return RawCalibration(one, one, Pose(np.eye(3), np.array([-camera.baseline_m, 0.0, 0.0])), "")
@@ -134,7 +134,7 @@ def corrected(
     values: parameters.Values | None = None,
     change: Callable[[int, Grey, Grey], tuple[Grey, Grey]] | None = None,
 ) -> Iterator[Corrected]:
-    """Of rectified pairs. change: what else becomes of the images before they are read."""
+    """Corrects rectified pairs. change: what else becomes of the images before they are read."""
 
     def taken(k: int) -> tuple[Grey, Grey]:
         left, right = pairs(k)

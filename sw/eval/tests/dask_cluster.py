@@ -51,7 +51,8 @@ class Cluster:
         return self._dask("worker", self.address, "--nthreads", "1", "--no-nanny", "--death-timeout", "60")
 
     def _wait_for_scheduler(self) -> None:
-        """On a busy machine Python alone may take longer to start than a client waits for an answer."""
+        """Waits for the scheduler: on a busy machine Python alone may take longer to start than a client
+        waits for an answer."""
         host, _, port = self.address.removeprefix("tcp://").partition(":")
         until_s = time.monotonic() + 120.0
         while time.monotonic() < until_s:

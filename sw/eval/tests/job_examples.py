@@ -28,7 +28,7 @@ def rows_of(seed: int) -> dict[str, Any]:
 
 
 def small_row(seed: int) -> dict[str, Any]:
-    """As large as the row of a recording."""
+    """A row as large as that of a recording."""
     return {f"figure {k}": float(seed + k) for k in range(16)} | {"name": f"recording {seed}"}
 
 
@@ -96,7 +96,7 @@ def attempts_in(folder: Path) -> Counter[int]:
 
 
 def wait_for_attempt(folder: Path, seed: int) -> int:
-    """Until the job has begun; the process that it runs in."""
+    """Waits until the job has begun; gives the process that it runs in."""
     until_s = time.monotonic() + 60.0
     while time.monotonic() < until_s:
         for path in folder.glob(f"{seed}_*"):

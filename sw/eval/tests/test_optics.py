@@ -155,7 +155,7 @@ def test_what_is_too_bright_is_clipped_after_the_lens() -> None:
 
 
 class EmptyScene:
-    """Of a renderer what an exposure needs."""
+    """The part of a renderer that an exposure needs."""
 
     scene = Scene((), to_sun=(-1.0, 0.0, 0.0))
 

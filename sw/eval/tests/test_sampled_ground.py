@@ -15,7 +15,7 @@ TEXELS = 48  # of a patch, along each side
 
 
 def true_means(patch: Patch, cover: str, seed: int) -> np.ndarray:
-    """Of each texel, from points FINE_M apart all over it."""
+    """The mean of each texel, from points FINE_M apart all over it."""
     lines = []
     for (low_m, high_m), texel_m in ((patch.x_m, patch.texel_m * patch.stretch), (patch.y_m, patch.texel_m)):
         each = int(np.ceil(texel_m / FINE_M))

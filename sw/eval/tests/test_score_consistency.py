@@ -19,7 +19,7 @@ def test_quantiles_against_scipy(degrees: float, accuracy: float, probability: f
 def correlated_nees(
     random: np.random.Generator, frames: int, keep: float, dimensions: int = DIMENSIONS
 ) -> np.ndarray:
-    """Of errors that follow a first-order process of unit variance."""
+    """The NEES of errors that follow a first-order process of unit variance."""
     error = random.standard_normal(dimensions)
     series = []
     for _ in range(frames):

@@ -16,7 +16,7 @@ WHOLE = (slice(None), slice(None))
 
 
 def road_disparity_px(slope_z: float = 0.0) -> np.ndarray:
-    """Of the plane y = 1.6 + slope_z z, wherever it is seen."""
+    """The disparity of the plane y = 1.6 + slope_z z, wherever it is seen."""
     v = np.arange(CAMERA.height)[:, None] + np.zeros((1, CAMERA.width))
     inverse_depth = ((v - CAMERA.cy) / CAMERA.focal_px - slope_z) / HEIGHT_M
     disparity_px = CAMERA.focal_px * CAMERA.baseline_m * inverse_depth

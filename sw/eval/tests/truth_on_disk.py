@@ -73,7 +73,8 @@ def straight(frames: int, start_m: np.ndarray, velocity_m_s: np.ndarray) -> list
 
 
 def turning(frames: int, radius_m: float, speed_m_s: float) -> list[Pose]:
-    """To the left on a level circle around (0, radius_m, 0), from the origin on; the camera looks ahead."""
+    """A turn to the left on a level circle around (0, radius_m, 0), from the origin on; the camera looks
+    ahead."""
     poses = []
     for k in range(frames):
         angle = k / RATE_HZ * speed_m_s / radius_m
