@@ -8,9 +8,8 @@ export VISTA_BUILD=build/sanitized
 make --no-print-directory native systemc BUILD="$VISTA_BUILD" DEVELOPER=ON CFLAGS="-O1 -g" SYSTEMC_CXXFLAGS="-O1 -g -std=c++17 -Wall -Wextra -Werror" \
   SANITIZE="-fsanitize=address,undefined,float-cast-overflow -fno-sanitize-recover=all"
 
-# Left out: tests whose millions of pixels add time and no other C code.
 tests=("$@")
-[ $# -gt 0 ] || tests=(-n "$(nproc)" --max-worker-restart=0 -m native -k "not as_opencv and not cut_anywhere")
+[ $# -gt 0 ] || tests=(-n "$(nproc)" --max-worker-restart=0 -m "native and not same_c")
 
 # Python itself is not instrumented: the run-time comes first by preload, and its leaks are not ours.
 LD_PRELOAD="$(gcc -print-file-name=libasan.so) $(gcc -print-file-name=libstdc++.so)" \

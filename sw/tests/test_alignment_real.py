@@ -15,6 +15,8 @@ from vista.health.finding import State as Health
 from vista.rectify import Rectifier
 from vista.sequence import open_sequence
 
+pytestmark = pytest.mark.slow
+
 # Place, and the median row error that is left in its images, px: the street's calibration is no better.
 RECORDINGS = {
     "EuRoC V1_01": (SHARED_DATA / "euroc_v101", 0.2),

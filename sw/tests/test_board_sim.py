@@ -28,7 +28,7 @@ CLOCKS = PROGRAM.with_name("board-clocks")
 TIMEOUT_MS = 20000
 FAULTS = ["--drop", "0.01", "--double", "0.01", "--damage", "0.01"]
 
-pytestmark = [pytest.mark.slow, pytest.mark.skipif(
+pytestmark = [pytest.mark.slow, pytest.mark.same_c, pytest.mark.skipif(
     not (REPOSITORY / VERILATOR).is_file() or not (REPOSITORY / ".venv" / "board.stamp").is_file()
     or shutil.which("make") is None,
     reason="LiteX and Verilator are not set up: make board-sim",

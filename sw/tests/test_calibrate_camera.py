@@ -19,6 +19,8 @@ from vista.geometry import Pose
 from vista.sequence.options import Options
 from vista.sequence.pairs import read_calibration_file
 
+pytestmark = pytest.mark.slow
+
 BOARD = "chessboard:9x6:50"
 COUNT = 28
 LOOKS = 4  # one may still be of the place before, and two that agree are needed

@@ -19,7 +19,7 @@ from turned_recordings import RAW, write_turned_asl, write_turned_kitti, write_t
 from vista.alignment import Turn
 from vista.flight_files import FRAMES_HEAD
 
-pytestmark = pytest.mark.native
+pytestmark = [pytest.mark.native, pytest.mark.slow]
 
 EUROC, KITTI = SHARED_DATA / "euroc_v101", SHARED_DATA / "kitti_odometry" / "sequences" / "00"
 ON = '[alignment]\ncorrect = "on"\n'
@@ -40,14 +40,20 @@ def corrected(run: subprocess.CompletedProcess[str], turn: Turn) -> None:
     assert 1 <= changes <= 5
 
 
-@pytest.mark.parametrize("lens", [None, *RAW])
-@pytest.mark.parametrize("rows", [0, 128])
-def test_a_drawn_flight(tmp_path: Path, lens: str | None, rows: int) -> None:
-    """Rectified pairs, and lenses of each kind, by maps and by control grids."""
-    turn = degrees(-0.5, 0.4)
-    flight = write_turned_pairs(tmp_path / "flight", turn, FIRST, FRAMES, lens)
-    lines, run = compare(tmp_path, flight, f"{ON}[stereo]\nrectify_rows = {rows}\n", FRAMES)
-    corrected(run, turn)
+DRAWN = degrees(-0.5, 0.4)
+
+
+@pytest.fixture(scope="module", params=[None, *RAW])
+def drawn_flight(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Rectified pairs, and lenses of each kind."""
+    folder = tmp_path_factory.mktemp("drawn") / "flight"
+    return write_turned_pairs(folder, DRAWN, FIRST, FRAMES, request.param)
+
+
+@pytest.mark.parametrize("rows", [0, 128], ids=["maps", "control grids"])
+def test_a_drawn_flight(tmp_path: Path, drawn_flight: Path, rows: int) -> None:
+    lines, run = compare(tmp_path, drawn_flight, f"{ON}[stereo]\nrectify_rows = {rows}\n", FRAMES)
+    corrected(run, DRAWN)
     states = [json.loads(line)["health"] for line in lines]
     assert states[FIRST] == {"state": "blind", "reasons": ["rows_misaligned"]}
     assert states[FIRST - 1]["reasons"] == states[-1]["reasons"] == []

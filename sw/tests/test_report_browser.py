@@ -9,7 +9,7 @@ import pytest
 from browser import Page, needs_browser
 from report_cases import make_records, render, with_ground_ahead
 
-pytestmark = needs_browser
+pytestmark = [needs_browser, pytest.mark.slow]
 WIDTHS_PX = (375, 800, 1300)
 FRAMES = 12
 PLOTS = ("distances", "map", "left", "valid", "seen")

@@ -13,6 +13,8 @@ from bag_cases import write_bag
 from command_line import call, lines_without_times
 from source_cases import Recording
 
+pytestmark = pytest.mark.slow
+
 Written = tuple[object, ...]  # SEQUENCE and options of `vista run`
 
 

@@ -11,7 +11,7 @@ from random_seed import seeded
 from stage_arena import ffi, lib
 from track_library import BASELINE, Tracker, detection, measure, seen_at
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.same_c]
 
 DT = 0.1
 RUNS = 100

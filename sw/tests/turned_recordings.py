@@ -43,7 +43,6 @@ PERIOD_NS = 40_000_000
 def write_turned_pairs(folder: Path, turn: Turn, first: int, frames: int, lens: str | None = None) -> Path:
     """A flight at 25 frames/s, whose right camera turns with frame `first`. lens: of RAW; None: the pairs
     come rectified."""
-    pairs = turned.textured_flight(CAMERA, seeded(5))
     folder.mkdir()
     rectifier = None
     (folder / "calibration.toml").write_text(RECTIFIED if lens is None else RAW[lens])

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 from random_seed import seeded
 from vista_eval.metrics.rules import STRICT
 from vista_eval.render.course import Course
 from vista_eval.worlds.sampled.catalog import FAMILIES
+
+pytestmark = pytest.mark.slow
 
 LATEST_S = 0.6  # of the flight, from which a detector may take the direction of flight
 MISSED_M = 2.0  # radius of the collision volume

@@ -24,6 +24,8 @@ from vista_eval.worlds.sampled.catalog import COUNT, DEV, FAMILIES, SEED, TEST
 from vista_eval.worlds.sampled.family import Family
 from vista_eval.worlds.site import site
 
+pytestmark = pytest.mark.slow
+
 IN_THE_WAY_M = 1.0  # of the path, half the radius of the collision volume
 BESIDE_M = 2.0  # what is not the target keeps out of the collision volume before it
 
