@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import shutil
 import signal
@@ -19,6 +20,7 @@ import sequence_cases as cases
 import wire
 from board_client import SETTINGS, BoardError, Client, golden, lib, random_pair, random_settings
 from command_line import Vista, call, lines_without_times
+from hostile_packets import Known, hostile_packets
 from random_seed import seeded
 from shared_data import REPOSITORY
 from vista.engine.rtl import VERILATOR
@@ -176,6 +178,113 @@ def test_a_frame_that_the_engine_does_not_finish_is_lost(program: Path) -> None:
         client.configure(SETTINGS)
         client.submit(*pair)
         np.testing.assert_array_equal(client.collect(), golden(SETTINGS, *pair))
+
+
+def known_of(port: int, settings: dict, words: int) -> Known:
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as link:
+        link.connect(("127.0.0.1", port))
+        link.settimeout(TIMEOUT_MS / 1000)
+        link.send(wire.packet({"kind": wire.REQUESTS["status"], "token": 1}))
+        header, body = wire.parse(link.recv(2048))
+    status = wire.parse_payload("status", body)
+    pixels = settings["width_px"] * settings["height_px"]
+    return Known(
+        header["session"],
+        min(status["slot_0_frame"], status["slot_1_frame"]),
+        status["last_write"],
+        -(-pixels // (2 * wire.CHUNK_WORDS)),
+        -(-words // (2 * wire.CHUNK_WORDS)),
+    )
+
+
+def test_hostile_packets_change_no_word(program: Path) -> None:
+    """They come before, between and after the packets of the client, and are whole Ethernet frames."""
+    rng = seeded(2414)
+    with simulated(program) as board, connected(board) as client:
+        for _ in range(3):
+            settings = small_settings(rng)
+            client.configure(settings)
+            for _ in range(3):
+                pair = random_pair(rng, settings)
+                wanted = golden(settings, *pair)
+                packets = hostile_packets(rng, known_of(board.port, settings, wanted.size))
+                with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as link:
+                    link.connect(("127.0.0.1", board.port))
+                    for _ in range(60):
+                        link.send(next(packets))
+                    client.submit(*pair)
+                    for _ in range(60):
+                        link.send(next(packets))
+                    np.testing.assert_array_equal(client.collect(), wanted)
+        assert (client.counts.frames, client.counts.lost) == (9, 0)
+
+
+def fetch_of_a_finished_frame(port: int, **changed: int) -> bytes:
+    known = known_of(port, SETTINGS, 0)
+    header = {
+        "kind": wire.REQUESTS["fetch"],
+        "session": known.session,
+        "token": 9,
+        "frame": known.frame,
+        "count": 1,
+    }
+    return wire.packet(header | changed)
+
+
+@pytest.mark.parametrize("flaw", ["magic", "3 bytes", "17 bytes", "count"])
+def test_a_fetch_that_is_not_sound_leaves_nothing_behind(program: Path, flaw: str) -> None:
+    """Its frame has its words: those that were read for it would come before the next ones."""
+    rng = seeded(2415)
+    first, second = random_pair(rng, SETTINGS), random_pair(rng, SETTINGS)
+    with simulated(program) as board, connected(board) as client:
+        client.configure(SETTINGS)
+        client.submit(*first)
+        wait_until_done(board.port)
+        changed = {"magic": 0x57} if flaw == "magic" else {"count": 65535} if flaw == "count" else {}
+        packet = fetch_of_a_finished_frame(board.port, **changed)
+        cut = int(flaw.split()[0]) if flaw.endswith("bytes") else len(packet)
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as link:
+            link.connect(("127.0.0.1", board.port))
+            link.send(packet[:cut])
+            link.settimeout(0.5)
+            answers = []
+            with contextlib.suppress(TimeoutError):
+                while len(answers) < 100:
+                    answers.append(wire.parse(link.recv(2048))[0]["kind"])
+        assert answers == ([wire.REPLIES["status"]] if flaw == "count" else [])
+        np.testing.assert_array_equal(client.collect(), golden(SETTINGS, *first))
+        client.configure(SETTINGS)
+        client.submit(*second)
+        np.testing.assert_array_equal(client.collect(), golden(SETTINGS, *second))
+
+
+def wait_until_done(port: int) -> None:
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as link:
+        link.connect(("127.0.0.1", port))
+        link.settimeout(TIMEOUT_MS / 1000)
+        for token in range(1, 10000):
+            link.send(wire.packet({"kind": wire.REQUESTS["status"], "token": token}))
+            status = wire.parse_payload("status", wire.parse(link.recv(2048))[1])
+            if wire.STATES["done"] in (status["slot_0_state"], status["slot_1_state"]):
+                return
+    raise AssertionError("the frame is never done")
+
+
+def test_a_chunk_that_is_cut_is_not_taken(program: Path) -> None:
+    """By one byte: the frame waits for it."""
+    rng = seeded(2416)
+    settings = SETTINGS | {"width_px": 40, "height_px": 20}
+    pair = random_pair(rng, settings)
+    with simulated(program) as board, connected(board) as client:
+        client.configure(settings)
+        known = known_of(board.port, settings, 800)
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as link:
+            link.connect(("127.0.0.1", board.port))
+            header = {"kind": wire.REQUESTS["pixels"], "session": known.session, "frame": known.frame}
+            for index in range(known.chunks_in):
+                link.send(wire.packet(header | {"index": index}, bytes(wire.CONSTANTS["CHUNK_BYTES"] - 1)))
+        client.submit(*pair)
+        np.testing.assert_array_equal(client.collect(), golden(settings, *pair))
 
 
 def test_clocks_are_counted_in_one_time() -> None:

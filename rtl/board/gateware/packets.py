@@ -20,6 +20,8 @@ LAST_BYTE = 0b1000  # of a word: all four count
 class PacketBuffer(LiteXModule):
     """Keeps packets that arrived whole and without error, and drops all others, also when it is full.
 
+    Whole are those of whole words, as many as the length in their UDP header says.
+
     source: the oldest packet's sender and length; taking it frees its memory. data: word `address` of that
     packet, one clock after the address."""
 
@@ -38,15 +40,16 @@ class PacketBuffer(LiteXModule):
         written, taken = Signal(slot_bits), Signal(slot_bits)
         offset = Signal(STRIDE_BITS)
         bad = Signal()  # this packet, so far
-        whole = Signal()
+        whole, has_length = Signal(), Signal()
         self.comb += [
+            has_length.eq(sink.length == (offset + 1) << 2),
             sink.ready.eq(1),
             write.adr.eq(offset | written << STRIDE_BITS),
             write.dat_w.eq(sink.data),
             write.we.eq(sink.valid & fifo.sink.ready),
             read.adr.eq(self.address | taken << STRIDE_BITS),
             self.data.eq(read.dat_r),
-            whole.eq(~bad & ~(sink.error != 0) & fifo.sink.ready & (offset < PACKET_WORDS)),
+            whole.eq(~bad & ~(sink.error != 0) & fifo.sink.ready & (offset < PACKET_WORDS) & has_length),
             fifo.sink.valid.eq(sink.valid & sink.last & whole),
             fifo.sink.ip_address.eq(sink.ip_address),
             fifo.sink.port.eq(sink.src_port),

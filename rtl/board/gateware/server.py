@@ -36,6 +36,7 @@ class Server(LiteXModule):
         self.writer = writer = Writer(memory)
 
         session, last_write = Signal(32), Signal(32)
+        chunks_out = Signal(16)  # of the words of a frame of this session
         header = Array(Signal(32, name=f"header_{i}") for i in range(HEADER_WORDS))
         opening = Array(Signal(32, name=f"opening_{i}") for i in range(wire.PAYLOAD_WORDS["open"]))
         kind, token, frame, index, count = (
@@ -50,9 +51,12 @@ class Server(LiteXModule):
 
         is_kind = {name: Signal(name=f"is_{name}") for name in REQUESTS}
         self.comb += [is_kind[name].eq(kind == number) for name, number in REQUESTS.items()]
-        sound, speaks, ours, holds, filling, finished = (
-            Signal(name=name) for name in ("sound", "speaks", "ours", "holds", "filling", "finished")
+        sound, speaks, ours, holds, filling, finished, inside, opens = (
+            Signal(name=name)
+            for name in ("sound", "speaks", "ours", "holds", "filling", "finished", "inside", "opens")
         )
+        new_chunks_in = field(opening, PAYLOAD["open"], "chunks_in")
+        new_words_out = field(opening, PAYLOAD["open"], "words_out")
         state = slots.state[slot]
         self.comb += [
             sound.eq(
@@ -64,18 +68,35 @@ class Server(LiteXModule):
             holds.eq(slots.frame[slot] == frame),
             filling.eq(holds & (state == STATES["filling"])),
             finished.eq(holds & (state == STATES["done"])),
+            # All chunks that a fetch asks for belong to the frame.
+            inside.eq((count != 0) & (index + count <= chunks_out)),
+            # What a session asks for has room.
+            opens.eq(
+                speaks
+                & (opening[0] == session)
+                & (asked_session != session)
+                & (new_chunks_in <= CONSTANTS["MAX_CHUNKS_IN"])
+                & (new_words_out <= CONSTANTS["MAX_CHUNKS_OUT"] * CHUNK_WORDS)
+            ),
             slots.by_server.slot.eq(slot),
         ]
 
-        # Chunks of words are asked for ahead of their packet's header.
-        to_read, read_at = Signal(9), Signal(WORDS_OUT_BITS)
+        # Chunks of words are asked for ahead of their packet's header. None of these words is left when a
+        # packet has been obeyed: it would come before the words of the next.
+        to_read, read_at, on_the_way = Signal(9), Signal(WORDS_OUT_BITS), Signal(10)
+        asked_for, taken = Signal(), Signal()
         self.comb += [
             reader.sink.valid.eq(to_read != 0),
             reader.sink.address.eq(Cat(read_at, slot)),
+            asked_for.eq(reader.sink.valid & reader.sink.ready),
+            taken.eq(reader.source.valid & reader.source.ready),
         ]
-        self.sync += If(
-            reader.sink.valid & reader.sink.ready, to_read.eq(to_read - 1), read_at.eq(read_at + 1)
-        )
+        self.sync += [
+            If(asked_for, to_read.eq(to_read - 1), read_at.eq(read_at + 1)),
+            on_the_way.eq(on_the_way + asked_for - taken),
+        ]
+        self.left_over = left_over = Signal()
+        self.comb += left_over.eq((to_read != 0) | (on_the_way != 0))
 
         own_header = {
             "kind": reply,
@@ -150,19 +171,12 @@ class Server(LiteXModule):
             If(position == loaded - 1, NextState("DISPATCH")),
         )
         asks = field(header, HEADER, "flags")[0]
-        fsm.act(
-            "DISPATCH",
+        # Nothing happens before the packet was found sound.
+        obey = [
             *answer("status"),
             NextValue(done_words, 0),
             If(is_kind["pixels"] & ~asks, NextState("DROP")),
-            If(
-                is_kind["open"]
-                & speaks
-                & (opening[0] == session)
-                & (asked_session != session)
-                & (packets.source.words == loaded),
-                NextState("OPEN"),
-            ),
+            If(is_kind["open"] & opens & (packets.source.words == loaded), NextState("OPEN")),
             If(is_kind["read"] & speaks & (count <= CHUNK_WORDS), *answer("values")),
             If(
                 ours,
@@ -176,25 +190,26 @@ class Server(LiteXModule):
                     & (packets.source.words == PACKET_WORDS),
                     NextState("LOOK"),
                 ),
-                If(is_kind["fetch"] & finished & (count != 0), *fetch(index)),
+                If(is_kind["fetch"] & finished & inside, *fetch(index)),
                 If(
                     is_kind["release"] & holds & (state != STATES["full"]) & (state != STATES["running"]),
                     NextValue(position, 0),
                     NextState("RELEASE"),
                 ),
             ),
-            If(~sound, NextState("DROP")),
-        )  # fmt: skip
+        ]  # fmt: skip
+        fsm.act("DISPATCH", If(sound, *obey).Else(NextState("DROP")))
 
-        # A session: both slots are emptied.
+        # A session: both slots are emptied, and the reader is.
         fsm.act(
             "OPEN",
             NextValue(session, asked_session),
             NextValue(last_write, 0),
             NextValue(runner.width, field(opening, PAYLOAD["open"], "width")),
             NextValue(runner.height, field(opening, PAYLOAD["open"], "height")),
-            NextValue(runner.chunks_in, field(opening, PAYLOAD["open"], "chunks_in")),
-            NextValue(runner.words_out, field(opening, PAYLOAD["open"], "words_out")),
+            NextValue(runner.chunks_in, new_chunks_in),
+            NextValue(runner.words_out, new_words_out),
+            NextValue(chunks_out, (new_words_out + CHUNK_WORDS - 1) >> (CHUNK_WORDS - 1).bit_length()),
             runner.restart.eq(1),
             slots.empty.eq(1),  # before the runner looks again
             NextValue(position, 0),
@@ -204,11 +219,12 @@ class Server(LiteXModule):
             "EMPTY",
             slots.row_address.eq(position),
             slots.write.eq(1),
-            NextValue(position, position + 1),
+            reader.source.ready.eq(1),
+            If(position != SLOTS * BITMAP_WORDS - 1, NextValue(position, position + 1)),
             *(NextValue(slots.frame[s], s) for s in range(SLOTS)),
             *(NextValue(slots.chunks[s], 0) for s in range(SLOTS)),
             slots.empty.eq(1),
-            If(position == SLOTS * BITMAP_WORDS - 1, *answer("status")),
+            If((position == SLOTS * BITMAP_WORDS - 1) & ~left_over, *answer("status")),
         )
         fsm.act(
             "RELEASE",
