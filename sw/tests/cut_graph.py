@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from graph_cases import FlowCase
-from stage_arena import Arena, ffi, lib, pointer, status_name
+from stage_library import Arena, ffi, lib, pointer, status_name
 
 
 @dataclass

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 from pymavlink.dialects.v20 import ardupilotmega as dialect
-from stage_arena import default_parameters, ffi, lib, status_name
+from stage_library import default_parameters, ffi, lib, status_name
 
 MS = 1_000_000
 UNKNOWN = 65535

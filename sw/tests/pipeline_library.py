@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import board_flight as scene
 import numpy as np
-from stage_arena import default_parameters as fresh_parameters
-from stage_arena import ffi, lib, status_name
+from stage_library import default_parameters as fresh_parameters
+from stage_library import ffi, lib, status_name
 from vista.geometry import Calibration
 
 CALIBRATION = Calibration(scene.WIDTH, scene.HEIGHT, scene.FOCAL_PX, scene.CX, scene.CY, scene.BASELINE_M)

@@ -1,13 +1,51 @@
-"""libvista's first half over numpy arrays, for its tests: the stages, and frames to put through them."""
+"""libvista's stages over numpy arrays, for their tests: the library, its memory, the view of a frame that
+every stage takes, the first half of the chain, and frames to put through it. What a stage takes is put
+together here alone."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from itertools import pairwise
+from weakref import WeakKeyDictionary
 
 import numpy as np
-from stage_arena import Arena, default_parameters, ffi, lib, status_name
+from vista import native
 from vista.engine import INVALID
+from vista_stages_abi import ffi
+
+lib = ffi.dlopen(str(native.build_folder() / "lib" / "libvista_stages.so"))
+
+
+def pointer(array: np.ndarray):
+    """The array as an int32_t pointer; empty arrays are valid too."""
+    assert array.dtype == np.int32 and array.flags.c_contiguous
+    return ffi.cast("int32_t *", array.ctypes.data)
+
+
+def status_name(status: int) -> str:
+    return ffi.string(lib.vista_status_name(status)).decode()
+
+
+def default_parameters():
+    """A new vista_parameters; what it points to lives as long as it does."""
+    values = ffi.new("vista_parameters *")
+    assert lib.vista_parameters_init(values, ffi.sizeof("vista_parameters")) == lib.VISTA_OK
+    return values
+
+
+class Arena:
+    """Memory for an arena: first counted with `layout`, then laid out on exactly that many bytes."""
+
+    def __init__(self, layout, missing_bytes: int = 0) -> None:
+        self.arena = ffi.new("vista_arena *")
+        layout(self.arena)
+        self.size = self.arena.used - missing_bytes
+        self._memory = np.empty(self.size + 64, np.uint8)
+        start = -self._memory.ctypes.data % 64
+        self.arena.base = ffi.cast("unsigned char *", self._memory.ctypes.data + start)
+        self.arena.size, self.arena.used = self.size, 0
+        self.status = layout(self.arena)
+
 
 LEVEL_UP = (0.0, -1.0, 0.0)
 RUN = np.dtype([("u", np.int32), ("v", np.int32), ("length", np.int32)])
@@ -83,15 +121,67 @@ def view(pointer, count: int, dtype) -> np.ndarray:
     return np.frombuffer(ffi.buffer(pointer, count * np.dtype(dtype).itemsize), dtype)
 
 
+_kept: WeakKeyDictionary = WeakKeyDictionary()  # what the view of a frame points into
+
+
 def image_struct(kind: str, array: np.ndarray):
-    """An array with its stride as vista_image or vista_disparity_image, which it has to outlive."""
+    """An array with its stride as vista_image or vista_disparity_image."""
     dtype, item = {"image": (np.uint8, "uint8_t *"), "disparity_image": (np.int16, "int16_t *")}[kind]
     assert array.dtype == dtype and array.strides[1] == array.itemsize
     height, width = array.shape
-    return ffi.new(
+    struct = ffi.new(
         f"vista_{kind} *",
         [ffi.cast(item, array.ctypes.data), width, height, array.strides[0] // array.itemsize],
     )
+    _kept[struct] = array
+    return struct
+
+
+POINTERS = ("params", "camera", "foveation")
+
+
+def frame_view(parameters, camera, **given):
+    """A vista_frame_view *: a level camera at the origin that stands still, all of whose image is matched,
+    unless told otherwise as set_frame takes it."""
+    frame = ffi.new("vista_frame_view *", {"up_camera": LEVEL_UP})
+    _kept[frame] = {}
+    frame.matched.disparity_max_px = 127.0
+    for k in (0, 4, 8):
+        frame.motion.pose.rotation[k] = 1.0
+    for name, value in ({"params": parameters, "camera": camera} | given).items():
+        set_frame(frame, name, value)
+    return frame
+
+
+def set_frame(frame, name: str, value) -> None:
+    """One member of a view: a struct or a pointer to it, a number, the image or the words as an array, the
+    levels as a list of them, the noise as its standard deviation, up_camera as three numbers."""
+    if name in ("image", "words") and isinstance(value, np.ndarray):
+        value = image_struct("image" if name == "image" else "disparity_image", value)
+    if name == "levels":
+        value = [image_struct("disparity_image", words) for words in value]
+        for k, words in enumerate(value):
+            frame.levels[k] = words[0]
+        frame.matched.coarser_levels = len(value) - 1
+    elif name == "noise":
+        frame.noise.sigma = value
+    elif name == "up_camera":
+        frame.up_camera = [float(x) for x in value]
+    elif name in POINTERS or not isinstance(value, ffi.CData):
+        setattr(frame, name, value)
+    else:
+        setattr(frame, name, value[0] if ffi.typeof(value).kind == "pointer" else value)
+    _kept[frame][name] = value
+
+
+def told_by(frame, regions, region_of_pixel: np.ndarray):
+    """A vista_told * of the frame's words, a vista_region[] and the region of each pixel."""
+    items = ffi.new("vista_regions *", {"items": regions, "count": len(regions)})
+    told = ffi.new(
+        "vista_told *", [ffi.addressof(frame, "words"), pointer(region_of_pixel.reshape(-1)), items]
+    )
+    _kept[told] = (frame, regions, region_of_pixel, items)
+    return told
 
 
 class Foveation:
@@ -100,8 +190,9 @@ class Foveation:
         self.params = ffi.addressof(self._parameters, "foveation")
         self.center = center or ((width - 1) / 2, (height - 1) / 2)
         self.handle = f = ffi.new("vista_foveation *")
+        fovea = ffi.new("vista_fovea *", [width, height, *self.center])
         self.arena = Arena(
-            lambda arena: lib.vista_foveation_layout(f, arena, self.params, width, height, *self.center),
+            lambda arena: lib.vista_foveation_layout(f, arena, self.params, fovea),
             missing_bytes,
         )
         self.status = status_name(self.arena.status)
@@ -132,8 +223,8 @@ class Stages:
 
     def __init__(self, camera, changes: dict[str, float] | None = None) -> None:
         self.camera, self.parameters = camera, parameters(changes)
-        self.matched = ffi.new("vista_matched_area *", [127.0, 0.0, 0.0, 0])  # all of the image
         self.foveation = f = Foveation(camera.width_px, camera.height_px, changes=changes)
+        self.frame = frame_view(self.parameters, camera, foveation=f.handle)
         self._arenas: list[Arena] = []
         self.cells = self._lay_out("vista_cells", lib.vista_cells_layout)
         self.surfaces = self._lay_out("vista_surfaces", lib.vista_surfaces_layout)
@@ -171,48 +262,31 @@ class Stages:
     def section(self, name: str):
         return ffi.addressof(self.parameters, name)
 
-    def foveate(self, image: np.ndarray, words: np.ndarray) -> str:
-        images = image_struct("image", image), image_struct("disparity_image", words)
-        return status_name(
-            lib.vista_foveate(self.foveation.handle, self.section("foveation"), *images, self.cells)
-        )
+    def see(self, up=None, **given) -> None:
+        """What the frame is, as frame_view takes it."""
+        if up is not None:
+            given["up_camera"] = up
+        for name, value in given.items():
+            set_frame(self.frame, name, value)
+
+    def foveate(self, image: np.ndarray, words: np.ndarray) -> None:
+        self.see(image=image, words=words)
+        lib.vista_foveate(self.frame, self.cells)
 
     def find_surfaces(self, up=LEVEL_UP) -> None:
-        up_camera = ffi.new("double[3]", [float(x) for x in up])
-        status = lib.vista_surfaces_compute(
-            self.foveation.handle, self.section("surface"), self.camera, up_camera, self.cells, self.surfaces
-        )
-        assert status == lib.VISTA_OK, status_name(status)
+        self.see(up)
+        lib.vista_surfaces_compute(self.frame, self.cells, self.surfaces)
 
     def compare(self) -> None:
-        status = lib.vista_affinity_compute(
-            self.foveation.handle, self.section("affinity"), self.camera, self.cells, self.affinity
-        )
-        assert status == lib.VISTA_OK, status_name(status)
+        lib.vista_affinity_compute(self.frame, self.cells, self.affinity)
 
     def find_obstacle_seeds(self) -> list[np.ndarray]:
-        status = lib.vista_seeds_of_obstacles(
-            self.foveation.handle,
-            self.section("segmentation"),
-            self.camera,
-            self.cells,
-            self.surfaces,
-            self.seeds,
-        )
-        assert status == lib.VISTA_OK, status_name(status)
+        lib.vista_seeds_of_obstacles(self.frame, self.cells, self.surfaces, self.seeds)
         return self._seed_members()
 
     def find_rest_seeds(self, label: np.ndarray) -> list[np.ndarray]:
         label = np.ascontiguousarray(label, np.int32)
-        status = lib.vista_seeds_of_rest(
-            self.foveation.handle,
-            self.section("segmentation"),
-            self.affinity,
-            self.surfaces,
-            ffi.cast("int32_t *", label.ctypes.data),
-            self.seeds,
-        )
-        assert status == lib.VISTA_OK, status_name(status)
+        lib.vista_seeds_of_rest(self.frame, self.affinity, self.surfaces, pointer(label), self.seeds)
         return self._seed_members()
 
     def _seed_members(self) -> list[np.ndarray]:
@@ -221,28 +295,12 @@ class Stages:
         return [members[a:b].copy() for a, b in pairwise(first)]
 
     def segment(self) -> None:
-        status = lib.vista_segment(
-            self.foveation.handle,
-            self.parameters,
-            self.camera,
-            self.cells,
-            self.surfaces,
-            self.affinity,
-            self.segmentation,
-        )
+        status = lib.vista_segment(self.frame, self.cells, self.surfaces, self.affinity, self.segmentation)
         assert status == lib.VISTA_OK, status_name(status)
 
-    def refine(self, image: np.ndarray) -> str:
+    def refine(self, image: np.ndarray) -> None:
         self.greys[:] = image[self.foveation.pixel_v, self.foveation.pixel_u]
-        return status_name(
-            lib.vista_refine(
-                self.foveation.handle,
-                self.section("refinement"),
-                self.cells,
-                self.segmentation.label,
-                self.refinement,
-            )
-        )
+        lib.vista_refine(self.frame, self.cells, self.segmentation.label, self.refinement)
 
     def measure_regions(self, words: np.ndarray, up=LEVEL_UP) -> list:
         """Of the regions as the cells draw them."""
@@ -251,30 +309,18 @@ class Stages:
 
     def compute_regions(self, words: np.ndarray, up=LEVEL_UP) -> list:
         """Of the regions as region_of_pixel draws them."""
-        up_camera = ffi.new("double[3]", [float(x) for x in up])
+        self.see(up, words=words)
         self.words[:] = words[self.foveation.pixel_v, self.foveation.pixel_u]
         self.listed[:] = self.region_of_pixel[self.foveation.pixel_v, self.foveation.pixel_u]
         self.border[:] = 1  # any pixel may be drawn as another region's than its cell's
-        status = lib.vista_regions_compute(
-            self.foveation.handle,
-            self.section("region"),
-            self.camera,
-            up_camera,
-            self.parameters.surface.horizontal_deg,
-            self.matched,
-            image_struct("disparity_image", words),
-            self.cells,
-            self.surfaces,
-            self.segmentation,
-            self.refinement,
-            self.regions,
-        )
-        assert status == lib.VISTA_OK, status_name(status)
+        s = self.segmentation
+        partition = ffi.new("vista_partition *", [s.label, s.region_count, s.obstacle_count, self.refinement])
+        lib.vista_regions_compute(self.frame, self.cells, self.surfaces, partition, self.regions)
         return [ffi.new("vista_region *", self.regions.items[k]) for k in range(self.regions.count)]
 
     def partition(self, image: np.ndarray, words: np.ndarray, up=LEVEL_UP) -> np.ndarray:
         """Everything up to the cuts; the label of every pixel."""
-        assert self.foveate(image, words) == "VISTA_OK"
+        self.foveate(image, words)
         self.find_surfaces(up)
         self.compare()
         self.segment()

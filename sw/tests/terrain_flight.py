@@ -8,8 +8,7 @@ from dataclasses import dataclass
 
 import cv2
 import numpy as np
-from stage_arena import Arena, ffi, lib, status_name
-from stage_library import LEVEL_UP, Stages
+from stage_library import LEVEL_UP, Arena, Stages, ffi, lib
 from track_library import camera, flight_path, matched, motion, pose
 
 Array = np.ndarray
@@ -158,22 +157,12 @@ class TerrainFlight:
         rotation = np.eye(3) if rotation is None else rotation
         moved = motion(pose(position, rotation), velocity, **given)
         self.frame += 1
-        t, up = self.terrain, ffi.new("double[3]", [float(x) for x in rotation.T @ LEVEL_UP])
+        t = self.terrain
         path = flight_path(moved, LENGTH_M, **(arc or {}))
         area = matched(disparity_max_px=63.0, margin_left_px=68.0, margin_px=5.0)
-        status = lib.vista_terrain_update(
-            t,
-            self.stages.foveation.handle,
-            self.stages.parameters,
-            self.view,
-            area,
-            up,
-            moved,
-            path,
-            int(self.frame * 1e9 / RATE_HZ),
-            self.stages.cells,
-        )
-        assert status_name(status) == "VISTA_OK"
+        t_ns = int(self.frame * 1e9 / RATE_HZ)
+        self.stages.see(up=rotation.T @ LEVEL_UP, matched=area, motion=moved, path=path, t_ns=t_ns)
+        lib.vista_terrain_update(self.stages.frame, self.stages.cells, t)
         return Seen(
             bool(t.ahead and t.credible and t.steady),
             t.contact.along_m if t.ahead else np.nan,

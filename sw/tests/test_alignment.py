@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import turned_camera as turned
 from random_seed import seeded
-from stage_arena import ffi, lib
+from stage_library import ffi, lib
 from turned_camera import Corrected, Grey, degrees
 from vista import parameters
 from vista.alignment import Estimator, State, Turn

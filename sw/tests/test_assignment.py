@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from random_seed import seeded
 from scipy.optimize import linear_sum_assignment
-from stage_arena import Arena, ffi, lib, status_name
+from stage_library import Arena, ffi, lib, status_name
 
 CASES = 1000
 

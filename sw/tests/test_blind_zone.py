@@ -8,9 +8,8 @@ import numpy as np
 import pytest
 from random_seed import seeded
 from shared_data import SHARED_DATA
-from stage_arena import ffi, lib, status_name
-from stage_library import INVALID, image_struct
-from track_library import BASELINE, CENTER, FOCAL, camera, matched, params
+from stage_library import INVALID, ffi, frame_view, image_struct, lib, status_name
+from track_library import BASELINE, CENTER, FOCAL, camera, matched, parameters_with
 from vista.engine import StereoEngine
 
 WIDTH, HEIGHT, CANDIDATES, BLOCK = 640, 480, 64, 11
@@ -26,19 +25,16 @@ class Watch:
     """A blind_zone from frame to frame."""
 
     def __init__(self, **changes: float) -> None:
-        self.params, self.camera = params("blind_zone", **changes), camera(WIDTH, HEIGHT)
-        self.state = ffi.new("vista_blind_zone *")
+        self._parameters = parameters_with("blind_zone", **changes)
+        self.params, self.state = self._parameters.blind_zone, ffi.new("vista_blind_zone *")
 
-    def look(self, grey: np.ndarray, words: np.ndarray, radius_m: float = RADIUS_M, **area: float) -> str:
-        image, disparities = image_struct("image", grey), image_struct("disparity_image", words)
+    def look(self, grey: np.ndarray, words: np.ndarray, radius_m: float = RADIUS_M, **area: float) -> None:
         noise = ffi.new("vista_image_noise *")
-        assert status_name(lib.vista_image_noise_measure(image, noise)) == "VISTA_OK"
-        where = matched(**AREA | area)
-        return status_name(
-            lib.vista_blind_zone_update(
-                self.params, self.camera, where, radius_m, image, noise, disparities, self.state
-            )
-        )
+        assert status_name(lib.vista_image_noise_measure(image_struct("image", grey), noise)) == "VISTA_OK"
+        self._parameters.obstacle_map.collision_radius_m = radius_m
+        where, lens = matched(**AREA | area), camera(WIDTH, HEIGHT)
+        seen = {"image": grey, "words": words, "noise": noise.sigma}
+        lib.vista_blind_zone_update(frame_view(self._parameters, lens, matched=where, **seen), self.state)
 
 
 def grainy(random: np.random.Generator, grain_px: float, contrast: float = 40.0) -> np.ndarray:
@@ -83,7 +79,7 @@ def test_a_wall_is_too_near_from_the_range_limit_on(shift_px: int, too_near: boo
     random = seeded(1)
     left, right = pair(random, grainy(random, grain_px), shift_px)
     watch = Watch()
-    assert watch.look(left, disparity(left, right)) == "VISTA_OK"
+    watch.look(left, disparity(left, right))
     assert watch.state.window == too_near
     assert watch.state.range_m == pytest.approx(FOCAL * BASELINE / (CANDIDATES - 1))
 
@@ -175,7 +171,7 @@ def test_windows_repeat_whatever_the_engine_s_range(candidates: int) -> None:
         "margin_left_px": candidates - 1.0 + BLOCK // 2,
     }
     watch = Watch()
-    assert watch.look(left, np.full(left.shape, INVALID, np.int16), **area) == "VISTA_OK"
+    watch.look(left, np.full(left.shape, INVALID, np.int16), **area)
     assert watch.state.unmatched_fraction == 1.0
     assert watch.state.repeated_fraction > 0.7
     assert watch.state.range_m == pytest.approx(FOCAL * BASELINE / (candidates - 1))
@@ -229,16 +225,3 @@ def test_it_takes_m_of_n_frames() -> None:
         watch.look(grey, unmatched if letter == "x" else clear)
         found.append(watch.state.occupied)
     assert found == [False] * 4 + [True] * 3 + [False] * 4
-
-
-def test_wrong_arguments_are_refused() -> None:
-    watch, grey = Watch(), np.zeros((HEIGHT, WIDTH), np.uint8)
-    assert watch.look(grey, np.zeros((HEIGHT, WIDTH - 1), np.int16)) == "VISTA_ERROR_SIZE"
-    assert watch.look(grey[1:], np.zeros((HEIGHT, WIDTH), np.int16)) == "VISTA_ERROR_SIZE"
-    images = image_struct("image", grey), image_struct("disparity_image", np.zeros(grey.shape, np.int16))
-    noise = ffi.new("vista_image_noise *")
-    pointers = [watch.params, watch.camera, matched(), RADIUS_M, images[0], noise, images[1], watch.state]
-    for i in (0, 1, 2, 4, 5, 6, 7):
-        arguments = pointers.copy()
-        arguments[i] = ffi.NULL
-        assert status_name(lib.vista_blind_zone_update(*arguments)) == "VISTA_ERROR_ARGUMENT"

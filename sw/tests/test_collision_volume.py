@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 from random_seed import seeded
 from region_cases import TOLERANCES, box, measure
-from stage_arena import ffi, lib, status_name
-from stage_library import Stages, camera, image_struct, plane_disparity, rays, words_of
+from stage_library import Stages, camera, ffi, lib, plane_disparity, rays, words_of
 
 RADIUS_M, LENGTH_M = 2.0, 30.0
 
@@ -17,16 +16,8 @@ def count(stages: Stages, words: np.ndarray, direction=(0.0, 0.0, 1.0), **change
         "vista_collision_volume *",
         {"direction_camera": list(direction), "radius_m": RADIUS_M, "length_m": LENGTH_M} | changes,
     )
-    status = lib.vista_collision_volume_count(
-        stages.foveation.handle,
-        stages.section("region"),
-        stages.camera,
-        volume,
-        image_struct("disparity_image", words),
-        stages.cells,
-        stages.regions,
-    )
-    assert status_name(status) == "VISTA_OK"
+    stages.see(words=words)
+    lib.vista_collision_volume_count(stages.frame, volume, stages.cells, stages.regions)
     return [stages.regions.items[k].volume_pixels for k in range(stages.regions.count)]
 
 
@@ -231,27 +222,3 @@ def test_what_is_no_obstacle_is_not_counted() -> None:
     words = words_of(np.where(mask, 20.0, -1.0))
     measure(stages, words, [mask])
     assert count(stages, words) == [0]
-
-
-def test_more_than_a_quarter_of_a_circle_is_refused() -> None:
-    stages, words = Stages(camera()), np.zeros((240, 320), np.int16)
-    for changes in ({"curvature_1_m": 0.06}, {"curvature_1_m": -0.01}, {"outline_px": -1.0}):
-        values = {"direction_camera": [0, 0, 1], "radius_m": RADIUS_M, "length_m": LENGTH_M}
-        volume = ffi.new("vista_collision_volume *", values | changes)
-        frame = (stages.foveation.handle, stages.section("region"), stages.camera, volume)
-        image = image_struct("disparity_image", words)
-        status = lib.vista_collision_volume_count(*frame, image, stages.cells, stages.regions)
-        assert status_name(status) == "VISTA_ERROR_RANGE", changes
-
-
-def test_wrong_arguments_are_refused() -> None:
-    stages, words = Stages(camera()), np.zeros((240, 320), np.int16)
-    volume = ffi.new("vista_collision_volume *", [[0, 0, 1], RADIUS_M, LENGTH_M])
-    pointers = [stages.foveation.handle, stages.section("region"), stages.camera, volume]
-    pointers += [image_struct("disparity_image", words), stages.cells, stages.regions]
-    for i in range(len(pointers)):
-        arguments = pointers.copy()
-        arguments[i] = ffi.NULL
-        assert status_name(lib.vista_collision_volume_count(*arguments)) == "VISTA_ERROR_ARGUMENT"
-    pointers[4] = image_struct("disparity_image", words[1:])
-    assert status_name(lib.vista_collision_volume_count(*pointers)) == "VISTA_ERROR_SIZE"

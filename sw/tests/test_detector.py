@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 from random_seed import seeded
-from stage_arena import default_parameters, ffi, lib, status_name
+from stage_library import default_parameters, ffi, lib, status_name
 
 WIDTH, HEIGHT, STEP_NS = 320, 240, 40_000_000
 Image = NDArray[np.uint8]

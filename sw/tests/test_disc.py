@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from random_seed import seeded
 from scipy.spatial.transform import Rotation
-from stage_arena import ffi, lib
+from stage_library import ffi, lib
 
 
 def random_case(random: np.random.Generator):

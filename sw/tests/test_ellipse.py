@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 import pytest
 from random_seed import seeded
-from stage_arena import ffi, lib, status_name
+from stage_library import ffi, lib, status_name
 
 
 def region_of(u: np.ndarray, v: np.ndarray):

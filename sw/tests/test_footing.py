@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 from random_seed import seeded
-from stage_arena import ffi, lib, status_name
-from stage_library import camera, image_struct
-from track_library import params
+from stage_library import camera, ffi, frame_view, lib, parameters, set_frame
 
 WIDTH, HEIGHT, NONE = 160, 120, -1
 GROUND_M = 0.25
@@ -17,7 +15,7 @@ class Foot:
 
     def __init__(self, random: np.random.Generator, count: int) -> None:
         self.camera = camera(WIDTH, HEIGHT)
-        self.params = params("region", ground_height_m=GROUND_M)
+        self.frame = frame_view(parameters({"region.ground_height_m": GROUND_M}), self.camera)
         self.slope = random.uniform(-0.02, 0.02), random.uniform(0.2, 0.5)
         self.surfaces = ffi.new(
             "vista_surfaces *", {"ground_found": True, "ground": [random.uniform(-4, 4), *self.slope]}
@@ -34,13 +32,9 @@ class Foot:
         self.refinement = ffi.new("vista_refinement *")
         self.refinement.label = ffi.cast("int32_t *", self.label.ctypes.data)
 
-    def clear(self, words: np.ndarray) -> str:
-        image = image_struct("disparity_image", words)
-        return status_name(
-            lib.vista_footing_clear(
-                self.params, self.camera, image, self.surfaces, self.regions, self.refinement
-            )
-        )
+    def clear(self, words: np.ndarray) -> None:
+        set_frame(self.frame, "words", words)
+        lib.vista_footing_clear(self.frame, self.surfaces, self.regions, self.refinement)
 
     def ground_px(self) -> np.ndarray:
         v, u = np.mgrid[:HEIGHT, :WIDTH]
@@ -59,7 +53,7 @@ def test_ground_leaves_and_nothing_else() -> None:
         ground, before = foot.ground_px(), foot.label.copy()
         words = np.rint(16 * np.maximum(ground + random.normal(0, 2, ground.shape), 0)).astype(np.int16)
         words[random.random(words.shape) < 0.4] = -16
-        assert foot.clear(words) == "VISTA_OK"
+        foot.clear(words)
 
         c, v, u = foot.camera, *np.mgrid[:HEIGHT, :WIDTH]
         normal = np.array([*foot.slope, foot.surfaces.ground.offset / c.focal_px]) / c.baseline_m
@@ -92,9 +86,5 @@ def test_without_a_plane_of_ground_nothing_leaves() -> None:
     foot = Foot(seeded(2), 4)
     foot.surfaces.ground_found = False
     before = foot.label.copy()
-    assert foot.clear(np.full((HEIGHT, WIDTH), -16, np.int16)) == "VISTA_OK"
+    foot.clear(np.full((HEIGHT, WIDTH), -16, np.int16))
     assert np.array_equal(foot.label, before)
-
-
-def test_words_of_another_size_are_refused() -> None:
-    assert Foot(seeded(3), 2).clear(np.zeros((HEIGHT, WIDTH + 1), np.int16)) == "VISTA_ERROR_SIZE"

@@ -13,8 +13,18 @@ from random_seed import seeded
 from scipy.ndimage import map_coordinates
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
-from stage_arena import Arena, ffi, lib, status_name
-from stage_library import INVALID, Foveation, Stages, camera, image_struct, parameters, view
+from stage_library import (
+    INVALID,
+    Arena,
+    Foveation,
+    Stages,
+    camera,
+    ffi,
+    lib,
+    parameters,
+    status_name,
+    view,
+)
 
 GEOMETRIES = 60
 
@@ -176,7 +186,7 @@ def test_cells_average_their_pixels(sectors: int) -> None:
         )
         f = stages.foveation
         image, words = frame(random, width, height)
-        assert stages.foveate(image, words) == "VISTA_OK"
+        stages.foveate(image, words)
 
         averaged = np.r_[0, f.handle.point_count + 1 : f.node_count]
         sums = np.bincount(f.cell_of_pixel.ravel(), image.ravel(), f.node_count)
@@ -256,44 +266,11 @@ def test_a_byte_too_little_is_reported() -> None:
     assert status_name(short.status) == "VISTA_ERROR_MEMORY"
 
 
-def test_null_pointers_are_refused() -> None:
-    arena, params = ffi.new("vista_arena *"), parameters()
-    section = ffi.addressof(params, "foveation")
-    layout_arguments = [ffi.new("vista_foveation *"), arena, section, 64, 48, 7.0, 7.0]
-    stages = Stages(camera(64, 48))
-    image, words = np.zeros((48, 64), np.uint8), np.zeros((48, 64), np.int16)
-    foveate_arguments = [
-        stages.foveation.handle,
-        section,
-        image_struct("image", image),
-        image_struct("disparity_image", words),
-        stages.cells,
-    ]
-    for function, arguments, pointers in (
-        (lib.vista_foveation_layout, layout_arguments, 3),
-        (lib.vista_cells_layout, [stages.cells, arena, stages.foveation.handle], 3),
-        (lib.vista_foveate, foveate_arguments, 5),
-    ):
-        for i in range(pointers):
-            with_null = [*arguments[:i], ffi.NULL, *arguments[i + 1 :]]
-            assert status_name(function(*with_null)) == "VISTA_ERROR_ARGUMENT"
-
-
-def test_an_image_of_another_size_is_refused_untouched() -> None:
-    stages = Stages(camera(64, 48))
-    stages.intensity[:] = -7.0
-    right, wrong = (48, 64), (48, 65)
-    for image_shape, words_shape in ((wrong, right), (right, wrong), (wrong, wrong), ((49, 64), right)):
-        image, words = np.zeros(image_shape, np.uint8), np.zeros(words_shape, np.int16)
-        assert stages.foveate(image, words) == "VISTA_ERROR_SIZE"
-    assert np.all(stages.intensity == -7.0)
-
-
 def test_a_counting_arena_only_counts() -> None:
     arena, foveation = ffi.new("vista_arena *"), ffi.new("vista_foveation *")
     params = parameters()
-    section = ffi.addressof(params, "foveation")
-    assert lib.vista_foveation_layout(foveation, arena, section, 64, 48, 31.5, 23.5) == lib.VISTA_OK
+    section, fovea = ffi.addressof(params, "foveation"), ffi.new("vista_fovea *", [64, 48, 31.5, 23.5])
+    assert lib.vista_foveation_layout(foveation, arena, section, fovea) == lib.VISTA_OK
     assert arena.used > 64 * 48 * 4
     assert foveation.cell_of_pixel == ffi.NULL and foveation.graph.head == ffi.NULL
     assert view(ffi.addressof(arena, "base"), 1, np.uintp)[0] == 0

@@ -10,8 +10,7 @@ from board_flight import UP_WORLD, WORLD_FROM_CAMERA, board_flight
 from mavlink_link import AXES, FIRST_DEG, rotation
 from pipeline_library import Pipeline
 from random_seed import seeded
-from stage_arena import ffi, lib, status_name
-from stage_library import INVALID, camera, image_struct, parameters
+from stage_library import INVALID, camera, ffi, frame_view, lib, parameters, status_name, told_by
 from vista.pipeline import Directions
 
 WIDTH, HEIGHT, FOCAL_PX, BASELINE_M = 640, 480, 500.0, 0.5
@@ -36,17 +35,10 @@ def seen(
     for item, name in zip(items, verdicts, strict=True):
         item.verdict = getattr(lib, f"VISTA_REGION_{name}")
     numbers = np.ascontiguousarray(np.zeros(words.shape) if regions is None else regions, np.int32)
-    directions = ffi.new("vista_directions *", {"up_camera": [float(x) for x in up]})
-    status = lib.vista_free_view(
-        ffi.addressof(known, "obstacle_map"),
-        camera(width, height, FOCAL_PX, BASELINE_M),
-        ffi.new("vista_matched_area *", [127.0, 0.0, 0.0, 0]),
-        image_struct("disparity_image", words),
-        ffi.cast("int32_t *", numbers.ctypes.data),
-        ffi.new("vista_regions *", {"items": items, "count": len(verdicts)}),
-        directions,
-    )
-    assert status_name(status) == "VISTA_OK"
+    frame = frame_view(known, camera(width, height, FOCAL_PX, BASELINE_M), words=words, up_camera=up)
+    directions = ffi.new("vista_directions *")
+    told = told_by(frame, items, numbers)
+    lib.vista_free_view(frame, told, directions)
     return np.array(list(directions.free_m)), np.array(list(directions.blocked_m))
 
 

@@ -7,7 +7,7 @@ import pytest
 from cut_graph import CutGraph
 from graph_cases import polar_edges
 from random_seed import seeded
-from stage_arena import Arena, ffi, lib, pointer, status_name
+from stage_library import Arena, ffi, lib, pointer, status_name
 
 RINGS, SECTORS = 7, 12
 

@@ -149,7 +149,7 @@ def test_near_the_camera_lower_things_stand() -> None:
     foot_row = 120 + 400.0 * 1.0 / 4.0  # f y / z
     v, u = np.mgrid[:240, :320]
     disparity[(v <= foot_row) & (v > foot_row - 60) & (np.abs(u - 160) < 60)] = 50.0  # f B / z; 0.6 m high
-    assert stages.foveate(np.full((240, 320), 90, np.uint8), words_of(disparity)) == "VISTA_OK"
+    stages.foveate(np.full((240, 320), 90, np.uint8), words_of(disparity))
     stages.find_surfaces(LEVEL_UP)
     assert stages.surfaces.ground_found
     f = stages.foveation

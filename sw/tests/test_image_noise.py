@@ -12,8 +12,7 @@ from board_flight import board_flight
 from pipeline_library import Frame, Pipeline, default_parameters
 from random_seed import seeded
 from shared_data import SHARED_DATA
-from stage_arena import ffi, lib, status_name
-from stage_library import image_struct
+from stage_library import ffi, image_struct, lib, status_name
 
 SIGMAS = (0.0, 1.0, 2.0, 4.0, 6.0, 8.0, 10.0, 12.0)
 REAL = {  # folder, what lies in it
@@ -138,6 +137,6 @@ def test_the_thresholds_of_a_frame_are_against_its_noise(sigma: float, factor: f
         )
     )
     assert pipeline.process(Frame(replace(source, left=left))) == "VISTA_OK"
-    used = lib.vista_pipeline_look(pipeline.handle).refinement_params.sigma_intensity
+    used = lib.vista_pipeline_look(pipeline.handle).frame.params.refinement.sigma_intensity
     assert used == pytest.approx(max(10.0, factor * estimate(left)))
     assert (used > 10.0) == (sigma > 0.0 and factor > 0.0)

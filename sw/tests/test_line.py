@@ -9,7 +9,7 @@ import struct
 import numpy as np
 import pytest
 from random_seed import seeded
-from stage_arena import ffi, lib, status_name
+from stage_library import ffi, lib, status_name
 
 VALUES = """
     0 -0.0 -0.0004 0.0005 0.0015 1e-5 4.9e-5 1.5e-5 -2e-6 4e-7 0.5 1 -1 100 123456 2.675 1.005

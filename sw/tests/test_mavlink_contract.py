@@ -12,7 +12,7 @@ import pytest
 from autopilot_rules import UNKNOWN, ArduPilot, Px4
 from mavlink_link import CLEAR, LEVEL_M, MS, Aircraft, Link, Thing, deliver, milliseconds, of_kind, view
 from random_seed import seeded
-from stage_arena import lib
+from stage_library import lib
 
 PX4 = [
     pytest.param(Px4, lib.VISTA_MAVLINK_SECTORS_72, id="72 bins"),

@@ -9,7 +9,7 @@ import pytest
 from board_flight import WORLD_FROM_CAMERA, board_flight
 from mavlink_link import START_NS, UNKNOWN, Link, Thing, clear_sectors, obstacle_sectors
 from pipeline_library import Pipeline
-from stage_arena import ffi, lib, status_name
+from stage_library import ffi, lib, status_name
 
 AHEAD = Thing(np.array([0.0, 0.0, 10.0]))
 

@@ -20,7 +20,7 @@ from mavlink_link import (
     of_kind,
 )
 from random_seed import seeded
-from stage_arena import lib
+from stage_library import lib
 
 HEADINGS_DEG = range(0, 360, 45)
 ATTITUDES_DEG = [(0.0, 0.0), (20.0, -10.0), (-15.0, 25.0)]  # roll, pitch

@@ -14,7 +14,7 @@ from random_seed import seeded
 from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import breadth_first_order, maximum_flow
 from shared_data import SHARED_DATA
-from stage_arena import Arena, ffi, lib, pointer, status_name
+from stage_library import Arena, ffi, lib, pointer, status_name
 
 RANDOM_GRAPHS = 1000
 ARC_CAPACITY_MAX = (1 << 30) - 1

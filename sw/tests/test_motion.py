@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from random_seed import seeded
 from scipy.spatial.transform import Rotation
-from stage_arena import ffi, lib, status_name
-from track_library import SECOND, params, pose
+from stage_library import ffi, lib, status_name
+from track_library import SECOND, parameters_with, pose
 
 FORWARD = np.array([2.0, -1.0, 8.0])  # m/s
 
@@ -18,7 +18,8 @@ class Motion:
     """The stage with its state."""
 
     def __init__(self, **changes: float) -> None:
-        self.params, self.state = params("motion", **changes), ffi.new("vista_motion_state *")
+        self._parameters = parameters_with("motion", **changes)
+        self.params, self.state = self._parameters.motion, ffi.new("vista_motion_state *")
 
     def update(self, t_s: float, raw_pose=ffi.NULL, velocity=None, stationary: bool = False):
         self.status, motion = self.try_update(round(t_s * SECOND), raw_pose, velocity, stationary)
@@ -29,10 +30,12 @@ class Motion:
         c_velocity = ffi.NULL if velocity is None else ffi.new("double[3]", [float(x) for x in velocity])
         given = ffi.new("vista_motion_input *", [raw_pose, c_velocity, stationary, t_ns])
         motion = ffi.new("vista_motion *")
-        return status_name(lib.vista_motion_update(self.params, given, self.state, motion)), motion
+        return status_name(
+            lib.vista_motion_update(ffi.addressof(self.params), given, self.state, motion)
+        ), motion
 
     def path(self, motion, length_m: float = 100.0, radius_m: float = 2.0):
-        return lib.vista_motion_path(self.params, self.state, motion, length_m, radius_m)
+        return lib.vista_motion_path(ffi.addressof(self.params), self.state, motion, length_m, radius_m)
 
 
 def source(motion) -> str:

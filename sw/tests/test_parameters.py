@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 from shared_data import REPOSITORY
-from stage_arena import default_parameters, ffi, lib
+from stage_library import default_parameters, ffi, lib
 from vista import parameters
 from vista.cli import main
 from vista.errors import InputError

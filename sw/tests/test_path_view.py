@@ -10,8 +10,7 @@ import pytest
 from board_flight import board_flight
 from pipeline_library import Pipeline
 from random_seed import seeded
-from stage_arena import ffi, lib, status_name
-from stage_library import INVALID, camera, image_struct, parameters
+from stage_library import INVALID, camera, ffi, frame_view, lib, parameters, told_by
 
 WIDTH, HEIGHT, FOCAL_PX, BASELINE_M = 640, 480, 500.0, 0.5
 RADIUS_M, LENGTH_M = 2.0, 100.0
@@ -30,22 +29,10 @@ def seen_m(
     for item, name in zip(items, verdicts, strict=True):
         item.verdict, item.plain = getattr(lib, f"VISTA_REGION_{name}"), plain
     numbers = np.ascontiguousarray(np.zeros(words.shape) if regions is None else regions, np.int32)
-    matched = ffi.new("vista_matched_area *", [127.0, 0.0, 0.0, 0])
-    pose = ffi.new("vista_pose *", [np.eye(3).ravel().tolist(), [0.0, 0.0, 0.0]])
-    found = ffi.new("double *")
-    status = lib.vista_path_view(
-        ffi.addressof(known, "obstacle_map"),
-        camera(width, height, FOCAL_PX, BASELINE_M),
-        matched,
-        path or straight(),
-        pose,
-        image_struct("disparity_image", words),
-        ffi.cast("int32_t *", numbers.ctypes.data),
-        ffi.new("vista_regions *", {"items": items, "count": len(verdicts)}),
-        found,
+    frame = frame_view(
+        known, camera(width, height, FOCAL_PX, BASELINE_M), words=words, path=path or straight()
     )
-    assert status_name(status) == "VISTA_OK"
-    return found[0]
+    return lib.vista_path_view(frame, told_by(frame, items, numbers))
 
 
 def straight(direction=(0.0, 0.0, 1.0)):

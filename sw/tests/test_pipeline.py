@@ -17,7 +17,7 @@ from pipeline_library import (
     plain,
     snapshot,
 )
-from stage_arena import ffi, lib
+from stage_library import ffi, lib
 from vista.geometry import Pose
 from vista.parameters import defaults
 from vista_eval.cell_graph import OpenPipeline

@@ -18,7 +18,7 @@ from pipeline_library import (
     process,
     snapshot,
 )
-from stage_arena import ffi, lib, status_name
+from stage_library import ffi, lib, status_name
 from vista.parameters import defaults
 from vista.pipeline import Pipeline as PythonPipeline
 from vista.pipeline import PipelineError

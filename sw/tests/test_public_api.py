@@ -12,7 +12,7 @@ import pytest
 from board_flight import board_flight
 from pipeline_library import Frame, Pipeline
 from shared_data import REPOSITORY
-from stage_arena import ffi, lib, status_name
+from stage_library import ffi, lib, status_name
 
 BUILD = REPOSITORY / os.environ.get("VISTA_BUILD", "build")
 INCLUDES = [REPOSITORY / "sw" / "include", REPOSITORY / "model" / "c" / "include"]

@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from random_seed import seeded
-from stage_arena import Arena, ffi, lib, status_name
 from stage_library import INVALID, Stages, camera
 
 NONE = -1
@@ -18,9 +17,9 @@ def prepared(
 ) -> np.ndarray:
     """region_of_pixel of cells that are labelled so."""
     words = np.full(image.shape, INVALID, np.int16) if words is None else words
-    assert stages.foveate(image, words) == "VISTA_OK"
+    stages.foveate(image, words)
     stages.label[:] = label
-    assert stages.refine(image) == "VISTA_OK"
+    stages.refine(image)
     return stages.region_of_pixel
 
 
@@ -139,17 +138,3 @@ def test_flat_images_leave_the_boundaries_near_those_of_the_cells() -> None:
     moved = found != by_cells
     assert np.all(f.size_px[f.cell_of_pixel[moved]] >= POINT_SIZE_PX)
     assert moved.mean() < 0.05
-
-
-def test_wrong_arguments_are_refused() -> None:
-    stages = Stages(camera(64, 48))
-    f, params = stages.foveation.handle, stages.section("refinement")
-    pointers = [f, params, stages.cells, stages.segmentation.label]
-    pointers.append(stages.refinement)
-    for k in range(len(pointers)):
-        null = [ffi.NULL if i == k else pointer for i, pointer in enumerate(pointers)]
-        assert status_name(lib.vista_refine(*null)) == "VISTA_ERROR_ARGUMENT"
-    handle = ffi.new("vista_refinement *")
-    assert Arena(lambda arena: lib.vista_refinement_layout(handle, arena, ffi.NULL)).status != lib.VISTA_OK
-    short = Arena(lambda arena: lib.vista_refinement_layout(handle, arena, f), 1)
-    assert status_name(short.status) == "VISTA_ERROR_MEMORY"

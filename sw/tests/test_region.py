@@ -9,8 +9,15 @@ from random_seed import seeded
 from region_cases import GREY, TOLERANCES, box, measure, verdict
 from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import dijkstra
-from stage_arena import Arena, ffi, lib, status_name
-from stage_library import INVALID, LEVEL_UP, Stages, camera, image_struct, plane_disparity, words_of
+from stage_library import (
+    INVALID,
+    Stages,
+    camera,
+    ffi,
+    lib,
+    plane_disparity,
+    words_of,
+)
 
 
 def boundary_pixels(stages: Stages, k: int) -> np.ndarray:
@@ -419,25 +426,3 @@ def test_own_pixels_are_those_that_the_image_gives_to_the_region() -> None:
     narrower = stages.compute_regions(words)[0]
     assert narrower.max_u_px == 179 and narrower.min_u_px == whole.min_u_px
     assert narrower.pixel_count < whole.pixel_count and narrower.mean_u_px < whole.mean_u_px - 5
-
-
-def test_wrong_arguments_are_refused() -> None:
-    stages = Stages(camera(64, 48))
-    f = stages.foveation.handle
-    up = ffi.new("double[3]", LEVEL_UP)
-    words, larger = np.zeros((48, 64), np.int16), np.zeros((48, 65), np.int16)
-
-    def compute(disparity, null: int | None = None) -> str:
-        pointers = [f, stages.section("region"), stages.camera, up]
-        pointers += [stages.matched, image_struct("disparity_image", disparity), stages.cells]
-        pointers += [stages.surfaces, stages.segmentation, stages.refinement, stages.regions]
-        if null is not None:
-            pointers[null] = ffi.NULL
-        return status_name(lib.vista_regions_compute(*pointers[:4], 55.0, *pointers[4:]))
-
-    for i in range(11):
-        assert compute(words, null=i) == "VISTA_ERROR_ARGUMENT"
-    assert compute(larger) == "VISTA_ERROR_SIZE"
-    regions = ffi.new("vista_regions *")
-    short = Arena(lambda arena: lib.vista_regions_layout(regions, arena, f), missing_bytes=1)
-    assert status_name(short.status) == "VISTA_ERROR_MEMORY"

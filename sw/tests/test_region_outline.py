@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from random_seed import seeded
-from stage_arena import ffi, lib
-from stage_library import GROUND, INVALID, SKY, Stages, camera, plane_disparity, rays, words_of
+from stage_library import GROUND, INVALID, SKY, Stages, camera, ffi, lib, plane_disparity, rays, words_of
 
 CAMERA = camera()
 SCALE = CAMERA.focal_px * CAMERA.baseline_m
@@ -260,11 +259,8 @@ def test_all_of_the_plain_region_is_in_the_collision_volume() -> None:
         "vista_collision_volume *", {"radius_m": 1.0, "length_m": 100.0, "direction_camera": (0, 0, 1)}
     )
     words = np.full(owner.shape, INVALID, np.int16)  # nothing is asked of the words inside
-    image = ffi.new("vista_disparity_image *", [ffi.cast("int16_t *", words.ctypes.data), 320, 240, 320])
-    status = lib.vista_collision_volume_count(
-        stages.foveation.handle, stages.section("region"), CAMERA, volume, image, stages.cells, stages.regions
-    )
-    assert status == lib.VISTA_OK
+    stages.see(words=words)
+    lib.vista_collision_volume_count(stages.frame, volume, stages.cells, stages.regions)
     ray = rays(CAMERA)
     in_volume = np.hypot(ray[..., 0], ray[..., 1]) * SCALE / region.disparity_px <= 1.0
     expected = np.count_nonzero(in_volume & (labels == region.label))

@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 from random_seed import seeded
 from region_cases import TOLERANCES, box, measure, verdict
-from stage_arena import ffi, lib, status_name
-from stage_library import Stages, camera, image_struct, words_of
+from stage_library import Stages, camera, lib, words_of
 
 RATIO, NOISE = 6.0, 2.0
 WHERE = box((160, 100), 70, 12)
@@ -23,6 +22,11 @@ def band(random: np.random.Generator, incline_deg: float) -> np.ndarray:
     return np.interp(across_px, np.arange(-500, 501), profile)
 
 
+def judge(stages: Stages, image: np.ndarray, noise: float) -> None:
+    stages.see(image=image, noise=noise)
+    lib.vista_row_edges_judge(stages.frame, stages.cells, stages.regions)
+
+
 def judged(grey: np.ndarray, random: np.random.Generator, noise: float = NOISE) -> str:
     """The verdict of a region that is accepted by its words, of an image with that noise."""
     stages = Stages(camera(), TOLERANCES | {"region.row_edge_ratio": RATIO})
@@ -30,15 +34,7 @@ def judged(grey: np.ndarray, random: np.random.Generator, noise: float = NOISE) 
     region = measure(stages, words, [WHERE])[0]
     assert verdict(region) == "ACCEPTED"
     noisy = np.clip(grey + random.normal(0, noise, grey.shape), 0, 255).astype(np.uint8)
-    status = lib.vista_row_edges_judge(
-        stages.foveation.handle,
-        stages.section("region"),
-        image_struct("image", noisy),
-        ffi.new("vista_image_noise *", {"sigma": noise}),
-        stages.cells,
-        stages.regions,
-    )
-    assert status_name(status) == "VISTA_OK"
+    judge(stages, noisy, noise)
     found = verdict(stages.regions.items[0])
     assert stages.regions.accepted_count == (found == "ACCEPTED")
     return found
@@ -90,11 +86,8 @@ def test_plain_regions_have_no_words_to_judge() -> None:
     measure(stages, words_of(np.where(WHERE, 12.0, 2.0), random, 0.1), [WHERE])
     stages.regions.items[0].plain = True
     image = np.clip(band(random, 0.0), 0, 255).astype(np.uint8)
-    noise = ffi.new("vista_image_noise *", {"sigma": 0.5})
-    arguments = (image_struct("image", image), noise, stages.cells, stages.regions)
-    section = stages.section("region")
-    assert lib.vista_row_edges_judge(stages.foveation.handle, section, *arguments) == lib.VISTA_OK
+    judge(stages, image, 0.5)
     assert verdict(stages.regions.items[0]) == "ACCEPTED"
     stages.regions.items[0].plain = False
-    assert lib.vista_row_edges_judge(stages.foveation.handle, section, *arguments) == lib.VISTA_OK
+    judge(stages, image, 0.5)
     assert verdict(stages.regions.items[0]) == "UNKNOWN"

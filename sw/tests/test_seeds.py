@@ -6,7 +6,6 @@ import networkx
 import numpy as np
 import pytest
 from random_seed import seeded
-from stage_arena import Arena, ffi, lib, status_name
 from stage_library import Stages, camera
 
 FRAMES = 30
@@ -201,20 +200,3 @@ def test_without_disparity_there_is_no_obstacle_seed() -> None:
     stages.disparity_px[:] = 9.0
     stages.horizontal[:] = 1
     assert stages.find_obstacle_seeds() == []
-
-
-def test_null_pointers_and_little_memory_are_refused() -> None:
-    stages = Stages(camera(64, 48))
-    f, params = stages.foveation.handle, stages.section("segmentation")
-    of_obstacles = [f, params, stages.camera, stages.cells, stages.surfaces, stages.seeds]
-    of_rest = [f, params, stages.affinity, stages.surfaces, stages.segmentation.label, stages.seeds]
-    for function, arguments in (
-        (lib.vista_seeds_of_obstacles, of_obstacles),
-        (lib.vista_seeds_of_rest, of_rest),
-    ):
-        for i in range(len(arguments)):
-            with_null = [*arguments[:i], ffi.NULL, *arguments[i + 1 :]]
-            assert status_name(function(*with_null)) == "VISTA_ERROR_ARGUMENT"
-    seeds = ffi.new("vista_seeds *")
-    short = Arena(lambda arena: lib.vista_seeds_layout(seeds, arena, f), missing_bytes=1)
-    assert status_name(short.status) == "VISTA_ERROR_MEMORY"

@@ -11,8 +11,16 @@ from random_seed import seeded
 from scipy.ndimage import binary_dilation
 from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import breadth_first_order, maximum_flow
-from stage_arena import Arena, ffi, lib, status_name
-from stage_library import FIRST_THING, GROUND, INVALID, SKY, Board, Stages, camera, street
+from stage_library import (
+    FIRST_THING,
+    GROUND,
+    INVALID,
+    SKY,
+    Board,
+    Stages,
+    camera,
+    street,
+)
 
 TIED = 1 << 29
 NEVER_MERGE = {"segmentation.merge_share": 1.0, "segmentation.merge_ratio": 0.0}
@@ -400,17 +408,3 @@ def test_one_disparity_everywhere_is_one_obstacle() -> None:
     stages.partition(image, np.full(image.shape, 16 * 12, np.int16))
     assert stages.segmentation.obstacle_count == 1
     assert np.all(stages.label == 0)
-
-
-def test_null_pointers_and_little_memory_are_refused() -> None:
-    stages = Stages(camera(64, 48))
-    f = stages.foveation.handle
-    arguments = [f, stages.parameters, stages.camera, stages.cells, stages.surfaces, stages.affinity]
-    arguments.append(stages.segmentation)
-    for i in range(len(arguments)):
-        with_null = [*arguments[:i], ffi.NULL, *arguments[i + 1 :]]
-        assert status_name(lib.vista_segment(*with_null)) == "VISTA_ERROR_ARGUMENT"
-    segmentation = ffi.new("vista_segmentation *")
-    for missing in (1, 1000, 10000):
-        short = Arena(lambda arena: lib.vista_segmentation_layout(segmentation, arena, f), missing)
-        assert status_name(short.status) == "VISTA_ERROR_MEMORY"

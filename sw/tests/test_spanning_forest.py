@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from cut_graph import CutGraph
 from random_seed import seeded
-from stage_arena import Arena, ffi, lib, pointer
+from stage_library import Arena, ffi, lib, pointer
 
 
 def grow(

@@ -6,8 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
-from stage_arena import Arena, ffi, lib, status_name
-from stage_library import image_struct, parameters, view
+from stage_library import Arena, camera, ffi, frame_view, image_struct, lib, parameters, status_name, view
 from vista.engine import INVALID, SCALE
 
 Words = np.ndarray
@@ -24,19 +23,23 @@ class Stage:
         self.arena = Arena(lambda arena: lib.vista_words_layout(w, arena, width, height))
         assert self.arena.status == lib.VISTA_OK
 
-    def combine(self, levels: list[Words], num_disparities: int = 64) -> str:
-        """levels: None or zero strides are passed as they are."""
+    def combine(self, levels: list[Words], num_disparities: int = 64) -> None:
+        assert self.count(levels) == ("VISTA_OK", len(levels))
+        self._parameters.stereo.num_disparities = num_disparities
+        lens = camera(self.shape[1], self.shape[0], baseline=BASELINE_M)
+        lib.vista_words_combine(frame_view(self._parameters, lens, levels=levels), self.handle)
+
+    def count(self, levels: list[Words], missing: int | None = None) -> tuple[str, int]:
+        """What the pipeline first asks of the levels of a frame, and their number; one may be missing."""
         images = [image_struct("disparity_image", words) for words in levels]
         coarser = ffi.new("vista_disparity_image[]", COARSER)
         for k, image in enumerate(images[1:]):
             coarser[k] = image[0]
-        return self.combine_images(images[0], coarser, num_disparities)
-
-    def combine_images(self, image, coarser, num_disparities: int = 64) -> str:
-        section = ffi.addressof(self._parameters, "words")
-        return status_name(
-            lib.vista_words_combine(section, BASELINE_M, num_disparities, image, coarser, self.handle)
-        )
+        if missing is not None:
+            (images[0][0] if missing == 0 else coarser[missing - 1]).data = ffi.NULL
+        count = ffi.new("int32_t *")
+        status = lib.vista_words_count_levels(self.handle, images[0], coarser, count)
+        return status_name(status), count[0]
 
     @property
     def words(self) -> Words:
@@ -188,7 +191,7 @@ def test_the_stage_is_the_reference(size: tuple[int, int], levels: int) -> None:
         for _ in range(3):  # nothing of a frame is left in the next
             words = [patchy(random, shape, k) for k, shape in enumerate(shapes_of(*size, levels))]
             before = [level.copy() for level in words]
-            assert stage.combine(words, candidates) == "VISTA_OK"
+            stage.combine(words, candidates)
             wanted = combined(words, candidates, cluster, gap_px, support, apart_px, filling)
             np.testing.assert_array_equal(stage.words, wanted)
             for level, untouched in zip(words, before, strict=True):
@@ -199,7 +202,7 @@ def test_one_level_stays_as_it_is_without_the_cluster_filter() -> None:
     words = np.random.default_rng(3).integers(0, 5000, (21, 34)).astype(np.int16)
     words[::3, ::2] = INVALID
     stage = Stage(21, 34, {"words.cluster_px": 0})
-    assert stage.combine([words]) == "VISTA_OK"
+    stage.combine([words])
     np.testing.assert_array_equal(stage.words, words)
 
 
@@ -210,9 +213,9 @@ def test_rows_may_lie_apart_and_run_upwards(stride: int) -> None:
     words = wide[:, :33] if stride > 0 else wide[::-1, :33]
     words[:] = patchy(random, (20, 33), 0)
     stage = Stage(20, 33)
-    assert stage.combine([words]) == "VISTA_OK"
+    stage.combine([words])
     apart = stage.words.copy()
-    assert stage.combine([np.ascontiguousarray(words)]) == "VISTA_OK"
+    stage.combine([np.ascontiguousarray(words)])
     np.testing.assert_array_equal(stage.words, apart)
 
 
@@ -225,10 +228,10 @@ def test_a_near_thing_comes_from_a_coarser_level_and_its_chance_matches_go() -> 
     level_1 = np.full((48, 80), 5 * SCALE, np.int16)
     level_1[15:35, 30:60] = 50 * SCALE
     stage = Stage(96, 160, {"words.filling_levels": 1})
-    assert stage.combine([level_0, level_1]) == "VISTA_OK"
+    stage.combine([level_0, level_1])
     assert (stage.words[36:64, 66:114] == 100 * SCALE).all()
     stage = Stage(96, 160, {"words.filling_levels": 1})
-    assert stage.combine([level_0, level_1]) == "VISTA_OK"
+    stage.combine([level_0, level_1])
     assert (stage.words[36:64, 66:114] == 100 * SCALE).all()
     assert (stage.words[:25] == 10 * SCALE).all()
     assert set(np.unique(stage.words)) == {10 * SCALE, 100 * SCALE}
@@ -242,7 +245,7 @@ def test_what_is_far_may_be_small(range_m: float, kept: bool) -> None:
     words = np.full((96, 160), INVALID, np.int16)
     words[40:48, 60:68] = word  # 64 px
     stage = Stage(96, 160)
-    assert stage.combine([words]) == "VISTA_OK"
+    stage.combine([words])
     assert (stage.words[40:48, 60:68] == (word if kept else INVALID)).all()
 
 
@@ -252,7 +255,7 @@ def test_levels_that_fill_nothing_add_only_what_is_too_near_for_level_0() -> Non
         words = [level.copy() for level in nothing]
         words[2][:] = disparity_px * SCALE
         stage = Stage(96, 160)
-        assert stage.combine(words) == "VISTA_OK"
+        stage.combine(words)
         wanted = INVALID if expected_px is None else expected_px * SCALE
         assert (stage.words[16:80, 16:144] == wanted).all()
 
@@ -270,40 +273,12 @@ def test_a_level_of_another_size_is_refused(level: int, change: tuple[int, int])
     words = levels_of(33, 50, 4)
     height, width = words[level].shape
     words[level] = np.full((height + change[0], width + change[1]), SCALE, np.int16)
-    assert Stage(33, 50).combine(words) == "VISTA_ERROR_SIZE"
+    assert Stage(33, 50).count(words)[0] == "VISTA_ERROR_SIZE"
 
 
 @pytest.mark.parametrize("missing", [0, 1, 2])
 def test_a_level_that_is_missing_before_another_is_refused(missing: int) -> None:
     words = levels_of(33, 50, 4)
-    images = [image_struct("disparity_image", level) for level in words]
-    coarser = ffi.new("vista_disparity_image[]", COARSER)
-    for k, image in enumerate(images[1:]):
-        coarser[k] = image[0]
-    (images[0][0] if missing == 0 else coarser[missing - 1]).data = ffi.NULL
-    assert Stage(33, 50).combine_images(images[0], coarser) == "VISTA_ERROR_ARGUMENT"
+    assert Stage(33, 50).count(words, missing)[0] == "VISTA_ERROR_ARGUMENT"
     if missing > 0:  # with all that follow it is no longer missing
-        for k in range(missing - 1, COARSER):
-            coarser[k].data = ffi.NULL
-        assert Stage(33, 50).combine_images(images[0], coarser) == "VISTA_OK"
-
-
-def test_bad_arguments() -> None:
-    stage, words = Stage(9, 9), levels_of(9, 9, 1)
-    image, coarser = image_struct("disparity_image", words[0]), ffi.new("vista_disparity_image[]", COARSER)
-    section = ffi.addressof(stage._parameters, "words")
-    for arguments in (
-        (ffi.NULL, BASELINE_M, 64, image, coarser, stage.handle),
-        (section, BASELINE_M, 64, ffi.NULL, coarser, stage.handle),
-        (section, BASELINE_M, 64, image, ffi.NULL, stage.handle),
-        (section, BASELINE_M, 64, image, coarser, ffi.NULL),
-    ):
-        assert status_name(lib.vista_words_combine(*arguments)) == "VISTA_ERROR_ARGUMENT"
-    combine, rest = lib.vista_words_combine, (64, image, coarser, stage.handle)
-    for baseline_m in (0.0, -1.0, float("nan")):
-        assert status_name(combine(section, baseline_m, *rest)) == "VISTA_ERROR_RANGE"
-    section.support = 1.5
-    assert status_name(combine(section, BASELINE_M, *rest)) == "VISTA_ERROR_RANGE"
-    assert status_name(lib.vista_words_layout(ffi.new("vista_words *"), ffi.new("vista_arena *"), 0, 5)) == (
-        "VISTA_ERROR_SIZE"
-    )
+        assert Stage(33, 50).count(words[:missing]) == ("VISTA_OK", missing)

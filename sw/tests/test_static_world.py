@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 from random_seed import seeded
-from stage_arena import ffi, lib
+from stage_library import ffi, lib
 from track_library import BASELINE, Tracker, detection, measure, seen_at
 
 pytestmark = [pytest.mark.slow, pytest.mark.same_c]

@@ -16,7 +16,7 @@ import recording_cases
 from board_flight import BoardFrame, board_flight
 from pipeline_library import CALIBRATION, Frame, Pipeline, default_parameters
 from random_seed import seeded
-from stage_arena import Arena, ffi, lib, status_name
+from stage_library import Arena, ffi, lib, status_name
 from vista import parameters
 from vista import pipeline as product
 

@@ -7,7 +7,7 @@ import cv2
 import numpy as np
 import pytest
 from random_seed import seeded
-from stage_arena import ffi, lib
+from stage_library import ffi, lib
 from terrain_flight import (
     RADIUS_M,
     RATE_HZ,

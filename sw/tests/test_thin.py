@@ -6,10 +6,9 @@ import cv2
 import numpy as np
 import pytest
 from random_seed import seeded
-from stage_arena import Arena, ffi, lib, status_name
+from stage_library import Arena, ffi, lib, status_name
 from thin_cases import (
     BASELINE_M,
-    CAMERA,
     FOCAL_PX,
     HEIGHT,
     WIDTH,
@@ -259,24 +258,6 @@ def test_off_finds_nothing_and_frames_leave_nothing_behind() -> None:
     assert thin.find(image, words) == []
     thin.params.find = lib.VISTA_THIN_FIND_ON
     assert thin.find(np.full_like(image, 128), words) == []
-
-
-def test_bad_input_is_refused() -> None:
-    thin = Thin()
-    image, words = np.zeros((HEIGHT, WIDTH), np.uint8), np.zeros((HEIGHT, WIDTH), np.int16)
-    view = thin.view(image, words)
-    handle = ffi.new("vista_thin **")
-    given = [ffi.addressof(thin.params), CAMERA, view, thin._handle[0]]
-    for missing in range(len(given)):
-        arguments = [ffi.NULL if k == missing else each for k, each in enumerate(given)]
-        assert status_name(lib.vista_thin_search(*arguments)) == "VISTA_ERROR_ARGUMENT"
-    assert thin.search(thin.view(image[:-1], words)) == "VISTA_ERROR_SIZE"
-    assert thin.search(thin.view(image, words[:, :-1])) == "VISTA_ERROR_SIZE"
-    thin.params.agree_px = 0.0
-    assert thin.search(thin.view(image, words)) == "VISTA_ERROR_RANGE"
-    missing = Arena(lambda arena: lib.vista_thin_layout(handle, arena, WIDTH, HEIGHT), missing_bytes=64)
-    assert status_name(missing.status) == "VISTA_ERROR_MEMORY"
-    assert status_name(lib.vista_thin_layout(handle, ffi.new("vista_arena *"), 0, 9)) == "VISTA_ERROR_SIZE"
 
 
 @pytest.mark.parametrize("size", [(1, 1), (11, 16), (12, 17), (640, 15), (9, 480)])

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 from random_seed import seeded
-from stage_arena import default_parameters, ffi, lib, status_name
+from stage_library import default_parameters, ffi, frame_view, lib, status_name
 from thin_cases import BASELINE_M, CAMERA, CENTER, FOCAL_PX, HEIGHT, Wire, wire_at
 
 RADIUS_M = 2.0
@@ -43,19 +43,11 @@ def reconstruct(lines: list, volume=None, before: list | None = None, capacity: 
     detections = ffi.new("vista_detection[]", max(1, capacity))
     for k, detection in enumerate(before or []):
         detections[k] = detection[0]
-    count = ffi.new("int32_t *", len(before or []))
-    status = lib.vista_thin_reconstruct(
-        items,
-        len(lines),
-        CAMERA,
-        volume or volume_along(),
-        ffi.addressof(parameters, "reconstruction"),
-        100,
-        detections,
-        capacity,
-        count,
-    )
-    return status_name(status), [ffi.new("vista_detection *", detections[k]) for k in range(count[0])]
+    found = ffi.new("vista_detections *", [detections, len(before or []), capacity])
+    listed = ffi.new("vista_thin_lines *", [items, len(lines)])
+    frame = frame_view(parameters, CAMERA)
+    status = lib.vista_thin_reconstruct(frame, listed, volume or volume_along(), 100, found)
+    return status_name(status), [ffi.new("vista_detection *", detections[k]) for k in range(found.count)]
 
 
 def nearest_to_axis(wire: Wire) -> np.ndarray:
@@ -166,10 +158,9 @@ def test_beside_the_volume_the_region_is_kept() -> None:
     assert [each.label for each in found] == [3]
 
 
-def test_bad_input_is_refused() -> None:
+def test_more_than_fit_are_refused() -> None:
     line = line_of(wire_at(90.0, 20.0, 0.02))
     assert reconstruct([line, line], capacity=1)[0] == "VISTA_OK"  # the second takes the place of the first
     crossing = line_of(wire_at(60.0, 20.0, 0.02))
     status, found = reconstruct([line, crossing], capacity=1)
     assert status == "VISTA_ERROR_CAPACITY" and [each.label for each in found] == [100]
-    assert reconstruct([line], volume_along(curvature_1_m=math.nan))[0] == "VISTA_ERROR_RANGE"

@@ -131,10 +131,3 @@ def test_a_detection_ends_it() -> None:
 
 def test_what_is_not_credible_is_not_followed() -> None:
     assert miss(followed(hits=2), words(OWN), first=2) == []
-
-
-def test_words_of_another_size_are_refused() -> None:
-    tracker = followed()
-    before = tracker.memory()
-    assert tracker.update(1.0, words=np.zeros((480, 639), np.int16)) == "VISTA_ERROR_SIZE"
-    assert tracker.memory() == before

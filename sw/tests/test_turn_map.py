@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import turned_camera as turned
 from random_seed import seeded
-from stage_arena import ffi, lib, status_name
+from stage_library import ffi, lib, status_name
 from turned_camera import degrees
 from turned_recordings import CAMERA, RAW
 from vista import parameters

@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from random_seed import seeded
-from stage_arena import ffi, lib
-from stage_library import camera, plane_disparity
+from stage_library import camera, ffi, lib, plane_disparity
 
 CAMERA = camera()
 

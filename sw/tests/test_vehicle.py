@@ -10,7 +10,7 @@ from mavlink_link import AXES, rotation
 from pymavlink.dialects.v10 import ardupilotmega as dialect_1
 from pymavlink.dialects.v20 import ardupilotmega as dialect_2
 from random_seed import seeded
-from stage_arena import default_parameters, ffi, lib
+from stage_library import default_parameters, ffi, lib
 from vista.geometry import quaternion_from_rotation
 
 MS = 1_000_000

@@ -5,8 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from stage_arena import Arena, default_parameters, ffi, lib, status_name
-from stage_library import camera, image_struct
+from stage_library import Arena, camera, default_parameters, ffi, frame_view, image_struct, lib, status_name
 from vista.engine import INVALID
 
 WIDTH, HEIGHT, FOCAL_PX, BASELINE_M = 640, 480, 1000.0, 0.4572
@@ -105,26 +104,17 @@ class Thin:
         self._arena = Arena(lambda arena: lib.vista_thin_layout(self._handle, arena, WIDTH, HEIGHT))
         assert status_name(self._arena.status) == "VISTA_OK"
 
-    def view(self, image: np.ndarray, words: np.ndarray, ground: tuple[float, float, float] | None = None):
-        self._images = image, words, image_struct("image", image), image_struct("disparity_image", words)
-        noise = ffi.new("vista_image_noise *")
-        assert lib.vista_image_noise_measure(self._images[2], noise) == lib.VISTA_OK
-        view = ffi.new("vista_thin_view *")
-        view.image, view.words = self._images[2:]
-        view.noise, view.block_radius_px = noise[0], BLOCK_RADIUS_PX
-        if ground is not None:
-            view.ground_found = True
-            view.ground.offset, view.ground.slope_u, view.ground.slope_v = ground
-        return view
-
-    def search(self, view, camera=CAMERA) -> str:
-        return status_name(lib.vista_thin_search(ffi.addressof(self.params), camera, view, self._handle[0]))
-
-    def lines(self) -> list:
-        count = ffi.new("int32_t *")
-        items = lib.vista_thin_lines(self._handle[0], count)
-        return [ffi.new("vista_thin_line *", items[k]) for k in range(count[0])]
-
     def find(self, image: np.ndarray, words: np.ndarray, ground=None) -> list:
-        assert self.search(self.view(image, words, ground)) == "VISTA_OK"
-        return self.lines()
+        """ground: offset and slopes of its plane."""
+        noise = ffi.new("vista_image_noise *")
+        assert lib.vista_image_noise_measure(image_struct("image", image), noise) == lib.VISTA_OK
+        area = ffi.new("vista_matched_area *", {"disparity_max_px": 127.0, "margin_px": BLOCK_RADIUS_PX})
+        frame = frame_view(
+            self._parameters, CAMERA, matched=area, image=image, levels=[words], noise=noise.sigma
+        )
+        surfaces = ffi.new("vista_surfaces *")
+        if ground is not None:
+            surfaces.ground_found, surfaces.ground = True, list(ground)
+        lib.vista_thin_search(frame, surfaces, self._handle[0])
+        lines = lib.vista_thin_found(self._handle[0])
+        return [ffi.new("vista_thin_line *", lines.items[k]) for k in range(lines.count)]

@@ -3,30 +3,19 @@
 from __future__ import annotations
 
 import numpy as np
-from stage_arena import Arena, default_parameters, ffi, lib, status_name
-from stage_library import image_struct
+from stage_library import Arena, default_parameters, ffi, frame_view, lib, status_name
 
 FOCAL, BASELINE, CENTER = 1000.0, 0.4572, (319.5, 239.5)  # the paper's rig
 SIGMAS = (1.0, 1.0, 0.25)
 SECOND = 1_000_000_000
 
 
-def defaults(name: str) -> dict[str, float]:
-    """Defaults of a parameter struct."""
-    everything = default_parameters()  # a section does not keep the whole alive
-    section = getattr(everything, name)
-    fields = [field for field, _ in ffi.typeof(section).fields if field != "reserved"]
-    return {field: getattr(section, field) for field in fields}
-
-
-def params(name: str, **changes: float):
-    values = defaults(name) | changes
-    types = dict(ffi.typeof(f"vista_{name}_params").fields)
-    assert values.keys() == types.keys() - {"reserved"}
-    return ffi.new(
-        f"vista_{name}_params *",
-        {key: int(v) if types[key].type.cname == "int32_t" else v for key, v in values.items()},
-    )
+def parameters_with(section: str, **changes: float):
+    """The default vista_parameters with changes in one section. They are not checked."""
+    values = default_parameters()
+    for name, value in changes.items():
+        setattr(getattr(values, section), name, value)
+    return values
 
 
 def camera(width: int = 640, height: int = 480, focal: float = FOCAL, baseline: float = BASELINE):
@@ -131,18 +120,21 @@ class Tracker:
         self._arena = Arena(lambda arena: lib.vista_tracker_layout(max_tracks, max_detections, arena, out))
         assert self._arena.status == lib.VISTA_OK, status_name(self._arena.status)
         area = {name: changes.pop(name) for name in MATCHED if name in changes}
-        self.handle, self.params, self.camera = out[0], params("tracker", **CONFIRMATION | changes), camera()
-        self.matched = matched(**area)
+        self.handle, self._parameters = out[0], parameters_with("tracker", **CONFIRMATION | changes)
+        self.params, self.camera, self.matched = self._parameters.tracker, camera(), matched(**area)
 
     def update(self, t_s: float, detections=(), position=(0.0, 0.0, 0.0), rotation=None, words=None) -> str:
         return self.update_raw(round(t_s * SECOND), detections, motion(pose(position, rotation)), words)
 
     def update_raw(self, t_ns: int, detections, raw_motion, words=None) -> str:
         """words: (height, width) int16 of the engine, or None."""
-        image = ffi.NULL if words is None else image_struct("disparity_image", words)
+        seen = {} if words is None else {"words": words}
+        frame = frame_view(
+            self._parameters, self.camera, matched=self.matched, motion=raw_motion, t_ns=t_ns, **seen
+        )
         items = ffi.new("vista_detection[]", list(detections))
-        frame = (self.params, self.camera, self.matched, raw_motion, t_ns, image)
-        return status_name(lib.vista_tracker_update(self.handle, *frame, items, len(detections)))
+        found = ffi.new("vista_detections *", [items, len(detections), len(detections)])
+        return status_name(lib.vista_tracker_update(self.handle, frame, found))
 
     def raw(self):
         count = ffi.new("int32_t *")

@@ -177,7 +177,7 @@ def test_the_reference_method_is_judged_by_the_host(kitti: Path) -> None:
     host = detectors.pipeline._lib.vista_pipeline_look(detectors.pipeline._pipeline).regions
     evidence = [host.items[k].evidence for k in range(host.count)]
     seeded = [e.sum != 0.0 and e.origin == 0.0 for e in evidence]
-    again = detectors.pipeline.judge_regions(result.words, result.region_of_cell, result.region_of_pixel)
+    _, again = detectors.pipeline.judge_partition(result.region_of_cell)
     own = result.verdict_of_region
     assert len(again) == len(own) == len(seeded)
     assert {"ACCEPTED", "HORIZONTAL"} <= {b for b, one in zip(own, seeded, strict=True) if one}

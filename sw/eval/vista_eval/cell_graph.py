@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from vista.pipeline import Pipeline
-
-PADDING = 16  # pixels behind the last one that whole vectors reach
 
 
 @dataclass(frozen=True)
@@ -30,7 +30,7 @@ class OpenPipeline(Pipeline):
     def cell_graph(self) -> CellGraph:
         """The graph of the last frame that was processed."""
         stages = self._lib.vista_pipeline_look(self._pipeline)
-        f = stages.foveation
+        f = stages.frame.foveation
         arcs, cells = f.graph.arc_count, f.node_count
         first_arc = self._array(f.graph.first_arc, cells + 1, np.int32)
         tail = np.repeat(np.arange(cells, dtype=np.int32), np.diff(first_arc))
@@ -47,20 +47,51 @@ class OpenPipeline(Pipeline):
     def refine_boundaries(self, region_of_cell: NDArray[np.int32]) -> NDArray[np.int32]:
         """Region of each pixel (height, width) of any partition of the last frame's cells, drawn as the chain
         draws its own."""
-        ffi, stages = self._ffi, self._lib.vista_pipeline_look(self._pipeline)
-        f, params = stages.foveation, stages.refinement_params
-        label = np.ascontiguousarray(region_of_cell)
-        shape = f.height_px, f.width_px
-        drawn, border = np.empty(shape, np.int32), np.empty(f.node_count, np.uint8)
-        listed = np.empty(drawn.size + PADDING, np.int32)
-        out = ffi.new(
-            "vista_refinement *",
-            {
-                "label": ffi.cast("int32_t *", drawn.ctypes.data),
-                "border": ffi.cast("uint8_t *", border.ctypes.data),
-                "listed": ffi.cast("int32_t *", listed.ctypes.data),
-            },
+        label = np.ascontiguousarray(region_of_cell, np.int32)
+        c_label = self._ffi.cast("int32_t *", label.ctypes.data)
+        drawn = self._ffi.new("vista_judged_partition *")
+        memory = lay_out(
+            self._ffi,
+            lambda arena: self._check(
+                self._lib.vista_pipeline_draw_partition(self._pipeline, c_label, arena, drawn)
+            ),
         )
-        c_label = ffi.cast("int32_t *", label.ctypes.data)
-        self._check(self._lib.vista_refine(f, params, stages.cells, c_label, out))
-        return drawn
+        return self._region_of_pixel(drawn, memory)
+
+    def judge_partition(self, region_of_cell: NDArray[np.int32]) -> tuple[NDArray[np.int32], list[str]]:
+        """The region of each pixel (height, width) for any partition of the last frame's cells, and the
+        host's verdicts on the regions, which are all taken for grown from disparities of their own. Pixels of
+        the ground at the foot of obstacles have no region, as with the host's own regions."""
+        ffi, lib = self._ffi, self._lib
+        label = np.ascontiguousarray(region_of_cell, np.int32)
+        c_label, count = ffi.cast("int32_t *", label.ctypes.data), int(label.max()) + 1
+        judged = ffi.new("vista_judged_partition *")
+        memory = lay_out(
+            ffi,
+            lambda arena: self._check(
+                lib.vista_pipeline_judge_partition(self._pipeline, c_label, count, arena, judged)
+            ),
+        )
+        verdicts = [judged.regions.items[k].verdict for k in range(count)]
+        names = [ffi.string(lib.vista_region_verdict_name(verdict)).decode() for verdict in verdicts]
+        return self._region_of_pixel(judged, memory), names
+
+    def _region_of_pixel(self, judged: Any, memory: Any) -> NDArray[np.int32]:
+        """A copy of what lies in the memory."""
+        f = self._lib.vista_pipeline_look(self._pipeline).frame.foveation
+        pixels = self._array(judged.region_of_pixel, f.height_px * f.width_px, np.int32)
+        found = np.array(pixels.reshape(f.height_px, f.width_px))
+        del memory
+        return found
+
+
+def lay_out(ffi: Any, layout: Callable[[Any], None]) -> Any:
+    """Memory for what `layout` takes from an arena; it has to be kept."""
+    arena = ffi.new("vista_arena *")
+    layout(arena)
+    memory = ffi.new("unsigned char[]", arena.used + 64)
+    base = int(ffi.cast("uintptr_t", memory))
+    arena.base = ffi.cast("unsigned char *", base + -base % 64)
+    arena.size, arena.used = arena.used, 0
+    layout(arena)
+    return memory

@@ -12,7 +12,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import asdict
-from typing import Any
 
 import cv2
 import numpy as np
@@ -25,7 +24,7 @@ from vista.pipeline import Result
 
 from vista_eval.baselines.reference_method import ReferenceParameters, merge_cells
 from vista_eval.baselines.stereo_alone import Threshold, label_clusters, thresholded
-from vista_eval.cell_graph import PADDING, OpenPipeline
+from vista_eval.cell_graph import OpenPipeline
 from vista_eval.dataset.stereo_pair import TruthPair
 from vista_eval.metrics.standing_points import ACCEPTED, Judged
 
@@ -52,7 +51,7 @@ class Detectors:
         )
         self._block_pixels = stereo.block_size**2
         self._sgbm = make_sgbm(stereo)
-        self.pipeline = JudgingPipeline(camera, at_first_sight(values))
+        self.pipeline = OpenPipeline(camera, at_first_sight(values))
 
     def judge(self, pair: TruthPair) -> dict[str, Judged]:
         """Judgements by detector."""
@@ -79,8 +78,7 @@ class Detectors:
     def _reference(self, pair: TruthPair, result: Result) -> Judged:
         graph = self.pipeline.cell_graph()
         region_of_cell = merge_cells(graph.edges, graph.affinity, graph.horizontal, ReferenceParameters())
-        region_of_pixel = self.pipeline.refine_boundaries(region_of_cell)
-        verdicts = self.pipeline.judge_regions(result.words, region_of_cell, region_of_pixel)
+        region_of_pixel, verdicts = self.pipeline.judge_partition(region_of_cell)
         return Judged(result.words, region_of_pixel, verdicts)
 
     def _stereo_alone(self, pair: TruthPair) -> Judged:
@@ -113,79 +111,3 @@ def make_sgbm(
         return np.where(found < 0, np.int16(INVALID), found)
 
     return words
-
-
-class JudgingPipeline(OpenPipeline):
-    """The host's verdict on any partition of the frame that it processed last."""
-
-    def judge_regions(
-        self,
-        words: NDArray[np.int16],
-        region_of_cell: NDArray[np.int32],
-        region_of_pixel: NDArray[np.int32],
-    ) -> list[str]:
-        """One a region; all regions are taken for grown from disparities of their own. Pixels of the ground
-        at the foot of obstacles leave region_of_pixel, as they leave the host's own regions."""
-        ffi, lib = self._ffi, self._lib
-        frame = lib.vista_pipeline_look(self._pipeline)
-        words = np.ascontiguousarray(words)
-        label = np.ascontiguousarray(region_of_cell, np.int32)
-        f = frame.foveation
-        u, v = (self._array(pixels, region_of_pixel.size, np.int16) for pixels in (f.pixel_u, f.pixel_v))
-        listed = np.pad(region_of_pixel[v, u].astype(np.int32), (0, PADDING))
-        count = int(label.max()) + 1
-        segmentation = ffi.new("vista_segmentation *")
-        segmentation.label = ffi.cast("int32_t *", label.ctypes.data)
-        segmentation.region_count = segmentation.obstacle_count = count
-        refinement = ffi.new("vista_refinement *")
-        refinement.listed = ffi.cast("int32_t *", listed.ctypes.data)
-        drawn = np.ascontiguousarray(region_of_pixel, np.int32)
-        refinement.label = ffi.cast("int32_t *", drawn.ctypes.data)
-        border = np.ones(label.size, np.uint8)
-        refinement.border = ffi.cast("uint8_t *", border.ctypes.data)
-        height, width = words.shape
-        image = ffi.new(
-            "vista_disparity_image *", (ffi.cast("int16_t *", words.ctypes.data), width, height, width)
-        )
-        regions, memory = self._lay_out_regions(frame.foveation)
-        self._check(
-            lib.vista_regions_compute(
-                frame.foveation,
-                ffi.addressof(self._parameters[0], "region"),
-                self._c_camera,
-                ffi.new("double[3]", [0.0, -1.0, 0.0]),
-                self._parameters.surface.horizontal_deg,
-                frame.matched,
-                image,
-                frame.cells,
-                frame.surfaces,
-                segmentation,
-                refinement,
-                regions,
-            )
-        )
-        self._check(
-            lib.vista_footing_clear(
-                ffi.addressof(self._parameters[0], "region"),
-                self._c_camera,
-                image,
-                frame.surfaces,
-                regions,
-                refinement,
-            )
-        )
-        np.copyto(region_of_pixel, drawn)
-        verdicts = [regions.items[k].verdict for k in range(count)]
-        del memory  # the regions lay in it
-        return [ffi.string(lib.vista_region_verdict_name(verdict)).decode() for verdict in verdicts]
-
-    def _lay_out_regions(self, foveation: Any) -> tuple[Any, Any]:
-        ffi, lib = self._ffi, self._lib
-        regions, arena = ffi.new("vista_regions *"), ffi.new("vista_arena *")
-        self._check(lib.vista_regions_layout(regions, arena, foveation))
-        memory = ffi.new("unsigned char[]", arena.used + 64)
-        base = int(ffi.cast("uintptr_t", memory))
-        arena.base = ffi.cast("unsigned char *", base + -base % 64)
-        arena.size, arena.used = arena.used, 0
-        self._check(lib.vista_regions_layout(regions, arena, foveation))
-        return regions, memory

@@ -5,8 +5,6 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "common/numbers.h"
-#include "vista/status.h"
 #include "vista/types.h"
 
 /* Where the engine can find a disparity, and how large a one (contract, step 2). A coarser level of the pyramid matches
@@ -39,15 +37,6 @@ static inline bool vista_matched_holds(const vista_matched_area *area, const vis
   const vista_margins margins = vista_matched_margins(area, disparity_px);
   return u_px >= margins.left_px && u_px <= camera->width_px - 1 - margins.other_px && v_px >= margins.other_px &&
          v_px <= camera->height_px - 1 - margins.other_px;
-}
-
-/* VISTA_ERROR_RANGE: a number that no engine has. */
-static inline vista_status vista_matched_area_check(const vista_matched_area *area) {
-  const bool good = vista_positive(area->disparity_max_px) && vista_not_negative(area->margin_left_px) &&
-                    vista_not_negative(area->margin_px) && area->coarser_levels >= 0 &&
-                    area->coarser_levels <= VISTA_COARSER_LEVELS &&
-                    area->disparity_max_px + area->margin_left_px + area->margin_px < 1e6;
-  return good ? VISTA_OK : VISTA_ERROR_RANGE;
 }
 
 #endif

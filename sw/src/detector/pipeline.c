@@ -1,7 +1,7 @@
-#include "vista/pipeline.h"
-
 #include <math.h>
 #include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
 #include <string.h>
 
 #include "common/clock.h"
@@ -29,6 +29,7 @@
 #include "space/free_view.h"
 #include "space/obstacle_map.h"
 #include "space/path_view.h"
+#include "vista/pipeline.h"
 
 #define MAX_TRACKS 256
 #define MAX_DETECTIONS 512
@@ -62,11 +63,9 @@ typedef enum stage {
 struct vista_pipeline {
   vista_team team;
   vista_parameters parameters;
+  vista_parameters frame_parameters; /* thresholds on grey levels against the noise of the last frame */
   vista_camera camera;
-  vista_matched_area matched; /* by the engine, with the levels of the last frame */
-  vista_affinity_params affinity_params;     /* of the last frame: thresholds on grey levels against its noise */
-  vista_refinement_params refinement_params; /* the same */
-  vista_words_params words_params;           /* the same: of the size of chance matches */
+  vista_frame_view frame; /* the last one, without its images */
   vista_motion_state motion_state;
   vista_words words;
   vista_foveation foveation;
@@ -77,7 +76,7 @@ struct vista_pipeline {
   vista_refinement refinement;
   vista_regions regions;
   vista_thin *thin;
-  vista_detection *detections;
+  vista_detections detections;
   vista_tracker *tracker;
   vista_blind_zone blind_zone;
   vista_terrain terrain;
@@ -85,36 +84,8 @@ struct vista_pipeline {
   vista_region_verdict *verdicts; /* a region */
   vista_views views;
   double stage_ms[STAGE_COUNT], host_ms;
-  double up_camera[3]; /* in the last frame */
-  bool processed, up_known;
+  bool processed;
 };
-
-static const char *const stage_names[STAGE_COUNT] = {
-    [STAGE_MOTION] = "motion",
-    [STAGE_NOISE] = "noise",
-    [STAGE_WORDS] = "words",
-    [STAGE_FOVEATION] = "foveation",
-    [STAGE_HEALTH] = "health",
-    [STAGE_SURFACE] = "surface",
-    [STAGE_AFFINITY] = "affinity",
-    [STAGE_SEGMENTATION] = "segmentation",
-    [STAGE_REFINEMENT] = "refinement",
-    [STAGE_REGIONS] = "regions",
-    [STAGE_THIN] = "thin",
-    [STAGE_RECONSTRUCTION] = "reconstruction",
-    [STAGE_TRACKING] = "tracking",
-    [STAGE_BLIND_ZONE] = "blind_zone",
-    [STAGE_TERRAIN] = "terrain",
-    [STAGE_MAP] = "map",
-    [STAGE_PATH_VIEW] = "path_view",
-    [STAGE_FOOTING] = "footing",
-};
-
-int32_t vista_stage_count(void) { return STAGE_COUNT; }
-
-const char *vista_stage_name(int32_t stage) {
-  return stage >= 0 && stage < STAGE_COUNT ? stage_names[stage] : "unknown";
-}
 
 static vista_status first_error(const vista_status *statuses, int count) {
   for (int i = 0; i < count; ++i)
@@ -125,13 +96,13 @@ static vista_status first_error(const vista_status *statuses, int count) {
 static vista_status layout(vista_pipeline *p, vista_arena *arena) {
   const vista_parameters *const q = &p->parameters;
   const vista_camera *const c = &p->camera;
-  vista_status status = vista_foveation_layout(&p->foveation, arena, &q->foveation, c->width_px, c->height_px,
-                                               0.5 * (c->width_px - 1), 0.5 * (c->height_px - 1));
+  const vista_fovea middle = {c->width_px, c->height_px, 0.5 * (c->width_px - 1), 0.5 * (c->height_px - 1)};
+  vista_status status = vista_foveation_layout(&p->foveation, arena, &q->foveation, &middle);
   if (status != VISTA_OK) return status;
   status = vista_team_layout(q->host.threads, arena, &p->team);
   if (status != VISTA_OK) return status;
   p->words.team = p->cells.team = p->regions.team = p->refinement.team = &p->team;
-  p->detections = vista_arena_take(arena, MAX_DETECTIONS, sizeof(vista_detection));
+  p->detections.items = vista_arena_take(arena, MAX_DETECTIONS, sizeof(vista_detection));
   p->verdicts = vista_arena_take(arena, (size_t)p->foveation.max_nodes, sizeof(vista_region_verdict));
   const vista_status statuses[] = {
       vista_words_layout(&p->words, arena, c->width_px, c->height_px),
@@ -171,14 +142,6 @@ vista_status vista_pipeline_bytes(const vista_parameters *parameters, const vist
   return status;
 }
 
-static vista_matched_area matched_area(const vista_stereo_params *stereo, int32_t levels) {
-  const int32_t radius = (stereo->block_size - 1) / 2;
-  return (vista_matched_area){.disparity_max_px = (stereo->num_disparities - 1) << (levels - 1),
-                              .margin_left_px = stereo->num_disparities - 1 + radius,
-                              .margin_px = radius,
-                              .coarser_levels = levels - 1};
-}
-
 vista_status vista_pipeline_create(void *memory, size_t bytes, const vista_parameters *parameters,
                                    const vista_camera *camera, vista_pipeline **pipeline) {
   if (memory == NULL || parameters == NULL || camera == NULL || pipeline == NULL) return VISTA_ERROR_ARGUMENT;
@@ -189,7 +152,6 @@ vista_status vista_pipeline_create(void *memory, size_t bytes, const vista_param
   if (p == NULL) return VISTA_ERROR_MEMORY;
   p->parameters = vista_parameters_own(parameters);
   p->camera = *camera;
-  p->matched = matched_area(&p->parameters.stereo, 1);
   vista_status made = layout(p, &arena);
   if (made == VISTA_OK) made = vista_team_start(&p->team);
   if (made != VISTA_OK) return made;
@@ -227,151 +189,182 @@ static vista_status check_up(const double up_world[3]) {
 }
 
 /* Before anything changes. Time, pose and velocity are the first stage's to judge, which comes next. */
-static vista_status check_frame(const vista_pipeline *p, const vista_frame *frame, int32_t *levels) {
+static vista_status check_frame(const vista_pipeline *p, const vista_frame *frame) {
+  int32_t levels;
   vista_status status = vista_frame_check_image(&frame->image, p->camera.width_px, p->camera.height_px);
-  if (status == VISTA_OK) status = vista_words_count_levels(&p->words, &frame->disparity, frame->coarser, levels);
+  if (status == VISTA_OK) status = vista_words_count_levels(&p->words, &frame->disparity, frame->coarser, &levels);
   return status == VISTA_OK && frame->up_world != NULL ? check_up(frame->up_world) : status;
-}
-
-/* Up in camera coordinates: R^T up_world. Without any pose nothing tells how the camera hangs: level, and false. */
-static bool up_in_camera(const vista_motion *motion, const double *up_world, double up[3]) {
-  static const double level[3] = {0.0, -1.0, 0.0};
-  const bool known = up_world != NULL && motion->source != VISTA_MOTION_UNTOLD;
-  if (known)
-    vista_frame_direction_to_camera(&motion->pose, up_world, up);
-  else
-    memcpy(up, level, sizeof level);
-  return known;
 }
 
 /* What one frame leads to on its way through the stages. */
 typedef struct passage {
-  const vista_frame *frame;
+  const vista_frame *given;
   vista_motion_state motion_state; /* the pipeline's, once the frame has passed */
-  vista_motion motion;
-  vista_image_noise noise;
-  vista_flight_path path; /* flown next */
-  vista_collision_volume volume; /* around it */
+  vista_frame_view frame;
   vista_health health;
   double valid_fraction;
-  double up_camera[3];
-  bool up_known;
-  double path_seen_m;
-  int32_t detection_count;
+  vista_collision_volume volume;
   int64_t dropped_before; /* tracks, in earlier frames */
+  double path_seen_m;
 } passage;
 
-/* Thresholds on grey levels of the stages that know none of the noise. */
-static void set_thresholds(vista_pipeline *p, const vista_image_noise *noise) {
-  const vista_parameters *const q = &p->parameters;
-  p->affinity_params = q->affinity;
-  p->affinity_params.mu_intensity =
-      vista_image_noise_threshold(noise, q->affinity.mu_intensity, q->affinity.mu_intensity_noise);
-  p->words_params = q->words;
-  p->words_params.cluster_px =
-      (int32_t)lround(vista_image_noise_threshold(noise, q->words.cluster_px, q->words.cluster_px_noise));
-  p->words_params.cluster_far_px =
-      (int32_t)lround(vista_image_noise_threshold(noise, q->words.cluster_far_px, q->words.cluster_px_noise));
-  p->refinement_params = q->refinement;
-  p->refinement_params.sigma_intensity =
-      vista_image_noise_threshold(noise, q->refinement.sigma_intensity, q->refinement.sigma_intensity_noise);
+/* ---- the stages ---- */
+
+static vista_status begin(vista_pipeline *p, passage *way) {
+  const vista_status status =
+      vista_pipeline_begin(&p->parameters, &p->camera, way->given, &way->motion_state, &way->frame);
+  way->frame.foveation = &p->foveation;
+  way->frame.words = p->words.image;
+  return status;
 }
 
-static vista_status run_stage(vista_pipeline *p, stage stage, passage *way) {
+/* Thresholds on grey levels of the stages that know none of the noise. */
+static vista_status measure_noise(vista_pipeline *p, passage *way) {
+  vista_image_noise *const noise = &way->frame.noise;
+  const vista_status status = vista_image_noise_measure(&way->frame.image, noise);
+  if (status != VISTA_OK) return status;
   const vista_parameters *const q = &p->parameters;
-  const vista_frame *const frame = way->frame;
-  const double *const up = way->up_camera;
-  const vista_disparity_image *const words = &p->words.image;
-  switch (stage) {
-    case STAGE_MOTION: {
-      const vista_motion_input input = {frame->pose, frame->velocity_m_s, frame->stationary, frame->t_ns};
-      const vista_status status = vista_motion_update(&q->motion, &input, &way->motion_state, &way->motion);
-      if (status != VISTA_OK) return status;
-      way->up_known = up_in_camera(&way->motion, frame->up_world, way->up_camera);
-      way->path = vista_motion_path(&q->motion, &way->motion_state, &way->motion, q->obstacle_map.collision_length_m,
-                                    q->obstacle_map.collision_radius_m);
-      return VISTA_OK;
-    }
-    case STAGE_NOISE: {
-      const vista_status status = vista_image_noise_measure(&frame->image, &way->noise);
-      if (status == VISTA_OK) set_thresholds(p, &way->noise);
-      return status;
-    }
-    case STAGE_WORDS:
-      return vista_words_combine(&p->words_params, p->camera.baseline_m, q->stereo.num_disparities, &frame->disparity,
-                                 frame->coarser, &p->words);
-    case STAGE_FOVEATION:
-      return vista_foveate(&p->foveation, &q->foveation, &frame->image, words, &p->cells);
-    case STAGE_HEALTH: {
-      const vista_ahead ahead = {&p->camera, &way->motion.pose, &way->path, way->up_known ? up : NULL,
-                                 q->obstacle_map.collision_radius_m};
-      return vista_health_judge(&q->health, &p->foveation, &p->matched, &p->cells, &way->noise, words, &way->motion,
-                                &ahead, &way->health, &way->valid_fraction);
-    }
-    case STAGE_SURFACE:
-      return vista_surfaces_compute(&p->foveation, &q->surface, &p->camera, up, &p->cells, &p->surfaces);
-    case STAGE_AFFINITY:
-      return vista_affinity_compute(&p->foveation, &p->affinity_params, &p->camera, &p->cells, &p->affinity);
-    case STAGE_SEGMENTATION:
-      return vista_segment(&p->foveation, q, &p->camera, &p->cells, &p->surfaces, &p->affinity, &p->segmentation);
-    case STAGE_REFINEMENT:
-      return vista_refine(&p->foveation, &p->refinement_params, &p->cells, p->segmentation.label, &p->refinement);
-    case STAGE_REGIONS: {
-      vista_status status =
-          vista_regions_compute(&p->foveation, &q->region, &p->camera, up, q->surface.horizontal_deg, &p->matched,
-                                words, &p->cells, &p->surfaces, &p->segmentation, &p->refinement, &p->regions);
-      if (status == VISTA_OK)
-        status = vista_row_edges_judge(&p->foveation, &q->region, &frame->image, &way->noise, &p->cells, &p->regions);
-      if (status != VISTA_OK) return status;
-      way->volume = vista_collision_volume_around(&q->obstacle_map, &way->path, &way->motion.pose);
-      return vista_collision_volume_count(&p->foveation, &q->region, &p->camera, &way->volume, words, &p->cells,
-                                          &p->regions);
-    }
-    case STAGE_THIN: {
-      const vista_surfaces *const s = &p->surfaces;
-      const vista_thin_view view = {&frame->image,   &frame->disparity, way->noise, (q->stereo.block_size - 1) / 2,
-                                    s->ground_found, s->ground};
-      return vista_thin_search(&q->thin, &p->camera, &view, p->thin);
-    }
-    case STAGE_RECONSTRUCTION: {
-      vista_status status =
-          vista_reconstruct_regions(p->regions.items, p->regions.count, &p->camera, &p->matched, &q->reconstruction,
-                                    p->detections, MAX_DETECTIONS - VISTA_THIN_MAX, &way->detection_count);
-      if (status == VISTA_ERROR_CAPACITY) status = VISTA_OK; /* the nearest come first: the far ones are dropped */
-      int32_t line_count;
-      const vista_thin_line *const lines = vista_thin_lines(p->thin, &line_count);
-      if (status == VISTA_OK)
-        status = vista_thin_reconstruct(lines, line_count, &p->camera, &way->volume, &q->reconstruction,
-                                        p->regions.count, p->detections, MAX_DETECTIONS, &way->detection_count);
-      return status;
-    }
-    case STAGE_TRACKING:
-      if (way->motion.restarted) vista_tracker_reset(p->tracker);
-      way->dropped_before = vista_tracker_dropped(p->tracker);
-      return vista_tracker_update(p->tracker, &q->tracker, &p->camera, &p->matched, &way->motion, frame->t_ns, words,
-                                  p->detections, way->detection_count);
-    case STAGE_BLIND_ZONE:
-      return vista_blind_zone_update(&q->blind_zone, &p->camera, &p->matched, q->obstacle_map.collision_radius_m,
-                                     &frame->image, &way->noise, words, &p->blind_zone);
-    case STAGE_TERRAIN:
-      return vista_terrain_update(&p->terrain, &p->foveation, q, &p->camera, &p->matched, up, &way->motion, &way->path,
-                                  frame->t_ns, &p->cells);
-    case STAGE_MAP: {
-      int32_t count;
-      const vista_track *const tracks = vista_tracker_tracks(p->tracker, &count);
-      return vista_obstacle_map_update(p->map, &q->obstacle_map, &p->camera, &way->motion, &way->path, &p->blind_zone,
-                                       &p->terrain, tracks, count);
-    }
-    case STAGE_PATH_VIEW:
-      return vista_path_view(&q->obstacle_map, &p->camera, &p->matched, &way->path, &way->motion.pose, words,
-                             p->refinement.label, &p->regions, &way->path_seen_m);
-    case STAGE_FOOTING:
-      return vista_footing_clear(&q->region, &p->camera, words, &p->surfaces, &p->regions, &p->refinement);
-    case STAGE_COUNT:
-      break;
-  }
-  return VISTA_ERROR_RANGE;
+  vista_parameters *const own = &p->frame_parameters;
+  *own = *q;
+  own->affinity.mu_intensity =
+      vista_image_noise_threshold(noise, q->affinity.mu_intensity, q->affinity.mu_intensity_noise);
+  own->words.cluster_px =
+      (int32_t)lround(vista_image_noise_threshold(noise, q->words.cluster_px, q->words.cluster_px_noise));
+  own->words.cluster_far_px =
+      (int32_t)lround(vista_image_noise_threshold(noise, q->words.cluster_far_px, q->words.cluster_px_noise));
+  own->refinement.sigma_intensity =
+      vista_image_noise_threshold(noise, q->refinement.sigma_intensity, q->refinement.sigma_intensity_noise);
+  way->frame.params = own;
+  return VISTA_OK;
 }
+
+static vista_status combine_words(vista_pipeline *p, passage *way) {
+  vista_words_combine(&way->frame, &p->words);
+  return VISTA_OK;
+}
+
+static vista_status foveate(vista_pipeline *p, passage *way) {
+  vista_foveate(&way->frame, &p->cells);
+  return VISTA_OK;
+}
+
+static vista_status judge_health(vista_pipeline *p, passage *way) {
+  vista_health_judge(&way->frame, &p->cells, &way->health, &way->valid_fraction);
+  return VISTA_OK;
+}
+
+static vista_status find_surfaces(vista_pipeline *p, passage *way) {
+  vista_surfaces_compute(&way->frame, &p->cells, &p->surfaces);
+  return VISTA_OK;
+}
+
+static vista_status compare_cells(vista_pipeline *p, passage *way) {
+  vista_affinity_compute(&way->frame, &p->cells, &p->affinity);
+  return VISTA_OK;
+}
+
+static vista_status segment(vista_pipeline *p, passage *way) {
+  return vista_segment(&way->frame, &p->cells, &p->surfaces, &p->affinity, &p->segmentation);
+}
+
+static vista_status refine(vista_pipeline *p, passage *way) {
+  vista_refine(&way->frame, &p->cells, p->segmentation.label, &p->refinement);
+  return VISTA_OK;
+}
+
+static vista_status judge_regions(vista_pipeline *p, passage *way) {
+  const vista_segmentation *const s = &p->segmentation;
+  const vista_partition partition = {s->label, s->region_count, s->obstacle_count, &p->refinement};
+  vista_regions_compute(&way->frame, &p->cells, &p->surfaces, &partition, &p->regions);
+  vista_row_edges_judge(&way->frame, &p->cells, &p->regions);
+  way->volume = vista_collision_volume_around(&way->frame);
+  vista_collision_volume_count(&way->frame, &way->volume, &p->cells, &p->regions);
+  return VISTA_OK;
+}
+
+static vista_status find_thin_things(vista_pipeline *p, passage *way) {
+  vista_thin_search(&way->frame, &p->surfaces, p->thin);
+  return VISTA_OK;
+}
+
+static vista_status reconstruct(vista_pipeline *p, passage *way) {
+  p->detections.capacity = MAX_DETECTIONS - VISTA_THIN_MAX;
+  vista_status status = vista_reconstruct_regions(&way->frame, p->regions.items, p->regions.count, &p->detections);
+  if (status != VISTA_OK && status != VISTA_ERROR_CAPACITY) return status; /* the nearest come first: far ones drop */
+  p->detections.capacity = MAX_DETECTIONS;
+  const vista_thin_lines lines = vista_thin_found(p->thin);
+  return vista_thin_reconstruct(&way->frame, &lines, &way->volume, p->regions.count, &p->detections);
+}
+
+static vista_status track(vista_pipeline *p, passage *way) {
+  if (way->frame.motion.restarted) vista_tracker_reset(p->tracker);
+  way->dropped_before = vista_tracker_dropped(p->tracker);
+  return vista_tracker_update(p->tracker, &way->frame, &p->detections);
+}
+
+static vista_status watch_blind_zone(vista_pipeline *p, passage *way) {
+  vista_blind_zone_update(&way->frame, &p->blind_zone);
+  return VISTA_OK;
+}
+
+static vista_status find_terrain(vista_pipeline *p, passage *way) {
+  vista_terrain_update(&way->frame, &p->cells, &p->terrain);
+  return VISTA_OK;
+}
+
+static vista_status make_map(vista_pipeline *p, passage *way) {
+  vista_map_input input = {.terrain = &p->terrain, .blind_zone = &p->blind_zone};
+  input.tracks = vista_tracker_tracks(p->tracker, &input.track_count);
+  vista_obstacle_map_update(p->map, &way->frame, &input);
+  return VISTA_OK;
+}
+
+static vista_told told_by(const vista_pipeline *p) {
+  return (vista_told){&p->words.image, p->refinement.label, &p->regions};
+}
+
+static vista_status view_path(vista_pipeline *p, passage *way) {
+  const vista_told told = told_by(p);
+  way->path_seen_m = vista_path_view(&way->frame, &told);
+  return VISTA_OK;
+}
+
+static vista_status clear_footing(vista_pipeline *p, passage *way) {
+  vista_footing_clear(&way->frame, &p->surfaces, &p->regions, &p->refinement);
+  return VISTA_OK;
+}
+
+static const struct {
+  const char *name;
+  vista_status (*run)(vista_pipeline *p, passage *way);
+} stages[STAGE_COUNT] = {
+    [STAGE_MOTION] = {"motion", begin},
+    [STAGE_NOISE] = {"noise", measure_noise},
+    [STAGE_WORDS] = {"words", combine_words},
+    [STAGE_FOVEATION] = {"foveation", foveate},
+    [STAGE_HEALTH] = {"health", judge_health},
+    [STAGE_SURFACE] = {"surface", find_surfaces},
+    [STAGE_AFFINITY] = {"affinity", compare_cells},
+    [STAGE_SEGMENTATION] = {"segmentation", segment},
+    [STAGE_REFINEMENT] = {"refinement", refine},
+    [STAGE_REGIONS] = {"regions", judge_regions},
+    [STAGE_THIN] = {"thin", find_thin_things},
+    [STAGE_RECONSTRUCTION] = {"reconstruction", reconstruct},
+    [STAGE_TRACKING] = {"tracking", track},
+    [STAGE_BLIND_ZONE] = {"blind_zone", watch_blind_zone},
+    [STAGE_TERRAIN] = {"terrain", find_terrain},
+    [STAGE_MAP] = {"map", make_map},
+    [STAGE_PATH_VIEW] = {"path_view", view_path},
+    [STAGE_FOOTING] = {"footing", clear_footing},
+};
+
+int32_t vista_stage_count(void) { return STAGE_COUNT; }
+
+const char *vista_stage_name(int32_t stage) {
+  return stage >= 0 && stage < STAGE_COUNT ? stages[stage].name : "unknown";
+}
+
+/* ---- their order ---- */
 
 #define LANES 2
 #define LANE_STAGES 4
@@ -407,7 +400,7 @@ static void run_lane(void *context, int32_t part, int32_t worker) {
   double last_ms = vista_clock_ms();
   w->statuses[part] = VISTA_OK;
   for (int k = 0; k < l->count && w->statuses[part] == VISTA_OK; ++k) {
-    w->statuses[part] = run_stage(w->pipeline, l->stages[k], w->way);
+    w->statuses[part] = stages[l->stages[k]].run(w->pipeline, w->way);
     const double now_ms = vista_clock_ms();
     w->stage_ms[l->stages[k]] = now_ms - last_ms;
     last_ms = now_ms;
@@ -427,8 +420,9 @@ static vista_status run_stages(vista_pipeline *p, passage *way) {
   p->host_ms = vista_clock_ms() - start_ms;
   memcpy(p->stage_ms, w.stage_ms, sizeof p->stage_ms);
   p->motion_state = way->motion_state;
-  memcpy(p->up_camera, way->up_camera, sizeof p->up_camera);
-  p->up_known = way->up_known;
+  p->frame = way->frame;
+  p->frame.image = (vista_image){0};
+  memset(p->frame.levels, 0, sizeof p->frame.levels);
   p->processed = true;
   p->views.region_count = p->regions.count;
   for (int32_t k = 0; k < p->regions.count; ++k) p->verdicts[k] = p->regions.items[k].verdict;
@@ -442,15 +436,13 @@ vista_status vista_pipeline_process_sized(vista_pipeline *pipeline, const vista_
   vista_pipeline *const p = pipeline;
   vista_frame f = {0};
   memcpy(&f, frame, frame_bytes < sizeof f ? frame_bytes : sizeof f);
-  int32_t levels;
-  vista_status status = check_frame(p, &f, &levels);
-  if (status == VISTA_OK) p->matched = matched_area(&p->parameters.stereo, levels);
-  passage way = {.frame = &f, .motion_state = p->motion_state};
+  vista_status status = check_frame(p, &f);
+  passage way = {.given = &f, .motion_state = p->motion_state};
   if (status == VISTA_OK) status = run_stages(p, &way);
   if (status != VISTA_OK) return status;
   vista_result r = {.obstacle_bytes = sizeof(vista_obstacle),
                     .nearest_collision = vista_obstacle_map_nearest(p->map),
-                    .motion = way.motion,
+                    .motion = way.frame.motion,
                     .health = way.health,
                     .valid_fraction = way.valid_fraction,
                     .region_count = p->regions.count,
@@ -472,14 +464,12 @@ vista_status vista_pipeline_directions(const vista_pipeline *pipeline, vista_dir
   const vista_pipeline *const p = pipeline;
   *directions = (vista_directions){.up_camera = {0.0, -1.0, 0.0}};
   if (!p->processed) return VISTA_OK;
-  memcpy(directions->up_camera, p->up_camera, sizeof directions->up_camera);
-  directions->up_known = p->up_known;
-  return vista_free_view(&p->parameters.obstacle_map, &p->camera, &p->matched, &p->words.image, p->refinement.label,
-                         &p->regions, directions);
+  const vista_told told = told_by(p);
+  vista_free_view(&p->frame, &told, directions);
+  return VISTA_OK;
 }
 
 vista_pipeline_stages vista_pipeline_look(const vista_pipeline *pipeline) {
-  return (vista_pipeline_stages){&pipeline->foveation, &pipeline->cells,   &pipeline->surfaces,
-                                 &pipeline->affinity,  &pipeline->regions, &pipeline->refinement_params,
-                                 &pipeline->matched};
+  return (vista_pipeline_stages){&pipeline->frame, &pipeline->cells, &pipeline->surfaces, &pipeline->affinity,
+                                 &pipeline->regions};
 }

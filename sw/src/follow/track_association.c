@@ -139,12 +139,12 @@ static bool beside_what_is_cut(const vista_track_view *view, const vista_detecti
 }
 
 /* Never above miss_cost: a track rather takes a detection in its gate than none. */
-static double pair_cost(pass step, const vista_tracker_params *params, const vista_camera *camera,
-                        const vista_pose *pose, const vista_track *track, const vista_track_view *view,
-                        const vista_detection *detection) {
+static double pair_cost(pass step, const vista_track_frame *frame, const vista_track *track,
+                        const vista_track_view *view, const vista_detection *detection) {
+  const vista_tracker_params *const params = frame->params;
   double variance_px2[3];
   if (beside_what_is_cut(view, detection)) return INFINITY;
-  vista_track_filter_noise(params, camera, detection, view, false, variance_px2);
+  vista_track_filter_noise(params, frame->camera, detection, view, false, variance_px2);
   if (step == CONFIRMED_RESHAPED) {
     const double measured_px[3] = {detection->u_px, detection->v_px, detection->disparity_px};
     const double distance2 = within2(params, measured_px, variance_px2, view);
@@ -158,15 +158,15 @@ static double pair_cost(pass step, const vista_tracker_params *params, const vis
   if (step == NEWBORN_MOVED) return extent2 <= MOVED_EXTENT_CHI2 ? distance2 + extent2 : INFINITY;
   /* Near the camera a pixel is millimetres, (u, v, d) of the prediction has no certainty left and everything would
    * be in the gate. In space it keeps it; twice the gate leaves room for the curvature at long range. */
-  const double space2 = vista_track_filter_space_distance2(params, pose, track, view, detection);
+  const double space2 = vista_track_filter_space_distance2(params, frame->pose, track, view, detection);
   if (!(space2 <= 2.0 * params->gate_chi2)) return INFINITY;
   return distance2 + fmin(extent2, params->gate_chi2);
 }
 
-void vista_track_associate(vista_track_association *association, const vista_tracker_params *params,
-                           const vista_camera *camera, const vista_pose *pose, const vista_track *tracks,
-                           const vista_track_view *views, int32_t track_count, const vista_detection *detections,
-                           int32_t detection_count, int32_t *detection_of_track) {
+void vista_track_associate(vista_track_association *association, const vista_track_frame *frame,
+                           const vista_track_table *table, int32_t *detection_of_track) {
+  const vista_tracker_params *const params = frame->params;
+  const int32_t track_count = table->count, detection_count = frame->count;
   /* A track may also stay without detection, at the price of the worst one. Without this, one stray detection could
    * push two good pairs aside for three bad ones. */
   const double miss_cost = 2.0 * params->gate_chi2;
@@ -180,15 +180,15 @@ void vista_track_associate(vista_track_association *association, const vista_tra
     int32_t rows = 0;
     int32_t columns = 0;
     for (int32_t i = 0; i < track_count; ++i)
-      if (takes_part(step, &tracks[i]) && detection_of_track[i] < 0) association->row_track[rows++] = i;
+      if (takes_part(step, &table->tracks[i]) && detection_of_track[i] < 0) association->row_track[rows++] = i;
     for (int32_t j = 0; j < detection_count; ++j)
       if (!association->claimed[j]) association->column_detection[columns++] = j;
     for (int32_t row = 0; row < rows; ++row) {
       double *cost = &association->cost[(size_t)row * (size_t)(columns + rows)];
       const int32_t track = association->row_track[row];
       for (int32_t column = 0; column < columns; ++column)
-        cost[column] = pair_cost(step, params, camera, pose, &tracks[track], &views[track],
-                                 &detections[association->column_detection[column]]);
+        cost[column] = pair_cost(step, frame, &table->tracks[track], &table->views[track],
+                                 &frame->detections[association->column_detection[column]]);
       for (int32_t other = 0; other < rows; ++other) cost[columns + other] = other == row ? miss_cost : INFINITY;
     }
     /* sizes and costs are sound by construction: this cannot fail */

@@ -7,8 +7,9 @@
 
 #include "common/arena.h"
 #include "follow/track_filter.h"
+#include "follow/track_life.h"
 #include "follow/tracker.h"
-#include "perceive/region/reconstruction.h"
+#include "vista/parameters.h"
 #include "vista/status.h"
 
 typedef struct vista_track_association vista_track_association;
@@ -16,11 +17,15 @@ typedef struct vista_track_association vista_track_association;
 vista_status vista_track_association_layout(int32_t max_tracks, int32_t max_detections, vista_arena *arena,
                                             vista_track_association **association);
 
-/* detection_of_track: track_count entries, -1 = none. */
-void vista_track_associate(vista_track_association *association, const vista_tracker_params *params,
-                           const vista_camera *camera, const vista_pose *pose, const vista_track *tracks,
-                           const vista_track_view *views, int32_t track_count, const vista_detection *detections,
-                           int32_t detection_count, int32_t *detection_of_track);
+typedef struct vista_track_table {
+  const vista_track *tracks;
+  const vista_track_view *views; /* of each in the frame */
+  int32_t count;
+} vista_track_table;
+
+/* detection_of_track: an entry a track, -1 = none. */
+void vista_track_associate(vista_track_association *association, const vista_track_frame *frame,
+                           const vista_track_table *table, int32_t *detection_of_track);
 
 /* Of the last call: whether a track took its detection as one of changed shape; the detection, not taken by any, where
  * a track seen once may have moved to, or -1; whether a detection was taken. */

@@ -3,10 +3,7 @@
 #include <math.h>
 #include <stddef.h>
 
-#include "common/bits.h"
-#include "common/frame.h"
 #include "common/numbers.h"
-#include "common/parameters_check.h"
 #include "follow/track_association.h"
 #include "follow/track_filter.h"
 #include "follow/track_life.h"
@@ -28,7 +25,6 @@ struct vista_tracker {
 
 vista_status vista_tracker_layout(int32_t max_tracks, int32_t max_detections, vista_arena *arena,
                                   vista_tracker **tracker) {
-  if (arena == NULL || tracker == NULL) return VISTA_ERROR_ARGUMENT;
   *tracker = NULL;
   if (max_tracks < 1 || max_tracks > VISTA_TRACKER_MAX || max_detections < 1 || max_detections > VISTA_TRACKER_MAX)
     return VISTA_ERROR_RANGE;
@@ -78,17 +74,11 @@ static vista_status check_detection(const vista_detection *d) {
 }
 
 static vista_status check(const vista_tracker *tracker, const vista_track_frame *f) {
-  if (f->count < 0) return VISTA_ERROR_SIZE;
   if (f->count > tracker->max_detections) return VISTA_ERROR_CAPACITY;
-  vista_status status = VISTA_CHECK_SECTION(tracker, f->params);
-  if (status == VISTA_OK) status = vista_matched_area_check(f->matched);
-  if (status == VISTA_OK) status = vista_frame_check_camera(f->camera);
-  if (status == VISTA_OK) status = vista_frame_check_pose(f->pose);
-  const vista_disparity_image *const words = f->disparity;
-  if (status == VISTA_OK && words != NULL)
-    status = vista_frame_check_disparity(words, f->camera->width_px, f->camera->height_px);
-  for (int32_t i = 0; i < f->count && status == VISTA_OK; ++i) status = check_detection(&f->detections[i]);
-  if (status != VISTA_OK) return status;
+  for (int32_t i = 0; i < f->count; ++i) {
+    const vista_status status = check_detection(&f->detections[i]);
+    if (status != VISTA_OK) return status;
+  }
   return tracker->started && f->t_ns <= tracker->t_ns ? VISTA_ERROR_ORDER : VISTA_OK;
 }
 
@@ -265,26 +255,29 @@ static void start(vista_tracker *tracker, const vista_track_frame *f, const vist
   ++tracker->count;
 }
 
-vista_status vista_tracker_update(vista_tracker *tracker, const vista_tracker_params *params,
-                                  const vista_camera *camera, const vista_matched_area *matched,
-                                  const vista_motion *motion, int64_t t_ns, const vista_disparity_image *disparity,
-                                  const vista_detection *detections, int32_t count) {
-  if (tracker == NULL || params == NULL || camera == NULL || matched == NULL || motion == NULL ||
-      (detections == NULL && count != 0))
-    return VISTA_ERROR_ARGUMENT;
-  const vista_track_frame f = {params, camera, matched, &motion->pose, disparity, t_ns, detections, count};
+vista_status vista_tracker_update(vista_tracker *tracker, const vista_frame_view *frame,
+                                  const vista_detections *detections) {
+  const int32_t count = detections->count;
+  const vista_track_frame f = {&frame->params->tracker,
+                               frame->camera,
+                               &frame->matched,
+                               &frame->motion.pose,
+                               frame->words.data != NULL ? &frame->words : NULL,
+                               frame->t_ns,
+                               detections->items,
+                               count};
   const vista_status status = check(tracker, &f);
   if (status != VISTA_OK) return status;
-  predict(tracker, &f, motion->drift_m);
+  predict(tracker, &f, frame->motion.drift_m);
   look_at_all(tracker, &f);
-  vista_track_associate(tracker->association, params, camera, f.pose, tracker->tracks, tracker->views, tracker->count,
-                        detections, count, tracker->detection_of_track);
+  const vista_track_table table = {tracker->tracks, tracker->views, tracker->count};
+  vista_track_associate(tracker->association, &f, &table, tracker->detection_of_track);
   update(tracker, &f);
   look_at_all(tracker, &f);
   remove_duplicates(tracker, &f);
   for (int32_t i = 0; i < count; ++i)
-    if (!vista_track_association_claimed(tracker->association, i)) start(tracker, &f, &detections[i]);
+    if (!vista_track_association_claimed(tracker->association, i)) start(tracker, &f, &f.detections[i]);
   tracker->started = true;
-  tracker->t_ns = t_ns;
+  tracker->t_ns = frame->t_ns;
   return VISTA_OK;
 }

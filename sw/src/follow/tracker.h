@@ -44,14 +44,11 @@
 #include <stdint.h>
 
 #include "common/arena.h"
-#include "common/ellipse.h"
-#include "common/matched_area.h"
 #include "follow/static_world.h"
+#include "perceive/frame_view.h"
 #include "perceive/region/reconstruction.h"
 #include "vista/obstacle.h"
-#include "vista/parameters.h"
 #include "vista/status.h"
-#include "vista/types.h"
 
 #define VISTA_TRACKER_MAX 4096 /* tracks, detections */
 
@@ -109,17 +106,11 @@ vista_status vista_tracker_layout(int32_t max_tracks, int32_t max_detections, vi
 /* Forget all tracks and the time; ids go on counting. */
 void vista_tracker_reset(vista_tracker *tracker);
 
-/* One frame. disparity: the frame's words, of the camera's size; NULL: no
- * track is held. On any error nothing is changed.
- * VISTA_ERROR_ORDER: t_ns not after that of the last update; VISTA_ERROR_NUMBER: pose, camera or detection not finite;
- * VISTA_ERROR_SIZE: words of another size than the camera's;
- * VISTA_ERROR_RANGE: parameter or camera out of range, rotation not orthonormal, a disparity, sigma or extent not
- * positive;
- * VISTA_ERROR_CAPACITY: more than max_detections. */
-vista_status vista_tracker_update(vista_tracker *tracker, const vista_tracker_params *params,
-                                  const vista_camera *camera, const vista_matched_area *matched,
-                                  const vista_motion *motion, int64_t t_ns, const vista_disparity_image *disparity,
-                                  const vista_detection *detections, int32_t count);
+/* One frame. Without words no track is held. On any error nothing is changed.
+ * VISTA_ERROR_ORDER: its time is not after that of the last update; VISTA_ERROR_NUMBER: a detection is not finite;
+ * VISTA_ERROR_RANGE: a disparity, sigma or extent is not positive; VISTA_ERROR_CAPACITY: more than max_detections. */
+vista_status vista_tracker_update(vista_tracker *tracker, const vista_frame_view *frame,
+                                  const vista_detections *detections);
 
 /* All live tracks, oldest first; valid until the next update. */
 const vista_track *vista_tracker_tracks(const vista_tracker *tracker, int32_t *count);

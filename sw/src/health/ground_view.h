@@ -6,21 +6,10 @@
 
 #include <stdbool.h>
 
-#include "common/flight_path.h"
-#include "common/matched_area.h"
-#include "vista/types.h"
+#include "perceive/frame_view.h"
 
-typedef struct vista_ahead {
-  const vista_camera *camera;
-  const vista_pose *pose;
-  const vista_flight_path *path;
-  const double *up_camera; /* NULL: nobody knows where the horizon is */
-  double radius_m;         /* of the collision volume */
-} vista_ahead;
-
-/* From 0 to 1; 1, too, where hardly anything below the horizon is in view. agreeing: only disparities that another one
- * agrees with count. */
-double vista_ground_view(const vista_ahead *ahead, const vista_matched_area *matched, bool agreeing,
-                         const vista_disparity_image *disparity);
+/* From 0 to 1; 1, too, where hardly anything below the horizon is in view, or nobody knows where the horizon is.
+ * agreeing: only disparities that another one agrees with count. */
+double vista_ground_view(const vista_frame_view *frame, bool agreeing);
 
 #endif

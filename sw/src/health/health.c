@@ -2,13 +2,12 @@
 
 #include <math.h>
 #include <stdbool.h>
-#include <stddef.h>
+#include <stdint.h>
 
 #include "common/agreement.h"
-#include "common/frame.h"
 #include "common/median.h"
 #include "common/numbers.h"
-#include "common/parameters_check.h"
+#include "health/ground_view.h"
 
 #define ROW_STEP 2 /* neighbouring rows say the same */
 
@@ -91,23 +90,16 @@ static counted_words count(const vista_matched_area *matched, bool noisy, const 
   return sum;
 }
 
-vista_status vista_health_judge(const vista_health_params *params, const vista_foveation *foveation,
-                                const vista_matched_area *matched, const vista_cells *cells,
-                                const vista_image_noise *noise, const vista_disparity_image *disparity,
-                                const vista_motion *motion, const vista_ahead *ahead, vista_health *health,
-                                double *valid_fraction) {
-  if (params == NULL || foveation == NULL || matched == NULL || cells == NULL || noise == NULL || disparity == NULL ||
-      motion == NULL || ahead == NULL || health == NULL || valid_fraction == NULL)
-    return VISTA_ERROR_ARGUMENT;
-  vista_status status = VISTA_CHECK_SECTION(health, params);
-  if (status == VISTA_OK) status = vista_matched_area_check(matched);
-  if (status == VISTA_OK) status = vista_frame_check_disparity(disparity, foveation->width_px, foveation->height_px);
-  if (status != VISTA_OK) return status;
-  const bool noisy = noise->sigma > params->noise_min;
-  const counted_words words = count(matched, noisy, disparity);
+void vista_health_judge(const vista_frame_view *frame, const vista_cells *cells, vista_health *health,
+                        double *valid_fraction) {
+  const vista_health_params *const params = &frame->params->health;
+  const vista_disparity_image *const disparity = &frame->words;
+  const vista_motion *const motion = &frame->motion;
+  const bool noisy = frame->noise.sigma > params->noise_min;
+  const counted_words words = count(&frame->matched, noisy, disparity);
   *valid_fraction = (double)words.image / ((double)disparity->width_px * disparity->height_px);
   vista_health h = {.matched_fraction = share(words.matched, words.matched_area),
-                    .contrast = contrast_of(foveation, cells, noise)};
+                    .contrast = contrast_of(frame->foveation, cells, &frame->noise)};
   const double agreeing = noisy ? share(words.agreeing, words.asked) : h.matched_fraction;
   const bool none = fmin(h.matched_fraction, agreeing) < params->blind_fraction;
   const bool few = h.matched_fraction < params->degraded_fraction;
@@ -118,7 +110,7 @@ vista_status vista_health_judge(const vista_health_params *params, const vista_f
       [VISTA_HEALTH_MOTION_UNKNOWN] = motion->source == VISTA_MOTION_CARRIED_ON,
       [VISTA_HEALTH_POSE_JUMP] = motion->source == VISTA_MOTION_REFUSED || motion->restarted,
       [VISTA_HEALTH_NOISE] = noisy && agreeing < params->degraded_fraction,
-      [VISTA_HEALTH_GROUND_UNSEEN] = vista_ground_view(ahead, matched, noisy, disparity) < params->ground_fraction,
+      [VISTA_HEALTH_GROUND_UNSEEN] = vista_ground_view(frame, noisy) < params->ground_fraction,
   };
   for (int k = 0; k < VISTA_HEALTH_REASON_COUNT; ++k) {
     if (!holds[k]) continue;
@@ -126,5 +118,4 @@ vista_status vista_health_judge(const vista_health_params *params, const vista_f
     if (h.state != VISTA_HEALTH_BLIND) h.state = reasons[k].blinding ? VISTA_HEALTH_BLIND : VISTA_HEALTH_DEGRADED;
   }
   *health = h;
-  return VISTA_OK;
 }

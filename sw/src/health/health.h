@@ -8,21 +8,12 @@
 #ifndef VISTA_HEALTH_H
 #define VISTA_HEALTH_H
 
-#include "common/image_noise.h"
-#include "common/matched_area.h"
-#include "health/ground_view.h"
-#include "perceive/cells/foveation.h"
+#include "perceive/cells/cells.h"
+#include "perceive/frame_view.h"
 #include "vista/obstacle.h"
-#include "vista/parameters.h"
-#include "vista/status.h"
-#include "vista/types.h"
 
-/* noise: of the image. valid_fraction: of the whole image's pixels, those that have a disparity. VISTA_ERROR_SIZE: a
- * disparity image of another size; VISTA_ERROR_RANGE: a parameter. */
-vista_status vista_health_judge(const vista_health_params *params, const vista_foveation *foveation,
-                                const vista_matched_area *matched, const vista_cells *cells,
-                                const vista_image_noise *noise, const vista_disparity_image *disparity,
-                                const vista_motion *motion, const vista_ahead *ahead, vista_health *health,
-                                double *valid_fraction);
+/* valid_fraction: of the whole image's pixels, those that have a disparity. */
+void vista_health_judge(const vista_frame_view *frame, const vista_cells *cells, vista_health *health,
+                        double *valid_fraction);
 
 #endif

@@ -4,15 +4,12 @@
 #include <math.h>
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 #include <string.h>
 
 #include "common/frame.h"
 #include "common/numbers.h"
-#include "common/parameters_check.h"
 #include "perceive/region/region_boundary.h"
-
-#define SMALLEST_M 1e-3 /* of the volume: what is asked in words fits a float */
-#define TURN_MAX_RAD 1.571 /* a quarter of a circle, and rounding */
 
 /* What the pixels of a run are asked, in engine words w = 16 d; straight ahead squared, so that nothing is divided. */
 typedef struct limits {
@@ -254,16 +251,17 @@ static void meet(const vista_foveation *foveation, const vista_camera *camera, c
   place(camera, path, &first, region);
 }
 
-vista_collision_volume vista_collision_volume_around(const vista_obstacle_map_params *params,
-                                                     const vista_flight_path *path, const vista_pose *pose) {
+vista_collision_volume vista_collision_volume_around(const vista_frame_view *frame) {
+  const vista_obstacle_map_params *const params = &frame->params->obstacle_map;
+  const vista_flight_path *const path = &frame->path;
   vista_collision_volume volume = {.radius_m = params->collision_radius_m,
                                    .outline_px = params->outline_px,
                                    .path_sigmas = params->path_sigmas,
                                    .length_m = path->length_m,
                                    .curvature_1_m = path->curvature_1_m,
                                    .sigma_rad = path->sigma_rad};
-  vista_frame_direction_to_camera(pose, path->direction, volume.direction_camera);
-  vista_frame_direction_to_camera(pose, path->normal, volume.normal_camera);
+  vista_frame_direction_to_camera(&frame->motion.pose, path->direction, volume.direction_camera);
+  vista_frame_direction_to_camera(&frame->motion.pose, path->normal, volume.normal_camera);
   return volume;
 }
 
@@ -275,26 +273,11 @@ vista_flight_path vista_collision_volume_path(const vista_collision_volume *volu
   return path;
 }
 
-vista_status vista_collision_volume_check(const vista_collision_volume *volume) {
-  const bool good = volume->radius_m >= SMALLEST_M && volume->length_m >= SMALLEST_M &&
-                    isfinite(volume->radius_m + volume->length_m + volume->outline_px) && volume->outline_px >= 0.0 &&
-                    isfinite(volume->path_sigmas * volume->sigma_rad) && volume->path_sigmas >= 0.0 &&
-                    volume->curvature_1_m >= 0.0 && volume->curvature_1_m * volume->length_m <= TURN_MAX_RAD;
-  return good ? VISTA_OK : VISTA_ERROR_RANGE;
-}
-
-vista_status vista_collision_volume_count(const vista_foveation *foveation, const vista_region_params *params,
-                                          const vista_camera *camera, const vista_collision_volume *volume,
-                                          const vista_disparity_image *disparity, const vista_cells *cells,
-                                          vista_regions *regions) {
-  if (foveation == NULL || params == NULL || camera == NULL || volume == NULL || disparity == NULL || cells == NULL ||
-      regions == NULL)
-    return VISTA_ERROR_ARGUMENT;
-  vista_status status = VISTA_CHECK_SECTION(region, params);
-  if (status == VISTA_OK) status = vista_frame_check_camera(camera);
-  if (status == VISTA_OK) status = vista_frame_check_disparity(disparity, foveation->width_px, foveation->height_px);
-  if (status == VISTA_OK) status = vista_collision_volume_check(volume);
-  if (status != VISTA_OK) return status;
+void vista_collision_volume_count(const vista_frame_view *frame, const vista_collision_volume *volume,
+                                  const vista_cells *cells, vista_regions *regions) {
+  const vista_foveation *const foveation = frame->foveation;
+  const vista_region_params *const params = &frame->params->region;
+  const vista_camera *const camera = frame->camera;
   const double words = VISTA_DISPARITY_SCALE * camera->baseline_m;
   const double *const a = volume->direction_camera, *const n = volume->normal_camera;
   const double turn = volume->curvature_1_m * volume->length_m;
@@ -320,11 +303,10 @@ vista_status vista_collision_volume_count(const vista_foveation *foveation, cons
     if (region->verdict != VISTA_REGION_ACCEPTED) continue;
     const int32_t first = regions->first_member[k];
     const double tolerance_px = vista_region_tolerance_px(params, camera, region->disparity_px);
-    region->volume_pixels = count_region(foveation, camera, &limit, disparity, tolerance_px, regions->members + first,
-                                         regions->first_member[k + 1] - first, region);
+    region->volume_pixels = count_region(foveation, camera, &limit, &frame->words, tolerance_px,
+                                         regions->members + first, regions->first_member[k + 1] - first, region);
     if (region->volume_pixels > 0)
       meet(foveation, camera, &limit, &path, volume->radius_m, cells->disparity_px, tolerance_px,
            regions->members + first, regions->first_member[k + 1] - first, region);
   }
-  return VISTA_OK;
 }

@@ -18,11 +18,9 @@
 #define VISTA_COLLISION_VOLUME_H
 
 #include "common/flight_path.h"
-#include "perceive/cells/foveation.h"
+#include "perceive/cells/cells.h"
+#include "perceive/frame_view.h"
 #include "perceive/region/region.h"
-#include "vista/parameters.h"
-#include "vista/status.h"
-#include "vista/types.h"
 
 typedef struct vista_collision_volume {
   double direction_camera[3]; /* of flight at the camera, unit length */
@@ -34,15 +32,11 @@ typedef struct vista_collision_volume {
   double path_sigmas;      /* of the path, by which the volume is narrower */
 } vista_collision_volume;
 
-/* The volume around a path, in the camera of that pose. */
-vista_collision_volume vista_collision_volume_around(const vista_obstacle_map_params *params,
-                                                     const vista_flight_path *path, const vista_pose *pose);
+/* The volume around the path of a frame, in the coordinates of its camera. */
+vista_collision_volume vista_collision_volume_around(const vista_frame_view *frame);
 
 /* The path in the middle of the volume, in the coordinates of the camera. */
 vista_flight_path vista_collision_volume_path(const vista_collision_volume *volume);
-
-/* VISTA_ERROR_RANGE: not finite, smaller than a millimetre, or a bend of more than a quarter of a circle. */
-vista_status vista_collision_volume_check(const vista_collision_volume *volume);
 
 /* Fills volume_pixels of the accepted regions, and of those that have any, where the volume meets them: the middle of
  * the tenth of their area in the volume that a ball of its radius, with its centre on the path, touches first. Of a
@@ -50,11 +44,8 @@ vista_status vista_collision_volume_check(const vista_collision_volume *volume);
  * neither is the middle. Cells nearer than the surface are its relief, up to half the size of the thing. What noise
  * brings nearer is taken off, as independent errors are: of the squares, so that a crown is met at its leaves and a
  * noisy wall in its surface. met_sigma_m is of the range: by the matcher, by what was taken off, by the relief, and by
- * the slope of the surface times how far the aircraft may leave the path.
- * VISTA_ERROR_SIZE: a disparity image of another size. */
-vista_status vista_collision_volume_count(const vista_foveation *foveation, const vista_region_params *params,
-                                          const vista_camera *camera, const vista_collision_volume *volume,
-                                          const vista_disparity_image *disparity, const vista_cells *cells,
-                                          vista_regions *regions);
+ * the slope of the surface times how far the aircraft may leave the path. */
+void vista_collision_volume_count(const vista_frame_view *frame, const vista_collision_volume *volume,
+                                  const vista_cells *cells, vista_regions *regions);
 
 #endif

@@ -1,12 +1,13 @@
 #include "space/free_view.h"
 
 #include <math.h>
+#include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 #include <string.h>
 
 #include "common/frame.h"
 #include "common/numbers.h"
-#include "common/parameters_check.h"
 #include "space/told.h"
 
 #define STATIONS 20
@@ -68,26 +69,18 @@ static bool is_free(const view *v, const double direction[3], double distance_m,
   return inside > 0.0 && counts[OPEN] + counts[BLOCKED] >= least;
 }
 
-vista_status vista_free_view(const vista_obstacle_map_params *params, const vista_camera *camera,
-                             const vista_matched_area *matched, const vista_disparity_image *disparity,
-                             const int32_t *region_of_pixel, const vista_regions *regions,
-                             vista_directions *directions) {
-  if (params == NULL || camera == NULL || matched == NULL || disparity == NULL || region_of_pixel == NULL ||
-      regions == NULL || directions == NULL)
-    return VISTA_ERROR_ARGUMENT;
-  vista_status status = VISTA_CHECK_SECTION(obstacle_map, params);
-  if (status == VISTA_OK) status = vista_frame_check_camera(camera);
-  if (status == VISTA_OK) status = vista_matched_area_check(matched);
-  if (status == VISTA_OK) status = vista_frame_check_disparity(disparity, camera->width_px, camera->height_px);
-  if (status != VISTA_OK) return status;
-  view v = {.told = {disparity, region_of_pixel, regions},
+void vista_free_view(const vista_frame_view *frame, const vista_told *told, vista_directions *directions) {
+  const vista_obstacle_map_params *const params = &frame->params->obstacle_map;
+  const vista_camera *const camera = frame->camera;
+  const vista_matched_area *const matched = &frame->matched;
+  *directions = (vista_directions){.up_known = frame->up_known};
+  memcpy(directions->up_camera, frame->up_camera, sizeof directions->up_camera);
+  view v = {.told = *told,
             .camera = camera,
             .matched = matched,
             .radius_m = params->collision_radius_m,
             .least = params->seen_min_fraction};
-  for (int column = 0; column < VISTA_DIRECTIONS; ++column)
-    directions->free_m[column] = directions->blocked_m[column] = 0.0f;
-  if (!make_axes(&v, directions->up_camera)) return VISTA_OK;
+  if (!make_axes(&v, directions->up_camera)) return;
   const double nearest_m = camera->focal_px * camera->baseline_m / matched->disparity_max_px;
   for (int column = 0; column < VISTA_DIRECTIONS; ++column) {
     const double azimuth = (VISTA_DIRECTIONS_FIRST_DEG + column + 0.5) * VISTA_RADIANS_PER_DEGREE;
@@ -101,5 +94,4 @@ vista_status vista_free_view(const vista_obstacle_map_params *params, const vist
       directions->free_m[column] = (float)distance_m;
     }
   }
-  return VISTA_OK;
 }

@@ -11,19 +11,11 @@
 #ifndef VISTA_FREE_VIEW_H
 #define VISTA_FREE_VIEW_H
 
-#include "common/matched_area.h"
-#include "perceive/region/region.h"
+#include "perceive/frame_view.h"
+#include "space/told.h"
 #include "vista/directions.h"
-#include "vista/parameters.h"
-#include "vista/status.h"
-#include "vista/types.h"
 
-/* region_of_pixel: height * width, negative: none; regions with their verdicts. Fills free_m and blocked_m for
- * directions->up_camera.
- * VISTA_ERROR_SIZE: a disparity image of another size than the camera's. */
-vista_status vista_free_view(const vista_obstacle_map_params *params, const vista_camera *camera,
-                             const vista_matched_area *matched, const vista_disparity_image *disparity,
-                             const int32_t *region_of_pixel, const vista_regions *regions,
-                             vista_directions *directions);
+/* Fills *directions in for the vertical of the frame. */
+void vista_free_view(const vista_frame_view *frame, const vista_told *told, vista_directions *directions);
 
 #endif

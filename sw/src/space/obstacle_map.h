@@ -29,19 +29,15 @@
 #ifndef VISTA_OBSTACLE_MAP_H
 #define VISTA_OBSTACLE_MAP_H
 
-#include <stdbool.h>
 #include <stdint.h>
 
 #include "common/arena.h"
-#include "common/ellipse.h"
-#include "common/flight_path.h"
 #include "follow/tracker.h"
+#include "perceive/frame_view.h"
 #include "perceive/terrain/terrain.h"
 #include "perceive/words/blind_zone.h"
 #include "vista/obstacle.h"
-#include "vista/parameters.h"
 #include "vista/status.h"
-#include "vista/types.h"
 
 typedef struct vista_obstacle_map vista_obstacle_map;
 
@@ -51,12 +47,16 @@ vista_status vista_obstacle_map_layout(int32_t max_tracks, vista_arena *arena, v
 /* Forget all obstacles. */
 void vista_obstacle_map_reset(vista_obstacle_map *map);
 
-/* One frame, after the tracker's update with the same camera and motion. blind_zone, terrain: NULL = unknown. On any
- * error nothing is changed; errors as vista_tracker_update. */
-vista_status vista_obstacle_map_update(vista_obstacle_map *map, const vista_obstacle_map_params *params,
-                                       const vista_camera *camera, const vista_motion *motion,
-                                       const vista_flight_path *path, const vista_blind_zone *blind_zone,
-                                       const vista_terrain *terrain, const vista_track *tracks, int32_t track_count);
+/* What the map is made of. */
+typedef struct vista_map_input {
+  const vista_track *tracks;
+  int32_t track_count;                /* max_tracks at most */
+  const vista_terrain *terrain;       /* NULL: not known */
+  const vista_blind_zone *blind_zone; /* NULL: not known */
+} vista_map_input;
+
+/* Makes the map of a frame, after the tracker's update. */
+void vista_obstacle_map_update(vista_obstacle_map *map, const vista_frame_view *frame, const vista_map_input *input);
 
 /* In front of the camera only, nearest first (then by id); valid until the next update. */
 const vista_obstacle *vista_obstacle_map_obstacles(const vista_obstacle_map *map, int32_t *count);

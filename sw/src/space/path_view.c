@@ -2,9 +2,9 @@
 
 #include <math.h>
 #include <stddef.h>
+#include <stdint.h>
 
 #include "common/frame.h"
-#include "common/parameters_check.h"
 #include "space/told.h"
 
 #define STATIONS 20          /* along the path */
@@ -41,30 +41,22 @@ static double told_fraction(const vista_told *v, const vista_camera *camera, con
   return all > 0 ? (double)told / all : 0.0;
 }
 
-vista_status vista_path_view(const vista_obstacle_map_params *params, const vista_camera *camera,
-                             const vista_matched_area *matched, const vista_flight_path *path, const vista_pose *pose,
-                             const vista_disparity_image *disparity, const int32_t *region_of_pixel,
-                             const vista_regions *regions, double *seen_m) {
-  if (params == NULL || camera == NULL || matched == NULL || path == NULL || pose == NULL || disparity == NULL ||
-      region_of_pixel == NULL || regions == NULL || seen_m == NULL)
-    return VISTA_ERROR_ARGUMENT;
-  vista_status status = VISTA_CHECK_SECTION(obstacle_map, params);
-  if (status == VISTA_OK) status = vista_frame_check_camera(camera);
-  if (status == VISTA_OK) status = vista_matched_area_check(matched);
-  if (status == VISTA_OK) status = vista_frame_check_disparity(disparity, camera->width_px, camera->height_px);
-  if (status != VISTA_OK) return status;
-  const vista_told v = {disparity, region_of_pixel, regions};
+double vista_path_view(const vista_frame_view *frame, const vista_told *told) {
+  const vista_obstacle_map_params *const params = &frame->params->obstacle_map;
+  const vista_camera *const camera = frame->camera;
+  const vista_matched_area *const matched = &frame->matched;
+  const vista_flight_path *const path = &frame->path;
   const double nearest_m = camera->focal_px * camera->baseline_m / matched->disparity_max_px;
-  *seen_m = 0.0;
+  double seen_m = 0.0;
   for (int k = 1; k <= STATIONS; ++k) {
     const double along_m = path->length_m * k / STATIONS;
     double point_m[3], center_m[3];
     vista_flight_path_point(path, along_m, point_m, NULL);
-    vista_frame_to_camera(pose, point_m, center_m);
+    vista_frame_to_camera(&frame->motion.pose, point_m, center_m);
     /* Nearer than anything is matched the view through the disc is as good as at the nearest range. */
     if (along_m < nearest_m && k < STATIONS) continue;
-    if (told_fraction(&v, camera, matched, center_m, params->collision_radius_m) < params->seen_min_fraction) break;
-    *seen_m = along_m;
+    if (told_fraction(told, camera, matched, center_m, params->collision_radius_m) < params->seen_min_fraction) break;
+    seen_m = along_m;
   }
-  return VISTA_OK;
+  return seen_m;
 }

@@ -12,18 +12,10 @@
 #ifndef VISTA_PATH_VIEW_H
 #define VISTA_PATH_VIEW_H
 
-#include "common/flight_path.h"
-#include "common/matched_area.h"
-#include "perceive/region/region.h"
-#include "vista/parameters.h"
-#include "vista/status.h"
-#include "vista/types.h"
+#include "perceive/frame_view.h"
+#include "space/told.h"
 
-/* region_of_pixel: height * width, negative: none; regions with their verdicts. pose: of the camera in the world.
- * *seen_m: from 0 to the length of the path. VISTA_ERROR_SIZE: a disparity image of another size than the camera's. */
-vista_status vista_path_view(const vista_obstacle_map_params *params, const vista_camera *camera,
-                             const vista_matched_area *matched, const vista_flight_path *path, const vista_pose *pose,
-                             const vista_disparity_image *disparity, const int32_t *region_of_pixel,
-                             const vista_regions *regions, double *seen_m);
+/* From 0 to the length of the frame's path. */
+double vista_path_view(const vista_frame_view *frame, const vista_told *told);
 
 #endif

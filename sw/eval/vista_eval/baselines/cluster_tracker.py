@@ -1,10 +1,8 @@
-"""The second half of the host, from regions to obstacles, called stage by stage, with clusters for
-regions."""
+"""The second half of the host, from regions to obstacles, with clusters for regions."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -15,9 +13,10 @@ from vista.engine import SCALE, Disparity
 from vista.geometry import Array, Calibration, Pose
 from vista.pipeline import Nearest, Obstacle, PipelineError, c_parameters, read_nearest, read_obstacle
 
-from vista_eval.metrics.flight_path import CYLINDER_LENGTH_M, CYLINDER_RADIUS_M, Curved
+from vista_eval.cell_graph import lay_out
+from vista_eval.metrics.flight_path import Curved
 
-MAX_TRACKS, MAX_DETECTIONS = 64, 64
+MAX_REGIONS = 64
 IN_THE_WAY = 1_000_000  # pixels of a cluster in the collision volume: all of it lies there, however small
 PIXEL_PX2 = 1.0 / 12.0  # the variance of a pixel, which is no point
 CORNERS = 33  # of a chain of chords for an arc
@@ -29,8 +28,7 @@ class Moved:
 
     pose: Pose
     path: Curved  # that it expects
-    motion: Any  # vista_motion *
-    c_path: Any  # vista_flight_path *
+    frame: Any  # vista_frame_view *, without words
 
 
 @dataclass(frozen=True)
@@ -49,28 +47,10 @@ class Stages:
             "vista_camera *",
             (camera.width, camera.height, camera.focal_px, camera.cx, camera.cy, camera.baseline_m),
         )
-        stereo = values["stereo"]
-        radius = (stereo["block_size"] - 1) // 2
-        largest = stereo["num_disparities"] - 1
-        self.matched = self.ffi.new("vista_matched_area *", (largest, largest + radius, radius, 0))
-
-    def section(self, name: str) -> Any:
-        return self.ffi.addressof(self.parameters[0], name)
 
     def check(self, status: int) -> None:
         if status != self.lib.VISTA_OK:
             raise PipelineError(self.ffi.string(self.lib.vista_status_text(status)).decode())
-
-    def lay_out(self, layout: Callable[[Any], int]) -> Any:
-        """Memory for what `layout` takes from an arena; it has to be kept."""
-        arena = self.ffi.new("vista_arena *")
-        self.check(layout(arena))
-        memory = self.ffi.new("unsigned char[]", arena.used + 64)
-        base = int(self.ffi.cast("uintptr_t", memory))
-        arena.base = self.ffi.cast("unsigned char *", base + -base % 64)
-        arena.size, arena.used = arena.used, 0
-        self.check(layout(arena))
-        return memory
 
 
 class HostMotion:
@@ -82,18 +62,17 @@ class HostMotion:
 
     def update(self, t_ns: int, pose: Pose | None) -> Moved:
         ffi, lib = self._stages.ffi, self._stages.lib
-        given = ffi.NULL
+        given = ffi.new("vista_frame *", {"t_ns": t_ns})
         if pose is not None:
-            given = ffi.new("vista_pose *", (pose.rotation.ravel().tolist(), pose.translation_m.tolist()))
-        taken = ffi.new("vista_motion_input *", {"pose": given, "t_ns": t_ns})
-        motion = ffi.new("vista_motion *")
-        section = self._stages.section("motion")
-        self._stages.check(lib.vista_motion_update(section, taken, self._state, motion))
-        size = (CYLINDER_LENGTH_M, CYLINDER_RADIUS_M)
-        path = ffi.new("vista_flight_path *", lib.vista_motion_path(section, self._state, motion, *size))
-        p = motion.pose
+            c_pose = ffi.new("vista_pose *", (pose.rotation.ravel().tolist(), pose.translation_m.tolist()))
+            given.pose = c_pose
+        frame = ffi.new("vista_frame_view *")
+        self._stages.check(
+            lib.vista_pipeline_begin(self._stages.parameters, self._stages.camera, given, self._state, frame)
+        )
+        p = frame.motion.pose
         believed = Pose(np.array(list(p.rotation)).reshape(3, 3), np.array(list(p.translation_m)))
-        return Moved(believed, chords(path), motion, path)
+        return Moved(believed, chords(frame.path), frame)
 
 
 def chords(path: Any) -> Curved:
@@ -113,59 +92,23 @@ class ClusterTracker:
     def __init__(self, stages: Stages) -> None:
         self._stages = stages
         ffi, lib = stages.ffi, stages.lib
-        tracker, obstacle_map = ffi.new("vista_tracker **"), ffi.new("vista_obstacle_map **")
-        self._kept = (
-            stages.lay_out(lambda a: lib.vista_tracker_layout(MAX_TRACKS, MAX_DETECTIONS, a, tracker)),
-            stages.lay_out(lambda a: lib.vista_obstacle_map_layout(MAX_TRACKS, a, obstacle_map)),
+        tracker = ffi.new("vista_region_tracker **")
+        self._memory = lay_out(
+            ffi, lambda arena: stages.check(lib.vista_region_tracker_layout(MAX_REGIONS, arena, tracker))
         )
-        self._tracker, self._map = tracker[0], obstacle_map[0]
-        self._detections = ffi.new("vista_detection[]", MAX_DETECTIONS)
-        self._count = ffi.new("int32_t *")
+        self._tracker, self._count = tracker[0], ffi.new("int32_t *")
 
-    def update(self, moved: Moved, t_ns: int, words: Disparity, regions: Any, region_count: int) -> Told:
+    def update(self, moved: Moved, words: Disparity, regions: Any, region_count: int) -> Told:
         """regions: the largest clusters of the frame (as_regions)."""
         s, ffi, lib = self._stages, self._stages.ffi, self._stages.lib
+        height, width = words.shape
+        frame = ffi.new("vista_frame_view *", moved.frame[0])
+        frame.words = (ffi.cast("int16_t *", words.ctypes.data), width, height, width)
         s.check(
-            lib.vista_reconstruct_regions(
-                regions,
-                min(region_count, MAX_DETECTIONS),
-                s.camera,
-                s.matched,
-                s.section("reconstruction"),
-                self._detections,
-                MAX_DETECTIONS,
-                self._count,
-            )
+            lib.vista_pipeline_track_regions(self._tracker, frame, regions, min(region_count, MAX_REGIONS))
         )
-        if moved.motion.restarted:
-            lib.vista_tracker_reset(self._tracker)
-        image = ffi.new(
-            "vista_disparity_image *",
-            (ffi.cast("int16_t *", words.ctypes.data), words.shape[1], words.shape[0], words.shape[1]),
-        )
-        found = (self._detections, self._count[0])
-        section = s.section("tracker")
-        s.check(
-            lib.vista_tracker_update(
-                self._tracker, section, s.camera, s.matched, moved.motion, t_ns, image, *found
-            )
-        )
-        tracks = lib.vista_tracker_tracks(self._tracker, self._count)
-        s.check(
-            lib.vista_obstacle_map_update(
-                self._map,
-                s.section("obstacle_map"),
-                s.camera,
-                moved.motion,
-                moved.c_path,
-                ffi.NULL,  # nothing of the blind zone
-                ffi.NULL,  # nor of the ground
-                tracks,
-                self._count[0],
-            )
-        )
-        items = lib.vista_obstacle_map_obstacles(self._map, self._count)
-        nearest = lib.vista_obstacle_map_nearest(self._map)
+        items = lib.vista_region_tracker_obstacles(self._tracker, self._count)
+        nearest = lib.vista_region_tracker_nearest(self._tracker)
         return Told(
             tuple(read_obstacle(ffi, lib, items[k]) for k in range(self._count[0])),
             read_nearest(nearest) if nearest.valid else None,
@@ -177,7 +120,7 @@ def as_regions(
 ) -> tuple[Any, list[int]]:
     """The clusters, largest first, as accepted regions that face the camera, and their pixels; corner_px: u
     and v of the first pixel of both arrays in the image."""
-    v, u = np.nonzero((label >= 0) & (label < MAX_DETECTIONS))
+    v, u = np.nonzero((label >= 0) & (label < MAX_REGIONS))
     number, word = label[v, u], words[v, u]
     order = np.lexsort((word, number))
     u, v, number, word = u[order] + corner_px[0], v[order] + corner_px[1], number[order], word[order]

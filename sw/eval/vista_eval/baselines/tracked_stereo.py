@@ -106,9 +106,7 @@ def tracked_outcomes(folder: Path, values: parameters.Values, sweep: Sweep = FUL
         found = list(words_of.clusters(stages, moved, pair))
         for k, (setting, least) in enumerate(settings):
             words, regions, pixels = found[setting]
-            told = trackers[k].update(
-                moved, files.t_ns, words, regions, sum(size >= least for size in pixels)
-            )
+            told = trackers[k].update(moved, words, regions, sum(size >= least for size in pixels))
             scores[k].append(judges[k].frame(frame, told.obstacles, told.nearest, world_from_estimate))
     return [
         outcome(Threshold(*words_of.settings[setting], least), score)

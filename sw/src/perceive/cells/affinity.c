@@ -2,16 +2,15 @@
 
 #include <math.h>
 #include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
 #include <string.h>
 
 #include "common/depth.h"
-#include "common/frame.h"
 #include "common/numbers.h"
-#include "common/parameters_check.h"
 #include "common/wide_vectors.h"
 
 vista_status vista_affinity_layout(vista_affinity *affinity, vista_arena *arena, const vista_foveation *foveation) {
-  if (affinity == NULL || arena == NULL || foveation == NULL) return VISTA_ERROR_ARGUMENT;
   const size_t arcs = (size_t)foveation->graph.arc_count;
   affinity->weight = vista_arena_take(arena, arcs, sizeof(float));
   affinity->capacity = vista_arena_take(arena, arcs, sizeof(int32_t));
@@ -131,24 +130,19 @@ static void scatter(const vista_graph *graph, int32_t first, int32_t count, cons
   }
 }
 
-vista_status vista_affinity_compute(const vista_foveation *foveation, const vista_affinity_params *params,
-                                    const vista_camera *camera, const vista_cells *cells, vista_affinity *affinity) {
-  if (foveation == NULL || params == NULL || camera == NULL || cells == NULL || affinity == NULL)
-    return VISTA_ERROR_ARGUMENT;
-  vista_status status = VISTA_CHECK_SECTION(affinity, params);
-  if (status == VISTA_OK) status = vista_frame_check_camera(camera);
-  if (status != VISTA_OK) return status;
+void vista_affinity_compute(const vista_frame_view *frame, const vista_cells *cells, vista_affinity *affinity) {
+  const vista_foveation *const foveation = frame->foveation;
+  const vista_affinity_params *const params = &frame->params->affinity;
   const double doublings = 0.5 * log2(params->flow_constant);
   const exponential curve = {log2(params->flow_scale) - doublings, doublings};
   edges e;
   for (int32_t first = 0; first < foveation->graph.edge_count; first += EDGES) {
     const int32_t left = foveation->graph.edge_count - first, count = left < EDGES ? left : EDGES;
     gather(foveation, cells, first, count, &e);
-    find_exponents(params, camera, count, &e);
+    find_exponents(params, frame->camera, count, &e);
     weigh(params, count, &e);
     encode(params, &curve, e.weight, count, e.capacity);
     encode(params, &curve, e.intensity_weight, count, e.intensity_capacity);
     scatter(&foveation->graph, first, count, &e, affinity);
   }
-  return VISTA_OK;
 }

@@ -11,11 +11,14 @@
 #ifndef VISTA_AFFINITY_H
 #define VISTA_AFFINITY_H
 
+#include <stdint.h>
+
 #include "common/arena.h"
+#include "perceive/cells/cells.h"
 #include "perceive/cells/foveation.h"
+#include "perceive/frame_view.h"
 #include "vista/parameters.h"
 #include "vista/status.h"
-#include "vista/types.h"
 
 typedef struct vista_affinity {
   float *weight;     /* graph.arc_count: w_ij, 0 .. 1; both arcs of an edge are equal */
@@ -25,8 +28,7 @@ typedef struct vista_affinity {
 
 vista_status vista_affinity_layout(vista_affinity *affinity, vista_arena *arena, const vista_foveation *foveation);
 
-vista_status vista_affinity_compute(const vista_foveation *foveation, const vista_affinity_params *params,
-                                    const vista_camera *camera, const vista_cells *cells, vista_affinity *affinity);
+void vista_affinity_compute(const vista_frame_view *frame, const vista_cells *cells, vista_affinity *affinity);
 
 /* F(w), at least 1: an edge never vanishes, so the graph stays connected. */
 int32_t vista_flow_encode(const vista_affinity_params *params, double affinity);

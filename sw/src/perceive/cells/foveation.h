@@ -14,11 +14,8 @@
 
 #include "common/arena.h"
 #include "common/graph.h"
-#include "common/median.h"
-#include "common/team.h"
 #include "vista/parameters.h"
 #include "vista/status.h"
-#include "vista/types.h"
 
 #define VISTA_MOST_SECTORS 256 /* of foveation.sector_count: bounds arrays on the stack */
 
@@ -51,31 +48,18 @@ typedef struct vista_foveation {
   vista_graph graph;
 } vista_foveation;
 
-/* One value a node. */
-typedef struct vista_cells {
-  float *intensity; /* grey level 0 .. 255, mean over the cell (bilinear sample for point cells) */
-  float *disparity_px; /* median of the valid pixels; negative: too few of them */
-  float *valid_fraction; /* of the cell's pixels that have a disparity, 0 .. 1 */
-  vista_word_range *range; /* of the words of the cell's own pixels */
-  int16_t *words; /* the engine words as foveation->first_pixel lists pixels, and VISTA_WORD_BLOCK more */
-  uint8_t *greys; /* the grey levels, listed the same way */
-  int16_t *of_cell[VISTA_MOST_WORKERS]; /* scratch: the words of one cell */
-  vista_team *team; /* null: the calling thread alone */
-} vista_cells;
-
 /* Whether images of this size are handled: 16 to 8192 pixels a side. */
 bool vista_foveation_handles(int32_t width_px, int32_t height_px);
 
-/* Lays the geometry out for images of this size, the fovea at (center_u_px, center_v_px), which must lie inside the
- * image. A counting arena only counts. VISTA_ERROR_SIZE: vista_foveation_handles; VISTA_ERROR_RANGE. */
+/* What the grid of cells is laid out for: the size of the images, and the place of the fovea in them. */
+typedef struct vista_fovea {
+  int32_t width_px, height_px;
+  double center_u_px, center_v_px;
+} vista_fovea;
+
+/* Lays the geometry out. A counting arena only counts. VISTA_ERROR_SIZE: vista_foveation_handles; VISTA_ERROR_RANGE: a
+ * parameter, or a fovea outside of the image. */
 vista_status vista_foveation_layout(vista_foveation *foveation, vista_arena *arena,
-                                    const vista_foveation_params *params, int32_t width_px, int32_t height_px,
-                                    double center_u_px, double center_v_px);
-
-vista_status vista_cells_layout(vista_cells *cells, vista_arena *arena, const vista_foveation *foveation);
-
-/* Averages the receptive field of every cell. VISTA_ERROR_SIZE if an image differs from the geometry. */
-vista_status vista_foveate(const vista_foveation *foveation, const vista_foveation_params *params,
-                           const vista_image *image, const vista_disparity_image *disparity, vista_cells *cells);
+                                    const vista_foveation_params *params, const vista_fovea *fovea);
 
 #endif

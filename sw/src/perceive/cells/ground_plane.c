@@ -4,9 +4,7 @@
 #include <stdint.h>
 #include <string.h>
 
-#include "common/numbers.h"
 #include "common/wide_vectors.h"
-#include "perceive/cells/surface.h"
 
 #define LEVEL_TRIALS 256      /* one cell each, on a plane as level as the attitude has it */
 #define TRIALS 2048           /* three cells each */
@@ -201,9 +199,12 @@ static void settle(search *s) {
   if (score(s->jury, &better, -INFINITY) >= SAME_VOTES * score(s->jury, &s->plane, -INFINITY)) s->plane = better;
 }
 
-bool vista_find_ground_plane(const vista_foveation *foveation, const vista_surface_params *params,
-                             const vista_camera *camera, const double up_camera[3], const vista_cells *cells,
-                             const float *inclination_deg, int32_t *candidates, vista_plane *plane) {
+bool vista_find_ground_plane(const vista_frame_view *frame, const vista_cells *cells, const float *inclination_deg,
+                             int32_t *candidates, vista_plane *plane) {
+  const vista_foveation *const foveation = frame->foveation;
+  const vista_surface_params *const params = &frame->params->surface;
+  const vista_camera *const camera = frame->camera;
+  const double *const up_camera = frame->up_camera;
   const int32_t count = collect(foveation, camera, up_camera, params->ground_tilt_deg, cells, candidates);
   if (count < MIN_CELLS) return false;
   sample scored[MAX_SCORED];

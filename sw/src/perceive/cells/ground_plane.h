@@ -9,17 +9,16 @@
 #define VISTA_SRC_GROUND_PLANE_H
 
 #include <stdbool.h>
+#include <stdint.h>
 
 #include "common/plane_fit.h"
-#include "perceive/cells/foveation.h"
-#include "vista/parameters.h"
-#include "vista/types.h"
+#include "perceive/cells/cells.h"
+#include "perceive/frame_view.h"
 
 /* inclination_deg: of the surface under each cell, negative where unknown (surface.h). candidates: scratch,
  * foveation->max_nodes. The plane's u and v count from the principal point. The outcome depends on the cells alone: the
  * triples are drawn in the same order every time. False: no plane has enough area on it. */
-bool vista_find_ground_plane(const vista_foveation *foveation, const vista_surface_params *params,
-                             const vista_camera *camera, const double up_camera[3], const vista_cells *cells,
-                             const float *inclination_deg, int32_t *candidates, vista_plane *plane);
+bool vista_find_ground_plane(const vista_frame_view *frame, const vista_cells *cells, const float *inclination_deg,
+                             int32_t *candidates, vista_plane *plane);
 
 #endif

@@ -1,9 +1,10 @@
 #include "perceive/cells/inclination.h"
 
 #include <math.h>
+#include <stddef.h>
+#include <stdint.h>
 #include <string.h>
 
-#include "common/numbers.h"
 #include "common/wide_vectors.h"
 
 #define CHUNK 32        /* cells of a ring that are treated at once */
@@ -136,9 +137,9 @@ static void measure_chunk(vista_inclination *w, const vista_foveation *f, int32_
           cell.d[s] >= 0.0f && sine[s] >= 0.0 ? (float)(asin(sine[s]) * VISTA_DEGREES_PER_RADIAN) : UNKNOWN;
 }
 
-void vista_inclination_measure(vista_inclination *w, const vista_foveation *f, double lever_px,
-                               const vista_camera *camera, const double up_camera[3], const vista_cells *cells,
+void vista_inclination_measure(vista_inclination *w, const vista_frame_view *frame, const vista_cells *cells,
                                float *inclination_deg) {
+  const vista_foveation *const f = frame->foveation;
   fill_grid(w, f, cells->disparity_px, w->value);
   for (int32_t ring = 0; ring < f->ring_count; ++ring) {
     float size_px = 0.0f; /* the same of all cells of the ring */
@@ -146,11 +147,12 @@ void vista_inclination_measure(vista_inclination *w, const vista_foveation *f, d
       if (f->node_of_grid[ring * f->sector_count + s] >= 0)
         size_px = f->size_px[f->node_of_grid[ring * f->sector_count + s]];
     if (size_px == 0.0f) continue;
-    const double lever = ceil(lever_px / (double)size_px);
+    const double lever = ceil(frame->params->surface.lever_px / (double)size_px);
     const int32_t steps = lever > w->margin ? w->margin : (int32_t)lever;
     for (int32_t first = 0; first < f->sector_count; first += CHUNK) {
       const int32_t left = f->sector_count - first;
-      measure_chunk(w, f, ring, first, left < CHUNK ? left : CHUNK, steps, camera, up_camera, inclination_deg);
+      measure_chunk(w, f, ring, first, left < CHUNK ? left : CHUNK, steps, frame->camera, frame->up_camera,
+                    inclination_deg);
     }
   }
 }
@@ -162,8 +164,10 @@ VISTA_WIDE_VECTORS static void add_votes(const float *restrict degrees, int32_t 
     balance[s] += 2 * (degrees[s] >= horizontal_deg ? 1 : 0) - (degrees[s] >= 0.0f ? 1 : 0);
 }
 
-void vista_inclination_vote(vista_inclination *w, const vista_foveation *f, double horizontal_deg,
-                            const float *inclination_deg, uint8_t *horizontal) {
+void vista_inclination_vote(vista_inclination *w, const vista_frame_view *frame, const float *inclination_deg,
+                            uint8_t *horizontal) {
+  const vista_foveation *const f = frame->foveation;
+  const double horizontal_deg = frame->params->surface.horizontal_deg;
   const int32_t sectors = f->sector_count;
   fill_grid(w, f, inclination_deg, w->value);
   for (int32_t ring = 0; ring < f->ring_count; ++ring) {

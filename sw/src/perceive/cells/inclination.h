@@ -2,10 +2,14 @@
 #ifndef VISTA_SRC_INCLINATION_H
 #define VISTA_SRC_INCLINATION_H
 
+#include <stdint.h>
+
 #include "common/arena.h"
+#include "perceive/cells/cells.h"
 #include "perceive/cells/foveation.h"
 #include "perceive/cells/surface.h"
-#include "vista/types.h"
+#include "perceive/frame_view.h"
+#include "vista/status.h"
 
 vista_status vista_inclination_layout(const vista_foveation *foveation, vista_arena *arena,
                                       vista_inclination **inclination);
@@ -13,13 +17,12 @@ vista_status vista_inclination_layout(const vista_foveation *foveation, vista_ar
 /* Of each cell but the hub: the lean from the vertical, in degrees, of the plane through it and the eight cells that
  * lie lever_px from it, or as few cells away as that takes; negative without a disparity or fewer than five cells with
  * one. inclination_deg: node_count. */
-void vista_inclination_measure(vista_inclination *inclination, const vista_foveation *foveation, double lever_px,
-                               const vista_camera *camera, const double up_camera[3], const vista_cells *cells,
+void vista_inclination_measure(vista_inclination *inclination, const vista_frame_view *frame, const vista_cells *cells,
                                float *inclination_deg);
 
 /* Of each cell but the hub with an inclination: whether most of it and its neighbours that have one lean at least
  * horizontal_deg. horizontal: node_count. */
-void vista_inclination_vote(vista_inclination *inclination, const vista_foveation *foveation, double horizontal_deg,
-                            const float *inclination_deg, uint8_t *horizontal);
+void vista_inclination_vote(vista_inclination *inclination, const vista_frame_view *frame, const float *inclination_deg,
+                            uint8_t *horizontal);
 
 #endif

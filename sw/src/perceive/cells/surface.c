@@ -2,17 +2,15 @@
 
 #include <math.h>
 #include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
 
 #include "common/depth.h"
-#include "common/frame.h"
-#include "common/numbers.h"
-#include "common/parameters_check.h"
 #include "common/plane_fit.h"
 #include "perceive/cells/ground_plane.h"
 #include "perceive/cells/inclination.h"
 
 vista_status vista_surfaces_layout(vista_surfaces *surfaces, vista_arena *arena, const vista_foveation *foveation) {
-  if (surfaces == NULL || arena == NULL || foveation == NULL) return VISTA_ERROR_ARGUMENT;
   surfaces->inclination_deg = vista_arena_take(arena, (size_t)foveation->max_nodes, sizeof(float));
   surfaces->horizontal = vista_arena_take(arena, (size_t)foveation->max_nodes, sizeof(uint8_t));
   surfaces->candidates = vista_arena_take(arena, (size_t)foveation->max_nodes, sizeof(int32_t));
@@ -32,8 +30,10 @@ double vista_plane_inclination_deg(const vista_camera *camera, const double up_c
 
 /* Cells on the ground's plane are ground whatever their own inclination, which noise and the edges of things upset;
  * what is well above it stands: the top of a thing may lean, but it is no surface to fly along. */
-static void compare_with_ground(const vista_foveation *f, const vista_surface_params *params,
-                                const vista_camera *camera, const vista_cells *cells, vista_surfaces *surfaces) {
+static void compare_with_ground(const vista_frame_view *frame, const vista_cells *cells, vista_surfaces *surfaces) {
+  const vista_foveation *const f = frame->foveation;
+  const vista_surface_params *const params = &frame->params->surface;
+  const vista_camera *const camera = frame->camera;
   const vista_plane *const plane = &surfaces->ground;
   for (int32_t i = 0; i < f->node_count; ++i) {
     const double d = (double)cells->disparity_px[i];
@@ -47,24 +47,13 @@ static void compare_with_ground(const vista_foveation *f, const vista_surface_pa
   }
 }
 
-vista_status vista_surfaces_compute(const vista_foveation *foveation, const vista_surface_params *params,
-                                    const vista_camera *camera, const double up_camera[3], const vista_cells *cells,
-                                    vista_surfaces *surfaces) {
-  if (foveation == NULL || params == NULL || camera == NULL || up_camera == NULL || cells == NULL || surfaces == NULL)
-    return VISTA_ERROR_ARGUMENT;
-  vista_status status = VISTA_CHECK_SECTION(surface, params);
-  if (status == VISTA_OK) status = vista_frame_check_camera(camera);
-  if (status != VISTA_OK) return status;
-  const vista_foveation *const f = foveation;
+void vista_surfaces_compute(const vista_frame_view *frame, const vista_cells *cells, vista_surfaces *surfaces) {
   surfaces->inclination_deg[0] = -1.0f;
   surfaces->horizontal[0] = 0;
-  vista_inclination_measure(surfaces->inclination, f, params->lever_px, camera, up_camera, cells,
-                            surfaces->inclination_deg);
-  vista_inclination_vote(surfaces->inclination, f, params->horizontal_deg, surfaces->inclination_deg,
-                         surfaces->horizontal);
+  vista_inclination_measure(surfaces->inclination, frame, cells, surfaces->inclination_deg);
+  vista_inclination_vote(surfaces->inclination, frame, surfaces->inclination_deg, surfaces->horizontal);
   surfaces->ground = (vista_plane){0};
-  surfaces->ground_found = vista_find_ground_plane(f, params, camera, up_camera, cells, surfaces->inclination_deg,
-                                                   surfaces->candidates, &surfaces->ground);
-  if (surfaces->ground_found) compare_with_ground(f, params, camera, cells, surfaces);
-  return VISTA_OK;
+  surfaces->ground_found =
+      vista_find_ground_plane(frame, cells, surfaces->inclination_deg, surfaces->candidates, &surfaces->ground);
+  if (surfaces->ground_found) compare_with_ground(frame, cells, surfaces);
 }

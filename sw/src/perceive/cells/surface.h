@@ -7,21 +7,23 @@
  *
  * Ground, roads and water are surfaces to fly along: their pixels are matched well and their boundary is consistent,
  * so neither a matching threshold nor edge consistency tells them from obstacles. Their inclination does.
- * The ground's plane is the best of many candidate planes (parts/ground_plane.h); it may be absent. Where it is known,
+ * The ground's plane is the best of many candidate planes (ground_plane.h); it may be absent. Where it is known,
  * height above it overrides a cell's own inclination: on the plane is ground, well above it stands. */
 #ifndef VISTA_SURFACE_H
 #define VISTA_SURFACE_H
 
 #include <stdbool.h>
+#include <stdint.h>
 
 #include "common/arena.h"
 #include "common/plane_fit.h"
+#include "perceive/cells/cells.h"
 #include "perceive/cells/foveation.h"
-#include "vista/parameters.h"
+#include "perceive/frame_view.h"
 #include "vista/status.h"
 #include "vista/types.h"
 
-typedef struct vista_inclination vista_inclination; /* stages/parts/inclination.h */
+typedef struct vista_inclination vista_inclination; /* inclination.h */
 
 typedef struct vista_surfaces {
   float *inclination_deg; /* node_count: 0 upright .. 90 horizontal; negative: unknown */
@@ -34,10 +36,7 @@ typedef struct vista_surfaces {
 
 vista_status vista_surfaces_layout(vista_surfaces *surfaces, vista_arena *arena, const vista_foveation *foveation);
 
-/* up_camera: unit vector against gravity in camera coordinates; level camera: (0, -1, 0). */
-vista_status vista_surfaces_compute(const vista_foveation *foveation, const vista_surface_params *params,
-                                    const vista_camera *camera, const double up_camera[3], const vista_cells *cells,
-                                    vista_surfaces *surfaces);
+void vista_surfaces_compute(const vista_frame_view *frame, const vista_cells *cells, vista_surfaces *surfaces);
 
 /* Lean from the vertical, degrees, of the plane with disparity disparity_px and gradient (slope_u, slope_v) at a
  * pixel; NaN if the plane is degenerate. */

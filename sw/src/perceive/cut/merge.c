@@ -4,6 +4,7 @@
 #include <stddef.h>
 
 #include "common/disjoint_sets.h"
+#include "common/numbers.h"
 #include "perceive/cut/seed_step.h"
 
 /* Edges across the boundary of one pair of regions. */
@@ -49,9 +50,10 @@ static border *find_border(vista_merge *m, int64_t key) {
   return &m->table[slot];
 }
 
-static void measure_borders(vista_merge *m, const vista_foveation *foveation, const vista_segmentation_params *params,
-                            const vista_camera *camera, const vista_cells *cells, const int32_t *label,
-                            int32_t region_count) {
+static void measure_borders(vista_merge *m, const vista_frame_view *frame, const vista_cells *cells,
+                            const int32_t *label, int32_t region_count) {
+  const vista_foveation *const foveation = frame->foveation;
+  const vista_segmentation_params *const params = &frame->params->segmentation;
   const vista_graph *const graph = &foveation->graph;
   for (int32_t i = 0; i < graph->node_count; ++i) {
     const int32_t a = label[i];
@@ -63,23 +65,24 @@ static void measure_borders(vista_merge *m, const vista_foveation *foveation, co
       if (b < a || cells->disparity_px[i] < 0.0f || cells->disparity_px[j] < 0.0f) continue;
       border *const across = find_border(m, 1 + (int64_t)a * region_count + b);
       across->known++;
-      across->smooth += vista_seed_is_smooth(
-          params, camera, foveation->arc_distance_px[arc], vista_larger(cells->disparity_px[i], cells->disparity_px[j]),
-          (float)params->merge_ratio, fabsf(cells->disparity_px[i] - cells->disparity_px[j]));
+      across->smooth +=
+          vista_seed_is_smooth(params, frame->camera, foveation->arc_distance_px[arc],
+                               vista_larger(cells->disparity_px[i], cells->disparity_px[j]), (float)params->merge_ratio,
+                               fabsf(cells->disparity_px[i] - cells->disparity_px[j]));
     }
   }
 }
 
-int32_t vista_merge_regions(vista_merge *merge, const vista_foveation *foveation,
-                            const vista_segmentation_params *params, const vista_camera *camera,
-                            const vista_cells *cells, int32_t *label, int32_t region_count) {
+int32_t vista_merge_regions(vista_merge *merge, const vista_frame_view *frame, const vista_cells *cells, int32_t *label,
+                            int32_t region_count) {
+  const vista_segmentation_params *const params = &frame->params->segmentation;
   vista_merge *const m = merge;
   m->used_count = 0;
   for (int32_t k = 0; k < region_count; ++k) {
     m->perimeter[k] = 0;
     m->parent[k] = k;
   }
-  measure_borders(m, foveation, params, camera, cells, label, region_count);
+  measure_borders(m, frame, cells, label, region_count);
   for (int32_t k = 0; k < m->used_count; ++k) { /* which sets come out does not depend on the order */
     border *const across = &m->table[m->used[k]];
     const int32_t a = (int32_t)((across->key - 1) / region_count), b = (int32_t)((across->key - 1) % region_count);
@@ -93,7 +96,7 @@ int32_t vista_merge_regions(vista_merge *merge, const vista_foveation *foveation
     const int32_t root = vista_sets_find(m->parent, k);
     m->new_label[k] = root == k ? count++ : m->new_label[root];
   }
-  for (int32_t i = 0; i < foveation->node_count; ++i)
+  for (int32_t i = 0; i < frame->foveation->node_count; ++i)
     if (label[i] >= 0) label[i] = m->new_label[label[i]];
   return count;
 }

@@ -5,10 +5,10 @@
 #include <stdint.h>
 
 #include "common/arena.h"
+#include "perceive/cells/cells.h"
 #include "perceive/cells/foveation.h"
-#include "vista/parameters.h"
+#include "perceive/frame_view.h"
 #include "vista/status.h"
-#include "vista/types.h"
 
 typedef struct vista_merge vista_merge; /* working memory, nothing kept from call to call */
 
@@ -18,8 +18,7 @@ vista_status vista_merge_layout(const vista_foveation *foveation, vista_arena *a
 /* Joins regions whose common boundary is smooth: most of the edges across it, and a share of the shorter perimeter,
  * step by less than merge_ratio times a seed's step. label: of each node, 0 .. region_count - 1 or negative; changed in
  * place. Returns the new number of regions; labels stay dense and in order. */
-int32_t vista_merge_regions(vista_merge *merge, const vista_foveation *foveation,
-                            const vista_segmentation_params *params, const vista_camera *camera,
-                            const vista_cells *cells, int32_t *label, int32_t region_count);
+int32_t vista_merge_regions(vista_merge *merge, const vista_frame_view *frame, const vista_cells *cells, int32_t *label,
+                            int32_t region_count);
 
 #endif

@@ -5,7 +5,6 @@
 #include <stddef.h>
 #include <string.h>
 
-#include "common/parameters_check.h"
 #include "common/wide_vectors.h"
 #include "common/word_blocks.h"
 
@@ -220,15 +219,10 @@ static void draw_part(void *context, int32_t part, int32_t worker) {
        j->refinement->listed, j->refinement->label);
 }
 
-vista_status vista_refine(const vista_foveation *foveation, const vista_refinement_params *params,
-                          const vista_cells *cells, const int32_t *label, vista_refinement *refinement) {
-  if (foveation == NULL || params == NULL || cells == NULL || label == NULL || refinement == NULL)
-    return VISTA_ERROR_ARGUMENT;
-  const vista_status status = VISTA_CHECK_SECTION(refinement, params);
-  if (status != VISTA_OK) return status;
-  mark_borders(&foveation->graph, label, refinement->border);
-  job j = {foveation, params, cells, label, refinement};
+void vista_refine(const vista_frame_view *frame, const vista_cells *cells, const int32_t *region_of_cell,
+                  vista_refinement *refinement) {
+  mark_borders(&frame->foveation->graph, region_of_cell, refinement->border);
+  job j = {frame->foveation, &frame->params->refinement, cells, region_of_cell, refinement};
   vista_team_share(refinement->team, solve_part, &j, PARTS);
   vista_team_share(refinement->team, draw_part, &j, PARTS);
-  return VISTA_OK;
 }

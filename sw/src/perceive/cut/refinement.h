@@ -14,10 +14,10 @@
 
 #include "common/arena.h"
 #include "common/team.h"
+#include "perceive/cells/cells.h"
 #include "perceive/cells/foveation.h"
-#include "vista/parameters.h"
+#include "perceive/frame_view.h"
 #include "vista/status.h"
-#include "vista/types.h"
 
 typedef struct vista_refinement {
   int32_t *label;   /* height * width: region of each pixel, VISTA_NO_LABEL where its cell has none */
@@ -30,8 +30,8 @@ typedef struct vista_refinement {
 vista_status vista_refinement_layout(vista_refinement *refinement, vista_arena *arena,
                                      const vista_foveation *foveation);
 
-/* label: node_count, region of each cell. */
-vista_status vista_refine(const vista_foveation *foveation, const vista_refinement_params *params,
-                          const vista_cells *cells, const int32_t *label, vista_refinement *refinement);
+/* Draws the regions. region_of_cell: node_count, negative: none. */
+void vista_refine(const vista_frame_view *frame, const vista_cells *cells, const int32_t *region_of_cell,
+                  vista_refinement *refinement);
 
 #endif

@@ -2,7 +2,9 @@
 
 #include <math.h>
 #include <stdbool.h>
+#include <stdint.h>
 
+#include "common/numbers.h"
 #include "perceive/cut/seed_step.h"
 
 #define FARTHEST_STEP_PX 30.0f /* no slope is believed beyond this */
@@ -10,9 +12,11 @@
 /* A length in baselines as seen at a disparity: f length / Z. */
 static float seen_px(float baselines, float disparity_px) { return baselines * disparity_px; }
 
-void vista_seeds_bridge(const vista_foveation *foveation, const vista_segmentation_params *params,
-                        const vista_camera *camera, const vista_cells *cells, const vista_surfaces *surfaces,
+void vista_seeds_bridge(const vista_frame_view *frame, const vista_cells *cells, const vista_surfaces *surfaces,
                         vista_seeds *seeds) {
+  const vista_foveation *const foveation = frame->foveation;
+  const vista_segmentation_params *const params = &frame->params->segmentation;
+  const vista_camera *const camera = frame->camera;
   const vista_graph *const graph = &foveation->graph;
   const float *const d = cells->disparity_px;
   int32_t *const owner = seeds->reached_from;
@@ -77,21 +81,22 @@ static void spread(const vista_foveation *foveation, float reach_px, vista_seeds
 }
 
 /* From a member to the nearest edge across which it gets clearly farther; INFINITY: it has none. */
-static float to_farther_side_px(const vista_foveation *foveation, const vista_segmentation_params *params,
-                                const vista_camera *camera, const vista_cells *cells, int32_t node) {
+static float to_farther_side_px(const vista_frame_view *frame, const vista_cells *cells, int32_t node) {
+  const vista_foveation *const foveation = frame->foveation;
   const float d = cells->disparity_px[node];
   float nearest_px = INFINITY;
   for (int32_t arc = foveation->graph.first_arc[node]; arc < foveation->graph.first_arc[node + 1]; ++arc) {
     const float other = cells->disparity_px[foveation->graph.head[arc]], distance = foveation->arc_distance_px[arc];
-    if (other >= 0.0f && !vista_seed_is_smooth(params, camera, distance, d, 1.0f, d - other))
+    if (other >= 0.0f &&
+        !vista_seed_is_smooth(&frame->params->segmentation, frame->camera, distance, d, 1.0f, d - other))
       nearest_px = vista_smaller(nearest_px, 0.5f * distance);
   }
   return nearest_px;
 }
 
-void vista_seeds_find_shell(const vista_foveation *foveation, const vista_segmentation_params *params,
-                            const vista_camera *camera, const vista_cells *cells, vista_seeds *seeds) {
-  const float reach_px = (float)params->shell_px;
+void vista_seeds_find_shell(const vista_frame_view *frame, const vista_cells *cells, vista_seeds *seeds) {
+  const vista_foveation *const foveation = frame->foveation;
+  const float reach_px = (float)frame->params->segmentation.shell_px;
   float *const length_px = seeds->length_px;
   int32_t count = 0;
   for (int32_t i = 0; i < foveation->node_count; ++i) {
@@ -99,7 +104,7 @@ void vista_seeds_find_shell(const vista_foveation *foveation, const vista_segmen
     if (cells->disparity_px[i] < 0.0f)
       length_px[i] = 0.0f;
     else if (seeds->seed_of_node[i] != VISTA_NO_SEED)
-      length_px[i] = to_farther_side_px(foveation, params, camera, cells, i);
+      length_px[i] = to_farther_side_px(frame, cells, i);
     if (length_px[i] > reach_px)
       length_px[i] = INFINITY;
     else

@@ -7,8 +7,7 @@
 
 #include "common/depth.h"
 #include "common/disjoint_sets.h"
-#include "common/numbers.h"
-#include "perceive/cells/foveation.h"
+#include "perceive/cells/cells.h"
 #include "perceive/cells/surface.h"
 #include "perceive/cut/seeds.h"
 #include "vista/parameters.h"

@@ -1,20 +1,16 @@
 #include "perceive/cut/seeds.h"
 
 #include <math.h>
-#include <stdbool.h>
 #include <stddef.h>
 
 #include "common/disjoint_sets.h"
-#include "common/frame.h"
-#include "common/parameters_check.h"
+#include "common/numbers.h"
 #include "perceive/cut/seed_extent.h"
 #include "perceive/cut/seed_step.h"
-#include "vista/types.h"
 
 #define WORD_BINS (INT16_MAX + 1) /* one a word */
 
 vista_status vista_seeds_layout(vista_seeds *seeds, vista_arena *arena, const vista_foveation *foveation) {
-  if (seeds == NULL || arena == NULL || foveation == NULL) return VISTA_ERROR_ARGUMENT;
   const size_t nodes = (size_t)foveation->max_nodes;
   seeds->seed_of_node = vista_arena_take(arena, nodes, sizeof(int32_t));
   seeds->first_member = vista_arena_take(arena, nodes + 1, sizeof(int32_t));
@@ -85,14 +81,10 @@ static int32_t sort_nearest_first(const vista_cells *cells, const vista_surfaces
   return count;
 }
 
-vista_status vista_seeds_of_obstacles(const vista_foveation *foveation, const vista_segmentation_params *params,
-                                      const vista_camera *camera, const vista_cells *cells,
-                                      const vista_surfaces *surfaces, vista_seeds *seeds) {
-  if (foveation == NULL || params == NULL || camera == NULL || cells == NULL || surfaces == NULL || seeds == NULL)
-    return VISTA_ERROR_ARGUMENT;
-  vista_status status = VISTA_CHECK_SECTION(segmentation, params);
-  if (status == VISTA_OK) status = vista_frame_check_camera(camera);
-  if (status != VISTA_OK) return status;
+void vista_seeds_of_obstacles(const vista_frame_view *frame, const vista_cells *cells, const vista_surfaces *surfaces,
+                              vista_seeds *seeds) {
+  const vista_foveation *const foveation = frame->foveation;
+  const vista_segmentation_params *const params = &frame->params->segmentation;
   const vista_graph *const graph = &foveation->graph;
   for (int32_t i = 0; i < graph->node_count; ++i) {
     seeds->parent[i] = i;
@@ -104,12 +96,12 @@ vista_status vista_seeds_of_obstacles(const vista_foveation *foveation, const vi
     for (int32_t arc = graph->first_arc[i]; arc < graph->first_arc[i + 1]; ++arc) {
       const int32_t j = graph->head[arc];
       if (j < i || !vista_standing(cells, surfaces, j)) continue;
-      if (vista_seed_is_smooth(params, camera, foveation->arc_distance_px[arc], vista_larger(d[i], d[j]), 1.0f,
+      if (vista_seed_is_smooth(params, frame->camera, foveation->arc_distance_px[arc], vista_larger(d[i], d[j]), 1.0f,
                                fabsf(d[i] - d[j])))
         vista_seeds_join(seeds, i, j);
     }
   }
-  vista_seeds_bridge(foveation, params, camera, cells, surfaces, seeds);
+  vista_seeds_bridge(frame, cells, surfaces, seeds);
   const int32_t count = sort_nearest_first(cells, surfaces, graph->node_count, seeds->bins, seeds->order);
   number_seeds(seeds, graph->node_count, seeds->order, count, params->seed_area_px2);
   for (int32_t k = 0; k < seeds->count; ++k) {
@@ -118,16 +110,13 @@ vista_status vista_seeds_of_obstacles(const vista_foveation *foveation, const vi
     seeds->max_disparity_px[k] = cells->disparity_px[seeds->members[first + trim]];
     seeds->min_disparity_px[k] = cells->disparity_px[seeds->members[last - trim]];
   }
-  vista_seeds_find_shell(foveation, params, camera, cells, seeds);
-  return VISTA_OK;
+  vista_seeds_find_shell(frame, cells, seeds);
 }
 
-vista_status vista_seeds_of_rest(const vista_foveation *foveation, const vista_segmentation_params *params,
-                                 const vista_affinity *affinity, const vista_surfaces *surfaces, const int32_t *label,
-                                 vista_seeds *seeds) {
-  if (foveation == NULL || params == NULL || affinity == NULL || surfaces == NULL || label == NULL || seeds == NULL)
-    return VISTA_ERROR_ARGUMENT;
-  if (VISTA_CHECK_SECTION(segmentation, params) != VISTA_OK) return VISTA_ERROR_RANGE;
+void vista_seeds_of_rest(const vista_frame_view *frame, const vista_affinity *affinity, const vista_surfaces *surfaces,
+                         const int32_t *label, vista_seeds *seeds) {
+  const vista_foveation *const foveation = frame->foveation;
+  const vista_segmentation_params *const params = &frame->params->segmentation;
   const vista_graph *const graph = &foveation->graph;
   int32_t count = 0;
   for (int32_t i = 0; i < graph->node_count; ++i) {
@@ -146,5 +135,4 @@ vista_status vista_seeds_of_rest(const vista_foveation *foveation, const vista_s
   }
   number_seeds(seeds, graph->node_count, seeds->order, count, params->rest_area_px2);
   for (int32_t k = 0; k < seeds->count; ++k) seeds->min_disparity_px[k] = seeds->max_disparity_px[k] = -1.0f;
-  return VISTA_OK;
 }

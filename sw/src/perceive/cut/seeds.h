@@ -10,11 +10,11 @@
 
 #include "common/arena.h"
 #include "perceive/cells/affinity.h"
+#include "perceive/cells/cells.h"
 #include "perceive/cells/foveation.h"
 #include "perceive/cells/surface.h"
-#include "vista/parameters.h"
+#include "perceive/frame_view.h"
 #include "vista/status.h"
-#include "vista/types.h"
 
 #define VISTA_NO_SEED (-1)
 
@@ -41,13 +41,11 @@ vista_status vista_seeds_layout(vista_seeds *seeds, vista_arena *arena, const vi
 /* Seeds of standing things, nearest first: cells with disparity on no horizontal surface, joined where the disparity
  * step between neighbours is small, or between cells up to bridge_m apart with only cells without disparity between
  * them; at least seed_area_px2 together. */
-vista_status vista_seeds_of_obstacles(const vista_foveation *foveation, const vista_segmentation_params *params,
-                                      const vista_camera *camera, const vista_cells *cells,
-                                      const vista_surfaces *surfaces, vista_seeds *seeds);
+void vista_seeds_of_obstacles(const vista_frame_view *frame, const vista_cells *cells, const vista_surfaces *surfaces,
+                              vista_seeds *seeds);
 
 /* Seeds of the rest, from the centre outwards: cells with label < 0 joined along edges of high affinity. */
-vista_status vista_seeds_of_rest(const vista_foveation *foveation, const vista_segmentation_params *params,
-                                 const vista_affinity *affinity, const vista_surfaces *surfaces, const int32_t *label,
-                                 vista_seeds *seeds);
+void vista_seeds_of_rest(const vista_frame_view *frame, const vista_affinity *affinity, const vista_surfaces *surfaces,
+                         const int32_t *label, vista_seeds *seeds);
 
 #endif

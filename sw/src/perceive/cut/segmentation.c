@@ -4,8 +4,6 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-#include "common/frame.h"
-#include "common/parameters_check.h"
 #include "common/plane_fit.h"
 #include "perceive/cut/merge.h"
 #include "perceive/cut/seed_step.h"
@@ -13,7 +11,6 @@
 
 vista_status vista_segmentation_layout(vista_segmentation *segmentation, vista_arena *arena,
                                        const vista_foveation *foveation) {
-  if (segmentation == NULL || arena == NULL || foveation == NULL) return VISTA_ERROR_ARGUMENT;
   vista_segmentation *const s = segmentation;
   const size_t nodes = (size_t)foveation->max_nodes;
   s->label = vista_arena_take(arena, nodes, sizeof(int32_t));
@@ -247,28 +244,20 @@ static void split_off_ground(const view *w, const vista_camera *camera, vista_se
   }
 }
 
-vista_status vista_segment(const vista_foveation *foveation, const vista_parameters *params, const vista_camera *camera,
-                           const vista_cells *cells, const vista_surfaces *surfaces, const vista_affinity *affinity,
-                           vista_segmentation *segmentation) {
-  if (foveation == NULL || params == NULL || camera == NULL || cells == NULL || surfaces == NULL || affinity == NULL ||
-      segmentation == NULL)
-    return VISTA_ERROR_ARGUMENT;
-  vista_status status = VISTA_CHECK_SECTION(segmentation, &params->segmentation);
-  if (status == VISTA_OK) status = VISTA_CHECK_SECTION(affinity, &params->affinity);
-  if (status == VISTA_OK) status = vista_frame_check_camera(camera);
-  if (status != VISTA_OK) return status;
+vista_status vista_segment(const vista_frame_view *frame, const vista_cells *cells, const vista_surfaces *surfaces,
+                           const vista_affinity *affinity, vista_segmentation *segmentation) {
+  const vista_parameters *const params = frame->params;
   vista_segmentation *const s = segmentation;
-  const view w = {foveation, &params->segmentation, cells, surfaces, affinity, params->affinity.flow_scale};
-  for (int32_t i = 0; i < foveation->node_count; ++i) s->label[i] = VISTA_NO_LABEL;
+  const view w = {frame->foveation, &params->segmentation, cells, surfaces, affinity, params->affinity.flow_scale};
+  for (int32_t i = 0; i < frame->foveation->node_count; ++i) s->label[i] = VISTA_NO_LABEL;
   s->region_count = s->cut_count = s->cut_nodes = 0;
 
-  status = vista_seeds_of_obstacles(foveation, w.params, camera, cells, surfaces, &s->seeds);
-  if (status == VISTA_OK) status = cut_all(&w, s);
-  if (status == VISTA_OK)
-    s->region_count = vista_merge_regions(s->merge, foveation, w.params, camera, cells, s->label, s->region_count);
+  vista_seeds_of_obstacles(frame, cells, surfaces, &s->seeds);
+  const vista_status status = cut_all(&w, s);
+  if (status != VISTA_OK) return status;
+  s->region_count = vista_merge_regions(s->merge, frame, cells, s->label, s->region_count);
   s->obstacle_count = s->region_count;
-  split_off_ground(&w, camera, s);
-  if (status == VISTA_OK) status = vista_seeds_of_rest(foveation, w.params, affinity, surfaces, s->label, &s->seeds);
-  if (status == VISTA_OK) status = cut_all(&w, s);
-  return status;
+  split_off_ground(&w, frame->camera, s);
+  vista_seeds_of_rest(frame, affinity, surfaces, s->label, &s->seeds);
+  return cut_all(&w, s);
 }

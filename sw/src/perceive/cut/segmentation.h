@@ -15,17 +15,18 @@
 
 #include "common/arena.h"
 #include "perceive/cells/affinity.h"
+#include "perceive/cells/cells.h"
 #include "perceive/cells/foveation.h"
 #include "perceive/cells/surface.h"
 #include "perceive/cut/maxflow.h"
 #include "perceive/cut/seeds.h"
-#include "vista/parameters.h"
+#include "perceive/frame_view.h"
 #include "vista/status.h"
 
 #define VISTA_NO_LABEL (-1)
 
-struct vista_merge; /* stages/parts/merge.h */
-struct vista_spanning_forest; /* stages/parts/spanning_forest.h */
+struct vista_merge; /* merge.h */
+struct vista_spanning_forest; /* spanning_forest.h */
 
 typedef struct vista_segmentation {
   int32_t *label;          /* node_count: region 0 .. region_count - 1 or VISTA_NO_LABEL */
@@ -49,8 +50,7 @@ typedef struct vista_segmentation {
 vista_status vista_segmentation_layout(vista_segmentation *segmentation, vista_arena *arena,
                                        const vista_foveation *foveation);
 
-vista_status vista_segment(const vista_foveation *foveation, const vista_parameters *params, const vista_camera *camera,
-                           const vista_cells *cells, const vista_surfaces *surfaces, const vista_affinity *affinity,
-                           vista_segmentation *segmentation);
+vista_status vista_segment(const vista_frame_view *frame, const vista_cells *cells, const vista_surfaces *surfaces,
+                           const vista_affinity *affinity, vista_segmentation *segmentation);
 
 #endif

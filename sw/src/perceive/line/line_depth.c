@@ -1,9 +1,10 @@
 #include "perceive/line/line_depth.h"
 
 #include <math.h>
-#include <stddef.h>
+#include <stdint.h>
 
 #include "common/numbers.h"
+#include "perceive/line/straight_lines.h"
 #include "vista/word.h"
 
 #define PROPOSALS 64
@@ -21,14 +22,14 @@
 /* What the loops over the rows share. */
 typedef struct reading {
   const vista_thin_params *params;
-  const vista_thin_view *view;
+  const vista_line_view *view;
   const vista_thin_line *line;
   double side_px; /* along the row to where a block no longer holds the line */
 } reading;
 
 /* Negative without one. */
-static double word_at(const vista_thin_view *view, int32_t u, int32_t v) {
-  const vista_disparity_image *const words = view->words;
+static double word_at(const vista_line_view *view, int32_t u, int32_t v) {
+  const vista_disparity_image *const words = &view->frame->levels[0];
   if (u < 0 || u >= words->width_px) return -1.0;
   const int16_t word = words->data[v * words->stride + u];
   return word < 0 ? -1.0 : (double)word / VISTA_DISPARITY_SCALE;
@@ -113,13 +114,13 @@ static int32_t refine(const vista_line_sample *samples, int32_t count, double re
 
 /* Whether most of the line that is seen stands above the ground by at least the given height. */
 static bool stands(const reading *r, const vista_camera *camera, const vista_thin_line *found) {
-  const vista_thin_view *const view = r->view;
-  if (!view->ground_found) return true;
+  const vista_line_view *const view = r->view;
+  if (!view->surfaces->ground_found) return true;
   int32_t above = 0;
   for (int32_t v = found->first_v_px; v <= found->last_v_px; ++v) {
     const double d = vista_thin_disparity_px(found, v);
-    above += d > 0.0 &&
-             vista_plane_height_m(&view->ground, camera, vista_thin_u_px(r->line, v), v, d) >= r->params->height_m;
+    above += d > 0.0 && vista_plane_height_m(&view->surfaces->ground, camera, vista_thin_u_px(r->line, v), v, d) >=
+                            r->params->height_m;
   }
   return 2 * above > found->last_v_px - found->first_v_px + 1;
 }
@@ -187,13 +188,15 @@ static int32_t extended(const reading *r, const vista_ridge *ridge, int32_t agre
  * pieces of the image's line were linked, and no farther than it is long so far, until the ground or something beside
  * it is as near as it. Upward it does not: a pole may end there. */
 static int32_t continued(const reading *r, const vista_camera *camera, const vista_thin_line *found) {
-  const vista_thin_view *const view = r->view;
+  const vista_line_view *const view = r->view;
   const int32_t as_long = 2 * found->last_v_px - found->first_v_px;
   const int32_t limit = as_long < r->line->last_v_px ? as_long : r->line->last_v_px;
   int32_t level = 0, run = 0, end = found->last_v_px;
   for (int32_t v = end + 1; v <= limit && run < VISTA_STRIP_ROWS; ++v) {
     const double u = vista_thin_u_px(r->line, v), d = vista_thin_disparity_px(found, v);
-    if (!(d > 0.0) || (view->ground_found && vista_plane_height_m(&view->ground, camera, u, v, d) <= 0.0)) break;
+    if (!(d > 0.0) ||
+        (view->surfaces->ground_found && vista_plane_height_m(&view->surfaces->ground, camera, u, v, d) <= 0.0))
+      break;
     run = is_level(r, found, v) ? run + 1 : 0;
     level += run > 0;
     end = v;
@@ -219,18 +222,19 @@ static void set_ends(const reading *r, const vista_camera *camera, const vista_r
 }
 
 /* As of a region (region.h). */
-static void find_foot(const vista_thin_view *view, const vista_camera *camera, vista_thin_line *found) {
+static void find_foot(const vista_line_view *view, const vista_camera *camera, vista_thin_line *found) {
   const double v = found->last_v_px;
-  found->foot_seen = view->ground_found;
+  found->foot_seen = view->surfaces->ground_found;
   if (found->foot_seen)
-    found->foot_share =
-        vista_plane_share_above(&view->ground, camera, vista_thin_u_px(found, v), v, vista_thin_disparity_px(found, v));
+    found->foot_share = vista_plane_share_above(&view->surfaces->ground, camera, vista_thin_u_px(found, v), v,
+                                                vista_thin_disparity_px(found, v));
 }
 
-bool vista_line_depth(const vista_thin_params *params, const vista_camera *camera, const vista_thin_view *view,
-                      const vista_ridge *ridge, const vista_thin_line *line, vista_line_sample *samples,
-                      vista_thin_line *found) {
-  const double radius = view->block_radius_px + PREFILTER_PX;
+bool vista_line_depth(const vista_line_view *view, const vista_thin_line *line, vista_thin_line *found) {
+  const vista_thin_params *const params = &view->frame->params->thin;
+  const vista_camera *const camera = view->frame->camera;
+  vista_line_sample *const samples = view->samples;
+  const double radius = view->frame->matched.margin_px + PREFILTER_PX; /* of the block */
   const reading r = {params, view, line, radius * (1.0 + fabs(line->slope)) + CLEAR_PX};
   const int32_t rows = line->last_v_px - line->first_v_px + 1;
   vista_thin_line own = {.u_px = line->u_px,
@@ -249,7 +253,7 @@ bool vista_line_depth(const vista_thin_params *params, const vista_camera *camer
   for (int k = 0; k < 2; ++k) own.rows_on = refine(samples, own.rows_apart, reach, &own);
   if (own.rows_on < fmax(fewest, 2 * END_ROWS) || own.rows_on < params->agree_share * own.rows_apart) return false;
   if (own.rows_on < params->rows_sure && own.rows_on < params->word_share * own.rows) return false;
-  set_ends(&r, camera, ridge, samples, own.rows_apart, reach, &own);
+  set_ends(&r, camera, view->ridge, samples, own.rows_apart, reach, &own);
   if (!(vista_thin_disparity_px(&own, own.first_v_px) > 0.0) || !(vista_thin_disparity_px(&own, own.last_v_px) > 0.0))
     return false;
   own.rows_level = level_rows(&r, &own);

@@ -192,10 +192,10 @@ static void grow_from(const vista_thin_params *params, int32_t seed, int32_t *me
   if (!is_known(lines, &line)) lines->items[lines->count++] = line;
 }
 
-void vista_straight_lines_find(const vista_image *image, const vista_thin_params *params, double noise_levels,
-                               vista_straight_lines *lines) {
-  const double full_levels = fmax(params->contrast, params->contrast_noise * noise_levels);
-  vista_ridge_find(image, full_levels, &lines->ridge);
+void vista_straight_lines_find(const vista_frame_view *frame, vista_straight_lines *lines) {
+  const vista_thin_params *const params = &frame->params->thin;
+  const double full_levels = fmax(params->contrast, params->contrast_noise * frame->noise.sigma);
+  vista_ridge_find(&frame->image, full_levels, &lines->ridge);
   find_pieces((int32_t)ceil(params->piece_sum * VISTA_STRIP_ROWS * VISTA_RIDGE_FULL), lines);
   sort_pieces(lines);
   lines->count = 0;

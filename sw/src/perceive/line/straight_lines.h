@@ -11,9 +11,9 @@
 #include <stdint.h>
 
 #include "common/arena.h"
+#include "perceive/frame_view.h"
 #include "perceive/line/ridge.h"
-#include "perceive/line/thin.h"
-#include "vista/parameters.h"
+#include "perceive/line/thin_line.h"
 
 #define VISTA_PIECES_MAX 4096
 #define VISTA_STRAIGHT_LINES_MAX VISTA_THIN_MAX
@@ -43,8 +43,7 @@ void vista_straight_lines_layout(vista_straight_lines *lines, vista_arena *arena
  * for more than two strips. */
 int32_t vista_straight_line_end(const vista_ridge *ridge, const vista_thin_line *line, int32_t from_v_px, int32_t step);
 
-/* Noise: standard deviation in grey levels. */
-void vista_straight_lines_find(const vista_image *image, const vista_thin_params *params, double noise_levels,
-                               vista_straight_lines *lines);
+/* Looks for the lines in the image of a frame. */
+void vista_straight_lines_find(const vista_frame_view *frame, vista_straight_lines *lines);
 
 #endif

@@ -2,8 +2,6 @@
 
 #include <stddef.h>
 
-#include "common/frame.h"
-#include "common/parameters_check.h"
 #include "perceive/line/line_depth.h"
 #include "perceive/line/straight_lines.h"
 
@@ -16,7 +14,6 @@ struct vista_thin {
 };
 
 vista_status vista_thin_layout(vista_thin **thin, vista_arena *arena, int32_t width_px, int32_t height_px) {
-  if (thin == NULL || arena == NULL) return VISTA_ERROR_ARGUMENT;
   *thin = NULL;
   if (width_px < 1 || height_px < 1 || width_px > INT16_MAX || height_px > INT16_MAX) return VISTA_ERROR_SIZE;
   vista_thin *const made = vista_arena_take(arena, 1, sizeof *made);
@@ -31,26 +28,14 @@ vista_status vista_thin_layout(vista_thin **thin, vista_arena *arena, int32_t wi
   return VISTA_OK;
 }
 
-vista_status vista_thin_search(const vista_thin_params *params, const vista_camera *camera, const vista_thin_view *view,
-                               vista_thin *thin) {
-  if (params == NULL || camera == NULL || view == NULL || thin == NULL || view->image == NULL || view->words == NULL)
-    return VISTA_ERROR_ARGUMENT;
-  vista_status status = VISTA_CHECK_SECTION(thin, params);
-  if (status == VISTA_OK) status = vista_frame_check_camera(camera);
-  if (status == VISTA_OK) status = vista_frame_check_image(view->image, thin->width_px, thin->height_px);
-  if (status == VISTA_OK) status = vista_frame_check_disparity(view->words, thin->width_px, thin->height_px);
-  if (status != VISTA_OK) return status;
+void vista_thin_search(const vista_frame_view *frame, const vista_surfaces *surfaces, vista_thin *thin) {
+  const vista_thin_params *const params = &frame->params->thin;
   thin->count = 0;
-  if (params->find == VISTA_THIN_FIND_OFF || thin->width_px <= 2 * VISTA_RIDGE_REACH) return VISTA_OK;
-  vista_straight_lines_find(view->image, params, view->noise.sigma, &thin->image);
+  if (params->find == VISTA_THIN_FIND_OFF || thin->width_px <= 2 * VISTA_RIDGE_REACH) return;
+  vista_straight_lines_find(frame, &thin->image);
+  const vista_line_view view = {frame, surfaces, &thin->image.ridge, thin->samples};
   for (int32_t i = 0; i < thin->image.count; ++i)
-    if (vista_line_depth(params, camera, view, &thin->image.ridge, &thin->image.items[i], thin->samples,
-                         &thin->items[thin->count]))
-      ++thin->count;
-  return VISTA_OK;
+    thin->count += vista_line_depth(&view, &thin->image.items[i], &thin->items[thin->count]);
 }
 
-const vista_thin_line *vista_thin_lines(const vista_thin *thin, int32_t *count) {
-  *count = thin->count;
-  return thin->items;
-}
+vista_thin_lines vista_thin_found(const vista_thin *thin) { return (vista_thin_lines){thin->items, thin->count}; }

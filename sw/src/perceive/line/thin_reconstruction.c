@@ -5,9 +5,7 @@
 #include <stddef.h>
 
 #include "common/flight_path.h"
-#include "common/frame.h"
 #include "common/numbers.h"
-#include "common/parameters_check.h"
 
 #define REACH_RADII 2.0    /* of the collision volume */
 #define ACROSS_SIGMA_PX 0.7
@@ -123,29 +121,21 @@ static int32_t without_bands(const vista_thin_line *line, bool remove, vista_det
   return kept;
 }
 
-vista_status vista_thin_reconstruct(const vista_thin_line *lines, int32_t line_count, const vista_camera *camera,
-                                    const vista_collision_volume *volume, const vista_reconstruction_params *params,
-                                    int32_t first_label, vista_detection *detections, int32_t capacity,
-                                    int32_t *detection_count) {
-  if (camera == NULL || volume == NULL || params == NULL || detection_count == NULL ||
-      (lines == NULL && line_count != 0) || (detections == NULL && capacity != 0))
-    return VISTA_ERROR_ARGUMENT;
-  if (line_count < 0 || *detection_count < 0 || *detection_count > capacity) return VISTA_ERROR_SIZE;
-  vista_status status = VISTA_CHECK_SECTION(reconstruction, params);
-  if (status == VISTA_OK) status = vista_frame_check_camera(camera);
-  if (status == VISTA_OK) status = vista_collision_volume_check(volume);
-  if (status != VISTA_OK) return status;
+vista_status vista_thin_reconstruct(const vista_frame_view *frame, const vista_thin_lines *lines,
+                                    const vista_collision_volume *volume, int32_t first_label,
+                                    vista_detections *detections) {
+  const vista_reconstruction_params *const params = &frame->params->reconstruction;
   const vista_flight_path path = vista_collision_volume_path(volume);
-  for (int32_t i = 0; i < line_count; ++i) {
-    const approach nearest = approach_of(&lines[i], camera, &path, volume, params);
+  for (int32_t i = 0; i < lines->count; ++i) {
+    const vista_thin_line *const line = &lines->items[i];
+    const approach nearest = approach_of(line, frame->camera, &path, volume, params);
     if (!nearest.found || nearest.distance_m > REACH_RADII * volume->radius_m) continue;
-    const int32_t others = without_bands(&lines[i], nearest.pixels > 0.0, detections, *detection_count);
-    if (nearest.pixels == 0.0 && others < *detection_count) continue;
-    *detection_count = others;
-    if (*detection_count == capacity) return VISTA_ERROR_CAPACITY;
-    const double rows = rows_around(&lines[i], camera, &nearest, volume->radius_m, params);
-    detections[*detection_count] = detection_of(&lines[i], camera, &nearest, rows, first_label + i);
-    ++*detection_count;
+    const int32_t others = without_bands(line, nearest.pixels > 0.0, detections->items, detections->count);
+    if (nearest.pixels == 0.0 && others < detections->count) continue;
+    detections->count = others;
+    if (detections->count == detections->capacity) return VISTA_ERROR_CAPACITY;
+    const double rows = rows_around(line, frame->camera, &nearest, volume->radius_m, params);
+    detections->items[detections->count++] = detection_of(line, frame->camera, &nearest, rows, first_label + i);
   }
   return VISTA_OK;
 }

@@ -15,18 +15,16 @@
 
 #include <stdint.h>
 
+#include "perceive/frame_view.h"
 #include "perceive/line/thin.h"
 #include "perceive/region/reconstruction.h"
 #include "space/collision_volume.h"
-#include "vista/parameters.h"
 #include "vista/status.h"
-#include "vista/types.h"
 
-/* Appends to, and takes bands out of, the *detection_count detections. first_label: of the first of them, further ones
- * count on. VISTA_ERROR_CAPACITY: more than `capacity` in all; the first of them are written then. */
-vista_status vista_thin_reconstruct(const vista_thin_line *lines, int32_t line_count, const vista_camera *camera,
-                                    const vista_collision_volume *volume, const vista_reconstruction_params *params,
-                                    int32_t first_label, vista_detection *detections, int32_t capacity,
-                                    int32_t *detection_count);
+/* Appends to the detections, and takes bands out of them. first_label: of the first line, further ones count on.
+ * VISTA_ERROR_CAPACITY: there are more than fit; the first of them are there then. */
+vista_status vista_thin_reconstruct(const vista_frame_view *frame, const vista_thin_lines *lines,
+                                    const vista_collision_volume *volume, int32_t first_label,
+                                    vista_detections *detections);
 
 #endif

@@ -3,14 +3,12 @@
 #include <math.h>
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 #include <string.h>
 
 #include "common/depth.h"
-#include "common/frame.h"
-#include "common/parameters_check.h"
 #include "common/plane_fit.h"
 #include "common/wide_vectors.h"
-#include "perceive/cut/segmentation.h"
 
 #define BEHIND_PX 1.5 /* of disparity: ground farther behind a surface is seen past a thin thing, and stays with it */
 #define FIXED_BITS 12
@@ -107,16 +105,12 @@ static void clear_row(const vista_region_params *params, const vista_camera *cam
   }
 }
 
-vista_status vista_footing_clear(const vista_region_params *params, const vista_camera *camera,
-                                 const vista_disparity_image *disparity, const vista_surfaces *surfaces,
-                                 const vista_regions *regions, vista_refinement *refinement) {
-  if (params == NULL || camera == NULL || disparity == NULL || surfaces == NULL || regions == NULL ||
-      refinement == NULL)
-    return VISTA_ERROR_ARGUMENT;
-  vista_status status = VISTA_CHECK_SECTION(region, params);
-  if (status == VISTA_OK) status = vista_frame_check_camera(camera);
-  if (status == VISTA_OK) status = vista_frame_check_disparity(disparity, camera->width_px, camera->height_px);
-  if (status != VISTA_OK || !surfaces->ground_found) return status;
+void vista_footing_clear(const vista_frame_view *frame, const vista_surfaces *surfaces, const vista_regions *regions,
+                         vista_refinement *refinement) {
+  if (!surfaces->ground_found) return;
+  const vista_region_params *const params = &frame->params->region;
+  const vista_camera *const camera = frame->camera;
+  const vista_disparity_image *const disparity = &frame->words;
   const vista_plane *const ground = &surfaces->ground;
   const double per_m = vista_plane_share_per_m(ground, camera);
   for (int32_t v = 0; v < camera->height_px; ++v) {
@@ -125,5 +119,4 @@ vista_status vista_footing_clear(const vista_region_params *params, const vista_
     clear_row(params, camera, ground, per_m, v, disparity->data + v * disparity->stride, regions,
               refinement->label + (ptrdiff_t)v * camera->width_px);
   }
-  return VISTA_OK;
 }

@@ -11,15 +11,11 @@
 
 #include "perceive/cells/surface.h"
 #include "perceive/cut/refinement.h"
+#include "perceive/frame_view.h"
 #include "perceive/region/region.h"
-#include "vista/parameters.h"
-#include "vista/status.h"
-#include "vista/types.h"
 
-/* Takes such pixels of accepted regions out of refinement->label. VISTA_ERROR_SIZE: a disparity image
- * of another size. */
-vista_status vista_footing_clear(const vista_region_params *params, const vista_camera *camera,
-                                 const vista_disparity_image *disparity, const vista_surfaces *surfaces,
-                                 const vista_regions *regions, vista_refinement *refinement);
+/* Takes such pixels of accepted regions out of refinement->label. */
+void vista_footing_clear(const vista_frame_view *frame, const vista_surfaces *surfaces, const vista_regions *regions,
+                         vista_refinement *refinement);
 
 #endif

@@ -1,14 +1,20 @@
 #include "perceive/region/ground.h"
 
 #include <math.h>
+#include <stdint.h>
 
 #include "common/plane_fit.h"
 
 #define GROUND_MIN_CELLS 4.0
 
-double vista_standing_fraction(const vista_foveation *foveation, const vista_camera *camera, const vista_cells *cells,
-                               const vista_surfaces *surfaces, const double up_camera[3], double horizontal_deg,
-                               const int32_t *members, int32_t member_count, double min_height_m) {
+double vista_standing_fraction(const vista_region_view *view, double min_height_m) {
+  const vista_foveation *const foveation = view->foveation;
+  const vista_camera *const camera = view->frame->camera;
+  const vista_cells *const cells = view->cells;
+  const vista_surfaces *const surfaces = view->surfaces;
+  const double *const up_camera = view->frame->up_camera;
+  const double horizontal_deg = view->frame->params->surface.horizontal_deg;
+  const int32_t *const members = view->members, member_count = view->member_count;
   const vista_graph *const graph = &foveation->graph;
   vista_plane_fit fit = {0};
   for (int32_t m = 0; m < member_count; ++m) {

@@ -2,17 +2,11 @@
 #ifndef VISTA_SRC_GROUND_H
 #define VISTA_SRC_GROUND_H
 
-#include <stdint.h>
-
-#include "perceive/cells/foveation.h"
-#include "perceive/cells/surface.h"
-#include "vista/types.h"
+#include "perceive/region/region_boundary.h"
 
 /* Fits a plane to the horizontal cells around the region's nodes, or takes the ground of the frame where there are
  * none. Returns the part of the region's area that is at least min_height_m off that plane;
  * 1 where there is no such plane, or it leans less than horizontal_deg: nothing to lie on. */
-double vista_standing_fraction(const vista_foveation *foveation, const vista_camera *camera, const vista_cells *cells,
-                               const vista_surfaces *surfaces, const double up_camera[3], double horizontal_deg,
-                               const int32_t *members, int32_t member_count, double min_height_m);
+double vista_standing_fraction(const vista_region_view *view, double min_height_m);
 
 #endif

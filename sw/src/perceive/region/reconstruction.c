@@ -2,9 +2,8 @@
 
 #include <math.h>
 
+#include "common/ellipse.h"
 #include "common/frame.h"
-#include "common/numbers.h"
-#include "common/parameters_check.h"
 
 /* Standard deviation of the centre along one axis. A region cut by the border hides an unknown part of
  * itself: its centre may lie anywhere up to about its own half size further out. */
@@ -36,12 +35,13 @@ void vista_triangulate(const vista_camera *camera, vista_detection *detection) {
   vista_frame_propagate(jacobian, variance, detection->covariance_camera_m2);
 }
 
-static vista_status reconstruct(const vista_region *region, const vista_camera *camera,
-                                const vista_matched_area *matched, const vista_reconstruction_params *params,
-                                vista_detection *detection) {
+vista_status vista_reconstruct_region(const vista_frame_view *frame, const vista_region *region,
+                                      vista_detection *detection) {
+  const vista_camera *const camera = frame->camera;
+  const vista_reconstruction_params *const params = &frame->params->reconstruction;
   if (!isfinite(region->disparity_px) || !isfinite(region->disparity_sigma_px)) return VISTA_ERROR_NUMBER;
   if (region->disparity_px < params->disparity_min_px || region->disparity_sigma_px < 0.0) return VISTA_ERROR_RANGE;
-  const vista_margins margins = vista_matched_margins(matched, region->disparity_px);
+  const vista_margins margins = vista_matched_margins(&frame->matched, region->disparity_px);
   vista_detection result = {
       .label = region->label,
       .plain = region->plain,
@@ -71,35 +71,16 @@ static vista_status reconstruct(const vista_region *region, const vista_camera *
   return VISTA_OK;
 }
 
-vista_status vista_reconstruct_region(const vista_region *region, const vista_camera *camera,
-                                      const vista_matched_area *matched, const vista_reconstruction_params *params,
-                                      vista_detection *detection) {
-  if (region == NULL || camera == NULL || matched == NULL || params == NULL || detection == NULL)
-    return VISTA_ERROR_ARGUMENT;
-  vista_status status = VISTA_CHECK_SECTION(reconstruction, params);
-  if (status == VISTA_OK) status = vista_matched_area_check(matched);
-  if (status == VISTA_OK) status = vista_frame_check_camera(camera);
-  return status == VISTA_OK ? reconstruct(region, camera, matched, params, detection) : status;
-}
-
-vista_status vista_reconstruct_regions(const vista_region *regions, int32_t region_count, const vista_camera *camera,
-                                       const vista_matched_area *matched, const vista_reconstruction_params *params,
-                                       vista_detection *detections, int32_t capacity, int32_t *detection_count) {
-  if (camera == NULL || matched == NULL || params == NULL || detection_count == NULL ||
-      (regions == NULL && region_count != 0) || (detections == NULL && capacity != 0))
-    return VISTA_ERROR_ARGUMENT;
-  *detection_count = 0;
-  if (region_count < 0 || capacity < 0) return VISTA_ERROR_SIZE;
-  vista_status status = VISTA_CHECK_SECTION(reconstruction, params);
-  if (status == VISTA_OK) status = vista_matched_area_check(matched);
-  if (status == VISTA_OK) status = vista_frame_check_camera(camera);
-  if (status != VISTA_OK) return status;
+vista_status vista_reconstruct_regions(const vista_frame_view *frame, const vista_region *regions, int32_t region_count,
+                                       vista_detections *detections) {
+  const vista_reconstruction_params *const params = &frame->params->reconstruction;
+  detections->count = 0;
   for (int32_t i = 0; i < region_count; ++i) {
     if (regions[i].verdict != VISTA_REGION_ACCEPTED || regions[i].disparity_px < params->disparity_min_px) continue;
-    if (*detection_count == capacity) return VISTA_ERROR_CAPACITY;
-    status = reconstruct(&regions[i], camera, matched, params, &detections[*detection_count]);
+    if (detections->count == detections->capacity) return VISTA_ERROR_CAPACITY;
+    const vista_status status = vista_reconstruct_region(frame, &regions[i], &detections->items[detections->count]);
     if (status != VISTA_OK) return status;
-    ++*detection_count;
+    ++detections->count;
   }
   return VISTA_OK;
 }

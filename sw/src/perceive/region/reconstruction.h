@@ -10,10 +10,9 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "common/ellipse.h"
-#include "common/matched_area.h"
+#include "perceive/frame_view.h"
 #include "perceive/region/region.h"
-#include "vista/parameters.h"
+#include "vista/obstacle.h"
 #include "vista/status.h"
 #include "vista/types.h"
 
@@ -41,17 +40,19 @@ typedef struct vista_detection {
 /* Fills position and covariance from u, v, disparity (positive) and their standard deviations. */
 void vista_triangulate(const vista_camera *camera, vista_detection *detection);
 
-/* One region, whatever its verdict.
- * VISTA_ERROR_NUMBER: not finite; VISTA_ERROR_RANGE: parameter or camera out of range, or a disparity below
- * disparity_min_px. */
-vista_status vista_reconstruct_region(const vista_region *region, const vista_camera *camera,
-                                      const vista_matched_area *matched, const vista_reconstruction_params *params,
+/* Fills position, covariance and extent of one region in, whatever its verdict. VISTA_ERROR_NUMBER: it is not finite;
+ * VISTA_ERROR_RANGE: its disparity is below disparity_min_px. */
+vista_status vista_reconstruct_region(const vista_frame_view *frame, const vista_region *region,
                                       vista_detection *detection);
 
-/* The accepted regions, in their order; regions below disparity_min_px are left out.
- * VISTA_ERROR_CAPACITY: more than `capacity` of them; the first `capacity` are written then. */
-vista_status vista_reconstruct_regions(const vista_region *regions, int32_t region_count, const vista_camera *camera,
-                                       const vista_matched_area *matched, const vista_reconstruction_params *params,
-                                       vista_detection *detections, int32_t capacity, int32_t *detection_count);
+typedef struct vista_detections {
+  vista_detection *items;
+  int32_t count, capacity;
+} vista_detections;
+
+/* Replaces the detections by those of the accepted regions, in their order; regions below disparity_min_px are left
+ * out. VISTA_ERROR_CAPACITY: there are more than fit; the first of them are there then. */
+vista_status vista_reconstruct_regions(const vista_frame_view *frame, const vista_region *regions, int32_t region_count,
+                                       vista_detections *detections);
 
 #endif

@@ -5,8 +5,6 @@
 #include <stddef.h>
 
 #include "common/depth.h"
-#include "common/frame.h"
-#include "common/parameters_check.h"
 #include "common/word_blocks.h"
 #include "perceive/region/region_boundary.h"
 #include "perceive/region/region_evidence.h"
@@ -29,7 +27,6 @@ const char *vista_region_verdict_name(vista_region_verdict verdict) {
 }
 
 vista_status vista_regions_layout(vista_regions *regions, vista_arena *arena, const vista_foveation *foveation) {
-  if (regions == NULL || arena == NULL || foveation == NULL) return VISTA_ERROR_ARGUMENT;
   const size_t nodes = (size_t)foveation->max_nodes;
   regions->items = vista_arena_take(arena, nodes, sizeof(vista_region));
   regions->first_member = vista_arena_take(arena, nodes + 1, sizeof(int32_t));
@@ -100,8 +97,9 @@ static double fewest_inliers(const vista_region_params *params, const vista_came
 }
 
 /* What only the own pixels tell. Cheap tests come first: this is measured of what passed them. */
-static vista_region_verdict measure_own_pixels(const vista_region_view *w, const vista_camera *camera,
-                                               const vista_plane *surface, vista_region *region) {
+static vista_region_verdict measure_own_pixels(const vista_region_view *w, const vista_plane *surface,
+                                               vista_region *region) {
+  const vista_camera *const camera = w->frame->camera;
   vista_region_find_pixels(w, surface, region);
   const double fewest = OWN_SHARE * fewest_inliers(w->params, camera, region->disparity_px);
   if (region->pixel_count < fewest || vista_region_is_sliver(w, region)) return VISTA_REGION_TOO_FEW_PIXELS;
@@ -137,12 +135,13 @@ static vista_region empty_region(int32_t label, int32_t node_count) {
 }
 
 /* Weighs what the region's words say. */
-static vista_region_verdict measure(vista_region_view *w, const vista_camera *camera, const double up_camera[3],
-                                    double horizontal_deg, bool seeded, vista_region *region) {
+static vista_region_verdict measure(vista_region_view *w, bool seeded, vista_region *region) {
+  const vista_camera *const camera = w->frame->camera;
+  const double horizontal_deg = w->frame->params->surface.horizontal_deg;
   vista_plane surface;
-  if (!vista_region_measure_boundary(w, camera, up_camera, region, &surface)) return VISTA_REGION_UNKNOWN;
+  if (!vista_region_measure_boundary(w, region, &surface)) return VISTA_REGION_UNKNOWN;
   const vista_region_params *const p = w->params;
-  vista_region_weigh(w, camera, up_camera, horizontal_deg, seeded, region);
+  vista_region_weigh(w, seeded, region);
   if (region->valid_fraction < p->min_valid_fraction) return VISTA_REGION_UNKNOWN;
   if (region->boundary_inliers < fewest_inliers(p, camera, region->disparity_px)) return VISTA_REGION_TOO_FEW_PIXELS;
   const bool leans = region->inclination_deg > horizontal_deg;
@@ -150,33 +149,24 @@ static vista_region_verdict measure(vista_region_view *w, const vista_camera *ca
     return VISTA_REGION_HORIZONTAL;
   if (region->evidence.sum < 0.0)
     return region->evidence.lean < 0.0 ? VISTA_REGION_HORIZONTAL : VISTA_REGION_INCONSISTENT;
-  return measure_own_pixels(w, camera, &surface, region);
+  return measure_own_pixels(w, &surface, region);
 }
 
 /* A region without disparities inside may be plain: only its outline tells. */
-static vista_region_verdict measure_outline(vista_region_view *w, const vista_camera *camera, const double up_camera[3],
-                                            const vista_matched_area *matched, const int32_t *label,
-                                            vista_region *region) {
+static vista_region_verdict measure_outline(vista_region_view *w, const int32_t *label, vista_region *region) {
   vista_plane surface;
   *region = empty_region(region->label, region->node_count);
-  if (!vista_region_owns_outline(w, camera, up_camera, matched, label, region, &surface) ||
-      region->boundary_inliers < fewest_inliers(w->params, camera, region->disparity_px))
+  if (!vista_region_owns_outline(w, label, region, &surface) ||
+      region->boundary_inliers < fewest_inliers(w->params, w->frame->camera, region->disparity_px))
     return VISTA_REGION_UNKNOWN;
-  return measure_own_pixels(w, camera, &surface, region);
+  return measure_own_pixels(w, &surface, region);
 }
 
 typedef struct job {
-  const vista_foveation *foveation;
-  const vista_region_params *params;
-  const vista_camera *camera;
-  const double *up_camera;
-  double horizontal_deg;
-  const vista_matched_area *matched;
-  const vista_disparity_image *disparity;
+  const vista_frame_view *frame;
   const vista_cells *cells;
   const vista_surfaces *surfaces;
-  const vista_segmentation *segmentation;
-  const vista_refinement *refinement;
+  const vista_partition *partition;
   vista_regions *regions;
 } job;
 
@@ -184,9 +174,9 @@ static void prepare_part(void *context, int32_t part, int32_t worker) {
   (void)worker;
   const job *const j = context;
   if (part == 0)
-    mark_boundary(j->foveation, j->segmentation->label, j->params->boundary_px, j->regions);
+    mark_boundary(j->frame->foveation, j->partition->region_of_cell, j->frame->params->region.boundary_px, j->regions);
   else
-    group_members(j->foveation, j->segmentation->label, j->regions);
+    group_members(j->frame->foveation, j->partition->region_of_cell, j->regions);
 }
 
 #define SIZES 32 /* powers of two */
@@ -211,56 +201,41 @@ static void judge_part(void *context, int32_t part, int32_t worker) {
   vista_regions *const regions = j->regions;
   const int32_t k = regions->order[part];
   const int32_t first = regions->first_member[k], count = regions->first_member[k + 1] - first;
-  vista_region_view w = {j->foveation,
-                         j->params,
-                         j->disparity,
-                         j->cells,
-                         j->surfaces,
-                         j->refinement->listed,
-                         regions->boundary,
-                         j->refinement->border,
-                         regions->bins[worker],
-                         regions->own + first,
-                         regions->pixels[worker],
-                         regions->members + first,
-                         count,
-                         0.0};
+  vista_region_view w = {.frame = j->frame,
+                         .foveation = j->frame->foveation,
+                         .params = &j->frame->params->region,
+                         .disparity = &j->frame->words,
+                         .cells = j->cells,
+                         .surfaces = j->surfaces,
+                         .region_of_listed = j->partition->drawn->listed,
+                         .boundary = regions->boundary,
+                         .mixed = j->partition->drawn->border,
+                         .bins = regions->bins[worker],
+                         .own = regions->own + first,
+                         .pixels = regions->pixels[worker],
+                         .members = regions->members + first,
+                         .member_count = count};
   vista_region *const region = &regions->items[k];
   *region = empty_region(k, count);
   if (count == 0)
     region->verdict = VISTA_REGION_UNKNOWN;
   else {
-    const bool seeded = k < j->segmentation->obstacle_count;
-    region->verdict = measure(&w, j->camera, j->up_camera, j->horizontal_deg, seeded, region);
+    const bool seeded = k < j->partition->obstacle_count;
+    region->verdict = measure(&w, seeded, region);
     if (!seeded && (region->verdict == VISTA_REGION_UNKNOWN || region->verdict == VISTA_REGION_TOO_FEW_PIXELS))
-      region->verdict = measure_outline(&w, j->camera, j->up_camera, j->matched, j->segmentation->label, region);
+      region->verdict = measure_outline(&w, j->partition->region_of_cell, region);
   }
-  if (region->verdict == VISTA_REGION_ACCEPTED) find_foot(j->surfaces, j->camera, region);
+  if (region->verdict == VISTA_REGION_ACCEPTED) find_foot(j->surfaces, j->frame->camera, region);
 }
 
-vista_status vista_regions_compute(const vista_foveation *foveation, const vista_region_params *params,
-                                   const vista_camera *camera, const double up_camera[3], double horizontal_deg,
-                                   const vista_matched_area *matched, const vista_disparity_image *disparity,
-                                   const vista_cells *cells, const vista_surfaces *surfaces,
-                                   const vista_segmentation *segmentation, const vista_refinement *refinement,
-                                   vista_regions *regions) {
-  if (foveation == NULL || params == NULL || camera == NULL || up_camera == NULL || matched == NULL ||
-      disparity == NULL || cells == NULL || surfaces == NULL || segmentation == NULL || refinement == NULL ||
-      regions == NULL)
-    return VISTA_ERROR_ARGUMENT;
-  vista_status status = VISTA_CHECK_SECTION(region, params);
-  if (status == VISTA_OK) status = vista_frame_check_camera(camera);
-  if (status == VISTA_OK) status = vista_matched_area_check(matched);
-  if (status == VISTA_OK) status = vista_frame_check_disparity(disparity, foveation->width_px, foveation->height_px);
-  if (status != VISTA_OK) return status;
-  regions->count = segmentation->region_count;
+void vista_regions_compute(const vista_frame_view *frame, const vista_cells *cells, const vista_surfaces *surfaces,
+                           const vista_partition *partition, vista_regions *regions) {
+  regions->count = partition->region_count;
   regions->accepted_count = 0;
-  job j = {foveation, params, camera,   up_camera,    horizontal_deg, matched,
-           disparity, cells,  surfaces, segmentation, refinement,     regions};
+  job j = {frame, cells, surfaces, partition, regions};
   vista_team_share(regions->team, prepare_part, &j, 2);
   order_by_size(regions);
   vista_team_share(regions->team, judge_part, &j, regions->count);
   for (int32_t k = 0; k < regions->count; ++k)
     regions->accepted_count += regions->items[k].verdict == VISTA_REGION_ACCEPTED;
-  return VISTA_OK;
 }

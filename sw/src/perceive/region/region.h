@@ -27,16 +27,14 @@
 #include <stdint.h>
 
 #include "common/arena.h"
-#include "common/matched_area.h"
 #include "common/team.h"
+#include "perceive/cells/cells.h"
 #include "perceive/cells/foveation.h"
 #include "perceive/cells/surface.h"
 #include "perceive/cut/refinement.h"
-#include "perceive/cut/segmentation.h"
+#include "perceive/frame_view.h"
 #include "vista/obstacle.h"
-#include "vista/parameters.h"
 #include "vista/status.h"
-#include "vista/types.h"
 
 /* Log-odds that a region is an obstacle, and not ground or matched by chance: what each piece of evidence adds. */
 typedef struct vista_region_evidence {
@@ -106,12 +104,15 @@ typedef struct vista_regions {
 /* regions: zeroed, but for the team. */
 vista_status vista_regions_layout(vista_regions *regions, vista_arena *arena, const vista_foveation *foveation);
 
-/* up_camera: unit vector against gravity in camera coordinates. cells: of these disparities. */
-vista_status vista_regions_compute(const vista_foveation *foveation, const vista_region_params *params,
-                                   const vista_camera *camera, const double up_camera[3], double horizontal_deg,
-                                   const vista_matched_area *matched, const vista_disparity_image *disparity,
-                                   const vista_cells *cells, const vista_surfaces *surfaces,
-                                   const vista_segmentation *segmentation, const vista_refinement *refinement,
-                                   vista_regions *regions);
+/* The regions of a frame as its cells and its pixels tell them. Of the regions, 0 .. obstacle_count - 1 grew from
+ * obstacle seeds. */
+typedef struct vista_partition {
+  const int32_t *region_of_cell; /* negative: none */
+  int32_t region_count, obstacle_count;
+  const vista_refinement *drawn;
+} vista_partition;
+
+void vista_regions_compute(const vista_frame_view *frame, const vista_cells *cells, const vista_surfaces *surfaces,
+                           const vista_partition *partition, vista_regions *regions);
 
 #endif

@@ -1,6 +1,7 @@
 #include "perceive/region/region_boundary.h"
 
 #include <math.h>
+#include <stddef.h>
 #include <string.h>
 
 #include "common/depth.h"
@@ -81,7 +82,8 @@ static vista_word_range count_boundary(const vista_region_view *w, vista_region 
   return found;
 }
 
-double vista_region_mode_px(const vista_region_view *w, const vista_camera *camera, int32_t low, int32_t top) {
+double vista_region_mode_px(const vista_region_view *w, int32_t low, int32_t top) {
+  const vista_camera *const camera = w->frame->camera;
   const uint32_t *const bins = w->bins;
   const bool even = vista_region_tolerance_px(w->params, camera, top / (double)VISTA_DISPARITY_SCALE) ==
                     w->params->tolerance_px; /* it grows with the disparity: the least is that of all */
@@ -247,11 +249,11 @@ VISTA_WIDE_VECTORS static inliers boundary_inliers(const vista_region_view *w, c
 }
 
 /* The boundary against the surface that explains it best; false: no valid pixel there. */
-bool vista_region_measure_boundary(vista_region_view *w, const vista_camera *camera, const double up_camera[3],
-                                   vista_region *region, vista_plane *surface) {
+bool vista_region_measure_boundary(vista_region_view *w, vista_region *region, vista_plane *surface) {
+  const vista_camera *const camera = w->frame->camera;
   const vista_word_range found = count_boundary(w, region);
   if (region->boundary_valid == 0) return false;
-  const double mode = vista_region_mode_px(w, camera, found.least, found.most);
+  const double mode = vista_region_mode_px(w, found.least, found.most);
   w->tolerance_px = vista_region_tolerance_px(w->params, camera, mode);
   const inliers around_mode = inliers_around(w->bins, mode, w->tolerance_px);
   *surface = (vista_plane){.offset = mode + around_mode.mean_px}; /* mode, refined by the mean around it */
@@ -263,8 +265,8 @@ bool vista_region_measure_boundary(vista_region_view *w, const vista_camera *cam
   double range_px;
   if (fit_plane(w, &plane, &range_px)) {
     if (range_px >= w->tolerance_px) /* a slope that the noise cannot make */
-      region->inclination_deg = vista_plane_inclination_deg(camera, up_camera, u, v, vista_plane_at(&plane, u, v),
-                                                            plane.slope_u, plane.slope_v);
+      region->inclination_deg = vista_plane_inclination_deg(camera, w->frame->up_camera, u, v,
+                                                            vista_plane_at(&plane, u, v), plane.slope_u, plane.slope_v);
     if (area_on(w, &plane) > 1.1 * area_on(w, surface) && seen_throughout(w, &plane)) {
       *surface = plane;
       in = boundary_inliers(w, &plane);

@@ -6,18 +6,23 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "common/median.h"
 #include "common/plane_fit.h"
+#include "perceive/cells/cells.h"
 #include "perceive/cells/foveation.h"
 #include "perceive/cells/surface.h"
+#include "perceive/frame_view.h"
 #include "perceive/region/region.h"
 #include "vista/parameters.h"
 #include "vista/types.h"
+#include "vista/word.h"
 
 #define VISTA_WORD_BINS (INT16_MAX + 1) /* one a valid word: those of coarser levels reach that far */
 #define VISTA_ALL_WORDS (UINT16_MAX + 1) /* with the negative ones, which are invalid */
 
 /* What the statistics of one region read. */
 typedef struct vista_region_view {
+  const vista_frame_view *frame;
   const vista_foveation *foveation;
   const vista_region_params *params;
   const vista_disparity_image *disparity;
@@ -55,11 +60,10 @@ double vista_region_tolerance_px(const vista_region_params *params, const vista_
 
 /* Centre of the window of width 2 tolerance that holds most words of view->bins, none smaller than `low` or larger than
  * `top`; the window grows with the disparity. 0: none. */
-double vista_region_mode_px(const vista_region_view *view, const vista_camera *camera, int32_t low, int32_t top);
+double vista_region_mode_px(const vista_region_view *view, int32_t low, int32_t top);
 
 /* Fills the boundary's statistics in, the disparity as that at the region's first cell, and the surface; sets the
  * view's tolerance. False: no valid pixel there. */
-bool vista_region_measure_boundary(vista_region_view *view, const vista_camera *camera, const double up_camera[3],
-                                   vista_region *region, vista_plane *surface);
+bool vista_region_measure_boundary(vista_region_view *view, vista_region *region, vista_plane *surface);
 
 #endif

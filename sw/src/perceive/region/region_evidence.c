@@ -1,6 +1,7 @@
 #include "perceive/region/region_evidence.h"
 
 #include <math.h>
+#include <stdint.h>
 
 #include "common/depth.h"
 #include "common/wide_vectors.h"
@@ -117,8 +118,9 @@ VISTA_WIDE_VECTORS static word_counts count_words(const vista_region_view *w, co
 
 static double share(double part, double whole) { return whole > 0.0 ? part / whole : 0.0; }
 
-void vista_region_weigh(const vista_region_view *w, const vista_camera *camera, const double up_camera[3],
-                        double horizontal_deg, bool seeded, vista_region *region) {
+void vista_region_weigh(const vista_region_view *w, bool seeded, vista_region *region) {
+  const vista_camera *const camera = w->frame->camera;
+  const double horizontal_deg = w->frame->params->surface.horizontal_deg;
   const vista_region_params *const p = w->params;
   const double low_m = (double)vista_limit_m(camera, (float)region->disparity_px, (float)p->min_height_m);
   const double top_m = low_m * p->top_height_m / p->min_height_m;
@@ -130,8 +132,7 @@ void vista_region_weigh(const vista_region_view *w, const vista_camera *camera, 
     region->standing_fraction = share(words.standing, words.valid);
     region->top_fraction = share(words.top, words.valid);
   } else {
-    region->standing_fraction = vista_standing_fraction(w->foveation, camera, w->cells, w->surfaces, up_camera,
-                                                        horizontal_deg, w->members, w->member_count, low_m);
+    region->standing_fraction = vista_standing_fraction(w, low_m);
     region->top_fraction = region->standing_fraction;
   }
   const double size_m = sqrt((double)words.pixels) * camera->baseline_m / fmax(region->disparity_px, 1.0);

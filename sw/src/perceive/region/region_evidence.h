@@ -8,7 +8,6 @@
 #include "perceive/region/region_boundary.h"
 
 /* Fills region->evidence in: the log-odds that each piece contributes. The boundary must have been measured. */
-void vista_region_weigh(const vista_region_view *view, const vista_camera *camera, const double up_camera[3],
-                        double horizontal_deg, bool seeded, vista_region *region);
+void vista_region_weigh(const vista_region_view *view, bool seeded, vista_region *region);
 
 #endif

@@ -173,8 +173,10 @@ static int32_t words_near(const vista_region_view *w, int32_t node, double dispa
   return count;
 }
 
-static agreement compare(const vista_region_view *w, const vista_camera *camera, const vista_matched_area *matched,
-                         const int32_t *label, int32_t own, const box *extent, const vista_plane *surface) {
+static agreement compare(const vista_region_view *w, const int32_t *label, int32_t own, const box *extent,
+                         const vista_plane *surface) {
+  const vista_camera *const camera = w->frame->camera;
+  const vista_matched_area *const matched = &w->frame->matched;
   const vista_graph *const graph = &w->foveation->graph;
   const double foot_px = w->tolerance_px + fabs(w->surfaces->ground.slope_v) * w->params->boundary_px;
   agreement found = {0};
@@ -245,9 +247,8 @@ static double sunk(const vista_region_view *w, const vista_camera *camera, const
   return below / area;
 }
 
-bool vista_region_owns_outline(vista_region_view *w, const vista_camera *camera, const double up_camera[3],
-                               const vista_matched_area *matched, const int32_t *label, vista_region *region,
-                               vista_plane *surface) {
+bool vista_region_owns_outline(vista_region_view *w, const int32_t *label, vista_region *region, vista_plane *surface) {
+  const vista_camera *const camera = w->frame->camera;
   box extent;
   vista_plan plan;
   vista_plan_line line;
@@ -255,7 +256,7 @@ bool vista_region_owns_outline(vista_region_view *w, const vista_camera *camera,
   if (!w->surfaces->ground_found || measure_inside(w, &extent) > w->params->min_valid_fraction) return false;
   const double inner_px = INNER_BLOCKS * w->params->boundary_px;
   if (fmin(extent.max_u - extent.min_u, extent.max_v - extent.min_v) < inner_px) return false;
-  if (!vista_plan_of(camera, up_camera, &plan)) return false;
+  if (!vista_plan_of(camera, w->frame->up_camera, &plan)) return false;
   const int32_t count = find_points(w, &plan, label, region->label, &extent, points);
   if (!vista_plan_fit(points, count, w->params->tolerance_px, &line) || line.count < POINTS_MIN) return false;
   *surface = vista_plan_surface(&plan, &line);
@@ -265,7 +266,7 @@ bool vista_region_owns_outline(vista_region_view *w, const vista_camera *camera,
   w->tolerance_px = vista_region_tolerance_px(w->params, camera, middle_px);
   const double least_m = (double)vista_limit_m(camera, (float)middle_px, (float)w->params->min_height_m);
   if (above_ground_m(w->surfaces, camera, u, extent.min_v, top_px) < least_m) return false;
-  const agreement found = compare(w, camera, matched, label, region->label, &extent, surface);
+  const agreement found = compare(w, label, region->label, &extent, surface);
   if (!is_wall(w->params, &found) || sunk(w, camera, surface) > SUNK_MAX) return false;
   region->plain = true;
   region->disparity_px = middle_px;

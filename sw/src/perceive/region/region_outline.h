@@ -14,7 +14,8 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "common/matched_area.h"
+#include "common/plane_fit.h"
+#include "perceive/region/region.h"
 #include "perceive/region/region_boundary.h"
 
 /* Whether region->label, which grew from no disparity of its own, owns its outline. It does when there is an upright
@@ -26,8 +27,7 @@
  * Then the region becomes plain and *surface is that surface, over pixels from (0, 0). The disparity and the boundary
  * statistics of the region are those of the outline on it, in pixels along it. Arcs to cells of the same label are
  * inside. */
-bool vista_region_owns_outline(vista_region_view *view, const vista_camera *camera, const double up_camera[3],
-                               const vista_matched_area *matched, const int32_t *label, vista_region *region,
+bool vista_region_owns_outline(vista_region_view *view, const int32_t *label, vista_region *region,
                                vista_plane *surface);
 
 #endif

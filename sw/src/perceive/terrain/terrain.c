@@ -1,12 +1,12 @@
 #include "perceive/terrain/terrain.h"
 
 #include <math.h>
+#include <stddef.h>
 #include <string.h>
 
 #include "common/bits.h"
 #include "common/frame.h"
 #include "common/numbers.h"
-#include "common/parameters_check.h"
 
 #define SAME_M 2.0       /* contacts of one surface differ by less, or by SAME_SHARE of the range */
 #define SAME_SHARE 0.2
@@ -19,7 +19,6 @@
 #define MATCHING_PX 0.1 /* error of the disparity of a surface: most of it is shared by its words */
 
 vista_status vista_terrain_layout(vista_terrain *terrain, vista_arena *arena, const vista_foveation *foveation) {
-  if (terrain == NULL || arena == NULL || foveation == NULL) return VISTA_ERROR_ARGUMENT;
   terrain->candidates = vista_arena_take(arena, (size_t)foveation->max_nodes, sizeof(int32_t));
   terrain->along_m = vista_arena_take(arena, (size_t)foveation->max_nodes, sizeof(float));
   return arena->base != NULL && arena->used > arena->size ? VISTA_ERROR_MEMORY : VISTA_OK;
@@ -250,34 +249,23 @@ static void update(const frame *f, vista_terrain *t) {
   judge(f, t);
 }
 
-vista_status vista_terrain_update(vista_terrain *terrain, const vista_foveation *foveation,
-                                  const vista_parameters *params, const vista_camera *camera,
-                                  const vista_matched_area *matched, const double up_camera[3],
-                                  const vista_motion *motion, const vista_flight_path *path, int64_t t_ns,
-                                  const vista_cells *cells) {
-  if (terrain == NULL || foveation == NULL || params == NULL || camera == NULL || matched == NULL ||
-      up_camera == NULL || motion == NULL || path == NULL || cells == NULL)
-    return VISTA_ERROR_ARGUMENT;
-  vista_status status = VISTA_CHECK_SECTION(terrain, &params->terrain);
-  if (status == VISTA_OK) status = VISTA_CHECK_SECTION(tracker, &params->tracker);
-  if (status == VISTA_OK) status = vista_matched_area_check(matched);
-  if (status == VISTA_OK) status = vista_frame_check_camera(camera);
-  if (status == VISTA_OK) status = vista_frame_check_pose(&motion->pose);
-  if (status != VISTA_OK) return status;
+void vista_terrain_update(const vista_frame_view *view, const vista_cells *cells, vista_terrain *terrain) {
+  const vista_parameters *const params = view->params;
+  const vista_motion *const motion = &view->motion;
+  const vista_flight_path *const path = &view->path;
   const bool moves = motion->speed_m_s > 0.0 && motion->speed_m_s >= params->motion.speed_min_m_s;
   if (motion->restarted || !moves) vista_terrain_reset(terrain);
-  if (!moves) return VISTA_OK;
-  const frame f = {
-      .params = params,
-      .camera = camera,
-      .matched = matched,
-      .pose = &motion->pose,
-      .t_ns = t_ns,
-      .view = {foveation, &params->terrain, camera, up_camera, cells, terrain->candidates, terrain->along_m},
-      .in_world = {*path, params->obstacle_map.collision_radius_m, params->terrain.clearance_share},
-      .in_camera = {path_in_camera(path, &motion->pose), params->obstacle_map.collision_radius_m,
-                    params->terrain.clearance_share},
-      .sine_min = sin(params->terrain.angle_min_deg * VISTA_RADIANS_PER_DEGREE)};
+  if (!moves) return;
+  const frame f = {.params = params,
+                   .camera = view->camera,
+                   .matched = &view->matched,
+                   .pose = &motion->pose,
+                   .t_ns = view->t_ns,
+                   .view = {view->foveation, &params->terrain, view->camera, view->up_camera, cells,
+                            terrain->candidates, terrain->along_m},
+                   .in_world = {*path, params->obstacle_map.collision_radius_m, params->terrain.clearance_share},
+                   .in_camera = {path_in_camera(path, &motion->pose), params->obstacle_map.collision_radius_m,
+                                 params->terrain.clearance_share},
+                   .sine_min = sin(params->terrain.angle_min_deg * VISTA_RADIANS_PER_DEGREE)};
   update(&f, terrain);
-  return VISTA_OK;
 }

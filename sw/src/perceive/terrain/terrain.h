@@ -2,7 +2,7 @@
  *
  * Ground is a surface to fly along and never a region that is an obstacle, whatever its inclination. But ground that
  * the collision volume meets is a danger: a hillside ahead, rising terrain, a meadow on which the aircraft descends, be
- * it to land. The surface there is found in the words (parts/terrain_search.h) as a plane and kept in the world; each
+ * it to land. The surface there is found in the words (terrain_search.h) as a plane and kept in the world; each
  * frame asks where the volume around the path flown next meets it. So the place follows a path that changes, and what
  * is warned of is the point that is hit.
  *
@@ -21,15 +21,12 @@
 #include <stdint.h>
 
 #include "common/arena.h"
-#include "common/flight_path.h"
-#include "common/matched_area.h"
 #include "follow/static_world.h"
+#include "perceive/cells/cells.h"
 #include "perceive/cells/foveation.h"
+#include "perceive/frame_view.h"
 #include "perceive/terrain/terrain_search.h"
-#include "vista/obstacle.h"
-#include "vista/parameters.h"
 #include "vista/status.h"
-#include "vista/types.h"
 
 typedef struct vista_terrain {
   int32_t *candidates; /* scratch, node_count */
@@ -58,11 +55,7 @@ vista_status vista_terrain_layout(vista_terrain *terrain, vista_arena *arena, co
 /* Forgets the surface. */
 void vista_terrain_reset(vista_terrain *terrain);
 
-/* One frame, up_camera: unit vector against gravity. */
-vista_status vista_terrain_update(vista_terrain *terrain, const vista_foveation *foveation,
-                                  const vista_parameters *params, const vista_camera *camera,
-                                  const vista_matched_area *matched, const double up_camera[3],
-                                  const vista_motion *motion, const vista_flight_path *path, int64_t t_ns,
-                                  const vista_cells *cells);
+/* Looks for the surface in a frame, and asks where its path meets it. */
+void vista_terrain_update(const vista_frame_view *frame, const vista_cells *cells, vista_terrain *terrain);
 
 #endif

@@ -1,6 +1,7 @@
 #include "perceive/terrain/terrain_obstacle.h"
 
 #include <math.h>
+#include <stddef.h>
 #include <string.h>
 
 #include "common/frame.h"
@@ -14,14 +15,15 @@
 #define STANDING_SHARE 0.25 /* this share of its height: the middle of what stands is half of it above the ground */
 #define DEPTH_MIN_M 0.05 /* nearer along z: behind the camera */
 
-bool vista_terrain_obstacle(const vista_camera *camera, const vista_pose *pose, const vista_flight_path *path,
-                            const vista_terrain *terrain, vista_obstacle *obstacle) {
+bool vista_terrain_obstacle(const vista_frame_view *frame, const vista_terrain *terrain, vista_obstacle *obstacle) {
+  const vista_camera *const camera = frame->camera;
+  const vista_pose *const pose = &frame->motion.pose;
   const vista_terrain_contact *const c = &terrain->contact;
   double camera_m[3], measurement_px[3], direction[3];
   vista_frame_to_camera(pose, c->point_m, camera_m);
   if (!(camera_m[2] > DEPTH_MIN_M)) return false;
   vista_frame_measure(camera, camera_m, measurement_px, NULL);
-  (void)vista_flight_path_along(path, c->point_m, direction);
+  (void)vista_flight_path_along(&frame->path, c->point_m, direction);
   const double radius_px = c->radius_m * camera->focal_px / camera_m[2];
   double normal[3];
   vista_frame_direction_to_camera(pose, terrain->plane.normal, normal);

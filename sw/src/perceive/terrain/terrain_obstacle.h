@@ -4,15 +4,13 @@
 
 #include <stdbool.h>
 
-#include "common/flight_path.h"
+#include "perceive/frame_view.h"
 #include "perceive/terrain/terrain.h"
 #include "vista/obstacle.h"
-#include "vista/types.h"
 
 /* Of ground that is ahead: uncertain along the path, and across it by a share of the radius. False: the place is behind
  * the camera. */
-bool vista_terrain_obstacle(const vista_camera *camera, const vista_pose *pose, const vista_flight_path *path,
-                            const vista_terrain *terrain, vista_obstacle *obstacle);
+bool vista_terrain_obstacle(const vista_frame_view *frame, const vista_terrain *terrain, vista_obstacle *obstacle);
 
 /* Whether something that shows at this point is a part of the ground that the path meets: a hillside may be a region,
  * too, and its middle is not where it is met. */

@@ -11,6 +11,7 @@
 #include <stdint.h>
 
 #include "common/flight_path.h"
+#include "perceive/cells/cells.h"
 #include "perceive/cells/foveation.h"
 #include "vista/parameters.h"
 #include "vista/types.h"

@@ -1,14 +1,10 @@
 #include "perceive/words/blind_zone.h"
 
 #include <math.h>
-#include <stddef.h>
 #include <stdlib.h>
 
 #include "common/agreement.h"
 #include "common/bits.h"
-#include "common/frame.h"
-#include "common/numbers.h"
-#include "common/parameters_check.h"
 #include "common/wide_vectors.h"
 
 #define ROW_STEP 2 /* neighbouring rows say the same */
@@ -114,12 +110,13 @@ static void find_repeats(const vista_image *image, int32_t v, int32_t first, int
 }
 
 /* Of the textured pixels without a match, the share whose surroundings repeat within the engine's candidates. */
-static double repeated_fraction(const disc_view *disc, const vista_matched_area *matched, int32_t contrast,
-                                const vista_image_noise *noise, const vista_image *image,
-                                const vista_disparity_image *disparity) {
+static double repeated_fraction(const disc_view *disc, const vista_frame_view *frame, int32_t contrast) {
+  const vista_matched_area *const matched = &frame->matched;
+  const vista_image *const image = &frame->image;
+  const vista_disparity_image *const disparity = &frame->words;
   const int32_t radius = (int32_t)fmin(matched->margin_px, REPEAT_RADIUS_PX);
   const int32_t shifts = (int32_t)fmin(fmin(matched->disparity_max_px, REPEAT_SHIFT_PX), disc->left - radius);
-  const int32_t block_noise = (int32_t)(NOISE_DIFFERENCE * noise->sigma * REPEAT_LINES * (2 * radius + 1));
+  const int32_t block_noise = (int32_t)(NOISE_DIFFERENCE * frame->noise.sigma * REPEAT_LINES * (2 * radius + 1));
   const int32_t step = (disc->v_last - disc->v_first) / REPEAT_ROWS + 1;
   int64_t unmatched = 0, repeated = 0;
   for (int32_t v = disc->v_first + step / 2; v <= disc->v_last; v += step) {
@@ -141,33 +138,24 @@ static double repeated_fraction(const disc_view *disc, const vista_matched_area 
   return unmatched > 0 ? (double)repeated / (double)unmatched : 0.0;
 }
 
-vista_status vista_blind_zone_update(const vista_blind_zone_params *params, const vista_camera *camera,
-                                     const vista_matched_area *matched, double radius_m, const vista_image *image,
-                                     const vista_image_noise *noise, const vista_disparity_image *disparity,
-                                     vista_blind_zone *blind_zone) {
-  if (params == NULL || camera == NULL || matched == NULL || image == NULL || noise == NULL || disparity == NULL ||
-      blind_zone == NULL)
-    return VISTA_ERROR_ARGUMENT;
-  vista_status status = VISTA_CHECK_SECTION(blind_zone, params);
-  if (status == VISTA_OK) status = vista_frame_check_camera(camera);
-  if (status == VISTA_OK) status = vista_matched_area_check(matched);
-  if (status == VISTA_OK && !vista_positive(radius_m)) status = VISTA_ERROR_RANGE;
-  if (status == VISTA_OK) status = vista_frame_check_image(image, camera->width_px, camera->height_px);
-  if (status == VISTA_OK) status = vista_frame_check_disparity(disparity, camera->width_px, camera->height_px);
-  if (status != VISTA_OK) return status;
+void vista_blind_zone_update(const vista_frame_view *frame, vista_blind_zone *blind_zone) {
+  const vista_blind_zone_params *const params = &frame->params->blind_zone;
+  const vista_camera *const camera = frame->camera;
+  const vista_matched_area *const matched = &frame->matched;
   vista_blind_zone *const s = blind_zone;
-  const double radius_px = radius_m * matched->disparity_max_px / camera->baseline_m;
+  const double radius_px =
+      frame->params->obstacle_map.collision_radius_m * matched->disparity_max_px / camera->baseline_m;
   const disc_view disc = view_of(camera, matched, radius_px);
-  const int32_t contrast = (int32_t)ceil(vista_image_noise_threshold(noise, params->contrast, params->contrast_noise));
-  const counts sum = count_disc(&disc, contrast, image, disparity);
+  const int32_t contrast =
+      (int32_t)ceil(vista_image_noise_threshold(&frame->noise, params->contrast, params->contrast_noise));
+  const counts sum = count_disc(&disc, contrast, &frame->image, &frame->words);
   s->range_m = camera->focal_px * camera->baseline_m / matched->disparity_max_px;
   s->textured_fraction = sum.pixels > 0 ? (double)sum.textured / (double)sum.pixels : 0.0;
   s->unmatched_fraction = sum.textured > 0 ? (double)sum.unmatched / (double)sum.textured : 0.0;
   const bool in_question =
       s->textured_fraction >= params->textured_fraction && s->unmatched_fraction >= params->unmatched_fraction;
-  s->repeated_fraction = in_question ? repeated_fraction(&disc, matched, contrast, noise, image, disparity) : 0.0;
+  s->repeated_fraction = in_question ? repeated_fraction(&disc, frame, contrast) : 0.0;
   const bool now = in_question && s->repeated_fraction < params->repeated_fraction;
   s->window = s->window << 1 | (uint32_t)now;
   s->occupied = vista_window_count(s->window, params->confirm_window) >= params->confirm_hits;
-  return VISTA_OK;
 }

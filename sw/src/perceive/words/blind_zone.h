@@ -18,11 +18,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "common/image_noise.h"
-#include "common/matched_area.h"
-#include "vista/parameters.h"
-#include "vista/status.h"
-#include "vista/types.h"
+#include "perceive/frame_view.h"
 
 typedef struct vista_blind_zone {
   double textured_fraction;  /* of the pixels of the disc, within the matched part of the image */
@@ -33,11 +29,7 @@ typedef struct vista_blind_zone {
   double range_m;            /* upper bound of the range of what is in the way */
 } vista_blind_zone;
 
-/* One frame; *blind_zone starts as zeros. radius_m: of the collision volume; noise: of the image. VISTA_ERROR_SIZE:
- * images of different sizes. */
-vista_status vista_blind_zone_update(const vista_blind_zone_params *params, const vista_camera *camera,
-                                     const vista_matched_area *matched, double radius_m, const vista_image *image,
-                                     const vista_image_noise *noise, const vista_disparity_image *disparity,
-                                     vista_blind_zone *blind_zone);
+/* One frame; *blind_zone starts as zeros. */
+void vista_blind_zone_update(const vista_frame_view *frame, vista_blind_zone *blind_zone);
 
 #endif

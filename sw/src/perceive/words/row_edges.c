@@ -2,11 +2,9 @@
 
 #include <math.h>
 #include <stdbool.h>
-#include <stddef.h>
+#include <stdint.h>
 
-#include "common/frame.h"
 #include "common/numbers.h"
-#include "common/parameters_check.h"
 
 #define SAMPLES 1024 /* of a region, about: more tell no more */
 #define FEWEST 10    /* that tell anything */
@@ -57,22 +55,15 @@ static bool lies_along_rows(const gradients *sum, double ratio, double noise) {
   return sum->count >= FEWEST && across > 0.0 && across >= vista_square(ratio) * along;
 }
 
-vista_status vista_row_edges_judge(const vista_foveation *foveation, const vista_region_params *params,
-                                   const vista_image *image, const vista_image_noise *noise, const vista_cells *cells,
-                                   vista_regions *regions) {
-  if (foveation == NULL || params == NULL || image == NULL || noise == NULL || cells == NULL || regions == NULL)
-    return VISTA_ERROR_ARGUMENT;
-  vista_status status = VISTA_CHECK_SECTION(region, params);
-  if (status == VISTA_OK) status = vista_frame_check_image(image, foveation->width_px, foveation->height_px);
-  if (status != VISTA_OK) return status;
+void vista_row_edges_judge(const vista_frame_view *frame, const vista_cells *cells, vista_regions *regions) {
+  const vista_region_params *const params = &frame->params->region;
   for (int32_t k = 0; k < regions->count; ++k) {
     vista_region *const region = &regions->items[k];
     if (region->verdict != VISTA_REGION_ACCEPTED || region->plain) continue;
     const int32_t first = regions->first_member[k], count = regions->first_member[k + 1] - first;
-    const gradients sum = gradients_of(foveation, image, cells, regions->members + first, count);
-    if (!lies_along_rows(&sum, params->row_edge_ratio, noise->sigma)) continue;
+    const gradients sum = gradients_of(frame->foveation, &frame->image, cells, regions->members + first, count);
+    if (!lies_along_rows(&sum, params->row_edge_ratio, frame->noise.sigma)) continue;
     region->verdict = VISTA_REGION_UNKNOWN;
     --regions->accepted_count;
   }
-  return VISTA_OK;
 }

@@ -13,17 +13,11 @@
 #ifndef VISTA_ROW_EDGES_H
 #define VISTA_ROW_EDGES_H
 
-#include "common/image_noise.h"
-#include "perceive/cells/foveation.h"
+#include "perceive/cells/cells.h"
+#include "perceive/frame_view.h"
 #include "perceive/region/region.h"
-#include "vista/parameters.h"
-#include "vista/status.h"
-#include "vista/types.h"
 
-/* Changes the verdict of accepted regions to VISTA_REGION_UNKNOWN; plain ones, which have no words, stay.
- * VISTA_ERROR_SIZE: an image of another size. */
-vista_status vista_row_edges_judge(const vista_foveation *foveation, const vista_region_params *params,
-                                   const vista_image *image, const vista_image_noise *noise, const vista_cells *cells,
-                                   vista_regions *regions);
+/* Changes the verdict of accepted regions to VISTA_REGION_UNKNOWN; plain ones, which have no words, stay. */
+void vista_row_edges_judge(const vista_frame_view *frame, const vista_cells *cells, vista_regions *regions);
 
 #endif

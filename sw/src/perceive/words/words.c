@@ -4,7 +4,6 @@
 #include <stddef.h>
 
 #include "common/frame.h"
-#include "common/parameters_check.h"
 #include "common/wide_vectors.h"
 
 _Static_assert(VISTA_MAX_LEVELS == 1 + VISTA_COARSER_LEVELS, "level 0 and the coarser ones");
@@ -328,15 +327,15 @@ static smallest smallest_of(const vista_words_params *params, double baseline_m)
 
 typedef struct job {
   const vista_words_params *params;
-  const vista_disparity_image *disparity, *coarser;
+  const vista_disparity_image *in; /* by level */
   int32_t levels, num_disparities;
   smallest cluster;
   vista_words *words;
 } job;
 
 static void filter(const job *j, int32_t level, vista_words_scratch *scratch) {
-  const vista_disparity_image *const in = level == 0 ? j->disparity : &j->coarser[level - 1];
-  filter_clusters(in, &j->cluster, j->params->gap_px, (int16_t)(INT16_MAX >> level), scratch, j->words->levels[level]);
+  filter_clusters(&j->in[level], &j->cluster, j->params->gap_px, (int16_t)(INT16_MAX >> level), scratch,
+                  j->words->levels[level]);
 }
 
 /* Words of the next coarser level that are larger fill a level. */
@@ -374,17 +373,14 @@ static void finish_part(void *context, int32_t part, int32_t worker) {
     words[i] = words[i] < 0 ? VISTA_DISPARITY_INVALID : words[i];
 }
 
-vista_status vista_words_combine(const vista_words_params *params, double baseline_m, int32_t num_disparities,
-                                 const vista_disparity_image *disparity,
-                                 const vista_disparity_image coarser[VISTA_COARSER_LEVELS], vista_words *words) {
-  if (params == NULL || words == NULL) return VISTA_ERROR_ARGUMENT;
-  int32_t levels;
-  vista_status status = VISTA_CHECK_SECTION(words, params);
-  if (status == VISTA_OK) status = vista_words_count_levels(words, disparity, coarser, &levels);
-  if (status == VISTA_OK && !(baseline_m > 0.0)) status = VISTA_ERROR_RANGE;
-  if (status != VISTA_OK) return status;
-  job j = {params, disparity, coarser, levels, num_disparities, smallest_of(params, baseline_m), words};
+void vista_words_combine(const vista_frame_view *frame, vista_words *words) {
+  const vista_words_params *const params = &frame->params->words;
+  job j = {.params = params,
+           .in = frame->levels,
+           .levels = 1 + frame->matched.coarser_levels,
+           .num_disparities = frame->params->stereo.num_disparities,
+           .cluster = smallest_of(params, frame->camera->baseline_m),
+           .words = words};
   vista_team_share(words->team, filter_part, &j, 2);
   vista_team_share(words->team, finish_part, &j, (words->height_px[0] + MERGED_ROWS - 1) / MERGED_ROWS);
-  return VISTA_OK;
 }

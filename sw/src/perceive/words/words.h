@@ -26,7 +26,7 @@
 
 #include "common/arena.h"
 #include "common/team.h"
-#include "vista/parameters.h"
+#include "perceive/frame_view.h"
 #include "vista/status.h"
 #include "vista/types.h"
 
@@ -62,9 +62,7 @@ vista_status vista_words_layout(vista_words *words, vista_arena *arena, int32_t 
 vista_status vista_words_count_levels(const vista_words *words, const vista_disparity_image *disparity,
                                       const vista_disparity_image coarser[VISTA_COARSER_LEVELS], int32_t *count);
 
-/* Fills words->image. num_disparities: of the engine, at each level. Errors are those of vista_words_count_levels. */
-vista_status vista_words_combine(const vista_words_params *params, double baseline_m, int32_t num_disparities,
-                                 const vista_disparity_image *disparity,
-                                 const vista_disparity_image coarser[VISTA_COARSER_LEVELS], vista_words *words);
+/* Puts the levels of a frame together in words->image. */
+void vista_words_combine(const vista_frame_view *frame, vista_words *words);
 
 #endif

@@ -1,0 +1,15 @@
+/* A track as an obstacle of the map (obstacle_map.h): where its middle is, how well that is known, and whether it is in
+ * the collision volume. */
+#ifndef VISTA_TRACK_OBSTACLE_H
+#define VISTA_TRACK_OBSTACLE_H
+
+#include <stdbool.h>
+
+#include "follow/tracker.h"
+#include "perceive/frame_view.h"
+#include "vista/obstacle.h"
+
+/* False: the track is behind the camera. */
+bool vista_track_obstacle(const vista_frame_view *frame, const vista_track *track, vista_obstacle *obstacle);
+
+#endif
