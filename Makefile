@@ -113,7 +113,7 @@ aarch64: .venv/build.stamp ## build libraries and programs for AArch64 (64-bit A
 	  -o $(AARCH64)/bin/words $(AARCH64)/lib/libvista_engine.a
 
 test-aarch64: aarch64 build .venv/test.stamp ## compare engine and host on AArch64, emulated, with this machine
-	@VISTA_AARCH64_WORDS=10000000 $(PYTHON) -m pytest -s model/tests/test_aarch64.py sw/tests/test_replay_aarch64.py
+	@VISTA_AARCH64_WORDS=10000000 $(PYTHON) -m pytest -s model/tests/test_aarch64.py sw/tests/test_fly_words_aarch64.py
 
 # Linked with all that it needs: bin/vista-fly runs wherever it is copied to. ARCH=aarch64, armhf or riscv64: of another
 # processor, in a folder of its own, where build/tools/ARCH/run emulates it.

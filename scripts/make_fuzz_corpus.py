@@ -11,24 +11,37 @@ import sys
 from pathlib import Path
 
 from pymavlink.dialects.v20 import ardupilotmega as dialect
-from vista.flight_files import RIG_HEAD, RIG_VERSION
-from vista.recording import FRAME, HEADER, MAGIC, PARAMETER, VERSION
+from vista.recording import ANEW, FRAME, HAS_POSE, HAS_UP, HEAD, MAGIC, PARAMETER, VERSION, Content
 
 EYE = (1.0, 0, 0, 0, 1.0, 0, 0, 0, 1.0)
 
 
+def head(
+    size: tuple[int, int],
+    kind: int,
+    content: Content,
+    count: int,
+    center_px: tuple[float, float],
+    stills: bool = False,
+) -> bytes:
+    """kind: what rectifies raw images; count: of the parameters that follow."""
+    rectified, lens = (90.0, *center_px, 0.5), (0.1, -0.02, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    raw = (90.0, 91.0, 8.0, 7.5, *lens, *EYE, int(kind == 2))
+    numbers = (*size, kind, 0, content, stills, count)
+    return HEAD.pack(MAGIC, VERSION, *numbers, *rectified, *EYE, *raw, b"", b"")
+
+
 def recording(
-    width: int, height: int, frames: int, has_pose: bool, center_px: float, stills: int = 0
+    width: int, height: int, frames: int, has_pose: bool, center_px: float, stills: bool = False
 ) -> bytes:
     """A thing in the middle that comes nearer, over words that grow downwards."""
-    content = (
-        HEADER.pack(MAGIC, VERSION, width, height, 2, 90.0, width / 2, center_px, 0.5, 0)
-        + PARAMETER.pack(b"region.min_inliers", b"", 8.0)
-        + PARAMETER.pack(b"foveation.sector_count", b"", 32.0)
-    )
+    given = (b"region.min_inliers", 8.0), (b"foveation.sector_count", 32.0), (b"stereo.levels", 1.0)
+    content = head((width, height), 0, Content.LEFT, len(given), (width / 2, center_px), stills)
+    content += b"".join(PARAMETER.pack(name, b"", value) for name, value in given)
     for frame in range(frames):
         pose = (*EYE, 0, 0, 0.5 * frame) if has_pose else 12 * (0.0,)
-        content += FRAME.pack(10**9 + 10**8 * frame, stills, has_pose, 1, *pose, 0, -1.0, 0)
+        flags = HAS_UP | HAS_POSE * has_pose | ANEW * stills
+        content += FRAME.pack(10**9 + 10**8 * frame, frame, flags, *pose, 0, -1.0, 0)
         thing = [
             [abs(2 * u - width) < width // 2 and 4 < v < height - 4 for u in range(width)]
             for v in range(height)
@@ -68,16 +81,14 @@ def link(params: bytes, obstacles: int) -> bytes:
 
 
 def rig(kind: int) -> bytes:
-    """16x16 px, rectified by nothing, by a map or by a control grid."""
-    rectified, lens = (90.0, 8.0, 8.0, 0.5), (0.1, -0.02, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-    raw = (90.0, 91.0, 8.0, 7.5, *lens, *EYE, int(kind == 2))
-    head = RIG_HEAD.pack(b"VISTARIG", RIG_VERSION, 16, 16, kind, 0, 0, *rectified, *EYE, *raw)
+    """16x16 px, rectified by nothing, by a map or by a control grid, and a raw pair."""
     tables = (
         b"",
         struct.pack("<2h", 3, -5) * 256 + struct.pack("<H", 777) * 256,
         struct.pack("<2h", 40, -9) * 4,
     )
-    return head + 2 * tables[kind]
+    frame = FRAME.pack(10**9, 0, HAS_POSE, *EYE, 0, 0, 0, 0, 0, 0) + bytes(k * k % 251 for k in range(512))
+    return head((16, 16), kind, Content.RAW, 0, (8.0, 8.0)) + 2 * tables[kind] + frame
 
 
 def heard() -> bytes:
@@ -112,14 +123,13 @@ def seeds() -> dict[str, bytes]:
         "mavlink/px4": link(bytes([1, 1]), 2),
         "mavlink/ardupilot": link(bytes([0, 0]) + struct.pack("<BH", 1, 32768 + 256) + bytes([1, 1]), 30),
         "mavlink/anything": bytes(range(256)) * 4,
-        "fly/configuration": b"\0# text\n[stereo]\nblock_size = 9\n\n[mavlink]\nstale_s = 1.5e-1\n",
-        "fly/passthrough": b"\1" + rig(0),
-        "fly/map": b"\1" + rig(1),
-        "fly/grid": b"\1" + rig(2),
-        "fly/autopilot": b"\2" + heard(),
-        "recording/approach": recording(32, 24, 3, True, 12.0),
-        "recording/stills": recording(20, 16, 2, False, 8.0, stills=1),
-        "recording/center at 1e12": recording(16, 16, 1, True, 1e12),
+        "fly/passthrough": b"\0" + rig(0),
+        "fly/map": b"\0" + rig(1),
+        "fly/grid": b"\0" + rig(2),
+        "fly/approach": b"\0" + recording(32, 24, 3, True, 12.0),
+        "fly/stills": b"\0" + recording(20, 16, 2, False, 8.0, stills=True),
+        "fly/center at 1e12": b"\0" + recording(16, 16, 1, True, 1e12),
+        "fly/autopilot": b"\1" + heard(),
     }
 
 

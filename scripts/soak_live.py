@@ -31,12 +31,13 @@ import numpy as np
 from pymavlink.dialects.v20 import ardupilotmega as dialect
 from vista import native, parameters
 from vista.chain import make_chain
-from vista.flight_files import rig_bytes
 from vista.live.listeners import Autopilot
 from vista.live.loop import LiveLoop, Seen
 from vista.live.source import Shot
 from vista.mavlink.link import Link
 from vista.mavlink.transport import open_transport
+from vista.recording import head_bytes
+from vista.rectify import Rectifier
 from vista.sequence import Frame, Sequence, open_sequence
 from vista.shared_frames import SharedFrames
 
@@ -155,7 +156,7 @@ class Flying:
         self, folder: Path, recorded: Sequence, receiver: Receiver, kill_every_s: float, seed: int
     ) -> None:
         rig = folder / "rig.vista"
-        rig.write_bytes(rig_bytes(recorded, 0))
+        rig.write_bytes(head_bytes(recorded, Rectifier(recorded.calibration), parameters.defaults()))
         camera = recorded.calibration.left
         self._name = f"vista-soak-{os.getpid()}"
         self.ring = SharedFrames(self._name, camera.width, camera.height)

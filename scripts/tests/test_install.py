@@ -50,7 +50,7 @@ def prefix(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_what_is_installed(prefix: Path) -> None:
     found = {str(path.relative_to(prefix)) for path in prefix.rglob("*") if not path.is_dir()}
     headers = [*REPOSITORY.glob("sw/include/vista/*.h"), *REPOSITORY.glob("model/c/include/vista/*.h")]
-    expected = {f"include/vista/{header.name}" for header in headers} | {"bin/replay", "bin/vista-fly"}
+    expected = {f"include/vista/{header.name}" for header in headers} | {"bin/vista-fly"}
     for library, soname in SONAMES.items():
         expected |= {
             f"lib/{library}.a", f"lib/{library}.so", f"lib/{soname}", f"lib/{library}.so.{VERSION}"
@@ -80,11 +80,11 @@ def test_the_library_exports_what_its_headers_declare(prefix: Path, library: str
 
 
 @pytest.mark.parametrize("where", ["installed", "built"])
-def test_replay_starts_from_any_folder(prefix: Path, tmp_path: Path, where: str) -> None:
-    program = (prefix if where == "installed" else REPOSITORY / "build") / "bin" / "replay"
-    done = run(program, "no-such-recording", cwd=tmp_path)
+def test_the_program_starts_from_any_folder(prefix: Path, tmp_path: Path, where: str) -> None:
+    program = (prefix if where == "installed" else REPOSITORY / "build") / "bin" / "vista-fly"
+    done = run(program, "--recording", "no-such-recording", cwd=tmp_path)
     assert (done.returncode, done.stdout) == (2, "")
-    assert done.stderr == "replay: no-such-recording: No such file or directory\n"
+    assert done.stderr == "vista-fly: no-such-recording: no such file or directory\n"
 
 
 def test_pkg_config_knows_version_and_place(prefix: Path) -> None:

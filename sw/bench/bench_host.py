@@ -1,4 +1,4 @@
-"""The host on real images: libvista in the replay program, foveation to map, with one thread and with two.
+"""The host on real images: vista-fly over recorded words, foveation to map, with one thread and with two.
 
 What is measured:
   street          KITTI odometry 00, 51 frames of 1226x370 as they are
@@ -43,12 +43,13 @@ from vista import parameters  # noqa: E402
 from vista.chain import engine_parameters  # noqa: E402
 from vista.engine import create_engine  # noqa: E402
 from vista.geometry import Calibration  # noqa: E402
-from vista.recording import Recorder  # noqa: E402
+from vista.pipeline import Pipeline  # noqa: E402
+from vista.recording import HEAD, Content, Recorder  # noqa: E402
 from vista.rectify import Rectifier  # noqa: E402
 from vista.sequence import Frame, Sequence, open_sequence  # noqa: E402
 from vista_eval.report.table import Table, span, write_measurement  # noqa: E402
 
-REPLAY = REPOSITORY / "build" / "bin" / "replay"
+VISTA_FLY = REPOSITORY / "build" / "bin" / "vista-fly"
 STREET = SHARED_DATA / "kitti_odometry" / "sequences" / "00"
 PAIRS = REPOSITORY / "build" / "demo" / "oak-d"
 TITLES = {
@@ -99,7 +100,8 @@ def record(path: Path, folder: Path, size: tuple[int, int] | None = None) -> Pat
     camera, columns = rectifier.calibration, slice(None)
     if size is not None:
         camera, columns, _ = middle(camera, *size)
-    with Recorder(path, sequence, camera, values) as recorder:
+    source = recording_cases.sequence_of(camera, sequence.stills, sequence.up_world)
+    with Recorder(path, source, Rectifier(source.calibration), values, Content.PAIR) as recorder:
         for frame in frames_of(sequence, rectifier):
             seen = frame if size is None else enlarged(frame, columns, size)
             recorder.write(seen, list(engine.levels(seen.left, seen.right)), sequence.stills)
@@ -124,12 +126,23 @@ def recordings(folder: Path) -> Iterator[tuple[str, Path]]:
 
 def play(path: Path, repeats: int, threads: int, times: Path) -> tuple[Samples, list[dict]]:
     """Milliseconds of every frame by stage, and the frames of one run."""
-    command = [str(REPLAY), str(path), "--repeat", str(repeats), "--threads", str(threads)]
-    command += ["--times", str(times)]
+    command = [str(VISTA_FLY), "--recording", str(path), "--all-frames", "--passes", str(repeats)]
+    command += ["--threads", str(threads), "--times", str(times), "--out", "-"]
     run = subprocess.run(command, capture_output=True, text=True, check=True)
     names = times.read_text().partition("\n")[0].split(",")
     table = np.loadtxt(times, delimiter=",", skiprows=1, ndmin=2)
-    return dict(zip(names, table.T, strict=True)), [json.loads(line) for line in run.stdout.splitlines()]
+    samples = dict(zip(names, table.T, strict=True))
+    host = {name: ms for name, ms in samples.items() if name not in ("rectify", "stereo", "alignment")}
+    lines = [json.loads(line) for line in run.stdout.splitlines()]
+    return host, [line | {"processing_ms": 0.0} for line in lines[: len(lines) // repeats]]
+
+
+def nodes_of(path: Path) -> int:
+    """The number of cells that the images of a recording have."""
+    head = HEAD.unpack(path.read_bytes()[: HEAD.size])
+    camera = Calibration(*head[2:4], *head[9:13])
+    blank = np.zeros((camera.height, camera.width), np.uint8)
+    return Pipeline(camera).process(blank, blank.astype(np.int16) - 1, 0).cell_intensity.size
 
 
 def figures(samples_ms: NDArray[np.float64]) -> dict[str, float]:
@@ -168,7 +181,7 @@ def measure(path: Path, blocks: int, repeats: int, folder: Path) -> dict:
         "frames": len(frames),
         "blocks": blocks,
         "repeats": repeats,
-        "nodes": frames[0]["cells"],
+        "nodes": nodes_of(path),
         "regions_median": float(np.median([frame["regions"] for frame in frames])),
         "stages": {stage: stage_figures(alone, stage) | share_of_host(alone, stage) for stage in alone[0]},
         "two_threads": {stage: stage_figures(helped, stage) for stage in ("host", "cpu")},

@@ -1,6 +1,6 @@
 # Fuzz targets of the C libraries, for the top Makefile: libFuzzer where there is a clang, else gcc over the corpus.
 
-FUZZ_TARGETS := engine pipeline recording mavlink fly
+FUZZ_TARGETS := engine pipeline mavlink fly
 FUZZ_SECONDS ?= 600
 FUZZ := build/fuzz
 FUZZ_CLANG := build/tools/clang/command# an empty file: there is none
@@ -21,7 +21,7 @@ comma := ,
 
 .PHONY: fuzz fuzz-targets
 
-fuzz: fuzz-targets .venv/test.stamp ## fuzz the engine, the pipeline, the reader of recordings, MAVLink and what vista-fly reads for FUZZ_SECONDS=600 each
+fuzz: fuzz-targets .venv/test.stamp ## fuzz the engine, the pipeline, MAVLink and what vista-fly reads for FUZZ_SECONDS=600 each
 	@$(PYTHON) scripts/run_fuzz.py --seconds $(FUZZ_SECONDS) $(FUZZ_TARGETS)
 
 fuzz-targets: $(FUZZ_TARGETS:%=$(FUZZ)/%)
@@ -37,17 +37,13 @@ $(FUZZ)/plain/%.o: %.c $(FUZZ_CLANG)
 
 # With all checks, their inlined kernels take clang a minute each.
 $(FUZZ)/obj/model/c/src/rows_avx%.o: FUZZ_CFLAGS += -fno-sanitize=undefined,float-cast-overflow
-$(FUZZ)/obj/sw/apps/replay.o: FUZZ_CFLAGS += -Dmain=replay_main
 
 $(FUZZ)/obj/sw/apps/fly/%.o: FUZZ_CFLAGS += -D_GNU_SOURCE
 
 $(FUZZ)/engine: $(FUZZ_ENGINE)
-$(FUZZ)/fly: $(FUZZ_PLAIN_ENGINE) $(FUZZ_MAVLINK) $(FUZZ)/obj/sw/src/align/turn.o \
-  $(FUZZ)/obj/sw/src/align/turn_map.o $(FUZZ)/obj/sw/src/rig/rig.o \
-  $(patsubst %,$(FUZZ)/obj/sw/apps/fly/%.o,config problem rig)
+$(FUZZ)/fly: $(FUZZ_PLAIN_ENGINE) $(FUZZ_VISTA) $(patsubst %,$(FUZZ)/obj/sw/apps/fly/%.o,container problem)
 $(FUZZ)/pipeline: $(FUZZ_PLAIN_ENGINE) $(FUZZ_VISTA)
 $(FUZZ)/mavlink: $(FUZZ_MAVLINK)
-$(FUZZ)/recording: $(FUZZ_PLAIN_ENGINE) $(FUZZ_VISTA) $(FUZZ)/obj/sw/apps/replay.o
 $(FUZZ_TARGETS:%=$(FUZZ)/%): $(FUZZ)/%: $(FUZZ)/obj/sw/fuzz/fuzz_%.o sw/fuzz/run_corpus.c
 	@echo "ld $@"; $(FUZZ_CC) $(FUZZ_CFLAGS) $(filter %.o,$^) $(FUZZ_DRIVER) -lm -o $@
 

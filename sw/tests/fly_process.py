@@ -9,7 +9,6 @@ from pathlib import Path
 
 from vista import native
 from vista.cli import main
-from vista.flight_files import FRAMES_HEAD
 
 VISTA_FLY = native.build_folder() / "bin" / "vista-fly"
 SANITIZED = "asan" in os.environ.get("LD_PRELOAD", "")
@@ -33,20 +32,27 @@ def start(*arguments: object, **more: str) -> subprocess.Popen[str]:
 
 
 def prepare(folder: Path, sequence: Path, *options: object) -> list[object]:
-    """The options of vista-fly that play the recording."""
+    """The options of vista-fly that play the recording; its rig lies beside it."""
     assert main(["prepare", str(sequence), "--out", str(folder), *map(str, options)]) == 0
-    return ["--rig", folder / "rig.vista", "--recording", folder / "frames.vista"]
+    return ["--recording", folder / "frames.vista"]
+
+
+def frames_at(recording: Path) -> int:
+    """Where the frames of a recording begin: behind what the rig beside it holds as well."""
+    return (recording.parent / "rig.vista").stat().st_size
 
 
 def compare(
     folder: Path, sequence: Path, config: str = "", frames: int = 12
 ) -> tuple[list[str], subprocess.CompletedProcess[str]]:
-    """Lines of `vista run` and of vista-fly, which have to be equal, and what vista-fly said."""
+    """Lines of `vista run` and of vista-fly, which have to be equal, from raw pairs and from the words that
+    `vista run` recorded, and what vista-fly said of the pairs."""
     (folder / "my.toml").write_text(config)
     options = ["--config", str(folder / "my.toml"), "--frames", f"0:{frames}"]
-    assert main(["run", str(sequence), "--out", str(folder / "run"), "--no-overlay", *options]) == 0
+    record = ["--record", str(folder / "words.vista")]
+    assert main(["run", str(sequence), "--out", str(folder / "run"), "--no-overlay", *record, *options]) == 0
     played = prepare(folder / "fly", sequence, *options)
-    run = fly(*played, "--config", folder / "my.toml", "--all-frames", "--out", folder / "lines.jsonl")
+    run = fly(*played, "--all-frames", "--out", folder / "lines.jsonl")
     assert run.returncode == 0, run.stderr
     lines = timeless(folder / "lines.jsonl")
     others = timeless(folder / "run" / "obstacles.jsonl")
@@ -54,6 +60,9 @@ def compare(
     for line, other in zip(lines, others, strict=True):
         assert line == other
     assert f"{len(lines)} frames processed, 0 dropped" in run.stderr
+    words = fly("--recording", folder / "words.vista", "--all-frames", "--out", folder / "words.jsonl")
+    assert words.returncode == 0, words.stderr
+    assert timeless(folder / "words.jsonl") == lines
     return lines, run
 
 
@@ -74,11 +83,12 @@ def allocations_of_one_pass_and_ten(
     source = Path(__file__).with_name("count_allocations.c")
     command = ["gcc", "-std=c17", "-O1", "-fPIC", "-fno-builtin", "-shared", str(source), "-o", str(counter)]
     subprocess.run([*command, "-ldl"], check=True, timeout=60)
-    content = Path(str(played[3])).read_bytes()
-    long.write_bytes(content + 9 * content[FRAMES_HEAD.size :])
+    played_file = Path(str(played[1]))
+    content = played_file.read_bytes()
+    long.write_bytes(content + 9 * content[frames_at(played_file) :])
     counts = []
-    for recording in (played[3], long):
-        arguments = [*played[:2], "--recording", recording, "--all-frames", *options]
+    for recording in (played_file, long):
+        arguments = ["--recording", recording, "--all-frames", *options]
         run = fly(*arguments, LD_PRELOAD=str(counter), COUNT_ALLOCATIONS=str(target))
         assert run.returncode == 0, run.stderr
         counts.append(int(target.read_text()))

@@ -33,7 +33,8 @@ class Flight:
         recorded = open_sequence(write_flight(folder / "flight", frames=frames))
         self.frames = [recorded.read(files) for files in recorded.frames]
         self.up_world = recorded.up_world
-        self.rig = prepare(folder / "prepared", folder / "flight")[1]
+        prepare(folder / "prepared", folder / "flight")
+        self.rig = folder / "prepared" / "rig.vista"
         self.lines = folder / "lines.jsonl"
 
     def frame(self, k: int) -> Frame:

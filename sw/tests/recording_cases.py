@@ -1,4 +1,4 @@
-"""A small recording of the board flight, and its parts to be damaged."""
+"""Recordings of words: of the board flight, and of rectified cameras."""
 
 from __future__ import annotations
 
@@ -10,23 +10,19 @@ from board_flight import UP_WORLD, WORLD_FROM_CAMERA, BoardFrame
 from numpy.typing import NDArray
 from pipeline_library import CALIBRATION
 from vista import parameters
-from vista.geometry import CameraModel, Pose, RawCalibration, camera_matrix
-from vista.recording import FRAME, HEADER, PARAMETER, Recorder
+from vista.geometry import Array, Calibration, CameraModel, Pose, RawCalibration, camera_matrix
+from vista.recording import Content, Recorder
+from vista.rectify import Rectifier
 from vista.sequence import Frame, Sequence
 
-PARAMETER_COUNT = len(parameters.flat(parameters.defaults()))
-PARAMETERS_AT = HEADER.size
-FRAMES_AT = PARAMETERS_AT + PARAMETER_COUNT * PARAMETER.size
-FRAME_BYTES = FRAME.size + 3 * CALIBRATION.width * CALIBRATION.height
 
-
-def board_sequence(stills: bool = False) -> Sequence:
-    matrix = camera_matrix(CALIBRATION.focal_px, CALIBRATION.focal_px, CALIBRATION.cx, CALIBRATION.cy)
-    camera = CameraModel(CALIBRATION.width, CALIBRATION.height, matrix)
-    motion = Pose(np.eye(3), np.array([-CALIBRATION.baseline_m, 0.0, 0.0]))
-    raw = RawCalibration(camera, camera, motion, "board flight")
-    up_world = None if stills else UP_WORLD
-    return Sequence("board", "pairs", raw, frames=(), up_world=up_world, stills=stills)
+def sequence_of(camera: Calibration, stills: bool = False, up_world: Array | None = None) -> Sequence:
+    """Rectified cameras as a source has them, without frames."""
+    matrix = camera_matrix(camera.focal_px, camera.focal_px, camera.cx, camera.cy)
+    model = CameraModel(camera.width, camera.height, matrix)
+    motion = Pose(np.eye(3), np.array([-camera.baseline_m, 0.0, 0.0]))
+    raw = RawCalibration(model, model, motion, "rectified cameras")
+    return Sequence("rectified", "pairs", raw, frames=(), up_world=up_world, stills=stills)
 
 
 def levels_of(source: BoardFrame, levels: int) -> list[NDArray[np.int16]]:
@@ -47,10 +43,11 @@ def record(
     """Stills have neither pose nor up direction."""
     values = values or parameters.defaults()
     values = values | {"stereo": values["stereo"] | {"levels": levels}}
-    with Recorder(path, board_sequence(stills), CALIBRATION, values) as recorder:
-        for index, source in enumerate(sources):
-            pose = None if stills else Pose(WORLD_FROM_CAMERA, source.position_m)
+    source = sequence_of(CALIBRATION, stills, None if stills else UP_WORLD)
+    with Recorder(path, source, Rectifier(source.calibration), values, Content.LEFT) as recorder:
+        for index, board in enumerate(sources):
+            pose = None if stills else Pose(WORLD_FROM_CAMERA, board.position_m)
             recorder.write(
-                Frame(index, source.t_ns, source.left, source.left, pose), levels_of(source, levels), stills
+                Frame(index, board.t_ns, board.left, board.left, pose), levels_of(board, levels), stills
             )
     return path

@@ -11,13 +11,12 @@ from pathlib import Path
 
 import pytest
 from fake_autopilot import Autopilot
-from fly_process import SANITIZED, allocations_of_one_pass_and_ten, compare, fly, prepare, timeless
+from fly_process import SANITIZED, allocations_of_one_pass_and_ten, compare, fly, frames_at, prepare, timeless
 from fly_shared import flying
 from shared_data import SHARED_DATA
 from turned_camera import degrees
 from turned_recordings import RAW, write_turned_asl, write_turned_kitti, write_turned_pairs
 from vista.alignment import Turn
-from vista.flight_files import FRAMES_HEAD
 
 pytestmark = [pytest.mark.native, pytest.mark.slow]
 
@@ -38,6 +37,12 @@ def corrected(run: subprocess.CompletedProcess[str], turn: Turn) -> None:
     assert pitch_deg == pytest.approx(turn.pitch_deg, abs=0.06)
     assert roll_deg == pytest.approx(turn.roll_deg, abs=0.12)
     assert 1 <= changes <= 5
+
+
+def corrected_flight(folder: Path, flight: Path) -> list[object]:
+    """The options that play it with the correction on."""
+    (folder / "my.toml").write_text(ON)
+    return prepare(folder, flight, "--config", folder / "my.toml")
 
 
 DRAWN = degrees(-0.5, 0.4)
@@ -80,19 +85,17 @@ def test_a_street(tmp_path: Path) -> None:
 @pytest.mark.skipif(shutil.which("gcc") is None, reason="gcc is not installed")
 def test_maps_are_made_without_the_heap(tmp_path: Path) -> None:
     """In each of ten passes over the frames a new one."""
-    played = prepare(tmp_path, write_turned_pairs(tmp_path / "flight", degrees(0.5, 0.0), 2, 16, "radial"))
-    (tmp_path / "my.toml").write_text(ON)
-    counts, run = allocations_of_one_pass_and_ten(tmp_path, played, "--config", tmp_path / "my.toml")
+    flight = write_turned_pairs(tmp_path / "flight", degrees(0.5, 0.0), 2, 16, "radial")
+    counts, run = allocations_of_one_pass_and_ten(tmp_path, corrected_flight(tmp_path, flight))
     assert counts[0] == counts[1]
     assert said(run)[2] >= 10
 
 
 def test_a_turn_that_is_too_large_reaches_the_autopilot(tmp_path: Path) -> None:
-    played = prepare(tmp_path, write_turned_pairs(tmp_path / "flight", degrees(3.0, 0.0), 10, 60))
-    (tmp_path / "my.toml").write_text(ON)
+    played = corrected_flight(tmp_path, write_turned_pairs(tmp_path / "flight", degrees(3.0, 0.0), 10, 60))
     autopilot = Autopilot()
     try:
-        options = ["--config", tmp_path / "my.toml", "--to", autopilot.target, "--repeat"]
+        options = ["--to", autopilot.target, "--repeat"]
         with flying(*played, *options, "--out", tmp_path / "lines.jsonl"):
             deadline_s = time.monotonic() + 60.0
             while time.monotonic() < deadline_s and not any(
@@ -110,12 +113,12 @@ def heard(autopilot: Autopilot) -> list[str]:
 
 def test_another_flight_begins_with_the_calibration(tmp_path: Path) -> None:
     """The same flight twice, in one file."""
-    played = prepare(tmp_path, write_turned_pairs(tmp_path / "flight", degrees(0.4, 0.0), 3, 16, "radial"))
-    content = Path(str(played[3])).read_bytes()
-    (tmp_path / "twice.vista").write_bytes(content + content[FRAMES_HEAD.size :])
-    (tmp_path / "my.toml").write_text(ON)
-    options = ["--config", tmp_path / "my.toml", "--all-frames", "--out", tmp_path / "lines.jsonl"]
-    run = fly(*played[:2], "--recording", tmp_path / "twice.vista", *options)
+    flight = write_turned_pairs(tmp_path / "flight", degrees(0.4, 0.0), 3, 16, "radial")
+    played = Path(str(corrected_flight(tmp_path, flight)[1]))
+    content = played.read_bytes()
+    (tmp_path / "twice.vista").write_bytes(content + content[frames_at(played) :])
+    options = ["--all-frames", "--out", tmp_path / "lines.jsonl"]
+    run = fly("--recording", tmp_path / "twice.vista", *options)
     assert "1 restarts" in run.stderr
     lines = [re.sub('"id": [0-9]+', "", line) for line in timeless(tmp_path / "lines.jsonl")]  # ids go on
     assert lines[:16] == lines[16:]

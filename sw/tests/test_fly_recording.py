@@ -11,8 +11,9 @@ import pytest
 import sequence_cases as cases
 from command_line import assert_refused, call
 from flight_on_disk import write_flight
-from fly_process import SANITIZED, compare, fly, prepare, timeless
+from fly_process import SANITIZED, compare, fly, frames_at, prepare, timeless
 from shared_data import SHARED_DATA
+from vista.recording import HEAD
 
 pytestmark = pytest.mark.native
 
@@ -118,57 +119,84 @@ def with_bytes(source: Path, target: Path, at: int, data: bytes) -> Path:
 
 
 @pytest.mark.parametrize(
-    "name, at, data, text",
+    "at, data, text",
     [
-        ("rig", 0, b"NO", "no rig of vista prepare"),
-        ("rig", 8, b"\x07", "another version"),
-        ("rig", 12, b"\x00\x00\x00\x00", "damaged"),
-        ("rig", 20, b"\x09", "damaged"),
-        ("rig", 32, struct.pack("<d", np.nan), "not finite"),
-        ("rig", 232, struct.pack("<d", np.nan), "damaged"),  # the rotation of the right camera
-        ("rig", 304, b"\x07", "damaged"),  # its lens
-        ("rig", -2, b"\xff\xff", "damaged"),  # a fraction
-        ("frames", 0, b"NO", "no frames of vista prepare"),
-        ("frames", 8, b"\x07", "another version"),
-        ("frames", 12, b"\x10\x00\x00\x00", "the rig says"),
-        ("frames", 64, struct.pack("<d", np.inf), "a pose is not finite"),
+        (0, b"NO", "no file of vista prepare"),
+        (8, b"\x07", "another version"),
+        (12, bytes(4), "damaged"),  # the width
+        (12, b"\xff\xff\xff\xff", "damaged"),
+        (20, b"\x09", "damaged"),  # how images are rectified
+        (28, b"\x09", "damaged"),  # what a frame holds
+        (36, b"\xff\xff\xff\xff", "damaged"),  # how many parameters there are
+        (40, struct.pack("<d", np.nan), "not finite"),  # the focal length
+        (64, bytes(8), "range"),  # the baseline
+        (HEAD.size - 464, struct.pack("<d", np.nan), "damaged"),  # the rotation of the right camera
+        (HEAD.size - 392, b"\x07", "damaged"),  # its lens
+        (HEAD.size, b"wrong.name" + bytes(38), "unknown parameter or value: wrong.name"),
+        (HEAD.size, b"two\nlines\x1b" + bytes(38), "unknown parameter or value: two?lines?"),
+        (HEAD.size + 80, struct.pack("<d", np.nan), "unknown parameter or value: "),
+        (HEAD.size + 80, struct.pack("<d", -1.0), " is out of range"),
+        (-2, b"\xff\xff", "damaged"),  # the last fraction
+        (16, struct.pack("<d", np.inf), "a pose is not finite"),
     ],
 )
-def test_damaged_files_take_one_line(
-    tmp_path: Path, prepared: Path, name: str, at: int, data: bytes, text: str
-) -> None:
-    source = prepared / f"{name}.vista"
-    at = at if at >= 0 else source.stat().st_size + at
-    files = {"rig": prepared / "rig.vista", "frames": prepared / "frames.vista"}
-    files[name] = with_bytes(source, tmp_path / "bad.vista", at, data)
-    run = fly("--rig", files["rig"], "--recording", files["frames"], "--all-frames")
-    if "pose" in text:  # in flight: what came before was done
+def test_damaged_files_take_one_line(tmp_path: Path, prepared: Path, at: int, data: bytes, text: str) -> None:
+    frames = prepared / "frames.vista"
+    end_of_rig = frames_at(frames)
+    of_frame = "pose" in text
+    at = end_of_rig + at if at < 0 or of_frame else at
+    run = fly("--recording", with_bytes(frames, tmp_path / "bad.vista", at, data), "--all-frames")
+    if of_frame:  # in flight: what came before was done
         assert run.returncode == 2 and text in run.stderr
     else:
         refused(run, text)
 
 
-@pytest.mark.parametrize("name", ["rig", "frames"])
 @pytest.mark.parametrize("share", [0.0, 0.0001, 0.5, 0.9999])
-def test_files_that_are_cut_off(tmp_path: Path, prepared: Path, name: str, share: float) -> None:
-    files = {"rig": prepared / "rig.vista", "frames": prepared / "frames.vista"}
-    content = files[name].read_bytes()
-    files[name] = tmp_path / "short.vista"
-    files[name].write_bytes(content[: int(share * len(content))])
-    refused(fly("--rig", files["rig"], "--recording", files["frames"]), "short.vista: ")
+def test_files_that_are_cut_off(tmp_path: Path, prepared: Path, share: float) -> None:
+    content, short = (prepared / "frames.vista").read_bytes(), tmp_path / "short.vista"
+    short.write_bytes(content[: int(share * len(content))])
+    refused(fly("--recording", short), "short.vista: ")
+
+
+def test_a_rig_is_no_recording(prepared: Path) -> None:
+    refused(fly("--recording", prepared / "rig.vista"), "rig.vista: holds no frame")
+
+
+def test_parameters_travel_in_the_file(tmp_path: Path, prepared: Path) -> None:
+    """Those of the configuration that it was prepared with."""
+    (tmp_path / "my.toml").write_text(
+        "[tracker]\nconfirm_hits = 1\nconfirm_window = 1\n[stereo]\nlevels = 1\n"
+    )
+    flight = write_flight(tmp_path / "flight", frames=2)
+    first = []
+    for name, options in (("plain", ()), ("own", ("--config", tmp_path / "my.toml"))):
+        run = fly(
+            *prepare(tmp_path / name, flight, *options), "--all-frames", "--out", tmp_path / name / "lines"
+        )
+        assert run.returncode == 0, run.stderr
+        first.append('"confirmed": true' in (tmp_path / name / "lines").read_text().splitlines()[0])
+    assert first == [False, True]
 
 
 @pytest.mark.parametrize(
     "arguments, text",
     [
-        (["--recording", "x"], "--rig: is needed"),
+        (["--shared", "x"], "--rig: is needed"),
+        (["--rig", "x", "--recording", "x"], "--rig: is not needed"),
         (["--rig", "x"], "takes one of --camera, --shared and --recording"),
         (["--rig", "x", "--recording", "x", "--shared", "x"], "takes one of"),
-        (["--rig", "/nowhere", "--recording", "x"], "/nowhere: no such file or directory"),
+        (["--recording", "/nowhere"], "/nowhere: no such file or directory"),
         (["--wrong"], "--wrong: no such option"),
         (["--watchdog", "0"], "--watchdog: 0 is not from 0.5 to 3600"),
         (["--rig"], "--rig: takes a value"),
         (["--rig", "x", "--shared", "y", "--repeat"], "--repeat: goes with --recording"),
+        (["--rig", "x", "--shared", "y", "--times", "z"], "--times: goes with --recording"),
+        (["--recording", "x", "--times", "z"], "--times: goes with --all-frames"),
+        (["--recording", "x", "--passes", "2", "--repeat"], "--passes: does not go with --repeat"),
+        (["--recording", "x", "--frames", "0"], "--frames: 0 is not from 1"),
+        (["--recording", "x", "--frames", "2x"], "--frames: 2x is not from 1"),
+        (["--recording", "x", "--frames", "1.5"], "1.5 is no whole number"),
         (["--rig", "x", "--shared", "y", "--poses", "mavlink"], "needs --to"),
         (["--rig", "x", "--shared", "y", "--poses", "gps"], "is mavlink or source"),
         (["--rig", "x", "--shared", "y", "--listen", "1.5", "--to", "udp:127.0.0.1:1"], "no port"),
@@ -192,14 +220,8 @@ def test_bad_arguments_take_one_line(arguments: list[str], text: str) -> None:
     ],
 )
 def test_bad_targets_take_one_line(prepared: Path, target: str, text: str) -> None:
-    files = ["--rig", prepared / "rig.vista", "--recording", prepared / "frames.vista"]
+    files = ["--recording", prepared / "frames.vista"]
     refused(fly(*files, "--to", target), text)
-
-
-def test_a_rig_for_other_rows_is_refused(tmp_path: Path, prepared: Path) -> None:
-    (tmp_path / "my.toml").write_text("[stereo]\nrectify_rows = 32\n")
-    files = ["--rig", prepared / "rig.vista", "--recording", prepared / "frames.vista"]
-    refused(fly(*files, "--config", tmp_path / "my.toml"), "the rig was prepared with 0")
 
 
 def test_help_and_version() -> None:
@@ -209,7 +231,7 @@ def test_help_and_version() -> None:
 
 @pytest.mark.skipif(SANITIZED, reason="a sanitized program takes memory of its own")
 def test_a_disk_that_is_full_ends_the_file_and_not_the_flight(tmp_path: Path, prepared: Path) -> None:
-    files = ["--rig", prepared / "rig.vista", "--recording", prepared / "frames.vista"]
+    files = ["--recording", prepared / "frames.vista"]
     run = fly(*files, "--all-frames", "--out", "/dev/full")
     assert run.returncode == 0
     assert "/dev/full: no space left on device; the flight goes on without it" in run.stderr
@@ -217,10 +239,20 @@ def test_a_disk_that_is_full_ends_the_file_and_not_the_flight(tmp_path: Path, pr
 
 
 def test_a_line_that_was_cut_off_is_taken_away(tmp_path: Path, prepared: Path) -> None:
-    files = ["--rig", prepared / "rig.vista", "--recording", prepared / "frames.vista", "--all-frames"]
+    files = ["--recording", prepared / "frames.vista", "--all-frames"]
     out = tmp_path / "lines.jsonl"
     assert fly(*files, "--out", out).returncode == 0
     whole = timeless(out)
     out.write_text(out.read_text() + '{"version": 2, "fra')
     assert fly(*files, "--out", out).returncode == 0
     assert timeless(out) == whole + whole
+
+
+def test_a_frame_that_comes_twice(tmp_path: Path) -> None:
+    """A recording that is played patiently repeats nothing; one that is played in time says nothing twice."""
+    flight = cases.make_flown_pairs(tmp_path / "flight", 6)
+    for side in ("left", "right"):
+        (flight / f"scene03_{side}.png").write_bytes((flight / f"scene02_{side}.png").read_bytes())
+    compare(tmp_path, flight)
+    run = fly("--recording", tmp_path / "fly" / "frames.vista")
+    assert "5 frames processed, 0 dropped for newer ones, 1 duplicates" in run.stderr

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import subprocess
 from pathlib import Path
 
 import cv2
@@ -12,9 +11,10 @@ import pytest
 import sequence_cases as cases
 import source_cases
 from command_line import assert_refused, call
+from fly_process import fly, timeless
 from numpy.typing import NDArray
 from shared_data import SHARED_DATA
-from vista import native, parameters
+from vista import parameters
 from vista.chain import make_chain, process_frame
 from vista.geometry import Calibration, Pose
 from vista.history import StageClock
@@ -153,19 +153,15 @@ def test_the_host_begins_anew_with_it(tmp_path: Path) -> None:
 
 def test_a_recording_of_it_is_replayed_alike(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     record, out = tmp_path / "flight.rec", tmp_path / "out"
-    run = ("run", lost_flight(tmp_path / "flight"), "--no-overlay", "--all-tracks", "--out", out)
+    run = ("run", lost_flight(tmp_path / "flight"), "--no-overlay", "--out", out)
     status, _, err = call(capsys, *run, "--poses", "odometry", "--record", record)
     assert status == 0
     assert "frame 14: degraded: the poses began anew; all tracks were dropped" in err
-    replayed = subprocess.run(
-        [native.build_folder() / "bin" / "replay", record], capture_output=True, text=True, check=True
-    )
-    lines = [json.loads(line) for line in replayed.stdout.splitlines()]
-    written = [json.loads(line) for line in (out / "obstacles.jsonl").read_text().splitlines()]
-    assert [[o["id"] for o in line["obstacles"]] for line in lines] == [
-        [o["id"] for o in line["obstacles"]] for line in written
-    ]
-    assert "pose_jump" in written[14]["health"]["reasons"]
+    replayed = fly("--recording", record, "--all-frames", "--out", tmp_path / "lines.jsonl")
+    assert replayed.returncode == 0, replayed.stderr
+    written = timeless(out / "obstacles.jsonl")
+    assert timeless(tmp_path / "lines.jsonl") == written
+    assert "pose_jump" in json.loads(written[14])["health"]["reasons"]
 
 
 # ---- never unasked ----

@@ -191,15 +191,15 @@ def test_the_thread_sleeps_between_frames() -> None:
 @pytest.mark.slow
 @pytest.mark.skipif("asan" in os.environ.get("LD_PRELOAD", ""), reason="built for another sanitizer")
 def test_no_data_race(tmp_path: Path) -> None:
-    """The replay program under ThreadSanitizer."""
-    folders = (REPOSITORY / "sw/src", REPOSITORY / "model/c/src")
+    """vista-fly under ThreadSanitizer."""
+    folders = [REPOSITORY / folder for folder in ("sw/apps/fly", "sw/src", "model/c/src")]
     sources = [str(path) for folder in folders for path in sorted(folder.rglob("*.c"))]
     includes = [
         f"-I{REPOSITORY / folder}" for folder in ("sw/include", "sw/src", "model/c/include", "rtl/csr")
     ]
-    program = tmp_path / "replay"
+    program = tmp_path / "vista-fly"
     command = ["gcc", "-std=c17", "-O1", "-g", "-fsanitize=thread", "-ffp-contract=off", *includes]
-    command += [str(REPOSITORY / "sw/apps/replay.c"), *sources, "-o", str(program), "-lm"]
+    command += ["-D_GNU_SOURCE=", "-Wno-tsan", *sources, "-o", str(program), "-lm", "-lpthread"]
     built = subprocess.run(command, capture_output=True, text=True, check=False)
     if "tsan" in built.stderr:
         pytest.skip(f"no ThreadSanitizer here: {built.stderr.strip().splitlines()[-1]}")
@@ -211,7 +211,10 @@ def test_no_data_race(tmp_path: Path) -> None:
     # Its shadow memory asks for addresses that are not drawn at random.
     fixed = ["setarch", "-R"] if shutil.which("setarch") else []
     run = subprocess.run(
-        [*fixed, str(program), str(flown), "--threads", "2"], capture_output=True, text=True, check=False
+        [*fixed, str(program), "--recording", str(flown), "--all-frames", "--threads", "2"],
+        capture_output=True,
+        text=True,
+        check=False,
     )
     assert run.returncode == 0, run.stderr
     assert "ThreadSanitizer" not in run.stderr, run.stderr

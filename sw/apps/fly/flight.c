@@ -5,10 +5,11 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
+#include <time.h>
 #include <unistd.h>
 
 #include "clock.h"
-#include "config.h"
+#include "vista/frontend.h"
 
 #define TAKE_NS (100 * FLY_MS)
 #define LARGE_PAGE_BYTES ((size_t)1 << 21)
@@ -17,22 +18,24 @@ static bool open_source(flight *f, problem *p) {
   const options *const o = &f->options;
   source *const s = &f->source;
   s->box = &f->box;
-  s->width_px = f->rig.cameras.camera.width_px;
-  s->height_px = f->rig.cameras.camera.height_px;
-  if (!mailbox_make(&f->box, s->width_px * s->height_px, o->all_frames)) return problem_say(p, "rig", "out of memory");
-  if (o->recording != NULL) return source_open_recording(s, o->recording, o->repeat, p);
+  s->width_px = f->file.rig.camera.width_px;
+  s->height_px = f->file.rig.camera.height_px;
+  if (!mailbox_make(&f->box, s->width_px * s->height_px, f->file.words, o->all_frames))
+    return problem_say(p, "rig", "out of memory");
+  if (o->recording != NULL) {
+    const int64_t passes = o->passes > 0.0 ? (int64_t)o->passes : 1;
+    return source_open_recording(s, &f->file, o->repeat ? 0 : passes, (int64_t)o->frames, p) &&
+           (o->times == NULL || times_make(&f->times, passes * f->file.frames, p));
+  }
   if (o->shared != NULL) return source_open_shared(s, o->shared, p);
   return source_open_cameras(s, o->camera, o->camera_count, (int64_t)(o->pair_tolerance_ms * FLY_MS), p);
 }
 
 /* On large pages, which are there before the first frame. */
 static bool open_detector(flight *f, problem *p) {
-  const vista_detector_options options = {.every_pair = f->options.all_frames};
+  const vista_detector_options options = {.every_pair = f->options.all_frames, .stills = f->file.stills};
   size_t bytes = 0;
-  if (f->parameters.stereo.rectify_rows != f->rig.cameras.rectify_rows)
-    return problem_say(p, "stereo.rectify_rows", "is %d, the rig was prepared with %d",
-                       f->parameters.stereo.rectify_rows, f->rig.cameras.rectify_rows);
-  vista_status status = vista_detector_bytes(&f->parameters, &f->rig.cameras, &options, &bytes);
+  vista_status status = vista_detector_bytes(&f->file.parameters, &f->file.rig, &options, &bytes);
   if (status != VISTA_OK) return problem_say(p, "rig", "%s", vista_status_text(status));
   const size_t all = (bytes + LARGE_PAGE_BYTES - 1) / LARGE_PAGE_BYTES * LARGE_PAGE_BYTES;
   f->memory = aligned_alloc(LARGE_PAGE_BYTES, all);
@@ -41,19 +44,18 @@ static bool open_detector(flight *f, problem *p) {
   (void)madvise(f->memory, all, MADV_HUGEPAGE); /* without them it works, too */
 #endif
   memset(f->memory, 0, all);
-  status = vista_detector_create(f->memory, all, &f->parameters, &f->rig.cameras, &options, &f->detector);
+  status = vista_detector_create(f->memory, all, &f->file.parameters, &f->file.rig, &options, &f->detector);
   return status == VISTA_OK || problem_say(p, "rig", "%s", vista_status_text(status));
 }
 
 bool flight_open(flight *f, const options *o, problem *p) {
   f->options = *o;
   f->lines.file = f->autopilot.way.file = -1;
-  f->parameters = vista_parameters_default();
-  if (o->config != NULL && !config_read(o->config, &f->parameters, p)) return false;
-  if (!rig_read(o->rig, &f->rig, p)) return false;
+  if (!container_open(&f->file, o->recording != NULL ? o->recording : o->rig, p)) return false;
+  if (o->threads > 0.0) f->file.parameters.host.threads = (int32_t)o->threads;
   if (!open_detector(f, p) || !open_source(f, p)) return false;
   if (o->to != NULL && !autopilot_open(&f->autopilot, o->to, o->listen_port, (int64_t)(o->pose_delay_ms * FLY_MS),
-                                       &f->parameters.mavlink, p))
+                                       &f->file.parameters.mavlink, p))
     return false;
   return lines_open(&f->lines, o->out, p);
 }
@@ -74,8 +76,9 @@ static void *read_frames(void *context) {
 static vista_status take(flight *f, const shot *s, bool *judged) {
   const int32_t width = f->source.width_px, height = f->source.height_px;
   const vista_detector_pair pair = {.left = {s->left, width, height, width},
-                                    .right = {s->right, width, height, width},
+                                    .right = {s->left_alone ? NULL : s->right, width, height, width},
                                     .t_ns = s->t_ns,
+                                    .rectified = s->matched,
                                     .restarts = !s->continues};
   vista_novelty novelty = VISTA_PAIR_NEW;
   const vista_status status = vista_detector_take(f->detector, &pair, &novelty);
@@ -88,24 +91,40 @@ static vista_status take(flight *f, const shot *s, bool *judged) {
 static placement place_of(flight *f, const shot *s) {
   placement where = {.has_pose = s->has_pose, .has_up = s->has_up};
   if (f->options.poses_from_mavlink) {
-    autopilot_place(&f->autopilot, s->exposed_ns, f->parameters.motion.speed_max_m_s, &where);
+    autopilot_place(&f->autopilot, s->exposed_ns, f->file.parameters.motion.speed_max_m_s, &where);
     return where;
   }
-  if (s->has_pose) where.pose = vista_rig_rectified_pose(&f->rig.cameras, &s->pose);
+  if (s->has_pose) where.pose = s->matched ? s->pose : vista_rig_rectified_pose(&f->file.rig, &s->pose);
   memcpy(where.up_world, s->up_world, sizeof where.up_world);
   return where;
 }
 
 static void say(const problem *p, const char *more) { dprintf(STDERR_FILENO, "vista-fly: %s%s\n", p->line, more); }
 
+/* With its own engine, or what a recording holds. */
+static vista_status match(flight *f, const shot *s) {
+  vista_disparity_image words[1 + VISTA_COARSER_LEVELS];
+  const int16_t *at = s->words;
+  int32_t width = f->source.width_px, height = f->source.height_px;
+  if (!s->matched) return vista_detector_match(f->detector, NULL);
+  for (int32_t level = 0; level < f->file.parameters.stereo.levels; ++level) {
+    words[level] = (vista_disparity_image){at, width, height, width};
+    at += (ptrdiff_t)width * height;
+    width = vista_frontend_reduced_px(width);
+    height = vista_frontend_reduced_px(height);
+  }
+  return vista_detector_match(f->detector, words);
+}
+
 /* The pose may arrive while the pair is matched. */
 static vista_status judge(flight *f, const shot *s, vista_detector_result *found) {
-  const vista_status status = vista_detector_match(f->detector, NULL);
+  const vista_status status = match(f, s);
   if (status != VISTA_OK) return status;
   const placement where = place_of(f, s);
   const vista_detector_place place = {.pose = where.has_pose ? &where.pose : NULL,
                                       .up_world = where.has_up ? where.up_world : NULL,
-                                      .velocity_m_s = where.has_velocity ? where.velocity_m_s : NULL};
+                                      .velocity_m_s = where.has_velocity ? where.velocity_m_s : NULL,
+                                      .anew = s->anew};
   return vista_detector_judge(f->detector, &place, found);
 }
 
@@ -130,9 +149,21 @@ static void write_line(flight *f, const shot *s, const vista_detector_result *fo
   if (!lines_write(&f->lines, f->line, bytes, &p)) say(&p, "; the flight goes on without it");
 }
 
+/* What the program has taken of the processors, without the thread of the source, whose time ends with it. */
+static double processor_ms(flight *f) {
+  struct timespec all = {0}, own;
+  clockid_t reader;
+  if (f->times.rows == NULL) return 0.0;
+  if (pthread_getcpuclockid(f->reader, &reader) == 0 && clock_gettime(reader, &own) == 0) f->reader_time = own;
+  (void)clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &all);
+  return 1e3 * (double)(all.tv_sec - f->reader_time.tv_sec) + 1e-6 * (double)(all.tv_nsec - f->reader_time.tv_nsec);
+}
+
 static void process(flight *f, const shot *s) {
   vista_detector_result found;
+  const double start_ms = processor_ms(f);
   if (!detect(f, s, &found)) return;
+  if (f->times.rows != NULL) times_add(&f->times, &found, processor_ms(f) - start_ms);
   f->aligned = found.alignment;
   f->alignments += found.alignment.changed;
   if (f->options.to != NULL) autopilot_tell(&f->autopilot, &found, s->exposed_ns);
@@ -152,11 +183,11 @@ static void watch(flight *f) {
 }
 
 bool flight_run(flight *f, const atomic_bool *interrupted, problem *p) {
-  pthread_t reader;
   if (f->options.to != NULL && !autopilot_start(&f->autopilot, p)) return false;
   watch(f);
   if (!guard_start(&f->guard, p)) return false;
-  if (pthread_create(&reader, NULL, read_frames, &f->source) != 0) return problem_say(p, "system", "gives no thread");
+  if (pthread_create(&f->reader, NULL, read_frames, &f->source) != 0)
+    return problem_say(p, "system", "gives no thread");
   while (!atomic_load(interrupted) && !mailbox_ended(&f->box)) {
     const shot *const s = mailbox_take(&f->box, TAKE_NS);
     atomic_store(&f->alive_ns, fly_now_ns());
@@ -164,11 +195,12 @@ bool flight_run(flight *f, const atomic_bool *interrupted, problem *p) {
   }
   atomic_store(&f->source.stopped, true);
   mailbox_close(&f->box);
-  (void)pthread_join(reader, NULL); /* the guard ends the program if it hangs */
+  (void)pthread_join(f->reader, NULL); /* the guard ends the program if it hangs */
   if (f->options.to != NULL) autopilot_stop(&f->autopilot);
   guard_close(&f->guard);
   *p = f->source.problem;
-  return p->line[0] == '\0';
+  if (p->line[0] != '\0') return false;
+  return f->times.rows == NULL || times_write(&f->times, f->options.times, p);
 }
 
 void flight_close(flight *f) {
@@ -178,7 +210,8 @@ void flight_close(flight *f) {
   mailbox_free(&f->box);
   vista_detector_destroy(f->detector);
   free(f->memory);
-  rig_free(&f->rig);
+  times_free(&f->times);
+  container_close(&f->file);
 }
 
 static void print_latency(const char *what, const char *of, const latency *l) {
@@ -188,7 +221,7 @@ static void print_latency(const char *what, const char *of, const latency *l) {
 
 static void print_alignment(const flight *f) {
   const vista_turn *const turn = &f->aligned.correction;
-  if (f->parameters.alignment.correct != VISTA_ALIGNMENT_CORRECT_ON) return;
+  if (f->file.parameters.alignment.correct != VISTA_ALIGNMENT_CORRECT_ON) return;
   dprintf(STDERR_FILENO,
           "vista-fly: the right camera corrected by %+.3f degrees in pitch, %+.3f in roll at the end; changed %" PRId64
           " times\n",

@@ -2,20 +2,24 @@
 #ifndef VISTA_FLY_FLIGHT_H
 #define VISTA_FLY_FLIGHT_H
 
+#include <time.h>
+
 #include "autopilot.h"
 #include "guard.h"
 #include "latency.h"
 #include "lines.h"
 #include "mailbox.h"
 #include "options.h"
-#include "rig.h"
 #include "source.h"
+#include "times.h"
 #include "vista/detector.h"
 
 typedef struct flight {
   options options;
-  vista_parameters parameters;
-  rig rig;
+  container file; /* of the rig and the parameters, and the recording */
+  times times;
+  pthread_t reader;            /* the thread of the source */
+  struct timespec reader_time; /* what it has taken of the processor */
   mailbox box;
   source source;
   vista_detector *detector;

@@ -5,7 +5,7 @@
 
 #define SECOND 1000000000LL
 
-bool mailbox_make(mailbox *box, int32_t pixels, bool patient) {
+bool mailbox_make(mailbox *box, int32_t pixels, size_t words, bool patient) {
   pthread_condattr_t attributes;
   *box = (mailbox){.patient = patient, .pixels = pixels, .writing = 0, .waiting = 1, .taken = 2};
   (void)pthread_condattr_init(&attributes);
@@ -15,14 +15,18 @@ bool mailbox_make(mailbox *box, int32_t pixels, bool patient) {
   (void)pthread_condattr_destroy(&attributes);
   for (int k = 0; k < 3; ++k) {
     box->shots[k].left = calloc(2, (size_t)pixels);
-    if (box->shots[k].left == NULL) return false;
+    box->shots[k].words = calloc(words + 1, sizeof(int16_t));
+    if (box->shots[k].left == NULL || box->shots[k].words == NULL) return false;
     box->shots[k].right = box->shots[k].left + pixels;
   }
   return true;
 }
 
 void mailbox_free(mailbox *box) {
-  for (int k = 0; k < 3; ++k) free(box->shots[k].left);
+  for (int k = 0; k < 3; ++k) {
+    free(box->shots[k].left);
+    free(box->shots[k].words);
+  }
   (void)pthread_cond_destroy(&box->changed);
   (void)pthread_mutex_destroy(&box->lock);
 }

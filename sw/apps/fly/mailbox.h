@@ -16,9 +16,13 @@ typedef struct shot {
   int64_t exposed_ns; /* the same moment on CLOCK_MONOTONIC */
   bool continues; /* false: what came before was another flight */
   bool has_pose, has_up;
-  vista_pose pose; /* of the raw left camera in the world */
+  vista_pose pose;       /* of the raw left camera in the world */
   double up_world[3];
+  bool anew;             /* poses begin anew */
+  bool matched;          /* the pair is rectified, its pose is of the rectified left camera, and there are words */
+  bool left_alone;       /* there is no right image */
   uint8_t *left, *right; /* height * width, in memory of the mailbox */
+  int16_t *words;        /* of all levels, where there are any */
 } shot;
 
 typedef struct mailbox {
@@ -32,8 +36,8 @@ typedef struct mailbox {
   int32_t pixels;
 } mailbox;
 
-/* False: out of memory. */
-bool mailbox_make(mailbox *box, int32_t pixels, bool patient);
+/* words: of a frame. False: out of memory. */
+bool mailbox_make(mailbox *box, int32_t pixels, size_t words, bool patient);
 void mailbox_free(mailbox *box);
 
 /* The frame to be written next. For the source alone. */

@@ -5,19 +5,19 @@
 #include <string.h>
 
 const char *const options_help =
-    "usage: vista-fly --rig FILE SOURCE [options]\n"
+    "usage: vista-fly SOURCE [options]\n"
     "\n"
     "Finds obstacles while the frames come, tells an autopilot of them and writes a line of JSON a frame: what\n"
-    "`vista live` does, without Python. `vista prepare` makes the rig and recordings beforehand.\n"
-    "\n"
-    "  --rig FILE             rig.vista of `vista prepare`: the cameras, and how their images are rectified\n"
-    "  --config FILE          parameters, as `vista config` prints them\n"
+    "`vista live` does, without Python. `vista prepare` makes its files beforehand.\n"
     "\n"
     "SOURCE is one of:\n"
     "  --camera DEVICE [DEVICE]  left and right camera of V4L2, or one whose picture holds both views side by side\n"
     "  --shared NAME          frames that another process shares (vista/shared_frames.h)\n"
-    "  --recording FILE       frames.vista of `vista prepare`, as fast as they were taken\n"
+    "  --recording FILE       frames.vista of `vista prepare`, as fast as they were taken, or what `vista run "
+    "--record`\n"
+    "                         wrote\n"
     "\n"
+    "  --rig FILE             rig.vista of `vista prepare`: cameras and parameters; a recording holds its own\n"
     "  --to TARGET            the autopilot: udp:ADDRESS:PORT or serial:DEVICE[:BAUD]\n"
     "  --listen PORT          the port of UDP to which the autopilot sends\n"
     "  --poses mavlink        poses are what the autopilot says, not what the source says\n"
@@ -26,6 +26,10 @@ const char *const options_help =
     "  --out FILE             append a line for each frame; - is stdout\n"
     "  --repeat               begin again after the last frame of a recording\n"
     "  --all-frames           process each frame of a recording, however long that takes\n"
+    "  --frames N             the first N frames of a recording alone\n"
+    "  --passes N             play a recording N times\n"
+    "  --threads N            threads of the host, in place of what the recording says\n"
+    "  --times FILE           the times of all stages of each frame, as comma-separated values; with --all-frames\n"
     "  --watchdog S           end when a thread stands still for so long, to be started again (default 3)\n"
     "  --version, --help\n"
     "\n"
@@ -74,12 +78,16 @@ static bool take_flag(const char *name, options *o) {
 /* The option at *at and its value, which it leaves *at on. */
 static bool take(int argc, char *const *argv, int *at, options *o, double *listen, problem *p) {
   const char *poses = NULL, *const name = argv[*at];
-  const named_text texts[] = {{"--rig", &o->rig},       {"--config", &o->config}, {"--recording", &o->recording},
-                              {"--shared", &o->shared}, {"--to", &o->to},         {"--out", &o->out},
+  const named_text texts[] = {{"--rig", &o->rig},     {"--recording", &o->recording},
+                              {"--times", &o->times}, {"--shared", &o->shared},
+                              {"--to", &o->to},       {"--out", &o->out},
                               {"--poses", &poses}};
   const named_number numbers[] = {{"--pose-delay-ms", 0.0, 1000.0, &o->pose_delay_ms},
                                   {"--pair-tolerance-ms", 0.0, 1000.0, &o->pair_tolerance_ms},
                                   {"--watchdog", 0.5, 3600.0, &o->watchdog_s},
+                                  {"--frames", 1.0, 1e6, &o->frames},
+                                  {"--passes", 1.0, 1e6, &o->passes},
+                                  {"--threads", 1.0, 2.0, &o->threads},
                                   {"--listen", 1.0, 65535.0, listen}};
   if (take_flag(name, o)) return true;
   if (strcmp(name, "--camera") == 0) return take_devices(argc, argv, at, o, p);
@@ -102,10 +110,22 @@ static bool take(int argc, char *const *argv, int *at, options *o, double *liste
 
 static bool check(const options *o, problem *p) {
   const int sources = (o->recording != NULL) + (o->shared != NULL) + (o->camera_count > 0);
-  if (o->rig == NULL) return problem_say(p, "--rig", "is needed: vista prepare makes it (see vista-fly --help)");
+  const char *const of_recordings = o->repeat          ? "--repeat"
+                                    : o->all_frames    ? "--all-frames"
+                                    : o->times != NULL ? "--times"
+                                    : o->frames > 0.0  ? "--frames"
+                                    : o->passes > 0.0  ? "--passes"
+                                    : o->threads > 0.0 ? "--threads"
+                                                       : NULL;
   if (sources != 1) return problem_say(p, "vista-fly", "takes one of --camera, --shared and --recording");
-  if ((o->repeat || o->all_frames) && o->recording == NULL)
-    return problem_say(p, o->repeat ? "--repeat" : "--all-frames", "goes with --recording");
+  if (o->rig == NULL && o->recording == NULL)
+    return problem_say(p, "--rig", "is needed: vista prepare makes it (see vista-fly --help)");
+  if (o->rig != NULL && o->recording != NULL)
+    return problem_say(p, "--rig", "is not needed: a recording holds its own");
+  if (of_recordings != NULL && o->recording == NULL) return problem_say(p, of_recordings, "goes with --recording");
+  if (o->repeat && o->passes > 0.0) return problem_say(p, "--passes", "does not go with --repeat");
+  if (o->times != NULL && !o->all_frames) return problem_say(p, "--times", "goes with --all-frames");
+  if (o->times != NULL && o->repeat) return problem_say(p, "--times", "goes with --passes, not with --repeat");
   if (o->poses_from_mavlink && o->to == NULL) return problem_say(p, "--poses mavlink", "needs --to");
   if (o->poses_from_mavlink && o->all_frames)
     return problem_say(p, "--poses mavlink", "goes with frames of this moment, not with --all-frames");
@@ -122,6 +142,9 @@ bool options_parse(int argc, char *const *argv, options *o, problem *p) {
     if (o->want != OPTIONS_FLY) return true;
   }
   if (listen != floor(listen)) return problem_say(p, "--listen", "is no port");
+  const double counts[] = {o->frames, o->passes, o->threads};
+  for (int k = 0; k < 3; ++k)
+    if (counts[k] != floor(counts[k])) return problem_say(p, "vista-fly", "%g is no whole number", counts[k]);
   o->listen_port = (int)listen;
   return check(o, p);
 }

@@ -12,11 +12,12 @@ typedef enum options_want { OPTIONS_FLY = 0, OPTIONS_HELP, OPTIONS_VERSION } opt
 /* Texts lead into the command line; null: not given. */
 typedef struct options {
   options_want want;
-  const char *rig, *config, *recording, *shared, *camera[2], *to, *out;
+  const char *rig, *recording, *shared, *camera[2], *to, *out, *times;
   int camera_count;
   bool poses_from_mavlink, repeat, all_frames;
   double pose_delay_ms, pair_tolerance_ms, watchdog_s;
-  int listen_port; /* 0: any */
+  double passes, frames, threads; /* of a recording: 0 is without end, all, as it says */
+  int listen_port;                /* 0: any */
 } options;
 
 extern const char *const options_help;

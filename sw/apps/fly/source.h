@@ -6,6 +6,7 @@
 #include <stdatomic.h>
 #include <stdint.h>
 
+#include "container.h"
 #include "mailbox.h"
 #include "problem.h"
 
@@ -26,13 +27,14 @@ struct source {
   atomic_bool stopped;
   atomic_llong alive_ns; /* when the thread of the source last did something */
   atomic_llong skipped; /* frames that the source left out itself */
+  int64_t passes, frames; /* of a recording: how often it is played, 0: without end; frames of a pass, 0: all */
   problem problem;
   void *own; /* of the kind */
 };
 
-/* A file of frames, as fast as it was taken, or with a patient mailbox as fast as it is taken from. repeat: begins again
- * after the last frame. */
-bool source_open_recording(source *s, const char *path, bool repeat, problem *p);
+/* The frames of an open container, as fast as they were taken, or with a patient mailbox as fast as they are taken from.
+ * passes, frames: as in source. */
+bool source_open_recording(source *s, container *c, int64_t passes, int64_t frames, problem *p);
 
 /* Frames that another process shares, as vista/shared_frames.h describes. It may come later, and go and come back. */
 bool source_open_shared(source *s, const char *name, problem *p);

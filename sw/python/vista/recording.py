@@ -1,89 +1,141 @@
-"""Recordings of what the host receives, for the replay program in C (little-endian, no padding).
+"""What vista-fly takes along: a rig, parameters, and frames if it is a recording (little-endian, unpadded).
 
-    header  char[8] "VISTAREC", uint32 version = 4, uint32 width, uint32 height, uint32 parameter count,
-            double focal_px, cx, cy, baseline_m, uint32 coarser levels (0: level 0 only)
-    parameter  char[48] "section.name", char[32] name of a choice (empty: a number), both zero-padded,
-            double value (0 for a choice)
-    frame   int64 t_ns, uint32 anew (1: the host forgets what came before), uint32 has_pose, uint32 has_up,
-            double rotation[9], translation_m[3] (world_from_camera; zeros without a pose),
-            double up_world[3] (zeros without),
-            uint8 left[height][width], int16 disparity[height][width] (1/16 px, negative = invalid),
-            and the disparities of each coarser level, half the size of the one before, rounded up
-
-Frames follow each other to the end of the file.
+head    char[8] "VISTAREC", uint32 version = 5, width, height, tables (how raw images are rectified: 0: they
+        come rectified, 1: by a map, 2: by a control grid), rectify_rows, content (of a frame: 0: a raw pair,
+        1: the rectified left image and words, 2: the rectified pair and words), stills (1: each frame shows
+        another scene), number of parameters,
+        double focal_px, cx, cy, baseline_m (rectified), left_from_rectified[9] (row-major rotation);
+        of the raw right camera double fx, fy, cx, cy, distortion[8], rectified_from_right[9] (rotation),
+        uint64 lens (0: pinhole, 1: fisheye), as vista/correction.h has them;
+        char[192] what is wrong with the baseline, char[192] what with the calibration (empty: nothing)
+then    parameters: char[48] "section.name", char[32] name of a choice (empty: a number), both zero-padded,
+        double value (0 for a choice)
+then    for the left and for the right camera, with a map: int16 (u, v)[height][width], whole pixels of the
+        source, uint16 fraction[height][width], 32 * v + u in 1/32 px; with a grid: int16 (dx, dy) of each
+        control point (doc/design/engine-contract.md)
+then    frames to the end of the file: int64 t_ns, uint32 index, uint32 flags (1: poses begin anew, 2: there
+        is a pose, 4: a direction), double rotation[9], translation_m[3] (world_from_camera: of the raw left
+        camera, with words of the rectified one), up_world[3]; zeros where there is none;
+        uint8 left[height][width], right[height][width] if there is one, and with words int16 disparities
+        (1/16 px, negative = invalid) of each of stereo.levels levels, each half the size of the one before,
+        rounded up
 """
 
 from __future__ import annotations
 
 import struct
 from collections.abc import Sequence as Levels
+from enum import IntEnum
 from pathlib import Path
 from types import TracebackType
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vista import parameters
 from vista.errors import InputError
-from vista.geometry import Calibration
+from vista.geometry import Array, Pose
+from vista.health.finding import Reason
+from vista.health.monitor import HealthMonitor
 from vista.output import check_replaceable, unwritable
+from vista.rectify import Rectifier
 from vista.sequence import Frame, Sequence
 
-MAGIC = b"VISTAREC"
-VERSION = 4
-HEADER = struct.Struct("<8s4I4dI")
+MAGIC, VERSION = b"VISTAREC", 5
+HEAD = struct.Struct("<8s8I4d9d4d8d9dQ192s192s")
 PARAMETER = struct.Struct("<48s32sd")
-FRAME = struct.Struct("<q3I9d3d3d")
+FRAME = struct.Struct("<q2I9d3d3d")
+PROBLEMS = (Reason.BASELINE_IMPLAUSIBLE, Reason.CALIBRATION_MISFIT)
+ANEW, HAS_POSE, HAS_UP = 1, 2, 4
+
+
+class Content(IntEnum):
+    """What a frame holds."""
+
+    RAW = 0
+    LEFT = 1
+    PAIR = 2
+
+
+def head_bytes(
+    recorded: Sequence, rectifier: Rectifier, values: parameters.Values, content: Content = Content.RAW
+) -> bytes:
+    """Everything but frames: a rig, if none follow."""
+    found = {finding.reason: finding.text for finding in HealthMonitor(recorded).of_run}
+    tables = [_table_bytes(table) for table in rectifier.grids_or_maps]
+    camera, right, flat = rectifier.calibration, rectifier.right, parameters.flat(values)
+    head = HEAD.pack(
+        MAGIC,
+        VERSION,
+        camera.width,
+        camera.height,
+        0 if not tables else 1 if rectifier.grids is None else 2,
+        int(values["stereo"]["rectify_rows"]),
+        content,
+        recorded.stills,
+        len(flat),
+        camera.focal_px,
+        camera.cx,
+        camera.cy,
+        camera.baseline_m,
+        *rectifier.left_from_rectified.rotation.ravel(),
+        *right.intrinsics_px,
+        *right.distortion,
+        *right.rectified_from_raw.ravel(),
+        right.lens,
+        *(found.get(reason, "").encode()[:191] for reason in PROBLEMS),
+    )
+    return head + b"".join(map(_parameter_bytes, flat.items())) + b"".join(tables)
+
+
+def _parameter_bytes(item: tuple[str, Any]) -> bytes:
+    name, value = item
+    choice, number = (value, 0.0) if isinstance(value, str) else ("", float(value))
+    return PARAMETER.pack(name.encode(), choice.encode(), number)
+
+
+def _table_bytes(table: Any) -> bytes:
+    """A control grid, or the two parts of a map."""
+    if not isinstance(table, tuple):
+        return bytes(table.astype("<i2").tobytes())
+    whole, fraction = table
+    return bytes(whole.astype("<i2").tobytes() + fraction.astype("<u2").tobytes())
 
 
 class Recorder:
     """Writes a recording beside its target; leaving the `with` block puts it in place, whole frames only."""
 
     def __init__(
-        self, path: Path, sequence: Sequence, camera: Calibration, values: parameters.Values
+        self,
+        path: Path,
+        recorded: Sequence,
+        rectifier: Rectifier,
+        values: parameters.Values,
+        content: Content = Content.RAW,
     ) -> None:
-        self._path = path
+        self._path, self._content = path, content
         self._part = path.with_name(f".{path.name}.part")
-        self._up_world = sequence.up_world
-        self._levels = values["stereo"]["levels"]
+        self._up_world = recorded.up_world
+        self._levels = int(values["stereo"]["levels"]) if content != Content.RAW else 0
+        head = head_bytes(recorded, rectifier, values, content)
         check_replaceable(path)
         try:
             self._stream = self._part.open("wb")
         except OSError as error:
             raise unwritable(self._path, error) from None
-        self._write(
-            HEADER.pack(
-                MAGIC,
-                VERSION,
-                camera.width,
-                camera.height,
-                sum(len(content) for content in values.values()),
-                camera.focal_px,
-                camera.cx,
-                camera.cy,
-                camera.baseline_m,
-                self._levels - 1,
-            )
-        )
-        for name, value in parameters.flat(values).items():
-            choice, number = (value, 0.0) if isinstance(value, str) else ("", float(value))
-            self._write(PARAMETER.pack(name.encode(), choice.encode(), number))
+        self._write(head)
         self._frames = 0
 
-    def write(self, frame: Frame, levels: Levels[NDArray[np.int16]], anew: bool) -> None:
-        """frame: rectified; levels: the words of each; anew: the host was reset before it. Raises InputError
-        when the file cannot be written."""
+    def write(self, frame: Frame, levels: Levels[NDArray[np.int16]] = (), anew: bool = False) -> None:
+        """frame: raw, or rectified if its words are recorded; levels: the words of each; anew: the poses
+        begin anew. Raises InputError when the file cannot be written."""
         if len(levels) != self._levels:
             raise ValueError(f"{len(levels)} levels in a recording of {self._levels}")
-        pose, up = frame.world_from_camera, self._up_world
-        numbers = np.zeros(15)
-        if pose is not None:
-            numbers[:9], numbers[9:12] = pose.rotation.ravel(), pose.translation_m
-        if up is not None:
-            numbers[12:] = up
-        head = FRAME.pack(frame.t_ns, anew, pose is not None, up is not None, *numbers)
+        head = frame_head(frame.t_ns, frame.index, anew, frame.world_from_camera, self._up_world)
+        right = b"" if self._content == Content.LEFT else frame.right.tobytes()
         words = b"".join(level.astype("<i2", copy=False).tobytes() for level in levels)
-        self._write(head + frame.left.tobytes() + words)
+        self._write(head + frame.left.tobytes() + right + words)
         self._frames += 1
 
     def __enter__(self) -> Recorder:
@@ -92,9 +144,11 @@ class Recorder:
     def __exit__(
         self, kind: type[BaseException] | None, value: BaseException | None, trace: TracebackType | None
     ) -> None:
+        """A raw recording is whole or not there; of words, an image that cannot be read ends it."""
+        over = self._content != Content.RAW and kind is not None and issubclass(kind, InputError)
         try:
             self._stream.close()
-            if self._frames > 0 and (kind is None or issubclass(kind, InputError)):
+            if self._frames > 0 and (kind is None or over):
                 self._part.replace(self._path)
         except OSError as error:
             raise unwritable(self._path, error) from None
@@ -106,3 +160,13 @@ class Recorder:
             self._stream.write(data)
         except OSError as error:
             raise unwritable(self._path, error) from None
+
+
+def frame_head(t_ns: int, index: int, anew: bool, pose: Pose | None, up_world: Array | None) -> bytes:
+    numbers = np.zeros(15)
+    if pose is not None:
+        numbers[:9], numbers[9:12] = pose.rotation.ravel(), pose.translation_m
+    if up_world is not None:
+        numbers[12:] = up_world
+    flags = ANEW * anew | HAS_POSE * (pose is not None) | HAS_UP * (up_world is not None)
+    return FRAME.pack(t_ns, index, flags, *numbers)

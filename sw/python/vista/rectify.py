@@ -107,6 +107,12 @@ class Rectifier:
         self.left_from_rectified = Pose(left[0].T)
         self.calibration = _calibration(raw.left, left[1], float(-right[1][0, 3] / right[1][0, 0]))
 
+    @property
+    def grids_or_maps(self) -> tuple[Grid, ...] | tuple[Map, ...]:
+        """What rectifies the left and the right image as calibrated; empty where they come rectified."""
+        grids = self._calibrated
+        return self.maps if grids is None else (grids.left, grids.right)
+
     def align(self, turn: Turn, table: Map | Grid | None) -> None:
         """Rectifies right images by the table from now on, which is for a camera that has turned like this.
         None: by that of the calibration.

@@ -1,8 +1,8 @@
 """Make the files that vista-fly takes along on an aircraft without Python.
 
 SEQUENCE is a recording, as `vista run` takes it: its rig (the rectified cameras, and how their images are
-rectified) goes to DIR/rig.vista, its frames to DIR/frames.vista. Cameras need a rig alone: for them give
---calibration and --size-px in place of SEQUENCE.
+rectified) goes with the parameters to DIR/rig.vista, the same with its frames to DIR/frames.vista. Cameras
+need a rig alone: for them give --calibration and --size-px in place of SEQUENCE.
 """
 
 from __future__ import annotations
@@ -17,13 +17,16 @@ from vista.command.arguments import add_config
 from vista.command.run import frame_range, select_frames
 from vista.command.source_arguments import add_size_px, add_source, source_options
 from vista.errors import EXIT_OK, InputError
-from vista.flight_files import FRAMES, RIG, rig_bytes, write_frames
 from vista.interruption import Interruption
 from vista.output import make_folder, write_atomically
 from vista.parameters import load
+from vista.recording import Recorder, head_bytes
+from vista.rectify import Rectifier
 from vista.report.labels import counted
 from vista.sequence import FrameFiles, Sequence, open_sequence
 from vista.sequence.pairs import read_calibration_file
+
+RIG, FRAMES = "rig.vista", "frames.vista"  # names of the files
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -36,12 +39,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(arguments: argparse.Namespace) -> int:
     recorded, frames = opened(arguments)
-    rig = rig_bytes(recorded, int(load(arguments.config)["stereo"]["rectify_rows"]))
+    values = load(arguments.config)
+    rectifier = Rectifier(recorded.calibration, int(values["stereo"]["rectify_rows"]))
+    rig = head_bytes(recorded, rectifier, values)
     make_folder(arguments.out)
     interruption = Interruption()
     if frames:
-        with interruption.watch():
-            write_frames(arguments.out / FRAMES, recorded, uninterrupted(frames, recorded.name, interruption))
+        recorder = Recorder(arguments.out / FRAMES, recorded, rectifier, values)
+        with interruption.watch(), recorder:
+            for files in uninterrupted(frames, recorded.name, interruption):
+                recorder.write(recorded.read(files), anew=files.anew)
     write_atomically(arguments.out / RIG, rig)
     print(f"{arguments.out}: {RIG}" + (f", {counted(len(frames), 'frame')} in {FRAMES}" if frames else ""))
     return EXIT_OK

@@ -36,7 +36,7 @@ from vista.health.alignment_summary import summarize_alignment
 from vista.health.summary import health_sentence, summarize_health
 from vista.history import FrameRecord, stage_statistics
 from vista.interruption import Interruption
-from vista.recording import Recorder
+from vista.recording import Content, Recorder
 from vista.report.labels import counted
 from vista.report.overlay import Overlay
 from vista.report.run_report import render_report
@@ -86,7 +86,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--threads", type=positive, default=1, metavar="N", help="threads of the engine (default 1)"
     )
     parser.add_argument(
-        "--record", type=Path, metavar="FILE", help="record what the host receives, for replay in C"
+        "--record",
+        type=Path,
+        metavar="FILE",
+        help="record the rectified pairs and their disparities, for vista-fly",
     )
     parser.add_argument(
         "--bag",
@@ -170,7 +173,7 @@ def open_recorder(
 ) -> AbstractContextManager[Recorder | None]:
     if path is None:
         return nullcontext()
-    return Recorder(path, chain.sequence, chain.rectifier.calibration, values)
+    return Recorder(path, chain.sequence, chain.rectifier, values, Content.PAIR)
 
 
 def open_bag(path: Path | None, chain: Chain) -> AbstractContextManager[BagWriter | None]:

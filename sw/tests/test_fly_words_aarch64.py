@@ -15,7 +15,7 @@ from shared_data import REPOSITORY, SHARED_DATA
 from vista import native
 from vista.cli import main
 
-RUN, PROGRAM = REPOSITORY / "build/tools/aarch64/run", REPOSITORY / "build/aarch64/bin/replay"
+RUN, PROGRAM = REPOSITORY / "build/tools/aarch64/run", REPOSITORY / "build/aarch64/bin/vista-fly"
 STREET = SHARED_DATA / "kitti_odometry" / "sequences" / "00"
 TOLERANCE = 1e-9  # relative: the mathematical functions of two C libraries differ in the last digit
 
@@ -47,8 +47,10 @@ def assert_same(here: Any, there: Any, where: str) -> None:
 
 
 def compare(recording: Path) -> list[dict[str, Any]]:
-    here = frames(native.build_folder() / "bin/replay", recording)
-    there = frames(RUN, PROGRAM, recording)
+    options = ["--recording", recording, "--all-frames", "--watchdog", 600, "--out", "-"]
+    here, there = frames(native.build_folder() / "bin/vista-fly", *options), frames(RUN, PROGRAM, *options)
+    for frame in (*here, *there):
+        del frame["processing_ms"]
     assert_same(here, there, "frames")
     return there
 
