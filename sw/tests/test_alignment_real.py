@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 import turned_camera as turned
-from shared_data import SHARED_DATA
 from turned_camera import Corrected, Grey, degrees
+from turned_recordings import REAL as RECORDINGS
 from vista.alignment import State, Turn
 from vista.geometry import Calibration
 from vista.health.finding import State as Health
@@ -17,11 +17,6 @@ from vista.sequence import open_sequence
 
 pytestmark = pytest.mark.slow
 
-# Place, and the median row error that is left in its images, px: the street's calibration is no better.
-RECORDINGS = {
-    "EuRoC V1_01": (SHARED_DATA / "euroc_v101", 0.2),
-    "KITTI odometry 00": (SHARED_DATA / "kitti_odometry" / "sequences" / "00", 0.35),
-}
 BEFORE, AFTER = 20, 50
 JUMPS = {"pitch": (0.5, 0.0), "roll": (0.0, 0.5), "both": (-0.5, 0.5)}
 

@@ -10,6 +10,7 @@ import numpy as np
 import turned_camera as turned
 from random_seed import seeded
 from sequence_cases import write_image
+from shared_data import SHARED_DATA
 from turned_camera import Grey
 from vista.alignment import Turn
 from vista.geometry import Array, Calibration, Pose, camera_matrix
@@ -36,6 +37,11 @@ RAW = {
     "radial": raw_calibration("pinhole", [-0.2, 0.05, 1e-3, -5e-4]),
     "rational": raw_calibration("pinhole", [0.3, 0.1, 1e-3, -5e-4, 0.02, 0.5, 0.1, 0.01]),
     "fisheye": raw_calibration("fisheye", [0.02, -0.01, 0.003, 0.0]),
+}
+# Place, and the median row error that is left in its images, px: the street's calibration is no better.
+REAL = {
+    "EuRoC V1_01": (SHARED_DATA / "euroc_v101", 0.2),
+    "KITTI odometry 00": (SHARED_DATA / "kitti_odometry" / "sequences" / "00", 0.35),
 }
 PERIOD_NS = 40_000_000
 

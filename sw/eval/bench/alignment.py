@@ -2,11 +2,11 @@
 
 usage: alignment.py OUT.json [--figure PNG] [FLIGHT ...]
 
-Recordings are those of sw/tests/test_alignment_real.py, and rendered flights whose folders are given. They
-are played at 25 pairs/s, forwards and backwards; the raw right images are turned after 0.8 s. Each pair is
-rectified and corrected as in `vista run`. What is measured is not what corrects: the rows of SIFT features
-over all recordings of a group, with their median and 90th percentile, and in how many recordings the median
-is within the aim at the end."""
+Recordings are the real ones of sw/tests/turned_recordings.py, and rendered flights whose folders are given.
+They are played at 25 pairs/s, forwards and backwards; the raw right images are turned after 0.8 s. Each pair
+is rectified and corrected as in `vista run`. What is measured is not what corrects: the rows of SIFT
+features over all recordings of a group, with their median and 90th percentile, and in how many recordings
+the median is within the aim at the end."""
 
 from __future__ import annotations
 
@@ -25,9 +25,8 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "tests"))
 
 import turned_camera as turned
-from test_alignment_real import RECORDINGS
 from turned_camera import Grey, degrees
-from turned_recordings import sampled, turned_places
+from turned_recordings import REAL, sampled, turned_places
 from vista import parameters
 from vista.alignment import Alignment, Turn
 from vista.correction import Correction
@@ -257,7 +256,7 @@ def main() -> None:
     parser.add_argument("flights", type=Path, nargs="*")
     parser.add_argument("--figure", type=Path)
     options = parser.parse_intermixed_args()
-    recordings = [recording(name, place) for name, (place, _) in RECORDINGS.items() if place.is_dir()]
+    recordings = [recording(name, place) for name, (place, _) in REAL.items() if place.is_dir()]
     recordings += [recording("rendered flights", flight) for flight in options.flights]
     rows, cost = measure(recordings), cost_ms(recordings)
     if options.figure:

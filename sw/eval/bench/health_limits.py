@@ -2,7 +2,7 @@
 
 usage: health_limits.py OUT.json
 
-The recordings and faults are those of sw/tests/test_health_real.py."""
+The recordings and faults are those of sw/tests/faulty_recordings.py."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "tests"))
 
-import test_health_real as real
+import faulty_recordings as real
 from vista.health.checks import NEGATIVE_PX
 from vista.health.features import match_pair
 from vista.health.monitor import FEATURES

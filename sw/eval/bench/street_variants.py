@@ -1,4 +1,4 @@
-"""Measure what each choice of the host is worth on the street of sw/tests/test_street.py (KITTI odometry 00).
+"""Measure what each choice of the host is worth on a street (sw/tests/street_drive.py: KITTI odometry 00).
 
 usage: street_variants.py [VARIANT ...] [--out FILE.json]
 
@@ -22,7 +22,7 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "tests"))
 
-import test_street as street
+import street_drive as street
 from vista import parameters
 from vista_eval.jobs import add_place, chosen_place, exit_on_failure, jobs_of, run
 from vista_eval.metrics import street as measures
