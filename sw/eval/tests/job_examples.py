@@ -47,15 +47,6 @@ def held(folder: Path, hold_s: float, victims: tuple[int, ...], seed: int) -> di
     return found
 
 
-def threads_of_the_renderer(_: int) -> tuple[bool, int]:
-    import drjit
-    from vista_eval.jobs import is_worker, keep_to_one_core
-
-    drjit.set_thread_count(2)
-    keep_to_one_core()
-    return is_worker(), drjit.thread_count()
-
-
 def kills_itself(seed: int) -> int:
     if seed == 2:
         os.kill(os.getpid(), signal.SIGKILL)

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import argparse
 from functools import partial
+from multiprocessing import parent_process
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -20,7 +21,7 @@ from vista.errors import EXIT_OK, InputError
 
 from vista_eval.command.arguments import add_quality, add_sensor_noise
 from vista_eval.dataset.truth import TRUTH
-from vista_eval.jobs import add_place, chosen_place, is_worker, jobs_of, keep_to_one_core, run
+from vista_eval.jobs import add_place, chosen_place, jobs_of, run
 
 if TYPE_CHECKING:
     from vista_eval.render.flight import Flight, Quality
@@ -115,10 +116,9 @@ def render(folder: Path, quality: Quality, name: str) -> None:
     out = folder / name
     if is_complete(flight, out, "full") or is_complete(flight, out, quality):
         return
-    keep_to_one_core()
     try:
         frames = render_flight(flight, out, quality)
-        quiet = True if is_worker() else None
+        quiet = None if parent_process() is None else True  # of several that share a screen
         for _ in tqdm(frames, name, frames_of(flight, quality), unit="frame", leave=False, disable=quiet):
             pass
     except OSError as error:

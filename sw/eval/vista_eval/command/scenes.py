@@ -24,7 +24,7 @@ from vista.command.arguments import add_config, load_parameters, positive
 from vista.errors import EXIT_OK, InputError
 
 from vista_eval.command.arguments import add_quality
-from vista_eval.jobs import add_place, chosen_place, jobs_of, keep_to_one_core, run
+from vista_eval.jobs import add_place, chosen_place, jobs_of, run
 
 if TYPE_CHECKING:
     from vista_eval.render.flight import Quality
@@ -84,7 +84,6 @@ def render_scene(folder: Path, quality: Quality, seed: int) -> None:
     from vista_eval.render.flight import render_flight
     from vista_eval.worlds.labelled import labelled  # loads what draws, which `--help` need not
 
-    keep_to_one_core()
     flight = labelled(seed)
     for _ in render_flight(flight, folder / flight.name, quality):
         pass

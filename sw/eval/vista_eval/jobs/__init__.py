@@ -11,7 +11,6 @@ that fails is named in one line on stderr, and the others go on; `run` then rais
 from vista_eval.jobs.job import ATTEMPTS, Failure, Job, jobs_of
 from vista_eval.jobs.place import HERE, Place, add_place, chosen_place
 from vista_eval.jobs.run import exit_on_failure, outcomes, run
-from vista_eval.jobs.worker import is_worker, keep_to_one_core
 
 __all__ = [
     "ATTEMPTS",
@@ -22,9 +21,7 @@ __all__ = [
     "add_place",
     "chosen_place",
     "exit_on_failure",
-    "is_worker",
     "jobs_of",
-    "keep_to_one_core",
     "outcomes",
     "run",
 ]

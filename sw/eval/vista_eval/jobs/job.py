@@ -81,7 +81,3 @@ def described(error: BaseException) -> str:
     place = traceback.extract_tb(error.__traceback__)[-1]
     where = f"{Path(place.filename).name}:{place.lineno}"
     return " ".join(f"{type(error).__name__} at {where}: {error}".split())
-
-
-def died(job: str, how: str) -> Failure:
-    return Failure(job, f"its worker {how} in each of {ATTEMPTS} attempts")
