@@ -2,12 +2,14 @@
 
 #include <math.h>
 #include <stdbool.h>
+#include <stddef.h>
 #include <stdint.h>
 
 #include "common/agreement.h"
+#include "common/frame.h"
 #include "common/median.h"
 #include "common/numbers.h"
-#include "health/ground_view.h"
+#include "perceive/frame_view.h"
 
 #define ROW_STEP 2 /* neighbouring rows say the same */
 
@@ -90,6 +92,45 @@ static counted_words count(const vista_matched_area *matched, bool noisy, const 
   return sum;
 }
 
+#define LOOK_M 30.0    /* The columns that are asked are as wide as the collision volume is so far along the path. */
+#define SIDEWAYS_M 3.0 /* Nearer along the optical axis than this the path leaves the view to the side. */
+#define STEP_PX 4
+#define SAMPLES_MIN 50
+
+/* Share of what is below the horizon, where the aircraft flies to, that has a disparity. Whatever is seen there is the
+ * ground or something before it. A plain wall, dark glass or sheet metal that cannot be matched hides that ground and
+ * leaves nothing in its place, although the rest of the image may be full of disparities. The share is 1 where hardly
+ * anything below the horizon is in view, or where nobody knows where the horizon is. agreeing: only disparities that
+ * another one agrees with count. */
+static double ground_view(const vista_frame_view *frame, bool agreeing) {
+  const vista_camera *const camera = frame->camera;
+  const vista_matched_area *const matched = &frame->matched;
+  const vista_disparity_image *const disparity = &frame->words;
+  const double *const up = frame->up_camera, radius_m = frame->params->obstacle_map.collision_radius_m;
+  if (!frame->up_known) return 1.0;
+  double point_m[3], at_m[3];
+  vista_flight_path_point(&frame->path, fmin(LOOK_M, frame->path.length_m), point_m, NULL);
+  vista_frame_to_camera(&frame->motion.pose, point_m, at_m);
+  if (!(at_m[2] > SIDEWAYS_M)) return 1.0;
+  const double scale = camera->focal_px / at_m[2], middle = camera->center_u_px + scale * at_m[0];
+  const int32_t distance = agreeing ? vista_agreement_distance(matched) : 0, margin = (int32_t)matched->margin_px;
+  const int32_t left = (int32_t)matched->margin_left_px + distance, right = disparity->width_px - margin - distance;
+  const int32_t first = (int32_t)fmin(fmax(middle - scale * radius_m, left), right);
+  const int32_t end = (int32_t)fmin(fmax(middle + scale * radius_m, left), right);
+  int32_t seen = 0, asked = 0;
+  for (int32_t v = margin; v < disparity->height_px - margin; v += STEP_PX) {
+    const int16_t *const row = disparity->data + v * disparity->stride;
+    const double y = (v - camera->center_v_px) / camera->focal_px;
+    for (int32_t u = first; u < end; u += STEP_PX) {
+      const double x = (u - camera->center_u_px) / camera->focal_px;
+      if (x * up[0] + y * up[1] + up[2] >= 0.0) continue;
+      ++asked;
+      seen += agreeing ? vista_word_agrees(row, u, distance) : row[u] >= 0;
+    }
+  }
+  return asked >= SAMPLES_MIN ? (double)seen / asked : 1.0;
+}
+
 void vista_health_judge(const vista_frame_view *frame, const vista_cells *cells, vista_health *health,
                         double *valid_fraction) {
   const vista_health_params *const params = &frame->params->health;
@@ -110,7 +151,7 @@ void vista_health_judge(const vista_frame_view *frame, const vista_cells *cells,
       [VISTA_HEALTH_MOTION_UNKNOWN] = motion->source == VISTA_MOTION_CARRIED_ON,
       [VISTA_HEALTH_POSE_JUMP] = motion->source == VISTA_MOTION_REFUSED || motion->restarted,
       [VISTA_HEALTH_NOISE] = noisy && agreeing < params->degraded_fraction,
-      [VISTA_HEALTH_GROUND_UNSEEN] = vista_ground_view(frame, noisy) < params->ground_fraction,
+      [VISTA_HEALTH_GROUND_UNSEEN] = ground_view(frame, noisy) < params->ground_fraction,
   };
   for (int k = 0; k < VISTA_HEALTH_REASON_COUNT; ++k) {
     if (!holds[k]) continue;

@@ -4,7 +4,7 @@
  * cloud, the night. Such a frame is BLIND. DEGRADED is one that was seen in part, or whose place in the world rests on
  * a guess. Noise must not pass for something seen: in a noisy image those disparities count that another one agrees
  * with (agreement.h), which chance does not bring about. The contrast is that of the cells, which average the noise of
- * the sensor away, less what is left of it. A frame is degraded, too, where the ground ahead is not seen (ground_view.h). */
+ * the sensor away, less what is left of it. A frame is degraded, too, where the ground ahead is not seen. */
 #ifndef VISTA_HEALTH_H
 #define VISTA_HEALTH_H
 
