@@ -21,9 +21,9 @@ import numpy as np
 import numpy.typing as npt
 from PIL import Image
 from simulated_board import program_of, running
-from vista.control_grid import by_grid
 from vista.engine import EngineParameters, StereoEngine
 from vista.engine.board import BoardClient, BoardError
+from vista.rectify import by_table
 
 ROOT = Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(ROOT / p) for p in ("scripts", "tb/common", "model", "build/python")]
@@ -52,7 +52,7 @@ class Session:
         """Words of the C model."""
         left, right = pair
         if len(self.grids):
-            left, right = (by_grid(grid)(image) for grid, image in zip(self.grids, pair, strict=True))
+            left, right = (by_table(grid)(image) for grid, image in zip(self.grids, pair, strict=True))
         levels = StereoEngine(**asdict(self.parameters)).compute_levels(left, right)
         return np.concatenate([words.ravel() for words in levels])
 

@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 from vista import native
-from vista.control_grid import by_grid
 from vista.engine import StereoEngine
+from vista.rectify import by_table
 
 ffi, lib = native.load("vista")
 
@@ -94,7 +94,7 @@ def random_settings(rng: np.random.Generator) -> Settings:
 def golden(settings: Settings, left: np.ndarray, right: np.ndarray) -> np.ndarray:
     """The words of the C model, all levels one after the other; levels that are not sent have none anyway."""
     if "left_map" in settings:
-        left, right = by_grid(settings["left_map"])(left), by_grid(settings["right_map"])(right)
+        left, right = by_table(settings["left_map"])(left), by_table(settings["right_map"])(right)
     off = settings["lr_max_diff"] < 0
     engine = StereoEngine(
         16, 5, "xsobel" if settings["xsobel"] else "none", settings["prefilter_cap"],

@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 from shared_data import REPOSITORY
-from vista.control_grid import by_grid
 from vista.engine import StereoEngine
+from vista.rectify import by_table
 
 _PAGE = (REPOSITORY / "rtl" / "csr" / "registers.md").read_text()
 ADDRESS = {name: int(at, 16) for at, name in re.findall(r"^\| (0x\w\w) \|\s*(\w+)\s*\|", _PAGE, re.MULTILINE)}
@@ -96,7 +96,7 @@ class EngineModel:
         if front_end & 2:
             assert self.grids is not None
             left, right = (
-                by_grid(grid)(image) for grid, image in zip(self.grids, (left, right), strict=True)
+                by_table(grid)(image) for grid, image in zip(self.grids, (left, right), strict=True)
             )
         engine = StereoEngine(
             self.build.num_disparities,

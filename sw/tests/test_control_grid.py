@@ -15,10 +15,10 @@ from raw_rigs import WIDE, rig
 from raw_rigs import WIDE_SIZE as SIZE
 from vista import parameters
 from vista.chain import make_chain, run_frame
-from vista.control_grid import BUFFER_ROWS, by_grid, control_grid
+from vista.control_grid import BUFFER_ROWS, control_grid
 from vista.errors import InputError
 from vista.geometry import CameraModel, camera_matrix
-from vista.rectify import Rectifier, rectified_cameras
+from vista.rectify import Rectifier, by_table, rectified_cameras
 from vista.sequence import Frame, open_sequence
 from vista_model import rectify, row_beyond, sources
 
@@ -60,7 +60,7 @@ def test_pixels_are_near_those_of_opencv_and_equal_those_of_the_model() -> None:
         raw = images[side == "right"]
         grid = control_grid(camera, R, P, WIDE.source)
         np.testing.assert_array_equal(found, rectify(raw, grid))
-        np.testing.assert_array_equal(found, by_grid(grid)(raw))
+        np.testing.assert_array_equal(found, by_table(grid)(raw))
         steepest = max(np.abs(np.diff(raw.astype(int), axis=axis)).max() for axis in (0, 1))
         away_px = np.abs(np.stack(sources(grid, *SIZE[::-1]), -1) / 32 - exact_sources_px(camera, R, P))
         # OpenCV rounds sources to 1/32 px, and both round grey values.

@@ -16,10 +16,11 @@ import sequence_cases as cases
 from command_line import Vista, assert_refused, call, lines_without_times
 from random_seed import seeded
 from shared_data import REPOSITORY
-from vista.control_grid import BUFFER_ROWS, GridPair, by_grid
+from vista.control_grid import BUFFER_ROWS, GridPair
 from vista.engine import EngineParameters, StereoEngine
 from vista.engine import rtl as engine_rtl
 from vista.engine.rtl import RtlEngine
+from vista.rectify import by_table
 
 BUILD = EngineParameters(num_disparities=16, block_size=5)
 WIDTH_PX = 320  # small: it is Verilated within the test
@@ -113,7 +114,7 @@ def random_grids(rng: np.random.Generator, size: tuple[int, int]) -> GridPair:
 
 
 def rectified(left: np.ndarray, right: np.ndarray, grids: GridPair) -> tuple[np.ndarray, np.ndarray]:
-    return by_grid(grids.left)(left), by_grid(grids.right)(right)
+    return by_table(grids.left)(left), by_table(grids.right)(right)
 
 
 @pytest.mark.parametrize("smoothed", [False, True])

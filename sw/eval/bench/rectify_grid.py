@@ -23,9 +23,9 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[3] / "model"))
 
 from real_pairs import make_bumblebee2
 from shared_data import SHARED_DATA
-from vista.control_grid import BUFFER_ROWS, by_grid, control_grid
+from vista.control_grid import BUFFER_ROWS, control_grid
 from vista.geometry import Array, CameraModel
-from vista.rectify import rectified_cameras
+from vista.rectify import by_table, rectified_cameras
 from vista.sequence import Sequence, open_sequence
 from vista_eval.report.table import Table, write_measurement
 from vista_model import row_beyond, sources
@@ -71,7 +71,7 @@ def measure(name: str, sequence: Sequence) -> Iterator[dict[str, Any]]:
         exact_px = exact_sources_px(camera, R, P)
         x, y = sources(grid, camera.height, camera.width)
         away_px = np.hypot(*np.moveaxis(np.stack([x, y], -1) / SCALE - exact_px, -1, 0))
-        rectify = by_grid(grid)
+        rectify = by_table(grid)
         images = [getattr(pair, side) for pair in pairs]
         exact = [
             cv2.remap(image, exact_px, np.empty(0), cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)

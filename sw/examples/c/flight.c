@@ -1,14 +1,12 @@
-/* A flight of two seconds towards a board that stands in a field: draws what both cameras see, matches the images with
- * the engine, hands the disparities and the camera's pose to the detector and prints the obstacles of every frame. */
+/* A flight of two seconds towards a board that stands in a field: draws what both cameras see, hands the pair and the
+ * camera's pose to the detector and prints the obstacles of every frame. */
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <vista/engine.h>
-#include <vista/frontend.h>
 #include <vista/vista.h>
 
-enum { WIDTH = 320, HEIGHT = 240, LEVELS = 3, FRAMES = 20 };
+enum { WIDTH = 320, HEIGHT = 240, FRAMES = 20 };
 
 static const vista_camera camera = {WIDTH, HEIGHT, 300.0, (WIDTH - 1) / 2.0, (HEIGHT - 1) / 2.0, 0.5};
 static const double board_z_m = 30.0, ground_y_m = 4.0, start_z_m = 4.0, step_m = 0.9;
@@ -40,34 +38,6 @@ static void draw(uint8_t *image, double x_m, double z_m) {
   }
 }
 
-/* Each level has half the size of the one before. */
-typedef struct pyramid {
-  uint8_t images[LEVELS][WIDTH * HEIGHT];
-} pyramid;
-
-static vista_engine_status reduce(pyramid *p, int level, int32_t width, int32_t height) {
-  const vista_frontend_image image = {p->images[level], width, height, width};
-  return vista_frontend_reduce(&image, p->images[level + 1], vista_frontend_reduced_px(width), VISTA_ENGINE_ISA_AUTO);
-}
-
-/* The words of all levels: what is too near for one is matched by the next. */
-static vista_engine_status match(const vista_engine_params *engine, pyramid *left, pyramid *right, void *scratch,
-                                 size_t scratch_bytes, int16_t words[LEVELS][WIDTH * HEIGHT], vista_frame *frame) {
-  int32_t width = WIDTH, height = HEIGHT;
-  for (int k = 0; k < LEVELS; ++k) {
-    const vista_engine_images images = {left->images[k], right->images[k], width, height, width, width};
-    const vista_engine_output output = {words[k], NULL, width, 0};
-    vista_engine_status status = vista_engine_compute(engine, &images, &output, scratch, scratch_bytes);
-    if (status == VISTA_ENGINE_OK && k + 1 < LEVELS) status = reduce(left, k, width, height);
-    if (status == VISTA_ENGINE_OK && k + 1 < LEVELS) status = reduce(right, k, width, height);
-    if (status != VISTA_ENGINE_OK) return status;
-    *(k == 0 ? &frame->disparity : &frame->coarser[k - 1]) = (vista_disparity_image){words[k], width, height, width};
-    width = vista_frontend_reduced_px(width);
-    height = vista_frontend_reduced_px(height);
-  }
-  return VISTA_ENGINE_OK;
-}
-
 static void print_frame(int frame, const vista_result *result) {
   printf("frame %2d:", frame);
   for (int32_t i = 0; i < result->obstacle_count; ++i) {
@@ -80,40 +50,36 @@ static void print_frame(int frame, const vista_result *result) {
 }
 
 int main(void) {
-  static pyramid left, right;
-  static int16_t words[LEVELS][WIDTH * HEIGHT];
-  const vista_engine_params engine = vista_engine_defaults();
-
-  vista_parameters parameters = vista_parameters_default();
-  parameters.stereo.num_disparities = engine.num_disparities; /* the detector asks how near the engine can match */
+  static uint8_t left[WIDTH * HEIGHT], right[WIDTH * HEIGHT];
+  const vista_parameters parameters = vista_parameters_default();
+  const vista_rig rig = {.camera = camera}; /* the images come rectified */
+  const vista_detector_options options = {0};
   size_t bytes = 0;
-  vista_status status = vista_pipeline_bytes(&parameters, &camera, &bytes);
+  vista_status status = vista_detector_bytes(&parameters, &rig, &options, &bytes);
   if (status != VISTA_OK) return fprintf(stderr, "flight: %s\n", vista_status_text(status)), EXIT_FAILURE;
 
-  const size_t scratch_bytes = vista_engine_scratch_bytes(&engine, WIDTH, HEIGHT, 1);
-  void *const scratch = aligned_alloc(64, (scratch_bytes + 63) / 64 * 64), *const memory = malloc(bytes);
-  vista_pipeline *pipeline = NULL;
-  if (scratch == NULL || memory == NULL) return fprintf(stderr, "flight: out of memory\n"), EXIT_FAILURE;
-  status = vista_pipeline_create(memory, bytes, &parameters, &camera, &pipeline);
+  void *const memory = malloc(bytes);
+  vista_detector *detector = NULL;
+  if (memory == NULL) return fprintf(stderr, "flight: out of memory\n"), EXIT_FAILURE;
+  status = vista_detector_create(memory, bytes, &parameters, &rig, &options, &detector);
 
   printf("libvista %s\n", vista_version());
   for (int i = 0; i < FRAMES && status == VISTA_OK; ++i) {
     const double z_m = start_z_m + step_m * i;
     const vista_pose pose = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, z_m}};
-    draw(left.images[0], 0.0, z_m);
-    draw(right.images[0], camera.baseline_m, z_m);
-    vista_frame frame = {
-        .image = {left.images[0], WIDTH, HEIGHT, WIDTH}, .pose = &pose, .t_ns = (int64_t)(i + 1) * 100000000};
-    const vista_engine_status matched = match(&engine, &left, &right, scratch, scratch_bytes, words, &frame);
-    if (matched != VISTA_ENGINE_OK)
-      return fprintf(stderr, "flight: %s\n", vista_engine_status_text(matched)), EXIT_FAILURE;
-    vista_result result;
-    status = vista_pipeline_process(pipeline, &frame, &result);
-    if (status == VISTA_OK) print_frame(i, &result);
+    draw(left, 0.0, z_m);
+    draw(right, camera.baseline_m, z_m);
+    const vista_detector_pair pair = {.left = {left, WIDTH, HEIGHT, WIDTH},
+                                      .right = {right, WIDTH, HEIGHT, WIDTH},
+                                      .t_ns = (int64_t)(i + 1) * 100000000};
+    const vista_detector_place place = {.pose = &pose};
+    vista_novelty novelty;
+    vista_detector_result found;
+    status = vista_detector_process(detector, &pair, &place, &novelty, &found);
+    if (status == VISTA_OK && novelty != VISTA_PAIR_REPEATED) print_frame(i, &found.result);
   }
-  vista_pipeline_destroy(pipeline);
+  vista_detector_destroy(detector);
   free(memory);
-  free(scratch);
   if (status != VISTA_OK) return fprintf(stderr, "flight: %s\n", vista_status_text(status)), EXIT_FAILURE;
   return EXIT_SUCCESS;
 }

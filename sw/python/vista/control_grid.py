@@ -67,22 +67,3 @@ def check_rows(grid: Grid, size: tuple[int, int], buffer_rows: int, culprit: str
             f"cannot be rectified with a line buffer of {buffer_rows} rows: row {row} needs pixels "
             f"{away_px:.0f} rows away",
         )
-
-
-def by_grid(grid: Grid) -> Filter:
-    """Rectifies one image after the other with the C model."""
-    ffi, lib = native.load("vista_engine")
-    points = ffi.from_buffer("vista_frontend_offset[]", np.ascontiguousarray(grid))
-
-    def rectify(image: NDArray[np.uint8]) -> NDArray[np.uint8]:
-        image = np.ascontiguousarray(image)
-        height, width = image.shape
-        out = np.empty_like(image)
-        pixels = ffi.from_buffer("uint8_t[]", image)
-        c_image = ffi.new("vista_frontend_image *", (pixels, width, height, width))
-        status = lib.vista_frontend_rectify(c_image, points, ffi.from_buffer("uint8_t[]", out), width)
-        if status != lib.VISTA_ENGINE_OK:
-            raise ValueError(ffi.string(lib.vista_engine_status_text(status)).decode())
-        return out
-
-    return rectify

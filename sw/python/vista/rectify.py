@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import dataclasses
-from functools import partial
+from typing import Any
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from vista import native
 from vista.alignment import Turn
-from vista.control_grid import BUFFER_ROWS, Filter, Grid, GridPair, by_grid, check_rows, control_grid
+from vista.control_grid import BUFFER_ROWS, Filter, Grid, GridPair, check_rows, control_grid
 from vista.errors import InputError
 from vista.fisheye import rectified_fisheyes
 from vista.geometry import Array, Calibration, CameraModel, Pose, RawCalibration
@@ -70,7 +71,7 @@ class Rectifier:
     def __init__(self, raw: RawCalibration, buffer_rows: int = 0) -> None:
         """Raises InputError when the cameras make no left-right pair, or none that can be rectified.
 
-        buffer_rows: 0 rectifies with OpenCV; otherwise a control grid does it, as in hardware whose line
+        buffer_rows: 0 rectifies by whole maps; otherwise a control grid does it, as in hardware whose line
         buffer holds so many rows, and what needs more of them is refused.
         """
         if buffer_rows not in (0, *BUFFER_ROWS):
@@ -98,12 +99,12 @@ class Rectifier:
         self.right = RawCamera(raw.right, right[0])
         if buffer_rows == 0:
             self.maps = tuple(exact_map(camera, R, P) for camera, R, P in cameras)
-            self._left, self._right = (_by_map(source) for source in self.maps)
+            self._left, self._right = (by_table(source) for source in self.maps)
         else:
             grids = [_fitting_grid(camera, R, P, buffer_rows, raw.source) for camera, R, P in cameras]
             size = raw.left.width, raw.left.height
             self.grids = self._calibrated = GridPair(grids[0], grids[1], size, buffer_rows)
-            self._left, self._right = (by_grid(grid) for grid in grids)
+            self._left, self._right = (by_table(grid) for grid in grids)
         self.left_from_rectified = Pose(left[0].T)
         self.calibration = _calibration(raw.left, left[1], float(-right[1][0, 3] / right[1][0, 0]))
 
@@ -119,11 +120,11 @@ class Rectifier:
 
         InputError, and nothing has changed, when the line buffer has too few rows for it."""
         if isinstance(table, tuple):
-            self._turned = _by_map(table)
+            self._turned = by_table(table)
         elif table is not None and self.grids is not None:
             check_rows(table, self.grids.size, self.grids.buffer_rows, self._source)
             self.grids = dataclasses.replace(self.grids, right=table)
-            self._turned = by_grid(table)
+            self._turned = by_table(table)
         else:
             self.grids, self._turned = self._calibrated, None
         self.applied = turn
@@ -212,10 +213,6 @@ def _unchanged(image: NDArray[np.uint8]) -> NDArray[np.uint8]:
     return image
 
 
-def _by_map(source: Map) -> Filter:
-    return partial(_resample, source=source)
-
-
 def _fitting_grid(camera: CameraModel, R: Array, P: Array, buffer_rows: int, source: str) -> Grid:
     grid = control_grid(camera, R, P, source)
     check_rows(grid, (camera.width, camera.height), buffer_rows, source)
@@ -228,7 +225,31 @@ def exact_map(camera: CameraModel, R: Array, P: Array) -> Map:
     return np.asarray(whole, np.int16), np.asarray(fraction, np.uint16)
 
 
-def _resample(image: NDArray[np.uint8], source: Map) -> NDArray[np.uint8]:
-    # The crop is good to a fraction of a pixel: replicating keeps black from bleeding into the outermost row.
-    resampled = cv2.remap(image, *source, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
-    return np.asarray(resampled, np.uint8)
+def by_table(table: Map | Grid) -> Filter:
+    """Rectifies one image after the other by a map or a control grid, as libvista does it (vista/rig.h)."""
+    ffi, lib = native.load("vista")
+    c_table = ffi.new("vista_right_table *")
+    if isinstance(table, tuple):
+        whole, fraction = (np.ascontiguousarray(part) for part in table)
+        c_table.whole, c_table.fraction = (
+            ffi.from_buffer("int16_t[]", whole),
+            ffi.from_buffer("uint16_t[]", fraction),
+        )
+        kept: tuple[NDArray[Any], ...] = (whole, fraction)  # C goes on reading them
+    else:
+        kept = (np.ascontiguousarray(table),)
+        c_table.grid = ffi.from_buffer("int16_t[]", kept[0])
+
+    def rectify(image: NDArray[np.uint8]) -> NDArray[np.uint8]:
+        assert kept
+        image = np.ascontiguousarray(image)
+        height, width = image.shape
+        out = np.empty_like(image)
+        camera = ffi.new("vista_camera *", {"width_px": width, "height_px": height})
+        raw = ffi.new("vista_image *", (ffi.cast("uint8_t *", image.ctypes.data), width, height, width))
+        status = lib.vista_rectify(camera, c_table, raw, ffi.from_buffer("uint8_t[]", out))
+        if status != lib.VISTA_OK:
+            raise ValueError(ffi.string(lib.vista_status_text(status)).decode())
+        return out
+
+    return rectify

@@ -9,16 +9,24 @@
 
 static int32_t inside(int32_t value, int32_t last) { return value < 0 ? 0 : value > last ? last : value; }
 
+/* Between four pixels, at so many 1/32 px to the right and below the first. */
+static uint8_t between(const uint8_t *upper, const uint8_t *lower, int32_t u0, int32_t u1, int32_t fu, int32_t fv) {
+  const int32_t a = (SCALE - fu) * upper[u0] + fu * upper[u1], b = (SCALE - fu) * lower[u0] + fu * lower[u1];
+  return (uint8_t)(((SCALE - fv) * a + fv * b + SCALE * SCALE / 2) / (SCALE * SCALE));
+}
+
 static void follow_map(const vista_right_table *table, const vista_image *raw, uint8_t *out) {
   const int32_t right = raw->width_px - 1, bottom = raw->height_px - 1, pixels = raw->width_px * raw->height_px;
   for (int32_t k = 0; k < pixels; ++k) {
     const int32_t u = table->whole[2 * (ptrdiff_t)k], v = table->whole[2 * (ptrdiff_t)k + 1];
     const int32_t fu = table->fraction[k] % SCALE, fv = table->fraction[k] / SCALE % SCALE;
-    const int32_t u0 = inside(u, right), u1 = inside(u + 1, right);
-    const uint8_t *const upper = raw->data + inside(v, bottom) * raw->stride;
-    const uint8_t *const lower = raw->data + inside(v + 1, bottom) * raw->stride;
-    const int32_t a = (SCALE - fu) * upper[u0] + fu * upper[u1], b = (SCALE - fu) * lower[u0] + fu * lower[u1];
-    out[k] = (uint8_t)(((SCALE - fv) * a + fv * b + SCALE * SCALE / 2) / (SCALE * SCALE));
+    if (u >= 0 && u < right && v >= 0 && v < bottom) {
+      const uint8_t *const upper = raw->data + v * raw->stride;
+      out[k] = between(upper, upper + raw->stride, u, u + 1, fu, fv);
+    } else {
+      out[k] = between(raw->data + inside(v, bottom) * raw->stride, raw->data + inside(v + 1, bottom) * raw->stride,
+                       inside(u, right), inside(u + 1, right), fu, fv);
+    }
   }
 }
 
