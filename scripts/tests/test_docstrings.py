@@ -13,7 +13,7 @@ ROOT = Path(__file__).resolve().parents[2]
 PYTHON = ("sw/python", "sw/bench", "sw/eval/bench", "sw/eval/vista_eval", "model", "rtl", "scripts", "tb")
 HEADERS = ("sw/include", "model/c", "model/systemc", "rtl/src")
 PREPOSITION = (
-    "About|After|Against|Along|Among|As|At|Because|Before|Behind|Below|Beside|Between|Beyond|By|Down|During|For|"
+    "About|Above|After|Against|Along|Among|As|At|Because|Before|Behind|Below|Beside|Between|Beyond|By|Down|During|For|"
     "From|If|In|Into|Of|On|Over|Per|Through|To|Towards|Under|Until|Up|When|Where|While|With|Within|Without"
 )
 BEGINS_WITH_ONE = re.compile(rf"(?:{PREPOSITION})\b")

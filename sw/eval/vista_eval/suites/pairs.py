@@ -348,7 +348,8 @@ def recall_of(measured: MeasuredPair) -> float:
 
 
 def draw_pair(pair: TruthPair, points: Points, judged: Judged, num_disparities: int) -> Pixels:
-    """Above: the points by their fate; below: the regions, accepted ones tinted, and the disparities."""
+    """Draws above the points by their fate, and below the regions, accepted ones tinted, and the
+    disparities."""
     fate = fates(points, judged)
     picture = cv2.cvtColor(pair.left, cv2.COLOR_GRAY2BGR) // 2
     colour = np.array([COLOURS.get(v, OTHER) for v in fate.verdict], np.uint8).reshape(-1, 3)
