@@ -82,12 +82,21 @@ def assert_close(found: RawCalibration, rig: RawCalibration, focal: float, cente
 def test_a_chessboard_before_pinholes(
     chessboards: Path, tmp_path: Path, capsys: pytest.CaptureFixture
 ) -> None:
-    out = tmp_path / "out"
-    status, printed, _ = call(capsys, "calibrate", chessboards, "--board", CHESSBOARD, "--out", out)
+    """The calibration, an export along with it, and a report that holds everything."""
+    arguments = ("calibrate", chessboards, "--board", CHESSBOARD, "--to", "ros", "--out", tmp_path)
+    status, printed, _ = call(capsys, *arguments)
     assert status == 0
     assert_every_pair_is_accounted_for(printed)
-    assert sorted(path.name for path in out.iterdir()) == ["calibration.toml", "report.html"]
-    assert_close(read(out, pinhole_rig()), pinhole_rig(), 0.002, 1.5)
+    names = {"calibration.toml", "report.html", "left.yaml", "right.yaml"}
+    assert {path.name for path in tmp_path.iterdir()} == names
+    assert_close(read(tmp_path, pinhole_rig()), pinhole_rig(), 0.002, 1.5)
+    page = (tmp_path / "report.html").read_text()
+    for heading in ("What to photograph next", "reprojection error", "row error before", "Corners in"):
+        assert heading in page
+    assert "baseline" in page
+    assert page.count("data:image/jpeg;base64,") == 2
+    assert "http" not in page.replace("http://www.w3.org", "")
+    assert page.count("<circle") > 200
 
 
 def assert_every_pair_is_accounted_for(printed: str) -> None:
@@ -129,35 +138,6 @@ def test_parts_of_a_charuco_board_before_fisheyes(
     arguments = ("calibrate", fisheyes, "--board", CHARUCO, "--lens", "fisheye", "--out", tmp_path)
     assert call(capsys, *arguments)[0] == 0
     assert_close(read(tmp_path, fisheye_rig()), fisheye_rig(), 0.004, 1.5)
-
-
-def test_the_report_holds_everything(
-    chessboards: Path, tmp_path: Path, capsys: pytest.CaptureFixture
-) -> None:
-    call(capsys, "calibrate", chessboards, "--board", CHESSBOARD, "--out", tmp_path)
-    page = (tmp_path / "report.html").read_text()
-    for text in (
-        "What to photograph next",
-        "reprojection error",
-        "row error before",
-        "baseline",
-        "Corners in",
-    ):
-        assert text in page
-    assert page.count("data:image/jpeg;base64,") == 2
-    assert "http" not in page.replace("http://www.w3.org", "")
-    assert page.count("<circle") > 200
-
-
-def test_an_export_comes_along(chessboards: Path, tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
-    arguments = ("calibrate", chessboards, "--board", CHESSBOARD, "--to", "ros", "--out", tmp_path)
-    assert call(capsys, *arguments)[0] == 0
-    assert {path.name for path in tmp_path.iterdir()} == {
-        "calibration.toml",
-        "report.html",
-        "left.yaml",
-        "right.yaml",
-    }
 
 
 def test_a_view_of_two_moments_is_left_out(
