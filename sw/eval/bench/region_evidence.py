@@ -14,12 +14,11 @@ from dataclasses import asdict
 from pathlib import Path
 
 from vista import parameters
-from vista_eval.dataset.stereo_pair import TruthPair
-from vista_eval.detectors import Detectors
 from vista_eval.jobs import add_place, chosen_place, exit_on_failure, jobs_of, run
-from vista_eval.metrics.standing_points import MEASURES, Counts, Judged, Points, count_points, shares
+from vista_eval.metrics.standing_points import MEASURES, Counts, count_points, shares
 from vista_eval.report.table import Table, fixed, write_measurement
-from vista_eval.suites.pairs import LIDAR, PairSource, detectors_for, find_sources, points_of
+from vista_eval.rivals import DETECTOR
+from vista_eval.suites.pairs import LIDAR, PairSource, camera_of, find_sources, points_of
 
 Changes = dict[str, dict[str, float]]
 
@@ -56,11 +55,6 @@ def changed(changes: Changes) -> parameters.Values:
     return values
 
 
-def judge(detectors: Detectors, pair: TruthPair, points: Points) -> Counts:
-    result = detectors.process(pair, detectors.levels(pair))
-    return count_points(points, Judged(result.words, result.region_of_pixel, result.verdict_of_region))
-
-
 def measure(source: PairSource) -> dict[str, Counts] | None:
     """Counts by what is left out; None: the pair shows no road."""
     pair = source.read()
@@ -68,7 +62,8 @@ def measure(source: PairSource) -> dict[str, Counts] | None:
     if points is None:
         return None
     return {
-        name: judge(detectors_for(pair, changed(changes)), pair, points) for name, changes in LEFT_OUT.items()
+        name: count_points(points, DETECTOR.judge(camera_of(pair, changed(changes)), pair))
+        for name, changes in LEFT_OUT.items()
     }
 
 

@@ -28,19 +28,18 @@ from typing import Any
 
 import numpy as np
 from vista import parameters
-from vista_eval.controls import fly_control
 from vista_eval.dataset.scenes import LabelledScene, read_scene, read_scenes
 from vista_eval.dataset.truth import TRUTH, read_truth
-from vista_eval.detectors import OURS
 from vista_eval.jobs import add_place, chosen_place, exit_on_failure, jobs_of, run
 from vista_eval.metrics.flight_score import score_records
 from vista_eval.metrics.flight_segmentation import pool
 from vista_eval.metrics.rules import STRICT
 from vista_eval.metrics.scenes import partition_scenes, score_cut
 from vista_eval.metrics.segmentation import STATED, STATISTICS, PartitionScore, difference_interval
-from vista_eval.metrics.standing_points import MEASURES, Counts, Judged, count_points
+from vista_eval.metrics.standing_points import MEASURES, Counts, count_points
 from vista_eval.report.table import Table, aligned, fixed, write_measurement
-from vista_eval.suites.pairs import LIDAR, detectors_for, find_sources, points_of
+from vista_eval.rivals import DETECTOR
+from vista_eval.suites.pairs import LIDAR, camera_of, find_sources, points_of
 
 DEV, STRIDE = "dev", 4
 SHIPPED = "as shipped"
@@ -117,7 +116,7 @@ def score_frames(folder: Path, values: parameters.Values) -> PartitionScore:
 
 
 def fly_one(folder: Path, values: parameters.Values) -> dict[str, int]:
-    score = score_records(folder, fly_control(OURS, folder, values), values, STRICT)
+    score = score_records(folder, DETECTOR.fly(folder, values), values, STRICT)
     return {"hits": score.hits, "asked": score.band_frames, "false": len(score.false_alarm_frames)}
 
 
@@ -145,10 +144,7 @@ def count_pairs(folder: Path, values: parameters.Values) -> list[Counts]:
         points = points_of(LIDAR, pair)
         if points is None:
             continue
-        detectors = detectors_for(pair, values)
-        result = detectors.process(pair, detectors.levels(pair))
-        judged = Judged(result.words, result.region_of_pixel, result.verdict_of_region)
-        found.append(count_points(points, judged))
+        found.append(count_points(points, DETECTOR.judge(camera_of(pair, values), pair)))
     return found
 
 

@@ -16,11 +16,10 @@ from vista.geometry import Calibration, Pose
 from vista_eval.baselines.cluster_tracker import HostMotion, Stages, as_regions
 from vista_eval.baselines.stereo_alone import label_clusters
 from vista_eval.baselines.tracked_stereo import InVolume, Sweep, tracked_cached
-from vista_eval.controls import CONTROLS, FOREST, PERFECT, control_cached, true_words
-from vista_eval.detectors import OURS, SGBM
 from vista_eval.jobs import HERE
 from vista_eval.metrics.flight_score import score_records
 from vista_eval.metrics.rules import STRICT
+from vista_eval.rivals import FOREST, IN_HOST, OF_FLIGHTS, OURS, PERFECT, SGBM, true_words
 from vista_eval.score import score
 from vista_eval.suites.worlds import Beside, Worlds, score_world
 
@@ -108,22 +107,23 @@ def test_stereo_alone_warns_once_its_track_is_confirmed(flight: Path, tmp_path: 
     assert [found] == tracked_cached(flight, parameters.defaults(), tmp_path / "kept.json", SMALL)
 
 
-@pytest.mark.parametrize("control", CONTROLS)
+@pytest.mark.parametrize("control", OF_FLIGHTS)
 def test_each_control_finds_the_sign(flight: Path, tmp_path: Path, control: str) -> None:
     values = parameters.defaults()
-    records = control_cached(control, flight, values, tmp_path / "records.json")
+    records = IN_HOST[control].fly_cached(flight, values, tmp_path / "records.json")
     score = score_records(flight, records, values, STRICT)
     if control != SGBM:  # which joins the sign with what it fills in around it
         assert score.false_alarm_frames == ()
     assert score.hits >= 7
-    assert len(control_cached(control, flight, values, tmp_path / "records.json")) == FRAMES
+    assert len(IN_HOST[control].fly_cached(flight, values, tmp_path / "records.json")) == FRAMES
 
 
 def test_the_forest_is_another_partition(flight: Path, tmp_path: Path) -> None:
     """Else nothing would be compared."""
     values = parameters.defaults()
     ours, forest = (
-        control_cached(control, flight, values, tmp_path / f"{control}.json") for control in (OURS, FOREST)
+        IN_HOST[control].fly_cached(flight, values, tmp_path / f"{control}.json")
+        for control in (OURS, FOREST)
     )
     assert [record.regions for record in ours] != [record.regions for record in forest]
 

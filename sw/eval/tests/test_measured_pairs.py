@@ -15,9 +15,9 @@ from vista.cli import main
 from vista.errors import EXIT_INPUT, EXIT_OK, InputError
 from vista.geometry import Calibration
 from vista_eval.dataset import dense_stereo, kitti_stereo
-from vista_eval.detectors import ALONE, OURS, REFERENCE, SGBM, Detectors
 from vista_eval.metrics.segmentation import matched_area
 from vista_eval.metrics.standing_points import street_points
+from vista_eval.rivals import ALONE, DETECTOR, OURS, REFERENCE, SGBM, OneCamera
 
 pytestmark = pytest.mark.slow
 
@@ -172,12 +172,12 @@ def test_the_reference_method_is_judged_by_the_host(kitti: Path) -> None:
     """On the host's own partition, regions that grew from disparities of their own have the host's verdicts.
     The reference method takes all for such; the host judges the others by origin and outline, too."""
     pair = kitti_stereo.read_pair(kitti_stereo.find_pairs(kitti)[0])
-    detectors = Detectors(pair.camera, parameters.defaults())
-    result = detectors.process(pair, detectors.levels(pair))
-    host = detectors.pipeline._lib.vista_pipeline_look(detectors.pipeline._pipeline).regions
+    camera = OneCamera(pair.camera, parameters.defaults())
+    result, (_, pipeline) = DETECTOR.process(camera, pair), camera.of(DETECTOR)
+    host = pipeline._lib.vista_pipeline_look(pipeline._pipeline).regions
     evidence = [host.items[k].evidence for k in range(host.count)]
     seeded = [e.sum != 0.0 and e.origin == 0.0 for e in evidence]
-    _, again = detectors.pipeline.judge_partition(result.region_of_cell)
+    _, again = pipeline.judge_partition(result.region_of_cell)
     own = result.verdict_of_region
     assert len(again) == len(own) == len(seeded)
     assert {"ACCEPTED", "HORIZONTAL"} <= {b for b, one in zip(own, seeded, strict=True) if one}

@@ -14,13 +14,13 @@ from vista import parameters
 from vista.errors import InputError
 from vista_eval import score as scoring
 from vista_eval.command import worlds as command
-from vista_eval.detectors import OURS
 from vista_eval.metrics import scoring_log
 from vista_eval.metrics.flight_score import FlightScore
 from vista_eval.metrics.scoring_log import LOG
 from vista_eval.metrics.world_score import WorldScore
 from vista_eval.report.page import Page
 from vista_eval.report.table import Table
+from vista_eval.rivals import OURS
 from vista_eval.suites import worlds as suite
 from vista_eval.worlds.sampled import catalog, frozen
 

@@ -15,7 +15,6 @@ import numpy as np
 from vista import parameters
 
 from vista_eval.cache import code_digest, digest_of, kept
-from vista_eval.controls import FOREST, with_forest
 from vista_eval.dataset.scenes import read_scene
 from vista_eval.dataset.truth import SPLITS, TRUTH, read_truth
 from vista_eval.fly import flight_digest
@@ -32,6 +31,7 @@ from vista_eval.metrics.segmentation import (
     difference_interval,
 )
 from vista_eval.report.table import Table
+from vista_eval.rivals import FOREST, with_forest
 
 STRIDE = 8  # frames
 COMPARED = (*REFERENCES, FOREST)  # with the cut

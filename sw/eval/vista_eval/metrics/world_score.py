@@ -1,6 +1,6 @@
 """The strict scores of sampled flights, each with its controls, and of their families.
 
-A flight: detector and controls (vista_eval.controls) by rules.STRICT, stereo alone with the host's tracker at
+A flight: detector and controls (vista_eval.rivals) by rules.STRICT, stereo alone with the host's tracker at
 each of its thresholds, and the segmentation of every eighth frame. A family: the same over its flights, with
 intervals (vista_eval.metrics.intervals).
 """
@@ -14,8 +14,6 @@ import numpy as np
 
 from vista_eval.baselines.stereo_alone import Threshold
 from vista_eval.baselines.tracked_stereo import TrackedOutcome
-from vista_eval.controls import FOREST
-from vista_eval.detectors import OURS
 from vista_eval.metrics.consistency import Consistency, consistency
 from vista_eval.metrics.flight_score import FIRST_DETECTION_M, FlightScore
 from vista_eval.metrics.flight_segmentation import SHOWN, FlightSegmentation
@@ -23,6 +21,7 @@ from vista_eval.metrics.intervals import MIN_FLIGHTS, Share, share_of_flights, s
 from vista_eval.metrics.rules import STRICT
 from vista_eval.metrics.scenes import CUT
 from vista_eval.metrics.segmentation import STATISTICS, difference_interval, interval
+from vista_eval.rivals import FOREST, OURS
 
 
 @dataclass(frozen=True)

@@ -22,7 +22,6 @@ from vista_eval.dataset.dense_stereo import find_scenes, read_scene
 from vista_eval.dataset.kitti_stereo import PairFiles, find_pairs, read_pair
 from vista_eval.dataset.stereo_pair import TruthPair
 from vista_eval.dataset.truth import SPLITS
-from vista_eval.detectors import OURS, Detectors
 from vista_eval.jobs import Job, jobs_of
 from vista_eval.metrics import standing_points as standing
 from vista_eval.metrics.segmentation import matched_area
@@ -40,6 +39,7 @@ from vista_eval.metrics.standing_points import (
 )
 from vista_eval.report.page import Page, Picture, Section, as_jpeg
 from vista_eval.report.table import Table, with_interval
+from vista_eval.rivals import OF_PAIRS, OURS, RIVALS, OneCamera
 from vista_eval.score import Scoring
 
 LIDAR, DENSE = "lidar", "dense"
@@ -89,8 +89,8 @@ def measure(values: parameters.Values, source: PairSource) -> MeasuredPair:
     points = points_of(source.kind, pair)
     if points is None:
         return MeasuredPair(source.name, source.split, None)
-    judged = detectors_for(pair, values).judge(pair)
-    counts = {name: count_points(points, one) for name, one in judged.items()}
+    camera = camera_of(pair, values)
+    counts = {name: count_points(points, RIVALS[name].judge(camera, pair)) for name in OF_PAIRS}
     return MeasuredPair(source.name, source.split, counts)
 
 
@@ -99,10 +99,10 @@ def look(values: parameters.Values, source: PairSource, detector: str) -> tuple[
     pair = source.read()
     points = points_of(source.kind, pair)
     assert points is not None
-    return pair, points, detectors_for(pair, values).judge(pair)[detector]
+    return pair, points, RIVALS[detector].judge(camera_of(pair, values), pair)
 
 
-def detectors_for(pair: TruthPair, values: parameters.Values) -> Detectors:
+def camera_of(pair: TruthPair, values: parameters.Values) -> OneCamera:
     try:
         return _of_camera(pair.camera, _Same(values))
     except ValueError as error:
@@ -123,8 +123,8 @@ class _Same:
 
 
 @lru_cache(maxsize=8)  # KITTI has images of five sizes
-def _of_camera(camera: Calibration, same: _Same) -> Detectors:
-    return Detectors(camera, same.values)
+def _of_camera(camera: Calibration, same: _Same) -> OneCamera:
+    return OneCamera(camera, same.values)
 
 
 # ---- all pairs ----

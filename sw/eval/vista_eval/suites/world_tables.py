@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from vista_eval.controls import FOREST
-from vista_eval.detectors import OURS
 from vista_eval.metrics.comparison import describe
 from vista_eval.metrics.flight_score import FIRST_DETECTION_M
 from vista_eval.metrics.flight_segmentation import SHOWN
@@ -13,6 +11,7 @@ from vista_eval.metrics.rules import STRICT
 from vista_eval.metrics.scenes import CUT, REFERENCES
 from vista_eval.metrics.world_score import ControlScore, FamilyScore
 from vista_eval.report.table import Table, fixed
+from vista_eval.rivals import FOREST, OURS
 
 REFERENCE = next(iter(REFERENCES))
 FOREST_SIGN = "cut - forest"

@@ -11,9 +11,7 @@ from vista import parameters
 
 import vista_eval.metrics
 from vista_eval.baselines.tracked_stereo import FULL, Sweep, tracked_cached
-from vista_eval.controls import CONTROLS, control_cached
 from vista_eval.dataset.truth import read_truth
-from vista_eval.detectors import OURS
 from vista_eval.fly import Disturbance, fly_cached, records_name
 from vista_eval.jobs import Job, jobs_of
 from vista_eval.metrics.flight_score import score_records
@@ -23,6 +21,7 @@ from vista_eval.metrics.world_score import WorldScore, family_scores
 from vista_eval.report.filmstrip import filmstrip
 from vista_eval.report.page import Page, Section
 from vista_eval.report.table import Table, rounded
+from vista_eval.rivals import IN_HOST, OF_FLIGHTS, OURS
 from vista_eval.score import Scoring
 from vista_eval.suites.world_tables import tables
 
@@ -31,7 +30,7 @@ from vista_eval.suites.world_tables import tables
 class Beside:
     """What is scored beside the detector as configured."""
 
-    controls: tuple[str, ...] = CONTROLS[1:]
+    controls: tuple[str, ...] = OF_FLIGHTS[1:]
     sweep: Sweep | None = FULL  # of stereo alone with the host's tracker
     segmentation: bool = True
     noise_grey: tuple[float, ...] = ()
@@ -50,7 +49,7 @@ def score_world(folder: Path, values: parameters.Values, beside: Beside = EVERYT
     sweep = beside.sweep
     scores = {}
     for control in (OURS, *beside.controls):
-        records = control_cached(control, folder, values, folder / kept_name(control))
+        records = IN_HOST[control].fly_cached(folder, values, folder / kept_name(control))
         scores[control] = score_records(folder, records, values, STRICT)
     noisy = {}
     for grey in beside.noise_grey:
