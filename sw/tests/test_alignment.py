@@ -16,6 +16,8 @@ from vista.alignment import Estimator, State, Turn
 from vista.geometry import Calibration
 from vista.health.finding import State as Health
 
+pytestmark = pytest.mark.slow
+
 CAMERA = Calibration(640, 480, 500.0, 319.5, 239.5, 0.3)
 BEFORE, AFTER = 10, 36  # frames: 1.4 s after the turn
 JUMPS = {"pitch": (0.5, 0.0), "roll": (0.0, 0.5), "both": (0.5, -0.5), "the other way": (-0.5, 0.5)}

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from simulation import delivered, simulate
 
-pytestmark = pytest.mark.native
+pytestmark = [pytest.mark.native, pytest.mark.slow]
 
 W, H = 160, 120
 SIDE = {"width_px": W, "height_px": H, "max_width_px": 160, "camera_rate_hz": 0, "camera_pixel_clock_hz": 1e6,

@@ -23,6 +23,8 @@ from vista_eval.rivals import FOREST, IN_HOST, OF_FLIGHTS, OURS, PERFECT, SGBM, 
 from vista_eval.score import score
 from vista_eval.suites.worlds import Beside, Worlds, score_world
 
+pytestmark = pytest.mark.slow
+
 CAMERA = Calibration(disk.WIDTH, disk.HEIGHT, disk.FOCAL_PX, disk.CU, disk.CV, disk.BASELINE_M)
 FRAMES = 14
 SMALL = Sweep((100,), (15,), (62.0,), (40,))

@@ -24,6 +24,8 @@ from vista_eval.metrics.judge import errors
 from vista_eval.metrics.rules import CURVATURE_UNCERTAINTY, PAPER, SPEED_MIN_M_S, STRICT, TURN_MIN_DEG_S
 from vista_eval.worlds.sampled.catalog import FAMILIES
 
+pytestmark = pytest.mark.slow
+
 RADIUS_M = 2.0
 AHEAD = np.array([1.0, 0.0, 0.0])
 START_M = np.array([0.0, 0.0, 10.0])
