@@ -367,32 +367,6 @@ def test_sky_and_ground_belong_to_no_obstacle() -> None:
     assert np.mean(labels[owner == SKY] >= 0) > 0.9  # a region of the rest
 
 
-def test_a_frame_gives_the_same_labels_whatever_came_before() -> None:
-    random = seeded(12)
-    first, second = Stages(camera()), Stages(camera())
-    image, words, _ = street(first.camera, BOARDS, random)
-    first.partition(image, words)
-    before = first.label.copy()
-    noise = random.integers(-200, 1000, words.shape).astype(np.int16)
-    for stages in (first, second):
-        stages.partition(image[::-1].copy(), noise)
-        assert not np.array_equal(stages.label, before)
-        stages.partition(image, words)
-        assert np.array_equal(stages.label, before)
-
-
-def test_noise_is_partitioned_too() -> None:
-    random = seeded(13)
-    for width, height in ((16, 16), (64, 48), (101, 77)):
-        stages = Stages(camera(width, height), {"segmentation.seed_area_px2": 1.0})
-        for _ in range(5):
-            image = random.integers(0, 256, (height, width), np.uint8)
-            limit = random.choice([100, 4096, 2**15])  # the last: no engine's words, from a bad file
-            words = random.integers(-(2**15), limit, (height, width)).astype(np.int16)
-            stages.partition(image, words)
-            assert_dense(stages)
-
-
 def test_without_any_disparity_there_is_no_obstacle() -> None:
     stages = Stages(camera())
     image = np.full((240, 320), 128, np.uint8)

@@ -461,28 +461,6 @@ def test_a_pose_that_was_carried_on_adds_to_the_uncertainty() -> None:
     assert other - covariance == pytest.approx(np.diag([0.25] * 3 + [0.0] * 3))
 
 
-def test_the_same_input_gives_the_same_bytes() -> None:
-    def run(seed: np.random.Generator) -> list[bytes]:
-        tracker, out = Tracker(), []
-        points = seed.uniform((-8, -4, 15), (8, 4, 90), (12, 3))
-        for frame in range(40):
-            position = np.array([0.0, 0.0, 0.4 * frame])
-            items = [
-                noisy(seed, p, position) for p in points if p[2] > position[2] + 5 and seed.random() < 0.8
-            ]
-            assert tracker.update(DT * frame, items, position) == "VISTA_OK"
-            out.append(b"".join(bytes(ffi.buffer(track)) for track in tracker.tracks.values()))
-        return out
-
-    start = seeded(3).bit_generator.state
-    runs = []
-    for _ in range(2):
-        random = np.random.default_rng()
-        random.bit_generator.state = start
-        runs.append(run(random))
-    assert runs[0] == runs[1]
-
-
 def test_reset_forgets_tracks_and_time_but_not_ids() -> None:
     tracker = Tracker()
     feed(tracker, "xxx")

@@ -35,7 +35,6 @@ static void sort_half_edges(const int32_t *edges, int32_t edge_count, int32_t no
 
 vista_status vista_graph_build(vista_graph *graph, vista_arena *arena, int32_t node_count, const int32_t *edges,
                                int32_t edge_count) {
-  if (graph == NULL || arena == NULL) return VISTA_ERROR_ARGUMENT;
   if (node_count < 1 || edge_count < 0 || edge_count > MAX_EDGES) return VISTA_ERROR_RANGE;
 
   const size_t nodes = (size_t)node_count, arcs = 2 * (size_t)edge_count;
@@ -47,7 +46,6 @@ vista_status vista_graph_build(vista_graph *graph, vista_arena *arena, int32_t n
   if (arena->base == NULL) return VISTA_OK;
   if (arena->used > arena->size) return VISTA_ERROR_MEMORY;
 
-  if (edges == NULL && edge_count > 0) return VISTA_ERROR_ARGUMENT;
   if (!edges_are_valid(edges, edge_count, node_count)) return VISTA_ERROR_RANGE;
   sort_half_edges(edges, edge_count, node_count, first_arc, head, reverse, edge_arc);
   graph->first_arc = first_arc;

@@ -25,7 +25,6 @@ typedef struct vista_graph {
  * Parallel edges are allowed and keep their own arcs, so their capacities add up; self loops are not.
  * When the arena only counts, edges is not read and the arrays of *graph stay null.
  *
- * VISTA_ERROR_ARGUMENT  graph, arena or (with edges to place) edges is null
  * VISTA_ERROR_RANGE     node_count < 1, edge_count outside 0 .. 2^30 - 1, an end node outside the graph, a self loop
  * VISTA_ERROR_MEMORY    the arena is too small */
 vista_status vista_graph_build(vista_graph *graph, vista_arena *arena, int32_t node_count, const int32_t *edges,

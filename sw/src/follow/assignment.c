@@ -29,7 +29,6 @@ static bool less(weight a, weight b) {
 
 vista_status vista_assignment_layout(int32_t max_rows, int32_t max_columns, vista_arena *arena,
                                      vista_assignment **assignment) {
-  if (arena == NULL || assignment == NULL) return VISTA_ERROR_ARGUMENT;
   *assignment = NULL;
   if (max_rows < 1 || max_rows > VISTA_ASSIGNMENT_MAX || max_columns < 1 || max_columns > VISTA_ASSIGNMENT_MAX)
     return VISTA_ERROR_RANGE;
@@ -103,8 +102,6 @@ static void augment(vista_assignment *a, const problem *p, int32_t s) {
 
 vista_status vista_assignment_solve(vista_assignment *assignment, const double *cost, int32_t rows, int32_t columns,
                                     int32_t *column_of_row) {
-  if (assignment == NULL || (rows > 0 && (column_of_row == NULL || (columns > 0 && cost == NULL))))
-    return VISTA_ERROR_ARGUMENT;
   if (rows < 0 || columns < 0) return VISTA_ERROR_SIZE;
   if (rows > assignment->max_rows || columns > assignment->max_columns) return VISTA_ERROR_CAPACITY;
   const size_t items = (size_t)rows * (size_t)columns;

@@ -6,7 +6,6 @@
 
 #include "common/frame.h"
 #include "common/numbers.h"
-#include "common/parameters_check.h"
 
 #define PATH_S 1.0 /* the slower time constant, that tells whether the velocity turns, and of long turns how fast */
 #define NOISE_SIGMAS 3.0
@@ -32,7 +31,6 @@ const char *vista_motion_source_name(vista_motion_source source) {
 
 static vista_status check(const vista_motion_params *p, const vista_motion_input *in, const vista_motion_state *s) {
   if (s->started && in->t_ns <= s->t_ns) return VISTA_ERROR_ORDER;
-  if (VISTA_CHECK_SECTION(motion, p) != VISTA_OK) return VISTA_ERROR_RANGE;
   if (in->velocity_m_s != NULL) {
     const double speed_m_s = vista_norm(in->velocity_m_s);
     if (!isfinite(speed_m_s)) return VISTA_ERROR_NUMBER;
@@ -214,7 +212,6 @@ static void follow_sway(const vista_motion_params *p, const vista_motion *motion
 
 vista_status vista_motion_update(const vista_motion_params *params, const vista_motion_input *input,
                                  vista_motion_state *state, vista_motion *motion) {
-  if (params == NULL || input == NULL || state == NULL || motion == NULL) return VISTA_ERROR_ARGUMENT;
   const vista_status status = check(params, input, state);
   if (status != VISTA_OK) return status;
   static const double still[3] = {0.0, 0.0, 0.0};

@@ -71,7 +71,7 @@ typedef struct vista_motion_state {
 
 /* On an error nothing is changed. VISTA_ERROR_ORDER: the time is not after that of the last frame, which is judged
  * first; VISTA_ERROR_NUMBER: pose or velocity not finite; VISTA_ERROR_RANGE: no rotation, a velocity above
- * speed_max_m_s, or a parameter. */
+ * speed_max_m_s. */
 vista_status vista_motion_update(const vista_motion_params *params, const vista_motion_input *input,
                                  vista_motion_state *state, vista_motion *motion);
 

@@ -312,7 +312,6 @@ static vista_status search_all(search *s) {
 }
 
 vista_status vista_maxflow_layout(vista_maxflow *maxflow, const vista_graph *graph, vista_arena *arena) {
-  if (maxflow == NULL || graph == NULL || arena == NULL) return VISTA_ERROR_ARGUMENT;
   if (graph->node_count > MAX_PAIRS - graph->edge_count) return VISTA_ERROR_RANGE;
   const size_t nodes = (size_t)graph->node_count, edges = (size_t)graph->edge_count;
   arc *arcs = vista_arena_take(arena, 2 * edges, sizeof *arcs);
@@ -328,7 +327,6 @@ vista_status vista_maxflow_layout(vista_maxflow *maxflow, const vista_graph *gra
   };
   if (arena->base == NULL) return VISTA_OK;
   if (arena->used > arena->size) return VISTA_ERROR_MEMORY;
-  if (graph->first_arc == NULL) return VISTA_ERROR_ARGUMENT;
   for (int32_t e = 0; e < graph->edge_count; e++) {
     const int32_t a = graph->edge_arc[e], sister = graph->reverse[a];
     arcs[a] = (arc){graph->head[a], 2 * e};
@@ -339,10 +337,6 @@ vista_status vista_maxflow_layout(vista_maxflow *maxflow, const vista_graph *gra
 
 vista_status vista_maxflow_solve(vista_maxflow *maxflow, const vista_maxflow_problem *problem, uint8_t *source_side,
                                  uint8_t *sink_side, int64_t *value) {
-  if (maxflow == NULL || problem == NULL || source_side == NULL || value == NULL) return VISTA_ERROR_ARGUMENT;
-  if (problem->arc_capacity == NULL || problem->source_capacity == NULL || problem->sink_capacity == NULL)
-    return VISTA_ERROR_ARGUMENT;
-  if (maxflow->tree == NULL) return VISTA_ERROR_ARGUMENT;
   const int32_t *subset = problem->subset;
   const int32_t node_count = maxflow->graph.node_count;
   const int32_t count = subset == NULL ? node_count : problem->subset_count;

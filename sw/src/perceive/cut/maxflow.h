@@ -50,7 +50,6 @@ typedef struct vista_maxflow_problem {
 /* Lays out the solver for a graph, whose arrays must outlive it. When the arena counts, only the graph's counts are
  * read.
  *
- * VISTA_ERROR_ARGUMENT  a null pointer, or a graph that is not built
  * VISTA_ERROR_RANGE     edges and nodes together exceed 2^30
  * VISTA_ERROR_MEMORY    the arena is too small */
 vista_status vista_maxflow_layout(vista_maxflow *maxflow, const vista_graph *graph, vista_arena *arena);
@@ -63,7 +62,7 @@ vista_status vista_maxflow_layout(vista_maxflow *maxflow, const vista_graph *gra
  *
  * Without sink_side only the source side is searched for, which is often far less work. Capacities are checked for
  * the nodes of the subset and all arcs out of them. On an error nothing is written:
- * VISTA_ERROR_ARGUMENT  a required pointer is null, or sink_side is not where the network grows
+ * VISTA_ERROR_ARGUMENT  sink_side is not null where the network grows
  * VISTA_ERROR_RANGE     a negative capacity or count; a node that is outside the graph or twice in the subset
  * VISTA_ERROR_OVERFLOW  an arc capacity above VISTA_MAXFLOW_ARC_CAPACITY_MAX */
 vista_status vista_maxflow_solve(vista_maxflow *maxflow, const vista_maxflow_problem *problem, uint8_t *source_side,

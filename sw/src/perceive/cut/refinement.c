@@ -15,7 +15,6 @@
 
 vista_status vista_refinement_layout(vista_refinement *refinement, vista_arena *arena,
                                      const vista_foveation *foveation) {
-  if (refinement == NULL || arena == NULL || foveation == NULL) return VISTA_ERROR_ARGUMENT;
   const size_t pixels = (size_t)foveation->width_px * (size_t)foveation->height_px;
   refinement->label = vista_arena_take(arena, pixels, sizeof(int32_t));
   refinement->listed = vista_arena_take(arena, pixels + LANES, sizeof(int32_t));

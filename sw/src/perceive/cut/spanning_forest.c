@@ -4,7 +4,6 @@
 #include <stddef.h>
 
 vista_status vista_spanning_forest_layout(const vista_graph *graph, vista_arena *arena, vista_spanning_forest *forest) {
-  if (graph == NULL || arena == NULL || forest == NULL) return VISTA_ERROR_ARGUMENT;
   const size_t nodes = (size_t)graph->node_count;
   forest->heap = vista_arena_take(arena, nodes, sizeof(int32_t));
   forest->place = vista_arena_take(arena, nodes, sizeof(int32_t));

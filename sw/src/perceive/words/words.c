@@ -34,7 +34,6 @@ static void take_scratch(vista_arena *arena, int32_t width_px, int32_t height_px
 }
 
 vista_status vista_words_layout(vista_words *words, vista_arena *arena, int32_t width_px, int32_t height_px) {
-  if (words == NULL || arena == NULL) return VISTA_ERROR_ARGUMENT;
   if (width_px < 1 || height_px < 1 || width_px > UINT16_MAX || height_px > UINT16_MAX) return VISTA_ERROR_SIZE;
   for (int32_t k = 0; k < VISTA_MAX_LEVELS; ++k) {
     words->width_px[k] = vista_words_side_px(width_px, k);
@@ -54,7 +53,6 @@ vista_status vista_words_layout(vista_words *words, vista_arena *arena, int32_t 
 
 vista_status vista_words_count_levels(const vista_words *words, const vista_disparity_image *disparity,
                                       const vista_disparity_image coarser[VISTA_COARSER_LEVELS], int32_t *count) {
-  if (words == NULL || disparity == NULL || coarser == NULL || count == NULL) return VISTA_ERROR_ARGUMENT;
   vista_status status = vista_frame_check_disparity(disparity, words->width_px[0], words->height_px[0]);
   int32_t levels = 1;
   for (int32_t k = 1; k < VISTA_MAX_LEVELS && status == VISTA_OK; ++k) {
