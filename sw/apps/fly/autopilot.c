@@ -24,7 +24,7 @@ static void note(autopilot *a, const uint8_t *message) {
   const uint32_t id = (uint32_t)message[7] | (uint32_t)message[8] << 8 | (uint32_t)message[9] << 16;
   ++a->sent;
   if ((id != OBSTACLE_DISTANCE && id != OBSTACLE_DISTANCE_3D) || a->untold_ns == 0) return;
-  latency_add(&a->told, fly_now_ns() - a->untold_ns);
+  vista_latency_add(&a->told, 1e-6 * (double)(fly_now_ns() - a->untold_ns));
   a->untold_ns = 0;
 }
 

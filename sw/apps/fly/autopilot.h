@@ -6,10 +6,10 @@
 #include <pthread.h>
 #include <stdatomic.h>
 
-#include "latency.h"
 #include "problem.h"
 #include "transport.h"
 #include "vista/detector.h"
+#include "vista/latency.h"
 #include "vista/mavlink.h"
 #include "vista/vehicle.h"
 
@@ -29,7 +29,7 @@ typedef struct autopilot {
   vista_mavlink link;
   vista_vehicle vehicle;
   transport way;
-  latency told; /* from the exposure until the first distances that tell of it are handed over */
+  vista_latency told; /* from the exposure until the first distances that tell of it are handed over */
   int64_t untold_ns; /* when the frame was exposed that no message has told of; 0: none */
   int64_t sent;
   atomic_bool stopped;

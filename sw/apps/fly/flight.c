@@ -169,7 +169,7 @@ static void process(flight *f, const shot *s) {
   if (f->options.to != NULL) autopilot_tell(&f->autopilot, &found, s->exposed_ns);
   write_line(f, s, &found);
   ++f->processed;
-  latency_add(&f->latency, fly_now_ns() - s->exposed_ns);
+  vista_latency_add(&f->latency, 1e-6 * (double)(fly_now_ns() - s->exposed_ns));
 }
 
 static void watch(flight *f) {
@@ -214,9 +214,9 @@ void flight_close(flight *f) {
   container_close(&f->file);
 }
 
-static void print_latency(const char *what, const char *of, const latency *l) {
-  dprintf(STDERR_FILENO, "%s: %s %.1f ms (p99 %.1f, most %.1f)", what, of, latency_percentile_ms(l, 50.0),
-          latency_percentile_ms(l, 99.0), l->most_ms);
+static void print_latency(const char *what, const char *of, const vista_latency *l) {
+  dprintf(STDERR_FILENO, "%s: %s %.1f ms (p99 %.1f, most %.1f)", what, of, vista_latency_percentile_ms(l, 50.0),
+          vista_latency_percentile_ms(l, 99.0), l->most_ms);
 }
 
 static void print_alignment(const flight *f) {

@@ -6,13 +6,13 @@
 
 #include "autopilot.h"
 #include "guard.h"
-#include "latency.h"
 #include "lines.h"
 #include "mailbox.h"
 #include "options.h"
 #include "source.h"
 #include "times.h"
 #include "vista/detector.h"
+#include "vista/latency.h"
 
 typedef struct flight {
   options options;
@@ -32,7 +32,7 @@ typedef struct flight {
   char line[VISTA_LINE_BYTES];
   atomic_llong alive_ns;
   int64_t processed, duplicates, restarts, refused;
-  latency latency; /* from the exposure until it is told of and written */
+  vista_latency latency; /* from the exposure until it is told of and written */
 } flight;
 
 /* Takes all memory. On a problem it may be half open; flight_close is called in any case. */

@@ -30,6 +30,7 @@
 #include "vista/correction.h"
 #include "vista/detector.h"
 #include "vista/directions.h"
+#include "vista/latency.h"
 #include "vista/line.h"
 #include "vista/mavlink.h"
 #include "vista/obstacle.h"
