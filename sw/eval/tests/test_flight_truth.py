@@ -14,8 +14,6 @@ from vista_eval.render.flight import Flight, prepare, render_flight
 from vista_eval.render.renderer import Renderer
 from vista_eval.render.rig import LEFT, PAPER_RIG, RIGHT, Rig
 from vista_eval.render.scene import GroundStrip, Haze, Mesh, Panel, Scene, Sphere, board, thing
-from vista_eval.worlds.things import mesh
-from vista_eval.worlds.triangles import box
 
 SMALL_RIG = Rig(width_px=160, height_px=120, focal_px=250.0, baseline_m=0.4572)
 GREY = np.full((4, 4), 0.5, np.float32)
@@ -174,19 +172,3 @@ def test_a_flight_of_another_quality_is_not_thrown_away(tmp_path: Path) -> None:
     with pytest.raises(OSError, match="full quality"):
         prepare(from_afar, out, "quick")
     assert (out / "content.json").exists()
-
-
-def test_a_box_hides_what_is_behind_it_from_the_light() -> None:
-    """Shade at the foot of a box, away from the sun."""
-    cube = mesh("cube", box((0.0, 0.0, 2.0), (4.0, 4.0, 4.0), 0.5))
-    ground = GroundStrip("ground", (-60.0, 300.0), (-200.0, 200.0), GREY)
-    things = (thing("cube", "box", [cube]), thing("ground", "ground", [ground], standing=False))
-    renderer = Renderer(Scene(things, to_sun=(0.0, 0.7, 0.7), sky="overcast"), SMALL_RIG)
-    pose = FLIGHT.approach.state_at(2).world_from_body @ SMALL_RIG.body_from_camera(LEFT)
-    points = renderer.view(pose).world_points_m(SMALL_RIG, pose)
-    radiance = renderer.radiance(pose)
-    x, y, z = np.moveaxis(points, -1, 0)
-    on_ground = (np.abs(z) < 0.01) & (np.abs(x) < 1.0)
-    shade, sunlit = on_ground & (y > -4.0) & (y < -2.5), on_ground & (y > 3.0)
-    assert np.count_nonzero(shade) > 5 and np.count_nonzero(sunlit) > 5
-    assert radiance[shade].mean() < 0.5 * radiance[sunlit].mean()

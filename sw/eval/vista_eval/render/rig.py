@@ -30,10 +30,6 @@ class Rig:
         """Principal point (u, v): the middle of the image; pixel (0, 0) has its centre at the origin."""
         return (self.width_px - 1) / 2, (self.height_px - 1) / 2
 
-    @property
-    def horizontal_fov_deg(self) -> float:
-        return 2 * math.degrees(math.atan2(self.width_px / 2, self.focal_px))
-
     def with_rows_off(self, rows_px: float) -> Rig:
         """The rig with the right camera's rows off by so many in the middle; more than 0: its picture lies
         lower."""

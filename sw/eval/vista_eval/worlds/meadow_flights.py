@@ -11,7 +11,7 @@ from dataclasses import replace
 import numpy as np
 
 from vista_eval.render.course import Course
-from vista_eval.render.scene import Haze, Scene, Sway, Thing, thing
+from vista_eval.render.scene import Haze, Point, Scene, Sway, Thing, thing
 from vista_eval.worlds import street, things, vegetation, vehicle, yard
 from vista_eval.worlds.landscape import forest, hills, tree_row
 from vista_eval.worlds.laying import ground
@@ -24,14 +24,7 @@ PIER_TEXEL_M = 0.01  # seen from 4 m, where a pixel is 4 mm
 GANTRY_X_M = 140 * 0.3048
 BREEZE = Sway(amplitude_m=0.12, frequency_hz=0.55)
 
-BALES = (
-    (3.0, -5.5, 70),
-    (9.0, 9.5, 20),
-    (24.0, -12.5, 100),
-    (31.0, 6.5, 50),
-    (52.0, 17.0, 10),
-    (47.0, -7.0, 80),
-)
+BALES = ((3, -5.5, 70), (9, 9.5, 20), (24, -12.5, 100), (31, 6.5, 50), (52, 17, 10), (47, -7, 80))
 
 
 def level_ground(cover: str, altitude_m: float, seed: int) -> Thing:
@@ -48,7 +41,7 @@ def country(
 
 
 def bales(seed: int) -> list[Thing]:
-    return [things.bale(f"bale{k}", (x, y, 0.0), yaw, seed + k) for k, (x, y, yaw) in enumerate(BALES)]
+    return [things.bale(f"bale{k}", (x, y, 0), yaw, seed + k) for k, (x, y, yaw) in enumerate(BALES)]
 
 
 def parked(name: str, kind: str, x_m: float, y_m: float, yaw_deg: float, paint: float, seed: int) -> Thing:
@@ -144,15 +137,20 @@ def hazy_sign(altitude_m: float, seed: int) -> Scene:
     return replace(scene, haze=Haze(3.9 / 300.0, 0.55), sun_irradiance=2.4, fill_irradiance=1.4, exposure=1.3)
 
 
+def bush(
+    name: str, x_m: float, y_m: float, size_m: tuple[float, float], rng: np.random.Generator, **more
+) -> Thing:
+    return things.one(name, "bush", vegetation.bush(*size_m, rng), (x_m, y_m, 0.0), **more)
+
+
 def windy_pole(altitude_m: float, seed: int) -> Scene:
     """Crowns and bushes move while the aircraft passes."""
     rng = np.random.default_rng((seed, 6))
-    bushes = []
-    for k, (x, y) in enumerate(
-        ((-22.0, 6.0), (-8.0, -6.5), (6.0, 7.5), (20.0, -9.0), (34.0, 9.0), (16.0, 3.0))
-    ):
-        shape = vegetation.bush(rng.uniform(1.2, 2.4), rng.uniform(0.9, 1.6), rng)
-        bushes.append(things.one(f"bush{k}", "bush", shape, (x, y, 0.0), sway=BREEZE))
+    places = ((-22.0, 6.0), (-8.0, -6.5), (6.0, 7.5), (20.0, -9.0), (34.0, 9.0), (16.0, 3.0))
+    bushes = [
+        bush(f"bush{k}", x, y, (rng.uniform(1.2, 2.4), rng.uniform(0.9, 1.6)), rng, sway=BREEZE)
+        for k, (x, y) in enumerate(places)
+    ]
     trees = [
         things.swaying_tree(f"tree{k}", (x, y, 0.0), 8.0 + k, seed + k, BREEZE)
         for k, (x, y) in enumerate(((12.0, -13.0), (26.0, 14.0), (45.0, -15.0)))
@@ -162,20 +160,13 @@ def windy_pole(altitude_m: float, seed: int) -> Scene:
 
 
 def fenced_sign(altitude_m: float, seed: int) -> Scene:
-    """Picket fences across the way, below the path: before the sign, behind it, and along one side."""
+    """Picket fences across the way, below the path: one before the sign, two behind it."""
     rng = np.random.default_rng((seed, 7))
-    fences = [
-        things.one(
-            f"fence{k}", "fence", yard.picket_fence(length, height, pitch, rng, albedo), (x, y, 0.0), yaw
-        )
-        for k, (x, y, length, height, pitch, albedo, yaw) in enumerate(
-            (
-                (-20.0, 0.0, 30.0, 1.8, 0.16, 0.65, 0.0),
-                (6.0, 0.0, 44.0, 2.0, 0.24, 0.6, 0.0),
-                (30.0, 0.0, 60.0, 2.0, 0.2, 0.3, 0.0),
-            )
-        )
-    ]
+    sizes = ((30.0, 1.8, 0.16, 0.65), (44.0, 2.0, 0.24, 0.6), (60.0, 2.0, 0.2, 0.3))
+    fences = []
+    for k, (x, (*size, albedo)) in enumerate(zip((-20.0, 6.0, 30.0), sizes, strict=True)):
+        shape = yard.picket_fence(*size, rng, albedo)
+        fences.append(things.one(f"fence{k}", "fence", shape, (x, 0.0, 0.0)))
     scenery = (*country(altitude_m, seed), *fences, hills(altitude_m, seed))
     return Scene((things.sign(altitude_m, seed), *scenery), to_sun=NOON_SUN)
 
@@ -192,16 +183,10 @@ def lone_tree(altitude_m: float, seed: int) -> Scene:
     """A lime whose crown is in the way, bushes below it."""
     rng = np.random.default_rng((seed, 8))
     tree = things.tree("tree", "broadleaf", (0.0, 0.3, 0.0), 1.7 * altitude_m, seed, 0.14, target=True)
-    bushes = [
-        things.one(f"bush{k}", "bush", vegetation.bush(1.6, 1.2, rng), (x, y, 0.0))
-        for k, (x, y) in enumerate(((-6.0, -5.0), (4.0, 6.0), (18.0, -7.0)))
-    ]
-    scenery = (
-        *country(altitude_m, seed, "gravel"),
-        *bushes,
-        parked("car0", "car", 8.0, -9.0, 20.0, 0.4, seed),
-    )
-    return Scene((tree, *scenery), to_sun=NOON_SUN)
+    places = ((-6.0, -5.0), (4.0, 6.0), (18.0, -7.0))
+    bushes = [bush(f"bush{k}", x, y, (1.6, 1.2), rng) for k, (x, y) in enumerate(places)]
+    car = parked("car0", "car", 8.0, -9.0, 20.0, 0.4, seed)
+    return Scene((tree, *country(altitude_m, seed, "gravel"), *bushes, car), to_sun=NOON_SUN)
 
 
 def brick_pier(altitude_m: float, seed: int) -> Scene:
@@ -222,35 +207,23 @@ def plain_wall(altitude_m: float, seed: int) -> Scene:
     return Scene((target, *country(altitude_m, seed, "gravel"), *others), to_sun=AFTERNOON_SUN)
 
 
+def drone(place_m: Point, velocity_m_s: Point, rng: np.random.Generator) -> Thing:
+    return things.one("drone", "drone", vehicle.drone(rng), place_m, target=True, velocity_m_s=velocity_m_s)
+
+
 def approaching_drone(altitude_m: float, seed: int) -> Scene:
     """A delivery drone comes the other way at 2 m/s; a van drives along beside the path."""
     rng = np.random.default_rng((seed, 9))
-    target = things.one(
-        "drone",
-        "drone",
-        vehicle.drone(rng),
-        (0.0, 0.3, altitude_m),
-        target=True,
-        velocity_m_s=(-2.0, 0.0, 0.0),
-    )
-    van = things.one(
-        "van", "van", vehicle.van(0.65, rng), (6.0, -8.0, 0.0), 5.0, velocity_m_s=(3.0, 0.26, 0.0)
-    )
+    target, shape = drone((0.0, 0.3, altitude_m), (-2.0, 0.0, 0.0), rng), vehicle.van(0.65, rng)
+    van = things.one("van", "van", shape, (6.0, -8.0, 0.0), 5.0, velocity_m_s=(3.0, 0.26, 0.0))
     return Scene((target, *country(altitude_m, seed), *bales(seed)[1:3], van), to_sun=NOON_SUN)
 
 
 def crossing_drone(altitude_m: float, seed: int) -> Scene:
     """A drone comes from the right and is in the way for the last two seconds."""
-    rng = np.random.default_rng((seed, 10))
-    target = things.one(
-        "drone",
-        "drone",
-        vehicle.drone(rng),
-        (0.0, 0.2, altitude_m),
-        target=True,
-        velocity_m_s=(0.0, 0.8, 0.0),
-    )
-    return Scene((target, *country(altitude_m, seed, "stubble"), *bales(seed)), to_sun=AFTERNOON_SUN)
+    target = drone((0.0, 0.2, altitude_m), (0.0, 0.8, 0.0), np.random.default_rng((seed, 10)))
+    scenery = (*country(altitude_m, seed, "stubble"), *bales(seed))
+    return Scene((target, *scenery), to_sun=AFTERNOON_SUN)
 
 
 def clear_meadow(altitude_m: float, seed: int) -> Scene:

@@ -39,18 +39,11 @@ def terrace(
         height = street.FLOOR_M * int(rng.integers(3, 6)) + 0.8
         its = style or street.any_style(rng)
         with_balconies = bool(style is None and rng.random() < 0.35)
-        row.append(
-            things.house(
-                f"{name}{len(row)}",
-                *ends,
-                height,
-                9.0,
-                its,
-                int(rng.integers(1 << 30)),
-                with_balconies,
-                TEXEL_M,
-            )
+        house_seed = int(rng.integers(1 << 30))
+        house = things.house(
+            f"{name}{len(row)}", *ends, height, 9.0, its, house_seed, with_balconies, TEXEL_M
         )
+        row.append(house)
         x += width
     return row
 
@@ -60,18 +53,14 @@ def street_furniture(seed: int, clear_of_m: float = 4.5) -> list[Thing]:
     rng = np.random.default_rng((seed, 23))
     row: list[Thing] = []
     for k, x in enumerate(np.arange(-75.0, 110.0, 24.0)):
-        side = 1 if k % 2 else -1
-        post = street.lamp_post(float(rng.uniform(6.0, 8.0)), rng)
-        row.append(
-            things.one(f"lamp{k}", "lamp post", post, (x, side * 7.4, 0.0), 180.0 if side > 0 else 0.0)
-        )
+        side, post = 1 if k % 2 else -1, street.lamp_post(float(rng.uniform(6.0, 8.0)), rng)
+        turn_deg = 180.0 if side > 0 else 0.0
+        row.append(things.one(f"lamp{k}", "lamp post", post, (x, side * 7.4, 0.0), turn_deg))
     for k, x in enumerate(np.arange(-82.0, 100.0, 11.0)):
         side = rng.choice([-1, 1])
         kind, paint = rng.choice(["car", "car", "car", "van"]), rng.choice([0.05, 0.15, 0.4, 0.7])
-        yaw = 180.0 * rng.integers(2) + rng.normal(0, 2)
-        row.append(
-            parked(f"parked{k}", kind, x + rng.uniform(-3, 3), side * clear_of_m, yaw, paint, seed + k)
-        )
+        yaw, x = 180.0 * rng.integers(2) + rng.normal(0, 2), x + rng.uniform(-3, 3)
+        row.append(parked(f"parked{k}", kind, x, side * clear_of_m, yaw, paint, seed + k))
     return row
 
 
@@ -142,9 +131,8 @@ def clear_lane(altitude_m: float, seed: int) -> Scene:
             height = float(rng.uniform(7.0, 12.0))
             y = side * (4.5 + 0.42 * height + rng.uniform(0.0, 2.5))
             foot = (x + rng.uniform(-2, 2), y, 0.0)
-            trees.append(
-                things.tree(f"tree{len(trees)}", form, foot, height, int(rng.integers(1 << 30)), 0.26)
-            )
+            name, tree_seed = f"tree{len(trees)}", int(rng.integers(1 << 30))
+            trees.append(things.tree(name, form, foot, height, tree_seed, 0.26))
     far = tree_row((118.0, 135.0), 60.0, seed)
     scenery = (level_ground("soil", altitude_m, seed), far, forest(185.0, seed))
     return Scene((*trees, *scenery), to_sun=(-0.35, 0.45, 0.82), exposure=1.3)
