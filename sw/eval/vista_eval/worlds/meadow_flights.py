@@ -164,8 +164,9 @@ def fenced_sign(altitude_m: float, seed: int) -> Scene:
     rng = np.random.default_rng((seed, 7))
     sizes = ((30.0, 1.8, 0.16, 0.65), (44.0, 2.0, 0.24, 0.6), (60.0, 2.0, 0.2, 0.3))
     fences = []
-    for k, (x, (*size, albedo)) in enumerate(zip((-20.0, 6.0, 30.0), sizes, strict=True)):
-        shape = yard.picket_fence(*size, rng, albedo)
+    for k, (x, size) in enumerate(zip((-20.0, 6.0, 30.0), sizes, strict=True)):
+        length, height, pitch, albedo = size
+        shape = yard.picket_fence(length, height, pitch, rng, albedo)
         fences.append(things.one(f"fence{k}", "fence", shape, (x, 0.0, 0.0)))
     scenery = (*country(altitude_m, seed), *fences, hills(altitude_m, seed))
     return Scene((things.sign(altitude_m, seed), *scenery), to_sun=NOON_SUN)
