@@ -2,24 +2,30 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from vista.geometry import Array, Calibration, Pose
+from vista.health.finding import FrameHealth
+from vista.history import FrameRecord
 from vista.pipeline import (
     ID_GROUND,
     ID_TOO_NEAR,
+    Directions,
     Ellipse,
     Health,
     Motion,
     Nearest,
     Obstacle,
+    Outcome,
     Result,
 )
+from vista.structs import dtype_of
 
 CELL_PX = 10
-STILL = Pose(np.eye(3), np.zeros(3))
 
 
 def fake_obstacle(track_id: int, z_m: float, camera: Calibration, **changes: object) -> Obstacle:
@@ -30,18 +36,21 @@ def fake_obstacle(track_id: int, z_m: float, camera: Calibration, **changes: obj
         "id": track_id,
         "confirmed": True,
         "age_frames": 5,
-        "coasting": False,
-        "position_m": np.array([x_m, 0.0, z_m]),
+        "position_m": (x_m, 0.0, z_m),
         "covariance_m2": np.diag([0.01, 0.01, 0.5]),
-        "distance_m": float(np.hypot(x_m, z_m)),
-        "in_blind_zone": False,
+        "distance_m": np.hypot(x_m, z_m),
         "world": "STANDS",
         "extent_m": (1.0, 2.0),
-        "ellipse": Ellipse(camera.cx + x_m * size_px, camera.cy, 0.9 * size_px, 0.4 * size_px, 80.0),
+        "ellipse": fake_ellipse(camera.cx + x_m * size_px, camera.cy, 0.9 * size_px, 0.4 * size_px, 80.0),
         "disparity_px": camera.baseline_m * size_px,
-        "in_collision_volume": False,
     }
-    return Obstacle(**(values | changes))
+    return Obstacle.made(**(values | changes))
+
+
+def fake_ellipse(*members: float) -> Ellipse:
+    """The members in the order of vista_ellipse."""
+    names = dtype_of(Ellipse.NAME).names or ()
+    return Ellipse.made(**dict(zip(names, members, strict=True)))
 
 
 def fake_ground(camera: Calibration, z_m: float, **changes: object) -> Obstacle:
@@ -51,6 +60,57 @@ def fake_ground(camera: Calibration, z_m: float, **changes: object) -> Obstacle:
 
 def fake_too_near(camera: Calibration) -> Obstacle:
     return fake_obstacle(ID_TOO_NEAR, 1.0, camera, kind="too_near", in_blind_zone=True)
+
+
+def fake_nearest(obstacle: Obstacle, time_s: float | None = None, **changes: object) -> Nearest:
+    """The obstacle as the nearest collision."""
+    values = {name: getattr(obstacle, name) for name in ("id", "position_m", "covariance_m2", "distance_m")}
+    seconds = np.nan if time_s is None else time_s
+    return Nearest.made(**{"valid": True, "time_to_collision_s": seconds} | values | changes)
+
+
+def fake_motion(pose: Pose | None = None, velocity_m_s: Array | None = None, known: bool = False) -> Motion:
+    """With the source POSE, or UNTOLD without one."""
+    placed = Motion.made(known=known, source="UNTOLD" if pose is None else "POSE")
+    at = pose or Pose()
+    placed.memory["pose"]["rotation"], placed.memory["pose"]["translation_m"] = at.rotation, at.translation_m
+    return placed if velocity_m_s is None else placed.but(velocity_known=True, velocity_m_s=velocity_m_s)
+
+
+def items_of(obstacles: Sequence[Obstacle]) -> NDArray[np.void]:
+    """The obstacles in one array, as a result has them."""
+    items = np.zeros(len(obstacles), dtype_of(Obstacle.NAME))
+    for k, obstacle in enumerate(obstacles):
+        items[k] = obstacle.memory
+    return items
+
+
+def fake_outcome(
+    obstacles: Sequence[Obstacle],
+    nearest: Nearest | None = None,
+    motion: Motion | None = None,
+    **members: Any,
+) -> Outcome:
+    size = dtype_of(Obstacle.NAME).itemsize
+    parts = {"nearest_collision": nearest or Nearest.made(), "motion": motion or fake_motion()}
+    return Outcome.made(obstacle_count=len(obstacles), obstacle_bytes=size, **parts | members)
+
+
+def fake_record(
+    index: int,
+    t_ns: int,
+    obstacles: Sequence[Obstacle] = (),
+    nearest: Nearest | None = None,
+    motion: Motion | None = None,
+    directions: Directions | None = None,
+    stage_ms: dict[str, float] | None = None,
+    health: FrameHealth | None = None,
+    **members: Any,
+) -> FrameRecord:
+    outcome = fake_outcome(obstacles, nearest, motion, **members)
+    times = {"host": 1.0} if stage_ms is None else stage_ms
+    seen = FrameHealth() if health is None else health
+    return FrameRecord(outcome, items_of(obstacles), directions, times, index=index, t_ns=t_ns, health=seen)
 
 
 class FakePipeline:
@@ -88,26 +148,30 @@ class FakePipeline:
             fake_obstacle(3, z_m + 5.0, camera),
             fake_obstacle(4, z_m + 8.0, camera, confirmed=False),
         ]
-        nearest = Nearest(2, obstacles[1].position_m, z_m, z_m / 10.0, np.eye(3)) if self._frame > 1 else None
-        source = "UNTOLD" if pose is None else "POSE"
-        velocity_m_s = np.array([0.0, 0.0, 10.0])
-        motion = Motion(pose is not None, source, False, velocity_m_s, np.zeros(3), pose or STILL)
+        nearest = fake_nearest(obstacles[1], z_m / 10.0, distance_m=z_m, covariance_m2=np.eye(3))
+        motion = fake_motion(pose, np.array([0.0, 0.0, 10.0]), known=pose is not None)
         stage_ms = {
             "foveation": 1.0,
             "segmentation": 4.0 + 0.1 * self._frame,
             "host": 5.0 + 0.1 * self._frame,
         }
         verdicts = [("ACCEPTED", "TOO_SMALL", "HORIZONTAL")[region % 3] for region in range(regions)]
-        return Result(
-            obstacles=obstacles,
-            nearest_collision=nearest,
+        outcome = fake_outcome(
+            obstacles,
+            nearest if self._frame > 1 else None,
+            motion,
             path_seen_m=z_m,
-            motion=motion,
-            health=Health("healthy", (), (), float(np.mean(words >= 0)), 50.0),
-            regions=regions,
+            region_count=regions,
             valid_fraction=float(np.mean(words >= 0)),
+            health=Health.made(matched_fraction=float(np.mean(words >= 0)), contrast=50.0),
             dropped_tracks=2,
-            stage_ms=stage_ms,
+            host_ms=stage_ms["host"],
+        )
+        return Result(
+            outcome,
+            items_of(obstacles),
+            None,
+            stage_ms,
             cell_of_pixel=cell_of_pixel,
             cell_intensity=intensity.astype(np.float32),
             cell_disparity_px=np.full(rows * columns, -1.0, np.float32),
@@ -132,4 +196,6 @@ class DescendingPipeline(FakePipeline):
     ) -> Result:
         result = super().process(left, disparity, t_ns, pose, up_world)
         ground = fake_ground(self._camera, 9.0, in_collision_volume=self._frame > 2)
-        return replace(result, obstacles=[*result.obstacles, ground, fake_too_near(self._camera)])
+        obstacles = [*result.obstacles, ground, fake_too_near(self._camera)]
+        outcome = result.outcome.but(obstacle_count=len(obstacles))
+        return replace(result, outcome=outcome, items=items_of(obstacles))

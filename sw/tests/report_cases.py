@@ -6,14 +6,22 @@ import dataclasses
 from pathlib import Path
 
 import numpy as np
-from fake_pipeline import FakePipeline, fake_ground, fake_obstacle, fake_too_near
+from fake_pipeline import (
+    FakePipeline,
+    fake_ground,
+    fake_motion,
+    fake_nearest,
+    fake_obstacle,
+    fake_record,
+    fake_too_near,
+    items_of,
+)
 from vista.command.run import path_seen
 from vista.geometry import Calibration, Pose
 from vista.health.alignment_summary import summarize_alignment
 from vista.health.finding import Finding, FrameHealth, Reason, State
 from vista.health.summary import summarize_health
 from vista.history import FrameRecord, stage_statistics
-from vista.pipeline import ID_GROUND, Nearest
 from vista.report.overlay import panel_tiles
 from vista.report.run_report import render_report
 from vista.result_folder import ResultFolder, encoded
@@ -35,17 +43,16 @@ def make_records(
         pose = Pose(np.eye(3), np.array([0.0, 0.0, float(index)])) if poses else None
         stage_ms = {"read": 1.0, "rectify": 0.5, "stereo": 3.0, **result.stage_ms, "total": 10.0}
         records.append(
-            FrameRecord(
+            fake_record(
                 index,
                 index * 100_000_000,
-                pose,
-                (*result.obstacles, *many),
+                [*result.obstacles, *many],
                 result.nearest_collision,
-                result.regions,
-                result.valid_fraction,
-                stage_ms,
-                motion_known=poses,
-                health=BLIND if index in blind else FrameHealth(),
+                fake_motion(pose, known=poses),
+                stage_ms=stage_ms,
+                health=BLIND if index in blind else None,
+                region_count=result.outcome.region_count,
+                valid_fraction=result.valid_fraction,
             )
         )
     return records
@@ -54,10 +61,12 @@ def make_records(
 def with_ground_ahead(records: list[FrameRecord]) -> list[FrameRecord]:
     """The ground is what is met first, and something is too near to match; neither has a track."""
     ground, too_near = fake_ground(CAMERA, 9.0), fake_too_near(CAMERA)
-    nearest = Nearest(ID_GROUND, ground.position_m, 9.0, 1.5, ground.covariance_m2)
+    nearest = fake_nearest(ground, 1.5, distance_m=9.0)
     return [
         dataclasses.replace(
-            record, obstacles=(*record.obstacles, ground, too_near), nearest_collision=nearest
+            record,
+            outcome=record.outcome.but(nearest_collision=nearest),
+            items=items_of([*record.obstacles, ground, too_near]),
         )
         for record in records
     ]

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import json
-from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
-from fake_pipeline import fake_obstacle
+from fake_pipeline import fake_motion, fake_nearest, fake_obstacle, fake_record
 from random_seed import seeded
+from vista import native
 from vista.geometry import Calibration, Pose, rotation_from_quaternion
 from vista.health.finding import Finding, FrameHealth, Reason, State
 from vista.history import FrameRecord
@@ -20,75 +21,73 @@ from vista.mavlink.link import Link
 from vista.mavlink.sighting import Sighting, sighting_of, sighting_of_line
 from vista.obstacle_line import obstacle_line
 from vista.parameters import defaults
-from vista.pipeline import Directions, Nearest
+from vista.pipeline import Directions
 
 CAMERA = Calibration(320, 240, 300.0, 160.0, 120.0, 0.5)
 HEALTH = FrameHealth((Finding(Reason.NOISE, State.DEGRADED, "noise"),))
 
 
-def record(rng: np.random.Generator, **changes: object) -> FrameRecord:
+def record(rng: np.random.Generator, **changes: Any) -> FrameRecord:
     quaternion = rng.normal(size=4)
     pose = Pose(rotation_from_quaternion(quaternion / np.linalg.norm(quaternion)), rng.normal(size=3))
     obstacles = [
         fake_obstacle(k, 10.0, CAMERA, position_m=rng.normal(0.0, 20.0, 3), confirmed=k != 2)
         for k in (1, 2, 3)
     ]
-    nearest = Nearest(3, rng.normal(0.0, 20.0, 3), 9.0, float(rng.uniform(0.1, 9.0)), np.eye(3))
+    time_s = float(rng.uniform(0.1, 9.0))
+    nearest = fake_nearest(obstacles[2], time_s, position_m=rng.normal(0.0, 20.0, 3))
     shape = 2, Directions.COLUMNS
-    free_m, blocked_m = np.where(rng.random(shape) < 0.5, 0.0, rng.uniform(0.0, 80.0, shape)).astype(
-        np.float32
-    )
-    made = FrameRecord(7, 70, pose, tuple(obstacles), nearest, 3, 0.5, {"host": 1.0}, health=HEALTH)
-    made = replace(made, velocity_m_s=rng.normal(0.0, 5.0, 3))
-    made = replace(made, directions=Directions(pose.rotation[0], free_m, blocked_m))
-    return replace(made, **changes)
+    free_m, blocked_m = np.where(rng.random(shape) < 0.5, 0.0, rng.uniform(0.0, 80.0, shape))
+    told: dict[str, Any] = {
+        "obstacles": obstacles,
+        "nearest": nearest,
+        "motion": fake_motion(pose, rng.normal(0.0, 5.0, 3)),
+        "directions": Directions.made(
+            up_known=True, up_camera=pose.rotation[0], free_m=free_m, blocked_m=blocked_m
+        ),
+        "health": HEALTH,
+    }
+    return fake_record(7, 70, **told | changes)
 
 
 def assert_alike(one: Sighting, other: Sighting, atol: float) -> None:
-    assert (one.t_ns, one.health, one.reason) == (other.t_ns, other.health, other.reason)
-    assert [board.id for board in one.obstacles] == [board.id for board in other.obstacles]
-    for a, b in zip(one.obstacles, other.obstacles, strict=True):
-        np.testing.assert_allclose(a.position_camera_m, b.position_camera_m, atol=atol)
-        assert (a.width_m, a.height_m) == pytest.approx((b.width_m, b.height_m), abs=atol)
-    seen, other_seen = one.directions, other.directions
-    np.testing.assert_allclose(seen.free_m, other_seen.free_m, atol=atol)
-    np.testing.assert_allclose(seen.blocked_m, other_seen.blocked_m, atol=atol)
-    assert (seen.up_camera is None) == (other_seen.up_camera is None)
-    if seen.up_camera is not None and other_seen.up_camera is not None:
-        np.testing.assert_allclose(seen.up_camera, other_seen.up_camera, atol=atol)
-    assert (one.collision is None) == (other.collision is None)
-    if one.collision is not None and other.collision is not None:
-        assert one.collision.id == other.collision.id
-        assert one.collision.time_s == pytest.approx(other.collision.time_s, abs=10 * atol)
-        np.testing.assert_allclose(
-            one.collision.velocity_camera_m_s, other.collision.velocity_camera_m_s, atol=atol
-        )
-        np.testing.assert_allclose(
-            one.collision.position_camera_m, other.collision.position_camera_m, atol=atol
-        )
+    a, b = one.frame, other.frame
+    ffi = native.load("vista")[0]
+    assert (a.t_ns, a.health, ffi.string(a.reason)) == (b.t_ns, b.health, ffi.string(b.reason))
+    assert a.obstacle_count == b.obstacle_count
+    for k in range(a.obstacle_count):
+        assert a.obstacles[k].id == b.obstacles[k].id
+        assert_near(a.obstacles[k], b.obstacles[k], ("position_camera_m", "width_m", "height_m"), atol)
+    assert a.directions.up_known == b.directions.up_known
+    assert_near(a.directions, b.directions, ("free_m", "blocked_m"), atol)
+    if a.directions.up_known:
+        assert_near(a.directions, b.directions, ("up_camera",), atol)
+    assert (a.collision.valid, a.collision.id) == (b.collision.valid, b.collision.id)
+    if a.collision.valid:
+        assert_near(a.collision, b.collision, ("velocity_camera_m_s", "position_camera_m"), atol)
+        assert_near(a.collision, b.collision, ("time_s",), 10 * atol)
 
 
-NOTHING_KNOWN = {
-    "world_from_camera": None,
-    "nearest_collision": None,
-    "velocity_m_s": None,
-    "directions": None,
-    "health": FrameHealth(),
-}
+def assert_near(one: Any, other: Any, members: tuple[str, ...], atol: float) -> None:
+    for member in members:
+        values = [getattr(struct, member) for struct in (one, other)]
+        values = [value if isinstance(value, float) else list(value) for value in values]
+        np.testing.assert_allclose(*values, atol=atol)
 
 
-@pytest.mark.parametrize("changes", [{}, NOTHING_KNOWN, {"velocity_m_s": None}, {"obstacles": ()}])
-def test_a_line_tells_the_same_to_its_last_digit(changes: dict[str, object]) -> None:
+NOTHING_KNOWN: dict[str, Any] = {"motion": None, "nearest": None, "health": FrameHealth()}
+SLOWLY = {"motion": fake_motion(Pose())}
+
+
+@pytest.mark.parametrize("changes", [{}, NOTHING_KNOWN, SLOWLY, {"obstacles": ()}])
+def test_a_line_tells_the_same_to_its_last_digit(changes: dict[str, Any]) -> None:
     told = record(seeded(2401), **changes)
     assert_alike(sighting_of(told), sighting_of_line("line", obstacle_line(told)), 0.6e-3)
 
 
-def test_what_is_not_finite_is_told_as_in_a_line() -> None:
-    told = record(seeded(2402))
-    lost = replace(told.obstacles[0], position_m=np.array([1.0, np.nan, np.inf]))
-    free_m = np.full(Directions.COLUMNS, np.inf, np.float32)
-    free_m[3] = np.nan
-    told = replace(told, obstacles=(lost,), directions=Directions(None, free_m, np.roll(free_m, 9)))
+def test_a_place_that_is_not_finite_is_told_as_in_a_line() -> None:
+    lost = fake_obstacle(1, 10.0, CAMERA, position_m=(1.0, np.nan, np.inf))
+    told = record(seeded(2402), obstacles=(lost,))
     assert_alike(sighting_of(told), sighting_of_line("line", obstacle_line(told)), 0.6e-3)
 
 

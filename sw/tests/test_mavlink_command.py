@@ -259,12 +259,12 @@ def test_what_a_real_run_found_is_in_its_sector(tmp_path: Path, run_vista: Vista
     folder = cases.make_board_scenes(tmp_path / "pairs", 5, stills=False)
     assert run_vista("run", folder, "--out", tmp_path / "out", "--no-overlay")[0] == 0
     last = read_sightings(tmp_path / "out")[-1]
-    assert last.obstacles and last.directions.free_m.max() > 0.0
+    assert last.obstacles and max(last.frame.directions.free_m) > 0.0
     link, decoder = Link(parameters.defaults()), dialect.MAVLink(None)
     link.update(last, 10**9)
     messages = [decoded for data in link.due(10**9) for decoded in decoder.parse_buffer(data)]
     (sectors,) = (m for m in messages if m.get_type() == "OBSTACLE_DISTANCE")
-    nearest = min(last.obstacles, key=lambda board: np.linalg.norm(board.position_camera_m))
+    nearest = min(last.obstacles, key=lambda board: np.linalg.norm(list(board.position_camera_m)))
     x_m, _, z_m = nearest.position_camera_m
     sector = round(np.degrees(np.arctan2(x_m, z_m)) / 5.0) % 72
     assert sectors.distances[sector] == pytest.approx(100.0 * np.hypot(x_m, z_m), abs=60.0)

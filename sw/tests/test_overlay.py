@@ -9,12 +9,12 @@ from typing import Any
 import cv2
 import numpy as np
 import pytest
-from fake_pipeline import DescendingPipeline, FakePipeline, fake_obstacle
+from fake_pipeline import DescendingPipeline, FakePipeline, fake_ellipse, fake_nearest, fake_obstacle
 from numpy.typing import NDArray
 from vista import native
 from vista.geometry import Calibration
 from vista.health.finding import Finding, FrameHealth, Reason, State
-from vista.pipeline import ID_GROUND, ID_TOO_NEAR, Ellipse, Nearest, Obstacle
+from vista.pipeline import ID_GROUND, ID_TOO_NEAR, Nearest, Obstacle
 from vista.report import overlay
 from vista.report.labels import PADDING_PX, obstacle_name, text_size
 from vista.report.overlay import Overlay, draw_disparity, draw_obstacles, draw_regions, panel_tiles
@@ -30,12 +30,12 @@ def count(picture: NDArray[np.uint8], colour: tuple[int, int, int]) -> int:
 
 
 def at(u: float, v: float, **changes: object) -> Obstacle:
-    values = {"ellipse": Ellipse(u, v, 60.0, 30.0, 0.0), "distance_m": 12.0}
+    values = {"ellipse": fake_ellipse(u, v, 60.0, 30.0, 0.0), "distance_m": 12.0}
     return fake_obstacle(3, 12.0, CAMERA, **(values | changes))
 
 
 def nearest(obstacle: Obstacle, time_s: float | None = 2.5) -> Nearest:
-    return Nearest(obstacle.id, obstacle.position_m, obstacle.distance_m, time_s, obstacle.covariance_m2)
+    return fake_nearest(obstacle, time_s)
 
 
 def test_colours_of_obstacles() -> None:
@@ -43,18 +43,18 @@ def test_colours_of_obstacles() -> None:
     obstacle = at(320, 240)
     tracked = draw_obstacles(BLACK, [obstacle], None)
     assert count(tracked, YELLOW) > 200 and count(tracked, RED) == 0
-    behind = draw_obstacles(BLACK, [dataclasses.replace(obstacle, in_collision_volume=True)], None)
+    behind = draw_obstacles(BLACK, [obstacle.but(in_collision_volume=True)], None)
     assert count(behind, RED) > 200 and count(behind, YELLOW) == 0
     warning = draw_obstacles(BLACK, [obstacle], nearest(obstacle))
     assert count(warning, RED) > 1.5 * count(behind, RED) and count(warning, YELLOW) == 0
-    candidate = draw_obstacles(BLACK, [dataclasses.replace(obstacle, confirmed=False)], None)
+    candidate = draw_obstacles(BLACK, [obstacle.but(confirmed=False)], None)
     assert np.ptp(candidate, axis=-1).max() == 6  # as grey as INK is, and no text
     assert np.sum(candidate[..., 0] > GREY.blue // 2) > 50
 
 
 def test_the_ellipse_lies_where_it_should() -> None:
     """Semi-axes 60 and 30 px, turned by 90 degrees: the long one stands upright."""
-    upright = at(200, 240, ellipse=Ellipse(200.0, 240.0, 60.0, 30.0, 90.0))
+    upright = at(200, 240, ellipse=fake_ellipse(200.0, 240.0, 60.0, 30.0, 90.0))
     v, u = np.nonzero(np.all(draw_obstacles(BLACK, [upright], None) == YELLOW, axis=-1))
     inside = np.abs(v - 240) <= 65  # without the label above
     assert (u[inside].min(), u[inside].max()) == pytest.approx((170, 230), abs=2)
@@ -62,7 +62,7 @@ def test_the_ellipse_lies_where_it_should() -> None:
 
 
 def test_an_ellipse_turns_clockwise() -> None:
-    turned = at(200, 240, ellipse=Ellipse(200.0, 240.0, 80.0, 5.0, 30.0))  # v grows downwards
+    turned = at(200, 240, ellipse=fake_ellipse(200.0, 240.0, 80.0, 5.0, 30.0))  # v grows downwards
     v, u = np.nonzero(np.all(draw_obstacles(BLACK, [turned], None) == YELLOW, axis=-1))
     assert v[u > 255].mean() > 255
 
@@ -78,14 +78,14 @@ def test_a_coasting_track_is_dashed() -> None:
     "ellipse", [(np.nan, 1, 2, 3, 4), (0, 0, 1e12, 1, 0), (-5000, 90, 5, 5, 0), (1e9, 1e9, 5, 5, 0)]
 )
 def test_odd_ellipses_do_not_break_the_drawing(ellipse: tuple[float, ...]) -> None:
-    obstacle = at(0, 0, ellipse=Ellipse(*ellipse))
+    obstacle = at(0, 0, ellipse=fake_ellipse(*ellipse))
     draw_obstacles(BLACK, [obstacle], nearest(obstacle, None))
 
 
 def test_labels_do_not_cover_each_other() -> None:
     """Six obstacles in one place: every label drawn adds its own dark ground, all apart."""
     white = np.full((480, 640), 255, np.uint8)
-    crowd = [dataclasses.replace(at(320, 240), id=k, distance_m=10.0 + k) for k in range(6)]
+    crowd = [at(320, 240).but(id=k, distance_m=10.0 + k) for k in range(6)]
     alone = count(255 - draw_obstacles(white, crowd[:1], None), (0, 0, 0))
     together = count(255 - draw_obstacles(white, crowd, None), (0, 0, 0))
     width, height = text_size("#3  12 m", 0.5)
@@ -204,7 +204,8 @@ def texts_of_headline(
     for index in range(2):
         result = pipeline.process(left, np.full(left.shape, -16, np.int16), index, None, None)
     Overlay(name, 32, stills=stills).draw(
-        Frame(1, 1, left, left, None), dataclasses.replace(result, path_seen_m=seen_m)
+        Frame(1, 1, left, left, None),
+        dataclasses.replace(result, outcome=result.outcome.but(path_seen_m=seen_m)),
     )
     return found
 
@@ -244,9 +245,7 @@ def test_the_headline_does_not_run_below_the_warning(monkeypatch: pytest.MonkeyP
 def test_the_headline_says_that_a_frame_is_blind() -> None:
     """On the red ground of warnings, also when nothing is on the collision course."""
     left, words = np.zeros((480, 640), np.uint8), np.full((480, 640), -16, np.int16)
-    result = dataclasses.replace(
-        FakePipeline(CAMERA).process(left, words, 0, None, None), nearest_collision=None
-    )
+    result = FakePipeline(CAMERA).process(left, words, 0, None, None)  # no collision in the first frame
     blind = FrameHealth((Finding(next(iter(Reason)), State.BLIND, "The image is black."),))
     bar_height = panel_tiles(640, 480)[0][1]
     healthy, warned = (

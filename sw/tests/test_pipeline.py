@@ -137,7 +137,7 @@ def test_python_gives_the_same_numbers(flight: list[dict]) -> None:
         assert obstacle.position_m.tolist() == reference["position_m"]
         assert obstacle.covariance_m2.ravel().tolist() == reference["covariance_m2"]
         assert list(obstacle.extent_m) == reference["extent_m"]
-        assert result.regions == len(expected["regions"])
+        assert result.outcome.region_count == len(expected["regions"])
         assert result.cell_intensity.tobytes() == expected["intensity"]
         assert result.cell_disparity_px.tobytes() == expected["disparity_px"]
         assert result.region_of_cell.tobytes() == expected["label"]

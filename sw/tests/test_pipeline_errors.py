@@ -21,7 +21,6 @@ from pipeline_library import (
 from stage_library import ffi, lib, status_name
 from vista.parameters import defaults
 from vista.pipeline import Pipeline as PythonPipeline
-from vista.pipeline import PipelineError
 
 
 def bad_frames(source: scene.BoardFrame) -> dict[str, tuple[Frame, str]]:
@@ -215,7 +214,7 @@ def test_bad_parameters_are_named(name: str) -> None:
     section, _, field = name.partition(".")
     values = defaults()
     values[section][field] = BAD_PARAMETERS[name]
-    with pytest.raises(PipelineError, match=f"^{name} is out of range$"):
+    with pytest.raises(ValueError, match=f"^{name} is out of range$"):
         PythonPipeline(CALIBRATION, values)
 
 
@@ -226,5 +225,5 @@ def test_python_refuses_arrays_of_other_types() -> None:
         (source.left, source.words.astype(np.int8)),
         (source.left[..., None], source.words),
     ):
-        with pytest.raises(PipelineError, match="uint8 and int16"):
+        with pytest.raises(ValueError, match="uint8 and int16"):
             pipeline.process(left, words, 0)

@@ -11,11 +11,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from fake_pipeline import fake_motion, fake_record
 from report_cases import make_records, make_summary, render, with_ground_ahead
 from vista.geometry import Pose
 from vista.history import FrameRecord, stage_statistics
 from vista.obstacle_line import obstacle_line
-from vista.pipeline import ID_GROUND, ID_TOO_NEAR
+from vista.pipeline import ID_GROUND, ID_TOO_NEAR, Nearest
 from vista.report import run_report as report
 from vista.report.run_report import level_axes, render_report
 from vista.result_folder import ResultFolder
@@ -49,6 +50,10 @@ class Checker(HTMLParser):
 
     def handle_endtag(self, tag: str) -> None:
         assert self.open.pop() == tag
+
+
+def without_collision(record: FrameRecord) -> FrameRecord:
+    return dataclasses.replace(record, outcome=record.outcome.but(nearest_collision=Nearest.made()))
 
 
 @pytest.mark.parametrize("frames", [1, 12])
@@ -90,15 +95,13 @@ def test_the_page_opens_at_the_first_warning(tmp_path: Path) -> None:
 
 def test_without_obstacles_the_page_says_so(tmp_path: Path) -> None:
     stage_ms = {"read": 1.0, "stereo": 1.0, "host": 1.0, "total": 3.0}
-    page = render(tmp_path / "out", [FrameRecord(0, 0, None, (), None, 0, 0.0, stage_ms, motion_known=True)])
+    page = render(tmp_path / "out", [fake_record(0, 0, motion=fake_motion(known=True), stage_ms=stage_ms)])
     assert "nothing was found in the collision volume" in page
     assert data_of(page)["tracks"] == []
 
 
 def test_blind_frames_are_never_called_clear(tmp_path: Path) -> None:
-    records = [
-        dataclasses.replace(record, nearest_collision=None) for record in make_records(6, blind=range(2, 4))
-    ]
+    records = [without_collision(record) for record in make_records(6, blind=range(2, 4))]
     page = render(tmp_path / "out", records)
     assert "In 2 of 6 frames, from frame 2:" in page
     assert "the view was blind in 2 of 6 frames." in page
@@ -119,7 +122,7 @@ def test_the_page_begins_with_its_verdict(tmp_path: Path) -> None:
         "the view was healthy in all 6 frames."
     )
     assert page.index('id="verdict"') < page.index('class="cards"')
-    nothing = [dataclasses.replace(record, nearest_collision=None) for record in make_records(6)]
+    nothing = [without_collision(record) for record in make_records(6)]
     assert (
         "3 obstacles tracked, none in the collision volume, which was seen to "
         in VERDICT.search(render(tmp_path / "none", nothing))[1]

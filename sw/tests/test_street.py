@@ -56,7 +56,7 @@ def test_the_sky_holds_no_obstacle(results: list[Result]) -> None:
     for frame, result in enumerate(results):
         for o in result.obstacles:
             e = o.ellipse
-            in_gap = 575.0 < e.center_u < 635.0 and e.center_v < 95.0
+            in_gap = 575.0 < e.center_u_px < 635.0 and e.center_v_px < 95.0
             assert not (o.confirmed and not o.coasting and in_gap), (frame, o.id)
 
 

@@ -20,10 +20,10 @@ from pymavlink.dialects.v20 import ardupilotmega as dialect
 from vista import parameters
 from vista.chain import engine_parameters
 from vista.engine import create_engine
-from vista.health.finding import State
+from vista.history import FrameRecord
 from vista.mavlink.link import Link
-from vista.mavlink.sighting import Board, Sighting
-from vista.pipeline import Directions, Pipeline
+from vista.mavlink.sighting import sighting_of
+from vista.pipeline import Nearest, Pipeline
 from vista_eval.dataset.stereo_pair import TruthPair
 from vista_eval.report.table import aligned
 from vista_eval.suites.pairs import LIDAR, find_sources
@@ -41,21 +41,18 @@ KNOWN: dict[str, dict[str, float]] = {
 Distances = NDArray[np.float64]
 
 
-def sighting_of_pair(pair: TruthPair, values: parameters.Values) -> Sighting:
+def record_of_pair(pair: TruthPair, values: parameters.Values) -> FrameRecord:
     engine = create_engine("golden", engine_parameters(values), threads=1)
     levels = list(engine.levels(pair.left, pair.right))
     found = Pipeline(pair.camera, values).process(pair.left, levels, 0, None, None)
-    assert found.directions is not None
-    boards = tuple(
-        Board(int(o.id), tuple(o.position_m.tolist()), *o.extent_m) for o in found.obstacles if o.confirmed
-    )
-    return Sighting(0, State.HEALTHY, "", boards, found.directions, None)
+    outcome = found.outcome.but(nearest_collision=Nearest.made())
+    return FrameRecord(outcome, found.items, found.directions, found.stage_ms, index=0, t_ns=0)
 
 
-def sectors(sighting: Sighting, values: parameters.Values) -> Distances:
+def sectors(record: FrameRecord, values: parameters.Values) -> Distances:
     """(72,): metres; NaN where no obstacle is."""
     link, decoder = Link(values), dialect.MAVLink(None)
-    link.update(sighting, 0)
+    link.update(sighting_of(record), 0)
     messages = [message for data in link.due(0) for message in decoder.parse_buffer(data)]
     (told,) = [message for message in messages if message.get_type() == "OBSTACLE_DISTANCE"]
     distances_cm = np.array(told.distances, np.float64)
@@ -99,10 +96,9 @@ def main() -> None:
         if source.split != args.half:
             continue
         pair = source.read()
-        seen = sighting_of_pair(pair, values)
-        facing = replace(
-            seen, directions=replace(seen.directions, blocked_m=np.zeros(Directions.COLUMNS, np.float32))
-        )
+        seen = record_of_pair(pair, values)
+        assert seen.directions is not None
+        facing = replace(seen, directions=seen.directions.but(blocked_m=0.0))
         rows.append((sectors(facing, values), sectors(seen, values), measured(pair)))
     board_m, seen_m, truth_m = np.concatenate(rows, axis=1)
     judged = ~np.isnan(seen_m) & ~np.isnan(truth_m)

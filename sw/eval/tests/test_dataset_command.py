@@ -13,11 +13,10 @@ import pytest
 import sequence_cases as cases
 from command_line import assert_refused
 from command_line import call as call_vista
-from fake_pipeline import DescendingPipeline
+from fake_pipeline import DescendingPipeline, fake_record
 from vista import parameters
 from vista.errors import EXIT_OK, InputError
 from vista.health.finding import Finding, FrameHealth, Reason, State
-from vista.history import FrameRecord
 from vista.pipeline import Nearest
 
 pytestmark = pytest.mark.slow
@@ -62,9 +61,9 @@ def rows_in(out: Path) -> list[dict[str, Any]]:
 
 def test_a_warning_of_a_blind_frame_does_not_count() -> None:
     blind = FrameHealth((Finding(Reason.LEFT_RIGHT_SWAPPED, State.BLIND, "swapped"),))
-    nearest = Nearest(1, np.zeros(3), 9.0, None, np.eye(3))
+    nearest = Nearest.made(valid=True, id=1, distance_m=9.0, time_to_collision_s=np.nan)
     stage_ms = {"host": 1.0, "total": 2.0}
-    seen = FrameRecord(0, 0, None, (), nearest, 0, 0.5, stage_ms)
+    seen = fake_record(0, 0, nearest=nearest, stage_ms=stage_ms)
     row = module.figures([seen, replace(seen, index=1, health=blind)])
     assert (row["frames_warned"], row["frames_blind"], row["nearest_warning_m"]) == (1, 1, 9.0)
 

@@ -3,18 +3,16 @@ switches and errors are known."""
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 
 import cv2
 import flight_on_disk as disk
 import numpy as np
 import pytest
-from fake_pipeline import fake_obstacle
+from fake_pipeline import fake_motion, fake_obstacle, fake_record
 from vista import parameters
 from vista.errors import InputError
 from vista.geometry import Calibration, Pose
-from vista.history import FrameRecord
 from vista.pipeline import Obstacle
 from vista_eval.dataset.truth import read_truth
 from vista_eval.metrics.flight_score import FOOT_M, FlightScore, score_records
@@ -60,15 +58,12 @@ def score(
     """obstacles of each frame by its number; poses: as the chain believes them."""
     _, frames = flight_frames(folder)
     records = [
-        FrameRecord(
+        fake_record(
             k,
             frame.t_ns,
-            (poses or {}).get(k, frame.world_from_camera),
-            tuple(obstacles.get(k, ())),
-            None,
-            1,
-            0.5,
-            {"host": 3.0},
+            obstacles.get(k, ()),
+            motion=fake_motion((poses or {}).get(k, frame.world_from_camera)),
+            stage_ms={"host": 3.0},
         )
         for k, frame in enumerate(frames)
     ]
@@ -169,7 +164,7 @@ def test_false_alarms(flight: Path) -> None:
     seen = everywhere(obstacle(SIGN_M))
     for k in (10, 11, 12):
         seen[k].append(ghost)
-    seen[12].append(replace(ghost, id=8))
+    seen[12].append(ghost.but(id=8))
     seen[20].append(beside)
     result = score(flight, seen)
     assert result.false_alarm_frames == (10, 11, 12, 20)

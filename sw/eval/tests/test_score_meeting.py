@@ -10,12 +10,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 import truth_on_disk as disk
-from fake_pipeline import fake_obstacle
+from fake_pipeline import fake_motion, fake_nearest, fake_obstacle, fake_record
 from random_seed import seeded
 from vista import parameters
 from vista.geometry import Array, Calibration, Pose
-from vista.history import FrameRecord
-from vista.pipeline import Nearest
 from vista_eval.dataset.truth import TrueObject
 from vista_eval.metrics.flight_path import true_paths
 from vista_eval.metrics.flight_score import FlightScore, score_records
@@ -335,9 +333,11 @@ def fly_at_a_wall(
             )
             for number, position_m in enumerate(places_m, start=1)
         )
-        told = Nearest(1, place_m, ahead_m, None, TOLD_M2 * np.eye(3)) if nearest else None
+        told = fake_nearest(
+            warnings[0], position_m=place_m, distance_m=ahead_m, covariance_m2=TOLD_M2 * np.eye(3)
+        )
         times = (k, round(k * 1e9 / disk.RATE_HZ))
-        records.append(FrameRecord(*times, pose, warnings, told, 1, 0.5, {"host": 1.0}))
+        records.append(fake_record(*times, warnings, told if nearest else None, fake_motion(pose)))
     return score_records(folder, records, parameters.defaults(), STRICT)
 
 
@@ -429,9 +429,9 @@ def test_ground_in_the_box_does_not_excuse_a_wrong_distance(tmp_path: Path) -> N
             extent_m=(6.0, 6.0),
             in_collision_volume=True,
         )
-        told = Nearest(1, place_m, 20.0, None, np.eye(3))
+        told = fake_nearest(warning, distance_m=20.0)
         times = (k, round(k * 1e9 / disk.RATE_HZ))
-        records.append(FrameRecord(*times, pose, (warning,), told, 1, 0.5, {"host": 1.0}))
+        records.append(fake_record(*times, [warning], told, fake_motion(pose)))
     values = parameters.defaults()
     assert score_records(tmp_path, records, values, PAPER).false_alarm_frames == ()
     assert score_records(tmp_path, records, values, STRICT).false_alarm_frames == (0, 1, 2)

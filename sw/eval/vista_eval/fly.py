@@ -2,22 +2,20 @@
 
 from __future__ import annotations
 
+import base64
 import json
-from collections.abc import Iterator
+import pickle
+from collections.abc import Callable, Iterator
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
-from typing import Any
 
-import numpy as np
 from vista import native, parameters
 from vista.chain import Step, make_chain, run_frame
 from vista.engine import Engine
 from vista.errors import InputError
-from vista.geometry import Pose
-from vista.health.finding import Finding, FrameHealth, Reason, State
+from vista.health.finding import FrameHealth
 from vista.health.monitor import findings_of_host
 from vista.history import FrameRecord
-from vista.pipeline import Ellipse, Nearest, Obstacle
 from vista.sequence import Sequence, open_sequence
 
 from vista_eval.cache import code_digest, digest_of, flight_files, kept
@@ -77,11 +75,10 @@ def fly_cached(
     anew: bool = False,
 ) -> list[FrameRecord]:
     """Records from `cache`, if of this flight, chain and parameters; else, or if asked for anew, flown."""
-    return kept(
+    return kept_records(
         cache,
         flight_digest(folder, values, disturbance),
         lambda: [judged(step) for step in fly(open_flight(folder, disturbance), values)],
-        lambda records: [read_record(record) for record in records],
         anew,
     )
 
@@ -102,33 +99,18 @@ def flight_digest(folder: Path, values: parameters.Values, disturbance: Disturba
     )
 
 
-def read_record(content: dict[str, Any]) -> FrameRecord:
-    pose, nearest = content["world_from_camera"], content["nearest_collision"]
-    return FrameRecord(
-        **content
-        | {
-            "health": FrameHealth(tuple(_finding(f) for f in content["health"]["findings"])),
-            "world_from_camera": Pose(np.array(pose["rotation"]), np.array(pose["translation_m"])),
-            "obstacles": tuple(_obstacle(o) for o in content["obstacles"]),
-            "nearest_collision": nearest
-            and Nearest(
-                **nearest | {name: np.array(nearest[name]) for name in ("position_m", "covariance_m2")}
-            ),
-        }
-    )
+def packed(records: list[FrameRecord]) -> str:
+    """The records as text, for files of our own alone."""
+    return base64.b64encode(pickle.dumps(records)).decode()
 
 
-def _finding(content: dict[str, Any]) -> Finding:
-    return Finding(Reason(content["reason"]), State(content["state"]), content["text"])
+def unpacked(text: str) -> list[FrameRecord]:
+    records: list[FrameRecord] = pickle.loads(base64.b64decode(text))
+    return records
 
 
-def _obstacle(content: dict[str, Any]) -> Obstacle:
-    return Obstacle(
-        **content
-        | {
-            "position_m": np.array(content["position_m"]),
-            "covariance_m2": np.array(content["covariance_m2"]),
-            "extent_m": tuple(content["extent_m"]),
-            "ellipse": Ellipse(**content["ellipse"]),
-        }
-    )
+def kept_records(
+    cache: Path, digest: str, find: Callable[[], list[FrameRecord]], anew: bool = False
+) -> list[FrameRecord]:
+    """Records from `cache`, if of this digest; else, or if asked for anew, those that are found."""
+    return unpacked(kept(cache, digest, lambda: packed(find()), str, anew))

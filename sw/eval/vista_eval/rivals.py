@@ -41,11 +41,11 @@ from vista.pipeline import Result
 
 from vista_eval.baselines.reference_method import ReferenceParameters, merge_cells
 from vista_eval.baselines.stereo_alone import Threshold, label_clusters, thresholded
-from vista_eval.cache import code_digest, digest_of, kept
+from vista_eval.cache import code_digest, digest_of
 from vista_eval.cell_graph import CellGraph, OpenPipeline
 from vista_eval.dataset.stereo_pair import TruthPair
 from vista_eval.dataset.truth import TRUTH, FlightTruth, read_truth
-from vista_eval.fly import flight_digest, fly, fly_cached, judged, open_flight, read_record
+from vista_eval.fly import flight_digest, fly, fly_cached, judged, kept_records, open_flight
 from vista_eval.metrics.standing_points import ACCEPTED, Judged
 
 OURS, FOREST, SGBM, PERFECT = "as configured", "spanning forest", "SGBM words", "perfect disparities"
@@ -115,12 +115,7 @@ class InHost:
         if self.name == OURS:
             return fly_cached(folder, values, cache)
         digest = digest_of(self.name, flight_digest(folder, values), code_digest(__name__), folder / TRUTH)
-        return kept(
-            cache,
-            digest,
-            lambda: self.fly(folder, values),
-            lambda records: [read_record(record) for record in records],
-        )
+        return kept_records(cache, digest, lambda: self.fly(folder, values))
 
 
 class Clusters:

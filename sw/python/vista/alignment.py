@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from vista import native, parameters
 from vista.geometry import Array, Calibration
 from vista.health.finding import State as Health
+from vista.structs import Struct
 
 
 @dataclass(frozen=True)
@@ -48,20 +49,42 @@ class State(StrEnum):
     LOST = "lost"
 
 
-@dataclass(frozen=True)
-class Alignment:
-    """The outcome of one pair."""
+class Alignment(Struct):
+    """The outcome of one pair (vista_alignment_result)."""
 
-    state: State
-    correction: Turn  # what the right image of the next pair is to be rectified for
-    changed: bool  # whether that is another turn than that of this pair
-    estimate: Turn
-    health: Health  # of this frame, as far as the alignment goes
-    row_error_px: float | None  # median distance of features from their rows; None: too few agree
-    row_error_90_px: float | None  # 90th percentile
+    __slots__ = ()
+    NAME = "vista_alignment_result"
+    changed: bool  # whether the correction is another turn than that of this pair
+    row_error_90_px: float  # 90th percentile of the distances of features from their rows
     features: int
     matched: int
     agreeing: int
+
+    @property
+    def state(self) -> State:
+        return tuple(State)[int(self.memory["state"])]
+
+    @property
+    def correction(self) -> Turn:
+        """What the right image of the next pair is to be rectified for."""
+        return Turn(*self.memory["correction"].item())
+
+    @property
+    def estimate(self) -> Turn:
+        return Turn(*self.memory["estimate"].item())
+
+    @property
+    def row_error_px(self) -> float | None:
+        """The median distance of features from their rows; None: too few agree."""
+        return self.memory["row_error_px"].item() if self.rows_known else None
+
+    @property
+    def health(self) -> Health:
+        """How far this frame can be trusted, as far as the alignment goes."""
+        ffi, lib = native.load("vista")
+        health = ffi.new("vista_health *")
+        lib.vista_alignment_judge(self.in_c(), health)
+        return tuple(Health)[int(health.state)]
 
 
 class Estimator:
@@ -95,11 +118,10 @@ class Estimator:
         images = c_images(self._ffi, left, right)
         status = self._lib.vista_alignment_update(self._alignment, *images, t_ns, turn, self._result)
         self._check(status)
-        return outcome(self._ffi, self._lib, self._result)
+        return Alignment.copied(self._ffi, self._result)
 
     def _check(self, status: int) -> None:
-        if status != self._lib.VISTA_OK:
-            raise ValueError(self._ffi.string(self._lib.vista_status_text(status)).decode())
+        native.check(self._ffi, self._lib, status)
 
 
 def c_images(ffi: Any, *images: NDArray[np.uint8]) -> list[Any]:
@@ -109,28 +131,6 @@ def c_images(ffi: Any, *images: NDArray[np.uint8]) -> list[Any]:
         ffi.new("vista_image *", (ffi.from_buffer("uint8_t[]", image), *image.shape[::-1], image.shape[1]))
         for image in whole
     ]
-
-
-def outcome(ffi: Any, lib: Any, result: Any) -> Alignment:
-    """Reads a vista_alignment_result."""
-    health = ffi.new("vista_health *")
-    lib.vista_alignment_judge(result, health)
-    return Alignment(
-        state=list(State)[result.state],
-        correction=_turn(result.correction),
-        changed=result.changed,
-        estimate=_turn(result.estimate),
-        health=Health(ffi.string(lib.vista_health_state_name(health.state)).decode()),
-        row_error_px=result.row_error_px if result.rows_known else None,
-        row_error_90_px=result.row_error_90_px if result.rows_known else None,
-        features=result.features,
-        matched=result.matched,
-        agreeing=result.agreeing,
-    )
-
-
-def _turn(c: Any) -> Turn:
-    return Turn(c.pitch_rad, c.roll_rad)
 
 
 def c_camera(ffi: Any, camera: Calibration) -> Any:

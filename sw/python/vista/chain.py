@@ -157,19 +157,12 @@ def process_frame(chain: Chain, raw: Frame, clock: StageClock, anew: bool = Fals
     stage_ms = clock.stage_ms | result.stage_ms
     stage_ms["total"] = sum(stage_ms.get(name, 0.0) for name in TIMED)
     record = FrameRecord(
-        frame.index,
-        frame.t_ns,
-        None if result.motion.source == "UNTOLD" else result.motion.pose,
-        tuple(result.obstacles),
-        result.nearest_collision,
-        result.regions,
-        result.valid_fraction,
+        result.outcome,
+        result.items,
+        result.directions,
         stage_ms,
-        result.dropped_tracks,
-        result.motion.known,
-        result.path_seen_m,
-        velocity_m_s=result.motion.velocity_m_s,
-        directions=result.directions,
+        index=frame.index,
+        t_ns=frame.t_ns,
         alignment=alignment,
     )
     return Step(raw, frame, levels, result, record, anew)

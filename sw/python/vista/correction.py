@@ -9,7 +9,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from vista import native, parameters
-from vista.alignment import Alignment, Turn, c_camera, c_images, outcome
+from vista.alignment import Alignment, Turn, c_camera, c_images
 from vista.control_grid import Grid, GridPair
 from vista.errors import InputError
 from vista.rectify import Map, RawCamera, Rectifier
@@ -52,14 +52,14 @@ class Correction:
         result = self._ffi.new("vista_alignment_result *")
         images = c_images(self._ffi, frame.left, frame.right)
         self._check(self._lib.vista_correction_update(self._correction, *images, frame.t_ns, result))
-        found = outcome(self._ffi, self._lib, result)
+        found = Alignment.copied(self._ffi, result)
         if not found.changed:
             return found
         try:
             self._apply(found.correction, self._table())
         except InputError:  # the hardware's line buffer does not reach so far
             self._lib.vista_correction_refuse(self._correction, result)
-            return outcome(self._ffi, self._lib, result)
+            return Alignment.copied(self._ffi, result)
         return found
 
     def reset(self) -> None:
@@ -87,8 +87,7 @@ class Correction:
         return np.frombuffer(data, kind).reshape(shape).copy()
 
     def _check(self, status: int) -> None:
-        if status != self._lib.VISTA_OK:
-            raise ValueError(self._ffi.string(self._lib.vista_status_text(status)).decode())
+        native.check(self._ffi, self._lib, status)
 
 
 def c_raw_camera(ffi: Any, camera: RawCamera) -> Any:

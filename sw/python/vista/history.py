@@ -10,31 +10,31 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from vista.geometry import Array, Pose
+from vista.geometry import Pose
 from vista.health.finding import FrameHealth, State
+from vista.pipeline import Found, Nearest, Obstacle
 
 if TYPE_CHECKING:
     from vista.alignment import Alignment
-    from vista.pipeline import Directions, Nearest, Obstacle
 
 
-@dataclass(frozen=True)
-class FrameRecord:
+@dataclass(frozen=True, kw_only=True)
+class FrameRecord(Found):
+    """What libvista found in a frame, as it is in memory, with what else is known of the frame."""
+
     index: int
     t_ns: int
-    world_from_camera: Pose | None  # as the detector worked with it; None: no pose up to now
-    obstacles: tuple[Obstacle, ...]
-    nearest_collision: Nearest | None
-    regions: int
-    valid_fraction: float
-    stage_ms: dict[str, float]  # in the order in which the stages ran
-    dropped_tracks: int = 0  # for want of room
-    motion_known: bool = False
-    path_seen_m: float = 0.0  # beyond, no obstacle does not mean free space
     health: FrameHealth = field(default_factory=FrameHealth)  # empty where no checks are made
-    velocity_m_s: Array | None = None  # (3,), in the world; None: not known
-    directions: Directions | None = None  # that are free
     alignment: Alignment | None = None  # of the cameras against each other; None: not looked at
+
+    @property
+    def world_from_camera(self) -> Pose | None:
+        """The pose that the detector worked with; None: none up to now."""
+        return None if self.motion.source == "UNTOLD" else self.motion.pose
+
+    @property
+    def motion_known(self) -> bool:
+        return self.motion.known
 
     @property
     def blind(self) -> bool:
@@ -50,17 +50,6 @@ class FrameRecord:
     def things(self) -> list[Obstacle]:
         """Obstacles with a confirmed track, unless the view is blind."""
         return [] if self.blind else [obstacle for obstacle in self.obstacles if obstacle.is_thing]
-
-    @property
-    def velocity_camera_m_s(self) -> Array | None:
-        """The same in the frame of the camera."""
-        pose = self.world_from_camera or Pose()
-        return None if self.velocity_m_s is None else pose.rotation.T @ self.velocity_m_s
-
-    def in_camera(self, position_m: Array) -> Array:
-        """A position in the world, (3,), in the frame of the camera. What is not finite stays so."""
-        with np.errstate(invalid="ignore"):
-            return (self.world_from_camera or Pose()).inverse().apply(position_m)
 
 
 @dataclass

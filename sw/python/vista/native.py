@@ -38,6 +38,13 @@ def load_as(name: str, binding: str, make: Callable[[Path, str], None]) -> tuple
     return _open(*_find(name, binding, _ROOT / "build"))
 
 
+def check(ffi: Any, lib: Any, status: int, error: Callable[[str], Exception] = ValueError) -> None:
+    """Raises what `error` makes of the text of a status, libvista's or its engine's, unless all is well."""
+    if status:
+        text_of = getattr(lib, "vista_status_text", None) or lib.vista_engine_status_text
+        raise error(ffi.string(text_of(status)).decode())
+
+
 def library_path(name: str) -> Path:
     """The path of lib<name>.so as load() finds it; ImportError when it has not been built."""
     return _find(name, name, build_folder())[0]

@@ -6,13 +6,15 @@ import math
 import weakref
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from functools import cached_property
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vista import native, parameters
 from vista.geometry import Array, Calibration, Pose
+from vista.structs import Struct, copied, names_of
 
 # Ids of obstacles without a track, as vista/obstacle.h has them: pictures and reports of a run that is over
 # name them without the library.
@@ -20,35 +22,38 @@ ID_TOO_NEAR = 0
 ID_GROUND = -1
 
 
-@dataclass(frozen=True)
-class Ellipse:
-    """An ellipse in the rectified left image, in pixels."""
+class Ellipse(Struct):
+    """An ellipse in the rectified left image (vista_ellipse)."""
 
-    center_u: float
-    center_v: float
-    axis_a: float  #: the longer semi-axis
-    axis_b: float  #: the shorter semi-axis
-    angle_deg: float  #: from +u to the longer axis, clockwise
+    __slots__ = ()
+    NAME = "vista_ellipse"
+    center_u_px: float
+    center_v_px: float
+    axis_a_px: float  # the longer semi-axis
+    axis_b_px: float
+    angle_deg: float  # from +u to the longer axis, clockwise
 
 
-@dataclass(frozen=True)
-class Obstacle:
-    """One obstacle, as the track that it belongs to estimates it in this frame."""
+class Obstacle(Struct):
+    """One obstacle, as the track that it belongs to estimates it in a frame (vista/obstacle.h)."""
 
-    id: int  #: number of the track, from 1; ID_TOO_NEAR or ID_GROUND without one
+    __slots__ = ()
+    NAME, NAMES = "vista_obstacle", {"world": "world_verdict", "kind": "obstacle_kind"}
+    PARTS: ClassVar = {"ellipse": Ellipse}
+    id: int  # number of the track, from 1; ID_TOO_NEAR or ID_GROUND without one
     confirmed: bool
-    coasting: bool  #: not seen in this frame
-    in_blind_zone: bool  #: nearer than the engine matches
-    world: str  #: verdict of the static-world test: OPEN, STANDS, MOVES, REFUTED
+    coasting: bool  # not seen in this frame
+    in_blind_zone: bool  # nearer than the engine matches
+    world: str  # verdict of the static-world test: OPEN, STANDS, MOVES, REFUTED
     age_frames: int
-    position_m: Array  #: (3,), in the world
-    covariance_m2: Array  #: (3, 3), of the position
-    distance_m: float  #: from the camera
-    extent_m: tuple[float, float]  #: width, height
+    position_m: Array  # (3,), in the world
+    covariance_m2: Array  # (3, 3), of the position
+    distance_m: float  # from the camera
+    extent_m: Array  # (2,): width, height
     ellipse: Ellipse
     disparity_px: float
     in_collision_volume: bool
-    kind: str = "thing"  #: thing; too_near: to match; ground: where the flight path meets it
+    kind: str  # thing; too_near: to match; ground: where the flight path meets it
 
     @property
     def is_thing(self) -> bool:
@@ -56,78 +61,158 @@ class Obstacle:
         return self.confirmed and self.kind == "thing"
 
 
-@dataclass(frozen=True)
-class Nearest:
-    """The nearest confirmed obstacle that meets the collision volume."""
+class Nearest(Struct):
+    """The nearest confirmed obstacle that meets the collision volume (vista_nearest_collision)."""
 
+    __slots__ = ()
+    NAME = "vista_nearest_collision"
+    valid: bool
     id: int
-    position_m: Array  #: (3,), in the world
+    position_m: Array  # (3,), in the world
     distance_m: float
-    time_to_collision_s: float | None  #: None: hardly closing, or not known
-    covariance_m2: Array  #: (3, 3), of the position: of the obstacle, and of which point of it is met first
+    covariance_m2: Array  # (3, 3), of the position: of the obstacle, and of which point of it is met first
+
+    @property
+    def time_to_collision_s(self) -> float | None:
+        """None: hardly closing, or not known."""
+        seconds = self.memory["time_to_collision_s"].item()
+        return seconds if math.isfinite(seconds) else None
 
 
-@dataclass(frozen=True)
-class Motion:
-    """The vehicle's own motion as the detector worked with it."""
+class Motion(Struct):
+    """The vehicle's own motion as the detector worked with it (vista_motion)."""
 
-    known: bool  #: otherwise positions in the world rest on a guess of the camera's pose
-    source: str  #: where the camera's pose comes from: POSE, STANDS, CARRIED_ON, REFUSED, UNTOLD
-    restarted: bool  #: the poses continued at another place, so all tracks were dropped
-    velocity_m_s: Array | None  #: (3,), in the world; None: not known
-    turn_rate_rad_s: Array  #: (3,), axis times rate, in the world
-    pose: Pose  #: world_from_camera
+    __slots__ = ()
+    NAME, NAMES = "vista_motion", {"source": "motion_source"}
+    known: bool  # otherwise positions in the world rest on a guess of the camera's pose
+    source: str  # where the camera's pose comes from: POSE, STANDS, CARRIED_ON, REFUSED, UNTOLD
+    restarted: bool  # the poses continued at another place, so all tracks were dropped
+    turn_rate_rad_s: Array  # (3,), axis times rate, in the world
 
+    @property
+    def velocity_m_s(self) -> Array | None:
+        """(3,), in the world; None: not known."""
+        return self.memory["velocity_m_s"] if self.velocity_known else None
 
-@dataclass(frozen=True)
-class Health:
-    """Whether the view tells anything: without obstacles only a healthy frame is clear."""
-
-    state: str  #: healthy, degraded, blind
-    reasons: tuple[
-        str, ...
-    ]  #: few_disparities, no_disparities, no_contrast, motion_unknown, pose_jump, noise, ground_unseen
-    texts: tuple[str, ...]  #: the same in words
-    matched_fraction: float  #: of the pixels where the engine can find a disparity, those that have one
-    contrast: float  #: standard deviation of the cells, grey levels
+    @property
+    def pose(self) -> Pose:
+        """world_from_camera."""
+        pose = self.memory["pose"]
+        return Pose(pose["rotation"], pose["translation_m"])
 
 
-@dataclass(frozen=True)
-class Directions:
-    """Which level directions are free: columns of one degree, from where the camera looks to the right."""
+class Health(Struct):
+    """Whether the view tells anything: without obstacles only a healthy frame is clear (vista_health)."""
 
-    up_camera: Array | None  #: (3,), unit vector against gravity; None: not known, -y is taken for it
-    free_m: NDArray[np.float32]  #: how far nothing stands there: (COLUMNS,), the first FIRST_DEG from ahead
-    blocked_m: NDArray[np.float32]  #: where what ends it stands; 0: nothing is seen there
+    __slots__ = ()
+    NAME, NAMES = "vista_health", {"state": "health_state"}
+    state: str  # healthy, degraded, blind
+    matched_fraction: float  # of the pixels where the engine can find a disparity, those that have one
+    contrast: float  # standard deviation of the cells, grey levels
+
+    @property
+    def reasons(self) -> tuple[str, ...]:
+        """few_disparities, no_disparities, no_contrast, motion_unknown, pose_jump, noise, ground_unseen."""
+        return tuple(names_of("health_reason")[k] for k in self._numbers())
+
+    @property
+    def texts(self) -> tuple[str, ...]:
+        """The same in words."""
+        ffi, lib = native.load("vista")
+        return tuple(ffi.string(lib.vista_health_reason_text(k)).decode() for k in self._numbers())
+
+    def _numbers(self) -> list[int]:
+        bits = int(self.memory["reasons"])
+        return [k for k in range(bits.bit_length()) if bits >> k & 1]
+
+
+class Directions(Struct):
+    """Which level directions are free: columns of one degree, to the right (vista_directions)."""
+
+    __slots__ = ()
+    NAME = "vista_directions"
+    free_m: NDArray[np.float32]  # how far nothing stands there: (COLUMNS,), the first FIRST_DEG from ahead
+    blocked_m: NDArray[np.float32]  # where what ends it stands; 0: nothing is seen there
 
     FIRST_DEG, COLUMNS = -90, 180  # as vista/directions.h has them
 
+    @property
+    def up_camera(self) -> Array | None:
+        """(3,), unit vector against gravity; None: not known, -y is taken for it."""
+        return self.memory["up_camera"] if self.up_known else None
 
-@dataclass(frozen=True)
-class Result:
-    """The output of one frame."""
 
-    obstacles: list[Obstacle]  #: nearest first
-    nearest_collision: Nearest | None
-    path_seen_m: float  #: how far the flight path is seen; beyond, no obstacle does not mean free space
+class Outcome(Struct):
+    """The output of one frame, whose pointers lead nowhere (vista_result)."""
+
+    __slots__ = ()
+    NAME = "vista_result"
+    PARTS: ClassVar = {"nearest_collision": Nearest, "motion": Motion, "health": Health}
+    obstacles: int  # address
+    nearest_collision: Nearest
     motion: Motion
     health: Health
-    regions: int
     valid_fraction: float
-    dropped_tracks: int  #: in this frame, for want of room
-    stage_ms: dict[str, float]  #: of each stage in the order of the chain, and of the frame: "host"
-    cell_of_pixel: NDArray[np.int32]  #: (height, width): the cell under each pixel
-    cell_intensity: NDArray[np.float32]  #: (cells,)
-    cell_disparity_px: NDArray[np.float32]  #: (cells,); negative: none
-    region_of_cell: NDArray[np.int32]  #: (cells,); -1: none
-    region_of_pixel: NDArray[np.int32]  #: (height, width); -1: none; boundaries follow the image
+    region_count: int
+    dropped_tracks: int
+    path_seen_m: float
+
+
+@dataclass(frozen=True)
+class Found:
+    """What libvista found in one frame: copied as it is in memory, with the obstacles."""
+
+    outcome: Outcome
+    items: NDArray[np.void]  # vista_obstacle, nearest first
+    directions: Directions | None  # None: not from a pipeline
+    stage_ms: dict[str, float]  # of each stage in the order in which they ran
+
+    @cached_property
+    def obstacles(self) -> list[Obstacle]:
+        """Nearest first."""
+        return Obstacle.all_of(self.items)
+
+    @property
+    def nearest_collision(self) -> Nearest | None:
+        nearest = self.outcome.nearest_collision
+        return nearest if nearest.valid else None
+
+    @property
+    def motion(self) -> Motion:
+        return self.outcome.motion
+
+    @property
+    def path_seen_m(self) -> float:
+        """How far the flight path is seen; beyond, no obstacle does not mean free space."""
+        return self.outcome.path_seen_m
+
+    @property
+    def valid_fraction(self) -> float:
+        return self.outcome.valid_fraction
+
+    def in_c(self) -> tuple[Any, Any]:
+        """vista_result and vista_directions, null where they are not known; valid as long as this is."""
+        self.outcome.memory["obstacles"] = self.items.ctypes.data
+        known = self.directions
+        return self.outcome.in_c(), native.load("vista")[0].NULL if known is None else known.in_c()
+
+
+@dataclass(frozen=True)
+class Result(Found):
+    """The output of one frame, with its pictures."""
+
+    cell_of_pixel: NDArray[np.int32]  # (height, width): the cell under each pixel
+    cell_intensity: NDArray[np.float32]  # (cells,)
+    cell_disparity_px: NDArray[np.float32]  # (cells,); negative: none
+    region_of_cell: NDArray[np.int32]  # (cells,); -1: none
+    region_of_pixel: NDArray[np.int32]  # (height, width); -1: none; boundaries follow the image
     verdict_of_region: list[str]
-    words: NDArray[np.int16]  #: (height, width): the disparities of all levels together; negative: none
-    directions: Directions | None = None  #: None: of a stand-in of a test
+    words: NDArray[np.int16]  # (height, width): the disparities of all levels together; negative: none
 
-
-class PipelineError(ValueError):
-    """A status of libvista that is not VISTA_OK; the text is the library's."""
+    @property
+    def health(self) -> Health:
+        """What libvista itself says of the view."""
+        return self.outcome.health
 
 
 def _destroy(lib: Any, pipeline: Any, memory: Any) -> None:
@@ -159,6 +244,9 @@ class Pipeline:
         # A second thread works in this memory, so it ends before that is given back.
         weakref.finalize(self, _destroy, self._lib, self._pipeline, self._memory)
         self._result = self._ffi.new("vista_result *")
+        self._directions = self._ffi.new("vista_directions *")
+        count = self._lib.vista_stage_count()
+        self._stages = [self._ffi.string(self._lib.vista_stage_name(k)).decode() for k in range(count)]
         self._cell_of_pixel: NDArray[np.int32] | None = None
 
     def reset(self) -> None:
@@ -180,16 +268,16 @@ class Pipeline:
         disparity: the words of the same size, or those of the levels of a pyramid, level 0 first.
 
         velocity_m_s: of the camera in world, None: from the poses. stationary: without a pose, the camera has
-        not moved since the last frame. Raises PipelineError on arrays of another type or size, times that do
+        not moved since the last frame. Raises ValueError on arrays of another type or size, times that do
         not increase, a pose that is not finite."""
         ffi = self._ffi
         levels = [disparity] if isinstance(disparity, np.ndarray) else list(disparity)
         most = 1 + self._lib.VISTA_COARSER_LEVELS
         if not 1 <= len(levels) <= most:
-            raise PipelineError(f"a frame has 1 to {most} levels, not {len(levels)}")
+            raise ValueError(f"a frame has 1 to {most} levels, not {len(levels)}")
         typed = [(left, "u1")] + [(words, "i2") for words in levels]
         if any((array.dtype, array.ndim) != (np.dtype(wanted), 2) for array, wanted in typed):
-            raise PipelineError("the image has to be uint8 and int16 its disparities, both (height, width)")
+            raise ValueError("the image has to be uint8 and int16 its disparities, both (height, width)")
         left, levels = np.ascontiguousarray(left), [np.ascontiguousarray(words) for words in levels]
         frame = ffi.new("vista_frame *")
         images = [frame.disparity, *(frame.coarser[k] for k in range(len(levels) - 1))]
@@ -218,8 +306,7 @@ class Pipeline:
         return self._read_result()
 
     def _check(self, status: int) -> None:
-        if status != self._lib.VISTA_OK:
-            raise PipelineError(self._ffi.string(self._lib.vista_status_text(status)).decode())
+        native.check(self._ffi, self._lib, status)
 
     def _array(self, pointer: Any, count: int, dtype: Any) -> NDArray[Any]:
         size = count * np.dtype(dtype).itemsize
@@ -231,43 +318,26 @@ class Pipeline:
         cells, pixels = views.cell_count, shape[0] * shape[1]
         if self._cell_of_pixel is None:
             self._cell_of_pixel = self._array(views.cell_of_pixel, pixels, np.int32).reshape(shape)
-        stage_ms = {
-            ffi.string(lib.vista_stage_name(stage)).decode(): r.stage_ms[stage]
-            for stage in range(r.stage_count)
-        }
-        nearest = r.nearest_collision
-        verdicts = [
-            ffi.string(lib.vista_region_verdict_name(views.verdict_of_region[k])).decode()
-            for k in range(views.region_count)
-        ]
+        stage_ms = {name: r.stage_ms[k] for k, name in enumerate(self._stages)}
+        self._check(lib.vista_pipeline_directions(self._pipeline, self._directions))
+        verdicts = self._array(views.verdict_of_region, views.region_count, np.uint32)
+        obstacles = copied(ffi, r.obstacles, Obstacle.NAME, r.obstacle_count)
+        r.obstacles = r.views = r.stage_ms = (
+            ffi.NULL
+        )  # what is kept leads nowhere that the next frame changes
         return Result(
-            obstacles=[read_obstacle(ffi, lib, r.obstacles[k]) for k in range(r.obstacle_count)],
-            nearest_collision=read_nearest(nearest) if nearest.valid else None,
-            path_seen_m=r.path_seen_m,
-            motion=_motion(ffi, lib, r.motion),
-            health=_health(ffi, lib, r.health),
-            regions=r.region_count,
-            valid_fraction=r.valid_fraction,
-            dropped_tracks=r.dropped_tracks,
-            stage_ms=stage_ms | {"host": r.host_ms},
+            Outcome.copied(ffi, r),
+            obstacles,
+            Directions.copied(ffi, self._directions),
+            stage_ms | {"host": r.host_ms},
             cell_of_pixel=self._cell_of_pixel,
             cell_intensity=self._array(views.cell_intensity, cells, np.float32),
             cell_disparity_px=self._array(views.cell_disparity_px, cells, np.float32),
             region_of_cell=self._array(views.region_of_cell, cells, np.int32),
             region_of_pixel=self._array(views.region_of_pixel, pixels, np.int32).reshape(shape),
-            verdict_of_region=verdicts,
+            verdict_of_region=[names_of("region_verdict")[verdict] for verdict in verdicts],
             words=self._array(views.words, pixels, np.int16).reshape(shape),
-            directions=self._directions(),
         )
-
-    def _directions(self) -> Directions:
-        c = self._ffi.new("vista_directions *")
-        self._check(self._lib.vista_pipeline_directions(self._pipeline, c))
-        up_camera = np.array(list(c.up_camera)) if c.up_known else None
-        free_m, blocked_m = (
-            self._array(columns, Directions.COLUMNS, np.float32) for columns in (c.free_m, c.blocked_m)
-        )
-        return Directions(up_camera, free_m, blocked_m)
 
 
 def c_parameters(ffi: Any, lib: Any, values: parameters.Values) -> Any:
@@ -276,61 +346,8 @@ def c_parameters(ffi: Any, lib: Any, values: parameters.Values) -> Any:
     for name, value in parameters.flat(values).items():
         setter = lib.vista_parameters_set_choice if isinstance(value, str) else lib.vista_parameters_set
         if setter(c, name.encode(), value.encode() if isinstance(value, str) else value) != lib.VISTA_OK:
-            raise PipelineError(f"{name} is unknown or out of range")
+            raise ValueError(f"{name} is unknown or out of range")
     culprit = ffi.new("char const **")
     if lib.vista_parameters_check(c, culprit) != lib.VISTA_OK:
-        raise PipelineError(f"{ffi.string(culprit[0]).decode()} is out of range")
+        raise ValueError(f"{ffi.string(culprit[0]).decode()} is out of range")
     return c
-
-
-def read_obstacle(ffi: Any, lib: Any, o: Any) -> Obstacle:
-    e = o.ellipse
-    return Obstacle(
-        id=o.id,
-        confirmed=bool(o.confirmed),
-        coasting=bool(o.coasting),
-        in_blind_zone=bool(o.in_blind_zone),
-        world=ffi.string(lib.vista_world_verdict_name(o.world)).decode(),
-        age_frames=o.age_frames,
-        position_m=np.array(list(o.position_m)),
-        covariance_m2=np.array(list(o.covariance_m2)).reshape(3, 3),
-        distance_m=o.distance_m,
-        extent_m=(o.extent_m[0], o.extent_m[1]),
-        ellipse=Ellipse(e.center_u_px, e.center_v_px, e.axis_a_px, e.axis_b_px, e.angle_deg),
-        disparity_px=o.disparity_px,
-        in_collision_volume=bool(o.in_collision_volume),
-        kind=ffi.string(lib.vista_obstacle_kind_name(o.kind)).decode(),
-    )
-
-
-def _motion(ffi: Any, lib: Any, m: Any) -> Motion:
-    return Motion(
-        known=m.known,
-        source=ffi.string(lib.vista_motion_source_name(m.source)).decode(),
-        restarted=m.restarted,
-        velocity_m_s=np.array(list(m.velocity_m_s)) if m.velocity_known else None,
-        turn_rate_rad_s=np.array(list(m.turn_rate_rad_s)),
-        pose=Pose(np.array(list(m.pose.rotation)).reshape(3, 3), np.array(list(m.pose.translation_m))),
-    )
-
-
-def _health(ffi: Any, lib: Any, h: Any) -> Health:
-    reasons = [k for k in range(lib.VISTA_HEALTH_REASON_COUNT) if h.reasons >> k & 1]
-    return Health(
-        state=ffi.string(lib.vista_health_state_name(h.state)).decode(),
-        reasons=tuple(ffi.string(lib.vista_health_reason_name(k)).decode() for k in reasons),
-        texts=tuple(ffi.string(lib.vista_health_reason_text(k)).decode() for k in reasons),
-        matched_fraction=h.matched_fraction,
-        contrast=h.contrast,
-    )
-
-
-def read_nearest(n: Any) -> Nearest:
-    seconds = n.time_to_collision_s
-    return Nearest(
-        id=n.id,
-        position_m=np.array(list(n.position_m)),
-        distance_m=n.distance_m,
-        time_to_collision_s=seconds if math.isfinite(seconds) else None,
-        covariance_m2=np.array(list(n.covariance_m2)).reshape(3, 3),
-    )

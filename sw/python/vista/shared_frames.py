@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -55,5 +56,4 @@ class SharedFrames:
         return self._ffi.new("vista_image *", (pixels, width, height, width)), pixels
 
     def _check(self, culprit: str, status: int) -> None:
-        if status != self._lib.VISTA_OK:
-            raise InputError(culprit, self._ffi.string(self._lib.vista_status_text(status)).decode())
+        native.check(self._ffi, self._lib, status, partial(InputError, culprit))

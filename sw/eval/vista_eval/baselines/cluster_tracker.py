@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from vista import native, parameters
 from vista.engine import SCALE, Disparity
 from vista.geometry import Array, Calibration, Pose
-from vista.pipeline import Nearest, Obstacle, PipelineError, c_parameters, read_nearest, read_obstacle
+from vista.pipeline import Nearest, Obstacle, c_parameters
+from vista.structs import copied
 
 from vista_eval.cell_graph import lay_out
 from vista_eval.metrics.flight_path import Curved
@@ -33,7 +34,7 @@ class Moved:
 
 @dataclass(frozen=True)
 class Told:
-    obstacles: tuple[Obstacle, ...]
+    obstacles: list[Obstacle]
     nearest: Nearest | None
 
 
@@ -49,8 +50,7 @@ class Stages:
         )
 
     def check(self, status: int) -> None:
-        if status != self.lib.VISTA_OK:
-            raise PipelineError(self.ffi.string(self.lib.vista_status_text(status)).decode())
+        native.check(self.ffi, self.lib, status)
 
 
 class HostMotion:
@@ -108,11 +108,9 @@ class ClusterTracker:
             lib.vista_pipeline_track_regions(self._tracker, frame, regions, min(region_count, MAX_REGIONS))
         )
         items = lib.vista_region_tracker_obstacles(self._tracker, self._count)
-        nearest = lib.vista_region_tracker_nearest(self._tracker)
-        return Told(
-            tuple(read_obstacle(ffi, lib, items[k]) for k in range(self._count[0])),
-            read_nearest(nearest) if nearest.valid else None,
-        )
+        obstacles = Obstacle.all_of(copied(ffi, items, Obstacle.NAME, self._count[0]))
+        nearest = Nearest.copied(ffi, lib.vista_region_tracker_nearest(self._tracker))
+        return Told(obstacles, nearest if nearest.valid else None)
 
 
 def as_regions(

@@ -29,7 +29,7 @@ def draw(truths: list[FlightTruth], values: parameters.Values) -> Figure:
         for one in (image_axes, region_axes):
             one.set_axis_on()
         title = textwrap.fill(truth.title, CAPTION_LETTERS)
-        regions = f"{moment.step.result.regions} regions"
+        regions = f"{moment.step.result.outcome.region_count} regions"
         show(image_axes, moment.step.frame.left, title)
         show(region_axes, colour_regions(moment), regions + "\n" * title.count("\n"))  # the same size
     return figure

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -108,7 +109,7 @@ class Judge:
     def frame(
         self,
         frame: FrameTruth,
-        obstacles: tuple[Obstacle, ...],
+        obstacles: Sequence[Obstacle],
         nearest: Nearest | None,
         world_from_estimate: Pose,
     ) -> FrameScore:
@@ -120,7 +121,7 @@ class Judge:
         if rules.meeting and nearest is not None and nearest.id in confirmed:
             told = nearest.id
             place_m, doubt_m2 = nearest.position_m, nearest.covariance_m2
-            confirmed[told] = replace(confirmed[told], position_m=place_m, covariance_m2=doubt_m2)
+            confirmed[told] = confirmed[told].but(position_m=place_m, covariance_m2=doubt_m2)
         positions_m = {k: carried(world_from_estimate, o.position_m) for k, o in confirmed.items()}
         places = [place_of(truth, frame, o, positions_m[k]) for k, o in confirmed.items()]
         agreeing = [place.id for place in places if tells_of_target(truth, rules, place, frame)]

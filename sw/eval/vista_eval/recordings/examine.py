@@ -59,7 +59,7 @@ def fly(detector: Detector, sequence: Sequence, records: list[FrameRecord], obst
         health = monitor.check(step.raw, step.frame, step.result.health, step.record.alignment, step.anew)
         record = replace(step.record, health=health)
         obstacles |= {obstacle.id for obstacle in record.things}
-        records.append(replace(record, obstacles=()))
+        records.append(replace(record, items=record.items[:0]))
 
 
 def row_of(sequence: Sequence | None, records: list[FrameRecord], obstacles: set[int]) -> Row:

@@ -9,9 +9,10 @@ from numpy.typing import NDArray
 
 from vista.bag.types import WORLD, Messages
 from vista.engine import SCALE
-from vista.geometry import Array, Calibration, Pose
+from vista.geometry import Calibration, Pose
 from vista.health.finding import State
 from vista.history import FrameRecord
+from vista.pipeline import Motion
 
 INVALID_PX = -1.0
 LEVELS = {State.HEALTHY: 0, State.DEGRADED: 1, State.BLIND: 2}  # diagnostic_msgs: OK, WARN, ERROR
@@ -110,9 +111,10 @@ def picture(messages: Messages, t_ns: int, jpeg: bytes) -> Any:
     )
 
 
-def odometry(messages: Messages, t_ns: int, world_from_camera: Pose, velocity_m_s: Array | None) -> Any:
-    """velocity_m_s: in the camera; None: not known, told as NaN."""
-    known = np.full(3, np.nan) if velocity_m_s is None else velocity_m_s
+def odometry(messages: Messages, t_ns: int, world_from_camera: Pose, motion: Motion) -> Any:
+    """The pose given, and the velocity of the motion in the camera, NaN where it is not known."""
+    velocity_m_s = motion.velocity_m_s
+    known = np.full(3, np.nan) if velocity_m_s is None else motion.pose.rotation.T @ velocity_m_s
     nothing = np.zeros(36)  # covariances are not known
     twist = messages.make(
         "geometry_msgs/msg/Twist", linear=messages.vector(known), angular=messages.vector(np.full(3, np.nan))

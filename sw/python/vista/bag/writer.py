@@ -91,7 +91,7 @@ class BagWriter:
             content["/vista/overlay/compressed"] = views.picture(make, t_ns, jpeg)
         if frame.world_from_camera is not None:
             pose = self._levelled(frame.world_from_camera)
-            content["/vista/odometry"] = views.odometry(make, t_ns, pose, record.velocity_camera_m_s)
+            content["/vista/odometry"] = views.odometry(make, t_ns, pose, record.motion)
             content["/tf"] = views.transform(make, t_ns, pose)
         try:
             for topic, message in content.items():

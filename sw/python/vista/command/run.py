@@ -228,7 +228,7 @@ def make_summary(
         "camera": asdict(chain.rectifier.calibration),
         "rectified": not chain.rectifier.is_passthrough,
         "obstacles_confirmed": len(things),
-        "tracks_dropped": sum(record.dropped_tracks for record in records),
+        "tracks_dropped": sum(record.outcome.dropped_tracks for record in records),
         "frames_with_collision": sum(record.warning is not None for record in records),
         "frames_with_ground_ahead": sum(
             o.kind == "ground" and o.confirmed and o.in_collision_volume

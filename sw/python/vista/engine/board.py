@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import asdict
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -83,8 +84,7 @@ class BoardClient:
         return self._lib.vista_board_count(self._board)
 
     def _check(self, status: int) -> None:
-        if status != self._lib.VISTA_OK:
-            raise BoardError(status, self._ffi.string(self._lib.vista_status_text(status)).decode())
+        native.check(self._ffi, self._lib, status, partial(BoardError, status))
 
 
 class BoardEngine:

@@ -54,8 +54,7 @@ def c_front_end(isa: int = 0) -> FrontEnd:
             "vista_frontend_image *", (ffi.from_buffer("uint8_t[]", image), width, height, width)
         )
         status = function(c_image, ffi.from_buffer("uint8_t[]", out), out.shape[1], isa)
-        if status != lib.VISTA_ENGINE_OK:
-            raise ValueError(ffi.string(lib.vista_engine_status_text(status)).decode())
+        native.check(ffi, lib, status)
         return out
 
     return FrontEnd(

@@ -103,8 +103,7 @@ class StereoEngine(LevelEngine):
         return self._ffi.new("vista_engine_params *", {**values, "isa": isas[isa]})
 
     def _check(self, status: int) -> None:
-        if status != self._lib.VISTA_ENGINE_OK:
-            raise ValueError(self._ffi.string(self._lib.vista_engine_status_text(status)).decode())
+        native.check(self._ffi, self._lib, status)
 
     def _match(self, left: Image, right: Image, smin: npt.NDArray[np.uint32] | None = None) -> Disparity:
         left, right = np.ascontiguousarray(left), np.ascontiguousarray(right)

@@ -17,7 +17,7 @@ from vista.alignment import Alignment
 from vista.chain import Chain
 from vista.errors import InputError
 from vista.live.loop import Seen, Totals
-from vista.obstacle_line import obstacle_fields
+from vista.obstacle_line import obstacle_line
 from vista.report.overlay import Overlay, draw_obstacles
 from vista.report.page import fill_template
 from vista.result_folder import encoded
@@ -87,7 +87,7 @@ class LivePage:
             self._changed.wait_for(lambda: self._over or self.newest_ns() != shown_ns, ALIVE_S)
             return not self._over
 
-    def state(self) -> dict[str, Any]:
+    def state(self) -> str:
         """What the page shows, as JSON."""
         with self._changed:
             seen, done_s = self._seen, tuple(self._done_s)
@@ -112,10 +112,10 @@ class LivePage:
                 "age_ms": 1e-6 * (time.monotonic_ns() - seen.exposed_ns),
                 "stage_ms": seen.record.stage_ms,
                 "reasons": [finding.text for finding in seen.record.health.findings],
-                "line": obstacle_fields(seen.record),
                 "alignment": alignment_facts(seen.record.alignment),
             }
-        return state | self._facts()
+        text = json.dumps(state | self._facts())
+        return text if seen is None else f'{text[:-1]}, "line": {obstacle_line(seen.record)}}}'
 
     def picture(self, whole: bool) -> bytes | None:
         """The newest frame as JPEG; whole: with disparities and regions. None: there is none yet."""
@@ -166,7 +166,7 @@ def handler_of(live: LivePage, page: bytes) -> type[BaseHTTPRequestHandler]:
             elif url.path == "/":
                 self._send("text/html; charset=utf-8", page)
             elif url.path == "/state":
-                self._send("application/json", json.dumps(live.state()).encode())
+                self._send("application/json", live.state().encode())
             elif url.path == "/states":
                 self._stream()
             elif url.path == "/picture.jpg":
@@ -185,7 +185,7 @@ def handler_of(live: LivePage, page: bytes) -> type[BaseHTTPRequestHandler]:
             while going:
                 state = live.state()
                 shown = live.newest_ns()
-                self.wfile.write(b"data: " + json.dumps(state).encode() + b"\n\n")
+                self.wfile.write(b"data: " + state.encode() + b"\n\n")
                 time.sleep(LEAST_S)
                 going = live.wait(shown)
 

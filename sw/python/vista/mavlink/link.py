@@ -3,21 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any
 
 from vista import native, parameters
 from vista.errors import InputError
-from vista.health.finding import State
 from vista.mavlink.sighting import Sighting
 from vista.pipeline import c_parameters
-
-HEALTH = {
-    State.HEALTHY: "VISTA_HEALTH_HEALTHY",
-    State.DEGRADED: "VISTA_HEALTH_DEGRADED",
-    State.BLIND: "VISTA_HEALTH_BLIND",
-}
-
-LEVEL = (0.0, -1.0, 0.0)  # up, in a camera of which nothing is known
 
 
 class Link:
@@ -36,25 +26,8 @@ class Link:
 
     def update(self, sighting: Sighting, t_ns: int) -> None:
         """t_ns: of the exposure, on the link's clock; later than that of the frame before."""
-        frame = self._ffi.new("vista_mavlink_frame *")
-        reason = self._ffi.new("char[]", sighting.reason.encode(errors="replace"))
-        boards = self._ffi.new("vista_mavlink_obstacle[]", len(sighting.obstacles))
-        for to, board in zip(boards, sighting.obstacles, strict=True):
-            to.id, to.position_camera_m = board.id, board.position_camera_m
-            to.width_m, to.height_m = board.width_m, board.height_m
-        frame.t_ns, frame.reason = t_ns, reason
-        frame.health = getattr(self._lib, HEALTH[sighting.health])
-        frame.obstacles, frame.obstacle_count = boards, len(sighting.obstacles)
-        seen = sighting.directions
-        frame.directions.free_m, frame.directions.blocked_m = seen.free_m.tolist(), seen.blocked_m.tolist()
-        frame.directions.up_known = seen.up_camera is not None
-        frame.directions.up_camera = LEVEL if seen.up_camera is None else seen.up_camera.tolist()
-        if sighting.collision is not None:
-            to = frame.collision
-            to.valid, to.id, to.time_s = True, sighting.collision.id, sighting.collision.time_s
-            to.position_camera_m = sighting.collision.position_camera_m
-            to.velocity_camera_m_s = sighting.collision.velocity_camera_m_s
-        self._check(self._lib.vista_mavlink_update(self._link, frame))
+        sighting.frame.t_ns = t_ns
+        self._check(self._lib.vista_mavlink_update(self._link, sighting.frame))
 
     def due(self, now_ns: int) -> Iterator[bytes]:
         """Each message that is due now, as a frame of MAVLink 2."""
@@ -65,6 +38,5 @@ class Link:
                 return
             yield bytes(self._ffi.buffer(self._bytes, self._count[0]))
 
-    def _check(self, status: Any) -> None:
-        if status != self._lib.VISTA_OK:
-            raise ValueError(self._ffi.string(self._lib.vista_status_text(status)).decode())
+    def _check(self, status: int) -> None:
+        native.check(self._ffi, self._lib, status)

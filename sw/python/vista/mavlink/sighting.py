@@ -4,56 +4,42 @@ from __future__ import annotations
 
 import json
 import math
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from vista import native
 from vista.errors import InputError
-from vista.geometry import Array
 from vista.health.finding import State
 from vista.history import FrameRecord
 from vista.obstacle_line import version
-from vista.pipeline import Directions, Nearest
+from vista.pipeline import Directions
 from vista.result_folder import OBSTACLES
 from vista.sequence.text import check_increasing, read_text
+from vista.structs import names_of
 
 TIME_END_NS = 2**62
 FARTHEST_M = 1e6
+LEVEL = (0.0, -1.0, 0.0)  # up, in a camera of which nothing is known
 
 
-@dataclass(frozen=True)
-class Board:
-    """An obstacle as the camera sees it."""
-
-    id: int
-    position_camera_m: tuple[float, float, float]
-    width_m: float
-    height_m: float
-
-
-@dataclass(frozen=True)
-class Collision:
-    """The nearest one."""
-
-    id: int
-    position_camera_m: tuple[float, float, float]
-    velocity_camera_m_s: tuple[float, float, float]  # zeros: not known
-    time_s: float  # from the time of the frame; 0: not known
-
-
-@dataclass(frozen=True)
 class Sighting:
-    """A frame; numbers that were not finite are NaN."""
+    """A vista_mavlink_frame with what it points to; numbers that were not finite are NaN."""
 
-    t_ns: int
-    health: State
-    reason: str
-    obstacles: tuple[Board, ...]  # confirmed ones
-    directions: Directions
-    collision: Collision | None
+    def __init__(self, t_ns: int, obstacles: int) -> None:
+        """obstacles: how many have room."""
+        self._ffi, _ = native.load("vista")
+        self.obstacles = self._ffi.new("vista_mavlink_obstacle[]", obstacles)
+        self.frame = self._ffi.new("vista_mavlink_frame *", {"t_ns": t_ns, "obstacles": self.obstacles})
+        self.frame.directions.up_camera = LEVEL
+        self.t_ns = t_ns
+
+    def judge(self, state: str, reasons: list[Any]) -> None:
+        """Says how far the frame can be trusted, and why."""
+        self.frame.health = names_of("health_state").index(str(state))
+        self._reason = self._ffi.new("char[]", str(reasons[0] if reasons else "").encode(errors="replace"))
+        self.frame.reason = self._reason
 
 
 def read_sightings(path: Path) -> list[Sighting]:
@@ -71,45 +57,14 @@ def read_sightings(path: Path) -> list[Sighting]:
 
 
 def sighting_of(record: FrameRecord) -> Sighting:
-    """Makes what an autopilot is told of a frame. Its line gives the same, rounded as the line is."""
-    reasons, directions, nearest = record.health.reasons, record.directions, record.nearest_collision
-    return Sighting(
-        record.t_ns,
-        record.health.state,
-        str(reasons[0]) if reasons else "",
-        tuple(
-            Board(int(o.id), _vector(record.in_camera(o.position_m)), *o.extent_m)
-            for o in record.obstacles
-            if o.confirmed
-        ),
-        _nothing_seen()
-        if directions is None
-        else Directions(directions.up_camera, _clipped(directions.free_m), _clipped(directions.blocked_m)),
-        None if nearest is None else _collision_of(nearest, record),
-    )
-
-
-def _collision_of(nearest: Nearest, record: FrameRecord) -> Collision:
-    velocity_m_s = record.velocity_camera_m_s
-    return Collision(
-        int(nearest.id),
-        _vector(record.in_camera(nearest.position_m)),
-        (0.0, 0.0, 0.0) if velocity_m_s is None else _vector(velocity_m_s),
-        nearest.time_to_collision_s or 0.0,
-    )
-
-
-def _vector(values: Array) -> tuple[float, float, float]:
-    x, y, z = values.tolist()
-    return x, y, z
-
-
-def _nothing_seen() -> Directions:
-    return Directions(None, *np.zeros((2, Directions.COLUMNS), np.float32))
-
-
-def _clipped(distances_m: Any) -> NDArray[np.float32]:
-    return np.asarray(np.clip(np.nan_to_num(distances_m, nan=0.0, posinf=0.0), 0.0, FARTHEST_M), np.float32)
+    """What a frame that is there tells. From its line comes the same, rounded as the line is."""
+    ffi, lib = native.load("vista")
+    sighting = Sighting(record.t_ns, len(record.items))
+    room = sighting.obstacles, len(record.items)
+    status = lib.vista_mavlink_frame_of(*record.in_c(), record.t_ns, *room, sighting.frame)
+    native.check(ffi, lib, status)
+    sighting.judge(record.health.state, record.health.reasons)
+    return sighting
 
 
 def sighting_of_line(culprit: str, text: str) -> Sighting:
@@ -129,56 +84,45 @@ def sighting_of_line(culprit: str, text: str) -> Sighting:
 
 
 def _sighting(line: dict[str, Any]) -> Sighting:
-    reasons = line["health"]["reasons"]
-    return Sighting(
-        _integer(line["t_ns"], 0, TIME_END_NS),
-        State(line["health"]["state"]),
-        str(reasons[0]) if reasons else "",
-        tuple(_board(o) for o in line["obstacles"] if o["confirmed"]),
-        _directions(line["directions"]),
-        _collision(line),
-    )
+    confirmed = [o for o in line["obstacles"] if o["confirmed"]]
+    sighting = Sighting(_integer(line["t_ns"], 0, TIME_END_NS), len(confirmed))
+    sighting.judge(State(line["health"]["state"]), line["health"]["reasons"])
+    for board, obstacle in zip(sighting.obstacles, confirmed, strict=True):
+        board.id, board.position_camera_m = _id(obstacle["id"]), _point(obstacle["position_camera_m"])
+        board.width_m, board.height_m = (_number(x) for x in obstacle["extent_m"])
+    sighting.frame.obstacle_count = len(confirmed)
+    _read_collision(sighting.frame.collision, line)
+    if line["directions"] is not None:
+        _read_directions(sighting.frame.directions, line["directions"])
+    return sighting
 
 
-def _board(obstacle: dict[str, Any]) -> Board:
-    width_m, height_m = (_number(x) for x in obstacle["extent_m"])
-    return Board(_id(obstacle["id"]), _point(obstacle["position_camera_m"]), width_m, height_m)
-
-
-def _collision(line: dict[str, Any]) -> Collision | None:
+def _read_collision(collision: Any, line: dict[str, Any]) -> None:
     nearest, velocity = line["nearest_collision"], line["velocity_camera_m_s"]
     if nearest is None:
-        return None
+        return
+    collision.valid, collision.id = True, _id(nearest["id"])
+    collision.position_camera_m = _point(nearest["position_camera_m"])
+    if velocity is not None:
+        collision.velocity_camera_m_s = _point(velocity)
     time_s = nearest["time_to_collision_s"]
-    return Collision(
-        _id(nearest["id"]),
-        _point(nearest["position_camera_m"]),
-        (0.0, 0.0, 0.0) if velocity is None else _point(velocity),
-        0.0 if time_s is None else _number(time_s),
-    )
+    collision.time_s = 0.0 if time_s is None else _number(time_s)
 
 
-def _directions(line: dict[str, Any] | None) -> Directions:
-    if line is None:
-        return _nothing_seen()
-    up_camera = line["up_camera"]
-    return Directions(
-        None if up_camera is None else np.array(_point(up_camera)),
-        _columns(line, "free_m"),
-        _columns(line, "blocked_m"),
-    )
-
-
-def _columns(line: dict[str, Any], name: str) -> NDArray[np.float32]:
-    """The values of all columns; the line has only those of which something is known."""
-    given = [_number(x) for x in line[name]]
+def _read_directions(directions: Any, told: dict[str, Any]) -> None:
+    """Every column there is; the line has only those of which something is known."""
+    directions.up_known = told["up_camera"] is not None
+    if directions.up_known:
+        directions.up_camera = _point(told["up_camera"])
     start, end = Directions.FIRST_DEG, Directions.FIRST_DEG + Directions.COLUMNS
-    first = _integer(line["first_deg"], start, end) - start
-    if first + len(given) > Directions.COLUMNS:
-        raise OverflowError(f"more {name} than columns")
-    distances_m = np.zeros(Directions.COLUMNS, np.float32)
-    distances_m[first : first + len(given)] = _clipped(given)
-    return distances_m
+    first = _integer(told["first_deg"], start, end) - start
+    for name in ("free_m", "blocked_m"):
+        given = np.array([_number(x) for x in told[name]])
+        if first + len(given) > Directions.COLUMNS:
+            raise OverflowError(f"more {name} than columns")
+        columns = np.clip(np.nan_to_num(given, nan=0.0, posinf=0.0), 0.0, FARTHEST_M)
+        for column, distance_m in enumerate(columns.tolist(), start=first):
+            getattr(directions, name)[column] = distance_m
 
 
 def _point(values: Any) -> tuple[float, float, float]:

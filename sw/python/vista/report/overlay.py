@@ -12,7 +12,6 @@ thin and grey. The ellipse of an obstacle that is not seen in this frame is dash
 from __future__ import annotations
 
 import math
-from dataclasses import astuple
 from typing import TYPE_CHECKING
 
 import cv2
@@ -231,12 +230,12 @@ def _top(obstacle: Obstacle) -> tuple[float, float]:
     """Highest point of the ellipse, px."""
     ellipse = obstacle.ellipse
     angle = math.radians(ellipse.angle_deg)
-    half_height_px = math.hypot(ellipse.axis_a * math.sin(angle), ellipse.axis_b * math.cos(angle))
-    return ellipse.center_u, ellipse.center_v - half_height_px
+    half_height_px = math.hypot(ellipse.axis_a_px * math.sin(angle), ellipse.axis_b_px * math.cos(angle))
+    return ellipse.center_u_px, ellipse.center_v_px - half_height_px
 
 
 def _draw_ellipse(picture: Picture, obstacle: Obstacle, colour: Colour, thickness: int) -> None:
-    u, v, a, b, angle_deg = astuple(obstacle.ellipse)
+    u, v, a, b, angle_deg = obstacle.ellipse.memory.item()
     reach_px = 4 * picture.shape[1]  # nothing of use lies beyond, and OpenCV's fixed point overflows
     if not (math.isfinite(angle_deg) and max(abs(u), abs(v), a, b) < reach_px):
         return

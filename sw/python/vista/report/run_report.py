@@ -115,7 +115,7 @@ def _frame(
     if picture is not None:
         shown = [obstacle for obstacle in record.obstacles if obstacle.confirmed]
         largest_first = sorted(
-            shown, key=lambda o: -o.ellipse.axis_a * o.ellipse.axis_b
+            shown, key=lambda o: -o.ellipse.axis_a_px * o.ellipse.axis_b_px
         )  # what lies on top counts
         frame |= {"uri": picture, "ellipses": [_ellipse(obstacle) for obstacle in largest_first]}
     return frame
@@ -125,7 +125,7 @@ def _ellipse(obstacle: Obstacle) -> list[Any]:
     e = obstacle.ellipse
     width_m, height_m = obstacle.extent_m
     text = f"{obstacle_name(obstacle.id)}: {obstacle.distance_m:.1f} m away, {width_m:.1f} x {height_m:.1f} m"
-    return [obstacle.id, *map(_number, (e.center_u, e.center_v, e.axis_a, e.axis_b, e.angle_deg)), text]
+    return [obstacle.id, *map(_number, e.memory.item()), text]
 
 
 def _stage(name: str, records: list[FrameRecord]) -> Data:
@@ -355,7 +355,7 @@ def picture_table(records: list[FrameRecord]) -> Data:
             _metres(min(distances_m, default=None)),
             _metres(None if hit is None else hit.distance_m, hit=True),
             _cell(record.valid_fraction, f"{100 * record.valid_fraction:.0f}"),
-            _cell(record.regions),
+            _cell(record.outcome.region_count),
             _cell(record.stage_ms["host"], f"{record.stage_ms['host']:.1f}"),
             _cell(list(State).index(record.health.state), record.health.state),
         ]
