@@ -248,7 +248,7 @@ def live(
     duration_s: float,
 ) -> bool:
     """True: its memory stayed what it was."""
-    loop = LiveLoop(make_chain(recorded, "golden", values, 1), camera)
+    loop = LiveLoop(make_chain(recorded, "golden", values, 1, every_pair=False), camera)
     autopilot = Autopilot(Link(values), open_transport(f"udp:127.0.0.1:{receiver.port}"))
     memory = Memory(SETTLED * duration_s)
     loop.run([autopilot, memory], lambda: False)

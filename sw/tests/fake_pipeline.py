@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from vista.detector import Detector
 from vista.geometry import Array, Calibration, Pose
-from vista.health.finding import FrameHealth
+from vista.health.finding import Finding, FrameHealth
 from vista.history import FrameRecord
 from vista.pipeline import (
     ID_GROUND,
@@ -23,6 +24,7 @@ from vista.pipeline import (
     Outcome,
     Result,
 )
+from vista.rectify import Rectifier
 from vista.structs import dtype_of
 
 CELL_PX = 10
@@ -199,3 +201,26 @@ class DescendingPipeline(FakePipeline):
         obstacles = [*result.obstacles, ground, fake_too_near(self._camera)]
         outcome = result.outcome.but(obstacle_count=len(obstacles))
         return replace(result, outcome=outcome, items=items_of(obstacles))
+
+
+class FakeDetector(Detector):
+    """The detector with results that are made up; what it says of the images is its own."""
+
+    pipeline: type[FakePipeline] = FakePipeline
+
+    def __init__(self, rectifier: Rectifier, *options: Any, **more: Any) -> None:
+        super().__init__(rectifier, *options, **more)
+        self._fake = self.pipeline(rectifier.calibration)
+
+    def judge(self, pose: Pose | None, up_world: Array | None, anew: bool = False) -> Result:
+        super().judge(pose, up_world, anew)
+        return self._fake.process(self.rectified()[0], self.levels(), 0, pose, up_world)
+
+    def findings(self, besides: Iterable[Finding] = ()) -> tuple[Finding, ...]:
+        found = super().findings(besides)
+        of_pipeline = Outcome.copied(self._ffi, self._ffi.addressof(self._found, "result")).health.texts
+        return tuple(finding for finding in found if finding.text not in of_pipeline)
+
+
+class DescendingDetector(FakeDetector):
+    pipeline = DescendingPipeline

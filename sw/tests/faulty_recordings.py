@@ -10,12 +10,10 @@ import numpy as np
 import real_pairs as real
 from numpy.typing import NDArray
 from shared_data import REPOSITORY, SHARED_DATA
-from vista import StereoEngine, parameters
-from vista.chain import engine_parameters
+from vista import parameters
+from vista.chain import finish, make_chain, take
 from vista.health.finding import FrameHealth, Reason
-from vista.health.monitor import HealthMonitor
-from vista.pipeline import Pipeline
-from vista.rectify import Rectifier
+from vista.history import StageClock
 from vista.sequence import Frame, Sequence, open_sequence
 
 OAK_D = REPOSITORY / "build" / "demo" / "oak-d"
@@ -75,15 +73,8 @@ def judged(
     sequence: Sequence, count: int, fault: Callable[[Pair, Pair], Pair] | None = None
 ) -> Iterator[FrameHealth]:
     """Health of the first `count` frames, each with the fault."""
-    values = parameters.defaults()
-    rectifier = Rectifier(sequence.calibration)
-    engine = StereoEngine(**vars(engine_parameters(values)))
-    pipeline, monitor = Pipeline(rectifier.calibration, values), HealthMonitor(sequence)
+    chain = make_chain(sequence, "golden", parameters.defaults(), threads=1)
     for index in range(min(count, len(sequence.frames))):
         raw = read(sequence, index, fault)
-        frame = rectifier.rectify(raw)
-        if sequence.stills:
-            pipeline.reset()
-        levels = list(engine.levels(frame.left, frame.right))
-        result = pipeline.process(frame.left, levels, frame.t_ns, frame.world_from_camera, sequence.up_world)
-        yield monitor.check(raw, frame, result.health)
+        take(chain, raw)
+        yield finish(chain, raw, StageClock()).record.health

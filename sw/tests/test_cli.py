@@ -22,10 +22,10 @@ import numpy as np
 import pytest
 import sequence_cases as cases
 import vista
+import vista.chain
 import vista.parameters
-import vista.pipeline
 from command_line import Vista, assert_refused, call
-from fake_pipeline import DescendingPipeline, FakePipeline
+from fake_pipeline import DescendingDetector, FakeDetector
 from shared_data import REPOSITORY
 from vista.chain import engine_parameters
 from vista.cli import main
@@ -41,7 +41,7 @@ TESTS = Path(__file__).resolve().parent
 
 @pytest.fixture
 def run_vista(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Vista:
-    monkeypatch.setattr(vista.pipeline, "Pipeline", FakePipeline)
+    monkeypatch.setattr(vista.chain, "Detector", FakeDetector)
     return partial(call, capsys)
 
 
@@ -106,7 +106,7 @@ def test_only_things_count_as_obstacles(
     tmp_path: Path, run_vista: Vista, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Three confirmed tracks; neither the ground nor what is too near to match is one more."""
-    monkeypatch.setattr(vista.pipeline, "Pipeline", DescendingPipeline)
+    monkeypatch.setattr(vista.chain, "Detector", DescendingDetector)
     status, stdout, _ = run_vista("run", cases.make_kitti(tmp_path / "flight"), "--out", tmp_path / "out")
     assert status == 0 and "3 obstacles tracked" in stdout
     summary = json.loads((tmp_path / "out" / "summary.json").read_text())
@@ -118,8 +118,8 @@ def test_the_summary_says_how_far_the_path_was_seen_and_how_often_it_met_the_gro
 ) -> None:
     """Of the four frames the last two have the ground in the collision volume, and all have it in view."""
     folder = cases.make_kitti(tmp_path / "flight")
-    for pipeline, frames_met in ((FakePipeline, 0), (DescendingPipeline, 2)):
-        monkeypatch.setattr(vista.pipeline, "Pipeline", pipeline)
+    for detector, frames_met in ((FakeDetector, 0), (DescendingDetector, 2)):
+        monkeypatch.setattr(vista.chain, "Detector", detector)
         assert run_vista("run", folder, "--out", tmp_path / "out")[0] == 0
         summary = json.loads((tmp_path / "out" / "summary.json").read_text())
         assert summary["frames_with_ground_ahead"] == frames_met
@@ -415,17 +415,17 @@ def test_bad_options(
 
 SLOW_RUN = """
 import sys, time
+import vista.chain
 import vista.parameters
-import vista.pipeline
-from fake_pipeline import FakePipeline
+from fake_pipeline import FakeDetector
 from vista.cli import main
 
-class SlowPipeline(FakePipeline):
-    def process(self, *arguments):
+class SlowDetector(FakeDetector):
+    def judge(self, *arguments):
         time.sleep(0.05)
-        return super().process(*arguments)
+        return super().judge(*arguments)
 
-vista.pipeline.Pipeline = SlowPipeline
+vista.chain.Detector = SlowDetector
 sys.exit(main(sys.argv[1:]))
 """
 

@@ -4,6 +4,7 @@ and by control grids, and a run tells of it."""
 from __future__ import annotations
 
 import json
+from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -19,11 +20,13 @@ from raw_rigs import RAW, WIDE, blob_centre, draw_spheres, rig
 from turned_camera import degrees
 from turned_recordings import CAMERA, write_turned_pairs
 from vista import parameters
-from vista.alignment import State, Turn
-from vista.chain import make_chain, process_frame
+from vista.alignment import Alignment, State, Turn
+from vista.chain import Chain, finish, make_chain, take
 from vista.control_grid import GridPair, control_grid
-from vista.correction import Correction
-from vista.geometry import Pose
+from vista.detector import Detector, Novelty
+from vista.engine import INVALID, Disparity
+from vista.engine.hardware import level_shapes
+from vista.geometry import Pose, RawCalibration
 from vista.health.finding import Reason
 from vista.health.finding import State as Health
 from vista.history import StageClock
@@ -45,18 +48,12 @@ def test_a_camera_that_has_turned_is_rectified_to_where_it_was(buffer_rows: int)
     right_from_left = Pose(turn_of_rays, np.zeros(3)) @ RAW.right_from_left
     places_m = np.array([(x, y, 4.0) for x in (-1.2, 0.0, 0.9) for y in (-0.9, 0.1, 0.8)])
     rectifier = Rectifier(RAW, buffer_rows)
-    turned.align(rectifier, TURN)
     for place_m in places_m:
         image = draw_spheres(RAW.right, right_from_left, place_m[np.newaxis])
-        found = rectifier.rectify(Frame(0, 0, image, image, None)).right
+        found = turned.rectified_right(rectifier, TURN, image)
         x, y, z = P[:, :3] @ R @ RAW.right_from_left.apply(place_m)
         u, v = x / z, y / z
         assert blob_centre(found, u, v) == pytest.approx((u, v), abs=0.15)
-    rectifier.align(Turn(), None)
-    np.testing.assert_array_equal(
-        rectifier.rectify(Frame(0, 0, image, image, None)).right,
-        Rectifier(RAW, buffer_rows).rectify(Frame(0, 0, image, image, None)).right,
-    )
 
 
 def test_the_grid_of_a_turn_is_that_of_the_camera_that_has_turned() -> None:
@@ -76,59 +73,72 @@ def test_the_grid_of_a_turn_is_that_of_the_camera_that_has_turned() -> None:
 
 def test_a_rectified_pair_is_not_resampled_without_a_turn() -> None:
     rectifier = Rectifier(turned.rectified_rig(CAMERA))
-    left, right = turned.textured_flight(CAMERA, seeded(2))(0)
-    frame = Frame(0, 0, left, turned.seen(right, CAMERA, TURN), None)
-    assert rectifier.rectify(frame) is frame
-    turned.align(rectifier, TURN)
-    aligned = rectifier.rectify(frame)
-    assert aligned.left is left
+    pairs = turned.textured_flight(CAMERA, seeded(2))
+    frames = list(turned.corrected(CAMERA, pairs, lambda _: TURN, 12))
+    first, last = frames[0].frame, frames[-1]
+    assert rectifier.rectify(first) is first and last.applied != Turn()
+    np.testing.assert_array_equal(first.right, turned.seen(pairs(0)[1], CAMERA, TURN))
+    np.testing.assert_array_equal(last.frame.left, pairs(11)[0])
     inner = (slice(20, -20), slice(20, -20))
-    assert np.abs(aligned.right[inner].astype(int) - right[inner]).mean() < 2.0
-    assert np.abs(frame.right[inner].astype(int) - right[inner]).mean() > 5.0
-    rectifier.align(Turn(), None)
-    assert rectifier.rectify(frame) is frame
+    assert np.abs(last.frame.right[inner].astype(int) - pairs(11)[1][inner]).mean() < 2.0
+    assert np.abs(first.right[inner].astype(int) - pairs(0)[1][inner]).mean() > 5.0
 
 
 class Hardware:
-    """An engine that rectifies."""
+    """An engine that rectifies, and matches nothing."""
 
-    def __init__(self) -> None:
+    def __init__(self, shape: tuple[int, int]) -> None:
         self.maps: list[GridPair] = []
+        levels = parameters.defaults()["stereo"]["levels"]
+        self._blank = [np.full(size, INVALID, np.int16) for size in level_shapes(shape, levels)]
 
     def load_map(self, grids: GridPair) -> None:
         self.maps.append(grids)
 
+    def levels(self, *_: object) -> Iterator[Disparity]:
+        return iter(self._blank)
 
-def test_an_engine_that_rectifies_is_given_the_map() -> None:
-    rectifier, engine = Rectifier(WIDE, 128), Hardware()
-    before, pairs = rectifier.grids, turned.textured_flight(rectifier.calibration, seeded(3))
-    correction = Correction(rectifier, parameters.defaults(), engine)
+
+def with_hardware(raw: RawCalibration, buffer_rows: int) -> tuple[Chain, Hardware]:
+    rectifier, sequence = Rectifier(raw, buffer_rows), Sequence("", "pairs", raw, ())
+    engine = Hardware((rectifier.calibration.height, rectifier.calibration.width))
+    detector = Detector(rectifier, turned.correcting(buffer_rows=buffer_rows))
+    return Chain(sequence, rectifier, engine, detector, engine_rectifies=True), engine  # type: ignore[arg-type]
+
+
+def fly(chain: Chain, turn: Turn, seed: int) -> Alignment:
+    """What is known after a dozen pairs of a camera that has turned."""
+    camera, applied = chain.rectifier.calibration, Turn()
+    pairs = turned.textured_flight(camera, seeded(seed))
     for k in range(12):
         left, right = pairs(k)
-        right = turned.seen(right, rectifier.calibration, degrees(0.3, 0.0), rectifier.applied)
-        correction.update(Frame(k, 1 + 40_000_000 * k, left, right, None))
+        frame = Frame(k, 1 + 40_000_000 * k, left, turned.seen(right, camera, turn, applied), None)
+        chain.detector.take(frame.left, frame.right, frame.t_ns, rectified=True)
+        found = finish(chain, frame, StageClock()).record.alignment
+        applied = found.correction
+    return found
+
+
+def test_an_engine_that_rectifies_is_given_the_map() -> None:
+    chain, engine = with_hardware(WIDE, 128)
+    found, before = fly(chain, degrees(0.3, 0.0), 3), chain.rectifier.grids
     assert len(engine.maps) >= 1
-    assert engine.maps[-1] == rectifier.grids
+    np.testing.assert_array_equal(engine.maps[-1].right, chain.detector.right_grid())
     assert engine.maps[-1].left is before.left
-    assert rectifier.applied.pitch_deg == pytest.approx(0.3, abs=0.03)
-    correction.reset()
-    assert rectifier.applied == Turn()
+    assert (engine.maps[-1].right != before.right).any()
+    assert found.correction.pitch_deg == pytest.approx(0.3, abs=0.03)
+    blank = np.zeros((chain.rectifier.calibration.height, chain.rectifier.calibration.width), np.uint8)
+    assert take(chain, Frame(0, 0, blank, blank, None)) == Novelty.RESTARTED
     np.testing.assert_array_equal(engine.maps[-1].right, before.right)
 
 
 def test_a_turn_that_the_line_buffer_does_not_reach_raises_the_alarm() -> None:
     """The rig needs all of its 32 rows already."""
-    rectifier, engine = Rectifier(rig(0.0, 0.0, 0.4), 32), Hardware()
-    grid, camera = rectifier.grids.right, rectifier.calibration
-    pairs, turn = turned.textured_flight(camera, seeded(4)), degrees(-0.5, 0.0)
-    correction = Correction(rectifier, parameters.defaults(), engine)
-    for k in range(12):
-        left, right = pairs(k)
-        frame = Frame(k, 1 + 40_000_000 * k, left, turned.seen(right, camera, turn), None)
-        found = correction.update(frame)
+    chain, engine = with_hardware(rig(0.0, 0.0, 0.4), 32)
+    found = fly(chain, degrees(-0.5, 0.0), 4)
     assert (found.state, found.health, found.changed) == (State.BEYOND, Health.BLIND, False)
-    assert rectifier.applied == Turn()
-    assert rectifier.grids.right is grid
+    assert found.correction == Turn()
+    np.testing.assert_array_equal(chain.detector.right_grid(), chain.rectifier.grids.right)
     assert engine.maps == []
 
 
@@ -177,23 +187,21 @@ def test_a_run_raises_the_alarm_when_a_turn_is_too_large(tmp_path: Path, run_vis
 
 def test_another_flight_begins_with_the_calibration(tmp_path: Path) -> None:
     sequence = Sequence("two flights", "pairs", turned.rectified_rig(CAMERA), ())
-    values = parameters.defaults()
-    values["alignment"] = values["alignment"] | {"correct": "on"}
-    chain = make_chain(sequence, "golden", values, 1)
+    chain = make_chain(sequence, "golden", turned.correcting(), 1)
     pairs = turned.textured_flight(CAMERA, seeded(6))
     for k in range(8):
         left, right = pairs(k)
-        right = turned.seen(right, CAMERA, degrees(0.5, 0.0))
-        step = process_frame(chain, Frame(k, 40_000_000 * k, left, right, None), StageClock())
-        assert "alignment" in step.record.stage_ms
-    assert chain.rectifier.applied != Turn()
-    chain.reset()
-    assert chain.rectifier.applied == Turn()
-    left, right = pairs(0)
-    step = process_frame(chain, Frame(0, 0, left, right, None), StageClock())
-    assert step.record.alignment.row_error_px < 0.3
-    assert make_chain(replace(sequence, stills=True), "golden", values, 1).correction is None
-    assert make_chain(sequence, "golden", parameters.defaults(), 1).correction is None
+        frame = Frame(k, 1 + 40_000_000 * k, left, turned.seen(right, CAMERA, degrees(0.5, 0.0)), None)
+        assert take(chain, frame) == Novelty.NEW
+        record = finish(chain, frame, StageClock()).record
+        assert "alignment" in record.stage_ms
+    assert record.alignment.correction != Turn()
+    frame = Frame(0, 0, *pairs(0), None)
+    assert take(chain, frame) == Novelty.RESTARTED
+    assert finish(chain, frame, StageClock()).record.alignment.row_error_px < 0.3
+    stills = make_chain(replace(sequence, stills=True), "golden", turned.correcting(), 1)
+    assert stills.detector.alignment is None
+    assert make_chain(sequence, "golden", parameters.defaults(), 1).detector.alignment is None
 
 
 def test_the_picture_says_nothing_of_what_cv2_makes_of_a_homography() -> None:

@@ -32,7 +32,7 @@ class Notebook:
 @pytest.fixture
 def flight(tmp_path: Path) -> tuple[Chain, list[Frame]]:
     recorded = open_sequence(cases.make_flown_pairs(tmp_path / "flight", 8))
-    return make_chain(recorded, "golden", parameters.defaults(), 1), frames_of(recorded)
+    return make_chain(recorded, "golden", parameters.defaults(), 1, every_pair=False), frames_of(recorded)
 
 
 def run(chain: Chain, source: ListedShots, notebook: Notebook, waits: bool = True) -> LiveLoop:
@@ -104,7 +104,11 @@ def test_another_flight_forgets_the_tracks_of_the_one_before(tmp_path: Path) -> 
     again = [replace(f, t_ns=f.t_ns + 10**10, index=f.index + 6) for f in frames]
     shots = shots_of(frames) + [replace(s, continues=k > 0) for k, s in enumerate(shots_of(again))]
     notebook = Notebook()
-    loop = run(make_chain(recorded, "golden", parameters.defaults(), 1), ListedShots(shots), notebook)
+    loop = run(
+        make_chain(recorded, "golden", parameters.defaults(), 1, every_pair=False),
+        ListedShots(shots),
+        notebook,
+    )
     confirmed = [any(o.confirmed for o in seen.record.obstacles) for seen in notebook.seen]
     assert loop.totals.restarts == 1
     assert confirmed[5] and not confirmed[6] and confirmed[11]

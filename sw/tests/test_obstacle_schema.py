@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 import pytest
 import sequence_cases as cases
-import vista.pipeline
+import vista.chain
 from command_line import Vista, call
-from fake_pipeline import FakePipeline
+from fake_pipeline import FakeDetector
 from jsonschema import Draft202012Validator, ValidationError
 from obstacle_schema import SCHEMA, VALIDATOR, valid_lines
 from shared_data import REPOSITORY, SHARED_DATA
@@ -28,7 +28,7 @@ STREET = SHARED_DATA / "kitti_odometry" / "sequences" / "00"
 
 @pytest.fixture
 def run_vista(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Vista:
-    monkeypatch.setattr(vista.pipeline, "Pipeline", FakePipeline)
+    monkeypatch.setattr(vista.chain, "Detector", FakeDetector)
     return partial(call, capsys)
 
 

@@ -15,9 +15,8 @@ from fly_process import fly, timeless
 from numpy.typing import NDArray
 from shared_data import SHARED_DATA
 from vista import parameters
-from vista.chain import make_chain, process_frame
+from vista.chain import make_chain, run_frame
 from vista.geometry import Calibration, Pose
-from vista.history import StageClock
 from vista.odometry import LOST_FRAMES, StereoOdometry
 from vista.sequence import Frame, Options, Sequence, open_sequence
 
@@ -29,7 +28,7 @@ def estimated(sequence: Sequence) -> list[Pose]:
     chain = make_chain(sequence, "golden", parameters.defaults(), 1)
     poses = []
     for files in sequence.frames:
-        step = process_frame(chain, sequence.read(files), StageClock())
+        step = run_frame(chain, files)
         assert step.frame.world_from_camera is not None, files.index
         poses.append(step.frame.world_from_camera)
     return poses
@@ -140,7 +139,7 @@ def test_the_host_begins_anew_with_it(tmp_path: Path) -> None:
     """Else the way from the last pose to the first of the new world is taken for motion."""
     sequence = open_sequence(lost_flight(tmp_path / "flight"), Options(odometry=True))
     chain = make_chain(sequence, "golden", parameters.defaults(), 1)
-    steps = [process_frame(chain, sequence.read(files), StageClock()) for files in sequence.frames]
+    steps = [run_frame(chain, files) for files in sequence.frames]
     assert [step.raw.index for step in steps if step.anew] == [14]
     assert steps[7].result.motion.velocity_m_s is not None
     assert steps[14].result.motion.velocity_m_s is None and not steps[14].result.motion.restarted

@@ -12,9 +12,9 @@ import cv2
 import numpy as np
 import pytest
 import sequence_cases as cases
-import vista.pipeline
+import vista.chain
 from command_line import Vista, call
-from fake_pipeline import FakePipeline
+from fake_pipeline import FakeDetector
 from numpy.typing import NDArray
 from obstacle_schema import valid_lines
 from random_seed import seeded
@@ -34,7 +34,7 @@ Damage = Callable[[Path], object]
 
 @pytest.fixture
 def run_vista(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Vista:
-    monkeypatch.setattr(vista.pipeline, "Pipeline", FakePipeline)
+    monkeypatch.setattr(vista.chain, "Detector", FakeDetector)
     return partial(call, capsys)
 
 

@@ -11,12 +11,10 @@ from random_seed import seeded
 from stage_library import ffi, lib, status_name
 from turned_camera import degrees
 from turned_recordings import CAMERA, RAW
-from vista import parameters
 from vista.alignment import Turn, c_camera
-from vista.correction import Correction, c_raw_camera
+from vista.detector import c_raw_camera
 from vista.geometry import camera_matrix
 from vista.rectify import Map, Rectifier, exact_map
-from vista.sequence import Frame
 from vista.sequence.pairs import read_calibration_file
 
 PARTS = 4
@@ -52,18 +50,17 @@ def test_the_map_is_that_of_opencv(rectifier: Rectifier) -> None:
 def test_a_map_takes_effect_when_it_is_whole(rectifier: Rectifier) -> None:
     """The first correction is found with the fifth pair; until its map is made nothing changes."""
     pairs, turn = turned.textured_flight(rectifier.calibration, seeded(2)), degrees(0.5, 0.0)
-    correction, changed = Correction(rectifier, parameters.defaults()), []
+    corrector, changed = turned.Corrector(rectifier), []
     for k in range(12):
         left, right = pairs(k)
-        before = rectifier.applied
+        before = corrector.applied
         right = turned.seen(right, rectifier.calibration, turn, before)
-        found = correction.update(Frame(k, 1 + 40_000_000 * k, left, right, None))
-        assert found.changed == (rectifier.applied != before)
-        assert found.correction == rectifier.applied
+        found = corrector.update(left, right, 1 + 40_000_000 * k, rectified=True).alignment
+        assert found.changed == (corrector.applied != before)
         if found.changed:
             changed.append(k)
     assert changed[0] == 4 + PARTS - 1
-    assert rectifier.applied.pitch_deg == pytest.approx(0.5, abs=0.03)
+    assert corrector.applied.pitch_deg == pytest.approx(0.5, abs=0.03)
 
 
 @pytest.mark.parametrize("rectifier", ["radial"], indirect=True)

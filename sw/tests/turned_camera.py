@@ -12,9 +12,11 @@ from numpy.typing import NDArray
 from vista import native, parameters
 from vista.alignment import Alignment, Turn, c_camera
 from vista.control_grid import Grid
-from vista.correction import Correction, c_raw_camera
+from vista.detector import Detector, c_raw_camera
+from vista.engine import INVALID
+from vista.engine.hardware import level_shapes
 from vista.geometry import Calibration, CameraModel, Pose, RawCalibration, camera_matrix
-from vista.rectify import Map, Rectifier
+from vista.rectify import Map, Rectifier, by_table
 from vista.sequence import Frame
 
 Grey = NDArray[np.uint8]
@@ -80,10 +82,10 @@ def turned_grid(rectifier: Rectifier, turn: Turn) -> Grid:
     return turned
 
 
-def align(rectifier: Rectifier, turn: Turn) -> None:
-    """Rectifies right images for it from now on."""
+def rectified_right(rectifier: Rectifier, turn: Turn, image: Grey) -> Grey:
+    """A right image, rectified for a camera that has turned."""
     make = turned_map if rectifier.grids is None else turned_grid
-    rectifier.align(turn, make(rectifier, turn))
+    return by_table(make(rectifier, turn))(image)
 
 
 def rows_left_px(camera: Calibration, turn: Turn, applied: Turn) -> NDArray[np.float64]:
@@ -109,14 +111,44 @@ def time_ns(frame: int) -> int:
     return round(1e9 * (1.0 + frame / RATE_HZ))
 
 
+def correcting(values: parameters.Values | None = None, buffer_rows: int = 0) -> parameters.Values:
+    """The values with the correction, for a rectification that buffers so many rows."""
+    values = values or parameters.defaults()
+    return values | {
+        "alignment": values["alignment"] | {"correct": "on"},
+        "stereo": values["stereo"] | {"rectify_rows": buffer_rows},
+    }
+
+
+class Corrector:
+    """The detector as far as the correction goes: nothing is matched."""
+
+    def __init__(self, rectifier: Rectifier, values: parameters.Values | None = None) -> None:
+        camera, values = rectifier.calibration, correcting(values)
+        self.detector, self.applied = Detector(rectifier, values), Turn()
+        shapes = level_shapes((camera.height, camera.width), values["stereo"]["levels"])
+        self._blank = [np.full(shape, INVALID, np.int16) for shape in shapes]
+        self._frames = 0
+
+    def update(self, left: Grey, right: Grey, t_ns: int, rectified: bool = False) -> Corrected:
+        self.detector.take(left, right, t_ns, rectified=rectified)
+        self.detector.match(self._blank)
+        frame = Frame(self._frames, t_ns, *self.detector.rectified(), None)
+        self.detector.judge(None, None)
+        alignment, applied = self.detector.alignment, self.applied
+        assert alignment is not None
+        self.applied = alignment.correction
+        self._frames += 1
+        return Corrected(frame, applied, alignment)
+
+
 def flown(
     rectifier: Rectifier, pairs: Pairs, frames: int, values: parameters.Values | None = None
 ) -> Iterator[Corrected]:
-    """What the chain of a run does with raw pairs, as far as the correction goes."""
-    correction = Correction(rectifier, values or parameters.defaults())
+    """What the detector does with raw pairs, as far as the correction goes."""
+    corrector = Corrector(rectifier, values)
     for k in range(frames):
-        frame, applied = rectifier.rectify(Frame(k, time_ns(k), *pairs(k), None)), rectifier.applied
-        yield Corrected(frame, applied, correction.update(frame))
+        yield corrector.update(*pairs(k), time_ns(k))
 
 
 def rectified_rig(camera: Calibration) -> RawCalibration:

@@ -27,9 +27,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "tests"))
 import turned_camera as turned
 from turned_camera import Grey, degrees
 from turned_recordings import REAL, sampled, turned_places
-from vista import parameters
 from vista.alignment import Alignment, Turn
-from vista.correction import Correction
 from vista.geometry import RawCalibration
 from vista.rectify import Rectifier
 from vista.sequence import Frame, open_sequence
@@ -122,12 +120,10 @@ def cost_ms(recordings: list[Recording]) -> dict[str, float]:
     found = {}
     for one in reversed(recordings):
         rectifier, times_ms = Rectifier(one.calibration), []
-        correction, camera = Correction(rectifier, parameters.defaults()), rectifier.calibration
+        corrector, camera = turned.Corrector(rectifier), rectifier.calibration
         for k in range(100):
-            frame = rectifier.rectify(Frame(k, turned.time_ns(k), *one.pairs(k), None))
-            start_s = time.perf_counter()
-            correction.update(frame)
-            times_ms.append(1e3 * (time.perf_counter() - start_s))
+            corrector.update(*one.pairs(k), turned.time_ns(k))
+            times_ms.append(corrector.detector.times_ms[2])
         found[f"{one.group}, {camera.width}x{camera.height}"] = round(min(times_ms[10:]), 2)
     return found
 

@@ -13,7 +13,7 @@ import pytest
 import sequence_cases as cases
 from command_line import assert_refused
 from command_line import call as call_vista
-from fake_pipeline import DescendingPipeline, fake_record
+from fake_pipeline import DescendingDetector, fake_record
 from vista import parameters
 from vista.errors import EXIT_OK, InputError
 from vista.health.finding import Finding, FrameHealth, Reason, State
@@ -103,7 +103,7 @@ def test_every_recording_is_a_row(prefix: Path, in_one_process: Path) -> None:
 
 def test_only_things_count_as_obstacles(prefix: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Three confirmed tracks; neither the ground nor what is too near to match is one more."""
-    monkeypatch.setattr("vista.pipeline.Pipeline", DescendingPipeline)
+    monkeypatch.setattr("vista.chain.Detector", DescendingDetector)
     row = module.examine(module.Detector("golden", parameters.defaults()), str(prefix), "site/flown")
     assert (row["obstacles_confirmed"], row["error"]) == (3, None)
 

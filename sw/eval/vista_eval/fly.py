@@ -54,7 +54,7 @@ def open_flight(folder: Path, disturbance: Disturbance = UNDISTURBED) -> Sequenc
 
 def fly(sequence: Sequence, values: parameters.Values, engine: Engine | None = None) -> Iterator[Step]:
     """Every frame of the flight, in order, through engine and host; engine: None for the project's."""
-    chain = make_chain(sequence, "golden", values, threads=1)
+    chain = replace(make_chain(sequence, "golden", values, threads=1), monitor=None)
     if engine is not None:
         chain = replace(chain, engine=engine)
     for files in sequence.frames:

@@ -3,62 +3,46 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Protocol, cast
+from typing import Protocol, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vista import parameters
-from vista.correction import Correction, RectifyingEngine
-from vista.engine import LR_OFF, RECTIFYING_ENGINES, Engine, EngineParameters, create_engine
+from vista.alignment import Alignment
+from vista.control_grid import GridPair
+from vista.detector import Detector, Novelty
+from vista.engine import LR_OFF, RECTIFYING_ENGINES, Engine, EngineParameters, StereoEngine, create_engine
 from vista.engine.board import DEFAULT_TIMEOUT_S
 from vista.errors import InputError
+from vista.health.finding import Finding, FrameHealth
+from vista.health.monitor import HealthMonitor
 from vista.history import FrameRecord, StageClock
 from vista.odometry import StereoOdometry
+from vista.pipeline import Result
 from vista.rectify import Rectifier
 from vista.sequence import Frame, FrameFiles, Sequence
-
-if TYPE_CHECKING:
-    from vista.geometry import Array, Pose
-    from vista.pipeline import Result
 
 TIMED = ("read", "rectify", "stereo", "alignment", "odometry", "host")  # what the total of a frame is made of
 
 
-class HostPipeline(Protocol):
-    """What the chain knows of the host: vista.pipeline.Pipeline, or a stand-in of a test."""
+class RectifyingEngine(Protocol):
+    """An engine that takes raw images, and the map to rectify them by."""
 
-    def reset(self) -> None: ...
-
-    def process(
-        self,
-        left: NDArray[np.uint8],
-        disparity: list[NDArray[np.int16]],
-        t_ns: int,
-        pose: Pose | None,
-        up_world: Array | None,
-    ) -> Result: ...
+    def load_map(self, grids: GridPair) -> None: ...
 
 
 @dataclass(frozen=True)
 class Chain:
-    """The stages of a run, in the order in which the data passes them."""
+    """What the data of a run passes."""
 
     sequence: Sequence
     rectifier: Rectifier
     engine: Engine
-    pipeline: HostPipeline
+    detector: Detector
     engine_rectifies: bool = False  # the engine takes raw images
     odometry: StereoOdometry | None = None  # where the poses come from, if not from the sequence
-    correction: Correction | None = None  # of the calibration, in flight
-
-    def reset(self) -> None:
-        """What comes next does not continue what came before."""
-        self.pipeline.reset()
-        if self.odometry is not None:
-            self.odometry.reset()
-        if self.correction is not None:
-            self.correction.reset()
+    monitor: HealthMonitor | None = None  # what is checked besides
 
 
 def engine_parameters(values: parameters.Values) -> EngineParameters:
@@ -85,9 +69,9 @@ def make_chain(
     rtl_width_px: int | None = None,
     address: str | None = None,
     board_timeout_s: int = DEFAULT_TIMEOUT_S,
+    every_pair: bool = True,
 ) -> Chain:
-    from vista.pipeline import Pipeline  # loads libvista, which `--help` need not
-
+    """every_pair: frames that repeat the one before are judged, too. Raises InputError."""
     rectifier = Rectifier(sequence.calibration, int(values["stereo"]["rectify_rows"]))
     try:
         grids = rectifier.grids if engine_name in RECTIFYING_ENGINES else None
@@ -97,17 +81,13 @@ def make_chain(
         engine.check_size(rectifier.calibration.width, rectifier.calibration.height)
     except (TypeError, ValueError) as error:
         raise InputError(f"engine {engine_name}", str(error)) from None
-    camera = rectifier.calibration
+    camera, monitor = rectifier.calibration, HealthMonitor(sequence)
     try:
-        pipeline = Pipeline(camera, values)
+        detector = Detector(rectifier, values, monitor.of_run, sequence.stills, every_pair)
     except ValueError as error:
         raise InputError(sequence.name, f"images of {camera.width}x{camera.height} px: {error}") from None
     odometry = StereoOdometry(camera) if sequence.odometry else None
-    correction = None
-    if values["alignment"]["correct"] == "on" and not sequence.stills:  # stills have no time to agree in
-        rectifying = cast(RectifyingEngine, engine) if grids is not None else None
-        correction = Correction(rectifier, values, rectifying)
-    return Chain(sequence, rectifier, engine, pipeline, grids is not None, odometry, correction)
+    return Chain(sequence, rectifier, engine, detector, grids is not None, odometry, monitor)
 
 
 @dataclass(frozen=True)
@@ -120,6 +100,7 @@ class Step:
     result: Result
     record: FrameRecord
     anew: bool  # the host forgot what came before: a still, or poses that began anew
+    checks_ms: float  # no part of the total
 
 
 def run_frame(chain: Chain, files: FrameFiles) -> Step:
@@ -127,42 +108,83 @@ def run_frame(chain: Chain, files: FrameFiles) -> Step:
     clock = StageClock()
     with clock.stage("read"):
         raw = chain.sequence.read(files)
-    return process_frame(chain, raw, clock, files.anew)
+    take(chain, raw)
+    return finish(chain, raw, clock, files.anew)
 
 
-def process_frame(chain: Chain, raw: Frame, clock: StageClock, anew: bool = False) -> Step:
-    """What follows once a frame has been read; clock: with the time that this took, if that counts; anew: its
+def take(chain: Chain, raw: Frame, restarts: bool = False) -> Novelty:
+    """Begins with a frame, or says that it repeats the one before: it is not to be finished then. restarts:
+    it begins another flight, and all that came before is forgotten."""
+    novelty = chain.detector.take(raw.left, raw.right, raw.t_ns, restarts)
+    if novelty == Novelty.RESTARTED:
+        for part in (chain.odometry, chain.monitor):
+            if part is not None:
+                part.reset()
+        _load_map(chain)
+    return novelty
+
+
+def finish(chain: Chain, raw: Frame, clock: StageClock, anew: bool = False) -> Step:
+    """What follows once a frame has been taken; clock: with the time of reading it, if that counts; anew: its
     pose does not continue those before."""
-    with clock.stage("rectify"):
-        frame = chain.rectifier.rectify(raw)
+    detector = chain.detector
+    left, right = detector.rectified()
     with clock.stage("stereo"):
-        matched = raw if chain.engine_rectifies else frame
-        levels = list(chain.engine.levels(matched.left, matched.right))
-    anew = anew or chain.sequence.stills
-    alignment = None
-    if chain.correction is not None:
-        with clock.stage("alignment"):
-            alignment = chain.correction.update(frame)
+        if isinstance(chain.engine, StereoEngine) and chain.engine.threads == 1:
+            detector.match()
+        else:
+            images = (raw.left, raw.right) if chain.engine_rectifies else (left, right)
+            detector.match(list(chain.engine.levels(*images)))
+    levels, pose = detector.levels(), raw.world_from_camera
     if chain.odometry is not None:
         restarts = chain.odometry.restarts
         with clock.stage("odometry"):
-            frame = replace(frame, world_from_camera=chain.odometry.update(frame.left, levels[0]))
+            pose = chain.odometry.update(left, levels[0])
         anew = anew or chain.odometry.restarts > restarts
-    if anew:
-        chain.pipeline.reset()
-    result = chain.pipeline.process(
-        frame.left, levels, frame.t_ns, frame.world_from_camera, chain.sequence.up_world
-    )
-
-    stage_ms = clock.stage_ms | result.stage_ms
-    stage_ms["total"] = sum(stage_ms.get(name, 0.0) for name in TIMED)
+    elif pose is not None:
+        pose = detector.rectified_pose(pose)
+    result = detector.judge(pose, chain.sequence.up_world, anew)
+    frame = replace(raw, left=left, right=right, world_from_camera=pose)
+    alignment = detector.alignment
+    if alignment is not None and alignment.changed:
+        _load_map(chain)
+    with clock.stage("checks"):
+        besides = _check(chain, frame, result, alignment)
     record = FrameRecord(
         result.outcome,
         result.items,
         result.directions,
-        stage_ms,
-        index=frame.index,
-        t_ns=frame.t_ns,
+        _stage_ms(chain, clock.stage_ms, result.stage_ms),
+        index=raw.index,
+        t_ns=raw.t_ns,
+        health=FrameHealth(detector.findings(besides)),
         alignment=alignment,
     )
-    return Step(raw, frame, levels, result, record, anew)
+    return Step(raw, frame, levels, result, record, anew or chain.sequence.stills, clock.stage_ms["checks"])
+
+
+def _check(chain: Chain, frame: Frame, result: Result, alignment: Alignment | None) -> tuple[Finding, ...]:
+    if chain.monitor is None:
+        return ()
+    shown = chain.detector.shown
+    return chain.monitor.check(frame, result.health.matched_fraction, alignment, shown)
+
+
+def _load_map(chain: Chain) -> None:
+    """Has an engine that rectifies by itself do so as the detector does now."""
+    grid, grids = chain.detector.right_grid(), chain.rectifier.grids
+    if chain.engine_rectifies and grid is not None and grids is not None:
+        cast(RectifyingEngine, chain.engine).load_map(replace(grids, right=grid))
+
+
+def _stage_ms(chain: Chain, own: dict[str, float], host: dict[str, float]) -> dict[str, float]:
+    """The time of each stage in their order, and of those together that give a frame its result."""
+    rectify_ms, _, alignment_ms = chain.detector.times_ms
+    times = {"read": own.get("read"), "rectify": rectify_ms, "stereo": own["stereo"]}
+    times |= {
+        "alignment": alignment_ms if chain.detector.alignment else None,
+        "odometry": own.get("odometry"),
+    }
+    stage_ms = {name: ms for name, ms in times.items() if ms is not None} | host
+    total_ms = sum(stage_ms.get(name, 0.0) for name in TIMED)
+    return stage_ms | {"total": total_ms}

@@ -215,8 +215,9 @@ class Result(Found):
         return self.outcome.health
 
 
-def _destroy(lib: Any, pipeline: Any, memory: Any) -> None:
-    lib.vista_pipeline_destroy(pipeline)
+def destroy(end: Any, made: Any, memory: Any) -> None:
+    """Ends what was made in memory that is kept until then."""
+    end(made)
     del memory
 
 
@@ -242,11 +243,9 @@ class Pipeline:
         )
         self._pipeline = handle[0]
         # A second thread works in this memory, so it ends before that is given back.
-        weakref.finalize(self, _destroy, self._lib, self._pipeline, self._memory)
+        weakref.finalize(self, destroy, self._lib.vista_pipeline_destroy, self._pipeline, self._memory)
         self._result = self._ffi.new("vista_result *")
         self._directions = self._ffi.new("vista_directions *")
-        count = self._lib.vista_stage_count()
-        self._stages = [self._ffi.string(self._lib.vista_stage_name(k)).decode() for k in range(count)]
         self._cell_of_pixel: NDArray[np.int32] | None = None
 
     def reset(self) -> None:
@@ -309,35 +308,49 @@ class Pipeline:
         native.check(self._ffi, self._lib, status)
 
     def _array(self, pointer: Any, count: int, dtype: Any) -> NDArray[Any]:
-        size = count * np.dtype(dtype).itemsize
-        return np.frombuffer(self._ffi.buffer(pointer, size), dtype=dtype).copy()
+        return copied_array(self._ffi, pointer, count, dtype)
 
     def _read_result(self) -> Result:
-        r, lib, ffi = self._result, self._lib, self._ffi
-        views, shape = r.views, (self._camera.height, self._camera.width)
-        cells, pixels = views.cell_count, shape[0] * shape[1]
-        if self._cell_of_pixel is None:
-            self._cell_of_pixel = self._array(views.cell_of_pixel, pixels, np.int32).reshape(shape)
-        stage_ms = {name: r.stage_ms[k] for k, name in enumerate(self._stages)}
-        self._check(lib.vista_pipeline_directions(self._pipeline, self._directions))
-        verdicts = self._array(views.verdict_of_region, views.region_count, np.uint32)
-        obstacles = copied(ffi, r.obstacles, Obstacle.NAME, r.obstacle_count)
-        r.obstacles = r.views = r.stage_ms = (
-            ffi.NULL
-        )  # what is kept leads nowhere that the next frame changes
-        return Result(
-            Outcome.copied(ffi, r),
-            obstacles,
-            Directions.copied(ffi, self._directions),
-            stage_ms | {"host": r.host_ms},
-            cell_of_pixel=self._cell_of_pixel,
-            cell_intensity=self._array(views.cell_intensity, cells, np.float32),
-            cell_disparity_px=self._array(views.cell_disparity_px, cells, np.float32),
-            region_of_cell=self._array(views.region_of_cell, cells, np.int32),
-            region_of_pixel=self._array(views.region_of_pixel, pixels, np.int32).reshape(shape),
-            verdict_of_region=[names_of("region_verdict")[verdict] for verdict in verdicts],
-            words=self._array(views.words, pixels, np.int16).reshape(shape),
-        )
+        self._check(self._lib.vista_pipeline_directions(self._pipeline, self._directions))
+        result = read_result(self._ffi, self._lib, self._result, self._directions, self._cell_of_pixel)
+        self._cell_of_pixel = result.cell_of_pixel
+        return result
+
+
+def copied_array(ffi: Any, pointer: Any, count: int, dtype: Any) -> NDArray[Any]:
+    """So many numbers from the memory of C."""
+    return np.frombuffer(ffi.buffer(pointer, count * np.dtype(dtype).itemsize), dtype=dtype).copy()
+
+
+def read_result(
+    ffi: Any, lib: Any, r: Any, directions: Any, cell_of_pixel: NDArray[np.int32] | None
+) -> Result:
+    """Copies a vista_result and its directions; cell_of_pixel: as in a frame before."""
+    views = r.views
+    shape, cells = (views.height_px, views.width_px), views.cell_count
+    pixels = shape[0] * shape[1]
+
+    def image(pointer: Any, dtype: Any) -> NDArray[Any]:
+        return copied_array(ffi, pointer, pixels, dtype).reshape(shape)
+
+    stages = range(r.stage_count)
+    stage_ms = {ffi.string(lib.vista_stage_name(k)).decode(): r.stage_ms[k] for k in stages}
+    verdicts = copied_array(ffi, views.verdict_of_region, views.region_count, np.uint32)
+    obstacles = copied(ffi, r.obstacles, Obstacle.NAME, r.obstacle_count)
+    r.obstacles = r.views = r.stage_ms = ffi.NULL  # what is kept leads nowhere that the next frame changes
+    return Result(
+        Outcome.copied(ffi, r),
+        obstacles,
+        Directions.copied(ffi, directions),
+        stage_ms | {"host": r.host_ms},
+        cell_of_pixel=image(views.cell_of_pixel, np.int32) if cell_of_pixel is None else cell_of_pixel,
+        cell_intensity=copied_array(ffi, views.cell_intensity, cells, np.float32),
+        cell_disparity_px=copied_array(ffi, views.cell_disparity_px, cells, np.float32),
+        region_of_cell=copied_array(ffi, views.region_of_cell, cells, np.int32),
+        region_of_pixel=image(views.region_of_pixel, np.int32),
+        verdict_of_region=[names_of("region_verdict")[verdict] for verdict in verdicts],
+        words=image(views.words, np.int16),
+    )
 
 
 def c_parameters(ffi: Any, lib: Any, values: parameters.Values) -> Any:

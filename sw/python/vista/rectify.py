@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vista import native
-from vista.alignment import Turn
 from vista.control_grid import BUFFER_ROWS, Filter, Grid, GridPair, check_rows, control_grid
 from vista.errors import InputError
 from vista.fisheye import rectified_fisheyes
@@ -62,7 +61,6 @@ class Rectifier:
     is_passthrough: the input is rectified already (no distortion, equal cameras, aligned rows); frames then
     come back as they are, not resampled.
     grids: what rectifies them, if control grids do.
-    applied: the turn of the right camera against its calibration that right images are rectified for.
     maps: of the left and the right image as calibrated, if whole maps do.
     right: the right camera as calibrated.
     left_from_rectified: the rotation of the rectified left camera in the raw one.
@@ -79,13 +77,9 @@ class Rectifier:
             raise InputError("stereo.rectify_rows", f"must be 0 or one of {allowed}, not {buffer_rows}")
         check_side_by_side(raw)
         self.grids: GridPair | None = None
-        self._calibrated: GridPair | None = None
         self.maps: tuple[Map, ...] = ()
-        self.applied = Turn()
-        self._source = raw.source
         self._left: Filter = _unchanged
         self._right: Filter = _unchanged
-        self._turned: Filter | None = None  # in place of the right one
         self.is_passthrough = _is_rectified(raw)
         if self.is_passthrough:
             self.left_from_rectified = Pose()
@@ -103,7 +97,7 @@ class Rectifier:
         else:
             grids = [_fitting_grid(camera, R, P, buffer_rows, raw.source) for camera, R, P in cameras]
             size = raw.left.width, raw.left.height
-            self.grids = self._calibrated = GridPair(grids[0], grids[1], size, buffer_rows)
+            self.grids = GridPair(grids[0], grids[1], size, buffer_rows)
             self._left, self._right = (by_table(grid) for grid in grids)
         self.left_from_rectified = Pose(left[0].T)
         self.calibration = _calibration(raw.left, left[1], float(-right[1][0, 3] / right[1][0, 0]))
@@ -111,33 +105,18 @@ class Rectifier:
     @property
     def grids_or_maps(self) -> tuple[Grid, ...] | tuple[Map, ...]:
         """What rectifies the left and the right image as calibrated; empty where they come rectified."""
-        grids = self._calibrated
+        grids = self.grids
         return self.maps if grids is None else (grids.left, grids.right)
-
-    def align(self, turn: Turn, table: Map | Grid | None) -> None:
-        """Rectifies right images by the table from now on, which is for a camera that has turned like this.
-        None: by that of the calibration.
-
-        InputError, and nothing has changed, when the line buffer has too few rows for it."""
-        if isinstance(table, tuple):
-            self._turned = by_table(table)
-        elif table is not None and self.grids is not None:
-            check_rows(table, self.grids.size, self.grids.buffer_rows, self._source)
-            self.grids = dataclasses.replace(self.grids, right=table)
-            self._turned = by_table(table)
-        else:
-            self.grids, self._turned = self._calibrated, None
-        self.applied = turn
 
     def rectify(self, frame: Frame) -> Frame:
         """The rectified pair, with the pose of the rectified left camera."""
-        if self.is_passthrough and self._turned is None:
+        if self.is_passthrough:
             return frame
         pose = frame.world_from_camera
         return dataclasses.replace(
             frame,
             left=self._left(frame.left),
-            right=(self._turned or self._right)(frame.right),
+            right=self._right(frame.right),
             world_from_camera=None if pose is None else pose @ self.left_from_rectified,
         )
 
@@ -248,8 +227,7 @@ def by_table(table: Map | Grid) -> Filter:
         camera = ffi.new("vista_camera *", {"width_px": width, "height_px": height})
         raw = ffi.new("vista_image *", (ffi.cast("uint8_t *", image.ctypes.data), width, height, width))
         status = lib.vista_rectify(camera, c_table, raw, ffi.from_buffer("uint8_t[]", out))
-        if status != lib.VISTA_OK:
-            raise ValueError(ffi.string(lib.vista_status_text(status)).decode())
+        native.check(ffi, lib, status)
         return out
 
     return rectify

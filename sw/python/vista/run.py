@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from tqdm import tqdm
 
 from vista.chain import Chain, run_frame
-from vista.health.monitor import HealthMonitor
 from vista.history import FrameRecord, StageClock
 from vista.interruption import Interruption
 from vista.obstacle_line import obstacle_line
@@ -62,23 +61,19 @@ def run_frames(
     A problem that a check finds for the first time is printed on stderr at once.
     Raises InputError for an image that cannot be read; what is in the folder stays valid.
     """
-    monitor = HealthMonitor(chain.sequence)
     announcer = Announcer()
     for files in tqdm(frames, desc=chain.sequence.name, unit="frame", disable=None):
-        record = _run_frame(chain, files, monitor, outputs)
+        record = _run_frame(chain, files, outputs)
         records.append(record)
         announcer.announce(record)
         if interruption.requested:
             return
 
 
-def _run_frame(chain: Chain, files: FrameFiles, monitor: HealthMonitor, outputs: Outputs) -> FrameRecord:
-    clock = StageClock()
-    step = run_frame(chain, files)
-    with clock.stage("checks"):  # neither this nor the output is part of the total
-        health = monitor.check(step.raw, step.frame, step.result.health, step.record.alignment, step.anew)
-        record = replace(step.record, health=health)
-    with clock.stage("output"):
+def _run_frame(chain: Chain, files: FrameFiles, outputs: Outputs) -> FrameRecord:
+    clock, step = StageClock(), run_frame(chain, files)
+    record = step.record
+    with clock.stage("output"):  # no part of the total
         if outputs.recorder is not None:
             outputs.recorder.write(step.frame, step.levels, step.anew)
         jpeg = None
@@ -89,5 +84,5 @@ def _run_frame(chain: Chain, files: FrameFiles, monitor: HealthMonitor, outputs:
         if outputs.rerun is not None:
             outputs.rerun.write(step, record, jpeg)
         outputs.folder.write_frame(files.index, obstacle_line(record, outputs.all_tracks), jpeg)
-    record.stage_ms.update(clock.stage_ms)
+    record.stage_ms.update({"checks": step.checks_ms} | clock.stage_ms)
     return record

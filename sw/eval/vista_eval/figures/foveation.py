@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
@@ -21,8 +19,11 @@ def draw(truth: FlightTruth, values: parameters.Values) -> Figure:
     sequence = open_flight(truth.folder)
     chain = make_chain(sequence, "golden", values, threads=1)
     pipeline = OpenPipeline(chain.rectifier.calibration, values)
-    step = run_frame(replace(chain, pipeline=pipeline), sequence.frames[shown_frame(truth)])
-    result, graph = step.result, pipeline.cell_graph()
+    step = run_frame(chain, sequence.frames[shown_frame(truth)])
+    result = pipeline.process(
+        step.frame.left, step.levels, 0, step.frame.world_from_camera, sequence.up_world
+    )
+    graph = pipeline.cell_graph()
     height, width = step.frame.left.shape
 
     figure = Figure(figsize=(10.5, 2.9), layout="constrained")

@@ -9,7 +9,6 @@ from vista import native, parameters
 from vista.chain import fitted_to, make_chain, run_frame
 from vista.errors import InputError
 from vista.health.finding import State
-from vista.health.monitor import HealthMonitor
 from vista.health.summary import summarize_health
 from vista.history import FrameRecord, stage_statistics
 from vista.sequence import Sequence, open_sequence
@@ -53,11 +52,8 @@ def fly(detector: Detector, sequence: Sequence, records: list[FrameRecord], obst
     """Appends a record of each frame, without its obstacles: a recording may be long. Of the things that
     were confirmed, the ids are added."""
     chain = make_chain(sequence, detector.engine, fitted_to(sequence, detector.values), threads=1)
-    monitor = HealthMonitor(sequence)
     for files in sequence.frames:
-        step = run_frame(chain, files)
-        health = monitor.check(step.raw, step.frame, step.result.health, step.record.alignment, step.anew)
-        record = replace(step.record, health=health)
+        record = run_frame(chain, files).record
         obstacles |= {obstacle.id for obstacle in record.things}
         records.append(replace(record, items=record.items[:0]))
 

@@ -109,7 +109,7 @@ def execute(arguments: argparse.Namespace) -> int:
         recorded, source = open_camera(arguments, open_ones) if arguments.camera else open_replay(arguments)
         for note in recorded.notes:
             print(f"{recorded.name}: note: {note}", file=sys.stderr)
-        chain = make_chain(recorded, arguments.engine, values, arguments.threads)
+        chain = make_chain(recorded, arguments.engine, values, arguments.threads, every_pair=False)
         loop = LiveLoop(chain, source)
         listeners, autopilot = make_listeners(arguments, values, loop, open_ones)
         interruption = Interruption()

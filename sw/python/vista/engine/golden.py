@@ -64,7 +64,7 @@ class StereoEngine(LevelEngine):
         if not isinstance(threads, int) or not 1 <= threads <= self._lib.VISTA_ENGINE_MAX_THREADS:
             most = self._lib.VISTA_ENGINE_MAX_THREADS
             raise ValueError(f"threads must be from 1 to {most}, not {threads!r}")
-        self._threads = threads
+        self.threads = threads
         self._params = self._c_params(isa)
         self._check(self._lib.vista_engine_validate(self._params))
         self._pool = ThreadPoolExecutor(threads) if threads > 1 else None
@@ -128,7 +128,7 @@ class StereoEngine(LevelEngine):
         scratch = self._scratch_for(width, height)
 
         def band(index: int) -> int:
-            first, end = (height * i // self._threads for i in (index, index + 1))
+            first, end = (height * i // self.threads for i in (index, index + 1))
             data = ffi.from_buffer("uint8_t[]", scratch[index])
             compute_rows = self._lib.vista_engine_compute_rows
             return int(compute_rows(self._params, images, output, first, end, data, len(data)))
@@ -136,7 +136,7 @@ class StereoEngine(LevelEngine):
         if self._pool is None:
             self._check(band(0))
         else:
-            for status in self._pool.map(band, range(self._threads)):
+            for status in self._pool.map(band, range(self.threads)):
                 self._check(status)
         return disparity
 
@@ -146,9 +146,9 @@ class StereoEngine(LevelEngine):
         if one == 0:
             raise ValueError(f"images must be at most {self._lib.VISTA_ENGINE_MAX_SIDE_PX} px a side")
         if one > self._scratch.shape[1]:
-            memory = np.empty(one * self._threads + _SCRATCH_ALIGNMENT, np.uint8)
+            memory = np.empty(one * self.threads + _SCRATCH_ALIGNMENT, np.uint8)
             start = -memory.ctypes.data % _SCRATCH_ALIGNMENT
-            self._scratch = memory[start : start + one * self._threads].reshape(self._threads, one)
+            self._scratch = memory[start : start + one * self.threads].reshape(self.threads, one)
         return self._scratch
 
 

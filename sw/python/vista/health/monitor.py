@@ -1,4 +1,4 @@
-"""The checks over the frames of a run: cheap ones for every frame, feature matching for some."""
+"""The checks that need matched features, over the frames of a run: libvista makes all others."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from vista.health import checks
 from vista.health.features import image_motion_px, match_pair
-from vista.health.finding import Finding, FrameHealth, Reason, State
+from vista.health.finding import Finding, Reason, State
 from vista.sequence import Frame, Sequence
 
 if TYPE_CHECKING:
@@ -15,12 +15,11 @@ if TYPE_CHECKING:
 
 FEATURES = 400
 PERIOD = 20  # frames from one matching of features to the next, while nothing is wrong
-BEGAN_ANEW = Finding(Reason.POSE_JUMP, State.DEGRADED, "the poses began anew; all tracks were dropped")
 SUDDEN_LOSS = 0.5  # of the matched share since the last matching: match features at once
 
 
 class HealthMonitor:
-    """Judges the frames of one run in their order."""
+    """Matches features of the frames of one run, in their order."""
 
     def __init__(self, sequence: Sequence) -> None:
         calibration = sequence.calibration
@@ -28,6 +27,10 @@ class HealthMonitor:
         self._stills = sequence.stills
         told = sequence.stills or sequence.odometry or any(f.world_from_camera for f in sequence.frames)
         self._watch_motion = not told
+        self.reset()
+
+    def reset(self) -> None:
+        """Forgets what was seen: what comes next does not continue it."""
         self._before: Frame | None = None
         self._pair: Finding | None = None
         self._motion: Finding | None = None
@@ -35,34 +38,20 @@ class HealthMonitor:
         self._checked_fraction = 0.0
 
     def check(
-        self,
-        raw: Frame,
-        frame: Frame,
-        host: Health,
-        alignment: Alignment | None = None,
-        anew: bool = False,
-    ) -> FrameHealth:
-        """raw: as read; frame: rectified; host: what libvista says of the same frame; alignment: of the
-        cameras, where that is looked at; anew: the host was told to forget what came before."""
-        shown = (
-            checks.check_contrast("left", raw.left)
-            or checks.check_contrast("right", raw.right)
-            or checks.check_identical(raw.left, raw.right)
-        )
+        self, frame: Frame, matched_fraction: float, alignment: Alignment | None = None, shown: bool = True
+    ) -> tuple[Finding, ...]:
+        """Checks a rectified frame. matched_fraction: of its pixels; alignment: of the cameras, where that is
+        looked at; shown: whether the images show anything."""
         if alignment is not None and alignment.row_error_px is not None:
             # What agrees on a turn of the camera has been matched, at one moment and in the right order.
             pair = self._pair = None
-            self._checked_fraction = host.matched_fraction
+            self._checked_fraction = matched_fraction
         else:
-            pair = None if shown else self._check_pair(frame, host.matched_fraction)
+            pair = self._check_pair(frame, matched_fraction) if shown else None
         motion = self._check_motion(frame) if self._watch_motion else None
-        aligned = None if alignment is None else checks.check_alignment(alignment)
         self._before = frame
         self._frames += 1
-        lost = BEGAN_ANEW if anew and not self._stills else None
-        found = self.of_run + _present(shown, aligned, pair, motion, lost)
-        named = {finding.reason for finding in found}
-        return FrameHealth(found + tuple(f for f in findings_of_host(host) if f.reason not in named))
+        return _present(pair, motion)
 
     def _check_pair(self, frame: Frame, matched_fraction: float) -> Finding | None:
         periodic = self._stills or self._frames % PERIOD == 0

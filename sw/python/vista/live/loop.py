@@ -5,13 +5,11 @@ from __future__ import annotations
 import sys
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Protocol
 
-import numpy as np
-
-from vista.chain import Chain, Step, process_frame
-from vista.health.monitor import HealthMonitor
+from vista.chain import Chain, Step, finish, take
+from vista.detector import Novelty
 from vista.history import FrameRecord, StageClock
 from vista.live.latency import Latencies
 from vista.live.latest import Latest
@@ -55,49 +53,23 @@ class LiveLoop:
         self.chain, self._source = chain, source
         self._queue: Latest[Shot] = Latest()
         self.totals = Totals(source, self._queue)
-        self._monitor, self._announcer = HealthMonitor(chain.sequence), Announcer()
-        self._before: Shot | None = None
+        self._announcer = Announcer()
 
     def run(self, listeners: Sequence[Listener], interrupted: Callable[[], bool]) -> None:
         """Runs until the source ends or `interrupted` says so. Raises what the source raises."""
         for shot in newest_shots(self._source, self._queue, interrupted):
-            if self._is_new(shot):
+            novelty = take(self.chain, shot.frame, not shot.continues)
+            self.totals.duplicates += novelty == Novelty.REPEATED
+            self.totals.restarts += novelty == Novelty.RESTARTED
+            if novelty != Novelty.REPEATED:
                 self._process(shot, listeners)
 
-    def _is_new(self, shot: Shot) -> bool:
-        """Whether it says anything that the frame before did not; tracks of another flight are forgotten."""
-        before, self._before = self._before, shot
-        if before is None:
-            return True
-        if not shot.continues or shot.frame.t_ns < before.frame.t_ns:
-            self.totals.restarts += 1
-            self.chain.reset()
-            self._monitor = HealthMonitor(self.chain.sequence)
-            return True
-        if shot.frame.t_ns == before.frame.t_ns or same_images(shot, before):
-            self.totals.duplicates += 1
-            # The moment that counts is the one at which the images were new.
-            self._before = before
-            return False
-        return True
-
     def _process(self, shot: Shot, listeners: Sequence[Listener]) -> None:
-        step = process_frame(self.chain, shot.frame, StageClock())
-        found = self._monitor.check(
-            step.raw, step.frame, step.result.health, step.record.alignment, step.anew
-        )
-        record = replace(step.record, health=found)
-        seen = Seen(step, record, shot.exposed_ns)
+        step = finish(self.chain, shot.frame, StageClock())
+        seen = Seen(step, step.record, shot.exposed_ns)
         for listener in listeners:
             listener.take(seen)
         self.totals.processed += 1
         self.totals.latency.add(1e-6 * (time.monotonic_ns() - shot.exposed_ns))
-        self._announcer.announce(record)
+        self._announcer.announce(seen.record)
         sys.stderr.flush()
-
-
-def same_images(one: Shot, other: Shot) -> bool:
-    """Bit for bit: the noise of a camera that works sees to it that no two frames are."""
-    return np.array_equal(one.frame.left, other.frame.left) and np.array_equal(
-        one.frame.right, other.frame.right
-    )

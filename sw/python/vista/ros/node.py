@@ -145,7 +145,7 @@ def _serve(node: Any, settings: Settings, interrupted: Callable[[], bool]) -> No
     _Watch(node, source, publisher)
     while (recorded := source.sequence(interrupted)) is not None:
         try:
-            chain = make_chain(recorded, settings.engine, settings.values, settings.threads)
+            chain = make_chain(recorded, settings.engine, settings.values, settings.threads, every_pair=False)
         except InputError as error:
             source.refuse(error)
             continue
