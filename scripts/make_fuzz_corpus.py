@@ -35,7 +35,7 @@ def recording(
     width: int, height: int, frames: int, has_pose: bool, center_px: float, stills: bool = False
 ) -> bytes:
     """A thing in the middle that comes nearer, over words that grow downwards."""
-    given = (b"region.min_inliers", 8.0), (b"foveation.sector_count", 32.0), (b"stereo.levels", 1.0)
+    given = (b"region.min_size_m", 0.05), (b"foveation.sector_count", 32.0), (b"stereo.levels", 1.0)
     content = head((width, height), 0, Content.LEFT, len(given), (width / 2, center_px), stills)
     content += b"".join(PARAMETER.pack(name, b"", value) for name, value in given)
     for frame in range(frames):

@@ -6,7 +6,6 @@ import numpy as np
 from stage_library import LEVEL_UP, Stages, ffi, lib
 
 GREY = np.full((240, 320), 90, np.uint8)
-TOLERANCES = {"region.tolerance_px": 1.0, "region.tolerance_m": 0.0}
 
 
 def verdict(region) -> str:

@@ -8,6 +8,7 @@ from random_seed import seeded
 from stage_library import Stages, camera, ffi, lib, parameters
 
 FORMS = {"product": lib.VISTA_AFFINITY_FORM_PRODUCT, "sum": lib.VISTA_AFFINITY_FORM_SUM}
+ALPHA, MU_SLOPE, FLOW_SCALE, FLOW_CONSTANT = 0.5, 0.1, 10000.0, 10000.0  # of affinity.c
 ENCODINGS = {
     "exponential": lib.VISTA_AFFINITY_FLOW_ENCODING_EXPONENTIAL,
     "linear": lib.VISTA_AFFINITY_FLOW_ENCODING_LINEAR,
@@ -18,15 +19,11 @@ def random_changes(random: np.random.Generator, form: str, encoding: str) -> dic
     return {
         "affinity.form": FORMS[form],
         "affinity.flow_encoding": ENCODINGS[encoding],
-        "affinity.alpha_intensity": random.uniform(0, 1),
         "affinity.mu_intensity": random.uniform(0, 20),
         "affinity.sigma_intensity": random.uniform(1, 60),
         "affinity.mu_disparity_px": random.uniform(0, 2),
-        "affinity.mu_disparity_slope": random.uniform(0, 0.3),
         "affinity.mu_depth_m": random.uniform(0, 3),
         "affinity.sigma_disparity_px": random.uniform(0.2, 10),
-        "affinity.flow_scale": random.uniform(10, 100000),
-        "affinity.flow_constant": 10 ** random.uniform(0, 8),
     }
 
 
@@ -61,10 +58,10 @@ def expected_weight(stages: Stages) -> np.ndarray:
     d_intensity = intensity_term(stages)
     known = (d[i] >= 0) & (d[j] >= 0)
     relief = depth_step_px(stages, np.where(known, np.maximum(d[i], d[j]), 1.0), p.mu_depth_m)
-    mu = np.maximum(relief, p.mu_disparity_px + p.mu_disparity_slope * f.arc_distance_px)
+    mu = np.maximum(relief, p.mu_disparity_px + MU_SLOPE * f.arc_distance_px)
     d_disparity = term(d[i] - d[j], mu, p.sigma_disparity_px)
     if p.form == FORMS["sum"]:
-        both = p.alpha_intensity * d_intensity + (1 - p.alpha_intensity) * d_disparity
+        both = ALPHA * d_intensity + (1 - ALPHA) * d_disparity
     else:
         both = d_intensity * d_disparity
     return np.where(known, both, d_intensity)
@@ -73,8 +70,8 @@ def expected_weight(stages: Stages) -> np.ndarray:
 def expected_flow(stages: Stages, weight: np.ndarray) -> np.ndarray:
     p = stages.parameters.affinity
     if p.flow_encoding == ENCODINGS["linear"]:
-        return p.flow_scale * (weight + 1) / 2
-    return p.flow_scale * p.flow_constant ** ((weight - 1) / 2)
+        return FLOW_SCALE * (weight + 1) / 2
+    return FLOW_SCALE * FLOW_CONSTANT ** ((weight - 1) / 2)
 
 
 @pytest.mark.parametrize("encoding", ENCODINGS)
@@ -110,14 +107,13 @@ def one_edge(stages: Stages, grey, disparity) -> float:
 
 def test_affinities_worked_by_hand() -> None:
     """One sigma beyond mu makes exp(-1/2); what lies within mu makes 1."""
+    distance_px = float(Stages(camera(64, 48)).foveation.arc_distance_px[-1])
     plain = {
         "affinity.mu_intensity": 2.0,
         "affinity.sigma_intensity": 10.0,
-        "affinity.mu_disparity_px": 0.5,
-        "affinity.mu_disparity_slope": 0.0,
+        "affinity.mu_disparity_px": 0.5 - MU_SLOPE * distance_px,
         "affinity.mu_depth_m": 0.0,
         "affinity.sigma_disparity_px": 1.0,
-        "affinity.alpha_intensity": 0.25,
     }
     product = Stages(camera(64, 48), plain | {"affinity.form": FORMS["product"]})
     added = Stages(camera(64, 48), plain | {"affinity.form": FORMS["sum"]})
@@ -128,15 +124,15 @@ def test_affinities_worked_by_hand() -> None:
         assert one_edge(stages, (62, 50), (-1, -1)) == pytest.approx(one_sigma)
         assert one_edge(stages, (50, 50), (0, -1)) == pytest.approx(1.0)
     assert one_edge(product, (50, 62), (10, 11.5)) == pytest.approx(one_sigma**2)
-    assert one_edge(added, (50, 62), (10, 10)) == pytest.approx(0.25 * one_sigma + 0.75)
-    assert one_edge(added, (50, 50), (10, 11.5)) == pytest.approx(0.25 + 0.75 * one_sigma)
+    assert one_edge(added, (50, 62), (10, 10)) == pytest.approx(ALPHA * one_sigma + 1 - ALPHA)
+    assert one_edge(added, (50, 50), (10, 11.5)) == pytest.approx(ALPHA + (1 - ALPHA) * one_sigma)
 
 
 def test_relief_of_near_things_is_no_difference() -> None:
     """f B = 200 px m: 20 px is 10 m away, 19.05 px half a metre more; at 2 m the limit is 12 cm, 6 %."""
     stages = Stages(
         camera(64, 48),
-        {"affinity.mu_disparity_px": 0.1, "affinity.mu_disparity_slope": 0.0, "affinity.mu_depth_m": 0.5},
+        {"affinity.mu_disparity_px": 0.1, "affinity.mu_depth_m": 0.5},
     )
     assert one_edge(stages, (9, 9), (20, 200 / 10.5 + 0.01)) == pytest.approx(1.0)
     assert one_edge(stages, (9, 9), (20, 200 / 10.5 - 0.2)) < 0.999
@@ -149,8 +145,6 @@ def test_flow_spans_what_the_encoding_says(encoding: str) -> None:
     values = parameters(
         {
             "affinity.flow_encoding": ENCODINGS[encoding],
-            "affinity.flow_scale": 10000.0,
-            "affinity.flow_constant": 10000.0,
         }
     )
     section = ffi.addressof(values, "affinity")
@@ -158,8 +152,3 @@ def test_flow_spans_what_the_encoding_says(encoding: str) -> None:
     assert flow[-1] == 10000
     assert flow[0] == {"linear": 5000, "exponential": 100}[encoding]
     assert np.all(np.diff(flow) > 0)
-
-
-def test_no_edge_vanishes() -> None:
-    values = parameters({"affinity.flow_scale": 10.0, "affinity.flow_constant": 1e8})
-    assert lib.vista_flow_encode(ffi.addressof(values, "affinity"), 0.0) == 1

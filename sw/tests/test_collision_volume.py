@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from random_seed import seeded
-from region_cases import TOLERANCES, box, measure
+from region_cases import box, measure
 from stage_library import Stages, camera, ffi, lib, plane_disparity, rays, words_of
 
 RADIUS_M, LENGTH_M = 2.0, 30.0
@@ -48,7 +48,7 @@ def expected(stages: Stages, words: np.ndarray, region, direction, slack_m: floa
 def test_pixels_are_counted_where_they_are(direction: tuple[float, float, float]) -> None:
     """Boards at several ranges and a wall along the way, on both sides of the volume's surface."""
     random, unit = seeded(1), np.array(direction) / np.linalg.norm(direction)
-    stages = Stages(camera(), TOLERANCES)
+    stages = Stages(camera())
     masks = [box((60, 120), 40, 60), box((160, 100), 30, 40), box((260, 140), 45, 90)]
     disparity = np.full((240, 320), -1.0)
     disparity[masks[0]], disparity[masks[1]] = 12.0, 8.0  # f B = 200 px m: 17 and 25 m
@@ -65,7 +65,7 @@ def test_pixels_are_counted_where_they_are(direction: tuple[float, float, float]
 @pytest.mark.parametrize("side", [-1.0, 1.0])
 def test_an_arc_is_followed(radius_m: float, side: float) -> None:
     """Pixel by pixel against the distance from the circle; hardly bent, as straight."""
-    random, stages = seeded(3), Stages(camera(), TOLERANCES)
+    random, stages = seeded(3), Stages(camera())
     masks = [box((60, 120), 40, 60), box((160, 100), 30, 40), box((260, 140), 45, 90)]
     disparity = np.full((240, 320), -1.0)
     disparity[masks[0]], disparity[masks[1]] = 12.0, 8.0
@@ -96,7 +96,7 @@ def on_arc(stages: Stages, words: np.ndarray, region, radius_m: float, slack_m: 
 def test_a_wall_is_met_where_a_ball_on_the_path_touches_it(lean: float, direction: tuple) -> None:
     """Facing the camera or seen at an angle, 18 m ahead: the middle of the wall is several metres off."""
     random, unit = seeded(4), np.array(direction) / np.linalg.norm(direction)
-    stages = Stages(camera(), TOLERANCES | {"region.tolerance_px": 2.0})
+    stages = Stages(camera())
     normal = np.array([lean, 0.0, 1.0]) / np.hypot(lean, 1.0)
     disparity = plane_disparity(stages.camera, normal, (0, 0, 18.0))
     wall = box((150, 110), 120, 90) & (disparity > 4.0)
@@ -120,7 +120,7 @@ def test_a_wall_is_met_where_a_ball_on_the_path_touches_it(lean: float, directio
 
 def test_a_tree_is_met_at_its_front() -> None:
     """A crown: each block at a depth of its own, from 14 to 19 m. Its boundary says the middle."""
-    random, stages = seeded(5), Stages(camera(), TOLERANCES | {"region.tolerance_px": 2.0})
+    random, stages = seeded(5), Stages(camera())
     mask = box((160, 120), 80, 80)
     depth = np.kron(random.uniform(14.0, 19.0, (30, 40)), np.ones((8, 8)))
     words = words_of(np.where(mask, 200.0 / depth, -1.0), random, 0.1)
@@ -139,7 +139,7 @@ def test_the_range_at_which_a_thing_is_met_is_as_good_as_its_sigma_says(disparit
     """Boards with noise of 0.1 to 0.2 px, and crowns before them, 6 m wide and 1.2 m deep, with leaves. What
     is met is the mean of the 20 pixels that a ball on the path touches first."""
     random, half_m = seeded(6), 3.0
-    stages = Stages(camera(), TOLERANCES)
+    stages = Stages(camera())
     depth_m = 200.0 / disparity_px
     v, u = np.mgrid[:240, :320]
     across_m = (np.stack([u, v]) - np.reshape([160, 120], (2, 1, 1))) * depth_m / stages.camera.focal_px
@@ -164,7 +164,7 @@ def test_the_range_at_which_a_thing_is_met_is_as_good_as_its_sigma_says(disparit
 
 def test_what_is_met_is_never_behind_the_camera() -> None:
     """Words of a quarter of a pixel, 800 m away, before a surface beyond infinity, within the noise."""
-    stages = Stages(camera(), TOLERANCES)
+    stages = Stages(camera())
     mask = box((160, 120), 80, 80)
     words = words_of(np.where(mask, 0.25, -1.0))
     measure(stages, words, [mask])
@@ -178,7 +178,7 @@ def test_what_is_met_is_never_behind_the_camera() -> None:
 
 def test_things_are_as_much_narrower_as_matching_widens_them() -> None:
     """A post from 1.6 m to 2.0 m beside the way, at 20 m."""
-    stages = Stages(camera(), TOLERANCES)
+    stages = Stages(camera())
     mask = box((160 + 36, 120), 4, 60)
     words = words_of(np.where(mask, 10.0, -1.0))
     measure(stages, words, [mask])
@@ -189,7 +189,7 @@ def test_things_are_as_much_narrower_as_matching_widens_them() -> None:
 def test_far_ahead_the_volume_is_narrower_by_what_is_uncertain_of_the_path() -> None:
     """A board 16 m wide at 20 m. What is left of the volume's cross-section is the square of what is left of
     its radius, and no less than a quarter; of an arc the curvature is uncertain, too."""
-    stages = Stages(camera(), TOLERANCES)
+    stages = Stages(camera())
     mask = box((160, 120), 80, 80)
     words = words_of(np.where(mask, 10.0, -1.0))
     measure(stages, words, [mask])
@@ -206,7 +206,7 @@ def test_far_ahead_the_volume_is_narrower_by_what_is_uncertain_of_the_path() -> 
 
 def test_a_wall_beside_the_way_is_out_though_its_middle_would_reach_in() -> None:
     """3 m to the right, from 6 m to 30 m ahead: as a disc of its size it would be in the way."""
-    stages = Stages(camera(), TOLERANCES)
+    stages = Stages(camera())
     disparity = plane_disparity(stages.camera, (1, 0, 0), (3, 0, 0))
     wall = (disparity > 200 / 30) & (disparity < 200 / 6)
     words = words_of(np.where(wall, disparity, -1.0))
@@ -217,7 +217,7 @@ def test_a_wall_beside_the_way_is_out_though_its_middle_would_reach_in() -> None
 
 
 def test_what_is_no_obstacle_is_not_counted() -> None:
-    stages = Stages(camera(), TOLERANCES | {"region.min_inliers": 10**6, "region.min_size_m": 100.0})
+    stages = Stages(camera(), {"region.min_disparity_px": 25.0})
     mask = box((160, 120), 30, 30)
     words = words_of(np.where(mask, 20.0, -1.0))
     measure(stages, words, [mask])

@@ -7,7 +7,7 @@ from random_seed import seeded
 from stage_library import camera, ffi, frame_view, lib, parameters, set_frame
 
 WIDTH, HEIGHT, NONE = 160, 120, -1
-GROUND_M = 0.25
+GROUND_M = 0.2  # of footing.c
 
 
 class Foot:
@@ -15,7 +15,7 @@ class Foot:
 
     def __init__(self, random: np.random.Generator, count: int) -> None:
         self.camera = camera(WIDTH, HEIGHT)
-        self.frame = frame_view(parameters({"region.ground_height_m": GROUND_M}), self.camera)
+        self.frame = frame_view(parameters(), self.camera)
         self.slope = random.uniform(-0.02, 0.02), random.uniform(0.2, 0.5)
         self.surfaces = ffi.new(
             "vista_surfaces *", {"ground_found": True, "ground": [random.uniform(-4, 4), *self.slope]}

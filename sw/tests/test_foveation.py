@@ -178,12 +178,9 @@ def footprint(f: Foveation, node: int) -> tuple[np.ndarray, np.ndarray]:
 @pytest.mark.parametrize("sectors", [16, 60, 256])
 def test_cells_average_their_pixels(sectors: int) -> None:
     random = seeded(6 + sectors)
-    for tenths in (0, 3, 10):
+    for _ in range(3):
         width, height = (int(x) for x in random.integers(16, 120, 2))
-        stages = Stages(
-            camera(width, height),
-            {"foveation.sector_count": sectors, "foveation.min_valid_fraction": tenths / 10},
-        )
+        stages = Stages(camera(width, height), {"foveation.sector_count": sectors})
         f = stages.foveation
         image, words = frame(random, width, height)
         stages.foveate(image, words)
@@ -195,7 +192,7 @@ def test_cells_average_their_pixels(sectors: int) -> None:
             under = words[footprint(f, node)]
             valid = np.sort(under[under >= 0])
             assert stages.valid_fraction[node] == pytest.approx(valid.size / under.size)
-            if valid.size > 0 and 10 * valid.size >= tenths * under.size:
+            if valid.size > 0 and 10 * valid.size >= 3 * under.size:
                 assert stages.disparity_px[node] == valid[(valid.size - 1) // 2] / 16
             else:
                 assert stages.disparity_px[node] < 0

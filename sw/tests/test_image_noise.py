@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 
 import cv2
 import numpy as np
 import pytest
-from board_flight import board_flight
-from pipeline_library import Frame, Pipeline, default_parameters
 from random_seed import seeded
 from shared_data import SHARED_DATA
 from stage_library import ffi, image_struct, lib, status_name
@@ -121,22 +118,3 @@ def test_small_images_and_strides() -> None:
     assert status_name(lib.vista_image_noise_measure(ffi.NULL, ffi.new("vista_image_noise *"))) == (
         "VISTA_ERROR_ARGUMENT"
     )
-
-
-# ---- in the chain ----
-
-
-@pytest.mark.parametrize(("sigma", "factor"), [(0.0, 1.5), (10.0, 1.5), (10.0, 0.0), (400.0, 4.0)])
-def test_the_thresholds_of_a_frame_are_against_its_noise(sigma: float, factor: float) -> None:
-    """The largest noise that is measured, times the largest factor, is still one that the stages take."""
-    source = board_flight()[0]
-    left = noisy(source.left, sigma)
-    pipeline = Pipeline(
-        default_parameters(
-            refinement__sigma_intensity_noise=factor, affinity__mu_intensity_noise=min(factor, 4.0)
-        )
-    )
-    assert pipeline.process(Frame(replace(source, left=left))) == "VISTA_OK"
-    used = lib.vista_pipeline_look(pipeline.handle).frame.params.refinement.sigma_intensity
-    assert used == pytest.approx(max(10.0, factor * estimate(left)))
-    assert (used > 10.0) == (sigma > 0.0 and factor > 0.0)

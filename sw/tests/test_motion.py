@@ -35,7 +35,7 @@ class Motion:
         ), motion
 
     def path(self, motion, length_m: float = 100.0, radius_m: float = 2.0):
-        return lib.vista_motion_path(ffi.addressof(self.params), self.state, motion, length_m, radius_m)
+        return lib.vista_motion_path(self.state, motion, length_m, radius_m)
 
 
 def source(motion) -> str:
@@ -90,7 +90,7 @@ def test_turn_rate_from_poses(period_s: float) -> None:
 
 
 def test_the_flight_direction() -> None:
-    """Along the velocity; slower than speed_min_m_s along the optical axis. The path, too."""
+    """Along the velocity; slower than VISTA_SPEED_MIN_M_S along the optical axis. The path, too."""
     turn = Rotation.from_euler("xyz", [4, -7, 3], degrees=True).as_matrix()
     stage = Motion()
     for t_s, velocity, expected in (
@@ -366,7 +366,7 @@ def test_one_absurd_pose_is_refused_and_forgotten(jump_m: float) -> None:
 
 
 def test_a_new_place_is_believed_after_a_few_poses() -> None:
-    stage, jump = Motion(restart_poses=3), np.array([5000.0, 0.0, 0.0])
+    stage, jump = Motion(), np.array([5000.0, 0.0, 0.0])
     fly(stage, [0.0, 0.1, 0.2])
     for t_s in (0.3, 0.4):
         assert source(stage.update(t_s, pose(jump + FORWARD * t_s))) == "REFUSED"
@@ -378,7 +378,7 @@ def test_a_new_place_is_believed_after_a_few_poses() -> None:
 
 
 def test_poses_that_do_not_agree_are_never_believed() -> None:
-    random, stage = seeded(5), Motion(restart_poses=3)
+    random, stage = seeded(5), Motion()
     fly(stage, [0.0, 0.1])
     for frame in range(2, 40):
         motion = stage.update(0.1 * frame, pose(random.normal(0, 1e6, 3)))

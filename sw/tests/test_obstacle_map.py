@@ -29,7 +29,8 @@ from track_library import (
 NAN = float("nan")
 FORWARD = (0.0, 0.0, 9.0)
 EXACT = {"thickness_ratio": 0.0, "path_sigmas": 0.0}  # what is seen is the middle, and the path is certain
-LASTING = ("disparity_px", "range_m", "center_px", "center_ratio", "scatter")
+# Of track_obstacle.c: errors that last from frame to frame.
+LASTING_PX, LASTING_M, CENTER_PX, CENTER_RATIO, SCATTER = 0.02, 0.02, 0.6, 0.35, 0.3
 
 
 class Map:
@@ -272,22 +273,17 @@ def test_errors_that_last_add_to_the_covariance() -> None:
     """Along the ray by disparity, depth and the place of the foot, across it by pixels and a share of what
     the width has more than twice the height, both by the scatter of the detections; camera turned."""
     turn = Rotation.from_euler("xyz", [4, -7, 3], degrees=True).as_matrix()
-    lasting = {
-        "lasting_disparity_px": 0.2,
-        "lasting_range_m": 0.3,
-        "lasting_center_px": 5.0,
-        "lasting_center_ratio": 0.4,
-        "lasting_scatter": 0.5,
-    }
-    mapper, point = Map(**lasting), np.array([3.0, -2.0, 40.0])
+    mapper, point = Map(), np.array([3.0, -2.0, 40.0])
     seen = track(
         turn @ point, sigma_m=0.1, extent=(3.0, 1.0), scatter_px2=[36.0, 16.0, 0.04], foot_sigma_m=0.7
     )
     mapper.update([seen], FORWARD, pose((0, 0, 0), turn))
     ray = point / point[2]
-    along2 = (40.0**2 / (FOCAL * BASELINE)) ** 2 * (0.2**2 + 0.1**2) + 0.3**2 + 0.7**2
-    across = 0.04**2 * np.array([5.0**2 + 3.0**2, 5.0**2 + 2.0**2, 0.0]) + [0.2**2, 0.0, 0.0]
-    expected = 0.01 * np.eye(3) + along2 * np.outer(ray, ray) + np.diag(across)
+    along2 = (40.0**2 / (FOCAL * BASELINE)) ** 2 * (LASTING_PX**2 + (0.2 * SCATTER) ** 2)
+    along2 += LASTING_M**2 + 0.7**2
+    wander2 = (SCATTER * np.array([6.0, 4.0])) ** 2
+    across = 0.04**2 * (CENTER_PX**2 + wander2) + [(0.5 * CENTER_RATIO) ** 2, 0.0]
+    expected = 0.01 * np.eye(3) + along2 * np.outer(ray, ray) + np.diag([*across, 0.0])
     covariance = np.array(list(mapper.obstacles[0].covariance_m2)).reshape(3, 3)
     assert covariance == pytest.approx(turn @ expected @ turn.T)
 
@@ -296,16 +292,19 @@ def test_what_is_seen_steadily_is_more_certain() -> None:
     """In u, v and disparity by as much as its detections scattered less than their noise would have it, down
     to a quarter of the variance; of a few hits by a part of that."""
     turn = Rotation.from_euler("xyz", [4, -7, 3], degrees=True).as_matrix()
-    point, none = np.array([3.0, -2.0, 40.0]), {f"lasting_{name}": 0.0 for name in LASTING}
+    point = np.array([3.0, -2.0, 40.0])
+    in_depth_px = LASTING_M * FOCAL * BASELINE / point[2] ** 2
+    wander2 = SCATTER**2 * (9.0 - 4.0)  # of v alone
+    lasting = np.diag([CENTER_PX**2, CENTER_PX**2 + wander2, LASTING_PX**2 + in_depth_px**2])
     from_px = jacobian(*measure(point))
     for hits, shares in ((10, (0.5, 1.0, 0.25)), (5, (0.75, 1.0, 0.625)), (30, (0.5, 1.0, 0.25))):
-        mapper = Map(**none)
+        mapper = Map()
         scatter = {"scatter_px2": [2.0, 9.0, 0.001], "expected_px2": [4.0, 4.0, 0.04]}
         mapper.update([track(turn @ point, hits=hits, **scatter)], FORWARD, pose((0, 0, 0), turn))
         covariance = np.array(list(mapper.obstacles[0].covariance_m2)).reshape(3, 3)
         to_px, root = np.linalg.inv(from_px), np.diag(np.sqrt(shares))
         in_px = to_px @ turn.T @ covariance @ turn @ to_px.T
-        assert in_px == pytest.approx(root @ (0.01 * to_px @ to_px.T) @ root, rel=1e-9)
+        assert in_px == pytest.approx(root @ (0.01 * to_px @ to_px.T) @ root + lasting, rel=1e-9)
 
 
 ERRORS = {  # white noise, lasting bias and wander (Gauss-Markov, 0.8 kept) of u, v and disparity, px
@@ -353,7 +352,7 @@ def test_the_middle_lies_behind_the_surface() -> None:
     than half the height of what is low and long, and than that of 1 m of what is large."""
     cases = (((0.6, 4.0), 0.15), ((0.3, 0.2), 0.075), ((8.0, 0.1), 0.05), ((16.0, 9.0), 0.25))
     for extent, behind_m in cases:
-        maps = [Map(thickness_ratio=ratio, lasting_range_m=0.0) for ratio in (0.0, 0.5)]
+        maps = [Map(thickness_ratio=ratio) for ratio in (0.0, 0.5)]
         point = np.array([3.0, -4.0, 12.0])
         for mapper in maps:
             mapper.update([track(point, extent=extent)])
@@ -361,7 +360,7 @@ def test_the_middle_lies_behind_the_surface() -> None:
         assert list(thick.position_m) == pytest.approx(point * (1.0 + behind_m / 13.0))
         assert thick.distance_m == pytest.approx(13.0 + behind_m)
         added = np.array(list(thick.covariance_m2)) - np.array(list(bare.covariance_m2))
-        expected = behind_m**2 * np.outer(point, point) / 12.0**2
+        expected = ((behind_m + LASTING_M) ** 2 - LASTING_M**2) * np.outer(point, point) / 12.0**2
         assert added == pytest.approx(expected.ravel(), abs=1e-9)
 
 
@@ -603,7 +602,7 @@ def test_the_volume_lies_along_the_flight_not_the_optical_axis() -> None:
     assert in_volume(along, velocity=slip)
     assert not in_volume((0, 0, 50.0), velocity=slip)
     assert in_volume((0, 0, 50.0), velocity=(0, 0, 0))  # standing still: the optical axis
-    assert in_volume((0, 0, 50.0), velocity=(0.3, 0, 0))  # slower than motion.speed_min_m_s
+    assert in_volume((0, 0, 50.0), velocity=(0.3, 0, 0))  # slower than VISTA_SPEED_MIN_M_S
 
 
 def test_against_dense_sampling_of_disc_and_cylinder() -> None:
@@ -640,7 +639,7 @@ def test_time_to_collision_counts_along_the_flight_and_with_the_obstacle() -> No
     assert mapper.nearest.time_to_collision_s == pytest.approx(30 / 9)
     mapper.update([track((0, 0, 30.0), velocity_m_s=[0, 0, -6.0])])
     assert mapper.nearest.time_to_collision_s == pytest.approx(2.0)
-    for away in (8.6, 9.0, 12.0):  # closing by less than closing_min_m_s: anything from minutes to never
+    for away in (8.6, 9.0, 12.0):  # closing by less than CLOSING_MIN_M_S: anything from minutes to never
         mapper.update([track((0, 0, 30.0), velocity_m_s=[0, 0, away])])
         assert mapper.nearest.valid
         assert math.isnan(mapper.nearest.time_to_collision_s)

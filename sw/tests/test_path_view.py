@@ -78,9 +78,9 @@ def test_a_hole_in_the_middle_ends_the_view_where_it_fills_the_cross_section() -
     random = seeded(1)
     u, v = offsets_px()
     for _ in range(10):
-        hole_px, least = random.uniform(12.0, 60.0), random.uniform(0.2, 0.8)
+        hole_px, least = random.uniform(12.0, 60.0), 0.2
         ends_m = FOCAL_PX * RADIUS_M * math.sqrt(1.0 - least) / hole_px
-        found = seen_m(words_where(np.hypot(u, v) > hole_px), seen_min_fraction=least)
+        found = seen_m(words_where(np.hypot(u, v) > hole_px))
         # The disc is sampled, and its rim is as wide as a sample.
         assert 0.85 * ends_m - STEP_M <= found <= 1.15 * ends_m
 
@@ -109,7 +109,7 @@ def test_an_arc_leaves_what_is_seen() -> None:
             "length_m": LENGTH_M,
         },
     )
-    found = seen_m(band, path=arc, seen_min_fraction=0.5)
+    found = seen_m(band, path=arc)
     turn = np.arctan(100.0 / FOCAL_PX) * 2  # a chord at half the turn leads to the band's rim
     assert found == pytest.approx(turn / curvature, abs=STEP_M)
 

@@ -81,16 +81,12 @@ def test_the_covariance_is_that_of_noisy_measurements(d: float) -> None:
 def test_noise_is_floor_and_spread_together() -> None:
     settings = parameters_with("reconstruction").reconstruction
     _, found = reconstruct(region_at(300, 200, 10.0))
-    independent = 110 / settings.correlated_pixels
+    independent = 110 / 60
     assert found.sigma_disparity_px == pytest.approx(
         np.hypot(settings.disparity_sigma_px, 0.4 / np.sqrt(independent))
     )
-    assert found.sigma_u_px == pytest.approx(
-        np.hypot(settings.center_sigma_px, settings.center_sigma_ratio * 2 * SIZE)
-    )
-    assert found.sigma_v_px == pytest.approx(
-        np.hypot(settings.center_sigma_px, settings.center_sigma_ratio * SIZE)
-    )
+    assert found.sigma_u_px == pytest.approx(np.hypot(settings.center_sigma_px, 0.1 * 2 * SIZE))
+    assert found.sigma_v_px == pytest.approx(np.hypot(settings.center_sigma_px, 0.1 * SIZE))
 
 
 def test_extent_is_metric_and_known_from_any_range() -> None:

@@ -10,6 +10,9 @@ from stage_library import INVALID, Stages, camera
 NONE = -1
 TIE = -99  # of the pixel's two best regions rounding decides
 POINT_SIZE_PX = 1.5
+# Of refinement.c.
+SIGMA_LEVELS, CONTRAST_LIMIT, MIXED_PENALTY, COMPACTNESS = 10.0, 3.0, 0.75, 0.5
+SIGMA_DISPARITY_PX, DISPARITY_LIMIT = 0.5, 2.0
 
 
 def prepared(
@@ -30,18 +33,14 @@ def neighbours(stages: Stages, node: int) -> list[int]:
 
 def farther(stages: Stages, word: int, node: int) -> float:
     """What it costs a pixel of that word to join a cell that is nearer."""
-    p = stages.parameters.refinement
     if word < 0 or stages.disparity_px[node] < 0:
         return 0.0
-    return min(
-        max(float(stages.disparity_px[node]) - word / 16, 0.0) / p.sigma_disparity_px, p.disparity_limit
-    )
+    return min(max(float(stages.disparity_px[node]) - word / 16, 0.0) / SIGMA_DISPARITY_PX, DISPARITY_LIMIT)
 
 
 def expected(stages: Stages, image: np.ndarray, words: np.ndarray) -> np.ndarray:
     """The definition in cut/refinement.h, a pixel at a time."""
-    f, p = stages.foveation, stages.parameters.refinement
-    label = stages.label
+    f, label = stages.foveation, stages.label
     border = np.zeros(f.node_count, bool)
     border[f.tail[label[f.tail] != label[f.head]]] = True
     found = label[f.cell_of_pixel].copy()
@@ -51,10 +50,10 @@ def expected(stages: Stages, image: np.ndarray, words: np.ndarray) -> np.ndarray
         candidates = [int(node), *(i for i in neighbours(stages, node) if i != 0)]
         for v, u in zip(*np.nonzero(f.cell_of_pixel == node), strict=True):
             costs = [
-                min(abs(float(image[v, u]) - stages.intensity[i]) / p.sigma_intensity, p.contrast_limit)
+                min(abs(float(image[v, u]) - stages.intensity[i]) / SIGMA_LEVELS, CONTRAST_LIMIT)
                 + farther(stages, int(words[v, u]), i)
-                + p.mixed_penalty * border[i]
-                + p.compactness
+                + MIXED_PENALTY * border[i]
+                + COMPACTNESS
                 * ((u - f.center_u[i]) ** 2 + (v - f.center_v[i]) ** 2)
                 / float(f.size_px[i]) ** 2
                 for i in candidates
@@ -70,12 +69,6 @@ def test_pixels_join_the_cell_that_numpy_finds(size: tuple[int, int]) -> None:
     random = seeded(1)
     changes = {
         "foveation.sector_count": int(random.choice([24, 48, 96])),
-        "refinement.sigma_intensity": float(random.uniform(1, 40)),
-        "refinement.contrast_limit": float(random.uniform(0, 6)),
-        "refinement.mixed_penalty": float(random.uniform(0, 2)),
-        "refinement.compactness": float(random.uniform(0, 4)),
-        "refinement.sigma_disparity_px": float(random.uniform(0.2, 3)),
-        "refinement.disparity_limit": float(random.uniform(0, 3)),
     }
     stages = Stages(camera(*size), changes)
     image = random.integers(0, 256, (size[1], size[0]), dtype=np.uint8)

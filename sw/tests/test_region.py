@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 import pytest
 from random_seed import seeded
-from region_cases import GREY, TOLERANCES, box, measure, verdict
+from region_cases import GREY, box, measure, verdict
 from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import dijkstra
 from stage_library import (
@@ -21,24 +21,13 @@ from stage_library import (
 
 
 def boundary_pixels(stages: Stages, k: int) -> np.ndarray:
-    """Pixels under cells of region k that have a neighbour outside."""
-    f = stages.foveation
-    leaving = (stages.label[f.tail] == k) & (stages.label[f.head] != k)
-    on_boundary = np.zeros(f.node_count, bool)
-    on_boundary[f.tail[leaving]] = True
-    return on_boundary[f.cell_of_pixel]
-
-
-def assert_moments(region, own: np.ndarray) -> None:
-    v, u = np.nonzero(own)
-    assert region.pixel_count == u.size
-    assert (region.mean_u_px, region.mean_v_px) == pytest.approx((u.mean(), v.mean()))
-    covariance = np.cov(u, v, ddof=0)
-    assert region.cov_uu_px2 == pytest.approx(covariance[0, 0], abs=1e-6)
-    assert region.cov_uv_px2 == pytest.approx(covariance[0, 1], abs=1e-6)
-    assert region.cov_vv_px2 == pytest.approx(covariance[1, 1], abs=1e-6)
-    bounds = (region.min_u_px, region.max_u_px, region.min_v_px, region.max_v_px)
-    assert bounds == (u.min(), u.max(), v.min(), v.max())
+    """Pixels under cells of region k up to 5 px along the graph from one that has a neighbour outside."""
+    f, inside = stages.foveation, stages.label == k
+    within = inside[f.tail] & inside[f.head]
+    arcs = (f.arc_distance_px[within].astype(float), (f.tail[within], f.head[within]))
+    leaving = np.unique(f.tail[inside[f.tail] & ~inside[f.head]])
+    distance = dijkstra(csr_matrix(arcs, shape=(f.node_count,) * 2), indices=leaving, min_only=True)
+    return (distance <= 5.0)[f.cell_of_pixel]
 
 
 # ---- statistics ----
@@ -48,7 +37,7 @@ def test_a_region_facing_the_camera_is_measured_like_numpy_does() -> None:
     """Noise, holes, a cell-sized hole and a far background in a tenth of the pixels."""
     random = seeded(1)
     for _ in range(20):
-        stages = Stages(camera(), TOLERANCES)
+        stages = Stages(camera())
         center, half = random.uniform((60, 50), (260, 190)), random.uniform(15, 50, 2)
         mask = box(center, *half)
         true_px = random.uniform(5, 40)
@@ -63,26 +52,32 @@ def test_a_region_facing_the_camera_is_measured_like_numpy_does() -> None:
         boundary = boundary_pixels(stages, 0)
         valid = boundary & (words >= 0)
         inliers = words[valid & (np.abs(words / 16 - true_px) < 2)] / 16  # 0.2 px of noise, the rest far off
-        assert region.boundary_pixels == np.count_nonzero(boundary)
-        assert region.boundary_valid == np.count_nonzero(valid)
-        assert region.boundary_inliers == pytest.approx(inliers.size, rel=0.002)
+        assert region.boundary_pixels == pytest.approx(np.count_nonzero(boundary), rel=0.03)
+        assert region.boundary_valid == pytest.approx(np.count_nonzero(valid), rel=0.03)
+        assert region.boundary_inliers == pytest.approx(inliers.size, rel=0.03)
         assert (region.slope_u, region.slope_v) == (0, 0)
         assert np.isnan(region.inclination_deg)  # noise makes no slope
         assert region.disparity_px == pytest.approx(inliers.mean(), abs=0.01)
         assert region.disparity_sigma_px == pytest.approx(inliers.std(), abs=0.01)
 
-        in_region = (stages.label == 0)[stages.foveation.cell_of_pixel]
-        whole = (stages.disparity_px < 0)[stages.foveation.cell_of_pixel]
-        near_surface = (words >= 0) & (np.abs(words / 16 - region.disparity_px) <= 1.0)
-        if not np.any(np.abs(np.abs(words / 16 - region.disparity_px) - 1.0) < 1e-3):
-            assert_moments(region, in_region & (whole | near_surface))
+
+def test_a_board_is_where_its_pixels_are() -> None:
+    for center, half in (((160, 120), 40), ((220, 90), 25)):
+        mask = box(center, half, half)
+        (region,) = measure(Stages(camera()), words_of(np.where(mask, 20.0, 1.0)), [mask])
+        assert (region.mean_u_px, region.mean_v_px) == pytest.approx(center, abs=1.0)
+        assert region.pixel_count == pytest.approx(np.count_nonzero(mask), rel=0.15)
+        assert (region.cov_uu_px2, region.cov_vv_px2) == pytest.approx((half**2 / 3,) * 2, rel=0.2)
+        assert region.cov_uv_px2 == pytest.approx(0.0, abs=0.05 * half**2)
+        bounds = (region.min_u_px, region.max_u_px, region.min_v_px, region.max_v_px)
+        assert bounds == pytest.approx([c + s * half for c in center for s in (-1, 1)], abs=6)
 
 
 def test_a_wall_at_an_angle_is_measured_along_its_plane() -> None:
     """Its disparity spans many pixels, all of them inliers of the plane."""
     random = seeded(2)
     for turn in (0.8, -1.0, 1.2):
-        stages = Stages(camera(), TOLERANCES)
+        stages = Stages(camera())
         normal, point = (np.sin(turn), 0, np.cos(turn)), (0.1 * np.sign(turn), 0, 8)
         disparity = plane_disparity(stages.camera, normal, point)
         mask = box((160 + 50 * np.sign(turn), 120), 60, 50)
@@ -98,8 +93,8 @@ def test_a_wall_at_an_angle_is_measured_along_its_plane() -> None:
         assert region.disparity_sigma_px == pytest.approx(np.hypot(0.1, 1 / 16 / np.sqrt(12)), abs=0.08)
         valid = boundary_pixels(stages, 0) & (words >= 0)
         on_wall = valid & (np.abs(words / 16 - disparity) <= 1.0)
-        assert region.boundary_valid == np.count_nonzero(valid)
-        assert region.boundary_inliers == pytest.approx(np.count_nonzero(on_wall), rel=0.02)
+        assert region.boundary_valid == pytest.approx(np.count_nonzero(valid), rel=0.03)
+        assert region.boundary_inliers == pytest.approx(np.count_nonzero(on_wall), rel=0.03)
 
 
 def test_a_gap_between_two_things_is_no_surface_from_one_to_the_other() -> None:
@@ -117,7 +112,7 @@ def test_a_gap_between_two_things_is_no_surface_from_one_to_the_other() -> None:
         spread = np.zeros_like(mask)
         spread[:, 160 - half : 161 + half] = seen
         wall = words_of(np.where(mask & spread, slanted_px, -1.0), random, 0.1)
-        stages = Stages(camera(), TOLERANCES)
+        stages = Stages(camera())
         (gap,) = measure(stages, two, [mask])
         assert gap.slope_u == 0.0
         (region,) = measure(stages, wall, [mask])
@@ -127,7 +122,7 @@ def test_a_gap_between_two_things_is_no_surface_from_one_to_the_other() -> None:
 def test_the_plane_is_refined_by_the_mean_of_the_boundary() -> None:
     """Skewed noise: the cells' medians stay on the wall, three tenths of the pixels lie 0.8 px nearer."""
     random = seeded(14)
-    stages = Stages(camera(), TOLERANCES)
+    stages = Stages(camera())
     disparity = plane_disparity(stages.camera, (np.sin(0.8), 0, np.cos(0.8)), (0.1, 0, 8))
     mask = box((210, 120), 60, 50)
     skewed = disparity + 0.8 * (random.random(disparity.shape) < 0.3)
@@ -139,7 +134,7 @@ def test_the_plane_is_refined_by_the_mean_of_the_boundary() -> None:
 def test_the_mode_wins_over_a_polluted_mean() -> None:
     """A third of the boundary shows the background."""
     random = seeded(3)
-    stages = Stages(camera(), TOLERANCES)
+    stages = Stages(camera())
     mask = box((160, 120), 40, 40)
     words = words_of(np.where(mask, 20.0, 3.0), random, 0.1)
     words[(random.random(words.shape) < 0.33) & mask] = 48
@@ -148,40 +143,23 @@ def test_the_mode_wins_over_a_polluted_mean() -> None:
 
 
 def test_metric_tolerance_takes_relief_in() -> None:
-    """f B = 200 px m; at 5 m a relief of 0.25 m is 2 px to either side."""
+    """f B = 200 px m; at 5 m a relief of 0.3 m is 2.3 px to either side; it is a pixel far away."""
     random = seeded(4)
     mask = box((160, 120), 40, 40)
-    disparity = np.where(mask, random.choice([39.0, 40.0, 41.0], mask.shape), -1.0)
+    disparity = np.where(mask, random.choice([38.5, 40.0, 41.5], mask.shape), -1.0)
     words = words_of(disparity)
     found = []
-    for tolerance_m in (0.0, 0.25):
-        changes = {"region.tolerance_px": 0.5, "region.tolerance_m": tolerance_m}
-        (region,) = measure(Stages(camera(), changes), words, [mask])
+    for baseline_m in (1000.0, 0.5):
+        (region,) = measure(Stages(camera(baseline=baseline_m)), words, [mask])
         found.append(region.boundary_inliers / region.boundary_valid)
     assert found[0] < 0.75 and found[1] > 0.95
-
-
-@pytest.mark.parametrize("depth_px", [0.0, 5.0, 20.0])
-def test_the_boundary_is_as_deep_as_asked(depth_px: float) -> None:
-    """Distances along the graph to the nearest cell on the boundary itself, by scipy."""
-    stages = Stages(camera(), TOLERANCES | {"region.boundary_px": depth_px})
-    words, mask = board(half=(45, 45))
-    (region,) = measure(stages, words, [mask])
-    f, inside = stages.foveation, stages.label == 0
-    within = inside[f.tail] & inside[f.head]
-    arcs = (f.arc_distance_px[within].astype(float), (f.tail[within], f.head[within]))
-    leaving = np.unique(f.tail[inside[f.tail] & ~inside[f.head]])
-    distance = dijkstra(csr_matrix(arcs, shape=(f.node_count,) * 2), indices=leaving, min_only=True)
-    asked = f.pixel_count[distance <= depth_px].sum()
-    assert 0.97 * asked <= region.boundary_pixels <= asked
-    assert depth_px == 0 or asked > 1.2 * f.pixel_count[leaving].sum()
 
 
 def test_a_mast_that_matching_has_widened_hardly_moves_the_centre() -> None:
     """A panel of 51 x 61 px on a mast of one pixel, both 5 px wider at each side: the mast has 1300 px."""
     mask = box((200, 60), 30, 30) | box((200, 150), 5, 60)
     words = words_of(np.where(mask, 20.0, 1.0), seeded(15), 0.1)
-    (region,) = measure(Stages(camera(), TOLERANCES | {"region.boundary_px": 5.0}), words, [mask])
+    (region,) = measure(Stages(camera()), words, [mask])
     assert np.nonzero(mask)[0].mean() > 80
     assert region.mean_v_px == pytest.approx(60 + 0.04 * 90, abs=3)
     assert region.mean_u_px == pytest.approx(200, abs=1)
@@ -195,12 +173,12 @@ def test_every_region_counts_alone() -> None:
     for mask, d in zip(masks, (30.0, 12.0, 20.0), strict=True):
         disparity[mask] = d
     words = words_of(disparity, random, 0.1)
-    together = Stages(camera(), TOLERANCES)
+    together = Stages(camera())
     regions = measure(together, words, masks)
     assert together.regions.accepted_count == 3
     assert [region.label for region in regions] == [0, 1, 2]
     for region, mask in zip(regions, masks, strict=True):
-        alone = Stages(camera(), TOLERANCES)
+        alone = Stages(camera())
         (single,) = measure(alone, words, [mask])
         for field in ("pixel_count", "mean_u_px", "boundary_inliers", "disparity_px", "verdict"):
             assert getattr(region, field) == getattr(single, field)
@@ -216,7 +194,7 @@ def board(d: float = 20.0, half: tuple[float, float] = (30, 30), sigma: float = 
 
 
 def verdict_of(words: np.ndarray, mask: np.ndarray, **changes: float) -> str:
-    stages = Stages(camera(), TOLERANCES | {f"region.{name}": value for name, value in changes.items()})
+    stages = Stages(camera(), {f"region.{name}": value for name, value in changes.items()})
     (region,) = measure(stages, words, [mask])
     assert stages.regions.accepted_count == (verdict(region) == "ACCEPTED")
     return verdict(region)
@@ -231,16 +209,10 @@ def test_the_background_does_not_own_the_edge_of_what_stands_before_it() -> None
     words, mask = board(half=(60, 60))
     words[~mask] = INVALID
     widened = cv2.dilate(words, np.ones((17, 17)))
-    found = {}
-    for least in (0.1, 0.03):
-        stages = Stages(camera(), TOLERANCES | {"region.min_valid_fraction": least})
-        measure(stages, widened, [mask, ~mask])
-        stages.segmentation.obstacle_count = 1  # the sky grew from no disparity of its own
-        found[least] = stages.measure_regions(widened)
-    assert 0.03 < found[0.03][1].valid_fraction < 0.1
-    assert [verdict(region) for region in found[0.1]] == ["ACCEPTED", "UNKNOWN"]
-    assert [verdict(region) for region in found[0.03]] == ["ACCEPTED"] * 2  # nothing else speaks against it
-    assert bytes(ffi.buffer(found[0.1][0])) == bytes(ffi.buffer(found[0.03][0]))
+    stages = Stages(camera())
+    measure(stages, widened, [mask, ~mask])
+    stages.segmentation.obstacle_count = 1  # the sky grew from no disparity of its own
+    assert [verdict(region) for region in stages.measure_regions(widened)] == ["ACCEPTED", "UNKNOWN"]
 
 
 @pytest.mark.parametrize("side", [-1, 1])
@@ -251,38 +223,37 @@ def test_a_strip_along_something_nearer_is_the_edge_of_that(side: int, aside_px:
     for strip_px, expected in ((12.0, "ACCEPTED" if aside_px else "TOO_FEW_PIXELS"), (40.0, "ACCEPTED")):
         words = words_of(np.where(board, 24.0, np.where(strip, strip_px, 0.0)), seeded(16), 0.1)
         words[~board & ~strip] = INVALID
-        changes = TOLERANCES | {"region.boundary_px": 5.0, "region.min_size_m": 0.05}
+        changes = {"region.min_size_m": 0.05}
         found = measure(Stages(camera(), changes), words, [board, strip])
         assert [verdict(region) for region in found] == ["ACCEPTED", expected]
 
 
 def test_few_inliers_are_too_few() -> None:
-    words, mask = board()
-    assert verdict_of(words, mask, min_inliers=10**6, min_size_m=100.0) == "TOO_FEW_PIXELS"
+    words, mask = board(half=(3, 3))
+    assert verdict_of(words, mask, min_size_m=100.0) == "TOO_FEW_PIXELS"
 
 
 def test_a_far_thing_needs_no_more_inliers_than_the_smallest_one_has_pixels() -> None:
-    """A thing of s metres is s d / B pixels wide."""
-    words, mask = board(d=20.0)
-    (region,) = measure(Stages(camera(), TOLERANCES), words, [mask])
+    """A thing of s metres is s d / B pixels wide. More than 60 pixels are never asked for."""
+    words, mask = board(d=20.0, half=(3, 3))
+    (region,) = measure(Stages(camera()), words, [mask])
+    assert region.boundary_inliers < 55
     side_m = np.sqrt(region.boundary_inliers) * 0.5 / 20.0
     for share, expected in ((1.05, "TOO_FEW_PIXELS"), (0.95, "ACCEPTED")):
-        assert verdict_of(words, mask, min_inliers=10**6, min_size_m=share * side_m) == expected
+        assert verdict_of(words, mask, min_size_m=share * side_m) == expected
 
 
 def test_a_region_with_hardly_any_match_is_unknown() -> None:
     words, mask = board()
-    words[seeded(7).random(words.shape) < 0.85] = INVALID
-    changes = {"min_inliers": 20, "min_valid_fraction": 0.25}
-    assert verdict_of(words, mask, **changes) == "UNKNOWN"
-    assert verdict_of(np.full_like(words, INVALID), mask, **changes) == "UNKNOWN"
-    assert verdict_of(words, mask, **changes | {"min_valid_fraction": 0.1}) == "ACCEPTED"
+    shown = seeded(7).random(words.shape)
+    for share, expected in ((0.0, "UNKNOWN"), (0.1, "UNKNOWN"), (0.25, "ACCEPTED")):
+        assert verdict_of(np.where(shown < share, words, INVALID), mask) == expected
 
 
 def test_random_disparity_is_inconsistent() -> None:
-    words, mask = board()
+    words, mask = board(half=(60, 60))
     words[mask] = seeded(8).integers(16 * 2, 16 * 60, np.count_nonzero(mask))
-    assert verdict_of(words, mask, min_inlier_fraction=0.5, min_inliers=10) == "INCONSISTENT"
+    assert verdict_of(words, mask, min_inlier_fraction=0.5) == "INCONSISTENT"
 
 
 def ground(height_m: float = 3.0) -> np.ndarray:
@@ -295,7 +266,7 @@ def test_the_ground_is_horizontal(roll_deg: float) -> None:
     up = np.array([np.sin(angle), -np.cos(angle), 0.0])
     disparity = plane_disparity(camera(), up, -3 * up)
     words = words_of(disparity, seeded(9), 0.05)
-    stages = Stages(camera(), TOLERANCES | {"region.min_standing_fraction": 0.0})  # by its inclination alone
+    stages = Stages(camera())  # by its inclination alone
     (region,) = measure(stages, words, [box((160, 180), 60, 40)], up)
     assert verdict(region) == "HORIZONTAL"
     assert region.inclination_deg == pytest.approx(90, abs=3)
@@ -307,9 +278,9 @@ def test_a_patch_flat_on_the_ground_is_horizontal_however_it_seems_to_lean() -> 
     strip = box((160, 180), 40, 5)
     disparity[strip] = ground()[180, 0]
     words = words_of(disparity)
-    stages = Stages(camera(), TOLERANCES | {"region.min_height_m": 0.4})
+    stages = Stages(camera(), {"region.min_height_m": 0.4})
     (region,) = measure(stages, words, [strip])
-    assert not region.inclination_deg > stages.parameters.surface.horizontal_deg
+    assert not region.inclination_deg > 55.0
     assert region.standing_fraction < 0.05
     assert verdict(region) == "HORIZONTAL"
 
@@ -319,7 +290,7 @@ def test_what_stands_on_the_ground_is_accepted() -> None:
     standing = box((160, 150), 20, 30)  # its foot on the ground at row 180
     disparity[standing] = ground()[180, 0]
     words = words_of(disparity)
-    stages = Stages(camera(), TOLERANCES | {"region.min_height_m": 0.3})
+    stages = Stages(camera(), {"region.min_height_m": 0.3})
     (region,) = measure(stages, words, [standing])
     assert verdict(region) == "ACCEPTED"
     on_ground = (stages.foveation.center_v > 130) & (stages.label < 0)
@@ -342,8 +313,8 @@ def test_what_is_small_is_too_small() -> None:
     limit_m = 0.06 * 20  # the limit in metres is at most 6 % of the range
     assert verdict_of(words, mask, min_size_m=limit_m) == "ACCEPTED"
     words, mask = board(d=10.0, half=(6, 7), sigma=0.0)
-    assert verdict_of(words, mask, min_size_m=limit_m, min_inliers=10) == "TOO_SMALL"
-    assert verdict_of(words, mask, min_size_m=0.3, min_inliers=10) == "ACCEPTED"
+    assert verdict_of(words, mask, min_size_m=limit_m) == "TOO_SMALL"
+    assert verdict_of(words, mask, min_size_m=0.3) == "ACCEPTED"
 
 
 def test_the_first_reason_counts() -> None:
@@ -351,8 +322,6 @@ def test_the_first_reason_counts() -> None:
     words[seeded(12).random(words.shape) < 0.1] = INVALID
     words[seeded(13).random(words.shape) < 0.1] = 0
     remedies = {
-        "UNKNOWN": ("min_valid_fraction", 1.0, 0.1),
-        "TOO_FEW_PIXELS": ("min_inliers", 10**6, 1),
         "INCONSISTENT": ("odds_prior", -50.0, -2.0),
         "TOO_FAR": ("min_disparity_px", 200.0, 1.0),
         "TOO_SMALL": ("min_size_m", 10.0, 0.1),
@@ -365,7 +334,7 @@ def test_the_first_reason_counts() -> None:
 
 
 def test_an_empty_region_and_one_without_boundary_are_no_obstacles() -> None:
-    stages = Stages(camera(), TOLERANCES)
+    stages = Stages(camera())
     words = np.full(GREY.shape, 160, np.int16)
     everywhere, nowhere = np.ones(GREY.shape, bool), np.zeros(GREY.shape, bool)
     regions = measure(stages, words, [nowhere, everywhere])
@@ -392,7 +361,7 @@ def test_the_same_frame_gives_the_same_regions() -> None:
 def test_noise_is_measured_without_harm() -> None:
     random = seeded(11)
     for width, height in ((16, 16), (100, 75)):
-        stages = Stages(camera(width, height), {"segmentation.seed_area_px2": 1.0, "region.min_inliers": 1})
+        stages = Stages(camera(width, height), {"segmentation.seed_area_px2": 1.0})
         for _ in range(5):
             image = random.integers(0, 256, (height, width), np.uint8)
             limit = random.choice([100, 4096, 2**15])  # the last: no engine's words, from a bad file

@@ -9,6 +9,8 @@ from random_seed import seeded
 from stage_library import Stages, camera
 
 FRAMES = 30
+STEP_SLOPE, REST_AFFINITY, REST_AREA_PX2 = 0.02, 0.7, 60.0  # of seed_step.h and seeds.c
+FAR_FROM_METRES = 1000.0  # a baseline before which half a metre is no step and two metres are no gap
 
 
 def random_stages(random: np.random.Generator) -> Stages:
@@ -16,13 +18,9 @@ def random_stages(random: np.random.Generator) -> Stages:
     changes = {
         "foveation.sector_count": 32,
         "segmentation.seed_step_px": random.uniform(0.1, 1.0),
-        "segmentation.seed_step_slope": random.uniform(0.0, 0.1),
-        "segmentation.seed_step_m": random.uniform(0.0, 1.0),
         "segmentation.seed_area_px2": 10 ** random.uniform(0, 3),
-        "segmentation.rest_area_px2": 10 ** random.uniform(0, 3),
-        "segmentation.rest_affinity": random.uniform(0.2, 0.9),
     }
-    stages = Stages(camera(120, 90), changes)
+    stages = Stages(camera(120, 90, baseline=FAR_FROM_METRES), changes)
     f = stages.foveation
     patch = (f.center_u // 20 + 6 * (f.center_v // 20)).astype(int)
     base = random.uniform(2, 30, 100)[patch]
@@ -60,11 +58,7 @@ def test_obstacle_seeds_are_the_components_without_a_step() -> None:
         f, p, d = stages.foveation, stages.parameters.segmentation, stages.disparity_px.astype(float)
         standing = (d > 0) & (stages.horizontal == 0)
         i, j = f.tail, f.head
-        nearer = np.maximum(d[i], d[j])
-        scale = stages.camera.focal_px * stages.camera.baseline_m
-        depth_m = scale / np.maximum(nearer, 1e-3)
-        relief = nearer - scale / (depth_m + np.minimum(p.seed_step_m, 0.06 * depth_m))
-        limit = np.maximum(relief, p.seed_step_px + p.seed_step_slope * f.arc_distance_px)
+        limit = p.seed_step_px + STEP_SLOPE * f.arc_distance_px
         joined = standing[i] & standing[j] & (np.abs(d[i] - d[j]) <= limit)
         expected = components(stages, np.flatnonzero(standing), joined, p.seed_area_px2)
         seeds = stages.find_obstacle_seeds()
@@ -92,9 +86,9 @@ FAR, NEAR, UNKNOWN = 3.0, 30.0, -1.0
 AT_10_M = 20.0  # f B = 200 px m: a metre is 40 px wide there
 
 
-def two_posts(gap_px: float, second_px: float, between_px: float, bridge_m: float) -> list[np.ndarray]:
+def two_posts(gap_px: float, second_px: float, between_px: float) -> list[np.ndarray]:
     """Seeds of two posts, each 20 px wide, the first at 10 m, with this between them and around."""
-    stages = Stages(camera(), {"segmentation.bridge_m": bridge_m, "segmentation.seed_step_slope": 0.0})
+    stages = Stages(camera())
     u = stages.foveation.center_u
     stages.disparity_px[:] = between_px
     stages.disparity_px[(u > 100) & (u < 120)] = AT_10_M
@@ -105,25 +99,24 @@ def two_posts(gap_px: float, second_px: float, between_px: float, bridge_m: floa
 
 
 @pytest.mark.parametrize(
-    ("gap_px", "second_px", "between_px", "bridge_m", "seeds"),
+    ("gap_px", "second_px", "between_px", "seeds"),
     [
-        (20, AT_10_M, UNKNOWN, 1.0, 1),
-        (20, AT_10_M, UNKNOWN, 0.0, 2),
-        (20, AT_10_M, UNKNOWN, 0.4, 2),  # 16 px
-        (80, AT_10_M, UNKNOWN, 1.0, 2),
-        (20, AT_10_M + 4, UNKNOWN, 1.0, 2),  # 1.7 m nearer
-        (20, AT_10_M, FAR, 1.0, 2),  # one sees between them
+        (20, AT_10_M, UNKNOWN, 1),
+        (60, AT_10_M, UNKNOWN, 1),
+        (100, AT_10_M, UNKNOWN, 2),  # 2 m are 80 px
+        (20, AT_10_M + 8, UNKNOWN, 2),  # 2.9 m nearer
+        (20, AT_10_M, FAR, 2),  # one sees between them
     ],
 )
 def test_parts_of_one_thing_are_one_seed(
-    gap_px: float, second_px: float, between_px: float, bridge_m: float, seeds: int
+    gap_px: float, second_px: float, between_px: float, seeds: int
 ) -> None:
-    assert len(two_posts(gap_px, second_px, between_px, bridge_m)) == seeds
+    assert len(two_posts(gap_px, second_px, between_px)) == seeds
 
 
 def board_before(around_px: float, half_width_px: float) -> tuple[Stages, np.ndarray]:
     """Every member's distance from the edges of a board at 10 m; inside positive."""
-    stages = Stages(camera(), {"segmentation.shell_px": 12.0, "segmentation.seed_step_slope": 0.0})
+    stages = Stages(camera())
     f = stages.foveation
     inside_px = half_width_px - np.maximum(np.abs(f.center_u - 159.5), np.abs(f.center_v - 119.5))
     stages.disparity_px[:] = np.where(inside_px > 0, AT_10_M, around_px)
@@ -137,8 +130,8 @@ def test_members_near_an_edge_of_depth_are_the_shell(around_px: float) -> None:
     stages, inside_px = board_before(around_px, 60.0)
     size = stages.foveation.size_px
     member = inside_px > 0
-    assert stages.shell[member & (inside_px < 12 - 1.5 * size)].all()
-    assert not stages.shell[inside_px > 12 + 1.5 * size].any()
+    assert stages.shell[member & (inside_px < 6 - 1.5 * size)].all()
+    assert not stages.shell[inside_px > 6 + 1.5 * size].any()
     if around_px == UNKNOWN:
         assert not stages.shell[~member].any()
 
@@ -150,7 +143,7 @@ def test_what_is_in_front_takes_no_shell_from_what_it_hides() -> None:
 
 
 def test_thin_things_have_no_shell() -> None:
-    stages, inside_px = board_before(UNKNOWN, 8.0)
+    stages, inside_px = board_before(UNKNOWN, 4.0)
     assert np.count_nonzero(inside_px > 0) > 20
     assert not stages.shell.any()
 
@@ -160,12 +153,12 @@ def test_seeds_of_the_rest_are_the_components_of_high_affinity() -> None:
     found = 0
     for _ in range(FRAMES):
         stages = random_stages(random)
-        f, p = stages.foveation, stages.parameters.segmentation
+        f = stages.foveation
         label = np.where(random.random(f.node_count) < 0.2, random.integers(0, 5, f.node_count), -1)
         i, j = f.tail, f.head
         joined = (label[i] < 0) & (label[j] < 0) & (stages.horizontal[i] == stages.horizontal[j])
-        joined &= stages.weight >= np.float32(p.rest_affinity)
-        expected = components(stages, np.flatnonzero(label < 0), joined, p.rest_area_px2)
+        joined &= stages.weight >= np.float32(REST_AFFINITY)
+        expected = components(stages, np.flatnonzero(label < 0), joined, REST_AREA_PX2)
         seeds = stages.find_rest_seeds(label)
         assert sorted(map(sorted, expected)) == sorted(sorted(seed.tolist()) for seed in seeds)
         assert_numbered(stages, seeds)
@@ -178,15 +171,21 @@ def test_seeds_of_the_rest_are_the_components_of_high_affinity() -> None:
 
 
 @pytest.mark.parametrize(
-    ("disparity_px", "step_px"),
-    [(25.0, 25 - 200 / 8.48), (100.0, 100 - 200 / 2.12), (4.0, 0.3)],  # at 2 m: 6 % of the range
+    ("disparity_px", "step_px", "beyond"),
+    [
+        (25.0, 25 - 200 / (200 / 25 + 0.48), 1.02),
+        (100.0, 100 - 200 / 2.12, 1.02),
+        (4.0, 0.3, 1.3),
+    ],  # at 2 m: 6 % of the range
 )
-def test_a_step_is_metres_nearby_and_pixels_far_away(disparity_px: float, step_px: float) -> None:
-    """f B = 200 px m. Half a metre behind 8 m (25 px) is 1.47 px; behind 50 m (4 px) 0.04 px."""
-    changes = {"seed_step_px": 0.3, "seed_step_slope": 0.0, "seed_step_m": 0.48, "bridge_m": 0.0}
-    stages = Stages(camera(64, 48), {f"segmentation.{name}": value for name, value in changes.items()})
+def test_a_step_is_metres_nearby_and_pixels_far_away(
+    disparity_px: float, step_px: float, beyond: float
+) -> None:
+    """f B = 200 px m. Half a metre behind 8 m (25 px) is 1.47 px; at 2 m it is 6 % of the range.
+    Behind 50 m (4 px) it is 0.04 px, and 0.02 px a pixel between the cells are added to the 0.3."""
+    stages = Stages(camera(64, 48), {"segmentation.seed_step_px": 0.3})
     stages.horizontal[:] = 0
-    for share, seeds in ((0.98, 1), (1.02, 2)):
+    for share, seeds in ((0.98, 1), (beyond, 2)):
         behind_px = disparity_px - share * step_px
         stages.disparity_px[:] = np.where(stages.foveation.center_u < 32, disparity_px, behind_px)
         assert len(stages.find_obstacle_seeds()) == seeds

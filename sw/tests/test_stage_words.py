@@ -55,6 +55,9 @@ def spread(row: Words) -> Words:
     return np.where(row >= 0, row, np.where(left >= 0, left, right))
 
 
+GAP_PX, SUPPORT, APART_PX = 3, 0.92, 2.0  # of words.c
+
+
 class Smallest(NamedTuple):
     """What a cluster has to cover: pixels anywhere; square metres, and pixels of what covers these, from a
     disparity on."""
@@ -79,9 +82,9 @@ def nearest_in_first_run(words: Words, v: int, u: int) -> int:
     return int(row[: ends[0] if len(ends) else len(row)].max())
 
 
-def without_small_clusters(words: Words, smallest: Smallest, gap_px: int) -> Words:
+def without_small_clusters(words: Words, smallest: Smallest) -> Words:
     kept = words.copy()
-    for _ in range(gap_px):
+    for _ in range(GAP_PX):
         words = np.array([spread(row) for row in words])
     seen = words < 0
     for start in zip(*np.nonzero(~seen), strict=True):
@@ -105,22 +108,14 @@ def with_support(words: Words, share: float) -> Words:
     return np.where((windows >= 0).sum(axis=(2, 3)) >= share * 25 - 1e-6, words, INVALID)
 
 
-def combined(
-    levels: list[Words],
-    candidates: int,
-    cluster: Smallest,
-    gap_px: int,
-    support: float,
-    apart_px: float,
-    filling: int,
-) -> Words:
+def combined(levels: list[Words], candidates: int, cluster: Smallest, filling: int) -> Words:
     result: Words | None = None
     for k in reversed(range(len(levels))):
         words = levels[k].astype(int)
         words[(words < 0) | (words > 32767 >> k)] = INVALID
-        words = without_small_clusters(words, cluster, gap_px)
+        words = without_small_clusters(words, cluster)
         if k > 0:
-            words = with_support(words, support)
+            words = with_support(words, SUPPORT)
         if result is not None:
             if k >= filling:
                 result = np.where(result * 2 ** (k + 1) > (candidates - 1) * SCALE, result, INVALID)
@@ -130,7 +125,7 @@ def combined(
             )
             other = result[np.ix_(rows, columns)]
             other = np.where(other >= 0, 2 * other, INVALID)
-            contradicted = (other >= 0) & (np.abs(words - other) > 2 * apart_px * SCALE)
+            contradicted = (other >= 0) & (np.abs(words - other) > 2 * APART_PX * SCALE)
             words = np.where((words < 0) | contradicted, other, words)
         result = words
     assert result is not None
@@ -167,32 +162,15 @@ def test_the_stage_is_the_reference(size: tuple[int, int], levels: int) -> None:
     random = np.random.default_rng(seed)
     for _ in range(6):
         cluster = Smallest(
-            int(random.choice([0, 1, 2, 5, 30])),
-            float(random.choice([0.0, 0.003, 0.03, 1.0])),
-            int(random.integers(0, 8)),
-            float(random.choice([0.0, 4.0, 30.0])),
+            px=int(random.choice([0, 1, 5, 30, 150, 500])), area_m2=0.2, far_px=40, far_disparity_px=3.0
         )
-        support = float(random.choice([0.0, 0.4, 0.8, 1.0]))
-        apart_px, candidates = float(random.choice([0.0, 0.5, 2.0, 256.0])), int(random.choice([16, 64, 256]))
-        filling = int(random.integers(0, 4))
-        changes = {
-            "words.cluster_px": cluster.px,
-            "words.support": support,
-            "words.contradiction_px": apart_px,
-        }
-        changes |= {
-            "words.cluster_m2": cluster.area_m2,
-            "words.cluster_far_px": cluster.far_px,
-            "words.cluster_far_disparity_px": cluster.far_disparity_px,
-        }
-        gap_px = int(random.integers(0, 4))
-        changes |= {"words.filling_levels": filling, "words.gap_px": gap_px}
-        stage = Stage(*size, changes)
+        candidates, filling = int(random.choice([16, 64, 256])), int(random.integers(0, 4))
+        stage = Stage(*size, {"words.cluster_px": cluster.px, "words.filling_levels": filling})
         for _ in range(3):  # nothing of a frame is left in the next
             words = [patchy(random, shape, k) for k, shape in enumerate(shapes_of(*size, levels))]
             before = [level.copy() for level in words]
             stage.combine(words, candidates)
-            wanted = combined(words, candidates, cluster, gap_px, support, apart_px, filling)
+            wanted = combined(words, candidates, cluster, filling)
             np.testing.assert_array_equal(stage.words, wanted)
             for level, untouched in zip(words, before, strict=True):
                 np.testing.assert_array_equal(level, untouched)

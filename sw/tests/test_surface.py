@@ -76,10 +76,9 @@ def set_plane(stages: Stages, normal, point) -> None:
     stages.disparity_px[:] = np.where(disparity > 0, disparity, -1)
 
 
-@pytest.mark.parametrize("lever_px", [1.0, 8.0, 40.0])
-def test_cells_on_an_exact_plane_lean_as_it_does(lever_px: float) -> None:
+def test_cells_on_an_exact_plane_lean_as_it_does() -> None:
     random = seeded(2)
-    stages = Stages(camera(160, 120), {"surface.lever_px": lever_px})
+    stages = Stages(camera(160, 120))
     for _ in range(50):
         (normal, point), up = random_plane(random), unit(random.normal(size=3))
         set_plane(stages, normal, point)
@@ -92,10 +91,13 @@ def test_cells_on_an_exact_plane_lean_as_it_does(lever_px: float) -> None:
             assert np.allclose(stages.inclination_deg[clear], lean_deg(normal, up), atol=0.2)
 
 
+LEVER_PX = 8.0  # of inclination.c
+
+
 def test_any_cell_takes_the_least_squares_plane_of_its_neighbours() -> None:
     """numpy's, over the cell and those in the eight directions; less than five make no plane."""
     random = seeded(4)
-    stages = Stages(camera(160, 120), {"surface.lever_px": 1.0})
+    stages = Stages(camera(160, 120))
     f, c, up = stages.foveation, stages.camera, unit((0.2, -1, 0.1))
     stages.disparity_px[:] = random.uniform(5, 20, f.node_count)
     stages.disparity_px[random.random(f.node_count) < 0.3] = -1
@@ -107,8 +109,11 @@ def test_any_cell_takes_the_least_squares_plane_of_its_neighbours() -> None:
             node = grid[ring, sector]
             if node < 0 or f.size_px[node] < 1.5 or stages.disparity_px[node] < 0:
                 continue
-            sectors = range(sector - 1, sector + 2)
-            around = grid[ring - 1 : ring + 2].take(sectors, axis=1, mode="wrap").ravel()
+            steps = int(np.ceil(LEVER_PX / f.size_px[node]))
+            if not steps <= ring < grid.shape[0] - steps or steps > 4:
+                continue  # near the hub the library compares what lies closer
+            rings, sectors = (at + steps * np.arange(-1, 2) for at in (ring, sector))
+            around = grid[rings].take(sectors, axis=1, mode="wrap").ravel()
             around = around[around >= 0]
             around = around[stages.disparity_px[around] >= 0]
             if around.size < 5:
@@ -120,7 +125,7 @@ def test_any_cell_takes_the_least_squares_plane_of_its_neighbours() -> None:
             found = lean_deg((slope_u, slope_v, at_center / c.focal_px), up)
             assert stages.inclination_deg[node] == pytest.approx(found, abs=0.05)
             compared += 1
-    assert compared > 500
+    assert compared > 300
 
 
 PLANES = {
@@ -137,7 +142,7 @@ PLANES = {
 @pytest.mark.parametrize("name", PLANES)
 def test_cells_of_a_rendered_plane_lean_as_it_does(name: str, roll_deg: float) -> None:
     """Words are rounded to 1/16 px, and the camera may be rolled with the up vector known."""
-    stages = Stages(camera(), {"surface.lever_px": 16.0, "surface.horizontal_deg": 60.0})
+    stages = Stages(camera())
     turned = roll(roll_deg)
     up = turned @ LEVEL_UP
     normal, point = (turned @ np.asarray(x, float) for x in PLANES[name])

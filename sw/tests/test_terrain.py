@@ -138,7 +138,7 @@ def test_a_camera_that_rolls_sees_the_same() -> None:
 
 
 def test_a_wall_is_no_ground() -> None:
-    """What stands steeper than terrain.lean_min_deg allows is an obstacle with a track of its own."""
+    """What stands steeper than LEAN_MIN_DEG is an obstacle with a track of its own."""
     random = seeded(63)
     found = approach(TerrainFlight(random), slope(70, 60.0), 5.0, 25)
     assert not any(seen.warned for _, seen in found)

@@ -205,7 +205,7 @@ def test_a_marking_on_plain_ground_is_no_wire() -> None:
     shown = v > 250
     image = np.clip(np.where(shown & (aside < 2), 200.0, 90.0) + random.normal(0, 2, u.shape), 0, 255)
     words = np.where(shown & (aside < 8), np.rint(16 * disparity), INVALID).astype(np.int16)
-    thin = Thin(rows_min=10)
+    thin = Thin()
     assert thin.find(image.astype(np.uint8), words, ground) == []
     assert len(thin.find(image.astype(np.uint8), words)) == 1  # with the ground unknown it might be one
 

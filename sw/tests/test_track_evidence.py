@@ -18,6 +18,9 @@ def words(value: int) -> np.ndarray:
     return np.full((480, 640), value, np.int16)
 
 
+HOLD_S, HOLD_PX = 0.3, 0.6  # of tracker.h and track_life.c
+
+
 def followed(hits: int = 6, **changes: object) -> Tracker:
     tracker = Tracker()
     for frame in range(hits):
@@ -46,8 +49,7 @@ def test_followed_while_its_own_disparity_is_seen(own: int) -> None:
 
 
 def test_what_is_not_in_the_way_is_followed_for_a_set_time() -> None:
-    tracker = followed(volume_pixels=0)
-    follow_s = tracker.params.follow_s
+    tracker, follow_s = followed(volume_pixels=0), 1.0
     for frame in range(6, 40):
         assert tracker.update(DT * frame, words=words(OWN)) == "VISTA_OK"
         since_s = DT * (frame - 5)
@@ -66,15 +68,15 @@ def test_without_words_it_is_held_for_a_short_time() -> None:
             break
         track, hidden_s = tracker.tracks[1], DT * (frame - 5)
         assert track.coasting and not track.followed
-        if abs(hidden_s - tracker.params.hold_s) > 0.01:
-            assert track.held == (hidden_s < tracker.params.hold_s)
+        if abs(hidden_s - HOLD_S) > 0.01:
+            assert track.held == (hidden_s < HOLD_S)
     assert not tracker.tracks
 
 
 @pytest.mark.parametrize(("speed_m_s", "waits"), [(9.144, True), (0.0, False), (2.0, False)])
 def test_between_two_whole_disparities_it_is_waited_for(speed_m_s: float, waits: bool) -> None:
     """Seen twice at 65 m, not confirmed. On approach its disparity moves on: without words it is waited for
-    up to hold_px. What moves on too slowly, or not at all, is missed at once."""
+    up to HOLD_PX. What moves on too slowly, or not at all, is missed at once."""
     tracker, thing = Tracker(), np.array([0.0, 0.0, 65.0])
     for frame in range(14):
         camera = np.array([0.0, 0.0, speed_m_s * DT * frame])
@@ -83,9 +85,9 @@ def test_between_two_whole_disparities_it_is_waited_for(speed_m_s: float, waits:
         if frame < 2 or not tracker.tracks:
             continue
         moved_px = measure(thing, camera)[2] - measure(thing, np.array([0.0, 0.0, speed_m_s * DT]))[2]
-        if abs(moved_px - tracker.params.hold_px) > 0.05:
-            assert tracker.tracks[1].held == (waits and moved_px < tracker.params.hold_px)
-        if waits and moved_px < 0.9 * tracker.params.hold_px:
+        if abs(moved_px - HOLD_PX) > 0.05:
+            assert tracker.tracks[1].held == (waits and moved_px < HOLD_PX)
+        if waits and moved_px < 0.9 * HOLD_PX:
             assert tracker.tracks[1].misses == 0
     assert not tracker.tracks
 
@@ -95,7 +97,7 @@ def test_what_its_outline_told_is_held_without_words() -> None:
     tracker = followed(plain=True)
     assert miss(tracker, words(INVALID)) == [1]
     assert tracker.tracks[1].held
-    blind_s = tracker.params.blind_zone_s
+    blind_s = 30.0
     assert tracker.update(DT * 5 + blind_s - 0.1, words=words(INVALID)) == "VISTA_OK"
     assert list(tracker.tracks) == [1]
     assert tracker.update(DT * 5 + blind_s + 0.1, words=words(INVALID)) == "VISTA_OK"

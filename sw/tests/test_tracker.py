@@ -91,7 +91,7 @@ def test_window_shows_the_last_frames() -> None:
 def test_ids_hold_through_misses_on_a_moving_platform() -> None:
     random = seeded(1)
     points = {i: np.array([4.0 * i - 8, (i % 2) * 3.0 - 1.5, 70.0 + 5 * i]) for i in range(5)}
-    tracker, owner, missed = Tracker(out_of_view_s=1.0), {}, dict.fromkeys(points, 0)  # some leave the view
+    tracker, owner, missed = Tracker(), {}, dict.fromkeys(points, 0)
     for frame in range(60):
         position = np.array([0.0, 0.0, 0.5 * frame])
         seen = [i for i in points if frame < 5 or missed[i] == 3 or random.random() < 0.7]
@@ -281,28 +281,30 @@ def test_the_blind_zone_keeps_an_obstacle_until_it_is_passed() -> None:
 
 
 def test_the_blind_zone_ends_after_a_set_time() -> None:
-    tracker, hover = Tracker(blind_zone_s=2.0), (0.0, 0.0, 2.2)
+    tracker, hover = Tracker(), (0.0, 0.0, 2.2)
     fly(tracker, np.array([0.0, 0.0, 15.5]), range(12), 2.0, lambda _, z: z[2] < 31)
     track = tracker.tracks[1]
     assert (track.in_blind_zone, track.coasting, track.confirmed, track.misses) == (True, True, True, 0)
     alive = 0
-    for frame in range(12, 60):
+    for frame in range(12, 330):
         tracker.update(DT * frame, [], hover)
-        assert bool(tracker.tracks) == (round(DT * frame * SECOND) - track.visible_t_ns <= 2 * SECOND)
+        hidden_ns = round(DT * frame * SECOND) - track.visible_t_ns
+        if abs(hidden_ns - 30 * SECOND) > 0.5 * DT * SECOND:
+            assert bool(tracker.tracks) == (hidden_ns < 30 * SECOND)
         alive += bool(tracker.tracks)
-    assert 10 < alive < 20
+    assert 290 < alive < 300
 
 
 def test_out_of_view_is_not_blamed_but_ends() -> None:
-    tracker, still = Tracker(out_of_view_s=1.0), (0.0, 0.0, 0.0)
+    tracker, still = Tracker(), (0.0, 0.0, 0.0)
     for frame in range(5):
         tracker.update(DT * frame, [seen_at(POINT) | {"volume_pixels": 0}], still)
     turned = np.array([[np.cos(0.6), 0, np.sin(0.6)], [0, 1, 0], [-np.sin(0.6), 0, np.cos(0.6)]])
-    for frame in range(5, 15):
+    for frame in range(5, 7):
         tracker.update(DT * frame, [], still, turned)
         track = tracker.tracks[1]
         assert (track.in_view, track.misses, track.coasting) == (False, 0, True)
-    tracker.update(1.5, [], still, turned)
+    tracker.update(0.8, [], still, turned)
     assert not tracker.tracks
 
 
@@ -325,13 +327,13 @@ def test_back_in_view_it_is_the_same_obstacle() -> None:
 
 
 def test_columns_without_disparity_are_out_of_view() -> None:
-    tracker = Tracker(out_of_view_s=1.0)
+    tracker = Tracker()
     z = measure(POINT)
     for frame in range(4):
         tracker.update(DT * frame, [detection([38.0, z[1], z[2]])])
     assert tracker.tracks[1].in_view
     sideways = (0.2, 0.0, 0.0)  # 5 px to the left
-    for frame in range(4, 12):
+    for frame in range(4, 6):
         tracker.update(DT * frame, [], sideways)
     assert (tracker.tracks[1].in_view, tracker.tracks[1].misses) == (False, 0)
 
@@ -507,11 +509,12 @@ def test_an_obstacle_being_passed_takes_no_detection_from_far_ones() -> None:
 
 
 def test_what_leaves_the_view_sideways_is_not_in_the_blind_zone() -> None:
-    tracker, point = Tracker(out_of_view_s=0.5), np.array([6.0, 0.0, 30.0])
+    tracker, point = Tracker(), np.array([6.0, 0.0, 30.0])
     alive = fly(tracker, point, range(58), 5.0, lambda _, z: 36 < z[0] < 634)
     left = next(frame for frame in alive if measure(point, (0, 0, 0.5 * frame))[0] >= 634)
     assert measure(point, (0, 0, 0.5 * left))[2] < 31
-    assert [frame for frame, ids in alive.items() if ids] == list(range(left + 5))
+    kept = [frame for frame, ids in alive.items() if ids]
+    assert kept in (list(range(left + 2)), list(range(left + 3)))  # 0.3 s
 
 
 # ---- ids ----

@@ -47,7 +47,6 @@ Changes = dict[str, dict[str, object]]
 ROADS: dict[str, Changes] = {
     SHIPPED: {},
     "spanning forest": {"segmentation": {"solver": "forest"}},
-    "outlines without words, compactness 1": {"refinement": {"disparity_limit": 0.0, "compactness": 1.0}},
     "160 sectors": {"foveation": {"sector_count": 160}},
     "words of level 1 fill gaps": {"words": {"filling_levels": 1}},
     "block 7": {"stereo": {"block_size": 7}},

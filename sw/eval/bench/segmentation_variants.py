@@ -100,18 +100,8 @@ def sectors(count: int) -> Variant:
 VARIANTS = {
     "as shipped": Variant(),
     "regions as cells draw them: no refinement": Variant(score=score_cells),
-    "seeds alone: no cut, no shell": segmentation(reach=1, shell_px=0.0),
-    "no shell": segmentation(shell_px=0.0),
-    "no bridges": segmentation(bridge_m=0.0),
-    "no height above ground": Variant({"surface": {"ground_step_px": 0.0, "ground_step_m": 10.0}}),
-    "no shell, bridges, height above ground": Variant(
-        {
-            "segmentation": {"shell_px": 0.0, "bridge_m": 0.0},
-            "surface": {"ground_step_px": 0.0, "ground_step_m": 10.0},
-        }
-    ),
-    "no merging": segmentation(merge_share=1.0, merge_ratio=0.0),
-    "no relief": Variant({"affinity": {"mu_depth_m": 0.0}, "segmentation": {"seed_step_m": 0.0}}),
+    "seeds alone: no cut": segmentation(reach=1),
+    "no relief in affinities": affinity(mu_depth_m=0.0),
     "horizontal cells free": segmentation(horizontal_link=0.0),
     "horizontal cells barred": segmentation(horizontal_link=2.0),
     "equation 3 as printed: sum of terms": affinity(form="sum"),
@@ -120,9 +110,6 @@ VARIANTS = {
     "companion's sigma 30, mu 2": affinity(form="sum", sigma_intensity=30.0, sigma_disparity_px=30.0),
     "sigma_I 7": affinity(sigma_intensity=7.0),
     "sigma_I 15": affinity(sigma_intensity=15.0),
-    "refinement, sigma 6": Variant({"refinement": {"sigma_intensity": 6.0}}),
-    "refinement, compactness 1": Variant({"refinement": {"compactness": 1.0}}),
-    "refinement, without the words of pixels": Variant({"refinement": {"disparity_limit": 0.0}}),
     "96 sectors": sectors(96),
     "160 sectors": sectors(160),
     "192 sectors": sectors(192),

@@ -47,16 +47,8 @@ VARIANTS: dict[str, dict[str, dict[str, object]]] = {
     "96 sectors": {"foveation": {"sector_count": 96}},
     "160 sectors": {"foveation": {"sector_count": 160}},
     "32 disparities": {"stereo": {"num_disparities": 32}},
-    "no relief": {
-        "affinity": {"mu_depth_m": 0.0},
-        "segmentation": {"seed_step_m": 0.0},
-        "region": {"tolerance_m": 0.0},
-    },
-    "no merging": {"segmentation": {"merge_share": 1.0, "merge_ratio": 0.0}},
-    "no surfaces": {"surface": {"horizontal_deg": 90.0}, "region": {"min_standing_fraction": 0.0}},
-    "no height above ground": {"region": {"min_standing_fraction": 0.0}},
+    "no relief in affinities": {"affinity": {"mu_depth_m": 0.0}},
     "no edge consistency": {"region": {"min_inlier_fraction": 0.0}},
-    "no boundary support": {"region": {"min_valid_fraction": 0.0}},
     "no confirmation": {"tracker": {"confirm_hits": 1, "confirm_window": 1}},
 }
 

@@ -19,7 +19,7 @@ from vista_eval.metrics.flight_path import true_paths
 from vista_eval.metrics.flight_score import FlightScore, score_records
 from vista_eval.metrics.frame_truth import FrameTruth, Target, flight_frames, unique_rows
 from vista_eval.metrics.judge import errors
-from vista_eval.metrics.rules import CURVATURE_UNCERTAINTY, PAPER, SPEED_MIN_M_S, STRICT, TURN_MIN_DEG_S
+from vista_eval.metrics.rules import PAPER, STRICT
 from vista_eval.worlds.sampled.catalog import FAMILIES
 
 pytestmark = pytest.mark.slow
@@ -172,27 +172,6 @@ def test_a_turn_goes_on_beyond_the_last_frame() -> None:
         assert distance_m == pytest.approx(np.full(len(distance_m), radius_m), abs=0.25)
         assert path.length_m == pytest.approx(expected_m, abs=4.0)
         assert path.speed_m_s == pytest.approx(speed_m_s, rel=0.01)
-
-
-def test_the_truth_follows_a_path_as_far_as_the_host_does() -> None:
-    """Both are stated. A default that is tuned leaves the truth as it is; whether the truth should follow it
-    is a decision of its own."""
-    motion = parameters.defaults()["motion"]
-    assert motion["speed_min_m_s"] == SPEED_MIN_M_S
-    assert motion["path_turn_min_deg_s"] == TURN_MIN_DEG_S
-    assert motion["path_uncertainty"] == CURVATURE_UNCERTAINTY
-
-
-def test_the_truth_does_not_follow_parameters(monkeypatch: pytest.MonkeyPatch) -> None:
-    poses = disk.turning(12, 80.0, 12.0)
-    times_ns = tuple(round(k * 1e8) for k in range(12))
-    before = true_paths(poses, times_ns)
-    tuned = {"speed_min_m_s": 50.0, "path_turn_min_deg_s": 40.0, "path_uncertainty": 0.9}
-    values = parameters.defaults()
-    values["motion"] |= tuned
-    monkeypatch.setattr(parameters, "defaults", lambda: values)
-    for then, now in zip(before, true_paths(poses, times_ns), strict=True):
-        assert np.array_equal(then.corners_m, now.corners_m)
 
 
 def test_sway_is_no_turn() -> None:

@@ -44,7 +44,7 @@ typedef enum vista_alignment_state {
   VISTA_ALIGNMENT_HELD = 0, /* this pair shows too little, or not yet enough: what was known holds */
   VISTA_ALIGNMENT_MEASURED, /* this pair agrees with what is known, and adds to it */
   VISTA_ALIGNMENT_BEYOND,   /* the camera has turned by more than is corrected */
-  VISTA_ALIGNMENT_LOST,     /* there is texture, but for alignment.lost_s its rows have agreed on no turn */
+  VISTA_ALIGNMENT_LOST,     /* there is texture, but for a second its rows have agreed on no turn */
   VISTA_ALIGNMENT_STATE_COUNT
 } vista_alignment_state;
 
@@ -53,7 +53,7 @@ typedef struct vista_alignment_result {
   vista_alignment_state state;
   vista_turn correction; /* what the right image of the next pair is to be rectified for */
   bool changed;          /* whether that is another turn than that of this pair */
-  vista_turn estimate;   /* newest, mostly within alignment.step_px of the correction */
+  vista_turn estimate;   /* newest, mostly within 0.15 px of the correction */
   bool rows_known;       /* whether enough features agreed for the two figures that follow */
   double row_error_px;   /* median distance of features from their rows in this pair, without regard to the sign */
   double row_error_90_px; /* 90th percentile of the same */

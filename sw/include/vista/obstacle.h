@@ -87,7 +87,7 @@ typedef struct vista_nearest_collision {
   double position_m[3]; /* that the path meets; of what is up to 3 m large, half way from its middle to that point */
   double distance_m; /* of position_m from the camera */
   double time_to_collision_s; /* distance along the flight direction over closing speed; NaN if that speed is below
-                                 obstacle_map.closing_min_m_s, or unknown */
+                                 0.5 m/s, or unknown */
   double covariance_m2[9]; /* of position_m, row-major: that of the obstacle, and of which point of it is met first */
 } vista_nearest_collision;
 

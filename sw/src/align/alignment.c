@@ -10,6 +10,10 @@
 #include "common/numbers.h"
 #include "common/parameters_check.h"
 
+#define STEP_PX 0.15 /* the correction is changed when that moves rows by more, root mean square over the image */
+/* Standard deviation of how far pitch and roll drift in a second; sudden turns are followed all the same. */
+#define DRIFT_DEG 0.002
+#define LOST_S 1.0 /* the alarm is raised when the images have texture but their rows agree on no turn for so long */
 #define SIDE_MIN 64            /* px */
 #define SAMPLES 16             /* of the image along a side, for the mean of row errors over it */
 #define FRAME_ERROR_PX 0.1    /* of the rows of one pair, alike for all features: what the scene does to a fit */
@@ -202,14 +206,14 @@ static void watch(vista_alignment *a, bool measured, bool unexplained, double pa
     if (a->was_unexplained) a->unexplained_s += passed_s;
   }
   if (measured && a->good_pairs < SUDDEN_PAIRS) ++a->good_pairs;
-  const bool is_lost = a->unexplained_s >= a->parameters.lost_s;
+  const bool is_lost = a->unexplained_s >= LOST_S;
   if (is_lost ? a->good_pairs == SUDDEN_PAIRS : measured) a->unexplained_s = 0.0;
 }
 
 /* What the next pair is rectified for: another turn only where that moves rows, and is no noise. */
 static vista_turn correction(const vista_alignment *a, const vista_turn *applied) {
   const vista_turn step = minus(a->known.turn, *applied);
-  const bool moves = vista_turn_matrix_square(a->rows, step) > vista_square(a->parameters.step_px);
+  const bool moves = vista_turn_matrix_square(a->rows, step) > vista_square(STEP_PX);
   const bool known = vista_turn_matrix_square(vista_turn_matrix_inverse(a->known.covariance), step) > SIGNIFICANT;
   return moves && known && a->pairs == SUDDEN_PAIRS ? a->known.turn : *applied;
 }
@@ -232,7 +236,7 @@ vista_status vista_alignment_update(vista_alignment *a, const vista_image *left,
   const double passed_s = a->started ? fmin(vista_seconds_between(a->t_ns, t_ns), STEP_S_MOST) : 0.0;
   a->started = true;
   a->t_ns = t_ns;
-  const double drift = vista_square(VISTA_RADIANS_PER_DEGREE * a->parameters.drift_deg) * passed_s;
+  const double drift = vista_square(VISTA_RADIANS_PER_DEGREE * DRIFT_DEG) * passed_s;
   a->known.covariance = vista_turn_matrix_add(a->known.covariance, (vista_turn_matrix){drift, 0.0, drift});
 
   vista_image_noise noise;
@@ -245,7 +249,7 @@ vista_status vista_alignment_update(vista_alignment *a, const vista_image *left,
   a->was_unexplained = unexplained;
   a->wide = !measured;
 
-  const bool lost = a->unexplained_s >= a->parameters.lost_s && !a->beyond;
+  const bool lost = a->unexplained_s >= LOST_S && !a->beyond;
   const vista_turn next = a->beyond || lost ? *applied : correction(a, applied);
   *result =
       (vista_alignment_result){.state = lost        ? VISTA_ALIGNMENT_LOST

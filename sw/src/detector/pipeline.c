@@ -63,7 +63,6 @@ typedef enum stage {
 struct vista_pipeline {
   vista_team team;
   vista_parameters parameters;
-  vista_parameters frame_parameters; /* thresholds on grey levels against the noise of the last frame */
   vista_camera camera;
   vista_frame_view frame; /* the last one, without its images */
   vista_motion_state motion_state;
@@ -218,24 +217,9 @@ static vista_status begin(vista_pipeline *p, passage *way) {
   return status;
 }
 
-/* Thresholds on grey levels of the stages that know none of the noise. */
 static vista_status measure_noise(vista_pipeline *p, passage *way) {
-  vista_image_noise *const noise = &way->frame.noise;
-  const vista_status status = vista_image_noise_measure(&way->frame.image, noise);
-  if (status != VISTA_OK) return status;
-  const vista_parameters *const q = &p->parameters;
-  vista_parameters *const own = &p->frame_parameters;
-  *own = *q;
-  own->affinity.mu_intensity =
-      vista_image_noise_threshold(noise, q->affinity.mu_intensity, q->affinity.mu_intensity_noise);
-  own->words.cluster_px =
-      (int32_t)lround(vista_image_noise_threshold(noise, q->words.cluster_px, q->words.cluster_px_noise));
-  own->words.cluster_far_px =
-      (int32_t)lround(vista_image_noise_threshold(noise, q->words.cluster_far_px, q->words.cluster_px_noise));
-  own->refinement.sigma_intensity =
-      vista_image_noise_threshold(noise, q->refinement.sigma_intensity, q->refinement.sigma_intensity_noise);
-  way->frame.params = own;
-  return VISTA_OK;
+  (void)p;
+  return vista_image_noise_measure(&way->frame.image, &way->frame.noise);
 }
 
 static vista_status combine_words(vista_pipeline *p, passage *way) {

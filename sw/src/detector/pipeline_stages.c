@@ -43,7 +43,7 @@ vista_status vista_pipeline_begin(const vista_parameters *parameters, const vist
   const vista_status status = vista_motion_update(&parameters->motion, &input, state, &f.motion);
   if (status != VISTA_OK) return status;
   f.up_known = up_in_camera(&f.motion, given->up_world, f.up_camera);
-  f.path = vista_motion_path(&parameters->motion, state, &f.motion, parameters->obstacle_map.collision_length_m,
+  f.path = vista_motion_path(state, &f.motion, parameters->obstacle_map.collision_length_m,
                              parameters->obstacle_map.collision_radius_m);
   *frame = f;
   return VISTA_OK;

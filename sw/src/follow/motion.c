@@ -7,6 +7,11 @@
 #include "common/frame.h"
 #include "common/numbers.h"
 
+#define RESTART_POSES 3 /* as many refused ones in a row that agree with each other are believed */
+/* The path bends by what turns faster: nobody keeps to a straight line better than this. */
+#define PATH_TURN_MIN_DEG_S 1.0
+/* Share by which the curvature of what is flown next may differ: it bounds the length of the arc. */
+#define PATH_UNCERTAINTY 0.25
 #define PATH_S 1.0 /* the slower time constant, that tells whether the velocity turns, and of long turns how fast */
 #define NOISE_SIGMAS 3.0
 #define PATH_SWAY 2.2 /* measured on 35 sampled flights */
@@ -56,9 +61,9 @@ static bool same(const vista_pose *a, const vista_pose *b) {
 }
 
 /* Whether this is the last pose once more, while the vehicle moves. */
-static bool is_old(const vista_motion_params *p, const vista_pose *pose, int64_t t_ns, const vista_motion_state *s) {
+static bool is_old(const vista_pose *pose, int64_t t_ns, const vista_motion_state *s) {
   if (!s->posed || !s->rates_known || s->repeats || !same(pose, &s->posed_at)) return false;
-  return vista_norm(s->velocity_m_s) > p->speed_min_m_s && vista_seconds_between(s->posed_t_ns, t_ns) <= REPEATED_S;
+  return vista_norm(s->velocity_m_s) > VISTA_SPEED_MIN_M_S && vista_seconds_between(s->posed_t_ns, t_ns) <= REPEATED_S;
 }
 
 /* Of the rotation to R^T: axis times angle, in world. */
@@ -135,7 +140,7 @@ static bool means_it(const vista_motion_params *p, const vista_pose *pose, int64
   s->refused_count = agrees ? s->refused_count + 1 : 1;
   s->refused_at = *pose;
   s->refused_t_ns = t_ns;
-  return s->refused_count >= p->restart_poses;
+  return s->refused_count >= RESTART_POSES;
 }
 
 static void carry_on(const double velocity_m_s[3], double dt_s, vista_motion_state *s) {
@@ -145,9 +150,8 @@ static void carry_on(const double velocity_m_s[3], double dt_s, vista_motion_sta
 
 /* Of a turn rate of the camera what is orthogonal to `direction`, as far as the velocity's turn `path` allows for it,
  * less what may be noise; `averaged`: its variance over that of a single difference. */
-static void likely_turn(const vista_motion_params *p, const vista_motion_state *s, const vista_motion *motion,
-                        const double rate_rad_s[3], double averaged, const double path[3], double slack,
-                        double turn[3]) {
+static void likely_turn(const vista_motion_state *s, const vista_motion *motion, const double rate_rad_s[3],
+                        double averaged, const double path[3], double slack, double turn[3]) {
   const double along_rad_s = vista_dot(rate_rad_s, motion->direction);
   double beyond[3];
   for (int i = 0; i < 3; ++i) {
@@ -158,7 +162,7 @@ static void likely_turn(const vista_motion_params *p, const vista_motion_state *
   const double excess = fmax(0.0, 1.0 - slack / fmax(vista_norm(beyond), STRAIGHT_RAD_S));
   for (int i = 0; i < 3; ++i) turn[i] -= excess * beyond[i];
   const double noise =
-      fmax(NOISE_SIGMAS * sqrt(s->turn_variance * averaged), p->path_turn_min_deg_s * VISTA_RADIANS_PER_DEGREE);
+      fmax(NOISE_SIGMAS * sqrt(s->turn_variance * averaged), PATH_TURN_MIN_DEG_S * VISTA_RADIANS_PER_DEGREE);
   /* A velocity that sways where the camera does not turn bends no path. */
   const double told_rad_s = fmax(fmin(of_camera_rad_s, vista_norm(turn)), STRAIGHT_RAD_S);
   const double kept = fmax(0.0, 1.0 - vista_square(noise / told_rad_s));
@@ -179,8 +183,7 @@ static double doubtful_turn(const vista_motion_state *s, const vista_motion *mot
 /* How the path turns, rad/s, orthogonal to `direction`: as the camera does. What turns slowly and for long is told by
  * the slower mean, of which the camera's own sway is a smaller part. Returns by how much more it may turn, which does
  * not stand out from noise. */
-static double path_turn_rate(const vista_motion_params *p, const vista_motion_state *s, const vista_motion *motion,
-                             double turn[3]) {
+static double path_turn_rate(const vista_motion_state *s, const vista_motion *motion, double turn[3]) {
   const double apart_s = s->slow_lag_s - s->lag_s;
   const double slow_m_s = vista_norm(s->slow_velocity_m_s), fast_m_s = vista_norm(s->velocity_m_s);
   memset(turn, 0, 3 * sizeof *turn);
@@ -189,18 +192,18 @@ static double path_turn_rate(const vista_motion_params *p, const vista_motion_st
   vista_cross(s->slow_velocity_m_s, s->velocity_m_s, path);
   for (int i = 0; i < 3; ++i) path[i] /= slow_m_s * fast_m_s * apart_s;
   const double slack = NOISE_SIGMAS * sqrt(s->velocity_variance * s->averaged) / (fast_m_s * apart_s);
-  likely_turn(p, s, motion, s->turn_rate_rad_s, s->averaged, path, slack, turn);
-  likely_turn(p, s, motion, s->slow_turn_rate_rad_s, s->slow_averaged, path, slack, slow);
+  likely_turn(s, motion, s->turn_rate_rad_s, s->averaged, path, slack, turn);
+  likely_turn(s, motion, s->slow_turn_rate_rad_s, s->slow_averaged, path, slack, slow);
   if (vista_norm(slow) > vista_norm(turn)) memcpy(turn, slow, sizeof slow);
   return doubtful_turn(s, motion, path, turn);
 }
 
 /* What the velocity of the last moments is off its mean over a longer time, and no turn of the path explains. */
-static void follow_sway(const vista_motion_params *p, const vista_motion *motion, double dt_s, vista_motion_state *s) {
+static void follow_sway(const vista_motion *motion, double dt_s, vista_motion_state *s) {
   const double slow_m_s = vista_norm(s->slow_velocity_m_s), fast_m_s = vista_norm(s->velocity_m_s);
   if (s->differences < FEWEST || !(fmin(slow_m_s, fast_m_s) > 0.0)) return;
   double turn[3], bend[3], off2 = 0.0;
-  (void)path_turn_rate(p, s, motion, turn);
+  (void)path_turn_rate(s, motion, turn);
   vista_cross(turn, motion->direction, bend);
   const double agreement = vista_dot(s->slow_velocity_m_s, s->velocity_m_s) / (slow_m_s * fast_m_s);
   for (int i = 0; i < 3; ++i) {
@@ -219,7 +222,7 @@ vista_status vista_motion_update(const vista_motion_params *params, const vista_
   vista_motion m = {.source = VISTA_MOTION_POSE};
   const double dt_s = s->started ? vista_seconds_between(s->t_ns, input->t_ns) : 0.0;
   if (!s->started) s->pose = vista_frame_still;
-  const bool old = input->pose != NULL && is_old(params, input->pose, input->t_ns, s);
+  const bool old = input->pose != NULL && is_old(input->pose, input->t_ns, s);
   const vista_pose *const pose = old ? NULL : input->pose;
   if (pose == NULL)
     m.source = input->stationary ? VISTA_MOTION_STANDS : s->posed ? VISTA_MOTION_CARRIED_ON : VISTA_MOTION_UNTOLD;
@@ -248,28 +251,28 @@ vista_status vista_motion_update(const vista_motion_params *params, const vista_
   memcpy(m.velocity_m_s, velocity_m_s, sizeof m.velocity_m_s);
   if (m.source != VISTA_MOTION_STANDS) memcpy(m.turn_rate_rad_s, s->turn_rate_rad_s, sizeof m.turn_rate_rad_s);
   m.speed_m_s = vista_norm(velocity_m_s);
-  const bool moves = m.speed_m_s > 0.0 && m.speed_m_s >= params->speed_min_m_s;
+  const bool moves = m.speed_m_s > 0.0 && m.speed_m_s >= VISTA_SPEED_MIN_M_S;
   for (int i = 0; i < 3; ++i) /* below the smallest speed the velocity is mostly noise; z: optical axis */
     m.direction[i] = moves ? velocity_m_s[i] / m.speed_m_s : m.pose.rotation[3 * i + 2];
-  if (m.source == VISTA_MOTION_POSE && moves) follow_sway(params, &m, dt_s, s);
+  if (m.source == VISTA_MOTION_POSE && moves) follow_sway(&m, dt_s, s);
   *motion = m;
   return VISTA_OK;
 }
 
-vista_flight_path vista_motion_path(const vista_motion_params *params, const vista_motion_state *state,
-                                    const vista_motion *motion, double length_m, double radius_m) {
+vista_flight_path vista_motion_path(const vista_motion_state *state, const vista_motion *motion, double length_m,
+                                    double radius_m) {
   vista_flight_path path = {.length_m = length_m};
   memcpy(path.start_m, motion->pose.translation_m, sizeof path.start_m);
   memcpy(path.direction, motion->direction, sizeof path.direction);
   path.sigma_rad = fmax(PATH_SWAY * sqrt(state->sway2), PATH_SIGMA_MIN_DEG * VISTA_RADIANS_PER_DEGREE);
-  if (!state->rates_known || !(motion->speed_m_s > 0.0) || motion->speed_m_s < params->speed_min_m_s ||
+  if (!state->rates_known || !(motion->speed_m_s > 0.0) || motion->speed_m_s < VISTA_SPEED_MIN_M_S ||
       motion->source == VISTA_MOTION_STANDS)
     return path;
   /* Who has been watched for a moment only may sway by more than has been seen. */
   const double unseen_deg = UNSEEN_SWAY_DEG * exp(-state->known_s / UNSEEN_SWAY_S);
   path.sigma_rad = hypot(path.sigma_rad, unseen_deg * VISTA_RADIANS_PER_DEGREE);
   double turn[3], normal[3];
-  const double doubt_1_m = path_turn_rate(params, state, motion, turn) / motion->speed_m_s;
+  const double doubt_1_m = path_turn_rate(state, motion, turn) / motion->speed_m_s;
   if (doubt_1_m > 0.0) path.length_m = fmin(length_m, sqrt(2.0 * radius_m / (DOUBT_SHARE * doubt_1_m)));
   vista_cross(turn, motion->direction, normal);
   const double rate = vista_norm(normal);
@@ -282,7 +285,7 @@ vista_flight_path vista_motion_path(const vista_motion_params *params, const vis
     path.normal[i] = cos(lag_rad) * normal[i] - sin(lag_rad) * motion->direction[i];
   }
   path.curvature_1_m = rate / motion->speed_m_s;
-  const double believed_m = sqrt(2.0 * radius_m / (params->path_uncertainty * path.curvature_1_m));
+  const double believed_m = sqrt(2.0 * radius_m / (PATH_UNCERTAINTY * path.curvature_1_m));
   path.length_m = fmin(path.length_m, fmin(believed_m, QUARTER_RAD / path.curvature_1_m));
   return path;
 }

@@ -35,6 +35,8 @@
 #include "vista/status.h"
 #include "vista/types.h"
 
+#define VISTA_SPEED_MIN_M_S 0.5 /* slower, the flight direction is the optical axis */
+
 /* What the caller says of one frame. */
 typedef struct vista_motion_input {
   const vista_pose *pose;     /* null: not known */
@@ -76,7 +78,7 @@ vista_status vista_motion_update(const vista_motion_params *params, const vista_
                                  vista_motion_state *state, vista_motion *motion);
 
 /* From the camera on, in world; starts along motion.direction where it is straight. length_m: its length then. */
-vista_flight_path vista_motion_path(const vista_motion_params *params, const vista_motion_state *state,
-                                    const vista_motion *motion, double length_m, double radius_m);
+vista_flight_path vista_motion_path(const vista_motion_state *state, const vista_motion *motion, double length_m,
+                                    double radius_m);
 
 #endif

@@ -53,14 +53,13 @@ typedef struct vista_world_hit {
   double foot_share; /* height of the foot above it, over that of the camera */
 } vista_world_hit;
 
-void vista_static_world_start(const vista_tracker_params *params, const vista_world_hit *hit,
-                              vista_static_world *world);
+void vista_static_world_start(const vista_world_hit *hit, vista_static_world *world);
 
 /* Adds the hit and judges anew. */
-void vista_static_world_add(const vista_tracker_params *params, const vista_world_hit *hit, vista_static_world *world);
+void vista_static_world_add(const vista_world_hit *hit, vista_static_world *world);
 
 /* Whether own travel since the first hit is too little to tell anything, as while hovering. */
-bool vista_static_world_silent(const vista_tracker_params *params, const vista_static_world *world, int64_t t_ns);
+bool vista_static_world_silent(const vista_static_world *world, int64_t t_ns);
 
 /* Life of what is tested (tracker.h). It is confirmed, for good, at `needed` of its last hits, and at one more while
  * the test is open and not silent. It is credible once it is confirmed and held to stand or to move, or the test is

@@ -5,6 +5,8 @@
 
 #include "follow/assignment.h"
 
+#define OVERLAP_SIGMA 3.0 /* depth gate for lying within a track, standard deviations of the disparity difference */
+#define OVERLAP_SCALE 1.2 /* half extents around a track's centre that count as within it */
 #define MOVED_EXTENT_CHI2 5.99 /* 95 percent of 2 degrees: what is linked by place so loosely has to be of one size */
 #define STACKED_WIDTH_RATIO 3.0 /* a crown and its trunk; more is a board on its pole */
 #define STACKED_GAP 1.0         /* between the two, as a share of their mean height */
@@ -63,35 +65,32 @@ bool vista_track_association_claimed(const vista_track_association *association,
 
 /* By disparity and by its inverse, the depth: near the camera the former has no certainty left, far from it the
  * latter. */
-static bool same_depth(const vista_tracker_params *params, double d1, double variance1, double d2, double variance2) {
+static bool same_depth(double d1, double variance1, double d2, double variance2) {
   const double disparity_sigma = sqrt(variance1 + variance2);
   const double inverse_sigma = sqrt(variance1 / (d1 * d1 * d1 * d1) + variance2 / (d2 * d2 * d2 * d2));
-  return fabs(d1 - d2) <= params->overlap_sigma * disparity_sigma &&
-         fabs(1.0 / d1 - 1.0 / d2) <= params->overlap_sigma * inverse_sigma;
+  return fabs(d1 - d2) <= OVERLAP_SIGMA * disparity_sigma && fabs(1.0 / d1 - 1.0 / d2) <= OVERLAP_SIGMA * inverse_sigma;
 }
 
 /* Squared distance from the outer centre in units of its widened half extent: up to 1 is inside. The inner
  * centre's own noise widens it, so that thin objects are not missed by a pixel. Another depth: INFINITY. */
-static double within2(const vista_tracker_params *params, const double inner_px[3], const double inner_variance_px2[3],
-                      const vista_track_view *outer) {
-  if (!same_depth(params, inner_px[2], inner_variance_px2[2], outer->measurement_px[2], outer->covariance_px2[8]))
+static double within2(const double inner_px[3], const double inner_variance_px2[3], const vista_track_view *outer) {
+  if (!same_depth(inner_px[2], inner_variance_px2[2], outer->measurement_px[2], outer->covariance_px2[8]))
     return INFINITY;
   double sum = 0.0;
   for (int i = 0; i < 2; ++i) {
-    const double half_px = params->overlap_scale * outer->half_px[i] + sqrt(inner_variance_px2[i]);
+    const double half_px = OVERLAP_SCALE * outer->half_px[i] + sqrt(inner_variance_px2[i]);
     const double ratio = (inner_px[i] - outer->measurement_px[i]) / half_px;
     sum += ratio * ratio;
   }
   return sum;
 }
 
-bool vista_track_within(const vista_tracker_params *params, const vista_track_view *inner,
-                        const vista_track_view *outer) {
+bool vista_track_within(const vista_track_view *inner, const vista_track_view *outer) {
   const double variance_px2[3] = {inner->covariance_px2[0], inner->covariance_px2[4], inner->covariance_px2[8]};
-  return within2(params, inner->measurement_px, variance_px2, outer) <= 1.0;
+  return within2(inner->measurement_px, variance_px2, outer) <= 1.0;
 }
 
-bool vista_track_stacked(const vista_tracker_params *params, const vista_track_view *a, const vista_track_view *b) {
+bool vista_track_stacked(const vista_track_view *a, const vista_track_view *b) {
   const double *const wide = a->half_px[0] >= b->half_px[0] ? a->half_px : b->half_px;
   const double *const narrow = wide == a->half_px ? b->half_px : a->half_px;
   if (wide[0] > STACKED_WIDTH_RATIO * narrow[0]) return false;
@@ -99,7 +98,7 @@ bool vista_track_stacked(const vista_tracker_params *params, const vista_track_v
   const double apart_px = fabs(a->measurement_px[1] - b->measurement_px[1]);
   const double touching_px = a->half_px[1] + b->half_px[1]; /* nearer by half, it is no longer above but the same */
   return aside_px <= wide[0] && apart_px >= 0.5 * touching_px && apart_px <= (1.0 + STACKED_GAP) * touching_px &&
-         same_depth(params, a->measurement_px[2], a->covariance_px2[8], b->measurement_px[2], b->covariance_px2[8]);
+         same_depth(a->measurement_px[2], a->covariance_px2[8], b->measurement_px[2], b->covariance_px2[8]);
 }
 
 /* y^T S^-1 y >= y_i^2 / S_ii, for each i: most pairs are out of the gate without an inversion. */
@@ -147,14 +146,14 @@ static double pair_cost(pass step, const vista_track_frame *frame, const vista_t
   vista_track_filter_noise(params, frame->camera, detection, view, false, variance_px2);
   if (step == CONFIRMED_RESHAPED) {
     const double measured_px[3] = {detection->u_px, detection->v_px, detection->disparity_px};
-    const double distance2 = within2(params, measured_px, variance_px2, view);
+    const double distance2 = within2(measured_px, variance_px2, view);
     return distance2 <= 1.0 ? distance2 * params->gate_chi2 : INFINITY;
   }
   const double *const covariance_px2 = step == NEWBORN_MOVED ? view->moved_covariance_px2 : view->covariance_px2;
   if (surely_outside(params->gate_chi2, view, covariance_px2, detection, variance_px2)) return INFINITY;
   const double distance2 = vista_track_filter_distance2(view, covariance_px2, detection, variance_px2);
   if (!(distance2 <= params->gate_chi2)) return INFINITY;
-  const double extent2 = vista_track_filter_extent_distance2(params, track, detection);
+  const double extent2 = vista_track_filter_extent_distance2(track, detection);
   if (step == NEWBORN_MOVED) return extent2 <= MOVED_EXTENT_CHI2 ? distance2 + extent2 : INFINITY;
   /* Near the camera a pixel is millimetres, (u, v, d) of the prediction has no certainty left and everything would
    * be in the gate. In space it keeps it; twice the gate leaves room for the curvature at long range. */

@@ -34,10 +34,9 @@ int32_t vista_track_association_moved_to(const vista_track_association *associat
 bool vista_track_association_claimed(const vista_track_association *association, int32_t detection);
 
 /* Whether the inner one is centred within the outer one's extent and at its depth. */
-bool vista_track_within(const vista_tracker_params *params, const vista_track_view *inner,
-                        const vista_track_view *outer);
+bool vista_track_within(const vista_track_view *inner, const vista_track_view *outer);
 
 /* Whether one stands on the other: at one depth, of about one width, the narrower above or below the wider. */
-bool vista_track_stacked(const vista_tracker_params *params, const vista_track_view *a, const vista_track_view *b);
+bool vista_track_stacked(const vista_track_view *a, const vista_track_view *b);
 
 #endif

@@ -5,13 +5,16 @@
 #include "common/frame.h"
 #include "common/numbers.h"
 
+/* Random walk of the point that stands for the obstacle: regions change from frame to frame. */
+#define POSITION_PSD_M2_S 0.01
+#define EXTENT_SIGMA_RATIO 0.3 /* noise of the natural logarithm of a measured width or height */
+#define EXTENT_PSD_1_S 0.02 /* random walk of the logarithm of width and height */
 #define MET_WEIGHT 0.4 /* of a new detection's point that the path meets: it is a mean over a few frames */
 #define MET_LINE_PX 1.5 /* of disparity, that a line and what is met around it may differ by */
 #define EXTENT_CLIP_SIGMA 3.0 /* one wrong region must not resize a track */
 
-static double extent_noise(const vista_tracker_params *params, const vista_detection *detection) {
-  return vista_square(params->extent_sigma_ratio) +
-         vista_square(detection->sigma_disparity_px / detection->disparity_px);
+static double extent_noise(const vista_detection *detection) {
+  return vista_square(EXTENT_SIGMA_RATIO) + vista_square(detection->sigma_disparity_px / detection->disparity_px);
 }
 
 /* A line is met where it is. What an earlier region told around it holds no longer when that is at another range. */
@@ -45,7 +48,7 @@ void vista_track_filter_start(const vista_tracker_params *params, const vista_ca
                          .window = 1,
                          .plain = detection->plain,
                          .foot_sigma_m = vista_track_foot_sigma_m(detection),
-                         .volume_window = detection->volume_pixels >= params->volume_pixels,
+                         .volume_window = detection->volume_pixels >= VISTA_VOLUME_PIXELS,
                          .ellipse = detection->ellipse,
                          .ellipse_depth_m = camera->focal_px * camera->baseline_m / detection->disparity_px};
   double covariance_camera[9];
@@ -64,7 +67,7 @@ void vista_track_filter_start(const vista_tracker_params *params, const vista_ca
   }
   for (int i = 0; i < 2; ++i) {
     track->extent_m[i] = detection->extent_m[i];
-    track->extent_variance[i] = extent_noise(params, detection);
+    track->extent_variance[i] = extent_noise(detection);
   }
 }
 
@@ -81,14 +84,14 @@ void vista_track_filter_predict(const vista_tracker_params *params, double dt_s,
   for (int i = 0; i < 6; ++i)
     for (int j = 0; j < 3; ++j) p[6 * i + j] += dt_s * p[6 * i + j + 3]; /* (F P) F^T */
   for (int i = 0; i < 3; ++i) {
-    p[6 * i + i] += q * dt_s * dt_s * dt_s / 3.0 + params->position_psd_m2_s * dt_s;
+    p[6 * i + i] += q * dt_s * dt_s * dt_s / 3.0 + POSITION_PSD_M2_S * dt_s;
     p[6 * i + i + 3] += q * dt_s * dt_s / 2.0;
     p[6 * (i + 3) + i] += q * dt_s * dt_s / 2.0;
     p[6 * (i + 3) + i + 3] += q * dt_s;
   }
   for (int i = 0; i < 6; ++i)
     for (int j = 0; j < i; ++j) p[6 * i + j] = p[6 * j + i] = 0.5 * (p[6 * i + j] + p[6 * j + i]);
-  for (int i = 0; i < 2; ++i) track->extent_variance[i] += params->extent_psd_1_s * dt_s;
+  for (int i = 0; i < 2; ++i) track->extent_variance[i] += EXTENT_PSD_1_S * dt_s;
 }
 
 /* P += sigma^2 [t^2, t; t, 1] (x) I */
@@ -199,23 +202,22 @@ double vista_track_filter_space_distance2(const vista_tracker_params *params, co
   return invert(s, inverse) ? quadratic(inverse, y) : INFINITY;
 }
 
-double vista_track_filter_extent_distance2(const vista_tracker_params *params, const vista_track *track,
-                                           const vista_detection *detection) {
+double vista_track_filter_extent_distance2(const vista_track *track, const vista_detection *detection) {
   const bool cut[2] = {detection->cut_u, detection->cut_v};
   double sum = 0.0;
   for (int i = 0; i < 2; ++i)
     if (!cut[i])
       sum += vista_square(log(detection->extent_m[i] / track->extent_m[i])) /
-             (track->extent_variance[i] + extent_noise(params, detection));
+             (track->extent_variance[i] + extent_noise(detection));
   return sum;
 }
 
-static void update_extent(const vista_tracker_params *params, const vista_detection *detection, vista_track *track) {
+static void update_extent(const vista_detection *detection, vista_track *track) {
   const bool cut[2] = {detection->cut_u, detection->cut_v};
   for (int i = 0; i < 2; ++i) {
     const double difference = log(detection->extent_m[i] / track->extent_m[i]);
     if (cut[i] && difference < 0.0) continue; /* a lower bound that is met says nothing */
-    const double noise = extent_noise(params, detection);
+    const double noise = extent_noise(detection);
     const double variance = track->extent_variance[i] + noise;
     const double clip = EXTENT_CLIP_SIGMA * sqrt(variance);
     const double gain = track->extent_variance[i] / variance;
@@ -225,10 +227,10 @@ static void update_extent(const vista_tracker_params *params, const vista_detect
 }
 
 /* K = P H^T S^-1; x += K y; P = (I - K H) P (I - K H)^T + K R K^T, H = [J, 0]. */
-void vista_track_filter_update(const vista_tracker_params *params, const vista_track_view *view,
-                               const vista_detection *detection, const double variance_px2[3], vista_track *track) {
+void vista_track_filter_update(const vista_track_view *view, const vista_detection *detection,
+                               const double variance_px2[3], vista_track *track) {
   double inverse[9], y[3];
-  update_extent(params, detection, track);
+  update_extent(detection, track);
   if (!invert_innovation(view->covariance_px2, variance_px2, inverse)) return;
   innovation(view, detection, y);
   double pht[18], gain[18], kept[36], half[36];

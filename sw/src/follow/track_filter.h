@@ -53,10 +53,9 @@ double vista_track_filter_space_distance2(const vista_tracker_params *params, co
                                           const vista_detection *detection);
 
 /* Squared normalised difference of the logarithms of the extents; cut axes do not count. */
-double vista_track_filter_extent_distance2(const vista_tracker_params *params, const vista_track *track,
-                                           const vista_detection *detection);
+double vista_track_filter_extent_distance2(const vista_track *track, const vista_detection *detection);
 
-void vista_track_filter_update(const vista_tracker_params *params, const vista_track_view *view,
-                               const vista_detection *detection, const double variance_px2[3], vista_track *track);
+void vista_track_filter_update(const vista_track_view *view, const vista_detection *detection,
+                               const double variance_px2[3], vista_track *track);
 
 #endif

@@ -8,11 +8,18 @@
 #include "common/numbers.h"
 #include "follow/track_evidence.h"
 
+#define MOVED_HITS 2 /* a track that moves needs this many hits, and has this many frames, more to be confirmed */
+/* A track outside the matched part of the image, which is not in the way, coasts for this long. */
+#define OUT_OF_VIEW_S 0.3
+/* A track without a detection, not in the way, is followed by the words at its place for this long. */
+#define FOLLOW_S 1.0
+/* Or until its disparity has moved by this, if nothing is matched there and that takes no longer than FOLLOW_S. */
+#define HOLD_PX 0.6
 #define DEPTH_PASSED_M 0.05 /* a track nearer than this along z is behind the camera */
 
 /* N and M of this track: what is linked over a larger distance has to show it more often. */
 static int32_t window_length(const vista_tracker_params *params, const vista_track *track) {
-  const int32_t length = params->confirm_window + (track->moved ? params->moved_hits : 0);
+  const int32_t length = params->confirm_window + (track->moved ? MOVED_HITS : 0);
   return length < VISTA_WINDOW_BITS ? length : VISTA_WINDOW_BITS;
 }
 
@@ -55,7 +62,7 @@ static vista_world_hit world_hit(const vista_track_frame *f, const vista_detecti
 }
 
 void vista_track_judge(const vista_track_frame *f, vista_track *track) {
-  vista_static_world_decide(&track->world, vista_static_world_silent(f->params, &track->world, f->t_ns),
+  vista_static_world_decide(&track->world, vista_static_world_silent(&track->world, f->t_ns),
                             hits_in_window(f->params, track), hits_needed(f->params, track), &track->confirmed,
                             &track->credible);
 }
@@ -69,7 +76,7 @@ static void hit(const vista_track_frame *f, const vista_detection *detection, vi
   if (detection->plain) track->foot_sigma_m = vista_track_foot_sigma_m(detection);
   if (!track->edges_only) vista_track_filter_meet(f->pose, detection, track);
   if (!track->edges_only)
-    track->volume_window = track->volume_window << 1 | (detection->volume_pixels >= f->params->volume_pixels);
+    track->volume_window = track->volume_window << 1 | (detection->volume_pixels >= VISTA_VOLUME_PIXELS);
   track->window = track->window << 1 | 1u;
   track->hits += 1;
   track->seen_frames += 1;
@@ -99,9 +106,9 @@ void vista_track_take(const vista_track_frame *f, const vista_detection *detecti
   double variance_px2[3];
   vista_track_filter_noise(f->params, f->camera, detection, view, reshaped, variance_px2);
   const vista_world_hit seen = world_hit(f, detection, view->camera_m[2], variance_px2);
-  vista_static_world_add(f->params, &seen, &track->world);
+  vista_static_world_add(&seen, &track->world);
   scatter(detection, view, variance_px2, track);
-  vista_track_filter_update(f->params, view, detection, variance_px2, track);
+  vista_track_filter_update(view, detection, variance_px2, track);
   hit(f, detection, track);
 }
 
@@ -117,7 +124,7 @@ static void follow(const vista_track_frame *f, const vista_track_evidence *evide
                                 .cut_v = true};
   const double variance_px2[3] = {vista_square(f->camera->width_px), vista_square(f->camera->height_px),
                                   vista_square(evidence->sigma_disparity_px)};
-  vista_track_filter_update(f->params, view, &seen, variance_px2, track);
+  vista_track_filter_update(view, &seen, variance_px2, track);
   track->coasting = false;
   track->followed = true;
   track->seen_t_ns = track->visible_t_ns = f->t_ns;
@@ -135,14 +142,14 @@ static bool in_the_way(const vista_track *track) {
 static bool may_be_held(const vista_track_frame *f, const vista_track *track) {
   if (track->credible && track->plain) return true;
   const double unseen_s = vista_seconds_between(track->seen_t_ns, f->t_ns);
-  if (track->credible && unseen_s <= f->params->hold_s) return true;
+  if (track->credible && unseen_s <= VISTA_HOLD_S) return true;
   const double seen_px = f->camera->focal_px * f->camera->baseline_m / track->ellipse_depth_m;
   double stood_m[3], camera_m[3];
   for (int i = 0; i < 3; ++i) stood_m[i] = track->position_m[i] - unseen_s * track->velocity_m_s[i];
   vista_frame_to_camera(f->pose, stood_m, camera_m);
   if (!(camera_m[2] > 0.0)) return false;
   const double moved_px = fabs(f->camera->focal_px * f->camera->baseline_m / camera_m[2] - seen_px);
-  return moved_px <= f->params->hold_px && moved_px * f->params->follow_s >= f->params->hold_px * unseen_s;
+  return moved_px <= HOLD_PX && moved_px * FOLLOW_S >= HOLD_PX * unseen_s;
 }
 
 void vista_track_miss(const vista_track_frame *f, const vista_track_view *view, vista_track *track) {
@@ -153,8 +160,7 @@ void vista_track_miss(const vista_track_frame *f, const vista_track_view *view, 
   if (!track->in_view || track->in_blind_zone) return;
   const vista_track_evidence evidence = vista_track_look_for(f->camera, f->matched, f->disparity, view);
   const double undetected_s = vista_seconds_between(track->hit_t_ns, f->t_ns);
-  if (track->credible && evidence.sight == VISTA_SIGHT_ITSELF &&
-      (in_the_way(track) || undetected_s <= f->params->follow_s)) {
+  if (track->credible && evidence.sight == VISTA_SIGHT_ITSELF && (in_the_way(track) || undetected_s <= FOLLOW_S)) {
     follow(f, &evidence, view, track);
     return;
   }
@@ -178,8 +184,8 @@ bool vista_track_outlived(const vista_track_frame *f, const vista_track *track) 
   const double hidden_s = vista_seconds_between(track->visible_t_ns, f->t_ns);
   const bool kept = track->in_blind_zone || track->held || in_the_way(track);
   /* What has moved by itself may come back: in a turn of the camera, for one. */
-  const double away_s = track->moved ? fmax(params->follow_s, params->out_of_view_s) : params->out_of_view_s;
-  if (hidden_s > (kept ? params->blind_zone_s : away_s)) return true;
+  const double away_s = track->moved ? fmax(FOLLOW_S, OUT_OF_VIEW_S) : OUT_OF_VIEW_S;
+  if (hidden_s > (kept ? VISTA_BLIND_ZONE_S : away_s)) return true;
   if (track->confirmed) return track->misses > params->miss_max;
   const int32_t window = window_length(params, track);
   const int32_t seen = track->seen_frames < window ? track->seen_frames : window;
@@ -193,7 +199,7 @@ void vista_track_start(const vista_track_frame *f, const vista_detection *detect
   vista_track_filter_view(f->params, f->camera, f->pose, 0.0, track, &view);
   vista_track_filter_noise(f->params, f->camera, detection, &view, false, variance_px2);
   const vista_world_hit seen = world_hit(f, detection, detection->position_camera_m[2], variance_px2);
-  vista_static_world_start(f->params, &seen, &track->world);
+  vista_static_world_start(&seen, &track->world);
   track->age_frames = 1;
   track->hit_t_ns = track->seen_t_ns = track->visible_t_ns = f->t_ns;
   vista_track_judge(f, track);

@@ -170,25 +170,24 @@ static bool still(const vista_track *track) {
 }
 
 /* Whether the part that `view` shows belongs to a thing that stands, and was seen in this frame. */
-static bool stands_on(const vista_tracker *tracker, const vista_track_frame *f, const vista_track_view *view,
-                      int32_t whole) {
+static bool stands_on(const vista_tracker *tracker, const vista_track_view *view, int32_t whole) {
   const vista_track *const track = &tracker->tracks[whole];
-  return !track->coasting && still(track) && vista_track_stacked(f->params, view, &tracker->views[whole]);
+  return !track->coasting && still(track) && vista_track_stacked(view, &tracker->views[whole]);
 }
 
 /* Tentative tracks within a confirmed one, or a part of it, and the younger of two confirmed ones that are within each
  * other. */
-static void remove_duplicates(vista_tracker *tracker, const vista_track_frame *f) {
+static void remove_duplicates(vista_tracker *tracker) {
   for (int32_t i = 0; i < tracker->count; ++i) {
     if (!tracker->tracks[i].confirmed) continue;
     int32_t kept = 0;
     int32_t self = i; /* where track i is while the table closes up */
     for (int32_t j = 0; j < tracker->count; ++j) {
       const bool confirmed = tracker->tracks[j].confirmed;
-      bool same = j != i && vista_track_within(f->params, &tracker->views[j], &tracker->views[self]);
-      if (same && confirmed) same = j > i && vista_track_within(f->params, &tracker->views[self], &tracker->views[j]);
+      bool same = j != i && vista_track_within(&tracker->views[j], &tracker->views[self]);
+      if (same && confirmed) same = j > i && vista_track_within(&tracker->views[self], &tracker->views[j]);
       if (same && confirmed) merge(tracker, self, j);
-      if (!same && !confirmed && still(&tracker->tracks[j]) && stands_on(tracker, f, &tracker->views[j], self)) {
+      if (!same && !confirmed && still(&tracker->tracks[j]) && stands_on(tracker, &tracker->views[j], self)) {
         const vista_track *const part = &tracker->tracks[j];
         same = true;
         if (part->label >= 0) vista_track_add_part(part->volume_window & 1u, &tracker->tracks[self]);
@@ -228,10 +227,9 @@ static bool make_room(vista_tracker *tracker, const vista_track *newborn) {
 }
 
 /* The confirmed track that this is a part of; NULL: of none. */
-static vista_track *whole_of(const vista_tracker *tracker, const vista_track_frame *f, const vista_track_view *view) {
+static vista_track *whole_of(const vista_tracker *tracker, const vista_track_view *view) {
   for (int32_t i = 0; i < tracker->count; ++i)
-    if (tracker->tracks[i].confirmed &&
-        (vista_track_within(f->params, view, &tracker->views[i]) || stands_on(tracker, f, view, i)))
+    if (tracker->tracks[i].confirmed && (vista_track_within(view, &tracker->views[i]) || stands_on(tracker, view, i)))
       return &tracker->tracks[i];
   return NULL;
 }
@@ -243,9 +241,9 @@ static void start(vista_tracker *tracker, const vista_track_frame *f, const vist
   vista_track_view view;
   vista_track_start(f, detection, &newborn);
   if (!vista_track_look(f, &newborn, &view)) return;
-  vista_track *const whole = whole_of(tracker, f, &view);
+  vista_track *const whole = whole_of(tracker, &view);
   if (whole != NULL) {
-    vista_track_add_part(detection->volume_pixels >= f->params->volume_pixels, whole);
+    vista_track_add_part(detection->volume_pixels >= VISTA_VOLUME_PIXELS, whole);
     return;
   }
   if (tracker->count == tracker->max_tracks && !make_room(tracker, &newborn)) return;
@@ -274,7 +272,7 @@ vista_status vista_tracker_update(vista_tracker *tracker, const vista_frame_view
   vista_track_associate(tracker->association, &f, &table, tracker->detection_of_track);
   update(tracker, &f);
   look_at_all(tracker, &f);
-  remove_duplicates(tracker, &f);
+  remove_duplicates(tracker);
   for (int32_t i = 0; i < count; ++i)
     if (!vista_track_association_claimed(tracker->association, i)) start(tracker, &f, &f.detections[i]);
   tracker->started = true;

@@ -50,6 +50,10 @@
 #include "vista/obstacle.h"
 #include "vista/status.h"
 
+#define VISTA_VOLUME_PIXELS 8 /* a region is in the collision volume when at least this many of its pixels are */
+/* A track nearer than the engine matches coasts for this long, unless it is passed before. */
+#define VISTA_BLIND_ZONE_S 30.0
+#define VISTA_HOLD_S 0.3 /* a track whose place shows no words coasts for this long before it counts as missed */
 #define VISTA_TRACKER_MAX 4096 /* tracks, detections */
 
 typedef struct vista_track {

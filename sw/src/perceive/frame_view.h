@@ -15,7 +15,7 @@
 #include "vista/types.h"
 
 typedef struct vista_frame_view {
-  const vista_parameters *params; /* thresholds on grey levels follow the noise of this frame */
+  const vista_parameters *params;
   const vista_camera *camera;
   const vista_foveation *foveation;
   int64_t t_ns;

@@ -11,6 +11,8 @@
 #include "common/numbers.h"
 #include "perceive/region/region_boundary.h"
 
+#define OUTLINE_PX 3.5 /* by which matching widens a thing to each side: so much nearer to the path has a pixel to be */
+
 /* What the pixels of a run are asked, in engine words w = 16 d; straight ahead squared, so that nothing is divided. */
 typedef struct limits {
   float radius_px; /* radius / 16 B, times w the radius in the image: inside when |q x a| <= radius_px w - outline_px */
@@ -255,7 +257,7 @@ vista_collision_volume vista_collision_volume_around(const vista_frame_view *fra
   const vista_obstacle_map_params *const params = &frame->params->obstacle_map;
   const vista_flight_path *const path = &frame->path;
   vista_collision_volume volume = {.radius_m = params->collision_radius_m,
-                                   .outline_px = params->outline_px,
+                                   .outline_px = OUTLINE_PX,
                                    .path_sigmas = params->path_sigmas,
                                    .length_m = path->length_m,
                                    .curvature_1_m = path->curvature_1_m,
@@ -276,7 +278,6 @@ vista_flight_path vista_collision_volume_path(const vista_collision_volume *volu
 void vista_collision_volume_count(const vista_frame_view *frame, const vista_collision_volume *volume,
                                   const vista_cells *cells, vista_regions *regions) {
   const vista_foveation *const foveation = frame->foveation;
-  const vista_region_params *const params = &frame->params->region;
   const vista_camera *const camera = frame->camera;
   const double words = VISTA_DISPARITY_SCALE * camera->baseline_m;
   const double *const a = volume->direction_camera, *const n = volume->normal_camera;
@@ -302,7 +303,7 @@ void vista_collision_volume_count(const vista_frame_view *frame, const vista_col
     vista_region *const region = &regions->items[k];
     if (region->verdict != VISTA_REGION_ACCEPTED) continue;
     const int32_t first = regions->first_member[k];
-    const double tolerance_px = vista_region_tolerance_px(params, camera, region->disparity_px);
+    const double tolerance_px = vista_region_tolerance_px(camera, region->disparity_px);
     region->volume_pixels = count_region(foveation, camera, &limit, &frame->words, tolerance_px,
                                          regions->members + first, regions->first_member[k + 1] - first, region);
     if (region->volume_pixels > 0)

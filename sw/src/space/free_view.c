@@ -8,6 +8,7 @@
 
 #include "common/frame.h"
 #include "common/numbers.h"
+#include "space/collision_volume.h"
 #include "space/told.h"
 
 #define STATIONS 20
@@ -79,7 +80,7 @@ void vista_free_view(const vista_frame_view *frame, const vista_told *told, vist
             .camera = camera,
             .matched = matched,
             .radius_m = params->collision_radius_m,
-            .least = params->seen_min_fraction};
+            .least = VISTA_SEEN_MIN_FRACTION};
   if (!make_axes(&v, directions->up_camera)) return;
   const double nearest_m = camera->focal_px * camera->baseline_m / matched->disparity_max_px;
   for (int column = 0; column < VISTA_DIRECTIONS; ++column) {

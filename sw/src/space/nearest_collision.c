@@ -11,6 +11,7 @@
 #include "vista/parameters.h"
 #include "vista/types.h"
 
+#define CLOSING_MIN_M_S 0.5 /* no time to collision is given for what closes slower */
 #define COMPACT_M 3.0    /* A side up to this is met anywhere between its middle and the point closest to the path, */
 #define LARGE_M 4.5      /* and a side from this on is met in that point. */
 #define END_SHARE 0.2    /* The end of a side is known to this share of half of it, */
@@ -101,7 +102,7 @@ vista_nearest_collision vista_nearest_collision_with(const vista_frame_view *fra
   const double along_m = vista_flight_path_along(&frame->path, nearest.position_m, there);
   double closing_m_s = vista_dot(motion->velocity_m_s, motion->direction);
   if (track != NULL) closing_m_s -= vista_dot(track->velocity_m_s, there);
-  nearest.time_to_collision_s = closing_m_s > params->closing_min_m_s ? fmax(0.0, along_m) / closing_m_s : NAN;
+  nearest.time_to_collision_s = closing_m_s > CLOSING_MIN_M_S ? fmax(0.0, along_m) / closing_m_s : NAN;
   return nearest;
 }
 

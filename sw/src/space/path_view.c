@@ -5,6 +5,7 @@
 #include <stdint.h>
 
 #include "common/frame.h"
+#include "space/collision_volume.h"
 #include "space/told.h"
 
 #define STATIONS 20          /* along the path */
@@ -55,7 +56,7 @@ double vista_path_view(const vista_frame_view *frame, const vista_told *told) {
     vista_frame_to_camera(&frame->motion.pose, point_m, center_m);
     /* Nearer than anything is matched the view through the disc is as good as at the nearest range. */
     if (along_m < nearest_m && k < STATIONS) continue;
-    if (told_fraction(told, camera, matched, center_m, params->collision_radius_m) < params->seen_min_fraction) break;
+    if (told_fraction(told, camera, matched, center_m, params->collision_radius_m) < VISTA_SEEN_MIN_FRACTION) break;
     seen_m = along_m;
   }
   return seen_m;

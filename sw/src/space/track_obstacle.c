@@ -14,7 +14,16 @@
 #include "vista/parameters.h"
 #include "vista/types.h"
 
-#define LONG_RATIO 2.0   /* A side is long if it is more than so many times the other one. */
+/* Error of an obstacle's disparity that lasts from frame to frame: no filter averages it out. */
+#define LASTING_DISPARITY_PX 0.02
+/* The same in depth, of the surface that the region's boundary shows: the larger part near the camera. */
+#define LASTING_RANGE_M 0.02
+#define LASTING_CENTER_PX 0.6 /* the same of its centre: matching widens a thing more to one side than to the other */
+/* The same of half of what its longer side has more than twice the shorter one: a region may lack the end of a long thing. */
+#define LASTING_CENTER_RATIO 0.35
+/* Of the scatter of its detections beyond what noise explains: a region that wanders may be wrong for long. */
+#define LASTING_SCATTER 0.3
+#define LONG_RATIO 2.0 /* A side is long if it is more than so many times the other one. */
 #define THICK_MAX_M 1.0 /* Larger things are walls and the like: how wide they are does not tell how deep they are. */
 #define STEADY_MIN 0.25 /* The variance falls to this share at least: ten hits do not show more. */
 #define MISSES_MAX 2 /* After more misses in a row something else is seen in the place of what is warned of. */
@@ -74,13 +83,13 @@ static void steady_covariance(const vista_track *track, const vista_pose *pose, 
  * it by pixels and a share of the half extent. */
 static void lasting_covariance(const vista_frame_view *frame, const vista_track *track, const double camera_m[3],
                                double covariance_m2[9]) {
-  const vista_obstacle_map_params *const params = &frame->params->obstacle_map;
   const vista_camera *const camera = frame->camera;
   const double fb = camera->focal_px * camera->baseline_m, z = camera_m[2];
-  const double share = vista_square(params->lasting_scatter);
-  const double disparity_px = sqrt(vista_square(params->lasting_disparity_px) + share * excess_px2(track, 2) +
-                                   fmax(track->lasting_px2[2], 0.0));
-  const double own_m = hypot(z * z / fb * disparity_px, params->lasting_range_m + thickness_m(params, track));
+  const double share = vista_square(LASTING_SCATTER);
+  const double disparity_px =
+      sqrt(vista_square(LASTING_DISPARITY_PX) + share * excess_px2(track, 2) + fmax(track->lasting_px2[2], 0.0));
+  const double own_m =
+      hypot(z * z / fb * disparity_px, LASTING_RANGE_M + thickness_m(&frame->params->obstacle_map, track));
   const double range_m = hypot(own_m, track->foot_sigma_m);
   const double ray[3] = {camera_m[0] / z, camera_m[1] / z, 1.0};
   double in_camera[9];
@@ -88,10 +97,10 @@ static void lasting_covariance(const vista_frame_view *frame, const vista_track 
     for (int j = 0; j < 3; ++j) in_camera[3 * i + j] = range_m * range_m * ray[i] * ray[j];
   for (int i = 0; i < 2; ++i) {
     const double center_px =
-        sqrt(vista_square(params->lasting_center_px) + share * excess_px2(track, i) + fmax(track->lasting_px2[i], 0.0));
+        sqrt(vista_square(LASTING_CENTER_PX) + share * excess_px2(track, i) + fmax(track->lasting_px2[i], 0.0));
     const double pixels_m = center_px * z / camera->focal_px;
     const double longer_m = fmax(track->extent_m[i] - LONG_RATIO * fmin(track->extent_m[0], track->extent_m[1]), 0.0);
-    const double share_m = 0.5 * params->lasting_center_ratio * longer_m;
+    const double share_m = 0.5 * LASTING_CENTER_RATIO * longer_m;
     in_camera[4 * i] += pixels_m * pixels_m + share_m * share_m;
   }
   vista_frame_covariance_to_world(&frame->motion.pose, in_camera, covariance_m2);

@@ -7,8 +7,16 @@
 #include <string.h>
 
 #include "common/depth.h"
+#include "common/image_noise.h"
 #include "common/numbers.h"
 #include "common/wide_vectors.h"
+
+/* Alpha_d of the paper: weight of the intensity term in the sum; the disparity term has the rest. */
+#define ALPHA_INTENSITY 0.5
+/* Px per px between the centres, added to mu_disparity_px: cells of the periphery lie farther apart. */
+#define MU_DISPARITY_SLOPE 0.1
+#define MU_INTENSITY_NOISE 0.5 /* mu_intensity is at least this many sigmas of the noise of the image */
+#define FLOW_CONSTANT 10000.0 /* C of the paper: its square root is the ratio of the strongest to the weakest edge */
 
 vista_status vista_affinity_layout(vista_affinity *affinity, vista_arena *arena, const vista_foveation *foveation) {
   const size_t arcs = (size_t)foveation->graph.arc_count;
@@ -20,8 +28,8 @@ vista_status vista_affinity_layout(vista_affinity *affinity, vista_arena *arena,
 
 int32_t vista_flow_encode(const vista_affinity_params *params, double affinity) {
   const double flow = params->flow_encoding == VISTA_AFFINITY_FLOW_ENCODING_LINEAR
-                          ? params->flow_scale * (affinity + 1.0) / 2.0
-                          : params->flow_scale * pow(params->flow_constant, (affinity - 1.0) / 2.0);
+                          ? VISTA_FLOW_SCALE * (affinity + 1.0) / 2.0
+                          : VISTA_FLOW_SCALE * pow(FLOW_CONSTANT, (affinity - 1.0) / 2.0);
   return flow < 1.0 ? 1 : (int32_t)lround(flow);
 }
 
@@ -70,10 +78,12 @@ static void gather(const vista_foveation *f, const vista_cells *cells, int32_t f
   }
 }
 
-VISTA_WIDE_VECTORS static void find_exponents(const vista_affinity_params *params, const vista_camera *camera,
-                                              int32_t count, edges *e) {
-  const float mu_i = (float)params->mu_intensity, sigma_i = (float)params->sigma_intensity;
-  const float mu_px = (float)params->mu_disparity_px, slope = (float)params->mu_disparity_slope;
+VISTA_WIDE_VECTORS static void find_exponents(const vista_frame_view *frame, int32_t count, edges *e) {
+  const vista_affinity_params *const params = &frame->params->affinity;
+  const vista_camera *const camera = frame->camera;
+  const float mu_i = (float)vista_image_noise_threshold(&frame->noise, params->mu_intensity, MU_INTENSITY_NOISE);
+  const float sigma_i = (float)params->sigma_intensity;
+  const float mu_px = (float)params->mu_disparity_px, slope = (float)MU_DISPARITY_SLOPE;
   const float sigma_d = (float)params->sigma_disparity_px, mu_depth_m = (float)params->mu_depth_m;
   for (int32_t k = 0; k < count; ++k) {
     const float a = e->disparity_a[k], b = e->disparity_b[k];
@@ -86,7 +96,7 @@ VISTA_WIDE_VECTORS static void find_exponents(const vista_affinity_params *param
 }
 
 static void weigh(const vista_affinity_params *params, int32_t count, edges *e) {
-  const float alpha = (float)params->alpha_intensity;
+  const float alpha = (float)ALPHA_INTENSITY;
   const bool sum = params->form == VISTA_AFFINITY_FORM_SUM;
   for (int32_t k = 0; k < count; ++k) {
     const float exponent_i = e->intensity_exponent[k], exponent_d = e->disparity_exponent[k];
@@ -133,13 +143,13 @@ static void scatter(const vista_graph *graph, int32_t first, int32_t count, cons
 void vista_affinity_compute(const vista_frame_view *frame, const vista_cells *cells, vista_affinity *affinity) {
   const vista_foveation *const foveation = frame->foveation;
   const vista_affinity_params *const params = &frame->params->affinity;
-  const double doublings = 0.5 * log2(params->flow_constant);
-  const exponential curve = {log2(params->flow_scale) - doublings, doublings};
+  const double doublings = 0.5 * log2(FLOW_CONSTANT);
+  const exponential curve = {log2(VISTA_FLOW_SCALE) - doublings, doublings};
   edges e;
   for (int32_t first = 0; first < foveation->graph.edge_count; first += EDGES) {
     const int32_t left = foveation->graph.edge_count - first, count = left < EDGES ? left : EDGES;
     gather(foveation, cells, first, count, &e);
-    find_exponents(params, frame->camera, count, &e);
+    find_exponents(frame, count, &e);
     weigh(params, count, &e);
     encode(params, &curve, e.weight, count, e.capacity);
     encode(params, &curve, e.intensity_weight, count, e.intensity_capacity);

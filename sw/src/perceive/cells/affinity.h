@@ -20,6 +20,8 @@
 #include "vista/parameters.h"
 #include "vista/status.h"
 
+#define VISTA_FLOW_SCALE 10000.0 /* capacity of an edge of affinity 1 */
+
 typedef struct vista_affinity {
   float *weight;     /* graph.arc_count: w_ij, 0 .. 1; both arcs of an edge are equal */
   int32_t *capacity; /* graph.arc_count: F(w_ij) */

@@ -11,6 +11,8 @@
 #include "vista/types.h"
 #include "vista/word.h"
 
+#define VALID_MIN_FRACTION 0.3 /* of its pixels with a disparity: fewer, and a cell has none */
+
 vista_status vista_cells_layout(vista_cells *cells, vista_arena *arena, const vista_foveation *foveation) {
   const size_t node_count = (size_t)foveation->max_nodes;
   cells->intensity = vista_arena_take(arena, node_count, sizeof(float));
@@ -97,16 +99,14 @@ VISTA_WIDE_VECTORS static float mean_of(const uint8_t *greys, int32_t count) {
   return (float)sum / (float)count;
 }
 
-static void set_disparity(const vista_foveation_params *params, const vista_words_median *median, int32_t count,
-                          int32_t node, vista_cells *cells) {
+static void set_disparity(const vista_words_median *median, int32_t count, int32_t node, vista_cells *cells) {
   cells->valid_fraction[node] = (float)median->range.valid / (float)count;
-  const bool enough = median->range.valid > 0 && cells->valid_fraction[node] >= (float)params->min_valid_fraction;
+  const bool enough = median->range.valid > 0 && cells->valid_fraction[node] >= (float)VALID_MIN_FRACTION;
   cells->disparity_px[node] = enough ? (float)median->word / VISTA_DISPARITY_SCALE : -1.0f;
 }
 
 typedef struct job {
   const vista_foveation *foveation;
-  const vista_foveation_params *params;
   const vista_image *image;
   const vista_disparity_image *disparity;
   vista_cells *cells;
@@ -121,12 +121,12 @@ static void foveate_cell(const job *j, int32_t node, int16_t *of_cell) {
     int16_t words[4];
     sample_point(f, j->image, j->disparity, node, cells, words);
     const vista_words_median median = vista_median_of_four(words);
-    set_disparity(j->params, &median, 4, node, cells);
+    set_disparity(&median, 4, node, cells);
     cells->range[node] = vista_range_of_words(cells->words + first, count);
   } else {
     cells->intensity[node] = mean_of(cells->greys + first, count);
     const vista_words_median median = vista_median_word(cells->words + first, count, of_cell);
-    set_disparity(j->params, &median, count, node, cells);
+    set_disparity(&median, count, node, cells);
     cells->range[node] = median.range;
   }
 }
@@ -143,6 +143,6 @@ static void foveate_part(void *context, int32_t part, int32_t worker) {
 }
 
 void vista_foveate(const vista_frame_view *frame, vista_cells *cells) {
-  job j = {frame->foveation, &frame->params->foveation, &frame->image, &frame->words, cells};
+  job j = {frame->foveation, &frame->image, &frame->words, cells};
   vista_team_share(cells->team, foveate_part, &j, PARTS);
 }

@@ -6,6 +6,9 @@
 
 #include "common/wide_vectors.h"
 
+#define GROUND_TILT_DEG 15.0 /* the ground leans at most this from the horizontal */
+/* Least of the area below the horizon that has a disparity, after what lies below the plane is taken off. */
+#define GROUND_SHARE 0.03
 #define LEVEL_TRIALS 256      /* one cell each, on a plane as level as the attitude has it */
 #define TRIALS 2048           /* three cells each */
 #define LEAN_COST 0.8f        /* of the score, at the steepest that is allowed: a level plane is likelier */
@@ -202,10 +205,9 @@ static void settle(search *s) {
 bool vista_find_ground_plane(const vista_frame_view *frame, const vista_cells *cells, const float *inclination_deg,
                              int32_t *candidates, vista_plane *plane) {
   const vista_foveation *const foveation = frame->foveation;
-  const vista_surface_params *const params = &frame->params->surface;
   const vista_camera *const camera = frame->camera;
   const double *const up_camera = frame->up_camera;
-  const int32_t count = collect(foveation, camera, up_camera, params->ground_tilt_deg, cells, candidates);
+  const int32_t count = collect(foveation, camera, up_camera, GROUND_TILT_DEG, cells, candidates);
   if (count < MIN_CELLS) return false;
   sample scored[MAX_SCORED];
   const int32_t scored_count = count < MAX_SCORED ? count : MAX_SCORED;
@@ -218,11 +220,11 @@ bool vista_find_ground_plane(const vista_frame_view *frame, const vista_cells *c
   fill_jury(&all, scored, scored_count);
   search s = {.camera = camera,
               .up = up_camera,
-              .least_cosine = cos(params->ground_tilt_deg / VISTA_DEGREES_PER_RADIAN),
+              .least_cosine = cos(GROUND_TILT_DEG / VISTA_DEGREES_PER_RADIAN),
               .jury = &all,
               .samples = scored,
               .count = scored_count,
-              .best = (float)params->ground_share * whole};
+              .best = (float)GROUND_SHARE * whole};
   uint32_t state = 1;
   vista_plane trial_plane;
   for (int trial = 0; trial < LEVEL_TRIALS; ++trial)

@@ -7,6 +7,8 @@
 
 #include "common/wide_vectors.h"
 
+/* Cells at least this far apart are compared, so that the noise of a disparity does not tilt the surface. */
+#define LEVER_PX 8.0
 #define CHUNK 32        /* cells of a ring that are treated at once */
 #define LEAST_CELLS 5.0 /* that a plane is fitted to */
 #define UNKNOWN (-1.0f)
@@ -147,7 +149,7 @@ void vista_inclination_measure(vista_inclination *w, const vista_frame_view *fra
       if (f->node_of_grid[ring * f->sector_count + s] >= 0)
         size_px = f->size_px[f->node_of_grid[ring * f->sector_count + s]];
     if (size_px == 0.0f) continue;
-    const double lever = ceil(frame->params->surface.lever_px / (double)size_px);
+    const double lever = ceil(LEVER_PX / (double)size_px);
     const int32_t steps = lever > w->margin ? w->margin : (int32_t)lever;
     for (int32_t first = 0; first < f->sector_count; first += CHUNK) {
       const int32_t left = f->sector_count - first;
@@ -167,14 +169,13 @@ VISTA_WIDE_VECTORS static void add_votes(const float *restrict degrees, int32_t 
 void vista_inclination_vote(vista_inclination *w, const vista_frame_view *frame, const float *inclination_deg,
                             uint8_t *horizontal) {
   const vista_foveation *const f = frame->foveation;
-  const double horizontal_deg = frame->params->surface.horizontal_deg;
   const int32_t sectors = f->sector_count;
   fill_grid(w, f, inclination_deg, w->value);
   for (int32_t ring = 0; ring < f->ring_count; ++ring) {
     int32_t balance[VISTA_MOST_SECTORS] = {0};
     for (int32_t r = ring - 1; r <= ring + 1; ++r)
       for (int32_t shift = -1; shift <= 1 && r >= 0 && r < f->ring_count; ++shift)
-        add_votes(row_of(w, w->value, r) + shift, sectors, (float)horizontal_deg, balance);
+        add_votes(row_of(w, w->value, r) + shift, sectors, (float)VISTA_HORIZONTAL_DEG, balance);
     for (int32_t s = 0; s < sectors; ++s) {
       const int32_t node = f->node_of_grid[ring * sectors + s];
       if (node >= 0) horizontal[node] = inclination_deg[node] >= 0.0f && balance[s] > 0;

@@ -21,7 +21,7 @@ void vista_inclination_measure(vista_inclination *inclination, const vista_frame
                                float *inclination_deg);
 
 /* Of each cell but the hub with an inclination: whether most of it and its neighbours that have one lean at least
- * horizontal_deg. horizontal: node_count. */
+ * VISTA_HORIZONTAL_DEG. horizontal: node_count. */
 void vista_inclination_vote(vista_inclination *inclination, const vista_frame_view *frame, const float *inclination_deg,
                             uint8_t *horizontal);
 

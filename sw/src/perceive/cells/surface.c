@@ -10,6 +10,9 @@
 #include "perceive/cells/ground_plane.h"
 #include "perceive/cells/inclination.h"
 
+#define GROUND_STEP_PX 0.5 /* cells within this of the ground's plane are ground */
+#define GROUND_STEP_M 0.35 /* cells above the plane by this, too, stand; at most 6 % of the range */
+
 vista_status vista_surfaces_layout(vista_surfaces *surfaces, vista_arena *arena, const vista_foveation *foveation) {
   surfaces->inclination_deg = vista_arena_take(arena, (size_t)foveation->max_nodes, sizeof(float));
   surfaces->horizontal = vista_arena_take(arena, (size_t)foveation->max_nodes, sizeof(uint8_t));
@@ -32,7 +35,6 @@ double vista_plane_inclination_deg(const vista_camera *camera, const double up_c
  * what is well above it stands: the top of a thing may lean, but it is no surface to fly along. */
 static void compare_with_ground(const vista_frame_view *frame, const vista_cells *cells, vista_surfaces *surfaces) {
   const vista_foveation *const f = frame->foveation;
-  const vista_surface_params *const params = &frame->params->surface;
   const vista_camera *const camera = frame->camera;
   const vista_plane *const plane = &surfaces->ground;
   for (int32_t i = 0; i < f->node_count; ++i) {
@@ -40,9 +42,9 @@ static void compare_with_ground(const vista_frame_view *frame, const vista_cells
     if (d <= 0.0) continue;
     const double u = (double)f->center_u[i], v = (double)f->center_v[i];
     const double ground = vista_plane_disparity_px(plane, camera, u, v);
-    if (d < ground - params->ground_step_px) continue;
-    const double step_m = (double)vista_limit_m(camera, (float)d, (float)params->ground_step_m);
-    const bool stands = d >= ground + params->ground_step_px && vista_plane_height_m(plane, camera, u, v, d) >= step_m;
+    if (d < ground - GROUND_STEP_PX) continue;
+    const double step_m = (double)vista_limit_m(camera, (float)d, (float)GROUND_STEP_M);
+    const bool stands = d >= ground + GROUND_STEP_PX && vista_plane_height_m(plane, camera, u, v, d) >= step_m;
     surfaces->horizontal[i] = !stands;
   }
 }

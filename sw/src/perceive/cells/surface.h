@@ -23,15 +23,18 @@
 #include "vista/status.h"
 #include "vista/types.h"
 
+/* A surface that leans more than this from the vertical is one to fly along, not into. */
+#define VISTA_HORIZONTAL_DEG 55.0
+
 typedef struct vista_inclination vista_inclination; /* inclination.h */
 
 typedef struct vista_surfaces {
   float *inclination_deg; /* node_count: 0 upright .. 90 horizontal; negative: unknown */
-  uint8_t *horizontal;    /* node_count: 1 on the ground, or where most cells around lean more than horizontal_deg */
-  int32_t *candidates;    /* scratch, node_count */
+  uint8_t *horizontal; /* node_count: 1 on the ground, or where most cells around lean more than VISTA_HORIZONTAL_DEG */
+  int32_t *candidates; /* scratch, node_count */
   vista_inclination *inclination; /* scratch */
-  bool ground_found;      /* there is a plane below that enough cells lie on: the ground, */
-  vista_plane ground;     /* its disparity, in pixels from the principal point */
+  bool ground_found; /* there is a plane below that enough cells lie on: the ground, */
+  vista_plane ground; /* its disparity, in pixels from the principal point */
 } vista_surfaces;
 
 vista_status vista_surfaces_layout(vista_surfaces *surfaces, vista_arena *arena, const vista_foveation *foveation);

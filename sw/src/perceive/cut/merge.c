@@ -7,16 +7,19 @@
 #include "common/numbers.h"
 #include "perceive/cut/seed_step.h"
 
+/* Two regions are one if more than half of the edges between them, and this of the shorter perimeter, are smooth. */
+#define MERGE_SHARE 0.1
+
 /* Edges across the boundary of one pair of regions. */
 typedef struct border {
-  int64_t key;   /* 1 + low label * region_count + high label; 0: an empty slot */
+  int64_t key; /* 1 + low label * region_count + high label; 0: an empty slot */
   int32_t known; /* edges with a disparity at both ends */
   int32_t smooth;
 } border;
 
 struct vista_merge {
   int32_t *perimeter, *parent, *new_label; /* a region each; parent: disjoint sets */
-  border *table;                           /* hash table, empty between calls */
+  border *table; /* hash table, empty between calls */
   int32_t slot_bits;
   int32_t *used; /* slots of the table, used_count of them */
   int32_t used_count;
@@ -75,7 +78,6 @@ static void measure_borders(vista_merge *m, const vista_frame_view *frame, const
 
 int32_t vista_merge_regions(vista_merge *merge, const vista_frame_view *frame, const vista_cells *cells, int32_t *label,
                             int32_t region_count) {
-  const vista_segmentation_params *const params = &frame->params->segmentation;
   vista_merge *const m = merge;
   m->used_count = 0;
   for (int32_t k = 0; k < region_count; ++k) {
@@ -87,7 +89,7 @@ int32_t vista_merge_regions(vista_merge *merge, const vista_frame_view *frame, c
     border *const across = &m->table[m->used[k]];
     const int32_t a = (int32_t)((across->key - 1) / region_count), b = (int32_t)((across->key - 1) % region_count);
     const int32_t shorter = m->perimeter[a] < m->perimeter[b] ? m->perimeter[a] : m->perimeter[b];
-    if (2 * across->smooth > across->known && across->smooth >= params->merge_share * shorter)
+    if (2 * across->smooth > across->known && across->smooth >= MERGE_SHARE * shorter)
       (void)vista_sets_join(m->parent, a, b);
     *across = (border){0};
   }

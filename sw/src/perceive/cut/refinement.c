@@ -8,8 +8,17 @@
 #include "common/wide_vectors.h"
 #include "common/word_blocks.h"
 
+/* Of a pixel's difference from a cell that weighs as much as one cell of distance at compactness 1. */
+#define SIGMA_LEVELS 10.0
+#define SIGMA_NOISE 1.5 /* SIGMA_LEVELS is at least this many sigmas of the noise of the image */
+#define CONTRAST_LIMIT 3.0 /* in sigma_intensity: a larger difference weighs no more */
+#define MIXED_PENALTY 0.75 /* cost of a cell at a border: it may show parts of both regions */
+#define COMPACTNESS 0.5 /* cost of a pixel one cell's size away from the centre of a cell */
+/* By how much a pixel is farther than a cell that weighs as much as one sigma_intensity; a nearer one costs nothing. */
+#define SIGMA_DISPARITY_PX 0.5
+#define DISPARITY_LIMIT 2.0 /* in SIGMA_DISPARITY_PX: a larger difference weighs no more */
 #define MAX_CANDIDATES 8 /* a cell and its neighbours; the hub has more of these, and stays as it is */
-#define BATCH 256        /* pixels treated at once */
+#define BATCH 256 /* pixels treated at once */
 #define LANES VISTA_WORD_BLOCK /* counts are rounded up to a multiple: lists are as long, and loops need no remainder */
 #define COST_ONE 65536.0f /* of the costs as whole numbers; parameters and neighbours keep a cost below 4096 */
 
@@ -41,17 +50,16 @@ typedef struct candidate {
 } candidate;
 
 /* The cell itself first, so that it keeps what is as near to another one. */
-static int32_t list_candidates(const vista_foveation *f, const vista_refinement_params *params,
-                               const vista_cells *cells, const int32_t *label, const uint8_t *border, int32_t node,
-                               candidate out[MAX_CANDIDATES]) {
+static int32_t list_candidates(const vista_foveation *f, const vista_cells *cells, const int32_t *label,
+                               const uint8_t *border, int32_t node, candidate out[MAX_CANDIDATES]) {
   const int32_t first = f->graph.first_arc[node], end = f->graph.first_arc[node + 1];
   int32_t count = 0;
   for (int32_t arc = first - 1; arc < end && count < MAX_CANDIDATES; ++arc) {
     const int32_t i = arc < first ? node : f->graph.head[arc];
     if (i == 0) continue; /* the hub's size says nothing of how far it reaches */
     const float u = f->center_u[i] - f->center_u[node], v = f->center_v[i] - f->center_v[node];
-    const float per_px2 = (float)params->compactness / (f->size_px[i] * f->size_px[i]);
-    const float penalty = border[i] ? (float)params->mixed_penalty : 0.0f;
+    const float per_px2 = (float)COMPACTNESS / (f->size_px[i] * f->size_px[i]);
+    const float penalty = border[i] ? (float)MIXED_PENALTY : 0.0f;
     out[count++] = (candidate){.intensity = cells->intensity[i],
                                .word = cells->disparity_px[i] * VISTA_DISPARITY_SCALE,
                                .at_center = penalty + per_px2 * (u * u + v * v),
@@ -71,15 +79,15 @@ typedef struct batch {
 
 /* Of equal costs the first candidate's counts. Without a comparison of floats, which would cost more:
  * 2 min(a, b) = a + b - |a - b|. */
-static inline void try_candidate(const vista_refinement_params *params, const candidate *one, int32_t count,
-                                 batch *restrict b, int32_t *restrict label) {
-  const float per_level = COST_ONE * (float)(1.0 / params->sigma_intensity);
-  const float limit = COST_ONE * (float)params->contrast_limit;
+static inline void try_candidate(double sigma_levels, const candidate *one, int32_t count, batch *restrict b,
+                                 int32_t *restrict label) {
+  const float per_level = COST_ONE * (float)(1.0 / sigma_levels);
+  const float limit = COST_ONE * (float)CONTRAST_LIMIT;
   const float intensity = one->intensity, at_center = COST_ONE * one->at_center;
   const float per_u = COST_ONE * one->per_u, per_v = COST_ONE * one->per_v, per_px2 = COST_ONE * one->per_px2;
   const float per_word =
-      one->word < 0.0f ? 0.0f : COST_ONE * (float)(1.0 / (params->sigma_disparity_px * VISTA_DISPARITY_SCALE));
-  const float word = one->word, most = COST_ONE * (float)params->disparity_limit;
+      one->word < 0.0f ? 0.0f : COST_ONE * (float)(1.0 / (SIGMA_DISPARITY_PX * VISTA_DISPARITY_SCALE));
+  const float word = one->word, most = COST_ONE * (float)DISPARITY_LIMIT;
   const int32_t own = one->label;
   for (int32_t k = 0; k < count; ++k) {
     const float levels = fabsf(b->grey[k] - intensity) * per_level;
@@ -102,9 +110,9 @@ typedef struct cell_pixels {
   const int16_t *words;
 } cell_pixels;
 
-VISTA_WIDE_VECTORS static void solve(const vista_refinement_params *params, const candidate *candidates,
-                                     int32_t candidate_count, const cell_pixels *pixels, float center_u, float center_v,
-                                     int32_t pixel_count, int32_t *label) {
+VISTA_WIDE_VECTORS static void solve(double sigma_levels, const candidate *candidates, int32_t candidate_count,
+                                     const cell_pixels *pixels, float center_u, float center_v, int32_t pixel_count,
+                                     int32_t *label) {
   const int16_t *const us = pixels->us, *const vs = pixels->vs, *const words = pixels->words;
   const uint8_t *const greys = pixels->greys;
   batch b;
@@ -120,7 +128,7 @@ VISTA_WIDE_VECTORS static void solve(const vista_refinement_params *params, cons
     }
     for (int32_t k = left; k < count; ++k)
       b.u[k] = b.v[k] = b.r2[k] = b.grey[k] = b.word[k] = 0.0f; /* pixels of another cell */
-    for (int32_t c = 0; c < candidate_count; ++c) try_candidate(params, &candidates[c], count, &b, label + first);
+    for (int32_t c = 0; c < candidate_count; ++c) try_candidate(sigma_levels, &candidates[c], count, &b, label + first);
   }
 }
 
@@ -163,7 +171,7 @@ VISTA_WIDE_VECTORS static void draw(const vista_foveation *f, int32_t first_row,
 
 typedef struct job {
   const vista_foveation *foveation;
-  const vista_refinement_params *params;
+  double sigma_levels;
   const vista_cells *cells;
   const int32_t *label;
   vista_refinement *refinement;
@@ -172,13 +180,13 @@ typedef struct job {
 #define PARTS 16
 
 /* Solves a cell where the list has no room for whole vectors: behind the part's last cell it is another thread's. */
-static void solve_last(const vista_refinement_params *params, const candidate *candidates, int32_t candidate_count,
+static void solve_last(double sigma_levels, const candidate *candidates, int32_t candidate_count,
                        const cell_pixels *pixels, float center_u, float center_v, int32_t pixel_count, int32_t *label) {
   int32_t found[BATCH];
   for (int32_t i = 0; i < pixel_count; i += BATCH) {
     const int32_t count = pixel_count - i < BATCH ? pixel_count - i : BATCH;
     const cell_pixels some = {pixels->us + i, pixels->vs + i, pixels->greys + i, pixels->words + i};
-    solve(params, candidates, candidate_count, &some, center_u, center_v, count, found);
+    solve(sigma_levels, candidates, candidate_count, &some, center_u, center_v, count, found);
     memcpy(label + i, found, (size_t)count * sizeof *found);
   }
 }
@@ -199,14 +207,14 @@ static void solve_part(void *context, int32_t part, int32_t worker) {
       continue;
     }
     candidate candidates[MAX_CANDIDATES];
-    const int32_t count = list_candidates(f, j->params, j->cells, j->label, border, node, candidates);
+    const int32_t count = list_candidates(f, j->cells, j->label, border, node, candidates);
     const int32_t pixels = f->pixel_count[node], room = f->first_pixel[end_node] - first;
     const float u = f->center_u[node], v = f->center_v[node];
     const cell_pixels all = {f->pixel_u + first, f->pixel_v + first, j->cells->greys + first, j->cells->words + first};
     if (whole_vectors(pixels) <= room)
-      solve(j->params, candidates, count, &all, u, v, pixels, listed + first);
+      solve(j->sigma_levels, candidates, count, &all, u, v, pixels, listed + first);
     else
-      solve_last(j->params, candidates, count, &all, u, v, pixels, listed + first);
+      solve_last(j->sigma_levels, candidates, count, &all, u, v, pixels, listed + first);
   }
 }
 
@@ -221,7 +229,8 @@ static void draw_part(void *context, int32_t part, int32_t worker) {
 void vista_refine(const vista_frame_view *frame, const vista_cells *cells, const int32_t *region_of_cell,
                   vista_refinement *refinement) {
   mark_borders(&frame->foveation->graph, region_of_cell, refinement->border);
-  job j = {frame->foveation, &frame->params->refinement, cells, region_of_cell, refinement};
+  job j = {frame->foveation, vista_image_noise_threshold(&frame->noise, SIGMA_LEVELS, SIGMA_NOISE), cells,
+           region_of_cell, refinement};
   vista_team_share(refinement->team, solve_part, &j, PARTS);
   vista_team_share(refinement->team, draw_part, &j, PARTS);
 }

@@ -7,6 +7,8 @@
 #include "common/numbers.h"
 #include "perceive/cut/seed_step.h"
 
+#define BRIDGE_M 2.0 /* parts up to this far apart, with only cells without disparity between them, are one seed */
+#define SHELL_PX 6.0 /* cells of a seed this near to an edge of depth stay free in the cut: half the matching block */
 #define FARTHEST_STEP_PX 30.0f /* no slope is believed beyond this */
 
 /* A length in baselines as seen at a disparity: f length / Z. */
@@ -22,7 +24,7 @@ void vista_seeds_bridge(const vista_frame_view *frame, const vista_cells *cells,
   int32_t *const owner = seeds->reached_from;
   int32_t *const queue = seeds->queue;
   float *const length_px = seeds->length_px;
-  const float bridge = (float)(params->bridge_m / camera->baseline_m);
+  const float bridge = (float)(BRIDGE_M / camera->baseline_m);
   int32_t count = 0;
   for (int32_t i = 0; i < graph->node_count; ++i) {
     const bool stands = vista_standing(cells, surfaces, i);
@@ -96,7 +98,7 @@ static float to_farther_side_px(const vista_frame_view *frame, const vista_cells
 
 void vista_seeds_find_shell(const vista_frame_view *frame, const vista_cells *cells, vista_seeds *seeds) {
   const vista_foveation *const foveation = frame->foveation;
-  const float reach_px = (float)frame->params->segmentation.shell_px;
+  const float reach_px = (float)SHELL_PX;
   float *const length_px = seeds->length_px;
   int32_t count = 0;
   for (int32_t i = 0; i < foveation->node_count; ++i) {

@@ -8,6 +8,9 @@
 #include "perceive/cut/seed_extent.h"
 #include "perceive/cut/seed_step.h"
 
+/* Cells that no obstacle claims form seeds of the rest along edges of at least this affinity. */
+#define REST_AFFINITY 0.7
+#define REST_AREA_PX2 60.0 /* smallest seed of the rest that is cut out */
 #define WORD_BINS (INT16_MAX + 1) /* one a word */
 
 vista_status vista_seeds_layout(vista_seeds *seeds, vista_arena *arena, const vista_foveation *foveation) {
@@ -116,7 +119,6 @@ void vista_seeds_of_obstacles(const vista_frame_view *frame, const vista_cells *
 void vista_seeds_of_rest(const vista_frame_view *frame, const vista_affinity *affinity, const vista_surfaces *surfaces,
                          const int32_t *label, vista_seeds *seeds) {
   const vista_foveation *const foveation = frame->foveation;
-  const vista_segmentation_params *const params = &frame->params->segmentation;
   const vista_graph *const graph = &foveation->graph;
   int32_t count = 0;
   for (int32_t i = 0; i < graph->node_count; ++i) {
@@ -130,9 +132,9 @@ void vista_seeds_of_rest(const vista_frame_view *frame, const vista_affinity *af
     for (int32_t arc = graph->first_arc[i]; arc < graph->first_arc[i + 1]; ++arc) {
       const int32_t j = graph->head[arc];
       if (j < i || label[j] >= 0 || surfaces->horizontal[i] != surfaces->horizontal[j]) continue;
-      if (affinity->weight[arc] >= (float)params->rest_affinity) vista_seeds_join(seeds, i, j);
+      if (affinity->weight[arc] >= (float)REST_AFFINITY) vista_seeds_join(seeds, i, j);
     }
   }
-  number_seeds(seeds, graph->node_count, seeds->order, count, params->rest_area_px2);
+  number_seeds(seeds, graph->node_count, seeds->order, count, REST_AREA_PX2);
   for (int32_t k = 0; k < seeds->count; ++k) seeds->min_disparity_px[k] = seeds->max_disparity_px[k] = -1.0f;
 }

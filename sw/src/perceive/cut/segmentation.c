@@ -9,6 +9,9 @@
 #include "perceive/cut/seed_step.h"
 #include "perceive/cut/spanning_forest.h"
 
+#define UNKNOWN_LINK 0.03 /* of VISTA_FLOW_SCALE: what it costs to take a textureless cell into an obstacle */
+#define MISMATCH_LINK 0.5 /* the same per pixel of disparity beyond the seed's own range, at most four times this */
+
 vista_status vista_segmentation_layout(vista_segmentation *segmentation, vista_arena *arena,
                                        const vista_foveation *foveation) {
   vista_segmentation *const s = segmentation;
@@ -42,17 +45,16 @@ typedef struct view {
   const vista_cells *cells;
   const vista_surfaces *surfaces;
   const vista_affinity *affinity;
-  double flow_scale;
 } view;
 
 /* Data term of a free cell: pull towards T while an obstacle seed is cut out. */
 static int32_t sink_link(const view *w, const vista_seeds *seeds, int32_t seed, int32_t node) {
   if (seeds->max_disparity_px[seed] < 0.0f) return 0; /* the rest has no disparity to disagree with */
-  if (w->surfaces->horizontal[node]) return (int32_t)(w->params->horizontal_link * w->flow_scale);
+  if (w->surfaces->horizontal[node]) return (int32_t)(w->params->horizontal_link * VISTA_FLOW_SCALE);
   const float d = w->cells->disparity_px[node];
-  if (d < 0.0f) return (int32_t)(w->params->unknown_link * w->flow_scale);
+  if (d < 0.0f) return (int32_t)(UNKNOWN_LINK * VISTA_FLOW_SCALE);
   const float beyond = fmaxf(d - seeds->max_disparity_px[seed], seeds->min_disparity_px[seed] - d);
-  return (int32_t)(w->params->mismatch_link * w->flow_scale * (double)fminf(fmaxf(beyond, 0.0f), 4.0f));
+  return (int32_t)(MISMATCH_LINK * VISTA_FLOW_SCALE * (double)fminf(fmaxf(beyond, 0.0f), 4.0f));
 }
 
 /* What a node is to the cut at hand. LINKED: the flow has come to a free one. */
@@ -248,7 +250,7 @@ vista_status vista_segment(const vista_frame_view *frame, const vista_cells *cel
                            const vista_affinity *affinity, vista_segmentation *segmentation) {
   const vista_parameters *const params = frame->params;
   vista_segmentation *const s = segmentation;
-  const view w = {frame->foveation, &params->segmentation, cells, surfaces, affinity, params->affinity.flow_scale};
+  const view w = {frame->foveation, &params->segmentation, cells, surfaces, affinity};
   for (int32_t i = 0; i < frame->foveation->node_count; ++i) s->label[i] = VISTA_NO_LABEL;
   s->region_count = s->cut_count = s->cut_nodes = 0;
 

@@ -7,21 +7,32 @@
 #include "perceive/line/straight_lines.h"
 #include "vista/word.h"
 
+#define APART_PX 1.0 /* a word on the line tells of a thin thing when it is nearer by this than those beside it */
+#define AGREE_PX 0.6 /* such words agree with a straight line in space within this */
+#define AGREE_SHARE 0.7 /* least of these words that agree */
+#define ROWS_MIN 24 /* whose words agree */
+#define ROW_SHARE 0.1 /* least of the line's rows whose words agree */
+/* Least of the rows with any word on the line whose words agree; the others are of what is behind. */
+#define WORD_SHARE 0.27
+#define ROWS_SURE 40 /* so many rows whose words agree are enough, whatever share that is */
+/* Most of the line's rows that have something beside it as near as itself: on a surface it is no thing of its own. */
+#define LEVEL_SHARE 0.25
+#define LENGTH_MIN_M 1.5 /* of a line */
+#define HEIGHT_M 0.5 /* more than half of a line stands at least this far above the ground */
 #define PROPOSALS 64
-#define LEVER_PX 16.0        /* at least, between the two rows of a proposal */
-#define PREFILTER_PX 1       /* by which the Sobel mask widens the block */
-#define CLEAR_PX 4.0         /* between what a block at a side sees and the middle of the line */
-#define SIDE_STEP_PX 4.0     /* to the second word of a side */
-#define ASIDE_PX 2           /* a word may lie so far beside the line */
-#define ROWS_PER_BLOCK 11.0  /* words of so many rows share their errors */
-#define END_ROWS 4           /* whose words agree at each end of a line */
-#define END_ODDS 3.0         /* natural logarithm: beyond, words would be of the line if it went on */
-#define BIAS_PX 0.15         /* error of all words of a line */
-#define ROW_ERROR_PX 0.1     /* by which the rows of the two images are off */
+#define LEVER_PX 16.0 /* at least, between the two rows of a proposal */
+#define PREFILTER_PX 1 /* by which the Sobel mask widens the block */
+#define CLEAR_PX 4.0 /* between what a block at a side sees and the middle of the line */
+#define SIDE_STEP_PX 4.0 /* to the second word of a side */
+#define ASIDE_PX 2 /* a word may lie so far beside the line */
+#define ROWS_PER_BLOCK 11.0 /* words of so many rows share their errors */
+#define END_ROWS 4 /* whose words agree at each end of a line */
+#define END_ODDS 3.0 /* natural logarithm: beyond, words would be of the line if it went on */
+#define BIAS_PX 0.15 /* error of all words of a line */
+#define ROW_ERROR_PX 0.1 /* by which the rows of the two images are off */
 
 /* What the loops over the rows share. */
 typedef struct reading {
-  const vista_thin_params *params;
   const vista_line_view *view;
   const vista_thin_line *line;
   double side_px; /* along the row to where a block no longer holds the line */
@@ -54,7 +65,7 @@ static double on_line(const reading *r, int32_t v, double side, bool *apart) {
   for (int k = 0; k < 3 && !*apart; ++k) {
     const double word = word_at(r->view, places[k], v);
     if (word <= 0.0) continue;
-    *apart = side < 0.0 || word >= side + r->params->apart_px;
+    *apart = side < 0.0 || word >= side + APART_PX;
     if (*apart || any < 0.0) any = word;
   }
   return any;
@@ -119,8 +130,8 @@ static bool stands(const reading *r, const vista_camera *camera, const vista_thi
   int32_t above = 0;
   for (int32_t v = found->first_v_px; v <= found->last_v_px; ++v) {
     const double d = vista_thin_disparity_px(found, v);
-    above += d > 0.0 && vista_plane_height_m(&view->surfaces->ground, camera, vista_thin_u_px(r->line, v), v, d) >=
-                            r->params->height_m;
+    above +=
+        d > 0.0 && vista_plane_height_m(&view->surfaces->ground, camera, vista_thin_u_px(r->line, v), v, d) >= HEIGHT_M;
   }
   return 2 * above > found->last_v_px - found->first_v_px + 1;
 }
@@ -142,7 +153,7 @@ static double length_m(const vista_camera *camera, const vista_thin_line *line) 
 /* Whether something beside the line is as near as it, or nearer. */
 static bool is_level(const reading *r, const vista_thin_line *found, int32_t v) {
   const double side = beside(r, v);
-  return side >= 0.0 && side > vista_thin_disparity_px(found, v) - r->params->apart_px;
+  return side >= 0.0 && side > vista_thin_disparity_px(found, v) - APART_PX;
 }
 
 /* Rows with something beside the line that is as near as it, or nearer. */
@@ -202,7 +213,7 @@ static int32_t continued(const reading *r, const vista_camera *camera, const vis
     end = v;
   }
   if (run == VISTA_STRIP_ROWS) end -= run, level -= run;
-  return level > r->params->level_share * (end - found->last_v_px) ? found->last_v_px : end;
+  return level > LEVEL_SHARE * (end - found->last_v_px) ? found->last_v_px : end;
 }
 
 /* From the first to the last row whose words agree, and on as far as the image shows the line. Rows that are alone do
@@ -231,11 +242,10 @@ static void find_foot(const vista_line_view *view, const vista_camera *camera, v
 }
 
 bool vista_line_depth(const vista_line_view *view, const vista_thin_line *line, vista_thin_line *found) {
-  const vista_thin_params *const params = &view->frame->params->thin;
   const vista_camera *const camera = view->frame->camera;
   vista_line_sample *const samples = view->samples;
   const double radius = view->frame->matched.margin_px + PREFILTER_PX; /* of the block */
-  const reading r = {params, view, line, radius * (1.0 + fabs(line->slope)) + CLEAR_PX};
+  const reading r = {view, line, radius * (1.0 + fabs(line->slope)) + CLEAR_PX};
   const int32_t rows = line->last_v_px - line->first_v_px + 1;
   vista_thin_line own = {.u_px = line->u_px,
                          .v_px = line->v_px,
@@ -243,22 +253,22 @@ bool vista_line_depth(const vista_line_view *view, const vista_thin_line *line, 
                          .first_v_px = line->first_v_px,
                          .last_v_px = line->last_v_px};
   own.rows_apart = take_samples(&r, samples, &own);
-  const double fewest = fmax(params->rows_min, params->row_share * rows);
+  const double fewest = fmax(ROWS_MIN, ROW_SHARE * rows);
   if (own.rows_apart < fewest) return false;
   float at = 0.0f, slope = 0.0f;
-  const float reach = (float)params->agree_px;
+  const float reach = (float)AGREE_PX;
   if (propose(samples, own.rows_apart, (float)own.v_px, reach, &at, &slope) < fewest) return false;
   own.disparity_px = at;
   own.disparity_slope = slope;
   for (int k = 0; k < 2; ++k) own.rows_on = refine(samples, own.rows_apart, reach, &own);
-  if (own.rows_on < fmax(fewest, 2 * END_ROWS) || own.rows_on < params->agree_share * own.rows_apart) return false;
-  if (own.rows_on < params->rows_sure && own.rows_on < params->word_share * own.rows) return false;
+  if (own.rows_on < fmax(fewest, 2 * END_ROWS) || own.rows_on < AGREE_SHARE * own.rows_apart) return false;
+  if (own.rows_on < ROWS_SURE && own.rows_on < WORD_SHARE * own.rows) return false;
   set_ends(&r, camera, view->ridge, samples, own.rows_apart, reach, &own);
   if (!(vista_thin_disparity_px(&own, own.first_v_px) > 0.0) || !(vista_thin_disparity_px(&own, own.last_v_px) > 0.0))
     return false;
   own.rows_level = level_rows(&r, &own);
-  if (own.rows_level > params->level_share * (own.last_v_px - own.first_v_px + 1)) return false;
-  if (length_m(camera, &own) < params->length_m || !stands(&r, camera, &own)) return false;
+  if (own.rows_level > LEVEL_SHARE * (own.last_v_px - own.first_v_px + 1)) return false;
+  if (length_m(camera, &own) < LENGTH_MIN_M || !stands(&r, camera, &own)) return false;
   find_foot(view, camera, &own);
   *found = own;
   return true;

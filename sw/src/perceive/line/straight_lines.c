@@ -6,6 +6,14 @@
 
 #include "common/numbers.h"
 
+#define CONTRAST_NOISE 3.0 /* the contrast that counts in full is at least this many sigmas of the image's noise */
+/* Sixteen rows are a piece of a line when their contrasts add up to this share of the full ones. */
+#define PIECE_SUM 0.55
+#define PIECES_MIN 5 /* of a line */
+#define PIECE_SHARE 0.3 /* of the strips from its first to its last piece that have one */
+/* Largest root mean square distance of a line's pieces from the straight line through them, along the row. */
+#define STRAIGHT_PX 0.9
+#define RIDGE_SHARE 0.4 /* least of a line's rows that show it */
 #define APART_PX 5       /* of two pieces in one strip */
 #define LINK_PX 2.0      /* from the line's continuation to the next piece */
 #define LINK_LEAN 4.0    /* columns per strip by which their directions may differ */
@@ -167,7 +175,7 @@ static bool is_known(const vista_straight_lines *lines, const vista_thin_line *l
   return false;
 }
 
-static void grow_from(const vista_thin_params *params, int32_t seed, int32_t *members, vista_straight_lines *lines) {
+static void grow_from(int32_t seed, int32_t *members, vista_straight_lines *lines) {
   const vista_line_piece *const piece = &lines->pieces[seed];
   growth g = {.lean = piece->lean};
   int32_t count = 0;
@@ -176,31 +184,31 @@ static void grow_from(const vista_thin_params *params, int32_t seed, int32_t *me
   const int32_t below = grow(lines, piece->strip, 1, &g, members, &count);
   const int32_t above = grow(lines, piece->strip, -1, &g, members, &count);
   const int32_t strips = below - above + 1;
-  if (count < params->pieces_min || count < params->piece_share * strips) return;
+  if (count < PIECES_MIN || count < PIECE_SHARE * strips) return;
   double u, per_strip;
   line_of(&g, &u, &per_strip);
   const double residual = g.uu - g.u * g.u / g.n - per_strip * (g.tu - g.t * g.u / g.n);
-  if (residual > vista_square(params->straight_px) * g.n) return;
+  if (residual > vista_square(STRAIGHT_PX) * g.n) return;
   const vista_thin_line line = {.u_px = u,
                                 .v_px = (piece->strip + 0.5) * VISTA_STRIP_ROWS - 0.5,
                                 .slope = per_strip / VISTA_STRIP_ROWS,
                                 .first_v_px = above * VISTA_STRIP_ROWS,
                                 .last_v_px = (below + 1) * VISTA_STRIP_ROWS - 1};
   const int32_t rows = line.last_v_px - line.first_v_px + 1;
-  if (rows_on_ridge(&lines->ridge, &line, line.first_v_px, rows) < params->ridge_share * rows) return;
+  if (rows_on_ridge(&lines->ridge, &line, line.first_v_px, rows) < RIDGE_SHARE * rows) return;
   for (int32_t i = 0; i < count; ++i) lines->pieces[members[i]].taken = true;
   if (!is_known(lines, &line)) lines->items[lines->count++] = line;
 }
 
 void vista_straight_lines_find(const vista_frame_view *frame, vista_straight_lines *lines) {
   const vista_thin_params *const params = &frame->params->thin;
-  const double full_levels = fmax(params->contrast, params->contrast_noise * frame->noise.sigma);
+  const double full_levels = fmax(params->contrast, CONTRAST_NOISE * frame->noise.sigma);
   vista_ridge_find(&frame->image, full_levels, &lines->ridge);
-  find_pieces((int32_t)ceil(params->piece_sum * VISTA_STRIP_ROWS * VISTA_RIDGE_FULL), lines);
+  find_pieces((int32_t)ceil(PIECE_SUM * VISTA_STRIP_ROWS * VISTA_RIDGE_FULL), lines);
   sort_pieces(lines);
   lines->count = 0;
   const int32_t pieces = lines->first_piece[lines->ridge.strips];
   int32_t *const members = lines->order + VISTA_PIECES_MAX; /* a piece a strip at most */
   for (int32_t i = 0; i < pieces && lines->count < VISTA_STRAIGHT_LINES_MAX; ++i)
-    if (!lines->pieces[lines->order[i]].taken) grow_from(params, lines->order[i], members, lines);
+    if (!lines->pieces[lines->order[i]].taken) grow_from(lines->order[i], members, lines);
 }

@@ -16,9 +16,9 @@
 #define BAND_SIGMA_PX 6.5  /* standard deviation of a band's pixels across the line: of whole blocks that hold it */
 #define BAND_STEP_PX 1.0   /* between the disparities */
 
-static bool is_certain(const vista_thin_line *line, const vista_reconstruction_params *params, double v) {
+static bool is_certain(const vista_thin_line *line, double v) {
   const double d = vista_thin_disparity_px(line, v);
-  return d >= params->disparity_min_px && vista_thin_sigma_px(line, v) <= DEPTH_SIGMA_MAX * d;
+  return d >= VISTA_RECONSTRUCTED_MIN_PX && vista_thin_sigma_px(line, v) <= DEPTH_SIGMA_MAX * d;
 }
 
 static void point_at(const vista_thin_line *line, const vista_camera *camera, double v, double point_m[3]) {
@@ -36,10 +36,10 @@ typedef struct approach {
 } approach;
 
 static approach approach_of(const vista_thin_line *line, const vista_camera *camera, const vista_flight_path *path,
-                            const vista_collision_volume *volume, const vista_reconstruction_params *params) {
+                            const vista_collision_volume *volume) {
   approach a = {.distance_m = INFINITY};
   for (int32_t v = line->first_v_px; v <= line->last_v_px; ++v) {
-    if (!is_certain(line, params, v)) continue;
+    if (!is_certain(line, v)) continue;
     double point_m[3];
     point_at(line, camera, v, point_m);
     const double along_m = vista_flight_path_along(path, point_m, NULL);
@@ -57,10 +57,10 @@ static approach approach_of(const vista_thin_line *line, const vista_camera *cam
 
 /* Rows of the line within the radius of the point. */
 static double rows_around(const vista_thin_line *line, const vista_camera *camera, const approach *nearest,
-                          double radius_m, const vista_reconstruction_params *params) {
+                          double radius_m) {
   double rows = 0.0;
   for (int32_t v = line->first_v_px; v <= line->last_v_px; ++v) {
-    if (!is_certain(line, params, v)) continue;
+    if (!is_certain(line, v)) continue;
     double offset_m[3];
     point_at(line, camera, v, offset_m);
     for (int i = 0; i < 3; ++i) offset_m[i] -= nearest->point_m[i];
@@ -124,17 +124,16 @@ static int32_t without_bands(const vista_thin_line *line, bool remove, vista_det
 vista_status vista_thin_reconstruct(const vista_frame_view *frame, const vista_thin_lines *lines,
                                     const vista_collision_volume *volume, int32_t first_label,
                                     vista_detections *detections) {
-  const vista_reconstruction_params *const params = &frame->params->reconstruction;
   const vista_flight_path path = vista_collision_volume_path(volume);
   for (int32_t i = 0; i < lines->count; ++i) {
     const vista_thin_line *const line = &lines->items[i];
-    const approach nearest = approach_of(line, frame->camera, &path, volume, params);
+    const approach nearest = approach_of(line, frame->camera, &path, volume);
     if (!nearest.found || nearest.distance_m > REACH_RADII * volume->radius_m) continue;
     const int32_t others = without_bands(line, nearest.pixels > 0.0, detections->items, detections->count);
     if (nearest.pixels == 0.0 && others < detections->count) continue;
     detections->count = others;
     if (detections->count == detections->capacity) return VISTA_ERROR_CAPACITY;
-    const double rows = rows_around(line, frame->camera, &nearest, volume->radius_m, params);
+    const double rows = rows_around(line, frame->camera, &nearest, volume->radius_m);
     detections->items[detections->count++] = detection_of(line, frame->camera, &nearest, rows, first_label + i);
   }
   return VISTA_OK;

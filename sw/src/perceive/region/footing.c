@@ -10,6 +10,8 @@
 #include "common/plane_fit.h"
 #include "common/wide_vectors.h"
 
+/* Pixels of an obstacle whose word is less than this above the ground's plane are the ground at its foot; at most 6 % of the range. */
+#define GROUND_HEIGHT_M 0.2
 #define BEHIND_PX 1.5 /* of disparity: ground farther behind a surface is seen past a thin thing, and stays with it */
 #define FIXED_BITS 12
 #define SLOPE_MAX 2.0 /* px per px */
@@ -84,8 +86,8 @@ static inline bool stands_clear(double ground_px, double ground_slope, double su
          (least_px + surface_slope * last) * low > ground_px + ground_slope * last;
 }
 
-static void clear_row(const vista_region_params *params, const vista_camera *camera, const vista_plane *ground,
-                      double per_m, int32_t v, const int16_t *words, const vista_regions *regions, int32_t *label) {
+static void clear_row(const vista_camera *camera, const vista_plane *ground, double per_m, int32_t v,
+                      const int16_t *words, const vista_regions *regions, int32_t *label) {
   const int32_t width = camera->width_px;
   changes c;
   c.first = c.end = 0;
@@ -94,7 +96,7 @@ static void clear_row(const vista_region_params *params, const vista_camera *cam
     if (label[first] < 0 || label[first] >= regions->count) continue;
     const vista_region *const r = &regions->items[label[first]];
     if (r->verdict != VISTA_REGION_ACCEPTED) continue;
-    const double limit_m = (double)vista_limit_m(camera, (float)r->disparity_px, (float)params->ground_height_m);
+    const double limit_m = (double)vista_limit_m(camera, (float)r->disparity_px, (float)GROUND_HEIGHT_M);
     const double surface_px = vista_region_surface_px(r, first, v);
     const double ground_px = vista_plane_disparity_px(ground, camera, first, v);
     const double low = within(1.0 - limit_m * per_m, 1.0);
@@ -108,7 +110,6 @@ static void clear_row(const vista_region_params *params, const vista_camera *cam
 void vista_footing_clear(const vista_frame_view *frame, const vista_surfaces *surfaces, const vista_regions *regions,
                          vista_refinement *refinement) {
   if (!surfaces->ground_found) return;
-  const vista_region_params *const params = &frame->params->region;
   const vista_camera *const camera = frame->camera;
   const vista_disparity_image *const disparity = &frame->words;
   const vista_plane *const ground = &surfaces->ground;
@@ -116,7 +117,7 @@ void vista_footing_clear(const vista_frame_view *frame, const vista_surfaces *su
   for (int32_t v = 0; v < camera->height_px; ++v) {
     const double left_px = vista_plane_disparity_px(ground, camera, 0.0, v);
     if (fmax(left_px, left_px + ground->slope_u * camera->width_px) <= 0.0) continue; /* above the horizon */
-    clear_row(params, camera, ground, per_m, v, disparity->data + v * disparity->stride, regions,
+    clear_row(camera, ground, per_m, v, disparity->data + v * disparity->stride, regions,
               refinement->label + (ptrdiff_t)v * camera->width_px);
   }
 }

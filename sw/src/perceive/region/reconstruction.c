@@ -5,16 +5,20 @@
 #include "common/ellipse.h"
 #include "common/frame.h"
 
+/* Of the region's half width or height: the segmentation moves the centre of a large region by more. */
+#define CENTER_SIGMA_RATIO 0.1
+#define CORRELATED_PIXELS 60.0 /* boundary inliers that share one matching block count as one */
+
 /* Standard deviation of the centre along one axis. A region cut by the border hides an unknown part of
  * itself: its centre may lie anywhere up to about its own half size further out. */
 static double center_sigma(const vista_reconstruction_params *params, double half_size_px, bool cut) {
-  const double sigma = hypot(params->center_sigma_px, params->center_sigma_ratio * half_size_px);
+  const double sigma = hypot(params->center_sigma_px, CENTER_SIGMA_RATIO * half_size_px);
   return cut ? hypot(sigma, half_size_px) : sigma;
 }
 
 /* The mean of the boundary inliers, of which only every correlated_pixels-th is independent. */
 static double disparity_sigma(const vista_reconstruction_params *params, const vista_region *region) {
-  const double independent = fmax(1.0, region->boundary_inliers / params->correlated_pixels);
+  const double independent = fmax(1.0, region->boundary_inliers / CORRELATED_PIXELS);
   return hypot(params->disparity_sigma_px, region->disparity_sigma_px / sqrt(independent));
 }
 
@@ -40,7 +44,7 @@ vista_status vista_reconstruct_region(const vista_frame_view *frame, const vista
   const vista_camera *const camera = frame->camera;
   const vista_reconstruction_params *const params = &frame->params->reconstruction;
   if (!isfinite(region->disparity_px) || !isfinite(region->disparity_sigma_px)) return VISTA_ERROR_NUMBER;
-  if (region->disparity_px < params->disparity_min_px || region->disparity_sigma_px < 0.0) return VISTA_ERROR_RANGE;
+  if (region->disparity_px < VISTA_RECONSTRUCTED_MIN_PX || region->disparity_sigma_px < 0.0) return VISTA_ERROR_RANGE;
   const vista_margins margins = vista_matched_margins(&frame->matched, region->disparity_px);
   vista_detection result = {
       .label = region->label,
@@ -73,10 +77,9 @@ vista_status vista_reconstruct_region(const vista_frame_view *frame, const vista
 
 vista_status vista_reconstruct_regions(const vista_frame_view *frame, const vista_region *regions, int32_t region_count,
                                        vista_detections *detections) {
-  const vista_reconstruction_params *const params = &frame->params->reconstruction;
   detections->count = 0;
   for (int32_t i = 0; i < region_count; ++i) {
-    if (regions[i].verdict != VISTA_REGION_ACCEPTED || regions[i].disparity_px < params->disparity_min_px) continue;
+    if (regions[i].verdict != VISTA_REGION_ACCEPTED || regions[i].disparity_px < VISTA_RECONSTRUCTED_MIN_PX) continue;
     if (detections->count == detections->capacity) return VISTA_ERROR_CAPACITY;
     const vista_status status = vista_reconstruct_region(frame, &regions[i], &detections->items[detections->count]);
     if (status != VISTA_OK) return status;

@@ -12,6 +12,9 @@
 #include "perceive/region/region_outline.h"
 #include "perceive/region/region_pixels.h"
 
+#define INLIERS_MIN 60 /* of an obstacle, but no more than one of min_size_m has pixels at its range */
+#define STANDING_MIN_FRACTION 0.3 /* a region of which less stands min_height_m above the ground lies on it */
+
 static const char *const verdict_names[VISTA_REGION_VERDICT_COUNT] = {
     [VISTA_REGION_ACCEPTED] = "ACCEPTED",
     [VISTA_REGION_UNKNOWN] = "UNKNOWN",
@@ -93,7 +96,7 @@ static void group_members(const vista_foveation *foveation, const int32_t *label
 /* No more than the smallest obstacle has at that range: far things are small, and soon seen better or refuted. */
 static double fewest_inliers(const vista_region_params *params, const vista_camera *camera, double disparity_px) {
   const double smallest_px = params->min_size_m * disparity_px / camera->baseline_m;
-  return fmin(params->min_inliers, smallest_px * smallest_px);
+  return fmin(INLIERS_MIN, smallest_px * smallest_px);
 }
 
 /* Something is clearly nearer than a region if its disparity is so many times that of the region, and more than it by
@@ -116,7 +119,7 @@ static bool beside_nearer(const int16_t *row, int32_t width, int32_t u, int32_t 
  * decides between disparities, so that the strip may get another one, and keeps beside its thing frame after frame. */
 static bool is_sliver(const vista_region_view *w, const vista_region *region) {
   const vista_foveation *const f = w->foveation;
-  const int32_t block = 2 * (int32_t)w->params->boundary_px; /* half of it to either side of an edge */
+  const int32_t block = 2 * (int32_t)VISTA_BOUNDARY_PX; /* half of it to either side of an edge */
   if (region->pixel_count == 0 || region->max_u_px - region->min_u_px >= WIDEST_BLOCKS * block) return false;
   const double nearer_px = fmax(region->disparity_px * NEARER, region->disparity_px + NEARER_PX);
   if (nearer_px * VISTA_DISPARITY_SCALE >= INT16_MAX) return false;
@@ -145,7 +148,7 @@ static vista_region_verdict measure_own_pixels(const vista_region_view *w, const
   const double fewest = OWN_SHARE * fewest_inliers(w->params, camera, region->disparity_px);
   if (region->pixel_count < fewest || is_sliver(w, region)) return VISTA_REGION_TOO_FEW_PIXELS;
   const double longer_px = 4.0 * sqrt(fmax(region->cov_uu_px2, region->cov_vv_px2));
-  if (longer_px > LONG_BLOCKS * w->params->boundary_px) {
+  if (longer_px > LONG_BLOCKS * VISTA_BOUNDARY_PX) {
     const vista_region all = *region;
     vista_region_keep_inner_pixels(w, surface, region);
     if (region->pixel_count < MIN_INNER_SHARE * all.pixel_count) *region = all;
@@ -178,15 +181,14 @@ static vista_region empty_region(int32_t label, int32_t node_count) {
 /* Weighs what the region's words say. */
 static vista_region_verdict measure(vista_region_view *w, bool seeded, vista_region *region) {
   const vista_camera *const camera = w->frame->camera;
-  const double horizontal_deg = w->frame->params->surface.horizontal_deg;
   vista_plane surface;
   if (!vista_region_measure_boundary(w, region, &surface)) return VISTA_REGION_UNKNOWN;
   const vista_region_params *const p = w->params;
   vista_region_weigh(w, seeded, region);
-  if (region->valid_fraction < p->min_valid_fraction) return VISTA_REGION_UNKNOWN;
+  if (region->valid_fraction < VISTA_REGION_VALID_MIN_FRACTION) return VISTA_REGION_UNKNOWN;
   if (region->boundary_inliers < fewest_inliers(p, camera, region->disparity_px)) return VISTA_REGION_TOO_FEW_PIXELS;
-  const bool leans = region->inclination_deg > horizontal_deg;
-  if (region->standing_fraction < p->min_standing_fraction || (leans && !w->surfaces->ground_found))
+  const bool leans = region->inclination_deg > VISTA_HORIZONTAL_DEG;
+  if (region->standing_fraction < STANDING_MIN_FRACTION || (leans && !w->surfaces->ground_found))
     return VISTA_REGION_HORIZONTAL;
   if (region->evidence.sum < 0.0)
     return region->evidence.lean < 0.0 ? VISTA_REGION_HORIZONTAL : VISTA_REGION_INCONSISTENT;
@@ -215,7 +217,7 @@ static void prepare_part(void *context, int32_t part, int32_t worker) {
   (void)worker;
   const job *const j = context;
   if (part == 0)
-    mark_boundary(j->frame->foveation, j->partition->region_of_cell, j->frame->params->region.boundary_px, j->regions);
+    mark_boundary(j->frame->foveation, j->partition->region_of_cell, VISTA_BOUNDARY_PX, j->regions);
   else
     group_members(j->frame->foveation, j->partition->region_of_cell, j->regions);
 }

@@ -42,7 +42,7 @@ typedef struct vista_region_evidence {
   double boundary; /* edge consistency: share of the boundary's words on one surface (paper, section II-D) */
   double support;  /* share of the boundary's pixels that have a word */
   double size;     /* in metres */
-  double lean;     /* of its surface, beyond horizontal_deg */
+  double lean;     /* of its surface, beyond VISTA_HORIZONTAL_DEG */
   double origin;   /* grown from no disparity of its own */
   double sum;      /* with the prior */
 } vista_region_evidence;

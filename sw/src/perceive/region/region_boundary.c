@@ -8,14 +8,16 @@
 #include "common/wide_vectors.h"
 #include "common/word_blocks.h"
 
+/* The same in depth; the larger of the two holds: near things have relief; at most 6 % of the range. */
+#define TOLERANCE_M 0.5
 #define PLANE_MIN_CELLS 6     /* fewer do not tell a slope from noise */
 #define SPAN_TOLERANCES 4.0 /* a plane that spans fewer has no middle to be seen */
 #define MIDDLE_SHARE 0.25   /* of the area that the middle third of a plane has if it is seen evenly */
 #define MAX_TOLERANCE_PX 32.0 /* keeps the sums of squares of one run inside 32 bits */
 
-double vista_region_tolerance_px(const vista_region_params *params, const vista_camera *camera, double disparity_px) {
-  const double relief = (double)vista_depth_step_px(camera, (float)disparity_px, (float)params->tolerance_m);
-  const double tolerance_px = relief > params->tolerance_px ? relief : params->tolerance_px;
+double vista_region_tolerance_px(const vista_camera *camera, double disparity_px) {
+  const double relief = (double)vista_depth_step_px(camera, (float)disparity_px, (float)TOLERANCE_M);
+  const double tolerance_px = relief > VISTA_TOLERANCE_PX ? relief : VISTA_TOLERANCE_PX;
   return tolerance_px < MAX_TOLERANCE_PX ? tolerance_px : MAX_TOLERANCE_PX;
 }
 
@@ -85,16 +87,16 @@ static vista_word_range count_boundary(const vista_region_view *w, vista_region 
 double vista_region_mode_px(const vista_region_view *w, int32_t low, int32_t top) {
   const vista_camera *const camera = w->frame->camera;
   const uint32_t *const bins = w->bins;
-  const bool even = vista_region_tolerance_px(w->params, camera, top / (double)VISTA_DISPARITY_SCALE) ==
-                    w->params->tolerance_px; /* it grows with the disparity: the least is that of all */
-  const double least_width = 2.0 * VISTA_DISPARITY_SCALE * w->params->tolerance_px;
+  const bool even = vista_region_tolerance_px(camera, top / (double)VISTA_DISPARITY_SCALE) ==
+                    VISTA_TOLERANCE_PX; /* it grows with the disparity: the least is that of all */
+  const double least_width = 2.0 * VISTA_DISPARITY_SCALE * VISTA_TOLERANCE_PX;
   uint32_t sum = 0, best = 0;
   double mode = 0.0;
   for (int32_t end = low, start = 0; end <= top; ++end) {
     if (bins[end] == 0) continue; /* a best window can end on a word that occurs */
-    const double width = even ? least_width
-                              : 2.0 * VISTA_DISPARITY_SCALE *
-                                    vista_region_tolerance_px(w->params, camera, end / (double)VISTA_DISPARITY_SCALE);
+    const double width =
+        even ? least_width
+             : 2.0 * VISTA_DISPARITY_SCALE * vista_region_tolerance_px(camera, end / (double)VISTA_DISPARITY_SCALE);
     if (sum == 0 && end - start > width) start = (int32_t)ceil(end - width); /* nothing lies in between */
     sum += bins[end];
     while (end - start > width) sum -= bins[start++];
@@ -254,7 +256,7 @@ bool vista_region_measure_boundary(vista_region_view *w, vista_region *region, v
   const vista_word_range found = count_boundary(w, region);
   if (region->boundary_valid == 0) return false;
   const double mode = vista_region_mode_px(w, found.least, found.most);
-  w->tolerance_px = vista_region_tolerance_px(w->params, camera, mode);
+  w->tolerance_px = vista_region_tolerance_px(camera, mode);
   const inliers around_mode = inliers_around(w->bins, mode, w->tolerance_px);
   *surface = (vista_plane){.offset = mode + around_mode.mean_px}; /* mode, refined by the mean around it */
   inliers in = inliers_around(w->bins, surface->offset, w->tolerance_px);

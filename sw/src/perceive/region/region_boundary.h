@@ -17,6 +17,10 @@
 #include "vista/types.h"
 #include "vista/word.h"
 
+#define VISTA_BOUNDARY_PX 5.0 /* cells this near to a cell on the boundary belong to it: half the matching block */
+#define VISTA_TOLERANCE_PX 1.0 /* boundary disparities within this of the region's surface are its inliers */
+/* A region with fewer valid pixels cannot be judged by them: it is unknown. */
+#define VISTA_REGION_VALID_MIN_FRACTION 0.15
 #define VISTA_WORD_BINS (INT16_MAX + 1) /* one a valid word: those of coarser levels reach that far */
 #define VISTA_ALL_WORDS (UINT16_MAX + 1) /* with the negative ones, which are invalid */
 
@@ -56,7 +60,7 @@ static inline bool vista_cell_off_plane(const vista_region_view *view, const vis
 }
 
 /* How far a disparity may be off the surface of a region at disparity_px: by noise or by relief. */
-double vista_region_tolerance_px(const vista_region_params *params, const vista_camera *camera, double disparity_px);
+double vista_region_tolerance_px(const vista_camera *camera, double disparity_px);
 
 /* Centre of the window of width 2 tolerance that holds most words of view->bins, none smaller than `low` or larger than
  * `top`; the window grows with the disparity. 0: none. */

@@ -9,6 +9,15 @@
 #include "common/word_blocks.h"
 #include "perceive/region/region_boundary.h"
 
+#define TOP_HEIGHT_M 0.8 /* words higher above the ground weigh more; at most in proportion to min_height_m */
+#define ODDS_STANDING 2.2 /* log-odds added by words that all stand min_height_m above the ground */
+#define ODDS_TOP 1.4 /* by words that all stand TOP_HEIGHT_M above the ground */
+/* By a boundary none of whose words lie on one surface; in proportion for fewer than min_inlier_fraction. */
+#define ODDS_BOUNDARY (-4.0)
+#define ODDS_SUPPORT 0.4 /* by a boundary whose pixels all have a word */
+#define ODDS_SIZE 0.4 /* by each tenfold of a metre in size */
+#define ODDS_UNSEEDED (-0.4) /* to a region that grew from no disparity of its own */
+#define ODDS_LEAN (-1.0) /* by a surface that lies flat, 15 degrees and more beyond VISTA_HORIZONTAL_DEG */
 #define LEAN_SPAN_DEG 15.0 /* from a lean that begins to count to one that counts in full */
 
 /* A word stands h above the ground's plane when (1 - g / w) B / |n| >= h (plane_fit.h), so when w (1 - h |n| / B) >= g
@@ -121,14 +130,13 @@ VISTA_WIDE_VECTORS static word_counts count_words(const vista_region_view *w, co
 
 /* Fits a plane to the horizontal cells around the region's nodes, or takes the ground of the frame where there are
  * none. Returns the part of the region's area that is at least min_height_m off that plane. Without such a plane, or
- * where it leans less than horizontal_deg, the region has nothing to lie on, and the part is 1. */
+ * where it leans less than VISTA_HORIZONTAL_DEG, the region has nothing to lie on, and the part is 1. */
 static double standing_fraction(const vista_region_view *view, double min_height_m) {
   const vista_foveation *const foveation = view->foveation;
   const vista_camera *const camera = view->frame->camera;
   const vista_cells *const cells = view->cells;
   const vista_surfaces *const surfaces = view->surfaces;
   const double *const up_camera = view->frame->up_camera;
-  const double horizontal_deg = view->frame->params->surface.horizontal_deg;
   const int32_t *const members = view->members, member_count = view->member_count;
   const vista_graph *const graph = &foveation->graph;
   vista_plane_fit fit = {0};
@@ -148,7 +156,7 @@ static double standing_fraction(const vista_region_view *view, double min_height
   if (fit.weight < GROUND_MIN_CELLS || !vista_plane_fit_solve(&fit, &plane)) {
     if (!surfaces->ground_found) return 1.0;
   } else if (!(vista_plane_inclination_deg(camera, up_camera, camera->center_u_px, camera->center_v_px, plane.offset,
-                                           plane.slope_u, plane.slope_v) > horizontal_deg)) {
+                                           plane.slope_u, plane.slope_v) > VISTA_HORIZONTAL_DEG)) {
     return 1.0; /* leaning cells here and there, but nothing to lie on */
   }
   double area = 0.0, standing = 0.0;
@@ -169,10 +177,9 @@ static double share(double part, double whole) { return whole > 0.0 ? part / who
 
 void vista_region_weigh(const vista_region_view *w, bool seeded, vista_region *region) {
   const vista_camera *const camera = w->frame->camera;
-  const double horizontal_deg = w->frame->params->surface.horizontal_deg;
   const vista_region_params *const p = w->params;
   const double low_m = (double)vista_limit_m(camera, (float)region->disparity_px, (float)p->min_height_m);
-  const double top_m = low_m * p->top_height_m / p->min_height_m;
+  const double top_m = low_m * TOP_HEIGHT_M / p->min_height_m;
   const heights h = heights_above(w->surfaces, camera, low_m, top_m);
   const word_counts words = count_words(w, &h);
   vista_region_evidence *const e = &region->evidence;
@@ -185,14 +192,14 @@ void vista_region_weigh(const vista_region_view *w, bool seeded, vista_region *r
     region->top_fraction = region->standing_fraction;
   }
   const double size_m = sqrt((double)words.pixels) * camera->baseline_m / fmax(region->disparity_px, 1.0);
-  e->height = p->odds_standing * region->standing_fraction + p->odds_top * region->top_fraction;
+  e->height = ODDS_STANDING * region->standing_fraction + ODDS_TOP * region->top_fraction;
   const double consistent = share(region->boundary_inliers, region->boundary_valid);
   const bool enough = consistent >= p->min_inlier_fraction; /* which may be zero */
-  e->boundary = enough ? 0.0 : p->odds_boundary * (1.0 - consistent / p->min_inlier_fraction);
-  e->support = p->odds_support * share(region->boundary_valid, region->boundary_pixels);
-  e->size = p->odds_size * log10(fmax(size_m, 0.05));
-  e->origin = seeded ? 0.0 : p->odds_unseeded;
+  e->boundary = enough ? 0.0 : ODDS_BOUNDARY * (1.0 - consistent / p->min_inlier_fraction);
+  e->support = ODDS_SUPPORT * share(region->boundary_valid, region->boundary_pixels);
+  e->size = ODDS_SIZE * log10(fmax(size_m, 0.05));
+  e->origin = seeded ? 0.0 : ODDS_UNSEEDED;
   const double lean_deg = isnan(region->inclination_deg) ? 0.0 : region->inclination_deg;
-  e->lean = p->odds_lean * fmin(fmax((lean_deg - horizontal_deg) / LEAN_SPAN_DEG, 0.0), 1.0);
+  e->lean = ODDS_LEAN * fmin(fmax((lean_deg - VISTA_HORIZONTAL_DEG) / LEAN_SPAN_DEG, 0.0), 1.0);
   e->sum = p->odds_prior + e->height + e->boundary + e->support + e->size + e->lean + e->origin;
 }

@@ -8,6 +8,9 @@
 #include "perceive/cut/seed_step.h"
 #include "perceive/region/upright_plane.h"
 
+/* Of its foot, and of its upright edges or its upper edge, on one upright surface, for a plain wall. */
+#define OUTLINE_FRACTION 0.5
+#define FOOT_M 0.75 /* the foot of such a region is within this of the ground's plane; at most 6 % of the range */
 #define SIDE_BINS 32 /* of the height of the left and the right edge, and of the width of foot and top */
 #define EDGE_BINS 8  /* at least of an edge: less of it may be chance */
 #define POINTS_MIN 6 /* on one line of the plan: fewer do not tell a slope from noise */
@@ -74,8 +77,8 @@ static double above_ground_m(const vista_surfaces *s, const vista_camera *camera
 }
 
 /* How far off the ground's plane a foot may be. */
-static double foot_m(const vista_region_view *w, const vista_camera *camera, double disparity_px) {
-  return (double)vista_limit_m(camera, (float)disparity_px, (float)w->params->foot_m);
+static double foot_m(const vista_camera *camera, double disparity_px) {
+  return (double)vista_limit_m(camera, (float)disparity_px, (float)FOOT_M);
 }
 
 static bool upright(side side) { return side == SIDE_LEFT || side == SIDE_RIGHT; }
@@ -117,7 +120,7 @@ static double ground_px(const vista_region_view *w, const crossing *at) {
   const vista_foveation *const f = w->foveation;
   const int32_t node = at->nodes[0];
   return (double)w->cells->disparity_px[node] + ground->slope_u * (at->u_px - (double)f->center_u[node]) +
-         ground->slope_v * (at->v_px + w->params->boundary_px - (double)f->center_v[node]);
+         ground->slope_v * (at->v_px + VISTA_BOUNDARY_PX - (double)f->center_v[node]);
 }
 
 /* What stands at its sides and on top of it, and the ground below. */
@@ -178,7 +181,7 @@ static agreement compare(const vista_region_view *w, const int32_t *label, int32
   const vista_camera *const camera = w->frame->camera;
   const vista_matched_area *const matched = &w->frame->matched;
   const vista_graph *const graph = &w->foveation->graph;
-  const double foot_px = w->tolerance_px + fabs(w->surfaces->ground.slope_v) * w->params->boundary_px;
+  const double foot_px = w->tolerance_px + fabs(w->surfaces->ground.slope_v) * VISTA_BOUNDARY_PX;
   agreement found = {0};
   for (int32_t m = 0; m < w->member_count; ++m) {
     const int32_t i = w->members[m];
@@ -197,7 +200,7 @@ static agreement compare(const vista_region_view *w, const int32_t *label, int32
       bool agrees = false;
       if (at.side == SIDE_FOOT)
         agrees = on_ground(w, at.nodes[0]) && fabs(ground_px(w, &at) - here_px) <= foot_px &&
-                 fabs(above_ground_m(w->surfaces, camera, at.u_px, at.v_px, here_px)) <= foot_m(w, camera, here_px);
+                 fabs(above_ground_m(w->surfaces, camera, at.u_px, at.v_px, here_px)) <= foot_m(camera, here_px);
       else {
         if (here_px - vista_plane_disparity_px(&w->surfaces->ground, camera, at.u_px, at.v_px) <= w->tolerance_px)
           continue;
@@ -210,27 +213,27 @@ static agreement compare(const vista_region_view *w, const int32_t *label, int32
   return found;
 }
 
-static bool agrees(const vista_region_params *params, const agreement *a, side side, double share) {
+static bool agrees(const agreement *a, side side, double share) {
   const int32_t seen = bits(a->seen[side]);
-  return seen >= share * EDGE_BINS && seen >= share * params->outline_fraction * bits(a->visible[side]);
+  return seen >= share * EDGE_BINS && seen >= share * OUTLINE_FRACTION * bits(a->visible[side]);
 }
 
-static bool has_left(const vista_region_params *params, const agreement *a, side side) {
-  return bits(a->left_image[side]) >= params->outline_fraction * SIDE_BINS;
+static bool has_left(const agreement *a, side side) {
+  return bits(a->left_image[side]) >= OUTLINE_FRACTION * SIDE_BINS;
 }
 
 /* It has a foot, and something of it is seen to stand: its upper edge, or all upright edges that are in the image. One
  * such edge may be that of a tree beside a field whose far side is lost in noise. The words of a field end anywhere;
  * the foot of a wall is a line. */
-static bool is_wall(const vista_region_params *params, const agreement *a) {
+static bool is_wall(const agreement *a) {
   const int32_t foot = bits(a->seen[SIDE_FOOT]), of_foot = bits(a->visible[SIDE_FOOT]);
-  if (foot <= params->outline_fraction * of_foot) return false;
-  if (agrees(params, a, SIDE_TOP, 1.0)) return true;
-  if (agrees(params, a, SIDE_LEFT, 1.0) && agrees(params, a, SIDE_RIGHT, 1.0)) return true;
+  if (foot <= OUTLINE_FRACTION * of_foot) return false;
+  if (agrees(a, SIDE_TOP, 1.0)) return true;
+  if (agrees(a, SIDE_LEFT, 1.0) && agrees(a, SIDE_RIGHT, 1.0)) return true;
   const double share = foot >= WHOLE_FOOT * of_foot ? 0.5 : 1.0;
-  const bool open = (agrees(params, a, SIDE_LEFT, share) && has_left(params, a, SIDE_RIGHT)) ||
-                    (agrees(params, a, SIDE_RIGHT, share) && has_left(params, a, SIDE_LEFT));
-  return open && foot >= fmax(OPEN_FOOT, params->outline_fraction) * of_foot;
+  const bool open = (agrees(a, SIDE_LEFT, share) && has_left(a, SIDE_RIGHT)) ||
+                    (agrees(a, SIDE_RIGHT, share) && has_left(a, SIDE_LEFT));
+  return open && foot >= fmax(OPEN_FOOT, OUTLINE_FRACTION) * of_foot;
 }
 
 /* Share of the region's area where the surface would be in the ground. */
@@ -241,7 +244,7 @@ static double sunk(const vista_region_view *w, const vista_camera *camera, const
     const double u = (double)w->foveation->center_u[i], v = (double)w->foveation->center_v[i];
     const double here_px = vista_plane_at(surface, u, v), size = (double)w->foveation->size_px[i];
     area += size * size;
-    if (!(here_px > 0.0) || above_ground_m(w->surfaces, camera, u, v, here_px) < -foot_m(w, camera, here_px))
+    if (!(here_px > 0.0) || above_ground_m(w->surfaces, camera, u, v, here_px) < -foot_m(camera, here_px))
       below += size * size;
   }
   return below / area;
@@ -253,28 +256,28 @@ bool vista_region_owns_outline(vista_region_view *w, const int32_t *label, vista
   vista_plan plan;
   vista_plan_line line;
   vista_plan_point points[VISTA_PLAN_POINTS];
-  if (!w->surfaces->ground_found || measure_inside(w, &extent) > w->params->min_valid_fraction) return false;
-  const double inner_px = INNER_BLOCKS * w->params->boundary_px;
+  if (!w->surfaces->ground_found || measure_inside(w, &extent) > VISTA_REGION_VALID_MIN_FRACTION) return false;
+  const double inner_px = INNER_BLOCKS * VISTA_BOUNDARY_PX;
   if (fmin(extent.max_u - extent.min_u, extent.max_v - extent.min_v) < inner_px) return false;
   if (!vista_plan_of(camera, w->frame->up_camera, &plan)) return false;
   const int32_t count = find_points(w, &plan, label, region->label, &extent, points);
-  if (!vista_plan_fit(points, count, w->params->tolerance_px, &line) || line.count < POINTS_MIN) return false;
+  if (!vista_plan_fit(points, count, VISTA_TOLERANCE_PX, &line) || line.count < POINTS_MIN) return false;
   *surface = vista_plan_surface(&plan, &line);
   const double u = 0.5 * (extent.min_u + extent.max_u), v = 0.5 * (extent.min_v + extent.max_v);
   const double middle_px = vista_plane_at(surface, u, v), top_px = vista_plane_at(surface, u, extent.min_v);
   if (!(middle_px > 0.0) || !(top_px > 0.0)) return false;
-  w->tolerance_px = vista_region_tolerance_px(w->params, camera, middle_px);
+  w->tolerance_px = vista_region_tolerance_px(camera, middle_px);
   const double least_m = (double)vista_limit_m(camera, (float)middle_px, (float)w->params->min_height_m);
   if (above_ground_m(w->surfaces, camera, u, extent.min_v, top_px) < least_m) return false;
   const agreement found = compare(w, label, region->label, &extent, surface);
-  if (!is_wall(w->params, &found) || sunk(w, camera, surface) > SUNK_MAX) return false;
+  if (!is_wall(&found) || sunk(w, camera, surface) > SUNK_MAX) return false;
   region->plain = true;
   region->disparity_px = middle_px;
   region->slope_u = surface->slope_u;
   region->slope_v = surface->slope_v;
   region->disparity_sigma_px = line.sigma_px;
   /* Words of the ground reach anywhere from 0 to boundary_px up into what is plain. */
-  region->foot_sigma_px = fabs(w->surfaces->ground.slope_v) * w->params->boundary_px / VISTA_SQRT_3;
+  region->foot_sigma_px = fabs(w->surfaces->ground.slope_v) * VISTA_BOUNDARY_PX / VISTA_SQRT_3;
   region->boundary_inliers = (int32_t)line.weight;
   return true;
 }

@@ -251,7 +251,7 @@ VISTA_WIDE_VECTORS static moments find_pixels(const vista_region_view *w, const 
 
 VISTA_WIDE_VECTORS static moments keep_inner_pixels(const vista_region_view *w, const target *t) {
   const vista_foveation *const f = w->foveation;
-  const int32_t reach = (int32_t)w->params->boundary_px;
+  const int32_t reach = (int32_t)VISTA_BOUNDARY_PX;
   moments sum = nothing;
   int16_t *own = w->pixels;
   for (int32_t m = 0; m < w->member_count; ++m) {

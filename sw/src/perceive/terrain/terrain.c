@@ -7,6 +7,8 @@
 #include "common/bits.h"
 #include "common/frame.h"
 #include "common/numbers.h"
+#include "follow/motion.h"
+#include "follow/tracker.h"
 
 #define SAME_M 2.0       /* contacts of one surface differ by less, or by SAME_SHARE of the range */
 #define SAME_SHARE 0.2
@@ -104,7 +106,7 @@ static bool at_anchor(const vista_terrain *t, const vista_terrain_plane *plane, 
 
 static void judge(const frame *f, vista_terrain *t) {
   const vista_tracker_params *const p = &f->params->tracker;
-  const bool silent = t->world.hits > 1 && vista_static_world_silent(p, &t->world, f->t_ns);
+  const bool silent = t->world.hits > 1 && vista_static_world_silent(&t->world, f->t_ns);
   vista_static_world_decide(&t->world, silent, vista_window_count(t->window, p->confirm_window), p->confirm_hits,
                             &t->confirmed, &t->credible);
 }
@@ -144,7 +146,7 @@ static void start(const frame *f, const vista_terrain_plane *plane, const vista_
   t->known = true;
   t->age_frames = 1;
   t->plane = *plane;
-  vista_static_world_start(&f->params->tracker, &hit, &t->world);
+  vista_static_world_start(&hit, &t->world);
 }
 
 /* The surface is seen at `contact`, which replaces what was known of it. */
@@ -155,9 +157,9 @@ static void take(const frame *f, const vista_terrain_plane *plane, const vista_t
   const vista_world_hit hit = world_hit(f, anchored ? point_m : contact->point_m);
   const vista_world_verdict verdict = t->world.verdict;
   if (anchored)
-    vista_static_world_add(&f->params->tracker, &hit, &t->world);
+    vista_static_world_add(&hit, &t->world);
   else
-    vista_static_world_start(&f->params->tracker, &hit, &t->world);
+    vista_static_world_start(&hit, &t->world);
   if (!anchored) t->world.verdict = verdict; /* until the new line of sight tells */
   t->plane = *plane;
 }
@@ -186,14 +188,14 @@ static void miss(const frame *f, vista_terrain *t) {
   t->blind = false;
   if (t->ahead && vista_terrain_meet(&f->in_camera, &plane, f->sine_min, &contact)) {
     const vista_terrain_sight sight = vista_terrain_look(&f->view, &f->in_camera, &plane, &contact);
-    if (vista_terrain_seen(&f->params->terrain, &sight)) {
+    if (vista_terrain_seen(&sight)) {
       hit(f, t);
       return;
     }
     t->blind = !can_be_matched(f, contact.point_m);
     const double unseen_s = vista_seconds_between(t->seen_t_ns, f->t_ns);
     if (t->credible && (t->blind || vista_terrain_dark(&sight)) &&
-        unseen_s <= (t->blind ? f->params->tracker.blind_zone_s : f->params->tracker.hold_s))
+        unseen_s <= (t->blind ? VISTA_BLIND_ZONE_S : VISTA_HOLD_S))
       return;
   }
   t->window <<= 1;
@@ -253,7 +255,7 @@ void vista_terrain_update(const vista_frame_view *view, const vista_cells *cells
   const vista_parameters *const params = view->params;
   const vista_motion *const motion = &view->motion;
   const vista_flight_path *const path = &view->path;
-  const bool moves = motion->speed_m_s > 0.0 && motion->speed_m_s >= params->motion.speed_min_m_s;
+  const bool moves = motion->speed_m_s > 0.0 && motion->speed_m_s >= VISTA_SPEED_MIN_M_S;
   if (motion->restarted || !moves) vista_terrain_reset(terrain);
   if (!moves) return;
   const frame f = {.params = params,

@@ -5,6 +5,8 @@
 #include "common/numbers.h"
 #include "common/plane_fit.h"
 
+#define LEAN_MIN_DEG 35.0 /* what leans more than this from the vertical is ground; what is steeper stands */
+#define AGREE_FRACTION 0.6 /* of the words where the volume meets the ground that has to lie on its surface */
 #define NEAREST_M 1.0      /* nearer, nothing is searched */
 #define BIN_RATIO 1.1      /* of the range, from one bin to the next */
 #define BINS 64
@@ -130,9 +132,9 @@ bool vista_terrain_dark(const vista_terrain_sight *sight) {
   return sight->valid_px2 < SEEN_SHARE * sight->expected_px2;
 }
 
-bool vista_terrain_seen(const vista_terrain_params *params, const vista_terrain_sight *sight) {
+bool vista_terrain_seen(const vista_terrain_sight *sight) {
   return sight->valid_px2 >= SEEN_MIN_PX2 && !vista_terrain_dark(sight) &&
-         sight->agree_px2 >= params->agree_fraction * sight->valid_px2;
+         sight->agree_px2 >= AGREE_FRACTION * sight->valid_px2;
 }
 
 /* The cells near the path, and the area of those inside the volume by their range. */
@@ -193,7 +195,7 @@ static bool settle(const vista_terrain_view *w, const vista_terrain_volume *volu
     if (pass > 0) range_m = contact->along_m;
   }
   const double below = -vista_dot(plane->normal, w->up);
-  return below >= sin(w->params->lean_min_deg * VISTA_RADIANS_PER_DEGREE);
+  return below >= sin(LEAN_MIN_DEG * VISTA_RADIANS_PER_DEGREE);
 }
 
 bool vista_terrain_find(const vista_terrain_view *view, const vista_terrain_volume *volume, vista_terrain_plane *plane,
@@ -207,7 +209,7 @@ bool vista_terrain_find(const vista_terrain_view *view, const vista_terrain_volu
     if (inside_px2 < BIN_SHARE * 3.14159265358979 * radius_px * radius_px || inside_px2 < SEEN_MIN_PX2) continue;
     if (!settle(view, volume, count, range_m, plane, contact)) continue;
     const vista_terrain_sight sight = vista_terrain_look(view, volume, plane, contact);
-    if (vista_terrain_seen(view->params, &sight)) return true;
+    if (vista_terrain_seen(&sight)) return true;
   }
   return false;
 }

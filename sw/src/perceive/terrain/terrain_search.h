@@ -68,6 +68,6 @@ bool vista_terrain_find(const vista_terrain_view *view, const vista_terrain_volu
 bool vista_terrain_dark(const vista_terrain_sight *sight);
 
 /* Whether what was looked at is there. */
-bool vista_terrain_seen(const vista_terrain_params *params, const vista_terrain_sight *sight);
+bool vista_terrain_seen(const vista_terrain_sight *sight);
 
 #endif

@@ -7,17 +7,25 @@
 #include "common/bits.h"
 #include "common/wide_vectors.h"
 
+#define TEXTURE_LEVELS 16 /* a pixel whose two neighbours along the row differ by this has texture */
+#define TEXTURED_FRACTION 0.05 /* with less of the disc textured, nothing can be said */
+/* Too near when this share of the texture is not matched; in ordinary views it is 0.03 to 0.6. */
+#define UNMATCHED_FRACTION 0.9
+/* The same in sigmas of the image's noise; the larger of the two holds: of pure noise, one pixel in 200 exceeds 4. */
+#define TEXTURE_NOISE 4.0
+/* Nothing is said when this share of the unmatched texture repeats itself along its rows, as windows do. */
+#define REPEATED_FRACTION 0.5
 #define ROW_STEP 2 /* neighbouring rows say the same */
 
 /* The search for texture that repeats itself, which only a frame in question takes. */
-#define REPEAT_ROWS 12      /* rows that are searched, over the height of the disc */
-#define REPEAT_SHIFT_PX 63  /* farthest shift */
-#define REPEAT_LINES 3      /* of a block that are compared: its first, middle and last */
-#define REPEAT_COLUMNS 256  /* columns that are treated at once */
+#define REPEAT_ROWS 12 /* rows that are searched, over the height of the disc */
+#define REPEAT_SHIFT_PX 63 /* farthest shift */
+#define REPEAT_LINES 3 /* of a block that are compared: its first, middle and last */
+#define REPEAT_COLUMNS 256 /* columns that are treated at once */
 #define REPEAT_RADIUS_PX 15 /* of a block; engines have 2 to 10 */
 #define REPEAT_SHARE 10 /* a block is back when it differs by less than 3 tenths of what it differed by in between */
 #define REPEAT_PARTS 3
-#define REPEAT_SIGNAL 3     /* what it differed by is at least so many times what noise alone makes */
+#define REPEAT_SIGNAL 3 /* what it differed by is at least so many times what noise alone makes */
 #define NOISE_DIFFERENCE 1.128 /* mean difference of two pixels, in sigmas of normal noise */
 
 typedef struct counts {
@@ -146,16 +154,14 @@ void vista_blind_zone_update(const vista_frame_view *frame, vista_blind_zone *bl
   const double radius_px =
       frame->params->obstacle_map.collision_radius_m * matched->disparity_max_px / camera->baseline_m;
   const disc_view disc = view_of(camera, matched, radius_px);
-  const int32_t contrast =
-      (int32_t)ceil(vista_image_noise_threshold(&frame->noise, params->contrast, params->contrast_noise));
+  const int32_t contrast = (int32_t)ceil(vista_image_noise_threshold(&frame->noise, TEXTURE_LEVELS, TEXTURE_NOISE));
   const counts sum = count_disc(&disc, contrast, &frame->image, &frame->words);
   s->range_m = camera->focal_px * camera->baseline_m / matched->disparity_max_px;
   s->textured_fraction = sum.pixels > 0 ? (double)sum.textured / (double)sum.pixels : 0.0;
   s->unmatched_fraction = sum.textured > 0 ? (double)sum.unmatched / (double)sum.textured : 0.0;
-  const bool in_question =
-      s->textured_fraction >= params->textured_fraction && s->unmatched_fraction >= params->unmatched_fraction;
+  const bool in_question = s->textured_fraction >= TEXTURED_FRACTION && s->unmatched_fraction >= UNMATCHED_FRACTION;
   s->repeated_fraction = in_question ? repeated_fraction(&disc, frame, contrast) : 0.0;
-  const bool now = in_question && s->repeated_fraction < params->repeated_fraction;
+  const bool now = in_question && s->repeated_fraction < REPEATED_FRACTION;
   s->window = s->window << 1 | (uint32_t)now;
   s->occupied = vista_window_count(s->window, params->confirm_window) >= params->confirm_hits;
 }

@@ -6,8 +6,10 @@
 
 #include "common/numbers.h"
 
+/* A region whose grey levels change at least this many times as much from row to row as along the rows is unknown. */
+#define ROW_EDGE_RATIO 8.0
 #define SAMPLES 1024 /* of a region, about: more tell no more */
-#define FEWEST 10    /* that tell anything */
+#define FEWEST 10 /* that tell anything */
 #define SOBEL_GAIN 12.0 /* variance of a Sobel response over that of a pixel: 2 (1 + 4 + 1) */
 #define NOISE_ERROR 0.1 /* of its share: what is left of it when it is taken off */
 
@@ -56,13 +58,12 @@ static bool lies_along_rows(const gradients *sum, double ratio, double noise) {
 }
 
 void vista_row_edges_judge(const vista_frame_view *frame, const vista_cells *cells, vista_regions *regions) {
-  const vista_region_params *const params = &frame->params->region;
   for (int32_t k = 0; k < regions->count; ++k) {
     vista_region *const region = &regions->items[k];
     if (region->verdict != VISTA_REGION_ACCEPTED || region->plain) continue;
     const int32_t first = regions->first_member[k], count = regions->first_member[k + 1] - first;
     const gradients sum = gradients_of(frame->foveation, &frame->image, cells, regions->members + first, count);
-    if (!lies_along_rows(&sum, params->row_edge_ratio, frame->noise.sigma)) continue;
+    if (!lies_along_rows(&sum, ROW_EDGE_RATIO, frame->noise.sigma)) continue;
     region->verdict = VISTA_REGION_UNKNOWN;
     --regions->accepted_count;
   }

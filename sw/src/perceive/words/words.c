@@ -6,6 +6,16 @@
 #include "common/frame.h"
 #include "common/wide_vectors.h"
 
+#define SUPPORT 0.92 /* a word of a coarser level is taken where this share of the 5x5 pixels around it has one */
+#define CONTRADICTION_PX 2.0 /* of the coarser level: a word gives way to its word when they differ by more */
+#define GAP_PX 3 /* words of a row hang together across gaps up to twice this wide */
+#define CLUSTER_FAR_PX 40.0 /* a small cluster that is kept covers at least as many pixels */
+#define CLUSTER_NOISE_PX 35.0 /* per grey level of the image's noise: chance matches of a noisy image are larger */
+/* A cluster that covers this area at its distance is kept though it covers less than cluster_px. */
+#define CLUSTER_M2 0.2
+/* And has this disparity: where nothing can be matched, chance matches mostly have less. */
+#define CLUSTER_FAR_DISPARITY_PX 3.0
+
 _Static_assert(VISTA_MAX_LEVELS == 1 + VISTA_COARSER_LEVELS, "level 0 and the coarser ones");
 
 /* Within the stage, words without a disparity are so far below zero that no valid word is within a pixel of them. */
@@ -303,10 +313,9 @@ VISTA_WIDE_VECTORS static void merge_row(const int16_t *restrict coarse, int16_t
 }
 
 /* Some rows of the finer level take what the coarser one has to say. row: of its width and two more. */
-static void merge_rows(const vista_words_params *params, int32_t finer, int16_t beyond, const vista_words *w,
-                       int32_t first, int32_t end, int16_t *row) {
+static void merge_rows(int32_t finer, int16_t beyond, const vista_words *w, int32_t first, int32_t end, int16_t *row) {
   const int32_t coarse = finer + 1, width = w->width_px[finer], coarse_width = w->width_px[coarse];
-  const double limit = 2.0 * params->contradiction_px * VISTA_DISPARITY_SCALE;
+  const double limit = 2.0 * CONTRADICTION_PX * VISTA_DISPARITY_SCALE;
   for (int32_t v = first; v < end; ++v) {
     const int32_t nearest = (v + 1) / 2 < w->height_px[coarse] ? (v + 1) / 2 : w->height_px[coarse] - 1;
     if (v == first || v % 2 == 1)
@@ -316,30 +325,30 @@ static void merge_rows(const vista_words_params *params, int32_t finer, int16_t 
 }
 
 /* At any level, a square metre at word w covers (w / (16 B))^2 pixels of that level. */
-static smallest smallest_of(const vista_words_params *params, double baseline_m) {
-  const double px_per_m = 1.0 / (VISTA_DISPARITY_SCALE * baseline_m);
-  return (smallest){params->cluster_px,
-                    params->cluster_far_px < params->cluster_px ? params->cluster_far_px : params->cluster_px,
-                    params->cluster_far_disparity_px * VISTA_DISPARITY_SCALE, params->cluster_m2 * px_per_m * px_per_m};
+static smallest smallest_of(const vista_frame_view *frame) {
+  const double px_per_m = 1.0 / (VISTA_DISPARITY_SCALE * frame->camera->baseline_m);
+  const double least_px = frame->params->words.cluster_px;
+  const int32_t px = (int32_t)lround(vista_image_noise_threshold(&frame->noise, least_px, CLUSTER_NOISE_PX));
+  const int32_t far_px = (int32_t)lround(vista_image_noise_threshold(&frame->noise, CLUSTER_FAR_PX, CLUSTER_NOISE_PX));
+  return (smallest){px, far_px < px ? far_px : px, CLUSTER_FAR_DISPARITY_PX * VISTA_DISPARITY_SCALE,
+                    CLUSTER_M2 * px_per_m * px_per_m};
 }
 
 typedef struct job {
-  const vista_words_params *params;
   const vista_disparity_image *in; /* by level */
-  int32_t levels, num_disparities;
+  int32_t levels, num_disparities, filling_levels;
   smallest cluster;
   vista_words *words;
 } job;
 
 static void filter(const job *j, int32_t level, vista_words_scratch *scratch) {
-  filter_clusters(&j->in[level], &j->cluster, j->params->gap_px, (int16_t)(INT16_MAX >> level), scratch,
-                  j->words->levels[level]);
+  filter_clusters(&j->in[level], &j->cluster, GAP_PX, (int16_t)(INT16_MAX >> level), scratch, j->words->levels[level]);
 }
 
 /* Words of the next coarser level that are larger fill a level. */
 static int16_t fills_beyond(const job *j, int32_t finer) {
   const int32_t largest = (j->num_disparities - 1) * VISTA_DISPARITY_SCALE; /* of level 0 */
-  return (int16_t)(finer < j->params->filling_levels ? -1 : largest >> (finer + 1));
+  return (int16_t)(finer < j->filling_levels ? -1 : largest >> (finer + 1));
 }
 
 /* Part 0 is level 0, part 1 all the others, the coarsest first. */
@@ -350,11 +359,11 @@ static void filter_part(void *context, int32_t part, int32_t worker) {
     filter(j, 0, &w->scratch[0]);
     return;
   }
-  const int32_t needed = (int32_t)ceil(j->params->support * (2 * REACH + 1) * (2 * REACH + 1) - 1e-9);
+  const int32_t needed = (int32_t)ceil(SUPPORT * (2 * REACH + 1) * (2 * REACH + 1) - 1e-9);
   for (int32_t k = j->levels - 1; k > 0; --k) {
     filter(j, k, &w->scratch[1]);
     filter_support(w->width_px[k], w->height_px[k], needed, &w->scratch[1], w->levels[k]);
-    if (k < j->levels - 1) merge_rows(j->params, k, fills_beyond(j, k), w, 0, w->height_px[k], w->coarse_row[worker]);
+    if (k < j->levels - 1) merge_rows(k, fills_beyond(j, k), w, 0, w->height_px[k], w->coarse_row[worker]);
   }
 }
 
@@ -365,19 +374,18 @@ static void finish_part(void *context, int32_t part, int32_t worker) {
   vista_words *const w = j->words;
   const int32_t first = MERGED_ROWS * part, left = w->height_px[0] - first;
   const int32_t end = first + (left < MERGED_ROWS ? left : MERGED_ROWS);
-  if (j->levels > 1) merge_rows(j->params, 0, fills_beyond(j, 0), w, first, end, w->coarse_row[worker]);
+  if (j->levels > 1) merge_rows(0, fills_beyond(j, 0), w, first, end, w->coarse_row[worker]);
   int16_t *const words = w->levels[0] + (ptrdiff_t)first * w->width_px[0];
   for (int32_t i = 0, count = (end - first) * w->width_px[0]; i < count; ++i)
     words[i] = words[i] < 0 ? VISTA_DISPARITY_INVALID : words[i];
 }
 
 void vista_words_combine(const vista_frame_view *frame, vista_words *words) {
-  const vista_words_params *const params = &frame->params->words;
-  job j = {.params = params,
-           .in = frame->levels,
+  job j = {.in = frame->levels,
            .levels = 1 + frame->matched.coarser_levels,
            .num_disparities = frame->params->stereo.num_disparities,
-           .cluster = smallest_of(params, frame->camera->baseline_m),
+           .filling_levels = frame->params->words.filling_levels,
+           .cluster = smallest_of(frame),
            .words = words};
   vista_team_share(words->team, filter_part, &j, 2);
   vista_team_share(words->team, finish_part, &j, (words->height_px[0] + MERGED_ROWS - 1) / MERGED_ROWS);
