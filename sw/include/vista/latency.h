@@ -10,7 +10,7 @@ VISTA_BEGIN
 
 #define VISTA_LATENCY_BINS 700
 
-/* Of zeros it is empty. */
+/* An empty one is of zeros. */
 typedef struct vista_latency {
   int64_t total, counts[VISTA_LATENCY_BINS];
   double last_ms, most_ms;

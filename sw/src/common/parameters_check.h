@@ -9,7 +9,7 @@
 /* Of the section at this offset in vista_parameters. VISTA_ERROR_RANGE as vista_parameters_check. */
 vista_status vista_parameters_check_section(size_t offset, const void *section);
 
-/* Of a caller with another header: what it has, and the defaults of the rest. */
+/* Takes what a caller with another header has, and the defaults of the rest. */
 vista_parameters vista_parameters_own(const vista_parameters *parameters);
 
 #define VISTA_CHECK_SECTION(name, section) \
