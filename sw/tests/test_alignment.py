@@ -10,9 +10,9 @@ import pytest
 import turned_camera as turned
 from random_seed import seeded
 from stage_library import ffi, lib
-from turned_camera import Corrected, Grey, degrees
+from turned_camera import Corrected, Estimator, Grey, degrees
 from vista import parameters
-from vista.alignment import Estimator, State, Turn
+from vista.alignment import State, Turn
 from vista.geometry import Calibration
 from vista.health.finding import State as Health
 

@@ -10,7 +10,8 @@ import faulty_recordings
 import numpy as np
 import pytest
 from faulty_recordings import FAULTS, RECORDINGS, judged, read
-from vista.alignment import Estimator, Turn
+from turned_camera import Estimator
+from vista.alignment import Turn
 from vista.health.finding import Reason, State
 from vista.health.monitor import HealthMonitor
 from vista.rectify import Rectifier

@@ -10,12 +10,13 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 from vista import native, parameters
-from vista.alignment import Alignment, Turn, c_camera
+from vista.alignment import Alignment, Turn, c_camera, c_images
 from vista.control_grid import Grid
 from vista.detector import Detector, c_raw_camera
 from vista.engine import INVALID
 from vista.engine.hardware import level_shapes
 from vista.geometry import Calibration, CameraModel, Pose, RawCalibration, camera_matrix
+from vista.pipeline import c_parameters
 from vista.rectify import Map, Rectifier, by_table
 from vista.sequence import Frame
 
@@ -118,6 +119,41 @@ def correcting(values: parameters.Values | None = None, buffer_rows: int = 0) ->
         "alignment": values["alignment"] | {"correct": "on"},
         "stereo": values["stereo"] | {"rectify_rows": buffer_rows},
     }
+
+
+class Estimator:
+    """Finds the turn of the right camera of one pair, from one pair of images to the next."""
+
+    def __init__(self, camera: Calibration, values: parameters.Values | None = None) -> None:
+        """ValueError for images that are too small."""
+        self._ffi, self._lib = ffi, lib = native.load("vista")
+        c_values = c_parameters(ffi, lib, values or parameters.defaults())
+        camera_c = c_camera(ffi, camera)
+        size = ffi.new("size_t *")
+        self._check(lib.vista_alignment_bytes(c_values, camera_c, size))
+        self._memory = ffi.new("unsigned char[]", size[0])
+        handle = ffi.new("vista_alignment **")
+        self._check(lib.vista_alignment_create(self._memory, size[0], c_values, camera_c, handle))
+        self._alignment = handle[0]
+        self._result = ffi.new("vista_alignment_result *")
+
+    def reset(self) -> None:
+        """Forgets everything but the calibration."""
+        self._lib.vista_alignment_reset(self._alignment)
+
+    def update(
+        self, left: NDArray[np.uint8], right: NDArray[np.uint8], t_ns: int, applied: Turn
+    ) -> Alignment:
+        """A rectified pair; applied: what its right image was rectified for. ValueError for images of another
+        size and times that do not increase."""
+        turn = self._ffi.new("vista_turn *", (applied.pitch_rad, applied.roll_rad))
+        images = c_images(self._ffi, left, right)
+        status = self._lib.vista_alignment_update(self._alignment, *images, t_ns, turn, self._result)
+        self._check(status)
+        return Alignment.copied(self._ffi, self._result)
+
+    def _check(self, status: int) -> None:
+        native.check(self._ffi, self._lib, status)
 
 
 class Corrector:

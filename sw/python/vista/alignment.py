@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from vista import native, parameters
+from vista import native
 from vista.geometry import Array, Calibration
 from vista.health.finding import State as Health
 from vista.structs import Struct
@@ -85,43 +85,6 @@ class Alignment(Struct):
         health = ffi.new("vista_health *")
         lib.vista_alignment_judge(self.in_c(), health)
         return tuple(Health)[int(health.state)]
-
-
-class Estimator:
-    """Finds the turn of the right camera of one pair, from one pair of images to the next."""
-
-    def __init__(self, camera: Calibration, values: parameters.Values | None = None) -> None:
-        """ValueError for images that are too small."""
-        from vista.pipeline import c_parameters
-
-        self._ffi, self._lib = ffi, lib = native.load("vista")
-        c_values = c_parameters(ffi, lib, values or parameters.defaults())
-        camera_c = c_camera(ffi, camera)
-        size = ffi.new("size_t *")
-        self._check(lib.vista_alignment_bytes(c_values, camera_c, size))
-        self._memory = ffi.new("unsigned char[]", size[0])
-        handle = ffi.new("vista_alignment **")
-        self._check(lib.vista_alignment_create(self._memory, size[0], c_values, camera_c, handle))
-        self._alignment = handle[0]
-        self._result = ffi.new("vista_alignment_result *")
-
-    def reset(self) -> None:
-        """Forgets everything but the calibration."""
-        self._lib.vista_alignment_reset(self._alignment)
-
-    def update(
-        self, left: NDArray[np.uint8], right: NDArray[np.uint8], t_ns: int, applied: Turn
-    ) -> Alignment:
-        """A rectified pair; applied: what its right image was rectified for. ValueError for images of another
-        size and times that do not increase."""
-        turn = self._ffi.new("vista_turn *", (applied.pitch_rad, applied.roll_rad))
-        images = c_images(self._ffi, left, right)
-        status = self._lib.vista_alignment_update(self._alignment, *images, t_ns, turn, self._result)
-        self._check(status)
-        return Alignment.copied(self._ffi, self._result)
-
-    def _check(self, status: int) -> None:
-        native.check(self._ffi, self._lib, status)
 
 
 def c_images(ffi: Any, *images: NDArray[np.uint8]) -> list[Any]:

@@ -1,7 +1,7 @@
 """The checks, each a function of what it judges: a Finding where something is wrong, else None.
 
-They judge what libvista is not told of: the right image, the calibration, whether the camera moves. What can
-be judged of the left image, the disparities and the poses, libvista judges itself (sw/src/health/health.h).
+They judge what needs matched features, and the calibration. Everything else libvista judges itself
+(sw/src/detector/findings.c, sw/src/health/health.h).
 
 The limits lie between what real recordings show and what damaged ones show; sw/tests/test_health_real.py
 measures both.
@@ -14,10 +14,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from vista.alignment import Alignment
-from vista.alignment import State as AlignmentState
 from vista.geometry import CameraModel, RawCalibration
-from vista.health.features import Grey, PairMatches
+from vista.health.features import PairMatches
 from vista.health.finding import Finding, Reason, State
 
 # ---- of the calibration, once ----
@@ -70,28 +68,6 @@ def _camera_problem(camera: CameraModel) -> str | None:
     return None
 
 
-# ---- of the images of a frame ----
-
-MIN_CONTRAST = 3.0  # grey levels, standard deviation
-
-
-def check_contrast(side: str, image: Grey) -> Finding | None:
-    """An image that is black, white or of one grey shows nothing."""
-    sample = image[::4, ::4]
-    contrast = float(sample.std())
-    if contrast >= MIN_CONTRAST:
-        return None
-    text = f"the {side} image is nearly constant: grey level {sample.mean():.0f} +- {contrast:.1f}"
-    return Finding(Reason.NO_CONTRAST, State.BLIND, text)
-
-
-def check_identical(left: Grey, right: Grey) -> Finding | None:
-    """Two cameras never give the same image; a wrong file name or a cable does."""
-    if np.array_equal(left[::16], right[::16]) and np.array_equal(left, right):
-        return Finding(Reason.IMAGES_IDENTICAL, State.BLIND, "the left and the right image are identical")
-    return None
-
-
 # ---- of the matched features of a rectified pair ----
 
 MIN_CANDIDATES = 40  # with fewer, nothing is said
@@ -132,23 +108,6 @@ def check_pair(matches: PairMatches) -> Finding | None:
 def _unrelated(text: str) -> Finding:
     question = "do left and right image, in this order, show one moment?"
     return Finding(Reason.MOMENTS_DIFFER, State.BLIND, f"{text}: {question}")
-
-
-# ---- of the alignment of the cameras ----
-
-
-def check_alignment(alignment: Alignment) -> Finding | None:
-    """Rows match, or the camera that has turned can be corrected; libvista has judged it."""
-    if alignment.health == State.HEALTHY:
-        return None
-    if alignment.state not in (AlignmentState.BEYOND, AlignmentState.LOST):
-        text = f"matching features lie {alignment.row_error_px:.1f} px apart in rows: has a camera moved?"
-        return Finding(Reason.ROWS_MISALIGNED, alignment.health, text)
-    text = "the images have texture, but their rows agree on no turn of the right camera"
-    if alignment.state == AlignmentState.BEYOND:
-        text = "the right camera has turned against its calibration by more than is corrected"
-    question = "has a camera moved?"
-    return Finding(Reason.ALIGNMENT_LOST, alignment.health, f"{text}: {question}")
 
 
 # ---- of the motion ----
