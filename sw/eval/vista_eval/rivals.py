@@ -137,6 +137,10 @@ def at_first_sight(values: parameters.Values) -> parameters.Values:
     return values | {"tracker": values["tracker"] | {"confirm_hits": 1, "confirm_window": 1}}
 
 
+def at_one_level(values: parameters.Values) -> parameters.Values:
+    return values | {"stereo": values["stereo"] | {"levels": 1}}
+
+
 def with_forest(values: parameters.Values) -> parameters.Values:
     return values | {"segmentation": values["segmentation"] | {"solver": "forest"}}
 
@@ -227,7 +231,7 @@ IN_HOST = {
     for rival in (
         DETECTOR,
         InHost(FOREST, values=with_forest),
-        InHost(SGBM, engine=SgbmEngine),
+        InHost(SGBM, values=at_one_level, engine=SgbmEngine),
         InHost(PERFECT, engine=TruthEngine),
         InHost(REFERENCE, partition=merged),
     )

@@ -109,7 +109,8 @@ class ClusterTracker:
         )
         items = lib.vista_region_tracker_obstacles(self._tracker, self._count)
         obstacles = Obstacle.all_of(copied(ffi, items, Obstacle.NAME, self._count[0]))
-        nearest = Nearest.copied(ffi, lib.vista_region_tracker_nearest(self._tracker))
+        found = lib.vista_region_tracker_nearest(self._tracker)
+        nearest = Nearest.copied(ffi, ffi.addressof(found))
         return Told(obstacles, nearest if nearest.valid else None)
 
 
