@@ -187,10 +187,10 @@ def c_rig(ffi: Any, rectifier: Rectifier, problems: Iterable[Finding]) -> tuple[
         "right": c_raw_camera(ffi, rectifier.right)[0],
     }
     rig = ffi.new("vista_rig *", cameras)
+    rig.rectify_rows = rectifier.buffer_rows
     rig.left_from_rectified = rectifier.left_from_rectified.rotation.ravel().tolist()
     tables: list[dict[str, NDArray[Any]]] = [{}, {}]
     if rectifier.grids is not None:
-        rig.rectify_rows = rectifier.grids.buffer_rows
         tables = [{"grid": grid} for grid in (rectifier.grids.left, rectifier.grids.right)]
     elif rectifier.maps:
         tables = [{"whole": whole, "fraction": fraction} for whole, fraction in rectifier.maps]

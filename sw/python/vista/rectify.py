@@ -61,6 +61,7 @@ class Rectifier:
     is_passthrough: the input is rectified already (no distortion, equal cameras, aligned rows); frames then
     come back as they are, not resampled.
     grids: what rectifies them, if control grids do.
+    buffer_rows: of the line buffer that it was made for; 0: none.
     maps: of the left and the right image as calibrated, if whole maps do.
     right: the right camera as calibrated.
     left_from_rectified: the rotation of the rectified left camera in the raw one.
@@ -76,6 +77,7 @@ class Rectifier:
             allowed = ", ".join(map(str, BUFFER_ROWS))
             raise InputError("stereo.rectify_rows", f"must be 0 or one of {allowed}, not {buffer_rows}")
         check_side_by_side(raw)
+        self.buffer_rows = buffer_rows
         self.grids: GridPair | None = None
         self.maps: tuple[Map, ...] = ()
         self._left: Filter = _unchanged
