@@ -30,7 +30,7 @@ from shared_data import REPOSITORY
 from vista.chain import engine_parameters
 from vista.cli import main
 from vista.disparity_file import read_disparity
-from vista.recording import FRAME, HEADER, PARAMETER
+from vista.recording import ANEW, FRAME, HAS_POSE, HEAD, PARAMETER, Content
 
 pytestmark = pytest.mark.slow
 
@@ -172,7 +172,7 @@ def make_engine() -> vista.StereoEngine:
 def recorded_frame_bytes() -> int:
     levels = vista.parameters.defaults()["stereo"]["levels"]
     words = sum(-(-cases.WIDTH // 2**k) * -(-cases.HEIGHT // 2**k) for k in range(levels))
-    return FRAME.size + cases.WIDTH * cases.HEIGHT + 2 * words
+    return FRAME.size + 2 * cases.WIDTH * cases.HEIGHT + 2 * words
 
 
 def test_record_holds_what_the_host_received(tmp_path: Path, run_vista: Vista) -> None:
@@ -180,27 +180,27 @@ def test_record_holds_what_the_host_received(tmp_path: Path, run_vista: Vista) -
     record = tmp_path / "flight.rec"
     assert run_vista("run", folder, "--out", tmp_path / "out", "--record", record)[0] == 0
     data = record.read_bytes()
-    magic, version, width, height, parameter_count, *camera, coarser = HEADER.unpack_from(data)
-    assert (magic, version, width, height) == (b"VISTAREC", 4, cases.WIDTH, cases.HEIGHT)
-    assert camera == [cases.FOCAL_PX, cases.CX, cases.CY, cases.BASELINE_M]
+    magic, version, width, height, *kinds, parameter_count = HEAD.unpack_from(data)[:9]
+    assert (magic, version, width, height) == (b"VISTAREC", 5, cases.WIDTH, cases.HEIGHT)
+    assert kinds == [0, 0, Content.PAIR, False]
+    assert HEAD.unpack_from(data)[9:13] == (cases.FOCAL_PX, cases.CX, cases.CY, cases.BASELINE_M)
     pixels = width * height
-    assert coarser == vista.parameters.defaults()["stereo"]["levels"] - 1
-    recorded = [PARAMETER.unpack_from(data, HEADER.size + i * PARAMETER.size) for i in range(parameter_count)]
+    recorded = [PARAMETER.unpack_from(data, HEAD.size + i * PARAMETER.size) for i in range(parameter_count)]
     texts = [[text.rstrip(b"\0").decode() for text in row[:2]] for row in recorded]
     found = {name: choice or number for (name, choice), (_, _, number) in zip(texts, recorded, strict=True)}
     assert found == vista.parameters.flat(vista.parameters.defaults())
     assert found["stereo.prefilter"] == "xsobel"  # by its name, wherever it stands in parameters.toml
     frame_bytes = recorded_frame_bytes()
-    first_frame = HEADER.size + parameter_count * PARAMETER.size
+    first_frame = HEAD.size + parameter_count * PARAMETER.size
     assert len(data) == first_frame + cases.FRAMES * frame_bytes
     at = first_frame + 2 * frame_bytes
-    t_ns, anew, has_pose, has_up, *numbers = FRAME.unpack_from(data, at)
-    assert (t_ns, anew, has_pose, has_up) == (200_000_000, 0, 1, 0)
+    t_ns, index, flags, *numbers = FRAME.unpack_from(data, at)
+    assert (t_ns, index, flags) == (200_000_000, 2, HAS_POSE)
     assert numbers == [1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 2, 0, 0, 0]
     left, right = cases.texture_pair(2)
-    seen = np.frombuffer(data, np.uint8, pixels, at + FRAME.size).reshape(height, width)
-    np.testing.assert_array_equal(seen, left)
-    at += FRAME.size + pixels
+    seen = np.frombuffer(data, np.uint8, 2 * pixels, at + FRAME.size).reshape(2, height, width)
+    np.testing.assert_array_equal(seen, (left, right))
+    at += FRAME.size + 2 * pixels
     for level in make_engine().compute_levels(left, right):
         words = np.frombuffer(data, "<i2", level.size, at).reshape(level.shape)
         np.testing.assert_array_equal(words, level)
@@ -261,8 +261,9 @@ def test_stills_are_judged_one_by_one(
         assert [board["confirmed"] for board in boards] == [False, False, False, True]
         assert len({board["id"] for board in boards}) == 1
     data = record.read_bytes()
-    first = HEADER.size + PARAMETER.size * HEADER.unpack_from(data)[4]
-    assert FRAME.unpack_from(data, first)[1] == stills
+    assert HEAD.unpack_from(data)[7] == stills
+    first = HEAD.size + PARAMETER.size * HEAD.unpack_from(data)[8]
+    assert bool(FRAME.unpack_from(data, first)[2] & ANEW) == stills
     summary = json.loads((tmp_path / "out" / "summary.json").read_text())
     assert summary["parameters"]["tracker"]["confirm_hits"] == (1 if stills else 4)
     printed = capsys.readouterr().out
@@ -293,7 +294,7 @@ def test_a_bad_frame_leaves_whole_lines_and_a_summary(tmp_path: Path, run_vista:
     assert summary["error"] == f"{image}: truncated image"
     assert {path.name for path in out.iterdir()} == RESULTS - {"report.html"}
     frame_bytes = recorded_frame_bytes()
-    head_bytes = HEADER.size + PARAMETER.size * HEADER.unpack_from(record.read_bytes())[4]
+    head_bytes = HEAD.size + PARAMETER.size * HEAD.unpack_from(record.read_bytes())[8]
     assert record.stat().st_size == head_bytes + 2 * frame_bytes
 
 
