@@ -126,7 +126,7 @@ def seeds() -> dict[str, bytes]:
         "fly/passthrough": b"\0" + rig(0),
         "fly/map": b"\0" + rig(1),
         "fly/grid": b"\0" + rig(2),
-        "fly/approach": b"\0" + recording(32, 24, 3, True, 12.0),
+        "fly/approach": b"\0" + recording(64, 48, 5, True, 24.0),
         "fly/stills": b"\0" + recording(20, 16, 2, False, 8.0, stills=True),
         "fly/center at 1e12": b"\0" + recording(16, 16, 1, True, 1e12),
         "fly/autopilot": b"\1" + heard(),

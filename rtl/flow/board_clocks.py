@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Clocks of a frame on the simulated board, beside those of the system model.
 
 Pairs of 640x480 go through `make board-clocks D=32 B=11 W=640 R=32` as fast as the client of libvista sends

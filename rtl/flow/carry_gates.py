@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Folds gates in front of the carry chains of an ECP5 into the lookup tables of the chains.
 
 A bit of a chain has a lookup table of four inputs, of which an addition takes two. Yosys leaves a gate that

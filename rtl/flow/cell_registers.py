@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Moves registers beside block RAMs and multipliers of an ECP5 into the registers of these cells.
 
 A block RAM is several times faster from clock to output with its output registers, and the slow way through a

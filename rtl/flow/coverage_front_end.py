@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Coverage of the blocks before the core, and of them with the core: line, toggle and the plan of
 doc/design/verification.md.
 

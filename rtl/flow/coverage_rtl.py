@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Coverage of the engine: line, toggle and the plan of doc/design/verification.md: make coverage-rtl.
 
 Runs random frames, with random stalls and faults, until every bin of the plan was hit (or a limit is

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Proves the properties of rtl/formal by k-induction (yowasp-sby, z3): make formal.
 
 Arguments name single modules.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Builds the bitstream for a Colorlight i9: gateware, synthesis, place and route, packing (make bitstream).
 
 The bitstream is only written if the timing is met for every clock: seeds of the placer are tried one after

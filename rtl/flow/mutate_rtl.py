@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Plants random mutants into the engine and counts how many of them the benches catch: make mutate.
 
 Yosys picks mutations of a flattened module and puts all of them into one netlist, chosen by an input. One

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """What the report of nextpnr (--report) says of the slowest path of a clock."""
 
 from __future__ import annotations

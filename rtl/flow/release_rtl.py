@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Writes one build of the engine as a single file of plain Verilog: make release-rtl.
 
 The sources are SystemVerilog that only the slang front end parses. The file has one top module, vista_stereo

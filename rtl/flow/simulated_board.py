@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The simulated board (`make board-sim`, `make board-clocks`)."""
 
 from __future__ import annotations

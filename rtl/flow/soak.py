@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Random cases by their seeds, over all builds, going on where an earlier run stopped."""
 
 from __future__ import annotations

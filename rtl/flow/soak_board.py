@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Sends random pairs to the simulated board over UDP, whose link drops and doubles packets, and compares
 every word with the C model.
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Compares the RTL with the models on many random frames: make soak. Continues where it stopped.
 
 Frame n of a configuration of the core is the one of seed n in tb/top/test_words.py, whose command reruns it.

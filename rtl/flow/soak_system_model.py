@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Compares the SystemC engine with the Verilated RTL, clock by clock, on many cases: part of make soak.
 
 Goes on where it stopped. Case n of a build is the one of seed n in

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Synthesises, places and routes the engine for ECP5: resources and clock (make synth).
 
 Each build is one run of Yosys and one of nextpnr for every seed: the clock is the median of the seeds, with

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The tables of rtl/synth/results.json, which keeps them beside the figures that they state."""
 
 from __future__ import annotations

@@ -49,7 +49,7 @@ def test_it_finds_what_the_pipeline_finds(tmp_path: Path, levels: int) -> None:
         pose = Pose(scene.WORLD_FROM_CAMERA, source.position_m)
         words = cases.levels_of(source, levels)
         result = pipeline.process(source.left, words, source.t_ns, pose, scene.UP_WORLD)
-        assert line["regions"] == result.regions
+        assert line["regions"] == result.outcome.region_count
         assert [(o["id"], o["distance_m"]) for o in line["obstacles"]] == [
             (o.id, round(o.distance_m, 3)) for o in result.obstacles if o.confirmed
         ]

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Which seed of the placer makes the bitstream."""
 
 from __future__ import annotations

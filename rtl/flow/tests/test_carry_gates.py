@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Gates before a carry chain are folded into it so that no sum and no carry changes."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Registers beside block RAMs and multipliers are moved into them exactly if they can hold them."""
 
 from __future__ import annotations

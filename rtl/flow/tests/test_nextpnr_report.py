@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The slowest path of a clock, from a short report in the format that common/kernel/report.cc of nextpnr has.
 
 It was written by hand: a path between two registers of three wires, and one that comes from a pin."""
