@@ -22,12 +22,14 @@ from vista.pipeline import (
     Nearest,
     Obstacle,
     Outcome,
+    Pictures,
     Result,
 )
 from vista.rectify import Rectifier
-from vista.structs import dtype_of
+from vista.structs import dtype_of, names_of
 
 CELL_PX = 10
+VERDICTS = ("ACCEPTED", "TOO_SMALL", "HORIZONTAL")
 
 
 def fake_obstacle(track_id: int, z_m: float, camera: Calibration, **changes: object) -> Obstacle:
@@ -115,6 +117,18 @@ def fake_record(
     return FrameRecord(outcome, items_of(obstacles), directions, times, index=index, t_ns=t_ns, health=seen)
 
 
+class FakePictures(Pictures):
+    """Pictures that are arrays already."""
+
+    def __init__(self, **arrays: NDArray[Any]) -> None:
+        self._arrays = arrays
+
+    def of_pixels(self, name: str, dtype: Any) -> NDArray[Any]:
+        return self._arrays[name]
+
+    of_cells = of_regions = of_pixels
+
+
 class FakePipeline:
     """Four tracks: one coasts, one warns, one is confirmed, one is not. They come 1 m nearer each frame."""
 
@@ -157,7 +171,9 @@ class FakePipeline:
             "segmentation": 4.0 + 0.1 * self._frame,
             "host": 5.0 + 0.1 * self._frame,
         }
-        verdicts = [("ACCEPTED", "TOO_SMALL", "HORIZONTAL")[region % 3] for region in range(regions)]
+        verdict_of_region = np.array(
+            [names_of("region_verdict").index(VERDICTS[region % 3]) for region in range(regions)]
+        )
         outcome = fake_outcome(
             obstacles,
             nearest if self._frame > 1 else None,
@@ -174,13 +190,15 @@ class FakePipeline:
             items_of(obstacles),
             None,
             stage_ms,
-            cell_of_pixel=cell_of_pixel,
-            cell_intensity=intensity.astype(np.float32),
-            cell_disparity_px=np.full(rows * columns, -1.0, np.float32),
-            region_of_cell=region_of_cell,
-            region_of_pixel=region_of_cell[cell_of_pixel],
-            verdict_of_region=verdicts,
-            words=words,
+            FakePictures(
+                cell_of_pixel=cell_of_pixel,
+                cell_intensity=intensity.astype(np.float32),
+                cell_disparity_px=np.full(rows * columns, -1.0, np.float32),
+                region_of_cell=region_of_cell,
+                region_of_pixel=region_of_cell[cell_of_pixel],
+                verdict_of_region=verdict_of_region,
+                words=words,
+            ),
         )
 
 
@@ -214,7 +232,7 @@ class FakeDetector(Detector):
 
     def judge(self, pose: Pose | None, up_world: Array | None, anew: bool = False) -> Result:
         super().judge(pose, up_world, anew)
-        return self._fake.process(self.rectified()[0], self.levels(), 0, pose, up_world)
+        return self._fake.process(self.pair().left, self.pair().levels, 0, pose, up_world)
 
     def findings(self, besides: Iterable[Finding] = ()) -> tuple[Finding, ...]:
         found = super().findings(besides)

@@ -122,5 +122,5 @@ def test_a_run_rectifies_by_the_grid(tmp_path: Path) -> None:
     (R, P), _ = rectified_cameras(raw)
     left = rectify(step.raw.left, control_grid(raw.left, R, P, ""))
     np.testing.assert_array_equal(step.frame.left, left)
-    np.testing.assert_array_equal(step.levels[0], chain.engine.compute(left, step.frame.right))
+    np.testing.assert_array_equal(step.pair.levels[0], chain.engine.compute(left, step.frame.right))
     assert (left != Rectifier(raw).rectify(step.raw).left).any()

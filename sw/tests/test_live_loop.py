@@ -6,12 +6,15 @@ import time
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 import sequence_cases as cases
 from live_source import ListedShots, frames_of
 from vista import parameters
-from vista.chain import Chain, make_chain
+from vista.chain import Chain, finish, make_chain, take
+from vista.detector import Novelty
 from vista.errors import InputError
+from vista.history import StageClock
 from vista.live.loop import LiveLoop, Seen
 from vista.live.source import Shot
 from vista.sequence import Frame, open_sequence
@@ -112,6 +115,28 @@ def test_another_flight_forgets_the_tracks_of_the_one_before(tmp_path: Path) -> 
     confirmed = [any(o.confirmed for o in seen.record.obstacles) for seen in notebook.seen]
     assert loop.totals.restarts == 1
     assert confirmed[5] and not confirmed[6] and confirmed[11]
+
+
+def test_what_was_not_kept_is_gone_with_the_next_frame(flight: tuple[Chain, list[Frame]]) -> None:
+    chain, frames = flight
+    steps = []
+    for frame in frames[:3]:
+        assert take(chain, frame) == Novelty.NEW
+        steps.append(finish(chain, frame, StageClock()))
+        if len(steps) == 1:
+            steps[0].keep()
+    kept, lost, current = steps
+    for step, frame in ((kept, frames[0]), (current, frames[2])):
+        rectified = chain.rectifier.rectify(frame)
+        np.testing.assert_array_equal(step.frame.left, rectified.left)
+        np.testing.assert_array_equal(step.frame.right, rectified.right)
+        words = list(chain.engine.levels(rectified.left, rectified.right))
+        for own, expected in zip(step.pair.levels, words, strict=True):
+            np.testing.assert_array_equal(own, expected)
+        assert step.result.region_of_pixel.max() + 1 <= len(step.result.verdict_of_region)
+    for asked in (lambda: lost.frame, lambda: lost.pair.levels, lambda: lost.result.words):
+        with pytest.raises(RuntimeError, match="next"):
+            asked()
 
 
 def test_a_camera_that_fails_ends_the_run_after_its_last_frame(flight: tuple[Chain, list[Frame]]) -> None:

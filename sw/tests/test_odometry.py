@@ -29,8 +29,8 @@ def estimated(sequence: Sequence) -> list[Pose]:
     poses = []
     for files in sequence.frames:
         step = run_frame(chain, files)
-        assert step.frame.world_from_camera is not None, files.index
-        poses.append(step.frame.world_from_camera)
+        assert step.world_from_camera is not None, files.index
+        poses.append(step.world_from_camera)
     return poses
 
 

@@ -169,7 +169,8 @@ class Corrector:
     def update(self, left: Grey, right: Grey, t_ns: int, rectified: bool = False) -> Corrected:
         self.detector.take(left, right, t_ns, rectified=rectified)
         self.detector.match(self._blank)
-        frame = Frame(self._frames, t_ns, *self.detector.rectified(), None)
+        pair = self.detector.pair()
+        frame = Frame(self._frames, t_ns, pair.left, pair.right, None)
         self.detector.judge(None, None)
         alignment, applied = self.detector.alignment, self.applied
         assert alignment is not None

@@ -99,6 +99,7 @@ typedef struct vista_detector_result {
   int32_t next_finding; /* where vista_detector_add puts the next one */
   vista_line_health health; /* the same as states and names */
   double rectify_ms, match_ms, alignment_ms;
+  bool shown; /* the images show something: not one grey level, and not both the same */
 } vista_detector_result;
 
 /* The number of bytes that a detector needs. Errors as vista_detector_create. */

@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Protocol, cast
-
-import numpy as np
-from numpy.typing import NDArray
+from functools import cached_property
+from typing import Protocol, Self, cast
 
 from vista import parameters
-from vista.alignment import Alignment
 from vista.control_grid import GridPair
-from vista.detector import Detector, Novelty
+from vista.detector import Detector, MatchedPair, Novelty
 from vista.engine import LR_OFF, RECTIFYING_ENGINES, Engine, EngineParameters, StereoEngine, create_engine
 from vista.engine.board import DEFAULT_TIMEOUT_S
 from vista.errors import InputError
+from vista.geometry import Pose
 from vista.health.finding import Finding, FrameHealth
 from vista.health.monitor import HealthMonitor
 from vista.history import FrameRecord, StageClock
@@ -92,15 +90,27 @@ def make_chain(
 
 @dataclass(frozen=True)
 class Step:
-    """One frame on its way through the chain."""
+    """One frame on its way through the chain. What is in memory of the detector is copied when first asked
+    for, before the next frame is taken."""
 
     raw: Frame  # as read
-    frame: Frame  # rectified
-    levels: list[NDArray[np.int16]]  # the words of each
+    pair: MatchedPair
+    world_from_camera: Pose | None  # rectified
     result: Result
     record: FrameRecord
     anew: bool  # the host forgot what came before: a still, or poses that began anew
     checks_ms: float  # no part of the total
+
+    @cached_property
+    def frame(self) -> Frame:
+        """The rectified one."""
+        left, right = self.pair.left, self.pair.right
+        return replace(self.raw, left=left, right=right, world_from_camera=self.world_from_camera)
+
+    def keep(self) -> Self:
+        """Copies everything, so that it outlasts the frame."""
+        _ = self.frame, self.pair.levels, self.result.keep()
+        return self
 
 
 def run_frame(chain: Chain, files: FrameFiles) -> Step:
@@ -127,29 +137,28 @@ def take(chain: Chain, raw: Frame, restarts: bool = False) -> Novelty:
 def finish(chain: Chain, raw: Frame, clock: StageClock, anew: bool = False) -> Step:
     """What follows once a frame has been taken; clock: with the time of reading it, if that counts; anew: its
     pose does not continue those before."""
-    detector = chain.detector
-    left, right = detector.rectified()
+    detector, pair, pose = chain.detector, chain.detector.pair(), raw.world_from_camera
     with clock.stage("stereo"):
         if isinstance(chain.engine, StereoEngine) and chain.engine.threads == 1:
             detector.match()
         else:
-            images = (raw.left, raw.right) if chain.engine_rectifies else (left, right)
+            images = (raw.left, raw.right) if chain.engine_rectifies else (pair.left, pair.right)
             detector.match(list(chain.engine.levels(*images)))
-    levels, pose = detector.levels(), raw.world_from_camera
     if chain.odometry is not None:
         restarts = chain.odometry.restarts
         with clock.stage("odometry"):
-            pose = chain.odometry.update(left, levels[0])
+            pose = chain.odometry.update(pair.left, pair.levels[0])
         anew = anew or chain.odometry.restarts > restarts
     elif pose is not None:
         pose = detector.rectified_pose(pose)
     result = detector.judge(pose, chain.sequence.up_world, anew)
-    frame = replace(raw, left=left, right=right, world_from_camera=pose)
     alignment = detector.alignment
     if alignment is not None and alignment.changed:
         _load_map(chain)
     with clock.stage("checks"):
-        besides = _check(chain, frame, result, alignment)
+        besides: tuple[Finding, ...] = ()
+        if chain.monitor is not None:
+            besides = chain.monitor.check(pair, result.health.matched_fraction, alignment, detector.shown)
     record = FrameRecord(
         result.outcome,
         result.items,
@@ -160,14 +169,8 @@ def finish(chain: Chain, raw: Frame, clock: StageClock, anew: bool = False) -> S
         health=FrameHealth(detector.findings(besides)),
         alignment=alignment,
     )
-    return Step(raw, frame, levels, result, record, anew or chain.sequence.stills, clock.stage_ms["checks"])
-
-
-def _check(chain: Chain, frame: Frame, result: Result, alignment: Alignment | None) -> tuple[Finding, ...]:
-    if chain.monitor is None:
-        return ()
-    shown = chain.detector.shown
-    return chain.monitor.check(frame, result.health.matched_fraction, alignment, shown)
+    anew = anew or chain.sequence.stills
+    return Step(raw, pair, pose, result, record, anew, clock.stage_ms["checks"])
 
 
 def _load_map(chain: Chain) -> None:

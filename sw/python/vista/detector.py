@@ -5,8 +5,9 @@ A raw pair, its time and the camera's pose go in; what was found and what is wro
 from __future__ import annotations
 
 import weakref
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from enum import IntEnum
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -17,7 +18,7 @@ from vista.alignment import Alignment, c_camera, c_images
 from vista.control_grid import Grid
 from vista.geometry import Array, Pose
 from vista.health.finding import Finding, Reason, State
-from vista.pipeline import Result, c_parameters, destroy, read_result
+from vista.pipeline import Result, c_parameters, copied_image, destroy, read_result
 from vista.rectify import RawCamera, Rectifier
 from vista.structs import names_of
 
@@ -30,6 +31,32 @@ class Novelty(IntEnum):
     NEW = 0
     REPEATED = 1  # it says nothing that the pair before did not
     RESTARTED = 2  # what came before was forgotten
+
+
+class MatchedPair:
+    """The rectified pair in work and its words (vista_detector_matched). Each is copied when first asked
+    for; after the next pair was taken that raises RuntimeError."""
+
+    def __init__(self, ffi: Any, in_c: Callable[[], Any]) -> None:
+        """in_c: gives the struct, as long as the pair is in work."""
+        self._ffi, self._in_c = ffi, in_c
+
+    @cached_property
+    def left(self) -> NDArray[np.uint8]:
+        return self._copied(self._in_c().left, np.uint8)
+
+    @cached_property
+    def right(self) -> NDArray[np.uint8]:
+        return self._copied(self._in_c().right, np.uint8)
+
+    @cached_property
+    def levels(self) -> list[NDArray[np.int16]]:
+        """The words of each level, once they were found."""
+        pair = self._in_c()
+        return [self._copied(words, np.int16) for words in pair.words[0 : pair.levels]]
+
+    def _copied(self, image: Any, dtype: Any) -> NDArray[Any]:
+        return copied_image(self._ffi, image.data, dtype, (image.height_px, image.width_px))
 
 
 class Detector:
@@ -46,8 +73,7 @@ class Detector:
         """problems: what is wrong with the calibration; every_pair: pairs that repeat the one before are
         judged, too. Raises ValueError for images of a size that is not handled."""
         self._ffi, self._lib = ffi, lib = native.load("vista")
-        self._rectifier, camera = rectifier, rectifier.calibration
-        self._shape = camera.height, camera.width
+        self._rectifier = rectifier
         self._rig, self._leads_to = c_rig(ffi, rectifier, problems)
         options = ffi.new("vista_detector_options *", (every_pair, stills, True))
         given = c_parameters(ffi, lib, values), self._rig, options
@@ -60,7 +86,7 @@ class Detector:
         weakref.finalize(self, destroy, lib.vista_detector_destroy, self._detector, self._memory)
         self._found = ffi.new("vista_detector_result *")
         self._corrects = values["alignment"]["correct"] == "on" and not stills
-        self._cell_of_pixel: NDArray[np.int32] | None = None
+        self._taken = 0
 
     def take(
         self,
@@ -77,6 +103,7 @@ class Detector:
         pair = ffi.new("vista_detector_pair *", {"t_ns": t_ns, "restarts": restarts, "rectified": rectified})
         pair.left, pair.right = (image[0] for image in images)
         novelty = ffi.new("vista_novelty *")
+        self._taken += 1
         self._check(self._lib.vista_detector_take(self._detector, pair, novelty))
         return Novelty(int(novelty[0]))
 
@@ -92,18 +119,16 @@ class Detector:
                 image.stride = level.shape[1]
         self._check(self._lib.vista_detector_match(self._detector, ffi.NULL if images is None else images))
 
-    def rectified(self) -> tuple[NDArray[np.uint8], NDArray[np.uint8]]:
-        """The pair that was taken."""
-        pair = self._lib.vista_detector_matched_pair(self._detector)
-        return self._copy(pair.left.data, np.uint8, self._shape), self._copy(
-            pair.right.data, np.uint8, self._shape
-        )
+    def pair(self) -> MatchedPair:
+        """The pair in work."""
+        taken, matched_pair = self._taken, self._lib.vista_detector_matched_pair
 
-    def levels(self) -> list[NDArray[np.int16]]:
-        """The words of each level of the pair that was matched."""
-        pair = self._lib.vista_detector_matched_pair(self._detector)
-        shapes = [(words.height_px, words.width_px) for words in pair.words[0 : pair.levels]]
-        return [self._copy(pair.words[k].data, np.int16, shape) for k, shape in enumerate(shapes)]
+        def in_c() -> Any:
+            if self._taken != taken:
+                raise RuntimeError("a pair was not kept, and the next one has begun")
+            return matched_pair(self._detector)
+
+        return MatchedPair(self._ffi, in_c)
 
     def judge(self, pose: Pose | None, up_world: Array | None, anew: bool = False) -> Result:
         """Finds the obstacles of the pair that was matched. pose: world_from_camera, rectified; anew: it does
@@ -118,9 +143,8 @@ class Detector:
             place.up_world = up
         self._check(self._lib.vista_detector_judge(self._detector, place, self._found))
         outcome, directions = (ffi.addressof(self._found, name) for name in ("result", "directions"))
-        result = read_result(ffi, self._lib, outcome, directions, self._cell_of_pixel)
-        self._cell_of_pixel = result.cell_of_pixel
-        return result
+        taken = self._taken
+        return read_result(ffi, self._lib, outcome, directions, lambda: self._taken == taken)
 
     @property
     def alignment(self) -> Alignment | None:
@@ -137,9 +161,7 @@ class Detector:
     @property
     def shown(self) -> bool:
         """Whether the images that were judged show anything: not the same twice, and not one grey."""
-        blinding = (Reason.NO_CONTRAST, Reason.IMAGES_IDENTICAL)
-        own = self.findings()[: self._found.next_finding]
-        return not any(finding.reason in blinding for finding in own)
+        return bool(self._found.shown)
 
     def findings(self, besides: Iterable[Finding] = ()) -> tuple[Finding, ...]:
         """What is wrong with the frame that was judged, with what was found besides."""
@@ -162,7 +184,7 @@ class Detector:
         """The control grid by which right images are rectified now; None: a map does it."""
         table = self._lib.vista_detector_right_table(self._detector)
         grids = self._rectifier.grids
-        return None if grids is None else self._copy(table.grid, np.int16, grids.right.shape)
+        return None if grids is None else copied_image(self._ffi, table.grid, np.int16, grids.right.shape)
 
     def rectified_pose(self, pose: Pose) -> Pose:
         """The pose of the rectified left camera from that of the raw one."""
@@ -171,10 +193,6 @@ class Detector:
 
     def _pose(self, pose: Pose) -> Any:
         return self._ffi.new("vista_pose *", (pose.rotation.ravel().tolist(), pose.translation_m.tolist()))
-
-    def _copy(self, pointer: Any, kind: Any, shape: tuple[int, ...]) -> NDArray[Any]:
-        size = int(np.prod(shape)) * np.dtype(kind).itemsize
-        return np.frombuffer(self._ffi.buffer(pointer, size), kind).reshape(shape).copy()
 
     def _check(self, status: int) -> None:
         native.check(self._ffi, self._lib, status)

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 import weakref
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -197,22 +197,87 @@ class Found:
         return self.outcome.in_c(), native.load("vista")[0].NULL if known is None else known.in_c()
 
 
+class Pictures:
+    """Pictures of the frame in work, in the memory of C (vista_views)."""
+
+    def __init__(self, ffi: Any, views: Any, in_work: Callable[[], bool]) -> None:
+        """in_work: whether the frame still is in work, and its pictures are there."""
+        self._ffi, self._views, self._in_work = ffi, views, in_work
+
+    def of_pixels(self, name: str, dtype: Any) -> NDArray[Any]:
+        """(height, width)"""
+        return self._copied(name, dtype, (self._views.height_px, self._views.width_px))
+
+    def of_cells(self, name: str, dtype: Any) -> NDArray[Any]:
+        """(cells,)"""
+        return self._copied(name, dtype, (self._views.cell_count,))
+
+    def of_regions(self, name: str, dtype: Any) -> NDArray[Any]:
+        """(regions,)"""
+        return self._copied(name, dtype, (self._views.region_count,))
+
+    def _copied(self, name: str, dtype: Any, shape: tuple[int, ...]) -> NDArray[Any]:
+        if not self._in_work():
+            raise RuntimeError(f"{name} was not kept, and the next frame has begun")
+        return copied_image(self._ffi, getattr(self._views, name), dtype, shape)
+
+
 @dataclass(frozen=True)
 class Result(Found):
-    """The output of one frame, with its pictures."""
+    """The output of one frame, with its pictures. Each is copied when first asked for; once the next frame
+    has begun that raises RuntimeError."""
 
-    cell_of_pixel: NDArray[np.int32]  # (height, width): the cell under each pixel
-    cell_intensity: NDArray[np.float32]  # (cells,)
-    cell_disparity_px: NDArray[np.float32]  # (cells,); negative: none
-    region_of_cell: NDArray[np.int32]  # (cells,); -1: none
-    region_of_pixel: NDArray[np.int32]  # (height, width); -1: none; boundaries follow the image
-    verdict_of_region: list[str]
-    words: NDArray[np.int16]  # (height, width): the disparities of all levels together; negative: none
+    pictures: Pictures
+
+    @cached_property
+    def cell_of_pixel(self) -> NDArray[np.int32]:
+        """(height, width): the cell under each pixel."""
+        return self.pictures.of_pixels("cell_of_pixel", np.int32)
+
+    @cached_property
+    def cell_intensity(self) -> NDArray[np.float32]:
+        """(cells,)"""
+        return self.pictures.of_cells("cell_intensity", np.float32)
+
+    @cached_property
+    def cell_disparity_px(self) -> NDArray[np.float32]:
+        """(cells,); negative: none."""
+        return self.pictures.of_cells("cell_disparity_px", np.float32)
+
+    @cached_property
+    def region_of_cell(self) -> NDArray[np.int32]:
+        """(cells,); -1: none."""
+        return self.pictures.of_cells("region_of_cell", np.int32)
+
+    @cached_property
+    def region_of_pixel(self) -> NDArray[np.int32]:
+        """(height, width); -1: none; boundaries follow the image."""
+        return self.pictures.of_pixels("region_of_pixel", np.int32)
+
+    @cached_property
+    def verdict_of_region(self) -> list[str]:
+        """Name of the verdict on each region."""
+        verdicts = self.pictures.of_regions("verdict_of_region", np.uint32)
+        return [names_of("region_verdict")[verdict] for verdict in verdicts]
+
+    @cached_property
+    def words(self) -> NDArray[np.int16]:
+        """(height, width): the disparities of all levels together; negative: none."""
+        return self.pictures.of_pixels("words", np.int16)
 
     @property
     def health(self) -> Health:
         """What libvista itself says of the view."""
         return self.outcome.health
+
+    def keep(self) -> Self:
+        """Copies all pictures, so that they outlast the frame."""
+        for name in PICTURES:
+            getattr(self, name)
+        return self
+
+
+PICTURES = tuple(name for name, member in vars(Result).items() if isinstance(member, cached_property))
 
 
 def destroy(end: Any, made: Any, memory: Any) -> None:
@@ -246,7 +311,6 @@ class Pipeline:
         weakref.finalize(self, destroy, self._lib.vista_pipeline_destroy, self._pipeline, self._memory)
         self._result = self._ffi.new("vista_result *")
         self._directions = self._ffi.new("vista_directions *")
-        self._cell_of_pixel: NDArray[np.int32] | None = None
 
     def reset(self) -> None:
         """Forgets tracks, velocity and time. Ids go on counting."""
@@ -302,40 +366,26 @@ class Pipeline:
                 self._pipeline, frame, ffi.sizeof(frame[0]), self._result, ffi.sizeof(self._result[0])
             )
         )
-        return self._read_result()
+        self._check(self._lib.vista_pipeline_directions(self._pipeline, self._directions))
+        return read_result(self._ffi, self._lib, self._result, self._directions, lambda: True).keep()
 
     def _check(self, status: int) -> None:
         native.check(self._ffi, self._lib, status)
 
     def _array(self, pointer: Any, count: int, dtype: Any) -> NDArray[Any]:
-        return copied_array(self._ffi, pointer, count, dtype)
-
-    def _read_result(self) -> Result:
-        self._check(self._lib.vista_pipeline_directions(self._pipeline, self._directions))
-        result = read_result(self._ffi, self._lib, self._result, self._directions, self._cell_of_pixel)
-        self._cell_of_pixel = result.cell_of_pixel
-        return result
+        return copied_image(self._ffi, pointer, dtype, (count,))
 
 
-def copied_array(ffi: Any, pointer: Any, count: int, dtype: Any) -> NDArray[Any]:
-    """So many numbers from the memory of C."""
-    return np.frombuffer(ffi.buffer(pointer, count * np.dtype(dtype).itemsize), dtype=dtype).copy()
+def copied_image(ffi: Any, pointer: Any, dtype: Any, shape: tuple[int, ...]) -> NDArray[Any]:
+    """An array of that shape, from the memory of C."""
+    size = math.prod(shape) * np.dtype(dtype).itemsize
+    return np.frombuffer(ffi.buffer(pointer, size), dtype).reshape(shape).copy()
 
 
-def read_result(
-    ffi: Any, lib: Any, r: Any, directions: Any, cell_of_pixel: NDArray[np.int32] | None
-) -> Result:
-    """Copies a vista_result and its directions; cell_of_pixel: as in a frame before."""
-    views = r.views
-    shape, cells = (views.height_px, views.width_px), views.cell_count
-    pixels = shape[0] * shape[1]
-
-    def image(pointer: Any, dtype: Any) -> NDArray[Any]:
-        return copied_array(ffi, pointer, pixels, dtype).reshape(shape)
-
-    stages = range(r.stage_count)
+def read_result(ffi: Any, lib: Any, r: Any, directions: Any, in_work: Callable[[], bool]) -> Result:
+    """Copies a vista_result and its directions, but for the pictures; in_work: whether these are there."""
+    stages, views = range(r.stage_count), r.views
     stage_ms = {ffi.string(lib.vista_stage_name(k)).decode(): r.stage_ms[k] for k in stages}
-    verdicts = copied_array(ffi, views.verdict_of_region, views.region_count, np.uint32)
     obstacles = copied(ffi, r.obstacles, Obstacle.NAME, r.obstacle_count)
     r.obstacles = r.views = r.stage_ms = ffi.NULL  # what is kept leads nowhere that the next frame changes
     return Result(
@@ -343,13 +393,7 @@ def read_result(
         obstacles,
         Directions.copied(ffi, directions),
         stage_ms | {"host": r.host_ms},
-        cell_of_pixel=image(views.cell_of_pixel, np.int32) if cell_of_pixel is None else cell_of_pixel,
-        cell_intensity=copied_array(ffi, views.cell_intensity, cells, np.float32),
-        cell_disparity_px=copied_array(ffi, views.cell_disparity_px, cells, np.float32),
-        region_of_cell=copied_array(ffi, views.region_of_cell, cells, np.int32),
-        region_of_pixel=image(views.region_of_pixel, np.int32),
-        verdict_of_region=[names_of("region_verdict")[verdict] for verdict in verdicts],
-        words=image(views.words, np.int16),
+        Pictures(ffi, views, in_work),
     )
 
 

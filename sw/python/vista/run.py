@@ -75,7 +75,7 @@ def _run_frame(chain: Chain, files: FrameFiles, outputs: Outputs) -> FrameRecord
     record = step.record
     with clock.stage("output"):  # no part of the total
         if outputs.recorder is not None:
-            outputs.recorder.write(step.frame, step.levels, step.anew)
+            outputs.recorder.write(step.frame, step.pair.levels, step.anew)
         jpeg = None
         if outputs.overlay is not None:
             jpeg = encoded(outputs.overlay.draw(step.frame, step.result, record.health))

@@ -101,6 +101,7 @@ static void append_of_pipeline(const vista_health *health, vista_detector_result
 void vista_findings_of(const vista_frame_facts *facts, vista_detector_result *r) {
   const vista_rig *const rig = facts->rig;
   r->finding_count = 0;
+  r->shown = !facts->view->dark && !facts->view->identical;
   if (rig->baseline_problem != NULL) append(r, VISTA_HEALTH_DEGRADED, "baseline_implausible", rig->baseline_problem);
   if (rig->calibration_problem != NULL)
     append(r, VISTA_HEALTH_DEGRADED, "calibration_misfit", rig->calibration_problem);

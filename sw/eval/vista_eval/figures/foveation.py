@@ -21,7 +21,7 @@ def draw(truth: FlightTruth, values: parameters.Values) -> Figure:
     pipeline = OpenPipeline(chain.rectifier.calibration, values)
     step = run_frame(chain, sequence.frames[shown_frame(truth)])
     result = pipeline.process(
-        step.frame.left, step.levels, 0, step.frame.world_from_camera, sequence.up_world
+        step.frame.left, step.pair.levels, 0, step.frame.world_from_camera, sequence.up_world
     )
     graph = pipeline.cell_graph()
     height, width = step.frame.left.shape

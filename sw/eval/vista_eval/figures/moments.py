@@ -57,6 +57,6 @@ def fly_through(truth: FlightTruth, index: int, values: parameters.Values) -> tu
     for k, step in enumerate(fly(open_flight(truth.folder), values)):
         records.append(step.record)
         if k == index:
-            shown = step
+            shown = step.keep()
     assert shown is not None, f"{truth.folder} has no frame {index}"
     return Moment(truth, shown), score_records(truth.folder, records, values)

@@ -67,6 +67,7 @@ class LivePage:
         return f"http://{HOST}:{self._server.server_address[1]}/"
 
     def take(self, seen: Seen) -> None:
+        seen.step.keep()  # a browser may ask for its picture while the next frame is worked on
         with self._changed:
             self._seen = seen
             self._done_s.append(time.monotonic())
