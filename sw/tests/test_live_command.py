@@ -189,6 +189,15 @@ def test_the_page_in_a_browser(tmp_path: Path) -> None:
                 )
                 page.settle()
                 assert page.run("document.documentElement.scrollWidth <= innerWidth")
+            blind = (
+                "state.line.health.state = 'blind'; state.reasons = ['the left image is nearly constant'];"
+                "state.line.nearest_collision = {distance_m: 12, time_to_collision_s: 3};"
+                "banner(); figures();"
+                "[$('banner').className, $('banner').textContent, $('nearest').textContent].join('|')"
+            )
+            why = "Blind: the left image is nearly constant"
+            ahead = "collision ahead: 12.0 m, in 3.0 s"
+            assert page.run(blind) == f"note blind|{why}. Carried on from before: {ahead}|–"
             assert page.problems == []
             live.process.kill()
             banner = "document.getElementById('banner').textContent"

@@ -128,7 +128,7 @@ class LivePage:
             if whole:
                 drawn = self._overlay.draw(step.frame, result, seen.record.health)
             else:
-                drawn = draw_obstacles(step.frame.left, result.obstacles, result.nearest_collision)
+                drawn = draw_obstacles(step.frame.left, result.obstacles, seen.record.warning)
         return encoded(drawn)
 
     def newest_ns(self) -> int | None:

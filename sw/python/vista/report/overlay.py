@@ -65,10 +65,11 @@ class Overlay:
         health: FrameHealth = HEALTHY,
     ) -> Picture:
         """frame: rectified; result: what the host made of it."""
+        nearest = None if health.state == State.BLIND else result.nearest_collision
         foveated = np.clip(np.rint(result.cell_intensity), 0, 255).astype(np.uint8)[result.cell_of_pixel]
         colours = self._region_colours.assign(result.region_of_cell)
         tiles = [
-            draw_obstacles(frame.left, result.obstacles, result.nearest_collision),
+            draw_obstacles(frame.left, result.obstacles, nearest),
             draw_disparity(result.words, self._num_disparities, self._focal_baseline_px_m),
             _caption(_coloured(foveated), "log-polar cells"),
             draw_regions(frame.left, result.region_of_pixel, colours, result.verdict_of_region),

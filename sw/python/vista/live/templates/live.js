@@ -28,10 +28,10 @@ function banner() {
   if (age_ms > LOST_MS) return show("blind", `No new frame for ${(age_ms / 1000).toFixed(1)} s: nothing below is of this moment.`);
   const { health, nearest_collision: nearest } = state.line;
   const why = state.reasons.length ? `: ${state.reasons.join("; ")}` : "";
-  if (nearest) {
-    const left = nearest.time_to_collision_s === null ? "" : `, in ${nearest.time_to_collision_s.toFixed(1)} s`;
-    return show("hit", `Collision ahead: ${metres(nearest.distance_m)}${left}${health.state === "healthy" ? "" : ` (${health.state}${why})`}`);
-  }
+  const left = nearest && nearest.time_to_collision_s !== null ? `, in ${nearest.time_to_collision_s.toFixed(1)} s` : "";
+  const ahead = nearest ? `ollision ahead: ${metres(nearest.distance_m)}${left}` : "";
+  if (health.state === "blind") return show("blind", `Blind${why}${nearest ? `. Carried on from before: c${ahead}` : ""}`);
+  if (nearest) return show("hit", `C${ahead}${health.state === "healthy" ? "" : ` (${health.state}${why})`}`);
   if (health.state !== "healthy") return show(health.state, `${health.state[0].toUpperCase()}${health.state.slice(1)}${why}`);
   show("good", `Nothing is on the path, as far as it is seen: ${metres(state.line.path_seen_m)}`);
 }
@@ -45,9 +45,9 @@ function figures() {
   say("sent", link ? `${link.median_ms.toFixed(0)} ms` : "none");
   say("link", link ? `to the message; ${link.sent} sent to ${link.target}, ${link.lost} lost` : "start with --to to tell one");
   if (state.frame === null) return;
-  const nearest = state.line.nearest_collision;
-  say("nearest", nearest ? metres(nearest.distance_m) : "none");
-  say("nearest_at", nearest && nearest.time_to_collision_s !== null ? `in ${nearest.time_to_collision_s.toFixed(1)} s` : "\u00a0");
+  const blind = state.line.health.state === "blind", nearest = blind ? null : state.line.nearest_collision;
+  say("nearest", nearest ? metres(nearest.distance_m) : blind ? "–" : "none");
+  say("nearest_at", blind ? "the view is blind" : nearest && nearest.time_to_collision_s !== null ? `in ${nearest.time_to_collision_s.toFixed(1)} s` : "\u00a0");
   say("path", metres(Math.min(state.line.path_seen_m, nearest?.distance_m ?? Infinity)));
   const turn = state.alignment, degrees = (x) => `${x < 0 ? "" : "+"}${x.toFixed(2)}°`;
   const aligned = turn ? `; right camera corrected by ${degrees(turn.pitch_deg)} in pitch, ${degrees(turn.roll_deg)} in roll` : "";
