@@ -159,9 +159,9 @@ def test_a_command_of_an_extra_is_known(environment: Environment) -> None:
     assert done.stdout.startswith("usage: vista throughput")
 
 
-def test_a_command_of_the_evaluation_is_named_with_its_distribution(environment: Environment) -> None:
+def test_a_command_of_the_evaluation_is_named_with_its_extra(environment: Environment) -> None:
     done = environment.vista("flights", "DIR")
-    line = "vista: flights needs vista-stereo-eval: pip install 'vista-stereo-eval'\n"
+    line = "vista: flights needs vista-stereo[eval]: pip install 'vista-stereo[eval]'\n"
     assert (done.returncode, done.stderr) == (2, line)
 
 

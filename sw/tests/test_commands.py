@@ -1,15 +1,16 @@
-"""Commands are found by entry points: loaded when named, and named with their distribution when missing."""
+"""Commands are found by entry points: loaded when named, and named with their extra when missing."""
 
 from __future__ import annotations
 
 import subprocess
 import sys
-from importlib.metadata import EntryPoint
+from importlib.metadata import EntryPoint, metadata
 
 import pytest
 from command_line import Vista, assert_refused
 from command_line import call as call_vista
 from vista import cli
+from vista.version import DISTRIBUTION
 from vista_eval.command import flights
 
 SLOW_TO_LOAD = ("matplotlib", "embreex", "vista_eval", "vista_throughput")
@@ -24,6 +25,7 @@ def test_help_names_all_commands_in_order_and_loads_none() -> None:
     program = f"""
 import sys
 from vista import cli
+from vista.version import DISTRIBUTION
 try:
     cli.main(["--help"])
 except SystemExit:
@@ -34,42 +36,41 @@ print(*[name for name in {SLOW_TO_LOAD} if name in sys.modules])
     lines = done.stdout.splitlines()
     assert lines[-1] == ""
     named = [line.split()[0] for line in lines if line.startswith("    ") and not line.startswith("     ")]
-    assert named == list(cli.COMMANDS)
+    assert named[0] == "record" and named[-1] == "config"
+    assert named == list(cli.commands_known())
     assert "pip install" not in done.stdout
 
 
-@pytest.mark.parametrize("command", cli.COMMANDS)
+@pytest.mark.parametrize("command", cli.commands_known())
 def test_each_command_has_its_help(run_vista: Vista, command: str) -> None:
     status, out, _ = run_vista(command, "--help")
     assert status == 0
     assert out.startswith(f"usage: vista {command}")
 
 
-def without(name: str) -> list[EntryPoint]:
-    return [point for point in cli.entry_points(group=cli.GROUP) if point.name != name]
-
-
-@pytest.mark.parametrize("command", cli.DISTRIBUTION_OF)
-def test_a_command_that_is_not_installed_names_its_distribution(
-    run_vista: Vista, monkeypatch: pytest.MonkeyPatch, command: str
+@pytest.mark.parametrize(
+    ("command", "extra"),
+    [("flights", "eval"), ("worlds", "eval"), ("dataset", "dataset"), ("throughput", "throughput")],
+)
+def test_a_command_that_is_not_installed_names_its_extra(
+    run_vista: Vista, monkeypatch: pytest.MonkeyPatch, command: str, extra: str
 ) -> None:
-    points = without(command)
-    monkeypatch.setattr(cli, "entry_points", lambda group: points)
-    source = cli.DISTRIBUTION_OF[command]
+    elsewhere = EntryPoint(command, f"vista_elsewhere.{command} [{extra}]", cli.GROUP)
+    points = cli.commands_known() | {command: elsewhere}
+    monkeypatch.setattr(cli, "commands_known", lambda: points)
+    source = f"vista-stereo[{extra}]"
     assert_refused(run_vista(command, "DIR"), f"{command} needs {source}: pip install '{source}'")
     status, out, _ = run_vista("--help")
     assert status == 0 and f"'{source}'" in "".join(out.split())  # a line may end at a hyphen
 
 
-def test_a_command_whose_package_is_not_there_names_its_distribution(
-    run_vista: Vista, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    points = [*without("flights"), EntryPoint("flights", "vista_elsewhere.command.flights", cli.GROUP)]
-    monkeypatch.setattr(cli, "entry_points", lambda group: points)
-    assert_refused(run_vista("flights", "DIR"), "flights needs vista-stereo-eval")
+def test_every_extra_of_a_command_can_be_installed() -> None:
+    offered = metadata(DISTRIBUTION).get_all("Provides-Extra")
+    extras = {extra for point in cli.commands_known().values() for extra in point.extras}
+    assert extras and extras <= set(offered)
 
 
-def test_a_dependency_that_is_missing_names_the_distribution(
+def test_a_dependency_that_is_missing_names_the_extra(
     run_vista: Vista, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def execute(_: object) -> int:
@@ -77,5 +78,5 @@ def test_a_dependency_that_is_missing_names_the_distribution(
 
     monkeypatch.setattr(flights, "execute", execute)
     outcome = run_vista("flights", "DIR")
-    assert_refused(outcome, "flights needs vista-stereo-eval: pip install 'vista-stereo-eval'")
+    assert_refused(outcome, "flights needs vista-stereo[eval]: pip install 'vista-stereo[eval]'")
     assert "embreex" in outcome[2]

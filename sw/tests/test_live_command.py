@@ -197,7 +197,7 @@ def test_the_page_in_a_browser(tmp_path: Path) -> None:
             )
             why = "Blind: the left image is nearly constant"
             ahead = "collision ahead: 12.0 m, in 3.0 s"
-            assert page.run(blind) == f"note blind|{why}. Carried on from before: {ahead}|–"
+            assert page.run(blind) == f"note blind|{why}. Carried on from before: {ahead}|\u2013"
             assert page.problems == []
             live.process.kill()
             banner = "document.getElementById('banner').textContent"

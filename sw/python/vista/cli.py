@@ -11,7 +11,7 @@ import io
 import os
 import sys
 from importlib.machinery import PathFinder
-from importlib.metadata import EntryPoint, entry_points
+from importlib.metadata import EntryPoint, distribution
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -22,30 +22,6 @@ from vista.interruption import stopping_at_once
 from vista.version import DISTRIBUTION, version
 
 GROUP = "vista.commands"
-# In the order of the help.
-COMMANDS = (
-    "record",
-    "calibrate",
-    "run",
-    "live",
-    "ros",
-    "disparity",
-    "mavlink",
-    "prepare",
-    "flights",
-    "worlds",
-    "figures",
-    "scenes",
-    "dataset",
-    "throughput",
-    "config",
-)  # as the help has them
-# What pip installs for a command that the product alone has not.
-DISTRIBUTION_OF = {
-    **dict.fromkeys(("flights", "worlds", "figures", "scenes"), "vista-stereo-eval"),
-    "dataset": "vista-stereo-eval[dataset]",
-    "throughput": f"{DISTRIBUTION}[throughput]",
-}
 EPILOG = """\
 exit status:
   0    done
@@ -72,19 +48,24 @@ def make_parser(named: str | None) -> argparse.ArgumentParser:
     )
     parser.add_argument("--version", action="version", version=f"vista {version()}")
     commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
-    installed = {point.name: point for point in entry_points(group=GROUP)}
-    for name in COMMANDS:
-        point = installed.get(name)
-        summary = summary_of(point) if point is not None else None
-        if point is None or summary is None:
-            if name == named:
-                raise missing(name)
-            commands.add_parser(name, help=str(missing(name)))
-        elif name == named:
+    for point in commands_known().values():
+        summary = summary_of(point)
+        if summary is None:
+            if point.name == named:
+                raise missing(point)
+            commands.add_parser(point.name, help=str(missing(point)))
+        elif point.name == named:
             add_command(commands, point, summary)
         else:
-            commands.add_parser(name, help=summary)
+            commands.add_parser(point.name, help=summary)
     return parser
+
+
+def commands_known() -> dict[str, EntryPoint]:
+    """The commands by their names, in the order of pyproject.toml. Those of other distributions name the
+    extra that installs them."""
+    points = distribution(DISTRIBUTION).entry_points.select(group=GROUP)
+    return {point.name: point for point in points}
 
 
 def add_command(commands: argparse._SubParsersAction[Parser], point: EntryPoint, summary: str) -> None:
@@ -102,25 +83,25 @@ def add_command(commands: argparse._SubParsersAction[Parser], point: EntryPoint,
 
 def summary_of(point: EntryPoint) -> str | None:
     """The first line of the module's docstring, without loading it; None if its package is not there."""
-    package, _, below = point.value.partition(".")
+    package, _, below = point.module.partition(".")
     spec = find_spec(package)
     if spec is None or spec.submodule_search_locations is None:
         return None
     places = [str(Path(place, *below.split(".")[:-1])) for place in spec.submodule_search_locations]
-    module = PathFinder.find_spec(point.value.rpartition(".")[2], places)
+    module = PathFinder.find_spec(point.module.rpartition(".")[2], places)
     if module is None or module.origin is None:
         return None
     text = ast.get_docstring(ast.parse(Path(module.origin).read_text(encoding="utf-8"))) or ""
     return text.partition("\n")[0].rstrip(".")
 
 
-def missing(name: str, reason: str = "") -> InputError:
-    """Say which distribution a command is missing with; reason: what Python says of what it imports."""
-    distribution = DISTRIBUTION_OF.get(name)
-    if distribution is None:
-        return InputError(f"{name} is not installed whole", reason or f"install {DISTRIBUTION} anew")
+def missing(point: EntryPoint, reason: str = "") -> InputError:
+    """Say with which extra a command is missing; reason: what Python says of what it imports."""
+    if not point.extras:
+        return InputError(f"{point.name} is not installed whole", reason or f"install {DISTRIBUTION} anew")
+    source = f"{DISTRIBUTION}[{point.extras[0]}]"
     because = f" ({reason})" if reason else ""
-    return InputError(f"{name} needs {distribution}", f"pip install '{distribution}'{because}")
+    return InputError(f"{point.name} needs {source}", f"pip install '{source}'{because}")
 
 
 def named_command(arguments: list[str]) -> str | None:
@@ -149,7 +130,8 @@ def main(arguments: list[str] | None = None) -> int:
             print(f"vista: {error}", file=sys.stderr)
         return error.status
     except ModuleNotFoundError as error:
-        print(f"vista: {missing(named or 'vista', str(error))}", file=sys.stderr)
+        point = commands_known().get(named or "")
+        print(f"vista: {error if point is None else missing(point, str(error))}", file=sys.stderr)
         return EXIT_INPUT
     except ImportError as error:  # the native libraries are not built
         print(f"vista: {error}", file=sys.stderr)
