@@ -28,9 +28,6 @@ typedef struct vista_line_health {
   const char *reasons[VISTA_LINE_REASONS]; /* names, such as "no_contrast" */
 } vista_line_health;
 
-/* What the library itself found wrong with a frame. */
-VISTA_API void vista_line_health_of(const vista_health *health, vista_line_health *found);
-
 /* Adds a reason, unless it is there; the state becomes the worse one of both. More than VISTA_LINE_REASONS are dropped. */
 VISTA_API void vista_line_health_add(vista_line_health *found, vista_health_state state, const char *reason);
 

@@ -39,7 +39,7 @@ struct vista_alignment {
   vista_turn_matrix rows;       /* turn^T rows turn: mean square of the rows that it moves, px^2 */
   vista_turn_matrix frame_error; /* covariance of what all fits of a pair have in common, rad^2 */
   vista_row_matches matches;
-  /* From pair to pair: */
+  /* What is kept from pair to pair: */
   bool started;
   int64_t t_ns;
   belief known;

@@ -7,8 +7,8 @@
 
 #include "vista/types.h"
 
-/* Where the engine can find a disparity, and how large a one (contract, step 2). A coarser level of the pyramid matches
- * what is nearer, within margins of as many pixels of its own. */
+/* The part of the image in which the engine can find a disparity, and how large a one (contract, step 2). A coarser
+ * level of the pyramid matches what is nearer, within margins of as many pixels of its own. */
 typedef struct vista_matched_area {
   double disparity_max_px; /* (num_disparities - 1) 2^coarser_levels: what is nearer is in the blind zone */
   double margin_left_px;   /* of level 0: columns at the left without disparity, num_disparities - 1 + r */

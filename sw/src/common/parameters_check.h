@@ -6,7 +6,7 @@
 
 #include "vista/parameters.h"
 
-/* Of the section at this offset in vista_parameters. VISTA_ERROR_RANGE as vista_parameters_check. */
+/* Checks the section at this offset in vista_parameters. VISTA_ERROR_RANGE as vista_parameters_check. */
 vista_status vista_parameters_check_section(size_t offset, const void *section);
 
 /* Takes what a caller with another header has, and the defaults of the rest. */

@@ -187,7 +187,7 @@ static vista_status check_up(const double up_world[3]) {
   return fabs(square - 1.0) < 1e-3 ? VISTA_OK : VISTA_ERROR_RANGE;
 }
 
-/* Before anything changes. Time, pose and velocity are the first stage's to judge, which comes next. */
+/* Checks a frame before anything changes. Time, pose and velocity are judged by the first stage, which comes next. */
 static vista_status check_frame(const vista_pipeline *p, const vista_frame *frame) {
   int32_t levels;
   vista_status status = vista_frame_check_image(&frame->image, p->camera.width_px, p->camera.height_px);

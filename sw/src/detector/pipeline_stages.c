@@ -20,7 +20,8 @@ static vista_matched_area matched_area(const vista_stereo_params *stereo, int32_
                               .coarser_levels = levels - 1};
 }
 
-/* Up in camera coordinates: R^T up_world. Without any pose nothing tells how the camera hangs: level, and false. */
+/* Finds the direction up in camera coordinates, R^T up_world. False: no pose tells how the camera hangs; it is taken to
+ * be level. */
 static bool up_in_camera(const vista_motion *motion, const double *up_world, double up[3]) {
   static const double level[3] = {0.0, -1.0, 0.0};
   const bool known = up_world != NULL && motion->source != VISTA_MOTION_UNTOLD;

@@ -66,7 +66,7 @@ static bool is_old(const vista_pose *pose, int64_t t_ns, const vista_motion_stat
   return vista_norm(s->velocity_m_s) > VISTA_SPEED_MIN_M_S && vista_seconds_between(s->posed_t_ns, t_ns) <= REPEATED_S;
 }
 
-/* Of the rotation to R^T: axis times angle, in world. */
+/* The rotation from one attitude to another: axis times angle, in world. */
 static void rotation_between(const double from[9], const double to[9], double vector[3]) {
   double r[9];
   for (int i = 0; i < 3; ++i)
@@ -148,8 +148,8 @@ static void carry_on(const double velocity_m_s[3], double dt_s, vista_motion_sta
   turn(s->pose.rotation, s->turn_rate_rad_s, dt_s);
 }
 
-/* Of a turn rate of the camera what is orthogonal to `direction`, as far as the velocity's turn `path` allows for it,
- * less what may be noise; `averaged`: its variance over that of a single difference. */
+/* The part of a turn rate of the camera that is orthogonal to `direction`, as far as the turn `path` of the velocity
+ * allows for it, less what may be noise; `averaged`: its variance over that of a single difference. */
 static void likely_turn(const vista_motion_state *s, const vista_motion *motion, const double rate_rad_s[3],
                         double averaged, const double path[3], double slack, double turn[3]) {
   const double along_rad_s = vista_dot(rate_rad_s, motion->direction);
@@ -169,8 +169,8 @@ static void likely_turn(const vista_motion_state *s, const vista_motion *motion,
   for (int i = 0; i < 3; ++i) turn[i] *= kept;
 }
 
-/* Of the slower turn rate of the camera what the velocity's turn confirms, as far as `turn` does not have it: it may be
- * noise, or a turn that has just begun. */
+/* How much of the slower turn rate of the camera is confirmed by the turn of the velocity and is not in `turn`: it may
+ * be noise, or a turn that has just begun. */
 static double doubtful_turn(const vista_motion_state *s, const vista_motion *motion, const double path[3],
                             const double turn[3]) {
   double slow[3];

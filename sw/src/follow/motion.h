@@ -71,13 +71,13 @@ typedef struct vista_motion_state {
   double sway2; /* rad^2, each axis: mean square of the angle between the two velocities, less the turn */
 } vista_motion_state;
 
-/* On an error nothing is changed. VISTA_ERROR_ORDER: the time is not after that of the last frame, which is judged
- * first; VISTA_ERROR_NUMBER: pose or velocity not finite; VISTA_ERROR_RANGE: no rotation, a velocity above
- * speed_max_m_s. */
+/* Updates the motion with a frame; an error changes nothing. VISTA_ERROR_ORDER: the time is not after that of the last
+ * frame, which is judged first; VISTA_ERROR_NUMBER: pose or velocity not finite; VISTA_ERROR_RANGE: no rotation, a
+ * velocity above speed_max_m_s. */
 vista_status vista_motion_update(const vista_motion_params *params, const vista_motion_input *input,
                                  vista_motion_state *state, vista_motion *motion);
 
-/* From the camera on, in world; starts along motion.direction where it is straight. length_m: its length then. */
+/* The path from the camera on, in world. Where it is straight it leads along motion.direction and is length_m long. */
 vista_flight_path vista_motion_path(const vista_motion_state *state, const vista_motion *motion, double length_m,
                                     double radius_m);
 

@@ -63,8 +63,8 @@ bool vista_track_association_claimed(const vista_track_association *association,
   return association->claimed[detection];
 }
 
-/* By disparity and by its inverse, the depth: near the camera the former has no certainty left, far from it the
- * latter. */
+/* Compares two disparities and their inverses, which stand for depth: near the camera the former have no certainty
+ * left, far from it the latter. */
 static bool same_depth(double d1, double variance1, double d2, double variance2) {
   const double disparity_sigma = sqrt(variance1 + variance2);
   const double inverse_sigma = sqrt(variance1 / (d1 * d1 * d1 * d1) + variance2 / (d2 * d2 * d2 * d2));

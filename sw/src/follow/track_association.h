@@ -27,8 +27,8 @@ typedef struct vista_track_table {
 void vista_track_associate(vista_track_association *association, const vista_track_frame *frame,
                            const vista_track_table *table, int32_t *detection_of_track);
 
-/* Of the last call: whether a track took its detection as one of changed shape; the detection, not taken by any, where
- * a track seen once may have moved to, or -1; whether a detection was taken. */
+/* What the last call did: whether a track took its detection as one of changed shape; the detection, taken by no track,
+ * to which a track that was seen once may have moved, or -1; whether a detection was taken. */
 bool vista_track_association_reshaped(const vista_track_association *association, int32_t track);
 int32_t vista_track_association_moved_to(const vista_track_association *association, int32_t track);
 bool vista_track_association_claimed(const vista_track_association *association, int32_t detection);

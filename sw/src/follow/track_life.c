@@ -45,7 +45,7 @@ bool vista_track_look(const vista_track_frame *f, vista_track *track, vista_trac
   return true;
 }
 
-/* Where the detection is, with its noise at `depth_m`: that of the track is steadier than its own. */
+/* The place of a detection, with the noise that it has at `depth_m`: the depth of the track, steadier than its own. */
 static vista_world_hit world_hit(const vista_track_frame *f, const vista_detection *detection, double depth_m,
                                  const double variance_px2[3]) {
   const double *const p = detection->position_camera_m;
@@ -130,15 +130,15 @@ static void follow(const vista_track_frame *f, const vista_track_evidence *evide
   track->seen_t_ns = track->visible_t_ns = f->t_ns;
 }
 
-/* As far as its last hits tell. */
+/* Says whether a track is in the way, as far as its last hits tell. */
 static bool in_the_way(const vista_track *track) {
   return track->credible && vista_window_count(track->volume_window, 3) > 0;
 }
 
-/* Where nothing is matched. Sharp textures are matched where their disparity is about a whole number, and may be lost
- * half way to the next: then the track is waited for until its disparity has moved on by hold_px, if that takes no
- * longer than follow_s. By the aircraft's own travel, that is: a chance match that seems to fly along would be waited
- * for for ever. */
+/* Says whether a track is waited for where nothing is matched. Sharp textures are matched where their disparity is
+ * about a whole number, and may be lost half way to the next one. So a track is waited for until its disparity has
+ * moved on by hold_px, unless that takes longer than follow_s. What counts is the aircraft's own travel: a chance match
+ * that seems to fly along would be waited for for ever. */
 static bool may_be_held(const vista_track_frame *f, const vista_track *track) {
   if (track->credible && track->plain) return true;
   const double unseen_s = vista_seconds_between(track->seen_t_ns, f->t_ns);

@@ -89,7 +89,7 @@ typedef struct vista_track {
   double covariance[36];  /* of (position, velocity), row-major, symmetric; m^2, m^2/s, m^2/s^2 */
   double extent_m[2];     /* width, height */
   double extent_variance[2]; /* of the natural logarithm of extent_m */
-  /* Of the last VISTA_SCATTER_HITS detections; u, v, d: */
+  /* The scatter of the last VISTA_SCATTER_HITS detections; u, v, d: */
   double scatter_px2[3]; /* mean square of what they differed by from the prediction */
   double lasting_px2[3]; /* mean product of two such differences in a row: what lasts in them */
   double off_px[3];      /* the last one */

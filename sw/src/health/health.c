@@ -61,7 +61,7 @@ static double contrast_of(const vista_foveation *foveation, const vista_cells *c
 typedef struct counted_words {
   int64_t image;                 /* valid ones */
   int64_t matched, matched_area; /* valid ones in the matched area, and its pixels */
-  /* Where both neighbours in question are in the area, too: */
+  /* The same where both neighbours in question are in the area, too: */
   int64_t agreeing, asked; /* valid ones that another one agrees with, and the pixels */
 } counted_words;
 

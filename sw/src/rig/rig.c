@@ -9,7 +9,7 @@
 
 static int32_t inside(int32_t value, int32_t last) { return value < 0 ? 0 : value > last ? last : value; }
 
-/* Between four pixels, at so many 1/32 px to the right and below the first. */
+/* Interpolates between four pixels, so many 1/32 px to the right of the first and below it. */
 static uint8_t between(const uint8_t *upper, const uint8_t *lower, int32_t u0, int32_t u1, int32_t fu, int32_t fv) {
   const int32_t a = (SCALE - fu) * upper[u0] + fu * upper[u1], b = (SCALE - fu) * lower[u0] + fu * lower[u1];
   return (uint8_t)(((SCALE - fv) * a + fv * b + SCALE * SCALE / 2) / (SCALE * SCALE));

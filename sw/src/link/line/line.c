@@ -25,13 +25,6 @@ void vista_line_health_add(vista_line_health *found, vista_health_state state, c
   if (found->reason_count < VISTA_LINE_REASONS) found->reasons[found->reason_count++] = reason;
 }
 
-void vista_line_health_of(const vista_health *health, vista_line_health *found) {
-  *found = (vista_line_health){.state = VISTA_HEALTH_HEALTHY};
-  for (uint32_t k = 0; k < VISTA_HEALTH_REASON_COUNT; ++k)
-    if (health->reasons >> k & 1)
-      vista_line_health_add(found, health->state, vista_health_reason_name((vista_health_reason)k));
-}
-
 static void put_key(vista_json *json, const char *name) {
   vista_json_put(json, ", ");
   vista_json_put_name(json, name);

@@ -27,10 +27,9 @@ vista_status vista_affinity_layout(vista_affinity *affinity, vista_arena *arena,
 }
 
 int32_t vista_flow_encode(const vista_affinity_params *params, double affinity) {
-  const double flow = params->flow_encoding == VISTA_AFFINITY_FLOW_ENCODING_LINEAR
-                          ? VISTA_FLOW_SCALE * (affinity + 1.0) / 2.0
-                          : VISTA_FLOW_SCALE * pow(FLOW_CONSTANT, (affinity - 1.0) / 2.0);
-  return flow < 1.0 ? 1 : (int32_t)lround(flow);
+  return (int32_t)lround(params->flow_encoding == VISTA_AFFINITY_FLOW_ENCODING_LINEAR
+                             ? VISTA_FLOW_SCALE * (affinity + 1.0) / 2.0
+                             : VISTA_FLOW_SCALE * pow(FLOW_CONSTANT, (affinity - 1.0) / 2.0));
 }
 
 /* The exponential encoding as a power of two, 2^(offset + slope w). */
@@ -111,15 +110,15 @@ static void weigh(const vista_affinity_params *params, int32_t count, edges *e) 
 
 #define UNSURE (-1)
 
-/* vista_flow_encode of the exponential encoding without pow(); UNSURE where the fast power might round to the other
- * side. */
+/* Encodes affinities exponentially, as vista_flow_encode does, without pow(); UNSURE where the fast power might round
+ * to the other side. */
 VISTA_WIDE_VECTORS static void encode_fast(const exponential *curve, const float *restrict weight, int32_t count,
                                            int32_t *restrict capacity) {
   const double offset = curve->offset, slope = curve->slope;
   for (int32_t k = 0; k < count; ++k) {
     const double flow = power_of_two(offset + slope * (double)weight[k]);
-    const int32_t rounded = (int32_t)(flow + 0.5), at_least_one = rounded < 1 ? 1 : rounded;
-    capacity[k] = fabs(flow - rounded) < 0.5 - 1e-4 ? at_least_one : UNSURE;
+    const int32_t rounded = (int32_t)(flow + 0.5);
+    capacity[k] = fabs(flow - rounded) < 0.5 - 1e-4 ? rounded : UNSURE;
   }
 }
 

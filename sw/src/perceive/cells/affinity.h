@@ -32,7 +32,7 @@ vista_status vista_affinity_layout(vista_affinity *affinity, vista_arena *arena,
 
 void vista_affinity_compute(const vista_frame_view *frame, const vista_cells *cells, vista_affinity *affinity);
 
-/* F(w), at least 1: an edge never vanishes, so the graph stays connected. */
+/* F(w) for an affinity of 0 .. 1: at least VISTA_FLOW_SCALE / 100, so that the graph stays connected. */
 int32_t vista_flow_encode(const vista_affinity_params *params, double affinity);
 
 #endif

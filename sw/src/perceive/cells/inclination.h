@@ -14,14 +14,14 @@
 vista_status vista_inclination_layout(const vista_foveation *foveation, vista_arena *arena,
                                       vista_inclination **inclination);
 
-/* Of each cell but the hub: the lean from the vertical, in degrees, of the plane through it and the eight cells that
- * lie lever_px from it, or as few cells away as that takes; negative without a disparity or fewer than five cells with
- * one. inclination_deg: node_count. */
+/* Measures how far each cell but the hub leans from the vertical, in degrees: the plane through it and the eight cells
+ * that lie lever_px from it, or as few cells away as that takes. Negative: the cell has no disparity, or fewer than
+ * five of those cells have one. inclination_deg: node_count. */
 void vista_inclination_measure(vista_inclination *inclination, const vista_frame_view *frame, const vista_cells *cells,
                                float *inclination_deg);
 
-/* Of each cell but the hub with an inclination: whether most of it and its neighbours that have one lean at least
- * VISTA_HORIZONTAL_DEG. horizontal: node_count. */
+/* Says of each cell but the hub whether it is horizontal: whether most of it and its neighbours, as far as they have an
+ * inclination, lean at least VISTA_HORIZONTAL_DEG. horizontal: node_count. */
 void vista_inclination_vote(vista_inclination *inclination, const vista_frame_view *frame, const float *inclination_deg,
                             uint8_t *horizontal);
 

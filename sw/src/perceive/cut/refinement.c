@@ -8,13 +8,13 @@
 #include "common/wide_vectors.h"
 #include "common/word_blocks.h"
 
-/* Of a pixel's difference from a cell that weighs as much as one cell of distance at compactness 1. */
+/* A difference of a pixel from a cell that weighs as much as one cell of distance at compactness 1. */
 #define SIGMA_LEVELS 10.0
 #define SIGMA_NOISE 1.5 /* SIGMA_LEVELS is at least this many sigmas of the noise of the image */
 #define CONTRAST_LIMIT 3.0 /* in sigma_intensity: a larger difference weighs no more */
 #define MIXED_PENALTY 0.75 /* cost of a cell at a border: it may show parts of both regions */
 #define COMPACTNESS 0.5 /* cost of a pixel one cell's size away from the centre of a cell */
-/* By how much a pixel is farther than a cell that weighs as much as one sigma_intensity; a nearer one costs nothing. */
+/* So much farther than a cell a pixel weighs as much as one sigma_intensity; a nearer one costs nothing. */
 #define SIGMA_DISPARITY_PX 0.5
 #define DISPARITY_LIMIT 2.0 /* in SIGMA_DISPARITY_PX: a larger difference weighs no more */
 #define MAX_CANDIDATES 8 /* a cell and its neighbours; the hub has more of these, and stays as it is */
@@ -77,8 +77,8 @@ typedef struct batch {
   int32_t cost[BATCH]; /* the least so far */
 } batch;
 
-/* Of equal costs the first candidate's counts. Without a comparison of floats, which would cost more:
- * 2 min(a, b) = a + b - |a - b|. */
+/* Gives pixels to a candidate where it costs less than those before; equal costs leave a pixel where it is. Floats are
+ * not compared, which would take longer: 2 min(a, b) = a + b - |a - b|. */
 static inline void try_candidate(double sigma_levels, const candidate *one, int32_t count, batch *restrict b,
                                  int32_t *restrict label) {
   const float per_level = COST_ONE * (float)(1.0 / sigma_levels);

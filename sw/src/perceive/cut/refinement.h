@@ -22,7 +22,7 @@
 typedef struct vista_refinement {
   int32_t *label;   /* height * width: region of each pixel, VISTA_NO_LABEL where its cell has none */
   uint8_t *border;  /* node_count: next to a cell of another region; elsewhere pixels have their cell's region */
-  /* Of cells with a border: region of each pixel as foveation->first_pixel lists them, and VISTA_WORD_BLOCK more. */
+  /* Region of each pixel of cells with a border, as foveation->first_pixel lists them; VISTA_WORD_BLOCK more. */
   int32_t *listed;
   vista_team *team; /* null: the calling thread alone */
 } vista_refinement;

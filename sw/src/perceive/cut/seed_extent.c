@@ -82,7 +82,7 @@ static void spread(const vista_foveation *foveation, float reach_px, vista_seeds
   }
 }
 
-/* From a member to the nearest edge across which it gets clearly farther; INFINITY: it has none. */
+/* The distance from a member to the nearest edge across which it gets clearly farther; INFINITY: it has none. */
 static float to_farther_side_px(const vista_frame_view *frame, const vista_cells *cells, int32_t node) {
   const vista_foveation *const foveation = frame->foveation;
   const float d = cells->disparity_px[node];

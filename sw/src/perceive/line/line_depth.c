@@ -186,18 +186,19 @@ static int32_t rows_with_words(const reading *r, int32_t from, int32_t to) {
   return rows;
 }
 
-/* On from the last row whose words agree as far as the image shows the line. What continues it there may be the edge of
- * something behind, such as a row of windows above a post: if so, words are of that. Of the rows between the agreeing
- * ends the share `seen` shows words of the line; that by chance none of so many would, is unlikely. */
+/* The row up to which a line goes on beyond the last one whose words agree, as far as the image shows it. What
+ * continues it there may be the edge of something behind, such as a row of windows above a post; then the words are
+ * that thing's. A share `seen` of the rows between the agreeing ends has words of the line: it is unlikely that none of
+ * many more rows has one by chance. */
 static int32_t extended(const reading *r, const vista_ridge *ridge, int32_t agreed, int32_t step, double seen) {
   const int32_t end = vista_straight_line_end(ridge, r->line, agreed, step);
   const double blocks = (end == agreed ? 0 : rows_with_words(r, agreed + step, end)) / ROWS_PER_BLOCK;
   return blocks * -log(1.0 - fmin(seen, 0.95)) > END_ODDS ? agreed : end;
 }
 
-/* A wire does not end in mid-air: where words and ridge are lost before trees or a facade, it goes on downward as far as
- * pieces of the image's line were linked, and no farther than it is long so far, until the ground or something beside
- * it is as near as it. Upward it does not: a pole may end there. */
+/* A wire does not end in mid-air: where words and ridge are lost before trees or a facade, it goes on downward as far
+ * as pieces of the image's line were linked, and no farther than it is long so far, until the ground or something
+ * beside it is as near as it. Upward it does not: a pole may end there. */
 static int32_t continued(const reading *r, const vista_camera *camera, const vista_thin_line *found) {
   const vista_line_view *const view = r->view;
   const int32_t as_long = 2 * found->last_v_px - found->first_v_px;
@@ -216,8 +217,8 @@ static int32_t continued(const reading *r, const vista_camera *camera, const vis
   return level > LEVEL_SHARE * (end - found->last_v_px) ? found->last_v_px : end;
 }
 
-/* From the first to the last row whose words agree, and on as far as the image shows the line. Rows that are alone do
- * not count. */
+/* Sets the ends of a line: the first and the last row whose words agree, and on from there as far as the image shows
+ * it. Rows that are alone do not count. */
 static void set_ends(const reading *r, const vista_camera *camera, const vista_ridge *ridge,
                      const vista_line_sample *samples, int32_t count, double reach, vista_thin_line *found) {
   int32_t seen = 0, first = found->first_v_px, last = found->last_v_px;
@@ -232,7 +233,7 @@ static void set_ends(const reading *r, const vista_camera *camera, const vista_r
   found->last_v_px = continued(r, camera, found);
 }
 
-/* As of a region (region.h). */
+/* Finds how high above the ground the lower end of a line is, as it is found for a region (region.h). */
 static void find_foot(const vista_line_view *view, const vista_camera *camera, vista_thin_line *found) {
   const double v = found->last_v_px;
   found->foot_seen = view->surfaces->ground_found;

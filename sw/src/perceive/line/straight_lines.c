@@ -118,7 +118,7 @@ static int32_t next_piece(const vista_straight_lines *lines, int32_t strip, doub
   return nearest;
 }
 
-/* From strip `from` on, downward or upward; returns the last strip that has a piece of the line. */
+/* Follows a line from strip `from` on, downward or upward; returns the last strip that has a piece of it. */
 static int32_t grow(vista_straight_lines *lines, int32_t from, int32_t step, growth *g, int32_t *members,
                     int32_t *member_count) {
   int32_t last = from;
@@ -137,7 +137,7 @@ static int32_t grow(vista_straight_lines *lines, int32_t from, int32_t step, gro
   return last;
 }
 
-/* Of the rows of the line from `first` on, those where the image is a ridge on it. */
+/* Counts the rows of the line, from `first` on, in which the image is a ridge on it. */
 static int32_t rows_on_ridge(const vista_ridge *ridge, const vista_thin_line *line, int32_t first, int32_t count) {
   int32_t on = 0;
   for (int32_t v = first; v < first + count; ++v) {

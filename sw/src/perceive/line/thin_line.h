@@ -6,8 +6,8 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-/* With t = v - v_px, u = u_px + slope t and
- * disparity = disparity_px + disparity_slope t, for first_v_px <= v <= last_v_px. */
+/* A straight line in the image: u = u_px + slope t and disparity = disparity_px + disparity_slope t with t = v - v_px,
+ * for first_v_px <= v <= last_v_px. */
 typedef struct vista_thin_line {
   double u_px, v_px, slope;
   int32_t first_v_px, last_v_px;

@@ -28,7 +28,7 @@ static void point_at(const vista_thin_line *line, const vista_camera *camera, do
   point_m[2] = camera->focal_px * per_px;
 }
 
-/* Where a line comes closest to the path, and how much of it is in the volume. */
+/* The place where a line comes closest to the path, and how much of it is in the volume. */
 typedef struct approach {
   bool found;
   double v_px, distance_m, point_m[3];

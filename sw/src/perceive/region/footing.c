@@ -10,7 +10,8 @@
 #include "common/plane_fit.h"
 #include "common/wide_vectors.h"
 
-/* Pixels of an obstacle whose word is less than this above the ground's plane are the ground at its foot; at most 6 % of the range. */
+/* Pixels of an obstacle whose word is less than this above the ground's plane are the ground at its foot; at most 6 %
+ * of the range. */
 #define GROUND_HEIGHT_M 0.2
 #define BEHIND_PX 1.5 /* of disparity: ground farther behind a surface is seen past a thin thing, and stays with it */
 #define FIXED_BITS 12
@@ -19,21 +20,21 @@
 #define AT_ONCE 1024 /* pixels */
 #define BELOW_PX 0.5 /* of disparity: so far beneath the ground's plane a surface has to be */
 
-/* In one row, in fixed-point engine words: the ground, and the surface of the region that a stretch of it belongs to.
- * Integers, because compilers make vectors of their comparisons. */
+/* A stretch of a row in one region: the ground there and the surface of the region, in fixed-point engine words, which
+ * are integers because compilers make vectors of their comparisons. */
 typedef struct stretch {
   int32_t ground, ground_slope, surface, surface_slope;
   int32_t low; /* 1 - h |n| / B: a word w is less than h above the plane when w low < ground (region_evidence.c) */
 } stretch;
 
-/* Without calls of the mathematical library: asked several times a stretch. */
+/* Limits a value without calling the mathematical library, for it is asked several times a stretch. */
 static inline double within(double value, double limit) {
   return value < -limit ? -limit : value > limit ? limit : value;
 }
 
 static inline int32_t to_fixed(double words) { return (int32_t)within(words * (1 << FIXED_BITS), 1 << 28); }
 
-/* Of a gradient: times the length of a row it still fits. */
+/* A gradient in fixed point, limited so that it fits when it is multiplied by the length of a row. */
 static inline int32_t to_fixed_slope(double slope) {
   return to_fixed(VISTA_DISPARITY_SCALE * within(slope, SLOPE_MAX));
 }
@@ -51,7 +52,7 @@ VISTA_WIDE_VECTORS static void clear_stretch(const stretch *s, const int16_t *wo
   }
 }
 
-/* Of the pixels `first` .. `end` - 1 of a row: whether the label differs from that of the pixel before. */
+/* Says of the pixels `first` .. `end` - 1 of a row whether their label differs from that of the pixel before. */
 typedef struct changes {
   int32_t first, end;
   uint8_t at[AT_ONCE];

@@ -5,7 +5,7 @@
 #include "common/ellipse.h"
 #include "common/frame.h"
 
-/* Of the region's half width or height: the segmentation moves the centre of a large region by more. */
+/* Uncertainty of a region's centre over half its width or height: the segmentation moves that of a large one more. */
 #define CENTER_SIGMA_RATIO 0.1
 #define CORRELATED_PIXELS 60.0 /* boundary inliers that share one matching block count as one */
 

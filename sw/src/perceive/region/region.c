@@ -231,7 +231,7 @@ static int32_t size_of(const vista_regions *regions, int32_t k) {
   return size;
 }
 
-/* By falling size, so that no thread begins a large region when there is nothing left for the other one. */
+/* Orders the regions by falling size, so that no thread begins a large one when there is nothing left for the other. */
 static void order_by_size(vista_regions *regions) {
   int32_t places[SIZES + 1] = {0};
   for (int32_t k = 0; k < regions->count; ++k) places[SIZES - size_of(regions, k)]++;

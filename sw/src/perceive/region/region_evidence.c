@@ -12,7 +12,7 @@
 #define TOP_HEIGHT_M 0.8 /* words higher above the ground weigh more; at most in proportion to min_height_m */
 #define ODDS_STANDING 2.2 /* log-odds added by words that all stand min_height_m above the ground */
 #define ODDS_TOP 1.4 /* by words that all stand TOP_HEIGHT_M above the ground */
-/* By a boundary none of whose words lie on one surface; in proportion for fewer than min_inlier_fraction. */
+/* Log-odds added by a boundary none of whose words lie on one surface; in proportion below min_inlier_fraction. */
 #define ODDS_BOUNDARY (-4.0)
 #define ODDS_SUPPORT 0.4 /* by a boundary whose pixels all have a word */
 #define ODDS_SIZE 0.4 /* by each tenfold of a metre in size */
@@ -58,7 +58,7 @@ static inline void add_lanes(lane_counts *counts, word_counts *sum) {
   *counts = (lane_counts){0};
 }
 
-/* Of the first `length` pixels of a block. */
+/* Counts the first `length` pixels of a block by the height of their words. */
 static inline void count_block(const heights *h, const int16_t *restrict words, const int16_t *restrict us,
                                const int16_t *restrict vs, int32_t length, uint32_t *restrict lanes) {
   const float offset_words = h->offset_words, slope_u = h->slope_u_words, slope_v = h->slope_v_words;
@@ -75,8 +75,8 @@ static inline void count_block(const heights *h, const int16_t *restrict words, 
 /* What all words of a cell have in common. */
 typedef enum kind { KIND_MIXED, KIND_BELOW, KIND_STANDING, KIND_TOP } kind; /* words of 0 are none: mixed */
 
-/* From the cell's words' range and the ground's over the cell, with a margin for rounding: surely what word by word
- * would tell. Cells of a pixel's size are counted faster than they are judged. */
+/* Judges a whole cell by the range of its words and that of the ground over it, with a margin for rounding, so that
+ * word by word nothing else would come out. A cell of a pixel's size is counted faster than it is judged. */
 static inline kind kind_of_cell(const vista_region_view *w, const heights *h, int32_t node) {
   const vista_foveation *const f = w->foveation;
   const vista_word_range range = w->cells->range[node];

@@ -8,7 +8,8 @@
 #include "perceive/cut/seed_step.h"
 #include "perceive/region/upright_plane.h"
 
-/* Of its foot, and of its upright edges or its upper edge, on one upright surface, for a plain wall. */
+/* The share of its foot, and of its upright edges or its upper edge, that has to lie on one upright surface for a
+ * region to be a plain wall. */
 #define OUTLINE_FRACTION 0.5
 #define FOOT_M 0.75 /* the foot of such a region is within this of the ground's plane; at most 6 % of the range */
 #define SIDE_BINS 32 /* of the height of the left and the right edge, and of the width of foot and top */
@@ -25,7 +26,7 @@ typedef struct box {
 
 typedef enum side { SIDE_LEFT, SIDE_RIGHT, SIDE_TOP, SIDE_FOOT, SIDE_COUNT } side;
 
-/* Where one arc out of the region crosses its outline. */
+/* The place where one arc out of the region crosses its outline. */
 typedef struct crossing {
   side side;
   int32_t nodes[2]; /* outer and inner cell */

@@ -138,8 +138,8 @@ static inline void keep_on_surface(const target *t, const int16_t *words, double
   }
 }
 
-/* Of a cell that has a disparity, when nothing tells but its words. Cells of a pixel's size are looked at faster than
- * judged. */
+/* Says beforehand which pixels of a cell belong, where its words alone tell. It takes longer to judge a cell of a
+ * pixel's size than to look at it. */
 static inline uint8_t foresee(const vista_region_view *w, const target *t, int32_t node) {
   if (node <= w->foveation->point_count) return VISTA_SOME_PIXELS;
   const bool mixed = w->mixed[node] != 0;

@@ -90,7 +90,7 @@ static vista_world_hit world_hit(const frame *f, const double point_m[3]) {
   return hit;
 }
 
-/* Where the first line of sight meets the surface now. False: too far from the contact for the surface to tell. */
+/* Finds where the first line of sight meets the surface now. False: too far from the contact for that. */
 static bool at_anchor(const vista_terrain *t, const vista_terrain_plane *plane, const vista_terrain_contact *contact,
                       double point_m[3]) {
   const vista_static_world *const w = &t->world;
@@ -132,7 +132,7 @@ static void watch(const frame *f, vista_terrain *t) {
   }
   t->wander_m2 += weight * (vista_square(vista_dot(off_m, direction)) - t->wander_m2);
   t->place_t_ns = f->t_ns;
-  /* Of what is warned of already, an angle that crosses the limit says nothing new. */
+  /* An angle that crosses the limit says nothing new of what is warned of already. */
   const bool warned = t->credible && t->steady;
   const bool grazing = !warned && c->sine < sin(GRAZING_DEG * VISTA_RADIANS_PER_DEGREE);
   t->steady = t->wander_m2 <= vista_square(steady_m(c)) &&

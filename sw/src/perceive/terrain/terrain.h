@@ -1,4 +1,4 @@
-/* Where the flight path meets the ground, and how far away that is.
+/* Finds where the flight path meets the ground, and how far away that is.
  *
  * Ground is a surface to fly along and never a region that is an obstacle, whatever its inclination. But ground that
  * the collision volume meets is a danger: a hillside ahead, rising terrain, a meadow on which the aircraft descends, be

@@ -8,8 +8,8 @@
 #include "perceive/terrain/terrain.h"
 #include "vista/obstacle.h"
 
-/* Of ground that is ahead: uncertain along the path, and across it by a share of the radius. False: the place is behind
- * the camera. */
+/* Makes an obstacle of the ground that is ahead. Its place is uncertain along the path, and across it by a share of the
+ * radius. False: the place is behind the camera. */
 bool vista_terrain_obstacle(const vista_frame_view *frame, const vista_terrain *terrain, vista_obstacle *obstacle);
 
 /* Whether something that shows at this point is a part of the ground that the path meets: a hillside may be a region,

@@ -71,7 +71,8 @@ static double depth_m(const vista_flight_path *path, const vista_terrain_plane *
   return vista_dot(plane->normal, at->point_m) - plane->offset_m;
 }
 
-/* By halves, between the step to centre_m, that is inside of the plane, and the one before. */
+/* Finds the first touch by halving, between the step to centre_m, where the ball is inside of the plane, and the one
+ * before. */
 static vista_terrain_contact first_touch(const vista_flight_path *path, const vista_terrain_plane *plane, double step_m,
                                          double centre_m, vista_terrain_contact at) {
   for (double half_m = 0.5 * step_m; half_m > PRECISION_M; half_m *= 0.5)
@@ -182,7 +183,7 @@ static bool fit_around(const vista_terrain_view *w, int32_t count, double range_
   return used >= MIN_CELLS && vista_plane_fit_solve(&fit, plane);
 }
 
-/* From a range where the volume holds cells to the plane that it meets there. */
+/* Fits the plane that the volume meets, beginning at a range where the volume holds cells. False: there is none. */
 static bool settle(const vista_terrain_view *w, const vista_terrain_volume *volume, int32_t count, double range_m,
                    vista_terrain_plane *plane, vista_terrain_contact *contact) {
   const double least = sin(w->params->angle_min_deg * VISTA_RADIANS_PER_DEGREE);

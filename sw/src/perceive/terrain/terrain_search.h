@@ -28,7 +28,7 @@ typedef struct vista_terrain_plane {
   double normal[3], offset_m;
 } vista_terrain_plane;
 
-/* Where a volume first meets a plane. */
+/* The place where a volume first meets a plane. */
 typedef struct vista_terrain_contact {
   double along_m;    /* along the path */
   double radius_m;   /* of the ball that the volume is swept by */

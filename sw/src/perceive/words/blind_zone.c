@@ -117,7 +117,7 @@ static void find_repeats(const vista_image *image, int32_t v, int32_t first, int
   }
 }
 
-/* Of the textured pixels without a match, the share whose surroundings repeat within the engine's candidates. */
+/* The share of the textured pixels without a match whose surroundings repeat within the engine's candidates. */
 static double repeated_fraction(const disc_view *disc, const vista_frame_view *frame, int32_t contrast) {
   const vista_matched_area *const matched = &frame->matched;
   const vista_image *const image = &frame->image;

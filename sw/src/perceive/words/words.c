@@ -18,7 +18,7 @@
 
 _Static_assert(VISTA_MAX_LEVELS == 1 + VISTA_COARSER_LEVELS, "level 0 and the coarser ones");
 
-/* Within the stage, words without a disparity are so far below zero that no valid word is within a pixel of them. */
+/* The word of a pixel without a disparity within this stage: so far below zero that no valid word is within a pixel. */
 #define NONE (-2 * VISTA_DISPARITY_SCALE)
 #define LIKE VISTA_DISPARITY_SCALE /* words of one surface differ by a pixel at most, from pixel to pixel */
 #define REACH 2                    /* the support of a word is counted in 5x5 pixels */
@@ -28,7 +28,7 @@ int32_t vista_words_side_px(int32_t side_px, int32_t level) {
   return side_px;
 }
 
-/* For levels up to this size. */
+/* Takes working memory that suits levels up to this size. */
 static void take_scratch(vista_arena *arena, int32_t width_px, int32_t height_px, vista_words_scratch *w) {
   const size_t width = (size_t)width_px, pixels = width * (size_t)height_px;
   for (size_t i = 0; i < sizeof w->spread / sizeof w->spread[0]; ++i)
@@ -109,7 +109,7 @@ static const int16_t *close_gaps(const int16_t *row, int32_t width, int32_t gap_
   return row;
 }
 
-/* Of each word of a row: is there one, is it like the one to its left, is it like the one above. */
+/* Flags each pixel of a row: whether it has a word, and whether this is like the one to its left and the one above. */
 VISTA_WIDE_VECTORS static void flag_row(const int16_t *restrict row, const int16_t *restrict above, int32_t width,
                                         uint8_t *restrict valid, uint8_t *restrict linked, uint8_t *restrict up) {
   for (int32_t u = 0; u < width; ++u) {
@@ -324,7 +324,7 @@ static void merge_rows(int32_t finer, int16_t beyond, const vista_words *w, int3
   }
 }
 
-/* At any level, a square metre at word w covers (w / (16 B))^2 pixels of that level. */
+/* The size below which a cluster is dropped. A square metre at word w covers (w / (16 B))^2 pixels, at any level. */
 static smallest smallest_of(const vista_frame_view *frame) {
   const double px_per_m = 1.0 / (VISTA_DISPARITY_SCALE * frame->camera->baseline_m);
   const double least_px = frame->params->words.cluster_px;

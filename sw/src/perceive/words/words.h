@@ -1,4 +1,4 @@
-/* From the words of up to four pyramid levels to one disparity image at full size (extension of the paper).
+/* Makes one disparity image at full size of the words of up to four pyramid levels (extension of the paper).
  *
  * Pixel i of level k lies at pixel 2^k i of level 0, and a word d of it means d 2^k there. Each level goes through two
  * filters of its own, then the levels are put together from the coarsest on:
