@@ -22,7 +22,6 @@ from __future__ import annotations
 import argparse
 import json
 import os
-import subprocess
 import sys
 import tempfile
 from collections.abc import Iterator
@@ -44,12 +43,11 @@ from vista.chain import engine_parameters  # noqa: E402
 from vista.engine import create_engine  # noqa: E402
 from vista.geometry import Calibration  # noqa: E402
 from vista.pipeline import Pipeline  # noqa: E402
-from vista.recording import HEAD, Content, Recorder  # noqa: E402
+from vista.recording import HEAD, Content, Recorder, played, rectified_source  # noqa: E402
 from vista.rectify import Rectifier  # noqa: E402
 from vista.sequence import Frame, Sequence, open_sequence  # noqa: E402
 from vista_eval.report.table import Table, span, write_measurement  # noqa: E402
 
-VISTA_FLY = REPOSITORY / "build" / "bin" / "vista-fly"
 STREET = SHARED_DATA / "kitti_odometry" / "sequences" / "00"
 PAIRS = REPOSITORY / "build" / "demo" / "oak-d"
 TITLES = {
@@ -100,7 +98,7 @@ def record(path: Path, folder: Path, size: tuple[int, int] | None = None) -> Pat
     camera, columns = rectifier.calibration, slice(None)
     if size is not None:
         camera, columns, _ = middle(camera, *size)
-    source = recording_cases.sequence_of(camera, sequence.stills, sequence.up_world)
+    source = rectified_source(camera, sequence.stills, sequence.up_world)
     with Recorder(path, source, Rectifier(source.calibration), values, Content.PAIR) as recorder:
         for frame in frames_of(sequence, rectifier):
             seen = frame if size is None else enlarged(frame, columns, size)
@@ -124,17 +122,12 @@ def recordings(folder: Path) -> Iterator[tuple[str, Path]]:
 # ---- measurement ----
 
 
-def play(path: Path, repeats: int, threads: int, times: Path) -> tuple[Samples, list[dict]]:
+def play(path: Path, repeats: int, threads: int) -> tuple[Samples, list[dict]]:
     """Milliseconds of every frame by stage, and the frames of one run."""
-    command = [str(VISTA_FLY), "--recording", str(path), "--all-frames", "--passes", str(repeats)]
-    command += ["--threads", str(threads), "--times", str(times), "--out", "-"]
-    run = subprocess.run(command, capture_output=True, text=True, check=True)
-    names = times.read_text().partition("\n")[0].split(",")
-    table = np.loadtxt(times, delimiter=",", skiprows=1, ndmin=2)
-    samples = dict(zip(names, table.T, strict=True))
+    samples, lines = played(path, repeats, threads)
     host = {name: ms for name, ms in samples.items() if name not in ("rectify", "stereo", "alignment")}
-    lines = [json.loads(line) for line in run.stdout.splitlines()]
-    return host, [line | {"processing_ms": 0.0} for line in lines[: len(lines) // repeats]]
+    frames = [json.loads(line) for line in lines[: len(lines) // repeats]]
+    return host, [frame | {"processing_ms": 0.0} for frame in frames]
 
 
 def nodes_of(path: Path) -> int:
@@ -170,12 +163,11 @@ def share_of_host(samples: list[Samples], stage: str) -> dict[str, float]:
     return {"share": float(share), "share_p99": float(share_p99)}
 
 
-def measure(path: Path, blocks: int, repeats: int, folder: Path) -> dict:
-    times = folder / "times.csv"
-    played = [[play(path, repeats, threads, times) for threads in (1, 2)] for _ in range(blocks)]
-    alone, helped = ([block[k][0] for block in played] for k in (0, 1))
-    frames = played[0][0][1]
-    if any(run != frames for block in played for _, run in block):
+def measure(path: Path, blocks: int, repeats: int) -> dict:
+    runs = [[play(path, repeats, threads) for threads in (1, 2)] for _ in range(blocks)]
+    alone, helped = ([block[k][0] for block in runs] for k in (0, 1))
+    frames = runs[0][0][1]
+    if any(run != frames for block in runs for _, run in block):
         raise SystemExit(f"bench_host: {path.name}: two threads give other results than one")
     return {
         "frames": len(frames),
@@ -285,7 +277,7 @@ def main() -> int:
     print(f"load of the machine before: {os.getloadavg()[0]:.1f} on {os.cpu_count()} processors\n")
     with tempfile.TemporaryDirectory() as scratch:
         for name, path in recordings(Path(scratch)):
-            results[name] = measure(path, arguments.blocks, arguments.repeats, Path(scratch))
+            results[name] = measure(path, arguments.blocks, arguments.repeats)
             print(table(name, results[name]), flush=True)
             path.unlink()
     targets = {

@@ -10,19 +10,10 @@ from board_flight import UP_WORLD, WORLD_FROM_CAMERA, BoardFrame
 from numpy.typing import NDArray
 from pipeline_library import CALIBRATION
 from vista import parameters
-from vista.geometry import Array, Calibration, CameraModel, Pose, RawCalibration, camera_matrix
-from vista.recording import Content, Recorder
+from vista.geometry import Pose
+from vista.recording import Content, Recorder, rectified_source
 from vista.rectify import Rectifier
-from vista.sequence import Frame, Sequence
-
-
-def sequence_of(camera: Calibration, stills: bool = False, up_world: Array | None = None) -> Sequence:
-    """Rectified cameras as a source has them, without frames."""
-    matrix = camera_matrix(camera.focal_px, camera.focal_px, camera.cx, camera.cy)
-    model = CameraModel(camera.width, camera.height, matrix)
-    motion = Pose(np.eye(3), np.array([-camera.baseline_m, 0.0, 0.0]))
-    raw = RawCalibration(model, model, motion, "rectified cameras")
-    return Sequence("rectified", "pairs", raw, frames=(), up_world=up_world, stills=stills)
+from vista.sequence import Frame
 
 
 def levels_of(source: BoardFrame, levels: int) -> list[NDArray[np.int16]]:
@@ -43,7 +34,7 @@ def record(
     """Stills have neither pose nor up direction."""
     values = values or parameters.defaults()
     values = values | {"stereo": values["stereo"] | {"levels": levels}}
-    source = sequence_of(CALIBRATION, stills, None if stills else UP_WORLD)
+    source = rectified_source(CALIBRATION, stills, None if stills else UP_WORLD)
     with Recorder(path, source, Rectifier(source.calibration), values, Content.LEFT) as recorder:
         for index, board in enumerate(sources):
             pose = None if stills else Pose(WORLD_FROM_CAMERA, board.position_m)

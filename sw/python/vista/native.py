@@ -50,11 +50,11 @@ def library_path(name: str) -> Path:
     return _find(name, name, build_folder())[0]
 
 
-def program_path(name: str) -> Path:
-    """The path of a program of a checkout; ImportError when it has not been built."""
+def program_path(name: str, goal: str) -> Path:
+    """The path of a program of a checkout; ImportError when it has not been built with `make goal`."""
     path = build_folder() / "bin" / name
     if not (CHECKOUT and path.is_file()):
-        raise ImportError(f"the program {name} is not built: it needs a checkout of VISTA and `make systemc`")
+        raise ImportError(f"the program {name} is not built: it needs a checkout of VISTA and `make {goal}`")
     return path
 
 

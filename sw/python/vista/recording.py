@@ -24,18 +24,20 @@ then    frames to the end of the file: int64 t_ns, uint32 index, uint32 flags (1
 from __future__ import annotations
 
 import struct
+import subprocess
 from collections.abc import Sequence as Levels
 from enum import IntEnum
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from types import TracebackType
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from vista import parameters
+from vista import native, parameters
 from vista.errors import InputError
-from vista.geometry import Array, Pose
+from vista.geometry import Array, Calibration, CameraModel, Pose, RawCalibration, camera_matrix
 from vista.health.finding import Reason
 from vista.health.monitor import HealthMonitor
 from vista.output import check_replaceable, unwritable
@@ -160,6 +162,31 @@ class Recorder:
             self._stream.write(data)
         except OSError as error:
             raise unwritable(self._path, error) from None
+
+
+def rectified_source(camera: Calibration, stills: bool = False, up_world: Array | None = None) -> Sequence:
+    """Cameras that give rectified pairs, as a source has them, without frames."""
+    model = CameraModel(
+        camera.width, camera.height, camera_matrix(camera.focal_px, camera.focal_px, camera.cx, camera.cy)
+    )
+    motion = Pose(np.eye(3), np.array([-camera.baseline_m, 0.0, 0.0]))
+    raw = RawCalibration(model, model, motion, "rectified cameras")
+    return Sequence("rectified", "pairs", raw, frames=(), up_world=up_world, stills=stills)
+
+
+def played(path: Path, passes: int, threads: int = 1) -> tuple[dict[str, NDArray[np.float64]], list[str]]:
+    """Plays a recording with vista-fly. Returns the milliseconds of each frame by stage, pass after pass, and
+    the lines of all frames. Raises InputError with what vista-fly says."""
+    with TemporaryDirectory() as folder:
+        times = Path(folder, "times.csv")
+        command = [str(native.program_path("vista-fly", "build")), "--recording", str(path), "--all-frames"]
+        command += ["--passes", str(passes), "--threads", str(threads), "--times", str(times), "--out", "-"]
+        done = subprocess.run(command, capture_output=True, text=True)
+        if done.returncode:
+            raise InputError("vista-fly", done.stderr.strip().removeprefix("vista-fly: "))
+        names = times.read_text().partition("\n")[0].split(",")
+        table = np.loadtxt(times, delimiter=",", skiprows=1, ndmin=2)
+    return dict(zip(names, table.T, strict=True)), done.stdout.splitlines()
 
 
 def frame_head(t_ns: int, index: int, anew: bool, pose: Pose | None, up_world: Array | None) -> bytes:

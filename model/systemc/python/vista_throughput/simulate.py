@@ -66,4 +66,4 @@ def _last_line(text: str) -> str:
 
 def find_program() -> Path:
     """The simulator of the checkout; ImportError, in one line, when it has not been built."""
-    return native.program_path(PROGRAM)
+    return native.program_path(PROGRAM, "systemc")
