@@ -139,6 +139,16 @@ def test_what_was_not_kept_is_gone_with_the_next_frame(flight: tuple[Chain, list
             asked()
 
 
+def test_images_may_be_columns_of_larger_ones(flight: tuple[Chain, list[Frame]]) -> None:
+    chain, frames = flight
+    wide = np.stack([frames[0].left, frames[0].right], axis=2)
+    for frame in (replace(frames[0], left=wide[..., 0], right=wide[..., 1]), frames[1]):
+        assert take(chain, frame) == Novelty.NEW
+        pair, rectified = chain.detector.pair(), chain.rectifier.rectify(frame)
+        np.testing.assert_array_equal(pair.left, rectified.left)
+        np.testing.assert_array_equal(pair.right, rectified.right)
+
+
 def test_a_camera_that_fails_ends_the_run_after_its_last_frame(flight: tuple[Chain, list[Frame]]) -> None:
     chain, frames = flight
     notebook = Notebook()

@@ -11,11 +11,12 @@ from random_seed import seeded
 from stage_library import ffi, lib, status_name
 from turned_camera import degrees
 from turned_recordings import CAMERA, RAW
-from vista.alignment import Turn, c_camera
+from vista.alignment import Turn
 from vista.detector import c_raw_camera
 from vista.geometry import camera_matrix
 from vista.rectify import Map, Rectifier, exact_map
 from vista.sequence.pairs import read_calibration_file
+from vista.structs import c_camera
 
 PARTS = 4
 

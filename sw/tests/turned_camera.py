@@ -10,7 +10,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 from vista import native, parameters
-from vista.alignment import Alignment, Turn, c_camera, c_images
+from vista.alignment import Alignment, Turn
 from vista.control_grid import Grid
 from vista.detector import Detector, c_raw_camera
 from vista.engine import INVALID
@@ -19,6 +19,7 @@ from vista.geometry import Calibration, CameraModel, Pose, RawCalibration, camer
 from vista.pipeline import c_parameters
 from vista.rectify import Map, Rectifier, by_table
 from vista.sequence import Frame
+from vista.structs import c_camera, c_image
 
 Grey = NDArray[np.uint8]
 Pairs = Callable[[int], tuple[Grey, Grey]]  # number of a frame -> left and right image
@@ -147,7 +148,8 @@ class Estimator:
         """A rectified pair; applied: what its right image was rectified for. ValueError for images of another
         size and times that do not increase."""
         turn = self._ffi.new("vista_turn *", (applied.pitch_rad, applied.roll_rad))
-        images = c_images(self._ffi, left, right)
+        whole = [np.ascontiguousarray(image) for image in (left, right)]
+        images = [c_image(self._ffi, image) for image in whole]
         status = self._lib.vista_alignment_update(self._alignment, *images, t_ns, turn, self._result)
         self._check(status)
         return Alignment.copied(self._ffi, self._result)

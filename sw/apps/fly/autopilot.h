@@ -15,7 +15,7 @@
 
 #define AUTOPILOT_OBSTACLES 64
 
-/* Where the camera is at the time of a frame. Members as in vista_detector_place. */
+/* The place of the camera at the time of a frame. Members as in vista_detector_place. */
 typedef struct placement {
   bool has_pose, has_up, has_velocity;
   vista_pose pose; /* of the rectified left camera */
@@ -44,7 +44,7 @@ bool autopilot_start(autopilot *a, problem *p);
 /* What a frame found that was exposed at that moment. */
 void autopilot_tell(autopilot *a, const vista_detector_result *found, int64_t exposed_ns);
 
-/* Where the camera was at a moment, as far as the autopilot has said. speed_max_m_s: a faster vehicle has no velocity. */
+/* Says where the camera was at a moment, as far as the autopilot has said. speed_max_m_s: a faster vehicle has no velocity. */
 void autopilot_place(autopilot *a, int64_t exposed_ns, double speed_max_m_s, placement *where);
 
 /* Ends the thread. */

@@ -31,7 +31,7 @@ static bool open_source(flight *f, problem *p) {
   return source_open_cameras(s, o->camera, o->camera_count, (int64_t)(o->pair_tolerance_ms * FLY_MS), p);
 }
 
-/* On large pages, which are there before the first frame. */
+/* Makes the detector on large pages, which are there before the first frame. */
 static bool open_detector(flight *f, problem *p) {
   const vista_detector_options options = {.every_pair = f->options.all_frames, .stills = f->file.stills};
   size_t bytes = 0;
@@ -101,7 +101,7 @@ static placement place_of(flight *f, const shot *s) {
 
 static void say(const problem *p, const char *more) { dprintf(STDERR_FILENO, "vista-fly: %s%s\n", p->line, more); }
 
-/* With its own engine, or what a recording holds. */
+/* Matches with the engine in C, or takes the words that a recording holds. */
 static vista_status match(flight *f, const shot *s) {
   vista_disparity_image words[1 + VISTA_COARSER_LEVELS];
   const int16_t *at = s->words;

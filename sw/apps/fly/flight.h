@@ -38,7 +38,7 @@ typedef struct flight {
 /* Takes all memory. On a problem it may be half open; flight_close is called in any case. */
 bool flight_open(flight *f, const options *o, problem *p);
 
-/* Until the source ends or *interrupted. False: the source failed. */
+/* Flies until the source ends or *interrupted. False: the source failed. */
 bool flight_run(flight *f, const atomic_bool *interrupted, problem *p);
 
 void flight_close(flight *f);

@@ -1,4 +1,4 @@
-/* Where raw pairs come from: a recording of `vista prepare`, shared memory, or cameras. A source is opened, run in a
+/* Sources of raw pairs: a recording of `vista prepare`, shared memory, or cameras. A source is opened, run in a
  * thread of its own, and closed. While it runs it takes no memory. */
 #ifndef VISTA_FLY_SOURCE_H
 #define VISTA_FLY_SOURCE_H

@@ -1,4 +1,4 @@
-/* Where MAVLink goes and comes from: UDP, or a serial line. Nothing blocks and nothing queues up; a receiver or an
+/* The way of MAVLink to the autopilot and back: UDP, or a serial line. Nothing blocks and nothing queues up; a receiver or an
  * adapter that is lost is waited for. */
 #ifndef VISTA_FLY_TRANSPORT_H
 #define VISTA_FLY_TRANSPORT_H

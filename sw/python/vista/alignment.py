@@ -5,13 +5,11 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vista import native
-from vista.geometry import Array, Calibration
+from vista.geometry import Array
 from vista.health.finding import State as Health
 from vista.structs import Struct
 
@@ -85,18 +83,3 @@ class Alignment(Struct):
         health = ffi.new("vista_health *")
         lib.vista_alignment_judge(self.in_c(), health)
         return tuple(Health)[int(health.state)]
-
-
-def c_images(ffi: Any, *images: NDArray[np.uint8]) -> list[Any]:
-    """vista_image of each; they keep the pixels."""
-    whole = [np.ascontiguousarray(image) for image in images]
-    return [
-        ffi.new("vista_image *", (ffi.from_buffer("uint8_t[]", image), *image.shape[::-1], image.shape[1]))
-        for image in whole
-    ]
-
-
-def c_camera(ffi: Any, camera: Calibration) -> Any:
-    """vista_camera."""
-    values = (camera.width, camera.height, camera.focal_px, camera.cx, camera.cy, camera.baseline_m)
-    return ffi.new("vista_camera *", values)

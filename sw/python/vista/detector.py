@@ -14,13 +14,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vista import native, parameters
-from vista.alignment import Alignment, c_camera, c_images
+from vista.alignment import Alignment
 from vista.control_grid import Grid
 from vista.geometry import Array, Pose
 from vista.health.finding import Finding, Reason, State
 from vista.pipeline import Result, c_parameters, copied_image, destroy, read_result
 from vista.rectify import RawCamera, Rectifier
-from vista.structs import names_of
+from vista.structs import c_camera, c_image, c_pose, c_vector, names_of
 
 Words = Sequence[NDArray[np.int16]]
 
@@ -99,9 +99,9 @@ class Detector:
         """Looks at a pair, and rectifies it unless it is repeated or is so already. restarts: it begins
         another flight."""
         ffi = self._ffi
-        images = c_images(ffi, left, right)
+        whole = [np.ascontiguousarray(image) for image in (left, right)]
         pair = ffi.new("vista_detector_pair *", {"t_ns": t_ns, "restarts": restarts, "rectified": rectified})
-        pair.left, pair.right = (image[0] for image in images)
+        pair.left, pair.right = (c_image(ffi, image)[0] for image in whole)
         novelty = ffi.new("vista_novelty *")
         self._taken += 1
         self._check(self._lib.vista_detector_take(self._detector, pair, novelty))
@@ -112,11 +112,7 @@ class Detector:
         ffi, images = self._ffi, None
         if words is not None:
             levels = [np.ascontiguousarray(level, np.int16) for level in words]
-            images = ffi.new("vista_disparity_image[]", len(levels))
-            for image, level in zip(images, levels, strict=True):
-                image.data = ffi.cast("int16_t *", level.ctypes.data)
-                image.height_px, image.width_px = level.shape
-                image.stride = level.shape[1]
+            images = ffi.new("vista_disparity_image[]", [c_image(ffi, level)[0] for level in levels])
         self._check(self._lib.vista_detector_match(self._detector, ffi.NULL if images is None else images))
 
     def pair(self) -> MatchedPair:
@@ -136,10 +132,10 @@ class Detector:
         increase."""
         ffi, place = self._ffi, self._ffi.new("vista_detector_place *", {"anew": anew})
         if pose is not None:
-            c_pose = self._pose(pose)
-            place.pose = c_pose
+            where = c_pose(ffi, pose)
+            place.pose = where
         if up_world is not None:
-            up = ffi.new("double[3]", np.asarray(up_world, float).tolist())
+            up = c_vector(ffi, up_world)
             place.up_world = up
         self._check(self._lib.vista_detector_judge(self._detector, place, self._found))
         outcome, directions = (ffi.addressof(self._found, name) for name in ("result", "directions"))
@@ -188,11 +184,8 @@ class Detector:
 
     def rectified_pose(self, pose: Pose) -> Pose:
         """The pose of the rectified left camera from that of the raw one."""
-        made = self._lib.vista_rig_rectified_pose(self._rig, self._pose(pose))
+        made = self._lib.vista_rig_rectified_pose(self._rig, c_pose(self._ffi, pose))
         return Pose(np.array(list(made.rotation)).reshape(3, 3), np.array(list(made.translation_m)))
-
-    def _pose(self, pose: Pose) -> Any:
-        return self._ffi.new("vista_pose *", (pose.rotation.ravel().tolist(), pose.translation_m.tolist()))
 
     def _check(self, status: int) -> None:
         native.check(self._ffi, self._lib, status)

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from vista import native, parameters
 from vista.geometry import Array, Calibration, Pose
-from vista.structs import Struct, copied, names_of
+from vista.structs import Struct, c_camera, c_image, c_pose, c_vector, copied, names_of
 
 # Ids of obstacles without a track, as vista/obstacle.h has them: pictures and reports of a run that is over
 # name them without the library.
@@ -135,11 +135,6 @@ class Directions(Struct):
     blocked_m: NDArray[np.float32]  # where what ends it stands; 0: nothing is seen there
 
     FIRST_DEG, COLUMNS = -90, 180  # as vista/directions.h has them
-
-    @property
-    def up_camera(self) -> Array | None:
-        """(3,), unit vector against gravity; None: not known, -y is taken for it."""
-        return self.memory["up_camera"] if self.up_known else None
 
 
 class Outcome(Struct):
@@ -295,10 +290,7 @@ class Pipeline:
         self._ffi, self._lib = native.load(self.library)
         self._camera = camera
         self._parameters = c_parameters(self._ffi, self._lib, values or parameters.defaults())
-        self._c_camera = self._ffi.new(
-            "vista_camera *",
-            (camera.width, camera.height, camera.focal_px, camera.cx, camera.cy, camera.baseline_m),
-        )
+        self._c_camera = c_camera(self._ffi, camera)
         size = self._ffi.new("size_t *")
         self._check(self._lib.vista_pipeline_bytes(self._parameters, self._c_camera, size))
         self._memory = self._ffi.new("unsigned char[]", size[0])
@@ -343,23 +335,20 @@ class Pipeline:
             raise ValueError("the image has to be uint8 and int16 its disparities, both (height, width)")
         left, levels = np.ascontiguousarray(left), [np.ascontiguousarray(words) for words in levels]
         frame = ffi.new("vista_frame *")
-        images = [frame.disparity, *(frame.coarser[k] for k in range(len(levels) - 1))]
-        given: list[tuple[Any, NDArray[Any], str]] = [(frame.image, left, "uint8_t *")]
-        given += [(image, words, "int16_t *") for image, words in zip(images, levels, strict=True)]
-        for target, array, c_type in given:
-            target.data = ffi.cast(c_type, array.ctypes.data)
-            target.height_px, target.width_px = array.shape
-            target.stride = array.shape[1]
+        frame.image = c_image(ffi, left)[0]
+        frame.disparity, *coarser = (c_image(ffi, words)[0] for words in levels)
+        for k, words in enumerate(coarser):
+            frame.coarser[k] = words
         frame.t_ns = t_ns
         if pose is not None:
-            c_pose = ffi.new("vista_pose *", (pose.rotation.ravel().tolist(), pose.translation_m.tolist()))
-            frame.pose = c_pose
+            where = c_pose(ffi, pose)
+            frame.pose = where
         if up_world is not None:
-            c_up = ffi.new("double[3]", np.asarray(up_world, dtype=float).tolist())
-            frame.up_world = c_up
+            up = c_vector(ffi, up_world)
+            frame.up_world = up
         if velocity_m_s is not None:
-            c_velocity = ffi.new("double[3]", np.asarray(velocity_m_s, dtype=float).tolist())
-            frame.velocity_m_s = c_velocity
+            velocity = c_vector(ffi, velocity_m_s)
+            frame.velocity_m_s = velocity
         frame.stationary = stationary
         self._check(
             self._lib.vista_pipeline_process_sized(

@@ -16,6 +16,7 @@ from vista.fisheye import rectified_fisheyes
 from vista.geometry import Array, Calibration, CameraModel, Pose, RawCalibration
 from vista.lens import rectifying_map
 from vista.sequence.types import Frame
+from vista.structs import c_image
 
 Map = tuple[
     NDArray[np.int16], NDArray[np.uint16]
@@ -227,8 +228,7 @@ def by_table(table: Map | Grid) -> Filter:
         height, width = image.shape
         out = np.empty_like(image)
         camera = ffi.new("vista_camera *", {"width_px": width, "height_px": height})
-        raw = ffi.new("vista_image *", (ffi.cast("uint8_t *", image.ctypes.data), width, height, width))
-        status = lib.vista_rectify(camera, c_table, raw, ffi.from_buffer("uint8_t[]", out))
+        status = lib.vista_rectify(camera, c_table, c_image(ffi, image), ffi.from_buffer("uint8_t[]", out))
         native.check(ffi, lib, status)
         return out
 

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vista import native
+from vista.geometry import Array, Calibration, Pose
 
 SCALARS = {"double": "f8", "float": "f4", "_Bool": "?", "size_t": "u8"}  # and intN_t, uintN_t by their names
 MATRIX = 9  # numbers of a row-major matrix, which is read as (3, 3)
@@ -110,3 +111,29 @@ class Struct:
     def all_of(cls, memory: NDArray[np.void]) -> list[Self]:
         """The structs of an array."""
         return [cls(memory[k, ...]) for k in range(len(memory))]
+
+
+def c_camera(ffi: Any, camera: Calibration) -> Any:
+    """vista_camera."""
+    values = (camera.width, camera.height, camera.focal_px, camera.cx, camera.cy, camera.baseline_m)
+    return ffi.new("vista_camera *", values)
+
+
+def c_pose(ffi: Any, pose: Pose) -> Any:
+    """vista_pose."""
+    return ffi.new("vista_pose *", (pose.rotation.ravel().tolist(), pose.translation_m.tolist()))
+
+
+def c_vector(ffi: Any, vector: Array) -> Any:
+    """Three numbers."""
+    return ffi.new("double[3]", np.asarray(vector, float).tolist())
+
+
+def c_image(ffi: Any, image: NDArray[np.uint8] | NDArray[np.int16]) -> Any:
+    """vista_image of grey levels, vista_disparity_image of words. It leads to the array, which has to be
+    contiguous and to last as long."""
+    assert image.flags.c_contiguous
+    grey = image.dtype == np.uint8
+    name, item = ("vista_image", "uint8_t") if grey else ("vista_disparity_image", "int16_t")
+    height, width = image.shape
+    return ffi.new(f"{name} *", (ffi.cast(f"{item} *", image.ctypes.data), width, height, width))

@@ -12,7 +12,7 @@ from vista import native, parameters
 from vista.engine import SCALE, Disparity
 from vista.geometry import Array, Calibration, Pose
 from vista.pipeline import Nearest, Obstacle, c_parameters
-from vista.structs import copied
+from vista.structs import c_camera, c_pose, copied
 
 from vista_eval.cell_graph import lay_out
 from vista_eval.metrics.flight_path import Curved
@@ -44,10 +44,7 @@ class Stages:
     def __init__(self, camera: Calibration, values: parameters.Values) -> None:
         self.ffi, self.lib = native.load("vista_stages")
         self.parameters = c_parameters(self.ffi, self.lib, values)
-        self.camera = self.ffi.new(
-            "vista_camera *",
-            (camera.width, camera.height, camera.focal_px, camera.cx, camera.cy, camera.baseline_m),
-        )
+        self.camera = c_camera(self.ffi, camera)
 
     def check(self, status: int) -> None:
         native.check(self.ffi, self.lib, status)
@@ -64,8 +61,8 @@ class HostMotion:
         ffi, lib = self._stages.ffi, self._stages.lib
         given = ffi.new("vista_frame *", {"t_ns": t_ns})
         if pose is not None:
-            c_pose = ffi.new("vista_pose *", (pose.rotation.ravel().tolist(), pose.translation_m.tolist()))
-            given.pose = c_pose
+            where = c_pose(ffi, pose)
+            given.pose = where
         frame = ffi.new("vista_frame_view *")
         self._stages.check(
             lib.vista_pipeline_begin(self._stages.parameters, self._stages.camera, given, self._state, frame)

@@ -72,16 +72,6 @@ class StereoEngine(LevelEngine):
         self._front_end = replace(front_end, map=self._pool.map) if self._pool else front_end
         self._scratch = np.empty((threads, 0), np.uint8)
 
-    @staticmethod
-    def available_isas() -> list[str]:
-        """What this build and machine can run, slowest first."""
-        _, lib = native.load("vista_engine")
-        return [
-            name
-            for name, value in _isas(lib).items()
-            if name != "auto" and lib.vista_engine_isa_available(value)
-        ]
-
     def check_size(self, width_px: int, height_px: int) -> None:
         self._scratch_for(width_px, height_px)
 
