@@ -149,6 +149,18 @@ def test_images_may_be_columns_of_larger_ones(flight: tuple[Chain, list[Frame]])
         np.testing.assert_array_equal(pair.right, rectified.right)
 
 
+def test_words_of_other_levels_are_refused(flight: tuple[Chain, list[Frame]]) -> None:
+    chain, frames = flight
+    assert take(chain, frames[0]) == Novelty.NEW
+    words = list(chain.engine.levels(frames[0].left, frames[0].right))
+    for given in (words[:-1], [*words, words[-1]]):
+        with pytest.raises(ValueError, match="levels"):
+            chain.detector.match(given)
+    with pytest.raises(ValueError, match="size"):
+        chain.detector.match([words[0][1:], *words[1:]])
+    chain.detector.match(words)
+
+
 def test_a_camera_that_fails_ends_the_run_after_its_last_frame(flight: tuple[Chain, list[Frame]]) -> None:
     chain, frames = flight
     notebook = Notebook()

@@ -108,10 +108,14 @@ class Detector:
         return Novelty(int(novelty[0]))
 
     def match(self, words: Words | None = None) -> None:
-        """Finds the disparities of the pair with the engine in C, or takes those of each level."""
+        """Finds the disparities of the pair with the engine in C, or takes those of each level. Raises
+        ValueError for words of another number of levels or of another size."""
         ffi, images = self._ffi, None
         if words is not None:
             levels = [np.ascontiguousarray(level, np.int16) for level in words]
+            asked = self._lib.vista_detector_matched_pair(self._detector).levels
+            if len(levels) != asked:
+                raise ValueError(f"a pair has words of {asked} levels, not of {len(levels)}")
             images = ffi.new("vista_disparity_image[]", [c_image(ffi, level)[0] for level in levels])
         self._check(self._lib.vista_detector_match(self._detector, ffi.NULL if images is None else images))
 

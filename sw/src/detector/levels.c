@@ -13,7 +13,7 @@ static vista_engine_params engine_of(const vista_stereo_params *stereo) {
   engine.prefilter_cap = stereo->prefilter_cap;
   engine.texture_threshold = stereo->texture_threshold;
   engine.uniqueness_ratio = stereo->uniqueness_ratio;
-  engine.lr_max_diff = stereo->lr_max_diff < 0 ? VISTA_ENGINE_LR_OFF : stereo->lr_max_diff;
+  engine.lr_max_diff = stereo->lr_max_diff; /* from VISTA_ENGINE_LR_OFF on */
   return engine;
 }
 
