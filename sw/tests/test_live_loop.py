@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -17,6 +18,7 @@ from vista.errors import InputError
 from vista.history import StageClock
 from vista.live.loop import LiveLoop, Seen
 from vista.live.source import Shot
+from vista.pipeline import copied_image
 from vista.sequence import Frame, open_sequence
 
 pytestmark = pytest.mark.slow
@@ -137,6 +139,23 @@ def test_what_was_not_kept_is_gone_with_the_next_frame(flight: tuple[Chain, list
     for asked in (lambda: lost.frame, lambda: lost.pair.levels, lambda: lost.result.words):
         with pytest.raises(RuntimeError, match="next"):
             asked()
+
+
+def test_nothing_is_copied_that_nobody_asks_for(
+    flight: tuple[Chain, list[Frame]], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """But the first pair, whose features are matched."""
+    chain, frames = flight
+    copies: list[tuple[int, ...]] = []
+
+    def counted(ffi: Any, pointer: Any, dtype: Any, shape: tuple[int, ...]) -> Any:
+        copies.append(shape)
+        return copied_image(ffi, pointer, dtype, shape)
+
+    for module in ("detector", "pipeline"):
+        monkeypatch.setattr(f"vista.{module}.copied_image", counted)
+    run(chain, ListedShots(shots_of(frames)), Notebook())
+    assert copies == 2 * [frames[0].left.shape]
 
 
 def test_images_may_be_columns_of_larger_ones(flight: tuple[Chain, list[Frame]]) -> None:
