@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 rtl/src/vista_stereo_pkg.sv
 rtl/src/vista_skid.sv
+rtl/src/vista_frame_input.sv
 rtl/src/vista_line_store.sv
 rtl/src/vista_delay.sv
 rtl/src/vista_framer.sv

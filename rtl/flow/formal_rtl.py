@@ -30,11 +30,18 @@ FRONT_END = "-G MaxWidth=1024 -G SideWidth=1"
 RECTIFIER = "-G MaxWidth=1024 -G NumRows=64 -G MaxPoints=2048"
 PACKAGE = "src/vista_stereo_pkg.sv"
 RECTIFY_PACKAGE = "src/vista_rectify_pkg.sv"
+INPUT = (PACKAGE, "src/vista_skid.sv", "src/vista_frame_input.sv")
 
 # The framer and the positions of the frame writer are proved for frames of any size that the reference build
 # takes, the others for words so narrow that nothing depends on their width.
 PROOFS = [
     Proof("vista_skid", 4, "-G Width=4", ("src/vista_skid.sv",)),
+    Proof(
+        "vista_frame_input",
+        4,
+        "-G MaxWidth=1024 -G SideWidth=2",
+        INPUT,
+    ),
     Proof("vista_axil", 3, "", ("src/vista_axil.sv",)),
     Proof("vista_framer", 3, REFERENCE, (PACKAGE, "src/vista_framer.sv")),
     Proof(
@@ -58,7 +65,7 @@ PROOFS = [
         (PACKAGE, "src/vista_skid.sv", "src/vista_frame_positions.sv", "src/vista_frame_writer.sv"),
     ),
     Proof("vista_pixel_writer", 3, "-G SideWidth=1", (PACKAGE, "src/vista_pixel_writer.sv")),
-    Proof("vista_frame_guard", 4, FRONT_END, (PACKAGE, "src/vista_skid.sv", "src/vista_frame_guard.sv")),
+    Proof("vista_frame_guard", 4, FRONT_END, (*INPUT, "src/vista_frame_guard.sv")),
     Proof("vista_levels", 3, FRONT_END, (PACKAGE, "src/vista_levels.sv")),
     Proof("vista_rectify_map", 3, RECTIFIER, (PACKAGE, RECTIFY_PACKAGE, "src/vista_rectify_map.sv")),
     Proof("vista_rectify_ring", 3, "-G MaxWidth=1024 -G NumRows=64", ("src/vista_rectify_ring.sv",)),

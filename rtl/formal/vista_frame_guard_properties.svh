@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Properties of vista_frame_guard, inside it, for any input at all: each frame leaves from its start on in raster order
-// and ends whole, or, with at least three pixels, where its end of line is wrong; pixels leave as they were taken, once
-// each and in order; no pixel of a sound frame is dropped; what waits holds still.
+// Properties of vista_frame_guard, inside it, for any input that stays until it is taken: each frame leaves from its start
+// on in raster order and ends whole, or, with at least three pixels, where its end of line is wrong; pixels leave as they
+// were taken, once each and in order; no pixel of a sound frame is dropped; what waits holds still.
 
 logic             f_started = 1'b0;
 logic             f_inside;    // a frame is leaving
@@ -11,16 +11,12 @@ logic [1:0]       f_count;     // pixels of the frame that left, saturating
 logic             f_last_x, f_end, f_waited, f_taken;
 logic [DataW-1:0] f_data;
 logic [DataW+1:0] f_held;
-logic [ColW:0]    f_width;     // as set the clock before
-logic [RowW-1:0]  f_height;
 
 assign f_last_x = (f_x == last_col_o);
 assign f_end    = (eol_o != f_last_x) | (f_last_x & (f_y == last_row_o));
 
 always_ff @(posedge clk_i) begin
   if (!rst_ni) f_started <= 1'b1;
-  f_width   <= width_i;
-  f_height  <= height_i;
   if (valid_o & ready_i) begin
     f_inside <= ~f_end;
     f_count  <= f_end ? 2'd0 : (f_count == 2'd3) ? f_count : f_count + 1'b1;
@@ -60,7 +56,7 @@ always_comb begin
     if (hold_valid_q && (start || take)) assert (valid_o && ready_i);
     if (drop) assert (!active_q);
     if (head_valid && active_q && !broken_q && !head_sof && ready_i) assert (take);
-    if (start) assert (32'(f_width) >= MinWidth && 32'(f_width) <= MaxWidth && 32'(f_height) >= MinHeight);
+    if (start) assert (head_admit);
 
     // What makes these inductive.
     if (active_q || hold_valid_q) begin

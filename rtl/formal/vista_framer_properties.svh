@@ -3,12 +3,12 @@
 // gives exactly W * H slots in raster order, with the flags of its columns and rows; slots are issued by leave of `go_i`
 // only; no pixel of a sound frame is dropped.
 //
+// Assumed of vista_frame_input: only sizes that the engine takes are admitted.
+//
 // f_n is any number: it starts anywhere and never changes. The f_n-th frame (modulo 8) is followed.
 
 logic            f_started = 1'b0;
 logic [2:0]      f_n, f_in, f_out;  // frames taken, frames that had all of their slots
-logic [ColW:0]   f_width;  // as set the clock before
-logic [RowW-1:0] f_height;
 logic [ColW-1:0] f_w, f_x;  // W - 1 of the frame that is followed; column of the next slot
 logic [RowW-1:0] f_h, f_y;
 logic [2:0]      f_since;  // clocks since a frame began to leave, saturating
@@ -23,13 +23,11 @@ assign f_end    = slot_valid & drain_q & drain_last_col_q;
 always_ff @(posedge clk_i) begin
   if (!rst_ni) f_started <= 1'b1;
   f_n       <= f_n;
-  f_width   <= width_i;
-  f_height  <= height_i;
   if (start) begin
     f_in <= f_in + 1'b1;
     if (f_in == f_n) begin
-      f_w <= ColW'(f_width - 1'b1);
-      f_h <= f_height - 1'b1;
+      f_w <= last_col_i;
+      f_h <= last_row_i;
       f_narrow <= params_i.narrow;
     end
   end
@@ -69,6 +67,9 @@ always_comb begin
   if (!f_started) assume (!rst_ni);
 `endif
   if (f_started) begin
+    if (valid_i & admit_i)
+      assume (enable_i && 32'(last_col_i) >= MinWidth - 1 && 32'(last_col_i) < MaxWidth && last_row_i != '0);
+
     // Slots.
     if (slot_valid) begin
       assert (go_i && slot_col == f_x);
@@ -93,7 +94,7 @@ always_comb begin
     if (f_begin_follow) assert (begin_narrow_o == f_narrow);
 
     // Pixels.
-    if (start) assert (32'(f_width) >= MinWidth && 32'(f_width) <= MaxWidth && 32'(f_height) >= MinHeight);
+    if (start) assert (admit_i);
     if (ready_o) assert (valid_i);
     if (valid_i && ready_o && active_q && !fill_q) assert (take && !sof_i);
     if (f_taken) assert (store_valid_o && store_data_o == f_data);
@@ -102,7 +103,6 @@ always_comb begin
     assert (in_first_row_q == (row_q == 0));
     assert (in_last_row_q == (active_q && row_q == last_row_q));
     assert (last_pixel_q == (last_col_q & in_last_row_q));
-    assert (admit_q == (enable_q & size_ok_q));
     assert (f_in - f_out == {2'b0, active_q} + {2'b0, drain_q});
     if (active_q) begin
       assert (32'(width_less_1_q) >= MinWidth - 1 && 32'(width_less_1_q) < MaxWidth && last_row_q != 0);

@@ -18,7 +18,7 @@ module vista_frame_guard #(
   input  logic clk_i,
   input  logic rst_ni,
 
-  // Taken over with the first pixel of a frame.
+  // A frame has what is set in the clock in which its first pixel is first offered.
   input  logic                 enable_i,
   input  logic [ColW:0]        width_i,
   input  logic [RowW-1:0]      height_i,
@@ -54,24 +54,37 @@ module vista_frame_guard #(
 
   localparam logic [1:0] Fewest = 2'd3;  // pixels of a frame that breaks
 
-  if (MaxWidth < MinWidth || MaxWidth > LargestWidth) begin : gen_bad_width
-    $fatal(1, "MaxWidth must be 4 .. 65535");
-  end
-
-  logic head_valid, head_ready, head_sof, head_eol;
+  logic head_valid, head_ready, head_sof, head_eol, head_enable, head_admit;
   logic [DataW-1:0] head;
+  logic [ColW-1:0] head_last_col;
+  logic [RowW-1:0] head_last_row;
+  logic [SideWidth-1:0] head_side;
 
-  vista_skid #(
-    .Width(DataW + 2)
-  ) u_skid (
+  vista_frame_input #(
+    .MaxWidth  (MaxWidth),
+    .SideWidth (SideWidth)
+  ) u_input (
     .clk_i,
     .rst_ni,
+    .enable_i,
+    .width_i,
+    .height_i,
+    .side_i,
     .valid_i,
     .ready_o,
-    .data_i  ({sof_i, eol_i, data_i}),
-    .valid_o (head_valid),
-    .ready_i (head_ready),
-    .data_o  ({head_sof, head_eol, head})
+    .sof_i,
+    .eol_i,
+    .data_i,
+    .valid_o    (head_valid),
+    .ready_i    (head_ready),
+    .sof_o      (head_sof),
+    .eol_o      (head_eol),
+    .data_o     (head),
+    .enable_o   (head_enable),
+    .admit_o    (head_admit),
+    .last_col_o (head_last_col),
+    .last_row_o (head_last_row),
+    .side_o     (head_side)
   );
 
   // The frame that is being taken, and its newest pixel, which waits for the next one unless it is the last.
@@ -82,24 +95,14 @@ module vista_frame_guard #(
   logic [1:0]      count_q;  // pixels so far, saturating
   logic hold_valid_q, hold_sof_q, hold_eol_q, hold_end_q;
   logic [DataW-1:0] hold_q;
-  logic size_ok_q;
-  logic [ColW-1:0] next_last_col_q;  // of the size that `size_ok_q` speaks of
-  logic [RowW-1:0] next_last_row_q;
-
   logic start, take, pad, drop, early_sof, last_row, bad_eol, enough, frame_end, free;
 
-  always_ff @(posedge clk_i) begin
-    size_ok_q       <= (32'(width_i) >= MinWidth) & (32'(width_i) <= MaxWidth) & (32'(height_i) >= MinHeight);
-    next_last_col_q <= ColW'(width_i - 1'b1);
-    next_last_row_q <= height_i - 1'b1;
-  end
-
   assign free      = ~hold_valid_q | ready_i;
-  assign start     = ~active_q & head_valid & head_sof & enable_i & size_ok_q & free;
+  assign start     = ~active_q & head_valid & head_sof & head_admit & free;
   assign take      = active_q & ~broken_q & head_valid & ~head_sof & free;
   assign early_sof = active_q & ~broken_q & head_valid & head_sof;
   assign pad       = active_q & broken_q & free;
-  assign drop      = ~active_q & head_valid & (~head_sof | ~enable_i | ~size_ok_q);
+  assign drop      = ~active_q & head_valid & (~head_sof | ~head_admit);
 
   assign head_ready = start | take | drop;
 
@@ -115,9 +118,9 @@ module vista_frame_guard #(
 
   always_ff @(posedge clk_i) begin
     if (start) begin
-      last_col_o <= next_last_col_q;
-      last_row_o <= next_last_row_q;
-      side_o     <= side_i;
+      last_col_o <= head_last_col;
+      last_row_o <= head_last_row;
+      side_o     <= head_side;
     end
     if (start | take | pad) begin
       hold_valid_q <= 1'b1;
@@ -162,8 +165,8 @@ module vista_frame_guard #(
     error_early_eol_o <= bad_eol & head_eol;
     error_late_eol_o  <= bad_eol & ~head_eol;
     error_early_sof_o <= early_sof & ~early_sof_q;
-    error_late_sof_o  <= ~active_q & head_valid & ~head_sof & enable_i & ~lost_q;
-    error_size_o      <= ~active_q & head_valid & head_sof & enable_i & ~size_ok_q;
+    error_late_sof_o  <= ~active_q & head_valid & ~head_sof & head_enable & ~lost_q;
+    error_size_o      <= ~active_q & head_valid & head_sof & head_enable & ~head_admit;
     if (!rst_ni) begin
       early_sof_q       <= 1'b0;
       frame_start_o     <= 1'b0;

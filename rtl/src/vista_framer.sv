@@ -24,16 +24,17 @@ module vista_framer #(
   input  logic clk_i,
   input  logic rst_ni,
 
-  input  logic                      enable_i,  // as the size, a clock before a frame that it is to hold for
-  input  logic [ColW:0]             width_i,
-  input  logic [RowW-1:0]           height_i,
+  // A pixel, and what its frame is to have if it begins one (vista_frame_input).
+  input  logic                      valid_i,
+  output logic                      ready_o,
+  input  logic                      sof_i,
+  input  logic                      eol_i,
+  input  logic [DataW-1:0]          data_i,
+  input  logic                      enable_i,
+  input  logic                      admit_i,     // enabled, and of a size that fits
+  input  logic [ColW-1:0]           last_col_i,  // W - 1
+  input  logic [RowW-1:0]           last_row_i,  // H - 1
   input  vista_stereo_pkg::params_t params_i,
-
-  input  logic             valid_i,
-  output logic             ready_o,
-  input  logic             sof_i,
-  input  logic             eol_i,
-  input  logic [DataW-1:0] data_i,
 
   input  logic go_i,  // slots may be issued
 
@@ -71,9 +72,6 @@ module vista_framer #(
   logic [ColW-1:0] col_q, width_less_1_q;
   logic [RowW-1:0] row_q, last_row_q;
   logic in_first_row_q, in_last_row_q;  // row_q is 0, is H - 1: `ready_o` and the frame's end do without comparing
-  logic enable_q, size_ok_q, admit_q;  // a next frame is taken if enabled and of a size that fits
-  logic [ColW-1:0] next_width_less_1_q;  // of the size that `size_ok_q` speaks of
-  logic [RowW-1:0] next_last_row_q;
   // Frame being matched: one row behind.
   logic drain_q, drain_last_col_q, drain_cut_q, begun_q;
   logic [ColW-1:0] drain_col_q, match_width_less_1_q;
@@ -82,17 +80,7 @@ module vista_framer #(
   logic match_wide_q;  // wide enough for a row to have matched pixels
 
   logic head_sof, blocked, start, take, fill, step, frame_end, drop;
-  logic bad_eol, size_ok;
-
-  assign size_ok = (32'(width_i) >= MinWidth) & (32'(width_i) <= MaxWidth) & (32'(height_i) >= MinHeight);
-
-  always_ff @(posedge clk_i) begin
-    enable_q            <= enable_i;
-    size_ok_q           <= size_ok;
-    admit_q             <= enable_i & size_ok;
-    next_width_less_1_q <= ColW'(width_i - 1'b1);
-    next_last_row_q     <= height_i - 1'b1;
-  end
+  logic bad_eol;
 
   assign head_sof = valid_i & sof_i;
 
@@ -100,11 +88,11 @@ module vista_framer #(
   // before it ever waits here.
   assign blocked = drain_q & ~in_first_row_q;
 
-  assign start = ~active_q & head_sof & admit_q & go_i;
+  assign start = ~active_q & head_sof & admit_i & go_i;
   assign take  = active_q & ~fill_q & valid_i & ~sof_i & go_i & ~blocked;
   assign fill  = active_q & fill_q & go_i & ~blocked;
   assign step  = start | take | fill;
-  assign drop  = valid_i & (active_q ? fill_q & ~sof_i : ~sof_i | ~admit_q);
+  assign drop  = valid_i & (active_q ? fill_q & ~sof_i : ~sof_i | ~admit_i);
 
   assign ready_o = start | take | drop;
 
@@ -114,8 +102,8 @@ module vista_framer #(
   always_ff @(posedge clk_i) begin
     if (start) begin
       active_q       <= 1'b1;
-      width_less_1_q <= next_width_less_1_q;
-      last_row_q     <= next_last_row_q;
+      width_less_1_q <= last_col_i;
+      last_row_q     <= last_row_i;
       params_o       <= params_i;
     end
     if (step) begin
@@ -236,8 +224,8 @@ module vista_framer #(
     error_early_eol_o <= bad_eol & eol_i;
     error_late_eol_o  <= bad_eol & ~eol_i;
     error_early_sof_o <= active_q & ~fill_q & head_sof;
-    error_late_sof_o  <= ~active_q & valid_i & ~sof_i & enable_q & ~lost_q;
-    error_size_o      <= ~active_q & head_sof & enable_q & ~size_ok_q;
+    error_late_sof_o  <= ~active_q & valid_i & ~sof_i & enable_i & ~lost_q;
+    error_size_o      <= ~active_q & head_sof & enable_i & ~admit_i;
     if (!rst_ni) begin
       frame_start_o     <= 1'b0;
       error_early_eol_o <= 1'b0;

@@ -23,7 +23,7 @@ module vista_front_end #(
   input  logic rst_ni,
   input  logic keep_map_i,  // 1: a reset leaves the map in force as it is
 
-  // Taken over with the first pixel of a frame; size and `rectify` are looked at a clock before.
+  // A frame has what is set in the clock in which its first pixel is first offered.
   input  logic                         enable_i,
   input  logic [ColW:0]                width_i,
   input  logic [RowW-1:0]              height_i,

@@ -4,8 +4,7 @@
 // A frame whose input broke off ends with its last pixel that was computed from what came. That pixel carries an end of
 // line in the wrong place, or none in the last column, so that whatever follows cuts the frame there as well. To know
 // which pixel is the last, each waits for the next one. A frame that breaks off within its first three pixels is filled
-// up to three: a follower has then taken its first one (through a buffer of two) before the next frame is offered, and
-// with it what belongs to the frame (`side_o`).
+// up to three.
 //
 // The writer has no `ready`: `go_o` falls early enough that what is still on its way, at most `InFlight` pixels, fits.
 //

@@ -28,7 +28,7 @@ module vista_pyramid #(
   input  logic clk_i,
   input  logic rst_ni,
 
-  // Taken over with the first pixel of a frame.
+  // A frame has what is set in the clock in which its first pixel is first offered.
   input  logic                 enable_i,
   input  logic [ColW:0]        width_i,   // 4 .. MaxWidth
   input  logic [RowW-1:0]      height_i,  // 2 ..
@@ -81,14 +81,12 @@ module vista_pyramid #(
   logic [ColW:0] reduce_width;
   logic [RowW-1:0] source_last_row, reduce_height;
   logic [2:0] source_levels;
-  logic more_q, source_more;
+  logic more, source_more;
   logic [SideWidth-1:0] source_side;
 
-  // Level 1 is sent: known a clock after the size, as the guard knows whether it is legal.
-  always_ff @(posedge clk_i) begin
-    more_q <= (levels_i > 3'd1) & ((32'(width_i) + 1) / 2 >= vista_stereo_pkg::MinWidth) &
-        ((32'(height_i) + 1) / 2 >= vista_stereo_pkg::MinHeight);
-  end
+  // Level 1 is sent.
+  assign more = (levels_i > 3'd1) & ((32'(width_i) + 1) / 2 >= vista_stereo_pkg::MinWidth) &
+      ((32'(height_i) + 1) / 2 >= vista_stereo_pkg::MinHeight);
 
   vista_frame_guard #(
     .MaxWidth  (MaxWidth),
@@ -99,7 +97,7 @@ module vista_pyramid #(
     .enable_i,
     .width_i,
     .height_i,
-    .side_i   ({more_q, levels_i, side_i}),
+    .side_i   ({more, levels_i, side_i}),
     .valid_i  (s_axis_tvalid),
     .ready_o  (s_axis_tready),
     .sof_i    (s_axis_tuser),

@@ -29,7 +29,7 @@ module vista_rectify #(
   input  logic rst_ni,
   input  logic keep_map_i,  // 1: a reset leaves the map in force as it is
 
-  // Taken over with the first pixel of a frame; size and rectify_i are looked at a clock before.
+  // A frame has what is set in the clock in which its first pixel is first offered.
   input  logic                 enable_i,
   input  logic [ColW:0]        width_i,   // 4 .. MaxWidth
   input  logic [RowW-1:0]      height_i,  // 2 ..
@@ -91,42 +91,44 @@ module vista_rectify #(
     $fatal(1, "NumRows must be 16, 32, 64 or 128");
   end
 
-  // The newest map, and whether it is one for the next frame. What is decided of a frame and what goes along with it
-  // are of the same moment, two clocks before the framer tells that it began.
-  logic map_valid, bank, bank1_q, bank2_q, map_ok, map_refused_q, rectify1_q, rectify2_q;
-  logic [ColW:0] map_width, width1_q, width2_q;
-  logic [RowW-1:0] map_height, height1_q, height2_q;
-  logic [SideWidth-1:0] side1_q;
+  // The newest map, and whether it is one for a frame that begins now.
+  logic map_valid, bank, map_ok;
+  logic [ColW:0] map_width;
+  logic [RowW-1:0] map_height;
 
   assign map_ok = ~rectify_i | (map_valid & (map_width == width_i) & (map_height == height_i));
 
-  always_ff @(posedge clk_i) begin
-    map_refused_q <= enable_i & ~map_ok;
-    bank1_q       <= bank;
-    bank2_q       <= bank1_q;
-    rectify1_q    <= rectify_i;
-    rectify2_q    <= rectify1_q;
-    width1_q      <= width_i;
-    width2_q      <= width1_q;
-    height1_q     <= height_i;
-    height2_q     <= height1_q;
-    side1_q       <= side_i;
-  end
-
-  logic head_valid, head_ready, head_sof, head_eol;
+  logic head_valid, head_ready, head_sof, head_eol, head_enable, head_admit, head_no_map, head_rectify, head_bank;
   logic [DataW-1:0] head;
+  logic [ColW-1:0] head_last_col;
+  logic [RowW-1:0] head_last_row;
+  logic [SideWidth-1:0] head_side;
 
-  vista_skid #(
-    .Width(DataW + 2)
-  ) u_skid (
+  vista_frame_input #(
+    .MaxWidth  (MaxWidth),
+    .SideWidth (3 + SideWidth)
+  ) u_input (
     .clk_i,
     .rst_ni,
-    .valid_i (s_axis_tvalid),
-    .ready_o (s_axis_tready),
-    .data_i  ({s_axis_tuser, s_axis_tlast, s_axis_tdata}),
-    .valid_o (head_valid),
-    .ready_i (head_ready),
-    .data_o  ({head_sof, head_eol, head})
+    .enable_i   (enable_i & map_ok),
+    .width_i,
+    .height_i,
+    .side_i     ({enable_i & ~map_ok, rectify_i, bank, side_i}),
+    .valid_i    (s_axis_tvalid),
+    .ready_o    (s_axis_tready),
+    .sof_i      (s_axis_tuser),
+    .eol_i      (s_axis_tlast),
+    .data_i     (s_axis_tdata),
+    .valid_o    (head_valid),
+    .ready_i    (head_ready),
+    .sof_o      (head_sof),
+    .eol_o      (head_eol),
+    .data_o     (head),
+    .enable_o   (head_enable),
+    .admit_o    (head_admit),
+    .last_col_o (head_last_col),
+    .last_row_o (head_last_row),
+    .side_o     ({head_no_map, head_rectify, head_bank, head_side})
   );
 
   logic take_go, store_valid;
@@ -141,15 +143,16 @@ module vista_rectify #(
   ) u_framer (
     .clk_i,
     .rst_ni,
-    .enable_i         (enable_i & map_ok),
-    .width_i,
-    .height_i,
-    .params_i         ('0),
     .valid_i          (head_valid),
     .ready_o          (head_ready),
     .sof_i            (head_sof),
     .eol_i            (head_eol),
     .data_i           (head),
+    .enable_i         (head_enable),
+    .admit_i          (head_admit),
+    .last_col_i       (head_last_col),
+    .last_row_i       (head_last_row),
+    .params_i         ('0),
     .go_i             (take_go),
     .slot_o           (),
     .slot_col_o       (),
@@ -169,9 +172,28 @@ module vista_rectify #(
     .error_size_o
   );
 
+  // What goes along with a frame, beside the framer's telling that it began, and whether one was dropped instead.
+  logic head_q, bank_q, rectify_q;
+  logic [ColW-1:0] last_col_q;
+  logic [RowW-1:0] last_row_q;
+  logic [SideWidth-1:0] side_q;
+
   always_ff @(posedge clk_i) begin
-    error_map_o <= head_valid & head_ready & head_sof & map_refused_q & rst_ni;
+    head_q      <= head_valid & head_ready & head_sof & rst_ni;
+    error_map_o <= head_valid & head_ready & head_sof & head_no_map & rst_ni;
+    bank_q      <= head_bank;
+    rectify_q   <= head_rectify;
+    last_col_q  <= head_last_col;
+    last_row_q  <= head_last_row;
+    side_q      <= head_side;
   end
+
+  // A first pixel is offered. Its frame has the map in force, and so keeps its bank.
+  logic waiting_q, offered;
+
+  assign offered = s_axis_tvalid & s_axis_tuser & ~waiting_q;
+
+  always_ff @(posedge clk_i) waiting_q <= s_axis_tvalid & ~s_axis_tready & rst_ni;
 
   logic [NumberW-1:0] number, free_q, needed;
   logic frame_room, row_needed_cut;
@@ -183,7 +205,7 @@ module vista_rectify #(
     .clk_i,
     .rst_ni,
     .frame_start_i (frame_start_o),
-    .last_col_i    (ColW'(width2_q - 1'b1)),
+    .last_col_i    (last_col_q),
     .broken_i      (error_early_eol_o | error_late_eol_o | error_early_sof_o),
     .store_valid_i (store_valid),
     .store_col_i   (store_col),
@@ -209,7 +231,7 @@ module vista_rectify #(
     .rst_ni,
     .valid_i (frame_start_o),
     .ready_o (frame_room),
-    .data_i  ({ColW'(width2_q - 1'b1), height2_q - 1'b1, number, rectify2_q, bank2_q, side1_q}),
+    .data_i  ({last_col_q, last_row_q, number, rectify_q, bank_q, side_q}),
     .valid_o (frame_valid),
     .ready_i (frame_ready),
     .data_o  ({frame_last_col, frame_last_row, frame_base, frame_on, frame_bank, frame_side})
@@ -333,9 +355,10 @@ module vista_rectify #(
     .bank_o         (bank),
     .width_o        (map_width),
     .height_o       (map_height),
-    .frame_begin_i  (frame_start_o),
-    .frame_bank_i   (bank2_q),
+    .frame_begin_i  (offered),
     .frame_end_i    (frame_end),
+    .frame_drop_i   (head_q & ~frame_start_o),
+    .frame_bank_i   (bank_q),
     .write_o        (map_write),
     .write_addr_o   (map_write_addr),
     .write_data_o   (map_write_data)

@@ -43,10 +43,10 @@ module vista_rectify_map #(
   output logic [ColW:0]   width_o,
   output logic [RowW-1:0] height_o,
 
-  // A frame has begun, with this bank; all points of the oldest frame inside were read.
-  input  logic frame_begin_i,
+  input  logic frame_begin_i,  // the first pixel of a frame is offered: it has the bank in force
+  input  logic frame_end_i,    // all points of the oldest frame were read
+  input  logic frame_drop_i,   // the newest one but those that wait was dropped, which had this bank
   input  logic frame_bank_i,
-  input  logic frame_end_i,
 
   output logic [1:0]           write_o,  // to the memory of each camera, the left one first
   output logic [PointW:0]      write_addr_o,
@@ -58,7 +58,7 @@ module vista_rectify_map #(
   localparam int signed Lowest = -int'(reach(NumRows) * Scale);
   localparam int signed Highest = int'((reach(NumRows) + 1) * Scale) - 1;
   localparam int unsigned PointsW = RowW - 3;  // of the control points along a side
-  localparam int unsigned CountW = 3;  // of frames on their way
+  localparam int unsigned CountW = 4;  // of frames on their way
 
   // The load.
   logic loading_q, right_q, full_q, too_far_q, wrong_q;
@@ -133,24 +133,19 @@ module vista_rectify_map #(
     end
   end
 
-  // The other bank is free once the frames were read that began with it; a few clocks after it was left, the last of
-  // them is counted.
-  localparam int unsigned Settle = 4;
-
-  logic [Settle-1:0] settle_q;
+  // The other bank is free once the frames were read or dropped that began with it. They end in order, those that began
+  // with it before the others.
   logic [CountW-1:0] frames_q, old_q, frames;
 
-  assign frames  = frames_q + CountW'(frame_begin_i) - CountW'(frame_end_i);
-  assign ready_o = (settle_q == '0) & (old_q == '0);
+  assign frames  = frames_q + CountW'(frame_begin_i) - CountW'(frame_end_i) - CountW'(frame_drop_i);
+  assign ready_o = (old_q == '0);
 
   always_ff @(posedge clk_i) begin
     frames_q <= frames;
-    settle_q <= {settle_q[Settle-2:0], accepted};
     if (accepted) old_q <= frames;
-    else old_q <= old_q + CountW'(frame_begin_i & (frame_bank_i != bank_o)) - CountW'(frame_end_i & (old_q != '0));
+    else old_q <= old_q - CountW'(frame_end_i & (old_q != '0)) - CountW'(frame_drop_i & (frame_bank_i != bank_o));
     if (!rst_ni) begin
       frames_q <= '0;
-      settle_q <= {Settle{keep_i}};  // the bank may have been left just before
       old_q    <= '0;
     end
   end

@@ -21,7 +21,7 @@ module vista_reduce #(
   input  logic clk_i,
   input  logic rst_ni,
 
-  // Taken over with the first pixel of a frame.
+  // A frame has what is set in the clock in which its first pixel is first offered.
   input  logic            enable_i,
   input  logic [ColW:0]   width_i,   // 4 .. MaxWidth
   input  logic [RowW-1:0] height_i,  // 2 ..

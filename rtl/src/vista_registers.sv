@@ -44,7 +44,7 @@ module vista_registers #(
   output logic rst_no,
   output logic keep_map_o,
 
-  // The set in force. The size and the map go first, for they are looked at a clock before the frame.
+  // The set in force, which changes in one clock, with the map.
   output logic                         enable_o,
   output logic [ColW:0]                width_o,
   output logic [RowW-1:0]              height_o,
@@ -143,20 +143,18 @@ module vista_registers #(
   assign width  = (from_csr.SIZE.width.value > 16'(MaxWidth)) ? '0 : (ColW + 1)'(from_csr.SIZE.width.value);
   assign height = (from_csr.SIZE.height.value[15:RowW] != '0) ? '0 : RowW'(from_csr.SIZE.height.value);
 
-  // The set of parameters in force. The size goes first, for a frame's is looked at a clock before it; a frame that
-  // begins then sees all of the set or nothing.
-  logic commit, commit_q, enable1_q;
+  // The set of parameters in force. A frame has all of it or nothing (vista_frame_input).
+  logic commit;
 
   assign commit = from_csr.COMMIT.commit.value | ~rst_nq;
 
   always_ff @(posedge clk_i) begin
-    commit_q <= commit;
     if (commit) begin
-      width_o             <= width;
-      height_o            <= height;
-      front_end_o.rectify <= from_csr.FRONT_END.rectify.value;
-    end
-    if (commit_q) begin
+      width_o                    <= width;
+      height_o                   <= height;
+      front_end_o.rectify        <= from_csr.FRONT_END.rectify.value;
+      front_end_o.levels         <= from_csr.FRONT_END.levels.value;
+      front_end_o.smooth         <= from_csr.FRONT_END.smooth.value;
       params_o.xsobel            <= from_csr.PREFILTER.xsobel.value;
       params_o.cap               <= from_csr.PREFILTER.cap.value;
       params_o.texture_threshold <= from_csr.TEXTURE.threshold.value;
@@ -165,15 +163,9 @@ module vista_registers #(
       params_o.lr_enable         <= from_csr.LR_CHECK.enable.value;
       params_o.lr_max_diff       <= from_csr.LR_CHECK.max_diff.value;
       params_o.narrow            <= from_csr.OUTPUT.narrow.value;
-      front_end_o.levels         <= from_csr.FRONT_END.levels.value;
-      front_end_o.smooth         <= from_csr.FRONT_END.smooth.value;
     end
-    enable1_q <= from_csr.CONTROL.enable.value;
-    enable_o  <= enable1_q;
-    if (!rst_ni) begin
-      enable1_q <= 1'b0;
-      enable_o  <= 1'b0;
-    end
+    enable_o <= from_csr.CONTROL.enable.value;
+    if (!rst_ni) enable_o <= 1'b0;
   end
 
   // A map on its way in. A point is in its register a clock after it is written.

@@ -17,7 +17,7 @@ module vista_rows #(
   input  logic clk_i,
   input  logic rst_ni,
 
-  // Taken over with the first pixel of a frame.
+  // A frame has what is set in the clock in which its first pixel is first offered.
   input  logic                 enable_i,
   input  logic [ColW:0]        width_i,
   input  logic [RowW-1:0]      height_i,
@@ -53,24 +53,37 @@ module vista_rows #(
 
   import vista_stereo_pkg::*;
 
-  if (MaxWidth < MinWidth || MaxWidth > LargestWidth) begin : gen_bad_width
-    $fatal(1, "MaxWidth must be 4 .. 65535");
-  end
-
-  logic head_valid, head_ready, head_sof, head_eol;
+  logic head_valid, head_ready, head_sof, head_eol, head_enable, head_admit;
   logic [DataW-1:0] head;
+  logic [ColW-1:0] head_last_col;
+  logic [RowW-1:0] head_last_row;
+  logic [SideWidth-1:0] head_side;
 
-  vista_skid #(
-    .Width(DataW + 2)
-  ) u_skid (
+  vista_frame_input #(
+    .MaxWidth  (MaxWidth),
+    .SideWidth (SideWidth)
+  ) u_input (
     .clk_i,
     .rst_ni,
+    .enable_i,
+    .width_i,
+    .height_i,
+    .side_i,
     .valid_i,
     .ready_o,
-    .data_i  ({sof_i, eol_i, data_i}),
-    .valid_o (head_valid),
-    .ready_i (head_ready),
-    .data_o  ({head_sof, head_eol, head})
+    .sof_i,
+    .eol_i,
+    .data_i,
+    .valid_o    (head_valid),
+    .ready_i    (head_ready),
+    .sof_o      (head_sof),
+    .eol_o      (head_eol),
+    .data_o     (head),
+    .enable_o   (head_enable),
+    .admit_o    (head_admit),
+    .last_col_o (head_last_col),
+    .last_row_o (head_last_row),
+    .side_o     (head_side)
   );
 
   slot_t slot;
@@ -86,15 +99,16 @@ module vista_rows #(
   ) u_framer (
     .clk_i,
     .rst_ni,
-    .enable_i,
-    .width_i,
-    .height_i,
-    .params_i         ('0),
     .valid_i          (head_valid),
     .ready_o          (head_ready),
     .sof_i            (head_sof),
     .eol_i            (head_eol),
     .data_i           (head),
+    .enable_i         (head_enable),
+    .admit_i          (head_admit),
+    .last_col_i       (head_last_col),
+    .last_row_i       (head_last_row),
+    .params_i         ('0),
     .go_i,
     .slot_o           (slot),
     .slot_col_o       (slot_col),
@@ -114,20 +128,17 @@ module vista_rows #(
     .error_size_o
   );
 
-  // The framer looks at the size a clock before the first pixel is taken, and tells of it a clock after.
-  logic [ColW:0] width1_q, width2_q;
-  logic [RowW-1:0] height1_q, height2_q;
+  logic [ColW:0] width1_q;
+  logic [RowW-1:0] height1_q;
   logic [SideWidth-1:0] side1_q;
 
   always_ff @(posedge clk_i) begin
-    width1_q  <= width_i;
-    width2_q  <= width1_q;
-    height1_q <= height_i;
-    height2_q <= height1_q;
-    side1_q   <= side_i;
+    width1_q  <= (ColW + 1)'(head_last_col) + 1'b1;
+    height1_q <= head_last_row + 1'b1;
+    side1_q   <= head_side;
     if (frame_start_o) begin
-      width_o  <= width2_q;
-      height_o <= height2_q;
+      width_o  <= width1_q;
+      height_o <= height1_q;
       side_o   <= side1_q;
     end
   end

@@ -17,7 +17,7 @@ module vista_stereo_core #(
   input  logic clk_i,
   input  logic rst_ni,
 
-  // Taken over with the first pixel of a frame.
+  // A frame has what is set in the clock in which its first pixel is first offered.
   input  logic                      enable_i,
   input  logic [ColW:0]             width_i,
   input  logic [RowW-1:0]           height_i,
@@ -63,8 +63,11 @@ module vista_stereo_core #(
   localparam int unsigned RingW = ring_width(NumDisparities);
 
   // Framing.
-  logic head_valid, head_ready, head_sof, head_eol;
+  logic head_valid, head_ready, head_sof, head_eol, head_enable, head_admit;
   logic [2*PixelW-1:0] head;
+  logic [ColW-1:0] head_last_col;
+  logic [RowW-1:0] head_last_row;
+  params_t head_params;
   logic results_go, writer_go, go_q;
   slot_t raw_slot;
   logic [ColW-1:0] raw_col, store_col, begin_last_col;
@@ -74,17 +77,31 @@ module vista_stereo_core #(
   logic store_valid, begin_valid;
   logic [2*PixelW-1:0] store_data;
 
-  vista_skid #(
-    .Width(2 * PixelW + 2)
-  ) u_pixel_skid (
+  vista_frame_input #(
+    .MaxWidth  (MaxWidth),
+    .SideWidth ($bits(params_t))
+  ) u_input (
     .clk_i,
     .rst_ni,
-    .valid_i (pixel_valid_i),
-    .ready_o (pixel_ready_o),
-    .data_i  ({pixel_sof_i, pixel_eol_i, pixel_i}),
-    .valid_o (head_valid),
-    .ready_i (head_ready),
-    .data_o  ({head_sof, head_eol, head})
+    .enable_i,
+    .width_i,
+    .height_i,
+    .side_i     (params_i),
+    .valid_i    (pixel_valid_i),
+    .ready_o    (pixel_ready_o),
+    .sof_i      (pixel_sof_i),
+    .eol_i      (pixel_eol_i),
+    .data_i     (pixel_i),
+    .valid_o    (head_valid),
+    .ready_i    (head_ready),
+    .sof_o      (head_sof),
+    .eol_o      (head_eol),
+    .data_o     (head),
+    .enable_o   (head_enable),
+    .admit_o    (head_admit),
+    .last_col_o (head_last_col),
+    .last_row_o (head_last_row),
+    .side_o     (head_params)
   );
 
   always_ff @(posedge clk_i) begin
@@ -99,15 +116,16 @@ module vista_stereo_core #(
   ) u_framer (
     .clk_i,
     .rst_ni,
-    .enable_i,
-    .width_i,
-    .height_i,
-    .params_i,
     .valid_i          (head_valid),
     .ready_o          (head_ready),
     .sof_i            (head_sof),
     .eol_i            (head_eol),
     .data_i           (head),
+    .enable_i         (head_enable),
+    .admit_i          (head_admit),
+    .last_col_i       (head_last_col),
+    .last_row_i       (head_last_row),
+    .params_i         (head_params),
     .go_i             (go_q),
     .slot_o           (raw_slot),
     .slot_col_o       (raw_col),

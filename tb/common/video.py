@@ -253,6 +253,12 @@ class Driver:
         if self.option:
             getattr(dut, self.option).value = segment.option
 
+    def distract(self) -> None:
+        """Sets anything: no frame has what is set in another clock than that of its first pixel's offer."""
+        for name in ("width_i", "height_i", "enable_i", "side_i", self.option):
+            if name and (port := getattr(self.dut, name, None)) is not None:
+                port.value = self.dice.getrandbits(len(port))
+
     async def run(
         self, segments: list[Segment], offered: float, taken: float, stop_after: int | None = None
     ) -> Seen:
@@ -263,7 +269,7 @@ class Driver:
         stream = np.concatenate([s.stream for s in segments]).tolist()
         places = np.cumsum([0, *(len(s.stream) for s in segments[:-1])]).tolist()
         firsts = dict(zip(places, segments, strict=True))
-        position, offering, idle = 0, False, 0
+        position, offering, idle, current = 0, False, 0, segments[0]
         # Nothing moves while the rest of a frame that was cut is filled in.
         filling = max(min(s.width, self.max_width) * s.height for s in segments)
         quiet = self.patience / min(offered, taken) + filling
@@ -272,8 +278,13 @@ class Driver:
             if not offering and position < len(stream):
                 first = firsts.get(position)
                 offering = dice.random() < offered and (first is None or self.may_begin(first))
-                if offering and first is not None:
-                    self.set_up(first)
+                current = first if offering and first is not None else current
+                if offering:
+                    self.set_up(current)
+                else:
+                    self.distract()
+            else:
+                self.distract()
             beat = stream[position] if offering else dice.randrange(1 << 16) | USER | LAST
             ready = dice.random() < taken
             dut.s_axis_tvalid.value, dut.s_axis_tdata.value = offering, beat & 0xFFFF

@@ -1,4 +1,6 @@
-"""A frame whose first pixel is offered in the clock of the response to a write finds the write done."""
+"""A frame whose first pixel is offered in the clock of the response to a write finds the write done; one
+whose first pixel was offered before a commit keeps its own set and map, however long its
+pixels wait."""
 
 from __future__ import annotations
 
@@ -6,7 +8,7 @@ import os
 
 import numpy as np
 import pytest
-from frames import random_frame
+from frames import random_frame, random_pair
 from raw_frames import RawFrame, random_raw_frame, written
 from registers import CONTROL, ENABLE, ERRORS, FRAMES_IN, SOFT_RESET
 from verilated import FRONT_END, PACES, Config, Pace, Rtl
@@ -67,3 +69,42 @@ def test_a_frame_right_behind_a_write(config: Config, last: str, seed: int) -> N
         for trial in range(6):
             print(f"trial {trial}; {rerun}")
             right_behind(rtl, rng, last, seed)
+
+
+def behind_the_first_pixel(rtl: Rtl, rng: np.random.Generator, seed: int) -> None:
+    """Two frames of one set; the set and the map of the third are committed once the first pixel of the
+    second is offered, which may wait at the input since the reader stalls."""
+    before, frame, after = (random_one(rng, rtl.config) for _ in range(3))
+    frame.parameters, frame.narrow = before.parameters, before.narrow
+    if rtl.config.rows:
+        frame.smooth, frame.levels, frame.grids = before.smooth, before.levels, before.grids
+    height, width = before.shape
+    frame.left, frame.right = random_pair(rng, "noise", height, width)
+    rtl.write(CONTROL, ENABLE)
+    written(rtl, before.writes())
+    sets = after.writes()
+    first = before.left.size
+    for address, data in sets[:-1]:
+        rtl.write(address, data)
+    behind = first + int(rng.integers(3))  # beat that is offered, or was taken
+    rtl.queue_write(behind, first + frame.left.size, *sets[-1])
+    stream = np.concatenate([part.stream for part in (before, frame, after)])
+    expected = np.concatenate([part.words() for part in (before, frame, after)])
+    pace_out = [Pace(1000, 3), *PACES][rng.integers(1 + len(PACES))]
+    got = rtl.stream(stream, len(expected) + 10, Pace(), pace_out, seed, quiet=6000)
+    assert got.taken == len(stream), "the input hung"
+    assert len(got.words) == len(expected)
+    assert (got.words == expected).all()
+    assert (got.flags == np.concatenate([part.flags() for part in (before, frame, after)])).all()
+    assert rtl.read(ERRORS) == 0
+
+
+@pytest.mark.parametrize("config", CONFIGS, ids=lambda config: config.name)
+@pytest.mark.parametrize("seed", SEEDS)
+def test_a_commit_behind_the_first_pixel_of_a_frame(config: Config, seed: int) -> None:
+    rng = np.random.default_rng([seed, 77])
+    rerun = f"VISTA_SEED={seed} pytest tb/top/test_behind_writes.py -k '{config.name} and first_pixel'"
+    with Rtl(config, seed + 1) as rtl:
+        for trial in range(10):
+            print(f"trial {trial}; {rerun}")
+            behind_the_first_pixel(rtl, rng, seed)

@@ -8,7 +8,7 @@ from faults import EARLY_EOL, EARLY_SOF, LATE_EOL, LATE_SOF, SIZE
 from frames import PARAMS_BITS, beats
 from slots import frame_slots, slot_bits
 from verilated import LAST, USER
-from video import ERRORS, Segment, broken, illegal_size
+from video import ERRORS, MIN_HEIGHT, MIN_WIDTH, Segment, broken, illegal_size
 
 D, B, MAX_WIDTH = (parameter(name) for name in ("NumDisparities", "BlockSize", "MaxWidth"))
 R = B // 2
@@ -52,23 +52,19 @@ async def any_video_gives_whole_frames(dut, offered, going):
     kinds = [*["legal"] * 32, *["illegal"] * 4, *["disabled"] * 4]
     random.shuffle(kinds)
     segments = [random_segment(rng, kind) for kind in kinds]
-    # Size and switch are looked at a clock before the frame.
-    first = segments[0]
-    await start(dut, width_i=first.width, height_i=first.height, enable_i=first.enable, valid_i=0, go_i=0)
+    await start(dut, valid_i=0, go_i=0)
     stream = np.concatenate([s.stream for s in segments]).tolist()
     ends = np.cumsum([len(s.stream) for s in segments])
-    # The registers of a segment may be written once the last frame before it was begun.
-    switches = [0] + [
-        end - len(s.stream) + int(np.flatnonzero(s.stream & USER)[-1]) + 1
-        for s, end in zip(segments[:-1], ends[:-1], strict=True)
-    ]
     slots, stores, errors, starts = [], [], [0] * len(segments), [0] * len(segments)
     position, offering, taken, go, idle = 0, False, None, False, 0
     while idle < 2 * MAX_WIDTH / going:
         current = int(np.searchsorted(ends, position, "right"))
-        setting = segments[int(np.searchsorted(switches, position, "right")) - 1]
-        dut.enable_i.value, dut.params_i.value = setting.enable, setting.side
-        dut.width_i.value, dut.height_i.value = setting.width, setting.height
+        setting = segments[min(current, len(segments) - 1)]
+        legal = MIN_WIDTH <= setting.width <= MAX_WIDTH and setting.height >= MIN_HEIGHT
+        dut.enable_i.value, dut.admit_i.value = setting.enable, setting.enable and legal
+        dut.last_col_i.value = setting.width - 1 & (1 << len(dut.last_col_i)) - 1
+        dut.last_row_i.value = setting.height - 1 & (1 << len(dut.last_row_i)) - 1
+        dut.params_i.value = setting.side
         offering = position < len(stream) and (offering or random.random() < offered)
         go = random.random() < going
         beat = stream[position] if offering else random.randrange(1 << 16) | USER | LAST

@@ -6,11 +6,12 @@ from dataclasses import dataclass, field
 
 import cocotb
 import numpy as np
-from cocotb.triggers import FallingEdge
+from cocotb.triggers import FallingEdge, ReadOnly
 from cocotb_helpers import parameter
 from faults import Reaction
 from frames import beats
 from maps import random_grids, words_of
+from verilated import USER
 from video import (
     FEWEST,
     Frame,
@@ -42,13 +43,13 @@ BINS = ("accepted", "rows", "size")  # of the coverage plan, by verdict
 
 @dataclass
 class Load:
-    """A map as it is written, and what has to come of it. It is committed once so many frames began."""
+    """A map as it is written, and what has to come of it. Committed once so many frames were offered."""
 
     width: int
     height: int
     words: list[int]
     verdict: int
-    after_starts: int = 0
+    after_offers: int = 0
     hasty: bool = False  # begun whether the bank is free or not
 
 
@@ -106,10 +107,15 @@ def expected(segments):
     return [sent(segment, frame) for segment, frame in begun(segments, MAX_WIDTH)]
 
 
+def offers_of(segment):
+    """How many of its pixels begin a frame, whether it is taken or not."""
+    return int((segment.stream & USER > 0).sum())
+
+
 def random_segments(rng, kinds, images=random_images, widths=(4, 5, 15, 16, 17)):
     """Video with the maps that it needs, some bad ones between, frames that no map fits, illegal sizes."""
     segments: list[MapSegment] = []
-    newest, starts = None, 0  # size and grids of the map in force
+    newest, offers = None, 0  # size and grids of the map in force
     for kind in kinds:
         width = int(rng.choice([*widths, MAX_WIDTH, rng.integers(4, MAX_WIDTH + 1)]))
         height = int(rng.choice([2, 3, BELOW, BELOW + 1, ROWS, rng.integers(2, LARGEST)]))
@@ -137,10 +143,10 @@ def random_segments(rng, kinds, images=random_images, widths=(4, 5, 15, 16, 17))
             grids=newest[2] if fits else None, loads=loads, fits=fits or not on,
         )  # fmt: skip
         for load in loads:
-            load.after_starts = starts
+            load.after_offers = offers
         segments.append(segment)
         segment.loads_before = sum(len(s.loads) for s in segments)
-        starts += sum(1 for _ in begun([segment], MAX_WIDTH))
+        offers += offers_of(segment)
     return segments
 
 
@@ -149,12 +155,15 @@ class Loader:
 
     def __init__(self, dut, dice, loads, pace):
         self.dut, self.dice, self.loads, self.pace = dut, dice, loads, pace
-        self.starts, self.done, self.unfit, self.verdicts = 0, 0, 0, []
+        self.offers, self.done, self.unfit, self.verdicts = 0, 0, 0, []
+        self.waiting = False
 
     async def clock(self):
         dut = self.dut
+        await ReadOnly()
+        self.offers += bool(dut.s_axis_tvalid.value and dut.s_axis_tuser.value and not self.waiting)
+        self.waiting = bool(dut.s_axis_tvalid.value and not dut.s_axis_tready.value)
         await FallingEdge(dut.clk_i)
-        self.starts += int(dut.frame_start_o.value)
         self.unfit += int(dut.error_map_o.value)
         self.verdicts += [i for i, name in enumerate(VERDICTS) if getattr(dut, name).value]
 
@@ -176,7 +185,7 @@ class Loader:
                 await self.clock()
                 dut.map_write_i.value, dut.map_data_i.value = 0, self.dice.randrange(1 << 32)
                 await self.pause()
-            while self.starts < load.after_starts:
+            while self.offers < load.after_offers:
                 await self.clock()
             await self.pause()
             video = dut.s_axis_tvalid.value and dut.s_axis_tready.value
@@ -244,6 +253,8 @@ async def reset_inside_a_frame(dut):
             after = random_segments(rng, ["good", "faulty", "good"])
         for segment in after:
             segment.loads_before = segment.loads_before if segment.loads else 0
+            for load in segment.loads:
+                load.after_offers += offers_of(before) * (load.after_offers > 0)
         seen, loader = await run(driver, [before, *after], 0.7, 0.7)
         assert_frames(seen, expected([before, *after]))
         assert loader.unfit >= 1
