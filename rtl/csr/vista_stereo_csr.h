@@ -21,7 +21,7 @@ extern "C" {
 #define VISTA_STEREO_CSR__VERSION__MINOR_bm 0xffff
 #define VISTA_STEREO_CSR__VERSION__MINOR_bp 0
 #define VISTA_STEREO_CSR__VERSION__MINOR_bw 16
-#define VISTA_STEREO_CSR__VERSION__MINOR_reset 0x1
+#define VISTA_STEREO_CSR__VERSION__MINOR_reset 0x2
 #define VISTA_STEREO_CSR__VERSION__MAJOR_bm 0xffff0000
 #define VISTA_STEREO_CSR__VERSION__MAJOR_bp 16
 #define VISTA_STEREO_CSR__VERSION__MAJOR_bw 16
@@ -168,6 +168,10 @@ extern "C" {
 #define VISTA_STEREO_CSR__INTERRUPT__ERROR_bp 1
 #define VISTA_STEREO_CSR__INTERRUPT__ERROR_bw 1
 #define VISTA_STEREO_CSR__INTERRUPT__ERROR_reset 0x0
+#define VISTA_STEREO_CSR__INTERRUPT__STOPPED_bm 0x4
+#define VISTA_STEREO_CSR__INTERRUPT__STOPPED_bp 2
+#define VISTA_STEREO_CSR__INTERRUPT__STOPPED_bw 1
+#define VISTA_STEREO_CSR__INTERRUPT__STOPPED_reset 0x0
 
 // reg - vista_stereo_csr::INTERRUPT_MASK
 #define VISTA_STEREO_CSR__INTERRUPT_MASK__FRAME_DONE_bm 0x1
@@ -178,6 +182,10 @@ extern "C" {
 #define VISTA_STEREO_CSR__INTERRUPT_MASK__ERROR_bp 1
 #define VISTA_STEREO_CSR__INTERRUPT_MASK__ERROR_bw 1
 #define VISTA_STEREO_CSR__INTERRUPT_MASK__ERROR_reset 0x0
+#define VISTA_STEREO_CSR__INTERRUPT_MASK__STOPPED_bm 0x4
+#define VISTA_STEREO_CSR__INTERRUPT_MASK__STOPPED_bp 2
+#define VISTA_STEREO_CSR__INTERRUPT_MASK__STOPPED_bw 1
+#define VISTA_STEREO_CSR__INTERRUPT_MASK__STOPPED_reset 0x0
 
 // reg - vista_stereo_csr::COMMIT
 #define VISTA_STEREO_CSR__COMMIT__COMMIT_bm 0x1
@@ -230,6 +238,11 @@ extern "C" {
 #define VISTA_STEREO_CSR__MAP_POINT__DY_bw 16
 #define VISTA_STEREO_CSR__MAP_POINT__DY_reset 0x0
 
+// reg - vista_stereo_csr::STATUS
+#define VISTA_STEREO_CSR__STATUS__BUSY_bm 0x1
+#define VISTA_STEREO_CSR__STATUS__BUSY_bp 0
+#define VISTA_STEREO_CSR__STATUS__BUSY_bw 1
+
 // addrmap - vista_stereo_csr
 typedef struct __attribute__ ((__packed__)) {
     uint32_t ID;
@@ -255,10 +268,11 @@ typedef struct __attribute__ ((__packed__)) {
     uint32_t FRONT_END;
     uint32_t MAP;
     uint32_t MAP_POINT;
+    uint32_t STATUS;
 } vista_stereo_csr_t;
 
 
-static_assert(sizeof(vista_stereo_csr_t) == 0x5c, "Packing error");
+static_assert(sizeof(vista_stereo_csr_t) == 0x60, "Packing error");
 
 #ifdef __cplusplus
 }

@@ -90,6 +90,7 @@ module vista_stereo_csr (
         logic FRONT_END;
         logic MAP;
         logic MAP_POINT;
+        logic STATUS;
     } decoded_reg_strb_t;
     decoded_reg_strb_t decoded_reg_strb;
     logic decoded_err;
@@ -127,6 +128,7 @@ module vista_stereo_csr (
         decoded_reg_strb.FRONT_END = cpuif_req_masked & (cpuif_addr == 7'h50);
         decoded_reg_strb.MAP = cpuif_req_masked & (cpuif_addr == 7'h54);
         decoded_reg_strb.MAP_POINT = cpuif_req_masked & (cpuif_addr == 7'h58) & cpuif_req_is_wr;
+        decoded_reg_strb.STATUS = cpuif_req_masked & (cpuif_addr == 7'h5c) & !cpuif_req_is_wr;
         decoded_err = '0;
     end
 
@@ -274,6 +276,10 @@ module vista_stereo_csr (
                 logic next;
                 logic load_next;
             } error;
+            struct {
+                logic next;
+                logic load_next;
+            } stopped;
         } INTERRUPT;
         struct {
             struct {
@@ -284,6 +290,10 @@ module vista_stereo_csr (
                 logic next;
                 logic load_next;
             } error;
+            struct {
+                logic next;
+                logic load_next;
+            } stopped;
         } INTERRUPT_MASK;
         struct {
             struct {
@@ -429,6 +439,9 @@ module vista_stereo_csr (
             struct {
                 logic value;
             } error;
+            struct {
+                logic value;
+            } stopped;
         } INTERRUPT;
         struct {
             struct {
@@ -437,6 +450,9 @@ module vista_stereo_csr (
             struct {
                 logic value;
             } error;
+            struct {
+                logic value;
+            } stopped;
         } INTERRUPT_MASK;
         struct {
             struct {
@@ -1097,6 +1113,32 @@ module vista_stereo_csr (
         end
     end
     assign hwif_out.INTERRUPT.error.value = field_storage.INTERRUPT.error.value;
+    // Field: vista_stereo_csr.INTERRUPT.stopped
+    always_comb begin
+        automatic logic [0:0] next_c;
+        automatic logic load_next_c;
+        next_c = field_storage.INTERRUPT.stopped.value;
+        load_next_c = '0;
+        if(decoded_reg_strb.INTERRUPT && decoded_req_is_wr) begin // SW write 1 clear
+            next_c = field_storage.INTERRUPT.stopped.value & ~(decoded_wr_data[2:2] & decoded_wr_biten[2:2]);
+            load_next_c = '1;
+        end else if(hwif_in.INTERRUPT.stopped.hwset) begin // HW Set
+            next_c = '1;
+            load_next_c = '1;
+        end
+        field_combo.INTERRUPT.stopped.next = next_c;
+        field_combo.INTERRUPT.stopped.load_next = load_next_c;
+    end
+    always_ff @(posedge clk) begin
+        if(~rst_n) begin
+            field_storage.INTERRUPT.stopped.value <= 1'h0;
+        end else begin
+            if(field_combo.INTERRUPT.stopped.load_next) begin
+                field_storage.INTERRUPT.stopped.value <= field_combo.INTERRUPT.stopped.next;
+            end
+        end
+    end
+    assign hwif_out.INTERRUPT.stopped.value = field_storage.INTERRUPT.stopped.value;
     // Field: vista_stereo_csr.INTERRUPT_MASK.frame_done
     always_comb begin
         automatic logic [0:0] next_c;
@@ -1143,6 +1185,29 @@ module vista_stereo_csr (
         end
     end
     assign hwif_out.INTERRUPT_MASK.error.value = field_storage.INTERRUPT_MASK.error.value;
+    // Field: vista_stereo_csr.INTERRUPT_MASK.stopped
+    always_comb begin
+        automatic logic [0:0] next_c;
+        automatic logic load_next_c;
+        next_c = field_storage.INTERRUPT_MASK.stopped.value;
+        load_next_c = '0;
+        if(decoded_reg_strb.INTERRUPT_MASK && decoded_req_is_wr) begin // SW write
+            next_c = (field_storage.INTERRUPT_MASK.stopped.value & ~decoded_wr_biten[2:2]) | (decoded_wr_data[2:2] & decoded_wr_biten[2:2]);
+            load_next_c = '1;
+        end
+        field_combo.INTERRUPT_MASK.stopped.next = next_c;
+        field_combo.INTERRUPT_MASK.stopped.load_next = load_next_c;
+    end
+    always_ff @(posedge clk) begin
+        if(~rst_n) begin
+            field_storage.INTERRUPT_MASK.stopped.value <= 1'h0;
+        end else begin
+            if(field_combo.INTERRUPT_MASK.stopped.load_next) begin
+                field_storage.INTERRUPT_MASK.stopped.value <= field_combo.INTERRUPT_MASK.stopped.next;
+            end
+        end
+    end
+    assign hwif_out.INTERRUPT_MASK.stopped.value = field_storage.INTERRUPT_MASK.stopped.value;
     // Field: vista_stereo_csr.COMMIT.commit
     always_comb begin
         automatic logic [0:0] next_c;
@@ -1362,7 +1427,7 @@ module vista_stereo_csr (
             readback_data_var[31:0] = 32'h56535445;
         end
         if(rd_mux_addr == 7'h4) begin
-            readback_data_var[15:0] = 16'h1;
+            readback_data_var[15:0] = 16'h2;
             readback_data_var[31:16] = 16'h2;
         end
         if(rd_mux_addr == 7'h8) begin
@@ -1423,10 +1488,12 @@ module vista_stereo_csr (
         if(rd_mux_addr == 7'h40) begin
             readback_data_var[0] = field_storage.INTERRUPT.frame_done.value;
             readback_data_var[1] = field_storage.INTERRUPT.error.value;
+            readback_data_var[2] = field_storage.INTERRUPT.stopped.value;
         end
         if(rd_mux_addr == 7'h44) begin
             readback_data_var[0] = field_storage.INTERRUPT_MASK.frame_done.value;
             readback_data_var[1] = field_storage.INTERRUPT_MASK.error.value;
+            readback_data_var[2] = field_storage.INTERRUPT_MASK.stopped.value;
         end
         if(rd_mux_addr == 7'h48) begin
             readback_data_var[0] = field_storage.COMMIT.commit.value;
@@ -1444,6 +1511,9 @@ module vista_stereo_csr (
         if(rd_mux_addr == 7'h54) begin
             readback_data_var[0] = field_storage.MAP.begin_load.value;
             readback_data_var[1] = hwif_in.MAP.ready.next;
+        end
+        if(rd_mux_addr == 7'h5c) begin
+            readback_data_var[0] = hwif_in.STATUS.busy.next;
         end
         readback_data = readback_data_var;
         readback_done = decoded_req & ~decoded_req_is_wr;

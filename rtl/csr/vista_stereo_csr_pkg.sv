@@ -6,7 +6,7 @@ package vista_stereo_csr_pkg;
 
     localparam VISTA_STEREO_CSR_DATA_WIDTH = 32;
     localparam VISTA_STEREO_CSR_MIN_ADDR_WIDTH = 7;
-    localparam VISTA_STEREO_CSR_SIZE = 'h5c;
+    localparam VISTA_STEREO_CSR_SIZE = 'h60;
 
     typedef struct {
         logic [8:0] next;
@@ -118,8 +118,13 @@ package vista_stereo_csr_pkg;
     } vista_stereo_csr__INTERRUPT__error__in_t;
 
     typedef struct {
+        logic hwset;
+    } vista_stereo_csr__INTERRUPT__stopped__in_t;
+
+    typedef struct {
         vista_stereo_csr__INTERRUPT__frame_done__in_t frame_done;
         vista_stereo_csr__INTERRUPT__error__in_t error;
+        vista_stereo_csr__INTERRUPT__stopped__in_t stopped;
     } vista_stereo_csr__INTERRUPT__in_t;
 
     typedef struct {
@@ -144,6 +149,14 @@ package vista_stereo_csr_pkg;
     } vista_stereo_csr__MAP__in_t;
 
     typedef struct {
+        logic next;
+    } vista_stereo_csr__STATUS__busy__in_t;
+
+    typedef struct {
+        vista_stereo_csr__STATUS__busy__in_t busy;
+    } vista_stereo_csr__STATUS__in_t;
+
+    typedef struct {
         vista_stereo_csr__BUILD__in_t BUILD;
         vista_stereo_csr__BUILD_SIZE__in_t BUILD_SIZE;
         vista_stereo_csr__ERRORS__in_t ERRORS;
@@ -154,6 +167,7 @@ package vista_stereo_csr_pkg;
         vista_stereo_csr__INTERRUPT__in_t INTERRUPT;
         vista_stereo_csr__BUILD_FRONT_END__in_t BUILD_FRONT_END;
         vista_stereo_csr__MAP__in_t MAP;
+        vista_stereo_csr__STATUS__in_t STATUS;
     } vista_stereo_csr__in_t;
 
     typedef struct {
@@ -284,8 +298,13 @@ package vista_stereo_csr_pkg;
     } vista_stereo_csr__INTERRUPT__error__out_t;
 
     typedef struct {
+        logic value;
+    } vista_stereo_csr__INTERRUPT__stopped__out_t;
+
+    typedef struct {
         vista_stereo_csr__INTERRUPT__frame_done__out_t frame_done;
         vista_stereo_csr__INTERRUPT__error__out_t error;
+        vista_stereo_csr__INTERRUPT__stopped__out_t stopped;
     } vista_stereo_csr__INTERRUPT__out_t;
 
     typedef struct {
@@ -297,8 +316,13 @@ package vista_stereo_csr_pkg;
     } vista_stereo_csr__INTERRUPT_MASK__error__out_t;
 
     typedef struct {
+        logic value;
+    } vista_stereo_csr__INTERRUPT_MASK__stopped__out_t;
+
+    typedef struct {
         vista_stereo_csr__INTERRUPT_MASK__frame_done__out_t frame_done;
         vista_stereo_csr__INTERRUPT_MASK__error__out_t error;
+        vista_stereo_csr__INTERRUPT_MASK__stopped__out_t stopped;
     } vista_stereo_csr__INTERRUPT_MASK__out_t;
 
     typedef struct {

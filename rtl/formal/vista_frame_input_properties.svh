@@ -25,6 +25,13 @@ function automatic logic f_legal(logic [SetW-1:0] set);
   return !admit || (enable && 32'(last_col) >= MinWidth - 1 && 32'(last_col) < MaxWidth && last_row != '0);
 endfunction
 
+logic [1:0] f_admitted;  // of those that wait here or on the bus
+logic f_here, f_head, f_spill;
+assign f_here     = waiting_q & held_q[SetW-2];
+assign f_head     = u_skid.valid_q & u_skid.data_q[DataW+SetW];
+assign f_spill    = u_skid.spill_valid_q & u_skid.spill_q[DataW+SetW];
+assign f_admitted = 2'(f_here) + 2'(f_head) + 2'(f_spill);
+
 assign f_begins  = valid_i & ~f_waited;
 assign f_offered = f_taken + {3'b0, f_waited};
 assign f_kept    = {f_enable, f_enable & f_fits, ColW'(f_width - 1'b1), f_height - 1'b1, f_side, f_pixel};
@@ -62,7 +69,7 @@ always_comb begin
   if (!f_started) assume (!rst_ni);
 `endif
   if (f_started) begin
-    if (f_waited) assume (valid_i && {sof_i, eol_i, data_i} == f_beat);
+    if (f_waited && rst_ni) assume (valid_i && {sof_i, eol_i, data_i} == f_beat);
 
     if (valid_o && f_left == f_n) begin
       assert (f_seen && {sof_o, eol_o, data_o} == f_pixel && side_o == f_side);
@@ -72,7 +79,11 @@ always_comb begin
     if (valid_o && admit_o)
       assert (enable_o && 32'(last_col_o) >= MinWidth - 1 && 32'(last_col_o) < MaxWidth && last_row_o != '0);
 
+    // A pixel that is admitted is told of for as long as it waits.
+    assert (busy_o == (f_admitted != '0));
+
     // What makes these inductive.
+    assert (admitted_q == f_admitted);
     if (waiting_q) assert (f_legal(held_q));
     if (u_skid.valid_q) assert (f_legal(u_skid.data_q[2+DataW+:SetW]));
     if (u_skid.spill_valid_q) assert (f_legal(u_skid.spill_q[2+DataW+:SetW]));

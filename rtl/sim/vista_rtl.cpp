@@ -71,6 +71,8 @@ struct vista_rtl {
 #ifdef VISTA_FRONT_END
     take_levels();
 #endif
+    top->eval();
+    const bool taken = top->s_axis_tvalid && top->s_axis_tready;
     top->clk_i = 1;
     top->eval();
 #ifdef VISTA_WAVES
@@ -85,7 +87,10 @@ struct vista_rtl {
     waves.dump(static_cast<uint64_t>(10 * clock + 5));
 #endif
     ++clock;
+    if (left_over && taken) top->s_axis_tvalid = left_over = false;
   }
+
+  bool left_over = false;  // a beat is still offered that the last stream could not send: a bus may not withdraw it
 
   // The first of the queued writes goes on by one clock, beside the streams, before the edge. The channels are free again
   // once its response has come.
@@ -112,6 +117,7 @@ struct vista_rtl {
 
   void reset(int clocks) {
     top->rst_ni = 0;
+    top->s_axis_tvalid = left_over = false;
     for (int i = 0; i < clocks; ++i) edge();
     top->rst_ni = 1;
     edge();
@@ -222,13 +228,13 @@ int64_t vista_rtl_stream(vista_rtl* engine, const uint32_t* beats, int64_t num_i
   for (int64_t n = 0; n < max_clocks && (words < max_out || taken < num_in || !e.queued.empty()) && idle < quiet; ++n) {
     // A beat that waits for a write is offered in the clock of its response.
     e.step_writes(taken);
-    if (!offered && taken < num_in && !e.waits_for_write(taken) && in.step(random)) {
+    if (!e.left_over && !offered && taken < num_in && !e.waits_for_write(taken) && in.step(random)) {
       offered = true;
       t.s_axis_tdata = beats[taken] & 0xFFFF;
       t.s_axis_tuser = beats[taken] >> 16 & 1;
       t.s_axis_tlast = beats[taken] >> 17 & 1;
     }
-    t.s_axis_tvalid = offered;
+    t.s_axis_tvalid = offered || e.left_over;
     t.m_axis_tready = out.step(random) && words < max_out;
     t.eval();
     ++idle;
@@ -247,7 +253,8 @@ int64_t vista_rtl_stream(vista_rtl* engine, const uint32_t* beats, int64_t num_i
     }
     e.edge();
   }
-  t.s_axis_tvalid = t.m_axis_tready = 0;
+  e.left_over = t.s_axis_tvalid = offered || e.left_over;
+  t.m_axis_tready = 0;
   t.eval();
   *num_taken = taken;
   return words;

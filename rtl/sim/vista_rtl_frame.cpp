@@ -71,6 +71,16 @@ void configure(vista_rtl* engine, const vista_rtl_settings& settings, int32_t wi
   vista_rtl_write(engine, ADDRESS(CONTROL), FIELD(CONTROL__ENABLE, 1));
 }
 
+// Drops what is inside, and takes the words that a soft reset leaves.
+void drop_all(vista_rtl* engine) {
+  vista_rtl_write(engine, ADDRESS(CONTROL), FIELD(CONTROL__SOFT_RESET, 1));
+  uint32_t words[2];
+  uint8_t flags[2];
+  int64_t taken;
+  vista_rtl_stream(engine, nullptr, 0, kEveryClock, kEveryClock, 1, 2, 2, INT64_MAX, words, flags, nullptr, nullptr,
+                   &taken);
+}
+
 std::vector<uint32_t> video(const uint8_t* left, const uint8_t* right, int64_t width, int64_t height) {
   std::vector<uint32_t> beats(static_cast<size_t>(width * height));
   for (int64_t i = 0; i < width * height; ++i)
@@ -105,7 +115,7 @@ uint32_t vista_rtl_load_map(vista_rtl* engine, const int16_t* left, const int16_
   bool ready = false;
   for (int i = 0; i < kReadyReads && !ready; ++i) ready = READ_FIELD(vista_rtl_read(engine, ADDRESS(MAP)), MAP__READY);
   // A frame that was left behind half would keep its map for ever.
-  if (!ready) vista_rtl_write(engine, ADDRESS(CONTROL), FIELD(CONTROL__SOFT_RESET, 1));
+  if (!ready) drop_all(engine);
   vista_rtl_write(engine, ADDRESS(SIZE), FIELD(SIZE__WIDTH, width) | FIELD(SIZE__HEIGHT, height));
   vista_rtl_write(engine, ADDRESS(ERRORS), kMapErrors);
   vista_rtl_write(engine, ADDRESS(MAP), FIELD(MAP__BEGIN_LOAD, 1));
@@ -138,8 +148,7 @@ int64_t vista_rtl_compute(vista_rtl* engine, const vista_rtl_settings* settings,
                        words.data(), flags.data(), in_clock.data(), out_clock.data(), &taken);
   const bool sound = vista_rtl_read(engine, ADDRESS(ERRORS)) == 0;
   if (count != sent || taken != pixels || !sound || vista_rtl_failed(engine)) {
-    vista_rtl_write(engine, ADDRESS(CONTROL),
-                    FIELD(CONTROL__SOFT_RESET, 1));  // whatever is left inside would come before the next frame
+    drop_all(engine);  // whatever is left inside would come before the next frame
     return -1;
   }
   // {Smin[15:0], disparity[15:0]}; a level that is not sent has nothing that could be matched.

@@ -84,7 +84,8 @@ module vista_frame_guard #(
     .admit_o    (head_admit),
     .last_col_o (head_last_col),
     .last_row_o (head_last_row),
-    .side_o     (head_side)
+    .side_o     (head_side),
+    .busy_o     ()
   );
 
   // The frame that is being taken, and its newest pixel, which waits for the next one unless it is the last.

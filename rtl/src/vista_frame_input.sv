@@ -38,7 +38,9 @@ module vista_frame_input #(
   output logic                 admit_o,
   output logic [ColW-1:0]      last_col_o,  // W - 1
   output logic [RowW-1:0]      last_row_o,  // H - 1
-  output logic [SideWidth-1:0] side_o
+  output logic [SideWidth-1:0] side_o,
+
+  output logic busy_o  // a pixel of a frame that is admitted waits
 );
 
   import vista_stereo_pkg::*;
@@ -49,17 +51,25 @@ module vista_frame_input #(
     $fatal(1, "MaxWidth must be 4 .. 65535");
   end
 
-  logic size_ok, waiting_q;
+  logic size_ok, waiting_q, comes, goes;
+  logic [1:0] admitted_q;  // pixels that wait
   logic [SetW-1:0] now, set, held_q;
 
   assign size_ok = (32'(width_i) >= MinWidth) & (32'(width_i) <= MaxWidth) & (32'(height_i) >= MinHeight);
   assign now     = {enable_i, enable_i & size_ok, ColW'(width_i - 1'b1), height_i - 1'b1, side_i};
   assign set     = waiting_q ? held_q : now;
+  assign comes   = valid_i & ~waiting_q & set[SetW-2];
+  assign goes    = valid_o & ready_i & admit_o;
+  assign busy_o  = (admitted_q != '0);
 
   always_ff @(posedge clk_i) begin
     waiting_q <= valid_i & ~ready_o;
     held_q    <= set;
-    if (!rst_ni) waiting_q <= 1'b0;
+    admitted_q <= admitted_q + 2'(comes) - 2'(goes);
+    if (!rst_ni) begin
+      waiting_q  <= 1'b0;
+      admitted_q <= '0;
+    end
   end
 
   vista_skid #(

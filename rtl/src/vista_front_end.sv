@@ -67,6 +67,7 @@ module vista_front_end #(
   output logic [RowW-1:0]      height_o,
   output logic [SideWidth-1:0] side_o,
 
+  output logic busy_o,  // a pixel of a frame that is to be taken waits
   output vista_stereo_pkg::events_t events_o  // without `frame_end`
 );
 
@@ -122,6 +123,7 @@ module vista_front_end #(
     .map_refused_rows_o (events_o.map_rows),
     .map_refused_size_o (events_o.map_size),
     .frame_start_o      (events_o.frame_start),
+    .busy_o,
     .error_map_o        (events_o.no_map),
     .error_early_eol_o  (events_o.early_eol),
     .error_late_eol_o   (events_o.late_eol),
@@ -161,6 +163,7 @@ module vista_front_end #(
     .m_axis_tdata      (level_data),
     .m_axis_tuser      (level_sof),
     .m_axis_tlast      (level_eol),
+    .level_follows_o   (events_o.level_follows),
     .level_o           (),
     .width_o           (level_width),
     .height_o          (level_height),

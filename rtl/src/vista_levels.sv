@@ -49,6 +49,7 @@ module vista_levels #(
   output logic [DataW-1:0] data_o,
 
   // Properties of the level that is leaving; they change when its first pixel is offered.
+  output logic                 follows_o,  // one clock: a level begins that a smaller one follows
   output logic [1:0]           level_o,
   output logic [ColW:0]        width_o,
   output logic [RowW-1:0]      height_o,
@@ -98,6 +99,7 @@ module vista_levels #(
   assign reduce_width_o  = (ColW + 1)'(end_col) + 1'b1;
   assign reduce_height_o = end_row + 1'b1;
 
+  assign follows_o = step & level_sof & more;
   assign level_sof = (col_q == '0) & (row_q == '0);
   assign last_row  = (row_q == end_row);
   assign level_end = (eol != last_col_q) | (last_col_q & last_row);

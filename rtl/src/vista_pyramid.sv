@@ -66,6 +66,7 @@ module vista_pyramid #(
   output logic [SideWidth-1:0] side_o,
 
   // Events, one clock each.
+  output logic level_follows_o,  // a level begins that a smaller one follows
   output logic frame_start_o,
   output logic error_early_eol_o,
   output logic error_late_eol_o,
@@ -167,6 +168,7 @@ module vista_pyramid #(
     .sof_o           (m_axis_tuser),
     .eol_o           (m_axis_tlast),
     .data_o          (m_axis_tdata),
+    .follows_o       (level_follows_o),
     .level_o,
     .width_o,
     .height_o,

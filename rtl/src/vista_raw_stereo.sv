@@ -67,7 +67,7 @@ module vista_raw_stereo #(
 
   localparam int unsigned ColW = $clog2(MaxWidth);
 
-  logic rst_nq, keep_map, enable, map_ready;
+  logic rst_nq, hard_rst_n, enable, map_ready, busy;
   logic [ColW:0] width, map_width, pixel_width;
   logic [HeightW-1:0] height, map_height, pixel_height;
   front_end_t front_end;
@@ -105,7 +105,7 @@ module vista_raw_stereo #(
     .s_axil_rresp,
     .irq_o,
     .rst_no       (rst_nq),
-    .keep_map_o   (keep_map),
+    .hard_rst_no  (hard_rst_n),
     .enable_o     (enable),
     .width_o      (width),
     .height_o     (height),
@@ -115,9 +115,11 @@ module vista_raw_stereo #(
     .map_width_o  (map_width),
     .map_height_o (map_height),
     .map_ready_i  (map_ready),
+    .busy_i       (busy),
     .events_i     (events),
     .stall_in_i   (s_axis_tvalid & ~s_axis_tready),
-    .stall_out_i  (m_axis_tvalid & ~m_axis_tready)
+    .word_i       (m_axis_tvalid),
+    .word_ready_i (m_axis_tready)
   );
 
   assign store_rst_no = rst_nq;
@@ -133,7 +135,7 @@ module vista_raw_stereo #(
   ) u_front_end (
     .clk_i,
     .rst_ni            (rst_nq),
-    .keep_map_i        (keep_map),
+    .keep_map_i        (hard_rst_n),
     .enable_i          (enable),
     .width_i           (width),
     .height_i          (height),
@@ -167,6 +169,7 @@ module vista_raw_stereo #(
     .width_o           (pixel_width),
     .height_o          (pixel_height),
     .side_o            (pixel_params),
+    .busy_o            (busy),
     .events_o          (front_events)
   );
 
@@ -183,6 +186,7 @@ module vista_raw_stereo #(
   ) u_core (
     .clk_i,
     .rst_ni            (rst_nq),
+    .bus_rst_ni        (hard_rst_n),
     .enable_i          (1'b1),
     .width_i           (pixel_width),
     .height_i          (pixel_height),
@@ -197,6 +201,7 @@ module vista_raw_stereo #(
     .word_sof_o        (m_axis_tuser),
     .word_eol_o        (m_axis_tlast),
     .word_o            (m_axis_tdata),
+    .busy_o            (),
     .frame_start_o     (),
     .frame_end_o       (frame_end),
     .error_early_eol_o (),
@@ -205,5 +210,9 @@ module vista_raw_stereo #(
     .error_late_sof_o  (),
     .error_size_o      ()
   );
+
+`ifdef FORMAL
+  `include "vista_bus_properties.svh"
+`endif
 
 endmodule

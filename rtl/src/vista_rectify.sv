@@ -61,6 +61,8 @@ module vista_rectify #(
   input  logic                 map_commit_i,
   output logic                 map_ready_o,
 
+  output logic busy_o,  // a pixel of a frame that is to be taken waits
+
   // Events, one clock each.
   output logic map_accepted_o,
   output logic map_refused_rows_o,  // it needs more rows than NumRows - 2
@@ -128,7 +130,8 @@ module vista_rectify #(
     .admit_o    (head_admit),
     .last_col_o (head_last_col),
     .last_row_o (head_last_row),
-    .side_o     ({head_no_map, head_rectify, head_bank, head_side})
+    .side_o     ({head_no_map, head_rectify, head_bank, head_side}),
+    .busy_o
   );
 
   logic take_go, store_valid;

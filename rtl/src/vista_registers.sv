@@ -40,9 +40,10 @@ module vista_registers #(
 
   output logic irq_o,  // level; see INTERRUPT
 
-  // The reset of everything behind the registers, soft or not; `keep_map_o`: it leaves the map in force as it is.
+  // The reset of everything behind the registers, soft or not; and that of what a soft one leaves, words that are offered
+  // and the map in force.
   output logic rst_no,
-  output logic keep_map_o,
+  output logic hard_rst_no,
 
   // The set in force, which changes in one clock, with the map.
   output logic                         enable_o,
@@ -57,8 +58,10 @@ module vista_registers #(
   input  logic                        map_ready_i,
 
   input  vista_stereo_pkg::events_t events_i,
+  input  logic                      busy_i,       // a pixel of a frame that is to be taken waits
   input  logic                      stall_in_i,   // a pixel is offered and not taken
-  input  logic                      stall_out_i   // likewise a word
+  input  logic                      word_i,       // a word is offered
+  input  logic                      word_ready_i
 );
 
   import vista_stereo_pkg::*;
@@ -129,7 +132,7 @@ module vista_registers #(
   // Resets reach what is behind from a register, a clock late: what it did in the meantime is not counted.
   logic rst_nq;
 
-  assign keep_map_o = rst_nq;
+  assign hard_rst_no = rst_ni & rst_nq;
 
   always_ff @(posedge clk_i) begin
     rst_nq <= rst_ni;
@@ -184,7 +187,7 @@ module vista_registers #(
 
   always_ff @(posedge clk_i) begin
     stall_in_q  <= stall_in_i & rst_ni;
-    stall_out_q <= stall_out_i & rst_ni;
+    stall_out_q <= word_i & ~word_ready_i & rst_ni;
   end
 
   assign to_csr.BUILD.num_disparities.next        = 9'(NumDisparities);
@@ -217,9 +220,30 @@ module vista_registers #(
   assign to_csr.INTERRUPT.frame_done.hwset = event_now.frame_end;
   assign to_csr.INTERRUPT.error.hwset      = error;
 
+  // Busy: from the clock in which a frame's first pixel is offered until its last word has been taken.
+  localparam int unsigned InsideW = 5;
+
+  logic [InsideW-1:0] inside_q;  // frames, and levels of them, that have words to come
+  logic busy, idle, idle_q;
+
+  assign busy = busy_i | (inside_q != '0) | event_now.frame_start | word_i;
+  assign idle = ~busy & ~enable_o;
+
+  always_ff @(posedge clk_i) begin
+    inside_q <= inside_q + InsideW'(event_now.frame_start) + InsideW'(event_now.level_follows) -
+        InsideW'(event_now.frame_end);
+    idle_q   <= idle;
+    if (!rst_no) inside_q <= '0;
+    if (!rst_ni) idle_q <= 1'b1;
+  end
+
+  assign to_csr.STATUS.busy.next        = busy;
+  assign to_csr.INTERRUPT.stopped.hwset = idle & ~idle_q;
+
   always_ff @(posedge clk_i) begin
     irq_o <= (from_csr.INTERRUPT.frame_done.value & from_csr.INTERRUPT_MASK.frame_done.value) |
-        (from_csr.INTERRUPT.error.value & from_csr.INTERRUPT_MASK.error.value);
+        (from_csr.INTERRUPT.error.value & from_csr.INTERRUPT_MASK.error.value) |
+        (from_csr.INTERRUPT.stopped.value & from_csr.INTERRUPT_MASK.stopped.value);
     if (!rst_ni) irq_o <= 1'b0;
   end
 

@@ -83,7 +83,8 @@ module vista_rows #(
     .admit_o    (head_admit),
     .last_col_o (head_last_col),
     .last_row_o (head_last_row),
-    .side_o     (head_side)
+    .side_o     (head_side),
+    .busy_o     ()
   );
 
   slot_t slot;

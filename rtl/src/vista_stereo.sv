@@ -55,7 +55,7 @@ module vista_stereo #(
 
   localparam int unsigned ColW = $clog2(MaxWidth);
 
-  logic rst_nq, enable;
+  logic rst_nq, hard_rst_n, enable, busy;
   logic [ColW:0]      width;
   logic [HeightW-1:0] height;
   params_t            params;
@@ -89,7 +89,7 @@ module vista_stereo #(
     .s_axil_rresp,
     .irq_o,
     .rst_no       (rst_nq),
-    .keep_map_o   (),
+    .hard_rst_no  (hard_rst_n),
     .enable_o     (enable),
     .width_o      (width),
     .height_o     (height),
@@ -99,14 +99,17 @@ module vista_stereo #(
     .map_width_o  (),
     .map_height_o (),
     .map_ready_i  (1'b0),
+    .busy_i       (busy),
     .events_i     (events),
     .stall_in_i   (s_axis_tvalid & ~s_axis_tready),
-    .stall_out_i  (m_axis_tvalid & ~m_axis_tready)
+    .word_i       (m_axis_tvalid),
+    .word_ready_i (m_axis_tready)
   );
 
-  assign events.no_map   = 1'b0;
-  assign events.map_rows = 1'b0;
-  assign events.map_size = 1'b0;
+  assign events.level_follows = 1'b0;
+  assign events.no_map        = 1'b0;
+  assign events.map_rows      = 1'b0;
+  assign events.map_size      = 1'b0;
 
   vista_stereo_core #(
     .NumDisparities (NumDisparities),
@@ -115,6 +118,7 @@ module vista_stereo #(
   ) u_core (
     .clk_i,
     .rst_ni            (rst_nq),
+    .bus_rst_ni        (hard_rst_n),
     .enable_i          (enable),
     .width_i           (width),
     .height_i          (height),
@@ -129,6 +133,7 @@ module vista_stereo #(
     .word_sof_o        (m_axis_tuser),
     .word_eol_o        (m_axis_tlast),
     .word_o            (m_axis_tdata),
+    .busy_o            (busy),
     .frame_start_o     (events.frame_start),
     .frame_end_o       (events.frame_end),
     .error_early_eol_o (events.early_eol),
@@ -137,5 +142,9 @@ module vista_stereo #(
     .error_late_sof_o  (events.late_sof),
     .error_size_o      (events.size)
   );
+
+`ifdef FORMAL
+  `include "vista_bus_properties.svh"
+`endif
 
 endmodule

@@ -16,6 +16,7 @@ module vista_stereo_core #(
 ) (
   input  logic clk_i,
   input  logic rst_ni,
+  input  logic bus_rst_ni,  // of what is offered at `word_*`, which a reset of the rest leaves until it is taken
 
   // A frame has what is set in the clock in which its first pixel is first offered.
   input  logic                      enable_i,
@@ -34,6 +35,8 @@ module vista_stereo_core #(
   output logic        word_sof_o,
   output logic        word_eol_o,
   output logic [31:0] word_o,  // {Smin, disparity}, or two disparities
+
+  output logic busy_o,  // a pixel of a frame that is to be taken waits
 
   // Events, one clock each.
   output logic frame_start_o,
@@ -101,7 +104,8 @@ module vista_stereo_core #(
     .admit_o    (head_admit),
     .last_col_o (head_last_col),
     .last_row_o (head_last_row),
-    .side_o     (head_params)
+    .side_o     (head_params),
+    .busy_o
   );
 
   always_ff @(posedge clk_i) begin
@@ -386,7 +390,7 @@ module vista_stereo_core #(
     .Width(2 + 32)
   ) u_word_skid (
     .clk_i,
-    .rst_ni,
+    .rst_ni  (bus_rst_ni),
     .valid_i (word_valid),
     .ready_o (word_ready),
     .data_i  ({word_sof, word_eol, word}),

@@ -46,7 +46,8 @@ package vista_stereo_pkg;
   // Events, one clock each.
   typedef struct packed {
     logic frame_start;
-    logic frame_end;
+    logic level_follows;  // a frame has a further level
+    logic frame_end;      // a frame, or a level of it, has all of its words
     logic early_eol;
     logic late_eol;
     logic early_sof;

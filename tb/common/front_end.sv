@@ -98,6 +98,7 @@ module front_end #(
     .width_o       (pixel_width),
     .height_o      (pixel_height),
     .side_o        (pixel_params),
+    .busy_o        (),
     .events_o      (events),
     .*
   );
@@ -110,6 +111,7 @@ module front_end #(
     .clk_i,
     .rst_ni,
     .enable_i          (1'b1),
+    .bus_rst_ni        (rst_ni),
     .width_i           (pixel_width),
     .height_i          (pixel_height),
     .params_i          (pixel_params),
@@ -123,6 +125,7 @@ module front_end #(
     .word_sof_o        (m_axis_tuser),
     .word_eol_o        (m_axis_tlast),
     .word_o            (m_axis_tdata),
+    .busy_o            (),
     .frame_start_o     (),
     .frame_end_o       (),
     .error_early_eol_o (),

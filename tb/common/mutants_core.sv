@@ -7,6 +7,7 @@ module vista_stereo_core #(
 ) (
   input  logic                      clk_i,
   input  logic                      rst_ni,
+  input  logic                      bus_rst_ni,
   input  logic                      enable_i,
   input  logic [$clog2(MaxWidth):0] width_i,
   input  logic [vista_stereo_pkg::HeightW-1:0] height_i,
@@ -21,6 +22,7 @@ module vista_stereo_core #(
   output logic                      word_sof_o,
   output logic                      word_eol_o,
   output logic [31:0]               word_o,
+  output logic                      busy_o,
   output logic                      frame_start_o,
   output logic                      frame_end_o,
   output logic                      error_early_eol_o,

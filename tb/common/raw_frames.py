@@ -11,6 +11,7 @@ from frames import (
     beats,
     expected_flags,
     expected_words,
+    random_frame,
     random_pair,
     random_parameters,
     register_values,
@@ -21,12 +22,15 @@ from registers import (
     COMMIT,
     COMMIT_MAP,
     COMMIT_SET,
+    CONTROL,
+    ENABLE,
     MAP,
     MAP_POINT,
     MAP_READY,
     MAP_ROWS,
     MAP_SIZE,
     SIZE,
+    SOFT_RESET,
 )
 from registers import FRONT_END as FRONT_END_REGISTER
 from rtl_package import package_constant
@@ -35,6 +39,9 @@ from vista_model import Parameters, pyramid, rectify, smooth
 from vista_model.rectify import reach
 
 SMALLEST = package_constant("MinHeight"), package_constant("MinWidth")  # level that is sent
+
+
+LEFT_BY_A_RESET = 2  # words, at most
 
 
 @dataclass
@@ -112,9 +119,24 @@ def random_raw_frame(
     )
 
 
+def random_one(rng: np.random.Generator, config: Config) -> RawFrame:
+    """A frame for either top: without the front end it is matched as it is."""
+    if config.rows:
+        return random_raw_frame(rng, config=config)
+    frame = random_frame(rng, config.num_disparities, config.block_size, config.max_width)
+    return RawFrame(frame.left, frame.right, frame.parameters, narrow=bool(rng.integers(2)))
+
+
 def written(rtl: Rtl, writes: list[tuple[int, int]]) -> None:
     for address, data in writes:
         rtl.write(address, data)
+
+
+def soft_reset(rtl: Rtl) -> None:
+    """Drops what is inside, and takes the words that stay offered."""
+    rtl.write(CONTROL, ENABLE | SOFT_RESET)
+    assert rtl.read(CONTROL) == ENABLE  # the response to a write comes before what it resets
+    rtl.stream(np.zeros(0, np.uint32), LEFT_BY_A_RESET, quiet=10)
 
 
 def check(

@@ -8,8 +8,8 @@ import os
 
 import numpy as np
 import pytest
-from frames import random_frame, random_pair
-from raw_frames import RawFrame, random_raw_frame, written
+from frames import random_pair
+from raw_frames import random_one, written
 from registers import CONTROL, ENABLE, ERRORS, FRAMES_IN, SOFT_RESET
 from verilated import FRONT_END, PACES, Config, Pace, Rtl
 
@@ -18,13 +18,6 @@ pytestmark = pytest.mark.slow
 CONFIGS = [Config(16, 5), FRONT_END]
 LAST = ["commit", "enable", "soft reset"]  # the write that the frame is right behind
 SEEDS = [int(os.environ["VISTA_SEED"])] if "VISTA_SEED" in os.environ else range(12)
-
-
-def random_one(rng: np.random.Generator, config: Config) -> RawFrame:
-    if config.rows:
-        return random_raw_frame(rng, config=config)
-    frame = random_frame(rng, config.num_disparities, config.block_size, config.max_width)
-    return RawFrame(frame.left, frame.right, frame.parameters, narrow=bool(rng.integers(2)))
 
 
 def right_behind(rtl: Rtl, rng: np.random.Generator, last: str, seed: int) -> None:

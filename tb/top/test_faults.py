@@ -7,6 +7,7 @@ import pytest
 from broken_video import FAULTS, Beats, Fault, fault_size, untouched
 from faults import EARLY_EOL, EARLY_SOF, LATE_EOL, LATE_SOF, SIZE, expected_after, react
 from frames import Frame, beats, expected_flags, expected_words, random_pair, random_parameters, set_up
+from raw_frames import soft_reset
 from registers import (
     COMMIT,
     CONTROL,
@@ -18,7 +19,6 @@ from registers import (
     FRAMES_OUT,
     INTERRUPT,
     INTERRUPT_MASK,
-    SOFT_RESET,
 )
 from registers import SIZE as SIZE_REGISTER
 from verilated import Config, Pace, Rtl
@@ -169,8 +169,7 @@ def test_soft_reset_leaves_registers_but_no_frame(config: Config, seed: int) -> 
         rtl.write(CONTROL, ENABLE)
         set_up(rtl, frame)
         rtl.stream(beats(*pair)[: int(rng.integers(1, width * height))], int(rng.integers(50)), quiet=200)
-        rtl.write(CONTROL, ENABLE | SOFT_RESET)
-        assert rtl.read(CONTROL) == ENABLE
+        soft_reset(rtl)
         got = rtl.stream(beats(frame.left, frame.right), len(expected) + 50, quiet=2000)
         assert len(got.words) == len(expected) and (got.words == expected).all()
         assert [rtl.read(a) for a in (ERRORS, FRAMES_IN, FRAMES_OUT)] == [0, 2, 1]

@@ -8,7 +8,16 @@ import numpy as np
 import pytest
 from frames import random_pair, random_parameters
 from maps import random_grids
-from raw_frames import RawFrame, back_to_back, check, one_after_the_other, random_raw_frame, refusals, written
+from raw_frames import (
+    RawFrame,
+    back_to_back,
+    check,
+    one_after_the_other,
+    random_raw_frame,
+    refusals,
+    soft_reset,
+    written,
+)
 from registers import (
     COMMIT,
     COMMIT_MAP,
@@ -22,7 +31,6 @@ from registers import (
     INTERRUPT,
     NO_MAP,
     SIZE,
-    SOFT_RESET,
 )
 from verilated import FRONT_END, Rtl
 
@@ -124,8 +132,7 @@ def test_soft_reset_keeps_the_map(seed: int) -> None:
         written(rtl, frame.writes())
         part = frame.stream[: int(rng.integers(1, height * width))]
         rtl.stream(part, int(rng.integers(0, 60)), quiet=int(rng.integers(20, 300)))
-        rtl.write(CONTROL, ENABLE | SOFT_RESET)
-        assert rtl.read(CONTROL) == ENABLE
+        soft_reset(rtl)
         check(rtl, frame)
         rtl.reset()
         rtl.write(CONTROL, ENABLE)

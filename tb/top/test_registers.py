@@ -4,7 +4,19 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from registers import BUILD, BUILD_FRONT_END, BUILD_SIZE, ID, MAP, MAP_READY, VERSION, registers
+from registers import (
+    BUILD,
+    BUILD_FRONT_END,
+    BUILD_SIZE,
+    CONTROL,
+    ID,
+    INTERRUPT,
+    MAP,
+    MAP_READY,
+    STOPPED,
+    VERSION,
+    registers,
+)
 from verilated import FRONT_END, Config, Rtl
 
 pytestmark = pytest.mark.slow
@@ -37,6 +49,8 @@ def test_every_field_keeps_what_is_written_and_nothing_else_changes() -> None:
                 rtl.write(address, data)
                 values[address] = values[address] & ~writable | data & writable
                 assert rtl.read(address) == values[address], f"{name} after {data:08x}"
+            if address == CONTROL:
+                rtl.write(INTERRUPT, STOPPED)  # told when enable fell
             assert {a: rtl.read(a) for a in values} == values, f"writing {name} changed another register"
 
 

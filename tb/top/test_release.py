@@ -11,7 +11,7 @@ from broken_video import FAULTS, fault_size
 from frames import Frame, beats, expected_words, random_frame, random_pair, random_parameters, set_up
 from icarus import build_of, commands, released, replay
 from maps import random_grids
-from raw_frames import RawFrame, check, random_raw_frame, refusals, written
+from raw_frames import RawFrame, check, random_raw_frame, refusals, soft_reset, written
 from registers import (
     COMMIT,
     COMMIT_MAP,
@@ -22,7 +22,6 @@ from registers import (
     INTERRUPT_MASK,
     NO_MAP,
     SIZE,
-    SOFT_RESET,
     registers,
 )
 from tools import ROOT
@@ -100,8 +99,7 @@ def faulty_raw_video(rtl: Rtl, rng: np.random.Generator) -> None:
     ]
     rtl.stream(np.concatenate(stream), 20 * frame.left.size, Pace(), Pace(50, 200), quiet=QUIET)
     rtl.write(ERRORS, 0xFFFFFFFF)
-    rtl.write(CONTROL, ENABLE | SOFT_RESET)
-    assert rtl.read(CONTROL) == ENABLE
+    soft_reset(rtl)
 
 
 def maps_and_resets(rtl: Rtl, rng: np.random.Generator) -> None:
@@ -116,8 +114,7 @@ def maps_and_resets(rtl: Rtl, rng: np.random.Generator) -> None:
     written(rtl, frame.writes(load_map=False))
     part = frame.stream[: int(rng.integers(1, frame.left.size))]
     rtl.stream(part, int(rng.integers(0, 60)), quiet=100)
-    rtl.write(CONTROL, ENABLE | SOFT_RESET)
-    assert rtl.read(CONTROL) == ENABLE  # the response to a write comes before what it resets
+    soft_reset(rtl)
     check(rtl, frame, quiet=QUIET)
     rtl.stream(part, int(rng.integers(0, 60)), quiet=100)
     rtl.reset(1)

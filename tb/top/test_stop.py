@@ -1,0 +1,72 @@
+"""A stop ends what is inside, and tells when its last word was taken; a soft reset withdraws no word."""
+
+from __future__ import annotations
+
+import os
+
+import numpy as np
+import pytest
+from raw_frames import LEFT_BY_A_RESET, RawFrame, check, random_one, written
+from registers import BUSY, CONTROL, ENABLE, ERRORS, FRAMES_IN, INTERRUPT, SOFT_RESET, STATUS, STOPPED
+from verilated import FRONT_END, PACES, Config, Pace, Rtl
+
+pytestmark = pytest.mark.slow
+
+CONFIGS = [Config(16, 5), FRONT_END]
+SEEDS = [int(os.environ["VISTA_SEED"])] if "VISTA_SEED" in os.environ else range(12)
+NOTHING = np.zeros(0, np.uint32)
+
+
+def stopped_inside(rtl: Rtl, frame: RawFrame, rng: np.random.Generator, seed: int) -> None:
+    """The stop comes anywhere in the frame; another one, behind it, is dropped."""
+    written(rtl, frame.writes())
+    rtl.write(CONTROL, ENABLE)
+    begun = rtl.read(FRAMES_IN)
+    expected, stream = frame.words(), np.concatenate([frame.stream, frame.stream])
+    rtl.queue_write(int(rng.integers(1, frame.left.size)), frame.left.size, CONTROL, 0)
+    waiting = int(rng.integers(1, 3))
+    paces = PACES[rng.integers(len(PACES))], PACES[rng.integers(len(PACES))]
+    first = rtl.stream(stream, len(expected) - waiting, *paces, seed, quiet=6000)
+    assert first.taken == len(stream), "the input hung"
+    assert (rtl.read(STATUS), rtl.read(INTERRUPT) & STOPPED) == (BUSY, 0), "its last words wait"
+    last = rtl.stream(NOTHING, waiting + 10, quiet=2000)
+    assert (np.concatenate([first.words, last.words]) == expected).all()
+    assert (rtl.read(STATUS), rtl.read(INTERRUPT) & STOPPED) == (0, STOPPED)
+    assert (rtl.read(FRAMES_IN) - begun, rtl.read(ERRORS)) == (1, 0)
+    rtl.write(INTERRUPT, STOPPED)
+
+
+@pytest.mark.parametrize("config", CONFIGS, ids=lambda config: config.name)
+@pytest.mark.parametrize("seed", SEEDS)
+def test_a_stop_ends_what_is_inside(config: Config, seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    with Rtl(config, seed + 1) as rtl:
+        for _ in range(4):
+            stopped_inside(rtl, random_one(rng, config), rng, seed)
+        assert rtl.read(INTERRUPT) & STOPPED == 0, "it is told once"
+        rtl.write(CONTROL, ENABLE)
+        rtl.write(CONTROL, 0)
+        assert rtl.read(INTERRUPT) & STOPPED, "nothing was inside"
+
+
+@pytest.mark.parametrize("config", CONFIGS, ids=lambda config: config.name)
+@pytest.mark.parametrize("seed", SEEDS)
+def test_a_soft_reset_withdraws_no_word(config: Config, seed: int) -> None:
+    """Anywhere in a frame, while the reader stalls: what was offered can still be taken, and the next frame
+    is right. The rules of the bus are checked in each clock (rtl/formal/vista_bus_properties.svh)."""
+    rng = np.random.default_rng(seed)
+    with Rtl(config, seed + 1) as rtl:
+        for trial in range(6):
+            frame = random_one(rng, config)
+            rtl.write(CONTROL, ENABLE)
+            written(rtl, frame.writes())
+            expected = frame.words()
+            part = frame.stream[: int(rng.integers(1, frame.left.size + 1))]
+            got = rtl.stream(part, int(rng.integers(len(expected))), quiet=int(rng.integers(20, 300)))
+            rtl.write(CONTROL, ENABLE | SOFT_RESET)
+            left = rtl.stream(NOTHING, LEFT_BY_A_RESET + 10, Pace(), Pace(300, 300), trial, quiet=50).words
+            assert len(left) <= LEFT_BY_A_RESET
+            assert (left == expected[len(got.words) : len(got.words) + len(left)]).all()
+            assert rtl.read(STATUS) == 0
+            written(rtl, frame.writes(load_map=False))
+            check(rtl, frame, seed=seed)
