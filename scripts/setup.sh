@@ -1,7 +1,8 @@
 #!/bin/bash
-# Installs one set of pinned packages (build | run | test | bench | rtl | docs | jobs) into .venv: setup.sh SET
-# A set is complete when .venv/SET.stamp exists. A set-up that was interrupted leaves .venv/installing behind,
-# and the next one starts from nothing: pip would take a half-copied package for an installed one.
+# Installs one set of pinned packages (build | run | test | bench | rtl | board | docs | jobs) into .venv: setup.sh SET
+# A set is complete when .venv/SET.stamp exists. The stamps of all sets are in .venv/installing meanwhile: a set-up that
+# was interrupted leaves none of them in their place, and the next one starts from nothing, since pip would take a
+# half-copied package for an installed one.
 # setup.sh moved: only puts right what holds the path of a checkout that was moved since.
 set -euo pipefail
 cd -P "$(dirname "$0")/.."
@@ -54,8 +55,7 @@ create_venv() {
   rm -rf build/discarded-venv
   [ ! -e .venv ] || mv .venv build/discarded-venv
   rm -rf build/discarded-venv
-  mkdir .venv
-  touch .venv/installing
+  mkdir -p .venv/installing
   if "$python" -c 'import ensurepip' 2>/dev/null; then
     "$python" -m venv .venv
   else
@@ -75,7 +75,7 @@ repair_moved_checkout() {
   rm -rf build/{CMakeCache.txt,CMakeFiles,obj,rtl,sanitized,tools}
   echo "$PWD" >.venv/place
   if ! .venv/bin/pip --version >/dev/null 2>&1; then
-    touch .venv/installing # this path cannot be named in a script: start from nothing
+    mkdir -p .venv/installing # this path cannot be named in a script: start from nothing
     rm -f .venv/*.stamp
   fi
 }
@@ -92,7 +92,8 @@ flock 9
 if [ -f .venv/place ]; then repair_moved_checkout; fi
 if [ "$set_name" = moved ]; then exit; fi
 if [ ! -x .venv/bin/python ] || [ -e .venv/installing ]; then create_venv; fi
-touch .venv/installing
+mkdir -p .venv/installing
+find .venv -maxdepth 1 -name '*.stamp' -exec mv -t .venv/installing {} +
 echo "setup: installing the $(grep -c '^[a-z].*==' "$requirements") pinned packages of $requirements into .venv"
 .venv/bin/python -m pip install --disable-pip-version-check --no-input --require-hashes \
   --requirement "$requirements" | progress || fail "pip could not install $requirements (see above)"
@@ -100,6 +101,11 @@ if [ "$set_name" = run ]; then
   .venv/bin/python -m pip install --disable-pip-version-check --quiet --no-deps --no-build-isolation --editable . \
     --editable sw/eval || fail "pip could not install vista itself into .venv (see above)"
 fi
+if [ "$set_name" = board ]; then
+  .venv/bin/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation --require-hashes \
+    --requirement scripts/requirements/litex_boards.txt || fail "pip could not install litex-boards (see above)"
+fi
 echo "$PWD" >.venv/place
-rm .venv/installing
-touch ".venv/$set_name.stamp"
+touch ".venv/installing/$set_name.stamp"
+mv .venv/installing/*.stamp .venv
+rmdir .venv/installing

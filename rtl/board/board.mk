@@ -16,8 +16,8 @@ BITSTREAM = --disparities $(D) --block $(B) --width $(call given,W,640) --rows $
 
 .PHONY: board-sim board-clocks bitstream
 
-.venv/board.stamp: $(REQUIREMENTS)/board.txt $(REQUIREMENTS)/litex_boards.txt scripts/setup_board.sh .venv/test.stamp
-	@scripts/setup_board.sh
+.venv/board.stamp: $(REQUIREMENTS)/board.txt $(REQUIREMENTS)/litex_boards.txt $(SETUP) .venv/test.stamp
+	@$(SETUP) board
 
 bitstream: $(BOARD_TOOLS) ## build the bitstream for a Colorlight i9 with the given IPv4 ADDRESS, at MHZ
 	@$(RTL_PYTHON) rtl/flow/make_bitstream.py $(BITSTREAM)

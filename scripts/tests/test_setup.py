@@ -85,6 +85,33 @@ def without(folder: Path, *missing: str) -> str:
     return str(folder)
 
 
+def test_an_interrupted_setup_is_not_taken_for_a_whole_one(checkout: Path) -> None:
+    """Killed while pip installs a set, it leaves no other stamp in place; the next begins anew."""
+    environment, requirements = checkout / ".venv", checkout / "scripts" / "requirements"
+    requirements.mkdir()
+    (requirements / "test.txt").write_text("pytest==8.0.0\n")
+    python = environment / "bin" / "python"
+    python.unlink()
+    python.write_text("#!/bin/sh\nkill -KILL $PPID\n")
+    python.chmod(0o755)
+    setup = checkout / "scripts" / "setup.sh"
+    assert subprocess.run(["bash", setup, "test"], capture_output=True, timeout=60).returncode == -9
+    assert not list(environment.glob("*.stamp"))
+    # Anew, with a python that makes a .venv and takes what it is asked to install.
+    stub = checkout / "stub" / "python3.11"
+    stub.parent.mkdir()
+    stub.write_text("#!/bin/sh\n[ $2 != venv ] || { mkdir -p .venv/bin; cp $0 .venv/bin/python; }\n")
+    stub.chmod(0o755)
+    path = f"{stub.parent}:{os.environ['PATH']}"
+    done = subprocess.run(
+        ["bash", setup, "test"], env={"PATH": path}, capture_output=True, text=True, timeout=60
+    )
+    assert done.returncode == 0, done.stderr
+    assert "creating .venv" in done.stdout
+    assert [stamp.name for stamp in environment.glob("*.stamp")] == ["test.stamp"]
+    assert not (environment / "installing").exists()
+
+
 @pytest.mark.parametrize(
     ("missing", "goals"),
     [
