@@ -75,6 +75,10 @@ module vista_pyramid #(
   output logic error_size_o
 );
 
+  if (SideWidth < 1) begin : gen_bad_side
+    $fatal(1, "SideWidth must be 1 or more");
+  end
+
   logic source_valid, source_ready, source_eol, fetch_valid, fetch_ready, fetch_eol;
   logic reduce_valid, reduce_ready, reduce_sof, reduce_eol;
   logic [DataW-1:0] source_data, fetch_data, reduce_data;

@@ -92,6 +92,12 @@ module vista_rectify #(
   if (NumRows != 16 && NumRows != 32 && NumRows != 64 && NumRows != 128) begin : gen_bad_rows
     $fatal(1, "NumRows must be 16, 32, 64 or 128");
   end
+  if (MaxPoints < SmallestMap || MaxPoints > LargestMap) begin : gen_bad_points
+    $fatal(1, "MaxPoints must be 4 .. 8388608");
+  end
+  if (SideWidth < 1) begin : gen_bad_side
+    $fatal(1, "SideWidth must be 1 or more");
+  end
 
   // The newest map, and whether it is one for a frame that begins now.
   logic map_valid, bank, map_ok;

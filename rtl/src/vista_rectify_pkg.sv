@@ -26,4 +26,7 @@ package vista_rectify_pkg;
     return (side + StepPx - 1) >> StepW;
   endfunction
 
+  parameter int unsigned SmallestMap = 4;  // control points of the smallest frame
+  parameter int unsigned LargestMap = 2 ** 23;  // what the register can tell of
+
 endpackage

@@ -42,17 +42,39 @@ def test_legal_parameters_do_not(disparities: int, block: int, width: int) -> No
     assert done.returncode == 0, done.stderr
 
 
+def elaborate_block(top: str, parameters: str) -> subprocess.CompletedProcess[str]:
+    files = sources("vista_raw_stereo.f" if top == "vista_raw_stereo" else "vista_frontend.f")
+    return subprocess.run(
+        ["verilator", "--lint-only", *VERILATOR_FLAGS, "--top-module", top,
+         *(f"-G{parameter}" for parameter in parameters.split()), *map(str, files)],
+        cwd=ROOT, env=verilator_environment(), capture_output=True, text=True,
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("top", "parameters", "message"),
+    [("vista_raw_stereo", f"MaxPoints={points}", "MaxPoints must be")
+     for points in (0, 1, 3, (1 << 23) + 1, 1 << 24)]
+    + [("vista_raw_stereo", "MaxPoints=4", ""), ("vista_rectify", "MaxPoints=0", "MaxPoints must be"),
+       ("vista_raw_stereo", "NumRows=0", "NumRows must be"),
+       ("vista_raw_stereo", "MaxWidth=4097", "MaxWidth must be"),
+       ("vista_raw_stereo", "BlockSize=4", "BlockSize must be"),
+       *((top, "SideWidth=0", "SideWidth must be")
+         for top in ("vista_pyramid", "vista_rectify"))],
+)  # fmt: skip
+def test_every_build_parameter_is_checked(top: str, parameters: str, message: str) -> None:
+    done = elaborate_block(top, parameters)
+    assert (done.returncode != 0) == bool(message), done.stderr
+    assert message in done.stderr
+
+
 @pytest.mark.parametrize(
     ("parameter", "message"),
     [("NumRows=8", "NumRows must be"), ("NumRows=48", "NumRows must be"), ("NumRows=256", "NumRows must be"),
      ("MaxWidth=3", "MaxWidth must be"), ("MaxWidth=4097", "MaxWidth must be"), ("MaxWidth=4096", "")],
 )  # fmt: skip
 def test_rectification_is_built_with_what_it_can_do(parameter: str, message: str) -> None:
-    done = subprocess.run(
-        ["verilator", "--lint-only", *VERILATOR_FLAGS, "--top-module", "vista_rectify", f"-G{parameter}",
-         *map(str, sources("vista_frontend.f"))],
-        cwd=ROOT, env=verilator_environment(), capture_output=True, text=True,
-    )  # fmt: skip
+    done = elaborate_block("vista_rectify", parameter)
     assert (done.returncode != 0) == bool(message), done.stderr
     assert message in done.stderr
 
