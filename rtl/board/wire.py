@@ -82,3 +82,11 @@ def parse_payload(name: str, body: bytes) -> dict[str, int]:
     if len(body) < 4 * count:
         raise ValueError(f"{name} is too short")
     return _unpack(PAYLOAD[name], struct.unpack_from(f"<{count}I", body))
+
+
+def check_of(words: bytes, session: int, frame: int, chunk: int) -> int:
+    """The check of a chunk of words."""
+    check = session ^ frame ^ chunk << 16
+    for (word,) in struct.iter_unpack("<I", words):
+        check = ((check << 1 & 0xFFFFFFFF | check >> 31) + word) & 0xFFFFFFFF
+    return check

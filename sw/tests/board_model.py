@@ -65,6 +65,8 @@ class BoardModel:
         self.matching_s = 0.0
         self.fails = False  # the engine gives no words
         self.version = wire.CONSTANTS["VERSION"]
+        self.hold_s = wire.CONSTANTS["HOLD_MS"] / 1000
+        self.mixed_up = 0  # chunks that are sent with the words of another
         self.overruns = self.foreign = 0
         self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         self.socket.bind(("127.0.0.1", 0))
@@ -73,6 +75,8 @@ class BoardModel:
         self.restart()
 
     def restart(self) -> None:
+        self.holder: tuple[str, int] | None = None
+        self.heard_at = 0.0
         self.session = self.last_write = 0
         self.status_token = 0
         self.opened = {"width": 0, "height": 0, "chunks_in": 0, "words_out": 0}
@@ -88,15 +92,19 @@ class BoardModel:
                 self._obey(packet)
 
     def _obey(self, data: bytes) -> None:
+        if self.client == self.holder:
+            self.heard_at = time.monotonic()
         header, body = wire.parse(data)
         assert header["magic"] == wire.CONSTANTS["MAGIC"]
         kind, token = header["kind"], header["token"]
         name = next(name for name, number in wire.REQUESTS.items() if number == kind)
         of_any_session = name in ("status", "open", "read")
-        if not of_any_session and header["session"] != self.session:
+        if not of_any_session and (header["session"] != self.session or self.holder is None):
             name = "status" if name != "pixels" or header["flags"] & 1 else "nothing"
         getattr(self, f"_{name}", lambda *_: None)(header, body)
-        if name in ("status", "open", "write", "release") or (name == "pixels" and header["flags"] & 1):
+        if name in ("status", "open", "write", "release", "close") or (
+            name == "pixels" and header["flags"] & 1
+        ):
             self._status({}, b"", token=token, frame=header["frame"])
 
     def _reply(self, name: str, body: bytes, **header: int) -> None:
@@ -110,6 +118,7 @@ class BoardModel:
         self._finish()
         self.status_token = max(self.status_token, token)
         values = {"credits": self.credits, "last_write": self.last_write}
+        values["held"] = self._held()
         values["busy"] = any(slot.state == wire.STATES["running"] for slot in self.slots)
         for i, slot in enumerate(self.slots):
             values[f"slot_{i}_frame"] = slot.frame
@@ -121,11 +130,19 @@ class BoardModel:
         body = wire.to_bytes([*wire.payload("status", values), *bitmap])
         self._reply("status", body, token=token, frame=frame)
 
+    def _held(self) -> bool:
+        """By another client than the one that speaks."""
+        return self.holder not in (None, self.client) and time.monotonic() - self.heard_at < self.hold_s
+
     def _open(self, header: dict[str, int], body: bytes) -> None:
         wanted = wire.parse_payload("open", body)
-        if header["session"] != self.session and wanted["previous"] == self.session:
+        if header["session"] != self.session and wanted["previous"] == self.session and not self._held():
             self.restart()
             self.session, self.opened = header["session"], wanted
+            self.holder, self.heard_at = self.client, time.monotonic()
+
+    def _close(self, _header: dict[str, int], _body: bytes) -> None:
+        self.holder = None
 
     def _write(self, header: dict[str, int], body: bytes) -> None:
         if header["frame"] != self.last_write + 1:
@@ -166,7 +183,12 @@ class BoardModel:
             self._status({}, b"", token=header["token"], frame=header["frame"])
             return
         for chunk in range(header["index"], header["index"] + header["count"]):
-            body = slot.stream[CHUNK_BYTES * chunk : CHUNK_BYTES * (chunk + 1)].ljust(CHUNK_BYTES, b"\xa5")
+            words = slot.stream[CHUNK_BYTES * chunk : CHUNK_BYTES * (chunk + 1)]
+            check = wire.check_of(words, self.session, header["frame"], chunk)
+            if self.mixed_up > 0:
+                self.mixed_up -= 1
+                words = words[4:] + words[:4]
+            body = words.ljust(CHUNK_BYTES, b"\xa5") + wire.to_bytes([check])
             place = {"frame": header["frame"], "index": chunk, "count": wire.CHUNK_WORDS}
             self._reply("words", body, token=header["token"], **place)
 

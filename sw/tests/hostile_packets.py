@@ -64,7 +64,8 @@ def wrong_magic(rng: np.random.Generator, known: Known) -> bytes:
 
 def wrong_version(rng: np.random.Generator, known: Known) -> bytes:
     """Not a status or a read, which are answered whatever the version."""
-    return request(rng, known, version=int(rng.integers(2, 256)))
+    others = [version for version in range(256) if version != wire.CONSTANTS["VERSION"]]
+    return request(rng, known, version=int(rng.choice(others)))
 
 
 def wrong_session(rng: np.random.Generator, known: Known) -> bytes:

@@ -173,20 +173,51 @@ def test_a_restarted_board_says_so() -> None:
         np.testing.assert_array_equal(client.collect(), golden(SETTINGS, *pair))
 
 
-def test_a_second_client_takes_the_board_over() -> None:
+def test_a_second_client_is_refused_while_the_first_holds_the_board() -> None:
+    """It costs the first one no frame. The board is free once its holder ends or has been silent."""
     rng = seeded(2241)
     board = make_board(rng)
+    pair = random_pair(rng, SETTINGS)
     with connected(board) as first:
-        second = Client(board.port)
+        second, third = Client(board.port), Client(board.port)
         first.configure(SETTINGS)
-        pair = random_pair(rng, SETTINGS)
         first.submit(*pair)
+        with pytest.raises(BoardError, match="ERROR_HELD"):
+            second.configure(SETTINGS | {"levels": 2})
+        np.testing.assert_array_equal(first.collect(), golden(SETTINGS, *pair))
+        first.configure(SETTINGS)  # its own session may be another at any time
+        first.submit(*pair)
+        board.hold_s = 0.0
         second.configure(SETTINGS | {"levels": 2})
+        board.hold_s = 1000.0
         with pytest.raises(BoardError, match="SESSION"):
             first.collect()
+        with pytest.raises(BoardError, match="ERROR_HELD"):
+            first.configure(SETTINGS)
         second.submit(*pair)
         np.testing.assert_array_equal(second.collect(), golden(SETTINGS | {"levels": 2}, *pair))
         lib.vista_board_disconnect(second.board)
+        third.configure(SETTINGS)
+        lib.vista_board_disconnect(third.board)
+
+
+def test_a_chunk_with_the_words_of_another_is_fetched_again() -> None:
+    rng = seeded(2244)
+    board = make_board(rng)
+    pair = random_pair(rng, SETTINGS)
+    with connected(board, timeout_ms=300) as client:
+        client.configure(SETTINGS)
+        client.submit(*pair)
+        board.mixed_up = 3
+        np.testing.assert_array_equal(client.collect(), golden(SETTINGS, *pair))
+        assert client.counts.chunks_wrong == 3
+        client.submit(*pair)
+        board.mixed_up = 1 << 30
+        with pytest.raises(BoardError, match="ERROR_FRAME"):
+            client.collect()
+        board.mixed_up = 0
+        client.submit(*pair)
+        np.testing.assert_array_equal(client.collect(), golden(SETTINGS, *pair))
 
 
 def test_a_frame_that_the_engine_does_not_finish_is_lost() -> None:

@@ -106,7 +106,7 @@ def test_words_are_the_golden_ones(program: Path, faults: list[str]) -> None:
                 if following is not None:
                     client.submit(*following)
                 np.testing.assert_array_equal(client.collect(), golden(settings, *pair))
-        assert (client.counts.frames, client.counts.lost) == (16, 0)
+        assert (client.counts.frames, client.counts.lost, client.counts.chunks_wrong) == (16, 0, 0)
 
 
 def test_the_build_is_what_the_registers_say(program: Path) -> None:
@@ -148,17 +148,30 @@ def test_a_board_that_was_switched_off_and_on_says_so(program: Path) -> None:
     lib.vista_board_disconnect(client.board)
 
 
-def test_a_second_client_takes_the_board_over(program: Path) -> None:
+def test_a_second_client_is_refused_while_the_first_holds_the_board(program: Path) -> None:
+    """It costs the first one no frame. The board is free once its holder ends or has been silent, in the
+    simulation for 2^20 clocks."""
     rng = seeded(2412)
     pair = random_pair(rng, SETTINGS)
-    with simulated(program) as board, connected(board) as first, connected(board) as second:
+    with simulated(program) as board, connected(board) as first:
+        second, third = Client(board.port, TIMEOUT_MS), Client(board.port, TIMEOUT_MS)
         first.configure(SETTINGS)
         first.submit(*pair)
-        second.configure(SETTINGS | {"levels": 2})
+        with pytest.raises(BoardError, match="ERROR_HELD"):
+            second.configure(SETTINGS | {"levels": 2})
+        np.testing.assert_array_equal(first.collect(), golden(SETTINGS, *pair))
+        for _ in range(2000):  # each question lets some clocks pass
+            with contextlib.suppress(BoardError):
+                second.configure(SETTINGS | {"levels": 2})
+                break
         with pytest.raises(BoardError, match="SESSION"):
+            first.submit(*pair)
             first.collect()
         second.submit(*pair)
         np.testing.assert_array_equal(second.collect(), golden(SETTINGS | {"levels": 2}, *pair))
+        lib.vista_board_disconnect(second.board)
+        third.configure(SETTINGS)
+        lib.vista_board_disconnect(third.board)
 
 
 def test_a_frame_that_the_engine_does_not_finish_is_lost(program: Path) -> None:

@@ -15,6 +15,7 @@ from migen import FSM, Array, If, NextState, NextValue, Signal
 # Where things lie, in words of 32 bits, and how many bits of address they take.
 WORDS_OUT_BITS = 19  # the words of a frame: slot 0, slot 1
 PIXELS_BASE, PIXELS_BITS = 2 << WORDS_OUT_BITS, 18  # the pixels of a frame: slot 0, slot 1
+CHECKS_BASE, CHECKS_BITS = 7 << 18, 11  # the check of each chunk of words: slot 0, slot 1
 PYRAMID_BASE_BYTES, PYRAMID_BYTES = 6 << 20, 1 << 20  # the buffer of the pyramid
 
 COMMAND_GAP = 16  # clocks between two commands of the initialisation, more than any chip asks for

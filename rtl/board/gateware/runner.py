@@ -7,23 +7,25 @@ from typing import Any
 
 from litex.gen import LiteXModule
 from migen import FSM, C, Cat, If, Mux, NextState, NextValue, Signal
+from wire import CHUNK_WORDS
 
-from gateware.memory import PIXELS_BASE, PIXELS_BITS, WORDS_OUT_BITS, Reader, Writer
+from gateware.memory import CHECKS_BASE, CHECKS_BITS, PIXELS_BASE, PIXELS_BITS, WORDS_OUT_BITS, Reader, Writer
 from gateware.slots import STATES, Slots
 
 READ_AHEAD = 64  # words
+CHUNK_BITS = (CHUNK_WORDS - 1).bit_length()
 
 
 class Runner(LiteXModule):
-    """One frame at a time. width, height, chunks_in, words_out: of the session. `restart`, for a clock,
-    begins a session: the frame that is being matched is finished, and counts for nothing; `busy` tells that
-    one is being matched.
+    """One frame at a time; beside its words, the check of each chunk of them goes to memory. session, width,
+    height, chunks_in, words_out: of the session. `restart`, for a clock, begins a session: the frame that is
+    being matched is finished, and counts for nothing; `busy` tells that one is being matched.
 
     If the engine stops for 2**patience_bits clocks, the frame fails, and so do all others until `restart`:
     what is left in the engine would come before their words."""
 
     def __init__(self, memory: Any, slots: Slots, engine: Any, patience_bits: int) -> None:
-        self.width, self.height = Signal(16), Signal(16)
+        self.session, self.width, self.height = Signal(32), Signal(16), Signal(16)
         self.chunks_in, self.words_out = Signal(16), Signal(32)
         self.restart, self.busy = Signal(), Signal()
         # Those of the frame on its way, which may be one of the session before.
@@ -38,7 +40,10 @@ class Runner(LiteXModule):
         column, row, half, drain = Signal(16), Signal(16), Signal(), Signal()
         patience = Signal(patience_bits)
         running = Signal()
+        check, seed = Signal(32), Signal(32)
+        chunk, check_waits = Signal(CHECKS_BITS), Signal()  # chunk: whose check it is
 
+        stores, chunk_ends = Signal(), Signal()
         pixel, last_column, last_row, all_sent = Signal(), Signal(), Signal(), Signal()
         self.comb += [
             wanted.eq(Cat(C(0, 8), own["chunks_in"])),
@@ -57,10 +62,20 @@ class Runner(LiteXModule):
             reader.sink.valid.eq(running & (asked != wanted)),
             reader.sink.address.eq(PIXELS_BASE + (slot << PIXELS_BITS) + asked),
             # Words beyond those of a frame are dropped.
-            writer.sink.valid.eq(running & engine.words.valid & (stored != own["words_out"])),
-            writer.sink.address.eq((slot << WORDS_OUT_BITS) + stored),
-            writer.sink.data.eq(engine.words.data),
-            engine.words.ready.eq(writer.sink.ready | ~running | (stored == own["words_out"])),
+            stores.eq(running & engine.words.valid & (stored != own["words_out"]) & ~check_waits),
+            writer.sink.valid.eq(stores | (running & check_waits)),
+            If(
+                check_waits,
+                writer.sink.address.eq(CHECKS_BASE + Cat(chunk, slot)),
+                writer.sink.data.eq(check),
+            ).Else(
+                writer.sink.address.eq((slot << WORDS_OUT_BITS) + stored),
+                writer.sink.data.eq(engine.words.data),
+            ),
+            engine.words.ready.eq(
+                (writer.sink.ready & ~check_waits) | ~running | (stored == own["words_out"])
+            ),
+            chunk_ends.eq((stored[:CHUNK_BITS] == 2**CHUNK_BITS - 1) | (stored + 1 == own["words_out"])),
         ]
         self.sync += [
             If(reader.sink.valid & reader.sink.ready, asked.eq(asked + 1)),
@@ -71,7 +86,17 @@ class Runner(LiteXModule):
                 column.eq(column + 1),
                 If(last_column, column.eq(0), row.eq(row + 1)),
             ),
-            If(writer.sink.valid & writer.sink.ready, stored.eq(stored + 1)),
+            If(
+                stores & writer.sink.ready,
+                stored.eq(stored + 1),
+                check.eq(Cat(check[31], check[:31]) + engine.words.data),
+                check_waits.eq(chunk_ends),
+            ).Elif(
+                check_waits & writer.sink.ready,
+                check_waits.eq(0),
+                chunk.eq(chunk + 1),
+                check.eq(seed ^ Cat(C(0, 16), (chunk + 1)[:CHECKS_BITS])),
+            ),
             If(
                 ~running | pixel | (engine.words.valid & engine.words.ready),
                 patience.eq(0),
@@ -88,7 +113,12 @@ class Runner(LiteXModule):
             *(NextValue(own[name], value) for name, value in session.items()),
             NextValue(next_slot, ~next_slot),
             NextValue(slot, next_slot),
-            *(NextValue(counter, 0) for counter in (asked, came, stored, column, row, half, drain)),
+            *(
+                NextValue(counter, 0)
+                for counter in (asked, came, stored, chunk, check_waits, column, row, half, drain)
+            ),
+            NextValue(seed, self.session ^ slots.frame[next_slot]),
+            NextValue(check, self.session ^ slots.frame[next_slot]),
             If(
                 ~self.restart & (slots.state[next_slot] == STATES["full"]),
                 change.enable.eq(1),
@@ -100,7 +130,10 @@ class Runner(LiteXModule):
             "RUN",
             running.eq(1),
             self.busy.eq(1),
-            If((stored == own["words_out"]) & (came == wanted) & writer.idle, NextState("FINISH")),
+            If(
+                (stored == own["words_out"]) & ~check_waits & (came == wanted) & writer.idle,
+                NextState("FINISH"),
+            ),
             If(
                 (patience == 2**patience_bits - 1) | stuck,
                 NextValue(stuck, 1),

@@ -12,7 +12,7 @@ from litex.soc.interconnect import stream
 from migen import FSM, Array, C, Case, Cat, If, Mux, NextState, NextValue, Signal
 from wire import BITMAP_WORDS, CHUNK_WORDS, CONSTANTS, HEADER, HEADER_WORDS, PAYLOAD, REPLIES, REQUESTS
 
-from gateware.memory import PIXELS_BASE, PIXELS_BITS, WORDS_OUT_BITS, Reader, Writer
+from gateware.memory import CHECKS_BASE, CHECKS_BITS, PIXELS_BASE, PIXELS_BITS, WORDS_OUT_BITS, Reader, Writer
 from gateware.packets import LAST_BYTE, PACKET_WORDS, PacketBuffer
 from gateware.slots import BITMAP_BITS, SLOTS, STATES, Slots
 
@@ -27,15 +27,28 @@ def field(words: Any, layout: dict[str, wire.Field], name: str) -> Any:
 
 
 class Server(LiteXModule):
-    """packets: what arrived. source: replies, to UDP. It begins when the memory is ready."""
+    """packets: what arrived. source: replies, to UDP. It begins when the memory is ready. Who began a session
+    holds the board until 2**hold_bits clocks without a packet of his have passed."""
 
-    def __init__(self, packets: PacketBuffer, memory: Any, slots: Slots, engine: Any, runner: Any) -> None:
+    def __init__(
+        self, packets: PacketBuffer, memory: Any, slots: Slots, engine: Any, runner: Any, hold_bits: int
+    ) -> None:
         self.source = source = stream.Endpoint(eth_udp_user_description(32))
 
         self.reader = reader = Reader(memory, READ_AHEAD)
         self.writer = writer = Writer(memory)
 
-        session, last_write = Signal(32), Signal(32)
+        session, last_write = runner.session, Signal(32)
+        open_now = Signal()  # the session is, and its client:
+        holder_address, holder_port, silence, heard = Signal(32), Signal(16), Signal(hold_bits + 1), Signal()
+        from_holder, held = Signal(), Signal()  # held: by another client than the packet's
+        self.comb += [
+            from_holder.eq(
+                (packets.source.ip_address == holder_address) & (packets.source.port == holder_port)
+            ),
+            held.eq(open_now & ~silence[-1] & ~from_holder),
+        ]
+        self.sync += If(heard, silence.eq(0)).Elif(~silence[-1], silence.eq(silence + 1))
         chunks_out = Signal(16)  # of the words of a frame of this session
         header = Array(Signal(32, name=f"header_{i}") for i in range(HEADER_WORDS))
         opening = Array(Signal(32, name=f"opening_{i}") for i in range(wire.PAYLOAD_WORDS["open"]))
@@ -64,7 +77,7 @@ class Server(LiteXModule):
                 & (packets.source.words >= HEADER_WORDS)
             ),
             speaks.eq(field(header, HEADER, "version") == CONSTANTS["VERSION"]),
-            ours.eq(speaks & (asked_session == session) & (session != 0)),
+            ours.eq(speaks & (asked_session == session) & open_now),
             holds.eq(slots.frame[slot] == frame),
             filling.eq(holds & (state == STATES["filling"])),
             finished.eq(holds & (state == STATES["done"])),
@@ -73,6 +86,7 @@ class Server(LiteXModule):
             # What a session asks for has room.
             opens.eq(
                 speaks
+                & ~held
                 & (opening[0] == session)
                 & (asked_session != session)
                 & (new_chunks_in <= CONSTANTS["MAX_CHUNKS_IN"])
@@ -87,7 +101,10 @@ class Server(LiteXModule):
         asked_for, taken = Signal(), Signal()
         self.comb += [
             reader.sink.valid.eq(to_read != 0),
-            reader.sink.address.eq(Cat(read_at, slot)),
+            # The check comes last.
+            reader.sink.address.eq(
+                Mux(to_read == 1, CHECKS_BASE + Cat(chunk[:CHECKS_BITS], slot), Cat(read_at, slot))
+            ),
             asked_for.eq(reader.sink.valid & reader.sink.ready),
             taken.eq(reader.source.valid & reader.source.ready),
         ]
@@ -108,7 +125,12 @@ class Server(LiteXModule):
             "index": Mux(reply == REPLIES["words"], chunk, index),
             "count": Mux(reply == REPLIES["words"], CHUNK_WORDS, count),
         }
-        status = {"credits": CREDITS, "busy": runner.busy, "last_write": last_write}
+        status = {
+            "credits": CREDITS,
+            "busy": runner.busy,
+            "held": held,
+            "last_write": last_write,
+        }
         for s in range(SLOTS):
             status[f"slot_{s}_frame"] = slots.frame[s]
             status[f"slot_{s}_state"] = slots.state[s]
@@ -131,7 +153,7 @@ class Server(LiteXModule):
                     REPLIES["status"]: source.length.eq(
                         4 * (HEADER_WORDS + wire.PAYLOAD_WORDS["status"] + BITMAP_WORDS)
                     ),
-                    REPLIES["words"]: source.length.eq(4 * PACKET_WORDS),
+                    REPLIES["words"]: source.length.eq(4 * (PACKET_WORDS + 1)),
                     "default": source.length.eq(Cat(C(0, 2), count + HEADER_WORDS)),
                 },
             ),
@@ -145,7 +167,7 @@ class Server(LiteXModule):
         def fetch(number: Any) -> list[Any]:
             return [
                 NextValue(chunk, number),
-                NextValue(to_read, CHUNK_WORDS),
+                NextValue(to_read, CHUNK_WORDS + 1),
                 NextValue(read_at, Cat(C(0, 8), number)),
                 *answer("words"),
             ]
@@ -191,6 +213,7 @@ class Server(LiteXModule):
                     NextState("LOOK"),
                 ),
                 If(is_kind["fetch"] & finished & inside, *fetch(index)),
+                If(is_kind["close"], NextValue(open_now, 0)),
                 If(
                     is_kind["release"] & holds & (state != STATES["full"]) & (state != STATES["running"]),
                     NextValue(position, 0),
@@ -198,12 +221,16 @@ class Server(LiteXModule):
                 ),
             ),
         ]  # fmt: skip
-        fsm.act("DISPATCH", If(sound, *obey).Else(NextState("DROP")))
+        fsm.act("DISPATCH", heard.eq(sound & from_holder), If(sound, *obey).Else(NextState("DROP")))
 
         # A session: both slots are emptied, and the reader is.
         fsm.act(
             "OPEN",
             NextValue(session, asked_session),
+            NextValue(open_now, 1),
+            NextValue(holder_address, descriptor.ip_address),
+            NextValue(holder_port, descriptor.port),
+            heard.eq(1),
             NextValue(last_write, 0),
             NextValue(runner.width, field(opening, PAYLOAD["open"], "width")),
             NextValue(runner.height, field(opening, PAYLOAD["open"], "height")),
@@ -368,7 +395,7 @@ class Server(LiteXModule):
             "WORDS",
             source.valid.eq(reader.source.valid),
             source.data.eq(reader.source.data),
-            source.last.eq(position == CHUNK_WORDS - 1),
+            source.last.eq(position == CHUNK_WORDS),
             reader.source.ready.eq(source.ready),
             If(
                 sent,

@@ -70,6 +70,7 @@ class Simulated(LiteXModule):
             IP_ADDRESS,
             quick_start=True,
             patience_bits=16,
+            hold_bits=20,
         )
         self.pins = {}
         for name in ("rx_valid", "rx_data", "tx_valid", "tx_data"):

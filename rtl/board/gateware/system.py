@@ -18,7 +18,7 @@ from gateware.runner import Runner
 from gateware.server import Server
 from gateware.slots import Slots
 
-# Replies that wait: two, of at most 261 words each. LiteX's PacketFIFO counts a packet more than once whose
+# Replies that wait: two, of at most 262 words each. LiteX's PacketFIFO counts a packet more than once whose
 # last word finds it full, so there is room for more than can come.
 REPLIES, REPLY_WORDS = 2, 1024
 
@@ -40,6 +40,7 @@ class BoardSystem(LiteXModule):
         ip_address: str,
         quick_start: bool = False,
         patience_bits: int = 20,  # 23 ms at 45 MHz
+        hold_bits: int = 27,  # HOLD_MS at 45 MHz
     ) -> None:
         self.memory = BoardMemory(sdram_phy, sdram_module, clk_freq, quick_start)
         self.network = LiteEthUDPIPCore(
@@ -56,7 +57,7 @@ class BoardSystem(LiteXModule):
         self.slots = Slots()
         self.engine = Engine(self.memory, build)
         self.runner = Runner(self.memory, self.slots, self.engine, patience_bits)
-        self.server = Server(self.packets, self.memory, self.slots, self.engine, self.runner)
+        self.server = Server(self.packets, self.memory, self.slots, self.engine, self.runner, hold_bits)
         port = self.network.udp.crossbar.get_port(CONSTANTS["PORT"], dw=32)
         # A reply leaves once all of it is there: memory may be late, and an Ethernet frame cannot pause.
         self.replies = PacketFIFO(eth_udp_user_description(32), REPLY_WORDS, REPLIES - 1, buffered=True)

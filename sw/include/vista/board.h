@@ -61,6 +61,7 @@ typedef struct vista_board_counts {
   int64_t lost; /* frames that were begun and not collected */
   int64_t chunks_sent, chunks_sent_again;
   int64_t chunks_received, chunks_received_again;
+  int64_t chunks_wrong; /* that were not of the frame, by their check, and fetched again */
   int64_t retries; /* requests that were repeated */
 } vista_board_counts;
 
@@ -88,13 +89,15 @@ VISTA_API void vista_board_disconnect(vista_board *board);
  * - VISTA_ERROR_NO_ANSWER: the board is silent. */
 VISTA_API vista_status vista_board_identify(vista_board *board, vista_board_build *build);
 
-/* Begins a session with these settings and loads the map. Frames that were not collected are lost, also those of
- * another client. Settings and map are not needed any more afterwards.
+/* Begins a session with these settings and loads the map. Frames that were not collected are lost. From
+ * then on this client holds the board until it disconnects or has been silent for 3 s, and no other client's session
+ * begins. Settings and map are not needed any more afterwards.
  *
  * - VISTA_ERROR_RANGE: a number is out of range.
  * - VISTA_ERROR_SIZE: the board has no room for such frames, or for so many control points.
  * - VISTA_ERROR_CAPACITY: the map needs more rows than the line buffer of the board has.
  * - VISTA_ERROR_BOARD: no stereo engine of a major version that is known.
+ * - VISTA_ERROR_HELD: another client holds the board.
  * - VISTA_ERROR_NO_ANSWER: the board is silent; there is no session then. */
 VISTA_API vista_status vista_board_configure(vista_board *board, const vista_board_settings *settings);
 
@@ -117,7 +120,7 @@ VISTA_API vista_status vista_board_submit(vista_board *board, const uint8_t *lef
  * - VISTA_ERROR_ORDER: no frame was submitted.
  * - VISTA_ERROR_MEMORY: word_count is less than vista_board_words.
  * - VISTA_ERROR_SESSION: the board has another session, see vista_board_submit.
- * - VISTA_ERROR_FRAME: the engine did not finish the frame.
+ * - VISTA_ERROR_FRAME: the engine did not finish the frame, or its words go on being others by their check.
  * - VISTA_ERROR_NO_ANSWER: the board is silent. */
 VISTA_API vista_status vista_board_collect(vista_board *board, int16_t *words, int64_t word_count);
 

@@ -23,6 +23,7 @@ typedef enum vista_status {
   VISTA_ERROR_BOARD,    /* a board speaks another protocol, or holds no engine that is known */
   VISTA_ERROR_SESSION,  /* a board was restarted, or another client took it */
   VISTA_ERROR_FRAME,    /* a board did not finish a frame */
+  VISTA_ERROR_HELD,     /* another client holds a board */
   VISTA_ERROR_SHARED    /* the system gives no shared memory */
 } vista_status;
 

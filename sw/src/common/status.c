@@ -21,6 +21,7 @@ static const entry table[] = {
     [VISTA_ERROR_BOARD] = {"VISTA_ERROR_BOARD", "the board speaks another protocol, or holds no engine that is known"},
     [VISTA_ERROR_SESSION] = {"VISTA_ERROR_SESSION", "the board was restarted, or another client took it"},
     [VISTA_ERROR_FRAME] = {"VISTA_ERROR_FRAME", "the board did not finish the frame"},
+    [VISTA_ERROR_HELD] = {"VISTA_ERROR_HELD", "another client holds the board until it is silent for 3 s"},
     [VISTA_ERROR_SHARED] = {"VISTA_ERROR_SHARED", "the system gives no shared memory"},
 };
 

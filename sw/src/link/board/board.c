@@ -59,7 +59,9 @@ vista_status vista_board_connect(void *memory, size_t bytes, const char *host, i
 }
 
 void vista_board_disconnect(vista_board *board) {
-  if (board) close(board->socket);
+  if (!board) return;
+  session_close(board);
+  close(board->socket);
 }
 
 vista_status vista_board_identify(vista_board *board, vista_board_build *build) {

@@ -64,6 +64,7 @@ static void take_status(vista_board *board) {
   status->frame = packet_field(in, 0, WIRE_HEADER_FRAME);
   status->credits = packet_field(in, body, WIRE_STATUS_CREDITS);
   status->busy = packet_field(in, body, WIRE_STATUS_BUSY);
+  status->held = packet_field(in, body, WIRE_STATUS_HELD);
   status->last_write = packet_field(in, body, WIRE_STATUS_LAST_WRITE);
   for (uint32_t s = 0; s < WIRE_SLOTS; s++) {
     const uint32_t next = (WIRE_STATUS_SLOT_1_FRAME - WIRE_STATUS_SLOT_0_FRAME) * s;
@@ -83,7 +84,7 @@ static int32_t least_words(const packet *in) {
     case WIRE_REPLY_VALUES:
       return WIRE_HEADER_WORDS + count;
     case WIRE_REPLY_WORDS:
-      return WIRE_HEADER_WORDS + CHUNK_WORDS;
+      return PACKET_WORDS;
     default:
       return 0;
   }

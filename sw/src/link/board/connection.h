@@ -14,7 +14,7 @@ enum {
   CHUNK_WORDS = WIRE_CHUNK_BYTES / 4,
   CHUNK_PIXELS = WIRE_CHUNK_BYTES / 2,
   BITMAP_WORDS = WIRE_MAX_CHUNKS_IN / 32,
-  PACKET_WORDS = WIRE_HEADER_WORDS + CHUNK_WORDS,
+  PACKET_WORDS = WIRE_HEADER_WORDS + CHUNK_WORDS + 1, /* the check of a chunk of words is the last */
 };
 
 /* A packet: the words of the header and of the payload, each in the order of bytes on the wire. */
@@ -29,7 +29,7 @@ typedef struct slot_status {
 
 /* The newest status that the board sent. */
 typedef struct board_status {
-  uint32_t token, session, credits, busy, last_write;
+  uint32_t token, session, credits, busy, held, last_write;
   slot_status slot[WIRE_SLOTS];
   uint32_t frame; /* that the bitmap is of */
   uint32_t bitmap[BITMAP_WORDS];

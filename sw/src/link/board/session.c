@@ -103,12 +103,20 @@ vista_status session_open(vista_board *board, const vista_board_settings *settin
     packet_set_field(out, body, WIRE_OPEN_CHUNKS_IN, (uint32_t)((pixels + CHUNK_PIXELS - 1) / CHUNK_PIXELS));
     packet_set_field(out, body, WIRE_OPEN_WORDS_OUT, (uint32_t)board->layout.pairs);
     status = request_reply(board, WIRE_REPLY_STATUS);
+    if (status == VISTA_OK && board->status.session != session && board->status.held) return VISTA_ERROR_HELD;
     if (status != VISTA_OK || board->status.session != session) continue;
     board->session = session;
     board->session_token = board->status.token;
     return wait_until_idle(board);
   }
   return status == VISTA_OK ? VISTA_ERROR_SESSION : status;
+}
+
+void session_close(vista_board *board) {
+  if (board->session == 0) return;
+  connection_begin(board, WIRE_REQUEST_CLOSE, 0, 0);
+  connection_send(board);
+  board->session = 0;
 }
 
 static vista_status load_points(vista_board *board, const int16_t *points, int64_t count) {

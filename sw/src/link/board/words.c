@@ -35,6 +35,14 @@ static void ask(vista_board *board, const fetching *f) {
   connection_send(board);
 }
 
+/* Whether a chunk of that many words is the one that the board made of this frame. */
+static bool is_checked(const vista_board *board, const fetching *f, int32_t chunk, int64_t count) {
+  uint32_t check = board->session ^ f->frame ^ (uint32_t)chunk << 16;
+  for (int32_t i = 0; i < count; i++)
+    check = (check << 1 | check >> 31) + packet_word(&board->in, WIRE_HEADER_WORDS + i);
+  return check == packet_word(&board->in, WIRE_HEADER_WORDS + CHUNK_WORDS);
+}
+
 /* Takes over a chunk that came; whether it is the last one of those asked for, so that what is missing is lost. */
 static bool take_chunk(vista_board *board, const fetching *f) {
   const packet *const in = &board->in;
@@ -45,10 +53,12 @@ static bool take_chunk(vista_board *board, const fetching *f) {
   board->counts.chunks_received++;
   board->counts.chunks_received_again += board->received[chunk];
   const int64_t first = (int64_t)chunk * CHUNK_WORDS, left_over = f->pairs - first;
-  if (!board->received[chunk])
-    frame_layout_unpack(&board->layout, first, left_over < CHUNK_WORDS ? left_over : CHUNK_WORDS,
-                        in->bytes + (size_t)4 * WIRE_HEADER_WORDS, f->words);
-  board->received[chunk] = 1;
+  const int64_t count = left_over < CHUNK_WORDS ? left_over : CHUNK_WORDS;
+  const bool checked = is_checked(board, f, chunk, count);
+  if (checked && !board->received[chunk])
+    frame_layout_unpack(&board->layout, first, count, in->bytes + (size_t)4 * WIRE_HEADER_WORDS, f->words);
+  board->counts.chunks_wrong += !checked;
+  board->received[chunk] |= checked;
   return packet_field(in, 0, WIRE_HEADER_TOKEN) == board->token && chunk == f->first + f->count - 1;
 }
 
@@ -85,7 +95,10 @@ vista_status words_fetch(vista_board *board, uint32_t frame, int16_t *words) {
   vista_status status = VISTA_OK;
   while (status == VISTA_OK && next_part(board, &f)) {
     ask(board, &f);
+    const int64_t wrong = board->counts.chunks_wrong;
     status = receive_part(board, &f, &silent_since_ns);
+    if (status == VISTA_OK && board->counts.chunks_wrong > wrong && request_has_waited(board, f.begin_ns))
+      status = VISTA_ERROR_FRAME;
   }
   return status;
 }
