@@ -9,15 +9,13 @@ no way to know a place again.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import partial
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from vista.geometry import Array, Calibration, Pose, camera_matrix
-
-Grey = NDArray[np.uint8]
+from vista.health.features import Grey, follow
 
 CORNERS = 400
 CORNER_QUALITY = 0.005  # of the best corner's response
@@ -26,9 +24,7 @@ BORDER_PX = 4
 MIN_DISPARITY_PX = 2.0  # farther points say little about the way
 WORD_SPREAD_PX = 1.0  # of the words around a corner: at an edge it may have either disparity
 WORDS_PER_PX = 16.0
-FLOW_WINDOW_PX = 21
 FLOW_LEVELS = 4
-FLOW_CLOSURE_PX = 0.5
 RANSAC_ERROR_PX = 1.5
 RANSAC_ROUNDS = 300
 MIN_INLIERS = 20  # six numbers are estimated; fewer points than this agree by chance
@@ -136,19 +132,11 @@ class StereoOdometry:
 def _follow(
     before: Grey, now: Grey, pixels: NDArray[np.float32]
 ) -> tuple[NDArray[np.float32], NDArray[np.bool_]]:
-    """Follows the pixels, and says of which that is sure: followed back, they arrive where they started."""
-    follow = partial(
-        cv2.calcOpticalFlowPyrLK,
-        nextPts=None,
-        winSize=(FLOW_WINDOW_PX, FLOW_WINDOW_PX),
-        maxLevel=FLOW_LEVELS,
-    )
-    there, found, _ = follow(before, now, pixels)
-    back, found_back, _ = follow(now, before, there)
-    closed = np.linalg.norm(back - pixels, axis=1) < FLOW_CLOSURE_PX
+    """Follows the pixels, and says of which that is sure, and ends within the image."""
+    there, sure = follow(before, now, pixels, FLOW_LEVELS)
     height, width = now.shape
     inside = np.all((there >= BORDER_PX) & (there < [width - BORDER_PX, height - BORDER_PX]), axis=1)
-    return np.asarray(there, np.float32), (found.ravel() == 1) & (found_back.ravel() == 1) & closed & inside
+    return there, sure & inside
 
 
 def _disparities_px(words: NDArray[np.int16], pixels: NDArray[np.float32]) -> Array:

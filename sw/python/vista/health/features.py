@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from functools import partial
 
 import cv2
 import numpy as np
@@ -18,6 +18,8 @@ SEARCH_PX = 4  # around the place that the descriptors give
 MIN_CORRELATION = 0.9
 ROW_LIMIT_PX = 20.0  # matches that lie further apart in rows are taken for false ones
 FLOW_FEATURES = 200
+FLOW_WINDOW_PX = 21
+FLOW_LEVELS = 3
 FLOW_CLOSURE_PX = 0.5  # a feature that is followed there and back has to arrive where it started
 
 
@@ -96,18 +98,27 @@ def _peak(before: float, best: float, after: float) -> float:
 
 
 def image_motion_px(before: Grey, after: Grey) -> NDArray[np.float64]:
-    """How far each feature that can be followed from one image to the next has moved (Lucas-Kanade)."""
-    points = cv2.goodFeaturesToTrack(before, FLOW_FEATURES, 0.01, 8)
-    if points is None:
+    """How far each feature that can be followed from one image to the next has moved."""
+    corners = cv2.goodFeaturesToTrack(before, FLOW_FEATURES, 0.01, 8)
+    if corners is None:
         return np.empty(0)
-    moved, found = _follow(before, after, points)
-    back, found_back = _follow(after, before, moved)
-    closes = np.linalg.norm(back - points, axis=2) < FLOW_CLOSURE_PX
-    kept = (found > 0) & (found_back > 0) & closes
-    return np.asarray(np.linalg.norm(moved - points, axis=2)[kept], np.float64)
+    points = np.asarray(corners, np.float32).reshape(-1, 2)
+    moved, sure = follow(before, after, points, FLOW_LEVELS)
+    return np.asarray(np.linalg.norm(moved - points, axis=1)[sure], np.float64)
 
 
-def _follow(before: Grey, after: Grey, points: NDArray[Any]) -> tuple[NDArray[Any], NDArray[Any]]:
-    """Finds the points in the other image, and says which were found."""
-    moved, found, _ = cv2.calcOpticalFlowPyrLK(before, after, points, np.empty_like(points))
-    return moved, found
+def follow(
+    before: Grey, after: Grey, points: NDArray[np.float32], levels: int
+) -> tuple[NDArray[np.float32], NDArray[np.bool_]]:
+    """Follows points (n, 2) by optical flow (Lucas-Kanade, with so many levels above the image), and
+    says of which that is sure: followed back, they arrive where they started."""
+    way = partial(
+        cv2.calcOpticalFlowPyrLK,
+        nextPts=None,
+        winSize=(FLOW_WINDOW_PX, FLOW_WINDOW_PX),
+        maxLevel=levels,
+    )
+    there, found, _ = way(before, after, points)
+    back, found_back, _ = way(after, before, there)
+    closes = np.linalg.norm(back - points, axis=1) < FLOW_CLOSURE_PX
+    return np.asarray(there, np.float32), (found.ravel() == 1) & (found_back.ravel() == 1) & closes
