@@ -7,16 +7,14 @@ from pathlib import Path
 import cv2
 import numpy as np
 from numpy.typing import NDArray
-from vista.geometry import CameraModel, Pose, RawCalibration, camera_matrix
+from vista.geometry import Calibration, rectified_rig
 
 WIDTH, HEIGHT = 160, 120
 FRAMES = 4
 FOCAL_PX, CX, CY, BASELINE_M = 120.0, 80.0, 60.0, 0.25
 DISPARITY_PX = 6
 
-MATRIX = camera_matrix(FOCAL_PX, FOCAL_PX, CX, CY)
-CAMERA = CameraModel(WIDTH, HEIGHT, MATRIX)
-RIG = RawCalibration(CAMERA, CAMERA, Pose(np.eye(3), np.array([-BASELINE_M, 0.0, 0.0])), "rig")
+RIG = rectified_rig(Calibration(WIDTH, HEIGHT, FOCAL_PX, CX, CY, BASELINE_M), "rig")
 PAIR_CALIBRATION = f"focal_px = {FOCAL_PX}\ncx = {CX}\ncy = {CY}\nbaseline_m = {BASELINE_M}\n"
 
 

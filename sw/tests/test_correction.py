@@ -26,7 +26,7 @@ from vista.control_grid import GridPair, control_grid
 from vista.detector import Detector, Novelty
 from vista.engine import INVALID, Disparity
 from vista.engine.hardware import level_shapes
-from vista.geometry import Pose, RawCalibration
+from vista.geometry import Pose, RawCalibration, rectified_rig
 from vista.health.finding import Reason
 from vista.health.finding import State as Health
 from vista.history import StageClock
@@ -72,7 +72,7 @@ def test_the_grid_of_a_turn_is_that_of_the_camera_that_has_turned() -> None:
 
 
 def test_a_rectified_pair_is_not_resampled_without_a_turn() -> None:
-    rectifier = Rectifier(turned.rectified_rig(CAMERA))
+    rectifier = Rectifier(rectified_rig(CAMERA, ""))
     pairs = turned.textured_flight(CAMERA, seeded(2))
     frames = list(turned.corrected(CAMERA, pairs, lambda _: TURN, 12))
     first, last = frames[0].frame, frames[-1]
@@ -186,7 +186,7 @@ def test_a_run_raises_the_alarm_when_a_turn_is_too_large(tmp_path: Path, run_vis
 
 
 def test_another_flight_begins_with_the_calibration(tmp_path: Path) -> None:
-    sequence = Sequence("two flights", "pairs", turned.rectified_rig(CAMERA), ())
+    sequence = Sequence("two flights", "pairs", rectified_rig(CAMERA, ""), ())
     chain = make_chain(sequence, "golden", turned.correcting(), 1)
     pairs = turned.textured_flight(CAMERA, seeded(6))
     for k in range(8):

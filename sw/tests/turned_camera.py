@@ -15,7 +15,7 @@ from vista.control_grid import Grid
 from vista.detector import Detector, c_raw_camera
 from vista.engine import INVALID
 from vista.engine.hardware import level_shapes
-from vista.geometry import Calibration, CameraModel, Pose, RawCalibration, camera_matrix
+from vista.geometry import Calibration, camera_matrix, rectified_rig
 from vista.pipeline import c_parameters
 from vista.rectify import Map, Rectifier, by_table
 from vista.sequence import Frame
@@ -190,13 +190,6 @@ def flown(
         yield corrector.update(*pairs(k), time_ns(k))
 
 
-def rectified_rig(camera: Calibration) -> RawCalibration:
-    """The rig of cameras whose pairs come rectified."""
-    K = camera_matrix(camera.focal_px, camera.focal_px, camera.cx, camera.cy)
-    one = CameraModel(camera.width, camera.height, K)
-    return RawCalibration(one, one, Pose(np.eye(3), np.array([-camera.baseline_m, 0.0, 0.0])), "")
-
-
 def corrected(
     camera: Calibration,
     pairs: Pairs,
@@ -212,7 +205,7 @@ def corrected(
         right = seen(right, camera, turn_at(k))
         return (left, right) if change is None else change(k, left, right)
 
-    return flown(Rectifier(rectified_rig(camera)), taken, frames, values)
+    return flown(Rectifier(rectified_rig(camera, "")), taken, frames, values)
 
 
 def textured_flight(camera: Calibration, random: np.random.Generator, speed_px: int = 3) -> Pairs:

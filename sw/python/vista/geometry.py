@@ -77,6 +77,13 @@ def camera_matrix(fx: float, fy: float, cx: float, cy: float) -> Array:
     return np.array([[fx, 0.0, cx], [0.0, fy, cy], [0.0, 0.0, 1.0]])
 
 
+def rectified_rig(camera: Calibration, source: str) -> RawCalibration:
+    """The calibration of a pair whose images come rectified."""
+    matrix = camera_matrix(camera.focal_px, camera.focal_px, camera.cx, camera.cy)
+    one = CameraModel(camera.width, camera.height, matrix)
+    return RawCalibration(one, one, Pose(np.eye(3), np.array([-camera.baseline_m, 0.0, 0.0])), source)
+
+
 def rotation_from_quaternion(quaternion: Array) -> Array:
     """3x3 rotation of the unit quaternion (w, x, y, z)."""
     w, x, y, z = quaternion

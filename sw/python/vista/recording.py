@@ -37,7 +37,7 @@ from numpy.typing import NDArray
 
 from vista import native, parameters
 from vista.errors import InputError
-from vista.geometry import Array, Calibration, CameraModel, Pose, RawCalibration, camera_matrix
+from vista.geometry import Array, Calibration, Pose, rectified_rig
 from vista.health.finding import Reason
 from vista.health.monitor import HealthMonitor
 from vista.output import check_replaceable, unwritable
@@ -166,11 +166,7 @@ class Recorder:
 
 def rectified_source(camera: Calibration, stills: bool = False, up_world: Array | None = None) -> Sequence:
     """Cameras that give rectified pairs, as a source has them, without frames."""
-    model = CameraModel(
-        camera.width, camera.height, camera_matrix(camera.focal_px, camera.focal_px, camera.cx, camera.cy)
-    )
-    motion = Pose(np.eye(3), np.array([-camera.baseline_m, 0.0, 0.0]))
-    raw = RawCalibration(model, model, motion, "rectified cameras")
+    raw = rectified_rig(camera, "rectified cameras")
     return Sequence("rectified", "pairs", raw, frames=(), up_world=up_world, stills=stills)
 
 

@@ -49,6 +49,7 @@ import numpy as np
 from vista.errors import InputError
 from vista.geometry import (
     Array,
+    Calibration,
     CameraModel,
     Lens,
     Pose,
@@ -56,6 +57,7 @@ from vista.geometry import (
     camera_matrix,
     is_rotation,
     poses_agree,
+    rectified_rig,
 )
 from vista.sequence.image import EXTENSIONS, read_size
 from vista.sequence.options import BY_ODOMETRY, Options
@@ -171,9 +173,8 @@ def _read_rectified(path: Path, table: dict[str, Any], size_px: tuple[int, int])
     _refuse_unknown(path, table, {"focal_px", "cx", "cy", "baseline_m", *OF_SEQUENCE})
     focal_px = _positive(path, table, "focal_px")
     baseline_m = _positive(path, table, "baseline_m")
-    matrix = camera_matrix(focal_px, focal_px, _number(path, table, "cx"), _number(path, table, "cy"))
-    camera = CameraModel(*size_px, matrix)
-    return RawCalibration(camera, camera, Pose(np.eye(3), np.array([-baseline_m, 0.0, 0.0])), str(path))
+    center_px = _number(path, table, "cx"), _number(path, table, "cy")
+    return rectified_rig(Calibration(*size_px, focal_px, *center_px, baseline_m), str(path))
 
 
 def _read_raw(path: Path, table: dict[str, Any], size_px: tuple[int, int]) -> RawCalibration:
