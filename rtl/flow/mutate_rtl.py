@@ -26,11 +26,19 @@ from faults import expected_after, react  # noqa: E402
 from frames import Frame, beats, expected_flags, random_frame, random_pair, set_up  # noqa: E402
 from registers import CONTROL, ERRORS, FRAMES_IN, FRAMES_OUT  # noqa: E402
 from tools import BUILD, sources, verilator_environment  # noqa: E402
-from verilated import PACES, Config, Pace, Rtl  # noqa: E402
+from verilated import PACES, Config, Pace, Rtl, Stand  # noqa: E402
 from vista_eval.cache import digest_of  # noqa: E402
 from vista_eval.jobs import Job, add_place, chosen_place, exit_on_failure, run  # noqa: E402
 
-CONFIG = Config(16, 5, 64, mutants=True)
+MUTANTS = (BUILD / "mutate" / "vista_stereo_core" / "mutants.v", ROOT / "tb" / "common" / "mutants_core.sv")
+
+
+def with_mutants(_: Config) -> list[Path]:
+    """The sources, with the mutants in place of the core."""
+    return [f for f in sources("vista_stereo.f") if f.name != "vista_stereo_core.sv"] + list(MUTANTS)
+
+
+CONFIG = Config(16, 5, 64, stand=Stand("mutants", MUTANTS, with_mutants, has_parameters=True))
 WIDTH, HEIGHT = fault_size(CONFIG.num_disparities, CONFIG.block_size)
 
 

@@ -6,7 +6,8 @@ import ctypes
 import functools
 import os
 import subprocess
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -14,12 +15,19 @@ import numpy.typing as npt
 from tools import BUILD, ROOT, VERILATOR_FLAGS, digest_of, made_once, sources, verilator_environment
 
 HARNESS = ROOT / "rtl" / "sim" / "vista_rtl.cpp"
-# The core with the mutants of rtl/flow/mutate_rtl.py.
-MUTANTS = [
-    BUILD / "mutate" / "vista_stereo_core" / "mutants.v", Path(__file__).with_name("mutants_core.sv"),
-]  # fmt: skip
 USER, LAST = 1 << 16, 1 << 17  # of a beat
 WORD_USER, WORD_LAST = 1, 2  # of the flags of a word
+
+
+@dataclass(frozen=True)
+class Stand:
+    """What stands in for the sources, and can be made to fail: a netlist, or a core with mutants."""
+
+    name: str
+    made_of: tuple[Path, ...]  # besides the sources
+    files: Callable[[Config], list[Path]]  # to be Verilated, with the build parameters
+    has_parameters: bool = False  # so that they are still to be given
+    flags: str = "-O1"  # of the compiler
 
 
 @dataclass(frozen=True)
@@ -32,14 +40,13 @@ class Config:
     rows: int = 0  # of the line buffer of rectification; 0: the core without front end
     points: int = 64  # control points of a camera, a power of two
     coverage: bool = False
-    mutants: bool = False  # of rtl/flow/mutate_rtl.py, in place of the core
-    netlist: bool = False  # of synthesis, in place of the sources
+    stand: Stand | None = field(default=None, repr=False)
     waves: bool = "VISTA_WAVES" in os.environ  # written to build/rtl/top/NAME/waves.vcd
 
     @property
     def name(self) -> str:
-        kind = "_cov" * self.coverage + "_mutants" * self.mutants + "_net" * self.netlist
-        kind += "_waves" * self.waves
+        kind = "_cov" * self.coverage + "_waves" * self.waves
+        kind += f"_{self.stand.name}" if self.stand else ""
         front_end = f"_r{self.rows}_p{self.points}" * bool(self.rows)
         return f"d{self.num_disparities}_b{self.block_size}_w{self.max_width}{front_end}{kind}"
 
@@ -54,7 +61,7 @@ class Pace:
 
 # What random tests draw from.
 CONFIGS = [
-    Config(16, 5), Config(16, 15), Config(16, 21, 256), Config(32, 9), Config(32, 11), Config(48, 7, 256),
+    Config(16, 5), Config(16, 15), Config(16, 21, 256), Config(32, 9, 96), Config(32, 11), Config(48, 7, 256),
     Config(64, 5), Config(64, 11),
 ]  # fmt: skip
 FRONT_END = Config(16, 5, 64, rows=16)
@@ -67,33 +74,24 @@ def build(config: Config) -> Path:
     folder = BUILD / "top" / config.name
     files = sources("vista_raw_stereo.f" if config.rows else "vista_stereo.f")
     others = [*(ROOT / "rtl" / "formal").glob("*.svh"), *HARNESS.parent.glob("*.[ch]*"), Path(__file__)]
-    if config.netlist:
-        from netlist import MAKERS  # needs the tools of synthesis
-
-        others += MAKERS
-    if config.mutants:
-        others += MUTANTS
+    others += config.stand.made_of if config.stand else []
     digest = digest_of([*files, *sorted(others)], repr(config), repr(VERILATOR_FLAGS))
     return made_once(folder / "engine.so", folder, digest, functools.partial(_build, config, files, folder))
 
 
 def _build(config: Config, files: list[Path], folder: Path) -> None:
-    if config.mutants:
-        files = [f for f in files if f.name != "vista_stereo_core.sv"]
-        files += MUTANTS
-    if config.netlist:
-        from netlist import write_netlist
-
-        files = write_netlist(config.num_disparities, config.block_size, config.max_width)
+    stand = config.stand
+    if stand:
+        files = stand.files(config)
     top = "vista_raw_stereo" if config.rows else "vista_stereo"
-    flags = "-fPIC -O0" if config.netlist else "-fPIC -O1"
+    flags = "-fPIC " + (stand.flags if stand else "-O1")
     flags += " -DVISTA_COVERAGE" * config.coverage
-    flags += " -DVISTA_MUTANTS" * (config.mutants or config.netlist)
+    flags += " -DVISTA_MUTANTS" * (stand is not None)
     flags += " -DVISTA_FRONT_END" * bool(config.rows)
     command = [
         "verilator", "--cc", "--build", "-j", "1", "-O3", "--x-assign", "fast", *VERILATOR_FLAGS,
         "--top-module", top, "--prefix", "Vvista_stereo", "--Mdir", str(folder), "-CFLAGS", flags,
-        *([] if config.netlist else [
+        *([] if stand and not stand.has_parameters else [
             f"-GNumDisparities={config.num_disparities}", f"-GBlockSize={config.block_size}",
             f"-GMaxWidth={config.max_width}",
         ]),

