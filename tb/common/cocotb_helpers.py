@@ -11,6 +11,8 @@ from cocotb.clock import Clock
 from cocotb.handle import SimHandleBase
 from cocotb.triggers import FallingEdge, Timer
 
+PERIOD_NS = 10  # of the clock
+
 
 def seeded(dut: SimHandleBase) -> random.Random:
     seed = int(os.environ.get("VISTA_SEED", "1"))
@@ -32,7 +34,7 @@ async def start(dut: SimHandleBase, **idle: int) -> None:
     if hasattr(dut, "rst_ni"):
         dut.rst_ni.value = 0
     await Timer(1, "ns")  # inputs start at random: none may change beside the first edge
-    cocotb.start_soon(Clock(dut.clk_i, 10, "ns").start())
+    cocotb.start_soon(Clock(dut.clk_i, PERIOD_NS, "ns").start())
     if hasattr(dut, "rst_ni"):
         for _ in range(4):
             await FallingEdge(dut.clk_i)

@@ -12,8 +12,9 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 from cocotb.handle import SimHandleBase
-from cocotb.triggers import FallingEdge, ReadOnly
-from cocotb_helpers import parameter, seeded, start
+from cocotb.simtime import get_sim_time
+from cocotb.triggers import Event, FallingEdge, First, ReadOnly, RisingEdge, Timer
+from cocotb_helpers import PERIOD_NS, parameter, seeded, start
 from faults import EARLY_EOL, EARLY_SOF, LATE_EOL, LATE_SOF, SIZE, Reaction, Received, react
 from frames import beats
 from rtl_package import package_constant
@@ -21,6 +22,7 @@ from verilated import LAST, USER
 
 MIN_WIDTH, MIN_HEIGHT = package_constant("MinWidth"), package_constant("MinHeight")
 FEWEST = 3  # pixels of a frame that was cut
+DOZE = 300  # clocks without a beat after which a run without further video only waits for one to leave
 SIDE_W = 8  # of what goes along with a frame
 ERRORS = {
     "error_early_eol_o": EARLY_EOL,
@@ -231,11 +233,28 @@ class Seen:
     out_clock: list[int] = field(default_factory=list)
 
 
+class Ports(dict[str, SimHandleBase]):
+    """The ports of a module by name. Each is looked up once, and written when it changes: both take long."""
+
+    def __init__(self, dut: SimHandleBase) -> None:
+        self.dut, self.driven = dut, dict[str, int]()
+
+    def __missing__(self, name: str) -> SimHandleBase:
+        self[name] = getattr(self.dut, name)
+        return self[name]
+
+    def drive(self, **values: int) -> None:
+        for name, value in values.items():
+            if self.driven.get(name) != value:
+                self[name].value = self.driven[name] = value
+
+
 class Driver:
     """Offers segments at s_axis and takes at m_axis, at any pace; watches the rules of the bus."""
 
     def __init__(self, dut: SimHandleBase, dice: random.Random, option: str, along: tuple[str, ...]) -> None:
         self.dut, self.dice, self.option, self.along = dut, dice, option, along
+        self.ports = Ports(dut)
         self.max_width = parameter("MaxWidth")
         self.memory: Memory | None = None  # of the run, if there are ports for it
         self.patience = 400  # clocks without a beat before it is over, at full pace
@@ -243,6 +262,11 @@ class Driver:
         self.clock = 0
         self.waiting: tuple[int, ...] | None = None
         self.fetching = False
+        self.awake = Event()
+        self.awake.set()
+        self.wakes: tuple[str, ...] = ("m_axis_tvalid",)  # ports that end a doze when they rise
+        if hasattr(dut, "store_axis_tready"):
+            self.wakes += ("store_axis_tvalid",)
 
     def set_up(self, segment: Segment) -> None:
         dut = self.dut
@@ -263,8 +287,8 @@ class Driver:
         self, segments: list[Segment], offered: float, taken: float, stop_after: int | None = None
     ) -> Seen:
         """Runs until nothing has moved for long, or so many beats were taken."""
-        dut, dice, seen = self.dut, self.dice, Seen()
-        if hasattr(dut, "store_axis_tready"):
+        ports, dice, seen = self.ports, self.dice, Seen()
+        if "store_axis_tvalid" in self.wakes:
             self.memory = memory_for(segments)
         stream = np.concatenate([s.stream for s in segments]).tolist()
         places = np.cumsum([0, *(len(s.stream) for s in segments[:-1])]).tolist()
@@ -287,25 +311,28 @@ class Driver:
                 self.distract()
             beat = stream[position] if offering else dice.randrange(1 << 16) | USER | LAST
             ready = dice.random() < taken
-            dut.s_axis_tvalid.value, dut.s_axis_tdata.value = offering, beat & 0xFFFF
-            dut.s_axis_tuser.value, dut.s_axis_tlast.value = bool(beat & USER), bool(beat & LAST)
-            dut.m_axis_tready.value = ready
+            ports.drive(
+                s_axis_tvalid=offering, s_axis_tdata=beat & 0xFFFF, s_axis_tuser=bool(beat & USER),
+                s_axis_tlast=bool(beat & LAST), m_axis_tready=ready,
+            )  # fmt: skip
             self._offer_memory(taken)
             await ReadOnly()
-            if offering and dut.s_axis_tready.value:
+            if offering and ports["s_axis_tready"].value:
                 position, offering, idle = position + 1, False, 0
                 seen.in_clock.append(self.clock)
             idle += 1
             if self._take(ready, seen):
                 idle = 0
             self._move_memory()
-            seen.starts += int(dut.frame_start_o.value)
+            seen.starts += int(ports["frame_start_o"].value)
             for name, bit in ERRORS.items():
-                seen.errors |= bit if getattr(dut, name).value else 0
-            await FallingEdge(dut.clk_i)
+                seen.errors |= bit if ports[name].value else 0
+            await FallingEdge(ports["clk_i"])
             self.clock += 1
             assert self.clock < latest, "it does not end"
-        dut.s_axis_tvalid.value = 0
+            if idle >= DOZE and position == len(stream) and self.waiting is None:
+                idle += await self._doze(round(quiet - idle))
+        ports.drive(s_axis_tvalid=0)
         if stop_after is None:
             hit(bins_of(segments, self.max_width, offered, taken))
             assert position == len(stream), "the input hung"
@@ -315,13 +342,28 @@ class Driver:
             assert self.memory.left == stored, "a level left other than it was stored"
         return seen
 
+    async def _doze(self, most: int) -> int:
+        """Waits until something comes, or so many clocks, with nothing to drive; the clocks that it took."""
+        ports = [self.ports[name] for name in self.wakes]
+        if most < 1 or (self.memory and self.memory.beats) or any(port.value for port in ports):
+            return 0
+        self.ports.drive(s_axis_tvalid=0, m_axis_tready=1)
+        before = get_sim_time("ns")
+        self.awake.clear()
+        await First(Timer(most * PERIOD_NS, "ns"), *(RisingEdge(port) for port in ports))
+        self.awake.set()
+        await FallingEdge(self.ports["clk_i"])
+        clocks = round((get_sim_time("ns") - before) / PERIOD_NS)
+        self.clock += clocks
+        return clocks
+
     def _take(self, ready: bool, seen: Seen) -> bool:
-        dut = self.dut
-        if not dut.m_axis_tvalid.value:
+        ports = self.ports
+        if not ports["m_axis_tvalid"].value:
             assert self.waiting is None, "a waiting beat vanished"
             return False
-        beat = (int(dut.m_axis_tdata.value), int(dut.m_axis_tuser.value), int(dut.m_axis_tlast.value))
-        along = {name: int(getattr(dut, name).value) for name in self.along}
+        beat = tuple(int(ports[f"m_axis_{name}"].value) for name in ("tdata", "tuser", "tlast"))
+        along = {name: int(ports[name].value) for name in self.along}
         assert self.waiting in (None, (*beat, *along.values())), "a waiting beat changed"
         self.waiting = None if ready else (*beat, *along.values())
         if ready:
@@ -337,24 +379,26 @@ class Driver:
     def _offer_memory(self, pace: float) -> None:
         if (memory := self.memory) is None:
             return
-        dut, dice = self.dut, self.dice
+        dice = self.dice
         room = len(memory.beats) < memory.size
-        dut.store_axis_tready.value = room and dice.random() < pace
+        taking = room and dice.random() < pace
         self.fetching = bool(memory.beats) and (self.fetching or dice.random() < pace)
         beat = memory.beats[0] if self.fetching else dice.randrange(1 << 18)
-        dut.fetch_axis_tvalid.value, dut.fetch_axis_tdata.value = self.fetching, beat & 0xFFFF
-        dut.fetch_axis_tuser.value, dut.fetch_axis_tlast.value = bool(beat & USER), bool(beat & LAST)
+        self.ports.drive(
+            store_axis_tready=taking, fetch_axis_tvalid=self.fetching, fetch_axis_tdata=beat & 0xFFFF,
+            fetch_axis_tuser=bool(beat & USER), fetch_axis_tlast=bool(beat & LAST),
+        )  # fmt: skip
 
     def _move_memory(self) -> None:
         if (memory := self.memory) is None:
             return
-        dut = self.dut
-        if self.fetching and dut.fetch_axis_tready.value:
+        ports = self.ports
+        if self.fetching and ports["fetch_axis_tready"].value:
             memory.beats.popleft()
             self.fetching = False
-        if dut.store_axis_tvalid.value and dut.store_axis_tready.value:
-            flags = (USER if dut.store_axis_tuser.value else 0) | (LAST if dut.store_axis_tlast.value else 0)
-            beat = int(dut.store_axis_tdata.value) | flags
+        if ports.driven["store_axis_tready"] and ports["store_axis_tvalid"].value:
+            beat = int(ports["store_axis_tdata"].value)
+            beat |= USER * int(ports["store_axis_tuser"].value) | LAST * int(ports["store_axis_tlast"].value)
             memory.beats.append(beat)
             memory.stored.append(beat)
 

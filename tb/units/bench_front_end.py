@@ -10,6 +10,7 @@ from bench_pyramid import levels_of
 from bench_rectify import (
     IDLE,
     LARGEST,
+    WATCHED,
     Loader,
     random_segments,
     run,
@@ -82,6 +83,7 @@ def words_of(segments, settings):
 
 async def started_front_end(dut):
     driver, rng = await started(dut, "front_end_i", (), IDLE)
+    driver.wakes += WATCHED
     # A frame that was cut at once is filled in every block in turn, and nothing leaves.
     driver.patience = 4 * MAX_WIDTH * (LARGEST + 20)
     return driver, rng
@@ -117,7 +119,7 @@ async def soft_reset_keeps_the_map(dut):
         segments, settings = random_video(rng, ["good"])
         (segment,) = segments
         stop = int(rng.integers(1, len(segment.stream)))
-        loader = Loader(dut, driver.dice, segment.loads, 1.0)
+        loader = Loader(driver, segment.loads, 1.0)
         task = cocotb.start_soon(loader.run())
         driver.may_begin = lambda segment, loader=loader: loader.done >= segment.loads_before
         await driver.run(segments, 1.0, float(rng.choice([1.0, 0.3])), stop)

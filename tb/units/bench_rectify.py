@@ -37,6 +37,7 @@ IDLE = ("map_begin_i", "map_write_i", "map_commit_i", "keep_map_i")
 LARGEST = 2 * ROWS + 14  # rows of the largest frame
 LATENCY = 33  # from the last pixel of the rows that are needed to the first of the row
 VERDICTS = ("map_accepted_o", "map_refused_rows_o", "map_refused_size_o")
+WATCHED = (*VERDICTS, "error_map_o")
 ACCEPTED, ROWS_REFUSED, SIZE_REFUSED = range(3)
 BINS = ("accepted", "rows", "size")  # of the coverage plan, by verdict
 
@@ -153,59 +154,65 @@ def random_segments(rng, kinds, images=random_images, widths=(4, 5, 15, 16, 17))
 class Loader:
     """Writes maps at its own pace, while frames pass, and holds back the video that needs them."""
 
-    def __init__(self, dut, dice, loads, pace):
-        self.dut, self.dice, self.loads, self.pace = dut, dice, loads, pace
+    def __init__(self, driver, loads, pace):
+        self.driver, self.dice, self.ports, self.loads, self.pace = (
+            driver, driver.dice, driver.ports, loads, pace
+        )  # fmt: skip
         self.offers, self.done, self.unfit, self.verdicts = 0, 0, 0, []
         self.waiting = False
 
     async def clock(self):
-        dut = self.dut
-        await ReadOnly()
-        self.offers += bool(dut.s_axis_tvalid.value and dut.s_axis_tuser.value and not self.waiting)
-        self.waiting = bool(dut.s_axis_tvalid.value and not dut.s_axis_tready.value)
-        await FallingEdge(dut.clk_i)
-        self.unfit += int(dut.error_map_o.value)
-        self.verdicts += [i for i, name in enumerate(VERDICTS) if getattr(dut, name).value]
+        ports = self.ports
+        if self.done < len(self.loads):
+            await ReadOnly()
+            offered = bool(ports["s_axis_tvalid"].value)
+            self.offers += bool(offered and ports["s_axis_tuser"].value and not self.waiting)
+            self.waiting = offered and not ports["s_axis_tready"].value
+        await FallingEdge(ports["clk_i"])
+        self.unfit += int(ports["error_map_o"].value)
+        self.verdicts += [i for i, name in enumerate(VERDICTS) if ports[name].value]
 
     async def pause(self):
         while self.dice.random() > self.pace:
             await self.clock()
 
     async def run(self):
-        dut = self.dut
+        ports = self.ports
         for load in self.loads:
             await self.pause()
-            while not (load.hasty or dut.map_ready_o.value):
+            while not (load.hasty or ports["map_ready_o"].value):
                 await self.clock()
-            dut.map_begin_i.value, dut.map_width_i.value, dut.map_height_i.value = 1, load.width, load.height
+            ports.drive(map_begin_i=1, map_width_i=load.width, map_height_i=load.height)
             await self.clock()
-            dut.map_begin_i.value = 0
+            ports.drive(map_begin_i=0)
             for word in load.words:
-                dut.map_write_i.value, dut.map_data_i.value = 1, word
+                ports.drive(map_write_i=1, map_data_i=word)
                 await self.clock()
-                dut.map_write_i.value, dut.map_data_i.value = 0, self.dice.randrange(1 << 32)
+                ports.drive(map_write_i=0, map_data_i=self.dice.randrange(1 << 32))
                 await self.pause()
             while self.offers < load.after_offers:
                 await self.clock()
             await self.pause()
-            video = dut.s_axis_tvalid.value and dut.s_axis_tready.value
+            video = ports["s_axis_tvalid"].value and ports["s_axis_tready"].value
             hit([f"map {BINS[load.verdict]} {'video' if video else 'quiet'}"])
-            dut.map_commit_i.value = 1
+            ports.drive(map_commit_i=1)
             await self.clock()
-            dut.map_commit_i.value = 0
+            ports.drive(map_commit_i=0)
             self.done += 1
         while True:
             await self.clock()
+            await self.driver.awake.wait()
 
 
 async def started_without_map(dut):
     driver, rng = await started(dut, "rectify_i", ALONG, IDLE)
+    driver.wakes += WATCHED
     driver.patience = MAX_WIDTH * (LARGEST + 20)  # a frame that was cut at once is filled, and nothing leaves
     return driver, rng
 
 
 async def run(driver, segments, offered, taken, pace=0.7):
-    loader = Loader(driver.dut, driver.dice, [load for s in segments for load in s.loads], pace)
+    loader = Loader(driver, [load for s in segments for load in s.loads], pace)
     task = cocotb.start_soon(loader.run())
     driver.may_begin = lambda segment: loader.done >= segment.loads_before
     seen = await driver.run(segments, offered, taken)
@@ -238,7 +245,7 @@ async def reset_inside_a_frame(dut):
     for _ in range(8):
         segments = random_segments(rng, ["good"])
         stop = int(rng.integers(1, len(segments[0].stream)))
-        loader = Loader(dut, driver.dice, segments[0].loads, 1.0)
+        loader = Loader(driver, segments[0].loads, 1.0)
         task = cocotb.start_soon(loader.run())
         driver.may_begin = lambda segment, loader=loader: loader.done >= segment.loads_before
         await driver.run(segments, 1.0, float(rng.choice([1.0, 0.3])), stop)
