@@ -131,18 +131,19 @@ def recorded(config: Config, trace: Path) -> None:
         rtl.reset(8)
         frame_at_reset_defaults(rtl, rng)
         rtl.write(INTERRUPT_MASK, 3)
-        frames(rtl, rng, 6)
-        faulty_video(rtl, rng)
-        for _ in range(3):
-            reset_inside_a_frame(rtl, rng)
-            frame_at_reset_defaults(rtl, rng)
-        frames(rtl, rng, 3)
         if config.rows:
             raw_frames(rtl, rng, 6)
             faulty_raw_video(rtl, rng)
             for _ in range(2):
                 maps_and_resets(rtl, rng)
             raw_frames(rtl, rng, 2)
+        else:
+            frames(rtl, rng, 96 // config.num_disparities)  # larger ones with more disparities
+            faulty_video(rtl, rng)
+            for _ in range(3):
+                reset_inside_a_frame(rtl, rng)
+                frame_at_reset_defaults(rtl, rng)
+            frames(rtl, rng, 3)
         for address, _ in registers().values():
             rtl.read(address)
         assert rtl.read(FRAMES_OUT) >= 4

@@ -64,15 +64,15 @@ def test_whole_real_frame(config: Config, prefilter: str) -> None:
         check(rtl, Frame(left, right, parameters), Pace(), Pace(), 1)
 
 
-@pytest.mark.parametrize("max_width", [64, 100])
-def test_frame_as_wide_as_the_memories(max_width: int) -> None:
-    config = Config(16, 5, max_width)
+@pytest.mark.parametrize("config", [Config(16, 5, 64), Config(32, 9, 96)], ids=name)
+def test_frame_as_wide_as_the_memories(config: Config) -> None:
     rng = np.random.default_rng(7)
     with Rtl(config) as rtl:
         rtl.write(CONTROL, 1)
         for seed in range(4):
-            images = rng.integers(0, 256, (2, 9, max_width), np.uint8)
-            check(rtl, Frame(*images, random_parameters(rng, 16, 5)), Pace(), PACES[seed], seed)
+            images = rng.integers(0, 256, (2, 13, config.max_width), np.uint8)
+            parameters = random_parameters(rng, config.num_disparities, config.block_size)
+            check(rtl, Frame(*images, parameters), Pace(), PACES[seed], seed)
 
 
 def frames_of_any_size(rng: np.random.Generator, config: Config, count: int) -> list[Frame]:
