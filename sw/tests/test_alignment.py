@@ -58,6 +58,7 @@ def assert_rows_match(frame: Corrected, turn: Turn, median_px: float = 0.2) -> N
 # ---- a turn that can be corrected ----
 
 
+@pytest.mark.same_c
 @pytest.mark.parametrize("name", JUMPS)
 def test_rows_match_again_soon_after_a_sudden_turn(name: str) -> None:
     turn = degrees(*JUMPS[name])
@@ -74,6 +75,7 @@ def test_rows_match_again_soon_after_a_sudden_turn(name: str) -> None:
     assert frames[BEFORE].alignment.health == (Health.BLIND if row_error_px > 2.0 else Health.DEGRADED)
 
 
+@pytest.mark.same_c
 @pytest.mark.parametrize("name", ["pitch", "roll"])
 def test_noise_of_six_grey_levels_does_not_matter(name: str) -> None:
     turn = degrees(*JUMPS[name])
@@ -89,6 +91,7 @@ def test_a_second_turn_the_other_way_is_followed_too() -> None:
         assert_rows_match(frames[k], turns[k])
 
 
+@pytest.mark.same_c
 def test_a_slow_drift_is_followed() -> None:
     """0.1 degrees in 8 s: the correction follows in steps."""
     pairs = turned.textured_flight(CAMERA, seeded(4))
@@ -98,6 +101,7 @@ def test_a_slow_drift_is_followed() -> None:
     assert any(frame.alignment.changed for frame in frames)
 
 
+@pytest.mark.same_c
 def test_a_good_calibration_is_left_as_it_is() -> None:
     for frame in run(degrees(0.005, -0.005)):
         assert frame.applied == Turn()
@@ -119,6 +123,7 @@ def test_the_estimate_is_that_of_the_turn_from_any_correction() -> None:
 # ---- what cannot be corrected ----
 
 
+@pytest.mark.same_c
 @pytest.mark.parametrize(("pitch", "roll"), [(3.0, 0.0), (0.0, 3.0), (-3.0, 3.0), (1.3, 0.0), (0.0, -1.4)])
 def test_a_turn_beyond_the_limits_raises_the_alarm(pitch: float, roll: float) -> None:
     frames = run(degrees(pitch, roll))
@@ -138,6 +143,7 @@ def test_the_alarm_ends_when_the_camera_is_back() -> None:
     assert frames[49].alignment.health == Health.HEALTHY
 
 
+@pytest.mark.same_c
 def test_a_pair_that_agrees_by_chance_does_not_end_the_alarm() -> None:
     pairs = turned.textured_flight(CAMERA, seeded(15))
     frames = list(
@@ -150,6 +156,7 @@ def test_a_pair_that_agrees_by_chance_does_not_end_the_alarm() -> None:
     assert {frame.alignment.state for frame in frames[39:]} == {State.LOST}
 
 
+@pytest.mark.same_c
 def test_the_limits_are_those_of_the_parameters() -> None:
     values = parameters.defaults()
     values["alignment"] = values["alignment"] | {"pitch_max_deg": 0.3}

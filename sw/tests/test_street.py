@@ -21,7 +21,7 @@ from vista_eval.metrics.street import (
 )
 
 pytestmark = [
-    pytest.mark.native,
+    pytest.mark.same_c,
     pytest.mark.slow,
     pytest.mark.skipif(not SEQUENCE.is_dir(), reason=f"no {SEQUENCE}"),
 ]

@@ -55,6 +55,7 @@ def assert_met(found: list[tuple[float, Seen]], share: float = 0.05, least_m: fl
         assert abs(seen.along_m - true) <= max(share * true, least_m), (true, seen)
 
 
+@pytest.mark.same_c
 @pytest.mark.parametrize("degrees", [5, 10, 15, 25, 40])
 def test_a_hillside_is_met(degrees: int) -> None:
     random = seeded(degrees)
@@ -75,6 +76,7 @@ def test_a_ridge_that_stays_below_is_not_met() -> None:
     assert not any(seen.warned for _, seen in found)
 
 
+@pytest.mark.same_c
 def test_rolling_ground_is_met_where_it_rises_into_the_path_and_not_where_it_stays_below() -> None:
     random = seeded(52)
     hills = rolling(6.0, 90.0, -2 * np.pi * 70.0 / 90.0)  # a top at z = 70
@@ -83,6 +85,7 @@ def test_rolling_ground_is_met_where_it_rises_into_the_path_and_not_where_it_sta
         assert not seen.warned
 
 
+@pytest.mark.same_c
 @pytest.mark.parametrize("seed", [12, 26, 51])
 def test_a_hill_met_at_just_over_the_angle_of_grazing_is_warned_of_without_a_break(seed: int) -> None:
     """With these disparities, the angle falls below ten degrees again once it is warned of."""
@@ -92,6 +95,7 @@ def test_a_hill_met_at_just_over_the_angle_of_grazing_is_warned_of_without_a_bre
     assert_met(found, share=0.08, least_m=2.0)
 
 
+@pytest.mark.same_c
 @pytest.mark.parametrize("height_m", [1.65, 2.3, 3.0, 6.0, 20.0])
 def test_level_and_low_flight_meets_nothing(height_m: float) -> None:
     random = seeded(60)
@@ -130,6 +134,7 @@ def test_a_path_that_descends_on_a_meadow_meets_it(descent_deg: float) -> None:
     )
 
 
+@pytest.mark.same_c
 def test_a_camera_that_rolls_sees_the_same() -> None:
     random = seeded(62)
     for roll_deg in (-30.0, 75.0):

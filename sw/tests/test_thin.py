@@ -91,6 +91,7 @@ def test_any_contrast_in_range_finds_a_strong_wire(contrast: float) -> None:
     assert len(Thin(contrast=contrast).find(image, words_around(wire, NOTHING, random))) == 1
 
 
+@pytest.mark.same_c
 def test_a_strong_wire_is_found_at_any_lean() -> None:
     """2 to 5 px wide, it adds up in full along many leans, of which only those in the middle lead on."""
     random = seeded(18)
@@ -110,6 +111,7 @@ def test_a_few_right_words_before_texture_are_enough() -> None:
     assert len(found) == 1 and off_line(found[0], wire)[1] < 0.6
 
 
+@pytest.mark.same_c
 def test_the_engine_gives_words_enough() -> None:
     """From the two images on: sky above, meadow far below, a wire of 20 mm at 20 m."""
     random = seeded(4)
@@ -210,6 +212,7 @@ def test_a_marking_on_plain_ground_is_no_wire() -> None:
     assert len(thin.find(image.astype(np.uint8), words)) == 1  # with the ground unknown it might be one
 
 
+@pytest.mark.same_c
 def test_the_foot_of_a_line_is_its_height_above_the_ground() -> None:
     """Of that of the camera: a post that ends on level ground, and one that hangs 30 % of it above. The words
     of its lowest rows are its own: where some 20 rows in a line are of what is behind, the post ends above

@@ -64,6 +64,7 @@ def rate_hz(**keys: object) -> float:
     return 1e9 * (len(ends) - 1) / (ends[-1] - ends[0])
 
 
+@pytest.mark.same_c
 def test_a_slow_link_sets_the_rate() -> None:
     """A frame crosses it twice, 1024 bytes in a packet of 1110, and the client does one thing at a time."""
     link_bytes_s = 5e6
@@ -72,12 +73,14 @@ def test_a_slow_link_sets_the_rate() -> None:
     assert rate_hz(link_bytes_s=1e9, frames=FEW) > 5 * link_bytes_s / (packets * 1110)
 
 
+@pytest.mark.same_c
 def test_a_slow_engine_sets_the_rate() -> None:
     """It works at one frame at a time: its latency counts."""
     frame = (H + 8 + 1) * W
     assert rate_hz(link_bytes_s=1e9, engine_clock_hz=3e6, frames=80) == pytest.approx(3e6 / frame, rel=0.05)
 
 
+@pytest.mark.same_c
 def test_credits_make_a_round_trip_cost() -> None:
     quick = {"link_bytes_s": 125e6, "frames": FEW}
     assert rate_hz(**quick, link_round_trip_ns=500e3) < 0.5 * rate_hz(**quick)
@@ -104,6 +107,7 @@ def test_every_word_goes_through_the_memory_of_a_board_as_often_as_it_must() -> 
     assert traffic["to_host"] == frames * -(-words // 256) * 256
 
 
+@pytest.mark.same_c
 def test_a_slow_memory_slows_a_board() -> None:
     board = {"link_bytes_s": 1e9, "levels": 3, "engine_clock_hz": 45e6, "frames": FEW}
     assert rate_hz(**board, memory_clock_hz=30e6) < 0.9 * rate_hz(**board, memory_clock_hz=120e6)
