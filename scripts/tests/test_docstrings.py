@@ -10,7 +10,18 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
-PYTHON = ("sw/python", "sw/bench", "sw/eval/bench", "sw/eval/vista_eval", "model", "rtl", "scripts", "tb")
+PYTHON = (
+    "sw/python",
+    "sw/bench",
+    "sw/eval/bench",
+    "sw/eval/vista_eval",
+    "model",
+    "rtl",
+    "scripts",
+    "sw/tests",
+    "sw/eval/tests",
+    "tb",
+)
 HEADERS = ("sw/include", "model/c", "model/systemc", "rtl/src")
 PREPOSITION = (
     "About|Above|After|Against|Along|Among|As|At|Because|Before|Behind|Below|Beside|Between|Beyond|By|Down|During|For|"

@@ -122,7 +122,7 @@ class Page:
         self.settle()
 
     def screenshot(self, path: Path) -> None:
-        """Of the whole page."""
+        """Shows the whole page."""
         data = self.call("Page.captureScreenshot", format="png", captureBeyondViewport=True)["data"]
         path.write_bytes(base64.b64decode(data))
 

@@ -74,7 +74,7 @@ def fake_nearest(obstacle: Obstacle, time_s: float | None = None, **changes: obj
 
 
 def fake_motion(pose: Pose | None = None, velocity_m_s: Array | None = None, known: bool = False) -> Motion:
-    """With the source POSE, or UNTOLD without one."""
+    """The own motion with the source POSE, or UNTOLD without one."""
     placed = Motion.made(known=known, source="UNTOLD" if pose is None else "POSE")
     at = pose or Pose()
     placed.memory["pose"]["rotation"], placed.memory["pose"]["translation_m"] = at.rotation, at.translation_m

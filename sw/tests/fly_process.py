@@ -38,7 +38,7 @@ def prepare(folder: Path, sequence: Path, *options: object) -> list[object]:
 
 
 def frames_at(recording: Path) -> int:
-    """Where the frames of a recording begin: behind what the rig beside it holds as well."""
+    """The place where the frames of a recording begin: behind what the rig beside it holds as well."""
     return (recording.parent / "rig.vista").stat().st_size
 
 
@@ -77,8 +77,8 @@ def timeless(file: Path) -> list[str]:
 def allocations_of_one_pass_and_ten(
     folder: Path, played: list[object], *options: object
 ) -> tuple[list[int], subprocess.CompletedProcess[str]]:
-    """Over the frames of a recording, and the run of the ten. Each pass is a flight of its own: its times
-    begin anew, and what was known is forgotten."""
+    """Counts allocations over the frames of a recording, and gives the run of the ten. Each pass is a flight
+    of its own: its times begin anew, and what was known is forgotten."""
     counter, target, long = (folder / name for name in ("count_allocations.so", "count", "long.vista"))
     source = Path(__file__).with_name("count_allocations.c")
     command = ["gcc", "-std=c17", "-O1", "-fPIC", "-fno-builtin", "-shared", str(source), "-o", str(counter)]

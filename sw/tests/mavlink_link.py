@@ -24,7 +24,7 @@ CLEAR = 4001  # the default of mavlink.max_distance_m
 
 
 def rotation(roll_deg: float, pitch_deg: float, yaw_deg: float) -> np.ndarray:
-    """Of a body with these angles, z down, into the frame that they are measured in."""
+    """Turns from a body with these angles, z down, into the frame that they are measured in."""
     r, p, y = np.radians([roll_deg, pitch_deg, yaw_deg])
     about_x = np.array([[1, 0, 0], [0, np.cos(r), -np.sin(r)], [0, np.sin(r), np.cos(r)]])
     about_y = np.array([[np.cos(p), 0, np.sin(p)], [0, 1, 0], [-np.sin(p), 0, np.cos(p)]])
@@ -63,7 +63,7 @@ class Aircraft:
 
     @property
     def camera_bearing_deg(self) -> float:
-        """From the heading to where the camera looks, level."""
+        """The level angle from the heading to where the camera looks."""
         axis = self.ned_from_camera[:, 2]
         return float(np.degrees(np.arctan2(axis[1], axis[0])) - self.attitude_deg[2])
 

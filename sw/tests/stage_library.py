@@ -274,12 +274,12 @@ class Stages:
         lib.vista_refine(self.frame, self.cells, self.segmentation.label, self.refinement)
 
     def measure_regions(self, words: np.ndarray, up=LEVEL_UP) -> list:
-        """Of the regions as the cells draw them."""
+        """Measures the regions as the cells draw them."""
         self.region_of_pixel[:] = self.label[self.foveation.cell_of_pixel]
         return self.compute_regions(words, up)
 
     def compute_regions(self, words: np.ndarray, up=LEVEL_UP) -> list:
-        """Of the regions as region_of_pixel draws them."""
+        """Measures and judges the regions as region_of_pixel draws them."""
         self.see(up, words=words)
         self.words[:] = words[self.foveation.pixel_v, self.foveation.pixel_u]
         self.listed[:] = self.region_of_pixel[self.foveation.pixel_v, self.foveation.pixel_u]

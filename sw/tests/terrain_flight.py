@@ -36,8 +36,9 @@ def rolling(height_m: float, length_m: float, phase: float) -> Elevation:
 
 
 def first_contact_m(elevation: Elevation, start: Array, direction: Array) -> float:
-    """Along a straight path to the point of the ground that a ball which flies on it touches first; infinite
-    if it touches none. Written without the library: points of the ground, each asked for itself."""
+    """The way along a straight path to the point of the ground that a ball which flies on it touches first;
+    infinite if it touches none. It is written without the library: points of the ground, each asked for
+    itself."""
     reach = 1.5 * RADIUS_M
     x, z = np.meshgrid(np.arange(-reach, reach, 0.1), np.arange(-reach, LENGTH_M + reach, 0.1))
     ground = np.stack([start[0] + x, -elevation(start[0] + x, start[2] + z), start[2] + z], axis=-1) - start
@@ -91,7 +92,7 @@ class TerrainFlight:
         return arena
 
     def depth_m(self, elevation: Elevation, position: Array, rotation: Array) -> Array:
-        """Of each cell's ray along the optical axis; infinite in the sky."""
+        """The depth of each cell's ray along the optical axis; infinite in the sky."""
         rays = (self.rays @ rotation.T).astype(np.float32)
         x, y, z = (rays[:, k] for k in range(3))
         cells, depths = np.arange(len(rays)), np.geomspace(NEAREST_M, FARTHEST_M, STEPS, dtype=np.float32)
@@ -153,7 +154,7 @@ class TerrainFlight:
         return self.update(position, velocity, rotation, **given)
 
     def update(self, position, velocity, rotation=None, arc: dict | None = None, **given: object) -> Seen:
-        """With the disparities that the cells have."""
+        """Updates the terrain with the disparities that the cells have."""
         rotation = np.eye(3) if rotation is None else rotation
         moved = motion(pose(position, rotation), velocity, **given)
         self.frame += 1

@@ -36,7 +36,7 @@ def random_cells(random: np.random.Generator, stages: Stages) -> None:
 
 
 def depth_step_px(stages: Stages, nearer_px: np.ndarray, step_m: float) -> np.ndarray:
-    """By how much the disparity falls over step_m of depth, at most 6 % of the range."""
+    """The fall of the disparity over step_m of depth, at most 6 % of the range."""
     scale = stages.camera.focal_px * stages.camera.baseline_m
     depth_m = scale / nearer_px
     return nearer_px - scale / (depth_m + np.minimum(step_m, 0.06 * depth_m))

@@ -305,7 +305,7 @@ EYE, P_EYE = np.array([[100.0, 0, 50], [0, 100, 50], [0, 0, 1]]), np.eye(3, 4) *
 
 
 def test_zeros_of_a_lens_without_a_name_are_none() -> None:
-    """As drivers publish whose cameras are rectified, or not calibrated."""
+    """Drivers publish them whose cameras are rectified, or not calibrated."""
     left = info_of(EYE, np.zeros(5), np.eye(3), P_EYE, distortion_model="")
     raw = pair_from_camera_info(left, left, ("left", "right"), (False, False))
     assert raw.left.distortion == (0.0,) * 4
@@ -510,7 +510,7 @@ def test_odometry_whose_time_goes_back_is_refused(tmp_path: Path, recording: Rec
 def test_a_run_drops_its_tracks_where_odometry_begins_anew(
     tmp_path: Path, recording: Recording, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """By 6 m in a frame of 50 ms: not fast enough for the detector to refuse it."""
+    """The jump is 6 m in a frame of 50 ms: not fast enough for the detector to refuse it."""
     path = write_restarted(tmp_path / "bag", recording, TIMES_NS[2] + PERIOD_NS // 2, 7.0)
     status, out, err = call(capsys, "run", path, "--out", tmp_path / "out")
     assert status == 0 and "which began anew at another place" in out

@@ -195,7 +195,7 @@ def test_a_real_scene_beyond_the_candidates_is_too_near(sigma: float) -> None:
 
 
 def test_fractions_are_those_of_the_disc() -> None:
-    """In numpy, over every second row."""
+    """The fractions are worked out in numpy, over every second row."""
     random = seeded(3)
     grey = random.integers(0, 256, (HEIGHT, WIDTH), np.uint8)
     words = np.where(random.random(grey.shape) < 0.7, random.integers(100, 200, grey.shape), INVALID)

@@ -104,7 +104,7 @@ def test_no_write_is_made_twice() -> None:
 
 
 def test_service_resumes_after_the_cable_was_pulled() -> None:
-    """In the middle of a frame, and for longer than the client waits: then the next frame is answered."""
+    """It is out in the middle of a frame, longer than the client waits: then the next frame is answered."""
     rng = seeded(2230)
     board = make_board(rng)
     with connected(board, timeout_ms=700) as client:
@@ -289,7 +289,7 @@ def grid(width_px: int, height_px: int, dy: int = 0) -> np.ndarray:
     ],
 )  # fmt: skip
 def test_settings_that_do_not_fit_are_refused(changes: Settings, status: str) -> None:
-    """By a status of their own, and without a session."""
+    """They have a status of their own, and open no session."""
     board = make_board(seeded(2251))
     with connected(board) as client:
         with pytest.raises(BoardError, match=status):
@@ -369,7 +369,7 @@ class Noise(Link):
 
 
 def test_the_stream_is_narrow_and_without_small_levels() -> None:
-    """Of the model: what the engine sends for 7x5 px with four levels is levels 0 and 1."""
+    """The model says it: what the engine sends for 7x5 px with four levels is levels 0 and 1."""
     levels = [np.full(shape, k, np.int16) for k, shape in enumerate([(5, 7), (3, 4), (2, 2), (1, 1)])]
     assert [words.shape for words in sent(levels)] == [(5, 7), (3, 4)]
     assert len(narrow(levels[0])) == 4 * 4 * 5

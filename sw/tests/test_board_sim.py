@@ -84,7 +84,7 @@ def connected(board: Simulation, timeout_ms: int = TIMEOUT_MS) -> Iterator[Clien
 
 
 def small_settings(rng: np.random.Generator) -> dict:
-    """Of any kind, but not wider than the build, and with few pixels."""
+    """Settings of any kind, but not wider than the build, and with few pixels."""
     while True:
         settings = random_settings(rng)
         if settings["width_px"] * settings["height_px"] < 6000:
@@ -284,7 +284,7 @@ def wait_until_done(port: int) -> None:
 
 
 def test_a_chunk_that_is_cut_is_not_taken(program: Path) -> None:
-    """By one byte: the frame waits for it."""
+    """A byte is missing: the frame waits for it."""
     rng = seeded(2416)
     settings = SETTINGS | {"width_px": 40, "height_px": 20}
     pair = random_pair(rng, settings)
@@ -320,7 +320,7 @@ CONTROL = 0x10  # rtl/csr/registers.md
 
 
 def write_register(port: int, address: int, value: int) -> None:
-    """As somebody who has overheard the session."""
+    """Writes a register like somebody who has overheard the session."""
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as link:
         link.connect(("127.0.0.1", port))
         link.settimeout(TIMEOUT_MS / 1000)

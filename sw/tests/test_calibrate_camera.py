@@ -33,7 +33,7 @@ def run_vista(capsys: pytest.CaptureFixture[str]) -> Vista:
 
 @pytest.fixture(scope="module")
 def pictures() -> list[Picture]:
-    """Of the board in many places."""
+    """Pictures of the board in many places."""
     random, rig, board = np.random.default_rng(31), pinhole_rig(), parse_board(BOARD)
     poses = board_poses(rig, board, COUNT, random)
     return [Picture(str(k), *pair) for k, pair in enumerate(render_pairs(rig, board, poses, random))]

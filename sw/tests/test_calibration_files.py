@@ -127,7 +127,7 @@ def test_the_two_files_of_opencvs_sample(tmp_path: Path) -> None:
 
 
 def test_ros_messages_in_either_order(tmp_path: Path) -> None:
-    """As `ros2 topic echo` prints them: other keys, and plain lists."""
+    """`ros2 topic echo` prints them with other keys, and plain lists."""
     rig = random_rig()
     files = []
     for side, text in write_rig(rig, "ros", Options()).items():
@@ -397,7 +397,7 @@ def test_fisheyes_are_rectified(buffer_rows: int) -> None:
 
 
 def test_disparities_of_fisheyes_tell_the_distance() -> None:
-    """As those of pinholes: focal length x baseline / depth along the rectified axis."""
+    """They do as those of pinholes: focal length x baseline / depth along the rectified axis."""
     rig = fisheye_rig()
     (R, P), right = rectified_cameras(rig)
     calibration = Rectifier(rig).calibration

@@ -163,7 +163,7 @@ def test_the_distance_of_a_board_is_that_of_its_middle() -> None:
 
 
 def test_the_worst_view_is_named() -> None:
-    """By its number, not by the text of it: 10 is more than 9."""
+    """Its number counts and not the text of it: 10 is more than 9."""
     errors_px = np.array([0.1] * 5 + [9.0, 10.0, 0.2])
     with pytest.raises(InputError, match=r"\(6: 10\.00 px in left camera\)"):
         _without(views_of([9] * 8), errors_px > 1.0, errors_px, "left camera", {}, 8)

@@ -116,7 +116,7 @@ def test_only_things_count_as_obstacles(
 def test_the_summary_says_how_far_the_path_was_seen_and_how_often_it_met_the_ground(
     tmp_path: Path, run_vista: Vista, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Of the four frames the last two have the ground in the collision volume, and all have it in view."""
+    """The last two of the four frames have the ground in the collision volume, and all have it in view."""
     folder = cases.make_kitti(tmp_path / "flight")
     for detector, frames_met in ((FakeDetector, 0), (DescendingDetector, 2)):
         monkeypatch.setattr(vista.chain, "Detector", detector)
@@ -241,8 +241,8 @@ def test_smoothing_of_a_config(tmp_path: Path, run_vista: Vista, engine: str, sm
 def test_stills_are_judged_one_by_one(
     tmp_path: Path, stills: bool, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """With the real pipeline: the ids of the board and whether it is confirmed, frame by frame.
-    Stills are not presented as a flight."""
+    """The real pipeline gives the ids of the board and whether it is confirmed, frame by frame. Stills are
+    not presented as a flight."""
     folder = cases.make_board_scenes(tmp_path / "pairs", 4, stills)
     record = tmp_path / "stills.rec"
     options = ["--out", str(tmp_path / "out"), "--no-overlay", "--all-tracks", "--record", str(record)]
@@ -582,7 +582,7 @@ def test_the_summary_holds_the_command(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("options", [[], ["--no-overlay"]])
 def test_folders_whose_names_are_not_utf8(tmp_path: Path, options: list[str]) -> None:
-    """In a program of its own: OpenCV did not raise an exception, it crashed."""
+    """A program of its own runs it: OpenCV did not raise an exception, it crashed."""
     folder, out = (os.fsencode(tmp_path) + name for name in (b"/fl\xffght", b"/o\xfet"))
     cases.make_pairs(tmp_path / "pairs", 2).rename(os.fsdecode(folder))
     run = run_program(b"run", folder, b"--out", out, *options)

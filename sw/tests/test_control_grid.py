@@ -31,7 +31,8 @@ def exact_sources_px(camera: CameraModel, R: NDArray[np.float64], P: NDArray[np.
 
 @pytest.mark.parametrize("side", [0, 1])
 def test_sources_are_near_those_of_the_exact_map(side: int) -> None:
-    """At a control point by half of 1/32 px in each direction; between them by the map's bend besides."""
+    """They differ at a control point by half of 1/32 px in each direction; between them by the map's bend
+    besides."""
     camera = (WIDE.left, WIDE.right)[side]
     R, P = rectified_cameras(WIDE)[side]
     exact_px = exact_sources_px(camera, R, P)

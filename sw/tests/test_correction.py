@@ -57,7 +57,7 @@ def test_a_camera_that_has_turned_is_rectified_to_where_it_was(buffer_rows: int)
 
 
 def test_the_grid_of_a_turn_is_that_of_the_camera_that_has_turned() -> None:
-    """Up to the bend of the map between control points, and two roundings."""
+    """It is, up to the bend of the map between control points, and two roundings."""
     _, (R, P) = rectified_cameras(WIDE)
     random = seeded(1)
     calibrated = control_grid(WIDE.right, R, P, "")

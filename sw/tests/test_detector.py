@@ -49,7 +49,7 @@ def rig(**changes: Any) -> Any:
 
 
 class Detector:
-    """In memory that begins at an odd address, with bytes behind it that nobody may write to."""
+    """A detector in memory that begins at an odd address, with bytes behind it that nobody may write to."""
 
     def __init__(self, the_rig: Any = None, parameters: Any = None, **options: bool) -> None:
         self.rig, parameters = the_rig or rig(), parameters or default_parameters()

@@ -57,7 +57,7 @@ def test_golden_and_opencv_agree(pair):
 @pytest.mark.parametrize("smoothed", [False, True])
 @pytest.mark.parametrize("levels", [1, 3, 4])
 def test_levels_are_the_references(pair, levels, smoothed):
-    """At level 3 the pair is 32x13 px: too narrow for 48 candidates, and so all invalid."""
+    """Level 3 of the pair is 32x13 px: too narrow for 48 candidates, and so all invalid."""
     engine = StereoEngine(48, 9, levels=levels, smooth=smoothed)
     found = engine.compute_levels(*pair)
     wanted = compute_levels(*pair, reference_parameters(engine.parameters), levels, smoothed)

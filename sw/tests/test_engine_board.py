@@ -43,7 +43,7 @@ def config(tmp_path: Path) -> Path:
 def test_run_gives_the_same_obstacles(
     tmp_path: Path, run_vista: Vista, config: Path, front_end: bool
 ) -> None:
-    """Over a link that loses and doubles packets; with the front end the board takes raw images."""
+    """The link loses and doubles packets; with the front end the board takes raw images."""
     folder = cases.make_board_scenes(tmp_path / "pairs", 4, stills=False)
     if front_end:
         folder = cases.make_raw(folder)

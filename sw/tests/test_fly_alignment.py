@@ -84,7 +84,7 @@ def test_a_street(tmp_path: Path) -> None:
 @pytest.mark.skipif(SANITIZED, reason="AddressSanitizer replaces malloc itself")
 @pytest.mark.skipif(shutil.which("gcc") is None, reason="gcc is not installed")
 def test_maps_are_made_without_the_heap(tmp_path: Path) -> None:
-    """In each of ten passes over the frames a new one."""
+    """Each of ten passes over the frames makes a new one."""
     flight = write_turned_pairs(tmp_path / "flight", degrees(0.5, 0.0), 2, 16, "radial")
     counts, run = allocations_of_one_pass_and_ten(tmp_path, corrected_flight(tmp_path, flight))
     assert counts[0] == counts[1]

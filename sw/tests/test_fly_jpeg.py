@@ -126,7 +126,7 @@ def test_what_is_no_whole_picture(program: Path) -> None:
 
 
 def test_damaged_bytes_do_no_harm(program: Path) -> None:
-    """Under AddressSanitizer and UndefinedBehaviorSanitizer."""
+    """AddressSanitizer and UndefinedBehaviorSanitizer watch."""
     data, rng = encoded(picture(160, 120)), seeded(1)
     pictures = []
     for _ in range(2000):

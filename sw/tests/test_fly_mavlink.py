@@ -52,7 +52,7 @@ def until(condition: Any, seconds: float = 30.0) -> None:
 
 
 def test_it_is_told_at_10_hz_and_never_left_in_silence(flight: Flight, autopilot: Autopilot) -> None:
-    """With frames, when they cease, and with images that show nothing: unknown then."""
+    """It is told with frames, when they cease, and with images that show nothing: unknown then."""
     name = ring_name()
     with (
         shared_ring(name) as ring,

@@ -97,7 +97,7 @@ def test_a_loop_that_stands_still_ends_the_program(
 
 @pytest.mark.parametrize("turn", range(3))
 def test_killed_and_started_again(flight: Flight, turn: int) -> None:
-    """At whatever moment: it goes on at once, and the lines are whole."""
+    """It goes on at once, at whatever moment it is killed, and the lines are whole."""
     name, random = ring_name(), seeded(20 + turn)
     flight.lines.unlink(missing_ok=True)
     k = 0

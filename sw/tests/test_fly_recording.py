@@ -48,7 +48,7 @@ def test_a_street(tmp_path: Path) -> None:
 
 
 def test_distorted_images(tmp_path: Path) -> None:
-    """Without the shared data too: a lens whose map leads beyond the image."""
+    """It runs without the shared data too: a lens whose map leads beyond the image."""
     flight = cases.make_raw(cases.make_flown_pairs(tmp_path / "flight", 5))
     compare(tmp_path, flight)
 

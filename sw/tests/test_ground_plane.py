@@ -15,7 +15,8 @@ def rays_of_cells(stages: Stages) -> np.ndarray:
 
 
 def disparity_of(stages: Stages, normal, height_m: float) -> np.ndarray:
-    """Of the plane normal . P = height_m at every cell's centre; not above 0 where it is not seen."""
+    """The disparities of the plane normal . P = height_m at every cell's centre; not above 0 where it is not
+    seen."""
     scale = stages.camera.focal_px * stages.camera.baseline_m
     return scale * (rays_of_cells(stages) @ np.asarray(normal, float)) / height_m
 
@@ -75,7 +76,8 @@ def test_the_ground_is_found_below_things_that_hide_it(most_deg: float, share: f
 
 
 def test_a_wall_that_fills_the_image_is_no_ground() -> None:
-    """At 5 to 16 m: farther off, noise of 0.1 px makes it seem to lean, and its foot may pass for ground."""
+    """It is 5 to 16 m away: farther off, noise of 0.1 px makes it seem to lean, and its foot may pass for
+    ground."""
     random = seeded(2)
     for _ in range(30):
         stages = Stages(camera())

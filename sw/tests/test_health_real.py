@@ -61,7 +61,7 @@ ALIGNED = [name for name in RECORDINGS if name != "KITTI 2012"]  # half of whose
 def test_the_alignment_knows_the_rows_of_pairs_that_belong_together(
     tmp_path: Path, name: str, fault: str | None
 ) -> None:
-    """Where it does, features are not matched a second time; where it does not, they are, to say why."""
+    """It does, and then features are not matched a second time; else they are, to say why."""
     if (name, fault) in NOTHING_TO_FIND:
         pytest.skip("another moment looks the same")
     sequence = open_recording(name, tmp_path)

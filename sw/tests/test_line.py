@@ -36,7 +36,7 @@ def test_numbers_by_hand(value: float, digits: int) -> None:
 
 
 def test_numbers_at_random() -> None:
-    """Of the usual size, near ties, of any size, and of any bits."""
+    """Numbers are of the usual size, near ties, of any size, and of any bits."""
     random = seeded(1)
     for _ in range(3000):
         digits = int(random.integers(1, 7))

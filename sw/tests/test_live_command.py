@@ -92,7 +92,7 @@ def test_bad_arguments_take_one_line(
 
 
 def test_a_port_in_use_is_named(tmp_path: Path, flight: Path, run_vista: Vista) -> None:
-    """Before the lines of an earlier run are given up."""
+    """That comes before the lines of an earlier run are given up."""
     lines = tmp_path / "lines.jsonl"
     lines.write_text("of an earlier run")
     with socket.socket() as other:

@@ -75,7 +75,7 @@ def test_a_loop_that_falls_behind_takes_the_newest(flight: tuple[Chain, list[Fra
 
 
 def test_a_frame_that_comes_again_says_nothing_new(flight: tuple[Chain, list[Frame]]) -> None:
-    """With a new time as from a camera that hangs, and with the old one as from a recorder that stutters."""
+    """It has a new time as from a camera that hangs, and the old one as from a recorder that stutters."""
     chain, frames = flight
     later = replace(frames[0], t_ns=frames[0].t_ns + 10_000_000)
     doubled = [frames[0], later, frames[1], frames[1], frames[2]]

@@ -242,7 +242,7 @@ def test_a_serial_line_that_is_unplugged_is_waited_for(monkeypatch: pytest.Monke
 
 @pytest.mark.parametrize("baud", ["", ":57600"])
 def test_a_device_may_have_colons_in_its_name(baud: str, tmp_path: Path) -> None:
-    """As those in /dev/serial/by-path have."""
+    """Those in /dev/serial/by-path have them."""
     controller, terminal = os.openpty()
     device = tmp_path / "pci-0000:00:14.0-usb-0:2:1.0-port0"
     device.symlink_to(os.ttyname(terminal))

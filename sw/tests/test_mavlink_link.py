@@ -162,7 +162,8 @@ def test_a_long_reason_fits() -> None:
 
 
 def test_a_collision_has_its_time_from_now_and_its_distance() -> None:
-    """At 10 m/s straight ahead, 1.5 m to the right of and 0.5 m below the path, 20 m away."""
+    """The aircraft flies 10 m/s straight ahead; the thing is 1.5 m to the right of and 0.5 m below the path,
+    20 m away."""
     aircraft = Aircraft((12.0, -8.0, 200.0), (2.0, 4.0, 30.0))
     link = Link("px4", aircraft)
     collision = {
@@ -210,7 +211,7 @@ def test_frames_of_a_link_are_numbered_without_a_gap() -> None:
 
 
 def test_a_frame_amid_the_points_of_another_is_sent_at_once_and_whole() -> None:
-    """To a caller that takes one message at a time: what is left of the older frame is not the newer's."""
+    """The caller takes one message at a time: what is left of the older frame is not the newer's."""
     link = Link("ardupilot")
     link.update([Thing(np.array([x, 0.0, 10.0]), id=1) for x in (-3.0, 0.0, 3.0)])
     first = link.next()

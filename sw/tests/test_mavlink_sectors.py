@@ -66,7 +66,7 @@ def test_a_point_is_in_its_place_in_the_body(heading_deg: int, attitude_deg) -> 
 
 @pytest.mark.parametrize("attitude_deg", ATTITUDES_DEG)
 def test_clear_is_what_the_camera_saw_in_the_whole_sector(attitude_deg) -> None:
-    """By brute force: every hundredth of a degree of a clear sector lies in a free column."""
+    """Brute force tells: every hundredth of a degree of a clear sector lies in a free column."""
     random = seeded(1)
     for _ in range(20):
         yaw_deg = random.uniform(-180.0, 180.0)
@@ -130,7 +130,7 @@ def test_width_fills_the_sectors_that_it_reaches_into() -> None:
 
 
 def test_the_point_that_the_path_meets_is_told_too() -> None:
-    """Of a wall at an angle, whose middle is 20 m away and aside."""
+    """The thing is a wall at an angle, whose middle is 20 m away and aside."""
     collision = {"valid": True, "id": 3, "position_camera_m": [0.0, 0.5, 8.0], "time_s": 1.0}
     wall = Thing(np.array([14.0, 0.0, 14.0]), width_m=6.0, height_m=6.0, id=3)
     link = Link("px4")

@@ -90,7 +90,8 @@ def test_turn_rate_from_poses(period_s: float) -> None:
 
 
 def test_the_flight_direction() -> None:
-    """Along the velocity; slower than VISTA_SPEED_MIN_M_S along the optical axis. The path, too."""
+    """It lies along the velocity, and along the optical axis when slower than VISTA_SPEED_MIN_M_S; so does
+    the path."""
     turn = Rotation.from_euler("xyz", [4, -7, 3], degrees=True).as_matrix()
     stage = Motion()
     for t_s, velocity, expected in (
@@ -129,7 +130,7 @@ def flown_circle(radius_m: float, speed_m_s: float, frames: int = 40, noise=None
 @pytest.mark.parametrize(("radius_m", "speed_m_s"), [(25.0, 10.0), (60.0, 12.0), (15.0, 3.0), (-25.0, 10.0)])
 @pytest.mark.parametrize("noisy", [False, True])
 def test_in_a_bend_the_path_is_the_arc(radius_m: float, speed_m_s: float, noisy: bool) -> None:
-    """Within its length, what is flown is near the arc, and nearer than to the straight line."""
+    """What is flown is near the arc within its length, and nearer than to the straight line."""
     stage, motion = flown_circle(radius_m, speed_m_s, noise=seeded(5) if noisy else None)
     path = stage.path(motion)
     assert path.curvature_1_m == pytest.approx(1.0 / abs(radius_m), rel=0.3 if noisy else 0.2)
@@ -302,7 +303,7 @@ def test_a_pose_that_repeats_in_flight_is_an_old_one() -> None:
 
 
 def test_a_pose_that_repeats_for_long_is_believed() -> None:
-    """From a second on the vehicle stands; it is not carried on any more, nor again."""
+    """The vehicle stands from a second on; it is not carried on any more, nor again."""
     stage = Motion()
     times = 0.1 * np.arange(20)
     fly(stage, times)
@@ -339,7 +340,7 @@ def test_a_camera_that_stands_is_known_to() -> None:
 
 
 def test_the_callers_velocity_counts() -> None:
-    """Over that of the poses; without a pose it carries the camera on, which still is a guess."""
+    """It goes over that of the poses; without a pose it carries the camera on, which still is a guess."""
     stage, said = Motion(), (0.0, 0.0, 5.0)
     fly(stage, [0.0, 0.1])
     assert list(stage.update(0.2, pose(FORWARD * 0.2), said).velocity_m_s) == list(said)

@@ -102,8 +102,9 @@ def share_of_large(extent_m: float) -> float:
 
 
 def test_what_is_large_is_met_where_it_is_closest_to_the_path() -> None:
-    """Of a rectangle of the extent that faces the camera: from 4.5 m on there; up to 3 m half way to there,
-    uncertain by as much. Which point of its surface is first, and where its end is, adds to that."""
+    """It is met as a rectangle of the extent that faces the camera: from 4.5 m on there; up to 3 m half way
+    to there, uncertain by as much. Which point of its surface is first, and where its end is, adds to that.
+    """
     random = seeded(9)
     for _ in range(50):
         center, extent = random.uniform((-8, -5, 20), (8, 5, 60)), random.uniform(0.2, 20.0, 2)
@@ -227,7 +228,8 @@ def test_a_plain_wall_that_is_held_is_met_where_it_was_met_last(
 
 @pytest.mark.parametrize(("misses", "member"), [(0, True), (2, True), (3, False)])
 def test_where_something_else_is_seen_for_long_nothing_is_warned_of(misses: int, member: bool) -> None:
-    """Until the track is given up: a fragment of a thing that another track follows drifts beside it."""
+    """That lasts until the track is given up: a fragment of a thing that another track follows drifts beside
+    it."""
     assert in_volume((0.0, 0.0, 30.0), coasting=True, misses=misses) == member
 
 
@@ -270,8 +272,8 @@ def test_only_the_doubt_of_the_motion_across_the_path_counts() -> None:
 
 
 def test_errors_that_last_add_to_the_covariance() -> None:
-    """Along the ray by disparity, depth and the place of the foot, across it by pixels and a share of what
-    the width has more than twice the height, both by the scatter of the detections; camera turned."""
+    """They add along the ray by disparity, depth and the place of the foot, across it by pixels and a share
+    of what the width has more than twice the height, both by the scatter of the detections; camera turned."""
     turn = Rotation.from_euler("xyz", [4, -7, 3], degrees=True).as_matrix()
     mapper, point = Map(), np.array([3.0, -2.0, 40.0])
     seen = track(
@@ -289,8 +291,8 @@ def test_errors_that_last_add_to_the_covariance() -> None:
 
 
 def test_what_is_seen_steadily_is_more_certain() -> None:
-    """In u, v and disparity by as much as its detections scattered less than their noise would have it, down
-    to a quarter of the variance; of a few hits by a part of that."""
+    """It is in u, v and disparity, by as much as its detections scattered less than their noise would have
+    it, down to a quarter of the variance; after a few hits by a part of that."""
     turn = Rotation.from_euler("xyz", [4, -7, 3], degrees=True).as_matrix()
     point = np.array([3.0, -2.0, 40.0])
     in_depth_px = LASTING_M * FOCAL * BASELINE / point[2] ** 2
@@ -323,9 +325,9 @@ NEES_BANDS = {  # an honest covariance has 3; the bias that is allowed for is no
 
 @pytest.mark.parametrize("kind", ERRORS)
 def test_the_covariance_is_that_of_the_errors(kind: str) -> None:
-    """Of things that stand, 40 to 20 m ahead. On average the NEES is 3 where the covariance is that of
-    the errors; it is 1.0 of what is steady, 2.1 of what is as noisy as assumed, 2.4 with the bias of the
-    matcher and 4.7 of a region that wanders."""
+    """Things stand, 40 to 20 m ahead. The NEES is 3 on average where the covariance is that of the errors; it
+    is 1.0 of what is steady, 2.1 of what is as noisy as assumed, 2.4 with the bias of the matcher and 4.7 of
+    a region that wanders."""
     random, nees = seeded(1), []
     white, bias, wander = (np.array(sigma) for sigma in ERRORS[kind])
     for _ in range(60):
@@ -375,7 +377,7 @@ def test_what_moves_with_the_aircraft_is_not_confirmed() -> None:
 
 
 def test_what_is_too_near_to_match_is_a_danger() -> None:
-    """Before any track, on the flight path, at the end of the blind zone."""
+    """It comes before any track, on the flight path, at the end of the blind zone."""
     mapper, aside = Map(), (3.0, 0.0, 4.0)
     too_near = ffi.new("vista_blind_zone *", {"occupied": True, "range_m": 14.5})
     mapper.update([track((0, 0, 30.0))], aside, None, too_near)
@@ -655,7 +657,8 @@ def test_without_velocity_there_is_no_time_to_collision() -> None:
 
 
 def test_fields_of_a_tracked_obstacle() -> None:
-    """Through the tracker, camera turned: what was seen keeps its ellipse, what coasts is predicted."""
+    """They come through the tracker, camera turned: what was seen keeps its ellipse, what coasts is
+    predicted."""
     turn = Rotation.from_euler("xyz", [4, -7, 3], degrees=True).as_matrix()
     point, tracker, mapper = np.array([2.0, -1.0, 40.0]), Tracker(), Map()
     for frame in range(5):

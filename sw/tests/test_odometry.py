@@ -24,7 +24,7 @@ pytestmark = pytest.mark.slow
 
 
 def estimated(sequence: Sequence) -> list[Pose]:
-    """Of every frame, in the frame of the first one."""
+    """The estimated pose of every frame, in the frame of the first one."""
     chain = make_chain(sequence, "golden", parameters.defaults(), 1)
     poses = []
     for files in sequence.frames:

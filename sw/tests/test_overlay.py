@@ -232,7 +232,7 @@ def test_a_still_picture_has_no_flight_path(monkeypatch: pytest.MonkeyPatch) -> 
 
 @pytest.mark.parametrize("width", [320, 400, 640, 1226])
 def test_the_headline_does_not_run_below_the_warning(monkeypatch: pytest.MonkeyPatch, width: int) -> None:
-    """On small pictures it leaves out how far the path is seen."""
+    """It leaves out on small pictures how far the path is seen."""
     camera = Calibration(width, 3 * width // 4, 450.0, width / 2, 3 * width / 8, 0.2)
     (facts, (_, facts_end)), (_, (warning_start, _)) = texts_of_headline(
         monkeypatch, camera, "V1_01_easy"
@@ -243,7 +243,7 @@ def test_the_headline_does_not_run_below_the_warning(monkeypatch: pytest.MonkeyP
 
 
 def test_the_headline_says_that_a_frame_is_blind() -> None:
-    """On the red ground of warnings, also when nothing is on the collision course."""
+    """It stands on the red ground of warnings, also when nothing is on the collision course."""
     left, words = np.zeros((480, 640), np.uint8), np.full((480, 640), -16, np.int16)
     result = FakePipeline(CAMERA).process(left, words, 0, None, None)  # no collision in the first frame
     blind = FrameHealth((Finding(next(iter(Reason)), State.BLIND, "The image is black."),))

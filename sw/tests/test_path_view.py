@@ -74,7 +74,7 @@ def test_what_has_but_an_outline_is_seen() -> None:
 
 
 def test_a_hole_in_the_middle_ends_the_view_where_it_fills_the_cross_section() -> None:
-    """Of the disc of f R / s px at s metres 1 - (hole f R / s)^2 is left."""
+    """The disc of f R / s px at s metres has 1 - (hole f R / s)^2 left."""
     random = seeded(1)
     u, v = offsets_px()
     for _ in range(10):

@@ -218,7 +218,7 @@ def test_the_background_does_not_own_the_edge_of_what_stands_before_it() -> None
 @pytest.mark.parametrize("side", [-1, 1])
 @pytest.mark.parametrize("aside_px", [0, 25])
 def test_a_strip_along_something_nearer_is_the_edge_of_that(side: int, aside_px: int) -> None:
-    """Before an empty sky. Away from the board, or before it, the same strip is a thing of its own."""
+    """The sky is empty. Away from the board, or before it, the same strip is a thing of its own."""
     board, strip = box((160, 110), 30, 40), box((160 + side * (35 + aside_px), 110), 3, 25)
     for strip_px, expected in ((12.0, "ACCEPTED" if aside_px else "TOO_FEW_PIXELS"), (40.0, "ACCEPTED")):
         words = words_of(np.where(board, 24.0, np.where(strip, strip_px, 0.0)), seeded(16), 0.1)

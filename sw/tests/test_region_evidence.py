@@ -42,7 +42,7 @@ def weigh(words: np.ndarray, mask: np.ndarray, changes: dict[str, float] | None 
 
 
 def height_above_ground_m(stages: Stages, disparity_px: np.ndarray) -> np.ndarray:
-    """Of what is seen at each pixel above the plane that was found: two points on the pixel's ray."""
+    """The height of what is seen at each pixel above the plane found: two points on the pixel's ray."""
     s, c = stages.surfaces, stages.camera
     assert s.ground_found
     normal = np.array([s.ground.slope_u, s.ground.slope_v, s.ground.offset / c.focal_px]) / c.baseline_m

@@ -217,7 +217,7 @@ def test_one_edge_is_not_enough(side: int) -> None:
 
 
 def test_sky_above_trees_and_between_pillars_is_no_obstacle() -> None:
-    """Between two pillars of one range, above a row of trees: two edges agree, but it has no foot."""
+    """It lies between two pillars of one range, above a row of trees: two edges agree, but it has no foot."""
     owner, disparity = landscape()
     put(owner, disparity, TREES, box((-40, 40), (0, 6), 60.0), 60.0)
     for x_m in (-3.0, 3.0):

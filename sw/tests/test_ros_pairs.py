@@ -115,7 +115,7 @@ def test_clearing_forgets_what_waits_and_the_period() -> None:
 
 
 def test_live_images_are_paired_as_those_of_a_recording_are() -> None:
-    """With jitter, images that are lost, and a side that comes late."""
+    """They come with jitter, some are lost, and a side comes late."""
     random = seeded(1)
     for _ in range(20):
         times_ns = [

@@ -40,7 +40,7 @@ def test_a_parameter_that_is_not_known(tmp_path: Path) -> None:
 
 
 def test_it_opens_nothing_beyond_the_loopback(tmp_path: Path) -> None:
-    """By the sockets that Linux says it has: 127.0.0.1, and 239.255.0.1, by which participants meet."""
+    """Linux says which sockets it has: 127.0.0.1, and 239.255.0.1, by which participants meet."""
     with running_node(tmp_path) as node, running_camera(tmp_path):
         assert addresses_of(node.process.pid) == {"0100007F", "0100FFEF"}
         assert node.stop() == 0
@@ -62,7 +62,7 @@ def addresses_of(pid: int) -> set[str]:
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 @pytest.mark.parametrize("busy", [False, True])
 def test_a_signal_ends_it_with_status_0(tmp_path: Path, number: signal.Signals, busy: bool) -> None:
-    """While it waits for messages, and while images come."""
+    """It comes while it waits for messages, and while images come."""
     with running_node(tmp_path) as node, running_camera(tmp_path) if busy else nullcontext() as camera:
         if camera is None:
             node.says("nothing comes on /left/image_rect, ")

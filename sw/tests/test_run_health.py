@@ -269,7 +269,7 @@ def poses(folder: Path, *places_m: float) -> None:
 
 
 def test_what_libvista_says_is_passed_on(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """With the real pipeline: a pose that jumps by 5 km once, and a frame whose left image is black."""
+    """The real pipeline sees a pose that jumps by 5 km once, and a frame whose left image is black."""
     folder, out = make_kitti(tmp_path / "flight"), tmp_path / "out"
     poses(folder, 0, 1, 5002, 3, 4, 5)
     cases.write_image(folder / "image_0/000004.png", np.zeros((HEIGHT, WIDTH), np.uint8))

@@ -71,8 +71,7 @@ def test_against_kruskal() -> None:
 
 
 def test_many_weak_links_do_not_outweigh_a_strong_one() -> None:
-    """Where a minimum cut would add them up: node 1 hangs on S by 5 over node 0, and on T by 4 three
-    times."""
+    """A minimum cut would add them up: node 1 hangs on S by 5 over node 0, and on T by 4 three times."""
     edges = np.array([[0, 1], [1, 2], [1, 3], [1, 4]], np.int32)
     links, source, sink = (np.array(x, np.int32) for x in ([5, 4, 4, 4], [9, 0, 0, 0, 0], [0, 0, 9, 9, 9]))
     everything = np.arange(5, dtype=np.int32)

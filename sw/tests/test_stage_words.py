@@ -50,7 +50,7 @@ class Stage:
 
 
 def spread(row: Words) -> Words:
-    """By a pixel into its gaps, from the left before from the right."""
+    """Spreads words by a pixel into their gaps, from the left before from the right."""
     left, right = np.append(INVALID, row[:-1]), np.append(row[1:], INVALID)
     return np.where(row >= 0, row, np.where(left >= 0, left, right))
 
@@ -217,8 +217,8 @@ def test_a_near_thing_comes_from_a_coarser_level_and_its_chance_matches_go() -> 
 
 @pytest.mark.parametrize(("range_m", "kept"), [(30.0, False), (60.0, True), (120.0, True), (200.0, False)])
 def test_what_is_far_may_be_small(range_m: float, kept: bool) -> None:
-    """Before f = 1000 px, 64 px are 0.06 m2 at 30 m, and more than 0.2 m2 at 60 m. At 200 m the disparity is
-    so small that chance matches have it."""
+    """A focal length of 1000 px makes 64 px 0.06 m2 at 30 m, and more than 0.2 m2 at 60 m. The disparity at
+    200 m is so small that chance matches have it."""
     word = round(1000.0 * BASELINE_M / range_m * SCALE)
     words = np.full((96, 160), INVALID, np.int16)
     words[40:48, 60:68] = word  # 64 px

@@ -75,9 +75,9 @@ def moving(start: np.ndarray, velocity: tuple[float, float, float]):
 
 @pytest.mark.parametrize(("sigma_px", "keep"), [(0.1, 0.0), (0.15, 0.5)])
 def test_a_sign_is_believed_in_time_and_hardly_ever_refuted(sigma_px: float, keep: float) -> None:
-    """From 88 m on at 30 ft/s: the flight of the paper. Refuted frames come in runs, half a percent of all on
-    average; a hundred flights measure it to a quarter of a percent. Three standard errors are allowed.
-    """
+    """It is flown at from 88 m on at 30 ft/s: the flight of the paper. Refuted frames come in runs, half a
+    percent of all on average; a hundred flights measure it to a quarter of a percent. Three standard errors
+    are allowed."""
     random, believed_at_m, refuted = seeded(1), [], []
     for _ in range(RUNS):
         seen = Flight(random).fly(lambda *_: SIGN, 16.0, sigma_px, keep)
@@ -126,7 +126,7 @@ def test_vehicles(velocity: tuple[float, float, float], verdict: str) -> None:
 
 
 def test_the_slope_is_that_of_the_texture() -> None:
-    """Without noise, whatever the way."""
+    """It is, without noise, whatever the way."""
     random, tracker, truth = seeded(4), Tracker(gate_chi2=1000.0), np.array([1.0, -2.0, 90.0])
     ghost = ghost_of(truth, 0.3)
     for frame in range(20):
@@ -154,7 +154,7 @@ def test_verdicts_have_names() -> None:
 
 
 def fly_with_foot(speed_ahead_m_s: float, foot_share: float, random: np.random.Generator) -> list[int]:
-    """At 9.144 m/s behind what goes ahead: verdicts of its track, from 40 m on."""
+    """Flies at 9.144 m/s behind what goes ahead: verdicts of its track, from 40 m on."""
     flight, verdicts = Flight(random), []
     for frame in range(40):
         camera = flight.position(frame)

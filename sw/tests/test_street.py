@@ -61,7 +61,7 @@ def test_the_sky_holds_no_obstacle(results: list[Result]) -> None:
 
 
 def test_warnings_are_of_the_path_and_few_tracks_coast(results: list[Result]) -> None:
-    """Where the recording ends, the path driven next is not known: two frames differ there, by 12 cm."""
+    """The path driven next is not known where the recording ends: two frames differ there, by 12 cm."""
     beside = warnings_beside_the_path(results, driven_path_m())
     assert [aside for aside in beside if not aside.beyond] == []
     assert len({aside.frame for aside in beside}) <= 2 and all(aside.aside_m < 2.2 for aside in beside)

@@ -23,7 +23,7 @@ def unit(vector) -> np.ndarray:
 
 
 def lean_deg(normal, up) -> float:
-    """From the vertical: a wall's normal is level, the ground's points up."""
+    """The angle from the vertical: a wall's normal is level, the ground's points up."""
     return np.degrees(np.pi / 2 - np.arccos(np.clip(abs(unit(normal) @ unit(up)), 0, 1)))
 
 

@@ -1,5 +1,5 @@
-"""Where the flight path meets the ground: hillsides, ridges, rolling ground, a meadow to land on are warned
-of at the right distance; level and low flight, steep walls and images of textures are not."""
+"""Tells where the flight path meets the ground: hillsides, ridges, rolling ground, a meadow to land on are
+warned of at the right distance; level and low flight, steep walls and images of textures are not."""
 
 from __future__ import annotations
 
@@ -88,7 +88,7 @@ def test_rolling_ground_is_met_where_it_rises_into_the_path_and_not_where_it_sta
 @pytest.mark.same_c
 @pytest.mark.parametrize("seed", [12, 26, 51])
 def test_a_hill_met_at_just_over_the_angle_of_grazing_is_warned_of_without_a_break(seed: int) -> None:
-    """With these disparities, the angle falls below ten degrees again once it is warned of."""
+    """The angle falls below ten degrees again with these disparities once it is warned of."""
     flight = TerrainFlight(np.random.default_rng([52, seed]))
     found = approach(flight, rolling(6.0, 90.0, -2 * np.pi * 70.0 / 90.0), 6.0, 19)
     assert any(seen.warned and true > FAR_M for true, seen in found)
@@ -105,8 +105,8 @@ def test_level_and_low_flight_meets_nothing(height_m: float) -> None:
 
 
 def test_who_sinks_in_a_gust_low_over_level_ground_is_not_warned() -> None:
-    """Down by up to 6 degrees and up again, over and over: the place where the path would meet the ground
-    comes nearer by more than is flown, and goes away."""
+    """The path goes down by up to 6 degrees and up again, over and over: the place where it would meet the
+    ground comes nearer by more than is flown, and goes away."""
     random = seeded(69)
     speed_m_s, period_s = random.uniform(9.0, 14.0), random.uniform(2.5, 4.0)
     sink_m_s, phase = speed_m_s * np.radians(random.uniform(4.5, 6.0)), random.uniform(0.0, 2.0 * np.pi)
@@ -205,7 +205,7 @@ def test_ground_below_the_image_is_held_as_what_is_too_near(seed: int | None) ->
 
 
 def test_an_arc_into_a_hillside_is_met_along_it() -> None:
-    """Beside a bank, a turn leads into it, which straight on would never be met."""
+    """A turn leads into the bank beside it, which straight on would never be met."""
     random = seeded(70)
     radius_m, rise, toe_m = random.uniform(150.0, 190.0), np.radians(35.0), 3.0
     side = 1.0 if random.integers(2) else -1.0
@@ -214,7 +214,7 @@ def test_an_arc_into_a_hillside_is_met_along_it() -> None:
         return np.maximum(np.tan(rise) * (side * x - toe_m), 0.0)
 
     def met_m() -> float:
-        """Where the arc's middle, 5 m above the plain, comes within a radius of the bank's plane."""
+        """The way to where the arc's middle, 5 m above the plain, is within a radius of the bank's plane."""
         along = np.arange(0.0, 100.0, 0.05)
         over = 5.0 - np.tan(rise) * (radius_m * (1.0 - np.cos(along / radius_m)) - toe_m)
         return float(along[np.argmax(over * np.cos(rise) <= RADIUS_M)])
@@ -273,7 +273,7 @@ def test_a_restart_of_the_world_forgets_the_ground() -> None:
 
 
 def brute_force_m(volume, plane, path_at, short_m: float = 0.0) -> float:
-    """Along a path to where a ball on it first comes within short_m of the plane."""
+    """The way along a path to where a ball on it first comes within short_m of the plane."""
     normal, offset = np.array(list(plane.normal)), plane.offset_m
     clearance = offset - normal @ np.array(list(volume.path.start_m))
     radius = min(volume.radius_m, volume.clearance_share * clearance)

@@ -113,7 +113,7 @@ def test_a_few_right_words_before_texture_are_enough() -> None:
 
 @pytest.mark.same_c
 def test_the_engine_gives_words_enough() -> None:
-    """From the two images on: sky above, meadow far below, a wire of 20 mm at 20 m."""
+    """The two images are matched too: sky above, meadow far below, a wire of 20 mm at 20 m."""
     random = seeded(4)
     wire = wire_at(random.uniform(40.0, 140.0), 20.0, 0.02, random.uniform(-1, 1))
     grey = np.where(grid()[1] < 240, 190.0, textured(random, 12.0))
@@ -197,7 +197,7 @@ def test_texture_and_foliage_hold_hardly_any_wire() -> None:
 
 
 def test_a_marking_on_plain_ground_is_no_wire() -> None:
-    """Beside it nothing matches; its words lie on the plane of the ground."""
+    """Nothing matches beside it; its words lie on the plane of the ground."""
     random = seeded(9)
     height_m, slope = random.uniform(1.2, 8.0), random.uniform(-1.5, 1.5)
     u, v = grid()
@@ -214,9 +214,9 @@ def test_a_marking_on_plain_ground_is_no_wire() -> None:
 
 @pytest.mark.same_c
 def test_the_foot_of_a_line_is_its_height_above_the_ground() -> None:
-    """Of that of the camera: a post that ends on level ground, and one that hangs 30 % of it above. The words
-    of its lowest rows are its own: where some 20 rows in a line are of what is behind, the post ends above
-    them, which one draw in a hundred would hold."""
+    """It is a share of the camera's height: a post that ends on level ground, and one that hangs 30 % of it
+    above. The words of its lowest rows are its own: where some 20 rows in a line are of what is behind, the
+    post ends above them, which one draw in a hundred would hold."""
     random = seeded(15)
     for share in (0.0, 0.3):
         height_m, range_m = random.uniform(4.0, 6.0), random.uniform(28.0, 40.0)
@@ -233,7 +233,7 @@ def test_the_foot_of_a_line_is_its_height_above_the_ground() -> None:
 
 
 def test_horizontal_wires_cannot_be_found() -> None:
-    """Along a row every place of such a wire looks the same: no words could tell its range."""
+    """Every place of such a wire looks the same along a row: no words could tell its range."""
     random = seeded(10)
     wire = wire_at(random.uniform(-10.0, 10.0), 15.0, 0.03)
     image = with_wire(np.full((HEIGHT, WIDTH), 180.0), wire, random)

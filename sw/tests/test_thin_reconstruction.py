@@ -51,7 +51,7 @@ def reconstruct(lines: list, volume=None, before: list | None = None, capacity: 
 
 
 def nearest_to_axis(wire: Wire) -> np.ndarray:
-    """Of the wire, to the optical axis: both are straight."""
+    """The point of the wire nearest to the optical axis: both are straight."""
     m, d = wire.middle_m, wire.direction
     return m - d * (m[:2] @ d[:2]) / (d[:2] @ d[:2])
 

@@ -29,7 +29,7 @@ def test_edges_do_not_say_whether_a_plain_track_is_in_the_volume() -> None:
 
 
 def test_the_range_is_as_uncertain_as_the_foot_that_told_it_last() -> None:
-    """While the foot is out of view, the error stays what it was in metres."""
+    """The error stays what it was in metres while the foot is out of view."""
     tracker = Tracker()
     disparity_px = seen_at(POINT)["disparity_px"]
     whole = updated(tracker, 0, 6, POINT, plain=True, foot_sigma_px=0.3)

@@ -131,7 +131,7 @@ CROSSING_M_S = np.array([9.0, 0.0, -3.0])
 
 
 def test_what_moves_fast_is_one_track_of_its_velocity() -> None:
-    """By two hits more than what stands needs."""
+    """It takes two hits more than what stands needs."""
     tracker = Tracker()
     for frame in range(20):
         tracker.update(DT * frame, [detection(measure(crossing_m(frame)))])

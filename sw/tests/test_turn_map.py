@@ -35,7 +35,7 @@ def places(of: Map) -> np.ndarray:
 
 @pytest.mark.parametrize("rectifier", RAW, indirect=True)
 def test_the_map_is_that_of_opencv(rectifier: Rectifier) -> None:
-    """Up to a rounding, seldom: processors order the sums of OpenCV differently."""
+    """It is, up to a rounding, seldom: processors order the sums of OpenCV differently."""
     random, camera = seeded(1), rectifier.calibration
     P = np.zeros((3, 4))
     P[:, :3] = camera_matrix(camera.focal_px, camera.focal_px, camera.cx, camera.cy)

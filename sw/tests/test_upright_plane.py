@@ -11,7 +11,7 @@ CAMERA = camera()
 
 
 def rotation(roll_deg: float, pitch_deg: float) -> np.ndarray:
-    """From the world (x right, y down, z ahead) to the camera."""
+    """Turns from the world (x right, y down, z ahead) to the camera."""
     r, p = np.radians([roll_deg, pitch_deg])
     roll = np.array([[np.cos(r), np.sin(r), 0], [-np.sin(r), np.cos(r), 0], [0, 0, 1]])
     pitch = np.array([[1, 0, 0], [0, np.cos(p), np.sin(p)], [0, -np.sin(p), np.cos(p)]])

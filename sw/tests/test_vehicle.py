@@ -174,7 +174,7 @@ def test_an_autopilot_that_is_started_again() -> None:
 
 
 def stream(autopilot: Autopilot) -> list[bytes]:
-    """Of 400 ms, with messages of others between."""
+    """The bytes of 400 ms, with messages of others between."""
     pieces = []
     other, camera = Autopilot(Motion(11), system=2), Autopilot(Motion(11), component=100)
     for boot_ms in range(0, 401, 20):

@@ -99,7 +99,7 @@ def test_two_wires_hide_parts_of_each_other() -> None:
 
 
 def test_the_truth_has_the_wire_where_the_middle_of_a_pixel_shows_it() -> None:
-    """Of 12 mm at 30 m 0.4 of all rows, or of all columns; its depth is that of its surface."""
+    """A wire of 12 mm at 30 m has 0.4 of all rows, or of all columns; its depth is that of its surface."""
     points = ((0.0, -4.0, -0.7), (0.0, 4.0, 0.9))
     renderer = Renderer(dark(points), RIG)
     view = renderer.view(pose_at(-30.0))
@@ -127,7 +127,7 @@ def test_a_board_hides_the_wire_behind_it_and_not_the_one_before_it() -> None:
 
 
 def test_a_wire_is_lit_like_the_cylinder_that_it_is() -> None:
-    """From its side: on average pi / 4 of what a wall gets that faces the sun."""
+    """It is lit from its side: on average pi / 4 of what a wall gets that faces the sun."""
     wire = Cylinder("wire", (0.0, 0.0, -9.0), (0.0, 0.0, 9.0), 0.02, GREY)
     scene = Scene(
         (thing("wire", "wire", [wire]),), (-1.0, 0.0, 0.0), fill_irradiance=0.0, overcast_radiance=0

@@ -33,7 +33,7 @@ class Wire:
         return ends[0], along / np.linalg.norm(along)
 
     def disparity_px(self, u: np.ndarray, v: np.ndarray) -> np.ndarray:
-        """Of the wire's point that is seen nearest to each pixel."""
+        """The disparity of the wire's point that is seen nearest to each pixel."""
         point, along = self.line_px
         t = (np.asarray(u) - point[0]) * along[0] + (np.asarray(v) - point[1]) * along[1]
         ray = np.stack([*((point[:, None] + along[:, None] * np.ravel(t)) - CENTER[:, None]) / FOCAL_PX])

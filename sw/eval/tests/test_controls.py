@@ -32,7 +32,7 @@ SMALL = Sweep((100,), (15,), (62.0,), (40,))
 
 @pytest.fixture(scope="module")
 def flight(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """At the sign from 33.5 m on, 1 m a frame."""
+    """A flight at the sign from 33.5 m on, 1 m a frame."""
     return disk.write_flight(
         tmp_path_factory.mktemp("flights") / "sign", frames=FRAMES, last_range_m=20.5, split="dev"
     )
@@ -101,7 +101,8 @@ def test_words_in_the_volume_that_the_host_expects() -> None:
 
 
 def test_stereo_alone_warns_once_its_track_is_confirmed(flight: Path, tmp_path: Path) -> None:
-    """Of the sign, in all frames that ask for it but those that confirming takes; never of anything else."""
+    """It warns of the sign, in all frames that ask for it but those that confirming takes; never of anything
+    else."""
     (found,) = tracked_cached(flight, parameters.defaults(), tmp_path / "kept.json", SMALL)
     assert found.asked == 10  # from 30 m on: 3 s at 10 m/s
     assert found.hits >= 7

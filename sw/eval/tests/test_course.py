@@ -72,7 +72,7 @@ def test_a_steady_turn_keeps_bank_speed_and_height_and_its_lift_bends_the_path()
 
 
 def test_every_course_meets_the_scene_along_x() -> None:
-    """At the meeting, last range / speed after the last frame; without sway exactly."""
+    """The meeting is last range / speed after the last frame; without sway exactly."""
     for course in drawn("meeting"):
         still = Course(
             course.altitude_m, course.speed_m_s, course.last_range_m, 25, 10.0, course.climb_deg,

@@ -84,7 +84,7 @@ def test_a_folder_that_cannot_be_made_is_named(
 
 
 def test_correctness_by_hand() -> None:
-    """Of 4 sky pixels 1 is matched; of 6 others 4 are, one of them by 2 px off."""
+    """One of 4 sky pixels is matched; 4 of 6 others are, one of them by 2 px off."""
     exact_px = np.array([[0, 0, 0, 0, 8, 8, 8, 8, 8, 8]], np.float32)
     words = np.array([[INVALID, 40, INVALID, INVALID, 128, 130, 126, 160, INVALID, INVALID]], np.int16)
     assert correctness(words, exact_px) == "25 % of the sky matched,\n67 % of the rest, 25 % of that wrong"

@@ -112,7 +112,7 @@ def flown(monkeypatch: pytest.MonkeyPatch) -> list[str]:
 
 
 def test_flown_once(folder: Path, printed: str, flown: list[str]) -> None:
-    """Until parameters or images change."""
+    """It is not flown again until parameters or images change."""
     values = parameters.defaults()
     command.fly_and_score(values, fly.UNDISTURBED, folder / FREE)
     assert flown == []
@@ -127,7 +127,7 @@ def test_flown_once(folder: Path, printed: str, flown: list[str]) -> None:
 
 
 def test_flown_again_when_asked_to(folder: Path, printed: str, flown: list[str]) -> None:
-    """As for host times on a quiet machine; what is flown again is kept like the rest."""
+    """Host times on a quiet machine need it; what is flown again is kept like the rest."""
     command_line = ["flights", str(folder), "--no-render", "--no-baseline", "--only", FREE]
     for options, flights in ((["--fly-again"], 1), ([], 1), (["--fly-again", "--pose-noise"], 3)):
         assert main(command_line + options) == 0

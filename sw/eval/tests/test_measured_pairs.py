@@ -169,7 +169,7 @@ def test_a_scene_folder_or_real_pairs_must_be_named(capsys: pytest.CaptureFixtur
 
 
 def test_the_reference_method_is_judged_by_the_host(kitti: Path) -> None:
-    """On the host's own partition, regions that grew from disparities of their own have the host's verdicts.
+    """Regions that grew from disparities of their own have the host's verdicts on the host's own partition.
     The reference method takes all for such; the host judges the others by origin and outline, too."""
     pair = kitti_stereo.read_pair(kitti_stereo.find_pairs(kitti)[0])
     camera = OneCamera(pair.camera, parameters.defaults())

@@ -164,7 +164,7 @@ class EmptyScene:
 
 
 def test_the_shutter_opens_on_the_course_that_is_flown() -> None:
-    """Of a flight of 20 frames only the last 5 are flown: its first frame is the sixteenth of the whole."""
+    """Only the last 5 of a flight of 20 frames are flown: its first frame is the sixteenth of the whole."""
     whole = Course(6.0, 10.0, last_range_m=20.0, frames=20, rate_hz=10.0, sway_scale=0.0)
     flight = Flight("f", "f", "dev", whole, lambda altitude_m, seed: EmptyScene.scene, rig=RIG)
     flown, lens = replace(whole, frames=5), FlawedSensor(exposure_s=0.01)

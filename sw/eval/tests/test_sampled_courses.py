@@ -17,8 +17,8 @@ FLIGHTS = 20  # of each family
 
 
 def misses_m(course: Course) -> list[float]:
-    """Of each frame in which a hit is asked for: how far the latest velocity, extended to x = 0 along the
-    manoeuvre in still air, misses the point that the flight meets."""
+    """The misses of each frame in which a hit is asked for: how far the latest velocity, extended to x = 0
+    along the manoeuvre in still air, misses the point that the flight meets."""
     near_m, far_m = STRICT.band_m(course.speed_m_s)
     found = []
     for frame in range(course.frames):

@@ -27,8 +27,8 @@ def true_means(patch: Patch, cover: str, seed: int) -> np.ndarray:
 
 @pytest.mark.parametrize("cover", sorted(COVERS.keys() - SHARP))
 def test_long_texels_have_the_contrast_of_their_means(cover: str) -> None:
-    """As a low flight sees the ground at 30 m, twelve times as long as wide: points here and there of a texel
-    would make speckles of it."""
+    """A low flight sees the ground at 30 m like that, twelve times as long as wide: points here and there of
+    a texel would make speckles of it."""
     random = seeded(1)
     seed, x_m, y_m = int(random.integers(1 << 30)), random.uniform(0, 50), random.uniform(-10, 10)
     ends_m = x_m + TEXELS * TEXEL_M * MOST_STRETCH, y_m + TEXELS * TEXEL_M

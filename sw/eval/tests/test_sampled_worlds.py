@@ -56,7 +56,7 @@ def around(path: FlownPath, radius_m: float, low_m: float, high_m: float) -> Flo
 
 
 def height_m(ground: Thing, x_m: float, y_m: float) -> float:
-    """Of the ground at a place, between the nodes of the patch that it lies in."""
+    """The height of the ground at a place, between the nodes of the patch that it lies in."""
     for solid in ground.solids:
         inside = solid.x_m[0] <= x_m <= solid.x_m[1] and solid.y_m[0] <= y_m <= solid.y_m[1]
         if inside and isinstance(solid, GroundStrip):
@@ -162,7 +162,7 @@ def the_ground_is_met_where_it_is_the_target_and_nowhere_before(
 
 
 def level_ground_fills_the_view(flight: Flight, scene: Scene) -> None:
-    """Where a ray of the image meets z = 0 within a kilometre, there is ground."""
+    """Tells whether there is ground wherever a ray of the image meets z = 0 within a kilometre."""
     (ground,) = [thing for thing in scene.things if is_ground(thing)]
     strips = [solid for solid in ground.solids if isinstance(solid, GroundStrip)]
     if not strips:
@@ -220,7 +220,7 @@ def test_large_fronts_are_higher_than_the_path(name: str) -> None:
 
 
 def test_steep_wires_are_thin_and_steep() -> None:
-    """From end to end; within 3 s before it is met the wire is 20 m away."""
+    """They are from end to end; the wire is 20 m away within 3 s before it is met."""
     for number in seeded(3).integers(1 << 20, size=8):
         flight = FAMILIES["steep_wire"].flight(int(number), 0)
         scene = flight.scene(flight.approach.altitude_m, flight.seed)

@@ -107,8 +107,8 @@ def test_a_first_detection_has_to_stay(flight: Path) -> None:
 
 
 def test_tracked_before_it_is_warned_of(flight: Path) -> None:
-    """At the sign from frame 4 on, confirmed from frame 6 and in the collision volume from frame 11 on; an
-    obstacle 4 m beside it agrees with nothing."""
+    """The sign is tracked from frame 4 on, confirmed from frame 6 and in the collision volume from frame 11
+    on; an obstacle 4 m beside it agrees with nothing."""
     beside = obstacle(SIGN_M + np.array([0.0, 4.0, 0.0]), id=7, in_collision_volume=False)
     seen = everywhere(beside)
     for k in range(4, FRAMES):
@@ -133,7 +133,7 @@ def test_tracking_has_to_stay_too(flight: Path) -> None:
 
 
 def test_what_is_too_thin_for_a_pixel_is_no_false_alarm(tmp_path: Path) -> None:
-    """In the first frames no pixel's centre shows the sign; later ones do."""
+    """No pixel's centre shows the sign in the first frames; later ones do."""
     folder = disk.write_flight(tmp_path / "sign", frames=FRAMES, last_range_m=LAST_RANGE_M)
     truth = read_truth(folder)
     (sign,) = (thing.label for thing in truth.targets)
@@ -157,8 +157,8 @@ def test_what_is_not_warned_of_is_no_hit_and_no_alarm(flight: Path, changes: dic
 
 
 def test_false_alarms(flight: Path) -> None:
-    """In frames 10 to 12 one 12 m in front of the sign, two in frame 12; in frame 20 one on the wall beside
-    the path: something is there, but not in the way."""
+    """One stands 12 m in front of the sign in frames 10 to 12, two do in frame 12; in frame 20 one is on the
+    wall beside the path: something is there, but not in the way."""
     ghost = obstacle(SIGN_M - [12.0, 0.0, 0.0], id=7)
     beside = obstacle(np.array(disk.WALL.center_m), id=9, extent_m=(2.0, 2.0))
     seen = everywhere(obstacle(SIGN_M))
@@ -192,8 +192,8 @@ def test_id_switches_are_those_of_the_target(flight: Path) -> None:
 
 
 def test_the_match_stays_while_it_agrees(flight: Path) -> None:
-    """Of two warnings for the sign the one nearer to its centre counts, until it is gone; then the other one,
-    also when the first comes back."""
+    """The nearer of two warnings to the sign's centre counts, until it is gone; then the other one, also when
+    the first comes back."""
     first, second = (
         obstacle(SIGN_M + np.array([0.1, 0, 0]), id=1),
         obstacle(SIGN_M - np.array([0.5, 0, 0]), id=2),

@@ -83,7 +83,8 @@ def test_a_flight_from_nearby_is_named_but_not_asked_for_a_first_detection() -> 
 
 
 def test_what_a_flight_from_nearby_misses_is_told() -> None:
-    """From 40 m on, warned of from 36 m on: 22 of 26 frames in the band are hits, four are missed."""
+    """The flight begins at 40 m and is warned of from 36 m on: 22 of 26 frames in the band are hits, four are
+    missed."""
     far, close = score("far", 75, 70, 62), score("close", 40, 36, 36)
     assert (close.hits, close.band_frames, close.missed) == (22, 26, (0, 1, 2, 3))
     hits = goal([far, close], "hit rate")

@@ -12,7 +12,7 @@ from vista_eval.suites.world_tables import share_text
 
 @pytest.mark.parametrize("whole", [1, 7, 40])
 def test_clopper_and_pearson(whole: int) -> None:
-    """By the quantiles of the beta distribution."""
+    """The quantiles of the beta distribution give them."""
     for part in range(whole + 1):
         low, high = clopper_pearson(part, whole)
         assert low == pytest.approx(beta.ppf(0.025, part, whole - part + 1) if part else 0.0, abs=1e-9)
@@ -22,7 +22,7 @@ def test_clopper_and_pearson(whole: int) -> None:
 
 
 def test_many_flights() -> None:
-    """Of 1,300 flights the coefficients are larger than any float."""
+    """The coefficients of 1,300 flights are larger than any float."""
     for part in (1, 13, 650, 1299):
         expected = (beta.ppf(0.025, part, 1301 - part), beta.ppf(0.975, part + 1, 1300 - part))
         assert clopper_pearson(part, 1300) == pytest.approx(expected, abs=1e-9)

@@ -1,5 +1,5 @@
-"""Where a flight meets what lies on its path, against geometry worked out apart from the code that scores:
-walls, slopes and wires, from straight and turning paths, and something that moves."""
+"""Checks where a flight meets what lies on its path, against geometry worked out apart from the code that
+scores: walls, slopes and wires, from straight and turning paths, and something that moves."""
 
 from __future__ import annotations
 
@@ -36,15 +36,15 @@ def first_frame(folder: Path, poses: list[Pose], *surfaces: disk.Surface) -> Fra
 
 
 def ball_on_plane(point_m: Array, normal: Array, start_m: Array, direction: Array, radius_m: float) -> Array:
-    """Where a ball that travels along a line first touches a plane: its foot when the centre is a radius
-    away."""
+    """The place where a ball that travels along a line first touches a plane: its foot when the centre is a
+    radius away."""
     normal = normal * np.sign((start_m - point_m) @ normal)
     flown_m = (radius_m - (start_m - point_m) @ normal) / (direction @ normal)
     return start_m + flown_m * direction - radius_m * normal
 
 
 def near(met_m: Array, expected_m: Array, range_m: float, sine: float = 1.0) -> None:
-    """Within what pixels, on a surface that is seen at an angle, and the steps of the disparity map tell."""
+    """Allows for what pixels, on a surface seen at an angle, and the steps of the disparity map tell."""
     slack_m = (
         0.15 + 2.0 * range_m / disk.FOCAL_PX / sine + range_m**2 / (256.0 * disk.FOCAL_PX * disk.BASELINE_M)
     )
@@ -81,7 +81,7 @@ def test_a_slope(tmp_path: Path, slope_deg: float, climb: float) -> None:
 
 
 def test_ground_is_met_where_earlier_frames_saw_it_once_that_is_below_the_image(tmp_path: Path) -> None:
-    """Up to the last second, in which what the aircraft touches is out of view."""
+    """It is, up to the last second, in which what the aircraft touches is out of view."""
     point_m = np.array([30.0, 0.0, 10.0])
     normal = np.array([-np.sin(np.radians(15.0)), 0.0, np.cos(np.radians(15.0))])
     hill = disk.Surface("hill", disk.plane(point_m, normal), standing=False)
@@ -160,7 +160,7 @@ def test_a_wall_beside_a_turn(tmp_path: Path) -> None:
 
 
 def test_a_turn_goes_on_beyond_the_last_frame() -> None:
-    """From every frame the path keeps to the circle, up to where that is followed: 1 / 0.25 of the collision
+    """The path keeps to the circle from every frame, up to where that is followed: 1 / 0.25 of the collision
     radius off the tangent."""
     radius_m, speed_m_s = 80.0, 12.0
     poses = disk.turning(12, radius_m, speed_m_s)
@@ -231,7 +231,7 @@ def test_a_hovering_camera_looks_ahead() -> None:
 
 
 def test_distances_beside_a_chain_of_chords() -> None:
-    """Of points at random, against a path of points that lie close together."""
+    """Points at random are held against a path of points that lie close together."""
     random = seeded(4)
     path = true_paths(disk.turning(10, 60.0, 15.0), tuple(round(k * 1e8) for k in range(10)))[0]
     fine_m, flown_m = [], []
@@ -268,8 +268,8 @@ def crossing(folder: Path, speed_m_s: float) -> FrameTruth:
 
 
 def test_what_moves_is_met_where_it_will_be(tmp_path: Path) -> None:
-    """At 2 m/s it is in the way when the aircraft comes, though not now; where it is now is what counts. At 5
-    m/s it has passed by 9 m, standing it stays 6 m beside."""
+    """It comes at 2 m/s and is in the way when the aircraft comes, though not now; where it is now is what
+    counts. At 5 m/s it has passed by 9 m, standing it stays 6 m beside."""
     met = crossing(tmp_path / "met", 2.0)
     assert met.target is not None
     assert met.target.reference_m == pytest.approx(START_M + np.array([30.0, -6.0, 0.0]), abs=0.5)

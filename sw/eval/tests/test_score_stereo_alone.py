@@ -105,7 +105,8 @@ def test_who_beats_whom() -> None:
 
 
 def test_a_board_is_seen_and_the_sky_is_matched(tmp_path: Path) -> None:
-    """With strict thresholds the sign in every frame and nothing else; without any, the even sky as well."""
+    """Strict thresholds show the sign in every frame and nothing else; without any, the even sky matches as
+    well."""
     from vista import parameters
 
     folder = disk.write_flight(tmp_path / "sign", frames=3, last_range_m=20.0)

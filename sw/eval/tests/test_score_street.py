@@ -42,7 +42,7 @@ def test_what_stands_on_the_path_is_no_false_warning() -> None:
 
 
 def test_the_path_behind_the_camera_does_not_count() -> None:
-    """In the eighth frame, at (6, 8), something beside the path of the first."""
+    """The eighth frame, at (6, 8), has something beside the path of the first."""
     results = frames(*[[]] * 7, [obstacle(0.0, 3.0)])
     (aside,) = street.warnings_beside_the_path(results, PATH_M)
     assert aside.frame == 7 and aside.aside_m > 7.0

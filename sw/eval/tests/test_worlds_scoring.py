@@ -30,7 +30,7 @@ FLIGHTS = ["three_000", "three_001"]
 
 @pytest.fixture
 def checkout(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """Of a project whose test set has two flights."""
+    """The checkout of a project whose test set has two flights."""
     families = small_families(one="dev", three="test")
     monkeypatch.setattr(catalog, "FAMILIES", families)
     monkeypatch.setattr(catalog, "COUNT", COUNT)
@@ -56,7 +56,7 @@ def render_nothing(folder: Path, key: command.Key) -> None:
 
 
 def three_hits(folder: Path, **_: object) -> WorldScore:
-    """Of five frames that ask for one."""
+    """Three hits of five frames that ask for one."""
     found = dict.fromkeys(FlightScore.__dataclass_fields__, 0) | {"name": folder.name, "frames": ()}
     found |= {"band_frames": 5, "hits": 3, "missed": (1, 2), "false_alarm_frames": (), "begins_m": None}
     found |= {"errors_dz": (), "nees": (), "nees_dimensions": ()}
@@ -185,7 +185,7 @@ def test_other_flights_are_not_scored(frozen_set: Path, flights: Path) -> None:
 
 
 def test_every_scoring_adds_a_line(frozen_set: Path, flights: Path, vista: Vista) -> None:
-    """With the parameters that were used."""
+    """The line has the parameters that were used."""
     assert [score(vista, flights)[0] for _ in range(2)] == [0, 0]
     first, second = lines(frozen_set)
     assert first["parameters"] == second["parameters"] and first["previous"] != second["previous"]
