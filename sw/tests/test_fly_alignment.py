@@ -64,6 +64,7 @@ def test_a_drawn_flight(tmp_path: Path, drawn_flight: Path, rows: int) -> None:
     assert states[FIRST - 1]["reasons"] == states[-1]["reasons"] == []
 
 
+@pytest.mark.same_c
 @pytest.mark.skipif(not EUROC.is_dir(), reason="EuRoC V1_01 is not there")
 @pytest.mark.parametrize("rows", [0, 128])
 def test_a_room(tmp_path: Path, rows: int) -> None:
@@ -73,6 +74,7 @@ def test_a_room(tmp_path: Path, rows: int) -> None:
     corrected(run, turn)
 
 
+@pytest.mark.same_c
 @pytest.mark.skipif(not KITTI.is_dir(), reason="KITTI odometry 00 is not there")
 def test_a_street(tmp_path: Path) -> None:
     turn = degrees(0.5, 0.0)

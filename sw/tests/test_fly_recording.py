@@ -42,6 +42,7 @@ def test_raw_images_of_a_room(tmp_path: Path, config: str) -> None:
     compare(tmp_path, EUROC, config, 6)
 
 
+@pytest.mark.same_c
 @pytest.mark.skipif(not KITTI.is_dir(), reason="KITTI odometry 00 is not there")
 def test_a_street(tmp_path: Path) -> None:
     compare(tmp_path, KITTI, frames=8)
