@@ -87,6 +87,7 @@ def test_smaller_than_the_block_is_all_invalid_but_for_whole_blocks(rng, isa, sh
     assert np.count_nonzero(words != INVALID) <= matched
 
 
+@pytest.mark.slow
 @pytest.mark.same_c
 def test_random_as_opencv(rng, random_pair, random_parameters):
     pixels = 0
@@ -98,6 +99,7 @@ def test_random_as_opencv(rng, random_pair, random_parameters):
         pixels += _assert_as_opencv(*random_pair(height, width), parameters)
 
 
+@pytest.mark.slow
 @pytest.mark.same_c
 def test_real_as_opencv(rng, real_pairs, random_parameters):
     pixels = 0

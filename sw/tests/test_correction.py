@@ -150,6 +150,7 @@ def run_vista(capsys: pytest.CaptureFixture[str]) -> Vista:
     return partial(call, capsys)
 
 
+@pytest.mark.slow
 def test_a_run_corrects_a_turn_in_flight_and_says_so(tmp_path: Path, run_vista: Vista) -> None:
     folder = write_turned_pairs(tmp_path / "flight", degrees(0.5, 0.0), 10, 40)
     (tmp_path / "on.toml").write_text(ON)
@@ -173,6 +174,7 @@ def test_a_run_corrects_a_turn_in_flight_and_says_so(tmp_path: Path, run_vista: 
     assert valid["on"] > 1.5 * valid["off"]
 
 
+@pytest.mark.slow
 def test_a_run_raises_the_alarm_when_a_turn_is_too_large(tmp_path: Path, run_vista: Vista) -> None:
     folder, out = write_turned_pairs(tmp_path / "flight", degrees(3.0, 0.0), 10, 50), tmp_path / "out"
     (tmp_path / "on.toml").write_text(ON)

@@ -79,6 +79,7 @@ def encoded(image: Image, *options: int) -> bytes:
     return bytes(cv2.imencode(".jpg", image, options)[1])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("width, height", [(640, 480), (1280, 480), (34, 19), (16, 1), (2560, 720)])
 def test_luma_is_that_of_opencv(program: Path, width: int, height: int) -> None:
     """Whatever the sampling of the colours."""

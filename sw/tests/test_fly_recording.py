@@ -20,6 +20,7 @@ pytestmark = pytest.mark.native
 EUROC, KITTI = SHARED_DATA / "euroc_v101", SHARED_DATA / "kitti_odometry" / "sequences" / "00"
 
 
+@pytest.mark.slow
 def test_a_flight(tmp_path: Path) -> None:
     lines, _ = compare(tmp_path, write_flight(tmp_path / "flight", frames=20), frames=20)
     assert len(lines) == 20
@@ -42,6 +43,7 @@ def test_raw_images_of_a_room(tmp_path: Path, config: str) -> None:
     compare(tmp_path, EUROC, config, 6)
 
 
+@pytest.mark.slow
 @pytest.mark.same_c
 @pytest.mark.skipif(not KITTI.is_dir(), reason="KITTI odometry 00 is not there")
 def test_a_street(tmp_path: Path) -> None:

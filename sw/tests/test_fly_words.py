@@ -125,6 +125,7 @@ def test_frames_allocate_nothing(tmp_path: Path, recording: Path) -> None:
     assert counts == counts[:1] * 3
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(SANITIZED, reason="valgrind does not run what AddressSanitizer instruments")
 @pytest.mark.skipif(shutil.which("valgrind") is None, reason="valgrind is not installed")
 def test_valgrind_finds_nothing(recording: Path) -> None:

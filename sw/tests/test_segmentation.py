@@ -138,6 +138,7 @@ def random_scene(random: np.random.Generator, changes: dict[str, float]) -> Stag
     return stages
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("reach", [1, 3, 1000])
 def test_the_labels_are_those_of_minimum_cuts_by_scipy(reach: int) -> None:
     random = seeded(reach)

@@ -35,6 +35,7 @@ WRITERS: dict[str, Callable[[Path, Recording], Path]] = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", RECORDINGS)
 def test_real_recordings(tmp_path: Path, capsys: pytest.CaptureFixture[str], name: str) -> None:
     folder = SHARED_DATA / RECORDINGS[name]

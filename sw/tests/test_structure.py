@@ -8,6 +8,7 @@ import subprocess
 from collections import defaultdict
 
 import networkx
+import pytest
 from shared_data import REPOSITORY
 
 BUILD = REPOSITORY / os.environ.get("VISTA_BUILD", "build")
@@ -27,6 +28,7 @@ def objects() -> dict[str, str]:
     return found
 
 
+@pytest.mark.slow
 def test_no_two_sources_call_each_other() -> None:
     """Neither directly nor around a corner: data runs from the first stage to the last."""
     owner, needs = {}, defaultdict(set)

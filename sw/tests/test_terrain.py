@@ -76,6 +76,7 @@ def test_a_ridge_that_stays_below_is_not_met() -> None:
     assert not any(seen.warned for _, seen in found)
 
 
+@pytest.mark.slow
 @pytest.mark.same_c
 def test_rolling_ground_is_met_where_it_rises_into_the_path_and_not_where_it_stays_below() -> None:
     random = seeded(52)
@@ -85,6 +86,7 @@ def test_rolling_ground_is_met_where_it_rises_into_the_path_and_not_where_it_sta
         assert not seen.warned
 
 
+@pytest.mark.slow
 @pytest.mark.same_c
 @pytest.mark.parametrize("seed", [12, 26, 51])
 def test_a_hill_met_at_just_over_the_angle_of_grazing_is_warned_of_without_a_break(seed: int) -> None:

@@ -138,6 +138,7 @@ def meets_round(start: np.ndarray, rays: np.ndarray, radius_m: float) -> tuple[n
         return near, np.nan_to_num((start + near[:, None] * rays) / radius_m)
 
 
+@pytest.mark.slow
 def test_what_a_pixel_sees_follows_from_the_equations_of_the_solids() -> None:
     """Depth, labels, and in the light of the sun alone the grey of what has one shade, shadows included. Rays
     that graze an edge may miss it here and meet it there."""
@@ -242,6 +243,7 @@ def bytes_of(out: Path) -> dict[str, bytes]:
     }
 
 
+@pytest.mark.slow
 def test_a_flight_is_the_same_whoever_renders_it(tmp_path: Path) -> None:
     """Here, and in two processes at the same time."""
     with ProcessPoolExecutor(2, mp_context=get_context("spawn")) as pool:

@@ -38,6 +38,7 @@ def test_a_bus_has_a_window_at_either_end() -> None:
             assert bus.albedo[outermost] == pytest.approx(0.06)
 
 
+@pytest.mark.slow
 def test_posts_are_as_thick_as_said() -> None:
     random, diameters_m = seeded(3), []
     here = movers.site(5.0, int(random.integers(1 << 20)), movers.ANY, COUNTRY_AND_TOWN)

@@ -19,6 +19,7 @@ def folder(tmp_path: Path) -> Path:
     return tmp_path
 
 
+@pytest.mark.slow
 def test_scenes_are_scored_by_half(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["scenes", str(folder), "--no-render"]) == EXIT_OK
     scores = json.loads((folder / "scenes.json").read_text())
@@ -45,6 +46,7 @@ def test_scenes_are_scored_by_half(folder: Path, capsys: pytest.CaptureFixture[s
     assert "http" not in page  # nothing from outside
 
 
+@pytest.mark.slow
 def test_the_same_scenes_score_the_same(folder: Path) -> None:
     assert main(["scenes", str(folder), "--no-render"]) == EXIT_OK
     first = json.loads((folder / "scenes.json").read_text())
