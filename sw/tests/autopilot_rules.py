@@ -87,7 +87,6 @@ class Px4:
 
 
 SECTORS = 8
-LAYERS = 5  # of 30 degrees, the middle one about level
 ARDUPILOT_TIMEOUT_MS = 500
 ARDUPILOT_GROUP_MS = 50
 

@@ -4,25 +4,19 @@ from __future__ import annotations
 
 import json
 import sys
-from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 import sequence_cases as cases
-from command_line import Vista, assert_refused, call, lines_without_times
+from command_line import Vista, assert_refused, lines_without_times
 from mcap.reader import make_reader
 from mcap_ros2.decoder import DecoderFactory
 from random_seed import seeded
 from vista.geometry import Pose, level_world, quaternion_from_rotation, rotation_from_quaternion
 
 UP = "up_world = [0.0, 0.0, 1.0]\n"
-
-
-@pytest.fixture
-def run_vista(capsys: pytest.CaptureFixture[str]) -> Vista:
-    return partial(call, capsys)
 
 
 @pytest.fixture

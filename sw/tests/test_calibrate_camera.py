@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import time
-from functools import partial
 from pathlib import Path
 
 import numpy as np
 import pytest
 from board_rig import board_poses, exact_row_errors_px, pinhole_rig, render_pairs
-from command_line import Vista, assert_refused, call
+from command_line import Vista, assert_refused
 from vista.calibration.board import parse_board
 from vista.calibration.collect import Collector
 from vista.calibration.pictures import Picture, read_pictures
@@ -24,11 +23,6 @@ pytestmark = pytest.mark.slow
 BOARD = "chessboard:9x6:50"
 COUNT = 28
 LOOKS = 4  # one may still be of the place before, and two that agree are needed
-
-
-@pytest.fixture
-def run_vista(capsys: pytest.CaptureFixture[str]) -> Vista:
-    return partial(call, capsys)
 
 
 @pytest.fixture(scope="module")

@@ -8,17 +8,11 @@ from importlib.metadata import EntryPoint, metadata
 
 import pytest
 from command_line import Vista, assert_refused
-from command_line import call as call_vista
 from vista import cli
 from vista.version import DISTRIBUTION
 from vista_eval.command import flights
 
 SLOW_TO_LOAD = ("matplotlib", "embreex", "vista_eval", "vista_throughput")
-
-
-@pytest.fixture
-def run_vista(capsys: pytest.CaptureFixture[str]) -> Vista:
-    return lambda *arguments: call_vista(capsys, *arguments)
 
 
 def test_help_names_all_commands_in_order_and_loads_none() -> None:

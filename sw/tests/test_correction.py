@@ -6,14 +6,13 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator
 from dataclasses import replace
-from functools import partial
 from pathlib import Path
 
 import cv2
 import numpy as np
 import pytest
 import turned_camera as turned
-from command_line import Vista, call
+from command_line import Vista
 from obstacle_schema import valid_lines
 from random_seed import seeded
 from raw_rigs import RAW, WIDE, blob_centre, draw_spheres, rig
@@ -143,11 +142,6 @@ def test_a_turn_that_the_line_buffer_does_not_reach_raises_the_alarm() -> None:
 
 
 # ---- a run ----
-
-
-@pytest.fixture
-def run_vista(capsys: pytest.CaptureFixture[str]) -> Vista:
-    return partial(call, capsys)
 
 
 @pytest.mark.slow

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +10,7 @@ import pytest
 import sequence_cases as cases
 from board_engine import Build, EngineModel
 from board_model import BoardModel, Link, running
-from command_line import Vista, assert_refused, call, lines_without_times
+from command_line import Vista, assert_refused, lines_without_times
 from random_seed import seeded
 from vista.engine import BoardEngine, EngineParameters, StereoEngine
 from vista.errors import InputError
@@ -25,11 +24,6 @@ FRONT_END = 'smooth = "binomial3"\nlevels = 3\nrectify_rows = 16\n'
 def make_board(build: Build | None = None, loss: float = 0.01) -> BoardModel:
     rng = seeded(2300) if loss else np.random.default_rng()  # which draws nothing then; seeded() prints
     return BoardModel(EngineModel(build or Build()), Link(rng, loss, loss), Link(rng, loss, loss))
-
-
-@pytest.fixture
-def run_vista(capsys: pytest.CaptureFixture[str]) -> Vista:
-    return partial(call, capsys)
 
 
 @pytest.fixture

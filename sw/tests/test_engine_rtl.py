@@ -6,14 +6,13 @@ import json
 import shutil
 from collections.abc import Iterable
 from dataclasses import asdict, replace
-from functools import partial
 from pathlib import Path
 
 import cv2
 import numpy as np
 import pytest
 import sequence_cases as cases
-from command_line import Vista, assert_refused, call, lines_without_times
+from command_line import Vista, assert_refused, lines_without_times
 from random_seed import seeded
 from shared_data import REPOSITORY
 from vista.control_grid import BUFFER_ROWS, GridPair
@@ -148,11 +147,6 @@ def config(tmp_path: Path) -> Path:
     path = tmp_path / "c.toml"
     path.write_text("[stereo]\nnum_disparities = 16\nblock_size = 5\n")
     return path
-
-
-@pytest.fixture
-def run_vista(capsys: pytest.CaptureFixture[str]) -> Vista:
-    return partial(call, capsys)
 
 
 def test_run_gives_the_same_obstacles(tmp_path: Path, config: Path, run_vista: Vista) -> None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import time
-from functools import partial
 from pathlib import Path
 from threading import Event, Timer
 
@@ -12,7 +11,7 @@ import cv2
 import numpy as np
 import pytest
 import sequence_cases as cases
-from command_line import Vista, assert_refused, call
+from command_line import Vista, assert_refused
 from live_process import running, until
 from numpy.typing import NDArray
 from vista.errors import InputError
@@ -203,11 +202,6 @@ def test_cameras_of_two_sizes_are_refused_and_closed() -> None:
         cameras_of({"odd": Virtual(shape=(4, 7))})
     with pytest.raises(InputError, match="dead: delivers no picture"):
         cameras_of({"dead": Virtual(pictures=0)})
-
-
-@pytest.fixture
-def run_vista(capsys: pytest.CaptureFixture[str]) -> Vista:
-    return partial(call, capsys)
 
 
 @pytest.fixture

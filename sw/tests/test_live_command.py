@@ -5,7 +5,6 @@ from __future__ import annotations
 import http.client
 import json
 import socket
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -14,17 +13,12 @@ import numpy as np
 import pytest
 import sequence_cases as cases
 from browser import Page, needs_browser
-from command_line import Vista, assert_refused, call, lines_without_times
+from command_line import Vista, assert_refused, lines_without_times
 from live_process import READY_S, running, until
 from obstacle_schema import VALIDATOR
 from pymavlink.dialects.v20 import ardupilotmega as dialect
 
 pytestmark = pytest.mark.slow
-
-
-@pytest.fixture
-def run_vista(capsys: pytest.CaptureFixture[str]) -> Vista:
-    return partial(call, capsys)
 
 
 @pytest.fixture

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import copy
 import json
-from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from command_line import Vista, assert_refused, call
+from command_line import Vista, assert_refused
 from mavlink_lines import line, obstacle, write_lines
 from pymavlink.dialects.v20 import ardupilotmega as dialect
 from random_seed import seeded
@@ -18,12 +17,6 @@ from vista import parameters
 from vista.errors import InputError
 from vista.mavlink.link import Link
 from vista.mavlink.sighting import sighting_of_line
-
-
-@pytest.fixture
-def run_vista(capsys: pytest.CaptureFixture[str]) -> Vista:
-    return partial(call, capsys)
-
 
 TARGETS = [
     "", "udp", "udp:", "udp:127.0.0.1", "udp:127.0.0.1:0", "udp:127.0.0.1:65536", "udp::14550", "tcp:a:1",

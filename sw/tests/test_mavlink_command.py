@@ -10,7 +10,6 @@ import sys
 import threading
 import time
 from collections import Counter
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +17,7 @@ import numpy as np
 import pytest
 import sequence_cases as cases
 from autopilot_rules import Px4
-from command_line import Vista, call
+from command_line import Vista
 from mavlink_lines import line, write_lines
 from pymavlink.dialects.v20 import ardupilotmega as dialect
 from random_seed import seeded
@@ -31,11 +30,6 @@ from vista.mavlink.transport import open_transport
 pytestmark = pytest.mark.slow
 
 LINES = [line(k) for k in range(30)]
-
-
-@pytest.fixture
-def run_vista(capsys: pytest.CaptureFixture[str]) -> Vista:
-    return partial(call, capsys)
 
 
 class Listener:

@@ -2,23 +2,17 @@
 
 from __future__ import annotations
 
-from functools import partial
 from pathlib import Path
 
 import cv2
 import numpy as np
 import pytest
 import sequence_cases as cases
-from command_line import Vista, assert_refused, call
+from command_line import Vista, assert_refused
 from vista.geometry import Calibration
 from vista.point_cloud import points_of, write_ply
 
 CAMERA = Calibration(3, 2, 100.0, 1.0, 0.5, 0.2)
-
-
-@pytest.fixture
-def run_vista(capsys: pytest.CaptureFixture[str]) -> Vista:
-    return partial(call, capsys)
 
 
 @pytest.fixture

@@ -7,25 +7,19 @@ import signal
 import subprocess
 import sys
 import time
-from functools import partial
 from itertools import pairwise
 from pathlib import Path
 
 import cv2
 import numpy as np
 import pytest
-from command_line import Vista, assert_refused, call
+from command_line import Vista, assert_refused
 from numpy.typing import NDArray
 from vista.live.recorder import PairFolder
 from vista.live.source import Shot
 from vista.sequence import Frame, open_sequence
 
 CALIBRATION = "focal_px = 50.0\ncx = 31.5\ncy = 23.5\nbaseline_m = 0.2\n"
-
-
-@pytest.fixture
-def run_vista(capsys: pytest.CaptureFixture[str]) -> Vista:
-    return partial(call, capsys)
 
 
 def video(path: Path, count: int, width: int = 128) -> Path:

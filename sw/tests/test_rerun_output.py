@@ -5,22 +5,16 @@ from __future__ import annotations
 import json
 import sys
 from collections import defaultdict
-from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 import sequence_cases as cases
-from command_line import Vista, assert_refused, call
+from command_line import Vista, assert_refused
 from rerun.chunk import RrdReader
 
 OBSTACLES = "/world/camera/obstacles"
-
-
-@pytest.fixture
-def run_vista(capsys: pytest.CaptureFixture[str]) -> Vista:
-    return partial(call, capsys)
 
 
 @pytest.fixture

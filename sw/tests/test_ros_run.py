@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator
-from functools import partial
 from pathlib import Path
 from typing import Any
 
 import bag_cases as bags
 import numpy as np
 import pytest
-from command_line import Vista, call
+from command_line import Vista
 from ros_process import Bridge, needs_ros, running_bridge, running_node
 from rosbags.highlevel import AnyReader
 from shared_data import SHARED_DATA
@@ -35,11 +34,6 @@ OUTPUTS = {
 STEREO = ("-r", "__ns:=/stereo")
 RAW = (*STEREO, "-r", "left/image_rect:=left/image_raw", "-r", "right/image_rect:=right/image_raw")
 MOUNTED = "body_from_camera:=[0.0, 0.0, 0.0, -0.5, 0.5, -0.5, 0.5]"  # as write_bag has it in tf
-
-
-@pytest.fixture
-def run_vista(capsys: pytest.CaptureFixture[str]) -> Vista:
-    return partial(call, capsys)
 
 
 def flight(folder: Path, _run_vista: Vista) -> Path:

@@ -27,7 +27,6 @@ from vista_model.engine import Parameters
 
 pytestmark = pytest.mark.slow
 
-MAIN = Config(32, 11)
 FRAMES = 200
 EUROC = (
     Path(os.environ.get("VISTA_SHARED_DATA", Path(__file__).resolve().parents[3] / "shared" / "data"))
