@@ -7,7 +7,7 @@ cd "$(dirname "$0")/.."
 export VISTA_BUILD=build/sanitized
 # AddressSanitizer sees what the checks of null pointers and object sizes see, with which the inlined kernels of the engine
 # take half a minute each to compile.
-make --no-print-directory native systemc BUILD="$VISTA_BUILD" DEVELOPER=ON CFLAGS="-O1 -g" SYSTEMC_CXXFLAGS="-O1 -g -std=c++17 -Wall -Wextra -Werror" \
+make --no-print-directory native systemc BUILD="$VISTA_BUILD" DEVELOPER=ON CFLAGS="-O1 -g1" SYSTEMC_CXXFLAGS="-O1 -g1 -std=c++17 -Wall -Wextra -Werror" \
   SANITIZE="-fsanitize=address,undefined,float-cast-overflow -fno-sanitize=null,object-size -fno-sanitize-recover=all"
 
 tests=("$@")
