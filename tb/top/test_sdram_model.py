@@ -19,7 +19,7 @@ TRACE = ROOT / "build" / "bin" / "vista_sdram_trace"
 CLOCK_HZ = 45e6
 PORTS, ROW_WORDS, BANKS = 6, 256, 4
 WORDS = 120  # of each port
-SEEDS = [int(os.environ["VISTA_SEED"])] if "VISTA_SEED" in os.environ else [0, 1]
+SEED = int(os.environ.get("VISTA_SEED", 1))  # sees a change of each rule that 0 sees, and two more
 
 
 @dataclass(frozen=True)
@@ -100,10 +100,9 @@ def litedram(commands: list[Command]) -> list[tuple[int, int]]:
     return list(zip(taken, moved, strict=True))
 
 
-@pytest.mark.parametrize("seed", SEEDS)
-def test_every_port_is_served_in_the_clock_in_which_litedram_serves_it(seed: int) -> None:
-    print(f"rerun: VISTA_SEED={seed} .venv/bin/python -m pytest tb/top/test_sdram_model.py")
-    commands = streams(np.random.default_rng(seed), WORDS)
+def test_every_port_is_served_in_the_clock_in_which_litedram_serves_it() -> None:
+    print(f"rerun: VISTA_SEED={SEED} .venv/bin/python -m pytest tb/top/test_sdram_model.py")
+    commands = streams(np.random.default_rng(SEED), WORDS)
     differing = [
         (command, mine, theirs)
         for command, mine, theirs in zip(commands, model(commands), litedram(commands), strict=True)
