@@ -74,12 +74,13 @@ class Overlay:
             _caption(_coloured(foveated), "log-polar cells"),
             draw_regions(frame.left, result.region_of_pixel, colours, result.verdict_of_region),
         ]
-        return _stack(self._headline(frame, result, health), tiles)
+        return _stack(self._headline(frame, result, health, nearest), tiles)
 
-    def _headline(self, frame: Frame, result: Result, health: FrameHealth) -> tuple[str, str]:
+    def _headline(
+        self, frame: Frame, result: Result, health: FrameHealth, nearest: Nearest | None
+    ) -> tuple[str, str]:
         things = 0 if health.state == State.BLIND else sum(o.is_thing for o in result.obstacles)
         facts = f"{self._name}   {self._unit} {frame.index}   {things} obstacle{'s' * (things != 1)}"
-        nearest = None if health.state == State.BLIND else result.nearest_collision
         seen_m = result.path_seen_m if nearest is None else min(result.path_seen_m, nearest.distance_m)
         with_path = facts + f"   path seen to {seen_m:.0f} m"
         height, width = frame.left.shape
