@@ -205,6 +205,7 @@ def unrelated_noise(k: int, left: Grey, right: Grey) -> tuple[Grey, Grey]:
 SEEN = {"scene": (stripes, tiles), "change": (flat, unrelated_noise)}
 
 
+@pytest.mark.same_c
 @pytest.mark.parametrize(
     ("where", "nothing"), [(where, nothing) for where, all_of in SEEN.items() for nothing in all_of]
 )
