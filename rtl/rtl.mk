@@ -32,7 +32,7 @@ RTL_LICENSE := SPDX-License-Identifier: Apache-2.0
 
 # Registers: RTL, C header and documentation from one description.
 define GENERATE_CSR
-mkdir -p $(1) && $(PEAKRDL) regblock $(RTL_CSR) -o $(1) --cpuif passthrough --default-reset rst_n && \
+mkdir -p $(1) && $(PEAKRDL) regblock $(RTL_CSR) -o $(1) --cpuif passthrough --default-reset rst_n --err-if-bad-addr && \
 $(PEAKRDL) c-header $(RTL_CSR) -o $(1)/vista_stereo_csr.h && \
 $(PEAKRDL) markdown $(RTL_CSR) -o $(1)/registers.md && \
 sed -i '1i // $(RTL_LICENSE)' $(1)/vista_stereo_csr.sv $(1)/vista_stereo_csr_pkg.sv $(1)/vista_stereo_csr.h && \
@@ -75,7 +75,7 @@ build/lib/libvista_rtl_%.so: $(RTL_SOURCES) $(wildcard rtl/csr/*.sv rtl/*.f) $(R
 	@set -- $(subst _, ,$*); top=vista_stereo; front_end=; side=$$(( ($${3#w} + 15) / 16 + 1 )); \
 	  if [ $$# = 4 ]; then top=vista_raw_stereo; front_end="-GNumRows=$${4#r} -GMaxPoints=$$(( side * side ))"; fi; \
 	  $(VERILATOR) --cc --build --quiet -j 1 -O3 --x-assign fast --x-initial unique --assert \
-	  -Wno-fatal -Wno-lint -Werror-USERFATAL -DFORMAL -Irtl/formal --top-module $$top --prefix Vvista_stereo \
+	  -Wno-fatal -Wno-lint -Werror-USERFATAL -DVISTA_ASSERT -Irtl/formal --top-module $$top --prefix Vvista_stereo \
 	  --Mdir build/rtl/engine/$* -CFLAGS "-fPIC -O1" -GNumDisparities=$${1#d} -GBlockSize=$${2#b} -GMaxWidth=$${3#w} \
 	  $$front_end -f rtl/$$top.f >build/rtl/engine/$*/build.log 2>&1 || \
 	  { tail -n 20 build/rtl/engine/$*/build.log >&2; exit 1; }

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 from cocotb_tools.runner import get_runner
-from tools import BUILD, VERILATOR_FLAGS, sources, verilator_environment
+from tools import BUILD, VERILATOR_FLAGS, bench_sources, sources, verilator_environment
 
 pytestmark = pytest.mark.slow
 
@@ -62,7 +62,10 @@ LISTS = {
 def files_of(module: str) -> list[Path]:
     """What a module is built from; one that is of the benches comes last."""
     harness = Path(__file__).parent / "common" / f"{module}.sv"
-    return sources(LISTS.get(module, "vista_stereo_core.f")) + ([harness] if harness.is_file() else [])
+    files = LISTS.get(module, "vista_stereo_core.f")
+    if module == "vista_line_store":
+        return sources(files)
+    return bench_sources(files) + ([harness] if harness.is_file() else [])
 
 
 # Faults that an assertion of rtl/formal has to name: module, what is replaced in it, and by what.

@@ -37,7 +37,7 @@ $(BOARD_GATEWARE): $(BOARD_SOURCES) $(RTL_SOURCES) $(wildcard rtl/csr/*.sv rtl/*
 	@set -- $(subst _, ,$*); side=$$(( ($${3#w} + 15) / 16 + 1 )); \
 	  PYTHONPATH=rtl/board $(RTL_PYTHON) -m gateware.simulated build/board/$* $${1#d} $${2#b} $${3#w} $${4#r} $$(( side * side ))
 	@$(VERILATOR) --cc --build --quiet -j 1 -O3 --x-assign fast --x-initial unique --assert \
-	  -Wno-fatal -Wno-lint -Werror-USERFATAL -DFORMAL -Irtl/formal --top-module board --prefix Vboard \
+	  -Wno-fatal -Wno-lint -Werror-USERFATAL -DVISTA_ASSERT -Irtl/formal --top-module board --prefix Vboard \
 	  --Mdir $(@D) -CFLAGS -std=c++17 -MAKEFLAGS "OPT_FAST=-O1" \
 	  -f rtl/vista_raw_stereo.f build/board/$*/board.v >build/board/$*/build.log 2>&1 || \
 	  { tail -n 20 build/board/$*/build.log >&2; exit 1; }

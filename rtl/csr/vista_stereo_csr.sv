@@ -103,33 +103,57 @@ module vista_stereo_csr (
     always_comb begin
         automatic logic is_valid_addr;
         automatic logic is_valid_rw;
-        is_valid_addr = '1; // No valid address check
+        is_valid_addr = '0;
         is_valid_rw = '1; // No valid RW check
         decoded_reg_strb.ID = cpuif_req_masked & (cpuif_addr == 7'h0) & !cpuif_req_is_wr;
+        is_valid_addr |= cpuif_req_masked & (cpuif_addr == 7'h0);
         decoded_reg_strb.VERSION = cpuif_req_masked & (cpuif_addr == 7'h4) & !cpuif_req_is_wr;
+        is_valid_addr |= cpuif_req_masked & (cpuif_addr == 7'h4);
         decoded_reg_strb.BUILD = cpuif_req_masked & (cpuif_addr == 7'h8) & !cpuif_req_is_wr;
+        is_valid_addr |= cpuif_req_masked & (cpuif_addr == 7'h8);
         decoded_reg_strb.BUILD_SIZE = cpuif_req_masked & (cpuif_addr == 7'hc) & !cpuif_req_is_wr;
+        is_valid_addr |= cpuif_req_masked & (cpuif_addr == 7'hc);
         decoded_reg_strb.CONTROL = cpuif_req_masked & (cpuif_addr == 7'h10);
+        is_valid_addr |= cpuif_req_masked & (cpuif_addr == 7'h10);
         decoded_reg_strb.SIZE = cpuif_req_masked & (cpuif_addr == 7'h14);
+        is_valid_addr |= cpuif_req_masked & (cpuif_addr == 7'h14);
         decoded_reg_strb.PREFILTER = cpuif_req_masked & (cpuif_addr == 7'h18);
+        is_valid_addr |= cpuif_req_masked & (cpuif_addr == 7'h18);
         decoded_reg_strb.TEXTURE = cpuif_req_masked & (cpuif_addr == 7'h1c);
+        is_valid_addr |= cpuif_req_masked & (cpuif_addr == 7'h1c);
         decoded_reg_strb.UNIQUENESS = cpuif_req_masked & (cpuif_addr == 7'h20);
+        is_valid_addr |= cpuif_req_masked & (cpuif_addr == 7'h20);
         decoded_reg_strb.LR_CHECK = cpuif_req_masked & (cpuif_addr == 7'h24);
+        is_valid_addr |= cpuif_req_masked & (cpuif_addr == 7'h24);
         decoded_reg_strb.ERRORS = cpuif_req_masked & (cpuif_addr == 7'h28);
+        is_valid_addr |= cpuif_req_masked & (cpuif_addr == 7'h28);
         decoded_reg_strb.OUTPUT = cpuif_req_masked & (cpuif_addr == 7'h2c);
+        is_valid_addr |= cpuif_req_masked & (cpuif_addr == 7'h2c);
         decoded_reg_strb.FRAMES_IN = cpuif_req_masked & (cpuif_addr == 7'h30) & !cpuif_req_is_wr;
+        is_valid_addr |= cpuif_req_masked & (cpuif_addr == 7'h30);
         decoded_reg_strb.FRAMES_OUT = cpuif_req_masked & (cpuif_addr == 7'h34) & !cpuif_req_is_wr;
+        is_valid_addr |= cpuif_req_masked & (cpuif_addr == 7'h34);
         decoded_reg_strb.STALLS_IN = cpuif_req_masked & (cpuif_addr == 7'h38) & !cpuif_req_is_wr;
+        is_valid_addr |= cpuif_req_masked & (cpuif_addr == 7'h38);
         decoded_reg_strb.STALLS_OUT = cpuif_req_masked & (cpuif_addr == 7'h3c) & !cpuif_req_is_wr;
+        is_valid_addr |= cpuif_req_masked & (cpuif_addr == 7'h3c);
         decoded_reg_strb.INTERRUPT = cpuif_req_masked & (cpuif_addr == 7'h40);
+        is_valid_addr |= cpuif_req_masked & (cpuif_addr == 7'h40);
         decoded_reg_strb.INTERRUPT_MASK = cpuif_req_masked & (cpuif_addr == 7'h44);
+        is_valid_addr |= cpuif_req_masked & (cpuif_addr == 7'h44);
         decoded_reg_strb.COMMIT = cpuif_req_masked & (cpuif_addr == 7'h48);
+        is_valid_addr |= cpuif_req_masked & (cpuif_addr == 7'h48);
         decoded_reg_strb.BUILD_FRONT_END = cpuif_req_masked & (cpuif_addr == 7'h4c) & !cpuif_req_is_wr;
+        is_valid_addr |= cpuif_req_masked & (cpuif_addr == 7'h4c);
         decoded_reg_strb.FRONT_END = cpuif_req_masked & (cpuif_addr == 7'h50);
+        is_valid_addr |= cpuif_req_masked & (cpuif_addr == 7'h50);
         decoded_reg_strb.MAP = cpuif_req_masked & (cpuif_addr == 7'h54);
+        is_valid_addr |= cpuif_req_masked & (cpuif_addr == 7'h54);
         decoded_reg_strb.MAP_POINT = cpuif_req_masked & (cpuif_addr == 7'h58) & cpuif_req_is_wr;
+        is_valid_addr |= cpuif_req_masked & (cpuif_addr == 7'h58);
         decoded_reg_strb.STATUS = cpuif_req_masked & (cpuif_addr == 7'h5c) & !cpuif_req_is_wr;
-        decoded_err = '0;
+        is_valid_addr |= cpuif_req_masked & (cpuif_addr == 7'h5c);
+        decoded_err = ~is_valid_addr & decoded_req;
     end
 
     // Pass down signals to next stage
@@ -1408,7 +1432,7 @@ module vista_stereo_csr (
     //--------------------------------------------------------------------------
     assign cpuif_wr_ack = decoded_req & decoded_req_is_wr;
     // Writes are always granted with no error response
-    assign cpuif_wr_err = '0;
+    assign cpuif_wr_err = decoded_err;
 
     //--------------------------------------------------------------------------
     // Readback
@@ -1517,7 +1541,7 @@ module vista_stereo_csr (
         end
         readback_data = readback_data_var;
         readback_done = decoded_req & ~decoded_req_is_wr;
-        readback_err = '0;
+        readback_err = decoded_err;
     end
 
     assign cpuif_rd_ack = readback_done;

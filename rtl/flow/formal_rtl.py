@@ -88,7 +88,7 @@ def prove(proof: Proof) -> bool:
             shutil.copy(properties, folder)
     names = " ".join(Path(f).name for f in proof.files)
     script = (
-        f"read_slang -j 1 -D FORMAL -D SYNTHESIS --top {proof.module} {proof.parameters} -I . {names}\n"
+        f"read_slang -j 1 -D VISTA_ASSERT --top {proof.module} {proof.parameters} -I . {names}\n"
         f"prep -top {proof.module}\nwrite_rtlil design.il\n"
     )
     (folder / "read.ys").write_text(script)

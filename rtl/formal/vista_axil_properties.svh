@@ -9,6 +9,7 @@ logic f_aw_waited, f_w_waited, f_ar_waited, f_b_due, f_r_due;
 logic [AddrW-1:0] f_awaddr, f_araddr;
 logic [StrobeW+DataW-1:0] f_wdata;
 logic [DataW-1:0] f_read;
+logic f_error;
 logic [1:0] f_early;  // the two clocks after the request of a write
 
 always_ff @(posedge clk_i) begin
@@ -24,6 +25,7 @@ always_ff @(posedge clk_i) begin
   if (request_o & write_o) f_b_due <= 1'b1;
   if (request_o & ~write_o) f_r_due <= 1'b1;
   if (request_o) f_read <= read_data_i;
+  if (request_o) f_error <= error_i;
   f_early <= {f_early[0], request_o & write_o};
   if (!rst_ni) begin
     f_early <= '0;
@@ -50,10 +52,13 @@ always_comb begin
     for (int i = 0; i < StrobeW; i++) if (awready_o) assert (write_mask_o[i*8+:8] == {8{wstrb_i[i]}});
     assert (bvalid_o == (f_b_due & ~|f_early) && rvalid_o == f_r_due && !(request_o & (f_b_due | f_r_due)));
     if (rvalid_o) assert (rdata_o == f_read);
+    if (rvalid_o) assert (rresp_o == {f_error, 1'b0});
+    if (bvalid_o) assert (bresp_o == {f_error, 1'b0});
 
     // What makes these inductive.
     assert (state_q <= Respond);
     assert (f_early == {state_q == Settle, state_q == Apply} && (f_early == '0 || (f_b_due && write_q)));
+    if (f_b_due || f_r_due) assert (error_q == f_error);
     if (state_q == Request) assert (write_q ? f_aw_waited && f_w_waited : f_ar_waited);
     if (state_q == Request && write_q) assert (address_q == f_awaddr && {strobe_q, write_data_q} == f_wdata);
     if (state_q == Request && !write_q) assert (address_q == f_araddr);

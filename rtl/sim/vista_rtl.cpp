@@ -90,6 +90,7 @@ struct vista_rtl {
     if (left_over && taken) top->s_axis_tvalid = left_over = false;
   }
 
+  int32_t response = 0;    // to the last access
   bool left_over = false;  // a beat is still offered that the last stream could not send: a bus may not withdraw it
 
   // The first of the queued writes goes on by one clock, beside the streams, before the edge. The channels are free again
@@ -195,6 +196,7 @@ void vista_rtl_write(vista_rtl* engine, uint32_t address, uint32_t data) {
     if (data_taken) t.s_axil_wvalid = 0;
   }
   for (t.eval(); !t.s_axil_bvalid;) e.edge();
+  e.response = t.s_axil_bresp;
   e.edge();
 }
 
@@ -211,6 +213,7 @@ uint32_t vista_rtl_read(vista_rtl* engine, uint32_t address) {
   t.s_axil_arvalid = 0;
   for (t.eval(); !t.s_axil_rvalid;) e.edge();
   const uint32_t data = t.s_axil_rdata;
+  e.response = t.s_axil_rresp;
   e.edge();
   return data;
 }
@@ -263,6 +266,8 @@ int64_t vista_rtl_stream(vista_rtl* engine, const uint32_t* beats, int64_t num_i
 void vista_rtl_queue_write(vista_rtl* engine, int64_t after, int64_t before, uint32_t address, uint32_t data) {
   engine->queued.push_back({after, before, address, data});
 }
+
+int32_t vista_rtl_response(const vista_rtl* engine) { return engine->response; }
 
 int32_t vista_rtl_interrupt(const vista_rtl* engine) { return engine->top->irq_o; }
 

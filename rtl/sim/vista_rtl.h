@@ -42,6 +42,9 @@ void vista_rtl_reset(vista_rtl* engine, int32_t clocks);
 void vista_rtl_write(vista_rtl* engine, uint32_t address, uint32_t data);
 uint32_t vista_rtl_read(vista_rtl* engine, uint32_t address);
 
+/* The response to the last of these accesses: 0, or 2 (SLVERR) if there is no register. */
+int32_t vista_rtl_response(const vista_rtl* engine);
+
 /* The interrupt, 0 or 1. */
 int32_t vista_rtl_interrupt(const vista_rtl* engine);
 

@@ -3,8 +3,8 @@
 //
 // One access at a time: a read, or a write whose address and data are both there; when both wait, they take turns. The
 // request is issued from registers, so that what stands between it and the registers' enables, all over the chip, is
-// their address decoder alone. Every request is answered in its own clock (no stalls, no errors: the generator is told
-// so), which also accepts the address. The response to a write waits until everything behind the registers obeys it
+// their address decoder alone. Every request is answered in its own clock (no stalls: the generator is told so), which
+// also accepts the address; where there is nothing, with SLVERR. The response to a write waits until everything behind the registers obeys it
 // (vista_registers), so that what is sent after the response is treated as the write says.
 //
 // Latency: 2 clocks from the address to its acceptance; from there 1 clock to the response to a read, 3 to that to a
@@ -26,6 +26,7 @@ module vista_axil #(
   input  logic [DataW-1:0]    wdata_i,
   input  logic [StrobeW-1:0]  wstrb_i,
   output logic                bvalid_o,
+  output logic [1:0]          bresp_o,
   input  logic                bready_i,
   input  logic                arvalid_i,
   output logic                arready_o,
@@ -33,13 +34,15 @@ module vista_axil #(
   output logic                rvalid_o,
   input  logic                rready_i,
   output logic [DataW-1:0]    rdata_o,
+  output logic [1:0]          rresp_o,
 
   output logic              request_o,
   output logic              write_o,
   output logic [AddrW-1:0]  address_o,
   output logic [DataW-1:0]  write_data_o,
   output logic [DataW-1:0]  write_mask_o,
-  input  logic [DataW-1:0]  read_data_i    // beside the request
+  input  logic [DataW-1:0]  read_data_i,   // beside the request
+  input  logic              error_i        // likewise: there is nothing at its address
 );
 
   typedef enum logic [2:0] {
@@ -51,7 +54,7 @@ module vista_axil #(
   } state_e;
 
   state_e state_q;
-  logic write_q, write_next;
+  logic write_q, write_next, error_q;
   logic [AddrW-1:0]   address_q;
   logic [DataW-1:0]   write_data_q;
   logic [StrobeW-1:0] strobe_q;
@@ -73,6 +76,7 @@ module vista_axil #(
       Request: begin
         state_q <= write_q ? Apply : Respond;
         rdata_o <= read_data_i;
+        error_q <= error_i;
       end
       Apply: state_q <= Settle;
       Settle: state_q <= Respond;
@@ -98,9 +102,11 @@ module vista_axil #(
   assign wready_o  = request_o & write_q;
   assign arready_o = request_o & ~write_q;
   assign bvalid_o  = (state_q == Respond) & write_q;
+  assign bresp_o   = {error_q, 1'b0};
+  assign rresp_o   = bresp_o;
   assign rvalid_o  = (state_q == Respond) & ~write_q;
 
-`ifdef FORMAL
+`ifdef VISTA_ASSERT
   `include "vista_axil_properties.svh"
 `endif
 

@@ -179,7 +179,7 @@ module vista_frame_guard #(
     end
   end
 
-`ifdef FORMAL
+`ifdef VISTA_ASSERT
   `include "vista_frame_guard_properties.svh"
 `endif
 

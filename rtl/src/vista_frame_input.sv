@@ -85,7 +85,7 @@ module vista_frame_input #(
     .data_o  ({enable_o, admit_o, last_col_o, last_row_o, side_o, sof_o, eol_o, data_o})
   );
 
-`ifdef FORMAL
+`ifdef VISTA_ASSERT
   `include "vista_frame_input_properties.svh"
 `endif
 

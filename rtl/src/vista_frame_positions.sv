@@ -139,7 +139,7 @@ module vista_frame_positions #(
     end
   end
 
-`ifdef FORMAL
+`ifdef VISTA_ASSERT
   `include "vista_frame_positions_properties.svh"
 `endif
 

@@ -105,7 +105,7 @@ module vista_frame_writer #(
     end
   end
 
-`ifdef FORMAL
+`ifdef VISTA_ASSERT
   `include "vista_frame_writer_properties.svh"
 `endif
 

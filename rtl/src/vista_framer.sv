@@ -236,7 +236,7 @@ module vista_framer #(
     end
   end
 
-`ifdef FORMAL
+`ifdef VISTA_ASSERT
   `include "vista_framer_properties.svh"
 `endif
 

@@ -142,7 +142,7 @@ module vista_levels #(
     end
   end
 
-`ifdef FORMAL
+`ifdef VISTA_ASSERT
   `include "vista_levels_properties.svh"
 `endif
 

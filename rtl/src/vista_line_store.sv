@@ -4,7 +4,8 @@
 //
 // Latency: 2 clocks from `read_col_i` to `read_data_o`. The second register keeps the slow output of a block RAM off
 // the logic behind it. A word that is read while it is written is undefined: no user needs it, and the logic that would
-// define it is saved (`no_rw_check`). In simulation it comes out inverted, so that a use would show.
+// define it is saved (`no_rw_check`). The benches put tb/common/vista_line_store.sv in its place, of which it comes out
+// inverted, so that a use would show.
 
 module vista_line_store #(
   parameter int unsigned Width = 16,
@@ -30,9 +31,6 @@ module vista_line_store #(
 
   always_ff @(posedge clk_i) begin
     read_q <= mem[read_col_i];
-`ifndef SYNTHESIS
-    if (write_i && write_col_i == read_col_i) read_q <= ~mem[read_col_i];
-`endif
     read_data_o <= clear_i ? '0 : read_q;
   end
 

@@ -103,7 +103,7 @@ module vista_pixel_writer #(
 
   assign {side_o, sof_o, eol_o, data_o} = word_q;
 
-`ifdef FORMAL
+`ifdef VISTA_ASSERT
   `include "vista_pixel_writer_properties.svh"
 `endif
 

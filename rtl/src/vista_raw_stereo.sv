@@ -211,7 +211,7 @@ module vista_raw_stereo #(
     .error_size_o      ()
   );
 
-`ifdef FORMAL
+`ifdef VISTA_ASSERT
   `include "vista_bus_properties.svh"
 `endif
 

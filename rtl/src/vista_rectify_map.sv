@@ -150,7 +150,7 @@ module vista_rectify_map #(
     end
   end
 
-`ifdef FORMAL
+`ifdef VISTA_ASSERT
   `include "vista_rectify_map_properties.svh"
 `endif
 

@@ -58,7 +58,7 @@ module vista_rectify_ring #(
     end
   end
 
-`ifdef FORMAL
+`ifdef VISTA_ASSERT
   `include "vista_rectify_ring_properties.svh"
 `endif
 

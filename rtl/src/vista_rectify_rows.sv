@@ -213,7 +213,7 @@ module vista_rectify_rows #(
     .data_o  ({segment_value_o, segment_slope_o})
   );
 
-`ifdef FORMAL
+`ifdef VISTA_ASSERT
   `include "vista_rectify_rows_properties.svh"
 `endif
 

@@ -71,7 +71,7 @@ module vista_registers #(
   vista_stereo_csr_pkg::vista_stereo_csr__in_t  to_csr;
   vista_stereo_csr_pkg::vista_stereo_csr__out_t from_csr;
 
-  logic request, request_write;
+  logic request, request_write, read_error, write_error;
   logic [4:0] request_address;
   logic [31:0] write_data, write_mask, read_data;
 
@@ -88,6 +88,7 @@ module vista_registers #(
     .wdata_i      (s_axil_wdata),
     .wstrb_i      (s_axil_wstrb),
     .bvalid_o     (s_axil_bvalid),
+    .bresp_o      (s_axil_bresp),
     .bready_i     (s_axil_bready),
     .arvalid_i    (s_axil_arvalid),
     .arready_o    (s_axil_arready),
@@ -95,16 +96,15 @@ module vista_registers #(
     .rvalid_o     (s_axil_rvalid),
     .rready_i     (s_axil_rready),
     .rdata_o      (s_axil_rdata),
+    .rresp_o      (s_axil_rresp),
     .request_o    (request),
     .write_o      (request_write),
     .address_o    (request_address),
     .write_data_o (write_data),
     .write_mask_o (write_mask),
-    .read_data_i  (read_data)
+    .read_data_i  (read_data),
+    .error_i      (request_write ? write_error : read_error)
   );
-
-  assign s_axil_bresp = '0;
-  assign s_axil_rresp = '0;
 
   // Registers are words; protection is not told apart.
   logic unused_axil;
@@ -121,10 +121,10 @@ module vista_registers #(
     .s_cpuif_req_stall_wr (),
     .s_cpuif_req_stall_rd (),
     .s_cpuif_rd_ack       (),
-    .s_cpuif_rd_err       (),
+    .s_cpuif_rd_err       (read_error),
     .s_cpuif_rd_data      (read_data),
     .s_cpuif_wr_ack       (),
-    .s_cpuif_wr_err       (),
+    .s_cpuif_wr_err       (write_error),
     .hwif_in              (to_csr),
     .hwif_out             (from_csr)
   );

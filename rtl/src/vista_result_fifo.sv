@@ -81,7 +81,7 @@ module vista_result_fifo #(
     end
   end
 
-`ifdef FORMAL
+`ifdef VISTA_ASSERT
   `include "vista_result_fifo_properties.svh"
 `endif
 

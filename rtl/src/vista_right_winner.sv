@@ -99,7 +99,7 @@ module vista_right_winner #(
 
   assign winner_o = best_index_q[NumDisparities-1];
 
-`ifdef FORMAL
+`ifdef VISTA_ASSERT
   `include "vista_right_winner_properties.svh"
 `endif
 

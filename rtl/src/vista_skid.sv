@@ -38,7 +38,7 @@ module vista_skid #(
     end
   end
 
-`ifdef FORMAL
+`ifdef VISTA_ASSERT
   `include "vista_skid_properties.svh"
 `endif
 

@@ -143,7 +143,7 @@ module vista_stereo #(
     .error_size_o      (events.size)
   );
 
-`ifdef FORMAL
+`ifdef VISTA_ASSERT
   `include "vista_bus_properties.svh"
 `endif
 

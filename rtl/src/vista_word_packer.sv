@@ -57,7 +57,7 @@ module vista_word_packer #(
     if (!rst_ni) held_q <= 1'b0;
   end
 
-`ifdef FORMAL
+`ifdef VISTA_ASSERT
   `include "vista_word_packer_properties.svh"
 `endif
 

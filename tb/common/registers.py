@@ -66,4 +66,5 @@ FRAME_DONE, ERROR, STOPPED = 1, 2, 4  # of INTERRUPT
 NO_MAP, MAP_ROWS, MAP_SIZE = 1 << 5, 1 << 6, 1 << 7  # of ERRORS, which only a front end sets
 BEGIN_LOAD, MAP_READY = 1, 2  # of MAP
 BUSY = 1  # of STATUS
+SLVERR = 2  # response of the bus
 COMMIT_SET, COMMIT_MAP = 1, 2  # of COMMIT

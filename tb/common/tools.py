@@ -10,11 +10,12 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 BUILD = ROOT / "build" / "rtl"
-# Of every build that is run. Lint is a target of its own; illegal build parameters stop here. FORMAL switches
-# on the properties that `make formal` proves: they, and what the proofs assume, are checked in each clock.
+# Of every build that is run. Lint is a target of its own; illegal build parameters stop here. VISTA_ASSERT
+# switches on the properties that `make formal` proves: they, and what the proofs assume, are checked in each
+# clock.
 VERILATOR_FLAGS = [
     "-Wno-fatal", "-Wno-lint", "-Werror-USERFATAL", "--assert", "--x-initial", "unique",
-    "-DFORMAL", f"-I{ROOT / 'rtl' / 'formal'}",
+    "-DVISTA_ASSERT", f"-I{ROOT / 'rtl' / 'formal'}",
 ]  # fmt: skip
 
 
@@ -67,3 +68,9 @@ def sources(file_list: str) -> list[Path]:
         elif line and not line.startswith("//"):
             files.append(ROOT / line)
     return files
+
+
+def bench_sources(file_list: str) -> list[Path]:
+    """The same, with the memory of which a use of what is undefined shows."""
+    memory = Path(__file__).with_name("vista_line_store.sv")
+    return [memory if file.name == memory.name else file for file in sources(file_list)]

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
-from tools import BUILD, ROOT, VERILATOR_FLAGS, digest_of, made_once, sources, verilator_environment
+from tools import BUILD, ROOT, VERILATOR_FLAGS, bench_sources, digest_of, made_once, verilator_environment
 
 HARNESS = ROOT / "rtl" / "sim" / "vista_rtl.cpp"
 USER, LAST = 1 << 16, 1 << 17  # of a beat
@@ -72,7 +72,7 @@ PACES = [Pace(), Pace(300, 300), Pace(50, 20), Pace(700, 100), Pace(5, 5)]
 def build(config: Config) -> Path:
     """The shared library of a configuration, built anew when a source has changed."""
     folder = BUILD / "top" / config.name
-    files = sources("vista_raw_stereo.f" if config.rows else "vista_stereo.f")
+    files = bench_sources("vista_raw_stereo.f" if config.rows else "vista_stereo.f")
     others = [*(ROOT / "rtl" / "formal").glob("*.svh"), *HARNESS.parent.glob("*.[ch]*"), Path(__file__)]
     others += config.stand.made_of if config.stand else []
     digest = digest_of([*files, *sorted(others)], repr(config), repr(VERILATOR_FLAGS))
@@ -171,6 +171,10 @@ class Rtl:
 
     def read(self, address: int) -> int:
         return int(self._lib.vista_rtl_read(self._handle, ctypes.c_uint32(address)))
+
+    def response(self) -> int:
+        """What the bus has answered to the last access."""
+        return int(self._lib.vista_rtl_response(self._handle))
 
     def interrupt(self) -> bool:
         return bool(self._lib.vista_rtl_interrupt(self._handle))

@@ -21,6 +21,11 @@ def test_core_file_lists_the_sources() -> None:
     ]
 
 
+def test_core_file_has_the_version_of_the_whole() -> None:
+    text = (ROOT / "rtl" / "vista_stereo.core").read_text()
+    assert f"name: vista:stereo:engine:{(ROOT / 'VERSION').read_text().strip()}\n" in text
+
+
 def test_every_source_is_listed() -> None:
     assert {f.name for f in listed()} == {f.name for f in (ROOT / "rtl").glob("*/*.sv")}
 

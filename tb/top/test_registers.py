@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from registers import (
+    ADDRESS_BITS,
     BUILD,
     BUILD_FRONT_END,
     BUILD_SIZE,
@@ -13,6 +14,7 @@ from registers import (
     INTERRUPT,
     MAP,
     MAP_READY,
+    SLVERR,
     STOPPED,
     VERSION,
     registers,
@@ -59,3 +61,19 @@ def test_addresses_do_not_overlap() -> None:
     assert len(set(addresses)) == len(addresses)
     for _, fields in registers().values():
         assert sum(f.mask for f in fields) == int(np.bitwise_or.reduce([f.mask for f in fields]))
+
+
+@pytest.mark.parametrize("config", CONFIGS[:1], ids=lambda c: c.name)
+def test_an_address_without_a_register_is_an_error(config: Config) -> None:
+    """Reads and writes: SLVERR, and nothing changes."""
+    mapped = {address for address, _ in registers().values()}
+    with Rtl(config) as rtl:
+        before = {address: rtl.read(address) for address in mapped}
+        for address in range(0, 1 << ADDRESS_BITS, 4):
+            response = 0 if address in mapped else SLVERR
+            rtl.read(address)
+            assert rtl.response() == response, hex(address)
+            if address not in mapped:
+                rtl.write(address, 0xFFFFFFFF)
+                assert rtl.response() == response, hex(address)
+        assert {address: rtl.read(address) for address in mapped} == before
