@@ -131,7 +131,7 @@ class BoardModel:
         self._reply("status", body, token=token, frame=frame)
 
     def _held(self) -> bool:
-        """By another client than the one that speaks."""
+        """Whether another client than the one that speaks holds the board."""
         return self.holder not in (None, self.client) and time.monotonic() - self.heard_at < self.hold_s
 
     def _open(self, header: dict[str, int], body: bytes) -> None:
