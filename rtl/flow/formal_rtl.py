@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Proves the properties of rtl/formal by k-induction (yowasp-sby, z3): make formal.
 
-Arguments name single modules.
+Arguments name single modules; --template writes what FuseSoC proves the same with.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 BIN = ROOT / ".venv" / "bin"
+TEMPLATE = ROOT / "rtl" / "formal" / "proofs.sby.j2"
 
 
 @dataclass(frozen=True)
@@ -78,6 +79,23 @@ PROOFS = [
 ]
 
 
+def template() -> str:
+    """The same proofs for FuseSoC, a task each: rtl/formal/proofs.sby.j2."""
+    reads = "".join(
+        f"{p.module}: read_slang -j 1 -D VISTA_ASSERT -I . "
+        f"--top {p.module} {p.parameters} {{{{ sources }}}}\n{p.module}: prep -top {p.module}\n"
+        for p in PROOFS
+    )
+    return (
+        "# SPDX-License-Identifier: Apache-2.0\n"
+        "# Of rtl/vista_stereo.core, by rtl/flow/formal_rtl.py --template; for a Yosys that has slang.\n"
+        "{% set sources %}{% for f in src_files if f.endswith('.sv') %}{{ f }} {% endfor %}{% endset %}\n"
+        "[tasks]\n" + "".join(f"{p.module}\n" for p in PROOFS) + "\n[options]\nmode prove\n"
+        f"depth {max(p.depth for p in PROOFS)}\n\n[engines]\nsmtbmc z3\n\n[script]\n{reads}\n"
+        "[files]\n{{ files }}\n"
+    )
+
+
 def prove(proof: Proof) -> bool:
     folder = ROOT / "build" / "formal" / proof.module
     shutil.rmtree(folder, ignore_errors=True)
@@ -121,6 +139,9 @@ def prove(proof: Proof) -> bool:
 
 if __name__ == "__main__":
     names = sys.argv[1:]
+    if names == ["--template"]:
+        TEMPLATE.write_text(template())
+        sys.exit()
     if unknown := set(names) - {proof.module for proof in PROOFS}:
         sys.exit(f"formal: nothing to prove of {', '.join(sorted(unknown))}")
     sys.exit(not all([prove(proof) for proof in PROOFS if not names or proof.module in names]))

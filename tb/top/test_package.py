@@ -3,6 +3,7 @@
 import re
 from pathlib import Path
 
+import formal_rtl
 import pytest
 from tools import ROOT, sources
 
@@ -24,6 +25,18 @@ def test_core_file_lists_the_sources() -> None:
 def test_core_file_has_the_version_of_the_whole() -> None:
     text = (ROOT / "rtl" / "vista_stereo.core").read_text()
     assert f"name: vista:stereo:engine:{(ROOT / 'VERSION').read_text().strip()}\n" in text
+
+
+def test_core_file_lists_the_properties() -> None:
+    """Once as includes, for a simulation, and once as files, for sby."""
+    text = (ROOT / "rtl" / "vista_stereo.core").read_text()
+    names = sorted(f.name for f in (ROOT / "rtl" / "formal").glob("*.svh"))
+    assert re.findall(r"- formal/(\S+\.svh): {is_include_file: true}", text) == names
+    assert re.findall(r"- formal/(\S+\.svh)\n", text) == names
+
+
+def test_fusesoc_proves_what_make_formal_does() -> None:
+    assert formal_rtl.TEMPLATE.read_text() == formal_rtl.template(), "formal_rtl.py --template"
 
 
 def test_every_source_is_listed() -> None:
