@@ -37,14 +37,22 @@ def model_clocks(width: int, height: int, levels: int) -> int:
     return frame["engine_last_word_clock"] - round(frame["fetch_start_ns"] * CLOCK_HZ / 1e9)
 
 
+EXACT_PX = 20  # width from which each clock is that of the RTL
+FEW_CLOCKS = 10
+
+
 @pytest.mark.parametrize("seed", SEEDS)
 def test_a_frame_takes_the_clocks_of_the_rtl(seed: int) -> None:
+    """Narrower frames, whose rows wait for the rectification, take those but for a few."""
     rng = np.random.default_rng(seed)
     with Rtl(FRONT_END, seed=1) as rtl:
         rtl.write(CONTROL, ENABLE)
-        for _ in range(6):
-            # Rectification takes a pixel a clock from 21 pixels of width on.
-            width, height = int(rng.integers(21, FRONT_END.max_width + 1)), int(rng.integers(2, 90))
+        for _ in range(12):
+            narrow = rng.random() < 0.5
+            width = int(
+                rng.integers(4, EXACT_PX) if narrow else rng.integers(EXACT_PX, FRONT_END.max_width + 1)
+            )
+            height = int(rng.integers(2, 90))
             images = rng.integers(0, 256, (2, height, width), dtype=np.uint8)
             frame = RawFrame(
                 *images,
@@ -56,4 +64,5 @@ def test_a_frame_takes_the_clocks_of_the_rtl(seed: int) -> None:
             count = sum(level.left.size for level in frame.matched())
             got = rtl.stream(frame.stream, count)
             clocks = int(got.out_clock[-1] - got.in_clock[0])
-            assert model_clocks(width, height, frame.levels) == clocks, (width, height, frame.levels)
+            off = abs(model_clocks(width, height, frame.levels) - clocks)
+            assert off <= (FEW_CLOCKS if narrow else 0), (width, height, frame.levels, clocks)

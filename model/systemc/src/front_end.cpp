@@ -10,12 +10,20 @@ namespace {
 constexpr int64_t kRowClocks = 33, kLevelClocks = 16, kPyramidClocks = 2, kSmoothClocks = 9 + kPyramidClocks;
 constexpr int64_t kSmoothAhead = 2;
 constexpr int64_t kSlack = 8;  // pixels that registers hold
+// Of these clocks, those from the reading of a pixel to the pixel; pixels that may be read ahead; from the reading of a
+// row to that of the one after the next, beside its width; and for each column of control points of a row, and beside.
+constexpr int64_t kSampleClocks = 10, kReadAhead = 28, kRowsApart = 13, kPointClocks = 2;
+constexpr int64_t kStepPx = 16;
 
 }  // namespace
 
 FrontEnd::FrontEnd(const sc_core::sc_module_name& name, const Configuration& c, Memory& memory, int64_t address,
                    BoardMemory* board)
-    : sc_module(name), height_(c.height_px), rows_(c.rectify_rows), buffer_("levels", c, memory, address, board) {
+    : sc_module(name),
+      height_(c.height_px),
+      rows_(c.rectify_rows),
+      buffer_("levels", c, memory, address, board),
+      row_came_(static_cast<size_t>(2 * c.rectify_rows)) {
   for (const clocks::Size& size : c.level_sizes()) {
     level_width_.push_back(size.width);
     level_px_.push_back(static_cast<int64_t>(size.width) * size.height);
@@ -57,30 +65,45 @@ int64_t FrontEnd::next_pixel(int64_t clock) {
 void FrontEnd::advance(int64_t clock) {
   while (clock_ < clock) {
     ++clock_;
+    read_pixel(clock_);
     pass_pyramid(clock_);
     take_raw(clock_);
   }
 }
 
-// The line buffer holds the rows that the row which leaves needs, and two more.
+// The line buffer holds the rows that the row which is read needs, as far as its frame has them, and two more.
 void FrontEnd::take_raw(int64_t clock) {
-  const int64_t leaving = pyramid_.frame * height_ + (pyramid_.level == 0 ? pyramid_.pixel / level_width_[0] : height_);
-  if (raw_px_ / level_width_[0] >= leaving + rows_ / 2 + 2 || !raw->pixel_valid(clock)) return;
+  const int64_t width = level_width_[0], row = read_px_ / width, first = row - row % height_;
+  const int64_t oldest = std::max(first, row - rows_ / 2 + 2);
+  if (raw_px_ / width >= oldest + rows_ || !raw->pixel_valid(clock)) return;
   raw->pixel_taken(clock);
   ++raw_px_;
+  if (raw_px_ % width == 0) came(raw_px_ / width - 1) = clock;
 }
 
-// Row y needs the rows down to y + rows / 2 - 1, as far as the frame has them.
-bool FrontEnd::rectified(int64_t clock) {
-  const int64_t y = pyramid_.pixel / level_width_[0], row = pyramid_.frame * height_ + y;
-  const int64_t needed = pyramid_.frame * height_ + std::min(y + rows_ / 2, height_);
-  if (raw_px_ < needed * level_width_[0]) return false;
-  if (row_ != row) {
-    row_ = row;
-    row_clock_ = clock - 1;
+// Row y needs the rows down to y + rows / 2 - 1, as far as the frame has them, and its control points.
+bool FrontEnd::row_ready(int64_t row, int64_t clock) {
+  const int64_t width = level_width_[0], first = row - row % height_;
+  const int64_t needed = first + std::min(row - first + rows_ / 2, height_);
+  if (raw_px_ < needed * width) return false;
+  const int64_t points = kPointClocks * ((width + kStepPx - 1) / kStepPx + 2);
+  return clock >= came(needed - 1) + kRowClocks - kSampleClocks && clock >= row_clock_ + std::max(width, points) &&
+         clock >= row_before_clock_ + width + kRowsApart;
+}
+
+void FrontEnd::read_pixel(int64_t clock) {
+  if (static_cast<int64_t>(read_clocks_.size()) >= kReadAhead) return;
+  if (read_px_ % level_width_[0] == 0) {
+    if (!row_ready(read_px_ / level_width_[0], clock)) return;
+    row_before_clock_ = row_clock_;
+    row_clock_ = clock;
   }
-  // Later rows were made ready while the one before left.
-  return y > 0 || clock >= row_clock_ + kRowClocks;
+  ++read_px_;
+  read_clocks_.push_back(clock);
+}
+
+bool FrontEnd::rectified(int64_t clock) const {
+  return !read_clocks_.empty() && read_clocks_.front() + kSampleClocks <= clock;
 }
 
 void FrontEnd::pass_pyramid(int64_t clock) {
@@ -89,6 +112,7 @@ void FrontEnd::pass_pyramid(int64_t clock) {
   const bool more = pyramid_.level + 1 < static_cast<int64_t>(level_px_.size());
   if (more && !buffer_.has_room(clock)) return;
   if (pyramid_.level == 0 ? !rectified(clock) : clock < level_clock_ + kLevelClocks || !buffer_.take(clock)) return;
+  if (pyramid_.level == 0) read_clocks_.pop_front();
   passed_clocks_.push_back(clock);
   ++passed_;
   if (more) {

@@ -34,12 +34,17 @@ class FrontEnd : public sc_core::sc_module, public PixelSource {
     int64_t frame = 0, level = 0, pixel = 0;
   };
 
+  static constexpr int64_t kLongAgo = -1000000;
+
   void advance(int64_t clock);  // all blocks, up to and with this clock
   void take_raw(int64_t clock);
+  void read_pixel(int64_t clock);
   void pass_pyramid(int64_t clock);
-  bool rectified(int64_t clock);
+  bool row_ready(int64_t row, int64_t clock);
+  bool rectified(int64_t clock) const;
   void go_on(Place& place) const;
   int64_t pixels(const Place& place) const { return level_px_[static_cast<size_t>(place.level)]; }
+  int64_t& came(int64_t row) { return row_came_[static_cast<size_t>(row) % row_came_.size()]; }
   int64_t width(const Place& place) const { return level_width_[static_cast<size_t>(place.level)]; }
   bool empty() const { return passed_ == left_ && raw_px_ == pyramid_.frame * level_px_[0] && pyramid_.level == 0; }
 
@@ -47,8 +52,11 @@ class FrontEnd : public sc_core::sc_module, public PixelSource {
   int64_t height_, rows_;
   LevelBuffer buffer_;
   int64_t clock_ = -1;
-  // Rectification: pixels that came, of all frames; when the row that leaves was complete.
-  int64_t raw_px_ = 0, row_ = -1, row_clock_ = 0;
+  // Rectification: pixels that came and that were read, of all frames; when the reading of the last two rows began; when
+  // the rows of the line buffer had come; when the pixels were read that have not passed.
+  int64_t raw_px_ = 0, read_px_ = 0, row_clock_ = kLongAgo, row_before_clock_ = kLongAgo;
+  std::vector<int64_t> row_came_;
+  std::deque<int64_t> read_clocks_;
   // The pyramid and the smoothing: where each is, how many pixels left it, and when those in between came.
   Place pyramid_, smoothed_;
   int64_t passed_ = 0, left_ = 0, level_clock_ = 0;
