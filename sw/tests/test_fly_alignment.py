@@ -55,7 +55,10 @@ def drawn_flight(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPa
     return write_turned_pairs(folder, DRAWN, FIRST, FRAMES, request.param)
 
 
-@pytest.mark.parametrize("rows", [0, 128], ids=["maps", "control grids"])
+@pytest.mark.parametrize(
+    "rows",
+    [pytest.param(0, id="maps"), pytest.param(128, id="control grids", marks=pytest.mark.same_c)],
+)
 def test_a_drawn_flight(tmp_path: Path, drawn_flight: Path, rows: int) -> None:
     lines, run = compare(tmp_path, drawn_flight, f"{ON}[stereo]\nrectify_rows = {rows}\n", FRAMES)
     corrected(run, DRAWN)
