@@ -50,19 +50,21 @@ typedef enum vista_obstacle_kind {
   VISTA_OBSTACLE_THING = 0, /* something that stands on the ground or flies; it has a track */
   VISTA_OBSTACLE_TOO_NEAR,  /* something too near to match; id VISTA_ID_TOO_NEAR */
   VISTA_OBSTACLE_GROUND,    /* the ground, where the flight path meets it; id VISTA_ID_GROUND */
+  VISTA_OBSTACLE_PLACE,     /* something on the flight path that no track stands for; id VISTA_ID_PLACE */
   VISTA_OBSTACLE_KIND_COUNT
 } vista_obstacle_kind;
 
 /* Ids of obstacles that have no track. There is at most one of each in a frame. */
 #define VISTA_ID_TOO_NEAR 0
 #define VISTA_ID_GROUND (-1)
+#define VISTA_ID_PLACE (-2)
 
 /* The name of a kind, in lower case, such as "ground"; never null. */
 VISTA_API const char *vista_obstacle_kind_name(vista_obstacle_kind kind);
 
 /* One obstacle, as the track that it belongs to estimates it in this frame. */
 typedef struct vista_obstacle {
-  int32_t id; /* number of the track, from 1; VISTA_ID_TOO_NEAR or VISTA_ID_GROUND without one */
+  int32_t id; /* number of the track, from 1; VISTA_ID_TOO_NEAR, VISTA_ID_GROUND or VISTA_ID_PLACE without one */
   bool confirmed; /* seen in M of N frames, and not refuted by the static-world test */
   bool coasting; /* not seen in this frame: the position is a prediction */
   bool in_blind_zone; /* nearer than the engine matches */

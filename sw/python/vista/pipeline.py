@@ -20,6 +20,7 @@ from vista.structs import Struct, c_camera, c_image, c_pose, c_vector, copied, n
 # name them without the library.
 ID_TOO_NEAR = 0
 ID_GROUND = -1
+ID_PLACE = -2
 
 
 class Ellipse(Struct):
@@ -40,7 +41,7 @@ class Obstacle(Struct):
     __slots__ = ()
     NAME, NAMES = "vista_obstacle", {"world": "world_verdict", "kind": "obstacle_kind"}
     PARTS: ClassVar = {"ellipse": Ellipse}
-    id: int  # number of the track, from 1; ID_TOO_NEAR or ID_GROUND without one
+    id: int  # number of the track, from 1; ID_TOO_NEAR, ID_GROUND or ID_PLACE without one
     confirmed: bool
     coasting: bool  # not seen in this frame
     in_blind_zone: bool  # nearer than the engine matches
@@ -53,7 +54,7 @@ class Obstacle(Struct):
     ellipse: Ellipse
     disparity_px: float
     in_collision_volume: bool
-    kind: str  # thing; too_near: to match; ground: where the flight path meets it
+    kind: str  # thing; too_near: to match; ground: where the flight path meets it; place: of something else on the path
 
     @property
     def is_thing(self) -> bool:

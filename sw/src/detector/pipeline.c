@@ -28,7 +28,8 @@
 #include "space/collision_volume.h"
 #include "space/free_view.h"
 #include "space/obstacle_map.h"
-#include "space/path_view.h"
+#include "space/path_places.h"
+#include "space/space_map.h"
 #include "vista/pipeline.h"
 
 #define MAX_TRACKS 256
@@ -54,8 +55,8 @@ typedef enum stage {
   STAGE_TRACKING,
   STAGE_BLIND_ZONE,
   STAGE_TERRAIN,
+  STAGE_SPACE,
   STAGE_MAP,
-  STAGE_PATH_VIEW,
   STAGE_FOOTING,
   STAGE_COUNT
 } stage;
@@ -79,6 +80,8 @@ struct vista_pipeline {
   vista_tracker *tracker;
   vista_blind_zone blind_zone;
   vista_terrain terrain;
+  vista_space_map space;
+  vista_path_places places; /* of the last frame */
   vista_obstacle_map *map;
   vista_region_verdict *verdicts; /* a region */
   vista_views views;
@@ -114,6 +117,7 @@ static vista_status layout(vista_pipeline *p, vista_arena *arena) {
       vista_thin_layout(&p->thin, arena, c->width_px, c->height_px),
       vista_tracker_layout(MAX_TRACKS, MAX_DETECTIONS, arena, &p->tracker),
       vista_terrain_layout(&p->terrain, arena, &p->foveation),
+      vista_space_map_layout(&p->space, arena, c),
       vista_obstacle_map_layout(MAX_TRACKS, arena, &p->map),
   };
   status = first_error(statuses, sizeof statuses / sizeof statuses[0]);
@@ -174,6 +178,7 @@ void vista_pipeline_destroy(vista_pipeline *pipeline) {
 
 void vista_pipeline_reset(vista_pipeline *pipeline) {
   vista_tracker_reset(pipeline->tracker);
+  vista_space_map_reset(&pipeline->space);
   vista_obstacle_map_reset(pipeline->map);
   pipeline->motion_state = (vista_motion_state){0};
   pipeline->blind_zone = (vista_blind_zone){0};
@@ -296,20 +301,19 @@ static vista_status find_terrain(vista_pipeline *p, passage *way) {
   return VISTA_OK;
 }
 
-static vista_status make_map(vista_pipeline *p, passage *way) {
-  vista_map_input input = {.terrain = &p->terrain, .blind_zone = &p->blind_zone};
-  input.tracks = vista_tracker_tracks(p->tracker, &input.track_count);
-  vista_obstacle_map_update(p->map, &way->frame, &input);
+static vista_status look_along_path(vista_pipeline *p, passage *way) {
+  if (way->frame.motion.restarted) vista_space_map_reset(&p->space);
+  vista_space_map_add(&p->space, &way->frame, &p->surfaces);
+  vista_path_places_look(&way->frame, &p->space, &p->places);
   return VISTA_OK;
 }
 
-static vista_told told_by(const vista_pipeline *p) {
-  return (vista_told){&p->words.image, p->refinement.label, &p->regions};
-}
-
-static vista_status view_path(vista_pipeline *p, passage *way) {
-  const vista_told told = told_by(p);
-  way->path_seen_m = vista_path_view(&way->frame, &told);
+static vista_status make_map(vista_pipeline *p, passage *way) {
+  vista_map_input input = {
+      .terrain = &p->terrain, .blind_zone = &p->blind_zone, .space = &p->space, .places = &p->places};
+  input.tracks = vista_tracker_tracks(p->tracker, &input.track_count);
+  vista_obstacle_map_update(p->map, &way->frame, &input);
+  way->path_seen_m = vista_path_places_free_m(&way->frame, &p->places);
   return VISTA_OK;
 }
 
@@ -337,8 +341,8 @@ static const struct {
     [STAGE_TRACKING] = {"tracking", track},
     [STAGE_BLIND_ZONE] = {"blind_zone", watch_blind_zone},
     [STAGE_TERRAIN] = {"terrain", find_terrain},
+    [STAGE_SPACE] = {"space", look_along_path},
     [STAGE_MAP] = {"map", make_map},
-    [STAGE_PATH_VIEW] = {"path_view", view_path},
     [STAGE_FOOTING] = {"footing", clear_footing},
 };
 
@@ -364,9 +368,9 @@ typedef struct lane {
 static const lane schedule[][LANES] = {
     {{4, {STAGE_MOTION, STAGE_NOISE, STAGE_WORDS, STAGE_FOVEATION}}},
     {{1, {STAGE_SURFACE}}, {2, {STAGE_AFFINITY, STAGE_HEALTH}}},
-    {{1, {STAGE_SEGMENTATION}}, {3, {STAGE_THIN, STAGE_BLIND_ZONE, STAGE_TERRAIN}}},
+    {{1, {STAGE_SEGMENTATION}}, {4, {STAGE_THIN, STAGE_BLIND_ZONE, STAGE_TERRAIN, STAGE_SPACE}}},
     {{2, {STAGE_REFINEMENT, STAGE_REGIONS}}},
-    {{3, {STAGE_RECONSTRUCTION, STAGE_TRACKING, STAGE_MAP}}, {2, {STAGE_PATH_VIEW, STAGE_FOOTING}}},
+    {{3, {STAGE_RECONSTRUCTION, STAGE_TRACKING, STAGE_MAP}}, {1, {STAGE_FOOTING}}},
 };
 
 typedef struct work {
@@ -443,6 +447,10 @@ vista_status vista_pipeline_process_sized(vista_pipeline *pipeline, const vista_
   return VISTA_OK;
 }
 
+static vista_told told_by(const vista_pipeline *p) {
+  return (vista_told){&p->words.image, p->refinement.label, &p->regions};
+}
+
 vista_status vista_pipeline_directions(const vista_pipeline *pipeline, vista_directions *directions) {
   if (pipeline == NULL || directions == NULL) return VISTA_ERROR_ARGUMENT;
   const vista_pipeline *const p = pipeline;
@@ -455,5 +463,5 @@ vista_status vista_pipeline_directions(const vista_pipeline *pipeline, vista_dir
 
 vista_pipeline_stages vista_pipeline_look(const vista_pipeline *pipeline) {
   return (vista_pipeline_stages){&pipeline->frame, &pipeline->cells, &pipeline->surfaces, &pipeline->affinity,
-                                 &pipeline->regions};
+                                 &pipeline->regions, &pipeline->places};
 }

@@ -12,6 +12,7 @@
 #include "perceive/cells/surface.h"
 #include "perceive/frame_view.h"
 #include "perceive/region/region.h"
+#include "space/path_places.h"
 #include "vista/obstacle.h"
 #include "vista/parameters.h"
 #include "vista/pipeline.h"
@@ -25,6 +26,7 @@ typedef struct vista_pipeline_stages {
   const vista_surfaces *surfaces;
   const vista_affinity *affinity;
   const vista_regions *regions;
+  const vista_path_places *places; /* on the flight path */
 } vista_pipeline_stages;
 
 vista_pipeline_stages vista_pipeline_look(const vista_pipeline *pipeline);

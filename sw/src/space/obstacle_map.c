@@ -1,16 +1,22 @@
 #include "space/obstacle_map.h"
 
+#include <math.h>
 #include <stdbool.h>
 #include <stddef.h>
 
+#include "common/frame.h"
+#include "common/numbers.h"
 #include "perceive/terrain/terrain_obstacle.h"
 #include "space/nearest_collision.h"
 #include "space/track_obstacle.h"
+
+#define PLACE_SIGMA_PX 0.25 /* least standard deviation of the disparity of what no track has followed */
 
 static const char *const kind_names[VISTA_OBSTACLE_KIND_COUNT] = {
     [VISTA_OBSTACLE_THING] = "thing",
     [VISTA_OBSTACLE_TOO_NEAR] = "too_near",
     [VISTA_OBSTACLE_GROUND] = "ground",
+    [VISTA_OBSTACLE_PLACE] = "place",
 };
 
 const char *vista_obstacle_kind_name(vista_obstacle_kind kind) {
@@ -22,6 +28,7 @@ struct vista_obstacle_map {
   int32_t count;
   vista_nearest_collision nearest;
   vista_obstacle *obstacles;
+  bool *entering; /* a track: it is told as in the volume because it soon will be */
 };
 
 vista_status vista_obstacle_map_layout(int32_t max_tracks, vista_arena *arena, vista_obstacle_map **map) {
@@ -30,10 +37,12 @@ vista_status vista_obstacle_map_layout(int32_t max_tracks, vista_arena *arena, v
   vista_obstacle_map *made = vista_arena_take(arena, 1, sizeof *made);
   vista_obstacle *obstacles =
       vista_arena_take(arena, (size_t)max_tracks + VISTA_OBSTACLE_KIND_COUNT - 1, sizeof *obstacles);
+  bool *entering = vista_arena_take(arena, (size_t)max_tracks, sizeof *entering);
   if (arena->base == NULL) return VISTA_OK;
   if (arena->used > arena->size) return VISTA_ERROR_MEMORY;
   made->max_tracks = max_tracks;
   made->obstacles = obstacles;
+  made->entering = entering;
   *map = made;
   return VISTA_OK;
 }
@@ -91,6 +100,95 @@ static vista_obstacle too_near(const vista_frame_view *frame, double range_m) {
   return obstacle;
 }
 
+/* Something is in the way that no track stands for: where the frame that saw it last matched it, as wide as the volume. */
+static vista_obstacle at_place(const vista_frame_view *frame, const vista_space_map *space,
+                               const vista_path_place *place) {
+  const vista_camera *const camera = frame->camera;
+  const vista_place_evidence *const shown = &place->shown;
+  const vista_pose *const seen_from = &vista_space_map_frame(space, shown->age)->pose;
+  const double width_m = 2.0 * frame->params->obstacle_map.collision_radius_m;
+  const double depth_m = camera->focal_px * camera->baseline_m / shown->disparity_px;
+  const double ray[3] = {(shown->u_px - camera->center_u_px) / camera->focal_px,
+                         (shown->v_px - camera->center_v_px) / camera->focal_px, 1.0};
+  const double camera_m[3] = {depth_m * ray[0], depth_m * ray[1], depth_m};
+  const double along_m = depth_m / shown->disparity_px * fmax(shown->spread_px, PLACE_SIGMA_PX);
+  const double across_m = 0.5 * width_m / VISTA_SQRT_3;
+  double in_camera[9], now_m[3], measured_px[3];
+  for (int i = 0; i < 9; ++i)
+    in_camera[i] = along_m * along_m * ray[i / 3] * ray[i % 3] + (i == 0 || i == 4 ? across_m * across_m : 0.0);
+  vista_obstacle obstacle = {.id = VISTA_ID_PLACE,
+                             .kind = VISTA_OBSTACLE_PLACE,
+                             .confirmed = true,
+                             .coasting = shown->age > 0,
+                             .age_frames = shown->frames,
+                             .extent_m = {width_m, width_m},
+                             .in_collision_volume = true};
+  vista_frame_to_world(seen_from, camera_m, obstacle.position_m);
+  vista_frame_covariance_to_world(seen_from, in_camera, obstacle.covariance_m2);
+  vista_frame_to_camera(&frame->motion.pose, obstacle.position_m, now_m);
+  obstacle.distance_m = vista_norm(now_m);
+  if (!(now_m[2] > 0.0)) return (vista_obstacle){.id = VISTA_ID_PLACE};
+  vista_frame_measure(camera, now_m, measured_px, NULL);
+  const double radius_px = 0.5 * width_m * camera->focal_px / now_m[2];
+  obstacle.disparity_px = measured_px[2];
+  obstacle.ellipse = (vista_ellipse){measured_px[0], measured_px[1], radius_px, radius_px, 0.0};
+  return obstacle;
+}
+
+/* The confirmed thing beside the path that stands at the place, the nearest to it; null: none. */
+static vista_obstacle *thing_at(vista_obstacle_map *map, const vista_path_place *place) {
+  vista_obstacle *found = NULL;
+  double least_m = place->reach_m;
+  for (int32_t i = 0; i < map->count && place->beside; ++i) {
+    vista_obstacle *const o = &map->obstacles[i];
+    const double off_m = fabs(o->distance_m - place->along_m);
+    if (o->kind != VISTA_OBSTACLE_THING || !o->confirmed || off_m > least_m) continue;
+    found = o;
+    least_m = off_m;
+  }
+  return found;
+}
+
+static const vista_track *track_of(const vista_map_input *input, int32_t id) {
+  for (int32_t i = 0; i < input->track_count; ++i)
+    if (input->tracks[i].id == id) return &input->tracks[i];
+  return NULL;
+}
+
+/* What stands in the way is what the places on the path bear out. What moves is not where the frames saw it. */
+static void ask_places(vista_obstacle_map *map, const vista_frame_view *frame, const vista_map_input *input) {
+  vista_path_places *const places = input->places;
+  vista_path_places_judge(frame, map->obstacles, map->count, places);
+  for (int32_t i = 0; i < map->count; ++i) {
+    vista_obstacle *const o = &map->obstacles[i];
+    if (o->kind != VISTA_OBSTACLE_THING || !o->in_collision_volume || o->world == VISTA_WORLD_MOVES) continue;
+    const vista_track *const track = track_of(input, o->id);
+    if (track == NULL || map->entering[track - input->tracks]) continue;
+    o->in_collision_volume = vista_path_places_bear_out(places, o->distance_m);
+  }
+  const vista_path_place *const contact = vista_path_places_contact(places);
+  if (contact == NULL || contact->thing || contact->ground) return;
+  vista_obstacle *const thing = thing_at(map, contact);
+  if (thing != NULL) {
+    thing->in_collision_volume = true;
+    return;
+  }
+  const vista_obstacle obstacle = at_place(frame, input->space, contact);
+  if (obstacle.confirmed) insert(map, &obstacle);
+}
+
+/* Of what lies on the ground that is warned of, what is met is said already. */
+static void leave_to_ground(vista_obstacle_map *map, const vista_frame_view *frame, const vista_map_input *input) {
+  for (int32_t i = 0; i < map->count; ++i) {
+    vista_obstacle *const o = &map->obstacles[i];
+    const vista_track *const track = o->kind == VISTA_OBSTACLE_THING ? track_of(input, o->id) : NULL;
+    if (track == NULL) continue;
+    if (vista_terrain_bears(input->terrain, o, o->position_m) ||
+        (vista_track_is_touched(frame, track) && vista_terrain_bears(input->terrain, o, track->met_m)))
+      o->in_collision_volume = false;
+  }
+}
+
 void vista_obstacle_map_update(vista_obstacle_map *map, const vista_frame_view *frame, const vista_map_input *input) {
   const vista_terrain *const terrain = input->terrain;
   vista_obstacle_map_reset(map);
@@ -98,19 +196,23 @@ void vista_obstacle_map_update(vista_obstacle_map *map, const vista_frame_view *
   const bool ahead = terrain != NULL && terrain->ahead && vista_terrain_obstacle(frame, terrain, &ground);
   const bool warned = ahead && ground.confirmed && ground.in_collision_volume;
   if (ahead) insert(map, &ground);
-  if (warned) map->nearest = vista_nearest_collision_with(frame, &ground, NULL);
-  bool shown = warned && !ground.coasting; /* by the nearest collision: it is seen, beyond what would hide it */
   for (int32_t i = 0; i < input->track_count; ++i) {
     const vista_track *const track = &input->tracks[i];
     vista_obstacle obstacle;
     if (!vista_track_obstacle(frame, track, &obstacle)) continue;
-    if (warned && (vista_terrain_bears(terrain, &obstacle, obstacle.position_m) ||
-                   (vista_track_is_touched(frame, track) && vista_terrain_bears(terrain, &obstacle, track->met_m))))
-      obstacle.in_collision_volume = false; /* what is met of it is said */
+    map->entering[i] = !obstacle.in_collision_volume && vista_track_enters(frame, track);
+    obstacle.in_collision_volume |= map->entering[i];
     insert(map, &obstacle);
-    if (!obstacle.confirmed || !obstacle.in_collision_volume) continue;
-    shown |= !obstacle.coasting;
-    const vista_nearest_collision met = vista_nearest_collision_with(frame, &obstacle, track);
+  }
+  if (input->places != NULL) ask_places(map, frame, input);
+  if (warned) leave_to_ground(map, frame, input);
+  bool shown = false; /* by the nearest collision: it is seen, beyond what would hide it */
+  for (int32_t i = 0; i < map->count; ++i) {
+    const vista_obstacle *const o = &map->obstacles[i];
+    if (!o->confirmed || !o->in_collision_volume) continue;
+    shown |= !o->coasting;
+    const vista_track *const track = o->kind == VISTA_OBSTACLE_THING ? track_of(input, o->id) : NULL;
+    const vista_nearest_collision met = vista_nearest_collision_with(frame, o, track);
     if (!map->nearest.valid || met.distance_m < map->nearest.distance_m) map->nearest = met;
   }
   vista_nearest_collision_allow_for_parts(&frame->motion.pose, map->obstacles, map->count, &map->nearest);

@@ -22,6 +22,9 @@
  * Disc: an elliptical one facing the camera, semi-axes extent / 2 + inflation_sigma times the standard deviation
  * of its bearing at its depth. Only across the line of sight: the range uncertainty of a far obstacle moves it along
  * its line of sight and would put misses into the volume; it is reported in the covariance instead.
+ * Places (path_places.h): what is in the way has to be borne out by a place on the path, at which the frames, the tracks
+ * and the ground together say that something is there. Where they do and no track stands for it, there is an obstacle
+ * without a track, id -2.
  * Nearest collision: the place that the path meets. Of what is large it is where the words of its region touch the
  * volume (collision_volume.h); where they have not told, and of what is small, it is put together from the middle and
  * the extent. Its covariance is that of the obstacle, and of which point of it, or of its parts, is met first; along the
@@ -36,6 +39,8 @@
 #include "perceive/frame_view.h"
 #include "perceive/terrain/terrain.h"
 #include "perceive/words/blind_zone.h"
+#include "space/path_places.h"
+#include "space/space_map.h"
 #include "vista/obstacle.h"
 #include "vista/status.h"
 
@@ -53,6 +58,8 @@ typedef struct vista_map_input {
   int32_t track_count;                /* max_tracks at most */
   const vista_terrain *terrain;       /* NULL: not known */
   const vista_blind_zone *blind_zone; /* NULL: not known */
+  const vista_space_map *space;
+  vista_path_places *places; /* looked at in this frame; NULL: not known */
 } vista_map_input;
 
 /* Makes the map of a frame, after the tracker's update. */

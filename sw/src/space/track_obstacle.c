@@ -251,11 +251,24 @@ bool vista_track_obstacle(const vista_frame_view *frame, const vista_track *trac
   const bool own_pixels = !undetected && !track->edges_only; /* tell whether it is a member; else its disc does */
   if (!track->credible || (own_pixels && obstacle->in_collision_volume)) return true;
   const vista_disc disc = disc_of(frame, track, covariance_px2, camera_m[2]);
-  obstacle->in_collision_volume =
-      obstacle->in_collision_volume
-          ? vista_flight_path_near_disc(path, &disc, likely_radius_m(params, path, disc.center_m)) ||
-                still_met(params, path, track, members)
-          : motion_is_seen(track) &&
-                (about_to_enter(params, path, track, &disc) || will_meet(params, path, frame->motion.speed_m_s, track));
+  if (obstacle->in_collision_volume)
+    obstacle->in_collision_volume =
+        vista_flight_path_near_disc(path, &disc, likely_radius_m(params, path, disc.center_m)) ||
+        still_met(params, path, track, members);
   return true;
+}
+
+bool vista_track_enters(const vista_frame_view *frame, const vista_track *track) {
+  const vista_obstacle_map_params *const params = &frame->params->obstacle_map;
+  const vista_pose *const pose = &frame->motion.pose;
+  if (!track->credible || !motion_is_seen(track)) return false;
+  double camera_m[3], measurement_px[3], jacobian_camera[9], jacobian[9], covariance_m2[9], covariance_px2[9];
+  vista_frame_to_camera(pose, track->position_m, camera_m);
+  for (int i = 0; i < 9; ++i) covariance_m2[i] = track->covariance[6 * (i / 3) + i % 3];
+  vista_frame_measure(frame->camera, camera_m, measurement_px, jacobian_camera);
+  vista_frame_jacobian_to_world(pose, jacobian_camera, jacobian);
+  vista_frame_propagate(jacobian, covariance_m2, covariance_px2);
+  const vista_disc disc = disc_of(frame, track, covariance_px2, camera_m[2]);
+  return about_to_enter(params, &frame->path, track, &disc) ||
+         will_meet(params, &frame->path, frame->motion.speed_m_s, track);
 }

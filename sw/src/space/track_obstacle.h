@@ -9,7 +9,11 @@
 #include "perceive/frame_view.h"
 #include "vista/obstacle.h"
 
-/* False: the track is behind the camera. */
+/* The obstacle where it is now: in the collision volume if its own pixels or its disc are. False: the track is behind the
+ * camera. */
 bool vista_track_obstacle(const vista_frame_view *frame, const vista_track *track, vista_obstacle *obstacle);
+
+/* Whether a thing in front of the camera is seen to move so that it will be in the volume soon, or meet the aircraft. */
+bool vista_track_enters(const vista_frame_view *frame, const vista_track *track);
 
 #endif

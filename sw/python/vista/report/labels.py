@@ -6,12 +6,12 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from vista.pipeline import ID_GROUND, ID_TOO_NEAR
+from vista.pipeline import ID_GROUND, ID_PLACE, ID_TOO_NEAR
 from vista.report.palette import INK, Colour
 
 FONT = cv2.FONT_HERSHEY_SIMPLEX
 PADDING_PX = 4
-NAME_WITHOUT_TRACK = {ID_TOO_NEAR: "too near", ID_GROUND: "ground"}
+NAME_WITHOUT_TRACK = {ID_TOO_NEAR: "too near", ID_GROUND: "ground", ID_PLACE: "in the way"}
 
 
 def obstacle_name(obstacle_id: int) -> str:

@@ -1,0 +1,49 @@
+#include "space/evidence.h"
+
+#include <stddef.h>
+#include <string.h>
+
+#define COLUMNS 320 /* of the picture, at least half as many: a place 45 m away is a disc of some 30 of them */
+
+int32_t vista_evidence_step_px(const vista_camera *camera) {
+  const int32_t longer_px = camera->width_px > camera->height_px ? camera->width_px : camera->height_px;
+  return longer_px >= 2 * COLUMNS ? longer_px / COLUMNS : 1;
+}
+
+vista_status vista_evidence_layout(vista_evidence *evidence, vista_arena *arena, const vista_camera *camera) {
+  const int32_t step_px = vista_evidence_step_px(camera);
+  evidence->step_px = step_px;
+  evidence->width = (camera->width_px + step_px - 1) / step_px;
+  evidence->height = (camera->height_px + step_px - 1) / step_px;
+  const size_t count = (size_t)evidence->width * (size_t)evidence->height;
+  evidence->word = vista_arena_take(arena, count, sizeof *evidence->word);
+  evidence->kind = vista_arena_take(arena, count, sizeof *evidence->kind);
+  return VISTA_OK;
+}
+
+void vista_evidence_take(const vista_frame_view *frame, const vista_surfaces *surfaces, vista_evidence *evidence) {
+  const vista_disparity_image *const words = &frame->words;
+  const int32_t *const cell_of_pixel = frame->foveation->cell_of_pixel;
+  const int32_t width = evidence->width, height = evidence->height, step_px = evidence->step_px;
+  evidence->pose = frame->motion.pose;
+  evidence->t_ns = frame->t_ns;
+  /* From the bottom up: the row below holds the word that bounds each column so far. */
+  for (int32_t y = height - 1; y >= 0; --y) {
+    const int16_t *const row = words->data + (ptrdiff_t)y * step_px * words->stride;
+    const int32_t *const cells = cell_of_pixel + (ptrdiff_t)y * step_px * words->width_px;
+    int16_t *const word = evidence->word + (ptrdiff_t)y * width;
+    uint8_t *const kind = evidence->kind + (ptrdiff_t)y * width;
+    for (int32_t x = 0; x < width; ++x) {
+      const int16_t matched = row[x * step_px];
+      const int16_t below = y + 1 < height ? word[x + width] : 0;
+      word[x] = matched > 0 ? matched : below;
+      if (!vista_matched_holds(&frame->matched, frame->camera, x * step_px, y * step_px, 0.0)) {
+        kind[x] = VISTA_SIGHT_OUTSIDE;
+        continue;
+      }
+      kind[x] = matched <= 0 ? (below > 0 ? VISTA_SIGHT_BOUNDED : VISTA_SIGHT_UNBOUNDED)
+                : surfaces->horizontal[cells[x * step_px]] ? VISTA_SIGHT_LEVEL
+                                                           : VISTA_SIGHT_WORD;
+    }
+  }
+}

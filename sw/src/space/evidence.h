@@ -1,0 +1,42 @@
+/* The evidence that one frame keeps for the map of space: what each of its lines of sight met.
+ *
+ * A picture of a few hundred columns stands for the frame. A pixel of it has the disparity that was matched there, and
+ * if none was, that of the nearest word below it in its column, which bounds what has no texture: the sky ends at what
+ * is farthest, a plain wall at the ground before its foot. */
+#ifndef VISTA_EVIDENCE_H
+#define VISTA_EVIDENCE_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "common/arena.h"
+#include "perceive/cells/surface.h"
+#include "perceive/frame_view.h"
+#include "vista/status.h"
+#include "vista/types.h"
+
+typedef enum vista_sight_kind {
+  VISTA_SIGHT_WORD = 0, /* matched, and not on a surface to fly along */
+  VISTA_SIGHT_LEVEL,    /* matched, on a surface to fly along */
+  VISTA_SIGHT_BOUNDED,  /* not matched; a word lies below it */
+  VISTA_SIGHT_UNBOUNDED, /* not matched, nor anything below it */
+  VISTA_SIGHT_OUTSIDE    /* of the part of the image that the engine matches */
+} vista_sight_kind;
+
+typedef struct vista_evidence {
+  vista_pose pose; /* of the camera in the world */
+  int64_t t_ns;
+  int32_t width, height, step_px; /* of the picture; its pixel (x, y) is that of the image at step_px times (x, y) */
+  int16_t *word;                  /* height * width: 1/16 px; 0: unbounded */
+  uint8_t *kind;                  /* height * width: vista_sight_kind */
+} vista_evidence;
+
+/* Pixels of the image from one of the picture to the next. */
+int32_t vista_evidence_step_px(const vista_camera *camera);
+
+vista_status vista_evidence_layout(vista_evidence *evidence, vista_arena *arena, const vista_camera *camera);
+
+/* What the frame shows. */
+void vista_evidence_take(const vista_frame_view *frame, const vista_surfaces *surfaces, vista_evidence *evidence);
+
+#endif

@@ -1,0 +1,117 @@
+#include "space/path_places.h"
+
+#include <math.h>
+#include <stddef.h>
+
+#include "common/flight_path.h"
+#include "common/numbers.h"
+#include "space/space_odds.h"
+#include "vista/parameters.h"
+
+#define FIRST_M 4.0
+#define STEP_M 1.0         /* From a place to the next, */
+#define STEP_SHARE 0.05    /* and this share of its distance if that is more. */
+#define RADIUS_SHARE 0.8   /* of the volume's: what touches its rim is passed as often as not */
+#define FRAMES_MIN 4       /* in which a place was in view, without a track there: to warn of it; and that have to agree */
+#define WARN 0.8
+#define FREE_SHARE 0.5
+#define FREE 0.5           /* A place that is more likely occupied is not free. */
+#define WIDEST_M 4.0       /* of a thing that is beside the path: what is wider has its middle elsewhere */
+
+/* Half of the two disparities by which a range may be wrong, no less than the places are apart. */
+static double reach_m(const vista_camera *camera, double along_m, double step_m) {
+  const double dz_m = along_m * along_m / (camera->focal_px * camera->baseline_m);
+  return fmax(0.5 * (fmax(2.0 * dz_m, 1.0) + 0.5), 0.5 * step_m);
+}
+
+void vista_path_places_look(const vista_frame_view *frame, const vista_space_map *map, vista_path_places *places) {
+  const vista_flight_path *const path = &frame->path;
+  const vista_obstacle_map_params *const params = &frame->params->obstacle_map;
+  places->count = 0;
+  double along_m = FIRST_M, step_m = STEP_M;
+  while (along_m <= path->length_m && places->count < VISTA_PATH_PLACES_MAX) {
+    vista_path_place *const place = &places->items[places->count++];
+    step_m = fmax(STEP_M, STEP_SHARE * along_m);
+    *place = (vista_path_place){.along_m = along_m, .reach_m = reach_m(frame->camera, along_m, step_m)};
+    vista_flight_path_point(path, along_m, place->point_m, NULL);
+    const double radius_m = vista_flight_path_likely_radius_m(path, along_m, RADIUS_SHARE * params->collision_radius_m,
+                                                              params->path_sigmas);
+    place->shown = vista_space_map_look(map, place->point_m, radius_m);
+    along_m += step_m;
+  }
+}
+
+/* Within the volume's radius and half of its own width of the path. */
+static bool is_beside(const vista_frame_view *frame, const vista_obstacle *obstacle) {
+  const double half_m = 0.5 * fmin(obstacle->extent_m[0], WIDEST_M);
+  return vista_flight_path_distance(&frame->path, obstacle->position_m) <
+         frame->params->obstacle_map.collision_radius_m + half_m;
+}
+
+/* What an obstacle says of the places at its range. */
+static void tell(const vista_frame_view *frame, const vista_obstacle *obstacle, vista_path_places *places) {
+  if (!obstacle->confirmed || obstacle->kind == VISTA_OBSTACLE_TOO_NEAR) return;
+  const bool beside = is_beside(frame, obstacle);
+  for (int32_t k = 0; k < places->count; ++k) {
+    vista_path_place *const place = &places->items[k];
+    if (fabs(place->along_m - obstacle->distance_m) > place->reach_m) continue;
+    if (obstacle->kind == VISTA_OBSTACLE_GROUND) {
+      place->ground |= obstacle->in_collision_volume;
+    } else {
+      place->thing |= obstacle->in_collision_volume;
+      place->beside |= beside;
+    }
+  }
+}
+
+static double odds(const vista_path_place *place) {
+  const vista_place_evidence *const shown = &place->shown;
+  const bool votes = shown->votes >= FRAMES_MIN;
+  double sum = VISTA_ODDS_PRIOR + VISTA_ODDS_NOT_BEYOND * (1.0 - shown->beyond);
+  if (place->thing) sum += VISTA_ODDS_THING;
+  if (place->beside) sum += VISTA_ODDS_BESIDE;
+  if (place->ground) sum += VISTA_ODDS_GROUND;
+  if (votes) sum += VISTA_ODDS_VOTES;
+  if (!votes && shown->feet >= FRAMES_MIN) sum += VISTA_ODDS_FEET;
+  return sum;
+}
+
+void vista_path_places_judge(const vista_frame_view *frame, const vista_obstacle *obstacles, int32_t count,
+                             vista_path_places *places) {
+  for (int32_t i = 0; i < count; ++i) tell(frame, &obstacles[i], places);
+  for (int32_t k = 0; k < places->count; ++k) {
+    vista_path_place *const place = &places->items[k];
+    place->probability = 1.0 / (1.0 + exp(-odds(place)));
+  }
+}
+
+static bool is_warned_of(const vista_path_place *place) {
+  return place->probability >= WARN && (place->thing || place->ground || place->shown.frames >= FRAMES_MIN);
+}
+
+const vista_path_place *vista_path_places_contact(const vista_path_places *places) {
+  for (int32_t k = 0; k < places->count; ++k)
+    if (is_warned_of(&places->items[k])) return &places->items[k];
+  return NULL;
+}
+
+bool vista_path_places_bear_out(const vista_path_places *places, double distance_m) {
+  bool any = false;
+  for (int32_t k = 0; k < places->count; ++k) {
+    const vista_path_place *const place = &places->items[k];
+    if (fabs(place->along_m - distance_m) > place->reach_m) continue;
+    any = true;
+    if (is_warned_of(place)) return true;
+  }
+  return !any;
+}
+
+double vista_path_places_free_m(const vista_frame_view *frame, const vista_path_places *places) {
+  double free_m = 0.0;
+  for (int32_t k = 0; k < places->count; ++k) {
+    const vista_path_place *const place = &places->items[k];
+    if (!(place->shown.frames > 0 && place->shown.beyond >= FREE_SHARE && place->probability < FREE)) return free_m;
+    free_m = place->along_m;
+  }
+  return places->count > 0 && places->count < VISTA_PATH_PLACES_MAX ? frame->path.length_m : free_m;
+}

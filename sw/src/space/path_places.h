@@ -1,0 +1,54 @@
+/* Places along the flight path: what the map of space shows of each, and how likely something is in the way there.
+ *
+ * The evidence of a place is what the last frames matched at it, what of it they saw through, what without texture
+ * stands there, and the tracks: a thing in the volume at its range, a confirmed thing beside it, the ground. Each piece
+ * adds to the log-odds that the place is occupied (space_odds.h), whichever track, region or line brought it. So a wall
+ * whose pieces change tracks from frame to frame is still one place in the way.
+ *
+ * The path is free up to the last place before which each is seen through by FREE_SHARE of its lines of sight and is
+ * rather empty than occupied. */
+#ifndef VISTA_PATH_PLACES_H
+#define VISTA_PATH_PLACES_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "perceive/frame_view.h"
+#include "space/space_map.h"
+#include "vista/obstacle.h"
+
+#define VISTA_PATH_PLACES_MAX 64
+
+typedef struct vista_path_place {
+  double along_m;     /* the path, from the camera */
+  double point_m[3];  /* world */
+  double reach_m;     /* What is told at a range that differs by less is at this place. */
+  vista_place_evidence shown;
+  bool thing;  /* a confirmed thing that is in the collision volume by itself */
+  bool beside; /* a confirmed thing, within the volume's radius and half of its own width */
+  bool ground; /* that the path meets */
+  double probability; /* that the place is occupied */
+} vista_path_place;
+
+typedef struct vista_path_places {
+  int32_t count;
+  vista_path_place items[VISTA_PATH_PLACES_MAX]; /* by distance */
+} vista_path_places;
+
+/* Looks at the places along the path of the frame, which the map has taken already. */
+void vista_path_places_look(const vista_frame_view *frame, const vista_space_map *map, vista_path_places *places);
+
+/* Adds what the obstacles of the frame say, and sets the probabilities. */
+void vista_path_places_judge(const vista_frame_view *frame, const vista_obstacle *obstacles, int32_t count,
+                             vista_path_places *places);
+
+/* The nearest place that is warned of; null: none. */
+const vista_path_place *vista_path_places_contact(const vista_path_places *places);
+
+/* Whether one of the places at this distance is warned of. True where there is none. */
+bool vista_path_places_bear_out(const vista_path_places *places, double distance_m);
+
+/* How far the path is free, from 0 to its length. */
+double vista_path_places_free_m(const vista_frame_view *frame, const vista_path_places *places);
+
+#endif

@@ -1,0 +1,55 @@
+/* The map of space: the evidence of the last frames, each at the pose that it was seen from.
+ *
+ * Nothing is put into a grid. Whoever asks about a place looks at it through each of the frames that are kept: the
+ * lines of sight to a disc around it end before it, at it, or beyond it. So a place can be anywhere, the resolution is
+ * that of the image, an error of the poses is only what has come up since the frame that is looked through, and memory
+ * and time are bounded (as in Florence et al., NanoMap, ICRA 2018).
+ *
+ * Frames that follow closer than SPACING_S replace one another, so that those that are kept see from different places.
+ */
+#ifndef VISTA_SPACE_MAP_H
+#define VISTA_SPACE_MAP_H
+
+#include <stdint.h>
+
+#include "common/arena.h"
+#include "perceive/cells/surface.h"
+#include "perceive/frame_view.h"
+#include "space/evidence.h"
+#include "vista/status.h"
+
+#define VISTA_SPACE_FRAMES 6 /* that are kept */
+
+typedef struct vista_space_map {
+  vista_camera camera;
+  int32_t count, newest;
+  vista_evidence frames[VISTA_SPACE_FRAMES];
+} vista_space_map;
+
+/* What the frames that are kept show of a place. */
+typedef struct vista_place_evidence {
+  int32_t frames; /* in which the place is in view */
+  int32_t votes;  /* of these, in which something is matched at it */
+  int32_t feet;   /* of these, in which something without texture stands on ground that is matched there */
+  double beyond;  /* share of the lines of sight that are known to go on beyond it, mean of the frames */
+  /* Of the newest frame that votes, or else shows a foot: what is matched there. */
+  double u_px, v_px, disparity_px; /* mean; disparity_px 0: there is no such frame */
+  double spread_px;                /* standard deviation of the disparity */
+  int32_t age;                     /* of that frame: 0 is the newest */
+} vista_place_evidence;
+
+vista_status vista_space_map_layout(vista_space_map *map, vista_arena *arena, const vista_camera *camera);
+
+/* Forgets all frames. */
+void vista_space_map_reset(vista_space_map *map);
+
+/* Takes what a frame shows. */
+void vista_space_map_add(vista_space_map *map, const vista_frame_view *frame, const vista_surfaces *surfaces);
+
+/* What is known of the ball of this radius around a point of the world. */
+vista_place_evidence vista_space_map_look(const vista_space_map *map, const double point_m[3], double radius_m);
+
+/* The frame that is so many frames older than the newest, 0 .. count - 1. */
+const vista_evidence *vista_space_map_frame(const vista_space_map *map, int32_t age);
+
+#endif
