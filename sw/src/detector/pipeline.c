@@ -462,6 +462,6 @@ vista_status vista_pipeline_directions(const vista_pipeline *pipeline, vista_dir
 }
 
 vista_pipeline_stages vista_pipeline_look(const vista_pipeline *pipeline) {
-  return (vista_pipeline_stages){&pipeline->frame, &pipeline->cells, &pipeline->surfaces, &pipeline->affinity,
-                                 &pipeline->regions, &pipeline->places};
+  return (vista_pipeline_stages){&pipeline->frame,    &pipeline->cells,   &pipeline->surfaces,
+                                 &pipeline->affinity, &pipeline->regions, &pipeline->places};
 }

@@ -41,7 +41,7 @@ void vista_evidence_take(const vista_frame_view *frame, const vista_surfaces *su
         kind[x] = VISTA_SIGHT_OUTSIDE;
         continue;
       }
-      kind[x] = matched <= 0 ? (below > 0 ? VISTA_SIGHT_BOUNDED : VISTA_SIGHT_UNBOUNDED)
+      kind[x] = matched <= 0                               ? (below > 0 ? VISTA_SIGHT_BOUNDED : VISTA_SIGHT_UNBOUNDED)
                 : surfaces->horizontal[cells[x * step_px]] ? VISTA_SIGHT_LEVEL
                                                            : VISTA_SIGHT_WORD;
     }

@@ -135,16 +135,17 @@ static vista_obstacle at_place(const vista_frame_view *frame, const vista_space_
   return obstacle;
 }
 
-/* The confirmed thing beside the path that stands at the place, the nearest to it; null: none. */
-static vista_obstacle *thing_at(vista_obstacle_map *map, const vista_path_place *place) {
+/* The confirmed obstacle on the path that stands where something was matched, the nearest to it in range; null: none. */
+static vista_obstacle *known_at(vista_obstacle_map *map, const vista_frame_view *frame, double distance_m,
+                                double reach_m) {
   vista_obstacle *found = NULL;
-  double least_m = place->reach_m;
-  for (int32_t i = 0; i < map->count && place->beside; ++i) {
+  for (int32_t i = 0; i < map->count; ++i) {
     vista_obstacle *const o = &map->obstacles[i];
-    const double off_m = fabs(o->distance_m - place->along_m);
-    if (o->kind != VISTA_OBSTACLE_THING || !o->confirmed || off_m > least_m) continue;
+    const double off_m = fabs(o->distance_m - distance_m);
+    if (!o->confirmed || off_m > reach_m || !(o->in_collision_volume || vista_path_places_is_beside(frame, o)))
+      continue;
     found = o;
-    least_m = off_m;
+    reach_m = off_m;
   }
   return found;
 }
@@ -168,13 +169,13 @@ static void ask_places(vista_obstacle_map *map, const vista_frame_view *frame, c
   }
   const vista_path_place *const contact = vista_path_places_contact(places);
   if (contact == NULL || contact->thing || contact->ground) return;
-  vista_obstacle *const thing = thing_at(map, contact);
-  if (thing != NULL) {
-    thing->in_collision_volume = true;
-    return;
-  }
   const vista_obstacle obstacle = at_place(frame, input->space, contact);
-  if (obstacle.confirmed) insert(map, &obstacle);
+  if (!obstacle.confirmed) return;
+  vista_obstacle *const known = known_at(map, frame, obstacle.distance_m, contact->reach_m);
+  if (known != NULL)
+    known->in_collision_volume = true;
+  else
+    insert(map, &obstacle);
 }
 
 /* Of what lies on the ground that is warned of, what is met is said already. */

@@ -12,11 +12,11 @@
 #define STEP_M 1.0         /* From a place to the next, */
 #define STEP_SHARE 0.05    /* and this share of its distance if that is more. */
 #define RADIUS_SHARE 0.8   /* of the volume's: what touches its rim is passed as often as not */
-#define FRAMES_MIN 4       /* in which a place was in view, without a track there: to warn of it; and that have to agree */
+#define FRAMES_MIN 4 /* in which a place was in view, without a track there: to warn of it; and that have to agree */
 #define WARN 0.8
 #define FREE_SHARE 0.5
-#define FREE 0.5           /* A place that is more likely occupied is not free. */
-#define WIDEST_M 4.0       /* of a thing that is beside the path: what is wider has its middle elsewhere */
+#define FREE 0.5 /* A place that is more likely occupied is not free. */
+#define WIDEST_M 4.0 /* of a thing that is beside the path: what is wider has its middle elsewhere */
 
 /* Half of the two disparities by which a range may be wrong, no less than the places are apart. */
 static double reach_m(const vista_camera *camera, double along_m, double step_m) {
@@ -41,8 +41,7 @@ void vista_path_places_look(const vista_frame_view *frame, const vista_space_map
   }
 }
 
-/* Within the volume's radius and half of its own width of the path. */
-static bool is_beside(const vista_frame_view *frame, const vista_obstacle *obstacle) {
+bool vista_path_places_is_beside(const vista_frame_view *frame, const vista_obstacle *obstacle) {
   const double half_m = 0.5 * fmin(obstacle->extent_m[0], WIDEST_M);
   return vista_flight_path_distance(&frame->path, obstacle->position_m) <
          frame->params->obstacle_map.collision_radius_m + half_m;
@@ -51,7 +50,7 @@ static bool is_beside(const vista_frame_view *frame, const vista_obstacle *obsta
 /* What an obstacle says of the places at its range. */
 static void tell(const vista_frame_view *frame, const vista_obstacle *obstacle, vista_path_places *places) {
   if (!obstacle->confirmed || obstacle->kind == VISTA_OBSTACLE_TOO_NEAR) return;
-  const bool beside = is_beside(frame, obstacle);
+  const bool beside = vista_path_places_is_beside(frame, obstacle);
   for (int32_t k = 0; k < places->count; ++k) {
     vista_path_place *const place = &places->items[k];
     if (fabs(place->along_m - obstacle->distance_m) > place->reach_m) continue;
