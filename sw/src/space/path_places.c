@@ -24,12 +24,20 @@ static double reach_m(const vista_camera *camera, double along_m, double step_m)
   return fmax(0.5 * (fmax(2.0 * dz_m, 1.0) + 0.5), 0.5 * step_m);
 }
 
+/* Beyond, disparities are too small to say anything. */
+static double farthest(const vista_frame_view *frame) {
+  const vista_camera *const camera = frame->camera;
+  const double range_m = camera->focal_px * camera->baseline_m / frame->params->region.min_disparity_px;
+  return fmin(frame->path.length_m, range_m);
+}
+
 void vista_path_places_look(const vista_frame_view *frame, const vista_space_map *map, vista_path_places *places) {
   const vista_flight_path *const path = &frame->path;
   const vista_obstacle_map_params *const params = &frame->params->obstacle_map;
   places->count = 0;
+  const double farthest_m = farthest(frame);
   double along_m = FIRST_M, step_m = STEP_M;
-  while (along_m <= path->length_m && places->count < VISTA_PATH_PLACES_MAX) {
+  while (along_m <= farthest_m && places->count < VISTA_PATH_PLACES_MAX) {
     vista_path_place *const place = &places->items[places->count++];
     step_m = fmax(STEP_M, STEP_SHARE * along_m);
     *place = (vista_path_place){.along_m = along_m, .reach_m = reach_m(frame->camera, along_m, step_m)};
@@ -112,5 +120,5 @@ double vista_path_places_free_m(const vista_frame_view *frame, const vista_path_
     if (!(place->shown.frames > 0 && place->shown.beyond >= FREE_SHARE && place->probability < FREE)) return free_m;
     free_m = place->along_m;
   }
-  return places->count > 0 && places->count < VISTA_PATH_PLACES_MAX ? frame->path.length_m : free_m;
+  return places->count > 0 && places->count < VISTA_PATH_PLACES_MAX ? farthest(frame) : free_m;
 }

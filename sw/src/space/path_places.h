@@ -51,7 +51,7 @@ const vista_path_place *vista_path_places_contact(const vista_path_places *place
 /* Whether one of the places at this distance is warned of. True where there is none. */
 bool vista_path_places_bear_out(const vista_path_places *places, double distance_m);
 
-/* How far the path is free, from 0 to its length. */
+/* How far the path is free: from 0 to its length, or to where disparities say nothing if that is nearer. */
 double vista_path_places_free_m(const vista_frame_view *frame, const vista_path_places *places);
 
 #endif
