@@ -14,6 +14,8 @@
 #define RADIUS_SHARE 0.8   /* of the volume's: what touches its rim is passed as often as not */
 #define FRAMES_MIN 4 /* in which a place was in view, without a track there: to warn of it; and that have to agree */
 #define WARN 0.8
+#define DENY 0.3 /* A thing in the volume is not in the way if all places at its range are less likely occupied. */
+#define REACH_SHARE 0.15 /* of the distance: where a place reaches farther, only a track tells of it */
 #define FREE_SHARE 0.5
 #define FREE 0.5 /* A place that is more likely occupied is not free. */
 #define WIDEST_M 4.0 /* of a thing that is beside the path: what is wider has its middle elsewhere */
@@ -93,7 +95,9 @@ void vista_path_places_judge(const vista_frame_view *frame, const vista_obstacle
 }
 
 static bool is_warned_of(const vista_path_place *place) {
-  return place->probability >= WARN && (place->thing || place->ground || place->shown.frames >= FRAMES_MIN);
+  if (place->thing || place->ground) return place->probability >= WARN;
+  return place->probability >= WARN && place->shown.frames >= FRAMES_MIN &&
+         place->reach_m < REACH_SHARE * place->along_m;
 }
 
 const vista_path_place *vista_path_places_contact(const vista_path_places *places) {
@@ -108,7 +112,7 @@ bool vista_path_places_bear_out(const vista_path_places *places, double distance
     const vista_path_place *const place = &places->items[k];
     if (fabs(place->along_m - distance_m) > place->reach_m) continue;
     any = true;
-    if (is_warned_of(place)) return true;
+    if (place->probability >= DENY) return true;
   }
   return !any;
 }

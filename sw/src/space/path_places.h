@@ -48,7 +48,7 @@ void vista_path_places_judge(const vista_frame_view *frame, const vista_obstacle
 /* The nearest place that is warned of; null: none. */
 const vista_path_place *vista_path_places_contact(const vista_path_places *places);
 
-/* Whether one of the places at this distance is warned of. True where there is none. */
+/* Whether one of the places at this distance may be occupied. True where there is none. */
 bool vista_path_places_bear_out(const vista_path_places *places, double distance_m);
 
 /* How far the path is free: from 0 to its length, or to where disparities say nothing if that is nearer. */
