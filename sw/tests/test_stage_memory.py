@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from stage_library import Arena, Foveation, ffi, lib, status_name
+from stage_library import Arena, Foveation, camera, ffi, lib, status_name
 
 OVER_CELLS = (
     "affinity",
@@ -19,6 +19,10 @@ OVER_CELLS = (
     "surfaces",
     "terrain",
 )
+OVER_PIXELS = {
+    "space_map": lambda out, arena: lib.vista_space_map_layout(out, arena, camera(64, 48)),
+    "words": lambda out, arena: lib.vista_words_layout(out, arena, 64, 48),
+}
 OF_THEIR_OWN: dict[str, Callable[[Any, Any], int]] = {
     "obstacle_map": lambda out, arena: lib.vista_obstacle_map_layout(8, arena, out),
     "thin": lambda out, arena: lib.vista_thin_layout(out, arena, 64, 48),
@@ -33,6 +37,14 @@ def test_a_byte_too_little_for_a_stage_is_reported(name: str) -> None:
     layout = getattr(lib, f"vista_{name}_layout")
     for missing, status in ((0, "VISTA_OK"), (1, "VISTA_ERROR_MEMORY")):
         arena = Arena(lambda arena: layout(out, arena, foveation.handle), missing)
+        assert status_name(arena.status) == status
+
+
+@pytest.mark.parametrize("name", OVER_PIXELS)
+def test_a_byte_too_little_for_a_stage_over_pixels_is_reported(name: str) -> None:
+    out = ffi.new(f"vista_{name} *")
+    for missing, status in ((0, "VISTA_OK"), (1, "VISTA_ERROR_MEMORY")):
+        arena = Arena(lambda arena: OVER_PIXELS[name](out, arena), missing)
         assert status_name(arena.status) == status
 
 

@@ -10,7 +10,7 @@ int32_t vista_evidence_step_px(const vista_camera *camera) {
   return longer_px >= 2 * COLUMNS ? longer_px / COLUMNS : 1;
 }
 
-vista_status vista_evidence_layout(vista_evidence *evidence, vista_arena *arena, const vista_camera *camera) {
+void vista_evidence_layout(vista_evidence *evidence, vista_arena *arena, const vista_camera *camera) {
   const int32_t step_px = vista_evidence_step_px(camera);
   evidence->step_px = step_px;
   evidence->width = (camera->width_px + step_px - 1) / step_px;
@@ -18,7 +18,6 @@ vista_status vista_evidence_layout(vista_evidence *evidence, vista_arena *arena,
   const size_t count = (size_t)evidence->width * (size_t)evidence->height;
   evidence->word = vista_arena_take(arena, count, sizeof *evidence->word);
   evidence->kind = vista_arena_take(arena, count, sizeof *evidence->kind);
-  return VISTA_OK;
 }
 
 void vista_evidence_take(const vista_frame_view *frame, const vista_surfaces *surfaces, vista_evidence *evidence) {
@@ -34,13 +33,14 @@ void vista_evidence_take(const vista_frame_view *frame, const vista_surfaces *su
     int16_t *const word = evidence->word + (ptrdiff_t)y * width;
     uint8_t *const kind = evidence->kind + (ptrdiff_t)y * width;
     for (int32_t x = 0; x < width; ++x) {
-      const int16_t matched = row[x * step_px];
-      const int16_t below = y + 1 < height ? word[x + width] : 0;
-      word[x] = matched > 0 ? matched : below;
       if (!vista_matched_holds(&frame->matched, frame->camera, x * step_px, y * step_px, 0.0)) {
+        word[x] = 0;
         kind[x] = VISTA_SIGHT_OUTSIDE;
         continue;
       }
+      const int16_t matched = row[x * step_px];
+      const int16_t below = y + 1 < height ? word[x + width] : 0;
+      word[x] = matched > 0 ? matched : below;
       kind[x] = matched <= 0                               ? (below > 0 ? VISTA_SIGHT_BOUNDED : VISTA_SIGHT_UNBOUNDED)
                 : surfaces->horizontal[cells[x * step_px]] ? VISTA_SIGHT_LEVEL
                                                            : VISTA_SIGHT_WORD;

@@ -12,7 +12,6 @@
 #include "common/arena.h"
 #include "perceive/cells/surface.h"
 #include "perceive/frame_view.h"
-#include "vista/status.h"
 #include "vista/types.h"
 
 typedef enum vista_sight_kind {
@@ -34,7 +33,7 @@ typedef struct vista_evidence {
 /* Pixels of the image from one of the picture to the next. */
 int32_t vista_evidence_step_px(const vista_camera *camera);
 
-vista_status vista_evidence_layout(vista_evidence *evidence, vista_arena *arena, const vista_camera *camera);
+void vista_evidence_layout(vista_evidence *evidence, vista_arena *arena, const vista_camera *camera);
 
 /* What the frame shows. */
 void vista_evidence_take(const vista_frame_view *frame, const vista_surfaces *surfaces, vista_evidence *evidence);

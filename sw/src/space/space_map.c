@@ -21,11 +21,8 @@
 
 vista_status vista_space_map_layout(vista_space_map *map, vista_arena *arena, const vista_camera *camera) {
   map->camera = *camera;
-  for (int32_t k = 0; k < VISTA_SPACE_FRAMES; ++k) {
-    const vista_status status = vista_evidence_layout(&map->frames[k], arena, camera);
-    if (status != VISTA_OK) return status;
-  }
-  return VISTA_OK;
+  for (int32_t k = 0; k < VISTA_SPACE_FRAMES; ++k) vista_evidence_layout(&map->frames[k], arena, camera);
+  return arena->base != NULL && arena->used > arena->size ? VISTA_ERROR_MEMORY : VISTA_OK;
 }
 
 void vista_space_map_reset(vista_space_map *map) { map->count = map->newest = 0; }

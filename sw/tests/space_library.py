@@ -1,0 +1,120 @@
+"""The map of space over numpy arrays, for its tests: simple worlds, the words that a camera in them has, and the map
+that takes them. World: x to the right, y down, z forward, as a level camera sees it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from stage_library import INVALID, Arena, Foveation, camera, ffi, frame_view, lib, parameters, rays, view
+from track_library import SECOND, flight_path, motion, pose
+
+WIDTH, HEIGHT, FOCAL_PX, BASELINE_M = 320, 240, 300.0, 0.5
+SPACING_S = 0.08  # of space_map.c: frames that follow closer replace one another
+TOLERANCE_PX, TOLERANCE_SHARE = 0.75, 0.03  # of space_map.c: what differs by less is at a place
+RADIUS_M = 2.0
+CHANGES = {"obstacle_map.collision_radius_m": RADIUS_M, "obstacle_map.path_sigmas": 0.0}
+
+
+@dataclass(frozen=True)
+class Wall:
+    """Upright, facing a level camera; without texture nothing of it is matched."""
+
+    z_m: float
+    x_m: tuple[float, float] = (-1e3, 1e3)
+    y_m: tuple[float, float] = (-1e3, 1e3)
+    textured: bool = True
+
+
+@dataclass(frozen=True)
+class Look:
+    """What a camera at this place matches, and where that is ground."""
+
+    words: NDArray[np.int16]
+    ground: NDArray[np.bool_]
+    pose: object
+
+
+def seen(walls=(), ground_y_m: float | None = None, position=(0.0, 0.0, 0.0), rotation=None, lens=None) -> Look:
+    """rotation: world from camera. Beyond walls and ground is sky, of which nothing is matched."""
+    lens = lens or camera(WIDTH, HEIGHT, FOCAL_PX, BASELINE_M)
+    turn, place = np.eye(3) if rotation is None else np.asarray(rotation), np.asarray(position, float)
+    ray = rays(lens) @ turn.T  # of depth 1 in the camera
+    depth_m, matched = np.full(ray.shape[:2], np.inf), np.zeros(ray.shape[:2], bool)
+    ground = matched.copy()
+    with np.errstate(divide="ignore", invalid="ignore"):
+        surfaces = [((wall.z_m - place[2]) / ray[..., 2], wall) for wall in walls]
+        if ground_y_m is not None:
+            surfaces.append(((ground_y_m - place[1]) / ray[..., 1], None))
+        for at_m, wall in surfaces:
+            x, y, _ = np.moveaxis(place + at_m[..., None] * ray, -1, 0)
+            hit = (at_m > 0.1) & (at_m < depth_m)
+            if wall is not None:
+                hit &= (x >= wall.x_m[0]) & (x <= wall.x_m[1]) & (y >= wall.y_m[0]) & (y <= wall.y_m[1])
+            depth_m[hit], matched[hit], ground[hit] = at_m[hit], wall is None or wall.textured, wall is None
+    words = np.rint(16.0 * lens.focal_px * lens.baseline_m / depth_m)
+    words = np.where(matched & (words > 0), words, INVALID).astype(np.int16)
+    return Look(words, ground, pose(place, turn))
+
+
+class Space:
+    """A vista_space_map with its memory, and the frame that it took last."""
+
+    def __init__(self, lens=None, **changes: float) -> None:
+        self.camera = lens or camera(WIDTH, HEIGHT, FOCAL_PX, BASELINE_M)
+        self.parameters = parameters(CHANGES | {f"obstacle_map.{k}": v for k, v in changes.items()})
+        self.foveation = Foveation(self.camera.width_px, self.camera.height_px)
+        self.handle, self._surfaces = ffi.new("vista_space_map *"), ffi.new("vista_surfaces *")
+        layout = lib.vista_space_map_layout
+        self._arenas = [
+            Arena(lambda arena: layout(self.handle, arena, self.camera)),
+            Arena(lambda arena: lib.vista_surfaces_layout(self._surfaces, arena, self.foveation.handle)),
+        ]
+        self.frame = None
+
+    def take(self, look: Look, t_s: float, velocity=None, length_m: float = 100.0, **given) -> None:
+        """given: members of the frame's view."""
+        horizontal = view(self._surfaces.horizontal, self.foveation.node_count, np.uint8)
+        ground = np.zeros(self.foveation.node_count)
+        np.add.at(ground, self.foveation.cell_of_pixel[look.ground], 1)
+        horizontal[:] = 2 * ground > view(self.foveation.handle.pixel_count, self.foveation.node_count, np.int32)
+        moved = motion(look.pose, velocity)
+        self.frame = frame_view(
+            self.parameters,
+            self.camera,
+            foveation=self.foveation.handle,
+            motion=moved,
+            path=flight_path(moved, length_m),
+            t_ns=round(t_s * SECOND),
+            words=look.words,
+            **given,
+        )
+        lib.vista_space_map_add(self.handle, self.frame, self._surfaces)
+
+    def watch(self, look: Look, frames: int = lib.VISTA_SPACE_FRAMES, **keywords) -> None:
+        """The same view again and again, at 10 Hz."""
+        for k in range(frames):
+            self.take(look, 0.1 * k, **keywords)
+
+    def look(self, point, radius_m: float = RADIUS_M):
+        return lib.vista_space_map_look(self.handle, [float(x) for x in point], radius_m)
+
+    def reset(self) -> None:
+        lib.vista_space_map_reset(self.handle)
+
+    @property
+    def times_s(self) -> list[float]:
+        """Of the frames that are kept, the newest first."""
+        ages = range(self.handle.count)
+        return [lib.vista_space_map_frame(self.handle, age).t_ns / SECOND for age in ages]
+
+
+def disparity_px(lens, z_m: float) -> float:
+    return lens.focal_px * lens.baseline_m / z_m
+
+
+def tolerances_off_m(lens, z_m: float, count: float) -> float:
+    """The depth so many tolerances of the map behind another one; negative: before it."""
+    px = disparity_px(lens, z_m)
+    return lens.focal_px * lens.baseline_m / (px - count * max(TOLERANCE_PX, TOLERANCE_SHARE * px))

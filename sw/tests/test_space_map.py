@@ -1,0 +1,255 @@
+"""What the map of space shows of a place, against what geometry says of simple worlds."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from random_seed import seeded
+from scipy.spatial.transform import Rotation
+from space_library import (
+    BASELINE_M,
+    FOCAL_PX,
+    HEIGHT,
+    RADIUS_M,
+    SPACING_S,
+    WIDTH,
+    Look,
+    Space,
+    Wall,
+    disparity_px,
+    seen,
+    tolerances_off_m,
+)
+from pipeline_library import plain
+from stage_library import INVALID, camera, ffi, lib
+from track_library import matched, pose
+
+FRAMES = lib.VISTA_SPACE_FRAMES
+UNMATCHED = Look(np.full((HEIGHT, WIDTH), INVALID, np.int16), np.zeros((HEIGHT, WIDTH), bool), pose())
+
+
+def shown_by(look: Look, point, radius_m: float = RADIUS_M, **given):
+    space = Space()
+    space.watch(look, **given)
+    return space.look(point, radius_m)
+
+
+# ---- one view ----
+
+
+@pytest.mark.parametrize("width", [WIDTH, 1280])
+def test_a_wall_is_at_its_range_and_not_three_tolerances_off(width: int) -> None:
+    """Before it there is room to see through; behind it nothing is known."""
+    random = seeded(1)
+    for _ in range(8):
+        lens = camera(width, HEIGHT, random.uniform(300.0, 600.0), random.uniform(0.2, 0.6))
+        z_m = lens.focal_px * lens.baseline_m / random.uniform(5.0, 20.0)
+        radius_m = 6.0 * (width / 320) * z_m / lens.focal_px  # of the picture that the map keeps, 6 px
+        space = Space(lens)
+        space.watch(seen([Wall(z_m)], lens=lens))
+        at = space.look((0.0, 0.0, z_m), radius_m)
+        assert (at.frames, at.votes, at.feet, at.beyond, at.age) == (FRAMES, FRAMES, 0, 0.0, 0)
+        assert at.disparity_px == pytest.approx(disparity_px(lens, z_m), abs=1 / 16)
+        assert at.spread_px <= 1e-6
+        middle = (lens.center_u_px, lens.center_v_px)
+        assert (at.u_px, at.v_px) == pytest.approx(middle, abs=2.0 + lens.width_px / 320)
+        before = space.look((0.0, 0.0, tolerances_off_m(lens, z_m, -3.0)), radius_m)
+        assert (before.frames, before.votes, before.feet, before.beyond) == (FRAMES, 0, 0, 1.0)
+        behind = space.look((0.0, 0.0, tolerances_off_m(lens, z_m, 3.0)), radius_m)
+        assert (behind.frames, behind.votes, behind.feet, behind.beyond) == (FRAMES, 0, 0, 0.0)
+
+
+def test_what_is_seen_through_is_the_share_that_nothing_nearer_covers() -> None:
+    """A place at 20 m, behind its right part a wall at 40 m, before its left part one at 10 m."""
+    random = seeded(2)
+    for _ in range(10):
+        edge_m = random.uniform(-0.9, 0.9)
+        walls = [Wall(10.0, x_m=(-50.0, edge_m / 2)), Wall(40.0)]
+        share = (np.arccos(edge_m) - edge_m * np.sqrt(1.0 - edge_m**2)) / np.pi  # of a disc, right of its edge
+        found = shown_by(seen(walls), (0.0, 0.0, 20.0), 1.0)
+        assert found.beyond == pytest.approx(share, abs=0.06)
+        assert found.votes == 0
+
+
+def test_a_few_words_are_no_vote() -> None:
+    """One line of sight in a hundred, scattered over the place."""
+    v, u = np.indices((HEIGHT, WIDTH))
+    words = np.where((u % 10 == 0) & (v % 10 == 0), 16 * 7.5, 16).astype(np.int16)
+    look = Look(words, UNMATCHED.ground, pose())
+    found = shown_by(look, (0.0, 0.0, 20.0))
+    assert found.votes == 0 and found.beyond > 0.95
+    assert shown_by(seen([Wall(20.0)]), (0.0, 0.0, 20.0)).votes == FRAMES
+
+
+def test_sky_above_a_far_horizon_is_free() -> None:
+    ground = seen(ground_y_m=5.0)
+    for z_m in (10.0, 25.0, 50.0):
+        found = shown_by(ground, (0.0, -4.0, z_m))
+        assert (found.votes, found.feet) == (0, 0) and found.beyond > 0.95
+    nothing = shown_by(UNMATCHED, (0.0, -4.0, 25.0))
+    assert (nothing.frames, nothing.votes, nothing.feet, nothing.beyond) == (FRAMES, 0, 0, 0.0)
+
+
+def test_a_plain_wall_stands_where_its_foot_is_and_hides_what_is_behind_it() -> None:
+    random = seeded(3)
+    for _ in range(10):
+        z_m = random.uniform(12.0, 35.0)
+        space = Space()
+        space.watch(seen([Wall(z_m, textured=False)], ground_y_m=3.0))
+        at = space.look((0.0, 0.0, z_m))
+        assert (at.frames, at.votes, at.feet) == (FRAMES, 0, FRAMES)
+        assert at.disparity_px == pytest.approx(disparity_px(space.camera, z_m), abs=0.5)
+        before = space.look((0.0, 0.0, tolerances_off_m(space.camera, z_m, -3.0)))
+        assert (before.votes, before.feet) == (0, 0) and before.beyond > 0.9
+        behind = space.look((0.0, 0.0, tolerances_off_m(space.camera, z_m, 3.0)))
+        assert (behind.votes, behind.feet) == (0, 0) and behind.beyond < 0.1
+
+
+def test_a_surface_to_fly_along_is_no_vote() -> None:
+    """The same words are one where they are of something that stands."""
+    ground = seen(ground_y_m=2.0)
+    stands = Look(ground.words, np.zeros_like(ground.ground), ground.pose)
+    for z_m in (10.0, 20.0, 30.0):
+        place = (0.0, 2.0, z_m)
+        assert shown_by(ground, place).votes == 0
+        assert shown_by(stands, place).votes == FRAMES
+
+
+def test_what_is_not_matched_by_the_engine_tells_nothing() -> None:
+    """Whatever words are there; a place that is there is not in view. They bound no plain wall above them, either."""
+    random = seeded(4)
+    area = matched(disparity_max_px=63.0, margin_left_px=68.0, margin_px=25.0)
+    wall, bare = seen([Wall(20.0)]), seen([Wall(20.0, textured=False)])
+    v, u = np.indices(wall.words.shape)
+    outside = (u < 68) | (u >= WIDTH - 25) | (v < 25) | (v >= HEIGHT - 25)
+    noise = random.integers(-16, 1000, wall.words.shape).astype(np.int16)
+    for look in (wall, bare):
+        spoilt = Look(np.where(outside, noise, look.words), look.ground, look.pose)
+        clean = Look(np.where(outside, INVALID, look.words).astype(np.int16), look.ground, look.pose)
+        spaces = Space(), Space()
+        for space, shown in zip(spaces, (spoilt, clean), strict=True):
+            space.watch(shown, matched=area)
+        for _ in range(20):
+            z_m = random.uniform(8.0, 30.0)
+            place = (*(random.uniform(-0.6, 0.6, 2) * z_m), z_m)
+            told = [plain(space.look(place, 1.0)) for space in spaces]
+            assert told[0] == told[1]
+    left = shown_by(wall, (-0.45 * 20.0, 0.0, 20.0), 1.0, matched=area)
+    assert plain(left) == plain(ffi.new("vista_place_evidence *")[0])
+    assert shown_by(wall, (-0.45 * 20.0, 0.0, 20.0), 1.0).votes == FRAMES
+
+
+def test_a_place_outside_of_the_image_or_behind_the_camera_is_not_in_view() -> None:
+    random = seeded(5)
+    space = Space()
+    space.watch(seen([Wall(20.0)]))
+    for _ in range(100):
+        z_m = random.uniform(2.0, 60.0)
+        aside = (random.uniform(-2.0, 2.0, 2) * z_m * (WIDTH / 2 / FOCAL_PX, HEIGHT / 2 / FOCAL_PX)).tolist()
+        rim = np.array([WIDTH / 2 / FOCAL_PX, HEIGHT / 2 / FOCAL_PX]) * z_m + RADIUS_M + 2.0 * z_m / FOCAL_PX
+        if np.any(np.abs(aside) > rim):
+            assert space.look((*aside, z_m)).frames == 0
+        assert space.look((*aside, -z_m)).frames == 0
+    assert space.look((0.0, 0.0, 0.5)).frames == 0  # beside the camera
+
+
+# ---- over frames ----
+
+
+def test_only_the_last_frames_are_kept() -> None:
+    space = Space()
+    for k in range(2 * FRAMES):
+        space.take(seen([Wall(20.0)]), 0.1 * k)
+        found = space.look((0.0, 0.0, 20.0))
+        assert found.frames == found.votes == min(k + 1, FRAMES)
+
+
+def test_frames_that_follow_closely_replace_one_another() -> None:
+    """The newest is always kept; those before it are apart by no less than the spacing, and hardly more."""
+    random = seeded(6)
+    for _ in range(10):
+        space, longest_s = Space(), random.uniform(0.005, 0.15)
+        t_s = 100.0 + np.cumsum(random.uniform(0.2 * longest_s, longest_s, 60))
+        for k, t in enumerate(t_s):
+            space.take(UNMATCHED, t)
+            kept = space.times_s
+            assert kept[0] == pytest.approx(t, abs=1e-8)
+            apart = -np.diff(kept[1:])
+            assert np.all(apart >= SPACING_S - 1e-8)
+            assert np.all(apart <= SPACING_S + longest_s + 1e-8)
+            if t - t_s[0] > 2 * FRAMES * (SPACING_S + longest_s):
+                assert len(kept) == FRAMES, k
+
+
+def test_reset_forgets() -> None:
+    space = Space()
+    space.watch(seen([Wall(20.0)]))
+    space.reset()
+    nothing = plain(ffi.new("vista_place_evidence *")[0])
+    assert plain(space.look((0.0, 0.0, 20.0))) == nothing
+    space.take(UNMATCHED, 5.0)
+    found = space.look((0.0, 0.0, 20.0))
+    assert (found.frames, found.votes) == (1, 0)
+
+
+def test_the_newest_frame_that_votes_says_where() -> None:
+    space, place = Space(), (0.0, 0.0, 20.0)
+    for k, words in enumerate([seen([Wall(20.0)]), seen([Wall(20.3)]), UNMATCHED, UNMATCHED]):
+        space.take(words, 0.1 * k)
+    found = space.look(place)
+    assert (found.frames, found.votes, found.age) == (4, 2, 2)
+    assert found.disparity_px == pytest.approx(disparity_px(space.camera, 20.3), abs=1 / 16)
+
+
+def test_a_vote_says_where_rather_than_a_foot() -> None:
+    """The newest frame has but the foot of the wall."""
+    space = Space()
+    for k, textured in enumerate((True, True, False)):
+        space.take(seen([Wall(20.0, textured=textured)], ground_y_m=3.0), 0.1 * k)
+    found = space.look((0.0, 0.0, 20.0))
+    assert (found.votes, found.feet, found.age) == (2, 1, 1)
+    assert found.spread_px <= 1e-6
+
+
+def somewhere(random: np.random.Generator):
+    """A place and a turn from which 20 m ahead is in view."""
+    turn = Rotation.from_euler("zyx", random.uniform((-25, -10, -8), (25, 10, 8)), degrees=True)
+    return random.uniform((-3, -2, -4), (3, 2, 4)), turn.as_matrix()
+
+
+def test_a_place_is_the_same_from_wherever_it_is_seen() -> None:
+    """In the world: the board is found at its place, and nothing before it or beside it."""
+    random = seeded(7)
+    for _ in range(10):
+        space = Space()
+        board = Wall(25.0, x_m=(-1.5, 1.5), y_m=(-1.5, 1.5))
+        for k in range(FRAMES):
+            position, rotation = somewhere(random)
+            space.take(seen([board, Wall(80.0)], position=position, rotation=rotation), 0.1 * k)
+        at = space.look((0.0, 0.0, 25.0), 1.5)
+        assert (at.frames, at.votes) == (FRAMES, FRAMES) and at.beyond < 0.1
+        ray = [(at.u_px - space.camera.center_u_px) / FOCAL_PX, (at.v_px - space.camera.center_v_px) / FOCAL_PX, 1.0]
+        found_m = position + rotation @ (FOCAL_PX * BASELINE_M / at.disparity_px * np.array(ray))
+        assert found_m == pytest.approx([0.0, 0.0, 25.0], abs=0.7)
+        for place in ((0.0, 0.0, 13.0), (0.0, -5.0, 25.0), (0.0, 5.0, 25.0)):
+            elsewhere = space.look(place, 1.5)
+            assert elsewhere.votes == 0 and elsewhere.beyond > 0.9
+
+
+def test_the_same_frames_show_the_same_and_numbers_whatever_the_poses() -> None:
+    random = seeded(8)
+    spaces = Space(), Space()
+    for k in range(3 * FRAMES):
+        look = seen([Wall(random.uniform(5.0, 40.0))], ground_y_m=2.0)
+        place = random.uniform(-1.0, 1.0, 3) * 10.0 ** random.choice([0, 2, 9, 150, 300])
+        turn = Rotation.random(random_state=random).as_matrix()
+        for space in spaces:
+            space.take(Look(look.words, look.ground, pose(place, turn)), 0.1 * k)
+        for _ in range(20):
+            point = place + random.uniform(-1.0, 1.0, 3) * 10.0 ** random.choice([-300, 0, 1, 2, 9, 200, 300])
+            radius_m = random.choice([0.0, 1e-9, 0.1, 2.0, 1e3, 1e6])
+            one, other = (plain(space.look(point, radius_m)) for space in spaces)
+            assert one == other
+            assert all(np.isfinite(value) for value in one.values())
+            assert 0 <= one["votes"] <= one["frames"] and 0 <= one["feet"] <= one["frames"] <= FRAMES
+            assert 0.0 <= one["beyond"] <= 1.0
