@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +20,20 @@ class CellGraph:
     horizontal: NDArray[np.bool_]  # (cells,) on a surface to fly along
     cell_size_px: NDArray[np.float32]  # (cells,) width
     cell_center_px: NDArray[np.float32]  # (cells, 2) u, v
+
+
+class PathPlace(NamedTuple):
+    """A place on the flight path, and what is known of it (path_places.h)."""
+
+    along_m: float
+    frames: int  # in which it is in view
+    votes: int  # of these, with something matched there
+    feet: int  # of these, with the foot of something without texture there
+    beyond: float  # share of the lines of sight that go on
+    thing: bool
+    beside: bool
+    ground: bool
+    probability: float  # that it is occupied
 
 
 class OpenPipeline(Pipeline):
@@ -43,6 +57,18 @@ class OpenPipeline(Pipeline):
             self._array(f.size_px, cells, np.float32),
             np.stack([self._array(center, cells, np.float32) for center in (f.center_u, f.center_v)], axis=1),
         )
+
+    def path_places(self) -> list[PathPlace]:
+        """Those of the last frame, by distance."""
+        places = self._lib.vista_pipeline_look(self._pipeline).places
+        found = []
+        for place in (places.items[k] for k in range(places.count)):
+            shown = place.shown
+            seen = shown.frames, shown.votes, shown.feet, shown.beyond
+            found.append(
+                PathPlace(place.along_m, *seen, place.thing, place.beside, place.ground, place.probability)
+            )
+        return found
 
     def refine_boundaries(self, region_of_cell: NDArray[np.int32]) -> NDArray[np.int32]:
         """Region of each pixel (height, width) of any partition of the last frame's cells, drawn as the chain

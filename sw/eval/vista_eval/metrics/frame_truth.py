@@ -104,6 +104,15 @@ class FrameTruth:
     ground_m: dict[int, float]  # of ground that is in the way, by label: the range where the path meets it
     surfaces: dict[int, Array]  # (k, 3) seen points of each standing object, by label
     real: Points  # of around_path; without ground, where that is judged by where the path meets it
+    path_m: float  # as far as the path is followed
+
+    @functools.cached_property
+    def contact_m(self) -> float:
+        """How far along the path the first thing within its cylinder lies, or the ground that it meets;
+        infinite without any."""
+        real = self.real
+        ahead = (real.aside_m <= CYLINDER_RADIUS_M) & (real.along_m > 0.0) & (real.along_m <= self.path_m)
+        return min([*real.along_m[ahead].tolist(), *self.ground_m.values()], default=np.inf)
 
     @functools.cached_property
     def of_target(self) -> Points:
@@ -224,7 +233,9 @@ def frame_truth(
     if rules.meeting:
         lying = [label for label, thing in truth.objects.items() if not thing.standing]
         real = around.where(~np.isin(around.label, lying))
-    return FrameTruth(t_ns, world_from_camera, around, inside[kept], target, ground_m, surfaces, real)
+    return FrameTruth(
+        t_ns, world_from_camera, around, inside[kept], target, ground_m, surfaces, real, length_m
+    )
 
 
 def true_points(truth: FlightTruth, t_ns: int, world_from_camera: Pose, path: FlightPath) -> Points:

@@ -10,6 +10,7 @@ from vista.report.plots import ACCENT, GOOD, LINES, MUTED, WARNING, svg_plot
 from vista_eval.metrics.comparison import Comparison
 from vista_eval.metrics.flight_score import FlightScore
 from vista_eval.metrics.rules import HIT_RANGE, HIT_RANGE_M, NEAR
+from vista_eval.training.odds import Odds
 
 
 @svg_plot(12.0, 2.9)
@@ -86,3 +87,13 @@ def plot_detection(figure: Figure, scores: list[FlightScore]) -> None:
     axes.set_yticks(range(len(aimed)), [score.name for score in aimed], fontsize=8)
     axes.set(xlabel=f"range of the target (m); shaded: {HIT_RANGE}", ylim=(max(len(aimed), 1) - 0.5, -0.5))
     axes.set_xlim(left=0.0)
+
+
+@svg_plot(4.4, 4.4)
+def plot_reliability(figure: Figure, odds: Odds) -> None:
+    """How often places are occupied against the probability that they are given."""
+    axes = figure.subplots()
+    bins = [one for one in odds.bins if one.places]
+    axes.plot([0.0, 1.0], [0.0, 1.0], color=MUTED, linewidth=1.0)
+    axes.plot([one.given for one in bins], [one.occupied for one in bins], "o-", color=ACCENT)
+    axes.set(xlabel="probability given", ylabel="truly occupied", xlim=(0.0, 1.0), ylim=(0.0, 1.0))

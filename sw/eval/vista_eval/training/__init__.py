@@ -1,0 +1,4 @@
+"""What `vista train` learns: how much each piece of evidence says that a place on the path is occupied.
+
+flight ─> evidence (the detector's places, with the truth of each) ─> logistic ─> odds (a header of C)
+"""

@@ -1,0 +1,122 @@
+"""The evidence of every place on the path in every frame of a flight, and whether it truly is occupied."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from vista import native, parameters
+from vista.chain import engine_parameters
+from vista.engine import create_engine
+from vista.geometry import Array, Calibration
+from vista.rectify import Rectifier
+
+from vista_eval.cache import code_digest, digest_of, kept
+from vista_eval.cell_graph import OpenPipeline, PathPlace
+from vista_eval.dataset.truth import TRUTH
+from vista_eval.fly import flight_digest, open_flight
+from vista_eval.training.path_truth import PathTruth, path_truth
+
+OCCUPIED, EMPTY, UNTOLD = 1, 0, -1
+FRAMES_MIN = 4  # of path_places.c: frames that agree, or that a warning without a track needs
+PIECES = ("THING", "BESIDE", "GROUND", "VOTES", "FEET", "NOT_BEYOND")  # of space_odds.h
+# How near a true point is for its place to be occupied, in depths of one disparity, and no less than that.
+OCCUPIED_DZ, OCCUPIED_M = 0.6, 0.75
+EMPTY_FACTOR = 1.5  # of what a distance may be wrong, without anything for a place to be empty
+
+
+@dataclass(frozen=True)
+class FlightEvidence:
+    """Arrays with an entry a place."""
+
+    name: str
+    family: str
+    frame: NDArray[np.int64]
+    along_m: NDArray[np.float64]
+    pieces: NDArray[np.float64]  # (n, PIECES)
+    may_warn: NDArray[np.bool_]  # enough is known of it for a warning
+    told: NDArray[np.float64]  # the probability that the detector gives it
+    truth: NDArray[np.int64]  # OCCUPIED, EMPTY or UNTOLD
+
+
+def pieces_of(place: PathPlace) -> list[float]:
+    """What adds to the log-odds, as path_places.c takes it: each is 0 to 1."""
+    votes = place.votes >= FRAMES_MIN
+    feet = not votes and place.feet >= FRAMES_MIN
+    return [float(place.thing), float(place.beside), float(place.ground), votes, feet, 1.0 - place.beyond]
+
+
+def may_warn(place: PathPlace) -> bool:
+    return place.thing or place.ground or place.frames >= FRAMES_MIN
+
+
+def truth_of_places(along_m: Array, truth: PathTruth, focal_baseline_px_m: float) -> NDArray[np.int64]:
+    """OCCUPIED where a thing is; EMPTY where none is near, nor ground; UNTOLD between, and beyond the first
+    thing, where little can be seen."""
+    dz_m = along_m**2 / focal_baseline_px_m
+    doubt_m = np.maximum(2.0 * dz_m, 1.0) + 0.5
+    there = distance_m(along_m, truth.things_m) <= np.maximum(OCCUPIED_DZ * dz_m, OCCUPIED_M)
+    near = distance_m(along_m, truth.beside_m) <= EMPTY_FACTOR * doubt_m
+    near |= distance_m(along_m, truth.ground_m) <= doubt_m
+    found = np.where(there, OCCUPIED, np.where(near, UNTOLD, EMPTY))
+    first_m = truth.things_m[0] if len(truth.things_m) else np.inf
+    return np.where(along_m > first_m + 2.0 * doubt_m, UNTOLD, found)
+
+
+def distance_m(along_m: Array, points_m: NDArray[np.floating]) -> Array:
+    """From each place to the nearest of the sorted points."""
+    edged = np.concatenate([[-np.inf], points_m, [np.inf]])
+    k = np.searchsorted(edged, along_m)
+    return np.minimum(along_m - edged[k - 1], edged[k] - along_m)
+
+
+def collect_cached(folder: Path, values: parameters.Values, cache: Path) -> FlightEvidence:
+    digest = digest_of(
+        flight_digest(folder, values),
+        code_digest(__name__),
+        native.library_path("vista_stages"),
+        folder / TRUTH,
+    )
+    return kept(cache / f"{folder.name}.json", digest, lambda: collect(folder, values), from_json)
+
+
+def from_json(content: dict[str, Any]) -> FlightEvidence:
+    kinds = {"frame": np.int64, "may_warn": np.bool_, "truth": np.int64}
+    arrays: dict[str, NDArray[Any]] = {
+        name: np.array(value, kinds.get(name, np.float64))
+        for name, value in content.items()
+        if name not in ("name", "family")
+    }
+    arrays["pieces"] = arrays["pieces"].reshape(-1, len(PIECES))
+    return FlightEvidence(content["name"], content["family"], **arrays)
+
+
+def collect(folder: Path, values: parameters.Values) -> FlightEvidence:
+    """Flies it. Raises InputError."""
+    sequence = open_flight(folder)
+    rectifier = Rectifier(sequence.calibration)
+    camera: Calibration = rectifier.calibration
+    along_path = path_truth(folder, camera)
+    frames = {frame.t_ns: frame for frame in along_path.frames}
+    engine = create_engine("golden", engine_parameters(values))
+    pipeline = OpenPipeline(camera, values)
+    columns: dict[str, list[Any]] = {
+        name: [] for name in ("frame", "along_m", "pieces", "may_warn", "told", "truth")
+    }
+    for number, files in enumerate(sequence.frames):
+        pair = rectifier.rectify(sequence.read(files))
+        levels = list(engine.levels(pair.left, pair.right))
+        pipeline.process(pair.left, levels, files.t_ns, pair.world_from_camera, sequence.up_world)
+        places = pipeline.path_places()
+        along_m = np.array([place.along_m for place in places], np.float64)
+        truth = truth_of_places(along_m, frames[files.t_ns], camera.focal_px * camera.baseline_m)
+        columns["frame"] += [number] * len(places)
+        columns["along_m"] += along_m.tolist()
+        columns["pieces"] += [pieces_of(place) for place in places]
+        columns["may_warn"] += [may_warn(place) for place in places]
+        columns["told"] += [place.probability for place in places]
+        columns["truth"] += truth.tolist()
+    return from_json({"name": folder.name, "family": along_path.family, **columns})
