@@ -67,6 +67,8 @@ typedef struct vista_result {
   double host_ms; /* the time of the frame: of all stages together, or less where two threads work at once */
   const vista_views *views;
   double path_seen_m; /* how far the flight path is seen: beyond, no obstacle does not mean free space */
+  double collision_probability; /* that something is in the way where nearest_collision is; NaN if that is not known,
+                                   as of what moves, or there is none */
 } vista_result;
 
 /* Returns the obstacle with this index, 0 .. obstacle_count - 1. Indexing result->obstacles does the same as long as

@@ -152,6 +152,7 @@ class Outcome(Struct):
     region_count: int
     dropped_tracks: int
     path_seen_m: float
+    collision_probability: float  # NaN: not known, or there is no nearest collision
 
 
 @dataclass(frozen=True)

@@ -209,7 +209,7 @@ typedef struct passage {
   double valid_fraction;
   vista_collision_volume volume;
   int64_t dropped_before; /* tracks, in earlier frames */
-  double path_seen_m;
+  double path_seen_m, collision_probability;
 } passage;
 
 /* ---- the stages ---- */
@@ -314,6 +314,8 @@ static vista_status make_map(vista_pipeline *p, passage *way) {
   input.tracks = vista_tracker_tracks(p->tracker, &input.track_count);
   vista_obstacle_map_update(p->map, &way->frame, &input);
   way->path_seen_m = vista_path_places_free_m(&way->frame, &p->places);
+  const vista_nearest_collision nearest = vista_obstacle_map_nearest(p->map);
+  way->collision_probability = nearest.valid ? vista_path_places_probability(&p->places, nearest.distance_m) : NAN;
   return VISTA_OK;
 }
 
@@ -440,7 +442,8 @@ vista_status vista_pipeline_process_sized(vista_pipeline *pipeline, const vista_
                     .stage_ms = p->stage_ms,
                     .host_ms = p->host_ms,
                     .views = &p->views,
-                    .path_seen_m = way.path_seen_m};
+                    .path_seen_m = way.path_seen_m,
+                    .collision_probability = way.collision_probability};
   r.obstacles = vista_obstacle_map_obstacles(p->map, &r.obstacle_count);
   memset(result, 0, result_bytes);
   memcpy(result, &r, result_bytes < sizeof r ? result_bytes : sizeof r);

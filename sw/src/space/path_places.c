@@ -106,15 +106,17 @@ const vista_path_place *vista_path_places_contact(const vista_path_places *place
   return NULL;
 }
 
-bool vista_path_places_bear_out(const vista_path_places *places, double distance_m) {
-  bool any = false;
+double vista_path_places_probability(const vista_path_places *places, double distance_m) {
+  double most = NAN;
   for (int32_t k = 0; k < places->count; ++k) {
     const vista_path_place *const place = &places->items[k];
-    if (fabs(place->along_m - distance_m) > place->reach_m) continue;
-    any = true;
-    if (place->probability >= DENY) return true;
+    if (fabs(place->along_m - distance_m) <= place->reach_m) most = fmax(most, place->probability);
   }
-  return !any;
+  return most;
+}
+
+bool vista_path_places_bear_out(const vista_path_places *places, double distance_m) {
+  return !(vista_path_places_probability(places, distance_m) < DENY);
 }
 
 double vista_path_places_free_m(const vista_frame_view *frame, const vista_path_places *places) {

@@ -48,6 +48,9 @@ void vista_path_places_judge(const vista_frame_view *frame, const vista_obstacle
 /* The nearest place that is warned of; null: none. */
 const vista_path_place *vista_path_places_contact(const vista_path_places *places);
 
+/* How likely one of the places at this distance is occupied; NaN where there is none. */
+double vista_path_places_probability(const vista_path_places *places, double distance_m);
+
 /* Whether one of the places at this distance may be occupied. True where there is none. */
 bool vista_path_places_bear_out(const vista_path_places *places, double distance_m);
 

@@ -69,12 +69,11 @@ static looks look_through(const vista_evidence *e, const vista_camera *camera, c
   const double top = v - reach + 0.5 * step, left = u - reach + 0.5 * step;
   if (!(u + reach >= 0.0 && u - reach < e->width && v + reach >= 0.0 && v - reach < e->height)) return l;
   for (double y = top; y < v + reach; y += step) {
-    const int32_t row = (int32_t)lround(y);
     for (double x = left; x < u + reach; x += step) {
-      const int32_t column = (int32_t)lround(x);
       if ((y - v) * (y - v) + (x - u) * (x - u) > reach * reach) continue;
       ++l.asked;
-      if (row < 0 || row >= e->height || column < 0 || column >= e->width) continue;
+      if (!(y > -0.5 && y < e->height - 0.5 && x > -0.5 && x < e->width - 0.5)) continue;
+      const int32_t row = (int32_t)(y + 0.5), column = (int32_t)(x + 0.5);
       const ptrdiff_t i = (ptrdiff_t)row * e->width + column;
       const double word = e->word[i], px = word / VISTA_DISPARITY_SCALE;
       if (e->kind[i] == VISTA_SIGHT_OUTSIDE) continue;

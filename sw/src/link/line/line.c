@@ -121,7 +121,8 @@ static void put_obstacles(vista_json *json, const vista_pose *pose, const vista_
   vista_json_put(json, "]");
 }
 
-static void put_nearest(vista_json *json, const vista_pose *pose, const vista_nearest_collision *nearest) {
+static void put_nearest(vista_json *json, const vista_pose *pose, const vista_result *result) {
+  const vista_nearest_collision *const nearest = &result->nearest_collision;
   put_key(json, "nearest_collision");
   if (!nearest->valid) {
     vista_json_put(json, "null");
@@ -132,6 +133,8 @@ static void put_nearest(vista_json *json, const vista_pose *pose, const vista_ne
   put_place(json, pose, nearest->position_m, nearest->covariance_m2, nearest->distance_m);
   put_key(json, "time_to_collision_s");
   vista_json_put_number(json, nearest->time_to_collision_s, SECONDS);
+  put_key(json, "probability");
+  vista_json_put_number(json, result->collision_probability, SHARE);
   vista_json_put(json, "}");
 }
 
@@ -207,7 +210,7 @@ vista_status vista_line_write(const vista_result *result, const vista_directions
   vista_json_put_name(&json, result->motion.known ? "known" : "unknown");
   put_health(&json, health);
   put_obstacles(&json, pose, result, all_tracks);
-  put_nearest(&json, pose, &result->nearest_collision);
+  put_nearest(&json, pose, result);
   put_key(&json, "path_seen_m");
   vista_json_put_number(&json, result->path_seen_m, METRES);
   put_velocity(&json, &result->motion);
