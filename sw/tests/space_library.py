@@ -1,5 +1,5 @@
-"""The map of space over numpy arrays, for its tests: simple worlds, the words that a camera in them has, and the map
-that takes them. World: x to the right, y down, z forward, as a level camera sees it."""
+"""The map of space over numpy arrays, for its tests: simple worlds, the words that a camera in them has, and
+the map that takes them. World: x to the right, y down, z forward, as a level camera sees it."""
 
 from __future__ import annotations
 
@@ -36,7 +36,9 @@ class Look:
     pose: object
 
 
-def seen(walls=(), ground_y_m: float | None = None, position=(0.0, 0.0, 0.0), rotation=None, lens=None) -> Look:
+def seen(
+    walls=(), ground_y_m: float | None = None, position=(0.0, 0.0, 0.0), rotation=None, lens=None
+) -> Look:
     """rotation: world from camera. Beyond walls and ground is sky, of which nothing is matched."""
     lens = lens or camera(WIDTH, HEIGHT, FOCAL_PX, BASELINE_M)
     turn, place = np.eye(3) if rotation is None else np.asarray(rotation), np.asarray(position, float)
@@ -78,7 +80,9 @@ class Space:
         horizontal = view(self._surfaces.horizontal, self.foveation.node_count, np.uint8)
         ground = np.zeros(self.foveation.node_count)
         np.add.at(ground, self.foveation.cell_of_pixel[look.ground], 1)
-        horizontal[:] = 2 * ground > view(self.foveation.handle.pixel_count, self.foveation.node_count, np.int32)
+        horizontal[:] = 2 * ground > view(
+            self.foveation.handle.pixel_count, self.foveation.node_count, np.int32
+        )
         moved = motion(look.pose, velocity)
         self.frame = frame_view(
             self.parameters,

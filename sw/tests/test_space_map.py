@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from pipeline_library import plain
 from random_seed import seeded
 from scipy.spatial.transform import Rotation
 from space_library import (
@@ -20,7 +21,6 @@ from space_library import (
     seen,
     tolerances_off_m,
 )
-from pipeline_library import plain
 from stage_library import INVALID, camera, ffi, lib
 from track_library import matched, pose
 
@@ -65,7 +65,7 @@ def test_what_is_seen_through_is_the_share_that_nothing_nearer_covers() -> None:
     for _ in range(10):
         edge_m = random.uniform(-0.9, 0.9)
         walls = [Wall(10.0, x_m=(-50.0, edge_m / 2)), Wall(40.0)]
-        share = (np.arccos(edge_m) - edge_m * np.sqrt(1.0 - edge_m**2)) / np.pi  # of a disc, right of its edge
+        share = (np.arccos(edge_m) - edge_m * np.sqrt(1.0 - edge_m**2)) / np.pi  # of a disc, beyond a chord
         found = shown_by(seen(walls), (0.0, 0.0, 20.0), 1.0)
         assert found.beyond == pytest.approx(share, abs=0.06)
         assert found.votes == 0
@@ -116,7 +116,7 @@ def test_a_surface_to_fly_along_is_no_vote() -> None:
 
 
 def test_what_is_not_matched_by_the_engine_tells_nothing() -> None:
-    """Whatever words are there; a place that is there is not in view. They bound no plain wall above them, either."""
+    """Whatever words are there; a place that is there is not in view. They bound no plain wall, either."""
     random = seeded(4)
     area = matched(disparity_max_px=63.0, margin_left_px=68.0, margin_px=25.0)
     wall, bare = seen([Wall(20.0)]), seen([Wall(20.0, textured=False)])
@@ -228,8 +228,8 @@ def test_a_place_is_the_same_from_wherever_it_is_seen() -> None:
             space.take(seen([board, Wall(80.0)], position=position, rotation=rotation), 0.1 * k)
         at = space.look((0.0, 0.0, 25.0), 1.5)
         assert (at.frames, at.votes) == (FRAMES, FRAMES) and at.beyond < 0.1
-        ray = [(at.u_px - space.camera.center_u_px) / FOCAL_PX, (at.v_px - space.camera.center_v_px) / FOCAL_PX, 1.0]
-        found_m = position + rotation @ (FOCAL_PX * BASELINE_M / at.disparity_px * np.array(ray))
+        off_px = at.u_px - space.camera.center_u_px, at.v_px - space.camera.center_v_px
+        found_m = position + rotation @ (BASELINE_M / at.disparity_px * np.array([*off_px, FOCAL_PX]))
         assert found_m == pytest.approx([0.0, 0.0, 25.0], abs=0.7)
         for place in ((0.0, 0.0, 13.0), (0.0, -5.0, 25.0), (0.0, 5.0, 25.0)):
             elsewhere = space.look(place, 1.5)

@@ -100,11 +100,13 @@ static vista_obstacle too_near(const vista_frame_view *frame, double range_m) {
   return obstacle;
 }
 
-/* Something is in the way that no track stands for: where the frame that saw it last matched it, as wide as the volume. */
-static vista_obstacle at_place(const vista_frame_view *frame, const vista_space_map *space,
-                               const vista_path_place *place) {
+/* Something is in the way that no track stands for: where the frame that saw it last matched it, as wide as the volume.
+ * False: no frame has matched anything there, or it lies behind the camera by now. */
+static bool at_place(const vista_frame_view *frame, const vista_space_map *space, const vista_path_place *place,
+                     vista_obstacle *obstacle) {
   const vista_camera *const camera = frame->camera;
   const vista_place_evidence *const shown = &place->shown;
+  if (!(shown->disparity_px > 0.0)) return false;
   const vista_pose *const seen_from = &vista_space_map_frame(space, shown->age)->pose;
   const double width_m = 2.0 * frame->params->obstacle_map.collision_radius_m;
   const double depth_m = camera->focal_px * camera->baseline_m / shown->disparity_px;
@@ -116,23 +118,23 @@ static vista_obstacle at_place(const vista_frame_view *frame, const vista_space_
   double in_camera[9], now_m[3], measured_px[3];
   for (int i = 0; i < 9; ++i)
     in_camera[i] = along_m * along_m * ray[i / 3] * ray[i % 3] + (i == 0 || i == 4 ? across_m * across_m : 0.0);
-  vista_obstacle obstacle = {.id = VISTA_ID_PLACE,
-                             .kind = VISTA_OBSTACLE_PLACE,
-                             .confirmed = true,
-                             .coasting = shown->age > 0,
-                             .age_frames = shown->frames,
-                             .extent_m = {width_m, width_m},
-                             .in_collision_volume = true};
-  vista_frame_to_world(seen_from, camera_m, obstacle.position_m);
-  vista_frame_covariance_to_world(seen_from, in_camera, obstacle.covariance_m2);
-  vista_frame_to_camera(&frame->motion.pose, obstacle.position_m, now_m);
-  obstacle.distance_m = vista_norm(now_m);
-  if (!(now_m[2] > 0.0)) return (vista_obstacle){.id = VISTA_ID_PLACE};
+  *obstacle = (vista_obstacle){.id = VISTA_ID_PLACE,
+                               .kind = VISTA_OBSTACLE_PLACE,
+                               .confirmed = true,
+                               .coasting = shown->age > 0,
+                               .age_frames = shown->frames,
+                               .extent_m = {width_m, width_m},
+                               .in_collision_volume = true};
+  vista_frame_to_world(seen_from, camera_m, obstacle->position_m);
+  vista_frame_covariance_to_world(seen_from, in_camera, obstacle->covariance_m2);
+  vista_frame_to_camera(&frame->motion.pose, obstacle->position_m, now_m);
+  if (!(now_m[2] > 0.0)) return false;
   vista_frame_measure(camera, now_m, measured_px, NULL);
   const double radius_px = 0.5 * width_m * camera->focal_px / now_m[2];
-  obstacle.disparity_px = measured_px[2];
-  obstacle.ellipse = (vista_ellipse){measured_px[0], measured_px[1], radius_px, radius_px, 0.0};
-  return obstacle;
+  obstacle->distance_m = vista_norm(now_m);
+  obstacle->disparity_px = measured_px[2];
+  obstacle->ellipse = (vista_ellipse){measured_px[0], measured_px[1], radius_px, radius_px, 0.0};
+  return true;
 }
 
 /* The confirmed obstacle on the path that stands where something was matched, the nearest to it in range; null: none. */
@@ -169,12 +171,13 @@ static void ask_places(vista_obstacle_map *map, const vista_frame_view *frame, c
   }
   const vista_path_place *const contact = vista_path_places_contact(places);
   if (contact == NULL || contact->thing || contact->ground) return;
-  const vista_obstacle obstacle = at_place(frame, input->space, contact);
-  if (!obstacle.confirmed) return;
-  vista_obstacle *const known = known_at(map, frame, obstacle.distance_m, contact->reach_m);
+  vista_obstacle obstacle;
+  const bool matched = at_place(frame, input->space, contact, &obstacle);
+  vista_obstacle *const known =
+      known_at(map, frame, matched ? obstacle.distance_m : contact->along_m, contact->reach_m);
   if (known != NULL)
     known->in_collision_volume = true;
-  else
+  else if (matched)
     insert(map, &obstacle);
 }
 

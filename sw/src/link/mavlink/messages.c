@@ -61,7 +61,7 @@ int32_t vista_mavlink_write_text(vista_mavlink *link, vista_mavlink_condition co
   return WRITE(link, STATUSTEXT, statustext, message, bytes);
 }
 
-/* Shortens an id: where one of 32 bits has no room, it comes round; 0 stays, and the ground has no number. */
+/* Shortens an id: where one of 32 bits has no room, it comes round; 0 stays, and what has no track otherwise has no number. */
 static uint16_t short_id(int32_t id) {
   return id < 0 ? ID_UNKNOWN : id == 0 ? 0 : (uint16_t)(1 + (id - 1) % (ID_UNKNOWN - 1));
 }

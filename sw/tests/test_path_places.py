@@ -1,0 +1,274 @@
+"""Places along the flight path: where they stand, what is told of them, what is warned of, how far the path
+is free. Whatever the odds are, evidence that something is there makes it no less likely."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from random_seed import seeded
+from space_library import BASELINE_M, FOCAL_PX, HEIGHT, RADIUS_M, WIDTH, Look, Space, Wall, seen
+from stage_library import INVALID, camera, ffi, lib
+from track_library import flight_path, motion, pose
+
+LENGTH_M = 55.0  # no farther than disparities say something
+FIRST_M = 4.0  # of path_places.c
+WIDEST_M = 4.0  # of path_places.c
+NOTHING = Look(np.full((HEIGHT, WIDTH), INVALID, np.int16), np.zeros((HEIGHT, WIDTH), bool), pose())
+FAR = seen(ground_y_m=8.0)  # ground far below the path, and the sky
+
+
+class Places:
+    """The places of the frame that the map took last."""
+
+    def __init__(self, space: Space) -> None:
+        self.space, self.handle = space, ffi.new("vista_path_places *")
+        lib.vista_path_places_look(space.frame, space.handle, self.handle)
+
+    def judge(self, *obstacles) -> Places:
+        items = ffi.new("vista_obstacle[]", list(obstacles))
+        lib.vista_path_places_judge(self.space.frame, items, len(obstacles), self.handle)
+        return self
+
+    @property
+    def items(self) -> list:
+        return [self.handle.items[k] for k in range(self.handle.count)]
+
+    def at(self, along_m: float):
+        return min(self.items, key=lambda place: abs(place.along_m - along_m))
+
+    @property
+    def contact_m(self) -> float | None:
+        found = lib.vista_path_places_contact(self.handle)
+        return None if found == ffi.NULL else found.along_m
+
+    def bear_out(self, distance_m: float) -> bool:
+        return lib.vista_path_places_bear_out(self.handle, distance_m)
+
+    @property
+    def free_m(self) -> float:
+        return lib.vista_path_places_free_m(self.space.frame, self.handle)
+
+
+def places_of(
+    look: Look, *obstacles, frames: int = lib.VISTA_SPACE_FRAMES, length_m: float = LENGTH_M
+) -> Places:
+    space = Space()
+    space.watch(look, frames, length_m=length_m)
+    return Places(space).judge(*obstacles)
+
+
+def obstacle(along_m: float, x_m: float = 0.0, **changes) -> dict:
+    """A confirmed thing in the collision volume, unless told otherwise."""
+    return {
+        "id": 1,
+        "confirmed": True,
+        "kind": lib.VISTA_OBSTACLE_THING,
+        "position_m": [x_m, 0.0, along_m],
+        "distance_m": along_m,
+        "extent_m": [1.0, 1.0],
+        "in_collision_volume": True,
+    } | changes
+
+
+# ---- where ----
+
+
+def test_every_point_of_the_path_is_within_reach_of_a_place() -> None:
+    """From the first one on, up to where disparities say nothing or to the end of the path."""
+    random = seeded(1)
+    for _ in range(30):
+        lens = camera(WIDTH, HEIGHT, random.uniform(200.0, 1200.0), random.uniform(0.1, 1.0))
+        space, length_m = Space(lens), random.uniform(10.0, 150.0)
+        space.take(
+            Look(NOTHING.words, NOTHING.ground, pose(random.uniform(-9, 9, 3))), 0.0, length_m=length_m
+        )
+        places = Places(space).judge()
+        says_m = lens.focal_px * lens.baseline_m / space.parameters.region.min_disparity_px
+        last_m = min(says_m, length_m)
+        if last_m < FIRST_M:
+            assert places.items == []
+            continue
+        along_m = np.array([place.along_m for place in places.items])
+        assert along_m[0] == FIRST_M and along_m[-1] <= last_m and np.all(np.diff(along_m) >= 1.0)
+        reach_m = np.array([place.reach_m for place in places.items])
+        if len(along_m) < lib.VISTA_PATH_PLACES_MAX:
+            assert along_m[-1] + 2.0 * reach_m[-1] > last_m
+        for at_m in random.uniform(FIRST_M, along_m[-1], 50):
+            assert np.any(np.abs(at_m - along_m) <= reach_m)
+
+
+def test_places_are_on_the_path_and_not_along_the_camera() -> None:
+    """A path that bends to the right, and one that climbs."""
+    for direction, normal, curvature in (((0, 0, 1), (1, 0, 0), 0.02), ((0, -0.6, 0.8), (0, 0, 0), 0.0)):
+        space = Space()
+        space.take(NOTHING, 0.0)
+        moved = motion(direction=[float(x) for x in direction])
+        space.frame.path = flight_path(moved, 40.0, normal, curvature)[0]
+        for place in Places(space).items:
+            turn = curvature * place.along_m
+            straight = np.array(direction) * place.along_m
+            bent = np.array([(1 - np.cos(turn)) / 0.02, 0.0, np.sin(turn) / 0.02])
+            assert list(place.point_m) == pytest.approx(bent if curvature else straight)
+
+
+# ---- what is told ----
+
+
+def test_a_wall_that_nobody_tracks_is_warned_of_and_ends_what_is_free() -> None:
+    random = seeded(2)
+    for _ in range(10):
+        z_m = random.uniform(8.0, 45.0)
+        places = places_of(seen([Wall(z_m)]))
+        reach_m = places.at(z_m).reach_m
+        assert places.contact_m == pytest.approx(z_m, abs=2.0 * reach_m)
+        assert places.contact_m - 4.0 * reach_m - 2.0 <= places.free_m < places.contact_m
+        assert places.bear_out(z_m)
+
+
+def test_it_takes_frames_to_warn_of_what_nobody_tracks() -> None:
+    """The first of them say already that the path is not free there."""
+    warned = [places_of(seen([Wall(20.0)]), frames=k).contact_m is not None for k in range(1, 7)]
+    assert warned == sorted(warned) and not any(warned[:3]) and warned[-1]
+    assert all(places_of(seen([Wall(20.0)]), frames=k).free_m < 20.0 for k in range(1, 7))
+
+
+def test_a_plain_wall_is_never_free() -> None:
+    """Neither where its foot is matched nor where nothing is."""
+    random = seeded(3)
+    for _ in range(10):
+        z_m = random.uniform(10.0, 40.0)
+        assert places_of(seen([Wall(z_m, textured=False)], ground_y_m=3.0)).free_m < z_m
+        assert places_of(seen([Wall(z_m, textured=False)])).free_m == 0.0
+
+
+def test_without_words_nothing_is_free_and_nothing_is_warned_of() -> None:
+    places = places_of(NOTHING)
+    assert places.free_m == 0.0 and places.contact_m is None
+    assert all(place.shown.beyond == 0.0 for place in places.items)
+
+
+def test_an_open_view_is_free_to_the_end() -> None:
+    for length_m in (30.0, LENGTH_M, 90.0):
+        places = places_of(FAR, length_m=length_m)
+        says_m = FOCAL_PX * BASELINE_M / places.space.parameters.region.min_disparity_px
+        assert places.contact_m is None
+        assert places.free_m == pytest.approx(min(length_m, says_m))
+
+
+def test_what_is_beside_the_path_leaves_it_free() -> None:
+    """Walls to both sides of a lane of 6 m."""
+    lane = [Wall(z_m, x_m=side) for z_m in (15.0, 25.0, 35.0) for side in ((-30.0, -3.0), (3.0, 30.0))]
+    places = places_of(seen([*lane, Wall(500.0)], ground_y_m=8.0))
+    assert places.contact_m is None and places.free_m > 50.0
+
+
+def test_the_path_ahead_of_a_moving_aircraft_is_looked_at_through_all_frames() -> None:
+    """A sign 2 m wide comes nearer; each time it is where it stands."""
+    space = Space()
+    sign = Wall(50.0, x_m=(-1.0, 1.0), y_m=(-1.5, 1.5))
+    for k in range(20):
+        look = seen([sign, Wall(900.0)], position=(0.0, 0.0, 1.5 * k), ground_y_m=10.0)
+        space.take(look, 0.1 * k, velocity=(0.0, 0.0, 15.0), length_m=LENGTH_M)
+        left_m = 50.0 - 1.5 * k
+        if k >= 5:
+            places = Places(space).judge()
+            assert places.contact_m == pytest.approx(left_m, abs=2.0 * places.at(left_m).reach_m)
+            assert places.free_m < left_m
+
+
+# ---- what the obstacles of the frame say ----
+
+
+def test_a_thing_that_the_frames_see_through_is_not_borne_out() -> None:
+    """By its own pixels it is in the volume, with its middle elsewhere."""
+    thing = obstacle(20.0, 10.0)
+    assert not places_of(FAR, thing).bear_out(20.0)
+    assert places_of(seen([Wall(20.0)]), thing).bear_out(20.0)
+    blind = places_of(NOTHING, thing)
+    assert blind.bear_out(20.0) and blind.contact_m == pytest.approx(20.0, abs=blind.at(20.0).reach_m)
+
+
+def test_what_is_small_is_borne_out_by_its_track() -> None:
+    """The frames see past it: a bird of 0.4 m covers a hundredth of a place's cross-section."""
+    bird = obstacle(20.0, extent_m=[0.4, 0.4])
+    places = places_of(seen([Wall(20.0, x_m=(-0.2, 0.2), y_m=(-0.2, 0.2))], ground_y_m=8.0), bird)
+    assert places.at(20.0).shown.beyond > 0.9
+    assert places.bear_out(20.0) and places.free_m < 20.0
+
+
+def test_only_what_is_confirmed_and_tracked_is_evidence() -> None:
+    silent = [places_of(NOTHING).at(20.0).probability]
+    for changes in ({"confirmed": False}, {"kind": lib.VISTA_OBSTACLE_TOO_NEAR}):
+        silent.append(places_of(NOTHING, obstacle(20.0, **changes)).at(20.0).probability)
+    silent.append(places_of(NOTHING, obstacle(40.0)).at(20.0).probability)  # elsewhere
+    assert len(set(silent)) == 1
+    assert places_of(NOTHING, obstacle(20.0)).at(20.0).probability > silent[0]
+
+
+def test_ground_that_is_met_is_warned_of() -> None:
+    ground = obstacle(25.0, kind=lib.VISTA_OBSTACLE_GROUND)
+    places = places_of(NOTHING, ground)
+    assert places.at(25.0).ground and not places.at(25.0).thing
+    assert places.contact_m == pytest.approx(25.0, abs=places.at(25.0).reach_m)
+    assert places_of(NOTHING, ground | {"in_collision_volume": False}).contact_m is None
+
+
+def test_where_no_place_is_looked_at_everything_is_borne_out() -> None:
+    places = places_of(FAR)
+    for distance_m in (1.0, LENGTH_M + 20.0, 1e9):
+        assert places.bear_out(distance_m)
+    assert not places.bear_out(20.0)
+
+
+def test_a_thing_is_beside_the_path_within_the_radius_and_half_its_width() -> None:
+    """What is wider than 4 m has its middle elsewhere."""
+    space = Space()
+    space.take(NOTHING, 0.0)
+    for width_m in (0.1, 1.0, 3.0, 30.0):
+        limit_m = RADIUS_M + 0.5 * min(width_m, WIDEST_M)
+        for x_m, beside in ((limit_m - 0.01, True), (limit_m + 0.01, False)):
+            item = ffi.new("vista_obstacle *", obstacle(20.0, x_m, extent_m=[width_m, 1.0]))
+            assert lib.vista_path_places_is_beside(space.frame, item) == beside
+
+
+def test_more_evidence_is_never_less_probability() -> None:
+    """Of any two places of which one has all that the other has."""
+    random = seeded(4)
+    flags, counts = ("thing", "beside", "ground"), ("votes", "feet")
+    space = Space()
+    space.take(NOTHING, 0.0, length_m=LENGTH_M)
+    for _ in range(100):
+        places = Places(space)
+        less, more = places.items[:2]
+        less.shown.frames = more.shown.frames = lib.VISTA_SPACE_FRAMES
+        for name in flags:
+            value = random.random() < 0.5
+            setattr(less, name, value)
+            setattr(more, name, value or random.random() < 0.5)
+        for name in counts:
+            value = random.integers(0, lib.VISTA_SPACE_FRAMES + 1)
+            setattr(less.shown, name, value)
+            setattr(more.shown, name, random.integers(value, lib.VISTA_SPACE_FRAMES + 1))
+        less.shown.beyond = random.random()
+        more.shown.beyond = less.shown.beyond * random.random()
+        places.judge()
+        assert 0.0 < less.probability <= more.probability < 1.0
+
+
+def test_what_is_likely_occupied_is_neither_free_nor_unsaid() -> None:
+    """Up to where the path is free nothing is warned of, whatever is seen and told."""
+    random = seeded(5)
+    for _ in range(30):
+        walls = [
+            Wall(z, x_m=(x, x + random.uniform(0.5, 5.0)), textured=random.random() < 0.7)
+            for z, x in zip(random.uniform(6.0, 50.0, 4), random.uniform(-6.0, 4.0, 4), strict=True)
+        ]
+        things = [
+            obstacle(z, in_collision_volume=random.random() < 0.5) for z in random.uniform(5.0, 50.0, 2)
+        ]
+        places = places_of(seen(walls, ground_y_m=random.uniform(1.5, 9.0)), *things)
+        if places.contact_m is not None:
+            assert places.free_m < places.contact_m
+        for place in places.items:
+            if place.along_m <= places.free_m:
+                assert place.shown.beyond >= 0.5 and place.probability < 0.5
