@@ -14,6 +14,7 @@ from vista.health.finding import Finding, FrameHealth
 from vista.history import FrameRecord
 from vista.pipeline import (
     ID_GROUND,
+    ID_PLACE,
     ID_TOO_NEAR,
     Directions,
     Ellipse,
@@ -64,6 +65,10 @@ def fake_ground(camera: Calibration, z_m: float, **changes: object) -> Obstacle:
 
 def fake_too_near(camera: Calibration) -> Obstacle:
     return fake_obstacle(ID_TOO_NEAR, 1.0, camera, kind="too_near", in_blind_zone=True)
+
+
+def fake_place(camera: Calibration, z_m: float) -> Obstacle:
+    return fake_obstacle(ID_PLACE, z_m, camera, kind="place", world="OPEN", in_collision_volume=True)
 
 
 def fake_nearest(obstacle: Obstacle, time_s: float | None = None, **changes: object) -> Nearest:
@@ -203,8 +208,8 @@ class FakePipeline:
 
 
 class DescendingPipeline(FakePipeline):
-    """The same with something too near to match, and with the ground: the flight path meets it from the third
-    frame on."""
+    """The same with something too near to match, a place without a track, and the ground: the flight path
+    meets it from the third frame on."""
 
     def process(
         self,
@@ -216,7 +221,7 @@ class DescendingPipeline(FakePipeline):
     ) -> Result:
         result = super().process(left, disparity, t_ns, pose, up_world)
         ground = fake_ground(self._camera, 9.0, in_collision_volume=self._frame > 2)
-        obstacles = [*result.obstacles, ground, fake_too_near(self._camera)]
+        obstacles = [*result.obstacles, ground, fake_too_near(self._camera), fake_place(self._camera, 30.0)]
         outcome = result.outcome.but(obstacle_count=len(obstacles))
         return replace(result, outcome=outcome, items=items_of(obstacles))
 

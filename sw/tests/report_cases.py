@@ -12,6 +12,7 @@ from fake_pipeline import (
     fake_motion,
     fake_nearest,
     fake_obstacle,
+    fake_place,
     fake_record,
     fake_too_near,
     items_of,
@@ -59,14 +60,15 @@ def make_records(
 
 
 def with_ground_ahead(records: list[FrameRecord]) -> list[FrameRecord]:
-    """The ground is what is met first, and something is too near to match; neither has a track."""
-    ground, too_near = fake_ground(CAMERA, 9.0), fake_too_near(CAMERA)
+    """The ground is what is met first, something is too near to match, and something else is on the path;
+    none of them has a track."""
+    ground, too_near, place = fake_ground(CAMERA, 9.0), fake_too_near(CAMERA), fake_place(CAMERA, 30.0)
     nearest = fake_nearest(ground, 1.5, distance_m=9.0)
     return [
         dataclasses.replace(
             record,
             outcome=record.outcome.but(nearest_collision=nearest),
-            items=items_of([*record.obstacles, ground, too_near]),
+            items=items_of([*record.obstacles, ground, too_near, place]),
         )
         for record in records
     ]

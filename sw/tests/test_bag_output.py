@@ -15,6 +15,7 @@ from mcap.reader import make_reader
 from mcap_ros2.decoder import DecoderFactory
 from random_seed import seeded
 from vista.geometry import Pose, level_world, quaternion_from_rotation, rotation_from_quaternion
+from vista.report.labels import obstacle_name
 
 UP = "up_world = [0.0, 0.0, 1.0]\n"
 
@@ -65,7 +66,7 @@ def test_the_scene_holds_what_the_lines_say(tmp_path: Path, board: Path, run_vis
         assert (met is None) == (line["nearest_collision"] is None)
         assert len(entities) == len(line["obstacles"])
         for obstacle in line["obstacles"]:
-            entity = entities[f"#{obstacle['id']}"]
+            entity = entities[obstacle_name(obstacle["id"])]
             assert entity.frame_id == "left_camera_optical"
             assert entity.timestamp.sec * 10**9 + entity.timestamp.nanosec == line["t_ns"]
             centre = entity.cubes[0].pose.position

@@ -105,7 +105,7 @@ def test_run_writes_what_interfaces_promise(tmp_path: Path, run_vista: Vista, ma
 def test_only_things_count_as_obstacles(
     tmp_path: Path, run_vista: Vista, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Three confirmed tracks; neither the ground nor what is too near to match is one more."""
+    """Three confirmed tracks; what has no track is not one more."""
     monkeypatch.setattr(vista.chain, "Detector", DescendingDetector)
     status, stdout, _ = run_vista("run", cases.make_kitti(tmp_path / "flight"), "--out", tmp_path / "out")
     assert status == 0 and "3 obstacles tracked" in stdout

@@ -22,7 +22,7 @@ pytestmark = pytest.mark.native
 FRAMES = 9
 STAGES = (
     "rectify,stereo,alignment,motion,noise,words,foveation,health,surface,affinity,segmentation,refinement,regions,"
-    "thin,reconstruction,tracking,blind_zone,terrain,map,path_view,footing,host,cpu"
+    "thin,reconstruction,tracking,blind_zone,terrain,space,map,footing,host,cpu"
 )
 
 

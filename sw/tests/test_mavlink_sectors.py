@@ -144,6 +144,24 @@ def test_the_point_that_the_path_meets_is_told_too() -> None:
     assert (first.x, first.y, first.z, first.obstacle_id) == (8.0, 0.0, 0.5, 3)
 
 
+@pytest.mark.parametrize("number", [lib.VISTA_ID_GROUND, lib.VISTA_ID_PLACE])
+def test_what_has_no_track_is_told_as_other_things_are_but_for_its_number(number: int) -> None:
+    told = {}
+    for id_ in (1, number):
+        collision = {"valid": True, "id": id_, "position_camera_m": [0.0, 0.0, 8.0], "time_s": 1.0}
+        thing = Thing(np.array([0.5, 0.0, 9.0]), width_m=4.0, height_m=4.0, id=id_)
+        link, other = Link("px4"), Link("ardupilot")
+        for one in (link, other):
+            one.update([thing], collision=collision)
+        messages = [*link.poll(), *other.poll()]
+        points = of_kind(messages, "OBSTACLE_DISTANCE_3D")
+        (sectors,), collisions = of_kind(messages, "OBSTACLE_DISTANCE"), of_kind(messages, "COLLISION")
+        told[id_] = [(p.x, p.y, p.z) for p in points], obstacle_sectors(sectors)
+        numbers = {p.obstacle_id for p in points} | {collision.id for collision in collisions}
+        assert collisions and numbers == {1 if id_ == 1 else UNKNOWN}
+    assert told[1] == told[number] and all(told[1])
+
+
 def test_the_nearest_of_a_sector_is_told() -> None:
     things = [Thing(np.array([0.0, 0.0, z]), id=k) for k, z in enumerate((9.0, 20.0, 7.0), start=1)]
     for order in itertools.permutations(things):

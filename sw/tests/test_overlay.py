@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from vista import native
 from vista.geometry import Calibration
 from vista.health.finding import Finding, FrameHealth, Reason, State
-from vista.pipeline import ID_GROUND, ID_TOO_NEAR, Nearest, Obstacle
+from vista.pipeline import ID_GROUND, ID_PLACE, ID_TOO_NEAR, Nearest, Obstacle
 from vista.report import overlay
 from vista.report.labels import PADDING_PX, obstacle_name, text_size
 from vista.report.overlay import Overlay, draw_disparity, draw_obstacles, draw_regions, panel_tiles
@@ -94,8 +94,9 @@ def test_labels_do_not_cover_each_other() -> None:
 
 def test_obstacles_without_a_track_are_called_what_they_are() -> None:
     lib = native.load("vista")[1]
-    assert (ID_TOO_NEAR, ID_GROUND) == (lib.VISTA_ID_TOO_NEAR, lib.VISTA_ID_GROUND)
-    assert [obstacle_name(k) for k in (ID_TOO_NEAR, ID_GROUND, 7)] == ["too near", "ground", "#7"]
+    ids = (ID_TOO_NEAR, ID_GROUND, ID_PLACE)
+    assert ids == (lib.VISTA_ID_TOO_NEAR, lib.VISTA_ID_GROUND, lib.VISTA_ID_PLACE)
+    assert [obstacle_name(k) for k in (*ids, 7)] == ["too near", "ground", "in the way", "#7"]
 
 
 def test_disparity_colours() -> None:
@@ -211,7 +212,7 @@ def texts_of_headline(
 
 
 def test_the_headline_counts_things_alone(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Three confirmed tracks; neither the ground nor what is too near to match is one more."""
+    """Three confirmed tracks; what has no track is not one more."""
     facts, warning = texts_of_headline(monkeypatch, CAMERA)
     assert facts == "flight   frame 1   3 obstacles   path seen to 19 m"
     assert warning == "collision: #2  19.0 m  1.9 s"

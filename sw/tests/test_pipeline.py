@@ -117,8 +117,8 @@ def test_fields_of_the_result(flight: list[dict]) -> None:
     names = [ffi.string(lib.vista_stage_name(stage)).decode() for stage in range(r.stage_count)]
     assert names == [
         "motion", "noise", "words", "foveation", "health", "surface", "affinity", "segmentation",
-        "refinement", "regions", "thin", "reconstruction", "tracking", "blind_zone", "terrain", "map",
-        "path_view", "footing",
+        "refinement", "regions", "thin", "reconstruction", "tracking", "blind_zone", "terrain", "space",
+        "map", "footing",
     ]  # fmt: skip
     assert ffi.string(lib.vista_stage_name(r.stage_count)) == b"unknown"
 

@@ -16,7 +16,7 @@ from report_cases import make_records, make_summary, render, with_ground_ahead
 from vista.geometry import Pose
 from vista.history import FrameRecord, stage_statistics
 from vista.obstacle_line import obstacle_line
-from vista.pipeline import ID_GROUND, ID_TOO_NEAR, Nearest
+from vista.pipeline import ID_GROUND, ID_PLACE, ID_TOO_NEAR, Nearest
 from vista.report import run_report as report
 from vista.report.run_report import level_axes, render_report
 from vista.result_folder import ResultFolder
@@ -209,7 +209,7 @@ def test_tracks(tmp_path: Path) -> None:
     ]
 
 
-def test_the_ground_is_called_ground(tmp_path: Path) -> None:
+def test_what_has_no_track_is_called_what_it_is(tmp_path: Path) -> None:
     page = render(tmp_path / "out", with_ground_ahead(make_records(3)))
     assert data_of(page)["frames"][0]["hit"]["name"] == "ground"
     first_cells = dict(re.findall(r'<tr data-key="(-?\d+)"[^>]*>\s*<td[^>]*>([^<]*)</td>', page))
@@ -219,12 +219,13 @@ def test_the_ground_is_called_ground(tmp_path: Path) -> None:
         "3": "#3",
         str(ID_GROUND): "ground",
         str(ID_TOO_NEAR): "too near",
+        str(ID_PLACE): "in the way",
     }
 
 
 @pytest.mark.parametrize("stills", [False, True])
 def test_only_things_count_as_obstacles(tmp_path: Path, stills: bool) -> None:
-    """Three confirmed tracks a frame; neither the ground nor what is too near to match is one more."""
+    """Three confirmed tracks a frame; what has no track is not one more."""
     records = with_ground_ahead(make_records(2, poses=not stills))
     page = render(tmp_path / "out", records, stills=stills)
     assert [frame["obstacles"] for frame in data_of(page)["frames"]] == [3, 3]

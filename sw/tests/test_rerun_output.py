@@ -13,6 +13,7 @@ import pytest
 import sequence_cases as cases
 from command_line import Vista, assert_refused
 from rerun.chunk import RrdReader
+from vista.report.labels import obstacle_name
 
 OBSTACLES = "/world/camera/obstacles"
 
@@ -53,7 +54,7 @@ def test_the_boards_are_where_the_lines_say(tmp_path: Path, board: Path, run_vis
         seen += 1
         centers = np.array(values["centers"]).reshape(-1, 3)
         np.testing.assert_allclose(centers, [o["position_camera_m"] for o in shown], atol=6e-4)
-        labels = [f"#{o['id']} {o['distance_m']:.1f} m" for o in shown]
+        labels = [f"{obstacle_name(o['id'])} {o['distance_m']:.1f} m" for o in shown]
         assert [label.rpartition(" ")[0] for label in values["labels"]] == [
             label.rpartition(" ")[0] for label in labels
         ]

@@ -54,7 +54,9 @@ class Obstacle(Struct):
     ellipse: Ellipse
     disparity_px: float
     in_collision_volume: bool
-    kind: str  # thing; too_near: to match; ground: where the flight path meets it; place: of something else on the path
+    kind: (
+        str  # thing; too_near: to match; ground: where the path meets it; place: on the path, without a track
+    )
 
     @property
     def is_thing(self) -> bool:

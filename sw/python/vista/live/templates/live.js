@@ -7,7 +7,8 @@ let state = null, arrived_ms = 0, lastFrame = null, loading = false, whole = fal
 const colour = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 const metres = (x) => (x === null ? "–" : `${x.toFixed(1)} m`);
 const say = (id, text) => { if ($(id).textContent !== text) $(id).textContent = text; };
-const numberOf = (obstacle) => (obstacle.id > 0 ? `#${obstacle.id}` : obstacle.kind === "ground" ? "ground" : "too near");
+const NAMES = { too_near: "too near", ground: "ground", place: "in the way" }; // of what has no track
+const numberOf = (obstacle) => NAMES[obstacle.kind] ?? `#${obstacle.id}`;
 
 /** A canvas of as many pixels as it covers of the screen, cleared. */
 function clean(id) {
