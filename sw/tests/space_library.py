@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from stage_library import INVALID, Arena, Foveation, camera, ffi, frame_view, lib, parameters, rays, view
 from track_library import SECOND, flight_path, motion, pose
 
-WIDTH, HEIGHT, FOCAL_PX, BASELINE_M = 320, 240, 300.0, 0.5
+WIDTH, HEIGHT, FOCAL_PX, BASELINE_M = 320, 240, 300.0, 0.8
 SPACING_S = 0.08  # of space_map.c: frames that follow closer replace one another
 TOLERANCE_PX, TOLERANCE_SHARE = 0.75, 0.03  # of space_map.c: what differs by less is at a place
 RADIUS_M = 2.0

@@ -74,7 +74,7 @@ def test_what_is_seen_through_is_the_share_that_nothing_nearer_covers() -> None:
 def test_a_few_words_are_no_vote() -> None:
     """One line of sight in a hundred, scattered over the place."""
     v, u = np.indices((HEIGHT, WIDTH))
-    words = np.where((u % 10 == 0) & (v % 10 == 0), 16 * 7.5, 16).astype(np.int16)
+    words = np.where((u % 10 == 0) & (v % 10 == 0), 16 * FOCAL_PX * BASELINE_M / 20.0, 16).astype(np.int16)
     look = Look(words, UNMATCHED.ground, pose())
     found = shown_by(look, (0.0, 0.0, 20.0))
     assert found.votes == 0 and found.beyond > 0.95
@@ -111,8 +111,8 @@ def test_a_surface_to_fly_along_is_no_vote() -> None:
     stands = Look(ground.words, np.zeros_like(ground.ground), ground.pose)
     for z_m in (10.0, 20.0, 30.0):
         place = (0.0, 2.0, z_m)
-        assert shown_by(ground, place).votes == 0
-        assert shown_by(stands, place).votes == FRAMES
+        assert shown_by(ground, place, 1.0).votes == 0
+        assert shown_by(stands, place, 1.0).votes == FRAMES
 
 
 def test_what_is_not_matched_by_the_engine_tells_nothing() -> None:

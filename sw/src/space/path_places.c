@@ -9,9 +9,8 @@
 #include "vista/parameters.h"
 
 #define FIRST_M 4.0
-#define STEP_M 1.0         /* From a place to the next, */
-#define STEP_SHARE 0.05    /* and this share of its distance if that is more. */
-#define RADIUS_SHARE 0.8   /* of the volume's: what touches its rim is passed as often as not */
+#define STEP_SHARE 0.05 /* of its distance, from a place to the next: no more than twice the tolerance of the map */
+#define RADIUS_SHARE 0.8 /* of the volume's: what touches its rim is passed as often as not */
 #define FRAMES_MIN 4 /* in which a place was in view, without a track there: to warn of it; and that have to agree */
 #define WARN 0.8
 #define DENY 0.3 /* A thing in the volume is not in the way if all places at its range are less likely occupied. */
@@ -21,9 +20,9 @@
 #define WIDEST_M 4.0 /* of a thing that is beside the path: what is wider has its middle elsewhere */
 
 /* Half of the two disparities by which a range may be wrong, no less than the places are apart. */
-static double reach_m(const vista_camera *camera, double along_m, double step_m) {
+static double reach_m(const vista_camera *camera, double along_m) {
   const double dz_m = along_m * along_m / (camera->focal_px * camera->baseline_m);
-  return fmax(0.5 * (fmax(2.0 * dz_m, 1.0) + 0.5), 0.5 * step_m);
+  return fmax(0.5 * (fmax(2.0 * dz_m, 1.0) + 0.5), 0.5 * STEP_SHARE * along_m);
 }
 
 /* Beyond, disparities are too small to say anything. */
@@ -38,16 +37,14 @@ void vista_path_places_look(const vista_frame_view *frame, const vista_space_map
   const vista_obstacle_map_params *const params = &frame->params->obstacle_map;
   places->count = 0;
   const double farthest_m = farthest(frame);
-  double along_m = FIRST_M, step_m = STEP_M;
-  while (along_m <= farthest_m && places->count < VISTA_PATH_PLACES_MAX) {
+  for (double along_m = FIRST_M; along_m <= farthest_m && places->count < VISTA_PATH_PLACES_MAX;
+       along_m += STEP_SHARE * along_m) {
     vista_path_place *const place = &places->items[places->count++];
-    step_m = fmax(STEP_M, STEP_SHARE * along_m);
-    *place = (vista_path_place){.along_m = along_m, .reach_m = reach_m(frame->camera, along_m, step_m)};
+    *place = (vista_path_place){.along_m = along_m, .reach_m = reach_m(frame->camera, along_m)};
     vista_flight_path_point(path, along_m, place->point_m, NULL);
     const double radius_m = vista_flight_path_likely_radius_m(path, along_m, RADIUS_SHARE * params->collision_radius_m,
                                                               params->path_sigmas);
     place->shown = vista_space_map_look(map, place->point_m, radius_m);
-    along_m += step_m;
   }
 }
 

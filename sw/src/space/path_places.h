@@ -17,7 +17,7 @@
 #include "space/space_map.h"
 #include "vista/obstacle.h"
 
-#define VISTA_PATH_PLACES_MAX 64
+#define VISTA_PATH_PLACES_MAX 80
 
 typedef struct vista_path_place {
   double along_m;     /* the path, from the camera */
