@@ -17,6 +17,7 @@ from vista_eval.metrics.flight_score import (
     companion_rms_ft,
     flight_score,
 )
+from vista_eval.metrics.free_path import FreePath
 from vista_eval.metrics.goals import Goal, goals
 from vista_eval.metrics.gospa import gospa
 from vista_eval.metrics.group import table
@@ -49,7 +50,7 @@ def score(
     ]
     frames = [replace(f, **AGREEING) if f.range_m <= warned_from_m else f for f in frames]
     frames = [silent] * first_frame_free + frames
-    scored = flight_score(truth(kind, 10.0), frames, [gospa(np.zeros((0, 0)))], [], 5.0)
+    scored = flight_score(truth(kind, 10.0), frames, [gospa(np.zeros((0, 0)))], [], FreePath(), 5.0)
     return replace(scored, name=name)
 
 

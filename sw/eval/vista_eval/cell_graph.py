@@ -26,6 +26,7 @@ class PathPlace(NamedTuple):
     """A place on the flight path, and what is known of it (path_places.h)."""
 
     along_m: float
+    reach_m: float  # What is told at a range that differs by less is at this place.
     frames: int  # in which it is in view
     votes: int  # of these, with something matched there
     feet: int  # of these, with the foot of something without texture there

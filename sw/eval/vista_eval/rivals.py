@@ -6,6 +6,8 @@ spanning forest       the cut's own seeds, shells, links, merging and refinement
 SGBM words            the words of OpenCV's StereoSGBM, three ways, in the same host
 perfect disparities   the true disparity of every pixel, rounded to the engine's words, on all of its levels:
                       what is nearer than a level matches, or is sky, has none. An upper bound for the engine
+place vote            the engine's words at places along the path in the last six frames, with neither regions
+                      nor tracks (baselines.place_vote): one warning a frame at most, and no free space
 reference method      the engine's words and the host's graph, partitioned without a cut
                       (baselines.reference_method); the host judges these regions as it judges its own
 stereo alone          words thresholded and clustered (baselines.stereo_alone); every cluster is an obstacle.
@@ -24,7 +26,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 from vista import parameters
-from vista.chain import engine_parameters
+from vista.chain import Step, engine_parameters
 from vista.engine import (
     INVALID,
     SCALE,
@@ -38,7 +40,9 @@ from vista.engine import (
 from vista.geometry import Calibration
 from vista.history import FrameRecord
 from vista.pipeline import Result
+from vista.rectify import Rectifier
 
+from vista_eval.baselines.place_vote import vote
 from vista_eval.baselines.reference_method import ReferenceParameters, merge_cells
 from vista_eval.baselines.stereo_alone import Threshold, label_clusters, thresholded
 from vista_eval.cache import code_digest, digest_of
@@ -49,11 +53,15 @@ from vista_eval.fly import flight_digest, fly, fly_cached, judged, kept_records,
 from vista_eval.metrics.standing_points import ACCEPTED, Judged
 
 OURS, FOREST, SGBM, PERFECT = "as configured", "spanning forest", "SGBM words", "perfect disparities"
-REFERENCE, ALONE = "reference method", "stereo alone"
+REFERENCE, ALONE, VOTE = "reference method", "stereo alone", "place vote"
 # Without a false alarm on nine flights that nothing was chosen on, and it finds most of what stands there.
 ALONE_THRESHOLD = Threshold(texture=2000, uniqueness=20, sad=62.0, pixels=80)
 SGBM_BLOCK, SGBM_UNIQUENESS = 5, 10
 SGBM_SPECKLE_PIXELS, SGBM_SPECKLE_PX = 100, 2
+
+
+def as_judged(_: Calibration, steps: Iterator[Step]) -> Iterator[FrameRecord]:
+    return map(judged, steps)
 
 
 class Rival(Protocol):
@@ -80,12 +88,14 @@ class OneCamera:
 
 @dataclass(frozen=True)
 class InHost:
-    """The project's host with one thing exchanged: parameters, the engine, or the cut."""
+    """The project's host with one thing exchanged: parameters, the engine, the cut, or what is made of a
+    flight's frames."""
 
     name: str
     values: Callable[[parameters.Values], parameters.Values] = lambda values: values
     engine: Callable[[EngineParameters, FlightTruth | None], Engine] | None = None
     partition: Callable[[CellGraph], NDArray[np.int32]] | None = None
+    records: Callable[[Calibration, Iterator[Step]], Iterator[FrameRecord]] = as_judged
 
     def engine_of(self, values: parameters.Values, truth: FlightTruth | None) -> Engine:
         stereo = engine_parameters(values)
@@ -108,7 +118,9 @@ class InHost:
         assert self.partition is None
         values = self.values(values)
         engine = None if self.engine is None else self.engine_of(values, read_truth(folder))
-        return [judged(step) for step in fly(open_flight(folder), values, engine)]
+        sequence = open_flight(folder)
+        camera = Rectifier(sequence.calibration).calibration
+        return list(self.records(camera, fly(sequence, values, engine)))
 
     def fly_cached(self, folder: Path, values: parameters.Values, cache: Path) -> list[FrameRecord]:
         """Records from `cache`, if of this flight, chain, rival and parameters; else flown."""
@@ -233,9 +245,10 @@ IN_HOST = {
         InHost(FOREST, values=with_forest),
         InHost(SGBM, values=at_one_level, engine=SgbmEngine),
         InHost(PERFECT, engine=TruthEngine),
+        InHost(VOTE, records=vote),
         InHost(REFERENCE, partition=merged),
     )
 }
 RIVALS: dict[str, Rival] = {**IN_HOST, ALONE: Clusters()}
-OF_FLIGHTS = (OURS, FOREST, SGBM, PERFECT)
+OF_FLIGHTS = (OURS, FOREST, SGBM, PERFECT, VOTE)
 OF_PAIRS = (OURS, REFERENCE, SGBM, ALONE)

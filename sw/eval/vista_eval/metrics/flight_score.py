@@ -17,6 +17,7 @@ from vista_eval.dataset.truth import FlightTruth
 from vista_eval.fly import UNDISTURBED, Disturbance, fly, judged, open_flight
 from vista_eval.metrics.consistency import Consistency, consistency
 from vista_eval.metrics.frame_truth import FrameTruth, flight_frames, still_surfaces
+from vista_eval.metrics.free_path import FrameOnPath, FreePath, free_path
 from vista_eval.metrics.gospa import CUTOFF_M, ORDER, Gospa, gospa
 from vista_eval.metrics.judge import FrameScore, Judge, carried
 from vista_eval.metrics.rules import PAPER, Rules
@@ -65,6 +66,7 @@ class FlightScore:
         int  # in which the detector says that it sees too little, or where it is rests on a guess
     )
     unseeing_frames: int  # in which it says that it sees nothing
+    free: FreePath
     host_ms: float  # median
 
     @property
@@ -102,14 +104,28 @@ def score_records(
     by_time = {record.t_ns: record for record in records}
     scored: list[FrameScore] = []
     sets: list[Gospa] = []
+    on_path: list[FrameOnPath] = []
     for frame in frames:
         record = by_time[frame.t_ns]
         believed = record.world_from_camera or Pose()
         world_from_estimate = frame.world_from_camera @ believed.inverse()
         scored.append(judge.frame(frame, record.obstacles, record.nearest_collision, world_from_estimate))
         sets.append(compare_sets(frame, record, world_from_estimate))
+        on_path.append(along_path(truth, frame, record))
     host_ms = float(np.median([record.stage_ms["host"] for record in records]))
-    return flight_score(truth, scored, sets, [record.health.state for record in records], host_ms)
+    states = [record.health.state for record in records]
+    return flight_score(truth, scored, sets, states, free_path(on_path), host_ms)
+
+
+def along_path(truth: FlightTruth, frame: FrameTruth, record: FrameRecord) -> FrameOnPath:
+    return FrameOnPath(
+        frame.contact_m,
+        frame.path_m,
+        truth.speed_m_s,
+        record.path_seen_m,
+        record.nearest_collision is not None,
+        record.health.state == State.HEALTHY,
+    )
 
 
 def blind_depth_m(truth: FlightTruth, values: parameters.Values) -> float:
@@ -143,6 +159,7 @@ def flight_score(
     frames: list[FrameScore],
     sets: list[Gospa],
     states: list[State],
+    free: FreePath,
     host_ms: float,
 ) -> FlightScore:
     matched = [frame for frame in frames if frame.error_m is not None]
@@ -186,6 +203,7 @@ def flight_score(
         blind_reported=sum(frame.matched_id is not None for frame in blind),
         degraded_frames=states.count(State.DEGRADED),
         unseeing_frames=states.count(State.BLIND),
+        free=free,
         host_ms=host_ms,
     )
 

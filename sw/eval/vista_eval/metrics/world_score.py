@@ -17,6 +17,7 @@ from vista_eval.baselines.tracked_stereo import TrackedOutcome
 from vista_eval.metrics.consistency import Consistency, consistency
 from vista_eval.metrics.flight_score import FIRST_DETECTION_M, FlightScore
 from vista_eval.metrics.flight_segmentation import SHOWN, FlightSegmentation
+from vista_eval.metrics.free_path import FreePath, together
 from vista_eval.metrics.intervals import MIN_FLIGHTS, Share, share_of_flights, share_of_frames
 from vista_eval.metrics.rules import STRICT
 from vista_eval.metrics.scenes import CUT
@@ -54,6 +55,7 @@ class ControlScore:
     )  # of the flights that begin at FIRST_DETECTION_M or farther: warned of from there on
     degraded_frames: int
     blind_frames: int  # in which it says that it sees nothing
+    free: FreePath
 
 
 @dataclass(frozen=True)
@@ -129,6 +131,7 @@ def control_score(flights: list[FlightScore]) -> ControlScore:
         first_far=share_of_flights([(f.first_detection_m or 0.0) >= FIRST_DETECTION_M for f in far]),
         degraded_frames=sum(flight.degraded_frames for flight in flights),
         blind_frames=sum(flight.unseeing_frames for flight in flights),
+        free=together(flight.free for flight in flights),
     )
 
 

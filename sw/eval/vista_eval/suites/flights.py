@@ -21,6 +21,8 @@ from vista_eval.metrics.comparison import Comparison, compare
 from vista_eval.metrics.flight_score import FlightScore, score_records, summary
 from vista_eval.metrics.flight_segmentation import FlightSegmentation, rows, segment_cached
 from vista_eval.metrics.flight_segmentation import table as segmentation_table
+from vista_eval.metrics.free_path import table as free_table
+from vista_eval.metrics.free_path import together
 from vista_eval.metrics.group import group_score, table
 from vista_eval.pose_noise import ATTITUDE_SIGMA_DEG, POSITION_SIGMA_M
 from vista_eval.report.filmstrip import filmstrip
@@ -90,7 +92,9 @@ class Flights:
             table(found, f"With sensor noise of {grey:g} grey levels", "") for grey, found in sensed.items()
         ]
         shown = [*tables, *([beside.table(comparison)] if comparison else [])]
-        shown += [segmentation_table(segmented), aims.table(reached)]
+        free = [(score.name, score.free) for score in scores]
+        free.append(("all", together(score.free for score in scores)))
+        shown += [free_table("flight", free), segmentation_table(segmented), aims.table(reached)]
         plots = [Section("Where targets are warned of", plots=[plot_detection(scores)])]
         if comparison is not None:
             plots.append(Section("Missed frames against false alarms", plots=[plot_comparison(comparison)]))

@@ -106,7 +106,7 @@ def families_table(odds: Odds) -> Table:
         "space-odds-families",
         ("family held back", "places", "log loss, 0.001", "hits", "false contacts"),
         rows,
-        f"A frame warns of the first place that is occupied with {WARN:g} or more. Hits: it truly is, of the "
+        f"A frame warns of the first place that is occupied with {WARN:g} or more. Hits: it truly is, within 2 dz and 0.5 m, of the "
         "frames in which the first that is occupied lies at 14.5 to 45 m; false contacts: frames in which "
         "nothing is near it.",
         "Families held back",

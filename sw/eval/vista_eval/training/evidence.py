@@ -36,6 +36,7 @@ class FlightEvidence:
     family: str
     frame: NDArray[np.int64]
     along_m: NDArray[np.float64]
+    reach_m: NDArray[np.float64]
     pieces: NDArray[np.float64]  # (n, PIECES)
     may_warn: NDArray[np.bool_]  # enough is known of it for a warning
     told: NDArray[np.float64]  # the probability that the detector gives it
@@ -56,14 +57,20 @@ def may_warn(place: PathPlace) -> bool:
 def truth_of_places(along_m: Array, truth: PathTruth, focal_baseline_px_m: float) -> NDArray[np.int64]:
     """OCCUPIED where a thing is; EMPTY where none is near, nor ground; UNTOLD between, and beyond the first
     thing, where little can be seen."""
-    dz_m = along_m**2 / focal_baseline_px_m
-    doubt_m = np.maximum(2.0 * dz_m, 1.0) + 0.5
-    there = distance_m(along_m, truth.things_m) <= np.maximum(OCCUPIED_DZ * dz_m, OCCUPIED_M)
+    first_m = np.array([truth.things_m[0] if len(truth.things_m) else np.inf])
+    there = distance_m(along_m, truth.things_m) <= np.maximum(
+        OCCUPIED_DZ * along_m**2 / focal_baseline_px_m, OCCUPIED_M
+    )
+    doubt_m = doubt_of_m(along_m, focal_baseline_px_m)
     near = distance_m(along_m, truth.beside_m) <= EMPTY_FACTOR * doubt_m
     near |= distance_m(along_m, truth.ground_m) <= doubt_m
-    found = np.where(there, OCCUPIED, np.where(near, UNTOLD, EMPTY))
-    first_m = truth.things_m[0] if len(truth.things_m) else np.inf
-    return np.where(along_m > first_m + 2.0 * doubt_m, UNTOLD, found)
+    hidden = along_m > first_m + doubt_of_m(first_m, focal_baseline_px_m)
+    return np.where(hidden, UNTOLD, np.where(there, OCCUPIED, np.where(near, UNTOLD, EMPTY)))
+
+
+def doubt_of_m(along_m: Array, focal_baseline_px_m: float) -> Array:
+    """By how much a distance may be wrong."""
+    return np.maximum(2.0 * along_m**2 / focal_baseline_px_m, 1.0) + 0.5
 
 
 def distance_m(along_m: Array, points_m: NDArray[np.floating]) -> Array:
@@ -104,7 +111,7 @@ def collect(folder: Path, values: parameters.Values) -> FlightEvidence:
     engine = create_engine("golden", engine_parameters(values))
     pipeline = OpenPipeline(camera, values)
     columns: dict[str, list[Any]] = {
-        name: [] for name in ("frame", "along_m", "pieces", "may_warn", "told", "truth")
+        name: [] for name in ("frame", "along_m", "reach_m", "pieces", "may_warn", "told", "truth")
     }
     for number, files in enumerate(sequence.frames):
         pair = rectifier.rectify(sequence.read(files))
@@ -115,6 +122,7 @@ def collect(folder: Path, values: parameters.Values) -> FlightEvidence:
         truth = truth_of_places(along_m, frames[files.t_ns], camera.focal_px * camera.baseline_m)
         columns["frame"] += [number] * len(places)
         columns["along_m"] += along_m.tolist()
+        columns["reach_m"] += [place.reach_m for place in places]
         columns["pieces"] += [pieces_of(place) for place in places]
         columns["may_warn"] += [may_warn(place) for place in places]
         columns["told"] += [place.probability for place in places]

@@ -39,7 +39,7 @@ class FamilyHeld:
     places: int
     log_loss: float
     asked: int  # frames with a place that is occupied in the range of hits
-    hits: int  # of these, with the first warning at such a place
+    hits: int  # of these, with the first warning within twice the reach of such a place
     frames: int
     false_contacts: int  # frames whose first warning is at a place that is empty
 
@@ -119,13 +119,14 @@ def contacts(flight: FlightEvidence, given: Array) -> tuple[int, int, int, int]:
     for frame in frames:
         places = np.flatnonzero(flight.frame == frame)
         truth, along_m = flight.truth[places], flight.along_m[places]
-        warned = np.flatnonzero((given[places] >= WARN) & flight.may_warn[places])
-        occupied = np.flatnonzero(truth == OCCUPIED)
-        if len(occupied) and near_m <= along_m[occupied[0]] <= far_m:
+        warned = np.flatnonzero((given[places] >= WARN) & flight.may_warn[places])[:1]
+        occupied_m = along_m[truth == OCCUPIED]
+        if len(occupied_m) and near_m <= occupied_m[0] <= far_m:
             asked += 1
-            hits += bool(len(warned)) and truth[warned[0]] == OCCUPIED
-        false += bool(len(warned)) and truth[warned[0]] == EMPTY
-    return asked, int(hits), len(frames), int(false)
+            off_m = np.abs(occupied_m[:, np.newaxis] - along_m[warned])
+            hits += bool((off_m <= 2.0 * flight.reach_m[places][warned]).any())
+        false += bool((truth[warned] == EMPTY).any())
+    return asked, hits, len(frames), false
 
 
 def reliability(given: Array, truth: NDArray[np.int64], weight: Array) -> list[Bin]:
