@@ -13,7 +13,6 @@ import pytest
 from command_line import Vista, assert_refused, call
 from random_seed import seeded
 from vista import parameters
-from vista_eval.cell_graph import PathPlace
 from vista_eval.metrics import scoring_log
 from vista_eval.training.evidence import (
     EMPTY,
@@ -23,7 +22,6 @@ from vista_eval.training.evidence import (
     FlightEvidence,
     collect_cached,
     from_json,
-    pieces_of,
     truth_of_places,
 )
 from vista_eval.training.logistic import cross_validate, fit, probability, same_for_each
@@ -80,7 +78,7 @@ def evidence(truth: list[int], **columns: list) -> FlightEvidence:
     """Of one frame, with places 10 m apart from 10 m on."""
     n = len(truth)
     usual = {"frame": [0] * n, "along_m": [10.0 * (k + 1) for k in range(n)], "pieces": [[0.0] * 6] * n}
-    usual |= {"may_warn": [True] * n, "told": [0.0] * n, "truth": truth, "reach_m": [1.0] * n}
+    usual |= {"known": [True] * n, "told": [0.0] * n, "truth": truth, "reach_m": [1.0] * n}
     return from_json({"name": "made", "family": "made"} | usual | columns)
 
 
@@ -89,7 +87,7 @@ def test_the_first_place_that_is_warned_of_counts() -> None:
     assert contacts(ahead, np.array([0.1, 0.1, 0.9, 0.9])) == (1, 1, 1, 0)
     assert contacts(ahead, np.array([0.1, 0.9, 0.9, 0.9])) == (1, 0, 1, 1)
     assert contacts(ahead, np.array([0.1, 0.1, 0.7, 0.7])) == (1, 0, 1, 0)
-    unseen = evidence([EMPTY, EMPTY, OCCUPIED], may_warn=[True, True, False])
+    unseen = evidence([EMPTY, EMPTY, OCCUPIED], known=[True, True, False])
     assert contacts(unseen, np.array([0.1, 0.1, 0.9])) == (1, 0, 1, 0)
     assert contacts(evidence([OCCUPIED]), np.array([0.9])) == (0, 0, 1, 0)  # at 10 m no hit is asked for
     near = evidence([UNTOLD, OCCUPIED], along_m=[18.1, 20.0])  # within 2 m
@@ -127,12 +125,6 @@ def test_the_detector_weighs_the_pieces_as_they_are_learned(flights: Path) -> No
     assert np.allclose(told, found.told, atol=1e-9)
     assert set(found.truth.tolist()) == {OCCUPIED, EMPTY, UNTOLD}
     assert found.pieces[:, PIECES.index("VOTES")][found.truth == OCCUPIED].mean() > 0.3
-
-
-def test_feet_count_without_votes_alone() -> None:
-    place = PathPlace(9.0, 1.0, 6, 3, 4, 0.25, True, False, False, 0.5)
-    assert pieces_of(place) == [1.0, 0.0, 0.0, 0.0, 1.0, 0.75]
-    assert pieces_of(place._replace(votes=4)) == [1.0, 0.0, 0.0, 1.0, 0.0, 0.75]
 
 
 @pytest.mark.slow

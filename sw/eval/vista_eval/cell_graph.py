@@ -23,18 +23,13 @@ class CellGraph:
 
 
 class PathPlace(NamedTuple):
-    """A place on the flight path, and what is known of it (path_places.h)."""
+    """A place on the flight path (path_places.h)."""
 
     along_m: float
     reach_m: float  # What is told at a range that differs by less is at this place.
-    frames: int  # in which it is in view
-    votes: int  # of these, with something matched there
-    feet: int  # of these, with the foot of something without texture there
-    beyond: float  # share of the lines of sight that go on
-    thing: bool
-    beside: bool
-    ground: bool
-    probability: float  # that it is occupied
+    pieces: list[float]  # of evidence that something is there, in the order of PIECES
+    known: bool  # enough for a warning
+    probability: float  # that something is there
 
 
 class OpenPipeline(Pipeline):
@@ -61,14 +56,14 @@ class OpenPipeline(Pipeline):
 
     def path_places(self) -> list[PathPlace]:
         """Those of the last frame, by distance."""
-        places = self._lib.vista_pipeline_look(self._pipeline).places
+        lib, places = self._lib, self._lib.vista_pipeline_look(self._pipeline).places
+        pieces = self._ffi.new("double[]", lib.VISTA_PIECE_COUNT)
         found = []
-        for place in (places.items[k] for k in range(places.count)):
-            shown = place.shown
-            seen = shown.frames, shown.votes, shown.feet, shown.beyond
-            found.append(
-                PathPlace(place.along_m, *seen, place.thing, place.beside, place.ground, place.probability)
-            )
+        for k in range(places.count):
+            place = self._ffi.addressof(places.items, k)
+            lib.vista_path_place_pieces(place, pieces)
+            known = bool(lib.vista_path_place_is_known(place))
+            found.append(PathPlace(place.along_m, place.reach_m, list(pieces), known, place.probability))
         return found
 
     def refine_boundaries(self, region_of_cell: NDArray[np.int32]) -> NDArray[np.int32]:

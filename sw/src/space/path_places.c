@@ -70,15 +70,26 @@ static void tell(const vista_frame_view *frame, const vista_obstacle *obstacle, 
   }
 }
 
-static double odds(const vista_path_place *place) {
+void vista_path_place_pieces(const vista_path_place *place, double pieces[VISTA_PIECE_COUNT]) {
   const vista_place_evidence *const shown = &place->shown;
   const bool votes = shown->votes >= FRAMES_MIN;
-  double sum = VISTA_ODDS_PRIOR + VISTA_ODDS_NOT_BEYOND * (1.0 - shown->beyond);
-  if (place->thing) sum += VISTA_ODDS_THING;
-  if (place->beside) sum += VISTA_ODDS_BESIDE;
-  if (place->ground) sum += VISTA_ODDS_GROUND;
-  if (votes) sum += VISTA_ODDS_VOTES;
-  if (!votes && shown->feet >= FRAMES_MIN) sum += VISTA_ODDS_FEET;
+  pieces[VISTA_PIECE_THING] = place->thing;
+  pieces[VISTA_PIECE_BESIDE] = place->beside;
+  pieces[VISTA_PIECE_GROUND] = place->ground;
+  pieces[VISTA_PIECE_VOTES] = votes;
+  pieces[VISTA_PIECE_FEET] = !votes && shown->feet >= FRAMES_MIN;
+  pieces[VISTA_PIECE_NOT_BEYOND] = 1.0 - shown->beyond;
+}
+
+static double odds(const vista_path_place *place) {
+  static const double weights[VISTA_PIECE_COUNT] = {
+      [VISTA_PIECE_THING] = VISTA_ODDS_THING,   [VISTA_PIECE_BESIDE] = VISTA_ODDS_BESIDE,
+      [VISTA_PIECE_GROUND] = VISTA_ODDS_GROUND, [VISTA_PIECE_VOTES] = VISTA_ODDS_VOTES,
+      [VISTA_PIECE_FEET] = VISTA_ODDS_FEET,     [VISTA_PIECE_NOT_BEYOND] = VISTA_ODDS_NOT_BEYOND};
+  double pieces[VISTA_PIECE_COUNT];
+  vista_path_place_pieces(place, pieces);
+  double sum = VISTA_ODDS_PRIOR;
+  for (int k = 0; k < VISTA_PIECE_COUNT; ++k) sum += weights[k] * pieces[k];
   return sum;
 }
 
@@ -91,10 +102,13 @@ void vista_path_places_judge(const vista_frame_view *frame, const vista_obstacle
   }
 }
 
+bool vista_path_place_is_known(const vista_path_place *place) {
+  return place->thing || place->ground ||
+         (place->shown.frames >= FRAMES_MIN && place->reach_m < REACH_SHARE * place->along_m);
+}
+
 static bool is_warned_of(const vista_path_place *place) {
-  if (place->thing || place->ground) return place->probability >= WARN;
-  return place->probability >= WARN && place->shown.frames >= FRAMES_MIN &&
-         place->reach_m < REACH_SHARE * place->along_m;
+  return place->probability >= WARN && vista_path_place_is_known(place);
 }
 
 const vista_path_place *vista_path_places_contact(const vista_path_places *places) {

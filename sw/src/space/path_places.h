@@ -19,6 +19,17 @@
 
 #define VISTA_PATH_PLACES_MAX 80
 
+/* The pieces of evidence, each 0 to 1, as the odds weigh them. */
+typedef enum vista_place_piece {
+  VISTA_PIECE_THING = 0,
+  VISTA_PIECE_BESIDE,
+  VISTA_PIECE_GROUND,
+  VISTA_PIECE_VOTES,      /* in FRAMES_MIN frames something is matched at the place */
+  VISTA_PIECE_FEET,       /* in as many something without texture stands there, and there are not those votes */
+  VISTA_PIECE_NOT_BEYOND, /* share of the lines of sight that are not known to go on */
+  VISTA_PIECE_COUNT
+} vista_place_piece;
+
 typedef struct vista_path_place {
   double along_m;     /* the path, from the camera */
   double point_m[3];  /* world */
@@ -44,6 +55,12 @@ bool vista_path_places_is_beside(const vista_frame_view *frame, const vista_obst
 /* Adds what the obstacles of the frame say, and sets the probabilities. */
 void vista_path_places_judge(const vista_frame_view *frame, const vista_obstacle *obstacles, int32_t count,
                              vista_path_places *places);
+
+/* What is known of a place, for the odds and for learning them. */
+void vista_path_place_pieces(const vista_path_place *place, double pieces[VISTA_PIECE_COUNT]);
+
+/* Whether enough is known of a place to warn of it. */
+bool vista_path_place_is_known(const vista_path_place *place);
 
 /* The nearest place that is warned of; null: none. */
 const vista_path_place *vista_path_places_contact(const vista_path_places *places);

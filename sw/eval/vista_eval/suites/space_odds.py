@@ -59,7 +59,7 @@ def weights_table(odds: Odds) -> Table:
     rows = [
         (
             name.lower().replace("_", " "),
-            f"{value:+.1f}",
+            f"{value:+.2f}",
             f"{1e3 * odds.gain[name]:+.2f}" if name in odds.gain else "",
         )
         for name, value in odds.weights.items()
@@ -106,9 +106,9 @@ def families_table(odds: Odds) -> Table:
         "space-odds-families",
         ("family held back", "places", "log loss, 0.001", "hits", "false contacts"),
         rows,
-        f"A frame warns of the first place that is occupied with {WARN:g} or more. Hits: it truly is, within 2 dz and 0.5 m, of the "
-        "frames in which the first that is occupied lies at 14.5 to 45 m; false contacts: frames in which "
-        "nothing is near it.",
+        f"A frame warns of the first place that is occupied with {WARN:g} or more. Hits: it truly is, within "
+        "2 dz and 0.5 m, of the frames in which the first that is occupied lies at 14.5 to 45 m; false "
+        "contacts: frames in which nothing is near it.",
         "Families held back",
     )
 

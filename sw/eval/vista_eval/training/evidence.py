@@ -15,14 +15,13 @@ from vista.geometry import Array, Calibration
 from vista.rectify import Rectifier
 
 from vista_eval.cache import code_digest, digest_of, kept
-from vista_eval.cell_graph import OpenPipeline, PathPlace
+from vista_eval.cell_graph import OpenPipeline
 from vista_eval.dataset.truth import TRUTH
 from vista_eval.fly import flight_digest, open_flight
 from vista_eval.training.path_truth import PathTruth, path_truth
 
 OCCUPIED, EMPTY, UNTOLD = 1, 0, -1
-FRAMES_MIN = 4  # of path_places.c: frames that agree, or that a warning without a track needs
-PIECES = ("THING", "BESIDE", "GROUND", "VOTES", "FEET", "NOT_BEYOND")  # of space_odds.h
+PIECES = ("THING", "BESIDE", "GROUND", "VOTES", "FEET", "NOT_BEYOND")  # as vista_place_piece numbers them
 # How near a true point is for its place to be occupied, in depths of one disparity, and no less than that.
 OCCUPIED_DZ, OCCUPIED_M = 0.6, 0.75
 EMPTY_FACTOR = 1.5  # of what a distance may be wrong, without anything for a place to be empty
@@ -38,20 +37,9 @@ class FlightEvidence:
     along_m: NDArray[np.float64]
     reach_m: NDArray[np.float64]
     pieces: NDArray[np.float64]  # (n, PIECES)
-    may_warn: NDArray[np.bool_]  # enough is known of it for a warning
+    known: NDArray[np.bool_]  # enough for a warning
     told: NDArray[np.float64]  # the probability that the detector gives it
     truth: NDArray[np.int64]  # OCCUPIED, EMPTY or UNTOLD
-
-
-def pieces_of(place: PathPlace) -> list[float]:
-    """What adds to the log-odds, as path_places.c takes it: each is 0 to 1."""
-    votes = place.votes >= FRAMES_MIN
-    feet = not votes and place.feet >= FRAMES_MIN
-    return [float(place.thing), float(place.beside), float(place.ground), votes, feet, 1.0 - place.beyond]
-
-
-def may_warn(place: PathPlace) -> bool:
-    return place.thing or place.ground or place.frames >= FRAMES_MIN
 
 
 def truth_of_places(along_m: Array, truth: PathTruth, focal_baseline_px_m: float) -> NDArray[np.int64]:
@@ -91,7 +79,7 @@ def collect_cached(folder: Path, values: parameters.Values, cache: Path) -> Flig
 
 
 def from_json(content: dict[str, Any]) -> FlightEvidence:
-    kinds = {"frame": np.int64, "may_warn": np.bool_, "truth": np.int64}
+    kinds = {"frame": np.int64, "known": np.bool_, "truth": np.int64}
     arrays: dict[str, NDArray[Any]] = {
         name: np.array(value, kinds.get(name, np.float64))
         for name, value in content.items()
@@ -111,7 +99,7 @@ def collect(folder: Path, values: parameters.Values) -> FlightEvidence:
     engine = create_engine("golden", engine_parameters(values))
     pipeline = OpenPipeline(camera, values)
     columns: dict[str, list[Any]] = {
-        name: [] for name in ("frame", "along_m", "reach_m", "pieces", "may_warn", "told", "truth")
+        name: [] for name in ("frame", "along_m", "reach_m", "pieces", "known", "told", "truth")
     }
     for number, files in enumerate(sequence.frames):
         pair = rectifier.rectify(sequence.read(files))
@@ -123,8 +111,8 @@ def collect(folder: Path, values: parameters.Values) -> FlightEvidence:
         columns["frame"] += [number] * len(places)
         columns["along_m"] += along_m.tolist()
         columns["reach_m"] += [place.reach_m for place in places]
-        columns["pieces"] += [pieces_of(place) for place in places]
-        columns["may_warn"] += [may_warn(place) for place in places]
+        columns["pieces"] += [place.pieces for place in places]
+        columns["known"] += [place.known for place in places]
         columns["told"] += [place.probability for place in places]
         columns["truth"] += truth.tolist()
     return from_json({"name": folder.name, "family": along_path.family, **columns})

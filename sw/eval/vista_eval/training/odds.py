@@ -18,7 +18,7 @@ WARN = 0.8  # of path_places.c: the probability from which on a place is warned 
 # Two cameras side by side do not see the range of what runs along their rows, nor of wires that lean.
 TOLD_ONLY = ("steep_wire", "wires, by others")
 BINS = 10  # of the reliability
-ROUNDED = 1  # digits of a weight
+ROUNDED = 2  # digits of a weight
 
 
 @dataclass(frozen=True)
@@ -119,7 +119,7 @@ def contacts(flight: FlightEvidence, given: Array) -> tuple[int, int, int, int]:
     for frame in frames:
         places = np.flatnonzero(flight.frame == frame)
         truth, along_m = flight.truth[places], flight.along_m[places]
-        warned = np.flatnonzero((given[places] >= WARN) & flight.may_warn[places])[:1]
+        warned = np.flatnonzero((given[places] >= WARN) & flight.known[places])[:1]
         occupied_m = along_m[truth == OCCUPIED]
         if len(occupied_m) and near_m <= occupied_m[0] <= far_m:
             asked += 1
