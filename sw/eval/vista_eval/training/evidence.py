@@ -57,12 +57,12 @@ def truth_of_places(along_m: Array, truth: PathTruth, focal_baseline_px_m: float
 
 
 def doubt_of_m(along_m: Array, focal_baseline_px_m: float) -> Array:
-    """By how much a distance may be wrong."""
+    """The error that a distance may have."""
     return np.maximum(2.0 * along_m**2 / focal_baseline_px_m, 1.0) + 0.5
 
 
 def distance_m(along_m: Array, points_m: NDArray[np.floating]) -> Array:
-    """From each place to the nearest of the sorted points."""
+    """The distance of each place from the nearest of the sorted points."""
     edged = np.concatenate([[-np.inf], points_m, [np.inf]])
     k = np.searchsorted(edged, along_m)
     return np.minimum(along_m - edged[k - 1], edged[k] - along_m)
