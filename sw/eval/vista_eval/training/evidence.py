@@ -75,7 +75,9 @@ def collect_cached(folder: Path, values: parameters.Values, cache: Path) -> Flig
         native.library_path("vista_stages"),
         folder / TRUTH,
     )
-    return kept(cache / f"{folder.name}.json", digest, lambda: collect(folder, values), from_json)
+    return kept(
+        cache / f"{folder.parent.name}-{folder.name}.json", digest, lambda: collect(folder, values), from_json
+    )
 
 
 def from_json(content: dict[str, Any]) -> FlightEvidence:
