@@ -11,6 +11,7 @@ from stage_library import INVALID, Arena, Foveation, camera, ffi, frame_view, li
 from track_library import SECOND, flight_path, motion, pose
 
 WIDTH, HEIGHT, FOCAL_PX, BASELINE_M = 320, 240, 300.0, 0.8
+SPACE_FRAMES: int = lib.VISTA_SPACE_FRAMES
 SPACING_S = 0.08  # of space_map.c: frames that follow closer replace one another
 TOLERANCE_PX, TOLERANCE_SHARE = 0.75, 0.03  # of space_map.c: what differs by less is at a place
 RADIUS_M = 2.0
@@ -36,7 +37,7 @@ class Look:
     pose: object
 
 
-def seen(
+def scene(
     walls=(), ground_y_m: float | None = None, position=(0.0, 0.0, 0.0), rotation=None, lens=None
 ) -> Look:
     """rotation: world from camera. Beyond walls and ground is sky, of which nothing is matched."""
@@ -96,7 +97,7 @@ class Space:
         )
         lib.vista_space_map_add(self.handle, self.frame, self._surfaces)
 
-    def watch(self, look: Look, frames: int = lib.VISTA_SPACE_FRAMES, **keywords) -> None:
+    def watch(self, look: Look, frames: int = SPACE_FRAMES, **keywords) -> None:
         """The same view again and again, at 10 Hz."""
         for k in range(frames):
             self.take(look, 0.1 * k, **keywords)
@@ -112,6 +113,9 @@ class Space:
         """Of the frames that are kept, the newest first."""
         ages = range(self.handle.count)
         return [lib.vista_space_map_frame(self.handle, age).t_ns / SECOND for age in ages]
+
+
+UNMATCHED = Look(np.full((HEIGHT, WIDTH), INVALID, np.int16), np.zeros((HEIGHT, WIDTH), bool), pose())
 
 
 def disparity_px(lens, z_m: float) -> float:

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from random_seed import seeded
 from scipy.spatial.transform import Rotation
+from space_library import BASELINE_M, FOCAL_PX, RADIUS_M, SPACE_FRAMES, UNMATCHED, Space, Wall, scene
 from stage_library import Arena, ffi, frame_view, lib
 from track_library import (
     BASELINE,
@@ -759,3 +761,132 @@ def test_time_to_collision_in_a_bend_is_along_it() -> None:
     angle = 20.0 / BEND_M
     mapper = bend(on_bend(20.0), velocity_m_s=[-3.0 * math.sin(angle), 0.0, -3.0 * math.cos(angle)])
     assert mapper.nearest.time_to_collision_s == pytest.approx(20.0 / 12.0, rel=1e-6)
+
+
+# ---- places on the path that the last frames show ----
+
+
+class MapOverSpace(Map):
+    """The map of the frame that a map of space took last."""
+
+    def __init__(self, space: Space, tracks=(), terrain=ffi.NULL, blind_zone=ffi.NULL, max_tracks=8) -> None:
+        super().__init__(max_tracks)
+        items, places = ffi.new("vista_track[]", [one[0] for one in tracks]), ffi.new("vista_path_places *")
+        lib.vista_path_places_look(space.frame, space.handle, places)
+        given = [items, len(tracks), terrain, blind_zone, space.handle, places]
+        lib.vista_obstacle_map_update(self.handle, space.frame, ffi.new("vista_map_input *", given))
+
+    @property
+    def ids(self) -> list[int]:
+        return [obstacle.id for obstacle in self.obstacles]
+
+    @property
+    def in_the_way(self) -> list[int]:
+        return [obstacle.id for obstacle in self.obstacles if obstacle.in_collision_volume]
+
+
+PLACE = lib.VISTA_ID_PLACE
+
+
+def watched(*walls: Wall, **keywords) -> Space:
+    """Walls before a far one, of which the frames that are kept all show the same."""
+    space = Space()
+    space.watch(scene([*walls, Wall(500.0)], ground_y_m=9.0), velocity=FORWARD, length_m=60.0, **keywords)
+    return space
+
+
+def test_what_no_track_stands_for_is_an_obstacle_as_wide_as_the_volume() -> None:
+    random = seeded(12)
+    for z_m in random.uniform(7.0, 30.0, 10):
+        mapper = MapOverSpace(watched(Wall(z_m)))
+        (found,) = mapper.obstacles
+        assert (found.id, found.kind) == (PLACE, lib.VISTA_OBSTACLE_PLACE)
+        assert found.confirmed and found.in_collision_volume
+        assert not found.coasting and not found.in_blind_zone and found.world == lib.VISTA_WORLD_OPEN
+        assert found.age_frames == SPACE_FRAMES
+        assert list(found.position_m) == pytest.approx([0.0, 0.0, z_m], abs=0.05 * z_m)
+        assert found.position_m[2] == pytest.approx(z_m, abs=z_m**2 / (FOCAL_PX * BASELINE_M) / 16)
+        assert found.distance_m == pytest.approx(np.linalg.norm(list(found.position_m)))
+        assert list(found.extent_m) == [2.0 * RADIUS_M] * 2
+        assert found.disparity_px == pytest.approx(FOCAL_PX * BASELINE_M / z_m, abs=1 / 16)
+        assert found.ellipse.axis_a_px == pytest.approx(RADIUS_M * FOCAL_PX / found.position_m[2])
+        covariance = np.array(list(found.covariance_m2)).reshape(3, 3)
+        assert np.all(np.linalg.eigvalsh(covariance) > 0) and covariance == pytest.approx(covariance.T)
+        dz_m = z_m**2 / (FOCAL_PX * BASELINE_M)
+        assert 0.2 * dz_m < np.sqrt(covariance[2, 2]) < dz_m
+        assert mapper.nearest.valid and mapper.nearest.id == PLACE
+        assert mapper.nearest.distance_m == pytest.approx(z_m, rel=0.05)
+        assert mapper.nearest.time_to_collision_s == pytest.approx(z_m / FORWARD[2], rel=0.05)
+
+
+def test_without_anything_on_the_path_there_is_no_such_obstacle() -> None:
+    assert MapOverSpace(watched()).obstacles == []
+    assert MapOverSpace(watched(Wall(20.0, x_m=(3.5, 9.0)))).obstacles == []
+    few = watched(Wall(20.0), frames=2)
+    assert MapOverSpace(few).obstacles == []
+
+
+def test_a_confirmed_track_stands_for_what_is_matched_at_it() -> None:
+    """In the volume, or beside the path with a part of it in the way; it is in the volume by that."""
+    space = watched(Wall(20.0))
+    own_pixels_miss = {"coasting": False, "volume_window": 0}
+    for item in (
+        track((0.0, 0.0, 20.0), 5),
+        track((2.5, 0.0, 20.3), 5, extent=(3.0, 3.0), **own_pixels_miss),
+    ):
+        mapper = MapOverSpace(space, [item])
+        assert mapper.ids == mapper.in_the_way == [5]
+        assert mapper.nearest.id == 5
+
+
+def test_another_track_does_not_stand_for_it() -> None:
+    """One that is not confirmed, one behind it, one that is far aside."""
+    space = watched(Wall(20.0))
+    for item in (
+        track((0.0, 0.0, 20.0), 5, confirmed=False),
+        track((0.0, 0.0, 32.0), 5),
+        track((9.0, 0.0, 18.0), 5, coasting=False, volume_window=0),
+    ):
+        mapper = MapOverSpace(space, [item])
+        assert sorted(mapper.ids) == [PLACE, 5]
+        assert mapper.nearest.id == PLACE
+
+
+def test_it_is_held_where_it_was_seen_last() -> None:
+    """Nothing is matched in the last two frames, while the aircraft flies on."""
+    space = Space()
+    wall = Wall(24.0)
+    for k in range(6):
+        look = scene([wall], position=(0.0, 0.0, 0.9 * k))
+        if k > 3:
+            look = replace(look, words=UNMATCHED.words)
+        space.take(look, 0.1 * k, velocity=FORWARD, length_m=60.0)
+    (found,) = MapOverSpace(space).obstacles
+    assert found.id == PLACE and found.coasting
+    assert found.position_m[2] == pytest.approx(24.0, rel=0.02)
+    assert found.distance_m == pytest.approx(24.0 - 4.5, rel=0.03)
+
+
+def test_what_is_not_confirmed_is_in_the_way_where_the_frames_do_not_see_through() -> None:
+    """What moves is not where they saw it, and what enters is not there yet: neither is asked."""
+    free, wall = watched(), watched(Wall(20.0))
+    stands = track((0.0, 0.0, 20.0), 5, confirmed=False)
+    assert MapOverSpace(free, [stands]).in_the_way == []
+    assert 5 in MapOverSpace(wall, [stands]).in_the_way
+    moves = track((0.0, 0.0, 20.0), 5, confirmed=False, world={"verdict": lib.VISTA_WORLD_MOVES})
+    assert MapOverSpace(free, [moves]).in_the_way == [5]
+    across = {"coasting": False, "volume_window": 0, "misses": 0, "velocity_m_s": [-4.0, 0.0, 0.0]}
+    enters = track((3.2, 0.0, 20.0), 5, confirmed=False, extent=(0.5, 0.5), **across)
+    assert MapOverSpace(free, [enters]).in_the_way == [5]
+
+
+def test_there_is_room_for_all_that_has_no_track() -> None:
+    """Beside as many tracks as there may be; nearest first."""
+    random = seeded(13)
+    too_near = ffi.new("vista_blind_zone *", {"occupied": True, "range_m": 5.0})
+    tracks = [track((random.uniform(8, 12), 0, random.uniform(5, 60)), 1 + k) for k in range(8)]
+    mapper = MapOverSpace(watched(Wall(15.0)), tracks, ground_ahead(35.0), too_near)
+    without = {lib.VISTA_ID_TOO_NEAR, lib.VISTA_ID_GROUND, PLACE}
+    assert set(mapper.ids) == without | {1 + k for k in range(8)}
+    assert [o.distance_m for o in mapper.obstacles] == sorted(o.distance_m for o in mapper.obstacles)
+    assert mapper.nearest.id == PLACE  # it is seen, beyond what is too near to match

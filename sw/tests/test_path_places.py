@@ -6,16 +6,27 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from random_seed import seeded
-from space_library import BASELINE_M, FOCAL_PX, HEIGHT, RADIUS_M, WIDTH, Look, Space, Wall, seen
-from stage_library import INVALID, camera, ffi, lib
+from space_library import (
+    BASELINE_M,
+    FOCAL_PX,
+    HEIGHT,
+    RADIUS_M,
+    SPACE_FRAMES,
+    UNMATCHED,
+    WIDTH,
+    Look,
+    Space,
+    Wall,
+    scene,
+)
+from stage_library import camera, ffi, lib
 from track_library import flight_path, motion, pose
 
 LENGTH_M = 55.0  # no farther than disparities say something
 FIRST_M = 4.0  # of path_places.c
 WIDEST_M = 4.0  # of path_places.c
 RANGED_M = 30.0  # Up to here the range of what nobody tracks is known well enough to warn of it.
-NOTHING = Look(np.full((HEIGHT, WIDTH), INVALID, np.int16), np.zeros((HEIGHT, WIDTH), bool), pose())
-FAR = seen(ground_y_m=8.0)  # ground far below the path, and the sky
+FAR = scene(ground_y_m=8.0)  # ground far below the path, and the sky
 
 
 class Places:
@@ -50,9 +61,7 @@ class Places:
         return lib.vista_path_places_free_m(self.space.frame, self.handle)
 
 
-def places_of(
-    look: Look, *obstacles, frames: int = lib.VISTA_SPACE_FRAMES, length_m: float = LENGTH_M
-) -> Places:
+def places_of(look: Look, *obstacles, frames: int = SPACE_FRAMES, length_m: float = LENGTH_M) -> Places:
     space = Space()
     space.watch(look, frames, length_m=length_m)
     return Places(space).judge(*obstacles)
@@ -81,7 +90,7 @@ def test_every_point_of_the_path_is_within_reach_of_a_place() -> None:
         lens = camera(WIDTH, HEIGHT, random.uniform(200.0, 1200.0), random.uniform(0.1, 1.0))
         space, length_m = Space(lens), random.uniform(10.0, 150.0)
         space.take(
-            Look(NOTHING.words, NOTHING.ground, pose(random.uniform(-9, 9, 3))), 0.0, length_m=length_m
+            Look(UNMATCHED.words, UNMATCHED.ground, pose(random.uniform(-9, 9, 3))), 0.0, length_m=length_m
         )
         places = Places(space).judge()
         says_m = lens.focal_px * lens.baseline_m / space.parameters.region.min_disparity_px
@@ -102,7 +111,7 @@ def test_places_are_on_the_path_and_not_along_the_camera() -> None:
     """A path that bends to the right, and one that climbs."""
     for direction, normal, curvature in (((0, 0, 1), (1, 0, 0), 0.02), ((0, -0.6, 0.8), (0, 0, 0), 0.0)):
         space = Space()
-        space.take(NOTHING, 0.0)
+        space.take(UNMATCHED, 0.0)
         moved = motion(direction=[float(x) for x in direction])
         space.frame.path = flight_path(moved, 40.0, normal, curvature)[0]
         for place in Places(space).items:
@@ -119,7 +128,7 @@ def test_a_wall_that_nobody_tracks_is_warned_of_and_ends_what_is_free() -> None:
     """Wherever it stands: there is no gap between two places."""
     random = seeded(2)
     for z_m in random.uniform(6.0, RANGED_M, 20):
-        places = places_of(seen([Wall(z_m)]))
+        places = places_of(scene([Wall(z_m)]))
         reach_m = places.at(z_m).reach_m
         assert places.contact_m == pytest.approx(z_m, abs=2.0 * reach_m)
         assert places.contact_m - 4.0 * reach_m - 2.0 <= places.free_m < places.contact_m
@@ -128,9 +137,9 @@ def test_a_wall_that_nobody_tracks_is_warned_of_and_ends_what_is_free() -> None:
 
 def test_it_takes_frames_to_warn_of_what_nobody_tracks() -> None:
     """The first of them say already that the path is not free there."""
-    warned = [places_of(seen([Wall(20.0)]), frames=k).contact_m is not None for k in range(1, 7)]
+    warned = [places_of(scene([Wall(20.0)]), frames=k).contact_m is not None for k in range(1, 7)]
     assert warned == sorted(warned) and not any(warned[:3]) and warned[-1]
-    assert all(places_of(seen([Wall(20.0)]), frames=k).free_m < 20.0 for k in range(1, 7))
+    assert all(places_of(scene([Wall(20.0)]), frames=k).free_m < 20.0 for k in range(1, 7))
 
 
 def test_a_plain_wall_is_never_free() -> None:
@@ -138,12 +147,12 @@ def test_a_plain_wall_is_never_free() -> None:
     random = seeded(3)
     for _ in range(10):
         z_m = random.uniform(10.0, 40.0)
-        assert places_of(seen([Wall(z_m, textured=False)], ground_y_m=3.0)).free_m < z_m
-        assert places_of(seen([Wall(z_m, textured=False)])).free_m == 0.0
+        assert places_of(scene([Wall(z_m, textured=False)], ground_y_m=3.0)).free_m < z_m
+        assert places_of(scene([Wall(z_m, textured=False)])).free_m == 0.0
 
 
 def test_without_words_nothing_is_free_and_nothing_is_warned_of() -> None:
-    places = places_of(NOTHING)
+    places = places_of(UNMATCHED)
     assert places.free_m == 0.0 and places.contact_m is None
     assert all(place.shown.beyond == 0.0 for place in places.items)
 
@@ -159,7 +168,7 @@ def test_an_open_view_is_free_to_the_end() -> None:
 def test_what_is_beside_the_path_leaves_it_free() -> None:
     """Walls to both sides of a lane of 6 m."""
     lane = [Wall(z_m, x_m=side) for z_m in (15.0, 25.0, 35.0) for side in ((-30.0, -3.0), (3.0, 30.0))]
-    places = places_of(seen([*lane, Wall(500.0)], ground_y_m=8.0))
+    places = places_of(scene([*lane, Wall(500.0)], ground_y_m=8.0))
     assert places.contact_m is None and places.free_m > 50.0
 
 
@@ -168,7 +177,7 @@ def test_the_path_ahead_of_a_moving_aircraft_is_looked_at_through_all_frames() -
     space = Space()
     sign = Wall(50.0, x_m=(-1.0, 1.0), y_m=(-1.5, 1.5))
     for k in range(20):
-        look = seen([sign, Wall(900.0)], position=(0.0, 0.0, 1.5 * k), ground_y_m=10.0)
+        look = scene([sign, Wall(900.0)], position=(0.0, 0.0, 1.5 * k), ground_y_m=10.0)
         space.take(look, 0.1 * k, velocity=(0.0, 0.0, 15.0), length_m=LENGTH_M)
         left_m, places = 50.0 - 1.5 * k, Places(space).judge()
         assert places.free_m < left_m
@@ -183,12 +192,12 @@ def test_what_the_frames_see_through_is_not_borne_out() -> None:
     """A thing that is not confirmed is as much in the way as the frames say."""
     thing = obstacle(20.0, confirmed=False)
     assert not places_of(FAR, thing).bear_out(20.0)
-    assert places_of(seen([Wall(20.0)]), thing).bear_out(20.0)
+    assert places_of(scene([Wall(20.0)]), thing).bear_out(20.0)
 
 
 def test_a_thing_in_the_volume_is_warned_of_where_nothing_is_seen() -> None:
     """Its middle is beside the path: it is a member by its own pixels."""
-    places = places_of(NOTHING, obstacle(20.0, 10.0))
+    places = places_of(UNMATCHED, obstacle(20.0, 10.0))
     assert places.bear_out(20.0)
     assert places.contact_m == pytest.approx(20.0, abs=places.at(20.0).reach_m)
 
@@ -196,26 +205,26 @@ def test_a_thing_in_the_volume_is_warned_of_where_nothing_is_seen() -> None:
 def test_what_is_small_is_borne_out_by_its_track() -> None:
     """The frames see past it: a bird of 0.4 m covers a hundredth of a place's cross-section."""
     bird = obstacle(20.0, extent_m=[0.4, 0.4])
-    places = places_of(seen([Wall(20.0, x_m=(-0.2, 0.2), y_m=(-0.2, 0.2))], ground_y_m=8.0), bird)
+    places = places_of(scene([Wall(20.0, x_m=(-0.2, 0.2), y_m=(-0.2, 0.2))], ground_y_m=8.0), bird)
     assert places.at(20.0).shown.beyond > 0.9
     assert places.bear_out(20.0) and places.free_m < 20.0
 
 
 def test_only_what_is_confirmed_and_tracked_is_evidence() -> None:
-    silent = [places_of(NOTHING).at(20.0).probability]
+    silent = [places_of(UNMATCHED).at(20.0).probability]
     for changes in ({"confirmed": False}, {"kind": lib.VISTA_OBSTACLE_TOO_NEAR}):
-        silent.append(places_of(NOTHING, obstacle(20.0, **changes)).at(20.0).probability)
-    silent.append(places_of(NOTHING, obstacle(40.0)).at(20.0).probability)  # elsewhere
+        silent.append(places_of(UNMATCHED, obstacle(20.0, **changes)).at(20.0).probability)
+    silent.append(places_of(UNMATCHED, obstacle(40.0)).at(20.0).probability)  # elsewhere
     assert len(set(silent)) == 1
-    assert places_of(NOTHING, obstacle(20.0)).at(20.0).probability > silent[0]
+    assert places_of(UNMATCHED, obstacle(20.0)).at(20.0).probability > silent[0]
 
 
 def test_ground_that_is_met_is_warned_of() -> None:
     ground = obstacle(25.0, kind=lib.VISTA_OBSTACLE_GROUND)
-    places = places_of(NOTHING, ground)
+    places = places_of(UNMATCHED, ground)
     assert places.at(25.0).ground and not places.at(25.0).thing
     assert places.contact_m == pytest.approx(25.0, abs=places.at(25.0).reach_m)
-    assert places_of(NOTHING, ground | {"in_collision_volume": False}).contact_m is None
+    assert places_of(UNMATCHED, ground | {"in_collision_volume": False}).contact_m is None
 
 
 def test_where_no_place_is_looked_at_everything_is_borne_out() -> None:
@@ -228,7 +237,7 @@ def test_where_no_place_is_looked_at_everything_is_borne_out() -> None:
 def test_a_thing_is_beside_the_path_within_the_radius_and_half_its_width() -> None:
     """What is wider than 4 m has its middle elsewhere."""
     space = Space()
-    space.take(NOTHING, 0.0)
+    space.take(UNMATCHED, 0.0)
     for width_m in (0.1, 1.0, 3.0, 30.0):
         limit_m = RADIUS_M + 0.5 * min(width_m, WIDEST_M)
         for x_m, beside in ((limit_m - 0.01, True), (limit_m + 0.01, False)):
@@ -241,19 +250,19 @@ def test_more_evidence_is_never_less_probability() -> None:
     random = seeded(4)
     flags, counts = ("thing", "beside", "ground"), ("votes", "feet")
     space = Space()
-    space.take(NOTHING, 0.0, length_m=LENGTH_M)
+    space.take(UNMATCHED, 0.0, length_m=LENGTH_M)
     for _ in range(100):
         places = Places(space)
         less, more = places.items[:2]
-        less.shown.frames = more.shown.frames = lib.VISTA_SPACE_FRAMES
+        less.shown.frames = more.shown.frames = SPACE_FRAMES
         for name in flags:
             value = random.random() < 0.5
             setattr(less, name, value)
             setattr(more, name, value or random.random() < 0.5)
         for name in counts:
-            value = random.integers(0, lib.VISTA_SPACE_FRAMES + 1)
+            value = random.integers(0, SPACE_FRAMES + 1)
             setattr(less.shown, name, value)
-            setattr(more.shown, name, random.integers(value, lib.VISTA_SPACE_FRAMES + 1))
+            setattr(more.shown, name, random.integers(value, SPACE_FRAMES + 1))
         less.shown.beyond = random.random()
         more.shown.beyond = less.shown.beyond * random.random()
         places.judge()
@@ -271,7 +280,7 @@ def test_what_is_likely_occupied_is_neither_free_nor_unsaid() -> None:
         things = [
             obstacle(z, in_collision_volume=random.random() < 0.5) for z in random.uniform(5.0, 50.0, 2)
         ]
-        places = places_of(seen(walls, ground_y_m=random.uniform(1.5, 9.0)), *things)
+        places = places_of(scene(walls, ground_y_m=random.uniform(1.5, 9.0)), *things)
         if places.contact_m is not None:
             assert places.free_m < places.contact_m
         for place in places.items:

@@ -12,20 +12,19 @@ from space_library import (
     FOCAL_PX,
     HEIGHT,
     RADIUS_M,
+    SPACE_FRAMES,
     SPACING_S,
+    UNMATCHED,
     WIDTH,
     Look,
     Space,
     Wall,
     disparity_px,
-    seen,
+    scene,
     tolerances_off_m,
 )
-from stage_library import INVALID, camera, ffi, lib
+from stage_library import INVALID, camera, ffi
 from track_library import matched, pose
-
-FRAMES = lib.VISTA_SPACE_FRAMES
-UNMATCHED = Look(np.full((HEIGHT, WIDTH), INVALID, np.int16), np.zeros((HEIGHT, WIDTH), bool), pose())
 
 
 def shown_by(look: Look, point, radius_m: float = RADIUS_M, **given):
@@ -46,17 +45,17 @@ def test_a_wall_is_at_its_range_and_not_three_tolerances_off(width: int) -> None
         z_m = lens.focal_px * lens.baseline_m / random.uniform(5.0, 20.0)
         radius_m = 6.0 * (width / 320) * z_m / lens.focal_px  # of the picture that the map keeps, 6 px
         space = Space(lens)
-        space.watch(seen([Wall(z_m)], lens=lens))
+        space.watch(scene([Wall(z_m)], lens=lens))
         at = space.look((0.0, 0.0, z_m), radius_m)
-        assert (at.frames, at.votes, at.feet, at.beyond, at.age) == (FRAMES, FRAMES, 0, 0.0, 0)
+        assert (at.frames, at.votes, at.feet, at.beyond, at.age) == (SPACE_FRAMES, SPACE_FRAMES, 0, 0.0, 0)
         assert at.disparity_px == pytest.approx(disparity_px(lens, z_m), abs=1 / 16)
         assert at.spread_px <= 1e-6
         middle = (lens.center_u_px, lens.center_v_px)
         assert (at.u_px, at.v_px) == pytest.approx(middle, abs=2.0 + lens.width_px / 320)
         before = space.look((0.0, 0.0, tolerances_off_m(lens, z_m, -3.0)), radius_m)
-        assert (before.frames, before.votes, before.feet, before.beyond) == (FRAMES, 0, 0, 1.0)
+        assert (before.frames, before.votes, before.feet, before.beyond) == (SPACE_FRAMES, 0, 0, 1.0)
         behind = space.look((0.0, 0.0, tolerances_off_m(lens, z_m, 3.0)), radius_m)
-        assert (behind.frames, behind.votes, behind.feet, behind.beyond) == (FRAMES, 0, 0, 0.0)
+        assert (behind.frames, behind.votes, behind.feet, behind.beyond) == (SPACE_FRAMES, 0, 0, 0.0)
 
 
 def test_what_is_seen_through_is_the_share_that_nothing_nearer_covers() -> None:
@@ -66,7 +65,7 @@ def test_what_is_seen_through_is_the_share_that_nothing_nearer_covers() -> None:
         edge_m = random.uniform(-0.9, 0.9)
         walls = [Wall(10.0, x_m=(-50.0, edge_m / 2)), Wall(40.0)]
         share = (np.arccos(edge_m) - edge_m * np.sqrt(1.0 - edge_m**2)) / np.pi  # of a disc, beyond a chord
-        found = shown_by(seen(walls), (0.0, 0.0, 20.0), 1.0)
+        found = shown_by(scene(walls), (0.0, 0.0, 20.0), 1.0)
         assert found.beyond == pytest.approx(share, abs=0.06)
         assert found.votes == 0
 
@@ -78,16 +77,16 @@ def test_a_few_words_are_no_vote() -> None:
     look = Look(words, UNMATCHED.ground, pose())
     found = shown_by(look, (0.0, 0.0, 20.0))
     assert found.votes == 0 and found.beyond > 0.95
-    assert shown_by(seen([Wall(20.0)]), (0.0, 0.0, 20.0)).votes == FRAMES
+    assert shown_by(scene([Wall(20.0)]), (0.0, 0.0, 20.0)).votes == SPACE_FRAMES
 
 
 def test_sky_above_a_far_horizon_is_free() -> None:
-    ground = seen(ground_y_m=5.0)
+    ground = scene(ground_y_m=5.0)
     for z_m in (10.0, 25.0, 50.0):
         found = shown_by(ground, (0.0, -4.0, z_m))
         assert (found.votes, found.feet) == (0, 0) and found.beyond > 0.95
     nothing = shown_by(UNMATCHED, (0.0, -4.0, 25.0))
-    assert (nothing.frames, nothing.votes, nothing.feet, nothing.beyond) == (FRAMES, 0, 0, 0.0)
+    assert (nothing.frames, nothing.votes, nothing.feet, nothing.beyond) == (SPACE_FRAMES, 0, 0, 0.0)
 
 
 def test_a_plain_wall_stands_where_its_foot_is_and_hides_what_is_behind_it() -> None:
@@ -95,9 +94,9 @@ def test_a_plain_wall_stands_where_its_foot_is_and_hides_what_is_behind_it() -> 
     for _ in range(10):
         z_m = random.uniform(12.0, 35.0)
         space = Space()
-        space.watch(seen([Wall(z_m, textured=False)], ground_y_m=3.0))
+        space.watch(scene([Wall(z_m, textured=False)], ground_y_m=3.0))
         at = space.look((0.0, 0.0, z_m))
-        assert (at.frames, at.votes, at.feet) == (FRAMES, 0, FRAMES)
+        assert (at.frames, at.votes, at.feet) == (SPACE_FRAMES, 0, SPACE_FRAMES)
         assert at.disparity_px == pytest.approx(disparity_px(space.camera, z_m), abs=0.5)
         before = space.look((0.0, 0.0, tolerances_off_m(space.camera, z_m, -3.0)))
         assert (before.votes, before.feet) == (0, 0) and before.beyond > 0.9
@@ -107,19 +106,19 @@ def test_a_plain_wall_stands_where_its_foot_is_and_hides_what_is_behind_it() -> 
 
 def test_a_surface_to_fly_along_is_no_vote() -> None:
     """The same words are one where they are of something that stands."""
-    ground = seen(ground_y_m=2.0)
+    ground = scene(ground_y_m=2.0)
     stands = Look(ground.words, np.zeros_like(ground.ground), ground.pose)
     for z_m in (10.0, 20.0, 30.0):
         place = (0.0, 2.0, z_m)
         assert shown_by(ground, place, 1.0).votes == 0
-        assert shown_by(stands, place, 1.0).votes == FRAMES
+        assert shown_by(stands, place, 1.0).votes == SPACE_FRAMES
 
 
 def test_what_is_not_matched_by_the_engine_tells_nothing() -> None:
     """Whatever words are there; a place that is there is not in view. They bound no plain wall, either."""
     random = seeded(4)
     area = matched(disparity_max_px=63.0, margin_left_px=68.0, margin_px=25.0)
-    wall, bare = seen([Wall(20.0)]), seen([Wall(20.0, textured=False)])
+    wall, bare = scene([Wall(20.0)]), scene([Wall(20.0, textured=False)])
     v, u = np.indices(wall.words.shape)
     outside = (u < 68) | (u >= WIDTH - 25) | (v < 25) | (v >= HEIGHT - 25)
     noise = random.integers(-16, 1000, wall.words.shape).astype(np.int16)
@@ -136,13 +135,13 @@ def test_what_is_not_matched_by_the_engine_tells_nothing() -> None:
             assert told[0] == told[1]
     left = shown_by(wall, (-0.45 * 20.0, 0.0, 20.0), 1.0, matched=area)
     assert plain(left) == plain(ffi.new("vista_place_evidence *")[0])
-    assert shown_by(wall, (-0.45 * 20.0, 0.0, 20.0), 1.0).votes == FRAMES
+    assert shown_by(wall, (-0.45 * 20.0, 0.0, 20.0), 1.0).votes == SPACE_FRAMES
 
 
 def test_a_place_outside_of_the_image_or_behind_the_camera_is_not_in_view() -> None:
     random = seeded(5)
     space = Space()
-    space.watch(seen([Wall(20.0)]))
+    space.watch(scene([Wall(20.0)]))
     for _ in range(100):
         z_m = random.uniform(2.0, 60.0)
         aside = (random.uniform(-2.0, 2.0, 2) * z_m * (WIDTH / 2 / FOCAL_PX, HEIGHT / 2 / FOCAL_PX)).tolist()
@@ -158,10 +157,10 @@ def test_a_place_outside_of_the_image_or_behind_the_camera_is_not_in_view() -> N
 
 def test_only_the_last_frames_are_kept() -> None:
     space = Space()
-    for k in range(2 * FRAMES):
-        space.take(seen([Wall(20.0)]), 0.1 * k)
+    for k in range(2 * SPACE_FRAMES):
+        space.take(scene([Wall(20.0)]), 0.1 * k)
         found = space.look((0.0, 0.0, 20.0))
-        assert found.frames == found.votes == min(k + 1, FRAMES)
+        assert found.frames == found.votes == min(k + 1, SPACE_FRAMES)
 
 
 def test_frames_that_follow_closely_replace_one_another() -> None:
@@ -177,13 +176,13 @@ def test_frames_that_follow_closely_replace_one_another() -> None:
             apart = -np.diff(kept[1:])
             assert np.all(apart >= SPACING_S - 1e-8)
             assert np.all(apart <= SPACING_S + longest_s + 1e-8)
-            if t - t_s[0] > 2 * FRAMES * (SPACING_S + longest_s):
-                assert len(kept) == FRAMES, k
+            if t - t_s[0] > 2 * SPACE_FRAMES * (SPACING_S + longest_s):
+                assert len(kept) == SPACE_FRAMES, k
 
 
 def test_reset_forgets() -> None:
     space = Space()
-    space.watch(seen([Wall(20.0)]))
+    space.watch(scene([Wall(20.0)]))
     space.reset()
     nothing = plain(ffi.new("vista_place_evidence *")[0])
     assert plain(space.look((0.0, 0.0, 20.0))) == nothing
@@ -194,7 +193,7 @@ def test_reset_forgets() -> None:
 
 def test_the_newest_frame_that_votes_says_where() -> None:
     space, place = Space(), (0.0, 0.0, 20.0)
-    for k, words in enumerate([seen([Wall(20.0)]), seen([Wall(20.3)]), UNMATCHED, UNMATCHED]):
+    for k, words in enumerate([scene([Wall(20.0)]), scene([Wall(20.3)]), UNMATCHED, UNMATCHED]):
         space.take(words, 0.1 * k)
     found = space.look(place)
     assert (found.frames, found.votes, found.age) == (4, 2, 2)
@@ -205,7 +204,7 @@ def test_a_vote_says_where_rather_than_a_foot() -> None:
     """The newest frame has but the foot of the wall."""
     space = Space()
     for k, textured in enumerate((True, True, False)):
-        space.take(seen([Wall(20.0, textured=textured)], ground_y_m=3.0), 0.1 * k)
+        space.take(scene([Wall(20.0, textured=textured)], ground_y_m=3.0), 0.1 * k)
     found = space.look((0.0, 0.0, 20.0))
     assert (found.votes, found.feet, found.age) == (2, 1, 1)
     assert found.spread_px <= 1e-6
@@ -223,11 +222,11 @@ def test_a_place_is_the_same_from_wherever_it_is_seen() -> None:
     for _ in range(10):
         space = Space()
         board = Wall(25.0, x_m=(-1.5, 1.5), y_m=(-1.5, 1.5))
-        for k in range(FRAMES):
+        for k in range(SPACE_FRAMES):
             position, rotation = somewhere(random)
-            space.take(seen([board, Wall(80.0)], position=position, rotation=rotation), 0.1 * k)
+            space.take(scene([board, Wall(80.0)], position=position, rotation=rotation), 0.1 * k)
         at = space.look((0.0, 0.0, 25.0), 1.5)
-        assert (at.frames, at.votes) == (FRAMES, FRAMES) and at.beyond < 0.1
+        assert (at.frames, at.votes) == (SPACE_FRAMES, SPACE_FRAMES) and at.beyond < 0.1
         off_px = at.u_px - space.camera.center_u_px, at.v_px - space.camera.center_v_px
         found_m = position + rotation @ (BASELINE_M / at.disparity_px * np.array([*off_px, FOCAL_PX]))
         assert found_m == pytest.approx([0.0, 0.0, 25.0], abs=0.7)
@@ -239,8 +238,8 @@ def test_a_place_is_the_same_from_wherever_it_is_seen() -> None:
 def test_the_same_frames_show_the_same_and_numbers_whatever_the_poses() -> None:
     random = seeded(8)
     spaces = Space(), Space()
-    for k in range(3 * FRAMES):
-        look = seen([Wall(random.uniform(5.0, 40.0))], ground_y_m=2.0)
+    for k in range(3 * SPACE_FRAMES):
+        look = scene([Wall(random.uniform(5.0, 40.0))], ground_y_m=2.0)
         place = random.uniform(-1.0, 1.0, 3) * 10.0 ** random.choice([0, 2, 9, 150, 300])
         turn = Rotation.random(random_state=random).as_matrix()
         for space in spaces:
@@ -251,5 +250,5 @@ def test_the_same_frames_show_the_same_and_numbers_whatever_the_poses() -> None:
             one, other = (plain(space.look(point, radius_m)) for space in spaces)
             assert one == other
             assert all(np.isfinite(value) for value in one.values())
-            assert 0 <= one["votes"] <= one["frames"] and 0 <= one["feet"] <= one["frames"] <= FRAMES
+            assert 0 <= one["votes"] <= one["frames"] and 0 <= one["feet"] <= one["frames"] <= SPACE_FRAMES
             assert 0.0 <= one["beyond"] <= 1.0
