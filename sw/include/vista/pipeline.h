@@ -66,7 +66,7 @@ typedef struct vista_result {
   const double *stage_ms; /* stage_count numbers: the time of each stage */
   double host_ms; /* the time of the frame: of all stages together, or less where two threads work at once */
   const vista_views *views;
-  double path_seen_m; /* how far the flight path is seen: beyond, no obstacle does not mean free space */
+  double path_seen_m; /* how far the flight path is free: beyond, no obstacle does not mean free space */
   double collision_probability; /* that something is in the way where nearest_collision is; NaN if that is not known,
                                    as of what moves, or there is none */
 } vista_result;

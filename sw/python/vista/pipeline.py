@@ -182,7 +182,7 @@ class Found:
 
     @property
     def path_seen_m(self) -> float:
-        """How far the flight path is seen; beyond, no obstacle does not mean free space."""
+        """How far the flight path is free; beyond, no obstacle does not mean free space."""
         return self.outcome.path_seen_m
 
     @property

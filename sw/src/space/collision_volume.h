@@ -22,9 +22,6 @@
 #include "perceive/frame_view.h"
 #include "perceive/region/region.h"
 
-/* Of the cross-section with disparities that could be judged: as far as that the path is seen. */
-#define VISTA_SEEN_MIN_FRACTION 0.2
-
 typedef struct vista_collision_volume {
   double direction_camera[3]; /* of flight at the camera, unit length */
   double radius_m, length_m;

@@ -8,12 +8,12 @@
 
 #include "common/frame.h"
 #include "common/numbers.h"
-#include "space/collision_volume.h"
 #include "space/told.h"
 
 #define STATIONS 20
 #define SAMPLES 9 /* of a station, from the bottom to the top */
 #define LEVEL_MIN 0.2 /* sine of camera axis and vertical: a camera that looks up or down sees no level direction */
+#define TOLD_MIN 0.2 /* share of the points of a line; as many that are blocked end the direction */
 #define NEARER 0.9 /* than the station by this: before it */
 
 typedef struct view {
@@ -76,11 +76,8 @@ void vista_free_view(const vista_frame_view *frame, const vista_told *told, vist
   const vista_matched_area *const matched = &frame->matched;
   *directions = (vista_directions){.up_known = frame->up_known};
   memcpy(directions->up_camera, frame->up_camera, sizeof directions->up_camera);
-  view v = {.told = *told,
-            .camera = camera,
-            .matched = matched,
-            .radius_m = params->collision_radius_m,
-            .least = VISTA_SEEN_MIN_FRACTION};
+  view v = {
+      .told = *told, .camera = camera, .matched = matched, .radius_m = params->collision_radius_m, .least = TOLD_MIN};
   if (!make_axes(&v, directions->up_camera)) return;
   const double nearest_m = camera->focal_px * camera->baseline_m / matched->disparity_max_px;
   for (int column = 0; column < VISTA_DIRECTIONS; ++column) {
