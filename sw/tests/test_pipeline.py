@@ -3,7 +3,11 @@ lives in the memory it was given and gives the same numbers every time."""
 
 from __future__ import annotations
 
+import math
+from dataclasses import replace
+
 import board_flight as scene
+import cv2
 import numpy as np
 import pytest
 from board_flight import board_flight
@@ -17,7 +21,8 @@ from pipeline_library import (
     plain,
     snapshot,
 )
-from stage_library import ffi, lib
+from random_seed import seeded
+from stage_library import INVALID, ffi, lib
 from vista.geometry import Pose
 from vista.parameters import defaults
 from vista_eval.cell_graph import OpenPipeline
@@ -85,6 +90,26 @@ def test_the_warning_gives_distance_and_time(flight: list[dict]) -> None:
         assert nearest["time_to_collision_s"] == pytest.approx(
             source.board_distance_m / scene.SPEED_M_S, rel=0.02
         )
+
+
+def test_a_warning_comes_with_how_likely_something_is_there() -> None:
+    pipeline, warned = Pipeline(), 0
+    for source in board_flight():
+        pipeline.fly([source])
+        probability, valid = pipeline.result.collision_probability, pipeline.result.nearest_collision.valid
+        warned += valid
+        assert 0.5 < probability <= 1.0 if valid else math.isnan(probability)
+    assert warned > 3
+
+
+def test_of_what_is_too_near_to_match_no_frame_tells_how_likely_it_is() -> None:
+    random, pipeline = seeded(3), Pipeline()
+    for source in board_flight()[:6]:
+        grey = cv2.GaussianBlur(random.integers(0, 256, source.left.shape).astype(np.float32), (0, 0), 1.0)
+        texture = np.clip(120.0 + 3.0 * (grey - grey.mean()), 0, 255).astype(np.uint8)
+        pipeline.fly([replace(source, left=texture, words=np.full_like(source.words, INVALID))])
+    assert pipeline.result.nearest_collision.id == lib.VISTA_ID_TOO_NEAR
+    assert pipeline.result.nearest_collision.valid and math.isnan(pipeline.result.collision_probability)
 
 
 @pytest.mark.parametrize("with_ground", [True, False], ids=["ground", "sky"])

@@ -68,7 +68,7 @@ typedef struct vista_result {
   const vista_views *views;
   double path_seen_m; /* how far the flight path is free: beyond, no obstacle does not mean free space */
   double collision_probability; /* that something is in the way where nearest_collision is; NaN if that is not known,
-                                   as of what moves, or there is none */
+                                   as of what moves or is too near to match, or there is none */
 } vista_result;
 
 /* Returns the obstacle with this index, 0 .. obstacle_count - 1. Indexing result->obstacles does the same as long as

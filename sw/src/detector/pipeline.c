@@ -308,14 +308,26 @@ static vista_status look_along_path(vista_pipeline *p, passage *way) {
   return VISTA_OK;
 }
 
+/* Of what moves, and of what is too near to match, the places of the last frames say nothing. */
+static double collision_probability(const vista_pipeline *p) {
+  const vista_nearest_collision nearest = vista_obstacle_map_nearest(p->map);
+  int32_t count;
+  const vista_obstacle *const obstacles = vista_obstacle_map_obstacles(p->map, &count);
+  if (!nearest.valid) return NAN;
+  for (int32_t i = 0; i < count; ++i) {
+    const vista_obstacle *const o = &obstacles[i];
+    if (o->id == nearest.id && (o->kind == VISTA_OBSTACLE_TOO_NEAR || o->world == VISTA_WORLD_MOVES)) return NAN;
+  }
+  return vista_path_places_probability(&p->places, nearest.distance_m);
+}
+
 static vista_status make_map(vista_pipeline *p, passage *way) {
   vista_map_input input = {
       .terrain = &p->terrain, .blind_zone = &p->blind_zone, .space = &p->space, .places = &p->places};
   input.tracks = vista_tracker_tracks(p->tracker, &input.track_count);
   vista_obstacle_map_update(p->map, &way->frame, &input);
   way->path_seen_m = vista_path_places_free_m(&way->frame, &p->places);
-  const vista_nearest_collision nearest = vista_obstacle_map_nearest(p->map);
-  way->collision_probability = nearest.valid ? vista_path_places_probability(&p->places, nearest.distance_m) : NAN;
+  way->collision_probability = collision_probability(p);
   return VISTA_OK;
 }
 
