@@ -79,7 +79,8 @@ typedef struct vista_obstacle {
   double disparity_px; /* at the estimated position */
   bool in_collision_volume; /* it can cause a warning and is in the volume around the flight path, or about to enter */
   vista_obstacle_kind kind; /* of ground, position_m is the point that the volume meets first, extent_m twice the width
-                               of the volume there, and the height under which that part of the slope is seen */
+                               of the volume there, and the height under which that part of the slope is seen; of a
+                               place, position_m is the middle of what was matched there, extent_m the volume's width */
 } vista_obstacle;
 
 /* The nearest confirmed obstacle that meets the collision volume. */

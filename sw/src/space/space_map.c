@@ -117,7 +117,7 @@ vista_place_evidence vista_space_map_look(const vista_space_map *map, const doub
     found.feet += foot;
     found.beyond += beyond;
     if (votes && !voted) place_at(&found, e, l.at, (double[]){l.u, l.v, l.disparity, l.disparity2}, age);
-    if (foot && !votes && found.disparity_px == 0.0)
+    if (foot && found.disparity_px == 0.0)
       place_at(&found, e, l.feet, (double[]){l.foot_u, l.foot_v, l.foot_disparity, l.foot_disparity2}, age);
     voted |= votes;
   }
