@@ -13,6 +13,7 @@ import pytest
 from command_line import Vista, assert_refused, call
 from random_seed import seeded
 from vista import parameters
+from vista.geometry import Calibration
 from vista_eval.metrics import scoring_log
 from vista_eval.training.evidence import (
     EMPTY,
@@ -26,7 +27,7 @@ from vista_eval.training.evidence import (
 )
 from vista_eval.training.logistic import cross_validate, fit, probability, same_for_each
 from vista_eval.training.odds import HEADER, contacts, header, learn, reliability
-from vista_eval.training.path_truth import PathTruth
+from vista_eval.training.path_truth import PAPER_FAMILY, PathTruth, path_truth
 
 ROOT = Path(__file__).parents[3]
 DEFINED = re.compile(r"^#define VISTA_ODDS_(\w+) \(?(-?[\d.]+)\)?$", re.MULTILINE)
@@ -72,6 +73,20 @@ def test_the_truth_of_places() -> None:
     assert truth_of_places(along_m, truth, 450.0).tolist() == expected
     nothing = PathTruth(0, np.zeros(0), np.zeros(0), np.zeros(0))
     assert (truth_of_places(along_m, nothing, 450.0) == EMPTY).all()
+
+
+def test_both_layouts_of_truth_say_the_same(tmp_path: Path) -> None:
+    """At the sign, 19, 18 and 17 m ahead; others do not say what is what."""
+    folder = disk.write_flight(tmp_path / "sign", frames=3, last_range_m=17.0, split="dev")
+    camera = Calibration(disk.WIDTH, disk.HEIGHT, disk.FOCAL_PX, disk.CU, disk.CV, disk.BASELINE_M)
+    ours = path_truth(folder, camera)
+    (folder / "truth.json").write_text(json.dumps({"flight": "sign", "obstacles": []}))
+    others = path_truth(folder, camera)
+    assert (ours.family, others.family) == (PAPER_FAMILY, "sign, by others")
+    for found in (ours, others):
+        first_m = [frame.things_m[0] for frame in found.frames]
+        assert first_m == pytest.approx([19.0, 18.0, 17.0], abs=0.1)
+        assert all(len(frame.beside_m) >= len(frame.things_m) for frame in found.frames)
 
 
 def evidence(truth: list[int], **columns: list) -> FlightEvidence:
