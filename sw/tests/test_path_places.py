@@ -236,13 +236,11 @@ def test_where_no_place_is_looked_at_everything_is_borne_out() -> None:
 
 def test_a_thing_is_beside_the_path_within_the_radius_and_half_its_width() -> None:
     """What is wider than 4 m has its middle elsewhere."""
-    space = Space()
-    space.take(UNMATCHED, 0.0)
     for width_m in (0.1, 1.0, 3.0, 30.0):
         limit_m = RADIUS_M + 0.5 * min(width_m, WIDEST_M)
         for x_m, beside in ((limit_m - 0.01, True), (limit_m + 0.01, False)):
-            item = ffi.new("vista_obstacle *", obstacle(20.0, x_m, extent_m=[width_m, 1.0]))
-            assert lib.vista_path_places_is_beside(space.frame, item) == beside
+            item = obstacle(20.0, x_m, extent_m=[width_m, 1.0], in_collision_volume=False)
+            assert places_of(UNMATCHED, item).at(20.0).beside == beside
 
 
 def test_more_evidence_is_never_less_probability() -> None:

@@ -137,19 +137,14 @@ static bool at_place(const vista_frame_view *frame, const vista_space_map *space
   return true;
 }
 
-/* The confirmed obstacle on the path that stands where something was matched, the nearest to it in range; null: none. */
-static vista_obstacle *known_at(vista_obstacle_map *map, const vista_frame_view *frame, double distance_m,
-                                double reach_m) {
-  vista_obstacle *found = NULL;
+/* Whether an obstacle that is in the way stands where something was matched. One beside the path does not count: it may
+ * be another thing, or none. */
+static bool is_told(const vista_obstacle_map *map, double distance_m, double reach_m) {
   for (int32_t i = 0; i < map->count; ++i) {
-    vista_obstacle *const o = &map->obstacles[i];
-    const double off_m = fabs(o->distance_m - distance_m);
-    if (!o->confirmed || off_m > reach_m || !(o->in_collision_volume || vista_path_places_is_beside(frame, o)))
-      continue;
-    found = o;
-    reach_m = off_m;
+    const vista_obstacle *const o = &map->obstacles[i];
+    if (o->confirmed && o->in_collision_volume && fabs(o->distance_m - distance_m) <= reach_m) return true;
   }
-  return found;
+  return false;
 }
 
 static const vista_track *track_of(const vista_map_input *input, int32_t id) {
@@ -172,12 +167,7 @@ static void ask_places(vista_obstacle_map *map, const vista_frame_view *frame, c
   const vista_path_place *const contact = vista_path_places_contact(places);
   if (contact == NULL || contact->thing || contact->ground) return;
   vista_obstacle obstacle;
-  const bool matched = at_place(frame, input->space, contact, &obstacle);
-  vista_obstacle *const known =
-      known_at(map, frame, matched ? obstacle.distance_m : contact->along_m, contact->reach_m);
-  if (known != NULL)
-    known->in_collision_volume = true;
-  else if (matched)
+  if (at_place(frame, input->space, contact, &obstacle) && !is_told(map, obstacle.distance_m, contact->reach_m))
     insert(map, &obstacle);
 }
 

@@ -48,7 +48,7 @@ void vista_path_places_look(const vista_frame_view *frame, const vista_space_map
   }
 }
 
-bool vista_path_places_is_beside(const vista_frame_view *frame, const vista_obstacle *obstacle) {
+static bool is_beside(const vista_frame_view *frame, const vista_obstacle *obstacle) {
   const double half_m = 0.5 * fmin(obstacle->extent_m[0], WIDEST_M);
   return vista_flight_path_distance(&frame->path, obstacle->position_m) <
          frame->params->obstacle_map.collision_radius_m + half_m;
@@ -57,7 +57,7 @@ bool vista_path_places_is_beside(const vista_frame_view *frame, const vista_obst
 /* What an obstacle says of the places at its range. */
 static void tell(const vista_frame_view *frame, const vista_obstacle *obstacle, vista_path_places *places) {
   if (!obstacle->confirmed || obstacle->kind == VISTA_OBSTACLE_TOO_NEAR) return;
-  const bool beside = vista_path_places_is_beside(frame, obstacle);
+  const bool beside = is_beside(frame, obstacle);
   for (int32_t k = 0; k < places->count; ++k) {
     vista_path_place *const place = &places->items[k];
     if (fabs(place->along_m - obstacle->distance_m) > place->reach_m) continue;
@@ -103,8 +103,8 @@ void vista_path_places_judge(const vista_frame_view *frame, const vista_obstacle
 }
 
 bool vista_path_place_is_known(const vista_path_place *place) {
-  return place->thing || place->ground ||
-         (place->shown.frames >= FRAMES_MIN && place->reach_m < REACH_SHARE * place->along_m);
+  const bool matched = place->shown.votes >= FRAMES_MIN || place->shown.feet >= FRAMES_MIN;
+  return place->thing || place->ground || (matched && place->reach_m < REACH_SHARE * place->along_m);
 }
 
 static bool is_warned_of(const vista_path_place *place) {

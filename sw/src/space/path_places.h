@@ -49,9 +49,6 @@ typedef struct vista_path_places {
 /* Looks at the places along the path of the frame, which the map has taken already. */
 void vista_path_places_look(const vista_frame_view *frame, const vista_space_map *map, vista_path_places *places);
 
-/* Whether the middle of an obstacle is within the volume's radius and half of its own width of the path. */
-bool vista_path_places_is_beside(const vista_frame_view *frame, const vista_obstacle *obstacle);
-
 /* Adds what the obstacles of the frame say, and sets the probabilities. */
 void vista_path_places_judge(const vista_frame_view *frame, const vista_obstacle *obstacles, int32_t count,
                              vista_path_places *places);
