@@ -827,24 +827,18 @@ def test_without_anything_on_the_path_there_is_no_such_obstacle() -> None:
 
 
 def test_a_confirmed_track_stands_for_what_is_matched_at_it() -> None:
-    """In the volume, or beside the path with a part of it in the way; it is in the volume by that."""
-    space = watched(Wall(20.0))
-    own_pixels_miss = {"coasting": False, "volume_window": 0}
-    for item in (
-        track((0.0, 0.0, 20.0), 5),
-        track((2.5, 0.0, 20.3), 5, extent=(3.0, 3.0), **own_pixels_miss),
-    ):
-        mapper = MapOverSpace(space, [item])
-        assert mapper.ids == mapper.in_the_way == [5]
-        assert mapper.nearest.id == 5
+    mapper = MapOverSpace(watched(Wall(20.0)), [track((0.0, 0.0, 20.0), 5)])
+    assert mapper.ids == mapper.in_the_way == [5]
+    assert mapper.nearest.id == 5
 
 
 def test_another_track_does_not_stand_for_it() -> None:
-    """One that is not confirmed, one behind it, one that is far aside."""
+    """One that is not confirmed, one behind it, one beside the path, one that is far aside."""
     space = watched(Wall(20.0))
     for item in (
         track((0.0, 0.0, 20.0), 5, confirmed=False),
         track((0.0, 0.0, 32.0), 5),
+        track((2.5, 0.0, 20.3), 5, extent=(3.0, 3.0), coasting=False, volume_window=0),
         track((9.0, 0.0, 18.0), 5, coasting=False, volume_window=0),
     ):
         mapper = MapOverSpace(space, [item])
