@@ -34,6 +34,7 @@ def line(frame: int, **changes: Any) -> dict[str, Any]:
             "covariance_m2": [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
             "distance_m": z_m,
             "time_to_collision_s": z_m / 10.0,
+            "probability": 0.98,
         },
         "path_seen_m": 50.0,
         "velocity_camera_m_s": [0.0, 0.0, 10.0],
