@@ -87,6 +87,7 @@ def test_run_writes_what_interfaces_promise(tmp_path: Path, run_vista: Vista, ma
         "covariance_m2",
         "distance_m",
         "time_to_collision_s",
+        "probability",
     ]
     assert list(first["nearest_collision"]) == nearest_keys
     assert lines[0]["nearest_collision"] is None
