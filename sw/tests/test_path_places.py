@@ -234,6 +234,15 @@ def test_where_no_place_is_looked_at_everything_is_borne_out() -> None:
     assert not places.bear_out(20.0)
 
 
+def test_a_distance_is_as_likely_occupied_as_the_likeliest_place_there() -> None:
+    random = seeded(6)
+    places = places_of(scene([Wall(20.0)]), obstacle(12.0))
+    for distance_m in random.uniform(5.0, 40.0, 50):
+        there = [p.probability for p in places.items if abs(p.along_m - distance_m) <= p.reach_m]
+        assert lib.vista_path_places_probability(places.handle, distance_m) == max(there)
+    assert np.isnan(lib.vista_path_places_probability(places.handle, LENGTH_M + 20.0))
+
+
 def test_a_thing_is_beside_the_path_within_the_radius_and_half_its_width() -> None:
     """What is wider than 4 m has its middle elsewhere."""
     for width_m in (0.1, 1.0, 3.0, 30.0):
