@@ -1,5 +1,5 @@
-/* Written by `vista train` from 78 flights of 22 families; do not edit.
- * Digest of what was learned from: f62d6e31f927983860c70da2fe24f3eee0c86baae366c381de8900666a2323ca
+/* Written by `vista train` from 73 flights of 22 families; do not edit.
+ * Digest of what was learned from: 8721901f96f44f43989fd993d6910c558b8f4ad53f6e24b929bda31478761a1d
  *
  * Log-odds that a place on the flight path is occupied: what each piece of evidence adds (path_places.h). */
 #ifndef VISTA_SRC_SPACE_ODDS_H

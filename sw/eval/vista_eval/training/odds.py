@@ -51,8 +51,8 @@ class Odds:
     before: float  # log loss of the probabilities that the detector gives now
     families: list[FamilyHeld]
     bins: list[Bin]
-    flights: int
-    digest: str
+    flights: int  # that are learned from
+    digest: str  # of what is learned from
 
     @property
     def useless(self) -> list[str]:
@@ -95,8 +95,8 @@ def learn(flights: list[FlightEvidence]) -> Odds:
             if name in held.loss
         ],
         reliability(held.probability[learnt], y[learnt], same_for_each(group[learnt])),
-        len(flights),
-        content_sha256(x, y, group.tolist()),
+        sum(one.family not in TOLD_ONLY for one in flights),
+        content_sha256(x[learnt], y[learnt], group[learnt].tolist()),
     )
 
 
