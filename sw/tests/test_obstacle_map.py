@@ -832,6 +832,14 @@ def test_a_confirmed_track_stands_for_what_is_matched_at_it() -> None:
     assert mapper.nearest.id == 5
 
 
+def test_a_wall_at_an_angle_stands_for_what_is_matched_where_it_is_met() -> None:
+    """Its middle is 7 m behind that, and beside the path."""
+    angled = {"extent": (16.0, 6.0), "met": True, "met_m": [0.2, 0.0, 20.1], "met_sigma_m": 0.3}
+    mapper = MapOverSpace(watched(Wall(20.0)), [track((8.0, 0.0, 26.0), 5, coasting=False, **angled)])
+    assert mapper.ids == mapper.in_the_way == [5]
+    assert mapper.nearest.distance_m == pytest.approx(20.1, abs=0.1)
+
+
 def test_another_track_does_not_stand_for_it() -> None:
     """One that is not confirmed, one behind it, one beside the path, one that is far aside."""
     space = watched(Wall(20.0))

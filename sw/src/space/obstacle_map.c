@@ -137,20 +137,30 @@ static bool at_place(const vista_frame_view *frame, const vista_space_map *space
   return true;
 }
 
-/* Whether an obstacle that is in the way stands where something was matched. One beside the path does not count: it may
- * be another thing, or none. */
-static bool is_told(const vista_obstacle_map *map, double distance_m, double reach_m) {
-  for (int32_t i = 0; i < map->count; ++i) {
-    const vista_obstacle *const o = &map->obstacles[i];
-    if (o->confirmed && o->in_collision_volume && fabs(o->distance_m - distance_m) <= reach_m) return true;
-  }
-  return false;
-}
-
 static const vista_track *track_of(const vista_map_input *input, int32_t id) {
   for (int32_t i = 0; i < input->track_count; ++i)
     if (input->tracks[i].id == id) return &input->tracks[i];
   return NULL;
+}
+
+/* Of what is large, where its own pixels show that the path meets it: a wall at an angle is nearer there. */
+static double met_at_m(const vista_frame_view *frame, const vista_map_input *input, const vista_obstacle *obstacle) {
+  const vista_track *const track = obstacle->kind == VISTA_OBSTACLE_THING ? track_of(input, obstacle->id) : NULL;
+  if (track == NULL || !vista_track_is_touched(frame, track)) return obstacle->distance_m;
+  double met_m[3];
+  vista_frame_to_camera(&frame->motion.pose, track->met_m, met_m);
+  return vista_norm(met_m);
+}
+
+/* Whether an obstacle that is in the way stands where something was matched. One beside the path does not count: it may
+ * be another thing, or none. */
+static bool is_told(const vista_obstacle_map *map, const vista_frame_view *frame, const vista_map_input *input,
+                    double distance_m, double reach_m) {
+  for (int32_t i = 0; i < map->count; ++i) {
+    const vista_obstacle *const o = &map->obstacles[i];
+    if (o->confirmed && o->in_collision_volume && fabs(met_at_m(frame, input, o) - distance_m) <= reach_m) return true;
+  }
+  return false;
 }
 
 /* What stands in the way is what the places on the path bear out. What moves is not where the frames saw it. */
@@ -167,7 +177,8 @@ static void ask_places(vista_obstacle_map *map, const vista_frame_view *frame, c
   const vista_path_place *const contact = vista_path_places_contact(places);
   if (contact == NULL || contact->thing || contact->ground) return;
   vista_obstacle obstacle;
-  if (at_place(frame, input->space, contact, &obstacle) && !is_told(map, obstacle.distance_m, contact->reach_m))
+  if (at_place(frame, input->space, contact, &obstacle) &&
+      !is_told(map, frame, input, obstacle.distance_m, contact->reach_m))
     insert(map, &obstacle);
 }
 
