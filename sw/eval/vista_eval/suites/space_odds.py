@@ -70,7 +70,8 @@ def weights_table(odds: Odds) -> Table:
         rows,
         "Gain: by how many thousandths of a nat the log loss of a place rises without the piece, mean of the "
         "families, each judged by odds that it had no part in. With all pieces it is "
-        f"{1e3 * odds.log_loss:.1f} thousandths; by the odds of now, {1e3 * odds.before:.1f}.",
+        f"{1e3 * odds.log_loss:.1f} thousandths; by the odds that the detector had, from which no family "
+        f"was held back, {1e3 * odds.before:.1f}.",
         "Log-odds that a place is occupied",
     )
 
