@@ -3,6 +3,8 @@
 #include <stddef.h>
 #include <string.h>
 
+#define LOW 0.035 /* 2 degrees below the horizon: lower, there is no sky */
+#define FOOT_PX 5 /* least disparity of the ground at which something may be seen to stand */
 #define COLUMNS 320 /* of the picture, at least half as many: a place 45 m away is a disc of some 30 of them */
 
 int32_t vista_evidence_step_px(const vista_camera *camera) {
@@ -18,12 +20,16 @@ void vista_evidence_layout(vista_evidence *evidence, vista_arena *arena, const v
   const size_t count = (size_t)evidence->width * (size_t)evidence->height;
   evidence->word = vista_arena_take(arena, count, sizeof *evidence->word);
   evidence->kind = vista_arena_take(arena, count, sizeof *evidence->kind);
+  evidence->low = vista_arena_take(arena, (size_t)evidence->width, sizeof *evidence->low);
 }
 
 void vista_evidence_take(const vista_frame_view *frame, const vista_surfaces *surfaces, vista_evidence *evidence) {
   const vista_disparity_image *const words = &frame->words;
   const int32_t *const cell_of_pixel = frame->foveation->cell_of_pixel;
   const int32_t width = evidence->width, height = evidence->height, step_px = evidence->step_px;
+  const vista_camera *const camera = frame->camera;
+  const double *const up = frame->up_camera;
+  const double column_height = up[0] / camera->focal_px;
   evidence->pose = frame->motion.pose;
   evidence->t_ns = frame->t_ns;
   /* From the bottom up: the row below holds the word that bounds each column so far. */
@@ -32,8 +38,10 @@ void vista_evidence_take(const vista_frame_view *frame, const vista_surfaces *su
     const int32_t *const cells = cell_of_pixel + (ptrdiff_t)y * step_px * words->width_px;
     int16_t *const word = evidence->word + (ptrdiff_t)y * width;
     uint8_t *const kind = evidence->kind + (ptrdiff_t)y * width;
+    /* Of the line of sight at depth 1, against gravity: positive above the horizon. */
+    const double row_height = up[1] * (y * step_px - camera->center_v_px) / camera->focal_px + up[2];
     for (int32_t x = 0; x < width; ++x) {
-      if (!vista_matched_holds(&frame->matched, frame->camera, x * step_px, y * step_px, 0.0)) {
+      if (!vista_matched_holds(&frame->matched, camera, x * step_px, y * step_px, 0.0)) {
         word[x] = 0;
         kind[x] = VISTA_SIGHT_OUTSIDE;
         continue;
@@ -41,9 +49,17 @@ void vista_evidence_take(const vista_frame_view *frame, const vista_surfaces *su
       const int16_t matched = row[x * step_px];
       const int16_t below = y + 1 < height ? word[x + width] : 0;
       word[x] = matched > 0 ? matched : below;
-      kind[x] = matched <= 0                               ? (below > 0 ? VISTA_SIGHT_BOUNDED : VISTA_SIGHT_UNBOUNDED)
-                : surfaces->horizontal[cells[x * step_px]] ? VISTA_SIGHT_LEVEL
-                                                           : VISTA_SIGHT_WORD;
+      const double height_of_ray = row_height + column_height * (x * step_px - camera->center_u_px);
+      if (matched > 0) evidence->low[x] = height_of_ray < -LOW && matched < FOOT_PX * VISTA_DISPARITY_SCALE;
+      if (matched > 0)
+        kind[x] = surfaces->horizontal[cells[x * step_px]] ? VISTA_SIGHT_LEVEL : VISTA_SIGHT_WORD;
+      else if (below <= 0)
+        kind[x] = VISTA_SIGHT_UNBOUNDED;
+      else
+        kind[x] = VISTA_SIGHT_BOUNDED;
+      if (kind[x] == VISTA_SIGHT_BOUNDED && evidence->low[x] && height_of_ray > 0.0)
+        for (int32_t k = 0; y + k < height && kind[x + (ptrdiff_t)k * width] == VISTA_SIGHT_BOUNDED; ++k)
+          kind[x + (ptrdiff_t)k * width] = VISTA_SIGHT_HANGING;
     }
   }
 }

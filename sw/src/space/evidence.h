@@ -2,7 +2,8 @@
  *
  * A picture of a few hundred columns stands for the frame. A pixel of it has the disparity that was matched there, and
  * if none was, that of the nearest word below it in its column, which bounds what has no texture: the sky ends at what
- * is farthest, a plain wall at the ground before its foot. */
+ * is farthest, a plain wall at the ground before its foot. What reaches from well below the horizon to above it is no
+ * sky; and if the word that bounds it is too far to be the ground at its foot, it may hang anywhere. */
 #ifndef VISTA_EVIDENCE_H
 #define VISTA_EVIDENCE_H
 
@@ -18,16 +19,18 @@ typedef enum vista_sight_kind {
   VISTA_SIGHT_WORD = 0, /* matched, and not on a surface to fly along */
   VISTA_SIGHT_LEVEL,    /* matched, on a surface to fly along */
   VISTA_SIGHT_BOUNDED,  /* not matched; a word lies below it */
+  VISTA_SIGHT_HANGING, /* the same, if that word is far and yet well below the horizon, and the surface reaches above it */
   VISTA_SIGHT_UNBOUNDED, /* not matched, nor anything below it */
-  VISTA_SIGHT_OUTSIDE    /* of the part of the image that the engine matches */
+  VISTA_SIGHT_OUTSIDE /* of the part of the image that the engine matches */
 } vista_sight_kind;
 
 typedef struct vista_evidence {
   vista_pose pose; /* of the camera in the world */
   int64_t t_ns;
   int32_t width, height, step_px; /* of the picture; its pixel (x, y) is that of the image at step_px times (x, y) */
-  int16_t *word;                  /* height * width: 1/16 px; 0: unbounded */
-  uint8_t *kind;                  /* height * width: vista_sight_kind */
+  int16_t *word; /* height * width: 1/16 px; 0: unbounded */
+  uint8_t *kind; /* height * width: vista_sight_kind */
+  bool *low; /* scratch, width: the word that bounds this column is far and lies well below the horizon */
 } vista_evidence;
 
 /* Pixels of the image from one of the picture to the next. */

@@ -79,12 +79,12 @@ static looks look_through(const vista_evidence *e, const vista_camera *camera, c
       if (e->kind[i] == VISTA_SIGHT_OUTSIDE) continue;
       ++l.all;
       if (e->kind[i] == VISTA_SIGHT_UNBOUNDED) continue;
-      if (word < nearest) ++l.beyond;
+      if (word < nearest && e->kind[i] != VISTA_SIGHT_HANGING) ++l.beyond;
       if (word < nearest || word > farthest) continue;
       if (e->kind[i] == VISTA_SIGHT_WORD) {
         ++l.at;
         l.u += column, l.v += row, l.disparity += px, l.disparity2 += px * px;
-      } else if (e->kind[i] == VISTA_SIGHT_BOUNDED) {
+      } else if (e->kind[i] == VISTA_SIGHT_BOUNDED || e->kind[i] == VISTA_SIGHT_HANGING) {
         ++l.feet;
         l.foot_u += column, l.foot_v += row, l.foot_disparity += px, l.foot_disparity2 += px * px;
       }
