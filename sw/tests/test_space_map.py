@@ -105,8 +105,8 @@ def test_a_plain_wall_stands_where_its_foot_is_and_hides_what_is_behind_it() -> 
 
 
 def test_what_hangs_before_the_horizon_is_no_sky() -> None:
-    """A plain board 15 m ahead whose lower edge is 1 m below the path: the ground that shows below it is as far
-    as below the sky, and yet nobody knows how far the board is."""
+    """A plain board 15 m ahead whose lower edge is 1 m below the path: the ground that shows below it is far,
+    as it is below the sky."""
     board = Wall(15.0, (-6.0, 6.0), (-20.0, 1.0), textured=False)
     for z_m in (6.0, 10.0, 14.0):
         assert shown_by(scene([board], ground_y_m=8.0), (0.0, 0.0, z_m)).beyond < 0.4

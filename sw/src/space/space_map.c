@@ -84,7 +84,7 @@ static looks look_through(const vista_evidence *e, const vista_camera *camera, c
       if (e->kind[i] == VISTA_SIGHT_WORD) {
         ++l.at;
         l.u += column, l.v += row, l.disparity += px, l.disparity2 += px * px;
-      } else if (e->kind[i] == VISTA_SIGHT_BOUNDED || e->kind[i] == VISTA_SIGHT_HANGING) {
+      } else if (e->kind[i] == VISTA_SIGHT_BOUNDED) {
         ++l.feet;
         l.foot_u += column, l.foot_v += row, l.foot_disparity += px, l.foot_disparity2 += px * px;
       }
