@@ -110,7 +110,7 @@ class Space:
 
     @property
     def times_s(self) -> list[float]:
-        """Of the frames that are kept, the newest first."""
+        """Times of the frames that are kept, the newest first."""
         ages = range(self.handle.count)
         return [lib.vista_space_map_frame(self.handle, age).t_ns / SECOND for age in ages]
 

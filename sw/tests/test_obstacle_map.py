@@ -883,7 +883,7 @@ def test_what_is_not_confirmed_is_in_the_way_where_the_frames_do_not_see_through
 
 
 def test_there_is_room_for_all_that_has_no_track() -> None:
-    """Beside as many tracks as there may be; nearest first."""
+    """The map has room for as many tracks as there may be and a place; nearest first."""
     random = seeded(13)
     too_near = ffi.new("vista_blind_zone *", {"occupied": True, "range_m": 5.0})
     tracks = [track((random.uniform(8, 12), 0, random.uniform(5, 60)), 1 + k) for k in range(8)]

@@ -84,7 +84,7 @@ def obstacle(along_m: float, x_m: float = 0.0, **changes) -> dict:
 
 
 def test_every_point_of_the_path_is_within_reach_of_a_place() -> None:
-    """From the first one on, up to where disparities say nothing or to the end of the path."""
+    """Points from the first place on, up to where disparities say nothing or to the end of the path."""
     random = seeded(1)
     for _ in range(30):
         lens = camera(WIDTH, HEIGHT, random.uniform(200.0, 1200.0), random.uniform(0.1, 1.0))
@@ -253,7 +253,7 @@ def test_a_thing_is_beside_the_path_within_the_radius_and_half_its_width() -> No
 
 
 def test_more_evidence_is_never_less_probability() -> None:
-    """Of any two places of which one has all that the other has."""
+    """Any two places of which one has all that the other has are compared."""
     random = seeded(4)
     flags, counts = ("thing", "beside", "ground"), ("votes", "feet")
     space = Space()
@@ -277,7 +277,7 @@ def test_more_evidence_is_never_less_probability() -> None:
 
 
 def test_what_is_likely_occupied_is_neither_free_nor_unsaid() -> None:
-    """Up to where the path is free nothing is warned of, whatever is seen and told."""
+    """Nothing is warned of up to where the path is free, whatever is seen and told."""
     random = seeded(5)
     for _ in range(30):
         walls = [

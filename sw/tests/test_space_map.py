@@ -38,7 +38,7 @@ def shown_by(look: Look, point, radius_m: float = RADIUS_M, **given):
 
 @pytest.mark.parametrize("width", [WIDTH, 1280])
 def test_a_wall_is_at_its_range_and_not_three_tolerances_off(width: int) -> None:
-    """Before it there is room to see through; behind it nothing is known."""
+    """There is room to see through before it; behind it nothing is known."""
     random = seeded(1)
     for _ in range(8):
         lens = camera(width, HEIGHT, random.uniform(300.0, 600.0), random.uniform(0.2, 0.6))
@@ -226,7 +226,7 @@ def somewhere(random: np.random.Generator):
 
 
 def test_a_place_is_the_same_from_wherever_it_is_seen() -> None:
-    """In the world: the board is found at its place, and nothing before it or beside it."""
+    """The board is found at its place in the world, and nothing before it or beside it."""
     random = seeded(7)
     for _ in range(10):
         space = Space()

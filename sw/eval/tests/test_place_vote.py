@@ -15,14 +15,14 @@ CAMERA = Calibration(320, 240, 500.0, 159.5, 119.5, 0.4572)
 
 
 def words_at(depth_m: float, part: slice = slice(None)) -> Disparity:
-    """Of a wall across the view; only in these columns."""
+    """Words of a wall across the view; only in these columns."""
     words = np.full((CAMERA.height, CAMERA.width), INVALID, np.int16)
     words[:, part] = round(SCALE * CAMERA.focal_px * CAMERA.baseline_m / depth_m)
     return words
 
 
 def flown(empty: int = 0) -> deque:
-    """At a wall 30 m ahead, a metre nearer in each frame; the newest ones have no words."""
+    """A flight at a wall 30 m ahead, a metre nearer in each frame; the newest ones have no words."""
     kept: deque = deque(maxlen=FRAMES)
     for k in range(FRAMES):
         words = words_at(35.0 - k) if k < FRAMES - empty else words_at(1e9, slice(0))

@@ -34,7 +34,7 @@ DEFINED = re.compile(r"^#define VISTA_ODDS_(\w+) \(?(-?[\d.]+)\)?$", re.MULTILIN
 
 
 def test_one_piece_has_the_odds_of_its_table() -> None:
-    """Of 10,000 entries without it 1,000 are occupied, of 5,000 with it 4,000: log-odds of -2.20 and 1.39."""
+    """1,000 of 10,000 entries without it are occupied, 4,000 of 5,000 with it: log-odds of -2.20 and 1.39."""
     x = np.repeat([0.0, 1.0], (10_000, 5_000))[:, np.newaxis]
     y = np.concatenate([np.arange(10_000) < 1_000, np.arange(5_000) < 4_000]).astype(np.int64)
     prior, weight = fit(x, y, np.ones(15_000))
@@ -76,7 +76,7 @@ def test_the_truth_of_places() -> None:
 
 
 def test_both_layouts_of_truth_say_the_same(tmp_path: Path) -> None:
-    """At the sign, 19, 18 and 17 m ahead; others do not say what is what."""
+    """Contacts at the sign, 19, 18 and 17 m ahead; others do not say what is what."""
     folder = disk.write_flight(tmp_path / "sign", frames=3, last_range_m=17.0, split="dev")
     camera = Calibration(disk.WIDTH, disk.HEIGHT, disk.FOCAL_PX, disk.CU, disk.CV, disk.BASELINE_M)
     ours = path_truth(folder, camera)
@@ -90,7 +90,7 @@ def test_both_layouts_of_truth_say_the_same(tmp_path: Path) -> None:
 
 
 def evidence(truth: list[int], **columns: list) -> FlightEvidence:
-    """Of one frame, with places 10 m apart from 10 m on."""
+    """Evidence of one frame, with places 10 m apart from 10 m on."""
     n = len(truth)
     usual = {"frame": [0] * n, "along_m": [10.0 * (k + 1) for k in range(n)], "pieces": [[0.0] * 6] * n}
     usual |= {"known": [True] * n, "told": [0.0] * n, "truth": truth, "reach_m": [1.0] * n}
