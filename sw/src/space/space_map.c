@@ -46,12 +46,49 @@ void vista_space_map_add(vista_space_map *map, const vista_frame_view *frame, co
   vista_evidence_take(frame, surfaces, &map->frames[map->newest]);
 }
 
+/* What was matched at a place: sums over its lines of sight, in pixels of the picture and 1/16 px. */
+typedef struct matched {
+  int32_t count;
+  int64_t u, v, word, word2;
+} matched;
+
+static inline void add_match(matched *m, int32_t column, int32_t row, int32_t word) {
+  ++m->count;
+  m->u += column;
+  m->v += row;
+  m->word += word;
+  m->word2 += (int64_t)word * word;
+}
+
 /* How the lines of sight of one frame end that lead to a disc. */
 typedef struct looks {
-  int32_t asked, all, at, beyond, feet;
-  double u, v, disparity, disparity2; /* sums over those that end at the place, pixels of the picture and px */
-  double foot_u, foot_v, foot_disparity, foot_disparity2;
+  int32_t asked, all, beyond;
+  matched at, feet;
 } looks;
+
+/* The disc of a place in the picture of a frame, and the words that are at it. */
+typedef struct disc {
+  double u, v, reach, step;
+  int32_t nearest, farthest; /* 1/16 px, both included */
+} disc;
+
+static inline void look_at(const vista_evidence *e, const disc *d, int32_t column, int32_t row, looks *l) {
+  const ptrdiff_t i = (ptrdiff_t)row * e->width + column;
+  const int32_t word = e->word[i];
+  const uint8_t kind = e->kind[i];
+  if (kind == VISTA_SIGHT_OUTSIDE) return;
+  ++l->all;
+  if (kind == VISTA_SIGHT_UNBOUNDED) return;
+  if (word < d->nearest)
+    l->beyond += kind != VISTA_SIGHT_HANGING;
+  else if (word <= d->farthest && kind == VISTA_SIGHT_WORD)
+    add_match(&l->at, column, row, word);
+  else if (word <= d->farthest && kind == VISTA_SIGHT_BOUNDED)
+    add_match(&l->feet, column, row, word);
+}
+
+/* Steps from `first` on to the first one that is at least at `least`. */
+static inline double steps_to(double first, double step, double least) { return ceil((least - first) / step); }
 
 static looks look_through(const vista_evidence *e, const vista_camera *camera, const double point_m[3],
                           double radius_m) {
@@ -60,45 +97,35 @@ static looks look_through(const vista_evidence *e, const vista_camera *camera, c
   vista_frame_to_camera(&e->pose, point_m, c);
   if (!(c[2] >= DEPTH_MIN_M)) return l;
   const double scale = camera->focal_px / c[2], wanted_px = scale * camera->baseline_m;
-  const double u = (camera->center_u_px + scale * c[0]) / e->step_px;
-  const double v = (camera->center_v_px + scale * c[1]) / e->step_px;
-  const double reach = scale * radius_m / e->step_px, step = fmax(1.0, 2.0 * reach / SAMPLES);
   const double tolerance_px = fmax(TOLERANCE_PX, TOLERANCE_SHARE * wanted_px);
-  const double nearest = (wanted_px - tolerance_px) * VISTA_DISPARITY_SCALE;
-  const double farthest = (wanted_px + tolerance_px) * VISTA_DISPARITY_SCALE;
-  const double top = v - reach + 0.5 * step, left = u - reach + 0.5 * step;
-  if (!(u + reach >= 0.0 && u - reach < e->width && v + reach >= 0.0 && v - reach < e->height)) return l;
-  for (double y = top; y < v + reach; y += step) {
-    for (double x = left; x < u + reach; x += step) {
-      if ((y - v) * (y - v) + (x - u) * (x - u) > reach * reach) continue;
-      ++l.asked;
-      if (!(y > -0.5 && y < e->height - 0.5 && x > -0.5 && x < e->width - 0.5)) continue;
-      const int32_t row = (int32_t)(y + 0.5), column = (int32_t)(x + 0.5);
-      const ptrdiff_t i = (ptrdiff_t)row * e->width + column;
-      const double word = e->word[i], px = word / VISTA_DISPARITY_SCALE;
-      if (e->kind[i] == VISTA_SIGHT_OUTSIDE) continue;
-      ++l.all;
-      if (e->kind[i] == VISTA_SIGHT_UNBOUNDED) continue;
-      if (word < nearest && e->kind[i] != VISTA_SIGHT_HANGING) ++l.beyond;
-      if (word < nearest || word > farthest) continue;
-      if (e->kind[i] == VISTA_SIGHT_WORD) {
-        ++l.at;
-        l.u += column, l.v += row, l.disparity += px, l.disparity2 += px * px;
-      } else if (e->kind[i] == VISTA_SIGHT_BOUNDED) {
-        ++l.feet;
-        l.foot_u += column, l.foot_v += row, l.foot_disparity += px, l.foot_disparity2 += px * px;
-      }
-    }
+  disc d = {.u = (camera->center_u_px + scale * c[0]) / e->step_px,
+            .v = (camera->center_v_px + scale * c[1]) / e->step_px,
+            .reach = scale * radius_m / e->step_px};
+  d.step = fmax(1.0, 2.0 * d.reach / SAMPLES);
+  d.nearest = (int32_t)ceil(fmin((wanted_px - tolerance_px) * VISTA_DISPARITY_SCALE, INT16_MAX));
+  d.farthest = (int32_t)floor(fmin((wanted_px + tolerance_px) * VISTA_DISPARITY_SCALE, INT16_MAX));
+  if (!(d.u + d.reach >= 0.0 && d.u - d.reach < e->width && d.v + d.reach >= 0.0 && d.v - d.reach < e->height))
+    return l;
+  const double top = d.v - d.reach + 0.5 * d.step, left = d.u - d.reach + 0.5 * d.step;
+  for (double y = top; y < d.v + d.reach; y += d.step) {
+    const double half = sqrt(fmax(vista_square(d.reach) - vista_square(y - d.v), 0.0));
+    const double first = steps_to(left, d.step, d.u - half), beyond = steps_to(left, d.step, d.u + half);
+    l.asked += (int32_t)(beyond - first);
+    if (!(y > -0.5 && y < e->height - 0.5)) continue;
+    const int32_t row = (int32_t)(y + 0.5);
+    const double from = fmax(first, steps_to(left, d.step, -0.5));
+    const double to = fmin(beyond, steps_to(left, d.step, e->width - 0.5));
+    for (double k = from; k < to; ++k) look_at(e, &d, (int32_t)(left + k * d.step + 0.5), row, &l);
   }
   return l;
 }
 
-static void place_at(vista_place_evidence *found, const vista_evidence *e, double count, const double sums[4],
-                     int32_t age) {
-  found->u_px = sums[0] / count * e->step_px;
-  found->v_px = sums[1] / count * e->step_px;
-  found->disparity_px = sums[2] / count;
-  found->spread_px = sqrt(fmax(sums[3] / count - vista_square(found->disparity_px), 0.0));
+static void place_at(vista_place_evidence *found, const vista_evidence *e, const matched *m, int32_t age) {
+  const double count = m->count, word = (double)m->word / count;
+  found->u_px = (double)m->u / count * e->step_px;
+  found->v_px = (double)m->v / count * e->step_px;
+  found->disparity_px = word / VISTA_DISPARITY_SCALE;
+  found->spread_px = sqrt(fmax((double)m->word2 / count - word * word, 0.0)) / VISTA_DISPARITY_SCALE;
   found->age = age;
 }
 
@@ -110,15 +137,14 @@ vista_place_evidence vista_space_map_look(const vista_space_map *map, const doub
     const looks l = look_through(e, &map->camera, point_m, radius_m);
     if (l.all < IN_VIEW_MIN || l.all < IN_VIEW_SHARE * l.asked) continue;
     const double beyond = (double)l.beyond / l.all;
-    const bool votes = l.at >= fmax(VOTE_MIN, VOTE_SHARE * l.all);
-    const bool foot = l.feet >= FOOT_SHARE * l.all && beyond < FOOT_BEYOND;
+    const bool votes = l.at.count >= fmax(VOTE_MIN, VOTE_SHARE * l.all);
+    const bool foot = l.feet.count >= FOOT_SHARE * l.all && beyond < FOOT_BEYOND;
     ++found.frames;
     found.votes += votes;
     found.feet += foot;
     found.beyond += beyond;
-    if (votes && !voted) place_at(&found, e, l.at, (double[]){l.u, l.v, l.disparity, l.disparity2}, age);
-    if (foot && found.disparity_px == 0.0)
-      place_at(&found, e, l.feet, (double[]){l.foot_u, l.foot_v, l.foot_disparity, l.foot_disparity2}, age);
+    if (votes && !voted) place_at(&found, e, &l.at, age);
+    if (foot && found.disparity_px == 0.0) place_at(&found, e, &l.feet, age);
     voted |= votes;
   }
   if (found.frames > 0) found.beyond /= found.frames;
