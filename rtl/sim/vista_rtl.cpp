@@ -256,7 +256,8 @@ int64_t vista_rtl_stream(vista_rtl* engine, const uint32_t* beats, int64_t num_i
     }
     e.edge();
   }
-  e.left_over = t.s_axis_tvalid = offered || e.left_over;
+  e.left_over = offered || e.left_over;
+  t.s_axis_tvalid = e.left_over;
   t.m_axis_tready = 0;
   t.eval();
   *num_taken = taken;
