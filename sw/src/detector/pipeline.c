@@ -308,7 +308,8 @@ static vista_status look_along_path(vista_pipeline *p, passage *way) {
   return VISTA_OK;
 }
 
-/* Of what moves, and of what is too near to match, the places of the last frames say nothing. */
+/* How likely something is where the nearest collision is. The places of the last frames say nothing of what moves, nor of
+ * what is too near to match. */
 static double collision_probability(const vista_pipeline *p) {
   const vista_nearest_collision nearest = vista_obstacle_map_nearest(p->map);
   int32_t count;

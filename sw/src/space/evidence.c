@@ -34,14 +34,14 @@ void vista_evidence_take(const vista_frame_view *frame, const vista_surfaces *su
   evidence->t_ns = frame->t_ns;
   const vista_margins margins = vista_matched_margins(&frame->matched, 0.0);
   const double left_px = margins.left_px, right_px = camera->width_px - 1 - margins.other_px;
-  /* From the bottom up: the row below holds the word that bounds each column so far. */
+  /* Rows are taken from the bottom up: the one below holds the word that bounds each column so far. */
   for (int32_t y = height - 1; y >= 0; --y) {
     const int16_t *const row = words->data + (ptrdiff_t)y * step_px * words->stride;
     const int32_t *const cells = cell_of_pixel + (ptrdiff_t)y * step_px * words->width_px;
     int16_t *const word = evidence->word + (ptrdiff_t)y * width;
     uint8_t *const kind = evidence->kind + (ptrdiff_t)y * width;
     const bool outside = y * step_px < margins.other_px || y * step_px > camera->height_px - 1 - margins.other_px;
-    /* Of the line of sight at depth 1, against gravity: positive above the horizon. */
+    /* Height of the line of sight at depth 1, against gravity: positive above the horizon. */
     const double row_height = up[1] * (y * step_px - camera->center_v_px) / camera->focal_px + up[2];
     for (int32_t x = 0; x < width; ++x) {
       if (x * step_px < left_px || x * step_px > right_px || outside) {

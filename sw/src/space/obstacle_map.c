@@ -143,7 +143,8 @@ static const vista_track *track_of(const vista_map_input *input, int32_t id) {
   return NULL;
 }
 
-/* Of what is large, where its own pixels show that the path meets it: a wall at an angle is nearer there. */
+/* The distance of an obstacle; of a large one, of the point where its own pixels show that the path meets it: a wall at
+ * an angle is nearer there. */
 static double met_at_m(const vista_frame_view *frame, const vista_map_input *input, const vista_obstacle *obstacle) {
   const vista_track *const track = obstacle->kind == VISTA_OBSTACLE_THING ? track_of(input, obstacle->id) : NULL;
   if (track == NULL || !vista_track_is_touched(frame, track)) return obstacle->distance_m;
@@ -182,7 +183,7 @@ static void ask_places(vista_obstacle_map *map, const vista_frame_view *frame, c
     insert(map, &obstacle);
 }
 
-/* Of what lies on the ground that is warned of, what is met is said already. */
+/* Takes out what lies on ground that is warned of: where that is met is said already. */
 static void leave_to_ground(vista_obstacle_map *map, const vista_frame_view *frame, const vista_map_input *input) {
   for (int32_t i = 0; i < map->count; ++i) {
     vista_obstacle *const o = &map->obstacles[i];

@@ -32,7 +32,7 @@ typedef struct vista_place_evidence {
   int32_t votes;  /* of these, in which something is matched at it */
   int32_t feet;   /* of these, in which something without texture stands on ground that is matched there */
   double beyond;  /* share of the lines of sight that are known to go on beyond it, mean of the frames */
-  /* Of the newest frame that votes, or else shows a foot: what is matched there. */
+  /* What is matched there in the newest frame that votes, or else in the newest that shows a foot. */
   double u_px, v_px, disparity_px; /* mean; disparity_px 0: there is no such frame */
   double spread_px;                /* standard deviation of the disparity */
   int32_t age;                     /* of that frame: 0 is the newest */
