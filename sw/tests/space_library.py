@@ -77,7 +77,7 @@ class Space:
         self.frame = None
 
     def take(self, look: Look, t_s: float, velocity=None, length_m: float = 100.0, **given) -> None:
-        """given: members of the frame's view."""
+        """given: members of the frame's view; its levels, if none are given: the words."""
         horizontal = view(self._surfaces.horizontal, self.foveation.node_count, np.uint8)
         ground = np.zeros(self.foveation.node_count)
         np.add.at(ground, self.foveation.cell_of_pixel[look.ground], 1)
@@ -93,7 +93,7 @@ class Space:
             path=flight_path(moved, length_m),
             t_ns=round(t_s * SECOND),
             words=look.words,
-            **given,
+            **({"levels": [look.words]} | given),
         )
         lib.vista_space_map_add(self.handle, self.frame, self._surfaces)
 

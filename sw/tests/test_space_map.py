@@ -80,6 +80,34 @@ def test_a_few_words_are_no_vote() -> None:
     assert shown_by(scene([Wall(20.0)]), (0.0, 0.0, 20.0)).votes == SPACE_FRAMES
 
 
+@pytest.mark.parametrize("width", [WIDTH, 640, 1280])
+def test_a_wire_that_only_the_engine_has_words_of_is_at_its_range(width: int) -> None:
+    """One row of words that the filters have dropped; in the others what is behind it, or nothing."""
+    lens = camera(width, 240, 300.0, 0.8)
+    for row in range(100, 104):
+        for behind in (scene([Wall(60.0)], lens=lens), scene(ground_y_m=8.0, lens=lens)):
+            own = behind.words.copy()
+            own[row] = round(16.0 * disparity_px(lens, 30.0))
+            place = (0.0, (row - lens.center_v_px) * 30.0 / lens.focal_px, 30.0)
+            space = Space(lens)
+            space.watch(behind, levels=[own])
+            found = space.look(place, 1.0)
+            assert found.votes == SPACE_FRAMES
+            assert found.disparity_px == pytest.approx(disparity_px(lens, 30.0), abs=0.1)
+            space.reset()
+            space.watch(behind)
+            assert space.look(place, 1.0).votes == 0
+
+
+def test_what_only_the_engine_has_words_of_bounds_nothing() -> None:
+    """Words by chance at the lower edge of the sky leave the sky as far away as the ground is there."""
+    ground = scene(ground_y_m=5.0)
+    own = ground.words.copy()
+    own[118, ::3] = round(16.0 * FOCAL_PX * BASELINE_M / 15.0)
+    found = shown_by(ground, (0.0, -4.0, 25.0), levels=[own])
+    assert found.votes == 0 and found.beyond > 0.95
+
+
 def test_sky_above_a_far_horizon_is_free() -> None:
     ground = scene(ground_y_m=5.0)
     for z_m in (10.0, 25.0, 50.0):

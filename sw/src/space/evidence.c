@@ -5,6 +5,7 @@
 
 #define LOW 0.035 /* 2 degrees below the horizon: lower, there is no sky */
 #define FOOT_PX 5 /* least disparity of the ground at which something may be seen to stand */
+#define THIN_PX 1 /* by which the engine's own word is nearer than what else is there */
 #define COLUMNS 320 /* of the picture, at least half as many: a place 45 m away is a disc of some 30 of them */
 
 int32_t vista_evidence_step_px(const vista_camera *camera) {
@@ -20,7 +21,39 @@ void vista_evidence_layout(vista_evidence *evidence, vista_arena *arena, const v
   const size_t count = (size_t)evidence->width * (size_t)evidence->height;
   evidence->word = vista_arena_take(arena, count, sizeof *evidence->word);
   evidence->kind = vista_arena_take(arena, count, sizeof *evidence->kind);
+  evidence->nearest = vista_arena_take(arena, (size_t)camera->width_px, sizeof *evidence->nearest);
   evidence->low = vista_arena_take(arena, (size_t)evidence->width, sizeof *evidence->low);
+}
+
+/* The nearest word of each column of the image in the rows of one row of the picture. */
+static void nearest_of_rows(const vista_disparity_image *words, int32_t first, int32_t rows,
+                            int16_t *restrict nearest) {
+  const int16_t *restrict row = words->data + (ptrdiff_t)first * words->stride;
+  memcpy(nearest, row, (size_t)words->width_px * sizeof *nearest);
+  for (int32_t k = 1; k < rows; ++k) {
+    row += words->stride;
+    for (int32_t u = 0; u < words->width_px; ++u) nearest[u] = row[u] > nearest[u] ? row[u] : nearest[u];
+  }
+}
+
+static void add_thin(const vista_disparity_image *words, vista_evidence *evidence) {
+  const int32_t step_px = evidence->step_px;
+  for (int32_t y = 0; y < evidence->height; ++y) {
+    const int32_t left_rows = words->height_px - y * step_px;
+    nearest_of_rows(words, y * step_px, left_rows < step_px ? left_rows : step_px, evidence->nearest);
+    int16_t *const word = evidence->word + (ptrdiff_t)y * evidence->width;
+    uint8_t *const kind = evidence->kind + (ptrdiff_t)y * evidence->width;
+    for (int32_t x = 0; x < evidence->width; ++x) {
+      const int32_t left_columns = words->width_px - x * step_px,
+                    columns = left_columns < step_px ? left_columns : step_px;
+      int16_t own = 0;
+      for (int32_t k = 0; k < columns; ++k)
+        own = evidence->nearest[x * step_px + k] > own ? evidence->nearest[x * step_px + k] : own;
+      if (kind[x] == VISTA_SIGHT_OUTSIDE || own <= word[x] + THIN_PX * VISTA_DISPARITY_SCALE) continue;
+      word[x] = own;
+      kind[x] = VISTA_SIGHT_WORD;
+    }
+  }
 }
 
 void vista_evidence_take(const vista_frame_view *frame, const vista_surfaces *surfaces, vista_evidence *evidence) {
@@ -65,4 +98,5 @@ void vista_evidence_take(const vista_frame_view *frame, const vista_surfaces *su
           kind[x + (ptrdiff_t)k * width] = VISTA_SIGHT_HANGING;
     }
   }
+  add_thin(&frame->levels[0], evidence);
 }

@@ -3,7 +3,11 @@
  * A picture of a few hundred columns stands for the frame. A pixel of it has the disparity that was matched there, and
  * if none was, that of the nearest word below it in its column, which bounds what has no texture: the sky ends at what
  * is farthest, a plain wall at the ground before its foot. What reaches from well below the horizon to above it is no
- * sky; and if the word that bounds it is too far to be the ground at its foot, it may hang anywhere. */
+ * sky; and if the word that bounds it is too far to be the ground at its foot, it may hang anywhere.
+ *
+ * What is as thin as a wire is lost where words are filtered, and where every other pixel is left out. So the nearest of
+ * the engine's own words in a pixel of the picture counts where it is nearer than what else is there. Many of these are
+ * matched by chance: they bound nothing, and only what several frames match at one place is believed (space_map.h). */
 #ifndef VISTA_EVIDENCE_H
 #define VISTA_EVIDENCE_H
 
@@ -30,6 +34,7 @@ typedef struct vista_evidence {
   int32_t width, height, step_px; /* of the picture; its pixel (x, y) is that of the image at step_px times (x, y) */
   int16_t *word; /* height * width: 1/16 px; 0: unbounded */
   uint8_t *kind; /* height * width: vista_sight_kind */
+  int16_t *nearest; /* scratch, width of the image */
   bool *low; /* scratch, width: the word that bounds this column is far and lies well below the horizon */
 } vista_evidence;
 
