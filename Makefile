@@ -65,7 +65,7 @@ setup: .venv/run.stamp ## install the pinned Python packages and the command .ve
 .venv/docs.stamp: $(REQUIREMENTS)/docs.txt .venv/run.stamp
 	@$(SETUP) docs
 
-setup-jobs: .venv/jobs.stamp ## install what `--cluster` and `vista dataset` need besides: Dask, pyarrow and fsspec
+setup-jobs: .venv/jobs.stamp ## install what `--cluster` needs besides: Dask
 
 setup-browser: ## fetch Chromium for the tests of HTML pages, unless one is installed (Debian, 125 MB); they are skipped without
 	@scripts/setup_browser.sh

@@ -2,7 +2,7 @@
 
     pip install dask-jobqueue        # into the environment of VISTA, on a file system that all nodes see
     python slurm.py --workers 200 --account PROJECT
-    vista dataset /scratch/recordings --out /scratch/result --cluster tcp://LOGIN-NODE:8786
+    vista worlds /scratch/worlds --cluster tcp://LOGIN-NODE:8786
 
 A worker has one core and one thread. It leaves before its Slurm job ends, and another job takes its place:
 what it was at is made again elsewhere.

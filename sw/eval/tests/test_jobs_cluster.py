@@ -13,12 +13,11 @@ from pathlib import Path
 
 import job_examples
 import pytest
-import sequence_cases as cases
 from command_line import assert_refused
 from command_line import call as call_vista
 from dask_cluster import Cluster
 from job_examples import SEEDS, attempts_in, contents, kept_jobs, wait_for_attempt
-from vista.errors import EXIT_INPUT, EXIT_OK
+from vista.errors import EXIT_INPUT
 from vista_eval.jobs import HERE, Failure, Job, Place, exit_on_failure, jobs_of, outcomes, run
 
 pytestmark = pytest.mark.slow
@@ -66,23 +65,6 @@ def test_a_worker_with_other_code_adds_nothing(cluster: Cluster, monkeypatch: py
     assert isinstance(found, Failure)
     assert found.text.startswith("worker tcp://127.0.0.1:")
     assert found.text.endswith("has another version of vista.geometry")
-
-
-def test_a_dataset_has_the_rows_of_one_process(
-    cluster: Cluster, tmp_path: Path, capsys: pytest.CaptureFixture
-) -> None:
-    parquet = pytest.importorskip("pyarrow.parquet", reason="no pyarrow: make setup-jobs")
-    cases.make_pairs(tmp_path / "recordings" / "pairs", frames=2)
-    (tmp_path / "recordings" / "bad").mkdir()
-    (tmp_path / "recordings" / "bad" / "calibration.toml").write_text("focal_px = 1")
-    rows = []
-    for name, where in (("one", ("--jobs", 1)), ("cluster", ("--cluster", cluster.address))):
-        command = ("dataset", tmp_path / "recordings", "--out", tmp_path / name, *where)
-        assert call_vista(capsys, *command)[0] == EXIT_OK
-        table = parquet.read_table(tmp_path / name / "recordings.parquet").to_pylist()
-        rows.append([{key: value for key, value in row.items() if "_ms_" not in key} for row in table])
-    assert rows[0] == rows[1]
-    assert [row["recording"] for row in rows[0] if row["error"]] == ["bad"]
 
 
 def test_a_job_that_dask_gives_up_is_named() -> None:

@@ -20,7 +20,6 @@ from vista.sequence import FrameFiles
 
 if TYPE_CHECKING:
     from vista.bag.writer import BagWriter
-    from vista.rerun_log import RerunLog
 
 
 @dataclass(frozen=True)
@@ -32,7 +31,6 @@ class Outputs:
     recorder: Recorder | None
     all_tracks: bool = False  # write tracks that are not confirmed, too
     bag: BagWriter | None = None
-    rerun: RerunLog | None = None
 
 
 class Announcer:
@@ -81,8 +79,6 @@ def _run_frame(chain: Chain, files: FrameFiles, outputs: Outputs) -> FrameRecord
             jpeg = encoded(outputs.overlay.draw(step.frame, step.result, record.health))
         if outputs.bag is not None:
             outputs.bag.write(step, record, jpeg)
-        if outputs.rerun is not None:
-            outputs.rerun.write(step, record, jpeg)
         outputs.folder.write_frame(files.index, obstacle_line(record, outputs.all_tracks), jpeg)
     record.stage_ms.update({"checks": step.checks_ms} | clock.stage_ms)
     return record

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -37,13 +37,11 @@ def outcomes(
     title: str = "jobs",
     unit: str = "job",
     kept: Path | None = None,
-    problem_of: Callable[[Any], str | None] = lambda _: None,
 ) -> list[Any | Failure]:
     """The result of each job or its Failure, in their order.
 
     kept: folder of the results of jobs with a digest. They are JSON, and what is returned is what JSON makes
-    of them, so that it is the same whether the job was made now or earlier.
-    problem_of: says in one line what is wrong with a result that is none of a failure."""
+    of them, so that it is the same whether the job was made now or earlier."""
     found: dict[int, Any | Failure] = {}
     for index, job in enumerate(jobs):
         if kept is not None and job.digest is not None:
@@ -55,7 +53,7 @@ def outcomes(
         for number, outcome in made([jobs[index] for index in waiting], place, progress):
             index = waiting[number]
             job, result = jobs[index], settle(jobs[index], outcome, place, kept)
-            problem = result.text if isinstance(result, Failure) else problem_of(result)
+            problem = result.text if isinstance(result, Failure) else None
             progress.count(problem and f"{problem} ({job.name})")
             found[index] = result
     return [found[index] for index in range(len(jobs))]

@@ -48,7 +48,6 @@ from vista.version import commit, installing, version
 
 if TYPE_CHECKING:
     from vista.bag.writer import BagWriter
-    from vista.rerun_log import RerunLog
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -97,12 +96,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="DIR",
         help="write a bag of ROS 2 (MCAP) with images, disparities, obstacles, poses and diagnostics",
     )
-    parser.add_argument(
-        "--rerun",
-        metavar="FILE.rrd",
-        help="write a recording for Rerun's viewer; rerun+http://127.0.0.1:9876/proxy sends it to a viewer "
-        "that runs on this machine",
-    )
     parser.add_argument("--no-overlay", action="store_true", help="draw no pictures, which saves time")
     parser.add_argument(
         "--all-tracks",
@@ -147,9 +140,8 @@ def execute(arguments: argparse.Namespace) -> int:
             interruption.watch(),
             open_recorder(arguments.record, chain, values) as recorder,
             open_bag(arguments.bag, chain) as bag,
-            open_rerun(arguments.rerun, chain) as rerun,
         ):
-            outputs = Outputs(folder, overlay, recorder, arguments.all_tracks, bag, rerun)
+            outputs = Outputs(folder, overlay, recorder, arguments.all_tracks, bag)
             run_frames(chain, frames, outputs, records, interruption)
     except InputError as error:
         outcome["error"] = str(error)
@@ -185,17 +177,6 @@ def open_bag(path: Path | None, chain: Chain) -> AbstractContextManager[BagWrite
         raise InputError("--bag needs the extra [bags]", installing("bags")) from None
     candidates = chain.engine.parameters.num_disparities
     return BagWriter(path, chain.rectifier.calibration, candidates, chain.sequence.up_world)
-
-
-def open_rerun(target: str | None, chain: Chain) -> AbstractContextManager[RerunLog | None]:
-    if target is None:
-        return nullcontext()
-    try:
-        from vista.rerun_log import RerunLog  # its library is an extra
-    except ModuleNotFoundError:
-        raise InputError("--rerun needs the extra [rerun]", installing("rerun")) from None
-    place = target if "://" in target else Path(target)
-    return RerunLog(place, chain.sequence.name, chain.rectifier.calibration, chain.sequence.up_world)
 
 
 def select_frames(sequence: Sequence, wanted: tuple[int, int | None] | None) -> tuple[FrameFiles, ...]:
