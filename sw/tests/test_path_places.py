@@ -23,7 +23,8 @@ from stage_library import camera, ffi, lib
 from track_library import flight_path, motion, pose
 
 LENGTH_M = 55.0  # no farther than disparities say something
-FIRST_M = 4.0  # of path_places.c
+FIRST_RADII = 2.0  # of path_places.c
+FIRST_M = FIRST_RADII * RADIUS_M
 WIDEST_M = 4.0  # of path_places.c
 RANGED_M = 30.0  # Up to here the range of what nobody tracks is known well enough to warn of it.
 FAR = scene(ground_y_m=8.0)  # ground far below the path, and the sky
@@ -107,6 +108,20 @@ def test_every_point_of_the_path_is_within_reach_of_a_place() -> None:
             assert np.any(np.abs(at_m - along_m) <= reach_m)
 
 
+def test_a_small_vehicle_knows_how_far_a_room_is_free() -> None:
+    """A wall 3 m ahead, seen by a vehicle of 0.3 m on its way to it."""
+    lens = camera(WIDTH, HEIGHT, 300.0, 0.1)
+    space = Space(lens, collision_radius_m=0.3)
+    for k in range(SPACE_FRAMES):
+        look = scene([Wall(3.0)], position=(0.0, 0.0, 0.05 * k), lens=lens)
+        space.take(look, 0.1 * k, velocity=(0.0, 0.0, 0.5), length_m=10.0)
+    places = Places(space).judge()
+    assert places.items[0].along_m == pytest.approx(FIRST_RADII * 0.3)
+    wall_m = 3.0 - 0.05 * (SPACE_FRAMES - 1)
+    assert 0.8 * wall_m < places.free_m < wall_m
+    assert lib.vista_path_places_probability(places.handle, wall_m) > 0.9
+
+
 def test_places_are_on_the_path_and_not_along_the_camera() -> None:
     """A path that bends to the right, and one that climbs."""
     for direction, normal, curvature in (((0, 0, 1), (1, 0, 0), 0.02), ((0, -0.6, 0.8), (0, 0, 0), 0.0)):
@@ -140,6 +155,18 @@ def test_it_takes_frames_to_warn_of_what_nobody_tracks() -> None:
     warned = [places_of(scene([Wall(20.0)]), frames=k).contact_m is not None for k in range(1, 7)]
     assert warned == sorted(warned) and not any(warned[:3]) and warned[-1]
     assert all(places_of(scene([Wall(20.0)]), frames=k).free_m < 20.0 for k in range(1, 7))
+
+
+def test_what_two_frames_of_six_saw_is_not_warned_of_and_not_free() -> None:
+    """Something passes behind a gap of the words: in the other frames the view is open."""
+    space = Space()
+    for k in range(SPACE_FRAMES):
+        space.take(scene([Wall(20.0), Wall(60.0)]) if k in (1, 3) else scene([Wall(60.0)]), 0.1 * k)
+    places = Places(space).judge()
+    assert places.contact_m is None
+    assert places.free_m < 20.0
+    seen = places_of(scene([Wall(60.0)]))
+    assert seen.contact_m is None and seen.free_m > 40.0
 
 
 def test_a_plain_wall_is_never_free() -> None:

@@ -8,15 +8,16 @@
 #include "space/space_odds.h"
 #include "vista/parameters.h"
 
-#define FIRST_M 4.0
+#define FIRST_RADII 2.0 /* of the volume, to the first place: a nearer one fills the view */
 #define STEP_SHARE 0.05 /* of its distance, from a place to the next: no more than twice the tolerance of the map */
 #define RADIUS_SHARE 0.8 /* of the volume's: what touches its rim is passed as often as not */
-#define FRAMES_MIN 4 /* in which a place was in view, without a track there: to warn of it; and that have to agree */
-#define WARN 0.8
+#define FRAMES_MIN 4 /* that have to agree to warn of what no track stands for */
+#define FRAMES_FULL 5.0 /* more that agree tell no more */
 #define DENY 0.3 /* A thing in the volume is not in the way if all places at its range are less likely occupied. */
 #define REACH_SHARE 0.15 /* of the distance: where a place reaches farther, only a track tells of it */
 #define FREE_SHARE 0.5
-#define FREE 0.5 /* A place that is more likely occupied is not free. */
+#define FREE \
+  0.3 /* A place that is more likely occupied is not free: two frames of six that see something there are enough. */
 #define WIDEST_M 4.0 /* of a thing that is beside the path: what is wider has its middle elsewhere */
 
 /* Half of the two disparities by which a range may be wrong, no less than the places are apart. */
@@ -37,8 +38,8 @@ void vista_path_places_look(const vista_frame_view *frame, const vista_space_map
   const vista_obstacle_map_params *const params = &frame->params->obstacle_map;
   places->count = 0;
   const double farthest_m = farthest(frame);
-  for (double along_m = FIRST_M; along_m <= farthest_m && places->count < VISTA_PATH_PLACES_MAX;
-       along_m += STEP_SHARE * along_m) {
+  for (double along_m = FIRST_RADII * params->collision_radius_m;
+       along_m <= farthest_m && places->count < VISTA_PATH_PLACES_MAX; along_m += STEP_SHARE * along_m) {
     vista_path_place *const place = &places->items[places->count++];
     *place = (vista_path_place){.along_m = along_m, .reach_m = reach_m(frame->camera, along_m)};
     vista_flight_path_point(path, along_m, place->point_m, NULL);
@@ -72,12 +73,13 @@ static void tell(const vista_frame_view *frame, const vista_obstacle *obstacle, 
 
 void vista_path_place_pieces(const vista_path_place *place, double pieces[VISTA_PIECE_COUNT]) {
   const vista_place_evidence *const shown = &place->shown;
-  const bool votes = shown->votes >= FRAMES_MIN;
+  const double votes = fmin(shown->votes, FRAMES_FULL) / FRAMES_FULL,
+               feet = fmin(shown->feet, FRAMES_FULL) / FRAMES_FULL;
   pieces[VISTA_PIECE_THING] = place->thing;
   pieces[VISTA_PIECE_BESIDE] = place->beside;
   pieces[VISTA_PIECE_GROUND] = place->ground;
   pieces[VISTA_PIECE_VOTES] = votes;
-  pieces[VISTA_PIECE_FEET] = !votes && shown->feet >= FRAMES_MIN;
+  pieces[VISTA_PIECE_FEET] = fmax(feet - votes, 0.0);
   pieces[VISTA_PIECE_NOT_BEYOND] = 1.0 - shown->beyond;
 }
 
@@ -108,7 +110,7 @@ bool vista_path_place_is_known(const vista_path_place *place) {
 }
 
 static bool is_warned_of(const vista_path_place *place) {
-  return place->probability >= WARN && vista_path_place_is_known(place);
+  return place->probability >= VISTA_ODDS_WARN && vista_path_place_is_known(place);
 }
 
 const vista_path_place *vista_path_places_contact(const vista_path_places *places) {

@@ -17,15 +17,15 @@
 #include "space/space_map.h"
 #include "vista/obstacle.h"
 
-#define VISTA_PATH_PLACES_MAX 80
+#define VISTA_PATH_PLACES_MAX 128
 
 /* The pieces of evidence, each 0 to 1, as the odds weigh them. */
 typedef enum vista_place_piece {
   VISTA_PIECE_THING = 0,
   VISTA_PIECE_BESIDE,
   VISTA_PIECE_GROUND,
-  VISTA_PIECE_VOTES,      /* in FRAMES_MIN frames something is matched at the place */
-  VISTA_PIECE_FEET,       /* in as many something without texture stands there, and there are not those votes */
+  VISTA_PIECE_VOTES,      /* of five frames, the share in which something is matched at the place */
+  VISTA_PIECE_FEET,       /* in which something without texture stands there, beyond that share */
   VISTA_PIECE_NOT_BEYOND, /* share of the lines of sight that are not known to go on */
   VISTA_PIECE_COUNT
 } vista_place_piece;

@@ -9,7 +9,6 @@
 
 #define SPACING_S 0.08
 #define SAMPLES 20       /* lines of sight across a disc, at most */
-#define DEPTH_MIN_M 1.0  /* nearer along the optical axis, a place is not in view */
 #define IN_VIEW_MIN 12   /* lines of sight that a frame needs to tell of a place, */
 #define IN_VIEW_SHARE 0.25 /* and of all that lead to it this share */
 #define TOLERANCE_PX 0.75 /* A word is at the place if it differs by less than this, */
@@ -95,7 +94,7 @@ static looks look_through(const vista_evidence *e, const vista_camera *camera, c
   looks l = {0};
   double c[3];
   vista_frame_to_camera(&e->pose, point_m, c);
-  if (!(c[2] >= DEPTH_MIN_M)) return l;
+  if (!(c[2] > radius_m)) return l; /* the camera is in it, or beyond it */
   const double scale = camera->focal_px / c[2], wanted_px = scale * camera->baseline_m;
   const double tolerance_px = fmax(TOLERANCE_PX, TOLERANCE_SHARE * wanted_px);
   disc d = {.u = (camera->center_u_px + scale * c[0]) / e->step_px,

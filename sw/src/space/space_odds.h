@@ -5,12 +5,13 @@
 #ifndef VISTA_SRC_SPACE_ODDS_H
 #define VISTA_SRC_SPACE_ODDS_H
 
+#define VISTA_ODDS_WARN 0.8 /* the probability from which on a place is warned of */
 #define VISTA_ODDS_PRIOR (-3.79)
 #define VISTA_ODDS_THING 3.50
 #define VISTA_ODDS_BESIDE 3.23
 #define VISTA_ODDS_GROUND 6.73
-#define VISTA_ODDS_VOTES 5.37
-#define VISTA_ODDS_FEET 4.50
+#define VISTA_ODDS_VOTES 6.7
+#define VISTA_ODDS_FEET 5.6
 #define VISTA_ODDS_NOT_BEYOND 2.63
 
 #endif

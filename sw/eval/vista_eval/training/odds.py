@@ -14,7 +14,7 @@ from vista_eval.training.evidence import EMPTY, OCCUPIED, PIECES, FlightEvidence
 from vista_eval.training.logistic import cross_validate, fit, losses, same_for_each
 
 HEADER = "sw/src/space/space_odds.h"
-WARN = 0.8  # of path_places.c: the probability from which on a place is warned of
+WARN = 0.8  # the probability from which on a place is warned of: chosen on development flights
 # Two cameras side by side do not see the range of what runs along their rows, nor of wires that lean.
 TOLD_ONLY = ("steep_wire", "wires, by others")
 BINS = 10  # of the reliability
@@ -152,6 +152,7 @@ def header(odds: Odds) -> str:
         "#ifndef VISTA_SRC_SPACE_ODDS_H",
         "#define VISTA_SRC_SPACE_ODDS_H",
         "",
+        f"#define VISTA_ODDS_WARN {WARN} /* the probability from which on a place is warned of */",
         *(f"#define VISTA_ODDS_{name} {in_c(value)}" for name, value in odds.weights.items()),
         "",
         "#endif",
