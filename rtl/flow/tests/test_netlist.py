@@ -41,7 +41,7 @@ def test_netlist_sends_the_words_of_the_model() -> None:
         rtl.write(CONTROL, ENABLE)
         for seed in range(first, first + FRAMES):
             wrong = differing_words(rtl, seed)
-            assert not wrong, f"{wrong} words differ; VISTA_SEED={seed} pytest tb/top/test_netlist.py"
+            assert not wrong, f"{wrong} words differ; VISTA_SEED={seed} pytest rtl/flow/tests/test_netlist.py"
         assert rtl.read(ERRORS) == 0
 
 
