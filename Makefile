@@ -140,7 +140,7 @@ install: native ## install libraries, headers and programs into PREFIX (default 
 generate: .venv/test.stamp ## write generated sources and tables anew, after a change of parameters.toml, of rtl/board/wire.toml or of measured figures
 	@$(PYTHON) scripts/make_parameters.py sw/parameters.toml sw/include/vista/parameters.h sw/src/common/parameters_table.h
 	@$(PYTHON) scripts/make_mavlink.py sw/src/link/mavlink/wire.h
-	@$(PYTHON) scripts/make_wire.py rtl/board/wire.toml sw/src/link/board/wire.h rtl/board/wire.md
+	@$(PYTHON) scripts/make_wire.py rtl/board/wire.toml rtl/board/wire.h rtl/board/wire.md
 	@$(PYTHON) scripts/make_tables.py
 
 # ---- checks ----
@@ -156,7 +156,7 @@ test-python: build systemc-tests .venv/jobs.stamp $(BOARD_TOOLS)
 
 drift: .venv/test.stamp ## check that generated sources and tables equal what their generators write
 	@$(PYTHON) scripts/make_parameters.py sw/parameters.toml sw/include/vista/parameters.h sw/src/common/parameters_table.h --check
-	@$(PYTHON) scripts/make_wire.py rtl/board/wire.toml sw/src/link/board/wire.h rtl/board/wire.md --check
+	@$(PYTHON) scripts/make_wire.py rtl/board/wire.toml rtl/board/wire.h rtl/board/wire.md --check
 	@$(PYTHON) scripts/make_mavlink.py sw/src/link/mavlink/wire.h --check
 	@$(PYTHON) scripts/make_tables.py --check
 

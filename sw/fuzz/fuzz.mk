@@ -30,7 +30,7 @@ $(FUZZ_CLANG): scripts/setup_clang.sh scripts/debian_packages.sh scripts/require
 	@scripts/setup_clang.sh
 
 $(FUZZ)/obj/%.o: %.c $(FUZZ_CLANG)
-	@mkdir -p $(@D); $(FUZZ_CC) $(FUZZ_CFLAGS) -Isw/include -Isw/src -Imodel/c/include -Irtl/csr -MMD -MP -c $< -o $@
+	@mkdir -p $(@D); $(FUZZ_CC) $(FUZZ_CFLAGS) -Isw/include -Isw/src -Imodel/c/include -Irtl/csr -Irtl/board -MMD -MP -c $< -o $@
 
 $(FUZZ)/plain/%.o: %.c $(FUZZ_CLANG)
 	@mkdir -p $(@D); $(FUZZ_CC) -g -O1 -std=c17 -Imodel/c/include -MMD -MP -c $< -o $@

@@ -195,7 +195,8 @@ def test_no_data_race(tmp_path: Path) -> None:
     folders = [REPOSITORY / folder for folder in ("sw/apps/fly", "sw/src", "model/c/src")]
     sources = [str(path) for folder in folders for path in sorted(folder.rglob("*.c"))]
     includes = [
-        f"-I{REPOSITORY / folder}" for folder in ("sw/include", "sw/src", "model/c/include", "rtl/csr")
+        f"-I{REPOSITORY / folder}"
+        for folder in ("sw/include", "sw/src", "model/c/include", "rtl/csr", "rtl/board")
     ]
     program = tmp_path / "vista-fly"
     command = ["gcc", "-std=c17", "-O1", "-g", "-fsanitize=thread", "-ffp-contract=off", *includes]

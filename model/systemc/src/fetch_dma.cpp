@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstring>
 
-#include "link/board/wire.h"
+#include "wire.h"
 
 namespace vista {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <deque>
 
-#include "link/board/wire.h"
+#include "wire.h"
 
 namespace vista {
 namespace {

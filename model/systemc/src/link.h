@@ -11,9 +11,9 @@
 #include "board_memory.h"
 #include "buffer_pool.h"
 #include "configuration.h"
-#include "link/board/wire.h"
 #include "memory.h"
 #include "timing.h"
+#include "wire.h"
 
 namespace vista {
 

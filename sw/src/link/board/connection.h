@@ -7,8 +7,8 @@
 #include <stdint.h>
 
 #include "link/board/frame_layout.h"
-#include "link/board/wire.h"
 #include "vista/board.h"
+#include "wire.h"
 
 enum {
   CHUNK_WORDS = WIRE_CHUNK_BYTES / 4,
