@@ -24,11 +24,11 @@ def differing_words(rtl: Rtl, seed: int) -> int:
     rng = np.random.default_rng(seed)
     frame = random_frame(rng, CONFIG.num_disparities, CONFIG.block_size, LARGEST)
     frame.narrow = bool(rng.random() < 0.3)
-    paces = [PACES[i] for i in rng.integers(len(PACES), size=2)]
+    pace_in, pace_out = (PACES[i] for i in rng.integers(len(PACES), size=2))
     set_up(rtl, frame)
     expected = expected_words(frame)
     flags = expected_flags(*frame.shape, frame.narrow)
-    got = rtl.stream(beats(frame.left, frame.right), len(expected), *paces, seed, quiet=3000)
+    got = rtl.stream(beats(frame.left, frame.right), len(expected), pace_in, pace_out, seed, quiet=3000)
     count = len(got.words)
     wrong = (got.words != expected[:count]) | (got.flags != flags[:count])
     return int(wrong.sum()) + len(expected) - count

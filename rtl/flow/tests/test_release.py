@@ -47,9 +47,9 @@ def frames(rtl: Rtl, rng: np.random.Generator, count: int) -> None:
     for seed in range(count):
         frame = random_frame(rng, rtl.config.num_disparities, rtl.config.block_size, rtl.config.max_width)
         frame.narrow = seed % 3 == 2
-        paces = [PACES[i] for i in rng.integers(len(PACES), size=2)]
+        pace_in, pace_out = (PACES[i] for i in rng.integers(len(PACES), size=2))
         set_up(rtl, frame)
-        rtl.stream(beats(frame.left, frame.right), expected_words(frame).size, *paces, seed)
+        rtl.stream(beats(frame.left, frame.right), expected_words(frame).size, pace_in, pace_out, seed)
 
 
 def faulty_video(rtl: Rtl, rng: np.random.Generator) -> None:
