@@ -56,9 +56,6 @@ setup: .venv/run.stamp ## install the pinned Python packages and the command .ve
 .venv/test.stamp: $(REQUIREMENTS)/test.txt .venv/run.stamp
 	@$(SETUP) test
 
-.venv/bench.stamp: $(REQUIREMENTS)/bench.txt .venv/test.stamp
-	@$(SETUP) bench
-
 .venv/jobs.stamp: $(REQUIREMENTS)/jobs.txt .venv/test.stamp
 	@$(SETUP) jobs
 
@@ -182,7 +179,7 @@ docs: build .venv/docs.stamp ## build the documentation site into build/doc/html
 	@.venv/bin/sphinx-build --quiet --fail-on-warning --keep-going -b html -d build/doc/cache doc build/doc/html
 	@echo "documentation: $(CURDIR)/build/doc/html/index.html"
 
-bench: build .venv/bench.stamp .venv/jobs.stamp ## measure times on this machine; print tables and write build/bench.json
+bench: build .venv/test.stamp ## measure times on this machine; print tables and write build/bench.json
 	@$(PYTHON) scripts/run_benches.py model/bench sw/bench --out build/bench.json
 
 # ---- demo ----

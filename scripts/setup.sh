@@ -1,5 +1,5 @@
 #!/bin/bash
-# Installs one set of pinned packages (build | run | test | bench | rtl | board | docs | jobs) into .venv: setup.sh SET
+# Installs one set of pinned packages (build | run | test | rtl | board | docs | jobs) into .venv: setup.sh SET
 # A set is complete when .venv/SET.stamp exists. The stamps of all sets are in .venv/installing meanwhile: a set-up that
 # was interrupted leaves none of them in their place, and the next one starts from nothing, since pip would take a
 # half-copied package for an installed one.

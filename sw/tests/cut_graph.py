@@ -1,4 +1,4 @@
-"""libvista's graph and max-flow over numpy arrays, for the tests and the bench of the cuts."""
+"""libvista's graph and max-flow over numpy arrays, for the tests of the cuts."""
 
 from __future__ import annotations
 

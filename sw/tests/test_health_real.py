@@ -1,5 +1,4 @@
-"""The limits of the checks on real pairs: as recorded they are healthy, and each fault is found in them.
-sw/eval/bench/health_limits.py measures the same on more frames."""
+"""The limits of the checks on real pairs: as recorded they are healthy, and each fault is found in them."""
 
 from __future__ import annotations
 

@@ -6,19 +6,22 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from street_drive import SEQUENCE, THINGS, driven_path_m, run_street
+from street_drive import (
+    SEQUENCE,
+    THINGS,
+    Thing,
+    coasting_share,
+    common_ids,
+    driven_path_m,
+    ghosts_on_the_road,
+    run_street,
+    warned_frames,
+    warnings_beside_the_path,
+)
 from vista import parameters
 from vista.pipeline import Result
 from vista.rectify import Rectifier
 from vista.sequence import open_sequence
-from vista_eval.metrics.street import (
-    Thing,
-    coasting_share,
-    common_ids,
-    ghosts_on_the_road,
-    warned_frames,
-    warnings_beside_the_path,
-)
 
 pytestmark = [
     pytest.mark.same_c,

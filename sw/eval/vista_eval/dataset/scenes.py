@@ -41,14 +41,6 @@ def scene_folders(folder: Path) -> list[Path]:
     return found
 
 
-def read_scenes(folder: Path, split: str) -> list[LabelledScene]:
-    """The scenes of a folder that are of one split."""
-    chosen = [scene for scene in map(read_scene, scene_folders(folder)) if scene.split == split]
-    if not chosen:
-        raise InputError(folder, f"holds no labelled scenes of the {split} half")
-    return chosen
-
-
 def read_scene(folder: Path, index: int = 0) -> LabelledScene:
     """One frame of a labelled flight. Raises InputError for what is missing or not rectified."""
     truth, sequence = read_truth(folder), open_sequence(folder)

@@ -88,12 +88,6 @@ def score_cut(scene: LabelledScene, partition: Partition) -> PartitionScore:
     return score_regions(scene, partition, cut_regions(partition))
 
 
-def score_cells(scene: LabelledScene, partition: Partition) -> PartitionScore:
-    """Scores the cut's regions as cells draw them."""
-    result = partition.result
-    return score_regions(scene, partition, result.region_of_cell[result.cell_of_pixel])
-
-
 def score_scene(scene: LabelledScene, partition: Partition) -> dict[str, PartitionScore]:
     """Scores by partition: cut, reference methods, grid limit."""
     regions = {CUT: cut_regions(partition)}
