@@ -291,7 +291,7 @@ class Pipeline:
     library = "vista"
 
     def __init__(self, camera: Calibration, values: parameters.Values | None = None) -> None:
-        self._ffi, self._lib = native.load(self.library)
+        self._ffi, self._lib = self.opened()
         self._camera = camera
         self._parameters = c_parameters(self._ffi, self._lib, values or parameters.defaults())
         self._c_camera = c_camera(self._ffi, camera)
@@ -307,6 +307,11 @@ class Pipeline:
         weakref.finalize(self, destroy, self._lib.vista_pipeline_destroy, self._pipeline, self._memory)
         self._result = self._ffi.new("vista_result *")
         self._directions = self._ffi.new("vista_directions *")
+
+    @classmethod
+    def opened(cls) -> tuple[Any, Any]:
+        """The cffi pair of the library that this pipeline runs in."""
+        return native.load(cls.library)
 
     def reset(self) -> None:
         """Forgets tracks, velocity and time. Ids go on counting."""
