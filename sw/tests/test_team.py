@@ -199,7 +199,7 @@ def test_no_data_race(tmp_path: Path) -> None:
         for folder in ("sw/include", "sw/src", "model/c/include", "rtl/csr", "rtl/board")
     ]
     program = tmp_path / "vista-fly"
-    command = ["gcc", "-std=c17", "-O1", "-g", "-fsanitize=thread", "-ffp-contract=off", *includes]
+    command = ["gcc", "-std=c17", "-O0", "-g", "-fsanitize=thread", "-ffp-contract=off", *includes]
     command += ["-D_GNU_SOURCE=", "-Wno-tsan", *sources, "-o", str(program), "-lm", "-lpthread"]
     built = subprocess.run(command, capture_output=True, text=True, check=False)
     if "tsan" in built.stderr:

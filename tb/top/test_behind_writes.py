@@ -83,7 +83,7 @@ def behind_the_first_pixel(rtl: Rtl, rng: np.random.Generator, seed: int) -> Non
     rtl.queue_write(behind, first + frame.left.size, *sets[-1])
     stream = np.concatenate([part.stream for part in (before, frame, after)])
     expected = np.concatenate([part.words() for part in (before, frame, after)])
-    pace_out = [Pace(1000, 3), *PACES][rng.integers(1 + len(PACES))]
+    pace_out = [Pace(1000, 16), *PACES][rng.integers(1 + len(PACES))]
     got = rtl.stream(stream, len(expected) + 10, Pace(), pace_out, seed, quiet=6000)
     assert got.taken == len(stream), "the input hung"
     assert len(got.words) == len(expected)
