@@ -17,7 +17,7 @@ SANITIZE :=
 # Compiler warnings are errors, unless a goal is one of those who use VISTA.
 DEVELOPER ?= $(if $(filter demo install native,$(MAKECMDGOALS)),,ON)
 PYTHON := .venv/bin/python
-WORKERS ?= $(shell nproc)# processes that tests run in
+WORKERS ?= $(shell expr $$(nproc) + 1)# processes that tests run in: many wait for a camera, a link or a child
 CMAKE := .venv/bin/cmake
 SETUP := scripts/setup.sh
 REQUIREMENTS := scripts/requirements

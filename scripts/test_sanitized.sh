@@ -11,7 +11,8 @@ make --no-print-directory native systemc BUILD="$VISTA_BUILD" DEVELOPER=ON CFLAG
   SANITIZE="-fsanitize=address,undefined,float-cast-overflow -fno-sanitize=null,object-size -fno-sanitize-recover=all"
 
 tests=("$@")
-[ $# -gt 0 ] || tests=(-n "$(nproc)" --max-worker-restart=0 -m "native and not same_c")
+# Half of their time they wait for a camera or a link, which takes no processor.
+[ $# -gt 0 ] || tests=(-n "$(($(nproc) + 2))" --max-worker-restart=0 -m "native and not same_c")
 
 # Python itself is not instrumented: the run-time comes first by preload, and its leaks are not ours.
 LD_PRELOAD="$(gcc -print-file-name=libasan.so) $(gcc -print-file-name=libstdc++.so)" \
