@@ -40,6 +40,7 @@ def layout(prefix: str, words: Entry) -> list[str]:
 
 def header(wire: Entry) -> str:
     lines = [
+        "/* SPDX-License-Identifier: Apache-2.0 */",
         f"/* Written by {ORIGIN}.",
         " *",
         " * A field is given as 65536 * its width in bits + 256 * its word + its lowest bit. */",

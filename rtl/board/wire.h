@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* Written by scripts/make_wire.py from rtl/board/wire.toml: make generate.
  *
  * A field is given as 65536 * its width in bits + 256 * its word + its lowest bit. */

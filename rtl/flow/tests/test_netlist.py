@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The netlist of `make synth`, simulated cell by cell: it sends the words of the C model."""
 
 from __future__ import annotations

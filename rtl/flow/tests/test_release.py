@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The one file of plain Verilog does what the sources do, in a simulator of four states: no x leaves it."""
 
 from __future__ import annotations
