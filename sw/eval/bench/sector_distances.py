@@ -24,9 +24,9 @@ from vista.history import FrameRecord
 from vista.mavlink.link import Link
 from vista.mavlink.sighting import sighting_of
 from vista.pipeline import Nearest, Pipeline
+from vista_eval.dataset.kitti_stereo import find_pairs, read_pair
 from vista_eval.dataset.stereo_pair import TruthPair
 from vista_eval.report.table import aligned
-from vista_eval.suites.pairs import LIDAR, find_sources
 
 WIDTH_DEG = 5.0
 POINTS_MIN = 30  # of a sector
@@ -92,10 +92,10 @@ def main() -> None:
     for section, changes in KNOWN.items():
         values[section] |= changes
     rows = []
-    for source in find_sources(LIDAR, args.folder):
+    for source in find_pairs(args.folder):
         if source.split != args.half:
             continue
-        pair = source.read()
+        pair = read_pair(source)
         seen = record_of_pair(pair, values)
         assert seen.directions is not None
         facing = replace(seen, directions=seen.directions.but(blocked_m=0.0))

@@ -8,7 +8,6 @@ from vista_eval.render.course import FOOT_M
 from vista_eval.render.flight import frames_of, states_of
 from vista_eval.render.rig import PAPER_RIG
 from vista_eval.worlds.catalog import COMPANION_TABLE, FLIGHTS, LAST_RANGE_M, TABLE_FIRST_RANGE_M
-from vista_eval.worlds.labelled import labelled
 
 BESIDE_THE_TABLE = (
     "overcast",
@@ -60,16 +59,3 @@ def test_one_flight_goes_on_nearer_than_anything_is_matched() -> None:
     ranges_m = np.array([-state.world_from_body[0, 3] for state in states_of(FLIGHTS["close"])])
     assert FLIGHTS["close"].split == "test"
     assert np.sum(ranges_m < NEAREST_MATCHED_M) >= 10 and ranges_m[0] > 2 * NEAREST_MATCHED_M
-
-
-def test_a_labelled_scene_is_a_flight_of_one_frame() -> None:
-    flight = labelled(7)
-    assert (flight.name, flight.split, frames_of(flight), frames_of(flight, "quick")) == (
-        "scene_0007",
-        "test",
-        1,
-        1,
-    )
-    pose = states_of(flight)[0].world_from_body
-    assert pose[2, 3] == pytest.approx(flight.approach.altitude_m, abs=0.1)
-    assert labelled(8).split == "dev"

@@ -117,7 +117,7 @@ def test_a_cluster_that_is_not_there_is_named(
     from vista_eval.jobs import cluster as module
 
     monkeypatch.setattr(module, "CONNECT_S", 1.0)
-    arguments = ("scenes", str(tmp_path), "--count", "2", "--cluster", address)
+    arguments = ("flights", str(tmp_path), "--only", "close", "--cluster", address)
     assert_refused(call_vista(capsys, *arguments), f"--cluster {address}: {reason}")
     assert list(tmp_path.iterdir()) == []
 
@@ -143,6 +143,6 @@ def test_a_cluster_without_dask_names_the_extra(
 ) -> None:
     monkeypatch.setitem(sys.modules, "distributed", None)
     monkeypatch.delitem(sys.modules, "vista_eval.jobs.cluster", raising=False)
-    arguments = ("scenes", str(tmp_path), "--count", "2", "--cluster", "tcp://127.0.0.1:1")
+    arguments = ("flights", str(tmp_path), "--only", "close", "--cluster", "tcp://127.0.0.1:1")
     line = "--cluster: needs the extra [cluster]: pip install 'vista-stereo-eval[cluster]'"
     assert_refused(call_vista(capsys, *arguments), line)

@@ -1,4 +1,4 @@
-"""vista scenes --lidar and --dense on small folders written here: what is read, refused and reported."""
+"""vista scenes --lidar on small folders written here: what is read, refused and reported."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ import pytest
 from shared_data import SHARED_DATA
 from vista import parameters
 from vista.cli import main
-from vista.errors import EXIT_INPUT, EXIT_OK, InputError
+from vista.errors import EXIT_INPUT, EXIT_OK
 from vista.geometry import Calibration
-from vista_eval.dataset import dense_stereo, kitti_stereo
+from vista_eval.dataset import kitti_stereo
 from vista_eval.metrics.segmentation import matched_area
 from vista_eval.metrics.standing_points import street_points
 from vista_eval.rivals import ALONE, DETECTOR, OURS, REFERENCE, SGBM, OneCamera
@@ -163,11 +163,6 @@ def test_a_bad_folder_is_refused_in_one_line(damage, tmp_path: Path, capsys: pyt
     assert not out.exists()
 
 
-def test_a_scene_folder_or_real_pairs_must_be_named(capsys: pytest.CaptureFixture) -> None:
-    assert main(["scenes"]) == EXIT_INPUT
-    assert "--lidar" in capsys.readouterr().err
-
-
 def test_the_reference_method_is_judged_by_the_host(kitti: Path) -> None:
     """Regions that grew from disparities of their own have the host's verdicts on the host's own partition.
     The reference method takes all for such; the host judges the others by origin and outline, too."""
@@ -182,46 +177,6 @@ def test_the_reference_method_is_judged_by_the_host(kitti: Path) -> None:
     assert len(again) == len(own) == len(seeded)
     assert {"ACCEPTED", "HORIZONTAL"} <= {b for b, one in zip(own, seeded, strict=True) if one}
     assert all(a == b for a, b, one in zip(again, own, seeded, strict=True) if one)
-
-
-def write_dense(folder: Path) -> Path:
-    left, right = images_of(np.full((CAMERA.height, CAMERA.width), 20.0))
-    scene = folder / "wall"
-    scene.mkdir(parents=True)
-    cv2.imwrite(str(scene / "im2.png"), left)
-    cv2.imwrite(str(scene / "im6.png"), right)
-    cv2.imwrite(str(scene / "disp2.png"), np.full(left.shape, 80, np.uint8))
-    return folder
-
-
-def test_dense_scenes_are_measured(tmp_path: Path) -> None:
-    folder = write_dense(tmp_path / "dense")
-    assert main(["scenes", str(tmp_path / "out"), "--dense", str(folder)]) == EXIT_OK
-    result = json.loads((tmp_path / "out" / "dense.json").read_text())
-    measures = result["halves"]["dev"]["detectors"][OURS]["measures"]
-    assert measures["recall"]["value"] > 0.9
-    assert "road" not in measures
-
-
-def test_the_motorcycle_is_read_at_half_size_with_disparity_inverse_to_depth(tmp_path: Path) -> None:
-    """A wall: disparity 40 px, depth f B / (40 + 31.086)."""
-    camera = dense_stereo.MOTORCYCLE_CAMERA
-    images = np.random.default_rng(0).integers(0, 256, (2, camera.height, camera.width), np.uint8)
-    truth = np.full((camera.height, camera.width), 40.0, np.float32)
-    truth[0, :] = np.inf
-    cv2.imwrite(str(tmp_path / "motorcycle_left.png"), images[0])
-    cv2.imwrite(str(tmp_path / "motorcycle_right.png"), images[1])
-    np.savez(tmp_path / "motorcycle_disp.npz", truth)
-    pair = dense_stereo.read_scene(*dense_stereo.find_scenes(tmp_path)[0])
-    assert pair.left.shape == (250, 370)
-    assert np.all(pair.disparity_px[0] == 0.0)
-    depth_m = pair.camera.focal_px * pair.camera.baseline_m / pair.disparity_px[100, 100]
-    assert depth_m == pytest.approx(994.978 * 0.193001 / (40 + 31.086), rel=0.02)
-
-
-def test_a_folder_without_dense_pairs_is_named(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="no stereo pairs with dense truth"):
-        dense_stereo.find_scenes(tmp_path)
 
 
 KITTI_2012 = SHARED_DATA / "kitti2012"

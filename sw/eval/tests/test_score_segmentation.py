@@ -117,13 +117,6 @@ def test_only_the_matched_area_counts() -> None:
     assert score(view, label).things[0].iou == 1.0
 
 
-def test_the_grid_limit_gives_each_cell_its_most_frequent_label() -> None:
-    label = block((40, 60), slice(0, 40), slice(25, 60))
-    cells = np.repeat(np.arange(6), 10)[np.newaxis, :].repeat(40, axis=0)
-    limit = segmentation.grid_limit(view_of(label), cells)
-    assert limit.tolist() == [0, 0, 0, 1, 1, 1]  # a tie goes to the smaller label
-
-
 def scores_of(*ious: float) -> PartitionScore:
     thing = Thing(1, "post", "pole", 30.0, 400)
     return PartitionScore(tuple(ThingScore(thing, iou, iou, iou) for iou in ious), 0.1, 10)

@@ -152,14 +152,6 @@ def test_shares_are_of_the_points_of_all_pairs() -> None:
     assert found["recall"] == standing.shares(pairs, standing.MEASURES)["recall"]  # drawn from the same seed
 
 
-def test_dense_scenes_have_a_nearer_and_a_farther_half() -> None:
-    disparity_px = np.array([[10.0, 20.0, 30.0, 70.0, 0.0]], np.float32)
-    points = standing.dense_points(disparity_px, WHOLE, largest_px=63.0)
-    assert points.standing.tolist() == [True, True, True, False]
-    assert points.too_near.tolist() == [False, False, False, True]
-    assert points.band.tolist() == [1, 1, 0, -1]
-
-
 def test_a_region_that_spans_two_surfaces_recalls_both_but_is_neither() -> None:
     """Left half at 20 px, right half at 30: the words of the whole hold both; each half is a surface."""
     words_px = [20.0] * 60 + [30.0] * 60

@@ -2,7 +2,7 @@
 
     suite.jobs ─> jobs.run ─> suite.scoring ─> tables on the screen, NAME.json, one page
 
-The suites are `vista_eval.suites`: flights, worlds, labelled scenes, pairs with measured truth.
+The suites are `vista_eval.suites`: flights, worlds, pairs with measured truth.
 """
 
 from __future__ import annotations

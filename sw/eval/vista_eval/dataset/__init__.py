@@ -1,1 +1,1 @@
-"""Flights and labelled scenes on disk: writers and readers side by side."""
+"""Flights and measured pairs on disk: writers and readers side by side."""

@@ -1,4 +1,4 @@
-"""Reads labelled scenes: frames of rendered flights with the exact label of every pixel."""
+"""Reads frames of rendered flights with the exact label of every pixel."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from vista.geometry import Array, Calibration, Pose
 from vista.rectify import Rectifier
 from vista.sequence import open_sequence
 
-from vista_eval.dataset.truth import TRUTH, read_truth
+from vista_eval.dataset.truth import read_truth
 from vista_eval.metrics.segmentation import LabelledView, labelled_view, matched_area
 
 
@@ -31,14 +31,6 @@ class LabelledScene:
     world_from_camera: Pose | None
     up_world: Array | None
     view: LabelledView
-
-
-def scene_folders(folder: Path) -> list[Path]:
-    """Every scene_* of a folder, in the order of their names. Raises InputError where there is none."""
-    found = [truth.parent for truth in sorted(folder.glob(f"scene_*/{TRUTH}"))]
-    if not found:
-        raise InputError(folder, "holds no labelled scenes")
-    return found
 
 
 def read_scene(folder: Path, index: int = 0) -> LabelledScene:

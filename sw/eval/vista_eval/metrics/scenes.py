@@ -1,4 +1,4 @@
-"""Scores the cut and the reference method on labelled single scenes."""
+"""Scores the cut and the reference method on single frames with exact labels."""
 
 from __future__ import annotations
 
@@ -18,11 +18,10 @@ from vista_eval.dataset.scenes import LabelledScene
 from vista_eval.metrics.segmentation import (
     Labels,
     PartitionScore,
-    grid_limit,
     score_partition,
 )
 
-CUT, GRID = "cut", "grid limit"
+CUT = "cut"
 REFERENCES = {  # the same graph, the same weights; k and min_cells of the best mean IoU on the dev half
     "reference method": ReferenceParameters(),
     "reference method, surfaces": ReferenceParameters(min_cells=10, respect_surfaces=True),
@@ -73,11 +72,6 @@ def cut_regions(partition: Partition) -> Labels:
     return partition.refine(partition.result.region_of_cell)
 
 
-def grid_regions(scene: LabelledScene, partition: Partition) -> Labels:
-    cells = partition.result.cell_of_pixel
-    return grid_limit(scene.view, cells)[cells]
-
-
 def score_regions(scene: LabelledScene, partition: Partition, region_of_pixel: Labels) -> PartitionScore:
     return score_partition(
         scene.view, region_of_pixel, partition.result.cell_of_pixel, partition.graph.cell_size_px
@@ -89,8 +83,7 @@ def score_cut(scene: LabelledScene, partition: Partition) -> PartitionScore:
 
 
 def score_scene(scene: LabelledScene, partition: Partition) -> dict[str, PartitionScore]:
-    """Scores by partition: cut, reference methods, grid limit."""
+    """Scores by partition: cut, reference methods."""
     regions = {CUT: cut_regions(partition)}
     regions |= {name: reference_regions(partition, reference) for name, reference in REFERENCES.items()}
-    regions[GRID] = grid_regions(scene, partition)
     return {name: score_regions(scene, partition, region) for name, region in regions.items()}

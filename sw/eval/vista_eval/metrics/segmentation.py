@@ -154,13 +154,6 @@ def undersegmentation(shared: NDArray[np.int64]) -> float:
     return float(np.minimum(shared, shared.sum(axis=0) - shared).sum() / shared.sum())
 
 
-def grid_limit(view: LabelledView, cell_of_pixel: Labels) -> Labels:
-    """Region of cell by each cell's most frequent label: the best that a partition of these cells can do."""
-    cells = int(cell_of_pixel.max()) + 1
-    shared = shared_pixels(view.label, cell_of_pixel[view.area], cells)
-    return shared.argmax(axis=0).astype(np.int32)
-
-
 # ---- over many scenes ----
 
 RESAMPLES = 2000

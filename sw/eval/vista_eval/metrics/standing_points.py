@@ -176,19 +176,6 @@ def street_points(
     )
 
 
-HALVES = ("nearer half", "farther half")
-
-
-def dense_points(disparity_px: NDArray[np.float32], area: tuple[slice, slice], largest_px: float) -> Points:
-    """Points of a scene without a road, seen against walls: every point is part of a surface that one would
-    hit, so all stand. Bands: nearer and farther than the median disparity of the scene."""
-    v, u = true_pixels(disparity_px, area)
-    truth_px = disparity_px[v, u].astype(np.float64)
-    too_near, none = truth_px > largest_px, np.zeros(len(v), np.bool_)
-    band = np.where(too_near, -1, truth_px < (np.median(truth_px) if len(v) else 0.0)).astype(np.int64)
-    return Points(v, u, truth_px, band, HALVES, ~too_near, none, none, too_near)
-
-
 # ---- one pair ----
 
 

@@ -1,1 +1,1 @@
-"""The suites that are scored: paper's flights, sampled worlds, labelled scenes, pairs with measured truth."""
+"""The suites that are scored: paper's flights, sampled worlds, pairs with measured truth."""

@@ -1,4 +1,4 @@
-"""Real pairs with measured truth through every detector: `vista scenes --lidar` and `--dense`."""
+"""Real pairs with measured truth through every detector: `vista scenes --lidar`."""
 
 from __future__ import annotations
 
@@ -18,7 +18,6 @@ from vista.geometry import Calibration
 from vista.report.overlay import draw_disparity
 from vista.report.palette import INK, WHITE
 
-from vista_eval.dataset.dense_stereo import find_scenes, read_scene
 from vista_eval.dataset.kitti_stereo import PairFiles, find_pairs, read_pair
 from vista_eval.dataset.stereo_pair import TruthPair
 from vista_eval.dataset.truth import SPLITS
@@ -32,7 +31,6 @@ from vista_eval.metrics.standing_points import (
     Points,
     Share,
     count_points,
-    dense_points,
     fates,
     shares,
     street_points,
@@ -42,21 +40,6 @@ from vista_eval.report.table import Table, with_interval
 from vista_eval.rivals import OF_PAIRS, OURS, RIVALS, OneCamera
 from vista_eval.score import Scoring
 
-LIDAR, DENSE = "lidar", "dense"
-
-
-@dataclass(frozen=True)
-class PairSource:
-    """One pair on disk; picklable."""
-
-    kind: str  # LIDAR or DENSE
-    name: str
-    split: str
-    files: Any
-
-    def read(self) -> TruthPair:
-        return read_pair(self.files) if self.kind == LIDAR else read_scene(self.files, self.split)
-
 
 @dataclass(frozen=True)
 class MeasuredPair:
@@ -65,28 +48,18 @@ class MeasuredPair:
     counts: dict[str, Counts] | None  # by detector; None: no road was found
 
 
-def find_sources(kind: str, folder: Path) -> list[PairSource]:
-    """Raises InputError for a folder that holds no such pairs."""
-    if kind == LIDAR:
-        files: list[PairFiles] = find_pairs(folder)
-        return [PairSource(kind, one.name, one.split, one) for one in files]
-    return [PairSource(kind, path.name, split, path) for path, split in find_scenes(folder)]
-
-
-def points_of(kind: str, pair: TruthPair) -> Points | None:
+def points_of(pair: TruthPair) -> Points | None:
     """Those that the shipped engine can match, whatever is measured."""
     stereo = engine_parameters(parameters.defaults())
     height, width = pair.left.shape
     area = matched_area(height, width, stereo.num_disparities, stereo.block_size)
     largest_px = stereo.num_disparities - 1.0
-    if kind == LIDAR:
-        return street_points(pair.camera, pair.disparity_px, area, largest_px)
-    return dense_points(pair.disparity_px, area, largest_px)
+    return street_points(pair.camera, pair.disparity_px, area, largest_px)
 
 
-def measure(values: parameters.Values, source: PairSource) -> MeasuredPair:
-    pair = source.read()
-    points = points_of(source.kind, pair)
+def measure(values: parameters.Values, source: PairFiles) -> MeasuredPair:
+    pair = read_pair(source)
+    points = points_of(pair)
     if points is None:
         return MeasuredPair(source.name, source.split, None)
     camera = camera_of(pair, values)
@@ -94,10 +67,10 @@ def measure(values: parameters.Values, source: PairSource) -> MeasuredPair:
     return MeasuredPair(source.name, source.split, counts)
 
 
-def look(values: parameters.Values, source: PairSource, detector: str) -> tuple[TruthPair, Points, Judged]:
+def look(values: parameters.Values, source: PairFiles, detector: str) -> tuple[TruthPair, Points, Judged]:
     """One pair once more, for its picture."""
-    pair = source.read()
-    points = points_of(source.kind, pair)
+    pair = read_pair(source)
+    points = points_of(pair)
     assert points is not None
     return pair, points, RIVALS[detector].judge(camera_of(pair, values), pair)
 
@@ -129,69 +102,51 @@ def _of_camera(camera: Calibration, same: _Same) -> OneCamera:
 
 # ---- all pairs ----
 
-ROAD_ONLY = ("road", "cylinder")  # measures of scenes with a road
-TITLES = {
-    "lidar": "street pairs with LiDAR: what stands, and what becomes of it",
-    "dense": "indoor pairs with dense truth: what is seen, and what becomes of it",
-}
+TITLE = "street pairs with LiDAR: what stands, and what becomes of it"
 HALVES = (
     "Pairs in even places of the sorted names are the group dev, on which parameters may be chosen; those in "
     "odd "
     "places are the group test. In brackets: 95 % of a bootstrap over pairs."
 )
-FACTS = {
-    "lidar": "Standing points: LiDAR pixels 0.5 m or more above the road, 5 to 45 m away.",
-    "dense": "No road and no scale: every measured pixel counts as standing. Distances: nearer and farther "
-    "than the median disparity of the scene.",
-}
+FACTS = "Standing points: LiDAR pixels 0.5 m or more above the road, 5 to 45 m away."
 
 
 @dataclass(frozen=True)
 class Pairs:
-    kind: str  # LIDAR or DENSE
     folder: Path
-
-    @property
-    def name(self) -> str:
-        return self.kind
-
-    @property
-    def page_name(self) -> str:
-        return f"{self.kind}.html"
+    name: str = "lidar"
+    page_name: str = "lidar.html"
 
     def jobs(self, values: parameters.Values) -> list[Job]:
-        return jobs_of(
-            partial(measure, values), find_sources(self.kind, self.folder), lambda source: source.name
-        )
+        return jobs_of(partial(measure, values), find_pairs(self.folder), lambda source: source.name)
 
     def scoring(self, results: list[MeasuredPair], values: parameters.Values) -> Scoring:
         if not any(one.counts is not None for one in results):
             raise InputError(self.folder, "no pair shows a road")
-        shown, content = tables(self.kind, results), as_json(self.kind, results, values)
+        shown, content = tables(results), as_json(results, values)
         halves = content["halves"]
         without = [one.name for one in results if one.counts is None]
         sections = [Section(table.title, [replace(table, title="")]) for table in shown]
         if without:
             sections.insert(0, Section("Not measured", text=f"No road was found in {', '.join(without)}."))
-        lidar = self.kind == LIDAR
         return Scoring(
             shown,
             Page(
-                f"{len(results)} {TITLES[self.kind]}",
-                f"{FACTS[self.kind]} {HALVES}",
+                f"{len(results)} {TITLE}",
+                f"{FACTS} {HALVES}",
                 [*sections, self._worst(results, values)],
                 (standing.__doc__ or "").strip(),
                 values,
                 wide=True,
             ),
             content,
-            [documented(halves)] if lidar else [],
+            [documented(halves)],
             {"halves": compact(halves)},
-            front_page(halves["test"]) if lidar and "test" in halves else None,
+            front_page(halves["test"]) if "test" in halves else None,
         )
 
     def _worst(self, results: list[MeasuredPair], values: parameters.Values) -> Section:
-        sources, pictures = {one.name: one for one in find_sources(self.kind, self.folder)}, []
+        sources, pictures = {one.name: one for one in find_pairs(self.folder)}, []
         for one in worst(results):
             pair, points, judged = look(values, sources[one.name], OURS)
             drawn = draw_pair(pair, points, judged, values["stereo"]["num_disparities"])
@@ -204,22 +159,17 @@ class Pairs:
         return Section("The worst pairs", text=Markup.escape(text) + legend(), pictures=pictures)
 
 
-def measures_of(kind: str) -> dict[str, tuple[str, str]]:
-    return {name: both for name, both in MEASURES.items() if kind != DENSE or name not in ROAD_ONLY}
-
-
 def by_half(measured: list[MeasuredPair]) -> dict[str, list[dict[str, Counts]]]:
     """Counts by detector of the pairs that could be measured; halves without any are left out."""
     halves = {s: [m.counts for m in measured if m.split == s and m.counts is not None] for s in SPLITS}
     return {split: counts for split, counts in halves.items() if counts}
 
 
-def tables(kind: str, measured: list[MeasuredPair]) -> list[Table]:
+def tables(measured: list[MeasuredPair]) -> list[Table]:
     """Three of each half: by detector, by distance, by verdict."""
     result = []
     for split, half in by_half(measured).items():
-        measures = measures_of(kind)
-        whole = measures | standing.TOO_NEAR
+        whole = MEASURES | standing.TOO_NEAR
         ours = [counts[OURS] for counts in half]
         points = sum(counts["standing"] for counts in ours)
         rows: list[tuple[str, ...]] = []
@@ -230,9 +180,9 @@ def tables(kind: str, measured: list[MeasuredPair]) -> list[Table]:
         result.append(Table("detectors", ("", *whole), rows, title=title))
         rows = []
         for band in bands(ours):
-            found = shares(ours, standing.in_band(measures, band))
-            rows.append((band, *(written(found[key]) for key in measures)))
-        result.append(Table("distances", (OURS, *measures), rows, title=f"{split}: by distance"))
+            found = shares(ours, standing.in_band(MEASURES, band))
+            rows.append((band, *(written(found[key]) for key in MEASURES)))
+        result.append(Table("distances", (OURS, *MEASURES), rows, title=f"{split}: by distance"))
         names, rows = bands(ours), []
         verdicts = standing.verdict_measures(ours)
         columns = [shares(ours, standing.in_band(verdicts, band)) for band in (None, *names)]
@@ -253,8 +203,7 @@ def written(share: Share) -> str:
     return f"{share.value:.3f} ({share.low:.3f} .. {share.high:.3f})"
 
 
-def as_json(kind: str, measured: list[MeasuredPair], values: parameters.Values) -> dict[str, Any]:
-    measures = measures_of(kind)
+def as_json(measured: list[MeasuredPair], values: parameters.Values) -> dict[str, Any]:
     halves: dict[str, Any] = {}
     for split, half in by_half(measured).items():
         halves[split] = {"pairs": len(half), "detectors": {}}
@@ -262,11 +211,11 @@ def as_json(kind: str, measured: list[MeasuredPair], values: parameters.Values) 
             counts = [of_pair[name] for of_pair in half]
             verdicts = standing.verdict_measures(counts)
             halves[split]["detectors"][name] = {
-                "measures": found(counts, measures | standing.TOO_NEAR),
+                "measures": found(counts, MEASURES | standing.TOO_NEAR),
                 "verdicts": found(counts, verdicts),
                 "by_distance": {
                     band: {
-                        "measures": found(counts, standing.in_band(measures, band)),
+                        "measures": found(counts, standing.in_band(MEASURES, band)),
                         "verdicts": found(counts, standing.in_band(verdicts, band)),
                     }
                     for band in bands(counts)
@@ -274,7 +223,6 @@ def as_json(kind: str, measured: list[MeasuredPair], values: parameters.Values) 
             }
     return {
         "version": 1,
-        "kind": kind,
         "halves": halves,
         "without_road": [m.name for m in measured if m.counts is None],
         "pairs": [{"name": m.name, "split": m.split, "counts": m.counts} for m in measured],

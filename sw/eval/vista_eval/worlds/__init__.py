@@ -1,1 +1,1 @@
-"""The scenes of the flights and of the labelled scenes."""
+"""The scenes of the flights."""
