@@ -10,7 +10,7 @@ from vista_eval.worlds.sampled.frozen import FROZEN
 
 
 def make_checkout(root: Path) -> Path:
-    for path in (LOG, FROZEN):
+    for path in (LOG, *FROZEN.values()):
         (root / path).parent.mkdir(parents=True, exist_ok=True)
     (root / "code.py").write_text("1\n")
     subprocess.run(["git", "init", "-q", root], check=True)

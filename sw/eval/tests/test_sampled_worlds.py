@@ -20,7 +20,7 @@ from vista_eval.worlds.grounds import OPEN_COUNTRY
 from vista_eval.worlds.path import Path as FlownPath
 from vista_eval.worlds.path import distance_m, nearness_m, path_of, samples
 from vista_eval.worlds.sampled import buildings, rows, small_movers
-from vista_eval.worlds.sampled.catalog import COUNT, DEV, FAMILIES, SEED, TEST
+from vista_eval.worlds.sampled.catalog import COUNT, DEV, FAMILIES, SEED, TEST, TEST2
 from vista_eval.worlds.sampled.family import Family
 from vista_eval.worlds.site import site
 
@@ -77,7 +77,7 @@ def test_a_scene_of_any_seed(name: str) -> None:
     family = FAMILIES[name]
     flight = family.flight(int(seeded(1).integers(1 << 20)), 0)
     scene = flight.scene(flight.approach.altitude_m, flight.seed)
-    assert (flight.family, flight.split) == (name, family.split)
+    assert (flight.family, flight.split) == (name, "dev" if family.split == "dev" else "test")
     is_whole(scene)
     is_flyable(flight)
     the_target_is_in_the_way_and_only_that(family, flight, scene)
@@ -278,6 +278,7 @@ def test_the_same_seed_makes_the_same_flight_and_another_another() -> None:
 def test_there_are_enough_and_no_two_flights_share_a_seed() -> None:
     assert len(DEV) + len(TEST) >= 14 and len(TEST) >= 4
     assert {family.split for family in DEV} == {"dev"} and {family.split for family in TEST} == {"test"}
+    assert {family.split for family in TEST2} == {"test2"}
     flights = [flight for family in FAMILIES.values() for flight in family.flights(COUNT, SEED)]
     assert len(flights) >= 200
     assert (
@@ -287,5 +288,5 @@ def test_there_are_enough_and_no_two_flights_share_a_seed() -> None:
     assert 22 <= np.mean(frames) <= 30
     test = sum(flight.approach.frames for flight in flights if flight.split == "test")
     assert test >= 2500
-    for split in (DEV, TEST):
+    for split in (DEV, TEST, TEST2):
         assert sum(family.clear for family in split) >= 2

@@ -71,9 +71,9 @@ def test_only_what_is_committed_is_scored(checkout: Path) -> None:
 
 def test_the_frozen_set_tells_what_changed(checkout: Path, tmp_path: Path) -> None:
     with pytest.raises(InputError, match="not frozen"):
-        read_frozen(checkout)
-    write_frozen(checkout, {"a_000": "1", "b_000": "2"})
-    frozen = read_frozen(checkout)
+        read_frozen(checkout, "test")
+    write_frozen(checkout, "test", {"a_000": "1", "b_000": "2"})
+    frozen = read_frozen(checkout, "test")
     assert changed(frozen, {"b_000": "2", "a_000": "1"}) == []
     assert changed(frozen, {"a_000": "3", "c_000": "4"}) == ["a_000", "b_000", "c_000"]
     for name, content in (("a_000", "1"), ("b_000", "other")):
@@ -82,11 +82,11 @@ def test_the_frozen_set_tells_what_changed(checkout: Path, tmp_path: Path) -> No
     check_rendered(frozen, [tmp_path / "a_000"])
     with pytest.raises(InputError, match="frozen"):
         check_rendered(frozen, [tmp_path / "a_000", tmp_path / "b_000"])
-    content = json.loads((checkout / FROZEN).read_text())
+    content = json.loads((checkout / FROZEN["test"]).read_text())
     content["flights"]["a_000"] = "3"
-    (checkout / FROZEN).write_text(json.dumps(content))
+    (checkout / FROZEN["test"]).write_text(json.dumps(content))
     with pytest.raises(InputError, match="edited"):
-        read_frozen(checkout)
+        read_frozen(checkout, "test")
 
 
 # ---- the project's own ----
@@ -116,9 +116,10 @@ def test_every_version_of_the_projects_log_begins_with_the_one_before() -> None:
 
 def test_what_is_scored_is_the_frozen_set() -> None:
     """Scorings name the digest of the set; the set has the flights of the catalog."""
-    lines = read_log(REPOSITORY).splitlines()
-    if not lines and not (REPOSITORY / FROZEN).exists():
-        pytest.skip("the test set is not frozen yet")
-    frozen = read_frozen(REPOSITORY)
-    assert {flight.name for flight in flights_of_the_set()} == set(frozen)
-    assert {json.loads(line)["set"] for line in lines} <= {digest_of_set(frozen)}
+    digests = {}
+    for split in FROZEN:
+        frozen = read_frozen(REPOSITORY, split)
+        assert {flight.name for flight in flights_of_the_set(split)} == set(frozen)
+        digests[split] = digest_of_set(frozen)
+    for scoring in map(json.loads, read_log(REPOSITORY).splitlines()):
+        assert scoring["set"] == digests[scoring.get("split", "test")]

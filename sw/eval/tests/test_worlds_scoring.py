@@ -35,7 +35,7 @@ def checkout(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     families = small_families(one="dev", three="test")
     monkeypatch.setattr(catalog, "FAMILIES", families)
     monkeypatch.setattr(catalog, "COUNT", COUNT)
-    monkeypatch.setattr(frozen, "TEST", (families["three"],))
+    monkeypatch.setattr(frozen, "FAMILIES", families)
     monkeypatch.setattr(frozen, "COUNT", COUNT)
     root = make_checkout(tmp_path / "project")
     monkeypatch.setattr(scoring_log, "checkout_of", lambda _: root)
@@ -75,7 +75,7 @@ def flights(tmp_path: Path, checkout: Path, monkeypatch: pytest.MonkeyPatch) -> 
 
 @pytest.fixture
 def frozen_set(checkout: Path, vista: Vista, tmp_path: Path) -> Path:
-    assert vista("worlds", tmp_path, "--freeze", "--jobs", 1)[0] == 0
+    assert vista("worlds", tmp_path, "--split", "test", "--freeze", "--jobs", 1)[0] == 0
     commit(checkout, "frozen")
     return checkout
 
@@ -110,7 +110,7 @@ def test_a_scoring_is_logged_before_its_figures_are_seen(
     assert line["families"]["three"]["hits"] == line["families"]["all"]["hits"] == 6
     assert line["families"]["three"]["asked_frames"] == 10
     assert line["commit"] == scoring_log.clean_commit(frozen_set)
-    assert line["set"] == frozen.digest_of_set(frozen.read_frozen(frozen_set))
+    assert line["set"] == frozen.digest_of_set(frozen.read_frozen(frozen_set, "test"))
 
 
 def test_the_test_set_is_rendered_without_a_scoring(
@@ -131,17 +131,18 @@ def test_the_test_set_is_rendered_without_a_scoring(
 def test_the_set_is_frozen_anew_until_it_is_scored(
     frozen_set: Path, flights: Path, vista: Vista, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    first = frozen.read_frozen(frozen_set)
+    first = frozen.read_frozen(frozen_set, "test")
     assert sorted(first) == FLIGHTS and len(set(first.values())) == COUNT
-    freeze = ("worlds", flights, "--freeze", "--jobs", 1)
+    freeze = ("worlds", flights, "--split", "test", "--freeze", "--jobs", 1)
     monkeypatch.setattr(frozen, "SEED", 2)
     assert vista(*freeze)[0] == 0
     assert not frozen.changed(
-        frozen.read_frozen(frozen_set), dict(map(frozen.content_digest, frozen.flights_of_the_set()))
+        frozen.read_frozen(frozen_set, "test"),
+        dict(map(frozen.content_digest, frozen.flights_of_the_set("test"))),
     )
     monkeypatch.setattr(frozen, "SEED", 1)
     assert vista(*freeze)[0] == 0
-    assert frozen.read_frozen(frozen_set) == first
+    assert frozen.read_frozen(frozen_set, "test") == first
 
     assert score(vista, flights)[0] == 0
     status, out, _ = vista(*freeze)
@@ -149,7 +150,7 @@ def test_the_set_is_frozen_anew_until_it_is_scored(
     monkeypatch.setattr(frozen, "SEED", 2)
     status, _, err = vista(*freeze)
     assert status == 2 and f"{COUNT} flights changed, the first {FLIGHTS[0]}" in err
-    assert frozen.read_frozen(frozen_set) == first
+    assert frozen.read_frozen(frozen_set, "test") == first
 
 
 @pytest.mark.parametrize(
@@ -178,11 +179,11 @@ def test_nothing_is_scored_unless_it_may_be(
 def test_other_flights_are_not_scored(frozen_set: Path, flights: Path) -> None:
     folders = [flights / name for name in FLIGHTS]
     render_nothing(flights, ("three", 0, 1))
-    command.before_a_scoring(folders[:1])
+    command.before_a_scoring("test", folders[:1])
     folders[1].mkdir()
     (folders[1] / "content.json").write_text('{"content": "other"}')
     with pytest.raises(InputError, match=r"three_001.* is not the flight of that name"):
-        command.before_a_scoring(folders)
+        command.before_a_scoring("test", folders)
 
 
 def test_every_scoring_adds_a_line(frozen_set: Path, flights: Path, vista: Vista) -> None:
@@ -191,7 +192,7 @@ def test_every_scoring_adds_a_line(frozen_set: Path, flights: Path, vista: Vista
     first, second = lines(frozen_set)
     assert first["parameters"] == second["parameters"] and first["previous"] != second["previous"]
     values = parameters.defaults()
-    judged = command.before_a_scoring([flights / name for name in FLIGHTS])
+    judged = command.before_a_scoring("test", [flights / name for name in FLIGHTS])
     values["tracker"]["confirm_hits"] += 1
     command.log_scoring(judged, [three_hits(flights / FLIGHTS[0])], values)
     third = lines(frozen_set)[2]

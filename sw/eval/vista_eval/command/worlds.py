@@ -2,14 +2,14 @@
 
 DIR holds one folder for each flight; what it lacks is rendered, and an interrupted run continues. Families
 are drawn from stated distributions (vista_eval.worlds.sampled); `--list` names them. Parameters may be chosen
-on those of the split dev. A scoring of the split test needs a clean checkout and flights that are those of
-the frozen set, and appends one line to doc/results/scorings.jsonl.
+on those of the split dev. A scoring of the splits test and test2 needs a clean checkout and flights that are
+those of the frozen set, and appends one line to doc/results/scorings.jsonl.
 
 Judging is strict (vista_eval.metrics). Beside the detector fly a spanning forest in place of the cut, SGBM's
 words, perfect disparities, and stereo alone with the host's tracker at each of many thresholds.
 
-The tables are printed. DIR receives worlds-dev.json or worlds-test.json, which has every figure, and a report
-of the same name, which shows the frames that fail first.
+The tables are printed. DIR receives worlds-dev.json, or that of another split, which has every figure, and a
+report of the same name, which shows the frames that fail first.
 """
 
 from __future__ import annotations
@@ -27,13 +27,13 @@ from vista.errors import EXIT_OK, InputError
 
 from vista_eval.cache import digest_of
 from vista_eval.command.arguments import add_sensor_noise
-from vista_eval.dataset.truth import SPLITS
 from vista_eval.jobs import Place, add_place, chosen_place, jobs_of, run
 
 if TYPE_CHECKING:
     from vista_eval.metrics.world_score import WorldScore
     from vista_eval.worlds.sampled.family import Family
 
+SPLITS = ("dev", "test", "test2")
 Key = tuple[str, int, int]  # family, number, seed of the set
 
 
@@ -50,7 +50,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--freeze",
         action="store_true",
-        help="write down what the flights of the split test are made of, or, once they are scored, check "
+        help="write down what the flights of a test split are made of, or, once they are scored, check "
         "that they still are; and stop",
     )
     parser.add_argument(
@@ -75,7 +75,7 @@ def execute(arguments: argparse.Namespace) -> int:
         return EXIT_OK
     place = chosen_place(arguments)
     if arguments.freeze:
-        freeze(place)
+        freeze(arguments.split, place)
         return EXIT_OK
     families = chosen(arguments.split, arguments.family)
     count, seed = size_of_set(arguments)
@@ -85,7 +85,7 @@ def execute(arguments: argparse.Namespace) -> int:
     if arguments.render_only:
         return EXIT_OK
     folders = [folder / name_of(key) for key in keys]
-    judged = before_a_scoring(folders) if arguments.split == "test" else None
+    judged = None if arguments.split == "dev" else before_a_scoring(arguments.split, folders)
     from vista_eval.score import score
     from vista_eval.suites.worlds import (  # loads libvista, which `--help` need not
         EVERYTHING,
@@ -123,14 +123,15 @@ def chosen(split: str, names: list[str]) -> list[Family]:
 
 
 def size_of_set(arguments: argparse.Namespace) -> tuple[int, int]:
-    """Flights of each family and the seed of all. The test set has one size and one seed."""
+    """Flights of each family and the seed of all. A test set has one seed; the first flights of each of its
+    families may be scored without the others."""
     from vista_eval.worlds.sampled.catalog import COUNT, SEED
 
     count, seed = arguments.count or COUNT, SEED if arguments.seed is None else arguments.seed
-    whole = (count, seed, arguments.family) == (COUNT, SEED, [])
-    if arguments.split == "test" and not arguments.render_only and not whole:
-        reason = "is scored whole, as frozen: without --family, --count and --seed"
-        raise InputError("--split test", reason)
+    as_frozen = count <= COUNT and (seed, arguments.family) == (SEED, [])
+    if arguments.split != "dev" and not arguments.render_only and not as_frozen:
+        reason = f"is scored as frozen: without --family and --seed, with a --count of at most {COUNT}"
+        raise InputError(f"--split {arguments.split}", reason)
     return count, seed
 
 
@@ -151,36 +152,44 @@ def render(folder: Path, key: Key) -> None:
         raise InputError(error.filename or name_of(key), error.strerror or str(error)) from None
 
 
-# ---- the test set ----
+# ---- the test sets ----
 
 
-def freeze(place: Place) -> None:
+def freeze(split: str, place: Place) -> None:
     from vista_eval.metrics import scoring_log
     from vista_eval.worlds.sampled import frozen
 
+    if split not in frozen.FROZEN:
+        raise InputError("--freeze", "of a test split: with --split test or --split test2")
     root = scoring_log.checkout_of(Path(__file__))
-    jobs = jobs_of(frozen.content_digest, frozen.flights_of_the_set(), lambda flight: flight.name)
+    path = root / frozen.FROZEN[split]
+    jobs = jobs_of(frozen.content_digest, frozen.flights_of_the_set(split), lambda flight: flight.name)
     found = dict(run(jobs, place, "digest", "flight"))
-    if not scoring_log.read_log(root):
-        frozen.write_frozen(root, found)
-        print(f"{root / frozen.FROZEN}: {len(found)} flights")
+    if split not in scoring_log.scored_splits(root):
+        frozen.write_frozen(root, split, found)
+        print(f"{path}: {len(found)} flights")
         return
-    differing = frozen.changed(frozen.read_frozen(root), found)
+    differing = frozen.changed(frozen.read_frozen(root, split), found)
     if differing:
-        raise InputError(root / frozen.FROZEN, f"{len(differing)} flights changed, the first {differing[0]}")
-    print(f"{root / frozen.FROZEN}: {len(found)} flights, all as they were frozen")
+        raise InputError(path, f"{len(differing)} flights changed, the first {differing[0]}")
+    print(f"{path}: {len(found)} flights, all as they were frozen")
 
 
-def before_a_scoring(folders: list[Path]) -> dict[str, Any]:
+def before_a_scoring(split: str, folders: list[Path]) -> dict[str, Any]:
     """What is scored; raises InputError unless it may be."""
     from vista_eval.metrics import scoring_log
     from vista_eval.worlds.sampled import frozen
 
     root = scoring_log.checkout_of(Path(__file__))
     scoring_log.read_log(root)
-    commit, digests = scoring_log.clean_commit(root), frozen.read_frozen(root)
+    commit, digests = scoring_log.clean_commit(root), frozen.read_frozen(root, split)
     frozen.check_rendered(digests, folders)
-    return {"commit": commit, "date": scoring_log.now(), "set": frozen.digest_of_set(digests)}
+    return {
+        "commit": commit,
+        "date": scoring_log.now(),
+        "split": split,
+        "set": frozen.digest_of_set(digests),
+    }
 
 
 def log_scoring(judged: dict[str, Any], worlds: list[WorldScore], values: parameters.Values) -> None:

@@ -1,4 +1,4 @@
-"""The log of all scorings of the test set: one line each, never edited.
+"""The log of all scorings of the test sets: one line each, never edited.
 
 Every line carries the digest of the line before it, so that nothing can be changed, left out or put in
 between without every later line telling so. That the end was not cut off is what the history of the checkout
@@ -44,6 +44,11 @@ def read_log(root: Path) -> str:
     if number is not None:
         raise InputError(f"{path}:{number}", "does not follow from the line before it: the log was edited")
     return text
+
+
+def scored_splits(root: Path) -> set[str]:
+    """Raises InputError if the log was edited. Its first lines name no split: there was one test set."""
+    return {json.loads(line).get("split", "test") for line in read_log(root).splitlines()}
 
 
 def append(root: Path, entry: dict[str, Any]) -> None:

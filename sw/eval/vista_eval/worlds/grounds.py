@@ -141,6 +141,14 @@ def snow(x_m: np.ndarray, y_m: np.ndarray, seed: int) -> np.ndarray:
     return np.clip(drift - 0.35 * blades + bare * (grass - drift), 0.03, 0.9)
 
 
+def water(x_m: np.ndarray, y_m: np.ndarray, seed: int) -> np.ndarray:
+    """A harbour or a lake: dark, with swell and ripples across the wind. It does not move."""
+    wind = draws(seed, "water").uniform(0, np.pi)
+    swell = spread(cloudy(seed, 1.6, 4.0), x_m, y_m, 24.0, wind)
+    ripples = spread(cloudy(seed + 1, 0.9, 3.0), x_m, y_m, 5.0, wind)
+    return np.clip(0.1 + 0.012 * swell + 0.012 * ripples + 0.06 * smoothstep(1.5, 2.5, ripples), 0.03, 0.5)
+
+
 COVERS: dict[str, Cover] = {
     "pasture": Cover(pasture, 0.20),
     "crop": Cover(crop, 0.21),
@@ -154,6 +162,7 @@ COVERS: dict[str, Cover] = {
     "soil": Cover(soil, 0.22),
     "gravel": Cover(gravel, 0.36),
     "stubble": Cover(stubble, 0.38),
+    "water": Cover(water, 0.1),
 }
 OPEN_COUNTRY = ("pasture", "crop", "heath", "scree", "snow", "meadow", "soil", "stubble")
 BUILT_UP = ("apron", "gravel", "pasture", "asphalt")

@@ -1,7 +1,11 @@
-"""The test set as it was frozen: what every byte of its flights follows from, flight by flight.
+"""The two test sets as they were frozen: what every byte of their flights follows from, flight by flight.
 
-A digest of a flight is that of its content (`vista_eval.render.flight.content_of`). The set may be frozen
-anew only as long as nothing has been scored on it."""
+A digest of a flight is that of its content (`vista_eval.render.flight.content_of`). A set may be
+frozen anew only as long as nothing has been scored on it.
+
+The last bits of products of matrices differ with the kernels that OpenBLAS chooses for a processor, and with
+them digests and pictures: both sets were frozen with those of OPENBLAS_CORETYPE=SkylakeX, which a processor
+with AVX-512 runs."""
 
 from __future__ import annotations
 
@@ -13,15 +17,16 @@ from vista.output import write_atomically
 
 from vista_eval.cache import digest_of
 from vista_eval.render.flight import Flight, content_of, read_marker
-from vista_eval.worlds.sampled.catalog import COUNT, SEED, TEST
+from vista_eval.worlds.sampled.catalog import COUNT, FAMILIES, SEED
 
-FROZEN = Path("doc/results/worlds-test-set.json")
+FROZEN = {split: Path(f"doc/results/worlds-{split}-set.json") for split in ("test", "test2")}
 
 Digests = dict[str, str]  # content by name of the flight
 
 
-def flights_of_the_set() -> list[Flight]:
-    return [flight for family in TEST for flight in family.flights(COUNT, SEED)]
+def flights_of_the_set(split: str) -> list[Flight]:
+    families = [family for family in FAMILIES.values() if family.split == split]
+    return [flight for family in families for flight in family.flights(COUNT, SEED)]
 
 
 def content_digest(flight: Flight) -> tuple[str, str]:
@@ -32,19 +37,21 @@ def digest_of_set(digests: Digests) -> str:
     return digest_of(json.dumps(digests, sort_keys=True))
 
 
-def write_frozen(root: Path, digests: Digests) -> None:
+def write_frozen(root: Path, split: str, digests: Digests) -> None:
     content = {"digest": digest_of_set(digests), "flights": dict(sorted(digests.items()))}
-    write_atomically(root / FROZEN, json.dumps(content, indent=1) + "\n")
+    write_atomically(root / FROZEN[split], json.dumps(content, indent=1) + "\n")
 
 
-def read_frozen(root: Path) -> Digests:
+def read_frozen(root: Path, split: str) -> Digests:
     """Raises InputError if the set is not frozen, or its file was edited."""
-    path = root / FROZEN
+    path = root / FROZEN[split]
     try:
         content = json.loads(path.read_text(encoding="utf-8"))
         digests, digest = dict(content["flights"]), content["digest"]
     except OSError:
-        raise InputError(path, "missing: the test set is not frozen (vista worlds DIR --freeze)") from None
+        raise InputError(
+            path, f"missing: the set is not frozen (vista worlds DIR --split {split} --freeze)"
+        ) from None
     except (ValueError, KeyError, TypeError) as error:
         raise InputError(path, f"not a frozen test set: {error!r}") from None
     if digest_of_set(digests) != digest:
