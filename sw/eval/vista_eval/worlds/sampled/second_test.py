@@ -163,7 +163,7 @@ def sailing_boat(mast_m: float, rng: np.random.Generator) -> Parts:
     parts = [
         hull,
         box((-0.05 * long, 0, 1.2), (0.4 * long, 1.2 * reach, 0.5), shade),
-        tube([(0, 0, 0.5), top], [0.1, 0.06], dark, 10),
+        tube([(0, 0, 0.5), (0, 0, mast_m)], [0.1, 0.06], dark, 10),
         tube(boom, float(rng.uniform(0.06, 0.2)), shade, 8),
         box((0, 0, 0.6 * mast_m), (0.05, 1.5 * reach, 0.04), dark),
     ]
