@@ -61,7 +61,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--no-sweep",
         action="store_true",
-        help="leave out stereo alone with the host's tracker at each of its thresholds, which takes longest",
+        help="fly stereo alone with the host's tracker at one threshold and not at each, which takes longest",
     )
     add_sensor_noise(parser)
     add_place(parser)
@@ -88,15 +88,14 @@ def execute(arguments: argparse.Namespace) -> int:
     judged = None if arguments.split == "dev" else before_a_scoring(arguments.split, folders)
     from vista_eval.score import score
     from vista_eval.suites.worlds import (  # loads libvista, which `--help` need not
+        AT_ONE_THRESHOLD,
         EVERYTHING,
         NOTHING,
         Worlds,
     )
 
-    beside = NOTHING if arguments.no_controls else EVERYTHING
-    beside = replace(
-        beside, noise_grey=tuple(arguments.noise), sweep=None if arguments.no_sweep else beside.sweep
-    )
+    beside = replace(EVERYTHING, sweep=AT_ONE_THRESHOLD) if arguments.no_sweep else EVERYTHING
+    beside = replace(NOTHING if arguments.no_controls else beside, noise_grey=tuple(arguments.noise))
     suite = Worlds(folders, beside, f"worlds-{arguments.split}")
     if judged is not None:
         suite = replace(suite, before_shown=partial(log_scoring, judged))

@@ -22,7 +22,7 @@ from vista_eval.metrics.intervals import MIN_FLIGHTS, Share, share_of_flights, s
 from vista_eval.metrics.rules import STRICT
 from vista_eval.metrics.scenes import CUT
 from vista_eval.metrics.segmentation import STATISTICS, difference_interval, interval
-from vista_eval.rivals import FOREST, OURS
+from vista_eval.rivals import ALONE_THRESHOLD, FOREST, OURS
 
 
 @dataclass(frozen=True)
@@ -75,6 +75,7 @@ class StereoScore:
     alarmed: int
     better: int  # thresholds with fewer misses at no more false alarms
     best: tuple[Threshold, int, int] | None  # the fewest misses at no more false alarms: missed, alarmed
+    alone: tuple[int, int, int, int]  # at rivals.ALONE_THRESHOLD: hits, asked, missed, alarmed
 
 
 @dataclass(frozen=True)
@@ -167,7 +168,11 @@ def stereo_score(worlds: list[WorldScore]) -> StereoScore:
     ]
     quiet = [point for point in points if point[2] <= alarmed]
     better = sum(point[1] < missed for point in quiet)
-    return StereoScore(len(points), missed, alarmed, better, min(quiet, key=lambda p: p[1:], default=None))
+    best = min(quiet, key=lambda p: p[1:], default=None)
+    fixed = [o for world in worlds for o in world.tracked_stereo if o.threshold == ALONE_THRESHOLD]
+    hits, asked = sum(one.hits for one in fixed), sum(one.asked for one in fixed)
+    alone = (hits, asked, sum(one.missed for one in fixed), sum(one.alarmed for one in fixed))
+    return StereoScore(len(points), missed, alarmed, better, best, alone)
 
 
 def logged_figures(family: FamilyScore) -> dict[str, Any]:

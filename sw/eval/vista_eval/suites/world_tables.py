@@ -12,7 +12,7 @@ from vista_eval.metrics.rules import STRICT
 from vista_eval.metrics.scenes import CUT, REFERENCES
 from vista_eval.metrics.world_score import ControlScore, FamilyScore
 from vista_eval.report.table import Table, fixed
-from vista_eval.rivals import FOREST, OURS
+from vista_eval.rivals import ALONE, ALONE_THRESHOLD, FOREST, OURS
 
 REFERENCE = next(iter(REFERENCES))
 FOREST_SIGN = "cut - forest"
@@ -29,7 +29,7 @@ def tables(families: list[FamilyScore]) -> list[Table]:
         made.append(noise_table(families))
     if any(family.segmentation for family in families):
         made.append(segmentation_table(families))
-    if any(family.stereo for family in families):
+    if any(family.stereo and family.stereo.thresholds > 1 for family in families):
         made.append(stereo_table(families))
     return made
 
@@ -92,13 +92,18 @@ def controls_table(families: list[FamilyScore]) -> Table:
         for control in controls:
             score = family.controls[control]
             cells.append(f"{hits_text(score)}, {score.missed_frames}, {score.alarm_frames}")
+        if family.stereo is not None:
+            hits, asked, missed, alarmed = family.stereo.alone
+            cells.append(f"{f'{hits}/{asked}' if asked else '-'}, {missed}, {alarmed}")
         rows.append(tuple(cells))
+    alone = () if families[0].stereo is None else (ALONE,)
     return Table(
         "controls",
-        ("family", *controls),
+        ("family", *controls, *alone),
         rows,
         "In the columns are: hits of the frames in which one is asked for, frames missed, frames with a "
-        "false alarm.",
+        "false alarm. Stereo alone, with the host's tracker, is at one threshold "
+        f"({describe(ALONE_THRESHOLD)}).",
         "Beside it, in the same host",
     )
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, astuple, dataclass, replace
 from functools import partial
 from pathlib import Path
 
@@ -21,7 +21,7 @@ from vista_eval.metrics.world_score import WorldScore, family_scores
 from vista_eval.report.filmstrip import filmstrip
 from vista_eval.report.page import Page, Section
 from vista_eval.report.table import Table, rounded
-from vista_eval.rivals import IN_HOST, OF_FLIGHTS, OURS
+from vista_eval.rivals import ALONE_THRESHOLD, IN_HOST, OF_FLIGHTS, OURS
 from vista_eval.score import Scoring
 from vista_eval.suites.world_tables import tables
 
@@ -36,6 +36,7 @@ class Beside:
     noise_grey: tuple[float, ...] = ()
 
 
+AT_ONE_THRESHOLD = Sweep(*((value,) for value in astuple(ALONE_THRESHOLD)))
 EVERYTHING, NOTHING = Beside(), Beside((), None, False)
 
 
