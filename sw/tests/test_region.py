@@ -215,19 +215,6 @@ def test_the_background_does_not_own_the_edge_of_what_stands_before_it() -> None
     assert [verdict(region) for region in stages.measure_regions(widened)] == ["ACCEPTED", "UNKNOWN"]
 
 
-@pytest.mark.parametrize("side", [-1, 1])
-@pytest.mark.parametrize("aside_px", [0, 25])
-def test_a_strip_along_something_nearer_is_the_edge_of_that(side: int, aside_px: int) -> None:
-    """The sky is empty. Away from the board, or before it, the same strip is a thing of its own."""
-    board, strip = box((160, 110), 30, 40), box((160 + side * (35 + aside_px), 110), 3, 25)
-    for strip_px, expected in ((12.0, "ACCEPTED" if aside_px else "TOO_FEW_PIXELS"), (40.0, "ACCEPTED")):
-        words = words_of(np.where(board, 24.0, np.where(strip, strip_px, 0.0)), seeded(16), 0.1)
-        words[~board & ~strip] = INVALID
-        changes = {"region.min_size_m": 0.05}
-        found = measure(Stages(camera(), changes), words, [board, strip])
-        assert [verdict(region) for region in found] == ["ACCEPTED", expected]
-
-
 def test_few_inliers_are_too_few() -> None:
     words, mask = board(half=(3, 3))
     assert verdict_of(words, mask, min_size_m=100.0) == "TOO_FEW_PIXELS"

@@ -99,54 +99,13 @@ static double fewest_inliers(const vista_region_params *params, const vista_came
   return fmin(INLIERS_MIN, smallest_px * smallest_px);
 }
 
-/* Something is clearly nearer than a region if its disparity is so many times that of the region, and more than it by
- * so many pixels: what leans, or has depth, is not before itself. */
-#define NEARER 1.5
-#define NEARER_PX 2.0
-#define CLEAR_SHARE 0.2 /* A thing has at least this share of pixels that are not beside something nearer. */
-#define WIDEST_BLOCKS 2 /* A region wider than this reaches beyond what a block widens. */
-
-static bool beside_nearer(const int16_t *row, int32_t width, int32_t u, int32_t reach, int16_t nearer) {
-  const int32_t first = u > reach ? u - reach : 0, last = u + reach < width ? u + reach : width - 1;
-  int16_t most = 0;
-  for (int32_t i = first; i <= last; ++i) most = row[i] > most ? row[i] : most;
-  return most > nearer;
-}
-
-/* Whether a region is nothing but the edge of what stands before it: most of its own pixels, as they were found last,
- * lie within half a block of something that is clearly nearer. All that a block shows there may be that thing's edge.
- * Where it is matched at the disparity of the edge, things become wider. Before a plain sky or in fog hardly anything
- * decides between disparities, so that the strip may get another one, and keeps beside its thing frame after frame. */
-static bool is_sliver(const vista_region_view *w, const vista_region *region) {
-  const vista_foveation *const f = w->foveation;
-  const int32_t block = 2 * (int32_t)VISTA_BOUNDARY_PX; /* half of it to either side of an edge */
-  if (region->pixel_count == 0 || region->max_u_px - region->min_u_px >= WIDEST_BLOCKS * block) return false;
-  const double nearer_px = fmax(region->disparity_px * NEARER, region->disparity_px + NEARER_PX);
-  if (nearer_px * VISTA_DISPARITY_SCALE >= INT16_MAX) return false;
-  const int16_t nearer = (int16_t)(nearer_px * VISTA_DISPARITY_SCALE);
-  const int16_t *own = w->pixels;
-  int32_t beside = 0;
-  for (int32_t m = 0; m < w->member_count; ++m) {
-    const int32_t node = w->members[m];
-    for (int32_t r = f->first_run[node]; r < f->first_run[node + 1]; ++r) {
-      const vista_run run = f->runs[r];
-      const int16_t *const row = w->disparity->data + run.v_px * w->disparity->stride;
-      for (int32_t i = 0; i < run.length_px; ++i)
-        beside += (w->own[m] == VISTA_ALL_PIXELS || (w->own[m] == VISTA_SOME_PIXELS && own[i] != 0)) &&
-                  beside_nearer(row, f->width_px, run.u_px + i, block, nearer);
-      own += run.length_px;
-    }
-  }
-  return region->pixel_count - beside < CLEAR_SHARE * region->pixel_count;
-}
-
 /* What only the own pixels tell. Cheap tests come first: this is measured of what passed them. */
 static vista_region_verdict measure_own_pixels(const vista_region_view *w, const vista_plane *surface,
                                                vista_region *region) {
   const vista_camera *const camera = w->frame->camera;
   vista_region_find_pixels(w, surface, region);
   const double fewest = OWN_SHARE * fewest_inliers(w->params, camera, region->disparity_px);
-  if (region->pixel_count < fewest || is_sliver(w, region)) return VISTA_REGION_TOO_FEW_PIXELS;
+  if (region->pixel_count < fewest) return VISTA_REGION_TOO_FEW_PIXELS;
   const double longer_px = 4.0 * sqrt(fmax(region->cov_uu_px2, region->cov_vv_px2));
   if (longer_px > LONG_BLOCKS * VISTA_BOUNDARY_PX) {
     const vista_region all = *region;
