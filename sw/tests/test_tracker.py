@@ -345,54 +345,6 @@ def test_far_detections_start_nothing() -> None:
     assert list(tracker.tracks) == [1]
 
 
-# ---- parts of one thing ----
-
-CROWN, TRUNK = np.array([0.0, -2.0, 30.0]), np.array([0.1, 0.9, 30.0])
-
-
-def standing(trunk_extent=(1.0, 2.0), trunk=TRUNK, trunk_volume=100, crown_volume=0, frames=8) -> Tracker:
-    """A crown, seen from the first frame on, and what is below it from the sixth."""
-    tracker = Tracker()
-    for frame in range(frames):
-        items = [seen_at(CROWN, extent=(1.5, 3.0), label=1) | {"volume_pixels": crown_volume}]
-        if frame > 5:
-            items.append(seen_at(trunk, extent=trunk_extent, label=2) | {"volume_pixels": trunk_volume})
-        assert tracker.update(DT * frame, items) == "VISTA_OK"
-    return tracker
-
-
-def test_what_stands_below_of_about_one_width_is_a_part() -> None:
-    tracker = standing()
-    assert list(tracker.tracks) == [1]
-    track = tracker.tracks[1]
-    assert track.parts == 1 and track.volume_window == 0b11  # the trunk is in the volume, the crown is not
-    assert standing(trunk_volume=0).tracks[1].volume_window == 0
-
-
-@pytest.mark.parametrize(
-    "other",
-    [
-        {"trunk_extent": (0.2, 2.0)},  # the pole of a board
-        {"trunk": np.array([1.6, 0.9, 30.0])},  # beside
-        {"trunk": np.array([0.1, 3.9, 30.0])},  # far below
-        {"trunk": np.array([0.1, 0.9, 22.0])},  # before
-    ],
-)
-def test_other_things_are_no_parts(other: dict) -> None:
-    assert list(standing(**other).tracks) == [1, 2]
-
-
-def test_a_part_keeps_the_thing_in_the_volume_while_the_rest_is_followed() -> None:
-    tracker = standing()
-    image = np.full((480, 640), round(16 * measure(CROWN)[2]), np.int16)
-    for frame in range(8, 14):
-        items = [seen_at(TRUNK, extent=(1.0, 2.0), label=2)]
-        assert tracker.update(DT * frame, items, words=image) == "VISTA_OK"
-        track = tracker.tracks[1]
-        assert track.followed and track.parts == 1 and track.volume_window & 0b11 == 0b11
-    assert list(tracker.tracks) == [1]
-
-
 # ---- capacity ----
 
 

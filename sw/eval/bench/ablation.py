@@ -41,7 +41,7 @@ from vista_eval.worlds.sampled.catalog import DEV
 ROOT = Path(__file__).resolve().parents[3]
 MECHANISMS = Path(__file__).with_name("mechanisms.toml")
 SOURCES = ROOT / "sw" / "src"
-INCLUDED = [ROOT / "sw" / "include", ROOT / "model" / "c" / "include", ROOT / "rtl" / "csr"]
+INCLUDED = [ROOT / folder for folder in ("sw/include", "model/c/include", "rtl/csr", "rtl/board")]
 FLAGS = "-O3 -std=c17 -fPIC -ffp-contract=off -fno-math-errno -fno-trapping-math -w"
 AS_IT_IS = "as it is"
 

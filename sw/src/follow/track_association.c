@@ -8,8 +8,6 @@
 #define OVERLAP_SIGMA 3.0 /* depth gate for lying within a track, standard deviations of the disparity difference */
 #define OVERLAP_SCALE 1.2 /* half extents around a track's centre that count as within it */
 #define MOVED_EXTENT_CHI2 5.99 /* 95 percent of 2 degrees: what is linked by place so loosely has to be of one size */
-#define STACKED_WIDTH_RATIO 3.0 /* a crown and its trunk; more is a board on its pole */
-#define STACKED_GAP 1.0         /* between the two, as a share of their mean height */
 
 typedef enum pass {
   CONFIRMED_IN_GATE,
@@ -88,17 +86,6 @@ static double within2(const double inner_px[3], const double inner_variance_px2[
 bool vista_track_within(const vista_track_view *inner, const vista_track_view *outer) {
   const double variance_px2[3] = {inner->covariance_px2[0], inner->covariance_px2[4], inner->covariance_px2[8]};
   return within2(inner->measurement_px, variance_px2, outer) <= 1.0;
-}
-
-bool vista_track_stacked(const vista_track_view *a, const vista_track_view *b) {
-  const double *const wide = a->half_px[0] >= b->half_px[0] ? a->half_px : b->half_px;
-  const double *const narrow = wide == a->half_px ? b->half_px : a->half_px;
-  if (wide[0] > STACKED_WIDTH_RATIO * narrow[0]) return false;
-  const double aside_px = fabs(a->measurement_px[0] - b->measurement_px[0]);
-  const double apart_px = fabs(a->measurement_px[1] - b->measurement_px[1]);
-  const double touching_px = a->half_px[1] + b->half_px[1]; /* nearer by half, it is no longer above but the same */
-  return aside_px <= wide[0] && apart_px >= 0.5 * touching_px && apart_px <= (1.0 + STACKED_GAP) * touching_px &&
-         same_depth(a->measurement_px[2], a->covariance_px2[8], b->measurement_px[2], b->covariance_px2[8]);
 }
 
 /* y^T S^-1 y >= y_i^2 / S_ii, for each i: most pairs are out of the gate without an inversion. */

@@ -36,7 +36,4 @@ bool vista_track_association_claimed(const vista_track_association *association,
 /* Whether the inner one is centred within the outer one's extent and at its depth. */
 bool vista_track_within(const vista_track_view *inner, const vista_track_view *outer);
 
-/* Whether one stands on the other: at one depth, of about one width, the narrower above or below the wider. */
-bool vista_track_stacked(const vista_track_view *a, const vista_track_view *b);
-
 #endif

@@ -8,8 +8,6 @@
 #include "follow/track_filter.h"
 #include "follow/track_life.h"
 
-#define STILL_M_S 0.5 /* and three standard deviations: slower, a track is not seen to move */
-
 struct vista_tracker {
   int32_t max_tracks, max_detections;
   int32_t count;
@@ -152,31 +150,7 @@ static void update(vista_tracker *tracker, const vista_track_frame *f) {
   tracker->count = kept;
 }
 
-/* The older id goes on with the state of whichever of the two was seen in this frame. */
-static void merge(vista_tracker *tracker, int32_t older, int32_t younger) {
-  const vista_track kept = tracker->tracks[older];
-  if (!kept.coasting || tracker->tracks[younger].coasting) return;
-  tracker->tracks[older] = tracker->tracks[younger];
-  tracker->views[older] = tracker->views[younger];
-  tracker->tracks[older].id = kept.id;
-  tracker->tracks[older].age_frames = kept.age_frames;
-  tracker->tracks[older].hits = kept.hits + 1;
-}
-
-static bool still(const vista_track *track) {
-  const double *const p = track->covariance;
-  const double variance = p[21] + p[28] + p[35];
-  return vista_dot(track->velocity_m_s, track->velocity_m_s) <= fmax(vista_square(STILL_M_S), 9.0 * variance);
-}
-
-/* Whether the part that `view` shows belongs to a thing that stands, and was seen in this frame. */
-static bool stands_on(const vista_tracker *tracker, const vista_track_view *view, int32_t whole) {
-  const vista_track *const track = &tracker->tracks[whole];
-  return !track->coasting && still(track) && vista_track_stacked(view, &tracker->views[whole]);
-}
-
-/* Tentative tracks within a confirmed one, or a part of it, and the younger of two confirmed ones that are within each
- * other. */
+/* Tentative tracks within a confirmed one, and the younger of two confirmed ones that are within each other. */
 static void remove_duplicates(vista_tracker *tracker) {
   for (int32_t i = 0; i < tracker->count; ++i) {
     if (!tracker->tracks[i].confirmed) continue;
@@ -186,12 +160,6 @@ static void remove_duplicates(vista_tracker *tracker) {
       const bool confirmed = tracker->tracks[j].confirmed;
       bool same = j != i && vista_track_within(&tracker->views[j], &tracker->views[self]);
       if (same && confirmed) same = j > i && vista_track_within(&tracker->views[self], &tracker->views[j]);
-      if (same && confirmed) merge(tracker, self, j);
-      if (!same && !confirmed && still(&tracker->tracks[j]) && stands_on(tracker, &tracker->views[j], self)) {
-        const vista_track *const part = &tracker->tracks[j];
-        same = true;
-        if (part->label >= 0) vista_track_add_part(part->volume_window & 1u, &tracker->tracks[self]);
-      }
       if (same) continue;
       if (j == i) self = kept;
       tracker->tracks[kept] = tracker->tracks[j];
@@ -229,8 +197,7 @@ static bool make_room(vista_tracker *tracker, const vista_track *newborn) {
 /* The confirmed track that this is a part of; NULL: of none. */
 static vista_track *whole_of(const vista_tracker *tracker, const vista_track_view *view) {
   for (int32_t i = 0; i < tracker->count; ++i)
-    if (tracker->tracks[i].confirmed && (vista_track_within(view, &tracker->views[i]) || stands_on(tracker, view, i)))
-      return &tracker->tracks[i];
+    if (tracker->tracks[i].confirmed && vista_track_within(view, &tracker->views[i])) return &tracker->tracks[i];
   return NULL;
 }
 

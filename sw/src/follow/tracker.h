@@ -31,10 +31,7 @@
  *            behind the camera or for blind_zone_s. Outside the matched part of the image, too, if it may be in the
  *            way; else for out_of_view_s: what passes beside the path is of no more use.
  *            May be in the way: in the collision volume in one of its last three hits, and credible.
- * Duplicates two confirmed tracks, each centred within the other: the older id stays.
- * Parts      a detection, or a tentative track, that stands above or below a confirmed one that is seen, at its depth
- *            and of about its width (a trunk and its crown), is a part of that: it adds to what is in the volume, and
- *            has no id.
+ * Duplicates two confirmed tracks, each centred within the other: the older one stays.
  * Overflow   with the table full, the least certain tentative track (fewest hits, then largest position variance)
  *            makes room for a more certain newborn; else the newborn is dropped. Either is counted. */
 #ifndef VISTA_TRACKER_H
