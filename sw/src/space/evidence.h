@@ -12,6 +12,7 @@
 #define VISTA_EVIDENCE_H
 
 #include <stdbool.h>
+#include <stddef.h>
 #include <stdint.h>
 
 #include "common/arena.h"
@@ -38,6 +39,15 @@ typedef struct vista_evidence {
   bool *low; /* scratch, width: the word that bounds this column is far and lies well below the horizon */
 } vista_evidence;
 
+/* What a line of sight says of a range of distances. */
+typedef enum vista_sight_says {
+  VISTA_SIGHT_SAYS_NOTHING = 0, /* or that it ends nearer */
+  VISTA_SIGHT_ENDS, /* at something that is matched there */
+  VISTA_SIGHT_AT_GROUND, /* on a surface to fly along */
+  VISTA_SIGHT_AT_FOOT, /* at what has no texture, which stands there */
+  VISTA_SIGHT_GOES_ON /* beyond */
+} vista_sight_says;
+
 /* Pixels of the image from one of the picture to the next. */
 int32_t vista_evidence_step_px(const vista_camera *camera);
 
@@ -45,5 +55,19 @@ void vista_evidence_layout(vista_evidence *evidence, vista_arena *arena, const v
 
 /* What the frame shows. */
 void vista_evidence_take(const vista_frame_view *frame, const vista_surfaces *surfaces, vista_evidence *evidence);
+
+/* What the line of sight through pixel i of the picture says of the distances with disparities from `farthest` to
+ * `nearest`, in 1/16 px. */
+static inline vista_sight_says vista_evidence_says(const vista_evidence *evidence, ptrdiff_t i, int32_t farthest,
+                                                   int32_t nearest) {
+  const int32_t word = evidence->word[i];
+  const uint8_t kind = evidence->kind[i];
+  if (kind >= VISTA_SIGHT_HANGING || word > nearest) return VISTA_SIGHT_SAYS_NOTHING;
+  if (word < farthest) return VISTA_SIGHT_GOES_ON;
+  static const vista_sight_says at[VISTA_SIGHT_HANGING] = {[VISTA_SIGHT_WORD] = VISTA_SIGHT_ENDS,
+                                                           [VISTA_SIGHT_LEVEL] = VISTA_SIGHT_AT_GROUND,
+                                                           [VISTA_SIGHT_BOUNDED] = VISTA_SIGHT_AT_FOOT};
+  return at[kind];
+}
 
 #endif

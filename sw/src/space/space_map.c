@@ -68,22 +68,20 @@ typedef struct looks {
 /* The disc of a place in the picture of a frame, and the words that are at it. */
 typedef struct disc {
   double u, v, reach, step;
-  int32_t nearest, farthest; /* 1/16 px, both included */
+  int32_t farthest, nearest; /* 1/16 px, both included */
 } disc;
 
 static inline void look_at(const vista_evidence *e, const disc *d, int32_t column, int32_t row, looks *l) {
   const ptrdiff_t i = (ptrdiff_t)row * e->width + column;
-  const int32_t word = e->word[i];
-  const uint8_t kind = e->kind[i];
-  if (kind == VISTA_SIGHT_OUTSIDE) return;
+  if (e->kind[i] == VISTA_SIGHT_OUTSIDE) return;
   ++l->all;
-  if (kind == VISTA_SIGHT_UNBOUNDED) return;
-  if (word < d->nearest)
-    l->beyond += kind != VISTA_SIGHT_HANGING;
-  else if (word <= d->farthest && kind == VISTA_SIGHT_WORD)
-    add_match(&l->at, column, row, word);
-  else if (word <= d->farthest && kind == VISTA_SIGHT_BOUNDED)
-    add_match(&l->feet, column, row, word);
+  const vista_sight_says says = vista_evidence_says(e, i, d->farthest, d->nearest);
+  if (says == VISTA_SIGHT_GOES_ON)
+    ++l->beyond;
+  else if (says == VISTA_SIGHT_ENDS)
+    add_match(&l->at, column, row, e->word[i]);
+  else if (says == VISTA_SIGHT_AT_FOOT)
+    add_match(&l->feet, column, row, e->word[i]);
 }
 
 /* Steps from `first` on to the first one that is at least at `least`. */
@@ -101,8 +99,8 @@ static looks look_through(const vista_evidence *e, const vista_camera *camera, c
             .v = (camera->center_v_px + scale * c[1]) / e->step_px,
             .reach = scale * radius_m / e->step_px};
   d.step = fmax(1.0, 2.0 * d.reach / SAMPLES);
-  d.nearest = (int32_t)ceil(fmin((wanted_px - tolerance_px) * VISTA_DISPARITY_SCALE, INT16_MAX));
-  d.farthest = (int32_t)floor(fmin((wanted_px + tolerance_px) * VISTA_DISPARITY_SCALE, INT16_MAX));
+  d.farthest = (int32_t)ceil(fmin((wanted_px - tolerance_px) * VISTA_DISPARITY_SCALE, INT16_MAX));
+  d.nearest = (int32_t)floor(fmin((wanted_px + tolerance_px) * VISTA_DISPARITY_SCALE, INT16_MAX));
   if (!(d.u + d.reach >= 0.0 && d.u - d.reach < e->width && d.v + d.reach >= 0.0 && d.v - d.reach < e->height))
     return l;
   const double top = d.v - d.reach + 0.5 * d.step, left = d.u - d.reach + 0.5 * d.step;
