@@ -169,6 +169,16 @@ def test_what_two_frames_of_six_saw_is_not_warned_of_and_not_free() -> None:
     assert seen.contact_m is None and seen.free_m > 40.0
 
 
+def test_after_a_start_what_all_frames_saw_is_not_free() -> None:
+    """A post that hides a tenth of the place, which one frame of six is too few to believe."""
+    post = scene([Wall(20.0, x_m=(-0.15, 0.15)), Wall(60.0)])
+    assert all(places_of(post, frames=k).free_m < 20.0 for k in (1, 2, 3))
+    space = Space()
+    for k in range(3):
+        space.take(post if k == 0 else scene([Wall(60.0)]), 0.1 * k)
+    assert Places(space).judge().free_m > 40.0
+
+
 def test_a_plain_wall_is_never_free() -> None:
     """Neither where its foot is matched nor where nothing is."""
     random = seeded(3)

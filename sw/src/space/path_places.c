@@ -132,11 +132,18 @@ bool vista_path_places_bear_out(const vista_path_places *places, double distance
   return !(vista_path_places_probability(places, distance_m) < DENY);
 }
 
+/* After a start there are too few frames for the odds: then it takes one that sees nothing there. */
+static bool is_free(const vista_path_place *place) {
+  const vista_place_evidence *const shown = &place->shown;
+  const bool all_vote = shown->frames < FRAMES_MIN && shown->votes == shown->frames;
+  return shown->frames > 0 && !all_vote && shown->beyond >= FREE_SHARE && place->probability < FREE;
+}
+
 double vista_path_places_free_m(const vista_frame_view *frame, const vista_path_places *places) {
   double free_m = 0.0;
   for (int32_t k = 0; k < places->count; ++k) {
     const vista_path_place *const place = &places->items[k];
-    if (!(place->shown.frames > 0 && place->shown.beyond >= FREE_SHARE && place->probability < FREE)) return free_m;
+    if (!is_free(place)) return free_m;
     free_m = place->along_m;
   }
   return places->count > 0 && places->count < VISTA_PATH_PLACES_MAX ? farthest(frame) : free_m;
