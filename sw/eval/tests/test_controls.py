@@ -19,9 +19,10 @@ from vista_eval.baselines.tracked_stereo import InVolume, Sweep, tracked_cached
 from vista_eval.jobs import HERE
 from vista_eval.metrics.flight_score import score_records
 from vista_eval.metrics.rules import STRICT
+from vista_eval.report.filmstrip import told
 from vista_eval.rivals import FOREST, IN_HOST, OF_FLIGHTS, OURS, PERFECT, SGBM, true_words
 from vista_eval.score import score
-from vista_eval.suites.worlds import Beside, Worlds, score_world
+from vista_eval.suites.worlds import Beside, Worlds, kept_name, score_world
 
 pytestmark = pytest.mark.slow
 
@@ -155,3 +156,9 @@ def test_worlds_of_a_folder(flight: Path, capsys: pytest.CaptureFixture) -> None
     passing = replace(worlds[1].scores[OURS], missed=(), false_alarm_frames=())
     made = [replace(w, scores=w.scores | {OURS: s}) for w, s in zip(worlds, (failing, passing), strict=True)]
     assert "Frames that fail: 3, in 1 flights." in suite.scoring(made, values).page.render()
+    records = IN_HOST[OURS].fly_cached(flight, values, flight / kept_name(OURS))
+    warned = next(record for record in records if record.warning)
+    assert warned.warning is not None
+    assert f"free to {warned.path_seen_m:.0f} m, in the way at {warned.warning.distance_m:.0f} m" in told(
+        warned
+    )

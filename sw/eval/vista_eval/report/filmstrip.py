@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from math import isnan
+
 import cv2
 import numpy as np
 from vista.history import FrameRecord
@@ -25,7 +27,7 @@ def filmstrip(truth: FlightTruth, score: FlightScore, records: list[FrameRecord]
     even = spread(list(range(len(score.frames))), EVEN_FRAMES)
     return [
         Picture(
-            f"frame {k}: {caption(score.frames[k])}",
+            f"frame {k}: {caption(score.frames[k])}; {told(by_time[score.frames[k].t_ns])}",
             as_jpeg(reduced(draw_still(truth, k, by_time[score.frames[k].t_ns])), QUALITY),
             score.frames[k].missed or bool(score.frames[k].false_alarms),
         )
@@ -50,6 +52,15 @@ def caption(frame: FrameScore) -> str:
         for alarm in frame.false_alarms
     ]
     return ", ".join(parts)
+
+
+def told(record: FrameRecord) -> str:
+    """What the detector says of the path: how far it is free, and what is in the way."""
+    free, warning = f"told free to {record.path_seen_m:.0f} m", record.warning
+    if record.blind or warning is None:
+        return "told blind" if record.blind else free
+    sure = record.outcome.collision_probability
+    return f"{free}, in the way at {warning.distance_m:.0f} m" + ("" if isnan(sure) else f" (p {sure:.2f})")
 
 
 def draw_still(truth: FlightTruth, index: int, record: FrameRecord) -> Pixels:
