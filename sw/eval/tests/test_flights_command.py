@@ -60,7 +60,6 @@ def test_the_figures_are_those_of_the_python_function(folder: Path, printed: str
     assert [group["split"] for group in content["groups"]] == ["dev", "test"]
     assert content["groups"][1]["hits"] == direct["hits"]
     assert len(content["pose_noise"]["flights"]) == 2
-    assert len(content["goals"]) == 13
     assert [noisy["grey_levels"] for noisy in content["sensor_noise"]] == [4.0, 40.0]
     weak, strong = (noisy["flights"] for noisy in content["sensor_noise"])
     assert [flight["name"] for flight in weak] == [flight["name"] for flight in content["flights"]]

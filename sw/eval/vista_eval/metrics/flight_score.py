@@ -18,15 +18,13 @@ from vista_eval.fly import UNDISTURBED, Disturbance, fly, judged, open_flight
 from vista_eval.metrics.consistency import Consistency, consistency
 from vista_eval.metrics.frame_truth import FrameTruth, flight_frames, still_surfaces
 from vista_eval.metrics.free_path import FrameOnPath, FreePath, free_path
-from vista_eval.metrics.gospa import CUTOFF_M, ORDER, Gospa, gospa
-from vista_eval.metrics.judge import FrameScore, Judge, carried
+from vista_eval.metrics.judge import FrameScore, Judge
 from vista_eval.metrics.rules import PAPER, Rules
 
 FOOT_M = 0.3048
 FIRST_DETECTION_M = 60.0  # demanded of flights that begin that far away
 STAYS_FRAMES = 5  # after a first detection; all but one of them agree
 ERROR_AT_FT = 50.0
-GOSPA_RANGE_M = 45.0
 # RMS tracking error of the companion paper's four flights, feet, by kind of obstacle and speed in ft/s.
 COMPANION_RMS_FT = {("sign", 10): 10.0, ("sign", 30): 25.9, ("pole", 30): 22.1, ("pole", 10): 22.4}
 
@@ -56,9 +54,6 @@ class FlightScore:
     companion_rms_ft: float | None
     error_at_50_ft: float | None  # feet
     id_switches: int
-    gospa_m: float  # root mean square over the frames
-    gospa_missed: float  # a frame, mean
-    gospa_false: float
     consistency: Consistency | None
     blind_frames: int
     blind_reported: int  # of these, with a warning that agrees
@@ -76,10 +71,6 @@ class FlightScore:
     @property
     def hit_rate(self) -> float | None:
         return self.hits / self.band_frames if self.band_frames else None
-
-    def begins_within(self, range_m: float) -> bool:
-        """The target is a danger from the first frame on, and nearer: no time to see it before."""
-        return self.begins_m is not None and self.begins_m < range_m
 
 
 def score_flight(
@@ -103,18 +94,16 @@ def score_records(
     judge = Judge(truth, blind_depth_m(truth, values), still_m, rules)
     by_time = {record.t_ns: record for record in records}
     scored: list[FrameScore] = []
-    sets: list[Gospa] = []
     on_path: list[FrameOnPath] = []
     for frame in frames:
         record = by_time[frame.t_ns]
         believed = record.world_from_camera or Pose()
         world_from_estimate = frame.world_from_camera @ believed.inverse()
         scored.append(judge.frame(frame, record.obstacles, record.nearest_collision, world_from_estimate))
-        sets.append(compare_sets(frame, record, world_from_estimate))
         on_path.append(along_path(truth, frame, record))
     host_ms = float(np.median([record.stage_ms["host"] for record in records]))
     states = [record.health.state for record in records]
-    return flight_score(truth, scored, sets, states, free_path(on_path), host_ms)
+    return flight_score(truth, scored, states, free_path(on_path), host_ms)
 
 
 def along_path(truth: FlightTruth, frame: FrameTruth, record: FrameRecord) -> FrameOnPath:
@@ -134,30 +123,9 @@ def blind_depth_m(truth: FlightTruth, values: parameters.Values) -> float:
     return truth.focal_baseline_px_m / ((stereo["num_disparities"] - 1) << (stereo["levels"] - 1))
 
 
-def compare_sets(frame: FrameTruth, record: FrameRecord, world_from_estimate: Pose) -> Gospa:
-    """Confirmed tracks against standing obstacles, both within GOSPA_RANGE_M; a track's distance from an
-    obstacle is that from the nearest of its points that are seen."""
-    camera_m = frame.world_from_camera.translation_m
-    things = [s for s in frame.surfaces.values() if _range_m(s.mean(axis=0), camera_m) <= GOSPA_RANGE_M]
-    tracks = [
-        carried(world_from_estimate, o.position_m)
-        for o in record.obstacles
-        if o.confirmed and o.distance_m <= GOSPA_RANGE_M
-    ]
-    distances_m = np.array(
-        [[np.linalg.norm(thing - track, axis=1).min() for track in tracks] for thing in things], float
-    )
-    return gospa(distances_m.reshape(len(things), len(tracks)), CUTOFF_M, ORDER)
-
-
-def _range_m(position_m: Array, camera_m: Array) -> float:
-    return float(np.linalg.norm(position_m - camera_m))
-
-
 def flight_score(
     truth: FlightTruth,
     frames: list[FrameScore],
-    sets: list[Gospa],
     states: list[State],
     free: FreePath,
     host_ms: float,
@@ -195,9 +163,6 @@ def flight_score(
         companion_rms_ft=companion_rms_ft(truth, frames[0].range_m),
         error_at_50_ft=error_at_ft(ranges_m, errors_m, ERROR_AT_FT),
         id_switches=sum(a != b for a, b in pairwise(ids)),
-        gospa_m=float(np.sqrt(np.mean([one.distance**2 for one in sets]))),
-        gospa_missed=float(np.mean([one.missed for one in sets])),
-        gospa_false=float(np.mean([one.false for one in sets])),
         consistency=consistency([(nees, dimensions)]),
         blind_frames=len(blind),
         blind_reported=sum(frame.matched_id is not None for frame in blind),

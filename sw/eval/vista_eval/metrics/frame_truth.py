@@ -1,4 +1,4 @@
-"""The truth of each frame of a flight: surfaces around the flight's path, target, standing obstacles."""
+"""The truth of each frame of a flight: surfaces around the flight's path, and the target."""
 
 from __future__ import annotations
 
@@ -28,10 +28,8 @@ from vista_eval.metrics.rules import PAPER, Rules
 COMPACT_M = 3.0  # largest side of a target whose centre is a point to aim at
 CENTER_M = 0.5  # and farthest from what is seen of it
 DANGER_PIXELS = 20  # of the target in the cylinder; the sign has 40 at 150 m
-STANDING_PIXELS = 50  # fewer: no obstacle of this frame to GOSPA
 THIN_ABOVE_PIXELS, THIN_STRIDE_PX = 4000, 3  # a wall needs no point a pixel; within BEARING_MARGIN_PX
 STILL_M = 0.1
-SURFACE_POINTS = 256  # of a standing object, for its distance from a track
 KEPT_M, KEPT_BESIDE_M = 40.0, 4.0  # ground that earlier frames showed: within this range, and of the path
 NEAREST_M = 0.2  # along the optical axis: nearer or behind, a point has no pixel
 
@@ -102,7 +100,6 @@ class FrameTruth:
     in_cylinder: NDArray[np.bool_]  # of around_path
     target: Target | None  # None: no target is a true danger
     ground_m: dict[int, float]  # of ground that is in the way, by label: the range where the path meets it
-    surfaces: dict[int, Array]  # (k, 3) seen points of each standing object, by label
     real: Points  # of around_path; without ground, where that is judged by where the path meets it
     path_m: float  # as far as the path is followed
 
@@ -227,15 +224,12 @@ def frame_truth(
     ground_m = ground_contacts(truth, path, shown, moving) if isinstance(path, Curved) else {}
     target = find_target(truth, age_s, path, shown, moving, rules)
     kept = thinned(around)
-    surfaces = standing_surfaces(truth, points)
     around = around.where(kept)
     real = around
     if rules.meeting:
         lying = [label for label, thing in truth.objects.items() if not thing.standing]
         real = around.where(~np.isin(around.label, lying))
-    return FrameTruth(
-        t_ns, world_from_camera, around, inside[kept], target, ground_m, surfaces, real, length_m
-    )
+    return FrameTruth(t_ns, world_from_camera, around, inside[kept], target, ground_m, real, length_m)
 
 
 def true_points(truth: FlightTruth, t_ns: int, world_from_camera: Pose, path: FlightPath) -> Points:
@@ -384,15 +378,3 @@ def run_starts(label: NDArray, line_px: NDArray, along_px: NDArray) -> NDArray[n
     found = np.empty(len(order), bool)
     found[order] = kept
     return found
-
-
-def standing_surfaces(truth: FlightTruth, points: Points) -> dict[int, Array]:
-    order = np.argsort(points.label, kind="stable")
-    labels, first = np.unique(points.label[order], return_index=True)
-    surfaces = {}
-    for label, members in zip(labels, np.split(order, first[1:]), strict=True):
-        thing = truth.objects.get(int(label))
-        if thing is not None and thing.standing and len(members) >= STANDING_PIXELS:
-            chosen = np.linspace(0, len(members) - 1, min(len(members), SURFACE_POINTS)).astype(int)
-            surfaces[int(label)] = points.where(members[chosen]).position_m
-    return surfaces

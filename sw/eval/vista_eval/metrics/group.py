@@ -78,7 +78,6 @@ COLUMNS = (
     ("RMS ft", lambda s: beside(s.rms_ft, s.companion_rms_ft)),
     ("50ft ft", lambda s: fixed(s.error_at_50_ft, 1)),
     ("ids", lambda s: str(s.id_switches) if s.matched_frames else ""),
-    ("GOSPA m", lambda s: fixed(s.gospa_m, 1)),
     ("NEES", lambda s: nees(s.consistency)),
     ("blind", lambda s: share(s.blind_reported, s.blind_frames)),
     ("state", lambda s: states(s.degraded_frames, s.unseeing_frames)),

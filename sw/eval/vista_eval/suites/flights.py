@@ -16,7 +16,6 @@ from vista_eval.dataset.truth import SPLITS, read_truth
 from vista_eval.fly import UNDISTURBED, Disturbance, fly_cached, records_name
 from vista_eval.jobs import Job
 from vista_eval.metrics import comparison as beside
-from vista_eval.metrics import goals as aims
 from vista_eval.metrics.comparison import Comparison, compare
 from vista_eval.metrics.flight_score import FlightScore, score_records, summary
 from vista_eval.metrics.flight_segmentation import FlightSegmentation, rows, segment_cached
@@ -82,8 +81,6 @@ class Flights:
         segmented: list[FlightSegmentation] = found["segmentation"]
         alone: list[list[Outcome]] = found.get("stereo alone", [])
         comparison = compare(scores, alone) if alone else None
-        against = comparison_untuned(scores, alone) if alone else None
-        reached = aims.goals(untuned(scores), untuned(noisy), against)
         tables = [table(scores)]
         if noisy:
             error = f"{POSITION_SIGMA_M:g} m, {ATTITUDE_SIGMA_DEG:g} degrees"
@@ -94,11 +91,11 @@ class Flights:
         shown = [*tables, *([beside.table(comparison)] if comparison else [])]
         free = [(score.name, score.free) for score in scores]
         free.append(("all", together(score.free for score in scores)))
-        shown += [free_table("flight", free), segmentation_table(segmented), aims.table(reached)]
+        shown += [free_table("flight", free), segmentation_table(segmented)]
         plots = [Section("Where targets are warned of", plots=[plot_detection(scores)])]
         if comparison is not None:
             plots.append(Section("Missed frames against false alarms", plots=[plot_comparison(comparison)]))
-        sections = [Section(one.title, [one]) for one in (shown[-1], *shown[:-1])]
+        sections = [Section(one.title, [one]) for one in shown]
         flights = [flight_section(*flight, values) for flight in zip(self.folders, scores, strict=True)]
         return Scoring(
             shown,
@@ -109,7 +106,7 @@ class Flights:
                 vista_eval.metrics.__doc__ or "",
                 values,
             ),
-            content(scores, noisy, sensed, segmented, comparison, reached, values),
+            content(scores, noisy, sensed, segmented, comparison, values),
             stated(scores, sensed),
             rounded(
                 {
@@ -120,16 +117,6 @@ class Flights:
                 2,
             ),
         )
-
-
-def untuned(scores: list[FlightScore]) -> list[FlightScore]:
-    """The flights that parameters were not chosen on."""
-    return [score for score in scores if score.split == "test"]
-
-
-def comparison_untuned(scores: list[FlightScore], alone: list[list[Outcome]]) -> Comparison | None:
-    theirs = [one for score, one in zip(scores, alone, strict=True) if score.split == "test"]
-    return compare(untuned(scores), theirs) if theirs else None
 
 
 def flight_section(folder: Path, score: FlightScore, values: parameters.Values) -> Section:
@@ -164,14 +151,12 @@ def content(
     sensed: dict[float, list[FlightScore]],
     segmented: list[FlightSegmentation],
     comparison: Comparison | None,
-    reached: list[aims.Goal],
     values: parameters.Values,
 ) -> dict[str, Any]:
     return {
         "parameters": values,
         "flights": [summary(score) for score in scores],
         "groups": groups(scores),
-        "goals": [asdict(goal) for goal in reached],
         "segmentation": [asdict(row) for row in rows(segmented) if row.things],
         "stereo_alone": comparison and asdict(comparison),
         "pose_noise": {"flights": [summary(score) for score in noisy], "groups": groups(noisy)},
