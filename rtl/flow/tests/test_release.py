@@ -139,12 +139,12 @@ def recorded(config: Config, trace: Path) -> None:
                 maps_and_resets(rtl, rng)
             raw_frames(rtl, rng, 2)
         else:
-            frames(rtl, rng, 3)
+            frames(rtl, rng, 2)
             faulty_video(rtl, rng)
             for _ in range(2):
                 reset_inside_a_frame(rtl, rng)
                 frame_at_reset_defaults(rtl, rng)
-            frames(rtl, rng, 2)
+            frames(rtl, rng, 3)
         for address, _ in registers().values():
             rtl.read(address)
         assert rtl.read(FRAMES_OUT) >= 4
