@@ -194,31 +194,19 @@ IMAGES = {
 }
 
 
-@pytest.mark.parametrize("name", ASL)
-def test_asl(tmp_path: Path, name: str) -> None:
-    folder = cases.make_asl(tmp_path)
-    damage, message = ASL[name]
-    damage(tmp_path)
+LAYOUTS = {cases.make_asl: ASL, cases.make_kitti: KITTI, cases.make_pairs: PAIRS}
+
+
+@pytest.mark.parametrize(
+    ("make", "name"), [(make, name) for make, faults in LAYOUTS.items() for name in faults]
+)
+def test_damage_is_named(tmp_path: Path, make: Callable[[Path], Path], name: str) -> None:
+    root = tmp_path / "pairs" if make is cases.make_pairs else tmp_path
+    folder = make(root)
+    damage, message = LAYOUTS[make][name]
+    damage(root)
     with pytest.raises(InputError, match=message):
         Rectifier(open_sequence(folder).calibration)
-
-
-@pytest.mark.parametrize("name", KITTI)
-def test_kitti(tmp_path: Path, name: str) -> None:
-    folder = cases.make_kitti(tmp_path)
-    damage, message = KITTI[name]
-    damage(tmp_path)
-    with pytest.raises(InputError, match=message):
-        open_sequence(folder)
-
-
-@pytest.mark.parametrize("name", PAIRS)
-def test_pairs(tmp_path: Path, name: str) -> None:
-    folder = cases.make_pairs(tmp_path / "pairs")
-    damage, message = PAIRS[name]
-    damage(folder)
-    with pytest.raises(InputError, match=message):
-        open_sequence(folder)
 
 
 @pytest.mark.parametrize("name", IMAGES)
