@@ -69,7 +69,6 @@ void vista_track_judge(const vista_track_frame *f, vista_track *track) {
 
 static void hit(const vista_track_frame *f, const vista_detection *detection, vista_track *track) {
   track->coasting = track->followed = track->held = false;
-  track->parts = 0;
   track->label = detection->label;
   track->edges_only = track->plain && !detection->plain;
   track->plain = track->plain || detection->plain;
@@ -155,7 +154,6 @@ static bool may_be_held(const vista_track_frame *f, const vista_track *track) {
 void vista_track_miss(const vista_track_frame *f, const vista_track_view *view, vista_track *track) {
   track->coasting = true;
   track->followed = track->held = false;
-  track->parts = 0;
   track->label = -1;
   if (!track->in_view || track->in_blind_zone) return;
   const vista_track_evidence evidence = vista_track_look_for(f->camera, f->matched, f->disparity, view);
@@ -170,13 +168,6 @@ void vista_track_miss(const vista_track_frame *f, const vista_track_view *view, 
   track->seen_frames += 1;
   track->misses += 1;
   track->visible_t_ns = f->t_ns;
-}
-
-void vista_track_add_part(bool in_volume, vista_track *track) {
-  if (track->edges_only) return;
-  if (track->label < 0 && track->parts == 0) track->volume_window <<= 1;
-  track->parts += 1;
-  track->volume_window |= in_volume;
 }
 
 bool vista_track_outlived(const vista_track_frame *f, const vista_track *track) {

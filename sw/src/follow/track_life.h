@@ -36,9 +36,6 @@ void vista_track_take(const vista_track_frame *frame, const vista_detection *det
                       bool reshaped, vista_track *track);
 void vista_track_miss(const vista_track_frame *frame, const vista_track_view *view, vista_track *track);
 
-/* A further detection of this frame is a part of the track's thing. What is in the collision volume, all parts tell. */
-void vista_track_add_part(bool in_volume, vista_track *track);
-
 /* Whether it is confirmed and credible by now. */
 void vista_track_judge(const vista_track_frame *frame, vista_track *track);
 

@@ -194,13 +194,6 @@ static bool make_room(vista_tracker *tracker, const vista_track *newborn) {
   return true;
 }
 
-/* The confirmed track that this is a part of; NULL: of none. */
-static vista_track *whole_of(const vista_tracker *tracker, const vista_track_view *view) {
-  for (int32_t i = 0; i < tracker->count; ++i)
-    if (tracker->tracks[i].confirmed && vista_track_within(view, &tracker->views[i])) return &tracker->tracks[i];
-  return NULL;
-}
-
 static void start(vista_tracker *tracker, const vista_track_frame *f, const vista_detection *detection) {
   const double *p = detection->position_camera_m;
   if (sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2]) > f->params->range_max_m) return;
@@ -208,11 +201,6 @@ static void start(vista_tracker *tracker, const vista_track_frame *f, const vist
   vista_track_view view;
   vista_track_start(f, detection, &newborn);
   if (!vista_track_look(f, &newborn, &view)) return;
-  vista_track *const whole = whole_of(tracker, &view);
-  if (whole != NULL) {
-    vista_track_add_part(detection->volume_pixels >= VISTA_VOLUME_PIXELS, whole);
-    return;
-  }
   if (tracker->count == tracker->max_tracks && !make_room(tracker, &newborn)) return;
   newborn.id = new_id(tracker, tracker->count);
   tracker->tracks[tracker->count] = newborn;
@@ -239,9 +227,9 @@ vista_status vista_tracker_update(vista_tracker *tracker, const vista_frame_view
   vista_track_associate(tracker->association, &f, &table, tracker->detection_of_track);
   update(tracker, &f);
   look_at_all(tracker, &f);
-  remove_duplicates(tracker);
   for (int32_t i = 0; i < count; ++i)
     if (!vista_track_association_claimed(tracker->association, i)) start(tracker, &f, &f.detections[i]);
+  remove_duplicates(tracker);
   tracker->started = true;
   tracker->t_ns = frame->t_ns;
   return VISTA_OK;

@@ -67,7 +67,6 @@ typedef struct vista_track {
   double foot_sigma_m; /* of its range, by where the foot of what is plain is: an error that lasts */
   bool edges_only;     /* plain, and this frame's detection is not: parts of its outline, as it leaves the image */
   int32_t label;       /* of the region in this frame; -1 without a detection */
-  int32_t parts;       /* further detections of this frame that belong to it */
   int32_t age_frames;  /* updates since its birth, that one included */
   int32_t hits;        /* detections in all */
   int32_t misses;      /* in a row; only frames in which it could be seen count */

@@ -246,7 +246,7 @@ bool vista_track_obstacle(const vista_frame_view *frame, const vista_track *trac
   obstacle->disparity_px = measurement_px[2];
   obstacle->ellipse = ellipse_of(track, measurement_px, camera_m[2]);
   const int32_t members = track->misses > MISSES_MAX ? 0 : vista_window_count(track->volume_window, 3);
-  const bool undetected = (track->coasting || track->followed) && track->parts == 0;
+  const bool undetected = track->coasting || track->followed;
   obstacle->in_collision_volume = track->credible && members >= (track->hits > 1 ? 2 : 1);
   const bool own_pixels = !undetected && !track->edges_only; /* tell whether it is a member; else its disc does */
   if (!track->credible || (own_pixels && obstacle->in_collision_volume)) return true;
