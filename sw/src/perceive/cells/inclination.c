@@ -158,27 +158,3 @@ void vista_inclination_measure(vista_inclination *w, const vista_frame_view *fra
     }
   }
 }
-
-/* Votes of a neighbour of each cell of a ring: that it has an inclination, that it leans. */
-VISTA_WIDE_VECTORS static void add_votes(const float *restrict degrees, int32_t count, float horizontal_deg,
-                                         int32_t *restrict balance) {
-  for (int32_t s = 0; s < count; ++s)
-    balance[s] += 2 * (degrees[s] >= horizontal_deg ? 1 : 0) - (degrees[s] >= 0.0f ? 1 : 0);
-}
-
-void vista_inclination_vote(vista_inclination *w, const vista_frame_view *frame, const float *inclination_deg,
-                            uint8_t *horizontal) {
-  const vista_foveation *const f = frame->foveation;
-  const int32_t sectors = f->sector_count;
-  fill_grid(w, f, inclination_deg, w->value);
-  for (int32_t ring = 0; ring < f->ring_count; ++ring) {
-    int32_t balance[VISTA_MOST_SECTORS] = {0};
-    for (int32_t r = ring - 1; r <= ring + 1; ++r)
-      for (int32_t shift = -1; shift <= 1 && r >= 0 && r < f->ring_count; ++shift)
-        add_votes(row_of(w, w->value, r) + shift, sectors, (float)VISTA_HORIZONTAL_DEG, balance);
-    for (int32_t s = 0; s < sectors; ++s) {
-      const int32_t node = f->node_of_grid[ring * sectors + s];
-      if (node >= 0) horizontal[node] = inclination_deg[node] >= 0.0f && balance[s] > 0;
-    }
-  }
-}

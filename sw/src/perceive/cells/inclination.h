@@ -20,9 +20,4 @@ vista_status vista_inclination_layout(const vista_foveation *foveation, vista_ar
 void vista_inclination_measure(vista_inclination *inclination, const vista_frame_view *frame, const vista_cells *cells,
                                float *inclination_deg);
 
-/* Says of each cell but the hub whether it is horizontal: whether most of it and its neighbours, as far as they have an
- * inclination, lean at least VISTA_HORIZONTAL_DEG. horizontal: node_count. */
-void vista_inclination_vote(vista_inclination *inclination, const vista_frame_view *frame, const float *inclination_deg,
-                            uint8_t *horizontal);
-
 #endif

@@ -51,9 +51,9 @@ static void compare_with_ground(const vista_frame_view *frame, const vista_cells
 
 void vista_surfaces_compute(const vista_frame_view *frame, const vista_cells *cells, vista_surfaces *surfaces) {
   surfaces->inclination_deg[0] = -1.0f;
-  surfaces->horizontal[0] = 0;
   vista_inclination_measure(surfaces->inclination, frame, cells, surfaces->inclination_deg);
-  vista_inclination_vote(surfaces->inclination, frame, surfaces->inclination_deg, surfaces->horizontal);
+  for (int32_t i = 0; i < frame->foveation->node_count; ++i)
+    surfaces->horizontal[i] = surfaces->inclination_deg[i] >= (float)VISTA_HORIZONTAL_DEG;
   surfaces->ground = (vista_plane){0};
   surfaces->ground_found =
       vista_find_ground_plane(frame, cells, surfaces->inclination_deg, surfaces->candidates, &surfaces->ground);

@@ -30,7 +30,7 @@ typedef struct vista_inclination vista_inclination; /* inclination.h */
 
 typedef struct vista_surfaces {
   float *inclination_deg; /* node_count: 0 upright .. 90 horizontal; negative: unknown */
-  uint8_t *horizontal; /* node_count: 1 on the ground, or where most cells around lean more than VISTA_HORIZONTAL_DEG */
+  uint8_t *horizontal; /* node_count: 1 on the ground, or what leans at least VISTA_HORIZONTAL_DEG */
   int32_t *candidates; /* scratch, node_count */
   vista_inclination *inclination; /* scratch */
   bool ground_found; /* there is a plane below that enough cells lie on: the ground, */
