@@ -80,6 +80,22 @@ def test_a_few_words_are_no_vote() -> None:
     assert shown_by(scene([Wall(20.0)]), (0.0, 0.0, 20.0)).votes == SPACE_FRAMES
 
 
+@pytest.mark.parametrize("width", [WIDTH, 640])
+def test_a_plain_wall_stands_on_ground_that_only_the_coarser_level_has_words_of(width: int) -> None:
+    """As in a noisy image. Chance matches of that level, which have no neighbours, bound nothing."""
+    lens = camera(width, 240, 300.0, 0.8)
+    seen = scene([Wall(20.0, textured=False)], ground_y_m=3.0, lens=lens)
+    unmatched = Look(np.full_like(seen.words, INVALID), np.zeros_like(seen.ground), seen.pose)
+    coarser = np.where(seen.words > 0, seen.words // 2, INVALID)[::2, ::2].astype(np.int16)
+    alone = np.full_like(coarser, INVALID)
+    alone[::8, ::8] = coarser[::8, ::8]
+    for levels, feet in (([], 0), ([coarser], SPACE_FRAMES), ([alone], 0)):
+        space = Space(lens)
+        space.watch(unmatched, levels=[unmatched.words, *levels])
+        assert space.look((0.0, 0.0, 20.0), 1.0).feet == feet
+        assert space.look((0.0, 0.0, 14.0), 1.0).beyond == pytest.approx(feet / SPACE_FRAMES, abs=0.05)
+
+
 @pytest.mark.parametrize("width", [WIDTH, 640, 1280])
 def test_a_wire_that_only_the_engine_has_words_of_is_at_its_range(width: int) -> None:
     """One row of words that the filters have dropped; in the others what is behind it, or nothing."""

@@ -1,11 +1,14 @@
 #include "space/evidence.h"
 
 #include <stddef.h>
+#include <stdlib.h>
 #include <string.h>
 
 #define LOW 0.035 /* 2 degrees below the horizon: lower, there is no sky */
 #define FOOT_PX 5 /* least disparity of the ground at which something may be seen to stand */
 #define THIN_PX 1 /* by which the engine's own word is nearer than what else is there */
+#define AROUND_PX 2 /* of the coarser level: where its words have to agree, */
+#define AGREE_PX 1 /* to this */
 #define COLUMNS 320 /* of the picture, at least half as many: a place 45 m away is a disc of some 30 of them */
 
 int32_t vista_evidence_step_px(const vista_camera *camera) {
@@ -56,6 +59,22 @@ static void add_thin(const vista_disparity_image *words, vista_evidence *evidenc
   }
 }
 
+/* The word of the next coarser level, in units of level 0, if three of the pixels around agree; else 0. It bounds what is
+ * not matched at full size, such as ground whose fine texture drowns in noise; chance matches stand alone. */
+static int32_t coarser_word(const vista_disparity_image *coarser, int32_t u_px, int32_t v_px) {
+  if (coarser->data == NULL || u_px < AROUND_PX || v_px < AROUND_PX || u_px >= coarser->width_px - AROUND_PX ||
+      v_px >= coarser->height_px - AROUND_PX)
+    return 0;
+  const int16_t *const at = coarser->data + (ptrdiff_t)v_px * coarser->stride + u_px;
+  const int32_t word = *at;
+  if (word <= 0 || word > INT16_MAX / 2) return 0;
+  const ptrdiff_t across = AROUND_PX, down = AROUND_PX * coarser->stride;
+  const int32_t around[] = {at[-across], at[across], at[-down], at[down]};
+  int agree = 0;
+  for (int k = 0; k < 4; ++k) agree += around[k] > 0 && abs(around[k] - word) <= AGREE_PX * VISTA_DISPARITY_SCALE;
+  return agree >= 3 ? 2 * word : 0;
+}
+
 void vista_evidence_take(const vista_frame_view *frame, const vista_surfaces *surfaces, vista_evidence *evidence) {
   const vista_disparity_image *const words = &frame->words;
   const int32_t *const cell_of_pixel = frame->foveation->cell_of_pixel;
@@ -84,12 +103,16 @@ void vista_evidence_take(const vista_frame_view *frame, const vista_surfaces *su
       }
       const int16_t matched = row[x * step_px];
       const int16_t below = y + 1 < height ? word[x + width] : 0;
-      word[x] = matched > 0 ? matched : below;
+      /* What lies higher in the image and is nearer than what bounds it hangs, or is wrong. */
+      const int32_t coarser =
+          matched > 0 ? 0 : coarser_word(&frame->levels[1], (x * step_px + 1) / 2, (y * step_px + 1) / 2);
+      const bool bounds = coarser > 0 && (below <= 0 || coarser <= below + AGREE_PX * VISTA_DISPARITY_SCALE);
+      word[x] = matched > 0 ? matched : bounds ? (int16_t)coarser : below;
       const double height_of_ray = row_height + column_height * (x * step_px - camera->center_u_px);
-      if (matched > 0) evidence->low[x] = height_of_ray < -LOW && matched < FOOT_PX * VISTA_DISPARITY_SCALE;
+      if (matched > 0 || bounds) evidence->low[x] = height_of_ray < -LOW && word[x] < FOOT_PX * VISTA_DISPARITY_SCALE;
       if (matched > 0)
         kind[x] = surfaces->horizontal[cells[x * step_px]] ? VISTA_SIGHT_LEVEL : VISTA_SIGHT_WORD;
-      else if (below <= 0)
+      else if (word[x] <= 0)
         kind[x] = VISTA_SIGHT_UNBOUNDED;
       else
         kind[x] = VISTA_SIGHT_BOUNDED;

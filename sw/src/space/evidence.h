@@ -23,7 +23,7 @@
 typedef enum vista_sight_kind {
   VISTA_SIGHT_WORD = 0, /* matched, and not on a surface to fly along */
   VISTA_SIGHT_LEVEL,    /* matched, on a surface to fly along */
-  VISTA_SIGHT_BOUNDED,  /* not matched; a word lies below it */
+  VISTA_SIGHT_BOUNDED,  /* not matched at full size; a word lies below it, or the next coarser level has one there */
   VISTA_SIGHT_HANGING, /* the same, if that word is far and yet well below the horizon, and the surface reaches above it */
   VISTA_SIGHT_UNBOUNDED, /* not matched, nor anything below it */
   VISTA_SIGHT_OUTSIDE /* of the part of the image that the engine matches */
