@@ -198,8 +198,9 @@ demo: build ## run the whole chain on a rendered outdoor flight and on real stil
 
 QUALITY ?= quick
 
-flights: build ## render, fly and score the flights (QUALITY=full takes a night)
+flights: build ## render, fly and score the flights, and draw the figures of the paper (QUALITY=full takes a night)
 	@.venv/bin/vista flights build/flights --quality $(QUALITY) --pose-noise
+	@.venv/bin/vista figures build/figures --flights build/flights
 
 # ---- tidy ----
 

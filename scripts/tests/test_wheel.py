@@ -116,7 +116,7 @@ def test_what_the_wheel_holds(wheel: Path) -> None:
     assert fields["Version"] == VERSION
     needed, extras = fields.get_all("Requires-Dist", []), fields.get_all("Provides-Extra", [])
     assert all("==" not in text.partition(";")[0] for text in needed), "exact versions are for the lock file"
-    assert {"bags"} <= set(extras)
+    assert {"bags", "throughput"} <= set(extras)
 
 
 def test_config(environment: Environment) -> None:
@@ -154,7 +154,7 @@ def test_run(environment: Environment) -> None:
     assert (environment.folder / "out" / "report.html").stat().st_size > 10_000
 
 
-def test_the_timed_system_is_known(environment: Environment) -> None:
+def test_a_command_of_an_extra_is_known(environment: Environment) -> None:
     done = environment.vista("throughput", "--help")
     assert done.returncode == 0, done.stderr
     assert done.stdout.startswith("usage: vista throughput")

@@ -44,7 +44,7 @@ def test_each_command_has_its_help(run_vista: Vista, command: str) -> None:
 
 @pytest.mark.parametrize(
     ("command", "extra"),
-    [("flights", "eval"), ("worlds", "eval")],
+    [("flights", "eval"), ("worlds", "eval"), ("dataset", "dataset"), ("throughput", "throughput")],
 )
 def test_a_command_that_is_not_installed_names_its_extra(
     run_vista: Vista, monkeypatch: pytest.MonkeyPatch, command: str, extra: str

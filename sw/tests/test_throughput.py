@@ -9,6 +9,7 @@ from dataclasses import fields, replace
 from functools import partial
 from pathlib import Path
 
+import cv2
 import numpy as np
 import pytest
 import sequence_cases as cases
@@ -30,6 +31,7 @@ pytestmark = pytest.mark.slow
 
 PIXELS = 640 * 480
 HOST = {"host_stage_ms": {"cut": (4.0,), "track": (2.0,)}}  # 167 frames/s
+RESULTS = {"throughput.json", "report.html", "timeline.png", "sweep.png"}
 
 
 # ---- one truth ----
@@ -226,13 +228,19 @@ def test_results(tmp_path: Path, run_vista: Vista) -> None:
     for _ in range(2):  # an earlier run is replaced
         status, stdout, _ = run_vista("--out", out, *options)
         assert status == 0
-    assert f"figures: {out / 'throughput.json'}" in stdout
-    assert [path.name for path in out.iterdir()] == ["throughput.json"]
+    assert f"report: {out / 'report.html'}" in stdout
+    assert {path.name for path in out.iterdir()} == RESULTS
     content = json.loads((out / "throughput.json").read_text())
     assert content["bottleneck"] == content["limit"]["stage"] == "host"
     assert content["figures"]["dropped"] > 0 and content["figures"]["rate_hz"] == pytest.approx(20, rel=0.02)
     assert content["clock"]["build"]["clock_mhz"] * 1e6 == content["system"]["engine_clock_hz"]
     assert len(content["simulation"]["frames"]) == 40
+    assert [point["disparities"] for point in content["sweeps"]["disparities"]] == [16, 32, 64, 128, 256]
+    for name in ("timeline.png", "sweep.png"):
+        picture = cv2.imread(str(out / name))
+        assert picture.shape[1] > 1000 and len(np.unique(picture.reshape(-1, 3), axis=0)) > 50
+    page = (out / "report.html").read_text()
+    assert page.count("<svg") == 2 and not re.search(r'(src|href)="http', page)
 
 
 def test_options_change_a_preset(run_vista: Vista) -> None:

@@ -2,5 +2,5 @@
 
 options, preset ─> SystemConfig ─> simulate ─> Run ─> figures ─> table, JSON
 synthesis: placed-and-routed clocks ─┘   └─ host_times: the host's stages, measured here
-                                         explore: what limits it, clock needed
+                                         explore: what limits it, clock needed, sweeps ─> plots ─> report
 """

@@ -7,13 +7,18 @@ from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import numpy as np
+from vista.errors import InputError
 
-from vista_throughput.explore import KEEPS_UP, ClockNeeded, Limit, clock_needed, limit
+from vista_throughput import presets
+from vista_throughput.explore import KEEPS_UP, ClockNeeded, Limit, Point, clock_needed, limit, sweep
 from vista_throughput.figures import Figures, figures
 from vista_throughput.host_times import HostTimes
 from vista_throughput.presets import Clock
 from vista_throughput.simulate import Run, Simulator
 from vista_throughput.system import SystemConfig
+
+CLOCK_FACTORS = (0.03, 0.06, 0.125, 0.25, 0.5, 1.0, 2.0)  # of the system's own clock
+DISPARITIES = (16, 32, 64, 128, 256)
 
 
 @dataclass(frozen=True)
@@ -41,6 +46,16 @@ class Answer:
         return None if self.needed is None else self.config.engine_clock_hz / self.needed.clock_hz
 
 
+@dataclass(frozen=True)
+class Sweeps:
+    """Rates by clock, of this build; by disparities, at this clock; by disparities, each at its routed
+    clock."""
+
+    clock: list[Point]
+    disparities: list[Point]
+    routed: list[Point]
+
+
 def assess(
     simulator: Simulator, preset: str | None, config: SystemConfig, clock: Clock, host: HostTimes
 ) -> Answer:
@@ -50,7 +65,28 @@ def assess(
     return Answer(preset, config, clock, host, run, figures(run), limited, needed)
 
 
-def as_json(answer: Answer) -> dict[str, Any]:
+def sweeps(simulator: Simulator, answer: Answer) -> Sweeps:
+    config = answer.config
+    clocks = [config.engine_clock_hz * factor for factor in CLOCK_FACTORS]
+    if answer.needed is not None:
+        clocks.append(answer.needed.clock_hz)
+    fitting = [d for d in DISPARITIES if d + config.block_px <= config.max_width_px]
+    return Sweeps(
+        sweep(simulator, [replace(config, engine_clock_hz=clock) for clock in sorted(set(clocks))]),
+        sweep(simulator, [replace(config, disparities=d) for d in fitting]),
+        sweep(simulator, [c for d in fitting if (c := _at_routed_clock(config, d)) is not None]),
+    )
+
+
+def _at_routed_clock(config: SystemConfig, disparities: int) -> SystemConfig | None:
+    try:
+        clock = presets.routed_clock(disparities, config.block_px, config.max_width_px)
+    except InputError:
+        return None
+    return replace(config, disparities=disparities, engine_clock_hz=clock.hz)
+
+
+def as_json(answer: Answer, swept: Sweeps | None) -> dict[str, Any]:
     """Every figure with its unit in its name; numbers that do not exist are null."""
     content = {
         "version": 1,
@@ -66,6 +102,7 @@ def as_json(answer: Answer) -> dict[str, Any]:
         "bottleneck": answer.bottleneck,
         "limit": asdict(answer.limit),
         "clock_needed": answer.needed and asdict(answer.needed) | {"margin": answer.clock_margin},
+        "sweeps": swept and asdict(swept),
         "simulation": answer.run.output,
     }
     return _finite(content)

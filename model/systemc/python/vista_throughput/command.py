@@ -3,7 +3,7 @@
 A model in SystemC runs the camera, the memory, the stereo engines and the host in simulated time; its engine
 equals the RTL clock by clock. The times of the host's stages are measured on this machine unless they are
 given. The command prints the frame rate, the latency and what limits them. With --out DIR it also writes
-throughput.json, which has every figure and the times of each frame.
+throughput.json, report.html, timeline.png and sweep.png.
 """
 
 from __future__ import annotations
@@ -42,11 +42,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="SEQUENCE",
         help="measure the host on this sequence (default: on synthetic frames)",
     )
-    parser.add_argument("--out", type=Path, metavar="DIR", help="also write throughput.json into this folder")
+    parser.add_argument(
+        "--out", type=Path, metavar="DIR", help="also write the report, plots and JSON into this folder"
+    )
 
 
 def execute(arguments: argparse.Namespace) -> int:
-    from vista_throughput.assess import assess  # libvista, which `--help` need not
+    from vista_throughput.assess import assess, sweeps  # matplotlib and libvista, which `--help` need not
     from vista_throughput.results import check_folder, write_results
     from vista_throughput.simulate import Simulator, find_program
     from vista_throughput.table import table
@@ -59,7 +61,8 @@ def execute(arguments: argparse.Namespace) -> int:
     answer = assess(simulator, arguments.preset, config, clock, host_times(arguments, config))
     print(table(answer), flush=True)
     if arguments.out is not None:
-        print(f"figures: {write_results(arguments.out, answer)}")
+        report = write_results(arguments.out, answer, sweeps(simulator, answer), len(simulator.runs))
+        print(f"report: {report}")
     return EXIT_OK
 
 

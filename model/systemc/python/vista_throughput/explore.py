@@ -1,11 +1,11 @@
-"""What limits a system, and which clock it needs, by simulation."""
+"""What limits a system, which clock it needs, and how it depends on clock and disparities, by simulation."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
-from vista_throughput.figures import busiest, rate_hz
+from vista_throughput.figures import busiest, figures, rate_hz
 from vista_throughput.simulate import Run, Simulator
 from vista_throughput.system import SystemConfig
 
@@ -45,6 +45,18 @@ class ClockNeeded:
     clock_hz: float
     confirmed_frames: int
     confirmed_dropped: int
+
+
+@dataclass(frozen=True)
+class Point:
+    """One simulated point of a sweep."""
+
+    clock_hz: float
+    disparities: int
+    rate_hz: float  # of the whole system, with its camera
+    latency_p50_ms: float
+    engine_rate_hz: float  # of engine and memory alone, with a camera as fast as they are
+    engine_latency_ms: float  # first pixel into the engine -> last word out of it
 
 
 def probe(config: SystemConfig) -> SystemConfig:
@@ -116,3 +128,20 @@ def clock_needed(simulator: Simulator, config: SystemConfig) -> ClockNeeded | No
         low, high = (low, middle) if rate(middle) >= wanted else (middle, high)
     run = simulator.run(replace(config.without_host(), engine_clock_hz=high, compute_words=False))
     return ClockNeeded(high, len(run.frames), run.dropped)
+
+
+def sweep(simulator: Simulator, configs: list[SystemConfig]) -> list[Point]:
+    return [_point(simulator, config) for config in configs]
+
+
+def _point(simulator: Simulator, config: SystemConfig) -> Point:
+    run: Run = simulator.run(replace(probe(config), buffer_policy=config.buffer_policy))
+    found = figures(run)
+    return Point(
+        config.engine_clock_hz,
+        config.disparities,
+        found.rate_hz,
+        found.latency_p50_ms,
+        engine_rate_hz(simulator, config),
+        found.engine_p50_ms,
+    )
