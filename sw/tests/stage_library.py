@@ -145,16 +145,6 @@ def set_frame(frame, name: str, value) -> None:
     _kept[frame][name] = value
 
 
-def told_by(frame, regions, region_of_pixel: np.ndarray):
-    """A vista_told * of the frame's words, a vista_region[] and the region of each pixel."""
-    items = ffi.new("vista_regions *", {"items": regions, "count": len(regions)})
-    told = ffi.new(
-        "vista_told *", [ffi.addressof(frame, "words"), pointer(region_of_pixel.reshape(-1)), items]
-    )
-    _kept[told] = (frame, regions, region_of_pixel, items)
-    return told
-
-
 class Foveation:
     def __init__(self, width: int, height: int, center=None, changes=None, missing_bytes: int = 0) -> None:
         self._parameters = parameters(changes)

@@ -19,11 +19,11 @@ VISTA_BEGIN
 typedef struct vista_directions {
   double up_camera[3]; /* against gravity, unit length */
   bool up_known; /* otherwise up is -y of the camera */
-  float free_m[VISTA_DIRECTIONS]; /* how far the camera has seen that nothing stands there, in steps of a 20th of
-                                     obstacle_map.collision_length_m. 0: outside of the image; nothing to match there,
-                                     as in the sky; or an obstacle, or what may become one, in the first step */
-  float blocked_m[VISTA_DIRECTIONS]; /* level distance of the surface that ends it, of an obstacle or of what may become
-                                        one. 0: none is seen there, as where nothing can be matched */
+  float free_m[VISTA_DIRECTIONS]; /* how far the last frames have seen that nothing stands there, in steps of 5 %, up to
+                                     obstacle_map.collision_length_m or where disparities say nothing. 0: outside of the
+                                     image, blocked or unknown from the first step on */
+  float blocked_m[VISTA_DIRECTIONS]; /* level distance of what ends it: matched there, or a confirmed obstacle. 0: it is
+                                        not blocked; what is beyond free_m is unknown */
 } vista_directions;
 
 VISTA_END

@@ -26,7 +26,7 @@
 #include "perceive/words/row_edges.h"
 #include "perceive/words/words.h"
 #include "space/collision_volume.h"
-#include "space/free_view.h"
+#include "space/free_directions.h"
 #include "space/obstacle_map.h"
 #include "space/path_places.h"
 #include "space/space_map.h"
@@ -465,17 +465,14 @@ vista_status vista_pipeline_process_sized(vista_pipeline *pipeline, const vista_
   return VISTA_OK;
 }
 
-static vista_told told_by(const vista_pipeline *p) {
-  return (vista_told){&p->words.image, p->refinement.label, &p->regions};
-}
-
 vista_status vista_pipeline_directions(const vista_pipeline *pipeline, vista_directions *directions) {
   if (pipeline == NULL || directions == NULL) return VISTA_ERROR_ARGUMENT;
   const vista_pipeline *const p = pipeline;
   *directions = (vista_directions){.up_camera = {0.0, -1.0, 0.0}};
   if (!p->processed) return VISTA_OK;
-  const vista_told told = told_by(p);
-  vista_free_view(&p->frame, &told, directions);
+  int32_t count;
+  const vista_obstacle *const obstacles = vista_obstacle_map_obstacles(p->map, &count);
+  vista_free_directions(&p->frame, &p->space, obstacles, count, directions);
   return VISTA_OK;
 }
 

@@ -9,8 +9,6 @@
 #include "vista/parameters.h"
 
 #define FIRST_RADII 2.0 /* of the volume, to the first place: a nearer one fills the view */
-#define STEP_SHARE 0.05 /* of its distance, from a place to the next: no more than twice the tolerance of the map */
-#define RADIUS_SHARE 0.8 /* of the volume's: what touches its rim is passed as often as not */
 #define FRAMES_MIN 4 /* that have to agree to warn of what no track stands for */
 #define FRAMES_FULL 5.0 /* more that agree tell no more */
 #define DENY 0.3 /* A thing in the volume is not in the way if all places at its range are less likely occupied. */
@@ -21,30 +19,29 @@
 #define WIDEST_M 4.0 /* of a thing that is beside the path: what is wider has its middle elsewhere */
 
 /* Half of the two disparities by which a range may be wrong, no less than the places are apart. */
-static double reach_m(const vista_camera *camera, double along_m) {
+double vista_path_place_reach_m(const vista_camera *camera, double along_m) {
   const double dz_m = along_m * along_m / (camera->focal_px * camera->baseline_m);
-  return fmax(0.5 * (fmax(2.0 * dz_m, 1.0) + 0.5), 0.5 * STEP_SHARE * along_m);
+  return fmax(0.5 * (fmax(2.0 * dz_m, 1.0) + 0.5), 0.5 * VISTA_PLACE_STEP_SHARE * along_m);
 }
 
-/* Beyond, disparities are too small to say anything. */
-static double farthest(const vista_frame_view *frame) {
+double vista_path_places_farthest_m(const vista_frame_view *frame, double length_m) {
   const vista_camera *const camera = frame->camera;
   const double range_m = camera->focal_px * camera->baseline_m / frame->params->region.min_disparity_px;
-  return fmin(frame->path.length_m, range_m);
+  return fmin(length_m, range_m);
 }
 
 void vista_path_places_look(const vista_frame_view *frame, const vista_space_map *map, vista_path_places *places) {
   const vista_flight_path *const path = &frame->path;
   const vista_obstacle_map_params *const params = &frame->params->obstacle_map;
   places->count = 0;
-  const double farthest_m = farthest(frame);
+  const double farthest_m = vista_path_places_farthest_m(frame, frame->path.length_m);
   for (double along_m = FIRST_RADII * params->collision_radius_m;
-       along_m <= farthest_m && places->count < VISTA_PATH_PLACES_MAX; along_m += STEP_SHARE * along_m) {
+       along_m <= farthest_m && places->count < VISTA_PATH_PLACES_MAX; along_m += VISTA_PLACE_STEP_SHARE * along_m) {
     vista_path_place *const place = &places->items[places->count++];
-    *place = (vista_path_place){.along_m = along_m, .reach_m = reach_m(frame->camera, along_m)};
+    *place = (vista_path_place){.along_m = along_m, .reach_m = vista_path_place_reach_m(frame->camera, along_m)};
     vista_flight_path_point(path, along_m, place->point_m, NULL);
-    const double radius_m = vista_flight_path_likely_radius_m(path, along_m, RADIUS_SHARE * params->collision_radius_m,
-                                                              params->path_sigmas);
+    const double radius_m = vista_flight_path_likely_radius_m(
+        path, along_m, VISTA_PLACE_RADIUS_SHARE * params->collision_radius_m, params->path_sigmas);
     place->shown = vista_space_map_look(map, place->point_m, radius_m);
   }
 }
@@ -83,7 +80,7 @@ void vista_path_place_pieces(const vista_path_place *place, double pieces[VISTA_
   pieces[VISTA_PIECE_NOT_BEYOND] = 1.0 - shown->beyond;
 }
 
-static double odds(const vista_path_place *place) {
+double vista_path_place_probability(const vista_path_place *place) {
   static const double weights[VISTA_PIECE_COUNT] = {
       [VISTA_PIECE_THING] = VISTA_ODDS_THING,   [VISTA_PIECE_BESIDE] = VISTA_ODDS_BESIDE,
       [VISTA_PIECE_GROUND] = VISTA_ODDS_GROUND, [VISTA_PIECE_VOTES] = VISTA_ODDS_VOTES,
@@ -92,16 +89,14 @@ static double odds(const vista_path_place *place) {
   vista_path_place_pieces(place, pieces);
   double sum = VISTA_ODDS_PRIOR;
   for (int k = 0; k < VISTA_PIECE_COUNT; ++k) sum += weights[k] * pieces[k];
-  return sum;
+  return 1.0 / (1.0 + exp(-sum));
 }
 
 void vista_path_places_judge(const vista_frame_view *frame, const vista_obstacle *obstacles, int32_t count,
                              vista_path_places *places) {
   for (int32_t i = 0; i < count; ++i) tell(frame, &obstacles[i], places);
-  for (int32_t k = 0; k < places->count; ++k) {
-    vista_path_place *const place = &places->items[k];
-    place->probability = 1.0 / (1.0 + exp(-odds(place)));
-  }
+  for (int32_t k = 0; k < places->count; ++k)
+    places->items[k].probability = vista_path_place_probability(&places->items[k]);
 }
 
 bool vista_path_place_is_known(const vista_path_place *place) {
@@ -133,7 +128,7 @@ bool vista_path_places_bear_out(const vista_path_places *places, double distance
 }
 
 /* After a start there are too few frames for the odds: then it takes one that sees nothing there. */
-static bool is_free(const vista_path_place *place) {
+bool vista_path_place_is_free(const vista_path_place *place) {
   const vista_place_evidence *const shown = &place->shown;
   const bool all_vote = shown->frames < FRAMES_MIN && shown->votes == shown->frames;
   return shown->frames > 0 && !all_vote && shown->beyond >= FREE_SHARE && place->probability < FREE;
@@ -143,8 +138,10 @@ double vista_path_places_free_m(const vista_frame_view *frame, const vista_path_
   double free_m = 0.0;
   for (int32_t k = 0; k < places->count; ++k) {
     const vista_path_place *const place = &places->items[k];
-    if (!is_free(place)) return free_m;
+    if (!vista_path_place_is_free(place)) return free_m;
     free_m = place->along_m;
   }
-  return places->count > 0 && places->count < VISTA_PATH_PLACES_MAX ? farthest(frame) : free_m;
+  return places->count > 0 && places->count < VISTA_PATH_PLACES_MAX
+             ? vista_path_places_farthest_m(frame, frame->path.length_m)
+             : free_m;
 }

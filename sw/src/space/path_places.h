@@ -17,6 +17,10 @@
 #include "space/space_map.h"
 #include "vista/obstacle.h"
 
+/* Distance from a place to the next, as a share of its own: no more than twice the tolerance of the map. */
+#define VISTA_PLACE_STEP_SHARE 0.05
+/* Radius of a place, as a share of the volume's: what touches its rim is passed as often as not. */
+#define VISTA_PLACE_RADIUS_SHARE 0.8
 #define VISTA_PATH_PLACES_MAX 128
 
 /* The pieces of evidence, each 0 to 1, as the odds weigh them. */
@@ -55,6 +59,18 @@ void vista_path_places_judge(const vista_frame_view *frame, const vista_obstacle
 
 /* What is known of a place, for the odds and for learning them. */
 void vista_path_place_pieces(const vista_path_place *place, double pieces[VISTA_PIECE_COUNT]);
+
+/* How likely a place is occupied. */
+double vista_path_place_probability(const vista_path_place *place);
+
+/* Whether a place that was judged is free. */
+bool vista_path_place_is_free(const vista_path_place *place);
+
+/* How far a range may be off that is told of a place at this distance. */
+double vista_path_place_reach_m(const vista_camera *camera, double along_m);
+
+/* The length, or as far as disparities say anything if that is nearer. */
+double vista_path_places_farthest_m(const vista_frame_view *frame, double length_m);
 
 /* Whether enough is known of a place to warn of it. */
 bool vista_path_place_is_known(const vista_path_place *place);

@@ -9,6 +9,11 @@
 
 #define SPACING_S 0.08
 #define SAMPLES 20       /* lines of sight across a disc, at most */
+#define UPRIGHT_MIN 5.0  /* lines of sight to an upright line, at least, */
+#define UPRIGHT_MAX 12.0 /* and at most in view */
+#define UPRIGHT_MOST 48.0
+#define FRACTION_BITS 16 /* of a pixel of the picture */
+#define FRACTIONS 65536.0
 #define IN_VIEW_MIN 12   /* lines of sight that a frame needs to tell of a place, */
 #define IN_VIEW_SHARE 0.25 /* and of all that lead to it this share */
 #define TOLERANCE_PX 0.75 /* A word is at the place if it differs by less than this, */
@@ -65,17 +70,22 @@ typedef struct looks {
   matched at, feet;
 } looks;
 
-/* The disc of a place in the picture of a frame, and the words that are at it. */
-typedef struct disc {
-  double u, v, reach, step;
-  int32_t farthest, nearest; /* 1/16 px, both included */
-} disc;
+/* The words that are at a place: 1/16 px, both included. */
+typedef struct range {
+  int32_t farthest, nearest;
+} range;
 
-static inline void look_at(const vista_evidence *e, const disc *d, int32_t column, int32_t row, looks *l) {
+static range range_at(double wanted_px) {
+  const double tolerance_px = fmax(TOLERANCE_PX, TOLERANCE_SHARE * wanted_px);
+  return (range){(int32_t)ceil(fmin((wanted_px - tolerance_px) * VISTA_DISPARITY_SCALE, INT16_MAX)),
+                 (int32_t)floor(fmin((wanted_px + tolerance_px) * VISTA_DISPARITY_SCALE, INT16_MAX))};
+}
+
+static inline void look_at(const vista_evidence *e, range at, int32_t column, int32_t row, looks *l) {
   const ptrdiff_t i = (ptrdiff_t)row * e->width + column;
   if (e->kind[i] == VISTA_SIGHT_OUTSIDE) return;
   ++l->all;
-  const vista_sight_says says = vista_evidence_says(e, i, d->farthest, d->nearest);
+  const vista_sight_says says = vista_evidence_says(e, i, at.farthest, at.nearest);
   if (says == VISTA_SIGHT_GOES_ON)
     ++l->beyond;
   else if (says == VISTA_SIGHT_ENDS)
@@ -83,6 +93,11 @@ static inline void look_at(const vista_evidence *e, const disc *d, int32_t colum
   else if (says == VISTA_SIGHT_AT_FOOT)
     add_match(&l->feet, column, row, e->word[i]);
 }
+
+/* The disc of a place in the picture of a frame. */
+typedef struct disc {
+  double u, v, reach, step;
+} disc;
 
 /* Steps from `first` on to the first one that is at least at `least`. */
 static inline double steps_to(double first, double step, double least) { return ceil((least - first) / step); }
@@ -94,13 +109,11 @@ static looks look_through(const vista_evidence *e, const vista_camera *camera, c
   vista_frame_to_camera(&e->pose, point_m, c);
   if (!(c[2] > radius_m)) return l; /* the camera is in it, or beyond it */
   const double scale = camera->focal_px / c[2], wanted_px = scale * camera->baseline_m;
-  const double tolerance_px = fmax(TOLERANCE_PX, TOLERANCE_SHARE * wanted_px);
   disc d = {.u = (camera->center_u_px + scale * c[0]) / e->step_px,
             .v = (camera->center_v_px + scale * c[1]) / e->step_px,
             .reach = scale * radius_m / e->step_px};
   d.step = fmax(1.0, 2.0 * d.reach / SAMPLES);
-  d.farthest = (int32_t)ceil(fmin((wanted_px - tolerance_px) * VISTA_DISPARITY_SCALE, INT16_MAX));
-  d.nearest = (int32_t)floor(fmin((wanted_px + tolerance_px) * VISTA_DISPARITY_SCALE, INT16_MAX));
+  const range at = range_at(wanted_px);
   if (!(d.u + d.reach >= 0.0 && d.u - d.reach < e->width && d.v + d.reach >= 0.0 && d.v - d.reach < e->height))
     return l;
   const double top = d.v - d.reach + 0.5 * d.step, left = d.u - d.reach + 0.5 * d.step;
@@ -112,7 +125,37 @@ static looks look_through(const vista_evidence *e, const vista_camera *camera, c
     const int32_t row = (int32_t)(y + 0.5);
     const double from = fmax(first, steps_to(left, d.step, -0.5));
     const double to = fmin(beyond, steps_to(left, d.step, e->width - 0.5));
-    for (double k = from; k < to; ++k) look_at(e, &d, (int32_t)(left + k * d.step + 0.5), row, &l);
+    for (double k = from; k < to; ++k) look_at(e, at, (int32_t)(left + k * d.step + 0.5), row, &l);
+  }
+  return l;
+}
+
+static looks look_along(const vista_evidence *e, const vista_camera *camera, const vista_upright *line) {
+  looks l = {0};
+  double middle[3], up[3];
+  vista_frame_to_camera(&e->pose, line->middle_m, middle);
+  if (!(middle[2] > line->half_m)) return l;
+  vista_frame_direction_to_camera(&e->pose, line->up, up);
+  double first[2], step[2];
+  const double low = camera->focal_px / ((middle[2] - line->half_m * up[2]) * e->step_px);
+  const double high = camera->focal_px / ((middle[2] + line->half_m * up[2]) * e->step_px);
+  const double center[2] = {camera->center_u_px / e->step_px, camera->center_v_px / e->step_px};
+  for (int i = 0; i < 2; ++i) {
+    first[i] = center[i] + low * (middle[i] - line->half_m * up[i]);
+    step[i] = center[i] + high * (middle[i] + line->half_m * up[i]) - first[i];
+  }
+  const double across = fmax(fabs(step[0]), fabs(step[1])), most = UPRIGHT_MAX * fmax(across / e->height, 1.0);
+  l.asked = (int32_t)fmin(fmax(across, UPRIGHT_MIN), fmin(most, UPRIGHT_MOST));
+  const range at = range_at(camera->focal_px * camera->baseline_m / middle[2]);
+  int64_t place[2], stride[2];
+  for (int i = 0; i < 2; ++i) {
+    stride[i] = (int64_t)(FRACTIONS * step[i] / l.asked);
+    place[i] = (int64_t)(FRACTIONS * (first[i] + 0.5)) + stride[i] / 2;
+  }
+  for (int32_t k = 0; k < l.asked; ++k, place[0] += stride[0], place[1] += stride[1]) {
+    const int64_t column = place[0] >> FRACTION_BITS, row = place[1] >> FRACTION_BITS;
+    if (column >= 0 && column < e->width && row >= 0 && row < e->height)
+      look_at(e, at, (int32_t)column, (int32_t)row, &l);
   }
   return l;
 }
@@ -126,24 +169,39 @@ static void place_at(vista_place_evidence *found, const vista_evidence *e, const
   found->age = age;
 }
 
+/* Adds what a frame of this age shows: it votes, it shows a foot, or it sees through. */
+static void take_looks(vista_place_evidence *found, const vista_evidence *e, const looks *l, int32_t age) {
+  const double beyond = (double)l->beyond / l->all;
+  const bool votes = l->at.count >= fmax(VOTE_MIN, VOTE_SHARE * l->all);
+  const bool foot = l->feet.count >= FOOT_SHARE * l->all && beyond < FOOT_BEYOND;
+  if (votes && found->votes == 0) place_at(found, e, &l->at, age);
+  if (foot && found->disparity_px == 0.0) place_at(found, e, &l->feet, age);
+  if (found->frames++ == 0) found->beyond_newest = beyond;
+  found->votes += votes;
+  found->feet += foot;
+  found->beyond += (beyond - found->beyond) / found->frames;
+}
+
 vista_place_evidence vista_space_map_look(const vista_space_map *map, const double point_m[3], double radius_m) {
   vista_place_evidence found = {0};
-  bool voted = false;
   for (int32_t age = 0; age < map->count; ++age) {
     const vista_evidence *const e = vista_space_map_frame(map, age);
     const looks l = look_through(e, &map->camera, point_m, radius_m);
-    if (l.all < IN_VIEW_MIN || l.all < IN_VIEW_SHARE * l.asked) continue;
-    const double beyond = (double)l.beyond / l.all;
-    const bool votes = l.at.count >= fmax(VOTE_MIN, VOTE_SHARE * l.all);
-    const bool foot = l.feet.count >= FOOT_SHARE * l.all && beyond < FOOT_BEYOND;
-    ++found.frames;
-    found.votes += votes;
-    found.feet += foot;
-    found.beyond += beyond;
-    if (votes && !voted) place_at(&found, e, &l.at, age);
-    if (foot && found.disparity_px == 0.0) place_at(&found, e, &l.feet, age);
-    voted |= votes;
+    if (l.all >= IN_VIEW_MIN && l.all >= IN_VIEW_SHARE * l.asked) take_looks(&found, e, &l, age);
   }
-  if (found.frames > 0) found.beyond /= found.frames;
+  return found;
+}
+
+vista_place_evidence vista_space_map_look_upright(const vista_space_map *map, const vista_upright *line,
+                                                  int32_t frames) {
+  vista_place_evidence found = {0};
+  for (int32_t age = 0; age < map->count && age < frames; ++age) {
+    const vista_evidence *const e = vista_space_map_frame(map, age);
+    const looks l = look_along(e, &map->camera, line);
+    if (l.all >= VOTE_MIN)
+      take_looks(&found, e, &l, age);
+    else if (age == 0)
+      return found;
+  }
   return found;
 }

@@ -32,6 +32,7 @@ typedef struct vista_place_evidence {
   int32_t votes;  /* of these, in which something is matched at it */
   int32_t feet;   /* of these, in which something without texture stands on ground that is matched there */
   double beyond;  /* share of the lines of sight that are known to go on beyond it, mean of the frames */
+  double beyond_newest; /* that of the newest of these frames */
   /* What is matched there in the newest frame that votes, or else in the newest that shows a foot. */
   double u_px, v_px, disparity_px; /* mean; disparity_px 0: there is no such frame */
   double spread_px;                /* standard deviation of the disparity */
@@ -48,6 +49,17 @@ void vista_space_map_add(vista_space_map *map, const vista_frame_view *frame, co
 
 /* What is known of the ball of this radius around a point of the world. */
 vista_place_evidence vista_space_map_look(const vista_space_map *map, const double point_m[3], double radius_m);
+
+/* An upright line in the world: what is flown along needs so much height. */
+typedef struct vista_upright {
+  double middle_m[3];
+  double up[3]; /* unit length */
+  double half_m;
+} vista_upright;
+
+/* What so many of the newest frames show of an upright line. A word is at it if it is at its middle. */
+vista_place_evidence vista_space_map_look_upright(const vista_space_map *map, const vista_upright *line,
+                                                  int32_t frames);
 
 /* The frame that is so many frames older than the newest, 0 .. count - 1. */
 const vista_evidence *vista_space_map_frame(const vista_space_map *map, int32_t age);

@@ -1,0 +1,121 @@
+#include "space/free_directions.h"
+
+#include <math.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+
+#include "common/frame.h"
+#include "common/numbers.h"
+#include "space/path_places.h"
+
+#define FRAMES 3 /* that are looked through: the newest */
+#define LEVEL_MIN 0.2 /* sine of camera axis and vertical: a camera that looks up or down sees no level direction */
+#define NOW_SHARE 0.25 /* of the lines of sight that go on beyond a free place in the newest frame */
+#define BLOCKED 0.5   /* A place that is more likely occupied blocks the direction. */
+
+typedef struct view {
+  const vista_frame_view *frame;
+  const vista_space_map *map;
+  double ahead[3], right[3], up[3]; /* level axes, in the camera */
+  double up_world[3], half_m;
+  int32_t frames;
+  /* Level distance of the nearest confirmed obstacle in each direction, and of ground; INFINITY: none. */
+  double thing_m[VISTA_DIRECTIONS], ground_m[VISTA_DIRECTIONS];
+} view;
+
+static bool make_axes(view *v, const double up[3]) {
+  if (!(sqrt(1.0 - up[2] * up[2]) >= LEVEL_MIN)) return false;
+  memcpy(v->up, up, sizeof v->up);
+  vista_frame_level_axes(up, v->ahead, v->right);
+  return true;
+}
+
+static void direction_to_world(const vista_pose *pose, const double camera[3], double world[3]) {
+  for (int i = 0; i < 3; ++i) world[i] = vista_dot(pose->rotation + 3 * i, camera);
+}
+
+static void tell(view *v, const vista_obstacle *obstacle) {
+  double camera_m[3];
+  if (!obstacle->confirmed) return;
+  vista_frame_to_camera(&v->frame->motion.pose, obstacle->position_m, camera_m);
+  if (!(fabs(vista_dot(camera_m, v->up)) < v->half_m + 0.5 * obstacle->extent_m[1])) return;
+  const double ahead_m = vista_dot(camera_m, v->ahead), right_m = vista_dot(camera_m, v->right);
+  const double distance_m = hypot(ahead_m, right_m);
+  const double middle_deg = VISTA_DEGREES_PER_RADIAN * atan2(right_m, ahead_m);
+  const double half_deg = VISTA_DEGREES_PER_RADIAN * atan2(0.5 * obstacle->extent_m[0], distance_m);
+  double *const told_m = obstacle->kind == VISTA_OBSTACLE_GROUND ? v->ground_m : v->thing_m;
+  const double first = fmax(floor(middle_deg - half_deg - VISTA_DIRECTIONS_FIRST_DEG), 0.0);
+  const double last = fmin(floor(middle_deg + half_deg - VISTA_DIRECTIONS_FIRST_DEG), VISTA_DIRECTIONS - 1.0);
+  for (double k = first; k <= last; ++k) told_m[(int)k] = fmin(told_m[(int)k], distance_m);
+}
+
+/* Level distance of what is matched at a place. */
+static double matched_m(const view *v, const vista_place_evidence *shown) {
+  const vista_camera *const camera = v->frame->camera;
+  const double depth_m = camera->focal_px * camera->baseline_m / shown->disparity_px;
+  const double seen_m[3] = {depth_m * (shown->u_px - camera->center_u_px) / camera->focal_px,
+                            depth_m * (shown->v_px - camera->center_v_px) / camera->focal_px, depth_m};
+  double world_m[3], now_m[3];
+  vista_frame_to_world(&vista_space_map_frame(v->map, shown->age)->pose, seen_m, world_m);
+  vista_frame_to_camera(&v->frame->motion.pose, world_m, now_m);
+  return hypot(vista_dot(now_m, v->ahead), vista_dot(now_m, v->right));
+}
+
+static bool look(const view *v, const double direction[3], int32_t column, double along_m, vista_path_place *place) {
+  const vista_pose *const pose = &v->frame->motion.pose;
+  *place = (vista_path_place){.along_m = along_m, .reach_m = vista_path_place_reach_m(v->frame->camera, along_m)};
+  vista_upright line = {.half_m = v->half_m};
+  for (int i = 0; i < 3; ++i) line.middle_m[i] = pose->translation_m[i] + along_m * direction[i];
+  memcpy(line.up, v->up_world, sizeof line.up);
+  vista_place_evidence *const shown = &place->shown;
+  *shown = vista_space_map_look_upright(v->map, &line, v->frames);
+  if (shown->frames > 0) { /* the odds ask for votes of all frames that the map has */
+    shown->votes = shown->votes * VISTA_SPACE_FRAMES / shown->frames;
+    shown->feet = shown->feet * VISTA_SPACE_FRAMES / shown->frames;
+  }
+  place->thing = place->beside = v->thing_m[column] <= along_m + place->reach_m;
+  place->ground = v->ground_m[column] <= along_m + place->reach_m;
+  place->probability = vista_path_place_probability(place);
+  return shown->beyond_newest >= NOW_SHARE && vista_path_place_is_free(place);
+}
+
+static double block_m(const view *v, int32_t column, const vista_path_place *place) {
+  if (!(place->probability >= BLOCKED)) return 0.0;
+  if (place->shown.disparity_px > 0.0) return matched_m(v, &place->shown);
+  return place->thing ? v->thing_m[column] : place->ground ? v->ground_m[column] : 0.0;
+}
+
+void vista_free_directions(const vista_frame_view *frame, const vista_space_map *map, const vista_obstacle *obstacles,
+                           int32_t count, vista_directions *directions) {
+  const vista_obstacle_map_params *const params = &frame->params->obstacle_map;
+  *directions = (vista_directions){.up_known = frame->up_known};
+  memcpy(directions->up_camera, frame->up_camera, sizeof directions->up_camera);
+  view v = {.frame = frame,
+            .map = map,
+            .half_m = VISTA_PLACE_RADIUS_SHARE * params->collision_radius_m,
+            .frames = frame->motion.known ? FRAMES : 1};
+  if (!make_axes(&v, directions->up_camera)) return;
+  direction_to_world(&frame->motion.pose, v.up, v.up_world);
+  for (int k = 0; k < VISTA_DIRECTIONS; ++k) v.thing_m[k] = v.ground_m[k] = INFINITY;
+  for (int32_t k = 0; k < count; ++k) tell(&v, &obstacles[k]);
+  const vista_camera *const camera = frame->camera;
+  const double first_m = fmax(camera->focal_px * camera->baseline_m / frame->matched.disparity_max_px, 1.1 * v.half_m);
+  const double last_m = vista_path_places_farthest_m(frame, params->collision_length_m);
+  for (int32_t column = 0; column < VISTA_DIRECTIONS; ++column) {
+    const double azimuth = (VISTA_DIRECTIONS_FIRST_DEG + column + 0.5) * VISTA_RADIANS_PER_DEGREE;
+    double level[3], direction[3];
+    for (int i = 0; i < 3; ++i) level[i] = cos(azimuth) * v.ahead[i] + sin(azimuth) * v.right[i];
+    direction_to_world(&frame->motion.pose, level, direction);
+    if (!(level[2] > 0.1)) continue;
+    double along_m = fmin(first_m / level[2], last_m);
+    vista_path_place place;
+    while (look(&v, direction, column, along_m, &place)) {
+      directions->free_m[column] = (float)along_m;
+      if (along_m >= last_m) break;
+      along_m = fmin(along_m + VISTA_PLACE_STEP_SHARE * along_m, last_m);
+    }
+    if (!vista_path_place_is_free(&place)) directions->blocked_m[column] = (float)block_m(&v, column, &place);
+  }
+}
