@@ -16,6 +16,7 @@ from vista_eval import score as scoring
 from vista_eval.command import worlds as command
 from vista_eval.metrics import scoring_log
 from vista_eval.metrics.flight_score import FlightScore
+from vista_eval.metrics.free_directions import NO_DIRECTIONS
 from vista_eval.metrics.free_path import FreePath
 from vista_eval.metrics.scoring_log import LOG
 from vista_eval.metrics.world_score import WorldScore
@@ -61,6 +62,7 @@ def three_hits(folder: Path, **_: object) -> WorldScore:
     found = dict.fromkeys(FlightScore.__dataclass_fields__, 0) | {"name": folder.name, "frames": ()}
     found |= {"band_frames": 5, "hits": 3, "missed": (1, 2), "false_alarm_frames": (), "begins_m": None}
     found |= {"errors_dz": (), "nees": (), "nees_dimensions": (), "free": FreePath()}
+    found |= {"directions": NO_DIRECTIONS}
     return WorldScore(folder.name, "three", "test", {OURS: FlightScore(**found)}, None, ())
 
 

@@ -134,6 +134,7 @@ class Directions(Struct):
 
     __slots__ = ()
     NAME = "vista_directions"
+    up_camera: NDArray[np.float64]  # against gravity
     free_m: NDArray[np.float32]  # how far nothing stands there: (COLUMNS,), the first FIRST_DEG from ahead
     blocked_m: NDArray[np.float32]  # where what ends it stands; 0: nothing is seen there
 

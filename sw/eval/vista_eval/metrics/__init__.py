@@ -56,7 +56,8 @@ hit             asked for at 14.5 to 45 m, or from 3 s before impact where that 
 false alarm     likewise within max(2 dz(r), 0.5 m), and 0.5 m of the volume; ground agrees only with a
                 warning that gives the range where it is met
 
-How far the path is called free is judged apart from warnings (free_path).
+How far the path and level directions are called free is judged apart from warnings (free_path,
+free_directions).
 
 Under pose noise an estimate is carried into the true world through the camera: what counts is where an
 obstacle is as seen from the aircraft.

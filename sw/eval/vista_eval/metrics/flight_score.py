@@ -2,24 +2,27 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from vista import parameters
-from vista.geometry import Array, Pose
+from vista.geometry import Array, Calibration, Pose
 from vista.health.finding import State
 from vista.history import FrameRecord
 
 from vista_eval.dataset.truth import FlightTruth
 from vista_eval.fly import UNDISTURBED, Disturbance, fly, judged, open_flight
+from vista_eval.metrics import free_directions
 from vista_eval.metrics.consistency import Consistency, consistency
 from vista_eval.metrics.frame_truth import FrameTruth, flight_frames, still_surfaces
+from vista_eval.metrics.free_directions import NO_DIRECTIONS, FreeDirections
 from vista_eval.metrics.free_path import FrameOnPath, FreePath, free_path
 from vista_eval.metrics.judge import FrameScore, Judge
 from vista_eval.metrics.rules import PAPER, Rules
+from vista_eval.metrics.segmentation import matched_area
 
 FOOT_M = 0.3048
 FIRST_DETECTION_M = 60.0  # demanded of flights that begin that far away
@@ -63,6 +66,7 @@ class FlightScore:
     unseeing_frames: int  # in which it says that it sees nothing
     free: FreePath
     host_ms: float  # median
+    directions: FreeDirections = NO_DIRECTIONS
 
     @property
     def matched_frames(self) -> int:
@@ -103,7 +107,8 @@ def score_records(
         on_path.append(along_path(truth, frame, record))
     host_ms = float(np.median([record.stage_ms["host"] for record in records]))
     states = [record.health.state for record in records]
-    return flight_score(truth, scored, states, free_path(on_path), host_ms)
+    score = flight_score(truth, scored, states, free_path(on_path), host_ms)
+    return replace(score, directions=along_directions(truth, by_time, values))
 
 
 def along_path(truth: FlightTruth, frame: FrameTruth, record: FrameRecord) -> FrameOnPath:
@@ -115,6 +120,21 @@ def along_path(truth: FlightTruth, frame: FrameTruth, record: FrameRecord) -> Fr
         record.nearest_collision is not None,
         record.health.state == State.HEALTHY,
     )
+
+
+def along_directions(
+    truth: FlightTruth, records: dict[int, FrameRecord], values: parameters.Values
+) -> FreeDirections:
+    stereo, found = values["stereo"], []
+    for t_ns, record in records.items():
+        if record.directions is None:
+            continue
+        disparity_px = truth.disparity_px(t_ns)
+        height, width = disparity_px.shape
+        camera = Calibration(width, height, truth.focal_px, *truth.center_px, truth.baseline_m)
+        area = matched_area(height, width, stereo["num_disparities"], stereo["block_size"])
+        found.append(free_directions.free_directions(record.directions, camera, disparity_px, area))
+    return free_directions.together(found)
 
 
 def blind_depth_m(truth: FlightTruth, values: parameters.Values) -> float:

@@ -128,6 +128,25 @@ def camera_points_m(
     )
 
 
+def road_of(camera: Calibration, disparity_px: NDArray[np.float32]) -> RoadPlane | None:
+    v, u = np.nonzero(disparity_px > 0.0)
+    all_m = camera_points_m(camera, v, u, disparity_px[v, u].astype(np.float64))
+    in_reach = (all_m[:, 2] >= NEAR_M) & (all_m[:, 2] <= FAR_M)
+    return fit_road(all_m[(v > camera.cy) & in_reach])
+
+
+def standing_pixels(camera: Calibration, disparity_px: NDArray[np.float32]) -> Mask | None:
+    """Pixels of the truth that stand on the road, whatever their distance; None where no road is found."""
+    road = road_of(camera, disparity_px)
+    if road is None:
+        return None
+    v, u = np.nonzero(disparity_px > 0.0)
+    points_m = camera_points_m(camera, v, u, disparity_px[v, u].astype(np.float64))
+    stands = np.zeros(disparity_px.shape, np.bool_)
+    stands[v, u] = road.above_m(points_m) >= STANDING_M
+    return stands
+
+
 def true_pixels(
     disparity_px: NDArray[np.float32], area: tuple[slice, slice]
 ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
@@ -146,11 +165,7 @@ def street_points(
     camera: Calibration, disparity_px: NDArray[np.float32], area: tuple[slice, slice], largest_px: float
 ) -> Points | None:
     """Standing and road points; None where no road is found."""
-    v, u = np.nonzero(disparity_px > 0.0)
-    lower = v > camera.cy
-    all_m = camera_points_m(camera, v, u, disparity_px[v, u].astype(np.float64))
-    in_reach = (all_m[:, 2] >= NEAR_M) & (all_m[:, 2] <= FAR_M)
-    road = fit_road(all_m[lower & in_reach])
+    road = road_of(camera, disparity_px)
     if road is None:
         return None
     v, u = true_pixels(disparity_px, area)

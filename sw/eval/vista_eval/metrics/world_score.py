@@ -14,9 +14,11 @@ import numpy as np
 
 from vista_eval.baselines.stereo_alone import Threshold
 from vista_eval.baselines.tracked_stereo import TrackedOutcome
+from vista_eval.metrics import free_directions
 from vista_eval.metrics.consistency import Consistency, consistency
 from vista_eval.metrics.flight_score import FIRST_DETECTION_M, FlightScore
 from vista_eval.metrics.flight_segmentation import SHOWN, FlightSegmentation
+from vista_eval.metrics.free_directions import FreeDirections
 from vista_eval.metrics.free_path import FreePath, together
 from vista_eval.metrics.intervals import MIN_FLIGHTS, Share, share_of_flights, share_of_frames
 from vista_eval.metrics.rules import STRICT
@@ -56,6 +58,7 @@ class ControlScore:
     degraded_frames: int
     blind_frames: int  # in which it says that it sees nothing
     free: FreePath
+    directions: FreeDirections
 
 
 @dataclass(frozen=True)
@@ -133,6 +136,7 @@ def control_score(flights: list[FlightScore]) -> ControlScore:
         degraded_frames=sum(flight.degraded_frames for flight in flights),
         blind_frames=sum(flight.unseeing_frames for flight in flights),
         free=together(flight.free for flight in flights),
+        directions=free_directions.together(flight.directions for flight in flights),
     )
 
 

@@ -22,7 +22,9 @@ from vista_eval.dataset.kitti_stereo import PairFiles, find_pairs, read_pair
 from vista_eval.dataset.stereo_pair import TruthPair
 from vista_eval.dataset.truth import SPLITS
 from vista_eval.jobs import Job, jobs_of
+from vista_eval.metrics import free_directions
 from vista_eval.metrics import standing_points as standing
+from vista_eval.metrics.free_directions import NO_DIRECTIONS, FreeDirections
 from vista_eval.metrics.segmentation import matched_area
 from vista_eval.metrics.standing_points import (
     MEASURES,
@@ -37,7 +39,7 @@ from vista_eval.metrics.standing_points import (
 )
 from vista_eval.report.page import Page, Picture, Section, as_jpeg
 from vista_eval.report.table import Table, with_interval
-from vista_eval.rivals import OF_PAIRS, OURS, RIVALS, OneCamera
+from vista_eval.rivals import DETECTOR, OF_PAIRS, OURS, RIVALS, OneCamera
 from vista_eval.score import Scoring
 
 
@@ -46,6 +48,7 @@ class MeasuredPair:
     name: str
     split: str
     counts: dict[str, Counts] | None  # by detector; None: no road was found
+    directions: FreeDirections = NO_DIRECTIONS
 
 
 def points_of(pair: TruthPair) -> Points | None:
@@ -64,7 +67,17 @@ def measure(values: parameters.Values, source: PairFiles) -> MeasuredPair:
         return MeasuredPair(source.name, source.split, None)
     camera = camera_of(pair, values)
     counts = {name: count_points(points, RIVALS[name].judge(camera, pair)) for name in OF_PAIRS}
-    return MeasuredPair(source.name, source.split, counts)
+    return MeasuredPair(source.name, source.split, counts, directions_of(pair, camera))
+
+
+def directions_of(pair: TruthPair, camera: OneCamera) -> FreeDirections:
+    stands = standing.standing_pixels(pair.camera, pair.disparity_px)
+    told = DETECTOR.process(camera, pair).directions
+    assert stands is not None and told is not None
+    stereo = engine_parameters(camera.values)
+    height, width = pair.left.shape
+    area = matched_area(height, width, stereo.num_disparities, stereo.block_size)
+    return free_directions.free_directions(told, pair.camera, pair.disparity_px, area, stands)
 
 
 def look(values: parameters.Values, source: PairFiles, detector: str) -> tuple[TruthPair, Points, Judged]:
@@ -124,6 +137,7 @@ class Pairs:
         if not any(one.counts is not None for one in results):
             raise InputError(self.folder, "no pair shows a road")
         shown, content = tables(results), as_json(results, values)
+        shown.append(directions_table(results, "directions"))
         halves = content["halves"]
         without = [one.name for one in results if one.counts is None]
         sections = [Section(table.title, [replace(table, title="")]) for table in shown]
@@ -140,7 +154,7 @@ class Pairs:
                 wide=True,
             ),
             content,
-            [documented(halves)],
+            [documented(halves), directions_table(results, "lidar-directions")],
             {"halves": compact(halves)},
             front_page(halves["test"]) if "test" in halves else None,
         )
@@ -228,6 +242,15 @@ def as_json(measured: list[MeasuredPair], values: parameters.Values) -> dict[str
         "pairs": [{"name": m.name, "split": m.split, "counts": m.counts} for m in measured],
         "parameters": values,
     }
+
+
+def directions_table(measured: list[MeasuredPair], name: str) -> Table:
+    rows = []
+    for split in SPLITS:
+        half = [one.directions for one in measured if one.split == split and one.counts is not None]
+        if half:
+            rows.append((f"{split}, {len(half)} pairs", free_directions.together(half)))
+    return replace(free_directions.table("half", rows), name=name)
 
 
 def documented(halves: dict[str, Any]) -> Table:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from vista_eval.metrics.comparison import describe
 from vista_eval.metrics.flight_score import FIRST_DETECTION_M
 from vista_eval.metrics.flight_segmentation import SHOWN
+from vista_eval.metrics.free_directions import table as directions_table
 from vista_eval.metrics.free_path import table as free_table
 from vista_eval.metrics.group import nees, states
 from vista_eval.metrics.intervals import Share
@@ -22,6 +23,7 @@ def tables(families: list[FamilyScore]) -> list[Table]:
     made = [
         scores_table(families),
         free_table("family", [(family.name, family.controls[OURS].free) for family in families]),
+        directions_table("family", [(family.name, family.controls[OURS].directions) for family in families]),
     ]
     if len(families[0].controls) > 1:
         made.append(controls_table(families))
