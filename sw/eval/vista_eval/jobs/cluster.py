@@ -21,14 +21,13 @@ except ModuleNotFoundError:
 
 from vista_eval.cache import PACKAGES, code_digest
 from vista_eval.jobs.job import Failure, Job, Outcome, attempt
-from vista_eval.jobs.progress import Progress
 
 CONNECT_S = 10.0  # for the first answer of the scheduler
 PATIENCE_S = 120.0  # for one that is started again
 ONE_AT_A_TIME = Lock()  # native libraries and the renderer: one job in a process, whatever threads it has
 
 
-def on_cluster(jobs: Sequence[Job], address: str, progress: Progress) -> Iterator[tuple[int, Outcome]]:
+def on_cluster(jobs: Sequence[Job], address: str) -> Iterator[tuple[int, Outcome]]:
     """Each job's place in the list and its outcome, as they come. Raises InputError when no scheduler
     answers, or not again."""
     for name in ("distributed", "distributed.client", "distributed.core"):
@@ -37,7 +36,6 @@ def on_cluster(jobs: Sequence[Job], address: str, progress: Progress) -> Iterato
     wait_s = CONNECT_S
     while waiting:
         with connect(address, wait_s) as client:
-            progress.note = partial(note_of, client)
             for number, outcome in of_one_connection(client, waiting):
                 del waiting[number]
                 yield number, outcome
@@ -58,12 +56,6 @@ def connect(address: str, wait_s: float) -> Client:
                 raise InputError(f"--cluster {address}", reason) from None
             sleep(0.2)
     return client
-
-
-def note_of(client: Client) -> str:
-    if client.status != "running":
-        return "no scheduler"
-    return f"{client.scheduler_info(n_workers=0)['n_workers'] or 'no'} workers"
 
 
 def of_one_connection(client: Client, waiting: dict[int, Job]) -> Iterator[tuple[int, Outcome]]:

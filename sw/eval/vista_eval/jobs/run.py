@@ -50,7 +50,7 @@ def outcomes(
                 found[index] = result
     waiting = [index for index in range(len(jobs)) if index not in found]
     with Progress(title, unit, len(jobs), len(found)) as progress:
-        for number, outcome in made([jobs[index] for index in waiting], place, progress):
+        for number, outcome in made([jobs[index] for index in waiting], place):
             index = waiting[number]
             job, result = jobs[index], settle(jobs[index], outcome, place, kept)
             problem = result.text if isinstance(result, Failure) else None
@@ -73,14 +73,14 @@ def exit_on_failure() -> Iterator[None]:
         sys.exit(error.status)
 
 
-def made(jobs: Sequence[Job], place: Place, progress: Progress) -> Iterator[tuple[int, Outcome]]:
+def made(jobs: Sequence[Job], place: Place) -> Iterator[tuple[int, Outcome]]:
     """Each job's place in the list and its outcome, as they come."""
     if not jobs:
         return iter(())
     if place.cluster is not None:
         from vista_eval.jobs.cluster import on_cluster  # Dask is optional
 
-        return on_cluster(jobs, place.cluster, progress)
+        return on_cluster(jobs, place.cluster)
     if place.processes == 1 or len(jobs) == 1:
         return ((number, attempt(job)) for number, job in enumerate(jobs))
     from vista_eval.jobs.processes import in_processes
