@@ -82,7 +82,7 @@ def test_a_few_words_are_no_vote() -> None:
 
 @pytest.mark.parametrize("width", [WIDTH, 640])
 def test_a_plain_wall_stands_on_ground_that_only_the_coarser_level_has_words_of(width: int) -> None:
-    """As in a noisy image. Chance matches of that level, which have no neighbours, bound nothing."""
+    """A noisy image: chance matches of that level, which have no neighbours, bound nothing."""
     lens = camera(width, 240, 300.0, 0.8)
     seen = scene([Wall(20.0, textured=False)], ground_y_m=3.0, lens=lens)
     unmatched = Look(np.full_like(seen.words, INVALID), np.zeros_like(seen.ground), seen.pose)
