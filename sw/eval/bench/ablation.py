@@ -5,8 +5,8 @@ usage: ablation.py DIR [--only NAME ...] [--count N] [--out FILE.json]
 DIR holds flights of `vista worlds`, split dev. mechanisms.toml, beside this program, says how each mechanism
 is switched off: by an edit of the sources of libvista, or by parameters. Each variant is a library of its
 own, and every flight is matched and its truth read once for all of them. The table has the hits, the frames
-with a false alarm, those that call the path free through something, the positions within 2 dz and the host's
-time, each beside the detector as it is, and the families that win or lose. --out also writes the figures, for
+with a false alarm, those that call the path free through something and the positions within 2 dz, each beside
+the detector as it is, and the families that win or lose. --out also writes the figures, for
 `scripts/make_tables.py --save ablation=FILE.json`.
 """
 
@@ -172,7 +172,6 @@ def figures_of(score: FlightScore) -> dict[str, float]:
         "clear": score.free.clear_seen,
         "good": good,
         "matched": all_matched,
-        "host_ms": score.host_ms,
     }
 
 
@@ -207,7 +206,7 @@ def measure_flight(variants: list[Variant], folder: Path) -> dict[str, dict[str,
 
 # ---- the table ----
 
-HEADS = ("without", "hits", "false", "through", "within 2 dz", "host ms", "wins in", "loses in", "kept as")
+HEADS = ("without", "hits", "false", "through", "within 2 dz", "wins in", "loses in", "kept for")
 
 
 def total(results: list[dict[str, dict[str, float]]], name: str) -> dict[str, float]:
@@ -239,12 +238,10 @@ def row_of(mechanism: Mechanism, results: dict[str, dict[str, dict[str, float]]]
     wins = [f"{family} {gain:g}" for family, gain in gains.items() if gain > 0]
     losses = [f"{family} {-gain:g}" for family, gain in gains.items() if gain < 0]
     good = 100.0 * (found["good"] / max(found["matched"], 1.0) - before["good"] / max(before["matched"], 1.0))
-    host_ms = (found["host_ms"] - before["host_ms"]) / len(every)
     return (
         mechanism.name,
         *(f"{found[key] - before[key]:+g}" for key in ("hits", "false", "through")),
         f"{good:+.1f} %",
-        f"{host_ms:+.1f}",
         ", ".join(wins),
         ", ".join(losses),
         mechanism.kept,
@@ -257,9 +254,9 @@ def table_of(mechanisms: list[Mechanism], results: dict[str, dict[str, dict[str,
         f"{len(results)} flights of {len(families_of(results))} families; with everything in place "
         f"{before['hits']:g} hits of {before['asked']:g}, a false alarm in {before['false']:g} of "
         f"{before['frames']:g} frames, and {before['through']:g} frames that call the path free through "
-        f"something. In the columns are: what changes in these without the mechanism, in the share of "
-        f"positions within 2 dz, and in the host's time; the families in which the mechanism wins or loses, "
-        f"by hits gained and false frames spared."
+        "something. In the columns are: what changes in these, and in the share of positions within 2 dz, "
+        "without the mechanism; the families in which it wins or loses, by hits gained and false frames "
+        "spared."
     )
     ordered = sorted(mechanisms, key=lambda one: balance(total([*results.values()], one.name), before))
     return Table("ablation", HEADS, [row_of(one, results) for one in ordered], legend)
