@@ -69,13 +69,8 @@ def test_a_gate_that_leads_elsewhere_too_stays() -> None:
     assert made.keys() == {"gate", "chain"}
 
 
-def test_a_gate_of_three_inputs_stays() -> None:
+@pytest.mark.parametrize(("cell", "pin", "net"), [("gate", "A", 15), ("chain", "C0", S)])
+def test_a_gate_of_three_inputs_and_a_bit_that_does_more_than_add_stay(cell: str, pin: str, net: int) -> None:
     made = {"gate": gate(0x0FF0), "chain": adder(X, 14)}
-    made["gate"]["connections"]["A"] = [15]
-    assert fold_gates({"cells": made, "ports": {}}) == 0
-
-
-def test_a_bit_that_does_more_than_add_stays() -> None:
-    made = {"gate": gate(0x0FF0), "chain": adder(X, 14)}
-    made["chain"]["connections"]["C0"] = [S]
+    made[cell]["connections"][pin] = [net]
     assert fold_gates({"cells": made, "ports": {}}) == 0
