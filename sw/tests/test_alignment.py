@@ -235,6 +235,7 @@ def test_noise_on_plain_images_changes_nothing() -> None:
 # ---- faults of the cameras ----
 
 
+@pytest.mark.same_c
 def test_a_camera_that_hangs_turns_nothing() -> None:
     """The left one moves on, also up and down; the right one delivers one image again and again."""
     pairs = turned.textured_flight(CAMERA, seeded(8))
@@ -248,6 +249,7 @@ def test_a_camera_that_hangs_turns_nothing() -> None:
     assert {frame.alignment.state for frame in frames[21:]} == {State.HELD}
 
 
+@pytest.mark.same_c
 def test_frames_that_drop_out_change_nothing() -> None:
     """Black images of either camera, and pairs of two moments, up to 3 in a row."""
     pairs = turned.textured_flight(CAMERA, seeded(9))

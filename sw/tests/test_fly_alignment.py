@@ -48,7 +48,11 @@ def corrected_flight(folder: Path, flight: Path) -> list[object]:
 DRAWN = degrees(-0.5, 0.4)
 
 
-@pytest.fixture(scope="module", params=[None, *RAW])
+# Tests below fly rectified pairs and radial lenses as well.
+SAME_C = [pytest.param(lens, marks=pytest.mark.same_c) for lens in (None, "radial")]
+
+
+@pytest.fixture(scope="module", params=[*SAME_C, *(lens for lens in RAW if lens != "radial")])
 def drawn_flight(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Rectified pairs, and lenses of each kind."""
     folder = tmp_path_factory.mktemp("drawn") / "flight"
