@@ -8,6 +8,7 @@ from tqdm import tqdm
 
 BAR_EVERY_S = 0.5
 LINE_EVERY_S = 60.0  # where there is no terminal, such as the log of a batch system
+LINE = "{l_bar}{r_bar}\n"
 MOST_LINES = 20  # of failures; after that, only their number
 
 
@@ -15,7 +16,8 @@ class Progress(tqdm):
     """Counts jobs as they are done, and names those that fail at once."""
 
     def __init__(self, title: str, unit: str, total: int, kept: int) -> None:
-        every_s = BAR_EVERY_S if sys.stderr.isatty() else LINE_EVERY_S
+        self.shown = sys.stderr.isatty()
+        every_s, form = (BAR_EVERY_S, None) if self.shown else (LINE_EVERY_S, LINE)
         super().__init__(
             desc=title,
             total=total,
@@ -24,6 +26,7 @@ class Progress(tqdm):
             file=sys.stderr,
             mininterval=every_s,
             delay=every_s,
+            bar_format=form,
         )
         self.failed = 0
 
@@ -33,5 +36,6 @@ class Progress(tqdm):
             self.failed += 1
             self.set_postfix_str(f"{self.failed} failed", refresh=False)
             if self.failed <= MOST_LINES:
-                tqdm.write(f"vista: {problem}", file=sys.stderr)
+                write = tqdm.write if self.shown else print  # the former takes the bar away meanwhile
+                write(f"vista: {problem}", file=sys.stderr)
         self.update()
