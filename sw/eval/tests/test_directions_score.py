@@ -20,7 +20,7 @@ def told(free_m: float, up=(0.0, -1.0, 0.0)) -> Directions:
 
 
 def wall(z_m: float) -> np.ndarray:
-    """On the left of the image; sky beside it."""
+    """Lies on the left of the image; sky beside it."""
     disparity_px = np.zeros((480, 640), np.float32)
     disparity_px[:, :320] = CAMERA.focal_px * CAMERA.baseline_m / z_m
     return disparity_px
