@@ -26,7 +26,7 @@ $(SYSTEMC_LATENCY): rtl/src/vista_stereo_pkg.sv
 
 define SYSTEMC_COMPILE
 @echo "c++ $<"; mkdir -p $(@D)
-@g++ $(SYSTEMC_CXXFLAGS) $(SANITIZE) $$(cat $(SYSTEMC)/cflags) -Imodel/systemc/src -Imodel/c/include -Isw/src -Irtl/sim -Irtl/board -I$(BUILD)/include -MMD -MP -c $< -o $@
+@g++ $(SYSTEMC_CXXFLAGS) $(SANITIZE) $$(cat $(SYSTEMC)/cflags) -Imodel/systemc/src -Imodel/c/include -Irtl/sim -Irtl/board -I$(BUILD)/include -MMD -MP -c $< -o $@
 endef
 
 define SYSTEMC_LINK

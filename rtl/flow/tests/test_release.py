@@ -185,3 +185,10 @@ def test_replay_sees_one_bit(tmp_path: Path) -> None:
     trace.write_text("\n".join(lines[: at + 100]) + "\n")
     got = replay(CORE, released(CORE), trace)
     assert (got.with_x, got.differ) == (0, 1), got.text
+
+
+def test_illegal_parameters_stop_slang() -> None:
+    with pytest.raises(RuntimeError, match="Yosys failed") as failure:
+        released(Config(32, 10, 1024))
+    log = Path(str(failure.value).removeprefix("Yosys failed, see "))
+    assert "BlockSize must be odd" in log.read_text()
