@@ -14,8 +14,9 @@
 #define DENY 0.3 /* A thing in the volume is not in the way if all places at its range are less likely occupied. */
 #define REACH_SHARE 0.15 /* of the distance: where a place reaches farther, only a track tells of it */
 #define FREE_SHARE 0.5
-#define FREE \
-  0.3 /* A place that is more likely occupied is not free: two frames of six that see something there are enough. */
+/* A place that is more likely occupied is not free. Of places that are given as much, half are occupied on families held
+ * back: what two frames of six see there is rarely nothing. */
+#define FREE 0.3
 #define WIDEST_M 4.0 /* of a thing that is beside the path: what is wider has its middle elsewhere */
 
 /* Half of the two disparities by which a range may be wrong, no less than the places are apart. */
