@@ -31,7 +31,8 @@ from run_benches import processor
 ROOT = Path(__file__).resolve().parents[1]
 DATA = ROOT / "doc" / "results" / "data"
 SYNTHESIS = ROOT / "rtl" / "synth" / "results.json"
-MARKED = re.compile(r"(<!-- table: ([a-z-]+)((?: [a-z-]+)*) -->\n).*?(<!-- end of table -->)", re.DOTALL)
+NAME = "[a-z0-9-]+"
+MARKED = re.compile(rf"(<!-- table: ({NAME})((?: {NAME})*) -->\n).*?(<!-- end of table -->)", re.DOTALL)
 KEPT = ("tables", "headline", "figures")  # of what a command writes
 
 Record = dict[str, Any]
