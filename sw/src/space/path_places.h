@@ -6,7 +6,7 @@
  * whose pieces change tracks from frame to frame is still one place in the way.
  *
  * The path is free up to the last place before which each is seen through by FREE_SHARE of its lines of sight and is
- * rather empty than occupied. */
+ * occupied with a probability below FREE. */
 #ifndef VISTA_PATH_PLACES_H
 #define VISTA_PATH_PLACES_H
 
@@ -28,8 +28,8 @@ typedef enum vista_place_piece {
   VISTA_PIECE_THING = 0,
   VISTA_PIECE_BESIDE,
   VISTA_PIECE_GROUND,
-  VISTA_PIECE_VOTES,      /* of five frames, the share in which something is matched at the place */
-  VISTA_PIECE_FEET,       /* in which something without texture stands there, beyond that share */
+  VISTA_PIECE_VOTES,      /* frames in which something is matched at the place, of five; more tell no more */
+  VISTA_PIECE_FEET,       /* the same for something without texture that stands there, less those votes */
   VISTA_PIECE_NOT_BEYOND, /* share of the lines of sight that are not known to go on */
   VISTA_PIECE_COUNT
 } vista_place_piece;
