@@ -202,6 +202,18 @@ typedef struct vista_alignment_params {
   unsigned char reserved[232];
 } vista_alignment_params;
 
+/* Whose manoeuvres are flown. A multirotor ends them in a stop, a fixed wing in a circle. Set it to what flies. */
+typedef enum vista_plan_vehicle { VISTA_PLAN_VEHICLE_MULTIROTOR, VISTA_PLAN_VEHICLE_FIXED_WING } vista_plan_vehicle;
+
+/* The planner (vista/plan.h). The space that it keeps clear is obstacle_map.collision_radius_m wide. */
+typedef struct vista_plan_params {
+  vista_plan_vehicle vehicle; /* Whose manoeuvres are flown. A multirotor ends them in a stop, a fixed wing in a circle. Set it to what flies. */
+  double acceleration_max_m_s2; /* A multirotor speeds up, brakes and turns with this at most. Set it to what the vehicle follows with some reserve for wind. 0.5 .. 50.0 m/s^2. */
+  double climb_max_m_s; /* Climbs and descents are no faster. Set it to what the vehicle can do; 0: it evades to the sides alone. 0.0 .. 50.0 m/s. */
+  double bank_max_deg; /* A fixed wing turns with this at most. Set it to what the vehicle holds without losing height. 10.0 .. 75.0 deg. */
+  unsigned char reserved[224];
+} vista_plan_params;
+
 /* All parameters. vista_parameters_default makes the struct; change its members afterwards. A newer library
  * keeps its new parameters behind those of this header and in the reserved parts, and fills them in there. */
 typedef struct vista_parameters {
@@ -223,6 +235,7 @@ typedef struct vista_parameters {
   vista_host_params host;
   vista_mavlink_params mavlink;
   vista_alignment_params alignment;
+  vista_plan_params plan;
 } vista_parameters;
 
 /* Writes the defaults into a struct of this size. VISTA_ERROR_SIZE: it is no size of this struct. */

@@ -16,9 +16,9 @@
  *   vista_detector_destroy(detector);
  *
  * vista/pipeline.h is the same without the images' way to disparities, for those that come from elsewhere.
- * A stereo engine on a board is reached by vista/board.h. vista/correction.h keeps the cameras aligned, vista/line.h
- * writes results as JSON, vista/mavlink.h tells an autopilot of them, vista/vehicle.h hears from it where the vehicle is,
- * and vista/shared_frames.h hands pairs to the program vista-fly.
+ * vista/plan.h decides what is flown next. A stereo engine on a board is reached by vista/board.h. vista/correction.h
+ * keeps the cameras aligned, vista/line.h writes results as JSON, vista/mavlink.h tells an autopilot of them,
+ * vista/vehicle.h hears from it where the vehicle is, and vista/shared_frames.h hands pairs to the program vista-fly.
  *
  * Functions that can fail return a vista_status. Nothing is allocated, printed or kept in global state. */
 #ifndef VISTA_VISTA_H
@@ -36,6 +36,7 @@
 #include "vista/obstacle.h"
 #include "vista/parameters.h"
 #include "vista/pipeline.h"
+#include "vista/plan.h"
 #include "vista/rig.h"
 #include "vista/shared_frames.h"
 #include "vista/status.h"

@@ -147,6 +147,11 @@ class Detector:
         return read_result(ffi, self._lib, outcome, directions, lambda: self._taken == taken)
 
     @property
+    def in_c(self) -> Any:
+        """The vista_detector itself, for what else of libvista asks it."""
+        return self._detector
+
+    @property
     def alignment(self) -> Alignment | None:
         """What the pair that was judged says of the alignment of the cameras; None: it is not looked at."""
         if not self._corrects:

@@ -15,6 +15,7 @@ static const char *const thin_find_choices[] = {"off", "on"};
 static const char *const mavlink_autopilot_choices[] = {"px4", "ardupilot"};
 static const char *const mavlink_sectors_choices[] = {"72", "36"};
 static const char *const alignment_correct_choices[] = {"off", "on"};
+static const char *const plan_vehicle_choices[] = {"multirotor", "fixed_wing"};
 
 static const struct {
   vista_parameter info;
@@ -100,6 +101,10 @@ static const struct {
     {{"alignment.correct", "", "Whether the right image is rectified anew when its rows no longer match those of the left one. Switch it on for a rig that may bend.", VISTA_PARAMETER_CHOICE, 0, 0, 1, "", 2, alignment_correct_choices}, offsetof(vista_parameters, alignment.correct)},
     {{"alignment.pitch_max_deg", "deg", "A larger turn about the camera's x axis is not corrected: an alarm is raised. A vertical shift of its image counts as pitch. Set it to what the rig may bend by.", VISTA_PARAMETER_FLOAT, 1.0, 0.05, 2.0, "", 0, NULL}, offsetof(vista_parameters, alignment.pitch_max_deg)},
     {{"alignment.roll_max_deg", "deg", "The same of a turn about the optical axis. Set it to what the rig may bend by.", VISTA_PARAMETER_FLOAT, 1.0, 0.05, 2.0, "", 0, NULL}, offsetof(vista_parameters, alignment.roll_max_deg)},
+    {{"plan.vehicle", "", "Whose manoeuvres are flown. A multirotor ends them in a stop, a fixed wing in a circle. Set it to what flies.", VISTA_PARAMETER_CHOICE, 0, 0, 1, "", 2, plan_vehicle_choices}, offsetof(vista_parameters, plan.vehicle)},
+    {{"plan.acceleration_max_m_s2", "m/s^2", "A multirotor speeds up, brakes and turns with this at most. Set it to what the vehicle follows with some reserve for wind.", VISTA_PARAMETER_FLOAT, 5.0, 0.5, 50.0, "", 0, NULL}, offsetof(vista_parameters, plan.acceleration_max_m_s2)},
+    {{"plan.climb_max_m_s", "m/s", "Climbs and descents are no faster. Set it to what the vehicle can do; 0: it evades to the sides alone.", VISTA_PARAMETER_FLOAT, 3.0, 0.0, 50.0, "", 0, NULL}, offsetof(vista_parameters, plan.climb_max_m_s)},
+    {{"plan.bank_max_deg", "deg", "A fixed wing turns with this at most. Set it to what the vehicle holds without losing height.", VISTA_PARAMETER_FLOAT, 40.0, 10.0, 75.0, "", 0, NULL}, offsetof(vista_parameters, plan.bank_max_deg)},
 };
 
 _Static_assert(sizeof(vista_stereo_params) == 256, "stereo may not grow");
@@ -119,5 +124,6 @@ _Static_assert(sizeof(vista_thin_params) == 256, "thin may not grow");
 _Static_assert(sizeof(vista_host_params) == 256, "host may not grow");
 _Static_assert(sizeof(vista_mavlink_params) == 256, "mavlink may not grow");
 _Static_assert(sizeof(vista_alignment_params) == 256, "alignment may not grow");
+_Static_assert(sizeof(vista_plan_params) == 256, "plan may not grow");
 
 #endif

@@ -7,6 +7,7 @@
 #include "common/parameters_check.h"
 #include "detector/findings.h"
 #include "detector/levels.h"
+#include "detector/pipeline_stages.h"
 #include "vista/correction.h"
 #include "vista/frontend.h"
 
@@ -24,6 +25,7 @@ struct vista_detector {
   int64_t t_ns;       /* of the pair in work, or of the one before */
   bool began;         /* there is a pair before */
   bool placed;        /* a frame had a pose since the last reset */
+  vista_detector_seen seen; /* of the last frame that was judged */
   progress progress;
   bool has_right;
   vista_pair_view view;
@@ -250,6 +252,7 @@ vista_status vista_detector_judge(vista_detector *d, const vista_detector_place 
   vista_status status = align(d, result);
   if (status == VISTA_OK) status = process(d, place, result);
   if (status != VISTA_OK) return status;
+  d->seen = (vista_detector_seen){d->pipeline, result->directions};
   d->placed = d->placed || place->pose != NULL;
   const bool alone = d->options.stills || d->options.motion_watched;
   vista_findings_of(&(vista_frame_facts){.rig = &d->rig,
@@ -276,3 +279,5 @@ vista_status vista_detector_write_line(const vista_detector_result *result, int6
   return vista_line_write(&result->result, &result->directions, &result->health, frame, t_ns, all_tracks, text,
                           capacity, length);
 }
+
+const vista_detector_seen *vista_detector_look(const vista_detector *d) { return &d->seen; }

@@ -477,6 +477,15 @@ vista_status vista_pipeline_directions(const vista_pipeline *pipeline, vista_dir
 }
 
 vista_pipeline_stages vista_pipeline_look(const vista_pipeline *pipeline) {
-  return (vista_pipeline_stages){&pipeline->frame,    &pipeline->cells,   &pipeline->surfaces,
-                                 &pipeline->affinity, &pipeline->regions, &pipeline->places};
+  const vista_pipeline *const p = pipeline;
+  vista_pipeline_stages stages = {.frame = &p->frame,
+                                  .cells = &p->cells,
+                                  .surfaces = &p->surfaces,
+                                  .affinity = &p->affinity,
+                                  .regions = &p->regions,
+                                  .places = &p->places,
+                                  .space = &p->space};
+  stages.tracks = vista_tracker_tracks(p->tracker, &stages.track_count);
+  stages.obstacles = vista_obstacle_map_obstacles(p->map, &stages.obstacle_count);
+  return stages;
 }

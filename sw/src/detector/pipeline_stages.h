@@ -7,12 +7,16 @@
 
 #include "common/arena.h"
 #include "follow/motion.h"
+#include "follow/tracker.h"
 #include "perceive/cells/affinity.h"
 #include "perceive/cells/cells.h"
 #include "perceive/cells/surface.h"
 #include "perceive/frame_view.h"
 #include "perceive/region/region.h"
 #include "space/path_places.h"
+#include "space/space_map.h"
+#include "vista/detector.h"
+#include "vista/directions.h"
 #include "vista/obstacle.h"
 #include "vista/parameters.h"
 #include "vista/pipeline.h"
@@ -27,9 +31,22 @@ typedef struct vista_pipeline_stages {
   const vista_affinity *affinity;
   const vista_regions *regions;
   const vista_path_places *places; /* on the flight path */
+  const vista_space_map *space;
+  const vista_track *tracks;
+  int32_t track_count;
+  const vista_obstacle *obstacles; /* of the last frame */
+  int32_t obstacle_count;
 } vista_pipeline_stages;
 
 vista_pipeline_stages vista_pipeline_look(const vista_pipeline *pipeline);
+
+/* What a detector has seen. */
+typedef struct vista_detector_seen {
+  const vista_pipeline *pipeline; /* null: no frame was judged since the detector was made */
+  vista_directions directions;    /* of the last one */
+} vista_detector_seen;
+
+const vista_detector_seen *vista_detector_look(const vista_detector *detector);
 
 /* A partition of the last frame's cells, drawn and judged as the pipeline does with its own. */
 typedef struct vista_judged_partition {

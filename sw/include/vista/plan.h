@@ -1,0 +1,172 @@
+/* The planner: from what the detector knows of space, and a goal, to the manoeuvre that is flown next.
+ *
+ *   vista_planner planner;
+ *   vista_planner_start(&planner, &parameters);
+ *   for each frame, after vista_detector_judge or vista_detector_process:
+ *     vista_plan_state state = {.t_ns = ..., .position_m = ..., .velocity_m_s = ..., .up = ..., .heading = ...};
+ *     vista_plan_goal goal = {.from_m = ..., .to_m = ..., .speed_m_s = ...};
+ *     vista_plan_decision decision;
+ *     vista_planner_decide(&planner, detector, &state, &goal, &decision);
+ *   as often as the controller asks, until the next decision:
+ *     vista_plan_at(&decision, seconds since state.t_ns, &setpoint);
+ *
+ * A decision is a whole trajectory: a manoeuvre of a fixed library, flown for COMMIT_S (sw/src/plan/primitives.h), and
+ * after it an escape, which ends in a stop (multirotor) or in a circle (fixed wing). It is taken only if all of it, the
+ * escape included, lies in space that the last frames have seen to be free, as wide as obstacle_map.collision_radius_m
+ * and twice the error of the position. So whoever hears no further decision is safe if he flies on by vista_plan_at.
+ * Where no manoeuvre passes, the escape of the decision before is flown.
+ *
+ * World, metres and poses are those of the detector. What is decided depends on the calls alone, not on a clock. */
+#ifndef VISTA_PLAN_H
+#define VISTA_PLAN_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "vista/api.h"
+#include "vista/detector.h"
+#include "vista/parameters.h"
+#include "vista/status.h"
+
+VISTA_BEGIN
+
+#define VISTA_PLAN_MOST_POINTS 128  /* of a trajectory, at most */
+#define VISTA_PLAN_MOST_OPTIONS 224 /* that are weighed in a decision, at most */
+#define VISTA_PLAN_TRAIL 64    /* places that the vehicle has been at, which are kept */
+#define VISTA_PLAN_SECTORS 36  /* of the circle, in which the planner keeps what blocked it */
+
+/* The vehicle at the time of the decision, not at that of the frame. */
+typedef struct vista_plan_state {
+  int64_t t_ns; /* on the clock of the frames, not before the last of them */
+  double position_m[3]; /* of the vehicle's middle */
+  double velocity_m_s[3], acceleration_m_s2[3];
+  double up[3]; /* against gravity, unit length */
+  double heading[3]; /* where the camera looks, unit length; its level part counts */
+  double position_sigma_m; /* standard deviation of the position in the world of the frames, each axis */
+} vista_plan_state;
+
+/* Where to. A leg of a mission is kept to beside its line; a point by itself has from_m equal to to_m. */
+typedef struct vista_plan_goal {
+  double from_m[3], to_m[3];
+  double speed_m_s; /* to fly at where nothing is in the way; of a fixed wing, its own speed */
+  bool passed; /* the goal is flown through at speed, since another leg follows. Otherwise a multirotor stops there */
+} vista_plan_goal;
+
+/* What a decision comes to. */
+typedef enum vista_plan_action {
+  VISTA_PLAN_PROCEEDS = 0, /* the way that is best where nothing is in the way */
+  VISTA_PLAN_EVADES,       /* another way, or slower, since something rules the best one out */
+  VISTA_PLAN_ESCAPES,      /* no manoeuvre passes: the escape that was committed to is flown */
+  VISTA_PLAN_HOLDS,        /* stands or circles, and turns to where a way may be */
+  VISTA_PLAN_ARRIVED,      /* at the goal */
+  VISTA_PLAN_HELPLESS,     /* something is in the way of the escape as well: what leads past it longest is flown */
+  VISTA_PLAN_ACTION_COUNT
+} vista_plan_action;
+
+/* The name of an action, in lower case; never null. */
+VISTA_API const char *vista_plan_action_name(vista_plan_action action);
+
+/* The manoeuvres of the library. */
+typedef enum vista_plan_primitive {
+  VISTA_PLAN_STRAIGHT = 0,
+  VISTA_PLAN_ARC, /* level, to another direction */
+  VISTA_PLAN_CLIMB,
+  VISTA_PLAN_DESCENT,
+  VISTA_PLAN_STOP,
+  VISTA_PLAN_BACK, /* along the way that it came */
+  VISTA_PLAN_LOITER, /* a circle that is flown until something passes */
+  VISTA_PLAN_PRIMITIVE_COUNT
+} vista_plan_primitive;
+
+/* The name of a manoeuvre, in lower case; never null. */
+VISTA_API const char *vista_plan_primitive_name(vista_plan_primitive primitive);
+
+/* What became of an option. */
+typedef enum vista_plan_ruling {
+  VISTA_PLAN_CHOSEN = 0,
+  VISTA_PLAN_NOT_ASKED,   /* a better one passes, or as many as are asked in a frame were ruled out */
+  VISTA_PLAN_BY_OBSTACLE, /* one of the list, obstacle_id */
+  VISTA_PLAN_BY_PLACE,    /* something is matched there in the last frames, and no obstacle stands for it */
+  VISTA_PLAN_BY_UNKNOWN,  /* nobody has seen whether it is free there */
+  VISTA_PLAN_BY_VIEW,     /* none of the last frames has it in view */
+  VISTA_PLAN_BY_DYNAMICS, /* the vehicle cannot fly it */
+  VISTA_PLAN_RULING_COUNT
+} vista_plan_ruling;
+
+/* The name of a ruling, in lower case; never null. */
+VISTA_API const char *vista_plan_ruling_name(vista_plan_ruling ruling);
+
+/* One manoeuvre that was weighed. */
+typedef struct vista_plan_option {
+  vista_plan_primitive primitive;
+  vista_plan_ruling ruling;
+  double direction[3]; /* that it leads to, unit length, world; zeros for a stop */
+  double speed_m_s;
+  double cost_s; /* what it takes to the goal, as it is weighed; less is better */
+  double free_m; /* how far its direction is free, as it is weighed, */
+  vista_plan_ruling ends; /* and what ends that; VISTA_PLAN_CHOSEN: nothing */
+  int32_t obstacle_id; /* that rules it out; 0 also where none does */
+  double where_m[3], after_s; /* the place that rules it out, and when it would be there */
+} vista_plan_option;
+
+/* What the vehicle is told at a moment. */
+typedef struct vista_plan_setpoint {
+  double position_m[3], velocity_m_s[3], acceleration_m_s2[3];
+  double heading[3]; /* level, unit length */
+  double yaw_rate_rad_s; /* about `up`, to the left positive */
+} vista_plan_setpoint;
+
+/* A decision. */
+typedef struct vista_plan_decision {
+  vista_plan_action action;
+  int64_t t_ns; /* of the state */
+  vista_plan_setpoint setpoint; /* vista_plan_at a tenth of a second after t_ns */
+  int32_t chosen; /* the option that is flown; -1: an escape or a stop that was committed to before */
+  double escape_s; /* after so long, the escape begins */
+  double speed_m_s; /* that the manoeuvre leads to */
+  double step_s; /* from one point to the next */
+  int32_t point_count, circle_from; /* the points from there on are a circle that is flown on; -1: it ends in a stop */
+  vista_plan_setpoint points[VISTA_PLAN_MOST_POINTS]; /* the first one at t_ns */
+  int32_t option_count, looks; /* looks: places that were asked for */
+  vista_plan_option options[VISTA_PLAN_MOST_OPTIONS]; /* the cheapest first */
+} vista_plan_decision;
+
+/* A planner, in memory of the caller. Its members are the library's own. */
+typedef struct vista_planner {
+  vista_plan_params params;
+  double radius_m;
+  bool began, committed; /* there was a state; `plan` holds a decision */
+  int32_t side; /* to which the way has been left: -1 to the right, 1 to the left, 0 neither */
+  int64_t side_ns, t_ns; /* when it was last left; of the last state */
+  double wanted[3]; /* velocity that was decided last */
+  int32_t trail_count, trail_next;
+  double trail_m[VISTA_PLAN_TRAIL][3];
+  double blocked_m[VISTA_PLAN_SECTORS],
+      blocked_from_m[VISTA_PLAN_SECTORS][3]; /* what ended the view there; 0: not known */
+  int64_t blocked_ns[VISTA_PLAN_SECTORS];
+  vista_plan_decision plan; /* the last one that was committed to */
+} vista_planner;
+
+/* Begins without any decision. VISTA_ERROR_RANGE: a parameter. */
+VISTA_API vista_status vista_planner_start(vista_planner *planner, const vista_parameters *parameters);
+
+/* Forgets all decisions and where the vehicle was, as at the start of another flight, or when the poses began anew. */
+VISTA_API void vista_planner_reset(vista_planner *planner);
+
+/* Decides. The detector has judged the last frame; where it could not, as in a frame that it refused, the frames before
+ * count. On an error nothing changes.
+ *
+ * - VISTA_ERROR_ARGUMENT: a pointer is null, or the detector has not judged any frame.
+ * - VISTA_ERROR_NUMBER: a number of the state or of the goal is not finite.
+ * - VISTA_ERROR_RANGE: a direction is not of unit length, the heading is upright, or the speed is not positive.
+ * - VISTA_ERROR_ORDER: the state is older than the one before. */
+VISTA_API vista_status vista_planner_decide(vista_planner *planner, const vista_detector *detector,
+                                            const vista_plan_state *state, const vista_plan_goal *goal,
+                                            vista_plan_decision *decision);
+
+/* What is flown so long after the state of a decision: until its end, then the stop or the circle. */
+VISTA_API void vista_plan_at(const vista_plan_decision *decision, double after_s, vista_plan_setpoint *setpoint);
+
+VISTA_END
+
+#endif

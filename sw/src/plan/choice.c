@@ -1,0 +1,323 @@
+#include "plan/choice.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "common/frame.h"
+#include "common/numbers.h"
+#include "plan/primitives.h"
+
+#define LOOK_AHEAD_S 5.0
+#define LOOK_AHEAD_MIN_M 10.0
+#define LOOK_AHEAD_MAX_M 50.0
+#define SLOW_S 2.0     /* for so long a slower manoeuvre is slower */
+#define BLOCKED_S 10.0 /* what a way costs that ends at once at something, */
+#define UNKNOWN_S 5.0  /* and in what nobody has seen */
+#define CHANGE_SHARE 0.3 /* of the time that a change of velocity takes */
+#define SIDE_S 1.5     /* for changing the side */
+#define CLIMB_S 0.3    /* for leaving the height: what is beside is seen better than what is above */
+#define BACK_S 8.0
+#define STOP_S 30.0
+#define ARRIVE_SHARE 0.5 /* of the acceleration, to stop at the goal with */
+#define ARRIVE_S 1.0 /* and no faster than what is left of the way, over this */
+#define REMEMBERED_NS INT64_C(15000000000)
+#define COLUMN_MARGIN 2 /* columns beside a direction that tell how far it is known to be free */
+#define UPRIGHT_LOOKS 3 /* places that are asked for on a way that climbs or descends */
+#define WIDE_SHARE 1.2  /* of the radius, beside something on a way ahead */
+
+/* Directions from that to the aim: cosine and sine of 0, 6, 12, 20, 30, 42, 56, 72, 90 and 120 degrees. */
+#define ANGLES 10
+#define STEEP_ANGLES 4 /* up to the one with this number, climbs and descents are weighed as well */
+static const double turns[ANGLES][2] = {{1.0, 0.0},
+                                        {0.99452189536827333, 0.10452846326765347},
+                                        {0.97814760073380564, 0.20791169081775934},
+                                        {0.93969262078590838, 0.34202014332566873},
+                                        {0.86602540378443865, 0.5},
+                                        {0.74314482547739423, 0.66913060635885822},
+                                        {0.55919290347074683, 0.82903757255504174},
+                                        {0.30901699437494742, 0.95105651629515357},
+                                        {0.0, 1.0},
+                                        {-0.5, 0.86602540378443865}};
+static const double speeds[] = {1.0, 0.7, 0.4, 0.2};
+static const double climbs[] = {0.0, 1.0, -1.0}; /* of the greatest climb */
+#define SPEEDS ((int)(sizeof speeds / sizeof speeds[0]))
+#define CLIMBS ((int)(sizeof climbs / sizeof climbs[0]))
+
+/* Cosine and sine of 10 degrees: sectors are turned on from one to the next. */
+#define SECTOR_COS 0.98480775301220806
+#define SECTOR_SIN 0.17364817766693035
+
+static double look_ahead_m(double speed_m_s) {
+  return fmin(fmax(LOOK_AHEAD_S * speed_m_s, LOOK_AHEAD_MIN_M), LOOK_AHEAD_MAX_M);
+}
+
+vista_plan_aim vista_plan_aim_at(const vista_planner *planner, const vista_plan_state *state,
+                                 const vista_plan_goal *goal) {
+  vista_plan_aim aim = {0};
+  double leg[3], to_goal[3], done[3];
+  for (int i = 0; i < 3; ++i) {
+    leg[i] = goal->to_m[i] - goal->from_m[i];
+    to_goal[i] = goal->to_m[i] - state->position_m[i];
+    done[i] = state->position_m[i] - goal->from_m[i];
+  }
+  const double length_m = vista_norm(leg), carrot_m = 1.5 * look_ahead_m(goal->speed_m_s);
+  aim.distance_m = vista_norm(to_goal);
+  memcpy(aim.point_m, goal->to_m, sizeof aim.point_m);
+  if (length_m > 0.0) {
+    const double along_m = fmax(vista_dot(done, leg) / length_m, 0.0) + carrot_m;
+    for (int i = 0; i < 3 && along_m < length_m; ++i) aim.point_m[i] = goal->from_m[i] + along_m / length_m * leg[i];
+  }
+  double to_aim[3];
+  for (int i = 0; i < 3; ++i) to_aim[i] = aim.point_m[i] - state->position_m[i];
+  if (!vista_plan_level(state->up, to_aim, aim.level)) (void)vista_plan_level(state->up, state->heading, aim.level);
+  aim.speed_m_s = goal->speed_m_s;
+  if (!goal->passed) {
+    const double most_m_s = sqrt(2.0 * ARRIVE_SHARE * planner->params.acceleration_max_m_s2 * aim.distance_m);
+    aim.speed_m_s = fmin(aim.speed_m_s, fmin(most_m_s, aim.distance_m / ARRIVE_S));
+  }
+  const double rise_m = vista_dot(to_aim, state->up), level_m = vista_dot(to_aim, aim.level);
+  const double time_s = fmax(level_m / goal->speed_m_s, 1.0), most_m_s = planner->params.climb_max_m_s;
+  aim.climb_m_s = fmin(fmax(rise_m / time_s, -most_m_s), most_m_s);
+  return aim;
+}
+
+/* ---- how far a direction is free ---- */
+
+typedef struct freedom {
+  double free_m;
+  vista_plan_ruling ends; /* VISTA_PLAN_CHOSEN: nothing */
+} freedom;
+
+static double azimuth_deg(const vista_plan_space *space, const double direction[3]) {
+  const vista_frame_view *const frame = space->seen.frame;
+  double ahead[3], right[3], camera[3];
+  vista_frame_level_axes(space->directions.up_camera, ahead, right);
+  vista_frame_direction_to_camera(&frame->motion.pose, direction, camera);
+  return VISTA_DEGREES_PER_RADIAN * atan2(vista_dot(camera, right), vista_dot(camera, ahead));
+}
+
+static bool column_is_in_view(const vista_directions *d, int32_t column) {
+  return d->free_m[column] > 0.0f || d->blocked_m[column] > 0.0f;
+}
+
+/* What the columns of the frame say of a level direction, as wide as the vehicle. False: it is out of view. */
+static bool ask_columns(const vista_plan_space *space, double angle_deg, double most_m, freedom *found) {
+  const vista_directions *const d = &space->directions;
+  const int32_t middle = (int32_t)floor(angle_deg - VISTA_DIRECTIONS_FIRST_DEG);
+  *found = (freedom){.free_m = most_m};
+  if (middle < COLUMN_MARGIN || middle >= VISTA_DIRECTIONS - COLUMN_MARGIN) return false;
+  bool seen = false;
+  for (int32_t k = middle - COLUMN_MARGIN; k <= middle + COLUMN_MARGIN; ++k) {
+    seen |= column_is_in_view(d, k);
+    if (d->blocked_m[k] > 0.0f || d->free_m[k] >= found->free_m) continue;
+    *found = (freedom){.free_m = d->free_m[k], .ends = VISTA_PLAN_BY_UNKNOWN};
+  }
+  for (int32_t k = 0; k < VISTA_DIRECTIONS; ++k) {
+    if (!(d->blocked_m[k] > 0.0f)) continue;
+    const double off = (VISTA_DIRECTIONS_FIRST_DEG + k + 0.5 - angle_deg) * VISTA_RADIANS_PER_DEGREE;
+    const double along_m = d->blocked_m[k] * cos(off);
+    if (along_m > 0.0 && along_m < found->free_m && fabs(d->blocked_m[k] * sin(off)) < WIDE_SHARE * space->radius_m)
+      *found = (freedom){.free_m = along_m, .ends = VISTA_PLAN_BY_PLACE};
+  }
+  return seen;
+}
+
+/* Axes of the sectors: any level ones that depend on `up` alone. */
+static void sector_axes(const double up[3], double first[3], double second[3]) {
+  int least = 0;
+  for (int i = 1; i < 3; ++i)
+    if (fabs(up[i]) < fabs(up[least])) least = i;
+  double axis[3] = {0.0, 0.0, 0.0};
+  axis[least] = 1.0;
+  (void)vista_plan_level(up, axis, first);
+  vista_cross(up, first, second);
+}
+
+static int32_t sector_of(const double up[3], const double level[3]) {
+  double first[3], second[3];
+  sector_axes(up, first, second);
+  const double x = vista_dot(first, level), y = vista_dot(second, level);
+  double cosine = 1.0, sine = 0.0, best = -2.0;
+  int32_t found = 0;
+  for (int32_t k = 0; k < VISTA_PLAN_SECTORS; ++k) {
+    const double likeness = cosine * x + sine * y;
+    if (likeness > best) found = k;
+    best = fmax(best, likeness);
+    const double next = cosine * SECTOR_COS - sine * SECTOR_SIN;
+    sine = sine * SECTOR_COS + cosine * SECTOR_SIN;
+    cosine = next;
+  }
+  return found;
+}
+
+void vista_plan_remember(vista_planner *planner, const vista_plan_space *space, const vista_plan_state *state) {
+  double first[3], second[3], level[3], cosine = 1.0, sine = 0.0;
+  sector_axes(state->up, first, second);
+  for (int32_t k = 0; k < VISTA_PLAN_SECTORS; ++k) {
+    for (int i = 0; i < 3; ++i) level[i] = cosine * first[i] + sine * second[i];
+    freedom found;
+    if (ask_columns(space, azimuth_deg(space, level), LOOK_AHEAD_MAX_M, &found)) {
+      planner->blocked_m[k] = found.ends == VISTA_PLAN_BY_PLACE ? found.free_m : 0.0;
+      planner->blocked_ns[k] = state->t_ns;
+      memcpy(planner->blocked_from_m[k], state->position_m, sizeof planner->blocked_from_m[k]);
+    }
+    const double next = cosine * SECTOR_COS - sine * SECTOR_SIN;
+    sine = sine * SECTOR_COS + cosine * SECTOR_SIN;
+    cosine = next;
+  }
+}
+
+static freedom recall(const vista_planner *planner, const vista_plan_state *state, const double level[3],
+                      double most_m) {
+  const int32_t k = sector_of(state->up, level);
+  if (!(planner->blocked_m[k] > 0.0) || state->t_ns - planner->blocked_ns[k] > REMEMBERED_NS)
+    return (freedom){.ends = VISTA_PLAN_BY_VIEW};
+  double moved_m[3];
+  for (int i = 0; i < 3; ++i) moved_m[i] = state->position_m[i] - planner->blocked_from_m[k][i];
+  const double left_m = planner->blocked_m[k] - vista_dot(moved_m, level);
+  if (vista_norm(moved_m) > planner->blocked_m[k] || left_m >= most_m) return (freedom){.ends = VISTA_PLAN_BY_VIEW};
+  return (freedom){.free_m = fmax(left_m, 0.0), .ends = VISTA_PLAN_BY_PLACE};
+}
+
+static freedom level_freedom(const vista_planner *planner, const vista_plan_space *space, const vista_plan_state *state,
+                             const double level[3], double most_m) {
+  freedom found;
+  if (ask_columns(space, azimuth_deg(space, level), most_m, &found)) return found;
+  return recall(planner, state, level, most_m);
+}
+
+static freedom steep_freedom(vista_plan_space *space, const vista_plan_state *state, const double direction[3],
+                             double most_m) {
+  for (int k = 1; k <= UPRIGHT_LOOKS; ++k) {
+    const double along_m = most_m * k / UPRIGHT_LOOKS;
+    double point_m[3];
+    for (int i = 0; i < 3; ++i) point_m[i] = state->position_m[i] + along_m * direction[i];
+    const vista_plan_place place = vista_plan_look(space, point_m, 0.0);
+    if (place.ruling != VISTA_PLAN_CHOSEN) return (freedom){most_m * (k - 1) / UPRIGHT_LOOKS, place.ruling};
+  }
+  return (freedom){.free_m = most_m};
+}
+
+/* ---- what it costs ---- */
+
+static double detour_s(const vista_plan_state *state, const vista_plan_aim *aim, const double direction[3],
+                       double ahead_m, double speed_m_s) {
+  double rest[3], whole[3];
+  for (int i = 0; i < 3; ++i) {
+    whole[i] = aim->point_m[i] - state->position_m[i];
+    rest[i] = whole[i] - ahead_m * direction[i];
+  }
+  return (ahead_m + vista_norm(rest) - vista_norm(whole)) / speed_m_s;
+}
+
+typedef struct list {
+  const vista_planner *planner;
+  vista_plan_space *space;
+  const vista_plan_state *state;
+  const vista_plan_aim *aim;
+  vista_plan_decision *decision;
+  double ahead_m;
+} list;
+
+static void add(const list *l, vista_plan_option option) {
+  vista_plan_decision *const d = l->decision;
+  if (d->option_count == VISTA_PLAN_MOST_OPTIONS) return;
+  option.ruling = VISTA_PLAN_NOT_ASKED;
+  int32_t at = d->option_count++;
+  for (; at > 0 && d->options[at - 1].cost_s > option.cost_s; --at) d->options[at] = d->options[at - 1];
+  d->options[at] = option;
+}
+
+void vista_plan_velocity(const vista_plan_option *option, double velocity_m_s[3]) {
+  for (int i = 0; i < 3; ++i) velocity_m_s[i] = option->speed_m_s * option->direction[i];
+}
+
+static double change_s(const list *l, const double velocity_m_s[3]) {
+  double change[3];
+  for (int i = 0; i < 3; ++i) change[i] = velocity_m_s[i] - l->planner->wanted[i];
+  return CHANGE_SHARE * vista_norm(change) / l->planner->params.acceleration_max_m_s2;
+}
+
+static double ends_s(vista_plan_ruling ruling) {
+  if (ruling == VISTA_PLAN_CHOSEN) return 0.0;
+  return ruling == VISTA_PLAN_BY_PLACE || ruling == VISTA_PLAN_BY_OBSTACLE ? BLOCKED_S : UNKNOWN_S;
+}
+
+/* The manoeuvres of one direction: at each speed. */
+static void add_speeds(const list *l, const double level[3], int32_t side, double share, const freedom *ahead) {
+  const vista_planner *const p = l->planner;
+  for (int k = 0; k < SPEEDS; ++k) {
+    const double speed_m_s = speeds[k] * l->aim->speed_m_s;
+    const double most_m_s = p->params.climb_max_m_s;
+    const double rise_m_s =
+        fmin(fmax(speeds[k] * l->aim->climb_m_s + share * fmin(most_m_s, 0.5 * speed_m_s), -most_m_s), most_m_s);
+    vista_plan_option o = {.primitive = share > 0.0   ? VISTA_PLAN_CLIMB
+                                        : share < 0.0 ? VISTA_PLAN_DESCENT
+                                        : side != 0   ? VISTA_PLAN_ARC
+                                                      : VISTA_PLAN_STRAIGHT};
+    double velocity[3];
+    for (int i = 0; i < 3; ++i) velocity[i] = speed_m_s * level[i] + rise_m_s * l->state->up[i];
+    o.speed_m_s = vista_norm(velocity);
+    for (int i = 0; i < 3; ++i) o.direction[i] = velocity[i] / o.speed_m_s;
+    o.cost_s = detour_s(l->state, l->aim, o.direction, l->ahead_m, l->aim->speed_m_s) + SLOW_S * (1.0 - speeds[k]) +
+               change_s(l, velocity) + (share != 0.0 ? CLIMB_S : 0.0);
+    const double missing = 1.0 - fmin(ahead->free_m / l->ahead_m, 1.0);
+    o.cost_s += ends_s(ahead->ends) * missing;
+    o.free_m = ahead->free_m;
+    o.ends = ahead->ends;
+    if (side != 0 && p->side == -side) o.cost_s += SIDE_S;
+    add(l, o);
+  }
+}
+
+static void turn(const double up[3], const double level[3], int angle, int side, double turned[3]) {
+  double left[3];
+  vista_cross(up, level, left);
+  for (int i = 0; i < 3; ++i) turned[i] = turns[angle][0] * level[i] + side * turns[angle][1] * left[i];
+}
+
+static void add_direction(const list *l, int angle, int side) {
+  double level[3];
+  turn(l->state->up, l->aim->level, angle, side, level);
+  const freedom ahead = level_freedom(l->planner, l->space, l->state, level, l->ahead_m);
+  const bool steep_too = angle <= STEEP_ANGLES && l->planner->params.climb_max_m_s > 0.0;
+  for (int k = 0; k < CLIMBS; ++k) {
+    if (climbs[k] != 0.0 && (!steep_too || ahead.ends == VISTA_PLAN_CHOSEN)) continue;
+    freedom steep = ahead;
+    if (climbs[k] != 0.0) {
+      const double speed_m_s = l->aim->speed_m_s;
+      const double slope = climbs[k] * fmin(l->planner->params.climb_max_m_s / speed_m_s, 0.5);
+      double direction[3];
+      for (int i = 0; i < 3; ++i) direction[i] = (level[i] + slope * l->state->up[i]) / sqrt(1.0 + slope * slope);
+      steep = steep_freedom(l->space, l->state, direction, l->ahead_m);
+    }
+    add_speeds(l, level, side, climbs[k], &steep);
+  }
+}
+
+/* Along the trail, slowly. */
+static void add_back(const list *l) {
+  const vista_planner *const p = l->planner;
+  for (int32_t k = 1; k <= p->trail_count; ++k) {
+    const double *const then_m = p->trail_m[(p->trail_next + VISTA_PLAN_TRAIL - k) % VISTA_PLAN_TRAIL];
+    vista_plan_option o = {.primitive = VISTA_PLAN_BACK, .speed_m_s = 0.2 * l->aim->speed_m_s, .cost_s = BACK_S};
+    double back[3];
+    for (int i = 0; i < 3; ++i) back[i] = then_m[i] - l->state->position_m[i];
+    const double length_m = vista_norm(back);
+    if (length_m < p->radius_m) continue;
+    for (int i = 0; i < 3; ++i) o.direction[i] = back[i] / length_m;
+    add(l, o);
+    return;
+  }
+}
+
+void vista_plan_list(const vista_planner *planner, vista_plan_space *space, const vista_plan_state *state,
+                     const vista_plan_aim *aim, vista_plan_decision *decision) {
+  const list l = {planner, space, state, aim, decision, fmin(look_ahead_m(aim->speed_m_s), fmax(aim->distance_m, 1.0))};
+  decision->option_count = 0;
+  for (int angle = 0; angle < ANGLES; ++angle)
+    for (int side = -1; side <= 1; side += 2)
+      if (angle > 0 || side > 0) add_direction(&l, angle, angle > 0 ? side : 0);
+  add_back(&l);
+  add(&l, (vista_plan_option){.primitive = VISTA_PLAN_STOP, .cost_s = STOP_S});
+}

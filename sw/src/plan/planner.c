@@ -1,0 +1,286 @@
+#include "plan/planner.h"
+
+#include <math.h>
+#include <stddef.h>
+#include <string.h>
+
+#include "common/numbers.h"
+#include "common/parameters_check.h"
+#include "plan/choice.h"
+#include "plan/primitives.h"
+#include "plan/space.h"
+
+#define SIGMAS 2.0 /* of the position's error, by which the vehicle is wider */
+#define STILL_M_S 0.5
+#define ARRIVED_M 0.5
+#define TRAIL_SHARE 0.25 /* of the radius, from one place of the trail to the next */
+#define OFF_SHARE 0.5 /* of the radius: a vehicle that is farther off its plan does not fly it */
+#define OFF_M_S 2.0
+#define SIDE_NS INT64_C(1500000000) /* after so long on the direct way no side counts any more */
+#define SIDE_MIN 0.15 /* sine of the angle from the aim that counts as a side */
+#define HELPLESS_MOST 24 /* manoeuvres that are asked for when nothing is free */
+#define LOOK_ASIDE 0.42 /* sine of the angle by which a vehicle that flies looks aside of its way at most, */
+#define LOOK_AHEAD 0.91 /* and its cosine */
+
+vista_status vista_planner_start(vista_planner *planner, const vista_parameters *parameters) {
+  if (planner == NULL || parameters == NULL) return VISTA_ERROR_ARGUMENT;
+  const vista_status status = vista_parameters_check(parameters, NULL);
+  if (status != VISTA_OK) return status;
+  const vista_parameters own = vista_parameters_own(parameters);
+  *planner = (vista_planner){.params = own.plan, .radius_m = own.obstacle_map.collision_radius_m};
+  return VISTA_OK;
+}
+
+void vista_planner_reset(vista_planner *planner) {
+  *planner = (vista_planner){.params = planner->params, .radius_m = planner->radius_m};
+}
+
+/* ---- what is given ---- */
+
+static bool is_unit(const double vector[3]) { return fabs(vista_dot(vector, vector) - 1.0) < 1e-3; }
+
+static vista_status check(const vista_planner *planner, const vista_plan_state *state, const vista_plan_goal *goal) {
+  double sum = state->position_sigma_m + goal->speed_m_s;
+  for (int i = 0; i < 3; ++i)
+    sum += state->position_m[i] + state->velocity_m_s[i] + state->acceleration_m_s2[i] + state->up[i] +
+           state->heading[i] + goal->from_m[i] + goal->to_m[i];
+  double level[3];
+  if (!isfinite(sum)) return VISTA_ERROR_NUMBER;
+  if (!is_unit(state->up) || !is_unit(state->heading) || !vista_plan_level(state->up, state->heading, level) ||
+      !(goal->speed_m_s > 0.0) || !(state->position_sigma_m >= 0.0))
+    return VISTA_ERROR_RANGE;
+  return planner->began && state->t_ns < planner->t_ns ? VISTA_ERROR_ORDER : VISTA_OK;
+}
+
+static void leave_trail(vista_planner *p, const vista_plan_state *state) {
+  if (p->trail_count > 0) {
+    const double *const last_m = p->trail_m[(p->trail_next + VISTA_PLAN_TRAIL - 1) % VISTA_PLAN_TRAIL];
+    double moved_m[3];
+    for (int i = 0; i < 3; ++i) moved_m[i] = state->position_m[i] - last_m[i];
+    if (vista_norm(moved_m) < TRAIL_SHARE * p->radius_m) return;
+  }
+  memcpy(p->trail_m[p->trail_next], state->position_m, sizeof p->trail_m[0]);
+  p->trail_next = (p->trail_next + 1) % VISTA_PLAN_TRAIL;
+  if (p->trail_count < VISTA_PLAN_TRAIL) ++p->trail_count;
+}
+
+/* ---- one decision ---- */
+
+typedef struct work {
+  vista_planner *planner;
+  vista_plan_space space;
+  const vista_plan_state *state;
+  vista_plan_aim aim;
+  vista_plan_decision *decision;
+} work;
+
+/* The trajectory of an option, in the points of the decision. */
+static bool fly(const work *w, const vista_plan_option *option) {
+  double velocity_m_s[3];
+  vista_plan_velocity(option, velocity_m_s);
+  return vista_plan_multirotor(&w->planner->params, w->state, velocity_m_s, w->decision);
+}
+
+static bool passes(work *w, vista_plan_option *option) {
+  if (!fly(w, option)) {
+    option->ruling = VISTA_PLAN_BY_DYNAMICS;
+    return false;
+  }
+  if (!vista_plan_check(&w->space, w->decision, false, option)) return false;
+  option->ruling = VISTA_PLAN_CHOSEN;
+  return true;
+}
+
+static int32_t first_that_passes(work *w) {
+  for (int32_t k = 0; k < w->decision->option_count && w->space.looks < VISTA_PLAN_LOOKS; ++k)
+    if (passes(w, &w->decision->options[k])) return k;
+  return -1;
+}
+
+/* The rest of the plan that was committed to. False: there is none, or the vehicle has left it. */
+static bool fly_on(const work *w) {
+  const vista_plan_decision *const plan = &w->planner->plan;
+  vista_plan_decision *const d = w->decision;
+  if (!w->planner->committed) return false;
+  const double after_s = vista_seconds_between(plan->t_ns, w->state->t_ns);
+  d->step_s = plan->step_s;
+  d->escape_s = fmax(plan->escape_s - after_s, 0.0);
+  d->circle_from = -1;
+  const double left_s = plan->step_s * (plan->point_count - 1) - after_s;
+  d->point_count = (int32_t)fmax(ceil(left_s / plan->step_s - 1e-6), 0.0) + 1;
+  for (int32_t k = 0; k < d->point_count; ++k) vista_plan_at(plan, after_s + k * plan->step_s, &d->points[k]);
+  double off_m[3], off_m_s[3];
+  for (int i = 0; i < 3; ++i) {
+    off_m[i] = d->points[0].position_m[i] - w->state->position_m[i];
+    off_m_s[i] = d->points[0].velocity_m_s[i] - w->state->velocity_m_s[i];
+  }
+  return vista_norm(off_m) < OFF_SHARE * w->planner->radius_m && vista_norm(off_m_s) < OFF_M_S;
+}
+
+static const vista_plan_option stop = {.primitive = VISTA_PLAN_STOP};
+
+/* The manoeuvre that something is in the way of last. */
+static int32_t least_bad(work *w) {
+  int32_t best = -1;
+  double best_s = -1.0;
+  const int32_t count = w->decision->option_count;
+  for (int32_t k = 0; k < count && k < HELPLESS_MOST; ++k) {
+    vista_plan_option found = w->decision->options[k < HELPLESS_MOST - 1 ? k : count - 1];
+    found.after_s = INFINITY;
+    if (!fly(w, &found)) continue;
+    (void)vista_plan_check(&w->space, w->decision, true, &found);
+    if (!(found.after_s > best_s)) continue;
+    best = k < HELPLESS_MOST - 1 ? k : count - 1;
+    best_s = found.after_s;
+  }
+  return best;
+}
+
+/* Where the camera is turned to: where the vehicle flies, or to the cheapest way of which it is not known what is there. */
+static void look_for(const work *w, double heading[3]) {
+  const vista_plan_decision *const d = w->decision;
+  const vista_plan_option *const chosen = d->chosen >= 0 ? &d->options[d->chosen] : &stop;
+  double flown[3];
+  const bool flies = chosen->speed_m_s > STILL_M_S && vista_plan_level(w->state->up, chosen->direction, flown);
+  if (!vista_plan_level(w->state->up, w->state->heading, heading)) return;
+  if (flies) memcpy(heading, flown, sizeof flown);
+  for (int32_t k = 0; k < d->option_count && k != d->chosen; ++k) {
+    const vista_plan_option *const o = &d->options[k];
+    double wanted[3];
+    const bool unseen = o->ruling == VISTA_PLAN_BY_VIEW || o->ruling == VISTA_PLAN_BY_UNKNOWN;
+    if (!unseen || o->primitive == VISTA_PLAN_BACK || !vista_plan_level(w->state->up, o->direction, wanted)) continue;
+    memcpy(heading, wanted, sizeof wanted);
+    break;
+  }
+  if (!flies) return;
+  double left[3];
+  vista_cross(w->state->up, flown, left);
+  const double aside = vista_dot(left, heading);
+  if (vista_dot(flown, heading) >= LOOK_AHEAD) return;
+  for (int i = 0; i < 3; ++i) heading[i] = LOOK_AHEAD * flown[i] + (aside < 0.0 ? -LOOK_ASIDE : LOOK_ASIDE) * left[i];
+  const double length = vista_norm(heading);
+  for (int i = 0; i < 3; ++i) heading[i] /= length;
+}
+
+static void keep_side(const work *w) {
+  const vista_plan_decision *const d = w->decision;
+  vista_planner *const p = w->planner;
+  double left[3];
+  vista_cross(w->state->up, w->aim.level, left);
+  const double aside = d->chosen >= 0 ? vista_dot(left, d->options[d->chosen].direction) : 0.0;
+  if (fabs(aside) > SIDE_MIN) {
+    p->side = aside > 0.0 ? 1 : -1;
+    p->side_ns = w->state->t_ns;
+  } else if (w->state->t_ns - p->side_ns > SIDE_NS) {
+    p->side = 0;
+  }
+}
+
+static void commit(const work *w) {
+  vista_planner *const p = w->planner;
+  const vista_plan_decision *const d = w->decision;
+  memset(p->wanted, 0, sizeof p->wanted);
+  if (d->chosen >= 0) vista_plan_velocity(&d->options[d->chosen], p->wanted);
+  if (d->action == VISTA_PLAN_ESCAPES) return;
+  p->plan = *d;
+  p->committed = true;
+}
+
+static bool stands(const vista_plan_state *state) { return vista_norm(state->velocity_m_s) < STILL_M_S; }
+
+static vista_plan_action action_of(const work *w) {
+  const vista_plan_option *const chosen = &w->decision->options[w->decision->chosen];
+  if (chosen->primitive == VISTA_PLAN_STOP)
+    return w->aim.distance_m < ARRIVED_M ? VISTA_PLAN_ARRIVED : VISTA_PLAN_HOLDS;
+  const bool whole = chosen->primitive == VISTA_PLAN_STRAIGHT && chosen->speed_m_s >= 0.99 * w->aim.speed_m_s;
+  return whole ? VISTA_PLAN_PROCEEDS : VISTA_PLAN_EVADES;
+}
+
+/* No manoeuvre passes. */
+static void escape(work *w) {
+  vista_plan_decision *const d = w->decision;
+  vista_plan_option found = stop;
+  const bool has_plan = fly_on(w);
+  if (!has_plan) (void)fly(w, &stop);
+  d->action = stands(w->state) ? VISTA_PLAN_HOLDS : VISTA_PLAN_ESCAPES;
+  if (stands(w->state) || vista_plan_check(&w->space, d, true, &found)) return;
+  d->action = VISTA_PLAN_HELPLESS;
+  d->chosen = least_bad(w);
+  if (d->chosen >= 0) (void)fly(w, &d->options[d->chosen]);
+}
+
+static void decide(work *w) {
+  vista_plan_decision *const d = w->decision;
+  vista_plan_list(w->planner, &w->space, w->state, &w->aim, d);
+  if (w->aim.distance_m < ARRIVED_M) { /* a stop is all that is wanted */
+    d->options[0] = stop;
+    d->option_count = 1;
+  }
+  d->chosen = first_that_passes(w);
+  if (d->chosen >= 0)
+    d->action = action_of(w);
+  else
+    escape(w);
+  double heading[3];
+  look_for(w, heading);
+  vista_plan_turn(w->state, heading, d);
+  d->looks = w->space.looks;
+  vista_plan_at(d, VISTA_PLAN_AHEAD_S, &d->setpoint);
+  keep_side(w);
+  commit(w);
+}
+
+vista_status vista_planner_decide_in(vista_planner *planner, const vista_pipeline_stages *seen,
+                                     const vista_directions *directions, const vista_plan_state *state,
+                                     const vista_plan_goal *goal, vista_plan_decision *decision) {
+  const vista_status status = check(planner, state, goal);
+  if (status != VISTA_OK) return status;
+  if (seen->frame->motion.restarted) vista_planner_reset(planner);
+  planner->began = true;
+  planner->t_ns = state->t_ns;
+  leave_trail(planner, state);
+  memset(decision, 0, sizeof *decision); /* what is between its members, too: equal decisions are equal bytes */
+  decision->t_ns = state->t_ns;
+  decision->chosen = -1;
+  work w = {.planner = planner, .state = state, .decision = decision};
+  w.space.seen = *seen;
+  w.space.directions = *directions;
+  w.space.planner = planner;
+  w.space.radius_m = planner->radius_m + SIGMAS * state->position_sigma_m;
+  w.space.late_s = fmax(vista_seconds_between(seen->frame->t_ns, state->t_ns), 0.0);
+  w.aim = vista_plan_aim_at(planner, state, goal);
+  vista_plan_remember(planner, &w.space, state);
+  decide(&w);
+  return VISTA_OK;
+}
+
+vista_status vista_planner_decide(vista_planner *planner, const vista_detector *detector, const vista_plan_state *state,
+                                  const vista_plan_goal *goal, vista_plan_decision *decision) {
+  if (planner == NULL || detector == NULL || state == NULL || goal == NULL || decision == NULL)
+    return VISTA_ERROR_ARGUMENT;
+  const vista_detector_seen *const last = vista_detector_look(detector);
+  if (last->pipeline == NULL) return VISTA_ERROR_ARGUMENT;
+  const vista_pipeline_stages seen = vista_pipeline_look(last->pipeline);
+  return vista_planner_decide_in(planner, &seen, &last->directions, state, goal, decision);
+}
+
+/* ---- along a decision ---- */
+
+void vista_plan_at(const vista_plan_decision *d, double after_s, vista_plan_setpoint *setpoint) {
+  const double at = fmax(after_s / d->step_s, 0.0);
+  double last = d->point_count - 1, place = at;
+  if (place > last && d->circle_from >= 0) place = d->circle_from + fmod(place - d->circle_from, last - d->circle_from);
+  place = fmin(place, last);
+  const int32_t k = (int32_t)fmin(floor(place), fmax(last - 1.0, 0.0));
+  const vista_plan_setpoint *const a = &d->points[k], *const b = &d->points[k < d->point_count - 1 ? k + 1 : k];
+  const double share = place - k;
+  *setpoint = *a;
+  for (int i = 0; i < 3; ++i) {
+    setpoint->position_m[i] += share * (b->position_m[i] - a->position_m[i]);
+    setpoint->velocity_m_s[i] += share * (b->velocity_m_s[i] - a->velocity_m_s[i]);
+    setpoint->acceleration_m_s2[i] += share * (b->acceleration_m_s2[i] - a->acceleration_m_s2[i]);
+    setpoint->heading[i] += share * (b->heading[i] - a->heading[i]);
+  }
+  const double length = vista_norm(setpoint->heading);
+  for (int i = 0; i < 3; ++i) setpoint->heading[i] /= length;
+}

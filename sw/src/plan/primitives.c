@@ -1,0 +1,107 @@
+#include "plan/primitives.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "common/numbers.h"
+
+#define STEP_S 0.1
+#define SUBSTEPS 2
+#define VELOCITY_S 0.4 /* first order of the velocity */
+#define JERK_M_S3 20.0
+#define UPRIGHT_SHARE 0.6 /* of the acceleration, that is there for climbs and descents */
+#define STILL_M_S 0.1
+#define YAW_RAD_S 1.2
+#define LEVEL_MIN 0.01 /* of a direction, that a level part needs */
+
+bool vista_plan_level(const double up[3], const double vector[3], double level[3]) {
+  const double rise = vista_dot(up, vector);
+  for (int i = 0; i < 3; ++i) level[i] = vector[i] - rise * up[i];
+  const double length = vista_norm(level);
+  if (!(length > LEVEL_MIN * vista_norm(vector))) return false;
+  for (int i = 0; i < 3; ++i) level[i] /= length;
+  return true;
+}
+
+double vista_plan_stop_m(const vista_plan_params *params, double speed_m_s) {
+  const double a = params->acceleration_max_m_s2;
+  return speed_m_s * (0.5 * a / JERK_M_S3 + 0.5 * VELOCITY_S) + vista_square(speed_m_s) / (2.0 * a);
+}
+
+/* A vector with its parts along `up` and level no longer than these. */
+static void limit(const double up[3], double level_most, double upright_most, double vector[3]) {
+  const double rise = vista_dot(up, vector);
+  double level[3];
+  for (int i = 0; i < 3; ++i) level[i] = vector[i] - rise * up[i];
+  const double length = vista_norm(level), share = length > level_most ? level_most / length : 1.0;
+  const double upright = fmin(fmax(rise, -upright_most), upright_most);
+  for (int i = 0; i < 3; ++i) vector[i] = share * level[i] + upright * up[i];
+}
+
+static void lead(const vista_plan_params *params, const double up[3], const double wanted_m_s[3], double dt_s,
+                 vista_plan_setpoint *now) {
+  const double most = params->acceleration_max_m_s2;
+  double change[3];
+  for (int i = 0; i < 3; ++i) change[i] = (wanted_m_s[i] - now->velocity_m_s[i]) / VELOCITY_S;
+  limit(up, most, UPRIGHT_SHARE * most, change);
+  for (int i = 0; i < 3; ++i) change[i] -= now->acceleration_m_s2[i];
+  limit(up, JERK_M_S3 * dt_s, JERK_M_S3 * dt_s, change);
+  for (int i = 0; i < 3; ++i) {
+    const double before_m_s = now->velocity_m_s[i];
+    now->acceleration_m_s2[i] += change[i];
+    now->velocity_m_s[i] += now->acceleration_m_s2[i] * dt_s;
+    now->position_m[i] += 0.5 * (before_m_s + now->velocity_m_s[i]) * dt_s;
+  }
+}
+
+/* Turns the heading towards another one, by a part of the step's tangent: no angle is ever needed. */
+static void yaw(const double up[3], const double towards[3], double dt_s, vista_plan_setpoint *now) {
+  double left[3];
+  vista_cross(up, now->heading, left);
+  const double ahead = vista_dot(now->heading, towards), aside = vista_dot(left, towards);
+  const double most = YAW_RAD_S * dt_s;
+  const double step = ahead > 0.0 ? fmin(fmax(aside / ahead, -most), most) : aside < 0.0 ? -most : most;
+  const double length = sqrt(1.0 + step * step);
+  for (int i = 0; i < 3; ++i) now->heading[i] = (now->heading[i] + step * left[i]) / length;
+  now->yaw_rate_rad_s = step / dt_s;
+}
+
+static bool is_still(const vista_plan_setpoint *now) {
+  return vista_norm(now->velocity_m_s) < STILL_M_S && vista_norm(now->acceleration_m_s2) < 10.0 * STILL_M_S;
+}
+
+bool vista_plan_multirotor(const vista_plan_params *params, const vista_plan_state *state, const double velocity_m_s[3],
+                           vista_plan_decision *plan) {
+  static const double stop[3] = {0.0, 0.0, 0.0};
+  vista_plan_setpoint now = {0};
+  memcpy(now.position_m, state->position_m, sizeof now.position_m);
+  memcpy(now.velocity_m_s, state->velocity_m_s, sizeof now.velocity_m_s);
+  memcpy(now.acceleration_m_s2, state->acceleration_m_s2, sizeof now.acceleration_m_s2);
+  if (!vista_plan_level(state->up, state->heading, now.heading)) return false;
+  limit(state->up, params->acceleration_max_m_s2, UPRIGHT_SHARE * params->acceleration_max_m_s2, now.acceleration_m_s2);
+  plan->step_s = STEP_S;
+  plan->escape_s = VISTA_PLAN_COMMIT_S;
+  plan->circle_from = -1;
+  plan->points[0] = now;
+  for (plan->point_count = 1; plan->point_count < VISTA_PLAN_MOST_POINTS;) {
+    const bool escapes = STEP_S * (plan->point_count - 1) >= VISTA_PLAN_COMMIT_S - 0.5 * STEP_S;
+    const double *const wanted = escapes ? stop : velocity_m_s;
+    for (int k = 0; k < SUBSTEPS; ++k) lead(params, state->up, wanted, STEP_S / SUBSTEPS, &now);
+    const bool done = escapes && is_still(&now);
+    if (done) memset(now.velocity_m_s, 0, sizeof now.velocity_m_s);
+    if (done) memset(now.acceleration_m_s2, 0, sizeof now.acceleration_m_s2);
+    plan->points[plan->point_count++] = now;
+    if (done) return true;
+  }
+  return false;
+}
+
+void vista_plan_turn(const vista_plan_state *state, const double towards[3], vista_plan_decision *plan) {
+  vista_plan_setpoint now = plan->points[0];
+  (void)vista_plan_level(state->up, state->heading, now.heading);
+  for (int32_t k = 0; k < plan->point_count; ++k) {
+    memcpy(plan->points[k].heading, now.heading, sizeof now.heading);
+    yaw(state->up, towards, plan->step_s, &now);
+    plan->points[k].yaw_rate_rad_s = now.yaw_rate_rad_s;
+  }
+}

@@ -1,0 +1,33 @@
+/* The library of manoeuvres: the trajectory of each, from the state of the vehicle and within its limits.
+ *
+ * A multirotor is a point that is led to a wanted velocity: with a first order of VELOCITY_S, an acceleration that is
+ * limited, and a limited jerk, which stands for the time that it takes to lean. So a new direction is an arc, a lower
+ * speed slows down, and the wanted velocity of zero stops. After VISTA_PLAN_COMMIT_S each manoeuvre ends in that.
+ *
+ * A fixed wing flies coordinated turns at its speed, with a limited roll rate and bank. After VISTA_PLAN_COMMIT_S it
+ * flies on straight for a while, and then a circle. */
+#ifndef VISTA_PLAN_PRIMITIVES_H
+#define VISTA_PLAN_PRIMITIVES_H
+
+#include <stdbool.h>
+
+#include "vista/plan.h"
+
+#define VISTA_PLAN_COMMIT_S 0.4 /* that a manoeuvre is flown before its escape begins: some missing frames */
+#define VISTA_PLAN_AHEAD_S 0.1  /* from the state to the setpoint of a decision */
+
+/* The distance that a multirotor of this speed needs to stop, the time for leaning included. */
+double vista_plan_stop_m(const vista_plan_params *params, double speed_m_s);
+
+/* Fills the points of *plan in from the state on, with escape_s, step_s and circle_from: a multirotor is led to this
+ * velocity, and then to a stop. The headings are that of the state. False: it does not come to an end within the points. */
+bool vista_plan_multirotor(const vista_plan_params *params, const vista_plan_state *state, const double velocity_m_s[3],
+                           vista_plan_decision *plan);
+
+/* Turns the heading of all points towards a level direction of unit length, from that of the state on. */
+void vista_plan_turn(const vista_plan_state *state, const double towards[3], vista_plan_decision *plan);
+
+/* The level part of a vector, unit length. False: there is none. */
+bool vista_plan_level(const double up[3], const double vector[3], double level[3]);
+
+#endif

@@ -1,0 +1,155 @@
+#include "plan/space.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "common/frame.h"
+#include "common/numbers.h"
+#include "follow/tracker.h"
+#include "space/path_places.h"
+#include "space/space_map.h"
+#include "space/space_odds.h"
+
+#define NOW_SHARE \
+  0.25 /* of the lines of sight that go on beyond a free place in the newest frame that has it in view */
+#define OWN_SHARE 0.5 /* of the radius, around where the vehicle has been: free */
+#define NEAR_SHARE 0.6 /* of the depth of a place: the ball that fits into the view */
+#define APART_SHARE 0.75 /* of the radius, from a place to the next */
+#define SAME_SHARE 0.15 /* of the radius: a place so near to one that was asked for is the same */
+#define WIDEST_M 4.0 /* of an obstacle: what is wider has its parts elsewhere, and the map tells of them */
+#define SIGMAS 2.0 /* of an obstacle's position */
+
+static double distance_m(const double a[3], const double b[3]) {
+  const double apart[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+  return vista_norm(apart);
+}
+
+static const vista_track *track_of(const vista_plan_space *space, const vista_obstacle *obstacle) {
+  for (int32_t k = 0; k < space->seen.track_count; ++k)
+    if (space->seen.tracks[k].id == obstacle->id) return &space->seen.tracks[k];
+  return NULL;
+}
+
+static double sigma_along_m(const double covariance_m2[9], const double axis[3]) {
+  double variance = 0.0;
+  for (int i = 0; i < 3; ++i) variance += axis[i] * vista_dot(covariance_m2 + 3 * i, axis);
+  return sqrt(fmax(variance, 0.0));
+}
+
+/* Whether the board that stands for an obstacle at `at_m`, facing the camera, reaches into a ball around a point. */
+static bool reaches(const vista_plan_space *space, const vista_obstacle *o, const double at_m[3], double sigma_m,
+                    const double point_m[3]) {
+  const vista_frame_view *const frame = space->seen.frame;
+  double sight[3], aside[3], up[3], apart[3];
+  for (int i = 0; i < 3; ++i) {
+    sight[i] = at_m[i] - frame->motion.pose.translation_m[i];
+    up[i] = vista_dot(frame->motion.pose.rotation + 3 * i, frame->up_camera);
+    apart[i] = point_m[i] - at_m[i];
+  }
+  const double range_m = vista_norm(sight);
+  for (int i = 0; i < 3; ++i) sight[i] /= fmax(range_m, 1e-3);
+  vista_cross(sight, up, aside);
+  const double upright = vista_norm(aside);
+  if (!(upright > 1e-3)) return vista_norm(apart) < space->radius_m + 0.5 * o->extent_m[0];
+  for (int i = 0; i < 3; ++i) aside[i] /= upright;
+  vista_cross(aside, sight, up);
+  const double half_m = 0.5 * fmin(o->extent_m[0], WIDEST_M);
+  const double x = fmax(fabs(vista_dot(apart, aside)) - half_m - sigma_m, 0.0);
+  const double y = fmax(fabs(vista_dot(apart, up)) - 0.5 * o->extent_m[1] - sigma_m, 0.0);
+  const double deep_m = fmax(sigma_along_m(o->covariance_m2, sight) * SIGMAS, 0.5 * half_m);
+  const double z = fmax(fabs(vista_dot(apart, sight)) - deep_m, 0.0);
+  return x * x + y * y + z * z < vista_square(space->radius_m);
+}
+
+static bool moves(const vista_obstacle *o) { return o->world == VISTA_WORLD_MOVES; }
+
+/* The confirmed obstacle that is at a point then; null: none. What moves, or what stands. */
+static const vista_obstacle *obstacle_at(const vista_plan_space *space, bool moving, const double point_m[3],
+                                         double after_s) {
+  for (int32_t k = 0; k < space->seen.obstacle_count; ++k) {
+    const vista_obstacle *const o = &space->seen.obstacles[k];
+    if (!o->confirmed || o->kind == VISTA_OBSTACLE_PLACE || moves(o) != moving) continue;
+    double at_m[3], sigma_m = 0.0;
+    memcpy(at_m, o->position_m, sizeof at_m);
+    const vista_track *const track = moving ? track_of(space, o) : NULL;
+    if (track != NULL) {
+      const double later_s = after_s + space->late_s, *const c = track->covariance;
+      for (int i = 0; i < 3; ++i) at_m[i] += later_s * track->velocity_m_s[i];
+      sigma_m = SIGMAS * later_s * sqrt(fmax((c[21] + c[28] + c[35]) / 3.0, 0.0));
+    }
+    if (reaches(space, o, at_m, fmin(sigma_m, WIDEST_M), point_m)) return o;
+  }
+  return NULL;
+}
+
+static bool is_own(const vista_plan_space *space, const double point_m[3]) {
+  const vista_planner *const p = space->planner;
+  for (int32_t k = 0; k < p->trail_count; ++k)
+    if (distance_m(p->trail_m[k], point_m) <= OWN_SHARE * p->radius_m) return true;
+  return false;
+}
+
+/* What stands at a place, or is known of it. */
+static vista_plan_place ask(const vista_plan_space *space, const double point_m[3]) {
+  const vista_frame_view *const frame = space->seen.frame;
+  const vista_obstacle *const thing = obstacle_at(space, false, point_m, 0.0);
+  double camera_m[3], radius_m = space->radius_m;
+  vista_frame_to_camera(&frame->motion.pose, point_m, camera_m);
+  if (camera_m[2] > 0.0) radius_m = fmin(radius_m, NEAR_SHARE * camera_m[2]);
+  vista_path_place place = {.shown = vista_space_map_look(space->seen.space, point_m, radius_m)};
+  if (thing != NULL && thing->kind == VISTA_OBSTACLE_GROUND) place.ground = true;
+  if (thing != NULL && thing->kind != VISTA_OBSTACLE_GROUND) place.thing = place.beside = true;
+  place.probability = vista_path_place_probability(&place);
+  const bool in_view = place.shown.frames > 0, occupied = place.probability >= VISTA_ODDS_WARN;
+  if (in_view && place.shown.beyond_newest >= NOW_SHARE && vista_path_place_is_free(&place))
+    return (vista_plan_place){.ruling = VISTA_PLAN_CHOSEN};
+  if (thing != NULL) return (vista_plan_place){VISTA_PLAN_BY_OBSTACLE, thing->id, occupied || !in_view, false};
+  if (occupied) return (vista_plan_place){.ruling = VISTA_PLAN_BY_PLACE, .occupied = true};
+  return (vista_plan_place){.ruling = in_view ? VISTA_PLAN_BY_UNKNOWN : VISTA_PLAN_BY_VIEW,
+                            .own = is_own(space, point_m)};
+}
+
+vista_plan_place vista_plan_look(vista_plan_space *space, const double point_m[3], double after_s) {
+  const vista_obstacle *const mover = obstacle_at(space, true, point_m, after_s);
+  if (mover != NULL) return (vista_plan_place){VISTA_PLAN_BY_OBSTACLE, mover->id, true, false};
+  for (int32_t k = 0; k < space->looks; ++k)
+    if (distance_m(space->looked[k].point_m, point_m) <= SAME_SHARE * space->radius_m) return space->looked[k].place;
+  if (space->looks == VISTA_PLAN_LOOKS) return (vista_plan_place){.ruling = VISTA_PLAN_NOT_ASKED};
+  vista_plan_looked *const looked = &space->looked[space->looks++];
+  memcpy(looked->point_m, point_m, sizeof looked->point_m);
+  looked->place = ask(space, point_m);
+  return looked->place;
+}
+
+/* From one place to the next, where balls overlap and the map tells them apart. */
+static double apart_m(const vista_plan_space *space, const double point_m[3]) {
+  const double range_m = distance_m(point_m, space->seen.frame->motion.pose.translation_m);
+  return fmax(APART_SHARE * space->radius_m, VISTA_PLACE_STEP_SHARE * range_m);
+}
+
+bool vista_plan_check(vista_plan_space *space, const vista_plan_decision *plan, bool occupied_alone,
+                      vista_plan_option *option) {
+  double last_m[3], point_m[3];
+  memcpy(last_m, plan->points[0].position_m, sizeof last_m);
+  for (int32_t k = 1; k < plan->point_count; ++k) {
+    const double *const from_m = plan->points[k - 1].position_m, *const to_m = plan->points[k].position_m;
+    const double pieces = fmax(ceil(distance_m(from_m, to_m) / apart_m(space, to_m)), 1.0);
+    for (double piece = 1.0; piece <= pieces; ++piece) {
+      for (int i = 0; i < 3; ++i) point_m[i] = from_m[i] + piece / pieces * (to_m[i] - from_m[i]);
+      const bool last = k + 1 == plan->point_count && piece == pieces;
+      if (!last && distance_m(point_m, last_m) < apart_m(space, point_m) - 1e-9) continue;
+      const double after_s = (k - 1 + piece / pieces) * plan->step_s;
+      const vista_plan_place place = vista_plan_look(space, point_m, after_s);
+      memcpy(last_m, point_m, sizeof last_m);
+      if (place.ruling == VISTA_PLAN_CHOSEN || (occupied_alone && !place.occupied)) continue;
+      if (place.own && (!last || option->primitive == VISTA_PLAN_STOP || option->primitive == VISTA_PLAN_BACK))
+        continue;
+      option->ruling = place.ruling;
+      option->obstacle_id = place.obstacle_id;
+      option->after_s = after_s;
+      memcpy(option->where_m, point_m, sizeof option->where_m);
+      return false;
+    }
+  }
+  return true;
+}

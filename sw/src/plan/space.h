@@ -1,0 +1,53 @@
+/* Asks the map of space whether a trajectory is free, as wide as the vehicle.
+ *
+ * Places stand along it as far apart as the map can tell them apart, each a ball of the collision radius and twice the
+ * error of the position. What the last frames show of a place is weighed as on the flight path (path_places.h), with the
+ * confirmed obstacles that reach into it; and the newest frame that has it in view has to see through it, too. Where
+ * the vehicle has been, and half a radius around, is free; but nobody ends there who does not stop or go back, lest what is
+ * unknown be entered step by step. So near that a ball does not fit into the view, a smaller one
+ * is looked at. What moves by itself is where it will be at that time. */
+#ifndef VISTA_PLAN_SPACE_H
+#define VISTA_PLAN_SPACE_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "detector/pipeline_stages.h"
+#include "vista/directions.h"
+#include "vista/plan.h"
+
+#define VISTA_PLAN_LOOKS 320 /* places that are asked for in a decision, at most */
+
+/* What is known of a place, for whoever wants to fly there. */
+typedef struct vista_plan_place {
+  vista_plan_ruling ruling; /* VISTA_PLAN_CHOSEN: it is free */
+  int32_t obstacle_id;
+  bool occupied; /* rather than unknown */
+  bool own; /* nobody sees it, but the vehicle has been there */
+} vista_plan_place;
+
+typedef struct vista_plan_looked {
+  double point_m[3];
+  vista_plan_place place;
+} vista_plan_looked;
+
+/* What is asked in a decision. */
+typedef struct vista_plan_space {
+  vista_pipeline_stages seen;
+  vista_directions directions;
+  const vista_planner *planner; /* whose trail it is */
+  double radius_m; /* of the balls */
+  double late_s;   /* from the frame to the state */
+  int32_t looks;
+  vista_plan_looked looked[VISTA_PLAN_LOOKS];
+} vista_plan_space;
+
+/* What is known of a place, so long after the state. */
+vista_plan_place vista_plan_look(vista_plan_space *space, const double point_m[3], double after_s);
+
+/* Looks along the trajectory of an option up to the first place that is not free, where the option gets its ruling.
+ * occupied_alone: what is unknown does not count. True: all of it is free. */
+bool vista_plan_check(vista_plan_space *space, const vista_plan_decision *plan, bool occupied_alone,
+                      vista_plan_option *option);
+
+#endif

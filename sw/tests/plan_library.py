@@ -1,0 +1,83 @@
+"""The planner over simple worlds, for its tests: what a camera in them sees, and what is decided.
+
+World: x to the right, y down, z forward. The vehicle looks along z unless it says otherwise."""
+
+from __future__ import annotations
+
+import numpy as np
+from space_library import SPACE_FRAMES, Space, scene
+from stage_library import ffi, lib, parameters, status_name
+from track_library import SECOND
+from vista.plan import Decision
+
+UP = np.array([0.0, -1.0, 0.0])
+AHEAD = np.array([0.0, 0.0, 1.0])
+RADIUS_M = 1.0
+GROUND_M = 8.0
+
+
+def vehicle_parameters(**changes):
+    """changes: section__name=number or name of a choice."""
+    made = parameters({"obstacle_map.collision_radius_m": RADIUS_M})
+    for name, value in changes.items():
+        set_it = lib.vista_parameters_set_choice if isinstance(value, str) else lib.vista_parameters_set
+        text = value.encode() if isinstance(value, str) else value
+        assert set_it(made, name.replace("__", ".").encode(), text) == lib.VISTA_OK
+    return made
+
+
+class Planner:
+    """A vista_planner and the decision that it made last."""
+
+    def __init__(self, **changes) -> None:
+        self.handle = ffi.new("vista_planner *")
+        self.parameters = vehicle_parameters(**changes)
+        assert lib.vista_planner_start(self.handle, self.parameters) == lib.VISTA_OK
+
+    def decide(self, space: Space, state, goal, obstacles=(), tracks=()) -> Decision:
+        status, decision = self.try_to(space, state, goal, obstacles, tracks)
+        assert status == "VISTA_OK"
+        return decision
+
+    def try_to(self, space: Space, state, goal, obstacles=(), tracks=()) -> tuple[str, Decision]:
+        seen, directions = ffi.new("vista_pipeline_stages *"), ffi.new("vista_directions *")
+        items, followed = ffi.new("vista_obstacle[]", list(obstacles)), ffi.new("vista_track[]", list(tracks))
+        seen.frame, seen.space = space.frame, space.handle
+        seen.obstacles, seen.obstacle_count = items, len(items)
+        seen.tracks, seen.track_count = followed, len(followed)
+        lib.vista_free_directions(space.frame, space.handle, items, len(items), directions)
+        decision = ffi.new("vista_plan_decision *")
+        status = lib.vista_planner_decide_in(self.handle, seen, directions, state, goal, decision)
+        return status_name(status), Decision.copied(ffi, decision)
+
+
+def state_of(position=(0.0, 0.0, 0.0), velocity=(0.0, 0.0, 0.0), t_s: float = 1.0, heading=AHEAD, **more):
+    values = {
+        "t_ns": round(t_s * SECOND),
+        "position_m": list(map(float, position)),
+        "velocity_m_s": list(map(float, velocity)),
+        "up": UP.tolist(),
+        "heading": list(map(float, heading)),
+    }
+    return ffi.new("vista_plan_state *", values | more)
+
+
+def goal_of(to=(0.0, 0.0, 200.0), speed_m_s: float = 5.0, origin=None, passed: bool = True):
+    values = {
+        "from_m": list(map(float, to if origin is None else origin)),
+        "to_m": list(map(float, to)),
+        "speed_m_s": speed_m_s,
+        "passed": passed,
+    }
+    return ffi.new("vista_plan_goal *", values)
+
+
+def seen_world(
+    walls=(), ground_y_m: float | None = GROUND_M, frames: int = SPACE_FRAMES, **keywords
+) -> Space:
+    """The map of a camera that has stood at the origin for some frames before second 1."""
+    space = Space(collision_radius_m=RADIUS_M)
+    look = scene(walls, ground_y_m, **keywords)
+    for k in range(frames):
+        space.take(look, 1.0 - 0.1 * (frames - 1 - k), up_camera=UP)
+    return space
