@@ -49,5 +49,5 @@ compile_board = root=$$($(VERILATOR) --getenv VERILATOR_ROOT); $(CXX) -std=c++17
 build/board/%/board-sim: rtl/board/sim/main.cpp $(BOARD_WIRE) $(BOARD_GATEWARE)
 	@$(compile_board)
 
-build/board/%/board-clocks: rtl/board/sim/client_time.cpp $(BOARD_WIRE) $(BOARD_GATEWARE) build/lib/libvista.a
+build/board/%/board-clocks: sw/bench/board_clocks.cpp $(BOARD_WIRE) $(BOARD_GATEWARE) build/lib/libvista.a
 	@$(compile_board) build/lib/libvista.a -lm $(addprefix -Wl$(comma)--wrap=,clock_gettime nanosleep poll recv send)

@@ -36,7 +36,7 @@ class Host {
 
   int64_t now_ns() const { return board_.clocks() * kNsPerUs / kClockMhz; }
   bool has_packet() const { return !arriving_.empty() && arriving_.front().due_ns <= now_ns(); }
-  void send(const void* data, size_t bytes) { board_.send(static_cast<const uint8_t*>(data), bytes, kHostPort); }
+  void send(const void *data, size_t bytes) { board_.send(static_cast<const uint8_t *>(data), bytes, kHostPort); }
 
   Bytes take() {
     const Bytes payload = arriving_.front().payload;
@@ -76,32 +76,32 @@ class Host {
   int64_t begun_ = 0;
 };
 
-Host* host;  // what the functions of the system that the client calls are made of
+Host *host; // what the functions of the system that the client calls are made of
 
-}  // namespace
+} // namespace
 
 extern "C" {
 
-int __real_clock_gettime(clockid_t clock, timespec* now);
+int __real_clock_gettime(clockid_t clock, timespec *now);
 
-int __wrap_clock_gettime(clockid_t clock, timespec* now) {
-  if (!host) return __real_clock_gettime(clock, now);  // Verilator's, before there is a board
+int __wrap_clock_gettime(clockid_t clock, timespec *now) {
+  if (!host) return __real_clock_gettime(clock, now); // Verilator's, before there is a board
   now->tv_sec = static_cast<time_t>(host->now_ns() / kNsPerS);
   now->tv_nsec = static_cast<long>(host->now_ns() % kNsPerS);
   return 0;
 }
 
-int __wrap_nanosleep(const timespec* pause, timespec*) {
+int __wrap_nanosleep(const timespec *pause, timespec *) {
   host->wait(host->now_ns() + pause->tv_sec * kNsPerS + pause->tv_nsec, false);
   return 0;
 }
 
-int __wrap_poll(pollfd*, nfds_t, int timeout_ms) {
+int __wrap_poll(pollfd *, nfds_t, int timeout_ms) {
   host->wait(host->now_ns() + timeout_ms * kNsPerMs, true);
   return host->has_packet();
 }
 
-ssize_t __wrap_recv(int, void* data, size_t room, int) {
+ssize_t __wrap_recv(int, void *data, size_t room, int) {
   if (!host->has_packet()) {
     errno = EAGAIN;
     return -1;
@@ -112,7 +112,7 @@ ssize_t __wrap_recv(int, void* data, size_t room, int) {
   return static_cast<ssize_t>(bytes);
 }
 
-ssize_t __wrap_send(int, const void* data, size_t bytes, int) {
+ssize_t __wrap_send(int, const void *data, size_t bytes, int) {
   host->send(data, bytes);
   return static_cast<ssize_t>(bytes);
 }
@@ -128,7 +128,7 @@ void check(vista_status status) {
 
 void run(int32_t width, int32_t height, int32_t levels, int frames) {
   std::vector<char> memory(vista_board_bytes());
-  vista_board* board = nullptr;
+  vista_board *board = nullptr;
   check(vista_board_connect(memory.data(), memory.size(), "127.0.0.1", VISTA_BOARD_PORT, kTimeoutMs, &board));
   vista_board_settings settings{};
   settings.width_px = width;
@@ -149,9 +149,9 @@ void run(int32_t width, int32_t height, int32_t levels, int frames) {
   vista_board_disconnect(board);
 }
 
-}  // namespace
+} // namespace
 
-int main(int argc, char** argv) {
+int main(int argc, char **argv) {
   Verilated::commandArgs(argc, argv);
   if (argc < 5 || argc > 6) {
     std::fprintf(stderr, "usage: board-clocks WIDTH HEIGHT LEVELS FRAMES [ROUND_TRIP_NS]\n");
