@@ -55,7 +55,6 @@ PARAMETERS: dict[str, float] = {
     "foveation.sector_count": 96,
     "foveation.rho_0_px": 4.0,
     "affinity.form": lib.VISTA_AFFINITY_FORM_PRODUCT,
-    "affinity.mu_intensity": 2.0,
     "affinity.sigma_intensity": 10.0,
     "affinity.mu_disparity_px": 0.5,
     "affinity.mu_depth_m": 0.5,

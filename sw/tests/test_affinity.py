@@ -8,7 +8,7 @@ from random_seed import seeded
 from stage_library import Stages, camera, ffi, lib, parameters
 
 FORMS = {"product": lib.VISTA_AFFINITY_FORM_PRODUCT, "sum": lib.VISTA_AFFINITY_FORM_SUM}
-ALPHA, MU_SLOPE, FLOW_SCALE, FLOW_CONSTANT = 0.5, 0.1, 10000.0, 10000.0  # of affinity.c
+ALPHA, MU_INTENSITY, MU_SLOPE, FLOW_SCALE, FLOW_CONSTANT = 0.5, 2.0, 0.1, 10000.0, 10000.0  # of affinity.c
 ENCODINGS = {
     "exponential": lib.VISTA_AFFINITY_FLOW_ENCODING_EXPONENTIAL,
     "linear": lib.VISTA_AFFINITY_FLOW_ENCODING_LINEAR,
@@ -19,7 +19,6 @@ def random_changes(random: np.random.Generator, form: str, encoding: str) -> dic
     return {
         "affinity.form": FORMS[form],
         "affinity.flow_encoding": ENCODINGS[encoding],
-        "affinity.mu_intensity": random.uniform(0, 20),
         "affinity.sigma_intensity": random.uniform(1, 60),
         "affinity.mu_disparity_px": random.uniform(0, 2),
         "affinity.mu_depth_m": random.uniform(0, 3),
@@ -48,7 +47,7 @@ def term(difference: np.ndarray, mu: float | np.ndarray, sigma: float) -> np.nda
 
 def intensity_term(stages: Stages) -> np.ndarray:
     p, grey = stages.parameters.affinity, stages.intensity.astype(float)
-    return term(grey[stages.foveation.tail] - grey[stages.foveation.head], p.mu_intensity, p.sigma_intensity)
+    return term(grey[stages.foveation.tail] - grey[stages.foveation.head], MU_INTENSITY, p.sigma_intensity)
 
 
 def expected_weight(stages: Stages) -> np.ndarray:
@@ -109,7 +108,6 @@ def test_affinities_worked_by_hand() -> None:
     """One sigma beyond mu makes exp(-1/2); what lies within mu makes 1."""
     distance_px = float(Stages(camera(64, 48)).foveation.arc_distance_px[-1])
     plain = {
-        "affinity.mu_intensity": 2.0,
         "affinity.sigma_intensity": 10.0,
         "affinity.mu_disparity_px": 0.5 - MU_SLOPE * distance_px,
         "affinity.mu_depth_m": 0.0,

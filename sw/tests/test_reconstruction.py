@@ -85,8 +85,8 @@ def test_noise_is_floor_and_spread_together() -> None:
     assert found.sigma_disparity_px == pytest.approx(
         np.hypot(settings.disparity_sigma_px, 0.4 / np.sqrt(independent))
     )
-    assert found.sigma_u_px == pytest.approx(np.hypot(settings.center_sigma_px, 0.1 * 2 * SIZE))
-    assert found.sigma_v_px == pytest.approx(np.hypot(settings.center_sigma_px, 0.1 * SIZE))
+    assert found.sigma_u_px == pytest.approx(np.hypot(1.0, 0.1 * 2 * SIZE))
+    assert found.sigma_v_px == pytest.approx(np.hypot(1.0, 0.1 * SIZE))
 
 
 def test_extent_is_metric_and_known_from_any_range() -> None:

@@ -20,7 +20,7 @@ from track_library import (
     state,
 )
 
-POSITION_PSD_M2_S = 0.01  # of track_filter.c
+ACCELERATION_PSD_M2_S3, POSITION_PSD_M2_S = 0.01, 0.01  # of track_filter.c
 
 # Association out of the way: one object, always in the gate, never blamed.
 OPEN = {
@@ -49,7 +49,7 @@ class ReferenceFilter:
 
     def predict(self, dt: float) -> None:
         F = np.kron([[1, dt], [0, 1]], np.eye(3))
-        q, w = self.settings.acceleration_psd_m2_s3, POSITION_PSD_M2_S
+        q, w = ACCELERATION_PSD_M2_S3, POSITION_PSD_M2_S
         self.x = F @ self.x
         self.P = F @ self.P @ F.T + np.kron(
             [[q * dt**3 / 3 + w * dt, q * dt**2 / 2], [q * dt**2 / 2, q * dt]], np.eye(3)
@@ -113,7 +113,7 @@ def test_the_covariance_is_that_of_the_errors(range_m: float) -> None:
             seen = measure(truth, position) + random.normal(size=3) * SIGMAS
             assert tracker.update(frame * dt, [detection(seen)], position) == "VISTA_OK"
             actual = np.concatenate([truth, velocity])
-            q, w = settings.acceleration_psd_m2_s3, POSITION_PSD_M2_S
+            q, w = ACCELERATION_PSD_M2_S3, POSITION_PSD_M2_S
             noise = np.linalg.cholesky([[q * dt**3 / 3 + w * dt, q * dt**2 / 2], [q * dt**2 / 2, q * dt]])
             step = noise @ random.normal(size=(2, 3))
             truth, velocity = truth + dt * velocity + step[0], velocity + step[1]

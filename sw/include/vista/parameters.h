@@ -55,13 +55,12 @@ typedef enum vista_affinity_flow_encoding { VISTA_AFFINITY_FLOW_ENCODING_EXPONEN
 /* Similarity of neighbouring cells (paper, equations 3 and 4) and its encoding as flow (equation 5). */
 typedef struct vista_affinity_params {
   vista_affinity_form form; /* How the feature terms combine: their weighted sum is the paper's equation 3, their product measures better. Change it to measure the paper as printed. */
-  double mu_intensity; /* Intensity difference that still counts as none. Change it to vary equation 4. Paper: mu_d. 0.0 .. 255.0 grey levels. */
   double sigma_intensity; /* Scale of the intensity term. Raise it for images of high contrast, lower it for dull ones. Paper: sigma_d. 0.1 .. 255.0 grey levels. */
   double mu_disparity_px; /* Disparity difference that still counts as none between adjoining cells. Change it with the noise of the engine's disparities. Paper: mu_d. 0.0 .. 16.0 px. */
   double mu_depth_m; /* A disparity difference that means less depth than this counts as none: near things have relief. At most 6 % of the range. Change it with the relief of what is flown at. Paper: mu_d. 0.0 .. 10.0 m. */
   double sigma_disparity_px; /* Scale of the disparity term. Change it with the noise of the engine's disparities. Paper: sigma_d. 0.05 .. 64.0 px. */
   vista_affinity_flow_encoding flow_encoding; /* Capacity = scale * C^((w - 1) / 2), or the paper's print, scale * (w + 1) / 2. Change it to measure the paper as printed. */
-  unsigned char reserved[204];
+  unsigned char reserved[212];
 } vista_affinity_params;
 
 /* What divides the free cells around a seed: the paper's minimum cut, or a maximum spanning forest of the same links. Change it to measure what the cuts are worth. */
@@ -90,23 +89,21 @@ typedef struct vista_region_params {
 
 /* Regions to detections by linear triangulation (paper, section II-D). */
 typedef struct vista_reconstruction_params {
-  double center_sigma_px; /* Noise of a region's centre, along u and v each. Change it when another segmentation is used. 0.01 .. 100.0 px. */
   double disparity_sigma_px; /* Noise of the boundary disparity that no averaging removes. Set it to the noise of another engine or camera. 0.01 .. 16.0 px. */
-  unsigned char reserved[240];
+  unsigned char reserved[248];
 } vista_reconstruction_params;
 
 /* One extended Kalman filter an obstacle, in the inertial frame (paper, section II-D). */
 typedef struct vista_tracker_params {
   double velocity_sigma_m_s; /* Prior of an obstacle's velocity, each axis: obstacles are mostly static. Raise it where most things move slowly. 0.001 .. 100.0 m/s. */
   double moving_sigma_m_s; /* Prior of the velocity of what moves, each axis: of a track seen once whose next detection no track explains as standing. Set it to the speed of what else flies or drives. 0.0 .. 1000.0 m/s. */
-  double acceleration_psd_m2_s3; /* Spectral density of the white acceleration, each axis. Raise it for things that manoeuvre. Paper: Q. 0.0 .. 1000.0 m2/s3. */
   double attitude_sigma_deg; /* Error of the pose's attitude, each axis; adds to the noise of u and v. Set it to the accuracy of the navigation filter. 0.0 .. 10.0 deg. */
   double gate_chi2; /* Mahalanobis gate in (u, v, d): chi-square with 3 degrees of freedom, 11.34 holds 99 percent. Widen it when tracks break off, narrow it when they are mixed up. 0.1 .. 1000.0. */
   int32_t confirm_hits; /* A track is confirmed at this many hits in confirm_window frames; at one more while own travel could tell, but does not yet, that it stands. Fewer warn sooner, more warn less often of nothing. Paper: M. 1 .. 32 frames. At most confirm_window. */
   int32_t confirm_window; /* Frames, in which the track could be seen, that count for its confirmation. Change it with the frame rate. Paper: N. 1 .. 32 frames. */
   int32_t miss_max; /* Misses in a row that a confirmed track survives. Change it with the frame rate. 0 .. 1000 frames. */
   double range_max_m; /* Farther detections start no track. Set it to the range that the camera pair tells well. 1.0 .. 100000.0 m. */
-  unsigned char reserved[192];
+  unsigned char reserved[200];
 } vista_tracker_params;
 
 /* Something in the way that is too near to match: texture without disparity. */
@@ -121,11 +118,10 @@ typedef struct vista_obstacle_map_params {
   double collision_radius_m; /* Radius of the collision volume around the flight path. Set it to half the vehicle's span and the clearance that it needs. 0.01 .. 1000.0 m. */
   double collision_length_m; /* Length of the collision volume, from the camera. Set it to how far ahead a warning is of use. 0.1 .. 100000.0 m. */
   double inflation_sigma; /* Standard deviations of the bearing that are added to an obstacle's semi-axes. Raise it to keep clear of what is uncertain, 0 to warn of the best estimate alone. 0.0 .. 10.0. */
-  double approach_s; /* What moves across the flight path is in the collision volume as soon as it will be within this time. Raise it for a vehicle that is slow to react. 0.0 .. 60.0 s. */
   double meet_s; /* What flies and moves across the flight path is in the collision volume as soon as it and the aircraft will meet within this time. Raise it for a vehicle that is slow to react to what flies. 0.0 .. 60.0 s. */
   double thickness_ratio; /* The middle of a thing lies this share of half its width behind the surface that is seen, uncertain by as much: 0 for a board, 1 for a ball. Its width counts up to twice its height, and up to 1 m. Change it for a world of boards or of balls. 0.0 .. 1.0. */
   double path_sigmas; /* The collision volume is narrower by so many standard deviations of how far the aircraft may leave its path, down to half its radius: what is beside its rim far ahead is passed as often as not. 0 to warn of all that may be in the way, more to warn of less. 0.0 .. 10.0 sigma of the flight path. */
-  unsigned char reserved[200];
+  unsigned char reserved[208];
 } vista_obstacle_map_params;
 
 /* Limits below which a view tells too little. */

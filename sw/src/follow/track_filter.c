@@ -5,6 +5,7 @@
 #include "common/frame.h"
 #include "common/numbers.h"
 
+#define ACCELERATION_PSD_M2_S3 0.01 /* white acceleration along each axis: obstacles are mostly static */
 /* Random walk of the point that stands for the obstacle: regions change from frame to frame. */
 #define POSITION_PSD_M2_S 0.01
 #define EXTENT_SIGMA_RATIO 0.3 /* noise of the natural logarithm of a measured width or height */
@@ -73,9 +74,9 @@ void vista_track_filter_start(const vista_tracker_params *params, const vista_ca
 
 /* x' = F x, P' = F P F^T + Q with F = [I, dt I; 0, I] and, for white acceleration of density q and a random walk of
  * the position of density w, Q = [q dt^3/3 + w dt, q dt^2/2; q dt^2/2, q dt] (x) I. */
-void vista_track_filter_predict(const vista_tracker_params *params, double dt_s, vista_track *track) {
+void vista_track_filter_predict(double dt_s, vista_track *track) {
   double *p = track->covariance;
-  const double q = params->acceleration_psd_m2_s3;
+  const double q = ACCELERATION_PSD_M2_S3;
   for (int i = 0; i < 3; ++i) track->position_m[i] += dt_s * track->velocity_m_s[i];
   if (!track->plain) /* a wall stands: what its velocity seems to be is a bias that changes on the way */
     for (int i = 0; i < 3; ++i) track->met_m[i] += dt_s * track->velocity_m_s[i];

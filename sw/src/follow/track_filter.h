@@ -28,7 +28,7 @@ void vista_track_filter_meet(const vista_pose *pose, const vista_detection *dete
 void vista_track_filter_start(const vista_tracker_params *params, const vista_camera *camera, const vista_pose *pose,
                               const vista_detection *detection, vista_track *track);
 
-void vista_track_filter_predict(const vista_tracker_params *params, double dt_s, vista_track *track);
+void vista_track_filter_predict(double dt_s, vista_track *track);
 
 /* A track seen once, as if its velocity were known to moving_sigma_m_s only since `since_s` ago. */
 void vista_track_filter_set_moving(const vista_tracker_params *params, double since_s, vista_track *track);

@@ -86,7 +86,7 @@ static vista_status check(const vista_tracker *tracker, const vista_track_frame 
 static void predict(vista_tracker *tracker, const vista_track_frame *f, double drift_m) {
   const double dt_s = tracker->started ? vista_seconds_between(tracker->t_ns, f->t_ns) : 0.0;
   for (int32_t i = 0; i < tracker->count; ++i) {
-    vista_track_filter_predict(f->params, dt_s, &tracker->tracks[i]);
+    vista_track_filter_predict(dt_s, &tracker->tracks[i]);
     for (int axis = 0; axis < 3; ++axis) tracker->tracks[i].covariance[7 * axis] += vista_square(drift_m);
     tracker->tracks[i].age_frames += 1;
   }

@@ -18,7 +18,7 @@
  * Membership: an obstacle that is seen, by the pixels of its region (collision_volume.h) in two of its last three
  * hits, or in its only one. Without a detection it stays a member as far as its disc does.
  * Entering: what is seen to move across the path, with at most one miss since, is a member, too, when its disc will be
- * within approach_s.
+ * within half a second.
  * Disc: an elliptical one facing the camera, semi-axes extent / 2 + inflation_sigma times the standard deviation
  * of its bearing at its depth. Only across the line of sight: the range uncertainty of a far obstacle moves it along
  * its line of sight and would put misses into the volume; it is reported in the covariance instead.

@@ -29,9 +29,11 @@
 #define MISSES_MAX 2 /* After more misses in a row something else is seen in the place of what is warned of. */
 #define DEPTH_MIN_M 0.05 /* What is nearer along the optical axis counts as behind the camera. */
 
-/* Something is seen to move across the path above this speed, and above so many standard deviations of it. */
+/* Something is seen to move across the path above this speed, and above so many standard deviations of it; it counts as
+ * in the volume when it will be there within this time. */
 #define ACROSS_M_S 0.5
 #define ACROSS_SIGMAS 3.0
+#define ACROSS_S 0.5
 
 /* The same for something that flies and will meet the aircraft, with the hits that it needs, and the steps in time. */
 #define MEET_M_S 1.0
@@ -152,7 +154,7 @@ static bool about_to_enter(const vista_obstacle_map_params *params, const vista_
   const double speed2 = vista_dot(across, across);
   if (speed2 <= vista_square(ACROSS_M_S) || speed2 <= vista_square(ACROSS_SIGMAS) * variance) return false;
   vista_disc soon = *disc;
-  for (int i = 0; i < 3; ++i) soon.center_m[i] += params->approach_s * across[i];
+  for (int i = 0; i < 3; ++i) soon.center_m[i] += ACROSS_S * across[i];
   return vista_flight_path_near_disc(path, &soon, params->collision_radius_m);
 }
 

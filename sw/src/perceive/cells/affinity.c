@@ -15,7 +15,9 @@
 #define ALPHA_INTENSITY 0.5
 /* Px per px between the centres, added to mu_disparity_px: cells of the periphery lie farther apart. */
 #define MU_DISPARITY_SLOPE 0.1
-#define MU_INTENSITY_NOISE 0.5 /* mu_intensity is at least this many sigmas of the noise of the image */
+/* Intensity difference that still counts as none (mu of equation 4): grey levels, and sigmas of the noise of the image. */
+#define MU_INTENSITY 2.0
+#define MU_INTENSITY_NOISE 0.5
 #define FLOW_CONSTANT 10000.0 /* C of the paper: its square root is the ratio of the strongest to the weakest edge */
 
 vista_status vista_affinity_layout(vista_affinity *affinity, vista_arena *arena, const vista_foveation *foveation) {
@@ -80,7 +82,7 @@ static void gather(const vista_foveation *f, const vista_cells *cells, int32_t f
 VISTA_WIDE_VECTORS static void find_exponents(const vista_frame_view *frame, int32_t count, edges *e) {
   const vista_affinity_params *const params = &frame->params->affinity;
   const vista_camera *const camera = frame->camera;
-  const float mu_i = (float)vista_image_noise_threshold(&frame->noise, params->mu_intensity, MU_INTENSITY_NOISE);
+  const float mu_i = (float)vista_image_noise_threshold(&frame->noise, MU_INTENSITY, MU_INTENSITY_NOISE);
   const float sigma_i = (float)params->sigma_intensity;
   const float mu_px = (float)params->mu_disparity_px, slope = (float)MU_DISPARITY_SLOPE;
   const float sigma_d = (float)params->sigma_disparity_px, mu_depth_m = (float)params->mu_depth_m;

@@ -5,14 +5,16 @@
 #include "common/ellipse.h"
 #include "common/frame.h"
 
-/* Uncertainty of a region's centre over half its width or height: the segmentation moves that of a large one more. */
+/* Uncertainty of a region's centre along each axis: in pixels, and over half its width or height, for the segmentation
+ * moves that of a large one more. */
+#define CENTER_SIGMA_PX 1.0
 #define CENTER_SIGMA_RATIO 0.1
 #define CORRELATED_PIXELS 60.0 /* boundary inliers that share one matching block count as one */
 
 /* Standard deviation of the centre along one axis. A region cut by the border hides an unknown part of
  * itself: its centre may lie anywhere up to about its own half size further out. */
-static double center_sigma(const vista_reconstruction_params *params, double half_size_px, bool cut) {
-  const double sigma = hypot(params->center_sigma_px, CENTER_SIGMA_RATIO * half_size_px);
+static double center_sigma(double half_size_px, bool cut) {
+  const double sigma = hypot(CENTER_SIGMA_PX, CENTER_SIGMA_RATIO * half_size_px);
   return cut ? hypot(sigma, half_size_px) : sigma;
 }
 
@@ -66,8 +68,8 @@ vista_status vista_reconstruct_region(const vista_frame_view *frame, const vista
   if (status != VISTA_OK) return status;
   double half_width_px, half_height_px;
   vista_ellipse_half_box(&result.ellipse, &half_width_px, &half_height_px);
-  result.sigma_u_px = center_sigma(params, half_width_px, result.cut_u);
-  result.sigma_v_px = center_sigma(params, half_height_px, result.cut_v);
+  result.sigma_u_px = center_sigma(half_width_px, result.cut_u);
+  result.sigma_v_px = center_sigma(half_height_px, result.cut_v);
   vista_triangulate(camera, &result);
   result.extent_m[0] = 2.0 * half_width_px * camera->baseline_m / region->disparity_px;
   result.extent_m[1] = 2.0 * half_height_px * camera->baseline_m / region->disparity_px;
