@@ -53,7 +53,7 @@ setup: .venv/run.stamp ## install the pinned Python packages and the command .ve
 .venv/run.stamp: $(REQUIREMENTS)/run.txt pyproject.toml sw/eval/pyproject.toml VERSION .venv/build.stamp
 	@$(SETUP) run
 
-.venv/test.stamp: $(REQUIREMENTS)/test.txt .venv/run.stamp
+.venv/test.stamp: $(REQUIREMENTS)/test.txt $(REQUIREMENTS)/rotorpy.txt .venv/run.stamp
 	@$(SETUP) test
 
 .venv/jobs.stamp: $(REQUIREMENTS)/jobs.txt .venv/test.stamp

@@ -101,6 +101,10 @@ if [ "$set_name" = run ]; then
   .venv/bin/python -m pip install --disable-pip-version-check --quiet --no-deps --no-build-isolation --editable . \
     --editable sw/eval || fail "pip could not install vista itself into .venv (see above)"
 fi
+if [ "$set_name" = test ]; then
+  .venv/bin/python -m pip install --quiet --disable-pip-version-check --no-deps --require-hashes \
+    --requirement scripts/requirements/rotorpy.txt || fail "pip could not install rotorpy (see above)"
+fi
 if [ "$set_name" = board ]; then
   .venv/bin/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation --require-hashes \
     --requirement scripts/requirements/litex_boards.txt || fail "pip could not install litex-boards (see above)"

@@ -22,7 +22,8 @@ from vista_eval.render.surfaces import Hits, Surfaces, unit_rows
 from vista_eval.render.wires import Wires, is_wire
 
 # Places in a pixel: on each row and each column of a grid of eight there is at most one.
-OFF_CENTER_PX = ((-0.125, -0.375), (0.375, -0.125), (0.125, 0.375), (-0.375, 0.125))
+Offsets = tuple[tuple[float, float], ...]
+OFF_CENTER_PX: Offsets = ((-0.125, -0.375), (0.375, -0.125), (0.125, 0.375), (-0.375, 0.125))
 CHANGE = 0.03  # of radiance without albedo maps: pixels that differ by more get more rays
 
 
@@ -45,8 +46,9 @@ class Picture(NamedTuple):
 class Renderer:
     """A scene, seen from any pose at any time."""
 
-    def __init__(self, scene: Scene, rig: Rig) -> None:
-        self.scene, self.rig = scene, rig
+    def __init__(self, scene: Scene, rig: Rig, beside: Offsets = OFF_CENTER_PX) -> None:
+        """beside: where in a pixel the other rays go, if it gets more than one."""
+        self.scene, self.rig, self.beside = scene, rig, beside
         self.to_sun = light.unit(scene.to_sun)
         standing = [
             (label, solid)
@@ -86,10 +88,10 @@ class Renderer:
         middle = self.cast(world_from_camera, u, v)
         radiance = middle.radiance.copy()
         more = np.flatnonzero(changes(middle, shape))
-        for du, dv in OFF_CENTER_PX:
+        for du, dv in self.beside:
             beside = self.cast(world_from_camera, u[more] + du, v[more] + dv, middle.above[more])
             radiance[more] += beside.radiance
-        radiance[more] /= 1 + len(OFF_CENTER_PX)
+        radiance[more] /= 1 + len(self.beside)
         seen = View(middle.depth_m.reshape(shape), middle.label.reshape(shape))
         drawn = self.wires.drawn(self.scene, self.groups, self.rig, world_from_camera, seen)
         return Picture(drawn.over(radiance.reshape(shape)), drawn.view)

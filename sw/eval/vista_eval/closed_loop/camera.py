@@ -1,0 +1,51 @@
+"""The cameras of a flight: a stereo pair from any pose, with the truth of it."""
+
+from __future__ import annotations
+
+import numpy as np
+from vista.geometry import Calibration
+
+from vista_eval.render.renderer import OFF_CENTER_PX, Renderer
+from vista_eval.render.rig import LEFT, RIGHT, Rig
+from vista_eval.render.scene import Scene
+from vista_eval.render.sensor import Sensor, expose
+
+# Half the size of the paper's images over 60 degrees: a pixel of a third of its angle, as the depth cameras
+# of small multirotors have it.
+FLOWN_RIG = Rig(width_px=320, height_px=240, focal_px=277.0, baseline_m=0.4572)
+
+FLOWN_RAYS = OFF_CENTER_PX[::2]  # two more rays where the surface changes in place of four
+
+
+def rig_of_width(width_px: int) -> Rig:
+    """The same view with other pixels."""
+    scale = width_px / FLOWN_RIG.width_px
+    return Rig(width_px, round(FLOWN_RIG.height_px * scale), FLOWN_RIG.focal_px * scale, FLOWN_RIG.baseline_m)
+
+
+class StereoCamera:
+    def __init__(self, scene: Scene, rig: Rig, sensor: Sensor, seed: int) -> None:
+        self.rig, self.sensor, self.seed = rig, sensor, seed
+        self._renderer = Renderer(scene, rig, FLOWN_RAYS)
+
+    def expose(self, world_from_body: np.ndarray, t_s: float, index: int) -> tuple[np.ndarray, np.ndarray]:
+        """The raw images, left and right. t_s: since the scene stood as it is described."""
+        self._renderer.move_to(t_s)
+        pair = []
+        for camera in (LEFT, RIGHT):
+            pose = world_from_body @ self.rig.body_from_mounted_camera(camera)
+            radiance = self._renderer.radiance(pose) * self._renderer.scene.exposure
+            pair.append(expose(self.sensor, radiance, camera, (self.seed, index, camera)))
+        return pair[LEFT], pair[RIGHT]
+
+    def disparity_px(self, world_from_body: np.ndarray) -> np.ndarray:
+        """(H, W) true disparities of what was exposed last; 0 where the sky is."""
+        depth_m = self._renderer.view(world_from_body @ self.rig.body_from_camera(LEFT)).depth_m
+        with np.errstate(divide="ignore"):
+            found = np.where(np.isinf(depth_m), 0.0, self.rig.focal_px * self.rig.baseline_m / depth_m)
+        return np.asarray(found, np.float32)
+
+
+def calibration_of(rig: Rig) -> Calibration:
+    (cx, cy) = rig.center_px
+    return Calibration(rig.width_px, rig.height_px, rig.focal_px, cx, cy, rig.baseline_m)

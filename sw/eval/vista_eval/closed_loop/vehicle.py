@@ -1,0 +1,129 @@
+"""A multirotor with motors that saturate, drag and wind, and the controller that tracks setpoints with it.
+
+The dynamics are those of rotorpy (MIT), with the airframe that PX4's own simulator uses: 1 kg, a thrust of
+twice the weight, motors that lag by 50 ms. The controller is a cascade of position, velocity and attitude as
+autopilots have it; rotorpy turns thrust and attitude into speeds of the rotors and limits them."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+from vista.errors import InputError
+
+from vista_eval.closed_loop.setpoint import Setpoint
+
+INSTALL = "pip install --no-deps rotorpy==3.0.0; pip install scipy"
+GRAVITY_M_S2 = 9.81
+STEP_S = 0.01
+# The motors lag by 50 ms, so the attitude follows with 12 rad/s and the velocity with 3.
+ATTITUDE_GAIN, RATE_GAIN = 120.0, 18.0
+POSITION_GAIN, VELOCITY_GAIN, WIND_GAIN = 1.2, 3.0, 0.8
+MOST_WIND_M_S2 = 2.5  # that the integral of the velocity's error makes up for
+MOST_TURN_RAD_S = 1.5
+
+
+@dataclass(frozen=True)
+class Limits:
+    """What the controller asks of the vehicle at most."""
+
+    level_m_s2: float = 5.0
+    upright_m_s2: float = 3.0
+
+
+class State(NamedTuple):
+    """The true state of the vehicle."""
+
+    position_m: np.ndarray
+    velocity_m_s: np.ndarray
+    rotation: np.ndarray  # world_from_body
+    rates_rad_s: np.ndarray  # in the body
+    acceleration_m_s2: np.ndarray  # that was asked for last
+
+    @property
+    def heading_rad(self) -> float:
+        return math.atan2(self.rotation[1, 0], self.rotation[0, 0])
+
+    @property
+    def world_from_body(self) -> np.ndarray:
+        pose = np.eye(4)
+        pose[:3, :3], pose[:3, 3] = self.rotation, self.position_m
+        return pose
+
+
+def airframe() -> tuple[Any, Any]:
+    """The model of rotorpy, and how rotations are made for it."""
+    try:
+        from rotorpy.vehicles.multirotor import Multirotor as Model
+        from rotorpy.vehicles.px4_sihsim_quadx_params import quad_params
+        from scipy.spatial.transform import Rotation
+    except ModuleNotFoundError as error:
+        raise InputError("vista fly", f"{error.name} is not installed: {INSTALL}") from None
+    gains = {"kp_att": ATTITUDE_GAIN, "kd_att": RATE_GAIN}
+    tolerances = {"method": "RK23", "rtol": 1e-3, "atol": 1e-5}
+    return Model(quad_params | gains, control_abstraction="cmd_ctatt", integrator_kwargs=tolerances), Rotation
+
+
+class Multirotor:
+    def __init__(self, position_m: np.ndarray, heading_rad: float, limits: Limits = Limits()) -> None:
+        self.limits = limits
+        self._model, self._rotation = airframe()
+        hover_rad_s = math.sqrt(self._model.mass * GRAVITY_M_S2 / 4 / self._model.k_eta)
+        self._state = {
+            "x": np.array(position_m, float),
+            "v": np.zeros(3),
+            "q": self._rotation.from_euler("z", heading_rad).as_quat(),
+            "w": np.zeros(3),
+            "wind": np.zeros(3),
+            "rotor_speeds": np.full(4, hover_rad_s),
+        }
+        self._told_rad = heading_rad
+        self._against_wind = np.zeros(3)
+        self._asked = np.zeros(3)
+
+    @property
+    def state(self) -> State:
+        now = self._state
+        rotation = self._rotation.from_quat(now["q"]).as_matrix()
+        return State(now["x"].copy(), now["v"].copy(), rotation, now["w"].copy(), self._asked.copy())
+
+    def step(self, setpoint: Setpoint, wind_m_s: np.ndarray) -> None:
+        """Flies on for STEP_S."""
+        asked = self.asked_m_s2(setpoint)
+        turn = wrapped(setpoint.heading_rad - self._told_rad)
+        self._told_rad += float(np.clip(turn, -MOST_TURN_RAD_S * STEP_S, MOST_TURN_RAD_S * STEP_S))
+        force = self._model.mass * (asked + np.array([0.0, 0.0, GRAVITY_M_S2]))
+        up = force / np.linalg.norm(force)
+        left = np.cross(up, [math.cos(self._told_rad), math.sin(self._told_rad), 0.0])
+        left /= np.linalg.norm(left)
+        wanted = np.column_stack([np.cross(left, up), left, up])
+        thrust = float(force @ self._rotation.from_quat(self._state["q"]).as_matrix()[:, 2])
+        told = {"cmd_thrust": max(thrust, 0.0), "cmd_q": self._rotation.from_matrix(wanted).as_quat()}
+        self._state["wind"] = np.asarray(wind_m_s, float)
+        self._state = self._model.step(self._state, told, STEP_S)
+
+    def asked_m_s2(self, setpoint: Setpoint) -> np.ndarray:
+        """The acceleration that brings the vehicle to the setpoint, within its limits."""
+        velocity = np.array(setpoint.velocity_m_s, float)
+        if setpoint.position_m is not None:
+            velocity += POSITION_GAIN * (setpoint.position_m - self._state["x"])
+        error = velocity - self._state["v"]
+        asked = limited(VELOCITY_GAIN * error + setpoint.acceleration_m_s2, self.limits)
+        if np.linalg.norm(error) < 1.0:  # otherwise it is not the wind that is made up for
+            more = self._against_wind + WIND_GAIN * STEP_S * error
+            self._against_wind = np.clip(more, -MOST_WIND_M_S2, MOST_WIND_M_S2)
+        self._asked = asked
+        return asked + self._against_wind
+
+
+def limited(acceleration: np.ndarray, limits: Limits) -> np.ndarray:
+    level = float(np.hypot(acceleration[0], acceleration[1]))
+    share = min(1.0, limits.level_m_s2 / level) if level > 0 else 1.0
+    upright = float(np.clip(acceleration[2], -limits.upright_m_s2, limits.upright_m_s2))
+    return np.array([share * acceleration[0], share * acceleration[1], upright])
+
+
+def wrapped(angle_rad: float) -> float:
+    return math.remainder(angle_rad, 2 * math.pi)
