@@ -90,7 +90,7 @@ def begins(states: list[bool]) -> int:
 
 
 def cause_of(flight: Flight) -> str:
-    """Where the chain failed, from what was hit: whether it was in view, and when it was first warned of."""
+    """Tells where the chain failed: whether what was hit was in view, and when it was first warned of."""
     place = flight.moments[-1].state.position_m
     before = [m for m in flight.moments[:-1] if flight.time_s - m.t_s < BACK_S]
     if not any(in_view(moment, place) for moment in before):

@@ -70,7 +70,7 @@ def of_moment(moment: Moment) -> dict[str, Any]:
 
 
 def plain(value: Any) -> Any:
-    """As JSON takes it: lists for arrays, null for what is not finite, to a tenth of a millimetre."""
+    """Makes what JSON takes: lists for arrays, null for what is not finite, to a tenth of a millimetre."""
     match value:
         case dict():
             return {name: plain(one) for name, one in value.items()}

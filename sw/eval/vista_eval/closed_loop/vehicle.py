@@ -23,6 +23,7 @@ ATTITUDE_GAIN, RATE_GAIN = 120.0, 18.0
 POSITION_GAIN, VELOCITY_GAIN, WIND_GAIN = 1.2, 3.0, 0.8
 MOST_WIND_M_S2 = 2.5  # that the integral of the velocity's error makes up for
 MOST_TURN_RAD_S = 1.5
+SMOOTHED_S = 0.05  # of the acceleration, as inertial sensors are filtered
 
 
 @dataclass(frozen=True)
@@ -40,7 +41,7 @@ class State(NamedTuple):
     velocity_m_s: np.ndarray
     rotation: np.ndarray  # world_from_body
     rates_rad_s: np.ndarray  # in the body
-    acceleration_m_s2: np.ndarray  # that was asked for last
+    acceleration_m_s2: np.ndarray  # over the last SMOOTHED_S
 
     @property
     def heading_rad(self) -> float:
@@ -81,13 +82,13 @@ class Multirotor:
         }
         self._told_rad = heading_rad
         self._against_wind = np.zeros(3)
-        self._asked = np.zeros(3)
+        self._acceleration = np.zeros(3)
 
     @property
     def state(self) -> State:
         now = self._state
         rotation = self._rotation.from_quat(now["q"]).as_matrix()
-        return State(now["x"].copy(), now["v"].copy(), rotation, now["w"].copy(), self._asked.copy())
+        return State(now["x"].copy(), now["v"].copy(), rotation, now["w"].copy(), self._acceleration.copy())
 
     def step(self, setpoint: Setpoint, wind_m_s: np.ndarray) -> None:
         """Flies on for STEP_S."""
@@ -102,7 +103,10 @@ class Multirotor:
         thrust = float(force @ self._rotation.from_quat(self._state["q"]).as_matrix()[:, 2])
         told = {"cmd_thrust": max(thrust, 0.0), "cmd_q": self._rotation.from_matrix(wanted).as_quat()}
         self._state["wind"] = np.asarray(wind_m_s, float)
+        before = self._state["v"]
         self._state = self._model.step(self._state, told, STEP_S)
+        acceleration = (self._state["v"] - before) / STEP_S
+        self._acceleration += STEP_S / SMOOTHED_S * (acceleration - self._acceleration)
 
     def asked_m_s2(self, setpoint: Setpoint) -> np.ndarray:
         """The acceleration that brings the vehicle to the setpoint, within its limits."""
@@ -114,7 +118,6 @@ class Multirotor:
         if np.linalg.norm(error) < 1.0:  # otherwise it is not the wind that is made up for
             more = self._against_wind + WIND_GAIN * STEP_S * error
             self._against_wind = np.clip(more, -MOST_WIND_M_S2, MOST_WIND_M_S2)
-        self._asked = asked
         return asked + self._against_wind
 
 

@@ -1,0 +1,272 @@
+"""Flights in the loop: exact distances, walls that are hit by who does not look, and what seeds decide."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from command_line import assert_refused, call
+from vista import parameters
+from vista_eval.closed_loop.camera import FLOWN_RIG, calibration_of, rig_of_width
+from vista_eval.closed_loop.collision import Geometry, to_cylinders_m, to_triangles_m
+from vista_eval.closed_loop.loop import Conditions, Faults, fly
+from vista_eval.closed_loop.outcome import begins, outcome_of, stops_of
+from vista_eval.closed_loop.pilots import BrakeOnly, Leg, Straight, along_leg
+from vista_eval.closed_loop.places import boxes, forests
+from vista_eval.closed_loop.places.catalog import FAMILIES
+from vista_eval.closed_loop.places.parts import scene, upright_box
+from vista_eval.closed_loop.record import lines_of
+from vista_eval.closed_loop.setpoint import Setpoint
+from vista_eval.closed_loop.vehicle import STEP_S, Multirotor
+from vista_eval.closed_loop.world import World
+from vista_eval.render.scene import Cylinder, Scene, Sphere, thing
+from vista_eval.worlds.things import mesh
+from vista_eval.worlds.triangles import box
+
+pytest.importorskip("rotorpy")
+QUICK = Conditions(width_px=160)
+GREY = np.full((2, 2), 0.4, np.float32)
+TO_SUN = (0.0, 0.0, 1.0)
+
+
+def small_world(*standing, goal_m: float = 14.0) -> World:
+    made = scene(3, "gravel", list(standing), (-2.0, 20.0), (-8.0, 8.0))
+    return World("small", "small", made, ((0.0, 0.0, 3.0), (goal_m, 0.0, 3.0)), 3.0, seed=3)
+
+
+# ---- distances ----
+
+
+def test_distance_to_a_triangle_is_that_of_its_face_its_edges_and_its_corners():
+    corners = np.array([[[0.0, 0, 0], [4, 0, 0], [0, 4, 0]]])
+    above, beside, off_corner = [1.0, 1, 2], [1.0, -3, 4], [7.0, 0, 4]
+    assert to_triangles_m(np.array(above), corners)[0] == pytest.approx(2.0)
+    assert to_triangles_m(np.array(beside), corners)[0] == pytest.approx(5.0)
+    assert to_triangles_m(np.array(off_corner), corners)[0] == pytest.approx(5.0)
+    assert to_triangles_m(np.array([4.0, 4, 0]), corners)[0] == pytest.approx(math.sqrt(8))
+
+
+def test_distance_to_a_cylinder_is_that_of_its_side_its_end_and_its_rim():
+    start, end, radius = np.zeros((1, 3)), np.array([[0.0, 0, 10]]), np.array([0.5])
+    for point, distance in (((2, 0, 5), 1.5), ((0.2, 0, 12), 2.0), ((3.5, 0, 14), 5.0), ((0.1, 0, 1), 0.0)):
+        assert to_cylinders_m(np.array(point, float), start, end, radius)[0] == pytest.approx(distance)
+
+
+def test_the_tree_finds_what_looking_at_every_triangle_finds():
+    rng = np.random.default_rng(5)
+    parts = [mesh(f"box{k}", box(rng.uniform(-9, 9, 3), rng.uniform(0.1, 2, 3), 0.3)) for k in range(40)]
+    made = Geometry(Scene((thing("boxes", "box", parts),), TO_SUN))
+    corners = np.concatenate([part.vertices_m[part.faces.astype(int)] for part in parts])
+    for point in rng.uniform(-12, 12, (60, 3)):
+        assert made.nearest(point).distance_m == pytest.approx(to_triangles_m(point, corners).min(), abs=1e-9)
+
+
+def test_of_things_of_all_kinds_the_nearest_is_named():
+    rod = thing("wire", "wire", [Cylinder("wire", (0.0, -5.0, 2.0), (0.0, 5.0, 2.0), 0.01, GREY)])
+    ball = thing("ball", "ball", [Sphere("ball", (6.0, 0.0, 2.0), 1.0, GREY)])
+    made = Geometry(Scene((rod, ball), TO_SUN))
+    assert made.nearest(np.array([2.0, 0, 2])) == (pytest.approx(1.99), "wire")
+    assert made.nearest(np.array([4.0, 0, 2])) == (pytest.approx(1.0), "ball")
+
+
+def test_a_wire_that_lies_between_two_steps_is_met():
+    rod = thing("wire", "wire", [Cylinder("wire", (0.5, -5.0, 2.0), (0.5, 5.0, 2.0), 0.01, GREY)])
+    made = Geometry(Scene((rod,), TO_SUN))
+    met = made.nearest_on_way(np.array([0.0, 0, 2]), np.array([1.1, 0, 2]), 0.0, 0.1)
+    assert met.distance_m < 0.01
+
+
+def test_what_moves_is_where_it_has_moved_to():
+    moving = thing(
+        "mover", "box", [mesh("mover", box((10.0, 0, 0), (1.0, 1, 1), 0.3))], velocity_m_s=(-2.0, 0.0, 0.0)
+    )
+    made = Geometry(Scene((moving,), TO_SUN))
+    assert made.nearest(np.zeros(3), 0.0).distance_m == pytest.approx(9.5)
+    assert made.nearest(np.zeros(3), 3.0).distance_m == pytest.approx(3.5)
+
+
+# ---- the vehicle ----
+
+
+def flown(vehicle: Multirotor, setpoint: Setpoint, seconds: float, wind=(0.0, 0.0, 0.0)) -> None:
+    for _ in range(round(seconds / STEP_S)):
+        vehicle.step(setpoint, np.array(wind))
+
+
+def test_the_vehicle_takes_up_a_velocity_and_holds_its_height():
+    vehicle = Multirotor(np.array([0.0, 0, 10]), 0.0)
+    flown(vehicle, Setpoint(np.array([5.0, 0, 0]), 0.0), 4.0)
+    assert vehicle.state.velocity_m_s == pytest.approx([5.0, 0.0, 0.0], abs=0.1)
+    assert vehicle.state.position_m[2] == pytest.approx(10.0, abs=0.2)
+
+
+def test_it_holds_its_place_in_wind():
+    place = np.array([0.0, 0, 10])
+    vehicle = Multirotor(place, 1.0)
+    flown(vehicle, Setpoint(np.zeros(3), 1.0, place), 8.0, (6.0, -3.0, 0.0))
+    assert vehicle.state.position_m == pytest.approx(place, abs=0.3)
+    assert vehicle.state.heading_rad == pytest.approx(1.0, abs=0.05)
+
+
+def test_it_stops_no_shorter_than_its_limits_allow():
+    vehicle = Multirotor(np.zeros(3) + 10.0, 0.0)
+    flown(vehicle, Setpoint(np.array([6.0, 0, 0]), 0.0), 5.0)
+    before = vehicle.state.position_m[0]
+    flown(vehicle, Setpoint(np.zeros(3), 0.0), 5.0)
+    assert 6.0**2 / (2 * 5.0) < vehicle.state.position_m[0] - before < 7.0
+
+
+# ---- flights ----
+
+
+def test_an_empty_world_is_flown_straight_to_the_goal():
+    flight = fly(small_world(), lambda seen: Straight(), parameters.defaults(), QUICK, sees=False)
+    outcome = outcome_of(flight, "none")
+    assert (outcome.end, outcome.stops, outcome.evasions) == ("reached", 0, 0)
+    assert max(abs(moment.state.position_m[1]) for moment in flight.moments) < 0.1
+    assert abs(outcome.detour) < 0.2  # it is there when it is near
+
+
+@pytest.mark.slow
+def test_a_wall_is_hit_by_no_avoidance_and_not_by_who_brakes():
+    wall = upright_box("wall", (12.0, 0.0), (1.0, 12.0, 8.0), 0.0, 5)
+    world = small_world(wall, goal_m=18.0)
+    hit = fly(world, lambda seen: Straight(), parameters.defaults(), QUICK, sees=False)
+    assert (hit.end, hit.hit) == ("collision", "wall")
+    braked = fly(world, lambda seen: BrakeOnly(), parameters.defaults(), QUICK)
+    assert braked.end == "held"
+    assert 0.5 < braked.nearest.distance_m < 6.0
+
+
+@pytest.mark.slow
+def test_the_same_seed_is_the_same_flight_to_the_byte():
+    conditions = Conditions(width_px=160, drop_outs=0.2, pose_noise=True)
+    world = small_world(goal_m=6.0)
+    flights = [fly(world, lambda seen: BrakeOnly(), parameters.defaults(), conditions) for _ in range(2)]
+    first, second = ("\n".join(lines_of(flight, "brake")) for flight in flights)
+    assert first == second
+    assert flights[0].lost_frames > 0
+
+
+@pytest.mark.slow
+def test_latency_shows_the_pilot_older_frames():
+    class Noting:
+        def __init__(self):
+            self.ages_s = []
+
+        def decide(self, seen):
+            if seen.record is not None:
+                self.ages_s.append(seen.t_ns - seen.record.t_ns)
+            return Straight().decide(seen)
+
+    for latency_s in (0.0, 0.05, 0.25):
+        noting = Noting()
+        conditions = Conditions(width_px=160, latency_s=latency_s)
+        fly(small_world(goal_m=2.5), lambda seen, pilot=noting: pilot, parameters.defaults(), conditions)
+        assert noting.ages_s
+        assert set(noting.ages_s) == {round(latency_s * 1e9)}
+
+
+def test_frames_are_lost_two_at_a_time():
+    faults = Faults(7, 0.1)
+    lost = "".join("x" if faults.loses_frame() else "." for _ in range(400))
+    runs = [run for run in lost.split(".") if run]
+    assert runs and all(len(run) % 2 == 0 for run in runs[:-1])
+
+
+def test_who_flies_a_leg_slows_down_before_its_end_unless_it_is_passed():
+    vehicle = Multirotor(np.array([9.0, 0.0, 3.0]), 0.0)
+    flown(vehicle, Setpoint(np.array([5.0, 0, 0]), 0.0), 2.0)
+    state = vehicle.state
+    ends = state.position_m + np.array([1.0, 0.0, 0.0])
+    start = np.array([0.0, 0.0, state.position_m[2]])
+    slow, fast = (along_leg(state, Leg(start, ends, 5.0, passed)) for passed in (False, True))
+    assert np.linalg.norm(slow.velocity_m_s) == pytest.approx(2.0)
+    assert np.linalg.norm(fast.velocity_m_s) == pytest.approx(5.0)
+
+
+# ---- outcomes ----
+
+
+def test_stops_are_counted_after_the_start_and_without_the_last():
+    speeds = [0.0, 0.1, 2.0, 0.1, 0.1, 2.0, 0.1]
+    assert stops_of(speeds, "reached") == 1
+    assert stops_of(speeds, "held") == 2
+    assert begins([True, True, False, True]) == 2
+
+
+# ---- worlds ----
+
+
+def test_the_published_boxes_stand_where_they_were_published():
+    world = boxes.build(1, 1, None)
+    geometry = Geometry(world.scene)
+    # Box 0 of that test: middle 4.208 north, 21.443 east, 17.174 along north, 2 wide.
+    east, north = 21.443, 4.208
+    assert geometry.nearest(np.array([east - 3.0, -north, 5.0])).distance_m == pytest.approx(2.0, abs=0.01)
+    ends = np.array([east, -(north + 17.174 / 2 + 1.0), 5.0])
+    assert geometry.nearest(ends).distance_m == pytest.approx(1.0, abs=0.01)
+    assert world.speed_m_s == 5.0 and world.route_m[0][2] == 10.0
+
+
+def test_a_forest_keeps_to_its_rules():
+    for number in range(3):
+        world = forests.build_forest(number, 1, None)
+        assert all(8.0 <= np.linalg.norm(end - start) <= 34.0 for start, end in world.legs_m)
+        poles = [one for one in world.scene.things if one.kind == "pole"]
+        assert len(poles) <= 10
+        for pole in poles:
+            away = [math.dist(pole.center_m[:2], waypoint[:2]) for waypoint in world.route_m]
+            assert min(away) >= 3.0
+
+
+@pytest.mark.slow
+def test_every_family_builds_the_same_world_twice_and_begins_in_the_open():
+    for name, family in FAMILIES.items():
+        first, second = (family.world(family.fixed, 1) for _ in range(2))
+        near = [Geometry(world.scene).nearest(np.array(world.route_m[0])) for world in (first, second)]
+        assert near[0] == near[1], name
+        assert near[0].distance_m > first.radius_m, name
+
+
+def test_images_of_another_width_show_the_same():
+    rig = rig_of_width(640)
+    assert (rig.width_px, rig.height_px) == (640, 480)
+    assert rig.focal_px / rig.width_px == FLOWN_RIG.focal_px / FLOWN_RIG.width_px
+    assert calibration_of(rig).baseline_m == FLOWN_RIG.baseline_m
+
+
+# ---- the command ----
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (["--family", "sea"], "no family sea"),
+        (["--rival", "eagle"], "no rival eagle"),
+        (["--rate", "7"], "must be one of 5, 10, 20, 25"),
+        (["--width", "100"], "a multiple of 32"),
+        (["--drop-outs", "1"], "less than 1"),
+        (["--speed", "0.5"], "at least 1 m/s"),
+        (["--first", "-1"], "must not be negative"),
+    ],
+)
+def test_bad_input_is_named_in_one_line(tmp_path, capsys, options, said):
+    assert_refused(call(capsys, "fly", tmp_path, *options), said)
+
+
+def test_the_list_names_families_and_rivals(tmp_path, capsys):
+    status, listed, _ = call(capsys, "fly", tmp_path, "--list")
+    assert status == 0
+    assert all(name in listed for name in (*FAMILIES, "brake", "planner"))
+
+
+@pytest.mark.slow
+def test_the_command_writes_records_film_mcap_and_page(tmp_path, capsys):
+    options = ["--family", "boxes", "--first", "5", "--count", "1", "--rival", "none", "--films", "--mcap"]
+    assert call(capsys, "fly", tmp_path, *options, "--jobs", "1")[0] == 0
+    folder = tmp_path / "boxes_005_none"
+    assert {path.name for path in folder.iterdir()} == {"flight.jsonl", "flight.webm", "flight.mcap"}
+    assert "no avoidance" in (tmp_path / "fly.html").read_text()
+    assert (tmp_path / "fly.json").exists()
