@@ -57,7 +57,7 @@ def test_the_tree_finds_what_looking_at_every_triangle_finds():
     rng = np.random.default_rng(5)
     parts = [mesh(f"box{k}", box(rng.uniform(-9, 9, 3), rng.uniform(0.1, 2, 3), 0.3)) for k in range(40)]
     made = Geometry(Scene((thing("boxes", "box", parts),), TO_SUN))
-    corners = np.concatenate([part.vertices_m[part.faces.astype(int)] for part in parts])
+    corners = np.concatenate([part.vertices_m[part.faces.astype(int)] for part in parts]).astype(float)
     for point in rng.uniform(-12, 12, (60, 3)):
         assert made.nearest(point).distance_m == pytest.approx(to_triangles_m(point, corners).min(), abs=1e-9)
 
