@@ -26,7 +26,7 @@ NOTHING = -1.0
 
 def off_line(line, wire: Wire) -> tuple[float, float]:
     """Largest distance of the found line from the wire's image, px across it, and from its disparity."""
-    v = np.arange(line.first_v_px, line.last_v_px + 1.0)
+    v = np.arange(line.first_px, line.last_px + 1.0)
     u = line.u_px + line.slope * (v - line.v_px)
     inside = (u >= 0) & (u <= WIDTH - 1)
     disparity = line.disparity_px + line.disparity_slope * (v - line.v_px)
@@ -79,7 +79,7 @@ def test_a_wire_that_ends_in_the_image_ends_there() -> None:
     words = words_around(wire, NOTHING, random)
     words[:first], words[last:] = INVALID, INVALID
     (line,) = Thin().find(image, words)
-    assert abs(line.first_v_px - first) <= 16 and abs(line.last_v_px - (last - 1)) <= 16
+    assert abs(line.first_px - first) <= 16 and abs(line.last_px - (last - 1)) <= 16
 
 
 @pytest.mark.parametrize("contrast", [3.5, 63.0])
@@ -136,7 +136,7 @@ def test_what_continues_a_post_behind_it_is_not_of_the_post() -> None:
     words[:top] = words_around(wire, 2.5, random, share=0.0)[:top]
     found = Thin().find(image, words)
     assert len(found) == 1
-    assert top - 8 <= found[0].first_v_px < top + 100 and found[0].last_v_px > top + 100
+    assert top - 8 <= found[0].first_px < top + 100 and found[0].last_px > top + 100
 
 
 @pytest.mark.parametrize("near", [False, True])
@@ -151,7 +151,7 @@ def test_a_wire_goes_on_before_trees_until_something_is_as_near(near: bool) -> N
     behind_px = float(FOCAL_PX * BASELINE_M / wire.middle_m[2]) if near else random.uniform(3.0, 10.0)
     words[below:] = words_around(wire, behind_px, random, share=0.0)[below:]
     (line,) = Thin().find(image, words)
-    assert abs(line.last_v_px - (below if near else 2 * below)) <= 24
+    assert abs(line.last_px - (below if near else 2 * below)) <= 24
     assert off_line(line, wire)[0] < 1.5
 
 

@@ -30,6 +30,7 @@
 #define END_ODDS 3.0 /* natural logarithm: beyond, words would be of the line if it went on */
 #define BIAS_PX 0.15 /* error of all words of a line */
 #define ROW_ERROR_PX 0.1 /* by which the rows of the two images are off */
+#define LEAN_MAX 10.0 /* columns per row: words say nothing of a line that is flatter */
 
 /* What the loops over the rows share. */
 typedef struct reading {
@@ -39,31 +40,33 @@ typedef struct reading {
 } reading;
 
 /* Negative without one. */
-static double word_at(const vista_line_view *view, int32_t u, int32_t v) {
+static double word_at(const vista_line_view *view, const vista_thin_line *line, int32_t across, int32_t along) {
   const vista_disparity_image *const words = &view->frame->levels[0];
-  if (u < 0 || u >= words->width_px) return -1.0;
+  const int32_t u = line->flat ? along : across, v = line->flat ? across : along;
+  if (u < 0 || u >= words->width_px || v < 0 || v >= words->height_px) return -1.0;
   const int16_t word = words->data[v * words->stride + u];
   return word < 0 ? -1.0 : (double)word / VISTA_DISPARITY_SCALE;
 }
 
 /* The nearest of the words beside the line; negative without any. */
-static double beside(const reading *r, int32_t v) {
-  const double u = vista_thin_u_px(r->line, v);
+static double beside(const reading *r, int32_t t) {
+  const double across = vista_thin_across_px(r->line, t);
   double nearest = -1.0;
   for (int side = -1; side <= 1; side += 2)
     for (int k = 0; k < 2; ++k)
-      nearest = fmax(nearest, word_at(r->view, (int32_t)lround(u + side * (r->side_px + k * SIDE_STEP_PX)), v));
+      nearest = fmax(nearest,
+                     word_at(r->view, r->line, (int32_t)lround(across + side * (r->side_px + k * SIDE_STEP_PX)), t));
   return nearest;
 }
 
 /* Negative without one; `apart`: nearer than what is beside it. */
-static double on_line(const reading *r, int32_t v, double side, bool *apart) {
-  const int32_t u = (int32_t)lround(vista_thin_u_px(r->line, v));
-  const int32_t places[3] = {u, u - ASIDE_PX, u + ASIDE_PX};
+static double on_line(const reading *r, int32_t t, double side, bool *apart) {
+  const int32_t across = (int32_t)lround(vista_thin_across_px(r->line, t));
+  const int32_t places[3] = {across, across - ASIDE_PX, across + ASIDE_PX};
   double any = -1.0;
   *apart = false;
   for (int k = 0; k < 3 && !*apart; ++k) {
-    const double word = word_at(r->view, places[k], v);
+    const double word = word_at(r->view, r->line, places[k], t);
     if (word <= 0.0) continue;
     *apart = side < 0.0 || word >= side + APART_PX;
     if (*apart || any < 0.0) any = word;
@@ -71,16 +74,16 @@ static double on_line(const reading *r, int32_t v, double side, bool *apart) {
   return any;
 }
 
-/* Rows that agree with d = at + slope (v - v0). */
-static int32_t agreeing(const vista_line_sample *samples, int32_t count, float v0, float at, float slope, float reach) {
+/* Rows that agree with d = at + slope (v - t0). */
+static int32_t agreeing(const vista_line_sample *samples, int32_t count, float t0, float at, float slope, float reach) {
   int32_t on = 0;
   for (int32_t i = 0; i < count; ++i)
-    on += fabsf(samples[i].disparity_px - at - slope * (samples[i].v_px - v0)) <= reach;
+    on += fabsf(samples[i].disparity_px - at - slope * (samples[i].t_px - t0)) <= reach;
   return on;
 }
 
 /* The proposal that most samples agree with; the two of each are chosen by a fixed sequence. */
-static int32_t propose(const vista_line_sample *samples, int32_t count, float v0, float reach, float *at,
+static int32_t propose(const vista_line_sample *samples, int32_t count, float t0, float reach, float *at,
                        float *slope) {
   uint32_t random = 1;
   int32_t most = 0;
@@ -89,10 +92,10 @@ static int32_t propose(const vista_line_sample *samples, int32_t count, float v0
     const vista_line_sample *const a = &samples[(random >> 8) % (uint32_t)count];
     random = random * 1664525u + 1013904223u;
     const vista_line_sample *const b = &samples[(random >> 8) % (uint32_t)count];
-    if (fabsf(a->v_px - b->v_px) < (float)LEVER_PX) continue;
-    const float g = (b->disparity_px - a->disparity_px) / (b->v_px - a->v_px);
-    const float d = a->disparity_px + g * (v0 - a->v_px);
-    const int32_t on = agreeing(samples, count, v0, d, g, reach);
+    if (fabsf(a->t_px - b->t_px) < (float)LEVER_PX) continue;
+    const float g = (b->disparity_px - a->disparity_px) / (b->t_px - a->t_px);
+    const float d = a->disparity_px + g * (t0 - a->t_px);
+    const int32_t on = agreeing(samples, count, t0, d, g, reach);
     if (on <= most) continue;
     most = on;
     *at = d;
@@ -101,11 +104,15 @@ static int32_t propose(const vista_line_sample *samples, int32_t count, float v0
   return most;
 }
 
+/* Columns that the line passes from one row to the next. */
+static double columns_per_row(const vista_thin_line *line) { return line->flat ? 1.0 / line->slope : line->slope; }
+
 /* Least squares over the samples that agree with what *found says; their number. */
 static int32_t refine(const vista_line_sample *samples, int32_t count, double reach, vista_thin_line *found) {
+  const double middle = vista_thin_middle_px(found);
   double n = 0.0, t = 0.0, d = 0.0, tt = 0.0, td = 0.0, dd = 0.0;
   for (int32_t i = 0; i < count; ++i) {
-    const double time = samples[i].v_px - found->v_px, word = samples[i].disparity_px;
+    const double time = samples[i].t_px - middle, word = samples[i].disparity_px;
     if (fabs(word - found->disparity_px - found->disparity_slope * time) > reach) continue;
     n += 1.0, t += time, d += word, tt += time * time, td += time * word, dd += word * word;
   }
@@ -114,11 +121,12 @@ static int32_t refine(const vista_line_sample *samples, int32_t count, double re
   const double slope = along / spread, residual = fmax(dd - d * d / n - slope * along, 0.0) / n;
   const double rows = fmax(n / ROWS_PER_BLOCK, 1.0);
   found->disparity_slope = slope;
-  found->disparity_sigma_px = sqrt(vista_square(BIAS_PX) + vista_square(ROW_ERROR_PX * found->slope) + residual / rows);
+  found->disparity_sigma_px = sqrt(vista_square(BIAS_PX) + vista_square(ROW_ERROR_PX * columns_per_row(found)) + residual / rows);
   found->disparity_slope_sigma = sqrt((residual + vista_square(BIAS_PX)) / rows / (spread / n));
   /* Moved to the middle of the samples, where level and slope do not depend on each other. */
-  found->u_px += found->slope * (t / n);
-  found->v_px += t / n;
+  const double v_px = vista_thin_v_px(found, middle + t / n);
+  found->u_px = vista_thin_u_px(found, middle + t / n);
+  found->v_px = v_px;
   found->disparity_px = d / n;
   return (int32_t)n;
 }
@@ -128,22 +136,23 @@ static bool stands(const reading *r, const vista_camera *camera, const vista_thi
   const vista_line_view *const view = r->view;
   if (!view->surfaces->ground_found) return true;
   int32_t above = 0;
-  for (int32_t v = found->first_v_px; v <= found->last_v_px; ++v) {
-    const double d = vista_thin_disparity_px(found, v);
+  for (int32_t t = found->first_px; t <= found->last_px; ++t) {
+    const double d = vista_thin_disparity_px(found, t);
     above +=
-        d > 0.0 && vista_plane_height_m(&view->surfaces->ground, camera, vista_thin_u_px(r->line, v), v, d) >= HEIGHT_M;
+        d > 0.0 && vista_plane_height_m(&view->surfaces->ground, camera, vista_thin_u_px(r->line, t),
+                                     vista_thin_v_px(r->line, t), d) >= HEIGHT_M;
   }
-  return 2 * above > found->last_v_px - found->first_v_px + 1;
+  return 2 * above > found->last_px - found->first_px + 1;
 }
 
-/* Length in metres of the part of the line between two rows. */
+/* Length in metres of the line. */
 static double length_m(const vista_camera *camera, const vista_thin_line *line) {
   double ends_m[2][3];
-  const double rows[2] = {line->first_v_px, line->last_v_px};
+  const double t[2] = {line->first_px, line->last_px};
   for (int k = 0; k < 2; ++k) {
-    const double d = fmax(vista_thin_disparity_px(line, rows[k]), 1e-3), per_px = camera->baseline_m / d;
-    ends_m[k][0] = (line->u_px + line->slope * (rows[k] - line->v_px) - camera->center_u_px) * per_px;
-    ends_m[k][1] = (rows[k] - camera->center_v_px) * per_px;
+    const double d = fmax(vista_thin_disparity_px(line, t[k]), 1e-3), per_px = camera->baseline_m / d;
+    ends_m[k][0] = (vista_thin_u_px(line, t[k]) - camera->center_u_px) * per_px;
+    ends_m[k][1] = (vista_thin_v_px(line, t[k]) - camera->center_v_px) * per_px;
     ends_m[k][2] = camera->focal_px * per_px;
   }
   const double along[3] = {ends_m[1][0] - ends_m[0][0], ends_m[1][1] - ends_m[0][1], ends_m[1][2] - ends_m[0][2]};
@@ -151,38 +160,38 @@ static double length_m(const vista_camera *camera, const vista_thin_line *line) 
 }
 
 /* Whether something beside the line is as near as it, or nearer. */
-static bool is_level(const reading *r, const vista_thin_line *found, int32_t v) {
-  const double side = beside(r, v);
-  return side >= 0.0 && side > vista_thin_disparity_px(found, v) - APART_PX;
+static bool is_level(const reading *r, const vista_thin_line *found, int32_t t) {
+  const double side = beside(r, t);
+  return side >= 0.0 && side > vista_thin_disparity_px(found, t) - APART_PX;
 }
 
 /* Rows with something beside the line that is as near as it, or nearer. */
 static int32_t level_rows(const reading *r, const vista_thin_line *found) {
   int32_t level = 0;
-  for (int32_t v = found->first_v_px; v <= found->last_v_px; ++v) level += is_level(r, found, v);
+  for (int32_t t = found->first_px; t <= found->last_px; ++t) level += is_level(r, found, t);
   return level;
 }
 
 static int32_t take_samples(const reading *r, vista_line_sample *samples, vista_thin_line *found) {
   int32_t count = 0;
-  for (int32_t v = found->first_v_px; v <= found->last_v_px; ++v) {
+  for (int32_t t = found->first_px; t <= found->last_px; ++t) {
     bool apart;
-    const double word = on_line(r, v, beside(r, v), &apart);
+    const double word = on_line(r, t, beside(r, t), &apart);
     found->rows += word > 0.0;
-    if (apart) samples[count++] = (vista_line_sample){(float)v, (float)word};
+    if (apart) samples[count++] = (vista_line_sample){(float)t, (float)word};
   }
   return count;
 }
 
 static bool agrees(const vista_thin_line *found, const vista_line_sample *sample, double reach) {
-  return fabs(sample->disparity_px - vista_thin_disparity_px(found, sample->v_px)) <= reach;
+  return fabs(sample->disparity_px - vista_thin_disparity_px(found, sample->t_px)) <= reach;
 }
 
 /* Rows from one to another, in either order, with any word on the line. */
 static int32_t rows_with_words(const reading *r, int32_t from, int32_t to) {
   int32_t rows = 0;
   bool apart;
-  for (int32_t v = from < to ? from : to; v <= (from < to ? to : from); ++v) rows += on_line(r, v, -1.0, &apart) > 0.0;
+  for (int32_t t = from < to ? from : to; t <= (from < to ? to : from); ++t) rows += on_line(r, t, -1.0, &apart) > 0.0;
   return rows;
 }
 
@@ -201,45 +210,46 @@ static int32_t extended(const reading *r, const vista_ridge *ridge, int32_t agre
  * beside it is as near as it. Upward it does not: a pole may end there. */
 static int32_t continued(const reading *r, const vista_camera *camera, const vista_thin_line *found) {
   const vista_line_view *const view = r->view;
-  const int32_t as_long = 2 * found->last_v_px - found->first_v_px;
-  const int32_t limit = as_long < r->line->last_v_px ? as_long : r->line->last_v_px;
-  int32_t level = 0, run = 0, end = found->last_v_px;
-  for (int32_t v = end + 1; v <= limit && run < VISTA_STRIP_ROWS; ++v) {
-    const double u = vista_thin_u_px(r->line, v), d = vista_thin_disparity_px(found, v);
+  const int32_t as_long = 2 * found->last_px - found->first_px;
+  const int32_t limit = as_long < r->line->last_px ? as_long : r->line->last_px;
+  int32_t level = 0, run = 0, end = found->last_px;
+  for (int32_t t = end + 1; t <= limit && run < VISTA_STRIP_ROWS; ++t) {
+    const double u = vista_thin_u_px(r->line, t), v = vista_thin_v_px(r->line, t), d = vista_thin_disparity_px(found, t);
     if (!(d > 0.0) ||
         (view->surfaces->ground_found && vista_plane_height_m(&view->surfaces->ground, camera, u, v, d) <= 0.0))
       break;
-    run = is_level(r, found, v) ? run + 1 : 0;
+    run = is_level(r, found, t) ? run + 1 : 0;
     level += run > 0;
-    end = v;
+    end = t;
   }
   if (run == VISTA_STRIP_ROWS) end -= run, level -= run;
-  return level > LEVEL_SHARE * (end - found->last_v_px) ? found->last_v_px : end;
+  return level > LEVEL_SHARE * (end - found->last_px) ? found->last_px : end;
 }
 
 /* Sets the ends of a line: the first and the last row whose words agree, and on from there as far as the image shows
  * it. Rows that are alone do not count. */
 static void set_ends(const reading *r, const vista_camera *camera, const vista_ridge *ridge,
                      const vista_line_sample *samples, int32_t count, double reach, vista_thin_line *found) {
-  int32_t seen = 0, first = found->first_v_px, last = found->last_v_px;
+  int32_t seen = 0, first = found->first_px, last = found->last_px;
   for (int32_t i = 0; i < count && seen < END_ROWS; ++i)
-    if (agrees(found, &samples[i], reach) && ++seen == END_ROWS) first = (int32_t)samples[i].v_px;
+    if (agrees(found, &samples[i], reach) && ++seen == END_ROWS) first = (int32_t)samples[i].t_px;
   seen = 0;
   for (int32_t i = count - 1; i >= 0 && seen < END_ROWS; --i)
-    if (agrees(found, &samples[i], reach) && ++seen == END_ROWS) last = (int32_t)samples[i].v_px;
+    if (agrees(found, &samples[i], reach) && ++seen == END_ROWS) last = (int32_t)samples[i].t_px;
   const double share = found->rows_on / fmax(rows_with_words(r, first, last), 1.0);
-  found->first_v_px = extended(r, ridge, first, -1, share);
-  found->last_v_px = extended(r, ridge, last, 1, share);
-  found->last_v_px = continued(r, camera, found);
+  found->first_px = extended(r, ridge, first, -1, share);
+  found->last_px = extended(r, ridge, last, 1, share);
+  found->last_px = continued(r, camera, found);
 }
 
 /* Finds how high above the ground the lower end of a line is, as it is found for a region (region.h). */
 static void find_foot(const vista_line_view *view, const vista_camera *camera, vista_thin_line *found) {
-  const double v = found->last_v_px;
+  const double t = found->flat && found->slope < 0.0 ? found->first_px : found->last_px;
   found->foot_seen = view->surfaces->ground_found;
   if (found->foot_seen)
-    found->foot_share = vista_plane_share_above(&view->surfaces->ground, camera, vista_thin_u_px(found, v), v,
-                                                vista_thin_disparity_px(found, v));
+    found->foot_share =
+        vista_plane_share_above(&view->surfaces->ground, camera, vista_thin_u_px(found, t), vista_thin_v_px(found, t),
+                                vista_thin_disparity_px(found, t));
 }
 
 bool vista_line_depth(const vista_line_view *view, const vista_thin_line *line, vista_thin_line *found) {
@@ -247,28 +257,25 @@ bool vista_line_depth(const vista_line_view *view, const vista_thin_line *line, 
   vista_line_sample *const samples = view->samples;
   const double radius = view->frame->matched.margin_px + PREFILTER_PX; /* of the block */
   const reading r = {view, line, radius * (1.0 + fabs(line->slope)) + CLEAR_PX};
-  const int32_t rows = line->last_v_px - line->first_v_px + 1;
-  vista_thin_line own = {.u_px = line->u_px,
-                         .v_px = line->v_px,
-                         .slope = line->slope,
-                         .first_v_px = line->first_v_px,
-                         .last_v_px = line->last_v_px};
+  const int32_t rows = line->last_px - line->first_px + 1;
+  if (fabs(columns_per_row(line)) > LEAN_MAX) return false;
+  vista_thin_line own = *line;
   own.rows_apart = take_samples(&r, samples, &own);
   const double fewest = fmax(ROWS_MIN, ROW_SHARE * rows);
   if (own.rows_apart < fewest) return false;
   float at = 0.0f, slope = 0.0f;
   const float reach = (float)AGREE_PX;
-  if (propose(samples, own.rows_apart, (float)own.v_px, reach, &at, &slope) < fewest) return false;
+  if (propose(samples, own.rows_apart, (float)vista_thin_middle_px(&own), reach, &at, &slope) < fewest) return false;
   own.disparity_px = at;
   own.disparity_slope = slope;
   for (int k = 0; k < 2; ++k) own.rows_on = refine(samples, own.rows_apart, reach, &own);
   if (own.rows_on < fmax(fewest, 2 * END_ROWS) || own.rows_on < AGREE_SHARE * own.rows_apart) return false;
   if (own.rows_on < ROWS_SURE && own.rows_on < WORD_SHARE * own.rows) return false;
   set_ends(&r, camera, view->ridge, samples, own.rows_apart, reach, &own);
-  if (!(vista_thin_disparity_px(&own, own.first_v_px) > 0.0) || !(vista_thin_disparity_px(&own, own.last_v_px) > 0.0))
+  if (!(vista_thin_disparity_px(&own, own.first_px) > 0.0) || !(vista_thin_disparity_px(&own, own.last_px) > 0.0))
     return false;
   own.rows_level = level_rows(&r, &own);
-  if (own.rows_level > LEVEL_SHARE * (own.last_v_px - own.first_v_px + 1)) return false;
+  if (own.rows_level > LEVEL_SHARE * (own.last_px - own.first_px + 1)) return false;
   if (length_m(camera, &own) < LENGTH_MIN_M || !stands(&r, camera, &own)) return false;
   find_foot(view, camera, &own);
   *found = own;

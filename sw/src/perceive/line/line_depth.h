@@ -9,9 +9,9 @@
 #include "perceive/line/ridge.h"
 #include "perceive/line/thin_line.h"
 
-/* A row of the line whose word is nearer than those beside it. */
+/* A pixel along the line whose word is nearer than those beside it. */
 typedef struct vista_line_sample {
-  float v_px, disparity_px;
+  float t_px, disparity_px;
 } vista_line_sample;
 
 /* What the depth of a line is told from. */
@@ -19,7 +19,7 @@ typedef struct vista_line_view {
   const vista_frame_view *frame;
   const vista_surfaces *surfaces;
   const vista_ridge *ridge;
-  vista_line_sample *samples; /* scratch: the image's height */
+  vista_line_sample *samples; /* scratch: the longer side of the image */
 } vista_line_view;
 
 /* Whether there is a thin thing along the line; fills *found in then. It reaches as far as words agree on it, and on

@@ -17,6 +17,7 @@ void vista_ridge_layout(vista_ridge *ridge, vista_arena *arena, int32_t width_px
   const size_t width = (size_t)width_px;
   *ridge = (vista_ridge){.width_px = width_px,
                          .height_px = height_px,
+                         .lean_max = VISTA_STRIP_LEAN,
                          .strips = strips,
                          .row = row,
                          .value = vista_arena_take(arena, (size_t)strips * VISTA_STRIP_ROWS * (size_t)row, 1),
@@ -88,7 +89,7 @@ void vista_ridge_sum(vista_ridge *ridge, int32_t strip) {
   memset(ridge->best, 0, (size_t)ridge->width_px);
   memset(ridge->lean, 0, (size_t)ridge->width_px);
   const int8_t *const first = ridge->value + strip * VISTA_STRIP_ROWS * ridge->row + VISTA_RIDGE_PAD;
-  for (int lean = -VISTA_STRIP_LEAN; lean <= VISTA_STRIP_LEAN; lean += step_from(lean)) {
+  for (int lean = -ridge->lean_max; lean <= ridge->lean_max; lean += step_from(lean)) {
     int32_t shift[VISTA_STRIP_ROWS];
     for (int r = 0; r < VISTA_STRIP_ROWS; ++r) /* rounded, from the middle of the strip */
       shift[r] = r * ridge->row + (int32_t)floor(lean * (r - 0.5 * (VISTA_STRIP_ROWS - 1)) / VISTA_STRIP_ROWS + 0.5);

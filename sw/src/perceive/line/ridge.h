@@ -7,6 +7,7 @@
 #ifndef VISTA_RIDGE_H
 #define VISTA_RIDGE_H
 
+#include <stdbool.h>
 #include <stdint.h>
 
 #include "common/arena.h"
@@ -20,6 +21,9 @@
 
 typedef struct vista_ridge {
   int32_t width_px, height_px;
+  bool flat; /* of a turned image, whose rows are columns of the camera's: */
+  int32_t across_px, along_px; /* where its first column and row lie in the image of the camera */
+  int32_t lean_max; /* of the leans that are summed up */
   int32_t strips; /* whole ones; the rows below the last are not looked at */
   int32_t row; /* values from one row to the next */
   int8_t *value; /* strips * VISTA_STRIP_ROWS rows */

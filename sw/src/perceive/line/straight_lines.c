@@ -6,7 +6,6 @@
 
 #include "common/numbers.h"
 
-#define CONTRAST_NOISE 3.0 /* the contrast that counts in full is at least this many sigmas of the image's noise */
 /* Sixteen rows are a piece of a line when their contrasts add up to this share of the full ones. */
 #define PIECE_SUM 0.55
 #define PIECES_MIN 5 /* of a line */
@@ -137,11 +136,11 @@ static int32_t grow(vista_straight_lines *lines, int32_t from, int32_t step, gro
   return last;
 }
 
-/* Counts the rows of the line, from `first` on, in which the image is a ridge on it. */
+/* Counts the rows of the ridges, from `first` on, in which there is one on the line. */
 static int32_t rows_on_ridge(const vista_ridge *ridge, const vista_thin_line *line, int32_t first, int32_t count) {
   int32_t on = 0;
   for (int32_t v = first; v < first + count; ++v) {
-    const int32_t u = (int32_t)lround(vista_thin_u_px(line, v));
+    const int32_t u = (int32_t)lround(vista_thin_across_px(line, v + ridge->along_px)) - ridge->across_px;
     int32_t most = 0;
     for (int32_t k = u - 1; k <= u + 1; ++k) {
       if (k < 0 || k >= ridge->width_px) continue;
@@ -153,22 +152,23 @@ static int32_t rows_on_ridge(const vista_ridge *ridge, const vista_thin_line *li
   return on;
 }
 
-int32_t vista_straight_line_end(const vista_ridge *ridge, const vista_thin_line *line, int32_t from_v_px,
-                                int32_t step) {
-  int32_t end = from_v_px / VISTA_STRIP_ROWS;
+int32_t vista_straight_line_end(const vista_ridge *ridge, const vista_thin_line *line, int32_t from_px, int32_t step) {
+  int32_t end = (from_px - ridge->along_px) / VISTA_STRIP_ROWS;
+  const int32_t first = (line->first_px - ridge->along_px) / VISTA_STRIP_ROWS,
+                last = (line->last_px - ridge->along_px) / VISTA_STRIP_ROWS;
   for (int32_t strip = end + step; abs(strip - end) <= GAP_STRIPS + 1; strip += step) {
-    if (strip < line->first_v_px / VISTA_STRIP_ROWS || strip > line->last_v_px / VISTA_STRIP_ROWS) break;
+    if (strip < first || strip > last) break;
     if (2 * rows_on_ridge(ridge, line, strip * VISTA_STRIP_ROWS, VISTA_STRIP_ROWS) > VISTA_STRIP_ROWS) end = strip;
   }
-  return end * VISTA_STRIP_ROWS + (step > 0 ? VISTA_STRIP_ROWS - 1 : 0);
+  return ridge->along_px + end * VISTA_STRIP_ROWS + (step > 0 ? VISTA_STRIP_ROWS - 1 : 0);
 }
 
 static bool is_known(const vista_straight_lines *lines, const vista_thin_line *line) {
-  const double middle = 0.5 * (line->first_v_px + line->last_v_px);
+  const double middle = 0.5 * (line->first_px + line->last_px);
   for (int32_t i = 0; i < lines->count; ++i) {
     const vista_thin_line *const other = &lines->items[i];
-    if (middle < other->first_v_px || middle > other->last_v_px) continue;
-    if (fabs(vista_thin_u_px(line, middle) - vista_thin_u_px(other, middle)) <= SAME_PX * hypot(1.0, line->slope) &&
+    if (middle < other->first_px || middle > other->last_px) continue;
+    if (fabs(vista_thin_across_px(line, middle) - vista_thin_across_px(other, middle)) <= SAME_PX * hypot(1.0, line->slope) &&
         fabs(line->slope - other->slope) <= 0.25)
       return true;
   }
@@ -189,21 +189,23 @@ static void grow_from(int32_t seed, int32_t *members, vista_straight_lines *line
   line_of(&g, &u, &per_strip);
   const double residual = g.uu - g.u * g.u / g.n - per_strip * (g.tu - g.t * g.u / g.n);
   if (residual > vista_square(STRAIGHT_PX) * g.n) return;
-  const vista_thin_line line = {.u_px = u,
-                                .v_px = (piece->strip + 0.5) * VISTA_STRIP_ROWS - 0.5,
+  const vista_ridge *const ridge = &lines->ridge;
+  const double across_px = ridge->across_px + u;
+  const double along_px = ridge->along_px + (piece->strip + 0.5) * VISTA_STRIP_ROWS - 0.5;
+  const vista_thin_line line = {.flat = ridge->flat,
+                                .u_px = ridge->flat ? along_px : across_px,
+                                .v_px = ridge->flat ? across_px : along_px,
                                 .slope = per_strip / VISTA_STRIP_ROWS,
-                                .first_v_px = above * VISTA_STRIP_ROWS,
-                                .last_v_px = (below + 1) * VISTA_STRIP_ROWS - 1};
-  const int32_t rows = line.last_v_px - line.first_v_px + 1;
-  if (rows_on_ridge(&lines->ridge, &line, line.first_v_px, rows) < RIDGE_SHARE * rows) return;
+                                .first_px = ridge->along_px + above * VISTA_STRIP_ROWS,
+                                .last_px = ridge->along_px + (below + 1) * VISTA_STRIP_ROWS - 1};
+  const int32_t rows = strips * VISTA_STRIP_ROWS;
+  if (rows_on_ridge(ridge, &line, above * VISTA_STRIP_ROWS, rows) < RIDGE_SHARE * rows) return;
   for (int32_t i = 0; i < count; ++i) lines->pieces[members[i]].taken = true;
   if (!is_known(lines, &line)) lines->items[lines->count++] = line;
 }
 
-void vista_straight_lines_find(const vista_frame_view *frame, vista_straight_lines *lines) {
-  const vista_thin_params *const params = &frame->params->thin;
-  const double full_levels = fmax(params->contrast, CONTRAST_NOISE * frame->noise.sigma);
-  vista_ridge_find(&frame->image, full_levels, &lines->ridge);
+void vista_straight_lines_find(const vista_image *image, double contrast, vista_straight_lines *lines) {
+  vista_ridge_find(image, contrast, &lines->ridge);
   find_pieces((int32_t)ceil(PIECE_SUM * VISTA_STRIP_ROWS * VISTA_RIDGE_FULL), lines);
   sort_pieces(lines);
   lines->count = 0;

@@ -11,7 +11,6 @@
 #include <stdint.h>
 
 #include "common/arena.h"
-#include "perceive/frame_view.h"
 #include "perceive/line/ridge.h"
 #include "perceive/line/thin_line.h"
 
@@ -33,17 +32,17 @@ typedef struct vista_straight_lines {
   int32_t *first_of_column; /* strips * columns: the first piece in a column of some pixels of a strip, or after it */
   int32_t columns;
   int32_t *order;           /* scratch: pieces, strongest first; then those of the line that grows */
-  vista_thin_line *items; /* as far as the image tells of them */
+  vista_thin_line *items; /* as far as the image tells of them, where they are in the image of the camera */
   int32_t count;
 } vista_straight_lines;
 
 void vista_straight_lines_layout(vista_straight_lines *lines, vista_arena *arena, int32_t width_px, int32_t height_px);
 
-/* The last row of the line, upward (step -1) or downward (1) from a row of it, before the image shows no ridge on it
- * for more than two strips. */
-int32_t vista_straight_line_end(const vista_ridge *ridge, const vista_thin_line *line, int32_t from_v_px, int32_t step);
+/* The last coordinate along the line, backward (step -1) or onward (1) from one on it, before the image shows no ridge on
+ * it for more than two strips. */
+int32_t vista_straight_line_end(const vista_ridge *ridge, const vista_thin_line *line, int32_t from_px, int32_t step);
 
-/* Looks for the lines in the image of a frame. */
-void vista_straight_lines_find(const vista_frame_view *frame, vista_straight_lines *lines);
+/* Looks for the lines in an image of the size that `lines` was laid out for. contrast: that counts in full. */
+void vista_straight_lines_find(const vista_image *image, double contrast, vista_straight_lines *lines);
 
 #endif

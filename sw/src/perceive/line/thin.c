@@ -1,9 +1,12 @@
 #include "perceive/line/thin.h"
 
+#include <math.h>
 #include <stddef.h>
 
 #include "perceive/line/line_depth.h"
 #include "perceive/line/straight_lines.h"
+
+#define CONTRAST_NOISE 3.0 /* the contrast that counts in full is at least this many sigmas of the image's noise */
 
 struct vista_thin {
   int32_t width_px, height_px;
@@ -32,7 +35,8 @@ void vista_thin_search(const vista_frame_view *frame, const vista_surfaces *surf
   const vista_thin_params *const params = &frame->params->thin;
   thin->count = 0;
   if (params->find == VISTA_THIN_FIND_OFF || thin->width_px <= 2 * VISTA_RIDGE_REACH) return;
-  vista_straight_lines_find(frame, &thin->image);
+  const double contrast = fmax(params->contrast, CONTRAST_NOISE * frame->noise.sigma);
+  vista_straight_lines_find(&frame->image, contrast, &thin->image);
   const vista_line_view view = {frame, surfaces, &thin->image.ridge, thin->samples};
   for (int32_t i = 0; i < thin->image.count; ++i)
     thin->count += vista_line_depth(&view, &thin->image.items[i], &thin->items[thin->count]);
